@@ -1,0 +1,79 @@
+#pragma once
+#include "kernels/platform.h"
+
+namespace talus::kernels
+{
+/** Read-modify-write on integers that many points may hit. Integers only: their result does not
+ * depend on the order. Each executor names the policy that its threads need. */
+struct SerialAtomics
+{
+  static TALUS_HD std::uint32_t add(std::uint32_t* where, std::uint32_t value)
+  {
+    const std::uint32_t before = *where;
+    *where = before + value;
+    return before;
+  }
+  static TALUS_HD void min(std::int32_t* where, std::int32_t value)
+  {
+    if (value < *where) *where = value;
+  }
+  static TALUS_HD void min(std::uint64_t* where, std::uint64_t value)
+  {
+    if (value < *where) *where = value;
+  }
+  /** Stores `value` if `expected` is there; returns what was there. */
+  static TALUS_HD std::uint64_t compare_exchange(
+      std::uint64_t* where, std::uint64_t expected, std::uint64_t value)
+  {
+    const std::uint64_t before = *where;
+    if (before == expected) *where = value;
+    return before;
+  }
+};
+
+struct ThreadAtomics
+{
+  static std::uint32_t add(std::uint32_t* where, std::uint32_t value)
+  {
+    return __atomic_fetch_add(where, value, __ATOMIC_RELAXED);
+  }
+  template <class T>
+  static void min(T* where, T value)
+  {
+    T seen = __atomic_load_n(where, __ATOMIC_RELAXED);
+    while (value < seen && !__atomic_compare_exchange_n(
+                               where, &seen, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED))
+    {
+    }
+  }
+  static std::uint64_t compare_exchange(
+      std::uint64_t* where, std::uint64_t expected, std::uint64_t value)
+  {
+    __atomic_compare_exchange_n(where, &expected, value, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
+    return expected;
+  }
+};
+
+#if defined(__CUDACC__)
+struct DeviceAtomics
+{
+  static __device__ std::uint32_t add(std::uint32_t* where, std::uint32_t value)
+  {
+    return atomicAdd(where, value);
+  }
+  static __device__ void min(std::int32_t* where, std::int32_t value) { atomicMin(where, value); }
+  static __device__ void min(std::uint64_t* where, std::uint64_t value)
+  {
+    atomicMin(reinterpret_cast<unsigned long long*>(where), static_cast<unsigned long long>(value));
+  }
+  static __device__ std::uint64_t compare_exchange(
+      std::uint64_t* where, std::uint64_t expected, std::uint64_t value)
+  {
+    return atomicCAS(
+        reinterpret_cast<unsigned long long*>(where), static_cast<unsigned long long>(expected),
+        static_cast<unsigned long long>(value));
+  }
+};
+#endif
+
+}  // namespace talus::kernels

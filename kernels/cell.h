@@ -1,0 +1,88 @@
+#pragma once
+#include "kernels/frame.h"
+#include "kernels/math.h"
+
+namespace talus::kernels
+{
+enum State : std::uint8_t
+{
+  kUnknown = 0,
+  kMeasured = 1,
+  kFilledTwoSided = 2,
+  kFilledOneSided = 3
+};
+
+/** What the map remembers of a cell, 18 bytes. */
+struct Cell
+{
+  float ground_m = kNan;  //!< the lowest surface, map frame; known unless state is kUnknown
+  float ground_var_m2 = kNan;
+  float elevation_m = kNan;  //!< top of what stands on the ground; NaN where nothing was measured
+  float elevation_var_m2 = kNan;
+  std::uint8_t state = kUnknown;
+  std::uint8_t misses = 0;  //!< consecutive frames that saw through the cell
+};
+
+/** The persistent layers as a torus: rolling moves no data. */
+struct CellStore
+{
+  float* ground_m;
+  float* ground_var_m2;
+  float* elevation_m;
+  float* elevation_var_m2;
+  std::uint8_t* state;
+  std::uint8_t* misses;
+
+  TALUS_HD Cell load(int i) const
+  {
+    return {ground_m[i],         ground_var_m2[i], elevation_m[i],
+            elevation_var_m2[i], state[i],         misses[i]};
+  }
+  TALUS_HD void store(int i, const Cell& c) const
+  {
+    ground_m[i] = c.ground_m;
+    ground_var_m2[i] = c.ground_var_m2;
+    elevation_m[i] = c.elevation_m;
+    elevation_var_m2[i] = c.elevation_var_m2;
+    state[i] = c.state;
+    misses[i] = c.misses;
+  }
+};
+
+/** Where cell (ix, iy) of the window is stored. */
+TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)
+{
+  int x = ix + f.storage_x, y = iy + f.storage_y;
+  if (x >= cells) x -= cells;
+  if (y >= cells) y -= cells;
+  return y * cells + x;
+}
+
+/** What stage 5 decides about a cell for the rest of the frame. */
+enum Role : std::uint8_t
+{
+  kKeep = 0,  //!< its ground stays
+  kInfer = 1,  //!< its ground is unknown or a guess: infer it
+  kObject = 2,  //!< its lowest surface is no ground but an object above unseen ground: infer the
+                //!< ground under it
+  kObjectOnColumn =
+      3  //!< the same, but it is joined to something that stands beside it, so it cannot hang
+};
+
+/** Copies one persistent layer to window order; `state` in place of `source` where it is given. */
+struct ExportCell
+{
+  const Config* config;
+  const FrameContext* frame;
+  const float* source;
+  const std::uint8_t* state;
+  float* out;
+
+  TALUS_HD void operator()(int ix, int iy) const
+  {
+    const int i = storage_index(*frame, config->cells, ix, iy);
+    out[iy * config->cells + ix] = state ? static_cast<float>(state[i]) : source[i];
+  }
+};
+
+}  // namespace talus::kernels

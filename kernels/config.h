@@ -1,0 +1,50 @@
+#pragma once
+#include "kernels/platform.h"
+
+namespace talus::kernels
+{
+/** How the two sides of a fill are combined; the values of talus::FillRule. */
+enum FillRuleCode : int
+{
+  kFillPrinted = 0,
+  kFillExchanged = 1,
+  kFillInverseDistance = 2,
+  kFillMinimum = 3
+};
+
+constexpr int kKernelTableSize = 1024;
+
+/** talus::Parameters in the form that the kernels need: float, squared, in cells. Constant over the
+ * life of a map. */
+struct Config
+{
+  int cells;  //!< n: the window has n x n cells
+  float resolution_m, inverse_resolution;
+  // accept
+  float min_range2_m2, max_range2_m2, min_height_m, max_height_m;
+  float body_min_m[3], body_max_m[3];
+  int has_body;
+  float inverse_voxel;  //!< 0: no voxel filter
+  // uncertainty
+  float c_beam_m, a_beam;
+  // update
+  float gate2, min_variance_m2, clearance_m;
+  // cleanup
+  float cleanup_margin_m;
+  int cleanup_frames;
+  // refill and fill
+  float support_slope;  //!< tangent of the slope threshold
+  float fill_search_m, fill_lambda, inverse_fill_kernel, fill_variance_per_m;
+  int fill_samples, fill_rule, fill_use_ray_bound;
+  // traversability
+  int feature_radius_cells;
+  float inverse_slope_threshold, step_threshold_m, inverse_step_threshold,
+      inverse_roughness_threshold;
+  float weight_slope, weight_step, weight_roughness;
+  // sparsity
+  float sparsity_range_m, sparsity_distance_m, sparsity_search_m;
+  /** Sparse kernel of eq. 8 at distances i / kKernelTableSize of its support. */
+  float fill_kernel[kKernelTableSize];
+};
+
+}  // namespace talus::kernels

@@ -1,0 +1,79 @@
+#pragma once
+#include "kernels/platform.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace talus::kernels
+{
+/** Unknown height. */
+constexpr float kNan = __builtin_nanf("");
+constexpr float kInfinity = __builtin_inff();
+
+TALUS_HD bool is_known(float v) { return v == v; }
+TALUS_HD bool is_finite(float v) { return v - v == 0.0f; }
+TALUS_HD float min_of(float a, float b) { return b < a ? b : a; }
+TALUS_HD float max_of(float a, float b) { return a < b ? b : a; }
+TALUS_HD int min_of(int a, int b) { return b < a ? b : a; }
+TALUS_HD int max_of(int a, int b) { return a < b ? b : a; }
+TALUS_HD float abs_of(float a) { return a < 0.0f ? -a : a; }
+TALUS_HD int abs_of(int a) { return a < 0 ? -a : a; }
+TALUS_HD float clamp01(float v) { return min_of(max_of(v, 0.0f), 1.0f); }
+
+/** floor() as an integer; |v| < 2^31. */
+TALUS_HD int floor_to_int(float v)
+{
+  const int i = static_cast<int>(v);
+  return i - (v < static_cast<float>(i));
+}
+
+/** Integer quotient rounded down; b > 0. */
+TALUS_HD int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+
+/** Heights in window sums: steps of 1/4096 m, relative to the sensor, within +-32 m: sums of up to
+ * 31 x 31 cells, times an offset of up to 15 cells, are exact in 32 bits. */
+constexpr float kHeightSteps = 4096.0f;
+constexpr int kMaxHeightSteps = 32 * 4096;
+
+TALUS_HD int quantise_height(float height_m, float reference_m)
+{
+  const float steps = (height_m - reference_m) * kHeightSteps + 0.5f;
+  const float limit = static_cast<float>(kMaxHeightSteps);
+  return floor_to_int(min_of(max_of(steps, -limit), limit));
+}
+
+/** A float as an integer of the same order, so that an integer minimum is a minimum of floats. */
+TALUS_HD std::int32_t ordered_from_float(float v)
+{
+  std::int32_t bits;
+  std::memcpy(&bits, &v, sizeof bits);
+  return bits >= 0 ? bits : bits ^ 0x7fffffff;
+}
+
+TALUS_HD float float_from_ordered(std::int32_t ordered)
+{
+  const std::int32_t bits = ordered >= 0 ? ordered : ordered ^ 0x7fffffff;
+  float v;
+  std::memcpy(&v, &bits, sizeof v);
+  return v;
+}
+
+/** atan(t) for t >= 0 [rad], error below 2e-6 rad (polynomial of Abramowitz & Stegun 4.4.49). */
+TALUS_HD float arctangent(float t)
+{
+  const bool beyond_one = t > 1.0f;
+  const float u = beyond_one ? 1.0f / t : t;
+  const float s = u * u;
+  float p = 0.0028662257f;
+  p = p * s - 0.0161657367f;
+  p = p * s + 0.0429096138f;
+  p = p * s - 0.0752896400f;
+  p = p * s + 0.1065626393f;
+  p = p * s - 0.1420889944f;
+  p = p * s + 0.1999355085f;
+  p = p * s - 0.3333314528f;
+  const float a = u + u * s * p;
+  return beyond_one ? 1.57079632679f - a : a;
+}
+
+}  // namespace talus::kernels

@@ -1,0 +1,108 @@
+#pragma once
+#include "kernels/cell.h"
+
+namespace talus::kernels
+{
+// The window seen from the sensor in square polar coordinates: a "ring" is the Chebyshev distance
+// in cells, a direction is a place on the border of a square. All directions are alike, axes and
+// diagonals included, a row of the table is one ring, and a sweep along the rings visits each cell
+// O(1) times.
+
+// ---- Seen rays: what the points of this frame say about the space before them
+// -------------------------------------
+
+/** Bins along one side of the square; 4 sides. One bin is as wide as a cell at the window's border.
+ */
+TALUS_HD int bins_per_side(const Config& k) { return k.cells; }
+TALUS_HD int bin_count(const Config& k) { return 4 * bins_per_side(k); }
+/** Rings of the table; the last one holds all that was hit beyond the window. */
+TALUS_HD int ring_count(const Config& k) { return k.cells / 2 + 3; }
+
+/** Direction of (dx, dy) != 0 along the border of the square, counter-clockwise, in bins: [0,
+ * bin_count]. */
+TALUS_HD float direction_in_bins(float dx, float dy, int per_side)
+{
+  const bool along_x = abs_of(dx) >= abs_of(dy);
+  const float u = along_x ? dy / dx : -dx / dy;
+  const int side = along_x ? (dx > 0.0f ? 0 : 2) : (dy > 0.0f ? 1 : 3);
+  const float size = static_cast<float>(per_side);
+  return (u + 1.0f) * (0.5f * size) + static_cast<float>(side * per_side);
+}
+
+TALUS_HD int wrap_bin(int bin, int count)
+{
+  return bin < 0 ? bin + count : (bin >= count ? bin - count : bin);
+}
+
+/** Slope of the ray from the sensor to a point, per metre of Chebyshev distance. */
+TALUS_HD float ray_slope(float dz, float chebyshev_m) { return dz / chebyshev_m; }
+
+/** No ray seen. */
+constexpr std::int32_t kNoRay = 0x7fffffff;
+
+// ---- Lines: the cells that the line search of one cell visits
+// -----------------------------------------------------
+
+/** Rings that a window of n cells needs around its central cell. */
+TALUS_HD int line_rings(const Config& k) { return k.cells / 2; }
+TALUS_HD int line_count(const Config& k) { return 8 * line_rings(k); }
+
+/** A line from the sensor's cell to a border cell; `minor` is that cell's place on its side, in
+ * [-rings, rings). */
+struct Line
+{
+  int side;
+  int minor;
+};
+
+struct CellOffset
+{
+  int dx, dy;
+};
+
+TALUS_HD Line line_from_index(int index, int rings)
+{
+  return {index / (2 * rings), index % (2 * rings) - rings};
+}
+
+TALUS_HD int line_index(const Line& l, int rings) { return l.side * 2 * rings + l.minor + rings; }
+
+/** Cell of a line at a ring, relative to the sensor's cell. */
+TALUS_HD CellOffset line_cell(const Line& l, int ring, int rings)
+{
+  const int minor = floor_div(2 * l.minor * ring + rings, 2 * rings);
+  switch (l.side)
+  {
+    case 0:
+      return {ring, minor};
+    case 1:
+      return {-minor, ring};
+    case 2:
+      return {-ring, -minor};
+    default:
+      return {minor, -ring};
+  }
+}
+
+/** The line that passes a cell other than the sensor's own: line_cell(line_through(c), ring of c)
+ * == c. */
+TALUS_HD Line line_through(int dx, int dy, int ring, int rings)
+{
+  int side = 3, minor = dx;
+  if (dx == ring && dy < ring)
+    side = 0, minor = dy;
+  else if (dy == ring && dx > -ring)
+    side = 1, minor = -dx;
+  else if (dx == -ring && dy > -ring)
+    side = 2, minor = -dy;
+  return {side, floor_div(2 * minor * rings + ring, 2 * ring)};
+}
+
+/** Length of a line per ring, in cells. */
+TALUS_HD float line_stretch(const Line& l, int rings)
+{
+  const float u = static_cast<float>(l.minor) / static_cast<float>(rings);
+  return sqrtf(1.0f + u * u);
+}
+
+}  // namespace talus::kernels

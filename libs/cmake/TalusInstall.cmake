@@ -1,0 +1,10 @@
+include(CMakePackageConfigHelpers)
+
+install(EXPORT talusTargets NAMESPACE talus:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/talus)
+configure_package_config_file(
+  "${CMAKE_CURRENT_LIST_DIR}/talusConfig.cmake.in" "${PROJECT_BINARY_DIR}/talusConfig.cmake"
+  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/talus)
+write_basic_package_version_file(
+  "${PROJECT_BINARY_DIR}/talusConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/talusConfig.cmake" "${PROJECT_BINARY_DIR}/talusConfigVersion.cmake"
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/talus)

@@ -1,0 +1,38 @@
+# What every target of the project shares.
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib")
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib")
+
+# Language, warnings and the one flag that everything rests on: no contraction of a*b+c into one rounding, so that
+# the same frames give the same bits with any compiler and on any device.
+function(talus_target_defaults target)
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE
+    $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off>
+    $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${TALUS_WARNINGS_AS_ERRORS}>>:-Werror>)
+endfunction()
+
+# talus_add_library(NAME SOURCES...): static library talus_NAME, alias talus::NAME, headers under include/.
+function(talus_add_library name)
+  add_library(talus_${name} STATIC ${ARGN})
+  add_library(talus::${name} ALIAS talus_${name})
+  talus_target_defaults(talus_${name})
+  set_target_properties(talus_${name} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(talus_${name}
+    PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  install(TARGETS talus_${name} EXPORT talusTargets)
+  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+endfunction()
+
+# talus_add_app(NAME SOURCES...): a command.
+function(talus_add_app name)
+  add_executable(${name} ${ARGN})
+  talus_target_defaults(${name})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endfunction()

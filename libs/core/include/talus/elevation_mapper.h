@@ -1,0 +1,110 @@
+#pragma once
+#include <talus/frame.h>
+#include <talus/layers.h>
+#include <talus/parameters.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace talus
+{
+enum class Backend
+{
+  Auto,  //!< CUDA where a device answers, else CPU
+  Cpu,
+  Cuda
+};
+
+/** Why a point of a frame did not reach the map. */
+enum class Reject : int
+{
+  NotFinite = 0,
+  Range,  //!< nearer than min_range_m (also zero-range returns) or farther than max_range_m
+  Height,  //!< outside the height band
+  Body,  //!< the robot itself
+  Outside,  //!< beyond the window
+  Voxel,  //!< another point of the same voxel stands for it
+};
+constexpr int kRejectCount = 6;
+constexpr std::array<const char*, kRejectCount> kRejectNames{"not_finite", "range",   "height",
+                                                             "body",       "outside", "voxel"};
+
+constexpr int kStageCount = 9;
+constexpr std::array<const char*, kStageCount> kStageNames{"accept", "uncertainty",    "roll",
+                                                           "update", "refill",         "cleanup",
+                                                           "fill",   "traversability", "sparsity"};
+
+/** What one update() did. */
+struct FrameReport
+{
+  double stamp_s = 0;
+  std::uint32_t points_in = 0;
+  std::uint32_t points_accepted = 0;
+  std::array<std::uint32_t, kRejectCount> rejected{};  //!< indexed by Reject
+  std::array<double, kStageCount>
+      stage_ms{};  //!< indexed as kStageNames; stages that run fused report with the first
+  double total_ms = 0;
+};
+
+/** Where the window lies. Cell (ix, iy) covers [min_x_m + ix*resolution_m, ...): ix grows with x,
+ * iy with y. */
+struct Window
+{
+  int cells = 0;  //!< along each side
+  double resolution_m = 0;
+  std::int64_t min_cell_x = 0,
+               min_cell_y = 0;  //!< the first cell, counted in cells from the map's origin
+
+  double min_x_m() const { return static_cast<double>(min_cell_x) * resolution_m; }
+  double min_y_m() const { return static_cast<double>(min_cell_y) * resolution_m; }
+};
+
+/** The map: feed it frames, read its layers. Not thread safe.
+ *
+ * The same frames give the same bits in every layer, whatever the backend, the number of threads or
+ * the order of the points in a frame. */
+class ElevationMapper
+{
+ public:
+  /** Throws std::invalid_argument if a parameter is out of range, std::runtime_error if `backend`
+   * is Cuda and there is no usable device. `threads`: of the CPU backend, 0 = all cores. */
+  explicit ElevationMapper(
+      const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = 1);
+  ~ElevationMapper();
+  ElevationMapper(ElevationMapper&&) noexcept;
+  ElevationMapper& operator=(ElevationMapper&&) noexcept;
+
+  /** Runs the nine stages on one frame. Throws std::invalid_argument for a pose that is not finite.
+   */
+  FrameReport update(const Frame& frame);
+
+  /** Forgets everything. */
+  void clear();
+
+  /** True until the first frame. */
+  bool empty() const;
+
+  /** One layer, window().cells^2 floats, row by row: index = iy * cells + ix. Valid until the next
+   * call that changes the map. Copies from the device on first use where needed. */
+  const std::vector<float>& layer(Layer l) const;
+
+  Window window() const;
+  const Parameters& parameters() const;
+  /** "cpu" or "cuda: NAME OF THE DEVICE" */
+  std::string backend_name() const;
+
+  /** The whole persistent state, and back: a restored map goes on with the same bits. restore()
+   * throws std::invalid_argument when the bytes are not such a state or belong to another window
+   * size. */
+  std::vector<std::uint8_t> save() const;
+  void restore(const std::vector<std::uint8_t>& bytes);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace talus

@@ -1,0 +1,45 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace talus
+{
+/** Rigid transform, row-major 3x4 [R|t]: p_parent = R * p_child + t, metres. */
+struct Pose
+{
+  std::array<double, 12> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+  double x() const { return m[3]; }
+  double y() const { return m[7]; }
+  double z() const { return m[11]; }
+};
+
+/** A pose valid at a time [s], relative to the stamp of its frame. */
+struct TimedPose
+{
+  double time_s = 0;
+  Pose T_map_sensor;
+};
+
+/** One scan: points in the sensor frame. Views only: the caller keeps the memory until update()
+ * returns. */
+struct Frame
+{
+  double stamp_s = 0;  //!< time stamp, seconds since the epoch
+  Pose T_map_sensor;  //!< pose of the sensor at stamp_s
+  const float* x_m = nullptr;  //!< `size` coordinates each, sensor frame [m]; NaN and infinities
+                               //!< are counted and dropped
+  const float* y_m = nullptr;
+  const float* z_m = nullptr;
+  std::size_t size = 0;
+  /** Optional time of each point [s] relative to stamp_s; nullptr when unknown. Used with `path`
+   * only. */
+  const float* time_s = nullptr;
+  /** Optional poses of the sensor during the scan, ascending in time, two or more: each point is
+   * then transformed with the pose interpolated at its time (deskew); points outside take the first
+   * or last pose. */
+  std::vector<TimedPose> path;
+};
+
+}  // namespace talus

@@ -1,0 +1,39 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+namespace talus
+{
+/** The layers of the map, in the order in which files list them. float32, unknown is NaN, heights
+ * in the map frame. */
+enum class Layer : int
+{
+  Elevation = 0,  //!< [m] top of what stands on the ground
+  GroundElevation,  //!< [m] the ground, measured or filled
+  Variance,  //!< [m^2] of the ground elevation
+  State,  //!< a CellState, as a number
+  Slope,  //!< [0,1] eq. 10, 1: flat
+  Step,  //!< [0,1] eq. 11, 1: no step
+  Roughness,  //!< [0,1] eq. 12, 1: smooth
+  Sparsity,  //!< [0,1] eq. 14, only at one-sided fills near the robot, 0: likely a ditch
+  Traversability,  //!< [0,1] eq. 13, 1: free, 0: impassable
+};
+constexpr int kLayerCount = 9;
+
+/** Band names of files and of the Python-free world: "elevation", "ground_elevation", ... */
+constexpr std::array<const char*, kLayerCount> kLayerNames{
+    "elevation", "ground_elevation", "variance", "state",         "slope",
+    "step",      "roughness",        "sparsity", "traversability"};
+
+constexpr const char* layer_name(Layer l) { return kLayerNames[static_cast<int>(l)]; }
+
+/** Where the ground height of a cell comes from. */
+enum class CellState : std::uint8_t
+{
+  Unknown = 0,
+  Measured = 1,
+  FilledTwoSided = 2,  //!< reliable
+  FilledOneSided = 3  //!< a guess, refilled as soon as better data arrives
+};
+
+}  // namespace talus

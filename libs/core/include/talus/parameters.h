@@ -1,0 +1,133 @@
+#pragma once
+#include <string>
+#include <vector>
+
+namespace talus
+{
+/** How the two one-sided estimates of a filled cell are combined (paper eq. 9, see
+ * doc/concepts.md). */
+enum class FillRule : int
+{
+  Printed = 0,  //!< eq. 9 as printed
+  Exchanged = 1,  //!< eq. 9 with n1 and n2 exchanged, which is what its text describes
+  InverseDistance = 2,  //!< linear interpolation between the nearest samples of both sides
+  Minimum = 3  //!< the lower of both sides
+};
+
+/** Everything that can be tuned, in SI units. Defaults are those of the paper where it gives any.
+ *
+ * Names, ranges and descriptions live in parameters.cpp once; INI files, `--help`, summary.json and
+ * doc/parameters.md are all made from there (see parameter_table()). */
+struct Parameters
+{
+  /// @name Window
+  /// @{
+  double resolution_m = 0.05;  //!< side of a cell
+  double window_m = 8.0;  //!< side of the square window around the sensor
+  /// @}
+
+  /// @name Stage 1: which points are accepted
+  /// @{
+  double min_range_m = 0.2;
+  double max_range_m = 100.0;
+  double min_height_m = -1.0;  //!< lowest accepted z, sensor frame
+  double max_height_m = 1.5;  //!< highest accepted z, sensor frame
+  /** The robot's own body: an axis-aligned box in the sensor frame whose points are dropped. Empty
+   * by default. */
+  double body_min_x_m = 0, body_max_x_m = 0;
+  double body_min_y_m = 0, body_max_y_m = 0;
+  double body_min_z_m = 0, body_max_z_m = 0;
+  double voxel_m = 0.0;  //!< keep one point a voxel of this size and frame; 0: keep all
+  /// @}
+
+  /// @name Stage 2: uncertainty of a point (eq. 2-4)
+  /// @{
+  double c_beam_m = 0.01;  //!< constant part of the sensor's standard deviation
+  double a_beam = 0.001;  //!< its growth with range [m/m]
+  double lambda_t = 1.0;  //!< weight of the pose change
+  /// @}
+
+  /// @name Stage 4: update
+  /// @{
+  double mahalanobis_gate =
+      3.0;  //!< a point farther than this many standard deviations is not fused
+  double min_variance_m2 = 1e-6;  //!< floor of the variance of a fused height
+  double clearance_m =
+      0.6;  //!< height that the robot needs: what hangs higher above the ground is passable
+  /// @}
+
+  /// @name Stage 6: visibility cleanup
+  /// @{
+  double cleanup_margin_m =
+      0.05;  //!< a surface is seen through when a ray passed this far below it
+  int cleanup_frames = 2;  //!< consecutive frames that must see through a cell before it is cleared
+  /// @}
+
+  /// @name Stages 5 and 7: filling
+  /// @{
+  double fill_search_m = 2.0;  //!< how far to look for measured ground, each way along the ray
+  double fill_kernel_m = 2.0;  //!< support of the sparse kernel of eq. 8
+  double fill_lambda = 1.0;  //!< weight of the prior of eq. 8, the lowest sample
+  int fill_samples = 4;  //!< measured cells taken on each side
+  FillRule fill_rule = FillRule::Exchanged;
+  double fill_variance_per_m =
+      0.1;  //!< growth of the standard deviation of a fill with the distance to its sample
+  bool fill_use_ray_bound = true;  //!< unseen ground cannot stand above the ray that passed over it
+  /// @}
+
+  /// @name Stage 8: traversability (eq. 10-13)
+  /// @{
+  double feature_radius_m = 0.15;  //!< half side of the square neighbourhood
+  double slope_threshold_rad = 0.6;
+  double step_threshold_m = 0.2;
+  double roughness_threshold_m = 0.2;
+  double weight_slope = 0.4, weight_step = 0.3, weight_roughness = 0.3;
+  /// @}
+
+  /// @name Stage 9: sparsity (eq. 14)
+  /// @{
+  double sparsity_range_m = 4.0;  //!< one-sided fills nearer than this are suspicious
+  double sparsity_distance_m =
+      2.0;  //!< d_c: a height difference counts the more the nearer it is than this
+  double sparsity_search_m = 4.0;  //!< how far to look for ground on the other side
+  /// @}
+
+  /** Cells along one side of the window. */
+  int cells() const;
+
+  /** Throws std::invalid_argument that names the first parameter out of its range, the value and
+   * the range. */
+  void validate() const;
+};
+
+/** One entry of the parameter table: where it lives, what it means, what it may be. */
+struct ParameterInfo
+{
+  const char* name;
+  const char* unit;  //!< "m", "rad", "m^2", "" for pure numbers
+  double min, max;
+  const char* description;
+  double (*get)(const Parameters&);
+  void (*set)(Parameters&, double);
+  bool is_integer;
+  /** Names of the values 0, 1, ... of an enumeration, else empty. */
+  std::vector<const char*> choices;
+};
+
+/** All parameters, in the order of the pipeline. */
+const std::vector<ParameterInfo>& parameter_table();
+
+/** The parameter of that name (case ignored), or nullptr. */
+const ParameterInfo* find_parameter(const std::string& name);
+
+/** The known name nearest to a misspelt one by edit distance; for error messages. */
+std::string nearest_parameter_name(const std::string& name);
+
+/** Parses the text of a value (a number, true/false, or the name of a choice) and sets it.
+ * Throws std::invalid_argument naming the parameter, the text, and what is allowed. */
+void set_parameter(Parameters& p, const std::string& name, const std::string& text);
+
+/** The value as set_parameter() reads it back. */
+std::string parameter_text(const Parameters& p, const ParameterInfo& info);
+
+}  // namespace talus

@@ -1,0 +1,182 @@
+#include "frame_context.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace talus
+{
+namespace
+{
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kMaxCellIndex = 1e9;
+
+/** The sparse kernel of eq. 8 (Melkumyan & Ramos 2009) over d in [0, 1) of its support. */
+void tabulate_sparse_kernel(float* table)
+{
+  for (int i = 0; i < kernels::kKernelTableSize; i++)
+  {
+    const double d = (i + 0.5) / kernels::kKernelTableSize, a = 2 * kPi * d;
+    table[i] = static_cast<float>((2 + std::cos(a)) / 3 * (1 - d) + std::sin(a) / (2 * kPi));
+  }
+}
+
+kernels::WindowPose window_pose(const Pose& T_map_sensor, double min_x_m, double min_y_m)
+{
+  kernels::WindowPose w;
+  for (int i = 0; i < 12; i++) w.m[i] = static_cast<float>(T_map_sensor.m[i]);
+  w.m[3] = static_cast<float>(T_map_sensor.x() - min_x_m);
+  w.m[7] = static_cast<float>(T_map_sensor.y() - min_y_m);
+  return w;
+}
+
+Eigen::Isometry3d to_eigen(const Pose& p)
+{
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.matrix().topRows<3>() =
+      Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(p.m.data());
+  return T;
+}
+
+Pose interpolate(const TimedPose& a, const TimedPose& b, double time_s)
+{
+  const double w = b.time_s > a.time_s ? (time_s - a.time_s) / (b.time_s - a.time_s) : 0.0;
+  const Eigen::Isometry3d A = to_eigen(a.T_map_sensor), B = to_eigen(b.T_map_sensor);
+  const Eigen::Quaterniond qa(A.linear()), qb(B.linear());
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = qa.slerp(w, qb).toRotationMatrix();
+  T.translation() = A.translation() + w * (B.translation() - A.translation());
+  Pose p;
+  Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(p.m.data()) = T.matrix().topRows<3>();
+  return p;
+}
+
+/** The path of the sensor at equal steps of time. */
+void resample_path(const Frame& frame, double min_x_m, double min_y_m, kernels::FrameContext& f)
+{
+  const auto& path = frame.path;
+  const double start = path.front().time_s, span = path.back().time_s - start;
+  f.n_poses = kernels::kMaxPathPoses;
+  f.path_start_s = static_cast<float>(start);
+  f.path_rate_hz = static_cast<float>((f.n_poses - 1) / span);
+  std::size_t segment = 0;
+  for (int i = 0; i < f.n_poses; i++)
+  {
+    const double t = start + span * i / (f.n_poses - 1);
+    while (segment + 2 < path.size() && path[segment + 1].time_s < t) segment++;
+    f.poses[i] = window_pose(interpolate(path[segment], path[segment + 1], t), min_x_m, min_y_m);
+  }
+}
+
+void check_pose(const Pose& p, double resolution_m)
+{
+  for (double v : p.m)
+    if (!std::isfinite(v)) throw std::invalid_argument("the pose of the sensor is not finite");
+  if (std::max(std::abs(p.x()), std::abs(p.y())) / resolution_m > kMaxCellIndex)
+    throw std::invalid_argument(
+        "the sensor is more than 1e9 cells away from the origin of the map: use a local origin");
+}
+
+/** (lambda_t sin(theta/2))^2, eq. 2 to 4, theta between the sensor's z axes in two consecutive
+ * frames. */
+double pose_change_factor(
+    const std::array<double, 3>& z1, const std::array<double, 3>& z2, double lambda_t)
+{
+  const double cosine = z1[0] * z2[0] + z1[1] * z2[1] + z1[2] * z2[2];
+  const double sine_of_half2 = std::max(0.0, (1 - std::min(cosine, 1.0)) / 2);
+  return lambda_t * lambda_t * sine_of_half2;
+}
+
+}  // namespace
+
+kernels::Config make_config(const Parameters& p)
+{
+  const auto f = [](double v) { return static_cast<float>(v); };
+  kernels::Config k{};
+  k.cells = p.cells();
+  k.resolution_m = f(p.resolution_m);
+  k.inverse_resolution = f(1 / p.resolution_m);
+  k.min_range2_m2 = f(p.min_range_m * p.min_range_m);
+  k.max_range2_m2 = f(p.max_range_m * p.max_range_m);
+  k.min_height_m = f(p.min_height_m);
+  k.max_height_m = f(p.max_height_m);
+  const double low[3] = {p.body_min_x_m, p.body_min_y_m, p.body_min_z_m};
+  const double high[3] = {p.body_max_x_m, p.body_max_y_m, p.body_max_z_m};
+  k.has_body = low[0] < high[0] && low[1] < high[1] && low[2] < high[2];
+  for (int i = 0; i < 3; i++) k.body_min_m[i] = f(low[i]), k.body_max_m[i] = f(high[i]);
+  k.inverse_voxel = p.voxel_m > 0 ? f(1 / p.voxel_m) : 0;
+  k.c_beam_m = f(p.c_beam_m);
+  k.a_beam = f(p.a_beam);
+  k.gate2 = f(p.mahalanobis_gate * p.mahalanobis_gate);
+  k.min_variance_m2 = f(p.min_variance_m2);
+  k.clearance_m = f(p.clearance_m);
+  k.cleanup_margin_m = f(p.cleanup_margin_m);
+  k.cleanup_frames = p.cleanup_frames;
+  k.support_slope = f(std::tan(p.slope_threshold_rad));
+  k.fill_search_m = f(p.fill_search_m);
+  k.fill_lambda = f(p.fill_lambda);
+  k.inverse_fill_kernel = f(1 / p.fill_kernel_m);
+  k.fill_variance_per_m = f(p.fill_variance_per_m);
+  k.fill_samples = p.fill_samples;
+  k.fill_rule = static_cast<int>(p.fill_rule);
+  k.fill_use_ray_bound = p.fill_use_ray_bound;
+  k.feature_radius_cells =
+      std::max(1, static_cast<int>(std::lround(p.feature_radius_m / p.resolution_m)));
+  k.inverse_slope_threshold = f(1 / p.slope_threshold_rad);
+  k.step_threshold_m = f(p.step_threshold_m);
+  k.inverse_step_threshold = f(1 / p.step_threshold_m);
+  k.inverse_roughness_threshold = f(1 / p.roughness_threshold_m);
+  k.weight_slope = f(p.weight_slope);
+  k.weight_step = f(p.weight_step);
+  k.weight_roughness = f(p.weight_roughness);
+  k.sparsity_range_m = f(p.sparsity_range_m);
+  k.sparsity_distance_m = f(p.sparsity_distance_m);
+  k.sparsity_search_m = f(p.sparsity_search_m);
+  tabulate_sparse_kernel(k.fill_kernel);
+  return k;
+}
+
+kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameters& p)
+{
+  check_pose(frame.T_map_sensor, p.resolution_m);
+  for (const auto& timed : frame.path) check_pose(timed.T_map_sensor, p.resolution_m);
+  const int n = p.cells();
+  const auto first_cell = [&](double v)
+  { return static_cast<std::int64_t>(std::floor(v / p.resolution_m)) - n / 2; };
+  const std::int64_t x = first_cell(frame.T_map_sensor.x()), y = first_cell(frame.T_map_sensor.y());
+  const auto& m = frame.T_map_sensor.m;
+  const std::array<double, 3> z_axis{m[2], m[6], m[10]};
+
+  kernels::FrameContext f{};
+  const auto moved = [&](std::int64_t now, std::int64_t before)
+  { return started ? static_cast<int>(std::clamp<std::int64_t>(now - before, -n, n)) : n; };
+  const auto storage = [&](std::int64_t cell) { return static_cast<int>(((cell % n) + n) % n); };
+  f.moved_x = moved(x, min_cell_x);
+  f.moved_y = moved(y, min_cell_y);
+  f.storage_x = storage(x);
+  f.storage_y = storage(y);
+  f.n_points = static_cast<int>(frame.size);
+  f.pose_change2 =
+      started ? static_cast<float>(pose_change_factor(last_z_axis, z_axis, p.lambda_t)) : 0.0f;
+
+  const double min_x_m = static_cast<double>(x) * p.resolution_m;
+  const double min_y_m = static_cast<double>(y) * p.resolution_m;
+  f.n_poses = 1;
+  f.poses[0] = window_pose(frame.T_map_sensor, min_x_m, min_y_m);
+  f.sensor_x_m = f.poses[0].m[3];
+  f.sensor_y_m = f.poses[0].m[7];
+  f.sensor_z_m = f.poses[0].m[11];
+  const bool moves = frame.path.size() >= 2 && frame.path.back().time_s > frame.path.front().time_s;
+  f.has_times = frame.time_s && moves;
+  if (f.has_times) resample_path(frame, min_x_m, min_y_m, f);
+
+  started = true;
+  min_cell_x = x;
+  min_cell_y = y;
+  last_z_axis = z_axis;
+  return f;
+}
+
+}  // namespace talus

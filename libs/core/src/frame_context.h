@@ -1,0 +1,24 @@
+#pragma once
+#include <talus/elevation_mapper.h>
+#include "kernels/frame.h"
+
+namespace talus
+{
+/** talus::Parameters as the kernels want them. */
+kernels::Config make_config(const Parameters& p);
+
+/** Where the window lies and how the sensor moved: the part of the map's state that lives on the
+ * host, in double. */
+struct WindowTracker
+{
+  bool started = false;
+  std::int64_t min_cell_x = 0, min_cell_y = 0;
+  std::array<double, 3> last_z_axis{0, 0, 1};  //!< of the sensor, map frame
+
+  /** Moves the window to the frame's sensor and returns what the kernels need to know of the frame.
+   * Throws std::invalid_argument if a pose is not finite, or too far from the origin to count cells
+   * (1e9 cells). */
+  kernels::FrameContext advance(const Frame& frame, const Parameters& p);
+};
+
+}  // namespace talus

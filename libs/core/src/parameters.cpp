@@ -1,0 +1,258 @@
+#include <talus/parameters.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numeric>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+namespace talus
+{
+namespace
+{
+constexpr double kHuge = 1e6;
+
+/** One entry of the table; ints, bools and enums go through double unchanged. */
+template <auto member>
+ParameterInfo entry(
+    const char* name, const char* unit, double min, double max, const char* description,
+    std::vector<const char*> choices = {})
+{
+  using Value = std::decay_t<decltype(std::declval<Parameters>().*member)>;
+  return {
+      name,
+      unit,
+      min,
+      max,
+      description,
+      [](const Parameters& p) { return static_cast<double>(p.*member); },
+      [](Parameters& p, double v) { p.*member = static_cast<Value>(v); },
+      !std::is_same_v<Value, double>,
+      std::move(choices)};
+}
+
+std::vector<ParameterInfo> make_table()
+{
+  return {
+      entry<&Parameters::resolution_m>("resolution_m", "m", 1e-3, 100, "side of a cell"),
+      entry<&Parameters::window_m>(
+          "window_m", "m", 1e-2, kHuge, "side of the square window around the sensor"),
+      entry<&Parameters::min_range_m>(
+          "min_range_m", "m", 1e-3, kHuge, "points nearer than this are dropped"),
+      entry<&Parameters::max_range_m>(
+          "max_range_m", "m", 1e-2, kHuge, "points farther than this are dropped"),
+      entry<&Parameters::min_height_m>(
+          "min_height_m", "m", -kHuge, kHuge, "lowest accepted z in the sensor frame"),
+      entry<&Parameters::max_height_m>(
+          "max_height_m", "m", -kHuge, kHuge, "highest accepted z in the sensor frame"),
+      entry<&Parameters::body_min_x_m>(
+          "body_min_x_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: smallest x"),
+      entry<&Parameters::body_max_x_m>(
+          "body_max_x_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: largest x"),
+      entry<&Parameters::body_min_y_m>(
+          "body_min_y_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: smallest y"),
+      entry<&Parameters::body_max_y_m>(
+          "body_max_y_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: largest y"),
+      entry<&Parameters::body_min_z_m>(
+          "body_min_z_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: smallest z"),
+      entry<&Parameters::body_max_z_m>(
+          "body_max_z_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: largest z"),
+      entry<&Parameters::voxel_m>(
+          "voxel_m", "m", 0, 100, "keep one point a voxel of this size in each frame; 0 keeps all"),
+      entry<&Parameters::c_beam_m>(
+          "c_beam_m", "m", 1e-4, 10,
+          "standard deviation of a point at range zero (eq. 3 of the sensor model)"),
+      entry<&Parameters::a_beam>(
+          "a_beam", "m/m", 0, 1, "growth of that standard deviation with range"),
+      entry<&Parameters::lambda_t>(
+          "lambda_t", "", 0, 1000, "weight of the pose change in a point's variance (eq. 4)"),
+      entry<&Parameters::mahalanobis_gate>(
+          "mahalanobis_gate", "", 0.1, 100,
+          "points farther than this many standard deviations are not fused"),
+      entry<&Parameters::min_variance_m2>(
+          "min_variance_m2", "m^2", 1e-10, 1, "floor of the variance of a fused height"),
+      entry<&Parameters::clearance_m>(
+          "clearance_m", "m", 1e-2, 100,
+          "height the robot needs; what hangs higher above the ground is passable"),
+      entry<&Parameters::cleanup_margin_m>(
+          "cleanup_margin_m", "m", 0, 10,
+          "a surface is seen through when a ray passed this far below it"),
+      entry<&Parameters::cleanup_frames>(
+          "cleanup_frames", "", 1, 100,
+          "consecutive frames that must see through a cell before it is cleared"),
+      entry<&Parameters::fill_search_m>(
+          "fill_search_m", "m", 0, 1000,
+          "how far to look for measured ground, each way along the ray"),
+      entry<&Parameters::fill_kernel_m>(
+          "fill_kernel_m", "m", 1e-3, 1000, "support of the sparse kernel (eq. 8)"),
+      entry<&Parameters::fill_lambda>(
+          "fill_lambda", "", 0, 1000, "weight of the prior, the lowest sample (eq. 8)"),
+      entry<&Parameters::fill_samples>(
+          "fill_samples", "", 1, 16, "measured cells taken on each side"),
+      entry<&Parameters::fill_rule>(
+          "fill_rule", "", 0, 3, "how the two sides are combined (eq. 9)",
+          {"printed", "exchanged", "inverse_distance", "minimum"}),
+      entry<&Parameters::fill_variance_per_m>(
+          "fill_variance_per_m", "m/m", 0, 10,
+          "growth of a fill's standard deviation with the distance to its sample"),
+      entry<&Parameters::fill_use_ray_bound>(
+          "fill_use_ray_bound", "", 0, 1,
+          "unseen ground cannot stand above the ray that passed over it", {"false", "true"}),
+      entry<&Parameters::feature_radius_m>(
+          "feature_radius_m", "m", 1e-3, 100,
+          "half side of the neighbourhood of slope, step and roughness; at most 15 cells"),
+      entry<&Parameters::slope_threshold_rad>(
+          "slope_threshold_rad", "rad", 1e-3, 1.55, "slope that is impassable (eq. 10)"),
+      entry<&Parameters::step_threshold_m>(
+          "step_threshold_m", "m", 1e-3, 100, "step that is impassable (eq. 11)"),
+      entry<&Parameters::roughness_threshold_m>(
+          "roughness_threshold_m", "m", 1e-3, 100, "roughness that is impassable (eq. 12)"),
+      entry<&Parameters::weight_slope>("weight_slope", "", 0, 1, "weight of the slope (eq. 13)"),
+      entry<&Parameters::weight_step>("weight_step", "", 0, 1, "weight of the step (eq. 13)"),
+      entry<&Parameters::weight_roughness>(
+          "weight_roughness", "", 0, 1, "weight of the roughness (eq. 13)"),
+      entry<&Parameters::sparsity_range_m>(
+          "sparsity_range_m", "m", 0, kHuge, "one-sided fills nearer than this are suspicious"),
+      entry<&Parameters::sparsity_distance_m>(
+          "sparsity_distance_m", "m", 1e-2, kHuge, "distance threshold d_c (eq. 14)"),
+      entry<&Parameters::sparsity_search_m>(
+          "sparsity_search_m", "m", 0, 1000,
+          "how far to look for ground on the other side (eq. 14)"),
+  };
+}
+std::string lower(std::string s)
+{
+  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return std::tolower(c); });
+  return s;
+}
+
+std::string number(double v)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%.10g", v);
+  return text;
+}
+
+std::string allowed(const ParameterInfo& info)
+{
+  if (info.choices.empty())
+    return "a number from " + number(info.min) + " to " + number(info.max) +
+           (*info.unit ? std::string(" ") + info.unit : std::string());
+  std::string list = "one of";
+  for (const char* c : info.choices) list += std::string(" ") + c;
+  return list;
+}
+
+std::size_t edit_distance(const std::string& a, const std::string& b)
+{
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); i++)
+  {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); j++)
+    {
+      const std::size_t substituted = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+/** Checks that need more than one parameter. */
+void validate_combinations(const Parameters& p)
+{
+  const auto fail = [](const std::string& what) { throw std::invalid_argument(what); };
+  constexpr int kMaxCells =
+      16384;  // 2^28 cells: indices stay in 32 bits, the resident layers below 16 GB
+  const double cells = std::round(p.window_m / p.resolution_m);
+  if (cells < 4 || cells > kMaxCells)
+    fail(
+        "window_m = " + number(p.window_m) + " m at resolution_m = " + number(p.resolution_m) +
+        " m makes " + number(cells) + " x " + number(cells) + " cells; allowed are 4 to " +
+        number(kMaxCells) + " along a side: choose a smaller window or a coarser resolution");
+  if (p.min_range_m >= p.max_range_m) fail("min_range_m must be below max_range_m");
+  if (p.min_height_m >= p.max_height_m) fail("min_height_m must be below max_height_m");
+  if (p.feature_radius_m / p.resolution_m > 15.5)
+    fail(
+        "feature_radius_m = " + number(p.feature_radius_m) + " m is " +
+        number(std::round(p.feature_radius_m / p.resolution_m)) +
+        " cells; at most 15 are supported: choose a smaller radius or a coarser resolution");
+  const double weights = p.weight_slope + p.weight_step + p.weight_roughness;
+  if (std::abs(weights - 1.0) > 1e-6)
+    fail("weight_slope + weight_step + weight_roughness must be 1, not " + number(weights));
+}
+
+}  // namespace
+
+int Parameters::cells() const { return static_cast<int>(std::lround(window_m / resolution_m)); }
+
+void Parameters::validate() const
+{
+  for (const auto& info : parameter_table())
+  {
+    const double v = info.get(*this);
+    if (!(v >= info.min && v <= info.max))
+      throw std::invalid_argument(
+          std::string(info.name) + " = " + number(v) + " is out of range: it must be " +
+          allowed(info));
+  }
+  validate_combinations(*this);
+}
+
+const std::vector<ParameterInfo>& parameter_table()
+{
+  static const std::vector<ParameterInfo> table = make_table();
+  return table;
+}
+
+const ParameterInfo* find_parameter(const std::string& name)
+{
+  for (const auto& info : parameter_table())
+    if (lower(name) == info.name) return &info;
+  return nullptr;
+}
+
+std::string nearest_parameter_name(const std::string& name)
+{
+  const auto& table = parameter_table();
+  const auto wanted = lower(name);
+  return std::min_element(
+             table.begin(), table.end(),
+             [&](const auto& a, const auto& b)
+             { return edit_distance(wanted, a.name) < edit_distance(wanted, b.name); })
+      ->name;
+}
+
+void set_parameter(Parameters& p, const std::string& name, const std::string& text)
+{
+  const ParameterInfo* info = find_parameter(name);
+  if (!info)
+    throw std::invalid_argument(
+        "unknown parameter '" + name + "'; did you mean '" + nearest_parameter_name(name) + "'?");
+  for (std::size_t i = 0; i < info->choices.size(); i++)
+    if (lower(text) == info->choices[i]) return info->set(p, static_cast<double>(i));
+
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const bool whole_text = end != text.c_str() && *end == '\0';
+  const bool in_range = value >= info->min && value <= info->max;
+  if (!whole_text || !in_range || (info->is_integer && value != std::floor(value)))
+    throw std::invalid_argument(
+        std::string(info->name) + " = '" + text + "': must be " + allowed(*info));
+  info->set(p, value);
+}
+
+std::string parameter_text(const Parameters& p, const ParameterInfo& info)
+{
+  const double v = info.get(p);
+  return info.choices.empty() ? number(v) : info.choices[static_cast<std::size_t>(v)];
+}
+
+}  // namespace talus

@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+#include "scene.h"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+/** A drive with everything at once: rolling, a mover, hanging things, noise, NaN, empty frames. */
+Scan drive_frame(int i, Random& random)
+{
+  const double x = 0.031 * i, y = 0.4 * std::sin(0.05 * i);
+  Scan s(x, y, 0.7);
+  if (i % 17 == 5) return s;
+  const double w = 0.02 * i;
+  std::vector<Box> boxes{
+      {{2, 0.5, 0}, {2.3, 0.9, 0.5}},        {{4, -1, 0.75}, {4.6, 1, 0.8}},
+      {{1, -2, 0}, {6, -1.95, 1.0}},         {{5 - w, 1.2, 0}, {5.4 - w, 1.5, 1.4}},
+      {{3.02, -0.6, 0}, {3.06, -0.56, 1.2}}, {{6, -0.5, 0}, {6.5, 0.5, 0.08}}};
+  s.cast(boxes, 360, -0.6, 0.1, 24);
+  for (std::size_t k = 0; k < s.z_.size(); k++)
+  {
+    s.z_[k] += static_cast<float>(random.uniform(-0.02, 0.02));
+    if (random.bits() % 97 == 0) s.x_[k] = std::nanf("");
+  }
+  return s;
+}
+
+Scan shuffled(const Scan& s, Random& random)
+{
+  std::vector<std::size_t> order(s.x_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (std::size_t i = order.size(); i > 1; i--) std::swap(order[i - 1], order[random.bits() % i]);
+  Scan out = s;
+  for (std::size_t i = 0; i < order.size(); i++)
+  {
+    out.x_[i] = s.x_[order[i]];
+    out.y_[i] = s.y_[order[i]];
+    out.z_[i] = s.z_[order[i]];
+  }
+  return out;
+}
+
+void expect_same_bits(const ElevationMapper& a, const ElevationMapper& b, int frame)
+{
+  for (int l = 0; l < kLayerCount; l++)
+  {
+    const auto &x = a.layer(static_cast<Layer>(l)), &y = b.layer(static_cast<Layer>(l));
+    ASSERT_EQ(std::memcmp(x.data(), y.data(), x.size() * sizeof(float)), 0)
+        << kLayerNames[static_cast<std::size_t>(l)] << " differs after frame " << frame;
+  }
+}
+}  // namespace
+
+TEST(Determinism, TheOrderOfThePointsInAFrameDoesNotMatter)
+{
+  TestMap a, b;
+  Random noise(1), order(2);
+  for (int i = 0; i < 60; i++)
+  {
+    const Scan s = drive_frame(i, noise);
+    a.update(s);
+    b.update(shuffled(s, order));
+    expect_same_bits(a.map, b.map, i);
+  }
+}
+
+TEST(Determinism, TheNumberOfThreadsDoesNotMatter)
+{
+  TestMap one({}, 1), two({}, 2), sixteen({}, 16);
+  Random noise(3);
+  for (int i = 0; i < 60; i++)
+  {
+    const Scan s = drive_frame(i, noise);
+    one.update(s);
+    two.update(s);
+    sixteen.update(s);
+    expect_same_bits(one.map, two.map, i);
+    expect_same_bits(one.map, sixteen.map, i);
+  }
+}
+
+TEST(Determinism, ARestoredMapGoesOnWithTheSameBits)
+{
+  TestMap a, b;
+  Random noise(4);
+  for (int i = 0; i < 20; i++) a.update(drive_frame(i, noise));
+  b.map.restore(a.map.save());
+  expect_same_bits(a.map, b.map, 20);
+  for (int i = 20; i < 40; i++)
+  {
+    const Scan s = drive_frame(i, noise);
+    a.update(s);
+    b.update(s);
+    expect_same_bits(a.map, b.map, i);
+  }
+}
+
+TEST(Determinism, BytesThatAreNoSavedMapAreRefused)
+{
+  TestMap m;
+  m.update(Scan().add(1, 1, 0));
+  auto bytes = m.map.save();
+  EXPECT_THROW(m.map.restore({1, 2, 3}), std::invalid_argument);
+  EXPECT_THROW(m.map.restore(std::vector<std::uint8_t>(bytes.size())), std::invalid_argument);
+  bytes.pop_back();
+  EXPECT_THROW(m.map.restore(bytes), std::invalid_argument);
+  Parameters other;
+  other.window_m = 4;
+  TestMap smaller(other);
+  EXPECT_THROW(smaller.map.restore(m.map.save()), std::invalid_argument);
+  EXPECT_EQ(m.state(1, 1), CellState::Measured);
+}
+
+TEST(Determinism, ClearForgetsEverything)
+{
+  TestMap a, fresh;
+  Random noise(5);
+  a.update(drive_frame(0, noise));
+  a.map.clear();
+  EXPECT_TRUE(a.map.empty());
+  EXPECT_EQ(a.map.save(), fresh.map.save());
+}

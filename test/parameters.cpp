@@ -1,0 +1,89 @@
+#include <gtest/gtest.h>
+#include <talus/elevation_mapper.h>
+
+using namespace talus;
+
+namespace
+{
+std::string message_of(const Parameters& p)
+{
+  try
+  {
+    p.validate();
+  }
+  catch (const std::invalid_argument& e)
+  {
+    return e.what();
+  }
+  return "";
+}
+}  // namespace
+
+TEST(Parameters, DefaultsAreThoseOfThePaperAndValid)
+{
+  const Parameters p;
+  EXPECT_NO_THROW(p.validate());
+  EXPECT_EQ(p.cells(), 160);
+  EXPECT_EQ(p.slope_threshold_rad, 0.6);
+  EXPECT_EQ(p.step_threshold_m, 0.2);
+  EXPECT_EQ(p.roughness_threshold_m, 0.2);
+}
+
+TEST(Parameters, EveryEntryOfTheTableReadsBackWhatWasSet)
+{
+  for (const auto& info : parameter_table())
+  {
+    Parameters p;
+    for (const double v : {info.min, info.max})
+    {
+      info.set(p, v);
+      EXPECT_EQ(info.get(p), v) << info.name;
+    }
+    Parameters q;
+    set_parameter(q, info.name, parameter_text(Parameters(), info));
+    EXPECT_EQ(info.get(q), info.get(Parameters())) << info.name;
+  }
+}
+
+TEST(Parameters, AnOversizedWindowIsRefusedWithItsSize)
+{
+  Parameters p;
+  p.window_m = 5000;
+  EXPECT_NE(message_of(p).find("100000 x 100000 cells"), std::string::npos) << message_of(p);
+  EXPECT_THROW(ElevationMapper{p}, std::invalid_argument);
+}
+
+TEST(Parameters, ValuesOutOfRangeAreNamedWithTheirRange)
+{
+  Parameters p;
+  p.resolution_m = 0;
+  EXPECT_NE(message_of(p).find("resolution_m = 0"), std::string::npos) << message_of(p);
+  p.resolution_m = -0.05;
+  EXPECT_NE(message_of(p).find("must be a number from"), std::string::npos) << message_of(p);
+  p = {};
+  p.weight_slope = 0.9;
+  EXPECT_NE(message_of(p).find("must be 1, not 1.5"), std::string::npos) << message_of(p);
+  p = {};
+  p.slope_threshold_rad = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(message_of(p), "");
+}
+
+TEST(Parameters, TextIsParsedWholeOrRefused)
+{
+  Parameters p;
+  set_parameter(p, "Fill_Rule", "inverse_distance");
+  EXPECT_EQ(p.fill_rule, FillRule::InverseDistance);
+  set_parameter(p, "fill_use_ray_bound", "false");
+  EXPECT_FALSE(p.fill_use_ray_bound);
+  for (const char* bad : {"", "abc", "0.05m", "1e9", "nan"})
+    EXPECT_THROW(set_parameter(p, "resolution_m", bad), std::invalid_argument) << bad;
+  EXPECT_THROW(set_parameter(p, "cleanup_frames", "1.5"), std::invalid_argument);
+}
+
+TEST(Parameters, AMisspeltNameGetsTheNearestOne)
+{
+  EXPECT_EQ(nearest_parameter_name("resolutoin_m"), "resolution_m");
+  EXPECT_EQ(nearest_parameter_name("step_treshold_m"), "step_threshold_m");
+  Parameters p;
+  EXPECT_THROW(set_parameter(p, "max_rnage_m", "10"), std::invalid_argument);
+}

@@ -1,0 +1,173 @@
+#pragma once
+#include <talus/elevation_mapper.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace talus::test
+{
+/** The backend that this executable specifies (one executable a backend, from one source). */
+inline Backend tested_backend()
+{
+#if defined(TALUS_TEST_CUDA)
+  return Backend::Cuda;
+#else
+  return Backend::Cpu;
+#endif
+}
+
+/** Reproducible numbers on every platform (splitmix64). */
+class Random
+{
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  std::uint64_t bits()
+  {
+    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+    return z ^ (z >> 31);
+  }
+  double uniform(double low, double high)
+  {
+    return low + (high - low) * static_cast<double>(bits() >> 11) * 0x1p-53;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+inline Pose translation(double x_m, double y_m, double z_m)
+{
+  Pose p;
+  p.m[3] = x_m;
+  p.m[7] = y_m;
+  p.m[11] = z_m;
+  return p;
+}
+
+/** A box that a ray can hit: closed intervals, map frame [m]. */
+struct Box
+{
+  double min[3], max[3];
+};
+
+/** Points of one scan, kept in the sensor frame; the sensor is not rotated. */
+class Scan
+{
+ public:
+  explicit Scan(double sensor_x_m = 0, double sensor_y_m = 0, double sensor_z_m = 0.7)
+      : pose_(translation(sensor_x_m, sensor_y_m, sensor_z_m))
+  {
+  }
+
+  /** Adds a point given in the map frame. */
+  Scan& add(double x_m, double y_m, double z_m)
+  {
+    x_.push_back(static_cast<float>(x_m - pose_.x()));
+    y_.push_back(static_cast<float>(y_m - pose_.y()));
+    z_.push_back(static_cast<float>(z_m - pose_.z()));
+    return *this;
+  }
+
+  /** Adds one point in the middle of each 0.05 m cell of a rectangle; `height(x, y)` gives z in the
+   * map frame. */
+  template <class Height>
+  Scan& add_surface(double x0, double y0, double x1, double y1, Height height)
+  {
+    constexpr double r = 0.05;
+    for (int iy = static_cast<int>(std::lround(y0 / r)); iy < std::lround(y1 / r); iy++)
+      for (int ix = static_cast<int>(std::lround(x0 / r)); ix < std::lround(x1 / r); ix++)
+        add((ix + 0.5) * r, (iy + 0.5) * r, height((ix + 0.5) * r, (iy + 0.5) * r));
+    return *this;
+  }
+
+  /** What a spinning scanner sees of flat ground at z = 0 and some boxes: the nearest hit of each
+   * ray. */
+  Scan& cast(
+      const std::vector<Box>& boxes, int azimuths = 720, double lowest_rad = -0.6,
+      double highest_rad = 0.1, int beams = 48)
+  {
+    for (int b = 0; b < beams; b++)
+      for (int a = 0; a < azimuths; a++)
+        cast_ray(
+            boxes, 2 * M_PI * (a + 0.37) / azimuths,
+            lowest_rad + (highest_rad - lowest_rad) * b / (beams - 1));
+    return *this;
+  }
+
+  Frame frame(double stamp_s = 0) const
+  {
+    Frame f;
+    f.stamp_s = stamp_s;
+    f.T_map_sensor = pose_;
+    f.x_m = x_.data();
+    f.y_m = y_.data();
+    f.z_m = z_.data();
+    f.size = x_.size();
+    return f;
+  }
+
+  std::vector<float> x_, y_, z_;
+  Pose pose_;
+
+ private:
+  void cast_ray(const std::vector<Box>& boxes, double azimuth, double elevation)
+  {
+    const double d[3] = {
+        std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+        std::sin(elevation)};
+    const double o[3] = {pose_.x(), pose_.y(), pose_.z()};
+    double nearest = d[2] < 0 ? -o[2] / d[2] : std::numeric_limits<double>::infinity();
+    for (const Box& box : boxes) nearest = std::min(nearest, hit(box, o, d));
+    if (nearest < 30) add(o[0] + nearest * d[0], o[1] + nearest * d[1], o[2] + nearest * d[2]);
+  }
+
+  static double hit(const Box& box, const double* o, const double* d)
+  {
+    double enter = 0, leave = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 3; i++)
+    {
+      const double a = (box.min[i] - o[i]) / d[i], b = (box.max[i] - o[i]) / d[i];
+      enter = std::max(enter, std::min(a, b));
+      leave = std::min(leave, std::max(a, b));
+    }
+    return enter <= leave ? enter : std::numeric_limits<double>::infinity();
+  }
+};
+
+/** A map with the defaults, on the tested backend, and short ways to ask it. */
+class TestMap
+{
+ public:
+  explicit TestMap(const Parameters& p = {}, int threads = 1) : map(p, tested_backend(), threads) {}
+
+  FrameReport update(const Scan& s) { return map.update(s.frame()); }
+
+  /** Value of a layer in the cell that holds (x, y) of the map frame. */
+  float at(Layer layer, double x_m, double y_m) const
+  {
+    const Window w = map.window();
+    const auto ix = static_cast<long>(std::floor(x_m / w.resolution_m)) - w.min_cell_x;
+    const auto iy = static_cast<long>(std::floor(y_m / w.resolution_m)) - w.min_cell_y;
+    if (ix < 0 || iy < 0 || ix >= w.cells || iy >= w.cells)
+      return -std::numeric_limits<float>::infinity();
+    return map.layer(layer)[static_cast<std::size_t>(iy * w.cells + ix)];
+  }
+  float ground(double x, double y) const { return at(Layer::GroundElevation, x, y); }
+  float elevation(double x, double y) const { return at(Layer::Elevation, x, y); }
+  float traversability(double x, double y) const { return at(Layer::Traversability, x, y); }
+  CellState state(double x, double y) const
+  {
+    return static_cast<CellState>(static_cast<int>(at(Layer::State, x, y)));
+  }
+
+  ElevationMapper map;
+};
+
+inline double flat(double, double) { return 0.0; }
+
+}  // namespace talus::test

@@ -1,0 +1,135 @@
+#include <gtest/gtest.h>
+#include "scene.h"
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+std::uint32_t rejected(const FrameReport& r, Reject why)
+{
+  return r.rejected[static_cast<std::size_t>(why)];
+}
+}  // namespace
+
+TEST(Stage1Accept, CountsEveryRejectedPointByItsReason)
+{
+  const float nan = std::nanf(""), inf = INFINITY;
+  Parameters p;
+  p.body_min_x_m = -0.4, p.body_max_x_m = 0.4;
+  p.body_min_y_m = -0.3, p.body_max_y_m = 0.3;
+  p.body_min_z_m = -0.6, p.body_max_z_m = 0.1;
+  p.max_range_m = 20;
+  Scan s(0, 0, 0.7);
+  s.x_ = {1, nan, 1, 0, 30, 1, 1, 0.3f, 10, inf};
+  s.y_ = {1, 0, inf, 0, 0, 1, 1, 0, 0, inf};
+  s.z_ = {-0.7f, 0, 0, 0, 0, 1.6f, -1.1f, -0.2f, -0.7f, inf};
+  TestMap m(p);
+  const FrameReport r = m.update(s);
+  EXPECT_EQ(r.points_in, 10u);
+  EXPECT_EQ(r.points_accepted, 1u);
+  EXPECT_EQ(rejected(r, Reject::NotFinite), 3u);
+  EXPECT_EQ(rejected(r, Reject::Range), 2u);  // a zero-range return, and one at 30 m
+  EXPECT_EQ(rejected(r, Reject::Height), 2u);
+  EXPECT_EQ(rejected(r, Reject::Body), 1u);
+  EXPECT_EQ(rejected(r, Reject::Outside), 1u);
+}
+
+TEST(Stage1Accept, TheHeightBandIsClosedAndMeasuredInTheSensorFrame)
+{
+  Scan s(0, 0, 10);
+  s.x_ = {1, 1.5f};
+  s.y_ = {1, 1};
+  s.z_ = {-1.0f, 1.5f};
+  TestMap m;
+  EXPECT_EQ(m.update(s).points_accepted, 2u);
+  EXPECT_FLOAT_EQ(m.ground(1, 1), 9.0f);
+}
+
+TEST(Stage1Accept, PointsFallIntoTheCellBelowThemOnBothSidesOfZero)
+{
+  Scan s(0, 0, 0.7);
+  s.add(0.051, -0.051, 0.01).add(-0.001, -0.001, 0.02).add(0.001, 0.001, 0.03);
+  TestMap m;
+  m.update(s);
+  EXPECT_NEAR(m.ground(0.075, -0.075), 0.01f, 1e-6);
+  EXPECT_NEAR(m.ground(-0.025, -0.025), 0.02f, 1e-6);
+  EXPECT_NEAR(m.ground(0.025, 0.025), 0.03f, 1e-6);
+}
+
+TEST(Stage1Accept, ARotatedSensorIsTransformedByItsPose)
+{
+  Scan s(1, 2, 0.5);
+  s.pose_.m = {0, -1, 0, 1, 1, 0, 0, 2, 0, 0, 1, 0.5};  // yaw of 90 degrees
+  s.x_ = {2};
+  s.y_ = {0.5f};
+  s.z_ = {-0.4f};
+  TestMap m;
+  m.update(s);
+  EXPECT_NEAR(m.ground(1 - 0.5 + 1e-3, 2 + 2 + 1e-3), 0.1f, 1e-6);
+}
+
+TEST(Stage1Accept, PerPointTimesUndoTheMotionDuringTheScan)
+{
+  // The sensor drives 1 m/s along x and sees the same spot, (2.01, 0.51, 0), at the beginning and
+  // the end of 0.1 s.
+  Scan s(0, 0, 0.7);
+  s.x_ = {2.01f, 2.01f - 0.1f};
+  s.y_ = {0.51f, 0.51f};
+  s.z_ = {-0.7f, -0.7f};
+  const std::vector<float> times{0.0f, 0.1f};
+  Frame f = s.frame();
+  f.time_s = times.data();
+  f.path = {{0.0, translation(0, 0, 0.7)}, {0.1, translation(0.1, 0, 0.7)}};
+  TestMap m;
+  m.map.update(f);
+  int measured = 0;
+  for (float v : m.map.layer(Layer::State)) measured += v == 1.0f;
+  EXPECT_EQ(measured, 1);
+  EXPECT_EQ(m.state(2.01, 0.51), CellState::Measured);
+}
+
+TEST(Stage1Accept, TheVoxelFilterKeepsOnePointAVoxelWhateverTheOrder)
+{
+  Parameters p;
+  p.voxel_m = 0.05;
+  Random random(7);
+  Scan forward, backward;
+  for (int i = 0; i < 4000; i++)
+    forward.add(random.uniform(1.0, 1.5), random.uniform(1.0, 1.5), random.uniform(0.0, 0.1));
+  for (std::size_t i = forward.x_.size(); i-- > 0;)
+  {
+    backward.x_.push_back(forward.x_[i]);
+    backward.y_.push_back(forward.y_[i]);
+    backward.z_.push_back(forward.z_[i]);
+  }
+  TestMap a(p), b(p);
+  const FrameReport report = a.update(forward);
+  b.update(backward);
+  // 11 x 11 x 3 voxels of the sensor frame overlap the region at most.
+  EXPECT_LE(report.points_accepted, 363u);
+  EXPECT_GE(report.points_accepted, 200u);
+  EXPECT_EQ(report.points_accepted + rejected(report, Reject::Voxel), 4000u);
+  EXPECT_EQ(a.map.save(), b.map.save());
+}
+
+TEST(Stage1Accept, AnEmptyFrameIsAFrame)
+{
+  TestMap m;
+  const FrameReport r = m.update(Scan());
+  EXPECT_EQ(r.points_in, 0u);
+  EXPECT_FALSE(m.map.empty());
+}
+
+TEST(Stage1Accept, APoseThatIsNotFiniteIsRefusedAndChangesNothing)
+{
+  TestMap m;
+  Scan good, bad;
+  good.add(1, 1, 0);
+  m.update(good);
+  const auto before = m.map.save();
+  bad.add(1, 1, 0.5);
+  bad.pose_.m[3] = std::nan("");
+  EXPECT_THROW(m.update(bad), std::invalid_argument);
+  EXPECT_EQ(m.map.save(), before);
+}

@@ -1,0 +1,130 @@
+#include <gtest/gtest.h>
+#include "scene.h"
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+/** All points at one spot, so that range and with it the variance is nearly the same. */
+Scan column(std::initializer_list<double> heights)
+{
+  Scan s(0, 0, 0.7);
+  for (double z : heights) s.add(2.025, 0.025, z);
+  return s;
+}
+double variance_at(double z, const Parameters& p)
+{
+  const double l = std::sqrt(2.025 * 2.025 + 0.025 * 0.025 + (z - 0.7) * (z - 0.7));
+  return std::pow(p.c_beam_m + p.a_beam * l, 2);
+}
+constexpr double kX = 2.025, kY = 0.025;
+}  // namespace
+
+TEST(Stage4Update, PointsInsideTheGateFuseAsTheKalmanClosedForm)
+{
+  const Parameters p;
+  TestMap m(p);
+  m.update(column({0.000, 0.010, 0.004}));
+  m.update(column({0.006, -0.003}));
+  double information = 0, sum = 0;
+  for (double z : {0.000, 0.010, 0.004, 0.006, -0.003})
+  {
+    information += 1 / variance_at(z, p);
+    sum += z / variance_at(z, p);
+  }
+  EXPECT_NEAR(m.ground(kX, kY), sum / information, 2e-6);
+  EXPECT_NEAR(m.elevation(kX, kY), sum / information, 2e-6);
+  EXPECT_NEAR(m.at(Layer::Variance, kX, kY), 1 / information, 1e-4 / information);
+}
+
+TEST(Stage4Update, ElevationKeepsTheHighestAndGroundTheLowest)
+{
+  TestMap m;
+  m.update(column({0.0, 0.3, 0.5}));
+  EXPECT_NEAR(m.ground(kX, kY), 0.0, 1e-6);
+  EXPECT_NEAR(m.elevation(kX, kY), 0.5, 1e-6);
+  m.update(
+      column({0.3}));  // between the two: above the gate of the ground, below that of the elevation
+  EXPECT_NEAR(m.ground(kX, kY), 0.0, 1e-6);
+  EXPECT_NEAR(m.elevation(kX, kY), 0.5, 1e-6);
+}
+
+TEST(Stage4Update, ALowerPointLeavesElevationAndItsVarianceAsTheyAre)
+{
+  TestMap once, twice;
+  once.update(column({0.0, 0.5}));
+  twice.update(column({0.0, 0.5}));
+  twice.update(column({0.25}));
+  EXPECT_EQ(once.map.save(), twice.map.save());
+}
+
+TEST(Stage4Update, TheVarianceHasAFloor)
+{
+  Parameters p;
+  p.min_variance_m2 = 1e-5;
+  TestMap m(p);
+  for (int i = 0; i < 100; i++) m.update(column({0.0, 0.001, -0.001}));
+  EXPECT_FLOAT_EQ(m.at(Layer::Variance, kX, kY), 1e-5f);
+}
+
+TEST(Stage4Update, ATableTopAboveSeenGroundIsPassableAndALowBeamIsNot)
+{
+  TestMap table, beam;
+  Scan ground(0, 0, 0.7);
+  ground.add_surface(1, -1, 3, 1, flat);
+  table.update(ground);
+  beam.update(ground);
+  table.update(Scan(ground).add_surface(1.8, -0.4, 2.2, 0.4, [](double, double) { return 0.72; }));
+  beam.update(Scan(ground).add_surface(1.8, -0.4, 2.2, 0.4, [](double, double) { return 0.35; }));
+  for (double y = -0.375; y < 0.4; y += 0.05)
+  {
+    EXPECT_NEAR(table.elevation(2.025, y), 0.0, 1e-5);
+    EXPECT_GT(table.traversability(2.025, y), 0.99);
+    EXPECT_NEAR(beam.elevation(2.025, y), 0.35, 1e-5);
+    EXPECT_EQ(beam.traversability(2.025, y), 0.0);
+  }
+}
+
+TEST(Stage4Update, OneFrameWithGroundAndTableTopGivesTheSameAsTwo)
+{
+  TestMap m;
+  m.update(column({0.0, 0.72}));
+  EXPECT_NEAR(m.elevation(kX, kY), 0.0, 1e-6);
+}
+
+TEST(Stage4Update, TheClimbStopsAtTheFirstGapLargerThanTheClearance)
+{
+  TestMap joined, hanging;
+  joined.update(column({0.0, 0.55, 1.1, 1.65}));  // no gap above 0.6 m: one standing thing
+  hanging.update(column({0.0, 0.3, 0.95, 1.5}));  // above 0.3 m there are 0.65 m of air
+  EXPECT_NEAR(joined.elevation(kX, kY), 1.65, 1e-6);
+  EXPECT_NEAR(hanging.elevation(kX, kY), 0.3, 1e-6);
+}
+
+TEST(Stage4Update, AnObjectSeenBeforeTheGroundUnderItHangsOnceTheGroundIsSeen)
+{
+  TestMap m;
+  m.update(column({0.75, 0.85}));
+  EXPECT_NEAR(m.elevation(kX, kY), 0.85, 1e-6);
+  m.update(column({0.0}));
+  EXPECT_NEAR(m.ground(kX, kY), 0.0, 1e-6);
+  EXPECT_NEAR(m.elevation(kX, kY), 0.0, 1e-6);
+}
+
+TEST(Stage4Update, GroundFoundLessThanTheClearanceBelowAnObjectMakesItAnObstacle)
+{
+  TestMap m;
+  m.update(column({0.4, 0.5}));
+  m.update(column({0.0}));
+  EXPECT_NEAR(m.ground(kX, kY), 0.0, 1e-6);
+  EXPECT_NEAR(m.elevation(kX, kY), 0.5, 1e-6);
+}
+
+TEST(Stage4Update, AStandingPostSeenOnlyAtItsTopStillStands)
+{
+  TestMap m;
+  m.update(column({0.0, 0.3, 0.6, 0.9, 1.2, 1.5}));
+  m.update(column({1.4}));
+  EXPECT_NEAR(m.elevation(kX, kY), 1.5, 1e-6);
+}

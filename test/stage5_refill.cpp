@@ -1,0 +1,77 @@
+#include <gtest/gtest.h>
+#include "scene.h"
+
+using namespace talus;
+using namespace talus::test;
+
+TEST(Stage5Refill, AOneSidedGuessIsRefilledWhenTheOtherSideIsSeen)
+{
+  TestMap m;
+  const auto slope = [](double x, double) { return 0.1 * (x - 1); };
+  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, slope));
+  EXPECT_EQ(m.state(1.775, 0.025), CellState::FilledOneSided);
+  EXPECT_LE(m.ground(1.775, 0.025), 0.05);
+  m.update(Scan().add_surface(2.0, -0.5, 2.5, 0.5, slope));
+  EXPECT_EQ(m.state(1.775, 0.025), CellState::FilledTwoSided);
+  EXPECT_GT(m.ground(1.775, 0.025), 0.05);
+}
+
+TEST(Stage5Refill, AReliableFillIsNotTouchedByOtherData)
+{
+  TestMap m;
+  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
+  ASSERT_EQ(m.state(1.775, 0.025), CellState::FilledTwoSided);
+  const float before = m.ground(1.775, 0.025);
+  m.update(Scan().add_surface(2.5, -0.5, 3.0, 0.5, [](double, double) { return 0.05; }));
+  EXPECT_EQ(m.ground(1.775, 0.025), before);
+}
+
+TEST(Stage5Refill, AReliableFillGivesWayToAMeasurement)
+{
+  TestMap m;
+  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
+  m.update(Scan().add(1.775, 0.025, 0.04));
+  EXPECT_EQ(m.state(1.775, 0.025), CellState::Measured);
+  EXPECT_NEAR(m.ground(1.775, 0.025), 0.04, 1e-6);
+}
+
+TEST(Stage5Refill, AWallWhoseFootWasNeverSeenGetsTheGroundBesideIt)
+{
+  TestMap m;
+  Scan s;
+  s.add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.1, -1, 3.0, 1, flat);
+  s.add_surface(2.0, -1, 2.1, 1, [](double, double) { return 0.4; });
+  s.add_surface(2.0, -1, 2.1, 1, [](double, double) { return 0.9; });
+  m.update(s);
+  EXPECT_NEAR(m.ground(2.025, 0.025), 0.0, 1e-5);
+  EXPECT_NEAR(m.elevation(2.025, 0.025), 0.9, 1e-5);
+  EXPECT_NE(m.state(2.025, 0.025), CellState::Measured);
+  EXPECT_EQ(m.traversability(2.025, 0.025), 0.0f);
+  EXPECT_GT(m.traversability(1.975, 0.025), 0.99f);  // the floor beside it stays free
+}
+
+TEST(Stage5Refill, ABranchSeenBeforeTheGroundAroundItEndsPassable)
+{
+  TestMap m;
+  const auto branch = [](double, double) { return 0.9; };
+  m.update(Scan().add_surface(2.0, -0.05, 2.1, 0.05, branch));
+  EXPECT_NEAR(m.ground(2.025, 0.025), 0.9, 1e-5);
+  Scan around;
+  around.add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.1, -1, 3.0, 1, flat);
+  m.update(around);
+  EXPECT_NEAR(m.ground(2.025, 0.025), 0.0, 1e-5);
+  EXPECT_GT(m.traversability(2.025, 0.025), 0.99f);
+  // ... and stays so when it is seen again.
+  m.update(Scan().add_surface(2.0, -0.05, 2.1, 0.05, branch));
+  EXPECT_GT(m.traversability(2.025, 0.025), 0.99f);
+}
+
+TEST(Stage5Refill, ASteepButSmoothSlopeIsGroundEverywhere)
+{
+  TestMap m;
+  const double tangent = std::tan(30 * M_PI / 180);
+  Scan s(0, 0, 0.3);
+  s.add_surface(-1, -1, 1, 1, [&](double x, double) { return tangent * x; });
+  m.update(s);
+  for (double x = -0.975; x < 1; x += 0.05) EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << x;
+}

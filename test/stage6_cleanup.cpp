@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+#include "scene.h"
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+/** A box of 0.3 m that stands at a distance in a direction given in degrees. */
+Box box_at(double distance_m, double direction_deg, double height_m = 0.6, double half_m = 0.15)
+{
+  const double x = distance_m * std::cos(direction_deg * M_PI / 180);
+  const double y = distance_m * std::sin(direction_deg * M_PI / 180);
+  return {{x - half_m, y - half_m, 0}, {x + half_m, y + half_m, height_m}};
+}
+
+int cells_above(const TestMap& m, double height_m)
+{
+  int count = 0;
+  for (float e : m.map.layer(Layer::Elevation)) count += e > height_m;
+  return count;
+}
+}  // namespace
+
+class Stage6CleanupDirections : public ::testing::TestWithParam<int>
+{
+};
+
+TEST_P(Stage6CleanupDirections, ABoxThatMovesAwayIsGoneWithinTwoFramesAndLeavesGround)
+{
+  TestMap m;
+  const Box box = box_at(2.2, GetParam());
+  for (int i = 0; i < 3; i++) m.update(Scan().cast({box}));
+  ASSERT_GE(cells_above(m, 0.1), 6);
+  m.update(Scan().cast({}));
+  m.update(Scan().cast({}));
+  EXPECT_EQ(cells_above(m, 0.05), 0);
+  for (double x = box.min[0] + 0.025; x < box.max[0]; x += 0.05)
+    for (double y = box.min[1] + 0.025; y < box.max[1]; y += 0.05)
+    {
+      // The lowest hit on the box stays as ground where it lies within the margin of the rays.
+      EXPECT_NEAR(m.ground(x, y), 0.0, Parameters().cleanup_margin_m) << x << "," << y;
+      EXPECT_GT(m.traversability(x, y), 0.8f) << x << "," << y;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    AxesDiagonalsAndBetween, Stage6CleanupDirections,
+    ::testing::Values(0, 45, 90, 135, 180, 225, 270, 315, 20, 70, 110, 200, 340));
+
+TEST(Stage6Cleanup, APostThatStaysIsNotEatenInTwoHundredFrames)
+{
+  TestMap m;
+  const Box post{{2.03, 0.41, 0}, {2.07, 0.44, 0.6}};
+  for (int i = 0; i < 200; i++)
+  {
+    Scan s(0.0007 * i, 0, 0.7);  // a slow drive, so that rays sample the post anew in each frame
+    m.update(s.cast({post}));
+    const float top = std::max(m.elevation(2.045, 0.425), m.elevation(2.055, 0.425));
+    ASSERT_GT(top, 0.4f) << "frame " << i;
+  }
+}
+
+TEST(Stage6Cleanup, AWallSeenAtAGrazingAngleStays)
+{
+  TestMap m;
+  const Box wall{{0.5, 0.80, 0}, {3.5, 0.85, 0.9}};
+  for (int i = 0; i < 50; i++) m.update(Scan(0.01 * i, 0, 0.7).cast({wall}));
+  int standing = 0, all = 0;
+  for (double x = 0.625; x < 3.4; x += 0.05, all++) standing += m.elevation(x, 0.825) > 0.5f;
+  EXPECT_EQ(standing, all);
+}
+
+TEST(Stage6Cleanup, ACellThatNoRayPassedKeepsItsObstacle)
+{
+  TestMap m;
+  const Box near_box = box_at(1.5, 10), far_box = box_at(2.6, 10);
+  for (int i = 0; i < 3; i++) m.update(Scan().cast({far_box}));
+  const float before = m.elevation(2.44, 0.451);
+  ASSERT_GT(before, 0.3f);
+  for (int i = 0; i < 5; i++) m.update(Scan().cast({near_box, far_box}));
+  EXPECT_GE(m.elevation(2.44, 0.451), before - 0.05f);
+}
+
+TEST(Stage6Cleanup, TheNumberOfFramesThatMustSeeThroughIsAParameter)
+{
+  for (const int frames : {1, 2, 4})
+  {
+    Parameters p;
+    p.cleanup_frames = frames;
+    TestMap m(p);
+    m.update(Scan().cast({box_at(2.2, 30)}));
+    int needed = 0;
+    while (cells_above(m, 0.05) > 0 && needed < 20)
+    {
+      m.update(Scan().cast({}));
+      needed++;
+    }
+    EXPECT_EQ(needed, frames);
+  }
+}

@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+#include "kernels/7_fill.h"
+#include "scene.h"
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+kernels::SideEstimate side(float height, int gap, float distance)
+{
+  kernels::SideEstimate s;
+  s.height_m = s.nearest_m = height;
+  s.gap_cells = gap;
+  s.distance_m = distance;
+  return s;
+}
+}  // namespace
+
+TEST(Stage7Fill, EveryCellLiesOnTheLineThatIsSaidToPassThroughIt)
+{
+  for (const int rings : {2, 3, 7, 80, 500})
+    for (int dx = -rings; dx <= rings; dx++)
+      for (int dy = -rings; dy <= rings; dy += rings > 100 ? 7 : 1)
+      {
+        if (dx == 0 && dy == 0) continue;
+        const int ring = std::max(std::abs(dx), std::abs(dy));
+        const auto line = kernels::line_through(dx, dy, ring, rings);
+        const auto cell = kernels::line_cell(line, ring, rings);
+        ASSERT_TRUE(cell.dx == dx && cell.dy == dy) << rings << ": " << dx << "," << dy;
+        const int index = kernels::line_index(line, rings);
+        ASSERT_TRUE(index >= 0 && index < 8 * rings) << rings << ": " << dx << "," << dy;
+        const auto again = kernels::line_from_index(index, rings);
+        ASSERT_TRUE(again.side == line.side && again.minor == line.minor);
+      }
+}
+
+TEST(Stage7Fill, MarksAreFoundAcrossWordsAndWithinLimits)
+{
+  const std::uint32_t words[3] = {1u << 5 | 1u << 31, 0u, 1u << 10};
+  const kernels::LineMarks marks{words, 1, 80};
+  EXPECT_EQ(marks.inwards(80, 0), 74);
+  EXPECT_EQ(marks.inwards(74, 0), 31);
+  EXPECT_EQ(marks.inwards(31, 0), 5);
+  EXPECT_EQ(marks.inwards(31, 6), -1);
+  EXPECT_EQ(marks.inwards(5, 0), -1);
+  EXPECT_EQ(marks.outwards(0, 80), 5);
+  EXPECT_EQ(marks.outwards(5, 80), 31);
+  EXPECT_EQ(marks.outwards(31, 80), 74);
+  EXPECT_EQ(marks.outwards(31, 73), -1);
+  EXPECT_EQ(marks.outwards(74, 80), -1);
+}
+
+TEST(Stage7Fill, Equation9InItsFormsByNumbersWorkedOutByHand)
+{
+  // Lower side 1.0 m after a gap of 1 cell, higher side 2.0 m after a gap of 3 cells; distances 2
+  // and 4 cells.
+  const auto low = side(1.0f, 1, 0.10f), high = side(2.0f, 3, 0.20f);
+  EXPECT_FLOAT_EQ(kernels::combine_sides(low, high, kernels::kFillPrinted), (4 * 1 + 3 * 2) / 7.0f);
+  EXPECT_FLOAT_EQ(
+      kernels::combine_sides(low, high, kernels::kFillExchanged), (4 * 1 + 1 * 2) / 5.0f);
+  EXPECT_FLOAT_EQ(
+      kernels::combine_sides(low, high, kernels::kFillInverseDistance), 1 + 0.1f / 0.3f);
+  EXPECT_FLOAT_EQ(kernels::combine_sides(low, high, kernels::kFillMinimum), 1.0f);
+  for (int rule = 0; rule < 4; rule++)
+    EXPECT_EQ(kernels::combine_sides(low, high, rule), kernels::combine_sides(high, low, rule));
+}
+
+TEST(Stage7Fill, TheExchangedFormIsTheLowSideNextToItAndTheAverageNextToTheHighSide)
+{
+  EXPECT_FLOAT_EQ(
+      kernels::combine_sides(side(1, 0, 0.05f), side(2, 4, 0.25f), kernels::kFillExchanged), 1.0f);
+  EXPECT_FLOAT_EQ(
+      kernels::combine_sides(side(1, 4, 0.25f), side(2, 0, 0.05f), kernels::kFillExchanged), 1.5f);
+}
+
+TEST(Stage7Fill, Equation8WeighsSamplesBySparseKernelAndPrior)
+{
+  Parameters p;
+  p.fill_samples = 2, p.fill_search_m = 1.0, p.fill_kernel_m = 1.0, p.fill_lambda = 1.0;
+  p.fill_use_ray_bound = false;
+  TestMap m(p);
+  m.update(Scan().add(1.025, 0.025, 0.10).add(0.975, 0.025, 0.04));
+  const auto k = [](double d)
+  { return (2 + std::cos(2 * M_PI * d)) / 3 * (1 - d) + std::sin(2 * M_PI * d) / (2 * M_PI); };
+  const double k1 = k(0.20), k2 = k(0.25);
+  const double expected = (1.0 * 0.04 + k1 * 0.10 + k2 * 0.04) / (1 + k1 + k2);
+  EXPECT_EQ(m.state(1.225, 0.025), CellState::FilledOneSided);
+  EXPECT_NEAR(m.ground(1.225, 0.025), expected, 1e-4);  // the kernel is tabulated in 1024 steps
+}
+
+TEST(Stage7Fill, AGapWithGroundOnBothSidesIsReliableAndOneWithOneSideIsNot)
+{
+  TestMap m;
+  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
+  EXPECT_EQ(m.state(1.775, 0.025), CellState::FilledTwoSided);
+  EXPECT_EQ(m.state(2.775, 0.025), CellState::FilledOneSided);
+  EXPECT_EQ(m.state(0.775, 0.025), CellState::FilledOneSided);
+  EXPECT_NEAR(m.ground(1.775, 0.025), 0.0, 1e-5);
+  EXPECT_TRUE(std::isnan(m.elevation(1.775, 0.025)));
+}
+
+TEST(Stage7Fill, NothingIsFilledBeyondTheSearchLength)
+{
+  Parameters p;
+  p.fill_search_m = 0.3;
+  TestMap m(p);
+  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat));
+  EXPECT_EQ(m.state(1.775, 0.025), CellState::FilledOneSided);  // 0.3 m behind the last sample
+  EXPECT_EQ(m.state(1.825, 0.025), CellState::Unknown);
+}
+
+TEST(Stage7Fill, AFillIsTheLessCertainTheFartherItsSample)
+{
+  TestMap m;
+  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat));
+  double last = 0;
+  for (double x = 1.525; x < 2.5; x += 0.05)
+  {
+    EXPECT_GT(m.at(Layer::Variance, x, 0.025), last);
+    last = m.at(Layer::Variance, x, 0.025);
+  }
+}
+
+TEST(Stage7Fill, UnseenGroundStandsBelowTheRayThatPassedOverIt)
+{
+  // The ground ends at x = 1.5 m; rays that pass its edge go down to hits far outside the window. A
+  // guess from the near side alone would go on level, above them.
+  Parameters p;
+  p.fill_use_ray_bound = false;
+  TestMap with, without(p);
+  Scan s(0, 0, 0.3);
+  s.add_surface(0.5, -0.5, 1.5, 0.5, flat);
+  for (double y = -0.475; y < 0.5; y += 0.01) s.add(4.5, y, -0.6);
+  with.update(s);
+  without.update(s);
+  EXPECT_EQ(without.ground(2.525, 0.025), 0.0f);
+  EXPECT_NEAR(
+      with.ground(2.525, 0.025), 0.3 - 0.2 * 2.525, 0.01);  // on the ray, at the cell's near edge
+}
+
+TEST(Stage7Fill, APlaneIsFilledWithoutBiasAcrossASmallGap)
+{
+  TestMap m;
+  Scan s;
+  for (double x = 1.025; x < 3; x += 0.1)
+    for (double y = -0.475; y < 0.5; y += 0.05) s.add(x, y, 0.0);
+  m.update(s);
+  for (double x = 1.075; x < 2.9; x += 0.1) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 1e-5);
+}

@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+#include "scene.h"
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+double slope_deg(const TestMap& m, double x, double y)
+{
+  const Parameters p;
+  return (1 - m.at(Layer::Slope, x, y)) * p.slope_threshold_rad * 180 / M_PI;
+}
+}  // namespace
+
+TEST(Stage8Traversability, APlaneTiltedByTenDegreesHasThatSlopeEverywhere)
+{
+  for (const double azimuth_deg : {0.0, 30.0, 45.0, 90.0, 200.0})
+  {
+    Parameters p;
+    p.min_range_m = 0.01;
+    TestMap m(p);
+    const double t = std::tan(10 * M_PI / 180), a = azimuth_deg * M_PI / 180;
+    Scan s(0, 0, 0);  // at this height the whole plane is inside the height band
+    s.add_surface(
+        -4, -4, 4, 4, [&](double x, double y) { return t * (std::cos(a) * x + std::sin(a) * y); });
+    m.update(s);
+    int cells = 0;
+    for (double x = -3.975; x < 4; x += 0.05)
+      for (double y = -3.975; y < 4; y += 0.05)
+        if (m.state(x, y) == CellState::Measured)
+        {
+          ASSERT_NEAR(slope_deg(m, x, y), 10.0, 0.1) << x << "," << y;
+          cells++;
+        }
+    EXPECT_EQ(cells, 25600);
+  }
+}
+
+TEST(Stage8Traversability, FlatGroundIsFreeToTheEdgeOfTheWindow)
+{
+  TestMap m;
+  m.update(Scan().add_surface(-4, -4, 4, 4, flat));
+  for (double v : m.map.layer(Layer::Traversability))
+  {
+    if (v == v)
+    {
+      EXPECT_NEAR(v, 1.0, 1e-6);
+    }
+  }
+  EXPECT_NEAR(m.traversability(-3.975, 3.975), 1.0, 1e-6);
+}
+
+TEST(Stage8Traversability, AWallOneCellThickBlocksAtMostItsOwnCellsAndTheirNeighbours)
+{
+  TestMap m;
+  const Box wall{{1.51, -2, 0}, {1.54, 2, 1.2}};
+  for (int i = 0; i < 5; i++)
+  {
+    Scan s(0, 0, 0.7);
+    s.add_surface(-3, -3, 3, 3, flat);  // the floor on both sides is known
+    m.update(s.cast({wall}));
+  }
+  for (double y = -1.475; y < 1.5; y += 0.05)
+  {
+    EXPECT_EQ(m.traversability(1.525, y), 0.0f) << y;
+    EXPECT_GT(m.traversability(1.425, y), 0.9f) << y;
+    EXPECT_GT(m.traversability(1.625, y), 0.9f) << y;
+  }
+}
+
+TEST(Stage8Traversability, ASlopeOfFortyDegreesIsImpassable)
+{
+  TestMap m;
+  const double t = std::tan(40 * M_PI / 180);
+  m.update(Scan().add_surface(-1, -1, 1, 1, [&](double x, double) { return t * x; }));
+  EXPECT_EQ(m.traversability(0.525, 0.525), 0.0f);
+}
+
+TEST(Stage8Traversability, Equations10To13ByNumbersWorkedOutByHand)
+{
+  // One cell 0.1 m above 48 flat neighbours. Mean of the 49: 0.1 / 49.
+  TestMap m;
+  Scan s;
+  s.add_surface(
+      1, -1, 3, 1,
+      [](double x, double y)
+      { return std::abs(x - 2.025) < 0.01 && std::abs(y - 0.025) < 0.01 ? 0.1 : 0.0; });
+  m.update(s);
+  const double mean = 0.1 / 49;
+  const double step = 1 - (2 * 0.1 - 0.0 - mean) / (2 * 0.2);
+  const double roughness = 1 - (0.1 - mean) / 0.2;
+  EXPECT_NEAR(m.at(Layer::Slope, 2.025, 0.025), 1.0, 1e-5);  // the bump is in the middle
+  EXPECT_NEAR(m.at(Layer::Step, 2.025, 0.025), step, 2e-3);  // heights are quantised to 0.24 mm
+  EXPECT_NEAR(m.at(Layer::Roughness, 2.025, 0.025), roughness, 2e-3);
+  EXPECT_NEAR(m.traversability(2.025, 0.025), 0.4 * 1.0 + 0.3 * step + 0.3 * roughness, 2e-3);
+}
+
+TEST(Stage8Traversability, AFloorCellBesideAnObstacleIsNeitherRoughNorAStep)
+{
+  TestMap m;
+  Scan s;
+  s.add_surface(1, -1, 3, 1, flat);
+  s.add_surface(2.0, -1, 2.05, 1, [](double, double) { return 0.45; });
+  m.update(s);
+  EXPECT_EQ(m.at(Layer::Step, 1.975, 0.025), 1.0f);
+  EXPECT_EQ(m.at(Layer::Roughness, 1.975, 0.025), 1.0f);
+  EXPECT_EQ(m.at(Layer::Step, 2.025, 0.025), 0.0f);
+}
+
+TEST(Stage8Traversability, TooFewNeighboursLeaveTheSlopeAndWithItTheCellUnknown)
+{
+  Parameters p;
+  p.fill_search_m = 0;
+  TestMap m(p);
+  m.update(Scan().add(2.025, 0.025, 0).add(2.075, 0.025, 0));
+  EXPECT_EQ(m.state(2.025, 0.025), CellState::Measured);
+  EXPECT_TRUE(std::isnan(m.traversability(2.025, 0.025)));
+}
+
+TEST(Stage8Traversability, UnknownCellsHaveNoFeatures)
+{
+  TestMap m;
+  m.update(Scan());
+  for (int l = static_cast<int>(Layer::Slope); l < kLayerCount; l++)
+    for (float v : m.map.layer(static_cast<Layer>(l))) ASSERT_TRUE(std::isnan(v));
+}

@@ -1,0 +1,77 @@
+#include <gtest/gtest.h>
+#include "scene.h"
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+/** Dense ground up to x = 1.5 m, a gap too wide to be filled from its far side, ground `drop_m`
+ * lower from 2.5 m on. */
+Scan gap(double drop_m, double near_until_m = 1.5)
+{
+  Scan s;
+  s.add_surface(0.5, -0.5, near_until_m, 0.5, flat);
+  if (drop_m < 1) s.add_surface(2.5, -0.5, 3.5, 0.5, [&](double, double) { return -drop_m; });
+  return s;
+}
+Parameters short_search()
+{
+  Parameters p;
+  p.fill_search_m = 0.5;
+  p.fill_use_ray_bound = false;
+  return p;
+}
+constexpr double kX = 1.525, kY = 0.025;
+}  // namespace
+
+TEST(Stage9Sparsity, Equation14ByNumbersWorkedOutByHand)
+{
+  // h_s = 0.1 m < h_c = 0.2 m: 1 - 0.1 / 0.2.
+  TestMap shallow(short_search());
+  shallow.update(gap(0.1));
+  EXPECT_NEAR(shallow.at(Layer::Sparsity, kX, kY), 0.5, 1e-5);
+  // h_s = 0.25 m >= h_c, 1.5 m away with d_c = 2 m: 1 - 0.25 * 2 / (0.2 * 1.5) < 0.
+  TestMap deep(short_search());
+  deep.update(gap(0.25));
+  EXPECT_EQ(deep.at(Layer::Sparsity, kX, kY), 0.0f);
+  EXPECT_EQ(deep.traversability(kX, kY), 0.0f);
+}
+
+TEST(Stage9Sparsity, FarAwayTheSameHeightDifferenceWeighsLess)
+{
+  // h_s = 0.25 m >= h_c, 1.5 m away (30 cells) with d_c = 0.6 m: 1 - 0.25 * 0.6 / (0.2 * 1.5) =
+  // 0.5.
+  Parameters p = short_search();
+  p.sparsity_distance_m = 0.6;
+  TestMap m(p);
+  m.update(gap(0.25));
+  EXPECT_NEAR(m.at(Layer::Sparsity, kX, kY), 0.5, 1e-4);
+}
+
+TEST(Stage9Sparsity, OneHeightOrNoneLeavesTheCellUnknown)
+{
+  TestMap m(short_search());
+  m.update(gap(2));  // nothing on the far side
+  EXPECT_EQ(m.state(kX, kY), CellState::FilledOneSided);
+  EXPECT_TRUE(std::isnan(m.at(Layer::Sparsity, kX, kY)));
+  EXPECT_TRUE(std::isnan(m.traversability(kX, kY)));
+}
+
+TEST(Stage9Sparsity, FarFromTheRobotAGuessIsJudgedByItsGeometry)
+{
+  Parameters p = short_search();
+  p.sparsity_range_m = 1.0;
+  TestMap m(p);
+  m.update(gap(2));
+  EXPECT_TRUE(std::isnan(m.at(Layer::Sparsity, kX, kY)));
+  EXPECT_GT(m.traversability(kX, kY), 0.9f);
+}
+
+TEST(Stage9Sparsity, CellsWithoutDenseDataAroundAreNotSuspicious)
+{
+  TestMap m(short_search());
+  m.update(gap(2));
+  EXPECT_FALSE(
+      std::isnan(m.traversability(1.825, kY)));  // seven cells behind the last measured one
+}
