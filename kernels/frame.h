@@ -28,6 +28,8 @@ struct FrameContext
   int storage_x, storage_y;
   /** Whole cells that the window has moved by since the last frame, limited to +-n. */
   int moved_x, moved_y;
+  /** 1 where cell (0, 0) of the window has an odd place in the map. */
+  int odd_x, odd_y;
   WindowPose poses[kMaxPathPoses];
 };
 

@@ -114,6 +114,8 @@ kernels::Config make_config(const Parameters& p)
   k.clearance_m = f(p.clearance_m);
   k.cleanup_margin_m = f(p.cleanup_margin_m);
   k.cleanup_frames = p.cleanup_frames;
+  k.object_radius =
+      std::clamp(static_cast<int>(std::lround(p.object_size_m / (4 * p.resolution_m))), 1, 16);
   k.support_slope = f(std::tan(p.slope_threshold_rad));
   k.fill_search_m = f(p.fill_search_m);
   k.fill_lambda = f(p.fill_lambda);
@@ -157,6 +159,8 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   f.moved_y = moved(y, min_cell_y);
   f.storage_x = storage(x);
   f.storage_y = storage(y);
+  f.odd_x = static_cast<int>(x & 1);
+  f.odd_y = static_cast<int>(y & 1);
   f.n_points = static_cast<int>(frame.size);
   f.pose_change2 =
       started ? static_cast<float>(pose_change_factor(last_z_axis, z_axis, p.lambda_t)) : 0.0f;

@@ -84,6 +84,10 @@ std::vector<ParameterInfo> make_table()
       entry<&Parameters::cleanup_frames>(
           "cleanup_frames", "", 1, 100,
           "consecutive frames that must see through a cell before it is cleared"),
+      entry<&Parameters::object_size_m>(
+          "object_size_m", "m", 0, 1000,
+          "measured ground narrower than this that stands out steeply is an object; at most 32 "
+          "pairs of cells"),
       entry<&Parameters::fill_search_m>(
           "fill_search_m", "m", 0, 1000,
           "how far to look for measured ground, each way along the ray"),

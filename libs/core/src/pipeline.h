@@ -99,10 +99,14 @@ class Pipeline final : public BackendInterface
 
   void refill()
   {
-    const kernels::SupportRows rows{support_low_.data(), support_top_.data()};
-    for_each_cell(kernels::GatherSupportRow{config_.data(), context_.data(), store(), rows});
+    const kernels::SupportGrid grid = support();
+    const auto pooled = [&](const auto& f) { executor_.for_each_cell(grid.side, grid.side, f); };
+    pooled(kernels::PoolSupport{config_.data(), context_.data(), store(), grid});
+    pooled(kernels::ErodeSupportRow{config_.data(), grid});
+    pooled(kernels::ErodeSupportColumn{config_.data(), grid});
+    pooled(kernels::OpenSupportRow{config_.data(), grid});
     for_each_cell(
-        kernels::ChooseRole{config_.data(), context_.data(), store(), rows, role_.data()});
+        kernels::ChooseRole{config_.data(), context_.data(), store(), grid, role_.data()});
   }
 
   void clean_up()
@@ -159,6 +163,13 @@ class Pipeline final : public BackendInterface
   {
     return {point_cell_.data(), point_rank_.data(), point_height_.data(), point_variance_.data()};
   }
+  kernels::SupportGrid support()
+  {
+    const int side = kernels::support_side(host_config_);
+    const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
+    float* p = support_.data();
+    return {side, p, p + n, p + 2 * n, p + 3 * n, p + 4 * n, p + 5 * n, p + 6 * n};
+  }
   kernels::Surfaces surfaces()
   {
     const int pad = host_config_.feature_radius_cells;
@@ -177,7 +188,7 @@ class Pipeline final : public BackendInterface
     return {p, p + n, p + 2 * n, p + 3 * n, p + 4 * n};
   }
 
-  static constexpr int kRowSumArrays = 8, kFeatureLayers = 5;
+  static constexpr int kRowSumArrays = 8, kFeatureLayers = 5, kSupportArrays = 7;
   static constexpr int kCursor = kernels::kRejectCodes;  //!< place in counters_ after the reasons
 
   Executor executor_;
@@ -201,7 +212,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint8_t> voxel_kept_, role_;
   Buffer<std::int32_t> rays_, surface_ground_, surface_height_, row_sums_;
   Buffer<std::uint32_t> marks_;
-  Buffer<float> top_hit_, support_low_, support_top_, ray_bound_;
+  Buffer<float> top_hit_, support_, ray_bound_;
   // derived layers, window order
   Buffer<float> features_, exported_;
 };
@@ -243,8 +254,9 @@ void Pipeline<Executor>::allocate_cells()
     executor_.allocate(*b, n, kernels::kNan);
   for (auto* b : {&state_, &misses_, &role_}) executor_.allocate(*b, n, std::uint8_t{0});
   for (auto* b : {&cell_count_, &cell_begin_}) executor_.allocate(*b, n, std::uint32_t{0});
-  for (auto* b : {&top_hit_, &support_low_, &support_top_, &ray_bound_, &exported_})
-    executor_.allocate(*b, n, 0.0f);
+  for (auto* b : {&top_hit_, &ray_bound_, &exported_}) executor_.allocate(*b, n, 0.0f);
+  const auto pooled = static_cast<std::size_t>(kernels::support_side(host_config_));
+  executor_.allocate(support_, kSupportArrays * pooled * pooled, 0.0f);
   executor_.allocate(counters_, kCursor + 1, std::uint32_t{0});
   executor_.allocate(features_, kFeatureLayers * n, kernels::kNan);
   executor_.allocate(row_sums_, kRowSumArrays * n, std::int32_t{0});

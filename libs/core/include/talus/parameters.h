@@ -65,6 +65,8 @@ struct Parameters
 
   /// @name Stages 5 and 7: filling
   /// @{
+  double object_size_m =
+      1.0;  //!< measured ground narrower than this that stands out steeply is an object
   double fill_search_m = 2.0;  //!< how far to look for measured ground, each way along the ray
   double fill_kernel_m = 2.0;  //!< support of the sparse kernel of eq. 8
   double fill_lambda = 1.0;  //!< weight of the prior of eq. 8, the lowest sample

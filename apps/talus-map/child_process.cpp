@@ -1,0 +1,90 @@
+#include "child_process.h"
+
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <iostream>
+#include <stdexcept>
+
+namespace talus::app
+{
+namespace
+{
+volatile std::sig_atomic_t asked_to_stop = 0;
+volatile std::sig_atomic_t running_child = 0;
+
+constexpr int kForwarded[] = {SIGINT, SIGTERM, SIGHUP};
+
+void on_signal(int signal)
+{
+  asked_to_stop = signal;
+  if (running_child > 0) ::kill(static_cast<pid_t>(running_child), SIGKILL);
+}
+
+[[noreturn]] void be_the_child(const std::function<int()>& work)
+{
+  for (const int s : kForwarded) std::signal(s, SIG_DFL);
+  // A parent that is killed cannot tidy up after its child: the child goes with it.
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  int code = 1;
+  try
+  {
+    code = work();
+  }
+  catch (const std::exception& e)
+  {
+    std::cerr << "talus-map: " << e.what() << "\n";
+  }
+  std::cout.flush();
+  std::fflush(nullptr);
+  ::_exit(code);  // not exit(): what the parent registered to be undone is the parent's
+}
+}  // namespace
+
+ChildEnd run_in_child(const std::function<int()>& work)
+{
+  std::cout.flush();
+  std::fflush(nullptr);
+  const pid_t child = ::fork();
+  if (child < 0)
+    throw std::runtime_error(std::string("cannot start a process: ") + std::strerror(errno));
+  if (child == 0) be_the_child(work);
+
+  running_child = child;
+  if (asked_to_stop) ::kill(child, SIGKILL);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR)
+  {
+  }
+  running_child = 0;
+  ChildEnd end;
+  if (WIFSIGNALED(status))
+    end.signal = WTERMSIG(status);
+  else
+    end.exit_code = WEXITSTATUS(status);
+  return end;
+}
+
+void forward_signals()
+{
+  std::signal(
+      SIGXFSZ, SIG_IGN);  // a limit on file sizes then is an error of write(), with a message
+  for (const int s : kForwarded)
+    // A program that ignores a signal (nohup) goes on ignoring it.
+    if (std::signal(s, on_signal) == SIG_IGN) std::signal(s, SIG_IGN);
+}
+
+int stop_signal() { return asked_to_stop; }
+
+std::string signal_text(int signal)
+{
+  return "signal " + std::to_string(signal) + ", " + ::strsignal(signal);
+}
+
+}  // namespace talus::app

@@ -1,0 +1,27 @@
+#pragma once
+#include <functional>
+#include <string>
+
+namespace talus::app
+{
+/** How a child process ended. */
+struct ChildEnd
+{
+  int exit_code = 0;  //!< when it ended by itself
+  int signal = 0;  //!< when a signal ended it
+};
+
+/** Runs `work` in a child process, so that a crash in it costs this process nothing, and waits. Its
+ * result is the exit code. Throws std::runtime_error when no child can be started. */
+ChildEnd run_in_child(const std::function<int()>& work);
+
+/** From now on SIGINT, SIGTERM and SIGHUP end the running child instead of this process. */
+void forward_signals();
+
+/** The signal that asked this program to stop, or 0. */
+int stop_signal();
+
+/** E.g. "signal 11, Segmentation fault". */
+std::string signal_text(int signal);
+
+}  // namespace talus::app

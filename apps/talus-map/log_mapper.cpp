@@ -1,0 +1,223 @@
+#include "log_mapper.h"
+
+#include <talus/io/rawlog_reader.h>
+#include <talus/mrpt/pose_from.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <stdexcept>
+
+namespace talus::app
+{
+namespace
+{
+/** What the backend has to say about itself is in the summary. */
+class QuietLog
+{
+ public:
+  QuietLog() : before_(std::clog.rdbuf(nullptr)) {}
+  ~QuietLog()
+  {
+    std::clog.rdbuf(before_);
+    std::clog.clear();
+  }
+  QuietLog(const QuietLog&) = delete;
+  QuietLog& operator=(const QuietLog&) = delete;
+
+ private:
+  std::streambuf* before_;
+};
+
+ElevationMapper make_map(const Settings& s)
+{
+  const QuietLog quiet;
+  return ElevationMapper(s.parameters, s.backend, s.threads);
+}
+
+std::string percent(std::uint64_t part, std::uint64_t whole)
+{
+  char text[16];
+  std::snprintf(
+      text, sizeof text, "%.0f %%",
+      whole ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0);
+  return text;
+}
+
+std::string quoted_list(const std::set<std::string>& names)
+{
+  std::string text;
+  for (const auto& n : names) text += (text.empty() ? "'" : ", '") + n + "'";
+  return text;
+}
+
+/** Without its namespace where that is MRPT's. */
+std::string class_of(const mrpt::obs::CObservation& obs)
+{
+  const std::string name = obs.GetRuntimeClass()->className, usual = "mrpt::obs::";
+  return name.rfind(usual, 0) == 0 ? name.substr(usual.size()) : name;
+}
+}  // namespace
+
+LogMapper::LogMapper(const Job& job, const Options& options, const Settings& settings)
+    : options_(options), log_(job.log), map_(make_map(settings))
+{
+  run_.version = TALUS_VERSION;
+  run_.log = job.log;
+  run_.backend = map_.backend_name();
+  run_.threads = settings.threads;
+  run_.parameters = settings.parameters;
+  run_.warnings = settings.warnings;
+}
+
+void LogMapper::run(const OnFrame& on_frame)
+{
+  io::RawlogReader reader(log_);
+  poses_ = PoseSource::of_log(log_, options_);
+  run_.pose_source = poses_.description();
+  while (const auto obs = reader.next())
+    if (take(*obs)) on_frame(*this, reader.progress());
+  if (run_.frames.empty()) explain_no_frames();
+  require_points();
+  add_warnings();
+}
+
+bool LogMapper::take(const mrpt::obs::CObservation& obs)
+{
+  if (!options_.sensor.empty() && obs.sensorLabel != options_.sensor)
+  {
+    other_labels_.insert(obs.sensorLabel);
+    return false;
+  }
+  if (!decode(obs)) return false;
+  if (scan_.x_m.empty()) return skip("no_points", "it is empty");
+  note_stamp(obs.sensorLabel);
+  return insert(obs.sensorLabel);
+}
+
+bool LogMapper::decode(const mrpt::obs::CObservation& obs)
+{
+  try
+  {
+    if (points_from_observation(obs, scan_)) return true;
+    ++run_.unsupported[class_of(obs)];
+    return false;
+  }
+  catch (const std::exception& e)
+  {
+    return skip("undecodable", e.what());
+  }
+}
+
+/** A clock may jump back: frames are taken in the order of the log, each with the pose of its own
+ * time; the jumps are counted. */
+void LogMapper::note_stamp(const std::string& label)
+{
+  first_stamp_s_ = std::min(first_stamp_s_, scan_.stamp_s);
+  final_stamp_s_ = std::max(final_stamp_s_, scan_.stamp_s);
+  const auto [last, is_first] = last_stamp_s_.emplace(label, scan_.stamp_s);
+  if (!is_first && scan_.stamp_s < last->second) ++run_.stamps_backwards;
+  last->second = scan_.stamp_s;
+}
+
+bool LogMapper::insert(const std::string& label)
+{
+  const auto T_map_base = poses_.base_at(scan_.stamp_s);
+  if (!T_map_base) return skip("no_pose", "there is no pose within --max-gap");
+  Frame frame;
+  frame.stamp_s = scan_.stamp_s;
+  frame.T_map_sensor = pose_from(*T_map_base + scan_.T_base_sensor);
+  frame.x_m = scan_.x_m.data();
+  frame.y_m = scan_.y_m.data();
+  frame.z_m = scan_.z_m.data();
+  frame.size = scan_.x_m.size();
+  const auto too_low = [&](float z) { return z < run_.parameters.min_height_m; };
+  const auto below = std::count_if(scan_.z_m.begin(), scan_.z_m.end(), too_low);
+  frame.path = poses_.sensor_path(scan_);
+  if (!frame.path.empty()) frame.time_s = scan_.time_s.data();
+  try
+  {
+    run_.frames.push_back(map_.update(frame));
+  }
+  catch (const std::invalid_argument& e)
+  {
+    return skip("bad_pose", e.what());
+  }
+  if (frame.time_s) ++run_.frames_deskewed;
+  ++run_.sensors[label];
+  points_below_ += static_cast<std::uint64_t>(below);
+  last_T_map_base_ = *T_map_base;
+  return true;
+}
+
+bool LogMapper::skip(const std::string& reason, const std::string& why)
+{
+  ++run_.skipped[reason];
+  first_skip_.emplace(reason, why);
+  return false;
+}
+
+void LogMapper::explain_no_frames() const
+{
+  const std::string start = log_ + ": no scan of this log could be mapped: ";
+  for (const char* reason : {"undecodable", "bad_pose", "no_points"})
+    if (run_.skipped.count(reason) && !run_.skipped.count("no_pose"))
+      throw std::runtime_error(start + first_skip_.at(reason));
+  if (run_.skipped.count("no_pose"))
+    throw std::runtime_error(start + poses_.why_no_pose(first_stamp_s_, final_stamp_s_));
+  if (!run_.unsupported.empty())
+  {
+    std::set<std::string> classes;
+    for (const auto& entry : run_.unsupported) classes.insert(entry.first);
+    throw std::runtime_error(
+        start + "it holds only " + quoted_list(classes) +
+        ", and scans are CObservationPointCloud, CObservationVelodyneScan, "
+        "CObservationRotatingScan, CObservation3DRangeScan and CObservation2DRangeScan");
+  }
+  if (!other_labels_.empty())
+    throw std::runtime_error(
+        start + "no sensor is called '" + options_.sensor + "'; this log has " +
+        quoted_list(other_labels_) + ": choose one of them with --sensor");
+  throw std::runtime_error(start + "it holds no observations");
+}
+
+void LogMapper::require_points() const
+{
+  const auto sum = io::totals_of(run_.frames);
+  if (sum.accepted > 0) return;
+  std::string text = log_ + ": none of its " + std::to_string(sum.in) + " points was accepted: ";
+  for (int i = 0; i < kRejectCount; ++i)
+    if (sum.rejected[i] > 0)
+      text += percent(sum.rejected[i], sum.in) + " " + kRejectNames[i] + ", ";
+  throw std::runtime_error(
+      text +
+      "see min_height_m, max_height_m (in the sensor frame), min_range_m, max_range_m and "
+      "window_m, which -s NAME=VALUE sets");
+}
+
+void LogMapper::add_warnings()
+{
+  auto& warnings = run_.warnings;
+  const auto sum = io::totals_of(run_.frames);
+  if (points_below_ > sum.accepted)
+    warnings.push_back(
+        percent(points_below_, sum.in) + " of all points are dropped because they lie below " +
+        parameter_text(run_.parameters, *find_parameter("min_height_m")) +
+        " m in the sensor frame, perhaps the ground itself: set min_height_m below it");
+  if (run_.sensors.size() > 1)
+  {
+    std::set<std::string> labels;
+    for (const auto& entry : run_.sensors) labels.insert(entry.first);
+    warnings.push_back("mapped several sensors: " + quoted_list(labels) + "; --sensor chooses one");
+  }
+  for (const auto& [reason, count] : run_.skipped)
+    warnings.push_back(
+        std::to_string(count) + (count == 1 ? " scan was" : " scans were") + " skipped (" + reason +
+        "): " + first_skip_.at(reason));
+  if (run_.stamps_backwards > 0)
+    warnings.push_back(
+        "the time stamps go back " + std::to_string(run_.stamps_backwards) +
+        " times; frames were taken in the order of the log, each at the pose of its time");
+}
+
+}  // namespace talus::app

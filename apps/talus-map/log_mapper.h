@@ -1,0 +1,62 @@
+#pragma once
+#include "job.h"
+#include "pose_source.h"
+#include "settings.h"
+
+#include <talus/elevation_mapper.h>
+#include <talus/io/summary_json.h>
+
+#include <mrpt/obs/CObservation.h>
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+
+namespace talus::app
+{
+/** Feeds the scans of one log to a map and keeps count. */
+class LogMapper
+{
+ public:
+  /** Called after every frame that reached the map. */
+  using OnFrame = std::function<void(const LogMapper&, double progress)>;
+
+  /** Throws what ElevationMapper throws. */
+  LogMapper(const Job& job, const Options& options, const Settings& settings);
+
+  /** Reads the log to its end. Throws std::runtime_error when it cannot be read, has no poses, or
+   * no scan of it is usable: the message says why and what to do. */
+  void run(const OnFrame& on_frame);
+
+  const ElevationMapper& map() const { return map_; }
+  const mrpt::poses::CPose3D& last_base() const { return last_T_map_base_; }
+  const io::RunSummary& summary() const { return run_; }
+  io::RunSummary& summary() { return run_; }
+
+ private:
+  bool take(const mrpt::obs::CObservation& obs);
+  bool decode(const mrpt::obs::CObservation& obs);
+  bool insert(const std::string& label);
+  bool skip(const std::string& reason, const std::string& why);
+  void note_stamp(const std::string& label);
+  [[noreturn]] void explain_no_frames() const;
+  void require_points() const;
+  void add_warnings();
+
+  const Options& options_;
+  std::string log_;
+  PoseSource poses_;
+  ElevationMapper map_;
+  io::RunSummary run_;
+  SensorPoints scan_;
+  mrpt::poses::CPose3D last_T_map_base_;
+  std::map<std::string, double> last_stamp_s_;  //!< by sensor label
+  std::map<std::string, std::string> first_skip_;  //!< what was wrong first, by reason
+  std::set<std::string> other_labels_;  //!< of sensors that were not asked for
+  std::uint64_t points_below_ = 0;  //!< under the height band
+  double first_stamp_s_ = HUGE_VAL, final_stamp_s_ = -HUGE_VAL;  //!< of all scans
+};
+
+}  // namespace talus::app

@@ -1,0 +1,137 @@
+#include "options.h"
+
+#include <talus/mrpt/parameters_ini.h>
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <iostream>
+
+namespace talus::app
+{
+namespace
+{
+constexpr const char* kFooter =
+    "Writes into DIR: map.tif (GeoTIFF, a band a layer), map.png (the layers side by side), "
+    "timing.csv (a\n"
+    "row a frame), summary.json. They appear together when a log is done; a log that fails writes "
+    "nothing.\n"
+    "\n"
+    "Poses, the first of: --static, --trajectory, NAME.tum beside NAME.rawlog, those that the log "
+    "holds.\n"
+    "\n"
+    "Examples:\n"
+    "  talus-map --static scan.rawlog\n"
+    "      a single scan, or a robot that stood still: scan_map/map.png\n"
+    "  talus-map drive.rawlog --trajectory drive.tum --output out\n"
+    "  talus-map logs/*.rawlog --output out\n"
+    "      one folder a log: out/NAME/; logs/NAME.tum is found by itself\n"
+    "  talus-map car.rawlog -s min_height_m=-2.5 -s window_m=40 -s resolution_m=0.2\n"
+    "      a sensor 1.9 m above the ground; --parameters lists everything that can be set\n"
+    "  talus-map drive.rawlog --config robot.ini --every 10\n"
+    "      also map and picture of each tenth frame: drive_map/frames/\n"
+    "\n"
+    "Exit codes: 0 done, 1 a log failed, 2 wrong usage.";
+
+void print_parameters()
+{
+  const Parameters defaults;
+  std::printf("Parameters for -s NAME=VALUE and for --config, with their defaults:\n");
+  for (const auto& info : parameter_table())
+  {
+    const std::string value = parameter_text(defaults, info) + " " + info.unit;
+    std::printf("  %-22s %-12s %s\n", info.name, value.c_str(), info.description);
+    if (info.choices.empty()) continue;
+    std::string choices;
+    for (const char* c : info.choices) choices += std::string(choices.empty() ? "" : ", ") + c;
+    std::printf("  %-35s one of: %s\n", "", choices.c_str());
+  }
+}
+
+void add_inputs(CLI::App& app, Options& o)
+{
+  app.add_option("LOG", o.logs, "Rawlogs (.rawlog, .rawlog.gz); several are a batch")
+      ->required()
+      ->type_name("");
+  auto* trajectory =
+      app.add_option(
+             "--trajectory", o.trajectory,
+             "Poses of the robot: TUM text (t x y z qx qy qz qw, base in map) or .simplemap")
+          ->type_name("FILE");
+  app.add_flag("--static", o.robot_is_static, "The robot does not move; needs no poses")
+      ->excludes(trajectory);
+  app.add_option(
+         "--max-gap", o.max_gap_s, "Scans between poses farther apart than this are skipped [s]")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str()
+      ->type_name("S");
+  app.add_option("--sensor", o.sensor, "Only the sensor of this label (default: every sensor)")
+      ->type_name("LABEL");
+}
+
+void add_processing(CLI::App& app, Options& o)
+{
+  app.add_option(
+         "--config", o.config,
+         "INI file with [CDualElevationMap_creationOpts] and [CDualElevationMap_insertOpts]")
+      ->type_name("FILE.ini");
+  app.add_option("-s,--set", o.overrides, "Set a parameter, after --config; can be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME=VALUE");
+  app.add_option_function<std::string>(
+         "--backend", [&o](const std::string& text) { o.backend = backend_from_text(text); },
+         "auto, cpu or cuda: the results are the same to the last bit (default: auto)")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}, CLI::ignore_case))
+      ->type_name("NAME");
+  app.add_option_function<int>(
+         "--threads", [&o](int n) { o.threads = n; },
+         "Threads of the CPU backend, 0: all cores (default: 0)")
+      ->check(CLI::Range(0, 1024))
+      ->type_name("N");
+}
+
+void add_outputs(CLI::App& app, Options& o)
+{
+  app.add_option(
+         "--output", o.output,
+         "Folder of the results; a batch makes one folder a log in it (default: NAME_map)")
+      ->type_name("DIR");
+  app.add_option("--every", o.every, "Also write map and picture of every Nth frame")
+      ->check(CLI::Range(1, 1000000000))
+      ->type_name("N");
+  app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
+}
+}  // namespace
+
+std::optional<int> parse_options(int argc, char** argv, Options& options)
+{
+  CLI::App app{
+      "Maps the terrain around a robot from the LiDAR scans of MRPT rawlogs.", "talus-map"};
+  add_inputs(app, options);
+  add_processing(app, options);
+  add_outputs(app, options);
+  app.add_flag_callback(
+      "--parameters",
+      []
+      {
+        print_parameters();
+        throw CLI::Success();
+      },
+      "List all parameters with defaults and meaning");
+  app.set_version_flag("--version", std::string("talus-map ") + TALUS_VERSION);
+  app.footer(kFooter);
+  app.failure_message(
+      [](const CLI::App*, const CLI::Error& e)
+      { return std::string("talus-map: ") + e.what() + "\nRun 'talus-map --help' for usage.\n"; });
+  try
+  {
+    app.parse(argc, argv);
+  }
+  catch (const CLI::ParseError& e)
+  {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  return std::nullopt;
+}
+
+}  // namespace talus::app

@@ -1,0 +1,33 @@
+#pragma once
+#include <talus/elevation_mapper.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace talus::app
+{
+/** What the command line says. */
+struct Options
+{
+  std::vector<std::string> logs;
+  std::string trajectory;  //!< empty: beside the log, or within it
+  bool robot_is_static = false;
+  double max_gap_s = 0.5;  //!< longest time between two poses that is interpolated
+  std::string sensor;  //!< label, empty: every sensor
+
+  std::string config;  //!< INI file, empty: none
+  std::vector<std::string> overrides;  //!< name=value
+  std::optional<Backend> backend;
+  std::optional<int> threads;
+
+  std::string output;  //!< empty: NAME_map for NAME.rawlog
+  int every = 0;  //!< snapshots of every Nth frame, 0: none
+  bool quiet = false;
+};
+
+/** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
+ * program, or nothing: go on. */
+std::optional<int> parse_options(int argc, char** argv, Options& options);
+
+}  // namespace talus::app

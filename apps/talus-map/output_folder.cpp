@@ -1,0 +1,144 @@
+#include "output_folder.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <regex>
+#include <stdexcept>
+
+namespace fs = std::filesystem;
+
+namespace talus::app
+{
+namespace
+{
+constexpr const char* kSnapshots = "frames";
+constexpr const char* kReplaced = ".replaced";  // in the hidden folder: what was there before
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what)
+{
+  throw std::runtime_error(
+      path.string() + ": " + what + "; give a folder that you may write to with --output");
+}
+
+/** Everything below a folder that is not a folder, relative to it; summary.json, which says that a
+ * run is complete, comes last. */
+std::vector<fs::path> files_below(const fs::path& folder)
+{
+  const fs::path last = "summary.json";
+  std::vector<fs::path> files;
+  bool has_last = false;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+  {
+    if (entry.is_directory()) continue;
+    const fs::path relative = entry.path().lexically_relative(folder);
+    if (relative == last)
+      has_last = true;
+    else
+      files.push_back(relative);
+  }
+  if (has_last) files.push_back(last);
+  return files;
+}
+}  // namespace
+
+OutputFolder::OutputFolder(const std::string& folder)
+    : folder_(fs::absolute(folder).lexically_normal())
+{
+  try
+  {
+    if (!folder_.has_filename()) folder_ = folder_.parent_path();
+    fs::path so_far;
+    for (const auto& part : folder_)
+    {
+      so_far /= part;
+      std::error_code ec;
+      if (fs::is_directory(so_far, ec)) continue;
+      if (fs::exists(so_far, ec)) fail(so_far, "cannot write results there: this is not a folder");
+      if (!fs::create_directory(so_far, ec))
+        fail(so_far, "cannot make this folder: " + ec.message());
+      made_.push_back(so_far);
+    }
+    std::string name = (folder_ / ".talus-map.XXXXXX").string();
+    if (!::mkdtemp(name.data()))
+      fail(folder_, std::string("cannot write there: ") + std::strerror(errno));
+    staging_ = name;
+  }
+  catch (...)
+  {
+    remove_made_folders();
+    throw;
+  }
+}
+
+OutputFolder::~OutputFolder()
+{
+  std::error_code ignored;
+  fs::remove_all(staging_, ignored);
+  remove_made_folders();
+}
+
+void OutputFolder::remove_made_folders() noexcept
+{
+  // Only empty folders go.
+  std::error_code ec;
+  for (auto it = made_.rbegin(); it != made_.rend() && fs::remove(*it, ec); ++it)
+  {
+  }
+}
+
+void OutputFolder::replace(const fs::path& relative, Moves& done)
+{
+  const fs::path from = staging_ / relative, to = folder_ / relative;
+  const fs::path aside = staging_ / kReplaced / relative;
+  fs::create_directories(to.parent_path());
+  if (fs::is_directory(to))
+    throw std::runtime_error(
+        to.string() + ": cannot be replaced, a folder has this name; rename it or write elsewhere");
+  if (fs::exists(fs::symlink_status(to)))
+  {
+    fs::create_directories(aside.parent_path());
+    fs::rename(to, aside);
+    done.emplace_back(to, aside);
+  }
+  fs::rename(from, to);
+  done.emplace_back(from, to);
+}
+
+/** Snapshots of another run would be taken for those of this one. */
+void OutputFolder::set_aside_old_snapshots(Moves& done)
+{
+  static const std::regex ours("frame_[0-9]{6,}\\.(tif|png)");
+  if (!fs::is_directory(folder_ / kSnapshots) || !fs::is_directory(staging_ / kSnapshots)) return;
+  std::vector<fs::path> old;
+  for (const auto& entry : fs::directory_iterator(folder_ / kSnapshots))
+    if (entry.is_regular_file() && std::regex_match(entry.path().filename().string(), ours))
+      old.push_back(entry.path());
+  const fs::path aside = staging_ / kReplaced / kSnapshots;
+  fs::create_directories(aside);
+  for (const auto& file : old)
+  {
+    fs::rename(file, aside / file.filename());
+    done.emplace_back(file, aside / file.filename());
+  }
+}
+
+void OutputFolder::commit()
+{
+  Moves done;
+  try
+  {
+    const auto files = files_below(staging_);
+    set_aside_old_snapshots(done);
+    for (const auto& file : files) replace(file, done);
+  }
+  catch (...)
+  {
+    std::error_code ignored;
+    for (auto it = done.rbegin(); it != done.rend(); ++it)
+      fs::rename(it->second, it->first, ignored);
+    throw;
+  }
+}
+
+}  // namespace talus::app

@@ -1,0 +1,43 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace talus::app
+{
+/** A folder whose new files appear together at the end, or not at all: they are written into a
+ * hidden folder inside of it and moved by commit(). Until then, and when anything fails, what was
+ * there before stays as it is; folders that were made for nothing are removed. */
+class OutputFolder
+{
+ public:
+  /** Makes the folder and the hidden one. Throws std::runtime_error that says why nothing can be
+   * written there and what to do. */
+  explicit OutputFolder(const std::string& folder);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  /** Where to write. */
+  std::string staging() const { return staging_.string(); }
+
+  /** Moves everything out of staging(); files of the same name are replaced. Throws
+   * std::runtime_error; then nothing has changed. */
+  void commit();
+
+ private:
+  using Moves = std::vector<std::pair<std::filesystem::path, std::filesystem::path>>;
+
+  void replace(const std::filesystem::path& relative, Moves& done);
+  void set_aside_old_snapshots(Moves& done);
+  void remove_made_folders() noexcept;
+
+  std::filesystem::path folder_, staging_;
+  std::vector<std::filesystem::path> made_;  //!< folders that did not exist before, outermost first
+};
+
+/** Throws std::runtime_error when no OutputFolder could be made there; leaves nothing behind. */
+inline void require_writable(const std::string& folder) { const OutputFolder trial(folder); }
+
+}  // namespace talus::app

@@ -1,0 +1,145 @@
+#include "run_job.h"
+
+#include "child_process.h"
+#include "log_mapper.h"
+#include "output_folder.h"
+#include "progress_bar.h"
+#include "report.h"
+
+#include <talus/mrpt/parameters_ini.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <new>
+
+namespace talus::app
+{
+namespace
+{
+constexpr int kDone = 0, kFailed = 1;
+
+/** What an exception says; the hidden folder of the results is called by the name that the user
+ * knows. */
+std::string told(const std::exception& e, const Job& job, const std::string& staging)
+{
+  std::string text = e.what();
+  for (auto at = text.find(staging); !staging.empty() && at != std::string::npos;
+       at = text.find(staging, at + job.folder.size()))
+    text.replace(at, staging.size(), job.folder);
+  return text;
+}
+
+void map_log(
+    const Job& job, const Options& options, const Settings& settings, const std::string& label,
+    const std::string& folder)
+{
+  const auto start = std::chrono::steady_clock::now();
+  LogMapper mapper(job, options, settings);
+  {
+    ProgressBar bar(label, !options.quiet);
+    mapper.run(
+        [&](const LogMapper& m, double progress)
+        {
+          const auto frames = m.summary().frames.size();
+          const bool is_snapshot = options.every > 0 && frames % options.every == 0;
+          if (is_snapshot) write_snapshot(folder, m);
+          if (is_snapshot) ++mapper.summary().snapshots;
+          bar.show(progress, "frame " + std::to_string(frames));
+        });
+  }
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+  mapper.summary().wall_s = wall.count();
+  write_results(folder, mapper);
+  const auto& warnings = mapper.summary().warnings;  // those of the settings have been told
+  for (std::size_t i = settings.warnings.size(); i < warnings.size(); ++i)
+    print_error("warning: " + job.log + ": " + warnings[i]);
+  if (!options.quiet) std::cout << console_summary(mapper);
+}
+
+/** In the child: the exit code. */
+int map_or_tell(
+    const Job& job, const Options& options, const Settings& settings, const std::string& label,
+    const std::string& staging)
+{
+  try
+  {
+    map_log(job, options, settings, label, staging);
+    return kDone;
+  }
+  catch (const std::bad_alloc&)
+  {
+    print_error(job.log + ": not enough memory; try a smaller window_m or a larger resolution_m");
+  }
+  catch (const std::exception& e)
+  {
+    print_error(told(e, job, staging));
+  }
+  return kFailed;
+}
+
+std::string crash_text(const std::string& log, int signal)
+{
+  if (signal == SIGKILL)
+    return log +
+           ": was killed while it was mapped, perhaps for want of memory; nothing was "
+           "written. Try a smaller window_m or a larger resolution_m";
+  return log + ": crashed the program (" + signal_text(signal) +
+         ") while it was read or mapped; nothing was written. The file is probably corrupt: "
+         "compare "
+         "it with its source, or look at it with rawlog-edit --info";
+}
+}  // namespace
+
+void print_error(const std::string& text) { std::cerr << "talus-map: " << text << "\n"; }
+
+bool run_job(
+    const Job& job, const Options& options, const Settings& settings, const std::string& label)
+{
+  try
+  {
+    OutputFolder output(job.folder);
+    const ChildEnd end =
+        run_in_child([&] { return map_or_tell(job, options, settings, label, output.staging()); });
+    if (stop_signal())
+      print_error(job.log + ": stopped; nothing was written");
+    else if (end.signal)
+      print_error(crash_text(job.log, end.signal));
+    else if (end.exit_code == kDone)
+    {
+      output.commit();
+      return true;
+    }
+  }
+  catch (const std::exception& e)
+  {
+    print_error(job.log + ": " + e.what());
+  }
+  return false;
+}
+
+bool settings_work(const Settings& settings)
+{
+  const auto make = [&]
+  {
+    try
+    {
+      ElevationMapper(settings.parameters, settings.backend, settings.threads);
+      return kDone;
+    }
+    catch (const std::exception& e)
+    {
+      print_error(
+          "--backend " + backend_text(settings.backend) + ": " + e.what() +
+          "; --backend cpu gives the same map");
+      return kFailed;
+    }
+  };
+  const ChildEnd end = run_in_child(make);
+  if (end.signal) print_error("the backend crashed: " + signal_text(end.signal));
+  return end.signal == 0 && end.exit_code == kDone;
+}
+
+}  // namespace talus::app

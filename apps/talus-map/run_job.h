@@ -1,0 +1,22 @@
+#pragma once
+#include "job.h"
+#include "settings.h"
+
+#include <string>
+
+namespace talus::app
+{
+/** Maps one log in a child process, so that a crash over a corrupt file costs one log, and lets the
+ * results appear when all of them are written. `label` goes before the progress bar. True when
+ * done; else the reason has been printed. */
+bool run_job(
+    const Job& job, const Options& options, const Settings& settings, const std::string& label);
+
+/** Checks, in a child process, that the map can be made with these settings. False when not: the
+ * reason has been printed. */
+bool settings_work(const Settings& settings);
+
+/** Prints "talus-map: ..." to stderr. */
+void print_error(const std::string& text);
+
+}  // namespace talus::app

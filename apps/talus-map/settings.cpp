@@ -1,0 +1,121 @@
+#include "settings.h"
+
+#include <talus/mrpt/parameters_ini.h>
+
+#include <mrpt/config/CConfigFile.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <stdexcept>
+
+namespace fs = std::filesystem;
+
+namespace talus::app
+{
+namespace
+{
+constexpr const char* kPrefix = "CDualElevationMap";
+
+std::string lower(std::string s)
+{
+  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return std::tolower(c); });
+  return s;
+}
+
+/** The prefix of a section that this program reads, or nothing: `CDualElevationMap_insertOpts`, and
+ * as in a multi-map `map_CDualElevationMap_00_insertOpts`. */
+std::string prefix_of(const std::string& section)
+{
+  for (const char* ending : {"_creationopts", "_insertopts"})
+  {
+    const std::string s = lower(section), e = ending;
+    if (s.size() <= e.size() || s.compare(s.size() - e.size(), e.size(), e) != 0) continue;
+    const std::string prefix = section.substr(0, section.size() - e.size());
+    if (lower(prefix).find(lower(kPrefix)) != std::string::npos) return prefix;
+  }
+  return {};
+}
+
+/** The one map that an INI file describes. */
+std::string find_prefix(const std::string& file, const mrpt::config::CConfigFileBase& cfg)
+{
+  std::vector<std::string> sections;
+  cfg.getAllSections(sections);
+  std::set<std::string> prefixes;
+  for (const auto& section : sections)
+    if (const auto prefix = prefix_of(section); !prefix.empty()) prefixes.insert(prefix);
+  if (prefixes.size() == 1) return *prefixes.begin();
+  if (prefixes.count(kPrefix)) return kPrefix;
+  std::string found;
+  for (const auto& p : prefixes) found += (found.empty() ? "" : ", ") + p;
+  if (!found.empty())
+    throw std::runtime_error(
+        file + ": describes several maps (" + found +
+        "); leave one of them, or name its sections [" + kPrefix + "_creationOpts] and [" +
+        kPrefix + "_insertOpts]");
+  throw std::runtime_error(
+      file + ": has neither a section [" + kPrefix + "_creationOpts] nor [" + kPrefix +
+      "_insertOpts]; put the parameters into these");
+}
+
+void require_file(const std::string& path)
+{
+  std::error_code ec;
+  if (!fs::exists(path, ec))
+    throw std::runtime_error(path + ": no such file; check the path given to --config");
+  if (fs::is_directory(path, ec))
+    throw std::runtime_error(path + ": is a directory; give an INI file to --config");
+  if (!std::ifstream(path))
+    throw std::runtime_error(path + ": cannot be opened; check its permissions");
+}
+
+void load_file(const std::string& path, Settings& s)
+{
+  require_file(path);
+  const mrpt::config::CConfigFile cfg(path);
+  const std::string prefix = find_prefix(path, cfg);
+  try
+  {
+    for (const auto& warning : load_parameters(cfg, prefix, s.parameters))
+      s.warnings.push_back(path + ": " + warning);
+    load_execution(cfg, prefix, s.backend, s.threads);
+  }
+  catch (const std::exception& e)
+  {
+    throw std::runtime_error(path + ": " + e.what());
+  }
+}
+
+void apply_override(const std::string& text, Parameters& p)
+{
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw std::runtime_error("--set " + text + ": must be NAME=VALUE, for example window_m=20");
+  std::string name = text.substr(0, equals);
+  if (!find_parameter(name) && find_parameter(name + "_m")) name += "_m";
+  try
+  {
+    set_parameter(p, name, text.substr(equals + 1));
+  }
+  catch (const std::invalid_argument& e)
+  {
+    throw std::runtime_error("--set " + text + ": " + e.what());
+  }
+}
+}  // namespace
+
+Settings load_settings(const Options& options)
+{
+  Settings s;
+  if (!options.config.empty()) load_file(options.config, s);
+  for (const auto& text : options.overrides) apply_override(text, s.parameters);
+  s.parameters.validate();
+  if (options.backend) s.backend = *options.backend;
+  if (options.threads) s.threads = *options.threads;
+  return s;
+}
+
+}  // namespace talus::app

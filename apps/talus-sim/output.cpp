@@ -1,0 +1,102 @@
+#include "output.h"
+
+#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/maps/CPointsMapXYZI.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/poses/CPose3DQuat.h>
+#include <mrpt/serialization/CArchive.h>
+#include <talus/io/geotiff.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+
+namespace talus::sim
+{
+namespace
+{
+mrpt::poses::CPose3D to_mrpt(const Pose& T)
+{
+  mrpt::math::CMatrixDouble33 R;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) R(r, c) = T.m[4 * r + c];
+  return mrpt::poses::CPose3D(R, mrpt::math::CMatrixDouble31({T.x(), T.y(), T.z()}));
+}
+
+/** Stamp of a frame: whole microseconds, so that texts hold it exactly. */
+mrpt::Clock::time_point stamp_of(const Drive& drive, int frame)
+{
+  const auto since_start = std::chrono::microseconds(std::llround(drive.time_s(frame) * 1e6));
+  return mrpt::Clock::fromDouble(kFirstStamp_s) + since_start;
+}
+
+mrpt::obs::CObservationPointCloud observation(const World& world, const Drive& drive, int frame)
+{
+  const Scan scan = drive.scan(frame);
+  auto points = mrpt::maps::CPointsMapXYZI::Create();
+  points->reserve(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    points->insertPointFast(scan.x_m[i], scan.y_m[i], scan.z_m[i]);
+    points->setPointIntensity(i, scan.intensity[i]);
+  }
+  mrpt::obs::CObservationPointCloud obs;
+  obs.pointcloud = points;
+  obs.sensorLabel = "lidar";
+  obs.sensorPose = to_mrpt(world.sensor.T_base_sensor);
+  obs.timestamp = stamp_of(drive, frame);
+  return obs;
+}
+
+}  // namespace
+
+void write_rawlog(
+    const std::string& path, const World& world, const Drive& drive,
+    const std::function<void(int)>& progress)
+{
+  mrpt::io::CFileGZOutputStream file;
+  if (!file.open(path, 1)) throw std::runtime_error("'" + path + "' cannot be written");
+  auto archive = mrpt::serialization::archiveFrom(file);
+  for (int i = 0; i < drive.frames(); ++i)
+  {
+    archive << observation(world, drive, i);
+    progress(i + 1);
+  }
+  file.close();
+}
+
+void write_tum(const std::string& path, const Drive& drive, bool noisy)
+{
+  std::ofstream out(path);
+  out << "# t[s] x[m] y[m] z[m] qx qy qz qw of the base in the map\n";
+  for (int i = 0; i < drive.frames(); ++i)
+  {
+    const mrpt::poses::CPose3DQuat p(
+        to_mrpt(noisy ? drive.T_map_base_noisy(i) : drive.T_map_base(i)));
+    const auto& q = p.quat();
+    char line[256];
+    std::snprintf(
+        line, sizeof(line), "%.6f %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n",
+        mrpt::Clock::toDouble(stamp_of(drive, i)), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.r());
+    out << line;
+  }
+  out.close();
+  if (!out) throw std::runtime_error("'" + path + "' cannot be written");
+}
+
+void write_truth(const std::string& path, const Truth& truth, const World& world, double time_s)
+{
+  io::LayerStack stack;
+  stack.cells_x = truth.window.cells_x;
+  stack.cells_y = truth.window.cells_y;
+  stack.resolution_m = truth.window.resolution_m;
+  stack.min_x_m = truth.window.min_x_m;
+  stack.min_y_m = truth.window.min_y_m;
+  stack.names = {"ground", "obstacle_top", "underside", "label"};
+  stack.layers = {truth.ground, truth.obstacle_top, truth.underside, truth.label};
+  io::write_geotiff(path, stack, {{"world", world.name}, {"time_s", std::to_string(time_s)}});
+}
+
+}  // namespace talus::sim

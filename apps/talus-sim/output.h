@@ -1,0 +1,25 @@
+#pragma once
+#include <talus/sim/drive.h>
+#include <talus/sim/truth.h>
+
+#include <functional>
+#include <string>
+
+namespace talus::sim
+{
+/** Time stamp of the first frame of every drive [s since the epoch]. */
+constexpr double kFirstStamp_s = 1700000000.0;
+
+/** Every frame as a CObservationPointCloud with label "lidar". `progress` gets the frames done.
+ * Throws std::runtime_error naming the file. */
+void write_rawlog(
+    const std::string& path, const World& world, const Drive& drive,
+    const std::function<void(int)>& progress);
+
+/** The base in the map at each stamp, as TUM text: the truth, or as the drive's pose errors say. */
+void write_tum(const std::string& path, const Drive& drive, bool noisy);
+
+/** Four bands: ground, obstacle_top, underside, label. */
+void write_truth(const std::string& path, const Truth& truth, const World& world, double time_s);
+
+}  // namespace talus::sim

@@ -1,0 +1,28 @@
+#pragma once
+#include <talus/elevation_mapper.h>
+
+#include <string>
+#include <vector>
+
+namespace talus::io
+{
+/** Layers of one window with where they lie: what the writers of files and pictures take. Owns its
+ * data. */
+struct LayerStack
+{
+  int cells_x = 0, cells_y = 0;
+  double resolution_m = 0;
+  double min_x_m = 0, min_y_m = 0;  //!< outer corner of cell (0,0), map frame
+  std::vector<std::string> names;
+  /** One entry a name; each cells_x*cells_y floats, index = iy*cells_x + ix, iy grows with y
+   * (north). NaN: unknown. */
+  std::vector<std::vector<float>> layers;
+
+  /** The layer of that name, or nullptr. */
+  const std::vector<float>* find(const std::string& name) const;
+};
+
+/** All layers of a map, in the order of kLayerNames. */
+LayerStack snapshot(const ElevationMapper& map);
+
+}  // namespace talus::io

@@ -1,0 +1,25 @@
+#pragma once
+#include <talus/io/layer_stack.h>
+
+#include <opencv2/core.hpp>
+
+namespace talus::io
+{
+struct PictureOptions
+{
+  std::string title;  //!< e.g. the name of the log and the time
+  /** The robot in the map frame; drawn as an arrow when has_robot. */
+  bool has_robot = false;
+  double robot_x_m = 0, robot_y_m = 0, robot_yaw_rad = 0;
+};
+
+/** The picture a person looks at: the layers side by side, colour scales with units, axes in
+ * metres, the robot and a legend of the cell states. 8-bit BGR. */
+cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options = {});
+
+/** draw_map() into a PNG, whole or not at all. Throws std::runtime_error naming the file and the
+ * reason. */
+void write_map_picture(
+    const std::string& path, const LayerStack& stack, const PictureOptions& options = {});
+
+}  // namespace talus::io

@@ -1,0 +1,42 @@
+#pragma once
+#include <mrpt/obs/CObservation.h>
+#include <talus/io/trajectory.h>
+
+#include <memory>
+#include <string>
+
+namespace talus::io
+{
+/** Reads a rawlog (plain or gz, observation-only or action/sensory-frame format, external files
+ * included) front to back, one observation at a time. Not thread safe, nor are two readers of logs
+ * with external files at once: where such files lie is a global of MRPT. */
+class RawlogReader
+{
+ public:
+  /** Throws std::runtime_error that names the file and says what is wrong and what to do: missing,
+   * a directory, empty, not a rawlog, gz file cut short (trailer checked). */
+  explicit RawlogReader(const std::string& path);
+  ~RawlogReader();
+  RawlogReader(const RawlogReader&) = delete;
+  RawlogReader& operator=(const RawlogReader&) = delete;
+
+  /** The next observation, or nullptr at the end of the log; those of a sensory frame one by one.
+   * Externally stored points and depth images are loaded. Throws std::runtime_error naming the file
+   * and the byte offset (after decompression) of the object that cannot be read. */
+  mrpt::obs::CObservation::Ptr next();
+
+  /** Fraction of the log read so far, 0..1, for progress bars. */
+  double progress() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/** The poses that a log holds itself: CObservationRobotPose, else CObservationOdometry, else its
+ * action pairs (odometry integrated from the origin), in that order of preference; of several
+ * labels the one with the most poses. `source` gets a few words for messages. Empty when the log
+ * has none. Throws as RawlogReader. */
+Trajectory trajectory_from_rawlog(const std::string& path, std::string* source = nullptr);
+
+}  // namespace talus::io

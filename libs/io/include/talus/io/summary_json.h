@@ -1,0 +1,59 @@
+#pragma once
+#include <talus/elevation_mapper.h>
+#include <talus/io/layer_stack.h>
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace talus::io
+{
+/** Everything that summary.json tells about one run. */
+struct RunSummary
+{
+  std::string version;  //!< of talus
+  std::string log;  //!< the rawlog
+  std::string backend;  //!< as ElevationMapper::backend_name()
+  int threads = 0;  //!< as asked for, 0: all cores
+  std::string pose_source;  //!< where the poses came from, in words
+  double wall_s = 0;  //!< of the whole run, reading included
+
+  std::vector<FrameReport> frames;  //!< those that reached the map
+  std::map<std::string, std::size_t> skipped;  //!< scans that did not, by reason
+  std::map<std::string, std::size_t> sensors;  //!< frames by sensor label
+  std::map<std::string, std::size_t> unsupported;  //!< other observations, by class name
+  std::size_t stamps_backwards = 0;  //!< frames older than the one before of the same sensor
+  std::size_t frames_deskewed = 0;
+  std::size_t snapshots = 0;
+  std::vector<std::string> warnings;
+
+  Parameters parameters;
+};
+
+/** Cells by where their ground height comes from, as fractions of the window (0..1). */
+struct Coverage
+{
+  double measured = 0, filled_two_sided = 0, filled_one_sided = 0, unknown = 1;
+};
+
+/** Counts the layer `state`; all unknown when the stack has none. */
+Coverage coverage_of(const LayerStack& stack);
+
+/** Points over all frames. */
+struct PointTotals
+{
+  std::uint64_t in = 0, accepted = 0;
+  std::array<std::uint64_t, kRejectCount> rejected{};  //!< indexed by Reject
+};
+
+PointTotals totals_of(const std::vector<FrameReport>& frames);
+
+/** The JSON text. `stack` is the map after the last frame. */
+std::string summary_json(const RunSummary& run, const LayerStack& stack);
+
+/** summary_json() into a file, whole or not at all. Throws std::runtime_error naming the file and
+ * the reason. */
+void write_summary_json(const std::string& path, const RunSummary& run, const LayerStack& stack);
+
+}  // namespace talus::io

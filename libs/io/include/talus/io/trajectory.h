@@ -1,0 +1,40 @@
+#pragma once
+#include <mrpt/poses/CPose3D.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace talus::io
+{
+/** Poses of the robot's base in the map frame over time, in ascending order of time. */
+class Trajectory
+{
+ public:
+  struct Entry
+  {
+    double time_s = 0;  //!< seconds since the epoch
+    mrpt::poses::CPose3D T_map_base;
+  };
+
+  Trajectory() = default;
+  /** Sorts by time; of entries with the same time the last stays. */
+  explicit Trajectory(std::vector<Entry> entries);
+
+  /** TUM text (`t x y z qx qy qz qw` a line, # comments), or an MRPT .simplemap[.gz] by its ending.
+   * Throws std::runtime_error that names the file, the line and what is wrong. */
+  static Trajectory load(const std::string& path);
+
+  /** The pose at a time: interpolated (linear and slerp) between neighbours no more than
+   * `max_gap_s` apart. Inside a longer gap and outside the trajectory: the pose of an entry no more
+   * than 1 ms away (stamps may have been rounded), else nothing. */
+  std::optional<mrpt::poses::CPose3D> at(double time_s, double max_gap_s) const;
+
+  bool empty() const { return entries_.empty(); }
+  const std::vector<Entry>& entries() const { return entries_; }
+
+ private:
+  std::vector<Entry> entries_;
+};
+
+}  // namespace talus::io

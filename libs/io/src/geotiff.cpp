@@ -1,0 +1,179 @@
+#include <talus/io/geotiff.h>
+
+#include <talus/io/atomic_file.h>
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <gdal_frmts.h>
+#include <gdal_priv.h>
+#include <ogr_spatialref.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+
+namespace talus::io
+{
+namespace
+{
+struct CloseDataset
+{
+  void operator()(GDALDataset* d) const { GDALClose(d); }
+};
+using DatasetPtr = std::unique_ptr<GDALDataset, CloseDataset>;
+
+/** Collects what GDAL reports while it lives, instead of letting it print. */
+class GdalErrors
+{
+ public:
+  GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::handler, this); }
+  ~GdalErrors() { CPLPopErrorHandler(); }
+  GdalErrors(const GdalErrors&) = delete;
+  GdalErrors& operator=(const GdalErrors&) = delete;
+
+  bool any() const { return !first_.empty(); }
+  const std::string& text() const { return first_; }
+
+ private:
+  static void CPL_STDCALL handler(CPLErr level, CPLErrorNum, const char* message)
+  {
+    auto* self = static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
+    if (level >= CE_Failure && self->first_.empty()) self->first_ = message;
+  }
+  std::string first_;
+};
+
+[[noreturn]] void fail(const std::string& path, const char* what, const GdalErrors& errors)
+{
+  throw std::runtime_error(path + ": " + what + (errors.any() ? ": " + errors.text() : ""));
+}
+
+GDALDriver& geotiff_driver()
+{
+  static const bool once = (GDALRegister_GTiff(), true);
+  (void)once;
+  auto* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+  if (!driver) throw std::runtime_error("this GDAL was built without its GeoTIFF driver");
+  return *driver;
+}
+
+/** Metres from the origin of the map: belongs nowhere on the globe. */
+OGRSpatialReference map_frame()
+{
+  OGRSpatialReference frame;
+  frame.SetLocalCS("talus map frame");
+  frame.SetLinearUnits(SRS_UL_METER, 1.0);
+  return frame;
+}
+
+void check_shape(const std::string& path, const LayerStack& s)
+{
+  const bool sound = s.cells_x > 0 && s.cells_y > 0 && s.resolution_m > 0 && !s.layers.empty() &&
+                     s.names.size() == s.layers.size();
+  if (!sound) throw std::runtime_error(path + ": nothing to write: the map has no cells or layers");
+  for (std::size_t i = 0; i < s.layers.size(); ++i)
+    if (s.layers[i].size() != static_cast<std::size_t>(s.cells_x) * s.cells_y)
+      throw std::runtime_error(
+          path + ": layer '" + s.names[i] + "' does not have " + std::to_string(s.cells_x) + " x " +
+          std::to_string(s.cells_y) + " cells");
+}
+
+DatasetPtr create(const std::string& file, const LayerStack& s)
+{
+  CPLStringList options;
+  options.SetNameValue("COMPRESS", "DEFLATE");
+  options.SetNameValue("PREDICTOR", "3");
+  options.SetNameValue("INTERLEAVE", "BAND");
+  options.SetNameValue("TILED", "YES");
+  options.SetNameValue("BIGTIFF", "IF_SAFER");
+  return DatasetPtr(geotiff_driver().Create(
+      file.c_str(), s.cells_x, s.cells_y, static_cast<int>(s.layers.size()), GDT_Float32, options));
+}
+
+/** One layer, its last row (the northernmost) first. */
+bool write_band(GDALRasterBand& band, const std::string& name, std::vector<float> cells)
+{
+  const int nx = band.GetXSize(), ny = band.GetYSize();
+  band.SetDescription(name.c_str());
+  band.SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+  const GSpacing pixel = sizeof(float), line = -static_cast<GSpacing>(nx) * pixel;
+  float* last_row = cells.data() + static_cast<std::size_t>(ny - 1) * nx;
+  return band.RasterIO(
+             GF_Write, 0, 0, nx, ny, last_row, nx, ny, GDT_Float32, pixel, line, nullptr) ==
+         CE_None;
+}
+}  // namespace
+
+void write_geotiff(
+    const std::string& path, const LayerStack& stack,
+    const std::map<std::string, std::string>& metadata)
+{
+  check_shape(path, stack);
+  AtomicFile file(path);
+  GdalErrors errors;
+  DatasetPtr dataset = create(file.temporary_path(), stack);
+  if (!dataset) fail(path, "cannot write this GeoTIFF", errors);
+
+  double north_up[6] = {stack.min_x_m,
+                        stack.resolution_m,
+                        0,
+                        stack.min_y_m + stack.cells_y * stack.resolution_m,
+                        0,
+                        -stack.resolution_m};
+  const OGRSpatialReference frame = map_frame();
+  dataset->SetGeoTransform(north_up);
+  dataset->SetSpatialRef(&frame);
+  for (const auto& [key, value] : metadata) dataset->SetMetadataItem(key.c_str(), value.c_str());
+  for (std::size_t i = 0; i < stack.layers.size(); ++i)
+    if (!write_band(
+            *dataset->GetRasterBand(static_cast<int>(i) + 1), stack.names[i], stack.layers[i]))
+      fail(path, "cannot write this GeoTIFF", errors);
+  dataset.reset();
+  if (errors.any()) fail(path, "cannot write this GeoTIFF", errors);
+  file.commit();
+}
+
+LayerStack read_geotiff(const std::string& path)
+{
+  std::error_code ec;
+  if (!std::filesystem::exists(path, ec)) throw std::runtime_error(path + ": no such file");
+  geotiff_driver();
+  GdalErrors errors;
+  const char* const only_geotiff[] = {"GTiff", nullptr};
+  DatasetPtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER, only_geotiff));
+  if (!dataset) fail(path, "cannot read this file as a GeoTIFF", errors);
+  double t[6];
+  if (dataset->GetGeoTransform(t) != CE_None || t[2] != 0 || t[4] != 0 || !(t[1] > 0) ||
+      !(std::abs(t[1] + t[5]) <= 1e-9 * t[1]))
+    fail(path, "not a north-up GeoTIFF with square cells", errors);
+
+  LayerStack stack;
+  stack.cells_x = dataset->GetRasterXSize();
+  stack.cells_y = dataset->GetRasterYSize();
+  stack.resolution_m = t[1];
+  stack.min_x_m = t[0];
+  stack.min_y_m = t[3] - stack.cells_y * t[1];
+  for (auto* band : dataset->GetBands())
+  {
+    const GSpacing pixel = sizeof(float), line = -pixel * stack.cells_x;
+    std::vector<float> cells(static_cast<std::size_t>(stack.cells_x) * stack.cells_y);
+    float* last_row = cells.data() + static_cast<std::size_t>(stack.cells_y - 1) * stack.cells_x;
+    if (band->RasterIO(
+            GF_Read, 0, 0, stack.cells_x, stack.cells_y, last_row, stack.cells_x, stack.cells_y,
+            GDT_Float32, pixel, line, nullptr) != CE_None)
+      fail(path, "cannot read this GeoTIFF", errors);
+    int has_nodata = 0;
+    const auto nodata = static_cast<float>(band->GetNoDataValue(&has_nodata));
+    if (has_nodata)
+      for (float& v : cells)
+        if (v == nodata) v = std::numeric_limits<float>::quiet_NaN();
+    stack.names.emplace_back(band->GetDescription());
+    stack.layers.push_back(std::move(cells));
+  }
+  return stack;
+}
+
+}  // namespace talus::io

@@ -1,0 +1,155 @@
+#include "picture_style.h"
+
+#include "picture_canvas.h"
+
+#include <talus/io/quantile.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus::io
+{
+namespace
+{
+const std::vector<LayerStyle>& known_styles()
+{
+  static const std::vector<LayerStyle> styles{
+      {"elevation", "Elevation [m]", Palette::Heights, "", "", false},
+      {"ground_elevation", "Ground elevation [m]", Palette::Heights, "", "", false},
+      {"state", "Where the ground height comes from", Palette::States, "", "", false},
+      {"traversability", "Traversability", Palette::Scores, "blocked", "free", false},
+      {"slope", "Slope score", Palette::Scores, "too steep", "level", false},
+      {"step", "Step score", Palette::Scores, "too high", "no step", false},
+      {"roughness", "Roughness score", Palette::Scores, "too rough", "smooth", false},
+      {"sparsity", "Sparsity score (near one-sided fills)", Palette::Scores, "ditch?", "harmless",
+       false},
+      {"variance", "Ground height, standard deviation [m]", Palette::Amounts, "", "", true}};
+  return styles;
+}
+
+/** Red over yellow to green, evenly light on both sides (ColorBrewer RdYlGn), BGR. */
+cv::Mat red_to_green()
+{
+  const std::vector<cv::Vec3b> stops{{38, 0, 165},    {39, 48, 215},   {67, 109, 244},
+                                     {97, 174, 253},  {139, 224, 254}, {191, 255, 255},
+                                     {139, 239, 217}, {106, 217, 166}, {99, 189, 102},
+                                     {80, 152, 26},   {55, 104, 0}};
+  cv::Mat colours(256, 1, CV_8UC3);
+  for (int i = 0; i < 256; ++i)
+  {
+    const double at = i / 255.0 * static_cast<double>(stops.size() - 1);
+    const auto below = std::min(static_cast<std::size_t>(at), stops.size() - 2);
+    const double part = at - static_cast<double>(below);
+    for (int k = 0; k < 3; ++k)
+      colours.at<cv::Vec3b>(i)[k] =
+          cv::saturate_cast<uchar>((1 - part) * stops[below][k] + part * stops[below + 1][k]);
+  }
+  return colours;
+}
+
+cv::Mat opencv_colours(int map)
+{
+  cv::Mat grey(256, 1, CV_8U), colours;
+  for (int i = 0; i < 256; ++i) grey.at<uchar>(i) = static_cast<uchar>(i);
+  cv::applyColorMap(grey, colours, map);
+  return colours;
+}
+
+cv::Vec3b unknown_colour()
+{
+  return {
+      static_cast<uchar>(kUnknownColour[0]), static_cast<uchar>(kUnknownColour[1]),
+      static_cast<uchar>(kUnknownColour[2])};
+}
+}  // namespace
+
+const std::array<StateStyle, 4>& state_styles()
+{
+  static const std::array<StateStyle, 4> styles{
+      {{"unknown", unknown_colour()},
+       {"measured", {150, 82, 20}},
+       {"filled, 2 sides", {226, 178, 96}},
+       {"filled, 1 side", {20, 150, 236}}}};
+  return styles;
+}
+
+std::vector<LayerStyle> styles_of(const LayerStack& stack)
+{
+  std::vector<LayerStyle> styles;
+  for (const auto& s : known_styles())
+    if (stack.find(s.layer)) styles.push_back(s);
+  for (const auto& name : stack.names)
+  {
+    const auto same = [&](const LayerStyle& s) { return s.layer == name; };
+    if (std::none_of(styles.begin(), styles.end(), same))
+      styles.push_back({name, name, Palette::Amounts, "", "", false});
+  }
+  return styles;
+}
+
+std::vector<float> shown_values(const LayerStack& stack, const LayerStyle& style)
+{
+  std::vector<float> values = *stack.find(style.layer);
+  if (style.square_root)
+    for (float& v : values) v = std::sqrt(v);
+  return values;
+}
+
+ColourRange robust_range(std::vector<float> values, float least_span)
+{
+  const auto unknown = [](float v) { return !std::isfinite(v); };
+  values.erase(std::remove_if(values.begin(), values.end(), unknown), values.end());
+  if (values.empty()) return {};
+  const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
+  ColourRange range{quantile(values, 0.01), quantile(values, 0.99), false, false};
+  const float missing = least_span - (range.high - range.low);
+  if (missing > 0)
+  {
+    range.low -= missing / 2;
+    range.high += missing / 2;
+  }
+  range.values_below = *smallest < range.low;
+  range.values_above = *largest > range.high;
+  return range;
+}
+
+cv::Mat colours_of(Palette palette)
+{
+  switch (palette)
+  {
+    case Palette::Heights:
+      return opencv_colours(cv::COLORMAP_TURBO);
+    case Palette::Scores:
+      return red_to_green();
+    default:
+      return opencv_colours(cv::COLORMAP_VIRIDIS);
+  }
+}
+
+cv::Mat paint_cells(
+    const std::vector<float>& values, int cells_x, int cells_y, Palette palette,
+    const ColourRange& range)
+{
+  const cv::Mat colours = colours_of(palette);
+  cv::Mat image(cells_y, cells_x, CV_8UC3, kUnknownColour);
+  for (int iy = 0; iy < cells_y; ++iy)
+    for (int ix = 0; ix < cells_x; ++ix)
+    {
+      const float v = values[static_cast<std::size_t>(iy) * cells_x + ix];
+      if (!std::isfinite(v)) continue;
+      auto& pixel = image.at<cv::Vec3b>(cells_y - 1 - iy, ix);
+      if (palette == Palette::States)
+      {
+        pixel = state_styles()[v >= 1 && v <= 3 ? static_cast<std::size_t>(v) : 0].colour;
+        continue;
+      }
+      const float part = (v - range.low) / (range.high - range.low);
+      pixel = colours.at<cv::Vec3b>(
+          static_cast<int>(std::lround(255 * std::min(1.0F, std::max(0.0F, part)))));
+    }
+  return image;
+}
+
+}  // namespace talus::io

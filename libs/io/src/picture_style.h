@@ -1,0 +1,63 @@
+#pragma once
+#include <talus/io/layer_stack.h>
+
+#include <opencv2/core.hpp>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace talus::io
+{
+enum class Palette
+{
+  Heights,  //!< turbo: every decimetre of a slope gets a colour of its own
+  Amounts,  //!< viridis: more is lighter
+  Scores,  //!< 0 red (bad) over yellow to 1 green (good)
+  States  //!< one colour for each CellState
+};
+
+/** How one layer is shown. */
+struct LayerStyle
+{
+  std::string layer;  //!< name in the stack
+  std::string title;  //!< with the unit
+  Palette palette = Palette::Amounts;
+  std::string low_word, high_word;  //!< meaning of 0 and of 1, of scores
+  bool square_root = false;  //!< a variance, shown as a standard deviation
+};
+
+/** Values that the ends of a colour scale stand for. */
+struct ColourRange
+{
+  float low = 0, high = 1;
+  bool values_below = false, values_above = false;  //!< some lie beyond the ends
+};
+
+/** The legend of the layer `state`, in the order of CellState; the first is unknown. */
+struct StateStyle
+{
+  const char* word;
+  cv::Vec3b colour;
+};
+const std::array<StateStyle, 4>& state_styles();
+
+/** The layers of a stack in the order in which they are shown. */
+std::vector<LayerStyle> styles_of(const LayerStack& stack);
+
+/** The values to show: those of the layer, or their square roots. */
+std::vector<float> shown_values(const LayerStack& stack, const LayerStyle& style);
+
+/** From the smallest to the largest value, but for the outermost 1 % of them, and at least
+ * `least_span` wide. NaN is ignored. */
+ColourRange robust_range(std::vector<float> values, float least_span);
+
+/** 256 colours from low to high, a column of one pixel each (256 x 1, BGR). */
+cv::Mat colours_of(Palette palette);
+
+/** One pixel a cell, north up, cells without a value in kUnknownColour. */
+cv::Mat paint_cells(
+    const std::vector<float>& values, int cells_x, int cells_y, Palette palette,
+    const ColourRange& range);
+
+}  // namespace talus::io

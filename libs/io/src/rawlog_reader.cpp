@@ -1,0 +1,111 @@
+#include <talus/io/rawlog_reader.h>
+
+#include <mrpt/io/lazy_load_path.h>
+#include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationStereoImages.h>
+#include <mrpt/obs/CRawlog.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <talus/io/mrpt_error.h>
+
+#include <deque>
+#include <filesystem>
+
+#include "rawlog_stream.h"
+
+using mrpt::obs::CObservation;
+
+namespace fs = std::filesystem;
+
+namespace talus::io
+{
+namespace
+{
+/** Where the external files of a log lie. CRawlog::detectImagesDirectory() of MRPT 2.5 forgets the
+ * slash before the names unless the log is in the current directory; where rawlog-edit has written
+ * there all the same, its answer is taken. */
+std::string externals_directory(const std::string& log)
+{
+  const fs::path path(log);
+  fs::path name = path.filename();
+  if (name.extension() == ".gz") name = name.stem();
+  const std::string stem = name.stem().string();
+  std::error_code ignored;
+  for (const auto& candidate : {stem + "_Images", stem + "_IMAGES", std::string("Images")})
+    if (const auto folder = path.parent_path() / candidate; fs::is_directory(folder, ignored))
+      return folder.string();
+  const auto by_mrpt = mrpt::obs::CRawlog::detectImagesDirectory(log);
+  if (fs::is_directory(by_mrpt, ignored)) return by_mrpt;
+  return (path.parent_path() / (stem + "_Images")).string();
+}
+
+}  // namespace
+
+struct RawlogReader::Impl
+{
+  explicit Impl(const std::string& path) : stream(path), externals(externals_directory(path)) {}
+
+  /** Reads on until an observation is pending or the log ends. */
+  void fill();
+  void load(const CObservation& obs);
+
+  RawlogStream stream;
+  std::string externals;  //!< directory of the externally stored data
+  std::deque<CObservation::Ptr> pending;  //!< of the sensory frame read last
+};
+
+/** Pictures load themselves on first access: a log without its picture files can still be mapped.
+ */
+void RawlogReader::Impl::load(const CObservation& obs)
+{
+  if (dynamic_cast<const mrpt::obs::CObservationImage*>(&obs)) return;
+  if (dynamic_cast<const mrpt::obs::CObservationStereoImages*>(&obs)) return;
+  try
+  {
+    mrpt::io::setLazyLoadPathBase(externals);  // global in MRPT: another reader may have set it
+    obs.load();
+  }
+  catch (const std::exception& e)
+  {
+    stream.fail(
+        "('" + obs.sensorLabel + "') has external data that cannot be loaded from " + externals +
+        " (" + reason_of(e) + "). Put that directory beside the log");
+  }
+}
+
+void RawlogReader::Impl::fill()
+{
+  while (pending.empty())
+  {
+    const auto object = stream.next();
+    if (!object) return;
+    if (auto obs = std::dynamic_pointer_cast<CObservation>(object))
+      pending.push_back(obs);
+    else if (auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object))
+      pending.assign(frame->begin(), frame->end());
+
+    if (!pending.empty() &&
+        std::dynamic_pointer_cast<mrpt::obs::CObservationComment>(pending.front()))
+      pending.pop_front();  // the text that describes the log
+  }
+}
+
+RawlogReader::RawlogReader(const std::string& path) : impl_(std::make_unique<Impl>(path))
+{
+  impl_->fill();  // what is no rawlog shows at once
+}
+RawlogReader::~RawlogReader() = default;
+
+CObservation::Ptr RawlogReader::next()
+{
+  impl_->fill();
+  if (impl_->pending.empty()) return nullptr;
+  const auto obs = impl_->pending.front();
+  impl_->pending.pop_front();
+  impl_->load(*obs);
+  return obs;
+}
+
+double RawlogReader::progress() const { return impl_->stream.progress(); }
+
+}  // namespace talus::io

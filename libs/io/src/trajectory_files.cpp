@@ -1,0 +1,166 @@
+#include <mrpt/core/Clock.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/maps/registerAllClasses.h>
+#include <mrpt/obs/registerAllClasses.h>
+#include <talus/io/mrpt_error.h>
+#include <talus/io/trajectory.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+#include <string_view>
+
+#include "input_file.h"
+
+using mrpt::poses::CPose3D;
+
+namespace talus::io
+{
+namespace
+{
+constexpr const char* kTumColumns = "t x y z qx qy qz qw";
+
+[[noreturn]] void fail_at_line(
+    const std::string& path, std::size_t line, const std::string& what, const std::string& remedy)
+{
+  throw std::runtime_error(path + ":" + std::to_string(line) + ": " + what + ". " + remedy + ".");
+}
+
+/** A word as it can be printed: short, and without control characters. */
+std::string quoted(std::string_view word)
+{
+  std::string out(word.substr(0, 24));
+  for (char& c : out)
+    if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';
+  return "'" + out + (word.size() > 24 ? "..." : "") + "'";
+}
+
+/** The words of a line, separated by blanks, up to a comment. */
+std::vector<std::string_view> words_of(std::string_view line)
+{
+  constexpr std::string_view kBlank = " \t\r";
+  line = line.substr(0, line.find('#'));
+  std::vector<std::string_view> words;
+  for (auto begin = line.find_first_not_of(kBlank); begin != std::string_view::npos;)
+  {
+    const auto end = std::min(line.find_first_of(kBlank, begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    begin = line.find_first_not_of(kBlank, end);
+  }
+  return words;
+}
+
+/** The eight numbers of a TUM line, in its order. */
+std::array<double, 8> parse_numbers(
+    const std::vector<std::string_view>& words, const std::string& path, std::size_t line)
+{
+  if (words.size() != 8)
+    fail_at_line(
+        path, line, std::to_string(words.size()) + " words instead of the 8 numbers " + kTumColumns,
+        "Correct or delete the line");
+  std::array<double, 8> v{};
+  for (std::size_t i = 0; i < v.size(); ++i)
+  {
+    const char* end = words[i].data() + words[i].size();
+    const auto [stop, error] = std::from_chars(words[i].data(), end, v[i]);
+    if (error != std::errc() || stop != end)
+      fail_at_line(
+          path, line, quoted(words[i]) + " is not a number",
+          std::string("TUM lines are ") + kTumColumns + ", separated by blanks");
+    if (!std::isfinite(v[i]))
+      fail_at_line(path, line, quoted(words[i]) + " is not finite", "Delete lines without a pose");
+  }
+  return v;
+}
+
+Trajectory::Entry parse_line(
+    const std::vector<std::string_view>& words, const std::string& path, std::size_t line)
+{
+  const auto v = parse_numbers(words, path, line);
+  constexpr double kLatestStamp_s = 1e11;
+  if (std::abs(v[0]) > kLatestStamp_s)
+    fail_at_line(
+        path, line, "time stamp " + quoted(words[0]) + " is far too large for seconds",
+        "Convert milli-, micro- or nanoseconds to seconds");
+
+  const double norm = std::sqrt(v[4] * v[4] + v[5] * v[5] + v[6] * v[6] + v[7] * v[7]);
+  constexpr double kNormTolerance = 0.05;  // two digits a number are enough to stay inside
+  if (std::abs(norm - 1) > kNormTolerance)
+    fail_at_line(
+        path, line, "quaternion has norm " + std::to_string(norm) + " instead of 1",
+        std::string("Check the columns: ") + kTumColumns);
+  const mrpt::math::CQuaternionDouble q(v[7] / norm, v[4] / norm, v[5] / norm, v[6] / norm);
+  return {v[0], CPose3D(q, v[1], v[2], v[3])};
+}
+
+std::vector<Trajectory::Entry> load_tum(const std::string& path)
+{
+  std::ifstream file(path);
+  std::vector<Trajectory::Entry> entries;
+  std::string text;
+  for (std::size_t line = 1; std::getline(file, text); ++line)
+  {
+    const auto words = words_of(text);
+    if (!words.empty()) entries.push_back(parse_line(words, path, line));
+  }
+  if (entries.empty())
+    throw std::runtime_error(path + ": holds no poses. One a line is needed: " + kTumColumns + ".");
+  return entries;
+}
+
+mrpt::maps::CSimpleMap read_simplemap(const std::string& path)
+{
+  verified_size(path);
+  mrpt::obs::registerAllClasses_mrpt_obs();
+  mrpt::maps::registerAllClasses_mrpt_maps();
+  mrpt::maps::CSimpleMap map;
+  std::string reason = "unknown format";
+  try
+  {
+    if (map.loadFromFile(path)) return map;
+  }
+  catch (const std::exception& e)
+  {
+    reason = reason_of(e);
+  }
+  throw std::runtime_error(
+      path + ": not a simplemap (" + reason + "). Pass a .simplemap of MRPT or a TUM text file.");
+}
+
+/** The pose of each keyframe at the time stamps of its observations. */
+std::vector<Trajectory::Entry> load_simplemap(const std::string& path)
+{
+  const auto map = read_simplemap(path);
+  std::vector<Trajectory::Entry> entries;
+  for (const auto& keyframe : map)
+    if (keyframe.pose && keyframe.sf)
+      for (const auto& obs : *keyframe.sf)
+        if (obs->timestamp != INVALID_TIMESTAMP)
+          entries.push_back({mrpt::Clock::toDouble(obs->timestamp), keyframe.pose->getMeanVal()});
+  if (entries.empty())
+    throw std::runtime_error(
+        path + ": none of its " + std::to_string(map.size()) +
+        " keyframes has an observation with a time stamp, so that its poses belong to no time. "
+        "Pass a TUM file instead.");
+  return entries;
+}
+
+bool ends_with(const std::string& text, const std::string& ending)
+{
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+}  // namespace
+
+Trajectory Trajectory::load(const std::string& path)
+{
+  require_readable_file(path, "trajectory");
+  const bool is_map = ends_with(path, ".simplemap") || ends_with(path, ".simplemap.gz");
+  return Trajectory(is_map ? load_simplemap(path) : load_tum(path));
+}
+
+}  // namespace talus::io

@@ -1,0 +1,157 @@
+#pragma once
+#include <mrpt/config/CLoadableOptions.h>
+#include <mrpt/img/color_maps.h>
+#include <mrpt/maps/CMetricMap.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/math/TBoundingBox.h>
+#include <mrpt/poses/CPose3D.h>
+#include <talus/elevation_mapper.h>
+#include <talus/mrpt/observation_points.h>
+#include <talus/mrpt/version_compat.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace talus
+{
+/** Robot-centric terrain map: two persistent surfaces, the elevation and the ground, with gaps in
+ * the ground filled and each cell judged for driving (Xie et al., see doc/concepts.md). A thin MRPT
+ * face of talus::ElevationMapper.
+ *
+ * Accepts the observations of points_from_observation(): mrpt::obs::CObservationPointCloud,
+ * CObservationVelodyneScan, CObservationRotatingScan, CObservation3DRangeScan and
+ * CObservation2DRangeScan. Points are placed at `robotPose (+) sensorPose`; any other class is
+ * refused (insertObservation() returns false), and nothing throws. All heights are in the map
+ * frame.
+ *
+ * Inside a CMultiMetricMap its name is `terrain`: `terrain_count = 1`, sections
+ * `[<name>_terrain_00_creationOpts]` (resolution, window, backend, threads), `_insertOpts`,
+ * `_likelihoodOpts`, `_renderOpts`. Not thread safe. An empty map costs nothing to copy. */
+class CDualElevationMap : public mrpt::maps::CMetricMap
+{
+  DEFINE_SERIALIZABLE(CDualElevationMap, talus)
+
+ public:
+  /** Arguments and exceptions as of ElevationMapper; a missing device shows at the first use. */
+  explicit CDualElevationMap(
+      const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = 1);
+  CDualElevationMap(const CDualElevationMap& o);
+  CDualElevationMap& operator=(const CDualElevationMap& o);
+  ~CDualElevationMap() override;
+
+  /** @name The pipeline behind the map
+   *  @{ */
+  ElevationMapper& mapper();
+  const ElevationMapper& mapper() const;
+  /** Of the last accepted observation. */
+  const FrameReport& lastReport() const { return m_lastReport; }
+  Backend backend() const { return m_backend; }
+  int threads() const { return m_threads; }
+  /** @} */
+
+  /** @name Virtual methods of CMetricMap
+   *  @{ */
+  bool isEmpty() const override;
+  std::string asString() const override;
+  /** Both surfaces as triangles named "ground" and "elevation", see TRenderOptions. */
+  void getVisualizationInto(mrpt::opengl::CSetOfObjects& outObj) const override;
+  /** Writes PREFIX.tif (all layers, GeoTIFF), PREFIX.png (picture) and PREFIX.3Dscene; nothing for
+   * an empty map. Throws std::runtime_error naming the file. */
+  void saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const override;
+  /** Fraction [0,1] of the other map's points (getAsSimplePointsMap()) within `maxDistForCorr` [m]
+   * of a surface of their cell, the distance d of TLikelihoodOptions. 0 when there are none. */
+  float compute3DMatchingRatio(
+      const mrpt::maps::CMetricMap* otherMap, const mrpt::poses::CPose3D& otherMapPose,
+      const mrpt::maps::TMatchingRatioParams& params) const override;
+  /** Pairs of points with getAsSimplePointsMap(). */
+  void determineMatching3D(
+      const mrpt::maps::CMetricMap* otherMap, const mrpt::poses::CPose3D& otherMapPose,
+      mrpt::tfest::TMatchingPairList& correspondences, const mrpt::maps::TMatchingParams& params,
+      mrpt::maps::TMatchingExtraResults& extraResults) const override;
+  /** What was measured (no filled cell) as points at the cell centres, map frame: one on the
+   * elevation, another on the ground where it lies more than a cell's side below. Owned by this
+   * map, valid until it changes. */
+  const mrpt::maps::CSimplePointsMap* getAsSimplePointsMap() const override;
+  /** Of both surfaces, map frame [m]; all zeros for an empty map. */
+  mrpt::math::TBoundingBoxf boundingBox() const TALUS_OVERRIDE_SINCE_2_11_3;
+  /** @} */
+
+  /** Every parameter of the pipeline, see doc/parameters.md. A change counts from the next
+   * insertion on; a new resolution_m or window_m starts an empty map. */
+  struct TInsertionOptions : public mrpt::config::CLoadableOptions, public Parameters
+  {
+    void loadFromConfigFile(
+        const mrpt::config::CConfigFileBase& source, const std::string& section) override;
+    void saveToConfigFile(
+        mrpt::config::CConfigFileBase& target, const std::string& section) const override;
+    void dumpToTextStream(std::ostream& out) const override;
+  };
+  TInsertionOptions insertionOptions;
+
+  /** The log-likelihood of an observation is the sum, over every `decimation`-th accepted point, of
+   *     log( outlierRatio + (1 - outlierRatio) * exp( -d^2 / (2 (sigma_m^2 + variance)) ) )
+   * where d [m] is the vertical distance of the point, placed in the map, to what a sensor can see
+   * in its cell: the ground, the elevation, and (d = 0) the side of an object between both where a
+   * neighbour is lower. `variance` is the cell's. A point over an unknown cell or outside of the
+   * window is an outlier. 0 for an empty map. */
+  struct TLikelihoodOptions : public mrpt::config::CLoadableOptions
+  {
+    void loadFromConfigFile(
+        const mrpt::config::CConfigFileBase& source, const std::string& section) override;
+    void saveToConfigFile(
+        mrpt::config::CConfigFileBase& target, const std::string& section) const override;
+    double sigma_m{0.05};  //!< standard deviation of a point, (0, 10] m
+    double outlierRatio{0.1};  //!< (0, 1)
+    int decimation{10};  //!< takes one point of this many, >= 1
+  };
+  TLikelihoodOptions likelihoodOptions;
+
+  struct TRenderOptions : public mrpt::config::CLoadableOptions
+  {
+    void loadFromConfigFile(
+        const mrpt::config::CConfigFileBase& source, const std::string& section) override;
+    void saveToConfigFile(
+        mrpt::config::CConfigFileBase& target, const std::string& section) const override;
+    bool showGround{true};
+    bool showElevation{true};  //!< with the ground shown: only where it stands above the ground
+    bool colorByTraversability{true};  //!< red 0 to green 1, grey unknown; false: by height
+    mrpt::img::TColormap colormap{mrpt::img::cmJET};  //!< of heights
+    int maxCells{512};  //!< along a side; larger windows are drawn with every n-th cell
+  };
+  TRenderOptions renderOptions;
+
+  MAP_DEFINITION_START(CDualElevationMap)
+  std::optional<double> resolution;  //!< side of a cell [m]; set: goes before insertionOpts
+  std::optional<double> window;  //!< side of the window [m]; set: goes before insertionOpts
+  Backend backend{Backend::Auto};
+  int threads{1};
+  talus::CDualElevationMap::TInsertionOptions insertionOpts;
+  talus::CDualElevationMap::TLikelihoodOptions likelihoodOpts;
+  talus::CDualElevationMap::TRenderOptions renderOpts;
+  MAP_DEFINITION_END(CDualElevationMap)
+
+ protected:
+  void internal_clear() override;
+  bool internal_insertObservation(
+      const mrpt::obs::CObservation& obs,
+      const std::optional<const mrpt::poses::CPose3D>& robotPose = std::nullopt) override;
+  double internal_computeObservationLikelihood(
+      const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& takenFrom) const override;
+  bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
+
+ private:
+  void applyOptions();
+  void readState(mrpt::serialization::CArchive& in);
+  void insertPoints(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base);
+
+  Backend m_backend;
+  int m_threads;
+  mutable std::unique_ptr<ElevationMapper> m_mapper;  //!< made on first use
+  mutable mrpt::maps::CSimplePointsMap::Ptr m_pointsCache;  //!< of getAsSimplePointsMap()
+  mrpt::poses::CPose3D m_T_map_base;  //!< of the last insertion
+  FrameReport m_lastReport;
+  SensorPoints m_scratch;  //!< reused: no allocation per observation once warm
+};
+
+}  // namespace talus

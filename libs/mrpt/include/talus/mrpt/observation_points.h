@@ -1,0 +1,29 @@
+#pragma once
+#include <mrpt/obs/CObservation.h>
+#include <mrpt/poses/CPose3D.h>
+
+#include <string>
+#include <vector>
+
+namespace talus
+{
+/** The points of one observation, in the frame of its sensor (x forward, y left, z up). */
+struct SensorPoints
+{
+  std::vector<float> x_m, y_m,
+      z_m;  //!< may hold NaN or zero-range returns: the map counts and drops them
+  std::vector<float>
+      time_s;  //!< per point, relative to stamp_s; empty when the observation has none
+  double stamp_s = 0;  //!< seconds since the epoch: that of the observation
+  mrpt::poses::CPose3D T_base_sensor;  //!< where the sensor is mounted
+};
+
+/** Reads the points out of CObservationPointCloud, CObservationVelodyneScan (all returns of every
+ * block, both of dual ones), CObservationRotatingScan, CObservation3DRangeScan (every pixel),
+ * CObservation2DRangeScan. Rays without a return give no point, nor do Velodyne and rotating-scan
+ * returns outside the minRange..maxRange that the observation states. The memory of `out` is used
+ * again. False for any other class, `out` is then untouched. Throws std::runtime_error when a
+ * supported observation cannot be decoded (names class, label and reason). */
+bool points_from_observation(const mrpt::obs::CObservation& obs, SensorPoints& out);
+
+}  // namespace talus

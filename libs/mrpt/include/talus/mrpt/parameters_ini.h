@@ -1,0 +1,54 @@
+#pragma once
+#include <mrpt/config/CConfigFileBase.h>
+#include <talus/elevation_mapper.h>
+#include <talus/parameters.h>
+
+#include <string>
+#include <vector>
+
+namespace talus
+{
+/** Reads `[<section_prefix>_creationOpts]`, then `[<section_prefix>_insertOpts]`; every parameter
+ * is accepted in either, `resolution` and `window` stand for `resolution_m` and `window_m`. What no
+ * section names keeps its value.
+ *
+ * Returns warnings for a person: unknown keys (with key, section and the nearest known name), keys
+ * given twice, sections of this prefix that nothing reads. Throws std::runtime_error that names
+ * section, key, value and what is allowed; `p` is then unchanged. */
+std::vector<std::string> load_parameters(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& section_prefix, Parameters& p);
+
+/** The same for one section, without validating combinations of parameters. */
+void load_parameter_section(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& section, Parameters& p,
+    std::vector<std::string>& warnings);
+
+/** Reads the keys `backend` (auto, cpu, cuda) and `threads` (of the CPU backend, 0: all cores) of
+ * `[<section_prefix>_creationOpts]`; a key that is absent leaves its argument alone. Throws as
+ * load_parameters(). */
+void load_execution(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& section_prefix, Backend& backend,
+    int& threads);
+
+/** Writes every parameter with unit and meaning as comment; load_parameter_section() reads them
+ * back. */
+void save_parameters(
+    mrpt::config::CConfigFileBase& cfg, const std::string& section, const Parameters& p);
+
+/** Warnings for the keys of a section that are not in `known` (case ignored). */
+void warn_unknown_keys(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& section,
+    const std::vector<std::string>& known, std::vector<std::string>& warnings);
+
+/** A value without its trailing comment (`;`, `#` or `//`) and without blanks around it. */
+std::string ini_value(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& section, const std::string& key);
+
+/** "auto", "cpu" or "cuda", and back; std::invalid_argument for any other text. */
+std::string backend_text(Backend backend);
+Backend backend_from_text(const std::string& text);
+
+/** The table of all parameters as a page of Markdown: name, default, unit, range, meaning. */
+std::string parameters_as_markdown();
+
+}  // namespace talus

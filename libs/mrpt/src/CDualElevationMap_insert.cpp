@@ -1,0 +1,82 @@
+#include <talus/mrpt/CDualElevationMap.h>
+#include <talus/mrpt/pose_from.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "warn_once.h"
+
+namespace talus
+{
+namespace
+{
+bool same_parameters(const Parameters& a, const Parameters& b)
+{
+  const auto& table = parameter_table();
+  return std::all_of(
+      table.begin(), table.end(), [&](const auto& info) { return info.get(a) == info.get(b); });
+}
+}  // namespace
+
+Pose pose_from(const mrpt::poses::CPose3D& pose)
+{
+  const auto& R = pose.getRotationMatrix();
+  Pose out;
+  for (int row = 0; row < 3; row++)
+    for (int column = 0; column < 3; column++)
+      out.m[static_cast<std::size_t>(4 * row + column)] = R(row, column);
+  out.m[3] = pose.x();
+  out.m[7] = pose.y();
+  out.m[11] = pose.z();
+  return out;
+}
+
+bool CDualElevationMap::internal_insertObservation(
+    const mrpt::obs::CObservation& obs, const std::optional<const mrpt::poses::CPose3D>& robotPose)
+{
+  const std::string type = obs.GetRuntimeClass()->className;
+  try
+  {
+    if (!points_from_observation(obs, m_scratch))
+    {
+      detail::warn_once(type + " holds no points that this map understands: ignored");
+      return false;
+    }
+    insertPoints(m_scratch, robotPose ? *robotPose : mrpt::poses::CPose3D());
+    return true;
+  }
+  catch (const std::exception& e)
+  {
+    detail::warn_once(type + " not inserted: " + e.what(), "not inserted: " + type);
+    return false;
+  }
+}
+
+void CDualElevationMap::insertPoints(
+    const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base)
+{
+  Frame frame;
+  frame.stamp_s = points.stamp_s;
+  frame.T_map_sensor = pose_from(T_map_base + points.T_base_sensor);
+  frame.x_m = points.x_m.data();
+  frame.y_m = points.y_m.data();
+  frame.z_m = points.z_m.data();
+  frame.size = points.x_m.size();
+  frame.time_s = points.time_s.empty() ? nullptr : points.time_s.data();
+
+  applyOptions();
+  m_lastReport = mapper().update(frame);
+  m_T_map_base = T_map_base;
+}
+
+void CDualElevationMap::applyOptions()
+{
+  if (!m_mapper || same_parameters(insertionOptions, m_mapper->parameters())) return;
+  ElevationMapper changed(insertionOptions, m_backend, m_threads);
+  const Window before = m_mapper->window(), after = changed.window();
+  const bool same_cells = before.cells == after.cells && before.resolution_m == after.resolution_m;
+  if (same_cells && !m_mapper->empty()) changed.restore(m_mapper->save());
+  *m_mapper = std::move(changed);
+}
+
+}  // namespace talus

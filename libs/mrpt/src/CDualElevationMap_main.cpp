@@ -1,0 +1,172 @@
+#include <mrpt/core/initializer.h>
+#include <mrpt/maps/TMetricMapTypesRegistry.h>
+#include <mrpt/serialization/CArchive.h>
+#include <talus/mrpt/CDualElevationMap.h>
+#include <talus/mrpt/parameters_ini.h>
+#include <talus/mrpt/register.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "warn_once.h"
+
+namespace
+{
+using Registry = mrpt::maps::internal::TMetricMapTypesRegistry;
+
+/** `terrain` is the name of INI files. It must differ from the class name by more than case: MRPT
+ * also registers the bare class name and ignores case, so that one entry would make two maps. */
+constexpr const char* kNames = "talus::CDualElevationMap,terrain";
+
+/** Nothing when a copy of the class is registered already (a program that links it and loads the
+ * plugin): the first copy stays, so that all maps of a process are of one class. */
+const char* names_unless_registered()
+{
+  return Registry::Instance().getAllRegistered().count("talus::CDualElevationMap") ? "" : kNames;
+}
+}  // namespace
+
+//  =========== Begin of Map definition ============
+MAP_DEFINITION_REGISTER(names_unless_registered(), talus::CDualElevationMap)
+
+talus::CDualElevationMap::TMapDefinition::TMapDefinition() = default;
+
+void talus::CDualElevationMap::TMapDefinition::loadFromConfigFile_map_specific(
+    const mrpt::config::CConfigFileBase& source, const std::string& sectionNamePrefix)
+{
+  for (const auto& w : load_parameters(source, sectionNamePrefix, insertionOpts))
+    detail::warn_once(w);
+  resolution.reset();
+  window.reset();
+  load_execution(source, sectionNamePrefix, backend, threads);
+  likelihoodOpts.loadFromConfigFile(source, sectionNamePrefix + "_likelihoodOpts");
+  renderOpts.loadFromConfigFile(source, sectionNamePrefix + "_renderOpts");
+}
+
+void talus::CDualElevationMap::TMapDefinition::dumpToTextStream_map_specific(
+    std::ostream& out) const
+{
+  out << "resolution = " << resolution.value_or(insertionOpts.resolution_m) << " m\n"
+      << "window     = " << window.value_or(insertionOpts.window_m) << " m\n"
+      << "backend    = " << backend_text(backend) << "\n"
+      << "threads    = " << threads << "\n";
+  insertionOpts.dumpToTextStream(out);
+  likelihoodOpts.dumpToTextStream(out);
+  renderOpts.dumpToTextStream(out);
+}
+
+// A pointer or a shared pointer, as this version of MRPT wants it.
+mrpt::maps::internal::MapCtorFromDefFunctor::result_type
+talus::CDualElevationMap::internal_CreateFromMapDefinition(
+    const mrpt::maps::TMetricMapInitializer& d)
+{
+  const auto& def = dynamic_cast<const TMapDefinition&>(d);
+  Parameters p = def.insertionOpts;
+  p.resolution_m = def.resolution.value_or(p.resolution_m);
+  p.window_m = def.window.value_or(p.window_m);
+
+  auto map = std::make_unique<CDualElevationMap>(p, def.backend, def.threads);
+  map->likelihoodOptions = def.likelihoodOpts;
+  map->renderOptions = def.renderOpts;
+  if (def.backend == Backend::Cuda)
+    map->mapper();  // an absent device is told now, not at the first scan
+  return mrpt::maps::internal::MapCtorFromDefFunctor::result_type(map.release());
+}
+//  =========== End of Map definition Block =========
+
+IMPLEMENTS_SERIALIZABLE(CDualElevationMap, CMetricMap, talus)
+
+// By name, for the copies and files of whatever program has this unit in it; the first copy stays.
+MRPT_INITIALIZER(register_dual_elevation_map)
+{
+  if (!mrpt::rtti::findRegisteredClass("talus::CDualElevationMap", false))
+    mrpt::rtti::registerClass(CLASS_ID_NAMESPACE(CDualElevationMap, talus));
+}
+
+namespace talus
+{
+using mrpt::maps::CMetricMap;
+
+void register_mrpt_classes()
+{
+  Registry::Instance().doRegister(
+      kNames, &CDualElevationMap::MapDefinition,
+      &CDualElevationMap::internal_CreateFromMapDefinition);
+  mrpt::rtti::registerClass(CLASS_ID_NAMESPACE(CDualElevationMap, talus));
+}
+
+CDualElevationMap::CDualElevationMap(const Parameters& parameters, Backend backend, int threads)
+    : m_backend(backend), m_threads(threads)
+{
+  parameters.validate();
+  static_cast<Parameters&>(insertionOptions) = parameters;
+}
+
+CDualElevationMap::CDualElevationMap(const CDualElevationMap& o)
+    : CMetricMap(o), m_backend(o.m_backend), m_threads(o.m_threads)
+{
+  *this = o;
+}
+
+CDualElevationMap& CDualElevationMap::operator=(const CDualElevationMap& o)
+{
+  if (this == &o) return *this;
+  CMetricMap::operator=(o);
+  insertionOptions = o.insertionOptions;
+  likelihoodOptions = o.likelihoodOptions;
+  renderOptions = o.renderOptions;
+  m_backend = o.m_backend;
+  m_threads = o.m_threads;
+  m_T_map_base = o.m_T_map_base;
+  m_lastReport = o.m_lastReport;
+  m_pointsCache.reset();
+  m_mapper.reset();
+  if (o.isEmpty()) return *this;
+  m_mapper = std::make_unique<ElevationMapper>(o.m_mapper->parameters(), m_backend, m_threads);
+  m_mapper->restore(o.m_mapper->save());
+  return *this;
+}
+
+CDualElevationMap::~CDualElevationMap() = default;
+
+ElevationMapper& CDualElevationMap::mapper()
+{
+  m_pointsCache.reset();
+  return const_cast<ElevationMapper&>(std::as_const(*this).mapper());
+}
+
+const ElevationMapper& CDualElevationMap::mapper() const
+{
+  if (!m_mapper)
+    m_mapper = std::make_unique<ElevationMapper>(insertionOptions, m_backend, m_threads);
+  return *m_mapper;
+}
+
+bool CDualElevationMap::isEmpty() const { return !m_mapper || m_mapper->empty(); }
+
+void CDualElevationMap::internal_clear()
+{
+  if (m_mapper) m_mapper->clear();
+  m_pointsCache.reset();
+  m_T_map_base = {};
+  m_lastReport = {};
+}
+
+std::string CDualElevationMap::asString() const
+{
+  const Parameters& p = m_mapper ? m_mapper->parameters() : insertionOptions;
+  const std::string size =
+      mrpt::format("%g x %g m at %g m", p.window_m, p.window_m, p.resolution_m);
+  if (isEmpty()) return "talus::CDualElevationMap, " + size + ", empty";
+  const auto& ground = m_mapper->layer(Layer::GroundElevation);
+  const auto known = static_cast<std::size_t>(
+      std::count_if(ground.begin(), ground.end(), [](float z) { return !std::isnan(z); }));
+  const Window w = m_mapper->window();
+  return mrpt::format(
+      "talus::CDualElevationMap, %s from (%.2f,%.2f), %zu of %zu cells with ground, backend %s",
+      size.c_str(), w.min_x_m(), w.min_y_m(), known, ground.size(),
+      m_mapper->backend_name().c_str());
+}
+}  // namespace talus

@@ -1,0 +1,154 @@
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+#include <talus/mrpt/CDualElevationMap.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "surface_view.h"
+#include "warn_once.h"
+
+namespace talus
+{
+using detail::SurfaceView;
+
+namespace
+{
+/** Stage 1's test of a point in the sensor frame, without its counters. */
+bool accepted(float x, float y, float z, const Parameters& p)
+{
+  const double range2 = double(x) * x + double(y) * y + double(z) * z;
+  if (!(range2 >= p.min_range_m * p.min_range_m && range2 <= p.max_range_m * p.max_range_m))
+    return false;
+  if (z < p.min_height_m || z > p.max_height_m) return false;
+  return !(
+      x > p.body_min_x_m && x < p.body_max_x_m && y > p.body_min_y_m && y < p.body_max_y_m &&
+      z > p.body_min_z_m && z < p.body_max_z_m);
+}
+
+double log_likelihood_of_point(
+    const SurfaceView& map, const mrpt::math::TPoint3D& p_map,
+    const CDualElevationMap::TLikelihoodOptions& o)
+{
+  const auto cell = map.cell_at(p_map.x, p_map.y);
+  const double d = cell ? map.distance(*cell, p_map.z) : NAN;
+  if (std::isnan(d)) return std::log(o.outlierRatio);
+  const double cell_variance = map.variance[*cell] > 0 ? map.variance[*cell] : 0;
+  const double variance = o.sigma_m * o.sigma_m + cell_variance;
+  return std::log(o.outlierRatio + (1 - o.outlierRatio) * std::exp(-0.5 * d * d / variance));
+}
+}  // namespace
+
+bool CDualElevationMap::internal_canComputeObservationLikelihood(
+    const mrpt::obs::CObservation& obs) const
+{
+  using namespace mrpt::obs;
+  return IS_DERIVED(obs, CObservationPointCloud) || IS_DERIVED(obs, CObservationVelodyneScan) ||
+         IS_DERIVED(obs, CObservationRotatingScan) || IS_DERIVED(obs, CObservation3DRangeScan) ||
+         IS_DERIVED(obs, CObservation2DRangeScan);
+}
+
+double CDualElevationMap::internal_computeObservationLikelihood(
+    const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& takenFrom) const
+{
+  if (isEmpty()) return 0;
+  SensorPoints points;
+  try
+  {
+    if (!points_from_observation(obs, points)) return 0;
+  }
+  catch (const std::exception& e)
+  {
+    detail::warn_once(
+        std::string("no likelihood: ") + e.what(),
+        std::string("no likelihood: ") + obs.GetRuntimeClass()->className);
+    return 0;
+  }
+  const SurfaceView map(mapper());
+  const auto T_map_sensor = takenFrom + points.T_base_sensor;
+  const auto step = static_cast<std::size_t>(std::max(1, likelihoodOptions.decimation));
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points.x_m.size(); i++)
+  {
+    const float x = points.x_m[i], y = points.y_m[i], z = points.z_m[i];
+    if (!accepted(x, y, z, insertionOptions) || count++ % step != 0) continue;
+    const auto p_map = T_map_sensor.composePoint(mrpt::math::TPoint3D(x, y, z));
+    sum += log_likelihood_of_point(map, p_map, likelihoodOptions);
+  }
+  return sum;
+}
+
+float CDualElevationMap::compute3DMatchingRatio(
+    const mrpt::maps::CMetricMap* otherMap, const mrpt::poses::CPose3D& otherMapPose,
+    const mrpt::maps::TMatchingRatioParams& params) const
+{
+  const auto* other = otherMap ? otherMap->getAsSimplePointsMap() : nullptr;
+  if (isEmpty() || !other || other->size() == 0) return 0;
+  const SurfaceView map(mapper());
+  std::size_t matched = 0;
+  for (std::size_t i = 0; i < other->size(); i++)
+  {
+    mrpt::math::TPoint3D p;
+    other->getPoint(i, p.x, p.y, p.z);
+    p = otherMapPose.composePoint(p);
+    const auto cell = map.cell_at(p.x, p.y);
+    if (cell && map.distance(*cell, p.z) <= params.maxDistForCorr) matched++;
+  }
+  return static_cast<float>(matched) / static_cast<float>(other->size());
+}
+
+void CDualElevationMap::determineMatching3D(
+    const mrpt::maps::CMetricMap* otherMap, const mrpt::poses::CPose3D& otherMapPose,
+    mrpt::tfest::TMatchingPairList& correspondences, const mrpt::maps::TMatchingParams& params,
+    mrpt::maps::TMatchingExtraResults& extraResults) const
+{
+  getAsSimplePointsMap()->determineMatching3D(
+      otherMap, otherMapPose, correspondences, params, extraResults);
+}
+
+const mrpt::maps::CSimplePointsMap* CDualElevationMap::getAsSimplePointsMap() const
+{
+  if (m_pointsCache) return m_pointsCache.get();
+  m_pointsCache = mrpt::maps::CSimplePointsMap::Create();
+  if (isEmpty()) return m_pointsCache.get();
+  const SurfaceView map(mapper());
+  const auto resolution = static_cast<float>(map.window.resolution_m);
+  for (int iy = 0; iy < map.window.cells; iy++)
+    for (int ix = 0; ix < map.window.cells; ix++)
+    {
+      const std::size_t cell = map.index(ix, iy);
+      const auto x = static_cast<float>(map.x_m(ix)), y = static_cast<float>(map.y_m(iy));
+      const float top = map.elevation[cell], ground = map.ground[cell];
+      const bool measured = map.state[cell] == static_cast<float>(CellState::Measured);
+      if (!std::isnan(top)) m_pointsCache->insertPoint(x, y, top);
+      if (measured && !(top - ground <= resolution)) m_pointsCache->insertPoint(x, y, ground);
+    }
+  return m_pointsCache.get();
+}
+
+mrpt::math::TBoundingBoxf CDualElevationMap::boundingBox() const
+{
+  mrpt::math::TBoundingBoxf box;
+  if (isEmpty()) return box;
+  box = mrpt::math::TBoundingBoxf::PlusMinusInfinity();
+  const SurfaceView map(mapper());
+  const auto half = static_cast<float>(map.window.resolution_m / 2);
+  bool any = false;
+  for (int iy = 0; iy < map.window.cells; iy++)
+    for (int ix = 0; ix < map.window.cells; ix++)
+      for (const float z : {map.ground[map.index(ix, iy)], map.elevation[map.index(ix, iy)]})
+      {
+        if (std::isnan(z)) continue;
+        const auto x = static_cast<float>(map.x_m(ix)), y = static_cast<float>(map.y_m(iy));
+        box.updateWithPoint({x - half, y - half, z});
+        box.updateWithPoint({x + half, y + half, z});
+        any = true;
+      }
+  return any ? box : mrpt::math::TBoundingBoxf();
+}
+
+}  // namespace talus

@@ -1,0 +1,136 @@
+#include <mrpt/opengl/CSetOfObjects.h>
+#include <mrpt/opengl/CSetOfTriangles.h>
+#include <talus/mrpt/CDualElevationMap.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "surface_view.h"
+
+namespace talus
+{
+using detail::SurfaceView;
+using mrpt::img::TColor;
+using mrpt::opengl::CSetOfTriangles;
+using mrpt::opengl::TTriangle;
+
+namespace
+{
+/** Lowest and highest height of the shown surfaces [m]. */
+struct HeightSpan
+{
+  float low = 0, high = 1;
+
+  explicit HeightSpan(const SurfaceView& map)
+  {
+    float a = INFINITY, b = -INFINITY;
+    for (const auto* layer : {&map.ground, &map.elevation})
+      for (const float z : *layer)
+        if (!std::isnan(z))
+        {
+          a = std::min(a, z);
+          b = std::max(b, z);
+        }
+    if (a <= b) low = a, high = std::max(b, a + 1e-3F);
+  }
+};
+
+/** Red at 0, yellow at a half, green at 1, grey where unknown. */
+TColor traversability_color(float t)
+{
+  if (std::isnan(t)) return {128, 128, 128};
+  const auto byte = [](float v)
+  { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0F, 1.0F))); };
+  return {byte(2 * (1 - t)), byte(2 * t), 0};
+}
+
+/** Draws one surface as two triangles between each four neighbouring known cells. */
+class SurfacePainter
+{
+ public:
+  SurfacePainter(
+      const SurfaceView& map, const std::vector<float>& z,
+      const CDualElevationMap::TRenderOptions& options)
+      : map_(map), z_(z), options_(options), span_(map)
+  {
+    step_ = std::max(1, (map.window.cells + options.maxCells - 1) / std::max(1, options.maxCells));
+  }
+
+  /** `only_above`: only where a corner stands more than a cell's side above the ground. */
+  CSetOfTriangles::Ptr draw(bool only_above) const
+  {
+    auto mesh = CSetOfTriangles::Create();
+    for (int iy = 0; iy + step_ < map_.window.cells; iy += step_)
+      for (int ix = 0; ix + step_ < map_.window.cells; ix += step_)
+      {
+        const std::array<Corner, 4> c{
+            corner(ix, iy), corner(ix + step_, iy), corner(ix + step_, iy + step_),
+            corner(ix, iy + step_)};
+        const bool known =
+            std::none_of(c.begin(), c.end(), [](const auto& k) { return std::isnan(k.p.z); });
+        const bool above = std::any_of(c.begin(), c.end(), [](const auto& k) { return k.above; });
+        if (!known || (only_above && !above)) continue;
+        mesh->insertTriangle(triangle(c[0], c[1], c[2]));
+        mesh->insertTriangle(triangle(c[0], c[2], c[3]));
+      }
+    return mesh;
+  }
+
+ private:
+  struct Corner
+  {
+    mrpt::math::TPoint3Df p;
+    TColor color;
+    bool above;
+  };
+
+  Corner corner(int ix, int iy) const
+  {
+    const std::size_t cell = map_.index(ix, iy);
+    const float z = z_[cell];
+    return {
+        {static_cast<float>(map_.x_m(ix)), static_cast<float>(map_.y_m(iy)), z},
+        color(cell, z),
+        z - map_.ground[cell] > map_.window.resolution_m};
+  }
+
+  TColor color(std::size_t cell, float z) const
+  {
+    if (options_.colorByTraversability) return traversability_color(map_.traversability[cell]);
+    if (std::isnan(z)) return {128, 128, 128};
+    return mrpt::img::colormap(options_.colormap, (z - span_.low) / (span_.high - span_.low));
+  }
+
+  static TTriangle triangle(const Corner& a, const Corner& b, const Corner& c)
+  {
+    TTriangle t(a.p, b.p, c.p);
+    const std::array<const Corner*, 3> corners{&a, &b, &c};
+    for (std::size_t i = 0; i < 3; i++) t.vertices[i].setColor(corners[i]->color);
+    return t;
+  }
+
+  const SurfaceView& map_;
+  const std::vector<float>& z_;
+  const CDualElevationMap::TRenderOptions& options_;
+  HeightSpan span_;
+  int step_ = 1;
+};
+
+}  // namespace
+
+void CDualElevationMap::getVisualizationInto(mrpt::opengl::CSetOfObjects& outObj) const
+{
+  if (!genericMapParams.enableSaveAs3DObject || isEmpty()) return;
+  const SurfaceView map(mapper());
+  const auto add = [&](const char* name, const std::vector<float>& z, bool only_above)
+  {
+    auto mesh = SurfacePainter(map, z, renderOptions).draw(only_above);
+    mesh->setName(name);
+    outObj.insert(mesh);
+  };
+  if (renderOptions.showGround) add("ground", map.ground, false);
+  if (renderOptions.showElevation) add("elevation", map.elevation, renderOptions.showGround);
+}
+
+}  // namespace talus

@@ -1,0 +1,107 @@
+#include <talus/mrpt/observation_points.h>
+
+#include <mrpt/core/Clock.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+#include <talus/io/mrpt_error.h>
+
+#include <stdexcept>
+
+#include "observation_compat.h"
+#include "observation_points_detail.h"
+
+using namespace mrpt::obs;
+
+namespace talus
+{
+namespace detail
+{
+void fail(const CObservation& obs, const std::string& what)
+{
+  throw std::runtime_error(
+      std::string(obs.GetRuntimeClass()->className) + " '" + obs.sensorLabel + "': " + what + ".");
+}
+
+void read_points(const CObservationPointCloud& obs, SensorPoints& out)
+{
+  if (!obs.pointcloud)
+    fail(
+        obs, obs.isExternallyStored()
+                 ? "its points are in the file " + obs.getExternalStorageFile() +
+                       ", which is not loaded. Put the directory of external files beside the log"
+                 : std::string("it has no point cloud. Record it again"));
+  const auto& cloud = *obs.pointcloud;
+  const auto &x = cloud.getPointsBufferRef_x(), &y = cloud.getPointsBufferRef_y(),
+             &z = cloud.getPointsBufferRef_z();
+  out.x_m.assign(x.begin(), x.end());
+  out.y_m.assign(y.begin(), y.end());
+  out.z_m.assign(z.begin(), z.end());
+  if (const auto* times = point_times(cloud); times && times->size() == out.x_m.size())
+    out.time_s.assign(times->begin(), times->end());
+}
+
+/** The scanner may nod during the scan: sensorPose is its pose at the first ray, and deltaPitch by
+ * how much it has turned about its y axis at the last. */
+void read_points(const CObservation2DRangeScan& obs, SensorPoints& out)
+{
+  const std::size_t rays = obs.getScanSize();
+  for (std::size_t i = 0; i < rays; ++i)
+  {
+    if (!obs.getScanRangeValidity(i)) continue;
+    const double range = obs.getScanRange(i);
+    const double azimuth = obs.getScanAngle(i);
+    const double pitch =
+        rays > 1 ? obs.deltaPitch * static_cast<double>(i) / static_cast<double>(rays - 1) : 0.0;
+    const double x = range * std::cos(azimuth);
+    add_point(out, x * std::cos(pitch), range * std::sin(azimuth), -x * std::sin(pitch));
+  }
+}
+
+namespace
+{
+void clear(SensorPoints& points)
+{
+  points.x_m.clear();
+  points.y_m.clear();
+  points.z_m.clear();
+  points.time_s.clear();
+}
+
+/** Reads the observation if it is of that class. */
+template <class Observation>
+bool read_as(const CObservation& obs, SensorPoints& out)
+{
+  const auto* known = dynamic_cast<const Observation*>(&obs);
+  if (!known) return false;
+  clear(out);
+  out.stamp_s = mrpt::Clock::toDouble(obs.timestamp);
+  out.T_base_sensor = known->sensorPose;
+  try
+  {
+    known->load();
+  }
+  catch (const std::exception& e)
+  {
+    fail(
+        obs, "its external data cannot be loaded (" + io::reason_of(e) +
+                 "). Put the directory of external files beside the log");
+  }
+  read_points(*known, out);
+  return true;
+}
+
+}  // namespace
+}  // namespace detail
+
+bool points_from_observation(const CObservation& obs, SensorPoints& out)
+{
+  using namespace detail;
+  return read_as<CObservationPointCloud>(obs, out) || read_as<CObservationVelodyneScan>(obs, out) ||
+         read_as<CObservationRotatingScan>(obs, out) ||
+         read_as<CObservation3DRangeScan>(obs, out) || read_as<CObservation2DRangeScan>(obs, out);
+}
+
+}  // namespace talus

@@ -1,0 +1,219 @@
+#include <talus/mrpt/parameters_ini.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+namespace talus
+{
+namespace
+{
+constexpr int kMaxThreads = 1024;
+
+/** Keys of the two sections that are not parameters of the pipeline; read elsewhere. */
+const std::vector<std::string> kOtherKeys{
+    "backend", "threads", "enableSaveAs3DObject", "enableObservationLikelihood",
+    "enableObservationInsertion"};
+
+/** Endings of the sections of one map. */
+const std::vector<std::string> kSectionEndings{
+    "_creationOpts", "_insertOpts", "_likelihoodOpts", "_renderOpts"};
+
+std::string lower(std::string s)
+{
+  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return std::tolower(c); });
+  return s;
+}
+
+bool contains_name(const std::vector<std::string>& names, const std::string& name)
+{
+  return std::any_of(
+      names.begin(), names.end(), [&](const auto& n) { return lower(n) == lower(name); });
+}
+
+/** The parameter that a key of an INI file stands for. */
+std::string parameter_of_key(const std::string& key)
+{
+  const std::string k = lower(key);
+  return k == "resolution" || k == "window" ? k + "_m" : k;
+}
+
+std::string joined(const std::vector<std::string>& names)
+{
+  std::string text;
+  for (const auto& n : names) text += (text.empty() ? "" : ", ") + n;
+  return text;
+}
+
+/** Sections that start as those of this map but that nothing reads, and a map without any section.
+ */
+void warn_sections(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& prefix,
+    std::vector<std::string>& warnings)
+{
+  std::vector<std::string> sections, known;
+  cfg.getAllSections(sections);
+  for (const auto& ending : kSectionEndings) known.push_back(prefix + ending);
+  bool any = false;
+  for (const auto& s : sections)
+  {
+    if (contains_name(known, s))
+      any = true;
+    else if (lower(s).rfind(lower(prefix) + "_", 0) == 0)
+      warnings.push_back("section [" + s + "] is not read; known are " + joined(known));
+  }
+  if (!any)
+    warnings.push_back("no section of " + joined(known) + " found: all parameters keep defaults");
+}
+
+/** Adds "[section]" to what an invalid value says. */
+template <typename Function>
+void in_section(const std::string& section, Function&& f)
+{
+  try
+  {
+    f();
+  }
+  catch (const std::invalid_argument& e)
+  {
+    throw std::runtime_error("[" + section + "] " + e.what());
+  }
+}
+
+}  // namespace
+
+std::string ini_value(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& section, const std::string& key)
+{
+  std::string text = cfg.read_string(section, key, "");
+  for (const char* comment : {";", "#", "//"}) text = text.substr(0, text.find(comment));
+  const char* blanks = " \t\r\n";
+  const auto first = text.find_first_not_of(blanks);
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+void warn_unknown_keys(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& section,
+    const std::vector<std::string>& known, std::vector<std::string>& warnings)
+{
+  std::vector<std::string> keys;
+  cfg.getAllKeys(section, keys);
+  for (const auto& key : keys)
+    if (!contains_name(known, key))
+      warnings.push_back(
+          "unknown key '" + key + "' in section [" + section + "]; known are " + joined(known));
+}
+
+void load_parameter_section(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& section, Parameters& p,
+    std::vector<std::string>& warnings)
+{
+  std::vector<std::string> keys;
+  cfg.getAllKeys(section, keys);
+  std::set<std::string> seen;
+  for (const auto& key : keys)
+  {
+    const std::string name = parameter_of_key(key);
+    if (contains_name(kOtherKeys, key)) continue;
+    if (!find_parameter(name))
+    {
+      warnings.push_back(
+          "unknown key '" + key + "' in section [" + section + "]; the nearest known name is '" +
+          nearest_parameter_name(key) + "'");
+      continue;
+    }
+    if (!seen.insert(name).second)
+      warnings.push_back(
+          "'" + key + "' in section [" + section + "] is given twice: the last value counts");
+    in_section(section, [&] { set_parameter(p, name, ini_value(cfg, section, key)); });
+  }
+}
+
+std::vector<std::string> load_parameters(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& section_prefix, Parameters& p)
+{
+  std::vector<std::string> warnings;
+  Parameters loaded = p;
+  const std::string creation = section_prefix + "_creationOpts";
+  const std::string insertion = section_prefix + "_insertOpts";
+  load_parameter_section(cfg, creation, loaded, warnings);
+  load_parameter_section(cfg, insertion, loaded, warnings);
+  in_section(creation + "], [" + insertion, [&] { loaded.validate(); });
+  warn_sections(cfg, section_prefix, warnings);
+  p = loaded;
+  return warnings;
+}
+
+void load_execution(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& section_prefix, Backend& backend,
+    int& threads)
+{
+  const std::string section = section_prefix + "_creationOpts";
+  in_section(
+      section,
+      [&]
+      {
+        if (const auto text = ini_value(cfg, section, "backend"); !text.empty())
+          backend = backend_from_text(text);
+        const auto text = ini_value(cfg, section, "threads");
+        if (text.empty()) return;
+        char* end = nullptr;
+        const long n = std::strtol(text.c_str(), &end, 10);
+        if (*end != '\0' || n < 0 || n > kMaxThreads)
+          throw std::invalid_argument(
+              "threads = '" + text + "': must be 0 (all cores) to " + std::to_string(kMaxThreads));
+        threads = static_cast<int>(n);
+      });
+}
+
+void save_parameters(
+    mrpt::config::CConfigFileBase& cfg, const std::string& section, const Parameters& p)
+{
+  for (const auto& info : parameter_table())
+  {
+    const std::string unit = *info.unit ? std::string("[") + info.unit + "] " : std::string();
+    // No padding of the name: an unsaved configuration would keep it as part of the key.
+    cfg.write(section, info.name, parameter_text(p, info), -1, 12, unit + info.description);
+  }
+}
+
+std::string backend_text(Backend backend)
+{
+  return backend == Backend::Cpu ? "cpu" : backend == Backend::Cuda ? "cuda" : "auto";
+}
+
+Backend backend_from_text(const std::string& text)
+{
+  for (Backend b : {Backend::Auto, Backend::Cpu, Backend::Cuda})
+    if (lower(text) == backend_text(b)) return b;
+  throw std::invalid_argument("backend = '" + text + "': must be one of auto cpu cuda");
+}
+
+std::string parameters_as_markdown()
+{
+  const Parameters defaults;
+  std::ostringstream out;
+  out << "# Parameters\n\n"
+         "Made from the table in `libs/core/src/parameters.cpp`; do not edit by hand.\n"
+         "Write them as `name = value` into `[<prefix>_creationOpts]` or "
+         "`[<prefix>_insertOpts]`.\n\n"
+         "| name | default | unit | allowed | meaning |\n|---|---|---|---|---|\n";
+  for (const auto& info : parameter_table())
+  {
+    out << "| `" << info.name << "` | " << parameter_text(defaults, info) << " | " << info.unit
+        << " | ";
+    if (info.choices.empty())
+      out << info.min << " to " << info.max;
+    else
+      for (std::size_t i = 0; i < info.choices.size(); i++)
+        out << (i ? ", " : "") << info.choices[i];
+    out << " | " << info.description << " |\n";
+  }
+  return out.str();
+}
+
+}  // namespace talus

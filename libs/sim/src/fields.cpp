@@ -1,0 +1,203 @@
+#include "fields.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+namespace talus::sim
+{
+namespace
+{
+std::string list_of(const std::vector<std::string>& words)
+{
+  std::string out;
+  for (const auto& w : words) out += (out.empty() ? "" : ", ") + w;
+  return out;
+}
+
+int edit_distance(const std::string& a, const std::string& b)
+{
+  std::vector<int> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i)
+  {
+    int diagonal = row[0];
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j)
+    {
+      const int replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row.back();
+}
+
+std::string unknown_key(const std::string& key, const std::vector<std::string>& known)
+{
+  return "unknown key '" + key + "', did you mean '" + nearest_word(key, known) +
+         "'? Known: " + list_of(known);
+}
+
+std::string text_of(const YAML::Node& node)
+{
+  std::ostringstream out;
+  out << node;
+  return out.str();
+}
+
+}  // namespace
+
+void fail_at(
+    const YAML::Node& node, const std::string& file, const std::string& where,
+    const std::string& what)
+{
+  std::ostringstream msg;
+  msg << file << ':' << std::max(1, node.Mark().line + 1) << ": " << where << ": " << what;
+  throw std::runtime_error(msg.str());
+}
+
+std::string nearest_word(const std::string& word, const std::vector<std::string>& known)
+{
+  return *std::min_element(
+      known.begin(), known.end(),
+      [&](const auto& a, const auto& b)
+      { return edit_distance(word, a) < edit_distance(word, b); });
+}
+
+std::string only_key(
+    const YAML::Node& node, const std::string& file, const std::string& where,
+    const std::vector<std::string>& known)
+{
+  if (!node.IsMap() || node.size() != 1)
+    fail_at(
+        node, file, where,
+        "an entry must be one kind with its keys, e.g. `- " + known.front() +
+            ": {...}`; known kinds: " + list_of(known));
+  const auto key = node.begin()->first.as<std::string>();
+  if (std::find(known.begin(), known.end(), key) == known.end())
+    fail_at(node.begin()->first, file, where, unknown_key(key, known));
+  return key;
+}
+
+Fields::Fields(
+    const YAML::Node& node, const std::string& file, const std::string& where,
+    std::vector<std::string> known)
+    : node_(node), file_(file), where_(where)
+{
+  if (!node.IsMap()) fail(node, "must be a map with the keys " + list_of(known));
+  std::set<std::string> seen;
+  for (const auto& entry : node)
+  {
+    const auto key = entry.first.as<std::string>();
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      fail(entry.first, unknown_key(key, known));
+    if (!seen.insert(key).second) fail(entry.first, "key '" + key + "' is given twice");
+  }
+}
+
+void Fields::fail(const YAML::Node& node, const std::string& what) const
+{
+  fail_at(node, file_, where_, what);
+}
+void Fields::fail(const std::string& key, const std::string& what) const
+{
+  fail_at(node_[key], file_, where_, "key '" + key + "' " + what);
+}
+
+bool Fields::has(const std::string& key) const { return node_[key].IsDefined(); }
+
+YAML::Node Fields::node(const std::string& key) const
+{
+  if (!has(key)) fail(node_, "key '" + key + "' is missing");
+  return node_[key];
+}
+
+double Fields::to_number(const YAML::Node& node, const std::string& key, Range range) const
+{
+  double value = 0;
+  if (!node.IsScalar() || !YAML::convert<double>::decode(node, value) || !std::isfinite(value))
+    fail(node, "key '" + key + "': '" + text_of(node) + "' is not a number");
+  if (value < range.min || value > range.max)
+  {
+    std::ostringstream msg;
+    msg << "key '" << key << "': " << value << " is not in [" << range.min << ", " << range.max
+        << "]";
+    fail(node, msg.str());
+  }
+  return value;
+}
+
+double Fields::number(const std::string& key, Range range) const
+{
+  return to_number(node(key), key, range);
+}
+double Fields::number_or(const std::string& key, double fallback, Range range) const
+{
+  return has(key) ? number(key, range) : fallback;
+}
+
+int Fields::whole(const std::string& key, int min, int max) const
+{
+  const double value = number(key, {static_cast<double>(min), static_cast<double>(max)});
+  if (value != std::floor(value)) fail(key, "must be a whole number");
+  return static_cast<int>(value);
+}
+int Fields::whole_or(const std::string& key, int fallback, int min, int max) const
+{
+  return has(key) ? whole(key, min, max) : fallback;
+}
+
+bool Fields::flag_or(const std::string& key, bool fallback) const
+{
+  if (!has(key)) return fallback;
+  bool value = false;
+  if (!node_[key].IsScalar() || !YAML::convert<bool>::decode(node_[key], value))
+    fail(key, "must be true or false");
+  return value;
+}
+
+std::string Fields::text_or(const std::string& key, const std::string& fallback) const
+{
+  if (!has(key)) return fallback;
+  if (!node_[key].IsScalar()) fail(key, "must be a text");
+  return node_[key].as<std::string>();
+}
+
+std::vector<double> Fields::to_numbers(
+    const YAML::Node& node, const std::string& key, std::size_t count, Range range) const
+{
+  if (!node.IsSequence() || node.size() != count)
+    fail(
+        node, "key '" + key + "': '" + text_of(node) + "' must be a list of " +
+                  std::to_string(count) + " numbers");
+  std::vector<double> out;
+  for (const auto& n : node) out.push_back(to_number(n, key, range));
+  return out;
+}
+
+std::vector<double> Fields::numbers(const std::string& key, std::size_t count, Range range) const
+{
+  return to_numbers(node(key), key, count, range);
+}
+std::vector<double> Fields::numbers_or(
+    const std::string& key, std::vector<double> fallback, Range range) const
+{
+  return has(key) ? numbers(key, fallback.size(), range) : fallback;
+}
+
+std::vector<std::vector<double>> Fields::rows(const std::string& key, std::size_t count) const
+{
+  const YAML::Node list = node(key);
+  if (!list.IsSequence() || list.size() == 0)
+    fail(
+        list, "key '" + key + "' must be a list of lists of " + std::to_string(count) + " numbers");
+  std::vector<std::vector<double>> out;
+  for (const auto& row : list) out.push_back(to_numbers(row, key, count, kAny));
+  return out;
+}
+
+}  // namespace talus::sim

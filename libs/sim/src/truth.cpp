@@ -1,0 +1,166 @@
+#include <talus/sim/truth.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+namespace talus::sim
+{
+namespace
+{
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+constexpr double kMaxBytes = 2e9;
+constexpr double kTouch_m = 1e-3;  //!< less than this above the ground does not stand on it
+constexpr double kAir_m = 0.01;
+const double kFaceSlope = std::tan(radians(85));  //!< steeper ground is a face, not a slope
+
+void check_size(double cells_x, double cells_y, double resolution_m)
+{
+  if (!(resolution_m > 0) || !std::isfinite(resolution_m))
+    throw std::invalid_argument("the resolution of the truth must be positive");
+  const double bytes = cells_x * cells_y * 4 * sizeof(float);
+  if (bytes <= kMaxBytes) return;
+  std::ostringstream msg;
+  msg.precision(12);
+  msg << "the truth of " << cells_x * resolution_m << " x " << cells_y * resolution_m << " m at "
+      << resolution_m << " m would be " << cells_x << " x " << cells_y << " cells, "
+      << std::ceil(bytes / 1e8) / 10 << " GB; the limit is " << kMaxBytes / 1e9
+      << " GB: take coarser cells or a smaller world";
+  throw std::runtime_error(msg.str());
+}
+
+/** Judges one cell after another, with its buffers. */
+class CellJudge
+{
+ public:
+  CellJudge(const World& world, const Scene& scene, const TruthOptions& options)
+      : world_(world), scene_(scene), options_(options), n_(options.samples + 2)
+  {
+    heights_.resize(static_cast<std::size_t>(n_) * n_);
+  }
+
+  void judge(double x_m, double y_m, double resolution_m, std::size_t index, Truth& out)
+  {
+    const double cx = x_m + 0.5 * resolution_m, cy = y_m + 0.5 * resolution_m;
+    if (!world_.ground.defined(cx, cy)) return;
+    out.ground[index] = static_cast<float>(world_.ground.height_m(cx, cy));
+    sample_ground(x_m, y_m, resolution_m);
+    bool blocked = ground_blocks(resolution_m);
+    for (int j = 1; j + 1 < n_; ++j)
+      for (int i = 1; i + 1 < n_; ++i)
+        blocked |= column_blocks(
+            x_m + offset(i, resolution_m), y_m + offset(j, resolution_m), height(i, j), index, out);
+    out.label[index] = blocked ? 0.0f : 1.0f;
+  }
+
+ private:
+  /** Samples 1 .. n-2 lie evenly inside the cell, 0 and n-1 just beyond its borders. */
+  double offset(int i, double resolution_m) const
+  {
+    if (i == 0) return -kTouch_m;
+    if (i == n_ - 1) return resolution_m + kTouch_m;
+    return resolution_m * (i - 0.5) / (n_ - 2);
+  }
+
+  double height(int i, int j) const { return heights_[static_cast<std::size_t>(j) * n_ + i]; }
+
+  void sample_ground(double x_m, double y_m, double resolution_m)
+  {
+    for (int j = 0; j < n_; ++j)
+      for (int i = 0; i < n_; ++i)
+        heights_[static_cast<std::size_t>(j) * n_ + i] =
+            world_.ground.height_m(x_m + offset(i, resolution_m), y_m + offset(j, resolution_m));
+  }
+
+  bool ground_blocks(double resolution_m) const
+  {
+    double slope_sum[2] = {0, 0};
+    int slopes[2] = {0, 0};
+    for (int j = 0; j < n_; ++j)
+      for (int i = 0; i + 1 < n_; ++i)
+      {
+        const double run = offset(i + 1, resolution_m) - offset(i, resolution_m);
+        const double rise[2] = {height(i + 1, j) - height(i, j), height(j, i + 1) - height(j, i)};
+        for (int axis = 0; axis < 2; ++axis)
+        {
+          const bool face = std::abs(rise[axis]) > kFaceSlope * run;
+          if (face && std::abs(rise[axis]) > options_.max_step_m) return true;
+          if (face) continue;
+          slope_sum[axis] += rise[axis] / run;
+          ++slopes[axis];
+        }
+      }
+    const double gx = slopes[0] ? slope_sum[0] / slopes[0] : 0;
+    const double gy = slopes[1] ? slope_sum[1] / slopes[1] : 0;
+    return std::hypot(gx, gy) > std::tan(options_.max_slope_rad);
+  }
+
+  bool column_blocks(double x_m, double y_m, double ground_m, std::size_t index, Truth& out)
+  {
+    scene_.column(x_m, y_m, spans_);
+    double level = ground_m;
+    float& underside = out.underside[index];
+    double lowest_air = std::numeric_limits<double>::infinity();
+    for (const Span& s : spans_)
+    {
+      if (s.exit_m <= ground_m) continue;
+      if (s.enter_m > level + kAir_m) lowest_air = std::min(lowest_air, s.enter_m);
+      if (s.enter_m > level + options_.clearance_m) break;
+      level = std::max(level, s.exit_m);
+    }
+    if (std::isfinite(lowest_air))
+      underside = std::isnan(underside) ? static_cast<float>(lowest_air)
+                                        : std::min(underside, static_cast<float>(lowest_air));
+    if (level <= ground_m + kTouch_m) return false;
+    float& top = out.obstacle_top[index];
+    top = std::isnan(top) ? static_cast<float>(level) : std::max(top, static_cast<float>(level));
+    return level - ground_m > options_.min_obstacle_m;
+  }
+
+  const World& world_;
+  const Scene& scene_;
+  const TruthOptions& options_;
+  int n_;  //!< samples along a side, those beyond the borders included
+  std::vector<double> heights_;
+  std::vector<Span> spans_;
+};
+
+}  // namespace
+
+TruthWindow window_around(const Bounds& area, double margin_m, double resolution_m)
+{
+  const double size_x = area.max_m.x - area.min_m.x + 2 * margin_m;
+  const double size_y = area.max_m.y - area.min_m.y + 2 * margin_m;
+  check_size(size_x / resolution_m + 1, size_y / resolution_m + 1, resolution_m);
+  const auto cell = [&](double v) { return std::floor(v / resolution_m + 1e-9); };
+  TruthWindow w;
+  w.resolution_m = resolution_m;
+  const double first_x = cell(area.min_m.x - margin_m), first_y = cell(area.min_m.y - margin_m);
+  w.min_x_m = first_x * resolution_m;
+  w.min_y_m = first_y * resolution_m;
+  w.cells_x = static_cast<int>(cell(area.max_m.x + margin_m) - first_x) + 1;
+  w.cells_y = static_cast<int>(cell(area.max_m.y + margin_m) - first_y) + 1;
+  return w;
+}
+
+Truth truth(const World& world, const TruthWindow& w, double time_s, const TruthOptions& options)
+{
+  check_size(w.cells_x, w.cells_y, w.resolution_m);
+  const std::size_t cells = static_cast<std::size_t>(w.cells_x) * w.cells_y;
+  Truth out;
+  out.window = w;
+  for (auto* layer : {&out.ground, &out.obstacle_top, &out.underside, &out.label})
+    layer->assign(cells, kUnknown);
+  const Scene scene(world, time_s, options.movers);
+  CellJudge judge(world, scene, options);
+  for (int iy = 0; iy < w.cells_y; ++iy)
+    for (int ix = 0; ix < w.cells_x; ++ix)
+      judge.judge(
+          w.min_x_m + ix * w.resolution_m, w.min_y_m + iy * w.resolution_m, w.resolution_m,
+          static_cast<std::size_t>(iy) * w.cells_x + ix, out);
+  return out;
+}
+
+}  // namespace talus::sim

@@ -1,0 +1,77 @@
+#include <talus/sim/world.h>
+
+#include <algorithm>
+
+namespace talus::sim
+{
+namespace
+{
+constexpr double kGroundReflectivity = 0.3;
+}
+
+Pose Mover::pose(double time_s) const
+{
+  const auto next = std::upper_bound(
+      path.begin(), path.end(), time_s, [](double t, const Stop& s) { return t < s.time_s; });
+  if (path.size() == 1) return pose_from_rpy({path[0].x_m, path[0].y_m, 0}, 0);
+  // Outside its times it keeps the heading of its first or last leg.
+  const auto b = next == path.begin() ? path.begin() + 1 : next == path.end() ? next - 1 : next;
+  const auto a = b - 1;
+  const double leg_s = b->time_s - a->time_s;
+  const double w = leg_s > 0 ? std::clamp((time_s - a->time_s) / leg_s, 0.0, 1.0) : 1.0;
+  const double dx = b->x_m - a->x_m, dy = b->y_m - a->y_m;
+  const double yaw = dx != 0 || dy != 0 ? std::atan2(dy, dx) : 0.0;
+  return pose_from_rpy({a->x_m + w * dx, a->y_m + w * dy, 0}, 0, 0, yaw);
+}
+
+Scene::Scene(const World& world, double time_s, bool with_movers) : world_(world)
+{
+  if (!with_movers) return;
+  for (const Mover& m : world.movers)
+  {
+    Pose T = m.pose(time_s);
+    T.m[11] = world.ground.height_m(T.x(), T.y());
+    for (Shape s : m.shapes)
+    {
+      s.T_map_shape = compose(T, s.T_map_shape);
+      movers_.push_back(s);
+    }
+  }
+}
+
+std::optional<Scene::Hit> Scene::cast(const Ray& ray, double max_m, std::uint64_t chance) const
+{
+  Hit best{max_m, kGroundReflectivity, nullptr};
+  bool any = false;
+  for (const Shape& s : movers_)
+  {
+    const auto range = first_hit(s, ray, chance);
+    if (!range || *range >= best.range_m) continue;
+    best = {*range, s.reflectivity, &s};
+    any = true;
+  }
+  if (const auto hit = world_.objects.cast(ray, best.range_m, chance))
+  {
+    best = {hit->range_m, hit->shape->reflectivity, hit->shape};
+    any = true;
+  }
+  if (const auto range = world_.ground.cast(ray, best.range_m))
+  {
+    best = {*range, kGroundReflectivity, nullptr};
+    any = true;
+  }
+  if (!any) return std::nullopt;
+  return best;
+}
+
+void Scene::column(double x_m, double y_m, std::vector<Span>& heights_m) const
+{
+  heights_m.clear();
+  world_.objects.column(x_m, y_m, heights_m);
+  for (const Shape& s : movers_) sim::column(s, x_m, y_m, heights_m);
+  std::sort(
+      heights_m.begin(), heights_m.end(),
+      [](const Span& a, const Span& b) { return a.enter_m < b.enter_m; });
+}
+
+}  // namespace talus::sim

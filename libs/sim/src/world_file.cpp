@@ -1,0 +1,153 @@
+#include <talus/sim/scanner.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "world_parts.h"
+
+namespace talus::sim
+{
+namespace
+{
+RobotSetup parse_robot(const Fields& f)
+{
+  RobotSetup r;
+  for (const auto& p : f.rows("path_m", 2))
+  {
+    if (!r.waypoints.empty() && norm(Vec3{p[0], p[1], 0} - r.waypoints.back()) < 1e-3)
+      f.fail("path_m", "holds the same place twice in a row");
+    r.waypoints.push_back({p[0], p[1], 0});
+  }
+  r.yaw_rad = radians(f.number_or("yaw_deg", 0, kAny));
+  r.speed_mps = f.number_or("speed_mps", 1, kPositive);
+  r.duration_s = f.number_or("duration_s", 0, kPositive);
+  r.wheelbase_m = f.number_or("wheelbase_m", r.wheelbase_m, kPositive);
+  r.track_m = f.number_or("track_m", r.track_m, kPositive);
+  return r;
+}
+
+SensorSetup parse_sensor(const Fields& f)
+{
+  SensorSetup s;
+  s.scanner = f.text_or("scanner", s.scanner);
+  std::vector<std::string> names;
+  for (const Scanner& known : scanners()) names.push_back(known.name);
+  if (!find_scanner(s.scanner))
+  {
+    std::string list;
+    for (const auto& n : names) list += (list.empty() ? "" : ", ") + n;
+    f.fail(
+        "scanner", "'" + s.scanner + "' is not known, did you mean '" +
+                       nearest_word(s.scanner, names) + "'? Known: " + list);
+  }
+  const auto at = f.numbers_or("at_m", {0, 0, 0.68}, kAny);
+  const auto rpy = f.numbers_or("roll_pitch_yaw_deg", {0, 0, 0}, kAny);
+  s.T_base_sensor =
+      pose_from_rpy({at[0], at[1], at[2]}, radians(rpy[0]), radians(rpy[1]), radians(rpy[2]));
+  if (f.has("noise_m")) s.noise_m = f.number("noise_m", kNotNegative);
+  if (f.has("dropout")) s.dropout = f.number("dropout", kShare);
+  if (f.has("rate_hz")) s.rate_hz = f.number("rate_hz", kPositive);
+  if (f.has("max_range_m")) s.max_range_m = f.number("max_range_m", kPositive);
+  s.motion_distortion = f.flag_or("motion_distortion", false);
+  return s;
+}
+
+Mover parse_mover(const Fields& f, bool person)
+{
+  Mover m;
+  for (const auto& row : f.rows("path", 3))
+  {
+    if (!m.path.empty() && row[0] <= m.path.back().time_s)
+      f.fail("path", "must be a list of [t_s, x_m, y_m] with ascending times");
+    m.path.push_back({row[0], row[1], row[2]});
+  }
+  const double lift = f.number_or("lift_m", 0, kNotNegative);
+  // What stands reaches a little into the ground, so that nothing shows under it on rough ground.
+  const double bottom = lift > 0 ? lift : -0.05;
+  if (person)
+  {
+    const double height = f.number_or("height_m", 1.75, kPositive);
+    m.shapes = {make_cylinder(
+        {0, 0, bottom}, {0, 0, lift + height}, f.number_or("radius_m", 0.25, kPositive))};
+  }
+  else
+  {
+    const auto size = f.numbers("size_m", 3, kPositive);
+    m.shapes = {make_box({0, 0, bottom}, {size[0], size[1], size[2] + lift - bottom}, 0)};
+  }
+  m.shapes[0].reflectivity = f.number_or("reflectivity", 0.8, kShare);
+  return m;
+}
+
+std::string stem(const std::string& file) { return std::filesystem::path(file).stem().string(); }
+
+}  // namespace
+
+std::vector<Mover> parse_movers(const YAML::Node& list, const std::string& file)
+{
+  if (!list.IsSequence())
+    fail_at(list, file, "movers", "must be a list of movers, e.g. `- person: {...}`");
+  std::vector<Mover> movers;
+  for (const auto& entry : list)
+  {
+    const std::string name = only_key(entry, file, "movers", {"person", "box"});
+    const bool person = name == "person";
+    const std::vector<std::string> keys =
+        person ? std::vector<std::string>{"path", "height_m", "radius_m", "lift_m", "reflectivity"}
+               : std::vector<std::string>{"path", "size_m", "lift_m", "reflectivity"};
+    movers.push_back(parse_mover(Fields(entry[name], file, "movers." + name, keys), person));
+  }
+  return movers;
+}
+
+World parse_world(const std::string& text, const std::string& file)
+{
+  YAML::Node root;
+  try
+  {
+    root = YAML::Load(text);
+  }
+  catch (const YAML::Exception& e)
+  {
+    throw std::runtime_error(
+        file + ":" + std::to_string(e.mark.line + 1) + ": not valid YAML: " + e.msg);
+  }
+  const Fields f(
+      root, file, "world",
+      {"name", "description", "seed", "ground", "objects", "movers", "robot", "sensor"});
+  World w;
+  w.name = f.text_or("name", stem(file));
+  w.description = f.text_or("description", "");
+  w.seed = static_cast<std::uint64_t>(f.whole_or("seed", 1, 0, 2000000000));
+  w.ground = parse_ground(f.node("ground"), file);
+  w.robot = parse_robot(Fields(
+      f.node("robot"), file, "robot",
+      {"path_m", "yaw_deg", "speed_mps", "duration_s", "wheelbase_m", "track_m"}));
+  if (f.has("sensor"))
+    w.sensor = parse_sensor(Fields(
+        f.node("sensor"), file, "sensor",
+        {"scanner", "at_m", "roll_pitch_yaw_deg", "noise_m", "dropout", "rate_hz", "max_range_m",
+         "motion_distortion"}));
+  else
+    w.sensor.T_base_sensor = pose_from_rpy({0, 0, 0.68}, 0);
+  if (f.has("objects"))
+    w.objects =
+        ShapeTree(parse_objects(f.node("objects"), file, w.ground, RobotPath(w.robot, w.ground)));
+  if (f.has("movers")) w.movers = parse_movers(f.node("movers"), file);
+  return w;
+}
+
+World load_world(const std::string& path)
+{
+  if (std::filesystem::is_directory(path))
+    throw std::runtime_error("'" + path + "' is a directory; give a world file (.yaml)");
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw std::runtime_error("'" + path + "' cannot be read; is the name right?");
+  std::ostringstream text;
+  text << in.rdbuf();
+  return parse_world(text.str(), path);
+}
+
+}  // namespace talus::sim

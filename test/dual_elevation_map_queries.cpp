@@ -1,0 +1,129 @@
+#include <mrpt/opengl/CSetOfObjects.h>
+#include <mrpt/opengl/CSetOfTriangles.h>
+#include <talus/io/geotiff.h>
+
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+#include "room_for_maps.h"
+
+using namespace talus_test;
+namespace fs = std::filesystem;
+
+namespace
+{
+/** A folder of this process, gone with the object. */
+struct TemporaryFolder
+{
+  TemporaryFolder() { fs::create_directories(path); }
+  ~TemporaryFolder() { fs::remove_all(path); }
+  fs::path path = fs::temp_directory_path() / ("talus_save_" + std::to_string(getpid()));
+};
+}  // namespace
+
+TEST(DualElevationMapQueries, the_true_pose_is_the_likeliest_of_all_around_it)
+{
+  const auto map = map_of_room();
+  const CPose3D truth(0.05, 0.02, 0, 0.15, 0, 0);
+  const auto scan = scan_of_room(truth);
+  ASSERT_TRUE(map.canComputeObservationLikelihood(scan));
+  const double best = map.computeObservationLikelihood(scan, truth);
+  for (int axis = 0; axis < 6; axis++)
+    for (const double amount : {-4.0, -2.0, -1.0, 1.0, 2.0, 4.0})
+    {
+      const double step = axis < 3 ? 0.05 * amount : 0.035 * amount;  // one cell; two degrees
+      double d[6] = {0, 0, 0, 0, 0, 0};
+      d[axis] = step;
+      const CPose3D wrong = truth + CPose3D(d[0], d[1], d[2], d[3], d[4], d[5]);
+      EXPECT_GT(best, map.computeObservationLikelihood(scan, wrong))
+          << "axis " << axis << " by " << step;
+    }
+}
+
+TEST(DualElevationMapQueries, matching_ratio_is_high_at_the_true_pose_and_low_elsewhere)
+{
+  const auto map = map_of_room();
+  CSimplePointsMap points;
+  for (const auto& p : room())
+    points.insertPoint(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z));
+  const mrpt::maps::TMatchingRatioParams params;
+  EXPECT_GT(map.compute3DMatchingRatio(&points, CPose3D(), params), 0.97F);
+  EXPECT_LT(map.compute3DMatchingRatio(&points, CPose3D(0, 0, 1, 0, 0, 0), params), 0.1F);
+  EXPECT_EQ(CDualElevationMap().compute3DMatchingRatio(&points, CPose3D(), params), 0.0F);
+  EXPECT_GT(map.compute3DMatchingRatio(&map, CPose3D(), params), 0.99F);
+}
+
+TEST(DualElevationMapQueries, its_points_map_and_bounding_box_hold_what_was_measured)
+{
+  const auto map = map_of_room();
+  const auto* points = map.getAsSimplePointsMap();
+  ASSERT_NE(points, nullptr);
+  EXPECT_GT(points->size(), 8000U);  // 5 m x 5 m of 0.05 m cells are 10,000
+  const auto box = map.boundingBox();
+  EXPECT_NEAR(box.max.z, 0.45, 0.02);
+  EXPECT_NEAR(box.min.z, 0.0, 0.05);
+  EXPECT_GT(box.max.x, 2.45);
+  EXPECT_LE(box.max.x, map.mapper().window().min_x_m() + 6.001);  // filled ground counts too
+}
+
+TEST(DualElevationMapQueries, the_scene_holds_both_surfaces_and_honours_the_generic_options)
+{
+  auto map = map_of_room();
+  auto scene = map.getVisualization();
+  const auto triangles = [&](const char* name) -> std::size_t
+  {
+    const auto mesh =
+        std::dynamic_pointer_cast<mrpt::opengl::CSetOfTriangles>(scene->getByName(name));
+    return mesh ? mesh->getTrianglesCount() : 0;
+  };
+  EXPECT_GT(triangles("ground"), 10000U);
+  EXPECT_GT(triangles("elevation"), 200U);
+  EXPECT_LT(triangles("elevation"), triangles("ground"));
+  map.renderOptions.showGround = false;
+  map.renderOptions.colorByTraversability = false;
+  map.renderOptions.maxCells = 60;
+  scene = map.getVisualization();
+  EXPECT_EQ(triangles("ground"), 0U);
+  EXPECT_LT(triangles("elevation"), 7000U);
+  map.genericMapParams.enableSaveAs3DObject = false;
+  EXPECT_TRUE(map.getVisualization()->empty());
+}
+
+TEST(DualElevationMapQueries, saving_writes_geotiff_picture_and_scene)
+{
+  const auto map = map_of_room();
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path;
+  map.saveMetricMapRepresentationToFile((folder / "room").string());
+  for (const char* ending : {".tif", ".png", ".3Dscene"})
+    EXPECT_GT(fs::file_size(folder / (std::string("room") + ending)), 1000U) << ending;
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 3);
+
+  const auto stack = talus::io::read_geotiff((folder / "room.tif").string());
+  const auto* elevation = stack.find("elevation");
+  ASSERT_NE(elevation, nullptr);
+  const auto& expected = map.mapper().layer(Layer::Elevation);
+  ASSERT_EQ(elevation->size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); i++)
+    ASSERT_EQ(std::memcmp(&(*elevation)[i], &expected[i], sizeof(float)), 0) << i;
+}
+
+TEST(DualElevationMapQueries, an_empty_map_saves_nothing_and_an_unwritable_place_is_named)
+{
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path;
+  CDualElevationMap().saveMetricMapRepresentationToFile((folder / "empty").string());
+  EXPECT_TRUE(fs::is_empty(folder));
+  try
+  {
+    map_of_room(1).saveMetricMapRepresentationToFile((folder / "missing" / "room").string());
+    FAIL() << "nothing thrown";
+  }
+  catch (const std::runtime_error& e)
+  {
+    EXPECT_NE(std::string(e.what()).find("missing/room"), std::string::npos) << e.what();
+  }
+}

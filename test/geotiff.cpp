@@ -1,0 +1,148 @@
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+#include <talus/io/geotiff.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "log_files.h"
+
+namespace fs = std::filesystem;
+using namespace talus;
+using namespace talus::io;
+using talus::test::expect_error;
+using talus::test::read_bytes;
+using talus::test::ScratchDir;
+using talus::test::write_bytes;
+
+namespace
+{
+const float kNan = std::numeric_limits<float>::quiet_NaN();
+
+/** 3 x 2 cells, its heights 0..5 counted from the south-west corner eastwards. */
+LayerStack small_stack()
+{
+  LayerStack s;
+  s.cells_x = 3;
+  s.cells_y = 2;
+  s.resolution_m = 0.25;
+  s.min_x_m = -1.5;
+  s.min_y_m = 10;
+  s.names = {"elevation", "state"};
+  s.layers = {{0, 1, 2, 3, kNan, 5}, {1, 1, 2, 3, 0, 1}};
+  return s;
+}
+
+struct Open
+{
+  explicit Open(const std::string& path)
+  {
+    GDALAllRegister();
+    data = static_cast<GDALDataset*>(GDALOpen(path.c_str(), GA_ReadOnly));
+  }
+  ~Open() { GDALClose(data); }
+  GDALDataset* data;
+};
+}  // namespace
+
+TEST(GeoTiff, comes_back_with_the_same_bits)
+{
+  const ScratchDir dir;
+  const LayerStack out = small_stack();
+  write_geotiff(dir / "map.tif", out);
+  const LayerStack in = read_geotiff(dir / "map.tif");
+  EXPECT_EQ(in.cells_x, 3);
+  EXPECT_EQ(in.cells_y, 2);
+  EXPECT_EQ(in.resolution_m, 0.25);
+  EXPECT_EQ(in.min_x_m, -1.5);
+  EXPECT_EQ(in.min_y_m, 10);
+  EXPECT_EQ(in.names, out.names);
+  ASSERT_EQ(in.layers.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_EQ(std::memcmp(in.layers[i].data(), out.layers[i].data(), 6 * sizeof(float)), 0) << i;
+}
+
+TEST(GeoTiff, is_north_up_in_metres_of_the_map_frame)
+{
+  const ScratchDir dir;
+  write_geotiff(dir / "map.tif", small_stack());
+  const Open tif(dir / "map.tif");
+  ASSERT_TRUE(tif.data);
+  double t[6];
+  ASSERT_EQ(tif.data->GetGeoTransform(t), CE_None);
+  EXPECT_EQ(t[0], -1.5) << "west edge";
+  EXPECT_EQ(t[3], 10.5) << "north edge";
+  EXPECT_EQ(t[1], 0.25);
+  EXPECT_EQ(t[5], -0.25);
+  float first_row[3];
+  ASSERT_EQ(
+      tif.data->GetRasterBand(1)->RasterIO(
+          GF_Read, 0, 0, 3, 1, first_row, 3, 1, GDT_Float32, 0, 0, nullptr),
+      CE_None);
+  EXPECT_EQ(first_row[0], 3) << "the north-west cell comes first";
+  EXPECT_EQ(first_row[2], 5);
+  const auto* frame = tif.data->GetSpatialRef();
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(frame->IsLocal());
+  EXPECT_STREQ(frame->GetName(), "talus map frame");
+  EXPECT_EQ(frame->GetLinearUnits(), 1.0);
+}
+
+TEST(GeoTiff, names_its_bands_and_marks_unknown_cells_as_nodata)
+{
+  const ScratchDir dir;
+  write_geotiff(dir / "map.tif", small_stack(), {{"LOG", "a.rawlog"}});
+  const Open tif(dir / "map.tif");
+  ASSERT_EQ(tif.data->GetRasterCount(), 2);
+  auto* band = tif.data->GetRasterBand(2);
+  EXPECT_STREQ(band->GetDescription(), "state");
+  EXPECT_EQ(band->GetRasterDataType(), GDT_Float32);
+  int has_nodata = 0;
+  EXPECT_TRUE(std::isnan(band->GetNoDataValue(&has_nodata)));
+  EXPECT_TRUE(has_nodata);
+  EXPECT_STREQ(tif.data->GetMetadataItem("LOG"), "a.rawlog");
+  EXPECT_STREQ(tif.data->GetMetadataItem("COMPRESSION", "IMAGE_STRUCTURE"), "DEFLATE");
+  EXPECT_STREQ(tif.data->GetMetadataItem("PREDICTOR", "IMAGE_STRUCTURE"), "3");
+}
+
+TEST(GeoTiff, is_one_file_without_companions)
+{
+  const ScratchDir dir;
+  write_geotiff(dir / "map.tif", small_stack());
+  for (const auto& entry : fs::directory_iterator(dir / ""))
+    EXPECT_EQ(entry.path().filename(), "map.tif");
+}
+
+TEST(GeoTiff, leaves_the_old_file_when_the_new_one_cannot_be_written)
+{
+  const ScratchDir dir;
+  write_bytes(dir / "map.tif", "precious");
+  LayerStack broken = small_stack();
+  broken.layers[1].pop_back();
+  expect_error([&] { write_geotiff(dir / "map.tif", broken); }, {"map.tif", "state", "3 x 2"});
+  expect_error([&] { write_geotiff(dir / "map.tif", LayerStack{}); }, {"map.tif", "no cells"});
+  EXPECT_EQ(read_bytes(dir / "map.tif"), "precious");
+  expect_error([&] { write_geotiff(dir / "none/map.tif", small_stack()); }, {"none/map.tif"});
+}
+
+TEST(GeoTiff, reading_says_what_is_wrong_with_a_file)
+{
+  const ScratchDir dir;
+  expect_error([&] { read_geotiff(dir / "none.tif"); }, {"none.tif", "no such file"});
+  write_bytes(dir / "text.tif", "hello");
+  expect_error([&] { read_geotiff(dir / "text.tif"); }, {"text.tif", "GeoTIFF"});
+  expect_error([&] { read_geotiff(dir / ""); }, {"GeoTIFF"});
+}
+
+TEST(GeoTiff, holds_every_layer_of_a_map_in_their_order)
+{
+  const ElevationMapper map;
+  const LayerStack stack = snapshot(map);
+  ASSERT_EQ(stack.names.size(), static_cast<std::size_t>(kLayerCount));
+  for (int i = 0; i < kLayerCount; ++i) EXPECT_EQ(stack.names[i], kLayerNames[i]);
+  EXPECT_EQ(stack.cells_x, 160);
+  EXPECT_NE(stack.find("traversability"), nullptr);
+  EXPECT_EQ(stack.find("colour"), nullptr);
+}

@@ -1,0 +1,163 @@
+#include <gtest/gtest.h>
+#include <talus/io/map_picture.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include <cmath>
+#include <limits>
+
+#include "log_files.h"
+
+using namespace talus;
+using namespace talus::io;
+using talus::test::expect_error;
+using talus::test::read_bytes;
+using talus::test::ScratchDir;
+using talus::test::write_bytes;
+
+namespace
+{
+constexpr int kCells = 40;
+const float kNan = std::numeric_limits<float>::quiet_NaN();
+
+/** A stack of the named layers, each cell as `value(ix, iy)`. */
+template <typename Value>
+LayerStack stack_of(const std::vector<std::string>& names, Value value)
+{
+  LayerStack s;
+  s.cells_x = s.cells_y = kCells;
+  s.resolution_m = 0.1;
+  s.min_x_m = s.min_y_m = -2;
+  s.names = names;
+  std::vector<float> layer;
+  for (int iy = 0; iy < kCells; ++iy)
+    for (int ix = 0; ix < kCells; ++ix) layer.push_back(value(ix, iy));
+  s.layers.assign(names.size(), layer);
+  return s;
+}
+
+std::vector<std::string> all_names() { return {kLayerNames.begin(), kLayerNames.end()}; }
+
+/** Where the pixels of a colour (BGR) lie, and how many there are. */
+struct Patch
+{
+  int count = 0;
+  double x = 0, y = 0;  //!< mean
+};
+
+Patch patch_of(const cv::Mat& picture, const cv::Vec3b& bgr)
+{
+  Patch p;
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x)
+      if (picture.at<cv::Vec3b>(y, x) == bgr)
+      {
+        ++p.count;
+        p.x += x;
+        p.y += y;
+      }
+  p.x /= std::max(1, p.count);
+  p.y /= std::max(1, p.count);
+  return p;
+}
+
+const cv::Vec3b kRed(38, 0, 165), kGreen(55, 104, 0), kUnknown(224, 221, 219);
+
+bool same(const cv::Mat& a, const cv::Mat& b)
+{
+  return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;
+}
+}  // namespace
+
+TEST(MapPicture, shows_north_above_south_and_east_right_of_west)
+{
+  const auto south_west = [](int ix, int iy) { return ix < 20 && iy < 20 ? 0.0F : 1.0F; };
+  const cv::Mat picture = draw_map(stack_of({"traversability"}, south_west));
+  const Patch blocked = patch_of(picture, kRed), free = patch_of(picture, kGreen);
+  EXPECT_GT(blocked.count, 240 * 240 / 2);
+  EXPECT_NEAR(static_cast<double>(free.count) / blocked.count, 3.0, 0.1)
+      << "three quarters are free";
+  EXPECT_GT(blocked.y, free.y) << "south is below";
+  EXPECT_LT(blocked.x, free.x) << "west is left";
+}
+
+TEST(MapPicture, paints_cells_without_a_value_in_a_neutral_colour)
+{
+  const auto half = [](int ix, int) { return ix < 20 ? kNan : 1.0F; };
+  const cv::Mat picture = draw_map(stack_of({"traversability"}, half));
+  EXPECT_NEAR(patch_of(picture, kUnknown).count, patch_of(picture, kGreen).count, 2000);
+}
+
+TEST(MapPicture, has_a_panel_for_each_layer)
+{
+  const auto ramp = [](int ix, int) { return 0.01F * static_cast<float>(ix); };
+  const cv::Mat one = draw_map(stack_of({"elevation"}, ramp));
+  const cv::Mat nine = draw_map(stack_of(all_names(), ramp));
+  EXPECT_GT(nine.cols, 2.5 * one.cols - 200);
+  EXPECT_GT(nine.rows, 2.5 * one.rows - 400);
+  const cv::Mat other = draw_map(stack_of({"ground", "label"}, ramp));
+  EXPECT_GT(other.cols, one.cols) << "layers of other files are drawn too";
+}
+
+TEST(MapPicture, points_the_arrow_of_the_robot_along_its_yaw)
+{
+  const auto unknown = [](int, int) { return kNan; };
+  const LayerStack stack = stack_of({"traversability"}, unknown);
+  PictureOptions options;
+  options.has_robot = true;
+  const cv::Mat east = draw_map(stack, options);
+  options.robot_yaw_rad = 1.5707963;
+  const cv::Mat north = draw_map(stack, options);
+  EXPECT_FALSE(same(east, north));
+  options.robot_x_m = 100;
+  const cv::Mat outside = draw_map(stack, options);
+  options.robot_y_m = -100;
+  EXPECT_TRUE(same(outside, draw_map(stack, options))) << "a robot outside is not drawn";
+}
+
+TEST(MapPicture, is_the_same_for_the_same_map)
+{
+  const auto waves = [](int ix, int iy)
+  { return 0.1F * static_cast<float>(std::sin(0.3 * ix) + std::cos(0.2 * iy)); };
+  const LayerStack stack = stack_of(all_names(), waves);
+  EXPECT_TRUE(same(draw_map(stack), draw_map(stack)));
+}
+
+TEST(MapPicture, stays_of_a_size_for_a_screen_whatever_the_number_of_cells)
+{
+  for (const int cells : {4, 160, 500, 2000})
+  {
+    LayerStack s;
+    s.cells_x = s.cells_y = cells;
+    s.resolution_m = 0.05;
+    s.names = {"elevation"};
+    s.layers = {std::vector<float>(static_cast<std::size_t>(cells) * cells, 0.5F)};
+    const cv::Mat picture = draw_map(s);
+    EXPECT_GT(picture.rows, 400) << cells;
+    EXPECT_LT(picture.rows, 1000) << cells;
+  }
+}
+
+TEST(MapPicture, copes_with_layers_that_are_empty_level_infinite_or_far_away)
+{
+  const float infinite = std::numeric_limits<float>::infinity();
+  for (const float v : {kNan, 0.0F, infinite, -infinite, 1e6F})
+    EXPECT_NO_THROW(draw_map(stack_of(all_names(), [v](int, int) { return v; }))) << v;
+  LayerStack far = stack_of(all_names(), [](int, int) { return 1.0F; });
+  far.min_x_m = -4.5e6;
+  PictureOptions options;
+  options.title = std::string(500, 'x') + "\xc3\xa9";
+  EXPECT_NO_THROW(draw_map(far, options));
+}
+
+TEST(MapPicture, writes_a_png_whole_or_not_at_all)
+{
+  const ScratchDir dir;
+  const LayerStack stack = stack_of({"elevation"}, [](int ix, int) { return 0.1F * ix; });
+  write_map_picture(dir / "map.png", stack);
+  EXPECT_TRUE(same(cv::imread(dir / "map.png"), draw_map(stack)));
+  write_bytes(dir / "old.png", "precious");
+  expect_error([&] { write_map_picture(dir / "old.png", LayerStack{}); }, {"old.png", "no cells"});
+  EXPECT_EQ(read_bytes(dir / "old.png"), "precious");
+  expect_error([&] { write_map_picture(dir / "none/map.png", stack); }, {"none/map.png"});
+}

@@ -1,0 +1,250 @@
+// The simulator's scanners, its robot and its world files.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "sim_world.h"
+
+using namespace talus::sim;
+
+namespace
+{
+std::string error_of(const std::string& text)
+{
+  try
+  {
+    parse_world(text, "bad.yaml");
+  }
+  catch (const std::runtime_error& e)
+  {
+    return e.what();
+  }
+  return "no error";
+}
+}  // namespace
+
+TEST(Scanner, has_range_noise_of_the_given_deviation_and_no_bias)
+{
+  const World w =
+      world_of(kFlat, "sensor: {noise_m: 0.02, dropout: 0.25, roll_pitch_yaw_deg: [0, 90, 0]}\n");
+  // Looking down, every beam meets the ground at a range known from its elevation.
+  const Drive drive(w);
+  double sum = 0, squares = 0;
+  int n = 0;
+  for (int frame = 0; frame < 4; ++frame)
+  {
+    const Scan s = drive.scan(frame);
+    for (std::size_t i = 0; i < s.size(); ++i)
+    {
+      const double range = norm({s.x_m[i], s.y_m[i], s.z_m[i]});
+      if (range > 20) continue;
+      const double error = range - range * 0.68 / s.x_m[i];  // x points down
+      sum += error;
+      squares += error * error;
+      ++n;
+    }
+  }
+  ASSERT_GT(n, 10000);
+  EXPECT_NEAR(sum / n, 0, 4 * 0.02 / std::sqrt(n));
+  EXPECT_NEAR(std::sqrt(squares / n), 0.02, 4 * 0.02 / std::sqrt(2.0 * n));
+}
+
+TEST(Scanner, loses_the_given_share_of_its_returns)
+{
+  const std::string room = "objects: [wall: {from_m: [3, -9], to_m: [3, 9], height_m: 9}]\n";
+  const World all = world_of(kFlat, room),
+              some = world_of(kFlat, room + "sensor: {dropout: 0.3}\n");
+  const double n = static_cast<double>(Drive(all).scan(0).size());
+  const double share = static_cast<double>(Drive(some).scan(0).size()) / n;
+  EXPECT_NEAR(share, 0.7, 4 * std::sqrt(0.21 / n));
+}
+
+TEST(Scanner, gives_the_same_bits_for_the_same_seed_in_any_order)
+{
+  const World w = world_of(
+      "- roughness: {amplitude_m: 0.05, wavelength_m: 0.5}\n", "", "{path_m: [[0, 0], [1, 0]]}");
+  const Drive a(w), b(w);
+  b.scan(3);
+  const Scan first = a.scan(2), again = b.scan(2);
+  ASSERT_EQ(first.size(), again.size());
+  const auto same = [](const std::vector<float>& u, const std::vector<float>& v)
+  { return u.size() == v.size() && !std::memcmp(u.data(), v.data(), u.size() * sizeof(float)); };
+  EXPECT_TRUE(same(first.x_m, again.x_m) && same(first.z_m, again.z_m));
+  DriveOptions other;
+  other.seed = 2;
+  EXPECT_FALSE(same(first.x_m, Drive(w, other).scan(2).x_m));
+}
+
+TEST(Scanner, above_a_table_hits_its_top_and_below_it_the_floor_and_the_legs)
+{
+  const std::string table = "objects: [table: {at_m: [3, 0], size_m: [1, 1, 0.74]}]\n";
+  const auto tops_and_floors = [&](const std::string& height)
+  {
+    const World w = world_of(
+        kFlat, table + "sensor: {scanner: OS1-64, noise_m: 0, at_m: [0, 0, " + height + "]}\n");
+    const Scan s = Drive(w).scan(0);
+    int tops = 0, floors = 0, others = 0;
+    for (std::size_t i = 0; i < s.size(); ++i)
+    {
+      if (s.x_m[i] < 2.51 || s.x_m[i] > 3.49 || std::abs(s.y_m[i]) > 0.49) continue;
+      const double z = s.z_m[i] + std::stod(height);
+      ++(std::abs(z - 0.74) < 1e-5 ? tops : std::abs(z) < 1e-5 ? floors : others);
+    }
+    return std::array<int, 3>{tops, floors, others};
+  };
+  const auto high = tops_and_floors("1.5"), low = tops_and_floors("0.6");
+  EXPECT_GT(high[0], 100);
+  EXPECT_EQ(low[0], 0);
+  EXPECT_GT(low[1], 100) << "floor below the table";
+  EXPECT_GT(low[2], 10) << "legs, and the top from below";
+}
+
+TEST(Scanner, that_moves_takes_each_point_from_where_it_is_by_then)
+{
+  const World w = world_of(
+      kFlat,
+      "objects: [wall: {from_m: [6, -9], to_m: [6, 9], height_m: 9, thickness_m: 0.2}]\n"
+      "sensor: {motion_distortion: true, noise_m: 0}\n",
+      "{path_m: [[0, 0], [5, 0]], speed_mps: 5}");
+  const Drive drive(w);
+  const Scan s = drive.scan(2);
+  ASSERT_EQ(s.time_s.size(), s.size());
+  EXPECT_TRUE(std::is_sorted(s.time_s.begin(), s.time_s.end()));
+  EXPECT_LT(s.time_s.back(), 0.1);
+  int on_wall = 0;
+  for (std::size_t i = 0; i < s.size(); ++i)
+  {
+    if (s.z_m[i] < 0 || std::abs(s.y_m[i]) > 3 || s.x_m[i] < 0) continue;
+    EXPECT_NEAR(1.0 + 5 * s.time_s[i] + s.x_m[i], 5.9, 1e-5);
+    ++on_wall;
+  }
+  EXPECT_GT(on_wall, 500);
+}
+
+TEST(Scanner, that_is_a_camera_looks_forward_only)
+{
+  const Scan s = Drive(world_of(kFlat, "sensor: {scanner: depth-camera}\n")).scan(0);
+  ASSERT_GT(s.size(), 5000u);
+  for (std::size_t i = 0; i < s.size(); ++i)
+    ASSERT_LE(std::abs(s.y_m[i]), s.x_m[i] * std::tan(radians(43.5)) + 1e-5);
+}
+
+TEST(Robot, stands_on_a_slope_with_the_roll_and_pitch_of_the_ground)
+{
+  const World w = world_of(
+      "- plane: {z_m: 1, slope_x_deg: 10, slope_y_deg: 5}\n", "",
+      "{path_m: [[0, 0], [3, 3]], speed_mps: 1}");
+  const talus::Pose T = Drive(w).T_map_base(20);
+  const Vec3 normal = normalized({-std::tan(radians(10)), -std::tan(radians(5)), 1});
+  EXPECT_NEAR(T.x(), std::sqrt(2.0), 1e-6);
+  EXPECT_NEAR(T.z(), w.ground.height_m(T.x(), T.y()), kExact_m);
+  const Vec3 up = rotate(T, {0, 0, 1}), forward = rotate(T, {1, 0, 0});
+  EXPECT_NEAR(norm(up - normal), 0, kExact_m);
+  EXPECT_NEAR(std::atan2(forward.y, forward.x), kPi / 4, kExact_m);
+}
+
+TEST(Robot, has_a_noisy_pose_that_errs_and_drifts_as_asked)
+{
+  const World w = world_of(kFlat, "", "{path_m: [[0, 0], [100, 0]]}");
+  DriveOptions options;
+  options.pose_noise_m = 0.02;
+  options.z_drift = 0.01;
+  const Drive drive(w, options);
+  double squares = 0, climb = 0;
+  for (int i = 0; i < drive.frames(); ++i)
+  {
+    const talus::Pose truth = drive.T_map_base(i), noisy = drive.T_map_base_noisy(i);
+    squares += (noisy.x() - truth.x()) * (noisy.x() - truth.x());
+    climb += (noisy.z() - truth.z()) / drive.frames();
+  }
+  EXPECT_NEAR(std::sqrt(squares / drive.frames()), 0.02, 0.002);
+  EXPECT_NEAR(climb, 0.5, 0.01) << "1 m of drift at the end, half of it on average";
+}
+
+TEST(WorldFile, errors_name_file_line_key_and_the_nearest_known_key)
+{
+  const std::string robot = "robot: {path_m: [[0, 0]], duration_s: 1}\n";
+  const auto expect = [](const std::string& text, const std::string& part)
+  { EXPECT_NE(error_of(text).find(part), std::string::npos) << error_of(text); };
+  expect(
+      "ground:\n- plane: {z_m: 0}\n- step: {at_m: [0, 0],\n   heigth_m: 1}\n" + robot,
+      "bad.yaml:4: ground.step: unknown key 'heigth_m', did you mean 'height_m'? Known: at_m");
+  expect("ground: [plane: {z_m: low}]\n" + robot, "bad.yaml:1: ground.plane: key 'z_m': 'low'");
+  expect("ground: [sine: {amplitude_m: 1}]\n" + robot, "key 'wavelength_m' is missing");
+  expect("ground: [plain: {}]\n" + robot, "did you mean 'plane'?");
+  expect(
+      "ground: [plane: {}]\nseed: 1\nseed: 2\n" + robot, "bad.yaml:3: world: key 'seed' is given");
+  expect("ground: [plane: {}]\nrobot: {path_m: [[0, 0, 0]]}\n", "must be a list of 2 numbers");
+  expect("ground: [plane: {}]\nsensor: {scanner: VLP-61}\n" + robot, "did you mean 'VLP-16'?");
+  expect(
+      "ground: [plane: {}]\nobjects: [box: {at_m: [0, 0], size_m: [1, 1, -1]}]\n" + robot,
+      "-1 is not in [");
+  expect(
+      "ground: [plane: {}]\nmovers: [person: {path: [[1, 0, 0], [1, 2, 0]]}]\n" + robot,
+      "ascending times");
+  expect("ground: [plane: {}\n" + robot, "not valid YAML");
+  expect("", "bad.yaml:1: world: must be a map");
+  expect(
+      "ground: [image: {file: none.pgm, pixel_m: 1, min_m: 0, max_m: 1}]\n" + robot,
+      "'none.pgm' cannot be read");
+}
+
+TEST(WorldFile, with_an_endless_drive_says_how_many_frames_it_would_have)
+{
+  const World w = world_of(kFlat, "", "{path_m: [[0, 0]], duration_s: 100000}");
+  try
+  {
+    const Drive drive(w);
+    FAIL();
+  }
+  catch (const std::runtime_error& e)
+  {
+    EXPECT_NE(std::string(e.what()).find("1000001 frames"), std::string::npos) << e.what();
+  }
+}
+
+TEST(WorldFile, takes_the_ground_from_a_height_image_and_knows_nothing_beyond_it)
+{
+  const auto folder = std::filesystem::path(testing::TempDir());
+  std::ofstream(folder / "talus_sim_hill.pgm") << "P2\n# hill\n3 2\n100\n0 50 100\n0 0 100\n";
+  const World w = parse_world(
+      "ground: [image: {file: talus_sim_hill.pgm, pixel_m: 1, min_m: 0, max_m: 2}]\n"
+      "robot: {path_m: [[0, 0]], duration_s: 1}\n",
+      (folder / "world.yaml").string());
+  EXPECT_NEAR(w.ground.height_m(1, 1), 1.0, 1e-6) << "north row, middle";
+  EXPECT_NEAR(w.ground.height_m(1.5, 0), 1.0, 1e-6);
+  EXPECT_NEAR(w.ground.height_m(2, 0.5), 2.0, 1e-6);
+  EXPECT_NEAR(cast_m(w, {0.5, 0.5, 3}, {0, 0, -1}), 2.75, 1e-6);
+  EXPECT_FALSE(std::isnan(cell_at(w, 1, 0.5).label));
+  EXPECT_TRUE(std::isnan(cell_at(w, 2.5, 0.5).label) && std::isnan(cell_at(w, 2.5, 0.5).ground));
+}
+
+TEST(WorldFile, of_every_world_of_the_project_has_a_free_way_of_60_to_150_frames)
+{
+  int worlds = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(TALUS_WORLDS_DIR))
+  {
+    if (entry.path().extension() != ".yaml") continue;
+    const World w = load_world(entry.path().string());
+    const Drive drive(w);
+    EXPECT_GE(drive.frames(), 60) << w.name;
+    EXPECT_LE(drive.frames(), 150) << w.name;
+    TruthOptions options;
+    options.movers = false;
+    options.samples = 2;
+    const TruthWindow window = window_around(drive.path().bounds(), 0.4, 0.1);
+    const Truth t = truth(w, window, 0, options);
+    for (int i = 0; i < window.cells_x * window.cells_y; ++i)
+    {
+      const double x = window.min_x_m + (i % window.cells_x + 0.5) * window.resolution_m;
+      const double y = window.min_y_m + (i / window.cells_x + 0.5) * window.resolution_m;
+      if (drive.path().distance_to_m(x, y) > 0.3) continue;
+      EXPECT_EQ(t.label[i], 1) << w.name << " at " << x << ", " << y;
+    }
+    ++worlds;
+  }
+  EXPECT_GE(worlds, 14);
+}

@@ -1,0 +1,222 @@
+// The command talus-map from end to end: what it writes, and how logs, poses and options reach it.
+#include "talus_map_run.h"
+
+#include <talus/io/geotiff.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace talus;
+using namespace talus::test;
+
+TEST_F(TalusMap, maps_a_single_scan_of_a_velodyne)
+{
+  const std::string log = stock_dataset("test_velodyne_VLP16.rawlog");
+  TALUS_SKIP_WITHOUT(log);
+  const Outcome done = run(log + " --static --output out");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_NE(done.out.find("1 frame,"), std::string::npos) << done.out;
+  EXPECT_EQ(entries(), 5u) << "the folder and four files, nothing hidden";
+  EXPECT_TRUE(exists("out/map.png"));
+  EXPECT_TRUE(exists("out/timing.csv"));
+  const auto j = summary("out");
+  EXPECT_EQ(j["frames"], 1);
+  EXPECT_EQ(j["points"]["in"], 22591) << "all returns of all blocks";
+  EXPECT_EQ(j["backend"], "cpu");
+  const auto map = io::read_geotiff(path("out/map.tif"));
+  EXPECT_EQ(map.names, std::vector<std::string>(kLayerNames.begin(), kLayerNames.end()));
+  EXPECT_EQ(map.cells_x, 160);
+}
+
+TEST_F(TalusMap, takes_the_trajectory_beside_the_log)
+{
+  write_log(path("drive.rawlog"), floor_scans(8), Packing::Gz);
+  write_bytes(path("drive.tum"), straight_tum(8));
+  const Outcome done = run("drive.rawlog --every 4");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const auto j = summary("drive_map");
+  EXPECT_EQ(j["frames"], 8);
+  EXPECT_EQ(j["poses"], "drive.tum");
+  EXPECT_EQ(j["snapshots"], 2);
+  for (const char* name : {"frame_000004.tif", "frame_000004.png", "frame_000008.tif"})
+    EXPECT_TRUE(exists(std::string("drive_map/frames/") + name)) << name;
+  EXPECT_FALSE(exists("drive_map/frames/frame_000002.tif"));
+
+  const auto map = io::read_geotiff(path("drive_map/map.tif"));
+  EXPECT_NEAR(map.min_x_m + 4, 0.7, 0.051) << "the window follows the robot by whole cells";
+  double worst_m = 0;
+  for (const float z : *map.find("ground_elevation"))
+    if (std::isfinite(z)) worst_m = std::max(worst_m, std::abs(static_cast<double>(z)));
+  EXPECT_LT(worst_m, 1e-5) << "the floor is at z = 0 of the map";
+  const auto csv = read_bytes(path("drive_map/timing.csv"));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 9);
+}
+
+TEST_F(TalusMap, finds_the_trajectory_beside_a_compressed_log_and_prefers_the_one_given)
+{
+  write_log(path("drive.rawlog.gz"), floor_scans(3), Packing::Gz);
+  write_bytes(path("drive.tum"), straight_tum(3));
+  write_bytes(path("better.tum"), straight_tum(3));
+  ASSERT_EQ(run("drive.rawlog.gz --output a").code, 0);
+  EXPECT_EQ(summary("a")["poses"], "drive.tum");
+  ASSERT_EQ(run("drive.rawlog.gz --output a --trajectory better.tum").code, 0);
+  EXPECT_EQ(summary("a")["poses"], "better.tum");
+}
+
+TEST_F(TalusMap, takes_poses_from_the_log_when_there_are_no_others)
+{
+  Objects objects;
+  for (int i = 0; i < 5; ++i)
+  {
+    auto odometry = observation_at<mrpt::obs::CObservationOdometry>(kFirstStamp_s + 0.1 * i);
+    odometry->odometry = mrpt::poses::CPose2D(0.1 * i, 0, 0);
+    objects.push_back(odometry);
+    objects.push_back(floor_scan(kFirstStamp_s + 0.1 * i));
+  }
+  write_log(path("a.rawlog"), objects, Packing::Gz);
+  ASSERT_EQ(run("a.rawlog").code, 0);
+  const auto j = summary("a_map");
+  EXPECT_EQ(j["frames"], 5);
+  EXPECT_NE(j["poses"].get<std::string>().find("CObservationOdometry"), std::string::npos);
+  EXPECT_EQ(j["unsupported_observations"]["CObservationOdometry"], 5);
+}
+
+TEST_F(TalusMap, writes_the_same_map_with_any_number_of_threads)
+{
+  write_log(path("a.rawlog"), floor_scans(6), Packing::Gz);
+  write_bytes(path("a.tum"), straight_tum(6));
+  ASSERT_EQ(run("a.rawlog --threads 1 --output one").code, 0);
+  ASSERT_EQ(run("a.rawlog --threads 4 --output four").code, 0);
+  EXPECT_TRUE(read_bytes(path("one/map.tif")) == read_bytes(path("four/map.tif")));
+  EXPECT_TRUE(read_bytes(path("one/map.png")) == read_bytes(path("four/map.png")));
+}
+
+TEST_F(TalusMap, skips_and_counts_scans_in_gaps_of_the_trajectory)
+{
+  write_log(path("a.rawlog"), floor_scans(10), Packing::Gz);
+  write_bytes(path("a.tum"), straight_tum(3) + straight_tum(3, kFirstStamp_s + 0.7));
+  const Outcome done = run("a.rawlog --max-gap 0.3 --output a");
+  ASSERT_EQ(done.code, 0);
+  EXPECT_TRUE(done.says("4 scans were skipped")) << done.err;
+  EXPECT_EQ(summary("a")["skipped_by_reason"]["no_pose"], 4);
+  EXPECT_EQ(summary("a")["frames"], 6);
+  ASSERT_EQ(run("a.rawlog --max-gap 0.6 --output a").code, 0);
+  EXPECT_EQ(summary("a")["frames"], 10);
+}
+
+TEST_F(TalusMap, counts_observations_that_are_no_scans_by_class)
+{
+  Objects objects = floor_scans(2);
+  for (int i = 0; i < 3; ++i)
+    objects.push_back(observation_at<mrpt::obs::CObservationIMU>(kFirstStamp_s));
+  write_log(path("a.rawlog"), objects, Packing::Gz);
+  const Outcome done = run("a.rawlog --static");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_NE(done.out.find("CObservationIMU x 3"), std::string::npos) << done.out;
+  EXPECT_EQ(summary("a_map")["unsupported_observations"]["CObservationIMU"], 3);
+}
+
+TEST_F(TalusMap, maps_only_the_sensor_asked_for)
+{
+  Objects objects = floor_scans(4);
+  objects.push_back(floor_scan(kFirstStamp_s, "rear"));
+  write_log(path("a.rawlog"), objects, Packing::Gz);
+  const Outcome both = run("a.rawlog --static");
+  EXPECT_EQ(summary("a_map")["sensors"]["rear"], 1);
+  EXPECT_TRUE(both.says("several sensors")) << both.err;
+  ASSERT_EQ(run("a.rawlog --static --sensor rear").code, 0);
+  EXPECT_EQ(summary("a_map")["frames"], 1);
+  const Outcome none = run("a.rawlog --static --sensor front --output none");
+  EXPECT_EQ(none.code, 1);
+  EXPECT_TRUE(none.says("'lidar', 'rear'")) << none.err;
+}
+
+TEST_F(TalusMap, takes_frames_with_stamps_that_go_back_and_counts_them)
+{
+  Objects objects = floor_scans(4);
+  std::swap(objects[1], objects[2]);
+  write_log(path("a.rawlog"), objects, Packing::Gz);
+  write_bytes(path("a.tum"), straight_tum(4));
+  const Outcome done = run("a.rawlog");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(summary("a_map")["stamps_backwards"], 1);
+  EXPECT_EQ(summary("a_map")["frames"], 4);
+  EXPECT_TRUE(done.says("stamps go back")) << done.err;
+}
+
+TEST_F(TalusMap, deskews_scans_whose_points_have_times)
+{
+  const std::string log = stock_dataset("test_velodyne_VLP16.rawlog");
+  TALUS_SKIP_WITHOUT(log);
+  constexpr double kStamp_s = 1519637061.085268;
+  write_bytes(path("t.tum"), straight_tum(20, std::floor(kStamp_s) - 1));
+  ASSERT_EQ(run(log + " --trajectory t.tum --output out").code, 0);
+  EXPECT_EQ(summary("out")["frames_deskewed"], 1);
+}
+
+TEST_F(TalusMap, takes_parameters_from_a_file_and_then_from_the_command_line)
+{
+  write_log(path("a.rawlog"), floor_scans(1), Packing::Gz);
+  write_bytes(
+      path("map.ini"),
+      "[CDualElevationMap_creationOpts]\nresolution = 0.1 // m\nwindow = 6\nthreads = 2\n"
+      "[CDualElevationMap_insertOpts]\nclearance_m = 0.9\n");
+  const Outcome done =
+      run("a.rawlog --static --config map.ini -s window=4 --set fill_rule=minimum");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(done.err, "") << "nothing to warn of, and no progress bar in a file";
+  const auto p = summary("a_map")["parameters"];
+  EXPECT_EQ(p["resolution_m"], 0.1);
+  EXPECT_EQ(p["window_m"], 4.0);
+  EXPECT_EQ(p["clearance_m"], 0.9);
+  EXPECT_EQ(p["fill_rule"], "minimum");
+  EXPECT_EQ(summary("a_map")["threads"], 2);
+}
+
+TEST_F(TalusMap, reads_the_sections_of_a_map_within_a_multi_map)
+{
+  write_log(path("a.rawlog"), floor_scans(1), Packing::Gz);
+  write_bytes(path("map.ini"), "[M_CDualElevationMap_00_creationOpts]\nwindow = 6\n");
+  ASSERT_EQ(run("a.rawlog --static --config map.ini").code, 0);
+  EXPECT_EQ(summary("a_map")["parameters"]["window_m"], 6.0);
+}
+
+TEST_F(TalusMap, gives_each_log_of_a_batch_its_own_folder)
+{
+  std::filesystem::create_directories(path("other"));
+  for (const char* name : {"a.rawlog", "b.rawlog", "other/a.rawlog"})
+    write_log(path(name), floor_scans(1), Packing::Gz);
+  const Outcome done = run("--static a.rawlog b.rawlog other/a.rawlog --output out --quiet");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(done.out + done.err, "");
+  EXPECT_EQ(summary("out/a")["log"], "a.rawlog");
+  EXPECT_EQ(summary("out/b")["log"], "b.rawlog");
+  EXPECT_EQ(summary("out/a_2")["log"], "other/a.rawlog");
+}
+
+TEST_F(TalusMap, replaces_the_snapshots_of_an_earlier_run_and_nothing_else)
+{
+  write_log(path("a.rawlog"), floor_scans(6), Packing::Gz);
+  ASSERT_EQ(run("a.rawlog --static --every 2 --output out").code, 0);
+  write_bytes(path("out/frames/notes.txt"), "mine");
+  write_bytes(path("out/notes.txt"), "mine");
+  ASSERT_EQ(run("a.rawlog --static --every 3 --output out").code, 0);
+  EXPECT_FALSE(exists("out/frames/frame_000002.tif"));
+  EXPECT_TRUE(exists("out/frames/frame_000003.tif"));
+  EXPECT_EQ(read_bytes(path("out/frames/notes.txt")), "mine");
+  EXPECT_EQ(read_bytes(path("out/notes.txt")), "mine");
+}
+
+TEST_F(TalusMap, answers_help_with_examples_version_and_the_list_of_parameters)
+{
+  const Outcome help = run("--help");
+  EXPECT_EQ(help.code, 0);
+  for (const char* text : {"Examples:", "--trajectory", "--static", "--max-gap", "Exit codes"})
+    EXPECT_NE(help.out.find(text), std::string::npos) << text;
+  const Outcome version = run("--version");
+  EXPECT_EQ(version.code, 0);
+  EXPECT_EQ(version.out.rfind("talus-map ", 0), 0u) << version.out;
+  const Outcome list = run("--parameters");
+  EXPECT_EQ(list.code, 0);
+  EXPECT_NE(list.out.find("clearance_m"), std::string::npos);
+}

@@ -1,0 +1,248 @@
+// The command talus-map fed with what is wrong: exit codes, messages, and nothing half-written.
+#include "talus_map_run.h"
+
+#include <random>
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+class TalusMapBadInput : public TalusMap
+{
+ protected:
+  /** Mapping the log must fail, say the words, and leave no output. */
+  void expect_failure(
+      const std::string& arguments, int code, const std::vector<std::string>& words) const
+  {
+    const std::size_t before = entries();
+    const Outcome failed = run(arguments + " --output out/deep");
+    EXPECT_EQ(failed.code, code) << failed.err;
+    for (const auto& word : words)
+      EXPECT_TRUE(failed.says(word)) << "'" << word << "' not in: " << failed.err;
+    EXPECT_FALSE(exists("out")) << "a folder was made for nothing";
+    EXPECT_EQ(entries(), before) << "something was left behind";
+  }
+
+  void write_good_log(const std::string& name) const
+  {
+    write_log(path(name), floor_scans(3), Packing::Gz);
+  }
+};
+}  // namespace
+
+TEST_F(TalusMapBadInput, a_missing_file_a_directory_an_empty_file_and_a_text_file_are_named)
+{
+  std::filesystem::create_directory(path("folder.rawlog"));
+  write_bytes(path("empty.rawlog"), "");
+  write_bytes(path("text.rawlog"), "this is not a log at all, only some lines of text\n");
+  expect_failure("--static none.rawlog", 1, {"none.rawlog", "no such file"});
+  expect_failure("--static folder.rawlog", 1, {"folder.rawlog", "directory"});
+  expect_failure("--static empty.rawlog", 1, {"empty.rawlog", "empty"});
+  expect_failure("--static text.rawlog", 1, {"text.rawlog", "rawlog"});
+}
+
+TEST_F(TalusMapBadInput, a_log_that_is_cut_short_writes_nothing)
+{
+  write_good_log("good.rawlog");
+  const std::string bytes = read_bytes(path("good.rawlog"));
+  write_bytes(path("cut.rawlog.gz"), bytes.substr(0, bytes.size() / 2));
+  write_bytes(path("trailer.rawlog"), bytes.substr(0, bytes.size() - 4));
+  expect_failure("--static cut.rawlog.gz", 1, {"cut.rawlog.gz", "cut short"});
+  expect_failure("--static trailer.rawlog", 1, {"trailer.rawlog", "cut short"});
+  write_log(path("plain.rawlog"), floor_scans(3), Packing::Plain);
+  const std::string plain = read_bytes(path("plain.rawlog"));
+  write_bytes(path("plain.rawlog"), plain.substr(0, plain.size() - 100));
+  expect_failure("--static plain.rawlog", 1, {"plain.rawlog"});
+}
+
+TEST_F(TalusMapBadInput, a_log_without_poses_says_what_to_pass)
+{
+  write_good_log("a.rawlog");
+  expect_failure("a.rawlog", 1, {"a.rawlog", "--trajectory", "a.tum", "--static"});
+}
+
+TEST_F(TalusMapBadInput, a_trajectory_of_another_time_says_both_times)
+{
+  write_good_log("a.rawlog");
+  write_bytes(path("t.tum"), straight_tum(5, 1600000000));
+  expect_failure(
+      "a.rawlog --trajectory t.tum", 1,
+      {"a.rawlog", "t.tum", "1700000000.000", "1600000000.000", "do not overlap"});
+}
+
+TEST_F(TalusMapBadInput, a_trajectory_with_poses_too_far_apart_points_at_the_option)
+{
+  write_good_log("a.rawlog");
+  write_bytes(
+      path("t.tum"), straight_tum(1, kFirstStamp_s - 5) + straight_tum(1, kFirstStamp_s + 5));
+  expect_failure("a.rawlog --trajectory t.tum", 1, {"--max-gap"});
+}
+
+TEST_F(TalusMapBadInput, a_bad_trajectory_is_named_with_its_line)
+{
+  write_good_log("a.rawlog");
+  write_bytes(path("t.tum"), "1 2 3\n");
+  write_bytes(path("none.tum"), "# nothing\n");
+  expect_failure("a.rawlog --trajectory t.tum", 1, {"t.tum"});
+  expect_failure("a.rawlog --trajectory none.tum", 1, {"none.tum"});
+  expect_failure("a.rawlog --trajectory missing.tum", 1, {"missing.tum", "no such file"});
+}
+
+TEST_F(TalusMapBadInput, a_log_without_scans_lists_what_it_has)
+{
+  write_log(
+      path("imu.rawlog"), {observation_at<mrpt::obs::CObservationIMU>(kFirstStamp_s)}, Packing::Gz);
+  expect_failure(
+      "--static imu.rawlog", 1, {"imu.rawlog", "CObservationIMU", "CObservationPointCloud"});
+}
+
+TEST_F(TalusMapBadInput, a_log_of_which_no_point_is_accepted_says_why)
+{
+  write_good_log("a.rawlog");
+  expect_failure("--static a.rawlog -s min_height_m=0", 1, {"100 % height", "min_height_m"});
+}
+
+TEST_F(TalusMapBadInput, points_that_are_nan_infinite_or_without_return_are_counted)
+{
+  auto obs = floor_scan(kFirstStamp_s);
+  obs->pointcloud->insertPointFast(NAN, 0, 0);
+  obs->pointcloud->insertPointFast(0, INFINITY, 0);
+  obs->pointcloud->insertPointFast(0, 0, 0);
+  write_log(path("a.rawlog"), {obs}, Packing::Gz);
+  ASSERT_EQ(run("--static a.rawlog").code, 0);
+  const auto rejected = summary("a_map")["points"]["rejected"];
+  EXPECT_EQ(rejected["not_finite"], 2);
+  EXPECT_EQ(rejected["range"], 1);
+}
+
+TEST_F(TalusMapBadInput, one_bad_log_does_not_stop_the_batch)
+{
+  write_good_log("a.rawlog");
+  write_bytes(path("bad.rawlog"), "nonsense");
+  write_good_log("c.rawlog");
+  const Outcome done = run("--static a.rawlog bad.rawlog c.rawlog --output out");
+  EXPECT_EQ(done.code, 1);
+  EXPECT_TRUE(done.says("1 of the logs failed")) << done.err;
+  EXPECT_NE(done.out.find("2 done, 1 failed"), std::string::npos) << done.out;
+  EXPECT_TRUE(exists("out/a/map.tif"));
+  EXPECT_FALSE(exists("out/bad"));
+  EXPECT_TRUE(exists("out/c/summary.json"));
+}
+
+TEST_F(TalusMapBadInput, bytes_changed_anywhere_in_a_log_cost_that_log_at_most)
+{
+  write_log(path("good.rawlog"), floor_scans(2), Packing::Plain);
+  const std::string bytes = read_bytes(path("good.rawlog"));
+  std::mt19937 random(7);
+  std::string logs;
+  for (int i = 0; i < 12; ++i)
+  {
+    // The first hundred bytes hold class names, versions and lengths: the most dangerous ones.
+    std::string changed = bytes;
+    for (int k = 0; k < 3; ++k) changed[random() % 100] = static_cast<char>(random() % 256);
+    const std::string name = "bad" + std::to_string(i) + ".rawlog";
+    write_bytes(path(name), changed);
+    logs += name + " ";
+  }
+  const Outcome done = run("--static " + logs + "good.rawlog --output out");
+  EXPECT_LE(done.code, 1) << done.err;
+  EXPECT_TRUE(exists("out/good/map.tif"));
+}
+
+TEST_F(TalusMapBadInput, a_configuration_that_is_missing_or_has_no_section_of_the_map_is_refused)
+{
+  write_good_log("a.rawlog");
+  write_bytes(path("other.ini"), "[Other]\nwindow = 3\n");
+  expect_failure("--static a.rawlog --config none.ini", 2, {"none.ini", "no such file"});
+  expect_failure("--static a.rawlog --config .", 2, {"directory"});
+  expect_failure(
+      "--static a.rawlog --config other.ini", 2, {"other.ini", "CDualElevationMap_insertOpts"});
+}
+
+TEST_F(TalusMapBadInput, unknown_keys_are_warned_of_with_the_nearest_known_one)
+{
+  write_good_log("a.rawlog");
+  write_bytes(path("m.ini"), "[CDualElevationMap_insertOpts]\nclearence_m = 0.7\n");
+  const Outcome done = run("--static a.rawlog --config m.ini");
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_TRUE(done.says("m.ini")) << done.err;
+  EXPECT_TRUE(done.says("clearence_m")) << done.err;
+  EXPECT_TRUE(done.says("'clearance_m'")) << done.err;
+}
+
+TEST_F(TalusMapBadInput, parameters_out_of_their_range_are_refused_before_any_work)
+{
+  write_good_log("a.rawlog");
+  write_bytes(path("m.ini"), "[CDualElevationMap_creationOpts]\nresolution = -0.05\n");
+  expect_failure("--static a.rawlog --config m.ini", 2, {"m.ini", "resolution_m", "-0.05"});
+  expect_failure("--static a.rawlog -s resolution_m=-1", 2, {"resolution_m", "-1"});
+  expect_failure("--static a.rawlog -s resolution_m=0", 2, {"resolution_m", "0"});
+  expect_failure("--static a.rawlog -s window_m=5000", 2, {"100000 x 100000", "smaller window"});
+  expect_failure("--static a.rawlog -s windo=5", 2, {"windo", "did you mean"});
+  expect_failure("--static a.rawlog -s window_m", 2, {"NAME=VALUE"});
+}
+
+TEST_F(TalusMapBadInput, output_that_cannot_be_written_is_refused_before_any_work)
+{
+  write_good_log("a.rawlog");
+  write_bytes(path("file"), "mine");
+  for (const char* folder : {"file", "file/deeper", "/proc/talus"})
+  {
+    const Outcome failed = run(std::string("--static a.rawlog --output ") + folder);
+    EXPECT_EQ(failed.code, 2) << folder;
+    EXPECT_TRUE(failed.says("--output")) << failed.err;
+    EXPECT_TRUE(failed.says(std::string(folder).substr(0, 4))) << failed.err;
+  }
+  EXPECT_EQ(read_bytes(path("file")), "mine");
+}
+
+TEST_F(TalusMapBadInput, results_of_an_earlier_run_survive_one_that_fails)
+{
+  write_good_log("a.rawlog");
+  ASSERT_EQ(run("--static a.rawlog --output out").code, 0);
+  const std::string map = read_bytes(path("out/map.tif")), csv = read_bytes(path("out/timing.csv"));
+  const std::size_t before = entries();
+  const Outcome full = run("--static a.rawlog --output out", "ulimit -f 4;");
+  EXPECT_EQ(full.code, 1);
+  EXPECT_TRUE(full.says("out/map.")) << full.err;
+  write_bytes(path("a.rawlog"), "nonsense");
+  EXPECT_EQ(run("--static a.rawlog --output out").code, 1);
+  EXPECT_TRUE(read_bytes(path("out/map.tif")) == map);
+  EXPECT_TRUE(read_bytes(path("out/timing.csv")) == csv);
+  EXPECT_EQ(entries(), before) << "nothing hidden was left";
+}
+
+TEST_F(TalusMapBadInput, a_folder_in_the_place_of_a_result_changes_nothing_else)
+{
+  write_good_log("a.rawlog");
+  ASSERT_EQ(run("--static a.rawlog --output out").code, 0);
+  const std::string csv = read_bytes(path("out/timing.csv"));
+  std::filesystem::remove(path("out/summary.json"));
+  std::filesystem::create_directory(path("out/summary.json"));
+  const Outcome failed = run("--static a.rawlog --output out -s window_m=4");
+  EXPECT_EQ(failed.code, 1);
+  EXPECT_TRUE(failed.says("summary.json")) << failed.err;
+  EXPECT_TRUE(read_bytes(path("out/timing.csv")) == csv) << "what was moved has been moved back";
+}
+
+TEST_F(TalusMapBadInput, wrong_usage_has_an_exit_code_of_its_own)
+{
+  write_good_log("a.rawlog");
+  expect_failure("", 2, {"LOG"});
+  expect_failure("a.rawlog --colour red", 2, {"--colour"});
+  expect_failure("a.rawlog --every 0", 2, {"--every"});
+  expect_failure("a.rawlog --threads -1", 2, {"--threads"});
+  expect_failure("a.rawlog --static --trajectory t.tum", 2, {"--static"});
+}
+
+TEST_F(TalusMapBadInput, a_backend_without_its_device_is_refused_and_another_one_named)
+{
+  write_good_log("a.rawlog");
+  const Outcome refused =
+      run("--static a.rawlog --backend cuda", "export CUDA_VISIBLE_DEVICES=-1;");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_TRUE(refused.says("--backend cuda")) << refused.err;
+  EXPECT_TRUE(refused.says("--backend cpu")) << refused.err;
+  EXPECT_FALSE(exists("a_map"));
+}

@@ -1,0 +1,145 @@
+// The command talus-sim from end to end: its files, messages and exit codes.
+#include <gtest/gtest.h>
+#include <mrpt/maps/CPointsMapXYZI.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <sys/wait.h>
+#include <talus/io/geotiff.h>
+#include <talus/io/rawlog_reader.h>
+#include <talus/io/trajectory.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace fs = std::filesystem;
+
+namespace
+{
+struct Outcome
+{
+  int code = 0;
+  std::string text;
+};
+
+class TalusSim : public testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "small.yaml")
+        << "seed: 4\n"
+           "ground: [plane: {slope_x_deg: 5}]\n"
+           "objects: [box: {at_m: [3, 1], size_m: [0.5, 0.5, 0.5]}]\n"
+           "robot: {path_m: [[0, 0], [1, 0]]}\n"
+           "sensor: {at_m: [0.1, 0, 0.7]}\n";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  Outcome run(const std::string& arguments) const
+  {
+    const std::string log = path("log.txt");
+    const int status =
+        std::system((std::string(TALUS_SIM_EXE) + " " + arguments + " >" + log + " 2>&1").c_str());
+    std::ostringstream text;
+    text << std::ifstream(log).rdbuf();
+    return {WEXITSTATUS(status), text.str()};
+  }
+
+  static std::string bytes(const std::string& file)
+  {
+    std::ostringstream out;
+    out << std::ifstream(file, std::ios::binary).rdbuf();
+    return out.str();
+  }
+
+  fs::path folder_ = fs::path(testing::TempDir()) / "talus_sim_test";
+};
+}  // namespace
+
+TEST_F(TalusSim, writes_a_log_a_trajectory_and_the_truth_that_agree)
+{
+  const Outcome done = run(path("small.yaml") + " --output " + path("out") + " --frames 5");
+  ASSERT_EQ(done.code, 0) << done.text;
+  const auto way = talus::io::Trajectory::load(path("out/small.tum"));
+  EXPECT_EQ(way.entries().size(), 5u);
+  const auto truth = talus::io::read_geotiff(path("out/truth.tif"));
+  ASSERT_NE(truth.find("ground"), nullptr);
+  ASSERT_NE(truth.find("obstacle_top"), nullptr);
+  ASSERT_NE(truth.find("underside"), nullptr);
+  ASSERT_NE(truth.find("label"), nullptr);
+
+  talus::io::RawlogReader log(path("out/small.rawlog"));
+  int frames = 0;
+  double worst_m = 0;
+  while (const auto obs = log.next())
+  {
+    const auto cloud = std::dynamic_pointer_cast<mrpt::obs::CObservationPointCloud>(obs);
+    ASSERT_TRUE(cloud);
+    EXPECT_EQ(cloud->sensorLabel, "lidar");
+    ASSERT_TRUE(std::dynamic_pointer_cast<mrpt::maps::CPointsMapXYZI>(cloud->pointcloud));
+    const auto pose = way.at(mrpt::Clock::toDouble(cloud->timestamp), 0.0);
+    ASSERT_TRUE(pose) << "a pose at the very stamp of each frame";
+    const auto T = *pose + cloud->sensorPose;
+    for (std::size_t i = 0; i < cloud->pointcloud->size(); ++i)
+    {
+      mrpt::math::TPoint3D p;
+      cloud->pointcloud->getPoint(i, p);
+      const auto q = T.composePoint(p);
+      const int ix = static_cast<int>(std::floor((q.x - truth.min_x_m) / truth.resolution_m));
+      const int iy = static_cast<int>(std::floor((q.y - truth.min_y_m) / truth.resolution_m));
+      if (ix < 0 || iy < 0 || ix >= truth.cells_x || iy >= truth.cells_y) continue;
+      const float ground = (*truth.find("ground"))[iy * truth.cells_x + ix];
+      if (q.x < 2.6) worst_m = std::max(worst_m, std::abs(q.z - ground));
+    }
+    ++frames;
+  }
+  EXPECT_EQ(frames, 5);
+  // Beams at 15 degrees or less: range noise of 15 mm moves a point 4 mm; half a cell of the 5
+  // degree slope is 2 mm; six standard deviations of both.
+  EXPECT_LT(worst_m, 0.03);
+}
+
+TEST_F(TalusSim, writes_the_same_bytes_again_for_the_same_seed)
+{
+  const std::string common = path("small.yaml") + " --quiet --frames 3 --pose-noise 0.02 --output ";
+  ASSERT_EQ(run(common + path("a")).code, 0);
+  ASSERT_EQ(run(common + path("b")).code, 0);
+  ASSERT_EQ(run(common + path("c") + " --seed 5").code, 0);
+  for (const char* file : {"small.rawlog", "small.tum", "small_noisy.tum"})
+    EXPECT_TRUE(bytes(path("a/") + file) == bytes(path("b/") + file)) << file;
+  EXPECT_FALSE(bytes(path("a/small.rawlog")) == bytes(path("c/small.rawlog")));
+  EXPECT_FALSE(bytes(path("a/small.tum")) == bytes(path("a/small_noisy.tum")));
+}
+
+TEST_F(TalusSim, says_what_is_wrong_and_leaves_nothing_behind)
+{
+  std::ofstream(path("bad.yaml")) << "ground: [plane: {z_m: 0}]\nrobot: {pat_m: [[0, 0]]}\n";
+  const Outcome bad = run(path("bad.yaml") + " --output " + path("out"));
+  EXPECT_EQ(bad.code, 1);
+  EXPECT_NE(bad.text.find("bad.yaml:2: robot: unknown key 'pat_m'"), std::string::npos) << bad.text;
+  EXPECT_FALSE(fs::exists(path("out")));
+  EXPECT_EQ(run(path("none.yaml") + " --output " + path("out")).code, 1);
+  EXPECT_EQ(run(path("small.yaml") + " --output " + path("small.yaml")).code, 1);
+  const Outcome scanner =
+      run(path("small.yaml") + " --output " + path("out") + " --scanner HAL-9000");
+  EXPECT_EQ(scanner.code, 1);
+  EXPECT_NE(scanner.text.find("known: RS-LiDAR-16"), std::string::npos) << scanner.text;
+  const Outcome fine = run(path("small.yaml") + " --output " + path("out") + " --resolution 0.001");
+  EXPECT_EQ(fine.code, 1);
+  EXPECT_NE(fine.text.find("GB"), std::string::npos) << fine.text;
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+TEST_F(TalusSim, answers_help_version_and_wrong_usage)
+{
+  EXPECT_EQ(run("--help").code, 0);
+  EXPECT_NE(run("--help").text.find("OS1-64"), std::string::npos);
+  EXPECT_EQ(run("--version").code, 0);
+  EXPECT_EQ(run("").code, 2);
+  EXPECT_EQ(run(path("small.yaml") + " --output " + path("out") + " --frames none").code, 2);
+}

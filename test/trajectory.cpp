@@ -1,0 +1,258 @@
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
+#include <talus/io/trajectory.h>
+
+#include <cmath>
+#include <limits>
+
+#include "log_files.h"
+
+using mrpt::poses::CPose3D;
+using talus::io::Trajectory;
+using namespace talus::test;
+
+namespace
+{
+constexpr double kDegree = M_PI / 180;
+
+CPose3D pose(double x, double y = 0, double z = 0, double yaw_deg = 0)
+{
+  return CPose3D(x, y, z, yaw_deg * kDegree, 0, 0);
+}
+
+/** Loads a TUM file with that text. */
+Trajectory load_text(const ScratchDir& dir, const std::string& text)
+{
+  write_bytes(dir / "poses.tum", text);
+  return Trajectory::load(dir / "poses.tum");
+}
+
+void expect_text_error(const std::string& text, const std::vector<std::string>& words)
+{
+  const ScratchDir dir;
+  expect_error([&] { load_text(dir, text); }, words);
+}
+
+}  // namespace
+
+TEST(Trajectory, SortsItsEntriesByTime)
+{
+  const Trajectory t({{3, pose(30)}, {1, pose(10)}, {2, pose(20)}});
+  ASSERT_EQ(t.entries().size(), 3u);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(t.entries()[static_cast<size_t>(i)].time_s, i + 1);
+  EXPECT_DOUBLE_EQ(t.at(1.5, 10)->x(), 15);
+}
+
+TEST(Trajectory, KeepsTheLastOfEntriesWithTheSameTime)
+{
+  const Trajectory t({{1, pose(1)}, {2, pose(2)}, {1, pose(3)}, {2, pose(4)}, {1, pose(5)}});
+  ASSERT_EQ(t.entries().size(), 2u);
+  EXPECT_EQ(t.entries()[0].T_map_base.x(), 5);
+  EXPECT_EQ(t.entries()[1].T_map_base.x(), 4);
+}
+
+TEST(Trajectory, InterpolatesPositionLinearlyAndRotationOnTheSphere)
+{
+  const Trajectory t({{10, pose(0, 0, 1, 0)}, {12, pose(4, -2, 2, 90)}});
+  const auto p = t.at(10.5, 5);
+  ASSERT_TRUE(p);
+  EXPECT_NEAR(p->x(), 1, 1e-12);
+  EXPECT_NEAR(p->y(), -0.5, 1e-12);
+  EXPECT_NEAR(p->z(), 1.25, 1e-12);
+  EXPECT_NEAR(p->yaw(), 22.5 * kDegree, 1e-12);
+  EXPECT_NEAR(p->pitch(), 0, 1e-12);
+  EXPECT_NEAR(p->roll(), 0, 1e-12);
+}
+
+TEST(Trajectory, TurnsTheShortWayRound)
+{
+  const Trajectory t({{0, pose(0, 0, 0, 170)}, {1, pose(0, 0, 0, -170)}});
+  EXPECT_NEAR(std::abs(t.at(0.5, 5)->yaw()), 180 * kDegree, 1e-9);
+}
+
+TEST(Trajectory, GivesNothingInsideAGapThatIsTooLong)
+{
+  const Trajectory t({{0, pose(0)}, {1, pose(1)}, {5, pose(5)}});
+  EXPECT_TRUE(t.at(0.5, 1.0));
+  EXPECT_FALSE(t.at(3, 1.0));
+  EXPECT_TRUE(t.at(3, 4.0));
+  EXPECT_FALSE(t.at(3, 3.999));
+}
+
+TEST(Trajectory, TakesTheEntryItselfAtTheEdgeOfALongGapWhenTheStampIsRounded)
+{
+  const Trajectory t({{0, pose(0)}, {5, pose(5)}});
+  EXPECT_EQ(t.at(5, 1.0)->x(), 5);
+  EXPECT_EQ(t.at(4.9995, 1.0)->x(), 5);
+  EXPECT_EQ(t.at(0.0005, 1.0)->x(), 0);
+  EXPECT_FALSE(t.at(4.998, 1.0));
+}
+
+TEST(Trajectory, GivesNothingOutsideByMoreThanOneMillisecond)
+{
+  const Trajectory t({{100, pose(1)}, {101, pose(2)}});
+  EXPECT_EQ(t.at(99.9995, 10)->x(), 1);
+  EXPECT_EQ(t.at(101.0005, 10)->x(), 2);
+  EXPECT_FALSE(t.at(99.99, 10));
+  EXPECT_FALSE(t.at(101.01, 10));
+  EXPECT_FALSE(t.at(0, 1e9));
+}
+
+TEST(Trajectory, AnswersQueriesThatMakeNoSenseWithNothing)
+{
+  const Trajectory t({{0, pose(0)}, {1, pose(1)}});
+  EXPECT_FALSE(t.at(std::nan(""), 10));
+  EXPECT_FALSE(t.at(std::numeric_limits<double>::infinity(), 10));
+  EXPECT_TRUE(Trajectory().empty());
+  EXPECT_FALSE(Trajectory().at(0, 10));
+}
+
+TEST(TumFile, ReadsPosesBetweenCommentsBlankLinesAndWindowsLineEnds)
+{
+  const ScratchDir dir;
+  const auto t = load_text(
+      dir,
+      "# t x y z qx qy qz qw\r\n\r\n"
+      "1725981157.851717 1.5 -2.25 3e-1 0 0 0 1\r\n"
+      "  1725981158.0\t2 0 0 0 0 0.70710678 0.70710678 # turned left\n"
+      "1725981156 0 0 0 0 0 0 -1");
+  ASSERT_EQ(t.entries().size(), 3u);
+  EXPECT_EQ(t.entries()[0].time_s, 1725981156.0);
+  EXPECT_EQ(t.entries()[1].time_s, 1725981157.851717);
+  EXPECT_EQ(t.entries()[1].T_map_base.x(), 1.5);
+  EXPECT_EQ(t.entries()[1].T_map_base.y(), -2.25);
+  EXPECT_EQ(t.entries()[1].T_map_base.z(), 0.3);
+  EXPECT_NEAR(t.entries()[2].T_map_base.yaw(), 90 * kDegree, 1e-9);
+}
+
+TEST(TumFile, AcceptsStampsThatAreNotInOrder)
+{
+  const ScratchDir dir;
+  const auto t = load_text(dir, "3 3 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n");
+  EXPECT_DOUBLE_EQ(t.at(2.5, 1)->x(), 2.5);
+}
+
+TEST(TumFile, NamesTheLineThatHasTooFewOrTooManyNumbers)
+{
+  expect_text_error("# c\n1 0 0 0 0 0 0 1\n2 0 0 0 0 0 1\n", {"poses.tum:3:", "7 words", "qw"});
+  expect_text_error("1 0 0 0 0 0 0 1 9\n", {"poses.tum:1:", "9 words"});
+}
+
+TEST(TumFile, NamesTheWordThatIsNoNumber)
+{
+  expect_text_error("1 0 0 0 0 0 0 1\n2 0 zero 0 0 0 0 1\n", {"poses.tum:2:", "'zero'", "number"});
+  expect_text_error("1 0 0 0 0 0 0 1x\n", {"poses.tum:1:", "'1x'"});
+  expect_text_error("1,0,0,0,0,0,0,1 2 3 4 5 6 7 8\n", {"poses.tum:1:", "'1,0,0,0"});
+}
+
+TEST(TumFile, RefusesPosesThatAreNotFinite)
+{
+  expect_text_error("1 0 0 nan 0 0 0 1\n", {"poses.tum:1:", "'nan'", "not finite"});
+  expect_text_error("1 inf 0 0 0 0 0 1\n", {"poses.tum:1:", "'inf'", "not finite"});
+  expect_text_error("nan 0 0 0 0 0 0 1\n", {"poses.tum:1:", "not finite"});
+  expect_text_error("1 1e999 0 0 0 0 0 1\n", {"poses.tum:1:", "1e999"});
+}
+
+TEST(TumFile, RefusesQuaternionsWithoutUnitNorm)
+{
+  expect_text_error("1 0 0 0 0 0 0 0\n", {"poses.tum:1:", "norm 0.0", "t x y z qx qy qz qw"});
+  expect_text_error("1 0 0 0 0.3 0.2 0.1 0\n", {"poses.tum:1:", "norm 0.37"});
+}
+
+TEST(TumFile, NormalisesQuaternionsThatWereRounded)
+{
+  const ScratchDir dir;
+  const auto t = load_text(dir, "1 0 0 0 0 0 0.71 0.71\n");
+  EXPECT_NEAR(t.entries()[0].T_map_base.yaw(), 90 * kDegree, 1e-9);
+}
+
+TEST(TumFile, RefusesStampsThatCannotBeSeconds)
+{
+  expect_text_error("1725981157851717000 0 0 0 0 0 0 1\n", {"poses.tum:1:", "nanoseconds"});
+}
+
+TEST(TumFile, SaysWhenThereIsNoPoseInIt)
+{
+  expect_text_error("# nothing\n\n", {"poses.tum", "no poses"});
+}
+
+TEST(TumFile, SaysWhenItIsBinary)
+{
+  expect_text_error(std::string("\x8d\x00\x01zz\n", 6), {"poses.tum:1:", "words"});
+}
+
+TEST(TrajectoryFile, SaysWhenItIsMissingADirectoryOrEmpty)
+{
+  const ScratchDir dir;
+  expect_error([&] { Trajectory::load(dir / "none.tum"); }, {"none.tum", "no such file"});
+  expect_error([&] { Trajectory::load(dir / ""); }, {"directory"});
+  write_bytes(dir / "empty.tum", "");
+  expect_error([&] { Trajectory::load(dir / "empty.tum"); }, {"empty.tum", "0 bytes"});
+}
+
+namespace
+{
+mrpt::maps::CSimpleMap two_keyframes(bool with_observations)
+{
+  mrpt::maps::CSimpleMap map;
+  for (int i = 0; i < 2; ++i)
+  {
+    mrpt::obs::CSensoryFrame frame;
+    if (with_observations)
+      frame.insert(observation_at<mrpt::obs::CObservationOdometry>(50 + 2 * i));
+    map.insert(mrpt::poses::CPose3DPDFGaussian(pose(3.0 * i, 0, 0, 30 * i)), frame);
+  }
+  return map;
+}
+}  // namespace
+
+TEST(SimpleMapFile, GivesTheKeyframesAtTheTimesOfTheirObservations)
+{
+  const ScratchDir dir;
+  for (const std::string name : {"a.simplemap", "b.simplemap.gz"})
+  {
+    two_keyframes(true).saveToFile(dir / name);
+    const auto t = Trajectory::load(dir / name);
+    ASSERT_EQ(t.entries().size(), 2u);
+    EXPECT_NEAR(t.at(51, 2)->x(), 1.5, 1e-9);
+    EXPECT_NEAR(t.at(51, 2)->yaw(), 15 * kDegree, 1e-9);
+  }
+}
+
+TEST(SimpleMapFile, SaysWhenItsPosesBelongToNoTime)
+{
+  const ScratchDir dir;
+  two_keyframes(false).saveToFile(dir / "a.simplemap");
+  expect_error(
+      [&] { Trajectory::load(dir / "a.simplemap"); }, {"a.simplemap", "2 keyframes", "time stamp"});
+}
+
+TEST(SimpleMapFile, SaysWhenItIsTextOrCutShort)
+{
+  const ScratchDir dir;
+  write_bytes(dir / "text.simplemap", "these are words, not a map\n");
+  expect_error([&] { Trajectory::load(dir / "text.simplemap"); }, {"text.simplemap", "not a simp"});
+
+  two_keyframes(true).saveToFile(dir / "a.simplemap");
+  const auto bytes = read_bytes(dir / "a.simplemap");
+  write_bytes(dir / "cut.simplemap", bytes.substr(0, bytes.size() / 2));
+  expect_error([&] { Trajectory::load(dir / "cut.simplemap"); }, {"cut.simplemap", "cut short"});
+}
+
+TEST(SimpleMapFile, ReadsTheOneThatComesWithMrpt)
+{
+  const auto path = stock_dataset("localization_demo.simplemap.gz");
+  TALUS_SKIP_WITHOUT(path);
+  EXPECT_GT(Trajectory::load(path).entries().size(), 10u);
+}
+
+TEST(TumFile, CoversEveryStampOfARecordedDrive)
+{
+  const auto path = real_data("street.tum");
+  TALUS_SKIP_WITHOUT(path);
+  const auto t = Trajectory::load(path);
+  EXPECT_EQ(t.entries().size(), 90u);
+  for (const auto& e : t.entries())
+    EXPECT_TRUE(t.at(e.time_s + 0.01, 0.5) || &e == &t.entries().back());
+}
