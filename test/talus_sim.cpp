@@ -8,6 +8,8 @@
 #include <talus/io/trajectory.h>
 
 #include <cstdlib>
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -57,7 +59,7 @@ class TalusSim : public testing::Test
     return out.str();
   }
 
-  fs::path folder_ = fs::path(testing::TempDir()) / "talus_sim_test";
+  fs::path folder_ = fs::path(testing::TempDir()) / ("talus_sim_test_" + std::to_string(getpid()));
 };
 }  // namespace
 

@@ -1,0 +1,222 @@
+#include <gtest/gtest.h>
+#include "scene.h"
+
+#include <cstring>
+#include <numeric>
+
+using namespace talus;
+using namespace talus::test;
+
+// The same frames give the same bits on the CPU and on a CUDA device: every layer, after every
+// frame.
+
+namespace
+{
+Scan shuffled(const Scan& s, Random& random)
+{
+  std::vector<std::size_t> order(s.x_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (std::size_t i = order.size(); i > 1; i--) std::swap(order[i - 1], order[random.bits() % i]);
+  Scan out = s;
+  for (std::size_t i = 0; i < order.size(); i++)
+  {
+    out.x_[i] = s.x_[order[i]];
+    out.y_[i] = s.y_[order[i]];
+    out.z_[i] = s.z_[order[i]];
+  }
+  return out;
+}
+
+/** Noise on the heights; here and there NaN, infinity or a zero-range return. */
+void spoil(Scan& s, Random& random)
+{
+  for (std::size_t k = 0; k < s.z_.size(); k++)
+  {
+    s.z_[k] += static_cast<float>(random.uniform(-0.02, 0.02));
+    const auto luck = random.bits() % 400;
+    if (luck == 0) s.x_[k] = std::nanf("");
+    if (luck == 1) s.y_[k] = INFINITY;
+    if (luck == 2) s.x_[k] = s.y_[k] = s.z_[k] = 0;
+  }
+}
+
+/** A wall, a table, a kerb, a post, a beam overhead, and somebody who walks through it all. */
+std::vector<Box> street(double walked_m)
+{
+  return {
+      {{2, 0.5, 0}, {2.3, 0.9, 0.5}},        {{4, -1, 0.75}, {4.6, 1, 0.8}},
+      {{1, -2, 0}, {9, -1.95, 1.0}},         {{5 - walked_m, 1.2, 0}, {5.4 - walked_m, 1.5, 1.4}},
+      {{3.02, -0.6, 0}, {3.06, -0.56, 1.2}}, {{6, -0.5, 0}, {6.5, 0.5, 0.08}},
+      {{7, -3, 0.35}, {7.2, 3, 0.45}},       {{-3, -3, -0.4}, {-2, 3, 0.05}}};
+}
+
+/** A map on the CPU and one on the device that are fed alike. */
+class Pair
+{
+ public:
+  explicit Pair(const Parameters& p = {}) : cpu(p, Backend::Cpu, 2), cuda(p, Backend::Cuda) {}
+
+  /** `other` holds the same points, perhaps in another order. */
+  void update(const Frame& frame, const Frame& other)
+  {
+    const FrameReport a = cpu.update(frame), b = cuda.update(other);
+    ASSERT_EQ(a.rejected, b.rejected) << "frame " << frames_;
+    ASSERT_EQ(a.points_accepted, b.points_accepted) << "frame " << frames_;
+    expect_same_bits();
+    frames_++;
+  }
+  void update(const Scan& s) { update(s.frame(), s.frame()); }
+
+  void expect_same_bits() const
+  {
+    for (int l = 0; l < kLayerCount; l++)
+    {
+      const auto &x = cpu.layer(static_cast<Layer>(l)), &y = cuda.layer(static_cast<Layer>(l));
+      ASSERT_EQ(std::memcmp(x.data(), y.data(), x.size() * sizeof(float)), 0)
+          << kLayerNames[static_cast<std::size_t>(l)] << " differs after frame " << frames_ << ": "
+          << first_difference(x, y);
+    }
+  }
+
+  ElevationMapper cpu, cuda;
+
+ private:
+  static std::string first_difference(const std::vector<float>& x, const std::vector<float>& y)
+  {
+    std::size_t count = 0, first = x.size();
+    for (std::size_t i = x.size(); i-- > 0;)
+      if (std::memcmp(&x[i], &y[i], sizeof(float)) != 0) count++, first = i;
+    return std::to_string(count) + " cells, the first " + std::to_string(first) + ", " +
+           std::to_string(x[first]) + " and " + std::to_string(y[first]);
+  }
+  int frames_ = 0;
+};
+
+Scan drive_frame(int i, Random& random)
+{
+  Scan s(0.031 * i, 0.4 * std::sin(0.05 * i), 0.7);
+  if (i % 17 == 5) return s;
+  s.cast(street(0.02 * i), 360, -0.6, 0.1, 24);
+  spoil(s, random);
+  return s;
+}
+
+/** Turns and tilts the sensor; the points keep their coordinates in its frame. */
+void rotate(Scan& s, double yaw_rad, double pitch_rad)
+{
+  const double cy = std::cos(yaw_rad), sy = std::sin(yaw_rad);
+  const double cp = std::cos(pitch_rad), sp = std::sin(pitch_rad);
+  const double r[9] = {cy * cp, -sy, cy * sp, sy * cp, cy, sy * sp, -sp, 0, cp};
+  for (std::size_t i = 0; i < 3; i++)
+    for (std::size_t j = 0; j < 3; j++) s.pose_.m[4 * i + j] = r[3 * i + j];
+}
+}  // namespace
+
+TEST(Parity, ADriveWithPointsInAnotherOrderOnTheDevice)
+{
+  Pair maps;
+  Random noise(1), order(2);
+  for (int i = 0; i < 150; i++)
+  {
+    const Scan s = drive_frame(i, noise);
+    ASSERT_NO_FATAL_FAILURE(maps.update(s.frame(), shuffled(s, order).frame()));
+  }
+}
+
+TEST(Parity, ATurningAndTiltingSensorWithABodyAndAVoxelFilter)
+{
+  Parameters p;
+  p.voxel_m = 0.05;
+  p.body_min_x_m = -0.4, p.body_max_x_m = 0.4;
+  p.body_min_y_m = -0.3, p.body_max_y_m = 0.3;
+  p.body_min_z_m = -0.8, p.body_max_z_m = 0.1;
+  p.fill_rule = FillRule::InverseDistance;
+  Pair maps(p);
+  Random noise(3), order(4);
+  for (int i = 0; i < 60; i++)
+  {
+    Scan s = drive_frame(i, noise);
+    rotate(s, 0.05 * i, 0.1 * std::sin(0.3 * i));
+    ASSERT_NO_FATAL_FAILURE(maps.update(s.frame(), shuffled(s, order).frame()));
+  }
+}
+
+TEST(Parity, ScansThatAreDeskewedAndNot)
+{
+  Pair maps;
+  Random noise(5);
+  for (int i = 0; i < 40; i++)
+  {
+    const Scan s = drive_frame(i, noise);
+    std::vector<float> times(s.x_.size());
+    for (std::size_t k = 0; k < times.size(); k++)
+      times[k] = 0.1f * static_cast<float>(k) / static_cast<float>(times.size()) - 0.05f;
+    if (!times.empty()) times[0] = std::nanf("");
+    Frame f = s.frame(0.1 * i);
+    if (i % 3)
+    {
+      f.time_s = times.data();
+      Pose before = f.T_map_sensor, after = f.T_map_sensor;
+      before.m[3] -= 0.05, after.m[3] += 0.05, after.m[7] += 0.02;
+      f.path = {{-0.05, before}, {0.01, f.T_map_sensor}, {0.05, after}};
+    }
+    ASSERT_NO_FATAL_FAILURE(maps.update(f, f));
+  }
+}
+
+TEST(Parity, FramesThatGrowAndShrinkOnAWideMapWithOutputLayers)
+{
+  Parameters p;
+  p.window_m = 20.5;
+  p.feature_radius_m = 0.25;
+  p.fill_rule = FillRule::Printed;
+  Pair maps(p);
+  maps.cuda.set_output_layers({Layer::Traversability, Layer::Elevation, Layer::State});
+  Random noise(6);
+  for (int i = 0; i < 40; i++)
+  {
+    Scan s(-3 + 0.21 * i, 0.1 * i, 0.7);
+    s.cast(street(0.1 * i), 90 << (i % 5), -0.6, 0.1, 64);
+    spoil(s, noise);
+    ASSERT_NO_FATAL_FAILURE(maps.update(s));
+  }
+}
+
+TEST(Parity, SmallWindowsJumpsAndOutputsThatChange)
+{
+  Parameters p;
+  p.window_m = 2.55;
+  p.fill_rule = FillRule::Minimum;
+  p.fill_use_ray_bound = false;
+  Pair maps(p);
+  Random noise(7);
+  for (int i = 0; i < 40; i++)
+  {
+    Scan s(i % 10 == 9 ? 500.0 : 0.4 * i, i % 14 == 13 ? -1e5 : 0.0, 0.7);
+    s.cast(street(0.1 * i), 180, -0.9, 0.1, 16);
+    spoil(s, noise);
+    ASSERT_NO_FATAL_FAILURE(maps.update(s));
+    if (i == 10) maps.cuda.set_output_layers({Layer::GroundElevation, Layer::Slope});
+    if (i == 20) maps.cuda.set_output_layers({});
+    if (i == 30) maps.cuda.set_output_layers({Layer::Variance, Layer::Sparsity, Layer::Step});
+    ASSERT_NO_FATAL_FAILURE(maps.expect_same_bits());
+  }
+}
+
+TEST(Parity, AMapMovesFromOneBackendToTheOther)
+{
+  Pair maps;
+  maps.cuda.set_output_layers({Layer::Elevation, Layer::Traversability});
+  Random noise(8);
+  for (int i = 0; i < 20; i++)
+  {
+    ASSERT_NO_FATAL_FAILURE(maps.update(drive_frame(i, noise)));
+    if (i % 5 != 4) continue;
+    const auto saved = maps.cuda.save();
+    ASSERT_EQ(saved, maps.cpu.save());
+    maps.cuda.clear();
+    maps.cuda.restore(saved);
+    maps.cpu.restore(saved);
+    ASSERT_NO_FATAL_FAILURE(maps.expect_same_bits());
+  }
+}
