@@ -1,9 +1,10 @@
 #include "output_folder.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <regex>
 #include <stdexcept>
 
 namespace fs = std::filesystem;
@@ -19,6 +20,17 @@ constexpr const char* kReplaced = ".replaced";  // in the hidden folder: what wa
 {
   throw std::runtime_error(
       path.string() + ": " + what + "; give a folder that you may write to with --output");
+}
+
+/** frame_NNNNNN.tif or .png */
+bool is_snapshot(const fs::path& file)
+{
+  const std::string stem = file.stem().string(), start = "frame_";
+  const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
+  return (file.extension() == ".tif" || file.extension() == ".png") &&
+         stem.size() >= start.size() + 6 && stem.rfind(start, 0) == 0 &&
+         std::all_of(
+             stem.begin() + static_cast<std::ptrdiff_t>(start.size()), stem.end(), is_digit);
 }
 
 /** Everything below a folder that is not a folder, relative to it; summary.json, which says that a
@@ -108,12 +120,10 @@ void OutputFolder::replace(const fs::path& relative, Moves& done)
 /** Snapshots of another run would be taken for those of this one. */
 void OutputFolder::set_aside_old_snapshots(Moves& done)
 {
-  static const std::regex ours("frame_[0-9]{6,}\\.(tif|png)");
   if (!fs::is_directory(folder_ / kSnapshots) || !fs::is_directory(staging_ / kSnapshots)) return;
   std::vector<fs::path> old;
   for (const auto& entry : fs::directory_iterator(folder_ / kSnapshots))
-    if (entry.is_regular_file() && std::regex_match(entry.path().filename().string(), ours))
-      old.push_back(entry.path());
+    if (entry.is_regular_file() && is_snapshot(entry.path())) old.push_back(entry.path());
   const fs::path aside = staging_ / kReplaced / kSnapshots;
   fs::create_directories(aside);
   for (const auto& file : old)
