@@ -2,6 +2,7 @@
 #include "kernels/atomics.h"
 #include "kernels/rays.h"
 #include "kernels/2_uncertainty.h"
+#include "kernels/3_roll.h"
 
 namespace talus::kernels
 {
@@ -14,6 +15,7 @@ enum RejectCode : int
   kBody,
   kOutside,
   kVoxel,
+  kBuried,
   kRejectCodes,
   kAccepted = kRejectCodes
 };
@@ -52,7 +54,8 @@ TALUS_HD Point transform(const WindowPose& pose, const Point& p)
 TALUS_HD WindowPose pose_at(const FrameContext& f, float time_s)
 {
   const float last = static_cast<float>(f.n_poses - 1);
-  const float at = min_of(max_of((time_s - f.path_start_s) * f.path_rate_hz, 0.0f), last);
+  const float place = (time_s - f.path_start_s) * f.path_rate_hz;
+  const float at = place > 0.0f ? min_of(place, last) : 0.0f;  // a time that is NaN is the first
   const int before = min_of(floor_to_int(at), f.n_poses - 2);
   const float w = at - static_cast<float>(before);
   WindowPose pose;
@@ -77,13 +80,14 @@ struct PointsIn
 struct PointsOut
 {
   std::int32_t* cell;  //!< storage index, or -1: not in the map
+  std::int32_t* ray;  //!< place in the table of rays, or -1: no direction
+  float* slope;  //!< of that ray
   std::uint32_t* rank;  //!< place among the points of its cell, in any order
   float* height_m;  //!< map frame
   float* variance_m2;
 };
 
-/** Stages 1 and 2: transforms, accepts, weighs and bins one point, and notes the ray that it ended.
- */
+/** Stages 1 and 2: transforms, accepts and weighs one point, and notes the ray that it ended. */
 template <class Atomics>
 struct AcceptPoint
 {
@@ -91,7 +95,6 @@ struct AcceptPoint
   const FrameContext* frame;
   PointsIn in;
   PointsOut out;
-  std::uint32_t* cell_count;  //!< by storage index, zero before
   std::int32_t*
       rays;  //!< [ring][bin], lowest slope of what was hit in that ring, as an ordered integer
   std::uint32_t* rejected;  //!< by RejectCode
@@ -100,13 +103,13 @@ struct AcceptPoint
   TALUS_HD void operator()(int i) const
   {
     if (i >= frame->n_points) return;
-    out.cell[i] = -1;
-    const RejectCode code = bin(i);
-    if (code != kAccepted) Atomics::add(rejected + code, 1);
+    out.cell[i] = out.ray[i] = -1;
+    const RejectCode code = locate(i);
+    if (code != kAccepted) Atomics::count(rejected + code);
   }
 
  private:
-  TALUS_HD RejectCode bin(int i) const
+  TALUS_HD RejectCode locate(int i) const
   {
     const Point sensed{in.x_m[i], in.y_m[i], in.z_m[i]};
     const RejectCode code = accept(sensed, *config);
@@ -116,13 +119,13 @@ struct AcceptPoint
     const Point p = frame->n_poses > 1 && frame->has_times
                         ? transform(pose_at(*frame, in.time_s[i]), sensed)
                         : transform(frame->poses[0], sensed);
-    note_ray(p);
+    note_ray(i, p);
     if (code != kAccepted) return code;
     return put_in_cell(i, sensed, p);
   }
 
   /** A point outside the height band or the window still says that the space before it is free. */
-  TALUS_HD void note_ray(const Point& p) const
+  TALUS_HD void note_ray(int i, const Point& p) const
   {
     const float dx = p.x_m - frame->sensor_x_m, dy = p.y_m - frame->sensor_y_m;
     const float chebyshev_m = max_of(abs_of(dx), abs_of(dy));
@@ -133,7 +136,9 @@ struct AcceptPoint
     const int bins = bin_count(*config);
     const int bin = wrap_bin(floor_to_int(direction_in_bins(dx, dy, bins_per_side(*config))), bins);
     const float slope = ray_slope(p.z_m - frame->sensor_z_m, chebyshev_m);
-    Atomics::min(rays + row * bins + bin, ordered_from_float(slope));
+    out.ray[i] = row * bins + bin;
+    out.slope[i] = slope;
+    Atomics::min(rays + out.ray[i], ordered_from_float(slope));
   }
 
   TALUS_HD RejectCode put_in_cell(int i, const Point& sensed, const Point& p) const
@@ -144,9 +149,122 @@ struct AcceptPoint
     const int cell = storage_index(*frame, config->cells, floor_to_int(cx), floor_to_int(cy));
     out.height_m[i] = p.z_m;
     out.variance_m2[i] = point_variance(sensed.x_m, sensed.y_m, sensed.z_m, *config, *frame);
-    out.rank[i] = Atomics::add(cell_count + cell, 1);
     out.cell[i] = cell;
     return kAccepted;
+  }
+};
+
+// ---- Rays under the ground
+// ----------------------------------------------------------------------- Mirrors and wet cars send
+// points back from below the ground. Such a ray would have passed under ground that the same scan
+// sees in the same direction, nearer, where the map has ground too.
+
+/** A hit is on known ground if it is this near to it; a ray is buried if it passes this far below.
+ */
+constexpr float kOnGround_m = 0.1f, kBuried_m = 0.2f;
+
+/** For one place of the table: the slope that a ray must keep to pass over known ground that was
+ * hit there; -infinity where none was. */
+struct FindGroundHits
+{
+  const Config* config;
+  const FrameContext* frame;
+  CellStore store;
+  const std::int32_t* rays;
+  float* lowest_slope;  //!< same layout as rays
+
+  TALUS_HD void operator()(int bin, int ring) const
+  {
+    const int r = ring * bin_count(*config) + bin;
+    float limit = -kInfinity;
+    if (rays[r] != kNoRay && ring > 0 && ring < ring_count(*config) - 1)
+    {
+      const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
+      const float slope = float_from_ordered(rays[r]);
+      if (on_ground(direction_of_bin(bin, bins_per_side(*config)), chebyshev_m, slope))
+        limit = slope - kBuried_m / chebyshev_m;
+    }
+    lowest_slope[r] = limit;
+  }
+
+ private:
+  TALUS_HD bool on_ground(const BinDirection& d, float chebyshev_m, float slope) const
+  {
+    const int n = config->cells;
+    const float scale = config->inverse_resolution;
+    const int ix = floor_to_int((frame->sensor_x_m + d.x * chebyshev_m) * scale);
+    const int iy = floor_to_int((frame->sensor_y_m + d.y * chebyshev_m) * scale);
+    if (ix < 0 || iy < 0 || ix >= n || iy >= n || entered_window(*frame, n, ix, iy)) return false;
+    const int i = storage_index(*frame, n, ix, iy);
+    const float height = frame->sensor_z_m + slope * chebyshev_m;
+    return store.state[i] == kMeasured && abs_of(height - store.ground_m[i]) < kOnGround_m;
+  }
+};
+
+/** One direction, from the sensor outwards: the slope below which a ray is buried. It follows the
+ * second highest limit so far, so that one wrong cell does not blind a direction. */
+struct FindBuriedRays
+{
+  const Config* config;
+  std::int32_t* rays;  //!< buried ones are removed
+  float* lowest_slope;  //!< in: as FindGroundHits leaves it; out: of a ray that is not buried
+
+  TALUS_HD void operator()(int bin) const
+  {
+    const int bins = bin_count(*config), rings = ring_count(*config);
+    float highest = -kInfinity, second = -kInfinity;
+    for (int ring = 0; ring < rings; ring += kBatch)
+    {
+      // Loads first, so that they do not wait for each other.
+      std::int32_t hits[kBatch];
+      float limits[kBatch];
+      for (int b = 0; b < kBatch; b++)
+      {
+        const bool inside = ring + b < rings;
+        hits[b] = inside ? rays[(ring + b) * bins + bin] : kNoRay;
+        limits[b] = inside ? lowest_slope[(ring + b) * bins + bin] : -kInfinity;
+      }
+      for (int b = 0; b < kBatch && ring + b < rings; b++)
+      {
+        const int r = (ring + b) * bins + bin;
+        lowest_slope[r] = second;
+        if (hits[b] == kNoRay) continue;
+        if (float_from_ordered(hits[b]) < second)
+        {
+          rays[r] = kNoRay;
+          continue;
+        }
+        second = max_of(second, min_of(highest, limits[b]));
+        highest = max_of(highest, limits[b]);
+      }
+    }
+  }
+
+ private:
+  static constexpr int kBatch = 16;
+};
+
+/** Bins one point that is not buried. */
+template <class Atomics>
+struct BinPoint
+{
+  const FrameContext* frame;
+  PointsOut points;
+  const float* lowest_slope;
+  std::uint32_t* cell_count;  //!< by storage index, zero before
+  std::uint32_t* rejected;  //!< by RejectCode
+
+  TALUS_HD void operator()(int i) const
+  {
+    if (i >= frame->n_points || points.cell[i] < 0) return;
+    const int ray = points.ray[i];
+    if (ray >= 0 && points.slope[i] < lowest_slope[ray])
+    {
+      points.cell[i] = -1;
+      Atomics::count(rejected + kBuried);
+      return;
+    }
+    points.rank[i] = Atomics::add(cell_count + points.cell[i], 1);
   }
 };
 

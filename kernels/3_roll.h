@@ -11,4 +11,20 @@ TALUS_HD bool entered_window(const FrameContext& f, int cells, int ix, int iy)
   return old_x < 0 || old_x >= cells || old_y < 0 || old_y >= cells;
 }
 
+/** Stage 3 on cell (ix, iy) of the window. */
+struct RollCell
+{
+  const Config* config;
+  const FrameContext* frame;
+  CellStore store;
+  float* top_hit_m;  //!< by storage index: highest point of this frame; -infinity: none yet
+
+  TALUS_HD void operator()(int ix, int iy) const
+  {
+    const int i = storage_index(*frame, config->cells, ix, iy);
+    top_hit_m[i] = -kInfinity;
+    if (entered_window(*frame, config->cells, ix, iy)) store.store(i, Cell{});
+  }
+};
+
 }  // namespace talus::kernels

@@ -1,6 +1,7 @@
 #pragma once
 #include "kernels/1_accept.h"
 #include "kernels/3_roll.h"
+#include "kernels/team.h"
 
 namespace talus::kernels
 {
@@ -28,32 +29,51 @@ TALUS_HD bool inside_gate(float a_m, float var_a, float b_m, float var_b, const 
   return d * d <= k.gate2 * (var_a + var_b);
 }
 
-/** The lowest point; of equal heights the one with the smaller variance. */
-TALUS_HD HeightPoint lowest(const CellPoints& points)
+/** Points in order of their height, and of equal heights in that of `second`, as one integer. */
+TALUS_HD std::int64_t order_key(float height_m, std::uint32_t second)
 {
-  HeightPoint best = points.at[0];
-  for (int i = 1; i < points.size; i++)
+  return static_cast<std::int64_t>(ordered_from_float(height_m)) * 4294967296 + second;
+}
+TALUS_HD float height_of_key(std::int64_t key)
+{
+  return float_from_ordered(static_cast<std::int32_t>(key >> 32));
+}
+
+/** The ends of a set of points; of equal heights the point with the smaller variance. */
+struct Extremes
+{
+  HeightPoint low, high;
+};
+
+template <class Team>
+TALUS_HD Extremes extremes(const CellPoints& points, const Team& team)
+{
+  std::int64_t low = order_key(kInfinity, 0), high = order_key(-kInfinity, 0);
+  for (int i = team.rank(); i < points.size; i += team.size())
   {
     const HeightPoint p = points.at[i];
-    if (p.height_m < best.height_m ||
-        (p.height_m == best.height_m && p.variance_m2 < best.variance_m2))
-      best = p;
+    low = min_of(low, order_key(p.height_m, bits_of(p.variance_m2)));
+    high = max_of(high, order_key(p.height_m, ~bits_of(p.variance_m2)));
   }
-  return best;
+  low = team.min(low);
+  high = team.max(high);
+  return {
+      {height_of_key(low), float_of_bits(static_cast<std::uint32_t>(low))},
+      {height_of_key(high), float_of_bits(~static_cast<std::uint32_t>(high))}};
 }
 
 /** The highest point that is not above a limit, likewise. There is one. */
-TALUS_HD HeightPoint highest_up_to(const CellPoints& points, float limit_m)
+template <class Team>
+TALUS_HD HeightPoint highest_up_to(const CellPoints& points, float limit_m, const Team& team)
 {
-  HeightPoint best{-kInfinity, kInfinity};
-  for (int i = 0; i < points.size; i++)
+  std::int64_t best = order_key(-kInfinity, 0);
+  for (int i = team.rank(); i < points.size; i += team.size())
   {
     const HeightPoint p = points.at[i];
-    if (p.height_m <= limit_m && (p.height_m > best.height_m || (p.height_m == best.height_m &&
-                                                                 p.variance_m2 < best.variance_m2)))
-      best = p;
+    if (p.height_m <= limit_m) best = max_of(best, order_key(p.height_m, ~bits_of(p.variance_m2)));
   }
-  return best;
+  best = team.max(best);
+  return {height_of_key(best), float_of_bits(~static_cast<std::uint32_t>(best))};
 }
 
 /** A height and its variance. */
@@ -67,16 +87,16 @@ struct Estimate
  * the information of a set adds up. Sums are in integers: distances in 2^-20 m, information in 2^-8
  * / m^2. `base` itself takes part when it is a prior; a base that is one of the points is in the
  * set already. */
+template <class Team>
 TALUS_HD Estimate fuse(
     const Estimate& base, bool base_is_prior, const CellPoints& points, float limit_m,
-    const Config& k)
+    const Config& k, const Team& team)
 {
   constexpr float kInformation = 256.0f, kDistance = 1048576.0f;
-  std::int64_t information =
+  const std::int64_t prior =
       base_is_prior ? static_cast<std::int64_t>(kInformation / base.variance_m2) : 0;
-  const std::int64_t prior = information;
-  std::int64_t weighted_distance = 0;
-  for (int i = 0; i < points.size; i++)
+  std::int64_t information = 0, weighted_distance = 0;
+  for (int i = team.rank(); i < points.size; i += team.size())
   {
     const HeightPoint p = points.at[i];
     if (p.height_m > limit_m ||
@@ -86,6 +106,8 @@ TALUS_HD Estimate fuse(
     information += w;
     weighted_distance += w * static_cast<std::int64_t>((p.height_m - base.height_m) * kDistance);
   }
+  information = prior + team.sum(information);
+  weighted_distance = team.sum(weighted_distance);
   if (information == prior) return base;  // nothing inside the gate
   const float shift =
       static_cast<float>(static_cast<double>(weighted_distance) / static_cast<double>(information));
@@ -96,8 +118,9 @@ TALUS_HD Estimate fuse(
 /** The ground keeps the lowest: what is inside the gate is fused, what is lower replaces, what is
  * higher is no ground. Ground that was only filled gives way to any measurement, except that what
  * stands more than a step above a reliable fill is an object on it. */
+template <class Team>
 TALUS_HD void update_ground(
-    Cell& c, const HeightPoint& low, const CellPoints& points, const Config& k)
+    Cell& c, const HeightPoint& low, const CellPoints& points, const Config& k, const Team& team)
 {
   const bool measured = c.state == kMeasured;
   if (c.state == kFilledTwoSided && low.height_m > c.ground_m + k.step_threshold_m) return;
@@ -106,7 +129,7 @@ TALUS_HD void update_ground(
                    inside_gate(low.height_m, low.variance_m2, c.ground_m, c.ground_var_m2, k));
   const Estimate base =
       fused ? Estimate{c.ground_m, c.ground_var_m2} : Estimate{low.height_m, low.variance_m2};
-  const Estimate ground = fuse(base, fused, points, kInfinity, k);
+  const Estimate ground = fuse(base, fused, points, kInfinity, k, team);
   // What stood on the old ground stands on the new one only if the robot does not fit between.
   const bool hangs = measured && c.ground_m - ground.height_m > k.clearance_m;
   if (hangs) c.elevation_m = c.elevation_var_m2 = kNan;
@@ -118,66 +141,91 @@ TALUS_HD void update_ground(
 /** Climbs from the ground (or from what stands on it) over the points; at the first gap larger than
  * the robot's clearance all that is above hangs and is passable. Returns the height of the last
  * point below that gap. */
-TALUS_HD float top_of_standing(float start_m, const CellPoints& points, const Config& k)
+template <class Team>
+TALUS_HD float top_of_standing(
+    float start_m, float highest_m, const CellPoints& points, const Config& k, const Team& team)
 {
   float top = start_m;
-  for (;;)
+  while (top < highest_m)
   {
     float next = top;
-    for (int i = 0; i < points.size; i++)
+    for (int i = team.rank(); i < points.size; i += team.size())
     {
       const float z = points.at[i].height_m;
       if (z > next && z <= top + k.clearance_m) next = z;
     }
-    if (next == top) return top;
+    next = team.max(next);
+    if (next == top) break;
     top = next;
   }
+  return top;
 }
 
 /** The elevation keeps the highest of what stands (eq. 6 and 7): inside the gate it is fused, a
  * higher point replaces it, a lower one leaves height and variance as they are. */
-TALUS_HD void update_elevation(Cell& c, const CellPoints& points, const Config& k)
+template <class Team>
+TALUS_HD void update_elevation(
+    Cell& c, const HeightPoint& highest, const CellPoints& points, const Config& k,
+    const Team& team)
 {
   const bool has_elevation = is_known(c.elevation_m);
   const float start = has_elevation ? max_of(c.ground_m, c.elevation_m) : c.ground_m;
-  const float top = top_of_standing(start, points, k);
-  const HeightPoint high = highest_up_to(points, top);
+  const float top = top_of_standing(start, highest.height_m, points, k, team);
+  const HeightPoint high = top < highest.height_m ? highest_up_to(points, top, team) : highest;
   const bool fused =
       has_elevation &&
       inside_gate(high.height_m, high.variance_m2, c.elevation_m, c.elevation_var_m2, k);
   if (has_elevation && !fused && high.height_m < c.elevation_m) return;
   const Estimate base = fused ? Estimate{c.elevation_m, c.elevation_var_m2}
                               : Estimate{high.height_m, high.variance_m2};
-  const Estimate elevation = fuse(base, fused, points, top, k);
+  const Estimate elevation = fuse(base, fused, points, top, k, team);
   c.elevation_m = elevation.height_m;
   c.elevation_var_m2 = elevation.variance_m2;
 }
 
 /** Stage 4 on one cell that received points. */
-TALUS_HD void update_cell(Cell& c, const CellPoints& points, const Config& k)
+template <class Team>
+TALUS_HD void update_cell(
+    Cell& c, const Extremes& ends, const CellPoints& points, const Config& k, const Team& team)
 {
-  const HeightPoint low = lowest(points);
   if (c.state != kUnknown)
   {
     const float standing = is_known(c.elevation_m) ? max_of(c.ground_m, c.elevation_m) : c.ground_m;
-    if (low.height_m - standing > k.clearance_m) return;  // all of it hangs
+    if (ends.low.height_m - standing > k.clearance_m) return;  // all of it hangs
   }
-  update_ground(c, low, points, k);
-  update_elevation(c, points, k);
+  update_ground(c, ends.low, points, k, team);
+  update_elevation(c, ends.high, points, k, team);
   c.elevation_m = max_of(c.elevation_m, c.ground_m);
 }
 
-/** Reserves a stretch of the sorted points for each cell; which one does not matter. */
-template <class Atomics>
-struct ReserveCellPoints
+/** Where the points of each cell stand after sorting. Which stretch a cell gets does not matter. */
+struct Sorting
 {
   const std::uint32_t* cell_count;
   std::uint32_t* cell_begin;
-  std::uint32_t* cursor;  //!< zero before
+  HeightPoint* sorted;
+  std::int32_t* crowded;  //!< cells that a team updates
+  std::uint64_t* cursor;  //!< of `sorted`, and in the upper half of `crowded`; zero before
+  std::uint32_t crowd;  //!< cells of more points are crowded
+};
+
+/** Reserves a stretch for the cell of a point, if it is the first there. */
+template <class Atomics>
+struct ReserveStretch
+{
+  const FrameContext* frame;
+  PointsOut points;
+  Sorting sorting;
 
   TALUS_HD void operator()(int i) const
   {
-    if (cell_count[i]) cell_begin[i] = Atomics::add(cursor, cell_count[i]);
+    if (i >= frame->n_points || points.cell[i] < 0 || points.rank[i] != 0) return;
+    const int cell = points.cell[i];
+    const std::uint64_t count = sorting.cell_count[cell];
+    const bool crowded = count > sorting.crowd;
+    const std::uint64_t at = Atomics::reserve(sorting.cursor, crowded ? count | 1ull << 32 : count);
+    sorting.cell_begin[cell] = static_cast<std::uint32_t>(at);
+    if (crowded) sorting.crowded[at >> 32] = cell;
   }
 };
 
@@ -186,45 +234,50 @@ struct SortPoint
 {
   const FrameContext* frame;
   PointsOut points;
-  const std::uint32_t* cell_begin;
-  HeightPoint* sorted;
+  Sorting sorting;
 
   TALUS_HD void operator()(int i) const
   {
     if (i >= frame->n_points || points.cell[i] < 0) return;
-    sorted[cell_begin[points.cell[i]] + points.rank[i]] = {
+    sorting.sorted[sorting.cell_begin[points.cell[i]] + points.rank[i]] = {
         points.height_m[i], points.variance_m2[i]};
   }
 };
 
-/** Stages 3 and 4 on cell (ix, iy) of the window. Leaves cell_count at zero for the next frame. */
+/** Stage 4 on the cell of a point, if it is the first there, or on a crowded cell. */
 struct UpdateCell
 {
   const Config* config;
   const FrameContext* frame;
   CellStore store;
-  std::uint32_t* cell_count;
-  const std::uint32_t* cell_begin;
-  const HeightPoint* sorted;
-  float* top_hit_m;  //!< by storage index: highest point of this frame; -infinity: none
+  PointsOut points;
+  Sorting sorting;
+  float* top_hit_m;
 
-  TALUS_HD void operator()(int ix, int iy) const
+  TALUS_HD void operator()(int i) const
   {
-    const int i = storage_index(*frame, config->cells, ix, iy);
-    const int count = static_cast<int>(cell_count[i]);
-    const bool entered = entered_window(*frame, config->cells, ix, iy);
-    top_hit_m[i] = -kInfinity;
-    if (!count && !entered) return;
-    Cell c;
-    if (!entered) c = store.load(i);
-    if (count)
-    {
-      const CellPoints points{sorted + cell_begin[i], count};
-      update_cell(c, points, *config);
-      top_hit_m[i] = highest_up_to(points, kInfinity).height_m;
-      cell_count[i] = 0;
-    }
+    if (i >= frame->n_points || points.cell[i] < 0 || points.rank[i] != 0) return;
+    if (sorting.cell_count[points.cell[i]] <= sorting.crowd) update(points.cell[i], LoneTeam{});
+  }
+
+  template <class Team>
+  TALUS_HD void operator()(int slot, const Team& team) const
+  {
+    if (slot < static_cast<int>(*sorting.cursor >> 32)) update(sorting.crowded[slot], team);
+  }
+
+ private:
+  template <class Team>
+  TALUS_HD void update(int i, const Team& team) const
+  {
+    const CellPoints here{
+        sorting.sorted + sorting.cell_begin[i], static_cast<int>(sorting.cell_count[i])};
+    Cell c = store.load(i);
+    const Extremes ends = extremes(here, team);
+    update_cell(c, ends, here, *config, team);
+    if (team.rank() != 0) return;
     store.store(i, c);
+    top_hit_m[i] = ends.high.height_m;
   }
 };
 

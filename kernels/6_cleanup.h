@@ -15,17 +15,26 @@ struct SweepRays
   const Config* config;
   std::int32_t* rays;
 
-  TALUS_HD void operator()(int bin) const
+  TALUS_HD void operator()(int bin, int = 0) const
   {
     const int bins = bin_count(*config);
     std::int32_t lowest = kNoRay;
-    for (int ring = ring_count(*config) - 1; ring >= 0; ring--)
+    for (int ring = ring_count(*config) - 1; ring >= 0; ring -= kBatch)
     {
-      std::int32_t& here = rays[ring * bins + bin];
-      if (here < lowest) lowest = here;
-      here = lowest;
+      // Loads first, so that they do not wait for each other.
+      std::int32_t hits[kBatch];
+      for (int b = 0; b < kBatch; b++)
+        hits[b] = ring - b < 0 ? kNoRay : rays[(ring - b) * bins + bin];
+      for (int b = 0; b < kBatch && ring - b >= 0; b++)
+      {
+        lowest = hits[b] < lowest ? hits[b] : lowest;
+        rays[(ring - b) * bins + bin] = lowest;
+      }
     }
   }
+
+ private:
+  static constexpr int kBatch = 32;
 };
 
 /** What the rays of this frame say of one cell. */
@@ -38,6 +47,11 @@ struct SeenThrough
 };
 
 constexpr int kMaxBinsPerCell = 8;
+
+/** A thing that is hit and seen through in the same frame, several times, is porous: a hedge, a
+ * railing, a branch. Each such frame earns credit, each frame that only sees through spends it;
+ * from kPorous on the thing is not cleared before the credit is gone. */
+constexpr int kPorousCredit = 3, kPorous = 12, kMaxCredit = 30;
 
 /** Rays through the middle half of the angle under which the sensor sees a cell, that ended two or
  * more rings behind it. Heights are taken where the ray is highest inside the cell. */
@@ -71,21 +85,34 @@ look_through(const Config& k, const FrameContext& f, const std::int32_t* rays, i
   return seen;
 }
 
+/** Counts the evidence of one frame; true when the cell must be cleared. */
+TALUS_HD bool count_miss(Cell& c, bool hit, const Config& k)
+{
+  const int before = c.misses;
+  int after = before;
+  if (hit)
+    after = max_of(min_of(before, 0) - kPorousCredit, -kMaxCredit);
+  else
+    after = before <= -kPorous ? before + 1 : max_of(before, 0) + 1;
+  const bool clear = after >= k.cleanup_frames;
+  c.misses = static_cast<std::int8_t>(clear ? 0 : after);
+  return clear;
+}
+
 /** Clears what no longer stands there. A cell that was only hit below the passing rays is no
- * exception: a box that left shows the floor in the very cells that it stood in. */
-TALUS_HD void clear_seen_through(
+ * exception: a box that left shows the floor in the very cells that it stood in. Returns whether
+ * the cell is another now. */
+TALUS_HD bool clear_seen_through(
     Cell& c, std::uint8_t& role, float top_hit_m, const SeenThrough& seen, const Config& k)
 {
   const bool has_elevation = is_known(c.elevation_m);
-  if (!seen.any() || (!has_elevation && c.state != kMeasured)) return;
+  if (!seen.any() || (!has_elevation && c.state != kMeasured)) return false;
   const float top = has_elevation ? c.elevation_m : c.ground_m;
   const float limit = seen.highest_m + k.cleanup_margin_m;
-  if (top_hit_m > limit) c.misses = 0;
-  if (top_hit_m > limit || top <= limit) return;
-  c.misses = static_cast<std::uint8_t>(min_of(c.misses + 1, 255));
-  if (c.misses < k.cleanup_frames) return;
+  if (top <= limit) return false;
+  if (c.state == kMeasured && role == kKeep && c.ground_m > limit) role = kObject;
+  if (!count_miss(c, top_hit_m > limit, k)) return true;
 
-  c.misses = 0;
   c.elevation_m = c.elevation_var_m2 = kNan;
   if (role >= kObject || c.ground_m > limit)
   {
@@ -98,32 +125,53 @@ TALUS_HD void clear_seen_through(
     c.elevation_m = c.ground_m;
     c.elevation_var_m2 = c.ground_var_m2;
   }
+  return true;
 }
 
-/** Stage 6 on cell (ix, iy); leaves the bound on unseen ground for stage 7. */
+/** Where the rays of this frame passed the cells, window order. */
+struct PassingRays
+{
+  float* lowest_m;  //!< bounds unseen ground from above; infinity: no ray
+  float* highest_m;
+};
+
+/** What the rays say of cell (ix, iy); needs nothing but the rays. */
+struct LookThrough
+{
+  const Config* config;
+  const FrameContext* frame;
+  const std::int32_t* rays;
+  PassingRays passing;
+
+  TALUS_HD void operator()(int ix, int iy) const
+  {
+    const SeenThrough seen = look_through(*config, *frame, rays, ix, iy);
+    passing.lowest_m[iy * config->cells + ix] = seen.lowest_m;
+    passing.highest_m[iy * config->cells + ix] = seen.highest_m;
+  }
+};
+
+/** Stage 6 on cell (ix, iy). */
 struct CleanUpCell
 {
   const Config* config;
   const FrameContext* frame;
   CellStore store;
-  const std::int32_t* rays;
+  PassingRays passing;
   const float* top_hit_m;
   std::uint8_t* role;
-  float* ray_bound_m;  //!< window order; infinity: no ray
 
   TALUS_HD void operator()(int ix, int iy) const
   {
     const int n = config->cells;
     const int i = storage_index(*frame, n, ix, iy);
-    const SeenThrough seen = look_through(*config, *frame, rays, ix, iy);
-    ray_bound_m[iy * n + ix] = seen.lowest_m;
-    if (!seen.any()) return;
+    const SeenThrough seen{passing.lowest_m[iy * n + ix], passing.highest_m[iy * n + ix]};
+    if (!seen.any() || store.state[i] == kUnknown) return;
     Cell c = store.load(i);
-    clear_seen_through(c, role[i], top_hit_m[i], seen, *config);
-    store.store(i, c);
+    if (clear_seen_through(c, role[i], top_hit_m[i], seen, *config)) store.store(i, c);
     // A fill that a ray now contradicts is inferred again.
-    if (config->fill_use_ray_bound && store.state[i] == kFilledTwoSided &&
-        store.ground_m[i] > seen.lowest_m + config->cleanup_margin_m)
+    if (config->fill_use_ray_bound && c.state == kFilledTwoSided &&
+        c.ground_m > seen.lowest_m + config->cleanup_margin_m)
       role[i] = kInfer;
   }
 };

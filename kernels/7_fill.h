@@ -7,33 +7,72 @@ namespace talus::kernels
 // the sensor: towards it and away from it. Each line keeps one bit a ring, "measured ground here";
 // finding the next sample is then a bit scan instead of a walk.
 
+TALUS_HD int words_per_axis(const Config& k) { return (k.cells + 31) / 32; }
 TALUS_HD int words_per_line(const Config& k) { return line_rings(k) / 32 + 1; }
 
-/** One word of one line; bit r: the cell at ring 32 * word + r is measured ground. Layout
- * [word][line]. */
-struct MarkLineWord
+/** Whether the cells of a line are ground that fills may build on. Packed into words: bit r of word
+ * w is ring 32 * w + r. Layout [word][line]. */
+struct SamplesOfLine
+{
+  const FrameContext* frame;
+  const std::uint8_t* state;
+  const std::uint8_t* role;
+  Line line;
+  int rings, cells;
+
+  TALUS_HD bool operator()(int ring) const
+  {
+    const CellOffset o = line_cell(line, ring, rings);
+    const int ix = cells / 2 + o.dx, iy = cells / 2 + o.dy;
+    if (ix >= cells || iy >= cells || ix < 0 || iy < 0) return false;
+    const int i = storage_index(*frame, cells, ix, iy);
+    return state[i] == kMeasured && role[i] == kKeep;
+  }
+};
+
+struct FindSamples
 {
   const Config* config;
   const FrameContext* frame;
   CellStore store;
   const std::uint8_t* role;
-  std::uint32_t* marks;
 
-  TALUS_HD void operator()(int line, int word) const
+  TALUS_HD SamplesOfLine operator()(int line) const
   {
-    const int rings = line_rings(*config), n = config->cells;
-    const Line l = line_from_index(line, rings);
-    std::uint32_t bits = 0;
-    const int last = min_of(32 * word + 31, rings);
-    for (int ring = 32 * word; ring <= last; ring++)
-    {
-      const CellOffset o = line_cell(l, ring, rings);
-      const int ix = n / 2 + o.dx, iy = n / 2 + o.dy;
-      if (ix >= n || iy >= n || ix < 0 || iy < 0) continue;
-      const int i = storage_index(*frame, n, ix, iy);
-      if (store.state[i] == kMeasured && role[i] == kKeep) bits |= 1u << (ring - 32 * word);
-    }
-    marks[word * line_count(*config) + line] = bits;
+    const int rings = line_rings(*config);
+    return {frame, store.state, role, line_from_index(line, rings), rings, config->cells};
+  }
+};
+
+/** The same for a row or a column of the window; bit r of word w is ix or iy = 32 * w + r. */
+struct SamplesOfAxis
+{
+  const FrameContext* frame;
+  const std::uint8_t* state;
+  const std::uint8_t* role;
+  int across, cells;
+  bool along_x;
+
+  TALUS_HD bool operator()(int at) const
+  {
+    const int i = along_x ? storage_index(*frame, cells, at, across)
+                          : storage_index(*frame, cells, across, at);
+    return state[i] == kMeasured && role[i] == kKeep;
+  }
+};
+
+/** Lines are the rows, then the columns. */
+struct FindAxisSamples
+{
+  const Config* config;
+  const FrameContext* frame;
+  CellStore store;
+  const std::uint8_t* role;
+
+  TALUS_HD SamplesOfAxis operator()(int line) const
+  {
+    const int n = config->cells;
+    return {frame, store.state, role, line < n ? line : line - n, n, line < n};
   }
 };
 
@@ -98,54 +137,76 @@ struct SideEstimate
   float variance_m2 = 0;
   float distance_m = 0;  //!< to the nearest sample
   float nearest_m = kNan;  //!< height of the nearest sample
+  float mean_m = kNan;  //!< kernel-weighted mean of the samples ...
+  float mean_distance_m = 0;  //!< ... and where it lies
 };
 
-/** Everything that the line search of one cell needs. */
+/** Where the cells of a line from the sensor are: place = ring. */
+struct RadialCells
+{
+  Line line;
+  int rings;
+  TALUS_HD CellOffset operator()(int ring) const { return line_cell(line, ring, rings); }
+};
+
+/** Where the cells of a row or column are: place = ix or iy; offsets from the sensor's cell. */
+struct AxisCells
+{
+  int half, across;
+  bool along_x;
+  TALUS_HD CellOffset operator()(int place) const
+  {
+    return along_x ? CellOffset{place - half, across} : CellOffset{across, place - half};
+  }
+};
+
+/** Everything that the search of one cell along one line needs. */
+template <class Cells>
 struct LineSearch
 {
   const Config* config;
   const FrameContext* frame;
   CellStore store;
-  Line line;
+  Cells cells;
   LineMarks marks;
-  int ring;
-  float ring_length_m;  //!< length of the line per ring
+  int place;
+  float step_m;  //!< length of the line per place
 
-  TALUS_HD int storage_at(int at_ring) const
+  TALUS_HD int storage_at(int at) const
   {
     const int n = config->cells;
-    const CellOffset o = line_cell(line, at_ring, line_rings(*config));
+    const CellOffset o = cells(at);
     return storage_index(*frame, n, n / 2 + o.dx, n / 2 + o.dy);
   }
 
-  /** How many rings a distance is. */
-  TALUS_HD int rings_in(float distance_m) const
+  /** How many places a distance is. */
+  TALUS_HD int places_in(float distance_m) const
   {
-    return floor_to_int(min_of(distance_m / ring_length_m, static_cast<float>(marks.rings)));
+    return floor_to_int(min_of(distance_m / step_m, static_cast<float>(marks.rings)));
   }
 
   TALUS_HD int next(int from, bool outwards, float reach_m) const
   {
-    return outwards ? marks.outwards(from, ring + rings_in(reach_m))
-                    : marks.inwards(from, max_of(ring - rings_in(reach_m), 0));
+    return outwards ? marks.outwards(from, place + places_in(reach_m))
+                    : marks.inwards(from, max_of(place - places_in(reach_m), 0));
   }
 
   /** Eq. 8: sparse kernel inference with the lowest sample as the prior. */
   TALUS_HD SideEstimate infer_side(bool outwards) const
   {
     SideEstimate side;
-    float weights = 0, weighted = 0, lowest = kInfinity;
-    int at = ring;
+    float weights = 0, weighted = 0, lowest = kInfinity, lengths = 0;
+    int at = place;
     for (int s = 0; s < config->fill_samples; s++)
     {
       at = next(at, outwards, config->fill_search_m);
       if (at < 0) break;
       const int i = storage_at(at);
       const float height = store.ground_m[i];
-      const float distance = static_cast<float>(abs_of(at - ring)) * ring_length_m;
+      const float distance = static_cast<float>(abs_of(at - place)) * step_m;
       if (s == 0)
       {
-        side.gap_cells = abs_of(at - ring) - 1;
+        side.gap_cells = abs_of(at - place) - 1;
         side.distance_m = distance;
         side.nearest_m = height;
         const float spread = config->fill_variance_per_m * distance;
@@ -154,10 +215,13 @@ struct LineSearch
       const float w = kernel_weight(distance);
       weights += w;
       weighted += w * height;
+      lengths += w * distance;
       lowest = min_of(lowest, height);
     }
-    if (lowest < kInfinity)
-      side.height_m = (config->fill_lambda * lowest + weighted) / (config->fill_lambda + weights);
+    if (lowest == kInfinity) return side;
+    side.height_m = (config->fill_lambda * lowest + weighted) / (config->fill_lambda + weights);
+    side.mean_m = weights > 0.0f ? weighted / weights : side.nearest_m;
+    side.mean_distance_m = weights > 0.0f ? lengths / weights : side.distance_m;
     return side;
   }
 
@@ -169,7 +233,7 @@ struct LineSearch
   }
 };
 
-TALUS_HD LineSearch line_search(
+TALUS_HD LineSearch<RadialCells> line_search(
     const Config& k, const FrameContext& f, const CellStore& store, const std::uint32_t* marks,
     int dx, int dy)
 {
@@ -177,7 +241,19 @@ TALUS_HD LineSearch line_search(
   const int ring = max_of(abs_of(dx), abs_of(dy));
   const Line line = line_through(dx, dy, ring, rings);
   const LineMarks line_marks{marks + line_index(line, rings), line_count(k), rings};
-  return {&k, &f, store, line, line_marks, ring, line_stretch(line, rings) * k.resolution_m};
+  const float step_m = line_stretch(line, rings) * k.resolution_m;
+  return {&k, &f, store, {line, rings}, line_marks, ring, step_m};
+}
+
+TALUS_HD LineSearch<AxisCells> axis_search(
+    const Config& k, const FrameContext& f, const CellStore& store, const std::uint32_t* axis_marks,
+    int dx, int dy, bool along_x)
+{
+  const int half = k.cells / 2;
+  const int place = half + (along_x ? dx : dy), across = along_x ? dy : dx;
+  const int line = half + across + (along_x ? 0 : k.cells);
+  const LineMarks line_marks{axis_marks + line, 2 * k.cells, k.cells - 1};
+  return {&k, &f, store, {half, across, along_x}, line_marks, place, k.resolution_m};
 }
 
 /** Eq. 9 and its alternatives: one height from two sides. */
@@ -209,10 +285,42 @@ struct Fill
   std::uint8_t state = kUnknown;
 };
 
-TALUS_HD Fill
-infer_ground(const LineSearch& search, bool under_object, float bound_m, const Config& k)
+/** Heights of several lines, each weighed by how far it has to bridge. */
+struct LineFusion
 {
-  const SideEstimate inner = search.infer_side(false), outer = search.infer_side(true);
+  float information = 0, weighted = 0, lowest_m = kInfinity;
+
+  /** Between samples of both sides linearly, beside one side level. The error grows with the
+   * distances. */
+  TALUS_HD void add(const SideEstimate& a, const SideEstimate& b)
+  {
+    const bool has_a = is_known(a.height_m), has_b = is_known(b.height_m);
+    if (has_a && has_b)
+    {
+      const float span = a.mean_distance_m + b.mean_distance_m;
+      add(a.mean_m + (b.mean_m - a.mean_m) * (a.mean_distance_m / span),
+          0.1f * a.distance_m * b.distance_m / (a.distance_m + b.distance_m));
+    }
+    else if (has_a || has_b)
+    {
+      const SideEstimate& side = has_a ? a : b;
+      add(side.mean_m, 0.3f * side.distance_m);
+    }
+  }
+
+  TALUS_HD void add(float height_m, float deviation_m)
+  {
+    const float d = 0.002f + deviation_m;
+    information += 1.0f / (d * d);
+    weighted += height_m / (d * d);
+    lowest_m = min_of(lowest_m, height_m);
+  }
+};
+
+TALUS_HD Fill infer_ground(
+    const SideEstimate& inner, const SideEstimate& outer, const LineFusion& lines,
+    bool under_object, float bound_m, const Config& k)
+{
   const bool has_inner = is_known(inner.height_m), has_outer = is_known(outer.height_m);
   if (!has_inner && !has_outer) return {};
   Fill fill;
@@ -229,6 +337,8 @@ infer_ground(const LineSearch& search, bool under_object, float bound_m, const C
     fill.variance_m2 = side.variance_m2;
     fill.state = kFilledOneSided;
   }
+  if (k.fill_rule == kFillLines)
+    fill.height_m = under_object ? lines.lowest_m : lines.weighted / lines.information;
   if (k.fill_use_ray_bound) fill.height_m = min_of(fill.height_m, bound_m);
   return fill;
 }
@@ -244,18 +354,29 @@ TALUS_HD void place_fill(Cell& c, const Fill& fill, std::uint8_t role, const Con
   c.state = fill.state;
 }
 
-/** The surfaces of the frame in window order, quantised, for stage 8; columns padded by the feature
- * radius. */
+constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
+
+/** The surfaces of one cell, quantised, for stage 8. */
+struct alignas(8) Surface
+{
+  std::int32_t ground;  //!< kNoHeight: unknown
+  /** Twice the elevation, or the ground where nothing stands; plus 1 where the ground is measured.
+   */
+  std::int32_t height_and_measured;
+
+  TALUS_HD bool known() const { return ground != kNoHeight; }
+  TALUS_HD std::int32_t height() const { return height_and_measured >> 1; }
+  TALUS_HD std::int32_t measured() const { return height_and_measured & 1; }
+};
+
+/** Window order; columns padded by the feature radius. */
 struct Surfaces
 {
-  std::int32_t* ground;
-  std::int32_t* height;  //!< elevation, or ground where nothing stands
+  Surface* cell;
   int pitch, pad;
 
   TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix + pad; }
 };
-
-constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
 
 /** Stage 7 on cell (ix, iy). */
 struct FillCell
@@ -265,8 +386,10 @@ struct FillCell
   CellStore store;
   const std::uint8_t* role;
   const std::uint32_t* marks;
+  const std::uint32_t* axis_marks;
   const float* ray_bound_m;
   Surfaces surfaces;
+  SurfaceLayers out;
 
   TALUS_HD void operator()(int ix, int iy) const
   {
@@ -275,20 +398,37 @@ struct FillCell
     const int dx = ix - n / 2, dy = iy - n / 2;
     if (role[i] != kKeep && (dx != 0 || dy != 0)) infer(i, dx, dy, ray_bound_m[iy * n + ix]);
 
-    const float ground = store.ground_m[i], elevation = store.elevation_m[i];
-    const int s = surfaces.at(ix, iy);
-    const bool known = is_known(ground);
-    surfaces.ground[s] = known ? quantise_height(ground, frame->sensor_z_m) : kNoHeight;
-    surfaces.height[s] =
-        known ? quantise_height(is_known(elevation) ? elevation : ground, frame->sensor_z_m)
-              : kNoHeight;
+    const float ground_m = store.ground_m[i];
+    if (ray_bound_m[iy * n + ix] < ground_m + config->clearance_m) store.passed[i] = 1;
+    surfaces.cell[surfaces.at(ix, iy)] = surface_of(i);
+    out.put(iy * n + ix, store, i);
   }
 
  private:
+  TALUS_HD Surface surface_of(int i) const
+  {
+    const float ground = store.ground_m[i], elevation = store.elevation_m[i];
+    if (!is_known(ground)) return {kNoHeight, 0};
+    const std::int32_t height =
+        quantise_height(is_known(elevation) ? elevation : ground, frame->sensor_z_m);
+    return {quantise_height(ground, frame->sensor_z_m), 2 * height + (store.state[i] == kMeasured)};
+  }
+
   TALUS_HD void infer(int i, int dx, int dy, float bound_m) const
   {
-    const LineSearch search = line_search(*config, *frame, store, marks, dx, dy);
-    const Fill fill = infer_ground(search, role[i] >= kObject, bound_m, *config);
+    const auto radial = line_search(*config, *frame, store, marks, dx, dy);
+    const SideEstimate inner = radial.infer_side(false), outer = radial.infer_side(true);
+    LineFusion lines;
+    if (config->fill_rule == kFillLines)
+    {
+      lines.add(inner, outer);
+      for (int axis = 0; axis < 2; axis++)
+      {
+        const auto search = axis_search(*config, *frame, store, axis_marks, dx, dy, axis == 0);
+        lines.add(search.infer_side(false), search.infer_side(true));
+      }
+    }
+    const Fill fill = infer_ground(inner, outer, lines, role[i] >= kObject, bound_m, *config);
     if (fill.state == kUnknown) return;  // an older guess, or the object itself, stays
     Cell c = store.load(i);
     place_fill(c, fill, role[i], *config);

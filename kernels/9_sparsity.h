@@ -13,10 +13,10 @@ TALUS_HD bool dense_around(int measured, int radius_cells)
 
 /** Eq. 14 from the height difference h_s of the ground found on both sides, searched farther than a
  * fill does, and the distance d_s to the robot. NaN (unknown) where one side has none. */
-TALUS_HD float sparsity(const LineSearch& search, float robot_m, const Config& k)
+TALUS_HD float sparsity(const LineSearch<RadialCells>& search, float robot_m, const Config& k)
 {
-  const int inner = search.next(search.ring, false, k.sparsity_search_m);
-  const int outer = search.next(search.ring, true, k.sparsity_search_m);
+  const int inner = search.next(search.place, false, k.sparsity_search_m);
+  const int outer = search.next(search.place, true, k.sparsity_search_m);
   if (inner < 0 || outer < 0) return kNan;
   const float h_s = abs_of(
       search.store.ground_m[search.storage_at(inner)] -

@@ -1,12 +1,26 @@
 #pragma once
 #include "kernels/platform.h"
 
+#if defined(__CUDACC__)
+#include <cooperative_groups.h>
+#include <cooperative_groups/scan.h>
+#endif
+
 namespace talus::kernels
 {
 /** Read-modify-write on integers that many points may hit. Integers only: their result does not
  * depend on the order. Each executor names the policy that its threads need. */
 struct SerialAtomics
 {
+  /** Counts one, where many points hit few counters. */
+  static TALUS_HD void count(std::uint32_t* where) { *where += 1; }
+  /** Adds, where everyone hits the same place; returns what was there. */
+  static TALUS_HD std::uint64_t reserve(std::uint64_t* where, std::uint64_t value)
+  {
+    const std::uint64_t before = *where;
+    *where = before + value;
+    return before;
+  }
   static TALUS_HD std::uint32_t add(std::uint32_t* where, std::uint32_t value)
   {
     const std::uint32_t before = *where;
@@ -33,6 +47,11 @@ struct SerialAtomics
 
 struct ThreadAtomics
 {
+  static void count(std::uint32_t* where) { add(where, 1); }
+  static std::uint64_t reserve(std::uint64_t* where, std::uint64_t value)
+  {
+    return __atomic_fetch_add(where, value, __ATOMIC_RELAXED);
+  }
   static std::uint32_t add(std::uint32_t* where, std::uint32_t value)
   {
     return __atomic_fetch_add(where, value, __ATOMIC_RELAXED);
@@ -55,8 +74,28 @@ struct ThreadAtomics
 };
 
 #if defined(__CUDACC__)
+/** One operation for all threads of a warp where they hit the same place. */
 struct DeviceAtomics
 {
+  static __device__ void count(std::uint32_t* where)
+  {
+    const unsigned same =
+        __match_any_sync(__activemask(), reinterpret_cast<unsigned long long>(where));
+    const unsigned lane = threadIdx.x & 31u;
+    if ((same & ((1u << lane) - 1u)) == 0) atomicAdd(where, static_cast<unsigned>(__popc(same)));
+  }
+  static __device__ std::uint64_t reserve(std::uint64_t* where, std::uint64_t value)
+  {
+    const auto together = cooperative_groups::coalesced_threads();
+    const std::uint64_t before = cooperative_groups::exclusive_scan(together, value);
+    const auto last = together.num_threads() - 1;
+    unsigned long long begin = 0;
+    if (together.thread_rank() == last)
+      begin = atomicAdd(
+          reinterpret_cast<unsigned long long*>(where),
+          static_cast<unsigned long long>(before + value));
+    return before + together.shfl(begin, last);
+  }
   static __device__ std::uint32_t add(std::uint32_t* where, std::uint32_t value)
   {
     return atomicAdd(where, value);

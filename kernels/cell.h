@@ -12,7 +12,7 @@ enum State : std::uint8_t
   kFilledOneSided = 3
 };
 
-/** What the map remembers of a cell, 18 bytes. */
+/** What the map remembers of a cell, 19 bytes. */
 struct Cell
 {
   float ground_m = kNan;  //!< the lowest surface, map frame; known unless state is kUnknown
@@ -20,7 +20,8 @@ struct Cell
   float elevation_m = kNan;  //!< top of what stands on the ground; NaN where nothing was measured
   float elevation_var_m2 = kNan;
   std::uint8_t state = kUnknown;
-  std::uint8_t misses = 0;  //!< consecutive frames that saw through the cell
+  std::int8_t misses = 0;  //!< consecutive frames that saw through it; negative: see kPorous
+  std::uint8_t passed = 0;  //!< a ray passed over its ground, below the clearance
 };
 
 /** The persistent layers as a torus: rolling moves no data. */
@@ -31,12 +32,13 @@ struct CellStore
   float* elevation_m;
   float* elevation_var_m2;
   std::uint8_t* state;
-  std::uint8_t* misses;
+  std::int8_t* misses;
+  std::uint8_t* passed;
 
   TALUS_HD Cell load(int i) const
   {
-    return {ground_m[i],         ground_var_m2[i], elevation_m[i],
-            elevation_var_m2[i], state[i],         misses[i]};
+    return {ground_m[i], ground_var_m2[i], elevation_m[i], elevation_var_m2[i],
+            state[i],    misses[i],        passed[i]};
   }
   TALUS_HD void store(int i, const Cell& c) const
   {
@@ -46,6 +48,7 @@ struct CellStore
     elevation_var_m2[i] = c.elevation_var_m2;
     state[i] = c.state;
     misses[i] = c.misses;
+    passed[i] = c.passed;
   }
 };
 
@@ -67,6 +70,20 @@ enum Role : std::uint8_t
                 //!< ground under it
   kObjectOnColumn =
       3  //!< the same, but it is joined to something that stands beside it, so it cannot hang
+};
+
+/** Where the layers of stages 3 to 7 are wanted, window order; null: not wanted. */
+struct SurfaceLayers
+{
+  float *elevation, *ground, *variance, *state;
+
+  TALUS_HD void put(int o, const CellStore& store, int i) const
+  {
+    if (elevation) elevation[o] = store.elevation_m[i];
+    if (ground) ground[o] = store.ground_m[i];
+    if (variance) variance[o] = store.ground_var_m2[i];
+    if (state) state[o] = static_cast<float>(store.state[i]);
+  }
 };
 
 /** Copies one persistent layer to window order; `state` in place of `source` where it is given. */

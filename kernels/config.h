@@ -9,7 +9,8 @@ enum FillRuleCode : int
   kFillPrinted = 0,
   kFillExchanged = 1,
   kFillInverseDistance = 2,
-  kFillMinimum = 3
+  kFillMinimum = 3,
+  kFillLines = 4
 };
 
 constexpr int kKernelTableSize = 1024;

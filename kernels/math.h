@@ -16,6 +16,8 @@ TALUS_HD float min_of(float a, float b) { return b < a ? b : a; }
 TALUS_HD float max_of(float a, float b) { return a < b ? b : a; }
 TALUS_HD int min_of(int a, int b) { return b < a ? b : a; }
 TALUS_HD int max_of(int a, int b) { return a < b ? b : a; }
+TALUS_HD std::int64_t min_of(std::int64_t a, std::int64_t b) { return b < a ? b : a; }
+TALUS_HD std::int64_t max_of(std::int64_t a, std::int64_t b) { return a < b ? b : a; }
 TALUS_HD float abs_of(float a) { return a < 0.0f ? -a : a; }
 TALUS_HD int abs_of(int a) { return a < 0 ? -a : a; }
 TALUS_HD float clamp01(float v) { return min_of(max_of(v, 0.0f), 1.0f); }
@@ -27,8 +29,18 @@ TALUS_HD int floor_to_int(float v)
   return i - (v < static_cast<float>(i));
 }
 
-/** Integer quotient rounded down; b > 0. */
-TALUS_HD int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+/** Integer quotient rounded down; b > 0, quotients below 2^20. */
+TALUS_HD int floor_div(int a, int b)
+{
+#if defined(__CUDA_ARCH__)
+  // Devices divide integers slowly. A float comes near enough to be put right by one.
+  const int q = floor_to_int(static_cast<float>(a) * (1.0f / static_cast<float>(b)));
+  const int rest = a - q * b;
+  return q + (rest >= b) - (rest < 0);
+#else
+  return a >= 0 ? a / b : -((-a + b - 1) / b);
+#endif
+}
 
 /** Heights in window sums: steps of 1/4096 m, relative to the sensor, within +-32 m: sums of up to
  * 31 x 31 cells, times an offset of up to 15 cells, are exact in 32 bits. */
@@ -42,20 +54,30 @@ TALUS_HD int quantise_height(float height_m, float reference_m)
   return floor_to_int(min_of(max_of(steps, -limit), limit));
 }
 
+TALUS_HD std::uint32_t bits_of(float v)
+{
+  std::uint32_t bits;
+  std::memcpy(&bits, &v, sizeof bits);
+  return bits;
+}
+
+TALUS_HD float float_of_bits(std::uint32_t bits)
+{
+  float v;
+  std::memcpy(&v, &bits, sizeof v);
+  return v;
+}
+
 /** A float as an integer of the same order, so that an integer minimum is a minimum of floats. */
 TALUS_HD std::int32_t ordered_from_float(float v)
 {
-  std::int32_t bits;
-  std::memcpy(&bits, &v, sizeof bits);
+  const auto bits = static_cast<std::int32_t>(bits_of(v));
   return bits >= 0 ? bits : bits ^ 0x7fffffff;
 }
 
 TALUS_HD float float_from_ordered(std::int32_t ordered)
 {
-  const std::int32_t bits = ordered >= 0 ? ordered : ordered ^ 0x7fffffff;
-  float v;
-  std::memcpy(&v, &bits, sizeof v);
-  return v;
+  return float_of_bits(static_cast<std::uint32_t>(ordered >= 0 ? ordered : ordered ^ 0x7fffffff));
 }
 
 /** atan(t) for t >= 0 [rad], error below 2e-6 rad (polynomial of Abramowitz & Stegun 4.4.49). */

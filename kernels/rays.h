@@ -29,6 +29,29 @@ TALUS_HD float direction_in_bins(float dx, float dy, int per_side)
   return (u + 1.0f) * (0.5f * size) + static_cast<float>(side * per_side);
 }
 
+/** Vector of unit Chebyshev length through the middle of a bin. */
+struct BinDirection
+{
+  float x, y;
+};
+
+TALUS_HD BinDirection direction_of_bin(int bin, int per_side)
+{
+  const float u =
+      (static_cast<float>(bin % per_side) + 0.5f) * 2.0f / static_cast<float>(per_side) - 1.0f;
+  switch (bin / per_side)
+  {
+    case 0:
+      return {1.0f, u};
+    case 1:
+      return {-u, 1.0f};
+    case 2:
+      return {-1.0f, -u};
+    default:
+      return {u, -1.0f};
+  }
+}
+
 TALUS_HD int wrap_bin(int bin, int count)
 {
   return bin < 0 ? bin + count : (bin >= count ? bin - count : bin);
@@ -62,7 +85,8 @@ struct CellOffset
 
 TALUS_HD Line line_from_index(int index, int rings)
 {
-  return {index / (2 * rings), index % (2 * rings) - rings};
+  const int side = floor_div(index, 2 * rings);
+  return {side, index - (2 * side + 1) * rings};
 }
 
 TALUS_HD int line_index(const Line& l, int rings) { return l.side * 2 * rings + l.minor + rings; }

@@ -133,3 +133,38 @@ TEST(Stage1Accept, APoseThatIsNotFiniteIsRefusedAndChangesNothing)
   EXPECT_THROW(m.update(bad), std::invalid_argument);
   EXPECT_EQ(m.map.save(), before);
 }
+
+TEST(Stage1Accept, AReflectionFromBelowSeenGroundIsCountedAndDropped)
+{
+  TestMap m;
+  Scan ground;
+  ground.add_surface(1.0, -1.0, 3.8, 1.0, flat);
+  m.update(ground);
+  Scan mirrored = ground;
+  mirrored.add(3.425, 0.025, -0.25).add(3.425, 0.225, -0.25);
+  const FrameReport r = m.update(mirrored);
+  EXPECT_EQ(rejected(r, Reject::Buried), 2u);
+  EXPECT_NEAR(m.ground(3.425, 0.025), 0.0, 1e-4);
+}
+
+TEST(Stage1Accept, APitThatTheSensorLooksIntoIsNoReflection)
+{
+  // The near edge of the pit does not stand in the way of the rays to its far wall.
+  TestMap m;
+  Scan s;
+  s.add_surface(1.0, -1.0, 2.0, 1.0, flat);
+  for (double y = -0.9; y < 0.9; y += 0.02) s.add(2.775, y, -0.26);
+  for (int i = 0; i < 3; i++) EXPECT_EQ(rejected(m.update(s), Reject::Buried), 0u);
+  EXPECT_NEAR(m.ground(2.775, 0.025), -0.26, 1e-3);
+}
+
+TEST(Stage1Accept, AMapThatDriftedAwayDoesNotBlindTheSensor)
+{
+  // The pose sank by 0.3 m: all of the scan lies below the map, and none of it is a reflection.
+  TestMap m;
+  m.update(Scan(0, 0, 0.7).add_surface(1.0, -1.0, 3.0, 1.0, flat));
+  const FrameReport r = m.update(
+      Scan(0, 0, 0.4).add_surface(1.0, -1.0, 3.0, 1.0, [](double, double) { return -0.3; }));
+  EXPECT_EQ(rejected(r, Reject::Buried), 0u);
+  EXPECT_NEAR(m.ground(2.025, 0.025), -0.3, 1e-3);
+}

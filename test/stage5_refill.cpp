@@ -16,14 +16,17 @@ TEST(Stage5Refill, AOneSidedGuessIsRefilledWhenTheOtherSideIsSeen)
   EXPECT_GT(m.ground(1.775, 0.025), 0.05);
 }
 
-TEST(Stage5Refill, AReliableFillIsNotTouchedByOtherData)
+TEST(Stage5Refill, AFillFollowsNearerDataAndKeepsItsStateWithoutAny)
 {
   TestMap m;
   m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
   ASSERT_EQ(m.state(1.775, 0.025), CellState::FilledTwoSided);
   const float before = m.ground(1.775, 0.025);
-  m.update(Scan().add_surface(2.5, -0.5, 3.0, 0.5, [](double, double) { return 0.05; }));
+  m.update(Scan());
   EXPECT_EQ(m.ground(1.775, 0.025), before);
+  m.update(Scan().add_surface(1.55, -0.5, 1.75, 0.5, [](double, double) { return 0.05; }));
+  EXPECT_GT(m.ground(1.775, 0.025), before + 0.02);
+  EXPECT_EQ(m.state(1.775, 0.025), CellState::FilledTwoSided);
 }
 
 TEST(Stage5Refill, AReliableFillGivesWayToAMeasurement)

@@ -79,6 +79,7 @@ TEST(Stage7Fill, Equation8WeighsSamplesBySparseKernelAndPrior)
   Parameters p;
   p.fill_samples = 2, p.fill_search_m = 1.0, p.fill_kernel_m = 1.0, p.fill_lambda = 1.0;
   p.fill_use_ray_bound = false;
+  p.fill_rule = FillRule::Exchanged;
   TestMap m(p);
   m.update(Scan().add(1.025, 0.025, 0.10).add(0.975, 0.025, 0.04));
   const auto k = [](double d)
@@ -147,4 +148,30 @@ TEST(Stage7Fill, APlaneIsFilledWithoutBiasAcrossASmallGap)
     for (double y = -0.475; y < 0.5; y += 0.05) s.add(x, y, 0.0);
   m.update(s);
   for (double x = 1.075; x < 2.9; x += 0.1) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 1e-5);
+}
+
+TEST(Stage7Fill, ASlopeIsFilledAlongRayRowAndColumnWithoutBias)
+{
+  // Stripes of ground on a plane that tilts both ways, 0.2 m of 0.25 m unseen.
+  TestMap m;
+  const auto plane = [](double x, double y) { return 0.2 * (x - 2) + 0.1 * y; };
+  Scan s;
+  for (int stripe = 0; stripe < 8; stripe++)
+    s.add_surface(1 + 0.25 * stripe, -1, 1.05 + 0.25 * stripe, 1, plane);
+  m.update(s);
+  for (double x = 1.075; x < 2.7; x += 0.05)
+    EXPECT_NEAR(m.ground(x, 0.025), plane(x, 0.025), 0.004) << x;
+}
+
+TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
+{
+  // Behind the wall the ground is a guess that no ray ever passed; before it rays came by.
+  TestMap m;
+  Scan s;
+  s.add_surface(1.0, -0.5, 1.4, 0.5, flat).add_surface(1.6, -0.5, 1.8, 0.5, flat);
+  m.update(s.cast({{{2.0, -2, 0}, {2.05, 2, 1.0}}}, 720, -0.3, 0.1));
+  EXPECT_EQ(m.state(1.525, 0.025), CellState::FilledTwoSided);
+  EXPECT_GT(m.traversability(1.525, 0.025), 0.9f);
+  EXPECT_EQ(m.state(2.225, 0.025), CellState::FilledOneSided);
+  EXPECT_TRUE(std::isnan(m.traversability(2.225, 0.025)));
 }

@@ -79,17 +79,17 @@ TEST(Stage8Traversability, ASlopeOfFortyDegreesIsImpassable)
 
 TEST(Stage8Traversability, Equations10To13ByNumbersWorkedOutByHand)
 {
-  // One cell 0.1 m above 48 flat neighbours. Mean of the 49: 0.1 / 49.
+  // One cell 0.04 m above 48 flat neighbours. Mean of the 49: 0.04 / 49.
   TestMap m;
   Scan s;
   s.add_surface(
       1, -1, 3, 1,
       [](double x, double y)
-      { return std::abs(x - 2.025) < 0.01 && std::abs(y - 0.025) < 0.01 ? 0.1 : 0.0; });
+      { return std::abs(x - 2.025) < 0.01 && std::abs(y - 0.025) < 0.01 ? 0.04 : 0.0; });
   m.update(s);
-  const double mean = 0.1 / 49;
-  const double step = 1 - (2 * 0.1 - 0.0 - mean) / (2 * 0.2);
-  const double roughness = 1 - (0.1 - mean) / 0.2;
+  const double mean = 0.04 / 49;
+  const double step = 1 - (2 * 0.04 - 0.0 - mean) / (2 * 0.2);
+  const double roughness = 1 - (0.04 - mean) / 0.2;
   EXPECT_NEAR(m.at(Layer::Slope, 2.025, 0.025), 1.0, 1e-5);  // the bump is in the middle
   EXPECT_NEAR(m.at(Layer::Step, 2.025, 0.025), step, 2e-3);  // heights are quantised to 0.24 mm
   EXPECT_NEAR(m.at(Layer::Roughness, 2.025, 0.025), roughness, 2e-3);

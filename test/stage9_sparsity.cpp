@@ -6,6 +6,13 @@ using namespace talus::test;
 
 namespace
 {
+/** Hits far beyond, so that rays pass low over everything. */
+Scan with_rays(Scan s)
+{
+  for (double y = -2; y < 2; y += 0.01) s.add(6, y, -0.3);
+  return s;
+}
+
 /** Dense ground up to x = 1.5 m, a gap too wide to be filled from its far side, ground `drop_m`
  * lower from 2.5 m on. */
 Scan gap(double drop_m, double near_until_m = 1.5)
@@ -63,7 +70,7 @@ TEST(Stage9Sparsity, FarFromTheRobotAGuessIsJudgedByItsGeometry)
   Parameters p = short_search();
   p.sparsity_range_m = 1.0;
   TestMap m(p);
-  m.update(gap(2));
+  m.update(with_rays(gap(2)));
   EXPECT_TRUE(std::isnan(m.at(Layer::Sparsity, kX, kY)));
   EXPECT_GT(m.traversability(kX, kY), 0.9f);
 }
@@ -71,7 +78,7 @@ TEST(Stage9Sparsity, FarFromTheRobotAGuessIsJudgedByItsGeometry)
 TEST(Stage9Sparsity, CellsWithoutDenseDataAroundAreNotSuspicious)
 {
   TestMap m(short_search());
-  m.update(gap(2));
+  m.update(with_rays(gap(2)));
   EXPECT_FALSE(
       std::isnan(m.traversability(1.825, kY)));  // seven cells behind the last measured one
 }

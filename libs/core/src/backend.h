@@ -6,12 +6,26 @@
 
 namespace talus
 {
+/** What kernels::CellStore holds of each cell. */
+constexpr std::size_t kBytesPerCell = 4 * sizeof(float) + 3;
+
 /** The persistent state of a map and its derived layers, as bytes on the host. */
 struct MapBytes
 {
   std::vector<std::uint8_t> cells;  //!< the arrays of CellStore, storage order, one after the other
   std::vector<float> features;  //!< the arrays of FeatureLayers, window order, one after the other
 };
+
+/** Where a backend puts one layer for its caller. */
+struct OutputMemory
+{
+  bool reachable;  //!< false: the layer cannot be delivered with each frame, only read
+  float* direct;  //!< the caller's memory as kernels see it; null: they work elsewhere, and it is
+                  //!< copied
+};
+
+/** By layer: the caller's n*n floats, or null. */
+using OutputPointers = std::array<float*, kLayerCount>;
 
 /** One map on one kind of device: the nine stages on its own memory. */
 class BackendInterface
@@ -22,8 +36,15 @@ class BackendInterface
   /** Runs the stages. `frame` gives the points, `context` all else. */
   virtual FrameReport run(const Frame& frame, const kernels::FrameContext& context) = 0;
 
+  /** Room for points that run() need not copy; valid until it grows. */
+  virtual PointArrays point_arrays(std::size_t size) = 0;
+
   /** Copies a layer, window order, n*n floats. */
   virtual void read_layer(Layer layer, float* out) = 0;
+
+  /** From now on run() and write_all() leave these layers in the caller's memory, which must stay
+   * where it is until other outputs are set. Returns for which layers it does. */
+  virtual std::array<bool, kLayerCount> set_outputs(const OutputPointers& host) = 0;
 
   virtual MapBytes read_all() = 0;
   /** Sizes are checked by the caller. */

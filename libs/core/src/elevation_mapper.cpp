@@ -11,7 +11,7 @@ namespace talus
 {
 namespace
 {
-constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '1'};
+constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '2'};
 
 /** What save() writes before the layers. */
 struct SavedHeader
@@ -26,26 +26,40 @@ struct SavedHeader
   std::uint32_t reserved;
 };
 
+/** Says once in a process which backend `auto` took, and why not the other. */
+void say_once(const std::string& text)
+{
+  static const bool said = [&text]
+  {
+    std::clog << "[talus] backend: " << text << "\n";
+    return true;
+  }();
+  static_cast<void>(said);
+}
+
 std::unique_ptr<BackendInterface> make_backend(
     const kernels::Config& config, Backend backend, int threads)
 {
   if (backend == Backend::Cpu) return make_cpu_backend(config, threads);
   try
   {
-    return make_cuda_backend(config);
+    auto cuda = make_cuda_backend(config);
+    if (backend == Backend::Auto) say_once(cuda->name() + " (it answers, so not the cpu)");
+    return cuda;
   }
   catch (const std::runtime_error& e)
   {
     if (backend == Backend::Cuda) throw;
-    static const bool said = [&]
-    {
-      std::clog << "[talus] backend: cpu (" << e.what() << ")\n";
-      return true;
-    }();
-    static_cast<void>(said);
+    say_once(std::string("cpu (") + e.what() + ")");
     return make_cpu_backend(config, threads);
   }
 }
+
+/** Keeps a layer away from the pages of its neighbours in memory, so that a device can have it
+ * alone. */
+constexpr std::size_t kPageFloats = 4096 / sizeof(float);
+
+float unknown(Layer l) { return l == Layer::State ? 0.0f : kernels::kNan; }
 
 }  // namespace
 
@@ -55,21 +69,43 @@ struct ElevationMapper::Impl
 
   void reset()
   {
+    backend = make_backend(make_config(parameters), wanted, threads);
     tracker = {};
     context = {};
-    invalidate();
-    backend = make_backend(make_config(parameters), wanted, threads);
+    connect_outputs();
   }
-  void invalidate() { layer_read.fill(false); }
+
+  std::size_t cells() const
+  {
+    const auto n = static_cast<std::size_t>(parameters.cells());
+    return n * n;
+  }
+
+  /** Gives the memory of the output layers to the backend. */
+  void connect_outputs()
+  {
+    OutputPointers memory{};
+    for (std::size_t l = 0; l < outputs.size(); l++)
+    {
+      if (!outputs[l]) continue;
+      layers[l].reserve(cells() + kPageFloats);
+      layers[l].assign(cells(), unknown(static_cast<Layer>(l)));
+      memory[l] = layers[l].data();
+    }
+    delivered = backend->set_outputs(memory);
+    layer_read = {};
+  }
 
   Parameters parameters;
   Backend wanted;
   int threads;
   WindowTracker tracker;
   kernels::FrameContext context{};  //!< of the last frame
-  std::unique_ptr<BackendInterface> backend;
   std::array<std::vector<float>, kLayerCount> layers;
-  std::array<bool, kLayerCount> layer_read{};
+  std::array<bool, kLayerCount> outputs{};  //!< set_output_layers()
+  std::array<bool, kLayerCount> delivered{};  //!< the backend puts them into `layers` by itself
+  std::array<bool, kLayerCount> layer_read{};  //!< `layers` is up to date
+  std::unique_ptr<BackendInterface> backend;  //!< the last member: it refers to `layers`
 };
 
 ElevationMapper::ElevationMapper(const Parameters& parameters, Backend backend, int threads)
@@ -87,8 +123,26 @@ FrameReport ElevationMapper::update(const Frame& frame)
     throw std::invalid_argument("a frame of more than 536,870,911 points");
   Impl& m = *impl_;
   m.context = m.tracker.advance(frame, m.parameters);
-  m.invalidate();
-  return m.backend->run(frame, m.context);
+  m.layer_read = {};
+  const FrameReport report = m.backend->run(frame, m.context);
+  m.layer_read = m.delivered;
+  return report;
+}
+
+PointArrays ElevationMapper::point_arrays(std::size_t size)
+{
+  return impl_->backend->point_arrays(size);
+}
+
+void ElevationMapper::set_output_layers(const std::vector<Layer>& layers)
+{
+  Impl& m = *impl_;
+  std::array<bool, kLayerCount> outputs{};
+  for (const Layer l : layers) outputs[static_cast<std::size_t>(l)] = true;
+  if (outputs == m.outputs) return;
+  const std::vector<std::uint8_t> state = save();
+  m.outputs = outputs;
+  restore(state);
 }
 
 void ElevationMapper::clear() { impl_->reset(); }
@@ -100,8 +154,7 @@ const std::vector<float>& ElevationMapper::layer(Layer l) const
   const auto i = static_cast<std::size_t>(l);
   auto& values = impl_->layers[i];
   if (impl_->layer_read[i]) return values;
-  const auto n = static_cast<std::size_t>(impl_->parameters.cells());
-  values.assign(n * n, l == Layer::State ? 0.0f : kernels::kNan);
+  values.assign(impl_->cells(), unknown(l));
   if (!empty()) impl_->backend->read_layer(l, values.data());
   impl_->layer_read[i] = true;
   return values;
@@ -151,7 +204,7 @@ void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
   if (header.cells != n || header.resolution_m != m.parameters.resolution_m)
     throw std::invalid_argument("saved map: another window size or resolution");
   const auto cells = static_cast<std::size_t>(n) * static_cast<std::size_t>(n);
-  const std::size_t cell_bytes = cells * (4 * sizeof(float) + 2);
+  const std::size_t cell_bytes = cells * kBytesPerCell;
   const std::size_t feature_bytes = cells * 5 * sizeof(float);
   const std::size_t expected = sizeof header + (header.started ? cell_bytes + feature_bytes : 0);
   if (bytes.size() != expected) throw std::invalid_argument("saved map: wrong length");
@@ -173,6 +226,7 @@ void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
   all.features.resize(cells * 5);
   std::memcpy(all.features.data(), from + cell_bytes, feature_bytes);
   m.backend->write_all(all, m.context);
+  m.layer_read = m.delivered;
 }
 
 }  // namespace talus

@@ -1,9 +1,10 @@
 #pragma once
-#include <talus/frame.h>
+#include "backend.h"
 #include "kernels/1_accept.h"
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -23,32 +24,86 @@ class CpuMemory
   template <class T>
   using Buffer = std::vector<T>;
 
+  /** Cells of more points are updated by a team of threads: none. */
+  static constexpr int kCrowd = std::numeric_limits<int>::max();
+
   template <class T>
   void allocate(Buffer<T>& buffer, std::size_t size, T value)
   {
     buffer.assign(size, value);
   }
   template <class T>
-  void upload(const T* from, std::size_t size, Buffer<T>& to)
+  void upload(const T* from, std::size_t size, T* to)
   {
-    to.assign(from, from + size);
+    copy(to, from, size);
   }
-  template <class T, class U>
-  void download(const Buffer<T>& from, U* to, std::size_t size, std::size_t offset = 0)
+  template <class T>
+  void download(const T* from, std::size_t size, T* to)
   {
-    std::copy_n(from.data() + offset, size, to);
+    copy(to, from, size);
   }
-  /** The caller's own memory. */
-  kernels::PointsIn upload_points(const Frame& f) { return {f.x_m, f.y_m, f.z_m, f.time_s}; }
+  template <class T>
+  void copy(T* to, const T* from, std::size_t size)
+  {
+    std::copy_n(from, size, to);
+  }
+  void synchronize() {}
+
+  OutputMemory map_output(float* host, std::size_t) { return {true, host}; }
+  void forget_outputs() {}
 
   std::string name() const { return "cpu"; }
 
-  void start_clock() { start_ = last_ = Clock::now(); }
-  double lap_ms()
+  // ---- one frame ----
+  void start_clock()
+  {
+    start_ = last_ = Clock::now();
+    stage_ms_ = {};
+  }
+  int loop_size(int points, std::size_t) const { return points; }
+  PointArrays point_arrays(std::size_t capacity)
+  {
+    points_.resize(4 * capacity);
+    float* p = points_.data();
+    return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
+  }
+  /** The points stay in the caller's own memory. */
+  kernels::PointsIn stage(const Frame& f, const kernels::FrameContext& context, std::size_t)
+  {
+    staged_ = &context;
+    return {f.x_m, f.y_m, f.z_m, f.time_s};
+  }
+  template <class Body>
+  void run_frame(const Body& body)
+  {
+    body();
+  }
+  void fetch(Buffer<kernels::FrameContext>& context) { context.assign(1, *staged_); }
+  /** Where a frame leaves its counters for the host. */
+  std::uint32_t* reported() { return counters_.data(); }
+  template <class Body>
+  void aside(const Body& body)
+  {
+    body();
+  }
+  void join() {}
+  /** The time since the last lap belongs to a stage. */
+  void lap(int stage)
   {
     const auto now = Clock::now();
-    return milliseconds(std::exchange(last_, now), now);
+    stage_ms_[static_cast<std::size_t>(stage)] += milliseconds(std::exchange(last_, now), now);
   }
+  /** The time that `body` takes belongs to a stage other than the current one. */
+  template <class Body>
+  void for_another_stage(int stage, const Body& body)
+  {
+    const auto before = Clock::now();
+    body();
+    const auto after = Clock::now();
+    stage_ms_[static_cast<std::size_t>(stage)] += milliseconds(before, after);
+    last_ += after - before;
+  }
+  std::array<double, kStageCount> stage_ms() const { return stage_ms_; }
   double total_ms() const { return milliseconds(start_, Clock::now()); }
 
  private:
@@ -58,6 +113,69 @@ class CpuMemory
     return std::chrono::duration<double, std::milli>(b - a).count();
   }
   Clock::time_point start_, last_;
+  std::array<double, kStageCount> stage_ms_{};
+  const kernels::FrameContext* staged_ = nullptr;
+  std::vector<float> points_;
+  std::array<std::uint32_t, kernels::kRejectCodes> counters_{};
+};
+
+/** The rows that the neighbourhoods of one row of cells need, as they slide along. */
+template <class F>
+class SlidingRows
+{
+ public:
+  SlidingRows(int nx, int ny, int radius, const F& f)
+      : nx_(nx), ny_(ny), radius_(radius), f_(f), rows_(memory())
+  {
+    while (mask_ < 2 * radius) mask_ = 2 * mask_ + 1;
+    rows_.resize(static_cast<std::size_t>(mask_ + 1) * static_cast<std::size_t>(nx));
+  }
+
+  /** f of the cells of rows [begin, end). */
+  void run(int begin, int end)
+  {
+    int next = std::max(begin - radius_, 0);
+    for (int y = begin; y < end; y++)
+    {
+      for (; next <= std::min(y + radius_, ny_ - 1); next++)
+        for (int x = 0; x < nx_; x++) *at(x, next) = f_.row(x, next);
+      for (int x = 0; x < nx_; x++)
+        f_(x, y, [&](int row) -> const Row& { return *at(x, row); });
+    }
+  }
+
+ private:
+  using Row = typename F::Row;
+  Row* at(int x, int y) { return rows_.data() + static_cast<std::size_t>(y & mask_) * width() + x; }
+  std::size_t width() const { return static_cast<std::size_t>(nx_); }
+  /** Of this thread, kept from frame to frame. */
+  static std::vector<Row>& memory()
+  {
+    static thread_local std::vector<Row> rows;
+    return rows;
+  }
+
+  int nx_, ny_, radius_, mask_ = 1;
+  const F& f_;
+  std::vector<Row>& rows_;
+};
+
+/** One word of 32 answers. */
+template <class F>
+struct PackWord
+{
+  int lines, bits;
+  const F& f;
+  std::uint32_t* words;
+
+  void operator()(int line, int word) const
+  {
+    std::uint32_t packed = 0;
+    const auto bit = f(line);
+    const int count = std::min(32, bits - 32 * word);
+    for (int b = 0; b < count; b++) packed |= static_cast<std::uint32_t>(bit(32 * word + b)) << b;
+    words[word * lines + line] = packed;
+  }
 };
 
 /** Runs the stages' loops one after the other. An executor supplies buffers, loops and the atomics
@@ -80,6 +198,41 @@ class SerialExecutor : public CpuMemory
   {
     for (int y = 0; y < ny; y++)
       for (int x = 0; x < nx; x++) f(x, y);
+  }
+
+  /** f(i) for i in [0, n); there are no teams. */
+  template <class F>
+  void for_each_and_team(int n, int, const F& f)
+  {
+    for_each(n, f);
+  }
+
+  /** f(i) for i in [0, n); beside it, for another stage, g(x, y) for x in [0, nx), y in [0, ny). */
+  template <class F, class G>
+  void for_each_beside(int n, const F& f, int stage, int nx, int ny, const G& g)
+  {
+    for_each(n, f);
+    for_another_stage(stage, [&] { for_each_cell(nx, ny, g); });
+  }
+
+  /** f.row(x, y) of all cells, then f(x, y, rows) where rows(i) is f.row(x, i), |i - y| <= radius.
+   */
+  template <class F>
+  void for_each_window(int nx, int ny, int radius, const F& f)
+  {
+    SlidingRows<F>(nx, ny, radius, f).run(0, ny);
+  }
+
+  /** Two sets of bits: bit b of line l is f(l)(b). Layout [word][line]. */
+  template <class F, class G>
+  void pack_bits(
+      int lines, int bits, const F& f, Buffer<std::uint32_t>& words, int more_lines, int more_bits,
+      const G& g, Buffer<std::uint32_t>& more_words)
+  {
+    for_each_cell(lines, (bits + 31) / 32, PackWord<F>{lines, bits, f, words.data()});
+    for_each_cell(
+        more_lines, (more_bits + 31) / 32,
+        PackWord<G>{more_lines, more_bits, g, more_words.data()});
   }
 
   template <class T>
@@ -116,6 +269,42 @@ class ThreadExecutor : public CpuMemory
           for (int y = begin; y < end; y++)
             for (int x = 0; x < nx; x++) f(x, y);
         });
+  }
+
+  /** f(i) for i in [0, n); there are no teams. */
+  template <class F>
+  void for_each_and_team(int n, int, const F& f)
+  {
+    for_each(n, f);
+  }
+
+  /** f(i) for i in [0, n); beside it, for another stage, g(x, y) for x in [0, nx), y in [0, ny). */
+  template <class F, class G>
+  void for_each_beside(int n, const F& f, int stage, int nx, int ny, const G& g)
+  {
+    for_each(n, f);
+    for_another_stage(stage, [&] { for_each_cell(nx, ny, g); });
+  }
+
+  /** f.row(x, y) of all cells, then f(x, y, rows) where rows(i) is f.row(x, i), |i - y| <= radius.
+   */
+  template <class F>
+  void for_each_window(int nx, int ny, int radius, const F& f)
+  {
+    run(ny, std::max(8 * radius, 4096 / std::max(nx, 1)),
+        [&](int begin, int end) { SlidingRows<F>(nx, ny, radius, f).run(begin, end); });
+  }
+
+  /** Two sets of bits: bit b of line l is f(l)(b). Layout [word][line]. */
+  template <class F, class G>
+  void pack_bits(
+      int lines, int bits, const F& f, Buffer<std::uint32_t>& words, int more_lines, int more_bits,
+      const G& g, Buffer<std::uint32_t>& more_words)
+  {
+    for_each_cell(lines, (bits + 31) / 32, PackWord<F>{lines, bits, f, words.data()});
+    for_each_cell(
+        more_lines, (more_bits + 31) / 32,
+        PackWord<G>{more_lines, more_bits, g, more_words.data()});
   }
 
   template <class T>

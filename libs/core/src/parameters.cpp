@@ -98,8 +98,8 @@ std::vector<ParameterInfo> make_table()
       entry<&Parameters::fill_samples>(
           "fill_samples", "", 1, 16, "measured cells taken on each side"),
       entry<&Parameters::fill_rule>(
-          "fill_rule", "", 0, 3, "how the two sides are combined (eq. 9)",
-          {"printed", "exchanged", "inverse_distance", "minimum"}),
+          "fill_rule", "", 0, 4, "how the two sides are combined (eq. 9)",
+          {"printed", "exchanged", "inverse_distance", "minimum", "lines"}),
       entry<&Parameters::fill_variance_per_m>(
           "fill_variance_per_m", "m/m", 0, 10,
           "growth of a fill's standard deviation with the distance to its sample"),

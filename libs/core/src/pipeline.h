@@ -9,6 +9,7 @@
 #include "kernels/7_fill.h"
 #include "kernels/8_traversability.h"
 #include "kernels/9_sparsity.h"
+#include "kernels/tidy.h"
 
 #include <algorithm>
 #include <cstring>
@@ -29,43 +30,66 @@ class Pipeline final : public BackendInterface
       : executor_(std::move(executor)), host_config_(config)
   {
     allocate_cells();
-    executor_.upload(&host_config_, 1, config_);
+    executor_.upload(&host_config_, 1, config_.data());
   }
 
   FrameReport run(const Frame& frame, const kernels::FrameContext& context) override
   {
     begin(frame, context);
-    accept_and_weigh();  // stages 1 and 2
-    lap(0);
-    roll_and_update();  // stages 3 and 4
-    lap(3);
-    refill();  // stage 5
-    lap(4);
-    clean_up();  // stage 6
-    lap(5);
-    fill();  // stage 7
-    lap(6);
-    judge();  // stages 8 and 9
-    lap(7);
+    executor_.run_frame([this] { stages(); });
     return end(frame);
   }
 
+  PointArrays point_arrays(std::size_t size) override
+  {
+    reserve_points(size);
+    return executor_.point_arrays(point_cell_.size());
+  }
   void read_layer(Layer layer, float* out) override;
+  std::array<bool, kLayerCount> set_outputs(const OutputPointers& host) override;
   MapBytes read_all() override;
   void write_all(const MapBytes& bytes, const kernels::FrameContext& window) override;
   std::string name() const override { return executor_.name(); }
 
  private:
   // ---- stages ----
+  void stages()
+  {
+    executor_.fetch(context_);
+    accept_and_weigh();  // stages 1 and 2, and beside them 3
+    executor_.lap(0);
+    update();  // stage 4, and beside it the rays of stage 6
+    executor_.lap(3);
+    refill();  // stage 5
+    executor_.lap(4);
+    clean_up();  // stage 6
+    executor_.lap(5);
+    fill();  // stage 7
+    executor_.lap(6);
+    executor_.aside([this] { deliver_surfaces(); });
+    judge();  // stages 8 and 9
+    executor_.lap(7);
+    deliver_features();
+    executor_.join();
+  }
+
   void accept_and_weigh()
   {
-    executor_.fill(rays_, kernels::kNoRay);
-    executor_.fill(counters_, std::uint32_t{0});
     const std::uint8_t* kept = host_config_.inverse_voxel > 0 ? filter_voxels() : nullptr;
+    for_each_point_and_cell(
+        kernels::AcceptPoint<Atomics>{
+            config_.data(), context_.data(), in_, points_out(), rays_.data(), counters_.data(),
+            kept},
+        2, kernels::RollCell{config_.data(), context_.data(), store(), top_hit_.data()});
+    executor_.for_each_cell(
+        kernels::bin_count(host_config_), kernels::ring_count(host_config_),
+        kernels::FindGroundHits{
+            config_.data(), context_.data(), store(), rays_.data(), lowest_slope_.data()});
     executor_.for_each(
-        n_points_, kernels::AcceptPoint<Atomics>{
-                       config_.data(), context_.data(), in_, points_out(), cell_count_.data(),
-                       rays_.data(), counters_.data(), kept});
+        kernels::bin_count(host_config_),
+        kernels::FindBuriedRays{config_.data(), rays_.data(), lowest_slope_.data()});
+    for_each_point(kernels::BinPoint<Atomics>{
+        context_.data(), points_out(), lowest_slope_.data(), cell_count_.data(), counters_.data()});
   }
 
   const std::uint8_t* filter_voxels()
@@ -79,74 +103,98 @@ class Pipeline final : public BackendInterface
         in_,
         {voxel_key_.data(), voxel_winner_.data(), mask},
         voxel_slot_.data()};
-    executor_.for_each(n_points_, enter);
-    executor_.for_each(n_points_, kernels::KeepVoxel<Atomics>{enter, voxel_kept_.data()});
+    for_each_point(enter);
+    for_each_point(kernels::KeepVoxel<Atomics>{enter, voxel_kept_.data()});
     return voxel_kept_.data();
   }
 
-  void roll_and_update()
+  void update()
   {
-    executor_.for_each(
-        cells(), kernels::ReserveCellPoints<Atomics>{
-                     cell_count_.data(), cell_begin_.data(), counters_.data() + kCursor});
-    executor_.for_each(
-        n_points_,
-        kernels::SortPoint{context_.data(), points_out(), cell_begin_.data(), sorted_.data()});
-    for_each_cell(kernels::UpdateCell{
-        config_.data(), context_.data(), store(), cell_count_.data(), cell_begin_.data(),
-        sorted_.data(), top_hit_.data()});
+    executor_.for_each_beside(
+        points(), kernels::ReserveStretch<Atomics>{context_.data(), points_out(), sorting()}, 5,
+        kernels::bin_count(host_config_), 1, kernels::SweepRays{config_.data(), rays_.data()});
+    for_each_point_and_cell(
+        kernels::SortPoint{context_.data(), points_out(), sorting()}, 5,
+        kernels::LookThrough{config_.data(), context_.data(), rays_.data(), passing()});
+    executor_.for_each_and_team(
+        points(), points() / Executor::kCrowd,
+        kernels::UpdateCell{
+            config_.data(), context_.data(), store(), points_out(), sorting(), top_hit_.data()});
   }
 
   void refill()
   {
     const kernels::SupportGrid grid = support();
-    const auto pooled = [&](const auto& f) { executor_.for_each_cell(grid.side, grid.side, f); };
-    pooled(kernels::PoolSupport{config_.data(), context_.data(), store(), grid});
-    pooled(kernels::ErodeSupportRow{config_.data(), grid});
-    pooled(kernels::ErodeSupportColumn{config_.data(), grid});
-    pooled(kernels::OpenSupportRow{config_.data(), grid});
-    for_each_cell(
-        kernels::ChooseRole{config_.data(), context_.data(), store(), grid, role_.data()});
+    const int radius = host_config_.object_radius;
+    executor_.for_each_cell(
+        grid.side, grid.side, kernels::PoolSupport{config_.data(), context_.data(), store(), grid});
+    executor_.for_each_window(
+        grid.side, grid.side, radius, kernels::ErodeSupport{config_.data(), grid});
+    executor_.for_each_window(
+        grid.side, grid.side, radius,
+        kernels::ChooseRoles{config_.data(), context_.data(), store(), grid, role_.data()});
   }
 
   void clean_up()
   {
-    executor_.for_each(
-        kernels::bin_count(host_config_), kernels::SweepRays{config_.data(), rays_.data()});
-    for_each_cell(kernels::CleanUpCell{
-        config_.data(), context_.data(), store(), rays_.data(), top_hit_.data(), role_.data(),
-        ray_bound_.data()});
+    const int rays = static_cast<int>(rays_.size());
+    executor_.for_each_beside(
+        std::max(rays, cells()),
+        kernels::TidyUp{
+            rays_.data(), rays, cell_count_.data(), cells(), counters_.data(), executor_.reported(),
+            kernels::kRejectCodes, cursor_.data()},
+        5, side(), side(),
+        kernels::CleanUpCell{
+            config_.data(), context_.data(), store(), passing(), top_hit_.data(), role_.data()});
   }
 
   void fill()
   {
-    executor_.for_each_cell(
-        kernels::line_count(host_config_), kernels::words_per_line(host_config_),
-        kernels::MarkLineWord{
-            config_.data(), context_.data(), store(), role_.data(), marks_.data()});
+    executor_.pack_bits(
+        kernels::line_count(host_config_), kernels::line_rings(host_config_) + 1,
+        kernels::FindSamples{config_.data(), context_.data(), store(), role_.data()}, marks_,
+        2 * side(), side(),
+        kernels::FindAxisSamples{config_.data(), context_.data(), store(), role_.data()},
+        axis_marks_);
     for_each_cell(kernels::FillCell{
-        config_.data(), context_.data(), store(), role_.data(), marks_.data(), ray_bound_.data(),
-        surfaces()});
+        config_.data(), context_.data(), store(), role_.data(), marks_.data(), axis_marks_.data(),
+        passing().lowest_m, surfaces(), surface_layers()});
   }
 
   void judge()
   {
-    for_each_cell(
-        kernels::SumRow{config_.data(), context_.data(), store(), surfaces(), row_sums()});
-    for_each_cell(kernels::ComputeFeatures{
-        config_.data(), context_.data(), store(), surfaces(), row_sums(), marks_.data(),
-        feature_layers()});
+    const int radius = host_config_.feature_radius_cells;
+    executor_.for_each_window(
+        side(), side(), radius,
+        kernels::ComputeFeatures{
+            config_.data(), context_.data(), store(), surfaces(), marks_.data(), feature_layers()});
   }
 
   // ---- around them ----
   void begin(const Frame& frame, const kernels::FrameContext& context);
   FrameReport end(const Frame& frame);
-  void lap(int stage);
+  void deliver_surfaces();
+  void deliver_features();
+  template <class Find>
+  void deliver(Layer first, Layer last, const Find& find);
+  void export_surface(Layer layer, float* to);
   void allocate_cells();
   void reserve_points(std::size_t points);
 
   int side() const { return host_config_.cells; }
   int cells() const { return side() * side(); }
+  int points() const { return executor_.loop_size(n_points_, point_cell_.size()); }
+  template <class F>
+  void for_each_point(const F& f)
+  {
+    executor_.for_each(points(), f);
+  }
+  /** f of the points; beside it, for another stage, g of the cells. */
+  template <class F, class G>
+  void for_each_point_and_cell(const F& f, int stage, const G& g)
+  {
+    executor_.for_each_beside(points(), f, stage, side(), side(), g);
+  }
   template <class F>
   void for_each_cell(const F& f)
   {
@@ -156,65 +204,95 @@ class Pipeline final : public BackendInterface
   // ---- views ----
   kernels::CellStore store()
   {
-    return {ground_.data(),        ground_var_.data(), elevation_.data(),
-            elevation_var_.data(), state_.data(),      misses_.data()};
+    return {ground_.data(), ground_var_.data(), elevation_.data(), elevation_var_.data(),
+            state_.data(),  misses_.data(),     passed_.data()};
   }
   kernels::PointsOut points_out()
   {
-    return {point_cell_.data(), point_rank_.data(), point_height_.data(), point_variance_.data()};
+    return {point_cell_.data(), point_ray_.data(),    point_slope_.data(),
+            point_rank_.data(), point_height_.data(), point_variance_.data()};
+  }
+  kernels::Sorting sorting()
+  {
+    return {cell_count_.data(), cell_begin_.data(), sorted_.data(),
+            crowded_.data(),    cursor_.data(),     static_cast<std::uint32_t>(Executor::kCrowd)};
   }
   kernels::SupportGrid support()
   {
     const int side = kernels::support_side(host_config_);
     const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
     float* p = support_.data();
-    return {side, p, p + n, p + 2 * n, p + 3 * n, p + 4 * n, p + 5 * n, p + 6 * n};
+    return {side, p, p + n, p + 2 * n, p + 3 * n};
+  }
+  kernels::PassingRays passing()
+  {
+    return {passing_.data(), passing_.data() + static_cast<std::size_t>(cells())};
   }
   kernels::Surfaces surfaces()
   {
     const int pad = host_config_.feature_radius_cells;
-    return {surface_ground_.data(), surface_height_.data(), side() + 2 * pad, pad};
+    return {surfaces_.data(), side() + 2 * pad, pad};
   }
-  kernels::RowSumArrays row_sums()
+  /** Where stage 7 puts a layer that is wanted: into the caller's memory if kernels reach it. */
+  float* surface(Layer layer)
   {
-    std::int32_t* p = row_sums_.data();
-    const auto n = static_cast<std::size_t>(cells());
-    return {p, p + n, p + 2 * n, p + 3 * n, p + 4 * n, p + 5 * n, p + 6 * n, p + 7 * n};
+    const auto l = static_cast<std::size_t>(layer);
+    if (!wanted_[l]) return nullptr;
+    float* direct = outputs_[l].direct;
+    return direct ? direct : delivered_.data() + l * static_cast<std::size_t>(cells());
+  }
+  kernels::SurfaceLayers surface_layers()
+  {
+    return {
+        surface(Layer::Elevation), surface(Layer::GroundElevation), surface(Layer::Variance),
+        surface(Layer::State)};
+  }
+  /** Where a layer of stages 8 and 9 lives: in the caller's memory if kernels reach it. */
+  float* feature(Layer layer)
+  {
+    const auto l = static_cast<std::size_t>(layer);
+    const auto index = l - static_cast<std::size_t>(Layer::Slope);
+    float* direct = outputs_[l].direct;
+    return direct ? direct : features_.data() + index * static_cast<std::size_t>(cells());
   }
   kernels::FeatureLayers feature_layers()
   {
-    float* p = features_.data();
-    const auto n = static_cast<std::size_t>(cells());
-    return {p, p + n, p + 2 * n, p + 3 * n, p + 4 * n};
+    return {
+        feature(Layer::Slope), feature(Layer::Step), feature(Layer::Roughness),
+        feature(Layer::Sparsity), feature(Layer::Traversability)};
   }
 
-  static constexpr int kRowSumArrays = 8, kFeatureLayers = 5, kSupportArrays = 7;
-  static constexpr int kCursor = kernels::kRejectCodes;  //!< place in counters_ after the reasons
+  static constexpr int kFeatureLayers = 5, kSupportArrays = 4;
 
   Executor executor_;
   kernels::Config host_config_;
   FrameReport report_;
   int n_points_ = 0;
   kernels::PointsIn in_{};
+  OutputPointers wanted_{};
+  std::array<OutputMemory, kLayerCount> outputs_{};
 
   Buffer<kernels::Config> config_;
   Buffer<kernels::FrameContext> context_;
   // persistent, storage order
   Buffer<float> ground_, ground_var_, elevation_, elevation_var_;
-  Buffer<std::uint8_t> state_, misses_;
+  Buffer<std::uint8_t> state_, passed_;
+  Buffer<std::int8_t> misses_;
   // of one frame
-  Buffer<std::int32_t> point_cell_;
+  Buffer<std::int32_t> point_cell_, point_ray_, crowded_;
+  Buffer<std::uint64_t> cursor_;
   Buffer<std::uint32_t> point_rank_, cell_count_, cell_begin_, counters_;
-  Buffer<float> point_height_, point_variance_;
+  Buffer<float> point_slope_, point_height_, point_variance_, lowest_slope_;
   Buffer<kernels::HeightPoint> sorted_;
   Buffer<std::uint64_t> voxel_key_, voxel_winner_;
   Buffer<std::uint32_t> voxel_slot_;
   Buffer<std::uint8_t> voxel_kept_, role_;
-  Buffer<std::int32_t> rays_, surface_ground_, surface_height_, row_sums_;
-  Buffer<std::uint32_t> marks_;
-  Buffer<float> top_hit_, support_, ray_bound_;
+  Buffer<std::int32_t> rays_;
+  Buffer<kernels::Surface> surfaces_;
+  Buffer<std::uint32_t> marks_, axis_marks_;
+  Buffer<float> top_hit_, support_, passing_;
   // derived layers, window order
-  Buffer<float> features_, exported_;
+  Buffer<float> features_, exported_, delivered_;
 };
 
 template <class Executor>
@@ -226,24 +304,18 @@ void Pipeline<Executor>::begin(const Frame& frame, const kernels::FrameContext& 
   report_.points_in = static_cast<std::uint32_t>(frame.size);
   n_points_ = context.n_points;
   reserve_points(frame.size);
-  executor_.upload(&context, 1, context_);
-  in_ = executor_.upload_points(frame);
+  in_ = executor_.stage(frame, context, point_cell_.size());
 }
 
 template <class Executor>
 FrameReport Pipeline<Executor>::end(const Frame& frame)
 {
-  executor_.download(counters_, report_.rejected.data(), kRejectCount);
+  std::copy_n(executor_.reported(), kRejectCount, report_.rejected.data());
   report_.points_accepted = static_cast<std::uint32_t>(frame.size);
   for (const auto r : report_.rejected) report_.points_accepted -= r;
+  report_.stage_ms = executor_.stage_ms();
   report_.total_ms = executor_.total_ms();
   return report_;
-}
-
-template <class Executor>
-void Pipeline<Executor>::lap(int stage)
-{
-  report_.stage_ms[static_cast<std::size_t>(stage)] = executor_.lap_ms();
 }
 
 template <class Executor>
@@ -252,22 +324,29 @@ void Pipeline<Executor>::allocate_cells()
   const auto n = static_cast<std::size_t>(cells());
   for (auto* b : {&ground_, &ground_var_, &elevation_, &elevation_var_})
     executor_.allocate(*b, n, kernels::kNan);
-  for (auto* b : {&state_, &misses_, &role_}) executor_.allocate(*b, n, std::uint8_t{0});
+  for (auto* b : {&state_, &passed_, &role_}) executor_.allocate(*b, n, std::uint8_t{0});
+  executor_.allocate(misses_, n, std::int8_t{0});
   for (auto* b : {&cell_count_, &cell_begin_}) executor_.allocate(*b, n, std::uint32_t{0});
-  for (auto* b : {&top_hit_, &ray_bound_, &exported_}) executor_.allocate(*b, n, 0.0f);
+  executor_.allocate(passing_, 2 * n, 0.0f);
+  for (auto* b : {&top_hit_, &exported_}) executor_.allocate(*b, n, 0.0f);
   const auto pooled = static_cast<std::size_t>(kernels::support_side(host_config_));
   executor_.allocate(support_, kSupportArrays * pooled * pooled, 0.0f);
-  executor_.allocate(counters_, kCursor + 1, std::uint32_t{0});
+  executor_.allocate(config_, 1, kernels::Config{});
+  executor_.allocate(context_, 1, kernels::FrameContext{});
+  executor_.allocate(cursor_, 1, std::uint64_t{0});
+  executor_.allocate(counters_, kernels::kRejectCodes, std::uint32_t{0});
   executor_.allocate(features_, kFeatureLayers * n, kernels::kNan);
-  executor_.allocate(row_sums_, kRowSumArrays * n, std::int32_t{0});
   const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
-  for (auto* b : {&surface_ground_, &surface_height_})
-    executor_.allocate(*b, padded, kernels::kNoHeight);
+  executor_.allocate(surfaces_, padded, kernels::Surface{kernels::kNoHeight, 0});
+  const auto rays = static_cast<std::size_t>(kernels::ring_count(host_config_)) *
+                    static_cast<std::size_t>(kernels::bin_count(host_config_));
+  executor_.allocate(rays_, rays, kernels::kNoRay);
+  executor_.allocate(lowest_slope_, rays, -kernels::kInfinity);
   executor_.allocate(
-      rays_,
-      static_cast<std::size_t>(kernels::ring_count(host_config_)) *
-          static_cast<std::size_t>(kernels::bin_count(host_config_)),
-      kernels::kNoRay);
+      axis_marks_,
+      2 * static_cast<std::size_t>(side()) *
+          static_cast<std::size_t>(kernels::words_per_axis(host_config_)),
+      std::uint32_t{0});
   executor_.allocate(
       marks_,
       static_cast<std::size_t>(kernels::line_count(host_config_)) *
@@ -275,14 +354,20 @@ void Pipeline<Executor>::allocate_cells()
       std::uint32_t{0});
 }
 
-/** Grows the buffers of points; by powers of two, so that a run settles after a few frames. */
+/** Grows the buffers of points in steps of at least an eighth, so that a run settles after a few
+ * frames. */
 template <class Executor>
 void Pipeline<Executor>::reserve_points(std::size_t points)
 {
-  if (points <= point_cell_.size()) return;
-  std::size_t capacity = 1024;
-  while (capacity < points) capacity *= 2;
+  if (points <= point_cell_.size() && point_cell_.size() != 0) return;
+  std::size_t step = 1024;
+  while (8 * step < points) step *= 2;
+  const std::size_t capacity = std::max<std::size_t>(1, (points + step - 1) / step) * step;
   executor_.allocate(point_cell_, capacity, std::int32_t{-1});
+  executor_.allocate(
+      crowded_, capacity / static_cast<std::size_t>(Executor::kCrowd) + 1, std::int32_t{0});
+  executor_.allocate(point_ray_, capacity, std::int32_t{-1});
+  executor_.allocate(point_slope_, capacity, 0.0f);
   executor_.allocate(point_rank_, capacity, std::uint32_t{0});
   executor_.allocate(point_height_, capacity, 0.0f);
   executor_.allocate(point_variance_, capacity, 0.0f);
@@ -291,61 +376,11 @@ void Pipeline<Executor>::reserve_points(std::size_t points)
   {
     executor_.allocate(voxel_slot_, capacity, std::uint32_t{0});
     executor_.allocate(voxel_kept_, capacity, std::uint8_t{0});
-    executor_.allocate(voxel_key_, 2 * capacity, kernels::kNoVoxel);
-    executor_.allocate(voxel_winner_, 2 * capacity, kernels::kNoVoxel);
+    executor_.allocate(voxel_key_, 16 * step, kernels::kNoVoxel);
+    executor_.allocate(voxel_winner_, 16 * step, kernels::kNoVoxel);
   }
-}
-
-template <class Executor>
-void Pipeline<Executor>::read_layer(Layer layer, float* out)
-{
-  const auto n = static_cast<std::size_t>(cells());
-  if (layer >= Layer::Slope)
-  {
-    const auto index = static_cast<std::size_t>(layer) - static_cast<std::size_t>(Layer::Slope);
-    executor_.download(features_, out, n, index * n);
-    return;
-  }
-  const float* source = layer == Layer::Elevation         ? elevation_.data()
-                        : layer == Layer::GroundElevation ? ground_.data()
-                                                          : ground_var_.data();
-  const std::uint8_t* state = layer == Layer::State ? state_.data() : nullptr;
-  for_each_cell(
-      kernels::ExportCell{config_.data(), context_.data(), source, state, exported_.data()});
-  executor_.download(exported_, out, n);
-}
-
-template <class Executor>
-MapBytes Pipeline<Executor>::read_all()
-{
-  const auto n = static_cast<std::size_t>(cells());
-  MapBytes bytes;
-  bytes.cells.resize(n * (4 * sizeof(float) + 2));
-  std::uint8_t* to = bytes.cells.data();
-  for (auto* b : {&ground_, &ground_var_, &elevation_, &elevation_var_})
-  {
-    executor_.download(*b, reinterpret_cast<float*>(to), n);
-    to += n * sizeof(float);
-  }
-  for (auto* b : {&state_, &misses_}) executor_.download(*b, to, n), to += n;
-  bytes.features.resize(kFeatureLayers * n);
-  executor_.download(features_, bytes.features.data(), kFeatureLayers * n);
-  return bytes;
-}
-
-template <class Executor>
-void Pipeline<Executor>::write_all(const MapBytes& bytes, const kernels::FrameContext& window)
-{
-  const auto n = static_cast<std::size_t>(cells());
-  const std::uint8_t* from = bytes.cells.data();
-  for (auto* b : {&ground_, &ground_var_, &elevation_, &elevation_var_})
-  {
-    executor_.upload(reinterpret_cast<const float*>(from), n, *b);
-    from += n * sizeof(float);
-  }
-  for (auto* b : {&state_, &misses_}) executor_.upload(from, n, *b), from += n;
-  executor_.upload(bytes.features.data(), kFeatureLayers * n, features_);
-  executor_.upload(&window, 1, context_);
 }
 
 }  // namespace talus
+
+#include "pipeline_layers.h"

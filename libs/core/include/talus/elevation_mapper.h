@@ -27,10 +27,11 @@ enum class Reject : int
   Body,  //!< the robot itself
   Outside,  //!< beyond the window
   Voxel,  //!< another point of the same voxel stands for it
+  Buried,  //!< its ray would have passed under seen ground: a reflection
 };
-constexpr int kRejectCount = 6;
-constexpr std::array<const char*, kRejectCount> kRejectNames{"not_finite", "range",   "height",
-                                                             "body",       "outside", "voxel"};
+constexpr int kRejectCount = 7;
+constexpr std::array<const char*, kRejectCount> kRejectNames{
+    "not_finite", "range", "height", "body", "outside", "voxel", "buried"};
 
 constexpr int kStageCount = 9;
 constexpr std::array<const char*, kStageCount> kStageNames{"accept", "uncertainty",    "roll",
@@ -81,6 +82,15 @@ class ElevationMapper
    */
   FrameReport update(const Frame& frame);
 
+  /** Room for `size` points from which they reach the device without a further copy: a frame whose
+   * pointers are these arrays is taken from there. Valid until a larger frame comes, or clear(),
+   * restore() or set_output_layers(). Optional: points from anywhere else are copied. */
+  PointArrays point_arrays(std::size_t size);
+
+  /** Layers that each update() delivers: layer() of them costs nothing afterwards. The others are
+   * copied when layer() asks for them. None at first. Best set before the first frame. */
+  void set_output_layers(const std::vector<Layer>& layers);
+
   /** Forgets everything. */
   void clear();
 
@@ -88,7 +98,7 @@ class ElevationMapper
   bool empty() const;
 
   /** One layer, window().cells^2 floats, row by row: index = iy * cells + ix. Valid until the next
-   * call that changes the map. Copies from the device on first use where needed. */
+   * call that changes the map. Copies on first use what set_output_layers() does not name. */
   const std::vector<float>& layer(Layer l) const;
 
   Window window() const;

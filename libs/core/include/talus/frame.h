@@ -22,6 +22,12 @@ struct TimedPose
   Pose T_map_sensor;
 };
 
+/** Room for the coordinates of a scan, see ElevationMapper::point_arrays(). */
+struct PointArrays
+{
+  float *x_m, *y_m, *z_m, *time_s;
+};
+
 /** One scan: points in the sensor frame. Views only: the caller keeps the memory until update()
  * returns. */
 struct Frame

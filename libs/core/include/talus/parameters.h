@@ -11,7 +11,8 @@ enum class FillRule : int
   Printed = 0,  //!< eq. 9 as printed
   Exchanged = 1,  //!< eq. 9 with n1 and n2 exchanged, which is what its text describes
   InverseDistance = 2,  //!< linear interpolation between the nearest samples of both sides
-  Minimum = 3  //!< the lower of both sides
+  Minimum = 3,  //!< the lower of both sides
+  Lines = 4  //!< linear along the ray, the row and the column, weighed by what each has to bridge
 };
 
 /** Everything that can be tuned, in SI units. Defaults are those of the paper where it gives any.
@@ -71,7 +72,7 @@ struct Parameters
   double fill_kernel_m = 2.0;  //!< support of the sparse kernel of eq. 8
   double fill_lambda = 1.0;  //!< weight of the prior of eq. 8, the lowest sample
   int fill_samples = 4;  //!< measured cells taken on each side
-  FillRule fill_rule = FillRule::Exchanged;
+  FillRule fill_rule = FillRule::Lines;
   double fill_variance_per_m =
       0.1;  //!< growth of the standard deviation of a fill with the distance to its sample
   bool fill_use_ray_bound = true;  //!< unseen ground cannot stand above the ray that passed over it

@@ -1,0 +1,22 @@
+#pragma once
+#include <talus/frame.h>
+
+#include <cstddef>
+#include <vector>
+
+namespace talus::bench
+{
+/** One generated scan, sensor frame. */
+struct Scan
+{
+  Pose T_map_sensor;
+  std::vector<float> x_m, y_m, z_m;
+
+  Frame frame() const;
+};
+
+/** What a spinning scanner sees on a short drive among boxes on flat ground, inside a round wall:
+ * every ray returns. Noise on the ranges; the same for the same arguments. */
+std::vector<Scan> make_drive(std::size_t points, double radius_m, int scans);
+
+}  // namespace talus::bench

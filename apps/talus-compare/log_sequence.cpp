@@ -1,0 +1,99 @@
+#include "log_sequence.h"
+
+#include <talus/io/geotiff.h>
+#include <talus/io/rawlog_reader.h>
+#include <talus/mrpt/observation_points.h>
+#include <talus/mrpt/pose_from.h>
+
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+namespace fs = std::filesystem;
+
+namespace talus::baselines
+{
+namespace
+{
+constexpr double kMaxGap_s = 0.5;
+
+std::string stem_of(const std::string& path)
+{
+  fs::path p = fs::path(path).filename();
+  if (p.extension() == ".gz") p = p.stem();
+  return p.stem().string();
+}
+
+io::Trajectory poses_of(const std::string& path, const std::string& trajectory)
+{
+  if (!trajectory.empty()) return io::Trajectory::load(trajectory);
+  const fs::path beside = fs::path(path).parent_path() / (stem_of(path) + ".tum");
+  return fs::exists(beside) ? io::Trajectory::load(beside.string())
+                            : io::trajectory_from_rawlog(path);
+}
+
+ScanFrame frame_from(SensorPoints& points, const mrpt::poses::CPose3D& T_map_base)
+{
+  ScanFrame f;
+  f.stamp_s = points.stamp_s;
+  f.T_map_sensor = f.T_true = pose_from(T_map_base + points.T_base_sensor);
+  f.x_m = std::move(points.x_m);
+  f.y_m = std::move(points.y_m);
+  f.z_m = std::move(points.z_m);
+  return f;
+}
+
+const std::vector<float>& band(
+    const io::LayerStack& stack, const std::string& name, const std::string& path)
+{
+  const auto* layer = stack.find(name);
+  if (!layer)
+    throw std::runtime_error(
+        "'" + path + "' has no band '" + name + "'; give a truth.tif that talus-sim wrote");
+  return *layer;
+}
+
+}  // namespace
+
+Sequence read_log(const std::string& path, const std::string& trajectory, const std::string& sensor)
+{
+  const io::Trajectory poses = poses_of(path, trajectory);
+  if (poses.empty())
+    throw std::runtime_error("'" + path + "' holds no poses; pass --trajectory FILE");
+  io::RawlogReader reader(path);
+  Sequence sequence;
+  sequence.name = stem_of(path);
+  while (const auto obs = reader.next())
+  {
+    if (!sensor.empty() && obs->sensorLabel != sensor) continue;
+    SensorPoints points;
+    if (!points_from_observation(*obs, points)) continue;
+    if (const auto T = poses.at(points.stamp_s, kMaxGap_s))
+      sequence.frames.push_back(frame_from(points, *T));
+  }
+  if (sequence.frames.empty())
+    throw std::runtime_error(
+        "'" + path + "' has no 3D scan with a pose" +
+        (sensor.empty() ? "" : " and the label '" + sensor + "'") +
+        "; check the times in the trajectory and --sensor");
+  for (ScanFrame& f : sequence.frames) f.time_s = f.stamp_s - sequence.frames.front().stamp_s;
+  return sequence;
+}
+
+TruthMap read_truth(const std::string& path, const Parameters& parameters)
+{
+  const io::LayerStack stack = io::read_geotiff(path);
+  if (std::abs(stack.resolution_m - parameters.resolution_m) > 1e-6)
+    throw std::runtime_error(
+        "'" + path + "' has cells of " + std::to_string(stack.resolution_m) + " m, the maps of " +
+        std::to_string(parameters.resolution_m) + " m; write it again with talus-sim --resolution");
+  sim::Truth t;
+  t.window = {stack.min_x_m, stack.min_y_m, stack.cells_x, stack.cells_y, parameters.resolution_m};
+  t.ground = band(stack, "ground", path);
+  t.obstacle_top = band(stack, "obstacle_top", path);
+  t.underside = band(stack, "underside", path);
+  t.label = band(stack, "label", path);
+  return TruthMap(std::move(t), parameters);
+}
+
+}  // namespace talus::baselines

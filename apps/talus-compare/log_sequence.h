@@ -1,0 +1,19 @@
+#pragma once
+#include <talus/baselines/sequence.h>
+#include <talus/baselines/truth_map.h>
+
+#include <string>
+
+namespace talus::baselines
+{
+/** Reads all scans of a rawlog that have a pose. `trajectory`: TUM or simplemap; empty: LOG.tum
+ * beside the log, else what the log holds itself. `sensor`: label, empty for all. Throws
+ * std::runtime_error that names the file and says what to do. */
+Sequence read_log(
+    const std::string& path, const std::string& trajectory, const std::string& sensor);
+
+/** Truth as talus-sim writes it (truth.tif). Throws std::runtime_error, also when its cells are not
+ * those of a map with these parameters. */
+TruthMap read_truth(const std::string& path, const Parameters& parameters);
+
+}  // namespace talus::baselines

@@ -1,0 +1,145 @@
+#include "options.h"
+
+#include <mrpt/config/CConfigFile.h>
+#include <talus/mrpt/parameters_ini.h>
+
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+
+namespace talus::baselines
+{
+namespace
+{
+std::string footer()
+{
+  std::string text = "Methods:\n";
+  for (const MethodInfo& m : method_list())
+    text += "  " + std::string(m.name) + std::string(12 - std::string(m.name).size(), ' ') +
+            m.description + "\n";
+  text += "Fills, compared with talus's on the same cells:\n";
+  for (const FillMethod& m : fill_methods())
+    text += "  " + std::string(m.name) + std::string(15 - std::string(m.name).size(), ' ') +
+            m.description + "\n";
+  return text +
+         "\nExamples:\n"
+         "  talus-compare datasets/worlds/table.yaml --output out\n"
+         "      simulates the world, prints tables and budgets; out/methods.csv, fills.csv,\n"
+         "      comparison.json, maps.png, fills.png\n"
+         "  talus-compare datasets/worlds/*.yaml --output out --methods talus --set "
+         "fill_rule=printed\n"
+         "  talus-compare out/demo.rawlog --world datasets/worlds/demo.yaml --output out\n"
+         "  talus-compare street.rawlog --config car.ini --output out\n"
+         "      without truth: cost, coverage, and held-out points to measure the fills\n"
+         "\nExit codes: 0 done, 1 an input failed (or, with --check, a budget), 2 wrong usage.";
+}
+
+void add_inputs(CLI::App& app, CommandOptions& o)
+{
+  app.add_option("INPUT", o.inputs, "Worlds (.yaml), which are simulated, or rawlogs")->required();
+  app.add_option("--output", o.output, "Folder of the files; made if it does not exist")
+      ->required()
+      ->type_name("DIR");
+  app.add_option("--markdown", o.markdown, "Also write all tables as Markdown")->type_name("FILE");
+  app.add_option("--world", o.world, "World that the rawlog was made from: truth of every frame")
+      ->type_name("FILE");
+  app.add_option("--truth", o.truth, "truth.tif of the rawlog: truth of what stands still")
+      ->type_name("FILE");
+  app.add_option("--trajectory", o.trajectory, "Poses of the rawlog; default: LOG.tum beside it")
+      ->type_name("FILE");
+  app.add_option("--sensor", o.sensor, "Only scans with this label")->type_name("LABEL");
+}
+
+void add_methods(CLI::App& app, CommandOptions& o)
+{
+  app.add_option("--methods", o.evaluation.methods, "Which to run, see below; default: all")
+      ->delimiter(',')
+      ->type_name("NAME,...");
+  app.add_option("--config", o.config, "Parameters, as talus-map takes them")->type_name("FILE");
+  app.add_option("--set", o.settings, "One parameter; can be given several times")
+      ->type_name("NAME=VALUE")
+      ->take_all();
+  app.add_option_function<std::string>(
+         "--backend", [&o](const std::string& s) { o.evaluation.backend = backend_from_text(s); },
+         "Of talus: auto, cpu or cuda; default cpu")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->type_name("NAME");
+  app.add_option(
+         "--evaluate", o.evaluation.evaluated_frames,
+         "How many frames are compared with "
+         "the truth")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str()
+      ->type_name("N");
+  app.add_option("--hold-out", o.holdout.every, "Without truth: keep every Nth beam from the map")
+      ->check(CLI::Range(2, 1000))
+      ->capture_default_str()
+      ->type_name("N");
+  app.add_option("--beams", o.holdout.groups, "How many bands of elevation count as beams")
+      ->check(CLI::Range(2, 10000))
+      ->capture_default_str()
+      ->type_name("N");
+}
+
+template <typename T>
+CLI::Option* add_optional(
+    CLI::App& app, const std::string& name, std::optional<T>& value, const std::string& help)
+{
+  return app.add_option_function<T>(
+      name, [&value](const T& v) { value = v; }, help);
+}
+
+void add_drive(CLI::App& app, sim::DriveOptions& d)
+{
+  add_optional(app, "--scanner", d.scanner, "Of simulated worlds: scanner instead of the world's")
+      ->type_name("NAME");
+  add_optional(app, "--seed", d.seed, "Seed of the noise")->type_name("N");
+  add_optional(app, "--noise", d.noise_m, "Standard deviation of a range [m]")
+      ->check(CLI::Range(0.0, 10.0))
+      ->type_name("M");
+  add_optional(app, "--frames", d.frames, "At most so many frames")
+      ->check(CLI::Range(1, 100000))
+      ->type_name("N");
+  app.add_option("--pose-noise", d.pose_noise_m, "Noise of the poses in x, y, z [m]")
+      ->check(CLI::Range(0.0, 10.0))
+      ->type_name("M");
+  app.add_option("--z-drift", d.z_drift, "Climb of the poses, metres a metre driven")
+      ->check(CLI::Range(-1.0, 1.0))
+      ->type_name("M/M");
+}
+
+}  // namespace
+
+void add_options(CLI::App& app, CommandOptions& o)
+{
+  add_inputs(app, o);
+  add_methods(app, o);
+  add_drive(app, o.evaluation.drive);
+  app.add_flag("--check", o.check, "Exit code 1 when a budget fails");
+  app.add_flag("--quiet", o.quiet, "Print errors only");
+  app.set_version_flag("--version", std::string("talus-compare ") + TALUS_VERSION);
+  app.footer(footer());
+}
+
+void load_parameters_into(CommandOptions& o)
+{
+  Parameters& p = o.evaluation.parameters;
+  if (!o.config.empty())
+  {
+    if (!std::filesystem::is_regular_file(o.config))
+      throw std::runtime_error("'" + o.config + "' is not a file; check --config");
+    const mrpt::config::CConfigFile file(o.config);
+    for (const std::string& warning : load_parameters(file, "CDualElevationMap", p))
+      std::cerr << "talus-compare: " << o.config << ": " << warning << "\n";
+  }
+  for (const std::string& setting : o.settings)
+  {
+    const auto at = setting.find('=');
+    if (at == std::string::npos)
+      throw std::runtime_error("--set " + setting + ": write NAME=VALUE");
+    set_parameter(p, setting.substr(0, at), setting.substr(at + 1));
+  }
+  p.validate();
+}
+
+}  // namespace talus::baselines

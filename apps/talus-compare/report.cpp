@@ -1,0 +1,270 @@
+#include "report.h"
+
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "table.h"
+
+namespace talus::baselines
+{
+namespace
+{
+/** One column of the tables that people read. */
+struct MapColumn
+{
+  const char* heading;
+  std::function<std::string(const Score&)> text;
+};
+
+std::string millimetres(const Errors& e) { return number(1000 * e.rmse_m(), 1); }
+
+const std::vector<MapColumn>& map_columns()
+{
+  static const std::vector<MapColumn> columns{
+      {"method", [](const Score& s) { return s.method; }},
+      {"ms", [](const Score& s) { return number(figures(s)[0].second, 2); }},
+      {"p99", [](const Score& s) { return number(figures(s)[1].second, 2); }},
+      {"read ms", [](const Score& s) { return number(figures(s)[2].second, 1); }},
+      {"MB", [](const Score& s) { return number(s.memory_mb, 1); }},
+      {"known %", [](const Score& s) { return percent(1 - s.unknown.value()); }},
+      {"ground mm", [](const Score& s) { return millimetres(s.all_measured_ground()); }},
+      {"top mm", [](const Score& s) { return millimetres(s.measured_elevation); }},
+      {"fill2 mm", [](const Score& s) { return millimetres(s.two_sided_seen); }},
+      {"fill1 mm", [](const Score& s) { return millimetres(s.one_sided); }},
+      {"hang wrong", [](const Score& s) { return percent(s.hanging_wrong.value()); }},
+      {"hang pass", [](const Score& s) { return percent(s.hanging_passable.value()); }},
+      {"obst", [](const Score& s) { return percent(s.obstacle_blocked.value()); }},
+      {"free", [](const Score& s) { return percent(s.free_passable.value()); }},
+      {"leak", [](const Score& s) { return percent(s.leak.value()); }},
+      {"reach", [](const Score& s) { return percent(s.reach.value()); }},
+      {"infl", [](const Score& s) { return number(s.inflation_cells(), 0); }},
+      {"mover", [](const Score& s) { return percent(s.mover_freed.value()); }},
+      {"posts", [](const Score& s) { return percent(s.posts.value()); }},
+      {"ditch", [](const Score& s) { return percent(s.ditch_found.value()); }}};
+  return columns;
+}
+
+Table map_table(const Evaluation& e)
+{
+  Table t;
+  for (const auto& c : map_columns()) t.heading.emplace_back(c.heading);
+  for (const Score& s : e.maps)
+  {
+    t.rows.emplace_back();
+    for (const auto& c : map_columns()) t.rows.back().push_back(c.text(s));
+  }
+  return t;
+}
+
+Table fill_table(const std::vector<FillScore>& fills)
+{
+  Table t;
+  t.heading = {"fill",           "ms",        "coverage %",     "RMSE mm", "p95 mm", "median mm",
+               "two-sided RMSE", "seen RMSE", "one-sided RMSE", "cells"};
+  for (const FillScore& f : fills)
+    t.rows.push_back(
+        {f.fill, number(figures(f)[0].second, 1), percent(f.coverage.value()), millimetres(f.all),
+         number(1000 * f.all.quantile_m(0.95), 1), number(1000 * f.all.quantile_m(0.5), 1),
+         millimetres(f.two_sided), millimetres(f.two_sided_seen), millimetres(f.one_sided),
+         std::to_string(f.all.count())});
+  return t;
+}
+
+std::string budget_cell(const BudgetResult& r)
+{
+  const int decimals = r.name.find("rmse_m") != std::string::npos ? 4
+                       : r.name == "inflation_cells"              ? 0
+                                                                  : 3;
+  return number(r.value, decimals) + (r.verdict == BudgetResult::Verdict::Fail ? "!" : "");
+}
+
+constexpr std::size_t kWorldsPerTable = 8;
+
+/** Budgets in rows, worlds first .. first + kWorldsPerTable in columns. */
+Table budget_table(const std::vector<const Evaluation*>& worlds)
+{
+  Table t;
+  t.heading = {"budget", "limit"};
+  for (const Evaluation* e : worlds)
+  {
+    t.heading.push_back(e->name);
+    const auto results = check_budgets(*e);
+    t.rows.resize(results.size());
+    for (std::size_t i = 0; i < results.size(); ++i)
+    {
+      const BudgetResult& r = results[i];
+      if (t.rows[i].empty())
+        t.rows[i] = {
+            r.name, (r.at_most ? "<= " : ">= ") +
+                        number(r.limit, r.name.find("rmse_m") != std::string::npos ? 3 : 2)};
+      t.rows[i].push_back(budget_cell(r));
+    }
+  }
+  return t;
+}
+
+std::vector<Table> budget_tables(const Comparison& c)
+{
+  std::vector<const Evaluation*> worlds;
+  std::vector<Table> tables;
+  for (const Evaluation& e : c.evaluations)
+  {
+    if (!e.has_truth || check_budgets(e).empty()) continue;
+    worlds.push_back(&e);
+    if (worlds.size() < kWorldsPerTable) continue;
+    tables.push_back(budget_table(worlds));
+    worlds.clear();
+  }
+  if (!worlds.empty()) tables.push_back(budget_table(worlds));
+  return tables;
+}
+
+/** The worlds with truth as one. No frames when there are fewer than two. */
+Evaluation pooled(const std::vector<Evaluation>& evaluations)
+{
+  Evaluation all;
+  int worlds = 0;
+  for (const Evaluation& e : evaluations)
+  {
+    if (!e.has_truth) continue;
+    ++worlds;
+    all.frames += e.frames;
+    all.maps.resize(e.maps.size());
+    all.fills.resize(e.fills.size());
+    for (std::size_t i = 0; i < e.maps.size(); ++i) all.maps[i].add(e.maps[i]);
+    for (std::size_t i = 0; i < e.fills.size(); ++i) all.fills[i].add(e.fills[i]);
+  }
+  return worlds > 1 ? all : Evaluation();
+}
+
+using Render = std::string (Table::*)() const;
+
+std::string tables(const Comparison& c, Render render, const std::string& title)
+{
+  std::string out;
+  const auto add = [&](const std::string& heading, const Table& t)
+  { out += title + heading + "\n\n" + (t.*render)() + "\n"; };
+  const Evaluation all = pooled(c.evaluations);
+  if (all.frames > 0)
+  {
+    add("all worlds: maps", map_table(all));
+    add("all worlds: fills, on the same cells", fill_table(all.fills));
+  }
+  for (const Evaluation& e : c.evaluations)
+  {
+    add(e.name + ": maps", map_table(e));
+    if (e.has_truth && !e.fills.empty())
+      add(e.name + ": fills, on the same cells", fill_table(e.fills));
+  }
+  for (const HoldOut& h : c.holdouts)
+    add(h.name + ": fills, held-out ground points", fill_table(h.fills));
+  return out;
+}
+
+std::string csv_row(
+    const std::string& world, const std::string& who,
+    const std::vector<std::pair<std::string, double>>& values)
+{
+  std::string out = world + "," + who;
+  for (const auto& v : values) out += "," + (std::isnan(v.second) ? "" : number(v.second, 6));
+  return out + "\n";
+}
+
+std::string csv_heading(
+    const std::string& who, const std::vector<std::pair<std::string, double>>& values)
+{
+  std::string out = "world," + who;
+  for (const auto& v : values) out += "," + v.first;
+  return out + "\n";
+}
+
+nlohmann::json as_json(const std::vector<std::pair<std::string, double>>& values)
+{
+  nlohmann::json j;
+  for (const auto& [name, value] : values)
+    j[name] = std::isnan(value) ? nlohmann::json() : nlohmann::json(value);
+  return j;
+}
+
+nlohmann::json as_json(const BudgetResult& r)
+{
+  const char* verdicts[] = {"pass", "fail", "not applicable"};
+  return {
+      {"name", r.name},
+      {"value", std::isnan(r.value) ? nlohmann::json() : nlohmann::json(r.value)},
+      {"limit", r.limit},
+      {"at_most", r.at_most},
+      {"verdict", verdicts[static_cast<int>(r.verdict)]}};
+}
+
+}  // namespace
+
+std::string tables_text(const Comparison& c) { return tables(c, &Table::text, ""); }
+
+std::string tables_markdown(const Comparison& c)
+{
+  std::string out;
+  for (const Table& t : budget_tables(c)) out += t.markdown() + "\n";
+  return out + tables(c, &Table::markdown, "## ");
+}
+
+std::string budget_text(const Comparison& c)
+{
+  std::string out;
+  for (const Table& t : budget_tables(c)) out += t.text() + "\n";
+  return out;
+}
+
+int failed_budgets(const Comparison& c)
+{
+  int failed = 0;
+  for (const Evaluation& e : c.evaluations)
+    if (e.has_truth)
+      for (const BudgetResult& r : check_budgets(e))
+        failed += r.verdict == BudgetResult::Verdict::Fail;
+  return failed;
+}
+
+std::string methods_csv(const Comparison& c)
+{
+  std::string out = csv_heading("method", figures(Score{}));
+  for (const Evaluation& e : c.evaluations)
+    for (const Score& s : e.maps) out += csv_row(e.name, s.method, figures(s));
+  return out;
+}
+
+std::string fills_csv(const Comparison& c)
+{
+  std::string out = csv_heading("fill", figures(FillScore{}));
+  for (const Evaluation& e : c.evaluations)
+    for (const FillScore& f : e.fills) out += csv_row(e.name, f.fill, figures(f));
+  for (const HoldOut& h : c.holdouts)
+    for (const FillScore& f : h.fills) out += csv_row(h.name + " (held out)", f.fill, figures(f));
+  return out;
+}
+
+std::string comparison_json(const Comparison& c)
+{
+  nlohmann::json worlds = nlohmann::json::array(), holdouts = nlohmann::json::array();
+  for (const Evaluation& e : c.evaluations)
+  {
+    nlohmann::json w{{"name", e.name}, {"frames", e.frames}, {"truth", e.has_truth}};
+    for (const Score& s : e.maps) w["methods"][s.method] = as_json(figures(s));
+    for (const FillScore& f : e.fills) w["fills"][f.fill] = as_json(figures(f));
+    if (e.has_truth)
+      for (const BudgetResult& r : check_budgets(e)) w["budgets"].push_back(as_json(r));
+    worlds.push_back(w);
+  }
+  for (const HoldOut& h : c.holdouts)
+  {
+    nlohmann::json j{{"name", h.name}, {"frames", h.frames}};
+    for (const FillScore& f : h.fills) j["fills"][f.fill] = as_json(figures(f));
+    holdouts.push_back(j);
+  }
+  return nlohmann::json{{"command", c.command}, {"worlds", worlds}, {"held_out", holdouts}}.dump(
+             2) +
+         "\n";
+}
+
+}  // namespace talus::baselines

@@ -1,0 +1,37 @@
+#pragma once
+#include <talus/baselines/budgets.h>
+#include <talus/baselines/holdout.h>
+
+#include <string>
+#include <vector>
+
+namespace talus::baselines
+{
+/** All that one call compared. */
+struct Comparison
+{
+  std::vector<Evaluation> evaluations;
+  std::vector<HoldOut> holdouts;  //!< of logs without truth
+  std::string command;  //!< that made it
+};
+
+/** For a terminal: for each world or log one row a method, one row a fill; then the budgets. */
+std::string tables_text(const Comparison& c);
+/** Rows are budgets, columns are worlds; "!" marks what fails, "-" what does not apply. */
+std::string budget_text(const Comparison& c);
+/** How many budgets fail. */
+int failed_budgets(const Comparison& c);
+
+/** The same as Markdown, for doc/accuracy.md. */
+std::string tables_markdown(const Comparison& c);
+
+/** Writes the tables into a page, below its marker; what stands above the marker stays. Throws
+ * std::runtime_error. */
+void write_accuracy_page(const std::string& path, const Comparison& c);
+
+/** One row a world and method (or fill), one column a figure. */
+std::string methods_csv(const Comparison& c);
+std::string fills_csv(const Comparison& c);
+std::string comparison_json(const Comparison& c);
+
+}  // namespace talus::baselines

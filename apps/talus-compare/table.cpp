@@ -1,0 +1,67 @@
+#include "table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace talus::baselines
+{
+namespace
+{
+std::vector<std::size_t> widths(const Table& t)
+{
+  std::vector<std::size_t> w;
+  for (const auto& cell : t.heading) w.push_back(cell.size());
+  for (const auto& row : t.rows)
+    for (std::size_t c = 0; c < row.size(); ++c) w[c] = std::max(w[c], row[c].size());
+  return w;
+}
+
+std::string padded(const std::string& s, std::size_t width, bool left)
+{
+  const std::string pad(width > s.size() ? width - s.size() : 0, ' ');
+  return left ? s + pad : pad + s;
+}
+
+}  // namespace
+
+std::string Table::text() const
+{
+  const auto w = widths(*this);
+  std::string out;
+  const auto line = [&](const std::vector<std::string>& row)
+  {
+    for (std::size_t c = 0; c < row.size(); ++c)
+      out += (c ? "  " : "  ") + padded(row[c], w[c], c == 0);
+    out += "\n";
+  };
+  line(heading);
+  for (const auto& row : rows) line(row);
+  return out;
+}
+
+std::string Table::markdown() const
+{
+  std::string out = "|";
+  for (const auto& cell : heading) out += " " + cell + " |";
+  out += "\n|";
+  for (std::size_t c = 0; c < heading.size(); ++c) out += c ? "---:|" : "---|";
+  for (const auto& row : rows)
+  {
+    out += "\n|";
+    for (const auto& cell : row) out += " " + cell + " |";
+  }
+  return out + "\n";
+}
+
+std::string number(double value, int decimals)
+{
+  if (std::isnan(value)) return "-";
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  return text;
+}
+
+std::string percent(double share) { return number(100 * share, 1); }
+
+}  // namespace talus::baselines

@@ -1,0 +1,32 @@
+#pragma once
+#include <talus/baselines/evaluate.h>
+
+namespace talus::baselines
+{
+/** How ground points are held out of a log without truth, to be predicted by the fills.
+ *
+ * The points of each scan are sorted into `groups` bands of equal elevation angle in the sensor
+ * frame, from the 1st to the 99th percentile; every `every`-th band that has
+ * points is kept from the map. Of what
+ * is held out, the lowest point of each cell is predicted, if it is ground: no point of the scan,
+ * held out or not, lies lower than a cone of the slope threshold and 0.1 m below it, within 0.5 m.
+ * Cells with measured ground in the map are left out, since nothing is filled there. */
+struct HoldOutOptions
+{
+  int every = 4;
+  int groups = 64;
+  int from_frame = 3;  //!< frames before this only fill the map
+};
+
+struct HoldOut
+{
+  std::string name;
+  int frames = 0;
+  std::vector<FillScore> fills;  //!< `all`, `two_sided` and `one_sided` on the same cells for every
+                                 //!< fill; talus's first
+};
+
+HoldOut hold_out(
+    const Sequence& sequence, const EvaluationOptions& options, const HoldOutOptions& holdout);
+
+}  // namespace talus::baselines

@@ -1,0 +1,77 @@
+#pragma once
+#include <talus/elevation_mapper.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+/** What talus is compared with: other ways from scans to ground, obstacles and passable cells, and
+ * other ways to fill gaps. */
+namespace talus::baselines
+{
+/** What a map says about each cell of a window; index = iy * window.cells + ix, NaN: unknown. */
+struct Surfaces
+{
+  Window window;
+  std::vector<float> elevation_m;  //!< top of what stands on the ground, or the ground; map frame
+  std::vector<float> ground_m;  //!< map frame
+  std::vector<float> traversability;  //!< [0,1], 0: blocked
+  std::vector<float>
+      sparsity;  //!< [0,1], 0: likely a ditch; empty for methods without such a layer
+  std::vector<std::uint8_t> state;  //!< a CellState: where ground_m comes from
+
+  /** All cells of `window` unknown. */
+  explicit Surfaces(const Window& window);
+  Surfaces() = default;
+
+  std::size_t size() const { return ground_m.size(); }
+  bool known(std::size_t i) const { return ground_m[i] == ground_m[i]; }
+  bool blocked(std::size_t i) const { return traversability[i] == 0.0f; }
+  /** Known to be free; unknown is neither free nor blocked. */
+  bool passable(std::size_t i) const { return traversability[i] > 0.0f; }
+};
+
+/** One way to map. All get the same frames and the same parameters: window, resolution, range and
+ * height band, thresholds. */
+class Method
+{
+ public:
+  virtual ~Method() = default;
+  /** A short word: "talus", "octomap", ... */
+  virtual std::string name() const = 0;
+  /** Takes in one frame. */
+  virtual void update(const Frame& frame) = 0;
+  /** The map around the sensor of the last frame, judged: the window that talus would show. What a
+   * method computes on demand only (columns, features) is computed here. */
+  virtual Surfaces read() = 0;
+};
+
+/** Names that make_method() takes, with a sentence each. */
+struct MethodInfo
+{
+  const char* name;
+  const char* description;
+};
+const std::vector<MethodInfo>& method_list();
+
+/** Throws std::invalid_argument naming the known ones. `backend`: of talus. */
+std::unique_ptr<Method> make_method(
+    const std::string& name, const Parameters& parameters, Backend backend = Backend::Cpu);
+
+/** The window that talus shows around a sensor. */
+Window window_around(const Parameters& parameters, const Pose& T_map_sensor);
+
+/** A point in the map frame [m] and its range from the sensor [m]. */
+struct MapPoint
+{
+  float x_m, y_m, z_m, range_m;
+};
+/** The points of a frame that pass range, height band and body box (stage 1 of talus), map frame;
+ * those outside the window too. */
+std::vector<MapPoint> accepted_points(const Frame& frame, const Parameters& parameters);
+
+/** Index of the cell of a place, or -1 outside. */
+int cell_index(const Window& window, double x_m, double y_m);
+
+}  // namespace talus::baselines

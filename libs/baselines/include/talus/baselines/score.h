@@ -1,0 +1,135 @@
+#pragma once
+#include <talus/baselines/truth_map.h>
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace talus::baselines
+{
+/** A share of cells; NaN when there are none. */
+struct Share
+{
+  double part = 0, of = 0;
+  void add(bool counts) { part += counts ? 1 : 0, of += 1; }
+  void add(const Share& other) { part += other.part, of += other.of; }
+  double value() const;
+};
+
+/** Absolute errors [m], one a cell and evaluated frame. */
+struct Errors
+{
+  std::vector<float> abs_m;
+  void add(float error_m) { abs_m.push_back(error_m < 0 ? -error_m : error_m); }
+  void add(const Errors& other)
+  {
+    abs_m.insert(abs_m.end(), other.abs_m.begin(), other.abs_m.end());
+  }
+  std::size_t count() const { return abs_m.size(); }
+  /** NaN when empty. */
+  double rmse_m() const;
+  double quantile_m(double q) const;
+};
+
+constexpr int kRings = 10;
+
+/** How one map did in one world. Cells of all evaluated frames are pooled. Cells are those of the
+ * window; all but `reach`, `leak` and `beyond` leave out cells where a mover is or was.
+ *
+ * "Hit" means: since the cell came into the window, a point inside range and height band fell into
+ * it; on the ground: within 5 cm of it; on an obstacle: Observed::shows_obstacle(). Obstacles: see
+ * TruthMap::truth_options(); those within 5 cm of the step threshold count neither as obstacle nor
+ * as free. */
+struct Score
+{
+  std::string method;
+
+  /// @name Heights, on cells that are really free
+  /// @{
+  /** |ground - truth| of measured cells two or more cells away from obstacles, by terrain. */
+  std::array<Errors, kTerrainCount> measured_ground;
+  Errors measured_elevation;  //!< the same of the elevation, all terrain
+  Errors two_sided_seen;  //!< fills from two sides, where a ray of the scanner could have met the
+                          //!< ground in some frame so far
+  Errors two_sided_unseen, one_sided;
+  /// @}
+
+  /// @name Coverage, of all cells of the window
+  /// @{
+  Share measured, filled_two_sided, filled_one_sided, unknown;
+  /// @}
+
+  /// @name Hanging objects: free cells below something that leaves more than the clearance
+  /// @{
+  Share hanging_wrong;  //!< of known ones: elevation or ground off by more than 0.2 m
+  Share hanging_passable;  //!< of known ones
+  /// @}
+
+  /// @name Obstacles and free space
+  /// @{
+  Share obstacle_blocked;  //!< of obstacle cells that were hit: blocked
+  Share free_passable;  //!< of free cells whose ground was hit, two or more cells away from
+                        //!< obstacles: passable
+  Share free_passable_all;  //!< the same with those next to obstacles
+  /** Of free cells whose ground was hit, at 1, 2, ... cells from the nearest obstacle, which is
+   * an upright object that was hit: blocked. */
+  std::array<Share, kRings> ring_blocked;
+  Share posts;  //!< of thin upright things (at most 5 x 5 cells) that were hit: still blocked, in
+                //!< the cells around them included
+  /** Of ditch cells within 4 m of the sensor: not shown as passable ground more than 0.2 m above
+   * the truth (unless sparsity is below 0.5). */
+  Share ditch_found;
+  /// @}
+
+  /// @name Paths: what a flood over passable cells reaches from within 0.35 m of the robot
+  /// (4-connected)
+  /// @{
+  Share leak;  //!< of obstacle cells that have obstacle cells all around: reached
+  Share leak_seen;  //!< the same of those within 3 cells of an obstacle cell that was hit
+  Share reach;  //!< of free cells that are truly reachable: reached
+  Share reach_seen;  //!< the same of those that a ray could have met so far
+  Share beyond;  //!< of free cells that are truly not reachable: reached
+  /// @}
+
+  /// @name Movers
+  /// @{
+  /** Of cells where a mover was hit and left: passable at the latest 2 frames after the first ray
+   * went through the place 0.1 m or more below the highest hit there. */
+  Share mover_freed;
+  Errors residue_frames;  //!< frames from then until passable (abs_m holds frames)
+  /// @}
+
+  /// @name Cost
+  /// @{
+  std::vector<double> update_ms;  //!< one a frame
+  std::vector<double> read_ms;  //!< what is computed on demand: columns, features
+  double memory_mb = 0;  //!< heap that the map holds after the last frame
+  /// @}
+
+  /** Largest distance up to which more than 5 % of a ring of 20 cells or more are blocked; NaN
+   * without rings. */
+  double inflation_cells() const;
+  Errors all_measured_ground() const;
+  /** Pools the cells and frames of another world; the memory is the larger one. */
+  void add(const Score& other);
+};
+
+/** Every figure by name, in the order of tables and files; NaN: not applicable. Errors give
+ * `..._rmse_m`, `..._p95_m` and `..._n`. */
+std::vector<std::pair<std::string, double>> figures(const Score& score);
+
+/** How one fill did, on the same cells as all others: those that talus filled and every other
+ * fill, too, has a value for; free cells without movers. */
+struct FillScore
+{
+  std::string fill;
+  Errors two_sided_seen, two_sided, one_sided, all;
+  Share coverage;  //!< of cells without measured ground: has a value
+  std::vector<double> ms;  //!< one an evaluated frame; empty for talus (part of its update)
+
+  void add(const FillScore& other);
+};
+std::vector<std::pair<std::string, double>> figures(const FillScore& score);
+
+}  // namespace talus::baselines

@@ -1,0 +1,32 @@
+#pragma once
+#include <talus/frame.h>
+#include <talus/sim/drive.h>
+
+#include <string>
+#include <vector>
+
+namespace talus::baselines
+{
+/** One scan with its pose. */
+struct ScanFrame
+{
+  double stamp_s = 0;  //!< since the epoch
+  double time_s = 0;  //!< since the first frame
+  Pose T_map_sensor;  //!< as the maps are told
+  Pose T_true;  //!< where the sensor really was; the same where nobody knows better
+  std::vector<float> x_m, y_m, z_m;  //!< sensor frame
+
+  Frame view() const;
+};
+
+/** All scans of a log or of a simulated drive. */
+struct Sequence
+{
+  std::string name;
+  std::vector<ScanFrame> frames;
+};
+
+/** Scans a world. The poses have the errors of the drive's options. */
+Sequence simulate(const sim::World& world, const sim::Drive& drive);
+
+}  // namespace talus::baselines

@@ -1,0 +1,67 @@
+#pragma once
+#include <talus/parameters.h>
+#include <talus/sim/truth.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace talus::baselines
+{
+/** What a place is like, for errors by kind of terrain. */
+enum class Terrain : std::uint8_t
+{
+  Flat = 0,
+  Slope,  //!< a plane steeper than 2 degrees
+  Rough,  //!< more than 3 mm RMS from a plane within 7 x 7 cells
+  NearStep  //!< within 3 cells of where the surface jumps by more than 5 cm from cell to cell
+};
+constexpr int kTerrainCount = 4;
+constexpr const char* kTerrainNames[kTerrainCount] = {"flat", "slope", "rough", "near_step"};
+
+/** The truth without movers over the whole area of a drive, and what follows from it. One entry a
+ * cell of `window`, index = iy * cells_x + ix; distances are chessboard distances in cells, at
+ * most 255. */
+class TruthMap
+{
+ public:
+  /** `truth` as sim::truth() gives it with truth_options() of the same parameters. */
+  TruthMap(sim::Truth truth, const Parameters& parameters);
+
+  /** What counts as an obstacle for a map with these parameters: the same clearance, slope and step
+   * limits. */
+  static sim::TruthOptions truth_options(const Parameters& parameters, bool movers);
+
+  /** Index of a cell counted from the origin of the map frame, or -1 outside. */
+  int index(std::int64_t cell_x, std::int64_t cell_y) const;
+  std::size_t size() const { return truth.ground.size(); }
+
+  bool known(std::size_t i) const { return truth.label[i] == truth.label[i]; }
+  bool free(std::size_t i) const { return truth.label[i] == 1.0f; }
+  bool blocked(std::size_t i) const { return truth.label[i] == 0.0f; }
+  /** Distance [m] of a height from the ground or, where something low enough to be driven over
+   * lies on it, from the nearer of the two. */
+  float height_error_m(std::size_t i, float z_m) const;
+  /** How high what stands here is [m]; 0: nothing. */
+  float standing_m(std::size_t i) const;
+
+  sim::Truth truth;
+  std::vector<Terrain> terrain;
+  std::vector<std::uint8_t> to_blocked;  //!< distance to the nearest blocked cell, 0 if blocked
+  std::vector<std::uint8_t> depth;  //!< of blocked cells: distance to the nearest free one, from 1
+  std::vector<std::uint8_t> hangs;  //!< 1: free, and something hangs above the clearance
+  std::vector<std::uint8_t> doubtful;  //!< 1: stands within 5 cm of the step threshold: either is
+                                       //!< right
+  std::vector<std::uint8_t> vertical;  //!< 1: blocked by an object higher than the step threshold
+  std::vector<std::uint8_t> ditch;  //!< 1: 0.3 m or more below what a 1.5 m wide board would span
+  std::vector<int> post;  //!< number of the thin upright thing that stands here, or -1
+  int posts = 0;
+
+ private:
+  void classify_cells(const Parameters& parameters);
+  void classify_terrain();
+  void measure_distances();
+  void find_ditches();
+  void find_posts();
+};
+
+}  // namespace talus::baselines

@@ -1,0 +1,105 @@
+#pragma once
+#include <talus/baselines/method.h>
+#include <talus/baselines/score.h>
+#include <talus/baselines/sequence.h>
+#include <talus/baselines/truth_map.h>
+
+#include <optional>
+
+namespace talus::baselines
+{
+/** What the scans have shown of each cell of a TruthMap since it came into the window. */
+class Observed
+{
+ public:
+  Observed(const TruthMap& truth, const Parameters& parameters);
+
+  /** Adds the points of a frame; forgets cells outside the window. */
+  void add(const ScanFrame& frame);
+
+  /** Whether the scans have shown that this blocked cell is one: a hit higher than the step
+   * threshold on what stands there; where the ground itself blocks, hits within 3 cells whose
+   * heights differ by more than the step threshold, and one in the cell. */
+  bool shows_obstacle(std::size_t at) const;
+
+  std::vector<std::uint8_t> ground_hit;
+
+ private:
+  void forget_outside(const Window& window);
+
+  std::vector<std::uint8_t> high_hit_;
+  std::vector<float> lowest_m_, highest_m_;  //!< hits; NaN: none
+  const TruthMap& truth_;
+  Parameters parameters_;
+};
+
+/** Where movers are and were; what remains of them in the maps is watched by MoverWatch. */
+class MoverTruth
+{
+ public:
+  MoverTruth(const TruthMap& truth, const sim::World& world, const Parameters& parameters);
+
+  /** Goes to the next frame. */
+  void advance(const ScanFrame& frame);
+
+  std::vector<std::uint8_t> blocked_now;  //!< by a mover
+  std::vector<std::uint8_t> near_now;  //!< those and the cells next to them
+  std::vector<std::uint8_t> touched;  //!< near_now, at any time since in the window
+  std::vector<float> hit_top_m;  //!< highest hit on a mover there; NaN: none
+  std::vector<float> lowest_ray_m;  //!< of this frame, over the cell; NaN: no ray
+  std::vector<int> seen_through_frame;  //!< the first, after the mover left; -1: not yet
+  int frame = -1;
+
+ private:
+  void mark_movers(double time_s);
+  void enter_rays(const ScanFrame& frame);
+  void forget_outside(const Window& window);
+
+  const TruthMap& truth_;
+  const sim::World& world_;
+  Parameters parameters_;
+};
+
+/** Counts for one map how soon mover cells are passable again. */
+class MoverWatch
+{
+ public:
+  explicit MoverWatch(const TruthMap& truth) : freed_(truth.size(), 0), counted_(truth.size(), 0) {}
+
+  /** True when read() of the map would be needed after this frame. */
+  bool has_work(const MoverTruth& movers, const TruthMap& truth) const;
+  void look(const MoverTruth& movers, const TruthMap& truth, const Surfaces& map, Score& score);
+
+ private:
+  std::vector<std::uint8_t> freed_, counted_;
+};
+
+/** The truth about the cells of one window at one time; index as in Surfaces. */
+struct WindowTruth
+{
+  Window window;
+  std::vector<int> at;  //!< index into the TruthMap, or -1
+  std::vector<std::uint8_t> free_now, blocked_now;  //!< with movers
+  std::vector<std::uint8_t> touched;  //!< a mover is or was here
+  std::vector<std::uint8_t> could_see;  //!< a ray of some frame so far could have met its ground
+  std::vector<std::uint8_t> start;  //!< where the robot stands
+  std::vector<std::uint8_t> reachable;  //!< free and connected with the start
+  Pose T_map_sensor;  //!< true pose
+};
+
+/** Cells of a flood through `open` cells (4-connected) from all `start` cells. */
+std::vector<std::uint8_t> flood(
+    const std::vector<std::uint8_t>& open, const std::vector<std::uint8_t>& start, int cells);
+
+/** `scene` decides what could be seen (nullptr: only what was hit); `movers` may be nullptr. */
+WindowTruth window_truth(
+    const TruthMap& truth, const Observed& observed, const MoverTruth* movers,
+    const std::vector<ScanFrame>& frames, std::size_t now, const Parameters& parameters,
+    const sim::Scene* scene, const sim::Scanner* scanner);
+
+/** Adds one evaluated frame of one map to its score. */
+void score_frame(
+    const Surfaces& map, const TruthMap& truth, const WindowTruth& here, const Observed& observed,
+    Score& score);
+
+}  // namespace talus::baselines

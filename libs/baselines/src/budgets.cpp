@@ -1,0 +1,76 @@
+#include <talus/baselines/budgets.h>
+
+#include <cmath>
+#include <limits>
+
+namespace talus::baselines
+{
+namespace
+{
+constexpr double kFewest = 20;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using Results = std::vector<BudgetResult>;
+
+void judge(Results& out, const std::string& name, double value, double limit, bool at_most)
+{
+  BudgetResult r{name, value, limit, at_most, BudgetResult::Verdict::NotApplicable};
+  if (!std::isnan(value))
+    r.verdict = (at_most ? value <= limit : value >= limit) ? BudgetResult::Verdict::Pass
+                                                            : BudgetResult::Verdict::Fail;
+  out.push_back(r);
+}
+
+void judge(Results& out, const std::string& name, const Errors& e, double limit_m)
+{
+  judge(out, name, static_cast<double>(e.count()) >= kFewest ? e.rmse_m() : kNan, limit_m, true);
+}
+
+void judge(
+    Results& out, const std::string& name, const Share& s, double limit, bool at_most,
+    double fewest = kFewest)
+{
+  judge(out, name, s.of >= fewest ? s.value() : kNan, limit, at_most);
+}
+
+void judge_fills(Results& out, const std::vector<FillScore>& fills)
+{
+  for (std::size_t f = 1; f < fills.size(); ++f)
+  {
+    const Errors &own = fills[0].all, &other = fills[f].all;
+    const bool enough = static_cast<double>(own.count()) >= kFewest;
+    judge(
+        out, "fill_beats_" + fills[f].fill, enough ? own.rmse_m() / other.rmse_m() : kNan, 1.0,
+        true);
+  }
+}
+
+}  // namespace
+
+Results check_budgets(const Evaluation& e)
+{
+  Results out;
+  for (const Score& s : e.maps)
+  {
+    if (s.method != "talus") continue;
+    judge(out, "measured_ground_flat_rmse_m", s.measured_ground[0], 0.003);
+    judge(out, "measured_ground_slope_rmse_m", s.measured_ground[1], 0.003);
+    judge(out, "measured_ground_rough_rmse_m", s.measured_ground[2], 0.008);
+    judge(out, "measured_ground_near_step_rmse_m", s.measured_ground[3], 0.030);
+    judge(out, "two_sided_seen_rmse_m", s.two_sided_seen, 0.03);
+    judge(out, "hanging_wrong", s.hanging_wrong, 0.02, true);
+    judge(out, "hanging_passable", s.hanging_passable, 0.98, false);
+    judge(out, "obstacle_blocked", s.obstacle_blocked, 0.98, false);
+    judge(out, "free_passable", s.free_passable, 0.99, false);
+    judge(out, "leak", s.leak, 0.01, true);
+    judge(out, "leak_seen", s.leak_seen, 0.01, true);
+    judge(out, "reach", s.reach, 0.98, false);
+    judge(out, "reach_seen", s.reach_seen, 0.98, false);
+    judge(out, "inflation_cells", s.inflation_cells(), 1, true);
+    judge(out, "mover_freed", s.mover_freed, 0.98, false);
+    judge(out, "posts_kept", s.posts, 1.0, false, 1);
+    judge_fills(out, e.fills);
+  }
+  return out;
+}
+
+}  // namespace talus::baselines

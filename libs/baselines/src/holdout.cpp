@@ -1,0 +1,179 @@
+#include <talus/baselines/holdout.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace talus::baselines
+{
+namespace
+{
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr double kGroundAllowance_m = 0.1;
+constexpr double kGroundRadius_m = 0.5;
+
+/** A scan in two parts. */
+struct SplitScan
+{
+  ScanFrame kept, held;
+};
+
+float elevation_angle(const ScanFrame& f, std::size_t i)
+{
+  return std::atan2(f.z_m[i], std::hypot(f.x_m[i], f.y_m[i]));
+}
+
+void push(ScanFrame& to, const ScanFrame& from, std::size_t i)
+{
+  to.x_m.push_back(from.x_m[i]);
+  to.y_m.push_back(from.y_m[i]);
+  to.z_m.push_back(from.z_m[i]);
+}
+
+/** Bands of equal elevation angle between the 1st and the 99th percentile. */
+class Bands
+{
+ public:
+  Bands(const ScanFrame& scan, const HoldOutOptions& o)
+  {
+    std::vector<float> angles;
+    for (std::size_t i = 0; i < scan.x_m.size(); ++i)
+      if (const float a = elevation_angle(scan, i); std::isfinite(a)) angles.push_back(a);
+    if (angles.empty()) return;
+    std::sort(angles.begin(), angles.end());
+    const std::size_t tail = angles.size() / 100;
+    low_ = angles[tail];
+    width_ =
+        std::max((angles[angles.size() - 1 - tail] - low_) / static_cast<float>(o.groups), 1e-6f);
+    choose(angles, o);
+  }
+
+  bool held(float angle) const
+  {
+    const int b = band(angle);
+    return b >= 0 && held_[static_cast<std::size_t>(b)];
+  }
+
+ private:
+  /** -1: outside. */
+  int band(float angle) const
+  {
+    const float b = std::floor((angle - low_) / width_);
+    return b >= 0 && b < static_cast<float>(held_.size()) ? static_cast<int>(b) : -1;
+  }
+
+  /** Every n-th band that has points is held out. */
+  void choose(const std::vector<float>& angles, const HoldOutOptions& o)
+  {
+    held_.assign(static_cast<std::size_t>(o.groups), 0);
+    std::vector<int> points(held_.size(), 0);
+    for (float a : angles)
+      if (const int b = band(a); b >= 0) ++points[static_cast<std::size_t>(b)];
+    int rank = 0;
+    for (std::size_t b = 0; b < held_.size(); ++b)
+      if (points[b] > 0) held_[b] = rank++ % o.every == o.every / 2;
+  }
+
+  float low_ = 0, width_ = 1;
+  std::vector<std::uint8_t> held_;
+};
+
+SplitScan split(const ScanFrame& scan, const HoldOutOptions& o)
+{
+  SplitScan out;
+  out.kept.T_map_sensor = out.held.T_map_sensor = scan.T_map_sensor;
+  out.kept.stamp_s = out.held.stamp_s = scan.stamp_s;
+  const Bands bands(scan, o);
+  for (std::size_t i = 0; i < scan.x_m.size(); ++i)
+    push(bands.held(elevation_angle(scan, i)) ? out.held : out.kept, scan, i);
+  return out;
+}
+
+/** The lowest point of each cell; NaN: none. */
+std::vector<float> lowest_points(
+    const ScanFrame& scan, const Window& window, const Parameters& parameters)
+{
+  std::vector<float> lowest(
+      static_cast<std::size_t>(window.cells) * static_cast<std::size_t>(window.cells), kNan);
+  for (const MapPoint& p : accepted_points(scan.view(), parameters))
+    if (const int k = cell_index(window, p.x_m, p.y_m); k >= 0)
+      lowest[static_cast<std::size_t>(k)] = std::fmin(lowest[static_cast<std::size_t>(k)], p.z_m);
+  return lowest;
+}
+
+/** Whether a point may be ground: nothing near lies below the cone under it. */
+bool may_be_ground(
+    const std::vector<float>& lowest, const Window& w, std::size_t k, float z_m, double slope)
+{
+  const int radius = static_cast<int>(kGroundRadius_m / w.resolution_m);
+  const int ix = static_cast<int>(k) % w.cells, iy = static_cast<int>(k) / w.cells;
+  for (int y = std::max(iy - radius, 0); y <= std::min(iy + radius, w.cells - 1); ++y)
+    for (int x = std::max(ix - radius, 0); x <= std::min(ix + radius, w.cells - 1); ++x)
+    {
+      const double distance_m = std::hypot(x - ix, y - iy) * w.resolution_m;
+      if (lowest[static_cast<std::size_t>(y * w.cells + x)] <
+          z_m - kGroundAllowance_m - slope * distance_m)
+        return false;
+    }
+  return true;
+}
+
+using Fills = std::vector<std::pair<std::string, std::vector<float>>>;
+
+Fills all_fills(const Surfaces& map)
+{
+  const SparseGround sparse = measured_ground(map);
+  Fills fills{{"talus", map.ground_m}};
+  for (const FillMethod& m : fill_methods()) fills.emplace_back(m.name, m.fill(sparse));
+  return fills;
+}
+
+void score_cell(HoldOut& out, const Fills& fills, const Surfaces& map, std::size_t k, float z_m)
+{
+  for (std::size_t f = 0; f < fills.size(); ++f)
+    out.fills[f].coverage.add(!std::isnan(fills[f].second[k]));
+  for (const auto& fill : fills)
+    if (std::isnan(fill.second[k])) return;
+  const bool two_sided = static_cast<CellState>(map.state[k]) == CellState::FilledTwoSided;
+  for (std::size_t f = 0; f < fills.size(); ++f)
+  {
+    const float error = fills[f].second[k] - z_m;
+    out.fills[f].all.add(error);
+    (two_sided ? out.fills[f].two_sided : out.fills[f].one_sided).add(error);
+  }
+}
+
+}  // namespace
+
+HoldOut hold_out(
+    const Sequence& sequence, const EvaluationOptions& options, const HoldOutOptions& holdout)
+{
+  HoldOut out;
+  out.name = sequence.name;
+  out.frames = static_cast<int>(sequence.frames.size());
+  out.fills.resize(fill_methods().size() + 1);
+  const auto map = make_method("talus", options.parameters, options.backend);
+  const double slope = std::tan(options.parameters.slope_threshold_rad);
+  const int first = std::min(holdout.from_frame, out.frames - 1);
+  for (int i = 0; i < out.frames; ++i)
+  {
+    const ScanFrame& scan = sequence.frames[static_cast<std::size_t>(i)];
+    const SplitScan parts = split(scan, holdout);
+    map->update(parts.kept.view());
+    if (options.progress) options.progress(i + 1, out.frames);
+    if (i < first) continue;
+    const Surfaces surfaces = map->read();
+    const Fills fills = all_fills(surfaces);
+    for (std::size_t f = 0; f < fills.size(); ++f) out.fills[f].fill = fills[f].first;
+    const auto held = lowest_points(parts.held, surfaces.window, options.parameters);
+    const auto all = lowest_points(scan, surfaces.window, options.parameters);
+    for (std::size_t k = 0; k < held.size(); ++k)
+      if (!std::isnan(held[k]) &&
+          static_cast<CellState>(surfaces.state[k]) != CellState::Measured &&
+          may_be_ground(all, surfaces.window, k, held[k], slope))
+        score_cell(out, fills, surfaces, k, held[k]);
+  }
+  return out;
+}
+
+}  // namespace talus::baselines

@@ -1,0 +1,114 @@
+#include <talus/baselines/highest_point_map.h>
+#include <talus/baselines/method.h>
+#include <talus/baselines/stock_maps.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace talus::baselines
+{
+namespace
+{
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+class TalusMethod : public Method
+{
+ public:
+  TalusMethod(const Parameters& parameters, Backend backend) : map_(parameters, backend) {}
+  std::string name() const override { return "talus"; }
+  void update(const Frame& frame) override { map_.update(frame); }
+  Surfaces read() override
+  {
+    Surfaces s(map_.window());
+    s.ground_m = map_.layer(Layer::GroundElevation);
+    s.elevation_m = map_.layer(Layer::Elevation);
+    s.traversability = map_.layer(Layer::Traversability);
+    s.sparsity = map_.layer(Layer::Sparsity);
+    const auto& state = map_.layer(Layer::State);
+    for (std::size_t i = 0; i < state.size(); ++i)
+    {
+      s.state[i] = static_cast<std::uint8_t>(state[i]);
+      if (std::isnan(s.elevation_m[i])) s.elevation_m[i] = s.ground_m[i];
+    }
+    return s;
+  }
+
+ private:
+  ElevationMapper map_;
+};
+
+bool in_body(const Parameters& p, float x, float y, float z)
+{
+  const bool has_body = p.body_max_x_m > p.body_min_x_m && p.body_max_y_m > p.body_min_y_m &&
+                        p.body_max_z_m > p.body_min_z_m;
+  return has_body && x >= p.body_min_x_m && x <= p.body_max_x_m && y >= p.body_min_y_m &&
+         y <= p.body_max_y_m && z >= p.body_min_z_m && z <= p.body_max_z_m;
+}
+
+}  // namespace
+
+Surfaces::Surfaces(const Window& w) : window(w)
+{
+  const auto n = static_cast<std::size_t>(w.cells) * static_cast<std::size_t>(w.cells);
+  for (auto* layer : {&elevation_m, &ground_m, &traversability}) layer->assign(n, kNan);
+  state.assign(n, static_cast<std::uint8_t>(CellState::Unknown));
+}
+
+const std::vector<MethodInfo>& method_list()
+{
+  static const std::vector<MethodInfo> list{
+      {"talus", "two surfaces, cleanup, filling (ElevationMapper)"},
+      {"octomap", "mrpt::maps::COctoMap, its columns read out with the same clearance"},
+      {"heightgrid", "mrpt::maps::CHeightGridMap2D, the mean height of a cell"},
+      {"highest", "highest-point elevation map with Kalman fusion, 7 x 7 window features"}};
+  return list;
+}
+
+std::unique_ptr<Method> make_method(
+    const std::string& name, const Parameters& parameters, Backend backend)
+{
+  if (name == "talus") return std::make_unique<TalusMethod>(parameters, backend);
+  if (name == "octomap") return std::make_unique<OctoMapMethod>(parameters);
+  if (name == "heightgrid") return std::make_unique<HeightGridMethod>(parameters);
+  if (name == "highest") return std::make_unique<HighestPointMap>(parameters);
+  std::string known;
+  for (const auto& m : method_list()) known += (known.empty() ? "" : ", ") + std::string(m.name);
+  throw std::invalid_argument("unknown method '" + name + "'; known: " + known);
+}
+
+Window window_around(const Parameters& parameters, const Pose& T_map_sensor)
+{
+  const int n = parameters.cells();
+  const auto first = [&](double center_m)
+  { return static_cast<std::int64_t>(std::floor(center_m / parameters.resolution_m)) - n / 2; };
+  return {n, parameters.resolution_m, first(T_map_sensor.x()), first(T_map_sensor.y())};
+}
+
+std::vector<MapPoint> accepted_points(const Frame& frame, const Parameters& p)
+{
+  std::vector<MapPoint> points;
+  points.reserve(frame.size);
+  const auto& m = frame.T_map_sensor.m;
+  for (std::size_t i = 0; i < frame.size; ++i)
+  {
+    const float x = frame.x_m[i], y = frame.y_m[i], z = frame.z_m[i];
+    const float range = std::sqrt(x * x + y * y + z * z);
+    if (!std::isfinite(range) || range < p.min_range_m || range > p.max_range_m) continue;
+    if (z < p.min_height_m || z > p.max_height_m || in_body(p, x, y, z)) continue;
+    const auto row = [&](std::size_t r)
+    { return static_cast<float>(m[r] * x + m[r + 1] * y + m[r + 2] * z + m[r + 3]); };
+    points.push_back({row(0), row(4), row(8), range});
+  }
+  return points;
+}
+
+int cell_index(const Window& w, double x_m, double y_m)
+{
+  const double ix = std::floor(x_m / w.resolution_m) - static_cast<double>(w.min_cell_x);
+  const double iy = std::floor(y_m / w.resolution_m) - static_cast<double>(w.min_cell_y);
+  if (!(ix >= 0 && iy >= 0 && ix < w.cells && iy < w.cells)) return -1;
+  return static_cast<int>(iy) * w.cells + static_cast<int>(ix);
+}
+
+}  // namespace talus::baselines

@@ -1,0 +1,90 @@
+#include <talus/baselines/window_truth.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace talus::baselines
+{
+namespace
+{
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr int kAround_cells = 3;
+constexpr float kGroundHit_m = 0.05f;
+constexpr float kTopTolerance_m = 0.06f;
+
+std::int64_t cell_of(double v_m, double resolution_m)
+{
+  return static_cast<std::int64_t>(std::floor(v_m / resolution_m));
+}
+
+}  // namespace
+
+Observed::Observed(const TruthMap& truth, const Parameters& parameters)
+    : ground_hit(truth.size(), 0),
+      high_hit_(truth.size(), 0),
+      lowest_m_(truth.size(), kNan),
+      highest_m_(truth.size(), kNan),
+      truth_(truth),
+      parameters_(parameters)
+{
+}
+
+void Observed::forget_outside(const Window& window)
+{
+  const sim::TruthWindow& area = truth_.truth.window;
+  const double res = area.resolution_m;
+  for (int iy = 0; iy < area.cells_y; ++iy)
+    for (int ix = 0; ix < area.cells_x; ++ix)
+    {
+      const double x = area.min_x_m + (ix + 0.5) * res, y = area.min_y_m + (iy + 0.5) * res;
+      if (cell_index(window, x, y) >= 0) continue;
+      const auto i = static_cast<std::size_t>(iy * area.cells_x + ix);
+      ground_hit[i] = high_hit_[i] = 0;
+      lowest_m_[i] = highest_m_[i] = kNan;
+    }
+}
+
+void Observed::add(const ScanFrame& frame)
+{
+  const Window w = window_around(parameters_, frame.T_true);
+  const double res = truth_.truth.window.resolution_m;
+  forget_outside(w);
+  Frame view = frame.view();
+  view.T_map_sensor = frame.T_true;
+  for (const MapPoint& p : accepted_points(view, parameters_))
+  {
+    const int at = truth_.index(cell_of(p.x_m, res), cell_of(p.y_m, res));
+    if (at < 0 || cell_index(w, p.x_m, p.y_m) < 0) continue;
+    const auto i = static_cast<std::size_t>(at);
+    const float above = p.z_m - truth_.truth.ground[i];
+    if (std::abs(above) <= kGroundHit_m) ground_hit[i] = 1;
+    lowest_m_[i] = std::fmin(lowest_m_[i], p.z_m);
+    highest_m_[i] = std::fmax(highest_m_[i], p.z_m);
+    if (truth_.vertical[i] && above > static_cast<float>(parameters_.step_threshold_m) &&
+        above <= truth_.standing_m(i) + kTopTolerance_m)
+      high_hit_[i] = 1;
+  }
+}
+
+bool Observed::shows_obstacle(std::size_t at) const
+{
+  if (!truth_.blocked(at)) return false;
+  if (truth_.vertical[at]) return high_hit_[at];
+  if (std::isnan(lowest_m_[at])) return false;
+  const sim::TruthWindow& area = truth_.truth.window;
+  const int ix = static_cast<int>(at) % area.cells_x, iy = static_cast<int>(at) / area.cells_x;
+  float low = lowest_m_[at], high = highest_m_[at];
+  for (int y = std::max(iy - kAround_cells, 0); y <= std::min(iy + kAround_cells, area.cells_y - 1);
+       ++y)
+    for (int x = std::max(ix - kAround_cells, 0);
+         x <= std::min(ix + kAround_cells, area.cells_x - 1); ++x)
+    {
+      const auto i = static_cast<std::size_t>(y * area.cells_x + x);
+      low = std::fmin(low, lowest_m_[i]);
+      high = std::fmax(high, highest_m_[i]);
+    }
+  return high - low > static_cast<float>(parameters_.step_threshold_m);
+}
+
+}  // namespace talus::baselines

@@ -1,0 +1,42 @@
+#include <talus/baselines/sequence.h>
+
+namespace talus::baselines
+{
+namespace
+{
+constexpr double kFirstStamp_s = 1700000000.0;
+}
+
+Frame ScanFrame::view() const
+{
+  Frame f;
+  f.stamp_s = stamp_s;
+  f.T_map_sensor = T_map_sensor;
+  f.x_m = x_m.data();
+  f.y_m = y_m.data();
+  f.z_m = z_m.data();
+  f.size = x_m.size();
+  return f;
+}
+
+Sequence simulate(const sim::World& world, const sim::Drive& drive)
+{
+  Sequence sequence;
+  sequence.name = world.name;
+  for (int i = 0; i < drive.frames(); ++i)
+  {
+    sim::Scan scan = drive.scan(i);
+    ScanFrame f;
+    f.time_s = drive.time_s(i);
+    f.stamp_s = kFirstStamp_s + f.time_s;
+    f.T_map_sensor = sim::compose(drive.T_map_base_noisy(i), world.sensor.T_base_sensor);
+    f.T_true = sim::compose(drive.T_map_base(i), world.sensor.T_base_sensor);
+    f.x_m = std::move(scan.x_m);
+    f.y_m = std::move(scan.y_m);
+    f.z_m = std::move(scan.z_m);
+    sequence.frames.push_back(std::move(f));
+  }
+  return sequence;
+}
+
+}  // namespace talus::baselines

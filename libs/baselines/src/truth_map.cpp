@@ -1,0 +1,194 @@
+#include <talus/baselines/truth_map.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace talus::baselines
+{
+namespace
+{
+constexpr float kDoubt_m = 0.05f;
+constexpr float kJump_m = 0.05f;
+constexpr int kNearStep_cells = 3;
+constexpr double kSlope_rad = 0.035;
+constexpr double kRough_m = 0.003;
+constexpr float kDitchDepth_m = 0.3f;
+constexpr double kDitchWidth_m = 1.5;
+constexpr int kPost_cells = 5;
+constexpr float kPostHeight_m = 0.3f;
+
+cv::Mat as_image(std::vector<std::uint8_t>& v, const sim::TruthWindow& w)
+{
+  return cv::Mat(w.cells_y, w.cells_x, CV_8U, v.data());
+}
+
+/** Chessboard distance of each cell to the nearest one that is zero in `mask`. */
+std::vector<std::uint8_t> distance_to_zero(
+    std::vector<std::uint8_t> mask, const sim::TruthWindow& w)
+{
+  cv::Mat distance, small;
+  cv::distanceTransform(as_image(mask, w), distance, cv::DIST_C, 3);
+  distance.convertTo(small, CV_8U);
+  return {small.begin<std::uint8_t>(), small.end<std::uint8_t>()};
+}
+
+/** Slope and RMS distance from a plane of heights on a square, row by row. */
+struct PlaneFit
+{
+  double slope_rad = 0, rms_m = 0;
+};
+
+PlaneFit fit_plane(
+    const std::vector<float>& ground_m, int cells_x, int ix, int iy, int r, double res)
+{
+  double z = 0, zz = 0, xz = 0, yz = 0, xx = 0, n = 0;
+  const float own = ground_m[static_cast<std::size_t>(iy * cells_x + ix)];
+  for (int dy = -r; dy <= r; ++dy)
+    for (int dx = -r; dx <= r; ++dx)
+    {
+      const double h =
+          static_cast<double>(ground_m[static_cast<std::size_t>((iy + dy) * cells_x + ix + dx)]) -
+          own;
+      n += 1, z += h, zz += h * h, xz += dx * h, yz += dy * h, xx += dx * dx;
+    }
+  const double gx = xz / xx, gy = yz / xx;  // on a full square x, y and 1 are orthogonal
+  const double residual = std::max(zz - z * z / n - gx * xz - gy * yz, 0.0);
+  return {std::atan(std::hypot(gx, gy) / res), std::sqrt(residual / n)};
+}
+
+}  // namespace
+
+sim::TruthOptions TruthMap::truth_options(const Parameters& p, bool movers)
+{
+  sim::TruthOptions o;
+  o.movers = movers;
+  o.clearance_m = p.clearance_m;
+  o.min_obstacle_m = p.step_threshold_m;
+  o.max_slope_rad = p.slope_threshold_rad;
+  o.max_step_m = p.step_threshold_m;
+  return o;
+}
+
+TruthMap::TruthMap(sim::Truth t, const Parameters& parameters) : truth(std::move(t))
+{
+  classify_cells(parameters);
+  classify_terrain();
+  measure_distances();
+  find_ditches();
+  find_posts();
+}
+
+int TruthMap::index(std::int64_t cell_x, std::int64_t cell_y) const
+{
+  const sim::TruthWindow& w = truth.window;
+  const std::int64_t ix = cell_x - std::llround(w.min_x_m / w.resolution_m);
+  const std::int64_t iy = cell_y - std::llround(w.min_y_m / w.resolution_m);
+  if (ix < 0 || iy < 0 || ix >= w.cells_x || iy >= w.cells_y) return -1;
+  return static_cast<int>(iy * w.cells_x + ix);
+}
+
+float TruthMap::standing_m(std::size_t i) const
+{
+  const float top = truth.obstacle_top[i];
+  return top == top ? top - truth.ground[i] : 0.0f;
+}
+
+float TruthMap::height_error_m(std::size_t i, float z_m) const
+{
+  const float from_ground = std::abs(z_m - truth.ground[i]);
+  if (!free(i) || standing_m(i) == 0.0f) return from_ground;
+  return std::min(from_ground, std::abs(z_m - truth.obstacle_top[i]));
+}
+
+void TruthMap::classify_cells(const Parameters& p)
+{
+  const auto step = static_cast<float>(p.step_threshold_m);
+  for (auto* layer : {&hangs, &doubtful, &vertical}) layer->assign(size(), 0);
+  for (std::size_t i = 0; i < size(); ++i)
+  {
+    const float stands = standing_m(i);
+    const float air = truth.underside[i] - truth.ground[i];
+    hangs[i] = free(i) && air > static_cast<float>(p.clearance_m);
+    doubtful[i] = std::abs(stands - step) <= kDoubt_m;
+    vertical[i] = blocked(i) && stands > step;
+  }
+}
+
+void TruthMap::classify_terrain()
+{
+  const sim::TruthWindow& w = truth.window;
+  std::vector<std::uint8_t> calm(size(), 1);  // 0 at jumps
+  const auto surface = [&](int i)
+  { return truth.ground[static_cast<std::size_t>(i)] + standing_m(static_cast<std::size_t>(i)); };
+  for (int i = 0; i < static_cast<int>(size()); ++i)
+    for (int next : {(i + 1) % w.cells_x ? i + 1 : i, i + w.cells_x})
+      if (next < static_cast<int>(size()) && std::abs(surface(i) - surface(next)) > kJump_m)
+        calm[static_cast<std::size_t>(i)] = calm[static_cast<std::size_t>(next)] = 0;
+  const auto to_jump = distance_to_zero(calm, w);
+  terrain.assign(size(), Terrain::Flat);
+  constexpr int r = 3;
+  for (int iy = r; iy + r < w.cells_y; ++iy)
+    for (int ix = r; ix + r < w.cells_x; ++ix)
+    {
+      const auto i = static_cast<std::size_t>(iy * w.cells_x + ix);
+      const PlaneFit plane = fit_plane(truth.ground, w.cells_x, ix, iy, r, w.resolution_m);
+      terrain[i] = to_jump[i] <= kNearStep_cells  ? Terrain::NearStep
+                   : plane.rms_m > kRough_m       ? Terrain::Rough
+                   : plane.slope_rad > kSlope_rad ? Terrain::Slope
+                                                  : Terrain::Flat;
+    }
+}
+
+void TruthMap::measure_distances()
+{
+  std::vector<std::uint8_t> not_blocked(size()), not_free(size());
+  for (std::size_t i = 0; i < size(); ++i) not_blocked[i] = !blocked(i), not_free[i] = blocked(i);
+  to_blocked = distance_to_zero(not_blocked, truth.window);
+  depth = distance_to_zero(not_free, truth.window);
+}
+
+void TruthMap::find_ditches()
+{
+  const sim::TruthWindow& w = truth.window;
+  std::vector<float> ground = truth.ground;
+  for (float& h : ground)
+    if (h != h) h = 0;
+  const int side = static_cast<int>(kDitchWidth_m / w.resolution_m) | 1;
+  cv::Mat depth_m;
+  cv::morphologyEx(
+      cv::Mat(w.cells_y, w.cells_x, CV_32F, ground.data()), depth_m, cv::MORPH_BLACKHAT,
+      cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+  ditch.assign(size(), 0);
+  for (std::size_t i = 0; i < size(); ++i)
+    ditch[i] = depth_m.at<float>(static_cast<int>(i) / w.cells_x, static_cast<int>(i) % w.cells_x) >
+               kDitchDepth_m;
+}
+
+void TruthMap::find_posts()
+{
+  const sim::TruthWindow& w = truth.window;
+  std::vector<std::uint8_t> blocks(size());
+  for (std::size_t i = 0; i < size(); ++i) blocks[i] = blocked(i);
+  cv::Mat labels, stats, centroids;
+  const int n = cv::connectedComponentsWithStats(as_image(blocks, w), labels, stats, centroids, 8);
+  std::vector<float> height(static_cast<std::size_t>(n), 0.0f);
+  for (std::size_t i = 0; i < size(); ++i)
+  {
+    float& h = height[static_cast<std::size_t>(
+        labels.at<int>(static_cast<int>(i) / w.cells_x, static_cast<int>(i) % w.cells_x))];
+    h = std::max(h, standing_m(i));
+  }
+  std::vector<int> number(static_cast<std::size_t>(n), -1);
+  for (int c = 1; c < n; ++c)
+    if (stats.at<int>(c, cv::CC_STAT_WIDTH) <= kPost_cells &&
+        stats.at<int>(c, cv::CC_STAT_HEIGHT) <= kPost_cells &&
+        height[static_cast<std::size_t>(c)] > kPostHeight_m)
+      number[static_cast<std::size_t>(c)] = posts++;
+  post.resize(size());
+  for (std::size_t i = 0; i < size(); ++i)
+    post[i] = number[static_cast<std::size_t>(
+        labels.at<int>(static_cast<int>(i) / w.cells_x, static_cast<int>(i) % w.cells_x))];
+}
+
+}  // namespace talus::baselines

@@ -1,0 +1,139 @@
+#include <talus/baselines/window_truth.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus::baselines
+{
+namespace
+{
+constexpr double kRobot_m = 0.35;
+constexpr double kApart_m = 0.4;  //!< between sensor positions from which visibility is asked
+constexpr std::size_t kPositions = 12;
+constexpr double kHitTolerance_m = 0.03;
+
+/** Poses from which to ask what could be seen: the last one, and earlier ones some way apart. */
+std::vector<Pose> viewpoints(const std::vector<ScanFrame>& frames, std::size_t now)
+{
+  std::vector<Pose> poses{frames[now].T_true};
+  for (std::size_t i = now; i-- > 0 && poses.size() < kPositions;)
+  {
+    const Pose &a = frames[i].T_true, &b = poses.back();
+    if (std::hypot(a.x() - b.x(), a.y() - b.y()) >= kApart_m) poses.push_back(a);
+  }
+  return poses;
+}
+
+/** Whether a direction of the sensor frame is inside the field of view. */
+bool in_view(const sim::Scanner& scanner, const sim::Vec3& d)
+{
+  const auto [low, high] =
+      std::minmax_element(scanner.elevations_rad.begin(), scanner.elevations_rad.end());
+  const double elevation = std::atan2(d.z, std::hypot(d.x, d.y));
+  if (elevation < *low || elevation > *high) return false;
+  return !scanner.camera || (d.x > 0 && std::abs(d.y) < scanner.half_width_tan * d.x);
+}
+
+bool sees(
+    const Pose& from, const sim::Vec3& place, const Parameters& p, const sim::Scene& scene,
+    const sim::Scanner& scanner)
+{
+  const sim::Vec3 origin{from.x(), from.y(), from.z()};
+  const sim::Vec3 way = place - origin;
+  const double distance = sim::norm(way);
+  const sim::Vec3 in_sensor = sim::rotate_back(from, way);
+  if (cell_index(window_around(p, from), place.x, place.y) < 0) return false;
+  if (in_sensor.z < p.min_height_m || in_sensor.z > p.max_height_m) return false;
+  if (!in_view(scanner, in_sensor)) return false;
+  const auto hit = scene.cast({origin, sim::normalized(way)}, distance);
+  return !hit || hit->range_m > distance - kHitTolerance_m;
+}
+
+void mark_visible(
+    WindowTruth& here, const TruthMap& truth, const std::vector<Pose>& poses, const Parameters& p,
+    const sim::Scene& scene, const sim::Scanner& scanner)
+{
+  const Window& w = here.window;
+  for (int k = 0; k < w.cells * w.cells; ++k)
+  {
+    const auto i = static_cast<std::size_t>(k);
+    if (here.could_see[i] || here.at[i] < 0 || !here.free_now[i]) continue;
+    const sim::Vec3 place{
+        w.min_x_m() + (k % w.cells + 0.5) * w.resolution_m,
+        w.min_y_m() + (static_cast<double>(k / w.cells) + 0.5) * w.resolution_m,
+        truth.truth.ground[static_cast<std::size_t>(here.at[i])] + 0.002};
+    here.could_see[i] = std::any_of(
+        poses.begin(), poses.end(),
+        [&](const Pose& from) { return sees(from, place, p, scene, scanner); });
+  }
+}
+
+void fill_cell(
+    WindowTruth& here, std::size_t k, std::size_t at, const TruthMap& truth,
+    const Observed& observed, const MoverTruth* movers)
+{
+  const bool mover = movers && movers->blocked_now[at];
+  here.blocked_now[k] = truth.blocked(at) || mover;
+  here.free_now[k] = truth.free(at) && !mover;
+  here.touched[k] = movers && movers->touched[at];
+  here.could_see[k] = observed.ground_hit[at];
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> flood(
+    const std::vector<std::uint8_t>& open, const std::vector<std::uint8_t>& start, int cells)
+{
+  std::vector<std::uint8_t> reached(open.size(), 0);
+  std::vector<int> todo;
+  for (std::size_t i = 0; i < start.size(); ++i)
+    if (start[i]) reached[i] = 1, todo.push_back(static_cast<int>(i));
+  while (!todo.empty())
+  {
+    const int i = todo.back(), x = i % cells, y = i / cells;
+    todo.pop_back();
+    const auto visit = [&](int nx, int ny)
+    {
+      if (nx < 0 || ny < 0 || nx >= cells || ny >= cells) return;
+      const auto next = static_cast<std::size_t>(ny * cells + nx);
+      if (reached[next] || !open[next]) return;
+      reached[next] = 1;
+      todo.push_back(static_cast<int>(next));
+    };
+    visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
+  }
+  return reached;
+}
+
+WindowTruth window_truth(
+    const TruthMap& truth, const Observed& observed, const MoverTruth* movers,
+    const std::vector<ScanFrame>& frames, std::size_t now, const Parameters& parameters,
+    const sim::Scene* scene, const sim::Scanner* scanner)
+{
+  WindowTruth here;
+  here.T_map_sensor = frames[now].T_true;
+  here.window = window_around(parameters, here.T_map_sensor);
+  const int n = here.window.cells;
+  const auto size = static_cast<std::size_t>(n) * static_cast<std::size_t>(n);
+  here.at.assign(size, -1);
+  for (auto* layer :
+       {&here.free_now, &here.blocked_now, &here.touched, &here.could_see, &here.start})
+    layer->assign(size, 0);
+  for (int k = 0; k < n * n; ++k)
+  {
+    const auto i = static_cast<std::size_t>(k);
+    here.at[i] = truth.index(here.window.min_cell_x + k % n, here.window.min_cell_y + k / n);
+    const double x = here.window.min_x_m() + (k % n + 0.5) * here.window.resolution_m;
+    const double y =
+        here.window.min_y_m() + (static_cast<double>(k / n) + 0.5) * here.window.resolution_m;
+    here.start[i] = std::hypot(x - here.T_map_sensor.x(), y - here.T_map_sensor.y()) < kRobot_m;
+    if (here.at[i] >= 0)
+      fill_cell(here, i, static_cast<std::size_t>(here.at[i]), truth, observed, movers);
+  }
+  here.reachable = flood(here.free_now, here.start, n);
+  if (scene && scanner)
+    mark_visible(here, truth, viewpoints(frames, now), parameters, *scene, *scanner);
+  return here;
+}
+
+}  // namespace talus::baselines

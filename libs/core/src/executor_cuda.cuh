@@ -1,0 +1,266 @@
+#pragma once
+#include "backend.h"
+#include "cuda_graph.h"
+#include "cuda_loops.cuh"
+#include "kernels/1_accept.h"
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <vector>
+
+namespace talus
+{
+/** Runs the stages on a CUDA device. A frame is recorded once as a graph and then replayed: one
+ * launch a frame, on memory that does not move; it is recorded anew when memory grows or when other
+ * outputs are wanted. */
+class CudaExecutor
+{
+ public:
+  template <class T>
+  using Buffer = DeviceBuffer<T>;
+  using Atomics = kernels::DeviceAtomics;
+
+  /** Takes the first device. Throws std::runtime_error that says why where there is none, or none
+   * that this build has code for. */
+  CudaExecutor();
+
+  std::string name() const { return name_; }
+
+  /** Cells of more points are updated by a warp. */
+  static constexpr int kCrowd = 8;
+
+  // ---- memory: these wait until they are done ----
+  template <class T>
+  void allocate(Buffer<T>& buffer, std::size_t size, T value)
+  {
+    graph_.reset();
+    buffer = {};
+    buffer = Buffer<T>(size);
+    fill(buffer, value);
+  }
+  template <class T>
+  void upload(const T* from, std::size_t size, T* to)
+  {
+    copy(to, from, size);
+    synchronize();
+  }
+  template <class T>
+  void download(const T* from, std::size_t size, T* to)
+  {
+    copy(to, from, size);
+    synchronize();
+  }
+  void synchronize() { TALUS_CUDA(cudaStreamSynchronize(main_.stream.get())); }
+
+  // ---- outputs ----
+  OutputMemory map_output(float* host, std::size_t size);
+  void forget_outputs()
+  {
+    graph_.reset();
+    outputs_.clear();
+  }
+
+  // ---- one frame ----
+  void start_clock() { start_ = Clock::now(); }
+  /** Graphs are recorded for as many points as there is room for. */
+  int loop_size(int, std::size_t capacity) const { return static_cast<int>(capacity); }
+  PointArrays point_arrays(std::size_t capacity);
+  kernels::PointsIn stage(
+      const Frame& frame, const kernels::FrameContext& context, std::size_t capacity);
+  template <class Body>
+  void run_frame(const Body& body)
+  {
+    if (!graph_) record(body);
+    const double t0 = total_ms();  // XXX
+    TALUS_CUDA(cudaGraphLaunch(graph_.get(), main_.stream.get()));
+    const double t1 = total_ms();  // XXX
+    synchronize();
+    xt[0] += t0, xt[1] += t1 - t0, xt[2] += total_ms() - t1;  // XXX
+    if (++xn == 500 && tuned("X_TIME", 0))
+      fprintf(
+          stderr, "    stage %.1f launch %.1f sync %.1f us; fetch+ %.1f\n", 2 * xt[0], 2 * xt[1],
+          2 * xt[2], 0.0);  // XXX
+  }
+  void fetch(Buffer<kernels::FrameContext>& context);
+  /** Where a frame leaves its counters for the host. */
+  std::uint32_t* reported() { return counters_.data(); }
+  /** Kernels that were recorded since the last lap belong to a stage. */
+  void lap(int stage) { lap_of_stage_[static_cast<std::size_t>(stage)] = lap_++; }
+  std::array<double, kStageCount> stage_ms() const;
+  double total_ms() const
+  {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+  }
+
+  // ---- loops: in the order of calls, within a frame as part of its graph ----
+  template <class F>
+  void for_each(int n, const F& f)
+  {
+    // Few elements in small blocks, so that they spread over the device.
+    const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
+    launch(loops::over_range<F>, dim3(blocks(n, size)), dim3(size), 0, n, f);
+  }
+  template <class F>
+  void for_each_and_team(int n, int teams, const F& f)
+  {
+    launch(
+        loops::over_range_and_teams<F>, dim3(blocks(n + 32 * teams, loops::kThreads)),
+        dim3(loops::kThreads), 0, n, teams, f);
+  }
+  template <class F, class G>
+  void for_each_beside(int n, const F& f, int, int nx, int ny, const G& g)
+  {
+    const int size = std::max(n, nx * ny) < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
+    const dim3 cells = tiles(nx, ny, size / loops::kTileWidth);
+    launch(
+        loops::over_range_and_cells<F, G>, dim3(blocks(n, size) + cells.x * cells.y), dim3(size), 0,
+        n, f, nx, ny, g);
+  }
+  template <class F>
+  void for_each_cell(int nx, int ny, const F& f)
+  {
+    launch(loops::over_cells<F>, tiles(nx, ny, loops::kTileRows), kTile, 0, nx, ny, f);
+  }
+  template <class F>
+  void for_each_window(int nx, int ny, int radius, const F& f)
+  {
+    // High tiles share more rows; low ones spread over the device and need one round of rows.
+    constexpr int rows = loops::kWindowThreads;
+    const int height = nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : rows;
+    const auto size = static_cast<std::size_t>(loops::kTileWidth * (height + 2 * radius));
+    launch(
+        loops::over_windows<F>, tiles(nx, ny, height), dim3(loops::kTileWidth, rows),
+        size * sizeof(typename F::Row), nx, ny, radius, height, f);
+  }
+  template <class F, class G>
+  void pack_bits(
+      int lines, int bits, const F& f, Buffer<std::uint32_t>& words, int more_lines, int more_bits,
+      const G& g, Buffer<std::uint32_t>& more_words)
+  {
+    const int n = lines * ((bits + 31) / 32) + more_lines * ((more_bits + 31) / 32);
+    launch(
+        loops::over_bits<F, G>, dim3(blocks(32 * n, loops::kThreads)), dim3(loops::kThreads), 0,
+        lines, bits, f, words.data(), more_lines, more_bits, g, more_words.data());
+  }
+  template <class T>
+  void fill(Buffer<T>& buffer, T value)
+  {
+    for_each(static_cast<int>(buffer.size()), loops::FillWith<T>{buffer.data(), value});
+  }
+  template <class T>
+  void copy(T* to, const T* from, std::size_t size)
+  {
+    if (!size) return;
+    if (beside_ && !forked_) follow(main_, side_), forked_ = true;
+    TALUS_CUDA(cudaMemcpyAsync(to, from, size * sizeof(T), cudaMemcpyDefault, lane().stream.get()));
+    lane().after_kernel = false;
+  }
+
+  /** Copies in `body` run beside what follows, up to join(). */
+  template <class Body>
+  void aside(const Body& body)
+  {
+    beside_ = true;
+    body();
+    beside_ = false;
+  }
+  void join()
+  {
+    if (forked_) follow(side_, main_);
+    forked_ = false;
+  }
+
+  double xt[3]{};
+  int xn = 0;  // XXX
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr int kMaxLaps = kStageCount + 1;
+  static constexpr int kManyThreads = 100000;  //!< enough to fill a device
+  static constexpr dim3 kTile{loops::kTileWidth, loops::kTileRows, 1};
+
+  struct Lane
+  {
+    Stream stream;
+    Event reached;
+    bool after_kernel = false;  //!< the next entry waits for a kernel, and for nothing else
+  };
+
+  Lane& lane() { return beside_ ? side_ : main_; }
+  /** `after` goes on when `before` is as far as it is now. */
+  void follow(Lane& before, Lane& after)
+  {
+    TALUS_CUDA(cudaEventRecord(before.reached.get(), before.stream.get()));
+    TALUS_CUDA(cudaStreamWaitEvent(after.stream.get(), before.reached.get(), 0));
+    after.after_kernel = false;
+  }
+  template <class Body>
+  void record(const Body& body)
+  {
+    lap_ = 0;
+    beside_ = forked_ = main_.after_kernel = false;
+    recording_ = true;
+    struct Off
+    {
+      bool& recording;
+      ~Off() { recording = false; }
+    } off{recording_};
+    graph_ = instantiate(capture(main_.stream, body));
+  }
+
+  static unsigned blocks(int n, int size) { return static_cast<unsigned>((n + size - 1) / size); }
+  static dim3 tiles(int nx, int ny, int rows)
+  {
+    return dim3(blocks(nx, loops::kTileWidth), blocks(ny, rows));
+  }
+
+  /** Where the time of the current lap is noted. */
+  std::uint64_t* lap_note()
+  {
+    return recording_ && tuned("X_NOTE", 1) ? lap_ns_.data() + lap_ : nullptr;
+  }
+
+  template <class... P, class... A>
+  void launch(void (*kernel)(P...), dim3 grid, dim3 block, std::size_t shared, const A&... args)
+  {
+    if (!grid.x || !grid.y) return;
+    cudaLaunchConfig_t config{};
+    config.gridDim = grid;
+    config.blockDim = block;
+    config.dynamicSmemBytes = shared;
+    config.stream = main_.stream.get();
+    cudaLaunchAttribute chain{};
+    chain.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+    chain.val.programmaticStreamSerializationAllowed = 1;
+    config.attrs = &chain;
+    config.numAttrs =
+        recording_ && can_chain_ && main_.after_kernel && grid.x * grid.y <= tuned("X_CHAIN", 1000)
+            ? 1
+            : 0;
+    TALUS_CUDA(cudaLaunchKernelEx(&config, kernel, args..., lap_note()));
+    main_.after_kernel = true;
+  }
+
+  /** Whether the points are copied by the bus as they are staged, not fetched by the graph. */
+  bool copies_points() const;
+
+  std::string name_;
+  Lane main_, side_;
+  bool can_chain_ = false;
+  bool recording_ = false, beside_ = false, forked_ = false;
+  GraphExec graph_;
+  std::vector<HostRegistration> outputs_;
+  // the frame's points, and how they reach the device
+  std::size_t capacity_ = 0;
+  bool times_ = false;  //!< a frame had times
+  PinnedBuffer<std::uint32_t> staged_;  //!< context, then x, y, z, time
+  DeviceBuffer<float> points_;
+  // the report
+  PinnedBuffer<std::uint32_t> counters_;
+  PinnedBuffer<std::uint64_t> lap_ns_;
+  int lap_ = 0;
+  std::array<int, kStageCount> lap_of_stage_{};
+  Clock::time_point start_;
+};
+
+}  // namespace talus

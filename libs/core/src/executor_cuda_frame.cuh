@@ -1,0 +1,113 @@
+#pragma once
+#include "copy_large.h"
+#include "executor_cuda.cuh"
+
+namespace talus
+{
+namespace
+{
+constexpr std::size_t kContextWords = sizeof(kernels::FrameContext) / sizeof(std::uint32_t);
+constexpr std::size_t kStagedPoints = (kContextWords + 63) / 64 * 64;  //!< where the arrays begin
+/** Frames of up to so many bytes are fetched by the graph's first kernel; larger ones are copied in
+ * pieces while the next piece is staged. */
+static const std::size_t kFetchBytes = tuned("X_FETCH", 512 * 1024);
+/** Layers of up to so many bytes are written to host memory by the kernels that compute them;
+ * larger ones are copied. */
+static const std::size_t kDirectBytes = tuned("X_DIRECT", 512 * 1024);
+}  // namespace
+
+inline CudaExecutor::CudaExecutor()
+{
+  int devices = 0;
+  const cudaError_t answer = cudaGetDeviceCount(&devices);
+  static_cast<void>(cudaGetLastError());
+  if (answer != cudaSuccess || devices == 0)
+    throw std::runtime_error(
+        std::string("no CUDA device answers") +
+        (answer == cudaSuccess ? "" : std::string(": ") + cudaGetErrorString(answer)));
+  TALUS_CUDA(cudaSetDevice(0));
+  cudaDeviceProp device;
+  TALUS_CUDA(cudaGetDeviceProperties(&device, 0));
+  name_ = std::string("cuda: ") + device.name;
+  cudaFuncAttributes code;
+  if (cudaFuncGetAttributes(&code, loops::over_range<loops::FetchFrame>) != cudaSuccess)
+  {
+    static_cast<void>(cudaGetLastError());
+    throw std::runtime_error(
+        std::string("built for other CUDA architectures than that of ") + device.name +
+        ": set TALUS_CUDA_ARCHITECTURES");
+  }
+  // Code of an older architecture does not wait for its predecessor by itself.
+  can_chain_ = device.major >= 9 && code.ptxVersion >= 90;
+  for (Lane* l : {&main_, &side_}) l->stream = make_stream(), l->reached = make_event();
+  counters_ = PinnedBuffer<std::uint32_t>(kernels::kRejectCodes);
+  lap_ns_ = PinnedBuffer<std::uint64_t>(kMaxLaps);
+}
+
+inline OutputMemory CudaExecutor::map_output(float* host, std::size_t size)
+{
+  outputs_.emplace_back(host, size * sizeof(float));
+  auto* direct = static_cast<float*>(outputs_.back().device());
+  return {direct != nullptr, size * sizeof(float) <= kDirectBytes ? direct : nullptr};
+}
+
+inline bool CudaExecutor::copies_points() const
+{
+  return 3 * capacity_ * sizeof(float) > kFetchBytes;
+}
+
+inline PointArrays CudaExecutor::point_arrays(std::size_t capacity)
+{
+  if (capacity != capacity_)
+  {
+    capacity_ = capacity;
+    staged_ = {};
+    staged_ = PinnedBuffer<std::uint32_t>(kStagedPoints + 4 * capacity);
+    std::memset(staged_.data(), 0, staged_.size() * sizeof(std::uint32_t));
+    allocate(points_, 4 * capacity, 0.0f);
+  }
+  auto* p = reinterpret_cast<float*>(staged_.data() + kStagedPoints);
+  return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
+}
+
+inline kernels::PointsIn CudaExecutor::stage(
+    const Frame& frame, const kernels::FrameContext& context, std::size_t capacity)
+{
+  const PointArrays to = point_arrays(capacity);
+  if (context.has_times && !times_) graph_.reset(), times_ = true;
+  std::memcpy(staged_.data(), &context, sizeof context);
+  const float* const from[] = {frame.x_m, frame.y_m, frame.z_m, frame.time_s};
+  float* p = points_.data();
+  for (std::size_t a = 0; frame.size && a < (context.has_times ? 4u : 3u); a++)
+  {
+    float* staged = to.x_m + a * capacity;
+    if (from[a] != staged) copy_large(staged, from[a], frame.size * sizeof(float));
+    if (copies_points()) copy(p + a * capacity, staged, frame.size);
+  }
+  return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
+}
+
+inline void CudaExecutor::fetch(Buffer<kernels::FrameContext>& context)
+{
+  const auto quads = static_cast<int>(copies_points() ? 0 : (times_ ? 4 : 3) * capacity_ / 4);
+  const auto words = static_cast<int>(kContextWords);
+  for_each(
+      std::max(words, quads),
+      loops::FetchFrame{
+          staged_.data(), reinterpret_cast<const float4*>(staged_.data() + kStagedPoints),
+          reinterpret_cast<std::uint32_t*>(context.data()),
+          reinterpret_cast<float4*>(points_.data()), words, quads});
+  lap_++;
+}
+
+inline std::array<double, kStageCount> CudaExecutor::stage_ms() const
+{
+  std::array<double, kStageCount> ms{};
+  const std::uint64_t* done = lap_ns_.data();
+  for (std::size_t s = 0; s < ms.size(); s++)
+    if (const int lap = lap_of_stage_[s])
+      ms[s] = static_cast<double>(done[lap] - done[lap - 1]) * 1e-6;
+  return ms;
+}
+
+}  // namespace talus

@@ -1,0 +1,170 @@
+// The command talus-compare from end to end: its files, messages and exit codes.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+namespace fs = std::filesystem;
+
+namespace
+{
+struct Outcome
+{
+  int code = 0;
+  std::string text;
+};
+
+class TalusCompare : public testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    std::ofstream(path("small.yaml")) << "name: small\n"
+                                         "seed: 4\n"
+                                         "ground: [plane: {z_m: 0}]\n"
+                                         "objects: [box: {at_m: [3, 1], size_m: [0.5, 0.5, 0.5]}]\n"
+                                         "robot: {path_m: [[0, 0], [1, 0]]}\n";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  Outcome run_command(const std::string& command) const
+  {
+    const std::string log = path("log.txt");
+    const int status = std::system((command + " >" + log + " 2>&1").c_str());
+    return {WEXITSTATUS(status), read("log.txt")};
+  }
+  Outcome run(const std::string& arguments) const
+  {
+    return run_command(std::string(TALUS_COMPARE_EXE) + " " + arguments);
+  }
+
+  std::string read(const std::string& name) const
+  {
+    std::ostringstream out;
+    out << std::ifstream(path(name), std::ios::binary).rdbuf();
+    return out.str();
+  }
+
+ private:
+  fs::path folder_ = fs::temp_directory_path() / ("talus_compare_test_" + std::to_string(getpid()));
+};
+
+TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
+{
+  const Outcome o = run(path("small.yaml") + " --output " + path("out"));
+  ASSERT_EQ(o.code, 0) << o.text;
+  EXPECT_NE(o.text.find("octomap"), std::string::npos);
+  EXPECT_NE(o.text.find("measured_ground_flat_rmse_m"), std::string::npos);
+
+  const auto json = nlohmann::json::parse(read("out/comparison.json"));
+  const auto& world = json["worlds"][0];
+  EXPECT_EQ(world["name"], "small");
+  EXPECT_EQ(world["frames"], 11);
+  EXPECT_LT(world["methods"]["talus"]["measured_ground_flat_rmse_m"], 0.005);
+  EXPECT_EQ(world["methods"].size(), 4);
+  EXPECT_EQ(world["fills"].size(), 5);
+  EXPECT_FALSE(world["budgets"].empty());
+
+  EXPECT_EQ(read("out/methods.csv").rfind("world,method,update_median_ms", 0), 0);
+  EXPECT_FALSE(cv::imread(path("out/maps.png")).empty());
+  EXPECT_FALSE(cv::imread(path("out/fills.png")).empty());
+}
+
+TEST_F(TalusCompare, GivesTheSameFiguresForTheLogOfAWorldAsForTheWorld)
+{
+  const auto sim = run_command(
+      std::string(TALUS_SIM_EXE) + " " + path("small.yaml") + " --output " + path("log"));
+  ASSERT_EQ(sim.code, 0) << sim.text;
+  const std::string methods = " --methods talus --output ";
+  ASSERT_EQ(run(path("small.yaml") + methods + path("a")).code, 0);
+  const Outcome b =
+      run(path("log/small.rawlog") + " --world " + path("small.yaml") + methods + path("b"));
+  ASSERT_EQ(b.code, 0) << b.text;
+  const auto figure = [&](const std::string& folder, const std::string& name)
+  {
+    return nlohmann::json::parse(
+               read(folder + "/comparison.json"))["worlds"][0]["methods"]["talus"][name]
+        .get<double>();
+  };
+  for (const char* name : {"measured_ground_rmse_m", "coverage_measured", "reach"})
+    EXPECT_NEAR(figure("a", name), figure("b", name), 1e-4) << name;  // poses rounded in the log
+}
+
+TEST_F(TalusCompare, HoldsPointsOutOfALogWithoutTruth)
+{
+  ASSERT_EQ(
+      run_command(
+          std::string(TALUS_SIM_EXE) + " " + path("small.yaml") + " --output " + path("log"))
+          .code,
+      0);
+  const Outcome o =
+      run(path("log/small.rawlog") + " --methods talus --beams 16 --output " + path("out"));
+  ASSERT_EQ(o.code, 0) << o.text;
+  const auto json = nlohmann::json::parse(read("out/comparison.json"));
+  EXPECT_GT(json["held_out"][0]["fills"]["bgk"]["all_n"], 100);
+  EXPECT_LT(json["held_out"][0]["fills"]["talus"]["all_median_m"], 0.03);
+}
+
+TEST_F(TalusCompare, KeepsWhatPeopleWroteAboveTheMarkerOfThePage)
+{
+  std::ofstream(path("page.md")) << "# By hand\n\n";
+  const std::string call = path("small.yaml") + " --methods talus --output " + path("out") +
+                           " --markdown " + path("page.md");
+  ASSERT_EQ(run(call).code, 0);
+  ASSERT_EQ(run(call).code, 0);
+  const std::string page = read("page.md");
+  EXPECT_EQ(page.rfind("# By hand\n", 0), 0);
+  EXPECT_NE(page.find("| talus |"), std::string::npos);
+  EXPECT_EQ(page.find("Made by"), page.rfind("Made by"));
+}
+
+TEST_F(TalusCompare, TakesParametersFromTheCommandLine)
+{
+  const Outcome o =
+      run(path("small.yaml") +
+          " --methods talus --set resolution_m=0.1 --set fill_rule=printed "
+          "--output " +
+          path("out"));
+  EXPECT_EQ(o.code, 0) << o.text;
+  const Outcome bad = run(path("small.yaml") + " --set fill_rule=guess --output " + path("out2"));
+  EXPECT_EQ(bad.code, 1);
+  EXPECT_NE(bad.text.find("exchanged"), std::string::npos) << bad.text;
+  EXPECT_FALSE(fs::exists(path("out2")));
+}
+
+TEST_F(TalusCompare, ExitsWithOneWhenAnInputFailsAndStillDoesTheOthers)
+{
+  const Outcome o = run(
+      path("nowhere.yaml") + " " + path("small.yaml") + " --methods talus --output " + path("out"));
+  EXPECT_EQ(o.code, 1);
+  EXPECT_NE(o.text.find("nowhere.yaml"), std::string::npos);
+  EXPECT_TRUE(fs::exists(path("out/comparison.json")));
+}
+
+TEST_F(TalusCompare, ExitsWithTwoForWrongUsageAndZeroForHelp)
+{
+  EXPECT_EQ(run("").code, 2);
+  EXPECT_EQ(run(path("small.yaml") + " --output x --no-such-option").code, 2);
+  const Outcome help = run("--help");
+  EXPECT_EQ(help.code, 0);
+  EXPECT_NE(help.text.find("Examples"), std::string::npos);
+}
+
+TEST_F(TalusCompare, NamesTheKnownMethodsWhenOneIsUnknown)
+{
+  const Outcome o = run(path("small.yaml") + " --methods talus,grid --output " + path("out"));
+  EXPECT_EQ(o.code, 1);
+  EXPECT_NE(o.text.find("heightgrid"), std::string::npos);
+}
+
+}  // namespace

@@ -1,0 +1,194 @@
+// How maps are scored against the truth: maps that are right, and maps that are wrong in one way.
+#include <gtest/gtest.h>
+#include <talus/baselines/budgets.h>
+#include <talus/sim/world.h>
+
+#include <cmath>
+
+namespace talus::baselines
+{
+namespace
+{
+/** A robot at rest in a world, and the truth about it. */
+class Stage
+{
+ public:
+  explicit Stage(const std::string& rest, double duration_s = 0.05)
+      : world_(sim::parse_world(
+            "ground: [plane: {z_m: 0}]\n" + rest + "robot: {path_m: [[0, 0]], duration_s: " +
+                std::to_string(duration_s) + "}\nsensor: {scanner: OS1-64}\n",
+            "test.yaml")),
+        truth(truth_of(world_, options_)),
+        sequence(simulate(world_, sim::Drive(world_))),
+        observed(truth, options_.parameters)
+  {
+    for (const ScanFrame& f : sequence.frames) observed.add(f);
+    here = window_truth(
+        truth, observed, nullptr, sequence.frames, sequence.frames.size() - 1, options_.parameters,
+        nullptr, nullptr);
+  }
+
+  /** A map without any error. */
+  Surfaces perfect() const
+  {
+    Surfaces s(here.window);
+    for (std::size_t k = 0; k < s.size(); ++k)
+    {
+      const auto i = static_cast<std::size_t>(here.at[k]);
+      s.ground_m[k] = truth.truth.ground[i];
+      s.elevation_m[k] = truth.truth.ground[i] + truth.standing_m(i);
+      s.traversability[k] = truth.blocked(i) ? 0.0f : 1.0f;
+      s.state[k] = static_cast<std::uint8_t>(CellState::Measured);
+    }
+    return s;
+  }
+
+  Score score(const Surfaces& map) const
+  {
+    Score s;
+    score_frame(map, truth, here, observed, s);
+    return s;
+  }
+
+  std::size_t cell(double x_m, double y_m) const
+  {
+    return static_cast<std::size_t>(cell_index(here.window, x_m, y_m));
+  }
+
+ private:
+  EvaluationOptions options_;
+  sim::World world_;
+
+ public:
+  TruthMap truth;
+  Sequence sequence;
+  Observed observed;
+  WindowTruth here;
+};
+
+const char* kBox = "objects: [box: {at_m: [2.5, 0], size_m: [0.5, 1.5, 0.6]}]\n";
+
+TEST(Score, FindsNothingWrongWithAPerfectMap)
+{
+  const Stage stage(kBox);
+  const Score s = stage.score(stage.perfect());
+  EXPECT_EQ(s.all_measured_ground().rmse_m(), 0.0);
+  EXPECT_EQ(s.obstacle_blocked.value(), 1.0);
+  EXPECT_GT(s.obstacle_blocked.of, 5);
+  EXPECT_EQ(s.free_passable_all.value(), 1.0);
+  EXPECT_EQ(s.leak.value(), 0.0);
+  EXPECT_EQ(s.reach.value(), 1.0);
+  EXPECT_EQ(s.inflation_cells(), 0.0);
+}
+
+TEST(Score, CountsAnErrorOfAllGroundAsItsRmse)
+{
+  const Stage stage(kBox);
+  Surfaces map = stage.perfect();
+  for (float& h : map.ground_m) h += 0.02f;
+  EXPECT_NEAR(stage.score(map).all_measured_ground().rmse_m(), 0.02, 1e-6);
+}
+
+TEST(Score, SeesPathsIntoAnObstacleThatTheMapDoesNotShow)
+{
+  const Stage stage(kBox);
+  Surfaces map = stage.perfect();
+  for (float& t : map.traversability) t = 1.0f;
+  const Score s = stage.score(map);
+  EXPECT_EQ(s.leak.value(), 1.0);
+  EXPECT_EQ(s.leak.of, 8 * 28);  // 10 x 30 cells without their border
+  EXPECT_EQ(s.obstacle_blocked.value(), 0.0);
+}
+
+TEST(Score, SeesAWallThatIsNotThereAsLostReach)
+{
+  const Stage stage("");
+  Surfaces map = stage.perfect();
+  const int n = map.window.cells;
+  for (int iy = 0; iy < n; ++iy)
+    map.traversability[static_cast<std::size_t>(iy * n + n / 2 + 20)] = 0.0f;
+  EXPECT_NEAR(stage.score(map).reach.value(), (n / 2 + 20.0) / n, 0.01);
+}
+
+TEST(Score, MeasuresInflationInCells)
+{
+  const Stage stage(kBox);
+  Surfaces map = stage.perfect();
+  for (std::size_t k = 0; k < map.size(); ++k)
+    if (stage.truth.to_blocked[static_cast<std::size_t>(stage.here.at[k])] <= 3)
+      map.traversability[k] = 0.0f;
+  EXPECT_EQ(stage.score(map).inflation_cells(), 3.0);
+}
+
+TEST(Score, JudgesCellsUnderATableByHeightAndByPassability)
+{
+  const Stage stage("objects: [table: {at_m: [2, 0], size_m: [1, 1, 0.8]}]\n");
+  Surfaces map = stage.perfect();
+  EXPECT_EQ(stage.score(map).hanging_wrong.value(), 0.0);
+  EXPECT_EQ(stage.score(map).hanging_passable.value(), 1.0);
+  map.elevation_m[stage.cell(2, 0)] = 0.8f;
+  map.traversability[stage.cell(2, 0)] = 0.0f;
+  const Score s = stage.score(map);
+  EXPECT_EQ(s.hanging_wrong.part, 1);
+  EXPECT_EQ(s.hanging_passable.of - s.hanging_passable.part, 1);
+}
+
+TEST(Score, MissesAPostThatTheMapLost)
+{
+  const Stage stage("objects: [post: {at_m: [2, 0.5], height_m: 0.9, radius_m: 0.06}]\n");
+  Surfaces map = stage.perfect();
+  EXPECT_EQ(stage.score(map).posts.value(), 1.0);
+  for (float& t : map.traversability) t = 1.0f;
+  EXPECT_EQ(stage.score(map).posts.value(), 0.0);
+}
+
+TEST(TruthMap, TellsFlatFromSlopeRoughAndSteps)
+{
+  const sim::World world = sim::parse_world(
+      "ground:\n"
+      "  - ramp: {at_m: [2, 0], length_m: 2, height_m: 0.3}\n"
+      "  - step: {at_m: [0, 3], yaw_deg: 90, height_m: 0.15}\n"
+      "robot: {path_m: [[0, 0]], duration_s: 0.05}\n",
+      "test.yaml");
+  const TruthMap truth = truth_of(world, EvaluationOptions());
+  const auto kind = [&](double x, double y)
+  {
+    return truth.terrain[static_cast<std::size_t>(truth.index(
+        static_cast<std::int64_t>(std::floor(x / 0.05)),
+        static_cast<std::int64_t>(std::floor(y / 0.05))))];
+  };
+  EXPECT_EQ(kind(0, 0), Terrain::Flat);
+  EXPECT_EQ(kind(3, 0), Terrain::Slope);
+  EXPECT_EQ(kind(2, 0), Terrain::Rough);  // the kink at the foot of the ramp
+  EXPECT_EQ(kind(0, 2.9), Terrain::NearStep);
+  EXPECT_EQ(kind(0, 2.7), Terrain::Flat);
+}
+
+TEST(MoverWatch, CountsAPassableCellAsFreedAndATrailAsNot)
+{
+  const sim::World world = sim::parse_world(
+      "ground: [plane: {z_m: 0}]\n"
+      "movers: [person: {path: [[0, 2.5, -1], [2, 2.5, 1]]}]\n"
+      "robot: {path_m: [[0, 0]], duration_s: 2}\n",
+      "test.yaml");
+  EvaluationOptions options;
+  options.methods = {"talus", "heightgrid"};
+  options.evaluated_frames = 1;
+  const Evaluation e = evaluate_world(world, options);
+  ASSERT_GT(e.maps[0].mover_freed.of, 50);
+  EXPECT_EQ(e.maps[0].mover_freed.of, e.maps[1].mover_freed.of);
+  EXPECT_GE(e.maps[0].mover_freed.value(), 0.95);
+  EXPECT_LE(e.maps[1].mover_freed.value(), 0.5);  // it averages, and forgets nothing
+}
+
+TEST(Budgets, DoNotApplyWhereThereIsNothingToJudge)
+{
+  Evaluation e;
+  e.maps.resize(1);
+  e.maps[0].method = "talus";
+  for (const BudgetResult& r : check_budgets(e))
+    EXPECT_EQ(r.verdict, BudgetResult::Verdict::NotApplicable) << r.name;
+}
+
+}  // namespace
+}  // namespace talus::baselines
