@@ -139,6 +139,8 @@ struct SideEstimate
   float nearest_m = kNan;  //!< height of the nearest sample
   float mean_m = kNan;  //!< kernel-weighted mean of the samples ...
   float mean_distance_m = 0;  //!< ... and where it lies
+
+  TALUS_HD bool any() const { return is_known(nearest_m); }
 };
 
 /** Where the cells of a line from the sensor are: place = ring. */
@@ -277,7 +279,7 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b, int r
   return ((n_share + n_other) * low.height_m + n_share * high.height_m) / total;
 }
 
-/** What was inferred for a cell; state kUnknown: nothing. */
+/** What was inferred for a cell. */
 struct Fill
 {
   float height_m = kNan;
@@ -294,7 +296,7 @@ struct LineFusion
    * distances. */
   TALUS_HD void add(const SideEstimate& a, const SideEstimate& b)
   {
-    const bool has_a = is_known(a.height_m), has_b = is_known(b.height_m);
+    const bool has_a = a.any(), has_b = b.any();
     if (has_a && has_b)
     {
       const float span = a.mean_distance_m + b.mean_distance_m;
@@ -321,8 +323,7 @@ TALUS_HD Fill infer_ground(
     const SideEstimate& inner, const SideEstimate& outer, const LineFusion& lines,
     bool under_object, float bound_m, const Config& k)
 {
-  const bool has_inner = is_known(inner.height_m), has_outer = is_known(outer.height_m);
-  if (!has_inner && !has_outer) return {};
+  const bool has_inner = inner.any(), has_outer = outer.any();
   Fill fill;
   if (has_inner && has_outer)
   {
@@ -418,6 +419,7 @@ struct FillCell
   {
     const auto radial = line_search(*config, *frame, store, marks, dx, dy);
     const SideEstimate inner = radial.infer_side(false), outer = radial.infer_side(true);
+    if (!inner.any() && !outer.any()) return;  // an older guess, or the object itself, stays
     LineFusion lines;
     if (config->fill_rule == kFillLines)
     {
@@ -429,7 +431,6 @@ struct FillCell
       }
     }
     const Fill fill = infer_ground(inner, outer, lines, role[i] >= kObject, bound_m, *config);
-    if (fill.state == kUnknown) return;  // an older guess, or the object itself, stays
     Cell c = store.load(i);
     place_fill(c, fill, role[i], *config);
     store.store(i, c);

@@ -3,7 +3,7 @@
 
 namespace talus::kernels
 {
-/** Hands the counters out, and leaves what the next frame expects to find. */
+/** Hands the counters out, and leaves what the next frame expects to find: as one of `workers`. */
 struct TidyUp
 {
   std::int32_t* rays;
@@ -14,14 +14,15 @@ struct TidyUp
   std::uint32_t* reported;
   int n_reasons;
   std::uint64_t* cursor;
+  int workers;
 
-  TALUS_HD void operator()(int i) const
+  TALUS_HD void operator()(int worker) const
   {
-    if (i < n_rays) rays[i] = kNoRay;
-    if (i < n_cells) cell_count[i] = 0;
-    if (i < n_reasons) reported[i] = rejected[i];
-    if (i < n_reasons) rejected[i] = 0;
-    if (i == 0) *cursor = 0;
+    for (int i = worker; i < n_rays; i += workers) rays[i] = kNoRay;
+    for (int i = worker; i < n_cells; i += workers) cell_count[i] = 0;
+    if (worker != 0) return;
+    for (int i = 0; i < n_reasons; i++) reported[i] = rejected[i], rejected[i] = 0;
+    *cursor = 0;
   }
 };
 

@@ -182,6 +182,22 @@ TEST(Parity, FramesThatGrowAndShrinkOnAWideMapWithOutputLayers)
   }
 }
 
+TEST(Parity, AMapOfMillionsOfCellsWhoseLayersAreCopied)
+{
+  Parameters p;
+  p.window_m = 70;
+  Pair maps(p);
+  maps.cuda.set_output_layers({Layer::Elevation, Layer::GroundElevation, Layer::Slope});
+  Random noise(9);
+  for (int i = 0; i < 3; i++)
+  {
+    Scan s(0.3 * i, 0, 0.7);
+    s.cast(street(0.1 * i), 720, -0.6, 0.1, 64);
+    spoil(s, noise);
+    ASSERT_NO_FATAL_FAILURE(maps.update(s));
+  }
+}
+
 TEST(Parity, SmallWindowsJumpsAndOutputsThatChange)
 {
   Parameters p;

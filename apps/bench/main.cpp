@@ -24,6 +24,7 @@ struct Setting
   int cells;  //!< along each side
   std::vector<Layer> layers;
   bool in_place = false;  //!< the points are in ElevationMapper::point_arrays() already
+  FillRule fill_rule = Parameters{}.fill_rule;
 };
 
 const std::vector<Layer> kTwoLayers{Layer::Traversability, Layer::Elevation};
@@ -40,7 +41,9 @@ std::vector<Setting> settings()
       {"S2/6_layers", 131072, 1000, kSixLayers},
       {"S1/in_place", 14400, 160, kTwoLayers, true},
       {"S2/in_place", 131072, 1000, kTwoLayers, true},
-      {"S2/6_layers/in_place", 131072, 1000, kSixLayers, true}};
+      {"S2/6_layers/in_place", 131072, 1000, kSixLayers, true},
+      {"S1/exchanged", 14400, 160, kTwoLayers, false, FillRule::Exchanged},
+      {"S2/exchanged", 131072, 1000, kTwoLayers, false, FillRule::Exchanged}};
   for (const std::size_t points : {10240, 51200, 204800, 819200, 2048000})
     all.push_back({"points/" + std::to_string(points), points, 400, kTwoLayers});
   for (const int cells : {160, 400, 1000, 2000, 4000})
@@ -64,6 +67,7 @@ Parameters parameters(const Setting& s)
   Parameters p;
   p.resolution_m = kResolution_m;
   p.window_m = s.cells * kResolution_m;
+  p.fill_rule = s.fill_rule;
   return p;
 }
 

@@ -6,14 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-#include <cstdlib>
 namespace talus
 {
-inline std::size_t tuned(const char* n, std::size_t d)
-{
-  const char* e = std::getenv(n);
-  return e ? std::strtoul(e, nullptr, 10) : d;
-}  // XXX
 /** Throws with the call, the file and the line where a call of the CUDA runtime fails. */
 inline void check_cuda(cudaError_t error, const char* call, const char* file, int line)
 {

@@ -1,5 +1,6 @@
 #pragma once
 #include "backend.h"
+#include "cpu_loops.h"
 #include "kernels/1_accept.h"
 
 #include <algorithm>
@@ -61,6 +62,8 @@ class CpuMemory
     stage_ms_ = {};
   }
   int loop_size(int points, std::size_t) const { return points; }
+  /** How many calls should share work on that many elements. */
+  int workers(int) const { return 1; }
   PointArrays point_arrays(std::size_t capacity)
   {
     points_.resize(4 * capacity);
@@ -117,65 +120,6 @@ class CpuMemory
   const kernels::FrameContext* staged_ = nullptr;
   std::vector<float> points_;
   std::array<std::uint32_t, kernels::kRejectCodes> counters_{};
-};
-
-/** The rows that the neighbourhoods of one row of cells need, as they slide along. */
-template <class F>
-class SlidingRows
-{
- public:
-  SlidingRows(int nx, int ny, int radius, const F& f)
-      : nx_(nx), ny_(ny), radius_(radius), f_(f), rows_(memory())
-  {
-    while (mask_ < 2 * radius) mask_ = 2 * mask_ + 1;
-    rows_.resize(static_cast<std::size_t>(mask_ + 1) * static_cast<std::size_t>(nx));
-  }
-
-  /** f of the cells of rows [begin, end). */
-  void run(int begin, int end)
-  {
-    int next = std::max(begin - radius_, 0);
-    for (int y = begin; y < end; y++)
-    {
-      for (; next <= std::min(y + radius_, ny_ - 1); next++)
-        for (int x = 0; x < nx_; x++) *at(x, next) = f_.row(x, next);
-      for (int x = 0; x < nx_; x++)
-        f_(x, y, [&](int row) -> const Row& { return *at(x, row); });
-    }
-  }
-
- private:
-  using Row = typename F::Row;
-  Row* at(int x, int y) { return rows_.data() + static_cast<std::size_t>(y & mask_) * width() + x; }
-  std::size_t width() const { return static_cast<std::size_t>(nx_); }
-  /** Of this thread, kept from frame to frame. */
-  static std::vector<Row>& memory()
-  {
-    static thread_local std::vector<Row> rows;
-    return rows;
-  }
-
-  int nx_, ny_, radius_, mask_ = 1;
-  const F& f_;
-  std::vector<Row>& rows_;
-};
-
-/** One word of 32 answers. */
-template <class F>
-struct PackWord
-{
-  int lines, bits;
-  const F& f;
-  std::uint32_t* words;
-
-  void operator()(int line, int word) const
-  {
-    std::uint32_t packed = 0;
-    const auto bit = f(line);
-    const int count = std::min(32, bits - 32 * word);
-    for (int b = 0; b < count; b++) packed |= static_cast<std::uint32_t>(bit(32 * word + b)) << b;
-    words[word * lines + line] = packed;
-  }
 };
 
 /** Runs the stages' loops one after the other. An executor supplies buffers, loops and the atomics

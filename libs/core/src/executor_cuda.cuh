@@ -6,7 +6,6 @@
 
 #include <array>
 #include <chrono>
-#include <cstdio>
 #include <vector>
 
 namespace talus
@@ -59,12 +58,14 @@ class CudaExecutor
   {
     graph_.reset();
     outputs_.clear();
+    direct_bytes_ = 0;
   }
 
   // ---- one frame ----
   void start_clock() { start_ = Clock::now(); }
   /** Graphs are recorded for as many points as there is room for. */
   int loop_size(int, std::size_t capacity) const { return static_cast<int>(capacity); }
+  int workers(int elements) const { return elements / 8 + 1; }
   PointArrays point_arrays(std::size_t capacity);
   kernels::PointsIn stage(
       const Frame& frame, const kernels::FrameContext& context, std::size_t capacity);
@@ -72,15 +73,8 @@ class CudaExecutor
   void run_frame(const Body& body)
   {
     if (!graph_) record(body);
-    const double t0 = total_ms();  // XXX
     TALUS_CUDA(cudaGraphLaunch(graph_.get(), main_.stream.get()));
-    const double t1 = total_ms();  // XXX
     synchronize();
-    xt[0] += t0, xt[1] += t1 - t0, xt[2] += total_ms() - t1;  // XXX
-    if (++xn == 500 && tuned("X_TIME", 0))
-      fprintf(
-          stderr, "    stage %.1f launch %.1f sync %.1f us; fetch+ %.1f\n", 2 * xt[0], 2 * xt[1],
-          2 * xt[2], 0.0);  // XXX
   }
   void fetch(Buffer<kernels::FrameContext>& context);
   /** Where a frame leaves its counters for the host. */
@@ -171,8 +165,6 @@ class CudaExecutor
     forked_ = false;
   }
 
-  double xt[3]{};
-  int xn = 0;  // XXX
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr int kMaxLaps = kStageCount + 1;
@@ -215,10 +207,7 @@ class CudaExecutor
   }
 
   /** Where the time of the current lap is noted. */
-  std::uint64_t* lap_note()
-  {
-    return recording_ && tuned("X_NOTE", 1) ? lap_ns_.data() + lap_ : nullptr;
-  }
+  std::uint64_t* lap_note() { return recording_ ? lap_ns_.data() + lap_ : nullptr; }
 
   template <class... P, class... A>
   void launch(void (*kernel)(P...), dim3 grid, dim3 block, std::size_t shared, const A&... args)
@@ -233,10 +222,7 @@ class CudaExecutor
     chain.id = cudaLaunchAttributeProgrammaticStreamSerialization;
     chain.val.programmaticStreamSerializationAllowed = 1;
     config.attrs = &chain;
-    config.numAttrs =
-        recording_ && can_chain_ && main_.after_kernel && grid.x * grid.y <= tuned("X_CHAIN", 1000)
-            ? 1
-            : 0;
+    config.numAttrs = recording_ && can_chain_ && main_.after_kernel ? 1 : 0;
     TALUS_CUDA(cudaLaunchKernelEx(&config, kernel, args..., lap_note()));
     main_.after_kernel = true;
   }
@@ -250,6 +236,7 @@ class CudaExecutor
   bool recording_ = false, beside_ = false, forked_ = false;
   GraphExec graph_;
   std::vector<HostRegistration> outputs_;
+  std::size_t direct_bytes_ = 0;  //!< of outputs that kernels write into host memory
   // the frame's points, and how they reach the device
   std::size_t capacity_ = 0;
   bool times_ = false;  //!< a frame had times

@@ -10,10 +10,10 @@ constexpr std::size_t kContextWords = sizeof(kernels::FrameContext) / sizeof(std
 constexpr std::size_t kStagedPoints = (kContextWords + 63) / 64 * 64;  //!< where the arrays begin
 /** Frames of up to so many bytes are fetched by the graph's first kernel; larger ones are copied in
  * pieces while the next piece is staged. */
-static const std::size_t kFetchBytes = tuned("X_FETCH", 512 * 1024);
-/** Layers of up to so many bytes are written to host memory by the kernels that compute them;
- * larger ones are copied. */
-static const std::size_t kDirectBytes = tuned("X_DIRECT", 512 * 1024);
+constexpr std::size_t kFetchBytes = 512 * 1024;
+/** Layers of up to so many bytes in all are written to host memory by the kernels that compute
+ * them; what is beyond is copied. */
+constexpr std::size_t kDirectBytes = 8 * 1024 * 1024;
 }  // namespace
 
 inline CudaExecutor::CudaExecutor()
@@ -48,7 +48,9 @@ inline OutputMemory CudaExecutor::map_output(float* host, std::size_t size)
 {
   outputs_.emplace_back(host, size * sizeof(float));
   auto* direct = static_cast<float*>(outputs_.back().device());
-  return {direct != nullptr, size * sizeof(float) <= kDirectBytes ? direct : nullptr};
+  const bool fits = direct && direct_bytes_ + size * sizeof(float) <= kDirectBytes;
+  if (fits) direct_bytes_ += size * sizeof(float);
+  return {direct != nullptr, fits ? direct : nullptr};
 }
 
 inline bool CudaExecutor::copies_points() const

@@ -30,8 +30,8 @@ enum class Reject : int
   Buried,  //!< its ray would have passed under seen ground: a reflection
 };
 constexpr int kRejectCount = 7;
-constexpr std::array<const char*, kRejectCount> kRejectNames{
-    "not_finite", "range", "height", "body", "outside", "voxel", "buried"};
+constexpr std::array<const char*, kRejectCount> kRejectNames{"not_finite", "range",   "height",
+                                                             "body",       "outside", "voxel", "buried"};
 
 constexpr int kStageCount = 9;
 constexpr std::array<const char*, kStageCount> kStageNames{"accept", "uncertainty",    "roll",

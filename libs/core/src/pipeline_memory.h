@@ -1,0 +1,72 @@
+#pragma once
+#include "pipeline.h"
+
+// What a pipeline allocates: by the size of the map once, by the size of its largest frame as it
+// comes.
+
+namespace talus
+{
+template <class Executor>
+void Pipeline<Executor>::allocate_cells()
+{
+  const auto n = static_cast<std::size_t>(cells());
+  for (auto* b : {&ground_, &ground_var_, &elevation_, &elevation_var_})
+    executor_.allocate(*b, n, kernels::kNan);
+  for (auto* b : {&state_, &passed_, &role_}) executor_.allocate(*b, n, std::uint8_t{0});
+  executor_.allocate(misses_, n, std::int8_t{0});
+  for (auto* b : {&cell_count_, &cell_begin_}) executor_.allocate(*b, n, std::uint32_t{0});
+  executor_.allocate(passing_, 2 * n, 0.0f);
+  for (auto* b : {&top_hit_, &exported_}) executor_.allocate(*b, n, 0.0f);
+  const auto pooled = static_cast<std::size_t>(kernels::support_side(host_config_));
+  executor_.allocate(support_, kSupportArrays * pooled * pooled, 0.0f);
+  executor_.allocate(config_, 1, kernels::Config{});
+  executor_.allocate(context_, 1, kernels::FrameContext{});
+  executor_.allocate(cursor_, 1, std::uint64_t{0});
+  executor_.allocate(counters_, kernels::kRejectCodes, std::uint32_t{0});
+  executor_.allocate(features_, kFeatureLayers * n, kernels::kNan);
+  const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
+  executor_.allocate(surfaces_, padded, kernels::Surface{kernels::kNoHeight, 0});
+  const auto rays = static_cast<std::size_t>(kernels::ring_count(host_config_)) *
+                    static_cast<std::size_t>(kernels::bin_count(host_config_));
+  executor_.allocate(rays_, rays, kernels::kNoRay);
+  executor_.allocate(lowest_slope_, rays, -kernels::kInfinity);
+  executor_.allocate(
+      axis_marks_,
+      2 * static_cast<std::size_t>(side()) *
+          static_cast<std::size_t>(kernels::words_per_axis(host_config_)),
+      std::uint32_t{0});
+  executor_.allocate(
+      marks_,
+      static_cast<std::size_t>(kernels::line_count(host_config_)) *
+          static_cast<std::size_t>(kernels::words_per_line(host_config_)),
+      std::uint32_t{0});
+}
+
+/** Grows the buffers of points in steps of at least an eighth, so that a run settles after a few
+ * frames. */
+template <class Executor>
+void Pipeline<Executor>::reserve_points(std::size_t points)
+{
+  if (points <= point_cell_.size() && point_cell_.size() != 0) return;
+  std::size_t step = 1024;
+  while (8 * step < points) step *= 2;
+  const std::size_t capacity = std::max<std::size_t>(1, (points + step - 1) / step) * step;
+  executor_.allocate(point_cell_, capacity, std::int32_t{-1});
+  executor_.allocate(
+      crowded_, capacity / static_cast<std::size_t>(Executor::kCrowd) + 1, std::int32_t{0});
+  executor_.allocate(point_ray_, capacity, std::int32_t{-1});
+  executor_.allocate(point_slope_, capacity, 0.0f);
+  executor_.allocate(point_rank_, capacity, std::uint32_t{0});
+  executor_.allocate(point_height_, capacity, 0.0f);
+  executor_.allocate(point_variance_, capacity, 0.0f);
+  executor_.allocate(sorted_, capacity, kernels::HeightPoint{0, 0});
+  if (host_config_.inverse_voxel > 0)
+  {
+    executor_.allocate(voxel_slot_, capacity, std::uint32_t{0});
+    executor_.allocate(voxel_kept_, capacity, std::uint8_t{0});
+    executor_.allocate(voxel_key_, 16 * step, kernels::kNoVoxel);
+    executor_.allocate(voxel_winner_, 16 * step, kernels::kNoVoxel);
+  }
+}
+
+}  // namespace talus
