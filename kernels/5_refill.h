@@ -107,6 +107,7 @@ struct ChooseRoles
   const FrameContext* frame;
   CellStore store;
   SupportGrid grid;
+  const float* top_hit_m;  //!< of this frame, by storage index
   std::uint8_t* role;  //!< by storage index
 
   /** Highest eroded ground along a row; places without any ground do not count. */
@@ -131,12 +132,24 @@ struct ChooseRoles
       for (int x = max_of(x0, 0); x < min_of(x0 + 2, n); x++)
       {
         const int i = storage_index(*frame, n, x, y);
-        role[i] = store.state[i] == kMeasured ? role_of_measured(px, py, store.ground_m[i], rows)
-                                              : kInfer;
+        const bool measured = store.state[i] == kMeasured;
+        role[i] = measured ? role_of_measured(px, py, store.ground_m[i], rows) : kInfer;
+        if (!measured) join_column(i, px, py);
       }
   }
 
  private:
+  /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
+   * wall of which this cell was hit high up only. */
+  TALUS_HD void join_column(int i, int px, int py) const
+  {
+    const float top = top_hit_m[i];
+    if (is_known(store.elevation_m[i]) || !(top > store.ground_m[i] + config->clearance_m)) return;
+    if (!between_columns(px, py, top - config->clearance_m)) return;
+    store.elevation_m[i] = top;
+    store.elevation_var_m2[i] = config->min_variance_m2;
+  }
+
   template <class Rows>
   TALUS_HD Role role_of_measured(int px, int py, float ground_m, const Rows& rows) const
   {
@@ -148,6 +161,17 @@ struct ChooseRoles
       opened = max_of(opened, rows(y));
     if (ground_m <= opened + tolerance) return kKeep;
     return column_beside(px, py) + config->clearance_m >= ground_m ? kObjectOnColumn : kObject;
+  }
+
+  /** Whether something upright stands at least so high on two opposite sides of the pooled cell. */
+  TALUS_HD bool between_columns(int px, int py, float height_m) const
+  {
+    if (px == 0 || py == 0 || px == grid.side - 1 || py == grid.side - 1) return false;
+    const float* at = grid.column_m + py * grid.side + px;
+    const int steps[] = {1, grid.side, grid.side + 1, grid.side - 1};
+    for (const int step : steps)
+      if (at[-step] >= height_m && at[step] >= height_m) return true;
+    return false;
   }
 
   /** Highest top of something upright in the pooled cell or next to it. */

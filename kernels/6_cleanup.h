@@ -43,15 +43,11 @@ struct SeenThrough
   float lowest_m =
       kInfinity;  //!< lowest height at which a ray passed; bounds unseen ground from above
   float highest_m = -kInfinity;  //!< the highest among the lowest rays of the cell's directions
+  bool in_open = true;  //!< nothing was hit between the sensor and the cell
   TALUS_HD bool any() const { return lowest_m < kInfinity; }
 };
 
 constexpr int kMaxBinsPerCell = 8;
-
-/** A thing that is hit and seen through in the same frame, several times, is porous: a hedge, a
- * railing, a branch. Each such frame earns credit, each frame that only sees through spends it;
- * from kPorous on the thing is not cleared before the credit is gone. */
-constexpr int kPorousCredit = 3, kPorous = 12, kMaxCredit = 30;
 
 /** Rays through the middle half of the angle under which the sensor sees a cell, that ended two or
  * more rings behind it. Heights are taken where the ray is highest inside the cell. */
@@ -75,6 +71,7 @@ look_through(const Config& k, const FrameContext& f, const std::int32_t* rays, i
   for (int b = first; b <= last; b += stride)
   {
     const std::int32_t hit = rays[row * bins + wrap_bin(b, bins)];
+    seen.in_open = seen.in_open && hit == rays[wrap_bin(b, bins)];
     if (hit == kNoRay) continue;
     const float slope = float_from_ordered(hit);
     const float where = slope < 0.0f ? chebyshev_m - half_cell : chebyshev_m + half_cell;
@@ -89,11 +86,8 @@ look_through(const Config& k, const FrameContext& f, const std::int32_t* rays, i
 TALUS_HD bool count_miss(Cell& c, bool hit, const Config& k)
 {
   const int before = c.misses;
-  int after = before;
-  if (hit)
-    after = max_of(min_of(before, 0) - kPorousCredit, -kMaxCredit);
-  else
-    after = before <= -kPorous ? before + 1 : max_of(before, 0) + 1;
+  const int after = hit ? max_of(min_of(before, 0) - kPorousCredit, -kMaxCredit)
+                        : (before <= -kPorous ? before + 1 : max_of(before, 0) + 1);
   const bool clear = after >= k.cleanup_frames;
   c.misses = static_cast<std::int8_t>(clear ? 0 : after);
   return clear;
@@ -141,6 +135,7 @@ struct LookThrough
   const Config* config;
   const FrameContext* frame;
   const std::int32_t* rays;
+  CellStore store;
   PassingRays passing;
 
   TALUS_HD void operator()(int ix, int iy) const
@@ -148,6 +143,9 @@ struct LookThrough
     const SeenThrough seen = look_through(*config, *frame, rays, ix, iy);
     passing.lowest_m[iy * config->cells + ix] = seen.lowest_m;
     passing.highest_m[iy * config->cells + ix] = seen.highest_m;
+    std::uint8_t& passed = store.passed[storage_index(*frame, config->cells, ix, iy)];
+    passed = static_cast<std::uint8_t>(
+        (passed & kPassedLow) | (seen.in_open && seen.any() ? kInOpen : 0));
   }
 };
 

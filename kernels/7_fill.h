@@ -400,7 +400,11 @@ struct FillCell
     if (role[i] != kKeep && (dx != 0 || dy != 0)) infer(i, dx, dy, ray_bound_m[iy * n + ix]);
 
     const float ground_m = store.ground_m[i];
-    if (ray_bound_m[iy * n + ix] < ground_m + config->clearance_m) store.passed[i] = 1;
+    // Behind something that was hit only a ray below the height of a step proves that the ground is
+    // free; before everything that was hit (the blind zone around the robot) the clearance will do.
+    const float proof_m =
+        store.passed[i] & kInOpen ? config->clearance_m : config->step_threshold_m;
+    if (ray_bound_m[iy * n + ix] < ground_m + proof_m) store.passed[i] |= kPassedLow;
     surfaces.cell[surfaces.at(ix, iy)] = surface_of(i);
     out.put(iy * n + ix, store, i);
   }

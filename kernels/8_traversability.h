@@ -177,7 +177,8 @@ struct ComputeFeatures
   /** What no ray ever met, nor passed low over its ground, may be the inside of a thing. */
   TALUS_HD bool passed_or_met(int i) const
   {
-    return store.state[i] == kMeasured || store.passed[i] || is_known(store.elevation_m[i]);
+    return store.state[i] == kMeasured || (store.passed[i] & kPassedLow) ||
+           is_known(store.elevation_m[i]);
   }
 
   TALUS_HD bool is_sparse(const Moments& m, int i) const
@@ -194,6 +195,33 @@ struct ComputeFeatures
     const float robot_m = static_cast<float>(search.place) * search.step_m;
     if (robot_m > config->sparsity_range_m) return;
     traversability = sparse = sparsity(search, robot_m, *config);
+  }
+};
+
+/** The last step of stage 8: a cell between two impassable ones, on opposite sides, is impassable.
+ * No robot fits through one cell, and things that rays pass through are hit in some cells only. */
+struct CloseGaps
+{
+  const Config* config;
+  const float* judged;  //!< window order
+  float* traversability;
+
+  TALUS_HD void operator()(int ix, int iy) const
+  {
+    const int n = config->cells, o = iy * n + ix;
+    const bool inside = ix > 0 && iy > 0 && ix < n - 1 && iy < n - 1;
+    traversability[o] = inside && between(judged + o, n) ? 0.0f : judged[o];
+  }
+
+ private:
+  static TALUS_HD bool between(const float* at, int n)
+  {
+    return both_blocked(at, 1) || both_blocked(at, n) || both_blocked(at, n + 1) ||
+           both_blocked(at, n - 1);
+  }
+  static TALUS_HD bool both_blocked(const float* at, int step)
+  {
+    return at[-step] == 0.0f && at[step] == 0.0f;
   }
 };
 

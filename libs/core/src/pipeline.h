@@ -114,8 +114,8 @@ class Pipeline final : public BackendInterface
         points(), kernels::ReserveStretch<Atomics>{context_.data(), points_out(), sorting()}, 5,
         kernels::bin_count(host_config_), 1, kernels::SweepRays{config_.data(), rays_.data()});
     for_each_point_and_cell(
-        kernels::SortPoint{context_.data(), points_out(), sorting()}, 5,
-        kernels::LookThrough{config_.data(), context_.data(), rays_.data(), passing()});
+        kernels::SortPoint{config_.data(), context_.data(), points_out(), rays_.data(), sorting()},
+        5, kernels::LookThrough{config_.data(), context_.data(), rays_.data(), store(), passing()});
     executor_.for_each_and_team(
         points(), points() / Executor::kCrowd,
         kernels::UpdateCell{
@@ -132,7 +132,8 @@ class Pipeline final : public BackendInterface
         grid.side, grid.side, radius, kernels::ErodeSupport{config_.data(), grid});
     executor_.for_each_window(
         grid.side, grid.side, radius,
-        kernels::ChooseRoles{config_.data(), context_.data(), store(), grid, role_.data()});
+        kernels::ChooseRoles{
+            config_.data(), context_.data(), store(), grid, top_hit_.data(), role_.data()});
   }
 
   void clean_up()
@@ -169,6 +170,8 @@ class Pipeline final : public BackendInterface
         side(), side(), radius,
         kernels::ComputeFeatures{
             config_.data(), context_.data(), store(), surfaces(), marks_.data(), feature_layers()});
+    for_each_cell(
+        kernels::CloseGaps{config_.data(), judged_.data(), feature(Layer::Traversability)});
   }
 
   // ---- around them ----
@@ -260,7 +263,7 @@ class Pipeline final : public BackendInterface
   {
     return {
         feature(Layer::Slope), feature(Layer::Step), feature(Layer::Roughness),
-        feature(Layer::Sparsity), feature(Layer::Traversability)};
+        feature(Layer::Sparsity), judged_.data()};
   }
 
   static constexpr int kFeatureLayers = 5, kSupportArrays = 4;
@@ -293,7 +296,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint32_t> marks_, axis_marks_;
   Buffer<float> top_hit_, support_, passing_;
   // derived layers, window order
-  Buffer<float> features_, exported_, delivered_;
+  Buffer<float> judged_, features_, exported_, delivered_;
 };
 
 template <class Executor>
