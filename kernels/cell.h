@@ -77,12 +77,26 @@ struct SurfaceLayers
 {
   float *elevation, *ground, *variance, *state;
 
+  bool any() const { return elevation || ground || variance || state; }
   TALUS_HD void put(int o, const CellStore& store, int i) const
   {
     if (elevation) elevation[o] = store.elevation_m[i];
     if (ground) ground[o] = store.ground_m[i];
     if (variance) variance[o] = store.ground_var_m2[i];
     if (state) state[o] = static_cast<float>(store.state[i]);
+  }
+};
+
+/** Copies the wanted layers to window order. */
+struct PutSurface
+{
+  const Config* config;
+  CellStore store;
+  SurfaceLayers out;
+
+  TALUS_HD void operator()(int ix, int iy, int i) const
+  {
+    out.put(iy * config->cells + ix, store, i);
   }
 };
 

@@ -45,8 +45,9 @@ struct Config
   float weight_slope, weight_step, weight_roughness;
   // sparsity
   float sparsity_range_m, sparsity_distance_m, sparsity_search_m;
-  /** Sparse kernel of eq. 8 at distances i / kKernelTableSize of its support. */
-  float fill_kernel[kKernelTableSize];
+  /** Sparse kernel of eq. 8 at distances i / kKernelTableSize of its support; the last entry is 0,
+   * for all that is beyond. */
+  float fill_kernel[kKernelTableSize + 1];
 };
 
 }  // namespace talus::kernels

@@ -29,14 +29,20 @@ TALUS_HD int floor_to_int(float v)
   return i - (v < static_cast<float>(i));
 }
 
-/** Integer quotient rounded down; b > 0, quotients below 2^20. */
+/** Integer quotient rounded down; b > 0, quotients below 2^20. `inverse` = 1 / b: a float comes
+ * near enough to be put right by one. For what divides integers slowly: devices and vectors. */
+TALUS_HD int floor_div(int a, int b, float inverse)
+{
+  const int q = floor_to_int(static_cast<float>(a) * inverse);
+  const int rest = a - q * b;
+  return q + (rest >= b) - (rest < 0);
+}
+
+/** The same. */
 TALUS_HD int floor_div(int a, int b)
 {
 #if defined(__CUDA_ARCH__)
-  // Devices divide integers slowly. A float comes near enough to be put right by one.
-  const int q = floor_to_int(static_cast<float>(a) * (1.0f / static_cast<float>(b)));
-  const int rest = a - q * b;
-  return q + (rest >= b) - (rest < 0);
+  return floor_div(a, b, 1.0f / static_cast<float>(b));
 #else
   return a >= 0 ? a / b : -((-a + b - 1) / b);
 #endif
@@ -68,6 +74,26 @@ TALUS_HD float float_of_bits(std::uint32_t bits)
   return v;
 }
 
+/** c ? a : b without a branch, so that compilers make vector code of loops that choose. */
+TALUS_HD std::int32_t select(bool c, std::int32_t a, std::int32_t b)
+{
+#if defined(__CUDA_ARCH__)
+  return c ? a : b;
+#else
+  const std::int32_t mask = -static_cast<std::int32_t>(c);
+  return b ^ ((a ^ b) & mask);
+#endif
+}
+TALUS_HD float select(bool c, float a, float b)
+{
+#if defined(__CUDA_ARCH__)
+  return c ? a : b;
+#else
+  return float_of_bits(static_cast<std::uint32_t>(
+      select(c, static_cast<std::int32_t>(bits_of(a)), static_cast<std::int32_t>(bits_of(b)))));
+#endif
+}
+
 /** A float as an integer of the same order, so that an integer minimum is a minimum of floats. */
 TALUS_HD std::int32_t ordered_from_float(float v)
 {
@@ -84,7 +110,7 @@ TALUS_HD float float_from_ordered(std::int32_t ordered)
 TALUS_HD float arctangent(float t)
 {
   const bool beyond_one = t > 1.0f;
-  const float u = beyond_one ? 1.0f / t : t;
+  const float u = select(beyond_one, 1.0f / t, t);
   const float s = u * u;
   float p = 0.0028662257f;
   p = p * s - 0.0161657367f;
@@ -95,7 +121,7 @@ TALUS_HD float arctangent(float t)
   p = p * s + 0.1999355085f;
   p = p * s - 0.3333314528f;
   const float a = u + u * s * p;
-  return beyond_one ? 1.57079632679f - a : a;
+  return select(beyond_one, 1.57079632679f - a, a);
 }
 
 }  // namespace talus::kernels

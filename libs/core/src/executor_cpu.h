@@ -1,5 +1,6 @@
 #pragma once
 #include "backend.h"
+#include "cpu_lines.h"
 #include "cpu_loops.h"
 #include "kernels/1_accept.h"
 
@@ -27,6 +28,8 @@ class CpuMemory
 
   /** Cells of more points are updated by a team of threads: none. */
   static constexpr int kCrowd = std::numeric_limits<int>::max();
+  /** Fills walk lines and carry samples along. */
+  static constexpr bool kWalksLines = true;
 
   template <class T>
   void allocate(Buffer<T>& buffer, std::size_t size, T value)
@@ -144,6 +147,26 @@ class SerialExecutor : public CpuMemory
       for (int x = 0; x < nx; x++) f(x, y);
   }
 
+  /** f(x, y, i) of the cells of the window with i where each is stored. */
+  template <class F>
+  void for_each_stored_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each(cells, [&f, cells, frame](int y) { over_stored_row(f, cells, *frame, y); });
+  }
+
+  /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */
+  void walk_lines(
+      const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Samples& samples,
+      const kernels::InferenceGrid& to)
+  {
+    using namespace lines;
+    for_each(8, Walk<WalkRays>{{k, grid, samples, to}});
+    if (k.fill_rule != kernels::kFillLines) return;
+    const int strips = grid.pitch / AxisWalk::kLanes;
+    for_each(strips, Walk<WalkRows>{{k, grid, samples, to}});
+    for_each(strips, Walk<WalkColumns>{{k, grid, samples, to}});
+  }
+
   /** f(i) for i in [0, n); there are no teams. */
   template <class F>
   void for_each_and_team(int n, int, const F& f)
@@ -215,6 +238,26 @@ class ThreadExecutor : public CpuMemory
         });
   }
 
+  /** f(x, y, i) of the cells of the window with i where each is stored. */
+  template <class F>
+  void for_each_stored_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_part(cells, [&f, cells, frame](int y) { over_stored_row(f, cells, *frame, y); });
+  }
+
+  /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */
+  void walk_lines(
+      const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Samples& samples,
+      const kernels::InferenceGrid& to)
+  {
+    using namespace lines;
+    for_each_part(8, Walk<WalkRays>{{k, grid, samples, to}});
+    if (k.fill_rule != kernels::kFillLines) return;
+    const int strips = grid.pitch / AxisWalk::kLanes;
+    for_each_part(strips, Walk<WalkRows>{{k, grid, samples, to}});
+    for_each_part(strips, Walk<WalkColumns>{{k, grid, samples, to}});
+  }
+
   /** f(i) for i in [0, n); there are no teams. */
   template <class F>
   void for_each_and_team(int n, int, const F& f)
@@ -258,6 +301,16 @@ class ThreadExecutor : public CpuMemory
   }
 
  private:
+  /** f(i) for i in [0, n), each of them work enough for a thread. */
+  template <class F>
+  void for_each_part(int n, const F& f)
+  {
+    run(n, 1,
+        [&f](int begin, int end)
+        {
+          for (int i = begin; i < end; i++) f(i);
+        });
+  }
   template <class Body>
   void run(int n, int grain, const Body& body)
   {

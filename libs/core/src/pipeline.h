@@ -150,6 +150,26 @@ class Pipeline final : public BackendInterface
 
   void fill()
   {
+    const kernels::FillCell cell{config_.data(),       context_.data(), store(),        role_.data(),
+                                 passing().lowest_m, surfaces(),      surface_layers()};
+    if constexpr (Executor::kWalksLines)
+      walk_lines(cell);
+    else
+      search_lines(cell);
+  }
+
+  void walk_lines(const kernels::FillCell& cell)
+  {
+    const kernels::LineGrid grid = line_grid();
+    for_each_stored_cell(
+        kernels::TakeSample{config_.data(), store(), role_.data(), grid, samples()});
+    executor_.walk_lines(host_config_, grid, samples(), inferred());
+    for_each_stored_cell(kernels::FillWalkedCell{cell, grid, inferred()});
+    if (cell.out.any()) for_each_stored_cell(kernels::PutSurface{config_.data(), store(), cell.out});
+  }
+
+  void search_lines(const kernels::FillCell& cell)
+  {
     const bool along_axes = host_config_.fill_rule == kernels::kFillLines;
     executor_.pack_bits(
         kernels::line_count(host_config_), kernels::line_rings(host_config_) + 1,
@@ -157,9 +177,8 @@ class Pipeline final : public BackendInterface
         along_axes ? 2 * side() : 0, side(),
         kernels::FindAxisSamples{config_.data(), context_.data(), store(), role_.data()},
         axis_marks_);
-    for_each_cell(kernels::FillCell{
-        config_.data(), context_.data(), store(), role_.data(), marks_.data(), axis_marks_.data(),
-        passing().lowest_m, surfaces(), surface_layers()});
+    for_each_cell(kernels::SearchAndFillCell{
+        cell, marks_.data(), axis_marks_.data(), inferred_.data(), line_grid()});
   }
 
   void judge()
@@ -168,7 +187,7 @@ class Pipeline final : public BackendInterface
     executor_.for_each_window(
         side(), side(), radius,
         kernels::ComputeFeatures{
-            config_.data(), context_.data(), store(), surfaces(), marks_.data(), feature_layers()});
+            config_.data(), surfaces(), line_grid(), inferred().across_m, feature_layers()});
   }
 
   // ---- around them ----
@@ -180,6 +199,7 @@ class Pipeline final : public BackendInterface
   void deliver(Layer first, Layer last, const Find& find);
   void export_surface(Layer layer, float* to);
   void allocate_cells();
+  void allocate_marks();
   void reserve_points(std::size_t points);
 
   int side() const { return host_config_.cells; }
@@ -201,6 +221,12 @@ class Pipeline final : public BackendInterface
   {
     executor_.for_each_cell(side(), side(), f);
   }
+  /** f(ix, iy, i) with i where the cell is stored. */
+  template <class F>
+  void for_each_stored_cell(const F& f)
+  {
+    executor_.for_each_stored_cell(side(), context_.data(), f);
+  }
 
   // ---- views ----
   kernels::CellStore store()
@@ -221,13 +247,29 @@ class Pipeline final : public BackendInterface
   kernels::SupportGrid support()
   {
     const int side = kernels::support_side(host_config_);
-    const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
+    const int pad = host_config_.object_radius;
+    const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side + 2 * pad);
     float* p = support_.data();
-    return {side, p, p + n, p + 2 * n, p + 3 * n};
+    return {side, pad, p, p + n, p + 2 * n, p + 3 * n};
   }
   kernels::PassingRays passing()
   {
     return {passing_.data(), passing_.data() + static_cast<std::size_t>(cells())};
+  }
+  kernels::LineGrid line_grid() const { return kernels::line_grid(host_config_); }
+  std::size_t grid_size() const
+  {
+    return static_cast<std::size_t>(line_grid().side) * static_cast<std::size_t>(line_grid().pitch);
+  }
+  kernels::Samples samples() { return {samples_.data(), samples_.data() + grid_size()}; }
+  kernels::InferenceGrid inferred()
+  {
+    const std::size_t n = grid_size();
+    float* p = inferred_.data();
+    if constexpr (Executor::kWalksLines)
+      return {p + n, p + 2 * n, p + 3 * n, p + 4 * n, p + 5 * n, p};
+    else
+      return {nullptr, nullptr, nullptr, nullptr, nullptr, p};
   }
   kernels::Surfaces surfaces()
   {
@@ -291,7 +333,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::int32_t> rays_;
   Buffer<kernels::Surface> surfaces_;
   Buffer<std::uint32_t> marks_, axis_marks_;
-  Buffer<float> top_hit_, support_, passing_;
+  Buffer<float> top_hit_, support_, passing_, samples_, inferred_;
   // derived layers, window order
   Buffer<float> features_, exported_, delivered_;
 };
