@@ -509,6 +509,7 @@ struct Surfaces
 /** Stage 7 on cell (ix, iy), stored at i, from what the lines through it say. */
 struct FillCell
 {
+  int cells;
   const Config* config;
   const FrameContext* frame;
   CellStore store;
@@ -521,7 +522,7 @@ struct FillCell
 
   TALUS_HD void operator()(int ix, int iy, int i, const Inference& inferred) const
   {
-    const float bound_m = ray_bound_m[iy * config->cells + ix];
+    const float bound_m = ray_bound_m[iy * cells + ix];
     const int r = role[i], state_before = store.state[i], passed_before = store.passed[i];
     const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
     const float top_before = store.elevation_m[i], top_var_before = store.elevation_var_m2[i];
@@ -540,11 +541,12 @@ struct FillCell
     store.elevation_var_m2[i] = select(hangs, kNan, top_var_before);
     store.state[i] = static_cast<std::uint8_t>(state);
     store.passed[i] = static_cast<std::uint8_t>(passed);
-    surfaces.cell[surfaces.at(ix, iy)] = surface(ground, elevation, state, passed);
+    put_surface(surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, passed);
   }
 
  private:
-  TALUS_HD Surface surface(float ground, float elevation, int state, int passed) const
+  TALUS_HD void put_surface(
+      Surface& to, float ground, float elevation, int state, int passed) const
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;
     const bool guess = (state == kFilledOneSided) & !stands;
@@ -553,9 +555,9 @@ struct FillCell
                                select(reached, kSurfaceReached, 0) |
                                select(guess, kSurfaceGuess, 0);
     const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
-    return {
-        select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight),
-        select(known, 8 * quantise_height(select(known, top, 0.0f), reference) + flags, 0)};
+    to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
+    to.height_and_flags =
+        select(known, 8 * quantise_height(select(known, top, 0.0f), reference) + flags, 0);
   }
 };
 

@@ -81,8 +81,8 @@ TALUS_HD double determinant(std::int32_t a, std::int32_t b, std::int32_t c, std:
          static_cast<double>(c) * static_cast<double>(d);
 }
 
-/** Slope angle [rad] of the least-squares plane through the ground; NaN where fewer than three
- * cells, or cells in a line, leave it open. */
+/** Slope angle [rad] of the least-squares plane through the ground; NaN (of any bits) where fewer
+ * than three cells, or cells in a line, leave it open. */
 TALUS_HD float slope_angle(const Moments& m, const Config& k)
 {
   // Normal equations about the centroid; all sums are exact, only the last steps round.
@@ -92,11 +92,11 @@ TALUS_HD float slope_angle(const Moments& m, const Config& k)
   const double xg = determinant(m.n, m.x_ground, m.x, m.ground);
   const double yg = determinant(m.n, m.y_ground, m.y, m.ground);
   const double area = xx * yy - xy * xy;
+  const double divisor = area > 0.0 ? area : static_cast<double>(kNan);
   const float to_metres = k.inverse_resolution / kHeightSteps;
-  const float gx = static_cast<float>((xg * yy - yg * xy) / area) * to_metres;
-  const float gy = static_cast<float>((yg * xx - xg * xy) / area) * to_metres;
-  const float angle = arctangent(sqrtf(gx * gx + gy * gy));
-  return select((m.n >= 3) & (area > 0.0), angle, kNan);
+  const float gx = static_cast<float>((xg * yy - yg * xy) / divisor) * to_metres;
+  const float gy = static_cast<float>((yg * xx - xg * xy) / divisor) * to_metres;
+  return arctangent(sqrtf(gx * gx + gy * gy));
 }
 
 /** The layers of stages 8 and 9, window order. */
@@ -142,6 +142,7 @@ struct ComputeFeatures
 {
   using Row = RowSums;
   using Window = Moments;
+  int cells;
   const Config* config;
   Surfaces surfaces;
   LineGrid grid;
@@ -158,8 +159,8 @@ struct ComputeFeatures
 
   TALUS_HD void operator()(int ix, int iy, const Moments& m) const
   {
-    const int o = iy * config->cells + ix;
-    const Surface own = surfaces.cell[surfaces.at(ix, iy)];
+    const int o = iy * cells + ix;
+    const Surface& own = surfaces.cell[surfaces.at(ix, iy)];
     const bool known = own.known();
     const Features f = features_of(m, own.height(), *config);
     // What no ray ever met, nor passed low over its ground, may be the inside of a thing.
@@ -175,10 +176,10 @@ struct ComputeFeatures
   template <class Read>
   TALUS_HD void finish(int ix, int iy, const Read& moments) const
   {
-    const Surface own = surfaces.cell[surfaces.at(ix, iy)];
+    const Surface& own = surfaces.cell[surfaces.at(ix, iy)];
     if (!own.is(kSurfaceGuess)) return;
     if (!dense_around(moments().measured, config->feature_radius_cells)) return;
-    const int half = config->cells / 2, o = iy * config->cells + ix;
+    const int half = cells / 2, o = iy * cells + ix;
     if (ix == half && iy == half) return;  // the sensor's own cell lies on no line
     const float robot_m = distance_along_line(ix - half, iy - half, *config);
     if (robot_m > config->sparsity_range_m) return;

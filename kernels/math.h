@@ -20,7 +20,6 @@ TALUS_HD std::int64_t min_of(std::int64_t a, std::int64_t b) { return b < a ? b 
 TALUS_HD std::int64_t max_of(std::int64_t a, std::int64_t b) { return a < b ? b : a; }
 TALUS_HD float abs_of(float a) { return a < 0.0f ? -a : a; }
 TALUS_HD int abs_of(int a) { return a < 0 ? -a : a; }
-TALUS_HD float clamp01(float v) { return min_of(max_of(v, 0.0f), 1.0f); }
 
 /** floor() as an integer; |v| < 2^31. */
 TALUS_HD int floor_to_int(float v)
@@ -93,6 +92,8 @@ TALUS_HD float select(bool c, float a, float b)
       select(c, static_cast<std::int32_t>(bits_of(a)), static_cast<std::int32_t>(bits_of(b)))));
 #endif
 }
+
+TALUS_HD float clamp01(float v) { return select(v < 0.0f, 0.0f, select(v > 1.0f, 1.0f, v)); }
 
 /** A float as an integer of the same order, so that an integer minimum is a minimum of floats. */
 TALUS_HD std::int32_t ordered_from_float(float v)

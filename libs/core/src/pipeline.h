@@ -150,8 +150,8 @@ class Pipeline final : public BackendInterface
 
   void fill()
   {
-    const kernels::FillCell cell{config_.data(),       context_.data(), store(),        role_.data(),
-                                 passing().lowest_m, surfaces(),      surface_layers()};
+    const kernels::FillCell cell{side(),          config_.data(),     context_.data(), store(),
+                                 role_.data(), passing().lowest_m, surfaces(),      surface_layers()};
     if constexpr (Executor::kWalksLines)
       walk_lines(cell);
     else
@@ -187,7 +187,8 @@ class Pipeline final : public BackendInterface
     executor_.for_each_window(
         side(), side(), radius,
         kernels::ComputeFeatures{
-            config_.data(), surfaces(), line_grid(), inferred().across_m, feature_layers()});
+            side(), config_.data(), surfaces(), line_grid(), inferred().across_m,
+            feature_layers()});
   }
 
   // ---- around them ----
