@@ -64,7 +64,6 @@ struct LowestGround
 {
   float plain_m = kInfinity, cone_m = kInfinity;
 
-  using Value = float;
   static constexpr auto fields()
   {
     return std::make_tuple(&LowestGround::plain_m, &LowestGround::cone_m);
@@ -107,7 +106,6 @@ struct HighestGround
 {
   float height_m = -kInfinity;
 
-  using Value = float;
   static constexpr auto fields() { return std::make_tuple(&HighestGround::height_m); }
 };
 

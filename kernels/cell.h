@@ -56,8 +56,8 @@ struct CellStore
 TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)
 {
   int x = ix + f.storage_x, y = iy + f.storage_y;
-  if (x >= cells) x -= cells;
-  if (y >= cells) y -= cells;
+  x -= select(x >= cells, cells, 0);
+  y -= select(y >= cells, cells, 0);
   return y * cells + x;
 }
 

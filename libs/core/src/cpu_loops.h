@@ -19,14 +19,36 @@ TALUS_CLONES void over_row(F f, int begin, int end, int y, int first)
   for (int x = begin; x < end; x++) f(x, y, first + (x - begin));
 }
 
-/** f(x, y, i) of a row of the window, i where the cell is stored: two stretches of a torus. */
+/** over(begin, end, i) of a row of the window, i where its first cell is stored: two stretches of a
+ * torus. */
 template <class F>
-void over_stored_row(const F& f, int cells, const kernels::FrameContext& frame, int y)
+void over_stored_row(const F& over, int cells, const kernels::FrameContext& frame, int y)
 {
   const int row = kernels::storage_index(frame, cells, 0, y) - frame.storage_x;
   const int turn = cells - frame.storage_x;
-  over_row(f, 0, turn, y, row + frame.storage_x);
-  over_row(f, turn, cells, y, row);
+  over(0, turn, row + frame.storage_x);
+  over(turn, cells, row);
+}
+
+/** f of those cells of a row that it concerns. */
+template <class F>
+TALUS_CLONES void find_concerned(F f, int begin, int end, int y, int first, std::uint8_t* concerned)
+{
+  TALUS_INDEPENDENT
+  for (int x = begin; x < end; x++) concerned[x - begin] = f.concerns(x, y, first + (x - begin));
+}
+template <class F>
+void over_concerned(const F& f, int begin, int end, int y, int first)
+{
+  constexpr int kBlock = 256;
+  alignas(64) std::uint8_t concerned[kBlock];
+  for (int x0 = begin; x0 < end; x0 += kBlock)
+  {
+    const int x1 = std::min(x0 + kBlock, end), shift = first - begin;
+    find_concerned(f, x0, x1, y, x0 + shift, concerned);
+    for (int x = x0; x < x1; x++)
+      if (concerned[x - x0]) f(x, y, x + shift);
+  }
 }
 
 /** Structures of 32-bit fields in a row, an array each field, so that loops over them vectorise. */
@@ -34,21 +56,20 @@ template <class T>
 class Lanes
 {
   static constexpr std::size_t kFields = std::tuple_size<decltype(T::fields())>::value;
-  using Value = typename T::Value;
 
  public:
   static constexpr int words(int lanes) { return static_cast<int>(kFields) * lanes; }
-  Lanes(Value* memory, int lanes) : data_(memory), lanes_(lanes) {}
+  Lanes(std::uint32_t* memory, int lanes) : data_(memory), lanes_(lanes) {}
 
   T load(int lane) const
   {
     T t;
-    each([&](auto field, int k) { t.*field = data_[k * lanes_ + lane]; });
+    each([&](auto field, int k) { get(t.*field, data_[k * lanes_ + lane]); });
     return t;
   }
   void store(int lane, const T& t) const
   {
-    each([&](auto field, int k) { data_[k * lanes_ + lane] = t.*field; });
+    each([&](auto field, int k) { data_[k * lanes_ + lane] = bits(t.*field); });
   }
 
  private:
@@ -57,9 +78,85 @@ class Lanes
   {
     std::apply([&](auto... field) { int k = 0; (g(field, k++), ...); }, T::fields());
   }
-  Value* data_;
+  static std::uint32_t bits(float v) { return kernels::bits_of(v); }
+  static std::uint32_t bits(std::int32_t v) { return static_cast<std::uint32_t>(v); }
+  static void get(float& to, std::uint32_t bits) { to = kernels::float_of_bits(bits); }
+  static void get(std::int32_t& to, std::uint32_t bits) { to = static_cast<std::int32_t>(bits); }
+  std::uint32_t* data_;
   int lanes_;
 };
+
+/** Steps of different numbers on the cells of rows: as f(x, y), the same step of all cells at once. */
+template <class F>
+class SteppedRow
+{
+  using Item = typename F::Item;
+  static constexpr int kLanes = 128;
+
+ public:
+  explicit SteppedRow(const F& f) : f_(f) {}
+  void run(int nx, int y)
+  {
+    for (int x = 0; x < nx; x += kLanes)
+    {
+      const int end = std::min(x + kLanes, nx);
+      const int steps = begin(f_, items(), x, end, y);
+      for (int which = 0; which < steps; which++) step(f_, items(), x, end, y, which);
+    }
+  }
+
+ private:
+  TALUS_CLONES static int begin(F f, Lanes<Item> items, int x0, int x1, int y)
+  {
+    int steps = 0;
+    TALUS_INDEPENDENT
+    for (int x = x0; x < x1; x++)
+    {
+      items.store(x - x0, f.item(x, y));
+      f.begin(x, y);
+    }
+    for (int l = 0; l < x1 - x0; l++) steps = std::max(steps, f.steps(items.load(l)));
+    return steps;
+  }
+  TALUS_CLONES static void step(F f, Lanes<Item> items, int x0, int x1, int y, int which)
+  {
+    TALUS_INDEPENDENT
+    for (int x = x0; x < x1; x++) f.step(x, y, items.load(x - x0), which);
+  }
+  Lanes<Item> items() { return {words_, kLanes}; }
+
+  const F& f_;
+  alignas(64) std::uint32_t words_[static_cast<std::size_t>(Lanes<Item>::words(kLanes))];
+};
+
+/** f(first, last) of a stretch. */
+template <class F>
+TALUS_CLONES void over_stretch(F f, int first, int last)
+{
+  f(first, last);
+}
+
+/** Points in two phases: what depends on each alone, then what they share. */
+template <class F>
+TALUS_CLONES void locate_points(F f, int begin, int end)
+{
+  TALUS_INDEPENDENT
+  for (int i = begin; i < end; i++) f.locate_from_one_pose(i);
+}
+template <class F>
+void over_points(const F& f, int begin, int end)
+{
+  constexpr int kBlock = 512;
+  for (int i0 = begin; i0 < end; i0 += kBlock)
+  {
+    const int i1 = std::min(i0 + kBlock, end);
+    if (f.moves())
+      for (int i = i0; i < i1; i++) f.locate(i);
+    else
+      locate_points(f, i0, i1);
+    for (int i = i0; i < i1; i++) f.note(i);
+  }
+}
 
 /** Sums over the square neighbourhoods of the cells in a strip of columns, row by row: F::Row of
  * each row once, F::Window of those that slide along. */
@@ -68,7 +165,6 @@ class SlidingRows
 {
   using Row = typename F::Row;
   using Window = typename F::Window;
-  using Value = typename Row::Value;
   static constexpr int kLanes = 128;
 
  public:
@@ -151,15 +247,15 @@ class SlidingRows
     return {words_ + (y & mask_) * Lanes<Row>::words(kLanes), kLanes};
   }
   /** Of this thread, kept from frame to frame. */
-  static std::vector<Value>& memory()
+  static std::vector<std::uint32_t>& memory()
   {
-    static thread_local std::vector<Value> words;
+    static thread_local std::vector<std::uint32_t> words;
     return words;
   }
 
   int nx_, ny_, radius_, mask_ = 1;
   const F& f_;
-  Value* words_;
+  std::uint32_t* words_;
 };
 
 /** One word of 32 answers. */

@@ -147,11 +147,63 @@ class SerialExecutor : public CpuMemory
       for (int x = 0; x < nx; x++) f(x, y);
   }
 
+  /** f(y) for y in [0, ny), rows of nx cells. */
+  template <class F>
+  void for_each_row(int, int ny, const F& f)
+  {
+    for_each(ny, f);
+  }
+  /** f(begin, end) of stretches of [0, n). */
+  template <class F>
+  void for_each_stretch(int n, const F& f)
+  {
+    over_stretch(f, 0, n);
+  }
+  /** f of points in two phases. */
+  template <class F>
+  void for_each_point(int n, const F& f)
+  {
+    over_points(f, 0, n);
+  }
   /** f(x, y, i) of the cells of the window with i where each is stored. */
   template <class F>
   void for_each_stored_cell(int cells, const kernels::FrameContext* frame, const F& f)
   {
-    for_each(cells, [&f, cells, frame](int y) { over_stored_row(f, cells, *frame, y); });
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          over_stored_row(
+              [&f, y](int begin, int end, int i) { over_row(f, begin, end, y, i); }, cells, *frame,
+              y);
+        });
+  }
+  /** The same of those that f.concerns(x, y, i). */
+  template <class F>
+  void for_each_concerned_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          over_stored_row(
+              [&f, y](int begin, int end, int i) { over_concerned(f, begin, end, y, i); }, cells,
+              *frame, y);
+        });
+  }
+  /** f(i) for i in [0, n); beside it, for another stage, g(x, y, i) of the cells that it concerns. */
+  template <class F, class G>
+  void for_each_concerned_cell_beside(
+      int n, const F& f, int stage, int cells, const kernels::FrameContext* frame, const G& g)
+  {
+    for_each(n, f);
+    for_another_stage(stage, [&] { for_each_concerned_cell(cells, frame, g); });
+  }
+  /** f(x, y) in steps, see SteppedRow. */
+  template <class F>
+  void for_each_cell_in_steps(int nx, int ny, const F& f)
+  {
+    for_each_row(nx, ny, [&f, nx](int y) { SteppedRow<F>(f).run(nx, y); });
   }
 
   /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */
@@ -238,11 +290,67 @@ class ThreadExecutor : public CpuMemory
         });
   }
 
+  /** f(y) for y in [0, ny), rows of nx cells. */
+  template <class F>
+  void for_each_row(int nx, int ny, const F& f)
+  {
+    run(ny, std::max(1, 4096 / std::max(nx, 1)),
+        [&f](int begin, int end)
+        {
+          for (int y = begin; y < end; y++) f(y);
+        });
+  }
+  /** f(begin, end) of stretches of [0, n). */
+  template <class F>
+  void for_each_stretch(int n, const F& f)
+  {
+    run(n, 128, [&f](int begin, int end) { over_stretch(f, begin, end); });
+  }
+  /** f of points in two phases. */
+  template <class F>
+  void for_each_point(int n, const F& f)
+  {
+    run(n, 1024, [&f](int begin, int end) { over_points(f, begin, end); });
+  }
   /** f(x, y, i) of the cells of the window with i where each is stored. */
   template <class F>
   void for_each_stored_cell(int cells, const kernels::FrameContext* frame, const F& f)
   {
-    for_each_part(cells, [&f, cells, frame](int y) { over_stored_row(f, cells, *frame, y); });
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          over_stored_row(
+              [&f, y](int begin, int end, int i) { over_row(f, begin, end, y, i); }, cells, *frame,
+              y);
+        });
+  }
+  /** The same of those that f.concerns(x, y, i). */
+  template <class F>
+  void for_each_concerned_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          over_stored_row(
+              [&f, y](int begin, int end, int i) { over_concerned(f, begin, end, y, i); }, cells,
+              *frame, y);
+        });
+  }
+  /** f(i) for i in [0, n); beside it, for another stage, g(x, y, i) of the cells that it concerns. */
+  template <class F, class G>
+  void for_each_concerned_cell_beside(
+      int n, const F& f, int stage, int cells, const kernels::FrameContext* frame, const G& g)
+  {
+    for_each(n, f);
+    for_another_stage(stage, [&] { for_each_concerned_cell(cells, frame, g); });
+  }
+  /** f(x, y) in steps, see SteppedRow. */
+  template <class F>
+  void for_each_cell_in_steps(int nx, int ny, const F& f)
+  {
+    for_each_row(nx, ny, [&f, nx](int y) { SteppedRow<F>(f).run(nx, y); });
   }
 
   /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */

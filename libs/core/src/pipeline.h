@@ -76,18 +76,27 @@ class Pipeline final : public BackendInterface
   void accept_and_weigh()
   {
     const std::uint8_t* kept = host_config_.inverse_voxel > 0 ? filter_voxels() : nullptr;
-    for_each_point_and_cell(
-        kernels::AcceptPoint<Atomics>{
-            config_.data(), context_.data(), in_, points_out(), rays_.data(), counters_.data(),
-            kept},
-        2, kernels::RollCell{config_.data(), context_.data(), store(), top_hit_.data()});
-    executor_.for_each_cell(
-        kernels::bin_count(host_config_), kernels::ring_count(host_config_),
-        kernels::FindGroundHits{
-            config_.data(), context_.data(), store(), rays_.data(), lowest_slope_.data()});
-    executor_.for_each(
-        kernels::bin_count(host_config_),
-        kernels::FindBuriedRays{config_.data(), rays_.data(), lowest_slope_.data()});
+    const kernels::AcceptPoint<Atomics> accept{config_.data(), context_.data(), in_,
+                                               points_out(),   rays_.data(),    counters_.data(),
+                                               kept};
+    const kernels::RollCell roll{config_.data(), context_.data(), store(), top_hit_.data()};
+    const kernels::FindGroundHits ground{
+        config_.data(), context_.data(), store(), rays_.data(), lowest_slope_.data()};
+    const int bins = kernels::bin_count(host_config_);
+    if constexpr (Executor::kWalksLines)
+    {
+      executor_.for_each_point(points(), accept);
+      executor_.for_another_stage(2, [&] { for_each_cell(roll); });
+      executor_.for_each_stretch(
+          bins, kernels::SweepBuriedRays{ground, rays_.data(), directions_.data()});
+    }
+    else
+    {
+      for_each_point_and_cell(accept, 2, roll);
+      executor_.for_each_cell(bins, kernels::ring_count(host_config_), ground);
+      executor_.for_each(
+          bins, kernels::FindBuriedRays{config_.data(), rays_.data(), lowest_slope_.data()});
+    }
     for_each_point(kernels::BinPoint<Atomics>{
         context_.data(), points_out(), lowest_slope_.data(), cell_count_.data(), counters_.data()});
   }
@@ -110,12 +119,29 @@ class Pipeline final : public BackendInterface
 
   void update()
   {
-    executor_.for_each_beside(
-        points(), kernels::ReserveStretch<Atomics>{context_.data(), points_out(), sorting()}, 5,
-        kernels::bin_count(host_config_), 1, kernels::SweepRays{config_.data(), rays_.data()});
-    for_each_point_and_cell(
-        kernels::SortPoint{context_.data(), points_out(), sorting()}, 5,
-        kernels::LookThrough{config_.data(), context_.data(), rays_.data(), passing()});
+    const kernels::ReserveStretch<Atomics> reserve{context_.data(), points_out(), sorting()};
+    const kernels::SortPoint sort{context_.data(), points_out(), sorting()};
+    const kernels::LookThrough look{
+        side(), config_.data(), context_.data(), rays_.data(), passing()};
+    const int bins = kernels::bin_count(host_config_);
+    if constexpr (Executor::kWalksLines)
+    {
+      for_each_point(reserve);
+      for_each_point(sort);
+      executor_.for_another_stage(
+          5,
+          [&]
+          {
+            executor_.for_each_stretch(bins, kernels::SweepRings{config_.data(), rays_.data()});
+            executor_.for_each_cell_in_steps(side(), side(), look);
+          });
+    }
+    else
+    {
+      executor_.for_each_beside(
+          points(), reserve, 5, bins, 1, kernels::SweepRays{config_.data(), rays_.data()});
+      for_each_point_and_cell(sort, 5, look);
+    }
     executor_.for_each_and_team(
         points(), points() / Executor::kCrowd,
         kernels::UpdateCell{
@@ -138,14 +164,12 @@ class Pipeline final : public BackendInterface
   void clean_up()
   {
     const int rays = static_cast<int>(rays_.size()), workers = executor_.workers(cells());
-    executor_.for_each_beside(
-        workers,
-        kernels::TidyUp{
-            rays_.data(), rays, cell_count_.data(), cells(), counters_.data(), executor_.reported(),
-            kernels::kRejectCodes, cursor_.data(), workers},
-        5, side(), side(),
-        kernels::CleanUpCell{
-            config_.data(), context_.data(), store(), passing(), top_hit_.data(), role_.data()});
+    const kernels::TidyUp tidy{
+        rays_.data(),         rays,           cell_count_.data(), cells(), counters_.data(),
+        executor_.reported(), kernels::kRejectCodes, cursor_.data(),     workers};
+    const kernels::CleanUpCell clean{side(),    config_.data(),  store(),
+                                     passing(), top_hit_.data(), role_.data()};
+    executor_.for_each_concerned_cell_beside(workers, tidy, 5, side(), context_.data(), clean);
   }
 
   void fill()
@@ -327,6 +351,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint64_t> cursor_;
   Buffer<std::uint32_t> point_rank_, cell_count_, cell_begin_, counters_;
   Buffer<float> point_slope_, point_height_, point_variance_, lowest_slope_;
+  Buffer<kernels::BuriedBelow> directions_;
   Buffer<kernels::HeightPoint> sorted_;
   Buffer<std::uint64_t> voxel_key_, voxel_winner_;
   Buffer<std::uint32_t> voxel_slot_;
