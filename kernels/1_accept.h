@@ -25,9 +25,17 @@ struct Point
   float x_m, y_m, z_m;
 };
 
+/** What stage 1 says of a point. */
+struct Verdict
+{
+  int code;  //!< a RejectCode
+  /** Its ray counts. That of a point outside the height band does: the space before it is free. */
+  std::int32_t seen;
+};
+
 /** Stage 1 on one point of the sensor frame (III-A.1): range, the robot's body, the height band. Of
  * several reasons the first in this order counts. */
-TALUS_HD int accept(const Point& p, const Config& k)
+TALUS_HD Verdict accept(const Point& p, const Config& k)
 {
   const float range2 = p.x_m * p.x_m + p.y_m * p.y_m + p.z_m * p.z_m;
   const bool finite = is_finite(p.x_m) & is_finite(p.y_m) & is_finite(p.z_m);
@@ -40,7 +48,8 @@ TALUS_HD int accept(const Point& p, const Config& k)
   int code = select(in_band, kAccepted, kHeight);
   code = select(in_body, kBody, code);
   code = select(in_range, code, kRange);
-  return select(finite, code, kNotFinite);
+  const std::int32_t seen = select(finite & in_range & !in_body, 1, 0);
+  return {select(finite, code, kNotFinite), seen};
 }
 
 /** Eq. 1: sensor frame to window frame. */
@@ -111,22 +120,26 @@ struct AcceptPoint
     note(i);
   }
 
-  /** Whether the sensor moves during the scan. */
-  TALUS_HD bool moves() const { return frame->n_poses > 1 && frame->has_times; }
-
   /** What depends on this point alone. PointsOut::rank holds its RejectCode until note(). */
   TALUS_HD void locate(int i) const
   {
-    const Point sensed{in.x_m[i], in.y_m[i], in.z_m[i]};
-    place(i, sensed, moves() ? transform(pose_at(*frame, in.time_s[i]), sensed)
-                           : transform(frame->poses[0], sensed));
+    const Point sensed = point(i);
+    const bool moves = frame->n_poses > 1 && frame->has_times;
+    put(i, sensed,
+        moves ? transform(pose_at(*frame, in.time_s[i]), sensed)
+              : transform(frame->poses[0], sensed),
+        !voxel_kept || voxel_kept[i]);
   }
 
-  /** The same where the sensor stands still during the scan. */
-  TALUS_HD void locate_from_one_pose(int i) const
+  /** Whether locate_plain() is the same as locate(): no voxel filter, no motion during the scan. */
+  TALUS_HD bool is_plain() const
   {
-    const Point sensed{in.x_m[i], in.y_m[i], in.z_m[i]};
-    place(i, sensed, transform(frame->poses[0], sensed));
+    return !voxel_kept && !(frame->n_poses > 1 && frame->has_times);
+  }
+  TALUS_HD void locate_plain(int i) const
+  {
+    const Point sensed = point(i);
+    put(i, sensed, transform(frame->poses[0], sensed), true);
   }
 
   /** What it shares with other points. */
@@ -137,18 +150,13 @@ struct AcceptPoint
   }
 
  private:
-  TALUS_HD void place(int i, const Point& sensed, const Point& p) const
+  TALUS_HD Point point(int i) const { return {in.x_m[i], in.y_m[i], in.z_m[i]}; }
+
+  TALUS_HD void put(int i, const Point& sensed, const Point& p, bool kept) const
   {
-    int code = accept(sensed, *config);
-    // A point outside the height band or the window still says that the space before it is free.
-    bool seen = (code == kAccepted) | (code == kHeight);
-    if (voxel_kept)
-    {
-      const bool kept = voxel_kept[i] != 0;
-      code = select(seen & !kept, kVoxel, code);
-      seen = seen & kept;
-    }
-    put_ray(i, p, seen);
+    const Verdict verdict = accept(sensed, *config);
+    int code = select((verdict.seen != 0) & !kept, kVoxel, verdict.code);
+    put_ray(i, p, (verdict.seen != 0) & kept);
     const float n = static_cast<float>(config->cells);
     const float cx = p.x_m * config->inverse_resolution, cy = p.y_m * config->inverse_resolution;
     const bool inside = (cx >= 0.0f) & (cx < n) & (cy >= 0.0f) & (cy < n);
@@ -166,11 +174,12 @@ struct AcceptPoint
   {
     const float dx = select(seen, p.x_m - frame->sensor_x_m, 0.0f);
     const float dy = select(seen, p.y_m - frame->sensor_y_m, 0.0f);
-    const float chebyshev_m = max_of(abs_of(dx), abs_of(dy));
+    const float chebyshev_m = chebyshev(dx, dy);
     const float ring = chebyshev_m * config->inverse_resolution;
     const bool aims = ring >= 1.0f;  // else straight above or below: no direction
     const int last_ring = ring_count(*config) - 1;
-    const int row = floor_to_int(min_of(ring, static_cast<float>(last_ring)));
+    const float farthest = static_cast<float>(last_ring);
+    const int row = floor_to_int(select(ring > farthest, farthest, ring));
     const int bins = bin_count(*config);
     const float direction = direction_in_bins(
         select(aims, dx, 1.0f), select(aims, dy, 0.0f), bins_per_side(*config));
@@ -367,7 +376,7 @@ struct EnterVoxel
   {
     if (i >= frame->n_points) return;
     const Point p{in.x_m[i], in.y_m[i], in.z_m[i]};
-    if (accept(p, *config) != kAccepted) return;
+    if (accept(p, *config).code != kAccepted) return;
     const std::uint64_t key = voxel_key(p);
     std::uint32_t s = static_cast<std::uint32_t>(mix_bits(key)) & table.mask;
     for (;;)
@@ -408,7 +417,7 @@ struct KeepVoxel
   {
     if (i >= entered.frame->n_points) return;
     const Point p{entered.in.x_m[i], entered.in.y_m[i], entered.in.z_m[i]};
-    kept[i] = accept(p, *entered.config) != kAccepted ||
+    kept[i] = accept(p, *entered.config).code != kAccepted ||
               entered.table.winner[entered.slot[i]] == EnterVoxel<Atomics>::fingerprint(p);
   }
 };

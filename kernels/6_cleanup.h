@@ -78,7 +78,7 @@ TALUS_HD Glance glance_at(const Config& k, const FrameContext& f, int ix, int iy
   const float dx = (static_cast<float>(ix) + 0.5f) * k.resolution_m - f.sensor_x_m;
   const float dy = (static_cast<float>(iy) + 0.5f) * k.resolution_m - f.sensor_y_m;
   Glance g;
-  g.chebyshev_m = max_of(abs_of(dx), abs_of(dy));
+  g.chebyshev_m = chebyshev(dx, dy);
   const float ring = g.chebyshev_m * k.inverse_resolution;
   const bool under_sensor = ring < 2.0f;
   const int bins = bin_count(k), per_side = bins_per_side(k);

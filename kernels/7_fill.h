@@ -416,12 +416,15 @@ struct LineGrid
   TALUS_HD int middle() const { return at(half, half); }
 };
 
-constexpr int kGridStrip = 32;  //!< the pitch is a multiple of it
+constexpr int kGridStrip = 32;  //!< columns that are walked side by side
+constexpr int kGridShift = 16;
 
+/** The pitch has room for whole strips. It is an odd number of cache lines, so that the places of a
+ * column do not fight for the same part of a cache. */
 TALUS_HD LineGrid line_grid(const Config& k)
 {
   const int half = k.cells / 2, side = 2 * half + 1;
-  return {half, side, (side + kGridStrip - 1) / kGridStrip * kGridStrip};
+  return {half, side, (side + kGridStrip - 1) / kGridStrip * kGridStrip + kGridShift};
 }
 
 /** Measured ground that fills may build on, by place of the grid. */

@@ -18,7 +18,6 @@ TALUS_HD int min_of(int a, int b) { return b < a ? b : a; }
 TALUS_HD int max_of(int a, int b) { return a < b ? b : a; }
 TALUS_HD std::int64_t min_of(std::int64_t a, std::int64_t b) { return b < a ? b : a; }
 TALUS_HD std::int64_t max_of(std::int64_t a, std::int64_t b) { return a < b ? b : a; }
-TALUS_HD float abs_of(float a) { return a < 0.0f ? -a : a; }
 TALUS_HD int abs_of(int a) { return a < 0 ? -a : a; }
 
 /** floor() as an integer; |v| < 2^31. */
@@ -94,6 +93,8 @@ TALUS_HD float select(bool c, float a, float b)
 }
 
 TALUS_HD float clamp01(float v) { return select(v < 0.0f, 0.0f, select(v > 1.0f, 1.0f, v)); }
+
+TALUS_HD float abs_of(float a) { return float_of_bits(bits_of(a) & 0x7fffffffu); }
 
 /** A float as an integer of the same order, so that an integer minimum is a minimum of floats. */
 TALUS_HD std::int32_t ordered_from_float(float v)

@@ -57,6 +57,13 @@ TALUS_HD int wrap_bin(int bin, int count)
   return bin + select(bin < 0, count, 0) - select(bin >= count, count, 0);
 }
 
+/** Distance as rings count it. */
+TALUS_HD float chebyshev(float dx, float dy)
+{
+  const float x = abs_of(dx), y = abs_of(dy);
+  return select(x < y, y, x);
+}
+
 /** Slope of the ray from the sensor to a point, per metre of Chebyshev distance. */
 TALUS_HD float ray_slope(float dz, float chebyshev_m) { return dz / chebyshev_m; }
 

@@ -2,6 +2,7 @@
 #include "cpu_clones.h"
 #include "kernels/7_fill.h"
 
+#include <algorithm>
 #include <vector>
 
 // Stage 7's lines on the CPU: many lines are walked side by side, each with the samples that it met
@@ -165,25 +166,29 @@ class AxisWalk
   Term term_;
 };
 
-/** Lines from the sensor's cell to one half of a side of the grid's border: an eighth of all. */
+/** Lines from the sensor's cell to one half of a side of the grid's border: an eighth of all. Cells
+ * and lines are taken in whole blocks; what is too much is computed and dropped. */
 class RadialWalk
 {
  public:
+  static constexpr int kMaxSamples = 16;
+
   /** `eighth` in [0, 8). Scratch memory is the caller's. */
   RadialWalk(
       const kernels::Config& k, const kernels::LineGrid& grid, int eighth,
       std::vector<float>& floats, std::vector<int>& ints)
-      : k_(k), grid_(grid), rings_(kernels::line_rings(k)), side_(eighth / 2),
-        first_line_(eighth % 2 ? 0 : -rings_)
+      : k_(k), grid_(grid), rings_(kernels::line_rings(k)), lanes_(whole_blocks(rings_)),
+        side_(eighth / 2), first_line_(eighth % 2 ? 0 : -rings_)
   {
-    const auto rings = static_cast<std::size_t>(rings_);
-    if (floats.size() < (kMaxSamples + 1) * rings) floats.resize((kMaxSamples + 1) * rings);
-    if (ints.size() < (kMaxSamples + 4) * rings) ints.resize((kMaxSamples + 4) * rings);
+    const auto lanes = static_cast<std::size_t>(lanes_);
+    const auto kept = static_cast<std::size_t>(kept_at(rings_ + 1));
+    floats.resize(std::max(floats.size(), (kMaxSamples + 1) * lanes + kLayers * kept));
+    ints.resize(std::max(ints.size(), (kMaxSamples + 4) * lanes));
     float* f = floats.data();
     int* i = ints.data();
-    step_m_ = f, height_m_ = f + rings;
-    reach_ = i, far_reach_ = i + rings, steps_ = i + 2 * rings, nearest_ = i + 3 * rings;
-    place_ = i + 4 * rings;
+    step_m_ = f, height_m_ = f + lanes, kept_ = height_m_ + kMaxSamples * lanes;
+    reach_ = i, far_reach_ = i + lanes, line_of_ = i + 2 * lanes, nearest_ = i + 3 * lanes;
+    place_ = i + 4 * lanes;
   }
 
   template <int kSamples, bool kAlongLines>
@@ -192,25 +197,32 @@ class RadialWalk
   {
     static_assert(kSamples <= kMaxSamples, "");
     const RadialWalk w = *this;
-    const Carried<kSamples> carried{height_m_, place_, rings_};
-    measure_lines();
+    const kernels::Config& k = w.k_;
+    const Carried<kSamples> carried{w.height_m_, w.place_, w.lanes_};
+    w.measure_lines();
     w.clear(carried);
-    for (int ring = 0; ring <= rings_; ring++)
+    for (int ring = 0; ring <= w.rings_; ring++)
     {
-      if (ring > 0) w.look_inwards<kAlongLines>(carried, ring, samples, to);
+      if (ring > 0) w.look_inwards<kAlongLines>(carried, ring, samples, k);
       w.pass(carried, ring, samples);
     }
     w.clear(carried);
-    for (int ring = rings_; ring > 0; ring--)
+    for (int ring = w.rings_; ring > 0; ring--)
     {
-      w.look_outwards<kAlongLines>(carried, ring, samples, to);
+      w.look_outwards<kAlongLines>(carried, ring, samples, k);
+      w.put_ring(ring, to);
       w.pass(carried, ring, samples);
     }
   }
 
-  static constexpr int kMaxSamples = 16;
-
  private:
+  static constexpr int kBlock = 16;
+  static constexpr int whole_blocks(int n) { return (n + kBlock - 1) / kBlock * kBlock; }
+
+  /** The layers of kernels::InferenceGrid. */
+  static constexpr int kLayers = 6;
+  enum { kInformation, kWeighted, kLowest, kInnerVar, kOuterVar, kAcross };
+
   /** A ring's cells on this half of the side, as places of the grid. */
   struct Row
   {
@@ -232,12 +244,21 @@ class RadialWalk
         return {middle - ring * pitch, 1};
     }
   }
+  /** The first of a ring's cells. */
+  int first_cell(int ring) const { return first_line_ < 0 ? -ring : 0; }
+  /** Where what is kept of a ring begins, of each layer. */
+  int kept_at(int ring) const { return (ring * (ring - 1)) / 2 + kBlock * ring; }
+  float* kept(int layer, int ring) const
+  {
+    return kept_ + layer * kept_at(rings_ + 1) + kept_at(ring);
+  }
 
   void measure_lines() const
   {
-    for (int l = 0; l < rings_; l++)
+    for (int l = 0; l < lanes_; l++)
     {
-      step_m_[l] = kernels::line_stretch({side_, first_line_ + l}, rings_) * k_.resolution_m;
+      const int line = first_line_ + kernels::min_of(l, rings_ - 1);
+      step_m_[l] = kernels::line_stretch({side_, line}, rings_) * k_.resolution_m;
       reach_[l] = kernels::places_in(k_.fill_search_m, step_m_[l], rings_);
       far_reach_[l] = kernels::places_in(k_.sparsity_search_m, step_m_[l], rings_);
     }
@@ -247,67 +268,87 @@ class RadialWalk
   void clear(const Carried<kSamples>& carried) const
   {
     carried.clear();
-    for (int l = 0; l < rings_; l++) nearest_[l] = grid_.middle();
+    for (int l = 0; l < lanes_; l++) nearest_[l] = grid_.middle();
   }
 
   /** Which line passes each cell of a ring: as kernels::line_through(). */
-  int first_cell(int ring) const { return first_line_ < 0 ? -ring : 0; }
   void find_lines(int ring) const
   {
     const int first = first_cell(ring), rings = rings_, first_line = first_line_;
     const float inverse = 1.0f / static_cast<float>(2 * ring);
-    int* const lines = steps_;
+    int* const line_of = line_of_;
+    const int cells = whole_blocks(ring);
     TALUS_INDEPENDENT
-    for (int c = 0; c < ring; c++)
-      lines[c] =
-          kernels::floor_div(2 * (first + c) * rings + ring, 2 * ring, inverse) - first_line;
+    for (int c = 0; c < cells; c++)
+    {
+      const int cell = first + kernels::min_of(c, ring - 1);
+      line_of[c] = kernels::floor_div(2 * cell * rings + ring, 2 * ring, inverse) - first_line;
+    }
   }
 
   template <bool kAlongLines, int kSamples>
   void look_inwards(
       const Carried<kSamples>& carried, int ring, const kernels::Samples& samples,
-      const kernels::InferenceGrid& to) const
+      const kernels::Config& k) const
   {
     find_lines(ring);
-    const Row cells = row(ring);
-    const int first = first_cell(ring);
+    const int cells = whole_blocks(ring);
+    float *const a = kept(kInformation, ring), *const b = kept(kWeighted, ring);
+    float *const d = kept(kLowest, ring), *const var = kept(kInnerVar, ring);
+    float* const across = kept(kAcross, ring);
     TALUS_INDEPENDENT
-    for (int c = 0; c < ring; c++)
+    for (int c = 0; c < cells; c++)
     {
-      const int l = steps_[c], o = cells.at(first + c);
-      const SideEstimate side = carried.infer(l, ring, step_m_[l], reach_[l], k_);
-      const float variance = samples.variance_m2[nearest_[l]];
-      const FirstSide kept = keep(side, kAlongLines);
-      to.inner_var_m2[o] = kernels::select(
-          side.any(), kernels::spread_variance(variance, side.distance_m, k_), kernels::kNan);
-      to.information[o] = kept.height_m;
-      to.weighted[o] = kept.places;
-      to.lowest_m[o] = kept.distance_m;
-      to.across_m[o] = carried.nearest(l, ring, far_reach_[l]);
+      const int l = line_of_[c];
+      const SideEstimate side = carried.infer(l, ring, step_m_[l], reach_[l], k);
+      const FirstSide first = keep(side, kAlongLines);
+      a[c] = first.height_m, b[c] = first.places, d[c] = first.distance_m;
+      var[c] = variance(side, samples.variance_m2[nearest_[l]], k);
+      across[c] = carried.nearest(l, ring, far_reach_[l]);
     }
   }
 
   template <bool kAlongLines, int kSamples>
   void look_outwards(
       const Carried<kSamples>& carried, int ring, const kernels::Samples& samples,
-      const kernels::InferenceGrid& to) const
+      const kernels::Config& k) const
   {
     find_lines(ring);
-    const Row cells = row(ring);
-    const int first = first_cell(ring);
+    const int cells = whole_blocks(ring);
+    float *const a = kept(kInformation, ring), *const b = kept(kWeighted, ring);
+    float *const d = kept(kLowest, ring), *const var = kept(kOuterVar, ring);
+    float* const across = kept(kAcross, ring);
     TALUS_INDEPENDENT
-    for (int c = 0; c < ring; c++)
+    for (int c = 0; c < cells; c++)
     {
-      const int l = steps_[c], o = cells.at(first + c);
-      const SideEstimate side = carried.infer(l, ring, step_m_[l], reach_[l], k_);
-      const float variance = samples.variance_m2[nearest_[l]];
-      const FirstSide kept{to.information[o], to.weighted[o], to.lowest_m[o]};
-      const SideEstimate inner = recall(kept, step_m_[l], kAlongLines);
-      to.store(o, kAlongLines ? kernels::fuse_lines(inner, side) : kernels::apply_rule(inner, side, k_));
-      to.outer_var_m2[o] = kernels::select(
-          side.any(), kernels::spread_variance(variance, side.distance_m, k_), kernels::kNan);
-      to.across_m[o] =
-          kernels::abs_of(to.across_m[o] - carried.nearest(l, ring, far_reach_[l]));
+      const int l = line_of_[c];
+      const SideEstimate side = carried.infer(l, ring, step_m_[l], reach_[l], k);
+      const SideEstimate inner = recall({a[c], b[c], d[c]}, step_m_[l], kAlongLines);
+      const kernels::LineFusion both =
+          kAlongLines ? kernels::fuse_lines(inner, side) : kernels::apply_rule(inner, side, k);
+      a[c] = both.information, b[c] = both.weighted, d[c] = both.lowest_m;
+      var[c] = variance(side, samples.variance_m2[nearest_[l]], k);
+      across[c] = kernels::abs_of(across[c] - carried.nearest(l, ring, far_reach_[l]));
+    }
+  }
+
+  static float variance(const SideEstimate& side, float of_sample_m2, const kernels::Config& k)
+  {
+    return kernels::select(
+        side.any(), kernels::spread_variance(of_sample_m2, side.distance_m, k), kernels::kNan);
+  }
+
+  /** What was found for a ring goes to the grid. */
+  void put_ring(int ring, const kernels::InferenceGrid& to) const
+  {
+    const Row cells = row(ring);
+    float* const layers[kLayers] = {to.information,  to.weighted,     to.lowest_m,
+                                    to.inner_var_m2, to.outer_var_m2, to.across_m};
+    for (int layer = 0; layer < kLayers; layer++)
+    {
+      const float* from = kept(layer, ring);
+      float* at = layers[layer] + cells.at(first_cell(ring));
+      for (int c = 0; c < ring; c++, at += cells.stride) *at = from[c];
     }
   }
 
@@ -316,16 +357,15 @@ class RadialWalk
   void pass(const Carried<kSamples>& carried, int ring, const kernels::Samples& samples) const
   {
     const Row cells = row(ring);
-    const int rings = rings_, first_line = first_line_;
+    const int rings = rings_, first_line = first_line_, lanes = lanes_;
     const float inverse = 1.0f / static_cast<float>(2 * rings);
     TALUS_INDEPENDENT
-    for (int l = 0; l < rings; l++)
+    for (int l = 0; l < lanes; l++)
     {
-      const int minor =
-          kernels::floor_div(2 * (first_line + l) * ring + rings, 2 * rings, inverse);
-      const int o = cells.at(minor);
+      const int line = first_line + kernels::min_of(l, rings - 1);
+      const int minor = kernels::floor_div(2 * line * ring + rings, 2 * rings, inverse);
+      const int o = cells.at(minor), before = nearest_[l];
       const float sample = samples.height_m[o];
-      const int before = nearest_[l];
       nearest_[l] = kernels::select(kernels::is_known(sample), o, before);
       carried.push(l, sample, ring);
     }
@@ -333,11 +373,12 @@ class RadialWalk
 
   const kernels::Config& k_;
   kernels::LineGrid grid_;
-  int rings_, side_, first_line_;
+  int rings_, lanes_, side_, first_line_;
   // by line
   float *step_m_, *height_m_;
   int *reach_, *far_reach_, *nearest_, *place_;
-  int* steps_;  //!< by cell of a ring: its line
+  int* line_of_;  //!< by cell of a ring
+  float* kept_;  //!< by layer, ring and cell
 };
 
 /** Rows, then columns of a grid, AxisWalk::kLanes at a time, are added to what the rays say. */

@@ -140,8 +140,12 @@ TALUS_CLONES void over_stretch(F f, int first, int last)
 template <class F>
 TALUS_CLONES void locate_points(F f, int begin, int end)
 {
+  // Copies that nothing else can write to, so that the loop need not read them again.
+  const kernels::Config config = *f.config;
+  const kernels::FrameContext frame = *f.frame;
+  f.config = &config, f.frame = &frame;
   TALUS_INDEPENDENT
-  for (int i = begin; i < end; i++) f.locate_from_one_pose(i);
+  for (int i = begin; i < end; i++) f.locate_plain(i);
 }
 template <class F>
 void over_points(const F& f, int begin, int end)
@@ -150,10 +154,10 @@ void over_points(const F& f, int begin, int end)
   for (int i0 = begin; i0 < end; i0 += kBlock)
   {
     const int i1 = std::min(i0 + kBlock, end);
-    if (f.moves())
-      for (int i = i0; i < i1; i++) f.locate(i);
-    else
+    if (f.is_plain())
       locate_points(f, i0, i1);
+    else
+      for (int i = i0; i < i1; i++) f.locate(i);
     for (int i = i0; i < i1; i++) f.note(i);
   }
 }

@@ -214,7 +214,7 @@ class SerialExecutor : public CpuMemory
     using namespace lines;
     for_each(8, Walk<WalkRays>{{k, grid, samples, to}});
     if (k.fill_rule != kernels::kFillLines) return;
-    const int strips = grid.pitch / AxisWalk::kLanes;
+    const int strips = grid.pitch / AxisWalk::kLanes;  // what is left over is no column
     for_each(strips, Walk<WalkRows>{{k, grid, samples, to}});
     for_each(strips, Walk<WalkColumns>{{k, grid, samples, to}});
   }
@@ -361,7 +361,7 @@ class ThreadExecutor : public CpuMemory
     using namespace lines;
     for_each_part(8, Walk<WalkRays>{{k, grid, samples, to}});
     if (k.fill_rule != kernels::kFillLines) return;
-    const int strips = grid.pitch / AxisWalk::kLanes;
+    const int strips = grid.pitch / AxisWalk::kLanes;  // what is left over is no column
     for_each_part(strips, Walk<WalkRows>{{k, grid, samples, to}});
     for_each_part(strips, Walk<WalkColumns>{{k, grid, samples, to}});
   }
