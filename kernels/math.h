@@ -72,25 +72,9 @@ TALUS_HD float float_of_bits(std::uint32_t bits)
   return v;
 }
 
-/** c ? a : b without a branch, so that compilers make vector code of loops that choose. */
-TALUS_HD std::int32_t select(bool c, std::int32_t a, std::int32_t b)
-{
-#if defined(__CUDA_ARCH__)
-  return c ? a : b;
-#else
-  const std::int32_t mask = -static_cast<std::int32_t>(c);
-  return b ^ ((a ^ b) & mask);
-#endif
-}
-TALUS_HD float select(bool c, float a, float b)
-{
-#if defined(__CUDA_ARCH__)
-  return c ? a : b;
-#else
-  return float_of_bits(static_cast<std::uint32_t>(
-      select(c, static_cast<std::int32_t>(bits_of(a)), static_cast<std::int32_t>(bits_of(b)))));
-#endif
-}
+/** c ? a : b where both are known already: compilers make vector code of loops that choose so. */
+TALUS_HD std::int32_t select(bool c, std::int32_t a, std::int32_t b) { return c ? a : b; }
+TALUS_HD float select(bool c, float a, float b) { return c ? a : b; }
 
 TALUS_HD float clamp01(float v) { return select(v < 0.0f, 0.0f, select(v > 1.0f, 1.0f, v)); }
 

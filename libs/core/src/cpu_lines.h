@@ -192,26 +192,23 @@ class RadialWalk
   }
 
   template <int kSamples, bool kAlongLines>
-  TALUS_CLONES void walk(
-      const kernels::Samples& samples, const kernels::InferenceGrid& to) const
+  void walk(const kernels::Samples& samples, const kernels::InferenceGrid& to) const
   {
     static_assert(kSamples <= kMaxSamples, "");
-    const RadialWalk w = *this;
-    const kernels::Config& k = w.k_;
-    const Carried<kSamples> carried{w.height_m_, w.place_, w.lanes_};
-    w.measure_lines();
-    w.clear(carried);
-    for (int ring = 0; ring <= w.rings_; ring++)
+    const Carried<kSamples> carried{height_m_, place_, lanes_};
+    measure_lines();
+    clear(carried);
+    for (int ring = 0; ring <= rings_; ring++)
     {
-      if (ring > 0) w.look_inwards<kAlongLines>(carried, ring, samples, k);
-      w.pass(carried, ring, samples);
+      if (ring > 0) look_inwards<kAlongLines>(carried, ring, samples);
+      pass(carried, ring, samples);
     }
-    w.clear(carried);
-    for (int ring = w.rings_; ring > 0; ring--)
+    clear(carried);
+    for (int ring = rings_; ring > 0; ring--)
     {
-      w.look_outwards<kAlongLines>(carried, ring, samples, k);
-      w.put_ring(ring, to);
-      w.pass(carried, ring, samples);
+      look_outwards<kAlongLines>(carried, ring, samples);
+      put_ring(ring, to);
+      pass(carried, ring, samples);
     }
   }
 
@@ -287,11 +284,14 @@ class RadialWalk
   }
 
   template <bool kAlongLines, int kSamples>
-  void look_inwards(
-      const Carried<kSamples>& carried, int ring, const kernels::Samples& samples,
-      const kernels::Config& k) const
+  TALUS_CLONES void look_inwards(
+      Carried<kSamples> carried, int ring, kernels::Samples samples) const
   {
     find_lines(ring);
+    const kernels::Config& k = k_;
+    const int *const line_of = line_of_, *const nearest = nearest_;
+    const int *const reach = reach_, *const far_reach = far_reach_;
+    const float *const step_m = step_m_, *const variance_m2 = samples.variance_m2;
     const int cells = whole_blocks(ring);
     float *const a = kept(kInformation, ring), *const b = kept(kWeighted, ring);
     float *const d = kept(kLowest, ring), *const var = kept(kInnerVar, ring);
@@ -299,21 +299,24 @@ class RadialWalk
     TALUS_INDEPENDENT
     for (int c = 0; c < cells; c++)
     {
-      const int l = line_of_[c];
-      const SideEstimate side = carried.infer(l, ring, step_m_[l], reach_[l], k);
+      const int l = line_of[c];
+      const SideEstimate side = carried.infer(l, ring, step_m[l], reach[l], k);
       const FirstSide first = keep(side, kAlongLines);
       a[c] = first.height_m, b[c] = first.places, d[c] = first.distance_m;
-      var[c] = variance(side, samples.variance_m2[nearest_[l]], k);
-      across[c] = carried.nearest(l, ring, far_reach_[l]);
+      var[c] = variance(side, variance_m2[nearest[l]], k);
+      across[c] = carried.nearest(l, ring, far_reach[l]);
     }
   }
 
   template <bool kAlongLines, int kSamples>
-  void look_outwards(
-      const Carried<kSamples>& carried, int ring, const kernels::Samples& samples,
-      const kernels::Config& k) const
+  TALUS_CLONES void look_outwards(
+      Carried<kSamples> carried, int ring, kernels::Samples samples) const
   {
     find_lines(ring);
+    const kernels::Config& k = k_;
+    const int *const line_of = line_of_, *const nearest = nearest_;
+    const int *const reach = reach_, *const far_reach = far_reach_;
+    const float *const step_m = step_m_, *const variance_m2 = samples.variance_m2;
     const int cells = whole_blocks(ring);
     float *const a = kept(kInformation, ring), *const b = kept(kWeighted, ring);
     float *const d = kept(kLowest, ring), *const var = kept(kOuterVar, ring);
@@ -321,14 +324,14 @@ class RadialWalk
     TALUS_INDEPENDENT
     for (int c = 0; c < cells; c++)
     {
-      const int l = line_of_[c];
-      const SideEstimate side = carried.infer(l, ring, step_m_[l], reach_[l], k);
-      const SideEstimate inner = recall({a[c], b[c], d[c]}, step_m_[l], kAlongLines);
+      const int l = line_of[c];
+      const SideEstimate side = carried.infer(l, ring, step_m[l], reach[l], k);
+      const SideEstimate inner = recall({a[c], b[c], d[c]}, step_m[l], kAlongLines);
       const kernels::LineFusion both =
           kAlongLines ? kernels::fuse_lines(inner, side) : kernels::apply_rule(inner, side, k);
       a[c] = both.information, b[c] = both.weighted, d[c] = both.lowest_m;
-      var[c] = variance(side, samples.variance_m2[nearest_[l]], k);
-      across[c] = kernels::abs_of(across[c] - carried.nearest(l, ring, far_reach_[l]));
+      var[c] = variance(side, variance_m2[nearest[l]], k);
+      across[c] = kernels::abs_of(across[c] - carried.nearest(l, ring, far_reach[l]));
     }
   }
 
@@ -354,8 +357,9 @@ class RadialWalk
 
   /** Each line meets its cell of a ring: as kernels::line_cell(). */
   template <int kSamples>
-  void pass(const Carried<kSamples>& carried, int ring, const kernels::Samples& samples) const
+  TALUS_CLONES void pass(Carried<kSamples> carried, int ring, kernels::Samples samples) const
   {
+    int* const nearest = nearest_;
     const Row cells = row(ring);
     const int rings = rings_, first_line = first_line_, lanes = lanes_;
     const float inverse = 1.0f / static_cast<float>(2 * rings);
@@ -364,9 +368,9 @@ class RadialWalk
     {
       const int line = first_line + kernels::min_of(l, rings - 1);
       const int minor = kernels::floor_div(2 * line * ring + rings, 2 * rings, inverse);
-      const int o = cells.at(minor), before = nearest_[l];
+      const int o = cells.at(minor), before = nearest[l];
       const float sample = samples.height_m[o];
-      nearest_[l] = kernels::select(kernels::is_known(sample), o, before);
+      nearest[l] = kernels::select(kernels::is_known(sample), o, before);
       carried.push(l, sample, ring);
     }
   }
