@@ -146,12 +146,19 @@ struct SideEstimate
   TALUS_HD int gap_cells() const { return places - 1; }
 };
 
-/** Sparse kernel of eq. 8. */
+/** Sparse kernel of eq. 8, k(d) = (2 + cos(2 pi d)) (1 - d) / 3 + sin(2 pi d) / (2 pi) with d the
+ * distance over the kernel's support: e^5 times an even polynomial in e = 1 - d, error below
+ * 3e-5. */
 TALUS_HD float kernel_weight(float distance_m, const Config& k)
 {
-  const int i = static_cast<int>(
-      distance_m * k.inverse_fill_kernel * static_cast<float>(kKernelTableSize));
-  return k.fill_kernel[min_of(i, kKernelTableSize)];
+  const float e = max_of(1.0f - distance_m * k.inverse_fill_kernel, 0.0f), s = e * e;
+  float p = -0.274172142f;
+  p = p * s + 1.83724803f;
+  p = p * s - 6.31206191f;
+  p = p * s + 13.3660562f;
+  p = p * s - 16.2756528f;
+  p = p * s + 8.65856042f;
+  return s * s * e * p;
 }
 
 /** Eq. 8: sparse kernel inference with the lowest sample as the prior. Takes samples from the
@@ -163,8 +170,7 @@ struct SideSum
   /** A sample that is not `inside` the reach changes nothing. */
   TALUS_HD void add(float height, float distance, bool inside, const Config& k)
   {
-    const float at_distance = kernel_weight(distance, k);
-    const float weight = select(inside, at_distance, 0.0f);
+    const float weight = select(inside, kernel_weight(distance, k), 0.0f);
     weights += weight;
     weighted += weight * height;
     lengths += weight * distance;
