@@ -12,6 +12,7 @@ struct HeightPoint
 {
   float height_m;
   float variance_m2;
+  bool overhangs = false;  //!< a ray of its own direction passed below it and ended behind it
 };
 
 /** The points of one cell. */
@@ -232,15 +233,36 @@ struct ReserveStretch
 /** Moves one point to the stretch of its cell. */
 struct SortPoint
 {
+  const Config* config;
   const FrameContext* frame;
   PointsOut points;
+  const std::int32_t* rays;
   Sorting sorting;
 
   TALUS_HD void operator()(int i) const
   {
     if (i >= frame->n_points || points.cell[i] < 0) return;
     sorting.sorted[sorting.cell_begin[points.cell[i]] + points.rank[i]] = {
-        points.height_m[i], points.variance_m2[i]};
+        points.height_m[i], points.variance_m2[i], overhangs(i)};
+  }
+
+ private:
+  /** Beside the edge of something rays pass as well; below what overhangs they pass on both sides
+   * of the point. */
+  TALUS_HD bool overhangs(int i) const
+  {
+    const int at = points.ray[i], bins = bin_count(*config);
+    if (at < 0) return false;
+    const int ring = at / bins, bin = at - ring * bins;
+    const std::int32_t* behind = rays + min_of(ring + 2, ring_count(*config) - 1) * bins;
+    const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
+    const float limit = points.slope[i] - config->cleanup_margin_m / chebyshev_m;
+    for (int b = bin - 2; b <= bin + 2; b++)
+    {
+      const std::int32_t passed = behind[wrap_bin(b, bins)];
+      if (passed == kNoRay || float_from_ordered(passed) > limit) return false;
+    }
+    return true;
   }
 };
 
@@ -275,6 +297,10 @@ struct UpdateCell
     Cell c = store.load(i);
     const Extremes ends = extremes(here, team);
     update_cell(c, ends, here, *config, team);
+    std::int32_t overhangs = 0;
+    for (int p = team.rank(); p < here.size; p += team.size())
+      overhangs |= here.at[p].overhangs && here.at[p].height_m <= c.ground_m + config->clearance_m;
+    if (team.max(overhangs)) c.misses = -kMaxCredit;
     if (team.rank() != 0) return;
     store.store(i, c);
     top_hit_m[i] = ends.high.height_m;

@@ -118,6 +118,7 @@ struct ChooseRoles
   const FrameContext* frame;
   CellStore store;
   SupportGrid grid;
+  const float* top_hit_m;  //!< of this frame, by storage index
   std::uint8_t* role;  //!< by storage index
 
   TALUS_HD void add(HighestGround& row, int px, int py, int d) const
@@ -138,9 +139,10 @@ struct ChooseRoles
       for (int x = max_of(x0, 0); x < min_of(x0 + 2, n); x++)
       {
         const int i = storage_index(*frame, n, x, y);
-        role[i] = store.state[i] == kMeasured
-                      ? role_of_measured(px, py, store.ground_m[i], opened.height_m)
-                      : kInfer;
+        const bool measured = store.state[i] == kMeasured;
+        role[i] =
+            measured ? role_of_measured(px, py, store.ground_m[i], opened.height_m) : kInfer;
+        if (!measured) join_column(i, px, py);
       }
   }
   template <class Read>
@@ -149,12 +151,34 @@ struct ChooseRoles
   }
 
  private:
+  /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
+   * wall of which this cell was hit high up only. */
+  TALUS_HD void join_column(int i, int px, int py) const
+  {
+    const float top = top_hit_m[i];
+    if (is_known(store.elevation_m[i]) || !(top > store.ground_m[i] + config->clearance_m)) return;
+    if (!between_columns(px, py, top - config->clearance_m)) return;
+    store.elevation_m[i] = top;
+    store.elevation_var_m2[i] = config->min_variance_m2;
+  }
+
   TALUS_HD Role role_of_measured(int px, int py, float ground_m, float opened_m) const
   {
     const float tolerance = 0.5f * config->step_threshold_m;
     if (ground_m <= grid.cone_m[grid.at(px, py)] + tolerance) return kKeep;
     if (ground_m <= opened_m + tolerance) return kKeep;
     return column_beside(px, py) + config->clearance_m >= ground_m ? kObjectOnColumn : kObject;
+  }
+
+  /** Whether something upright stands at least so high on two opposite sides of the pooled cell. */
+  TALUS_HD bool between_columns(int px, int py, float height_m) const
+  {
+    if (px == 0 || py == 0 || px == grid.side - 1 || py == grid.side - 1) return false;
+    const float* at = grid.column_m + grid.at(px, py);
+    const int pitch = grid.side + 2 * grid.pad, steps[] = {1, pitch, pitch + 1, pitch - 1};
+    for (const int step : steps)
+      if (at[-step] >= height_m && at[step] >= height_m) return true;
+    return false;
   }
 
   /** Highest top of something upright in the pooled cell or next to it. */

@@ -45,15 +45,17 @@ struct SeenThrough
   float lowest_m =
       kInfinity;  //!< lowest height at which a ray passed; bounds unseen ground from above
   float highest_m = -kInfinity;  //!< the highest among the lowest rays of the cell's directions
+  std::int32_t in_open = 1;  //!< nothing was hit between the sensor and the cell
   TALUS_HD bool any() const { return lowest_m < kInfinity; }
+
+  static constexpr auto fields()
+  {
+    return std::make_tuple(
+        &SeenThrough::lowest_m, &SeenThrough::highest_m, &SeenThrough::in_open);
+  }
 };
 
 constexpr int kMaxBinsPerCellBits = 3;  //!< of a cell near the sensor eight are looked at
-
-/** A thing that is hit and seen through in the same frame, several times, is porous: a hedge, a
- * railing, a branch. Each such frame earns credit, each frame that only sees through spends it;
- * from kPorous on the thing is not cleared before the credit is gone. */
-constexpr int kPorousCredit = 3, kPorous = 12, kMaxCredit = 30;
 
 /** Where the rays through the middle half of the angle under which the sensor sees a cell are found,
  * those that ended two or more rings behind it. */
@@ -99,7 +101,9 @@ TALUS_HD void look(
 {
   const int bin = g.first_bin + which * g.stride;
   const bool wanted = bin <= g.last_bin;
-  const std::int32_t hit = rays[g.row + select(wanted, wrap_bin(bin, bin_count(k)), 0)];
+  const int column = select(wanted, wrap_bin(bin, bin_count(k)), 0);
+  const std::int32_t hit = rays[g.row + column], anywhere = rays[column];
+  seen.in_open = select(wanted & (hit != anywhere), 0, seen.in_open);
   const bool passed = wanted & (hit != kNoRay);
   const float slope = float_from_ordered(hit);
   const float half_cell = 0.5f * k.resolution_m;
@@ -113,11 +117,8 @@ TALUS_HD void look(
 TALUS_HD bool count_miss(Cell& c, bool hit, const Config& k)
 {
   const int before = c.misses;
-  int after = before;
-  if (hit)
-    after = max_of(min_of(before, 0) - kPorousCredit, -kMaxCredit);
-  else
-    after = before <= -kPorous ? before + 1 : max_of(before, 0) + 1;
+  const int after = hit ? max_of(min_of(before, 0) - kPorousCredit, -kMaxCredit)
+                        : (before <= -kPorous ? before + 1 : max_of(before, 0) + 1);
   const bool clear = after >= k.cleanup_frames;
   c.misses = static_cast<std::int8_t>(clear ? 0 : after);
   return clear;
@@ -159,40 +160,39 @@ struct PassingRays
   float* highest_m;
 };
 
-/** What the rays say of cell (ix, iy); needs nothing but the rays. */
+/** What the rays say of cell (ix, iy), stored at i; needs nothing but the rays. */
 struct LookThrough
 {
   using Item = Glance;
+  using Result = SeenThrough;
   int cells;
   const Config* config;
   const FrameContext* frame;
   const std::int32_t* rays;
+  std::uint8_t* passed;  //!< by storage index
   PassingRays passing;
 
   TALUS_HD Glance item(int ix, int iy) const { return glance_at(*config, *frame, ix, iy); }
   TALUS_HD int steps(const Glance& g) const { return g.rays(); }
-  TALUS_HD void begin(int ix, int iy) const { put(ix, iy, {}); }
-  TALUS_HD void step(int ix, int iy, const Glance& g, int which) const
+  TALUS_HD void step(SeenThrough& seen, const Glance& g, int which) const
   {
-    const int o = iy * cells + ix;
-    SeenThrough seen{passing.lowest_m[o], passing.highest_m[o]};
     look(seen, g, which, *config, *frame, rays);
-    put(ix, iy, seen);
+  }
+  TALUS_HD void put(int ix, int iy, int i, const SeenThrough& seen) const
+  {
+    passing.lowest_m[iy * cells + ix] = seen.lowest_m;
+    passing.highest_m[iy * cells + ix] = seen.highest_m;
+    const int before = passed[i] & kPassedLow;
+    const bool in_open = (seen.in_open != 0) & seen.any();
+    passed[i] = static_cast<std::uint8_t>(before | select(in_open, kInOpen, 0));
   }
 
   TALUS_HD void operator()(int ix, int iy) const
   {
     const Glance g = item(ix, iy);
     SeenThrough seen;
-    for (int which = 0; which < steps(g); which++) look(seen, g, which, *config, *frame, rays);
-    put(ix, iy, seen);
-  }
-
- private:
-  TALUS_HD void put(int ix, int iy, const SeenThrough& seen) const
-  {
-    passing.lowest_m[iy * cells + ix] = seen.lowest_m;
-    passing.highest_m[iy * cells + ix] = seen.highest_m;
+    for (int which = 0; which < steps(g); which++) step(seen, g, which);
+    put(ix, iy, storage_index(*frame, cells, ix, iy), seen);
   }
 };
 

@@ -543,7 +543,11 @@ struct FillCell
     const float ground = select(filled, fill.height_m, before);
     const float elevation = select(hangs, kNan, top_before);
     const int state = select(filled, fill.state, state_before);
-    const int passed = select(bound_m < ground + config->clearance_m, 1, passed_before);
+    // Behind something that was hit only a ray below the height of a step proves that the ground is
+    // free; before everything that was hit (the blind zone around the robot) the clearance will do.
+    const float proof_m = select(
+        (passed_before & kInOpen) != 0, config->clearance_m, config->step_threshold_m);
+    const int passed = passed_before | select(bound_m < ground + proof_m, kPassedLow, 0);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);
     store.elevation_m[i] = elevation;
@@ -559,7 +563,7 @@ struct FillCell
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;
     const bool guess = (state == kFilledOneSided) & !stands;
-    const bool reached = measured | (passed != 0) | stands, known = is_known(ground);
+    const bool reached = measured | ((passed & kPassedLow) != 0) | stands, known = is_known(ground);
     const std::int32_t flags = select(measured, kSurfaceMeasured, 0) |
                                select(reached, kSurfaceReached, 0) |
                                select(guess, kSurfaceGuess, 0);

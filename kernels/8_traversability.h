@@ -185,4 +185,31 @@ struct ComputeFeatures
   }
 };
 
+/** The last step of stage 8: a cell between two impassable ones, on opposite sides, is impassable.
+ * No robot fits through one cell, and things that rays pass through are hit in some cells only. */
+struct CloseGaps
+{
+  int cells;
+  const float* judged;  //!< window order, with a row and a cell more on both ends
+  float* traversability;
+
+  TALUS_HD void operator()(int ix, int iy) const
+  {
+    const int n = cells, o = iy * n + ix;
+    const bool inside = (ix > 0) & (iy > 0) & (ix < n - 1) & (iy < n - 1);
+    traversability[o] = select(inside & between(judged + o, n), 0.0f, judged[o]);
+  }
+
+ private:
+  static TALUS_HD bool between(const float* at, int n)
+  {
+    return both_blocked(at, 1) | both_blocked(at, n) | both_blocked(at, n + 1) |
+           both_blocked(at, n - 1);
+  }
+  static TALUS_HD bool both_blocked(const float* at, int step)
+  {
+    return (at[-step] == 0.0f) & (at[step] == 0.0f);
+  }
+};
+
 }  // namespace talus::kernels

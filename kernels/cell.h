@@ -12,6 +12,14 @@ enum State : std::uint8_t
   kFilledOneSided = 3
 };
 
+/** Bits: how well rays that passed over a cell show that nothing stands on unmeasured ground there.
+ */
+enum Passed : std::uint8_t
+{
+  kPassedLow = 1,  //!< in some frame a ray passed so low that nothing above a step can stand there
+  kInOpen = 2  //!< in this frame nothing was hit between the sensor and the cell
+};
+
 /** What the map remembers of a cell, 19 bytes. */
 struct Cell
 {
@@ -20,8 +28,8 @@ struct Cell
   float elevation_m = kNan;  //!< top of what stands on the ground; NaN where nothing was measured
   float elevation_var_m2 = kNan;
   std::uint8_t state = kUnknown;
-  std::int8_t misses = 0;  //!< consecutive frames that saw through it; negative: see kPorous
-  std::uint8_t passed = 0;  //!< a ray passed over its ground, below the clearance
+  std::int8_t misses = 0;  //!< consecutive frames that saw through it; negative: see kMaxCredit
+  std::uint8_t passed = 0;  //!< what rays said of its ground, see Passed
 };
 
 /** The persistent layers as a torus: rolling moves no data. */
@@ -51,6 +59,10 @@ struct CellStore
     passed[i] = c.passed;
   }
 };
+
+/** What is hit while rays pass below it, a hedge, a railing, a branch, a bench, is no more gone
+ * when rays pass there: it stays for so many frames without a hit. */
+constexpr int kPorousCredit = 3, kPorous = 12, kMaxCredit = 60;
 
 /** Where cell (ix, iy) of the window is stored. */
 TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)

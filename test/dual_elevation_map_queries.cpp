@@ -56,6 +56,30 @@ TEST(DualElevationMapQueries, matching_ratio_is_high_at_the_true_pose_and_low_el
   EXPECT_GT(map.compute3DMatchingRatio(&map, CPose3D(), params), 0.99F);
 }
 
+TEST(DualElevationMapQueries, pairs_points_with_the_surfaces_where_the_other_map_is_shifted)
+{
+  const auto map = map_of_room();
+  CSimplePointsMap corner;  // of the first box, in a frame 4 cm off
+  const CPose3D T_map_other(0.04, 0, 0, 0, 0, 0);
+  for (float y = -0.4F; y < 0.4F; y += 0.05F)
+    for (const float z : {0.15F, 0.25F, 0.45F}) corner.insertPoint(1.02F, y, z);
+  mrpt::tfest::TMatchingPairList pairs;
+  mrpt::maps::TMatchingParams params;
+  params.maxDistForCorrespondence = 0.2F;
+  mrpt::maps::TMatchingExtraResults extra;
+  map.determineMatching3D(&corner, T_map_other, pairs, params, extra);
+  EXPECT_GT(extra.correspondencesRatio, 0.5F);
+  ASSERT_GT(pairs.size(), 20U);
+  for (const auto& p : pairs)
+    EXPECT_LT(
+        std::hypot(p.global.x - p.local.x - 0.04, p.global.y - p.local.y, p.global.z - p.local.z),
+        0.2);
+
+  pairs.clear();
+  map.determineMatching3D(&corner, CPose3D(0, 0, 2, 0, 0, 0), pairs, params, extra);
+  EXPECT_TRUE(pairs.empty()) << "two metres above";
+}
+
 TEST(DualElevationMapQueries, its_points_map_and_bounding_box_hold_what_was_measured)
 {
   const auto map = map_of_room();
@@ -90,6 +114,25 @@ TEST(DualElevationMapQueries, the_scene_holds_both_surfaces_and_honours_the_gene
   EXPECT_LT(triangles("elevation"), 7000U);
   map.genericMapParams.enableSaveAs3DObject = false;
   EXPECT_TRUE(map.getVisualization()->empty());
+}
+
+TEST(DualElevationMapQueries, the_scene_follows_the_map_and_its_options)
+{
+  auto map = map_of_room(1);
+  const auto ground = [&]
+  {
+    return std::dynamic_pointer_cast<mrpt::opengl::CSetOfTriangles>(
+        map.getVisualization()->getByName("ground"));
+  };
+  const auto first = ground();
+  EXPECT_EQ(ground(), first) << "nothing changed: drawn once";
+  map.renderOptions.colorByTraversability = false;
+  const auto by_height = ground();
+  EXPECT_NE(by_height, first);
+  map.insertObservation(scan_of_room(CPose3D(0.5, 0, 0, 0, 0, 0)), CPose3D(0.5, 0, 0, 0, 0, 0));
+  EXPECT_NE(ground(), by_height);
+  map.clear();
+  EXPECT_EQ(ground(), nullptr);
 }
 
 TEST(DualElevationMapQueries, saving_writes_geotiff_picture_and_scene)

@@ -111,3 +111,15 @@ TEST(Stage6Cleanup, ARailingThatIsHitAndSeenThroughIsNotEaten)
   for (double x = 1.125; x < 2.9; x += 0.05, all++) standing += m.elevation(x, 1.025) > 0.2f;
   EXPECT_GE(standing, all * 3 / 4) << "of " << all;
 }
+
+TEST(Stage6Cleanup, ABenchIsNotClearedByTheRaysThatPassBelowIt)
+{
+  const Box bench{{1.5, -0.4, 0.36}, {1.9, 0.4, 0.41}};
+  TestMap m;
+  for (int i = 0; i < 3; i++) m.update(Scan(0, 0, 0.4).cast({bench}));
+  ASSERT_GT(m.elevation(1.525, 0.025), 0.3f);
+  // From now on the beams miss it, above and below.
+  for (int i = 0; i < 30; i++) m.update(Scan(0, 0, 0.4).cast({bench}, 720, -0.6, -0.05, 48));
+  EXPECT_GT(m.elevation(1.525, 0.025), 0.3f);
+  EXPECT_EQ(m.traversability(1.525, 0.025), 0.0f);
+}

@@ -80,7 +80,9 @@ TEST(Stage8Traversability, ASlopeOfFortyDegreesIsImpassable)
 TEST(Stage8Traversability, Equations10To13ByNumbersWorkedOutByHand)
 {
   // One cell 0.04 m above 48 flat neighbours. Mean of the 49: 0.04 / 49.
-  TestMap m;
+  Parameters p;
+  p.feature_radius_m = 0.15;
+  TestMap m(p);
   Scan s;
   s.add_surface(
       1, -1, 3, 1,
@@ -124,4 +126,29 @@ TEST(Stage8Traversability, UnknownCellsHaveNoFeatures)
   m.update(Scan());
   for (int l = static_cast<int>(Layer::Slope); l < kLayerCount; l++)
     for (float v : m.map.layer(static_cast<Layer>(l))) ASSERT_TRUE(std::isnan(v));
+}
+
+TEST(Stage8Traversability, BehindABoxThatRaysPassOverNothingIsKnownToBeFree)
+{
+  TestMap m;
+  const Box box{{1.5, -0.5, 0}, {2.3, 0.5, 0.4}};
+  for (int i = 0; i < 3; i++) m.update(Scan().cast({box}));
+  EXPECT_FALSE(m.traversability(2.425, 0.025) > 0.0f);  // in its shadow
+  EXPECT_GT(m.traversability(1.0, 0.025), 0.8f);  // seen
+  EXPECT_GT(m.traversability(0.5, 0.025), 0.8f);  // blind zone
+}
+
+TEST(Stage8Traversability, AGapOfOneCellBetweenImpassableCellsIsImpassable)
+{
+  for (const int gap_cells : {1, 3})
+  {
+    TestMap m;
+    Scan s;
+    s.add_surface(1, -1, 3, 1, flat);
+    const double gap_m = 0.05 * gap_cells;
+    for (const double x : {2.0 - 0.2, 2.0 + gap_m})
+      s.add_surface(x, -0.5, x + 0.2, 0.5, [](double, double) { return 0.45; });
+    m.update(s);
+    EXPECT_EQ(m.traversability(2.0 + gap_m / 2, 0.025) == 0.0f, gap_cells == 1) << gap_cells;
+  }
 }

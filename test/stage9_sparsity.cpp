@@ -9,7 +9,7 @@ namespace
 /** Hits far beyond, so that rays pass low over everything. */
 Scan with_rays(Scan s)
 {
-  for (double y = -2; y < 2; y += 0.01) s.add(6, y, -0.3);
+  for (double y = -2; y < 2; y += 0.01) s.add(4.1, y, -0.2);
   return s;
 }
 
@@ -17,7 +17,7 @@ Scan with_rays(Scan s)
  * lower from 2.5 m on. */
 Scan gap(double drop_m, double near_until_m = 1.5)
 {
-  Scan s;
+  Scan s(0, 0, 0.3);
   s.add_surface(0.5, -0.5, near_until_m, 0.5, flat);
   if (drop_m < 1) s.add_surface(2.5, -0.5, 3.5, 0.5, [&](double, double) { return -drop_m; });
   return s;

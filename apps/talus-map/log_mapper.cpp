@@ -92,6 +92,8 @@ bool LogMapper::take(const mrpt::obs::CObservation& obs)
   if (!decode(obs)) return false;
   if (scan_.x_m.empty()) return skip("no_points", "it is empty");
   note_stamp(obs.sensorLabel);
+  last_stamp_ = obs.timestamp;
+  last_label_ = obs.sensorLabel;
   return insert(obs.sensorLabel);
 }
 

@@ -32,6 +32,12 @@ class LogMapper
 
   const ElevationMapper& map() const { return map_; }
   const mrpt::poses::CPose3D& last_base() const { return last_T_map_base_; }
+  /// @name Of the scan that reached the map last
+  /// @{
+  const mrpt::poses::CPose3D& last_sensor() const { return scan_.T_base_sensor; }
+  mrpt::system::TTimeStamp last_stamp() const { return last_stamp_; }
+  const std::string& last_label() const { return last_label_; }
+  /// @}
   const io::RunSummary& summary() const { return run_; }
   io::RunSummary& summary() { return run_; }
 
@@ -52,6 +58,8 @@ class LogMapper
   io::RunSummary run_;
   SensorPoints scan_;
   mrpt::poses::CPose3D last_T_map_base_;
+  mrpt::system::TTimeStamp last_stamp_;
+  std::string last_label_;
   std::map<std::string, double> last_stamp_s_;  //!< by sensor label
   std::map<std::string, std::string> first_skip_;  //!< what was wrong first, by reason
   std::set<std::string> other_labels_;  //!< of sensors that were not asked for

@@ -30,6 +30,8 @@ constexpr const char* kFooter =
     "      a sensor 1.9 m above the ground; --parameters lists everything that can be set\n"
     "  talus-map drive.rawlog --config robot.ini --every 10\n"
     "      also map and picture of each tenth frame: drive_map/frames/\n"
+    "  talus-map drive.rawlog --rawlog-out terrain.rawlog\n"
+    "      for rawlog-edit -p libtalus-mrpt.so --info -i terrain.rawlog\n"
     "\n"
     "Exit codes: 0 done, 1 a log failed, 2 wrong usage.";
 
@@ -99,6 +101,11 @@ void add_outputs(CLI::App& app, Options& o)
   app.add_option("--every", o.every, "Also write map and picture of every Nth frame")
       ->check(CLI::Range(1, 1000000000))
       ->type_name("N");
+  app.add_option(
+         "--rawlog-out", o.rawlog_out,
+         "Also write the log with a snapshot of the map after each scan, or each Nth with --every "
+         "(of one log)")
+      ->type_name("FILE.rawlog");
   app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
 }
 }  // namespace
@@ -126,6 +133,8 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
   try
   {
     app.parse(argc, argv);
+    if (!options.rawlog_out.empty() && options.logs.size() > 1)
+      throw CLI::ValidationError("--rawlog-out", "takes one log, not a batch");
   }
   catch (const CLI::ParseError& e)
   {

@@ -23,6 +23,7 @@ struct Options
 
   std::string output;  //!< empty: NAME_map for NAME.rawlog
   int every = 0;  //!< snapshots of every Nth frame, 0: none
+  std::string rawlog_out;  //!< the log with snapshots in it (each, or every Nth); empty: none
   bool quiet = false;
 };
 

@@ -4,6 +4,7 @@
 #include "log_mapper.h"
 #include "output_folder.h"
 #include "progress_bar.h"
+#include "rawlog_out.h"
 #include "report.h"
 
 #include <talus/mrpt/parameters_ini.h>
@@ -12,6 +13,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <iostream>
 #include <new>
 
@@ -32,9 +34,18 @@ std::string told(const std::exception& e, const Job& job, const std::string& sta
   return text;
 }
 
+void write_log(RawlogOut& out)
+{
+  out.write();
+  if (!out.externals().empty())
+    print_error(
+        "warning: the log keeps data in " + out.externals() + "; its copy needs them as " +
+        out.externals_of_copy());
+}
+
 void map_log(
     const Job& job, const Options& options, const Settings& settings, const std::string& label,
-    const std::string& folder)
+    const std::string& folder, RawlogOut* rawlog_out)
 {
   const auto start = std::chrono::steady_clock::now();
   LogMapper mapper(job, options, settings);
@@ -47,12 +58,14 @@ void map_log(
           const bool is_snapshot = options.every > 0 && frames % options.every == 0;
           if (is_snapshot) write_snapshot(folder, m);
           if (is_snapshot) ++mapper.summary().snapshots;
+          if (rawlog_out && (is_snapshot || options.every == 0)) rawlog_out->add(m);
           bar.show(progress, "frame " + std::to_string(frames));
         });
   }
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   mapper.summary().wall_s = wall.count();
   write_results(folder, mapper);
+  if (rawlog_out) write_log(*rawlog_out);
   const auto& warnings = mapper.summary().warnings;  // those of the settings have been told
   for (std::size_t i = settings.warnings.size(); i < warnings.size(); ++i)
     print_error("warning: " + job.log + ": " + warnings[i]);
@@ -62,11 +75,11 @@ void map_log(
 /** In the child: the exit code. */
 int map_or_tell(
     const Job& job, const Options& options, const Settings& settings, const std::string& label,
-    const std::string& staging)
+    const std::string& staging, RawlogOut* rawlog_out)
 {
   try
   {
-    map_log(job, options, settings, label, staging);
+    map_log(job, options, settings, label, staging, rawlog_out);
     return kDone;
   }
   catch (const std::bad_alloc&)
@@ -101,14 +114,19 @@ bool run_job(
   try
   {
     OutputFolder output(job.folder);
-    const ChildEnd end =
-        run_in_child([&] { return map_or_tell(job, options, settings, label, output.staging()); });
+    std::unique_ptr<RawlogOut> rawlog_out;
+    if (!options.rawlog_out.empty())
+      rawlog_out = std::make_unique<RawlogOut>(options.rawlog_out, job.log);
+    const auto work = [&]
+    { return map_or_tell(job, options, settings, label, output.staging(), rawlog_out.get()); };
+    const ChildEnd end = run_in_child(work);
     if (stop_signal())
       print_error(job.log + ": stopped; nothing was written");
     else if (end.signal)
       print_error(crash_text(job.log, end.signal));
     else if (end.exit_code == kDone)
     {
+      if (rawlog_out) rawlog_out->commit();
       output.commit();
       return true;
     }

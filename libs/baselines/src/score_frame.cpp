@@ -95,7 +95,7 @@ class FrameScorer
     score_.hanging_wrong.add(
         truth_.height_error_m(at, map_.ground_m[k]) > kWrong_m ||
         truth_.height_error_m(at, map_.elevation_m[k]) > kWrong_m);
-    score_.hanging_passable.add(map_.passable(k));
+    if (here_.could_see[k]) score_.hanging_passable.add(map_.passable(k));
   }
 
   void blocked_and_free(std::size_t k, std::size_t at)

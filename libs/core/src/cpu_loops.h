@@ -86,47 +86,64 @@ class Lanes
   int lanes_;
 };
 
-/** Steps of different numbers on the cells of rows: as f(x, y), the same step of all cells at once. */
+/** Cells that need different numbers of steps: the same step of all cells of a stretch at once. */
 template <class F>
 class SteppedRow
 {
   using Item = typename F::Item;
+  using Result = typename F::Result;
   static constexpr int kLanes = 128;
 
  public:
   explicit SteppedRow(const F& f) : f_(f) {}
-  void run(int nx, int y)
+  void run(int begin, int end, int y, int first)
   {
-    for (int x = 0; x < nx; x += kLanes)
+    const Lanes<Item> items(words_, kLanes);
+    const Lanes<Result> results(words_ + Lanes<Item>::words(kLanes), kLanes);
+    for (int x = begin; x < end; x += kLanes)
     {
-      const int end = std::min(x + kLanes, nx);
-      const int steps = begin(f_, items(), x, end, y);
-      for (int which = 0; which < steps; which++) step(f_, items(), x, end, y, which);
+      const int lanes = std::min(kLanes, end - x);
+      const int steps = prepare(f_, items, results, x, y, lanes);
+      for (int which = 0; which < steps; which++) step(f_, items, results, lanes, which);
+      put(f_, results, x, y, first + (x - begin), lanes);
     }
   }
 
  private:
-  TALUS_CLONES static int begin(F f, Lanes<Item> items, int x0, int x1, int y)
+  TALUS_CLONES static int prepare(
+      F f, Lanes<Item> items, Lanes<Result> results, int x, int y, int lanes)
   {
-    int steps = 0;
+    const Result none;
     TALUS_INDEPENDENT
-    for (int x = x0; x < x1; x++)
+    for (int l = 0; l < lanes; l++)
     {
-      items.store(x - x0, f.item(x, y));
-      f.begin(x, y);
+      items.store(l, f.item(x + l, y));
+      results.store(l, none);
     }
-    for (int l = 0; l < x1 - x0; l++) steps = std::max(steps, f.steps(items.load(l)));
+    int steps = 0;
+    for (int l = 0; l < lanes; l++) steps = std::max(steps, f.steps(items.load(l)));
     return steps;
   }
-  TALUS_CLONES static void step(F f, Lanes<Item> items, int x0, int x1, int y, int which)
+  TALUS_CLONES static void step(
+      F f, Lanes<Item> items, Lanes<Result> results, int lanes, int which)
   {
     TALUS_INDEPENDENT
-    for (int x = x0; x < x1; x++) f.step(x, y, items.load(x - x0), which);
+    for (int l = 0; l < lanes; l++)
+    {
+      Result result = results.load(l);
+      f.step(result, items.load(l), which);
+      results.store(l, result);
+    }
   }
-  Lanes<Item> items() { return {words_, kLanes}; }
+  TALUS_CLONES static void put(F f, Lanes<Result> results, int x, int y, int first, int lanes)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < lanes; l++) f.put(x + l, y, first + l, results.load(l));
+  }
 
+  static constexpr int kWords = Lanes<Item>::words(kLanes) + Lanes<Result>::words(kLanes);
   const F& f_;
-  alignas(64) std::uint32_t words_[static_cast<std::size_t>(Lanes<Item>::words(kLanes))];
+  alignas(64) std::uint32_t words_[static_cast<std::size_t>(kWords)];
 };
 
 /** f(first, last) of a stretch. */

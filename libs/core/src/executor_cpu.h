@@ -199,11 +199,19 @@ class SerialExecutor : public CpuMemory
     for_each(n, f);
     for_another_stage(stage, [&] { for_each_concerned_cell(cells, frame, g); });
   }
-  /** f(x, y) in steps, see SteppedRow. */
+  /** f in steps of the cells of the window, see SteppedRow. */
   template <class F>
-  void for_each_cell_in_steps(int nx, int ny, const F& f)
+  void for_each_cell_in_steps(int cells, const kernels::FrameContext* frame, const F& f)
   {
-    for_each_row(nx, ny, [&f, nx](int y) { SteppedRow<F>(f).run(nx, y); });
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          SteppedRow<F> row(f);
+          over_stored_row(
+              [&row, y](int begin, int end, int i) { row.run(begin, end, y, i); }, cells, *frame,
+              y);
+        });
   }
 
   /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */
@@ -346,11 +354,19 @@ class ThreadExecutor : public CpuMemory
     for_each(n, f);
     for_another_stage(stage, [&] { for_each_concerned_cell(cells, frame, g); });
   }
-  /** f(x, y) in steps, see SteppedRow. */
+  /** f in steps of the cells of the window, see SteppedRow. */
   template <class F>
-  void for_each_cell_in_steps(int nx, int ny, const F& f)
+  void for_each_cell_in_steps(int cells, const kernels::FrameContext* frame, const F& f)
   {
-    for_each_row(nx, ny, [&f, nx](int y) { SteppedRow<F>(f).run(nx, y); });
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          SteppedRow<F> row(f);
+          over_stored_row(
+              [&row, y](int begin, int end, int i) { row.run(begin, end, y, i); }, cells, *frame,
+              y);
+        });
   }
 
   /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */

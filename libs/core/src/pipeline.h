@@ -120,21 +120,22 @@ class Pipeline final : public BackendInterface
   void update()
   {
     const kernels::ReserveStretch<Atomics> reserve{context_.data(), points_out(), sorting()};
-    const kernels::SortPoint sort{context_.data(), points_out(), sorting()};
-    const kernels::LookThrough look{
-        side(), config_.data(), context_.data(), rays_.data(), passing()};
+    const kernels::SortPoint sort{
+        config_.data(), context_.data(), points_out(), rays_.data(), sorting()};
+    const kernels::LookThrough look{side(),       config_.data(), context_.data(),
+                                    rays_.data(), passed_.data(), passing()};
     const int bins = kernels::bin_count(host_config_);
     if constexpr (Executor::kWalksLines)
     {
-      for_each_point(reserve);
-      for_each_point(sort);
       executor_.for_another_stage(
           5,
           [&]
           {
             executor_.for_each_stretch(bins, kernels::SweepRings{config_.data(), rays_.data()});
-            executor_.for_each_cell_in_steps(side(), side(), look);
+            executor_.for_each_cell_in_steps(side(), context_.data(), look);
           });
+      for_each_point(reserve);
+      for_each_point(sort);
     }
     else
     {
@@ -158,7 +159,8 @@ class Pipeline final : public BackendInterface
         grid.side, grid.side, radius, kernels::ErodeSupport{config_.data(), grid});
     executor_.for_each_window(
         grid.side, grid.side, radius,
-        kernels::ChooseRoles{config_.data(), context_.data(), store(), grid, role_.data()});
+        kernels::ChooseRoles{
+            config_.data(), context_.data(), store(), grid, top_hit_.data(), role_.data()});
   }
 
   void clean_up()
@@ -213,6 +215,7 @@ class Pipeline final : public BackendInterface
         kernels::ComputeFeatures{
             side(), config_.data(), surfaces(), line_grid(), inferred().across_m,
             feature_layers()});
+    for_each_cell(kernels::CloseGaps{side(), judged(), feature(Layer::Traversability)});
   }
 
   // ---- around them ----
@@ -327,8 +330,10 @@ class Pipeline final : public BackendInterface
   {
     return {
         feature(Layer::Slope), feature(Layer::Step), feature(Layer::Roughness),
-        feature(Layer::Sparsity), feature(Layer::Traversability)};
+        feature(Layer::Sparsity), judged()};
   }
+
+  float* judged() { return judged_.data() + side() + 1; }
 
   static constexpr int kFeatureLayers = 5, kSupportArrays = 4;
 
@@ -361,7 +366,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint32_t> marks_, axis_marks_;
   Buffer<float> top_hit_, support_, passing_, samples_, inferred_;
   // derived layers, window order
-  Buffer<float> features_, exported_, delivered_;
+  Buffer<float> judged_, features_, exported_, delivered_;
 };
 
 template <class Executor>

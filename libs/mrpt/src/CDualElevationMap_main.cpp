@@ -1,7 +1,9 @@
+#include <mrpt/config/CConfigFileBase.h>
 #include <mrpt/core/initializer.h>
 #include <mrpt/maps/TMetricMapTypesRegistry.h>
 #include <mrpt/serialization/CArchive.h>
 #include <talus/mrpt/CDualElevationMap.h>
+#include <talus/mrpt/CObservationTraversability.h>
 #include <talus/mrpt/parameters_ini.h>
 #include <talus/mrpt/register.h>
 
@@ -26,6 +28,37 @@ const char* names_unless_registered()
 {
   return Registry::Instance().getAllRegistered().count("talus::CDualElevationMap") ? "" : kNames;
 }
+
+/** Whether any section begins with this prefix. */
+bool has_sections(const mrpt::config::CConfigFileBase& source, const std::string& prefix)
+{
+  std::vector<std::string> sections;
+  source.getAllSections(sections);
+  return std::any_of(
+      sections.begin(), sections.end(),
+      [&](const auto& s) { return s.rfind(prefix + "_", 0) == 0; });
+}
+
+/** What a person should know about the sections of one map: `APP_terrain_00`. */
+void warn_sections(const mrpt::config::CConfigFileBase& source, const std::string& prefix)
+{
+  if (!has_sections(source, prefix))
+    talus::detail::warn_once(
+        "no section [" + prefix + "_creationOpts], [" + prefix +
+        "_insertOpts], ...: this map has the defaults");
+  const auto number = prefix.rfind('_');
+  const auto alias = number == std::string::npos ? number : prefix.rfind('_', number - 1);
+  if (alias == std::string::npos) return;
+  const std::string app = prefix.substr(0, alias);
+  std::string names;
+  int used = 0;
+  for (const char* key :
+       {"terrain_count", "CDualElevationMap_count", "talus::CDualElevationMap_count"})
+    if (source.read_int(app, key, 0) > 0) names += std::string(used++ ? " and " : "") + key;
+  if (used > 1)
+    talus::detail::warn_once(
+        "[" + app + "] has " + names + ": each makes maps of its own; leave one of them");
+}
 }  // namespace
 
 //  =========== Begin of Map definition ============
@@ -36,6 +69,7 @@ talus::CDualElevationMap::TMapDefinition::TMapDefinition() = default;
 void talus::CDualElevationMap::TMapDefinition::loadFromConfigFile_map_specific(
     const mrpt::config::CConfigFileBase& source, const std::string& sectionNamePrefix)
 {
+  warn_sections(source, sectionNamePrefix);
   for (const auto& w : load_parameters(source, sectionNamePrefix, insertionOpts))
     detail::warn_once(w);
   resolution.reset();
@@ -95,6 +129,7 @@ void register_mrpt_classes()
       kNames, &CDualElevationMap::MapDefinition,
       &CDualElevationMap::internal_CreateFromMapDefinition);
   mrpt::rtti::registerClass(CLASS_ID_NAMESPACE(CDualElevationMap, talus));
+  mrpt::rtti::registerClass(CLASS_ID_NAMESPACE(CObservationTraversability, talus));
 }
 
 CDualElevationMap::CDualElevationMap(const Parameters& parameters, Backend backend, int threads)
@@ -121,7 +156,7 @@ CDualElevationMap& CDualElevationMap::operator=(const CDualElevationMap& o)
   m_threads = o.m_threads;
   m_T_map_base = o.m_T_map_base;
   m_lastReport = o.m_lastReport;
-  m_pointsCache.reset();
+  forgetDerived();
   m_mapper.reset();
   if (o.isEmpty()) return *this;
   m_mapper = std::make_unique<ElevationMapper>(o.m_mapper->parameters(), m_backend, m_threads);
@@ -133,7 +168,7 @@ CDualElevationMap::~CDualElevationMap() = default;
 
 ElevationMapper& CDualElevationMap::mapper()
 {
-  m_pointsCache.reset();
+  forgetDerived();
   return const_cast<ElevationMapper&>(std::as_const(*this).mapper());
 }
 
@@ -144,12 +179,18 @@ const ElevationMapper& CDualElevationMap::mapper() const
   return *m_mapper;
 }
 
+void CDualElevationMap::forgetDerived()
+{
+  m_pointsCache.reset();
+  m_sceneCache.clear();
+}
+
 bool CDualElevationMap::isEmpty() const { return !m_mapper || m_mapper->empty(); }
 
 void CDualElevationMap::internal_clear()
 {
   if (m_mapper) m_mapper->clear();
-  m_pointsCache.reset();
+  forgetDerived();
   m_T_map_base = {};
   m_lastReport = {};
 }

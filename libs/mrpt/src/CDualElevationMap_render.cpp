@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
+#include <vector>
 
 #include "surface_view.h"
 
@@ -60,7 +62,7 @@ class SurfacePainter
   /** `only_above`: only where a corner stands more than a cell's side above the ground. */
   CSetOfTriangles::Ptr draw(bool only_above) const
   {
-    auto mesh = CSetOfTriangles::Create();
+    std::vector<TTriangle> triangles;
     for (int iy = 0; iy + step_ < map_.window.cells; iy += step_)
       for (int ix = 0; ix + step_ < map_.window.cells; ix += step_)
       {
@@ -71,9 +73,11 @@ class SurfacePainter
             std::none_of(c.begin(), c.end(), [](const auto& k) { return std::isnan(k.p.z); });
         const bool above = std::any_of(c.begin(), c.end(), [](const auto& k) { return k.above; });
         if (!known || (only_above && !above)) continue;
-        mesh->insertTriangle(triangle(c[0], c[1], c[2]));
-        mesh->insertTriangle(triangle(c[0], c[2], c[3]));
+        triangles.push_back(triangle(c[0], c[1], c[2]));
+        triangles.push_back(triangle(c[0], c[2], c[3]));
       }
+    auto mesh = CSetOfTriangles::Create();
+    mesh->insertTriangles(triangles.begin(), triangles.end());  // one by one each takes a lock
     return mesh;
   }
 
@@ -117,17 +121,34 @@ class SurfacePainter
   int step_ = 1;
 };
 
+bool same_options(
+    const CDualElevationMap::TRenderOptions& a, const CDualElevationMap::TRenderOptions& b)
+{
+  const auto all = [](const auto& o)
+  {
+    return std::tie(o.showGround, o.showElevation, o.colorByTraversability, o.colormap, o.maxCells);
+  };
+  return all(a) == all(b);
+}
 }  // namespace
 
 void CDualElevationMap::getVisualizationInto(mrpt::opengl::CSetOfObjects& outObj) const
 {
   if (!genericMapParams.enableSaveAs3DObject || isEmpty()) return;
+  if (m_sceneCache.empty() || !same_options(renderOptions, m_sceneOptions)) drawScene();
+  for (const auto& mesh : m_sceneCache) outObj.insert(mesh);
+}
+
+void CDualElevationMap::drawScene() const
+{
+  m_sceneCache.clear();
+  m_sceneOptions = renderOptions;
   const SurfaceView map(mapper());
   const auto add = [&](const char* name, const std::vector<float>& z, bool only_above)
   {
     auto mesh = SurfacePainter(map, z, renderOptions).draw(only_above);
     mesh->setName(name);
-    outObj.insert(mesh);
+    m_sceneCache.push_back(mesh);
   };
   if (renderOptions.showGround) add("ground", map.ground, false);
   if (renderOptions.showElevation) add("elevation", map.elevation, renderOptions.showGround);

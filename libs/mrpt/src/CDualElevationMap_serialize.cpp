@@ -100,7 +100,7 @@ void CDualElevationMap::serializeFrom(mrpt::serialization::CArchive& in, std::ui
 void CDualElevationMap::readState(mrpt::serialization::CArchive& in)
 {
   m_lastReport = {};
-  m_pointsCache.reset();
+  forgetDerived();
   m_mapper.reset();
   bool empty = true;
   in >> empty;

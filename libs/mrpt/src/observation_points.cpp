@@ -1,4 +1,5 @@
 #include <talus/mrpt/observation_points.h>
+#include <talus/mrpt/version_compat.h>
 
 #include <mrpt/core/Clock.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
@@ -10,7 +11,6 @@
 
 #include <stdexcept>
 
-#include "observation_compat.h"
 #include "observation_points_detail.h"
 
 using namespace mrpt::obs;

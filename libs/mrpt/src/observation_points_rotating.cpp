@@ -1,11 +1,11 @@
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/obs/VelodyneCalibration.h>
+#include <talus/mrpt/version_compat.h>
 
 #include <algorithm>
 #include <cctype>
 #include <vector>
 
-#include "observation_compat.h"
 #include "observation_points_detail.h"
 
 using mrpt::obs::CObservationRotatingScan;

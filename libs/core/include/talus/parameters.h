@@ -80,7 +80,7 @@ struct Parameters
 
   /// @name Stage 8: traversability (eq. 10-13)
   /// @{
-  double feature_radius_m = 0.15;  //!< half side of the square neighbourhood
+  double feature_radius_m = 0.1;  //!< half side of the square neighbourhood
   double slope_threshold_rad = 0.6;
   double step_threshold_m = 0.2;
   double roughness_threshold_m = 0.2;

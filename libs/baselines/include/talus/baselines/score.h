@@ -63,7 +63,7 @@ struct Score
   /// @name Hanging objects: free cells below something that leaves more than the clearance
   /// @{
   Share hanging_wrong;  //!< of known ones: elevation or ground off by more than 0.2 m
-  Share hanging_passable;  //!< of known ones
+  Share hanging_passable;  //!< of known ones whose ground a ray could have met so far
   /// @}
 
   /// @name Obstacles and free space

@@ -4,14 +4,17 @@
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/math/TBoundingBox.h>
+#include <mrpt/opengl/CRenderizable.h>
 #include <mrpt/poses/CPose3D.h>
 #include <talus/elevation_mapper.h>
 #include <talus/mrpt/observation_points.h>
+#include <talus/mrpt/obstacles.h>
 #include <talus/mrpt/version_compat.h>
 
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace talus
 {
@@ -54,7 +57,8 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
    *  @{ */
   bool isEmpty() const override;
   std::string asString() const override;
-  /** Both surfaces as triangles named "ground" and "elevation", see TRenderOptions. */
+  /** Both surfaces as triangles named "ground" and "elevation", see TRenderOptions. Made once for
+   * each state of the map: scenes share the triangles. */
   void getVisualizationInto(mrpt::opengl::CSetOfObjects& outObj) const override;
   /** Writes PREFIX.tif (all layers, GeoTIFF), PREFIX.png (picture) and PREFIX.3Dscene; nothing for
    * an empty map. Throws std::runtime_error naming the file. */
@@ -75,6 +79,9 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   const mrpt::maps::CSimplePointsMap* getAsSimplePointsMap() const override;
   /** Of both surfaces, map frame [m]; all zeros for an empty map. */
   mrpt::math::TBoundingBoxf boundingBox() const TALUS_OVERRIDE_SINCE_2_11_3;
+  /** costmap_from_map() of this map, the robot where the last observation had it. */
+  void getAsOccupancyGrid(
+      mrpt::maps::COccupancyGridMap2D& out, const ObstacleOptions& options = {}) const;
   /** @} */
 
   /** Every parameter of the pipeline, see doc/parameters.md. A change counts from the next
@@ -142,6 +149,8 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
 
  private:
   void applyOptions();
+  void forgetDerived();
+  void drawScene() const;
   void readState(mrpt::serialization::CArchive& in);
   void insertPoints(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base);
 
@@ -149,6 +158,8 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   int m_threads;
   mutable std::unique_ptr<ElevationMapper> m_mapper;  //!< made on first use
   mutable mrpt::maps::CSimplePointsMap::Ptr m_pointsCache;  //!< of getAsSimplePointsMap()
+  mutable std::vector<mrpt::opengl::CRenderizable::Ptr> m_sceneCache;  //!< of the map as it is,
+  mutable TRenderOptions m_sceneOptions;  //!< drawn with these options
   mrpt::poses::CPose3D m_T_map_base;  //!< of the last insertion
   FrameReport m_lastReport;
   SensorPoints m_scratch;  //!< reused: no allocation per observation once warm

@@ -1,0 +1,189 @@
+#include "mission.h"
+
+#include <mrpt/core/Clock.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+namespace talus::nav
+{
+namespace
+{
+using mrpt::poses::CPose3D;
+
+constexpr double kStep_s = 0.1, kFirstStamp_s = 1700000000.0;
+constexpr int kStepsPerPlan = 5;
+constexpr int kPlansWithoutWay = 10;  // in a row: blocked
+constexpr int kChecksPerStep = 2;  // of collisions
+
+double ms_of(const std::function<void()>& work)
+{
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+CPose3D to_mrpt(const Pose& T)
+{
+  mrpt::math::CMatrixDouble33 R;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) R(r, c) = T.m[static_cast<std::size_t>(4 * r + c)];
+  return CPose3D(R, mrpt::math::CMatrixDouble31({T.x(), T.y(), T.z()}));
+}
+
+void set_clock(double time_s)
+{
+  mrpt::Clock::setSimulatedTime(mrpt::Clock::fromDouble(kFirstStamp_s + time_s));
+  mrpt::Clock::setActiveClock(mrpt::Clock::Source::Simulated);
+}
+
+/** The robot with all that drives it, one step after the other. */
+class Mission
+{
+ public:
+  Mission(
+      const sim::World& world, SimulatedRobot& robot, MapSource& map, Pilot& pilot, Route& route,
+      const MissionOptions& options)
+      : T_base_sensor_(to_mrpt(world.sensor.T_base_sensor)),
+        robot_(robot),
+        map_(map),
+        pilot_(pilot),
+        route_(route),
+        o_(options)
+  {
+  }
+
+  /** True when the mission has ended. */
+  bool step(MissionResult& result)
+  {
+    set_clock(robot_.time_s());
+    const CPose3D T = to_mrpt(robot_.T_map_base_estimated());
+    Step s = now(T);
+    sense(T, s);
+    if (count_ % kStepsPerPlan == 0) s.plan_ms = ms_of([&] { plan(T); });
+    count_++;
+    if (has_way_)
+      s.pilot_ms = ms_of([&] { steer(T); });
+    else
+      pilot_.halt();
+    s.obstacles = pilot_.obstacles().size();
+    result.steps.push_back(s);
+    return drive(result) || has_ended(result);
+  }
+
+ private:
+  Step now(const CPose3D& T) const
+  {
+    return {
+        robot_.time_s(),
+        robot_.x_m(),
+        robot_.y_m(),
+        robot_.T_map_base().z(),
+        robot_.yaw_rad(),
+        T.x(),
+        T.y(),
+        robot_.v_mps(),
+        robot_.w_radps(),
+        0,
+        0,
+        0,
+        0};
+  }
+
+  void sense(const CPose3D& T, Step& s)
+  {
+    const sim::Scan scan = robot_.scan();
+    s.map_ms =
+        ms_of([&] { map_.insert(scan, T, T_base_sensor_, kFirstStamp_s + robot_.time_s()); });
+  }
+
+  void plan(const CPose3D& T)
+  {
+    map_.update_costmap(T, route_.costmap());
+    has_way_ = route_.plan({T.x(), T.y(), T.yaw()});
+    plans_without_way_ = has_way_ ? 0 : plans_without_way_ + 1;
+  }
+
+  void steer(const CPose3D& T)
+  {
+    const auto target = route_.target({T.x(), T.y(), T.yaw()}, o_.look_ahead_m);
+    pilot_.step(T, target, (target - o_.goal).norm() < 1e-6);
+  }
+
+  bool drive(MissionResult& result)
+  {
+    for (int i = 0; i < kChecksPerStep; i++)
+    {
+      robot_.drive(kStep_s / kChecksPerStep);
+      if (!robot_.collides()) continue;
+      return end(result, Ending::Collision, "hit an obstacle");
+    }
+    return false;
+  }
+
+  bool has_ended(MissionResult& result) const
+  {
+    if (std::hypot(robot_.x_m() - o_.goal.x, robot_.y_m() - o_.goal.y) <= o_.arrived_m)
+      return end(result, Ending::Arrived, "reached the goal");
+    if (plans_without_way_ >= kPlansWithoutWay)
+      return end(result, Ending::Blocked, "found no way to the goal");
+    if (robot_.time_s() > o_.timeout_s)
+      return end(result, Ending::Timeout, "did not reach the goal in time");
+    return false;
+  }
+
+  bool end(MissionResult& result, Ending ending, const std::string& what) const
+  {
+    char where[100];
+    std::snprintf(
+        where, sizeof where, " at (%.2f, %.2f) after %.1f s and %.1f m", robot_.x_m(), robot_.y_m(),
+        robot_.time_s(), robot_.driven_m());
+    result.ending = ending;
+    result.detail = what + where;
+    return true;
+  }
+
+  CPose3D T_base_sensor_;
+  SimulatedRobot& robot_;
+  MapSource& map_;
+  Pilot& pilot_;
+  Route& route_;
+  const MissionOptions& o_;
+  int count_ = 0, plans_without_way_ = 0;
+  bool has_way_ = false;
+};
+}  // namespace
+
+std::string ending_name(Ending ending)
+{
+  switch (ending)
+  {
+    case Ending::Arrived:
+      return "arrived";
+    case Ending::Blocked:
+      return "blocked";
+    case Ending::Collision:
+      return "collision";
+    default:
+      return "timeout";
+  }
+}
+
+MissionResult run_mission(
+    const sim::World& world, SimulatedRobot& robot, MapSource& map, Pilot& pilot, Route& route,
+    const MissionOptions& options, const std::function<void(const MissionResult&)>& on_step)
+{
+  MissionResult result;
+  Mission mission(world, robot, map, pilot, route, options);
+  for (bool ended = false; !ended;)
+  {
+    ended = mission.step(result);
+    on_step(result);
+  }
+  pilot.halt();
+  return result;
+}
+
+}  // namespace talus::nav

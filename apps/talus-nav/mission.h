@@ -1,0 +1,53 @@
+#pragma once
+#include "map_source.h"
+#include "pilot.h"
+#include "route.h"
+#include "simulated_robot.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace talus::nav
+{
+enum class Ending
+{
+  Arrived,
+  Blocked,  //!< no way to the goal, again and again
+  Collision,
+  Timeout
+};
+std::string ending_name(Ending ending);
+
+/** One step of the robot. */
+struct Step
+{
+  double time_s, x_m, y_m, z_m, yaw_rad;  //!< where it is
+  double x_estimated_m, y_estimated_m;
+  double v_mps, w_radps;
+  double map_ms, plan_ms, pilot_ms;  //!< computing time
+  std::size_t obstacles;  //!< points given to the navigator
+};
+
+struct MissionOptions
+{
+  mrpt::math::TPoint2D goal;
+  double arrived_m = 0.4;  //!< the robot's middle this near to the goal has arrived
+  double timeout_s = 180;  //!< of the simulated time
+  double robot_radius_m = 0.42;  //!< of the route
+  double look_ahead_m = 1.6;  //!< how far along the route the navigator's target lies
+};
+
+struct MissionResult
+{
+  Ending ending = Ending::Timeout;
+  std::string detail;
+  std::vector<Step> steps;
+};
+
+/** Drives to the goal. `on_step` is called after each step. */
+MissionResult run_mission(
+    const sim::World& world, SimulatedRobot& robot, MapSource& map, Pilot& pilot, Route& route,
+    const MissionOptions& options, const std::function<void(const MissionResult&)>& on_step);
+
+}  // namespace talus::nav

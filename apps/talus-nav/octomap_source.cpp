@@ -1,0 +1,119 @@
+#include "map_source.h"
+
+#include <mrpt/maps/COctoMap.h>
+
+#include <cmath>
+
+namespace talus::nav
+{
+namespace
+{
+constexpr float kObstacle = 0.05F, kFree = 0.9F;  // probability of being free
+
+class OctomapSource : public MapSource
+{
+ public:
+  explicit OctomapSource(const OctomapOptions& o) : o_(o), map_(o.voxel_m)
+  {
+    map_.insertionOptions.maxrange = o.range_m;
+  }
+
+  void insert(
+      const sim::Scan& scan, const mrpt::poses::CPose3D& T_map_base,
+      const mrpt::poses::CPose3D& T_base_sensor, double) override
+  {
+    const auto T_map_sensor = T_map_base + T_base_sensor;
+    mrpt::maps::CSimplePointsMap points;
+    for (std::size_t i = 0; i < scan.size(); i += static_cast<std::size_t>(o_.decimation))
+    {
+      const mrpt::math::TPoint3D p(scan.x_m[i], scan.y_m[i], scan.z_m[i]);
+      if (p.norm() > o_.range_m) continue;
+      const auto q = T_map_sensor.composePoint(p);
+      points.insertPoint(static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z));
+    }
+    map_.insertPointCloud(
+        points, static_cast<float>(T_map_sensor.x()), static_cast<float>(T_map_sensor.y()),
+        static_cast<float>(T_map_sensor.z()));
+  }
+
+  void obstacles(
+      const mrpt::poses::CPose3D& T_map_base, const std::vector<double>& prism_heights_m,
+      mrpt::maps::CSimplePointsMap& out) override
+  {
+    out.clear();
+    const double c = std::cos(T_map_base.yaw()), s = std::sin(T_map_base.yaw());
+    for_each_voxel(
+        T_map_base,
+        [&](double x, double y, double height, bool occupied)
+        {
+          if (!occupied) return;
+          const double dx = x - T_map_base.x(), dy = y - T_map_base.y();
+          out.insertPoint(
+              static_cast<float>(c * dx + s * dy), static_cast<float>(-s * dx + c * dy),
+              static_cast<float>(prism_heights_m.empty() ? 0.1 : height));
+        });
+  }
+
+  void update_costmap(
+      const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
+  {
+    double last_x = NAN, last_y = NAN;  // voxels come column by column
+    bool blocked = false;
+    for_each_voxel(
+        T_map_base,
+        [&](double x, double y, double, bool occupied)
+        {
+          if (x != last_x || y != last_y) blocked = false;
+          last_x = x;
+          last_y = y;
+          blocked = blocked || occupied;
+          paint(grid, x, y, blocked ? kObstacle : kFree);
+        });
+  }
+
+ private:
+  /** Calls f(x, y, height, occupied) for the known voxels at the heights that count: x and y in the
+   * map frame, the height above the plane on which the robot stands. */
+  template <class F>
+  void for_each_voxel(const mrpt::poses::CPose3D& base, F f)
+  {
+    const double side = o_.voxel_m, reach = 4.0;
+    const auto middle = [side](double v) { return (std::floor(v / side) + 0.5) * side; };
+    const auto middle_above = [side](double v) { return (std::ceil(v / side - 0.5) + 0.5) * side; };
+    const auto& R = base.getRotationMatrix();
+    for (double x = middle(base.x() - reach); x < base.x() + reach; x += side)
+      for (double y = middle(base.y() - reach); y < base.y() + reach; y += side)
+      {
+        const double tilt = R(0, 2) * (x - base.x()) + R(1, 2) * (y - base.y());
+        const double plane = base.z() - tilt / R(2, 2);
+        for (double z = middle_above(plane + o_.lowest_m); z < plane + o_.highest_m; z += side)
+        {
+          double p = 0;
+          if (map_.getPointOccupancy(
+                  static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), p))
+            f(x, y, z - plane, p > 0.5);
+        }
+      }
+  }
+
+  void paint(mrpt::maps::COccupancyGridMap2D& grid, double x, double y, float p) const
+  {
+    const double half = 0.5 * o_.voxel_m;
+    const auto last_x = grid.x2idx(static_cast<float>(x + half - 1e-3));
+    const auto last_y = grid.y2idx(static_cast<float>(y + half - 1e-3));
+    for (int ix = grid.x2idx(static_cast<float>(x - half + 1e-3)); ix <= last_x; ix++)
+      for (int iy = grid.y2idx(static_cast<float>(y - half + 1e-3)); iy <= last_y; iy++)
+        grid.setCell(ix, iy, p);
+  }
+
+  OctomapOptions o_;
+  mrpt::maps::COctoMap map_;
+};
+}  // namespace
+
+std::unique_ptr<MapSource> make_octomap_source(const OctomapOptions& options)
+{
+  return std::make_unique<OctomapSource>(options);
+}
+
+}  // namespace talus::nav

@@ -1,0 +1,117 @@
+#include "options.h"
+
+#include <talus/mrpt/parameters_ini.h>
+
+#include <CLI/CLI.hpp>
+
+namespace talus::nav
+{
+namespace
+{
+constexpr const char* kFooter =
+    "Each 0.1 s: scan -> map -> costmap -> route (PlannerSimple2D) -> reactive navigator of MRPT "
+    "-> "
+    "robot.\n"
+    "Collisions are judged by the truth of the world. Writes into DIR: path.csv (a row a step), "
+    "navigation.png,\n"
+    "frames/ (animation), map.tif (the map at the end), log.reactivenavlog (for navlog-viewer), "
+    "summary.json.\n"
+    "\n"
+    "Examples:\n"
+    "  talus-nav datasets/worlds/nav_indoor.yaml --goal 15,0 --output out\n"
+    "  talus-nav datasets/worlds/nav_woods.yaml --goal 16,0 --planner 3d --seed 7 --output out\n"
+    "  talus-nav datasets/worlds/nav_indoor.yaml --goal 15,0 --map octomap --output out\n"
+    "\n"
+    "Exit codes: 0 arrived, 1 failed, 2 wrong usage, 3 blocked (there is no way), 4 collision, 5 "
+    "timeout.";
+
+void add_mission(CLI::App& app, Options& o)
+{
+  app.add_option("WORLD", o.world, "World file (.yaml); the robot starts where its way begins")
+      ->required()
+      ->type_name("");
+  app.add_option("--goal", o.goal, "Where to go, map frame [m]")
+      ->required()
+      ->delimiter(',')
+      ->expected(2)
+      ->type_name("X,Y");
+  app.add_option("--output", o.output, "Folder of the results")->required()->type_name("DIR");
+  app.add_option_function<std::string>(
+         "--planner", [&o](const std::string& text) { o.in_3d = text == "3d"; },
+         "2d: CReactiveNavigationSystem, 3d: CReactiveNavigationSystem3D (default: 2d)")
+      ->check(CLI::IsMember({"2d", "3d"}))
+      ->type_name("NAME");
+  app.add_option_function<std::string>(
+         "--map", [&o](const std::string& text) { o.octomap = text == "octomap"; },
+         "Where obstacles come from: talus, or octomap to compare (default: talus)")
+      ->check(CLI::IsMember({"talus", "octomap"}))
+      ->type_name("NAME");
+  app.add_option(
+         "--planner-config", o.config,
+         "INI file of navigator, map and obstacles (default: reactive2d_config.ini or "
+         "reactive3d_config.ini of datasets/configs, built in)")
+      ->type_name("FILE.ini");
+  app.add_option("--timeout", o.timeout_s, "Give up after this simulated time [s]")
+      ->check(CLI::Range(1.0, 1e5))
+      ->capture_default_str()
+      ->type_name("S");
+}
+
+void add_noise(CLI::App& app, Options& o)
+{
+  app.add_option("--seed", o.seed, "Seed of all noise")->capture_default_str()->type_name("N");
+  app.add_option("--noise", o.noise.range_m, "Standard deviation of a range [m]")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->type_name("M");
+  app.add_option("--pose-noise", o.noise.position_m, "Of each pose in x, y, z [m]")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->type_name("M");
+  app.add_option("--angle-noise", o.noise.angle_rad, "Of each pose in roll, pitch, yaw [rad]")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->type_name("RAD");
+}
+
+void add_processing(CLI::App& app, Options& o)
+{
+  app.add_option_function<std::string>(
+         "--backend", [&o](const std::string& text) { o.backend = backend_from_text(text); },
+         "Of the map: auto, cpu or cuda (default: auto)")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}, CLI::ignore_case))
+      ->type_name("NAME");
+  app.add_option("--threads", o.threads, "Of the CPU backend, 0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str()
+      ->type_name("N");
+  app.add_option("--every", o.every, "A frame of the animation each so many steps, 0: none")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str()
+      ->type_name("N");
+  app.add_flag("--quiet", o.quiet, "Print errors only");
+}
+}  // namespace
+
+std::optional<int> parse_options(int argc, char** argv, Options& options)
+{
+  CLI::App app{
+      "Drives a simulated robot to a goal: LiDAR -> terrain map -> MRPT's planners, no display.",
+      "talus-nav"};
+  add_mission(app, options);
+  add_noise(app, options);
+  add_processing(app, options);
+  app.set_version_flag("--version", std::string("talus-nav ") + TALUS_VERSION);
+  app.footer(kFooter);
+  try
+  {
+    app.parse(argc, argv);
+  }
+  catch (const CLI::ParseError& e)
+  {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  return std::nullopt;
+}
+
+}  // namespace talus::nav

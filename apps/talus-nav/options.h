@@ -1,0 +1,32 @@
+#pragma once
+#include "mission.h"
+
+#include <talus/elevation_mapper.h>
+
+#include <optional>
+#include <string>
+
+namespace talus::nav
+{
+/** What the command line says. */
+struct Options
+{
+  std::string world, output;
+  std::vector<double> goal;  //!< x, y
+  bool in_3d = false;
+  bool octomap = false;
+  std::string config;  //!< INI file of the planner, empty: the built-in one
+  std::uint64_t seed = 1;
+  Noise noise;
+  Backend backend = Backend::Auto;
+  int threads = 1;
+  double timeout_s = 180;
+  int every = 10;  //!< a frame of the animation each so many steps; 0: none
+  bool quiet = false;
+};
+
+/** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
+ * program, or nothing: go on. */
+std::optional<int> parse_options(int argc, char** argv, Options& options);
+
+}  // namespace talus::nav

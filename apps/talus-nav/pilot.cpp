@@ -1,0 +1,134 @@
+#include "pilot.h"
+
+#include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/core/Clock.h>
+#include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
+#include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
+#include <mrpt/nav/reactive/CReactiveNavigationSystem3D.h>
+
+#include <cmath>
+
+namespace talus::nav
+{
+namespace
+{
+constexpr double kSameTarget_m = 0.3;
+
+/** A navigator that prints no report of its timing when it goes. */
+template <class Navigator>
+struct Quiet : Navigator
+{
+  Quiet(mrpt::nav::CRobot2NavInterface& robot, const std::string& log_folder)
+      : Navigator(robot, false, false, log_folder)
+  {
+    this->m_timlog_delays.enable(false);
+    this->setMinLoggingLevel(mrpt::system::LVL_ERROR);
+  }
+};
+
+/** The heights in [CReactiveNavigationSystem3D]. */
+std::vector<double> prism_heights(const mrpt::config::CConfigFileBase& ini)
+{
+  const std::string section = "CReactiveNavigationSystem3D";
+  std::vector<double> heights;
+  const int count = ini.read_int(section, "HEIGHT_LEVELS", 0, true);
+  for (int i = 1; i <= count; i++)
+    heights.push_back(ini.read_double(section, "LEVEL" + std::to_string(i) + "_HEIGHT", 0, true));
+  return heights;
+}
+}  // namespace
+
+bool RobotInterface::getCurrentPoseAndSpeeds(
+    mrpt::math::TPose2D& pose, mrpt::math::TTwist2D& velocity_map,
+    mrpt::system::TTimeStamp& timestamp, mrpt::math::TPose2D& odometry, std::string&)
+{
+  pose = mrpt::math::TPose2D(T_map_base.x(), T_map_base.y(), T_map_base.yaw());
+  odometry = pose;
+  velocity_map.vx = robot_.v_mps() * std::cos(pose.phi);
+  velocity_map.vy = robot_.v_mps() * std::sin(pose.phi);
+  velocity_map.omega = robot_.w_radps();
+  timestamp = mrpt::Clock::now();
+  return true;
+}
+
+bool RobotInterface::changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command)
+{
+  const auto& c = dynamic_cast<const mrpt::kinematics::CVehicleVelCmd_DiffDriven&>(command);
+  robot_.command(c.lin_vel, c.ang_vel);
+  return true;
+}
+
+bool RobotInterface::stop(bool)
+{
+  robot_.command(0, 0);
+  return true;
+}
+
+mrpt::kinematics::CVehicleVelCmd::Ptr RobotInterface::getEmergencyStopCmd()
+{
+  auto command = std::make_shared<mrpt::kinematics::CVehicleVelCmd_DiffDriven>();
+  command->setToStop();
+  return command;
+}
+
+bool RobotInterface::senseObstacles(
+    mrpt::maps::CSimplePointsMap& obstacles, mrpt::system::TTimeStamp& timestamp)
+{
+  map_.obstacles(T_map_base, prism_heights_m, seen);
+  obstacles = seen;
+  timestamp = mrpt::Clock::now();
+  return true;
+}
+
+Pilot::Pilot(
+    SimulatedRobot& robot, MapSource& map, bool in_3d, const std::string& ini,
+    const std::string& log_folder, const std::string& cache_folder)
+    : interface_(robot, map)
+{
+  mrpt::config::CConfigFileMemory config;
+  config.setContent(ini);
+  if (in_3d)
+  {
+    navigator_ =
+        std::make_unique<Quiet<mrpt::nav::CReactiveNavigationSystem3D>>(interface_, log_folder);
+    interface_.prism_heights_m = prism_heights(config);
+  }
+  else
+    navigator_ =
+        std::make_unique<Quiet<mrpt::nav::CReactiveNavigationSystem>>(interface_, log_folder);
+  navigator_->enableLogFile(!log_folder.empty());
+  navigator_->loadConfigFile(config);
+  navigator_->params_abstract_ptg_navigator.ptg_cache_files_directory = cache_folder;
+  navigator_->initialize();
+}
+
+Pilot::~Pilot() = default;
+
+void Pilot::step(
+    const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last)
+{
+  interface_.T_map_base = T_map_base;
+  const bool idle = navigator_->getCurrentState() != mrpt::nav::CAbstractNavigator::NAVIGATING;
+  if (navigator_->getCurrentState() == mrpt::nav::CAbstractNavigator::NAV_ERROR)
+    navigator_->resetNavError();
+  if (idle || (target - target_).norm() > kSameTarget_m)
+  {
+    mrpt::nav::CAbstractPTGBasedReactive::TNavigationParamsPTG wanted;
+    wanted.target.target_coords = mrpt::math::TPose2D(target.x, target.y, 0);
+    wanted.target.targetAllowedDistance = 0.2F;
+    wanted.target.targetDesiredRelSpeed = is_last ? 0.05 : 1.0;
+    wanted.target.targetIsIntermediaryWaypoint = !is_last;
+    navigator_->navigate(&wanted);
+    target_ = target;
+  }
+  navigator_->navigationStep();
+}
+
+void Pilot::halt()
+{
+  navigator_->cancel();
+  interface_.stop(false);
+  interface_.seen.clear();
+}
+
+}  // namespace talus::nav

@@ -1,0 +1,71 @@
+#pragma once
+#include "map_source.h"
+#include "simulated_robot.h"
+
+#include <mrpt/nav/reactive/CAbstractPTGBasedReactive.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace talus::nav
+{
+/** What MRPT's reactive navigators know of the robot: its pose as estimated, its speeds, the
+ * obstacles of the map. */
+class RobotInterface : public mrpt::nav::CRobot2NavInterface
+{
+ public:
+  RobotInterface(SimulatedRobot& robot, MapSource& map) : robot_(robot), map_(map)
+  {
+    setMinLoggingLevel(mrpt::system::LVL_ERROR);
+  }
+
+  std::vector<double> prism_heights_m;  //!< of a 3D robot shape
+  mrpt::poses::CPose3D T_map_base;  //!< as estimated
+  mrpt::maps::CSimplePointsMap seen;  //!< the obstacles given last, robot frame
+
+  bool getCurrentPoseAndSpeeds(
+      mrpt::math::TPose2D& pose, mrpt::math::TTwist2D& velocity_map,
+      mrpt::system::TTimeStamp& timestamp, mrpt::math::TPose2D& odometry,
+      std::string& frame_id) override;
+  bool changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command) override;
+  bool stop(bool is_emergency) override;
+  mrpt::kinematics::CVehicleVelCmd::Ptr getEmergencyStopCmd() override;
+  mrpt::kinematics::CVehicleVelCmd::Ptr getStopCmd() override { return getEmergencyStopCmd(); }
+  bool senseObstacles(
+      mrpt::maps::CSimplePointsMap& obstacles, mrpt::system::TTimeStamp& timestamp) override;
+  double getNavigationTime() override { return robot_.time_s() - start_s_; }
+  void resetNavigationTimer() override { start_s_ = robot_.time_s(); }
+
+ private:
+  SimulatedRobot& robot_;
+  MapSource& map_;
+  double start_s_ = 0;
+};
+
+/** A stock reactive navigator, CReactiveNavigationSystem or ...3D, set up from the text of an INI
+ * file. */
+class Pilot
+{
+ public:
+  /** Writes its log into `log_folder` (unless empty) and its caches into `cache_folder`. Throws
+   * what MRPT throws. */
+  Pilot(
+      SimulatedRobot& robot, MapSource& map, bool in_3d, const std::string& ini,
+      const std::string& log_folder, const std::string& cache_folder);
+  ~Pilot();
+
+  /** One step towards a place of the map frame; `is_last`: stop there. */
+  void step(
+      const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last);
+  void halt();
+
+  const mrpt::maps::CSimplePointsMap& obstacles() const { return interface_.seen; }
+
+ private:
+  RobotInterface interface_;
+  std::unique_ptr<mrpt::nav::CAbstractPTGBasedReactive> navigator_;
+  mrpt::math::TPoint2D target_{1e9, 1e9};
+};
+
+}  // namespace talus::nav

@@ -1,0 +1,46 @@
+#pragma once
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/math/TPoint2D.h>
+#include <mrpt/math/TPose2D.h>
+#include <talus/sim/world.h>
+
+#include <vector>
+
+namespace talus::nav
+{
+/** The way to the goal on a costmap of the whole world, by mrpt::nav::PlannerSimple2D. */
+class Route
+{
+ public:
+  static constexpr float kHopeful = 0.6F;  //!< probability of being free where nothing is known
+
+  /** The costmap covers the world around start and goal; all of it is unknown, and a way may be
+   * hoped for where nothing is known. */
+  Route(
+      const sim::World& world, const mrpt::math::TPoint2D& start, const mrpt::math::TPoint2D& goal,
+      double resolution_m, double robot_radius_m);
+
+  mrpt::maps::COccupancyGridMap2D& costmap() { return costmap_; }
+  const mrpt::maps::COccupancyGridMap2D& costmap() const { return costmap_; }
+
+  /** Plans anew. False when there is no way; the old one is then gone. */
+  bool plan(const mrpt::math::TPose2D& robot);
+
+  /** The place on the way that lies `ahead_m` along it from the place nearest to the robot; the
+   * goal when it is nearer. Only after plan() found a way. */
+  mrpt::math::TPoint2D target(const mrpt::math::TPose2D& robot, double ahead_m) const;
+
+  const std::vector<mrpt::math::TPoint2D>& way() const { return way_; }
+
+ private:
+  bool plan_with(
+      const mrpt::maps::COccupancyGridMap2D& costmap, const mrpt::math::TPose2D& robot,
+      double radius_m);
+
+  mrpt::maps::COccupancyGridMap2D costmap_;
+  mrpt::math::TPoint2D goal_;
+  double robot_radius_m_;
+  std::vector<mrpt::math::TPoint2D> way_;
+};
+
+}  // namespace talus::nav

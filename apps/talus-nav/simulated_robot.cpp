@@ -1,0 +1,145 @@
+#include "simulated_robot.h"
+
+#include <talus/sim/truth.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus::nav
+{
+namespace
+{
+constexpr double kStep_s = 0.025, kLag_s = 0.15, kMostAcceleration = 2.0;  // m/s^2
+constexpr double kTruthCell_m = 0.05;
+
+double approach(double value, double wanted, double most_change)
+{
+  const double change = (wanted - value) * kStep_s / kLag_s;
+  return value + std::clamp(change, -most_change, most_change);
+}
+}  // namespace
+
+SimulatedRobot::SimulatedRobot(const sim::World& world, const Noise& noise, std::uint64_t seed)
+    : world_(world), noise_(noise), scanner_(*sim::find_scanner(world.sensor.scanner)), seed_(seed)
+{
+  const auto& way = world.robot.waypoints;
+  x_m_ = way[0].x;
+  y_m_ = way[0].y;
+  yaw_rad_ = way.size() > 1 ? std::atan2(way[1].y - y_m_, way[1].x - x_m_) : world.robot.yaw_rad;
+  scanner_.noise_m = noise.range_m;
+  scanner_.max_range_m = world.sensor.max_range_m.value_or(scanner_.max_range_m);
+  scanner_.dropout = world.sensor.dropout.value_or(scanner_.dropout);
+}
+
+void SimulatedRobot::command(double v_mps, double w_radps)
+{
+  v_wanted_ = v_mps;
+  w_wanted_ = w_radps;
+}
+
+void SimulatedRobot::drive(double seconds)
+{
+  const int steps = static_cast<int>(std::lround(seconds / kStep_s));
+  for (int i = 0; i < steps; i++)
+  {
+    v_mps_ = approach(v_mps_, v_wanted_, kMostAcceleration * kStep_s);
+    w_radps_ = approach(w_radps_, w_wanted_, 4 * kMostAcceleration * kStep_s);
+    yaw_rad_ += w_radps_ * kStep_s;
+    x_m_ += v_mps_ * std::cos(yaw_rad_) * kStep_s;
+    y_m_ += v_mps_ * std::sin(yaw_rad_) * kStep_s;
+    driven_m_ += std::abs(v_mps_) * kStep_s;
+  }
+  time_s_ += steps * kStep_s;
+}
+
+double SimulatedRobot::support_m(const sim::Scene& scene, double x_m, double y_m) const
+{
+  double top = world_.ground.height_m(x_m, y_m);
+  const double most = top + body_.climbs_m;
+  std::vector<sim::Span> objects;
+  scene.column(x_m, y_m, objects);
+  for (const auto& o : objects)
+    if (o.enter_m <= top + 0.01 && o.exit_m <= most) top = std::max(top, o.exit_m);
+  return top;
+}
+
+/** A wheel rolls over edges: the height of its lowest point is given by all it touches. */
+double SimulatedRobot::wheel_m(const sim::Scene& scene, double forward_m, double left_m) const
+{
+  const double c = std::cos(yaw_rad_), s = std::sin(yaw_rad_), r = body_.wheel_radius_m;
+  double height = -HUGE_VAL;
+  for (int i = -3; i <= 3; i++)
+  {
+    const double d = 0.3 * i * r;
+    const double f = forward_m + d;
+    const double support = support_m(scene, x_m_ + c * f - s * left_m, y_m_ + s * f + c * left_m);
+    height = std::max(height, support + std::sqrt(r * r - d * d) - r);
+  }
+  return height;
+}
+
+Pose SimulatedRobot::T_map_base() const
+{
+  const sim::Scene scene(world_, time_s_);
+  const double half = 0.5 * world_.robot.wheelbase_m, side = 0.5 * world_.robot.track_m;
+  const double fl = wheel_m(scene, half, side), fr = wheel_m(scene, half, -side);
+  const double rl = wheel_m(scene, -half, side), rr = wheel_m(scene, -half, -side);
+  const double c = std::cos(yaw_rad_), s = std::sin(yaw_rad_);
+  const sim::Vec3 forward = sim::normalized({c, s, (fl + fr - rl - rr) / (4 * half)});
+  const sim::Vec3 sideways{-s, c, (fl + rl - fr - rr) / (4 * side)};
+  const sim::Vec3 up = sim::normalized(sim::cross(forward, sideways));
+  const sim::Vec3 at{x_m_, y_m_, 0.25 * (fl + fr + rl + rr)};
+  return sim::pose_from_axes(forward, sim::cross(up, forward), up, at);
+}
+
+Pose SimulatedRobot::T_map_base_estimated() const
+{
+  sim::Random random(sim::mix(seed_, static_cast<std::uint64_t>(std::llround(time_s_ * 1e6))));
+  const auto error = [&](double sigma) { return sigma * random.normal(); };
+  const sim::Vec3 shift{
+      error(noise_.position_m), error(noise_.position_m), error(noise_.position_m)};
+  const double roll = error(noise_.angle_rad), pitch = error(noise_.angle_rad);
+  const Pose turn = sim::pose_from_rpy({0, 0, 0}, roll, pitch, error(noise_.angle_rad));
+  Pose T = sim::compose(T_map_base(), turn);
+  T.m[3] += shift.x;
+  T.m[7] += shift.y;
+  T.m[11] += shift.z;
+  return T;
+}
+
+sim::Scan SimulatedRobot::scan() const
+{
+  sim::Sweep sweep;
+  sweep.time_s = time_s_;
+  const Pose T_map_sensor = sim::compose(T_map_base(), world_.sensor.T_base_sensor);
+  sweep.T_map_sensor = [T_map_sensor](double) { return T_map_sensor; };
+  sweep.seed = sim::mix(seed_ ^ 0x5CA9, static_cast<std::uint64_t>(std::llround(time_s_ * 1e6)));
+  return sim::take_scan(world_, scanner_, sweep);
+}
+
+bool SimulatedRobot::collides() const
+{
+  sim::TruthOptions options;
+  options.clearance_m = body_.height_m;
+  options.min_obstacle_m = body_.climbs_m;
+  options.samples = 3;
+  const sim::Bounds here{{x_m_, y_m_, 0}, {x_m_, y_m_, 0}};
+  const double reach = 0.5 * std::hypot(body_.length_m, body_.width_m);
+  const auto truth =
+      sim::truth(world_, sim::window_around(here, reach, kTruthCell_m), time_s_, options);
+  const double c = std::cos(yaw_rad_), s = std::sin(yaw_rad_);
+  for (int iy = 0; iy < truth.window.cells_y; iy++)
+    for (int ix = 0; ix < truth.window.cells_x; ix++)
+    {
+      const auto cell = static_cast<std::size_t>(iy * truth.window.cells_x + ix);
+      if (truth.label[cell] != 0) continue;
+      const double dx = truth.window.min_x_m + (ix + 0.5) * kTruthCell_m - x_m_;
+      const double dy = truth.window.min_y_m + (iy + 0.5) * kTruthCell_m - y_m_;
+      if (std::abs(c * dx + s * dy) <= 0.5 * body_.length_m &&
+          std::abs(-s * dx + c * dy) <= 0.5 * body_.width_m)
+        return true;
+    }
+  return false;
+}
+
+}  // namespace talus::nav

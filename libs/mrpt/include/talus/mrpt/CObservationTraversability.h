@@ -1,0 +1,73 @@
+#pragma once
+#include <mrpt/obs/CObservation.h>
+#include <mrpt/poses/CPose3D.h>
+#include <talus/elevation_mapper.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace talus
+{
+/** A snapshot of the local map at one time, as an observation: logs carry it beside the scans that
+ * made it, and stock programs (`rawlog-edit -p libtalus-mrpt.so`) list, cut and export it.
+ *
+ * Heights are in the map frame, `T_map_base` says where the robot was in it. Layers that were not
+ * stored are empty.
+ *
+ * Serialized, each layer is rounded to 16-bit steps, written as differences along its rows and
+ * packed by zlib: heights within 1 mm (where a layer spans over 126 m: within 1/130000 of its
+ * span), scores within 0.002 with 0 and 1 exact and nothing else rounded to 0, `state` exact, the
+ * variance by its square root within 1 mm. Unknown stays NaN. With the default layers a drive with
+ * 160 x 160 cells takes about 60 KB a snapshot instead of 410 KB. */
+class CObservationTraversability : public mrpt::obs::CObservation
+{
+  DEFINE_SERIALIZABLE(CObservationTraversability, talus)
+
+ public:
+  CObservationTraversability() = default;
+  /** Copies the layers of a map. `T_base_sensor`: where the sensor that made it is mounted. */
+  CObservationTraversability(
+      const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base,
+      const std::vector<Layer>& which = default_layers());
+
+  /** elevation, ground_elevation, state, traversability. */
+  static const std::vector<Layer>& default_layers();
+
+  mrpt::poses::CPose3D T_map_base;  //!< the robot in the map frame at `timestamp`
+  mrpt::poses::CPose3D T_base_sensor;  //!< the sensor on the robot, of getSensorPose()
+  Window window;  //!< where the cells lie; no cells: an empty snapshot
+  /** By Layer; window.cells^2 values, index = iy * cells + ix, NaN: unknown; or empty. */
+  std::array<std::vector<float>, kLayerCount> layers;
+
+  const std::vector<float>& layer(Layer l) const { return layers[static_cast<std::size_t>(l)]; }
+
+  /** What exportTxtDataRow() tells. Fractions are of all cells of the window, [0,1]; a layer that
+   * was not stored counts as unknown. */
+  struct Summary
+  {
+    double measured = 0, filled_two_sided = 0, filled_one_sided = 0;  //!< by `state`
+    double free = 0, blocked = 0, unknown = 0;  //!< traversability above 0, 0, none
+    /** Middle of the nearest blocked cell: distance from the base [m] and direction from its x axis
+     * [rad], seen from above. NaN when there is none. */
+    double nearest_m = 0, nearest_rad = 0;
+    /** The same along the heading, within half a corridor to either side. NaN: none. */
+    double ahead_m = 0;
+    double min_ground_m = 0, max_ground_m = 0;  //!< map frame; NaN: no ground known
+    double coverage() const { return measured + filled_two_sided + filled_one_sided; }
+  };
+  static constexpr double kHalfCorridor_m = 0.35;
+  Summary summary() const;
+
+  /** @name Virtual methods of CObservation
+   *  @{ */
+  void getSensorPose(mrpt::poses::CPose3D& out) const override { out = T_base_sensor; }
+  void setSensorPose(const mrpt::poses::CPose3D& pose) override { T_base_sensor = pose; }
+  void getDescriptionAsText(std::ostream& o) const override;
+  bool exportTxtSupported() const override { return true; }
+  std::string exportTxtHeader() const override;
+  std::string exportTxtDataRow() const override;
+  /** @} */
+};
+
+}  // namespace talus

@@ -1,0 +1,86 @@
+#pragma once
+#include <mrpt/config/CLoadableOptions.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/poses/CPose3D.h>
+#include <talus/elevation_mapper.h>
+
+#include <string>
+#include <vector>
+
+namespace talus
+{
+/** What a planner shall think of cells that are not simply free or blocked. */
+enum class CellPolicy
+{
+  Free,
+  Near,  //!< an obstacle within `near_m` of the robot, free beyond: it may look better from nearby
+  Obstacle
+};
+
+/** How the map becomes obstacles. Obstacles are not inflated: planners know the robot's shape. */
+struct ObstacleOptions : public mrpt::config::CLoadableOptions
+{
+  void loadFromConfigFile(
+      const mrpt::config::CConfigFileBase& source, const std::string& section) override;
+  void saveToConfigFile(
+      mrpt::config::CConfigFileBase& target, const std::string& section) const override;
+
+  double blocked_at = 0.0;  //!< cells whose traversability is this or less are obstacles, [0,1]
+  CellPolicy unknown = CellPolicy::Near;  //!< cells without ground
+  CellPolicy one_sided = CellPolicy::Free;  //!< inferred from one side, with nothing seen on it
+  CellPolicy risky = CellPolicy::Near;  //!< of these, those whose sparsity says: perhaps a ditch
+  /** Cells that look blocked only beside or on inferred ground, with nothing measured standing on
+   * them: the far side of a crest, ground behind a box. */
+  CellPolicy inferred = CellPolicy::Near;
+  double risky_below = 0.5;  //!< of the sparsity, [0,1]
+  double near_m = 1.2;  //!< from the base, >= 0
+  double body_radius_m = 0.25;  //!< around the base nothing is an obstacle: it is in the robot
+  double own_radius_m = 0.7;  //!< around the base the policies count nothing: it stands there
+  double range_m = 5.0;  //!< obstacles farther from the base are left out, > 0
+  double spacing_m = 0.1;  //!< one point a square of this side, that nearest to the base; 0: all
+  bool boundary_only = true;  //!< only cells with a neighbour that is no obstacle
+  double z_m = 0.1;  //!< height of the points of obstacles_2d(), robot frame
+};
+
+/** What each cell of the window is, in the order of its layers. */
+enum class Passage : std::uint8_t
+{
+  Free,
+  Unknown,  //!< no ground is known, and no policy makes it an obstacle here
+  Obstacle
+};
+std::vector<Passage> classify_cells(
+    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
+
+/** Replaces `out` by the obstacles of the map for CReactiveNavigationSystem: in the frame of the
+ * robot seen from above (x forward, y left, only the yaw of the base counts), all at the height
+ * z_m. */
+void obstacles_2d(
+    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    mrpt::maps::CSimplePointsMap& out);
+
+/** The same for CReactiveNavigationSystem3D, whose robot is a pile of prisms of these heights [m],
+ * the lowest first: a point in the middle of each prism that the obstacle reaches from the ground
+ * under it. So a slope below the obstacle does not count, and what is higher than the robot is cut.
+ * What blocks without standing on the ground (a steep slope, a ditch) is as high as the lowest
+ * prism. */
+void obstacles_3d(
+    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const std::vector<double>& prism_heights_m, mrpt::maps::CSimplePointsMap& out);
+
+/** Makes `out` a costmap of the window in the map frame, for mrpt::nav::PlannerSimple2D: the
+ * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles, 0.5 where unknown
+ * (which that planner takes for an obstacle). `range_m` does not count. */
+void costmap_from_map(
+    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    mrpt::maps::COccupancyGridMap2D& out);
+
+/** Writes the window into a larger costmap of the same resolution: what is known in the window
+ * replaces what was there, the rest stays. Throws std::invalid_argument when the cells do not
+ * match. */
+void update_costmap(
+    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    mrpt::maps::COccupancyGridMap2D& grid);
+
+}  // namespace talus

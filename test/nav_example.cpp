@@ -1,0 +1,125 @@
+// The example of doc/mrpt.md, compiled and driven: a robot of one's own between the map and MRPT's
+// reactive navigator. What stands between the marks is the text of the page.
+#include "room_for_maps.h"
+
+// [example]
+#include <mrpt/config/CConfigFile.h>
+#include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
+#include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
+#include <talus/mrpt/CDualElevationMap.h>
+#include <talus/mrpt/obstacles.h>
+
+struct MyRobot : mrpt::nav::CRobot2NavInterface
+{
+  using Cmd = mrpt::kinematics::CVehicleVelCmd;
+  talus::CDualElevationMap map;  // map.insertObservation(scan, pose) for each scan
+  talus::ObstacleOptions options;  // range_m, spacing_m, what unknown cells are ...
+  mrpt::poses::CPose3D pose;  // of the base in the map, from localisation
+  double v = 0, w = 0;  // m/s, rad/s: goes to the motors
+
+  bool senseObstacles(mrpt::maps::CSimplePointsMap& obs, mrpt::system::TTimeStamp& t) override
+  {
+    t = mrpt::Clock::now();
+    talus::obstacles_2d(map.mapper(), pose, options, obs);
+    return true;
+  }
+  bool getCurrentPoseAndSpeeds(
+      mrpt::math::TPose2D& p, mrpt::math::TTwist2D& speed, mrpt::system::TTimeStamp& t,
+      mrpt::math::TPose2D& odometry, std::string&) override
+  {
+    p = odometry = mrpt::math::TPose2D(pose.x(), pose.y(), pose.yaw());
+    speed = {v * std::cos(p.phi), v * std::sin(p.phi), w};
+    t = mrpt::Clock::now();
+    return true;
+  }
+  bool changeSpeeds(const Cmd& cmd) override
+  {
+    const auto& c = dynamic_cast<const mrpt::kinematics::CVehicleVelCmd_DiffDriven&>(cmd);
+    v = c.lin_vel;
+    w = c.ang_vel;
+    return true;
+  }
+  bool stop(bool) override
+  {
+    v = w = 0;
+    return true;
+  }
+  Cmd::Ptr getStopCmd() override
+  {
+    auto cmd = std::make_shared<mrpt::kinematics::CVehicleVelCmd_DiffDriven>();
+    cmd->setToStop();
+    return cmd;
+  }
+  Cmd::Ptr getEmergencyStopCmd() override { return getStopCmd(); }
+};
+// [example]
+
+#include "log_files.h"
+
+namespace
+{
+const std::string kIni = TALUS_SOURCE_DIR "/datasets/configs/reactive2d_config.ini";
+
+/** Time goes as the test says. */
+void set_clock(double time_s)
+{
+  mrpt::Clock::setSimulatedTime(mrpt::Clock::fromDouble(1000 + time_s));
+  mrpt::Clock::setActiveClock(mrpt::Clock::Source::Simulated);
+}
+
+/** The navigator counts real seconds unless it is told otherwise. */
+struct RobotInSimulatedTime : MyRobot
+{
+  double getNavigationTime() override { return mrpt::Clock::nowDouble() - start_s; }
+  void resetNavigationTimer() override { start_s = mrpt::Clock::nowDouble(); }
+  double start_s = 0;
+};
+}  // namespace
+
+TEST(NavExample, drives_around_the_box_to_the_goal)
+{
+  const talus::test::ScratchDir caches;
+  RobotInSimulatedTime robot;
+  robot.map = talus_test::map_of_room();
+  robot.options.unknown = robot.options.inferred = talus::CellPolicy::Free;
+  robot.pose = mrpt::poses::CPose3D(-1.2, 0.2, 0, 0, 0, 0);
+  set_clock(0);
+  mrpt::nav::CReactiveNavigationSystem navigator(robot, false);
+  navigator.setMinLoggingLevel(mrpt::system::LVL_ERROR);
+  navigator.loadConfigFile(mrpt::config::CConfigFile(kIni));
+  navigator.params_abstract_ptg_navigator.ptg_cache_files_directory = caches / "";
+  navigator.initialize();
+  mrpt::nav::CReactiveNavigationSystem::TNavigationParams goal;
+  goal.target.target_coords = {2.3, -1.1, 0};
+  goal.target.targetAllowedDistance = 0.2F;
+  navigator.navigate(&goal);
+  constexpr double kStep_s = 0.1;
+  for (int i = 1; i < 400 && navigator.getCurrentState() == navigator.NAVIGATING; i++)
+  {
+    set_clock(kStep_s * i);
+    navigator.navigationStep();
+    const double yaw = robot.pose.yaw() + kStep_s * robot.w;
+    robot.pose = mrpt::poses::CPose3D(
+        robot.pose.x() + kStep_s * robot.v * std::cos(yaw),
+        robot.pose.y() + kStep_s * robot.v * std::sin(yaw), 0, yaw, 0, 0);
+    ASSERT_FALSE(robot.pose.x() > 0.8 && robot.pose.x() < 1.85 && std::abs(robot.pose.y()) < 0.72)
+        << "in the box at " << robot.pose.asString();
+  }
+  EXPECT_EQ(navigator.getCurrentState(), navigator.IDLE);
+  EXPECT_LT(std::hypot(robot.pose.x() - 2.3, robot.pose.y() + 1.1), 0.4);
+}
+
+TEST(NavExample, is_the_text_of_the_page)
+{
+  const auto between = [](const std::string& text, const std::string& from, const std::string& to)
+  {
+    const auto begin = text.find(from);
+    if (begin == std::string::npos) return std::string("no " + from);
+    const auto start = begin + from.size();
+    return text.substr(start, text.find(to, start) - start);
+  };
+  const auto source = talus::test::read_bytes(TALUS_SOURCE_DIR "/test/nav_example.cpp");
+  const auto page = talus::test::read_bytes(TALUS_SOURCE_DIR "/doc/mrpt.md");
+  EXPECT_EQ(
+      between(page, "```cpp\n", "```\n"), between(source, "\n// [example]\n", "// [example]\n"));
+}

@@ -1,0 +1,288 @@
+// The snapshot of the map as an observation: what it holds, what a stream keeps of it, and what
+// stock rawlog-edit does with it. The log comes from talus-map --rawlog-out.
+#include <talus/mrpt/CObservationTraversability.h>
+
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CSensoryFrame.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "talus_map_run.h"
+
+using namespace talus;
+using talus::test::floor_scans;
+using talus::test::write_log;
+using Snapshot = CObservationTraversability;
+
+namespace
+{
+/** 4 x 4 m around the base at (1, 2), heading along y; free but for a blocked cell 1.025 m ahead
+ * and an unknown quarter. */
+Snapshot small_snapshot()
+{
+  Snapshot s;
+  s.timestamp = mrpt::Clock::fromDouble(1000.0);
+  s.sensorLabel = "terrain";
+  s.T_map_base = mrpt::poses::CPose3D(1, 2, 0.3, M_PI / 2, 0, 0);
+  s.window = {80, 0.05, -20, 0};
+  for (const Layer l : Snapshot::default_layers()) s.layers[static_cast<int>(l)].resize(6400, 1.0F);
+  auto& free = s.layers[static_cast<int>(Layer::Traversability)];
+  auto& state = s.layers[static_cast<int>(Layer::State)];
+  for (int iy = 0; iy < 40; iy++)
+    for (int ix = 0; ix < 40; ix++)
+    {
+      free[static_cast<std::size_t>(80 * iy + ix)] = NAN;
+      state[static_cast<std::size_t>(80 * iy + ix)] = 0;
+    }
+  free[80 * 60 + 40] = 0;  // its middle is (1.025, 3.025)
+  return s;
+}
+
+Snapshot through_a_stream(const Snapshot& s, std::size_t* bytes = nullptr)
+{
+  mrpt::io::CMemoryStream stream;
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  archive << s;
+  if (bytes) *bytes = stream.getTotalBytesCount();
+  stream.Seek(0);
+  Snapshot back;
+  archive >> back;
+  return back;
+}
+
+/** Waves of 0.5 m, and values of every kind. */
+Snapshot rich_snapshot()
+{
+  Snapshot s;
+  s.window = {64, 0.05, -1000000, 5};
+  for (auto& layer : s.layers) layer.assign(64 * 64, 0.0F);
+  for (std::size_t i = 0; i < 64 * 64; i++)
+  {
+    const auto x = static_cast<float>(i);
+    s.layers[0][i] = i % 7 ? 100 + 0.5F * std::sin(x) : NAN;
+    s.layers[1][i] = -3 + 0.5F * std::cos(x);
+    s.layers[2][i] = 1e-6F * x;
+    s.layers[3][i] = static_cast<float>(i % 4);
+    s.layers[8][i] = i % 5 ? x / 4095 : 1e-5F;
+  }
+  s.layers[8][0] = 0;
+  s.layers[8][1] = 1;
+  return s;
+}
+
+/** Runs stock rawlog-edit in the scratch folder with the plugin. */
+class RawlogEdit : public talus::test::TalusMap
+{
+ protected:
+  void SetUp() override
+  {
+    if (std::system("command -v rawlog-edit >/dev/null") != 0)
+      GTEST_SKIP() << "rawlog-edit is not installed";
+    write_log(path("in.rawlog"), floor_scans(6), talus::test::Packing::Gz);
+    talus::test::write_bytes(path("in.tum"), talus::test::straight_tum(6));
+    const auto done = run("in.rawlog --output map --every 2 --rawlog-out log.rawlog --quiet");
+    ASSERT_EQ(done.code, 0) << done.err;
+  }
+
+  std::string edit(const std::string& arguments) const
+  {
+    const std::string command = "cd '" + path("") + "' && rawlog-edit -p '" TALUS_PLUGIN "' " +
+                                arguments + " </dev/null >edit.txt 2>&1";
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
+    return talus::test::read_bytes(path("edit.txt"));
+  }
+
+  /** How many times --info counts a label. */
+  int count(const std::string& log, const std::string& label) const
+  {
+    std::istringstream text(edit("--info -i " + log));
+    for (std::string line; std::getline(text, line);)
+      if (line.find("Sensor (") == 0 && line.find(" " + label + " /") != std::string::npos)
+        return std::atoi(line.substr(line.find('/', line.find(label)) + 1).c_str());
+    return 0;
+  }
+};
+
+int lines_of(const std::string& text)
+{
+  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+}
+}  // namespace
+
+TEST(Snapshot, tells_coverage_and_the_nearest_obstacle_ahead)
+{
+  const auto s = small_snapshot().summary();
+  EXPECT_DOUBLE_EQ(s.coverage(), 0.75);
+  EXPECT_DOUBLE_EQ(s.unknown, 0.25);
+  EXPECT_DOUBLE_EQ(s.blocked, 1.0 / 6400);
+  EXPECT_DOUBLE_EQ(s.free + s.blocked + s.unknown, 1.0);
+  EXPECT_NEAR(s.ahead_m, 1.025, 1e-9);
+  EXPECT_NEAR(s.nearest_m, std::hypot(1.025, 0.025), 1e-9);
+  EXPECT_NEAR(s.nearest_rad, -std::atan2(0.025, 1.025), 1e-9) << "x of the map is its right";
+  EXPECT_FLOAT_EQ(static_cast<float>(s.min_ground_m), 1.0F);
+}
+
+TEST(Snapshot, without_layers_has_no_numbers_but_does_not_fail)
+{
+  const Snapshot empty;
+  EXPECT_TRUE(std::isnan(empty.summary().nearest_m));
+  EXPECT_EQ(empty.summary().unknown, 1.0);
+  EXPECT_EQ(through_a_stream(empty).window.cells, 0);
+}
+
+TEST(Snapshot, keeps_its_data_in_a_stream_within_what_it_promises)
+{
+  const Snapshot s = rich_snapshot(), back = through_a_stream(s);
+  EXPECT_EQ(back.window.min_cell_x, s.window.min_cell_x);
+  for (std::size_t i = 0; i < 64 * 64; i++)
+  {
+    ASSERT_EQ(std::isnan(back.layers[0][i]), std::isnan(s.layers[0][i]));
+    if (!std::isnan(s.layers[0][i]))
+    {
+      ASSERT_NEAR(back.layers[0][i], s.layers[0][i], 1.1e-3);
+    }
+    ASSERT_NEAR(back.layers[1][i], s.layers[1][i], 1.1e-3);
+    ASSERT_NEAR(std::sqrt(back.layers[2][i]), std::sqrt(s.layers[2][i]), 2e-3);
+    ASSERT_EQ(back.layers[3][i], s.layers[3][i]);
+    ASSERT_NEAR(back.layers[8][i], s.layers[8][i], 4e-3);
+    ASSERT_EQ(back.layers[8][i] == 0, s.layers[8][i] == 0) << "what is not blocked stays so";
+  }
+  EXPECT_EQ(back.layers[8][1], 1.0F);
+}
+
+TEST(Snapshot, of_a_map_takes_little_room)
+{
+  std::size_t bytes = 0;
+  const auto s = small_snapshot();
+  const auto back = through_a_stream(s, &bytes);
+  EXPECT_LT(bytes, 2000U);
+  EXPECT_EQ(back.timestamp, s.timestamp);
+  EXPECT_EQ(back.sensorLabel, "terrain");
+  EXPECT_EQ(back.T_map_base, s.T_map_base);
+}
+
+TEST(Snapshot, says_what_is_damaged)
+{
+  mrpt::io::CMemoryStream stream;
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  archive << rich_snapshot();
+  auto* bytes = static_cast<std::uint8_t*>(stream.getRawBufferData());
+  bytes[stream.getTotalBytesCount() - 200] ^= 0xFF;
+  stream.Seek(0);
+  Snapshot back;
+  try
+  {
+    archive >> back;
+    ADD_FAILURE() << "read";
+  }
+  catch (const std::exception& e)
+  {
+    EXPECT_NE(std::string(e.what()).find("the stream is damaged (layer"), std::string::npos);
+  }
+}
+
+TEST_F(RawlogEdit, counts_the_snapshots_beside_the_scans)
+{
+  EXPECT_EQ(count("log.rawlog", "lidar"), 6);
+  EXPECT_EQ(count("log.rawlog", "terrain"), 3) << "every second frame";
+}
+
+TEST_F(RawlogEdit, describes_the_snapshots)
+{
+  const auto text = edit("--describe -i log.rawlog");
+  for (const char* word :
+       {"talus::CObservationTraversability", "Sensor label: 'terrain'", "160 x 160 cells of 0.05 m",
+        "elevation, ground_elevation, state, traversability", "% free"})
+    EXPECT_NE(text.find(word), std::string::npos) << word;
+}
+
+TEST_F(RawlogEdit, keeps_or_removes_them_by_label)
+{
+  edit("--keep-label terrain -i log.rawlog -o only.rawlog");
+  EXPECT_EQ(count("only.rawlog", "terrain"), 3);
+  EXPECT_EQ(count("only.rawlog", "lidar"), 0);
+  edit("--remove-label terrain -i log.rawlog -o without.rawlog");
+  EXPECT_EQ(count("without.rawlog", "terrain"), 0);
+  EXPECT_EQ(count("without.rawlog", "lidar"), 6);
+}
+
+TEST_F(RawlogEdit, cuts_a_log_between_them)
+{
+  edit("--cut --from-index 2 --to-index 5 -i log.rawlog -o cut.rawlog");
+  EXPECT_EQ(count("cut.rawlog", "terrain"), 2);
+  EXPECT_EQ(count("cut.rawlog", "lidar"), 2);
+}
+
+TEST_F(RawlogEdit, exports_them_as_a_table)
+{
+  edit("--export-txt -i log.rawlog");
+  const auto text = talus::test::read_bytes(path("log_terrain.txt"));
+  ASSERT_EQ(lines_of(text), 4) << text;
+  std::istringstream in(text);
+  std::string header, row;
+  std::getline(in, header);
+  std::getline(in, row);
+  std::istringstream names(header), values(row);
+  std::string percent, name;
+  names >> percent;
+  std::map<std::string, double> table;
+  for (std::string value; names >> name && values >> value;) table[name] = std::stod(value);
+  EXPECT_NEAR(table["Time"], talus::test::kFirstStamp_s + 0.1, 1e-5);
+  EXPECT_NEAR(table["x_m"], 0.1, 1e-6);
+  EXPECT_GT(table["free"], 0.2) << "a floor";
+  EXPECT_EQ(table["blocked"], 0.0);
+  EXPECT_NEAR(table["ground_max_m"], 0.0, 0.02);
+  EXPECT_TRUE(std::isnan(table["ahead_m"]));
+}
+
+TEST_F(RawlogEdit, lists_and_remaps_their_time_stamps)
+{
+  edit("--remap-timestamps '1;100' -i log.rawlog -o later.rawlog");
+  edit("--export-txt -i later.rawlog");
+  const auto text = talus::test::read_bytes(path("later_terrain.txt"));
+  EXPECT_NE(text.find("1700000100.1"), std::string::npos) << text;
+  edit("--list-timestamps -i log.rawlog --text-file-output stamps.txt");
+  const auto stamps = talus::test::read_bytes(path("stamps.txt"));
+  EXPECT_NE(stamps.find("talus::CObservationTraversability"), std::string::npos) << stamps;
+}
+
+TEST_F(RawlogEdit, finds_snapshots_in_the_sensory_frames_of_a_log_with_actions)
+{
+  talus::test::Objects objects;
+  for (const auto& scan : floor_scans(3))
+  {
+    auto frame = std::make_shared<mrpt::obs::CSensoryFrame>();
+    frame->insert(std::dynamic_pointer_cast<mrpt::obs::CObservation>(scan));
+    objects.push_back(std::make_shared<mrpt::obs::CActionCollection>());
+    objects.push_back(frame);
+  }
+  write_log(path("frames.rawlog"), objects, talus::test::Packing::Plain);
+  const auto done = run("frames.rawlog --static --rawlog-out out.rawlog --quiet");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const auto info = edit("--info -i out.rawlog");
+  EXPECT_NE(info.find("Actions/SensoryFrame format       : Yes"), std::string::npos) << info;
+  EXPECT_EQ(count("out.rawlog", "terrain"), 3);
+}
+
+TEST_F(RawlogEdit, a_second_run_replaces_the_snapshots_of_the_first)
+{
+  const auto done = run("log.rawlog --static --rawlog-out again.rawlog --quiet");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(count("again.rawlog", "terrain"), 6);
+}
+
+TEST_F(RawlogEdit, a_log_that_fails_leaves_no_copy_of_it)
+{
+  const auto bytes = talus::test::read_bytes(path("in.rawlog"));
+  talus::test::write_bytes(path("cut.rawlog"), bytes.substr(0, bytes.size() / 2));
+  EXPECT_EQ(run("cut.rawlog --static --rawlog-out cut_out.rawlog").code, 1);
+  EXPECT_FALSE(exists("cut_out.rawlog"));
+  EXPECT_FALSE(exists("cut_map"));
+  EXPECT_EQ(run("in.rawlog in.rawlog --rawlog-out x.rawlog").code, 2) << "a batch";
+  const auto same = run("in.rawlog --rawlog-out in.rawlog");
+  EXPECT_EQ(same.code, 1);
+  EXPECT_TRUE(same.says("is the log itself")) << same.err;
+  EXPECT_EQ(talus::test::read_bytes(path("in.rawlog")), bytes);
+}

@@ -1,0 +1,217 @@
+// Obstacles and costmaps out of the map, on a floor with a box, a low box and a shadow.
+#include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/nav/planners/PlannerSimple2D.h>
+#include <talus/mrpt/obstacles.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "room_for_maps.h"
+
+using namespace talus;
+using mrpt::maps::COccupancyGridMap2D;
+using talus_test::CDualElevationMap;
+using talus_test::CPose3D;
+using talus_test::CSimplePointsMap;
+
+namespace
+{
+/** Everything but measured obstacles is free. */
+ObstacleOptions only_measured()
+{
+  ObstacleOptions o;
+  o.unknown = o.one_sided = o.risky = o.inferred = CellPolicy::Free;
+  return o;
+}
+
+struct Extent
+{
+  float min_x = 1e9F, max_x = -1e9F, min_y = 1e9F, max_y = -1e9F;
+};
+Extent extent_of(const CSimplePointsMap& points)
+{
+  Extent e;
+  for (std::size_t i = 0; i < points.size(); i++)
+  {
+    float x = 0, y = 0;
+    points.getPoint(i, x, y);
+    e = {std::min(e.min_x, x), std::max(e.max_x, x), std::min(e.min_y, y), std::max(e.max_y, y)};
+  }
+  return e;
+}
+
+std::size_t count_at(const CSimplePointsMap& points, float z)
+{
+  const auto& all = points.getPointsBufferRef_z();
+  return static_cast<std::size_t>(
+      std::count_if(all.begin(), all.end(), [z](float v) { return std::abs(v - z) < 1e-4F; }));
+}
+
+/** One box of the room, x in [1.02, 1.63], |y| <= 0.52, 0.45 m high; the other one is cut off. */
+ObstacleOptions near_box()
+{
+  ObstacleOptions o = only_measured();
+  o.range_m = 1.75;
+  return o;
+}
+CDualElevationMap seen_room() { return talus_test::map_of_room(); }
+const CPose3D kRight(0, -0.6, 0, 0, 0, 0);  // a place from where the range holds only that box
+
+constexpr double kCell_m = 0.05, kFeature_m = 0.15;
+}  // namespace
+
+TEST(Obstacles, lie_around_the_box_in_the_frame_of_the_robot)
+{
+  const auto map = seen_room();
+  CSimplePointsMap points;
+  obstacles_2d(map.mapper(), kRight, near_box(), points);
+  const auto e = extent_of(points);
+  EXPECT_NEAR(e.min_x, 1.02, kFeature_m + kCell_m);
+  EXPECT_NEAR(e.min_y, 0.08, kFeature_m + kCell_m) << "-0.52 in the map";
+  EXPECT_EQ(count_at(points, 0.1F), points.size()) << "all at the height of the option";
+}
+
+TEST(Obstacles, turn_with_the_yaw_of_the_robot_only)
+{
+  const auto map = seen_room();
+  CSimplePointsMap level, turned;
+  obstacles_2d(map.mapper(), kRight, near_box(), level);
+  obstacles_2d(map.mapper(), CPose3D(0, -0.6, 0.4, M_PI / 2, 0.2, -0.1), near_box(), turned);
+  ASSERT_EQ(level.size(), turned.size());
+  const auto a = extent_of(level), b = extent_of(turned);
+  EXPECT_NEAR(b.min_x, a.min_y, 1e-5);
+  EXPECT_NEAR(b.max_y, -a.min_x, 1e-5);
+}
+
+TEST(Obstacles, are_only_the_boundary_and_one_a_square)
+{
+  const auto map = seen_room();
+  ObstacleOptions all = near_box();
+  all.spacing_m = 0;
+  all.boundary_only = false;
+  CSimplePointsMap filled, boundary, thinned;
+  obstacles_2d(map.mapper(), kRight, all, filled);
+  all.boundary_only = true;
+  obstacles_2d(map.mapper(), kRight, all, boundary);
+  obstacles_2d(map.mapper(), kRight, near_box(), thinned);
+  EXPECT_LT(boundary.size(), filled.size() / 2);
+  EXPECT_LT(thinned.size(), 0.75 * static_cast<double>(boundary.size()));
+  EXPECT_GT(thinned.size(), 8U);
+  EXPECT_NEAR(extent_of(thinned).min_x, extent_of(filled).min_x, 1e-5)
+      << "the nearest of each square stays";
+}
+
+TEST(Obstacles, reach_the_prisms_that_the_box_is_high_enough_for)
+{
+  const auto map = seen_room();
+  CSimplePointsMap points;
+  obstacles_3d(map.mapper(), CPose3D(0, -0.6, 5, 0, 0, 0), near_box(), {0.2, 0.2, 0.4}, points);
+  EXPECT_GT(count_at(points, 0.1F), 5U);
+  EXPECT_GT(count_at(points, 0.3F), 5U) << "0.45 m reaches into the second prism";
+  EXPECT_GT(count_at(points, 0.6F), 5U) << "and above its top at 0.4 m";
+  obstacles_3d(map.mapper(), kRight, near_box(), {0.25, 0.25, 0.3}, points);
+  EXPECT_EQ(count_at(points, 0.65F), 0U) << "but not to 0.5 m";
+  EXPECT_GT(count_at(points, 0.125F), 5U);
+}
+
+TEST(Obstacles, of_unknown_cells_follow_the_policy)
+{
+  const auto map = seen_room();
+  const CPose3D far_away(0.5, -2.6, 0, 0, 0, 0);  // beside the edge of what was seen
+  ObstacleOptions o = only_measured();
+  o.range_m = 1.0;
+  o.own_radius_m = 0.2;
+  CSimplePointsMap points;
+  obstacles_2d(map.mapper(), far_away, o, points);
+  EXPECT_EQ(points.size(), 0U);
+  o.unknown = CellPolicy::Obstacle;
+  o.one_sided = CellPolicy::Obstacle;
+  obstacles_2d(map.mapper(), far_away, o, points);
+  const auto all = points.size();
+  EXPECT_GT(all, 0U);
+  o.unknown = CellPolicy::Near;
+  o.one_sided = CellPolicy::Near;
+  o.near_m = 0.1;
+  obstacles_2d(map.mapper(), far_away, o, points);
+  EXPECT_EQ(points.size(), 0U) << "what is near is under the robot";
+}
+
+TEST(Obstacles, of_an_empty_map_are_none)
+{
+  const ElevationMapper map({}, Backend::Cpu);
+  CSimplePointsMap points;
+  points.insertPoint(1, 2, 3);
+  obstacles_2d(map, {}, {}, points);
+  EXPECT_EQ(points.size(), 0U);
+}
+
+TEST(Costmap, tells_free_from_blocked_and_unknown)
+{
+  const auto map = seen_room();
+  COccupancyGridMap2D grid;
+  map.getAsOccupancyGrid(grid, only_measured());
+  EXPECT_LT(grid.getPos(1.3F, 0.5F), 0.1F) << "the box";
+  EXPECT_GT(grid.getPos(0.5F, -1.5F), 0.9F) << "the floor";
+  EXPECT_NEAR(grid.getPos(2.95F, 2.95F), 0.5F, 0.01F) << "the corner that was not seen";
+  EXPECT_NEAR(grid.getXMin(), map.mapper().window().min_x_m(), 1e-5);
+}
+
+TEST(Costmap, leads_the_grid_planner_around_the_box)
+{
+  const auto map = seen_room();
+  COccupancyGridMap2D grid;
+  map.getAsOccupancyGrid(grid, only_measured());
+  mrpt::nav::PlannerSimple2D planner;
+  planner.robotRadius = 0.2F;
+  std::deque<mrpt::math::TPoint2D> path;
+  bool not_found = true;
+  planner.computePath(grid, {0, 0, 0}, {2.1, 0, 0}, path, not_found);
+  ASSERT_FALSE(not_found);
+  for (const auto& p : path)
+    EXPECT_FALSE(p.x > 1.02 && p.x < 1.63 && std::abs(p.y) < 0.52) << p.x << " " << p.y;
+}
+
+TEST(Costmap, of_the_world_keeps_what_left_the_window)
+{
+  const auto map = seen_room();
+  COccupancyGridMap2D world;
+  world.setSize(-10, 10, -10, 10, 0.05F, 0.6F);
+  world.setPos(8, 8, 0.05F);
+  update_costmap(map.mapper(), {}, only_measured(), world);
+  EXPECT_LT(world.getPos(8, 8), 0.1F);
+  EXPECT_LT(world.getPos(1.3F, 0.5F), 0.1F);
+  EXPECT_NEAR(world.getPos(2.95F, 2.95F), 0.6F, 0.01F) << "unknown in the window stays too";
+  COccupancyGridMap2D other;
+  other.setSize(-10, 10, -10, 10, 0.1F);
+  EXPECT_THROW(update_costmap(map.mapper(), {}, {}, other), std::invalid_argument);
+}
+
+TEST(ObstacleOptions, come_back_from_an_ini_file)
+{
+  ObstacleOptions o, back;
+  o.near_m = 3.5;
+  o.unknown = CellPolicy::Obstacle;
+  o.boundary_only = false;
+  mrpt::config::CConfigFileMemory ini;
+  o.saveToConfigFile(ini, "obstacles");
+  back.loadFromConfigFile(ini, "obstacles");
+  EXPECT_EQ(back.near_m, 3.5);
+  EXPECT_EQ(back.unknown, CellPolicy::Obstacle);
+  EXPECT_FALSE(back.boundary_only);
+}
+
+TEST(ObstacleOptions, refuse_what_makes_no_sense_and_say_what_is_allowed)
+{
+  mrpt::config::CConfigFileMemory ini;
+  ini.setContent(std::string("[obstacles]\nunknown = maybe\n"));
+  ObstacleOptions o;
+  try
+  {
+    o.loadFromConfigFile(ini, "obstacles");
+    ADD_FAILURE() << "accepted";
+  }
+  catch (const std::exception& e)
+  {
+    EXPECT_STREQ(e.what(), "[obstacles] unknown = 'maybe': must be free, near or obstacle");
+  }
+}

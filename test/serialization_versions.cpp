@@ -1,0 +1,112 @@
+// Streams of other versions: what an older one left out has its default, what it alone knew is
+// skipped, and a newer one is refused by name. The streams are written here byte by byte, as those
+// versions wrote them.
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/serialization/CArchive.h>
+#include <talus/mrpt/CObservationTraversability.h>
+
+#include <functional>
+
+#include "room_for_maps.h"
+
+using namespace talus;
+using mrpt::serialization::CArchive;
+
+namespace
+{
+/** One object as MRPT frames it: length of the name, name, version, content, end. */
+void write_object(
+    CArchive& out, const std::string& name, std::uint8_t version,
+    const std::function<void(CArchive&)>& content)
+{
+  out << static_cast<std::uint8_t>(name.size() | 0x80);
+  out.WriteBuffer(name.data(), name.size());
+  out << version;
+  content(out);
+  out << static_cast<std::uint8_t>(0x88);
+}
+
+template <class T>
+void read(mrpt::io::CMemoryStream& stream, T& object)
+{
+  stream.Seek(0);
+  auto in = mrpt::serialization::archiveFrom(stream);
+  in >> object;
+}
+
+/** Version 0 of an empty map, with one parameter of today and one that is gone. */
+void write_map_v0(CArchive& out)
+{
+  out << mrpt::maps::TMapGenericParams() << std::string("cpu") << std::int32_t(3);
+  out << std::uint32_t(2) << std::string("clearance_m") << 1.25 << std::string("gone") << 7.0;
+  out << 0.08 << 0.2 << std::int32_t(5);  // likelihood
+  out << true << false << true << std::int32_t(mrpt::img::cmHOT) << std::int32_t(99);  // render
+  out << mrpt::poses::CPose3D(1, 2, 3, 0, 0, 0) << true;  // where the robot was; empty
+}
+
+/** Version 0 of a snapshot without layers but one that no version had. */
+void write_snapshot_v0(CArchive& out)
+{
+  out << mrpt::Clock::fromDouble(1000.0) << std::string("terrain")
+      << mrpt::poses::CPose3D(1, 2, 0, 0, 0, 0) << mrpt::poses::CPose3D();
+  out << std::int32_t(4) << 0.05 << std::int64_t(-2) << std::int64_t(7) << std::uint32_t(1);
+  out << std::string("moisture") << 0.0 << 1.0 << std::uint32_t(3);
+  out.WriteBuffer("abc", 3);
+}
+
+template <class T>
+std::string error_of_version(const std::string& name, std::uint8_t version)
+{
+  mrpt::io::CMemoryStream stream;
+  auto out = mrpt::serialization::archiveFrom(stream);
+  write_object(out, name, version, [](CArchive&) {});
+  try
+  {
+    T object;
+    read(stream, object);
+  }
+  catch (const std::exception& e)
+  {
+    return e.what();
+  }
+  return "";
+}
+}  // namespace
+
+TEST(SerializationVersions, a_map_with_fewer_and_other_parameters_is_read)
+{
+  mrpt::io::CMemoryStream stream;
+  auto out = mrpt::serialization::archiveFrom(stream);
+  write_object(out, "talus::CDualElevationMap", 0, write_map_v0);
+  CDualElevationMap map;
+  read(stream, map);
+  EXPECT_TRUE(map.isEmpty());
+  EXPECT_EQ(map.insertionOptions.clearance_m, 1.25);
+  EXPECT_EQ(map.insertionOptions.resolution_m, Parameters().resolution_m);
+  EXPECT_EQ(map.threads(), 3);
+  EXPECT_EQ(map.likelihoodOptions.decimation, 5);
+  EXPECT_EQ(map.renderOptions.maxCells, 99);
+  EXPECT_EQ(map.renderOptions.colormap, mrpt::img::cmHOT);
+  EXPECT_TRUE(map.insertObservation(talus_test::scan_of_room({}))) << "and goes on";
+}
+
+TEST(SerializationVersions, a_snapshot_with_a_layer_of_another_version_is_read_without_it)
+{
+  mrpt::io::CMemoryStream stream;
+  auto out = mrpt::serialization::archiveFrom(stream);
+  write_object(out, "talus::CObservationTraversability", 0, write_snapshot_v0);
+  CObservationTraversability snapshot;
+  read(stream, snapshot);
+  EXPECT_EQ(snapshot.sensorLabel, "terrain");
+  EXPECT_EQ(snapshot.window.cells, 4);
+  EXPECT_EQ(snapshot.window.min_cell_y, 7);
+  EXPECT_TRUE(snapshot.layer(Layer::Elevation).empty());
+}
+
+TEST(SerializationVersions, a_later_version_is_refused_with_its_number)
+{
+  for (const auto& text :
+       {error_of_version<CDualElevationMap>("talus::CDualElevationMap", 9),
+        error_of_version<CObservationTraversability>("talus::CObservationTraversability", 9)})
+    EXPECT_NE(text.find("unknown serialization version number: '9'"), std::string::npos) << text;
+}

@@ -1,0 +1,155 @@
+// The command talus-nav, as a person runs it. Runs of many seeds are not tests: they take minutes.
+#include <gtest/gtest.h>
+#include <mrpt/io/CFileGZInputStream.h>
+#include <mrpt/nav/reactive/CLogFileRecord.h>
+#include <sys/wait.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "log_files.h"
+
+namespace
+{
+using talus::test::read_bytes;
+
+struct Row
+{
+  double time_s, x_m, y_m, z_m;
+};
+
+class TalusNav : public testing::Test
+{
+ protected:
+  int run(const std::string& arguments) const
+  {
+    const std::string command = "cd '" + (dir_ / "") + "' && '" TALUS_NAV_EXE "' " + arguments +
+                                " --backend cpu >out.txt 2>err.txt";
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  int drive(const std::string& world, const std::string& arguments) const
+  {
+    return run(std::string(TALUS_SOURCE_DIR) + "/datasets/worlds/" + world + " " + arguments);
+  }
+  std::string text(const std::string& name) const { return read_bytes(dir_ / name); }
+  nlohmann::json summary(const std::string& folder) const
+  {
+    return nlohmann::json::parse(text(folder + "/summary.json"), nullptr, false);
+  }
+  std::vector<Row> path(const std::string& folder) const
+  {
+    std::istringstream in(text(folder + "/path.csv"));
+    std::string line;
+    std::getline(in, line);
+    std::vector<Row> rows;
+    while (std::getline(in, line))
+    {
+      Row r{};
+      if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &r.time_s, &r.x_m, &r.y_m, &r.z_m) == 4)
+        rows.push_back(r);
+    }
+    return rows;
+  }
+  std::string path_of(const std::string& name) const { return dir_ / name; }
+  bool exists(const std::string& name) const { return std::filesystem::exists(dir_ / name); }
+
+ private:
+  talus::test::ScratchDir dir_;
+};
+}  // namespace
+
+TEST_F(TalusNav, drives_over_the_ramp_and_the_low_boxes_of_the_indoor_world)
+{
+  ASSERT_EQ(drive("nav_indoor.yaml", "--goal 15,0 --every 0 --output out"), 0) << text("err.txt");
+  EXPECT_EQ(summary("out")["ending"], "arrived");
+  const auto rows = path("out");
+  const auto height = [&](double x0, double x1)
+  {
+    double top = 0;
+    for (const Row& r : rows)
+      if (r.x_m > x0 && r.x_m < x1) top = std::max(top, r.z_m);
+    return top;
+  };
+  EXPECT_NEAR(height(7, 9), 0.375, 0.03) << "over the ramp";
+  EXPECT_GT(height(10, 12), 0.03) << "over a box of 6.5 cm";
+  EXPECT_LE(std::hypot(rows.back().x_m - 15, rows.back().y_m), 0.5);
+}
+
+TEST_F(TalusNav, drives_under_the_branches_with_the_planner_in_3d)
+{
+  ASSERT_EQ(drive("nav_woods.yaml", "--goal 16,0 --planner 3d --every 0 --output out"), 0)
+      << text("err.txt");
+  const auto rows = path("out");
+  // The foliage hangs from y = -1.8 to 0.6 at x = 3.1: the way leads below it.
+  const auto below = std::any_of(
+      rows.begin(), rows.end(),
+      [](const Row& r) { return std::abs(r.x_m - 3.1) < 0.2 && r.y_m > -1.8 && r.y_m < 0.6; });
+  EXPECT_TRUE(below);
+}
+
+TEST_F(TalusNav, says_blocked_where_there_is_no_way_and_writes_everything)
+{
+  ASSERT_EQ(drive("nav_blocked.yaml", "--goal 7,0 --output out --every 10"), 3) << text("err.txt");
+  EXPECT_EQ(summary("out")["ending"], "blocked");
+  for (const char* name : {"navigation.png", "path.csv", "frames/frame_000001.png"})
+    EXPECT_TRUE(exists(std::string("out/") + name)) << name;
+  EXPECT_FALSE(exists("out/cache"));
+  EXPECT_NE(text("out.txt").find("found no way to the goal"), std::string::npos);
+}
+
+TEST_F(TalusNav, gives_the_same_path_with_the_same_seed)
+{
+  const std::string arguments = "--goal 15,0 --timeout 4 --every 0 --quiet";
+  EXPECT_EQ(drive("nav_indoor.yaml", arguments + " --output a --seed 5"), 5);
+  EXPECT_EQ(drive("nav_indoor.yaml", arguments + " --output b --seed 5"), 5);
+  EXPECT_EQ(drive("nav_indoor.yaml", arguments + " --output c --seed 6"), 5);
+  const auto a = path("a"), b = path("b"), c = path("c");
+  ASSERT_EQ(a.size(), b.size());
+  ASSERT_GT(a.size(), 30U);
+  EXPECT_EQ(a.back().x_m, b.back().x_m);
+  EXPECT_EQ(a.back().y_m, b.back().y_m);
+  EXPECT_NE(a.back().y_m, c.back().y_m);
+}
+
+TEST_F(TalusNav, writes_a_log_that_navlog_viewer_reads)
+{
+  drive("nav_indoor.yaml", "--goal 15,0 --timeout 2 --every 0 --output out");
+  mrpt::io::CFileGZInputStream file(path_of("out/log.reactivenavlog"));
+  auto archive = mrpt::serialization::archiveFrom(file);
+  mrpt::nav::CLogFileRecord record;
+  for (int i = 0; i < 15; i++) ASSERT_NO_THROW(archive >> record) << i;
+  EXPECT_GT(record.WS_Obstacles.size(), 50U);
+  EXPECT_EQ(record.nPTGs, 3U);
+}
+
+TEST_F(TalusNav, says_blocked_when_the_goal_lies_in_a_box)
+{
+  EXPECT_EQ(drive("nav_indoor.yaml", "--goal 3,0.2 --timeout 60 --every 0 --output out"), 3);
+}
+
+TEST_F(TalusNav, judges_collisions_by_the_truth_and_not_by_the_map)
+{
+  // What a sensor without returns does not see is not in the map.
+  const std::string world =
+      "name: blind\nground: [plane: {z_m: 0}]\nobjects: [box: {at_m: [2, 0], size_m: [1, 2, 1]}]\n"
+      "robot: {path_m: [[0, 0], [1, 0]]}\nsensor: {at_m: [0, 0, 0.68], dropout: 1}\n";
+  talus::test::write_bytes(path_of("blind.yaml"), world);
+  EXPECT_EQ(run("blind.yaml --goal 4,0 --timeout 20 --every 0 --output out"), 4) << text("err.txt");
+  EXPECT_EQ(summary("out")["ending"], "collision");
+}
+
+TEST_F(TalusNav, explains_what_is_wrong)
+{
+  EXPECT_EQ(run("none.yaml --goal 1,0 --output out"), 1);
+  EXPECT_NE(text("err.txt").find("none.yaml"), std::string::npos) << text("err.txt");
+  EXPECT_FALSE(exists("out"));
+  EXPECT_EQ(run("none.yaml --goal 1 --output out"), 2);
+  EXPECT_EQ(drive("nav_indoor.yaml", "--goal 1,0 --output out --planner-config none.ini"), 2);
+  EXPECT_NE(text("err.txt").find("none.ini: cannot be read"), std::string::npos);
+  EXPECT_EQ(run("--version"), 0);
+}
