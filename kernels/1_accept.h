@@ -40,10 +40,9 @@ TALUS_HD Verdict accept(const Point& p, const Config& k)
   const float range2 = p.x_m * p.x_m + p.y_m * p.y_m + p.z_m * p.z_m;
   const bool finite = is_finite(p.x_m) & is_finite(p.y_m) & is_finite(p.z_m);
   const bool in_range = (range2 >= k.min_range2_m2) & (range2 <= k.max_range2_m2);
-  const bool in_body = (k.has_body != 0) & (p.x_m >= k.body_min_m[0]) &
-                       (p.x_m <= k.body_max_m[0]) & (p.y_m >= k.body_min_m[1]) &
-                       (p.y_m <= k.body_max_m[1]) & (p.z_m >= k.body_min_m[2]) &
-                       (p.z_m <= k.body_max_m[2]);
+  const bool in_body = (k.has_body != 0) & (p.x_m >= k.body_min_m[0]) & (p.x_m <= k.body_max_m[0]) &
+                       (p.y_m >= k.body_min_m[1]) & (p.y_m <= k.body_max_m[1]) &
+                       (p.z_m >= k.body_min_m[2]) & (p.z_m <= k.body_max_m[2]);
   const bool in_band = (p.z_m >= k.min_height_m) & (p.z_m <= k.max_height_m);
   int code = select(in_band, kAccepted, kHeight);
   code = select(in_body, kBody, code);
@@ -181,8 +180,8 @@ struct AcceptPoint
     const float farthest = static_cast<float>(last_ring);
     const int row = floor_to_int(select(ring > farthest, farthest, ring));
     const int bins = bin_count(*config);
-    const float direction = direction_in_bins(
-        select(aims, dx, 1.0f), select(aims, dy, 0.0f), bins_per_side(*config));
+    const float direction =
+        direction_in_bins(select(aims, dx, 1.0f), select(aims, dy, 0.0f), bins_per_side(*config));
     const int bin = wrap_bin(floor_to_int(direction), bins);
     out.ray[i] = select(aims, row * bins + bin, -1);
     out.slope[i] = ray_slope(p.z_m - frame->sensor_z_m, chebyshev_m);

@@ -140,8 +140,7 @@ struct ChooseRoles
       {
         const int i = storage_index(*frame, n, x, y);
         const bool measured = store.state[i] == kMeasured;
-        role[i] =
-            measured ? role_of_measured(px, py, store.ground_m[i], opened.height_m) : kInfer;
+        role[i] = measured ? role_of_measured(px, py, store.ground_m[i], opened.height_m) : kInfer;
         if (!measured) join_column(i, px, py);
       }
   }

@@ -50,15 +50,14 @@ struct SeenThrough
 
   static constexpr auto fields()
   {
-    return std::make_tuple(
-        &SeenThrough::lowest_m, &SeenThrough::highest_m, &SeenThrough::in_open);
+    return std::make_tuple(&SeenThrough::lowest_m, &SeenThrough::highest_m, &SeenThrough::in_open);
   }
 };
 
 constexpr int kMaxBinsPerCellBits = 3;  //!< of a cell near the sensor eight are looked at
 
-/** Where the rays through the middle half of the angle under which the sensor sees a cell are found,
- * those that ended two or more rings behind it. */
+/** Where the rays through the middle half of the angle under which the sensor sees a cell are
+ * found, those that ended two or more rings behind it. */
 struct Glance
 {
   std::int32_t first_bin = 0, last_bin = -1, stride = 1;
@@ -68,11 +67,13 @@ struct Glance
   static constexpr auto fields()
   {
     return std::make_tuple(
-        &Glance::first_bin, &Glance::last_bin, &Glance::stride, &Glance::row,
-        &Glance::chebyshev_m);
+        &Glance::first_bin, &Glance::last_bin, &Glance::stride, &Glance::row, &Glance::chebyshev_m);
   }
   /** How many rays to look at. */
-  TALUS_HD int rays() const { return last_bin < first_bin ? 0 : (last_bin - first_bin) / stride + 1; }
+  TALUS_HD int rays() const
+  {
+    return last_bin < first_bin ? 0 : (last_bin - first_bin) / stride + 1;
+  }
 };
 
 TALUS_HD Glance glance_at(const Config& k, const FrameContext& f, int ix, int iy)
@@ -86,8 +87,8 @@ TALUS_HD Glance glance_at(const Config& k, const FrameContext& f, int ix, int iy
   const int bins = bin_count(k), per_side = bins_per_side(k);
   g.row = min_of(floor_to_int(ring) + 2, ring_count(k) - 1) * bins;
   const float half_span = 0.125f * static_cast<float>(per_side) / select(under_sensor, 2.0f, ring);
-  const float middle = direction_in_bins(
-      select(under_sensor, 1.0f, dx), select(under_sensor, 0.0f, dy), per_side);
+  const float middle =
+      direction_in_bins(select(under_sensor, 1.0f, dx), select(under_sensor, 0.0f, dy), per_side);
   g.first_bin = floor_to_int(middle - half_span);
   g.last_bin = select(under_sensor, g.first_bin - 1, floor_to_int(middle + half_span));
   g.stride = (max_of(g.last_bin - g.first_bin, 0) >> kMaxBinsPerCellBits) + 1;

@@ -266,8 +266,7 @@ struct LineSearch
       {
         nearest = height;
         places = abs_of(at - place);
-        if (variance_m2)
-          *variance_m2 = spread_variance(store.ground_var_m2[i], distance, *config);
+        if (variance_m2) *variance_m2 = spread_variance(store.ground_var_m2[i], distance, *config);
       }
       sum.add(height, distance, true, *config);
     }
@@ -332,11 +331,9 @@ struct LineFusion
     const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
     const float span = a.mean_distance_m + b.mean_distance_m;
     const float between = a.mean_m + (b.mean_m - a.mean_m) * (a.mean_distance_m / span);
-    const float error =
-        0.1f * a.distance_m * b.distance_m / (a.distance_m + b.distance_m);
+    const float error = 0.1f * a.distance_m * b.distance_m / (a.distance_m + b.distance_m);
     const float height = select(both, between, select(has_a, a.mean_m, b.mean_m));
-    const float deviation =
-        select(both, error, 0.3f * select(has_a, a.distance_m, b.distance_m));
+    const float deviation = select(both, error, 0.3f * select(has_a, a.distance_m, b.distance_m));
     add(height, deviation, has_a | has_b);
   }
 
@@ -375,8 +372,8 @@ TALUS_HD LineFusion fuse_lines(const SideEstimate& a, const SideEstimate& b)
 }
 
 /** What the other rules say, as one line. */
-TALUS_HD LineFusion apply_rule(
-    const SideEstimate& inner, const SideEstimate& outer, const Config& k)
+TALUS_HD LineFusion
+apply_rule(const SideEstimate& inner, const SideEstimate& outer, const Config& k)
 {
   const bool both = inner.any() && outer.any();
   const float one = inner.any() ? inner.height_m : outer.height_m;
@@ -395,8 +392,8 @@ struct Fill
   std::int32_t state;
 };
 
-TALUS_HD Fill infer_ground(
-    const Inference& inferred, bool under_object, float bound_m, const Config& k)
+TALUS_HD Fill
+infer_ground(const Inference& inferred, bool under_object, float bound_m, const Config& k)
 {
   const bool has_inner = is_known(inferred.inner_var_m2);
   const bool both = has_inner & is_known(inferred.outer_var_m2);
@@ -538,15 +535,14 @@ struct FillCell
     const Fill fill = infer_ground(inferred, r >= kObject, bound_m, *config);
     const bool filled = (r != kKeep) & inferred.any();  // else an older guess, or the object, stays
     // What stood there as an object hangs if the robot fits below it.
-    const bool hangs =
-        filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
+    const bool hangs = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
     const float ground = select(filled, fill.height_m, before);
     const float elevation = select(hangs, kNan, top_before);
     const int state = select(filled, fill.state, state_before);
     // Behind something that was hit only a ray below the height of a step proves that the ground is
     // free; before everything that was hit (the blind zone around the robot) the clearance will do.
-    const float proof_m = select(
-        (passed_before & kInOpen) != 0, config->clearance_m, config->step_threshold_m);
+    const float proof_m =
+        select((passed_before & kInOpen) != 0, config->clearance_m, config->step_threshold_m);
     const int passed = passed_before | select(bound_m < ground + proof_m, kPassedLow, 0);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);
@@ -558,8 +554,7 @@ struct FillCell
   }
 
  private:
-  TALUS_HD void put_surface(
-      Surface& to, float ground, float elevation, int state, int passed) const
+  TALUS_HD void put_surface(Surface& to, float ground, float elevation, int state, int passed) const
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;
     const bool guess = (state == kFilledOneSided) & !stands;

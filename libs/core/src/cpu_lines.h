@@ -101,7 +101,8 @@ class AxisWalk
  public:
   static constexpr int kLanes = kernels::kGridStrip;
 
-  AxisWalk(const kernels::Config& k, int places, std::vector<float>& memory) : k_(k), places_(places)
+  AxisWalk(const kernels::Config& k, int places, std::vector<float>& memory)
+      : k_(k), places_(places)
   {
     const auto size = static_cast<std::size_t>(places) * kLanes;
     if (memory.size() < 3 * size) memory.resize(3 * size);
@@ -146,14 +147,20 @@ class AxisWalk
     }
   }
 
-  kernels::LineFusion term(int place, int lane) const { return term_.fusion(place * kLanes + lane); }
+  kernels::LineFusion term(int place, int lane) const
+  {
+    return term_.fusion(place * kLanes + lane);
+  }
 
  private:
   /** By place and lane: first what one side says, then both. */
   struct Term
   {
     float *a, *b, *c;
-    void put(int i, const FirstSide& f) const { a[i] = f.height_m, b[i] = f.places, c[i] = f.distance_m; }
+    void put(int i, const FirstSide& f) const
+    {
+      a[i] = f.height_m, b[i] = f.places, c[i] = f.distance_m;
+    }
     FirstSide first(int i) const { return {a[i], b[i], c[i]}; }
     void put(int i, const kernels::LineFusion& f) const
     {
@@ -177,8 +184,12 @@ class RadialWalk
   RadialWalk(
       const kernels::Config& k, const kernels::LineGrid& grid, int eighth,
       std::vector<float>& floats, std::vector<int>& ints)
-      : k_(k), grid_(grid), rings_(kernels::line_rings(k)), lanes_(whole_blocks(rings_)),
-        side_(eighth / 2), first_line_(eighth % 2 ? 0 : -rings_)
+      : k_(k),
+        grid_(grid),
+        rings_(kernels::line_rings(k)),
+        lanes_(whole_blocks(rings_)),
+        side_(eighth / 2),
+        first_line_(eighth % 2 ? 0 : -rings_)
   {
     const auto lanes = static_cast<std::size_t>(lanes_);
     const auto kept = static_cast<std::size_t>(kept_at(rings_ + 1));
@@ -218,7 +229,15 @@ class RadialWalk
 
   /** The layers of kernels::InferenceGrid. */
   static constexpr int kLayers = 6;
-  enum { kInformation, kWeighted, kLowest, kInnerVar, kOuterVar, kAcross };
+  enum
+  {
+    kInformation,
+    kWeighted,
+    kLowest,
+    kInnerVar,
+    kOuterVar,
+    kAcross
+  };
 
   /** A ring's cells on this half of the side, as places of the grid. */
   struct Row
@@ -243,8 +262,15 @@ class RadialWalk
   }
   /** The first of a ring's cells. */
   int first_cell(int ring) const { return first_line_ < 0 ? -ring : 0; }
+  /** Outer rings have about as many cells as there are lines: what they need is computed for every
+   * line, in their order. On inner rings it is computed for the lines that pass their cells. */
+  bool by_line(int ring) const { return 2 * ring > rings_; }
   /** Where what is kept of a ring begins, of each layer. */
-  int kept_at(int ring) const { return (ring * (ring - 1)) / 2 + kBlock * ring; }
+  int kept_at(int ring) const
+  {
+    const int inner = kernels::min_of(ring, rings_ / 2 + 1);
+    return (inner * (inner - 1)) / 2 + kBlock * inner + (ring - inner) * lanes_;
+  }
   float* kept(int layer, int ring) const
   {
     return kept_ + layer * kept_at(rings_ + 1) + kept_at(ring);
@@ -268,6 +294,16 @@ class RadialWalk
     for (int l = 0; l < lanes_; l++) nearest_[l] = grid_.middle();
   }
 
+  struct EveryLine
+  {
+    int operator()(int i) const { return i; }
+  };
+  struct ListedLine
+  {
+    const int* lines;
+    int operator()(int i) const { return lines[i]; }
+  };
+
   /** Which line passes each cell of a ring: as kernels::line_through(). */
   void find_lines(int ring) const
   {
@@ -287,19 +323,28 @@ class RadialWalk
   TALUS_CLONES void look_inwards(
       Carried<kSamples> carried, int ring, kernels::Samples samples) const
   {
+    if (by_line(ring))
+      return look_inwards_from<kAlongLines>(EveryLine{}, lanes_, carried, ring, samples);
     find_lines(ring);
+    look_inwards_from<kAlongLines>(
+        ListedLine{line_of_}, whole_blocks(ring), carried, ring, samples);
+  }
+  template <bool kAlongLines, class LineOf, int kSamples>
+  void look_inwards_from(
+      LineOf line_of, int cells, const Carried<kSamples>& carried, int ring,
+      const kernels::Samples& samples) const
+  {
     const kernels::Config& k = k_;
-    const int *const line_of = line_of_, *const nearest = nearest_;
+    const int* const nearest = nearest_;
     const int *const reach = reach_, *const far_reach = far_reach_;
     const float *const step_m = step_m_, *const variance_m2 = samples.variance_m2;
-    const int cells = whole_blocks(ring);
     float *const a = kept(kInformation, ring), *const b = kept(kWeighted, ring);
     float *const d = kept(kLowest, ring), *const var = kept(kInnerVar, ring);
     float* const across = kept(kAcross, ring);
     TALUS_INDEPENDENT
     for (int c = 0; c < cells; c++)
     {
-      const int l = line_of[c];
+      const int l = line_of(c);
       const SideEstimate side = carried.infer(l, ring, step_m[l], reach[l], k);
       const FirstSide first = keep(side, kAlongLines);
       a[c] = first.height_m, b[c] = first.places, d[c] = first.distance_m;
@@ -312,19 +357,28 @@ class RadialWalk
   TALUS_CLONES void look_outwards(
       Carried<kSamples> carried, int ring, kernels::Samples samples) const
   {
+    if (by_line(ring))
+      return look_outwards_from<kAlongLines>(EveryLine{}, lanes_, carried, ring, samples);
     find_lines(ring);
+    look_outwards_from<kAlongLines>(
+        ListedLine{line_of_}, whole_blocks(ring), carried, ring, samples);
+  }
+  template <bool kAlongLines, class LineOf, int kSamples>
+  void look_outwards_from(
+      LineOf line_of, int cells, const Carried<kSamples>& carried, int ring,
+      const kernels::Samples& samples) const
+  {
     const kernels::Config& k = k_;
-    const int *const line_of = line_of_, *const nearest = nearest_;
+    const int* const nearest = nearest_;
     const int *const reach = reach_, *const far_reach = far_reach_;
     const float *const step_m = step_m_, *const variance_m2 = samples.variance_m2;
-    const int cells = whole_blocks(ring);
     float *const a = kept(kInformation, ring), *const b = kept(kWeighted, ring);
     float *const d = kept(kLowest, ring), *const var = kept(kOuterVar, ring);
     float* const across = kept(kAcross, ring);
     TALUS_INDEPENDENT
     for (int c = 0; c < cells; c++)
     {
-      const int l = line_of[c];
+      const int l = line_of(c);
       const SideEstimate side = carried.infer(l, ring, step_m[l], reach[l], k);
       const SideEstimate inner = recall({a[c], b[c], d[c]}, step_m[l], kAlongLines);
       const kernels::LineFusion both =
@@ -342,16 +396,18 @@ class RadialWalk
   }
 
   /** What was found for a ring goes to the grid. */
-  void put_ring(int ring, const kernels::InferenceGrid& to) const
+  TALUS_CLONES void put_ring(int ring, kernels::InferenceGrid to) const
   {
     const Row cells = row(ring);
     float* const layers[kLayers] = {to.information,  to.weighted,     to.lowest_m,
                                     to.inner_var_m2, to.outer_var_m2, to.across_m};
+    const bool listed = by_line(ring);
+    if (listed) find_lines(ring);
     for (int layer = 0; layer < kLayers; layer++)
     {
       const float* from = kept(layer, ring);
       float* at = layers[layer] + cells.at(first_cell(ring));
-      for (int c = 0; c < ring; c++, at += cells.stride) *at = from[c];
+      for (int c = 0; c < ring; c++, at += cells.stride) *at = from[listed ? line_of_[c] : c];
     }
   }
 

@@ -76,7 +76,13 @@ class Lanes
   template <class G>
   static void each(const G& g)
   {
-    std::apply([&](auto... field) { int k = 0; (g(field, k++), ...); }, T::fields());
+    std::apply(
+        [&](auto... field)
+        {
+          int k = 0;
+          (g(field, k++), ...);
+        },
+        T::fields());
   }
   static std::uint32_t bits(float v) { return kernels::bits_of(v); }
   static std::uint32_t bits(std::int32_t v) { return static_cast<std::uint32_t>(v); }
@@ -124,8 +130,7 @@ class SteppedRow
     for (int l = 0; l < lanes; l++) steps = std::max(steps, f.steps(items.load(l)));
     return steps;
   }
-  TALUS_CLONES static void step(
-      F f, Lanes<Item> items, Lanes<Result> results, int lanes, int which)
+  TALUS_CLONES static void step(F f, Lanes<Item> items, Lanes<Result> results, int lanes, int which)
   {
     TALUS_INDEPENDENT
     for (int l = 0; l < lanes; l++)
@@ -210,7 +215,8 @@ class SlidingRows
     int next = std::max(begin - radius_, 0);
     for (int y = begin; y < end; y++)
     {
-      for (; next <= std::min(y + radius_, ny_ - 1); next++) sum_row(f_, at(next), x0, x1, next, radius_);
+      for (; next <= std::min(y + radius_, ny_ - 1); next++)
+        sum_row(f_, at(next), x0, x1, next, radius_);
       window(y, x0, x1);
     }
   }
@@ -263,10 +269,7 @@ class SlidingRows
   }
 
   int window_at() const { return (mask_ + 1) * Lanes<Row>::words(kLanes); }
-  Lanes<Row> at(int y) const
-  {
-    return {words_ + (y & mask_) * Lanes<Row>::words(kLanes), kLanes};
-  }
+  Lanes<Row> at(int y) const { return {words_ + (y & mask_) * Lanes<Row>::words(kLanes), kLanes}; }
   /** Of this thread, kept from frame to frame. */
   static std::vector<std::uint32_t>& memory()
   {

@@ -191,7 +191,8 @@ class SerialExecutor : public CpuMemory
               *frame, y);
         });
   }
-  /** f(i) for i in [0, n); beside it, for another stage, g(x, y, i) of the cells that it concerns. */
+  /** f(i) for i in [0, n); beside it, for another stage, g(x, y, i) of the cells that it concerns.
+   */
   template <class F, class G>
   void for_each_concerned_cell_beside(
       int n, const F& f, int stage, int cells, const kernels::FrameContext* frame, const G& g)
@@ -346,7 +347,8 @@ class ThreadExecutor : public CpuMemory
               *frame, y);
         });
   }
-  /** f(i) for i in [0, n); beside it, for another stage, g(x, y, i) of the cells that it concerns. */
+  /** f(i) for i in [0, n); beside it, for another stage, g(x, y, i) of the cells that it concerns.
+   */
   template <class F, class G>
   void for_each_concerned_cell_beside(
       int n, const F& f, int stage, int cells, const kernels::FrameContext* frame, const G& g)

@@ -76,9 +76,8 @@ class Pipeline final : public BackendInterface
   void accept_and_weigh()
   {
     const std::uint8_t* kept = host_config_.inverse_voxel > 0 ? filter_voxels() : nullptr;
-    const kernels::AcceptPoint<Atomics> accept{config_.data(), context_.data(), in_,
-                                               points_out(),   rays_.data(),    counters_.data(),
-                                               kept};
+    const kernels::AcceptPoint<Atomics> accept{config_.data(), context_.data(),  in_, points_out(),
+                                               rays_.data(),   counters_.data(), kept};
     const kernels::RollCell roll{config_.data(), context_.data(), store(), top_hit_.data()};
     const kernels::FindGroundHits ground{
         config_.data(), context_.data(), store(), rays_.data(), lowest_slope_.data()};
@@ -167,8 +166,15 @@ class Pipeline final : public BackendInterface
   {
     const int rays = static_cast<int>(rays_.size()), workers = executor_.workers(cells());
     const kernels::TidyUp tidy{
-        rays_.data(),         rays,           cell_count_.data(), cells(), counters_.data(),
-        executor_.reported(), kernels::kRejectCodes, cursor_.data(),     workers};
+        rays_.data(),
+        rays,
+        cell_count_.data(),
+        cells(),
+        counters_.data(),
+        executor_.reported(),
+        kernels::kRejectCodes,
+        cursor_.data(),
+        workers};
     const kernels::CleanUpCell clean{side(),    config_.data(),  store(),
                                      passing(), top_hit_.data(), role_.data()};
     executor_.for_each_concerned_cell_beside(workers, tidy, 5, side(), context_.data(), clean);
@@ -176,8 +182,9 @@ class Pipeline final : public BackendInterface
 
   void fill()
   {
-    const kernels::FillCell cell{side(),          config_.data(),     context_.data(), store(),
-                                 role_.data(), passing().lowest_m, surfaces(),      surface_layers()};
+    const kernels::FillCell cell{side(),     config_.data(),  context_.data(),
+                                 store(),    role_.data(),    passing().lowest_m,
+                                 surfaces(), surface_layers()};
     if constexpr (Executor::kWalksLines)
       walk_lines(cell);
     else
@@ -191,7 +198,8 @@ class Pipeline final : public BackendInterface
         kernels::TakeSample{config_.data(), store(), role_.data(), grid, samples()});
     executor_.walk_lines(host_config_, grid, samples(), inferred());
     for_each_stored_cell(kernels::FillWalkedCell{cell, grid, inferred()});
-    if (cell.out.any()) for_each_stored_cell(kernels::PutSurface{config_.data(), store(), cell.out});
+    if (cell.out.any())
+      for_each_stored_cell(kernels::PutSurface{config_.data(), store(), cell.out});
   }
 
   void search_lines(const kernels::FillCell& cell)
