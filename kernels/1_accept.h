@@ -25,18 +25,30 @@ struct Point
   float x_m, y_m, z_m;
 };
 
-/** Stage 1 on one point of the sensor frame (III-A.1): range, the robot's body, the height band. */
-TALUS_HD RejectCode accept(const Point& p, const Config& k)
+/** What stage 1 says of a point. */
+struct Verdict
+{
+  int code;  //!< a RejectCode
+  /** Its ray counts. That of a point outside the height band does: the space before it is free. */
+  std::int32_t seen;
+};
+
+/** Stage 1 on one point of the sensor frame (III-A.1): range, the robot's body, the height band. Of
+ * several reasons the first in this order counts. */
+TALUS_HD Verdict accept(const Point& p, const Config& k)
 {
   const float range2 = p.x_m * p.x_m + p.y_m * p.y_m + p.z_m * p.z_m;
-  if (!is_finite(p.x_m) || !is_finite(p.y_m) || !is_finite(p.z_m)) return kNotFinite;
-  if (!(range2 >= k.min_range2_m2 && range2 <= k.max_range2_m2)) return kRange;
-  if (k.has_body && p.x_m >= k.body_min_m[0] && p.x_m <= k.body_max_m[0] &&
-      p.y_m >= k.body_min_m[1] && p.y_m <= k.body_max_m[1] && p.z_m >= k.body_min_m[2] &&
-      p.z_m <= k.body_max_m[2])
-    return kBody;
-  if (p.z_m < k.min_height_m || p.z_m > k.max_height_m) return kHeight;
-  return kAccepted;
+  const bool finite = is_finite(p.x_m) & is_finite(p.y_m) & is_finite(p.z_m);
+  const bool in_range = (range2 >= k.min_range2_m2) & (range2 <= k.max_range2_m2);
+  const bool in_body = (k.has_body != 0) & (p.x_m >= k.body_min_m[0]) & (p.x_m <= k.body_max_m[0]) &
+                       (p.y_m >= k.body_min_m[1]) & (p.y_m <= k.body_max_m[1]) &
+                       (p.z_m >= k.body_min_m[2]) & (p.z_m <= k.body_max_m[2]);
+  const bool in_band = (p.z_m >= k.min_height_m) & (p.z_m <= k.max_height_m);
+  int code = select(in_band, kAccepted, kHeight);
+  code = select(in_body, kBody, code);
+  code = select(in_range, code, kRange);
+  const std::int32_t seen = select(finite & in_range & !in_body, 1, 0);
+  return {select(finite, code, kNotFinite), seen};
 }
 
 /** Eq. 1: sensor frame to window frame. */
@@ -103,54 +115,76 @@ struct AcceptPoint
   TALUS_HD void operator()(int i) const
   {
     if (i >= frame->n_points) return;
-    out.cell[i] = out.ray[i] = -1;
-    const RejectCode code = locate(i);
-    if (code != kAccepted) Atomics::count(rejected + code);
+    locate(i);
+    note(i);
+  }
+
+  /** What depends on this point alone. PointsOut::rank holds its RejectCode until note(). */
+  TALUS_HD void locate(int i) const
+  {
+    const Point sensed = point(i);
+    const bool moves = frame->n_poses > 1 && frame->has_times;
+    put(i, sensed,
+        moves ? transform(pose_at(*frame, in.time_s[i]), sensed)
+              : transform(frame->poses[0], sensed),
+        !voxel_kept || voxel_kept[i]);
+  }
+
+  /** Whether locate_plain() is the same as locate(): no voxel filter, no motion during the scan. */
+  TALUS_HD bool is_plain() const
+  {
+    return !voxel_kept && !(frame->n_poses > 1 && frame->has_times);
+  }
+  TALUS_HD void locate_plain(int i) const
+  {
+    const Point sensed = point(i);
+    put(i, sensed, transform(frame->poses[0], sensed), true);
+  }
+
+  /** What it shares with other points. */
+  TALUS_HD void note(int i) const
+  {
+    if (out.ray[i] >= 0) Atomics::min(rays + out.ray[i], ordered_from_float(out.slope[i]));
+    if (out.rank[i] != kAccepted) Atomics::count(rejected + out.rank[i]);
   }
 
  private:
-  TALUS_HD RejectCode locate(int i) const
-  {
-    const Point sensed{in.x_m[i], in.y_m[i], in.z_m[i]};
-    const RejectCode code = accept(sensed, *config);
-    if (code != kAccepted && code != kHeight) return code;
-    if (voxel_kept && !voxel_kept[i]) return kVoxel;
+  TALUS_HD Point point(int i) const { return {in.x_m[i], in.y_m[i], in.z_m[i]}; }
 
-    const Point p = frame->n_poses > 1 && frame->has_times
-                        ? transform(pose_at(*frame, in.time_s[i]), sensed)
-                        : transform(frame->poses[0], sensed);
-    note_ray(i, p);
-    if (code != kAccepted) return code;
-    return put_in_cell(i, sensed, p);
-  }
-
-  /** A point outside the height band or the window still says that the space before it is free. */
-  TALUS_HD void note_ray(int i, const Point& p) const
+  TALUS_HD void put(int i, const Point& sensed, const Point& p, bool kept) const
   {
-    const float dx = p.x_m - frame->sensor_x_m, dy = p.y_m - frame->sensor_y_m;
-    const float chebyshev_m = max_of(abs_of(dx), abs_of(dy));
-    const float ring = chebyshev_m * config->inverse_resolution;
-    if (ring < 1.0f) return;  // straight above or below: no direction
-    const int last_ring = ring_count(*config) - 1;
-    const int row = ring < static_cast<float>(last_ring) ? floor_to_int(ring) : last_ring;
-    const int bins = bin_count(*config);
-    const int bin = wrap_bin(floor_to_int(direction_in_bins(dx, dy, bins_per_side(*config))), bins);
-    const float slope = ray_slope(p.z_m - frame->sensor_z_m, chebyshev_m);
-    out.ray[i] = row * bins + bin;
-    out.slope[i] = slope;
-    Atomics::min(rays + out.ray[i], ordered_from_float(slope));
-  }
-
-  TALUS_HD RejectCode put_in_cell(int i, const Point& sensed, const Point& p) const
-  {
+    const Verdict verdict = accept(sensed, *config);
+    int code = select((verdict.seen != 0) & !kept, kVoxel, verdict.code);
+    put_ray(i, p, (verdict.seen != 0) & kept);
     const float n = static_cast<float>(config->cells);
     const float cx = p.x_m * config->inverse_resolution, cy = p.y_m * config->inverse_resolution;
-    if (!(cx >= 0.0f && cx < n && cy >= 0.0f && cy < n)) return kOutside;
-    const int cell = storage_index(*frame, config->cells, floor_to_int(cx), floor_to_int(cy));
+    const bool inside = (cx >= 0.0f) & (cx < n) & (cy >= 0.0f) & (cy < n);
+    code = select((code == kAccepted) & !inside, kOutside, code);
+    const int ix = floor_to_int(select(inside, cx, 0.0f));
+    const int iy = floor_to_int(select(inside, cy, 0.0f));
+    const int cell = storage_index(*frame, config->cells, ix, iy);
+    out.cell[i] = select(code == kAccepted, cell, -1);
+    out.rank[i] = static_cast<std::uint32_t>(code);
     out.height_m[i] = p.z_m;
     out.variance_m2[i] = point_variance(sensed.x_m, sensed.y_m, sensed.z_m, *config, *frame);
-    out.cell[i] = cell;
-    return kAccepted;
+  }
+
+  TALUS_HD void put_ray(int i, const Point& p, bool seen) const
+  {
+    const float dx = select(seen, p.x_m - frame->sensor_x_m, 0.0f);
+    const float dy = select(seen, p.y_m - frame->sensor_y_m, 0.0f);
+    const float chebyshev_m = chebyshev(dx, dy);
+    const float ring = chebyshev_m * config->inverse_resolution;
+    const bool aims = ring >= 1.0f;  // else straight above or below: no direction
+    const int last_ring = ring_count(*config) - 1;
+    const float farthest = static_cast<float>(last_ring);
+    const int row = floor_to_int(select(ring > farthest, farthest, ring));
+    const int bins = bin_count(*config);
+    const float direction =
+        direction_in_bins(select(aims, dx, 1.0f), select(aims, dy, 0.0f), bins_per_side(*config));
+    const int bin = wrap_bin(floor_to_int(direction), bins);
+    out.ray[i] = select(aims, row * bins + bin, -1);
+    out.slope[i] = ray_slope(p.z_m - frame->sensor_z_m, chebyshev_m);
   }
 };
 
@@ -176,15 +210,17 @@ struct FindGroundHits
   TALUS_HD void operator()(int bin, int ring) const
   {
     const int r = ring * bin_count(*config) + bin;
-    float limit = -kInfinity;
-    if (rays[r] != kNoRay && ring > 0 && ring < ring_count(*config) - 1)
-    {
-      const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
-      const float slope = float_from_ordered(rays[r]);
-      if (on_ground(direction_of_bin(bin, bins_per_side(*config)), chebyshev_m, slope))
-        limit = slope - kBuried_m / chebyshev_m;
-    }
-    lowest_slope[r] = limit;
+    lowest_slope[r] = rays[r] != kNoRay ? limit(bin, ring, rays[r]) : -kInfinity;
+  }
+
+  TALUS_HD float limit(int bin, int ring, std::int32_t hit) const
+  {
+    if (ring == 0 || ring >= ring_count(*config) - 1) return -kInfinity;
+    const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
+    const float slope = float_from_ordered(hit);
+    if (!on_ground(direction_of_bin(bin, bins_per_side(*config)), chebyshev_m, slope))
+      return -kInfinity;
+    return slope - kBuried_m / chebyshev_m;
   }
 
  private:
@@ -201,8 +237,23 @@ struct FindGroundHits
   }
 };
 
-/** One direction, from the sensor outwards: the slope below which a ray is buried. It follows the
- * second highest limit so far, so that one wrong cell does not blind a direction. */
+/** What a direction has seen so far, from the sensor outwards. It follows the second highest limit,
+ * so that one wrong cell does not blind it. */
+struct BuriedBelow
+{
+  float highest = -kInfinity, second = -kInfinity;
+
+  /** Takes the next hit and the limit that it sets; true if the hit is buried itself. */
+  TALUS_HD bool meet(std::int32_t hit, float limit)
+  {
+    if (float_from_ordered(hit) < second) return true;
+    second = max_of(second, min_of(highest, limit));
+    highest = max_of(highest, limit);
+    return false;
+  }
+};
+
+/** One direction: the slope below which a ray is buried. */
 struct FindBuriedRays
 {
   const Config* config;
@@ -212,7 +263,7 @@ struct FindBuriedRays
   TALUS_HD void operator()(int bin) const
   {
     const int bins = bin_count(*config), rings = ring_count(*config);
-    float highest = -kInfinity, second = -kInfinity;
+    BuriedBelow seen;
     for (int ring = 0; ring < rings; ring += kBatch)
     {
       // Loads first, so that they do not wait for each other.
@@ -226,22 +277,41 @@ struct FindBuriedRays
       }
       for (int b = 0; b < kBatch && ring + b < rings; b++)
       {
-        const int r = (ring + b) * bins + bin;
-        lowest_slope[r] = second;
         if (hits[b] == kNoRay) continue;
-        if (float_from_ordered(hits[b]) < second)
-        {
-          rays[r] = kNoRay;
-          continue;
-        }
-        second = max_of(second, min_of(highest, limits[b]));
-        highest = max_of(highest, limits[b]);
+        const int r = (ring + b) * bins + bin;
+        lowest_slope[r] = seen.second;
+        if (seen.meet(hits[b], limits[b])) rays[r] = kNoRay;
       }
     }
   }
 
  private:
   static constexpr int kBatch = 16;
+};
+
+/** The same of all directions ring by ring, for executors that have few threads: `seen` of each
+ * direction is carried along, and what was not hit costs next to nothing. */
+struct SweepBuriedRays
+{
+  FindGroundHits ground;
+  std::int32_t* rays;
+  BuriedBelow* seen;  //!< by bin
+
+  void operator()(int first_bin, int last_bin) const
+  {
+    const int bins = bin_count(*ground.config), rings = ring_count(*ground.config);
+    for (int bin = first_bin; bin < last_bin; bin++) seen[bin] = {};
+    for (int ring = 0; ring < rings; ring++)
+      for (int bin = first_bin; bin < last_bin; bin++)
+        if (rays[ring * bins + bin] != kNoRay) meet(bin, ring, ring * bins + bin);
+  }
+
+ private:
+  void meet(int bin, int ring, int r) const
+  {
+    ground.lowest_slope[r] = seen[bin].second;
+    if (seen[bin].meet(rays[r], ground.limit(bin, ring, rays[r]))) rays[r] = kNoRay;
+  }
 };
 
 /** Bins one point that is not buried. */
@@ -305,7 +375,7 @@ struct EnterVoxel
   {
     if (i >= frame->n_points) return;
     const Point p{in.x_m[i], in.y_m[i], in.z_m[i]};
-    if (accept(p, *config) != kAccepted) return;
+    if (accept(p, *config).code != kAccepted) return;
     const std::uint64_t key = voxel_key(p);
     std::uint32_t s = static_cast<std::uint32_t>(mix_bits(key)) & table.mask;
     for (;;)
@@ -346,7 +416,7 @@ struct KeepVoxel
   {
     if (i >= entered.frame->n_points) return;
     const Point p{entered.in.x_m[i], entered.in.y_m[i], entered.in.z_m[i]};
-    kept[i] = accept(p, *entered.config) != kAccepted ||
+    kept[i] = accept(p, *entered.config).code != kAccepted ||
               entered.table.winner[entered.slot[i]] == EnterVoxel<Atomics>::fingerprint(p);
   }
 };

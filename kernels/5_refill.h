@@ -1,6 +1,8 @@
 #pragma once
 #include "kernels/cell.h"
 
+#include <tuple>
+
 namespace talus::kernels
 {
 // Stage 5 (III-B.4): which cells are inferred (again) from the updated map. Those are the unknown,
@@ -17,10 +19,13 @@ namespace talus::kernels
 struct SupportGrid
 {
   int side;  //!< pooled cells along each side
+  int pad;  //!< places beside each row that hold infinity
   float* lowest_m;  //!< lowest measured ground, infinity: none
   float* column_m;  //!< highest top of something upright, -infinity: none
   float* eroded_m;  //!< lowest ground of the neighbourhood
   float* cone_m;  //!< lowest ground of the neighbourhood, raised with distance
+
+  TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
 };
 
 TALUS_HD int support_side(const Config& k) { return k.cells / 2 + 1; }
@@ -46,63 +51,69 @@ struct PoolSupport
         lowest = min_of(lowest, ground);
         if (top - ground > 0.5f * config->clearance_m) column = max_of(column, top);
       }
-    grid.lowest_m[py * grid.side + px] = lowest;
-    grid.column_m[py * grid.side + px] = column;
+    grid.lowest_m[grid.at(px, py)] = lowest;
+    grid.column_m[grid.at(px, py)] = column;
   }
 };
 
 /** Rise of the steepest drivable slope between neighbours of the pooled grid. */
 TALUS_HD float pooled_rise(const Config& k) { return 2.0f * k.support_slope * k.resolution_m; }
 
-/** Lowest ground along a row of the pooled grid, plain and raised with distance. */
+/** Lowest ground of a neighbourhood in the pooled grid, plain and raised with distance. */
 struct LowestGround
 {
-  float plain_m, cone_m;
+  float plain_m = kInfinity, cone_m = kInfinity;
+
+  static constexpr auto fields()
+  {
+    return std::make_tuple(&LowestGround::plain_m, &LowestGround::cone_m);
+  }
 };
 
 /** Erosion: along rows first, then across them. */
 struct ErodeSupport
 {
   using Row = LowestGround;
+  using Window = LowestGround;
   const Config* config;
   SupportGrid grid;
 
-  TALUS_HD LowestGround row(int px, int py) const
+  TALUS_HD void add(LowestGround& row, int px, int py, int d) const
   {
-    const float rise = pooled_rise(*config);
-    const float* ground = grid.lowest_m + py * grid.side;
-    LowestGround lowest{kInfinity, kInfinity};
-    const int last = min_of(px + config->object_radius, grid.side - 1);
-    for (int x = max_of(px - config->object_radius, 0); x <= last; x++)
-    {
-      lowest.plain_m = min_of(lowest.plain_m, ground[x]);
-      lowest.cone_m = min_of(lowest.cone_m, ground[x] + rise * static_cast<float>(abs_of(x - px)));
-    }
-    return lowest;
+    const float ground = grid.lowest_m[grid.at(px + d, py)];
+    add(row, {ground, ground}, d);
+  }
+  TALUS_HD void add(LowestGround& sum, const LowestGround& other, int d) const
+  {
+    const float rise = pooled_rise(*config) * static_cast<float>(abs_of(d));
+    sum.plain_m = min_of(sum.plain_m, other.plain_m);
+    sum.cone_m = min_of(sum.cone_m, other.cone_m + rise);
   }
 
-  template <class Rows>
-  TALUS_HD void operator()(int px, int py, const Rows& rows) const
+  TALUS_HD void operator()(int px, int py, const LowestGround& lowest) const
   {
-    const float rise = pooled_rise(*config);
-    LowestGround lowest{kInfinity, kInfinity};
-    const int last = min_of(py + config->object_radius, grid.side - 1);
-    for (int y = max_of(py - config->object_radius, 0); y <= last; y++)
-    {
-      const LowestGround& row = rows(y);
-      lowest.plain_m = min_of(lowest.plain_m, row.plain_m);
-      lowest.cone_m = min_of(lowest.cone_m, row.cone_m + rise * static_cast<float>(abs_of(y - py)));
-    }
-    grid.eroded_m[py * grid.side + px] = lowest.plain_m;
-    grid.cone_m[py * grid.side + px] = lowest.cone_m;
+    grid.eroded_m[grid.at(px, py)] = lowest.plain_m;
+    grid.cone_m[grid.at(px, py)] = lowest.cone_m;
+  }
+  template <class Read>
+  TALUS_HD void finish(int, int, const Read&) const
+  {
   }
 };
 
-/** Dilation of what was eroded, rows first; across them only where it matters, and the decision
- * for the cells of the window that were pooled. */
+/** Highest eroded ground of a neighbourhood; places without any ground do not count. */
+struct HighestGround
+{
+  float height_m = -kInfinity;
+
+  static constexpr auto fields() { return std::make_tuple(&HighestGround::height_m); }
+};
+
+/** Dilation of what was eroded, and the decision for the cells of the window that were pooled. */
 struct ChooseRoles
 {
-  using Row = float;
+  using Row = HighestGround;
+  using Window = HighestGround;
   const Config* config;
   const FrameContext* frame;
   CellStore store;
@@ -110,21 +121,17 @@ struct ChooseRoles
   const float* top_hit_m;  //!< of this frame, by storage index
   std::uint8_t* role;  //!< by storage index
 
-  /** Highest eroded ground along a row; places without any ground do not count. */
-  TALUS_HD float row(int px, int py) const
+  TALUS_HD void add(HighestGround& row, int px, int py, int d) const
   {
-    float highest = -kInfinity;
-    const int last = min_of(px + config->object_radius, grid.side - 1);
-    for (int x = max_of(px - config->object_radius, 0); x <= last; x++)
-    {
-      const float v = grid.eroded_m[py * grid.side + x];
-      if (v < kInfinity) highest = max_of(highest, v);
-    }
-    return highest;
+    const float v = grid.eroded_m[grid.at(px + d, py)];
+    row.height_m = max_of(row.height_m, v < kInfinity ? v : -kInfinity);
+  }
+  TALUS_HD void add(HighestGround& sum, const HighestGround& other, int) const
+  {
+    sum.height_m = max_of(sum.height_m, other.height_m);
   }
 
-  template <class Rows>
-  TALUS_HD void operator()(int px, int py, const Rows& rows) const
+  TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
   {
     const int n = config->cells;
     const int x0 = 2 * px - frame->odd_x, y0 = 2 * py - frame->odd_y;
@@ -133,9 +140,13 @@ struct ChooseRoles
       {
         const int i = storage_index(*frame, n, x, y);
         const bool measured = store.state[i] == kMeasured;
-        role[i] = measured ? role_of_measured(px, py, store.ground_m[i], rows) : kInfer;
+        role[i] = measured ? role_of_measured(px, py, store.ground_m[i], opened.height_m) : kInfer;
         if (!measured) join_column(i, px, py);
       }
+  }
+  template <class Read>
+  TALUS_HD void finish(int, int, const Read&) const
+  {
   }
 
  private:
@@ -150,16 +161,11 @@ struct ChooseRoles
     store.elevation_var_m2[i] = config->min_variance_m2;
   }
 
-  template <class Rows>
-  TALUS_HD Role role_of_measured(int px, int py, float ground_m, const Rows& rows) const
+  TALUS_HD Role role_of_measured(int px, int py, float ground_m, float opened_m) const
   {
     const float tolerance = 0.5f * config->step_threshold_m;
-    if (ground_m <= grid.cone_m[py * grid.side + px] + tolerance) return kKeep;
-    float opened = -kInfinity;
-    const int last = min_of(py + config->object_radius, grid.side - 1);
-    for (int y = max_of(py - config->object_radius, 0); y <= last; y++)
-      opened = max_of(opened, rows(y));
-    if (ground_m <= opened + tolerance) return kKeep;
+    if (ground_m <= grid.cone_m[grid.at(px, py)] + tolerance) return kKeep;
+    if (ground_m <= opened_m + tolerance) return kKeep;
     return column_beside(px, py) + config->clearance_m >= ground_m ? kObjectOnColumn : kObject;
   }
 
@@ -167,8 +173,8 @@ struct ChooseRoles
   TALUS_HD bool between_columns(int px, int py, float height_m) const
   {
     if (px == 0 || py == 0 || px == grid.side - 1 || py == grid.side - 1) return false;
-    const float* at = grid.column_m + py * grid.side + px;
-    const int steps[] = {1, grid.side, grid.side + 1, grid.side - 1};
+    const float* at = grid.column_m + grid.at(px, py);
+    const int pitch = grid.side + 2 * grid.pad, steps[] = {1, pitch, pitch + 1, pitch - 1};
     for (const int step : steps)
       if (at[-step] >= height_m && at[step] >= height_m) return true;
     return false;
@@ -180,7 +186,7 @@ struct ChooseRoles
     float column = -kInfinity;
     for (int y = max_of(py - 1, 0); y <= min_of(py + 1, grid.side - 1); y++)
       for (int x = max_of(px - 1, 0); x <= min_of(px + 1, grid.side - 1); x++)
-        column = max_of(column, grid.column_m[y * grid.side + x]);
+        column = max_of(column, grid.column_m[grid.at(x, y)]);
     return column;
   }
 };

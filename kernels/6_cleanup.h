@@ -1,6 +1,8 @@
 #pragma once
 #include "kernels/rays.h"
 
+#include <tuple>
+
 namespace talus::kernels
 {
 // Stage 6 (III-B.2): cells that this frame did not touch, but whose surface stands above a ray that
@@ -43,43 +45,73 @@ struct SeenThrough
   float lowest_m =
       kInfinity;  //!< lowest height at which a ray passed; bounds unseen ground from above
   float highest_m = -kInfinity;  //!< the highest among the lowest rays of the cell's directions
-  bool in_open = true;  //!< nothing was hit between the sensor and the cell
+  std::int32_t in_open = 1;  //!< nothing was hit between the sensor and the cell
   TALUS_HD bool any() const { return lowest_m < kInfinity; }
+
+  static constexpr auto fields()
+  {
+    return std::make_tuple(&SeenThrough::lowest_m, &SeenThrough::highest_m, &SeenThrough::in_open);
+  }
 };
 
-constexpr int kMaxBinsPerCell = 8;
+constexpr int kMaxBinsPerCellBits = 3;  //!< of a cell near the sensor eight are looked at
 
-/** Rays through the middle half of the angle under which the sensor sees a cell, that ended two or
- * more rings behind it. Heights are taken where the ray is highest inside the cell. */
-TALUS_HD SeenThrough
-look_through(const Config& k, const FrameContext& f, const std::int32_t* rays, int ix, int iy)
+/** Where the rays through the middle half of the angle under which the sensor sees a cell are
+ * found, those that ended two or more rings behind it. */
+struct Glance
 {
-  SeenThrough seen;
+  std::int32_t first_bin = 0, last_bin = -1, stride = 1;
+  std::int32_t row = 0;  //!< where their ring starts in the table
+  float chebyshev_m = 0;
+
+  static constexpr auto fields()
+  {
+    return std::make_tuple(
+        &Glance::first_bin, &Glance::last_bin, &Glance::stride, &Glance::row, &Glance::chebyshev_m);
+  }
+  /** How many rays to look at. */
+  TALUS_HD int rays() const
+  {
+    return last_bin < first_bin ? 0 : (last_bin - first_bin) / stride + 1;
+  }
+};
+
+TALUS_HD Glance glance_at(const Config& k, const FrameContext& f, int ix, int iy)
+{
   const float dx = (static_cast<float>(ix) + 0.5f) * k.resolution_m - f.sensor_x_m;
   const float dy = (static_cast<float>(iy) + 0.5f) * k.resolution_m - f.sensor_y_m;
-  const float chebyshev_m = max_of(abs_of(dx), abs_of(dy));
-  const float ring = chebyshev_m * k.inverse_resolution;
-  if (ring < 2.0f) return seen;  // under the sensor
-  const int row = min_of(floor_to_int(ring) + 2, ring_count(k) - 1);
-
+  Glance g;
+  g.chebyshev_m = chebyshev(dx, dy);
+  const float ring = g.chebyshev_m * k.inverse_resolution;
+  const bool under_sensor = ring < 2.0f;
   const int bins = bin_count(k), per_side = bins_per_side(k);
-  const float half_span = 0.125f * static_cast<float>(per_side) / ring;
-  const float middle = direction_in_bins(dx, dy, per_side);
-  const int first = floor_to_int(middle - half_span), last = floor_to_int(middle + half_span);
-  const int stride = (last - first) / kMaxBinsPerCell + 1;
+  g.row = min_of(floor_to_int(ring) + 2, ring_count(k) - 1) * bins;
+  const float half_span = 0.125f * static_cast<float>(per_side) / select(under_sensor, 2.0f, ring);
+  const float middle =
+      direction_in_bins(select(under_sensor, 1.0f, dx), select(under_sensor, 0.0f, dy), per_side);
+  g.first_bin = floor_to_int(middle - half_span);
+  g.last_bin = select(under_sensor, g.first_bin - 1, floor_to_int(middle + half_span));
+  g.stride = (max_of(g.last_bin - g.first_bin, 0) >> kMaxBinsPerCellBits) + 1;
+  return g;
+}
+
+/** Looks at one of them. Heights are taken where the ray is highest inside the cell. */
+TALUS_HD void look(
+    SeenThrough& seen, const Glance& g, int which, const Config& k, const FrameContext& f,
+    const std::int32_t* rays)
+{
+  const int bin = g.first_bin + which * g.stride;
+  const bool wanted = bin <= g.last_bin;
+  const int column = select(wanted, wrap_bin(bin, bin_count(k)), 0);
+  const std::int32_t hit = rays[g.row + column], anywhere = rays[column];
+  seen.in_open = select(wanted & (hit != anywhere), 0, seen.in_open);
+  const bool passed = wanted & (hit != kNoRay);
+  const float slope = float_from_ordered(hit);
   const float half_cell = 0.5f * k.resolution_m;
-  for (int b = first; b <= last; b += stride)
-  {
-    const std::int32_t hit = rays[row * bins + wrap_bin(b, bins)];
-    seen.in_open = seen.in_open && hit == rays[wrap_bin(b, bins)];
-    if (hit == kNoRay) continue;
-    const float slope = float_from_ordered(hit);
-    const float where = slope < 0.0f ? chebyshev_m - half_cell : chebyshev_m + half_cell;
-    const float height = f.sensor_z_m + slope * where;
-    seen.lowest_m = min_of(seen.lowest_m, height);
-    seen.highest_m = max_of(seen.highest_m, height);
-  }
-  return seen;
+  const float where = g.chebyshev_m + select(slope < 0.0f, -half_cell, half_cell);
+  const float height = f.sensor_z_m + slope * where;
+  seen.lowest_m = min_of(seen.lowest_m, select(passed, height, kInfinity));
+  seen.highest_m = max_of(seen.highest_m, select(passed, height, -kInfinity));
 }
 
 /** Counts the evidence of one frame; true when the cell must be cleared. */
@@ -129,48 +161,95 @@ struct PassingRays
   float* highest_m;
 };
 
-/** What the rays say of cell (ix, iy); needs nothing but the rays. */
+/** What the rays say of cell (ix, iy), stored at i; needs nothing but the rays. */
 struct LookThrough
 {
+  using Item = Glance;
+  using Result = SeenThrough;
+  int cells;
   const Config* config;
   const FrameContext* frame;
   const std::int32_t* rays;
-  CellStore store;
+  std::uint8_t* passed;  //!< by storage index
   PassingRays passing;
+
+  TALUS_HD Glance item(int ix, int iy) const { return glance_at(*config, *frame, ix, iy); }
+  TALUS_HD int steps(const Glance& g) const { return g.rays(); }
+  TALUS_HD void step(SeenThrough& seen, const Glance& g, int which) const
+  {
+    look(seen, g, which, *config, *frame, rays);
+  }
+  TALUS_HD void put(int ix, int iy, int i, const SeenThrough& seen) const
+  {
+    passing.lowest_m[iy * cells + ix] = seen.lowest_m;
+    passing.highest_m[iy * cells + ix] = seen.highest_m;
+    const int before = passed[i] & kPassedLow;
+    const bool in_open = (seen.in_open != 0) & seen.any();
+    passed[i] = static_cast<std::uint8_t>(before | select(in_open, kInOpen, 0));
+  }
 
   TALUS_HD void operator()(int ix, int iy) const
   {
-    const SeenThrough seen = look_through(*config, *frame, rays, ix, iy);
-    passing.lowest_m[iy * config->cells + ix] = seen.lowest_m;
-    passing.highest_m[iy * config->cells + ix] = seen.highest_m;
-    std::uint8_t& passed = store.passed[storage_index(*frame, config->cells, ix, iy)];
-    passed = static_cast<std::uint8_t>(
-        (passed & kPassedLow) | (seen.in_open && seen.any() ? kInOpen : 0));
+    const Glance g = item(ix, iy);
+    SeenThrough seen;
+    for (int which = 0; which < steps(g); which++) step(seen, g, which);
+    put(ix, iy, storage_index(*frame, cells, ix, iy), seen);
   }
 };
 
-/** Stage 6 on cell (ix, iy). */
+/** Stage 6 on cell (ix, iy), stored at i. */
 struct CleanUpCell
 {
+  int cells;
   const Config* config;
-  const FrameContext* frame;
   CellStore store;
   PassingRays passing;
   const float* top_hit_m;
   std::uint8_t* role;
 
-  TALUS_HD void operator()(int ix, int iy) const
+  /** False where nothing changes. */
+  TALUS_HD bool concerns(int ix, int iy, int i) const
   {
-    const int n = config->cells;
-    const int i = storage_index(*frame, n, ix, iy);
-    const SeenThrough seen{passing.lowest_m[iy * n + ix], passing.highest_m[iy * n + ix]};
-    if (!seen.any() || store.state[i] == kUnknown) return;
+    const int o = iy * cells + ix, state = store.state[i];
+    const float elevation = store.elevation_m[i], ground = store.ground_m[i];
+    const bool has_elevation = is_known(elevation), any = passing.lowest_m[o] < kInfinity;
+    const float top = select(has_elevation, elevation, ground);
+    const bool above = (top > passing.highest_m[o] + config->cleanup_margin_m) &
+                       (has_elevation | (state == kMeasured));
+    const bool contradicted = (config->fill_use_ray_bound != 0) & (state == kFilledTwoSided) &
+                              (ground > passing.lowest_m[o] + config->cleanup_margin_m);
+    return any & (state != kUnknown) & (above | contradicted);
+  }
+
+  TALUS_HD void operator()(int ix, int iy, int i) const
+  {
+    const int o = iy * cells + ix;
+    const SeenThrough seen{passing.lowest_m[o], passing.highest_m[o]};
     Cell c = store.load(i);
     if (clear_seen_through(c, role[i], top_hit_m[i], seen, *config)) store.store(i, c);
     // A fill that a ray now contradicts is inferred again.
     if (config->fill_use_ray_bound && c.state == kFilledTwoSided &&
         c.ground_m > seen.lowest_m + config->cleanup_margin_m)
       role[i] = kInfer;
+  }
+};
+
+/** The lowest ray that went at least so far, of the directions [first, last) and all rings: as
+ * SweepRays, ring by ring. */
+struct SweepRings
+{
+  const Config* config;
+  std::int32_t* rays;
+
+  void operator()(int first_bin, int last_bin) const
+  {
+    const int bins = bin_count(*config);
+    for (int ring = ring_count(*config) - 2; ring >= 0; ring--)
+    {
+      std::int32_t* const here = rays + ring * bins;
+      for (int bin = first_bin; bin < last_bin; bin++)
+        here[bin] = min_of(here[bin], here[bin + bins]);
+    }
   }
 };
 

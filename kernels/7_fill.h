@@ -4,8 +4,10 @@
 namespace talus::kernels
 {
 // Stage 7 (III-B.3): ground of cells that were not measured, from samples found along the line to
-// the sensor: towards it and away from it. Each line keeps one bit a ring, "measured ground here";
-// finding the next sample is then a bit scan instead of a walk.
+// the sensor: towards it and away from it. How samples are found is the executor's choice, for what
+// is fast on a device is slow on a core. A device searches for each cell: each line keeps one bit a
+// ring, "measured ground here", and finding the next sample is a bit scan. A core walks the lines
+// and carries the last samples along (libs/core/src/cpu_lines.h). What is made of them is the same.
 
 TALUS_HD int words_per_axis(const Config& k) { return (k.cells + 31) / 32; }
 TALUS_HD int words_per_line(const Config& k) { return line_rings(k) / 32 + 1; }
@@ -132,16 +134,76 @@ struct LineMarks
 /** The samples of one side and what eq. 8 makes of them. */
 struct SideEstimate
 {
-  int gap_cells = 0;  //!< empty cells before the first sample: n1, n2 of eq. 9
-  float height_m = kNan;  //!< mu*; NaN: no samples
-  float variance_m2 = 0;
+  int places = 0;  //!< to the nearest sample
+  float height_m = kNan;  //!< mu*
   float distance_m = 0;  //!< to the nearest sample
-  float nearest_m = kNan;  //!< height of the nearest sample
+  float nearest_m = kNan;  //!< height of the nearest sample; NaN: no samples
   float mean_m = kNan;  //!< kernel-weighted mean of the samples ...
   float mean_distance_m = 0;  //!< ... and where it lies
 
   TALUS_HD bool any() const { return is_known(nearest_m); }
+  /** Empty cells before the first sample: n1, n2 of eq. 9. */
+  TALUS_HD int gap_cells() const { return places - 1; }
 };
+
+/** Sparse kernel of eq. 8, k(d) = (2 + cos(2 pi d)) (1 - d) / 3 + sin(2 pi d) / (2 pi) with d the
+ * distance over the kernel's support: e^5 times an even polynomial in e = 1 - d, error below
+ * 3e-5. */
+TALUS_HD float kernel_weight(float distance_m, const Config& k)
+{
+  const float e = max_of(1.0f - distance_m * k.inverse_fill_kernel, 0.0f), s = e * e;
+  float p = -0.274172142f;
+  p = p * s + 1.83724803f;
+  p = p * s - 6.31206191f;
+  p = p * s + 13.3660562f;
+  p = p * s - 16.2756528f;
+  p = p * s + 8.65856042f;
+  return s * s * e * p;
+}
+
+/** Eq. 8: sparse kernel inference with the lowest sample as the prior. Takes samples from the
+ * nearest on. */
+struct SideSum
+{
+  float weights = 0, weighted = 0, lowest = kInfinity, lengths = 0;
+
+  /** A sample that is not `inside` the reach changes nothing. */
+  TALUS_HD void add(float height, float distance, bool inside, const Config& k)
+  {
+    const float weight = select(inside, kernel_weight(distance, k), 0.0f);
+    weights += weight;
+    weighted += weight * height;
+    lengths += weight * distance;
+    lowest = min_of(lowest, select(inside, height, kInfinity));
+  }
+
+  /** `nearest` and `places` are those of the first sample. */
+  TALUS_HD SideEstimate estimate(float nearest, int places, float step_m, const Config& k) const
+  {
+    SideEstimate side;
+    side.places = places;
+    side.distance_m = static_cast<float>(places) * step_m;
+    side.nearest_m = nearest;
+    side.height_m = (k.fill_lambda * lowest + weighted) / (k.fill_lambda + weights);
+    const bool weighs = weights > 0.0f;
+    side.mean_m = select(weighs, weighted / weights, nearest);
+    side.mean_distance_m = select(weighs, lengths / weights, side.distance_m);
+    return side;
+  }
+};
+
+/** How many places of a line a distance is. */
+TALUS_HD int places_in(float distance_m, float step_m, int rings)
+{
+  return floor_to_int(min_of(distance_m / step_m, static_cast<float>(rings)));
+}
+
+/** Variance of ground inferred from a sample [m^2]. */
+TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const Config& k)
+{
+  const float spread = k.fill_variance_per_m * distance_m;
+  return sample_variance_m2 + spread * spread;
+}
 
 /** Where the cells of a line from the sensor are: place = ring. */
 struct RadialCells
@@ -181,25 +243,19 @@ struct LineSearch
     return storage_index(*frame, n, n / 2 + o.dx, n / 2 + o.dy);
   }
 
-  /** How many places a distance is. */
-  TALUS_HD int places_in(float distance_m) const
-  {
-    return floor_to_int(min_of(distance_m / step_m, static_cast<float>(marks.rings)));
-  }
-
   TALUS_HD int next(int from, bool outwards, float reach_m) const
   {
-    return outwards ? marks.outwards(from, place + places_in(reach_m))
-                    : marks.inwards(from, max_of(place - places_in(reach_m), 0));
+    const int reach = places_in(reach_m, step_m, marks.rings);
+    return outwards ? marks.outwards(from, place + reach)
+                    : marks.inwards(from, max_of(place - reach, 0));
   }
 
-  /** Eq. 8: sparse kernel inference with the lowest sample as the prior. */
-  TALUS_HD SideEstimate infer_side(bool outwards) const
+  TALUS_HD SideEstimate infer_side(bool outwards, float* variance_m2 = nullptr) const
   {
-    SideEstimate side;
-    float weights = 0, weighted = 0, lowest = kInfinity, lengths = 0;
-    int at = place;
-    for (int s = 0; s < config->fill_samples; s++)
+    SideSum sum;
+    float nearest = kNan;
+    int places = 0;
+    for (int s = 0, at = place; s < config->fill_samples; s++)
     {
       at = next(at, outwards, config->fill_search_m);
       if (at < 0) break;
@@ -208,30 +264,13 @@ struct LineSearch
       const float distance = static_cast<float>(abs_of(at - place)) * step_m;
       if (s == 0)
       {
-        side.gap_cells = abs_of(at - place) - 1;
-        side.distance_m = distance;
-        side.nearest_m = height;
-        const float spread = config->fill_variance_per_m * distance;
-        side.variance_m2 = store.ground_var_m2[i] + spread * spread;
+        nearest = height;
+        places = abs_of(at - place);
+        if (variance_m2) *variance_m2 = spread_variance(store.ground_var_m2[i], distance, *config);
       }
-      const float w = kernel_weight(distance);
-      weights += w;
-      weighted += w * height;
-      lengths += w * distance;
-      lowest = min_of(lowest, height);
+      sum.add(height, distance, true, *config);
     }
-    if (lowest == kInfinity) return side;
-    side.height_m = (config->fill_lambda * lowest + weighted) / (config->fill_lambda + weights);
-    side.mean_m = weights > 0.0f ? weighted / weights : side.nearest_m;
-    side.mean_distance_m = weights > 0.0f ? lengths / weights : side.distance_m;
-    return side;
-  }
-
-  TALUS_HD float kernel_weight(float distance_m) const
-  {
-    const int i = floor_to_int(
-        distance_m * config->inverse_fill_kernel * static_cast<float>(kKernelTableSize));
-    return i < kKernelTableSize ? config->fill_kernel[i] : 0.0f;
+    return is_known(nearest) ? sum.estimate(nearest, places, step_m, *config) : SideEstimate{};
   }
 };
 
@@ -272,20 +311,13 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b, int r
   }
   // The high side's share grows with the gap to the low side (exchanged) or to the high side
   // (printed), up to a half.
-  const float n_share = static_cast<float>(rule == kFillPrinted ? high.gap_cells : low.gap_cells);
-  const float n_other = static_cast<float>(rule == kFillPrinted ? low.gap_cells : high.gap_cells);
+  const bool printed = rule == kFillPrinted;
+  const float n_share = static_cast<float>(printed ? high.gap_cells() : low.gap_cells());
+  const float n_other = static_cast<float>(printed ? low.gap_cells() : high.gap_cells());
   const float total = n_other + 2.0f * n_share;
   if (total == 0.0f) return 0.5f * (low.height_m + high.height_m);  // a gap of one cell
   return ((n_share + n_other) * low.height_m + n_share * high.height_m) / total;
 }
-
-/** What was inferred for a cell. */
-struct Fill
-{
-  float height_m = kNan;
-  float variance_m2 = kNan;
-  std::uint8_t state = kUnknown;
-};
 
 /** Heights of several lines, each weighed by how far it has to bridge. */
 struct LineFusion
@@ -296,78 +328,179 @@ struct LineFusion
    * distances. */
   TALUS_HD void add(const SideEstimate& a, const SideEstimate& b)
   {
-    const bool has_a = a.any(), has_b = b.any();
-    if (has_a && has_b)
-    {
-      const float span = a.mean_distance_m + b.mean_distance_m;
-      add(a.mean_m + (b.mean_m - a.mean_m) * (a.mean_distance_m / span),
-          0.1f * a.distance_m * b.distance_m / (a.distance_m + b.distance_m));
-    }
-    else if (has_a || has_b)
-    {
-      const SideEstimate& side = has_a ? a : b;
-      add(side.mean_m, 0.3f * side.distance_m);
-    }
+    const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
+    const float span = a.mean_distance_m + b.mean_distance_m;
+    const float between = a.mean_m + (b.mean_m - a.mean_m) * (a.mean_distance_m / span);
+    const float error = 0.1f * a.distance_m * b.distance_m / (a.distance_m + b.distance_m);
+    const float height = select(both, between, select(has_a, a.mean_m, b.mean_m));
+    const float deviation = select(both, error, 0.3f * select(has_a, a.distance_m, b.distance_m));
+    add(height, deviation, has_a | has_b);
   }
 
-  TALUS_HD void add(float height_m, float deviation_m)
+  /** Another line's. */
+  TALUS_HD void add(const LineFusion& other)
+  {
+    information += other.information;
+    weighted += other.weighted;
+    lowest_m = min_of(lowest_m, other.lowest_m);
+  }
+
+ private:
+  TALUS_HD void add(float height_m, float deviation_m, bool known)
   {
     const float d = 0.002f + deviation_m;
-    information += 1.0f / (d * d);
-    weighted += height_m / (d * d);
-    lowest_m = min_of(lowest_m, height_m);
+    information += select(known, 1.0f / (d * d), 0.0f);
+    weighted += select(known, height_m / (d * d), 0.0f);
+    lowest_m = min_of(lowest_m, select(known, height_m, kInfinity));
   }
 };
 
-TALUS_HD Fill infer_ground(
-    const SideEstimate& inner, const SideEstimate& outer, const LineFusion& lines,
-    bool under_object, float bound_m, const Config& k)
+/** What the lines through a cell say of its ground. */
+struct Inference
 {
-  const bool has_inner = inner.any(), has_outer = outer.any();
-  Fill fill;
-  if (has_inner && has_outer)
-  {
-    fill.height_m = combine_sides(inner, outer, under_object ? kFillMinimum : k.fill_rule);
-    fill.variance_m2 = 1.0f / (1.0f / inner.variance_m2 + 1.0f / outer.variance_m2);
-    fill.state = kFilledTwoSided;
-  }
-  else
-  {
-    const SideEstimate& side = has_inner ? inner : outer;
-    fill.height_m = side.height_m;
-    fill.variance_m2 = side.variance_m2;
-    fill.state = kFilledOneSided;
-  }
-  if (k.fill_rule == kFillLines)
-    fill.height_m = under_object ? lines.lowest_m : lines.weighted / lines.information;
-  if (k.fill_use_ray_bound) fill.height_m = min_of(fill.height_m, bound_m);
-  return fill;
+  LineFusion lines;  //!< for other rules than kFillLines: what the rule says, as one line
+  float inner_var_m2 = kNan, outer_var_m2 = kNan;  //!< NaN: no samples on that side
+
+  TALUS_HD bool any() const { return is_known(inner_var_m2) | is_known(outer_var_m2); }
+};
+
+TALUS_HD LineFusion fuse_lines(const SideEstimate& a, const SideEstimate& b)
+{
+  LineFusion lines;
+  lines.add(a, b);
+  return lines;
 }
 
-/** Puts inferred ground under a cell. What stood there as an object hangs if the robot fits below
- * it. */
-TALUS_HD void place_fill(Cell& c, const Fill& fill, std::uint8_t role, const Config& k)
+/** What the other rules say, as one line. */
+TALUS_HD LineFusion
+apply_rule(const SideEstimate& inner, const SideEstimate& outer, const Config& k)
 {
-  if (role == kObject && c.ground_m - fill.height_m > k.clearance_m)
-    c.elevation_m = c.elevation_var_m2 = kNan;
-  c.ground_m = fill.height_m;
-  c.ground_var_m2 = fill.variance_m2;
-  c.state = fill.state;
+  const bool both = inner.any() && outer.any();
+  const float one = inner.any() ? inner.height_m : outer.height_m;
+  LineFusion lines;
+  lines.information = 1.0f;
+  lines.weighted = both ? combine_sides(inner, outer, k.fill_rule) : one;
+  lines.lowest_m = both ? combine_sides(inner, outer, kFillMinimum) : one;
+  return lines;
 }
+
+/** What was inferred for a cell. */
+struct Fill
+{
+  float height_m;
+  float variance_m2;
+  std::int32_t state;
+};
+
+TALUS_HD Fill
+infer_ground(const Inference& inferred, bool under_object, float bound_m, const Config& k)
+{
+  const bool has_inner = is_known(inferred.inner_var_m2);
+  const bool both = has_inner & is_known(inferred.outer_var_m2);
+  const LineFusion& lines = inferred.lines;
+  const float height = select(under_object, lines.lowest_m, lines.weighted / lines.information);
+  const float fused = 1.0f / (1.0f / inferred.inner_var_m2 + 1.0f / inferred.outer_var_m2);
+  const float one = select(has_inner, inferred.inner_var_m2, inferred.outer_var_m2);
+  return {
+      min_of(height, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
+      select(both, fused, one), select(both, kFilledTwoSided, kFilledOneSided)};
+}
+
+// ---- For executors that walk lines
+// ---------------------------------------------------------------------------------
+
+/** Places of the window on a grid with the sensor's cell in its very middle: one more row and
+ * column than the window where its cells are even in number. */
+struct LineGrid
+{
+  int half, side, pitch;
+
+  TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix; }
+  TALUS_HD int middle() const { return at(half, half); }
+};
+
+constexpr int kGridStrip = 32;  //!< columns that are walked side by side
+constexpr int kGridShift = 16;
+
+/** The pitch has room for whole strips. It is an odd number of cache lines, so that the places of a
+ * column do not fight for the same part of a cache. */
+TALUS_HD LineGrid line_grid(const Config& k)
+{
+  const int half = k.cells / 2, side = 2 * half + 1;
+  return {half, side, (side + kGridStrip - 1) / kGridStrip * kGridStrip + kGridShift};
+}
+
+/** Measured ground that fills may build on, by place of the grid. */
+struct Samples
+{
+  float* height_m;  //!< NaN: none
+  float* variance_m2;
+};
+
+/** What was inferred of the cells, by place of the grid. */
+struct InferenceGrid
+{
+  float *information, *weighted, *lowest_m, *inner_var_m2, *outer_var_m2;
+  float* across_m;  //!< height difference of the ground on both sides, see stage 9
+
+  TALUS_HD Inference load(int o) const
+  {
+    return {{information[o], weighted[o], lowest_m[o]}, inner_var_m2[o], outer_var_m2[o]};
+  }
+  TALUS_HD void store(int o, const LineFusion& lines) const
+  {
+    information[o] = lines.information;
+    weighted[o] = lines.weighted;
+    lowest_m[o] = lines.lowest_m;
+  }
+  TALUS_HD void add(int o, const LineFusion& lines) const
+  {
+    LineFusion sum = load(o).lines;
+    sum.add(lines);
+    store(o, sum);
+  }
+};
+
+struct TakeSample
+{
+  const Config* config;
+  CellStore store;
+  const std::uint8_t* role;
+  LineGrid grid;
+  Samples samples;
+
+  TALUS_HD void operator()(int ix, int iy, int i) const
+  {
+    const int o = grid.at(ix, iy);
+    const bool sample = (store.state[i] == kMeasured) & (role[i] == kKeep);
+    const float ground_m = store.ground_m[i];
+    samples.height_m[o] = select(sample, ground_m, kNan);
+    samples.variance_m2[o] = store.ground_var_m2[i];
+  }
+};
+
+// ---- The cell
+// ------------------------------------------------------------------------------------------------------
 
 constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
+
+/** What else stage 8 wants to know of a cell. */
+enum SurfaceFlag : std::int32_t
+{
+  kSurfaceMeasured = 1,  //!< its ground is measured
+  kSurfaceReached = 2,  //!< a ray met it or passed low over its ground
+  kSurfaceGuess = 4  //!< its ground is filled from one side and nothing stands on it
+};
 
 /** The surfaces of one cell, quantised, for stage 8. */
 struct alignas(8) Surface
 {
   std::int32_t ground;  //!< kNoHeight: unknown
-  /** Twice the elevation, or the ground where nothing stands; plus 1 where the ground is measured.
-   */
-  std::int32_t height_and_measured;
+  std::int32_t height_and_flags;  //!< eight times the elevation, or the ground where nothing stands
 
   TALUS_HD bool known() const { return ground != kNoHeight; }
-  TALUS_HD std::int32_t height() const { return height_and_measured >> 1; }
-  TALUS_HD std::int32_t measured() const { return height_and_measured & 1; }
+  TALUS_HD std::int32_t height() const { return height_and_flags >> 3; }
+  TALUS_HD bool is(SurfaceFlag flag) const { return (height_and_flags & flag) != 0; }
 };
 
 /** Window order; columns padded by the feature radius. */
@@ -379,65 +512,131 @@ struct Surfaces
   TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix + pad; }
 };
 
-/** Stage 7 on cell (ix, iy). */
+/** Stage 7 on cell (ix, iy), stored at i, from what the lines through it say. */
 struct FillCell
 {
+  int cells;
   const Config* config;
   const FrameContext* frame;
   CellStore store;
   const std::uint8_t* role;
-  const std::uint32_t* marks;
-  const std::uint32_t* axis_marks;
   const float* ray_bound_m;
   Surfaces surfaces;
   SurfaceLayers out;
 
-  TALUS_HD void operator()(int ix, int iy) const
-  {
-    const int n = config->cells;
-    const int i = storage_index(*frame, n, ix, iy);
-    const int dx = ix - n / 2, dy = iy - n / 2;
-    if (role[i] != kKeep && (dx != 0 || dy != 0)) infer(i, dx, dy, ray_bound_m[iy * n + ix]);
+  TALUS_HD bool wanted(int i) const { return role[i] != kKeep; }
 
-    const float ground_m = store.ground_m[i];
+  TALUS_HD void operator()(int ix, int iy, int i, const Inference& inferred) const
+  {
+    const float bound_m = ray_bound_m[iy * cells + ix];
+    const int r = role[i], state_before = store.state[i], passed_before = store.passed[i];
+    const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
+    const float top_before = store.elevation_m[i], top_var_before = store.elevation_var_m2[i];
+    const Fill fill = infer_ground(inferred, r >= kObject, bound_m, *config);
+    const bool filled = (r != kKeep) & inferred.any();  // else an older guess, or the object, stays
+    // What stood there as an object hangs if the robot fits below it.
+    const bool hangs = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
+    const float ground = select(filled, fill.height_m, before);
+    const float elevation = select(hangs, kNan, top_before);
+    const int state = select(filled, fill.state, state_before);
     // Behind something that was hit only a ray below the height of a step proves that the ground is
     // free; before everything that was hit (the blind zone around the robot) the clearance will do.
     const float proof_m =
-        store.passed[i] & kInOpen ? config->clearance_m : config->step_threshold_m;
-    if (ray_bound_m[iy * n + ix] < ground_m + proof_m) store.passed[i] |= kPassedLow;
-    surfaces.cell[surfaces.at(ix, iy)] = surface_of(i);
-    out.put(iy * n + ix, store, i);
+        select((passed_before & kInOpen) != 0, config->clearance_m, config->step_threshold_m);
+    const int passed = passed_before | select(bound_m < ground + proof_m, kPassedLow, 0);
+    store.ground_m[i] = ground;
+    store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);
+    store.elevation_m[i] = elevation;
+    store.elevation_var_m2[i] = select(hangs, kNan, top_var_before);
+    store.state[i] = static_cast<std::uint8_t>(state);
+    store.passed[i] = static_cast<std::uint8_t>(passed);
+    put_surface(surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, passed);
   }
 
  private:
-  TALUS_HD Surface surface_of(int i) const
+  TALUS_HD void put_surface(Surface& to, float ground, float elevation, int state, int passed) const
   {
-    const float ground = store.ground_m[i], elevation = store.elevation_m[i];
-    if (!is_known(ground)) return {kNoHeight, 0};
-    const std::int32_t height =
-        quantise_height(is_known(elevation) ? elevation : ground, frame->sensor_z_m);
-    return {quantise_height(ground, frame->sensor_z_m), 2 * height + (store.state[i] == kMeasured)};
+    const bool stands = is_known(elevation), measured = state == kMeasured;
+    const bool guess = (state == kFilledOneSided) & !stands;
+    const bool reached = measured | ((passed & kPassedLow) != 0) | stands, known = is_known(ground);
+    const std::int32_t flags = select(measured, kSurfaceMeasured, 0) |
+                               select(reached, kSurfaceReached, 0) |
+                               select(guess, kSurfaceGuess, 0);
+    const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
+    to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
+    to.height_and_flags =
+        select(known, 8 * quantise_height(select(known, top, 0.0f), reference) + flags, 0);
+  }
+};
+
+/** Fills cell (ix, iy) from what was found when the lines were walked. */
+struct FillWalkedCell
+{
+  FillCell fill;
+  LineGrid grid;
+  InferenceGrid inferred;
+
+  TALUS_HD void operator()(int ix, int iy, int i) const
+  {
+    fill(ix, iy, i, inferred.load(grid.at(ix, iy)));
+  }
+};
+
+/** Searches the lines through cell (ix, iy) and fills it. */
+struct SearchAndFillCell
+{
+  FillCell fill;
+  const std::uint32_t* marks;
+  const std::uint32_t* axis_marks;
+  float* across_m;  //!< for guesses: height difference of the ground on both sides, see stage 9
+  LineGrid grid;
+
+  TALUS_HD void operator()(int ix, int iy) const
+  {
+    const Config& k = *fill.config;
+    const int n = k.cells, i = storage_index(*fill.frame, n, ix, iy);
+    const int dx = ix - n / 2, dy = iy - n / 2;
+    const bool on_line = dx != 0 || dy != 0;  // the sensor's own cell lies on no line
+    Inference inferred;
+    if (on_line && fill.wanted(i)) inferred = search(dx, dy);
+    fill(ix, iy, i, inferred);
+    if (on_line && fill.store.state[i] == kFilledOneSided)
+      across_m[grid.at(ix, iy)] = height_across(dx, dy);
+    fill.out.put(iy * n + ix, fill.store, i);
   }
 
-  TALUS_HD void infer(int i, int dx, int dy, float bound_m) const
+ private:
+  TALUS_HD Inference search(int dx, int dy) const
   {
-    const auto radial = line_search(*config, *frame, store, marks, dx, dy);
-    const SideEstimate inner = radial.infer_side(false), outer = radial.infer_side(true);
-    if (!inner.any() && !outer.any()) return;  // an older guess, or the object itself, stays
-    LineFusion lines;
-    if (config->fill_rule == kFillLines)
+    const Config& k = *fill.config;
+    const auto radial = line_search(k, *fill.frame, fill.store, marks, dx, dy);
+    Inference found;
+    const SideEstimate inner = radial.infer_side(false, &found.inner_var_m2);
+    const SideEstimate outer = radial.infer_side(true, &found.outer_var_m2);
+    if (!found.any()) return found;
+    if (k.fill_rule != kFillLines)
     {
-      lines.add(inner, outer);
-      for (int axis = 0; axis < 2; axis++)
-      {
-        const auto search = axis_search(*config, *frame, store, axis_marks, dx, dy, axis == 0);
-        lines.add(search.infer_side(false), search.infer_side(true));
-      }
+      found.lines = apply_rule(inner, outer, k);
+      return found;
     }
-    const Fill fill = infer_ground(inner, outer, lines, role[i] >= kObject, bound_m, *config);
-    Cell c = store.load(i);
-    place_fill(c, fill, role[i], *config);
-    store.store(i, c);
+    found.lines = fuse_lines(inner, outer);
+    for (int axis = 0; axis < 2; axis++)
+    {
+      const auto search = axis_search(k, *fill.frame, fill.store, axis_marks, dx, dy, axis == 0);
+      found.lines.add(fuse_lines(search.infer_side(false), search.infer_side(true)));
+    }
+    return found;
+  }
+
+  TALUS_HD float height_across(int dx, int dy) const
+  {
+    const auto radial = line_search(*fill.config, *fill.frame, fill.store, marks, dx, dy);
+    const int inner = radial.next(radial.place, false, fill.config->sparsity_search_m);
+    const int outer = radial.next(radial.place, true, fill.config->sparsity_search_m);
+    if (inner < 0 || outer < 0) return kNan;
+    return abs_of(
+        fill.store.ground_m[radial.storage_at(inner)] -
+        fill.store.ground_m[radial.storage_at(outer)]);
   }
 };
 

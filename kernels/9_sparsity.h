@@ -11,16 +11,19 @@ TALUS_HD bool dense_around(int measured, int radius_cells)
   return 4 * measured >= side * side;
 }
 
+/** From the sensor along its line to the cell at (dx, dy) != 0 [m]. */
+TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
+{
+  const int rings = line_rings(k), ring = max_of(abs_of(dx), abs_of(dy));
+  const float step_m = line_stretch(line_through(dx, dy, ring, rings), rings) * k.resolution_m;
+  return static_cast<float>(ring) * step_m;
+}
+
 /** Eq. 14 from the height difference h_s of the ground found on both sides, searched farther than a
  * fill does, and the distance d_s to the robot. NaN (unknown) where one side has none. */
-TALUS_HD float sparsity(const LineSearch<RadialCells>& search, float robot_m, const Config& k)
+TALUS_HD float sparsity(float h_s, float robot_m, const Config& k)
 {
-  const int inner = search.next(search.place, false, k.sparsity_search_m);
-  const int outer = search.next(search.place, true, k.sparsity_search_m);
-  if (inner < 0 || outer < 0) return kNan;
-  const float h_s = abs_of(
-      search.store.ground_m[search.storage_at(inner)] -
-      search.store.ground_m[search.storage_at(outer)]);
+  if (!is_known(h_s)) return kNan;
   const float ratio = h_s * k.inverse_step_threshold;
   if (h_s < k.step_threshold_m) return clamp01(1.0f - ratio);
   return clamp01(1.0f - ratio * k.sparsity_distance_m / robot_m);

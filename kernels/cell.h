@@ -68,8 +68,8 @@ constexpr int kPorousCredit = 3, kPorous = 12, kMaxCredit = 60;
 TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)
 {
   int x = ix + f.storage_x, y = iy + f.storage_y;
-  if (x >= cells) x -= cells;
-  if (y >= cells) y -= cells;
+  x -= select(x >= cells, cells, 0);
+  y -= select(y >= cells, cells, 0);
   return y * cells + x;
 }
 
@@ -89,12 +89,26 @@ struct SurfaceLayers
 {
   float *elevation, *ground, *variance, *state;
 
+  bool any() const { return elevation || ground || variance || state; }
   TALUS_HD void put(int o, const CellStore& store, int i) const
   {
     if (elevation) elevation[o] = store.elevation_m[i];
     if (ground) ground[o] = store.ground_m[i];
     if (variance) variance[o] = store.ground_var_m2[i];
     if (state) state[o] = static_cast<float>(store.state[i]);
+  }
+};
+
+/** Copies the wanted layers to window order. */
+struct PutSurface
+{
+  const Config* config;
+  CellStore store;
+  SurfaceLayers out;
+
+  TALUS_HD void operator()(int ix, int iy, int i) const
+  {
+    out.put(iy * config->cells + ix, store, i);
   }
 };
 

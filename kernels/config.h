@@ -13,8 +13,6 @@ enum FillRuleCode : int
   kFillLines = 4
 };
 
-constexpr int kKernelTableSize = 1024;
-
 /** talus::Parameters in the form that the kernels need: float, squared, in cells. Constant over the
  * life of a map. */
 struct Config
@@ -45,8 +43,6 @@ struct Config
   float weight_slope, weight_step, weight_roughness;
   // sparsity
   float sparsity_range_m, sparsity_distance_m, sparsity_search_m;
-  /** Sparse kernel of eq. 8 at distances i / kKernelTableSize of its support. */
-  float fill_kernel[kKernelTableSize];
 };
 
 }  // namespace talus::kernels

@@ -18,9 +18,7 @@ TALUS_HD int min_of(int a, int b) { return b < a ? b : a; }
 TALUS_HD int max_of(int a, int b) { return a < b ? b : a; }
 TALUS_HD std::int64_t min_of(std::int64_t a, std::int64_t b) { return b < a ? b : a; }
 TALUS_HD std::int64_t max_of(std::int64_t a, std::int64_t b) { return a < b ? b : a; }
-TALUS_HD float abs_of(float a) { return a < 0.0f ? -a : a; }
 TALUS_HD int abs_of(int a) { return a < 0 ? -a : a; }
-TALUS_HD float clamp01(float v) { return min_of(max_of(v, 0.0f), 1.0f); }
 
 /** floor() as an integer; |v| < 2^31. */
 TALUS_HD int floor_to_int(float v)
@@ -29,14 +27,20 @@ TALUS_HD int floor_to_int(float v)
   return i - (v < static_cast<float>(i));
 }
 
-/** Integer quotient rounded down; b > 0, quotients below 2^20. */
+/** Integer quotient rounded down; b > 0, quotients below 2^20. `inverse` = 1 / b: a float comes
+ * near enough to be put right by one. For what divides integers slowly: devices and vectors. */
+TALUS_HD int floor_div(int a, int b, float inverse)
+{
+  const int q = floor_to_int(static_cast<float>(a) * inverse);
+  const int rest = a - q * b;
+  return q + (rest >= b) - (rest < 0);
+}
+
+/** The same. */
 TALUS_HD int floor_div(int a, int b)
 {
 #if defined(__CUDA_ARCH__)
-  // Devices divide integers slowly. A float comes near enough to be put right by one.
-  const int q = floor_to_int(static_cast<float>(a) * (1.0f / static_cast<float>(b)));
-  const int rest = a - q * b;
-  return q + (rest >= b) - (rest < 0);
+  return floor_div(a, b, 1.0f / static_cast<float>(b));
 #else
   return a >= 0 ? a / b : -((-a + b - 1) / b);
 #endif
@@ -68,6 +72,14 @@ TALUS_HD float float_of_bits(std::uint32_t bits)
   return v;
 }
 
+/** c ? a : b where both are known already: compilers make vector code of loops that choose so. */
+TALUS_HD std::int32_t select(bool c, std::int32_t a, std::int32_t b) { return c ? a : b; }
+TALUS_HD float select(bool c, float a, float b) { return c ? a : b; }
+
+TALUS_HD float clamp01(float v) { return select(v < 0.0f, 0.0f, select(v > 1.0f, 1.0f, v)); }
+
+TALUS_HD float abs_of(float a) { return float_of_bits(bits_of(a) & 0x7fffffffu); }
+
 /** A float as an integer of the same order, so that an integer minimum is a minimum of floats. */
 TALUS_HD std::int32_t ordered_from_float(float v)
 {
@@ -84,7 +96,7 @@ TALUS_HD float float_from_ordered(std::int32_t ordered)
 TALUS_HD float arctangent(float t)
 {
   const bool beyond_one = t > 1.0f;
-  const float u = beyond_one ? 1.0f / t : t;
+  const float u = select(beyond_one, 1.0f / t, t);
   const float s = u * u;
   float p = 0.0028662257f;
   p = p * s - 0.0161657367f;
@@ -95,7 +107,7 @@ TALUS_HD float arctangent(float t)
   p = p * s + 0.1999355085f;
   p = p * s - 0.3333314528f;
   const float a = u + u * s * p;
-  return beyond_one ? 1.57079632679f - a : a;
+  return select(beyond_one, 1.57079632679f - a, a);
 }
 
 }  // namespace talus::kernels

@@ -23,8 +23,8 @@ TALUS_HD int ring_count(const Config& k) { return k.cells / 2 + 3; }
 TALUS_HD float direction_in_bins(float dx, float dy, int per_side)
 {
   const bool along_x = abs_of(dx) >= abs_of(dy);
-  const float u = along_x ? dy / dx : -dx / dy;
-  const int side = along_x ? (dx > 0.0f ? 0 : 2) : (dy > 0.0f ? 1 : 3);
+  const float u = select(along_x, dy, -dx) / select(along_x, dx, dy);
+  const int side = select(along_x, select(dx > 0.0f, 0, 2), select(dy > 0.0f, 1, 3));
   const float size = static_cast<float>(per_side);
   return (u + 1.0f) * (0.5f * size) + static_cast<float>(side * per_side);
 }
@@ -54,7 +54,14 @@ TALUS_HD BinDirection direction_of_bin(int bin, int per_side)
 
 TALUS_HD int wrap_bin(int bin, int count)
 {
-  return bin < 0 ? bin + count : (bin >= count ? bin - count : bin);
+  return bin + select(bin < 0, count, 0) - select(bin >= count, count, 0);
+}
+
+/** Distance as rings count it. */
+TALUS_HD float chebyshev(float dx, float dy)
+{
+  const float x = abs_of(dx), y = abs_of(dy);
+  return select(x < y, y, x);
 }
 
 /** Slope of the ray from the sensor to a point, per metre of Chebyshev distance. */

@@ -18,11 +18,17 @@ struct TidyUp
 
   TALUS_HD void operator()(int worker) const
   {
-    for (int i = worker; i < n_rays; i += workers) rays[i] = kNoRay;
-    for (int i = worker; i < n_cells; i += workers) cell_count[i] = 0;
+    reset(worker, workers);
     if (worker != 0) return;
     for (int i = 0; i < n_reasons; i++) reported[i] = rejected[i], rejected[i] = 0;
     *cursor = 0;
+  }
+
+ private:
+  TALUS_HD void reset(int first, int step) const
+  {
+    for (int i = first; i < n_rays; i += step) rays[i] = kNoRay;
+    for (int i = first; i < n_cells; i += step) cell_count[i] = 0;
   }
 };
 

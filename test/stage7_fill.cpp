@@ -11,7 +11,7 @@ kernels::SideEstimate side(float height, int gap, float distance)
 {
   kernels::SideEstimate s;
   s.height_m = s.nearest_m = height;
-  s.gap_cells = gap;
+  s.places = gap + 1;
   s.distance_m = distance;
   return s;
 }

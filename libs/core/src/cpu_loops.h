@@ -1,51 +1,285 @@
 #pragma once
+#include "cpu_clones.h"
+#include "kernels/cell.h"
+
 #include <algorithm>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 // Bodies of the CPU executors' loops that are more than a loop.
 
 namespace talus
 {
-/** The rows that the neighbourhoods of one row of cells need, as they slide along. */
+/** f(x, y, i) for x in [begin, end) of a row, i from `first` on. */
+template <class F>
+TALUS_CLONES void over_row(F f, int begin, int end, int y, int first)
+{
+  TALUS_INDEPENDENT
+  for (int x = begin; x < end; x++) f(x, y, first + (x - begin));
+}
+
+/** over(begin, end, i) of a row of the window, i where its first cell is stored: two stretches of a
+ * torus. */
+template <class F>
+void over_stored_row(const F& over, int cells, const kernels::FrameContext& frame, int y)
+{
+  const int row = kernels::storage_index(frame, cells, 0, y) - frame.storage_x;
+  const int turn = cells - frame.storage_x;
+  over(0, turn, row + frame.storage_x);
+  over(turn, cells, row);
+}
+
+/** f of those cells of a row that it concerns. */
+template <class F>
+TALUS_CLONES void find_concerned(F f, int begin, int end, int y, int first, std::uint8_t* concerned)
+{
+  TALUS_INDEPENDENT
+  for (int x = begin; x < end; x++) concerned[x - begin] = f.concerns(x, y, first + (x - begin));
+}
+template <class F>
+void over_concerned(const F& f, int begin, int end, int y, int first)
+{
+  constexpr int kBlock = 256;
+  alignas(64) std::uint8_t concerned[kBlock];
+  for (int x0 = begin; x0 < end; x0 += kBlock)
+  {
+    const int x1 = std::min(x0 + kBlock, end), shift = first - begin;
+    find_concerned(f, x0, x1, y, x0 + shift, concerned);
+    for (int x = x0; x < x1; x++)
+      if (concerned[x - x0]) f(x, y, x + shift);
+  }
+}
+
+/** Structures of 32-bit fields in a row, an array each field, so that loops over them vectorise. */
+template <class T>
+class Lanes
+{
+  static constexpr std::size_t kFields = std::tuple_size<decltype(T::fields())>::value;
+
+ public:
+  static constexpr int words(int lanes) { return static_cast<int>(kFields) * lanes; }
+  Lanes(std::uint32_t* memory, int lanes) : data_(memory), lanes_(lanes) {}
+
+  T load(int lane) const
+  {
+    T t;
+    each([&](auto field, int k) { get(t.*field, data_[k * lanes_ + lane]); });
+    return t;
+  }
+  void store(int lane, const T& t) const
+  {
+    each([&](auto field, int k) { data_[k * lanes_ + lane] = bits(t.*field); });
+  }
+
+ private:
+  template <class G>
+  static void each(const G& g)
+  {
+    std::apply(
+        [&](auto... field)
+        {
+          int k = 0;
+          (g(field, k++), ...);
+        },
+        T::fields());
+  }
+  static std::uint32_t bits(float v) { return kernels::bits_of(v); }
+  static std::uint32_t bits(std::int32_t v) { return static_cast<std::uint32_t>(v); }
+  static void get(float& to, std::uint32_t bits) { to = kernels::float_of_bits(bits); }
+  static void get(std::int32_t& to, std::uint32_t bits) { to = static_cast<std::int32_t>(bits); }
+  std::uint32_t* data_;
+  int lanes_;
+};
+
+/** Cells that need different numbers of steps: the same step of all cells of a stretch at once. */
+template <class F>
+class SteppedRow
+{
+  using Item = typename F::Item;
+  using Result = typename F::Result;
+  static constexpr int kLanes = 128;
+
+ public:
+  explicit SteppedRow(const F& f) : f_(f) {}
+  void run(int begin, int end, int y, int first)
+  {
+    const Lanes<Item> items(words_, kLanes);
+    const Lanes<Result> results(words_ + Lanes<Item>::words(kLanes), kLanes);
+    for (int x = begin; x < end; x += kLanes)
+    {
+      const int lanes = std::min(kLanes, end - x);
+      const int steps = prepare(f_, items, results, x, y, lanes);
+      for (int which = 0; which < steps; which++) step(f_, items, results, lanes, which);
+      put(f_, results, x, y, first + (x - begin), lanes);
+    }
+  }
+
+ private:
+  TALUS_CLONES static int prepare(
+      F f, Lanes<Item> items, Lanes<Result> results, int x, int y, int lanes)
+  {
+    const Result none;
+    TALUS_INDEPENDENT
+    for (int l = 0; l < lanes; l++)
+    {
+      items.store(l, f.item(x + l, y));
+      results.store(l, none);
+    }
+    int steps = 0;
+    for (int l = 0; l < lanes; l++) steps = std::max(steps, f.steps(items.load(l)));
+    return steps;
+  }
+  TALUS_CLONES static void step(F f, Lanes<Item> items, Lanes<Result> results, int lanes, int which)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < lanes; l++)
+    {
+      Result result = results.load(l);
+      f.step(result, items.load(l), which);
+      results.store(l, result);
+    }
+  }
+  TALUS_CLONES static void put(F f, Lanes<Result> results, int x, int y, int first, int lanes)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < lanes; l++) f.put(x + l, y, first + l, results.load(l));
+  }
+
+  static constexpr int kWords = Lanes<Item>::words(kLanes) + Lanes<Result>::words(kLanes);
+  const F& f_;
+  alignas(64) std::uint32_t words_[static_cast<std::size_t>(kWords)];
+};
+
+/** f(first, last) of a stretch. */
+template <class F>
+TALUS_CLONES void over_stretch(F f, int first, int last)
+{
+  f(first, last);
+}
+
+/** Points in two phases: what depends on each alone, then what they share. */
+template <class F>
+TALUS_CLONES void locate_points(F f, int begin, int end)
+{
+  // Copies that nothing else can write to, so that the loop need not read them again.
+  const kernels::Config config = *f.config;
+  const kernels::FrameContext frame = *f.frame;
+  f.config = &config, f.frame = &frame;
+  TALUS_INDEPENDENT
+  for (int i = begin; i < end; i++) f.locate_plain(i);
+}
+template <class F>
+void over_points(const F& f, int begin, int end)
+{
+  constexpr int kBlock = 512;
+  for (int i0 = begin; i0 < end; i0 += kBlock)
+  {
+    const int i1 = std::min(i0 + kBlock, end);
+    if (f.is_plain())
+      locate_points(f, i0, i1);
+    else
+      for (int i = i0; i < i1; i++) f.locate(i);
+    for (int i = i0; i < i1; i++) f.note(i);
+  }
+}
+
+/** Sums over the square neighbourhoods of the cells in a strip of columns, row by row: F::Row of
+ * each row once, F::Window of those that slide along. */
 template <class F>
 class SlidingRows
 {
+  using Row = typename F::Row;
+  using Window = typename F::Window;
+  static constexpr int kLanes = 128;
+
  public:
-  SlidingRows(int nx, int ny, int radius, const F& f)
-      : nx_(nx), ny_(ny), radius_(radius), f_(f), rows_(memory())
+  SlidingRows(int nx, int ny, int radius, const F& f) : nx_(nx), ny_(ny), radius_(radius), f_(f)
   {
     while (mask_ < 2 * radius) mask_ = 2 * mask_ + 1;
-    rows_.resize(static_cast<std::size_t>(mask_ + 1) * static_cast<std::size_t>(nx));
+    auto& words = memory();
+    const auto size = static_cast<std::size_t>(window_at() + Lanes<Window>::words(kLanes));
+    if (words.size() < size) words.resize(size);
+    words_ = words.data();
   }
 
   /** f of the cells of rows [begin, end). */
-  void run(int begin, int end)
+  void run(int begin, int end) const
+  {
+    for (int x = 0; x < nx_; x += kLanes) run(x, std::min(x + kLanes, nx_), begin, end);
+  }
+
+ private:
+  void run(int x0, int x1, int begin, int end) const
   {
     int next = std::max(begin - radius_, 0);
     for (int y = begin; y < end; y++)
     {
       for (; next <= std::min(y + radius_, ny_ - 1); next++)
-        for (int x = 0; x < nx_; x++) *at(x, next) = f_.row(x, next);
-      for (int x = 0; x < nx_; x++)
-        f_(x, y, [&](int row) -> const Row& { return *at(x, row); });
+        sum_row(f_, at(next), x0, x1, next, radius_);
+      window(y, x0, x1);
     }
   }
 
- private:
-  using Row = typename F::Row;
-  Row* at(int x, int y) { return rows_.data() + static_cast<std::size_t>(y & mask_) * width() + x; }
-  std::size_t width() const { return static_cast<std::size_t>(nx_); }
-  /** Of this thread, kept from frame to frame. */
-  static std::vector<Row>& memory()
+  TALUS_CLONES static void sum_row(F f, Lanes<Row> rows, int x0, int x1, int y, int radius)
   {
-    static thread_local std::vector<Row> rows;
-    return rows;
+    const Row none;
+    TALUS_INDEPENDENT
+    for (int x = x0; x < x1; x++) rows.store(x - x0, none);
+    for (int d = -radius; d <= radius; d++)
+    {
+      TALUS_INDEPENDENT
+      for (int x = x0; x < x1; x++)
+      {
+        Row row = rows.load(x - x0);
+        f.add(row, x, y, d);
+        rows.store(x - x0, row);
+      }
+    }
+  }
+
+  void window(int y, int x0, int x1) const
+  {
+    const Lanes<Window> sums(words_ + window_at(), kLanes);
+    clear(sums, x1 - x0);
+    for (int row = std::max(y - radius_, 0); row <= std::min(y + radius_, ny_ - 1); row++)
+      add_row(f_, sums, at(row), x1 - x0, row - y);
+    finish(f_, sums, x0, x1, y);
+    for (int x = x0; x < x1; x++) f_.finish(x, y, [&] { return sums.load(x - x0); });
+  }
+  TALUS_CLONES static void clear(Lanes<Window> sums, int lanes)
+  {
+    const Window none;
+    for (int l = 0; l < lanes; l++) sums.store(l, none);
+  }
+  TALUS_CLONES static void add_row(F f, Lanes<Window> sums, Lanes<Row> row, int lanes, int d)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < lanes; l++)
+    {
+      Window sum = sums.load(l);
+      f.add(sum, row.load(l), d);
+      sums.store(l, sum);
+    }
+  }
+  TALUS_CLONES static void finish(F f, Lanes<Window> sums, int x0, int x1, int y)
+  {
+    TALUS_INDEPENDENT
+    for (int x = x0; x < x1; x++) f(x, y, sums.load(x - x0));
+  }
+
+  int window_at() const { return (mask_ + 1) * Lanes<Row>::words(kLanes); }
+  Lanes<Row> at(int y) const { return {words_ + (y & mask_) * Lanes<Row>::words(kLanes), kLanes}; }
+  /** Of this thread, kept from frame to frame. */
+  static std::vector<std::uint32_t>& memory()
+  {
+    static thread_local std::vector<std::uint32_t> words;
+    return words;
   }
 
   int nx_, ny_, radius_, mask_ = 1;
   const F& f_;
-  std::vector<Row>& rows_;
+  std::uint32_t* words_;
 };
 
 /** One word of 32 answers. */

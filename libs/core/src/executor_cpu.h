@@ -1,5 +1,6 @@
 #pragma once
 #include "backend.h"
+#include "cpu_lines.h"
 #include "cpu_loops.h"
 #include "kernels/1_accept.h"
 
@@ -27,6 +28,8 @@ class CpuMemory
 
   /** Cells of more points are updated by a team of threads: none. */
   static constexpr int kCrowd = std::numeric_limits<int>::max();
+  /** Fills walk lines and carry samples along. */
+  static constexpr bool kWalksLines = true;
 
   template <class T>
   void allocate(Buffer<T>& buffer, std::size_t size, T value)
@@ -144,6 +147,87 @@ class SerialExecutor : public CpuMemory
       for (int x = 0; x < nx; x++) f(x, y);
   }
 
+  /** f(y) for y in [0, ny), rows of nx cells. */
+  template <class F>
+  void for_each_row(int, int ny, const F& f)
+  {
+    for_each(ny, f);
+  }
+  /** f(begin, end) of stretches of [0, n). */
+  template <class F>
+  void for_each_stretch(int n, const F& f)
+  {
+    over_stretch(f, 0, n);
+  }
+  /** f of points in two phases. */
+  template <class F>
+  void for_each_point(int n, const F& f)
+  {
+    over_points(f, 0, n);
+  }
+  /** f(x, y, i) of the cells of the window with i where each is stored. */
+  template <class F>
+  void for_each_stored_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          over_stored_row(
+              [&f, y](int begin, int end, int i) { over_row(f, begin, end, y, i); }, cells, *frame,
+              y);
+        });
+  }
+  /** The same of those that f.concerns(x, y, i). */
+  template <class F>
+  void for_each_concerned_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          over_stored_row(
+              [&f, y](int begin, int end, int i) { over_concerned(f, begin, end, y, i); }, cells,
+              *frame, y);
+        });
+  }
+  /** f(i) for i in [0, n); beside it, for another stage, g(x, y, i) of the cells that it concerns.
+   */
+  template <class F, class G>
+  void for_each_concerned_cell_beside(
+      int n, const F& f, int stage, int cells, const kernels::FrameContext* frame, const G& g)
+  {
+    for_each(n, f);
+    for_another_stage(stage, [&] { for_each_concerned_cell(cells, frame, g); });
+  }
+  /** f in steps of the cells of the window, see SteppedRow. */
+  template <class F>
+  void for_each_cell_in_steps(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          SteppedRow<F> row(f);
+          over_stored_row(
+              [&row, y](int begin, int end, int i) { row.run(begin, end, y, i); }, cells, *frame,
+              y);
+        });
+  }
+
+  /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */
+  void walk_lines(
+      const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Samples& samples,
+      const kernels::InferenceGrid& to)
+  {
+    using namespace lines;
+    for_each(8, Walk<WalkRays>{{k, grid, samples, to}});
+    if (k.fill_rule != kernels::kFillLines) return;
+    const int strips = grid.pitch / AxisWalk::kLanes;  // what is left over is no column
+    for_each(strips, Walk<WalkRows>{{k, grid, samples, to}});
+    for_each(strips, Walk<WalkColumns>{{k, grid, samples, to}});
+  }
+
   /** f(i) for i in [0, n); there are no teams. */
   template <class F>
   void for_each_and_team(int n, int, const F& f)
@@ -215,6 +299,91 @@ class ThreadExecutor : public CpuMemory
         });
   }
 
+  /** f(y) for y in [0, ny), rows of nx cells. */
+  template <class F>
+  void for_each_row(int nx, int ny, const F& f)
+  {
+    run(ny, std::max(1, 4096 / std::max(nx, 1)),
+        [&f](int begin, int end)
+        {
+          for (int y = begin; y < end; y++) f(y);
+        });
+  }
+  /** f(begin, end) of stretches of [0, n). */
+  template <class F>
+  void for_each_stretch(int n, const F& f)
+  {
+    run(n, 128, [&f](int begin, int end) { over_stretch(f, begin, end); });
+  }
+  /** f of points in two phases. */
+  template <class F>
+  void for_each_point(int n, const F& f)
+  {
+    run(n, 1024, [&f](int begin, int end) { over_points(f, begin, end); });
+  }
+  /** f(x, y, i) of the cells of the window with i where each is stored. */
+  template <class F>
+  void for_each_stored_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          over_stored_row(
+              [&f, y](int begin, int end, int i) { over_row(f, begin, end, y, i); }, cells, *frame,
+              y);
+        });
+  }
+  /** The same of those that f.concerns(x, y, i). */
+  template <class F>
+  void for_each_concerned_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          over_stored_row(
+              [&f, y](int begin, int end, int i) { over_concerned(f, begin, end, y, i); }, cells,
+              *frame, y);
+        });
+  }
+  /** f(i) for i in [0, n); beside it, for another stage, g(x, y, i) of the cells that it concerns.
+   */
+  template <class F, class G>
+  void for_each_concerned_cell_beside(
+      int n, const F& f, int stage, int cells, const kernels::FrameContext* frame, const G& g)
+  {
+    for_each(n, f);
+    for_another_stage(stage, [&] { for_each_concerned_cell(cells, frame, g); });
+  }
+  /** f in steps of the cells of the window, see SteppedRow. */
+  template <class F>
+  void for_each_cell_in_steps(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_row(
+        cells, cells,
+        [&f, cells, frame](int y)
+        {
+          SteppedRow<F> row(f);
+          over_stored_row(
+              [&row, y](int begin, int end, int i) { row.run(begin, end, y, i); }, cells, *frame,
+              y);
+        });
+  }
+
+  /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */
+  void walk_lines(
+      const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Samples& samples,
+      const kernels::InferenceGrid& to)
+  {
+    using namespace lines;
+    for_each_part(8, Walk<WalkRays>{{k, grid, samples, to}});
+    if (k.fill_rule != kernels::kFillLines) return;
+    const int strips = grid.pitch / AxisWalk::kLanes;  // what is left over is no column
+    for_each_part(strips, Walk<WalkRows>{{k, grid, samples, to}});
+    for_each_part(strips, Walk<WalkColumns>{{k, grid, samples, to}});
+  }
+
   /** f(i) for i in [0, n); there are no teams. */
   template <class F>
   void for_each_and_team(int n, int, const F& f)
@@ -258,6 +427,16 @@ class ThreadExecutor : public CpuMemory
   }
 
  private:
+  /** f(i) for i in [0, n), each of them work enough for a thread. */
+  template <class F>
+  void for_each_part(int n, const F& f)
+  {
+    run(n, 1,
+        [&f](int begin, int end)
+        {
+          for (int i = begin; i < end; i++) f(i);
+        });
+  }
   template <class Body>
   void run(int n, int grain, const Body& body)
   {

@@ -10,18 +10,7 @@ namespace talus
 {
 namespace
 {
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kMaxCellIndex = 1e9;
-
-/** The sparse kernel of eq. 8 (Melkumyan & Ramos 2009) over d in [0, 1) of its support. */
-void tabulate_sparse_kernel(float* table)
-{
-  for (int i = 0; i < kernels::kKernelTableSize; i++)
-  {
-    const double d = (i + 0.5) / kernels::kKernelTableSize, a = 2 * kPi * d;
-    table[i] = static_cast<float>((2 + std::cos(a)) / 3 * (1 - d) + std::sin(a) / (2 * kPi));
-  }
-}
 
 kernels::WindowPose window_pose(const Pose& T_map_sensor, double min_x_m, double min_y_m)
 {
@@ -136,7 +125,6 @@ kernels::Config make_config(const Parameters& p)
   k.sparsity_range_m = f(p.sparsity_range_m);
   k.sparsity_distance_m = f(p.sparsity_distance_m);
   k.sparsity_search_m = f(p.sparsity_search_m);
-  tabulate_sparse_kernel(k.fill_kernel);
   return k;
 }
 

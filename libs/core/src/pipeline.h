@@ -76,18 +76,26 @@ class Pipeline final : public BackendInterface
   void accept_and_weigh()
   {
     const std::uint8_t* kept = host_config_.inverse_voxel > 0 ? filter_voxels() : nullptr;
-    for_each_point_and_cell(
-        kernels::AcceptPoint<Atomics>{
-            config_.data(), context_.data(), in_, points_out(), rays_.data(), counters_.data(),
-            kept},
-        2, kernels::RollCell{config_.data(), context_.data(), store(), top_hit_.data()});
-    executor_.for_each_cell(
-        kernels::bin_count(host_config_), kernels::ring_count(host_config_),
-        kernels::FindGroundHits{
-            config_.data(), context_.data(), store(), rays_.data(), lowest_slope_.data()});
-    executor_.for_each(
-        kernels::bin_count(host_config_),
-        kernels::FindBuriedRays{config_.data(), rays_.data(), lowest_slope_.data()});
+    const kernels::AcceptPoint<Atomics> accept{config_.data(), context_.data(),  in_, points_out(),
+                                               rays_.data(),   counters_.data(), kept};
+    const kernels::RollCell roll{config_.data(), context_.data(), store(), top_hit_.data()};
+    const kernels::FindGroundHits ground{
+        config_.data(), context_.data(), store(), rays_.data(), lowest_slope_.data()};
+    const int bins = kernels::bin_count(host_config_);
+    if constexpr (Executor::kWalksLines)
+    {
+      executor_.for_each_point(points(), accept);
+      executor_.for_another_stage(2, [&] { for_each_cell(roll); });
+      executor_.for_each_stretch(
+          bins, kernels::SweepBuriedRays{ground, rays_.data(), directions_.data()});
+    }
+    else
+    {
+      for_each_point_and_cell(accept, 2, roll);
+      executor_.for_each_cell(bins, kernels::ring_count(host_config_), ground);
+      executor_.for_each(
+          bins, kernels::FindBuriedRays{config_.data(), rays_.data(), lowest_slope_.data()});
+    }
     for_each_point(kernels::BinPoint<Atomics>{
         context_.data(), points_out(), lowest_slope_.data(), cell_count_.data(), counters_.data()});
   }
@@ -110,12 +118,30 @@ class Pipeline final : public BackendInterface
 
   void update()
   {
-    executor_.for_each_beside(
-        points(), kernels::ReserveStretch<Atomics>{context_.data(), points_out(), sorting()}, 5,
-        kernels::bin_count(host_config_), 1, kernels::SweepRays{config_.data(), rays_.data()});
-    for_each_point_and_cell(
-        kernels::SortPoint{config_.data(), context_.data(), points_out(), rays_.data(), sorting()},
-        5, kernels::LookThrough{config_.data(), context_.data(), rays_.data(), store(), passing()});
+    const kernels::ReserveStretch<Atomics> reserve{context_.data(), points_out(), sorting()};
+    const kernels::SortPoint sort{
+        config_.data(), context_.data(), points_out(), rays_.data(), sorting()};
+    const kernels::LookThrough look{side(),       config_.data(), context_.data(),
+                                    rays_.data(), passed_.data(), passing()};
+    const int bins = kernels::bin_count(host_config_);
+    if constexpr (Executor::kWalksLines)
+    {
+      executor_.for_another_stage(
+          5,
+          [&]
+          {
+            executor_.for_each_stretch(bins, kernels::SweepRings{config_.data(), rays_.data()});
+            executor_.for_each_cell_in_steps(side(), context_.data(), look);
+          });
+      for_each_point(reserve);
+      for_each_point(sort);
+    }
+    else
+    {
+      executor_.for_each_beside(
+          points(), reserve, 5, bins, 1, kernels::SweepRays{config_.data(), rays_.data()});
+      for_each_point_and_cell(sort, 5, look);
+    }
     executor_.for_each_and_team(
         points(), points() / Executor::kCrowd,
         kernels::UpdateCell{
@@ -139,17 +165,44 @@ class Pipeline final : public BackendInterface
   void clean_up()
   {
     const int rays = static_cast<int>(rays_.size()), workers = executor_.workers(cells());
-    executor_.for_each_beside(
-        workers,
-        kernels::TidyUp{
-            rays_.data(), rays, cell_count_.data(), cells(), counters_.data(), executor_.reported(),
-            kernels::kRejectCodes, cursor_.data(), workers},
-        5, side(), side(),
-        kernels::CleanUpCell{
-            config_.data(), context_.data(), store(), passing(), top_hit_.data(), role_.data()});
+    const kernels::TidyUp tidy{
+        rays_.data(),
+        rays,
+        cell_count_.data(),
+        cells(),
+        counters_.data(),
+        executor_.reported(),
+        kernels::kRejectCodes,
+        cursor_.data(),
+        workers};
+    const kernels::CleanUpCell clean{side(),    config_.data(),  store(),
+                                     passing(), top_hit_.data(), role_.data()};
+    executor_.for_each_concerned_cell_beside(workers, tidy, 5, side(), context_.data(), clean);
   }
 
   void fill()
+  {
+    const kernels::FillCell cell{side(),     config_.data(),  context_.data(),
+                                 store(),    role_.data(),    passing().lowest_m,
+                                 surfaces(), surface_layers()};
+    if constexpr (Executor::kWalksLines)
+      walk_lines(cell);
+    else
+      search_lines(cell);
+  }
+
+  void walk_lines(const kernels::FillCell& cell)
+  {
+    const kernels::LineGrid grid = line_grid();
+    for_each_stored_cell(
+        kernels::TakeSample{config_.data(), store(), role_.data(), grid, samples()});
+    executor_.walk_lines(host_config_, grid, samples(), inferred());
+    for_each_stored_cell(kernels::FillWalkedCell{cell, grid, inferred()});
+    if (cell.out.any())
+      for_each_stored_cell(kernels::PutSurface{config_.data(), store(), cell.out});
+  }
+
+  void search_lines(const kernels::FillCell& cell)
   {
     const bool along_axes = host_config_.fill_rule == kernels::kFillLines;
     executor_.pack_bits(
@@ -158,9 +211,8 @@ class Pipeline final : public BackendInterface
         along_axes ? 2 * side() : 0, side(),
         kernels::FindAxisSamples{config_.data(), context_.data(), store(), role_.data()},
         axis_marks_);
-    for_each_cell(kernels::FillCell{
-        config_.data(), context_.data(), store(), role_.data(), marks_.data(), axis_marks_.data(),
-        passing().lowest_m, surfaces(), surface_layers()});
+    for_each_cell(kernels::SearchAndFillCell{
+        cell, marks_.data(), axis_marks_.data(), inferred_.data(), line_grid()});
   }
 
   void judge()
@@ -169,9 +221,9 @@ class Pipeline final : public BackendInterface
     executor_.for_each_window(
         side(), side(), radius,
         kernels::ComputeFeatures{
-            config_.data(), context_.data(), store(), surfaces(), marks_.data(), feature_layers()});
-    for_each_cell(
-        kernels::CloseGaps{config_.data(), judged_.data(), feature(Layer::Traversability)});
+            side(), config_.data(), surfaces(), line_grid(), inferred().across_m,
+            feature_layers()});
+    for_each_cell(kernels::CloseGaps{side(), judged(), feature(Layer::Traversability)});
   }
 
   // ---- around them ----
@@ -183,6 +235,7 @@ class Pipeline final : public BackendInterface
   void deliver(Layer first, Layer last, const Find& find);
   void export_surface(Layer layer, float* to);
   void allocate_cells();
+  void allocate_marks();
   void reserve_points(std::size_t points);
 
   int side() const { return host_config_.cells; }
@@ -204,6 +257,12 @@ class Pipeline final : public BackendInterface
   {
     executor_.for_each_cell(side(), side(), f);
   }
+  /** f(ix, iy, i) with i where the cell is stored. */
+  template <class F>
+  void for_each_stored_cell(const F& f)
+  {
+    executor_.for_each_stored_cell(side(), context_.data(), f);
+  }
 
   // ---- views ----
   kernels::CellStore store()
@@ -224,13 +283,29 @@ class Pipeline final : public BackendInterface
   kernels::SupportGrid support()
   {
     const int side = kernels::support_side(host_config_);
-    const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
+    const int pad = host_config_.object_radius;
+    const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side + 2 * pad);
     float* p = support_.data();
-    return {side, p, p + n, p + 2 * n, p + 3 * n};
+    return {side, pad, p, p + n, p + 2 * n, p + 3 * n};
   }
   kernels::PassingRays passing()
   {
     return {passing_.data(), passing_.data() + static_cast<std::size_t>(cells())};
+  }
+  kernels::LineGrid line_grid() const { return kernels::line_grid(host_config_); }
+  std::size_t grid_size() const
+  {
+    return static_cast<std::size_t>(line_grid().side) * static_cast<std::size_t>(line_grid().pitch);
+  }
+  kernels::Samples samples() { return {samples_.data(), samples_.data() + grid_size()}; }
+  kernels::InferenceGrid inferred()
+  {
+    const std::size_t n = grid_size();
+    float* p = inferred_.data();
+    if constexpr (Executor::kWalksLines)
+      return {p + n, p + 2 * n, p + 3 * n, p + 4 * n, p + 5 * n, p};
+    else
+      return {nullptr, nullptr, nullptr, nullptr, nullptr, p};
   }
   kernels::Surfaces surfaces()
   {
@@ -263,8 +338,10 @@ class Pipeline final : public BackendInterface
   {
     return {
         feature(Layer::Slope), feature(Layer::Step), feature(Layer::Roughness),
-        feature(Layer::Sparsity), judged_.data()};
+        feature(Layer::Sparsity), judged()};
   }
+
+  float* judged() { return judged_.data() + side() + 1; }
 
   static constexpr int kFeatureLayers = 5, kSupportArrays = 4;
 
@@ -287,6 +364,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint64_t> cursor_;
   Buffer<std::uint32_t> point_rank_, cell_count_, cell_begin_, counters_;
   Buffer<float> point_slope_, point_height_, point_variance_, lowest_slope_;
+  Buffer<kernels::BuriedBelow> directions_;
   Buffer<kernels::HeightPoint> sorted_;
   Buffer<std::uint64_t> voxel_key_, voxel_winner_;
   Buffer<std::uint32_t> voxel_slot_;
@@ -294,7 +372,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::int32_t> rays_;
   Buffer<kernels::Surface> surfaces_;
   Buffer<std::uint32_t> marks_, axis_marks_;
-  Buffer<float> top_hit_, support_, passing_;
+  Buffer<float> top_hit_, support_, passing_, samples_, inferred_;
   // derived layers, window order
   Buffer<float> judged_, features_, exported_, delivered_;
 };

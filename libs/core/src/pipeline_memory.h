@@ -18,19 +18,33 @@ void Pipeline<Executor>::allocate_cells()
   executor_.allocate(passing_, 2 * n, 0.0f);
   for (auto* b : {&top_hit_, &exported_}) executor_.allocate(*b, n, 0.0f);
   const auto pooled = static_cast<std::size_t>(kernels::support_side(host_config_));
-  executor_.allocate(support_, kSupportArrays * pooled * pooled, 0.0f);
+  const std::size_t pad = 2 * static_cast<std::size_t>(host_config_.object_radius);
+  executor_.allocate(support_, kSupportArrays * pooled * (pooled + pad), kernels::kInfinity);
+  executor_.allocate(inferred_, (Executor::kWalksLines ? 6 : 1) * grid_size(), kernels::kNan);
+  executor_.allocate(samples_, (Executor::kWalksLines ? 2 : 0) * grid_size(), kernels::kNan);
   executor_.allocate(config_, 1, kernels::Config{});
   executor_.allocate(context_, 1, kernels::FrameContext{});
   executor_.allocate(cursor_, 1, std::uint64_t{0});
   executor_.allocate(counters_, kernels::kRejectCodes, std::uint32_t{0});
   executor_.allocate(features_, kFeatureLayers * n, kernels::kNan);
-  executor_.allocate(judged_, n, kernels::kNan);
+  executor_.allocate(judged_, n + 2 * static_cast<std::size_t>(side() + 1), kernels::kNan);
   const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
   executor_.allocate(surfaces_, padded, kernels::Surface{kernels::kNoHeight, 0});
   const auto rays = static_cast<std::size_t>(kernels::ring_count(host_config_)) *
                     static_cast<std::size_t>(kernels::bin_count(host_config_));
   executor_.allocate(rays_, rays, kernels::kNoRay);
   executor_.allocate(lowest_slope_, rays, -kernels::kInfinity);
+  if (Executor::kWalksLines)
+    executor_.allocate(
+        directions_, static_cast<std::size_t>(kernels::bin_count(host_config_)),
+        kernels::BuriedBelow{});
+  else
+    allocate_marks();
+}
+
+template <class Executor>
+void Pipeline<Executor>::allocate_marks()
+{
   executor_.allocate(
       axis_marks_,
       2 * static_cast<std::size_t>(side()) *

@@ -1,0 +1,20 @@
+#pragma once
+
+// Loops that are worth it are compiled for several generations of processors; the program takes the
+// best that the machine has when it starts. All compute the same bits: IEEE operations have one
+// result, however many are done at once, and nothing is contracted.
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__gnu_linux__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define TALUS_CLONES \
+  __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4"), flatten))
+#else
+#define TALUS_CLONES __attribute__((flatten))
+#endif
+
+/** The next loop's iterations touch different memory. */
+#if defined(__clang__)
+#define TALUS_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define TALUS_INDEPENDENT _Pragma("GCC ivdep")
+#endif
