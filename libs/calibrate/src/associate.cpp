@@ -30,6 +30,13 @@ Eigen::Vector2d center_of(std::uint64_t cell, double cell_m)
   return {coordinate(cell & 0xFFFFFFFFu), coordinate(cell >> 32)};
 }
 
+void sort_by_cell(std::vector<Hit>& hits)
+{
+  std::sort(
+      hits.begin(), hits.end(), [](const Hit& a, const Hit& b)
+      { return a.cell != b.cell ? a.cell < b.cell : a.point < b.point; });
+}
+
 std::vector<Hit> hits_of(
     const ScanSet& scans, const PoseTrack& track, const Vector& v, const AssociationOptions& o)
 {
@@ -51,6 +58,7 @@ std::vector<Hit> hits_of(
       const Eigen::Vector3d q = R * p;
       Hit h;
       h.at_m = (q + t).cast<float>();
+      h.on_ground_m = h.at_m.head<2>();
       h.cell = cell_of(h.at_m.x(), h.at_m.y(), o.cell_m);
       h.view = static_cast<std::uint32_t>(i);
       h.point = k;
@@ -61,10 +69,42 @@ std::vector<Hit> hits_of(
       hits.push_back(h);
     }
   }
-  std::sort(
-      hits.begin(), hits.end(), [](const Hit& a, const Hit& b)
-      { return a.cell != b.cell ? a.cell < b.cell : a.point < b.point; });
+  sort_by_cell(hits);
   return hits;
+}
+
+/** Calls `use(cell, points)` for each cell with enough points. */
+template <typename Use>
+void for_each_cell(const std::vector<Hit>& hits, Use use)
+{
+  Hits cell;
+  for (std::size_t i = 0; i < hits.size(); ++i)
+  {
+    cell.push_back(&hits[i]);
+    if (i + 1 < hits.size() && hits[i + 1].cell == hits[i].cell) continue;
+    if (cell.size() >= kFewPoints) use(hits[i].cell, cell);
+    cell.clear();
+  }
+}
+
+/** Deals the points out again, by where their beams meet the ground of the cell they seem to be in.
+ */
+void deal_by_beam(const NoiseModel& noise, const AssociationOptions& o, std::vector<Hit>& hits)
+{
+  for_each_cell(
+      hits,
+      [&](std::uint64_t cell, const Hits& points)
+      {
+        const PlaneFit fit = fit_plane(points, center_of(cell, o.cell_m), noise);
+        for (std::size_t i = 0; fit.solved && i < points.size(); ++i)
+        {
+          if (std::abs(fit.distance_m[i]) > o.gate * fit.sigma_m[i]) continue;
+          Hit& h = hits[static_cast<std::size_t>(points[i] - hits.data())];
+          h.on_ground_m = beam_on_plane(h, fit.distance_m[i], fit.plane).cast<float>();
+        }
+      });
+  for (Hit& h : hits) h.cell = cell_of(h.on_ground_m.x(), h.on_ground_m.y(), o.cell_m);
+  sort_by_cell(hits);
 }
 
 /** Collects the patches of one cell after the other. */
@@ -85,7 +125,7 @@ class Collector
     const auto found = driven_.find(cell);
     places_ = found == driven_.end() ? nullptr : &found->second;
     const Eigen::Vector2d center = center_of(cell, options_.cell_m);
-    if (hits.size() >= kFewPoints) add(hits, center, options_.cell_m, fit_plane(hits, center, noise_));
+    add(hits, center, options_.cell_m, fit_plane(hits, center, noise_));
   }
 
  private:
@@ -122,7 +162,9 @@ bool Collector::split(
   std::array<Quarter, 4> quarters;
   for (std::size_t i = 0; i < hits.size(); ++i)
   {
-    const Eigen::Vector2d at = hits[i]->offset(center_m);
+    Eigen::Vector2d at = hits[i]->on_ground_m.cast<double>() - center_m;
+    if (noise_.along_beam)
+      at = beam_on_plane(*hits[i], fit.distance_m[i], fit.plane) - center_m;
     auto& q = quarters[(at.x() >= 0 ? 1 : 0) + (at.y() >= 0 ? 2 : 0)];
     q.hits.push_back(hits[i]);
     q.squares_before += robust_squares(fit.distance_m[i], fit.sigma_m[i]);
@@ -201,6 +243,7 @@ void thin_patches(std::size_t most_samples, Association& a)
   const double share = static_cast<double>(most_samples) / static_cast<double>(a.samples.size());
   Association kept;
   kept.scatter = a.scatter;
+  kept.along_beam = a.along_beam;
   for (Patch p : a.patches)
   {
     const auto place = cell_of(p.center_m.x(), p.center_m.y(), 0.01);
@@ -233,17 +276,13 @@ Association associate(
     const ScanSet& scans, const PoseTrack& track, const std::vector<DrivenPlace>& driven,
     const Vector& v, const NoiseModel& noise, const AssociationOptions& options)
 {
-  const std::vector<Hit> hits = hits_of(scans, track, v, options);
+  std::vector<Hit> hits = hits_of(scans, track, v, options);
+  if (noise.along_beam) deal_by_beam(noise, options, hits);
   Association a;
+  a.along_beam = noise.along_beam;
   Collector collector(noise, options, driven, a);
-  Hits cell;
-  for (std::size_t i = 0; i < hits.size(); ++i)
-  {
-    cell.push_back(&hits[i]);
-    if (i + 1 < hits.size() && hits[i + 1].cell == hits[i].cell) continue;
-    collector.add_cell(hits[i].cell, cell);
-    cell.clear();
-  }
+  for_each_cell(
+      hits, [&](std::uint64_t cell, const Hits& points) { collector.add_cell(cell, points); });
   a.scatter = scatter_of(a.patches);
   thin_patches(options.most_samples, a);
   return a;

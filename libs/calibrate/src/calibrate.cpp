@@ -10,12 +10,15 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include <chrono>
+static auto T0=std::chrono::steady_clock::now();
+static void tick(const char*w){auto t=std::chrono::steady_clock::now(); if(getenv("VERBOSE"))fprintf(stderr,"   %s %.2f\n",w,std::chrono::duration<double>(t-T0).count()); T0=t;}
 namespace talus::calibrate
 {
 namespace
 {
-constexpr int kMostRounds = 10, kLeastRounds = 3;
-constexpr double kSettled = 0.1;  // a change of so many deviations is none
+constexpr int kMostRounds = 6, kLeastRounds = 3;
+constexpr double kSettled = 0.3;  // a change of so many deviations is none
 constexpr double kWorse = 1.02;  // thickness: more is worse, less is chance
 
 /** The rounds of association, solution and noise fit. */
@@ -33,7 +36,7 @@ class Calibration
  private:
   void approach();
   bool refine(int round);
-  void associate_now(double cell_m, double least_cell_m, double max_range_m);
+  void associate_now(double least_cell_m, double max_range_m, std::size_t most_samples);
   void keep_the_rest();
   void finish(Result& result);
 
@@ -49,13 +52,13 @@ class Calibration
   Choice chosen_{};
 };
 
-void Calibration::associate_now(double cell_m, double least_cell_m, double max_range_m)
+void Calibration::associate_now(
+    double least_cell_m, double max_range_m, std::size_t most_samples)
 {
   AssociationOptions o;
-  o.cell_m = cell_m;
   o.least_cell_m = least_cell_m;
   o.max_range_m = std::min(max_range_m, scans_.thinning().max_range_m);
-  o.most_samples = options_.most_samples;
+  o.most_samples = most_samples;
   association_ = associate(scans_, track_, driven_, v_, noise_, o);
 }
 
@@ -70,6 +73,7 @@ void Calibration::keep_the_rest()
 void Calibration::approach()
 {
   v_ = level_mounting(scans_, options_.given);
+tick("level_mounting");
   Choice tried{};
   tried[kZ] = tried[kPitch] = tried[kRoll] = true;
   struct Step
@@ -80,28 +84,36 @@ void Calibration::approach()
   for (const Step step : {Step{0.1, 8, false}, Step{0.05, 12, true}, Step{0.03, HUGE_VAL, true}})
   {
     noise_ = uniform_noise(step.scale_m);
-    associate_now(0.8, 0.8, step.range_m);
+    associate_now(0.8, step.range_m, options_.most_samples / 3);
+tick("associate_now");
     if (step.scale_m == 0.1) require_ground(association_);
     tried[kTimeOffset] = step.clock;
     chosen_ = observable(gather_information(scans_, track_, v_, association_), tried);
+tick("observable");
     v_ = solve(scans_, track_, v_, chosen_, association_);
+tick("solve");
   }
 }
 
 /** One round with everything that can be told. True: nothing changes any more. */
 bool Calibration::refine(int round)
 {
-  associate_now(0.8, round == 0 ? 0.4 : 0.1, HUGE_VAL);
+  associate_now(round == 0 ? 0.4 : 0.1, HUGE_VAL, options_.most_samples);
+tick("associate_now");
   require_ground(association_);
   Choice all;
   all.fill(true);
   const Choice before = chosen_;
   chosen_ = observable(gather_information(scans_, track_, v_, association_), all);
+tick("observable");
   keep_the_rest();
   const Vector last = v_;
   v_ = solve(scans_, track_, v_, chosen_, association_);
+tick("solve");
   information_ = gather_information(scans_, track_, v_, association_);
+tick("gather_information");
   fit_ = fit_noise(scans_, track_, v_, association_, options_.noise_kind);
+tick("fit_noise");
   noise_ = fit_.model;
   if (round + 1 < kLeastRounds || chosen_ != before) return false;
   const Matrix covariance = covariance_of(information_, chosen_);
@@ -133,6 +145,7 @@ void Calibration::finish(Result& result)
   }
   options_.progress(0.95, "held-out frames");
   result.held_out = held_out_figures(scans_, track_, options_.given, v_);
+tick("held_out_figures");
   const auto& [before, after] = result.held_out;
   if (before.points > 0 && after.thickness_m > kWorse * before.thickness_m)
   {

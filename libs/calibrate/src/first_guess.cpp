@@ -11,7 +11,7 @@ namespace talus::calibrate
 namespace
 {
 constexpr double kNear_m = 6, kFewPoints = 40;
-constexpr int kMostFrames = 200;
+constexpr int kMostFrames = 60;
 
 /** z = a + b x + c y in the base frame, the ground near the robot as one frame shows it. */
 std::optional<Eigen::Vector3d> ground_plane(

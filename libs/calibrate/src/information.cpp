@@ -76,9 +76,9 @@ std::vector<Row> Gatherer::rows_of(const Patch& p) const
   {
     const Sample& s = association_.samples[i];
     const Eigen::Vector3d point = scans_.point(s.point);
-    const Residual r = point_to_plane(geometry_, s.view, point, p.center_m, p.plane);
-    const auto moves = point_by_parameters(geometry_.mounting, geometry_.views[s.view], point);
-    const double scale = 1 / std::sqrt(1 + p.plane.tail<2>().squaredNorm());
+    const Residual r = residual_of(geometry_, association_, s, p, point, p.plane);
+    const auto moves = point_by_parameters(geometry_.mounting, geometry_.views[s.view], r.at_sensor_m);
+    const double scale = -r.by_plane[0];
     Row row;
     row.value = r.distance_m / s.sigma_m;
     row.weight = loss_weight(row.value * row.value);

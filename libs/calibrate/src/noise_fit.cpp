@@ -1,8 +1,5 @@
 #include <talus/calibrate/noise_fit.h>
 
-#include <ceres/autodiff_first_order_function.h>
-#include <ceres/gradient_problem.h>
-#include <ceres/gradient_problem_solver.h>
 #include <ceres/jet.h>
 
 #include <algorithm>
@@ -12,10 +9,17 @@ namespace talus::calibrate
 {
 namespace
 {
-constexpr int kUnknowns = kNoiseParameters + 1;  // and the share of outliers
-constexpr double kRestart = 1e-3;  // an unknown below it [its unit of scale] is at zero
+constexpr int kMostSteps = 60;
+constexpr double kLeastOdds = -9;  // of an outlier, as a logarithm
+constexpr double kSettled = 1e-9;  // gain of the mean log likelihood
+constexpr double kSignificant = 2;  // deviations from 0 that a variance must have to be kept
 constexpr double kLeastVariance_m2 = 4e-8;
-constexpr double kMostLeverage = 0.5;  // points that hold their plane tell nothing
+constexpr double kMostLeverage = 0.5;  // points that hold their surface tell nothing
+constexpr std::uint32_t kFewPoints = 24;  // on a patch whose surface has six unknowns
+constexpr std::size_t kMostPoints = 50000;
+constexpr double kOutlying = 4;  // deviations; no share in the surface, so that leverage is exact
+constexpr int kBlocks = 40;  // of time
+constexpr double kLeastTurn = 1e-5;  // sin(theta/2) of a robot that tilts
 
 /** One point: its distance from the plane, and what the variance depends on. */
 struct Observation
@@ -25,90 +29,171 @@ struct Observation
   int block;
 };
 
-/** Sizes of the unknowns: each is scale * root^2, so that none becomes negative. */
-constexpr std::array<double, kNoiseParameters> kScale{0.01, 0.001, 1.0, 0.005};
-
-template <typename T>
-struct Unknowns
+/** The unknowns: c_beam [m], a_beam, and squares of lambda_t and of the ground's roughness [m^2],
+ * none negative, whose derivatives are regular at 0; then the log odds of an outlier. */
+enum Unknown : int
 {
-  T c, a, lambda, ground, outliers;
+  kC,
+  kA,
+  kLambda2,
+  kGround2,
+  kOdds,
+  kUnknowns
 };
-template <typename T>
-Unknowns<T> unknowns_of(const T* u)
+using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+using Products = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+using Jet = ceres::Jet<double, kUnknowns>;
+using Free = std::array<bool, kUnknowns>;
+
+/** Log likelihood of one point: normal, or anywhere within its reach. */
+Jet log_density(const Observation& o, const Unknowns& u, bool along_beam)
 {
-  using std::exp;
-  const auto positive = [&](int i) { return u[i] * u[i] * kScale[static_cast<std::size_t>(i)]; };
-  return {positive(kCBeam), positive(kABeam), positive(kLambdaT), positive(kGround),
-          1.0 / (1.0 + exp(-u[kNoiseParameters]))};
+  const auto unknown = [&](int i) { return Jet(u[i], i); };
+  const Jet sensor = (unknown(kC) + unknown(kA) * o.range_m) * (along_beam ? o.cosine : 1.0);
+  const double turn = o.range_m * o.half_turn;
+  const Jet variance = sensor * sensor + unknown(kLambda2) * (turn * turn) + unknown(kGround2) +
+                       kLeastVariance_m2;
+  const Jet normal = exp(-0.5 * o.square_m2 / variance) / sqrt(6.283185307179586 * variance);
+  const Jet outliers = 1.0 / (1.0 + exp(-unknown(kOdds)));
+  return log((1.0 - outliers) * normal + outliers / (2.0 * o.reach_m));
 }
 
-template <typename T>
-T log_density(const Observation& o, const Unknowns<T>& n, bool along_beam)
+/** Sums over all points: log likelihood, its gradient, and the products of the points' gradients. */
+struct Likelihood
 {
-  using std::exp;
-  using std::log;
-  using std::sqrt;
-  const T sensor = (n.c + n.a * o.range_m) * (along_beam ? o.cosine : 1.0);
-  const T turn = n.lambda * (o.range_m * o.half_turn);
-  const T variance = sensor * sensor + turn * turn + n.ground * n.ground + kLeastVariance_m2;
-  const T normal = exp(-0.5 * o.square_m2 / variance) / sqrt(6.283185307179586 * variance);
-  return log((1.0 - n.outliers) * normal + n.outliers / (2.0 * o.reach_m));
-}
-
-/** Minus the mean log likelihood; unknowns that are not asked for stay where they are. */
-struct Cost
+  double value = 0;
+  Unknowns gradient = Unknowns::Zero();
+  Products information = Products::Zero();
+};
+Likelihood likelihood_of(
+    const std::vector<Observation>& observations, const Unknowns& u, bool along_beam)
 {
-  const std::vector<Observation>& observations;
-  bool along_beam;
-  std::array<bool, kNoiseParameters> free;
-  std::array<double, kNoiseParameters> kept;
-
-  template <typename T>
-  bool operator()(const T* u, T* cost) const
+  Likelihood sum;
+  for (const auto& o : observations)
   {
-    Unknowns<T> n = unknowns_of(u);
-    if (!free[kLambdaT]) n.lambda = T(kept[kLambdaT]);
-    if (!free[kGround]) n.ground = T(kept[kGround]);
-    T sum(0.0);
-    for (const auto& o : observations) sum += log_density(o, n, along_beam);
-    *cost = -sum / static_cast<double>(observations.size());
-    return true;
+    const Jet d = log_density(o, u, along_beam);
+    sum.value += d.a;
+    sum.gradient += d.v;
+    sum.information += d.v * d.v.transpose();
   }
+  return sum;
+}
+
+std::vector<int> indices_of(const Free& free)
+{
+  std::vector<int> index;
+  for (int i = 0; i < kUnknowns; ++i)
+    if (free[static_cast<std::size_t>(i)]) index.push_back(i);
+  return index;
+}
+
+/** A damped step of scoring; unknowns that would become negative stop at 0. */
+Unknowns stepped(const Unknowns& u, const Likelihood& l, Free free, double damping)
+{
+  for (int i = kC; i < kOdds; ++i)  // those at 0 that want to go below stay there
+    if (u[i] <= 0 && l.gradient[i] <= 0) free[static_cast<std::size_t>(i)] = false;
+  const auto index = indices_of(free);
+  Eigen::MatrixXd I = l.information(index, index);
+  I.diagonal() *= 1 + damping;
+  Unknowns next = u;
+  next(index) += I.ldlt().solve(Eigen::VectorXd(l.gradient(index)));
+  next.head<kOdds>() = next.head<kOdds>().cwiseMax(0);
+  next[kOdds] = std::max(next[kOdds], kLeastOdds);
+  return next;
+}
+
+/** The most likely unknowns, from `u` on. */
+Unknowns maximise(
+    const std::vector<Observation>& observations, Unknowns u, const Free& free, bool along_beam)
+{
+  Likelihood now = likelihood_of(observations, u, along_beam);
+  double damping = 0.1;
+  for (int step = 0; step < kMostSteps && damping < 1e6; ++step)
+  {
+    const Unknowns next = stepped(u, now, free, damping);
+    const Likelihood then = likelihood_of(observations, next, along_beam);
+    if (!(then.value > now.value))
+    {
+      damping *= 8;
+      continue;
+    }
+    const double gain = (then.value - now.value) / static_cast<double>(observations.size());
+    u = next;
+    now = then;
+    damping /= 5;
+    if (gain < kSettled) break;
+  }
+  return u;
+}
+
+/** The distances of a patch's points from a curved surface, z quadratic in x and y: what curvature
+ * does not fit a plane is no noise. */
+class CurvedPatch
+{
+ public:
+  CurvedPatch(const ScanSet& scans, const Geometry& g, const Association& a, const Patch& p)
+  {
+    for (std::uint32_t i = p.first; i < p.first + p.count; ++i)
+    {
+      const Sample& s = a.samples[i];
+      const Residual r = residual_of(g, a, s, p, scans.point(s.point), p.plane);
+      const double u = r.by_plane[1] / r.by_plane[0] / p.size_m;
+      const double v = r.by_plane[2] / r.by_plane[0] / p.size_m;
+      basis_.emplace_back();
+      basis_.back() << 1, u, v, u * u, u * v, v * v;
+      distance_m_.push_back(r.distance_m);
+      const double e = r.distance_m / s.sigma_m;
+      weight_.push_back(std::abs(e) < kOutlying ? 1 / (s.sigma_m * s.sigma_m) : 0);
+    }
+    Terms b = Terms::Zero();
+    Normal N = Normal::Zero();
+    for (std::size_t i = 0; i < basis_.size(); ++i)
+    {
+      N += weight_[i] * basis_[i] * basis_[i].transpose();
+      b += weight_[i] * distance_m_[i] * basis_[i];
+    }
+    inverse_ = N.inverse();
+    surface_ = inverse_ * b;
+  }
+
+  bool solved() const { return surface_.allFinite(); }
+  double distance_m(std::size_t i) const { return distance_m_[i] - surface_.dot(basis_[i]); }
+  /** How much the surface follows this point, 0..1. */
+  double leverage(std::size_t i) const { return weight_[i] * basis_[i].dot(inverse_ * basis_[i]); }
+
+ private:
+  using Terms = Eigen::Matrix<double, 6, 1>;
+  using Normal = Eigen::Matrix<double, 6, 6>;
+  std::vector<Terms> basis_;
+  std::vector<double> distance_m_, weight_;
+  Normal inverse_;
+  Terms surface_;
 };
 
-/** Planes as weighted least squares of the points, so that leverage is known exactly. */
 std::vector<Observation> observations_of(
     const ScanSet& scans, const PoseTrack& track, const Vector& v, const Association& a)
 {
   Geometry g;
   evaluate_geometry(scans, track, v, g);
   const auto turns = half_turns(scans, track, v);
-  const double block_s = std::max(1.0, (track.last_s() - track.first_s()) / 40);
+  const double block_s = std::max(1.0, (track.last_s() - track.first_s()) / kBlocks);
+  const double share = static_cast<double>(kMostPoints) / static_cast<double>(a.samples.size());
   std::vector<Observation> out;
   for (std::uint32_t k = 0; k < a.patches.size(); ++k)
   {
     const Patch& p = a.patches[k];
-    Eigen::Matrix3d C = Eigen::Matrix3d::Zero();
-    std::vector<Residual> rows;
-    std::vector<double> weights;
-    for (std::uint32_t i = p.first; i < p.first + p.count; ++i)
-    {
-      const Sample& s = a.samples[i];
-      rows.push_back(point_to_plane(g, s.view, scans.point(s.point), p.center_m, p.plane));
-      const double e = rows.back().distance_m / s.sigma_m;
-      weights.push_back(1 / ((1 + e * e / (kLoss * kLoss)) * s.sigma_m * s.sigma_m));
-      C += weights.back() * rows.back().by_plane * rows.back().by_plane.transpose();
-    }
-    const Eigen::Matrix3d C_inverse = C.inverse();
+    if (p.count < kFewPoints || chance(k, 3) >= share) continue;
+    const CurvedPatch patch(scans, g, a, p);
+    if (!patch.solved()) continue;
     for (std::uint32_t i = 0; i < p.count; ++i)
     {
+      const double leverage = patch.leverage(i);
+      if (!(leverage < kMostLeverage)) continue;
       const Sample& s = a.samples[p.first + i];
       const View& view = scans.views()[s.view];
-      const double leverage =
-          weights[i] * rows[i].by_plane.dot(C_inverse * rows[i].by_plane);
-      if (!(leverage < kMostLeverage)) continue;
+      const double distance_m = patch.distance_m(i);
       out.push_back(
-          {rows[i].distance_m * rows[i].distance_m / (1 - leverage), s.range_m, s.cosine,
+          {distance_m * distance_m / (1 - leverage), s.range_m, s.cosine,
            turns[static_cast<std::size_t>(view.frame)], 8.0 * s.sigma_m, k,
            static_cast<int>((view.time_s - track.first_s()) / block_s)});
     }
@@ -116,80 +201,76 @@ std::vector<Observation> observations_of(
   return out;
 }
 
-using Jet = ceres::Jet<double, kNoiseParameters>;
-
-/** Score of one observation by c, a, lambda and ground themselves, and its density's Jet. */
-Jet density_jet(const Observation& o, const NoiseModel& m, double outliers)
+/** Covariance of the free unknowns: from the products of the points' gradients, and from those
+ * summed over patches and over stretches of time, whose points share errors; the larger counts. */
+Unknowns sigmas_of(
+    const std::vector<Observation>& observations, const Unknowns& u, const Free& free,
+    bool along_beam)
 {
-  const Unknowns<Jet> n{Jet(m.c_beam_m, kCBeam), Jet(m.a_beam, kABeam), Jet(m.lambda_t, kLambdaT),
-                        Jet(m.ground_m, kGround), Jet(outliers)};
-  return log_density(o, n, m.along_beam);
-}
-
-/** Deviations from the scores: their own products (information) between those, summed by patch and
- * by time, that share errors. */
-void add_sigmas(const std::vector<Observation>& observations, NoiseFit& fit)
-{
-  using V = Eigen::Matrix<double, kNoiseParameters, 1>;
-  using M = Eigen::Matrix<double, kNoiseParameters, kNoiseParameters>;
-  M information = M::Zero(), by_patch = M::Zero(), by_block = M::Zero();
-  std::vector<V> blocks(64, V::Zero());
-  V patch = V::Zero();
+  Products alone = Products::Zero(), clustered = Products::Zero();
+  std::vector<Unknowns> blocks(kBlocks + 2, Unknowns::Zero());
+  Unknowns patch = Unknowns::Zero();
   for (std::size_t i = 0; i < observations.size(); ++i)
   {
     const auto& o = observations[i];
-    const V score = density_jet(o, fit.model, fit.outlier_share).v;
-    information += score * score.transpose();
+    const Unknowns score = log_density(o, u, along_beam).v;
+    alone += score * score.transpose();
     patch += score;
-    blocks[static_cast<std::size_t>(std::clamp(o.block, 0, 63))] += score;
+    blocks[static_cast<std::size_t>(std::clamp(o.block, 0, kBlocks + 1))] += score;
     if (i + 1 < observations.size() && observations[i + 1].patch == o.patch) continue;
-    by_patch += patch * patch.transpose();
+    clustered += patch * patch.transpose();
     patch.setZero();
   }
-  for (const V& b : blocks) by_block += b * b.transpose();
-  std::vector<int> index;
-  for (int i = 0; i < kNoiseParameters; ++i)
-    if (fit.constrained[static_cast<std::size_t>(i)]) index.push_back(i);
-  const Eigen::MatrixXd I = information(index, index);
-  const Eigen::MatrixXd inverse = I.inverse();
-  const Eigen::MatrixXd extra = (by_patch + by_block - information)(index, index);
-  for (std::size_t k = 0; k < index.size(); ++k)
-  {
-    const auto i = static_cast<Eigen::Index>(k);
-    const double alone = inverse(i, i), clustered = (inverse * extra * inverse)(i, i);
-    fit.sigma[static_cast<std::size_t>(index[k])] = std::sqrt(std::max(alone, clustered));
-  }
+  for (const Unknowns& b : blocks) clustered += b * b.transpose();
+  clustered -= alone;
+  const auto index = indices_of(free);
+  const Eigen::MatrixXd inverse = Eigen::MatrixXd(alone(index, index)).inverse();
+  const Eigen::MatrixXd robust = inverse * clustered(index, index) * inverse;
+  Unknowns sigma = Unknowns::Zero();
+  sigma(index) = inverse.diagonal().cwiseMax(robust.diagonal()).cwiseSqrt();
+  return sigma;
+}
+
+void leave_out_zeros(const Unknowns& u, Free& free)
+{
+  for (int k = kC; k < kOdds; ++k) free[static_cast<std::size_t>(k)] &= u[k] > 0;
+  free[kOdds] &= u[kOdds] > kLeastOdds;
 }
 
 NoiseFit fit_kind(const std::vector<Observation>& observations, bool along_beam)
 {
   double turned = 0;
   for (const auto& o : observations) turned = std::max(turned, o.half_turn);
-  Cost cost{observations, along_beam, {true, true, turned > 1e-5, along_beam}, {}};
-  std::array<double, kUnknowns> u{1, 1, cost.free[kLambdaT] ? 0.5 : 0, cost.free[kGround] ? 0.7 : 0, -4};
-  ceres::GradientProblem problem(
-      new ceres::AutoDiffFirstOrderFunction<Cost, kUnknowns>(new Cost(cost)));
-  ceres::GradientProblemSolver::Options options;
-  options.logging_type = ceres::SILENT;
-  options.max_num_iterations = 200;
-  options.function_tolerance = 1e-10;
-  ceres::GradientProblemSolver::Summary summary;
-  ceres::Solve(options, problem, u.data(), &summary);
-
-  const auto n = unknowns_of(u.data());
-  NoiseFit fit;
-  fit.model = {along_beam, n.c, n.a, cost.free[kLambdaT] ? n.lambda : 0, cost.free[kGround] ? n.ground : 0};
-  fit.outlier_share = n.outliers;
-  fit.points = observations.size();
-  fit.log_likelihood = -summary.final_cost;
-  const std::array<double*, kNoiseParameters> values{
-      &fit.model.c_beam_m, &fit.model.a_beam, &fit.model.lambda_t, &fit.model.ground_m};
-  for (std::size_t i = 0; i < kNoiseParameters; ++i)
+  Free free{true, true, turned > kLeastTurn, along_beam, true};
+  Unknowns u;
+  u << 0.01, 0.001, free[kLambda2] ? 0.01 : 0, free[kGround2] ? 1e-6 : 0, -5;
+  u = maximise(observations, u, free, along_beam);
+  Unknowns sigma;
+  // Variances that chance would explain go: else they take from c_beam and a_beam.
+  for (const int i : {kGround2, kLambda2})
   {
-    fit.constrained[i] = cost.free[i] && *values[i] > kRestart * kScale[i];
-    if (!fit.constrained[i]) *values[i] = 0;
+    auto without = free;
+    leave_out_zeros(u, without);
+    sigma = sigmas_of(observations, u, without, along_beam);
+    if (u[i] > kSignificant * sigma[i] && u[i] > 0) continue;
+    u[i] = 0;
+    free[static_cast<std::size_t>(i)] = false;
+    u = maximise(observations, u, free, along_beam);
   }
-  add_sigmas(observations, fit);
+  leave_out_zeros(u, free);
+  sigma = sigmas_of(observations, u, free, along_beam);
+
+  NoiseFit fit;
+  const double lambda = std::sqrt(u[kLambda2]), ground = std::sqrt(u[kGround2]);
+  fit.model = {along_beam, u[kC], u[kA], lambda, ground};
+  fit.constrained = {free[kC], free[kA], free[kLambda2], free[kGround2]};
+  fit.sigma = {sigma[kC], sigma[kA], lambda > 0 ? sigma[kLambda2] / (2 * lambda) : 0,
+               ground > 0 ? sigma[kGround2] / (2 * ground) : 0};
+  fit.turns = turned > kLeastTurn;
+  fit.outlier_share = 1 / (1 + std::exp(-u[kOdds]));
+  fit.points = observations.size();
+  fit.log_likelihood = likelihood_of(observations, u, along_beam).value /
+                       static_cast<double>(observations.size());
   return fit;
 }
 }  // namespace

@@ -20,6 +20,7 @@ double NoiseModel::variance_m2(double range_m, double cosine, double half_turn) 
 NoiseModel uniform_noise(double deviation_m)
 {
   NoiseModel n;
+  n.along_beam = false;
   n.c_beam_m = n.a_beam = 0;
   n.ground_m = deviation_m;
   return n;

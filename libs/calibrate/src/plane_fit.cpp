@@ -9,6 +9,7 @@ namespace
 {
 constexpr double kCauchy = 3;  // deviations at which a point's weight has halved
 constexpr int kBins = 24;
+constexpr double kLeastCosine = 0.01;
 
 /** Height of the level around which most points lie: what stands on the ground is spread out. */
 double busiest_level_m(const Hits& hits)
@@ -48,26 +49,39 @@ void measure(
 }
 
 /** One step of reweighted least squares; `widen` multiplies the deviations. */
-bool improve(const Hits& hits, const Eigen::Vector2d& center_m, double widen, PlaneFit& fit)
+bool improve(
+    const Hits& hits, const Eigen::Vector2d& center_m, bool along_beam, double widen, PlaneFit& fit)
 {
+  const Eigen::Vector3d normal = Eigen::Vector3d(-fit.plane[1], -fit.plane[2], 1).normalized();
   Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < hits.size(); ++i)
   {
     const double s = fit.sigma_m[i], e = fit.distance_m[i] / (kCauchy * widen * s);
     const double weight = 1 / (s * s * (1 + e * e));
-    const Eigen::Vector2d at = hits[i]->offset(center_m);
+    const double lift = fit.distance_m[i] / normal.z();
+    Eigen::Vector2d at = hits[i]->offset(center_m);  // as in beam_to_plane()
+    if (along_beam) at = beam_on_plane(*hits[i], fit.distance_m[i], fit.plane) - center_m;
     const Eigen::Vector3d q(1, at.x(), at.y());
     N += weight * q * q.transpose();
-    b += weight * q * hits[i]->at_m.z();
+    b += weight * q * lift;
   }
   const Eigen::LDLT<Eigen::Matrix3d> solver(N);
   const auto d = solver.vectorD();
   if (!(d.minCoeff() > 1e-9 * d.maxCoeff())) return false;  // points in a line
-  fit.plane = solver.solve(b);
+  fit.plane += solver.solve(b);
   return fit.plane.allFinite();
 }
 }  // namespace
+
+Eigen::Vector2d beam_on_plane(const Hit& hit, double distance_m, const Plane& plane)
+{
+  const Eigen::Vector3d beam = hit.beam.cast<double>();
+  const double along = Eigen::Vector3d(-plane[1], -plane[2], 1).normalized().dot(beam);
+  const Eigen::Vector2d at = hit.at_m.head<2>().cast<double>();
+  if (std::abs(along) < kLeastCosine) return at;
+  return at - distance_m / along * beam.head<2>();
+}
 
 double robust_squares(double distance_m, double sigma_m)
 {
@@ -83,7 +97,7 @@ PlaneFit fit_plane(const Hits& hits, const Eigen::Vector2d& center_m, const Nois
   for (const double widen : {20.0, 8.0, 3.0, 1.5, 1.0, 1.0})
   {
     measure(hits, center_m, noise, fit);
-    if (!improve(hits, center_m, widen, fit)) return fit;
+    if (!improve(hits, center_m, noise.along_beam, widen, fit)) return fit;
   }
   measure(hits, center_m, noise, fit);
   for (std::size_t i = 0; i < hits.size(); ++i)

@@ -17,6 +17,11 @@ struct Hit
   Eigen::Vector3f beam;  //!< unit vector from the sensor
   float range_m = 0;
 
+  /** Where its beam meets the ground, as far as known: its place but for the error along the beam.
+   * Points are dealt out by it; by where they seem to be, each patch would get from beyond its
+   * borders those that err towards it. */
+  Eigen::Vector2f on_ground_m;
+
   Eigen::Vector2d offset(const Eigen::Vector2d& center_m) const
   {
     return at_m.head<2>().cast<double>() - center_m;
@@ -35,6 +40,9 @@ struct PlaneFit
   std::vector<float> sigma_m, cosine, distance_m;  //!< one a point
 };
 PlaneFit fit_plane(const Hits& hits, const Eigen::Vector2d& center_m, const NoiseModel& noise);
+
+/** Where the beam of a point at this distance from the plane meets it. */
+Eigen::Vector2d beam_on_plane(const Hit& hit, double distance_m, const Plane& plane);
 
 /** Sum of the robust squares of these distances with the weights of `fit`; of points `which`. */
 double robust_squares(double distance_m, double sigma_m);

@@ -4,6 +4,11 @@
 
 namespace talus::calibrate
 {
+namespace
+{
+constexpr double kLeastOfCosine = 0.3;
+}
+
 void evaluate_geometry(const ScanSet& scans, const PoseTrack& track, const Vector& v, Geometry& out)
 {
   out.mounting = mounting_pose(v);
@@ -43,7 +48,35 @@ Residual point_to_plane(
   r.by_parameters[kTimeOffset] = normal.dot(pose.dR * p_base + pose.dt_mps);
   const double shrink = r.distance_m * scale * scale;  // the normal's length grows with the slope
   r.by_plane << -scale, -u * scale - plane[1] * shrink, -v * scale - plane[2] * shrink;
+  r.at_sensor_m = p_sensor;
   return r;
+}
+
+Residual beam_to_plane(
+    const Geometry& g, std::uint32_t view, const Eigen::Vector3d& p_sensor,
+    const Eigen::Vector2d& center_m, const Plane& plane, double cosine)
+{
+  const Residual far = point_to_plane(g, view, p_sensor, center_m, plane);
+  const double range_m = p_sensor.norm();
+  const Eigen::Vector3d beam = g.views[view].R * (g.mounting.R * p_sensor) / range_m;
+  const double along = Eigen::Vector3d(-plane[1], -plane[2], 1).normalized().dot(beam);
+  if (std::abs(along) < kLeastOfCosine * cosine) return far;  // nearly misses the plane
+  // Where the beam meets the plane the derivatives of range and distance agree but for a factor.
+  const double missing_m = far.distance_m / along;
+  Residual r = point_to_plane(g, view, p_sensor * (1 - missing_m / range_m), center_m, plane);
+  const double factor = cosine / std::abs(along);
+  r.distance_m = far.distance_m * factor;
+  r.by_parameters *= factor;
+  r.by_plane *= factor;
+  return r;
+}
+
+Residual residual_of(
+    const Geometry& g, const Association& a, const Sample& s, const Patch& patch,
+    const Eigen::Vector3d& p_sensor, const Plane& plane)
+{
+  return a.along_beam ? beam_to_plane(g, s.view, p_sensor, patch.center_m, plane, s.cosine)
+                      : point_to_plane(g, s.view, p_sensor, patch.center_m, plane);
 }
 
 ContactResidual contact_residual(const Contact& c, const Plane& plane, const ContactScatter& s)

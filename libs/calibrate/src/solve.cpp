@@ -10,7 +10,7 @@ namespace talus::calibrate
 {
 namespace
 {
-constexpr int kMostSteps = 25;
+constexpr int kMostSteps = 12;
 
 /** Keeps the geometry that all residuals share up to date. */
 class SharedGeometry : public ceres::EvaluationCallback
@@ -37,14 +37,16 @@ class SharedGeometry : public ceres::EvaluationCallback
 class PointCost : public ceres::SizedCostFunction<1, kParameters, 3>
 {
  public:
-  PointCost(const Geometry& g, const Sample& s, const Eigen::Vector3d& p, const Eigen::Vector2d& center_m)
-      : geometry_(g), sample_(s), point_m_(p), center_m_(center_m)
+  PointCost(
+      const Geometry& g, const Association& a, const Patch& patch, const Sample& s,
+      const Eigen::Vector3d& p_sensor)
+      : geometry_(g), association_(a), patch_(patch), sample_(s), p_sensor_(p_sensor)
   {
   }
   bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override
   {
-    const Eigen::Map<const Plane> plane(blocks[1]);
-    const Residual r = point_to_plane(geometry_, sample_.view, point_m_, center_m_, plane);
+    const Residual r =
+        residual_of(geometry_, association_, sample_, patch_, p_sensor_, Plane(blocks[1]));
     residual[0] = r.distance_m / sample_.sigma_m;
     if (!jacobians) return true;
     const auto put = [&](double* to, const auto& derivative)
@@ -59,9 +61,10 @@ class PointCost : public ceres::SizedCostFunction<1, kParameters, 3>
 
  private:
   const Geometry& geometry_;
-  Sample sample_;
-  Eigen::Vector3d point_m_;
-  Eigen::Vector2d center_m_;
+  const Association& association_;
+  const Patch& patch_;
+  const Sample& sample_;
+  Eigen::Vector3d p_sensor_;
 };
 
 /** One of the three things that contact says. */
@@ -93,8 +96,7 @@ void add_patch(
   {
     const Sample& s = a.samples[i];
     problem.AddResidualBlock(
-        new PointCost(g, s, scans.point(s.point), patch.center_m), loss, v.data(),
-        patch.plane.data());
+        new PointCost(g, a, patch, s, scans.point(s.point)), loss, v.data(), patch.plane.data());
   }
   if (patch.contact)
     for (int row = 0; row < 3; ++row)
@@ -121,7 +123,7 @@ ceres::Solver::Options solver_options(Association& a, Vector& v)
   for (Patch& p : a.patches) o.linear_solver_ordering->AddElementToGroup(p.plane.data(), 0);
   o.linear_solver_ordering->AddElementToGroup(v.data(), 1);
   o.max_num_iterations = kMostSteps;
-  o.function_tolerance = 1e-9;
+  o.function_tolerance = 1e-7;
   o.num_threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 8u));
   o.logging_type = ceres::SILENT;
   return o;

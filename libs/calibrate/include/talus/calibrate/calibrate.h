@@ -16,7 +16,7 @@ struct Options
   bool use_contact = true;
   double max_time_offset_s = 0.3;  //!< larger estimates are refused
   NoiseKind noise_kind = NoiseKind::Auto;
-  std::size_t most_samples = 150000;
+  std::size_t most_samples = 100000;
   /** Gets the share of the work done, 0..1, and what goes on. */
   std::function<void(double, const std::string&)> progress = [](double, const std::string&) {};
 };

@@ -19,8 +19,9 @@ struct NoiseFit
 {
   NoiseModel model;
   std::array<double, kNoiseParameters> sigma{};  //!< of c_beam, a_beam, lambda_t, ground
-  /** False: the log says nothing about it (lambda_t of a robot that never tilts). */
+  /** False: not told apart from 0, and set to 0. */
   std::array<bool, kNoiseParameters> constrained{};
+  bool turns = false;  //!< the sensor tilts between frames, without which nothing tells lambda_t
   double outlier_share = 0;
   double log_likelihood = 0;  //!< a point
   std::size_t points = 0;
@@ -35,8 +36,9 @@ enum class NoiseKind
 };
 
 /** Fits eq. 2-4 to the distances of the points from their patches: each is normal with the model's
- * variance, or an outlier that may lie anywhere within `gate_m`. A patch's plane follows its points;
- * distances are enlarged by what it takes away (leverage). `previous` gave the planes' weights. */
+ * variance, or an outlier that may lie anywhere near. Distances are taken from curved surfaces
+ * through the patches, and enlarged by what a surface that follows its points takes away (leverage).
+ */
 NoiseFit fit_noise(
     const ScanSet& scans, const PoseTrack& track, const Vector& v, const Association& a,
     NoiseKind kind);

@@ -50,6 +50,7 @@ struct Association
   std::vector<Patch> patches;
   std::vector<Sample> samples;
   ContactScatter scatter;
+  bool along_beam = false;  //!< the noise acts along the beams, see NoiseModel
 };
 
 }  // namespace talus::calibrate
