@@ -14,12 +14,15 @@ constexpr std::size_t kFewPoints = 12;
 constexpr int kFewFrames = 3;
 constexpr double kSteepest = 1.0;  // dz per metre: 45 degrees
 constexpr double kLeastSpread = 0.1;  // of the points across a patch, of its size
-constexpr double kSignificant = 4.0;  // F of nine more parameters: chance is below 1e-4
+constexpr double kSignificant = 2.5;  // F of nine more parameters: chance is below 0.02
 
 std::uint64_t cell_of(double x_m, double y_m, double cell_m)
 {
   const auto index = [&](double v)
-  { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(v / cell_m)) + (1 << 30)); };
+  {
+    return static_cast<std::uint64_t>(
+        static_cast<std::int64_t>(std::floor(v / cell_m)) + (1 << 30));
+  };
   return index(y_m) << 32 | index(x_m);
 }
 
@@ -33,7 +36,8 @@ Eigen::Vector2d center_of(std::uint64_t cell, double cell_m)
 void sort_by_cell(std::vector<Hit>& hits)
 {
   std::sort(
-      hits.begin(), hits.end(), [](const Hit& a, const Hit& b)
+      hits.begin(), hits.end(),
+      [](const Hit& a, const Hit& b)
       { return a.cell != b.cell ? a.cell < b.cell : a.point < b.point; });
 }
 
@@ -163,8 +167,7 @@ bool Collector::split(
   for (std::size_t i = 0; i < hits.size(); ++i)
   {
     Eigen::Vector2d at = hits[i]->on_ground_m.cast<double>() - center_m;
-    if (noise_.along_beam)
-      at = beam_on_plane(*hits[i], fit.distance_m[i], fit.plane) - center_m;
+    if (noise_.along_beam) at = beam_on_plane(*hits[i], fit.distance_m[i], fit.plane) - center_m;
     auto& q = quarters[(at.x() >= 0 ? 1 : 0) + (at.y() >= 0 ? 2 : 0)];
     q.hits.push_back(hits[i]);
     q.squares_before += robust_squares(fit.distance_m[i], fit.sigma_m[i]);

@@ -10,9 +10,6 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include <chrono>
-static auto T0=std::chrono::steady_clock::now();
-static void tick(const char*w){auto t=std::chrono::steady_clock::now(); if(getenv("VERBOSE"))fprintf(stderr,"   %s %.2f\n",w,std::chrono::duration<double>(t-T0).count()); T0=t;}
 namespace talus::calibrate
 {
 namespace
@@ -52,8 +49,7 @@ class Calibration
   Choice chosen_{};
 };
 
-void Calibration::associate_now(
-    double least_cell_m, double max_range_m, std::size_t most_samples)
+void Calibration::associate_now(double least_cell_m, double max_range_m, std::size_t most_samples)
 {
   AssociationOptions o;
   o.least_cell_m = least_cell_m;
@@ -66,14 +62,14 @@ void Calibration::associate_now(
 void Calibration::keep_the_rest()
 {
   for (std::size_t i = 0; i < kParameters; ++i)
-    if (!chosen_[i]) v_[static_cast<Eigen::Index>(i)] = options_.given[static_cast<Eigen::Index>(i)];
+    if (!chosen_[i])
+      v_[static_cast<Eigen::Index>(i)] = options_.given[static_cast<Eigen::Index>(i)];
 }
 
 /** From a rough guess to within the reach of the noise model: near ground first, coarse scales. */
 void Calibration::approach()
 {
   v_ = level_mounting(scans_, options_.given);
-tick("level_mounting");
   Choice tried{};
   tried[kZ] = tried[kPitch] = tried[kRoll] = true;
   struct Step
@@ -85,13 +81,10 @@ tick("level_mounting");
   {
     noise_ = uniform_noise(step.scale_m);
     associate_now(0.8, step.range_m, options_.most_samples / 3);
-tick("associate_now");
     if (step.scale_m == 0.1) require_ground(association_);
     tried[kTimeOffset] = step.clock;
     chosen_ = observable(gather_information(scans_, track_, v_, association_), tried);
-tick("observable");
     v_ = solve(scans_, track_, v_, chosen_, association_);
-tick("solve");
   }
 }
 
@@ -99,23 +92,19 @@ tick("solve");
 bool Calibration::refine(int round)
 {
   associate_now(round == 0 ? 0.4 : 0.1, HUGE_VAL, options_.most_samples);
-tick("associate_now");
   require_ground(association_);
   Choice all;
   all.fill(true);
   const Choice before = chosen_;
   chosen_ = observable(gather_information(scans_, track_, v_, association_), all);
-tick("observable");
   keep_the_rest();
   const Vector last = v_;
   v_ = solve(scans_, track_, v_, chosen_, association_);
-tick("solve");
   information_ = gather_information(scans_, track_, v_, association_);
-tick("gather_information");
   fit_ = fit_noise(scans_, track_, v_, association_, options_.noise_kind);
-tick("fit_noise");
   noise_ = fit_.model;
   if (round + 1 < kLeastRounds || chosen_ != before) return false;
+  if (observable(information_, all) != chosen_) return false;
   const Matrix covariance = covariance_of(information_, chosen_);
   for (int i = 0; i < kParameters; ++i)
     if (std::abs(v_[i] - last[i]) > kSettled * std::sqrt(covariance(i, i))) return false;
@@ -124,6 +113,8 @@ tick("fit_noise");
 
 void Calibration::finish(Result& result)
 {
+  chosen_ = observable(information_, chosen_);  // where the rounds did not settle
+  keep_the_rest();
   result.given = options_.given;
   result.estimate = v_;
   result.observable = chosen_;
@@ -145,7 +136,6 @@ void Calibration::finish(Result& result)
   }
   options_.progress(0.95, "held-out frames");
   result.held_out = held_out_figures(scans_, track_, options_.given, v_);
-tick("held_out_figures");
   const auto& [before, after] = result.held_out;
   if (before.points > 0 && after.thickness_m > kWorse * before.thickness_m)
   {

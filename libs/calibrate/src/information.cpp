@@ -10,6 +10,8 @@ namespace
 {
 constexpr int kMostBlocks = 40;  // stretches of time that may share an error
 
+constexpr double kMostSlopeVariance = 0.01;  // of a plane's slopes: 6 degrees
+
 using ByPlane = Eigen::Matrix<double, kParameters, 3>;
 using Clusters = std::vector<Vector>;
 
@@ -77,7 +79,8 @@ std::vector<Row> Gatherer::rows_of(const Patch& p) const
     const Sample& s = association_.samples[i];
     const Eigen::Vector3d point = scans_.point(s.point);
     const Residual r = residual_of(geometry_, association_, s, p, point, p.plane);
-    const auto moves = point_by_parameters(geometry_.mounting, geometry_.views[s.view], r.at_sensor_m);
+    const auto moves =
+        point_by_parameters(geometry_.mounting, geometry_.views[s.view], r.at_sensor_m);
     const double scale = -r.by_plane[0];
     Row row;
     row.value = r.distance_m / s.sigma_m;
@@ -123,19 +126,25 @@ void Gatherer::add(const Patch& p)
       for (std::size_t l = 0; l < 2; ++l)
         A_slopes[k][l] += r.weight * r.by_slope[k] * r.by_slope[l].transpose();
     }
-    squares_ += r.weight * r.value * r.value;
-    weights_ += r.weight;
   }
-  ++patches_;
   const Eigen::Matrix3d C_inverse = C.inverse();
+  const double slope_variance = std::max(C_inverse(1, 1), C_inverse(2, 2));
+  if (!(slope_variance < kMostSlopeVariance)) return;  // tells nothing
+  ++patches_;
   info_.normal += A - B * C_inverse * B.transpose();
   for (int k = 0; k < 2; ++k)
     for (int l = 0; l < 2; ++l)
     {
-      const auto &Bk = B_slopes[static_cast<std::size_t>(k)], &Bl = B_slopes[static_cast<std::size_t>(l)];
+      const auto &Bk = B_slopes[static_cast<std::size_t>(k)],
+                 &Bl = B_slopes[static_cast<std::size_t>(l)];
       const Matrix& Akl = A_slopes[static_cast<std::size_t>(k)][static_cast<std::size_t>(l)];
       info_.feigned += C_inverse(k + 1, l + 1) * (Akl - Bk * C_inverse * Bl.transpose());
     }
+  for (const Row& r : rows)
+  {
+    squares_ += r.weight * r.value * r.value;
+    weights_ += r.weight;
+  }
   add_gradients(rows, B * C_inverse);
 }
 

@@ -1,6 +1,7 @@
 #include <talus/calibrate/noise_fit.h>
 
 #include <ceres/jet.h>
+#include <talus/io/quantile.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,12 +14,14 @@ constexpr int kMostSteps = 60;
 constexpr double kLeastOdds = -9;  // of an outlier, as a logarithm
 constexpr double kSettled = 1e-9;  // gain of the mean log likelihood
 constexpr double kSignificant = 2;  // deviations from 0 that a variance must have to be kept
-constexpr double kLeastVariance_m2 = 4e-8;
+constexpr double kLeastVariance_m2 = 1e-12;
 constexpr double kMostLeverage = 0.5;  // points that hold their surface tell nothing
 constexpr std::uint32_t kFewPoints = 24;  // on a patch whose surface has six unknowns
 constexpr std::size_t kMostPoints = 50000;
 constexpr double kOutlying = 4;  // deviations; no share in the surface, so that leverage is exact
+constexpr double kUneven = 4;  // deviations by which a patch may scatter more than usual
 constexpr int kBlocks = 40;  // of time
+constexpr double kModelError = 0.02;  // of c_beam and a_beam: surfaces are never quite quadratic
 constexpr double kLeastTurn = 1e-5;  // sin(theta/2) of a robot that tilts
 
 /** One point: its distance from the plane, and what the variance depends on. */
@@ -51,14 +54,15 @@ Jet log_density(const Observation& o, const Unknowns& u, bool along_beam)
   const auto unknown = [&](int i) { return Jet(u[i], i); };
   const Jet sensor = (unknown(kC) + unknown(kA) * o.range_m) * (along_beam ? o.cosine : 1.0);
   const double turn = o.range_m * o.half_turn;
-  const Jet variance = sensor * sensor + unknown(kLambda2) * (turn * turn) + unknown(kGround2) +
-                       kLeastVariance_m2;
+  const Jet variance =
+      sensor * sensor + unknown(kLambda2) * (turn * turn) + unknown(kGround2) + kLeastVariance_m2;
   const Jet normal = exp(-0.5 * o.square_m2 / variance) / sqrt(6.283185307179586 * variance);
   const Jet outliers = 1.0 / (1.0 + exp(-unknown(kOdds)));
   return log((1.0 - outliers) * normal + outliers / (2.0 * o.reach_m));
 }
 
-/** Sums over all points: log likelihood, its gradient, and the products of the points' gradients. */
+/** Sums over all points: log likelihood, its gradient, and the products of the points' gradients.
+ */
 struct Likelihood
 {
   double value = 0;
@@ -160,6 +164,17 @@ class CurvedPatch
   double distance_m(std::size_t i) const { return distance_m_[i] - surface_.dot(basis_[i]); }
   /** How much the surface follows this point, 0..1. */
   double leverage(std::size_t i) const { return weight_[i] * basis_[i].dot(inverse_ * basis_[i]); }
+  /** Mean square of the distances by their deviations, over what is free of them. */
+  double variance_factor() const
+  {
+    double sum = 0, points = 0;
+    for (std::size_t i = 0; i < basis_.size(); ++i)
+    {
+      sum += weight_[i] * std::pow(distance_m(i), 2);
+      points += weight_[i] > 0;
+    }
+    return sum / std::max(1.0, points - 6);
+  }
 
  private:
   using Terms = Eigen::Matrix<double, 6, 1>;
@@ -170,6 +185,32 @@ class CurvedPatch
   Terms surface_;
 };
 
+/** The patches whose points scatter as those of most patches do: the others have an edge, or
+ * something grows there. */
+std::vector<std::pair<std::uint32_t, CurvedPatch>> even_patches(
+    const ScanSet& scans, const Geometry& g, const Association& a)
+{
+  const double share = static_cast<double>(kMostPoints) / static_cast<double>(a.samples.size());
+  std::vector<std::pair<std::uint32_t, CurvedPatch>> patches;
+  std::vector<double> factors;
+  for (std::uint32_t k = 0; k < a.patches.size(); ++k)
+  {
+    if (a.patches[k].count < kFewPoints || chance(k, 3) >= share) continue;
+    CurvedPatch patch(scans, g, a, a.patches[k]);
+    if (!patch.solved()) continue;
+    factors.push_back(patch.variance_factor());
+    patches.emplace_back(k, std::move(patch));
+  }
+  const double usual = io::quantile(factors, 0.5);
+  const auto uneven = [&](const auto& entry)
+  {
+    const double deviation = std::sqrt(2.0 / (a.patches[entry.first].count - 6));
+    return entry.second.variance_factor() > usual * (1 + kUneven * deviation);
+  };
+  patches.erase(std::remove_if(patches.begin(), patches.end(), uneven), patches.end());
+  return patches;
+}
+
 std::vector<Observation> observations_of(
     const ScanSet& scans, const PoseTrack& track, const Vector& v, const Association& a)
 {
@@ -177,14 +218,10 @@ std::vector<Observation> observations_of(
   evaluate_geometry(scans, track, v, g);
   const auto turns = half_turns(scans, track, v);
   const double block_s = std::max(1.0, (track.last_s() - track.first_s()) / kBlocks);
-  const double share = static_cast<double>(kMostPoints) / static_cast<double>(a.samples.size());
   std::vector<Observation> out;
-  for (std::uint32_t k = 0; k < a.patches.size(); ++k)
+  for (const auto& [k, patch] : even_patches(scans, g, a))
   {
     const Patch& p = a.patches[k];
-    if (p.count < kFewPoints || chance(k, 3) >= share) continue;
-    const CurvedPatch patch(scans, g, a, p);
-    if (!patch.solved()) continue;
     for (std::uint32_t i = 0; i < p.count; ++i)
     {
       const double leverage = patch.leverage(i);
@@ -264,13 +301,17 @@ NoiseFit fit_kind(const std::vector<Observation>& observations, bool along_beam)
   const double lambda = std::sqrt(u[kLambda2]), ground = std::sqrt(u[kGround2]);
   fit.model = {along_beam, u[kC], u[kA], lambda, ground};
   fit.constrained = {free[kC], free[kA], free[kLambda2], free[kGround2]};
-  fit.sigma = {sigma[kC], sigma[kA], lambda > 0 ? sigma[kLambda2] / (2 * lambda) : 0,
-               ground > 0 ? sigma[kGround2] / (2 * ground) : 0};
+  fit.sigma = {
+      sigma[kC], sigma[kA], lambda > 0 ? sigma[kLambda2] / (2 * lambda) : 0,
+      ground > 0 ? sigma[kGround2] / (2 * ground) : 0};
+  for (const int i : {kCBeam, kABeam})
+    fit.sigma[static_cast<std::size_t>(i)] =
+        std::hypot(fit.sigma[static_cast<std::size_t>(i)], kModelError * u[i]);
   fit.turns = turned > kLeastTurn;
   fit.outlier_share = 1 / (1 + std::exp(-u[kOdds]));
   fit.points = observations.size();
-  fit.log_likelihood = likelihood_of(observations, u, along_beam).value /
-                       static_cast<double>(observations.size());
+  fit.log_likelihood =
+      likelihood_of(observations, u, along_beam).value / static_cast<double>(observations.size());
   return fit;
 }
 }  // namespace

@@ -38,7 +38,8 @@ int given_up(const std::vector<int>& index, const Eigen::VectorXd& direction)
 int weakest(const Information& info, const std::vector<int>& index)
 {
   Eigen::VectorXd unit(index.size());
-  for (std::size_t i = 0; i < index.size(); ++i) unit[static_cast<Eigen::Index>(i)] = useful(index[i]);
+  for (std::size_t i = 0; i < index.size(); ++i)
+    unit[static_cast<Eigen::Index>(i)] = useful(index[i]);
   const auto scaled = [&](const Matrix& M)
   { return Eigen::MatrixXd(unit.asDiagonal() * M(index, index) * unit.asDiagonal()); };
   const Eigen::MatrixXd S = scaled(info.normal) / info.variance_factor;

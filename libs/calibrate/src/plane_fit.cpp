@@ -42,9 +42,10 @@ void measure(
     const double cosine = std::abs(normal.dot(h.beam.cast<double>()));
     const Eigen::Vector2d at = h.offset(center_m);
     fit.cosine[i] = static_cast<float>(cosine);
-    fit.sigma_m[i] = static_cast<float>(std::sqrt(noise.variance_m2(h.range_m, cosine, h.half_turn)));
-    fit.distance_m[i] = static_cast<float>(
-        (h.at_m.z() - fit.plane[0] - at.dot(fit.plane.tail<2>())) * normal.z());
+    fit.sigma_m[i] =
+        static_cast<float>(std::sqrt(noise.variance_m2(h.range_m, cosine, h.half_turn)));
+    fit.distance_m[i] =
+        static_cast<float>((h.at_m.z() - fit.plane[0] - at.dot(fit.plane.tail<2>())) * normal.z());
   }
 }
 

@@ -22,7 +22,8 @@ Eigen::Matrix<double, 3, kParameters> point_by_parameters(
 {
   Eigen::Matrix<double, 3, kParameters> J;
   J.middleCols<3>(kX) = pose.R;
-  for (int i = 0; i < 3; ++i) J.col(kYaw + i) = pose.R * (m.dR[static_cast<std::size_t>(i)] * p_sensor);
+  for (int i = 0; i < 3; ++i)
+    J.col(kYaw + i) = pose.R * (m.dR[static_cast<std::size_t>(i)] * p_sensor);
   J.col(kTimeOffset) = pose.dR * (m.R * p_sensor + m.t_m) + pose.dt_mps;
   return J;
 }
@@ -85,7 +86,8 @@ ContactResidual contact_residual(const Contact& c, const Plane& plane, const Con
   r.by_plane << 1 / s.height_m, c.at_m.x() / s.height_m, c.at_m.y() / s.height_m,  //
       0, 1 / s.slope, 0,  //
       0, 0, 1 / s.slope;
-  const Eigen::Vector3d wanted(c.height_m / s.height_m, c.slope.x() / s.slope, c.slope.y() / s.slope);
+  const Eigen::Vector3d wanted(
+      c.height_m / s.height_m, c.slope.x() / s.slope, c.slope.y() / s.slope);
   r.value = r.by_plane * plane - wanted;
   return r;
 }

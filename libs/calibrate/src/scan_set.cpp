@@ -58,7 +58,8 @@ void ScanSet::add(
   const auto at = [&](std::size_t i) { return Eigen::Vector3f(x_m[i], y_m[i], z_m[i]); };
   std::size_t candidates = 0;
   for (std::size_t i = 0; i < size; ++i) candidates += may_be_ground(at(i));
-  const double share = candidates ? static_cast<double>(thinning_.points_per_frame) / candidates : 0;
+  const double share =
+      candidates ? static_cast<double>(thinning_.points_per_frame) / candidates : 0;
   const int frame = frames();
   for (std::size_t i = 0; i < size; ++i)
   {
@@ -79,6 +80,23 @@ void ScanSet::add(
   }
   stamps_s_.push_back(stamp_s);
   points_in_ += size;
+  if (points_.size() > thinning_.most_points) halve();
+}
+
+/** Leaves out half of the points of every view, and takes half as many from now on. */
+void ScanSet::halve()
+{
+  std::uint32_t kept = 0;
+  for (View& view : views_)
+  {
+    const std::uint32_t first = kept;
+    for (std::uint32_t k = view.first; k < view.first + view.count; ++k)
+      if (chance(k, thinning_.points_per_frame) < 0.5) points_[kept++] = points_[k];
+    view.first = first;
+    view.count = kept - first;
+  }
+  points_.resize(kept);
+  thinning_.points_per_frame /= 2;
 }
 
 }  // namespace talus::calibrate

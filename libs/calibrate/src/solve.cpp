@@ -71,7 +71,8 @@ class PointCost : public ceres::SizedCostFunction<1, kParameters, 3>
 class ContactCost : public ceres::SizedCostFunction<1, 3>
 {
  public:
-  ContactCost(const Contact& c, const ContactScatter& s, int row) : contact_(c), scatter_(s), row_(row)
+  ContactCost(const Contact& c, const ContactScatter& s, int row)
+      : contact_(c), scatter_(s), row_(row)
   {
   }
   bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override

@@ -3,12 +3,13 @@
 
 namespace talus::calibrate
 {
-/** The robust loss, in deviations: Cauchy's rho(s) = a^2 log(1 + s / a^2) of the squared residual s.
+/** The robust loss, in deviations: Cauchy's rho(s) = a^2 log(1 + s / a^2) of the squared residual
+ * s.
  */
 constexpr double kLoss = 3.0;
 
-/** What the points say about the parameters once the planes, which are estimated together with them,
- * are eliminated (Schur complement). */
+/** What the points say about the parameters once the planes, which are estimated together with
+ * them, are eliminated (Schur complement). */
 struct Information
 {
   Matrix normal = Matrix::Zero();  //!< J^T W J

@@ -37,7 +37,8 @@ enum class NoiseKind
 
 /** Fits eq. 2-4 to the distances of the points from their patches: each is normal with the model's
  * variance, or an outlier that may lie anywhere near. Distances are taken from curved surfaces
- * through the patches, and enlarged by what a surface that follows its points takes away (leverage).
+ * through the patches, and enlarged by what a surface that follows its points takes away
+ * (leverage).
  */
 NoiseFit fit_noise(
     const ScanSet& scans, const PoseTrack& track, const Vector& v, const Association& a,

@@ -22,7 +22,8 @@ struct Thinning
   /** Points this far above or below the ground under the robot, given the mounting, may be ground:
    * `band_m` and `band_slope` for each metre away. */
   double band_m = 0.4, band_slope = 0.35;
-  int points_per_frame = 3000;
+  int points_per_frame = 6000;
+  std::size_t most_points = 2000000;  //!< of all; with more, half of them go, again and again
   int hold_out_every = 5;  //!< every so many frames one is kept from the fit; 0: none
 };
 
@@ -31,7 +32,8 @@ class ScanSet
 {
  public:
   /** `base_height_m`: of the base above the ground. */
-  ScanSet(const Thinning& thinning, const mrpt::poses::CPose3D& T_base_sensor, double base_height_m);
+  ScanSet(
+      const Thinning& thinning, const mrpt::poses::CPose3D& T_base_sensor, double base_height_m);
 
   /** One frame: `size` coordinates each [m], NaN is dropped, and times relative to the stamp or
    * nullptr. Which points are kept depends on their number in the frame only. */
@@ -51,6 +53,7 @@ class ScanSet
 
  private:
   bool may_be_ground(const Eigen::Vector3f& p) const;
+  void halve();
 
   Thinning thinning_;
   MountingPose mounting_;
