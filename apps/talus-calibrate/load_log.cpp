@@ -41,8 +41,8 @@ io::Trajectory load_poses(const AppOptions& o, std::string& source)
   auto trajectory = io::Trajectory::load(source);
   if (trajectory.entries().size() < 2)
     throw std::runtime_error(
-        source + ": holds " + std::to_string(trajectory.entries().size()) +
-        " poses; two or more are needed, of a robot that drives");
+        source + ": number of poses: " + std::to_string(trajectory.entries().size()) +
+        ", which shows no motion; two or more are needed, of a robot that drives");
   return trajectory;
 }
 

@@ -89,7 +89,6 @@ void add_options(CLI::App& app, Options& o)
   app.add_option(
          "--mounting-error", o.claims.mounting_error,
          "The log states a mounting that is off by x y z roll pitch yaw [m, degrees]")
-      ->expected(6)
       ->type_name("...");
   app.add_option(
          "--clock-error", o.claims.clock_error_s,
