@@ -102,7 +102,9 @@ std::string calibration_ini(const AppOptions& options, const LoadedLog& log, con
                      "[CDualElevationMap_insertOpts]\n";
   text += format(
       "# errors along the %s, 1-sigma behind each value\n", m.along_beam ? "beam" : "vertical");
-  text += format("c_beam_m = %.5g   # +- %.2g m\n", std::max(m.c_beam_m, kLeastCBeam_m), r.noise.sigma[kCBeam]);
+  text += format(
+      "c_beam_m = %.5g   # +- %.2g m\n", std::max(m.c_beam_m, kLeastCBeam_m),
+      r.noise.sigma[kCBeam]);
   text += r.noise.constrained[kABeam]
               ? format("a_beam = %.5g   # +- %.2g\n", m.a_beam, r.noise.sigma[kABeam])
               : std::string("a_beam = 0   # no growth with range was seen\n");

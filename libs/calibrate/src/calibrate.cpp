@@ -32,7 +32,7 @@ class Calibration
 
  private:
   void approach();
-  bool refine(int round);
+  bool refine(int round, bool is_last);
   void associate_now(double least_cell_m, double max_range_m, std::size_t most_samples);
   void keep_the_rest();
   void finish(Result& result);
@@ -83,21 +83,29 @@ void Calibration::approach()
     associate_now(0.8, step.range_m, options_.most_samples / 3);
     if (step.scale_m == 0.1) require_ground(association_);
     tried[kTimeOffset] = step.clock;
-    chosen_ = observable(gather_information(scans_, track_, v_, association_), tried);
+    // As long as the ground is blurred, sigmas are too large to judge roll, pitch and z by; what
+    // turns out not to be observable goes back to what was given at the end.
+    chosen_ = tried;
+    chosen_[kTimeOffset] =
+        step.clock &&
+        observable(gather_information(scans_, track_, v_, association_), tried)[kTimeOffset];
     v_ = solve(scans_, track_, v_, chosen_, association_);
   }
 }
 
-/** One round with everything that can be told. True: nothing changes any more. */
-bool Calibration::refine(int round)
+/** One round with everything that can be told. True: nothing changes any more. In the last round
+ * what cannot be told is as it was given; before, it stays where the approach left it. */
+bool Calibration::refine(int round, bool is_last)
 {
+  if (is_last) keep_the_rest();
   associate_now(round == 0 ? 0.4 : 0.1, HUGE_VAL, options_.most_samples);
   require_ground(association_);
   Choice all;
   all.fill(true);
   const Choice before = chosen_;
-  chosen_ = observable(gather_information(scans_, track_, v_, association_), all);
-  keep_the_rest();
+  chosen_ = observable(
+      gather_information(scans_, track_, v_, association_), is_last ? chosen_ : all);
+  if (is_last) keep_the_rest();
   const Vector last = v_;
   v_ = solve(scans_, track_, v_, chosen_, association_);
   information_ = gather_information(scans_, track_, v_, association_);
@@ -157,8 +165,9 @@ Result Calibration::run()
   {
     options_.progress(
         0.15 + 0.8 * result.rounds / kMostRounds, "round " + std::to_string(result.rounds + 1));
-    done = refine(result.rounds);
+    done = refine(result.rounds, false);
   }
+  refine(result.rounds++, true);
   finish(result);
   return result;
 }
