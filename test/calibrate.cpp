@@ -131,9 +131,11 @@ TEST(CalibratePoseTrack, GoesThroughThePosesAndHasNoJumpsInItsVelocity)
   EXPECT_TRUE(track.covers(0.45));
 }
 
-TEST(CalibrateFirstGuess, IsRightToADegree)
+TEST(CalibrateFirstGuess, IsRightToADegreeWhereTheGroundIsLevelOnAverage)
 {
-  const WrongLog log = wrong_log(kSwells, "[[0, 0], [4, 2], [8, 0]]", 5, -5, 0.1, 0, 60);
+  const WrongLog log = wrong_log(
+      "  - sine: {amplitude_m: 0.04, wavelength_m: 3}\n", "[[0, 0], [4, 2], [8, 0]]", 5, -5, 0.1, 0,
+      60);
   const Vector v = level_mounting(log.scans, log.given);
   EXPECT_NEAR(v[kRoll], log.truth[kRoll], 1.0 * kDegree);
   EXPECT_NEAR(v[kPitch], log.truth[kPitch], 1.0 * kDegree);
