@@ -16,7 +16,8 @@ namespace
 {
 constexpr int kMostRounds = 6, kLeastRounds = 3;
 constexpr double kSettled = 0.3;  // a change of so many deviations is none
-constexpr double kWorse = 1.02;  // thickness: more is worse, less is chance
+constexpr double kWorse = 1.005;  // thickness: more is worse, less is chance
+constexpr double kSignificant = 3;  // deviations
 
 /** The rounds of association, solution and noise fit. */
 class Calibration
@@ -36,6 +37,7 @@ class Calibration
   void associate_now(double least_cell_m, double max_range_m, std::size_t most_samples);
   void keep_the_rest();
   void finish(Result& result);
+  void judge(Result& result) const;
 
   const ScanSet& scans_;
   const PoseTrack& track_;
@@ -103,8 +105,8 @@ bool Calibration::refine(int round, bool is_last)
   Choice all;
   all.fill(true);
   const Choice before = chosen_;
-  chosen_ = observable(
-      gather_information(scans_, track_, v_, association_), is_last ? chosen_ : all);
+  chosen_ =
+      observable(gather_information(scans_, track_, v_, association_), is_last ? chosen_ : all);
   if (is_last) keep_the_rest();
   const Vector last = v_;
   v_ = solve(scans_, track_, v_, chosen_, association_);
@@ -143,16 +145,29 @@ void Calibration::finish(Result& result)
     throw std::runtime_error(text);
   }
   options_.progress(0.95, "held-out frames");
-  result.held_out = held_out_figures(scans_, track_, options_.given, v_);
-  const auto& [before, after] = result.held_out;
-  if (before.points > 0 && after.thickness_m > kWorse * before.thickness_m)
-  {
-    result.kept_given = true;
-    result.estimate = options_.given;
-    result.held_out.after = before;
-    result.warnings.push_back(
-        "the estimated mounting fits the held-out frames worse than the given one: kept as given");
-  }
+  judge(result);
+}
+
+/** What the held-out frames say of the estimate. Where they show no gain, changes within chance are
+ * not made; where they show a loss, none is. */
+void Calibration::judge(Result& result) const
+{
+  const auto compare = [&]
+  { result.held_out = held_out_figures(scans_, track_, options_.given, result.estimate); };
+  const auto loss = [&](double factor)
+  { return result.held_out.after.thickness_m > factor * result.held_out.before.thickness_m; };
+  compare();
+  if (result.held_out.before.points == 0 || !loss(1)) return;
+  for (int i = 0; i < kParameters; ++i)
+    if (std::abs(result.estimate[i] - options_.given[i]) < kSignificant * result.sigma[i])
+      result.estimate[i] = options_.given[i];
+  compare();
+  if (!loss(kWorse)) return;
+  result.kept_given = true;
+  result.estimate = options_.given;
+  result.held_out.after = result.held_out.before;
+  result.warnings.push_back(
+      "the estimated mounting fits the held-out frames worse than the given one: kept as given");
 }
 
 Result Calibration::run()
