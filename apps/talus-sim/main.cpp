@@ -22,6 +22,7 @@ struct Options
 {
   std::string world, output = ".";
   DriveOptions drive;
+  Claims claims;
   double resolution_m = 0.05;
   bool without_movers = false, quiet = false;
 };
@@ -39,6 +40,8 @@ std::string footer()
          "  talus-sim demo.yaml --output out --pose-noise 0.02 --z-drift 0.01\n"
          "      also out/demo_noisy.tum; then: talus-map out/demo.rawlog --trajectory "
          "out/demo_noisy.tum\n"
+         "  talus-sim demo.yaml --output out --mounting-error 0 0 0.05 2 -3 0 --clock-error 0.05\n"
+         "      a log for talus-calibrate to put right\n"
          "\nExit codes: 0 done, 1 failed, 2 wrong usage.";
 }
 
@@ -65,6 +68,9 @@ void add_options(CLI::App& app, Options& o)
   add_optional(app, "--noise", o.drive.noise_m, "Standard deviation of a range [m]")
       ->check(CLI::Range(0.0, 10.0))
       ->type_name("M");
+  add_optional(app, "--noise-per-m", o.drive.noise_per_m, "Its growth with the range [m/m]")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("M/M");
   add_optional(app, "--frames", o.drive.frames, "Write at most so many frames")
       ->check(CLI::Range(1, 100000))
       ->type_name("N");
@@ -80,6 +86,15 @@ void add_options(CLI::App& app, Options& o)
          "--z-drift", o.drive.z_drift, "The same: climb of the noisy pose, metres a metre driven")
       ->check(CLI::Range(-1.0, 1.0))
       ->type_name("M/M");
+  app.add_option(
+         "--mounting-error", o.claims.mounting_error,
+         "The log states a mounting that is off by x y z roll pitch yaw [m, degrees]")
+      ->type_name("...");
+  app.add_option(
+         "--clock-error", o.claims.clock_error_s,
+         "The stamps of the log are late by this against the trajectory [s]")
+      ->check(CLI::Range(-10.0, 10.0))
+      ->type_name("S");
   app.add_option("--resolution", o.resolution_m, "Side of a cell of truth.tif [m]")
       ->check(CLI::Range(0.001, 100.0))
       ->capture_default_str()
@@ -132,7 +147,7 @@ void simulate(const Options& o)
   write_tum(add(stem + ".tum"), drive, false);
   if (drive.has_pose_errors()) write_tum(add(stem + "_noisy.tum"), drive, true);
   write_rawlog(
-      add(stem + ".rawlog"), world, drive,
+      add(stem + ".rawlog"), world, drive, o.claims,
       [&](int done)
       {
         if (bar) show_progress(done, drive.frames());

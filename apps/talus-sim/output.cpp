@@ -32,7 +32,21 @@ mrpt::Clock::time_point stamp_of(const Drive& drive, int frame)
   return mrpt::Clock::fromDouble(kFirstStamp_s) + since_start;
 }
 
-mrpt::obs::CObservationPointCloud observation(const World& world, const Drive& drive, int frame)
+mrpt::poses::CPose3D claimed_mounting(const World& world, const Claims& claims)
+{
+  const auto T = to_mrpt(world.sensor.T_base_sensor);
+  const auto& e = claims.mounting_error;
+  return {
+      T.x() + e[0],
+      T.y() + e[1],
+      T.z() + e[2],
+      T.yaw() + radians(e[5]),
+      T.pitch() + radians(e[4]),
+      T.roll() + radians(e[3])};
+}
+
+mrpt::obs::CObservationPointCloud observation(
+    const World& world, const Drive& drive, const Claims& claims, int frame)
 {
   const Scan scan = drive.scan(frame);
   auto points = mrpt::maps::CPointsMapXYZI::Create();
@@ -45,15 +59,16 @@ mrpt::obs::CObservationPointCloud observation(const World& world, const Drive& d
   mrpt::obs::CObservationPointCloud obs;
   obs.pointcloud = points;
   obs.sensorLabel = "lidar";
-  obs.sensorPose = to_mrpt(world.sensor.T_base_sensor);
-  obs.timestamp = stamp_of(drive, frame);
+  obs.sensorPose = claimed_mounting(world, claims);
+  obs.timestamp =
+      stamp_of(drive, frame) + std::chrono::microseconds(std::llround(claims.clock_error_s * 1e6));
   return obs;
 }
 
 }  // namespace
 
 void write_rawlog(
-    const std::string& path, const World& world, const Drive& drive,
+    const std::string& path, const World& world, const Drive& drive, const Claims& claims,
     const std::function<void(int)>& progress)
 {
   mrpt::io::CFileGZOutputStream file;
@@ -61,7 +76,7 @@ void write_rawlog(
   auto archive = mrpt::serialization::archiveFrom(file);
   for (int i = 0; i < drive.frames(); ++i)
   {
-    archive << observation(world, drive, i);
+    archive << observation(world, drive, claims, i);
     progress(i + 1);
   }
   file.close();

@@ -2,6 +2,7 @@
 #include <talus/sim/drive.h>
 #include <talus/sim/truth.h>
 
+#include <array>
 #include <functional>
 #include <string>
 
@@ -10,10 +11,18 @@ namespace talus::sim
 /** Time stamp of the first frame of every drive [s since the epoch]. */
 constexpr double kFirstStamp_s = 1700000000.0;
 
+/** What a log says wrongly. */
+struct Claims
+{
+  /** Added to x, y, z [m], roll, pitch, yaw [degrees] of the true mounting. */
+  std::array<double, 6> mounting_error{};
+  double clock_error_s = 0;  //!< added to the true stamps
+};
+
 /** Every frame as a CObservationPointCloud with label "lidar". `progress` gets the frames done.
  * Throws std::runtime_error naming the file. */
 void write_rawlog(
-    const std::string& path, const World& world, const Drive& drive,
+    const std::string& path, const World& world, const Drive& drive, const Claims& claims,
     const std::function<void(int)>& progress);
 
 /** The base in the map at each stamp, as TUM text: the truth, or as the drive's pose errors say. */

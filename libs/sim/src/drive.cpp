@@ -22,6 +22,7 @@ Scanner scanner_of(const World& world, const DriveOptions& options)
   }
   Scanner s = *found;
   s.noise_m = options.noise_m.value_or(world.sensor.noise_m.value_or(s.noise_m));
+  s.noise_per_m = options.noise_per_m.value_or(world.sensor.noise_per_m.value_or(s.noise_per_m));
   s.dropout = world.sensor.dropout.value_or(s.dropout);
   s.rate_hz = world.sensor.rate_hz.value_or(s.rate_hz);
   s.max_range_m = world.sensor.max_range_m.value_or(s.max_range_m);

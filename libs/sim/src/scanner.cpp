@@ -67,7 +67,8 @@ void take_column(
     const Ray ray{{T.x(), T.y(), T.z()}, rotate(T, d)};
     const auto hit = scene.cast(ray, scanner.max_range_m, mix(sweep.seed ^ 0x1EAF, index));
     if (!hit) continue;
-    const double sigma = scanner.noise_m + scanner.noise_per_m2 * hit->range_m * hit->range_m;
+    const double sigma = scanner.noise_m +
+                         (scanner.noise_per_m + scanner.noise_per_m2 * hit->range_m) * hit->range_m;
     const double range = hit->range_m + sigma * noise;
     if (range < scanner.min_range_m || range > scanner.max_range_m) continue;
     const Vec3 p = d * range;

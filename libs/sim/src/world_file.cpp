@@ -47,6 +47,7 @@ SensorSetup parse_sensor(const Fields& f)
   s.T_base_sensor =
       pose_from_rpy({at[0], at[1], at[2]}, radians(rpy[0]), radians(rpy[1]), radians(rpy[2]));
   if (f.has("noise_m")) s.noise_m = f.number("noise_m", kNotNegative);
+  if (f.has("noise_per_m")) s.noise_per_m = f.number("noise_per_m", kNotNegative);
   if (f.has("dropout")) s.dropout = f.number("dropout", kShare);
   if (f.has("rate_hz")) s.rate_hz = f.number("rate_hz", kPositive);
   if (f.has("max_range_m")) s.max_range_m = f.number("max_range_m", kPositive);
@@ -128,8 +129,8 @@ World parse_world(const std::string& text, const std::string& file)
   if (f.has("sensor"))
     w.sensor = parse_sensor(Fields(
         f.node("sensor"), file, "sensor",
-        {"scanner", "at_m", "roll_pitch_yaw_deg", "noise_m", "dropout", "rate_hz", "max_range_m",
-         "motion_distortion"}));
+        {"scanner", "at_m", "roll_pitch_yaw_deg", "noise_m", "noise_per_m", "dropout", "rate_hz",
+         "max_range_m", "motion_distortion"}));
   else
     w.sensor.T_base_sensor = pose_from_rpy({0, 0, 0.68}, 0);
   if (f.has("objects"))

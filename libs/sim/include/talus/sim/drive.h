@@ -13,6 +13,7 @@ struct DriveOptions
   std::optional<std::string> scanner;
   std::optional<std::uint64_t> seed;
   std::optional<double> noise_m;  //!< standard deviation of a range
+  std::optional<double> noise_per_m;  //!< its growth with the range [m/m]
   std::optional<int> frames;  //!< at most so many
   double pose_noise_m = 0;  //!< standard deviation of the noisy pose in x, y and z
   double angle_noise_rad = 0;  //!< the same in roll, pitch and yaw

@@ -18,6 +18,7 @@ struct Scanner
   double rate_hz = 10;
   double min_range_m = 0.2, max_range_m = 100;
   double noise_m = 0.015;  //!< standard deviation of a range
+  double noise_per_m = 0;  //!< its growth with the range
   double noise_per_m2 = 0;  //!< its growth with the square of the range
   double dropout = 0;  //!< share of the returns that get lost, [0, 1]
 

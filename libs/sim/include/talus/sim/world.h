@@ -41,7 +41,7 @@ struct SensorSetup
 {
   std::string scanner = "RS-LiDAR-16";
   Pose T_base_sensor;  //!< the base is on the ground below the middle of the robot
-  std::optional<double> noise_m, dropout, rate_hz, max_range_m;
+  std::optional<double> noise_m, noise_per_m, dropout, rate_hz, max_range_m;
   bool motion_distortion = false;  //!< points are taken while the robot moves
 };
 

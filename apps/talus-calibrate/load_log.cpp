@@ -1,0 +1,140 @@
+#include "load_log.h"
+
+#include <talus/io/rawlog_reader.h>
+#include <talus/mrpt/observation_points.h>
+
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <stdexcept>
+
+namespace fs = std::filesystem;
+
+namespace talus::calibrate
+{
+namespace
+{
+constexpr double kDegree = 3.14159265358979323846 / 180;
+constexpr double kMostPitch = 80 * kDegree;  // beyond, roll and yaw turn about the same axis
+
+std::string file_beside(const std::string& log)
+{
+  fs::path path(log);
+  if (path.extension() == ".gz") path.replace_extension();
+  return path.replace_extension(".tum").string();
+}
+
+io::Trajectory load_poses(const AppOptions& o, std::string& source)
+{
+  const std::string beside = file_beside(o.log);
+  std::error_code ec;
+  if (o.trajectory.empty() && !fs::is_regular_file(beside, ec))
+  {
+    auto trajectory = io::trajectory_from_rawlog(o.log, &source);
+    source += " of the log";
+    if (trajectory.entries().size() >= 2) return trajectory;
+    throw std::runtime_error(
+        o.log + ": holds no poses of the robot. Pass --trajectory FILE, or put them into " +
+        beside);
+  }
+  source = o.trajectory.empty() ? beside : o.trajectory;
+  auto trajectory = io::Trajectory::load(source);
+  if (trajectory.entries().size() < 2)
+    throw std::runtime_error(
+        source + ": number of poses: " + std::to_string(trajectory.entries().size()) +
+        ", which shows no motion; two or more are needed, of a robot that drives");
+  return trajectory;
+}
+
+mrpt::poses::CPose3D given_mounting(const AppOptions& o, const SensorPoints& first)
+{
+  const auto& m = o.mounting;
+  const auto T = m.empty() ? first.T_base_sensor
+                           : mrpt::poses::CPose3D(
+                                 m[0], m[1], m[2], m[3] * kDegree, m[4] * kDegree, m[5] * kDegree);
+  if (std::abs(T.pitch()) > kMostPitch)
+    throw std::runtime_error(
+        o.log + ": the sensor is mounted with a pitch of " + std::to_string(T.pitch() / kDegree) +
+        " degrees; beyond 80 degrees roll and yaw cannot be told apart");
+  return T;
+}
+
+/** Takes the scans of one sensor. */
+class Loader
+{
+ public:
+  explicit Loader(const AppOptions& options) : options_(options) {}
+
+  void take(const mrpt::obs::CObservation& obs)
+  {
+    if (!options_.sensor.empty() && obs.sensorLabel != options_.sensor)
+    {
+      others_.insert(obs.sensorLabel);
+      return;
+    }
+    if (!points_from_observation(obs, scan_)) return;
+    if (scan_.x_m.empty() || !std::isfinite(scan_.stamp_s))
+    {
+      ++skipped;
+      return;
+    }
+    if (!scans_) start(obs.sensorLabel);
+    if (obs.sensorLabel != label_)
+      throw std::runtime_error(
+          options_.log + ": holds scans of several sensors, '" + label_ + "' and '" +
+          obs.sensorLabel + "': choose one with --sensor");
+    if (options_.mounting.empty() && scan_.T_base_sensor.distanceTo(logged_) > 1e-3)
+      throw std::runtime_error(
+          options_.log + ": the mounting of '" + label_ +
+          "' changes within the log; say the one to start from with --mounting");
+    scans_->add(
+        scan_.stamp_s, scan_.x_m.data(), scan_.y_m.data(), scan_.z_m.data(),
+        scan_.time_s.empty() ? nullptr : scan_.time_s.data(), scan_.x_m.size());
+  }
+
+  LoadedLog finish(PoseTrack track, std::string source)
+  {
+    if (scans_) return {*scans_, std::move(track), mounting_, label_, std::move(source), skipped};
+    std::string known;
+    for (const auto& name : others_) known += (known.empty() ? "'" : ", '") + name + "'";
+    throw std::runtime_error(
+        options_.log + (others_.empty()
+                            ? ": holds no scans"
+                            : ": no scans of a sensor called '" + options_.sensor +
+                                  "'; this log has " + known + ": choose one with --sensor"));
+  }
+
+ private:
+  void start(const std::string& label)
+  {
+    label_ = label;
+    logged_ = scan_.T_base_sensor;
+    mounting_ = given_mounting(options_, scan_);
+    scans_.emplace(options_.thinning, mounting_, options_.base_height_m);
+  }
+
+  const AppOptions& options_;
+  std::optional<ScanSet> scans_;
+  SensorPoints scan_;
+  mrpt::poses::CPose3D mounting_, logged_;
+  std::string label_;
+  std::set<std::string> others_;
+  std::size_t skipped = 0;
+};
+}  // namespace
+
+LoadedLog load_log(const AppOptions& options, const std::function<void(double)>& progress)
+{
+  io::RawlogReader reader(options.log);
+  std::string source;
+  PoseTrack track(load_poses(options, source), options.max_gap_s);
+  Loader loader(options);
+  while (const auto obs = reader.next())
+  {
+    loader.take(*obs);
+    progress(reader.progress());
+  }
+  return loader.finish(std::move(track), source);
+}
+
+}  // namespace talus::calibrate

@@ -1,0 +1,99 @@
+// talus-calibrate: the mounting, the clock and the noise of a sensor, from the log of a drive.
+#include "../talus-map/output_folder.h"
+#include "../talus-map/progress_bar.h"
+#include "load_log.h"
+#include "options.h"
+#include "outputs.h"
+#include "picture.h"
+#include "report.h"
+
+#include <talus/io/atomic_file.h>
+#include <talus/io/mrpt_error.h>
+
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+
+namespace fs = std::filesystem;
+using namespace talus::calibrate;
+
+namespace
+{
+constexpr double kReading = 0.4;  // share of the time
+
+void write_results(const AppOptions& options, const LoadedLog& log, const Result& result)
+{
+  talus::app::OutputFolder folder(options.output);
+  const fs::path to(folder.staging());
+  const auto write = [&](const char* name, const std::string& text)
+  { talus::io::write_file((to / name).string(), text); };
+  write("calibration.ini", calibration_ini(options, log, result));
+  write("sensors-pose.ini", sensors_pose_ini(log, result));
+  write("calibration.json", calibration_json(options, log, result));
+  write_picture(
+      (to / "calibration.png").string(), fs::path(options.log).filename().string(), result);
+  folder.commit();
+}
+
+/** The trajectory's point may not be the one on the ground that --base-height says. */
+void warn_of_base_height(const AppOptions& o, const LoadedLog& log, Result& r)
+{
+  constexpr double kFarOff_m = 0.3;
+  const double change_m = r.estimate[kZ] - log.T_base_sensor.z();
+  if (!o.fit.use_contact || std::abs(change_m) < kFarOff_m) return;
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "z changed by %.2f m: is the trajectory's reference point %.2f m above the ground, as "
+      "--base-height says? If it is at %.2f m, z was right",
+      change_m, o.base_height_m, o.base_height_m + change_m);
+  r.warnings.emplace_back(text);
+}
+
+void run(const AppOptions& options)
+{
+  talus::app::require_writable(options.output);
+  talus::app::ProgressBar bar("talus-calibrate", !options.quiet);
+  const LoadedLog log =
+      load_log(options, [&](double share) { bar.show(kReading * share, "reading"); });
+  Options fit = options.fit;
+  fit.given = vector_of(log.T_base_sensor, options.time_offset_s);
+  fit.progress = [&](double share, const std::string& what)
+  { bar.show(kReading + (1 - kReading) * share, what); };
+  Result result;
+  try
+  {
+    result = calibrate(log.scans, log.track, fit);
+  }
+  catch (const std::runtime_error& e)
+  {
+    throw std::runtime_error(options.log + ": " + e.what());
+  }
+  warn_of_base_height(options, log, result);
+  write_results(options, log, result);
+  bar.show(1, "done");
+  for (const auto& warning : result.warnings)
+    std::cerr << "talus-calibrate: warning: " << options.log << ": " << warning << "\n";
+  if (!options.quiet)
+    std::cout << console_report(options, log, result) << "  wrote   "
+              << (fs::path(options.output) / "calibration.ini").string() << "\n";
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  AppOptions options;
+  if (const auto code = parse_options(argc, argv, options)) return *code;
+  try
+  {
+    run(options);
+    return 0;
+  }
+  catch (const std::exception& e)
+  {
+    std::cerr << "talus-calibrate: " << e.what() << "\n";
+    return 1;
+  }
+}

@@ -1,0 +1,134 @@
+#include "options.h"
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+
+namespace fs = std::filesystem;
+
+namespace talus::calibrate
+{
+namespace
+{
+constexpr const char* kFooter =
+    "Writes into DIR: calibration.ini (lines for the map's INI file), sensors-pose.ini (for\n"
+    "'rawlog-edit --sensors-pose'), calibration.json (everything), calibration.png (before and\n"
+    "after). They appear together; a log that cannot be used writes nothing and says what it "
+    "lacks.\n"
+    "\n"
+    "Examples:\n"
+    "  talus-calibrate drive.rawlog --trajectory drive.tum --output calibration\n"
+    "  rawlog-edit --sensors-pose calibration/sensors-pose.ini -i drive.rawlog -o fixed.rawlog\n"
+    "      and the same for all other logs of this robot\n"
+    "  talus-calibrate drive.rawlog --base-height 0.12\n"
+    "      the trajectory (drive.tum) is that of a point 12 cm above the ground\n"
+    "  talus-calibrate drive.rawlog --mounting 0.2 0 0.68 0 0 0\n"
+    "      the log does not know where the sensor is mounted: x y z [m] yaw pitch roll [degrees]\n"
+    "\n"
+    "Exit codes: 0 done, 1 failed, 2 wrong usage.";
+
+void add_inputs(CLI::App& app, AppOptions& o)
+{
+  app.add_option("LOG", o.log, "Rawlog (.rawlog, .rawlog.gz) of a drive")
+      ->required()
+      ->type_name("");
+  app.add_option(
+         "--trajectory", o.trajectory,
+         "Poses of the robot: TUM text or .simplemap (default: LOG.tum beside it, else its own)")
+      ->type_name("FILE");
+  app.add_option("--max-gap", o.max_gap_s, "Poses farther apart than this are not joined [s]")
+      ->check(CLI::Range(0.001, 1e6))
+      ->capture_default_str()
+      ->type_name("S");
+  app.add_option("--sensor", o.sensor, "Label of the sensor (default: the only one)")
+      ->type_name("LABEL");
+  app.add_option("--mounting", o.mounting, "Mounting to start from (default: as the log says)")
+      ->expected(6)
+      ->type_name("X Y Z YAW PITCH ROLL");
+  app.add_option(
+         "--time-offset", o.time_offset_s,
+         "To start from: added to the log's stamps, gives the trajectory's time [s]")
+      ->check(CLI::Range(-1e6, 1e6))
+      ->capture_default_str()
+      ->type_name("S");
+  app.add_option("--max-offset", o.fit.max_time_offset_s, "A larger time offset is refused [s]")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str()
+      ->type_name("S");
+}
+
+void add_model(CLI::App& app, AppOptions& o)
+{
+  app.add_option(
+         "--base-height", o.base_height_m,
+         "Height of the trajectory's reference point above the ground under the robot [m]")
+      ->check(CLI::Range(-10.0, 10.0))
+      ->capture_default_str()
+      ->type_name("M");
+  app.add_flag_callback(
+      "--no-contact", [&o] { o.fit.use_contact = false; },
+      "Do not use that the robot stands on the ground, parallel to it");
+  app.add_option("--max-range", o.thinning.max_range_m, "Points farther away are not used [m]")
+      ->check(CLI::Range(1.0, 200.0))
+      ->capture_default_str()
+      ->type_name("M");
+  app.add_option_function<std::string>(
+         "--noise",
+         [&o](const std::string& kind)
+         {
+           o.fit.noise_kind = kind == "beam"     ? NoiseKind::Beam
+                              : kind == "height" ? NoiseKind::Height
+                                                 : NoiseKind::Auto;
+         },
+         "Where the sensor errs: beam, height, or auto: as the log says (default: auto)")
+      ->check(CLI::IsMember({"auto", "beam", "height"}))
+      ->type_name("KIND");
+  app.add_option(
+         "--hold-out", o.thinning.hold_out_every,
+         "Keep every Nth frame from the fit, to judge it by")
+      ->check(CLI::Range(2, 1000))
+      ->capture_default_str()
+      ->type_name("N");
+}
+
+std::string default_folder(const std::string& log)
+{
+  fs::path name = fs::path(log).filename();
+  for (const char* ending : {".gz", ".rawlog"})
+    if (name.extension() == ending) name = name.stem();
+  return name.string() + "_calibration";
+}
+}  // namespace
+
+std::optional<int> parse_options(int argc, char** argv, AppOptions& options)
+{
+  CLI::App app{
+      "Finds how a LiDAR is mounted, how its clock is off and how it errs, from the log of a "
+      "drive.",
+      "talus-calibrate"};
+  add_inputs(app, options);
+  add_model(app, options);
+  app.add_option("--output", options.output, "Folder of the results (default: LOG_calibration)")
+      ->type_name("DIR");
+  app.add_flag("--quiet", options.quiet, "Print warnings and errors only");
+  app.set_version_flag("--version", std::string("talus-calibrate ") + TALUS_VERSION);
+  app.footer(kFooter);
+  app.failure_message(
+      [](const CLI::App*, const CLI::Error& e)
+      {
+        return std::string("talus-calibrate: ") + e.what() +
+               "\nRun 'talus-calibrate --help' for usage.\n";
+      });
+  try
+  {
+    app.parse(argc, argv);
+  }
+  catch (const CLI::ParseError& e)
+  {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  if (options.output.empty()) options.output = default_folder(options.log);
+  return std::nullopt;
+}
+
+}  // namespace talus::calibrate

@@ -1,0 +1,126 @@
+// The command talus-calibrate from end to end: its files, messages and exit codes.
+#include <gtest/gtest.h>
+#include <mrpt/poses/CPose3D.h>
+#include <sys/wait.h>
+#include <talus/io/rawlog_reader.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace fs = std::filesystem;
+
+namespace
+{
+struct Outcome
+{
+  int code = 0;
+  std::string text;
+  bool says(const std::string& words) const { return text.find(words) != std::string::npos; }
+};
+
+std::string bytes_of(const fs::path& file)
+{
+  std::ostringstream out;
+  out << std::ifstream(file, std::ios::binary).rdbuf();
+  return out.str();
+}
+
+class TalusCalibrate : public testing::Test
+{
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  Outcome run(const std::string& command) const
+  {
+    const std::string log = path("output.txt");
+    const int status =
+        std::system(("cd '" + folder_.string() + "' && " + command + " >" + log + " 2>&1").c_str());
+    return {WEXITSTATUS(status), bytes_of(log)};
+  }
+  Outcome calibrate(const std::string& arguments) const
+  {
+    return run(std::string(TALUS_CALIBRATE_EXE) + " " + arguments);
+  }
+  /** drive.rawlog and drive.tum. */
+  void simulate(const std::string& ground, const std::string& way, const std::string& more) const
+  {
+    std::ofstream(folder_ / "drive.yaml")
+        << "ground: [" << ground << "]\nrobot: {path_m: " << way << "}\n";
+    const auto made = run(std::string(TALUS_SIM_EXE) + " drive.yaml --output . --quiet " + more);
+    ASSERT_EQ(made.code, 0) << made.text;
+  }
+
+ private:
+  fs::path folder_ = fs::temp_directory_path() / ("talus_calibrate_" + std::to_string(getpid()));
+};
+
+const char* const kWay = "[[0, 0], [4, 1.5], [8, -1]]";
+
+TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
+{
+  simulate(
+      "{sine: {amplitude_m: 0.15, wavelength_m: 9, yaw_deg: 15}}, "
+      "{sine: {amplitude_m: 0.06, wavelength_m: 4.5, yaw_deg: 100}}",
+      kWay, "--mounting-error 0 0 0.05 2 -3 0 --clock-error 0.05");
+  const auto done = calibrate("drive.rawlog --output out");
+  ASSERT_EQ(done.code, 0) << done.text;
+  EXPECT_TRUE(done.says("held-out ground thickness")) << done.text;
+  const auto json = nlohmann::json::parse(bytes_of(path("out/calibration.json")));
+  const auto estimate = [&](const char* name)
+  { return json["parameters"][name]["estimate"].get<double>(); };
+  EXPECT_NEAR(estimate("roll"), 0, 0.05);
+  EXPECT_NEAR(estimate("pitch"), 0, 0.05);
+  EXPECT_NEAR(estimate("z"), 0.68, 0.005);
+  EXPECT_NEAR(estimate("time_offset"), -0.05, 0.005);
+  EXPECT_LT(json["held_out"]["after"]["thickness_m"], json["held_out"]["before"]["thickness_m"]);
+  EXPECT_NE(bytes_of(path("out/calibration.ini")).find("c_beam_m = "), std::string::npos);
+  EXPECT_EQ(bytes_of(path("out/calibration.png")).substr(1, 3), "PNG");
+
+  const auto edited =
+      run("rawlog-edit --sensors-pose out/sensors-pose.ini -i ./drive.rawlog -o ./fixed.rawlog");
+  ASSERT_EQ(edited.code, 0) << edited.text;
+  talus::io::RawlogReader fixed(path("fixed.rawlog"));
+  mrpt::poses::CPose3D mounting;
+  fixed.next()->getSensorPose(mounting);
+  EXPECT_NEAR(mounting.z(), estimate("z"), 1e-5);
+  EXPECT_NEAR(mounting.pitch() * 57.29578, estimate("pitch"), 1e-4);
+  EXPECT_NEAR(mounting.roll() * 57.29578, estimate("roll"), 1e-4);
+}
+
+TEST_F(TalusCalibrate, SaysWhatIsMissingAndWritesNothing)
+{
+  simulate("{plane: {z_m: 0}}", "[[0, 0], [1, 0]]", "--frames 1");
+  const auto one_pose = calibrate("drive.rawlog --output out");
+  EXPECT_EQ(one_pose.code, 1);
+  EXPECT_TRUE(one_pose.says("motion")) << one_pose.text;
+  simulate("{plane: {z_m: 0}}", "[[0, 0], [0.3, 0]]", "");
+  const auto too_few = calibrate("drive.rawlog --output out");
+  EXPECT_EQ(too_few.code, 1);
+  EXPECT_TRUE(too_few.says("too few")) << too_few.text;
+  simulate("{plane: {z_m: 0}}", "[[0, 0], [2, 0]]", "");
+  const auto no_ground = calibrate("drive.rawlog --max-range 1.5 --output out");
+  EXPECT_EQ(no_ground.code, 1);
+  EXPECT_TRUE(no_ground.says("ground")) << no_ground.text;
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+TEST_F(TalusCalibrate, TellsWrongUseAndWrongFiles)
+{
+  EXPECT_EQ(calibrate("").code, 2);
+  EXPECT_EQ(calibrate("a.rawlog --noise loud").code, 2);
+  EXPECT_EQ(calibrate("--help").code, 0);
+  EXPECT_TRUE(calibrate("--version").says("talus-calibrate "));
+  const auto missing = calibrate("nowhere.rawlog");
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_TRUE(missing.says("nowhere.rawlog")) << missing.text;
+}
+}  // namespace
