@@ -113,6 +113,11 @@ class CudaExecutor
         loops::over_range_and_cells<F, G>, dim3(blocks(n, size) + cells.x * cells.y), dim3(size), 0,
         n, f, nx, ny, g);
   }
+  template <class F>
+  void for_each_concerned_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_cell(cells, cells, loops::OfConcernedCells<F>{cells, frame, f});
+  }
   template <class F, class G>
   void for_each_concerned_cell_beside(
       int n, const F& f, int stage, int cells, const kernels::FrameContext* frame, const G& g)

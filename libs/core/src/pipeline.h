@@ -223,7 +223,10 @@ class Pipeline final : public BackendInterface
         kernels::ComputeFeatures{
             side(), config_.data(), surfaces(), line_grid(), inferred().across_m,
             feature_layers()});
-    for_each_cell(kernels::CloseGaps{side(), judged(), feature(Layer::Traversability)});
+    executor_.for_each_concerned_cell(
+        side(), context_.data(),
+        kernels::CompleteObstacles{
+            side(), config_.data(), surfaces(), judged(), feature(Layer::Traversability)});
   }
 
   // ---- around them ----
@@ -336,9 +339,8 @@ class Pipeline final : public BackendInterface
   }
   kernels::FeatureLayers feature_layers()
   {
-    return {
-        feature(Layer::Slope), feature(Layer::Step), feature(Layer::Roughness),
-        feature(Layer::Sparsity), judged()};
+    return {feature(Layer::Slope),    feature(Layer::Step),           feature(Layer::Roughness),
+            feature(Layer::Sparsity), feature(Layer::Traversability), judged()};
   }
 
   float* judged() { return judged_.data() + side() + 1; }
