@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <talus/live_map.h>
 #include "scene.h"
 
 #include <atomic>
@@ -115,6 +116,24 @@ TEST(SteadyState, NeitherDoTheyWithAVoxelFilterAndAnotherFill)
   p.voxel_m = 0.05;
   p.fill_rule = FillRule::Exchanged;
   EXPECT_EQ(allocations_when_warm(p, 1), 0u);
+}
+
+TEST(SteadyState, AThousandFramesIntoALiveMapThatIsReadAllocateNothing)
+{
+  const Drive drive;
+  LiveMap map({}, {Layer::Traversability, Layer::Elevation}, Backend::Cpu);
+  std::uint64_t of_ingestion = 0;
+  for (int i = 0; i < kWarm + kFrames; i++)
+  {
+    Frame frame = drive[i];
+    frame.stamp_s = 0.1 * i;
+    const auto held = i % 3 ? map.snapshot() : nullptr;
+    if (i == kWarm) of_ingestion = 0;
+    const std::uint64_t before = allocations;
+    map.ingest(frame);
+    of_ingestion += allocations - before;
+  }
+  EXPECT_EQ(of_ingestion, 0u);
 }
 
 TEST(SteadyState, ThreadsAllocateTheirScratchOnce)
