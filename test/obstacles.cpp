@@ -114,6 +114,30 @@ TEST(Obstacles, reach_the_prisms_that_the_box_is_high_enough_for)
   EXPECT_GT(count_at(points, 0.125F), 5U);
 }
 
+TEST(Obstacles, of_a_snapshot_are_those_of_the_map)
+{
+  LiveMap live(
+      talus_test::small_window(),
+      {Layer::GroundElevation, Layer::Elevation, Layer::Variance, Layer::State, Layer::Sparsity,
+       Layer::Traversability},
+      Backend::Cpu);
+  SensorPoints points;
+  for (int i = 0; i < 3; i++)  // as map_of_room()
+  {
+    const CPose3D pose(0.03 * i, -0.02 * i, 0, 0.1 * i, 0, 0);
+    ASSERT_TRUE(points_from_observation(talus_test::scan_of_room(pose), points));
+    Frame frame = frame_from(points, pose);
+    frame.stamp_s += 0.1 * i;
+    ASSERT_EQ(live.ingest(frame), FrameOrder::Newest);
+  }
+  CSimplePointsMap of_map, of_snapshot;
+  obstacles_2d(seen_room().mapper(), kRight, near_box(), of_map);
+  obstacles_2d(*live.snapshot(), kRight, near_box(), of_snapshot);
+  ASSERT_GT(of_map.size(), 8U);
+  EXPECT_EQ(of_map.getPointsBufferRef_x(), of_snapshot.getPointsBufferRef_x());
+  EXPECT_EQ(of_map.getPointsBufferRef_y(), of_snapshot.getPointsBufferRef_y());
+}
+
 TEST(Obstacles, of_unknown_cells_follow_the_policy)
 {
   const auto map = seen_room();

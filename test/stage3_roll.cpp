@@ -83,3 +83,58 @@ TEST(Stage3Roll, TheWindowFollowsFarFromTheOriginWithoutDrift)
     EXPECT_LE(std::abs(m.map.window().min_x_m() + 4.0 - x), 0.05);
   }
 }
+
+namespace
+{
+constexpr double kCell_m = 0.2;
+
+/** A height of its own for every cell of the map, which a float has exactly. */
+double height_of(std::int64_t cell_x, std::int64_t cell_y)
+{
+  const auto mixed = static_cast<std::uint64_t>(cell_x * 7919 + cell_y * 104729);
+  return static_cast<double>(mixed % 64) / 4096;
+}
+
+/** The column of cells at cell_x, as many as the window is wide, from a sensor at cell `at`. */
+Scan column(std::int64_t at, std::int64_t cell_x, int cells)
+{
+  Scan s((static_cast<double>(at) + 0.5) * kCell_m, 0.5 * kCell_m, 0.5);
+  for (std::int64_t y = -cells / 2; y < cells / 2; y++)
+    s.add(
+        (static_cast<double>(cell_x) + 0.5) * kCell_m, (static_cast<double>(y) + 0.5) * kCell_m,
+        height_of(cell_x, y));
+  return s;
+}
+}  // namespace
+
+TEST(Stage3Roll, OnADriveOf100KmNothingDriftsByABit)
+{
+  // In each step a column of cells at the front is measured, once. While the window rolls over it,
+  // it must stay where it is and what it is.
+  Parameters p;
+  p.resolution_m = kCell_m;
+  p.window_m = 4;
+  constexpr std::int64_t kStep_cells = 9, kSteps = 55556;
+  TestMap m(p);
+  const int n = p.cells();
+  std::int64_t wrong = 0, checked = 0;
+  for (std::int64_t i = 0; i < kSteps; i++)
+  {
+    const std::int64_t at = kStep_cells * i;
+    m.update(column(at, at + kStep_cells, n));
+    const Window w = m.map.window();
+    ASSERT_EQ(w.min_cell_x, at - n / 2);
+    ASSERT_EQ(w.min_cell_y, -n / 2);
+    if (i % 11) continue;  // layers are copied for it
+    const auto &ground = m.map.layer(Layer::GroundElevation), &state = m.map.layer(Layer::State);
+    for (std::int64_t x = at + kStep_cells; x >= w.min_cell_x && x > 0; x -= kStep_cells)
+      for (int iy = 0; iy < n; iy++)
+      {
+        const auto o = static_cast<std::size_t>(iy * n + (x - w.min_cell_x));
+        checked++;
+        if (state[o] != 1.0f || ground[o] != static_cast<float>(height_of(x, iy - n / 2))) wrong++;
+      }
+  }
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GT(checked, 3 * n * (kSteps / 11 - 2));
+}

@@ -144,6 +144,20 @@ TEST_F(TalusMap, takes_frames_with_stamps_that_go_back_and_counts_them)
   EXPECT_TRUE(done.says("stamps go back")) << done.err;
 }
 
+TEST_F(TalusMap, skips_scans_that_the_log_has_twice)
+{
+  Objects objects = floor_scans(3);
+  objects.insert(objects.begin() + 1, objects.front());
+  write_log(path("a.rawlog"), objects, Packing::Gz);
+  write_bytes(path("a.tum"), straight_tum(3));
+  const Outcome done = run("a.rawlog");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(summary("a_map")["frames"], 3);
+  EXPECT_EQ(summary("a_map")["skipped_by_reason"]["duplicate"], 1);
+  EXPECT_EQ(summary("a_map")["stamps_backwards"], 0);
+  EXPECT_TRUE(done.says("duplicate")) << done.err;
+}
+
 TEST_F(TalusMap, deskews_scans_whose_points_have_times)
 {
   const std::string log = stock_dataset("test_velodyne_VLP16.rawlog");

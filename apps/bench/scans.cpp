@@ -9,7 +9,7 @@ namespace talus::bench
 {
 namespace
 {
-constexpr double kSensorHeight_m = 0.7, kBoxEvery_m2 = 12, kStep_m = 0.07;
+constexpr double kSensorHeight_m = 0.7, kBoxEvery_m2 = 12, kStep_m = 0.07, kLane_m = 0.8;
 
 struct Box
 {
@@ -49,19 +49,25 @@ double hit(const Box& box, const double* o, const double* d)
   return enter <= leave ? enter : std::numeric_limits<double>::infinity();
 }
 
-double cast(const std::vector<Box>& boxes, double radius_m, const double* o, const double* d)
+/** Boxes on flat ground, inside a round wall around (middle_m, 0). */
+struct Place
 {
-  const double flat2 = d[0] * d[0] + d[1] * d[1], toward = o[0] * d[0] + o[1] * d[1];
-  const double beyond = o[0] * o[0] + o[1] * o[1] - radius_m * radius_m;
+  const std::vector<Box>& boxes;
+  double radius_m, middle_m;
+};
+
+double cast(const Place& place, const double* o, const double* d)
+{
+  const double from_middle = o[0] - place.middle_m;
+  const double flat2 = d[0] * d[0] + d[1] * d[1], toward = from_middle * d[0] + o[1] * d[1];
+  const double beyond = from_middle * from_middle + o[1] * o[1] - place.radius_m * place.radius_m;
   double range = (-toward + std::sqrt(toward * toward - flat2 * beyond)) / flat2;
   if (d[2] < 0) range = std::min(range, -o[2] / d[2]);
-  for (const Box& box : boxes) range = std::min(range, hit(box, o, d));
+  for (const Box& box : place.boxes) range = std::min(range, hit(box, o, d));
   return range;
 }
 
-Scan make_scan(
-    const std::vector<Box>& boxes, double radius_m, double x_m, std::size_t points,
-    std::mt19937_64& random)
+Scan make_scan(const Place& place, double x_m, std::size_t points, std::mt19937_64& random)
 {
   Scan s;
   s.T_map_sensor.m[3] = x_m;
@@ -79,7 +85,7 @@ Scan make_scan(
     const double d[3] = {
         std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
         std::sin(elevation)};
-    const double range = cast(boxes, radius_m, o, d) + uniform(random, -0.01, 0.01);
+    const double range = cast(place, o, d) + uniform(random, -0.01, 0.01);
     s.x_m.push_back(static_cast<float>(range * d[0]));
     s.y_m.push_back(static_cast<float>(range * d[1]));
     s.z_m.push_back(static_cast<float>(range * d[2]));
@@ -103,8 +109,29 @@ std::vector<Scan> make_drive(std::size_t points, double radius_m, int scans)
   const std::vector<Box> boxes = make_boxes(radius_m, random);
   std::vector<Scan> drive;
   for (int i = 0; i < scans; i++)
-    drive.push_back(make_scan(boxes, radius_m, kStep_m * i, points, random));
+    drive.push_back(make_scan({boxes, radius_m, 0}, kStep_m * i, points, random));
   return drive;
+}
+
+std::vector<Scan> make_road(std::size_t points, double radius_m, double length_m, double step_m)
+{
+  std::mt19937_64 random(points);
+  std::vector<Box> boxes;
+  for (const Box& box : make_boxes(length_m / 2, random))
+    for (const double copy_m : {-length_m, 0.0, length_m})
+    {
+      Box moved = box;
+      moved.min[0] += copy_m, moved.max[0] += copy_m;
+      if (moved.max[1] < -kLane_m || moved.min[1] > kLane_m) boxes.push_back(moved);
+    }
+  std::vector<Scan> road;
+  double x_m = 0;
+  do
+  {
+    road.push_back(make_scan({boxes, radius_m, x_m}, x_m, points, random));
+    x_m = std::remainder(x_m + step_m, length_m);
+  } while (std::abs(x_m) > 1e-6);
+  return road;
 }
 
 }  // namespace talus::bench

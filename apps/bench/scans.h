@@ -19,4 +19,9 @@ struct Scan
  * every ray returns. Noise on the ranges; the same for the same arguments. */
 std::vector<Scan> make_drive(std::size_t points, double radius_m, int scans);
 
+/** The same along a road that repeats itself after `length_m`, driven in steps of `step_m` until
+ * both come out even: scan i % size() is what is seen at i * step_m along x. The wall goes with the
+ * sensor. radius_m <= length_m / 2. */
+std::vector<Scan> make_road(std::size_t points, double radius_m, double length_m, double step_m);
+
 }  // namespace talus::bench

@@ -1,7 +1,6 @@
 #include "log_mapper.h"
 
 #include <talus/io/rawlog_reader.h>
-#include <talus/mrpt/pose_from.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -91,7 +90,8 @@ bool LogMapper::take(const mrpt::obs::CObservation& obs)
   }
   if (!decode(obs)) return false;
   if (scan_.x_m.empty()) return skip("no_points", "it is empty");
-  note_stamp(obs.sensorLabel);
+  if (!note_stamp(obs.sensorLabel))
+    return skip("duplicate", "the log has it twice: same sensor, stamp and number of points");
   last_stamp_ = obs.timestamp;
   last_label_ = obs.sensorLabel;
   return insert(obs.sensorLabel);
@@ -111,32 +111,29 @@ bool LogMapper::decode(const mrpt::obs::CObservation& obs)
   }
 }
 
-/** A clock may jump back: frames are taken in the order of the log, each with the pose of its own
- * time; the jumps are counted. */
-void LogMapper::note_stamp(const std::string& label)
+/** Frames are taken in the order of the log, each with the pose of its own time; where a clock
+ * jumps back, or a scan was logged late, that is counted. False when the log repeats a scan. */
+bool LogMapper::note_stamp(const std::string& label)
 {
   first_stamp_s_ = std::min(first_stamp_s_, scan_.stamp_s);
   final_stamp_s_ = std::max(final_stamp_s_, scan_.stamp_s);
-  const auto [last, is_first] = last_stamp_s_.emplace(label, scan_.stamp_s);
-  if (!is_first && scan_.stamp_s < last->second) ++run_.stamps_backwards;
-  last->second = scan_.stamp_s;
+  const LastScan now{scan_.stamp_s, scan_.x_m.size(), scan_.T_base_sensor};
+  const auto [last, is_first] = last_scans_.emplace(label, now);
+  if (is_first) return true;
+  if (now.stamp_s < last->second.stamp_s) ++run_.stamps_backwards;
+  const bool repeated = now == last->second;
+  last->second = now;
+  return !repeated;
 }
 
 bool LogMapper::insert(const std::string& label)
 {
   const auto T_map_base = poses_.base_at(scan_.stamp_s);
   if (!T_map_base) return skip("no_pose", "there is no pose within --max-gap");
-  Frame frame;
-  frame.stamp_s = scan_.stamp_s;
-  frame.T_map_sensor = pose_from(*T_map_base + scan_.T_base_sensor);
-  frame.x_m = scan_.x_m.data();
-  frame.y_m = scan_.y_m.data();
-  frame.z_m = scan_.z_m.data();
-  frame.size = scan_.x_m.size();
+  Frame frame = frame_from(scan_, *T_map_base);
   const auto too_low = [&](float z) { return z < run_.parameters.min_height_m; };
   const auto below = std::count_if(scan_.z_m.begin(), scan_.z_m.end(), too_low);
   frame.path = poses_.sensor_path(scan_);
-  if (!frame.path.empty()) frame.time_s = scan_.time_s.data();
   try
   {
     run_.frames.push_back(map_.update(frame));
@@ -145,7 +142,7 @@ bool LogMapper::insert(const std::string& label)
   {
     return skip("bad_pose", e.what());
   }
-  if (frame.time_s) ++run_.frames_deskewed;
+  if (!frame.path.empty()) ++run_.frames_deskewed;
   ++run_.sensors[label];
   points_below_ += static_cast<std::uint64_t>(below);
   last_T_map_base_ = *T_map_base;

@@ -42,11 +42,23 @@ class LogMapper
   io::RunSummary& summary() { return run_; }
 
  private:
+  /** What two scans share only if they are the same one. */
+  struct LastScan
+  {
+    double stamp_s;
+    std::size_t points;
+    mrpt::poses::CPose3D T_base_sensor;
+    bool operator==(const LastScan& o) const
+    {
+      return stamp_s == o.stamp_s && points == o.points && T_base_sensor == o.T_base_sensor;
+    }
+  };
+
   bool take(const mrpt::obs::CObservation& obs);
   bool decode(const mrpt::obs::CObservation& obs);
   bool insert(const std::string& label);
   bool skip(const std::string& reason, const std::string& why);
-  void note_stamp(const std::string& label);
+  bool note_stamp(const std::string& label);
   [[noreturn]] void explain_no_frames() const;
   void require_points() const;
   void add_warnings();
@@ -60,7 +72,7 @@ class LogMapper
   mrpt::poses::CPose3D last_T_map_base_;
   mrpt::system::TTimeStamp last_stamp_;
   std::string last_label_;
-  std::map<std::string, double> last_stamp_s_;  //!< by sensor label
+  std::map<std::string, LastScan> last_scans_;  //!< by sensor label
   std::map<std::string, std::string> first_skip_;  //!< what was wrong first, by reason
   std::set<std::string> other_labels_;  //!< of sensors that were not asked for
   std::uint64_t points_below_ = 0;  //!< under the height band

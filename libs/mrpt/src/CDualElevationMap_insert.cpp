@@ -31,6 +31,19 @@ Pose pose_from(const mrpt::poses::CPose3D& pose)
   return out;
 }
 
+Frame frame_from(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base)
+{
+  Frame frame;
+  frame.stamp_s = points.stamp_s;
+  frame.T_map_sensor = pose_from(T_map_base + points.T_base_sensor);
+  frame.x_m = points.x_m.data();
+  frame.y_m = points.y_m.data();
+  frame.z_m = points.z_m.data();
+  frame.size = points.x_m.size();
+  frame.time_s = points.time_s.empty() ? nullptr : points.time_s.data();
+  return frame;
+}
+
 bool CDualElevationMap::internal_insertObservation(
     const mrpt::obs::CObservation& obs, const std::optional<const mrpt::poses::CPose3D>& robotPose)
 {
@@ -55,17 +68,8 @@ bool CDualElevationMap::internal_insertObservation(
 void CDualElevationMap::insertPoints(
     const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base)
 {
-  Frame frame;
-  frame.stamp_s = points.stamp_s;
-  frame.T_map_sensor = pose_from(T_map_base + points.T_base_sensor);
-  frame.x_m = points.x_m.data();
-  frame.y_m = points.y_m.data();
-  frame.z_m = points.z_m.data();
-  frame.size = points.x_m.size();
-  frame.time_s = points.time_s.empty() ? nullptr : points.time_s.data();
-
   applyOptions();
-  m_lastReport = mapper().update(frame);
+  m_lastReport = mapper().update(frame_from(points, T_map_base));
   m_T_map_base = T_map_base;
 }
 

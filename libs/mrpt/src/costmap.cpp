@@ -19,7 +19,7 @@ float free_probability(float traversability)
 }  // namespace
 
 void update_costmap(
-    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     COccupancyGridMap2D& grid)
 {
   const Window w = map.window();
@@ -45,7 +45,7 @@ void update_costmap(
 }
 
 void costmap_from_map(
-    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     COccupancyGridMap2D& out)
 {
   const Window w = map.window();

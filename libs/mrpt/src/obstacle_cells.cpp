@@ -17,8 +17,7 @@ constexpr double kObject_m = 0.1;  // lower than this nothing stands in the way
 class Judge
 {
  public:
-  Judge(
-      const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
+  Judge(const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
       : view_(map),
         sparsity_(map.layer(Layer::Sparsity)),
         base_(T_map_base),
@@ -90,7 +89,7 @@ class Judge
 }  // namespace
 
 std::vector<Passage> classify_cells(
-    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
 {
   const Judge judge(map, T_map_base, o);
   const int cells = map.window().cells;

@@ -43,7 +43,7 @@ std::int64_t square_of(double x_map, double y_map, double spacing_m)
 }
 
 std::vector<Obstacle> find_obstacles(
-    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
 {
   const auto cells = classify_cells(map, T_map_base, o);
   const SurfaceView view(map);
@@ -95,7 +95,7 @@ void add_points(
 }  // namespace
 
 void obstacles_2d(
-    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     CSimplePointsMap& out)
 {
   out.clear();
@@ -104,7 +104,7 @@ void obstacles_2d(
 }
 
 void obstacles_3d(
-    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     const std::vector<double>& prism_heights_m, CSimplePointsMap& out)
 {
   out.clear();

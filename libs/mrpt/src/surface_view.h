@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/elevation_mapper.h>
+#include <talus/map_view.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace talus::detail
  * changes. */
 struct SurfaceView
 {
-  explicit SurfaceView(const ElevationMapper& map)
+  explicit SurfaceView(const MapView& map)
       : window(map.window()),
         ground(map.layer(Layer::GroundElevation)),
         elevation(map.layer(Layer::Elevation)),

@@ -1,6 +1,7 @@
 #pragma once
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/poses/CPose3D.h>
+#include <talus/frame.h>
 
 #include <string>
 #include <vector>
@@ -25,5 +26,9 @@ struct SensorPoints
  * again. False for any other class, `out` is then untouched. Throws std::runtime_error when a
  * supported observation cannot be decoded (names class, label and reason). */
 bool points_from_observation(const mrpt::obs::CObservation& obs, SensorPoints& out);
+
+/** The points as a frame, its sensor at `T_map_base (+) T_base_sensor`; without a path. Valid as
+ * long as `points` stays. */
+Frame frame_from(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base);
 
 }  // namespace talus

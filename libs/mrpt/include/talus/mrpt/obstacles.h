@@ -3,7 +3,7 @@
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/poses/CPose3D.h>
-#include <talus/elevation_mapper.h>
+#include <talus/map_view.h>
 
 #include <string>
 #include <vector>
@@ -51,13 +51,13 @@ enum class Passage : std::uint8_t
   Obstacle
 };
 std::vector<Passage> classify_cells(
-    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
 
 /** Replaces `out` by the obstacles of the map for CReactiveNavigationSystem: in the frame of the
  * robot seen from above (x forward, y left, only the yaw of the base counts), all at the height
  * z_m. */
 void obstacles_2d(
-    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::CSimplePointsMap& out);
 
 /** The same for CReactiveNavigationSystem3D, whose robot is a pile of prisms of these heights [m],
@@ -66,21 +66,21 @@ void obstacles_2d(
  * What blocks without standing on the ground (a steep slope, a ditch) is as high as the lowest
  * prism. */
 void obstacles_3d(
-    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     const std::vector<double>& prism_heights_m, mrpt::maps::CSimplePointsMap& out);
 
 /** Makes `out` a costmap of the window in the map frame, for mrpt::nav::PlannerSimple2D: the
  * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles, 0.5 where unknown
  * (which that planner takes for an obstacle). `range_m` does not count. */
 void costmap_from_map(
-    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& out);
 
 /** Writes the window into a larger costmap of the same resolution: what is known in the window
  * replaces what was there, the rest stays. Throws std::invalid_argument when the cells do not
  * match. */
 void update_costmap(
-    const ElevationMapper& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& grid);
 
 }  // namespace talus

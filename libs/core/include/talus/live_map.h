@@ -1,0 +1,75 @@
+#pragma once
+#include <talus/elevation_mapper.h>
+#include <talus/frame_order.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace talus
+{
+/** Some layers of a map as one frame left them. Never changes. */
+struct MapSnapshot
+{
+  std::uint64_t frame = 0;  //!< 1 for the first frame that reached the map
+  Pose T_map_sensor;  //!< of that frame
+  FrameReport report;  //!< of that frame; has its stamp
+  Window window;
+  Parameters parameters;
+  std::array<std::vector<float>, kLayerCount> layers;  //!< empty: not asked for
+
+  /** window.cells^2 floats as of ElevationMapper::layer(). Throws std::invalid_argument naming the
+   * layer when the live map was not made with it. */
+  const std::vector<float>& layer(Layer l) const;
+};
+
+/** What became of the frames that a live map was given. */
+struct LiveCounts
+{
+  std::uint64_t mapped = 0;  //!< those after a step of the clock included
+  std::uint64_t duplicate = 0, late = 0;  //!< not mapped
+  std::uint64_t clock_set_back = 0;  //!< mapped, the first after the step
+};
+
+/** A map that some threads feed while others read it.
+ *
+ * A reader gets the map as it was after the newest complete frame and keeps it as long as it likes,
+ * whatever the map does meanwhile. Neither waits for the other: what both take a lock for is to
+ * exchange a pointer. A frame costs one copy of the wanted layers more than ElevationMapper; memory
+ * is that of two snapshots, and one more for each that is held while newer frames come. No heap per
+ * frame once warm.
+ *
+ * Frames are those of one sensor, and reach the map in the order of their stamps: duplicates and
+ * late frames are dropped and counted, since they would count a measurement twice, or roll the
+ * window back and show what moved where it was. See FrameOrder. */
+class LiveMap
+{
+ public:
+  /** Snapshots will have these `layers`. Other arguments and exceptions as of ElevationMapper and
+   * FrameSequence. */
+  LiveMap(
+      const Parameters& parameters, const std::vector<Layer>& layers,
+      Backend backend = Backend::Auto, int threads = 1, double max_late_s = 1.0);
+  ~LiveMap();
+
+  /** Maps a frame, unless it is a Duplicate or Late, and publishes the result. From any thread;
+   * several take turns. Throws as ElevationMapper::update() and FrameSequence::next(), and then
+   * nothing has changed. */
+  FrameOrder ingest(const Frame& frame);
+
+  /** The map after the newest frame; nullptr before the first. From any thread, at any time. */
+  std::shared_ptr<const MapSnapshot> snapshot() const;
+
+  LiveCounts counts() const;
+
+  /** Forgets the map and the time of its last frame; snapshot() is nullptr again. Snapshots that
+   * readers hold stay. */
+  void clear();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace talus

@@ -1,0 +1,250 @@
+#include <gtest/gtest.h>
+#include <talus/live_map.h>
+#include "scene.h"
+
+#include <atomic>
+#include <cstring>
+#include <limits>
+#include <thread>
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+const std::vector<Layer> kLayers{Layer::Traversability, Layer::Elevation, Layer::State};
+
+Parameters small_window()
+{
+  Parameters p;
+  p.window_m = 4;
+  return p;
+}
+
+/** Frame `i` of a drive past a box, ten a second. */
+class Drive
+{
+ public:
+  explicit Drive(int frames)
+  {
+    for (int i = 0; i < frames; i++)
+    {
+      scans_.emplace_back(0.06 * i, 0, 0.7);
+      scans_.back().cast({{{1.5, -0.5, 0}, {1.8, 0.2, 0.4}}}, 90, -0.6, 0.1, 12);
+    }
+  }
+  int size() const { return static_cast<int>(scans_.size()); }
+  Frame operator[](int i) const { return scans_[static_cast<std::size_t>(i)].frame(100 + 0.1 * i); }
+
+ private:
+  std::vector<Scan> scans_;
+};
+
+using Bits = std::vector<std::vector<float>>;
+
+template <class Map>
+Bits bits_of(const Map& map)
+{
+  Bits bits;
+  for (const Layer l : kLayers) bits.push_back(map.layer(l));
+  return bits;
+}
+
+bool same(const Bits& a, const Bits& b)
+{
+  for (std::size_t i = 0; i < a.size(); i++)
+    if (a[i].size() != b[i].size() ||
+        std::memcmp(a[i].data(), b[i].data(), a[i].size() * sizeof(float)) != 0)
+      return false;
+  return true;
+}
+
+/** The layers after each frame of a drive, [0] before the first. */
+std::vector<Bits> expected_bits(const Drive& drive)
+{
+  ElevationMapper map(small_window(), tested_backend());
+  std::vector<Bits> expected{{}};
+  for (int i = 0; i < drive.size(); i++)
+  {
+    map.update(drive[i]);
+    expected.push_back(bits_of(map));
+  }
+  return expected;
+}
+
+/** What a thread sees that looks at a map again and again. */
+struct Watcher
+{
+  const LiveMap& map;
+  const std::vector<Bits>& expected;
+  const Drive& drive;
+  std::atomic<int>& wrong;
+  std::atomic<int>& seen;
+
+  void watch(const std::atomic<bool>& go_on) const
+  {
+    std::uint64_t last = 0;
+    while (go_on)
+    {
+      const auto snapshot = map.snapshot();
+      if (!snapshot || snapshot->frame == last) continue;
+      if (snapshot->frame < last || !is_whole(*snapshot)) wrong++;
+      last = snapshot->frame;
+      seen++;
+    }
+  }
+  bool is_whole(const MapSnapshot& s) const
+  {
+    const Frame frame = drive[static_cast<int>(s.frame) - 1];
+    return s.report.stamp_s == frame.stamp_s && s.T_map_sensor.x() == frame.T_map_sensor.x() &&
+           std::abs(s.window.min_x_m() + 2 - frame.T_map_sensor.x()) < 0.05001 &&
+           same(bits_of(s), expected[s.frame]);
+  }
+};
+}  // namespace
+
+TEST(FrameSequence, SaysHowAFrameStandsToThoseBefore)
+{
+  FrameSequence sequence(1.0);
+  EXPECT_EQ(sequence.next(100.0), FrameOrder::Newest);
+  EXPECT_EQ(sequence.next(100.1), FrameOrder::Newest);
+  EXPECT_EQ(sequence.next(100.1), FrameOrder::Duplicate);
+  EXPECT_EQ(sequence.next(100.0), FrameOrder::Late);
+  EXPECT_EQ(sequence.next(99.2), FrameOrder::Late);
+  EXPECT_EQ(sequence.next(100.2), FrameOrder::Newest);
+  EXPECT_EQ(sequence.next(99.1), FrameOrder::ClockSetBack);
+  EXPECT_EQ(sequence.next(99.2), FrameOrder::Newest);
+}
+
+TEST(FrameSequence, OneWrongStampInTheFutureCostsNothingButItself)
+{
+  FrameSequence sequence(1.0);
+  EXPECT_EQ(sequence.next(100.0), FrameOrder::Newest);
+  EXPECT_EQ(sequence.next(1e9), FrameOrder::Newest);
+  EXPECT_EQ(sequence.next(100.1), FrameOrder::ClockSetBack);
+  EXPECT_EQ(sequence.next(100.2), FrameOrder::Newest);
+}
+
+TEST(FrameSequence, RefusesWhatIsNoTime)
+{
+  FrameSequence sequence;
+  EXPECT_THROW(sequence.next(std::nan("")), std::invalid_argument);
+  EXPECT_THROW(sequence.next(std::numeric_limits<double>::infinity()), std::invalid_argument);
+  EXPECT_THROW(FrameSequence(-1), std::invalid_argument);
+  EXPECT_THROW(FrameSequence(std::nan("")), std::invalid_argument);
+}
+
+TEST(LiveMap, DuplicatesAndLateFramesLeaveNoTrace)
+{
+  const Drive drive(8);
+  const auto expected = expected_bits(drive);
+  LiveMap map(small_window(), kLayers, tested_backend());
+  EXPECT_EQ(map.snapshot(), nullptr);
+  for (int i = 0; i < drive.size(); i++)
+  {
+    EXPECT_EQ(map.ingest(drive[i]), FrameOrder::Newest);
+    EXPECT_EQ(map.ingest(drive[i]), FrameOrder::Duplicate);
+    if (i < 2) continue;
+    EXPECT_EQ(map.ingest(drive[i - 2]), FrameOrder::Late);
+    ASSERT_TRUE(same(bits_of(*map.snapshot()), expected[static_cast<std::size_t>(i) + 1])) << i;
+  }
+  const LiveCounts counts = map.counts();
+  EXPECT_EQ(counts.mapped, 8u);
+  EXPECT_EQ(counts.duplicate, 8u);
+  EXPECT_EQ(counts.late, 6u);
+  EXPECT_EQ(counts.clock_set_back, 0u);
+}
+
+TEST(LiveMap, GoesOnWhenTheClockWasSetBack)
+{
+  const Drive drive(4);
+  const auto expected = expected_bits(drive);
+  LiveMap map(small_window(), kLayers, tested_backend());
+  for (int i = 0; i < drive.size(); i++)
+  {
+    Frame frame = drive[i];
+    if (i >= 2) frame.stamp_s -= 3600;
+    EXPECT_EQ(map.ingest(frame), i == 2 ? FrameOrder::ClockSetBack : FrameOrder::Newest);
+  }
+  EXPECT_TRUE(same(bits_of(*map.snapshot()), expected.back()));
+  EXPECT_EQ(map.counts().mapped, 4u);
+  EXPECT_EQ(map.counts().clock_set_back, 1u);
+}
+
+TEST(LiveMap, AFrameThatIsRefusedChangesNothing)
+{
+  const Drive drive(2);
+  LiveMap map(small_window(), kLayers, tested_backend());
+  map.ingest(drive[0]);
+  Frame broken = drive[1];
+  broken.T_map_sensor.m[3] = std::nan("");
+  EXPECT_THROW(map.ingest(broken), std::invalid_argument);
+  broken = drive[1];
+  broken.stamp_s = std::nan("");
+  EXPECT_THROW(map.ingest(broken), std::invalid_argument);
+  EXPECT_EQ(map.snapshot()->frame, 1u);
+  EXPECT_EQ(map.ingest(drive[1]), FrameOrder::Newest);  // its stamp was not taken for seen
+  EXPECT_TRUE(same(bits_of(*map.snapshot()), expected_bits(drive).back()));
+}
+
+TEST(LiveMap, ASnapshotHasTheLayersThatWereAskedForAndStaysAsItIs)
+{
+  const Drive drive(12);
+  const auto expected = expected_bits(drive);
+  auto map = std::make_unique<LiveMap>(small_window(), kLayers, tested_backend());
+  std::vector<std::shared_ptr<const MapSnapshot>> held;
+  for (int i = 0; i < drive.size(); i++)
+  {
+    map->ingest(drive[i]);
+    if (i % 2) held.push_back(map->snapshot());
+  }
+  EXPECT_THROW(held[0]->layer(Layer::Slope), std::invalid_argument);
+  EXPECT_EQ(held[0]->parameters.window_m, 4.0);
+  map->clear();
+  EXPECT_EQ(map->snapshot(), nullptr);
+  EXPECT_EQ(map->ingest(drive[0]), FrameOrder::Newest);
+  map.reset();
+  for (const auto& snapshot : held)
+    EXPECT_TRUE(same(bits_of(*snapshot), expected[snapshot->frame]));
+}
+
+TEST(LiveMap, ReadersSeeWholeFramesWhileOthersComeIn)
+{
+  const Drive drive(150);
+  const auto expected = expected_bits(drive);
+  LiveMap map(small_window(), kLayers, tested_backend());
+  std::atomic<bool> go_on{true};
+  std::atomic<int> wrong{0}, seen{0};
+  const Watcher watcher{map, expected, drive, wrong, seen};
+  std::vector<std::thread> readers;
+  for (int i = 0; i < 3; i++) readers.emplace_back([&] { watcher.watch(go_on); });
+  for (int i = 0; i < drive.size(); i++)
+  {
+    map.ingest(drive[i]);
+    if (i % 10 == 0) std::this_thread::yield();
+  }
+  while (seen == 0) std::this_thread::yield();
+  go_on = false;
+  for (auto& r : readers) r.join();
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GE(seen, 1);
+  EXPECT_TRUE(same(bits_of(*map.snapshot()), expected.back()));
+}
+
+TEST(LiveMap, SeveralThreadsMayFeedIt)
+{
+  const Drive drive(60);
+  LiveMap map(small_window(), kLayers, tested_backend());
+  std::atomic<int> next{0};
+  const auto feed = [&]
+  {
+    for (int i = next++; i < drive.size(); i = next++) map.ingest(drive[i]);
+  };
+  std::thread a(feed), b(feed);
+  a.join();
+  b.join();
+  const LiveCounts counts = map.counts();
+  EXPECT_EQ(counts.mapped + counts.late, 60u);  // whoever was overtaken is late
+  EXPECT_EQ(counts.duplicate + counts.clock_set_back, 0u);
+  EXPECT_EQ(map.snapshot()->frame, counts.mapped);
+}
