@@ -558,9 +558,10 @@ struct FillCell
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;
     const bool guess = (state == kFilledOneSided) & !stands;
-    const bool reached = measured | ((passed & kPassedLow) != 0) | stands, known = is_known(ground);
+    const bool met = measured | stands, known = is_known(ground);
+    const std::int32_t passed_low = (passed & kPassedLow) * (kSurfaceReached / kPassedLow);
     const std::int32_t flags = select(measured, kSurfaceMeasured, 0) |
-                               select(reached, kSurfaceReached, 0) |
+                               select(met, kSurfaceReached, 0) | passed_low |
                                select(guess, kSurfaceGuess, 0);
     const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
