@@ -7,7 +7,7 @@ namespace talus::kernels
 // the sensor: towards it and away from it. How samples are found is the executor's choice, for what
 // is fast on a device is slow on a core. A device searches for each cell: each line keeps one bit a
 // ring, "measured ground here", and finding the next sample is a bit scan. A core walks the lines
-// and carries the last samples along (libs/core/src/cpu_lines.h). What is made of them is the same.
+// and lists their samples (libs/core/src/cpu_lines.h). What is made of them is the same.
 
 TALUS_HD int words_per_axis(const Config& k) { return (k.cells + 31) / 32; }
 TALUS_HD int words_per_line(const Config& k) { return line_rings(k) / 32 + 1; }
@@ -320,7 +320,7 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b, int r
 }
 
 /** Heights of several lines, each weighed by how far it has to bridge. */
-struct LineFusion
+struct alignas(16) LineFusion
 {
   float information = 0, weighted = 0, lowest_m = kInfinity;
 
@@ -355,13 +355,19 @@ struct LineFusion
   }
 };
 
+/** Variances of what the two sides of the line to the sensor say [m^2]. NaN: no samples there. */
+struct alignas(8) SideVariances
+{
+  float inner_m2 = kNan, outer_m2 = kNan;
+};
+
 /** What the lines through a cell say of its ground. */
 struct Inference
 {
   LineFusion lines;  //!< for other rules than kFillLines: what the rule says, as one line
-  float inner_var_m2 = kNan, outer_var_m2 = kNan;  //!< NaN: no samples on that side
+  SideVariances sides;
 
-  TALUS_HD bool any() const { return is_known(inner_var_m2) | is_known(outer_var_m2); }
+  TALUS_HD bool any() const { return is_known(sides.inner_m2) | is_known(sides.outer_m2); }
 };
 
 TALUS_HD LineFusion fuse_lines(const SideEstimate& a, const SideEstimate& b)
@@ -395,12 +401,13 @@ struct Fill
 TALUS_HD Fill
 infer_ground(const Inference& inferred, bool under_object, float bound_m, const Config& k)
 {
-  const bool has_inner = is_known(inferred.inner_var_m2);
-  const bool both = has_inner & is_known(inferred.outer_var_m2);
+  const SideVariances& sides = inferred.sides;
+  const bool has_inner = is_known(sides.inner_m2);
+  const bool both = has_inner & is_known(sides.outer_m2);
   const LineFusion& lines = inferred.lines;
   const float height = select(under_object, lines.lowest_m, lines.weighted / lines.information);
-  const float fused = 1.0f / (1.0f / inferred.inner_var_m2 + 1.0f / inferred.outer_var_m2);
-  const float one = select(has_inner, inferred.inner_var_m2, inferred.outer_var_m2);
+  const float fused = 1.0f / (1.0f / sides.inner_m2 + 1.0f / sides.outer_m2);
+  const float one = select(has_inner, sides.inner_m2, sides.outer_m2);
   return {
       min_of(height, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
       select(both, fused, one), select(both, kFilledTwoSided, kFilledOneSided)};
@@ -419,46 +426,30 @@ struct LineGrid
   TALUS_HD int middle() const { return at(half, half); }
 };
 
-constexpr int kGridStrip = 32;  //!< columns that are walked side by side
-constexpr int kGridShift = 16;
-
-/** The pitch has room for whole strips. It is an odd number of cache lines, so that the places of a
- * column do not fight for the same part of a cache. */
+/** The pitch is an odd number of cache lines, so that the places of a column do not fight for the
+ * same part of a cache. */
 TALUS_HD LineGrid line_grid(const Config& k)
 {
   const int half = k.cells / 2, side = 2 * half + 1;
-  return {half, side, (side + kGridStrip - 1) / kGridStrip * kGridStrip + kGridShift};
+  return {half, side, (side + 31) / 32 * 32 + 16};
 }
 
 /** Measured ground that fills may build on, by place of the grid. */
 struct Samples
 {
   float* height_m;  //!< NaN: none
+  float* turned_m;  //!< the same with rows as columns
   float* variance_m2;
 };
 
 /** What was inferred of the cells, by place of the grid. */
 struct InferenceGrid
 {
-  float *information, *weighted, *lowest_m, *inner_var_m2, *outer_var_m2;
+  LineFusion* lines;
+  SideVariances* sides;
   float* across_m;  //!< height difference of the ground on both sides, see stage 9
 
-  TALUS_HD Inference load(int o) const
-  {
-    return {{information[o], weighted[o], lowest_m[o]}, inner_var_m2[o], outer_var_m2[o]};
-  }
-  TALUS_HD void store(int o, const LineFusion& lines) const
-  {
-    information[o] = lines.information;
-    weighted[o] = lines.weighted;
-    lowest_m[o] = lines.lowest_m;
-  }
-  TALUS_HD void add(int o, const LineFusion& lines) const
-  {
-    LineFusion sum = load(o).lines;
-    sum.add(lines);
-    store(o, sum);
-  }
+  TALUS_HD Inference load(int o) const { return {lines[o], sides[o]}; }
 };
 
 struct TakeSample
@@ -612,8 +603,8 @@ struct SearchAndFillCell
     const Config& k = *fill.config;
     const auto radial = line_search(k, *fill.frame, fill.store, marks, dx, dy);
     Inference found;
-    const SideEstimate inner = radial.infer_side(false, &found.inner_var_m2);
-    const SideEstimate outer = radial.infer_side(true, &found.outer_var_m2);
+    const SideEstimate inner = radial.infer_side(false, &found.sides.inner_m2);
+    const SideEstimate outer = radial.infer_side(true, &found.sides.outer_m2);
     if (!found.any()) return found;
     if (k.fill_rule != kFillLines)
     {
