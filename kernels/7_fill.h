@@ -320,7 +320,7 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b, int r
 }
 
 /** Heights of several lines, each weighed by how far it has to bridge. */
-struct alignas(16) LineFusion
+struct LineFusion
 {
   float information = 0, weighted = 0, lowest_m = kInfinity;
 
@@ -355,20 +355,24 @@ struct alignas(16) LineFusion
   }
 };
 
-/** Variances of what the two sides of the line to the sensor say [m^2]. NaN: no samples there. */
-struct alignas(8) SideVariances
-{
-  float inner_m2 = kNan, outer_m2 = kNan;
-};
-
 /** What the lines through a cell say of its ground. */
-struct Inference
+struct alignas(16) Inference
 {
   LineFusion lines;  //!< for other rules than kFillLines: what the rule says, as one line
-  SideVariances sides;
+  float variance_m2 = kNan;  //!< NaN: no samples; with a minus: on one side only
 
-  TALUS_HD bool any() const { return is_known(sides.inner_m2) | is_known(sides.outer_m2); }
+  TALUS_HD bool any() const { return is_known(variance_m2); }
+  TALUS_HD bool two_sided() const { return bits_of(variance_m2) >> 31 == 0; }
 };
+
+/** Inference::variance_m2 from the variances of the two sides of the line to the sensor, NaN where
+ * one has no samples. */
+TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
+{
+  const bool has_inner = is_known(inner_m2), both = has_inner & is_known(outer_m2);
+  const float fused = 1.0f / (1.0f / inner_m2 + 1.0f / outer_m2);
+  return select(both, fused, -select(has_inner, inner_m2, outer_m2));
+}
 
 TALUS_HD LineFusion fuse_lines(const SideEstimate& a, const SideEstimate& b)
 {
@@ -401,16 +405,11 @@ struct Fill
 TALUS_HD Fill
 infer_ground(const Inference& inferred, bool under_object, float bound_m, const Config& k)
 {
-  const SideVariances& sides = inferred.sides;
-  const bool has_inner = is_known(sides.inner_m2);
-  const bool both = has_inner & is_known(sides.outer_m2);
   const LineFusion& lines = inferred.lines;
   const float height = select(under_object, lines.lowest_m, lines.weighted / lines.information);
-  const float fused = 1.0f / (1.0f / sides.inner_m2 + 1.0f / sides.outer_m2);
-  const float one = select(has_inner, sides.inner_m2, sides.outer_m2);
   return {
       min_of(height, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
-      select(both, fused, one), select(both, kFilledTwoSided, kFilledOneSided)};
+      abs_of(inferred.variance_m2), select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided)};
 }
 
 // ---- For executors that walk lines
@@ -445,11 +444,9 @@ struct Samples
 /** What was inferred of the cells, by place of the grid. */
 struct InferenceGrid
 {
-  LineFusion* lines;
-  SideVariances* sides;
-  float* across_m;  //!< height difference of the ground on both sides, see stage 9
-
-  TALUS_HD Inference load(int o) const { return {lines[o], sides[o]}; }
+  Inference* cells;
+  float* across_m;  //!< where it is guessed from one side: height difference of the ground on both,
+                    //!< see stage 9
 };
 
 struct TakeSample
@@ -570,7 +567,7 @@ struct FillWalkedCell
 
   TALUS_HD void operator()(int ix, int iy, int i) const
   {
-    fill(ix, iy, i, inferred.load(grid.at(ix, iy)));
+    fill(ix, iy, i, inferred.cells[grid.at(ix, iy)]);
   }
 };
 
@@ -603,8 +600,10 @@ struct SearchAndFillCell
     const Config& k = *fill.config;
     const auto radial = line_search(k, *fill.frame, fill.store, marks, dx, dy);
     Inference found;
-    const SideEstimate inner = radial.infer_side(false, &found.sides.inner_m2);
-    const SideEstimate outer = radial.infer_side(true, &found.sides.outer_m2);
+    float inner_m2 = kNan, outer_m2 = kNan;
+    const SideEstimate inner = radial.infer_side(false, &inner_m2);
+    const SideEstimate outer = radial.infer_side(true, &outer_m2);
+    found.variance_m2 = fuse_variances(inner_m2, outer_m2);
     if (!found.any()) return found;
     if (k.fill_rule != kFillLines)
     {

@@ -74,13 +74,8 @@ struct Batch
   int *at, *to;  //!< place on the line; on the grid
   float *step_m, *before_m2, *behind_m2;  //!< variances of the samples next to it
   // what is inferred
-  float *information, *weighted, *lowest_m, *inner_var_m2, *outer_var_m2, *across_m;
-
-  kernels::LineFusion lines(int c) const { return {information[c], weighted[c], lowest_m[c]}; }
-  void put(int c, const kernels::LineFusion& f) const
-  {
-    information[c] = f.information, weighted[c] = f.weighted, lowest_m[c] = f.lowest_m;
-  }
+  kernels::Inference* found;
+  float* across_m;
 
   /** From the samples before (direction -1) or behind a cell (1). */
   SideEstimate infer(int c, int direction, float step, int reach, const kernels::Config& k) const
@@ -122,14 +117,14 @@ class LineSearch
   {
     const auto line = static_cast<std::size_t>(places), met = line + 2 * kSamples + 1;
     const auto room = static_cast<std::size_t>(kEnough) + line + kBlock, both = kBoth * room;
-    Scratch<float> f(met + both + 9 * room);
+    Scratch<float> f(met + both + 4 * room);
     Scratch<int> i(3 * line + 2 * met + 2 * (line + 1) + both + 2 * room);
+    Scratch<kernels::Inference> found(room);
     track_ = {nullptr, i.take(line), i.take(line), i.take(line), 0, 0};
     met_ = {f.take(met), i.take(met), i.take(met)};
     next_ = i.take(line + 1), at_ = i.take(line + 1);
-    batch_ = {f.take(both), i.take(both), i.take(room), i.take(room), f.take(room),
-              f.take(room), f.take(room), f.take(room), f.take(room), f.take(room),
-              f.take(room), f.take(room), f.take(room)};
+    batch_ = {f.take(both), i.take(both), i.take(room),     i.take(room), f.take(room),
+              f.take(room), f.take(room), found.take(room), f.take(room)};
   }
 
   Track& track() { return track_; }
@@ -200,6 +195,7 @@ class LineSearch
       const bool near =
           (at - met_.place[next - 1] <= reach) | (kernels::abs_of(at - met_.place[next]) <= reach);
       batch_.to[count] = t.cell[at];
+      __builtin_prefetch(to_.cells + t.cell[at], 1);
       if (kAlongRays)
       {
         batch_.step_m[count] = t.step_m;
@@ -227,7 +223,7 @@ class LineSearch
     const bool both =
         (at - met_.place[next - 1] <= far) & (kernels::abs_of(at - met_.place[next]) <= far);
     const float across_m = kernels::abs_of(met_.height_m[next - 1] - met_.height_m[next]);
-    to_.sides[t.cell[at]] = {kernels::kNan, kernels::kNan};
+    to_.cells[t.cell[at]] = {};
     to_.across_m[t.cell[at]] = both ? across_m : kernels::kNan;
   }
 
@@ -249,11 +245,10 @@ class LineSearch
       const int far = kernels::places_in(k.sparsity_search_m, step_m, rings);
       const SideEstimate inner = b.infer(c, -1, step_m, reach, k);
       const SideEstimate outer = b.infer(c, 1, step_m, reach, k);
-      b.put(
-          c,
-          kAlongLines ? kernels::fuse_lines(inner, outer) : kernels::apply_rule(inner, outer, k));
-      b.inner_var_m2[c] = variance(inner, b.before_m2[c], k);
-      b.outer_var_m2[c] = variance(outer, b.behind_m2[c], k);
+      b.found[c] = {
+          kAlongLines ? kernels::fuse_lines(inner, outer) : kernels::apply_rule(inner, outer, k),
+          kernels::fuse_variances(
+              variance(inner, b.before_m2[c], k), variance(outer, b.behind_m2[c], k))};
       b.across_m[c] = kernels::abs_of(b.nearest(c, -1, far) - b.nearest(c, 1, far));
     }
   }
@@ -264,9 +259,8 @@ class LineSearch
     const int reach = reach_of(step_m, k.cells - 1, k);
     TALUS_INDEPENDENT
     for (int c = 0; c < cells; c++)
-      b.put(
-          c,
-          kernels::fuse_lines(b.infer(c, -1, step_m, reach, k), b.infer(c, 1, step_m, reach, k)));
+      b.found[c].lines =
+          kernels::fuse_lines(b.infer(c, -1, step_m, reach, k), b.infer(c, 1, step_m, reach, k));
   }
 
   static float variance(const SideEstimate& side, float of_sample_m2, const kernels::Config& k)
@@ -280,15 +274,15 @@ class LineSearch
     const Batch<kSamples> b = batch_;
     for (int c = 0; c < count_; c++)
     {
-      const int o = b.to[c];
-      if (kAlongRays)
-      {
-        to_.lines[o] = b.lines(c);
-        to_.sides[o] = {b.inner_var_m2[c], b.outer_var_m2[c]};
-        to_.across_m[o] = b.across_m[c];
-      }
+      const kernels::Inference& found = b.found[c];
+      kernels::Inference& to = to_.cells[b.to[c]];
+      if (!kAlongRays)
+        to.lines.add(found.lines);
       else
-        to_.lines[o].add(b.lines(c));
+      {
+        to = found;
+        if (!found.two_sided()) to_.across_m[b.to[c]] = b.across_m[c];
+      }
     }
   }
 
@@ -303,8 +297,7 @@ class LineSearch
 };
 
 /** A line from the sensor's cell to the border: as kernels::line_cell() and line_through(). */
-TALUS_CLONES inline void track_ray(
-    const kernels::Config k, const kernels::LineGrid grid, kernels::Line line, Track t)
+TALUS_CLONES inline void track_ray(const kernels::LineGrid grid, kernels::Line line, Track t)
 {
   const int rings = t.places - 1, middle = grid.middle();
   const int along[] = {1, grid.pitch, -1, -grid.pitch}, turned[] = {1, 1, -1, -1};
@@ -371,7 +364,7 @@ struct Walk
       const kernels::Line line = kernels::line_from_index(l, rings);
       track.height_m = line.side % 2 ? samples.turned_m : samples.height_m;
       track.step_m = kernels::line_stretch(line, rings) * k.resolution_m;
-      track_ray(k, grid, line, track);
+      track_ray(grid, line, track);
       search.add_line();
     }
     search.finish();

@@ -301,7 +301,7 @@ class Pipeline final : public BackendInterface
     float* p = samples_.data();
     return {p, p + grid_size(), p + 2 * grid_size()};
   }
-  kernels::InferenceGrid inferred() { return {lines_.data(), sides_.data(), across_.data()}; }
+  kernels::InferenceGrid inferred() { return {inferred_.data(), across_.data()}; }
   kernels::Surfaces surfaces()
   {
     const int pad = host_config_.feature_radius_cells;
@@ -368,8 +368,7 @@ class Pipeline final : public BackendInterface
   Buffer<kernels::Surface> surfaces_;
   Buffer<std::uint32_t> marks_, axis_marks_;
   Buffer<float> top_hit_, support_, passing_, samples_, across_;
-  Buffer<kernels::LineFusion> lines_;
-  Buffer<kernels::SideVariances> sides_;
+  Buffer<kernels::Inference> inferred_;
   // derived layers, window order
   Buffer<float> judged_, features_, exported_, delivered_;
 };

@@ -22,8 +22,7 @@ void Pipeline<Executor>::allocate_cells()
   executor_.allocate(support_, kSupportArrays * pooled * (pooled + pad), kernels::kInfinity);
   executor_.allocate(across_, grid_size(), kernels::kNan);
   const std::size_t walked = Executor::kWalksLines ? grid_size() : 0;
-  executor_.allocate(lines_, walked, kernels::LineFusion{});
-  executor_.allocate(sides_, walked, kernels::SideVariances{});
+  executor_.allocate(inferred_, walked, kernels::Inference{});
   executor_.allocate(samples_, 3 * walked, kernels::kNan);
   executor_.allocate(config_, 1, kernels::Config{});
   executor_.allocate(context_, 1, kernels::FrameContext{});
