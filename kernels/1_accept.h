@@ -188,6 +188,21 @@ struct AcceptPoint
   }
 };
 
+/** The same, and counts the point in its cell, also if it will turn out to be buried. */
+template <class Atomics>
+struct AcceptAndCountPoint
+{
+  AcceptPoint<Atomics> accept;
+  std::uint32_t* cell_count;  //!< by storage index, zero before
+
+  TALUS_HD void operator()(int i) const
+  {
+    accept(i);
+    if (i >= accept.frame->n_points || accept.out.cell[i] < 0) return;
+    accept.out.rank[i] = Atomics::add(cell_count + accept.out.cell[i], 1);
+  }
+};
+
 // ---- Rays under the ground
 // ----------------------------------------------------------------------- Mirrors and wet cars send
 // points back from below the ground. Such a ray would have passed under ground that the same scan
@@ -197,43 +212,46 @@ struct AcceptPoint
  */
 constexpr float kOnGround_m = 0.1f, kBuried_m = 0.2f;
 
-/** For one place of the table: the slope that a ray must keep to pass over known ground that was
- * hit there; -infinity where none was. */
+/** For a hit in one place of the table: the slope that a ray must keep to pass over known ground
+ * that was hit there; -infinity where none was. */
 struct FindGroundHits
 {
   const Config* config;
   const FrameContext* frame;
   CellStore store;
-  const std::int32_t* rays;
-  float* lowest_slope;  //!< same layout as rays
-
-  TALUS_HD void operator()(int bin, int ring) const
-  {
-    const int r = ring * bin_count(*config) + bin;
-    lowest_slope[r] = rays[r] != kNoRay ? limit(bin, ring, rays[r]) : -kInfinity;
-  }
 
   TALUS_HD float limit(int bin, int ring, std::int32_t hit) const
   {
-    if (ring == 0 || ring >= ring_count(*config) - 1) return -kInfinity;
-    const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
-    const float slope = float_from_ordered(hit);
-    if (!on_ground(direction_of_bin(bin, bins_per_side(*config)), chebyshev_m, slope))
-      return -kInfinity;
-    return slope - kBuried_m / chebyshev_m;
+    const int i = cell_at(bin, ring);
+    return i < 0 ? -kInfinity : limit(ring, hit, store.state[i], store.ground_m[i]);
+  }
+
+  /** Where the cell of a place of the table is stored, or -1: the map has no ground there. */
+  TALUS_HD int cell_at(int bin, int ring) const
+  {
+    const int n = config->cells;
+    const float scale = config->inverse_resolution, chebyshev_m = distance_m(ring);
+    const BinDirection d = direction_of_bin(bin, bins_per_side(*config));
+    const int ix = floor_to_int((frame->sensor_x_m + d.x * chebyshev_m) * scale);
+    const int iy = floor_to_int((frame->sensor_y_m + d.y * chebyshev_m) * scale);
+    const bool inside =
+        (ring > 0) & (ring < ring_count(*config) - 1) & (ix >= 0) & (iy >= 0) & (ix < n) & (iy < n);
+    const bool known = inside & !entered_window(*frame, n, ix, iy);
+    return known ? storage_index(*frame, n, ix, iy) : -1;
+  }
+  /** The limit from what that cell holds. */
+  TALUS_HD float limit(int ring, std::int32_t hit, int state, float ground_m) const
+  {
+    const float chebyshev_m = distance_m(ring), slope = float_from_ordered(hit);
+    const float height = frame->sensor_z_m + slope * chebyshev_m;
+    const bool on_ground = (state == kMeasured) & (abs_of(height - ground_m) < kOnGround_m);
+    return on_ground ? slope - kBuried_m / chebyshev_m : -kInfinity;
   }
 
  private:
-  TALUS_HD bool on_ground(const BinDirection& d, float chebyshev_m, float slope) const
+  TALUS_HD float distance_m(int ring) const
   {
-    const int n = config->cells;
-    const float scale = config->inverse_resolution;
-    const int ix = floor_to_int((frame->sensor_x_m + d.x * chebyshev_m) * scale);
-    const int iy = floor_to_int((frame->sensor_y_m + d.y * chebyshev_m) * scale);
-    if (ix < 0 || iy < 0 || ix >= n || iy >= n || entered_window(*frame, n, ix, iy)) return false;
-    const int i = storage_index(*frame, n, ix, iy);
-    const float height = frame->sensor_z_m + slope * chebyshev_m;
-    return store.state[i] == kMeasured && abs_of(height - store.ground_m[i]) < kOnGround_m;
+    return (static_cast<float>(ring) + 0.5f) * config->resolution_m;
   }
 };
 
@@ -247,46 +265,119 @@ struct BuriedBelow
   TALUS_HD bool meet(std::int32_t hit, float limit)
   {
     if (float_from_ordered(hit) < second) return true;
+    add(limit);
+    return false;
+  }
+  /** The limit of a buried hit is below the second highest: it need not be left out. */
+  TALUS_HD void add(float limit)
+  {
     second = max_of(second, min_of(highest, limit));
     highest = max_of(highest, limit);
-    return false;
+  }
+  /** What another stretch of the direction has seen. */
+  TALUS_HD void add(const BuriedBelow& other)
+  {
+    second = max_of(max_of(second, other.second), min_of(highest, other.highest));
+    highest = max_of(highest, other.highest);
   }
 };
 
-/** One direction: the slope below which a ray is buried. */
-struct FindBuriedRays
+/** The lowest hit of a stretch of a direction. */
+struct LowestHit
 {
-  const Config* config;
-  std::int32_t* rays;  //!< buried ones are removed
-  float* lowest_slope;  //!< in: as FindGroundHits leaves it; out: of a ray that is not buried
+  std::int32_t slope = kNoRay;
 
-  TALUS_HD void operator()(int bin) const
+  TALUS_HD void add(std::int32_t hit) { slope = min_of(slope, hit); }
+  TALUS_HD void add(const LowestHit& other) { add(other.slope); }
+};
+
+/** The rays of one direction, for executors that cut it into stretches: removes the buried ones,
+ * then replaces each ring's lowest hit by the lowest ray that went at least that far. Each step
+ * takes a stretch and what the stretches before it, or behind it, have seen. */
+struct SettleRays
+{
+  using Before = BuriedBelow;
+  using Behind = LowestHit;
+  FindGroundHits ground;
+  std::int32_t* rays;
+  float* lowest_slope;  //!< of a ray that is not buried, where there is a hit; same layout as rays
+
+  /** First step: of the rings [begin, end), outwards. */
+  TALUS_HD void look(int bin, int begin, int end, BuriedBelow& seen) const
   {
-    const int bins = bin_count(*config), rings = ring_count(*config);
-    BuriedBelow seen;
-    for (int ring = 0; ring < rings; ring += kBatch)
+    for (int ring = begin; ring < end; ring += kBatch)
     {
-      // Loads first, so that they do not wait for each other.
       std::int32_t hits[kBatch];
+      load(bin, ring, end, hits);
       float limits[kBatch];
+      find_limits(bin, ring, hits, limits);
       for (int b = 0; b < kBatch; b++)
       {
-        const bool inside = ring + b < rings;
-        hits[b] = inside ? rays[(ring + b) * bins + bin] : kNoRay;
-        limits[b] = inside ? lowest_slope[(ring + b) * bins + bin] : -kInfinity;
+        if (hits[b] != kNoRay) lowest_slope[place(bin, ring + b)] = limits[b];
+        seen.add(limits[b]);
       }
-      for (int b = 0; b < kBatch && ring + b < rings; b++)
+    }
+  }
+  /** Second step, outwards. */
+  TALUS_HD void bury(int bin, int begin, int end, BuriedBelow& seen, LowestHit& lowest) const
+  {
+    for (int ring = begin; ring < end; ring += kBatch)
+    {
+      std::int32_t hits[kBatch];
+      load(bin, ring, end, hits);
+      float limits[kBatch];
+      for (int b = 0; b < kBatch; b++)
+        limits[b] = hits[b] != kNoRay ? lowest_slope[place(bin, ring + b)] : -kInfinity;
+      for (int b = 0; b < kBatch; b++)
       {
         if (hits[b] == kNoRay) continue;
-        const int r = (ring + b) * bins + bin;
+        const int r = place(bin, ring + b);
         lowest_slope[r] = seen.second;
-        if (seen.meet(hits[b], limits[b])) rays[r] = kNoRay;
+        if (seen.meet(hits[b], limits[b]))
+          rays[r] = kNoRay;
+        else
+          lowest.add(hits[b]);
+      }
+    }
+  }
+  /** Third step, inwards. */
+  TALUS_HD void sweep(int bin, int begin, int end, LowestHit& lowest) const
+  {
+    for (int ring = begin + (end - begin - 1) / kBatch * kBatch; ring >= begin; ring -= kBatch)
+    {
+      std::int32_t hits[kBatch];
+      load(bin, ring, end, hits);
+      for (int b = kBatch - 1; b >= 0; b--)
+      {
+        lowest.add(hits[b]);
+        if (ring + b < end) rays[place(bin, ring + b)] = lowest.slope;
       }
     }
   }
 
  private:
-  static constexpr int kBatch = 16;
+  static constexpr int kBatch = 4;
+
+  // Loads first, so that they do not wait for each other.
+
+  TALUS_HD void find_limits(int bin, int ring, const std::int32_t* hits, float* limits) const
+  {
+    float ground_m[kBatch];
+    int state[kBatch];
+    for (int b = 0; b < kBatch; b++)
+    {
+      const int i = hits[b] != kNoRay ? ground.cell_at(bin, ring + b) : -1;
+      state[b] = i >= 0 ? static_cast<int>(ground.store.state[i]) : static_cast<int>(kUnknown);
+      ground_m[b] = i >= 0 ? ground.store.ground_m[i] : 0.0f;
+    }
+    for (int b = 0; b < kBatch; b++)
+      limits[b] = ground.limit(ring + b, hits[b], state[b], ground_m[b]);
+  }
+  TALUS_HD void load(int bin, int ring, int end, std::int32_t* hits) const
+  {
+    for (int b = 0; b < kBatch; b++) hits[b] = ring + b < end ? rays[place(bin, ring + b)] : kNoRay;
+  }
+  TALUS_HD int place(int bin, int ring) const { return ring * bin_count(*ground.config) + bin; }
 };
 
 /** The same of all directions ring by ring, for executors that have few threads: `seen` of each
@@ -295,6 +386,7 @@ struct SweepBuriedRays
 {
   FindGroundHits ground;
   std::int32_t* rays;
+  float* lowest_slope;  //!< as SettleRays leaves it
   BuriedBelow* seen;  //!< by bin
 
   void operator()(int first_bin, int last_bin) const
@@ -309,7 +401,7 @@ struct SweepBuriedRays
  private:
   void meet(int bin, int ring, int r) const
   {
-    ground.lowest_slope[r] = seen[bin].second;
+    lowest_slope[r] = seen[bin].second;
     if (seen[bin].meet(rays[r], ground.limit(bin, ring, rays[r]))) rays[r] = kNoRay;
   }
 };

@@ -202,7 +202,8 @@ TALUS_HD void update_cell(
 /** Where the points of each cell stand after sorting. Which stretch a cell gets does not matter. */
 struct Sorting
 {
-  const std::uint32_t* cell_count;
+  const std::uint32_t* cell_count;  //!< of points that a stretch has room for
+  const std::uint32_t* kept_count;  //!< of points that are in it
   std::uint32_t* cell_begin;
   HeightPoint* sorted;
   std::int32_t* crowded;  //!< cells that a team updates
@@ -242,7 +243,12 @@ struct SortPoint
   TALUS_HD void operator()(int i) const
   {
     if (i >= frame->n_points || points.cell[i] < 0) return;
-    sorting.sorted[sorting.cell_begin[points.cell[i]] + points.rank[i]] = {
+    put(i, points.rank[i]);
+  }
+  /** As the point of that rank. */
+  TALUS_HD void put(int i, std::uint32_t rank) const
+  {
+    sorting.sorted[sorting.cell_begin[points.cell[i]] + rank] = {
         points.height_m[i], points.variance_m2[i], overhangs(i)};
   }
 
@@ -263,6 +269,27 @@ struct SortPoint
       if (passed == kNoRay || float_from_ordered(passed) > limit) return false;
     }
     return true;
+  }
+};
+
+/** The same where points were counted before it was known which are buried: leaves those out. */
+template <class Atomics>
+struct SortUnburiedPoint
+{
+  SortPoint sort;
+  const float* lowest_slope;  //!< of a ray that is not buried
+  std::uint32_t* kept_count;  //!< by storage index, zero before
+  std::uint32_t* rejected;  //!< by RejectCode
+
+  TALUS_HD void operator()(int i) const
+  {
+    const PointsOut& points = sort.points;
+    if (i >= sort.frame->n_points || points.cell[i] < 0) return;
+    const int ray = points.ray[i];
+    if (ray >= 0 && points.slope[i] < lowest_slope[ray])
+      Atomics::count(rejected + kBuried);
+    else
+      sort.put(i, Atomics::add(kept_count + points.cell[i], 1));
   }
 };
 
@@ -293,7 +320,8 @@ struct UpdateCell
   TALUS_HD void update(int i, const Team& team) const
   {
     const CellPoints here{
-        sorting.sorted + sorting.cell_begin[i], static_cast<int>(sorting.cell_count[i])};
+        sorting.sorted + sorting.cell_begin[i], static_cast<int>(sorting.kept_count[i])};
+    if (here.size == 0) return;
     Cell c = store.load(i);
     const Extremes ends = extremes(here, team);
     update_cell(c, ends, here, *config, team);

@@ -24,6 +24,7 @@ struct SupportGrid
   float* column_m;  //!< highest top of something upright, -infinity: none
   float* eroded_m;  //!< lowest ground of the neighbourhood
   float* cone_m;  //!< lowest ground of the neighbourhood, raised with distance
+  float* opened_m;  //!< highest eroded ground of the neighbourhood, where it is kept
 
   TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
 };
@@ -109,6 +110,32 @@ struct HighestGround
   static constexpr auto fields() { return std::make_tuple(&HighestGround::height_m); }
 };
 
+/** Dilation of what was eroded, for executors that decide cell by cell. */
+struct DilateSupport
+{
+  using Row = HighestGround;
+  using Window = HighestGround;
+  SupportGrid grid;
+
+  TALUS_HD void add(HighestGround& row, int px, int py, int d) const
+  {
+    const float v = grid.eroded_m[grid.at(px + d, py)];
+    row.height_m = max_of(row.height_m, v < kInfinity ? v : -kInfinity);
+  }
+  TALUS_HD void add(HighestGround& sum, const HighestGround& other, int) const
+  {
+    sum.height_m = max_of(sum.height_m, other.height_m);
+  }
+  TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
+  {
+    grid.opened_m[grid.at(px, py)] = opened.height_m;
+  }
+  template <class Read>
+  TALUS_HD void finish(int, int, const Read&) const
+  {
+  }
+};
+
 /** Dilation of what was eroded, and the decision for the cells of the window that were pooled. */
 struct ChooseRoles
 {
@@ -123,12 +150,11 @@ struct ChooseRoles
 
   TALUS_HD void add(HighestGround& row, int px, int py, int d) const
   {
-    const float v = grid.eroded_m[grid.at(px + d, py)];
-    row.height_m = max_of(row.height_m, v < kInfinity ? v : -kInfinity);
+    DilateSupport{grid}.add(row, px, py, d);
   }
-  TALUS_HD void add(HighestGround& sum, const HighestGround& other, int) const
+  TALUS_HD void add(HighestGround& sum, const HighestGround& other, int d) const
   {
-    sum.height_m = max_of(sum.height_m, other.height_m);
+    DilateSupport{grid}.add(sum, other, d);
   }
 
   TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
@@ -137,12 +163,14 @@ struct ChooseRoles
     const int x0 = 2 * px - frame->odd_x, y0 = 2 * py - frame->odd_y;
     for (int y = max_of(y0, 0); y < min_of(y0 + 2, n); y++)
       for (int x = max_of(x0, 0); x < min_of(x0 + 2, n); x++)
-      {
-        const int i = storage_index(*frame, n, x, y);
-        const bool measured = store.state[i] == kMeasured;
-        role[i] = measured ? role_of_measured(px, py, store.ground_m[i], opened.height_m) : kInfer;
-        if (!measured) join_column(i, px, py);
-      }
+        decide(storage_index(*frame, n, x, y), px, py, opened.height_m);
+  }
+  /** The decision for the cell stored at i, of which the pooled cell is (px, py). */
+  TALUS_HD void decide(int i, int px, int py, float opened_m) const
+  {
+    const bool measured = store.state[i] == kMeasured;
+    role[i] = measured ? role_of_measured(px, py, store.ground_m[i], opened_m) : kInfer;
+    if (!measured) join_column(i, px, py);
   }
   template <class Read>
   TALUS_HD void finish(int, int, const Read&) const

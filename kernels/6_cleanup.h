@@ -10,35 +10,6 @@ namespace talus::kernels
 // turns the hits of each ring into the lowest ray that passed it; then each cell is a look-up. The
 // same table bounds unseen ground from above.
 
-/** One direction: replaces the lowest hit of each ring by the lowest ray that went at least that
- * far. */
-struct SweepRays
-{
-  const Config* config;
-  std::int32_t* rays;
-
-  TALUS_HD void operator()(int bin, int = 0) const
-  {
-    const int bins = bin_count(*config);
-    std::int32_t lowest = kNoRay;
-    for (int ring = ring_count(*config) - 1; ring >= 0; ring -= kBatch)
-    {
-      // Loads first, so that they do not wait for each other.
-      std::int32_t hits[kBatch];
-      for (int b = 0; b < kBatch; b++)
-        hits[b] = ring - b < 0 ? kNoRay : rays[(ring - b) * bins + bin];
-      for (int b = 0; b < kBatch && ring - b >= 0; b++)
-      {
-        lowest = hits[b] < lowest ? hits[b] : lowest;
-        rays[(ring - b) * bins + bin] = lowest;
-      }
-    }
-  }
-
- private:
-  static constexpr int kBatch = 32;
-};
-
 /** What the rays of this frame say of one cell. */
 struct SeenThrough
 {
@@ -234,8 +205,8 @@ struct CleanUpCell
   }
 };
 
-/** The lowest ray that went at least so far, of the directions [first, last) and all rings: as
- * SweepRays, ring by ring. */
+/** Replaces the lowest hit of each ring by the lowest ray that went at least that far: of the
+ * directions [first, last), ring by ring. */
 struct SweepRings
 {
   const Config* config;

@@ -5,131 +5,9 @@ namespace talus::kernels
 {
 // Stage 7 (III-B.3): ground of cells that were not measured, from samples found along the line to
 // the sensor: towards it and away from it. How samples are found is the executor's choice, for what
-// is fast on a device is slow on a core. A device searches for each cell: each line keeps one bit a
-// ring, "measured ground here", and finding the next sample is a bit scan. A core walks the lines
-// and lists their samples (libs/core/src/cpu_lines.h). What is made of them is the same.
-
-TALUS_HD int words_per_axis(const Config& k) { return (k.cells + 31) / 32; }
-TALUS_HD int words_per_line(const Config& k) { return line_rings(k) / 32 + 1; }
-
-/** Whether the cells of a line are ground that fills may build on. Packed into words: bit r of word
- * w is ring 32 * w + r. Layout [word][line]. */
-struct SamplesOfLine
-{
-  const FrameContext* frame;
-  const std::uint8_t* state;
-  const std::uint8_t* role;
-  Line line;
-  int rings, cells;
-
-  TALUS_HD bool operator()(int ring) const
-  {
-    const CellOffset o = line_cell(line, ring, rings);
-    const int ix = cells / 2 + o.dx, iy = cells / 2 + o.dy;
-    if (ix >= cells || iy >= cells || ix < 0 || iy < 0) return false;
-    const int i = storage_index(*frame, cells, ix, iy);
-    return state[i] == kMeasured && role[i] == kKeep;
-  }
-};
-
-struct FindSamples
-{
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  const std::uint8_t* role;
-
-  TALUS_HD SamplesOfLine operator()(int line) const
-  {
-    const int rings = line_rings(*config);
-    return {frame, store.state, role, line_from_index(line, rings), rings, config->cells};
-  }
-};
-
-/** The same for a row or a column of the window; bit r of word w is ix or iy = 32 * w + r. */
-struct SamplesOfAxis
-{
-  const FrameContext* frame;
-  const std::uint8_t* state;
-  const std::uint8_t* role;
-  int across, cells;
-  bool along_x;
-
-  TALUS_HD bool operator()(int at) const
-  {
-    const int i = along_x ? storage_index(*frame, cells, at, across)
-                          : storage_index(*frame, cells, across, at);
-    return state[i] == kMeasured && role[i] == kKeep;
-  }
-};
-
-/** Lines are the rows, then the columns. */
-struct FindAxisSamples
-{
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  const std::uint8_t* role;
-
-  TALUS_HD SamplesOfAxis operator()(int line) const
-  {
-    const int n = config->cells;
-    return {frame, store.state, role, line < n ? line : line - n, n, line < n};
-  }
-};
-
-TALUS_HD int lowest_bit(std::uint32_t bits)
-{
-#if defined(__CUDA_ARCH__)
-  return __ffs(static_cast<int>(bits)) - 1;
-#else
-  return __builtin_ctz(bits);
-#endif
-}
-
-TALUS_HD int highest_bit(std::uint32_t bits)
-{
-#if defined(__CUDA_ARCH__)
-  return 31 - __clz(static_cast<int>(bits));
-#else
-  return 31 - __builtin_clz(bits);
-#endif
-}
-
-/** Walks the marked rings of one line. */
-struct LineMarks
-{
-  const std::uint32_t* marks;  //!< of word 0 of this line
-  int stride;  //!< between words
-  int rings;
-
-  /** The nearest marked ring below `ring`, or -1. */
-  TALUS_HD int inwards(int ring, int limit) const
-  {
-    const int from = ring - 1;
-    if (from < 0) return -1;
-    int word = from >> 5;
-    std::uint32_t bits = marks[word * stride] & (0xffffffffu >> (31 - (from & 31)));
-    while (!bits && --word >= 0 && 32 * word + 31 >= limit) bits = marks[word * stride];
-    if (!bits) return -1;
-    const int found = 32 * word + highest_bit(bits);
-    return found >= limit ? found : -1;
-  }
-
-  /** The nearest marked ring above `ring`, or -1. */
-  TALUS_HD int outwards(int ring, int limit) const
-  {
-    const int from = ring + 1;
-    if (from > rings) return -1;
-    int word = from >> 5;
-    const int last_word = rings >> 5;
-    std::uint32_t bits = marks[word * stride] & (0xffffffffu << (from & 31));
-    while (!bits && ++word <= last_word && 32 * word <= limit) bits = marks[word * stride];
-    if (!bits) return -1;
-    const int found = 32 * word + lowest_bit(bits);
-    return found <= limit ? found : -1;
-  }
-};
+// is fast on a device is slow on a core. A device searches for each cell (7_fill_search.h). A core
+// walks the lines and lists their samples (libs/core/src/cpu_lines.h). What is made of them is the
+// same.
 
 /** The samples of one side and what eq. 8 makes of them. */
 struct SideEstimate
@@ -203,98 +81,6 @@ TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const
 {
   const float spread = k.fill_variance_per_m * distance_m;
   return sample_variance_m2 + spread * spread;
-}
-
-/** Where the cells of a line from the sensor are: place = ring. */
-struct RadialCells
-{
-  Line line;
-  int rings;
-  TALUS_HD CellOffset operator()(int ring) const { return line_cell(line, ring, rings); }
-};
-
-/** Where the cells of a row or column are: place = ix or iy; offsets from the sensor's cell. */
-struct AxisCells
-{
-  int half, across;
-  bool along_x;
-  TALUS_HD CellOffset operator()(int place) const
-  {
-    return along_x ? CellOffset{place - half, across} : CellOffset{across, place - half};
-  }
-};
-
-/** Everything that the search of one cell along one line needs. */
-template <class Cells>
-struct LineSearch
-{
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  Cells cells;
-  LineMarks marks;
-  int place;
-  float step_m;  //!< length of the line per place
-
-  TALUS_HD int storage_at(int at) const
-  {
-    const int n = config->cells;
-    const CellOffset o = cells(at);
-    return storage_index(*frame, n, n / 2 + o.dx, n / 2 + o.dy);
-  }
-
-  TALUS_HD int next(int from, bool outwards, float reach_m) const
-  {
-    const int reach = places_in(reach_m, step_m, marks.rings);
-    return outwards ? marks.outwards(from, place + reach)
-                    : marks.inwards(from, max_of(place - reach, 0));
-  }
-
-  TALUS_HD SideEstimate infer_side(bool outwards, float* variance_m2 = nullptr) const
-  {
-    SideSum sum;
-    float nearest = kNan;
-    int places = 0;
-    for (int s = 0, at = place; s < config->fill_samples; s++)
-    {
-      at = next(at, outwards, config->fill_search_m);
-      if (at < 0) break;
-      const int i = storage_at(at);
-      const float height = store.ground_m[i];
-      const float distance = static_cast<float>(abs_of(at - place)) * step_m;
-      if (s == 0)
-      {
-        nearest = height;
-        places = abs_of(at - place);
-        if (variance_m2) *variance_m2 = spread_variance(store.ground_var_m2[i], distance, *config);
-      }
-      sum.add(height, distance, true, *config);
-    }
-    return is_known(nearest) ? sum.estimate(nearest, places, step_m, *config) : SideEstimate{};
-  }
-};
-
-TALUS_HD LineSearch<RadialCells> line_search(
-    const Config& k, const FrameContext& f, const CellStore& store, const std::uint32_t* marks,
-    int dx, int dy)
-{
-  const int rings = line_rings(k);
-  const int ring = max_of(abs_of(dx), abs_of(dy));
-  const Line line = line_through(dx, dy, ring, rings);
-  const LineMarks line_marks{marks + line_index(line, rings), line_count(k), rings};
-  const float step_m = line_stretch(line, rings) * k.resolution_m;
-  return {&k, &f, store, {line, rings}, line_marks, ring, step_m};
-}
-
-TALUS_HD LineSearch<AxisCells> axis_search(
-    const Config& k, const FrameContext& f, const CellStore& store, const std::uint32_t* axis_marks,
-    int dx, int dy, bool along_x)
-{
-  const int half = k.cells / 2;
-  const int place = half + (along_x ? dx : dy), across = along_x ? dy : dx;
-  const int line = half + across + (along_x ? 0 : k.cells);
-  const LineMarks line_marks{axis_marks + line, 2 * k.cells, k.cells - 1};
-  return {&k, &f, store, {half, across, along_x}, line_marks, place, k.resolution_m};
 }
 
 /** Eq. 9 and its alternatives: one height from two sides. */
@@ -412,8 +198,8 @@ infer_ground(const Inference& inferred, bool under_object, float bound_m, const 
       abs_of(inferred.variance_m2), select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided)};
 }
 
-// ---- For executors that walk lines
-// ---------------------------------------------------------------------------------
+// ---- Where samples are kept
+// ----------------------------------------------------------------------------------------
 
 /** Places of the window on a grid with the sensor's cell in its very middle: one more row and
  * column than the window where its cells are even in number. */
@@ -568,66 +354,6 @@ struct FillWalkedCell
   TALUS_HD void operator()(int ix, int iy, int i) const
   {
     fill(ix, iy, i, inferred.cells[grid.at(ix, iy)]);
-  }
-};
-
-/** Searches the lines through cell (ix, iy) and fills it. */
-struct SearchAndFillCell
-{
-  FillCell fill;
-  const std::uint32_t* marks;
-  const std::uint32_t* axis_marks;
-  float* across_m;  //!< for guesses: height difference of the ground on both sides, see stage 9
-  LineGrid grid;
-
-  TALUS_HD void operator()(int ix, int iy) const
-  {
-    const Config& k = *fill.config;
-    const int n = k.cells, i = storage_index(*fill.frame, n, ix, iy);
-    const int dx = ix - n / 2, dy = iy - n / 2;
-    const bool on_line = dx != 0 || dy != 0;  // the sensor's own cell lies on no line
-    Inference inferred;
-    if (on_line && fill.wanted(i)) inferred = search(dx, dy);
-    fill(ix, iy, i, inferred);
-    if (on_line && fill.store.state[i] == kFilledOneSided)
-      across_m[grid.at(ix, iy)] = height_across(dx, dy);
-    fill.out.put(iy * n + ix, fill.store, i);
-  }
-
- private:
-  TALUS_HD Inference search(int dx, int dy) const
-  {
-    const Config& k = *fill.config;
-    const auto radial = line_search(k, *fill.frame, fill.store, marks, dx, dy);
-    Inference found;
-    float inner_m2 = kNan, outer_m2 = kNan;
-    const SideEstimate inner = radial.infer_side(false, &inner_m2);
-    const SideEstimate outer = radial.infer_side(true, &outer_m2);
-    found.variance_m2 = fuse_variances(inner_m2, outer_m2);
-    if (!found.any()) return found;
-    if (k.fill_rule != kFillLines)
-    {
-      found.lines = apply_rule(inner, outer, k);
-      return found;
-    }
-    found.lines = fuse_lines(inner, outer);
-    for (int axis = 0; axis < 2; axis++)
-    {
-      const auto search = axis_search(k, *fill.frame, fill.store, axis_marks, dx, dy, axis == 0);
-      found.lines.add(fuse_lines(search.infer_side(false), search.infer_side(true)));
-    }
-    return found;
-  }
-
-  TALUS_HD float height_across(int dx, int dy) const
-  {
-    const auto radial = line_search(*fill.config, *fill.frame, fill.store, marks, dx, dy);
-    const int inner = radial.next(radial.place, false, fill.config->sparsity_search_m);
-    const int outer = radial.next(radial.place, true, fill.config->sparsity_search_m);
-    if (inner < 0 || outer < 0) return kNan;
-    return abs_of(
-        fill.store.ground_m[radial.storage_at(inner)] -
-        fill.store.ground_m[radial.storage_at(outer)]);
   }
 };
 

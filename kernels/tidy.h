@@ -9,7 +9,8 @@ struct TidyUp
   std::int32_t* rays;
   int n_rays;
   std::uint32_t* cell_count;
-  int n_cells;
+  std::uint32_t* kept_count;
+  int n_cells, n_kept;
   std::uint32_t* rejected;
   std::uint32_t* reported;
   int n_reasons;
@@ -29,6 +30,7 @@ struct TidyUp
   {
     for (int i = first; i < n_rays; i += step) rays[i] = kNoRay;
     for (int i = first; i < n_cells; i += step) cell_count[i] = 0;
+    for (int i = first; i < n_kept; i += step) kept_count[i] = 0;
   }
 };
 

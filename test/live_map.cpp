@@ -234,7 +234,8 @@ TEST(LiveMap, ReadersSeeWholeFramesWhileOthersComeIn)
 TEST(LiveMap, SeveralThreadsMayFeedIt)
 {
   const Drive drive(60);
-  LiveMap map(small_window(), kLayers, tested_backend());
+  constexpr double kNeverTooLate_s = 1e6;  // a thread may start when the other is nearly done
+  LiveMap map(small_window(), kLayers, tested_backend(), 1, kNeverTooLate_s);
   std::atomic<int> next{0};
   const auto feed = [&]
   {

@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include "kernels/7_fill.h"
+#include "kernels/7_fill_search.h"
 #include "scene.h"
 
 using namespace talus;
@@ -35,20 +35,55 @@ TEST(Stage7Fill, EveryCellLiesOnTheLineThatIsSaidToPassThroughIt)
       }
 }
 
-TEST(Stage7Fill, MarksAreFoundAcrossWordsAndWithinLimits)
+TEST(Stage7Fill, MarksAreFoundAcrossWordsAndWithinReachNearestFirst)
 {
   const std::uint32_t words[3] = {1u << 5 | 1u << 31, 0u, 1u << 10};
   const kernels::LineMarks marks{words, 1, 80};
-  EXPECT_EQ(marks.inwards(80, 0), 74);
-  EXPECT_EQ(marks.inwards(74, 0), 31);
-  EXPECT_EQ(marks.inwards(31, 0), 5);
-  EXPECT_EQ(marks.inwards(31, 6), -1);
-  EXPECT_EQ(marks.inwards(5, 0), -1);
-  EXPECT_EQ(marks.outwards(0, 80), 5);
-  EXPECT_EQ(marks.outwards(5, 80), 31);
-  EXPECT_EQ(marks.outwards(31, 80), 74);
-  EXPECT_EQ(marks.outwards(31, 73), -1);
-  EXPECT_EQ(marks.outwards(74, 80), -1);
+  const auto found = [&marks](int place, bool outwards, int reach)
+  {
+    std::vector<int> distances;
+    for (int from = 0; from < reach; from += kernels::LineMarks::kView)
+      for (auto bits = marks.view(place, outwards, from, reach); bits; bits &= bits - 1)
+        distances.push_back(from + 1 + kernels::lowest_bit(bits));
+    EXPECT_EQ(marks.nearest(place, outwards, reach), distances.empty() ? 0 : distances.front());
+    return distances;
+  };
+  using Distances = std::vector<int>;
+  EXPECT_EQ(found(80, false, 80), (Distances{6, 49, 75}));
+  EXPECT_EQ(found(74, false, 74), (Distances{43, 69}));
+  EXPECT_EQ(found(32, false, 32), (Distances{1, 27}));
+  EXPECT_EQ(found(31, false, 31), Distances{26});
+  EXPECT_EQ(found(31, false, 25), Distances{});
+  EXPECT_EQ(found(5, false, 5), Distances{});
+  EXPECT_EQ(found(0, false, 0), Distances{});
+  EXPECT_EQ(found(0, true, 80), (Distances{5, 31, 74}));
+  EXPECT_EQ(found(5, true, 75), (Distances{26, 69}));
+  EXPECT_EQ(found(31, true, 49), Distances{43});
+  EXPECT_EQ(found(31, true, 42), Distances{});
+  EXPECT_EQ(found(74, true, 6), Distances{});
+  EXPECT_EQ(found(80, true, 0), Distances{});
+}
+
+TEST(Stage7Fill, PlacesOfALineAreItsCellsOnTheGrid)
+{
+  for (const int rings : {2, 25, 80})
+  {
+    kernels::Config k{};
+    k.cells = 2 * rings;
+    k.resolution_m = 0.05f;
+    const kernels::LineGrid grid = kernels::line_grid(k);
+    for (int index = 0; index < 8 * rings; index++)
+    {
+      const kernels::Line line = kernels::line_from_index(index, rings);
+      const auto track = kernels::radial_track(line, grid, k);
+      for (int ring = 0; ring <= rings; ring++)
+      {
+        const auto cell = kernels::line_cell(line, ring, rings);
+        ASSERT_EQ(track(ring), grid.at(rings + cell.dx, rings + cell.dy))
+            << "line " << index << ", ring " << ring;
+      }
+    }
+  }
 }
 
 TEST(Stage7Fill, Equation9InItsFormsByNumbersWorkedOutByHand)

@@ -282,22 +282,4 @@ class SlidingRows
   std::uint32_t* words_;
 };
 
-/** One word of 32 answers. */
-template <class F>
-struct PackWord
-{
-  int lines, bits;
-  const F& f;
-  std::uint32_t* words;
-
-  void operator()(int line, int word) const
-  {
-    std::uint32_t packed = 0;
-    const auto bit = f(line);
-    const int count = std::min(32, bits - 32 * word);
-    for (int b = 0; b < count; b++) packed |= static_cast<std::uint32_t>(bit(32 * word + b)) << b;
-    words[word * lines + line] = packed;
-  }
-};
-
 }  // namespace talus

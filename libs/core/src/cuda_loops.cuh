@@ -10,7 +10,7 @@
 namespace talus::loops
 {
 constexpr int kThreads = 256;  //!< of a block over a range, at most
-constexpr int kTileWidth = 32, kTileRows = 8;  //!< threads of a block over cells
+constexpr int kTileWidth = 32, kTileRows = 8;  //!< threads of a block over cells, at most
 constexpr int kWindowThreads = 16;  //!< rows of threads of a block with neighbourhoods
 
 /** Where kernels are chained (programmatic dependent launch), a kernel is brought up while its
@@ -46,7 +46,7 @@ __global__ void __launch_bounds__(kThreads)
     over_range_and_teams(int n, int teams, F f, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
-  const int i = static_cast<int>(blockIdx.x * kThreads + threadIdx.x);
+  const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (i < 32 * teams)
     f(i / 32, kernels::WarpTeam{});
   else if (i - 32 * teams < n)
@@ -55,21 +55,21 @@ __global__ void __launch_bounds__(kThreads)
 }
 
 template <class F>
-__global__ void __launch_bounds__(kTileWidth* kTileRows)
-    over_cells(int nx, int ny, F f, std::uint64_t* done_ns)
+__global__ void __launch_bounds__(kTileWidth* kTileRows, 5)
+    over_cells(int nx, int y_first, int y_end, F f, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   const int x = static_cast<int>(blockIdx.x) * kTileWidth + static_cast<int>(threadIdx.x);
-  const int y = static_cast<int>(blockIdx.y) * kTileRows + static_cast<int>(threadIdx.y);
-  if (x < nx && y < ny) f(x, y);
+  const int y = y_first + static_cast<int>(blockIdx.y * blockDim.y + threadIdx.y);
+  if (x < nx && y < y_end) f(x, y);
   note_time(done_ns);
 }
 
-/** Sums over square neighbourhoods: those along all rows that a tile of `height` rows needs go to
- * shared memory, then those across them to f() of its cells. */
+/** Sums over square neighbourhoods, for the rows [y_first, y_end) of ny: those along all rows that
+ * a tile of `height` rows needs go to shared memory, then those across them to f() of its cells. */
 template <class F>
-__global__ void __launch_bounds__(kTileWidth* kWindowThreads)
-    over_windows(int nx, int ny, int radius, int height, F f, std::uint64_t* done_ns)
+__global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows(
+    int nx, int ny, int y_first, int y_end, int radius, int height, F f, std::uint64_t* done_ns)
 {
   using Row = typename F::Row;
   using Window = typename F::Window;
@@ -77,7 +77,7 @@ __global__ void __launch_bounds__(kTileWidth* kWindowThreads)
   Row* const rows = reinterpret_cast<Row*>(shared) + threadIdx.x;
   wait_for_predecessor();
   const int x = static_cast<int>(blockIdx.x) * kTileWidth + static_cast<int>(threadIdx.x);
-  const int y0 = static_cast<int>(blockIdx.y) * height;
+  const int y0 = y_first + static_cast<int>(blockIdx.y) * height, y1 = min(y0 + height, y_end);
   const int first = max(y0 - radius, 0), last = min(y0 + height + radius, ny);
   if (x < nx)
     for (int y = first + static_cast<int>(threadIdx.y); y < last; y += kWindowThreads)
@@ -89,7 +89,7 @@ __global__ void __launch_bounds__(kTileWidth* kWindowThreads)
     }
   __syncthreads();
   if (x < nx)
-    for (int y = y0 + static_cast<int>(threadIdx.y); y < min(y0 + height, ny); y += kWindowThreads)
+    for (int y = y0 + static_cast<int>(threadIdx.y); y < y1; y += kWindowThreads)
     {
       Window sum;
       for (int row = max(y - radius, first); row < min(y + radius + 1, last); row++)
@@ -136,28 +136,150 @@ struct OfConcernedCells
   }
 };
 
-/** One warp makes one word: lane b asks for bit b. */
-template <class F>
-__device__ void pack_word(int lines, int bits, const F& f, std::uint32_t* words, int warp)
+constexpr int kStretches = 32;  //!< into which a direction is cut: a warp
+constexpr int kDirections = 8;  //!< of a block: what a sector of memory holds
+
+/** v of another thread of the warp. */
+template <class T>
+__device__ T from_lane(const T& v, int lane)
 {
-  const int line = warp % lines, word = warp / lines;
-  const int bit = 32 * word + static_cast<int>(threadIdx.x) % 32;
-  const unsigned packed = __ballot_sync(0xffffffffu, bit < bits && f(line)(bit));
-  if (threadIdx.x % 32 == 0) words[warp] = packed;
+  static_assert(sizeof(T) % 4 == 0);
+  int words[sizeof(T) / 4];
+  memcpy(words, &v, sizeof(T));
+  for (int& word : words) word = __shfl_sync(0xffffffffu, word, lane);
+  T out;
+  memcpy(&out, words, sizeof(T));
+  return out;
 }
 
+/** What the lanes before this one have in sum; v is empty at first. */
+template <class T>
+__device__ T sum_before(T v)
+{
+  const int lane = static_cast<int>(threadIdx.x) % 32;
+  for (int step = 1; step < 32; step *= 2)
+  {
+    const T other = from_lane(v, max(lane - step, 0));
+    if (lane >= step) v.add(other);
+  }
+  const T before = from_lane(v, max(lane - 1, 0));
+  return lane ? before : T{};
+}
+
+/** Of each stretch of the block's directions, what those before it have in sum. */
+template <class T>
+__device__ T sum_before_stretch(const T& own, T (*shared)[kStretches + 1], int at, int direction)
+{
+  const int warp = static_cast<int>(threadIdx.x) / 32, lane = static_cast<int>(threadIdx.x) % 32;
+  shared[direction][at] = own;
+  __syncthreads();
+  shared[warp][lane] = sum_before(shared[warp][lane]);
+  __syncthreads();
+  return shared[direction][at];
+}
+
+/** The three steps of f on a block's directions, see kernels::SettleRays. */
+template <class F>
+__device__ void over_directions(int block, int directions, int rings, const F& f)
+{
+  using Before = typename F::Before;
+  using Behind = typename F::Behind;
+  __shared__ Before before[kDirections][kStretches + 1];
+  __shared__ Behind behind[kDirections][kStretches + 1];
+  const int column = static_cast<int>(threadIdx.x) % kDirections;
+  const int stretch = static_cast<int>(threadIdx.x) / kDirections;
+  const int direction = block * kDirections + column;
+  const int length = direction < directions ? (rings + kStretches - 1) / kStretches : 0;
+  const int begin = stretch * length, end = min(begin + length, rings);
+  Before seen;
+  f.look(direction, begin, end, seen);
+  seen = sum_before_stretch(seen, before, stretch, column);
+  Behind lowest;
+  f.bury(direction, begin, end, seen, lowest);
+  lowest = sum_before_stretch(lowest, behind, kStretches - 1 - stretch, column);
+  f.sweep(direction, begin, end, lowest);
+}
+
+/** First the directions, since theirs is the longer work. */
 template <class F, class G>
-__global__ void __launch_bounds__(kThreads) over_bits(
-    int lines, int bits, F f, std::uint32_t* words, int more_lines, int more_bits, G g,
-    std::uint32_t* more_words, std::uint64_t* done_ns)
+__global__ void __launch_bounds__(kThreads)
+    over_directions_and_range(int directions, int rings, F f, int n, G g, std::uint64_t* done_ns)
+{
+  static_assert(kThreads == kStretches * kDirections);
+  wait_for_predecessor();
+  const int first = (directions + kDirections - 1) / kDirections;
+  const int block = static_cast<int>(blockIdx.x);
+  const int i = (block - first) * kThreads + static_cast<int>(threadIdx.x);
+  if (block < first)
+    over_directions(block, directions, rings, f);
+  else if (i < n)
+    g(i);
+  note_time(done_ns);
+}
+
+/** f(line)(bit) of all bits as words, layout [word][line]. One warp makes one word. */
+template <class F>
+__global__ void __launch_bounds__(kThreads)
+    over_bits(int lines, int bits, F f, std::uint32_t* words, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   const int warp = static_cast<int>(blockIdx.x * kThreads + threadIdx.x) / 32;
-  const int first = lines * ((bits + 31) / 32), second = more_lines * ((more_bits + 31) / 32);
-  if (warp < first)
-    pack_word(lines, bits, f, words, warp);
-  else if (warp - first < second)
-    pack_word(more_lines, more_bits, g, more_words, warp - first);
+  const int line = warp % lines, word = warp / lines;
+  const int bit = 32 * word + static_cast<int>(threadIdx.x) % 32;
+  const unsigned packed = __ballot_sync(0xffffffffu, bit < bits && f(line)(bit));
+  if (threadIdx.x % 32 == 0 && 32 * word < bits) words[warp] = packed;
+  note_time(done_ns);
+}
+
+/** f of a range, and beside it g(x, y) of the cells, which marks some: the marks of the rows, then
+ * of the columns, layout [word][line]. */
+template <class F, class G>
+__global__ void __launch_bounds__(kThreads) over_range_and_marked_cells(
+    int n, F f, int side, G g, std::uint32_t* marks, std::uint64_t* done_ns)
+{
+  wait_for_predecessor();
+  __shared__ unsigned rows[kTileRows];
+  const int range = (n + kThreads - 1) / kThreads, block = static_cast<int>(blockIdx.x) - range;
+  if (block < 0)
+  {
+    const int i = static_cast<int>(blockIdx.x) * kThreads + static_cast<int>(threadIdx.x);
+    if (i < n) f(i);
+  }
+  else
+  {
+    const int lane = static_cast<int>(threadIdx.x) % 32, row = static_cast<int>(threadIdx.x) / 32;
+    const int words = (side + 31) / 32, word = block % words;
+    const int x = 32 * word + lane, y0 = block / words * kTileRows, y = y0 + row;
+    const unsigned marked = __ballot_sync(0xffffffffu, x < side && y < side && g(x, y));
+    if (lane == 0) rows[row] = marked;
+    if (lane == 0 && y < side) marks[word * 2 * side + y] = marked;
+    __syncthreads();
+    unsigned column = 0;
+    for (int r = 0; r < kTileRows; r++) column |= (rows[r] >> lane & 1u) << r;
+    std::uint32_t* const of_column = marks + y0 / 32 * 2 * side + side + x;
+    if (row == 0 && x < side)
+      reinterpret_cast<std::uint8_t*>(of_column)[y0 % 32 / 8] = static_cast<std::uint8_t>(column);
+  }
+  note_time(done_ns);
+}
+
+/** f.side() of both sides of the lines through a cell, a thread each, then f.line(), then f of the
+ * cell. */
+template <class F>
+__global__ void __launch_bounds__(2 * F::kLines * 32)
+    over_cells_by_lines(int nx, int y0, F f, std::uint64_t* done_ns)
+{
+  __shared__ typename F::Side sides[2 * F::kLines][32];
+  __shared__ typename F::Line lines[F::kLines][32];
+  wait_for_predecessor();
+  const int lane = static_cast<int>(threadIdx.x), part = static_cast<int>(threadIdx.y);
+  const int x = static_cast<int>(blockIdx.x) * 32 + lane, y = y0 + static_cast<int>(blockIdx.y);
+  if (x < nx) sides[part][lane] = f.side(part / 2, part % 2 == 1, x, y);
+  __syncthreads();
+  if (x < nx && part < F::kLines)
+    lines[part][lane] = f.line(part, sides[2 * part][lane], sides[2 * part + 1][lane]);
+  __syncthreads();
+  if (x < nx && part == 0) f(x, y, sides[0][lane], sides[1][lane], &lines[0][lane], 32);
   note_time(done_ns);
 }
 

@@ -251,18 +251,6 @@ class SerialExecutor : public CpuMemory
     SlidingRows<F>(nx, ny, radius, f).run(0, ny);
   }
 
-  /** Two sets of bits: bit b of line l is f(l)(b). Layout [word][line]. */
-  template <class F, class G>
-  void pack_bits(
-      int lines, int bits, const F& f, Buffer<std::uint32_t>& words, int more_lines, int more_bits,
-      const G& g, Buffer<std::uint32_t>& more_words)
-  {
-    for_each_cell(lines, (bits + 31) / 32, PackWord<F>{lines, bits, f, words.data()});
-    for_each_cell(
-        more_lines, (more_bits + 31) / 32,
-        PackWord<G>{more_lines, more_bits, g, more_words.data()});
-  }
-
   template <class T>
   void fill(Buffer<T>& buffer, T value)
   {
@@ -406,18 +394,6 @@ class ThreadExecutor : public CpuMemory
   {
     run(ny, std::max(8 * radius, 4096 / std::max(nx, 1)),
         [&](int begin, int end) { SlidingRows<F>(nx, ny, radius, f).run(begin, end); });
-  }
-
-  /** Two sets of bits: bit b of line l is f(l)(b). Layout [word][line]. */
-  template <class F, class G>
-  void pack_bits(
-      int lines, int bits, const F& f, Buffer<std::uint32_t>& words, int more_lines, int more_bits,
-      const G& g, Buffer<std::uint32_t>& more_words)
-  {
-    for_each_cell(lines, (bits + 31) / 32, PackWord<F>{lines, bits, f, words.data()});
-    for_each_cell(
-        more_lines, (more_bits + 31) / 32,
-        PackWord<G>{more_lines, more_bits, g, more_words.data()});
   }
 
   template <class T>

@@ -27,7 +27,7 @@ class CudaExecutor
   std::string name() const { return name_; }
 
   /** Cells of more points are updated by a warp. */
-  static constexpr int kCrowd = 8;
+  static constexpr int kCrowd = 4;
   /** Each thread searches the lines through its cell. */
   static constexpr bool kWalksLines = false;
 
@@ -100,9 +100,10 @@ class CudaExecutor
   template <class F>
   void for_each_and_team(int n, int teams, const F& f)
   {
+    const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
     launch(
-        loops::over_range_and_teams<F>, dim3(blocks(n + 32 * teams, loops::kThreads)),
-        dim3(loops::kThreads), 0, n, teams, f);
+        loops::over_range_and_teams<F>, dim3(blocks(n + 32 * teams, size)), dim3(size), 0, n, teams,
+        f);
   }
   template <class F, class G>
   void for_each_beside(int n, const F& f, int, int nx, int ny, const G& g)
@@ -113,42 +114,85 @@ class CudaExecutor
         loops::over_range_and_cells<F, G>, dim3(blocks(n, size) + cells.x * cells.y), dim3(size), 0,
         n, f, nx, ny, g);
   }
+  /** Of the rows [first, end). */
   template <class F>
-  void for_each_concerned_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  void for_each_concerned_cell_of_rows(
+      int cells, const kernels::FrameContext* frame, int first, int end, const F& f)
   {
-    for_each_cell(cells, cells, loops::OfConcernedCells<F>{cells, frame, f});
-  }
-  template <class F, class G>
-  void for_each_concerned_cell_beside(
-      int n, const F& f, int stage, int cells, const kernels::FrameContext* frame, const G& g)
-  {
-    for_each_beside(n, f, stage, cells, cells, loops::OfConcernedCells<G>{cells, frame, g});
+    for_each_cell_of_rows(cells, first, end, loops::OfConcernedCells<F>{cells, frame, f});
   }
   template <class F>
   void for_each_cell(int nx, int ny, const F& f)
   {
-    launch(loops::over_cells<F>, tiles(nx, ny, loops::kTileRows), kTile, 0, nx, ny, f);
+    for_each_cell_of_rows(nx, 0, ny, f);
+  }
+  /** The rows [first, end). */
+  template <class F>
+  void for_each_cell_of_rows(int nx, int first, int end, const F& f)
+  {
+    const int rows = nx * (end - first) < kManyThreads ? loops::kTileRows / 4 : loops::kTileRows;
+    launch(
+        loops::over_cells<F>, tiles(nx, end - first, rows), dim3(loops::kTileWidth, rows), 0, nx,
+        first, end, f);
   }
   template <class F>
   void for_each_window(int nx, int ny, int radius, const F& f)
+  {
+    for_each_window_of_rows(nx, ny, 0, ny, radius, f);
+  }
+  /** The rows [first, end) of ny. */
+  template <class F>
+  void for_each_window_of_rows(int nx, int ny, int first, int end, int radius, const F& f)
   {
     // High tiles share more rows; low ones spread over the device and need one round of rows.
     constexpr int rows = loops::kWindowThreads;
     const int height = nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : rows;
     const auto size = static_cast<std::size_t>(loops::kTileWidth * (height + 2 * radius));
     launch(
-        loops::over_windows<F>, tiles(nx, ny, height), dim3(loops::kTileWidth, rows),
-        size * sizeof(typename F::Row), nx, ny, radius, height, f);
+        loops::over_windows<F>, tiles(nx, end - first, height), dim3(loops::kTileWidth, rows),
+        size * sizeof(typename F::Row), nx, ny, first, end, radius, height, f);
   }
+  /** The steps of kernels::SettleRays; beside them g(i) for i in [0, n). */
   template <class F, class G>
-  void pack_bits(
-      int lines, int bits, const F& f, Buffer<std::uint32_t>& words, int more_lines, int more_bits,
-      const G& g, Buffer<std::uint32_t>& more_words)
+  void for_each_direction_beside(int directions, int rings, const F& f, int n, const G& g)
   {
-    const int n = lines * ((bits + 31) / 32) + more_lines * ((more_bits + 31) / 32);
     launch(
-        loops::over_bits<F, G>, dim3(blocks(32 * n, loops::kThreads)), dim3(loops::kThreads), 0,
-        lines, bits, f, words.data(), more_lines, more_bits, g, more_words.data());
+        loops::over_directions_and_range<F, G>,
+        dim3(blocks(directions, loops::kDirections) + blocks(n, loops::kThreads)),
+        dim3(loops::kThreads), 0, directions, rings, f, n, g);
+  }
+  /** Bit b of line l is f(l)(b). Layout [word][line]. */
+  template <class F>
+  void pack_bits(int lines, int bits, const F& f, Buffer<std::uint32_t>& words)
+  {
+    const int n = lines * ((bits + 31) / 32);
+    launch(
+        loops::over_bits<F>, dim3(blocks(32 * n, loops::kThreads)), dim3(loops::kThreads), 0, lines,
+        bits, f, words.data());
+  }
+  /** f(i) for i in [0, n); beside it g(x, y) of side * side cells, which says whether it marks one.
+   * Marks: bits of the rows, then of the columns, layout [word][line]. */
+  template <class F, class G>
+  void mark_cells_beside(int n, const F& f, int side, const G& g, Buffer<std::uint32_t>& marks)
+  {
+    static_assert(loops::kThreads == 32 * loops::kTileRows);
+    const dim3 cells = tiles(side, side, loops::kTileRows);
+    launch(
+        loops::over_range_and_marked_cells<F, G>,
+        dim3(blocks(n, loops::kThreads) + cells.x * cells.y), dim3(loops::kThreads), 0, n, f, side,
+        g, marks.data());
+  }
+  /** f of the cells of the rows [first, end), see kernels::SearchAndFillCell: where there are few,
+   * each side of each line has a thread. */
+  template <class F>
+  void for_each_cell_by_lines(int n, int first, int end, const F& f)
+  {
+    if (n * n < kManyThreads)
+      launch(
+          loops::over_cells_by_lines<F>, tiles(n, end - first, 1), dim3(32, 2 * F::kLines), 0, n,
+          first, f);
+    else
+      for_each_cell_of_rows(n, first, end, f);
   }
   template <class T>
   void fill(Buffer<T>& buffer, T value)
@@ -159,30 +203,41 @@ class CudaExecutor
   void copy(T* to, const T* from, std::size_t size)
   {
     if (!size) return;
-    if (beside_ && !forked_) follow(main_, side_), forked_ = true;
+    if (beside_ && !forked_) follow(main_, side_), forked_ = joins_ = true;
     TALUS_CUDA(cudaMemcpyAsync(to, from, size * sizeof(T), cudaMemcpyDefault, lane().stream.get()));
     lane().after_kernel = false;
   }
 
-  /** Copies in `body` run beside what follows, up to join(). */
+  /** Copies in `body` start when what came before is done, and run beside what follows, up to
+   * join(). */
   template <class Body>
   void aside(const Body& body)
   {
     beside_ = true;
+    forked_ = false;
     body();
     beside_ = false;
   }
   void join()
   {
-    if (forked_) follow(side_, main_);
-    forked_ = false;
+    if (joins_) follow(side_, main_);
+    joins_ = false;
+  }
+  /** body(first, end) of all rows in bands of so many that `row_bytes` of each, which are copied
+   * aside, make it worth while. */
+  template <class Body>
+  void in_bands(int rows, std::size_t row_bytes, const Body& body)
+  {
+    const std::size_t bytes = row_bytes * static_cast<std::size_t>(rows);
+    const int bands = static_cast<int>(std::min(bytes / kBandBytes + 1, kMaxBands));
+    for (int b = 0; b < bands; b++) body(rows * b / bands, rows * (b + 1) / bands);
   }
 
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr int kMaxLaps = kStageCount + 1;
   static constexpr int kManyThreads = 100000;  //!< enough to fill a device
-  static constexpr dim3 kTile{loops::kTileWidth, loops::kTileRows, 1};
+  static constexpr std::size_t kBandBytes = 2 * 1024 * 1024, kMaxBands = 4;
 
   struct Lane
   {
@@ -203,7 +258,7 @@ class CudaExecutor
   void record(const Body& body)
   {
     lap_ = 0;
-    beside_ = forked_ = main_.after_kernel = false;
+    beside_ = forked_ = joins_ = main_.after_kernel = false;
     recording_ = true;
     struct Off
     {
@@ -246,7 +301,7 @@ class CudaExecutor
   std::string name_;
   Lane main_, side_;
   bool can_chain_ = false;
-  bool recording_ = false, beside_ = false, forked_ = false;
+  bool recording_ = false, beside_ = false, forked_ = false, joins_ = false;
   GraphExec graph_;
   std::vector<HostRegistration> outputs_;
   std::size_t direct_bytes_ = 0;  //!< of outputs that kernels write into host memory

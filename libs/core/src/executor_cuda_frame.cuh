@@ -13,7 +13,7 @@ constexpr std::size_t kStagedPoints = (kContextWords + 63) / 64 * 64;  //!< wher
 constexpr std::size_t kFetchBytes = 512 * 1024;
 /** Layers of up to so many bytes in all are written to host memory by the kernels that compute
  * them; what is beyond is copied. */
-constexpr std::size_t kDirectBytes = 8 * 1024 * 1024;
+constexpr std::size_t kDirectBytes = 1024 * 1024;
 }  // namespace
 
 inline CudaExecutor::CudaExecutor()

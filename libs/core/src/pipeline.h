@@ -6,7 +6,7 @@
 #include "kernels/4_update.h"
 #include "kernels/5_refill.h"
 #include "kernels/6_cleanup.h"
-#include "kernels/7_fill.h"
+#include "kernels/7_fill_search.h"
 #include "kernels/8_traversability.h"
 #include "kernels/9_sparsity.h"
 #include "kernels/tidy.h"
@@ -31,6 +31,10 @@ class Pipeline final : public BackendInterface
   {
     allocate_cells();
     executor_.upload(&host_config_, 1, config_.data());
+    if (!Executor::kWalksLines)
+      executor_.for_each_cell(
+          line_grid().side, line_grid().side,
+          kernels::FillLineTables{config_.data(), line_grid(), line_tables()});
   }
 
   FrameReport run(const Frame& frame, const kernels::FrameContext& context) override
@@ -66,11 +70,9 @@ class Pipeline final : public BackendInterface
     executor_.lap(5);
     fill();  // stage 7
     executor_.lap(6);
-    executor_.aside([this] { deliver_surfaces(); });
     judge();  // stages 8 and 9
     executor_.lap(7);
-    deliver_features();
-    executor_.join();
+    executor_.join();  // with the layers that are copied
   }
 
   void accept_and_weigh()
@@ -79,25 +81,27 @@ class Pipeline final : public BackendInterface
     const kernels::AcceptPoint<Atomics> accept{config_.data(), context_.data(),  in_, points_out(),
                                                rays_.data(),   counters_.data(), kept};
     const kernels::RollCell roll{config_.data(), context_.data(), store(), top_hit_.data()};
-    const kernels::FindGroundHits ground{
-        config_.data(), context_.data(), store(), rays_.data(), lowest_slope_.data()};
+    const kernels::FindGroundHits ground{config_.data(), context_.data(), store()};
     const int bins = kernels::bin_count(host_config_);
     if constexpr (Executor::kWalksLines)
     {
       executor_.for_each_point(points(), accept);
       executor_.for_another_stage(2, [&] { for_each_cell(roll); });
       executor_.for_each_stretch(
-          bins, kernels::SweepBuriedRays{ground, rays_.data(), directions_.data()});
+          bins,
+          kernels::SweepBuriedRays{ground, rays_.data(), lowest_slope_.data(), directions_.data()});
+      for_each_point(kernels::BinPoint<Atomics>{
+          context_.data(), points_out(), lowest_slope_.data(), cell_count_.data(),
+          counters_.data()});
     }
     else
     {
-      for_each_point_and_cell(accept, 2, roll);
-      executor_.for_each_cell(bins, kernels::ring_count(host_config_), ground);
-      executor_.for_each(
-          bins, kernels::FindBuriedRays{config_.data(), rays_.data(), lowest_slope_.data()});
+      for_each_point_and_cell(
+          kernels::AcceptAndCountPoint<Atomics>{accept, cell_count_.data()}, 2, roll);
+      executor_.for_each_direction_beside(
+          bins, kernels::ring_count(host_config_),
+          kernels::SettleRays{ground, rays_.data(), lowest_slope_.data()}, points(), reserve());
     }
-    for_each_point(kernels::BinPoint<Atomics>{
-        context_.data(), points_out(), lowest_slope_.data(), cell_count_.data(), counters_.data()});
   }
 
   const std::uint8_t* filter_voxels()
@@ -118,30 +122,28 @@ class Pipeline final : public BackendInterface
 
   void update()
   {
-    const kernels::ReserveStretch<Atomics> reserve{context_.data(), points_out(), sorting()};
     const kernels::SortPoint sort{
         config_.data(), context_.data(), points_out(), rays_.data(), sorting()};
     const kernels::LookThrough look{side(),       config_.data(), context_.data(),
                                     rays_.data(), passed_.data(), passing()};
-    const int bins = kernels::bin_count(host_config_);
     if constexpr (Executor::kWalksLines)
     {
       executor_.for_another_stage(
           5,
           [&]
           {
+            const int bins = kernels::bin_count(host_config_);
             executor_.for_each_stretch(bins, kernels::SweepRings{config_.data(), rays_.data()});
             executor_.for_each_cell_in_steps(side(), context_.data(), look);
           });
-      for_each_point(reserve);
+      for_each_point(reserve());
       for_each_point(sort);
     }
     else
-    {
-      executor_.for_each_beside(
-          points(), reserve, 5, bins, 1, kernels::SweepRays{config_.data(), rays_.data()});
-      for_each_point_and_cell(sort, 5, look);
-    }
+      for_each_point_and_cell(
+          kernels::SortUnburiedPoint<Atomics>{
+              sort, lowest_slope_.data(), kept_count_.data(), counters_.data()},
+          5, look);
     executor_.for_each_and_team(
         points(), points() / Executor::kCrowd,
         kernels::UpdateCell{
@@ -156,10 +158,10 @@ class Pipeline final : public BackendInterface
         grid.side, grid.side, kernels::PoolSupport{config_.data(), context_.data(), store(), grid});
     executor_.for_each_window(
         grid.side, grid.side, radius, kernels::ErodeSupport{config_.data(), grid});
-    executor_.for_each_window(
-        grid.side, grid.side, radius,
-        kernels::ChooseRoles{
-            config_.data(), context_.data(), store(), grid, top_hit_.data(), role_.data()});
+    if constexpr (Executor::kWalksLines)
+      executor_.for_each_window(grid.side, grid.side, radius, choose_roles());
+    else
+      executor_.for_each_window(grid.side, grid.side, radius, kernels::DilateSupport{grid});
   }
 
   void clean_up()
@@ -169,7 +171,9 @@ class Pipeline final : public BackendInterface
         rays_.data(),
         rays,
         cell_count_.data(),
+        kept_count_.data(),
         cells(),
+        static_cast<int>(kept_count_.size()),
         counters_.data(),
         executor_.reported(),
         kernels::kRejectCodes,
@@ -177,7 +181,12 @@ class Pipeline final : public BackendInterface
         workers};
     const kernels::CleanUpCell clean{side(),    config_.data(),  store(),
                                      passing(), top_hit_.data(), role_.data()};
-    executor_.for_each_concerned_cell_beside(workers, tidy, 5, side(), context_.data(), clean);
+    if constexpr (Executor::kWalksLines)
+      executor_.for_each_concerned_cell_beside(workers, tidy, 5, side(), context_.data(), clean);
+    else
+      executor_.mark_cells_beside(
+          workers, tidy, side(),
+          kernels::SettleCell{choose_roles(), clean, samples_.data(), line_grid()}, axis_marks_);
   }
 
   void fill()
@@ -204,40 +213,67 @@ class Pipeline final : public BackendInterface
 
   void search_lines(const kernels::FillCell& cell)
   {
-    const bool along_axes = host_config_.fill_rule == kernels::kFillLines;
     executor_.pack_bits(
         kernels::line_count(host_config_), kernels::line_rings(host_config_) + 1,
-        kernels::FindSamples{config_.data(), context_.data(), store(), role_.data()}, marks_,
-        along_axes ? 2 * side() : 0, side(),
-        kernels::FindAxisSamples{config_.data(), context_.data(), store(), role_.data()},
-        axis_marks_);
-    for_each_cell(kernels::SearchAndFillCell{
-        cell, marks_.data(), axis_marks_.data(), across_.data(), line_grid()});
+        kernels::FindSamples{samples_.data(), tracks_.data()}, marks_);
+    const kernels::SearchAndFillCell search{
+        cell,
+        host_config_,
+        samples_.data(),
+        marks_.data(),
+        axis_marks_.data(),
+        line_tables(),
+        across_.data(),
+        line_grid(),
+        kernels::places_in(host_config_.fill_search_m, host_config_.resolution_m, side() - 1)};
+    executor_.in_bands(
+        side(), copied_surfaces() * static_cast<std::size_t>(side()) * sizeof(float),
+        [&](int first, int end)
+        {
+          executor_.for_each_cell_by_lines(side(), first, end, search);
+          executor_.aside([&] { deliver_surfaces(first, end); });
+        });
   }
 
   void judge()
   {
-    const int radius = host_config_.feature_radius_cells;
-    executor_.for_each_window(
-        side(), side(), radius,
-        kernels::ComputeFeatures{
-            side(), config_.data(), surfaces(), line_grid(), across_.data(), feature_layers()});
-    executor_.for_each_concerned_cell(
-        side(), context_.data(),
-        kernels::CompleteObstacles{
-            side(), config_.data(), surfaces(), judged(), feature(Layer::Traversability)});
+    const int n = side(), radius = host_config_.feature_radius_cells;
+    const kernels::ComputeFeatures compute{n,           config_.data(), surfaces(),
+                                           line_grid(), across_.data(), feature_layers()};
+    const kernels::CompleteObstacles complete{
+        n, config_.data(), surfaces(), judged(), feature(Layer::Traversability)};
+    if constexpr (Executor::kWalksLines)
+    {
+      executor_.for_each_window(n, n, radius, compute);
+      executor_.for_each_concerned_cell(n, context_.data(), complete);
+    }
+    else
+      executor_.in_bands(
+          n, copied_features() * static_cast<std::size_t>(n) * sizeof(float),
+          [&](int first, int end)
+          {
+            executor_.for_each_window_of_rows(n, n, first, end, radius, compute);
+            // A row is completed when the next one is judged.
+            const int from = std::max(first - 1, 0), to = end == n ? n : end - 1;
+            executor_.for_each_concerned_cell_of_rows(n, context_.data(), from, to, complete);
+            executor_.aside([&] { deliver_features(first, end); });
+            executor_.aside([&] { deliver(Layer::Traversability, from, to); });
+          });
   }
 
   // ---- around them ----
   void begin(const Frame& frame, const kernels::FrameContext& context);
   FrameReport end(const Frame& frame);
-  void deliver_surfaces();
-  void deliver_features();
-  template <class Find>
-  void deliver(Layer first, Layer last, const Find& find);
+  bool is_copied(Layer layer) const;
+  std::size_t copied_surfaces() const { return copied(Layer::Elevation, Layer::State); }
+  std::size_t copied_features() const { return copied(Layer::Slope, Layer::Traversability); }
+  std::size_t copied(Layer first, Layer last) const;
+  void deliver_surfaces(int first_row, int end_row);
+  void deliver_features(int first_row, int end_row);
+  void deliver(Layer layer, int first_row, int end_row);
   void export_surface(Layer layer, float* to);
   void allocate_cells();
-  void allocate_marks();
+  void allocate_for_search();
   void reserve_points(std::size_t points);
 
   int side() const { return host_config_.cells; }
@@ -279,21 +315,33 @@ class Pipeline final : public BackendInterface
   }
   kernels::Sorting sorting()
   {
-    return {cell_count_.data(), cell_begin_.data(), sorted_.data(),
-            crowded_.data(),    cursor_.data(),     static_cast<std::uint32_t>(Executor::kCrowd)};
+    return {
+        cell_count_.data(),
+        Executor::kWalksLines ? cell_count_.data() : kept_count_.data(),
+        cell_begin_.data(),
+        sorted_.data(),
+        crowded_.data(),
+        cursor_.data(),
+        static_cast<std::uint32_t>(Executor::kCrowd)};
   }
+  kernels::ReserveStretch<Atomics> reserve() { return {context_.data(), points_out(), sorting()}; }
   kernels::SupportGrid support()
   {
     const int side = kernels::support_side(host_config_);
     const int pad = host_config_.object_radius;
     const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side + 2 * pad);
     float* p = support_.data();
-    return {side, pad, p, p + n, p + 2 * n, p + 3 * n};
+    return {side, pad, p, p + n, p + 2 * n, p + 3 * n, p + 4 * n};
+  }
+  kernels::ChooseRoles choose_roles()
+  {
+    return {config_.data(), context_.data(), store(), support(), top_hit_.data(), role_.data()};
   }
   kernels::PassingRays passing()
   {
     return {passing_.data(), passing_.data() + static_cast<std::size_t>(cells())};
   }
+  kernels::LineTables line_tables() { return {line_of_cell_.data(), tracks_.data()}; }
   kernels::LineGrid line_grid() const { return kernels::line_grid(host_config_); }
   std::size_t grid_size() const
   {
@@ -340,7 +388,7 @@ class Pipeline final : public BackendInterface
 
   float* judged() { return judged_.data() + side() + 1; }
 
-  static constexpr int kFeatureLayers = 5, kSupportArrays = 4;
+  static constexpr int kFeatureLayers = 5, kSupportArrays = 5;
 
   Executor executor_;
   kernels::Config host_config_;
@@ -359,7 +407,7 @@ class Pipeline final : public BackendInterface
   // of one frame
   Buffer<std::int32_t> point_cell_, point_ray_, crowded_;
   Buffer<std::uint64_t> cursor_;
-  Buffer<std::uint32_t> point_rank_, cell_count_, cell_begin_, counters_;
+  Buffer<std::uint32_t> point_rank_, cell_count_, kept_count_, cell_begin_, counters_;
   Buffer<float> point_slope_, point_height_, point_variance_, lowest_slope_;
   Buffer<kernels::BuriedBelow> directions_;
   Buffer<kernels::HeightPoint> sorted_;
@@ -369,6 +417,8 @@ class Pipeline final : public BackendInterface
   Buffer<std::int32_t> rays_;
   Buffer<kernels::Surface> surfaces_;
   Buffer<std::uint32_t> marks_, axis_marks_;
+  Buffer<std::int32_t> line_of_cell_;
+  Buffer<kernels::Track> tracks_;
   Buffer<float> top_hit_, support_, passing_, samples_, across_;
   Buffer<kernels::Inference> inferred_;
   // derived layers, window order

@@ -17,11 +17,8 @@ std::array<bool, kLayerCount> Pipeline<Executor>::set_outputs(const OutputPointe
     delivered[l] = outputs_[l].reachable;
     wanted_[l] = delivered[l] ? host[l] : nullptr;
   }
-  const auto copied = [this](std::size_t l) { return wanted_[l] && !outputs_[l].direct; };
   constexpr auto surfaces = static_cast<std::size_t>(Layer::Slope);
-  bool any = false;
-  for (std::size_t l = 0; l < surfaces; l++) any = any || copied(l);
-  executor_.allocate(delivered_, any ? surfaces * n : 0, 0.0f);
+  executor_.allocate(delivered_, copied_surfaces() ? surfaces * n : 0, 0.0f);
   return delivered;
 }
 
@@ -35,27 +32,49 @@ void Pipeline<Executor>::export_surface(Layer layer, float* to)
   for_each_cell(kernels::ExportCell{config_.data(), context_.data(), source, state, to});
 }
 
-/** Elevation, ground, variance and state, as far as they are wanted and not there yet. */
+/** Whether a layer is wanted, and not yet where it is wanted when it is computed. */
 template <class Executor>
-void Pipeline<Executor>::deliver_surfaces()
+bool Pipeline<Executor>::is_copied(Layer layer) const
 {
-  deliver(Layer::Elevation, Layer::State, [this](Layer l) { return surface(l); });
+  const auto l = static_cast<std::size_t>(layer);
+  return wanted_[l] && !outputs_[l].direct;
 }
 
-/** The layers of stages 8 and 9, likewise. */
+/** How many of the layers [first, last] are. */
 template <class Executor>
-void Pipeline<Executor>::deliver_features()
+std::size_t Pipeline<Executor>::copied(Layer first, Layer last) const
 {
-  deliver(Layer::Slope, Layer::Traversability, [this](Layer l) { return feature(l); });
+  std::size_t n = 0;
+  for (int l = static_cast<int>(first); l <= static_cast<int>(last); l++)
+    n += is_copied(static_cast<Layer>(l));
+  return n;
 }
 
+/** Elevation, ground, variance and state. */
 template <class Executor>
-template <class Find>
-void Pipeline<Executor>::deliver(Layer first, Layer last, const Find& find)
+void Pipeline<Executor>::deliver_surfaces(int first_row, int end_row)
 {
-  for (auto l = static_cast<std::size_t>(first); l <= static_cast<std::size_t>(last); l++)
-    if (wanted_[l] && !outputs_[l].direct)
-      executor_.copy(wanted_[l], find(static_cast<Layer>(l)), static_cast<std::size_t>(cells()));
+  for (const Layer l : {Layer::Elevation, Layer::GroundElevation, Layer::Variance, Layer::State})
+    deliver(l, first_row, end_row);
+}
+
+/** The layers of stages 8 and 9 but the last. */
+template <class Executor>
+void Pipeline<Executor>::deliver_features(int first_row, int end_row)
+{
+  for (const Layer l : {Layer::Slope, Layer::Step, Layer::Roughness, Layer::Sparsity})
+    deliver(l, first_row, end_row);
+}
+
+/** The rows of a layer, if it is copied. */
+template <class Executor>
+void Pipeline<Executor>::deliver(Layer layer, int first_row, int end_row)
+{
+  if (!is_copied(layer)) return;
+  const float* from = layer < Layer::Slope ? surface(layer) : feature(layer);
+  const auto first = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(side());
+  const auto end = static_cast<std::size_t>(end_row) * static_cast<std::size_t>(side());
+  executor_.copy(wanted_[static_cast<std::size_t>(layer)] + first, from + first, end - first);
 }
 
 template <class Executor>
@@ -111,8 +130,9 @@ void Pipeline<Executor>::write_all(const MapBytes& bytes, const kernels::FrameCo
   executor_.upload(&window, 1, context_.data());
   for (const Layer l : {Layer::Elevation, Layer::GroundElevation, Layer::Variance, Layer::State})
     if (surface(l)) export_surface(l, surface(l));
-  deliver_surfaces();
-  deliver_features();
+  deliver_surfaces(0, side());
+  deliver_features(0, side());
+  deliver(Layer::Traversability, 0, side());
   executor_.synchronize();
 }
 
