@@ -108,6 +108,12 @@ struct HighestGround
   float height_m = -kInfinity;
 
   static constexpr auto fields() { return std::make_tuple(&HighestGround::height_m); }
+
+  TALUS_HD void add_eroded(float eroded_m)
+  {
+    height_m = max_of(height_m, eroded_m < kInfinity ? eroded_m : -kInfinity);
+  }
+  TALUS_HD void add(const HighestGround& other) { height_m = max_of(height_m, other.height_m); }
 };
 
 /** Dilation of what was eroded, for executors that decide cell by cell. */
@@ -119,13 +125,9 @@ struct DilateSupport
 
   TALUS_HD void add(HighestGround& row, int px, int py, int d) const
   {
-    const float v = grid.eroded_m[grid.at(px + d, py)];
-    row.height_m = max_of(row.height_m, v < kInfinity ? v : -kInfinity);
+    row.add_eroded(grid.eroded_m[grid.at(px + d, py)]);
   }
-  TALUS_HD void add(HighestGround& sum, const HighestGround& other, int) const
-  {
-    sum.height_m = max_of(sum.height_m, other.height_m);
-  }
+  TALUS_HD void add(HighestGround& sum, const HighestGround& other, int) const { sum.add(other); }
   TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
   {
     grid.opened_m[grid.at(px, py)] = opened.height_m;
@@ -150,12 +152,9 @@ struct ChooseRoles
 
   TALUS_HD void add(HighestGround& row, int px, int py, int d) const
   {
-    DilateSupport{grid}.add(row, px, py, d);
+    row.add_eroded(grid.eroded_m[grid.at(px + d, py)]);
   }
-  TALUS_HD void add(HighestGround& sum, const HighestGround& other, int d) const
-  {
-    DilateSupport{grid}.add(sum, other, d);
-  }
+  TALUS_HD void add(HighestGround& sum, const HighestGround& other, int) const { sum.add(other); }
 
   TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
   {

@@ -11,6 +11,11 @@ namespace talus::loops
 {
 constexpr int kThreads = 256;  //!< of a block over a range, at most
 constexpr int kTileWidth = 32, kTileRows = 8;  //!< threads of a block over cells, at most
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
+constexpr int kTilesAtOnce = 4;  //!< of a multiprocessor, at least: bounds the registers
+#else
+constexpr int kTilesAtOnce = 5;
+#endif
 constexpr int kWindowThreads = 16;  //!< rows of threads of a block with neighbourhoods
 
 /** Where kernels are chained (programmatic dependent launch), a kernel is brought up while its
@@ -55,7 +60,7 @@ __global__ void __launch_bounds__(kThreads)
 }
 
 template <class F>
-__global__ void __launch_bounds__(kTileWidth* kTileRows, 5)
+__global__ void __launch_bounds__(kTileWidth* kTileRows, kTilesAtOnce)
     over_cells(int nx, int y_first, int y_end, F f, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
