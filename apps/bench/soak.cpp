@@ -1,4 +1,5 @@
 #include <talus/elevation_mapper.h>
+#include "measure.h"
 #include "scans.h"
 
 #include <CLI/CLI.hpp>
@@ -8,7 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <ctime>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -34,25 +35,11 @@ struct Options
   double max_ratio = 2;
 };
 
-double process_cpu_s()
-{
-  std::timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 double peak_memory_MB()
 {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
-}
-
-double quantile(std::vector<double> sample, double q)
-{
-  const auto at = static_cast<std::ptrdiff_t>(q * static_cast<double>(sample.size() - 1) + 0.5);
-  std::nth_element(sample.begin(), sample.begin() + at, sample.end());
-  return sample[static_cast<std::size_t>(at)];
 }
 
 /** Frame i of the drive: the sensor in the middle of a cell, so that its place is exact. */
