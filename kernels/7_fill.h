@@ -7,7 +7,7 @@ namespace talus::kernels
 // the sensor: towards it and away from it. How samples are found is the executor's choice, for what
 // is fast on a device is slow on a core. A device searches for each cell: each line keeps one bit a
 // ring, "measured ground here", and finding the next sample is a bit scan. A core walks the lines
-// and carries the last samples along (libs/core/src/cpu_lines.h). What is made of them is the same.
+// and lists their samples (libs/core/src/cpu_lines.h). What is made of them is the same.
 
 TALUS_HD int words_per_axis(const Config& k) { return (k.cells + 31) / 32; }
 TALUS_HD int words_per_line(const Config& k) { return line_rings(k) / 32 + 1; }
@@ -356,13 +356,23 @@ struct LineFusion
 };
 
 /** What the lines through a cell say of its ground. */
-struct Inference
+struct alignas(16) Inference
 {
   LineFusion lines;  //!< for other rules than kFillLines: what the rule says, as one line
-  float inner_var_m2 = kNan, outer_var_m2 = kNan;  //!< NaN: no samples on that side
+  float variance_m2 = kNan;  //!< NaN: no samples; with a minus: on one side only
 
-  TALUS_HD bool any() const { return is_known(inner_var_m2) | is_known(outer_var_m2); }
+  TALUS_HD bool any() const { return is_known(variance_m2); }
+  TALUS_HD bool two_sided() const { return bits_of(variance_m2) >> 31 == 0; }
 };
+
+/** Inference::variance_m2 from the variances of the two sides of the line to the sensor, NaN where
+ * one has no samples. */
+TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
+{
+  const bool has_inner = is_known(inner_m2), both = has_inner & is_known(outer_m2);
+  const float fused = 1.0f / (1.0f / inner_m2 + 1.0f / outer_m2);
+  return select(both, fused, -select(has_inner, inner_m2, outer_m2));
+}
 
 TALUS_HD LineFusion fuse_lines(const SideEstimate& a, const SideEstimate& b)
 {
@@ -395,15 +405,11 @@ struct Fill
 TALUS_HD Fill
 infer_ground(const Inference& inferred, bool under_object, float bound_m, const Config& k)
 {
-  const bool has_inner = is_known(inferred.inner_var_m2);
-  const bool both = has_inner & is_known(inferred.outer_var_m2);
   const LineFusion& lines = inferred.lines;
   const float height = select(under_object, lines.lowest_m, lines.weighted / lines.information);
-  const float fused = 1.0f / (1.0f / inferred.inner_var_m2 + 1.0f / inferred.outer_var_m2);
-  const float one = select(has_inner, inferred.inner_var_m2, inferred.outer_var_m2);
   return {
       min_of(height, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
-      select(both, fused, one), select(both, kFilledTwoSided, kFilledOneSided)};
+      abs_of(inferred.variance_m2), select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided)};
 }
 
 // ---- For executors that walk lines
@@ -419,46 +425,28 @@ struct LineGrid
   TALUS_HD int middle() const { return at(half, half); }
 };
 
-constexpr int kGridStrip = 32;  //!< columns that are walked side by side
-constexpr int kGridShift = 16;
-
-/** The pitch has room for whole strips. It is an odd number of cache lines, so that the places of a
- * column do not fight for the same part of a cache. */
+/** The pitch is an odd number of cache lines, so that the places of a column do not fight for the
+ * same part of a cache. */
 TALUS_HD LineGrid line_grid(const Config& k)
 {
   const int half = k.cells / 2, side = 2 * half + 1;
-  return {half, side, (side + kGridStrip - 1) / kGridStrip * kGridStrip + kGridShift};
+  return {half, side, (side + 31) / 32 * 32 + 16};
 }
 
 /** Measured ground that fills may build on, by place of the grid. */
 struct Samples
 {
   float* height_m;  //!< NaN: none
+  float* turned_m;  //!< the same with rows as columns
   float* variance_m2;
 };
 
 /** What was inferred of the cells, by place of the grid. */
 struct InferenceGrid
 {
-  float *information, *weighted, *lowest_m, *inner_var_m2, *outer_var_m2;
-  float* across_m;  //!< height difference of the ground on both sides, see stage 9
-
-  TALUS_HD Inference load(int o) const
-  {
-    return {{information[o], weighted[o], lowest_m[o]}, inner_var_m2[o], outer_var_m2[o]};
-  }
-  TALUS_HD void store(int o, const LineFusion& lines) const
-  {
-    information[o] = lines.information;
-    weighted[o] = lines.weighted;
-    lowest_m[o] = lines.lowest_m;
-  }
-  TALUS_HD void add(int o, const LineFusion& lines) const
-  {
-    LineFusion sum = load(o).lines;
-    sum.add(lines);
-    store(o, sum);
-  }
+  Inference* cells;
+  float* across_m;  //!< where it is guessed from one side: height difference of the ground on both,
+                    //!< see stage 9
 };
 
 struct TakeSample
@@ -558,9 +546,10 @@ struct FillCell
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;
     const bool guess = (state == kFilledOneSided) & !stands;
-    const bool reached = measured | ((passed & kPassedLow) != 0) | stands, known = is_known(ground);
+    const bool met = measured | stands, known = is_known(ground);
+    const std::int32_t passed_low = (passed & kPassedLow) * (kSurfaceReached / kPassedLow);
     const std::int32_t flags = select(measured, kSurfaceMeasured, 0) |
-                               select(reached, kSurfaceReached, 0) |
+                               select(met, kSurfaceReached, 0) | passed_low |
                                select(guess, kSurfaceGuess, 0);
     const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
@@ -578,7 +567,7 @@ struct FillWalkedCell
 
   TALUS_HD void operator()(int ix, int iy, int i) const
   {
-    fill(ix, iy, i, inferred.load(grid.at(ix, iy)));
+    fill(ix, iy, i, inferred.cells[grid.at(ix, iy)]);
   }
 };
 
@@ -611,8 +600,10 @@ struct SearchAndFillCell
     const Config& k = *fill.config;
     const auto radial = line_search(k, *fill.frame, fill.store, marks, dx, dy);
     Inference found;
-    const SideEstimate inner = radial.infer_side(false, &found.inner_var_m2);
-    const SideEstimate outer = radial.infer_side(true, &found.outer_var_m2);
+    float inner_m2 = kNan, outer_m2 = kNan;
+    const SideEstimate inner = radial.infer_side(false, &inner_m2);
+    const SideEstimate outer = radial.infer_side(true, &outer_m2);
+    found.variance_m2 = fuse_variances(inner_m2, outer_m2);
     if (!found.any()) return found;
     if (k.fill_rule != kFillLines)
     {

@@ -101,6 +101,12 @@ TALUS_HD float slope_angle(const Moments& m, const Config& k)
 struct FeatureLayers
 {
   float *slope, *step, *roughness, *sparsity, *traversability;
+  float* judged;  //!< traversability before CompleteObstacles
+
+  TALUS_HD void put_traversability(int o, float value) const
+  {
+    traversability[o] = judged[o] = value;
+  }
 };
 
 struct Features
@@ -167,7 +173,7 @@ struct ComputeFeatures
     out.step[o] = select(known, f.step, kNan);
     out.roughness[o] = select(known, f.roughness, kNan);
     out.sparsity[o] = kNan;
-    out.traversability[o] = select(judged, fuse_features(f, *config), kNan);
+    out.put_traversability(o, select(judged, fuse_features(f, *config), kNan));
   }
 
   /** What only few cells need; `moments()` as above. */
@@ -181,34 +187,81 @@ struct ComputeFeatures
     if (ix == half && iy == half) return;  // the sensor's own cell lies on no line
     const float robot_m = distance_along_line(ix - half, iy - half, *config);
     if (robot_m > config->sparsity_range_m) return;
-    out.traversability[o] = out.sparsity[o] = sparsity(across_m[grid.at(ix, iy)], robot_m, *config);
+    out.sparsity[o] = sparsity(across_m[grid.at(ix, iy)], robot_m, *config);
+    out.put_traversability(o, out.sparsity[o]);
   }
 };
 
-/** The last step of stage 8: a cell between two impassable ones, on opposite sides, is impassable.
- * No robot fits through one cell, and things that rays pass through are hit in some cells only. */
-struct CloseGaps
+/** The last step of stage 8: cells at the edge of what is impassable join it. What a neighbourhood
+ * says of its middle ends before the edge of what is steep, and things that rays pass through are
+ * hit in some of their cells only. */
+struct CompleteObstacles
 {
   int cells;
+  const Config* config;
+  Surfaces surfaces;
   const float* judged;  //!< window order, with a row and a cell more on both ends
-  float* traversability;
+  float* traversability;  //!< as judged before
 
-  TALUS_HD void operator()(int ix, int iy) const
+  TALUS_HD bool concerns(int ix, int iy, int) const
   {
-    const int n = cells, o = iy * n + ix;
+    const int n = cells;
     const bool inside = (ix > 0) & (iy > 0) & (ix < n - 1) & (iy < n - 1);
-    traversability[o] = select(inside & between(judged + o, n), 0.0f, judged[o]);
+    const float* at = judged + iy * n + ix;
+    return inside & !blocked(at) & (around(at - n) | around(at) | around(at + n));
+  }
+
+  TALUS_HD void operator()(int ix, int iy, int) const
+  {
+    const int o = iy * cells + ix;
+    if (between(judged + o) || (is_known(judged[o]) && at_steep_edge(ix, iy)))
+      traversability[o] = 0.0f;
   }
 
  private:
-  static TALUS_HD bool between(const float* at, int n)
+  static TALUS_HD bool blocked(const float* at) { return *at == 0.0f; }
+  static TALUS_HD bool around(const float* at)
   {
-    return both_blocked(at, 1) | both_blocked(at, n) | both_blocked(at, n + 1) |
-           both_blocked(at, n - 1);
+    return blocked(at - 1) | blocked(at) | blocked(at + 1);
   }
-  static TALUS_HD bool both_blocked(const float* at, int step)
+
+  /** Between two impassable cells on opposite sides: no robot fits through one cell. */
+  TALUS_HD bool between(const float* at) const
   {
-    return (at[-step] == 0.0f) & (at[step] == 0.0f);
+    const int n = cells;
+    return (blocked(at - 1) && blocked(at + 1)) || (blocked(at - n) && blocked(at + n)) ||
+           (blocked(at - n - 1) && blocked(at + n + 1)) ||
+           (blocked(at - n + 1) && blocked(at + n - 1));
+  }
+
+  /** Of measured cells: the ground rises or falls steeply to an impassable neighbour on which
+   * nothing stands, or a face begins in the cell that is higher, with the neighbours, than a step.
+   */
+  TALUS_HD bool at_steep_edge(int ix, int iy) const
+  {
+    const Surface* at = surfaces.cell + surfaces.at(ix, iy);
+    if (!at->is(kSurfaceMeasured)) return false;
+    const float* judgement = judged + iy * cells + ix;
+    int low = at->ground, high = at->height();
+    for (int dy = -1; dy <= 1; dy++)
+      for (int dx = -1; dx <= 1; dx++)
+      {
+        const Surface& next = at[dy * surfaces.pitch + dx];
+        if (!next.is(kSurfaceMeasured)) continue;
+        low = min_of(low, next.ground);
+        high = max_of(high, next.height());
+        const bool beside = (dx == 0) | (dy == 0), bare = !steep(next.height() - next.ground);
+        if (beside && bare && steep(abs_of(next.ground - at->ground)) &&
+            blocked(judgement + dy * cells + dx))
+          return true;
+      }
+    const float step = config->step_threshold_m * kHeightSteps;
+    return steep(at->height() - at->ground) && static_cast<float>(high - low) > step;
+  }
+  /** Whether a rise within a cell is steeper than the slope threshold. */
+  TALUS_HD bool steep(int rise) const
+  {
+    return static_cast<float>(rise) > config->support_slope * config->resolution_m * kHeightSteps;
   }
 };
 

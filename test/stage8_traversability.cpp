@@ -152,3 +152,21 @@ TEST(Stage8Traversability, AGapOfOneCellBetweenImpassableCellsIsImpassable)
     EXPECT_EQ(m.traversability(2.0 + gap_m / 2, 0.025) == 0.0f, gap_cells == 1) << gap_cells;
   }
 }
+
+TEST(Stage8Traversability, ASteepFaceIsImpassableUpToItsEdge)
+{
+  for (const double degrees : {45.0, 25.0})
+  {
+    TestMap m;
+    Scan s;
+    const double rise = std::tan(degrees * M_PI / 180);
+    s.add_surface(
+        1, -1, 4, 1, [&](double x, double) { return rise * std::clamp(x - 2.0, 0.0, 0.6); });
+    m.update(s);
+    const bool steep = degrees > 40;
+    for (double x = 2.025; x < 2.6; x += 0.05)
+      EXPECT_EQ(m.traversability(x, 0.025) == 0.0f, steep) << degrees << " at " << x;
+    for (const double x : {1.875, 2.725})
+      EXPECT_GT(m.traversability(x, 0.025), 0.0f) << degrees << " at " << x;
+  }
+}

@@ -3,10 +3,12 @@
 #include "kernels/7_fill.h"
 
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
-// Stage 7's lines on the CPU: many lines are walked side by side, each with the samples that it met
-// last, so that a cell costs the same however far its samples are, and loops over lines vectorise.
+// Stage 7's lines on the CPU. Each line is walked once: it lists its samples, and each of its cells
+// to infer notes how many there were when the line came by. So a cell costs the same however far
+// its samples are, only cells that need it are inferred, and many of them at once in vector code.
 
 namespace talus::lines
 {
@@ -14,379 +16,251 @@ using kernels::SideEstimate;
 
 /** Where a sample is that was never met. */
 constexpr int kNowhere = -(1 << 20);
+constexpr int kMaxSamples = 16;
+/** How many lines are one part of the work. */
+constexpr int kLinesOfPart = 16;
 
-/** The last kSamples samples of each of `lanes` lines. */
-template <int kSamples>
-struct Carried
+/** Memory of this thread, kept from frame to frame. */
+template <class T>
+class Scratch
 {
-  float* height_m;  //!< [sample][lane], the last first
-  int* place;  //!< likewise
-  int lanes;
-
-  void clear() const
+ public:
+  explicit Scratch(std::size_t size)
   {
-    for (int i = 0; i < kSamples * lanes; i++) height_m[i] = 0, place[i] = kNowhere;
+    if (memory().size() < size) memory().resize(size);
+    next_ = memory().data();
+  }
+  T* take(std::size_t size)
+  {
+    next_ += size;
+    return next_ - size;
   }
 
-  void push(int lane, float sample_m, int at) const
+ private:
+  static std::vector<T>& memory()
   {
-    const bool known = kernels::is_known(sample_m);
-    for (int s = kSamples - 1; s >= 0; s--)
-    {
-      const int i = s * lanes + lane;
-      const float older_m = height_m[i], newer_m = s ? height_m[i - lanes] : sample_m;
-      const int older = place[i], newer = s ? place[i - lanes] : at;
-      height_m[i] = kernels::select(known, newer_m, older_m);
-      place[i] = kernels::select(known, newer, older);
-    }
+    static thread_local std::vector<T> m;
+    return m;
   }
+  T* next_;
+};
 
-  /** What the samples say of a place within `reach` places of the last. */
-  SideEstimate infer(int lane, int at, float step_m, int reach, const kernels::Config& k) const
+/** A line on its way over the grid: where it reads samples and which cell of the grid that is, by
+ * place; which of the cells are its own to infer. */
+struct Track
+{
+  const float* height_m;
+  int *read, *cell, *own;
+  int places;
+  float step_m;  //!< length of the line per place
+};
+
+/** The samples that a line met, in order, between kSamples that are nowhere. */
+template <int kSamples>
+struct Met
+{
+  float* height_m;
+  int *place, *cell;
+};
+
+/** Cells to infer, from several lines. */
+template <int kSamples>
+struct Batch
+{
+  static constexpr int kBoth = 2 * kSamples;
+  // what is known of each: the samples around it, the last of those before it at kSamples - 1
+  float* height_m;
+  int* place;
+  int *at, *to;  //!< place on the line; on the grid
+  float *step_m, *before_m2, *behind_m2;  //!< variances of the samples next to it
+  // what is inferred
+  kernels::Inference* found;
+  float* across_m;
+
+  /** From the samples before (direction -1) or behind a cell (1). */
+  SideEstimate infer(int c, int direction, float step, int reach, const kernels::Config& k) const
   {
+    const int nearest = c * kBoth + kSamples - (direction < 0);
     kernels::SideSum sum;
-    const int samples = k.fill_samples;
     for (int s = 0; s < kSamples; s++)
     {
-      const int places = kernels::abs_of(at - place[s * lanes + lane]);
-      const bool inside = (places <= reach) & (s < samples);
-      const float distance = static_cast<float>(kernels::select(inside, places, 0)) * step_m;
-      sum.add(height_m[s * lanes + lane], distance, inside, k);
+      const int places = kernels::abs_of(at[c] - place[nearest + s * direction]);
+      const bool inside = (places <= reach) & (s < k.fill_samples);
+      const float distance = static_cast<float>(kernels::select(inside, places, 0)) * step;
+      sum.add(height_m[nearest + s * direction], distance, inside, k);
     }
-    const int places = kernels::abs_of(at - place[lane]);
+    const int places = kernels::abs_of(at[c] - place[nearest]);
     const bool any = places <= reach;
-    const float nearest = height_m[lane];
     return sum.estimate(
-        kernels::select(any, nearest, kernels::kNan), kernels::select(any, places, 0), step_m, k);
+        kernels::select(any, height_m[nearest], kernels::kNan), kernels::select(any, places, 0),
+        step, k);
   }
 
-  /** Height of the last sample, NaN if it is not within `reach` places. */
-  float nearest(int lane, int at, int reach) const
+  /** Height of the nearest of them, NaN if it is not within `reach` places. */
+  float nearest(int c, int direction, int reach) const
   {
-    const float height = height_m[lane];
-    return kernels::select(kernels::abs_of(at - place[lane]) <= reach, height, kernels::kNan);
+    const int i = c * kBoth + kSamples - (direction < 0);
+    const bool near = kernels::abs_of(at[c] - place[i]) <= reach;
+    return kernels::select(near, height_m[i], kernels::kNan);
   }
 };
 
-/** What is kept of the first side of a cell until the second is known. */
-struct FirstSide
-{
-  float height_m;  //!< NaN: no samples; mean height, or mu* where the rule is not kFillLines
-  float places;
-  float distance_m;  //!< of the mean; height of the nearest where the rule is not kFillLines
-};
-
-inline FirstSide keep(const SideEstimate& side, bool along_lines)
-{
-  const float height = along_lines ? side.mean_m : side.height_m;
-  return {
-      kernels::select(side.any(), height, kernels::kNan), static_cast<float>(side.places),
-      along_lines ? side.mean_distance_m : side.nearest_m};
-}
-
-inline SideEstimate recall(const FirstSide& first, float step_m, bool along_lines)
-{
-  SideEstimate side;
-  side.places = static_cast<int>(first.places);
-  side.distance_m = first.places * step_m;
-  side.height_m = side.mean_m = first.height_m;
-  side.nearest_m = along_lines ? first.height_m : first.distance_m;
-  side.mean_distance_m = first.distance_m;
-  return side;
-}
-
-/** Lines that run beside each other along rows or columns. */
-class AxisWalk
+template <int kSamples, bool kAlongRays>
+class LineSearch
 {
  public:
-  static constexpr int kLanes = kernels::kGridStrip;
-
-  AxisWalk(const kernels::Config& k, int places, std::vector<float>& memory)
-      : k_(k), places_(places)
+  /** `places`: of the longest line. */
+  LineSearch(
+      const kernels::Config& k, const float* variance_m2, const kernels::InferenceGrid& to,
+      int places)
+      : k_(k), variance_m2_(variance_m2), to_(to)
   {
-    const auto size = static_cast<std::size_t>(places) * kLanes;
-    if (memory.size() < 3 * size) memory.resize(3 * size);
-    term_ = {memory.data(), memory.data() + size, memory.data() + 2 * size};
+    const auto line = static_cast<std::size_t>(places), met = line + 2 * kSamples + 1;
+    const auto room = static_cast<std::size_t>(kEnough) + line + kBlock, both = kBoth * room;
+    Scratch<float> f(met + both + 4 * room);
+    Scratch<int> i(3 * line + 2 * met + 2 * (line + 1) + both + 2 * room);
+    Scratch<kernels::Inference> found(room);
+    track_ = {nullptr, i.take(line), i.take(line), i.take(line), 0, 0};
+    met_ = {f.take(met), i.take(met), i.take(met)};
+    next_ = i.take(line + 1), at_ = i.take(line + 1);
+    batch_ = {f.take(both), i.take(both), i.take(room),     i.take(room), f.take(room),
+              f.take(room), f.take(room), found.take(room), f.take(room)};
   }
 
-  /** `samples`: of the lines at a place; `pitch` floats from one place to the next. */
-  template <int kSamples>
-  TALUS_CLONES void walk(const float* samples, std::ptrdiff_t pitch) const
+  Track& track() { return track_; }
+
+  /** Cells of the line on track() are inferred, now or with those of a later one. */
+  void add_line()
   {
-    alignas(64) float height[kSamples * kLanes];
-    alignas(64) int place[kSamples * kLanes];
-    const Carried<kSamples> carried{height, place, kLanes};
-    const Term term = term_;
-    const kernels::Config& k = k_;
-    const float step_m = k.resolution_m;
-    const int reach = kernels::places_in(k.fill_search_m, step_m, k.cells - 1), places = places_;
-    carried.clear();
-    for (int at = 0; at < places; at++)
-    {
-      const float* here = samples + at * pitch;
-      TALUS_INDEPENDENT
-      for (int l = 0; l < kLanes; l++)
-      {
-        term.put(at * kLanes + l, keep(carried.infer(l, at, step_m, reach, k), true));
-        carried.push(l, here[l], at);
-      }
-    }
-    carried.clear();
-    for (int at = places - 1; at >= 0; at--)
-    {
-      const float* here = samples + at * pitch;
-      TALUS_INDEPENDENT
-      for (int l = 0; l < kLanes; l++)
-      {
-        const SideEstimate low = recall(term.first(at * kLanes + l), step_m, true);
-        kernels::LineFusion both;
-        both.add(low, carried.infer(l, at, step_m, reach, k));
-        term.put(at * kLanes + l, both);
-        carried.push(l, here[l], at);
-      }
-    }
+    gather(walk());
+    if (count_ >= kEnough) finish();
   }
 
-  kernels::LineFusion term(int place, int lane) const
+  /** What is not inferred yet. */
+  void finish()
   {
-    return term_.fusion(place * kLanes + lane);
+    if (count_ == 0) return;
+    for (int c = count_; c % kBlock != 0; c++) copy_cell(c, kSamples, 0);
+    const int cells = (count_ + kBlock - 1) / kBlock * kBlock;
+    if (!kAlongRays)
+      infer_along_axis(k_, batch_, cells, track_.step_m);
+    else if (k_.fill_rule == kernels::kFillLines)
+      infer_along_rays<true>(k_, batch_, cells);
+    else
+      infer_along_rays<false>(k_, batch_, cells);
+    put();
+    count_ = 0;
   }
 
  private:
-  /** By place and lane: first what one side says, then both. */
-  struct Term
+  static constexpr int kBoth = 2 * kSamples, kBlock = 16, kEnough = 256;
+
+  /** Lists the line's samples, and its cells that are none. Returns how many cells. */
+  int walk()
   {
-    float *a, *b, *c;
-    void put(int i, const FirstSide& f) const
+    const Track t = track_;
+    const Met<kSamples> met = met_;
+    int *const next = next_, *const at = at_;
+    int end = nowhere(0), count = 0;
+    for (int p = 0; p < t.places; p++)
     {
-      a[i] = f.height_m, b[i] = f.places, c[i] = f.distance_m;
+      const float height_m = t.height_m[kAlongRays ? t.read[p] : p];
+      met.height_m[end] = height_m, met.place[end] = p;
+      if (kAlongRays) met.cell[end] = t.cell[p];
+      next[count] = end, at[count] = p;
+      const bool known = kernels::is_known(height_m);
+      end += known;
+      count += !known & (!kAlongRays || t.own[p] != 0);
     }
-    FirstSide first(int i) const { return {a[i], b[i], c[i]}; }
-    void put(int i, const kernels::LineFusion& f) const
+    nowhere(end);
+    return count;
+  }
+  int nowhere(int end) const
+  {
+    for (int s = 0; s < kSamples; s++)
+      met_.height_m[end + s] = 0, met_.place[end + s] = kNowhere, met_.cell[end + s] = 0;
+    return end + kSamples;
+  }
+
+  /** Adds those cells to the batch that have samples within reach. */
+  void gather(int cells)
+  {
+    const Track t = track_;
+    const int reach = reach_of(t.step_m, t.places - 1, k_);
+    int count = count_;
+    for (int c = 0; c < cells; c++)
     {
-      a[i] = f.information, b[i] = f.weighted, c[i] = f.lowest_m;
+      const int next = next_[c], at = at_[c];
+      copy_cell(count, next, at);
+      const bool near =
+          (at - met_.place[next - 1] <= reach) | (kernels::abs_of(at - met_.place[next]) <= reach);
+      batch_.to[count] = t.cell[at];
+      __builtin_prefetch(to_.cells + t.cell[at], 1);
+      if (kAlongRays)
+      {
+        batch_.step_m[count] = t.step_m;
+        batch_.before_m2[count] = variance_m2_[met_.cell[next - 1]];
+        batch_.behind_m2[count] = variance_m2_[met_.cell[next]];
+        if (!near) put_nothing(next, at);
+      }
+      count += near;
     }
-    kernels::LineFusion fusion(int i) const { return {a[i], b[i], c[i]}; }
-  };
-  const kernels::Config& k_;
-  int places_;
-  Term term_;
-};
-
-/** Lines from the sensor's cell to one half of a side of the grid's border: an eighth of all. Cells
- * and lines are taken in whole blocks; what is too much is computed and dropped. */
-class RadialWalk
-{
- public:
-  static constexpr int kMaxSamples = 16;
-
-  /** `eighth` in [0, 8). Scratch memory is the caller's. */
-  RadialWalk(
-      const kernels::Config& k, const kernels::LineGrid& grid, int eighth,
-      std::vector<float>& floats, std::vector<int>& ints)
-      : k_(k),
-        grid_(grid),
-        rings_(kernels::line_rings(k)),
-        lanes_(whole_blocks(rings_)),
-        side_(eighth / 2),
-        first_line_(eighth % 2 ? 0 : -rings_)
+    count_ = count;
+  }
+  void copy_cell(int c, int next, int at) const
   {
-    const auto lanes = static_cast<std::size_t>(lanes_);
-    const auto kept = static_cast<std::size_t>(kept_at(rings_ + 1));
-    floats.resize(std::max(floats.size(), (kMaxSamples + 1) * lanes + kLayers * kept));
-    ints.resize(std::max(ints.size(), (kMaxSamples + 4) * lanes));
-    float* f = floats.data();
-    int* i = ints.data();
-    step_m_ = f, height_m_ = f + lanes, kept_ = height_m_ + kMaxSamples * lanes;
-    reach_ = i, far_reach_ = i + lanes, line_of_ = i + 2 * lanes, nearest_ = i + 3 * lanes;
-    place_ = i + 4 * lanes;
+    std::memcpy(
+        batch_.height_m + c * kBoth, met_.height_m + next - kSamples, kBoth * sizeof(float));
+    std::memcpy(batch_.place + c * kBoth, met_.place + next - kSamples, kBoth * sizeof(int));
+    batch_.at[c] = at;
   }
 
-  template <int kSamples, bool kAlongLines>
-  void walk(const kernels::Samples& samples, const kernels::InferenceGrid& to) const
+  /** Fills find nothing; what stage 9 wants is farther. */
+  void put_nothing(int next, int at) const
   {
-    static_assert(kSamples <= kMaxSamples, "");
-    const Carried<kSamples> carried{height_m_, place_, lanes_};
-    measure_lines();
-    clear(carried);
-    for (int ring = 0; ring <= rings_; ring++)
-    {
-      if (ring > 0) look_inwards<kAlongLines>(carried, ring, samples);
-      pass(carried, ring, samples);
-    }
-    clear(carried);
-    for (int ring = rings_; ring > 0; ring--)
-    {
-      look_outwards<kAlongLines>(carried, ring, samples);
-      put_ring(ring, to);
-      pass(carried, ring, samples);
-    }
+    const Track& t = track_;
+    const int far = kernels::places_in(k_.sparsity_search_m, t.step_m, t.places - 1);
+    const bool both =
+        (at - met_.place[next - 1] <= far) & (kernels::abs_of(at - met_.place[next]) <= far);
+    const float across_m = kernels::abs_of(met_.height_m[next - 1] - met_.height_m[next]);
+    to_.cells[t.cell[at]] = {};
+    to_.across_m[t.cell[at]] = both ? across_m : kernels::kNan;
   }
 
- private:
-  static constexpr int kBlock = 16;
-  static constexpr int whole_blocks(int n) { return (n + kBlock - 1) / kBlock * kBlock; }
-
-  /** The layers of kernels::InferenceGrid. */
-  static constexpr int kLayers = 6;
-  enum
+  static int reach_of(float step_m, int last_place, const kernels::Config& k)
   {
-    kInformation,
-    kWeighted,
-    kLowest,
-    kInnerVar,
-    kOuterVar,
-    kAcross
-  };
-
-  /** A ring's cells on this half of the side, as places of the grid. */
-  struct Row
-  {
-    int first, stride;
-    int at(int minor) const { return first + minor * stride; }
-  };
-  Row row(int ring) const
-  {
-    const int middle = grid_.middle(), pitch = grid_.pitch;
-    switch (side_)
-    {
-      case 0:
-        return {middle + ring, pitch};
-      case 1:
-        return {middle + ring * pitch, -1};
-      case 2:
-        return {middle - ring, -pitch};
-      default:
-        return {middle - ring * pitch, 1};
-    }
-  }
-  /** The first of a ring's cells. */
-  int first_cell(int ring) const { return first_line_ < 0 ? -ring : 0; }
-  /** Outer rings have about as many cells as there are lines: what they need is computed for every
-   * line, in their order. On inner rings it is computed for the lines that pass their cells. */
-  bool by_line(int ring) const { return 2 * ring > rings_; }
-  /** Where what is kept of a ring begins, of each layer. */
-  int kept_at(int ring) const
-  {
-    const int inner = kernels::min_of(ring, rings_ / 2 + 1);
-    return (inner * (inner - 1)) / 2 + kBlock * inner + (ring - inner) * lanes_;
-  }
-  float* kept(int layer, int ring) const
-  {
-    return kept_ + layer * kept_at(rings_ + 1) + kept_at(ring);
+    return kernels::places_in(k.fill_search_m, step_m, last_place);
   }
 
-  void measure_lines() const
+  template <bool kAlongLines>
+  TALUS_CLONES static void infer_along_rays(
+      const kernels::Config k, const Batch<kSamples> b, int cells)
   {
-    for (int l = 0; l < lanes_; l++)
-    {
-      const int line = first_line_ + kernels::min_of(l, rings_ - 1);
-      step_m_[l] = kernels::line_stretch({side_, line}, rings_) * k_.resolution_m;
-      reach_[l] = kernels::places_in(k_.fill_search_m, step_m_[l], rings_);
-      far_reach_[l] = kernels::places_in(k_.sparsity_search_m, step_m_[l], rings_);
-    }
-  }
-
-  template <int kSamples>
-  void clear(const Carried<kSamples>& carried) const
-  {
-    carried.clear();
-    for (int l = 0; l < lanes_; l++) nearest_[l] = grid_.middle();
-  }
-
-  struct EveryLine
-  {
-    int operator()(int i) const { return i; }
-  };
-  struct ListedLine
-  {
-    const int* lines;
-    int operator()(int i) const { return lines[i]; }
-  };
-
-  /** Which line passes each cell of a ring: as kernels::line_through(). */
-  void find_lines(int ring) const
-  {
-    const int first = first_cell(ring), rings = rings_, first_line = first_line_;
-    const float inverse = 1.0f / static_cast<float>(2 * ring);
-    int* const line_of = line_of_;
-    const int cells = whole_blocks(ring);
+    const int rings = kernels::line_rings(k);
     TALUS_INDEPENDENT
     for (int c = 0; c < cells; c++)
     {
-      const int cell = first + kernels::min_of(c, ring - 1);
-      line_of[c] = kernels::floor_div(2 * cell * rings + ring, 2 * ring, inverse) - first_line;
+      const float step_m = b.step_m[c];
+      const int reach = reach_of(step_m, rings, k);
+      const int far = kernels::places_in(k.sparsity_search_m, step_m, rings);
+      const SideEstimate inner = b.infer(c, -1, step_m, reach, k);
+      const SideEstimate outer = b.infer(c, 1, step_m, reach, k);
+      b.found[c] = {
+          kAlongLines ? kernels::fuse_lines(inner, outer) : kernels::apply_rule(inner, outer, k),
+          kernels::fuse_variances(
+              variance(inner, b.before_m2[c], k), variance(outer, b.behind_m2[c], k))};
+      b.across_m[c] = kernels::abs_of(b.nearest(c, -1, far) - b.nearest(c, 1, far));
     }
   }
 
-  template <bool kAlongLines, int kSamples>
-  TALUS_CLONES void look_inwards(
-      Carried<kSamples> carried, int ring, kernels::Samples samples) const
+  TALUS_CLONES static void infer_along_axis(
+      const kernels::Config k, const Batch<kSamples> b, int cells, float step_m)
   {
-    if (by_line(ring))
-      return look_inwards_from<kAlongLines>(EveryLine{}, lanes_, carried, ring, samples);
-    find_lines(ring);
-    look_inwards_from<kAlongLines>(
-        ListedLine{line_of_}, whole_blocks(ring), carried, ring, samples);
-  }
-  template <bool kAlongLines, class LineOf, int kSamples>
-  void look_inwards_from(
-      LineOf line_of, int cells, const Carried<kSamples>& carried, int ring,
-      const kernels::Samples& samples) const
-  {
-    const kernels::Config& k = k_;
-    const int* const nearest = nearest_;
-    const int *const reach = reach_, *const far_reach = far_reach_;
-    const float *const step_m = step_m_, *const variance_m2 = samples.variance_m2;
-    float *const a = kept(kInformation, ring), *const b = kept(kWeighted, ring);
-    float *const d = kept(kLowest, ring), *const var = kept(kInnerVar, ring);
-    float* const across = kept(kAcross, ring);
+    const int reach = reach_of(step_m, k.cells - 1, k);
     TALUS_INDEPENDENT
     for (int c = 0; c < cells; c++)
-    {
-      const int l = line_of(c);
-      const SideEstimate side = carried.infer(l, ring, step_m[l], reach[l], k);
-      const FirstSide first = keep(side, kAlongLines);
-      a[c] = first.height_m, b[c] = first.places, d[c] = first.distance_m;
-      var[c] = variance(side, variance_m2[nearest[l]], k);
-      across[c] = carried.nearest(l, ring, far_reach[l]);
-    }
-  }
-
-  template <bool kAlongLines, int kSamples>
-  TALUS_CLONES void look_outwards(
-      Carried<kSamples> carried, int ring, kernels::Samples samples) const
-  {
-    if (by_line(ring))
-      return look_outwards_from<kAlongLines>(EveryLine{}, lanes_, carried, ring, samples);
-    find_lines(ring);
-    look_outwards_from<kAlongLines>(
-        ListedLine{line_of_}, whole_blocks(ring), carried, ring, samples);
-  }
-  template <bool kAlongLines, class LineOf, int kSamples>
-  void look_outwards_from(
-      LineOf line_of, int cells, const Carried<kSamples>& carried, int ring,
-      const kernels::Samples& samples) const
-  {
-    const kernels::Config& k = k_;
-    const int* const nearest = nearest_;
-    const int *const reach = reach_, *const far_reach = far_reach_;
-    const float *const step_m = step_m_, *const variance_m2 = samples.variance_m2;
-    float *const a = kept(kInformation, ring), *const b = kept(kWeighted, ring);
-    float *const d = kept(kLowest, ring), *const var = kept(kOuterVar, ring);
-    float* const across = kept(kAcross, ring);
-    TALUS_INDEPENDENT
-    for (int c = 0; c < cells; c++)
-    {
-      const int l = line_of(c);
-      const SideEstimate side = carried.infer(l, ring, step_m[l], reach[l], k);
-      const SideEstimate inner = recall({a[c], b[c], d[c]}, step_m[l], kAlongLines);
-      const kernels::LineFusion both =
-          kAlongLines ? kernels::fuse_lines(inner, side) : kernels::apply_rule(inner, side, k);
-      a[c] = both.information, b[c] = both.weighted, d[c] = both.lowest_m;
-      var[c] = variance(side, variance_m2[nearest[l]], k);
-      across[c] = kernels::abs_of(across[c] - carried.nearest(l, ring, far_reach[l]));
-    }
+      b.found[c].lines =
+          kernels::fuse_lines(b.infer(c, -1, step_m, reach, k), b.infer(c, 1, step_m, reach, k));
   }
 
   static float variance(const SideEstimate& side, float of_sample_m2, const kernels::Config& k)
@@ -395,134 +269,129 @@ class RadialWalk
         side.any(), kernels::spread_variance(of_sample_m2, side.distance_m, k), kernels::kNan);
   }
 
-  /** What was found for a ring goes to the grid. */
-  TALUS_CLONES void put_ring(int ring, kernels::InferenceGrid to) const
+  void put() const
   {
-    const Row cells = row(ring);
-    float* const layers[kLayers] = {to.information,  to.weighted,     to.lowest_m,
-                                    to.inner_var_m2, to.outer_var_m2, to.across_m};
-    const bool listed = by_line(ring);
-    if (listed) find_lines(ring);
-    for (int layer = 0; layer < kLayers; layer++)
+    const Batch<kSamples> b = batch_;
+    for (int c = 0; c < count_; c++)
     {
-      const float* from = kept(layer, ring);
-      float* at = layers[layer] + cells.at(first_cell(ring));
-      for (int c = 0; c < ring; c++, at += cells.stride) *at = from[listed ? line_of_[c] : c];
-    }
-  }
-
-  /** Each line meets its cell of a ring: as kernels::line_cell(). */
-  template <int kSamples>
-  TALUS_CLONES void pass(Carried<kSamples> carried, int ring, kernels::Samples samples) const
-  {
-    int* const nearest = nearest_;
-    const Row cells = row(ring);
-    const int rings = rings_, first_line = first_line_, lanes = lanes_;
-    const float inverse = 1.0f / static_cast<float>(2 * rings);
-    TALUS_INDEPENDENT
-    for (int l = 0; l < lanes; l++)
-    {
-      const int line = first_line + kernels::min_of(l, rings - 1);
-      const int minor = kernels::floor_div(2 * line * ring + rings, 2 * rings, inverse);
-      const int o = cells.at(minor), before = nearest[l];
-      const float sample = samples.height_m[o];
-      nearest[l] = kernels::select(kernels::is_known(sample), o, before);
-      carried.push(l, sample, ring);
+      const kernels::Inference& found = b.found[c];
+      kernels::Inference& to = to_.cells[b.to[c]];
+      if (!kAlongRays)
+        to.lines.add(found.lines);
+      else
+      {
+        to = found;
+        if (!found.two_sided()) to_.across_m[b.to[c]] = b.across_m[c];
+      }
     }
   }
 
   const kernels::Config& k_;
-  kernels::LineGrid grid_;
-  int rings_, lanes_, side_, first_line_;
-  // by line
-  float *step_m_, *height_m_;
-  int *reach_, *far_reach_, *nearest_, *place_;
-  int* line_of_;  //!< by cell of a ring
-  float* kept_;  //!< by layer, ring and cell
+  const float* variance_m2_;
+  const kernels::InferenceGrid to_;
+  Track track_;
+  Met<kSamples> met_;
+  int *next_, *at_;  //!< by cell to infer: the next sample, the place on the line
+  Batch<kSamples> batch_;
+  int count_ = 0;
 };
 
-/** Rows, then columns of a grid, AxisWalk::kLanes at a time, are added to what the rays say. */
-struct WalkRows
+/** A line from the sensor's cell to the border: as kernels::line_cell() and line_through(). */
+TALUS_CLONES inline void track_ray(const kernels::LineGrid grid, kernels::Line line, Track t)
 {
-  const kernels::Config& k;
-  kernels::LineGrid grid;
-  kernels::Samples samples;
-  kernels::InferenceGrid to;
-
-  template <int kSamples>
-  TALUS_CLONES void walk(int strip) const
+  const int rings = t.places - 1, middle = grid.middle();
+  const int along[] = {1, grid.pitch, -1, -grid.pitch}, turned[] = {1, 1, -1, -1};
+  const int with_ring = along[line.side], with_minor = along[(line.side + 1) % 4];
+  const int read_ring = turned[line.side], read_minor = with_ring * with_minor / read_ring;
+  const float inverse = 1.0f / static_cast<float>(2 * rings);
+  TALUS_INDEPENDENT
+  for (int ring = 0; ring <= rings; ring++)
   {
-    constexpr int kLanes = AxisWalk::kLanes;
-    static thread_local std::vector<float> memory, across;
-    const int first = strip * kLanes, lanes = kernels::min_of(kLanes, grid.side - first);
-    across.resize(static_cast<std::size_t>(grid.side) * kLanes);
-    float* turned = across.data();
-    for (int l = 0; l < lanes; l++)
-      for (int x = 0; x < grid.side; x++)
-        turned[x * kLanes + l] = samples.height_m[grid.at(x, first + l)];
-    AxisWalk lines(k, grid.side, memory);
-    lines.walk<kSamples>(turned, kLanes);
-    for (int l = 0; l < lanes; l++)
-    {
-      TALUS_INDEPENDENT
-      for (int x = 0; x < grid.side; x++) to.add(grid.at(x, first + l), lines.term(x, l));
-    }
+    const int minor = kernels::floor_div(2 * line.minor * ring + rings, 2 * rings, inverse);
+    const int twice = kernels::max_of(2 * ring, 1);
+    const int through =
+        kernels::floor_div(2 * minor * rings + ring, twice, 1.0f / static_cast<float>(twice));
+    t.cell[ring] = middle + ring * with_ring + minor * with_minor;
+    t.read[ring] = middle + ring * read_ring + minor * read_minor;
+    t.own[ring] = (through == line.minor) & (ring > 0);
   }
-};
+}
 
-struct WalkColumns
-{
-  const kernels::Config& k;
-  kernels::LineGrid grid;
-  kernels::Samples samples;
-  kernels::InferenceGrid to;
-
-  template <int kSamples>
-  TALUS_CLONES void walk(int strip) const
-  {
-    constexpr int kLanes = AxisWalk::kLanes;
-    static thread_local std::vector<float> memory;
-    AxisWalk lines(k, grid.side, memory);
-    lines.walk<kSamples>(samples.height_m + strip * kLanes, grid.pitch);
-    for (int y = 0; y < grid.side; y++)
-    {
-      TALUS_INDEPENDENT
-      for (int l = 0; l < kLanes; l++) to.add(grid.at(strip * kLanes + l, y), lines.term(y, l));
-    }
-  }
-};
-
-struct WalkRays
-{
-  const kernels::Config& k;
-  kernels::LineGrid grid;
-  kernels::Samples samples;
-  kernels::InferenceGrid to;
-
-  template <int kSamples>
-  void walk(int eighth) const
-  {
-    static thread_local std::vector<float> floats;
-    static thread_local std::vector<int> ints;
-    const RadialWalk rays(k, grid, eighth, floats, ints);
-    if (k.fill_rule == kernels::kFillLines)
-      rays.walk<kSamples, true>(samples, to);
-    else
-      rays.walk<kSamples, false>(samples, to);
-  }
-};
-
-/** f.walk() with room for as many samples as are wanted. */
-template <class F>
+/** The lines from the sensor, then rows, then columns, in parts that touch different cells. */
 struct Walk
 {
-  F f;
-  void operator()(int part) const
+  const kernels::Config& k;
+  kernels::LineGrid grid;
+  kernels::Samples samples;
+  kernels::InferenceGrid to;
+
+  int parts_of_rays() const { return parts(kernels::line_count(k)); }
+  int parts_of_axis() const { return parts(grid.side); }
+
+  void rays(int part) const
   {
-    if (f.k.fill_samples <= 4)
-      f.template walk<4>(part);
+    if (k.fill_samples <= 4)
+      search_rays<4>(part);
     else
-      f.template walk<RadialWalk::kMaxSamples>(part);
+      search_rays<kMaxSamples>(part);
+  }
+  void rows(int part) const { search_axis(part, samples.height_m, grid.pitch, 1); }
+  void columns(int part) const { search_axis(part, samples.turned_m, 1, grid.pitch); }
+
+  /** Of all samples, rows become columns. */
+  void turn(int part) const
+  {
+    const int first = part * kLinesOfPart, last = std::min(first + kLinesOfPart, grid.side);
+    for (int y0 = 0; y0 < grid.side; y0 += kLinesOfPart)
+      for (int x = first; x < last; x++)
+        for (int y = y0; y < std::min(y0 + kLinesOfPart, grid.side); y++)
+          samples.turned_m[x * grid.pitch + y] = samples.height_m[y * grid.pitch + x];
+  }
+
+ private:
+  static int parts(int lines) { return (lines + kLinesOfPart - 1) / kLinesOfPart; }
+
+  template <int kSamples>
+  void search_rays(int part) const
+  {
+    const int rings = kernels::line_rings(k), first = part * kLinesOfPart;
+    const int last = std::min(first + kLinesOfPart, kernels::line_count(k));
+    LineSearch<kSamples, true> search(k, samples.variance_m2, to, rings + 1);
+    Track& track = search.track();
+    track.places = rings + 1;
+    for (int l = first; l < last; l++)
+    {
+      const kernels::Line line = kernels::line_from_index(l, rings);
+      track.height_m = line.side % 2 ? samples.turned_m : samples.height_m;
+      track.step_m = kernels::line_stretch(line, rings) * k.resolution_m;
+      track_ray(grid, line, track);
+      search.add_line();
+    }
+    search.finish();
+  }
+
+  void search_axis(int part, const float* height_m, int to_next_line, int to_next_place) const
+  {
+    if (k.fill_samples <= 4)
+      search_axis<4>(part, height_m, to_next_line, to_next_place);
+    else
+      search_axis<kMaxSamples>(part, height_m, to_next_line, to_next_place);
+  }
+  template <int kSamples>
+  void search_axis(int part, const float* height_m, int to_next_line, int to_next_place) const
+  {
+    const int first = part * kLinesOfPart, last = std::min(first + kLinesOfPart, grid.side);
+    LineSearch<kSamples, false> search(k, samples.variance_m2, to, grid.side);
+    Track& track = search.track();
+    track.places = grid.side;
+    track.step_m = k.resolution_m;
+    for (int l = first; l < last; l++)
+    {
+      track.height_m = height_m + l * grid.pitch;
+      for (int p = 0; p < grid.side; p++) track.cell[p] = l * to_next_line + p * to_next_place;
+      search.add_line();
+    }
+    search.finish();
   }
 };
 

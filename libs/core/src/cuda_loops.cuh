@@ -1,4 +1,5 @@
 #pragma once
+#include "kernels/cell.h"
 #include "kernels/team.h"
 
 #include <cstdint>
@@ -64,13 +65,14 @@ __global__ void __launch_bounds__(kTileWidth* kTileRows)
   note_time(done_ns);
 }
 
-/** Neighbourhoods: f.row() of all rows that a tile of `height` rows needs goes to shared memory,
- * then f() of its cells. */
+/** Sums over square neighbourhoods: those along all rows that a tile of `height` rows needs go to
+ * shared memory, then those across them to f() of its cells. */
 template <class F>
 __global__ void __launch_bounds__(kTileWidth* kWindowThreads)
     over_windows(int nx, int ny, int radius, int height, F f, std::uint64_t* done_ns)
 {
   using Row = typename F::Row;
+  using Window = typename F::Window;
   extern __shared__ __align__(16) unsigned char shared[];
   Row* const rows = reinterpret_cast<Row*>(shared) + threadIdx.x;
   wait_for_predecessor();
@@ -79,12 +81,22 @@ __global__ void __launch_bounds__(kTileWidth* kWindowThreads)
   const int first = max(y0 - radius, 0), last = min(y0 + height + radius, ny);
   if (x < nx)
     for (int y = first + static_cast<int>(threadIdx.y); y < last; y += kWindowThreads)
-      rows[(y - first) * kTileWidth] = f.row(x, y);
+    {
+      Row sum;
+#pragma unroll 8
+      for (int d = -radius; d <= radius; d++) f.add(sum, x, y, d);
+      rows[(y - first) * kTileWidth] = sum;
+    }
   __syncthreads();
-  const auto row_at = [&](int y) -> const Row& { return rows[(y - first) * kTileWidth]; };
   if (x < nx)
     for (int y = y0 + static_cast<int>(threadIdx.y); y < min(y0 + height, ny); y += kWindowThreads)
-      f(x, y, row_at);
+    {
+      Window sum;
+      for (int row = max(y - radius, first); row < min(y + radius + 1, last); row++)
+        f.add(sum, rows[(row - first) * kTileWidth], row - y);
+      f(x, y, sum);
+      f.finish(x, y, [&] { return sum; });
+    }
   note_time(done_ns);
 }
 
@@ -109,6 +121,20 @@ __global__ void __launch_bounds__(kThreads)
   }
   note_time(done_ns);
 }
+
+/** f(x, y, i), i where the cell of the window is stored, of the cells that it concerns. */
+template <class F>
+struct OfConcernedCells
+{
+  int cells;
+  const kernels::FrameContext* frame;
+  F f;
+  __device__ void operator()(int x, int y) const
+  {
+    const int i = kernels::storage_index(*frame, cells, x, y);
+    if (f.concerns(x, y, i)) f(x, y, i);
+  }
+};
 
 /** One warp makes one word: lane b asks for bit b. */
 template <class F>

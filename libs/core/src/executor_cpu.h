@@ -220,12 +220,12 @@ class SerialExecutor : public CpuMemory
       const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Samples& samples,
       const kernels::InferenceGrid& to)
   {
-    using namespace lines;
-    for_each(8, Walk<WalkRays>{{k, grid, samples, to}});
+    const lines::Walk walk{k, grid, samples, to};
+    for_each(walk.parts_of_axis(), [&walk](int part) { walk.turn(part); });
+    for_each(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
     if (k.fill_rule != kernels::kFillLines) return;
-    const int strips = grid.pitch / AxisWalk::kLanes;  // what is left over is no column
-    for_each(strips, Walk<WalkRows>{{k, grid, samples, to}});
-    for_each(strips, Walk<WalkColumns>{{k, grid, samples, to}});
+    for_each(walk.parts_of_axis(), [&walk](int part) { walk.rows(part); });
+    for_each(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
   }
 
   /** f(i) for i in [0, n); there are no teams. */
@@ -376,12 +376,12 @@ class ThreadExecutor : public CpuMemory
       const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Samples& samples,
       const kernels::InferenceGrid& to)
   {
-    using namespace lines;
-    for_each_part(8, Walk<WalkRays>{{k, grid, samples, to}});
+    const lines::Walk walk{k, grid, samples, to};
+    for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.turn(part); });
+    for_each_part(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
     if (k.fill_rule != kernels::kFillLines) return;
-    const int strips = grid.pitch / AxisWalk::kLanes;  // what is left over is no column
-    for_each_part(strips, Walk<WalkRows>{{k, grid, samples, to}});
-    for_each_part(strips, Walk<WalkColumns>{{k, grid, samples, to}});
+    for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.rows(part); });
+    for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
   }
 
   /** f(i) for i in [0, n); there are no teams. */

@@ -28,6 +28,8 @@ class CudaExecutor
 
   /** Cells of more points are updated by a warp. */
   static constexpr int kCrowd = 8;
+  /** Each thread searches the lines through its cell. */
+  static constexpr bool kWalksLines = false;
 
   // ---- memory: these wait until they are done ----
   template <class T>
@@ -110,6 +112,17 @@ class CudaExecutor
     launch(
         loops::over_range_and_cells<F, G>, dim3(blocks(n, size) + cells.x * cells.y), dim3(size), 0,
         n, f, nx, ny, g);
+  }
+  template <class F>
+  void for_each_concerned_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_cell(cells, cells, loops::OfConcernedCells<F>{cells, frame, f});
+  }
+  template <class F, class G>
+  void for_each_concerned_cell_beside(
+      int n, const F& f, int stage, int cells, const kernels::FrameContext* frame, const G& g)
+  {
+    for_each_beside(n, f, stage, cells, cells, loops::OfConcernedCells<G>{cells, frame, g});
   }
   template <class F>
   void for_each_cell(int nx, int ny, const F& f)

@@ -212,7 +212,7 @@ class Pipeline final : public BackendInterface
         kernels::FindAxisSamples{config_.data(), context_.data(), store(), role_.data()},
         axis_marks_);
     for_each_cell(kernels::SearchAndFillCell{
-        cell, marks_.data(), axis_marks_.data(), inferred_.data(), line_grid()});
+        cell, marks_.data(), axis_marks_.data(), across_.data(), line_grid()});
   }
 
   void judge()
@@ -221,9 +221,11 @@ class Pipeline final : public BackendInterface
     executor_.for_each_window(
         side(), side(), radius,
         kernels::ComputeFeatures{
-            side(), config_.data(), surfaces(), line_grid(), inferred().across_m,
-            feature_layers()});
-    for_each_cell(kernels::CloseGaps{side(), judged(), feature(Layer::Traversability)});
+            side(), config_.data(), surfaces(), line_grid(), across_.data(), feature_layers()});
+    executor_.for_each_concerned_cell(
+        side(), context_.data(),
+        kernels::CompleteObstacles{
+            side(), config_.data(), surfaces(), judged(), feature(Layer::Traversability)});
   }
 
   // ---- around them ----
@@ -297,16 +299,12 @@ class Pipeline final : public BackendInterface
   {
     return static_cast<std::size_t>(line_grid().side) * static_cast<std::size_t>(line_grid().pitch);
   }
-  kernels::Samples samples() { return {samples_.data(), samples_.data() + grid_size()}; }
-  kernels::InferenceGrid inferred()
+  kernels::Samples samples()
   {
-    const std::size_t n = grid_size();
-    float* p = inferred_.data();
-    if constexpr (Executor::kWalksLines)
-      return {p + n, p + 2 * n, p + 3 * n, p + 4 * n, p + 5 * n, p};
-    else
-      return {nullptr, nullptr, nullptr, nullptr, nullptr, p};
+    float* p = samples_.data();
+    return {p, p + grid_size(), p + 2 * grid_size()};
   }
+  kernels::InferenceGrid inferred() { return {inferred_.data(), across_.data()}; }
   kernels::Surfaces surfaces()
   {
     const int pad = host_config_.feature_radius_cells;
@@ -336,9 +334,8 @@ class Pipeline final : public BackendInterface
   }
   kernels::FeatureLayers feature_layers()
   {
-    return {
-        feature(Layer::Slope), feature(Layer::Step), feature(Layer::Roughness),
-        feature(Layer::Sparsity), judged()};
+    return {feature(Layer::Slope),    feature(Layer::Step),           feature(Layer::Roughness),
+            feature(Layer::Sparsity), feature(Layer::Traversability), judged()};
   }
 
   float* judged() { return judged_.data() + side() + 1; }
@@ -372,7 +369,8 @@ class Pipeline final : public BackendInterface
   Buffer<std::int32_t> rays_;
   Buffer<kernels::Surface> surfaces_;
   Buffer<std::uint32_t> marks_, axis_marks_;
-  Buffer<float> top_hit_, support_, passing_, samples_, inferred_;
+  Buffer<float> top_hit_, support_, passing_, samples_, across_;
+  Buffer<kernels::Inference> inferred_;
   // derived layers, window order
   Buffer<float> judged_, features_, exported_, delivered_;
 };

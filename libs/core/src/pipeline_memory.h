@@ -20,8 +20,10 @@ void Pipeline<Executor>::allocate_cells()
   const auto pooled = static_cast<std::size_t>(kernels::support_side(host_config_));
   const std::size_t pad = 2 * static_cast<std::size_t>(host_config_.object_radius);
   executor_.allocate(support_, kSupportArrays * pooled * (pooled + pad), kernels::kInfinity);
-  executor_.allocate(inferred_, (Executor::kWalksLines ? 6 : 1) * grid_size(), kernels::kNan);
-  executor_.allocate(samples_, (Executor::kWalksLines ? 2 : 0) * grid_size(), kernels::kNan);
+  executor_.allocate(across_, grid_size(), kernels::kNan);
+  const std::size_t walked = Executor::kWalksLines ? grid_size() : 0;
+  executor_.allocate(inferred_, walked, kernels::Inference{});
+  executor_.allocate(samples_, 3 * walked, kernels::kNan);
   executor_.allocate(config_, 1, kernels::Config{});
   executor_.allocate(context_, 1, kernels::FrameContext{});
   executor_.allocate(cursor_, 1, std::uint64_t{0});
