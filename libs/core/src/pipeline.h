@@ -37,6 +37,7 @@ class Pipeline final : public BackendInterface
   {
     begin(frame, context);
     executor_.run_frame([this] { stages(); });
+    parts_known_ = parts_wanted();
     return end(frame);
   }
 
@@ -217,10 +218,19 @@ class Pipeline final : public BackendInterface
 
   void judge()
   {
+    if (parts_wanted())
+      judge_with<true>();
+    else
+      judge_with<false>();
+  }
+
+  template <bool kParts>
+  void judge_with()
+  {
     const int radius = host_config_.feature_radius_cells;
     executor_.for_each_window(
         side(), side(), radius,
-        kernels::ComputeFeatures{
+        kernels::ComputeFeatures<kParts>{
             side(), config_.data(), surfaces(), line_grid(), across_.data(), feature_layers()});
     executor_.for_each_concerned_cell(
         side(), context_.data(),
@@ -231,6 +241,8 @@ class Pipeline final : public BackendInterface
   // ---- around them ----
   void begin(const Frame& frame, const kernels::FrameContext& context);
   FrameReport end(const Frame& frame);
+  void complete_parts();
+  void allocate_parts();
   void deliver_surfaces();
   void deliver_features();
   template <class Find>
@@ -324,13 +336,21 @@ class Pipeline final : public BackendInterface
         surface(Layer::Elevation), surface(Layer::GroundElevation), surface(Layer::Variance),
         surface(Layer::State)};
   }
-  /** Where a layer of stages 8 and 9 lives: in the caller's memory if kernels reach it. */
+  /** Whether each frame leaves what traversability is made of: slope, step, roughness, sparsity. */
+  bool parts_wanted() const
+  {
+    const auto first = wanted_.begin() + static_cast<int>(Layer::Slope);
+    return std::any_of(first, first + kParts, [](const float* to) { return to; });
+  }
+  /** Where a layer of stages 8 and 9 lives: in the caller's memory if kernels reach it. Null:
+   * nobody wants it. */
   float* feature(Layer layer)
   {
     const auto l = static_cast<std::size_t>(layer);
-    const auto index = l - static_cast<std::size_t>(Layer::Slope);
-    float* direct = outputs_[l].direct;
-    return direct ? direct : features_.data() + index * static_cast<std::size_t>(cells());
+    if (float* direct = outputs_[l].direct) return direct;
+    if (layer == Layer::Traversability) return traversability_.data();
+    const std::size_t index = l - static_cast<std::size_t>(Layer::Slope);
+    return parts_.size() ? parts_.data() + index * static_cast<std::size_t>(cells()) : nullptr;
   }
   kernels::FeatureLayers feature_layers()
   {
@@ -340,7 +360,7 @@ class Pipeline final : public BackendInterface
 
   float* judged() { return judged_.data() + side() + 1; }
 
-  static constexpr int kFeatureLayers = 5, kSupportArrays = 4;
+  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 4;
 
   Executor executor_;
   kernels::Config host_config_;
@@ -372,7 +392,8 @@ class Pipeline final : public BackendInterface
   Buffer<float> top_hit_, support_, passing_, samples_, across_;
   Buffer<kernels::Inference> inferred_;
   // derived layers, window order
-  Buffer<float> judged_, features_, exported_, delivered_;
+  Buffer<float> judged_, traversability_, parts_, delivered_;
+  bool parts_known_ = false;  //!< `parts_` belong to the map as it is
 };
 
 template <class Executor>
