@@ -151,6 +151,67 @@ class SteppedRow
   alignas(64) std::uint32_t words_[static_cast<std::size_t>(kWords)];
 };
 
+/** Cells pooled two by two, by the parity of their place in the map: f.item(i) of each. */
+template <class F>
+class PairOfRows
+{
+  using Item = typename F::Item;
+
+ public:
+  /** `n`: pooled cells of a row. */
+  PairOfRows(const F& f, int n) : f_(f), n_(n)
+  {
+    static thread_local std::vector<std::uint32_t> words;
+    const auto size = static_cast<std::size_t>(Lanes<Item>::words(2 * n));
+    if (words.size() < size) words.resize(size);
+    words_ = words.data();
+  }
+
+  void pool(int py, int cells, const kernels::FrameContext& frame) const
+  {
+    const Lanes<Item> items(words_, 2 * n_);
+    clear(items, 2 * n_);
+    const int first = 2 * py - frame.odd_y, odd_x = frame.odd_x;
+    for (int y = std::max(first, 0); y < std::min(first + 2, cells); y++)
+      over_stored_row(
+          [this, items, odd_x](int begin, int end, int i)
+          { add(f_, items, begin + odd_x, end + odd_x, i); },
+          cells, frame, y);
+    put(f_, items, n_, py);
+  }
+
+ private:
+  TALUS_CLONES static void clear(Lanes<Item> items, int n)
+  {
+    const Item none;
+    for (int l = 0; l < n; l++) items.store(l, none);
+  }
+  TALUS_CLONES static void add(F f, Lanes<Item> items, int begin, int end, int first)
+  {
+    TALUS_INDEPENDENT
+    for (int l = begin; l < end; l++)
+    {
+      Item item = items.load(l);
+      item.add(f.item(first + (l - begin)));
+      items.store(l, item);
+    }
+  }
+  TALUS_CLONES static void put(F f, Lanes<Item> items, int n, int py)
+  {
+    TALUS_INDEPENDENT
+    for (int px = 0; px < n; px++)
+    {
+      Item pooled = items.load(2 * px);
+      pooled.add(items.load(2 * px + 1));
+      f.put(px, py, pooled);
+    }
+  }
+
+  const F& f_;
+  int n_;
+  std::uint32_t* words_;
+};
+
 /** f(first, last) of a stretch. */
 template <class F>
 TALUS_CLONES void over_stretch(F f, int first, int last)

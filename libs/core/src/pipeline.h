@@ -152,14 +152,24 @@ class Pipeline final : public BackendInterface
   {
     const kernels::SupportGrid grid = support();
     const int radius = host_config_.object_radius;
-    executor_.for_each_cell(
-        grid.side, grid.side, kernels::PoolSupport{config_.data(), context_.data(), store(), grid});
-    executor_.for_each_window(
-        grid.side, grid.side, radius, kernels::ErodeSupport{config_.data(), grid});
-    executor_.for_each_window(
-        grid.side, grid.side, radius,
-        kernels::ChooseRoles{
-            config_.data(), context_.data(), store(), grid, top_hit_.data(), role_.data()});
+    const kernels::PoolSupport pool{config_.data(), context_.data(), store(), grid};
+    const kernels::ErodeSupport erode{config_.data(), grid};
+    const kernels::OpenSupport open{grid};
+    const kernels::ChooseRole choose{config_.data(), context_.data(), store(),
+                                     grid,           top_hit_.data(), role_.data()};
+    if constexpr (Executor::kWalksLines)
+    {
+      executor_.for_each_pair_of_rows(grid.side, side(), context_.data(), pool);
+      executor_.for_each_window(grid.side, grid.side, radius, erode);
+      executor_.for_each_window(grid.side, grid.side, radius, open);
+      executor_.for_each_concerned_cell(side(), context_.data(), choose);
+    }
+    else
+    {
+      executor_.for_each_cell(grid.side, grid.side, pool);
+      executor_.for_each_window(grid.side, grid.side, radius, erode);
+      executor_.for_each_window(grid.side, grid.side, radius, kernels::ChooseRoles{{grid}, choose});
+    }
   }
 
   void clean_up()
@@ -285,7 +295,7 @@ class Pipeline final : public BackendInterface
     const int pad = host_config_.object_radius;
     const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side + 2 * pad);
     float* p = support_.data();
-    return {side, pad, p, p + n, p + 2 * n, p + 3 * n};
+    return {side, pad, p, p + n, p + 2 * n, p + 3 * n, p + 4 * n};
   }
   kernels::PassingRays passing()
   {
@@ -338,7 +348,7 @@ class Pipeline final : public BackendInterface
 
   float* judged() { return judged_.data() + side() + 1; }
 
-  static constexpr int kFeatureLayers = 5, kSupportArrays = 4;
+  static constexpr int kFeatureLayers = 5, kSupportArrays = 5;
 
   Executor executor_;
   kernels::Config host_config_;
