@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 // Bodies of the CPU executors' loops that are more than a loop.
@@ -253,6 +254,9 @@ class SlidingRows
   using Row = typename F::Row;
   using Window = typename F::Window;
   static constexpr int kLanes = 128;
+  static constexpr int kAtOnce = 5;  //!< neighbours that are added in one pass
+  template <int n>
+  using Distances = std::make_integer_sequence<int, n>;
 
  public:
   SlidingRows(int nx, int ny, int radius, const F& f) : nx_(nx), ny_(ny), radius_(radius), f_(f)
@@ -282,44 +286,59 @@ class SlidingRows
     }
   }
 
-  TALUS_CLONES static void sum_row(F f, Lanes<Row> rows, int x0, int x1, int y, int radius)
+  static void sum_row(const F& f, Lanes<Row> rows, int x0, int x1, int y, int radius)
   {
-    const Row none;
-    TALUS_INDEPENDENT
-    for (int x = x0; x < x1; x++) rows.store(x - x0, none);
-    for (int d = -radius; d <= radius; d++)
+    int d = -radius;
+    if (2 * radius + 1 < kAtOnce)
+      add_columns<true>(f, rows, x0, x1, y, d++, Distances<1>{});
+    else
     {
-      TALUS_INDEPENDENT
-      for (int x = x0; x < x1; x++)
-      {
-        Row row = rows.load(x - x0);
-        f.add(row, x, y, d);
-        rows.store(x - x0, row);
-      }
+      add_columns<true>(f, rows, x0, x1, y, d, Distances<kAtOnce>{});
+      d += kAtOnce;
+    }
+    for (; d <= radius; d++) add_columns<false>(f, rows, x0, x1, y, d, Distances<1>{});
+  }
+  /** Adds the neighbours at distances from d on; the first there are. */
+  template <bool kFirst, int... k>
+  TALUS_CLONES static void add_columns(
+      F f, Lanes<Row> rows, int x0, int x1, int y, int d, std::integer_sequence<int, k...>)
+  {
+    TALUS_INDEPENDENT
+    for (int x = x0; x < x1; x++)
+    {
+      Row row = kFirst ? Row{} : rows.load(x - x0);
+      (f.add(row, x, y, d + k), ...);
+      rows.store(x - x0, row);
     }
   }
 
   void window(int y, int x0, int x1) const
   {
     const Lanes<Window> sums(words_ + window_at(), kLanes);
-    clear(sums, x1 - x0);
-    for (int row = std::max(y - radius_, 0); row <= std::min(y + radius_, ny_ - 1); row++)
-      add_row(f_, sums, at(row), x1 - x0, row - y);
+    const int last = std::min(y + radius_, ny_ - 1), lanes = x1 - x0;
+    int row = std::max(y - radius_, 0);
+    if (last - row + 1 < kAtOnce)
+      add_rows<true>(f_, sums, lanes, row - y, at(row)), row++;
+    else
+    {
+      add_rows<true>(
+          f_, sums, lanes, row - y, at(row), at(row + 1), at(row + 2), at(row + 3), at(row + 4));
+      row += kAtOnce;
+    }
+    for (; row <= last; row++) add_rows<false>(f_, sums, lanes, row - y, at(row));
     finish(f_, sums, x0, x1, y);
     for (int x = x0; x < x1; x++) f_.finish(x, y, [&] { return sums.load(x - x0); });
   }
-  TALUS_CLONES static void clear(Lanes<Window> sums, int lanes)
-  {
-    const Window none;
-    for (int l = 0; l < lanes; l++) sums.store(l, none);
-  }
-  TALUS_CLONES static void add_row(F f, Lanes<Window> sums, Lanes<Row> row, int lanes, int d)
+  /** Adds rows at distances from d on; the first there are. */
+  template <bool kFirst, class... Rows>
+  TALUS_CLONES static void add_rows(F f, Lanes<Window> sums, int lanes, int d, Rows... rows)
   {
     TALUS_INDEPENDENT
     for (int l = 0; l < lanes; l++)
     {
-      Window sum = sums.load(l);
-      f.add(sum, row.load(l), d);
+      Window sum = kFirst ? Window{} : sums.load(l);
+      int distance = d;
+      (f.add(sum, rows.load(l), distance++), ...);
       sums.store(l, sum);
     }
   }
