@@ -12,12 +12,32 @@
 
 namespace talus
 {
-/** f(x, y, i) for x in [begin, end) of a row, i from `first` on. */
+/** f(i) for i in [begin, end) in whole blocks; true if there are enough for one. */
+template <int kBlock, class F>
+bool in_blocks_of(int begin, int end, const F& f)
+{
+  if (end - begin < kBlock) return false;
+  for (int at = begin;; at = std::min(at + kBlock, end - kBlock))
+  {
+    TALUS_INDEPENDENT
+    for (int i = at; i < at + kBlock; i++) f(i);
+    if (at == end - kBlock) return true;
+  }
+}
+/** f(i) for i in [begin, end), for some of them twice, which must be the same as once: the last
+ * block of vector code begins before the one before it ends. */
+template <class F>
+void in_blocks(int begin, int end, const F& f)
+{
+  if (in_blocks_of<64>(begin, end, f) || in_blocks_of<16>(begin, end, f)) return;
+  for (int i = begin; i < end; i++) f(i);
+}
+
+/** f(x, y, i) for x in [begin, end) of a row, i from `first` on; twice is the same as once. */
 template <class F>
 TALUS_CLONES void over_row(F f, int begin, int end, int y, int first)
 {
-  TALUS_INDEPENDENT
-  for (int x = begin; x < end; x++) f(x, y, first + (x - begin));
+  in_blocks(begin, end, [&](int x) { f(x, y, first + (x - begin)); });
 }
 
 /** over(begin, end, i) of a row of the window, i where its first cell is stored: two stretches of a
@@ -35,8 +55,8 @@ void over_stored_row(const F& over, int cells, const kernels::FrameContext& fram
 template <class F>
 TALUS_CLONES void find_concerned(F f, int begin, int end, int y, int first, std::uint8_t* concerned)
 {
-  TALUS_INDEPENDENT
-  for (int x = begin; x < end; x++) concerned[x - begin] = f.concerns(x, y, first + (x - begin));
+  in_blocks(
+      begin, end, [&](int x) { concerned[x - begin] = f.concerns(x, y, first + (x - begin)); });
 }
 template <class F>
 void over_concerned(const F& f, int begin, int end, int y, int first)
@@ -143,8 +163,7 @@ class SteppedRow
   }
   TALUS_CLONES static void put(F f, Lanes<Result> results, int x, int y, int first, int lanes)
   {
-    TALUS_INDEPENDENT
-    for (int l = 0; l < lanes; l++) f.put(x + l, y, first + l, results.load(l));
+    in_blocks(0, lanes, [&](int l) { f.put(x + l, y, first + l, results.load(l)); });
   }
 
   static constexpr int kWords = Lanes<Item>::words(kLanes) + Lanes<Result>::words(kLanes);
@@ -189,13 +208,14 @@ class PairOfRows
   }
   TALUS_CLONES static void add(F f, Lanes<Item> items, int begin, int end, int first)
   {
-    TALUS_INDEPENDENT
-    for (int l = begin; l < end; l++)
-    {
-      Item item = items.load(l);
-      item.add(f.item(first + (l - begin)));
-      items.store(l, item);
-    }
+    in_blocks(
+        begin, end,
+        [&](int l)
+        {
+          Item item = items.load(l);
+          item.add(f.item(first + (l - begin)));
+          items.store(l, item);
+        });
   }
   TALUS_CLONES static void put(F f, Lanes<Item> items, int n, int py)
   {
