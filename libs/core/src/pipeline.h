@@ -369,7 +369,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint64_t> cursor_;
   Buffer<std::uint32_t> point_rank_, cell_count_, cell_begin_, counters_;
   Buffer<float> point_slope_, point_height_, point_variance_, lowest_slope_;
-  Buffer<kernels::BuriedBelow> directions_;
+  Buffer<kernels::SweptDirection> directions_;
   Buffer<kernels::HeightPoint> sorted_;
   Buffer<std::uint64_t> voxel_key_, voxel_winner_;
   Buffer<std::uint32_t> voxel_slot_;
