@@ -85,7 +85,8 @@ class Pipeline final : public BackendInterface
     if constexpr (Executor::kWalksLines)
     {
       executor_.for_each_point(points(), accept);
-      executor_.for_another_stage(2, [&] { for_each_cell(roll); });
+      executor_.for_another_stage(
+          2, [&] { executor_.for_each_concerned_cell(side(), context_.data(), roll); });
       executor_.for_each_stretch(
           bins, kernels::SweepBuriedRays{ground, rays_.data(), directions_.data()});
     }
