@@ -439,7 +439,9 @@ class ThreadExecutor : public CpuMemory
   template <class T>
   void fill(Buffer<T>& buffer, T value)
   {
-    std::fill(buffer.begin(), buffer.end(), value);
+    run(static_cast<int>(buffer.size()), 1 << 14,
+        [&](int begin, int end)
+        { std::fill(buffer.begin() + begin, buffer.begin() + end, value); });
   }
 
  private:

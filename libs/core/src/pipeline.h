@@ -175,12 +175,14 @@ class Pipeline final : public BackendInterface
 
   void clean_up()
   {
-    const int rays = static_cast<int>(rays_.size()), workers = executor_.workers(cells());
+    const int workers = executor_.workers(cells());
+    const bool fills = Executor::kWalksLines;  // a core fills memory faster than a loop
+    if (fills) executor_.fill(rays_, kernels::kNoRay), executor_.fill(cell_count_, 0u);
     const kernels::TidyUp tidy{
         rays_.data(),
-        rays,
+        fills ? 0 : static_cast<int>(rays_.size()),
         cell_count_.data(),
-        cells(),
+        fills ? 0 : cells(),
         counters_.data(),
         executor_.reported(),
         kernels::kRejectCodes,
