@@ -220,18 +220,17 @@ struct FindGroundHits
   const FrameContext* frame;
   CellStore store;
 
-  TALUS_HD float limit(int bin, int ring, std::int32_t hit) const
+  TALUS_HD float limit(const BinDirection& d, int ring, std::int32_t hit) const
   {
-    const int i = cell_at(bin, ring);
+    const int i = cell_at(d, ring);
     return i < 0 ? -kInfinity : limit(ring, hit, store.state[i], store.ground_m[i]);
   }
 
   /** Where the cell of a place of the table is stored, or -1: the map has no ground there. */
-  TALUS_HD int cell_at(int bin, int ring) const
+  TALUS_HD int cell_at(const BinDirection& d, int ring) const
   {
     const int n = config->cells;
     const float scale = config->inverse_resolution, chebyshev_m = distance_m(ring);
-    const BinDirection d = direction_of_bin(bin, bins_per_side(*config));
     const int ix = floor_to_int((frame->sensor_x_m + d.x * chebyshev_m) * scale);
     const int iy = floor_to_int((frame->sensor_y_m + d.y * chebyshev_m) * scale);
     const bool inside =
@@ -362,11 +361,12 @@ struct SettleRays
 
   TALUS_HD void find_limits(int bin, int ring, const std::int32_t* hits, float* limits) const
   {
+    const BinDirection d = direction_of_bin(bin, bins_per_side(*ground.config));
     float ground_m[kBatch];
     int state[kBatch];
     for (int b = 0; b < kBatch; b++)
     {
-      const int i = hits[b] != kNoRay ? ground.cell_at(bin, ring + b) : -1;
+      const int i = hits[b] != kNoRay ? ground.cell_at(d, ring + b) : -1;
       state[b] = i >= 0 ? static_cast<int>(ground.store.state[i]) : static_cast<int>(kUnknown);
       ground_m[b] = i >= 0 ? ground.store.ground_m[i] : 0.0f;
     }
@@ -380,29 +380,38 @@ struct SettleRays
   TALUS_HD int place(int bin, int ring) const { return ring * bin_count(*ground.config) + bin; }
 };
 
-/** The same of all directions ring by ring, for executors that have few threads: `seen` of each
- * direction is carried along, and what was not hit costs next to nothing. */
+/** A direction on the way outwards. */
+struct SweptDirection
+{
+  BuriedBelow seen;
+  BinDirection vector{};
+};
+
+/** The same of all directions ring by ring, for executors that have few threads: what was not hit
+ * costs next to nothing. */
 struct SweepBuriedRays
 {
   FindGroundHits ground;
   std::int32_t* rays;
   float* lowest_slope;  //!< as SettleRays leaves it
-  BuriedBelow* seen;  //!< by bin
+  SweptDirection* directions;  //!< by bin
 
   void operator()(int first_bin, int last_bin) const
   {
     const int bins = bin_count(*ground.config), rings = ring_count(*ground.config);
-    for (int bin = first_bin; bin < last_bin; bin++) seen[bin] = {};
+    const int per_side = bins_per_side(*ground.config);
+    for (int bin = first_bin; bin < last_bin; bin++)
+      directions[bin] = {{}, direction_of_bin(bin, per_side)};
     for (int ring = 0; ring < rings; ring++)
       for (int bin = first_bin; bin < last_bin; bin++)
-        if (rays[ring * bins + bin] != kNoRay) meet(bin, ring, ring * bins + bin);
+        if (rays[ring * bins + bin] != kNoRay) meet(directions[bin], ring, ring * bins + bin);
   }
 
  private:
-  void meet(int bin, int ring, int r) const
+  void meet(SweptDirection& d, int ring, int r) const
   {
-    lowest_slope[r] = seen[bin].second;
-    if (seen[bin].meet(rays[r], ground.limit(bin, ring, rays[r]))) rays[r] = kNoRay;
+    lowest_slope[r] = d.seen.second;
+    if (d.seen.meet(rays[r], ground.limit(d.vector, ring, rays[r]))) rays[r] = kNoRay;
   }
 };
 

@@ -164,7 +164,7 @@ struct FindSamples
  * sample. */
 struct SettleCell
 {
-  ChooseRoles choose;
+  ChooseRole choose;
   CleanUpCell clean;
   float* sample_m;
   LineGrid grid;
@@ -176,7 +176,7 @@ struct SettleCell
     const SupportGrid& support = choose.grid;
     const int i = storage_index(f, clean.cells, ix, iy);
     const int px = (ix + f.odd_x) / 2, py = (iy + f.odd_y) / 2;
-    choose.decide(i, px, py, support.opened_m[support.at(px, py)]);
+    choose(i, px, py, support.opened_m[support.at(px, py)]);
     if (clean.concerns(ix, iy, i)) clean(ix, iy, i);
     const bool sample = clean.store.state[i] == kMeasured && clean.role[i] == kKeep;
     sample_m[grid.at(ix, iy)] = sample ? clean.store.ground_m[i] : kNan;

@@ -97,7 +97,8 @@ TALUS_HD float slope_angle(const Moments& m, const Config& k)
   return arctangent(sqrtf(gx * gx + gy * gy));
 }
 
-/** The layers of stages 8 and 9, window order. */
+/** The layers of stages 8 and 9, window order. The first four may be null for those who want
+ * traversability alone. */
 struct FeatureLayers
 {
   float *slope, *step, *roughness, *sparsity, *traversability;
@@ -141,7 +142,9 @@ TALUS_HD float fuse_features(const Features& f, const Config& k)
   return select(impassable, 0.0f, select(is_known(f.slope), sum, kNan));
 }
 
-/** Stages 8 and 9 on cell (ix, iy): first along rows, then across them. */
+/** Stages 8 and 9 on cell (ix, iy): first along rows, then across them. `kParts`: what
+ * traversability is made of is wanted too, not it alone. */
+template <bool kParts>
 struct ComputeFeatures
 {
   using Row = RowSums;
@@ -169,10 +172,13 @@ struct ComputeFeatures
     const Features f = features_of(m, own.height(), *config);
     // What no ray ever met, nor passed low over its ground, may be the inside of a thing.
     const bool judged = known & own.is(kSurfaceReached);
-    out.slope[o] = select(known, f.slope, kNan);
-    out.step[o] = select(known, f.step, kNan);
-    out.roughness[o] = select(known, f.roughness, kNan);
-    out.sparsity[o] = kNan;
+    if constexpr (kParts)
+    {
+      out.slope[o] = select(known, f.slope, kNan);
+      out.step[o] = select(known, f.step, kNan);
+      out.roughness[o] = select(known, f.roughness, kNan);
+      out.sparsity[o] = kNan;
+    }
     out.put_traversability(o, select(judged, fuse_features(f, *config), kNan));
   }
 
@@ -187,8 +193,9 @@ struct ComputeFeatures
     if (ix == half && iy == half) return;  // the sensor's own cell lies on no line
     const float robot_m = distance_along_line(ix - half, iy - half, *config);
     if (robot_m > config->sparsity_range_m) return;
-    out.sparsity[o] = sparsity(across_m[grid.at(ix, iy)], robot_m, *config);
-    out.put_traversability(o, out.sparsity[o]);
+    const float suspicion = sparsity(across_m[grid.at(ix, iy)], robot_m, *config);
+    if constexpr (kParts) out.sparsity[o] = suspicion;
+    out.put_traversability(o, suspicion);
   }
 };
 

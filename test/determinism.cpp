@@ -84,6 +84,26 @@ TEST(Determinism, TheNumberOfThreadsDoesNotMatter)
   }
 }
 
+TEST(Determinism, LayersAreTheSameWhetherDeliveredOrAskedFor)
+{
+  TestMap delivered, asked_for, asked_once;
+  delivered.map.set_output_layers(
+      {Layer::Elevation, Layer::Slope, Layer::Sparsity, Layer::Traversability});
+  asked_once.map.set_output_layers({Layer::Traversability});
+  Random noise(6);
+  for (int i = 0; i < 30; i++)
+  {
+    const Scan s = drive_frame(i, noise);
+    delivered.update(s);
+    asked_for.update(s);
+    asked_once.update(s);
+    expect_same_bits(delivered.map, asked_for.map, i);
+    if (i == 12) asked_once.map.restore(asked_once.map.save());
+  }
+  expect_same_bits(delivered.map, asked_once.map, 30);
+  EXPECT_EQ(delivered.map.save(), asked_once.map.save());
+}
+
 TEST(Determinism, ARestoredMapGoesOnWithTheSameBits)
 {
   TestMap a, b;

@@ -250,6 +250,7 @@ TEST(DualElevationMap, the_plugin_may_be_loaded_into_a_program_that_has_the_clas
 TEST(DualElevationMap, changed_options_count_from_the_next_insertion_on)
 {
   auto map = map_of_room(2);
+  map.mapper().set_output_layers({Layer::State});
   map.insertionOptions.step_threshold_m = 0.5;
   map.insertObservation(scan_of_room({}), CPose3D());
   EXPECT_EQ(map.mapper().parameters().step_threshold_m, 0.5);
@@ -257,4 +258,5 @@ TEST(DualElevationMap, changed_options_count_from_the_next_insertion_on)
   map.insertionOptions.resolution_m = 0.1;
   map.insertObservation(scan_of_room({}), CPose3D());
   EXPECT_EQ(map.mapper().window().cells, 60);
+  EXPECT_EQ(map.mapper().output_layers(), std::vector<Layer>{Layer::State});
 }

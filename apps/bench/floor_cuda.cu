@@ -1,4 +1,5 @@
 #include "floor.h"
+#include "measure.h"
 
 #include <cuda_runtime.h>
 
@@ -37,13 +38,13 @@ cudaGraphExec_t record(
 }
 }  // namespace
 
-std::optional<double> cuda_floor_s(const Load& load)
+std::optional<double> cuda_floor_s(std::size_t points, int cells, int layers)
 {
   int devices = 0;
   if (cudaGetDeviceCount(&devices) != cudaSuccess || devices == 0) return std::nullopt;
-  const auto n = static_cast<std::size_t>(load.cells);
-  const std::size_t up = load.points * 3 * sizeof(float);
-  const std::size_t down = static_cast<std::size_t>(load.layers) * n * n * sizeof(float);
+  const auto n = static_cast<std::size_t>(cells);
+  const std::size_t up = points * 3 * sizeof(float);
+  const std::size_t down = static_cast<std::size_t>(layers) * n * n * sizeof(float);
   void *device = nullptr, *host = nullptr;
   cudaStream_t stream;
   check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));

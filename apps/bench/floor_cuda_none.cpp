@@ -2,6 +2,6 @@
 
 namespace talus::bench
 {
-std::optional<double> cuda_floor_s(const Load&) { return std::nullopt; }
+std::optional<double> cuda_floor_s(std::size_t, int, int) { return std::nullopt; }
 
 }  // namespace talus::bench

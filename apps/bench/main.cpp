@@ -1,5 +1,8 @@
 #include <talus/elevation_mapper.h>
+#include "baselines.h"
 #include "floor.h"
+#include "measure.h"
+#include "table.h"
 
 #include <benchmark/benchmark.h>
 
@@ -10,72 +13,18 @@
 #include <stdexcept>
 
 // One line a setting and backend: the whole frame (host points in, layers back), its quantiles, the
-// time of each stage, and how many times the floor it takes.
+// time of each stage, and how many times the reference it takes.
 
 using namespace talus;
 using namespace talus::bench;
 
 namespace
 {
-struct Setting
+/** Cost of a frame [s] of the lines so far, by prefix/name: what later lines are compared with. */
+std::map<std::string, double>& costs_s()
 {
-  std::string name;
-  std::size_t points;
-  int cells;  //!< along each side
-  std::vector<Layer> layers;
-  bool in_place = false;  //!< the points are in ElevationMapper::point_arrays() already
-  FillRule fill_rule = Parameters{}.fill_rule;
-};
-
-const std::vector<Layer> kTwoLayers{Layer::Traversability, Layer::Elevation};
-const std::vector<Layer> kSixLayers{Layer::Traversability, Layer::Elevation, Layer::GroundElevation,
-                                    Layer::Variance,       Layer::State,     Layer::Slope};
-constexpr double kResolution_m = 0.05;
-
-std::vector<Setting> settings()
-{
-  std::vector<Setting> all{
-      {"S1", 14400, 160, kTwoLayers},
-      {"S1/6_layers", 14400, 160, kSixLayers},
-      {"S2", 131072, 1000, kTwoLayers},
-      {"S2/6_layers", 131072, 1000, kSixLayers},
-      {"S1/in_place", 14400, 160, kTwoLayers, true},
-      {"S2/in_place", 131072, 1000, kTwoLayers, true},
-      {"S2/6_layers/in_place", 131072, 1000, kSixLayers, true},
-      {"S1/exchanged", 14400, 160, kTwoLayers, false, FillRule::Exchanged},
-      {"S2/exchanged", 131072, 1000, kTwoLayers, false, FillRule::Exchanged}};
-  for (const std::size_t points : {10240, 51200, 204800, 819200, 2048000})
-    all.push_back({"points/" + std::to_string(points), points, 400, kTwoLayers});
-  for (const int cells : {160, 400, 1000, 2000, 4000})
-    all.push_back({"cells/" + std::to_string(cells), 131072, cells, kTwoLayers});
+  static std::map<std::string, double> all;
   return all;
-}
-
-/** The drive of a setting, made once. */
-const std::vector<Scan>& drive(const Setting& s)
-{
-  static std::map<std::string, std::vector<Scan>> made;
-  const double radius_m = 0.55 * s.cells * kResolution_m;
-  const std::string key = std::to_string(s.points) + "/" + std::to_string(s.cells);
-  auto& scans = made[key];
-  if (scans.empty()) scans = make_drive(s.points, radius_m, s.points > 200000 ? 3 : 8);
-  return scans;
-}
-
-Parameters parameters(const Setting& s)
-{
-  Parameters p;
-  p.resolution_m = kResolution_m;
-  p.window_m = s.cells * kResolution_m;
-  p.fill_rule = s.fill_rule;
-  return p;
-}
-
-/** Forth and back, so that the window rolls in every frame and the drive never ends. */
-const Scan& scan_at(const std::vector<Scan>& scans, int i)
-{
-  const int last = static_cast<int>(scans.size()) - 1, at = i % (2 * last);
-  return scans[static_cast<std::size_t>(at <= last ? at : 2 * last - at)];
 }
 
 /** The scan as a frame; where it is wanted in place, it is put there first. */
@@ -97,67 +46,139 @@ FrameReport run_frame(ElevationMapper& map, const Frame& frame, const Setting& s
   return report;
 }
 
-double floor_s(const Setting& s, Backend backend)
+/** What the frames of a line took. */
+struct Times
 {
-  const Load load{s.points, s.cells, kResolution_m, static_cast<int>(s.layers.size())};
-  if (backend == Backend::Cpu) return cpu_floor_s(load, drive(s).front());
-  return cuda_floor_s(load).value_or(0.0);
-}
-
-void count(
-    benchmark::State& state, const Setting& s, std::vector<double> seconds,
-    const std::array<double, kStageCount>& stage_ms, double floor)
-{
-  const double median = quantile(seconds, 0.5), frames = static_cast<double>(seconds.size());
-  state.counters["median_us"] = 1e6 * median;
-  state.counters["p99_us"] = 1e6 * quantile(std::move(seconds), 0.99);
-  state.counters["floor_us"] = 1e6 * floor;
-  state.counters["x_floor"] = median / floor;
-  state.counters["points/s"] = static_cast<double>(s.points) / median;
-  state.counters["cells/s"] = static_cast<double>(s.cells) * s.cells / median;
-  for (std::size_t i = 0; i < stage_ms.size(); i++)
-    if (stage_ms[i] > 0)
-      state.counters[std::to_string(i + 1) + "_" + kStageNames[i] + "_us"] =
-          1e3 * stage_ms[i] / frames;
-}
-
-void bench_frame(benchmark::State& state, const Setting& s, Backend backend)
-{
-  const auto& scans = drive(s);
-  ElevationMapper map(parameters(s), backend, 1);
-  map.set_output_layers(s.layers);
-  int i = 0;
-  for (; i < 8; i++) run_frame(map, frame_of(map, scan_at(scans, i), s), s);
-  std::vector<double> seconds;
+  std::vector<double> seconds, cpu_seconds;
   std::array<double, kStageCount> stage_ms{};
-  for (auto _ : state)
+
+  void add(double frame_s, double frame_cpu_s, const FrameReport& report)
   {
-    const Frame frame = frame_of(map, scan_at(scans, i++), s);
-    const auto start = std::chrono::steady_clock::now();
-    const FrameReport report = run_frame(map, frame, s);
-    seconds.push_back(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    state.SetIterationTime(seconds.back());
+    seconds.push_back(frame_s);
+    cpu_seconds.push_back(frame_cpu_s);
     for (std::size_t k = 0; k < stage_ms.size(); k++) stage_ms[k] += report.stage_ms[k];
   }
-  count(state, s, std::move(seconds), stage_ms, floor_s(s, backend));
+};
+
+void count_frames(benchmark::State& state, const Setting& s, const Times& times, double cost_s)
+{
+  const double median_s = quantile(times.seconds, 0.5);
+  auto& counters = state.counters;
+  counters["median_us"] = 1e6 * median_s;
+  counters["cpu_us"] = 1e6 * quantile(times.cpu_seconds, 0.5);
+  counters["p99_us"] = 1e6 * quantile(times.seconds, 0.99);
+  counters["ns_per_point_and_cell"] = 1e9 * cost_s / s.points_and_cells();
+  counters["points/s"] = static_cast<double>(s.points) / median_s;
+  counters["cells/s"] = static_cast<double>(s.cells) * s.cells / median_s;
+  const auto frames = static_cast<double>(times.seconds.size());
+  for (std::size_t i = 0; i < kStageNames.size(); i++)
+    if (times.stage_ms[i] > 0)
+      counters[std::to_string(i + 1) + "_" + kStageNames[i] + "_us"] =
+          1e3 * times.stage_ms[i] / frames;
+}
+
+/** Against S1; and of several threads against one, both by the clock. */
+void compare(
+    benchmark::State& state, const Setting& s, const std::string& prefix, double cost_s,
+    double clock_s)
+{
+  const std::string line = prefix + "/" + s.name, clock = "/by the clock";
+  auto& known = costs_s();
+  known[line] = cost_s;
+  known[line + clock] = clock_s;
+  const Setting S1 = settings().front();
+  if (const auto at = known.find(prefix + "/" + S1.name); at != known.end())
+    state.counters["x_S1"] = cost_s / s.points_and_cells() / (at->second / S1.points_and_cells());
+  const std::string one_thread = prefix + "/" + s.name.substr(0, s.name.find('/')) + clock;
+  if (const auto at = known.find(one_thread); s.threads > 1 && at != known.end())
+    state.counters["speedup"] = at->second / clock_s;
+}
+
+void count_reference(benchmark::State& state, double cost_s, double reference_s)
+{
+  state.counters["reference_us"] = 1e6 * reference_s;
+  state.counters["x_reference"] = cost_s / reference_s;
+}
+
+void bench_frame(
+    benchmark::State& state, const Setting& s, Backend backend, const std::string& prefix)
+{
+  constexpr int kWarm = 8, kReferences = 5;
+  ElevationMapper map(parameters(s), backend, s.threads);
+  map.set_output_layers(s.layers);
+  CpuFloor floor(s);
+  int i = 0;
+  for (; i < kWarm; i++) run_frame(map, frame_of(map, scan_at(s, i), s), s);
+  Times times;
+  const int every = std::max(1, static_cast<int>(state.max_iterations) / kReferences);
+  for (auto _ : state)
+  {
+    const Frame frame = frame_of(map, scan_at(s, i++), s);
+    const double cpu_s = process_cpu_s();
+    const auto start = std::chrono::steady_clock::now();
+    const FrameReport report = run_frame(map, frame, s);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    times.add(took.count(), process_cpu_s() - cpu_s, report);
+    state.SetIterationTime(took.count());
+    if (backend == Backend::Cpu && times.seconds.size() % static_cast<std::size_t>(every) == 0)
+      floor.sample();
+  }
+  // One thread is compared by processor time: what else the machine does is not its cost.
+  const bool alone = backend == Backend::Cpu && s.threads == 1;
+  const double cost_s = quantile(alone ? times.cpu_seconds : times.seconds, 0.5);
+  count_frames(state, s, times, cost_s);
+  compare(state, s, prefix, cost_s, quantile(times.seconds, 0.5));
+  if (backend == Backend::Cpu)
+  {
+    count_reference(state, cost_s, floor.frame_s());
+    state.counters["reference_points_us"] = 1e6 * floor.points_s();
+    state.counters["reference_pass_us"] = 1e6 * floor.pass_s();
+  }
+  else if (const auto device = cuda_floor_s(s.points, s.cells, static_cast<int>(s.layers.size())))
+    count_reference(state, cost_s, *device);
+}
+
+void bench_baseline(benchmark::State& state, const Setting& s, const Baseline& baseline)
+{
+  CpuFloor floor(s);
+  for (auto _ : state)
+  {
+    floor.sample();
+    const double frame_s = baseline.frame_s(s);
+    floor.sample();
+    state.SetIterationTime(frame_s);
+    state.counters["cpu_us"] = 1e6 * frame_s;
+    count_reference(state, frame_s, floor.frame_s());
+    if (const auto at = costs_s().find("cpu/" + s.name); at != costs_s().end())
+      state.counters["x_talus"] = frame_s / at->second;
+  }
 }
 
 /** Enough for quantiles, within a second or two. */
 int iterations(const Setting& s, Backend backend)
 {
-  const double work = static_cast<double>(s.points) + static_cast<double>(s.cells) * s.cells;
-  const double frames = (backend == Backend::Cpu ? 1e7 : 4e8) / work;
+  const double frames = (backend == Backend::Cpu ? 1e7 : 4e8) / s.points_and_cells();
   return static_cast<int>(std::min(std::max(frames, 5.0), 2000.0));
 }
 
 void add(const Setting& s, Backend backend, const std::string& prefix)
 {
+  if (s.threads > 1 && backend != Backend::Cpu) return;
   benchmark::RegisterBenchmark(
       ("frame/" + prefix + "/" + s.name).c_str(),
-      [s, backend](benchmark::State& state) { bench_frame(state, s, backend); })
+      [s, backend, prefix](benchmark::State& state) { bench_frame(state, s, backend, prefix); })
       ->UseManualTime()
       ->Iterations(iterations(s, backend))
+      ->Unit(benchmark::kMicrosecond);
+}
+
+void add(const Setting& s, const Baseline& baseline)
+{
+  benchmark::RegisterBenchmark(
+      ("baseline/" + baseline.name + "/" + s.name).c_str(),
+      [s, baseline](benchmark::State& state) { bench_baseline(state, s, baseline); })
+      ->UseManualTime()
+      ->Iterations(1)
       ->Unit(benchmark::kMicrosecond);
 }
 
@@ -179,10 +200,12 @@ bool has_cuda()
 int main(int argc, char** argv)
 {
   for (const Setting& s : settings()) add(s, Backend::Cpu, "cpu");
+  for (const Baseline& b : baselines()) add(settings().front(), b);
   if (has_cuda())
     for (const Setting& s : settings()) add(s, Backend::Cuda, "cuda");
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::RunSpecifiedBenchmarks();
+  Table table;
+  benchmark::RunSpecifiedBenchmarks(&table);
   benchmark::Shutdown();
 }

@@ -1,6 +1,7 @@
 #include "log_mapper.h"
 
 #include <talus/io/rawlog_reader.h>
+#include <talus/mrpt/CObservationTraversability.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -34,6 +35,17 @@ ElevationMapper make_map(const Settings& s)
   return ElevationMapper(s.parameters, s.backend, s.threads);
 }
 
+/** What is written of every frame; all else is read at the end, and nothing is made for it before.
+ */
+std::vector<Layer> layers_of_every_frame(const Options& o)
+{
+  if (o.every == 0 && !o.rawlog_out.empty()) return CObservationTraversability::default_layers();
+  if (o.every != 1) return {};
+  std::vector<Layer> all;
+  for (int l = 0; l < kLayerCount; ++l) all.push_back(static_cast<Layer>(l));
+  return all;
+}
+
 std::string percent(std::uint64_t part, std::uint64_t whole)
 {
   char text[16];
@@ -61,6 +73,7 @@ std::string class_of(const mrpt::obs::CObservation& obs)
 LogMapper::LogMapper(const Job& job, const Options& options, const Settings& settings)
     : options_(options), log_(job.log), map_(make_map(settings))
 {
+  map_.set_output_layers(layers_of_every_frame(options));
   run_.version = TALUS_VERSION;
   run_.log = job.log;
   run_.backend = map_.backend_name();

@@ -145,6 +145,14 @@ void ElevationMapper::set_output_layers(const std::vector<Layer>& layers)
   restore(state);
 }
 
+std::vector<Layer> ElevationMapper::output_layers() const
+{
+  std::vector<Layer> named;
+  for (std::size_t l = 0; l < impl_->outputs.size(); l++)
+    if (impl_->outputs[l]) named.push_back(static_cast<Layer>(l));
+  return named;
+}
+
 void ElevationMapper::clear() { impl_->reset(); }
 
 bool ElevationMapper::empty() const { return !impl_->tracker.started; }

@@ -41,6 +41,7 @@ class Pipeline final : public BackendInterface
   {
     begin(frame, context);
     executor_.run_frame([this] { stages(); });
+    parts_known_ = parts_wanted();
     return end(frame);
   }
 
@@ -86,7 +87,8 @@ class Pipeline final : public BackendInterface
     if constexpr (Executor::kWalksLines)
     {
       executor_.for_each_point(points(), accept);
-      executor_.for_another_stage(2, [&] { for_each_cell(roll); });
+      executor_.for_another_stage(
+          2, [&] { executor_.for_each_concerned_cell(side(), context_.data(), roll); });
       executor_.for_each_stretch(
           bins,
           kernels::SweepBuriedRays{ground, rays_.data(), lowest_slope_.data(), directions_.data()});
@@ -154,25 +156,30 @@ class Pipeline final : public BackendInterface
   {
     const kernels::SupportGrid grid = support();
     const int radius = host_config_.object_radius;
-    executor_.for_each_cell(
-        grid.side, grid.side, kernels::PoolSupport{config_.data(), context_.data(), store(), grid});
-    executor_.for_each_window(
-        grid.side, grid.side, radius, kernels::ErodeSupport{config_.data(), grid});
+    const kernels::PoolSupport pool{config_.data(), context_.data(), store(), grid};
+    const kernels::ErodeSupport erode{config_.data(), grid};
+    const kernels::OpenSupport open{grid};
     if constexpr (Executor::kWalksLines)
-      executor_.for_each_window(grid.side, grid.side, radius, choose_roles());
+      executor_.for_each_pair_of_rows(grid.side, side(), context_.data(), pool);
     else
-      executor_.for_each_window(grid.side, grid.side, radius, kernels::DilateSupport{grid});
+      executor_.for_each_cell(grid.side, grid.side, pool);
+    executor_.for_each_window(grid.side, grid.side, radius, erode);
+    executor_.for_each_window(grid.side, grid.side, radius, open);
+    if constexpr (Executor::kWalksLines)
+      executor_.for_each_concerned_cell(side(), context_.data(), choose_role());
   }
 
   void clean_up()
   {
-    const int rays = static_cast<int>(rays_.size()), workers = executor_.workers(cells());
+    const int workers = executor_.workers(cells());
+    const bool fills = Executor::kWalksLines;  // a core fills memory faster than a loop
+    if (fills) executor_.fill(rays_, kernels::kNoRay), executor_.fill(cell_count_, 0u);
     const kernels::TidyUp tidy{
         rays_.data(),
-        rays,
+        fills ? 0 : static_cast<int>(rays_.size()),
         cell_count_.data(),
         kept_count_.data(),
-        cells(),
+        fills ? 0 : cells(),
         static_cast<int>(kept_count_.size()),
         counters_.data(),
         executor_.reported(),
@@ -186,7 +193,7 @@ class Pipeline final : public BackendInterface
     else
       executor_.mark_cells_beside(
           workers, tidy, side(),
-          kernels::SettleCell{choose_roles(), clean, samples_.data(), line_grid()}, axis_marks_);
+          kernels::SettleCell{choose_role(), clean, samples_.data(), line_grid()}, axis_marks_);
   }
 
   void fill()
@@ -237,9 +244,41 @@ class Pipeline final : public BackendInterface
 
   void judge()
   {
+    if (parts_wanted())
+      judge_with<true>();
+    else
+      judge_with<false>();
+  }
+
+  template <bool kParts>
+  void judge_with()
+  {
+    if constexpr (Executor::kWalksLines)
+      judge_rows<kParts>(0, side());
+    else
+      executor_.in_bands(
+          side(), copied_features() * static_cast<std::size_t>(side()) * sizeof(float),
+          [&](int first, int end)
+          {
+            const Rows completed = judge_rows<kParts>(first, end);
+            executor_.aside([&] { deliver_features(first, end); });
+            executor_.aside([&]
+                            { deliver(Layer::Traversability, completed.first, completed.end); });
+          });
+  }
+
+  struct Rows
+  {
+    int first, end;
+  };
+  /** Returns which rows are completed: each is when the next one is judged. */
+  template <bool kParts>
+  Rows judge_rows(int first, int end)
+  {
     const int n = side(), radius = host_config_.feature_radius_cells;
-    const kernels::ComputeFeatures compute{n,           config_.data(), surfaces(),
-                                           line_grid(), across_.data(), feature_layers()};
+    const Rows completed{std::max(first - 1, 0), end == n ? n : end - 1};
+    const kernels::ComputeFeatures<kParts> compute{n,           config_.data(), surfaces(),
+                                                   line_grid(), across_.data(), feature_layers()};
     const kernels::CompleteObstacles complete{
         n, config_.data(), surfaces(), judged(), feature(Layer::Traversability)};
     if constexpr (Executor::kWalksLines)
@@ -248,22 +287,19 @@ class Pipeline final : public BackendInterface
       executor_.for_each_concerned_cell(n, context_.data(), complete);
     }
     else
-      executor_.in_bands(
-          n, copied_features() * static_cast<std::size_t>(n) * sizeof(float),
-          [&](int first, int end)
-          {
-            executor_.for_each_window_of_rows(n, n, first, end, radius, compute);
-            // A row is completed when the next one is judged.
-            const int from = std::max(first - 1, 0), to = end == n ? n : end - 1;
-            executor_.for_each_concerned_cell_of_rows(n, context_.data(), from, to, complete);
-            executor_.aside([&] { deliver_features(first, end); });
-            executor_.aside([&] { deliver(Layer::Traversability, from, to); });
-          });
+    {
+      executor_.for_each_window_of_rows(n, n, first, end, radius, compute);
+      executor_.for_each_concerned_cell_of_rows(
+          n, context_.data(), completed.first, completed.end, complete);
+    }
+    return completed;
   }
 
   // ---- around them ----
   void begin(const Frame& frame, const kernels::FrameContext& context);
   FrameReport end(const Frame& frame);
+  void complete_parts();
+  void allocate_parts();
   bool is_copied(Layer layer) const;
   std::size_t copied_surfaces() const { return copied(Layer::Elevation, Layer::State); }
   std::size_t copied_features() const { return copied(Layer::Slope, Layer::Traversability); }
@@ -333,7 +369,7 @@ class Pipeline final : public BackendInterface
     float* p = support_.data();
     return {side, pad, p, p + n, p + 2 * n, p + 3 * n, p + 4 * n};
   }
-  kernels::ChooseRoles choose_roles()
+  kernels::ChooseRole choose_role()
   {
     return {config_.data(), context_.data(), store(), support(), top_hit_.data(), role_.data()};
   }
@@ -372,13 +408,21 @@ class Pipeline final : public BackendInterface
         surface(Layer::Elevation), surface(Layer::GroundElevation), surface(Layer::Variance),
         surface(Layer::State)};
   }
-  /** Where a layer of stages 8 and 9 lives: in the caller's memory if kernels reach it. */
+  /** Whether each frame leaves what traversability is made of: slope, step, roughness, sparsity. */
+  bool parts_wanted() const
+  {
+    const auto first = wanted_.begin() + static_cast<int>(Layer::Slope);
+    return std::any_of(first, first + kParts, [](const float* to) { return to; });
+  }
+  /** Where a layer of stages 8 and 9 lives: in the caller's memory if kernels reach it. Null:
+   * nobody wants it. */
   float* feature(Layer layer)
   {
     const auto l = static_cast<std::size_t>(layer);
-    const auto index = l - static_cast<std::size_t>(Layer::Slope);
-    float* direct = outputs_[l].direct;
-    return direct ? direct : features_.data() + index * static_cast<std::size_t>(cells());
+    if (float* direct = outputs_[l].direct) return direct;
+    if (layer == Layer::Traversability) return traversability_.data();
+    const std::size_t index = l - static_cast<std::size_t>(Layer::Slope);
+    return parts_.size() ? parts_.data() + index * static_cast<std::size_t>(cells()) : nullptr;
   }
   kernels::FeatureLayers feature_layers()
   {
@@ -388,7 +432,7 @@ class Pipeline final : public BackendInterface
 
   float* judged() { return judged_.data() + side() + 1; }
 
-  static constexpr int kFeatureLayers = 5, kSupportArrays = 5;
+  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 5;
 
   Executor executor_;
   kernels::Config host_config_;
@@ -409,7 +453,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint64_t> cursor_;
   Buffer<std::uint32_t> point_rank_, cell_count_, kept_count_, cell_begin_, counters_;
   Buffer<float> point_slope_, point_height_, point_variance_, lowest_slope_;
-  Buffer<kernels::BuriedBelow> directions_;
+  Buffer<kernels::SweptDirection> directions_;
   Buffer<kernels::HeightPoint> sorted_;
   Buffer<std::uint64_t> voxel_key_, voxel_winner_;
   Buffer<std::uint32_t> voxel_slot_;
@@ -422,7 +466,8 @@ class Pipeline final : public BackendInterface
   Buffer<float> top_hit_, support_, passing_, samples_, across_;
   Buffer<kernels::Inference> inferred_;
   // derived layers, window order
-  Buffer<float> judged_, features_, exported_, delivered_;
+  Buffer<float> judged_, traversability_, parts_, delivered_;
+  bool parts_known_ = false;  //!< `parts_` belong to the map as it is
 };
 
 template <class Executor>

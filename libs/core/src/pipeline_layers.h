@@ -19,6 +19,7 @@ std::array<bool, kLayerCount> Pipeline<Executor>::set_outputs(const OutputPointe
   }
   constexpr auto surfaces = static_cast<std::size_t>(Layer::Slope);
   executor_.allocate(delivered_, copied_surfaces() ? surfaces * n : 0, 0.0f);
+  if (parts_wanted()) allocate_parts();
   return delivered;
 }
 
@@ -77,16 +78,29 @@ void Pipeline<Executor>::deliver(Layer layer, int first_row, int end_row)
   executor_.copy(wanted_[static_cast<std::size_t>(layer)] + first, from + first, end - first);
 }
 
+/** What traversability is made of, if the last frame did not leave it: judges once more, with the
+ * same result. */
+template <class Executor>
+void Pipeline<Executor>::complete_parts()
+{
+  if (parts_known_) return;
+  allocate_parts();
+  judge_rows<true>(0, side());
+  parts_known_ = true;
+}
+
 template <class Executor>
 void Pipeline<Executor>::read_layer(Layer layer, float* out)
 {
-  const auto n = static_cast<std::size_t>(cells());
-  const float* from = exported_.data();
-  if (layer >= Layer::Slope)
-    from = feature(layer);
+  const float* from = top_hit_.data();  // free between frames
+  if (layer < Layer::Slope)
+    export_surface(layer, top_hit_.data());
   else
-    export_surface(layer, exported_.data());
-  if (from != out) executor_.download(from, n, out);
+  {
+    if (layer != Layer::Traversability) complete_parts();
+    from = feature(layer);
+  }
+  if (from != out) executor_.download(from, static_cast<std::size_t>(cells()), out);
 }
 
 template <class Executor>
@@ -103,6 +117,7 @@ MapBytes Pipeline<Executor>::read_all()
   }
   for (auto* b : {&state_, &passed_}) executor_.download(b->data(), n, to), to += n;
   executor_.download(misses_.data(), n, reinterpret_cast<std::int8_t*>(to));
+  complete_parts();
   bytes.features.resize(kFeatureLayers * n);
   for (std::size_t i = 0; i < kFeatureLayers; i++)
     executor_.download(
@@ -123,6 +138,8 @@ void Pipeline<Executor>::write_all(const MapBytes& bytes, const kernels::FrameCo
   }
   for (auto* b : {&state_, &passed_}) executor_.upload(from, n, b->data()), from += n;
   executor_.upload(reinterpret_cast<const std::int8_t*>(from), n, misses_.data());
+  allocate_parts();
+  parts_known_ = true;
   for (std::size_t i = 0; i < kFeatureLayers; i++)
     executor_.upload(
         bytes.features.data() + i * n, n,

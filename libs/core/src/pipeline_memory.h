@@ -16,7 +16,7 @@ void Pipeline<Executor>::allocate_cells()
   executor_.allocate(misses_, n, std::int8_t{0});
   for (auto* b : {&cell_count_, &cell_begin_}) executor_.allocate(*b, n, std::uint32_t{0});
   executor_.allocate(passing_, 2 * n, 0.0f);
-  for (auto* b : {&top_hit_, &exported_}) executor_.allocate(*b, n, 0.0f);
+  executor_.allocate(top_hit_, n, 0.0f);
   const auto pooled = static_cast<std::size_t>(kernels::support_side(host_config_));
   const std::size_t pad = 2 * static_cast<std::size_t>(host_config_.object_radius);
   executor_.allocate(support_, kSupportArrays * pooled * (pooled + pad), kernels::kInfinity);
@@ -28,7 +28,7 @@ void Pipeline<Executor>::allocate_cells()
   executor_.allocate(context_, 1, kernels::FrameContext{});
   executor_.allocate(cursor_, 1, std::uint64_t{0});
   executor_.allocate(counters_, kernels::kRejectCodes, std::uint32_t{0});
-  executor_.allocate(features_, kFeatureLayers * n, kernels::kNan);
+  executor_.allocate(traversability_, n, kernels::kNan);
   executor_.allocate(judged_, n + 2 * static_cast<std::size_t>(side() + 1), kernels::kNan);
   const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
   executor_.allocate(surfaces_, padded, kernels::Surface{kernels::kNoHeight, 0});
@@ -39,7 +39,7 @@ void Pipeline<Executor>::allocate_cells()
   if (Executor::kWalksLines)
     executor_.allocate(
         directions_, static_cast<std::size_t>(kernels::bin_count(host_config_)),
-        kernels::BuriedBelow{});
+        kernels::SweptDirection{});
   else
     allocate_for_search();
 }
@@ -61,6 +61,13 @@ void Pipeline<Executor>::allocate_for_search()
       static_cast<std::size_t>(kernels::line_count(host_config_)) *
           static_cast<std::size_t>(kernels::words_per_line(host_config_)),
       std::uint32_t{0});
+}
+
+template <class Executor>
+void Pipeline<Executor>::allocate_parts()
+{
+  const std::size_t size = kParts * static_cast<std::size_t>(cells());
+  if (parts_.size() != size) executor_.allocate(parts_, size, kernels::kNan);
 }
 
 /** Grows the buffers of points in steps of at least an eighth, so that a run settles after a few

@@ -77,6 +77,7 @@ void CDualElevationMap::applyOptions()
 {
   if (!m_mapper || same_parameters(insertionOptions, m_mapper->parameters())) return;
   ElevationMapper changed(insertionOptions, m_backend, m_threads);
+  changed.set_output_layers(m_mapper->output_layers());
   const Window before = m_mapper->window(), after = changed.window();
   const bool same_cells = before.cells == after.cells && before.resolution_m == after.resolution_m;
   if (same_cells && !m_mapper->empty()) changed.restore(m_mapper->save());

@@ -30,8 +30,8 @@ enum class Reject : int
   Buried,  //!< its ray would have passed under seen ground: a reflection
 };
 constexpr int kRejectCount = 7;
-constexpr std::array<const char*, kRejectCount> kRejectNames{"not_finite", "range",   "height",
-                                                             "body",       "outside", "voxel", "buried"};
+constexpr std::array<const char*, kRejectCount> kRejectNames{
+    "not_finite", "range", "height", "body", "outside", "voxel", "buried"};
 
 constexpr int kStageCount = 9;
 constexpr std::array<const char*, kStageCount> kStageNames{"accept", "uncertainty",    "roll",
@@ -88,8 +88,9 @@ class ElevationMapper
   PointArrays point_arrays(std::size_t size);
 
   /** Layers that each update() delivers: layer() of them costs nothing afterwards. The others are
-   * copied when layer() asks for them. None at first. Best set before the first frame. */
+   * made when layer() asks for them. None at first. Best set before the first frame. */
   void set_output_layers(const std::vector<Layer>& layers);
+  std::vector<Layer> output_layers() const;
 
   /** Forgets everything. */
   void clear();
@@ -98,7 +99,7 @@ class ElevationMapper
   bool empty() const;
 
   /** One layer, window().cells^2 floats, row by row: index = iy * cells + ix. Valid until the next
-   * call that changes the map. Copies on first use what set_output_layers() does not name. */
+   * call that changes the map. Made on first use where set_output_layers() does not name it. */
   const std::vector<float>& layer(Layer l) const;
 
   Window window() const;

@@ -43,7 +43,8 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   CDualElevationMap& operator=(const CDualElevationMap& o);
   ~CDualElevationMap() override;
 
-  /** @name The pipeline behind the map
+  /** @name The pipeline behind the map. Layers are made when somebody reads them; name those that
+   * are read after every observation with mapper().set_output_layers().
    *  @{ */
   ElevationMapper& mapper();
   const ElevationMapper& mapper() const;

@@ -1,0 +1,63 @@
+#include "setting.h"
+
+#include <map>
+
+namespace talus::bench
+{
+namespace
+{
+const std::vector<Layer> kTwoLayers{Layer::Traversability, Layer::Elevation};
+const std::vector<Layer> kSixLayers{Layer::Traversability, Layer::Elevation, Layer::GroundElevation,
+                                    Layer::Variance,       Layer::State,     Layer::Slope};
+constexpr double kResolution_m = 0.05;
+
+const std::vector<Scan>& drive(const Setting& s)
+{
+  static std::map<std::string, std::vector<Scan>> made;
+  const double radius_m = 0.55 * s.cells * kResolution_m;
+  const std::string key = std::to_string(s.points) + "/" + std::to_string(s.cells);
+  auto& scans = made[key];
+  if (scans.empty()) scans = make_drive(s.points, radius_m, s.points > 200000 ? 3 : 8);
+  return scans;
+}
+}  // namespace
+
+std::vector<Setting> settings()
+{
+  const FillRule rule = Parameters{}.fill_rule;
+  std::vector<Setting> all{
+      {"S1", 14400, 160, kTwoLayers},
+      {"S1/6_layers", 14400, 160, kSixLayers},
+      {"S2", 131072, 1000, kTwoLayers},
+      {"S2/6_layers", 131072, 1000, kSixLayers},
+      {"S1/2_threads", 14400, 160, kTwoLayers, false, rule, 2},
+      {"S2/2_threads", 131072, 1000, kTwoLayers, false, rule, 2},
+      {"S1/in_place", 14400, 160, kTwoLayers, true},
+      {"S2/in_place", 131072, 1000, kTwoLayers, true},
+      {"S2/6_layers/in_place", 131072, 1000, kSixLayers, true},
+      {"S1/exchanged", 14400, 160, kTwoLayers, false, FillRule::Exchanged},
+      {"S2/exchanged", 131072, 1000, kTwoLayers, false, FillRule::Exchanged}};
+  for (const std::size_t points : {10240, 51200, 204800, 819200, 2048000})
+    all.push_back({"points/" + std::to_string(points), points, 400, kTwoLayers});
+  for (const int cells : {160, 400, 1000, 2000, 4000})
+    all.push_back({"cells/" + std::to_string(cells), 131072, cells, kTwoLayers});
+  return all;
+}
+
+Parameters parameters(const Setting& s)
+{
+  Parameters p;
+  p.resolution_m = kResolution_m;
+  p.window_m = s.cells * kResolution_m;
+  p.fill_rule = s.fill_rule;
+  return p;
+}
+
+const Scan& scan_at(const Setting& s, int i)
+{
+  const auto& scans = drive(s);
+  const int last = static_cast<int>(scans.size()) - 1, at = i % (2 * last);
+  return scans[static_cast<std::size_t>(at <= last ? at : 2 * last - at)];
+}
+
+}  // namespace talus::bench

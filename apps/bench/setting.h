@@ -1,0 +1,36 @@
+#pragma once
+#include <talus/elevation_mapper.h>
+#include "scans.h"
+
+#include <string>
+#include <vector>
+
+namespace talus::bench
+{
+/** What one line of the table measures. */
+struct Setting
+{
+  std::string name;
+  std::size_t points;
+  int cells;  //!< along each side
+  std::vector<Layer> layers;  //!< that go back to the host
+  bool in_place = false;  //!< the points are in ElevationMapper::point_arrays() already
+  FillRule fill_rule = Parameters{}.fill_rule;
+  int threads = 1;  //!< of the CPU backend; other backends leave these settings out
+
+  double points_and_cells() const
+  {
+    return static_cast<double>(points) + static_cast<double>(cells) * cells;
+  }
+};
+
+/** S1, the paper's; S2; variants of both; sweeps over points and cells. */
+std::vector<Setting> settings();
+
+Parameters parameters(const Setting& s);
+
+/** Scan i of the setting's drive, made once: forth and back, so that the window rolls in every
+ * frame and the drive never ends. */
+const Scan& scan_at(const Setting& s, int i);
+
+}  // namespace talus::bench
