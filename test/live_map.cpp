@@ -234,7 +234,8 @@ TEST(LiveMap, ReadersSeeWholeFramesWhileOthersComeIn)
 TEST(LiveMap, SeveralThreadsMayFeedIt)
 {
   const Drive drive(60);
-  LiveMap map(small_window(), kLayers, tested_backend());
+  constexpr double kAnyTime_s = 1e3;  // a thread may be overtaken by any number of frames
+  LiveMap map(small_window(), kLayers, tested_backend(), 1, kAnyTime_s);
   std::atomic<int> next{0};
   const auto feed = [&]
   {
