@@ -336,6 +336,8 @@ class Pipeline final : public BackendInterface
         surface(Layer::Elevation), surface(Layer::GroundElevation), surface(Layer::Variance),
         surface(Layer::State)};
   }
+  static constexpr int kParts = 4;
+
   /** Whether each frame leaves what traversability is made of: slope, step, roughness, sparsity. */
   bool parts_wanted() const
   {
@@ -360,7 +362,7 @@ class Pipeline final : public BackendInterface
 
   float* judged() { return judged_.data() + side() + 1; }
 
-  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 4;
+  static constexpr int kFeatureLayers = 5, kSupportArrays = 4;
 
   Executor executor_;
   kernels::Config host_config_;
