@@ -210,16 +210,16 @@ struct FindGroundHits
   TALUS_HD void operator()(int bin, int ring) const
   {
     const int r = ring * bin_count(*config) + bin;
-    lowest_slope[r] = rays[r] != kNoRay ? limit(bin, ring, rays[r]) : -kInfinity;
+    const BinDirection d = direction_of_bin(bin, bins_per_side(*config));
+    lowest_slope[r] = rays[r] != kNoRay ? limit(d, ring, rays[r]) : -kInfinity;
   }
 
-  TALUS_HD float limit(int bin, int ring, std::int32_t hit) const
+  TALUS_HD float limit(const BinDirection& d, int ring, std::int32_t hit) const
   {
     if (ring == 0 || ring >= ring_count(*config) - 1) return -kInfinity;
     const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
     const float slope = float_from_ordered(hit);
-    if (!on_ground(direction_of_bin(bin, bins_per_side(*config)), chebyshev_m, slope))
-      return -kInfinity;
+    if (!on_ground(d, chebyshev_m, slope)) return -kInfinity;
     return slope - kBuried_m / chebyshev_m;
   }
 
@@ -289,28 +289,37 @@ struct FindBuriedRays
   static constexpr int kBatch = 16;
 };
 
-/** The same of all directions ring by ring, for executors that have few threads: `seen` of each
- * direction is carried along, and what was not hit costs next to nothing. */
+/** A direction on the way outwards. */
+struct SweptDirection
+{
+  BuriedBelow seen;
+  BinDirection vector{};
+};
+
+/** The same of all directions ring by ring, for executors that have few threads: what was not hit
+ * costs next to nothing. */
 struct SweepBuriedRays
 {
   FindGroundHits ground;
   std::int32_t* rays;
-  BuriedBelow* seen;  //!< by bin
+  SweptDirection* directions;  //!< by bin
 
   void operator()(int first_bin, int last_bin) const
   {
     const int bins = bin_count(*ground.config), rings = ring_count(*ground.config);
-    for (int bin = first_bin; bin < last_bin; bin++) seen[bin] = {};
+    const int per_side = bins_per_side(*ground.config);
+    for (int bin = first_bin; bin < last_bin; bin++)
+      directions[bin] = {{}, direction_of_bin(bin, per_side)};
     for (int ring = 0; ring < rings; ring++)
       for (int bin = first_bin; bin < last_bin; bin++)
-        if (rays[ring * bins + bin] != kNoRay) meet(bin, ring, ring * bins + bin);
+        if (rays[ring * bins + bin] != kNoRay) meet(directions[bin], ring, ring * bins + bin);
   }
 
  private:
-  void meet(int bin, int ring, int r) const
+  void meet(SweptDirection& d, int ring, int r) const
   {
-    ground.lowest_slope[r] = seen[bin].second;
-    if (seen[bin].meet(rays[r], ground.limit(bin, ring, rays[r]))) rays[r] = kNoRay;
+    ground.lowest_slope[r] = d.seen.second;
+    if (d.seen.meet(rays[r], ground.limit(d.vector, ring, rays[r]))) rays[r] = kNoRay;
   }
 };
 

@@ -8,7 +8,7 @@ namespace talus::kernels
 TALUS_HD bool entered_window(const FrameContext& f, int cells, int ix, int iy)
 {
   const int old_x = ix + f.moved_x, old_y = iy + f.moved_y;
-  return old_x < 0 || old_x >= cells || old_y < 0 || old_y >= cells;
+  return (old_x < 0) | (old_x >= cells) | (old_y < 0) | (old_y >= cells);
 }
 
 /** Stage 3 on cell (ix, iy) of the window. */
@@ -19,11 +19,18 @@ struct RollCell
   CellStore store;
   float* top_hit_m;  //!< by storage index: highest point of this frame; -infinity: none yet
 
+  /** Prepares the cell stored at i; true if it starts empty. */
+  TALUS_HD bool concerns(int ix, int iy, int i) const
+  {
+    top_hit_m[i] = -kInfinity;
+    return entered_window(*frame, config->cells, ix, iy);
+  }
+  TALUS_HD void operator()(int, int, int i) const { store.store(i, Cell{}); }
+
   TALUS_HD void operator()(int ix, int iy) const
   {
     const int i = storage_index(*frame, config->cells, ix, iy);
-    top_hit_m[i] = -kInfinity;
-    if (entered_window(*frame, config->cells, ix, iy)) store.store(i, Cell{});
+    if (concerns(ix, iy, i)) (*this)(ix, iy, i);
   }
 };
 

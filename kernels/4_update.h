@@ -253,7 +253,7 @@ struct SortPoint
   {
     const int at = points.ray[i], bins = bin_count(*config);
     if (at < 0) return false;
-    const int ring = at / bins, bin = at - ring * bins;
+    const int ring = floor_div(at, bins, 1.0f / static_cast<float>(bins)), bin = at - ring * bins;
     const std::int32_t* behind = rays + min_of(ring + 2, ring_count(*config) - 1) * bins;
     const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
     const float limit = points.slope[i] - config->cleanup_margin_m / chebyshev_m;

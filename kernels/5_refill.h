@@ -24,35 +24,57 @@ struct SupportGrid
   float* column_m;  //!< highest top of something upright, -infinity: none
   float* eroded_m;  //!< lowest ground of the neighbourhood
   float* cone_m;  //!< lowest ground of the neighbourhood, raised with distance
+  float* opened_m;  //!< highest eroded ground of the neighbourhood; for executors that walk lines
 
   TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
 };
 
 TALUS_HD int support_side(const Config& k) { return k.cells / 2 + 1; }
 
+/** What pooled cells hold. */
+struct Support
+{
+  float lowest_m = kInfinity, column_m = -kInfinity;
+
+  static constexpr auto fields() { return std::make_tuple(&Support::lowest_m, &Support::column_m); }
+  TALUS_HD void add(const Support& other)
+  {
+    lowest_m = min_of(lowest_m, other.lowest_m);
+    column_m = max_of(column_m, other.column_m);
+  }
+};
+
 struct PoolSupport
 {
+  using Item = Support;
   const Config* config;
   const FrameContext* frame;
   CellStore store;
   SupportGrid grid;
 
+  /** Of the cell stored at i. */
+  TALUS_HD Support item(int i) const
+  {
+    const float ground = store.ground_m[i], top = store.elevation_m[i];
+    const bool measured = store.state[i] == kMeasured;
+    const bool upright = measured & (top - ground > 0.5f * config->clearance_m);
+    return {select(measured, ground, kInfinity), select(upright, top, -kInfinity)};
+  }
+  TALUS_HD void put(int px, int py, const Support& pooled) const
+  {
+    grid.lowest_m[grid.at(px, py)] = pooled.lowest_m;
+    grid.column_m[grid.at(px, py)] = pooled.column_m;
+  }
+
   TALUS_HD void operator()(int px, int py) const
   {
     const int n = config->cells;
-    float lowest = kInfinity, column = -kInfinity;
     const int x0 = 2 * px - frame->odd_x, y0 = 2 * py - frame->odd_y;
+    Support pooled;
     for (int y = max_of(y0, 0); y < min_of(y0 + 2, n); y++)
       for (int x = max_of(x0, 0); x < min_of(x0 + 2, n); x++)
-      {
-        const int i = storage_index(*frame, n, x, y);
-        if (store.state[i] != kMeasured) continue;
-        const float ground = store.ground_m[i], top = store.elevation_m[i];
-        lowest = min_of(lowest, ground);
-        if (top - ground > 0.5f * config->clearance_m) column = max_of(column, top);
-      }
-    grid.lowest_m[grid.at(px, py)] = lowest;
-    grid.column_m[grid.at(px, py)] = column;
+        pooled.add(item(storage_index(*frame, n, x, y)));
+    put(px, py, pooled);
   }
 };
 
@@ -109,22 +131,17 @@ struct HighestGround
   static constexpr auto fields() { return std::make_tuple(&HighestGround::height_m); }
 };
 
-/** Dilation of what was eroded, and the decision for the cells of the window that were pooled. */
-struct ChooseRoles
+/** Dilation of what was eroded. */
+struct OpenSupport
 {
   using Row = HighestGround;
   using Window = HighestGround;
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
   SupportGrid grid;
-  const float* top_hit_m;  //!< of this frame, by storage index
-  std::uint8_t* role;  //!< by storage index
 
   TALUS_HD void add(HighestGround& row, int px, int py, int d) const
   {
     const float v = grid.eroded_m[grid.at(px + d, py)];
-    row.height_m = max_of(row.height_m, v < kInfinity ? v : -kInfinity);
+    row.height_m = max_of(row.height_m, select(v < kInfinity, v, -kInfinity));
   }
   TALUS_HD void add(HighestGround& sum, const HighestGround& other, int) const
   {
@@ -133,29 +150,60 @@ struct ChooseRoles
 
   TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
   {
-    const int n = config->cells;
-    const int x0 = 2 * px - frame->odd_x, y0 = 2 * py - frame->odd_y;
-    for (int y = max_of(y0, 0); y < min_of(y0 + 2, n); y++)
-      for (int x = max_of(x0, 0); x < min_of(x0 + 2, n); x++)
-      {
-        const int i = storage_index(*frame, n, x, y);
-        const bool measured = store.state[i] == kMeasured;
-        role[i] = measured ? role_of_measured(px, py, store.ground_m[i], opened.height_m) : kInfer;
-        if (!measured) join_column(i, px, py);
-      }
+    grid.opened_m[grid.at(px, py)] = opened.height_m;
   }
   template <class Read>
   TALUS_HD void finish(int, int, const Read&) const
   {
   }
+};
+
+/** The decision for one cell. */
+struct ChooseRole
+{
+  const Config* config;
+  const FrameContext* frame;
+  CellStore store;
+  SupportGrid grid;
+  const float* top_hit_m;  //!< of this frame, by storage index
+  std::uint8_t* role;  //!< by storage index
+
+  /** Decides for cell (x, y), stored at i, as most are; false where that is all. */
+  TALUS_HD bool concerns(int x, int y, int i) const
+  {
+    const int o = grid.at((x + frame->odd_x) >> 1, (y + frame->odd_y) >> 1);
+    const float ground = store.ground_m[i], tolerance = 0.5f * config->step_threshold_m;
+    const bool measured = store.state[i] == kMeasured;
+    const bool stays =
+        (ground <= grid.cone_m[o] + tolerance) | (ground <= grid.opened_m[o] + tolerance);
+    role[i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
+    return select(measured, !stays, may_join(i, ground));
+  }
+  TALUS_HD void operator()(int x, int y, int i) const
+  {
+    const int px = (x + frame->odd_x) >> 1, py = (y + frame->odd_y) >> 1;
+    (*this)(i, px, py, grid.opened_m[grid.at(px, py)]);
+  }
+
+  /** Decides for the cell stored at i, of a pooled cell with that opening. */
+  TALUS_HD void operator()(int i, int px, int py, float opened_m) const
+  {
+    const bool measured = store.state[i] == kMeasured;
+    role[i] = measured ? role_of_measured(px, py, store.ground_m[i], opened_m) : kInfer;
+    if (!measured) join_column(i, px, py);
+  }
 
  private:
+  TALUS_HD bool may_join(int i, float ground_m) const
+  {
+    return !is_known(store.elevation_m[i]) & (top_hit_m[i] > ground_m + config->clearance_m);
+  }
   /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
    * wall of which this cell was hit high up only. */
   TALUS_HD void join_column(int i, int px, int py) const
   {
     const float top = top_hit_m[i];
-    if (is_known(store.elevation_m[i]) || !(top > store.ground_m[i] + config->clearance_m)) return;
+    if (!may_join(i, store.ground_m[i])) return;
     if (!between_columns(px, py, top - config->clearance_m)) return;
     store.elevation_m[i] = top;
     store.elevation_var_m2[i] = config->min_variance_m2;
@@ -188,6 +236,22 @@ struct ChooseRoles
       for (int x = max_of(px - 1, 0); x <= min_of(px + 1, grid.side - 1); x++)
         column = max_of(column, grid.column_m[grid.at(x, y)]);
     return column;
+  }
+};
+
+/** Both for the cells of the window that were pooled. */
+struct ChooseRoles : OpenSupport
+{
+  ChooseRole choose;
+
+  TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
+  {
+    const FrameContext& frame = *choose.frame;
+    const int n = choose.config->cells;
+    const int x0 = 2 * px - frame.odd_x, y0 = 2 * py - frame.odd_y;
+    for (int y = max_of(y0, 0); y < min_of(y0 + 2, n); y++)
+      for (int x = max_of(x0, 0); x < min_of(x0 + 2, n); x++)
+        choose(storage_index(frame, n, x, y), px, py, opened.height_m);
   }
 };
 

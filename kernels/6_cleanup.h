@@ -72,7 +72,8 @@ struct Glance
   /** How many rays to look at. */
   TALUS_HD int rays() const
   {
-    return last_bin < first_bin ? 0 : (last_bin - first_bin) / stride + 1;
+    const int more = floor_div(last_bin - first_bin, stride, 1.0f / static_cast<float>(stride));
+    return select(last_bin < first_bin, 0, more + 1);
   }
 };
 

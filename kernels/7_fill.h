@@ -348,7 +348,7 @@ struct LineFusion
  private:
   TALUS_HD void add(float height_m, float deviation_m, bool known)
   {
-    const float d = 0.002f + deviation_m;
+    const float d = 0.010f + deviation_m;
     information += select(known, 1.0f / (d * d), 0.0f);
     weighted += select(known, height_m / (d * d), 0.0f);
     lowest_m = min_of(lowest_m, select(known, height_m, kInfinity));

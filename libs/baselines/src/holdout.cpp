@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
 
 namespace talus::baselines
 {
@@ -10,7 +11,7 @@ namespace
 {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr double kGroundAllowance_m = 0.1;
-constexpr double kGroundRadius_m = 0.5;
+constexpr double kGroundRadius_m = 1.0;
 
 /** A scan in two parts. */
 struct SplitScan
@@ -101,6 +102,60 @@ std::vector<float> lowest_points(
   return lowest;
 }
 
+/** Where the ground lies at most, by all beams of all frames of a log: the second lowest of what the
+ * frames saw in each cell, since single reflections come from below the ground. */
+class LowestSeen
+{
+ public:
+  void add(const ScanFrame& scan, const Parameters& parameters)
+  {
+    std::unordered_map<std::uint64_t, float> of_scan;
+    for (const MapPoint& p : accepted_points(scan.view(), parameters))
+    {
+      const auto [at, first] = of_scan.try_emplace(
+          key(std::floor(p.x_m / parameters.resolution_m),
+              std::floor(p.y_m / parameters.resolution_m)),
+          p.z_m);
+      if (!first) at->second = std::min(at->second, p.z_m);
+    }
+    for (const auto& [cell, z_m] : of_scan) cells_[cell].add(z_m);
+  }
+
+  /** Window order; NaN: nothing was ever hit. */
+  std::vector<float> in(const Window& w) const
+  {
+    std::vector<float> lowest;
+    lowest.reserve(static_cast<std::size_t>(w.cells) * static_cast<std::size_t>(w.cells));
+    for (int y = 0; y < w.cells; ++y)
+      for (int x = 0; x < w.cells; ++x)
+      {
+        const auto at = cells_.find(
+            key(static_cast<double>(w.min_cell_x + x), static_cast<double>(w.min_cell_y + y)));
+        lowest.push_back(at == cells_.end() ? kNan : at->second.ground_m());
+      }
+    return lowest;
+  }
+
+ private:
+  struct TwoLowest
+  {
+    float first_m = std::numeric_limits<float>::infinity(), second_m = first_m;
+    void add(float z_m)
+    {
+      second_m = std::min(second_m, std::max(first_m, z_m));
+      first_m = std::min(first_m, z_m);
+    }
+    float ground_m() const { return std::isinf(second_m) ? first_m : second_m; }
+  };
+  static std::uint64_t key(double ix, double iy)
+  {
+    const auto word = [](double i)
+    { return static_cast<std::uint32_t>(static_cast<std::int64_t>(i)); };
+    return static_cast<std::uint64_t>(word(ix)) << 32 | word(iy);
+  }
+  std::unordered_map<std::uint64_t, TwoLowest> cells_;
+};
+
 /** Whether a point may be ground: nothing near lies below the cone under it. */
 bool may_be_ground(
     const std::vector<float>& lowest, const Window& w, std::size_t k, float z_m, double slope)
@@ -155,6 +210,8 @@ HoldOut hold_out(
   const auto map = make_method("talus", options.parameters, options.backend);
   const double slope = std::tan(options.parameters.slope_threshold_rad);
   const int first = std::min(holdout.from_frame, out.frames - 1);
+  LowestSeen seen;
+  for (const ScanFrame& scan : sequence.frames) seen.add(scan, options.parameters);
   for (int i = 0; i < out.frames; ++i)
   {
     const ScanFrame& scan = sequence.frames[static_cast<std::size_t>(i)];
@@ -166,7 +223,7 @@ HoldOut hold_out(
     const Fills fills = all_fills(surfaces);
     for (std::size_t f = 0; f < fills.size(); ++f) out.fills[f].fill = fills[f].first;
     const auto held = lowest_points(parts.held, surfaces.window, options.parameters);
-    const auto all = lowest_points(scan, surfaces.window, options.parameters);
+    const auto all = seen.in(surfaces.window);
     for (std::size_t k = 0; k < held.size(); ++k)
       if (!std::isnan(held[k]) &&
           static_cast<CellState>(surfaces.state[k]) != CellState::Measured &&

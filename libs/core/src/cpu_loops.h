@@ -5,18 +5,39 @@
 #include <algorithm>
 #include <cstdint>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 // Bodies of the CPU executors' loops that are more than a loop.
 
 namespace talus
 {
-/** f(x, y, i) for x in [begin, end) of a row, i from `first` on. */
+/** f(i) for i in [begin, end) in whole blocks; true if there are enough for one. */
+template <int kBlock, class F>
+bool in_blocks_of(int begin, int end, const F& f)
+{
+  if (end - begin < kBlock) return false;
+  for (int at = begin;; at = std::min(at + kBlock, end - kBlock))
+  {
+    TALUS_INDEPENDENT
+    for (int i = at; i < at + kBlock; i++) f(i);
+    if (at == end - kBlock) return true;
+  }
+}
+/** f(i) for i in [begin, end), for some of them twice, which must be the same as once: the last
+ * block of vector code begins before the one before it ends. */
+template <class F>
+void in_blocks(int begin, int end, const F& f)
+{
+  if (in_blocks_of<64>(begin, end, f) || in_blocks_of<16>(begin, end, f)) return;
+  for (int i = begin; i < end; i++) f(i);
+}
+
+/** f(x, y, i) for x in [begin, end) of a row, i from `first` on; twice is the same as once. */
 template <class F>
 TALUS_CLONES void over_row(F f, int begin, int end, int y, int first)
 {
-  TALUS_INDEPENDENT
-  for (int x = begin; x < end; x++) f(x, y, first + (x - begin));
+  in_blocks(begin, end, [&](int x) { f(x, y, first + (x - begin)); });
 }
 
 /** over(begin, end, i) of a row of the window, i where its first cell is stored: two stretches of a
@@ -34,8 +55,8 @@ void over_stored_row(const F& over, int cells, const kernels::FrameContext& fram
 template <class F>
 TALUS_CLONES void find_concerned(F f, int begin, int end, int y, int first, std::uint8_t* concerned)
 {
-  TALUS_INDEPENDENT
-  for (int x = begin; x < end; x++) concerned[x - begin] = f.concerns(x, y, first + (x - begin));
+  in_blocks(
+      begin, end, [&](int x) { concerned[x - begin] = f.concerns(x, y, first + (x - begin)); });
 }
 template <class F>
 void over_concerned(const F& f, int begin, int end, int y, int first)
@@ -142,13 +163,74 @@ class SteppedRow
   }
   TALUS_CLONES static void put(F f, Lanes<Result> results, int x, int y, int first, int lanes)
   {
-    TALUS_INDEPENDENT
-    for (int l = 0; l < lanes; l++) f.put(x + l, y, first + l, results.load(l));
+    in_blocks(0, lanes, [&](int l) { f.put(x + l, y, first + l, results.load(l)); });
   }
 
   static constexpr int kWords = Lanes<Item>::words(kLanes) + Lanes<Result>::words(kLanes);
   const F& f_;
   alignas(64) std::uint32_t words_[static_cast<std::size_t>(kWords)];
+};
+
+/** Cells pooled two by two, by the parity of their place in the map: f.item(i) of each. */
+template <class F>
+class PairOfRows
+{
+  using Item = typename F::Item;
+
+ public:
+  /** `n`: pooled cells of a row. */
+  PairOfRows(const F& f, int n) : f_(f), n_(n)
+  {
+    static thread_local std::vector<std::uint32_t> words;
+    const auto size = static_cast<std::size_t>(Lanes<Item>::words(2 * n));
+    if (words.size() < size) words.resize(size);
+    words_ = words.data();
+  }
+
+  void pool(int py, int cells, const kernels::FrameContext& frame) const
+  {
+    const Lanes<Item> items(words_, 2 * n_);
+    clear(items, 2 * n_);
+    const int first = 2 * py - frame.odd_y, odd_x = frame.odd_x;
+    for (int y = std::max(first, 0); y < std::min(first + 2, cells); y++)
+      over_stored_row(
+          [this, items, odd_x](int begin, int end, int i)
+          { add(f_, items, begin + odd_x, end + odd_x, i); },
+          cells, frame, y);
+    put(f_, items, n_, py);
+  }
+
+ private:
+  TALUS_CLONES static void clear(Lanes<Item> items, int n)
+  {
+    const Item none;
+    for (int l = 0; l < n; l++) items.store(l, none);
+  }
+  TALUS_CLONES static void add(F f, Lanes<Item> items, int begin, int end, int first)
+  {
+    in_blocks(
+        begin, end,
+        [&](int l)
+        {
+          Item item = items.load(l);
+          item.add(f.item(first + (l - begin)));
+          items.store(l, item);
+        });
+  }
+  TALUS_CLONES static void put(F f, Lanes<Item> items, int n, int py)
+  {
+    TALUS_INDEPENDENT
+    for (int px = 0; px < n; px++)
+    {
+      Item pooled = items.load(2 * px);
+      pooled.add(items.load(2 * px + 1));
+      f.put(px, py, pooled);
+    }
+  }
+
+  const F& f_;
+  int n_;
+  std::uint32_t* words_;
 };
 
 /** f(first, last) of a stretch. */
@@ -192,6 +274,9 @@ class SlidingRows
   using Row = typename F::Row;
   using Window = typename F::Window;
   static constexpr int kLanes = 128;
+  static constexpr int kAtOnce = 5;  //!< neighbours that are added in one pass
+  template <int n>
+  using Distances = std::make_integer_sequence<int, n>;
 
  public:
   SlidingRows(int nx, int ny, int radius, const F& f) : nx_(nx), ny_(ny), radius_(radius), f_(f)
@@ -221,44 +306,59 @@ class SlidingRows
     }
   }
 
-  TALUS_CLONES static void sum_row(F f, Lanes<Row> rows, int x0, int x1, int y, int radius)
+  static void sum_row(const F& f, Lanes<Row> rows, int x0, int x1, int y, int radius)
   {
-    const Row none;
-    TALUS_INDEPENDENT
-    for (int x = x0; x < x1; x++) rows.store(x - x0, none);
-    for (int d = -radius; d <= radius; d++)
+    int d = -radius;
+    if (2 * radius + 1 < kAtOnce)
+      add_columns<true>(f, rows, x0, x1, y, d++, Distances<1>{});
+    else
     {
-      TALUS_INDEPENDENT
-      for (int x = x0; x < x1; x++)
-      {
-        Row row = rows.load(x - x0);
-        f.add(row, x, y, d);
-        rows.store(x - x0, row);
-      }
+      add_columns<true>(f, rows, x0, x1, y, d, Distances<kAtOnce>{});
+      d += kAtOnce;
+    }
+    for (; d <= radius; d++) add_columns<false>(f, rows, x0, x1, y, d, Distances<1>{});
+  }
+  /** Adds the neighbours at distances from d on; the first there are. */
+  template <bool kFirst, int... k>
+  TALUS_CLONES static void add_columns(
+      F f, Lanes<Row> rows, int x0, int x1, int y, int d, std::integer_sequence<int, k...>)
+  {
+    TALUS_INDEPENDENT
+    for (int x = x0; x < x1; x++)
+    {
+      Row row = kFirst ? Row{} : rows.load(x - x0);
+      (f.add(row, x, y, d + k), ...);
+      rows.store(x - x0, row);
     }
   }
 
   void window(int y, int x0, int x1) const
   {
     const Lanes<Window> sums(words_ + window_at(), kLanes);
-    clear(sums, x1 - x0);
-    for (int row = std::max(y - radius_, 0); row <= std::min(y + radius_, ny_ - 1); row++)
-      add_row(f_, sums, at(row), x1 - x0, row - y);
+    const int last = std::min(y + radius_, ny_ - 1), lanes = x1 - x0;
+    int row = std::max(y - radius_, 0);
+    if (last - row + 1 < kAtOnce)
+      add_rows<true>(f_, sums, lanes, row - y, at(row)), row++;
+    else
+    {
+      add_rows<true>(
+          f_, sums, lanes, row - y, at(row), at(row + 1), at(row + 2), at(row + 3), at(row + 4));
+      row += kAtOnce;
+    }
+    for (; row <= last; row++) add_rows<false>(f_, sums, lanes, row - y, at(row));
     finish(f_, sums, x0, x1, y);
     for (int x = x0; x < x1; x++) f_.finish(x, y, [&] { return sums.load(x - x0); });
   }
-  TALUS_CLONES static void clear(Lanes<Window> sums, int lanes)
-  {
-    const Window none;
-    for (int l = 0; l < lanes; l++) sums.store(l, none);
-  }
-  TALUS_CLONES static void add_row(F f, Lanes<Window> sums, Lanes<Row> row, int lanes, int d)
+  /** Adds rows at distances from d on; the first there are. */
+  template <bool kFirst, class... Rows>
+  TALUS_CLONES static void add_rows(F f, Lanes<Window> sums, int lanes, int d, Rows... rows)
   {
     TALUS_INDEPENDENT
     for (int l = 0; l < lanes; l++)
     {
-      Window sum = sums.load(l);
-      f.add(sum, row.load(l), d);
+      Window sum = kFirst ? Window{} : sums.load(l);
+      int distance = d;
+      (f.add(sum, rows.load(l), distance++), ...);
       sums.store(l, sum);
     }
   }

@@ -215,6 +215,14 @@ class SerialExecutor : public CpuMemory
         });
   }
 
+  /** f.put(px, py, pooled) of pairs of pairs of cells, `n` along each side, see PairOfRows. */
+  template <class F>
+  void for_each_pair_of_rows(int n, int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_row(
+        2 * n, n, [&f, cells, frame, n](int py) { PairOfRows<F>(f, n).pool(py, cells, *frame); });
+  }
+
   /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */
   void walk_lines(
       const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Samples& samples,
@@ -371,6 +379,14 @@ class ThreadExecutor : public CpuMemory
         });
   }
 
+  /** f.put(px, py, pooled) of pairs of pairs of cells, `n` along each side, see PairOfRows. */
+  template <class F>
+  void for_each_pair_of_rows(int n, int cells, const kernels::FrameContext* frame, const F& f)
+  {
+    for_each_row(
+        2 * n, n, [&f, cells, frame, n](int py) { PairOfRows<F>(f, n).pool(py, cells, *frame); });
+  }
+
   /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */
   void walk_lines(
       const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Samples& samples,
@@ -423,7 +439,9 @@ class ThreadExecutor : public CpuMemory
   template <class T>
   void fill(Buffer<T>& buffer, T value)
   {
-    std::fill(buffer.begin(), buffer.end(), value);
+    run(static_cast<int>(buffer.size()), 1 << 14,
+        [&](int begin, int end)
+        { std::fill(buffer.begin() + begin, buffer.begin() + end, value); });
   }
 
  private:

@@ -86,7 +86,8 @@ class Pipeline final : public BackendInterface
     if constexpr (Executor::kWalksLines)
     {
       executor_.for_each_point(points(), accept);
-      executor_.for_another_stage(2, [&] { for_each_cell(roll); });
+      executor_.for_another_stage(
+          2, [&] { executor_.for_each_concerned_cell(side(), context_.data(), roll); });
       executor_.for_each_stretch(
           bins, kernels::SweepBuriedRays{ground, rays_.data(), directions_.data()});
     }
@@ -153,24 +154,36 @@ class Pipeline final : public BackendInterface
   {
     const kernels::SupportGrid grid = support();
     const int radius = host_config_.object_radius;
-    executor_.for_each_cell(
-        grid.side, grid.side, kernels::PoolSupport{config_.data(), context_.data(), store(), grid});
-    executor_.for_each_window(
-        grid.side, grid.side, radius, kernels::ErodeSupport{config_.data(), grid});
-    executor_.for_each_window(
-        grid.side, grid.side, radius,
-        kernels::ChooseRoles{
-            config_.data(), context_.data(), store(), grid, top_hit_.data(), role_.data()});
+    const kernels::PoolSupport pool{config_.data(), context_.data(), store(), grid};
+    const kernels::ErodeSupport erode{config_.data(), grid};
+    const kernels::OpenSupport open{grid};
+    const kernels::ChooseRole choose{config_.data(), context_.data(), store(),
+                                     grid,           top_hit_.data(), role_.data()};
+    if constexpr (Executor::kWalksLines)
+    {
+      executor_.for_each_pair_of_rows(grid.side, side(), context_.data(), pool);
+      executor_.for_each_window(grid.side, grid.side, radius, erode);
+      executor_.for_each_window(grid.side, grid.side, radius, open);
+      executor_.for_each_concerned_cell(side(), context_.data(), choose);
+    }
+    else
+    {
+      executor_.for_each_cell(grid.side, grid.side, pool);
+      executor_.for_each_window(grid.side, grid.side, radius, erode);
+      executor_.for_each_window(grid.side, grid.side, radius, kernels::ChooseRoles{{grid}, choose});
+    }
   }
 
   void clean_up()
   {
-    const int rays = static_cast<int>(rays_.size()), workers = executor_.workers(cells());
+    const int workers = executor_.workers(cells());
+    const bool fills = Executor::kWalksLines;  // a core fills memory faster than a loop
+    if (fills) executor_.fill(rays_, kernels::kNoRay), executor_.fill(cell_count_, 0u);
     const kernels::TidyUp tidy{
         rays_.data(),
-        rays,
+        fills ? 0 : static_cast<int>(rays_.size()),
         cell_count_.data(),
-        cells(),
+        fills ? 0 : cells(),
         counters_.data(),
         executor_.reported(),
         kernels::kRejectCodes,
@@ -300,7 +313,7 @@ class Pipeline final : public BackendInterface
     const int pad = host_config_.object_radius;
     const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side + 2 * pad);
     float* p = support_.data();
-    return {side, pad, p, p + n, p + 2 * n, p + 3 * n};
+    return {side, pad, p, p + n, p + 2 * n, p + 3 * n, p + 4 * n};
   }
   kernels::PassingRays passing()
   {
@@ -362,7 +375,7 @@ class Pipeline final : public BackendInterface
 
   float* judged() { return judged_.data() + side() + 1; }
 
-  static constexpr int kFeatureLayers = 5, kSupportArrays = 4;
+  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 5;
 
   Executor executor_;
   kernels::Config host_config_;
@@ -383,7 +396,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint64_t> cursor_;
   Buffer<std::uint32_t> point_rank_, cell_count_, cell_begin_, counters_;
   Buffer<float> point_slope_, point_height_, point_variance_, lowest_slope_;
-  Buffer<kernels::BuriedBelow> directions_;
+  Buffer<kernels::SweptDirection> directions_;
   Buffer<kernels::HeightPoint> sorted_;
   Buffer<std::uint64_t> voxel_key_, voxel_winner_;
   Buffer<std::uint32_t> voxel_slot_;

@@ -39,7 +39,7 @@ void Pipeline<Executor>::allocate_cells()
   if (Executor::kWalksLines)
     executor_.allocate(
         directions_, static_cast<std::size_t>(kernels::bin_count(host_config_)),
-        kernels::BuriedBelow{});
+        kernels::SweptDirection{});
   else
     allocate_marks();
 }
