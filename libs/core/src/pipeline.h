@@ -349,8 +349,6 @@ class Pipeline final : public BackendInterface
         surface(Layer::Elevation), surface(Layer::GroundElevation), surface(Layer::Variance),
         surface(Layer::State)};
   }
-  static constexpr int kParts = 4;
-
   /** Whether each frame leaves what traversability is made of: slope, step, roughness, sparsity. */
   bool parts_wanted() const
   {
