@@ -155,5 +155,5 @@ TEST(SteadyState, BytesOfACell)
   map.update(scan.frame());
   const std::uint64_t all = allocated_bytes - before;
   EXPECT_LE(static_cast<double>(map.save().size()) / cells, 40);  // resident: see performance.md
-  EXPECT_LE(static_cast<double>(all) / cells, 136);  // and all that a frame works with
+  EXPECT_LE(static_cast<double>(all) / cells, 120);  // and all that a frame works with
 }

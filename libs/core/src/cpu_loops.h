@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -61,14 +62,20 @@ TALUS_CLONES void find_concerned(F f, int begin, int end, int y, int first, std:
 template <class F>
 void over_concerned(const F& f, int begin, int end, int y, int first)
 {
-  constexpr int kBlock = 256;
-  alignas(64) std::uint8_t concerned[kBlock];
+  constexpr int kBlock = 256, kGroup = 8;
+  alignas(64) std::uint8_t concerned[kBlock] = {};
   for (int x0 = begin; x0 < end; x0 += kBlock)
   {
     const int x1 = std::min(x0 + kBlock, end), shift = first - begin;
     find_concerned(f, x0, x1, y, x0 + shift, concerned);
-    for (int x = x0; x < x1; x++)
-      if (concerned[x - x0]) f(x, y, x + shift);
+    for (int group = x0; group < x1; group += kGroup)
+    {
+      std::uint64_t any;
+      std::memcpy(&any, concerned + (group - x0), kGroup);
+      if (any == 0) continue;
+      for (int x = group; x < std::min(group + kGroup, x1); x++)
+        if (concerned[x - x0]) f(x, y, x + shift);
+    }
   }
 }
 
