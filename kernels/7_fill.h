@@ -76,6 +76,16 @@ TALUS_HD int places_in(float distance_m, float step_m, int rings)
   return floor_to_int(min_of(distance_m / step_m, static_cast<float>(rings)));
 }
 
+/** Where a ray seems to have passed this far below a sample, one of the two is wrong: the thing is
+ * gone, or the ray is that of a reflection. Until it is known which, fills beside the sample do not
+ * believe their rays. Samples and fills say so by this variance; the map is told the other one. */
+constexpr float kContradicted_m = 0.1f, kDoubtful_m2 = 1e12f, kToldDoubtful_m2 = 1.0f;
+
+TALUS_HD float sample_variance(float ground_m, float variance_m2, float ray_bound_m)
+{
+  return select(ray_bound_m < ground_m - kContradicted_m, kDoubtful_m2, variance_m2);
+}
+
 /** Variance of ground inferred from a sample [m^2]. */
 TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const Config& k)
 {
@@ -149,6 +159,7 @@ struct alignas(16) Inference
 
   TALUS_HD bool any() const { return is_known(variance_m2); }
   TALUS_HD bool two_sided() const { return bits_of(variance_m2) >> 31 == 0; }
+  TALUS_HD bool doubtful() const { return abs_of(variance_m2) >= kDoubtful_m2; }
 };
 
 /** Inference::variance_m2 from the variances of the two sides of the line to the sensor, NaN where
@@ -157,7 +168,9 @@ TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
 {
   const bool has_inner = is_known(inner_m2), both = has_inner & is_known(outer_m2);
   const float fused = 1.0f / (1.0f / inner_m2 + 1.0f / outer_m2);
-  return select(both, fused, -select(has_inner, inner_m2, outer_m2));
+  const float larger = max_of(inner_m2, outer_m2);
+  const float two = select(larger >= kDoubtful_m2, larger, fused);
+  return select(both, two, -select(has_inner, inner_m2, outer_m2));
 }
 
 TALUS_HD LineFusion fuse_lines(const SideEstimate& a, const SideEstimate& b)
@@ -195,7 +208,8 @@ infer_ground(const Inference& inferred, bool under_object, float bound_m, const 
   const float height = select(under_object, lines.lowest_m, lines.weighted / lines.information);
   return {
       min_of(height, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
-      abs_of(inferred.variance_m2), select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided)};
+      select(inferred.doubtful(), kToldDoubtful_m2, abs_of(inferred.variance_m2)),
+      select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided)};
 }
 
 // ---- Where samples are kept
@@ -240,16 +254,18 @@ struct TakeSample
   const Config* config;
   CellStore store;
   const std::uint8_t* role;
+  const float* ray_bound_m;  //!< window order
   LineGrid grid;
   Samples samples;
 
   TALUS_HD void operator()(int ix, int iy, int i) const
   {
     const int o = grid.at(ix, iy);
+    const float bound_m = ray_bound_m[iy * config->cells + ix];
     const bool sample = (store.state[i] == kMeasured) & (role[i] == kKeep);
     const float ground_m = store.ground_m[i];
     samples.height_m[o] = select(sample, ground_m, kNan);
-    samples.variance_m2[o] = store.ground_var_m2[i];
+    samples.variance_m2[o] = sample_variance(ground_m, store.ground_var_m2[i], bound_m);
   }
 };
 
@@ -302,7 +318,7 @@ struct FillCell
 
   TALUS_HD void operator()(int ix, int iy, int i, const Inference& inferred) const
   {
-    const float bound_m = ray_bound_m[iy * cells + ix];
+    const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound_m[iy * cells + ix]);
     const int r = role[i], state_before = store.state[i], passed_before = store.passed[i];
     const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
     const float top_before = store.elevation_m[i], top_var_before = store.elevation_var_m2[i];

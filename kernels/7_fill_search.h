@@ -348,7 +348,9 @@ struct SearchAndFillCell
     const int place = radial.at(outwards, side.places);
     const int iy = place / grid.pitch, ix = place - iy * grid.pitch;
     const int i = storage_index(*fill.frame, k.cells, ix, iy);
-    return spread_variance(fill.store.ground_var_m2[i], side.distance_m, k);
+    const float of_sample_m2 = sample_variance(
+        side.nearest_m, fill.store.ground_var_m2[i], fill.ray_bound_m[iy * k.cells + ix]);
+    return spread_variance(of_sample_m2, side.distance_m, k);
   }
 
   TALUS_HD float height_across(int ix, int iy) const

@@ -210,3 +210,18 @@ TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
   EXPECT_EQ(m.state(2.225, 0.025), CellState::FilledOneSided);
   EXPECT_TRUE(std::isnan(m.traversability(2.225, 0.025)));
 }
+
+TEST(Stage7Fill, ARayThatSeemsToPassBelowMeasuredGroundBoundsNothing)
+{
+  // A reflection from 1 m below the ground; the hits beside its ray are of other directions.
+  for (const bool ground_behind : {true, false})
+  {
+    TestMap m;
+    Scan s;
+    for (double x = 1.025; x < 5; x += 0.05)
+      if (x < 2.4 || (ground_behind && (x < 3 || x > 3.25))) s.add(x, 0.046, 0.0);
+    m.update(s.add(6.025, 0.025, -1.0));
+    const double bound_m = 0.7 - 1.7 / 6.025 * 3.125;
+    EXPECT_NEAR(m.ground(3.125, 0.025), ground_behind ? 0.0 : bound_m, 0.02) << ground_behind;
+  }
+}

@@ -210,8 +210,8 @@ class Pipeline final : public BackendInterface
   void walk_lines(const kernels::FillCell& cell)
   {
     const kernels::LineGrid grid = line_grid();
-    for_each_stored_cell(
-        kernels::TakeSample{config_.data(), store(), role_.data(), grid, samples()});
+    for_each_stored_cell(kernels::TakeSample{
+        config_.data(), store(), role_.data(), passing().lowest_m, grid, samples()});
     executor_.walk_lines(host_config_, grid, samples(), inferred());
     for_each_stored_cell(kernels::FillWalkedCell{cell, grid, inferred()});
     if (cell.out.any())
