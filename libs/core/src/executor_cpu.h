@@ -125,155 +125,53 @@ class CpuMemory
   std::array<std::uint32_t, kernels::kRejectCodes> counters_{};
 };
 
-/** Runs the stages' loops one after the other. An executor supplies buffers, loops and the atomics
- * that its threads need; it knows nothing of the map. */
-class SerialExecutor : public CpuMemory
+/** All work on the calling thread. */
+struct OneThread
 {
- public:
   using Atomics = kernels::SerialAtomics;
-
-  /** f(i) for i in [0, n) */
-  template <class F>
-  void for_each(int n, const F& f)
+  template <class Body>
+  void run(int n, int, const Body& body) const
   {
-    for (int i = 0; i < n; i++) f(i);
-  }
-
-  /** f(x, y) for x in [0, nx), y in [0, ny) */
-  template <class F>
-  void for_each_cell(int nx, int ny, const F& f)
-  {
-    for (int y = 0; y < ny; y++)
-      for (int x = 0; x < nx; x++) f(x, y);
-  }
-
-  /** f(y) for y in [0, ny), rows of nx cells. */
-  template <class F>
-  void for_each_row(int, int ny, const F& f)
-  {
-    for_each(ny, f);
-  }
-  /** f(begin, end) of stretches of [0, n). */
-  template <class F>
-  void for_each_stretch(int n, const F& f)
-  {
-    over_stretch(f, 0, n);
-  }
-  /** f of points in two phases. */
-  template <class F>
-  void for_each_point(int n, const F& f)
-  {
-    over_points(f, 0, n);
-  }
-  /** f(x, y, i) of the cells of the window with i where each is stored. */
-  template <class F>
-  void for_each_stored_cell(int cells, const kernels::FrameContext* frame, const F& f)
-  {
-    for_each_row(
-        cells, cells,
-        [&f, cells, frame](int y)
-        {
-          over_stored_row(
-              [&f, y](int begin, int end, int i) { over_row(f, begin, end, y, i); }, cells, *frame,
-              y);
-        });
-  }
-  /** The same of those that f.concerns(x, y, i). */
-  template <class F>
-  void for_each_concerned_cell(int cells, const kernels::FrameContext* frame, const F& f)
-  {
-    for_each_row(
-        cells, cells,
-        [&f, cells, frame](int y)
-        {
-          over_stored_row(
-              [&f, y](int begin, int end, int i) { over_concerned(f, begin, end, y, i); }, cells,
-              *frame, y);
-        });
-  }
-  /** f(i) for i in [0, n); beside it, for another stage, g(x, y, i) of the cells that it concerns.
-   */
-  template <class F, class G>
-  void for_each_concerned_cell_beside(
-      int n, const F& f, int stage, int cells, const kernels::FrameContext* frame, const G& g)
-  {
-    for_each(n, f);
-    for_another_stage(stage, [&] { for_each_concerned_cell(cells, frame, g); });
-  }
-  /** f in steps of the cells of the window, see SteppedRow. */
-  template <class F>
-  void for_each_cell_in_steps(int cells, const kernels::FrameContext* frame, const F& f)
-  {
-    for_each_row(
-        cells, cells,
-        [&f, cells, frame](int y)
-        {
-          SteppedRow<F> row(f);
-          over_stored_row(
-              [&row, y](int begin, int end, int i) { row.run(begin, end, y, i); }, cells, *frame,
-              y);
-        });
-  }
-
-  /** f.put(px, py, pooled) of pairs of pairs of cells, `n` along each side, see PairOfRows. */
-  template <class F>
-  void for_each_pair_of_rows(int n, int cells, const kernels::FrameContext* frame, const F& f)
-  {
-    for_each_row(
-        2 * n, n, [&f, cells, frame, n](int py) { PairOfRows<F>(f, n).pool(py, cells, *frame); });
-  }
-
-  /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */
-  void walk_lines(
-      const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Samples& samples,
-      const kernels::InferenceGrid& to)
-  {
-    const lines::Walk walk{k, grid, samples, to};
-    for_each(walk.parts_of_axis(), [&walk](int part) { walk.turn(part); });
-    for_each(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
-    if (k.fill_rule != kernels::kFillLines) return;
-    for_each(walk.parts_of_axis(), [&walk](int part) { walk.rows(part); });
-    for_each(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
-  }
-
-  /** f(i) for i in [0, n); there are no teams. */
-  template <class F>
-  void for_each_and_team(int n, int, const F& f)
-  {
-    for_each(n, f);
-  }
-
-  /** f(i) for i in [0, n); beside it, for another stage, g(x, y) for x in [0, nx), y in [0, ny). */
-  template <class F, class G>
-  void for_each_beside(int n, const F& f, int stage, int nx, int ny, const G& g)
-  {
-    for_each(n, f);
-    for_another_stage(stage, [&] { for_each_cell(nx, ny, g); });
-  }
-
-  /** f.row(x, y) of all cells, then f(x, y, rows) where rows(i) is f.row(x, i), |i - y| <= radius.
-   */
-  template <class F>
-  void for_each_window(int nx, int ny, int radius, const F& f)
-  {
-    SlidingRows<F>(nx, ny, radius, f).run(0, ny);
-  }
-
-  template <class T>
-  void fill(Buffer<T>& buffer, T value)
-  {
-    std::fill(buffer.begin(), buffer.end(), value);
+    if (n > 0) body(0, n);
   }
 };
 
 #if defined(TALUS_HAVE_TBB)
-/** The same with oneTBB threads. */
-class ThreadExecutor : public CpuMemory
+/** oneTBB threads. */
+class ThreadPool
 {
  public:
   using Atomics = kernels::ThreadAtomics;
-  explicit ThreadExecutor(int threads) : arena_(std::make_unique<tbb::task_arena>(threads)) {}
+  explicit ThreadPool(int threads) : arena_(std::make_unique<tbb::task_arena>(threads)) {}
 
+  /** body(begin, end) of pieces of [0, n), of `grain` and more. */
+  template <class Body>
+  void run(int n, int grain, const Body& body) const
+  {
+    arena_->execute(
+        [&]
+        {
+          tbb::parallel_for(
+              tbb::blocked_range<int>(0, n, static_cast<std::size_t>(grain)),
+              [&](const tbb::blocked_range<int>& r) { body(r.begin(), r.end()); });
+        });
+  }
+
+ private:
+  std::unique_ptr<tbb::task_arena> arena_;
+};
+#endif
+
+/** Runs the stages' loops. An executor supplies buffers, loops and the atomics that its threads
+ * need; it knows nothing of the map. */
+template <class Threads>
+class CpuExecutor : public CpuMemory
+{
+ public:
+  using Atomics = typename Threads::Atomics;
+  explicit CpuExecutor(Threads threads) : threads_(std::move(threads)) {}
+
+  /** f(i) for i in [0, n) */
   template <class F>
   void for_each(int n, const F& f)
   {
@@ -284,6 +182,7 @@ class ThreadExecutor : public CpuMemory
         });
   }
 
+  /** f(x, y) for x in [0, nx), y in [0, ny) */
   template <class F>
   void for_each_cell(int nx, int ny, const F& f)
   {
@@ -403,8 +302,7 @@ class ThreadExecutor : public CpuMemory
     for_another_stage(stage, [&] { for_each_cell(nx, ny, g); });
   }
 
-  /** f.row(x, y) of all cells, then f(x, y, rows) where rows(i) is f.row(x, i), |i - y| <= radius.
-   */
+  /** Sums over square neighbourhoods of the cells, see SlidingRows. */
   template <class F>
   void for_each_window(int nx, int ny, int radius, const F& f)
   {
@@ -432,18 +330,11 @@ class ThreadExecutor : public CpuMemory
         });
   }
   template <class Body>
-  void run(int n, int grain, const Body& body)
+  void run(int n, int grain, const Body& body) const
   {
-    arena_->execute(
-        [&]
-        {
-          tbb::parallel_for(
-              tbb::blocked_range<int>(0, n, static_cast<std::size_t>(grain)),
-              [&](const tbb::blocked_range<int>& r) { body(r.begin(), r.end()); });
-        });
+    threads_.run(n, grain, body);
   }
-  std::unique_ptr<tbb::task_arena> arena_;
+  Threads threads_;
 };
-#endif
 
 }  // namespace talus
