@@ -102,8 +102,8 @@ std::vector<float> lowest_points(
   return lowest;
 }
 
-/** Where the ground lies at most, by all beams of all frames of a log: the second lowest of what the
- * frames saw in each cell, since single reflections come from below the ground. */
+/** Where the ground lies at most, by all beams of all frames of a log: the second lowest of what
+ * the frames saw in each cell, since single reflections come from below the ground. */
 class LowestSeen
 {
  public:
