@@ -203,10 +203,10 @@ struct AcceptAndCountPoint
   }
 };
 
-// ---- Rays under the ground
-// ----------------------------------------------------------------------- Mirrors and wet cars send
-// points back from below the ground. Such a ray would have passed under ground that the same scan
-// sees in the same direction, nearer, where the map has ground too.
+// ---- Rays under the ground ----
+
+// Mirrors and wet cars send points back from below the ground. Such a ray would have passed under
+// ground that the same scan sees in the same direction, nearer, where the map has ground too.
 
 /** A hit is on known ground if it is this near to it; a ray is buried if it passes this far below.
  */
@@ -439,10 +439,10 @@ struct BinPoint
   }
 };
 
-// ---- Optional voxel filter
-// ----------------------------------------------------------------------------------------- One
-// point a voxel. Which one must not depend on the order of the points: the one whose coordinates
-// mix to the smallest number. Two passes over an open-addressing table of voxels.
+// ---- Optional voxel filter ----
+
+// One point a voxel. Which one must not depend on the order of the points: the one whose
+// coordinates mix to the smallest number. Two passes over an open-addressing table of voxels.
 
 constexpr std::uint64_t kNoVoxel = ~0ull;
 

@@ -212,8 +212,7 @@ infer_ground(const Inference& inferred, bool under_object, float bound_m, const 
       select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided)};
 }
 
-// ---- Where samples are kept
-// ----------------------------------------------------------------------------------------
+// ---- Where samples are kept ----
 
 /** Places of the window on a grid with the sensor's cell in its very middle: one more row and
  * column than the window where its cells are even in number. */
@@ -269,8 +268,7 @@ struct TakeSample
   }
 };
 
-// ---- The cell
-// ------------------------------------------------------------------------------------------------------
+// ---- The cell ----
 
 constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
 

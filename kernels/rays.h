@@ -8,8 +8,7 @@ namespace talus::kernels
 // diagonals included, a row of the table is one ring, and a sweep along the rings visits each cell
 // O(1) times.
 
-// ---- Seen rays: what the points of this frame say about the space before them
-// -------------------------------------
+// ---- Seen rays: what the points of this frame say about the space before them ----
 
 /** Bins along one side of the square; 4 sides. One bin is as wide as a cell at the window's border.
  */
@@ -70,8 +69,7 @@ TALUS_HD float ray_slope(float dz, float chebyshev_m) { return dz / chebyshev_m;
 /** No ray seen. */
 constexpr std::int32_t kNoRay = 0x7fffffff;
 
-// ---- Lines: the cells that the line search of one cell visits
-// -----------------------------------------------------
+// ---- Lines: the cells that the line search of one cell visits ----
 
 /** Rings that a window of n cells needs around its central cell. */
 TALUS_HD int line_rings(const Config& k) { return k.cells / 2; }

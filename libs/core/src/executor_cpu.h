@@ -87,11 +87,6 @@ class CpuMemory
   void fetch(Buffer<kernels::FrameContext>& context) { context.assign(1, *staged_); }
   /** Where a frame leaves its counters for the host. */
   std::uint32_t* reported() { return counters_.data(); }
-  template <class Body>
-  void aside(const Body& body)
-  {
-    body();
-  }
   void join() {}
   /** The time since the last lap belongs to a stage. */
   void lap(int stage)
@@ -220,27 +215,16 @@ class CpuExecutor : public CpuMemory
   template <class F>
   void for_each_stored_cell(int cells, const kernels::FrameContext* frame, const F& f)
   {
-    for_each_row(
-        cells, cells,
-        [&f, cells, frame](int y)
-        {
-          over_stored_row(
-              [&f, y](int begin, int end, int i) { over_row(f, begin, end, y, i); }, cells, *frame,
-              y);
-        });
+    for_each_stored_stretch(
+        cells, *frame, [&f](int begin, int end, int y, int i) { over_row(f, begin, end, y, i); });
   }
   /** The same of those that f.concerns(x, y, i). */
   template <class F>
   void for_each_concerned_cell(int cells, const kernels::FrameContext* frame, const F& f)
   {
-    for_each_row(
-        cells, cells,
-        [&f, cells, frame](int y)
-        {
-          over_stored_row(
-              [&f, y](int begin, int end, int i) { over_concerned(f, begin, end, y, i); }, cells,
-              *frame, y);
-        });
+    for_each_stored_stretch(
+        cells, *frame,
+        [&f](int begin, int end, int y, int i) { over_concerned(f, begin, end, y, i); });
   }
   /** f(i) for i in [0, n); beside it, for another stage, g(x, y, i) of the cells that it concerns.
    */
@@ -255,15 +239,9 @@ class CpuExecutor : public CpuMemory
   template <class F>
   void for_each_cell_in_steps(int cells, const kernels::FrameContext* frame, const F& f)
   {
-    for_each_row(
-        cells, cells,
-        [&f, cells, frame](int y)
-        {
-          SteppedRow<F> row(f);
-          over_stored_row(
-              [&row, y](int begin, int end, int i) { row.run(begin, end, y, i); }, cells, *frame,
-              y);
-        });
+    for_each_stored_stretch(
+        cells, *frame,
+        [&f](int begin, int end, int y, int i) { SteppedRow<F>(f).run(begin, end, y, i); });
   }
 
   /** f.put(px, py, pooled) of pairs of pairs of cells, `n` along each side, see PairOfRows. */
@@ -294,14 +272,6 @@ class CpuExecutor : public CpuMemory
     for_each(n, f);
   }
 
-  /** f(i) for i in [0, n); beside it, for another stage, g(x, y) for x in [0, nx), y in [0, ny). */
-  template <class F, class G>
-  void for_each_beside(int n, const F& f, int stage, int nx, int ny, const G& g)
-  {
-    for_each(n, f);
-    for_another_stage(stage, [&] { for_each_cell(nx, ny, g); });
-  }
-
   /** Sums over square neighbourhoods of the cells, see SlidingRows. */
   template <class F>
   void for_each_window(int nx, int ny, int radius, const F& f)
@@ -319,6 +289,18 @@ class CpuExecutor : public CpuMemory
   }
 
  private:
+  /** over(begin, end, y, i) of the rows of the window, see over_stored_row(). */
+  template <class Over>
+  void for_each_stored_stretch(int cells, const kernels::FrameContext& frame, const Over& over)
+  {
+    for_each_row(
+        cells, cells,
+        [&over, &frame, cells](int y)
+        {
+          over_stored_row(
+              [&over, y](int begin, int end, int i) { over(begin, end, y, i); }, cells, frame, y);
+        });
+  }
   /** f(i) for i in [0, n), each of them work enough for a thread. */
   template <class F>
   void for_each_part(int n, const F& f)
