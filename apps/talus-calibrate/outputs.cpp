@@ -1,9 +1,10 @@
 #include "outputs.h"
 
+#include <mrpt/core/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cstdarg>
 #include <cstdio>
 
 using Json = nlohmann::ordered_json;
@@ -16,16 +17,6 @@ constexpr std::array<const char*, kNoiseParameters> kNoiseNames{
     "c_beam_m", "a_beam", "lambda_t", "ground_roughness_m"};
 
 constexpr double kLeastCBeam_m = 1e-4;  // the least that the map takes
-
-__attribute__((format(printf, 1, 2))) std::string format(const char* how, ...)
-{
-  std::array<char, 512> text{};
-  std::va_list values;
-  va_start(values, how);
-  std::vsnprintf(text.data(), text.size(), how, values);
-  va_end(values);
-  return text.data();
-}
 
 double shown(const Vector& v, int i)
 {
@@ -88,8 +79,8 @@ std::string lambda_line(const NoiseFit& fit)
   if (!fit.turns)
     return "# lambda_t: the sensor never tilts in this log, which does not tell it: left as it "
            "is\n";
-  return format("lambda_t = %.4g", fit.model.lambda_t) +
-         (fit.constrained[kLambdaT] ? format("   # +- %.2g\n", fit.sigma[kLambdaT])
+  return mrpt::format("lambda_t = %.4g", fit.model.lambda_t) +
+         (fit.constrained[kLambdaT] ? mrpt::format("   # +- %.2g\n", fit.sigma[kLambdaT])
                                     : "   # no growth of errors with the turn was seen\n");
 }
 }  // namespace
@@ -100,20 +91,20 @@ std::string calibration_ini(const AppOptions& options, const LoadedLog& log, con
   std::string text = "# From " + options.log + ", sensor '" + log.label + "', by talus-calibrate " +
                      TALUS_VERSION + ".\n# Paste into the INI file of the map.\n\n" +
                      "[CDualElevationMap_insertOpts]\n";
-  text += format(
+  text += mrpt::format(
       "# errors along the %s, 1-sigma behind each value\n", m.along_beam ? "beam" : "vertical");
-  text += format(
+  text += mrpt::format(
       "c_beam_m = %.5g   # +- %.2g m\n", std::max(m.c_beam_m, kLeastCBeam_m),
       r.noise.sigma[kCBeam]);
   text += r.noise.constrained[kABeam]
-              ? format("a_beam = %.5g   # +- %.2g\n", m.a_beam, r.noise.sigma[kABeam])
+              ? mrpt::format("a_beam = %.5g   # +- %.2g\n", m.a_beam, r.noise.sigma[kABeam])
               : std::string("a_beam = 0   # no growth with range was seen\n");
   text += lambda_line(r.noise);
-  text += format(
+  text += mrpt::format(
       "\n# Time offset: %.4f s, %s. Added to the stamps of the log it gives the trajectory's "
       "time.\n",
       r.estimate[kTimeOffset],
-      r.observable[kTimeOffset] ? format("+- %.2g s", r.sigma[kTimeOffset]).c_str()
+      r.observable[kTimeOffset] ? mrpt::format("+- %.2g s", r.sigma[kTimeOffset]).c_str()
                                 : "not observable in this log, kept as given");
   return text;
 }
@@ -129,8 +120,8 @@ std::string sensors_pose_ini(const LoadedLog& log, const Result& r)
         {"pose_yaw", kYaw},
         {"pose_pitch", kPitch},
         {"pose_roll", kRoll}})
-    text += format("%s = %.6f", key, shown(r.estimate, i)) +
-            (r.observable[i] ? format("   // +- %.2g\n", shown(r.sigma, i))
+    text += mrpt::format("%s = %.6f", key, shown(r.estimate, i)) +
+            (r.observable[i] ? mrpt::format("   // +- %.2g\n", shown(r.sigma, i))
                              : std::string("   // not observable, as given\n"));
   return text;
 }

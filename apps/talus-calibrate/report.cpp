@@ -1,49 +1,38 @@
 #include "report.h"
 
-#include <cstdarg>
-#include <cstdio>
+#include <mrpt/core/format.h>
 
 namespace talus::calibrate
 {
 namespace
 {
-__attribute__((format(printf, 1, 2))) std::string format(const char* how, ...)
-{
-  std::array<char, 400> text{};
-  std::va_list values;
-  va_start(values, how);
-  std::vsnprintf(text.data(), text.size(), how, values);
-  va_end(values);
-  return text.data();
-}
-
 std::string parameter_line(const Result& r, int i)
 {
   const auto& info = parameter_infos()[static_cast<std::size_t>(i)];
   const double given = r.given[i] / info.per_unit, estimate = r.estimate[i] / info.per_unit;
   if (!r.observable[static_cast<std::size_t>(i)])
-    return format(
+    return mrpt::format(
         "  %-12s %10.4f %-4s not observable in this log: kept\n", info.name, given, info.unit);
-  return format(
+  return mrpt::format(
       "  %-12s %10.4f %-4s +- %.4f (given %.4f)\n", info.name, estimate, info.unit,
       r.sigma[i] / info.per_unit, given);
 }
 
 std::string noise_line(const char* name, double value, double sigma, bool constrained)
 {
-  return constrained ? format("  %-12s %10.5f      +- %.5f\n", name, value, sigma)
-                     : format("  %-12s %10.5f      not told from zero\n", name, value);
+  return constrained ? mrpt::format("  %-12s %10.5f      +- %.5f\n", name, value, sigma)
+                     : mrpt::format("  %-12s %10.5f      not told from zero\n", name, value);
 }
 }  // namespace
 
 std::string console_report(const AppOptions& options, const LoadedLog& log, const Result& r)
 {
-  std::string text = format(
+  std::string text = mrpt::format(
       "%s: %d frames of '%s', %zu patches of ground, %zu residuals, %d rounds\n",
       options.log.c_str(), log.scans.frames(), log.label.c_str(), r.patches, r.samples, r.rounds);
   for (int i = 0; i < kParameters; ++i) text += parameter_line(r, i);
   const auto& fit = r.noise;
-  text += format("  noise along the %s\n", fit.model.along_beam ? "beam" : "vertical");
+  text += mrpt::format("  noise along the %s\n", fit.model.along_beam ? "beam" : "vertical");
   text += noise_line("c_beam_m", fit.model.c_beam_m, fit.sigma[kCBeam], fit.constrained[kCBeam]);
   text += noise_line("a_beam", fit.model.a_beam, fit.sigma[kABeam], fit.constrained[kABeam]);
   text += fit.turns
@@ -51,7 +40,7 @@ std::string console_report(const AppOptions& options, const LoadedLog& log, cons
                     "lambda_t", fit.model.lambda_t, fit.sigma[kLambdaT], fit.constrained[kLambdaT])
               : std::string("  lambda_t     not observable: the sensor never tilts\n");
   const auto &before = r.held_out.before, &after = r.held_out.after;
-  text += format(
+  text += mrpt::format(
       "  held-out ground thickness %.4f -> %.4f m, p95 %.4f -> %.4f m (%zu points)\n",
       before.thickness_m, after.thickness_m, before.p95_m, after.p95_m, after.points);
   return text;

@@ -1,13 +1,12 @@
 #include "report.h"
 
+#include <mrpt/core/format.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/map_picture.h>
 #include <talus/io/quantile.h>
 #include <talus/io/timing_csv.h>
 
 #include <array>
-#include <cstdarg>
-#include <cstdio>
 #include <ctime>
 #include <filesystem>
 
@@ -17,21 +16,11 @@ namespace talus::app
 {
 namespace
 {
-__attribute__((format(printf, 1, 2))) std::string format(const char* how, ...)
-{
-  std::array<char, 512> text{};
-  std::va_list values;
-  va_start(values, how);
-  std::vsnprintf(text.data(), text.size(), how, values);
-  va_end(values);
-  return text.data();
-}
-
 /** "2014-11-10 11:34:12 UTC", or plain seconds where a stamp counts from elsewhere. */
 std::string date_of(double stamp_s)
 {
   constexpr double kYear1980_s = 315532800.0, kYear2200_s = 7258118400.0;
-  if (!(stamp_s > kYear1980_s && stamp_s < kYear2200_s)) return format("t = %.3f s", stamp_s);
+  if (!(stamp_s > kYear1980_s && stamp_s < kYear2200_s)) return mrpt::format("t = %.3f s", stamp_s);
   const auto seconds = static_cast<std::time_t>(stamp_s);
   std::tm utc{};
   ::gmtime_r(&seconds, &utc);
@@ -53,13 +42,14 @@ void write_map(
       {{"TALUS_VERSION", run.version},
        {"LOG", log},
        {"FRAMES", std::to_string(run.frames.size())},
-       {"STAMP_S", format("%.6f", stamp_s)},
-       {"ROBOT_X_M", format("%.6f", robot.x())},
-       {"ROBOT_Y_M", format("%.6f", robot.y())},
-       {"ROBOT_Z_M", format("%.6f", robot.z())},
-       {"ROBOT_YAW_RAD", format("%.6f", robot.yaw())}});
+       {"STAMP_S", mrpt::format("%.6f", stamp_s)},
+       {"ROBOT_X_M", mrpt::format("%.6f", robot.x())},
+       {"ROBOT_Y_M", mrpt::format("%.6f", robot.y())},
+       {"ROBOT_Z_M", mrpt::format("%.6f", robot.z())},
+       {"ROBOT_YAW_RAD", mrpt::format("%.6f", robot.yaw())}});
   io::PictureOptions picture;
-  picture.title = format("%s, frame %zu, ", log.c_str(), run.frames.size()) + date_of(stamp_s);
+  picture.title =
+      mrpt::format("%s, frame %zu, ", log.c_str(), run.frames.size()) + date_of(stamp_s);
   picture.has_robot = true;
   picture.robot_x_m = robot.x();
   picture.robot_y_m = robot.y();
@@ -71,8 +61,8 @@ void write_map(
 std::string short_count(std::uint64_t n)
 {
   if (n < 100000) return std::to_string(n);
-  return n < 10000000 ? format("%.2f M", 1e-6 * static_cast<double>(n))
-                      : format("%.1f M", 1e-6 * static_cast<double>(n));
+  return n < 10000000 ? mrpt::format("%.2f M", 1e-6 * static_cast<double>(n))
+                      : mrpt::format("%.1f M", 1e-6 * static_cast<double>(n));
 }
 
 std::string counts(const std::map<std::string, std::size_t>& by_name)
@@ -98,7 +88,7 @@ std::string points_line(const io::RunSummary& run)
 std::string map_line(const io::LayerStack& map)
 {
   const auto c = io::coverage_of(map);
-  return format(
+  return mrpt::format(
       "%.4g x %.4g m of %.3g m cells: %.1f %% measured, %.1f %% filled from two sides, %.1f %% "
       "from "
       "one, %.1f %% unknown",
@@ -121,7 +111,7 @@ void write_snapshot(const std::string& folder, const LogMapper& mapper)
   const fs::path frames = fs::path(folder) / "frames";
   fs::create_directories(frames);
   const std::string stem =
-      (frames / format("frame_%06zu", mapper.summary().frames.size())).string();
+      (frames / mrpt::format("frame_%06zu", mapper.summary().frames.size())).string();
   write_map(stem + ".tif", stem + ".png", io::snapshot(mapper.map()), mapper);
 }
 
@@ -132,12 +122,13 @@ std::string console_summary(const LogMapper& mapper)
   std::size_t skipped = 0;
   for (const auto& f : run.frames) ms.push_back(f.total_ms);
   for (const auto& entry : run.skipped) skipped += entry.second;
-  std::string text = format(
+  std::string text = mrpt::format(
       "%s: %zu %s, %zu skipped, %.2f ms a frame (median; p99 %.2f) on %s\n", run.log.c_str(),
       run.frames.size(), run.frames.size() == 1 ? "frame" : "frames", skipped,
       io::quantile(ms, 0.5), io::quantile(ms, 0.99), run.backend.c_str());
   text += "  poses   " + run.pose_source +
-          (run.frames_deskewed ? format(", %zu frames deskewed", run.frames_deskewed) : "") + "\n";
+          (run.frames_deskewed ? mrpt::format(", %zu frames deskewed", run.frames_deskewed) : "") +
+          "\n";
   text += "  points  " + points_line(run) + "\n";
   text += "  map     " + map_line(io::snapshot(mapper.map())) + "\n";
   if (!run.unsupported.empty()) text += "  unused  " + counts(run.unsupported) + "\n";
