@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/rays.h"
+#include "kernels/6_cleanup.h"
 
 namespace talus::kernels
 {
@@ -144,7 +144,7 @@ struct LineFusion
  private:
   TALUS_HD void add(float height_m, float deviation_m, bool known)
   {
-    const float d = 0.010f + deviation_m;
+    const float d = 0.080f + deviation_m;
     information += select(known, 1.0f / (d * d), 0.0f);
     weighted += select(known, height_m / (d * d), 0.0f);
     lowest_m = min_of(lowest_m, select(known, height_m, kInfinity));
@@ -308,7 +308,7 @@ struct FillCell
   const FrameContext* frame;
   CellStore store;
   const std::uint8_t* role;
-  const float* ray_bound_m;
+  PassingRays passing;
   Surfaces surfaces;
   SurfaceLayers out;
 
@@ -316,22 +316,28 @@ struct FillCell
 
   TALUS_HD void operator()(int ix, int iy, int i, const Inference& inferred) const
   {
-    const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound_m[iy * cells + ix]);
+    const int o = iy * cells + ix;
+    const float lowest_m = select(inferred.doubtful(), kInfinity, passing.lowest_m[o]);
+    const float highest_m = passing.highest_m[o];
     const int r = role[i], state_before = store.state[i], passed_before = store.passed[i];
     const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
     const float top_before = store.elevation_m[i], top_var_before = store.elevation_var_m2[i];
-    const Fill fill = infer_ground(inferred, r >= kObject, bound_m, *config);
+    const Fill fill = infer_ground(inferred, r >= kObject, lowest_m, *config);
     const bool filled = (r != kKeep) & inferred.any();  // else an older guess, or the object, stays
     // What stood there as an object hangs if the robot fits below it.
     const bool hangs = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
     const float ground = select(filled, fill.height_m, before);
     const float elevation = select(hangs, kNan, top_before);
     const int state = select(filled, fill.state, state_before);
-    // Behind something that was hit only a ray below the height of a step proves that the ground is
+    // Behind something that was hit only rays below the height of a step prove that the ground is
     // free; before everything that was hit (the blind zone around the robot) the clearance will do.
+    // A guess may lie too high, so that of its lines the lowest counts.
     const float proof_m =
         select((passed_before & kInOpen) != 0, config->clearance_m, config->step_threshold_m);
-    const int passed = passed_before | select(bound_m < ground + proof_m, kPassedLow, 0);
+    const bool guess = filled & !inferred.two_sided();
+    const float floor_m = min_of(ground, select(guess, inferred.lines.lowest_m, kInfinity));
+    const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m);
+    const int passed = passed_before | select(low, kPassedLow, 0);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);
     store.elevation_m[i] = elevation;

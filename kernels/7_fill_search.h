@@ -349,7 +349,7 @@ struct SearchAndFillCell
     const int iy = place / grid.pitch, ix = place - iy * grid.pitch;
     const int i = storage_index(*fill.frame, k.cells, ix, iy);
     const float of_sample_m2 = sample_variance(
-        side.nearest_m, fill.store.ground_var_m2[i], fill.ray_bound_m[iy * k.cells + ix]);
+        side.nearest_m, fill.store.ground_var_m2[i], fill.passing.lowest_m[iy * k.cells + ix]);
     return spread_variance(of_sample_m2, side.distance_m, k);
   }
 

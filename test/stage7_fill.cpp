@@ -204,7 +204,7 @@ TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
   TestMap m;
   Scan s;
   s.add_surface(1.0, -0.5, 1.4, 0.5, flat).add_surface(1.6, -0.5, 1.8, 0.5, flat);
-  m.update(s.cast({{{2.0, -2, 0}, {2.05, 2, 1.0}}}, 720, -0.3, 0.1));
+  m.update(s.cast({{{2.0, -2, 0}, {2.05, 2, 1.0}}}, 720, -0.335, 0.1));
   EXPECT_EQ(m.state(1.525, 0.025), CellState::FilledTwoSided);
   EXPECT_GT(m.traversability(1.525, 0.025), 0.9f);
   EXPECT_EQ(m.state(2.225, 0.025), CellState::FilledOneSided);

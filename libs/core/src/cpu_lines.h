@@ -16,7 +16,8 @@ using kernels::SideEstimate;
 
 /** Where a sample is that was never met. */
 constexpr int kNowhere = -(1 << 20);
-constexpr int kMaxSamples = 16;
+/** Compiled for the default and for any number. */
+constexpr int kFewSamples = 2, kMaxSamples = 16;
 /** How many lines are one part of the work. */
 constexpr int kLinesOfPart = 16;
 
@@ -330,8 +331,8 @@ struct Walk
 
   void rays(int part) const
   {
-    if (k.fill_samples <= 4)
-      search_rays<4>(part);
+    if (k.fill_samples <= kFewSamples)
+      search_rays<kFewSamples>(part);
     else
       search_rays<kMaxSamples>(part);
   }
@@ -372,8 +373,8 @@ struct Walk
 
   void search_axis(int part, const float* height_m, int to_next_line, int to_next_place) const
   {
-    if (k.fill_samples <= 4)
-      search_axis<4>(part, height_m, to_next_line, to_next_place);
+    if (k.fill_samples <= kFewSamples)
+      search_axis<kFewSamples>(part, height_m, to_next_line, to_next_place);
     else
       search_axis<kMaxSamples>(part, height_m, to_next_line, to_next_place);
   }

@@ -199,7 +199,7 @@ class Pipeline final : public BackendInterface
   void fill()
   {
     const kernels::FillCell cell{side(),     config_.data(),  context_.data(),
-                                 store(),    role_.data(),    passing().lowest_m,
+                                 store(),    role_.data(),    passing(),
                                  surfaces(), surface_layers()};
     if constexpr (Executor::kWalksLines)
       walk_lines(cell);

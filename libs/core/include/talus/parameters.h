@@ -71,7 +71,7 @@ struct Parameters
   double fill_search_m = 2.0;  //!< how far to look for measured ground, each way along the ray
   double fill_kernel_m = 2.0;  //!< support of the sparse kernel of eq. 8
   double fill_lambda = 1.0;  //!< weight of the prior of eq. 8, the lowest sample
-  int fill_samples = 4;  //!< measured cells taken on each side
+  int fill_samples = 2;  //!< measured cells taken on each side
   FillRule fill_rule = FillRule::Lines;
   double fill_variance_per_m =
       0.1;  //!< growth of the standard deviation of a fill with the distance to its sample
