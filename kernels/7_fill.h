@@ -115,22 +115,29 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b, int r
   return ((n_share + n_other) * low.height_m + n_share * high.height_m) / total;
 }
 
+/** Gaps that are wider, between heights that are steeper apart than a robot can drive, hold a face:
+ * the front of something, or the edge of a drop. */
+constexpr float kFaceGap_m = 0.3f;
+
 /** Heights of several lines, each weighed by how far it has to bridge. */
 struct LineFusion
 {
   float information = 0, weighted = 0, lowest_m = kInfinity;
 
   /** Between samples of both sides linearly, beside one side level. The error grows with the
-   * distances. */
-  TALUS_HD void add(const SideEstimate& a, const SideEstimate& b)
+   * distances. Across a face: along a ray the lower side, which is what lies before a front and in
+   * the shadow of an edge; rows and columns do not tell where it stands and say nothing. */
+  TALUS_HD void add(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
   {
     const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
-    const float span = a.mean_distance_m + b.mean_distance_m;
-    const float between = a.mean_m + (b.mean_m - a.mean_m) * (a.mean_distance_m / span);
+    const float span = a.mean_distance_m + b.mean_distance_m, rise = b.mean_m - a.mean_m;
+    const bool face = both & (span > kFaceGap_m) & (abs_of(rise) > k.support_slope * span);
+    const float linear = a.mean_m + rise * (a.mean_distance_m / span);
+    const float between = select(face, min_of(a.mean_m, b.mean_m), linear);
     const float error = 0.1f * a.distance_m * b.distance_m / (a.distance_m + b.distance_m);
     const float height = select(both, between, select(has_a, a.mean_m, b.mean_m));
     const float deviation = select(both, error, 0.3f * select(has_a, a.distance_m, b.distance_m));
-    add(height, deviation, has_a | has_b);
+    add(height, deviation, (has_a | has_b) & (along_ray | !face));
   }
 
   /** Another line's. */
@@ -173,10 +180,11 @@ TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
   return select(both, two, -select(has_inner, inner_m2, outer_m2));
 }
 
-TALUS_HD LineFusion fuse_lines(const SideEstimate& a, const SideEstimate& b)
+TALUS_HD LineFusion
+fuse_lines(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
 {
   LineFusion lines;
-  lines.add(a, b);
+  lines.add(a, b, along_ray, k);
   return lines;
 }
 

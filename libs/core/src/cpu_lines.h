@@ -247,7 +247,8 @@ class LineSearch
       const SideEstimate inner = b.infer(c, -1, step_m, reach, k);
       const SideEstimate outer = b.infer(c, 1, step_m, reach, k);
       b.found[c] = {
-          kAlongLines ? kernels::fuse_lines(inner, outer) : kernels::apply_rule(inner, outer, k),
+          kAlongLines ? kernels::fuse_lines(inner, outer, true, k)
+                      : kernels::apply_rule(inner, outer, k),
           kernels::fuse_variances(
               variance(inner, b.before_m2[c], k), variance(outer, b.behind_m2[c], k))};
       b.across_m[c] = kernels::abs_of(b.nearest(c, -1, far) - b.nearest(c, 1, far));
@@ -260,8 +261,10 @@ class LineSearch
     const int reach = reach_of(step_m, k.cells - 1, k);
     TALUS_INDEPENDENT
     for (int c = 0; c < cells; c++)
-      b.found[c].lines =
-          kernels::fuse_lines(b.infer(c, -1, step_m, reach, k), b.infer(c, 1, step_m, reach, k));
+    {
+      const SideEstimate before = b.infer(c, -1, step_m, reach, k);
+      b.found[c].lines = kernels::fuse_lines(before, b.infer(c, 1, step_m, reach, k), false, k);
+    }
   }
 
   static float variance(const SideEstimate& side, float of_sample_m2, const kernels::Config& k)
