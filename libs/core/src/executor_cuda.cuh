@@ -163,24 +163,24 @@ class CudaExecutor
   }
   /** Bit b of line l is f(l)(b). Layout [word][line]. */
   template <class F>
-  void pack_bits(int lines, int bits, const F& f, Buffer<std::uint32_t>& words)
+  void pack_bits(int lines, int bits, const F& f, std::uint32_t* words)
   {
     const int n = lines * ((bits + 31) / 32);
     launch(
         loops::over_bits<F>, dim3(blocks(32 * n, loops::kThreads)), dim3(loops::kThreads), 0, lines,
-        bits, f, words.data());
+        bits, f, words);
   }
   /** f(i) for i in [0, n); beside it g(x, y) of side * side cells, which says whether it marks one.
    * Marks: bits of the rows, then of the columns, layout [word][line]. */
   template <class F, class G>
-  void mark_cells_beside(int n, const F& f, int side, const G& g, Buffer<std::uint32_t>& marks)
+  void mark_cells_beside(int n, const F& f, int side, const G& g, std::uint32_t* marks)
   {
     static_assert(loops::kThreads == 32 * loops::kTileRows);
     const dim3 cells = tiles(side, side, loops::kTileRows);
     launch(
         loops::over_range_and_marked_cells<F, G>,
         dim3(blocks(n, loops::kThreads) + cells.x * cells.y), dim3(loops::kThreads), 0, n, f, side,
-        g, marks.data());
+        g, marks);
   }
   /** f of the cells of the rows [first, end), see kernels::SearchAndFillCell: where there are few,
    * each side of each line has a thread. */

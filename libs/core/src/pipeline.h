@@ -193,18 +193,21 @@ class Pipeline final : public BackendInterface
     else
       executor_.mark_cells_beside(
           workers, tidy, side(),
-          kernels::SettleCell{choose_role(), clean, samples_.data(), line_grid()}, axis_marks_);
+          kernels::SettleCell{
+              choose_role(), clean, line_grid(), samples().height_m, samples().variance_m2},
+          unguarded(axis_marks_, 2 * side()));
   }
 
   void fill()
   {
-    const kernels::FillCell cell{side(),     config_.data(),  context_.data(),
-                                 store(),    role_.data(),    passing(),
-                                 surfaces(), surface_layers()};
+    const kernels::FillCell cell{side(),       config_.data(), context_.data(), store(),
+                                 role_.data(), passing(),      surfaces(),      surface_layers()};
     if constexpr (Executor::kWalksLines)
       walk_lines(cell);
+    else if (host_config_.fill_rule == kernels::kFillLines)
+      search_lines<true>(cell);
     else
-      search_lines(cell);
+      search_lines<false>(cell);
   }
 
   void walk_lines(const kernels::FillCell& cell)
@@ -218,17 +221,20 @@ class Pipeline final : public BackendInterface
       for_each_stored_cell(kernels::PutSurface{config_.data(), store(), cell.out});
   }
 
+  template <bool kAlongLines>
   void search_lines(const kernels::FillCell& cell)
   {
+    const int lines = kernels::line_count(host_config_);
     executor_.pack_bits(
-        kernels::line_count(host_config_), kernels::line_rings(host_config_) + 1,
-        kernels::FindSamples{samples_.data(), tracks_.data()}, marks_);
-    const kernels::SearchAndFillCell search{
+        lines, kernels::line_rings(host_config_) + 1,
+        kernels::FindSamples{samples().height_m, tracks_.data()}, unguarded(marks_, lines));
+    const kernels::SearchAndFillCell<kAlongLines> search{
         cell,
         host_config_,
-        samples_.data(),
-        marks_.data(),
-        axis_marks_.data(),
+        samples().height_m,
+        samples().variance_m2,
+        unguarded(marks_, lines),
+        unguarded(axis_marks_, 2 * side()),
         line_tables(),
         across_.data(),
         line_grid(),
@@ -386,7 +392,13 @@ class Pipeline final : public BackendInterface
   kernels::Samples samples()
   {
     float* p = samples_.data();
-    return {p, p + grid_size(), p + 2 * grid_size()};
+    float* turned = Executor::kWalksLines ? p + 2 * grid_size() : nullptr;
+    return {p, turned, p + grid_size()};
+  }
+  /** The first word of marks of so many lines, see kernels::LineMarks. */
+  static std::uint32_t* unguarded(Buffer<std::uint32_t>& marks, int lines)
+  {
+    return marks.data() + kernels::LineMarks::kGuardWords * lines;
   }
   kernels::InferenceGrid inferred() { return {inferred_.data(), across_.data()}; }
   kernels::Surfaces surfaces()
