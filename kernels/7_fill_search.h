@@ -85,8 +85,18 @@ struct Track
 
   TALUS_HD int operator()(int place) const
   {
-    const int row = floor_div(drift * place + rings, 2 * rings, inverse);
-    return begin + place * along + row * across;
+    return begin + place * along + drifted(place) * across;
+  }
+  /** The same, from the sensor's cell. */
+  TALUS_HD CellOffset offset(int place) const
+  {
+    const int ahead = along > 0 ? place : -place;
+    const int aside = across > 0 ? drifted(place) : -drifted(place);
+    return abs_of(along) == 1 ? CellOffset{ahead, aside} : CellOffset{aside, ahead};
+  }
+  TALUS_HD int drifted(int place) const
+  {
+    return floor_div(drift * place + rings, 2 * rings, inverse);
   }
   TALUS_HD int last() const { return rings; }
 };
@@ -148,18 +158,27 @@ struct FillLineTables
  * Layout [word][line]. */
 struct SamplesOfLine
 {
-  const float* height_m;
+  const std::uint32_t* axis_marks;  //!< of the rows, then of the columns, layout [word][line]
+  int cells;
   const Track& track;
 
-  TALUS_HD bool operator()(int ring) const { return is_known(height_m[track(ring)]); }
+  TALUS_HD bool operator()(int ring) const
+  {
+    const CellOffset at = track.offset(ring);
+    const int ix = track.rings + at.dx, iy = track.rings + at.dy;
+    // Where the cells are even in number, lines end one cell beyond the window.
+    return iy < cells && axis_marks[(ix >> 5) * 2 * cells + iy] >> (ix & 31) & 1u;
+  }
 };
 
+/** From the marks of rows and columns, which are less to read than the cells. */
 struct FindSamples
 {
-  const float* height_m;  //!< see Samples
+  const std::uint32_t* axis_marks;
+  int cells;
   const Track* track;
 
-  TALUS_HD SamplesOfLine operator()(int line) const { return {height_m, track[line]}; }
+  TALUS_HD SamplesOfLine operator()(int line) const { return {axis_marks, cells, track[line]}; }
 };
 
 /** The last steps before the search, on one cell: its role, the cleanup, and whether it is a

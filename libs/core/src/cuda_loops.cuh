@@ -17,6 +17,8 @@ constexpr int kTilesAtOnce = 4;  //!< of a multiprocessor, at least: bounds the 
 constexpr int kTilesAtOnce = 5;
 #endif
 constexpr int kWindowThreads = 16;  //!< rows of threads of a block with neighbourhoods
+constexpr int kJudgedRows = 2 * kWindowThreads;  //!< of a tile that overlaps with others, at most
+constexpr int kMostRows = 43;  //!< that such a tile sums: what fits into shared memory beside them
 
 /** Where kernels are chained (programmatic dependent launch), a kernel is brought up while its
  * predecessor still runs: waits for its results, then lets the successor come up. */
@@ -25,6 +27,26 @@ __device__ inline void wait_for_predecessor()
 #if __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();
   cudaTriggerProgrammaticLaunchCompletion();
+#endif
+}
+
+/** The same for a kernel that may run beside its predecessor, since it needs nothing from it: that
+ * one is waited for in the end, so that who waits for this kernel has waited for both. */
+__device__ inline void start(bool beside_last)
+{
+  if (!beside_last)
+    wait_for_predecessor();
+  else
+  {
+#if __CUDA_ARCH__ >= 900
+    cudaTriggerProgrammaticLaunchCompletion();
+#endif
+  }
+}
+__device__ inline void finish(bool beside_last)
+{
+#if __CUDA_ARCH__ >= 900
+  if (beside_last) cudaGridDependencySynchronize();
 #endif
 }
 
@@ -61,47 +83,87 @@ __global__ void __launch_bounds__(kThreads)
 
 template <class F>
 __global__ void __launch_bounds__(kTileWidth* kTileRows, kTilesAtOnce)
-    over_cells(int nx, int y_first, int y_end, F f, std::uint64_t* done_ns)
+    over_cells(int nx, int y_first, int y_end, F f, bool beside_last, std::uint64_t* done_ns)
 {
-  wait_for_predecessor();
+  start(beside_last);
   const int x = static_cast<int>(blockIdx.x) * kTileWidth + static_cast<int>(threadIdx.x);
   const int y = y_first + static_cast<int>(blockIdx.y * blockDim.y + threadIdx.y);
   if (x < nx && y < y_end) f(x, y);
+  finish(beside_last);
   note_time(done_ns);
 }
 
-/** Sums over square neighbourhoods, for the rows [y_first, y_end) of ny: those along all rows that
- * a tile of `height` rows needs go to shared memory, then those across them to f() of its cells. */
+/** Sums along the rows [first, last), of a block's columns, to shared memory. */
 template <class F>
-__global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows(
-    int nx, int ny, int y_first, int y_end, int radius, int height, F f, std::uint64_t* done_ns)
+__device__ void sum_rows(const F& f, int x, int first, int last, int radius, typename F::Row* rows)
 {
-  using Row = typename F::Row;
-  using Window = typename F::Window;
+  for (int y = first + static_cast<int>(threadIdx.y); y < last; y += kWindowThreads)
+  {
+    typename F::Row sum;
+#pragma unroll 8
+    for (int d = -radius; d <= radius; d++) f.add(sum, x, y, d);
+    rows[(y - first) * kTileWidth] = sum;
+  }
+}
+
+/** Of these, the sum over the neighbourhood of a cell of row y. */
+template <class F>
+__device__ typename F::Window sum_window(
+    const F& f, int y, int first, int last, int radius, const typename F::Row* rows)
+{
+  typename F::Window sum;
+  for (int row = max(y - radius, first); row < min(y + radius + 1, last); row++)
+    f.add(sum, rows[(row - first) * kTileWidth], row - y);
+  return sum;
+}
+
+/** Sums over square neighbourhoods: those along all rows that a tile of `height` rows needs go to
+ * shared memory, then those across them to f() of its cells. */
+template <class F>
+__global__ void __launch_bounds__(kTileWidth* kWindowThreads)
+    over_windows(int nx, int ny, int radius, int height, F f, std::uint64_t* done_ns)
+{
   extern __shared__ __align__(16) unsigned char shared[];
-  Row* const rows = reinterpret_cast<Row*>(shared) + threadIdx.x;
+  auto* const rows = reinterpret_cast<typename F::Row*>(shared) + threadIdx.x;
   wait_for_predecessor();
   const int x = static_cast<int>(blockIdx.x) * kTileWidth + static_cast<int>(threadIdx.x);
-  const int y0 = y_first + static_cast<int>(blockIdx.y) * height, y1 = min(y0 + height, y_end);
-  const int first = max(y0 - radius, 0), last = min(y0 + height + radius, ny);
-  if (x < nx)
-    for (int y = first + static_cast<int>(threadIdx.y); y < last; y += kWindowThreads)
-    {
-      Row sum;
-#pragma unroll 8
-      for (int d = -radius; d <= radius; d++) f.add(sum, x, y, d);
-      rows[(y - first) * kTileWidth] = sum;
-    }
+  const int y0 = static_cast<int>(blockIdx.y) * height, y1 = min(y0 + height, ny);
+  const int first = max(y0 - radius, 0), last = min(y1 + radius, ny);
+  if (x < nx) sum_rows(f, x, first, last, radius, rows);
   __syncthreads();
   if (x < nx)
     for (int y = y0 + static_cast<int>(threadIdx.y); y < y1; y += kWindowThreads)
-    {
-      Window sum;
-      for (int row = max(y - radius, first); row < min(y + radius + 1, last); row++)
-        f.add(sum, rows[(row - first) * kTileWidth], row - y);
-      f(x, y, sum);
-      f.finish(x, y, [&] { return sum; });
-    }
+      f(x, y, sum_window(f, y, first, last, radius, rows));
+  note_time(done_ns);
+}
+
+/** The same where g needs what f judges of a cell and its eight neighbours: tiles overlap by a cell
+ * on each side. For the rows [y_first, y_end) of ny. */
+template <class F, class G>
+__global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows_and_neighbours(
+    int nx, int ny, int y_first, int y_end, int radius, int height, F f, G g, bool beside_last,
+    std::uint64_t* done_ns)
+{
+  extern __shared__ __align__(16) unsigned char shared[];
+  __shared__ float judged[kJudgedRows][kTileWidth];
+  auto* const rows = reinterpret_cast<typename F::Row*>(shared) + threadIdx.x;
+  start(beside_last);
+  const int lane = static_cast<int>(threadIdx.x), line = static_cast<int>(threadIdx.y);
+  const int x = static_cast<int>(blockIdx.x) * (kTileWidth - 2) + lane - 1;
+  const int y0 = y_first + static_cast<int>(blockIdx.y) * height, y1 = min(y0 + height, y_end);
+  const int first = max(y0 - 1 - radius, 0), last = min(y1 + 1 + radius, ny);
+  const bool exists = x >= 0 && x < nx, own = exists && lane > 0 && lane < kTileWidth - 1;
+  if (exists) sum_rows(f, x, first, last, radius, rows);
+  __syncthreads();
+  if (exists)
+    for (int y = max(y0 - 1, 0) + line; y < min(y1 + 1, ny); y += kWindowThreads)
+      judged[y - y0 + 1][lane] =
+          f.judge(x, y, sum_window(f, y, first, last, radius, rows), own && y >= y0 && y < y1);
+  __syncthreads();
+  if (own)
+    for (int y = y0 + line; y < y1; y += kWindowThreads)
+      g.complete(x, y, &judged[y - y0 + 1][lane], kTileWidth);
+  finish(beside_last);
   note_time(done_ns);
 }
 
@@ -126,20 +188,6 @@ __global__ void __launch_bounds__(kThreads)
   }
   note_time(done_ns);
 }
-
-/** f(x, y, i), i where the cell of the window is stored, of the cells that it concerns. */
-template <class F>
-struct OfConcernedCells
-{
-  int cells;
-  const kernels::FrameContext* frame;
-  F f;
-  __device__ void operator()(int x, int y) const
-  {
-    const int i = kernels::storage_index(*frame, cells, x, y);
-    if (f.concerns(x, y, i)) f(x, y, i);
-  }
-};
 
 constexpr int kStretches = 32;  //!< into which a direction is cut: a warp
 constexpr int kDirections = 8;  //!< of a block: what a sector of memory holds

@@ -114,43 +114,42 @@ class CudaExecutor
         loops::over_range_and_cells<F, G>, dim3(blocks(n, size) + cells.x * cells.y), dim3(size), 0,
         n, f, nx, ny, g);
   }
-  /** Of the rows [first, end). */
-  template <class F>
-  void for_each_concerned_cell_of_rows(
-      int cells, const kernels::FrameContext* frame, int first, int end, const F& f)
-  {
-    for_each_cell_of_rows(cells, first, end, loops::OfConcernedCells<F>{cells, frame, f});
-  }
   template <class F>
   void for_each_cell(int nx, int ny, const F& f)
   {
-    for_each_cell_of_rows(nx, 0, ny, f);
+    for_each_cell_of_rows(nx, 0, ny, f, false);
   }
   /** The rows [first, end). */
   template <class F>
-  void for_each_cell_of_rows(int nx, int first, int end, const F& f)
+  void for_each_cell_of_rows(int nx, int first, int end, const F& f, bool beside_last)
   {
     const int rows = nx * (end - first) < kManyThreads ? loops::kTileRows / 4 : loops::kTileRows;
     launch(
         loops::over_cells<F>, tiles(nx, end - first, rows), dim3(loops::kTileWidth, rows), 0, nx,
-        first, end, f);
+        first, end, f, beside_last);
   }
   template <class F>
   void for_each_window(int nx, int ny, int radius, const F& f)
   {
-    for_each_window_of_rows(nx, ny, 0, ny, radius, f);
-  }
-  /** The rows [first, end) of ny. */
-  template <class F>
-  void for_each_window_of_rows(int nx, int ny, int first, int end, int radius, const F& f)
-  {
-    // High tiles share more rows; low ones spread over the device and need one round of rows.
-    constexpr int rows = loops::kWindowThreads;
-    const int height = nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : rows;
-    const auto size = static_cast<std::size_t>(loops::kTileWidth * (height + 2 * radius));
+    const int height = window_height(nx, ny, radius, loops::kWindowThreads);
     launch(
-        loops::over_windows<F>, tiles(nx, end - first, height), dim3(loops::kTileWidth, rows),
-        size * sizeof(typename F::Row), nx, ny, first, end, radius, height, f);
+        loops::over_windows<F>, tiles(nx, ny, height),
+        dim3(loops::kTileWidth, loops::kWindowThreads), rows_size<F>(height + 2 * radius), nx, ny,
+        radius, height, f);
+  }
+  /** f of the neighbourhoods of cells, then g of what f says of each cell and its neighbours, see
+   * kernels::CompleteObstacles. Of the rows [first, end) of ny. */
+  template <class F, class G>
+  void for_each_judged_cell_of_rows(
+      int nx, int ny, int first, int end, int radius, const F& f, const G& g, bool beside_last)
+  {
+    const int most = std::min(loops::kJudgedRows, loops::kMostRows - 2 * radius);
+    const int height = window_height(nx, ny, radius, most) - 2;
+    const dim3 grid(blocks(nx, loops::kTileWidth - 2), blocks(end - first, height));
+    launch(
+        loops::over_windows_and_neighbours<F, G>, grid,
+        dim3(loops::kTileWidth, loops::kWindowThreads), rows_size<F>(height + 2 + 2 * radius), nx,
+        ny, first, end, radius, height, f, g, beside_last);
   }
   /** The steps of kernels::SettleRays; beside them g(i) for i in [0, n). */
   template <class F, class G>
@@ -185,14 +184,14 @@ class CudaExecutor
   /** f of the cells of the rows [first, end), see kernels::SearchAndFillCell: where there are few,
    * each side of each line has a thread. */
   template <class F>
-  void for_each_cell_by_lines(int n, int first, int end, const F& f)
+  void for_each_cell_by_lines(int n, int first, int end, const F& f, bool beside_last)
   {
     if (n * n < kManyThreads)
       launch(
           loops::over_cells_by_lines<F>, tiles(n, end - first, 1), dim3(32, 2 * F::kLines), 0, n,
           first, f);
     else
-      for_each_cell_of_rows(n, first, end, f);
+      for_each_cell_of_rows(n, first, end, f, beside_last);
   }
   template <class T>
   void fill(Buffer<T>& buffer, T value)
@@ -223,14 +222,15 @@ class CudaExecutor
     if (joins_) follow(side_, main_);
     joins_ = false;
   }
-  /** body(first, end) of all rows in bands of so many that `row_bytes` of each, which are copied
-   * aside, make it worth while. */
+  /** body(first, end, beside_last) of all rows in bands of so many that `row_bytes` of each, which
+   * are copied aside, make it worth while. Bands do not need each other, so that the kernels of all
+   * but the first may run beside the last one. */
   template <class Body>
   void in_bands(int rows, std::size_t row_bytes, const Body& body)
   {
     const std::size_t bytes = row_bytes * static_cast<std::size_t>(rows);
     const int bands = static_cast<int>(std::min(bytes / kBandBytes + 1, kMaxBands));
-    for (int b = 0; b < bands; b++) body(rows * b / bands, rows * (b + 1) / bands);
+    for (int b = 0; b < bands; b++) body(rows * b / bands, rows * (b + 1) / bands, b > 0);
   }
 
  private:
@@ -272,6 +272,19 @@ class CudaExecutor
   static dim3 tiles(int nx, int ny, int rows)
   {
     return dim3(blocks(nx, loops::kTileWidth), blocks(ny, rows));
+  }
+
+  /** Of a tile with neighbourhoods. High ones share more rows; where there are few cells, low ones
+   * spread over the device and need one round of rows. */
+  static int window_height(int nx, int ny, int radius, int most)
+  {
+    constexpr int rows = loops::kWindowThreads;
+    return nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : most;
+  }
+  template <class F>
+  static std::size_t rows_size(int rows)
+  {
+    return static_cast<std::size_t>(loops::kTileWidth * rows) * sizeof(typename F::Row);
   }
 
   /** Where the time of the current lap is noted. */

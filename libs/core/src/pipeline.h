@@ -224,26 +224,27 @@ class Pipeline final : public BackendInterface
   template <bool kAlongLines>
   void search_lines(const kernels::FillCell& cell)
   {
-    const int lines = kernels::line_count(host_config_);
+    const int lines = kernels::line_count(host_config_), axes = 2 * side();
     executor_.pack_bits(
         lines, kernels::line_rings(host_config_) + 1,
-        kernels::FindSamples{samples().height_m, tracks_.data()}, unguarded(marks_, lines));
+        kernels::FindSamples{unguarded(axis_marks_, axes), side(), tracks_.data()},
+        unguarded(marks_, lines));
     const kernels::SearchAndFillCell<kAlongLines> search{
         cell,
         host_config_,
         samples().height_m,
         samples().variance_m2,
         unguarded(marks_, lines),
-        unguarded(axis_marks_, 2 * side()),
+        unguarded(axis_marks_, axes),
         line_tables(),
         across_.data(),
         line_grid(),
         kernels::places_in(host_config_.fill_search_m, host_config_.resolution_m, side() - 1)};
     executor_.in_bands(
         side(), copied_surfaces() * static_cast<std::size_t>(side()) * sizeof(float),
-        [&](int first, int end)
+        [&](int first, int end, bool beside_last)
         {
-          executor_.for_each_cell_by_lines(side(), first, end, search);
+          executor_.for_each_cell_by_lines(side(), first, end, search, beside_last);
           executor_.aside([&] { deliver_surfaces(first, end); });
         });
   }
@@ -260,29 +261,21 @@ class Pipeline final : public BackendInterface
   void judge_with()
   {
     if constexpr (Executor::kWalksLines)
-      judge_rows<kParts>(0, side());
+      judge_rows<kParts>(0, side(), false);
     else
       executor_.in_bands(
           side(), copied_features() * static_cast<std::size_t>(side()) * sizeof(float),
-          [&](int first, int end)
+          [&](int first, int end, bool beside_last)
           {
-            const Rows completed = judge_rows<kParts>(first, end);
+            judge_rows<kParts>(first, end, beside_last);
             executor_.aside([&] { deliver_features(first, end); });
-            executor_.aside([&]
-                            { deliver(Layer::Traversability, completed.first, completed.end); });
           });
   }
 
-  struct Rows
-  {
-    int first, end;
-  };
-  /** Returns which rows are completed: each is when the next one is judged. */
   template <bool kParts>
-  Rows judge_rows(int first, int end)
+  void judge_rows(int first, int end, bool beside_last)
   {
     const int n = side(), radius = host_config_.feature_radius_cells;
-    const Rows completed{std::max(first - 1, 0), end == n ? n : end - 1};
     const kernels::ComputeFeatures<kParts> compute{n,           config_.data(), surfaces(),
                                                    line_grid(), across_.data(), feature_layers()};
     const kernels::CompleteObstacles complete{
@@ -293,12 +286,8 @@ class Pipeline final : public BackendInterface
       executor_.for_each_concerned_cell(n, context_.data(), complete);
     }
     else
-    {
-      executor_.for_each_window_of_rows(n, n, first, end, radius, compute);
-      executor_.for_each_concerned_cell_of_rows(
-          n, context_.data(), completed.first, completed.end, complete);
-    }
-    return completed;
+      executor_.for_each_judged_cell_of_rows(
+          n, n, first, end, radius, compute, complete, beside_last);
   }
 
   // ---- around them ----
@@ -442,7 +431,7 @@ class Pipeline final : public BackendInterface
             feature(Layer::Sparsity), feature(Layer::Traversability), judged()};
   }
 
-  float* judged() { return judged_.data() + side() + 1; }
+  float* judged() { return Executor::kWalksLines ? judged_.data() + side() + 1 : nullptr; }
 
   static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 5;
 

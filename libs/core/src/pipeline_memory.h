@@ -29,7 +29,8 @@ void Pipeline<Executor>::allocate_cells()
   executor_.allocate(cursor_, 1, std::uint64_t{0});
   executor_.allocate(counters_, kernels::kRejectCodes, std::uint32_t{0});
   executor_.allocate(traversability_, n, kernels::kNan);
-  executor_.allocate(judged_, n + 2 * static_cast<std::size_t>(side() + 1), kernels::kNan);
+  if (Executor::kWalksLines)
+    executor_.allocate(judged_, n + 2 * static_cast<std::size_t>(side() + 1), kernels::kNan);
   const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
   executor_.allocate(surfaces_, padded, kernels::Surface{kernels::kNoHeight, 0});
   const auto rays = static_cast<std::size_t>(kernels::ring_count(host_config_)) *
