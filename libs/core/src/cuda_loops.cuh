@@ -67,7 +67,8 @@ __global__ void __launch_bounds__(kThreads) over_range(int n, F f, std::uint64_t
   note_time(done_ns);
 }
 
-/** First the teams, a warp each, since theirs is the longer work. */
+/** First the teams, a warp each, since theirs is the longer work: each takes the next slot of those
+ * that are left, until f says that there is none. */
 template <class F>
 __global__ void __launch_bounds__(kThreads)
     over_range_and_teams(int n, int teams, F f, std::uint64_t* done_ns)
@@ -75,7 +76,7 @@ __global__ void __launch_bounds__(kThreads)
   wait_for_predecessor();
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (i < 32 * teams)
-    f(i / 32, kernels::WarpTeam{});
+    for (int slot = i / 32; f(slot, kernels::WarpTeam{}); slot += teams) continue;
   else if (i - 32 * teams < n)
     f(i - 32 * teams);
   note_time(done_ns);
@@ -167,9 +168,26 @@ __global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows_and_n
   note_time(done_ns);
 }
 
+/** The tiles of a grid of cells as blocks of one dimension, after those of a range. */
+struct Tiles
+{
+  int columns;
+  float inverse_columns;
+
+  struct Place
+  {
+    int column, row;
+  };
+  __device__ Place place(int block) const
+  {
+    const int row = kernels::floor_div(block, columns, inverse_columns);
+    return {block - row * columns, row};
+  }
+};
+
 template <class F, class G>
 __global__ void __launch_bounds__(kThreads)
-    over_range_and_cells(int n, F f, int nx, int ny, G g, std::uint64_t* done_ns)
+    over_range_and_cells(int n, F f, int nx, int ny, Tiles tiles, G g, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   const int size = static_cast<int>(blockDim.x), range = (n + size - 1) / size;
@@ -181,9 +199,10 @@ __global__ void __launch_bounds__(kThreads)
   }
   else
   {
-    const int columns = (nx + kTileWidth - 1) / kTileWidth, rows = size / kTileWidth;
-    const int x = block % columns * kTileWidth + static_cast<int>(threadIdx.x) % kTileWidth;
-    const int y = block / columns * rows + static_cast<int>(threadIdx.x) / kTileWidth;
+    const Tiles::Place tile = tiles.place(block);
+    const int rows = size / kTileWidth;
+    const int x = tile.column * kTileWidth + static_cast<int>(threadIdx.x) % kTileWidth;
+    const int y = tile.row * rows + static_cast<int>(threadIdx.x) / kTileWidth;
     if (x < nx && y < ny) g(x, y);
   }
   note_time(done_ns);
@@ -276,11 +295,11 @@ __global__ void __launch_bounds__(kThreads)
     over_bits(int lines, int bits, F f, std::uint32_t* words, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
-  const int warp = static_cast<int>(blockIdx.x * kThreads + threadIdx.x) / 32;
-  const int line = warp % lines, word = warp / lines;
+  const int line = static_cast<int>(blockIdx.x * kThreads + threadIdx.x) / 32;
+  const int word = static_cast<int>(blockIdx.y);
   const int bit = 32 * word + static_cast<int>(threadIdx.x) % 32;
-  const unsigned packed = __ballot_sync(0xffffffffu, bit < bits && f(line)(bit));
-  if (threadIdx.x % 32 == 0 && 32 * word < bits) words[warp] = packed;
+  const unsigned packed = __ballot_sync(0xffffffffu, line < lines && bit < bits && f(line)(bit));
+  if (threadIdx.x % 32 == 0 && line < lines) words[word * lines + line] = packed;
   note_time(done_ns);
 }
 
@@ -288,7 +307,7 @@ __global__ void __launch_bounds__(kThreads)
  * of the columns, layout [word][line]. */
 template <class F, class G>
 __global__ void __launch_bounds__(kThreads) over_range_and_marked_cells(
-    int n, F f, int side, G g, std::uint32_t* marks, std::uint64_t* done_ns)
+    int n, F f, int side, Tiles tiles, G g, std::uint32_t* marks, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   __shared__ unsigned rows[kTileRows];
@@ -301,17 +320,19 @@ __global__ void __launch_bounds__(kThreads) over_range_and_marked_cells(
   else
   {
     const int lane = static_cast<int>(threadIdx.x) % 32, row = static_cast<int>(threadIdx.x) / 32;
-    const int words = (side + 31) / 32, word = block % words;
-    const int x = 32 * word + lane, y0 = block / words * kTileRows, y = y0 + row;
+    const Tiles::Place tile = tiles.place(block);
+    const int x = 32 * tile.column + lane, y0 = tile.row * kTileRows, y = y0 + row;
     const unsigned marked = __ballot_sync(0xffffffffu, x < side && y < side && g(x, y));
     if (lane == 0) rows[row] = marked;
-    if (lane == 0 && y < side) marks[word * 2 * side + y] = marked;
+    if (lane == 0 && y < side) marks[tile.column * 2 * side + y] = marked;
     __syncthreads();
-    unsigned column = 0;
-    for (int r = 0; r < kTileRows; r++) column |= (rows[r] >> lane & 1u) << r;
-    std::uint32_t* const of_column = marks + y0 / 32 * 2 * side + side + x;
     if (row == 0 && x < side)
+    {
+      unsigned column = 0;
+      for (int r = 0; r < kTileRows; r++) column |= (rows[r] >> lane & 1u) << r;
+      std::uint32_t* const of_column = marks + y0 / 32 * 2 * side + side + x;
       reinterpret_cast<std::uint8_t*>(of_column)[y0 % 32 / 8] = static_cast<std::uint8_t>(column);
+    }
   }
   note_time(done_ns);
 }

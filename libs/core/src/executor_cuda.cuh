@@ -97,10 +97,13 @@ class CudaExecutor
     const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
     launch(loops::over_range<F>, dim3(blocks(n, size)), dim3(size), 0, n, f);
   }
+  /** f(i) for i in [0, n), and f(slot, team) for slots from 0 on, at most so many, until it says
+   * that there is none. Few are expected. */
   template <class F>
-  void for_each_and_team(int n, int teams, const F& f)
+  void for_each_and_team(int n, int slots, const F& f)
   {
     const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
+    const int teams = slots / kSlotsPerTeam + 1;
     launch(
         loops::over_range_and_teams<F>, dim3(blocks(n + 32 * teams, size)), dim3(size), 0, n, teams,
         f);
@@ -112,7 +115,7 @@ class CudaExecutor
     const dim3 cells = tiles(nx, ny, size / loops::kTileWidth);
     launch(
         loops::over_range_and_cells<F, G>, dim3(blocks(n, size) + cells.x * cells.y), dim3(size), 0,
-        n, f, nx, ny, g);
+        n, f, nx, ny, in_line(cells), g);
   }
   template <class F>
   void for_each_cell(int nx, int ny, const F& f)
@@ -164,10 +167,9 @@ class CudaExecutor
   template <class F>
   void pack_bits(int lines, int bits, const F& f, std::uint32_t* words)
   {
-    const int n = lines * ((bits + 31) / 32);
     launch(
-        loops::over_bits<F>, dim3(blocks(32 * n, loops::kThreads)), dim3(loops::kThreads), 0, lines,
-        bits, f, words);
+        loops::over_bits<F>, dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32)),
+        dim3(loops::kThreads), 0, lines, bits, f, words);
   }
   /** f(i) for i in [0, n); beside it g(x, y) of side * side cells, which says whether it marks one.
    * Marks: bits of the rows, then of the columns, layout [word][line]. */
@@ -179,7 +181,7 @@ class CudaExecutor
     launch(
         loops::over_range_and_marked_cells<F, G>,
         dim3(blocks(n, loops::kThreads) + cells.x * cells.y), dim3(loops::kThreads), 0, n, f, side,
-        g, marks);
+        in_line(cells), g, marks);
   }
   /** f of the cells of the rows [first, end), see kernels::SearchAndFillCell: where there are few,
    * each side of each line has a thread. */
@@ -236,8 +238,9 @@ class CudaExecutor
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr int kMaxLaps = kStageCount + 1;
+  static constexpr int kSlotsPerTeam = 4;
   static constexpr int kManyThreads = 100000;  //!< enough to fill a device
-  static constexpr std::size_t kBandBytes = 2 * 1024 * 1024, kMaxBands = 4;
+  static constexpr std::size_t kBandBytes = 1024 * 1024, kMaxBands = 4;
 
   struct Lane
   {
@@ -272,6 +275,11 @@ class CudaExecutor
   static dim3 tiles(int nx, int ny, int rows)
   {
     return dim3(blocks(nx, loops::kTileWidth), blocks(ny, rows));
+  }
+
+  static loops::Tiles in_line(dim3 tiles)
+  {
+    return {static_cast<int>(tiles.x), 1.0f / static_cast<float>(tiles.x)};
   }
 
   /** Of a tile with neighbourhoods. High ones share more rows; where there are few cells, low ones
