@@ -115,8 +115,7 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b, int r
   return ((n_share + n_other) * low.height_m + n_share * high.height_m) / total;
 }
 
-/** Gaps that are wider, between heights that are steeper apart than a robot can drive, hold a face:
- * the front of something, or the edge of a drop. */
+/** Wider gaps may hold a face: the front of something, or the edge of a drop. */
 constexpr float kFaceGap_m = 0.3f;
 
 /** Heights of several lines, each weighed by how far it has to bridge. */
@@ -125,15 +124,19 @@ struct LineFusion
   float information = 0, weighted = 0, lowest_m = kInfinity;
 
   /** Between samples of both sides linearly, beside one side level. The error grows with the
-   * distances. Across a face: along a ray the lower side, which is what lies before a front and in
-   * the shadow of an edge; rows and columns do not tell where it stands and say nothing. */
+   * distances. A gap holds a face if its sides are steeper apart than a robot can drive, or if the
+   * ground beyond it is a step lower. Then along a ray the lower side counts, which is what lies
+   * before a front and in the shadow of an edge; rows and columns do not tell where it stands. */
   TALUS_HD void add(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
   {
     const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
-    const float span = a.mean_distance_m + b.mean_distance_m, rise = b.mean_m - a.mean_m;
-    const bool face = both & (span > kFaceGap_m) & (abs_of(rise) > k.support_slope * span);
-    const float linear = a.mean_m + rise * (a.mean_distance_m / span);
-    const float between = select(face, min_of(a.mean_m, b.mean_m), linear);
+    const float gap_m = a.distance_m + b.distance_m, rise = b.nearest_m - a.nearest_m;
+    const float drop = select(along_ray, -rise, abs_of(rise));
+    const bool face = both & (gap_m > kFaceGap_m) &
+                      ((abs_of(rise) > k.support_slope * gap_m) | (drop > k.step_threshold_m));
+    const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
+    const float linear = a.mean_m + (b.mean_m - a.mean_m) * part;
+    const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
     const float error = 0.1f * a.distance_m * b.distance_m / (a.distance_m + b.distance_m);
     const float height = select(both, between, select(has_a, a.mean_m, b.mean_m));
     const float deviation = select(both, error, 0.3f * select(has_a, a.distance_m, b.distance_m));
@@ -332,10 +335,7 @@ struct FillCell
     const float top_before = store.elevation_m[i], top_var_before = store.elevation_var_m2[i];
     const Fill fill = infer_ground(inferred, r >= kObject, lowest_m, *config);
     const bool filled = (r != kKeep) & inferred.any();  // else an older guess, or the object, stays
-    // What stood there as an object hangs if the robot fits below it.
-    const bool hangs = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
     const float ground = select(filled, fill.height_m, before);
-    const float elevation = select(hangs, kNan, top_before);
     const int state = select(filled, fill.state, state_before);
     // Behind something that was hit only rays below the height of a step prove that the ground is
     // free; before everything that was hit (the blind zone around the robot) the clearance will do.
@@ -345,7 +345,13 @@ struct FillCell
     const bool guess = filled & !inferred.two_sided();
     const float floor_m = min_of(ground, select(guess, inferred.lines.lowest_m, kInfinity));
     const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m);
-    const int passed = passed_before | select(low, kPassedLow, 0);
+    // What stands so high that the robot fits below it hangs, once rays passed there.
+    const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
+    const bool high_up = object | ((passed_before & kHitHighUp) != 0);
+    const int proven = (passed_before & kPassedLow) | select(low, kPassedLow, 0);
+    const bool hangs = high_up & (proven != 0);
+    const int passed = (passed_before & kInOpen) | proven | select(high_up & !hangs, kHitHighUp, 0);
+    const float elevation = select(hangs, kNan, top_before);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);
     store.elevation_m[i] = elevation;

@@ -222,6 +222,21 @@ TEST(Stage7Fill, WhatLiesBehindAnEdgeIsAsLowAsWhatIsSeenBeyondIt)
   for (double x = 0.625; x < 1.15; x += 0.05) EXPECT_NEAR(m.ground(x, 0.025), -0.6, 0.01) << x;
 }
 
+TEST(Stage7Fill, ADitchIsNotBridgedByARampToItsFarWall)
+{
+  TestMap m;
+  Scan s;
+  s.add_surface(0.5, -1, 1.4, 1, flat);
+  s.add_surface(2.3, -1, 2.35, 1, [](double, double) { return -0.28; });
+  s.add_surface(2.35, -1, 3.0, 1, flat);
+  m.update(s);
+  for (double x = 1.425; x < 2.3; x += 0.05) EXPECT_NEAR(m.ground(x, 0.025), -0.28, 0.01) << x;
+  double least = 1;
+  for (double x = 1.325; x < 1.5; x += 0.05)
+    least = std::min(least, double(m.traversability(x, 0.025)));
+  EXPECT_EQ(least, 0.0);  // its edge
+}
+
 TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
 {
   // Behind the wall the ground is a guess that no ray ever passed; before it rays came by.
@@ -233,6 +248,27 @@ TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
   EXPECT_GT(m.traversability(1.525, 0.025), 0.9f);
   EXPECT_EQ(m.state(2.225, 0.025), CellState::FilledOneSided);
   EXPECT_TRUE(std::isnan(m.traversability(2.225, 0.025)));
+}
+
+TEST(Stage7Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
+{
+  TestMap m;
+  const auto column = [](Scan s)
+  {
+    for (double y = -0.475; y < 0.5; y += 0.05) s.add(2.525, y, 0.9);
+    return s;
+  };
+  m.update(Scan().add_surface(1.0, -0.5, 2.0, 0.5, flat));
+  EXPECT_EQ(m.state(2.525, 0.025), CellState::FilledOneSided);
+  m.update(column(Scan()));
+  EXPECT_EQ(m.state(2.525, 0.025), CellState::FilledOneSided);
+  EXPECT_NEAR(m.at(Layer::Elevation, 2.525, 0.025), 0.9, 1e-3);
+  EXPECT_EQ(m.traversability(2.525, 0.025), 0.0f);
+  m.update(column(Scan().add_surface(2.8, -0.5, 3.2, 0.5, flat)));
+  EXPECT_TRUE(std::isnan(m.at(Layer::Elevation, 2.525, 0.025)));
+  EXPECT_GT(m.traversability(2.525, 0.025), 0.9f);
+  m.update(column(Scan()));  // now it is known to hang
+  EXPECT_GT(m.traversability(2.525, 0.025), 0.9f);
 }
 
 TEST(Stage7Fill, ARayThatSeemsToPassBelowMeasuredGroundBoundsNothing)
