@@ -160,13 +160,17 @@ class Pipeline final : public BackendInterface
     const kernels::ErodeSupport erode{config_.data(), grid};
     const kernels::OpenSupport open{grid};
     if constexpr (Executor::kWalksLines)
+    {
       executor_.for_each_pair_of_rows(grid.side, side(), context_.data(), pool);
-    else
-      executor_.for_each_cell(grid.side, grid.side, pool);
-    executor_.for_each_window(grid.side, grid.side, radius, erode);
-    executor_.for_each_window(grid.side, grid.side, radius, open);
-    if constexpr (Executor::kWalksLines)
+      executor_.for_each_window(grid.side, grid.side, radius, erode);
+      executor_.for_each_window(grid.side, grid.side, radius, open);
       executor_.for_each_concerned_cell(side(), context_.data(), choose_role());
+    }
+    else
+    {
+      executor_.for_each_cell(grid.side, grid.side, pool);
+      executor_.for_each_opening(grid.side, grid.side, radius, erode, open);
+    }
   }
 
   void clean_up()
@@ -241,7 +245,7 @@ class Pipeline final : public BackendInterface
         line_grid(),
         kernels::places_in(host_config_.fill_search_m, host_config_.resolution_m, side() - 1)};
     executor_.in_bands(
-        side(), copied_surfaces() * static_cast<std::size_t>(side()) * sizeof(float),
+        side(), copied_surfaces(),
         [&](int first, int end, bool beside_last)
         {
           executor_.for_each_cell_by_lines(side(), first, end, search, beside_last);
@@ -264,7 +268,7 @@ class Pipeline final : public BackendInterface
       judge_rows<kParts>(0, side(), false);
     else
       executor_.in_bands(
-          side(), copied_features() * static_cast<std::size_t>(side()) * sizeof(float),
+          side(), copied_features(),
           [&](int first, int end, bool beside_last)
           {
             judge_rows<kParts>(first, end, beside_last);
@@ -296,9 +300,9 @@ class Pipeline final : public BackendInterface
   void complete_parts();
   void allocate_parts();
   bool is_copied(Layer layer) const;
-  std::size_t copied_surfaces() const { return copied(Layer::Elevation, Layer::State); }
-  std::size_t copied_features() const { return copied(Layer::Slope, Layer::Traversability); }
-  std::size_t copied(Layer first, Layer last) const;
+  int copied_surfaces() const { return copied(Layer::Elevation, Layer::State); }
+  int copied_features() const { return copied(Layer::Slope, Layer::Traversability); }
+  int copied(Layer first, Layer last) const;
   void deliver_surfaces(int first_row, int end_row);
   void deliver_features(int first_row, int end_row);
   void deliver(Layer layer, int first_row, int end_row);
