@@ -386,7 +386,7 @@ class Pipeline final : public BackendInterface
   kernels::Samples samples()
   {
     float* p = samples_.data();
-    return {p, p + grid_size(), p + 2 * grid_size()};
+    return {p, p + grid_size()};
   }
   kernels::InferenceGrid inferred() { return {inferred_.data(), across_.data()}; }
   kernels::Surfaces surfaces()
