@@ -114,22 +114,32 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b, int r
   return ((n_share + n_other) * low.height_m + n_share * high.height_m) / total;
 }
 
+/** Wider gaps may hold a face: the front of something, or the edge of a drop. */
+constexpr float kFaceGap_m = 0.3f;
+
 /** Heights of several lines, each weighed by how far it has to bridge. */
 struct LineFusion
 {
   float information = 0, weighted = 0, lowest_m = kInfinity;
 
   /** Between samples of both sides linearly, beside one side level. The error grows with the
-   * distances. */
-  TALUS_HD void add(const SideEstimate& a, const SideEstimate& b)
+   * distances. A gap holds a face if its sides are steeper apart than a robot can drive, or if the
+   * ground beyond it is a step lower. Then along a ray the lower side counts, which is what lies
+   * before a front and in the shadow of an edge; rows and columns do not tell where it stands. */
+  TALUS_HD void add(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
   {
     const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
-    const float span = a.mean_distance_m + b.mean_distance_m;
-    const float between = a.mean_m + (b.mean_m - a.mean_m) * (a.mean_distance_m / span);
+    const float gap_m = a.distance_m + b.distance_m, rise = b.nearest_m - a.nearest_m;
+    const float drop = select(along_ray, -rise, abs_of(rise));
+    const bool face = both & (gap_m > kFaceGap_m) &
+                      ((abs_of(rise) > k.support_slope * gap_m) | (drop > k.step_threshold_m));
+    const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
+    const float linear = a.mean_m + (b.mean_m - a.mean_m) * part;
+    const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
     const float error = 0.1f * a.distance_m * b.distance_m / (a.distance_m + b.distance_m);
     const float height = select(both, between, select(has_a, a.mean_m, b.mean_m));
     const float deviation = select(both, error, 0.3f * select(has_a, a.distance_m, b.distance_m));
-    add(height, deviation, has_a | has_b);
+    add(height, deviation, (has_a | has_b) & (along_ray | !face));
   }
 
   /** Another line's. */
@@ -172,10 +182,11 @@ TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
   return select(both, two, -select(has_inner, inner_m2, outer_m2));
 }
 
-TALUS_HD LineFusion fuse_lines(const SideEstimate& a, const SideEstimate& b)
+TALUS_HD LineFusion
+fuse_lines(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
 {
   LineFusion lines;
-  lines.add(a, b);
+  lines.add(a, b, along_ray, k);
   return lines;
 }
 

@@ -257,9 +257,10 @@ struct SearchAndFillCell
   {
     return wanted(line, ix, iy) ? search(line, ix, iy).infer_side(outwards) : SideEstimate{};
   }
-  TALUS_HD LineFusion line(int, const SideEstimate& inner, const SideEstimate& outer) const
+  TALUS_HD LineFusion line(int line, const SideEstimate& inner, const SideEstimate& outer) const
   {
-    return k.fill_rule == kFillLines ? fuse_lines(inner, outer) : apply_rule(inner, outer, k);
+    return k.fill_rule == kFillLines ? fuse_lines(inner, outer, line == 0, k)
+                                     : apply_rule(inner, outer, k);
   }
   /** From what the sides of the first line and all lines say. */
   TALUS_HD void operator()(

@@ -198,6 +198,44 @@ TEST(Stage7Fill, ASlopeIsFilledAlongRayRowAndColumnWithoutBias)
     EXPECT_NEAR(m.ground(x, 0.025), plane(x, 0.025), 0.004) << x;
 }
 
+TEST(Stage7Fill, FloorReachesUpToAWallThatWasHitHighUpOnly)
+{
+  TestMap m;
+  Scan s;
+  s.add_surface(1.0, -0.5, 2.0, 0.5, flat);
+  s.add_surface(2.5, -0.5, 2.55, 0.5, [](double, double) { return 0.65; });
+  m.update(s);
+  for (double x = 2.025; x < 2.5; x += 0.05)
+    for (double y = -0.375; y < 0.4; y += 0.05) EXPECT_NEAR(m.ground(x, y), 0.0, 0.01) << x;
+}
+
+TEST(Stage7Fill, WhatLiesBehindAnEdgeIsAsLowAsWhatIsSeenBeyondIt)
+{
+  Parameters p;
+  p.min_height_m = -2;
+  TestMap m(p);
+  Scan s;
+  s.add_surface(0.3, -0.5, 0.6, 0.5, flat);
+  s.add_surface(1.15, -1, 2.0, 1, [](double, double) { return -0.6; });
+  m.update(s);
+  for (double x = 0.625; x < 1.15; x += 0.05) EXPECT_NEAR(m.ground(x, 0.025), -0.6, 0.01) << x;
+}
+
+TEST(Stage7Fill, ADitchIsNotBridgedByARampToItsFarWall)
+{
+  TestMap m;
+  Scan s;
+  s.add_surface(0.5, -1, 1.4, 1, flat);
+  s.add_surface(2.3, -1, 2.35, 1, [](double, double) { return -0.28; });
+  s.add_surface(2.35, -1, 3.0, 1, flat);
+  m.update(s);
+  for (double x = 1.425; x < 2.3; x += 0.05) EXPECT_NEAR(m.ground(x, 0.025), -0.28, 0.01) << x;
+  double least = 1;
+  for (double x = 1.325; x < 1.5; x += 0.05)
+    least = std::min(least, double(m.traversability(x, 0.025)));
+  EXPECT_EQ(least, 0.0);  // its edge
+}
+
 TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
 {
   // Behind the wall the ground is a guess that no ray ever passed; before it rays came by.

@@ -243,7 +243,8 @@ class Sweep
     for (int l = 0; l < kLanes; l++)
     {
       const SideEstimate a = inner.load(l), b = outer.load(l);
-      found.store(l, kAlongLines ? kernels::fuse_lines(a, b) : kernels::apply_rule(a, b, k));
+      found.store(
+          l, kAlongLines ? kernels::fuse_lines(a, b, kRays, k) : kernels::apply_rule(a, b, k));
       if (kRays)
         found.variance_m2[l] =
             kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
