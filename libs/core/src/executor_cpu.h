@@ -212,6 +212,12 @@ class CpuExecutor : public CpuMemory
   {
     run(n, 1024, [&f](int begin, int end) { over_points(f, begin, end); });
   }
+  /** f.put(i, f.overhangs(i)) of points. */
+  template <class F>
+  void sort_points(int n, const F& f)
+  {
+    run(n, 1024, [&f](int begin, int end) { talus::sort_points(f, begin, end); });
+  }
   /** f(x, y, i) of the cells of the window with i where each is stored. */
   template <class F>
   void for_each_stored_cell(int cells, const kernels::FrameContext* frame, const F& f)
