@@ -42,8 +42,8 @@ struct Strip
   int lines, places;
   int first, along, across;  //!< cell of a line at a place: first + place * along + minor * across
   const Crossing* crossings;  //!< by place; all the same on parallel lines
-  float step_m[kLanes];  //!< length of a line per place
-  int reach[kLanes], far[kLanes];  //!< places that fills and stage 9 look
+  float step_m[kLanes] = {};  //!< length of a line per place
+  int reach[kLanes] = {}, far[kLanes] = {};  //!< places that fills and stage 9 look
 
   const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
   void measure(int line, float length_m, const kernels::Config& k)
@@ -292,31 +292,28 @@ struct Walk
   kernels::Samples samples;
   kernels::InferenceGrid to;
 
-  int parts_of_rays() const { return parts(2 * kernels::line_rings(k)); }
+  int parts_of_rays() const { return 4 * parts(2 * kernels::line_rings(k)); }
   int parts_of_axis() const { return parts(k.cells); }
 
-  /** Lines at the same place of all four sides. */
   void rays(int part) const
   {
-    const int rings = kernels::line_rings(k), first = part * kLanes - rings;
+    const int rings = kernels::line_rings(k), first = part / 4 * kLanes - rings, side = part % 4;
     const int along[] = {1, grid.pitch, -1, -grid.pitch};
-    Crossing* const crossings = scratch<Crossing>(rings + 1);
-    cross(rings, first, crossings);
-    for (int side = 0; side < 4; side++)
+    Strip strip{kLanes,
+                rings + 1,
+                grid.middle(),
+                along[side],
+                along[(side + 1) % 4],
+                crossings_of(rings, first)};
+    for (int l = 0; l < kLanes; l++)
     {
-      Strip strip{
-          kLanes, rings + 1, grid.middle(), along[side], along[(side + 1) % 4], crossings, {},
-          {},     {}};
-      for (int l = 0; l < kLanes; l++)
-        strip.measure(
-            l,
-            kernels::line_stretch({side, std::min(first + l, rings - 1)}, rings) * k.resolution_m,
-            k);
-      if (k.fill_rule == kernels::kFillLines)
-        sweep<true, true>(strip);
-      else
-        sweep<true, false>(strip);
+      const kernels::Line line{side, std::min(first + l, rings - 1)};
+      strip.measure(l, kernels::line_stretch(line, rings) * k.resolution_m, k);
     }
+    if (k.fill_rule == kernels::kFillLines)
+      sweep<true, true>(strip);
+    else
+      sweep<true, false>(strip);
   }
   void rows(int part) const { axis(part, 1, grid.pitch); }
   void columns(int part) const { axis(part, grid.pitch, 1); }
@@ -324,7 +321,17 @@ struct Walk
  private:
   static int parts(int lines) { return (lines + kLanes - 1) / kLanes; }
 
-  /** Of lines from the sensor: as kernels::line_cell() and line_through(). */
+  /** Of lines from the sensor, until this thread asks for those of others. */
+  static const Crossing* crossings_of(int rings, int first)
+  {
+    static thread_local int last_rings = 0, last_first = 0;
+    Crossing* const crossings = scratch<Crossing>(rings + 1);
+    if (rings != last_rings || first != last_first) cross(rings, first, crossings);
+    last_rings = rings, last_first = first;
+    return crossings;
+  }
+
+  /** As kernels::line_cell() and line_through(). */
   TALUS_CLONES static void cross(int rings, int first, Crossing* crossings)
   {
     for (int ring = 0; ring <= rings; ring++)
@@ -350,15 +357,8 @@ struct Walk
     Crossing parallel;
     for (int l = 0; l < kLanes; l++)
       parallel.minor[l] = std::min(l, last - first), parallel.own[l] = first + l <= last;
-    Strip strip{std::min(kLanes, k.cells - first),
-                k.cells,
-                first * across,
-                along,
-                across,
-                &parallel,
-                {},
-                {},
-                {}};
+    const int lines = std::min(kLanes, k.cells - first);
+    Strip strip{lines, k.cells, first * across, along, across, &parallel};
     for (int l = 0; l < kLanes; l++) strip.measure(l, k.resolution_m, k);
     sweep<false, true>(strip);
   }
