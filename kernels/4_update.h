@@ -184,6 +184,16 @@ TALUS_HD void update_elevation(
   c.elevation_var_m2 = elevation.variance_m2;
 }
 
+/** Over a guess below which no ray passed it is not known what hangs: a wall may be hit high up
+ * first. It stands until a ray passes there. */
+TALUS_HD void hit_high_up(Cell& c, const HeightPoint& high)
+{
+  if ((c.passed & kHitHighUp) && c.elevation_m >= high.height_m) return;
+  c.elevation_m = high.height_m;
+  c.elevation_var_m2 = high.variance_m2;
+  c.passed = static_cast<std::uint8_t>(c.passed | kHitHighUp);
+}
+
 /** Stage 4 on one cell that received points. */
 template <class Team>
 TALUS_HD void update_cell(
@@ -191,9 +201,16 @@ TALUS_HD void update_cell(
 {
   if (c.state != kUnknown)
   {
-    const float standing = is_known(c.elevation_m) ? max_of(c.ground_m, c.elevation_m) : c.ground_m;
-    if (ends.low.height_m - standing > k.clearance_m) return;  // all of it hangs
+    const bool stands = is_known(c.elevation_m) && !(c.passed & kHitHighUp);
+    const float standing = stands ? max_of(c.ground_m, c.elevation_m) : c.ground_m;
+    if (ends.low.height_m - standing > k.clearance_m)
+    {
+      if (!stands && c.state == kFilledOneSided && !(c.passed & kPassedLow))
+        hit_high_up(c, ends.high);
+      return;  // all of it hangs
+    }
   }
+  c.passed = static_cast<std::uint8_t>(c.passed & ~kHitHighUp);
   update_ground(c, ends.low, points, k, team);
   update_elevation(c, ends.high, points, k, team);
   c.elevation_m = max_of(c.elevation_m, c.ground_m);

@@ -155,7 +155,7 @@ struct LookThrough
   {
     passing.lowest_m[iy * cells + ix] = seen.lowest_m;
     passing.highest_m[iy * cells + ix] = seen.highest_m;
-    const int before = passed[i] & kPassedLow;
+    const int before = passed[i] & ~kInOpen;
     const bool in_open = (seen.in_open != 0) & seen.any();
     passed[i] = static_cast<std::uint8_t>(before | select(in_open, kInOpen, 0));
   }

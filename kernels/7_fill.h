@@ -333,10 +333,7 @@ struct FillCell
     const float top_before = store.elevation_m[i], top_var_before = store.elevation_var_m2[i];
     const Fill fill = infer_ground(inferred, r >= kObject, lowest_m, *config);
     const bool filled = (r != kKeep) & inferred.any();  // else an older guess, or the object, stays
-    // What stood there as an object hangs if the robot fits below it.
-    const bool hangs = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
     const float ground = select(filled, fill.height_m, before);
-    const float elevation = select(hangs, kNan, top_before);
     const int state = select(filled, fill.state, state_before);
     // Behind something that was hit only rays below the height of a step prove that the ground is
     // free; before everything that was hit (the blind zone around the robot) the clearance will do.
@@ -346,7 +343,13 @@ struct FillCell
     const bool guess = filled & !inferred.two_sided();
     const float floor_m = min_of(ground, select(guess, inferred.lines.lowest_m, kInfinity));
     const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m);
-    const int passed = passed_before | select(low, kPassedLow, 0);
+    // What stands so high that the robot fits below it hangs, once rays passed there.
+    const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
+    const bool high_up = object | ((passed_before & kHitHighUp) != 0);
+    const int proven = (passed_before & kPassedLow) | select(low, kPassedLow, 0);
+    const bool hangs = high_up & (proven != 0);
+    const int passed = (passed_before & kInOpen) | proven | select(high_up & !hangs, kHitHighUp, 0);
+    const float elevation = select(hangs, kNan, top_before);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);
     store.elevation_m[i] = elevation;

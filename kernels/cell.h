@@ -17,7 +17,8 @@ enum State : std::uint8_t
 enum Passed : std::uint8_t
 {
   kPassedLow = 1,  //!< in some frame a ray passed so low that nothing above a step can stand there
-  kInOpen = 2  //!< in this frame nothing was hit between the sensor and the cell
+  kInOpen = 2,  //!< in this frame nothing was hit between the sensor and the cell
+  kHitHighUp = 4  //!< what was hit there may hang: high above a guess below which no ray passed
 };
 
 /** What the map remembers of a cell, 19 bytes. */

@@ -249,6 +249,27 @@ TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
   EXPECT_TRUE(std::isnan(m.traversability(2.225, 0.025)));
 }
 
+TEST(Stage7Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
+{
+  TestMap m;
+  const auto column = [](Scan s)
+  {
+    for (double y = -0.475; y < 0.5; y += 0.05) s.add(2.525, y, 0.9);
+    return s;
+  };
+  m.update(Scan().add_surface(1.0, -0.5, 2.0, 0.5, flat));
+  EXPECT_EQ(m.state(2.525, 0.025), CellState::FilledOneSided);
+  m.update(column(Scan()));
+  EXPECT_EQ(m.state(2.525, 0.025), CellState::FilledOneSided);
+  EXPECT_NEAR(m.at(Layer::Elevation, 2.525, 0.025), 0.9, 1e-3);
+  EXPECT_EQ(m.traversability(2.525, 0.025), 0.0f);
+  m.update(column(Scan().add_surface(2.8, -0.5, 3.2, 0.5, flat)));
+  EXPECT_TRUE(std::isnan(m.at(Layer::Elevation, 2.525, 0.025)));
+  EXPECT_GT(m.traversability(2.525, 0.025), 0.9f);
+  m.update(column(Scan()));  // now it is known to hang
+  EXPECT_GT(m.traversability(2.525, 0.025), 0.9f);
+}
+
 TEST(Stage7Fill, ARayThatSeemsToPassBelowMeasuredGroundBoundsNothing)
 {
   // A reflection from 1 m below the ground; the hits beside its ray are of other directions.
