@@ -139,7 +139,7 @@ class Pipeline final : public BackendInterface
             executor_.for_each_cell_in_steps(side(), context_.data(), look);
           });
       for_each_point(reserve());
-      for_each_point(sort);
+      executor_.sort_points(points(), sort);
     }
     else
       for_each_point_and_cell(
@@ -198,9 +198,8 @@ class Pipeline final : public BackendInterface
 
   void fill()
   {
-    const kernels::FillCell cell{side(),     config_.data(),  context_.data(),
-                                 store(),    role_.data(),    passing(),
-                                 surfaces(), surface_layers()};
+    const kernels::FillCell cell{side(),       config_.data(), context_.data(), store(),
+                                 role_.data(), passing(),      surfaces(),      surface_layers()};
     if constexpr (Executor::kWalksLines)
       walk_lines(cell);
     else
@@ -386,7 +385,7 @@ class Pipeline final : public BackendInterface
   kernels::Samples samples()
   {
     float* p = samples_.data();
-    return {p, p + grid_size(), p + 2 * grid_size()};
+    return {p, p + grid_size()};
   }
   kernels::InferenceGrid inferred() { return {inferred_.data(), across_.data()}; }
   kernels::Surfaces surfaces()
