@@ -403,11 +403,25 @@ struct SweepBuriedRays
     for (int bin = first_bin; bin < last_bin; bin++)
       directions[bin] = {{}, direction_of_bin(bin, per_side)};
     for (int ring = 0; ring < rings; ring++)
-      for (int bin = first_bin; bin < last_bin; bin++)
-        if (rays[ring * bins + bin] != kNoRay) meet(directions[bin], ring, ring * bins + bin);
+      for (int bin = first_bin; bin < last_bin; bin += kBlock)
+        sweep(ring, bin, min_of(bin + kBlock, last_bin));
   }
 
  private:
+  static constexpr int kBlock = 256;
+
+  /** Lists the hits of some bins first: whether a place holds one cannot be guessed. */
+  void sweep(int ring, int first_bin, int last_bin) const
+  {
+    const int row = ring * bin_count(*ground.config);
+    int hit[kBlock], hits = 0;
+    for (int bin = first_bin; bin < last_bin; bin++)
+    {
+      hit[hits] = bin;
+      hits += rays[row + bin] != kNoRay;
+    }
+    for (int h = 0; h < hits; h++) meet(directions[hit[h]], ring, row + hit[h]);
+  }
   void meet(SweptDirection& d, int ring, int r) const
   {
     lowest_slope[r] = d.seen.second;

@@ -257,35 +257,36 @@ struct SortPoint
   const std::int32_t* rays;
   Sorting sorting;
 
-  TALUS_HD void operator()(int i) const
-  {
-    if (i >= frame->n_points || points.cell[i] < 0) return;
-    put(i, points.rank[i]);
-  }
-  /** As the point of that rank. */
-  TALUS_HD void put(int i, std::uint32_t rank) const
-  {
-    sorting.sorted[sorting.cell_begin[points.cell[i]] + rank] = {
-        points.height_m[i], points.variance_m2[i], overhangs(i)};
-  }
-
- private:
-  /** Beside the edge of something rays pass as well; below what overhangs they pass on both sides
-   * of the point. */
+  /** Whether rays of its own direction passed below a point. Beside the edge of something rays pass
+   * as well; below what overhangs they pass on both sides of the point. */
   TALUS_HD bool overhangs(int i) const
   {
-    const int at = points.ray[i], bins = bin_count(*config);
-    if (at < 0) return false;
+    const bool aims = points.ray[i] >= 0;
+    const int at = select(aims, points.ray[i], 0), bins = bin_count(*config);
     const int ring = floor_div(at, bins, 1.0f / static_cast<float>(bins)), bin = at - ring * bins;
     const std::int32_t* behind = rays + min_of(ring + 2, ring_count(*config) - 1) * bins;
     const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
     const float limit = points.slope[i] - config->cleanup_margin_m / chebyshev_m;
-    for (int b = bin - 2; b <= bin + 2; b++)
+    bool below = aims;
+    for (int b = -2; b <= 2; b++)
     {
-      const std::int32_t passed = behind[wrap_bin(b, bins)];
-      if (passed == kNoRay || float_from_ordered(passed) > limit) return false;
+      const std::int32_t passed = behind[wrap_bin(bin + b, bins)];
+      below = below & (passed != kNoRay) & !(float_from_ordered(passed) > limit);
     }
-    return true;
+    return below;
+  }
+
+  /** As the point of that rank. */
+  TALUS_HD void put(int i, std::uint32_t rank, bool overhangs) const
+  {
+    sorting.sorted[sorting.cell_begin[points.cell[i]] + rank] = {
+        points.height_m[i], points.variance_m2[i], overhangs};
+  }
+
+  /** As the point of the rank that it has. */
+  TALUS_HD void put(int i, bool overhangs) const
+  {
+    if (i < frame->n_points && points.cell[i] >= 0) put(i, points.rank[i], overhangs);
   }
 };
 
@@ -306,7 +307,7 @@ struct SortUnburiedPoint
     if (ray >= 0 && points.slope[i] < lowest_slope[ray])
       Atomics::count(rejected + kBuried);
     else
-      sort.put(i, Atomics::add(kept_count + points.cell[i], 1));
+      sort.put(i, Atomics::add(kept_count + points.cell[i], 1), sort.overhangs(i));
   }
 };
 

@@ -6,8 +6,7 @@ namespace talus::kernels
 // Stage 7 (III-B.3): ground of cells that were not measured, from samples found along the line to
 // the sensor: towards it and away from it. How samples are found is the executor's choice, for what
 // is fast on a device is slow on a core. A device searches for each cell (7_fill_search.h). A core
-// walks the lines and lists their samples (libs/core/src/cpu_lines.h). What is made of them is the
-// same.
+// sweeps along many lines at once (libs/core/src/cpu_lines.h). What is made of them is the same.
 
 /** The samples of one side and what eq. 8 makes of them. */
 struct SideEstimate
@@ -247,7 +246,6 @@ TALUS_HD LineGrid line_grid(const Config& k)
 struct Samples
 {
   float* height_m;  //!< NaN: none
-  float* turned_m;  //!< the same with rows as columns, where lines are walked
   float* variance_m2;
 };
 

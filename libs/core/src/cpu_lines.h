@@ -3,323 +3,286 @@
 #include "kernels/7_fill.h"
 
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
-// Stage 7's lines on the CPU. Each line is walked once: it lists its samples, and each of its cells
-// to infer notes how many there were when the line came by. So a cell costs the same however far
-// its samples are, only cells that need it are inferred, and many of them at once in vector code.
+// Stage 7's lines on the CPU. Sixteen lines that lie side by side are swept from end to end, place
+// by place, and carry the samples that they met last along; then back, and what a cell has on both
+// sides is known. So a cell costs the same however far its samples are, neighbours are read
+// together, and everything is vector code.
 
 namespace talus::lines
 {
 using kernels::SideEstimate;
 
+/** Lines side by side. */
+constexpr int kLanes = 32;
 /** Where a sample is that was never met. */
 constexpr int kNowhere = -(1 << 20);
 /** Compiled for the default and for any number. */
 constexpr int kFewSamples = 2, kMaxSamples = 16;
-/** How many lines are one part of the work. */
-constexpr int kLinesOfPart = 16;
 
 /** Memory of this thread, kept from frame to frame. */
 template <class T>
-class Scratch
+T* scratch(int size)
 {
- public:
-  explicit Scratch(std::size_t size)
-  {
-    if (memory().size() < size) memory().resize(size);
-    next_ = memory().data();
-  }
-  T* take(std::size_t size)
-  {
-    next_ += size;
-    return next_ - size;
-  }
+  static thread_local std::vector<T> memory;
+  if (memory.size() < static_cast<std::size_t>(size)) memory.resize(static_cast<std::size_t>(size));
+  return memory.data();
+}
 
- private:
-  static std::vector<T>& memory()
-  {
-    static thread_local std::vector<T> m;
-    return m;
-  }
-  T* next_;
+/** Where lines are at one place, across the strip, and whether those cells are theirs to infer. */
+struct Crossing
+{
+  int minor[kLanes], own[kLanes];
 };
 
-/** A line on its way over the grid: where it reads samples and which cell of the grid that is, by
- * place; which of the cells are its own to infer. */
-struct Track
+/** Lines side by side on the grid. */
+struct Strip
 {
-  const float* height_m;
-  int *read, *cell, *own;
-  int places;
-  float step_m;  //!< length of the line per place
+  int lines, places;
+  int first, along, across;  //!< cell of a line at a place: first + place * along + minor * across
+  const Crossing* crossings;  //!< by place; all the same on parallel lines
+  float step_m[kLanes] = {};  //!< length of a line per place
+  int reach[kLanes] = {}, far[kLanes] = {};  //!< places that fills and stage 9 look
+
+  const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
+  void measure(int line, float length_m, const kernels::Config& k)
+  {
+    step_m[line] = length_m;
+    reach[line] = kernels::places_in(k.fill_search_m, length_m, places - 1);
+    far[line] = kernels::places_in(k.sparsity_search_m, length_m, places - 1);
+  }
 };
 
-/** The samples that a line met, in order, between kSamples that are nowhere. */
+/** The samples that lines met last, the nearest first. */
 template <int kSamples>
 struct Met
 {
-  float* height_m;
-  int *place, *cell;
-};
+  float height_m[kSamples][kLanes];
+  int place[kSamples][kLanes];
+  float variance_m2[kLanes];  //!< of the nearest
 
-/** Cells to infer, from several lines. */
-template <int kSamples>
-struct Batch
-{
-  static constexpr int kBoth = 2 * kSamples;
-  // what is known of each: the samples around it, the last of those before it at kSamples - 1
-  float* height_m;
-  int* place;
-  int *at, *to;  //!< place on the line; on the grid
-  float *step_m, *before_m2, *behind_m2;  //!< variances of the samples next to it
-  // what is inferred
-  kernels::Inference* found;
-  float* across_m;
-
-  /** From the samples before (direction -1) or behind a cell (1). */
-  SideEstimate infer(int c, int direction, float step, int reach, const kernels::Config& k) const
+  static Met nothing()
   {
-    const int nearest = c * kBoth + kSamples - (direction < 0);
+    Met met{};
+    for (auto& sample : met.place) std::fill_n(sample, kLanes, kNowhere);
+    return met;
+  }
+
+  /** Becomes what line `l` met `before`, and here if there is a sample. */
+  void meet(const Met& before, int l, bool known, float height, float variance, int here)
+  {
+    for (int s = kSamples - 1; s > 0; s--)
+    {
+      height_m[s][l] = kernels::select(known, before.height_m[s - 1][l], before.height_m[s][l]);
+      place[s][l] = kernels::select(known, before.place[s - 1][l], before.place[s][l]);
+    }
+    height_m[0][l] = kernels::select(known, height, before.height_m[0][l]);
+    place[0][l] = kernels::select(known, here, before.place[0][l]);
+    variance_m2[l] = kernels::select(known, variance, before.variance_m2[l]);
+  }
+
+  int distance(int l, int here) const { return kernels::abs_of(here - place[0][l]); }
+
+  SideEstimate infer(int l, int here, const Strip& strip, const kernels::Config& k) const
+  {
+    const float step_m = strip.step_m[l];
     kernels::SideSum sum;
     for (int s = 0; s < kSamples; s++)
     {
-      const int places = kernels::abs_of(at[c] - place[nearest + s * direction]);
-      const bool inside = (places <= reach) & (s < k.fill_samples);
-      const float distance = static_cast<float>(kernels::select(inside, places, 0)) * step;
-      sum.add(height_m[nearest + s * direction], distance, inside, k);
+      const int places = kernels::abs_of(here - place[s][l]);
+      const bool inside = (places <= strip.reach[l]) & (s < k.fill_samples);
+      const float distance_m = static_cast<float>(kernels::select(inside, places, 0)) * step_m;
+      sum.add(height_m[s][l], distance_m, inside, k);
     }
-    const int places = kernels::abs_of(at[c] - place[nearest]);
-    const bool any = places <= reach;
+    const bool any = distance(l, here) <= strip.reach[l];
     return sum.estimate(
-        kernels::select(any, height_m[nearest], kernels::kNan), kernels::select(any, places, 0),
-        step, k);
+        kernels::select(any, height_m[0][l], kernels::kNan),
+        kernels::select(any, distance(l, here), 0), step_m, k);
   }
 
-  /** Height of the nearest of them, NaN if it is not within `reach` places. */
-  float nearest(int c, int direction, int reach) const
+  float variance(const SideEstimate& side, int l, const kernels::Config& k) const
   {
-    const int i = c * kBoth + kSamples - (direction < 0);
-    const bool near = kernels::abs_of(at[c] - place[i]) <= reach;
-    return kernels::select(near, height_m[i], kernels::kNan);
+    const float spread_m2 = kernels::spread_variance(variance_m2[l], side.distance_m, k);
+    return kernels::select(side.any(), spread_m2, kernels::kNan);
   }
 };
 
-template <int kSamples, bool kAlongRays>
-class LineSearch
+/** What one side of each line says of a place. */
+struct Sides
 {
+  int places[kLanes];
+  float height_m[kLanes], distance_m[kLanes], nearest_m[kLanes], mean_m[kLanes],
+      mean_distance_m[kLanes];
+
+  SideEstimate load(int l) const
+  {
+    return {places[l], height_m[l], distance_m[l], nearest_m[l], mean_m[l], mean_distance_m[l]};
+  }
+  void store(int l, const SideEstimate& side)
+  {
+    places[l] = side.places, height_m[l] = side.height_m, distance_m[l] = side.distance_m;
+    nearest_m[l] = side.nearest_m, mean_m[l] = side.mean_m;
+    mean_distance_m[l] = side.mean_distance_m;
+  }
+};
+
+/** What is inferred at one place. */
+struct Found
+{
+  float information[kLanes], weighted[kLanes], lowest_m[kLanes], variance_m2[kLanes],
+      across_m[kLanes];
+
+  void store(int l, const kernels::LineFusion& lines)
+  {
+    information[l] = lines.information, weighted[l] = lines.weighted;
+    lowest_m[l] = lines.lowest_m;
+  }
+  kernels::LineFusion lines(int l) const { return {information[l], weighted[l], lowest_m[l]}; }
+};
+
+/** `kRays`: lines from the sensor, else rows or columns. */
+template <int kSamples, bool kRays, bool kAlongLines>
+class Sweep
+{
+  using Side = Met<kSamples>;
+
  public:
-  /** `places`: of the longest line. */
-  LineSearch(
-      const kernels::Config& k, const float* variance_m2, const kernels::InferenceGrid& to,
-      int places)
-      : k_(k), variance_m2_(variance_m2), to_(to)
+  TALUS_CLONES static void run(
+      const kernels::Config k, const Strip strip, const kernels::Samples samples,
+      const kernels::InferenceGrid to, Side* met)
   {
-    const auto line = static_cast<std::size_t>(places), met = line + 2 * kSamples + 1;
-    const auto room = static_cast<std::size_t>(kEnough) + line + kBlock, both = kBoth * room;
-    Scratch<float> f(met + both + 4 * room);
-    Scratch<int> i(3 * line + 2 * met + 2 * (line + 1) + both + 2 * room);
-    Scratch<kernels::Inference> found(room);
-    track_ = {nullptr, i.take(line), i.take(line), i.take(line), 0, 0};
-    met_ = {f.take(met), i.take(met), i.take(met)};
-    next_ = i.take(line + 1), at_ = i.take(line + 1);
-    batch_ = {f.take(both), i.take(both), i.take(room),     i.take(room), f.take(room),
-              f.take(room), f.take(room), found.take(room), f.take(room)};
-  }
-
-  Track& track() { return track_; }
-
-  /** Cells of the line on track() are inferred, now or with those of a later one. */
-  void add_line()
-  {
-    gather(walk());
-    if (count_ >= kEnough) finish();
-  }
-
-  /** What is not inferred yet. */
-  void finish()
-  {
-    if (count_ == 0) return;
-    for (int c = count_; c % kBlock != 0; c++) copy_cell(c, kSamples, 0);
-    const int cells = (count_ + kBlock - 1) / kBlock * kBlock;
-    if (!kAlongRays)
-      infer_along_axis(k_, batch_, cells, track_.step_m);
-    else if (k_.fill_rule == kernels::kFillLines)
-      infer_along_rays<true>(k_, batch_, cells);
-    else
-      infer_along_rays<false>(k_, batch_, cells);
-    put();
-    count_ = 0;
+    outwards(strip, samples, met);
+    Side behind = Side::nothing();
+    for (int place = strip.places - 1; place >= 0; place--)
+    {
+      const Side& here = met[place + 1];
+      infer(k, strip, here, behind, place, to);
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++)
+        behind.meet(
+            behind, l, here.place[0][l] == place, here.height_m[0][l], here.variance_m2[l], place);
+    }
   }
 
  private:
-  static constexpr int kBoth = 2 * kSamples, kBlock = 16, kEnough = 256;
-
-  /** Lists the line's samples, and its cells that are none. Returns how many cells. */
-  int walk()
+  /** met[place + 1]: what the lines met up to a place. */
+  static void outwards(const Strip& strip, const kernels::Samples& samples, Side* met)
   {
-    const Track t = track_;
-    const Met<kSamples> met = met_;
-    int *const next = next_, *const at = at_;
-    int end = nowhere(0), count = 0;
-    for (int p = 0; p < t.places; p++)
+    met[0] = Side::nothing();
+    for (int place = 0; place < strip.places; place++)
     {
-      const float height_m = t.height_m[kAlongRays ? t.read[p] : p];
-      met.height_m[end] = height_m, met.place[end] = p;
-      if (kAlongRays) met.cell[end] = t.cell[p];
-      next[count] = end, at[count] = p;
-      const bool known = kernels::is_known(height_m);
-      end += known;
-      count += !known & (!kAlongRays || t.own[p] != 0);
-    }
-    nowhere(end);
-    return count;
-  }
-  int nowhere(int end) const
-  {
-    for (int s = 0; s < kSamples; s++)
-      met_.height_m[end + s] = 0, met_.place[end + s] = kNowhere, met_.cell[end + s] = 0;
-    return end + kSamples;
-  }
-
-  /** Adds those cells to the batch that have samples within reach. */
-  void gather(int cells)
-  {
-    const Track t = track_;
-    const int reach = reach_of(t.step_m, t.places - 1, k_);
-    int count = count_;
-    for (int c = 0; c < cells; c++)
-    {
-      const int next = next_[c], at = at_[c];
-      copy_cell(count, next, at);
-      const bool near =
-          (at - met_.place[next - 1] <= reach) | (kernels::abs_of(at - met_.place[next]) <= reach);
-      batch_.to[count] = t.cell[at];
-      __builtin_prefetch(to_.cells + t.cell[at], 1);
-      if (kAlongRays)
+      const int first = strip.first + place * strip.along;
+      const int* const minor = strip.at(place, !kRays).minor;
+      float height_m[kLanes], variance_m2[kLanes];
+      int any = 0;
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++)
       {
-        batch_.step_m[count] = t.step_m;
-        batch_.before_m2[count] = variance_m2_[met_.cell[next - 1]];
-        batch_.behind_m2[count] = variance_m2_[met_.cell[next]];
-        if (!near) put_nothing(next, at);
+        height_m[l] = samples.height_m[first + minor[l] * strip.across];
+        any |= kernels::is_known(height_m[l]);
       }
-      count += near;
+      if (!any)
+      {
+        met[place + 1] = met[place];
+        continue;
+      }
+      if (kRays)
+      {
+        TALUS_INDEPENDENT
+        for (int l = 0; l < kLanes; l++)
+          variance_m2[l] = samples.variance_m2[first + minor[l] * strip.across];
+      }
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++)
+        met[place + 1].meet(
+            met[place], l, kernels::is_known(height_m[l]), height_m[l],
+            kRays ? variance_m2[l] : 0.0f, place);
     }
-    count_ = count;
-  }
-  void copy_cell(int c, int next, int at) const
-  {
-    std::memcpy(
-        batch_.height_m + c * kBoth, met_.height_m + next - kSamples, kBoth * sizeof(float));
-    std::memcpy(batch_.place + c * kBoth, met_.place + next - kSamples, kBoth * sizeof(int));
-    batch_.at[c] = at;
   }
 
-  /** Fills find nothing; what stage 9 wants is farther. */
-  void put_nothing(int next, int at) const
+  static void infer(
+      const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
+      int place, const kernels::InferenceGrid& to)
   {
-    const Track& t = track_;
-    const int far = kernels::places_in(k_.sparsity_search_m, t.step_m, t.places - 1);
+    const Crossing& crossing = strip.at(place, !kRays);
+    int wanted[kLanes], any = 0, near = 0;
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      wanted[l] = kernels::select(before.place[0][l] == place, 0, crossing.own[l]);
+      any |= wanted[l];
+      const bool reached = (before.distance(l, place) <= strip.reach[l]) |
+                           (behind.distance(l, place) <= strip.reach[l]);
+      near |= kernels::select(reached, wanted[l], 0);
+    }
+    if (!any || (!kRays && !near)) return;
+    Found found;
+    if (near)
+      infer(k, strip, before, behind, place, found);
+    else
+      for (int l = 0; l < kLanes; l++) found.store(l, {}), found.variance_m2[l] = kernels::kNan;
+    if (kRays)
+    {
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++) found.across_m[l] = across(strip, before, behind, l, place);
+    }
+    put(strip, found, wanted, place, to);
+  }
+
+  static void infer(
+      const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
+      int place, Found& found)
+  {
+    Sides inner, outer;
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++) inner.store(l, before.infer(l, place, strip, k));
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++) outer.store(l, behind.infer(l, place, strip, k));
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      const SideEstimate a = inner.load(l), b = outer.load(l);
+      found.store(
+          l, kAlongLines ? kernels::fuse_lines(a, b, kRays, k) : kernels::apply_rule(a, b, k));
+      if (kRays)
+        found.variance_m2[l] =
+            kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
+    }
+  }
+
+  /** Height difference between the samples on both sides, NaN if one is too far for stage 9. */
+  static float across(const Strip& strip, const Side& before, const Side& behind, int l, int place)
+  {
     const bool both =
-        (at - met_.place[next - 1] <= far) & (kernels::abs_of(at - met_.place[next]) <= far);
-    const float across_m = kernels::abs_of(met_.height_m[next - 1] - met_.height_m[next]);
-    to_.cells[t.cell[at]] = {};
-    to_.across_m[t.cell[at]] = both ? across_m : kernels::kNan;
+        (before.distance(l, place) <= strip.far[l]) & (behind.distance(l, place) <= strip.far[l]);
+    const float across_m = kernels::abs_of(before.height_m[0][l] - behind.height_m[0][l]);
+    return kernels::select(both, across_m, kernels::kNan);
   }
 
-  static int reach_of(float step_m, int last_place, const kernels::Config& k)
+  static void put(
+      const Strip& strip, const Found& found, const int* wanted, int place,
+      const kernels::InferenceGrid& to)
   {
-    return kernels::places_in(k.fill_search_m, step_m, last_place);
-  }
-
-  template <bool kAlongLines>
-  TALUS_CLONES static void infer_along_rays(
-      const kernels::Config k, const Batch<kSamples> b, int cells)
-  {
-    const int rings = kernels::line_rings(k);
-    TALUS_INDEPENDENT
-    for (int c = 0; c < cells; c++)
+    const int* const minor = strip.at(place, !kRays).minor;
+    const int first = strip.first + place * strip.along, ahead = -8 * strip.along;
+    for (int l = 0; l < strip.lines; l++)
     {
-      const float step_m = b.step_m[c];
-      const int reach = reach_of(step_m, rings, k);
-      const int far = kernels::places_in(k.sparsity_search_m, step_m, rings);
-      const SideEstimate inner = b.infer(c, -1, step_m, reach, k);
-      const SideEstimate outer = b.infer(c, 1, step_m, reach, k);
-      b.found[c] = {
-          kAlongLines ? kernels::fuse_lines(inner, outer, true, k)
-                      : kernels::apply_rule(inner, outer, k),
-          kernels::fuse_variances(
-              variance(inner, b.before_m2[c], k), variance(outer, b.behind_m2[c], k))};
-      b.across_m[c] = kernels::abs_of(b.nearest(c, -1, far) - b.nearest(c, 1, far));
-    }
-  }
-
-  TALUS_CLONES static void infer_along_axis(
-      const kernels::Config k, const Batch<kSamples> b, int cells, float step_m)
-  {
-    const int reach = reach_of(step_m, k.cells - 1, k);
-    TALUS_INDEPENDENT
-    for (int c = 0; c < cells; c++)
-    {
-      const SideEstimate before = b.infer(c, -1, step_m, reach, k);
-      b.found[c].lines = kernels::fuse_lines(before, b.infer(c, 1, step_m, reach, k), false, k);
-    }
-  }
-
-  static float variance(const SideEstimate& side, float of_sample_m2, const kernels::Config& k)
-  {
-    return kernels::select(
-        side.any(), kernels::spread_variance(of_sample_m2, side.distance_m, k), kernels::kNan);
-  }
-
-  void put() const
-  {
-    const Batch<kSamples> b = batch_;
-    for (int c = 0; c < count_; c++)
-    {
-      const kernels::Inference& found = b.found[c];
-      kernels::Inference& to = to_.cells[b.to[c]];
-      if (!kAlongRays)
-        to.lines.add(found.lines);
+      if (kRays && !wanted[l]) continue;
+      const int i = first + minor[l] * strip.across;
+      kernels::Inference& cell = to.cells[i];
+      __builtin_prefetch(&cell + ahead, 1);
+      if (!kRays)
+        cell.lines.add(found.lines(l));
       else
       {
-        to = found;
-        if (!found.two_sided()) to_.across_m[b.to[c]] = b.across_m[c];
+        cell = {found.lines(l), found.variance_m2[l]};
+        to.across_m[i] = found.across_m[l];
+        __builtin_prefetch(to.across_m + i + ahead, 1);
       }
     }
   }
-
-  const kernels::Config& k_;
-  const float* variance_m2_;
-  const kernels::InferenceGrid to_;
-  Track track_;
-  Met<kSamples> met_;
-  int *next_, *at_;  //!< by cell to infer: the next sample, the place on the line
-  Batch<kSamples> batch_;
-  int count_ = 0;
 };
-
-/** A line from the sensor's cell to the border: as kernels::line_cell() and line_through(). */
-TALUS_CLONES inline void track_ray(const kernels::LineGrid grid, kernels::Line line, Track t)
-{
-  const int rings = t.places - 1, middle = grid.middle();
-  const int along[] = {1, grid.pitch, -1, -grid.pitch}, turned[] = {1, 1, -1, -1};
-  const int with_ring = along[line.side], with_minor = along[(line.side + 1) % 4];
-  const int read_ring = turned[line.side], read_minor = with_ring * with_minor / read_ring;
-  const float inverse = 1.0f / static_cast<float>(2 * rings);
-  TALUS_INDEPENDENT
-  for (int ring = 0; ring <= rings; ring++)
-  {
-    const int minor = kernels::floor_div(2 * line.minor * ring + rings, 2 * rings, inverse);
-    const int twice = kernels::max_of(2 * ring, 1);
-    const int through =
-        kernels::floor_div(2 * minor * rings + ring, twice, 1.0f / static_cast<float>(twice));
-    t.cell[ring] = middle + ring * with_ring + minor * with_minor;
-    t.read[ring] = middle + ring * read_ring + minor * read_minor;
-    t.own[ring] = (through == line.minor) & (ring > 0);
-  }
-}
 
 /** The lines from the sensor, then rows, then columns, in parts that touch different cells. */
 struct Walk
@@ -329,73 +292,90 @@ struct Walk
   kernels::Samples samples;
   kernels::InferenceGrid to;
 
-  int parts_of_rays() const { return parts(kernels::line_count(k)); }
-  int parts_of_axis() const { return parts(grid.side); }
+  int parts_of_rays() const { return 4 * parts(2 * kernels::line_rings(k)); }
+  int parts_of_axis() const { return parts(k.cells); }
 
   void rays(int part) const
   {
-    if (k.fill_samples <= kFewSamples)
-      search_rays<kFewSamples>(part);
+    const int rings = kernels::line_rings(k), first = part / 4 * kLanes - rings, side = part % 4;
+    const int along[] = {1, grid.pitch, -1, -grid.pitch};
+    Strip strip{kLanes,
+                rings + 1,
+                grid.middle(),
+                along[side],
+                along[(side + 1) % 4],
+                crossings_of(rings, first)};
+    for (int l = 0; l < kLanes; l++)
+    {
+      const kernels::Line line{side, std::min(first + l, rings - 1)};
+      strip.measure(l, kernels::line_stretch(line, rings) * k.resolution_m, k);
+    }
+    if (k.fill_rule == kernels::kFillLines)
+      sweep<true, true>(strip);
     else
-      search_rays<kMaxSamples>(part);
+      sweep<true, false>(strip);
   }
-  void rows(int part) const { search_axis(part, samples.height_m, grid.pitch, 1); }
-  void columns(int part) const { search_axis(part, samples.turned_m, 1, grid.pitch); }
-
-  /** Of all samples, rows become columns. */
-  void turn(int part) const
-  {
-    const int first = part * kLinesOfPart, last = std::min(first + kLinesOfPart, grid.side);
-    for (int y0 = 0; y0 < grid.side; y0 += kLinesOfPart)
-      for (int x = first; x < last; x++)
-        for (int y = y0; y < std::min(y0 + kLinesOfPart, grid.side); y++)
-          samples.turned_m[x * grid.pitch + y] = samples.height_m[y * grid.pitch + x];
-  }
+  void rows(int part) const { axis(part, 1, grid.pitch); }
+  void columns(int part) const { axis(part, grid.pitch, 1); }
 
  private:
-  static int parts(int lines) { return (lines + kLinesOfPart - 1) / kLinesOfPart; }
+  static int parts(int lines) { return (lines + kLanes - 1) / kLanes; }
 
-  template <int kSamples>
-  void search_rays(int part) const
+  /** Of lines from the sensor, until this thread asks for those of others. */
+  static const Crossing* crossings_of(int rings, int first)
   {
-    const int rings = kernels::line_rings(k), first = part * kLinesOfPart;
-    const int last = std::min(first + kLinesOfPart, kernels::line_count(k));
-    LineSearch<kSamples, true> search(k, samples.variance_m2, to, rings + 1);
-    Track& track = search.track();
-    track.places = rings + 1;
-    for (int l = first; l < last; l++)
-    {
-      const kernels::Line line = kernels::line_from_index(l, rings);
-      track.height_m = line.side % 2 ? samples.turned_m : samples.height_m;
-      track.step_m = kernels::line_stretch(line, rings) * k.resolution_m;
-      track_ray(grid, line, track);
-      search.add_line();
-    }
-    search.finish();
+    static thread_local int last_rings = 0, last_first = 0;
+    Crossing* const crossings = scratch<Crossing>(rings + 1);
+    if (rings != last_rings || first != last_first) cross(rings, first, crossings);
+    last_rings = rings, last_first = first;
+    return crossings;
   }
 
-  void search_axis(int part, const float* height_m, int to_next_line, int to_next_place) const
+  /** As kernels::line_cell() and line_through(). */
+  TALUS_CLONES static void cross(int rings, int first, Crossing* crossings)
+  {
+    for (int ring = 0; ring <= rings; ring++)
+    {
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++)
+      {
+        const int line = std::min(first + l, rings - 1);
+        const float inverse = 1.0f / static_cast<float>(2 * rings);
+        const int minor = kernels::floor_div(2 * line * ring + rings, 2 * rings, inverse);
+        const int twice = std::max(2 * ring, 1);
+        const int through =
+            kernels::floor_div(2 * minor * rings + ring, twice, 1.0f / static_cast<float>(twice));
+        crossings[ring].minor[l] = minor;
+        crossings[ring].own[l] = (through == line) & (line == first + l) & (ring > 0);
+      }
+    }
+  }
+
+  void axis(int part, int along, int across) const
+  {
+    const int first = part * kLanes, last = k.cells - 1;
+    Crossing parallel;
+    for (int l = 0; l < kLanes; l++)
+      parallel.minor[l] = std::min(l, last - first), parallel.own[l] = first + l <= last;
+    const int lines = std::min(kLanes, k.cells - first);
+    Strip strip{lines, k.cells, first * across, along, across, &parallel};
+    for (int l = 0; l < kLanes; l++) strip.measure(l, k.resolution_m, k);
+    sweep<false, true>(strip);
+  }
+
+  template <bool kRays, bool kAlongLines>
+  void sweep(const Strip& strip) const
   {
     if (k.fill_samples <= kFewSamples)
-      search_axis<kFewSamples>(part, height_m, to_next_line, to_next_place);
+      sweep<kFewSamples, kRays, kAlongLines>(strip);
     else
-      search_axis<kMaxSamples>(part, height_m, to_next_line, to_next_place);
+      sweep<kMaxSamples, kRays, kAlongLines>(strip);
   }
-  template <int kSamples>
-  void search_axis(int part, const float* height_m, int to_next_line, int to_next_place) const
+  template <int kSamples, bool kRays, bool kAlongLines>
+  void sweep(const Strip& strip) const
   {
-    const int first = part * kLinesOfPart, last = std::min(first + kLinesOfPart, grid.side);
-    LineSearch<kSamples, false> search(k, samples.variance_m2, to, grid.side);
-    Track& track = search.track();
-    track.places = grid.side;
-    track.step_m = k.resolution_m;
-    for (int l = first; l < last; l++)
-    {
-      track.height_m = height_m + l * grid.pitch;
-      for (int p = 0; p < grid.side; p++) track.cell[p] = l * to_next_line + p * to_next_place;
-      search.add_line();
-    }
-    search.finish();
+    Sweep<kSamples, kRays, kAlongLines>::run(
+        k, strip, samples, to, scratch<Met<kSamples>>(strip.places + 1));
   }
 };
 

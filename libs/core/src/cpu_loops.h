@@ -273,6 +273,28 @@ void over_points(const F& f, int begin, int end)
   }
 }
 
+/** Points into the stretches of their cells: what each is told by the rays, then where it goes. */
+template <class F>
+TALUS_CLONES void find_overhangs(F f, int begin, int end, std::int32_t* overhangs)
+{
+  const kernels::Config config = *f.config;
+  f.config = &config;
+  TALUS_INDEPENDENT
+  for (int i = begin; i < end; i++) overhangs[i - begin] = f.overhangs(i);
+}
+template <class F>
+void sort_points(const F& f, int begin, int end)
+{
+  constexpr int kBlock = 512;
+  std::int32_t overhangs[kBlock];
+  for (int i0 = begin; i0 < end; i0 += kBlock)
+  {
+    const int i1 = std::min(i0 + kBlock, end);
+    find_overhangs(f, i0, i1, overhangs);
+    for (int i = i0; i < i1; i++) f.put(i, overhangs[i - i0] != 0);
+  }
+}
+
 /** Sums over the square neighbourhoods of the cells in a strip of columns, row by row: F::Row of
  * each row once, F::Window of those that slide along. */
 template <class F>

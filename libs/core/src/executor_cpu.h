@@ -1,5 +1,6 @@
 #pragma once
 #include "backend.h"
+#include "cpu_buffer.h"
 #include "cpu_lines.h"
 #include "cpu_loops.h"
 #include "kernels/1_accept.h"
@@ -24,7 +25,7 @@ class CpuMemory
 {
  public:
   template <class T>
-  using Buffer = std::vector<T>;
+  using Buffer = std::vector<T, CellMemory<T>>;
 
   /** Cells of more points are updated by a team of threads: none. */
   static constexpr int kCrowd = std::numeric_limits<int>::max();
@@ -211,6 +212,12 @@ class CpuExecutor : public CpuMemory
   {
     run(n, 1024, [&f](int begin, int end) { over_points(f, begin, end); });
   }
+  /** f.put(i, f.overhangs(i)) of points. */
+  template <class F>
+  void sort_points(int n, const F& f)
+  {
+    run(n, 1024, [&f](int begin, int end) { talus::sort_points(f, begin, end); });
+  }
   /** f(x, y, i) of the cells of the window with i where each is stored. */
   template <class F>
   void for_each_stored_cell(int cells, const kernels::FrameContext* frame, const F& f)
@@ -258,7 +265,6 @@ class CpuExecutor : public CpuMemory
       const kernels::InferenceGrid& to)
   {
     const lines::Walk walk{k, grid, samples, to};
-    for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.turn(part); });
     for_each_part(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
     if (k.fill_rule != kernels::kFillLines) return;
     for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.rows(part); });

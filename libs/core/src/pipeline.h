@@ -139,7 +139,7 @@ class Pipeline final : public BackendInterface
             executor_.for_each_cell_in_steps(side(), context_.data(), look);
           });
       for_each_point(reserve());
-      for_each_point(sort);
+      executor_.sort_points(points(), sort);
     }
     else
       for_each_point_and_cell(
@@ -385,8 +385,7 @@ class Pipeline final : public BackendInterface
   kernels::Samples samples()
   {
     float* p = samples_.data();
-    float* turned = Executor::kWalksLines ? p + 2 * grid_size() : nullptr;
-    return {p, turned, p + grid_size()};
+    return {p, p + grid_size()};
   }
   /** The first word of marks of so many lines, see kernels::LineMarks. */
   static std::uint32_t* unguarded(Buffer<std::uint32_t>& marks, int lines)

@@ -23,7 +23,7 @@ void Pipeline<Executor>::allocate_cells()
   executor_.allocate(across_, grid_size(), kernels::kNan);
   const std::size_t walked = Executor::kWalksLines ? grid_size() : 0;
   executor_.allocate(inferred_, walked, kernels::Inference{});
-  executor_.allocate(samples_, (Executor::kWalksLines ? 3 : 2) * grid_size(), kernels::kNan);
+  executor_.allocate(samples_, 2 * grid_size(), kernels::kNan);
   executor_.allocate(config_, 1, kernels::Config{});
   executor_.allocate(context_, 1, kernels::FrameContext{});
   executor_.allocate(cursor_, 1, std::uint64_t{0});

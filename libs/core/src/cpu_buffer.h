@@ -1,0 +1,50 @@
+#pragma once
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <vector>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+namespace talus
+{
+/** Memory of large pages where it is large, and which begins at another place of its page each
+ * time: large blocks would all begin at the same, and a loop over ten arrays would find the same
+ * cells of all of them in the same few lines of a cache. */
+template <class T>
+struct CellMemory
+{
+  using value_type = T;
+  CellMemory() = default;
+  template <class U>
+  CellMemory(const CellMemory<U>&)
+  {
+  }
+
+  T* allocate(std::size_t n)
+  {
+    static std::atomic<std::uintptr_t> next{0};
+    const std::size_t bytes = n * sizeof(T) + 2 * kPage;
+    void* const block = ::operator new(bytes);
+    const std::uintptr_t page = (reinterpret_cast<std::uintptr_t>(block) + kPage) / kPage * kPage;
+    auto* const begin = reinterpret_cast<void**>(page + next.fetch_add(kStep) % kPage);
+    begin[-1] = block;
+#if defined(MADV_HUGEPAGE)
+    if (bytes >= kLarge) madvise(reinterpret_cast<void*>(page), bytes - kPage, MADV_HUGEPAGE);
+#endif
+    return reinterpret_cast<T*>(begin);
+  }
+  void deallocate(T* begin, std::size_t) { ::operator delete(reinterpret_cast<void**>(begin)[-1]); }
+
+  friend bool operator==(const CellMemory&, const CellMemory&) { return true; }
+  friend bool operator!=(const CellMemory&, const CellMemory&) { return false; }
+
+ private:
+  static constexpr std::uintptr_t kPage = 4096, kStep = 11 * 64;
+  static constexpr std::size_t kLarge = 1 << 20;
+};
+
+}  // namespace talus
