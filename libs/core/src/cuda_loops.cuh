@@ -236,23 +236,14 @@ struct Tiles
   int columns;
   float inverse_columns;
 
-  struct Place
-  {
-    int column, row;
-  };
-  __device__ Place place(int block) const
-  {
-    const int row = kernels::floor_div(block, columns, inverse_columns);
-    return {block - row * columns, row};
-  }
   /** g(x, y) of the thread's cell, of nx * ny; blocks are of one dimension too. */
   template <class G>
   __device__ void run(int block, int nx, int ny, const G& g) const
   {
-    const Place tile = place(block);
-    const int rows = static_cast<int>(blockDim.x) / kTileWidth;
-    const int x = tile.column * kTileWidth + static_cast<int>(threadIdx.x) % kTileWidth;
-    const int y = tile.row * rows + static_cast<int>(threadIdx.x) / kTileWidth;
+    const int row = kernels::floor_div(block, columns, inverse_columns);
+    const int column = block - row * columns, rows = static_cast<int>(blockDim.x) / kTileWidth;
+    const int x = column * kTileWidth + static_cast<int>(threadIdx.x) % kTileWidth;
+    const int y = row * rows + static_cast<int>(threadIdx.x) / kTileWidth;
     if (x < nx && y < ny) g(x, y);
   }
 };
@@ -353,50 +344,49 @@ __global__ void __launch_bounds__(kThreads)
   note_time(done_ns);
 }
 
-/** f(line)(bit) of all bits as words, layout [word][line]. One warp makes one word. */
+/** f(line)(bit) of all bits as words, layout [word][line]. A warp makes several words of a line. */
 template <class F>
 __global__ void __launch_bounds__(kThreads)
     over_bits(int lines, int bits, F f, std::uint32_t* words, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   const int line = static_cast<int>(blockIdx.x * kThreads + threadIdx.x) / 32;
-  const int word = static_cast<int>(blockIdx.y);
-  const int bit = 32 * word + static_cast<int>(threadIdx.x) % 32;
-  const unsigned packed = __ballot_sync(0xffffffffu, line < lines && bit < bits && f(line)(bit));
-  if (threadIdx.x % 32 == 0 && line < lines) words[word * lines + line] = packed;
+  const int lane = static_cast<int>(threadIdx.x) % 32;
+  if (line < lines)
+  {
+    const auto marks = f(line);
+    for (int word = static_cast<int>(blockIdx.y); 32 * word < bits;
+         word += static_cast<int>(gridDim.y))
+    {
+      const int bit = 32 * word + lane;
+      const unsigned packed = __ballot_sync(0xffffffffu, bit < bits && marks(bit));
+      if (lane == 0) words[word * lines + line] = packed;
+    }
+  }
   note_time(done_ns);
 }
 
-/** f of a range, and beside it g(x, y) of the cells, which marks some: the marks of the rows, then
- * of the columns, layout [word][line]. */
-template <class F, class G>
-__global__ void __launch_bounds__(kThreads) over_range_and_marked_cells(
-    int n, F f, int side, Tiles tiles, G g, std::uint32_t* marks, std::uint64_t* done_ns)
+/** f(x, y) of the cells, which marks some: the marks of the rows, then of the columns, layout
+ * [word][line]. */
+template <class F>
+__global__ void __launch_bounds__(kTileWidth* kTileRows)
+    over_marked_cells(int side, F f, std::uint32_t* marks, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   __shared__ unsigned rows[kTileRows];
-  const int range = (n + kThreads - 1) / kThreads, block = static_cast<int>(blockIdx.x) - range;
-  if (block < 0)
+  const int lane = static_cast<int>(threadIdx.x), row = static_cast<int>(threadIdx.y);
+  const int word = static_cast<int>(blockIdx.x), x = kTileWidth * word + lane;
+  const int y0 = static_cast<int>(blockIdx.y) * kTileRows, y = y0 + row;
+  const unsigned marked = __ballot_sync(0xffffffffu, x < side && y < side && f(x, y));
+  if (lane == 0) rows[row] = marked;
+  if (lane == 0 && y < side) marks[word * 2 * side + y] = marked;
+  __syncthreads();
+  if (row == 0 && x < side)
   {
-    const int i = static_cast<int>(blockIdx.x) * kThreads + static_cast<int>(threadIdx.x);
-    if (i < n) f(i);
-  }
-  else
-  {
-    const int lane = static_cast<int>(threadIdx.x) % 32, row = static_cast<int>(threadIdx.x) / 32;
-    const Tiles::Place tile = tiles.place(block);
-    const int x = 32 * tile.column + lane, y0 = tile.row * kTileRows, y = y0 + row;
-    const unsigned marked = __ballot_sync(0xffffffffu, x < side && y < side && g(x, y));
-    if (lane == 0) rows[row] = marked;
-    if (lane == 0 && y < side) marks[tile.column * 2 * side + y] = marked;
-    __syncthreads();
-    if (row == 0 && x < side)
-    {
-      unsigned column = 0;
-      for (int r = 0; r < kTileRows; r++) column |= (rows[r] >> lane & 1u) << r;
-      std::uint32_t* const of_column = marks + y0 / 32 * 2 * side + side + x;
-      reinterpret_cast<std::uint8_t*>(of_column)[y0 % 32 / 8] = static_cast<std::uint8_t>(column);
-    }
+    unsigned column = 0;
+    for (int r = 0; r < kTileRows; r++) column |= (rows[r] >> lane & 1u) << r;
+    std::uint32_t* const of_column = marks + y0 / 32 * 2 * side + side + x;
+    reinterpret_cast<std::uint8_t*>(of_column)[y0 % 32 / 8] = static_cast<std::uint8_t>(column);
   }
   note_time(done_ns);
 }

@@ -180,21 +180,20 @@ class CudaExecutor
   template <class F>
   void pack_bits(int lines, int bits, const F& f, std::uint32_t* words)
   {
+    const int per_warp = lines * bits < kManyThreads ? 1 : kWordsPerWarp;
     launch(
-        loops::over_bits<F>, dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32)),
+        loops::over_bits<F>,
+        dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32 * per_warp)),
         dim3(loops::kThreads), 0, lines, bits, f, words);
   }
-  /** f(i) for i in [0, n); beside it g(x, y) of side * side cells, which says whether it marks one.
-   * Marks: bits of the rows, then of the columns, layout [word][line]. */
-  template <class F, class G>
-  void mark_cells_beside(int n, const F& f, int side, const G& g, std::uint32_t* marks)
+  /** f(x, y) of side * side cells, which says whether it marks one. Marks: bits of the rows, then
+   * of the columns, layout [word][line]. */
+  template <class F>
+  void mark_cells(int side, const F& f, std::uint32_t* marks)
   {
-    static_assert(loops::kThreads == 32 * loops::kTileRows);
-    const dim3 cells = tiles(side, side, loops::kTileRows);
     launch(
-        loops::over_range_and_marked_cells<F, G>,
-        dim3(blocks(n, loops::kThreads) + cells.x * cells.y), dim3(loops::kThreads), 0, n, f, side,
-        in_line(cells), g, marks);
+        loops::over_marked_cells<F>, tiles(side, side, loops::kTileRows),
+        dim3(loops::kTileWidth, loops::kTileRows), 0, side, f, marks);
   }
   /** f of the cells of the rows [first, end), see kernels::SearchAndFillCell: where there are few,
    * each side of each line has a thread. */
@@ -257,7 +256,7 @@ class CudaExecutor
   using Clock = std::chrono::steady_clock;
   static constexpr int kMaxLaps = kStageCount + 1;
   static constexpr std::size_t kSharedBytes = 48 * 1024;  //!< that a block gets anywhere
-  static constexpr int kCellsPerTeam = 4;
+  static constexpr int kCellsPerTeam = 4, kWordsPerWarp = 4;
   static constexpr int kManyThreads = 100000;  //!< enough to fill a device
   static constexpr std::size_t kBandBytes = 1024 * 1024;
   static constexpr int kLeastShares = 4;

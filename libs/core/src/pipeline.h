@@ -168,38 +168,48 @@ class Pipeline final : public BackendInterface
     }
     else
     {
-      executor_.for_each_cell(grid.side, grid.side, pool);
+      // The rays and the counts have been used.
+      executor_.for_each_beside(
+          workers(), tidy_up(static_cast<int>(rays_.size()), cells()), 5, grid.side, grid.side,
+          pool);
       executor_.for_each_opening(grid.side, grid.side, radius, erode, open);
     }
   }
 
   void clean_up()
   {
-    const int workers = executor_.workers(cells());
-    const bool fills = Executor::kWalksLines;  // a core fills memory faster than a loop
-    if (fills) executor_.fill(rays_, kernels::kNoRay), executor_.fill(cell_count_, 0u);
-    const kernels::TidyUp tidy{
+    const kernels::CleanUpCell clean{side(),    config_.data(),  store(),
+                                     passing(), top_hit_.data(), role_.data()};
+    if constexpr (Executor::kWalksLines)
+    {
+      // A core fills memory faster than a loop.
+      executor_.fill(rays_, kernels::kNoRay), executor_.fill(cell_count_, 0u);
+      executor_.for_each_concerned_cell_beside(
+          workers(), tidy_up(0, 0), 5, side(), context_.data(), clean);
+    }
+    else
+      executor_.mark_cells(
+          side(),
+          kernels::SettleCell{
+              choose_role(), clean, line_grid(), samples().height_m, samples().variance_m2},
+          unguarded(axis_marks_, 2 * side()));
+  }
+
+  int workers() const { return executor_.workers(cells()); }
+  kernels::TidyUp tidy_up(int rays, int counts)
+  {
+    return {
         rays_.data(),
-        fills ? 0 : static_cast<int>(rays_.size()),
+        rays,
         cell_count_.data(),
         kept_count_.data(),
-        fills ? 0 : cells(),
+        counts,
         static_cast<int>(kept_count_.size()),
         counters_.data(),
         executor_.reported(),
         kernels::kRejectCodes,
         cursor_.data(),
-        workers};
-    const kernels::CleanUpCell clean{side(),    config_.data(),  store(),
-                                     passing(), top_hit_.data(), role_.data()};
-    if constexpr (Executor::kWalksLines)
-      executor_.for_each_concerned_cell_beside(workers, tidy, 5, side(), context_.data(), clean);
-    else
-      executor_.mark_cells_beside(
-          workers, tidy, side(),
-          kernels::SettleCell{
-              choose_role(), clean, line_grid(), samples().height_m, samples().variance_m2},
-          unguarded(axis_marks_, 2 * side()));
+        workers()};
   }
 
   void fill()
