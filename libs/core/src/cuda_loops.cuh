@@ -3,6 +3,8 @@
 #include "kernels/team.h"
 
 #include <cstdint>
+#include <type_traits>
+#include <utility>
 
 // The loops of the CUDA executor as kernels. Each takes the rule for one point, cell or bit by
 // value and leaves the time at which it finished in `done_ns`.
@@ -248,18 +250,35 @@ struct Tiles
   }
 };
 
+/** What f reads of element i while its predecessor may still run. */
+template <class F, class = void>
+struct Early
+{
+  __device__ void read(const F&, int) {}
+  __device__ void run(const F& f, int i) const { f(i); }
+};
+template <class F>
+struct Early<F, std::void_t<decltype(&F::early)>>
+{
+  decltype(std::declval<F>().early(0)) value{};
+  __device__ void read(const F& f, int i) { value = f.early(i); }
+  __device__ void run(const F& f, int i) const { f(i, value); }
+};
+
 template <class F, class G>
 __global__ void __launch_bounds__(kThreads)
     over_range_and_cells(int n, F f, int nx, int ny, Tiles tiles, G g, std::uint64_t* done_ns)
 {
-  wait_for_predecessor();
   const int size = static_cast<int>(blockDim.x), range = (n + size - 1) / size;
   const int block = static_cast<int>(blockIdx.x) - range;
   const int i = static_cast<int>(blockIdx.x) * size + static_cast<int>(threadIdx.x);
+  Early<F> early;
+  if (i < n) early.read(f, i);
+  wait_for_predecessor();
   if (block >= 0)
     tiles.run(block, nx, ny, g);
   else if (i < n)
-    f(i);
+    early.run(f, i);
   note_time(done_ns);
 }
 
@@ -419,20 +438,12 @@ struct FillWith
   __device__ void operator()(int i) const { to[i] = value; }
 };
 
-/** Copies a frame from host memory: the context, and the points where they are not copied
- * otherwise. */
-struct FetchFrame
+/** Copies a frame's context from host memory. */
+struct FetchContext
 {
-  const std::uint32_t* staged_context;
-  const float4* staged_points;
+  const std::uint32_t* staged;
   std::uint32_t* context;
-  float4* points;
-  int context_words, point_quads;
-  __device__ void operator()(int i) const
-  {
-    if (i < context_words) context[i] = staged_context[i];
-    if (i < point_quads) points[i] = staged_points[i];
-  }
+  __device__ void operator()(int i) const { context[i] = staged[i]; }
 };
 
 }  // namespace talus::loops

@@ -182,8 +182,7 @@ class CudaExecutor
   {
     const int per_warp = lines * bits < kManyThreads ? 1 : kWordsPerWarp;
     launch(
-        loops::over_bits<F>,
-        dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32 * per_warp)),
+        loops::over_bits<F>, dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32 * per_warp)),
         dim3(loops::kThreads), 0, lines, bits, f, words);
   }
   /** f(x, y) of side * side cells, which says whether it marks one. Marks: bits of the rows, then
@@ -322,7 +321,7 @@ class CudaExecutor
     main_.after_kernel = true;
   }
 
-  /** Whether the points are copied by the bus as they are staged, not fetched by the graph. */
+  /** Whether the points are copied by the bus as they are staged, not read from where they are. */
   bool copies_points() const;
 
   std::string name_;
@@ -334,7 +333,6 @@ class CudaExecutor
   std::size_t direct_bytes_ = 0;  //!< of outputs that kernels write into host memory
   // the frame's points, and how they reach the device
   std::size_t capacity_ = 0;
-  bool times_ = false;  //!< a frame had times
   PinnedBuffer<std::uint32_t> staged_;  //!< context, then x, y, z, time
   DeviceBuffer<float> points_;
   // the report
