@@ -402,8 +402,7 @@ struct SweepBuriedRays
 
   void operator()(int first_bin, int last_bin) const
   {
-    const int bins = bin_count(*ground.config), rings = ring_count(*ground.config);
-    const int per_side = bins_per_side(*ground.config);
+    const int rings = ring_count(*ground.config), per_side = bins_per_side(*ground.config);
     for (int bin = first_bin; bin < last_bin; bin++)
       directions[bin] = {{}, direction_of_bin(bin, per_side)};
     for (int ring = 0; ring < rings; ring++)

@@ -345,10 +345,10 @@ struct FillCell
     const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m);
     // What stands so high that the robot fits below it hangs, once rays passed there.
     const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
-    const bool high_up = object | ((passed_before & kHitHighUp) != 0);
-    const int proven = (passed_before & kPassedLow) | select(low, kPassedLow, 0);
-    const bool hangs = high_up & (proven != 0);
-    const int passed = (passed_before & kInOpen) | proven | select(high_up & !hangs, kHitHighUp, 0);
+    const int evidence =
+        (passed_before & ~kInOpen) | select(low, kPassedLow, 0) | select(object, kHitHighUp, 0);
+    const bool hangs = evidence == (kPassedLow | kHitHighUp);
+    const int passed = (passed_before & kInOpen) | select(hangs, kPassedLow, evidence);
     const float elevation = select(hangs, kNan, top_before);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);

@@ -4,10 +4,10 @@
 #include "cpu_lines.h"
 #include "cpu_loops.h"
 #include "kernels/1_accept.h"
+#include "kernels/team.h"
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -27,8 +27,8 @@ class CpuMemory
   template <class T>
   using Buffer = std::vector<T, CellMemory<T>>;
 
-  /** Cells of more points are updated by a team of threads: none. */
-  static constexpr int kCrowd = std::numeric_limits<int>::max();
+  /** Cells of more points are updated by a team of threads: all, each by a team of one. */
+  static constexpr int kCrowd = 0;
   /** Fills walk lines and carry samples along. */
   static constexpr bool kWalksLines = true;
 
@@ -271,11 +271,11 @@ class CpuExecutor : public CpuMemory
     for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
   }
 
-  /** f(i) for i in [0, n); there are no teams. */
+  /** f(i, team) for i in [0, teams). */
   template <class F>
-  void for_each_and_team(int n, int, const F& f)
+  void for_each_and_team(int, int teams, const F& f)
   {
-    for_each(n, f);
+    for_each(teams, [&f](int i) { f(i, kernels::LoneTeam{}); });
   }
 
   /** Sums over square neighbourhoods of the cells, see SlidingRows. */

@@ -147,7 +147,7 @@ class Pipeline final : public BackendInterface
               sort, lowest_slope_.data(), kept_count_.data(), counters_.data()},
           5, look);
     executor_.for_each_and_team(
-        points(), points() / Executor::kCrowd,
+        points(), points() / std::max(Executor::kCrowd, 1),
         kernels::UpdateCell{
             config_.data(), context_.data(), store(), points_out(), sorting(), top_hit_.data()});
   }
