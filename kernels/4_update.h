@@ -321,10 +321,11 @@ struct UpdateCell
   Sorting sorting;
   float* top_hit_m;
 
-  TALUS_HD void operator()(int i) const
+  template <class Team>
+  TALUS_HD void operator()(int slot, const Team& team) const
   {
-    const int cell = lone_cell(i);
-    if (cell >= 0) update(cell, LoneTeam{});
+    const int cell = crowded_cell(slot);
+    if (cell >= 0) update(cell, team);
   }
   /** The cell that is to be updated for point i, or -1. */
   TALUS_HD int lone_cell(int i) const
