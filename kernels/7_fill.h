@@ -337,11 +337,12 @@ struct FillCell
     const int state = select(filled, fill.state, state_before);
     // Behind something that was hit only rays below the height of a step prove that the ground is
     // free; before everything that was hit (the blind zone around the robot) the clearance will do.
-    // A guess may lie too high, so that of its lines the lowest counts.
+    // A guess may lie too high, so that it counts little above the lowest of its lines.
     const float proof_m =
         select((passed_before & kInOpen) != 0, config->clearance_m, config->step_threshold_m);
+    const float guess_m = inferred.lines.lowest_m + 0.25f * config->step_threshold_m;
     const bool guess = filled & !inferred.two_sided();
-    const float floor_m = min_of(ground, select(guess, inferred.lines.lowest_m, kInfinity));
+    const float floor_m = min_of(ground, select(guess, guess_m, kInfinity));
     const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m);
     // What stands so high that the robot fits below it hangs, once rays passed there.
     const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
