@@ -198,6 +198,28 @@ TEST(Parity, AMapOfMillionsOfCellsWhoseLayersAreCopied)
   }
 }
 
+TEST(Parity, TheWidestNeighbourhoodsOfObjectsAndFeaturesAndManySamples)
+{
+  for (const double window_m : {8.0, 18.05, 27.0})  // pooled too, few cells and many
+  {
+    Parameters p;
+    p.window_m = window_m;
+    p.object_size_m = 3.2;
+    p.feature_radius_m = 0.75;
+    p.fill_samples = 5;
+    p.fill_search_m = 6;
+    Pair maps(p);
+    Random noise(11);
+    for (int i = 0; i < 6; i++)
+    {
+      Scan s(0.15 * i, 0, 0.7);
+      s.cast(street(0.1 * i), 360, -0.6, 0.1, 24);
+      spoil(s, noise);
+      ASSERT_NO_FATAL_FAILURE(maps.update(s));
+    }
+  }
+}
+
 TEST(Parity, SmallWindowsJumpsAndOutputsThatChange)
 {
   Parameters p;
