@@ -355,7 +355,7 @@ struct SettleRays
   }
 
  private:
-  static constexpr int kBatch = 4;
+  static constexpr int kBatch = 8;
 
   // Loads first, so that they do not wait for each other.
 

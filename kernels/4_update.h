@@ -327,10 +327,13 @@ struct UpdateCell
     if (sorting.cell_count[points.cell[i]] <= sorting.crowd) update(points.cell[i], LoneTeam{});
   }
 
+  /** False where there is no such crowded cell. */
   template <class Team>
-  TALUS_HD void operator()(int slot, const Team& team) const
+  TALUS_HD bool operator()(int slot, const Team& team) const
   {
-    if (slot < static_cast<int>(*sorting.cursor >> 32)) update(sorting.crowded[slot], team);
+    if (slot >= static_cast<int>(*sorting.cursor >> 32)) return false;
+    update(sorting.crowded[slot], team);
+    return true;
   }
 
  private:

@@ -309,7 +309,7 @@ struct Surfaces
   TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix + pad; }
 };
 
-/** Stage 7 on cell (ix, iy), stored at i, from what the lines through it say. */
+/** Stage 7 on cell (ix, iy), stored at i, from what the lines through it say. Returns its state. */
 struct FillCell
 {
   int cells;
@@ -323,7 +323,7 @@ struct FillCell
 
   TALUS_HD bool wanted(int i) const { return role[i] != kKeep; }
 
-  TALUS_HD void operator()(int ix, int iy, int i, const Inference& inferred) const
+  TALUS_HD int operator()(int ix, int iy, int i, const Inference& inferred) const
   {
     const int o = iy * cells + ix;
     const float lowest_m = select(inferred.doubtful(), kInfinity, passing.lowest_m[o]);
@@ -357,6 +357,7 @@ struct FillCell
     store.state[i] = static_cast<std::uint8_t>(state);
     store.passed[i] = static_cast<std::uint8_t>(passed);
     put_surface(surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, passed);
+    return state;
   }
 
  private:

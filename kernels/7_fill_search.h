@@ -31,67 +31,87 @@ TALUS_HD std::uint32_t reverse_bits(std::uint32_t bits)
 #endif
 }
 
-/** The marks of one line: bit r % 32 of word r / 32 is place r. */
+/** The marks of one line: bit r % 32 of word r / 32 is place r. Places beyond both ends of the line
+ * are not marked, up to kGuardWords words. */
 struct LineMarks
 {
   const std::uint32_t* word0;
   int stride;  //!< between words
-  int last;  //!< place
 
-  static constexpr int kView = 64;
+  static constexpr int kView = 64, kGuardWords = 2;
 
   /** The marks of the places at distances (from, from + kView] on one side of a place, the nearest
-   * is bit 0; none beyond `reach`, which must not leave the line. `from` < `reach`. */
-  TALUS_HD std::uint64_t view(int place, bool outwards, int from, int reach) const
+   * is bit 0. The first of them must be on the line. */
+  TALUS_HD std::uint64_t view(int place, bool outwards, int from) const
   {
     const int first = outwards ? place + from + 1 : place - from - 1;
-    const int skipped = outwards ? first & 31 : 31 - (first & 31), at = first >> 5;
-    const int step = outwards ? 1 : -1;
+    const int skipped = outwards ? first & 31 : 31 - (first & 31), step = outwards ? 1 : -1;
+    const int at = first >> 5;
     const std::uint64_t a = word(at, outwards), b = word(at + step, outwards),
                         c = word(at + 2 * step, outwards);
     const std::uint64_t low = static_cast<std::uint32_t>((a | b << 32) >> skipped);
     const std::uint64_t high = static_cast<std::uint32_t>((b | c << 32) >> skipped);
-    const int visible = reach - from;
-    const std::uint64_t bits = low | high << 32;
-    return visible < kView ? bits & ((std::uint64_t{1} << visible) - 1) : bits;
+    return low | high << 32;
   }
-  /** Distance to the nearest marked place; 0: none within reach. */
+  /** Distance to the nearest marked place; 0: none within reach, which must not leave the line. */
   TALUS_HD int nearest(int place, bool outwards, int reach) const
   {
     for (int from = 0; from < reach; from += kView)
-      if (const std::uint64_t bits = view(place, outwards, from, reach))
-        return from + 1 + lowest_bit(bits);
+      if (const std::uint64_t bits = view(place, outwards, from))
+      {
+        const int found = from + 1 + lowest_bit(bits);
+        return found <= reach ? found : 0;
+      }
     return 0;
   }
 
  private:
   TALUS_HD std::uint64_t word(int at, bool outwards) const
   {
-    if (at < 0 || at > last >> 5) return 0;
     const std::uint32_t bits = word0[at * stride];
     return outwards ? bits : reverse_bits(bits);
   }
 };
 
-/** A line on the grid and how far fills look along it. */
+/** A line from the sensor on the grid, place = ring, and how far fills look along it. */
 struct Track
 {
   int begin, along;  //!< place 0, and from place to place
-  int across;  //!< how lines from the sensor drift: from one row of places to the next
-  int drift, rings;  //!< drift / (2 rings) rows from place to place, rounded; 0: no drift
+  int across;  //!< how it drifts: from one row of places to the next
+  int drift, rings;  //!< drift / (2 rings) rows from place to place, rounded
   float inverse;  //!< 1 / (2 rings)
   float step_m;  //!< length per place
   int fill_reach, sparsity_reach;  //!< places
 
   TALUS_HD int operator()(int place) const
   {
-    const int at = begin + place * along;
-    if (drift == 0) return at;
-    return at + floor_div(drift * place + rings, 2 * rings, inverse) * across;
+    return begin + place * along + drifted(place) * across;
   }
+  /** The same, from the sensor's cell. */
+  TALUS_HD CellOffset offset(int place) const
+  {
+    const int ahead = along > 0 ? place : -place;
+    const int aside = across > 0 ? drifted(place) : -drifted(place);
+    return abs_of(along) == 1 ? CellOffset{ahead, aside} : CellOffset{aside, ahead};
+  }
+  TALUS_HD int drifted(int place) const
+  {
+    return floor_div(drift * place + rings, 2 * rings, inverse);
+  }
+  TALUS_HD int last() const { return rings; }
 };
 
-/** A line from the sensor; place = ring. */
+/** A row or a column; place = ix or iy. */
+struct AxisTrack
+{
+  int begin, along, cells;
+  float step_m;
+  int fill_reach;
+
+  TALUS_HD int operator()(int place) const { return begin + place * along; }
+  TALUS_HD int last() const { return cells - 1; }
+};
+
 TALUS_HD Track radial_track(const Line& l, const LineGrid& grid, const Config& k)
 {
   const bool along_x = l.side % 2 == 0;
@@ -107,14 +127,6 @@ TALUS_HD Track radial_track(const Line& l, const LineGrid& grid, const Config& k
       step_m,
       places_in(k.fill_search_m, step_m, rings),
       places_in(k.sparsity_search_m, step_m, rings)};
-}
-
-/** A row or a column; place = ix or iy. */
-TALUS_HD Track
-axis_track(int across, bool along_x, const LineGrid& grid, int fill_reach, float step_m)
-{
-  const int begin = along_x ? grid.at(0, across) : grid.at(across, 0);
-  return {begin, along_x ? 1 : grid.pitch, 0, 0, 1, 0.5f, step_m, fill_reach, 0};
 }
 
 /** What never changes of the lines from the sensor. */
@@ -146,18 +158,27 @@ struct FillLineTables
  * Layout [word][line]. */
 struct SamplesOfLine
 {
-  const float* height_m;
+  const std::uint32_t* axis_marks;  //!< of the rows, then of the columns, layout [word][line]
+  int cells;
   const Track& track;
 
-  TALUS_HD bool operator()(int ring) const { return is_known(height_m[track(ring)]); }
+  TALUS_HD bool operator()(int ring) const
+  {
+    const CellOffset at = track.offset(ring);
+    const int ix = track.rings + at.dx, iy = track.rings + at.dy;
+    // Where the cells are even in number, lines end one cell beyond the window.
+    return iy < cells && axis_marks[(ix >> 5) * 2 * cells + iy] >> (ix & 31) & 1u;
+  }
 };
 
+/** From the marks of rows and columns, which are less to read than the cells. */
 struct FindSamples
 {
-  const float* height_m;  //!< see Samples
+  const std::uint32_t* axis_marks;
+  int cells;
   const Track* track;
 
-  TALUS_HD SamplesOfLine operator()(int line) const { return {height_m, track[line]}; }
+  TALUS_HD SamplesOfLine operator()(int line) const { return {axis_marks, cells, track[line]}; }
 };
 
 /** The last steps before the search, on one cell: its role, the cleanup, and whether it is a
@@ -166,8 +187,9 @@ struct SettleCell
 {
   ChooseRole choose;
   CleanUpCell clean;
-  float* sample_m;
   LineGrid grid;
+  float* sample_m;  //!< see Samples
+  float* sample_variance_m2;  //!< of samples
 
   /** True for a sample. */
   TALUS_HD bool operator()(int ix, int iy) const
@@ -179,28 +201,38 @@ struct SettleCell
     choose(i, px, py, support.opened_m[support.at(px, py)]);
     if (clean.concerns(ix, iy, i)) clean(ix, iy, i);
     const bool sample = clean.store.state[i] == kMeasured && clean.role[i] == kKeep;
-    sample_m[grid.at(ix, iy)] = sample ? clean.store.ground_m[i] : kNan;
+    const float ground_m = clean.store.ground_m[i];
+    const int o = grid.at(ix, iy);
+    sample_m[o] = sample ? ground_m : kNan;
+    if (sample)
+      sample_variance_m2[o] = sample_variance(
+          ground_m, clean.store.ground_var_m2[i], clean.passing.lowest_m[iy * clean.cells + ix]);
     return sample;
   }
 };
 
 /** Everything that the search of one cell along one line needs. */
+template <class Line>
 struct LineSearch
 {
   const Config& k;
   const float* sample_m;
   LineMarks marks;
-  Track track;
+  Line track;
   int place;
 
   /** `places` cut short where the line ends. */
   TALUS_HD int reach(bool outwards, int places) const
   {
-    return min_of(places, outwards ? marks.last - place : place);
+    return min_of(places, outwards ? track.last() - place : place);
   }
   TALUS_HD int at(bool outwards, int distance) const
   {
     return track(outwards ? place + distance : place - distance);
+  }
+  TALUS_HD int nearest(bool outwards, int places) const
+  {
+    return marks.nearest(place, outwards, reach(outwards, places));
   }
 
   TALUS_HD SideEstimate infer_side(bool outwards) const
@@ -211,14 +243,18 @@ struct LineSearch
     int nearest_places = 0, wanted = k.fill_samples;
     for (int from = 0; from < limit && wanted > 0; from += LineMarks::kView)
     {
-      std::uint64_t bits = marks.view(place, outwards, from, limit);
-      while (bits && wanted > 0)
+      std::uint64_t bits = marks.view(place, outwards, from);
+      int found[kBatch];
+      do
       {
-        // Loads first, so that they do not wait for each other.
-        int found[kBatch];
-        float height[kBatch];
         for (int b = 0; b < kBatch; b++, bits &= bits - 1)
+        {
           found[b] = bits && b < wanted ? from + 1 + lowest_bit(bits) : 0;
+          if (found[b] > limit) found[b] = 0;
+        }
+        if (!found[0]) break;
+        // Loads first, so that they do not wait for each other.
+        float height[kBatch];
         for (int b = 0; b < kBatch; b++)
           height[b] = found[b] ? sample_m[at(outwards, found[b])] : 0.0f;
         if (!nearest_places) nearest = height[0], nearest_places = found[0];
@@ -227,25 +263,36 @@ struct LineSearch
           sum.add(height[b], static_cast<float>(found[b]) * track.step_m, found[b] > 0, k);
           wanted -= found[b] > 0;
         }
-      }
+      } while (found[kBatch - 1] && wanted > 0);
     }
-    return nearest_places ? sum.estimate(nearest, nearest_places, track.step_m, k) : SideEstimate{};
+    return nearest_places ? sum.estimate(nearest, nearest_places, track.step_m, k) : none();
   }
 
  private:
   static constexpr int kBatch = 2;
+
+  /** No samples; what is made of it and thrown away is not divided by zero, which would be slow. */
+  static TALUS_HD SideEstimate none()
+  {
+    SideEstimate side;
+    side.distance_m = side.mean_distance_m = 1.0f;
+    return side;
+  }
 };
 
-/** Searches the lines through cell (ix, iy) and fills it: the one from the sensor, the row and the
- * column. Their sides may be searched side by side, or one after the other. */
+/** Searches the lines through cell (ix, iy) and fills it: the one from the sensor and, for
+ * kFillLines, the row and the column. Their sides may be searched side by side, or one after the
+ * other. */
+template <bool kAlongLines>
 struct SearchAndFillCell
 {
-  static constexpr int kLines = 3;
+  static constexpr int kLines = kAlongLines ? 3 : 1;
   using Side = SideEstimate;
   using Line = LineFusion;
   FillCell fill;
   Config k;
   const float* sample_m;
+  const float* sample_variance_m2;
   const std::uint32_t* marks;
   const std::uint32_t* axis_marks;
   LineTables tables;
@@ -255,111 +302,110 @@ struct SearchAndFillCell
 
   TALUS_HD SideEstimate side(int line, bool outwards, int ix, int iy) const
   {
-    return wanted(line, ix, iy) ? search(line, ix, iy).infer_side(outwards) : SideEstimate{};
+    if (!wanted(ix, iy)) return {};
+    return line == 0 ? radial_search(ix, iy).infer_side(outwards)
+                     : axis_search(ix, iy, line == 1).infer_side(outwards);
   }
   TALUS_HD LineFusion line(int line, const SideEstimate& inner, const SideEstimate& outer) const
   {
-    return k.fill_rule == kFillLines ? fuse_lines(inner, outer, line == 0, k)
-                                     : apply_rule(inner, outer, k);
+    if constexpr (kAlongLines) return fuse_lines(inner, outer, line == 0, k);
+    return apply_rule(inner, outer, k);
   }
   /** From what the sides of the first line and all lines say. */
   TALUS_HD void operator()(
       int ix, int iy, const SideEstimate& inner, const SideEstimate& outer, const LineFusion* lines,
       int stride) const
   {
-    Inference inferred = start(ix, iy, inner, outer, lines[0]);
-    if (inferred.any() && k.fill_rule == kFillLines)
+    Inference inferred = nothing();
+    if (inner.any() || outer.any())
+    {
+      inferred = {lines[0], variance(radial_search(ix, iy), inner, outer)};
       for (int l = 1; l < kLines; l++) inferred.lines.add(lines[l * stride]);
+    }
     finish(ix, iy, inferred);
   }
 
   /** One after the other: where the first line says nothing, the others are not asked. */
   TALUS_HD void operator()(int ix, int iy) const
   {
-    Inference inferred;
-    for (int l = 0; l < kLines && wanted(l, ix, iy) && (l == 0 || inferred.any()); l++)
-    {
-      const LineSearch found = search(l, ix, iy);
-      const SideEstimate inner = found.infer_side(false), outer = found.infer_side(true);
-      if (!inner.any() && !outer.any()) continue;
-      const LineFusion fused = line(l, inner, outer);
-      if (l == 0)
-        inferred = start(ix, iy, inner, outer, fused);
-      else
-        inferred.lines.add(fused);
-    }
-    finish(ix, iy, inferred);
+    finish(ix, iy, wanted(ix, iy) ? infer(ix, iy) : nothing());
   }
 
  private:
   /** The sensor's own cell lies on no line. */
   TALUS_HD bool on_line(int ix, int iy) const { return ix != grid.half || iy != grid.half; }
 
-  TALUS_HD bool wanted(int line, int ix, int iy) const
+  TALUS_HD bool wanted(int ix, int iy) const
   {
-    if (!on_line(ix, iy) || (line > 0 && k.fill_rule != kFillLines)) return false;
-    return fill.wanted(storage_index(*fill.frame, k.cells, ix, iy));
+    return on_line(ix, iy) && fill.wanted(storage_index(*fill.frame, k.cells, ix, iy));
   }
 
-  TALUS_HD Inference start(
-      int ix, int iy, const SideEstimate& inner, const SideEstimate& outer,
-      const LineFusion& lines) const
+  static TALUS_HD Inference nothing()
   {
-    float inner_m2 = kNan, outer_m2 = kNan;
-    if (inner.any()) inner_m2 = variance_of(radial_search(ix, iy), false, inner);
-    if (outer.any()) outer_m2 = variance_of(radial_search(ix, iy), true, outer);
-    return {lines, fuse_variances(inner_m2, outer_m2)};
+    Inference none;
+    none.lines.information = 1.0f;  // nor is this divided by zero
+    return none;
+  }
+
+  TALUS_HD Inference infer(int ix, int iy) const
+  {
+    const LineSearch<Track> radial = radial_search(ix, iy);
+    const SideEstimate inner = radial.infer_side(false), outer = radial.infer_side(true);
+    if (!inner.any() && !outer.any()) return nothing();
+    Inference inferred{line(0, inner, outer), variance(radial, inner, outer)};
+    for (int l = 1; l < kLines; l++)
+    {
+      const LineSearch<AxisTrack> axis = axis_search(ix, iy, l == 1);
+      inferred.lines.add(line(l, axis.infer_side(false), axis.infer_side(true)));
+    }
+    return inferred;
   }
 
   TALUS_HD void finish(int ix, int iy, const Inference& inferred) const
   {
     const int n = k.cells, i = storage_index(*fill.frame, n, ix, iy);
-    fill(ix, iy, i, inferred);
-    if (on_line(ix, iy) && fill.store.state[i] == kFilledOneSided)
-      across_m[grid.at(ix, iy)] = height_across(ix, iy);
+    const int state = fill(ix, iy, i, inferred);
+    if (state == kFilledOneSided && on_line(ix, iy))
+      across_m[grid.at(ix, iy)] = height_across(radial_search(ix, iy));
     fill.out.put(iy * n + ix, fill.store, i);
   }
 
-  TALUS_HD LineSearch search(int line, int ix, int iy) const
-  {
-    return line == 0 ? radial_search(ix, iy) : axis_search(ix, iy, line == 1);
-  }
-
-  TALUS_HD LineSearch radial_search(int ix, int iy) const
+  TALUS_HD LineSearch<Track> radial_search(int ix, int iy) const
   {
     const int line = tables.line[grid.at(ix, iy)], rings = grid.half;
     const int ring = max_of(abs_of(ix - rings), abs_of(iy - rings));
-    return {k, sample_m, {marks + line, 8 * rings, rings}, tables.track[line], ring};
+    return {k, sample_m, {marks + line, 8 * rings}, tables.track[line], ring};
   }
 
-  TALUS_HD LineSearch axis_search(int ix, int iy, bool along_x) const
+  TALUS_HD LineSearch<AxisTrack> axis_search(int ix, int iy, bool along_x) const
   {
-    const int n = k.cells, across = along_x ? iy : ix;
+    const int n = k.cells, begin = along_x ? grid.at(0, iy) : grid.at(ix, 0);
     return {
         k,
         sample_m,
-        {axis_marks + (along_x ? iy : n + ix), 2 * n, n - 1},
-        axis_track(across, along_x, grid, axis_reach, k.resolution_m),
+        {axis_marks + (along_x ? iy : n + ix), 2 * n},
+        {begin, along_x ? 1 : grid.pitch, n, k.resolution_m, axis_reach},
         along_x ? ix : iy};
   }
 
-  TALUS_HD float variance_of(
-      const LineSearch& radial, bool outwards, const SideEstimate& side) const
+  /** Of what is inferred from both sides of the line from the sensor, see Inference. */
+  TALUS_HD float variance(
+      const LineSearch<Track>& radial, const SideEstimate& inner, const SideEstimate& outer) const
   {
-    const int place = radial.at(outwards, side.places);
-    const int iy = place / grid.pitch, ix = place - iy * grid.pitch;
-    const int i = storage_index(*fill.frame, k.cells, ix, iy);
-    const float of_sample_m2 = sample_variance(
-        side.nearest_m, fill.store.ground_var_m2[i], fill.passing.lowest_m[iy * k.cells + ix]);
-    return spread_variance(of_sample_m2, side.distance_m, k);
+    return fuse_variances(variance(radial, false, inner), variance(radial, true, outer));
+  }
+  TALUS_HD float variance(
+      const LineSearch<Track>& radial, bool outwards, const SideEstimate& side) const
+  {
+    if (!side.any()) return kNan;
+    return spread_variance(
+        sample_variance_m2[radial.at(outwards, side.places)], side.distance_m, k);
   }
 
-  TALUS_HD float height_across(int ix, int iy) const
+  TALUS_HD float height_across(const LineSearch<Track>& radial) const
   {
-    const LineSearch radial = radial_search(ix, iy);
-    const int reach = radial.track.sparsity_reach;
-    const int inner = radial.marks.nearest(radial.place, false, radial.reach(false, reach));
-    const int outer = radial.marks.nearest(radial.place, true, radial.reach(true, reach));
+    const int inner = radial.nearest(false, radial.track.sparsity_reach);
+    const int outer = radial.nearest(true, radial.track.sparsity_reach);
     if (!inner || !outer) return kNan;
     return abs_of(sample_m[radial.at(false, inner)] - sample_m[radial.at(true, outer)]);
   }

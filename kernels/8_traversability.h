@@ -166,36 +166,66 @@ struct ComputeFeatures
 
   TALUS_HD void operator()(int ix, int iy, const Moments& m) const
   {
-    const int o = iy * cells + ix;
-    const Surface& own = surfaces.cell[surfaces.at(ix, iy)];
-    const bool known = own.known();
-    const Features f = features_of(m, own.height(), *config);
-    // What no ray ever met, nor passed low over its ground, may be the inside of a thing.
-    const bool judged = known & own.is(kSurfaceReached);
-    if constexpr (kParts)
-    {
-      out.slope[o] = select(known, f.slope, kNan);
-      out.step[o] = select(known, f.step, kNan);
-      out.roughness[o] = select(known, f.roughness, kNan);
-      out.sparsity[o] = kNan;
-    }
-    out.put_traversability(o, select(judged, fuse_features(f, *config), kNan));
+    out.put_traversability(iy * cells + ix, judge_most(ix, iy, m, true));
   }
-
   /** What only few cells need; `moments()` as above. */
   template <class Read>
   TALUS_HD void finish(int ix, int iy, const Read& moments) const
   {
-    const Surface& own = surfaces.cell[surfaces.at(ix, iy)];
-    if (!own.is(kSurfaceGuess)) return;
-    if (!dense_around(moments().measured, config->feature_radius_cells)) return;
-    const int half = cells / 2, o = iy * cells + ix;
-    if (ix == half && iy == half) return;  // the sensor's own cell lies on no line
-    const float robot_m = distance_along_line(ix - half, iy - half, *config);
-    if (robot_m > config->sparsity_range_m) return;
-    const float suspicion = sparsity(across_m[grid.at(ix, iy)], robot_m, *config);
+    if (!is_suspect(ix, iy, moments)) return;
+    const int o = iy * cells + ix;
+    const float suspicion = suspicion_of(ix, iy);
     if constexpr (kParts) out.sparsity[o] = suspicion;
     out.put_traversability(o, suspicion);
+  }
+  /** Both, for executors that go on with the result: returns the traversability before
+   * CompleteObstacles, and puts only the parts, of cells that are the caller's `own`. */
+  TALUS_HD float judge(int ix, int iy, const Moments& m, bool own) const
+  {
+    const float most = judge_most(ix, iy, m, own);
+    if (!is_suspect(ix, iy, [&] { return m; })) return most;
+    const float suspicion = suspicion_of(ix, iy);
+    if constexpr (kParts)
+      if (own) out.sparsity[iy * cells + ix] = suspicion;
+    return suspicion;
+  }
+
+ private:
+  /** As most cells are judged. */
+  TALUS_HD float judge_most(int ix, int iy, const Moments& m, bool own) const
+  {
+    const Surface& cell = surfaces.cell[surfaces.at(ix, iy)];
+    const bool known = cell.known();
+    const Features f = features_of(m, cell.height(), *config);
+    if constexpr (kParts)
+      if (own)
+      {
+        const int o = iy * cells + ix;
+        out.slope[o] = select(known, f.slope, kNan);
+        out.step[o] = select(known, f.step, kNan);
+        out.roughness[o] = select(known, f.roughness, kNan);
+        out.sparsity[o] = kNan;
+      }
+    // What no ray ever met, nor passed low over its ground, may be the inside of a thing.
+    const bool judged = known & cell.is(kSurfaceReached);
+    return select(judged, fuse_features(f, *config), kNan);
+  }
+  /** Whether stage 9 speaks of the cell. */
+  template <class Read>
+  TALUS_HD bool is_suspect(int ix, int iy, const Read& moments) const
+  {
+    if (!surfaces.cell[surfaces.at(ix, iy)].is(kSurfaceGuess)) return false;
+    if (!dense_around(moments().measured, config->feature_radius_cells)) return false;
+    if (ix == cells / 2 && iy == cells / 2) return false;  // the sensor's own cell lies on no line
+    return robot_m(ix, iy) <= config->sparsity_range_m;
+  }
+  TALUS_HD float suspicion_of(int ix, int iy) const
+  {
+    return sparsity(across_m[grid.at(ix, iy)], robot_m(ix, iy), *config);
+  }
+  TALUS_HD float robot_m(int ix, int iy) const
+  {
+    return distance_along_line(ix - cells / 2, iy - cells / 2, *config);
   }
 };
 
@@ -212,20 +242,33 @@ struct CompleteObstacles
 
   TALUS_HD bool concerns(int ix, int iy, int) const
   {
-    const int n = cells;
-    const bool inside = (ix > 0) & (iy > 0) & (ix < n - 1) & (iy < n - 1);
-    const float* at = judged + iy * n + ix;
-    return inside & !blocked(at) & (around(at - n) | around(at) | around(at + n));
+    return concerns(ix, iy, judged + iy * cells + ix, cells);
   }
-
   TALUS_HD void operator()(int ix, int iy, int) const
   {
     const int o = iy * cells + ix;
-    if (between(judged + o) || (is_known(judged[o]) && at_steep_edge(ix, iy)))
-      traversability[o] = 0.0f;
+    if (joins(ix, iy, judged + o, cells)) traversability[o] = 0.0f;
+  }
+  /** The same for executors that have the judgement elsewhere: that of the cell is at `at`, its
+   * neighbour's in the next row `pitch` behind it. */
+  TALUS_HD void complete(int ix, int iy, const float* at, int pitch) const
+  {
+    const bool blocks = concerns(ix, iy, at, pitch) && joins(ix, iy, at, pitch);
+    traversability[iy * cells + ix] = blocks ? 0.0f : *at;
   }
 
  private:
+  TALUS_HD bool concerns(int ix, int iy, const float* at, int pitch) const
+  {
+    const int n = cells;
+    const bool inside = (ix > 0) & (iy > 0) & (ix < n - 1) & (iy < n - 1);
+    return inside & !blocked(at) & (around(at - pitch) | around(at) | around(at + pitch));
+  }
+  TALUS_HD bool joins(int ix, int iy, const float* at, int pitch) const
+  {
+    return between(at, pitch) || (is_known(*at) && at_steep_edge(ix, iy, at, pitch));
+  }
+
   static TALUS_HD bool blocked(const float* at) { return *at == 0.0f; }
   static TALUS_HD bool around(const float* at)
   {
@@ -233,9 +276,9 @@ struct CompleteObstacles
   }
 
   /** Between two impassable cells on opposite sides: no robot fits through one cell. */
-  TALUS_HD bool between(const float* at) const
+  static TALUS_HD bool between(const float* at, int pitch)
   {
-    const int n = cells;
+    const int n = pitch;
     return (blocked(at - 1) && blocked(at + 1)) || (blocked(at - n) && blocked(at + n)) ||
            (blocked(at - n - 1) && blocked(at + n + 1)) ||
            (blocked(at - n + 1) && blocked(at + n - 1));
@@ -244,11 +287,10 @@ struct CompleteObstacles
   /** Of measured cells: the ground rises or falls steeply to an impassable neighbour on which
    * nothing stands, or a face begins in the cell that is higher, with the neighbours, than a step.
    */
-  TALUS_HD bool at_steep_edge(int ix, int iy) const
+  TALUS_HD bool at_steep_edge(int ix, int iy, const float* judgement, int pitch) const
   {
     const Surface* at = surfaces.cell + surfaces.at(ix, iy);
     if (!at->is(kSurfaceMeasured)) return false;
-    const float* judgement = judged + iy * cells + ix;
     int low = at->ground, high = at->height();
     for (int dy = -1; dy <= 1; dy++)
       for (int dx = -1; dx <= 1; dx++)
@@ -259,7 +301,7 @@ struct CompleteObstacles
         high = max_of(high, next.height());
         const bool beside = (dx == 0) | (dy == 0), bare = !steep(next.height() - next.ground);
         if (beside && bare && steep(abs_of(next.ground - at->ground)) &&
-            blocked(judgement + dy * cells + dx))
+            blocked(judgement + dy * pitch + dx))
           return true;
       }
     const float step = config->step_threshold_m * kHeightSteps;

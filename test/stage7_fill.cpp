@@ -37,14 +37,15 @@ TEST(Stage7Fill, EveryCellLiesOnTheLineThatIsSaidToPassThroughIt)
 
 TEST(Stage7Fill, MarksAreFoundAcrossWordsAndWithinReachNearestFirst)
 {
-  const std::uint32_t words[3] = {1u << 5 | 1u << 31, 0u, 1u << 10};
-  const kernels::LineMarks marks{words, 1, 80};
+  const std::uint32_t words[7] = {0, 0, 1u << 5 | 1u << 31, 0, 1u << 10, 0, 0};
+  const kernels::LineMarks marks{words + kernels::LineMarks::kGuardWords, 1};
   const auto found = [&marks](int place, bool outwards, int reach)
   {
     std::vector<int> distances;
     for (int from = 0; from < reach; from += kernels::LineMarks::kView)
-      for (auto bits = marks.view(place, outwards, from, reach); bits; bits &= bits - 1)
-        distances.push_back(from + 1 + kernels::lowest_bit(bits));
+      for (auto bits = marks.view(place, outwards, from); bits; bits &= bits - 1)
+        if (const int distance = from + 1 + kernels::lowest_bit(bits); distance <= reach)
+          distances.push_back(distance);
     EXPECT_EQ(marks.nearest(place, outwards, reach), distances.empty() ? 0 : distances.front());
     return distances;
   };

@@ -1,10 +1,24 @@
 #pragma once
 #include <cstddef>
+#include <functional>
 
 namespace talus
 {
-/** memcpy; large blocks by several threads where there is oneTBB, since one core does not keep up
- * with the bus to a device. */
-void copy_large(void* to, const void* from, std::size_t bytes);
+/** `bytes` from one place to another, which may be the same. */
+struct CopyBlock
+{
+  void* to;
+  const void* from;
+  std::size_t bytes;
+
+  std::size_t to_copy() const { return to == from ? 0 : bytes; }
+};
+
+/** Copies up to kMaxCopyBlocks blocks into memory that a device reads next: past the caches, from
+ * which the bus would have to fetch it back, and where they are large by several threads where
+ * there is oneTBB, since one core does not keep up with the bus. `done(i)` is called once for each
+ * block, in order, as soon as it is there; by one thread at a time. */
+constexpr int kMaxCopyBlocks = 4;
+void copy_blocks(const CopyBlock* blocks, int count, const std::function<void(int)>& done);
 
 }  // namespace talus

@@ -17,6 +17,8 @@ constexpr int kTilesAtOnce = 4;  //!< of a multiprocessor, at least: bounds the 
 constexpr int kTilesAtOnce = 5;
 #endif
 constexpr int kWindowThreads = 16;  //!< rows of threads of a block with neighbourhoods
+constexpr int kJudgedRows = 2 * kWindowThreads;  //!< of a tile that overlaps with others, at most
+constexpr int kMostRows = 43;  //!< that such a tile sums: what fits into shared memory beside them
 
 /** Where kernels are chained (programmatic dependent launch), a kernel is brought up while its
  * predecessor still runs: waits for its results, then lets the successor come up. */
@@ -25,6 +27,26 @@ __device__ inline void wait_for_predecessor()
 #if __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();
   cudaTriggerProgrammaticLaunchCompletion();
+#endif
+}
+
+/** The same for a kernel that may run beside its predecessor, since it needs nothing from it: that
+ * one is waited for in the end, so that who waits for this kernel has waited for both. */
+__device__ inline void start(bool beside_last)
+{
+  if (!beside_last)
+    wait_for_predecessor();
+  else
+  {
+#if __CUDA_ARCH__ >= 900
+    cudaTriggerProgrammaticLaunchCompletion();
+#endif
+  }
+}
+__device__ inline void finish(bool beside_last)
+{
+#if __CUDA_ARCH__ >= 900
+  if (beside_last) cudaGridDependencySynchronize();
 #endif
 }
 
@@ -45,7 +67,8 @@ __global__ void __launch_bounds__(kThreads) over_range(int n, F f, std::uint64_t
   note_time(done_ns);
 }
 
-/** First the teams, a warp each, since theirs is the longer work. */
+/** First the teams, a warp each, since theirs is the longer work: each takes the next slot of those
+ * that are left, until f says that there is none. */
 template <class F>
 __global__ void __launch_bounds__(kThreads)
     over_range_and_teams(int n, int teams, F f, std::uint64_t* done_ns)
@@ -53,7 +76,7 @@ __global__ void __launch_bounds__(kThreads)
   wait_for_predecessor();
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (i < 32 * teams)
-    f(i / 32, kernels::WarpTeam{});
+    for (int slot = i / 32; f(slot, kernels::WarpTeam{}); slot += teams) continue;
   else if (i - 32 * teams < n)
     f(i - 32 * teams);
   note_time(done_ns);
@@ -61,53 +84,110 @@ __global__ void __launch_bounds__(kThreads)
 
 template <class F>
 __global__ void __launch_bounds__(kTileWidth* kTileRows, kTilesAtOnce)
-    over_cells(int nx, int y_first, int y_end, F f, std::uint64_t* done_ns)
+    over_cells(int nx, int y_first, int y_end, F f, bool beside_last, std::uint64_t* done_ns)
 {
-  wait_for_predecessor();
+  start(beside_last);
   const int x = static_cast<int>(blockIdx.x) * kTileWidth + static_cast<int>(threadIdx.x);
   const int y = y_first + static_cast<int>(blockIdx.y * blockDim.y + threadIdx.y);
   if (x < nx && y < y_end) f(x, y);
+  finish(beside_last);
   note_time(done_ns);
 }
 
-/** Sums over square neighbourhoods, for the rows [y_first, y_end) of ny: those along all rows that
- * a tile of `height` rows needs go to shared memory, then those across them to f() of its cells. */
+/** Sums along the rows [first, last), of a block's columns, to shared memory. */
 template <class F>
-__global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows(
-    int nx, int ny, int y_first, int y_end, int radius, int height, F f, std::uint64_t* done_ns)
+__device__ void sum_rows(const F& f, int x, int first, int last, int radius, typename F::Row* rows)
 {
-  using Row = typename F::Row;
-  using Window = typename F::Window;
+  for (int y = first + static_cast<int>(threadIdx.y); y < last; y += kWindowThreads)
+  {
+    typename F::Row sum;
+#pragma unroll 8
+    for (int d = -radius; d <= radius; d++) f.add(sum, x, y, d);
+    rows[(y - first) * kTileWidth] = sum;
+  }
+}
+
+/** Of these, the sum over the neighbourhood of a cell of row y. */
+template <class F>
+__device__ typename F::Window sum_window(
+    const F& f, int y, int first, int last, int radius, const typename F::Row* rows)
+{
+  typename F::Window sum;
+  for (int row = max(y - radius, first); row < min(y + radius + 1, last); row++)
+    f.add(sum, rows[(row - first) * kTileWidth], row - y);
+  return sum;
+}
+
+/** Sums over square neighbourhoods: those along all rows that a tile of `height` rows needs go to
+ * shared memory, then those across them to f() of its cells. */
+template <class F>
+__global__ void __launch_bounds__(kTileWidth* kWindowThreads)
+    over_windows(int nx, int ny, int radius, int height, F f, std::uint64_t* done_ns)
+{
   extern __shared__ __align__(16) unsigned char shared[];
-  Row* const rows = reinterpret_cast<Row*>(shared) + threadIdx.x;
+  auto* const rows = reinterpret_cast<typename F::Row*>(shared) + threadIdx.x;
   wait_for_predecessor();
   const int x = static_cast<int>(blockIdx.x) * kTileWidth + static_cast<int>(threadIdx.x);
-  const int y0 = y_first + static_cast<int>(blockIdx.y) * height, y1 = min(y0 + height, y_end);
-  const int first = max(y0 - radius, 0), last = min(y0 + height + radius, ny);
-  if (x < nx)
-    for (int y = first + static_cast<int>(threadIdx.y); y < last; y += kWindowThreads)
-    {
-      Row sum;
-#pragma unroll 8
-      for (int d = -radius; d <= radius; d++) f.add(sum, x, y, d);
-      rows[(y - first) * kTileWidth] = sum;
-    }
+  const int y0 = static_cast<int>(blockIdx.y) * height, y1 = min(y0 + height, ny);
+  const int first = max(y0 - radius, 0), last = min(y1 + radius, ny);
+  if (x < nx) sum_rows(f, x, first, last, radius, rows);
   __syncthreads();
   if (x < nx)
     for (int y = y0 + static_cast<int>(threadIdx.y); y < y1; y += kWindowThreads)
-    {
-      Window sum;
-      for (int row = max(y - radius, first); row < min(y + radius + 1, last); row++)
-        f.add(sum, rows[(row - first) * kTileWidth], row - y);
-      f(x, y, sum);
-      f.finish(x, y, [&] { return sum; });
-    }
+      f(x, y, sum_window(f, y, first, last, radius, rows));
   note_time(done_ns);
 }
 
+/** The same where g needs what f judges of a cell and its eight neighbours: tiles overlap by a cell
+ * on each side. For the rows [y_first, y_end) of ny. */
+template <class F, class G>
+__global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows_and_neighbours(
+    int nx, int ny, int y_first, int y_end, int radius, int height, F f, G g, bool beside_last,
+    std::uint64_t* done_ns)
+{
+  extern __shared__ __align__(16) unsigned char shared[];
+  __shared__ float judged[kJudgedRows][kTileWidth];
+  auto* const rows = reinterpret_cast<typename F::Row*>(shared) + threadIdx.x;
+  start(beside_last);
+  const int lane = static_cast<int>(threadIdx.x), line = static_cast<int>(threadIdx.y);
+  const int x = static_cast<int>(blockIdx.x) * (kTileWidth - 2) + lane - 1;
+  const int y0 = y_first + static_cast<int>(blockIdx.y) * height, y1 = min(y0 + height, y_end);
+  const int first = max(y0 - 1 - radius, 0), last = min(y1 + 1 + radius, ny);
+  const bool exists = x >= 0 && x < nx, own = exists && lane > 0 && lane < kTileWidth - 1;
+  if (exists) sum_rows(f, x, first, last, radius, rows);
+  __syncthreads();
+  if (exists)
+    for (int y = max(y0 - 1, 0) + line; y < min(y1 + 1, ny); y += kWindowThreads)
+      judged[y - y0 + 1][lane] =
+          f.judge(x, y, sum_window(f, y, first, last, radius, rows), own && y >= y0 && y < y1);
+  __syncthreads();
+  if (own)
+    for (int y = y0 + line; y < y1; y += kWindowThreads)
+      g.complete(x, y, &judged[y - y0 + 1][lane], kTileWidth);
+  finish(beside_last);
+  note_time(done_ns);
+}
+
+/** The tiles of a grid of cells as blocks of one dimension, after those of a range. */
+struct Tiles
+{
+  int columns;
+  float inverse_columns;
+
+  struct Place
+  {
+    int column, row;
+  };
+  __device__ Place place(int block) const
+  {
+    const int row = kernels::floor_div(block, columns, inverse_columns);
+    return {block - row * columns, row};
+  }
+};
+
 template <class F, class G>
 __global__ void __launch_bounds__(kThreads)
-    over_range_and_cells(int n, F f, int nx, int ny, G g, std::uint64_t* done_ns)
+    over_range_and_cells(int n, F f, int nx, int ny, Tiles tiles, G g, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   const int size = static_cast<int>(blockDim.x), range = (n + size - 1) / size;
@@ -119,27 +199,14 @@ __global__ void __launch_bounds__(kThreads)
   }
   else
   {
-    const int columns = (nx + kTileWidth - 1) / kTileWidth, rows = size / kTileWidth;
-    const int x = block % columns * kTileWidth + static_cast<int>(threadIdx.x) % kTileWidth;
-    const int y = block / columns * rows + static_cast<int>(threadIdx.x) / kTileWidth;
+    const Tiles::Place tile = tiles.place(block);
+    const int rows = size / kTileWidth;
+    const int x = tile.column * kTileWidth + static_cast<int>(threadIdx.x) % kTileWidth;
+    const int y = tile.row * rows + static_cast<int>(threadIdx.x) / kTileWidth;
     if (x < nx && y < ny) g(x, y);
   }
   note_time(done_ns);
 }
-
-/** f(x, y, i), i where the cell of the window is stored, of the cells that it concerns. */
-template <class F>
-struct OfConcernedCells
-{
-  int cells;
-  const kernels::FrameContext* frame;
-  F f;
-  __device__ void operator()(int x, int y) const
-  {
-    const int i = kernels::storage_index(*frame, cells, x, y);
-    if (f.concerns(x, y, i)) f(x, y, i);
-  }
-};
 
 constexpr int kStretches = 32;  //!< into which a direction is cut: a warp
 constexpr int kDirections = 8;  //!< of a block: what a sector of memory holds
@@ -228,11 +295,11 @@ __global__ void __launch_bounds__(kThreads)
     over_bits(int lines, int bits, F f, std::uint32_t* words, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
-  const int warp = static_cast<int>(blockIdx.x * kThreads + threadIdx.x) / 32;
-  const int line = warp % lines, word = warp / lines;
+  const int line = static_cast<int>(blockIdx.x * kThreads + threadIdx.x) / 32;
+  const int word = static_cast<int>(blockIdx.y);
   const int bit = 32 * word + static_cast<int>(threadIdx.x) % 32;
-  const unsigned packed = __ballot_sync(0xffffffffu, bit < bits && f(line)(bit));
-  if (threadIdx.x % 32 == 0 && 32 * word < bits) words[warp] = packed;
+  const unsigned packed = __ballot_sync(0xffffffffu, line < lines && bit < bits && f(line)(bit));
+  if (threadIdx.x % 32 == 0 && line < lines) words[word * lines + line] = packed;
   note_time(done_ns);
 }
 
@@ -240,7 +307,7 @@ __global__ void __launch_bounds__(kThreads)
  * of the columns, layout [word][line]. */
 template <class F, class G>
 __global__ void __launch_bounds__(kThreads) over_range_and_marked_cells(
-    int n, F f, int side, G g, std::uint32_t* marks, std::uint64_t* done_ns)
+    int n, F f, int side, Tiles tiles, G g, std::uint32_t* marks, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   __shared__ unsigned rows[kTileRows];
@@ -253,17 +320,19 @@ __global__ void __launch_bounds__(kThreads) over_range_and_marked_cells(
   else
   {
     const int lane = static_cast<int>(threadIdx.x) % 32, row = static_cast<int>(threadIdx.x) / 32;
-    const int words = (side + 31) / 32, word = block % words;
-    const int x = 32 * word + lane, y0 = block / words * kTileRows, y = y0 + row;
+    const Tiles::Place tile = tiles.place(block);
+    const int x = 32 * tile.column + lane, y0 = tile.row * kTileRows, y = y0 + row;
     const unsigned marked = __ballot_sync(0xffffffffu, x < side && y < side && g(x, y));
     if (lane == 0) rows[row] = marked;
-    if (lane == 0 && y < side) marks[word * 2 * side + y] = marked;
+    if (lane == 0 && y < side) marks[tile.column * 2 * side + y] = marked;
     __syncthreads();
-    unsigned column = 0;
-    for (int r = 0; r < kTileRows; r++) column |= (rows[r] >> lane & 1u) << r;
-    std::uint32_t* const of_column = marks + y0 / 32 * 2 * side + side + x;
     if (row == 0 && x < side)
+    {
+      unsigned column = 0;
+      for (int r = 0; r < kTileRows; r++) column |= (rows[r] >> lane & 1u) << r;
+      std::uint32_t* const of_column = marks + y0 / 32 * 2 * side + side + x;
       reinterpret_cast<std::uint8_t*>(of_column)[y0 % 32 / 8] = static_cast<std::uint8_t>(column);
+    }
   }
   note_time(done_ns);
 }

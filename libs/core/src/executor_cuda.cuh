@@ -97,10 +97,13 @@ class CudaExecutor
     const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
     launch(loops::over_range<F>, dim3(blocks(n, size)), dim3(size), 0, n, f);
   }
+  /** f(i) for i in [0, n), and f(slot, team) for slots from 0 on, at most so many, until it says
+   * that there is none. Few are expected. */
   template <class F>
-  void for_each_and_team(int n, int teams, const F& f)
+  void for_each_and_team(int n, int slots, const F& f)
   {
     const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
+    const int teams = slots / kSlotsPerTeam + 1;
     launch(
         loops::over_range_and_teams<F>, dim3(blocks(n + 32 * teams, size)), dim3(size), 0, n, teams,
         f);
@@ -112,45 +115,44 @@ class CudaExecutor
     const dim3 cells = tiles(nx, ny, size / loops::kTileWidth);
     launch(
         loops::over_range_and_cells<F, G>, dim3(blocks(n, size) + cells.x * cells.y), dim3(size), 0,
-        n, f, nx, ny, g);
-  }
-  /** Of the rows [first, end). */
-  template <class F>
-  void for_each_concerned_cell_of_rows(
-      int cells, const kernels::FrameContext* frame, int first, int end, const F& f)
-  {
-    for_each_cell_of_rows(cells, first, end, loops::OfConcernedCells<F>{cells, frame, f});
+        n, f, nx, ny, in_line(cells), g);
   }
   template <class F>
   void for_each_cell(int nx, int ny, const F& f)
   {
-    for_each_cell_of_rows(nx, 0, ny, f);
+    for_each_cell_of_rows(nx, 0, ny, f, false);
   }
   /** The rows [first, end). */
   template <class F>
-  void for_each_cell_of_rows(int nx, int first, int end, const F& f)
+  void for_each_cell_of_rows(int nx, int first, int end, const F& f, bool beside_last)
   {
     const int rows = nx * (end - first) < kManyThreads ? loops::kTileRows / 4 : loops::kTileRows;
     launch(
         loops::over_cells<F>, tiles(nx, end - first, rows), dim3(loops::kTileWidth, rows), 0, nx,
-        first, end, f);
+        first, end, f, beside_last);
   }
   template <class F>
   void for_each_window(int nx, int ny, int radius, const F& f)
   {
-    for_each_window_of_rows(nx, ny, 0, ny, radius, f);
-  }
-  /** The rows [first, end) of ny. */
-  template <class F>
-  void for_each_window_of_rows(int nx, int ny, int first, int end, int radius, const F& f)
-  {
-    // High tiles share more rows; low ones spread over the device and need one round of rows.
-    constexpr int rows = loops::kWindowThreads;
-    const int height = nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : rows;
-    const auto size = static_cast<std::size_t>(loops::kTileWidth * (height + 2 * radius));
+    const int height = window_height(nx, ny, radius, loops::kWindowThreads);
     launch(
-        loops::over_windows<F>, tiles(nx, end - first, height), dim3(loops::kTileWidth, rows),
-        size * sizeof(typename F::Row), nx, ny, first, end, radius, height, f);
+        loops::over_windows<F>, tiles(nx, ny, height),
+        dim3(loops::kTileWidth, loops::kWindowThreads), rows_size<F>(height + 2 * radius), nx, ny,
+        radius, height, f);
+  }
+  /** f of the neighbourhoods of cells, then g of what f says of each cell and its neighbours, see
+   * kernels::CompleteObstacles. Of the rows [first, end) of ny. */
+  template <class F, class G>
+  void for_each_judged_cell_of_rows(
+      int nx, int ny, int first, int end, int radius, const F& f, const G& g, bool beside_last)
+  {
+    const int most = std::min(loops::kJudgedRows, loops::kMostRows - 2 * radius);
+    const int height = window_height(nx, ny, radius, most) - 2;
+    const dim3 grid(blocks(nx, loops::kTileWidth - 2), blocks(end - first, height));
+    launch(
+        loops::over_windows_and_neighbours<F, G>, grid,
+        dim3(loops::kTileWidth, loops::kWindowThreads), rows_size<F>(height + 2 + 2 * radius), nx,
+        ny, first, end, radius, height, f, g, beside_last);
   }
   /** The steps of kernels::SettleRays; beside them g(i) for i in [0, n). */
   template <class F, class G>
@@ -163,36 +165,35 @@ class CudaExecutor
   }
   /** Bit b of line l is f(l)(b). Layout [word][line]. */
   template <class F>
-  void pack_bits(int lines, int bits, const F& f, Buffer<std::uint32_t>& words)
+  void pack_bits(int lines, int bits, const F& f, std::uint32_t* words)
   {
-    const int n = lines * ((bits + 31) / 32);
     launch(
-        loops::over_bits<F>, dim3(blocks(32 * n, loops::kThreads)), dim3(loops::kThreads), 0, lines,
-        bits, f, words.data());
+        loops::over_bits<F>, dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32)),
+        dim3(loops::kThreads), 0, lines, bits, f, words);
   }
   /** f(i) for i in [0, n); beside it g(x, y) of side * side cells, which says whether it marks one.
    * Marks: bits of the rows, then of the columns, layout [word][line]. */
   template <class F, class G>
-  void mark_cells_beside(int n, const F& f, int side, const G& g, Buffer<std::uint32_t>& marks)
+  void mark_cells_beside(int n, const F& f, int side, const G& g, std::uint32_t* marks)
   {
     static_assert(loops::kThreads == 32 * loops::kTileRows);
     const dim3 cells = tiles(side, side, loops::kTileRows);
     launch(
         loops::over_range_and_marked_cells<F, G>,
         dim3(blocks(n, loops::kThreads) + cells.x * cells.y), dim3(loops::kThreads), 0, n, f, side,
-        g, marks.data());
+        in_line(cells), g, marks);
   }
   /** f of the cells of the rows [first, end), see kernels::SearchAndFillCell: where there are few,
    * each side of each line has a thread. */
   template <class F>
-  void for_each_cell_by_lines(int n, int first, int end, const F& f)
+  void for_each_cell_by_lines(int n, int first, int end, const F& f, bool beside_last)
   {
     if (n * n < kManyThreads)
       launch(
           loops::over_cells_by_lines<F>, tiles(n, end - first, 1), dim3(32, 2 * F::kLines), 0, n,
           first, f);
     else
-      for_each_cell_of_rows(n, first, end, f);
+      for_each_cell_of_rows(n, first, end, f, beside_last);
   }
   template <class T>
   void fill(Buffer<T>& buffer, T value)
@@ -223,21 +224,23 @@ class CudaExecutor
     if (joins_) follow(side_, main_);
     joins_ = false;
   }
-  /** body(first, end) of all rows in bands of so many that `row_bytes` of each, which are copied
-   * aside, make it worth while. */
+  /** body(first, end, beside_last) of all rows in bands of so many that `row_bytes` of each, which
+   * are copied aside, make it worth while. Bands do not need each other, so that the kernels of all
+   * but the first may run beside the last one. */
   template <class Body>
   void in_bands(int rows, std::size_t row_bytes, const Body& body)
   {
     const std::size_t bytes = row_bytes * static_cast<std::size_t>(rows);
     const int bands = static_cast<int>(std::min(bytes / kBandBytes + 1, kMaxBands));
-    for (int b = 0; b < bands; b++) body(rows * b / bands, rows * (b + 1) / bands);
+    for (int b = 0; b < bands; b++) body(rows * b / bands, rows * (b + 1) / bands, b > 0);
   }
 
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr int kMaxLaps = kStageCount + 1;
+  static constexpr int kSlotsPerTeam = 4;
   static constexpr int kManyThreads = 100000;  //!< enough to fill a device
-  static constexpr std::size_t kBandBytes = 2 * 1024 * 1024, kMaxBands = 4;
+  static constexpr std::size_t kBandBytes = 1024 * 1024, kMaxBands = 4;
 
   struct Lane
   {
@@ -272,6 +275,24 @@ class CudaExecutor
   static dim3 tiles(int nx, int ny, int rows)
   {
     return dim3(blocks(nx, loops::kTileWidth), blocks(ny, rows));
+  }
+
+  static loops::Tiles in_line(dim3 tiles)
+  {
+    return {static_cast<int>(tiles.x), 1.0f / static_cast<float>(tiles.x)};
+  }
+
+  /** Of a tile with neighbourhoods. High ones share more rows; where there are few cells, low ones
+   * spread over the device and need one round of rows. */
+  static int window_height(int nx, int ny, int radius, int most)
+  {
+    constexpr int rows = loops::kWindowThreads;
+    return nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : most;
+  }
+  template <class F>
+  static std::size_t rows_size(int rows)
+  {
+    return static_cast<std::size_t>(loops::kTileWidth * rows) * sizeof(typename F::Row);
   }
 
   /** Where the time of the current lap is noted. */

@@ -2,14 +2,16 @@
 #include "copy_large.h"
 #include "executor_cuda.cuh"
 
+#include <functional>
+
 namespace talus
 {
 namespace
 {
 constexpr std::size_t kContextWords = sizeof(kernels::FrameContext) / sizeof(std::uint32_t);
 constexpr std::size_t kStagedPoints = (kContextWords + 63) / 64 * 64;  //!< where the arrays begin
-/** Frames of up to so many bytes are fetched by the graph's first kernel; larger ones are copied in
- * pieces while the next piece is staged. */
+/** Frames of up to so many bytes are fetched by the graph's first kernel; larger ones are copied by
+ * the bus, each array while the next one is staged. */
 constexpr std::size_t kFetchBytes = 512 * 1024;
 /** Layers of up to so many bytes in all are written to host memory by the kernels that compute
  * them; what is beyond is copied. */
@@ -79,13 +81,16 @@ inline kernels::PointsIn CudaExecutor::stage(
   if (context.has_times && !times_) graph_.reset(), times_ = true;
   std::memcpy(staged_.data(), &context, sizeof context);
   const float* const from[] = {frame.x_m, frame.y_m, frame.z_m, frame.time_s};
-  float* p = points_.data();
-  for (std::size_t a = 0; frame.size && a < (context.has_times ? 4u : 3u); a++)
+  float* const p = points_.data();
+  const int arrays = frame.size == 0 ? 0 : context.has_times ? 4 : 3;
+  std::array<CopyBlock, kMaxCopyBlocks> blocks;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(arrays); a++)
+    blocks[a] = {to.x_m + a * capacity, from[a], frame.size * sizeof(float)};
+  const auto send = [&](std::size_t a)
   {
-    float* staged = to.x_m + a * capacity;
-    if (from[a] != staged) copy_large(staged, from[a], frame.size * sizeof(float));
-    if (copies_points()) copy(p + a * capacity, staged, frame.size);
-  }
+    if (copies_points()) copy(p + a * capacity, to.x_m + a * capacity, frame.size);
+  };
+  copy_blocks(blocks.data(), arrays, std::ref(send));
   return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
 }
 

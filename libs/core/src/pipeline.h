@@ -193,7 +193,9 @@ class Pipeline final : public BackendInterface
     else
       executor_.mark_cells_beside(
           workers, tidy, side(),
-          kernels::SettleCell{choose_role(), clean, samples_.data(), line_grid()}, axis_marks_);
+          kernels::SettleCell{
+              choose_role(), clean, line_grid(), samples().height_m, samples().variance_m2},
+          unguarded(axis_marks_, 2 * side()));
   }
 
   void fill()
@@ -202,8 +204,10 @@ class Pipeline final : public BackendInterface
                                  role_.data(), passing(),      surfaces(),      surface_layers()};
     if constexpr (Executor::kWalksLines)
       walk_lines(cell);
+    else if (host_config_.fill_rule == kernels::kFillLines)
+      search_lines<true>(cell);
     else
-      search_lines(cell);
+      search_lines<false>(cell);
   }
 
   void walk_lines(const kernels::FillCell& cell)
@@ -217,26 +221,30 @@ class Pipeline final : public BackendInterface
       for_each_stored_cell(kernels::PutSurface{config_.data(), store(), cell.out});
   }
 
+  template <bool kAlongLines>
   void search_lines(const kernels::FillCell& cell)
   {
+    const int lines = kernels::line_count(host_config_), axes = 2 * side();
     executor_.pack_bits(
-        kernels::line_count(host_config_), kernels::line_rings(host_config_) + 1,
-        kernels::FindSamples{samples_.data(), tracks_.data()}, marks_);
-    const kernels::SearchAndFillCell search{
+        lines, kernels::line_rings(host_config_) + 1,
+        kernels::FindSamples{unguarded(axis_marks_, axes), side(), tracks_.data()},
+        unguarded(marks_, lines));
+    const kernels::SearchAndFillCell<kAlongLines> search{
         cell,
         host_config_,
-        samples_.data(),
-        marks_.data(),
-        axis_marks_.data(),
+        samples().height_m,
+        samples().variance_m2,
+        unguarded(marks_, lines),
+        unguarded(axis_marks_, axes),
         line_tables(),
         across_.data(),
         line_grid(),
         kernels::places_in(host_config_.fill_search_m, host_config_.resolution_m, side() - 1)};
     executor_.in_bands(
         side(), copied_surfaces() * static_cast<std::size_t>(side()) * sizeof(float),
-        [&](int first, int end)
+        [&](int first, int end, bool beside_last)
         {
-          executor_.for_each_cell_by_lines(side(), first, end, search);
+          executor_.for_each_cell_by_lines(side(), first, end, search, beside_last);
           executor_.aside([&] { deliver_surfaces(first, end); });
         });
   }
@@ -253,29 +261,21 @@ class Pipeline final : public BackendInterface
   void judge_with()
   {
     if constexpr (Executor::kWalksLines)
-      judge_rows<kParts>(0, side());
+      judge_rows<kParts>(0, side(), false);
     else
       executor_.in_bands(
           side(), copied_features() * static_cast<std::size_t>(side()) * sizeof(float),
-          [&](int first, int end)
+          [&](int first, int end, bool beside_last)
           {
-            const Rows completed = judge_rows<kParts>(first, end);
+            judge_rows<kParts>(first, end, beside_last);
             executor_.aside([&] { deliver_features(first, end); });
-            executor_.aside([&]
-                            { deliver(Layer::Traversability, completed.first, completed.end); });
           });
   }
 
-  struct Rows
-  {
-    int first, end;
-  };
-  /** Returns which rows are completed: each is when the next one is judged. */
   template <bool kParts>
-  Rows judge_rows(int first, int end)
+  void judge_rows(int first, int end, bool beside_last)
   {
     const int n = side(), radius = host_config_.feature_radius_cells;
-    const Rows completed{std::max(first - 1, 0), end == n ? n : end - 1};
     const kernels::ComputeFeatures<kParts> compute{n,           config_.data(), surfaces(),
                                                    line_grid(), across_.data(), feature_layers()};
     const kernels::CompleteObstacles complete{
@@ -286,12 +286,8 @@ class Pipeline final : public BackendInterface
       executor_.for_each_concerned_cell(n, context_.data(), complete);
     }
     else
-    {
-      executor_.for_each_window_of_rows(n, n, first, end, radius, compute);
-      executor_.for_each_concerned_cell_of_rows(
-          n, context_.data(), completed.first, completed.end, complete);
-    }
-    return completed;
+      executor_.for_each_judged_cell_of_rows(
+          n, n, first, end, radius, compute, complete, beside_last);
   }
 
   // ---- around them ----
@@ -387,6 +383,11 @@ class Pipeline final : public BackendInterface
     float* p = samples_.data();
     return {p, p + grid_size()};
   }
+  /** The first word of marks of so many lines, see kernels::LineMarks. */
+  static std::uint32_t* unguarded(Buffer<std::uint32_t>& marks, int lines)
+  {
+    return marks.data() + kernels::LineMarks::kGuardWords * lines;
+  }
   kernels::InferenceGrid inferred() { return {inferred_.data(), across_.data()}; }
   kernels::Surfaces surfaces()
   {
@@ -429,7 +430,7 @@ class Pipeline final : public BackendInterface
             feature(Layer::Sparsity), feature(Layer::Traversability), judged()};
   }
 
-  float* judged() { return judged_.data() + side() + 1; }
+  float* judged() { return Executor::kWalksLines ? judged_.data() + side() + 1 : nullptr; }
 
   static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 5;
 

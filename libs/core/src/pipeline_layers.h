@@ -59,11 +59,12 @@ void Pipeline<Executor>::deliver_surfaces(int first_row, int end_row)
     deliver(l, first_row, end_row);
 }
 
-/** The layers of stages 8 and 9 but the last. */
+/** The layers of stages 8 and 9. */
 template <class Executor>
 void Pipeline<Executor>::deliver_features(int first_row, int end_row)
 {
-  for (const Layer l : {Layer::Slope, Layer::Step, Layer::Roughness, Layer::Sparsity})
+  for (const Layer l :
+       {Layer::Slope, Layer::Step, Layer::Roughness, Layer::Sparsity, Layer::Traversability})
     deliver(l, first_row, end_row);
 }
 
@@ -85,7 +86,7 @@ void Pipeline<Executor>::complete_parts()
 {
   if (parts_known_) return;
   allocate_parts();
-  judge_rows<true>(0, side());
+  judge_rows<true>(0, side(), false);
   parts_known_ = true;
 }
 
@@ -149,7 +150,6 @@ void Pipeline<Executor>::write_all(const MapBytes& bytes, const kernels::FrameCo
     if (surface(l)) export_surface(l, surface(l));
   deliver_surfaces(0, side());
   deliver_features(0, side());
-  deliver(Layer::Traversability, 0, side());
   executor_.synchronize();
 }
 

@@ -23,13 +23,14 @@ void Pipeline<Executor>::allocate_cells()
   executor_.allocate(across_, grid_size(), kernels::kNan);
   const std::size_t walked = Executor::kWalksLines ? grid_size() : 0;
   executor_.allocate(inferred_, walked, kernels::Inference{});
-  executor_.allocate(samples_, Executor::kWalksLines ? 2 * walked : grid_size(), kernels::kNan);
+  executor_.allocate(samples_, 2 * grid_size(), kernels::kNan);
   executor_.allocate(config_, 1, kernels::Config{});
   executor_.allocate(context_, 1, kernels::FrameContext{});
   executor_.allocate(cursor_, 1, std::uint64_t{0});
   executor_.allocate(counters_, kernels::kRejectCodes, std::uint32_t{0});
   executor_.allocate(traversability_, n, kernels::kNan);
-  executor_.allocate(judged_, n + 2 * static_cast<std::size_t>(side() + 1), kernels::kNan);
+  if (Executor::kWalksLines)
+    executor_.allocate(judged_, n + 2 * static_cast<std::size_t>(side() + 1), kernels::kNan);
   const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
   executor_.allocate(surfaces_, padded, kernels::Surface{kernels::kNoHeight, 0});
   const auto rays = static_cast<std::size_t>(kernels::ring_count(host_config_)) *
@@ -51,15 +52,16 @@ void Pipeline<Executor>::allocate_for_search()
   executor_.allocate(line_of_cell_, grid_size(), std::int32_t{0});
   executor_.allocate(
       tracks_, static_cast<std::size_t>(kernels::line_count(host_config_)), kernels::Track{});
+  const auto guarded = [](int words)
+  { return static_cast<std::size_t>(words + 2 * kernels::LineMarks::kGuardWords); };
   executor_.allocate(
       axis_marks_,
-      2 * static_cast<std::size_t>(side()) *
-          static_cast<std::size_t>(kernels::words_per_axis(host_config_)),
+      2 * static_cast<std::size_t>(side()) * guarded(kernels::words_per_axis(host_config_)),
       std::uint32_t{0});
   executor_.allocate(
       marks_,
       static_cast<std::size_t>(kernels::line_count(host_config_)) *
-          static_cast<std::size_t>(kernels::words_per_line(host_config_)),
+          guarded(kernels::words_per_line(host_config_)),
       std::uint32_t{0});
 }
 
