@@ -120,9 +120,9 @@ struct AcceptPoint
   }
 
   /** What depends on this point alone. PointsOut::rank holds its RejectCode until note(). */
-  TALUS_HD void locate(int i) const
+  TALUS_HD void locate(int i) const { locate(i, point(i)); }
+  TALUS_HD void locate(int i, const Point& sensed) const
   {
-    const Point sensed = point(i);
     const bool moves = frame->n_poses > 1 && frame->has_times;
     put(i, sensed,
         moves ? transform(pose_at(*frame, in.time_s[i]), sensed)
@@ -148,9 +148,9 @@ struct AcceptPoint
     if (out.rank[i] != kAccepted) Atomics::count(rejected + out.rank[i]);
   }
 
- private:
   TALUS_HD Point point(int i) const { return {in.x_m[i], in.y_m[i], in.z_m[i]}; }
 
+ private:
   TALUS_HD void put(int i, const Point& sensed, const Point& p, bool kept) const
   {
     const Verdict verdict = accept(sensed, *config);
@@ -188,17 +188,21 @@ struct AcceptPoint
   }
 };
 
-/** The same, and counts the point in its cell, also if it will turn out to be buried. */
+/** The same, and counts the point in its cell, also if it will turn out to be buried. The point
+ * itself is there before the frame's context is. */
 template <class Atomics>
 struct AcceptAndCountPoint
 {
   AcceptPoint<Atomics> accept;
   std::uint32_t* cell_count;  //!< by storage index, zero before
 
-  TALUS_HD void operator()(int i) const
+  TALUS_HD Point early(int i) const { return accept.point(i); }
+  TALUS_HD void operator()(int i, const Point& sensed) const
   {
-    accept(i);
-    if (i >= accept.frame->n_points || accept.out.cell[i] < 0) return;
+    if (i >= accept.frame->n_points) return;
+    accept.locate(i, sensed);
+    accept.note(i);
+    if (accept.out.cell[i] < 0) return;
     accept.out.rank[i] = Atomics::add(cell_count + accept.out.cell[i], 1);
   }
 };

@@ -321,22 +321,24 @@ struct UpdateCell
   Sorting sorting;
   float* top_hit_m;
 
-  TALUS_HD void operator()(int i) const
-  {
-    if (i >= frame->n_points || points.cell[i] < 0 || points.rank[i] != 0) return;
-    if (sorting.cell_count[points.cell[i]] <= sorting.crowd) update(points.cell[i], LoneTeam{});
-  }
-
-  /** False where there is no such crowded cell. */
   template <class Team>
-  TALUS_HD bool operator()(int slot, const Team& team) const
+  TALUS_HD void operator()(int slot, const Team& team) const
   {
-    if (slot >= static_cast<int>(*sorting.cursor >> 32)) return false;
-    update(sorting.crowded[slot], team);
-    return true;
+    const int cell = crowded_cell(slot);
+    if (cell >= 0) update(cell, team);
+  }
+  /** The cell that is to be updated for point i, or -1. */
+  TALUS_HD int lone_cell(int i) const
+  {
+    if (i >= frame->n_points || points.cell[i] < 0 || points.rank[i] != 0) return -1;
+    return sorting.cell_count[points.cell[i]] <= sorting.crowd ? points.cell[i] : -1;
+  }
+  /** A crowded cell, or -1: there are no more. */
+  TALUS_HD int crowded_cell(int slot) const
+  {
+    return slot < static_cast<int>(*sorting.cursor >> 32) ? sorting.crowded[slot] : -1;
   }
 
- private:
   template <class Team>
   TALUS_HD void update(int i, const Team& team) const
   {

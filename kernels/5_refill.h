@@ -114,8 +114,15 @@ struct ErodeSupport
 
   TALUS_HD void operator()(int px, int py, const LowestGround& lowest) const
   {
-    grid.eroded_m[grid.at(px, py)] = lowest.plain_m;
-    grid.cone_m[grid.at(px, py)] = lowest.cone_m;
+    grid.eroded_m[grid.at(px, py)] = erode(px, py, lowest, true);
+  }
+  /** For executors that go on with the result: puts the rest, of places that are the caller's
+   * `own`.
+   */
+  TALUS_HD float erode(int px, int py, const LowestGround& lowest, bool own) const
+  {
+    if (own) grid.cone_m[grid.at(px, py)] = lowest.cone_m;
+    return lowest.plain_m;
   }
   template <class Read>
   TALUS_HD void finish(int, int, const Read&) const
@@ -140,8 +147,11 @@ struct OpenSupport
 
   TALUS_HD void add(HighestGround& row, int px, int py, int d) const
   {
-    const float v = grid.eroded_m[grid.at(px + d, py)];
-    row.height_m = max_of(row.height_m, select(v < kInfinity, v, -kInfinity));
+    add(row, grid.eroded_m[grid.at(px + d, py)]);
+  }
+  TALUS_HD void add(HighestGround& row, float eroded_m) const
+  {
+    row.height_m = max_of(row.height_m, select(eroded_m < kInfinity, eroded_m, -kInfinity));
   }
   TALUS_HD void add(HighestGround& sum, const HighestGround& other, int) const
   {

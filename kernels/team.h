@@ -29,11 +29,13 @@ struct LoneTeam
 };
 
 #if defined(__CUDACC__)
-/** A warp. */
-struct WarpTeam
+/** A warp, or each of its threads for itself: one code for both is less to fetch. */
+struct DeviceTeam
 {
-  __device__ int rank() const { return static_cast<int>(threadIdx.x % 32); }
-  __device__ int size() const { return 32; }
+  bool is_warp;
+
+  __device__ int rank() const { return is_warp ? static_cast<int>(threadIdx.x % 32) : 0; }
+  __device__ int size() const { return is_warp ? 32 : 1; }
   template <class T>
   __device__ T min(T v) const
   {
@@ -54,6 +56,7 @@ struct WarpTeam
   template <class T, class F>
   __device__ T combine(T v, F f) const
   {
+    if (!is_warp) return v;
     for (int other = 16; other; other /= 2) v = f(v, __shfl_xor_sync(0xffffffffu, v, other));
     return v;
   }

@@ -13,7 +13,7 @@ namespace talus::bench
 {
 namespace
 {
-constexpr int kKernels = 14, kRuns = 201;
+constexpr int kKernels = 11, kRuns = 201;
 
 __global__ void nothing() {}
 

@@ -3,6 +3,8 @@
 #include "kernels/team.h"
 
 #include <cstdint>
+#include <type_traits>
+#include <utility>
 
 // The loops of the CUDA executor as kernels. Each takes the rule for one point, cell or bit by
 // value and leaves the time at which it finished in `done_ns`.
@@ -16,6 +18,7 @@ constexpr int kTilesAtOnce = 4;  //!< of a multiprocessor, at least: bounds the 
 #else
 constexpr int kTilesAtOnce = 5;
 #endif
+constexpr int kOpeningThreads = 1024;
 constexpr int kWindowThreads = 16;  //!< rows of threads of a block with neighbourhoods
 constexpr int kJudgedRows = 2 * kWindowThreads;  //!< of a tile that overlaps with others, at most
 constexpr int kMostRows = 43;  //!< that such a tile sums: what fits into shared memory beside them
@@ -67,18 +70,22 @@ __global__ void __launch_bounds__(kThreads) over_range(int n, F f, std::uint64_t
   note_time(done_ns);
 }
 
-/** First the teams, a warp each, since theirs is the longer work: each takes the next slot of those
- * that are left, until f says that there is none. */
+/** f.update() of crowded cells by teams, a warp each, since theirs is the longer work: each takes
+ * the next one of those that are left. Then of the cells of the range, a thread each. */
 template <class F>
 __global__ void __launch_bounds__(kThreads)
     over_range_and_teams(int n, int teams, F f, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  if (i < 32 * teams)
-    for (int slot = i / 32; f(slot, kernels::WarpTeam{}); slot += teams) continue;
-  else if (i - 32 * teams < n)
-    f(i - 32 * teams);
+  const bool is_team = i < 32 * teams;
+  int slot = i / 32;
+  int cell = is_team ? f.crowded_cell(slot) : i - 32 * teams < n ? f.lone_cell(i - 32 * teams) : -1;
+  while (cell >= 0)
+  {
+    f.update(cell, kernels::DeviceTeam{is_team});
+    cell = is_team ? f.crowded_cell(slot += teams) : -1;
+  }
   note_time(done_ns);
 }
 
@@ -118,28 +125,85 @@ __device__ typename F::Window sum_window(
   return sum;
 }
 
-/** Sums over square neighbourhoods: those along all rows that a tile of `height` rows needs go to
- * shared memory, then those across them to f() of its cells. */
+/** f(column, row) of a tile, by all threads of the block. */
 template <class F>
-__global__ void __launch_bounds__(kTileWidth* kWindowThreads)
-    over_windows(int nx, int ny, int radius, int height, F f, std::uint64_t* done_ns)
+__device__ void over_tile(int columns, int rows, const F& f)
+{
+  const float inverse = 1.0f / static_cast<float>(columns);
+  for (int i = static_cast<int>(threadIdx.x); i < columns * rows; i += static_cast<int>(blockDim.x))
+  {
+    const int row = kernels::floor_div(i, columns, inverse);
+    f(i - row * columns, row);
+  }
+}
+
+/** Erosion f and dilation g of what it says, over square neighbourhoods: each along the rows that a
+ * tile of `height` rows needs first, then across them. See kernels::ErodeSupport. */
+template <class F, class G>
+__global__ void __launch_bounds__(kOpeningThreads)
+    over_opening(int nx, int ny, int radius, int height, F f, G g, std::uint64_t* done_ns)
 {
   extern __shared__ __align__(16) unsigned char shared[];
-  auto* const rows = reinterpret_cast<typename F::Row*>(shared) + threadIdx.x;
+  const int width = kTileWidth + 2 * radius, reach = 2 * radius + 1;
+  auto* const rows = reinterpret_cast<typename F::Row*>(shared);
+  auto* const eroded = reinterpret_cast<float*>(rows + width * (height + 4 * radius));
+  auto* const eroded_rows = reinterpret_cast<typename G::Row*>(shared);  // in place of `rows`
   wait_for_predecessor();
-  const int x = static_cast<int>(blockIdx.x) * kTileWidth + static_cast<int>(threadIdx.x);
-  const int y0 = static_cast<int>(blockIdx.y) * height, y1 = min(y0 + height, ny);
-  const int first = max(y0 - radius, 0), last = min(y1 + radius, ny);
-  if (x < nx) sum_rows(f, x, first, last, radius, rows);
+  const int x0 = static_cast<int>(blockIdx.x) * kTileWidth,
+            y0 = static_cast<int>(blockIdx.y) * height;
+  const auto exists = [&](int x, int y) { return x >= 0 && x < nx && y >= 0 && y < ny; };
+  over_tile(
+      width, height + 4 * radius,
+      [&](int column, int row)
+      {
+        const int x = x0 - radius + column, y = y0 - 2 * radius + row;
+        typename F::Row sum;
+        if (exists(x, y))
+          for (int d = -radius; d <= radius; d++) f.add(sum, x, y, d);
+        rows[row * width + column] = sum;
+      });
   __syncthreads();
-  if (x < nx)
-    for (int y = y0 + static_cast<int>(threadIdx.y); y < y1; y += kWindowThreads)
-      f(x, y, sum_window(f, y, first, last, radius, rows));
+  over_tile(
+      width, height + 2 * radius,
+      [&](int column, int row)
+      {
+        const int x = x0 - radius + column, y = y0 - radius + row;
+        float& lowest = eroded[row * width + column];
+        lowest = kernels::kInfinity;
+        if (!exists(x, y)) return;
+        typename F::Window sum;
+        for (int d = 0; d < reach; d++) f.add(sum, rows[(row + d) * width + column], d - radius);
+        const bool own = column >= radius && column < radius + kTileWidth && row >= radius &&
+                         row < radius + height;
+        lowest = f.erode(x, y, sum, own);
+      });
+  __syncthreads();
+  over_tile(
+      kTileWidth, height + 2 * radius,
+      [&](int column, int row)
+      {
+        typename G::Row sum;
+        for (int d = 0; d < reach; d++) g.add(sum, eroded[row * width + column + d]);
+        eroded_rows[row * kTileWidth + column] = sum;
+      });
+  __syncthreads();
+  over_tile(
+      kTileWidth, height,
+      [&](int column, int row)
+      {
+        if (!exists(x0 + column, y0 + row)) return;
+        typename G::Window sum;
+        for (int d = 0; d < reach; d++)
+          g.add(sum, eroded_rows[(row + d) * kTileWidth + column], d - radius);
+        g(x0 + column, y0 + row, sum);
+      });
   note_time(done_ns);
 }
 
-/** The same where g needs what f judges of a cell and its eight neighbours: tiles overlap by a cell
- * on each side. For the rows [y_first, y_end) of ny. */
+/** Sums over square neighbourhoods, for the rows [y_first, y_end) of ny: those along all rows that
+ * a tile of `height` rows needs go to shared memory, then those across them to f.judge(). Then
+ * g.complete() of what f says of a cell and its eight neighbours: tiles overlap by a cell on each
+ * side. */
 template <class F, class G>
 __global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows_and_neighbours(
     int nx, int ny, int y_first, int y_end, int radius, int height, F f, G g, bool beside_last,
@@ -174,37 +238,47 @@ struct Tiles
   int columns;
   float inverse_columns;
 
-  struct Place
-  {
-    int column, row;
-  };
-  __device__ Place place(int block) const
+  /** g(x, y) of the thread's cell, of nx * ny; blocks are of one dimension too. */
+  template <class G>
+  __device__ void run(int block, int nx, int ny, const G& g) const
   {
     const int row = kernels::floor_div(block, columns, inverse_columns);
-    return {block - row * columns, row};
+    const int column = block - row * columns, rows = static_cast<int>(blockDim.x) / kTileWidth;
+    const int x = column * kTileWidth + static_cast<int>(threadIdx.x) % kTileWidth;
+    const int y = row * rows + static_cast<int>(threadIdx.x) / kTileWidth;
+    if (x < nx && y < ny) g(x, y);
   }
+};
+
+/** What f reads of element i while its predecessor may still run. */
+template <class F, class = void>
+struct Early
+{
+  __device__ void read(const F&, int) {}
+  __device__ void run(const F& f, int i) const { f(i); }
+};
+template <class F>
+struct Early<F, std::void_t<decltype(&F::early)>>
+{
+  decltype(std::declval<F>().early(0)) value{};
+  __device__ void read(const F& f, int i) { value = f.early(i); }
+  __device__ void run(const F& f, int i) const { f(i, value); }
 };
 
 template <class F, class G>
 __global__ void __launch_bounds__(kThreads)
     over_range_and_cells(int n, F f, int nx, int ny, Tiles tiles, G g, std::uint64_t* done_ns)
 {
-  wait_for_predecessor();
   const int size = static_cast<int>(blockDim.x), range = (n + size - 1) / size;
   const int block = static_cast<int>(blockIdx.x) - range;
-  if (block < 0)
-  {
-    const int i = static_cast<int>(blockIdx.x) * size + static_cast<int>(threadIdx.x);
-    if (i < n) f(i);
-  }
-  else
-  {
-    const Tiles::Place tile = tiles.place(block);
-    const int rows = size / kTileWidth;
-    const int x = tile.column * kTileWidth + static_cast<int>(threadIdx.x) % kTileWidth;
-    const int y = tile.row * rows + static_cast<int>(threadIdx.x) / kTileWidth;
-    if (x < nx && y < ny) g(x, y);
-  }
+  const int i = static_cast<int>(blockIdx.x) * size + static_cast<int>(threadIdx.x);
+  Early<F> early;
+  if (i < n) early.read(f, i);
+  wait_for_predecessor();
+  if (block >= 0)
+    tiles.run(block, nx, ny, g);
+  else if (i < n)
+    early.run(f, i);
   note_time(done_ns);
 }
 
@@ -289,50 +363,49 @@ __global__ void __launch_bounds__(kThreads)
   note_time(done_ns);
 }
 
-/** f(line)(bit) of all bits as words, layout [word][line]. One warp makes one word. */
+/** f(line)(bit) of all bits as words, layout [word][line]. A warp makes several words of a line. */
 template <class F>
 __global__ void __launch_bounds__(kThreads)
     over_bits(int lines, int bits, F f, std::uint32_t* words, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   const int line = static_cast<int>(blockIdx.x * kThreads + threadIdx.x) / 32;
-  const int word = static_cast<int>(blockIdx.y);
-  const int bit = 32 * word + static_cast<int>(threadIdx.x) % 32;
-  const unsigned packed = __ballot_sync(0xffffffffu, line < lines && bit < bits && f(line)(bit));
-  if (threadIdx.x % 32 == 0 && line < lines) words[word * lines + line] = packed;
+  const int lane = static_cast<int>(threadIdx.x) % 32;
+  if (line < lines)
+  {
+    const auto marks = f(line);
+    for (int word = static_cast<int>(blockIdx.y); 32 * word < bits;
+         word += static_cast<int>(gridDim.y))
+    {
+      const int bit = 32 * word + lane;
+      const unsigned packed = __ballot_sync(0xffffffffu, bit < bits && marks(bit));
+      if (lane == 0) words[word * lines + line] = packed;
+    }
+  }
   note_time(done_ns);
 }
 
-/** f of a range, and beside it g(x, y) of the cells, which marks some: the marks of the rows, then
- * of the columns, layout [word][line]. */
-template <class F, class G>
-__global__ void __launch_bounds__(kThreads) over_range_and_marked_cells(
-    int n, F f, int side, Tiles tiles, G g, std::uint32_t* marks, std::uint64_t* done_ns)
+/** f(x, y) of the cells, which marks some: the marks of the rows, then of the columns, layout
+ * [word][line]. */
+template <class F>
+__global__ void __launch_bounds__(kTileWidth* kTileRows)
+    over_marked_cells(int side, F f, std::uint32_t* marks, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   __shared__ unsigned rows[kTileRows];
-  const int range = (n + kThreads - 1) / kThreads, block = static_cast<int>(blockIdx.x) - range;
-  if (block < 0)
+  const int lane = static_cast<int>(threadIdx.x), row = static_cast<int>(threadIdx.y);
+  const int word = static_cast<int>(blockIdx.x), x = kTileWidth * word + lane;
+  const int y0 = static_cast<int>(blockIdx.y) * kTileRows, y = y0 + row;
+  const unsigned marked = __ballot_sync(0xffffffffu, x < side && y < side && f(x, y));
+  if (lane == 0) rows[row] = marked;
+  if (lane == 0 && y < side) marks[word * 2 * side + y] = marked;
+  __syncthreads();
+  if (row == 0 && x < side)
   {
-    const int i = static_cast<int>(blockIdx.x) * kThreads + static_cast<int>(threadIdx.x);
-    if (i < n) f(i);
-  }
-  else
-  {
-    const int lane = static_cast<int>(threadIdx.x) % 32, row = static_cast<int>(threadIdx.x) / 32;
-    const Tiles::Place tile = tiles.place(block);
-    const int x = 32 * tile.column + lane, y0 = tile.row * kTileRows, y = y0 + row;
-    const unsigned marked = __ballot_sync(0xffffffffu, x < side && y < side && g(x, y));
-    if (lane == 0) rows[row] = marked;
-    if (lane == 0 && y < side) marks[tile.column * 2 * side + y] = marked;
-    __syncthreads();
-    if (row == 0 && x < side)
-    {
-      unsigned column = 0;
-      for (int r = 0; r < kTileRows; r++) column |= (rows[r] >> lane & 1u) << r;
-      std::uint32_t* const of_column = marks + y0 / 32 * 2 * side + side + x;
-      reinterpret_cast<std::uint8_t*>(of_column)[y0 % 32 / 8] = static_cast<std::uint8_t>(column);
-    }
+    unsigned column = 0;
+    for (int r = 0; r < kTileRows; r++) column |= (rows[r] >> lane & 1u) << r;
+    std::uint32_t* const of_column = marks + y0 / 32 * 2 * side + side + x;
+    reinterpret_cast<std::uint8_t*>(of_column)[y0 % 32 / 8] = static_cast<std::uint8_t>(column);
   }
   note_time(done_ns);
 }
@@ -365,20 +438,12 @@ struct FillWith
   __device__ void operator()(int i) const { to[i] = value; }
 };
 
-/** Copies a frame from host memory: the context, and the points where they are not copied
- * otherwise. */
-struct FetchFrame
+/** Copies a frame's context from host memory. */
+struct FetchContext
 {
-  const std::uint32_t* staged_context;
-  const float4* staged_points;
+  const std::uint32_t* staged;
   std::uint32_t* context;
-  float4* points;
-  int context_words, point_quads;
-  __device__ void operator()(int i) const
-  {
-    if (i < context_words) context[i] = staged_context[i];
-    if (i < point_quads) points[i] = staged_points[i];
-  }
+  __device__ void operator()(int i) const { context[i] = staged[i]; }
 };
 
 }  // namespace talus::loops

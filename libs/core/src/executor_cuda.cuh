@@ -97,17 +97,6 @@ class CudaExecutor
     const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
     launch(loops::over_range<F>, dim3(blocks(n, size)), dim3(size), 0, n, f);
   }
-  /** f(i) for i in [0, n), and f(slot, team) for slots from 0 on, at most so many, until it says
-   * that there is none. Few are expected. */
-  template <class F>
-  void for_each_and_team(int n, int slots, const F& f)
-  {
-    const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
-    const int teams = slots / kSlotsPerTeam + 1;
-    launch(
-        loops::over_range_and_teams<F>, dim3(blocks(n + 32 * teams, size)), dim3(size), 0, n, teams,
-        f);
-  }
   template <class F, class G>
   void for_each_beside(int n, const F& f, int, int nx, int ny, const G& g)
   {
@@ -116,6 +105,17 @@ class CudaExecutor
     launch(
         loops::over_range_and_cells<F, G>, dim3(blocks(n, size) + cells.x * cells.y), dim3(size), 0,
         n, f, nx, ny, in_line(cells), g);
+  }
+  /** Of the points [0, n) and of crowded cells, at most so many, but few are expected: see
+   * kernels::UpdateCell. */
+  template <class F>
+  void for_each_and_team(int n, int crowded, const F& f)
+  {
+    const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
+    const int teams = crowded / kCellsPerTeam + 1;
+    launch(
+        loops::over_range_and_teams<F>, dim3(blocks(n + 32 * teams, size)), dim3(size), 0, n, teams,
+        f);
   }
   template <class F>
   void for_each_cell(int nx, int ny, const F& f)
@@ -131,14 +131,23 @@ class CudaExecutor
         loops::over_cells<F>, tiles(nx, end - first, rows), dim3(loops::kTileWidth, rows), 0, nx,
         first, end, f, beside_last);
   }
-  template <class F>
-  void for_each_window(int nx, int ny, int radius, const F& f)
+  /** Erosion f, then dilation g of what it says. */
+  template <class F, class G>
+  void for_each_opening(int nx, int ny, int radius, const F& f, const G& g)
   {
-    const int height = window_height(nx, ny, radius, loops::kWindowThreads);
+    // As below; and what fits into shared memory.
+    const int width = loops::kTileWidth + 2 * radius;
+    const auto size = [&](int height)
+    {
+      const int rows = width * (height + 4 * radius), eroded = width * (height + 2 * radius);
+      return static_cast<std::size_t>(rows) * sizeof(typename F::Row) +
+             static_cast<std::size_t>(eroded) * sizeof(float);
+    };
+    int height = nx * ny < kManyThreads ? 4 : loops::kTileWidth;
+    while (size(height) > kSharedBytes) height--;
     launch(
-        loops::over_windows<F>, tiles(nx, ny, height),
-        dim3(loops::kTileWidth, loops::kWindowThreads), rows_size<F>(height + 2 * radius), nx, ny,
-        radius, height, f);
+        loops::over_opening<F, G>, tiles(nx, ny, height), dim3(loops::kOpeningThreads),
+        size(height), nx, ny, radius, height, f, g);
   }
   /** f of the neighbourhoods of cells, then g of what f says of each cell and its neighbours, see
    * kernels::CompleteObstacles. Of the rows [first, end) of ny. */
@@ -146,13 +155,17 @@ class CudaExecutor
   void for_each_judged_cell_of_rows(
       int nx, int ny, int first, int end, int radius, const F& f, const G& g, bool beside_last)
   {
+    // High tiles share more rows; where there are few cells, low ones spread over the device and
+    // need one round of rows.
+    constexpr int rows = loops::kWindowThreads;
     const int most = std::min(loops::kJudgedRows, loops::kMostRows - 2 * radius);
-    const int height = window_height(nx, ny, radius, most) - 2;
+    const int height = (nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : most) - 2;
+    const auto size = static_cast<std::size_t>(loops::kTileWidth * (height + 2 + 2 * radius));
     const dim3 grid(blocks(nx, loops::kTileWidth - 2), blocks(end - first, height));
     launch(
         loops::over_windows_and_neighbours<F, G>, grid,
-        dim3(loops::kTileWidth, loops::kWindowThreads), rows_size<F>(height + 2 + 2 * radius), nx,
-        ny, first, end, radius, height, f, g, beside_last);
+        dim3(loops::kTileWidth, loops::kWindowThreads), size * sizeof(typename F::Row), nx, ny,
+        first, end, radius, height, f, g, beside_last);
   }
   /** The steps of kernels::SettleRays; beside them g(i) for i in [0, n). */
   template <class F, class G>
@@ -167,21 +180,19 @@ class CudaExecutor
   template <class F>
   void pack_bits(int lines, int bits, const F& f, std::uint32_t* words)
   {
+    const int per_warp = lines * bits < kManyThreads ? 1 : kWordsPerWarp;
     launch(
-        loops::over_bits<F>, dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32)),
+        loops::over_bits<F>, dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32 * per_warp)),
         dim3(loops::kThreads), 0, lines, bits, f, words);
   }
-  /** f(i) for i in [0, n); beside it g(x, y) of side * side cells, which says whether it marks one.
-   * Marks: bits of the rows, then of the columns, layout [word][line]. */
-  template <class F, class G>
-  void mark_cells_beside(int n, const F& f, int side, const G& g, std::uint32_t* marks)
+  /** f(x, y) of side * side cells, which says whether it marks one. Marks: bits of the rows, then
+   * of the columns, layout [word][line]. */
+  template <class F>
+  void mark_cells(int side, const F& f, std::uint32_t* marks)
   {
-    static_assert(loops::kThreads == 32 * loops::kTileRows);
-    const dim3 cells = tiles(side, side, loops::kTileRows);
     launch(
-        loops::over_range_and_marked_cells<F, G>,
-        dim3(blocks(n, loops::kThreads) + cells.x * cells.y), dim3(loops::kThreads), 0, n, f, side,
-        in_line(cells), g, marks);
+        loops::over_marked_cells<F>, tiles(side, side, loops::kTileRows),
+        dim3(loops::kTileWidth, loops::kTileRows), 0, side, f, marks);
   }
   /** f of the cells of the rows [first, end), see kernels::SearchAndFillCell: where there are few,
    * each side of each line has a thread. */
@@ -224,23 +235,30 @@ class CudaExecutor
     if (joins_) follow(side_, main_);
     joins_ = false;
   }
-  /** body(first, end, beside_last) of all rows in bands of so many that `row_bytes` of each, which
-   * are copied aside, make it worth while. Bands do not need each other, so that the kernels of all
-   * but the first may run beside the last one. */
+  /** body(first, end, beside_last) of all rows, of so many layers that are copied aside; in bands
+   * where that is worth while. The first is small, and each is computed about as fast as the last
+   * one is copied, so that the bus starts early and does not wait. Bands do not need each other:
+   * the kernels of all but the first may run beside the last one. */
   template <class Body>
-  void in_bands(int rows, std::size_t row_bytes, const Body& body)
+  void in_bands(int rows, int layers, const Body& body)
   {
-    const std::size_t bytes = row_bytes * static_cast<std::size_t>(rows);
-    const int bands = static_cast<int>(std::min(bytes / kBandBytes + 1, kMaxBands));
-    for (int b = 0; b < bands; b++) body(rows * b / bands, rows * (b + 1) / bands, b > 0);
+    const auto bytes = static_cast<std::size_t>(layers) * static_cast<std::size_t>(rows) *
+                       static_cast<std::size_t>(rows) * sizeof(float);
+    int shares = 1;
+    if (bytes >= kBandBytes)
+      for (int share = 1; shares < kLeastShares;) share *= layers, shares += share;
+    for (int begin = 0, share = 1; begin < shares; begin += share, share *= layers)
+      body(rows * begin / shares, rows * (begin + share) / shares, begin > 0);
   }
 
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr int kMaxLaps = kStageCount + 1;
-  static constexpr int kSlotsPerTeam = 4;
+  static constexpr std::size_t kSharedBytes = 48 * 1024;  //!< that a block gets anywhere
+  static constexpr int kCellsPerTeam = 4, kWordsPerWarp = 4;
   static constexpr int kManyThreads = 100000;  //!< enough to fill a device
-  static constexpr std::size_t kBandBytes = 1024 * 1024, kMaxBands = 4;
+  static constexpr std::size_t kBandBytes = 1024 * 1024;
+  static constexpr int kLeastShares = 4;
 
   struct Lane
   {
@@ -282,19 +300,6 @@ class CudaExecutor
     return {static_cast<int>(tiles.x), 1.0f / static_cast<float>(tiles.x)};
   }
 
-  /** Of a tile with neighbourhoods. High ones share more rows; where there are few cells, low ones
-   * spread over the device and need one round of rows. */
-  static int window_height(int nx, int ny, int radius, int most)
-  {
-    constexpr int rows = loops::kWindowThreads;
-    return nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : most;
-  }
-  template <class F>
-  static std::size_t rows_size(int rows)
-  {
-    return static_cast<std::size_t>(loops::kTileWidth * rows) * sizeof(typename F::Row);
-  }
-
   /** Where the time of the current lap is noted. */
   std::uint64_t* lap_note() { return recording_ ? lap_ns_.data() + lap_ : nullptr; }
 
@@ -316,7 +321,7 @@ class CudaExecutor
     main_.after_kernel = true;
   }
 
-  /** Whether the points are copied by the bus as they are staged, not fetched by the graph. */
+  /** Whether the points are copied by the bus as they are staged, not read from where they are. */
   bool copies_points() const;
 
   std::string name_;
@@ -328,7 +333,6 @@ class CudaExecutor
   std::size_t direct_bytes_ = 0;  //!< of outputs that kernels write into host memory
   // the frame's points, and how they reach the device
   std::size_t capacity_ = 0;
-  bool times_ = false;  //!< a frame had times
   PinnedBuffer<std::uint32_t> staged_;  //!< context, then x, y, z, time
   DeviceBuffer<float> points_;
   // the report

@@ -10,9 +10,9 @@ namespace
 {
 constexpr std::size_t kContextWords = sizeof(kernels::FrameContext) / sizeof(std::uint32_t);
 constexpr std::size_t kStagedPoints = (kContextWords + 63) / 64 * 64;  //!< where the arrays begin
-/** Frames of up to so many bytes are fetched by the graph's first kernel; larger ones are copied by
- * the bus, each array while the next one is staged. */
-constexpr std::size_t kFetchBytes = 512 * 1024;
+/** Frames of up to so many bytes are read from host memory by the kernel that accepts points;
+ * larger ones are copied by the bus, each array while the next one is staged. */
+constexpr std::size_t kReadBytes = 512 * 1024;
 /** Layers of up to so many bytes in all are written to host memory by the kernels that compute
  * them; what is beyond is copied. */
 constexpr std::size_t kDirectBytes = 1024 * 1024;
@@ -32,7 +32,7 @@ inline CudaExecutor::CudaExecutor()
   TALUS_CUDA(cudaGetDeviceProperties(&device, 0));
   name_ = std::string("cuda: ") + device.name;
   cudaFuncAttributes code;
-  if (cudaFuncGetAttributes(&code, loops::over_range<loops::FetchFrame>) != cudaSuccess)
+  if (cudaFuncGetAttributes(&code, loops::over_range<loops::FetchContext>) != cudaSuccess)
   {
     static_cast<void>(cudaGetLastError());
     throw std::runtime_error(
@@ -57,7 +57,7 @@ inline OutputMemory CudaExecutor::map_output(float* host, std::size_t size)
 
 inline bool CudaExecutor::copies_points() const
 {
-  return 3 * capacity_ * sizeof(float) > kFetchBytes;
+  return 3 * capacity_ * sizeof(float) > kReadBytes;
 }
 
 inline PointArrays CudaExecutor::point_arrays(std::size_t capacity)
@@ -68,7 +68,7 @@ inline PointArrays CudaExecutor::point_arrays(std::size_t capacity)
     staged_ = {};
     staged_ = PinnedBuffer<std::uint32_t>(kStagedPoints + 4 * capacity);
     std::memset(staged_.data(), 0, staged_.size() * sizeof(std::uint32_t));
-    allocate(points_, 4 * capacity, 0.0f);
+    allocate(points_, copies_points() ? 4 * capacity : 0, 0.0f);
   }
   auto* p = reinterpret_cast<float*>(staged_.data() + kStagedPoints);
   return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
@@ -78,10 +78,9 @@ inline kernels::PointsIn CudaExecutor::stage(
     const Frame& frame, const kernels::FrameContext& context, std::size_t capacity)
 {
   const PointArrays to = point_arrays(capacity);
-  if (context.has_times && !times_) graph_.reset(), times_ = true;
   std::memcpy(staged_.data(), &context, sizeof context);
   const float* const from[] = {frame.x_m, frame.y_m, frame.z_m, frame.time_s};
-  float* const p = points_.data();
+  float* const p = copies_points() ? points_.data() : to.x_m;
   const int arrays = frame.size == 0 ? 0 : context.has_times ? 4 : 3;
   std::array<CopyBlock, kMaxCopyBlocks> blocks;
   for (std::size_t a = 0; a < static_cast<std::size_t>(arrays); a++)
@@ -96,14 +95,9 @@ inline kernels::PointsIn CudaExecutor::stage(
 
 inline void CudaExecutor::fetch(Buffer<kernels::FrameContext>& context)
 {
-  const auto quads = static_cast<int>(copies_points() ? 0 : (times_ ? 4 : 3) * capacity_ / 4);
-  const auto words = static_cast<int>(kContextWords);
   for_each(
-      std::max(words, quads),
-      loops::FetchFrame{
-          staged_.data(), reinterpret_cast<const float4*>(staged_.data() + kStagedPoints),
-          reinterpret_cast<std::uint32_t*>(context.data()),
-          reinterpret_cast<float4*>(points_.data()), words, quads});
+      static_cast<int>(kContextWords),
+      loops::FetchContext{staged_.data(), reinterpret_cast<std::uint32_t*>(context.data())});
   lap_++;
 }
 

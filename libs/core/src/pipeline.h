@@ -160,42 +160,56 @@ class Pipeline final : public BackendInterface
     const kernels::ErodeSupport erode{config_.data(), grid};
     const kernels::OpenSupport open{grid};
     if constexpr (Executor::kWalksLines)
+    {
       executor_.for_each_pair_of_rows(grid.side, side(), context_.data(), pool);
-    else
-      executor_.for_each_cell(grid.side, grid.side, pool);
-    executor_.for_each_window(grid.side, grid.side, radius, erode);
-    executor_.for_each_window(grid.side, grid.side, radius, open);
-    if constexpr (Executor::kWalksLines)
+      executor_.for_each_window(grid.side, grid.side, radius, erode);
+      executor_.for_each_window(grid.side, grid.side, radius, open);
       executor_.for_each_concerned_cell(side(), context_.data(), choose_role());
+    }
+    else
+    {
+      // The rays and the counts have been used.
+      executor_.for_each_beside(
+          workers(), tidy_up(static_cast<int>(rays_.size()), cells()), 5, grid.side, grid.side,
+          pool);
+      executor_.for_each_opening(grid.side, grid.side, radius, erode, open);
+    }
   }
 
   void clean_up()
   {
-    const int workers = executor_.workers(cells());
-    const bool fills = Executor::kWalksLines;  // a core fills memory faster than a loop
-    if (fills) executor_.fill(rays_, kernels::kNoRay), executor_.fill(cell_count_, 0u);
-    const kernels::TidyUp tidy{
+    const kernels::CleanUpCell clean{side(),    config_.data(),  store(),
+                                     passing(), top_hit_.data(), role_.data()};
+    if constexpr (Executor::kWalksLines)
+    {
+      // A core fills memory faster than a loop.
+      executor_.fill(rays_, kernels::kNoRay), executor_.fill(cell_count_, 0u);
+      executor_.for_each_concerned_cell_beside(
+          workers(), tidy_up(0, 0), 5, side(), context_.data(), clean);
+    }
+    else
+      executor_.mark_cells(
+          side(),
+          kernels::SettleCell{
+              choose_role(), clean, line_grid(), samples().height_m, samples().variance_m2},
+          unguarded(axis_marks_, 2 * side()));
+  }
+
+  int workers() const { return executor_.workers(cells()); }
+  kernels::TidyUp tidy_up(int rays, int counts)
+  {
+    return {
         rays_.data(),
-        fills ? 0 : static_cast<int>(rays_.size()),
+        rays,
         cell_count_.data(),
         kept_count_.data(),
-        fills ? 0 : cells(),
+        counts,
         static_cast<int>(kept_count_.size()),
         counters_.data(),
         executor_.reported(),
         kernels::kRejectCodes,
         cursor_.data(),
-        workers};
-    const kernels::CleanUpCell clean{side(),    config_.data(),  store(),
-                                     passing(), top_hit_.data(), role_.data()};
-    if constexpr (Executor::kWalksLines)
-      executor_.for_each_concerned_cell_beside(workers, tidy, 5, side(), context_.data(), clean);
-    else
-      executor_.mark_cells_beside(
-          workers, tidy, side(),
-          kernels::SettleCell{
-              choose_role(), clean, line_grid(), samples().height_m, samples().variance_m2},
-          unguarded(axis_marks_, 2 * side()));
+        workers()};
   }
 
   void fill()
@@ -241,7 +255,7 @@ class Pipeline final : public BackendInterface
         line_grid(),
         kernels::places_in(host_config_.fill_search_m, host_config_.resolution_m, side() - 1)};
     executor_.in_bands(
-        side(), copied_surfaces() * static_cast<std::size_t>(side()) * sizeof(float),
+        side(), copied_surfaces(),
         [&](int first, int end, bool beside_last)
         {
           executor_.for_each_cell_by_lines(side(), first, end, search, beside_last);
@@ -264,7 +278,7 @@ class Pipeline final : public BackendInterface
       judge_rows<kParts>(0, side(), false);
     else
       executor_.in_bands(
-          side(), copied_features() * static_cast<std::size_t>(side()) * sizeof(float),
+          side(), copied_features(),
           [&](int first, int end, bool beside_last)
           {
             judge_rows<kParts>(first, end, beside_last);
@@ -296,9 +310,9 @@ class Pipeline final : public BackendInterface
   void complete_parts();
   void allocate_parts();
   bool is_copied(Layer layer) const;
-  std::size_t copied_surfaces() const { return copied(Layer::Elevation, Layer::State); }
-  std::size_t copied_features() const { return copied(Layer::Slope, Layer::Traversability); }
-  std::size_t copied(Layer first, Layer last) const;
+  int copied_surfaces() const { return copied(Layer::Elevation, Layer::State); }
+  int copied_features() const { return copied(Layer::Slope, Layer::Traversability); }
+  int copied(Layer first, Layer last) const;
   void deliver_surfaces(int first_row, int end_row);
   void deliver_features(int first_row, int end_row);
   void deliver(Layer layer, int first_row, int end_row);

@@ -43,9 +43,9 @@ bool Pipeline<Executor>::is_copied(Layer layer) const
 
 /** How many of the layers [first, last] are. */
 template <class Executor>
-std::size_t Pipeline<Executor>::copied(Layer first, Layer last) const
+int Pipeline<Executor>::copied(Layer first, Layer last) const
 {
-  std::size_t n = 0;
+  int n = 0;
   for (int l = static_cast<int>(first); l <= static_cast<int>(last); l++)
     n += is_copied(static_cast<Layer>(l));
   return n;
