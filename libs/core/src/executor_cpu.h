@@ -29,7 +29,7 @@ class CpuMemory
 
   /** Cells of more points are updated by a team of threads: all, each by a team of one. */
   static constexpr int kCrowd = 0;
-  /** Fills walk lines and carry samples along. */
+  /** Fills sweep along lines and carry samples with them. */
   static constexpr bool kWalksLines = true;
 
   template <class T>
@@ -259,7 +259,7 @@ class CpuExecutor : public CpuMemory
         2 * n, n, [&f, cells, frame, n](int py) { PairOfRows<F>(f, n).pool(py, cells, *frame); });
   }
 
-  /** Fills `to` by walking the rays from the sensor's cell, then rows and columns. */
+  /** Fills `to` by sweeping along the rays from the sensor's cell, then rows, then columns. */
   void walk_lines(
       const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Samples& samples,
       const kernels::InferenceGrid& to)
