@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-// Stage 7's lines on the CPU. Sixteen lines that lie side by side are swept from end to end, place
+// Stage 7's lines on the CPU. Thirty-two lines, side by side, are swept from end to end, place
 // by place, and carry the samples that they met last along; then back, and what a cell has on both
 // sides is known. So a cell costs the same however far its samples are, neighbours are read
 // together, and everything is vector code.
