@@ -192,12 +192,7 @@ struct ChooseRole
   TALUS_HD void operator()(int x, int y, int i) const
   {
     const int px = (x + frame->odd_x) >> 1, py = (y + frame->odd_y) >> 1;
-    (*this)(i, px, py, grid.opened_m[grid.at(px, py)]);
-  }
-
-  /** Decides for the cell stored at i, of a pooled cell with that opening. */
-  TALUS_HD void operator()(int i, int px, int py, float opened_m) const
-  {
+    const float opened_m = grid.opened_m[grid.at(px, py)];
     const bool measured = store.state[i] == kMeasured;
     role[i] = measured ? role_of_measured(px, py, store.ground_m[i], opened_m) : kInfer;
     if (!measured) join_column(i, px, py);

@@ -116,6 +116,9 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b, int r
 
 /** Wider gaps may hold a face: the front of something, or the edge of a drop. */
 constexpr float kFaceGap_m = 0.3f;
+/** What any line is off by [m], however short: of this size it makes short lines count nearly
+ * alike, so that their noise averages out. */
+constexpr float kLineDeviation_m = 0.080f;
 
 /** Heights of several lines, each weighed by how far it has to bridge. */
 struct LineFusion
@@ -136,7 +139,7 @@ struct LineFusion
     const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
     const float linear = a.mean_m + (b.mean_m - a.mean_m) * part;
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
-    const float error = 0.1f * a.distance_m * b.distance_m / (a.distance_m + b.distance_m);
+    const float error = 0.1f * a.distance_m * b.distance_m / gap_m;
     const float height = select(both, between, select(has_a, a.mean_m, b.mean_m));
     const float deviation = select(both, error, 0.3f * select(has_a, a.distance_m, b.distance_m));
     add(height, deviation, (has_a | has_b) & (along_ray | !face));
@@ -153,7 +156,7 @@ struct LineFusion
  private:
   TALUS_HD void add(float height_m, float deviation_m, bool known)
   {
-    const float d = 0.080f + deviation_m;
+    const float d = kLineDeviation_m + deviation_m;
     information += select(known, 1.0f / (d * d), 0.0f);
     weighted += select(known, height_m / (d * d), 0.0f);
     lowest_m = min_of(lowest_m, select(known, height_m, kInfinity));
@@ -257,6 +260,12 @@ struct InferenceGrid
                     //!< see stage 9
 };
 
+/** Whether fills may build on the ground of the cell stored at i. */
+TALUS_HD bool is_sample(const CellStore& store, const std::uint8_t* role, int i)
+{
+  return (store.state[i] == kMeasured) & (role[i] == kKeep);
+}
+
 struct TakeSample
 {
   const Config* config;
@@ -270,7 +279,7 @@ struct TakeSample
   {
     const int o = grid.at(ix, iy);
     const float bound_m = ray_bound_m[iy * config->cells + ix];
-    const bool sample = (store.state[i] == kMeasured) & (role[i] == kKeep);
+    const bool sample = is_sample(store, role, i);
     const float ground_m = store.ground_m[i];
     samples.height_m[o] = select(sample, ground_m, kNan);
     samples.variance_m2[o] = sample_variance(ground_m, store.ground_var_m2[i], bound_m);

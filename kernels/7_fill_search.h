@@ -194,13 +194,10 @@ struct SettleCell
   /** True for a sample. */
   TALUS_HD bool operator()(int ix, int iy) const
   {
-    const FrameContext& f = *choose.frame;
-    const SupportGrid& support = choose.grid;
-    const int i = storage_index(f, clean.cells, ix, iy);
-    const int px = (ix + f.odd_x) / 2, py = (iy + f.odd_y) / 2;
-    choose(i, px, py, support.opened_m[support.at(px, py)]);
+    const int i = storage_index(*choose.frame, clean.cells, ix, iy);
+    choose(ix, iy, i);
     if (clean.concerns(ix, iy, i)) clean(ix, iy, i);
-    const bool sample = clean.store.state[i] == kMeasured && clean.role[i] == kKeep;
+    const bool sample = is_sample(clean.store, clean.role, i);
     const float ground_m = clean.store.ground_m[i];
     const int o = grid.at(ix, iy);
     sample_m[o] = sample ? ground_m : kNan;

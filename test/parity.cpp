@@ -92,13 +92,20 @@ class Pair
   int frames_ = 0;
 };
 
-Scan drive_frame(int i, Random& random)
+/** What is seen from a place in the street, partly spoilt. */
+Scan street_scan(double x_m, double y_m, double walked_m, int azimuths, int beams, Random& random)
 {
-  Scan s(0.031 * i, 0.4 * std::sin(0.05 * i), 0.7);
-  if (i % 17 == 5) return s;
-  s.cast(street(0.02 * i), 360, -0.6, 0.1, 24);
+  Scan s(x_m, y_m, 0.7);
+  s.cast(street(walked_m), azimuths, -0.6, 0.1, beams);
   spoil(s, random);
   return s;
+}
+
+Scan drive_frame(int i, Random& random)
+{
+  const double x_m = 0.031 * i, y_m = 0.4 * std::sin(0.05 * i);
+  if (i % 17 == 5) return Scan(x_m, y_m, 0.7);
+  return street_scan(x_m, y_m, 0.02 * i, 360, 24, random);
 }
 
 /** Turns and tilts the sensor; the points keep their coordinates in its frame. */
@@ -174,12 +181,8 @@ TEST(Parity, FramesThatGrowAndShrinkOnAWideMapWithOutputLayers)
   maps.cuda.set_output_layers({Layer::Traversability, Layer::Elevation, Layer::State});
   Random noise(6);
   for (int i = 0; i < 40; i++)
-  {
-    Scan s(-3 + 0.21 * i, 0.1 * i, 0.7);
-    s.cast(street(0.1 * i), 90 << (i % 5), -0.6, 0.1, 64);
-    spoil(s, noise);
-    ASSERT_NO_FATAL_FAILURE(maps.update(s));
-  }
+    ASSERT_NO_FATAL_FAILURE(
+        maps.update(street_scan(-3 + 0.21 * i, 0.1 * i, 0.1 * i, 90 << (i % 5), 64, noise)));
 }
 
 TEST(Parity, AMapOfMillionsOfCellsWhoseLayersAreCopied)
@@ -190,12 +193,7 @@ TEST(Parity, AMapOfMillionsOfCellsWhoseLayersAreCopied)
   maps.cuda.set_output_layers({Layer::Elevation, Layer::GroundElevation, Layer::Slope});
   Random noise(9);
   for (int i = 0; i < 3; i++)
-  {
-    Scan s(0.3 * i, 0, 0.7);
-    s.cast(street(0.1 * i), 720, -0.6, 0.1, 64);
-    spoil(s, noise);
-    ASSERT_NO_FATAL_FAILURE(maps.update(s));
-  }
+    ASSERT_NO_FATAL_FAILURE(maps.update(street_scan(0.3 * i, 0, 0.1 * i, 720, 64, noise)));
 }
 
 TEST(Parity, TheWidestNeighbourhoodsOfObjectsAndFeaturesAndManySamples)
@@ -211,12 +209,7 @@ TEST(Parity, TheWidestNeighbourhoodsOfObjectsAndFeaturesAndManySamples)
     Pair maps(p);
     Random noise(11);
     for (int i = 0; i < 6; i++)
-    {
-      Scan s(0.15 * i, 0, 0.7);
-      s.cast(street(0.1 * i), 360, -0.6, 0.1, 24);
-      spoil(s, noise);
-      ASSERT_NO_FATAL_FAILURE(maps.update(s));
-    }
+      ASSERT_NO_FATAL_FAILURE(maps.update(street_scan(0.15 * i, 0, 0.1 * i, 360, 24, noise)));
   }
 }
 

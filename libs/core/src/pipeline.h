@@ -147,7 +147,7 @@ class Pipeline final : public BackendInterface
               sort, lowest_slope_.data(), kept_count_.data(), counters_.data()},
           5, look);
     executor_.for_each_and_team(
-        points(), points() / std::max(Executor::kCrowd, 1),
+        points(), most_crowded(points()),
         kernels::UpdateCell{
             config_.data(), context_.data(), store(), points_out(), sorting(), top_hit_.data()});
   }
@@ -313,8 +313,15 @@ class Pipeline final : public BackendInterface
   int copied_surfaces() const { return copied(Layer::Elevation, Layer::State); }
   int copied_features() const { return copied(Layer::Slope, Layer::Traversability); }
   int copied(Layer first, Layer last) const;
-  void deliver_surfaces(int first_row, int end_row);
-  void deliver_features(int first_row, int end_row);
+  void deliver_surfaces(int first_row, int end_row)
+  {
+    deliver(Layer::Elevation, Layer::State, first_row, end_row);
+  }
+  void deliver_features(int first_row, int end_row)
+  {
+    deliver(Layer::Slope, Layer::Traversability, first_row, end_row);
+  }
+  void deliver(Layer first, Layer last, int first_row, int end_row);
   void deliver(Layer layer, int first_row, int end_row);
   void export_surface(Layer layer, float* to);
   void allocate_cells();
@@ -323,6 +330,8 @@ class Pipeline final : public BackendInterface
 
   int side() const { return host_config_.cells; }
   int cells() const { return side() * side(); }
+  /** How many cells of so many points can be crowded. */
+  static int most_crowded(int points) { return points / std::max(Executor::kCrowd, 1); }
   int points() const { return executor_.loop_size(n_points_, point_cell_.size()); }
   template <class F>
   void for_each_point(const F& f)

@@ -51,21 +51,12 @@ int Pipeline<Executor>::copied(Layer first, Layer last) const
   return n;
 }
 
-/** Elevation, ground, variance and state. */
+/** Their rows [first_row, end_row). */
 template <class Executor>
-void Pipeline<Executor>::deliver_surfaces(int first_row, int end_row)
+void Pipeline<Executor>::deliver(Layer first, Layer last, int first_row, int end_row)
 {
-  for (const Layer l : {Layer::Elevation, Layer::GroundElevation, Layer::Variance, Layer::State})
-    deliver(l, first_row, end_row);
-}
-
-/** The layers of stages 8 and 9. */
-template <class Executor>
-void Pipeline<Executor>::deliver_features(int first_row, int end_row)
-{
-  for (const Layer l :
-       {Layer::Slope, Layer::Step, Layer::Roughness, Layer::Sparsity, Layer::Traversability})
-    deliver(l, first_row, end_row);
+  for (int l = static_cast<int>(first); l <= static_cast<int>(last); l++)
+    deliver(static_cast<Layer>(l), first_row, end_row);
 }
 
 /** The rows of a layer, if it is copied. */

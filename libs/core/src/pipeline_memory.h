@@ -83,7 +83,7 @@ void Pipeline<Executor>::reserve_points(std::size_t points)
   const std::size_t capacity = std::max<std::size_t>(1, (points + step - 1) / step) * step;
   executor_.allocate(point_cell_, capacity, std::int32_t{-1});
   executor_.allocate(
-      crowded_, capacity / static_cast<std::size_t>(std::max(Executor::kCrowd, 1)) + 1,
+      crowded_, static_cast<std::size_t>(most_crowded(static_cast<int>(capacity))) + 1,
       std::int32_t{0});
   executor_.allocate(point_ray_, capacity, std::int32_t{-1});
   executor_.allocate(point_slope_, capacity, 0.0f);
