@@ -3,23 +3,44 @@
 #include "kernels/3_roll.h"
 #include "kernels/team.h"
 
+#include <tuple>
+
 namespace talus::kernels
 {
 // Stage 4 (III-B.1). The points of a cell in one frame are a set: every step below is a minimum, a
-// maximum or an exact integer sum over them, so that their order cannot matter.
+// maximum or an exact integer sum over them, so that their order cannot matter. What is done with
+// one point, and with one cell between two looks at its points, has no branches: a team of threads
+// looks through the points of one cell, or one thread through those of many cells side by side.
 
 struct HeightPoint
 {
   float height_m;
   float variance_m2;
-  bool overhangs = false;  //!< a ray of its own direction passed below it and ended behind it
+  std::int32_t overhangs = 0;  //!< a ray of its own direction passed below it and ended behind it
+
+  static constexpr auto fields()
+  {
+    return std::make_tuple(
+        &HeightPoint::height_m, &HeightPoint::variance_m2, &HeightPoint::overhangs);
+  }
 };
 
-/** The points of one cell. */
+/** The points of one cell, and who looks through them. */
+template <class Team>
 struct CellPoints
 {
   const HeightPoint* at;
   int size;
+  Team team;
+
+  /** What all of them add to `sum`, when asked so. */
+  template <class Sum, class Question>
+  TALUS_HD Sum look(Sum sum, const Question& asked, const Config& k) const
+  {
+    for (int i = team.rank(); i < size; i += team.size()) sum.add(at[i], true, asked, k);
+    sum.join(team);
+    return sum;
+  }
 };
 
 /** Eq. 5 as an innovation gate: the distance is measured in the deviation of cell and point
@@ -40,42 +61,45 @@ TALUS_HD float height_of_key(std::int64_t key)
   return float_from_ordered(static_cast<std::int32_t>(key >> 32));
 }
 
-/** The ends of a set of points; of equal heights the point with the smaller variance. */
-struct Extremes
+/** A question about a set of points: what is wanted of those up to a height. */
+struct UpTo
 {
-  HeightPoint low, high;
+  float limit_m = kInfinity;
+
+  static constexpr auto fields() { return std::make_tuple(&UpTo::limit_m); }
 };
 
-template <class Team>
-TALUS_HD Extremes extremes(const CellPoints& points, const Team& team)
+/** The lowest and the highest of a set of points; of equal heights the point with the smaller
+ * variance. */
+struct Extremes
 {
   std::int64_t low = order_key(kInfinity, 0), high = order_key(-kInfinity, 0);
-  for (int i = team.rank(); i < points.size; i += team.size())
-  {
-    const HeightPoint p = points.at[i];
-    low = min_of(low, order_key(p.height_m, bits_of(p.variance_m2)));
-    high = max_of(high, order_key(p.height_m, ~bits_of(p.variance_m2)));
-  }
-  low = team.min(low);
-  high = team.max(high);
-  return {
-      {height_of_key(low), float_of_bits(static_cast<std::uint32_t>(low))},
-      {height_of_key(high), float_of_bits(~static_cast<std::uint32_t>(high))}};
-}
 
-/** The highest point that is not above a limit, likewise. There is one. */
-template <class Team>
-TALUS_HD HeightPoint highest_up_to(const CellPoints& points, float limit_m, const Team& team)
-{
-  std::int64_t best = order_key(-kInfinity, 0);
-  for (int i = team.rank(); i < points.size; i += team.size())
+  static constexpr auto fields() { return std::make_tuple(&Extremes::low, &Extremes::high); }
+  /** Here and below: a point that does not count changes nothing. */
+  TALUS_HD void add(const HeightPoint& p, bool counts, const UpTo& asked, const Config&)
   {
-    const HeightPoint p = points.at[i];
-    if (p.height_m <= limit_m) best = max_of(best, order_key(p.height_m, ~bits_of(p.variance_m2)));
+    const bool inside = counts & (p.height_m <= asked.limit_m);
+    const std::int64_t as_low = order_key(p.height_m, bits_of(p.variance_m2));
+    const std::int64_t as_high = order_key(p.height_m, ~bits_of(p.variance_m2));
+    low = select(inside & (as_low < low), as_low, low);
+    high = select(inside & (as_high > high), as_high, high);
   }
-  best = team.max(best);
-  return {height_of_key(best), float_of_bits(~static_cast<std::uint32_t>(best))};
-}
+  template <class Team>
+  TALUS_HD void join(const Team& team)
+  {
+    low = team.min(low);
+    high = team.max(high);
+  }
+  TALUS_HD HeightPoint lowest() const
+  {
+    return {height_of_key(low), float_of_bits(static_cast<std::uint32_t>(low))};
+  }
+  TALUS_HD HeightPoint highest() const
+  {
+    return {height_of_key(high), float_of_bits(~static_cast<std::uint32_t>(high))};
+  }
+};
 
 /** A height and its variance. */
 struct Estimate
@@ -84,136 +108,229 @@ struct Estimate
   float variance_m2;
 };
 
-/** Kalman fusion (eq. 6 and 7, d <= c) of all points inside the gate around `base`, in one step:
- * the information of a set adds up. Sums are in integers: distances in 2^-20 m, information in 2^-8
- * / m^2. `base` itself takes part when it is a prior; a base that is one of the points is in the
- * set already. */
-template <class Team>
-TALUS_HD Estimate fuse(
-    const Estimate& base, bool base_is_prior, const CellPoints& points, float limit_m,
-    const Config& k, const Team& team)
+/** What a surface of a cell is fused from: `base` and the points inside the gate around it that are
+ * not above a limit. */
+struct FusionPlan
 {
-  constexpr float kInformation = 256.0f, kDistance = 1048576.0f;
-  const std::int64_t prior =
-      base_is_prior ? static_cast<std::int64_t>(kInformation / base.variance_m2) : 0;
-  std::int64_t information = 0, weighted_distance = 0;
-  for (int i = team.rank(); i < points.size; i += team.size())
+  float base_m, base_var_m2;
+  float limit_m = kInfinity;
+  std::int32_t base_is_prior = 0;  //!< it takes part; else it is one of the points
+  std::int32_t wanted = 0;  //!< the surface changes at all
+
+  static constexpr auto fields()
   {
-    const HeightPoint p = points.at[i];
-    if (p.height_m > limit_m ||
-        !inside_gate(p.height_m, p.variance_m2, base.height_m, base.variance_m2, k))
-      continue;
-    const std::int64_t w = static_cast<std::int64_t>(kInformation / p.variance_m2) + 1;
-    information += w;
-    weighted_distance += w * static_cast<std::int64_t>((p.height_m - base.height_m) * kDistance);
+    return std::make_tuple(
+        &FusionPlan::base_m, &FusionPlan::base_var_m2, &FusionPlan::limit_m,
+        &FusionPlan::base_is_prior, &FusionPlan::wanted);
   }
-  information = prior + team.sum(information);
-  weighted_distance = team.sum(weighted_distance);
-  if (information == prior) return base;  // nothing inside the gate
-  const float shift =
-      static_cast<float>(static_cast<double>(weighted_distance) / static_cast<double>(information));
-  const float variance = kInformation / static_cast<float>(information);
-  return {base.height_m + shift / kDistance, max_of(variance, k.min_variance_m2)};
+};
+
+/** Information in 2^-8 / m^2 and distances in 2^-20 m, as integers so that sums are exact. */
+constexpr float kInformation = 256.0f, kDistance = 1048576.0f, kMostUnits = 2147483392.0f;
+
+TALUS_HD std::int32_t information_of(float variance_m2)
+{
+  return static_cast<std::int32_t>(min_of(kInformation / variance_m2, kMostUnits));
+}
+
+/** Kalman fusion (eq. 6 and 7, d <= c) of a set in one step: the information of a set adds up. */
+struct Fusion
+{
+  std::int64_t information = 0, weighted_distance = 0;
+
+  static constexpr auto fields()
+  {
+    return std::make_tuple(&Fusion::information, &Fusion::weighted_distance);
+  }
+  TALUS_HD void add(const HeightPoint& p, bool counts, const FusionPlan& plan, const Config& k)
+  {
+    const bool inside = counts & (p.height_m <= plan.limit_m) &
+                        inside_gate(p.height_m, p.variance_m2, plan.base_m, plan.base_var_m2, k);
+    const std::int32_t w = select(inside, information_of(p.variance_m2) + 1, 0);
+    const float away = (p.height_m - plan.base_m) * kDistance;
+    const auto distance = static_cast<std::int32_t>(max_of(min_of(away, kMostUnits), -kMostUnits));
+    information += w;
+    weighted_distance += static_cast<std::int64_t>(w) * distance;
+  }
+  template <class Team>
+  TALUS_HD void join(const Team& team)
+  {
+    information = team.sum(information);
+    weighted_distance = team.sum(weighted_distance);
+  }
+  /** The base where nothing is inside the gate. */
+  TALUS_HD Estimate result(const FusionPlan& plan, const Config& k) const
+  {
+    const std::int32_t prior = select(plan.base_is_prior != 0, information_of(plan.base_var_m2), 0);
+    const std::int64_t all = information + prior;
+    const float shift =
+        static_cast<float>(static_cast<double>(weighted_distance) / static_cast<double>(all));
+    const float variance = max_of(kInformation / static_cast<float>(all), k.min_variance_m2);
+    const bool any = information != 0;
+    return {
+        select(any, plan.base_m + shift / kDistance, plan.base_m),
+        select(any, variance, plan.base_var_m2)};
+  }
+};
+
+/** One step on the way from the ground (or from what stands on it) up over the points: at the first
+ * gap larger than the robot's clearance all that is above hangs and is passable. */
+struct Climb
+{
+  float top_m;
+
+  static constexpr auto fields() { return std::make_tuple(&Climb::top_m); }
+  /** From where `asked` says. */
+  TALUS_HD void add(const HeightPoint& p, bool counts, const Climb& asked, const Config& k)
+  {
+    const bool higher = counts & (p.height_m > top_m) & (p.height_m <= asked.top_m + k.clearance_m);
+    top_m = select(higher, p.height_m, top_m);
+  }
+  template <class Team>
+  TALUS_HD void join(const Team& team)
+  {
+    top_m = team.max(top_m);
+  }
+  /** Whether there may be another one. */
+  TALUS_HD bool goes_on(const Climb& before, float highest_m) const
+  {
+    return (top_m > before.top_m) & (top_m < highest_m);
+  }
+};
+
+/** Height of what stands in a cell, its ground where nothing does. */
+TALUS_HD float standing_m(const Cell& c, bool stands)
+{
+  return select(stands, max_of(c.ground_m, c.elevation_m), c.ground_m);
+}
+
+/** Whether all points of a cell hang above what is known to stand there. Over a guess below which
+ * no ray passed that is not known, a wall may be hit high up first: it stands until a ray passes
+ * there. */
+TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
+{
+  const HeightPoint low = ends.lowest(), high = ends.highest();
+  const bool hit_high_up = (c.passed & kHitHighUp) != 0;
+  const bool stands = is_known(c.elevation_m) & !hit_high_up;
+  const bool hangs = (c.state != kUnknown) & (low.height_m - standing_m(c, stands) > k.clearance_m);
+  const bool guess = !stands & (c.state == kFilledOneSided) & ((c.passed & kPassedLow) == 0);
+  const bool higher = hangs & guess & !(hit_high_up & (c.elevation_m >= high.height_m));
+  c.elevation_m = select(higher, high.height_m, c.elevation_m);
+  c.elevation_var_m2 = select(higher, high.variance_m2, c.elevation_var_m2);
+  c.passed = select(hangs, c.passed, c.passed & ~kHitHighUp);
+  c.passed = select(higher, c.passed | kHitHighUp, c.passed);
+  return hangs;
 }
 
 /** The ground keeps the lowest: what is inside the gate is fused, what is lower replaces, what is
  * higher is no ground. Ground that was only filled gives way to any measurement, except that what
  * stands more than a step above a reliable fill is an object on it. */
-template <class Team>
-TALUS_HD void update_ground(
-    Cell& c, const HeightPoint& low, const CellPoints& points, const Config& k, const Team& team)
+TALUS_HD FusionPlan plan_ground(const Cell& c, const HeightPoint& low, const Config& k)
 {
   const bool measured = c.state == kMeasured;
-  if (c.state == kFilledTwoSided && low.height_m > c.ground_m + k.step_threshold_m) return;
+  const bool object =
+      (c.state == kFilledTwoSided) & (low.height_m > c.ground_m + k.step_threshold_m);
   const bool fused =
-      measured && (low.height_m >= c.ground_m ||
-                   inside_gate(low.height_m, low.variance_m2, c.ground_m, c.ground_var_m2, k));
-  const Estimate base =
-      fused ? Estimate{c.ground_m, c.ground_var_m2} : Estimate{low.height_m, low.variance_m2};
-  const Estimate ground = fuse(base, fused, points, kInfinity, k, team);
-  // What stood on the old ground stands on the new one only if the robot does not fit between.
-  const bool hangs = measured && c.ground_m - ground.height_m > k.clearance_m;
-  if (hangs) c.elevation_m = c.elevation_var_m2 = kNan;
-  c.ground_m = ground.height_m;
-  c.ground_var_m2 = ground.variance_m2;
-  c.state = kMeasured;
+      measured & ((low.height_m >= c.ground_m) |
+                  inside_gate(low.height_m, low.variance_m2, c.ground_m, c.ground_var_m2, k));
+  FusionPlan plan;
+  plan.base_m = select(fused, c.ground_m, low.height_m);
+  plan.base_var_m2 = select(fused, c.ground_var_m2, low.variance_m2);
+  plan.base_is_prior = select(fused, 1, 0);
+  plan.wanted = select(object, 0, 1);
+  return plan;
 }
 
-/** Climbs from the ground (or from what stands on it) over the points; at the first gap larger than
- * the robot's clearance all that is above hangs and is passable. Returns the height of the last
- * point below that gap. */
-template <class Team>
-TALUS_HD float top_of_standing(
-    float start_m, float highest_m, const CellPoints& points, const Config& k, const Team& team)
+/** Here and below: where all hangs nothing changes. */
+TALUS_HD void put_ground(
+    Cell& c, bool all_hang, const FusionPlan& plan, const Fusion& fusion, const Config& k)
 {
-  float top = start_m;
-  while (top < highest_m)
-  {
-    float next = top;
-    for (int i = team.rank(); i < points.size; i += team.size())
-    {
-      const float z = points.at[i].height_m;
-      if (z > next && z <= top + k.clearance_m) next = z;
-    }
-    next = team.max(next);
-    if (next == top) break;
-    top = next;
-  }
-  return top;
+  const bool wanted = !all_hang & (plan.wanted != 0);
+  const Estimate ground = fusion.result(plan, k);
+  // What stood on the old ground stands on the new one only if the robot does not fit between.
+  const bool hangs =
+      wanted & (c.state == kMeasured) & (c.ground_m - ground.height_m > k.clearance_m);
+  c.elevation_m = select(hangs, kNan, c.elevation_m);
+  c.elevation_var_m2 = select(hangs, kNan, c.elevation_var_m2);
+  c.ground_m = select(wanted, ground.height_m, c.ground_m);
+  c.ground_var_m2 = select(wanted, ground.variance_m2, c.ground_var_m2);
+  c.state = select(wanted, kMeasured, c.state);
 }
+
+/** Where it begins. */
+TALUS_HD Climb start_of_climb(const Cell& c) { return {standing_m(c, is_known(c.elevation_m))}; }
 
 /** The elevation keeps the highest of what stands (eq. 6 and 7): inside the gate it is fused, a
- * higher point replaces it, a lower one leaves height and variance as they are. */
-template <class Team>
-TALUS_HD void update_elevation(
-    Cell& c, const HeightPoint& highest, const CellPoints& points, const Config& k,
-    const Team& team)
+ * higher point replaces it, a lower one leaves height and variance as they are. `high` is the
+ * highest point up to `top_m`. */
+TALUS_HD FusionPlan
+plan_elevation(const Cell& c, const HeightPoint& high, float top_m, const Config& k)
 {
   const bool has_elevation = is_known(c.elevation_m);
-  const float start = has_elevation ? max_of(c.ground_m, c.elevation_m) : c.ground_m;
-  const float top = top_of_standing(start, highest.height_m, points, k, team);
-  const HeightPoint high = top < highest.height_m ? highest_up_to(points, top, team) : highest;
   const bool fused =
-      has_elevation &&
+      has_elevation &
       inside_gate(high.height_m, high.variance_m2, c.elevation_m, c.elevation_var_m2, k);
-  if (has_elevation && !fused && high.height_m < c.elevation_m) return;
-  const Estimate base = fused ? Estimate{c.elevation_m, c.elevation_var_m2}
-                              : Estimate{high.height_m, high.variance_m2};
-  const Estimate elevation = fuse(base, fused, points, top, k, team);
-  c.elevation_m = elevation.height_m;
-  c.elevation_var_m2 = elevation.variance_m2;
+  FusionPlan plan;
+  plan.base_m = select(fused, c.elevation_m, high.height_m);
+  plan.base_var_m2 = select(fused, c.elevation_var_m2, high.variance_m2);
+  plan.limit_m = top_m;
+  plan.base_is_prior = select(fused, 1, 0);
+  plan.wanted = select(has_elevation & !fused & (high.height_m < c.elevation_m), 0, 1);
+  return plan;
 }
 
-/** Over a guess below which no ray passed it is not known what hangs: a wall may be hit high up
- * first. It stands until a ray passes there. */
-TALUS_HD void hit_high_up(Cell& c, const HeightPoint& high)
+TALUS_HD void put_elevation(
+    Cell& c, bool all_hang, const FusionPlan& plan, const Fusion& fusion, const Config& k)
 {
-  if ((c.passed & kHitHighUp) && c.elevation_m >= high.height_m) return;
-  c.elevation_m = high.height_m;
-  c.elevation_var_m2 = high.variance_m2;
-  c.passed = static_cast<std::uint8_t>(c.passed | kHitHighUp);
+  const bool wanted = !all_hang & (plan.wanted != 0);
+  const Estimate elevation = fusion.result(plan, k);
+  c.elevation_m = select(wanted, elevation.height_m, c.elevation_m);
+  c.elevation_var_m2 = select(wanted, elevation.variance_m2, c.elevation_var_m2);
+  c.elevation_m = select(all_hang, c.elevation_m, max_of(c.elevation_m, c.ground_m));
 }
 
-/** Stage 4 on one cell that received points. */
+/** Whether a point overhangs what the robot drives on. */
+struct Overhang
+{
+  std::int32_t any = 0;
+
+  static constexpr auto fields() { return std::make_tuple(&Overhang::any); }
+  TALUS_HD void add(const HeightPoint& p, bool counts, const UpTo& asked, const Config&)
+  {
+    any |= select(counts & (p.height_m <= asked.limit_m), p.overhangs, 0);
+  }
+  template <class Team>
+  TALUS_HD void join(const Team& team)
+  {
+    any = team.max(any);
+  }
+};
+
+TALUS_HD void put_overhang(Cell& c, const Overhang& overhang)
+{
+  c.misses = select(overhang.any != 0, -kMaxCredit, c.misses);
+}
+
+/** Stage 4 on one cell that received points; for many cells at once see
+ * libs/core/src/cpu_cells.h. */
 template <class Team>
 TALUS_HD void update_cell(
-    Cell& c, const Extremes& ends, const CellPoints& points, const Config& k, const Team& team)
+    Cell& c, const Extremes& ends, const CellPoints<Team>& points, const Config& k)
 {
-  if (c.state != kUnknown)
+  if (!all_hang(c, ends, k))
   {
-    const bool stands = is_known(c.elevation_m) && !(c.passed & kHitHighUp);
-    const float standing = stands ? max_of(c.ground_m, c.elevation_m) : c.ground_m;
-    if (ends.low.height_m - standing > k.clearance_m)
-    {
-      if (!stands && c.state == kFilledOneSided && !(c.passed & kPassedLow))
-        hit_high_up(c, ends.high);
-      return;  // all of it hangs
-    }
+    const FusionPlan ground = plan_ground(c, ends.lowest(), k);
+    if (ground.wanted) put_ground(c, false, ground, points.look(Fusion{}, ground, k), k);
+    HeightPoint high = ends.highest();
+    Climb last{}, next = start_of_climb(c);
+    if (next.top_m < high.height_m) do
+        last = next, next = points.look(last, last, k);
+      while (next.goes_on(last, high.height_m));
+    if (next.top_m < high.height_m) high = points.look(Extremes{}, UpTo{next.top_m}, k).highest();
+    const FusionPlan elevation = plan_elevation(c, high, next.top_m, k);
+    put_elevation(c, false, elevation, points.look(Fusion{}, elevation, k), k);
   }
-  c.passed = static_cast<std::uint8_t>(c.passed & ~kHitHighUp);
-  update_ground(c, ends.low, points, k, team);
-  update_elevation(c, ends.high, points, k, team);
-  c.elevation_m = max_of(c.elevation_m, c.ground_m);
+  put_overhang(c, points.look(Overhang{}, UpTo{c.ground_m + k.clearance_m}, k));
 }
 
 /** Where the points of each cell stand after sorting. Which stretch a cell gets does not matter. */
@@ -280,7 +397,7 @@ struct SortPoint
   TALUS_HD void put(int i, std::uint32_t rank, bool overhangs) const
   {
     sorting.sorted[sorting.cell_begin[points.cell[i]] + rank] = {
-        points.height_m[i], points.variance_m2[i], overhangs};
+        points.height_m[i], points.variance_m2[i], select(overhangs, 1, 0)};
   }
 
   /** As the point of the rank that it has. */
@@ -321,12 +438,6 @@ struct UpdateCell
   Sorting sorting;
   float* top_hit_m;
 
-  template <class Team>
-  TALUS_HD void operator()(int slot, const Team& team) const
-  {
-    const int cell = crowded_cell(slot);
-    if (cell >= 0) update(cell, team);
-  }
   /** The cell that is to be updated for point i, or -1. */
   TALUS_HD int lone_cell(int i) const
   {
@@ -336,25 +447,22 @@ struct UpdateCell
   /** A crowded cell, or -1: there are no more. */
   TALUS_HD int crowded_cell(int slot) const
   {
-    return slot < static_cast<int>(*sorting.cursor >> 32) ? sorting.crowded[slot] : -1;
+    return slot < crowded_cells() ? sorting.crowded[slot] : -1;
   }
+  TALUS_HD int crowded_cells() const { return static_cast<int>(*sorting.cursor >> 32); }
 
   template <class Team>
   TALUS_HD void update(int i, const Team& team) const
   {
-    const CellPoints here{
-        sorting.sorted + sorting.cell_begin[i], static_cast<int>(sorting.kept_count[i])};
+    const CellPoints<Team> here{
+        sorting.sorted + sorting.cell_begin[i], static_cast<int>(sorting.kept_count[i]), team};
     if (here.size == 0) return;
     Cell c = store.load(i);
-    const Extremes ends = extremes(here, team);
-    update_cell(c, ends, here, *config, team);
-    std::int32_t overhangs = 0;
-    for (int p = team.rank(); p < here.size; p += team.size())
-      overhangs |= here.at[p].overhangs && here.at[p].height_m <= c.ground_m + config->clearance_m;
-    if (team.max(overhangs)) c.misses = -kMaxCredit;
+    const Extremes ends = here.look(Extremes{}, UpTo{}, *config);
+    update_cell(c, ends, here, *config);
     if (team.rank() != 0) return;
     store.store(i, c);
-    top_hit_m[i] = ends.high.height_m;
+    top_hit_m[i] = ends.highest().height_m;
   }
 };
 

@@ -93,7 +93,7 @@ TALUS_HD bool count_miss(Cell& c, bool hit, const Config& k)
   const int after = hit ? max_of(min_of(before, 0) - kPorousCredit, -kMaxCredit)
                         : (before <= -kPorous ? before + 1 : max_of(before, 0) + 1);
   const bool clear = after >= k.cleanup_frames;
-  c.misses = static_cast<std::int8_t>(clear ? 0 : after);
+  c.misses = clear ? 0 : after;
   return clear;
 }
 

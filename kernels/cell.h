@@ -2,6 +2,8 @@
 #include "kernels/frame.h"
 #include "kernels/math.h"
 
+#include <tuple>
+
 namespace talus::kernels
 {
 enum State : std::uint8_t
@@ -21,16 +23,23 @@ enum Passed : std::uint8_t
   kHitHighUp = 4  //!< what was hit there may hang: high above a guess below which no ray passed
 };
 
-/** What the map remembers of a cell, 19 bytes. */
+/** What the map remembers of a cell; stored it takes 19 bytes. */
 struct Cell
 {
   float ground_m = kNan;  //!< the lowest surface, map frame; known unless state is kUnknown
   float ground_var_m2 = kNan;
   float elevation_m = kNan;  //!< top of what stands on the ground; NaN where nothing was measured
   float elevation_var_m2 = kNan;
-  std::uint8_t state = kUnknown;
-  std::int8_t misses = 0;  //!< consecutive frames that saw through it; negative: see kMaxCredit
-  std::uint8_t passed = 0;  //!< what rays said of its ground, see Passed
+  std::int32_t state = kUnknown;
+  std::int32_t misses = 0;  //!< consecutive frames that saw through it; negative: see kMaxCredit
+  std::int32_t passed = 0;  //!< what rays said of its ground, see Passed
+
+  static constexpr auto fields()
+  {
+    return std::make_tuple(
+        &Cell::ground_m, &Cell::ground_var_m2, &Cell::elevation_m, &Cell::elevation_var_m2,
+        &Cell::state, &Cell::misses, &Cell::passed);
+  }
 };
 
 /** The persistent layers as a torus: rolling moves no data. */
@@ -55,9 +64,9 @@ struct CellStore
     ground_var_m2[i] = c.ground_var_m2;
     elevation_m[i] = c.elevation_m;
     elevation_var_m2[i] = c.elevation_var_m2;
-    state[i] = c.state;
-    misses[i] = c.misses;
-    passed[i] = c.passed;
+    state[i] = static_cast<std::uint8_t>(c.state);
+    misses[i] = static_cast<std::int8_t>(c.misses);
+    passed[i] = static_cast<std::uint8_t>(c.passed);
   }
 };
 

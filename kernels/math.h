@@ -74,6 +74,7 @@ TALUS_HD float float_of_bits(std::uint32_t bits)
 
 /** c ? a : b where both are known already: compilers make vector code of loops that choose so. */
 TALUS_HD std::int32_t select(bool c, std::int32_t a, std::int32_t b) { return c ? a : b; }
+TALUS_HD std::int64_t select(bool c, std::int64_t a, std::int64_t b) { return c ? a : b; }
 TALUS_HD float select(bool c, float a, float b) { return c ? a : b; }
 TALUS_HD bool select(bool c, bool a, bool b) { return (c & a) | (!c & b); }
 

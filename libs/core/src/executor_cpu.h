@@ -1,10 +1,10 @@
 #pragma once
 #include "backend.h"
 #include "cpu_buffer.h"
+#include "cpu_cells.h"
 #include "cpu_lines.h"
 #include "cpu_loops.h"
 #include "kernels/1_accept.h"
-#include "kernels/team.h"
 
 #include <algorithm>
 #include <chrono>
@@ -271,11 +271,12 @@ class CpuExecutor : public CpuMemory
     for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
   }
 
-  /** f(i, team) for i in [0, teams). */
-  template <class F>
-  void for_each_and_team(int, int teams, const F& f)
+  /** update of all cells that received points. */
+  void update_cells(const kernels::UpdateCell& update)
   {
-    for_each(teams, [&f](int i) { f(i, kernels::LoneTeam{}); });
+    // The points stand in their places: their ranks have served.
+    const cells::Order order(update, reinterpret_cast<std::int32_t*>(update.points.rank));
+    run(order.groups(), 8, [&order](int begin, int end) { order.update(begin, end); });
   }
 
   /** Sums over square neighbourhoods of the cells, see SlidingRows. */

@@ -128,6 +128,8 @@ class Pipeline final : public BackendInterface
         config_.data(), context_.data(), points_out(), rays_.data(), sorting()};
     const kernels::LookThrough look{side(),       config_.data(), context_.data(),
                                     rays_.data(), passed_.data(), passing()};
+    const kernels::UpdateCell cell{config_.data(), context_.data(), store(),
+                                   points_out(),   sorting(),       top_hit_.data()};
     if constexpr (Executor::kWalksLines)
     {
       executor_.for_another_stage(
@@ -140,16 +142,16 @@ class Pipeline final : public BackendInterface
           });
       for_each_point(reserve());
       executor_.sort_points(points(), sort);
+      executor_.update_cells(cell);
     }
     else
+    {
       for_each_point_and_cell(
           kernels::SortUnburiedPoint<Atomics>{
               sort, lowest_slope_.data(), kept_count_.data(), counters_.data()},
           5, look);
-    executor_.for_each_and_team(
-        points(), most_crowded(points()),
-        kernels::UpdateCell{
-            config_.data(), context_.data(), store(), points_out(), sorting(), top_hit_.data()});
+      executor_.for_each_and_team(points(), most_crowded(points()), cell);
+    }
   }
 
   void refill()

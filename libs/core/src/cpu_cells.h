@@ -1,0 +1,265 @@
+#pragma once
+#include "cpu_clones.h"
+#include "kernels/4_update.h"
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+#include <utility>
+
+// Stage 4 on the CPU. Most cells have few points: thirty-two cells of about as many are updated
+// side by side, in vector code without branches that nobody could predict.
+
+namespace talus::cells
+{
+/** Cells side by side. */
+constexpr int kLanes = 32;
+/** Points of such a cell; cells of more are updated one by one. */
+constexpr int kMost = 32;
+
+/** Structures side by side, an array each field. */
+template <class T, class Fields = decltype(T::fields())>
+class SideBySide;
+template <class T, class... Field>
+class SideBySide<T, std::tuple<Field T::*...>>
+{
+  using All = std::index_sequence_for<Field...>;
+
+ public:
+  T load(int l) const { return load(l, All{}); }
+  void store(int l, const T& t) { store(l, t, All{}); }
+  void fill(const T& t)
+  {
+    for (int l = 0; l < kLanes; l++) store(l, t);
+  }
+
+ private:
+  template <std::size_t... i>
+  T load(int l, std::index_sequence<i...>) const
+  {
+    T t{};
+    ((t.*std::get<i>(T::fields()) = std::get<i>(arrays_)[static_cast<std::size_t>(l)]), ...);
+    return t;
+  }
+  template <std::size_t... i>
+  void store(int l, const T& t, std::index_sequence<i...>)
+  {
+    ((std::get<i>(arrays_)[static_cast<std::size_t>(l)] = t.*std::get<i>(T::fields())), ...);
+  }
+  std::tuple<std::array<Field, kLanes>...> arrays_;
+};
+
+/** Cells that are updated side by side, and their points. */
+class Group
+{
+  using Cell = kernels::Cell;
+  using Config = kernels::Config;
+
+ public:
+  /** Of `lanes` cells, the last of which has the most points. */
+  void update(const kernels::UpdateCell& update, const std::int32_t* cells, int lanes)
+  {
+    gather(update, cells, lanes);
+    run(*this, *update.config);
+    for (int l = 0; l < lanes; l++)
+    {
+      update.store.store(cells[l], cells_.load(l));
+      update.top_hit_m[cells[l]] = ends_.load(l).highest().height_m;
+    }
+  }
+
+ private:
+  void gather(const kernels::UpdateCell& update, const std::int32_t* cells, int lanes)
+  {
+    for (int l = 0; l < kLanes; l++)
+    {
+      const int i = cells[std::min(l, lanes - 1)];
+      const kernels::HeightPoint* const from = update.sorting.sorted + update.sorting.cell_begin[i];
+      cells_.store(l, update.store.load(i));
+      size_[l] = static_cast<int>(update.sorting.kept_count[i]);
+      for (int p = 0; p < size_[l]; p++) points_[p].store(l, from[p]);
+    }
+    most_ = size_[kLanes - 1];
+  }
+
+  /** kernels::update_cell() of all of them. */
+  TALUS_CLONES static void run(Group& g, const Config k)
+  {
+    g.find_ends(k);
+    g.update_ground(k);
+    g.update_elevation(k);
+    g.find_overhangs(k);
+  }
+
+  void find_ends(const Config& k)
+  {
+    for (int l = 0; l < kLanes; l++) up_to_.store(l, {});
+    look(ends_, up_to_, k);
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      Cell c = cells_.load(l);
+      hangs_[l] = kernels::all_hang(c, ends_.load(l), k);
+      cells_.store(l, c);
+    }
+  }
+
+  void update_ground(const Config& k)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+      plan_.store(l, kernels::plan_ground(cells_.load(l), ends_.load(l).lowest(), k));
+    look(fusion_, plan_, k);
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      Cell c = cells_.load(l);
+      kernels::put_ground(c, hangs_[l] != 0, plan_.load(l), fusion_.load(l), k);
+      cells_.store(l, c);
+    }
+  }
+
+  void update_elevation(const Config& k)
+  {
+    climb(k);
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+      plan_.store(
+          l, kernels::plan_elevation(
+                 cells_.load(l), highest_.load(l).highest(), climb_.load(l).top_m, k));
+    look(fusion_, plan_, k);
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      Cell c = cells_.load(l);
+      kernels::put_elevation(c, hangs_[l] != 0, plan_.load(l), fusion_.load(l), k);
+      cells_.store(l, c);
+    }
+  }
+
+  /** To the highest point that stands. */
+  void climb(const Config& k)
+  {
+    int any = 0;
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      const float start_m = kernels::start_of_climb(cells_.load(l)).top_m;
+      climb_.store(l, {kernels::select(hangs_[l] != 0, kernels::kInfinity, start_m)});
+      any |= climb_.load(l).top_m < ends_.load(l).highest().height_m;
+    }
+    while (any)
+    {
+      last_ = climb_;
+      add(climb_, last_, k);
+      any = 0;
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++)
+        any |= climb_.load(l).goes_on(last_.load(l), ends_.load(l).highest().height_m);
+    }
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      const float top_m = climb_.load(l).top_m;
+      up_to_.store(l, {top_m});
+      any |= top_m < ends_.load(l).highest().height_m;
+    }
+    highest_ = ends_;
+    if (any) look(highest_, up_to_, k);
+  }
+
+  void find_overhangs(const Config& k)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++) up_to_.store(l, {cells_.load(l).ground_m + k.clearance_m});
+    look(overhang_, up_to_, k);
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      Cell c = cells_.load(l);
+      kernels::put_overhang(c, overhang_.load(l));
+      cells_.store(l, c);
+    }
+  }
+
+  /** What the points of each cell add to nothing, or to a sum. */
+  template <class Sum, class Question>
+  void look(SideBySide<Sum>& sums, const SideBySide<Question>& asked, const Config& k)
+  {
+    for (int l = 0; l < kLanes; l++) sums.store(l, Sum{});
+    add(sums, asked, k);
+  }
+  template <class Sum, class Question>
+  void add(SideBySide<Sum>& sums, const SideBySide<Question>& asked, const Config& k)
+  {
+    for (int p = 0; p < most_; p++)
+    {
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++)
+      {
+        Sum sum = sums.load(l);
+        sum.add(points_[p].load(l), p < size_[l], asked.load(l), k);
+        sums.store(l, sum);
+      }
+    }
+  }
+
+  int most_ = 0;
+  int size_[kLanes], hangs_[kLanes];
+  SideBySide<Cell> cells_;
+  SideBySide<kernels::HeightPoint> points_[kMost];
+  SideBySide<kernels::UpTo> up_to_;
+  SideBySide<kernels::Extremes> ends_, highest_;
+  SideBySide<kernels::FusionPlan> plan_;
+  SideBySide<kernels::Fusion> fusion_;
+  SideBySide<kernels::Climb> climb_, last_;
+  SideBySide<kernels::Overhang> overhang_;
+};
+
+/** The cells that received points in order of how many, cut into groups; those of very many are
+ * groups of their own. */
+class Order
+{
+ public:
+  /** Lists all crowded cells in `memory`. */
+  Order(const kernels::UpdateCell& update, std::int32_t* memory) : update_(update), cells_(memory)
+  {
+    const int n = update.crowded_cells();
+    int end[kMost + 2] = {};
+    for (int slot = 0; slot < n; slot++) end[points_of(update.crowded_cell(slot))]++;
+    for (int points = 1; points < kMost + 2; points++) end[points] += end[points - 1];
+    lone_ = n - end[kMost];
+    for (int slot = n - 1; slot >= 0; slot--)
+    {
+      const int cell = update.crowded_cell(slot);
+      cells_[--end[points_of(cell)]] = cell;
+    }
+    grouped_ = n - lone_;
+  }
+
+  int groups() const { return (grouped_ + kLanes - 1) / kLanes + lone_; }
+  void update(int begin, int end) const
+  {
+    Group side_by_side{};
+    for (int group = begin; group < end; group++)
+    {
+      const int first = group * kLanes;
+      if (first < grouped_)
+        side_by_side.update(update_, cells_ + first, std::min(kLanes, grouped_ - first));
+      else
+        update_.update(cells_[grouped_ + group - (groups() - lone_)], kernels::LoneTeam{});
+    }
+  }
+
+ private:
+  int points_of(int cell) const
+  {
+    return std::min(static_cast<int>(update_.sorting.kept_count[cell]), kMost + 1);
+  }
+
+  const kernels::UpdateCell& update_;
+  std::int32_t* cells_;
+  int grouped_ = 0, lone_ = 0;
+};
+
+}  // namespace talus::cells
