@@ -120,62 +120,72 @@ class Lanes
   int lanes_;
 };
 
-/** Cells that need different numbers of steps: the same step of all cells of a stretch at once. */
+/** Cells of a row that need different numbers of steps: the same step of some neighbours at once.
+ */
 template <class F>
 class SteppedRow
 {
   using Item = typename F::Item;
   using Result = typename F::Result;
-  static constexpr int kLanes = 128;
+  static constexpr int kLanes = 128, kGroup = 32;
 
  public:
   explicit SteppedRow(const F& f) : f_(f) {}
-  void run(int begin, int end, int y, int first)
+  void run(int cells, const kernels::FrameContext& frame, int y)
   {
-    const Lanes<Item> items(words_, kLanes);
-    const Lanes<Result> results(words_ + Lanes<Item>::words(kLanes), kLanes);
-    for (int x = begin; x < end; x += kLanes)
+    for (int x0 = 0; x0 < cells; x0 += kLanes)
     {
-      const int lanes = std::min(kLanes, end - x);
-      const int steps = prepare(f_, items, results, x, y, lanes);
-      for (int which = 0; which < steps; which++) step(f_, items, results, lanes, which);
-      put(f_, results, x, y, first + (x - begin), lanes);
+      const int x1 = std::min(x0 + kLanes, cells);
+      step(f_, items_, results_, x0, y, (x1 - x0 + kGroup - 1) / kGroup);
+      over_stored_row(
+          [&](int begin, int end, int i)
+          {
+            const int from = std::max(begin, x0), to = std::min(end, x1);
+            put(f_, results_, x0, y, from, to, i + (from - begin));
+          },
+          cells, frame, y);
     }
   }
 
  private:
-  TALUS_CLONES static int prepare(
-      F f, Lanes<Item> items, Lanes<Result> results, int x, int y, int lanes)
+  /** Of the cells from x on, in whole groups, some of which may lie beyond the row. */
+  TALUS_CLONES static void step(
+      F f, Lanes<Item> items, Lanes<Result> results, int x, int y, int groups)
   {
     const Result none;
     TALUS_INDEPENDENT
-    for (int l = 0; l < lanes; l++)
+    for (int l = 0; l < groups * kGroup; l++)
     {
       items.store(l, f.item(x + l, y));
       results.store(l, none);
     }
-    int steps = 0;
-    for (int l = 0; l < lanes; l++) steps = std::max(steps, f.steps(items.load(l)));
-    return steps;
-  }
-  TALUS_CLONES static void step(F f, Lanes<Item> items, Lanes<Result> results, int lanes, int which)
-  {
-    TALUS_INDEPENDENT
-    for (int l = 0; l < lanes; l++)
+    for (int first = 0; first < groups * kGroup; first += kGroup)
     {
-      Result result = results.load(l);
-      f.step(result, items.load(l), which);
-      results.store(l, result);
+      int steps = 0;
+      for (int l = first; l < first + kGroup; l++) steps = std::max(steps, f.steps(items.load(l)));
+      for (int which = 0; which < steps; which++)
+      {
+        TALUS_INDEPENDENT
+        for (int l = first; l < first + kGroup; l++)
+        {
+          Result result = results.load(l);
+          f.step(result, items.load(l), which);
+          results.store(l, result);
+        }
+      }
     }
   }
-  TALUS_CLONES static void put(F f, Lanes<Result> results, int x, int y, int first, int lanes)
+  TALUS_CLONES static void put(
+      F f, Lanes<Result> results, int x0, int y, int begin, int end, int first)
   {
-    in_blocks(0, lanes, [&](int l) { f.put(x + l, y, first + l, results.load(l)); });
+    in_blocks(begin, end, [&](int x) { f.put(x, y, first + (x - begin), results.load(x - x0)); });
   }
 
   static constexpr int kWords = Lanes<Item>::words(kLanes) + Lanes<Result>::words(kLanes);
   const F& f_;
   alignas(64) std::uint32_t words_[static_cast<std::size_t>(kWords)];
+  const Lanes<Item> items_{words_, kLanes};
+  const Lanes<Result> results_{words_ + Lanes<Item>::words(kLanes), kLanes};
 };
 
 /** Cells pooled two by two, by the parity of their place in the map: f.item(i) of each. */

@@ -246,9 +246,8 @@ class CpuExecutor : public CpuMemory
   template <class F>
   void for_each_cell_in_steps(int cells, const kernels::FrameContext* frame, const F& f)
   {
-    for_each_stored_stretch(
-        cells, *frame,
-        [&f](int begin, int end, int y, int i) { SteppedRow<F>(f).run(begin, end, y, i); });
+    for_each_row(
+        cells, cells, [&f, cells, frame](int y) { SteppedRow<F>(f).run(cells, *frame, y); });
   }
 
   /** f.put(px, py, pooled) of pairs of pairs of cells, `n` along each side, see PairOfRows. */
