@@ -224,12 +224,6 @@ struct FindGroundHits
   const FrameContext* frame;
   CellStore store;
 
-  TALUS_HD float limit(const BinDirection& d, int ring, std::int32_t hit) const
-  {
-    const int i = cell_at(d, ring);
-    return i < 0 ? -kInfinity : limit(ring, hit, store.state[i], store.ground_m[i]);
-  }
-
   /** Where the cell of a place of the table is stored, or -1: the map has no ground there. */
   TALUS_HD int cell_at(const BinDirection& d, int ring) const
   {
@@ -240,7 +234,7 @@ struct FindGroundHits
     const bool inside =
         (ring > 0) & (ring < ring_count(*config) - 1) & (ix >= 0) & (iy >= 0) & (ix < n) & (iy < n);
     const bool known = inside & !entered_window(*frame, n, ix, iy);
-    return known ? storage_index(*frame, n, ix, iy) : -1;
+    return select(known, storage_index(*frame, n, ix, iy), -1);
   }
   /** The limit from what that cell holds. */
   TALUS_HD float limit(int ring, std::int32_t hit, int state, float ground_m) const
@@ -248,7 +242,7 @@ struct FindGroundHits
     const float chebyshev_m = distance_m(ring), slope = float_from_ordered(hit);
     const float height = frame->sensor_z_m + slope * chebyshev_m;
     const bool on_ground = (state == kMeasured) & (abs_of(height - ground_m) < kOnGround_m);
-    return on_ground ? slope - kBuried_m / chebyshev_m : -kInfinity;
+    return select(on_ground, slope - kBuried_m / chebyshev_m, -kInfinity);
   }
 
  private:
@@ -384,51 +378,96 @@ struct SettleRays
   TALUS_HD int place(int bin, int ring) const { return ring * bin_count(*ground.config) + bin; }
 };
 
-/** A direction on the way outwards. */
-struct SweptDirection
-{
-  BuriedBelow seen;
-  BinDirection vector{};
-};
-
-/** The same of all directions ring by ring, for executors that have few threads: what was not hit
+/** The same of some directions ring by ring, for executors that have few threads: what was not hit
  * costs next to nothing. */
 struct SweepBuriedRays
 {
   FindGroundHits ground;
   std::int32_t* rays;
   float* lowest_slope;  //!< as SettleRays leaves it
-  SweptDirection* directions;  //!< by bin
 
   void operator()(int first_bin, int last_bin) const
   {
-    const int rings = ring_count(*ground.config), per_side = bins_per_side(*ground.config);
-    for (int bin = first_bin; bin < last_bin; bin++)
-      directions[bin] = {{}, direction_of_bin(bin, per_side)};
-    for (int ring = 0; ring < rings; ring++)
-      for (int bin = first_bin; bin < last_bin; bin += kBlock)
-        sweep(ring, bin, min_of(bin + kBlock, last_bin));
+    // Copies that nothing else can write to, so that loops need not read them again.
+    const Config config = *ground.config;
+    const FrameContext frame = *ground.frame;
+    SweepBuriedRays here = *this;
+    here.ground.config = &config, here.ground.frame = &frame;
+    for (int bin = first_bin; bin < last_bin; bin += kBlock)
+      here.sweep(bin, min_of(kBlock, last_bin - bin));
   }
 
  private:
-  static constexpr int kBlock = 256;
+  static constexpr int kBlock = 512, kGroup = 32;
 
-  /** Lists the hits of some bins first: whether a place holds one cannot be guessed. */
-  void sweep(int ring, int first_bin, int last_bin) const
+  /** Directions on the way outwards. */
+  struct Directions
   {
-    const int row = ring * bin_count(*ground.config);
-    int hit[kBlock], hits = 0;
-    for (int bin = first_bin; bin < last_bin; bin++)
+    BuriedBelow seen[kBlock];
+    float x[kBlock], y[kBlock];
+  };
+
+  void sweep(int first_bin, int bins) const
+  {
+    Directions d;
+    for (int b = 0; b < bins; b++)
     {
-      hit[hits] = bin;
-      hits += rays[row + bin] != kNoRay;
+      const BinDirection vector = direction_of_bin(first_bin + b, bins_per_side(*ground.config));
+      d.seen[b] = {}, d.x[b] = vector.x, d.y[b] = vector.y;
     }
-    for (int h = 0; h < hits; h++) meet(directions[hit[h]], ring, row + hit[h]);
+    for (int ring = 0; ring < ring_count(*ground.config); ring++)
+    {
+      const int first = ring * bin_count(*ground.config) + first_bin;
+      sweep_ring(d, ring, rays + first, lowest_slope + first, bins);
+    }
   }
-  void meet(SweptDirection& d, int ring, int r) const
+  void sweep_ring(Directions& d, int ring, std::int32_t* row, float* slope, int bins) const
   {
-    lowest_slope[r] = d.seen.second;
-    if (d.seen.meet(rays[r], ground.limit(d.vector, ring, rays[r]))) rays[r] = kNoRay;
+    int bin[kBlock];
+    float limit[kBlock];
+    const int hits = list_hits(row, bins, bin);
+    find_limits(d, row, ring, bin, (hits + kGroup - 1) / kGroup * kGroup, limit);
+    for (int h = 0; h < hits; h++)
+    {
+      const int b = bin[h];
+      slope[b] = d.seen[b].second;
+      if (d.seen[b].meet(row[b], limit[h])) row[b] = kNoRay;
+    }
+  }
+  /** Lists the hits, since whether a place holds one cannot be guessed; the last group of the list
+   * is filled up with any bin. */
+  static int list_hits(const std::int32_t* row, int bins, int* bin)
+  {
+    int hits = 0;
+    for (int first = 0; first < bins; first += kGroup)
+    {
+      const int last = min_of(first + kGroup, bins);
+      int any = 0;
+      for (int b = first; b < last; b++) any |= row[b] != kNoRay;
+      if (!any) continue;
+      for (int b = first; b < last; b++)
+      {
+        bin[hits] = b;
+        hits += row[b] != kNoRay;
+      }
+    }
+    for (int h = hits; h % kGroup; h++) bin[h] = 0;
+    return hits;
+  }
+  /** In loops that become vector code, but for the loads of the states, which are bytes. */
+  void find_limits(
+      const Directions& d, const std::int32_t* row, int ring, const int* bin, int hits,
+      float* limit) const
+  {
+    int cell[kBlock], state[kBlock];
+    for (int h = 0; h < hits; h++) cell[h] = ground.cell_at({d.x[bin[h]], d.y[bin[h]]}, ring);
+    for (int h = 0; h < hits; h++)
+    {
+      const int i = max_of(cell[h], 0);
+      state[h] = select(cell[h] < 0, kUnknown, ground.store.state[i]);
+      limit[h] = ground.store.ground_m[i];
+    }
+    for (int h = 0; h < hits; h++) limit[h] = ground.limit(ring, row[bin[h]], state[h], limit[h]);
   }
 };
 

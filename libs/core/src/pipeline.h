@@ -90,8 +90,7 @@ class Pipeline final : public BackendInterface
       executor_.for_another_stage(
           2, [&] { executor_.for_each_concerned_cell(side(), context_.data(), roll); });
       executor_.for_each_stretch(
-          bins,
-          kernels::SweepBuriedRays{ground, rays_.data(), lowest_slope_.data(), directions_.data()});
+          bins, kernels::SweepBuriedRays{ground, rays_.data(), lowest_slope_.data()});
       for_each_point(kernels::BinPoint<Atomics>{
           context_.data(), points_out(), lowest_slope_.data(), cell_count_.data(),
           counters_.data()});
@@ -478,7 +477,6 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint64_t> cursor_;
   Buffer<std::uint32_t> point_rank_, cell_count_, kept_count_, cell_begin_, counters_;
   Buffer<float> point_slope_, point_height_, point_variance_, lowest_slope_;
-  Buffer<kernels::SweptDirection> directions_;
   Buffer<kernels::HeightPoint> sorted_;
   Buffer<std::uint64_t> voxel_key_, voxel_winner_;
   Buffer<std::uint32_t> voxel_slot_;

@@ -37,12 +37,7 @@ void Pipeline<Executor>::allocate_cells()
                     static_cast<std::size_t>(kernels::bin_count(host_config_));
   executor_.allocate(rays_, rays, kernels::kNoRay);
   executor_.allocate(lowest_slope_, rays, -kernels::kInfinity);
-  if (Executor::kWalksLines)
-    executor_.allocate(
-        directions_, static_cast<std::size_t>(kernels::bin_count(host_config_)),
-        kernels::SweptDirection{});
-  else
-    allocate_for_search();
+  if (!Executor::kWalksLines) allocate_for_search();
 }
 
 template <class Executor>
