@@ -378,19 +378,20 @@ struct SortPoint
    * as well; below what overhangs they pass on both sides of the point. */
   TALUS_HD bool overhangs(int i) const
   {
+    return passed_below(i, 0) &&
+           (passed_below(i, -1) & passed_below(i, 1) & passed_below(i, -2) & passed_below(i, 2));
+  }
+  /** Whether a ray that many directions beside a point passed below it. */
+  TALUS_HD bool passed_below(int i, int beside) const
+  {
     const bool aims = points.ray[i] >= 0;
     const int at = select(aims, points.ray[i], 0), bins = bin_count(*config);
     const int ring = floor_div(at, bins, 1.0f / static_cast<float>(bins)), bin = at - ring * bins;
-    const std::int32_t* behind = rays + min_of(ring + 2, ring_count(*config) - 1) * bins;
+    const int behind = min_of(ring + 2, ring_count(*config) - 1);
+    const std::int32_t passed = rays[behind * bins + wrap_bin(bin + beside, bins)];
     const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
     const float limit = points.slope[i] - config->cleanup_margin_m / chebyshev_m;
-    bool below = aims;
-    for (int b = -2; b <= 2; b++)
-    {
-      const std::int32_t passed = behind[wrap_bin(bin + b, bins)];
-      below = below & (passed != kNoRay) & !(float_from_ordered(passed) > limit);
-    }
-    return below;
+    return aims & (passed != kNoRay) & !(float_from_ordered(passed) > limit);
   }
 
   /** As the point of that rank. */

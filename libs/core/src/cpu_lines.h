@@ -46,6 +46,8 @@ struct Strip
   int reach[kLanes] = {}, far[kLanes] = {};  //!< places that fills and stage 9 look
 
   const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
+  /** Whether the cells of a place are neighbours in memory: lines are columns. */
+  bool columns() const { return across == 1 && lines == kLanes; }
   void measure(int line, float length_m, const kernels::Config& k)
   {
     step_m[line] = length_m;
@@ -175,13 +177,17 @@ class Sweep
       const int first = strip.first + place * strip.along;
       const int* const minor = strip.at(place, !kRays).minor;
       float height_m[kLanes], variance_m2[kLanes];
+      if (!kRays && strip.columns())
+        std::copy_n(samples.height_m + first, kLanes, height_m);
+      else
+      {
+        TALUS_INDEPENDENT
+        for (int l = 0; l < kLanes; l++)
+          height_m[l] = samples.height_m[first + minor[l] * strip.across];
+      }
       int any = 0;
       TALUS_INDEPENDENT
-      for (int l = 0; l < kLanes; l++)
-      {
-        height_m[l] = samples.height_m[first + minor[l] * strip.across];
-        any |= kernels::is_known(height_m[l]);
-      }
+      for (int l = 0; l < kLanes; l++) any |= kernels::is_known(height_m[l]);
       if (!any)
       {
         met[place + 1] = met[place];
@@ -266,6 +272,11 @@ class Sweep
   {
     const int* const minor = strip.at(place, !kRays).minor;
     const int first = strip.first + place * strip.along, ahead = -8 * strip.along;
+    if (!kRays && strip.columns())
+    {
+      add(found, to.cells + first, ahead);
+      return;
+    }
     for (int l = 0; l < strip.lines; l++)
     {
       if (kRays && !wanted[l]) continue;
@@ -280,6 +291,18 @@ class Sweep
         to.across_m[i] = found.across_m[l];
         __builtin_prefetch(to.across_m + i + ahead, 1);
       }
+    }
+  }
+  /** To cells that are neighbours. */
+  static void add(const Found& found, kernels::Inference* cells, int ahead)
+  {
+    for (int l = 0; l < kLanes; l += 4) __builtin_prefetch(cells + ahead + l, 1);
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      kernels::Inference cell = cells[l];
+      cell.lines.add(found.lines(l));
+      cells[l] = cell;
     }
   }
 };

@@ -283,25 +283,26 @@ void over_points(const F& f, int begin, int end)
   }
 }
 
-/** Points into the stretches of their cells: what each is told by the rays, then where it goes. */
+/** Points into the stretches of their cells: first what each is told by the ray of its own
+ * direction, which rules most of them out, then where it goes. */
 template <class F>
-TALUS_CLONES void find_overhangs(F f, int begin, int end, std::int32_t* overhangs)
+TALUS_CLONES void find_passed_below(F f, int begin, int end, std::int32_t* passed_below)
 {
   const kernels::Config config = *f.config;
   f.config = &config;
   TALUS_INDEPENDENT
-  for (int i = begin; i < end; i++) overhangs[i - begin] = f.overhangs(i);
+  for (int i = begin; i < end; i++) passed_below[i - begin] = f.passed_below(i, 0);
 }
 template <class F>
 void sort_points(const F& f, int begin, int end)
 {
   constexpr int kBlock = 512;
-  std::int32_t overhangs[kBlock];
+  std::int32_t passed_below[kBlock];
   for (int i0 = begin; i0 < end; i0 += kBlock)
   {
     const int i1 = std::min(i0 + kBlock, end);
-    find_overhangs(f, i0, i1, overhangs);
-    for (int i = i0; i < i1; i++) f.put(i, overhangs[i - i0] != 0);
+    find_passed_below(f, i0, i1, passed_below);
+    for (int i = i0; i < i1; i++) f.put(i, passed_below[i - i0] && f.overhangs(i));
   }
 }
 
