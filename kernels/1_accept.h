@@ -88,15 +88,34 @@ struct PointsIn
   const float* time_s;  //!< read only where FrameContext::has_times
 };
 
+/** Of a point that is in a cell and does not count. */
+constexpr std::uint32_t kNoRank = ~0u;
+
 /** What stages 1 and 2 leave of each point. */
 struct PointsOut
 {
   std::int32_t* cell;  //!< storage index, or -1: not in the map
   std::int32_t* ray;  //!< place in the table of rays, or -1: no direction
   float* slope;  //!< of that ray
-  std::uint32_t* rank;  //!< place among the points of its cell, in any order
+  std::uint32_t* rank;  //!< place among the points of its cell, in any order; or kNoRank
   float* height_m;  //!< map frame
   float* variance_m2;
+};
+
+/** Notes the ray that a point ended. */
+template <class Atomics>
+struct NoteRay
+{
+  PointsOut points;
+  std::int32_t*
+      rays;  //!< [ring][bin], lowest slope of what was hit in that ring, as an ordered integer
+
+  /** Where in the table; negative: nowhere. */
+  TALUS_HD int place(int i) const { return points.ray[i]; }
+  TALUS_HD void operator()(int i) const
+  {
+    if (place(i) >= 0) Atomics::min(rays + place(i), ordered_from_float(points.slope[i]));
+  }
 };
 
 /** Stages 1 and 2: transforms, accepts and weighs one point, and notes the ray that it ended. */
@@ -107,8 +126,7 @@ struct AcceptPoint
   const FrameContext* frame;
   PointsIn in;
   PointsOut out;
-  std::int32_t*
-      rays;  //!< [ring][bin], lowest slope of what was hit in that ring, as an ordered integer
+  std::int32_t* rays;  //!< see NoteRay
   std::uint32_t* rejected;  //!< by RejectCode
   const std::uint8_t* voxel_kept;  //!< null: no voxel filter
 
@@ -144,8 +162,18 @@ struct AcceptPoint
   /** What it shares with other points. */
   TALUS_HD void note(int i) const
   {
-    if (out.ray[i] >= 0) Atomics::min(rays + out.ray[i], ordered_from_float(out.slope[i]));
+    NoteRay<Atomics>{out, rays}(i);
     if (out.rank[i] != kAccepted) Atomics::count(rejected + out.rank[i]);
+  }
+  /** Counts the rejected among the points [begin, end), after locate(). */
+  void count_rejected(int begin, int end) const
+  {
+    for (std::uint32_t code = 0; code < kRejectCodes; code++)
+    {
+      std::uint32_t n = 0;
+      for (int i = begin; i < end; i++) n += out.rank[i] == code;
+      if (n) Atomics::add(rejected + code, n);
+    }
   }
 
   TALUS_HD Point point(int i) const { return {in.x_m[i], in.y_m[i], in.z_m[i]}; }
@@ -471,27 +499,23 @@ struct SweepBuriedRays
   }
 };
 
-/** Bins one point that is not buried. */
+/** Bins one point, if it is not buried, in a cell that no other thread has to do with. */
 template <class Atomics>
 struct BinPoint
 {
-  const FrameContext* frame;
   PointsOut points;
   const float* lowest_slope;
   std::uint32_t* cell_count;  //!< by storage index, zero before
   std::uint32_t* rejected;  //!< by RejectCode
 
-  TALUS_HD void operator()(int i) const
+  int place(int i) const { return points.cell[i]; }
+  void operator()(int i) const
   {
-    if (i >= frame->n_points || points.cell[i] < 0) return;
+    if (place(i) < 0) return;
     const int ray = points.ray[i];
-    if (ray >= 0 && points.slope[i] < lowest_slope[ray])
-    {
-      points.cell[i] = -1;
-      Atomics::count(rejected + kBuried);
-      return;
-    }
-    points.rank[i] = Atomics::add(cell_count + points.cell[i], 1);
+    const bool buried = ray >= 0 && points.slope[i] < lowest_slope[ray];
+    if (buried) Atomics::count(rejected + kBuried);
+    points.rank[i] = buried ? kNoRank : cell_count[place(i)]++;
   }
 };
 

@@ -340,7 +340,7 @@ struct Sorting
   const std::uint32_t* kept_count;  //!< of points that are in it
   std::uint32_t* cell_begin;
   HeightPoint* sorted;
-  std::int32_t* crowded;  //!< cells that a team updates
+  std::int32_t* crowded;  //!< cells that a team updates; on the CPU room for all cells, twice
   std::uint64_t* cursor;  //!< of `sorted`, and in the upper half of `crowded`; zero before
   std::uint32_t crowd;  //!< cells of more points are crowded
 };
@@ -404,7 +404,7 @@ struct SortPoint
   /** As the point of the rank that it has. */
   TALUS_HD void put(int i, bool overhangs) const
   {
-    if (i < frame->n_points && points.cell[i] >= 0) put(i, points.rank[i], overhangs);
+    if (points.cell[i] >= 0 && points.rank[i] != kNoRank) put(i, points.rank[i], overhangs);
   }
 };
 
@@ -448,9 +448,8 @@ struct UpdateCell
   /** A crowded cell, or -1: there are no more. */
   TALUS_HD int crowded_cell(int slot) const
   {
-    return slot < crowded_cells() ? sorting.crowded[slot] : -1;
+    return slot < static_cast<int>(*sorting.cursor >> 32) ? sorting.crowded[slot] : -1;
   }
-  TALUS_HD int crowded_cells() const { return static_cast<int>(*sorting.cursor >> 32); }
 
   template <class Team>
   TALUS_HD void update(int i, const Team& team) const

@@ -221,20 +221,24 @@ class Group
 class Order
 {
  public:
-  /** Lists all crowded cells in `memory`. */
-  Order(const kernels::UpdateCell& update, std::int32_t* memory) : update_(update), cells_(memory)
+  /** Of n points; reserves the stretches of the cells. */
+  Order(int n, const kernels::UpdateCell& update)
+      : update_(update), cells_(update.sorting.crowded + n)
   {
-    const int n = update.crowded_cells();
+    const std::int32_t* const found = update.sorting.crowded;
+    const int cells = find(n);
     int end[kMost + 2] = {};
-    for (int slot = 0; slot < n; slot++) end[points_of(update.crowded_cell(slot))]++;
+    for (int c = 0; c < cells; c++) end[points_of(found[c])]++;
     for (int points = 1; points < kMost + 2; points++) end[points] += end[points - 1];
-    lone_ = n - end[kMost];
-    for (int slot = n - 1; slot >= 0; slot--)
+    grouped_ = end[kMost];
+    lone_ = cells - grouped_;
+    for (int c = cells - 1; c >= 0; c--) cells_[--end[points_of(found[c])]] = found[c];
+    std::uint32_t begin = 0;
+    for (int c = 0; c < cells; c++)
     {
-      const int cell = update.crowded_cell(slot);
-      cells_[--end[points_of(cell)]] = cell;
+      update.sorting.cell_begin[cells_[c]] = begin;
+      begin += update.sorting.kept_count[cells_[c]];
     }
-    grouped_ = n - lone_;
   }
 
   int groups() const { return (grouped_ + kLanes - 1) / kLanes + lone_; }
@@ -252,6 +256,18 @@ class Order
   }
 
  private:
+  /** Lists the cells as their first points come. */
+  int find(int n) const
+  {
+    const kernels::PointsOut& points = update_.points;
+    int cells = 0;
+    for (int i = 0; i < n; i++)
+    {
+      update_.sorting.crowded[cells] = points.cell[i];
+      cells += (points.cell[i] >= 0) & (points.rank[i] == 0);
+    }
+    return cells;
+  }
   int points_of(int cell) const
   {
     return std::min(static_cast<int>(update_.sorting.kept_count[cell]), kMost + 1);

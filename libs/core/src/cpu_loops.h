@@ -257,7 +257,7 @@ TALUS_CLONES void over_stretch(F f, int first, int last)
   f(first, last);
 }
 
-/** Points in two phases: what depends on each alone, then what they share. */
+/** What depends on each point alone. */
 template <class F>
 TALUS_CLONES void locate_points(F f, int begin, int end)
 {
@@ -267,19 +267,41 @@ TALUS_CLONES void locate_points(F f, int begin, int end)
   f.config = &config, f.frame = &frame;
   TALUS_INDEPENDENT
   for (int i = begin; i < end; i++) f.locate_plain(i);
+  f.count_rejected(begin, end);
 }
 template <class F>
 void over_points(const F& f, int begin, int end)
 {
-  constexpr int kBlock = 512;
-  for (int i0 = begin; i0 < end; i0 += kBlock)
+  if (f.is_plain())
   {
-    const int i1 = std::min(i0 + kBlock, end);
-    if (f.is_plain())
-      locate_points(f, i0, i1);
-    else
-      for (int i = i0; i < i1; i++) f.locate(i);
-    for (int i = i0; i < i1; i++) f.note(i);
+    locate_points(f, begin, end);
+    return;
+  }
+  for (int i = begin; i < end; i++) f.locate(i);
+  f.count_rejected(begin, end);
+}
+
+/** Shares places among threads, by lines of a cache in turn. */
+struct Share
+{
+  int part, parts;
+
+  bool has(int place) const { return place >= 0 && ((place >> 4 & 63) * parts) >> 6 == part; }
+};
+/** f(i) of the points [0, n) whose f.place(i) is in the share, in their order. */
+template <class F>
+void over_share(const F& f, int n, const Share& share)
+{
+  constexpr int kBlock = 512;
+  for (int i0 = 0; i0 < n; i0 += kBlock)
+  {
+    int own[kBlock], found = 0;
+    for (int i = i0; i < std::min(i0 + kBlock, n); i++)
+    {
+      own[found] = i;
+      found += share.has(f.place(i));
+    }
+    for (int j = 0; j < found; j++) f(own[j]);
   }
 }
 

@@ -27,7 +27,7 @@ class CpuMemory
   template <class T>
   using Buffer = std::vector<T, CellMemory<T>>;
 
-  /** Cells of more points are updated by a team of threads: all, each by a team of one. */
+  /** No cell is crowded: they are taken in the order of their points, see cells::Order. */
   static constexpr int kCrowd = 0;
   /** Fills sweep along lines and carry samples with them. */
   static constexpr bool kWalksLines = true;
@@ -125,6 +125,7 @@ class CpuMemory
 struct OneThread
 {
   using Atomics = kernels::SerialAtomics;
+  int size() const { return 1; }
   template <class Body>
   void run(int n, int, const Body& body) const
   {
@@ -139,6 +140,7 @@ class ThreadPool
  public:
   using Atomics = kernels::ThreadAtomics;
   explicit ThreadPool(int threads) : arena_(std::make_unique<tbb::task_arena>(threads)) {}
+  int size() const { return arena_->max_concurrency(); }
 
   /** body(begin, end) of pieces of [0, n), of `grain` and more. */
   template <class Body>
@@ -206,17 +208,22 @@ class CpuExecutor : public CpuMemory
   {
     run(n, 128, [&f](int begin, int end) { over_stretch(f, begin, end); });
   }
-  /** f of points in two phases. */
+  /** f.locate(i) of points. */
   template <class F>
-  void for_each_point(int n, const F& f)
+  void locate_points(int n, const F& f)
   {
     run(n, 1024, [&f](int begin, int end) { over_points(f, begin, end); });
   }
-  /** f.put(i, f.overhangs(i)) of points. */
+  /** f(i) of the points that have a place, f.place(i): those of a place by one thread, in their
+   * order. */
   template <class F>
-  void sort_points(int n, const F& f)
+  void for_each_placed_point(int n, const F& f)
   {
-    run(n, 1024, [&f](int begin, int end) { talus::sort_points(f, begin, end); });
+    const int parts = threads_.size();
+    if (parts == 1)
+      for (int i = 0; i < n; i++) f(i);
+    else
+      for_each_part(parts, [&f, n, parts](int part) { over_share(f, n, Share{part, parts}); });
   }
   /** f(x, y, i) of the cells of the window with i where each is stored. */
   template <class F>
@@ -270,11 +277,11 @@ class CpuExecutor : public CpuMemory
     for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
   }
 
-  /** update of all cells that received points. */
-  void update_cells(const kernels::UpdateCell& update)
+  /** Sorts n points and updates all cells that received any. */
+  void update_cells(int n, const kernels::SortPoint& sort, const kernels::UpdateCell& update)
   {
-    // The points stand in their places: their ranks have served.
-    const cells::Order order(update, reinterpret_cast<std::int32_t*>(update.points.rank));
+    const cells::Order order(n, update);
+    run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
     run(order.groups(), 8, [&order](int begin, int end) { order.update(begin, end); });
   }
 

@@ -86,14 +86,16 @@ class Pipeline final : public BackendInterface
     const int bins = kernels::bin_count(host_config_);
     if constexpr (Executor::kWalksLines)
     {
-      executor_.for_each_point(points(), accept);
+      executor_.locate_points(points(), accept);
+      executor_.for_each_placed_point(
+          points(), kernels::NoteRay<kernels::SerialAtomics>{points_out(), rays_.data()});
       executor_.for_another_stage(
           2, [&] { executor_.for_each_concerned_cell(side(), context_.data(), roll); });
       executor_.for_each_stretch(
           bins, kernels::SweepBuriedRays{ground, rays_.data(), lowest_slope_.data()});
-      for_each_point(kernels::BinPoint<Atomics>{
-          context_.data(), points_out(), lowest_slope_.data(), cell_count_.data(),
-          counters_.data()});
+      executor_.for_each_placed_point(
+          points(), kernels::BinPoint<Atomics>{
+                        points_out(), lowest_slope_.data(), cell_count_.data(), counters_.data()});
     }
     else
     {
@@ -139,9 +141,7 @@ class Pipeline final : public BackendInterface
             executor_.for_each_stretch(bins, kernels::SweepRings{config_.data(), rays_.data()});
             executor_.for_each_cell_in_steps(side(), context_.data(), look);
           });
-      for_each_point(reserve());
-      executor_.sort_points(points(), sort);
-      executor_.update_cells(cell);
+      executor_.update_cells(points(), sort, cell);
     }
     else
     {
@@ -331,8 +331,11 @@ class Pipeline final : public BackendInterface
 
   int side() const { return host_config_.cells; }
   int cells() const { return side() * side(); }
-  /** How many cells of so many points can be crowded. */
-  static int most_crowded(int points) { return points / std::max(Executor::kCrowd, 1); }
+  /** How many cells of so many points can be crowded; or all cells, found and ordered. */
+  static int most_crowded(int points)
+  {
+    return Executor::kCrowd > 0 ? points / std::max(Executor::kCrowd, 1) : 2 * points;
+  }
   int points() const { return executor_.loop_size(n_points_, point_cell_.size()); }
   template <class F>
   void for_each_point(const F& f)
