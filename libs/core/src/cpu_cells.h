@@ -50,7 +50,7 @@ class SideBySide<T, std::tuple<Field T::*...>>
 };
 
 /** Cells that are updated side by side, and their points. */
-class Group
+class alignas(64) Group
 {
   using Cell = kernels::Cell;
   using Config = kernels::Config;

@@ -31,7 +31,7 @@ T* scratch(int size)
 }
 
 /** Where lines are at one place, across the strip, and whether those cells are theirs to infer. */
-struct Crossing
+struct alignas(64) Crossing
 {
   int minor[kLanes], own[kLanes];
 };
@@ -58,7 +58,7 @@ struct Strip
 
 /** The samples that lines met last, the nearest first. */
 template <int kSamples>
-struct Met
+struct alignas(64) Met
 {
   float height_m[kSamples][kLanes];
   int place[kSamples][kLanes];

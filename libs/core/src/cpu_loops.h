@@ -1,4 +1,5 @@
 #pragma once
+#include "cpu_buffer.h"
 #include "cpu_clones.h"
 #include "kernels/cell.h"
 
@@ -198,7 +199,7 @@ class PairOfRows
   /** `n`: pooled cells of a row. */
   PairOfRows(const F& f, int n) : f_(f), n_(n)
   {
-    static thread_local std::vector<std::uint32_t> words;
+    static thread_local std::vector<std::uint32_t, CellMemory<std::uint32_t>> words;
     const auto size = static_cast<std::size_t>(Lanes<Item>::words(2 * n));
     if (words.size() < size) words.resize(size);
     words_ = words.data();
@@ -433,9 +434,9 @@ class SlidingRows
   int window_at() const { return (mask_ + 1) * Lanes<Row>::words(kLanes); }
   Lanes<Row> at(int y) const { return {words_ + (y & mask_) * Lanes<Row>::words(kLanes), kLanes}; }
   /** Of this thread, kept from frame to frame. */
-  static std::vector<std::uint32_t>& memory()
+  static std::vector<std::uint32_t, CellMemory<std::uint32_t>>& memory()
   {
-    static thread_local std::vector<std::uint32_t> words;
+    static thread_local std::vector<std::uint32_t, CellMemory<std::uint32_t>> words;
     return words;
   }
 
