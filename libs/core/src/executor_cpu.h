@@ -4,6 +4,7 @@
 #include "cpu_cells.h"
 #include "cpu_lines.h"
 #include "cpu_loops.h"
+#include "cpu_threads.h"
 #include "kernels/1_accept.h"
 
 #include <algorithm>
@@ -12,11 +13,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#if defined(TALUS_HAVE_TBB)
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-#endif
 
 namespace talus
 {
@@ -80,11 +76,6 @@ class CpuMemory
     staged_ = &context;
     return {f.x_m, f.y_m, f.z_m, f.time_s};
   }
-  template <class Body>
-  void run_frame(const Body& body)
-  {
-    body();
-  }
   void fetch(Buffer<kernels::FrameContext>& context) { context.assign(1, *staged_); }
   /** Where a frame leaves its counters for the host. */
   std::uint32_t* reported() { return counters_.data(); }
@@ -121,45 +112,6 @@ class CpuMemory
   std::array<std::uint32_t, kernels::kRejectCodes> counters_{};
 };
 
-/** All work on the calling thread. */
-struct OneThread
-{
-  using Atomics = kernels::SerialAtomics;
-  int size() const { return 1; }
-  template <class Body>
-  void run(int n, int, const Body& body) const
-  {
-    if (n > 0) body(0, n);
-  }
-};
-
-#if defined(TALUS_HAVE_TBB)
-/** oneTBB threads. */
-class ThreadPool
-{
- public:
-  using Atomics = kernels::ThreadAtomics;
-  explicit ThreadPool(int threads) : arena_(std::make_unique<tbb::task_arena>(threads)) {}
-  int size() const { return arena_->max_concurrency(); }
-
-  /** body(begin, end) of pieces of [0, n), of `grain` and more. */
-  template <class Body>
-  void run(int n, int grain, const Body& body) const
-  {
-    arena_->execute(
-        [&]
-        {
-          tbb::parallel_for(
-              tbb::blocked_range<int>(0, n, static_cast<std::size_t>(grain)),
-              [&](const tbb::blocked_range<int>& r) { body(r.begin(), r.end()); });
-        });
-  }
-
- private:
-  std::unique_ptr<tbb::task_arena> arena_;
-};
-#endif
-
 /** Runs the stages' loops. An executor supplies buffers, loops and the atomics that its threads
  * need; it knows nothing of the map. */
 template <class Threads>
@@ -168,6 +120,12 @@ class CpuExecutor : public CpuMemory
  public:
   using Atomics = typename Threads::Atomics;
   explicit CpuExecutor(Threads threads) : threads_(std::move(threads)) {}
+
+  template <class Body>
+  void run_frame(const Body& body)
+  {
+    threads_.run_frame(body);
+  }
 
   /** f(i) for i in [0, n) */
   template <class F>
@@ -325,7 +283,7 @@ class CpuExecutor : public CpuMemory
         });
   }
   template <class Body>
-  void run(int n, int grain, const Body& body) const
+  void run(int n, int grain, const Body& body)
   {
     threads_.run(n, grain, body);
   }

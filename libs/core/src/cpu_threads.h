@@ -1,0 +1,173 @@
+#pragma once
+#include "kernels/atomics.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#if defined(TALUS_HAVE_TBB)
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+#endif
+
+namespace talus
+{
+/** All work on the calling thread. */
+struct OneThread
+{
+  using Atomics = kernels::SerialAtomics;
+  int size() const { return 1; }
+  template <class Body>
+  void run_frame(const Body& body)
+  {
+    body();
+  }
+  template <class Body>
+  void run(int n, int, const Body& body)
+  {
+    if (n > 0) body(0, n);
+  }
+};
+
+/** A loop in pieces. Each thread has its own stretch of them, so that what it wrote in the loops
+ * before is still near it; then it takes those of others, who may not have come. */
+class SharedLoop
+{
+ public:
+  explicit SharedLoop(int threads) : own_(static_cast<std::size_t>(threads)) {}
+
+  /** body(begin, end) of pieces of [0, n), on this thread, the first, and all that help(). */
+  template <class Body>
+  void run(int n, int piece, const Body& body)
+  {
+    call_ = [](const void* f, int begin, int end) { (*static_cast<const Body*>(f))(begin, end); };
+    body_ = &body, n_ = n, piece_ = piece;
+    const int pieces = (n + piece - 1) / piece, threads = static_cast<int>(own_.size());
+    done_.store(0, std::memory_order_relaxed);
+    for (int t = 0; t < threads; t++)
+    {
+      const auto begin = static_cast<std::uint64_t>(pieces * t / threads);
+      const auto end = static_cast<std::uint64_t>(pieces * (t + 1) / threads);
+      own_[static_cast<std::size_t>(t)].next.store(end << 32 | begin, std::memory_order_release);
+    }
+    while (help(0))
+    {
+    }
+    wait([&] { return done_.load(std::memory_order_acquire) == pieces; });
+  }
+
+  /** Takes a piece as that thread; false: none is left. */
+  bool help(std::size_t thread)
+  {
+    for (std::size_t t = thread; t < own_.size(); t++)
+      if (take(own_[t].next)) return true;
+    for (std::size_t t = 0; t < thread; t++)
+      if (take(own_[t].next)) return true;
+    return false;
+  }
+
+  /** Until `ready()`; lets others run when it takes long. */
+  template <class Ready>
+  static void wait(const Ready& ready)
+  {
+    for (int tries = 0; !ready(); tries++)
+      if (tries > kTries) std::this_thread::yield();
+  }
+
+ private:
+  /** The next piece of a thread; upper half: where its pieces end. One number says whether there is
+   * a piece and which, so that who comes late finds none. */
+  struct alignas(64) Own
+  {
+    std::atomic<std::uint64_t> next{0};
+  };
+  static constexpr int kTries = 1000;
+  static bool any(std::uint64_t next) { return (next & 0xffffffffu) < next >> 32; }
+
+  bool take(std::atomic<std::uint64_t>& own)
+  {
+    if (!any(own.load(std::memory_order_relaxed))) return false;
+    const std::uint64_t next = own.fetch_add(1, std::memory_order_acquire);
+    if (!any(next)) return false;
+    const int begin = static_cast<int>(next & 0xffffffffu) * piece_;
+    call_(body_, begin, std::min(begin + piece_, n_));
+    done_.fetch_add(1, std::memory_order_release);
+    return true;
+  }
+
+  void (*call_)(const void*, int, int) = nullptr;
+  const void* body_ = nullptr;
+  int n_ = 0, piece_ = 1;
+  std::vector<Own> own_;
+  alignas(64) std::atomic<int> done_{0};
+};
+
+#if defined(TALUS_HAVE_TBB)
+/** oneTBB threads. They are called once a frame, for its loops are shorter than calling them. */
+class ThreadPool
+{
+ public:
+  using Atomics = kernels::ThreadAtomics;
+  explicit ThreadPool(int threads)
+      : arena_(std::make_unique<tbb::task_arena>(threads)),
+        loop_(std::make_unique<SharedLoop>(threads))
+  {
+  }
+  int size() const { return arena_->max_concurrency(); }
+
+  /** Calls the threads for all loops that `body` runs. */
+  template <class Body>
+  void run_frame(const Body& body)
+  {
+    std::atomic<bool> over{false};
+    const auto help = [this, &over](int thread)
+    {
+      SharedLoop::wait(
+          [&]
+          {
+            while (loop_->help(static_cast<std::size_t>(thread)))
+            {
+            }
+            return over.load(std::memory_order_acquire);
+          });
+    };
+    arena_->execute(
+        [&]
+        {
+          tbb::task_group helpers;
+          for (int t = 1; t < size(); t++) helpers.run([help, t] { help(t); });
+          called_ = true;
+          body();
+          called_ = false;
+          over.store(true, std::memory_order_release);
+          helpers.wait();
+        });
+  }
+
+  /** body(begin, end) of pieces of [0, n), of `grain` and more. */
+  template <class Body>
+  void run(int n, int grain, const Body& body)
+  {
+    const int piece = std::max(grain, (n + kPieces * size() - 1) / (kPieces * size()));
+    if (n <= piece)
+    {
+      if (n > 0) body(0, n);
+    }
+    else if (called_)
+      loop_->run(n, piece, body);
+    else
+      run_frame([&] { loop_->run(n, piece, body); });
+  }
+
+ private:
+  static constexpr int kPieces = 16;  //!< of a loop for each thread, for some take longer
+  std::unique_ptr<tbb::task_arena> arena_;
+  std::unique_ptr<SharedLoop> loop_;
+  bool called_ = false;
+};
+#endif
+
+}  // namespace talus
