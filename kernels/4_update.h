@@ -384,7 +384,7 @@ struct SortPoint
   /** Whether a ray that many directions beside a point passed below it. */
   TALUS_HD bool passed_below(int i, int beside) const
   {
-    const bool aims = points.ray[i] >= 0;
+    const bool aims = (points.ray[i] >= 0) & (points.cell[i] >= 0);
     const int at = select(aims, points.ray[i], 0), bins = bin_count(*config);
     const int ring = floor_div(at, bins, 1.0f / static_cast<float>(bins)), bin = at - ring * bins;
     const int behind = min_of(ring + 2, ring_count(*config) - 1);
