@@ -88,6 +88,12 @@ struct PointsIn
   const float* time_s;  //!< read only where FrameContext::has_times
 };
 
+/** A stretch of places, for one of several threads. */
+struct Part
+{
+  int begin, end;
+};
+
 /** Of a point that is in a cell and does not count. */
 constexpr std::uint32_t kNoRank = ~0u;
 
@@ -106,15 +112,27 @@ struct PointsOut
 template <class Atomics>
 struct NoteRay
 {
+  const Config* config;
   PointsOut points;
   std::int32_t*
       rays;  //!< [ring][bin], lowest slope of what was hit in that ring, as an ordered integer
 
-  /** Where in the table; negative: nowhere. */
-  TALUS_HD int place(int i) const { return points.ray[i]; }
+  /** Of the directions. */
+  Part part(int which, int of) const
+  {
+    const int bins = bin_count(*config);
+    return {which * bins / of, (which + 1) * bins / of};
+  }
+  bool is_in(const Part& part, int i) const
+  {
+    const int bins = bin_count(*config), at = max_of(points.ray[i], 0);
+    const int bin = at - floor_div(at, bins, 1.0f / static_cast<float>(bins)) * bins;
+    return (bin >= part.begin) & (bin < part.end);
+  }
   TALUS_HD void operator()(int i) const
   {
-    if (place(i) >= 0) Atomics::min(rays + place(i), ordered_from_float(points.slope[i]));
+    const int at = points.ray[i];
+    if (at >= 0) Atomics::min(rays + at, ordered_from_float(points.slope[i]));
   }
 };
 
@@ -162,7 +180,7 @@ struct AcceptPoint
   /** What it shares with other points. */
   TALUS_HD void note(int i) const
   {
-    NoteRay<Atomics>{out, rays}(i);
+    NoteRay<Atomics>{config, out, rays}(i);
     if (out.rank[i] != kAccepted) Atomics::count(rejected + out.rank[i]);
   }
   /** Counts the rejected among the points [begin, end), after locate(). */
@@ -503,19 +521,34 @@ struct SweepBuriedRays
 template <class Atomics>
 struct BinPoint
 {
+  const Config* config;
+  const FrameContext* frame;
   PointsOut points;
   const float* lowest_slope;
   std::uint32_t* cell_count;  //!< by storage index, zero before
   std::uint32_t* rejected;  //!< by RejectCode
 
-  int place(int i) const { return points.cell[i]; }
+  /** Of the window's cells, as they are stored; may go on at the beginning. */
+  Part part(int which, int of) const
+  {
+    const int n = config->cells, first = which * n / of, end = (which + 1) * n / of;
+    const int begin = storage_index(*frame, n, 0, first) - frame->storage_x;
+    return {begin, begin + (end - first) * n};
+  }
+  bool is_in(const Part& part, int i) const
+  {
+    const int n = config->cells, cell = points.cell[i];
+    const int place = cell + select(cell < part.begin, n * n, 0);
+    return (cell >= 0) & (place < part.end);
+  }
   void operator()(int i) const
   {
-    if (place(i) < 0) return;
+    const int cell = points.cell[i];
+    if (cell < 0) return;
     const int ray = points.ray[i];
     const bool buried = ray >= 0 && points.slope[i] < lowest_slope[ray];
     if (buried) Atomics::count(rejected + kBuried);
-    points.rank[i] = buried ? kNoRank : cell_count[place(i)]++;
+    points.rank[i] = buried ? kNoRank : cell_count[cell]++;
   }
 };
 

@@ -227,17 +227,17 @@ class Order
   {
     const std::int32_t* const found = update.sorting.crowded;
     const int cells = find(n);
-    int end[kMost + 2] = {};
-    for (int c = 0; c < cells; c++) end[points_of(found[c])]++;
-    for (int points = 1; points < kMost + 2; points++) end[points] += end[points - 1];
-    grouped_ = end[kMost];
+    int start[kMost + 3] = {};  // of the cells of so many points
+    for (int c = 0; c < cells; c++) start[points_of(found[c]) + 1]++;
+    for (int points = 0; points < kMost + 2; points++) start[points + 1] += start[points];
+    grouped_ = start[kMost + 1];
     lone_ = cells - grouped_;
-    for (int c = cells - 1; c >= 0; c--) cells_[--end[points_of(found[c])]] = found[c];
     std::uint32_t begin = 0;
     for (int c = 0; c < cells; c++)
     {
-      update.sorting.cell_begin[cells_[c]] = begin;
-      begin += update.sorting.kept_count[cells_[c]];
+      cells_[start[points_of(found[c])]++] = found[c];
+      update.sorting.cell_begin[found[c]] = begin;
+      begin += update.sorting.kept_count[found[c]];
     }
   }
 

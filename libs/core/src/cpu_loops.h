@@ -282,25 +282,30 @@ void over_points(const F& f, int begin, int end)
   f.count_rejected(begin, end);
 }
 
-/** Shares places among threads, by lines of a cache in turn. */
-struct Share
-{
-  int part, parts;
-
-  bool has(int place) const { return place >= 0 && ((place >> 4 & 63) * parts) >> 6 == part; }
-};
-/** f(i) of the points [0, n) whose f.place(i) is in the share, in their order. */
+/** f(i) of the points [0, n) that are in a part, in their order. */
 template <class F>
-void over_share(const F& f, int n, const Share& share)
+TALUS_CLONES void find_own(F f, int begin, int end, int part, int parts, std::int32_t* own)
+{
+  const kernels::Config config = *f.config;
+  f.config = &config;
+  const auto own_part = f.part(part, parts);
+  TALUS_INDEPENDENT
+  for (int i = begin; i < end; i++) own[i - begin] = f.is_in(own_part, i);
+}
+template <class F>
+void over_own_points(const F& f, int n, int part, int parts)
 {
   constexpr int kBlock = 512;
   for (int i0 = 0; i0 < n; i0 += kBlock)
   {
+    const int i1 = std::min(i0 + kBlock, n);
+    std::int32_t is_own[kBlock];
+    find_own(f, i0, i1, part, parts, is_own);
     int own[kBlock], found = 0;
-    for (int i = i0; i < std::min(i0 + kBlock, n); i++)
+    for (int i = i0; i < i1; i++)
     {
       own[found] = i;
-      found += share.has(f.place(i));
+      found += is_own[i - i0];
     }
     for (int j = 0; j < found; j++) f(own[j]);
   }

@@ -172,16 +172,15 @@ class CpuExecutor : public CpuMemory
   {
     run(n, 1024, [&f](int begin, int end) { over_points(f, begin, end); });
   }
-  /** f(i) of the points that have a place, f.place(i): those of a place by one thread, in their
-   * order. */
+  /** f(i) of points, in order; each thread those in its part, see f.is_in(). */
   template <class F>
-  void for_each_placed_point(int n, const F& f)
+  void for_each_point_by_parts(int n, const F& f)
   {
     const int parts = threads_.size();
     if (parts == 1)
       for (int i = 0; i < n; i++) f(i);
     else
-      for_each_part(parts, [&f, n, parts](int part) { over_share(f, n, Share{part, parts}); });
+      for_each_part(parts, [&f, n, parts](int part) { over_own_points(f, n, part, parts); });
   }
   /** f(x, y, i) of the cells of the window with i where each is stored. */
   template <class F>

@@ -87,15 +87,17 @@ class Pipeline final : public BackendInterface
     if constexpr (Executor::kWalksLines)
     {
       executor_.locate_points(points(), accept);
-      executor_.for_each_placed_point(
-          points(), kernels::NoteRay<kernels::SerialAtomics>{points_out(), rays_.data()});
+      executor_.for_each_point_by_parts(
+          points(),
+          kernels::NoteRay<kernels::SerialAtomics>{config_.data(), points_out(), rays_.data()});
       executor_.for_another_stage(
           2, [&] { executor_.for_each_concerned_cell(side(), context_.data(), roll); });
       executor_.for_each_stretch(
           bins, kernels::SweepBuriedRays{ground, rays_.data(), lowest_slope_.data()});
-      executor_.for_each_placed_point(
+      executor_.for_each_point_by_parts(
           points(), kernels::BinPoint<Atomics>{
-                        points_out(), lowest_slope_.data(), cell_count_.data(), counters_.data()});
+                        config_.data(), context_.data(), points_out(), lowest_slope_.data(),
+                        cell_count_.data(), counters_.data()});
     }
     else
     {
