@@ -337,7 +337,7 @@ TALUS_HD void update_cell(
 struct Sorting
 {
   const std::uint32_t* cell_count;  //!< of points that a stretch has room for
-  const std::uint32_t* kept_count;  //!< of points that are in it
+  std::uint32_t* kept_count;  //!< of points that are in it
   std::uint32_t* cell_begin;
   HeightPoint* sorted;
   std::int32_t* crowded;  //!< cells that a team updates; on the CPU room for all cells, twice

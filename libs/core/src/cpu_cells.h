@@ -242,16 +242,22 @@ class Order
   }
 
   int groups() const { return (grouped_ + kLanes - 1) / kLanes + lone_; }
+  /** Of the groups [begin, end); their counts of points become zero, for the next frame. */
   void update(int begin, int end) const
   {
     Group side_by_side{};
+    const int full = groups() - lone_;
     for (int group = begin; group < end; group++)
     {
-      const int first = group * kLanes;
-      if (first < grouped_)
-        side_by_side.update(update_, cells_ + first, std::min(kLanes, grouped_ - first));
+      const bool is_lone = group >= full;
+      const std::int32_t* const cells =
+          cells_ + (is_lone ? grouped_ + group - full : group * kLanes);
+      const int lanes = is_lone ? 1 : std::min(kLanes, grouped_ - group * kLanes);
+      if (is_lone)
+        update_.update(*cells, kernels::LoneTeam{});
       else
-        update_.update(cells_[grouped_ + group - (groups() - lone_)], kernels::LoneTeam{});
+        side_by_side.update(update_, cells, lanes);
+      for (int l = 0; l < lanes; l++) update_.sorting.kept_count[cells[l]] = 0;
     }
   }
 

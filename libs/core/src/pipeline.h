@@ -186,7 +186,7 @@ class Pipeline final : public BackendInterface
     if constexpr (Executor::kWalksLines)
     {
       // A core fills memory faster than a loop.
-      executor_.fill(rays_, kernels::kNoRay), executor_.fill(cell_count_, 0u);
+      executor_.fill(rays_, kernels::kNoRay);
       executor_.for_each_concerned_cell_beside(
           workers(), tidy_up(0, 0), 5, side(), context_.data(), clean);
     }
