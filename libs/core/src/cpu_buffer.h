@@ -27,6 +27,7 @@ struct CellMemory
   T* allocate(std::size_t n)
   {
     static std::atomic<std::uintptr_t> next{0};
+    if (n > PTRDIFF_MAX / sizeof(T) - 2 * kPage) throw std::bad_alloc();
     const std::size_t bytes = n * sizeof(T) + 2 * kPage;
     void* const block = ::operator new(bytes);
     const std::uintptr_t page = (reinterpret_cast<std::uintptr_t>(block) + kPage) / kPage * kPage;
