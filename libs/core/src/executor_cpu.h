@@ -170,13 +170,13 @@ class CpuExecutor : public CpuMemory
   template <class F>
   void locate_points(int n, const F& f)
   {
-    run(n, 1024, [&f](int begin, int end) { over_points(f, begin, end); });
+    run(n, points_at_once(n), [&f](int begin, int end) { over_points(f, begin, end); });
   }
   /** f(i) of points, in order; each thread those in its part, see f.is_in(). */
   template <class F>
   void for_each_point_by_parts(int n, const F& f)
   {
-    const int parts = threads_.size();
+    const int parts = n <= kFewPoints ? 1 : threads_.size();
     if (parts == 1)
       for (int i = 0; i < n; i++) f(i);
     else
@@ -238,7 +238,7 @@ class CpuExecutor : public CpuMemory
   void update_cells(int n, const kernels::SortPoint& sort, const kernels::UpdateCell& update)
   {
     const cells::Order order(n, update);
-    run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
+    run(n, points_at_once(n), [&sort](int begin, int end) { sort_points(sort, begin, end); });
     run(order.groups(), 8, [&order](int begin, int end) { order.update(begin, end); });
   }
 
@@ -259,6 +259,10 @@ class CpuExecutor : public CpuMemory
   }
 
  private:
+  /** So few are sooner done by one thread than their lines of the cache are with another. */
+  static constexpr int kFewPoints = 1 << 15;
+  static int points_at_once(int n) { return n <= kFewPoints ? kFewPoints : 1024; }
+
   /** over(begin, end, y, i) of the rows of the window, see over_stored_row(). */
   template <class Over>
   void for_each_stored_stretch(int cells, const kernels::FrameContext& frame, const Over& over)
