@@ -33,7 +33,8 @@ T* scratch(int size)
 /** Where lines are at one place, across the strip, and whether those cells are theirs to infer. */
 struct alignas(64) Crossing
 {
-  int minor[kLanes], own[kLanes];
+  int minor[kLanes];
+  std::int32_t own[kLanes];  //!< a bit each line, or zero
 };
 
 /** Lines side by side on the grid. */
@@ -212,17 +213,17 @@ class Sweep
       int place, const kernels::InferenceGrid& to)
   {
     const Crossing& crossing = strip.at(place, !kRays);
-    int wanted[kLanes], any = 0, near = 0;
+    std::int32_t wanted = 0, near = 0;
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      wanted[l] = kernels::select(before.place[0][l] == place, 0, crossing.own[l]);
-      any |= wanted[l];
+      const std::int32_t own = kernels::select(before.place[0][l] == place, 0, crossing.own[l]);
+      wanted |= own;
       const bool reached = (before.distance(l, place) <= strip.reach[l]) |
                            (behind.distance(l, place) <= strip.reach[l]);
-      near |= kernels::select(reached, wanted[l], 0);
+      near |= kernels::select(reached, own, 0);
     }
-    if (!any || (!kRays && !near)) return;
+    if (!wanted || (!kRays && !near)) return;
     Found found;
     if (near)
       infer(k, strip, before, behind, place, found);
@@ -233,7 +234,7 @@ class Sweep
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++) found.across_m[l] = across(strip, before, behind, l, place);
     }
-    put(strip, found, wanted, place, to);
+    put(strip, found, static_cast<std::uint32_t>(wanted), place, to);
   }
 
   static void infer(
@@ -267,31 +268,29 @@ class Sweep
   }
 
   static void put(
-      const Strip& strip, const Found& found, const int* wanted, int place,
+      const Strip& strip, const Found& found, std::uint32_t wanted, int place,
       const kernels::InferenceGrid& to)
   {
     const int* const minor = strip.at(place, !kRays).minor;
     const int first = strip.first + place * strip.along, ahead = -8 * strip.along;
-    if (!kRays && strip.columns())
-    {
-      add(found, to.cells + first, ahead);
-      return;
-    }
-    for (int l = 0; l < strip.lines; l++)
-    {
-      if (kRays && !wanted[l]) continue;
-      const int i = first + minor[l] * strip.across;
-      kernels::Inference& cell = to.cells[i];
-      __builtin_prefetch(&cell + ahead, 1);
-      if (!kRays)
-        cell.lines.add(found.lines(l));
-      else
+    if (kRays)
+      for (; wanted; wanted &= wanted - 1)
       {
-        cell = {found.lines(l), found.variance_m2[l]};
+        const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
+        to.cells[i] = {found.lines(l), found.variance_m2[l]};
         to.across_m[i] = found.across_m[l];
+        __builtin_prefetch(to.cells + i + ahead, 1);
         __builtin_prefetch(to.across_m + i + ahead, 1);
       }
-    }
+    else if (strip.columns())
+      add(found, to.cells + first, ahead);
+    else
+      for (int l = 0; l < strip.lines; l++)
+      {
+        kernels::Inference& cell = to.cells[first + minor[l] * strip.across];
+        __builtin_prefetch(&cell + ahead, 1);
+        cell.lines.add(found.lines(l));
+      }
   }
   /** To cells that are neighbours. */
   static void add(const Found& found, kernels::Inference* cells, int ahead)
@@ -342,6 +341,7 @@ struct Walk
   void columns(int part) const { axis(part, grid.pitch, 1); }
 
  private:
+  static std::int32_t bit_of(int lane) { return static_cast<std::int32_t>(1u << lane); }
   static int parts(int lines) { return (lines + kLanes - 1) / kLanes; }
 
   /** Of lines from the sensor, until this thread asks for those of others. */
@@ -369,7 +369,8 @@ struct Walk
         const int through =
             kernels::floor_div(2 * minor * rings + ring, twice, 1.0f / static_cast<float>(twice));
         crossings[ring].minor[l] = minor;
-        crossings[ring].own[l] = (through == line) & (line == first + l) & (ring > 0);
+        const bool own = (through == line) & (line == first + l) & (ring > 0);
+        crossings[ring].own[l] = kernels::select(own, bit_of(l), 0);
       }
     }
   }
@@ -379,7 +380,10 @@ struct Walk
     const int first = part * kLanes, last = k.cells - 1;
     Crossing parallel;
     for (int l = 0; l < kLanes; l++)
-      parallel.minor[l] = std::min(l, last - first), parallel.own[l] = first + l <= last;
+    {
+      parallel.minor[l] = std::min(l, last - first);
+      parallel.own[l] = first + l <= last ? bit_of(l) : 0;
+    }
     const int lines = std::min(kLanes, k.cells - first);
     Strip strip{lines, k.cells, first * across, along, across, &parallel};
     for (int l = 0; l < kLanes; l++) strip.measure(l, k.resolution_m, k);
