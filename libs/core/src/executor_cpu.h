@@ -239,7 +239,8 @@ class CpuExecutor : public CpuMemory
   {
     const cells::Order order(n, update);
     run(n, points_at_once(n), [&sort](int begin, int end) { sort_points(sort, begin, end); });
-    run(order.groups(), 8, [&order](int begin, int end) { order.update(begin, end); });
+    run(order.groups(), points_at_once(n) / kPointsOfGroup,
+        [&order](int begin, int end) { order.update(begin, end); });
   }
 
   /** Sums over square neighbourhoods of the cells, see SlidingRows. */
@@ -262,6 +263,7 @@ class CpuExecutor : public CpuMemory
   /** So few are sooner done by one thread than their lines of the cache are with another. */
   static constexpr int kFewPoints = 1 << 15;
   static int points_at_once(int n) { return n <= kFewPoints ? kFewPoints : 1024; }
+  static constexpr int kPointsOfGroup = 128;  //!< of cells, about
 
   /** over(begin, end, y, i) of the rows of the window, see over_stored_row(). */
   template <class Over>
