@@ -38,7 +38,7 @@ void copy_part(const CopyBlock& block, std::size_t begin, std::size_t size)
       std::min(size, block.to_copy() - begin));
 }
 
-constexpr int kMostHelpers = 3;
+constexpr int kMostHelpers = 5;
 /** Less is copied alone; less than the second is not worth waking threads for. */
 constexpr std::size_t kAlone = 96 * 1024, kLarge = 256 * 1024;
 constexpr std::size_t kPiece = 32 * 1024;

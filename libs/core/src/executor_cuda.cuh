@@ -255,16 +255,18 @@ class CudaExecutor
   }
   /** body(first, end, beside_last) of all rows, of so many layers that are copied aside; in bands
    * where that is worth while. The first is small, and each is computed about as fast as the last
-   * one is copied, so that the bus starts early and does not wait. Bands do not need each other:
+   * one is copied, so that the bus starts early and does not wait; fewer will do where it is still
+   * busy with layers that came before. Bands do not need each other:
    * the kernels of all but the first may run beside the last one. */
   template <class Body>
-  void in_bands(int rows, int layers, const Body& body)
+  void in_bands(int rows, int layers, int before, const Body& body)
   {
     const auto bytes = static_cast<std::size_t>(layers) * static_cast<std::size_t>(rows) *
                        static_cast<std::size_t>(rows) * sizeof(float);
     int shares = 1;
     if (bytes >= kBandBytes)
-      for (int share = 1; shares < kLeastShares;) share *= layers, shares += share;
+      for (int share = 1; shares < kLeastShares >> std::min(before, 2);)
+        share *= layers, shares += share;
     for (int begin = 0, share = 1; begin < shares; begin += share, share *= layers)
       body(rows * begin / shares, rows * (begin + share) / shares, begin > 0);
   }

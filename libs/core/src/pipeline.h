@@ -263,7 +263,7 @@ class Pipeline final : public BackendInterface
         line_grid(),
         kernels::places_in(host_config_.fill_search_m, host_config_.resolution_m, side() - 1)};
     executor_.in_bands(
-        side(), copied_surfaces(),
+        side(), copied_surfaces(), 0,
         [&](int first, int end, bool beside_last)
         {
           executor_.for_each_cell_by_lines(side(), first, end, search, beside_last);
@@ -286,7 +286,7 @@ class Pipeline final : public BackendInterface
       judge_rows<kParts>(0, side(), false);
     else
       executor_.in_bands(
-          side(), copied_features(),
+          side(), copied_features(), copied_surfaces(),
           [&](int first, int end, bool beside_last)
           {
             judge_rows<kParts>(first, end, beside_last);
