@@ -10,9 +10,9 @@ namespace talus::kernels
 //
 // A measured ground is an object if it is both narrow and steep: it stands above the morphological
 // opening of the measured ground (nothing as wide as object_size_m fits below its top: a wall, a
-// rock, a branch; but not the edge of a platform or a kerb), and above a cone of the steepest
-// drivable slope over ground close by (so that a rounded ridge is no object). Both work on pairs of
-// cells, and in passes along rows and columns.
+// rock, a branch; but not the edge of a platform or a kerb), and above a cone of the steepest slope
+// that ground has over ground close by (so that a ridge or a bank is no object). Both work on pairs
+// of cells, and in passes along rows and columns.
 
 /** Cells of the map pooled two by two, by the parity of their place in the map, so that rolling
  * does not change the pairs. */
@@ -78,8 +78,15 @@ struct PoolSupport
   }
 };
 
-/** Rise of the steepest drivable slope between neighbours of the pooled grid. */
-TALUS_HD float pooled_rise(const Config& k) { return 2.0f * k.support_slope * k.resolution_m; }
+/** Rise of the steepest ground between neighbours of the pooled grid: 45 degrees, or what the robot
+ * climbs. */
+TALUS_HD float pooled_rise(const Config& k)
+{
+  return 2.0f * max_of(k.support_slope, 1.0f) * k.resolution_m;
+}
+/** How far ground may stand above the cone, and above the opening. */
+TALUS_HD float cone_tolerance_m(const Config& k) { return 0.25f * k.step_threshold_m; }
+TALUS_HD float opening_tolerance_m(const Config& k) { return 0.5f * k.step_threshold_m; }
 
 /** Lowest ground of a neighbourhood in the pooled grid, plain and raised with distance. */
 struct LowestGround
@@ -182,10 +189,10 @@ struct ChooseRole
   TALUS_HD bool concerns(int x, int y, int i) const
   {
     const int o = grid.at((x + frame->odd_x) >> 1, (y + frame->odd_y) >> 1);
-    const float ground = store.ground_m[i], tolerance = 0.5f * config->step_threshold_m;
+    const float ground = store.ground_m[i];
     const bool measured = store.state[i] == kMeasured;
-    const bool stays =
-        (ground <= grid.cone_m[o] + tolerance) | (ground <= grid.opened_m[o] + tolerance);
+    const bool stays = (ground <= grid.cone_m[o] + cone_tolerance_m(*config)) |
+                       (ground <= grid.opened_m[o] + opening_tolerance_m(*config));
     role[i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
     return select(measured, !stays, may_join(i, ground));
   }
@@ -216,9 +223,8 @@ struct ChooseRole
 
   TALUS_HD Role role_of_measured(int px, int py, float ground_m, float opened_m) const
   {
-    const float tolerance = 0.5f * config->step_threshold_m;
-    if (ground_m <= grid.cone_m[grid.at(px, py)] + tolerance) return kKeep;
-    if (ground_m <= opened_m + tolerance) return kKeep;
+    if (ground_m <= grid.cone_m[grid.at(px, py)] + cone_tolerance_m(*config)) return kKeep;
+    if (ground_m <= opened_m + opening_tolerance_m(*config)) return kKeep;
     return column_beside(px, py) + config->clearance_m >= ground_m ? kObjectOnColumn : kObject;
   }
 

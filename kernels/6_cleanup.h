@@ -86,6 +86,19 @@ TALUS_HD void look(
   seen.highest_m = max_of(seen.highest_m, select(passed, height, -kInfinity));
 }
 
+TALUS_HD int trace_of(const Cell& c) { return c.passed & kTraceFull; }
+TALUS_HD void leave_trace(Cell& c)
+{
+  c.passed = static_cast<std::uint8_t>(c.passed + min_of(kTraceHit, kTraceFull - trace_of(c)));
+}
+/** Of a frame in which rays passed. False where there is none. */
+TALUS_HD bool fade_trace(Cell& c)
+{
+  const bool any = trace_of(c) != 0;
+  if (any) c.passed = static_cast<std::uint8_t>(c.passed - kTraceOne);
+  return any;
+}
+
 /** Counts the evidence of one frame; true when the cell must be cleared. */
 TALUS_HD bool count_miss(Cell& c, bool hit, const Config& k)
 {
@@ -109,7 +122,9 @@ TALUS_HD bool clear_seen_through(
   const float limit = seen.highest_m + k.cleanup_margin_m;
   if (top <= limit) return false;
   if (c.state == kMeasured && role == kKeep && c.ground_m > limit) role = kObject;
-  if (!count_miss(c, top_hit_m > limit, k)) return true;
+  const bool hit = top_hit_m > limit;
+  if (hit && top_hit_m <= top + k.cleanup_margin_m) leave_trace(c);  // what hangs above leaves none
+  if (!count_miss(c, hit, k)) return true;
 
   c.elevation_m = c.elevation_var_m2 = kNan;
   if (role >= kObject || c.ground_m > limit)
@@ -190,7 +205,8 @@ struct CleanUpCell
                        (has_elevation | (state == kMeasured));
     const bool contradicted = (config->fill_use_ray_bound != 0) & (state == kFilledTwoSided) &
                               (ground > passing.lowest_m[o] + config->cleanup_margin_m);
-    return any & (state != kUnknown) & (above | contradicted);
+    const bool traced = store.passed[i] >= kTraceOne;
+    return any & (state != kUnknown) & (above | contradicted | traced);
   }
 
   TALUS_HD void operator()(int ix, int iy, int i) const
@@ -198,7 +214,8 @@ struct CleanUpCell
     const int o = iy * cells + ix;
     const SeenThrough seen{passing.lowest_m[o], passing.highest_m[o]};
     Cell c = store.load(i);
-    if (clear_seen_through(c, role[i], top_hit_m[i], seen, *config)) store.store(i, c);
+    const bool faded = fade_trace(c);
+    if (clear_seen_through(c, role[i], top_hit_m[i], seen, *config) || faded) store.store(i, c);
     // A fill that a ray now contradicts is inferred again.
     if (config->fill_use_ray_bound && c.state == kFilledTwoSided &&
         c.ground_m > seen.lowest_m + config->cleanup_margin_m)

@@ -295,17 +295,19 @@ enum SurfaceFlag : std::int32_t
 {
   kSurfaceMeasured = 1,  //!< its ground is measured
   kSurfaceReached = 2,  //!< a ray met it or passed low over its ground
-  kSurfaceGuess = 4  //!< its ground is filled from one side and nothing stands on it
+  kSurfaceGuess = 4,  //!< its ground is filled from one side and nothing stands on it
+  kSurfaceTraced = 8  //!< it was hit lately while rays passed, see hit_lately()
 };
 
 /** The surfaces of one cell, quantised, for stage 8. */
 struct alignas(8) Surface
 {
   std::int32_t ground;  //!< kNoHeight: unknown
-  std::int32_t height_and_flags;  //!< eight times the elevation, or the ground where nothing stands
+  /** Sixteen times the elevation, or the ground where nothing stands. */
+  std::int32_t height_and_flags;
 
   TALUS_HD bool known() const { return ground != kNoHeight; }
-  TALUS_HD std::int32_t height() const { return height_and_flags >> 3; }
+  TALUS_HD std::int32_t height() const { return height_and_flags >> 4; }
   TALUS_HD bool is(SurfaceFlag flag) const { return (height_and_flags & flag) != 0; }
 };
 
@@ -357,8 +359,10 @@ struct FillCell
     const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
     const int evidence =
         (passed_before & ~kInOpen) | select(low, kPassedLow, 0) | select(object, kHitHighUp, 0);
-    const bool hangs = evidence == (kPassedLow | kHitHighUp);
-    const int passed = (passed_before & kInOpen) | select(hangs, kPassedLow, evidence);
+    const int both = kPassedLow | kHitHighUp;
+    const bool hangs = (evidence & both) == both;
+    const int passed =
+        (passed_before & kInOpen) | (evidence & select(hangs, ~static_cast<int>(kHitHighUp), -1));
     const float elevation = select(hangs, kNan, top_before);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);
@@ -377,13 +381,13 @@ struct FillCell
     const bool guess = (state == kFilledOneSided) & !stands;
     const bool met = measured | stands, known = is_known(ground);
     const std::int32_t passed_low = (passed & kPassedLow) * (kSurfaceReached / kPassedLow);
-    const std::int32_t flags = select(measured, kSurfaceMeasured, 0) |
-                               select(met, kSurfaceReached, 0) | passed_low |
-                               select(guess, kSurfaceGuess, 0);
+    const std::int32_t flags =
+        select(measured, kSurfaceMeasured, 0) | select(met, kSurfaceReached, 0) | passed_low |
+        select(guess, kSurfaceGuess, 0) | select(hit_lately(passed), kSurfaceTraced, 0);
     const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
     to.height_and_flags =
-        select(known, 8 * quantise_height(select(known, top, 0.0f), reference) + flags, 0);
+        select(known, 16 * quantise_height(select(known, top, 0.0f), reference) + flags, 0);
   }
 };
 

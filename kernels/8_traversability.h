@@ -230,8 +230,8 @@ struct ComputeFeatures
 };
 
 /** The last step of stage 8: cells at the edge of what is impassable join it. What a neighbourhood
- * says of its middle ends before the edge of what is steep, and things that rays pass through are
- * hit in some of their cells only. */
+ * says of its middle ends before the edge of what is steep, things that rays pass through are hit
+ * in some of their cells only, and what covers a cell in part is hit now and then. */
 struct CompleteObstacles
 {
   int cells;
@@ -266,13 +266,21 @@ struct CompleteObstacles
   }
   TALUS_HD bool joins(int ix, int iy, const float* at, int pitch) const
   {
-    return between(at, pitch) || (is_known(*at) && at_steep_edge(ix, iy, at, pitch));
+    const bool traced = surfaces.cell[surfaces.at(ix, iy)].is(kSurfaceTraced);
+    return between(at, pitch) || (traced && beside(at, pitch)) ||
+           (is_known(*at) && at_steep_edge(ix, iy, at, pitch));
   }
 
   static TALUS_HD bool blocked(const float* at) { return *at == 0.0f; }
   static TALUS_HD bool around(const float* at)
   {
     return blocked(at - 1) | blocked(at) | blocked(at + 1);
+  }
+
+  /** Shares a side with an impassable cell. */
+  static TALUS_HD bool beside(const float* at, int pitch)
+  {
+    return blocked(at - 1) || blocked(at + 1) || blocked(at - pitch) || blocked(at + pitch);
   }
 
   /** Between two impassable cells on opposite sides: no robot fits through one cell. */
@@ -284,9 +292,9 @@ struct CompleteObstacles
            (blocked(at - n + 1) && blocked(at + n - 1));
   }
 
-  /** Of measured cells: the ground rises or falls steeply to an impassable neighbour on which
-   * nothing stands, or a face begins in the cell that is higher, with the neighbours, than a step.
-   */
+  /** Of measured cells: the ground rises or falls at least half as steeply as it may to an
+   * impassable neighbour on which nothing stands (two cells alone tell a slope that badly), or a
+   * face begins in the cell that is higher, with the neighbours, than a step. */
   TALUS_HD bool at_steep_edge(int ix, int iy, const float* judgement, int pitch) const
   {
     const Surface* at = surfaces.cell + surfaces.at(ix, iy);
@@ -300,7 +308,7 @@ struct CompleteObstacles
         low = min_of(low, next.ground);
         high = max_of(high, next.height());
         const bool beside = (dx == 0) | (dy == 0), bare = !steep(next.height() - next.ground);
-        if (beside && bare && steep(abs_of(next.ground - at->ground)) &&
+        if (beside && bare && steep(2 * abs_of(next.ground - at->ground)) &&
             blocked(judgement + dy * pitch + dx))
           return true;
       }

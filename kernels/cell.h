@@ -20,6 +20,12 @@ enum Passed : std::uint8_t
   kInOpen = 2,  //!< in this frame nothing was hit between the sensor and the cell
   kHitHighUp = 4  //!< what was hit there may hang: high above a guess below which no ray passed
 };
+/** The bits above them hold a trace: each frame in which the cell was hit while rays passed lower
+ * adds kTraceHit, each in which rays passed takes kTraceOne. The edges of things cover their cells
+ * in part, so that rays pass most of the time. What moves on seldom leaves two hits close by. */
+constexpr int kTraceOne = 8, kTraceHit = 9 * kTraceOne, kTraceFull = 31 * kTraceOne;
+/** Two hits within five frames, and not long ago. */
+TALUS_HD bool hit_lately(int passed) { return passed >= kTraceHit + 5 * kTraceOne; }
 
 /** What the map remembers of a cell, 19 bytes. */
 struct Cell
@@ -30,7 +36,7 @@ struct Cell
   float elevation_var_m2 = kNan;
   std::uint8_t state = kUnknown;
   std::int8_t misses = 0;  //!< consecutive frames that saw through it; negative: see kMaxCredit
-  std::uint8_t passed = 0;  //!< what rays said of its ground, see Passed
+  std::uint8_t passed = 0;  //!< what rays said of its ground, see Passed, and a trace of hits
 };
 
 /** The persistent layers as a torus: rolling moves no data. */

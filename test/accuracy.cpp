@@ -83,7 +83,7 @@ TEST(Accuracy, UnderATableTheFloorStaysTheFloorAndPassable)
       "[[-1, -1.5], [2, -1.5]]");
   expect_budgets(
       e, {"hanging_wrong", "hanging_passable", "free_passable", "posts_kept"},
-      kFills + Names{"obstacle_blocked", "leak", "leak_seen"});
+      kFills + Names{"obstacle_blocked", "leak", "leak_hit"});
 }
 
 TEST(Accuracy, APersonLeavesNoTrailAndPostsStay)

@@ -186,6 +186,22 @@ TEST(FramesInFlight, MayStopAndGoOnAndMixWithUpdates)
   ASSERT_NO_FATAL_FAILURE(maps.finish_all());
 }
 
+TEST(FramesInFlight, RoomForTheNextPointsDoesNotChangeWhatIsShown)
+{
+  for (const auto& layers : {kTwo, kMany})
+  {
+    Both maps(window(6), layers);
+    for (int i = 0; i < 4; i++) ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(i)));
+    ASSERT_NO_FATAL_FAILURE(maps.finish());
+    maps.overlapped.point_arrays(5000);
+    ASSERT_NO_FATAL_FAILURE(maps.finish_all());
+    Scan bad;
+    bad.pose_.m[3] = NAN;
+    EXPECT_THROW(maps.overlapped.start(bad.frame()), std::invalid_argument);
+    ASSERT_NO_FATAL_FAILURE(maps.finish_all());
+  }
+}
+
 TEST(FramesInFlight, ABadPoseThrowsAtTheStartAndChangesNothing)
 {
   Both maps(window(8), kTwo);

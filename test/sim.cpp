@@ -145,6 +145,16 @@ TEST(Truth, of_a_box_on_cell_borders_is_blocked_in_just_its_cells)
     }
 }
 
+TEST(Truth, says_how_much_of_a_blocked_cell_is_covered)
+{
+  const auto covered = [](const World& w) { return truth(w, {1, 0, 1, 1, 0.05}, 0).covered[0]; };
+  const std::string box = "objects: [box: {at_m: [0.52, 0], size_m: ";
+  EXPECT_FLOAT_EQ(covered(world_of(kFlat, box + "[1.02, 2, 0.5]}]\n")), 0.6f);
+  EXPECT_FLOAT_EQ(covered(world_of(kFlat, box + "[1.2, 2, 0.5]}]\n")), 1.0f);
+  EXPECT_FLOAT_EQ(covered(world_of(kFlat, box + "[0.8, 2, 0.5]}]\n")), 0.0f);
+  EXPECT_FLOAT_EQ(covered(world_of("- plane: {slope_x_deg: 40}\n")), 1.0f);
+}
+
 TEST(Truth, of_a_table_is_free_below_its_top_and_blocked_at_its_legs)
 {
   const World w = world_of(

@@ -170,3 +170,25 @@ TEST(Stage8Traversability, ASteepFaceIsImpassableUpToItsEdge)
       EXPECT_GT(m.traversability(x, 0.025), 0.0f) << degrees << " at " << x;
   }
 }
+
+TEST(Stage8Traversability, TheEdgeOfABarThatIsHitNowAndThenIsImpassable)
+{
+  // A bar covers one row of cells and a sliver of the next, which is hit in some frames only; in
+  // all frames rays pass below both.
+  for (const int hits : {1, 4})
+  {
+    TestMap m;
+    m.update(Scan().add_surface(1.5, -0.5, 3.5, 0.5, flat));
+    for (int frame = 0; frame < 16; frame++)
+    {
+      Scan s;
+      s.add_surface(2.0, -0.5, 2.05, 0.5, [](double, double) { return 0.45; });
+      s.add_surface(3.0, -0.5, 3.3, 0.5, flat);
+      if (frame % 3 == 0 && frame / 3 < hits) s.add(2.055, 0.025, 0.45);
+      m.update(s);
+    }
+    EXPECT_LT(m.elevation(2.075, 0.025), 0.1f) << hits;
+    EXPECT_EQ(m.traversability(2.025, 0.025), 0.0f) << hits;
+    EXPECT_EQ(m.traversability(2.075, 0.025) == 0.0f, hits == 4) << hits;
+  }
+}

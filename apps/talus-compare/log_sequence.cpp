@@ -93,6 +93,7 @@ TruthMap read_truth(const std::string& path, const Parameters& parameters)
   t.obstacle_top = band(stack, "obstacle_top", path);
   t.underside = band(stack, "underside", path);
   t.label = band(stack, "label", path);
+  t.covered = band(stack, "covered", path);
   return TruthMap(std::move(t), parameters);
 }
 

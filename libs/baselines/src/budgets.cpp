@@ -60,9 +60,10 @@ Results check_budgets(const Evaluation& e)
     judge(out, "hanging_wrong", s.hanging_wrong, 0.02, true);
     judge(out, "hanging_passable", s.hanging_passable, 0.98, false);
     judge(out, "obstacle_blocked", s.obstacle_blocked, 0.98, false);
+    judge(out, "obstacle_blocked_whole", s.obstacle_blocked_whole, 0.98, false);
     judge(out, "free_passable", s.free_passable, 0.99, false);
     judge(out, "leak", s.leak, 0.01, true);
-    judge(out, "leak_seen", s.leak_seen, 0.01, true);
+    judge(out, "leak_hit", s.leak_hit, 0.01, true);
     judge(out, "reach", s.reach, 0.98, false);
     judge(out, "reach_seen", s.reach_seen, 0.98, false);
     judge(out, "inflation_cells", s.inflation_cells(), 1, true);

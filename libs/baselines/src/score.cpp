@@ -76,9 +76,9 @@ void Score::add(const Score& o)
   for (Share Score::*s :
        {&Score::measured, &Score::filled_two_sided, &Score::filled_one_sided, &Score::unknown,
         &Score::hanging_wrong, &Score::hanging_passable, &Score::obstacle_blocked,
-        &Score::free_passable, &Score::free_passable_all, &Score::posts, &Score::ditch_found,
-        &Score::leak, &Score::leak_seen, &Score::reach, &Score::reach_seen, &Score::beyond,
-        &Score::mover_freed})
+        &Score::obstacle_blocked_whole, &Score::free_passable, &Score::free_passable_all,
+        &Score::posts, &Score::ditch_found, &Score::leak, &Score::leak_hit, &Score::reach,
+        &Score::reach_seen, &Score::beyond, &Score::mover_freed})
     (this->*s).add(o.*s);
   update_ms.insert(update_ms.end(), o.update_ms.begin(), o.update_ms.end());
   read_ms.insert(read_ms.end(), o.read_ms.begin(), o.read_ms.end());
@@ -117,12 +117,13 @@ Figures figures(const Score& s)
            {"hanging_wrong", s.hanging_wrong},
            {"hanging_passable", s.hanging_passable},
            {"obstacle_blocked", s.obstacle_blocked},
+           {"obstacle_blocked_whole", s.obstacle_blocked_whole},
            {"free_passable", s.free_passable},
            {"free_passable_all", s.free_passable_all},
            {"posts_kept", s.posts},
            {"ditch_found", s.ditch_found},
            {"leak", s.leak},
-           {"leak_seen", s.leak_seen},
+           {"leak_hit", s.leak_hit},
            {"reach", s.reach},
            {"reach_seen", s.reach_seen},
            {"beyond", s.beyond},

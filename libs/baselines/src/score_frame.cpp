@@ -12,7 +12,6 @@ constexpr float kWrong_m = 0.2f;
 constexpr int kClear_cells = 2;
 constexpr double kDitchRange_m = 4.0;
 constexpr float kSparse = 0.5f;
-constexpr int kNearHit_cells = 3;
 
 /** Scores one map in one frame, cell by cell. */
 class FrameScorer
@@ -46,22 +45,19 @@ class FrameScorer
  private:
   CellState state(std::size_t k) const { return static_cast<CellState>(map_.state[k]); }
 
-  /** Chessboard distance in cells to the nearest upright obstacle cell that was hit, and to the
-   * nearest obstacle cell of any kind that was hit. */
+  /** Chessboard distance in cells to the nearest upright obstacle cell that was hit. */
   void measure_distance_to_hits()
   {
     const int n = map_.window.cells;
-    cv::Mat no_upright(n, n, CV_8U, 1), no_hit(n, n, CV_8U, 1);
+    cv::Mat no_upright(n, n, CV_8U, 1);
     for (int k = 0; k < n * n; ++k)
     {
       const int at = here_.at[static_cast<std::size_t>(k)];
       if (at < 0 || !observed_.shows_obstacle(static_cast<std::size_t>(at))) continue;
-      no_hit.at<std::uint8_t>(k / n, k % n) = 0;
       if (truth_.vertical[static_cast<std::size_t>(at)])
         no_upright.at<std::uint8_t>(k / n, k % n) = 0;
     }
     cv::distanceTransform(no_upright, to_upright_, cv::DIST_C, 3);
-    cv::distanceTransform(no_hit, to_hit_, cv::DIST_C, 3);
   }
   int distance(const cv::Mat& to, std::size_t k) const
   {
@@ -101,7 +97,11 @@ class FrameScorer
   void blocked_and_free(std::size_t k, std::size_t at)
   {
     if (truth_.doubtful[at]) return;
-    if (observed_.shows_obstacle(at)) score_.obstacle_blocked.add(map_.blocked(k));
+    if (observed_.shows_obstacle(at))
+    {
+      score_.obstacle_blocked.add(map_.blocked(k));
+      if (truth_.covered_whole(at)) score_.obstacle_blocked_whole.add(map_.blocked(k));
+    }
     if (!truth_.free(at) || !observed_.ground_hit[at]) return;
     score_.free_passable_all.add(map_.passable(k));
     const int from_obstacle = truth_.to_blocked[at];
@@ -153,13 +153,14 @@ class FrameScorer
       if (truth_.blocked(at) && truth_.depth[at] >= 2 && !truth_.doubtful[at])
       {
         score_.leak.add(reached[k]);
-        if (distance(to_hit_, k) <= kNearHit_cells) score_.leak_seen.add(reached[k]);
+        if (observed_.shows_obstacle(at)) score_.leak_hit.add(reached[k]);
       }
       if (!here_.free_now[k] || here_.start[k]) continue;
       if (!here_.reachable[k]) score_.beyond.add(reached[k]);
       if (!here_.reachable[k]) continue;
       score_.reach.add(reached[k]);
-      if (here_.could_see[k]) score_.reach_seen.add(reached[k]);
+      if (here_.could_see[k] && truth_.to_blocked[at] >= kClear_cells)
+        score_.reach_seen.add(reached[k]);
     }
   }
 
@@ -168,7 +169,7 @@ class FrameScorer
   const WindowTruth& here_;
   const Observed& observed_;
   Score& score_;
-  cv::Mat to_upright_, to_hit_;
+  cv::Mat to_upright_;
 };
 
 }  // namespace

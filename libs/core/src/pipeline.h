@@ -45,7 +45,7 @@ class Pipeline final : public BackendInterface
   }
   FrameReport finish(int slot) override
   {
-    use(slot);
+    use(shown_ = slot);
     executor_.finish_frame([this] { stages(); });
     now_->parts_known = parts_wanted();
     return end();
@@ -487,6 +487,7 @@ class Pipeline final : public BackendInterface
   kernels::Config host_config_;
   std::array<Slot, kSlots> slots_;
   Slot* now_ = slots_.data();  //!< of the frame that is dealt with
+  int shown_ = 0;  //!< the slot of the frame that was finished last
 
   Buffer<kernels::Config> config_;
   Buffer<kernels::FrameContext> context_;

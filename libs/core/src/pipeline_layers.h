@@ -86,6 +86,7 @@ void Pipeline<Executor>::complete_parts()
 template <class Executor>
 void Pipeline<Executor>::read_layer(Layer layer, float* out)
 {
+  use(shown_);
   const float* from = top_hit_.data();  // free between frames
   if (layer < Layer::Slope)
     export_surface(layer, top_hit_.data());
@@ -101,6 +102,7 @@ template <class Executor>
 MapBytes Pipeline<Executor>::read_all()
 {
   const auto n = static_cast<std::size_t>(cells());
+  use(shown_);
   MapBytes bytes;
   bytes.cells.resize(n * kBytesPerCell);
   std::uint8_t* to = bytes.cells.data();
@@ -123,6 +125,7 @@ MapBytes Pipeline<Executor>::read_all()
 template <class Executor>
 void Pipeline<Executor>::write_all(const MapBytes& bytes, const kernels::FrameContext& window)
 {
+  use(shown_);
   const auto n = static_cast<std::size_t>(cells());
   const std::uint8_t* from = bytes.cells.data();
   for (auto* b : {&ground_, &ground_var_, &elevation_, &elevation_var_})

@@ -47,12 +47,15 @@ class CellJudge
     if (!world_.ground.defined(cx, cy)) return;
     out.ground[index] = static_cast<float>(world_.ground.height_m(cx, cy));
     sample_ground(x_m, y_m, resolution_m);
-    bool blocked = ground_blocks(resolution_m);
+    int standing = 0;
     for (int j = 1; j + 1 < n_; ++j)
       for (int i = 1; i + 1 < n_; ++i)
-        blocked |= column_blocks(
+        standing += column_blocks(
             x_m + offset(i, resolution_m), y_m + offset(j, resolution_m), height(i, j), index, out);
-    out.label[index] = blocked ? 0.0f : 1.0f;
+    const bool ground = ground_blocks(resolution_m);
+    const int covered = std::max(standing, ground ? steep_places(resolution_m) : 0);
+    out.label[index] = standing > 0 || ground ? 0.0f : 1.0f;
+    out.covered[index] = static_cast<float>(covered) / static_cast<float>((n_ - 2) * (n_ - 2));
   }
 
  private:
@@ -95,6 +98,22 @@ class CellJudge
     const double gx = slopes[0] ? slope_sum[0] / slopes[0] : 0;
     const double gy = slopes[1] ? slope_sum[1] / slopes[1] : 0;
     return std::hypot(gx, gy) > std::tan(options_.max_slope_rad);
+  }
+
+  /** Of the places inside the cell, those beside which the ground is steeper than it may be. */
+  int steep_places(double resolution_m) const
+  {
+    int steep = 0;
+    for (int j = 1; j + 1 < n_; ++j)
+      for (int i = 1; i + 1 < n_; ++i)
+      {
+        const double run_x = offset(i + 1, resolution_m) - offset(i - 1, resolution_m);
+        const double run_y = offset(j + 1, resolution_m) - offset(j - 1, resolution_m);
+        const double gx = (height(i + 1, j) - height(i - 1, j)) / run_x;
+        const double gy = (height(i, j + 1) - height(i, j - 1)) / run_y;
+        steep += std::hypot(gx, gy) > std::tan(options_.max_slope_rad);
+      }
+    return steep;
   }
 
   bool column_blocks(double x_m, double y_m, double ground_m, std::size_t index, Truth& out)
@@ -151,7 +170,7 @@ Truth truth(const World& world, const TruthWindow& w, double time_s, const Truth
   const std::size_t cells = static_cast<std::size_t>(w.cells_x) * w.cells_y;
   Truth out;
   out.window = w;
-  for (auto* layer : {&out.ground, &out.obstacle_top, &out.underside, &out.label})
+  for (auto* layer : {&out.ground, &out.obstacle_top, &out.underside, &out.label, &out.covered})
     layer->assign(cells, kUnknown);
   const Scene scene(world, time_s, options.movers);
   CellJudge judge(world, scene, options);

@@ -69,6 +69,7 @@ struct Score
   /// @name Obstacles and free space
   /// @{
   Share obstacle_blocked;  //!< of obstacle cells that were hit: blocked
+  Share obstacle_blocked_whole;  //!< the same of cells that the obstacle covers whole
   Share free_passable;  //!< of free cells whose ground was hit, two or more cells away from
                         //!< obstacles: passable
   Share free_passable_all;  //!< the same with those next to obstacles
@@ -86,9 +87,10 @@ struct Score
   /// (4-connected)
   /// @{
   Share leak;  //!< of obstacle cells that have obstacle cells all around: reached
-  Share leak_seen;  //!< the same of those within 3 cells of an obstacle cell that was hit
+  Share leak_hit;  //!< the same of those that were hit themselves
   Share reach;  //!< of free cells that are truly reachable: reached
-  Share reach_seen;  //!< the same of those that a ray could have met so far
+  Share reach_seen;  //!< the same of those that a ray could have met so far, two or more cells away
+                     //!< from obstacles
   Share beyond;  //!< of free cells that are truly not reachable: reached
   /// @}
 

@@ -38,6 +38,8 @@ class TruthMap
   bool known(std::size_t i) const { return truth.label[i] == truth.label[i]; }
   bool free(std::size_t i) const { return truth.label[i] == 1.0f; }
   bool blocked(std::size_t i) const { return truth.label[i] == 0.0f; }
+  /** Whether what makes the cell an obstacle is in all of it. */
+  bool covered_whole(std::size_t i) const { return truth.covered[i] == 1.0f; }
   /** Distance [m] of a height from the ground or, where something low enough to be driven over
    * lies on it, from the nearer of the two. */
   float height_error_m(std::size_t i, float z_m) const;

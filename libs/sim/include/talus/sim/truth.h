@@ -43,11 +43,13 @@ struct TruthOptions
  *   vertical face of the ground higher than max_step_m is in the cell or on its border. 1 (free)
  *   otherwise. NaN where the ground is not defined: beyond the border of a height image; the other
  *   layers are then NaN too.
+ * - `covered`: of blocked cells, the share of the sampled places at which something stands higher
+ * than min_obstacle_m, or, if that is more, beside which the ground is too steep; 0 in free cells.
  */
 struct Truth
 {
   TruthWindow window;
-  std::vector<float> ground, obstacle_top, underside, label;
+  std::vector<float> ground, obstacle_top, underside, label, covered;
 };
 
 /** The truth at a time since the start of the drive. Throws std::runtime_error that says how large
