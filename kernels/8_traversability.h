@@ -292,13 +292,14 @@ struct CompleteObstacles
            (blocked(at - n + 1) && blocked(at + n - 1));
   }
 
-  /** Of measured cells: the ground rises or falls at least half as steeply as it may to an
+  /** Of measured cells: the surface rises or falls at least a third as steeply as it may to an
    * impassable neighbour on which nothing stands (two cells alone tell a slope that badly), or a
    * face begins in the cell that is higher, with the neighbours, than a step. */
   TALUS_HD bool at_steep_edge(int ix, int iy, const float* judgement, int pitch) const
   {
     const Surface* at = surfaces.cell + surfaces.at(ix, iy);
     if (!at->is(kSurfaceMeasured)) return false;
+    const float step = config->step_threshold_m * kHeightSteps;
     int low = at->ground, high = at->height();
     for (int dy = -1; dy <= 1; dy++)
       for (int dx = -1; dx <= 1; dx++)
@@ -307,12 +308,11 @@ struct CompleteObstacles
         if (!next.is(kSurfaceMeasured)) continue;
         low = min_of(low, next.ground);
         high = max_of(high, next.height());
-        const bool beside = (dx == 0) | (dy == 0), bare = !steep(next.height() - next.ground);
-        if (beside && bare && steep(2 * abs_of(next.ground - at->ground)) &&
-            blocked(judgement + dy * pitch + dx))
-          return true;
+        const bool beside = (dx == 0) | (dy == 0), bare = 2 * (next.height() - next.ground) < step;
+        const int rise =
+            max_of(abs_of(next.ground - at->ground), abs_of(next.height() - at->height()));
+        if (beside && bare && steep(3 * rise) && blocked(judgement + dy * pitch + dx)) return true;
       }
-    const float step = config->step_threshold_m * kHeightSteps;
     return steep(at->height() - at->ground) && static_cast<float>(high - low) > step;
   }
   /** Whether a rise within a cell is steeper than the slope threshold. */

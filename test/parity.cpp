@@ -69,12 +69,17 @@ class Pair
 
   void expect_same_bits() const
   {
-    for (int l = 0; l < kLayerCount; l++)
+    std::vector<Layer> all;
+    for (int l = 0; l < kLayerCount; l++) all.push_back(static_cast<Layer>(l));
+    expect_same_bits(all);
+  }
+  void expect_same_bits(const std::vector<Layer>& layers) const
+  {
+    for (const Layer l : layers)
     {
-      const auto &x = cpu.layer(static_cast<Layer>(l)), &y = cuda.layer(static_cast<Layer>(l));
+      const auto &x = cpu.layer(l), &y = cuda.layer(l);
       ASSERT_EQ(std::memcmp(x.data(), y.data(), x.size() * sizeof(float)), 0)
-          << kLayerNames[static_cast<std::size_t>(l)] << " differs after frame " << frames_ << ": "
-          << first_difference(x, y);
+          << layer_name(l) << " differs after frame " << frames_ << ": " << first_difference(x, y);
     }
   }
 
@@ -230,6 +235,31 @@ TEST(Parity, SmallWindowsJumpsAndOutputsThatChange)
     if (i == 10) maps.cuda.set_output_layers({Layer::GroundElevation, Layer::Slope});
     if (i == 20) maps.cuda.set_output_layers({});
     if (i == 30) maps.cuda.set_output_layers({Layer::Variance, Layer::Sparsity, Layer::Step});
+    ASSERT_NO_FATAL_FAILURE(maps.expect_same_bits());
+  }
+}
+
+TEST(Parity, ADriveWithTwoFramesInFlightOnTheDevice)
+{
+  for (const double window_m : {8.0, 40.0})  // layers written directly, and copied
+  {
+    Parameters p;
+    p.window_m = window_m;
+    Pair maps(p);
+    const std::vector<Layer> layers{
+        Layer::Elevation, Layer::GroundElevation, Layer::Traversability};
+    maps.cuda.set_output_layers(layers);
+    Random noise(13);
+    std::vector<Scan> scans;
+    for (int i = 0; i < (window_m < 20 ? 60 : 10); i++) scans.push_back(drive_frame(i, noise));
+    maps.cuda.start(scans[0].frame());
+    for (std::size_t i = 1; i <= scans.size(); i++)
+    {
+      maps.cpu.update(scans[i - 1].frame());
+      if (i < scans.size()) maps.cuda.start(scans[i].frame());
+      maps.cuda.finish();
+      ASSERT_NO_FATAL_FAILURE(maps.expect_same_bits(layers));
+    }
     ASSERT_NO_FATAL_FAILURE(maps.expect_same_bits());
   }
 }

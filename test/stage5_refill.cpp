@@ -87,9 +87,6 @@ TEST(Stage5Refill, ABankSteeperThanTheRobotClimbsIsGroundToo)
   s.add_surface(0, -1, 2, 1, flat);
   s.add_surface(2, -1, 3, 1, [&](double x, double) { return tangent * (x - 2); });
   m.update(s);
-  for (double x = 2.025; x < 3; x += 0.05)
-  {
-    EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << x;
-    if (x < 2.95) EXPECT_EQ(m.traversability(x, 0.525), 0.0f) << x;
-  }
+  for (double x = 2.025; x < 3; x += 0.05) EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << x;
+  for (double x = 2.025; x < 2.95; x += 0.05) EXPECT_EQ(m.traversability(x, 0.525), 0.0f) << x;
 }

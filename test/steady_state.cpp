@@ -81,6 +81,8 @@ class Drive
   std::vector<Frame> frames_;
 };
 
+constexpr Layer kDelivered[] = {Layer::Traversability, Layer::Elevation};
+
 /** Allocations in so many frames, layers read after each, of a map that is warm. */
 std::uint64_t allocations_when_warm(Parameters p, int threads)
 {
@@ -116,6 +118,23 @@ TEST(SteadyState, NeitherDoTheyWithAVoxelFilterAndAnotherFill)
   p.voxel_m = 0.05;
   p.fill_rule = FillRule::Exchanged;
   EXPECT_EQ(allocations_when_warm(p, 1), 0u);
+}
+
+TEST(SteadyState, NeitherDoFramesOfWhichTwoAreInFlight)
+{
+  const Drive drive;
+  ElevationMapper map({}, Backend::Cpu);
+  map.set_output_layers({std::begin(kDelivered), std::end(kDelivered)});
+  map.start(drive[0]);
+  std::uint64_t before = 0;
+  for (int i = 1; i < kWarm + kFrames; i++)
+  {
+    if (i == kWarm) before = allocations;
+    map.start(drive[i]);
+    map.finish();
+    for (const Layer l : kDelivered) EXPECT_EQ(map.layer(l).size(), 160u * 160u);
+  }
+  EXPECT_EQ(allocations - before, 0u);
 }
 
 TEST(SteadyState, AThousandFramesIntoALiveMapThatIsReadAllocateNothing)

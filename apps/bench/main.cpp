@@ -39,9 +39,12 @@ Frame frame_of(ElevationMapper& map, const Scan& scan, const Setting& s)
   return frame;
 }
 
+/** Updates with a frame; where they overlap, starts it and finishes the one before. */
 FrameReport run_frame(ElevationMapper& map, const Frame& frame, const Setting& s)
 {
-  const FrameReport report = map.update(frame);
+  if (s.overlapped && map.frames_in_flight() == 0) map.start(frame);
+  if (s.overlapped) map.start(frame);
+  const FrameReport report = s.overlapped ? map.finish() : map.update(frame);
   for (const Layer l : s.layers) benchmark::DoNotOptimize(map.layer(l).data());
   return report;
 }
@@ -167,7 +170,7 @@ int iterations(const Setting& s, Backend backend)
 
 void add(const Setting& s, Backend backend, const std::string& prefix)
 {
-  if (s.threads > 1 && backend != Backend::Cpu) return;
+  if (backend == Backend::Cpu ? s.overlapped : s.threads > 1) return;
   benchmark::RegisterBenchmark(
       ("frame/" + prefix + "/" + s.name).c_str(),
       [s, backend, prefix](benchmark::State& state) { bench_frame(state, s, backend, prefix); })

@@ -27,27 +27,34 @@ struct OutputMemory
 /** By layer: the caller's n*n floats, or null. */
 using OutputPointers = std::array<float*, kLayerCount>;
 
+/** Frames that may be in flight: each has a slot, with what it does not share with the other. */
+constexpr int kSlots = 2;
+
 /** One map on one kind of device: the nine stages on its own memory. */
 class BackendInterface
 {
  public:
   virtual ~BackendInterface() = default;
 
-  /** Runs the stages. `frame` gives the points, `context` all else. */
-  virtual FrameReport run(const Frame& frame, const kernels::FrameContext& context) = 0;
+  /** Begins a frame in a slot that is free: the stages, after those of the frame before. `frame`
+   * gives the points, `context` all else; both stay where they are until it is finished. */
+  virtual void start(int slot, const Frame& frame, const kernels::FrameContext& context) = 0;
+  /** Ends the frame that was started first. */
+  virtual FrameReport finish(int slot) = 0;
 
-  /** Room for points that run() need not copy; valid until it grows. */
-  virtual PointArrays point_arrays(std::size_t size) = 0;
+  /** Room for points that start() need not copy, in a slot that is free; valid until it grows. */
+  virtual PointArrays point_arrays(int slot, std::size_t size) = 0;
 
+  /** From now on the frames of a slot, and write_all() with the first, leave these layers in the
+   * caller's memory, which must stay where it is until other outputs are set. Returns for which
+   * layers they do. A slot has none before this was called. */
+  virtual std::array<bool, kLayerCount> set_outputs(int slot, const OutputPointers& host) = 0;
+
+  // ---- while no frame is in flight ----
   /** Copies a layer, window order, n*n floats. */
   virtual void read_layer(Layer layer, float* out) = 0;
-
-  /** From now on run() and write_all() leave these layers in the caller's memory, which must stay
-   * where it is until other outputs are set. Returns for which layers it does. */
-  virtual std::array<bool, kLayerCount> set_outputs(const OutputPointers& host) = 0;
-
   virtual MapBytes read_all() = 0;
-  /** Sizes are checked by the caller. */
+  /** Of a backend that has seen no frame. Sizes are checked by the caller. */
   virtual void write_all(const MapBytes& bytes, const kernels::FrameContext& window) = 0;
 
   virtual std::string name() const = 0;

@@ -1,16 +1,14 @@
 #include "copy_large.h"
+#include "helpers.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <cstring>
+#include <thread>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
-#endif
-#if defined(TALUS_HAVE_TBB)
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 #endif
 
 namespace talus
@@ -40,10 +38,10 @@ void copy_part(const CopyBlock& block, std::size_t begin, std::size_t size)
       std::min(size, block.to_copy() - begin));
 }
 
-#if defined(TALUS_HAVE_TBB)
-constexpr int kThreads = 4;
-constexpr std::size_t kAlone = 256 * 1024;  //!< less is not worth waking threads for
-constexpr std::size_t kPiece = 64 * 1024;
+constexpr int kMostHelpers = 5;
+/** Less is copied alone; less than the second is not worth waking threads for. */
+constexpr std::size_t kAlone = 96 * 1024, kLarge = 256 * 1024;
+constexpr std::size_t kPiece = 32 * 1024;
 
 /** Blocks cut into pieces, of which each thread takes the next. */
 class SharedCopy
@@ -81,34 +79,30 @@ class SharedCopy
   std::atomic<int> next_{0}, left_[kMaxCopyBlocks];
 };
 
-void copy_together(const CopyBlock* blocks, int count, const std::function<void(int)>& done)
+int helper_count()
 {
-  static tbb::task_arena arena(kThreads);
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()) - 1, 0, kMostHelpers);
+}
+
+void copy_together(
+    const CopyBlock* blocks, int count, bool large, const std::function<void(int)>& done)
+{
+  static Helpers helpers(helper_count());
   SharedCopy copy(blocks, count);
-  const auto work = [&](int thread)
-  {
-    if (thread == 0)
-      copy.work([&] { copy.tell(done); });
-    else
-      copy.work([] {});
-  };
-  arena.execute([&] { tbb::parallel_for(0, kThreads, work, tbb::static_partitioner()); });
+  helpers.work([&] { copy.work([&] { copy.tell(done); }); }, [&] { copy.work([] {}); }, large);
   copy.tell(done);
 }
-#endif
 }  // namespace
 
 void copy_blocks(const CopyBlock* blocks, int count, const std::function<void(int)>& done)
 {
-#if defined(TALUS_HAVE_TBB)
   std::size_t bytes = 0;
   for (int b = 0; b < count; b++) bytes += blocks[b].to_copy();
   if (bytes > kAlone)
   {
-    copy_together(blocks, count, done);
+    copy_together(blocks, count, bytes > kLarge, done);
     return;
   }
-#endif
   for (int b = 0; b < count; b++)
   {
     copy_part(blocks[b], 0, blocks[b].to_copy());

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #if defined(TALUS_HAVE_TBB)
@@ -57,6 +59,7 @@ class SharedLoop
     {
     }
     wait([&] { return done_.load(std::memory_order_acquire) == pieces; });
+    if (failed_.load(std::memory_order_relaxed)) rethrow();
   }
 
   /** Takes a piece as that thread; false: none is left. */
@@ -93,14 +96,30 @@ class SharedLoop
     const std::uint64_t next = own.fetch_add(1, std::memory_order_acquire);
     if (!any(next)) return false;
     const int begin = static_cast<int>(next & 0xffffffffu) * piece_;
-    call_(body_, begin, std::min(begin + piece_, n_));
+    try
+    {
+      call_(body_, begin, std::min(begin + piece_, n_));
+    }
+    catch (...)
+    {
+      if (!failed_.exchange(true)) error_ = std::current_exception();
+    }
     done_.fetch_add(1, std::memory_order_release);
     return true;
+  }
+
+  /** What a piece threw, when all are done. */
+  void rethrow()
+  {
+    failed_ = false;
+    std::rethrow_exception(std::exchange(error_, nullptr));
   }
 
   void (*call_)(const void*, int, int) = nullptr;
   const void* body_ = nullptr;
   int n_ = 0, piece_ = 1;
+  std::exception_ptr error_;
+  std::atomic<bool> failed_{false};
   std::vector<Own> own_;
   alignas(64) std::atomic<int> done_{0};
 };
@@ -139,11 +158,23 @@ class ThreadPool
         {
           tbb::task_group helpers;
           for (int t = 1; t < size(); t++) helpers.run([help, t] { help(t); });
+          const auto end = [&]
+          {
+            called_ = false;
+            over.store(true, std::memory_order_release);
+            helpers.wait();
+          };
           called_ = true;
-          body();
-          called_ = false;
-          over.store(true, std::memory_order_release);
-          helpers.wait();
+          try
+          {
+            body();
+          }
+          catch (...)
+          {
+            end();
+            throw;
+          }
+          end();
         });
   }
 

@@ -7,7 +7,12 @@ namespace talus
 {
 struct DestroyStream
 {
-  void operator()(cudaStream_t s) const { static_cast<void>(cudaStreamDestroy(s)); }
+  /** Waits: memory that the stream works on may go next. */
+  void operator()(cudaStream_t s) const
+  {
+    static_cast<void>(cudaStreamSynchronize(s));
+    static_cast<void>(cudaStreamDestroy(s));
+  }
 };
 struct DestroyEvent
 {

@@ -70,9 +70,12 @@ struct ElevationMapper::Impl
   void reset()
   {
     backend = make_backend(make_config(parameters), wanted, threads);
-    tracker = {};
-    context = {};
-    connect_outputs();
+    slots = {};
+    started = finished = {};
+    reference_z_m = 0;
+    shown = 0;
+    connect(0);
+    layer_read = {};
   }
 
   std::size_t cells() const
@@ -81,31 +84,66 @@ struct ElevationMapper::Impl
     return n * n;
   }
 
-  /** Gives the memory of the output layers to the backend. */
-  void connect_outputs()
+  /** What a frame does not share with the one that is in flight beside it. */
+  struct Slot
   {
+    WindowTracker tracker;  //!< as the frame leaves it
+    kernels::FrameContext context{};
+    std::array<std::vector<float>, kLayerCount> layers;
+    std::array<bool, kLayerCount> delivered{};  //!< the backend puts them into `layers` by itself
+    bool connected = false;
+  };
+
+  /** Gives a slot's memory for the output layers to the backend. */
+  void connect(int index)
+  {
+    Slot& slot = slots[static_cast<std::size_t>(index)];
+    if (slot.connected) return;
     OutputPointers memory{};
     for (std::size_t l = 0; l < outputs.size(); l++)
     {
       if (!outputs[l]) continue;
-      layers[l].reserve(cells() + kPageFloats);
-      layers[l].assign(cells(), unknown(static_cast<Layer>(l)));
-      memory[l] = layers[l].data();
+      slot.layers[l].reserve(cells() + kPageFloats);
+      slot.layers[l].assign(cells(), unknown(static_cast<Layer>(l)));
+      memory[l] = slot.layers[l].data();
     }
-    delivered = backend->set_outputs(memory);
-    layer_read = {};
+    slot.delivered = backend->set_outputs(index, memory);
+    slot.connected = true;
   }
+
+  /** That of the next frame. */
+  int free_slot(const char* call)
+  {
+    if (in_flight == kSlots)
+      throw std::logic_error(
+          std::string("ElevationMapper::") + call +
+          ": two frames are in flight: finish() the first of them before");
+    const int slot = in_flight ? 1 - oldest : 0;
+    connect(slot);
+    return slot;
+  }
+  void require_none_in_flight(const char* call) const
+  {
+    if (in_flight)
+      throw std::logic_error(
+          std::string("ElevationMapper::") + call +
+          ": a frame is in flight: finish() what was started before");
+  }
+  Slot& shown_slot() { return slots[static_cast<std::size_t>(shown)]; }
 
   Parameters parameters;
   Backend wanted;
   int threads;
-  WindowTracker tracker;
-  kernels::FrameContext context{};  //!< of the last frame
-  std::array<std::vector<float>, kLayerCount> layers;
+  std::array<Slot, kSlots> slots;
+  int in_flight = 0;  //!< frames that were started and not finished
+  int oldest = 0;  //!< the slot of the first of them
+  int shown = 0;  //!< the slot of the frame that was finished last: its layers are shown
+  WindowTracker started, finished;  //!< after the last frame that was started, and finished
+  float reference_z_m = 0;  //!< of the heights of the frame that was finished last
   std::array<bool, kLayerCount> outputs{};  //!< set_output_layers()
-  std::array<bool, kLayerCount> delivered{};  //!< the backend puts them into `layers` by itself
-  std::array<bool, kLayerCount> layer_read{};  //!< `layers` is up to date
-  std::unique_ptr<BackendInterface> backend;  //!< the last member: it refers to `layers`
+  std::array<std::vector<float>, kLayerCount> others;  //!< layers that are not delivered
+  std::array<bool, kLayerCount> layer_read{};  //!< what is shown is up to date
+  std::unique_ptr<BackendInterface> backend;  //!< the last member: it refers to `slots`
 };
 
 ElevationMapper::ElevationMapper(const Parameters& parameters, Backend backend, int threads)
@@ -119,24 +157,53 @@ ElevationMapper& ElevationMapper::operator=(ElevationMapper&&) noexcept = defaul
 
 FrameReport ElevationMapper::update(const Frame& frame)
 {
+  impl_->require_none_in_flight("update");
+  start(frame);
+  return finish();
+}
+
+void ElevationMapper::start(const Frame& frame)
+{
   if (frame.size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max() / 4))
     throw std::invalid_argument("a frame of more than 536,870,911 points");
   Impl& m = *impl_;
-  m.context = m.tracker.advance(frame, m.parameters);
+  const int index = m.free_slot("start");
+  auto& slot = m.slots[static_cast<std::size_t>(index)];
+  slot.tracker = m.started;
+  slot.context = slot.tracker.advance(frame, m.parameters);
   m.layer_read = {};
-  const FrameReport report = m.backend->run(frame, m.context);
-  m.layer_read = m.delivered;
+  m.backend->start(index, frame, slot.context);
+  m.started = slot.tracker;
+  if (m.in_flight++ == 0) m.oldest = index;
+}
+
+FrameReport ElevationMapper::finish()
+{
+  Impl& m = *impl_;
+  if (!m.in_flight)
+    throw std::logic_error("ElevationMapper::finish: no frame is in flight: start() one before");
+  m.shown = m.oldest;
+  m.oldest = 1 - m.oldest;
+  m.in_flight--;
+  m.finished = m.shown_slot().tracker;
+  m.reference_z_m = m.shown_slot().context.sensor_z_m;
+  const FrameReport report = m.backend->finish(m.shown);
+  m.layer_read = m.shown_slot().delivered;
   return report;
 }
 
+int ElevationMapper::frames_in_flight() const { return impl_->in_flight; }
+
 PointArrays ElevationMapper::point_arrays(std::size_t size)
 {
-  return impl_->backend->point_arrays(size);
+  const int slot = impl_->free_slot("point_arrays");
+  return impl_->backend->point_arrays(slot, size);
 }
 
 void ElevationMapper::set_output_layers(const std::vector<Layer>& layers)
 {
   Impl& m = *impl_;
+  m.require_none_in_flight("set_output_layers");
   std::array<bool, kLayerCount> outputs{};
   for (const Layer l : layers) outputs[static_cast<std::size_t>(l)] = true;
   if (outputs == m.outputs) return;
@@ -153,26 +220,37 @@ std::vector<Layer> ElevationMapper::output_layers() const
   return named;
 }
 
-void ElevationMapper::clear() { impl_->reset(); }
+void ElevationMapper::clear()
+{
+  impl_->require_none_in_flight("clear");
+  impl_->reset();
+}
 
-bool ElevationMapper::empty() const { return !impl_->tracker.started; }
+bool ElevationMapper::empty() const { return !impl_->finished.started; }
 
 const std::vector<float>& ElevationMapper::layer(Layer l) const
 {
   const auto i = static_cast<std::size_t>(l);
-  auto& values = impl_->layers[i];
-  if (impl_->layer_read[i]) return values;
-  values.assign(impl_->cells(), unknown(l));
-  if (!empty()) impl_->backend->read_layer(l, values.data());
-  impl_->layer_read[i] = true;
+  Impl& m = *impl_;
+  auto& values = m.shown_slot().delivered[i] ? m.shown_slot().layers[i] : m.others[i];
+  if (m.layer_read[i]) return values;
+  if (m.in_flight)
+    throw std::logic_error(
+        std::string("ElevationMapper::layer: a frame is in flight, and the map has gone on: ") +
+        layer_name(l) +
+        " can be read before the next start() if it is one of set_output_layers(), else when all "
+        "frames are finished");
+  values.assign(m.cells(), unknown(l));
+  if (!empty()) m.backend->read_layer(l, values.data());
+  m.layer_read[i] = true;
   return values;
 }
 
 Window ElevationMapper::window() const
 {
   return {
-      impl_->parameters.cells(), impl_->parameters.resolution_m, impl_->tracker.min_cell_x,
-      impl_->tracker.min_cell_y};
+      impl_->parameters.cells(), impl_->parameters.resolution_m, impl_->finished.min_cell_x,
+      impl_->finished.min_cell_y};
 }
 
 const Parameters& ElevationMapper::parameters() const { return impl_->parameters; }
@@ -181,15 +259,16 @@ std::string ElevationMapper::backend_name() const { return impl_->backend->name(
 std::vector<std::uint8_t> ElevationMapper::save() const
 {
   const Impl& m = *impl_;
+  m.require_none_in_flight("save");
   SavedHeader header{};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   header.cells = m.parameters.cells();
-  header.started = m.tracker.started;
-  header.min_cell_x = m.tracker.min_cell_x;
-  header.min_cell_y = m.tracker.min_cell_y;
-  std::copy(m.tracker.last_z_axis.begin(), m.tracker.last_z_axis.end(), header.last_z_axis);
+  header.started = m.finished.started;
+  header.min_cell_x = m.finished.min_cell_x;
+  header.min_cell_y = m.finished.min_cell_y;
+  std::copy(m.finished.last_z_axis.begin(), m.finished.last_z_axis.end(), header.last_z_axis);
   header.resolution_m = m.parameters.resolution_m;
-  header.reference_z_m = m.context.sensor_z_m;
+  header.reference_z_m = m.reference_z_m;
   const auto* head = reinterpret_cast<const std::uint8_t*>(&header);
   std::vector<std::uint8_t> bytes(head, head + sizeof header);
   if (empty()) return bytes;
@@ -203,6 +282,7 @@ std::vector<std::uint8_t> ElevationMapper::save() const
 void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
 {
   Impl& m = *impl_;
+  m.require_none_in_flight("restore");
   SavedHeader header;
   if (bytes.size() < sizeof header) throw std::invalid_argument("saved map: cut short");
   std::memcpy(&header, bytes.data(), sizeof header);
@@ -219,22 +299,24 @@ void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
 
   m.reset();
   if (!header.started) return;
-  m.tracker = {
+  m.started = m.finished = {
       true,
       header.min_cell_x,
       header.min_cell_y,
       {header.last_z_axis[0], header.last_z_axis[1], header.last_z_axis[2]}};
   const auto storage = [n](std::int64_t cell) { return static_cast<int>(((cell % n) + n) % n); };
-  m.context.storage_x = storage(header.min_cell_x);
-  m.context.storage_y = storage(header.min_cell_y);
-  m.context.sensor_z_m = header.reference_z_m;
+  m.reference_z_m = header.reference_z_m;
+  kernels::FrameContext window{};
+  window.storage_x = storage(header.min_cell_x);
+  window.storage_y = storage(header.min_cell_y);
+  window.sensor_z_m = m.reference_z_m;
   const auto* from = bytes.data() + sizeof header;
   MapBytes all;
   all.cells.assign(from, from + cell_bytes);
   all.features.resize(cells * 5);
   std::memcpy(all.features.data(), from + cell_bytes, feature_bytes);
-  m.backend->write_all(all, m.context);
-  m.layer_read = m.delivered;
+  m.backend->write_all(all, window);
+  m.layer_read = m.shown_slot().delivered;
 }
 
 }  // namespace talus

@@ -55,28 +55,34 @@ class CpuMemory
 
   std::string name() const { return "cpu"; }
 
-  // ---- one frame ----
-  void start_clock()
-  {
-    start_ = last_ = Clock::now();
-    stage_ms_ = {};
-  }
+  // ---- one frame, of the slot in use ----
+  void use(int slot) { now_ = static_cast<std::size_t>(slot); }
   int loop_size(int points, std::size_t) const { return points; }
   /** How many calls should share work on that many elements. */
   int workers(int) const { return 1; }
   PointArrays point_arrays(std::size_t capacity)
   {
-    points_.resize(4 * capacity);
-    float* p = points_.data();
+    slots_[now_].points.resize(4 * capacity);
+    float* p = slots_[now_].points.data();
     return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
   }
   /** The points stay in the caller's own memory. */
   kernels::PointsIn stage(const Frame& f, const kernels::FrameContext& context, std::size_t)
   {
-    staged_ = &context;
+    slots_[now_].context = &context;
     return {f.x_m, f.y_m, f.z_m, f.time_s};
   }
-  void fetch(Buffer<kernels::FrameContext>& context) { context.assign(1, *staged_); }
+  /** All is done in the end. */
+  template <class Body>
+  void start_frame(const Body&)
+  {
+  }
+  void start_clock()
+  {
+    start_ = last_ = Clock::now();
+    stage_ms_ = {};
+  }
+  void fetch(Buffer<kernels::FrameContext>& context) { context.assign(1, *slots_[now_].context); }
   /** Where a frame leaves its counters for the host. */
   std::uint32_t* reported() { return counters_.data(); }
   void join() {}
@@ -107,8 +113,13 @@ class CpuMemory
   }
   Clock::time_point start_, last_;
   std::array<double, kStageCount> stage_ms_{};
-  const kernels::FrameContext* staged_ = nullptr;
-  std::vector<float> points_;
+  struct Slot
+  {
+    const kernels::FrameContext* context = nullptr;
+    std::vector<float> points;  //!< of point_arrays()
+  };
+  std::array<Slot, kSlots> slots_;
+  std::size_t now_ = 0;
   std::array<std::uint32_t, kernels::kRejectCodes> counters_{};
 };
 
@@ -122,8 +133,9 @@ class CpuExecutor : public CpuMemory
   explicit CpuExecutor(Threads threads) : threads_(std::move(threads)) {}
 
   template <class Body>
-  void run_frame(const Body& body)
+  void finish_frame(const Body& body)
   {
+    start_clock();
     threads_.run_frame(body);
   }
 

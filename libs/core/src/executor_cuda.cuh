@@ -1,18 +1,16 @@
 #pragma once
 #include "backend.h"
-#include "cuda_graph.h"
 #include "cuda_loops.cuh"
-#include "kernels/1_accept.h"
+#include "cuda_slot.h"
 
 #include <array>
-#include <chrono>
-#include <vector>
 
 namespace talus
 {
 /** Runs the stages on a CUDA device. A frame is recorded once as a graph and then replayed: one
  * launch a frame, on memory that does not move; it is recorded anew when memory grows or when other
- * outputs are wanted. */
+ * outputs are wanted. Each slot has a recording of its own; the points of a frame are on their way
+ * while the frame before is computed, whose layers are on theirs while the next is. */
 class CudaExecutor
 {
  public:
@@ -31,14 +29,23 @@ class CudaExecutor
   /** Each thread searches the lines through its cell. */
   static constexpr bool kWalksLines = false;
 
+  /** Of what follows, up to the next use(). */
+  void use(int index)
+  {
+    now_ = static_cast<std::size_t>(index);
+    if (!slot().lane.stream) slot() = CudaSlot::make();
+  }
+
   // ---- memory: these wait until they are done ----
+  /** First also for the frames in flight. */
   template <class T>
   void allocate(Buffer<T>& buffer, std::size_t size, T value)
   {
-    graph_.reset();
+    forget_recordings();
     buffer = {};
     buffer = Buffer<T>(size);
     fill(buffer, value);
+    synchronize();
   }
   template <class T>
   void upload(const T* from, std::size_t size, T* to)
@@ -52,19 +59,18 @@ class CudaExecutor
     copy(to, from, size);
     synchronize();
   }
-  void synchronize() { TALUS_CUDA(cudaStreamSynchronize(main_.stream.get())); }
+  void synchronize() { TALUS_CUDA(cudaStreamSynchronize(slot().lane.stream.get())); }
 
   // ---- outputs ----
   OutputMemory map_output(float* host, std::size_t size);
   void forget_outputs()
   {
-    graph_.reset();
-    outputs_.clear();
-    direct_bytes_ = 0;
+    forget_recordings();
+    slot().outputs.clear();
+    slot().direct_bytes = 0;
   }
 
-  // ---- one frame ----
-  void start_clock() { start_ = Clock::now(); }
+  // ---- one frame, of the slot in use ----
   /** Graphs are recorded for as many points as there is room for. */
   int loop_size(int, std::size_t capacity) const { return static_cast<int>(capacity); }
   int workers(int elements) const { return elements / 8 + 1; }
@@ -72,21 +78,29 @@ class CudaExecutor
   kernels::PointsIn stage(
       const Frame& frame, const kernels::FrameContext& context, std::size_t capacity);
   template <class Body>
-  void run_frame(const Body& body)
+  void start_frame(const Body& body)
   {
-    if (!graph_) record(body);
-    TALUS_CUDA(cudaGraphLaunch(graph_.get(), main_.stream.get()));
+    for (CudaSlot& other : slots_)
+      if (other.in_flight) wait_until_computed(other);
+    if (!slot().graph) record(body);
+    TALUS_CUDA(cudaGraphLaunch(slot().graph.get(), slot().lane.stream.get()));
+    slot().in_flight = true;
+  }
+  template <class Body>
+  void finish_frame(const Body&)
+  {
+    slot().in_flight = false;
     synchronize();
   }
   void fetch(Buffer<kernels::FrameContext>& context);
   /** Where a frame leaves its counters for the host. */
-  std::uint32_t* reported() { return counters_.data(); }
+  std::uint32_t* reported() { return slot().counters.data(); }
   /** Kernels that were recorded since the last lap belong to a stage. */
   void lap(int stage) { lap_of_stage_[static_cast<std::size_t>(stage)] = lap_++; }
   std::array<double, kStageCount> stage_ms() const;
   double total_ms() const
   {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+    return std::chrono::duration<double, std::milli>(CudaSlot::Clock::now() - slot().start).count();
   }
 
   // ---- loops: in the order of calls, within a frame as part of its graph ----
@@ -215,7 +229,7 @@ class CudaExecutor
   void copy(T* to, const T* from, std::size_t size)
   {
     if (!size) return;
-    if (beside_ && !forked_) follow(main_, side_), forked_ = joins_ = true;
+    if (beside_ && !forked_) follow(slot().lane, side_), forked_ = joins_ = true;
     TALUS_CUDA(cudaMemcpyAsync(to, from, size * sizeof(T), cudaMemcpyDefault, lane().stream.get()));
     lane().after_kernel = false;
   }
@@ -232,61 +246,68 @@ class CudaExecutor
   }
   void join()
   {
-    if (joins_) follow(side_, main_);
+    slot().marks_computed = joins_;
+    if (!joins_) return;
+    TALUS_CUDA(cudaEventRecordWithFlags(
+        slot().computed.get(), slot().lane.stream.get(), cudaEventRecordExternal));
+    follow(side_, slot().lane);
     joins_ = false;
   }
   /** body(first, end, beside_last) of all rows, of so many layers that are copied aside; in bands
    * where that is worth while. The first is small, and each is computed about as fast as the last
-   * one is copied, so that the bus starts early and does not wait. Bands do not need each other:
+   * one is copied, so that the bus starts early and does not wait; fewer will do where it is still
+   * busy with layers that came before. Bands do not need each other:
    * the kernels of all but the first may run beside the last one. */
   template <class Body>
-  void in_bands(int rows, int layers, const Body& body)
+  void in_bands(int rows, int layers, int before, const Body& body)
   {
     const auto bytes = static_cast<std::size_t>(layers) * static_cast<std::size_t>(rows) *
                        static_cast<std::size_t>(rows) * sizeof(float);
     int shares = 1;
     if (bytes >= kBandBytes)
-      for (int share = 1; shares < kLeastShares;) share *= layers, shares += share;
+      for (int share = 1; shares < kLeastShares >> std::min(before, 2);)
+        share *= layers, shares += share;
     for (int begin = 0, share = 1; begin < shares; begin += share, share *= layers)
       body(rows * begin / shares, rows * (begin + share) / shares, begin > 0);
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  static constexpr int kMaxLaps = kStageCount + 1;
   static constexpr std::size_t kSharedBytes = 48 * 1024;  //!< that a block gets anywhere
   static constexpr int kCellsPerTeam = 4, kWordsPerWarp = 4;
   static constexpr int kManyThreads = 100000;  //!< enough to fill a device
   static constexpr std::size_t kBandBytes = 1024 * 1024;
   static constexpr int kLeastShares = 4;
 
-  struct Lane
+  CudaSlot& slot() { return slots_[now_]; }
+  const CudaSlot& slot() const { return slots_[now_]; }
+  Lane& lane() { return beside_ ? side_ : slot().lane; }
+  /** The kernels of the slot in use wait for those of another, not for its copies. */
+  void wait_until_computed(CudaSlot& other)
   {
-    Stream stream;
-    Event reached;
-    bool after_kernel = false;  //!< the next entry waits for a kernel, and for nothing else
-  };
-
-  Lane& lane() { return beside_ ? side_ : main_; }
-  /** `after` goes on when `before` is as far as it is now. */
-  void follow(Lane& before, Lane& after)
+    if (!other.marks_computed)
+      TALUS_CUDA(cudaEventRecord(other.computed.get(), other.lane.stream.get()));
+    TALUS_CUDA(cudaStreamWaitEvent(slot().lane.stream.get(), other.computed.get(), 0));
+  }
+  void forget_recordings()
   {
-    TALUS_CUDA(cudaEventRecord(before.reached.get(), before.stream.get()));
-    TALUS_CUDA(cudaStreamWaitEvent(after.stream.get(), before.reached.get(), 0));
-    after.after_kernel = false;
+    for (CudaSlot& s : slots_)
+    {
+      if (s.in_flight) TALUS_CUDA(cudaStreamSynchronize(s.lane.stream.get()));
+      s.graph.reset();
+    }
   }
   template <class Body>
   void record(const Body& body)
   {
     lap_ = 0;
-    beside_ = forked_ = joins_ = main_.after_kernel = false;
+    beside_ = forked_ = joins_ = slot().lane.after_kernel = false;
     recording_ = true;
     struct Off
     {
       bool& recording;
       ~Off() { recording = false; }
     } off{recording_};
-    graph_ = instantiate(capture(main_.stream, body));
+    slot().graph = instantiate(capture(slot().lane.stream, body));
   }
 
   static unsigned blocks(int n, int size) { return static_cast<unsigned>((n + size - 1) / size); }
@@ -301,46 +322,38 @@ class CudaExecutor
   }
 
   /** Where the time of the current lap is noted. */
-  std::uint64_t* lap_note() { return recording_ ? lap_ns_.data() + lap_ : nullptr; }
+  std::uint64_t* lap_note() { return recording_ ? slot().lap_ns.data() + lap_ : nullptr; }
 
   template <class... P, class... A>
   void launch(void (*kernel)(P...), dim3 grid, dim3 block, std::size_t shared, const A&... args)
   {
     if (!grid.x || !grid.y) return;
+    Lane& lane = slot().lane;
     cudaLaunchConfig_t config{};
     config.gridDim = grid;
     config.blockDim = block;
     config.dynamicSmemBytes = shared;
-    config.stream = main_.stream.get();
+    config.stream = lane.stream.get();
     cudaLaunchAttribute chain{};
     chain.id = cudaLaunchAttributeProgrammaticStreamSerialization;
     chain.val.programmaticStreamSerializationAllowed = 1;
     config.attrs = &chain;
-    config.numAttrs = recording_ && can_chain_ && main_.after_kernel ? 1 : 0;
+    config.numAttrs = recording_ && can_chain_ && lane.after_kernel ? 1 : 0;
     TALUS_CUDA(cudaLaunchKernelEx(&config, kernel, args..., lap_note()));
-    main_.after_kernel = true;
+    lane.after_kernel = true;
   }
 
   /** Whether the points are copied by the bus as they are staged, not read from where they are. */
   bool copies_points() const;
 
   std::string name_;
-  Lane main_, side_;
   bool can_chain_ = false;
   bool recording_ = false, beside_ = false, forked_ = false, joins_ = false;
-  GraphExec graph_;
-  std::vector<HostRegistration> outputs_;
-  std::size_t direct_bytes_ = 0;  //!< of outputs that kernels write into host memory
-  // the frame's points, and how they reach the device
-  std::size_t capacity_ = 0;
-  PinnedBuffer<std::uint32_t> staged_;  //!< context, then x, y, z, time
-  DeviceBuffer<float> points_;
-  // the report
-  PinnedBuffer<std::uint32_t> counters_;
-  PinnedBuffer<std::uint64_t> lap_ns_;
   int lap_ = 0;
   std::array<int, kStageCount> lap_of_stage_{};
-  Clock::time_point start_;
+  Lane side_;  //!< of copies, where a frame is recorded
+  std::array<CudaSlot, kSlots> slots_;
+  std::size_t now_ = 0;
 };
 
 }  // namespace talus

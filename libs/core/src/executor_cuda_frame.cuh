@@ -41,46 +41,48 @@ inline CudaExecutor::CudaExecutor()
   }
   // Code of an older architecture does not wait for its predecessor by itself.
   can_chain_ = device.major >= 9 && code.ptxVersion >= 90;
-  for (Lane* l : {&main_, &side_}) l->stream = make_stream(), l->reached = make_event();
-  counters_ = PinnedBuffer<std::uint32_t>(kernels::kRejectCodes);
-  lap_ns_ = PinnedBuffer<std::uint64_t>(kMaxLaps);
+  side_ = make_lane();
+  use(0);
 }
 
 inline OutputMemory CudaExecutor::map_output(float* host, std::size_t size)
 {
-  outputs_.emplace_back(host, size * sizeof(float));
-  auto* direct = static_cast<float*>(outputs_.back().device());
-  const bool fits = direct && direct_bytes_ + size * sizeof(float) <= kDirectBytes;
-  if (fits) direct_bytes_ += size * sizeof(float);
+  auto& outputs = slot().outputs;
+  outputs.emplace_back(host, size * sizeof(float));
+  auto* direct = static_cast<float*>(outputs.back().device());
+  const bool fits = direct && slot().direct_bytes + size * sizeof(float) <= kDirectBytes;
+  if (fits) slot().direct_bytes += size * sizeof(float);
   return {direct != nullptr, fits ? direct : nullptr};
 }
 
 inline bool CudaExecutor::copies_points() const
 {
-  return 3 * capacity_ * sizeof(float) > kReadBytes;
+  return 3 * slot().capacity * sizeof(float) > kReadBytes;
 }
 
 inline PointArrays CudaExecutor::point_arrays(std::size_t capacity)
 {
-  if (capacity != capacity_)
+  CudaSlot& s = slot();
+  if (capacity != s.capacity)
   {
-    capacity_ = capacity;
-    staged_ = {};
-    staged_ = PinnedBuffer<std::uint32_t>(kStagedPoints + 4 * capacity);
-    std::memset(staged_.data(), 0, staged_.size() * sizeof(std::uint32_t));
-    allocate(points_, copies_points() ? 4 * capacity : 0, 0.0f);
+    s.capacity = capacity;
+    s.staged = {};
+    s.staged = PinnedBuffer<std::uint32_t>(kStagedPoints + 4 * capacity);
+    std::memset(s.staged.data(), 0, s.staged.size() * sizeof(std::uint32_t));
+    allocate(s.points, copies_points() ? 4 * capacity : 0, 0.0f);
   }
-  auto* p = reinterpret_cast<float*>(staged_.data() + kStagedPoints);
+  auto* p = reinterpret_cast<float*>(s.staged.data() + kStagedPoints);
   return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
 }
 
 inline kernels::PointsIn CudaExecutor::stage(
     const Frame& frame, const kernels::FrameContext& context, std::size_t capacity)
 {
+  slot().start = CudaSlot::Clock::now();
   const PointArrays to = point_arrays(capacity);
-  std::memcpy(staged_.data(), &context, sizeof context);
+  std::memcpy(slot().staged.data(), &context, sizeof context);
   const float* const from[] = {frame.x_m, frame.y_m, frame.z_m, frame.time_s};
-  float* const p = copies_points() ? points_.data() : to.x_m;
+  float* const p = copies_points() ? slot().points.data() : to.x_m;
   const int arrays = frame.size == 0 ? 0 : context.has_times ? 4 : 3;
   std::array<CopyBlock, kMaxCopyBlocks> blocks;
   for (std::size_t a = 0; a < static_cast<std::size_t>(arrays); a++)
@@ -97,14 +99,14 @@ inline void CudaExecutor::fetch(Buffer<kernels::FrameContext>& context)
 {
   for_each(
       static_cast<int>(kContextWords),
-      loops::FetchContext{staged_.data(), reinterpret_cast<std::uint32_t*>(context.data())});
+      loops::FetchContext{slot().staged.data(), reinterpret_cast<std::uint32_t*>(context.data())});
   lap_++;
 }
 
 inline std::array<double, kStageCount> CudaExecutor::stage_ms() const
 {
   std::array<double, kStageCount> ms{};
-  const std::uint64_t* done = lap_ns_.data();
+  const std::uint64_t* done = slot().lap_ns.data();
   for (std::size_t s = 0; s < ms.size(); s++)
     if (const int lap = lap_of_stage_[s])
       ms[s] = static_cast<double>(done[lap] - done[lap - 1]) * 1e-6;

@@ -27,7 +27,7 @@ class Pipeline final : public BackendInterface
 
  public:
   Pipeline(const kernels::Config& config, Executor executor)
-      : executor_(std::move(executor)), host_config_(config)
+      : host_config_(config), executor_(std::move(executor))
   {
     allocate_cells();
     executor_.upload(&host_config_, 1, config_.data());
@@ -37,21 +37,28 @@ class Pipeline final : public BackendInterface
           kernels::FillLineTables{config_.data(), line_grid(), line_tables()});
   }
 
-  FrameReport run(const Frame& frame, const kernels::FrameContext& context) override
+  void start(int slot, const Frame& frame, const kernels::FrameContext& context) override
   {
+    use(slot);
     begin(frame, context);
-    executor_.run_frame([this] { stages(); });
-    parts_known_ = parts_wanted();
-    return end(frame);
+    executor_.start_frame([this] { stages(); });
+  }
+  FrameReport finish(int slot) override
+  {
+    use(shown_ = slot);
+    executor_.finish_frame([this] { stages(); });
+    now_->parts_known = parts_wanted();
+    return end();
   }
 
-  PointArrays point_arrays(std::size_t size) override
+  PointArrays point_arrays(int slot, std::size_t size) override
   {
+    use(slot);
     reserve_points(size);
     return executor_.point_arrays(point_cell_.size());
   }
   void read_layer(Layer layer, float* out) override;
-  std::array<bool, kLayerCount> set_outputs(const OutputPointers& host) override;
+  std::array<bool, kLayerCount> set_outputs(int slot, const OutputPointers& host) override;
   MapBytes read_all() override;
   void write_all(const MapBytes& bytes, const kernels::FrameContext& window) override;
   std::string name() const override { return executor_.name(); }
@@ -79,8 +86,9 @@ class Pipeline final : public BackendInterface
   void accept_and_weigh()
   {
     const std::uint8_t* kept = host_config_.inverse_voxel > 0 ? filter_voxels() : nullptr;
-    const kernels::AcceptPoint<Atomics> accept{config_.data(), context_.data(),  in_, points_out(),
-                                               rays_.data(),   counters_.data(), kept};
+    const kernels::AcceptPoint<Atomics> accept{
+        config_.data(), context_.data(),  now_->in, points_out(),
+        rays_.data(),   counters_.data(), kept};
     const kernels::RollCell roll{config_.data(), context_.data(), store(), top_hit_.data()};
     const kernels::FindGroundHits ground{config_.data(), context_.data(), store()};
     const int bins = kernels::bin_count(host_config_);
@@ -117,7 +125,7 @@ class Pipeline final : public BackendInterface
     const kernels::EnterVoxel<Atomics> enter{
         config_.data(),
         context_.data(),
-        in_,
+        now_->in,
         {voxel_key_.data(), voxel_winner_.data(), mask},
         voxel_slot_.data()};
     for_each_point(enter);
@@ -258,7 +266,7 @@ class Pipeline final : public BackendInterface
         line_grid(),
         kernels::places_in(host_config_.fill_search_m, host_config_.resolution_m, side() - 1)};
     executor_.in_bands(
-        side(), copied_surfaces(),
+        side(), copied_surfaces(), 0,
         [&](int first, int end, bool beside_last)
         {
           executor_.for_each_cell_by_lines(side(), first, end, search, beside_last);
@@ -281,7 +289,7 @@ class Pipeline final : public BackendInterface
       judge_rows<kParts>(0, side(), false);
     else
       executor_.in_bands(
-          side(), copied_features(),
+          side(), copied_features(), copied_surfaces(),
           [&](int first, int end, bool beside_last)
           {
             judge_rows<kParts>(first, end, beside_last);
@@ -309,7 +317,7 @@ class Pipeline final : public BackendInterface
 
   // ---- around them ----
   void begin(const Frame& frame, const kernels::FrameContext& context);
-  FrameReport end(const Frame& frame);
+  FrameReport end();
   void complete_parts();
   void allocate_parts();
   bool is_copied(Layer layer) const;
@@ -338,7 +346,7 @@ class Pipeline final : public BackendInterface
   {
     return Executor::kCrowd > 0 ? points / std::max(Executor::kCrowd, 1) : 2 * points;
   }
-  int points() const { return executor_.loop_size(n_points_, point_cell_.size()); }
+  int points() const { return executor_.loop_size(now_->n_points, point_cell_.size()); }
   template <class F>
   void for_each_point(const F& f)
   {
@@ -427,9 +435,9 @@ class Pipeline final : public BackendInterface
   float* surface(Layer layer)
   {
     const auto l = static_cast<std::size_t>(layer);
-    if (!wanted_[l]) return nullptr;
-    float* direct = outputs_[l].direct;
-    return direct ? direct : delivered_.data() + l * static_cast<std::size_t>(cells());
+    if (!now_->wanted[l]) return nullptr;
+    float* direct = now_->outputs[l].direct;
+    return direct ? direct : now_->delivered.data() + l * static_cast<std::size_t>(cells());
   }
   kernels::SurfaceLayers surface_layers()
   {
@@ -440,7 +448,7 @@ class Pipeline final : public BackendInterface
   /** Whether each frame leaves what traversability is made of: slope, step, roughness, sparsity. */
   bool parts_wanted() const
   {
-    const auto first = wanted_.begin() + static_cast<int>(Layer::Slope);
+    const auto first = now_->wanted.begin() + static_cast<int>(Layer::Slope);
     return std::any_of(first, first + kParts, [](const float* to) { return to; });
   }
   /** Where a layer of stages 8 and 9 lives: in the caller's memory if kernels reach it. Null:
@@ -448,10 +456,11 @@ class Pipeline final : public BackendInterface
   float* feature(Layer layer)
   {
     const auto l = static_cast<std::size_t>(layer);
-    if (float* direct = outputs_[l].direct) return direct;
-    if (layer == Layer::Traversability) return traversability_.data();
+    if (float* direct = now_->outputs[l].direct) return direct;
+    if (layer == Layer::Traversability) return now_->traversability.data();
     const std::size_t index = l - static_cast<std::size_t>(Layer::Slope);
-    return parts_.size() ? parts_.data() + index * static_cast<std::size_t>(cells()) : nullptr;
+    float* const parts = now_->parts.data();
+    return now_->parts.size() ? parts + index * static_cast<std::size_t>(cells()) : nullptr;
   }
   kernels::FeatureLayers feature_layers()
   {
@@ -463,13 +472,28 @@ class Pipeline final : public BackendInterface
 
   static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 5;
 
-  Executor executor_;
+  /** What a frame does not share with the one that is in flight beside it. */
+  struct Slot
+  {
+    double stamp_s = 0;
+    int n_points = 0;
+    kernels::PointsIn in{};
+    OutputPointers wanted{};
+    std::array<OutputMemory, kLayerCount> outputs{};
+    // derived layers, window order
+    Buffer<float> traversability, parts, delivered;
+    bool parts_known = false;  //!< `parts` belong to the map as it is
+  };
+  void use(int slot)
+  {
+    now_ = &slots_[static_cast<std::size_t>(slot)];
+    executor_.use(slot);
+  }
+
   kernels::Config host_config_;
-  FrameReport report_;
-  int n_points_ = 0;
-  kernels::PointsIn in_{};
-  OutputPointers wanted_{};
-  std::array<OutputMemory, kLayerCount> outputs_{};
+  std::array<Slot, kSlots> slots_;
+  Slot* now_ = slots_.data();  //!< of the frame that is dealt with
+  int shown_ = 0;  //!< the slot of the frame that was finished last
 
   Buffer<kernels::Config> config_;
   Buffer<kernels::FrameContext> context_;
@@ -493,32 +517,32 @@ class Pipeline final : public BackendInterface
   Buffer<kernels::Track> tracks_;
   Buffer<float> top_hit_, support_, passing_, samples_, across_;
   Buffer<kernels::Inference> inferred_;
-  // derived layers, window order
-  Buffer<float> judged_, traversability_, parts_, delivered_;
-  bool parts_known_ = false;  //!< `parts_` belong to the map as it is
+  Buffer<float> judged_;
+
+  Executor executor_;  //!< the last member: what it does ends before the memory goes
 };
 
 template <class Executor>
 void Pipeline<Executor>::begin(const Frame& frame, const kernels::FrameContext& context)
 {
-  executor_.start_clock();
-  report_ = {};
-  report_.stamp_s = frame.stamp_s;
-  report_.points_in = static_cast<std::uint32_t>(frame.size);
-  n_points_ = context.n_points;
   reserve_points(frame.size);
-  in_ = executor_.stage(frame, context, point_cell_.size());
+  now_->stamp_s = frame.stamp_s;
+  now_->n_points = context.n_points;
+  now_->in = executor_.stage(frame, context, point_cell_.size());
 }
 
 template <class Executor>
-FrameReport Pipeline<Executor>::end(const Frame& frame)
+FrameReport Pipeline<Executor>::end()
 {
-  std::copy_n(executor_.reported(), kRejectCount, report_.rejected.data());
-  report_.points_accepted = static_cast<std::uint32_t>(frame.size);
-  for (const auto r : report_.rejected) report_.points_accepted -= r;
-  report_.stage_ms = executor_.stage_ms();
-  report_.total_ms = executor_.total_ms();
-  return report_;
+  FrameReport report;
+  report.stamp_s = now_->stamp_s;
+  report.points_in = static_cast<std::uint32_t>(now_->n_points);
+  std::copy_n(executor_.reported(), kRejectCount, report.rejected.data());
+  report.points_accepted = report.points_in;
+  for (const auto r : report.rejected) report.points_accepted -= r;
+  report.stage_ms = executor_.stage_ms();
+  report.total_ms = executor_.total_ms();
+  return report;
 }
 
 }  // namespace talus

@@ -6,19 +6,21 @@
 namespace talus
 {
 template <class Executor>
-std::array<bool, kLayerCount> Pipeline<Executor>::set_outputs(const OutputPointers& host)
+std::array<bool, kLayerCount> Pipeline<Executor>::set_outputs(int slot, const OutputPointers& host)
 {
+  use(slot);
   std::array<bool, kLayerCount> delivered{};
   executor_.forget_outputs();
   const auto n = static_cast<std::size_t>(cells());
   for (std::size_t l = 0; l < host.size(); l++)
   {
-    outputs_[l] = host[l] ? executor_.map_output(host[l], n) : OutputMemory{false, nullptr};
-    delivered[l] = outputs_[l].reachable;
-    wanted_[l] = delivered[l] ? host[l] : nullptr;
+    now_->outputs[l] = host[l] ? executor_.map_output(host[l], n) : OutputMemory{false, nullptr};
+    delivered[l] = now_->outputs[l].reachable;
+    now_->wanted[l] = delivered[l] ? host[l] : nullptr;
   }
   constexpr auto surfaces = static_cast<std::size_t>(Layer::Slope);
-  executor_.allocate(delivered_, copied_surfaces() ? surfaces * n : 0, 0.0f);
+  executor_.allocate(now_->delivered, copied_surfaces() ? surfaces * n : 0, 0.0f);
+  executor_.allocate(now_->traversability, n, kernels::kNan);
   if (parts_wanted()) allocate_parts();
   return delivered;
 }
@@ -38,7 +40,7 @@ template <class Executor>
 bool Pipeline<Executor>::is_copied(Layer layer) const
 {
   const auto l = static_cast<std::size_t>(layer);
-  return wanted_[l] && !outputs_[l].direct;
+  return now_->wanted[l] && !now_->outputs[l].direct;
 }
 
 /** How many of the layers [first, last] are. */
@@ -67,7 +69,7 @@ void Pipeline<Executor>::deliver(Layer layer, int first_row, int end_row)
   const float* from = layer < Layer::Slope ? surface(layer) : feature(layer);
   const auto first = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(side());
   const auto end = static_cast<std::size_t>(end_row) * static_cast<std::size_t>(side());
-  executor_.copy(wanted_[static_cast<std::size_t>(layer)] + first, from + first, end - first);
+  executor_.copy(now_->wanted[static_cast<std::size_t>(layer)] + first, from + first, end - first);
 }
 
 /** What traversability is made of, if the last frame did not leave it: judges once more, with the
@@ -75,15 +77,16 @@ void Pipeline<Executor>::deliver(Layer layer, int first_row, int end_row)
 template <class Executor>
 void Pipeline<Executor>::complete_parts()
 {
-  if (parts_known_) return;
+  if (now_->parts_known) return;
   allocate_parts();
   judge_rows<true>(0, side(), false);
-  parts_known_ = true;
+  now_->parts_known = true;
 }
 
 template <class Executor>
 void Pipeline<Executor>::read_layer(Layer layer, float* out)
 {
+  use(shown_);
   const float* from = top_hit_.data();  // free between frames
   if (layer < Layer::Slope)
     export_surface(layer, top_hit_.data());
@@ -99,6 +102,7 @@ template <class Executor>
 MapBytes Pipeline<Executor>::read_all()
 {
   const auto n = static_cast<std::size_t>(cells());
+  use(shown_);
   MapBytes bytes;
   bytes.cells.resize(n * kBytesPerCell);
   std::uint8_t* to = bytes.cells.data();
@@ -121,6 +125,7 @@ MapBytes Pipeline<Executor>::read_all()
 template <class Executor>
 void Pipeline<Executor>::write_all(const MapBytes& bytes, const kernels::FrameContext& window)
 {
+  use(shown_);
   const auto n = static_cast<std::size_t>(cells());
   const std::uint8_t* from = bytes.cells.data();
   for (auto* b : {&ground_, &ground_var_, &elevation_, &elevation_var_})
@@ -131,7 +136,7 @@ void Pipeline<Executor>::write_all(const MapBytes& bytes, const kernels::FrameCo
   for (auto* b : {&state_, &passed_}) executor_.upload(from, n, b->data()), from += n;
   executor_.upload(reinterpret_cast<const std::int8_t*>(from), n, misses_.data());
   allocate_parts();
-  parts_known_ = true;
+  now_->parts_known = true;
   for (std::size_t i = 0; i < kFeatureLayers; i++)
     executor_.upload(
         bytes.features.data() + i * n, n,

@@ -28,7 +28,6 @@ void Pipeline<Executor>::allocate_cells()
   executor_.allocate(context_, 1, kernels::FrameContext{});
   executor_.allocate(cursor_, 1, std::uint64_t{0});
   executor_.allocate(counters_, kernels::kRejectCodes, std::uint32_t{0});
-  executor_.allocate(traversability_, n, kernels::kNan);
   if (Executor::kWalksLines)
     executor_.allocate(judged_, n + 2 * static_cast<std::size_t>(side() + 1), kernels::kNan);
   const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
@@ -64,7 +63,7 @@ template <class Executor>
 void Pipeline<Executor>::allocate_parts()
 {
   const std::size_t size = kParts * static_cast<std::size_t>(cells());
-  if (parts_.size() != size) executor_.allocate(parts_, size, kernels::kNan);
+  if (now_->parts.size() != size) executor_.allocate(now_->parts, size, kernels::kNan);
 }
 
 /** Grows the buffers of points in steps of at least an eighth, so that a run settles after a few

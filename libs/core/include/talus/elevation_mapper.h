@@ -38,7 +38,7 @@ constexpr std::array<const char*, kStageCount> kStageNames{"accept", "uncertaint
                                                            "update", "refill",         "cleanup",
                                                            "fill",   "traversability", "sparsity"};
 
-/** What one update() did. */
+/** What became of one frame. */
 struct FrameReport
 {
   double stamp_s = 0;
@@ -47,6 +47,7 @@ struct FrameReport
   std::array<std::uint32_t, kRejectCount> rejected{};  //!< indexed by Reject
   std::array<double, kStageCount>
       stage_ms{};  //!< indexed as kStageNames; stages that run fused report with the first
+  /** From update() to its end; of a CUDA frame from start() to the end of finish(). */
   double total_ms = 0;
 };
 
@@ -78,17 +79,39 @@ class ElevationMapper
   ElevationMapper(ElevationMapper&&) noexcept;
   ElevationMapper& operator=(ElevationMapper&&) noexcept;
 
-  /** Runs the nine stages on one frame. Throws std::invalid_argument for a pose that is not finite.
-   */
+  /** Runs the nine stages on one frame: start() and finish(). Throws as they do, and
+   * std::logic_error while a frame is in flight. */
   FrameReport update(const Frame& frame);
 
+  /** @name Two frames in flight
+   * To overlap frames: start() the next one, then finish() the one before and read its layers.
+   * A device then receives points and sends layers while it computes; the CPU backend does all in
+   * finish(). The layers have the bits that update() gives.
+   *
+   * In flight is what was started and not finished. window(), empty() and layer() are of the frame
+   * that was finished last; what reads or replaces the whole map (save(), restore(), clear(),
+   * set_output_layers()) throws std::logic_error while a frame is in flight. The first time that a
+   * second one is, the map allocates what it needs for it. @{ */
+
+  /** Begins a frame. The memory of its points must stay as it is until its finish() has returned;
+   * its path is not needed any longer. Throws std::invalid_argument for a pose that is not finite,
+   * std::logic_error if two frames are in flight; then nothing has changed. */
+  void start(const Frame& frame);
+  /** Ends the frame that was started first. Throws std::logic_error if none is in flight. */
+  FrameReport finish();
+  /** 0, 1 or 2 */
+  int frames_in_flight() const;
+  /** @} */
+
   /** Room for `size` points from which they reach the device without a further copy: a frame whose
-   * pointers are these arrays is taken from there. Valid until a larger frame comes, or clear(),
-   * restore() or set_output_layers(). Optional: points from anywhere else are copied. */
+   * pointers are these arrays is taken from there. It is for the next update() or start(), and
+   * while that frame is in flight the next one has other room: ask anew for each. Valid until a
+   * larger frame comes, or clear(), restore() or set_output_layers(). Throws std::logic_error if
+   * two frames are in flight. Optional: points from anywhere else are copied. */
   PointArrays point_arrays(std::size_t size);
 
-  /** Layers that each update() delivers: layer() of them costs nothing afterwards. The others are
-   * made when layer() asks for them. None at first. Best set before the first frame. */
+  /** Layers that each frame delivers: layer() of them costs nothing afterwards. The others are made
+   * when layer() asks for them. None at first. Best set before the first frame. */
   void set_output_layers(const std::vector<Layer>& layers);
   std::vector<Layer> output_layers() const;
 
@@ -99,7 +122,9 @@ class ElevationMapper
   bool empty() const;
 
   /** One layer, window().cells^2 floats, row by row: index = iy * cells + ix. Valid until the next
-   * call that changes the map. Made on first use where set_output_layers() does not name it. */
+   * start() or other call that changes the map. Made on first use where set_output_layers() does
+   * not name it. Throws std::logic_error for what cannot be read while a frame is in flight: those
+   * that it does not name, and all between start() and the next finish(). */
   const std::vector<float>& layer(Layer l) const;
 
   Window window() const;

@@ -28,8 +28,8 @@ struct PointArrays
   float *x_m, *y_m, *z_m, *time_s;
 };
 
-/** One scan: points in the sensor frame. Views only: the caller keeps the memory until update()
- * returns. */
+/** One scan: points in the sensor frame. Views only: the caller keeps the memory of the points
+ * until update(), or finish(), returns. */
 struct Frame
 {
   double stamp_s = 0;  //!< time stamp, seconds since the epoch

@@ -1,0 +1,115 @@
+#include "helpers.h"
+
+#include <chrono>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+namespace talus
+{
+namespace
+{
+/** Work that comes after so long comes often; nobody stays awake for longer. */
+constexpr long long kOften_ns = 1'000'000;
+
+long long now_ns()
+{
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+void relax()
+{
+#if defined(__SSE2__)
+  _mm_pause();
+#endif
+}
+}  // namespace
+
+Helpers::Helpers(int count)
+{
+  for (int i = 0; i < count; i++) threads_.emplace_back([this] { serve(); });
+}
+
+Helpers::~Helpers()
+{
+  {
+    const std::lock_guard<std::mutex> lock(sleep_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  for (std::thread& t : threads_) t.join();
+}
+
+void Helpers::work(
+    const std::function<void()>& own, const std::function<void()>& help, bool is_long)
+{
+  const std::unique_lock<std::mutex> turn(turn_, std::try_to_lock);
+  if (!turn)
+  {
+    own();
+    return;
+  }
+  struct End
+  {
+    Helpers& helpers;
+    ~End() { helpers.end(); }
+  };
+  begin(help, is_long);
+  const End end{*this};
+  own();
+}
+
+void Helpers::begin(const std::function<void()>& help, bool is_long)
+{
+  const long long now = now_ns();
+  often_ = now - last_ns_.exchange(now) < kOften_ns;
+  help_ = &help;
+  open_ = true;
+  round_++;
+  if (asleep_ == 0 || !(is_long || often_)) return;
+  {
+    const std::lock_guard<std::mutex> lock(sleep_);
+  }
+  wake_.notify_one();
+}
+
+void Helpers::end()
+{
+  open_ = false;
+  while (inside_) relax();
+}
+
+void Helpers::serve()
+{
+  for (unsigned seen = 0;;)
+  {
+    wait_for_work(seen);
+    if (stop_) return;
+    seen = round_;
+    inside_++;
+    if (open_) (*help_)();
+    inside_--;
+  }
+}
+
+void Helpers::wait_for_work(unsigned seen)
+{
+  const auto is_time = [&] { return stop_ || round_ != seen; };
+  while (often_ && now_ns() - last_ns_ < kOften_ns)
+    for (int i = 0; i < 64; i++)
+    {
+      if (is_time()) return;
+      relax();
+    }
+  std::unique_lock<std::mutex> lock(sleep_);
+  asleep_++;
+  wake_.wait(lock, is_time);
+  asleep_--;
+  lock.unlock();
+  if (asleep_ > 0) wake_.notify_one();  // one wakes the next, so that who has work need not
+}
+
+}  // namespace talus

@@ -1,0 +1,48 @@
+#pragma once
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace talus
+{
+/** Threads that join in short work: some ten microseconds, for which sleeping threads wake up too
+ * late. While work comes often they wait for it awake; else they sleep. Nobody waits for a helper
+ * that has not come. */
+class Helpers
+{
+ public:
+  explicit Helpers(int count);
+  ~Helpers();
+
+  /** Runs `own` on this thread and `help`, which returns when there is nothing left to do, on
+   * helpers meanwhile; returns, or throws what `own` throws, when none is in it any longer. Wakes
+   * those that sleep if the work is long, or comes often. Without helpers while they work for
+   * another thread. */
+  void work(const std::function<void()>& own, const std::function<void()>& help, bool is_long);
+
+ private:
+  void begin(const std::function<void()>& help, bool is_long);
+  void end();
+  void serve();
+  /** Until there is work that is not of round `seen`. */
+  void wait_for_work(unsigned seen);
+
+  std::mutex turn_;  //!< held by whom they work for
+  const std::function<void()>* help_ = nullptr;
+  std::atomic<bool> open_{false};  //!< there is work to join
+  std::atomic<int> inside_{0};  //!< helpers that are about to join, or in it
+  std::atomic<unsigned> round_{0};
+  std::atomic<long long> last_ns_{0};  //!< when the last work came
+  std::atomic<bool> often_{false};
+
+  std::mutex sleep_;
+  std::condition_variable wake_;
+  std::atomic<int> asleep_{0};
+  std::atomic<bool> stop_{false};
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace talus
