@@ -11,7 +11,7 @@ namespace
 {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr double kGroundAllowance_m = 0.1;
-constexpr double kGroundRadius_m = 1.0;
+constexpr double kGroundRadius_m = 3.0;
 
 /** A scan in two parts. */
 struct SplitScan

@@ -8,7 +8,7 @@ namespace talus::baselines
  * The points of each scan are sorted into `groups` bands of equal elevation angle in the sensor
  * frame, from the 1st to the 99th percentile; every `every`-th band that has
  * points is kept from the map. Of what
- * is held out, the lowest point of each cell is predicted, if it is ground: nowhere within 1 m does
+ * is held out, the lowest point of each cell is predicted, if it is ground: nowhere within 3 m does
  * the ground of the log (the second lowest of what its frames saw in a cell, held out or not) lie
  * lower than a cone of the slope threshold and 0.1 m below it. Cells with measured ground in the
  * map are left out, since nothing is filled there. */
