@@ -1,5 +1,5 @@
 #include "copy_large.h"
-#include "helpers.h"
+#include "staging_threads.h"
 
 #include <algorithm>
 #include <atomic>
@@ -87,7 +87,7 @@ int helper_count()
 void copy_together(
     const CopyBlock* blocks, int count, bool large, const std::function<void(int)>& done)
 {
-  static Helpers helpers(helper_count());
+  static StagingThreads helpers(helper_count());
   SharedCopy copy(blocks, count);
   helpers.work([&] { copy.work([&] { copy.tell(done); }); }, [&] { copy.work([] {}); }, large);
   copy.tell(done);

@@ -1,4 +1,4 @@
-#include "helpers.h"
+#include "staging_threads.h"
 
 #include <chrono>
 
@@ -28,12 +28,12 @@ void relax()
 }
 }  // namespace
 
-Helpers::Helpers(int count)
+StagingThreads::StagingThreads(int count)
 {
   for (int i = 0; i < count; i++) threads_.emplace_back([this] { serve(); });
 }
 
-Helpers::~Helpers()
+StagingThreads::~StagingThreads()
 {
   {
     const std::lock_guard<std::mutex> lock(sleep_);
@@ -43,7 +43,7 @@ Helpers::~Helpers()
   for (std::thread& t : threads_) t.join();
 }
 
-void Helpers::work(
+void StagingThreads::work(
     const std::function<void()>& own, const std::function<void()>& help, bool is_long)
 {
   const std::unique_lock<std::mutex> turn(turn_, std::try_to_lock);
@@ -54,7 +54,7 @@ void Helpers::work(
   }
   struct End
   {
-    Helpers& helpers;
+    StagingThreads& helpers;
     ~End() { helpers.end(); }
   };
   begin(help, is_long);
@@ -62,7 +62,7 @@ void Helpers::work(
   own();
 }
 
-void Helpers::begin(const std::function<void()>& help, bool is_long)
+void StagingThreads::begin(const std::function<void()>& help, bool is_long)
 {
   const long long now = now_ns();
   often_ = now - last_ns_.exchange(now) < kOften_ns;
@@ -76,13 +76,13 @@ void Helpers::begin(const std::function<void()>& help, bool is_long)
   wake_.notify_one();
 }
 
-void Helpers::end()
+void StagingThreads::end()
 {
   open_ = false;
   while (inside_) relax();
 }
 
-void Helpers::serve()
+void StagingThreads::serve()
 {
   for (unsigned seen = 0;;)
   {
@@ -95,7 +95,7 @@ void Helpers::serve()
   }
 }
 
-void Helpers::wait_for_work(unsigned seen)
+void StagingThreads::wait_for_work(unsigned seen)
 {
   const auto is_time = [&] { return stop_ || round_ != seen; };
   while (often_ && now_ns() - last_ns_ < kOften_ns)

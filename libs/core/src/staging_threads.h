@@ -11,11 +11,11 @@ namespace talus
 /** Threads that join in short work: some ten microseconds, for which sleeping threads wake up too
  * late. While work comes often they wait for it awake; else they sleep. Nobody waits for a helper
  * that has not come. */
-class Helpers
+class StagingThreads
 {
  public:
-  explicit Helpers(int count);
-  ~Helpers();
+  explicit StagingThreads(int count);
+  ~StagingThreads();
 
   /** Runs `own` on this thread and `help`, which returns when there is nothing left to do, on
    * helpers meanwhile; returns, or throws what `own` throws, when none is in it any longer. Wakes
