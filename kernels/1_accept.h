@@ -148,13 +148,6 @@ struct AcceptPoint
   std::uint32_t* rejected;  //!< by RejectCode
   const std::uint8_t* voxel_kept;  //!< null: no voxel filter
 
-  TALUS_HD void operator()(int i) const
-  {
-    if (i >= frame->n_points) return;
-    locate(i);
-    note(i);
-  }
-
   /** What depends on this point alone. PointsOut::rank holds its RejectCode until note(). */
   TALUS_HD void locate(int i) const { locate(i, point(i)); }
   TALUS_HD void locate(int i, const Point& sensed) const

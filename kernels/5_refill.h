@@ -84,9 +84,6 @@ TALUS_HD float pooled_rise(const Config& k)
 {
   return 2.0f * max_of(k.support_slope, 1.0f) * k.resolution_m;
 }
-/** How far ground may stand above the cone, and above the opening. */
-TALUS_HD float cone_tolerance_m(const Config& k) { return 0.25f * k.step_threshold_m; }
-TALUS_HD float opening_tolerance_m(const Config& k) { return 0.5f * k.step_threshold_m; }
 
 /** Lowest ground of a neighbourhood in the pooled grid, plain and raised with distance. */
 struct LowestGround
@@ -188,24 +185,29 @@ struct ChooseRole
   /** Decides for cell (x, y), stored at i, as most are; false where that is all. */
   TALUS_HD bool concerns(int x, int y, int i) const
   {
-    const int o = grid.at((x + frame->odd_x) >> 1, (y + frame->odd_y) >> 1);
     const float ground = store.ground_m[i];
     const bool measured = store.state[i] == kMeasured;
-    const bool stays = (ground <= grid.cone_m[o] + cone_tolerance_m(*config)) |
-                       (ground <= grid.opened_m[o] + opening_tolerance_m(*config));
+    const bool stays =
+        may_be_ground(grid.at((x + frame->odd_x) >> 1, (y + frame->odd_y) >> 1), ground);
     role[i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
     return select(measured, !stays, may_join(i, ground));
   }
   TALUS_HD void operator()(int x, int y, int i) const
   {
     const int px = (x + frame->odd_x) >> 1, py = (y + frame->odd_y) >> 1;
-    const float opened_m = grid.opened_m[grid.at(px, py)];
     const bool measured = store.state[i] == kMeasured;
-    role[i] = measured ? role_of_measured(px, py, store.ground_m[i], opened_m) : kInfer;
+    role[i] = measured ? role_of_measured(px, py, store.ground_m[i]) : kInfer;
     if (!measured) join_column(i, px, py);
   }
 
  private:
+  /** Whether a height is ground there: neither narrow nor steep. */
+  TALUS_HD bool may_be_ground(int o, float ground_m) const
+  {
+    const float step_m = config->step_threshold_m;
+    return (ground_m <= grid.cone_m[o] + 0.25f * step_m) |
+           (ground_m <= grid.opened_m[o] + 0.5f * step_m);
+  }
   TALUS_HD bool may_join(int i, float ground_m) const
   {
     return !is_known(store.elevation_m[i]) & (top_hit_m[i] > ground_m + config->clearance_m);
@@ -221,10 +223,9 @@ struct ChooseRole
     store.elevation_var_m2[i] = config->min_variance_m2;
   }
 
-  TALUS_HD Role role_of_measured(int px, int py, float ground_m, float opened_m) const
+  TALUS_HD Role role_of_measured(int px, int py, float ground_m) const
   {
-    if (ground_m <= grid.cone_m[grid.at(px, py)] + cone_tolerance_m(*config)) return kKeep;
-    if (ground_m <= opened_m + opening_tolerance_m(*config)) return kKeep;
+    if (may_be_ground(grid.at(px, py), ground_m)) return kKeep;
     return column_beside(px, py) + config->clearance_m >= ground_m ? kObjectOnColumn : kObject;
   }
 

@@ -361,8 +361,7 @@ struct FillCell
         (passed_before & ~kInOpen) | select(low, kPassedLow, 0) | select(object, kHitHighUp, 0);
     const int both = kPassedLow | kHitHighUp;
     const bool hangs = (evidence & both) == both;
-    const int passed =
-        (passed_before & kInOpen) | (evidence & select(hangs, ~static_cast<int>(kHitHighUp), -1));
+    const int passed = (passed_before & kInOpen) | select(hangs, evidence & ~kHitHighUp, evidence);
     const float elevation = select(hangs, kNan, top_before);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);

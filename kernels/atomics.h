@@ -14,13 +14,6 @@ struct SerialAtomics
 {
   /** Counts one, where many points hit few counters. */
   static TALUS_HD void count(std::uint32_t* where) { *where += 1; }
-  /** Adds, where everyone hits the same place; returns what was there. */
-  static TALUS_HD std::uint64_t reserve(std::uint64_t* where, std::uint64_t value)
-  {
-    const std::uint64_t before = *where;
-    *where = before + value;
-    return before;
-  }
   static TALUS_HD std::uint32_t add(std::uint32_t* where, std::uint32_t value)
   {
     const std::uint32_t before = *where;
@@ -48,10 +41,6 @@ struct SerialAtomics
 struct ThreadAtomics
 {
   static void count(std::uint32_t* where) { add(where, 1); }
-  static std::uint64_t reserve(std::uint64_t* where, std::uint64_t value)
-  {
-    return __atomic_fetch_add(where, value, __ATOMIC_RELAXED);
-  }
   static std::uint32_t add(std::uint32_t* where, std::uint32_t value)
   {
     return __atomic_fetch_add(where, value, __ATOMIC_RELAXED);
@@ -84,6 +73,7 @@ struct DeviceAtomics
     const unsigned lane = threadIdx.x & 31u;
     if ((same & ((1u << lane) - 1u)) == 0) atomicAdd(where, static_cast<unsigned>(__popc(same)));
   }
+  /** Adds, where everyone hits the same place; returns what was there. */
   static __device__ std::uint64_t reserve(std::uint64_t* where, std::uint64_t value)
   {
     const auto together = cooperative_groups::coalesced_threads();

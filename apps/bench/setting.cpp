@@ -42,9 +42,10 @@ std::vector<Setting> settings()
        {std::pair{"two_in_flight", kTwoLayers}, {"6_layers/two_in_flight", kSixLayers}})
   {
     all.push_back({std::string("S1/") + name, 14400, 160, layers});
+    all.back().overlapped = true;
     all.push_back({std::string("S2/") + name, 131072, 1000, layers});
+    all.back().overlapped = true;
   }
-  for (Setting& s : all) s.overlapped = s.name.find("two_in_flight") != std::string::npos;
   for (const std::size_t points : {10240, 51200, 204800, 819200, 2048000})
     all.push_back({"points/" + std::to_string(points), points, 400, kTwoLayers});
   for (const int cells : {160, 400, 1000, 2000, 4000})

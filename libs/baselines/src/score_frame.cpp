@@ -22,7 +22,7 @@ class FrameScorer
       Score& score)
       : map_(map), truth_(truth), here_(here), observed_(observed), score_(score)
   {
-    measure_distance_to_hits();
+    measure_distance_to_upright();
   }
 
   void run()
@@ -46,7 +46,7 @@ class FrameScorer
   CellState state(std::size_t k) const { return static_cast<CellState>(map_.state[k]); }
 
   /** Chessboard distance in cells to the nearest upright obstacle cell that was hit. */
-  void measure_distance_to_hits()
+  void measure_distance_to_upright()
   {
     const int n = map_.window.cells;
     cv::Mat no_upright(n, n, CV_8U, 1);
@@ -59,10 +59,10 @@ class FrameScorer
     }
     cv::distanceTransform(no_upright, to_upright_, cv::DIST_C, 3);
   }
-  int distance(const cv::Mat& to, std::size_t k) const
+  int distance_to_upright(std::size_t k) const
   {
     const int n = map_.window.cells, i = static_cast<int>(k);
-    return static_cast<int>(std::lround(to.at<float>(i / n, i % n)));
+    return static_cast<int>(std::lround(to_upright_.at<float>(i / n, i % n)));
   }
 
   void coverage(std::size_t k)
@@ -106,7 +106,7 @@ class FrameScorer
     score_.free_passable_all.add(map_.passable(k));
     const int from_obstacle = truth_.to_blocked[at];
     if (from_obstacle >= kClear_cells) score_.free_passable.add(map_.passable(k));
-    if (from_obstacle >= 1 && from_obstacle <= kRings && distance(to_upright_, k) == from_obstacle)
+    if (from_obstacle >= 1 && from_obstacle <= kRings && distance_to_upright(k) == from_obstacle)
       score_.ring_blocked[static_cast<std::size_t>(from_obstacle - 1)].add(map_.blocked(k));
   }
 

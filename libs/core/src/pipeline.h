@@ -344,7 +344,10 @@ class Pipeline final : public BackendInterface
   /** How many cells of so many points can be crowded; or all cells, found and ordered. */
   static int most_crowded(int points)
   {
-    return Executor::kCrowd > 0 ? points / std::max(Executor::kCrowd, 1) : 2 * points;
+    if constexpr (Executor::kCrowd > 0)
+      return points / Executor::kCrowd;
+    else
+      return 2 * points;
   }
   int points() const { return executor_.loop_size(now_->n_points, point_cell_.size()); }
   template <class F>
