@@ -18,6 +18,12 @@ struct SideEstimate
   float mean_m = kNan;  //!< kernel-weighted mean of the samples ...
   float mean_distance_m = 0;  //!< ... and where it lies
 
+  static constexpr auto fields()
+  {
+    return std::make_tuple(
+        &SideEstimate::places, &SideEstimate::height_m, &SideEstimate::distance_m,
+        &SideEstimate::nearest_m, &SideEstimate::mean_m, &SideEstimate::mean_distance_m);
+  }
   TALUS_HD bool any() const { return is_known(nearest_m); }
   /** Empty cells before the first sample: n1, n2 of eq. 9. */
   TALUS_HD int gap_cells() const { return places - 1; }
@@ -125,6 +131,10 @@ struct LineFusion
 {
   float information = 0, weighted = 0, lowest_m = kInfinity;
 
+  static constexpr auto fields()
+  {
+    return std::make_tuple(&LineFusion::information, &LineFusion::weighted, &LineFusion::lowest_m);
+  }
   /** Between samples of both sides linearly, beside one side level. The error grows with the
    * distances. A gap holds a face if its sides are steeper apart than a robot can drive, or if the
    * ground beyond it is a step lower. Then along a ray the lower side counts, which is what lies

@@ -1,53 +1,17 @@
 #pragma once
 #include "cpu_clones.h"
+#include "cpu_lanes.h"
 #include "kernels/4_update.h"
 
 #include <algorithm>
-#include <array>
-#include <tuple>
-#include <utility>
 
 // Stage 4 on the CPU. Most cells have few points: thirty-two cells of about as many are updated
 // side by side, in vector code without branches that nobody could predict.
 
 namespace talus::cells
 {
-/** Cells side by side. */
-constexpr int kLanes = 32;
 /** Points of such a cell; cells of more are updated one by one. */
 constexpr int kMost = 32;
-
-/** Structures side by side, an array each field. */
-template <class T, class Fields = decltype(T::fields())>
-class SideBySide;
-template <class T, class... Field>
-class SideBySide<T, std::tuple<Field T::*...>>
-{
-  using All = std::index_sequence_for<Field...>;
-
- public:
-  T load(int l) const { return load(l, All{}); }
-  void store(int l, const T& t) { store(l, t, All{}); }
-  void fill(const T& t)
-  {
-    for (int l = 0; l < kLanes; l++) store(l, t);
-  }
-
- private:
-  template <std::size_t... i>
-  T load(int l, std::index_sequence<i...>) const
-  {
-    T t{};
-    ((t.*std::get<i>(T::fields()) = std::get<i>(arrays_)[static_cast<std::size_t>(l)]), ...);
-    return t;
-  }
-  template <std::size_t... i>
-  void store(int l, const T& t, std::index_sequence<i...>)
-  {
-    ((std::get<i>(arrays_)[static_cast<std::size_t>(l)] = t.*std::get<i>(T::fields())), ...);
-  }
-  std::tuple<std::array<Field, kLanes>...> arrays_;
-};
 
 /** Cells that are updated side by side, and their points. */
 class alignas(64) Group
@@ -93,7 +57,7 @@ class alignas(64) Group
 
   void find_ends(const Config& k)
   {
-    for (int l = 0; l < kLanes; l++) up_to_.store(l, {});
+    up_to_.fill({});
     look(ends_, up_to_, k);
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
@@ -186,7 +150,7 @@ class alignas(64) Group
   template <class Sum, class Question>
   void look(SideBySide<Sum>& sums, const SideBySide<Question>& asked, const Config& k)
   {
-    for (int l = 0; l < kLanes; l++) sums.store(l, Sum{});
+    sums.fill({});
     add(sums, asked, k);
   }
   template <class Sum, class Question>

@@ -1,5 +1,6 @@
 #pragma once
 #include "cpu_clones.h"
+#include "cpu_lanes.h"
 #include "kernels/7_fill.h"
 
 #include <algorithm>
@@ -14,8 +15,6 @@ namespace talus::lines
 {
 using kernels::SideEstimate;
 
-/** Lines side by side. */
-constexpr int kLanes = 32;
 /** Where a sample is that was never met. */
 constexpr int kNowhere = -(1 << 20);
 /** Compiled for the default and for any number. */
@@ -111,37 +110,11 @@ struct alignas(64) Met
   }
 };
 
-/** What one side of each line says of a place. */
-struct Sides
-{
-  int places[kLanes];
-  float height_m[kLanes], distance_m[kLanes], nearest_m[kLanes], mean_m[kLanes],
-      mean_distance_m[kLanes];
-
-  SideEstimate load(int l) const
-  {
-    return {places[l], height_m[l], distance_m[l], nearest_m[l], mean_m[l], mean_distance_m[l]};
-  }
-  void store(int l, const SideEstimate& side)
-  {
-    places[l] = side.places, height_m[l] = side.height_m, distance_m[l] = side.distance_m;
-    nearest_m[l] = side.nearest_m, mean_m[l] = side.mean_m;
-    mean_distance_m[l] = side.mean_distance_m;
-  }
-};
-
 /** What is inferred at one place. */
 struct Found
 {
-  float information[kLanes], weighted[kLanes], lowest_m[kLanes], variance_m2[kLanes],
-      across_m[kLanes];
-
-  void store(int l, const kernels::LineFusion& lines)
-  {
-    information[l] = lines.information, weighted[l] = lines.weighted;
-    lowest_m[l] = lines.lowest_m;
-  }
-  kernels::LineFusion lines(int l) const { return {information[l], weighted[l], lowest_m[l]}; }
+  SideBySide<kernels::LineFusion> lines;
+  float variance_m2[kLanes], across_m[kLanes];
 };
 
 /** `kRays`: lines from the sensor, else rows or columns. */
@@ -228,7 +201,10 @@ class Sweep
     if (near)
       infer(k, strip, before, behind, place, found);
     else
-      for (int l = 0; l < kLanes; l++) found.store(l, {}), found.variance_m2[l] = kernels::kNan;
+    {
+      found.lines.fill({});
+      std::fill_n(found.variance_m2, kLanes, kernels::kNan);
+    }
     if (kRays)
     {
       TALUS_INDEPENDENT
@@ -241,7 +217,7 @@ class Sweep
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
       int place, Found& found)
   {
-    Sides inner, outer;
+    SideBySide<SideEstimate> inner, outer;
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++) inner.store(l, before.infer(l, place, strip, k));
     TALUS_INDEPENDENT
@@ -250,7 +226,7 @@ class Sweep
     for (int l = 0; l < kLanes; l++)
     {
       const SideEstimate a = inner.load(l), b = outer.load(l);
-      found.store(
+      found.lines.store(
           l, kAlongLines ? kernels::fuse_lines(a, b, kRays, k) : kernels::apply_rule(a, b, k));
       if (kRays)
         found.variance_m2[l] =
@@ -277,7 +253,7 @@ class Sweep
       for (; wanted; wanted &= wanted - 1)
       {
         const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
-        to.cells[i] = {found.lines(l), found.variance_m2[l]};
+        to.cells[i] = {found.lines.load(l), found.variance_m2[l]};
         to.across_m[i] = found.across_m[l];
         __builtin_prefetch(to.cells + i + ahead, 1);
         __builtin_prefetch(to.across_m + i + ahead, 1);
@@ -289,7 +265,7 @@ class Sweep
       {
         kernels::Inference& cell = to.cells[first + minor[l] * strip.across];
         __builtin_prefetch(&cell + ahead, 1);
-        cell.lines.add(found.lines(l));
+        cell.lines.add(found.lines.load(l));
       }
   }
   /** To cells that are neighbours. */
@@ -300,7 +276,7 @@ class Sweep
     for (int l = 0; l < kLanes; l++)
     {
       kernels::Inference cell = cells[l];
-      cell.lines.add(found.lines(l));
+      cell.lines.add(found.lines.load(l));
       cells[l] = cell;
     }
   }
