@@ -104,9 +104,10 @@ struct ErodeSupport
   const Config* config;
   SupportGrid grid;
 
+  TALUS_HD const float& neighbour(int px, int py) const { return grid.lowest_m[grid.at(px, py)]; }
   TALUS_HD void add(LowestGround& row, int px, int py, int d) const
   {
-    const float ground = grid.lowest_m[grid.at(px + d, py)];
+    const float ground = neighbour(px + d, py);
     add(row, {ground, ground}, d);
   }
   TALUS_HD void add(LowestGround& sum, const LowestGround& other, int d) const
@@ -149,9 +150,10 @@ struct OpenSupport
   using Window = HighestGround;
   SupportGrid grid;
 
+  TALUS_HD const float& neighbour(int px, int py) const { return grid.eroded_m[grid.at(px, py)]; }
   TALUS_HD void add(HighestGround& row, int px, int py, int d) const
   {
-    add(row, grid.eroded_m[grid.at(px + d, py)]);
+    add(row, neighbour(px + d, py));
   }
   TALUS_HD void add(HighestGround& row, float eroded_m) const
   {

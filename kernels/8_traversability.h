@@ -156,10 +156,14 @@ struct ComputeFeatures
   const float* across_m;
   FeatureLayers out;
 
+  TALUS_HD const Surface& neighbour(int ix, int iy) const
+  {
+    return surfaces.cell[surfaces.at(ix, iy)];
+  }
   /** Adds the neighbour at distance d in the cell's row. */
   TALUS_HD void add(RowSums& sums, int ix, int iy, int d) const
   {
-    sums.add(surfaces.cell[surfaces.at(ix + d, iy)], d);
+    sums.add(neighbour(ix + d, iy), d);
   }
   /** Adds the row at distance d. */
   TALUS_HD void add(Moments& sums, const RowSums& row, int d) const { sums.add(row, d); }

@@ -48,6 +48,8 @@ struct Strip
   const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
   /** Whether the cells of a place are neighbours in memory: lines are columns. */
   bool columns() const { return across == 1 && lines == kLanes; }
+  /** Whether they lie close together, and those of the next place in another row. */
+  bool leaps() const { return across == 1 || across == -1; }
   void measure(int line, float length_m, const kernels::Config& k)
   {
     step_m[line] = length_m;
@@ -122,6 +124,7 @@ template <int kSamples, bool kRays, bool kAlongLines>
 class Sweep
 {
   using Side = Met<kSamples>;
+  static constexpr int kAhead = 16;  //!< places that are fetched before they are met
 
  public:
   TALUS_CLONES static void run(
@@ -150,6 +153,7 @@ class Sweep
     {
       const int first = strip.first + place * strip.along;
       const int* const minor = strip.at(place, !kRays).minor;
+      if (strip.leaps()) fetch(strip, samples, std::min(place + kAhead, strip.places - 1));
       float height_m[kLanes], variance_m2[kLanes];
       if (!kRays && strip.columns())
         std::copy_n(samples.height_m + first, kLanes, height_m);
@@ -178,6 +182,20 @@ class Sweep
         met[place + 1].meet(
             met[place], l, kernels::is_known(height_m[l]), height_m[l],
             kRays ? variance_m2[l] : 0.0f, place);
+    }
+  }
+
+  /** The samples of a place that will be met soon: no processor sees what comes. */
+  TALUS_FETCHES static void fetch(const Strip& strip, const kernels::Samples& samples, int place)
+  {
+    constexpr int kStep = 16;
+    const int* const minor = strip.at(place, !kRays).minor;
+    for (int l = 0; l < kLanes + kStep; l += kStep)
+    {
+      const int lane = std::min(l, kLanes - 1);
+      const int i = strip.first + place * strip.along + minor[lane] * strip.across;
+      __builtin_prefetch(samples.height_m + i);
+      if (kRays) __builtin_prefetch(samples.variance_m2 + i);
     }
   }
 
