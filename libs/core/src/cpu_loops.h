@@ -49,23 +49,31 @@ TALUS_CLONES void find_concerned(F f, int begin, int end, int y, int first, std:
   in_blocks(
       begin, end, [&](int x) { concerned[x - begin] = f.concerns(x, y, first + (x - begin)); });
 }
+/** f(i) of those of n that are marked; few are. */
+template <class F>
+void for_each_marked(const std::uint8_t* marked, int n, const F& f)
+{
+  constexpr int kGroup = 8;
+  for (int first = 0; first < n; first += kGroup)
+  {
+    std::uint64_t any = 0;
+    const int size = std::min(kGroup, n - first);
+    std::memcpy(&any, marked + first, static_cast<std::size_t>(size));
+    if (any == 0) continue;
+    for (int i = first; i < first + size; i++)
+      if (marked[i]) f(i);
+  }
+}
 template <class F>
 void over_concerned(const F& f, int begin, int end, int y, int first)
 {
-  constexpr int kBlock = 256, kGroup = 8;
-  alignas(64) std::uint8_t concerned[kBlock] = {};
+  constexpr int kBlock = 256;
+  alignas(64) std::uint8_t concerned[kBlock];
   for (int x0 = begin; x0 < end; x0 += kBlock)
   {
-    const int x1 = std::min(x0 + kBlock, end), shift = first - begin;
-    find_concerned(f, x0, x1, y, x0 + shift, concerned);
-    for (int group = x0; group < x1; group += kGroup)
-    {
-      std::uint64_t any;
-      std::memcpy(&any, concerned + (group - x0), kGroup);
-      if (any == 0) continue;
-      for (int x = group; x < std::min(group + kGroup, x1); x++)
-        if (concerned[x - x0]) f(x, y, x + shift);
-    }
+    const int x1 = std::min(x0 + kBlock, end), i0 = first + (x0 - begin);
+    find_concerned(f, x0, x1, y, i0, concerned);
+    for_each_marked(concerned, x1 - x0, [&](int k) { f(x0 + k, y, i0 + k); });
   }
 }
 
@@ -460,8 +468,9 @@ class SlidingRows
       row += kAtOnce;
     }
     for (; row <= last; row++) add_rows<false>(f_, sums, lanes, row - y, at(row));
-    finish(f_, sums, x0, x1, y);
-    for (int x = x0; x < x1; x++) f_.finish(x, y, [&] { return sums.load(x - x0); });
+    alignas(64) std::uint8_t concerned[kLanes];
+    finish(f_, sums, x0, x1, y, concerned);
+    for_each_marked(concerned, lanes, [&](int l) { f_.finish(x0 + l, y); });
   }
   /** Adds rows at distances from d on; the first there are. */
   template <bool kFirst, class... Rows>
@@ -476,10 +485,13 @@ class SlidingRows
       sums.store(l, sum);
     }
   }
-  TALUS_CLONES static void finish(F f, Lanes<Window> sums, int x0, int x1, int y)
+  TALUS_CLONES static void finish(
+      F f, Lanes<Window> sums, int x0, int x1, int y, std::uint8_t* concerned)
   {
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++) f(x, y, sums.load(x - x0));
+    TALUS_INDEPENDENT
+    for (int x = x0; x < x1; x++) concerned[x - x0] = f.concerns(x, y, sums.load(x - x0));
   }
 
   int window_at() const { return (mask_ + 1) * Lanes<Row>::words(kLanes); }

@@ -162,7 +162,7 @@ class Pipeline final : public BackendInterface
     const int radius = host_config_.object_radius;
     const kernels::PoolSupport pool{config_.data(), context_.data(), store(), grid};
     const kernels::ErodeSupport erode{config_.data(), grid};
-    const kernels::OpenSupport open{grid};
+    const kernels::OpenSupport open{config_.data(), grid};
     if constexpr (Executor::kWalksLines)
     {
       executor_.for_each_pair_of_rows(grid.side, side(), context_.data(), pool);
