@@ -24,7 +24,7 @@ struct SupportGrid
   float* column_m;  //!< highest top of something upright, -infinity: none
   float* eroded_m;  //!< lowest ground of the neighbourhood
   float* cone_m;  //!< lowest ground of the neighbourhood, raised with distance
-  float* opened_m;  //!< highest eroded ground of the neighbourhood
+  float* limit_m;  //!< how high ground stands there at most
 
   TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
 };
@@ -105,9 +105,10 @@ struct ErodeSupport
   const Config* config;
   SupportGrid grid;
 
+  TALUS_HD const float& neighbour(int px, int py) const { return grid.lowest_m[grid.at(px, py)]; }
   TALUS_HD void add(LowestGround& row, int px, int py, int d) const
   {
-    const float ground = grid.lowest_m[grid.at(px + d, py)];
+    const float ground = neighbour(px + d, py);
     add(row, {ground, ground}, d);
   }
   TALUS_HD void add(LowestGround& sum, const LowestGround& other, int d) const
@@ -129,10 +130,8 @@ struct ErodeSupport
     if (own) grid.cone_m[grid.at(px, py)] = lowest.cone_m;
     return grid.lowest_m[grid.at(px, py)] < kInfinity ? lowest.plain_m : kInfinity;
   }
-  template <class Read>
-  TALUS_HD void finish(int, int, const Read&) const
-  {
-  }
+  TALUS_HD bool concerns(int, int, const LowestGround&) const { return false; }
+  TALUS_HD void finish(int, int) const {}
 };
 
 /** Highest eroded ground of a neighbourhood; places without any ground do not count. */
@@ -143,16 +142,18 @@ struct HighestGround
   static constexpr auto fields() { return std::make_tuple(&HighestGround::height_m); }
 };
 
-/** Dilation of what was eroded. */
+/** Dilation of what was eroded, and what follows: ground is what is not both narrow and steep. */
 struct OpenSupport
 {
   using Row = HighestGround;
   using Window = HighestGround;
+  const Config* config;
   SupportGrid grid;
 
+  TALUS_HD const float& neighbour(int px, int py) const { return grid.eroded_m[grid.at(px, py)]; }
   TALUS_HD void add(HighestGround& row, int px, int py, int d) const
   {
-    add(row, grid.eroded_m[grid.at(px + d, py)]);
+    add(row, neighbour(px + d, py));
   }
   TALUS_HD void add(HighestGround& row, float eroded_m) const
   {
@@ -165,12 +166,12 @@ struct OpenSupport
 
   TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
   {
-    grid.opened_m[grid.at(px, py)] = opened.height_m;
+    const float step_m = config->step_threshold_m;
+    const int o = grid.at(px, py);
+    grid.limit_m[o] = max_of(grid.cone_m[o] + 0.25f * step_m, opened.height_m + 0.5f * step_m);
   }
-  template <class Read>
-  TALUS_HD void finish(int, int, const Read&) const
-  {
-  }
+  TALUS_HD bool concerns(int, int, const HighestGround&) const { return false; }
+  TALUS_HD void finish(int, int) const {}
 };
 
 /** The decision for one cell. */
@@ -202,13 +203,7 @@ struct ChooseRole
   }
 
  private:
-  /** Whether a height is ground there: neither narrow nor steep. */
-  TALUS_HD bool may_be_ground(int o, float ground_m) const
-  {
-    const float step_m = config->step_threshold_m;
-    return (ground_m <= grid.cone_m[o] + 0.25f * step_m) |
-           (ground_m <= grid.opened_m[o] + 0.5f * step_m);
-  }
+  TALUS_HD bool may_be_ground(int o, float ground_m) const { return ground_m <= grid.limit_m[o]; }
   TALUS_HD bool may_join(int i, float ground_m) const
   {
     return !is_known(store.elevation_m[i]) & (top_hit_m[i] > ground_m + config->clearance_m);

@@ -156,10 +156,14 @@ struct ComputeFeatures
   const float* across_m;
   FeatureLayers out;
 
+  TALUS_HD const Surface& neighbour(int ix, int iy) const
+  {
+    return surfaces.cell[surfaces.at(ix, iy)];
+  }
   /** Adds the neighbour at distance d in the cell's row. */
   TALUS_HD void add(RowSums& sums, int ix, int iy, int d) const
   {
-    sums.add(surfaces.cell[surfaces.at(ix + d, iy)], d);
+    sums.add(neighbour(ix + d, iy), d);
   }
   /** Adds the row at distance d. */
   TALUS_HD void add(Moments& sums, const RowSums& row, int d) const { sums.add(row, d); }
@@ -168,11 +172,16 @@ struct ComputeFeatures
   {
     out.put_traversability(iy * cells + ix, judge_most(ix, iy, m, true));
   }
-  /** What only few cells need; `moments()` as above. */
-  template <class Read>
-  TALUS_HD void finish(int ix, int iy, const Read& moments) const
+  /** Whether finish() may change the cell. */
+  TALUS_HD bool concerns(int ix, int iy, const Moments& m) const
   {
-    if (!is_suspect(ix, iy, moments)) return;
+    return neighbour(ix, iy).is(kSurfaceGuess) &
+           dense_around(m.measured, config->feature_radius_cells);
+  }
+  /** What only few cells need. */
+  TALUS_HD void finish(int ix, int iy) const
+  {
+    if (!is_near(ix, iy)) return;
     const int o = iy * cells + ix;
     const float suspicion = suspicion_of(ix, iy);
     if constexpr (kParts) out.sparsity[o] = suspicion;
@@ -183,7 +192,7 @@ struct ComputeFeatures
   TALUS_HD float judge(int ix, int iy, const Moments& m, bool own) const
   {
     const float most = judge_most(ix, iy, m, own);
-    if (!is_suspect(ix, iy, [&] { return m; })) return most;
+    if (!concerns(ix, iy, m) || !is_near(ix, iy)) return most;
     const float suspicion = suspicion_of(ix, iy);
     if constexpr (kParts)
       if (own) out.sparsity[iy * cells + ix] = suspicion;
@@ -210,14 +219,11 @@ struct ComputeFeatures
     const bool judged = known & cell.is(kSurfaceReached);
     return select(judged, fuse_features(f, *config), kNan);
   }
-  /** Whether stage 9 speaks of the cell. */
-  template <class Read>
-  TALUS_HD bool is_suspect(int ix, int iy, const Read& moments) const
+  /** Whether stage 9 looks there. The sensor's own cell lies on no line. */
+  TALUS_HD bool is_near(int ix, int iy) const
   {
-    if (!surfaces.cell[surfaces.at(ix, iy)].is(kSurfaceGuess)) return false;
-    if (!dense_around(moments().measured, config->feature_radius_cells)) return false;
-    if (ix == cells / 2 && iy == cells / 2) return false;  // the sensor's own cell lies on no line
-    return robot_m(ix, iy) <= config->sparsity_range_m;
+    const bool on_line = ix != cells / 2 || iy != cells / 2;
+    return on_line && robot_m(ix, iy) <= config->sparsity_range_m;
   }
   TALUS_HD float suspicion_of(int ix, int iy) const
   {

@@ -42,17 +42,6 @@ TALUS_CLONES void over_row(F f, int begin, int end, int y, int first)
   in_blocks(begin, end, [&](int x) { f(x, y, first + (x - begin)); });
 }
 
-/** over(begin, end, i) of a row of the window, i where its first cell is stored: two stretches of a
- * torus. */
-template <class F>
-void over_stored_row(const F& over, int cells, const kernels::FrameContext& frame, int y)
-{
-  const int row = kernels::storage_index(frame, cells, 0, y) - frame.storage_x;
-  const int turn = cells - frame.storage_x;
-  over(0, turn, row + frame.storage_x);
-  over(turn, cells, row);
-}
-
 /** f of those cells of a row that it concerns. */
 template <class F>
 TALUS_CLONES void find_concerned(F f, int begin, int end, int y, int first, std::uint8_t* concerned)
@@ -60,25 +49,76 @@ TALUS_CLONES void find_concerned(F f, int begin, int end, int y, int first, std:
   in_blocks(
       begin, end, [&](int x) { concerned[x - begin] = f.concerns(x, y, first + (x - begin)); });
 }
+/** f(i) of those of n that are marked; few are. */
+template <class F>
+void for_each_marked(const std::uint8_t* marked, int n, const F& f)
+{
+  constexpr int kGroup = 8;
+  for (int first = 0; first < n; first += kGroup)
+  {
+    std::uint64_t any = 0;
+    const int size = std::min(kGroup, n - first);
+    std::memcpy(&any, marked + first, static_cast<std::size_t>(size));
+    if (any == 0) continue;
+    for (int i = first; i < first + size; i++)
+      if (marked[i]) f(i);
+  }
+}
 template <class F>
 void over_concerned(const F& f, int begin, int end, int y, int first)
 {
-  constexpr int kBlock = 256, kGroup = 8;
-  alignas(64) std::uint8_t concerned[kBlock] = {};
+  constexpr int kBlock = 256;
+  alignas(64) std::uint8_t concerned[kBlock];
   for (int x0 = begin; x0 < end; x0 += kBlock)
   {
-    const int x1 = std::min(x0 + kBlock, end), shift = first - begin;
-    find_concerned(f, x0, x1, y, x0 + shift, concerned);
-    for (int group = x0; group < x1; group += kGroup)
-    {
-      std::uint64_t any;
-      std::memcpy(&any, concerned + (group - x0), kGroup);
-      if (any == 0) continue;
-      for (int x = group; x < std::min(group + kGroup, x1); x++)
-        if (concerned[x - x0]) f(x, y, x + shift);
-    }
+    const int x1 = std::min(x0 + kBlock, end), i0 = first + (x0 - begin);
+    find_concerned(f, x0, x1, y, i0, concerned);
+    for_each_marked(concerned, x1 - x0, [&](int k) { f(x0 + k, y, i0 + k); });
   }
 }
+
+/** A row of the window and where it is stored: two stretches of a torus. Loops that go on with the
+ * same cells take a row each, so that its cells are still in the cache. */
+class StoredRow
+{
+ public:
+  StoredRow(int cells, const kernels::FrameContext& frame, int y)
+      : cells_(cells),
+        y_(y),
+        turn_(cells - frame.storage_x),
+        row_(kernels::storage_index(frame, cells, 0, y) - frame.storage_x)
+  {
+  }
+  int cells() const { return cells_; }
+  int y() const { return y_; }
+
+  /** f(x, y, i) with i where each cell is stored; twice is the same as once. */
+  template <class F>
+  void each(const F& f) const
+  {
+    in_stretches([&](int begin, int end, int i) { over_row(f, begin, end, y_, i); });
+  }
+  /** The same of those that f.concerns(x, y, i). */
+  template <class F>
+  void each_concerned(const F& f) const
+  {
+    in_stretches([&](int begin, int end, int i) { over_concerned(f, begin, end, y_, i); });
+  }
+  /** f in steps, see SteppedRow. */
+  template <class F>
+  void each_in_steps(const F& f) const;
+
+  /** over(begin, end, i), i where the cell at `begin` is stored. */
+  template <class Over>
+  void in_stretches(const Over& over) const
+  {
+    over(0, turn_, row_ + cells_ - turn_);
+    over(turn_, cells_, row_);
+  }
+
+ private:
+  int cells_, y_, turn_, row_;
+};
 
 /** Structures of 32-bit fields in a row, an array each field, so that loops over them vectorise. */
 template <class T>
@@ -132,19 +172,18 @@ class SteppedRow
 
  public:
   explicit SteppedRow(const F& f) : f_(f) {}
-  void run(int cells, const kernels::FrameContext& frame, int y)
+  void run(const StoredRow& row)
   {
-    for (int x0 = 0; x0 < cells; x0 += kLanes)
+    for (int x0 = 0; x0 < row.cells(); x0 += kLanes)
     {
-      const int x1 = std::min(x0 + kLanes, cells);
-      step(f_, items_, results_, x0, y, (x1 - x0 + kGroup - 1) / kGroup);
-      over_stored_row(
+      const int x1 = std::min(x0 + kLanes, row.cells());
+      step(f_, items_, results_, x0, row.y(), (x1 - x0 + kGroup - 1) / kGroup);
+      row.in_stretches(
           [&](int begin, int end, int i)
           {
             const int from = std::max(begin, x0), to = std::min(end, x1);
-            put(f_, results_, x0, y, from, to, i + (from - begin));
-          },
-          cells, frame, y);
+            put(f_, results_, x0, row.y(), from, to, i + (from - begin));
+          });
     }
   }
 
@@ -189,6 +228,12 @@ class SteppedRow
   const Lanes<Result> results_{words_ + Lanes<Item>::words(kLanes), kLanes};
 };
 
+template <class F>
+void StoredRow::each_in_steps(const F& f) const
+{
+  SteppedRow<F>(f).run(*this);
+}
+
 /** Cells pooled two by two, by the parity of their place in the map: f.item(i) of each. */
 template <class F>
 class PairOfRows
@@ -211,10 +256,9 @@ class PairOfRows
     clear(items, 2 * n_);
     const int first = 2 * py - frame.odd_y, odd_x = frame.odd_x;
     for (int y = std::max(first, 0); y < std::min(first + 2, cells); y++)
-      over_stored_row(
-          [this, items, odd_x](int begin, int end, int i)
-          { add(f_, items, begin + odd_x, end + odd_x, i); },
-          cells, frame, y);
+      StoredRow(cells, frame, y)
+          .in_stretches([this, items, odd_x](int begin, int end, int i)
+                        { add(f_, items, begin + odd_x, end + odd_x, i); });
     put(f_, items, n_, py);
   }
 
@@ -343,6 +387,7 @@ class SlidingRows
   using Window = typename F::Window;
   static constexpr int kLanes = 128;
   static constexpr int kAtOnce = 5;  //!< neighbours that are added in one pass
+  static constexpr int kAhead = 8;  //!< rows that are fetched before they are added
   template <int n>
   using Distances = std::make_integer_sequence<int, n>;
 
@@ -369,11 +414,20 @@ class SlidingRows
     for (int y = begin; y < end; y++)
     {
       for (; next <= std::min(y + radius_, ny_ - 1); next++)
+      {
+        fetch(x0, x1, std::min(next + kAhead, ny_ - 1));
         sum_row(f_, at(next), x0, x1, next, radius_);
+      }
       window(y, x0, x1);
     }
   }
 
+  /** A row that will be added soon: a strip is too narrow for a processor to see what comes. */
+  TALUS_FETCHES void fetch(int x0, int x1, int y) const
+  {
+    constexpr auto kStep = static_cast<int>(64 / sizeof(f_.neighbour(0, 0)));
+    for (int x = x0; x < x1; x += kStep) __builtin_prefetch(&f_.neighbour(x, y));
+  }
   static void sum_row(const F& f, Lanes<Row> rows, int x0, int x1, int y, int radius)
   {
     int d = -radius;
@@ -414,8 +468,9 @@ class SlidingRows
       row += kAtOnce;
     }
     for (; row <= last; row++) add_rows<false>(f_, sums, lanes, row - y, at(row));
-    finish(f_, sums, x0, x1, y);
-    for (int x = x0; x < x1; x++) f_.finish(x, y, [&] { return sums.load(x - x0); });
+    alignas(64) std::uint8_t concerned[kLanes];
+    finish(f_, sums, x0, x1, y, concerned);
+    for_each_marked(concerned, lanes, [&](int l) { f_.finish(x0 + l, y); });
   }
   /** Adds rows at distances from d on; the first there are. */
   template <bool kFirst, class... Rows>
@@ -430,10 +485,13 @@ class SlidingRows
       sums.store(l, sum);
     }
   }
-  TALUS_CLONES static void finish(F f, Lanes<Window> sums, int x0, int x1, int y)
+  TALUS_CLONES static void finish(
+      F f, Lanes<Window> sums, int x0, int x1, int y, std::uint8_t* concerned)
   {
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++) f(x, y, sums.load(x - x0));
+    TALUS_INDEPENDENT
+    for (int x = x0; x < x1; x++) concerned[x - x0] = f.concerns(x, y, sums.load(x - x0));
   }
 
   int window_at() const { return (mask_ + 1) * Lanes<Row>::words(kLanes); }

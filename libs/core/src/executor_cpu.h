@@ -194,36 +194,11 @@ class CpuExecutor : public CpuMemory
     else
       for_each_part(parts, [&f, n, parts](int part) { over_own_points(f, n, part, parts); });
   }
-  /** f(x, y, i) of the cells of the window with i where each is stored. */
+  /** f(row) of the rows of the window, see StoredRow. */
   template <class F>
-  void for_each_stored_cell(int cells, const kernels::FrameContext* frame, const F& f)
+  void for_each_stored_row(int cells, const kernels::FrameContext* frame, const F& f)
   {
-    for_each_stored_stretch(
-        cells, *frame, [&f](int begin, int end, int y, int i) { over_row(f, begin, end, y, i); });
-  }
-  /** The same of those that f.concerns(x, y, i). */
-  template <class F>
-  void for_each_concerned_cell(int cells, const kernels::FrameContext* frame, const F& f)
-  {
-    for_each_stored_stretch(
-        cells, *frame,
-        [&f](int begin, int end, int y, int i) { over_concerned(f, begin, end, y, i); });
-  }
-  /** f(i) for i in [0, n); beside it, for another stage, g(x, y, i) of the cells that it concerns.
-   */
-  template <class F, class G>
-  void for_each_concerned_cell_beside(
-      int n, const F& f, int stage, int cells, const kernels::FrameContext* frame, const G& g)
-  {
-    for_each(n, f);
-    for_another_stage(stage, [&] { for_each_concerned_cell(cells, frame, g); });
-  }
-  /** f in steps of the cells of the window, see SteppedRow. */
-  template <class F>
-  void for_each_cell_in_steps(int cells, const kernels::FrameContext* frame, const F& f)
-  {
-    for_each_row(
-        cells, cells, [&f, cells, frame](int y) { SteppedRow<F>(f).run(cells, *frame, y); });
+    for_each_row(cells, cells, [&f, cells, frame](int y) { f(StoredRow(cells, *frame, y)); });
   }
 
   /** f.put(px, py, pooled) of pairs of pairs of cells, `n` along each side, see PairOfRows. */
@@ -277,18 +252,6 @@ class CpuExecutor : public CpuMemory
   static int points_at_once(int n) { return n <= kFewPoints ? kFewPoints : 1024; }
   static constexpr int kPointsOfGroup = 128;  //!< of cells, about
 
-  /** over(begin, end, y, i) of the rows of the window, see over_stored_row(). */
-  template <class Over>
-  void for_each_stored_stretch(int cells, const kernels::FrameContext& frame, const Over& over)
-  {
-    for_each_row(
-        cells, cells,
-        [&over, &frame, cells](int y)
-        {
-          over_stored_row(
-              [&over, y](int begin, int end, int i) { over(begin, end, y, i); }, cells, frame, y);
-        });
-  }
   /** f(i) for i in [0, n), each of them work enough for a thread. */
   template <class F>
   void for_each_part(int n, const F& f)

@@ -99,7 +99,7 @@ class Pipeline final : public BackendInterface
           points(),
           kernels::NoteRay<kernels::SerialAtomics>{config_.data(), points_out(), rays_.data()});
       executor_.for_another_stage(
-          2, [&] { executor_.for_each_concerned_cell(side(), context_.data(), roll); });
+          2, [&] { for_each_row([&](const auto& row) { row.each_concerned(roll); }); });
       executor_.for_each_stretch(
           bins, kernels::SweepBuriedRays{ground, rays_.data(), lowest_slope_.data()});
       executor_.for_each_point_by_parts(
@@ -137,20 +137,13 @@ class Pipeline final : public BackendInterface
   {
     const kernels::SortPoint sort{
         config_.data(), context_.data(), points_out(), rays_.data(), sorting()};
-    const kernels::LookThrough look{side(),       config_.data(), context_.data(),
-                                    rays_.data(), passed_.data(), passing()};
     const kernels::UpdateCell cell{config_.data(), context_.data(), store(),
                                    points_out(),   sorting(),       top_hit_.data()};
     if constexpr (Executor::kWalksLines)
     {
+      const kernels::SweepRings sweep{config_.data(), rays_.data()};
       executor_.for_another_stage(
-          5,
-          [&]
-          {
-            const int bins = kernels::bin_count(host_config_);
-            executor_.for_each_stretch(bins, kernels::SweepRings{config_.data(), rays_.data()});
-            executor_.for_each_cell_in_steps(side(), context_.data(), look);
-          });
+          5, [&] { executor_.for_each_stretch(kernels::bin_count(host_config_), sweep); });
       executor_.update_cells(points(), sort, cell);
     }
     else
@@ -158,7 +151,7 @@ class Pipeline final : public BackendInterface
       for_each_point_and_cell(
           kernels::SortUnburiedPoint<Atomics>{
               sort, lowest_slope_.data(), kept_count_.data(), counters_.data()},
-          5, look);
+          5, look());
       executor_.for_each_and_team(points(), most_crowded(points()), cell);
     }
   }
@@ -169,13 +162,12 @@ class Pipeline final : public BackendInterface
     const int radius = host_config_.object_radius;
     const kernels::PoolSupport pool{config_.data(), context_.data(), store(), grid};
     const kernels::ErodeSupport erode{config_.data(), grid};
-    const kernels::OpenSupport open{grid};
+    const kernels::OpenSupport open{config_.data(), grid};
     if constexpr (Executor::kWalksLines)
     {
       executor_.for_each_pair_of_rows(grid.side, side(), context_.data(), pool);
       executor_.for_each_window(grid.side, grid.side, radius, erode);
       executor_.for_each_window(grid.side, grid.side, radius, open);
-      executor_.for_each_concerned_cell(side(), context_.data(), choose_role());
     }
     else
     {
@@ -193,10 +185,21 @@ class Pipeline final : public BackendInterface
                                      passing(), top_hit_.data(), role_.data()};
     if constexpr (Executor::kWalksLines)
     {
+      const kernels::LookThrough look_through = look();
+      const kernels::ChooseRole choose = choose_role();
+      const kernels::TakeSample take{
+          config_.data(), store(), role_.data(), passing().lowest_m, line_grid(), samples()};
+      for_each_row(
+          [&](const auto& row)
+          {
+            row.each_in_steps(look_through);
+            row.each_concerned(choose);
+            row.each_concerned(clean);
+            row.each(take);
+          });
       // A core fills memory faster than a loop.
       executor_.fill(rays_, kernels::kNoRay);
-      executor_.for_each_concerned_cell_beside(
-          workers(), tidy_up(0, 0), 5, side(), context_.data(), clean);
+      executor_.for_each(workers(), tidy_up(0, 0));
     }
     else
       executor_.mark_cells(
@@ -238,12 +241,15 @@ class Pipeline final : public BackendInterface
   void walk_lines(const kernels::FillCell& cell)
   {
     const kernels::LineGrid grid = line_grid();
-    for_each_stored_cell(kernels::TakeSample{
-        config_.data(), store(), role_.data(), passing().lowest_m, grid, samples()});
     executor_.walk_lines(host_config_, grid, samples(), inferred());
-    for_each_stored_cell(kernels::FillWalkedCell{cell, grid, inferred()});
-    if (cell.out.any())
-      for_each_stored_cell(kernels::PutSurface{config_.data(), store(), cell.out});
+    const kernels::FillWalkedCell fill{cell, grid, inferred()};
+    const kernels::PutSurface put{config_.data(), store(), cell.out};
+    for_each_row(
+        [&](const auto& row)
+        {
+          row.each(fill);
+          if (cell.out.any()) row.each(put);
+        });
   }
 
   template <bool kAlongLines>
@@ -308,7 +314,7 @@ class Pipeline final : public BackendInterface
     if constexpr (Executor::kWalksLines)
     {
       executor_.for_each_window(n, n, radius, compute);
-      executor_.for_each_concerned_cell(n, context_.data(), complete);
+      for_each_row([&](const auto& row) { row.each_concerned(complete); });
     }
     else
       executor_.for_each_judged_cell_of_rows(
@@ -366,11 +372,11 @@ class Pipeline final : public BackendInterface
   {
     executor_.for_each_cell(side(), side(), f);
   }
-  /** f(ix, iy, i) with i where the cell is stored. */
+  /** f(row) of the rows of the window and where they are stored. */
   template <class F>
-  void for_each_stored_cell(const F& f)
+  void for_each_row(const F& f)
   {
-    executor_.for_each_stored_cell(side(), context_.data(), f);
+    executor_.for_each_stored_row(side(), context_.data(), f);
   }
 
   // ---- views ----
@@ -403,6 +409,10 @@ class Pipeline final : public BackendInterface
     const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side + 2 * pad);
     float* p = support_.data();
     return {side, pad, p, p + n, p + 2 * n, p + 3 * n, p + 4 * n};
+  }
+  kernels::LookThrough look()
+  {
+    return {side(), config_.data(), context_.data(), rays_.data(), passed_.data(), passing()};
   }
   kernels::ChooseRole choose_role()
   {

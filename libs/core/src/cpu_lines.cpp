@@ -1,0 +1,386 @@
+#include "cpu_lines.h"
+
+#include "cpu_clones.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace talus::lines
+{
+namespace
+{
+using kernels::SideEstimate;
+
+/** Where a sample is that was never met. */
+constexpr int kNowhere = -(1 << 20);
+/** Compiled for the default and for any number. */
+constexpr int kFewSamples = 2, kMaxSamples = 16;
+
+/** Memory of this thread, kept from frame to frame. */
+template <class T>
+T* scratch(int size)
+{
+  static thread_local std::vector<T> memory;
+  if (memory.size() < static_cast<std::size_t>(size)) memory.resize(static_cast<std::size_t>(size));
+  return memory.data();
+}
+
+/** Where lines are at one place, across the strip, and whether those cells are theirs to infer. */
+struct alignas(64) Crossing
+{
+  int minor[kLanes];
+  std::int32_t own[kLanes];  //!< a bit each line, or zero
+};
+
+/** Lines side by side on the grid. */
+struct Strip
+{
+  int lines, places;
+  int first, along, across;  //!< cell of a line at a place: first + place * along + minor * across
+  const Crossing* crossings;  //!< by place; all the same on parallel lines
+  float step_m[kLanes] = {};  //!< length of a line per place
+  int reach[kLanes] = {}, far[kLanes] = {};  //!< places that fills and stage 9 look
+
+  const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
+  /** Whether the cells of a place are neighbours in memory: lines are columns. */
+  bool columns() const { return across == 1 && lines == kLanes; }
+  /** Whether they lie close together, and those of the next place in another row. */
+  bool leaps() const { return across == 1 || across == -1; }
+  void measure(int line, float length_m, const kernels::Config& k)
+  {
+    step_m[line] = length_m;
+    reach[line] = kernels::places_in(k.fill_search_m, length_m, places - 1);
+    far[line] = kernels::places_in(k.sparsity_search_m, length_m, places - 1);
+  }
+};
+
+/** The samples that lines met last, the nearest first. */
+template <int kSamples>
+struct alignas(64) Met
+{
+  float height_m[kSamples][kLanes];
+  int place[kSamples][kLanes];
+  float variance_m2[kLanes];  //!< of the nearest
+
+  static Met nothing()
+  {
+    Met met{};
+    for (auto& sample : met.place) std::fill_n(sample, kLanes, kNowhere);
+    return met;
+  }
+
+  /** Becomes what line `l` met `before`, and here if there is a sample. */
+  void meet(const Met& before, int l, bool known, float height, float variance, int here)
+  {
+    for (int s = kSamples - 1; s > 0; s--)
+    {
+      height_m[s][l] = kernels::select(known, before.height_m[s - 1][l], before.height_m[s][l]);
+      place[s][l] = kernels::select(known, before.place[s - 1][l], before.place[s][l]);
+    }
+    height_m[0][l] = kernels::select(known, height, before.height_m[0][l]);
+    place[0][l] = kernels::select(known, here, before.place[0][l]);
+    variance_m2[l] = kernels::select(known, variance, before.variance_m2[l]);
+  }
+
+  int distance(int l, int here) const { return kernels::abs_of(here - place[0][l]); }
+
+  SideEstimate infer(int l, int here, const Strip& strip, const kernels::Config& k) const
+  {
+    const float step_m = strip.step_m[l];
+    kernels::SideSum sum;
+    for (int s = 0; s < kSamples; s++)
+    {
+      const int places = kernels::abs_of(here - place[s][l]);
+      const bool inside = (places <= strip.reach[l]) & (s < k.fill_samples);
+      const float distance_m = static_cast<float>(kernels::select(inside, places, 0)) * step_m;
+      sum.add(height_m[s][l], distance_m, inside, k);
+    }
+    const bool any = distance(l, here) <= strip.reach[l];
+    return sum.estimate(
+        kernels::select(any, height_m[0][l], kernels::kNan),
+        kernels::select(any, distance(l, here), 0), step_m, k);
+  }
+
+  float variance(const SideEstimate& side, int l, const kernels::Config& k) const
+  {
+    const float spread_m2 = kernels::spread_variance(variance_m2[l], side.distance_m, k);
+    return kernels::select(side.any(), spread_m2, kernels::kNan);
+  }
+};
+
+/** What is inferred at one place. */
+struct Found
+{
+  SideBySide<kernels::LineFusion> lines;
+  float variance_m2[kLanes], across_m[kLanes];
+};
+
+/** `kRays`: lines from the sensor, else rows or columns. */
+template <int kSamples, bool kRays, bool kAlongLines>
+class Sweep
+{
+  using Side = Met<kSamples>;
+  static constexpr int kAhead = 16;  //!< places that are fetched before they are met
+
+ public:
+  TALUS_CLONES static void run(
+      const kernels::Config k, const Strip strip, const kernels::Samples samples,
+      const kernels::InferenceGrid to, Side* met)
+  {
+    outwards(strip, samples, met);
+    Side behind = Side::nothing();
+    for (int place = strip.places - 1; place >= 0; place--)
+    {
+      const Side& here = met[place + 1];
+      infer(k, strip, here, behind, place, to);
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++)
+        behind.meet(
+            behind, l, here.place[0][l] == place, here.height_m[0][l], here.variance_m2[l], place);
+    }
+  }
+
+ private:
+  /** met[place + 1]: what the lines met up to a place. */
+  static void outwards(const Strip& strip, const kernels::Samples& samples, Side* met)
+  {
+    met[0] = Side::nothing();
+    for (int place = 0; place < strip.places; place++)
+    {
+      const int first = strip.first + place * strip.along;
+      const int* const minor = strip.at(place, !kRays).minor;
+      if (strip.leaps()) fetch(strip, samples, std::min(place + kAhead, strip.places - 1));
+      float height_m[kLanes], variance_m2[kLanes];
+      if (!kRays && strip.columns())
+        std::copy_n(samples.height_m + first, kLanes, height_m);
+      else
+      {
+        TALUS_INDEPENDENT
+        for (int l = 0; l < kLanes; l++)
+          height_m[l] = samples.height_m[first + minor[l] * strip.across];
+      }
+      int any = 0;
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++) any |= kernels::is_known(height_m[l]);
+      if (!any)
+      {
+        met[place + 1] = met[place];
+        continue;
+      }
+      if (kRays)
+      {
+        TALUS_INDEPENDENT
+        for (int l = 0; l < kLanes; l++)
+          variance_m2[l] = samples.variance_m2[first + minor[l] * strip.across];
+      }
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++)
+        met[place + 1].meet(
+            met[place], l, kernels::is_known(height_m[l]), height_m[l],
+            kRays ? variance_m2[l] : 0.0f, place);
+    }
+  }
+
+  /** The samples of a place that will be met soon: no processor sees what comes. */
+  TALUS_FETCHES static void fetch(const Strip& strip, const kernels::Samples& samples, int place)
+  {
+    constexpr int kStep = 16;
+    const int* const minor = strip.at(place, !kRays).minor;
+    for (int l = 0; l < kLanes + kStep; l += kStep)
+    {
+      const int lane = std::min(l, kLanes - 1);
+      const int i = strip.first + place * strip.along + minor[lane] * strip.across;
+      __builtin_prefetch(samples.height_m + i);
+      if (kRays) __builtin_prefetch(samples.variance_m2 + i);
+    }
+  }
+
+  static void infer(
+      const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
+      int place, const kernels::InferenceGrid& to)
+  {
+    const Crossing& crossing = strip.at(place, !kRays);
+    std::int32_t wanted = 0, near = 0;
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      const std::int32_t own = kernels::select(before.place[0][l] == place, 0, crossing.own[l]);
+      wanted |= own;
+      const bool reached = (before.distance(l, place) <= strip.reach[l]) |
+                           (behind.distance(l, place) <= strip.reach[l]);
+      near |= kernels::select(reached, own, 0);
+    }
+    if (!wanted || (!kRays && !near)) return;
+    Found found;
+    if (near)
+      infer(k, strip, before, behind, place, found);
+    else
+    {
+      found.lines.fill({});
+      std::fill_n(found.variance_m2, kLanes, kernels::kNan);
+    }
+    if (kRays)
+    {
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++) found.across_m[l] = across(strip, before, behind, l, place);
+    }
+    put(strip, found, static_cast<std::uint32_t>(wanted), place, to);
+  }
+
+  static void infer(
+      const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
+      int place, Found& found)
+  {
+    SideBySide<SideEstimate> inner, outer;
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++) inner.store(l, before.infer(l, place, strip, k));
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++) outer.store(l, behind.infer(l, place, strip, k));
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      const SideEstimate a = inner.load(l), b = outer.load(l);
+      found.lines.store(
+          l, kAlongLines ? kernels::fuse_lines(a, b, kRays, k) : kernels::apply_rule(a, b, k));
+      if (kRays)
+        found.variance_m2[l] =
+            kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
+    }
+  }
+
+  /** Height difference between the samples on both sides, NaN if one is too far for stage 9. */
+  static float across(const Strip& strip, const Side& before, const Side& behind, int l, int place)
+  {
+    const bool both =
+        (before.distance(l, place) <= strip.far[l]) & (behind.distance(l, place) <= strip.far[l]);
+    const float across_m = kernels::abs_of(before.height_m[0][l] - behind.height_m[0][l]);
+    return kernels::select(both, across_m, kernels::kNan);
+  }
+
+  static void put(
+      const Strip& strip, const Found& found, std::uint32_t wanted, int place,
+      const kernels::InferenceGrid& to)
+  {
+    const int* const minor = strip.at(place, !kRays).minor;
+    const int first = strip.first + place * strip.along, ahead = -8 * strip.along;
+    if (kRays)
+      for (; wanted; wanted &= wanted - 1)
+      {
+        const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
+        to.cells[i] = {found.lines.load(l), found.variance_m2[l]};
+        to.across_m[i] = found.across_m[l];
+        __builtin_prefetch(to.cells + i + ahead, 1);
+        __builtin_prefetch(to.across_m + i + ahead, 1);
+      }
+    else if (strip.columns())
+      add(found, to.cells + first, ahead);
+    else
+      for (int l = 0; l < strip.lines; l++)
+      {
+        kernels::Inference& cell = to.cells[first + minor[l] * strip.across];
+        __builtin_prefetch(&cell + ahead, 1);
+        cell.lines.add(found.lines.load(l));
+      }
+  }
+  /** To cells that are neighbours. */
+  static void add(const Found& found, kernels::Inference* cells, int ahead)
+  {
+    for (int l = 0; l < kLanes; l += 4) __builtin_prefetch(cells + ahead + l, 1);
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      kernels::Inference cell = cells[l];
+      cell.lines.add(found.lines.load(l));
+      cells[l] = cell;
+    }
+  }
+};
+
+std::int32_t bit_of(int lane) { return static_cast<std::int32_t>(1u << lane); }
+
+/** As kernels::line_cell() and line_through(). */
+TALUS_CLONES void cross(int rings, int first, Crossing* crossings)
+{
+  for (int ring = 0; ring <= rings; ring++)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      const int line = std::min(first + l, rings - 1);
+      const float inverse = 1.0f / static_cast<float>(2 * rings);
+      const int minor = kernels::floor_div(2 * line * ring + rings, 2 * rings, inverse);
+      const int twice = std::max(2 * ring, 1);
+      const int through =
+          kernels::floor_div(2 * minor * rings + ring, twice, 1.0f / static_cast<float>(twice));
+      crossings[ring].minor[l] = minor;
+      const bool own = (through == line) & (line == first + l) & (ring > 0);
+      crossings[ring].own[l] = kernels::select(own, bit_of(l), 0);
+    }
+  }
+}
+/** Of lines from the sensor, until this thread asks for those of others. */
+const Crossing* crossings_of(int rings, int first)
+{
+  static thread_local int last_rings = 0, last_first = 0;
+  Crossing* const crossings = scratch<Crossing>(rings + 1);
+  if (rings != last_rings || first != last_first) cross(rings, first, crossings);
+  last_rings = rings, last_first = first;
+  return crossings;
+}
+
+template <int kSamples, bool kRays, bool kAlongLines>
+void sweep(const Walk& walk, const Strip& strip)
+{
+  Sweep<kSamples, kRays, kAlongLines>::run(
+      walk.k, strip, walk.samples, walk.to, scratch<Met<kSamples>>(strip.places + 1));
+}
+template <bool kRays, bool kAlongLines>
+void sweep(const Walk& walk, const Strip& strip)
+{
+  if (walk.k.fill_samples <= kFewSamples)
+    sweep<kFewSamples, kRays, kAlongLines>(walk, strip);
+  else
+    sweep<kMaxSamples, kRays, kAlongLines>(walk, strip);
+}
+
+void sweep_axis(const Walk& walk, int part, int along, int across)
+{
+  const kernels::Config& k = walk.k;
+  const int first = part * kLanes, last = k.cells - 1;
+  Crossing parallel;
+  for (int l = 0; l < kLanes; l++)
+  {
+    parallel.minor[l] = std::min(l, last - first);
+    parallel.own[l] = first + l <= last ? bit_of(l) : 0;
+  }
+  const int lines = std::min(kLanes, k.cells - first);
+  Strip strip{lines, k.cells, first * across, along, across, &parallel};
+  for (int l = 0; l < kLanes; l++) strip.measure(l, k.resolution_m, k);
+  sweep<false, true>(walk, strip);
+}
+}  // namespace
+
+void Walk::rays(int part) const
+{
+  const int rings = kernels::line_rings(k), first = part / 4 * kLanes - rings, side = part % 4;
+  const int along[] = {1, grid.pitch, -1, -grid.pitch};
+  Strip strip{kLanes,
+              rings + 1,
+              grid.middle(),
+              along[side],
+              along[(side + 1) % 4],
+              crossings_of(rings, first)};
+  for (int l = 0; l < kLanes; l++)
+  {
+    const kernels::Line line{side, std::min(first + l, rings - 1)};
+    strip.measure(l, kernels::line_stretch(line, rings) * k.resolution_m, k);
+  }
+  if (k.fill_rule == kernels::kFillLines)
+    sweep<true, true>(*this, strip);
+  else
+    sweep<true, false>(*this, strip);
+}
+void Walk::rows(int part) const { sweep_axis(*this, part, 1, grid.pitch); }
+void Walk::columns(int part) const { sweep_axis(*this, part, grid.pitch, 1); }
+
+}  // namespace talus::lines
