@@ -1,5 +1,6 @@
 #pragma once
 #include "kernels/6_cleanup.h"
+#include "kernels/team.h"
 
 namespace talus::kernels
 {
@@ -135,11 +136,14 @@ struct LineFusion
   {
     return std::make_tuple(&LineFusion::information, &LineFusion::weighted, &LineFusion::lowest_m);
   }
-  /** Between samples of both sides linearly, beside one side level. The error grows with the
-   * distances. A gap holds a face if its sides are steeper apart than a robot can drive, or if the
-   * ground beyond it is a step lower. Then along a ray the lower side counts, which is what lies
-   * before a front and in the shadow of an edge; rows and columns do not tell where it stands. */
-  TALUS_HD void add(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
+  /** Between samples of both sides linearly, beside one side as the ground around the robot does:
+   * `rise_per_m` from side a to side b. The error grows with the distances. A gap holds a face if
+   * its sides are steeper apart than a robot can drive, or if the ground beyond it is a step lower.
+   * Then along a ray the lower side counts, which is what lies before a front and in the shadow of
+   * an edge; rows and columns do not tell where it stands. */
+  TALUS_HD void add(
+      const SideEstimate& a, const SideEstimate& b, bool along_ray, float rise_per_m,
+      const Config& k)
   {
     const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
     const float gap_m = a.distance_m + b.distance_m, rise = b.nearest_m - a.nearest_m;
@@ -150,7 +154,10 @@ struct LineFusion
     const float linear = a.mean_m + (b.mean_m - a.mean_m) * part;
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
     const float error = 0.1f * a.distance_m * b.distance_m / gap_m;
-    const float height = select(both, between, select(has_a, a.mean_m, b.mean_m));
+    const float beyond = select(
+        has_a, a.mean_m + rise_per_m * a.mean_distance_m,
+        b.mean_m - rise_per_m * b.mean_distance_m);
+    const float height = select(both, between, beyond);
     const float deviation = select(both, error, 0.3f * select(has_a, a.distance_m, b.distance_m));
     add(height, deviation, (has_a | has_b) & (along_ray | !face));
   }
@@ -195,11 +202,11 @@ TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
   return select(both, two, -select(has_inner, inner_m2, outer_m2));
 }
 
-TALUS_HD LineFusion
-fuse_lines(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
+TALUS_HD LineFusion fuse_lines(
+    const SideEstimate& a, const SideEstimate& b, bool along_ray, float rise_per_m, const Config& k)
 {
   LineFusion lines;
-  lines.add(a, b, along_ray, k);
+  lines.add(a, b, along_ray, rise_per_m, k);
   return lines;
 }
 
@@ -293,6 +300,115 @@ struct TakeSample
     const float ground_m = store.ground_m[i];
     samples.height_m[o] = select(sample, ground_m, kNan);
     samples.variance_m2[o] = sample_variance(ground_m, store.ground_var_m2[i], bound_m);
+  }
+};
+
+// ---- The trend of the ground ----
+
+/** How the ground around the robot rises, metres per metre along x and y of the map; for fills that
+ * have samples on one side only. */
+struct Trend
+{
+  float x = 0, y = 0;
+
+  /** Along a unit vector. */
+  TALUS_HD float along(float dx, float dy) const { return x * dx + y * dy; }
+  /** Along a line from the sensor. */
+  TALUS_HD float along(const Line& l, int rings) const
+  {
+    const float ahead = l.side < 2 ? 1.0f : -1.0f, stretch = line_stretch(l, rings);
+    const float aside = ahead * (static_cast<float>(l.minor) / static_cast<float>(rings));
+    const bool along_x = l.side % 2 == 0;
+    return along(select(along_x, ahead, -aside), select(along_x, aside, ahead)) / stretch;
+  }
+};
+
+/** The plane through samples of the whole window: exact sums, then its gradient. The less the plane
+ * fits, the more level it is taken to be: a bank beside a floor says nothing about the floor. */
+struct FindTrend
+{
+  const Config* config;
+  const FrameContext* frame;
+  LineGrid grid;
+  const float* sample_m;
+  Trend* trend;
+
+  template <class Team>
+  TALUS_HD void operator()(const Team& team) const
+  {
+    Sums sums;
+    for (int first = team.rank(); first < kSide * kSide; first += kBatch * team.size())
+      sums.add(*this, first, team.size());
+    sums.join(team);
+    if (team.rank() == 0) *trend = sums.n < kFewest ? Trend{} : solve(sums);
+  }
+
+ private:
+  /** Samples are looked for in so many rows and columns; of fewer nothing is said. */
+  static constexpr int kSide = 16, kFewest = 16, kBatch = 8;
+  /** A plane that samples are off by this share of a step is half believed. */
+  static constexpr float kBelieved = 0.25f;
+
+  /** x and y in places, heights in quantised steps. */
+  struct Sums
+  {
+    std::int32_t n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, h = 0;
+    std::int64_t xh = 0, yh = 0, hh = 0;
+
+    /** Loads first, so that they do not wait for each other. */
+    TALUS_HD void add(const FindTrend& f, int first, int stride)
+    {
+      float heights_m[kBatch];
+      for (int b = 0; b < kBatch; b++) heights_m[b] = f.sample(first + b * stride);
+      for (int b = 0; b < kBatch; b++)
+        if (is_known(heights_m[b])) add(first + b * stride, f.height(heights_m[b]));
+    }
+    TALUS_HD void add(int place, std::int32_t height)
+    {
+      const int dx = place % kSide - kSide / 2, dy = place / kSide - kSide / 2;
+      const std::int64_t height_64 = height;
+      n += 1, x += dx, y += dy, xx += dx * dx, xy += dx * dy, yy += dy * dy, h += height;
+      xh += dx * height_64, yh += dy * height_64, hh += height_64 * height_64;
+    }
+    template <class Team>
+    TALUS_HD void join(const Team& team)
+    {
+      n = team.sum(n), x = team.sum(x), y = team.sum(y), h = team.sum(h);
+      xx = team.sum(xx), xy = team.sum(xy), yy = team.sum(yy);
+      xh = team.sum(xh), yh = team.sum(yh), hh = team.sum(hh);
+    }
+    /** n^2 times the covariance of two quantities, from their sums and that of their products. */
+    TALUS_HD float covariance(std::int64_t a, std::int64_t b, std::int64_t ab) const
+    {
+      return static_cast<float>(n * ab - a * b);
+    }
+  };
+
+  TALUS_HD int cell(int s) const { return (2 * s + 1) * config->cells / (2 * kSide); }
+  TALUS_HD float sample(int place) const
+  {
+    if (place >= kSide * kSide) return kNan;
+    return sample_m[grid.at(cell(place % kSide), cell(place / kSide))];
+  }
+  TALUS_HD std::int32_t height(float of_sample_m) const
+  {
+    return quantise_height(of_sample_m, frame->sensor_z_m);
+  }
+
+  TALUS_HD Trend solve(const Sums& s) const
+  {
+    const float xx = s.covariance(s.x, s.x, s.xx), xy = s.covariance(s.x, s.y, s.xy);
+    const float yy = s.covariance(s.y, s.y, s.yy), xh = s.covariance(s.x, s.h, s.xh);
+    const float yh = s.covariance(s.y, s.h, s.yh), hh = s.covariance(s.h, s.h, s.hh);
+    const float area = xx * yy - xy * xy;
+    if (area <= 0.05f * xx * yy) return {};  // samples nearly in a line
+    const float gx = (xh * yy - yh * xy) / area, gy = (yh * xx - xh * xy) / area;
+    const float n = static_cast<float>(s.n), rest = max_of(hh - gx * xh - gy * yh, 0.0f) / (n * n);
+    const float off = kBelieved * config->step_threshold_m * kHeightSteps;
+    const float places_per_m =
+        kSide * config->inverse_resolution / static_cast<float>(config->cells);
+    const float per_m = places_per_m / kHeightSteps * (off * off / (off * off + rest));
+    return {gx * per_m, gy * per_m};
   }
 };
 

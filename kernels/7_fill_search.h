@@ -2,6 +2,7 @@
 #include "kernels/5_refill.h"
 #include "kernels/6_cleanup.h"
 #include "kernels/7_fill.h"
+#include "kernels/9_sparsity.h"
 
 namespace talus::kernels
 {
@@ -293,6 +294,7 @@ struct SearchAndFillCell
   const std::uint32_t* marks;
   const std::uint32_t* axis_marks;
   LineTables tables;
+  const Trend* trend;
   float* across_m;  //!< for guesses: height difference of the ground on both sides, see stage 9
   LineGrid grid;
   int axis_reach;  //!< places that fills look along rows and columns
@@ -303,9 +305,11 @@ struct SearchAndFillCell
     return line == 0 ? radial_search(ix, iy).infer_side(outwards)
                      : axis_search(ix, iy, line == 1).infer_side(outwards);
   }
-  TALUS_HD LineFusion line(int line, const SideEstimate& inner, const SideEstimate& outer) const
+  TALUS_HD LineFusion
+  line(int line, int ix, int iy, const SideEstimate& inner, const SideEstimate& outer) const
   {
-    if constexpr (kAlongLines) return fuse_lines(inner, outer, line == 0, k);
+    if constexpr (kAlongLines)
+      return fuse_lines(inner, outer, line == 0, rise_per_m(line, ix, iy), k);
     return apply_rule(inner, outer, k);
   }
   /** From what the sides of the first line and all lines say. */
@@ -329,6 +333,12 @@ struct SearchAndFillCell
   }
 
  private:
+  TALUS_HD float rise_per_m(int line, int ix, int iy) const
+  {
+    if (line == 0)
+      return trend->along(line_from_index(tables.line[grid.at(ix, iy)], grid.half), grid.half);
+    return line == 1 ? trend->x : trend->y;
+  }
   /** The sensor's own cell lies on no line. */
   TALUS_HD bool on_line(int ix, int iy) const { return ix != grid.half || iy != grid.half; }
 
@@ -349,11 +359,11 @@ struct SearchAndFillCell
     const LineSearch<Track> radial = radial_search(ix, iy);
     const SideEstimate inner = radial.infer_side(false), outer = radial.infer_side(true);
     if (!inner.any() && !outer.any()) return nothing();
-    Inference inferred{line(0, inner, outer), variance(radial, inner, outer)};
+    Inference inferred{line(0, ix, iy, inner, outer), variance(radial, inner, outer)};
     for (int l = 1; l < kLines; l++)
     {
       const LineSearch<AxisTrack> axis = axis_search(ix, iy, l == 1);
-      inferred.lines.add(line(l, axis.infer_side(false), axis.infer_side(true)));
+      inferred.lines.add(line(l, ix, iy, axis.infer_side(false), axis.infer_side(true)));
     }
     return inferred;
   }
@@ -404,7 +414,9 @@ struct SearchAndFillCell
     const int inner = radial.nearest(false, radial.track.sparsity_reach);
     const int outer = radial.nearest(true, radial.track.sparsity_reach);
     if (!inner || !outer) return kNan;
-    return abs_of(sample_m[radial.at(false, inner)] - sample_m[radial.at(true, outer)]);
+    const float gap_m = static_cast<float>(inner + outer) * radial.track.step_m;
+    return kernels::height_across(
+        sample_m[radial.at(false, inner)], sample_m[radial.at(true, outer)], gap_m, k);
   }
 };
 

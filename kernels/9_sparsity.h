@@ -19,6 +19,14 @@ TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
   return static_cast<float>(ring) * step_m;
 }
 
+/** Height difference of the ground on both sides of a gap, less what a slope half as steep as is
+ * allowed explains: a floor that is seen far behind the crest of a ramp does not make it a cliff.
+ */
+TALUS_HD float height_across(float inner_m, float outer_m, float gap_m, const Config& k)
+{
+  return max_of(abs_of(inner_m - outer_m) - 0.5f * k.support_slope * gap_m, 0.0f);
+}
+
 /** Eq. 14 from the height difference h_s of the ground found on both sides, searched farther than a
  * fill does, and the distance d_s to the robot. NaN (unknown) where one side has none. */
 TALUS_HD float sparsity(float h_s, float robot_m, const Config& k)

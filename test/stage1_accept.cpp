@@ -23,7 +23,7 @@ TEST(Stage1Accept, CountsEveryRejectedPointByItsReason)
   Scan s(0, 0, 0.7);
   s.x_ = {1, nan, 1, 0, 30, 1, 1, 0.3f, 10, inf};
   s.y_ = {1, 0, inf, 0, 0, 1, 1, 0, 0, inf};
-  s.z_ = {-0.7f, 0, 0, 0, 0, 1.6f, -1.1f, -0.2f, -0.7f, inf};
+  s.z_ = {-0.7f, 0, 0, 0, 0, 1.6f, -3.1f, -0.2f, -0.7f, inf};
   TestMap m(p);
   const FrameReport r = m.update(s);
   EXPECT_EQ(r.points_in, 10u);

@@ -53,6 +53,20 @@ TEST(Stage5Refill, AWallWhoseFootWasNeverSeenGetsTheGroundBesideIt)
   EXPECT_GT(m.traversability(1.975, 0.025), 0.99f);  // the floor beside it stays free
 }
 
+TEST(Stage5Refill, UnknownGroundBehindAWallDoesNotMakeItWide)
+{
+  // Of a wall across the whole view the foot is hidden, and all that is behind it.
+  TestMap m;
+  Scan s;
+  s.add_surface(0.5, -2, 1.5, 2, flat);
+  for (double y = -2; y < 2; y += 0.02)
+    for (double z = 0.3; z < 1.2; z += 0.1) s.add(1.775, y, z);
+  m.update(s);
+  EXPECT_NEAR(m.ground(1.775, 0.025), 0.0, 0.02);
+  EXPECT_NEAR(m.ground(2.225, 0.025), 0.0, 0.02) << "what a fill behind it builds on";
+  EXPECT_EQ(m.traversability(1.775, 0.025), 0.0f);
+}
+
 TEST(Stage5Refill, ABranchSeenBeforeTheGroundAroundItEndsPassable)
 {
   TestMap m;

@@ -199,6 +199,27 @@ TEST(Stage7Fill, ASlopeIsFilledAlongRayRowAndColumnWithoutBias)
     EXPECT_NEAR(m.ground(x, 0.025), plane(x, 0.025), 0.004) << x;
 }
 
+TEST(Stage7Fill, GroundSeenFromOneSideGoesOnAsTheHillsideDoes)
+{
+  TestMap m;
+  const auto hillside = [](double x, double y) { return 0.15 * x - 0.1 * y; };
+  m.update(Scan().add_surface(-2.5, -2.5, 2.0, 2.5, hillside));
+  for (double x = 2.025; x < 2.8; x += 0.1)
+    for (double y : {-1.525, 0.025, 1.275})
+    {
+      EXPECT_EQ(m.state(x, y), CellState::FilledOneSided);
+      EXPECT_NEAR(m.ground(x, y), hillside(x, y), 0.01) << x << " " << y;
+    }
+}
+
+TEST(Stage7Fill, ABankBesideAFloorSaysNothingOfHowTheFloorGoesOn)
+{
+  TestMap m;
+  const auto bank = [](double x, double) { return std::max(0.0, -0.7 * (x + 1)); };
+  m.update(Scan().add_surface(-2.5, -2.5, 2.0, 2.5, bank));
+  for (double x = 2.025; x < 2.8; x += 0.1) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 0.02) << x;
+}
+
 TEST(Stage7Fill, FloorReachesUpToAWallThatWasHitHighUpOnly)
 {
   TestMap m;

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 #include "scene.h"
 
+#include <cmath>
+
 using namespace talus;
 using namespace talus::test;
 
@@ -30,17 +32,19 @@ Parameters short_search()
   return p;
 }
 constexpr double kX = 1.525, kY = 0.025;
+/** What a slope half as steep as is allowed explains, over the 21 cells between both sides. */
+const double kSlope_m = 0.5 * std::tan(Parameters().slope_threshold_rad) * 1.05;
 }  // namespace
 
 TEST(Stage9Sparsity, Equation14ByNumbersWorkedOutByHand)
 {
   // h_s = 0.1 m < h_c = 0.2 m: 1 - 0.1 / 0.2.
   TestMap shallow(short_search());
-  shallow.update(gap(0.1));
+  shallow.update(gap(kSlope_m + 0.1));
   EXPECT_NEAR(shallow.at(Layer::Sparsity, kX, kY), 0.5, 1e-5);
   // h_s = 0.25 m >= h_c, 1.5 m away with d_c = 2 m: 1 - 0.25 * 2 / (0.2 * 1.5) < 0.
   TestMap deep(short_search());
-  deep.update(gap(0.25));
+  deep.update(gap(kSlope_m + 0.25));
   EXPECT_EQ(deep.at(Layer::Sparsity, kX, kY), 0.0f);
   EXPECT_EQ(deep.traversability(kX, kY), 0.0f);
 }
@@ -52,8 +56,17 @@ TEST(Stage9Sparsity, FarAwayTheSameHeightDifferenceWeighsLess)
   Parameters p = short_search();
   p.sparsity_distance_m = 0.6;
   TestMap m(p);
-  m.update(gap(0.25));
+  m.update(gap(kSlope_m + 0.25));
   EXPECT_NEAR(m.at(Layer::Sparsity, kX, kY), 0.5, 1e-4);
+}
+
+TEST(Stage9Sparsity, WhatADrivableSlopeExplainsIsNoDitch)
+{
+  // The crest of a ramp: the floor behind it is 0.3 m lower, a metre away.
+  TestMap m(short_search());
+  m.update(with_rays(gap(0.3)));
+  EXPECT_EQ(m.at(Layer::Sparsity, kX, kY), 1.0f);
+  EXPECT_EQ(m.traversability(kX, kY), 1.0f);
 }
 
 TEST(Stage9Sparsity, OneHeightOrNoneLeavesTheCellUnknown)

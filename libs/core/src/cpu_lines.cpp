@@ -1,6 +1,7 @@
 #include "cpu_lines.h"
 
 #include "cpu_clones.h"
+#include "kernels/9_sparsity.h"
 
 #include <algorithm>
 #include <vector>
@@ -39,6 +40,7 @@ struct Strip
   int first, along, across;  //!< cell of a line at a place: first + place * along + minor * across
   const Crossing* crossings;  //!< by place; all the same on parallel lines
   float step_m[kLanes] = {};  //!< length of a line per place
+  float rise_per_m[kLanes] = {};  //!< trend of the ground along a line
   int reach[kLanes] = {}, far[kLanes] = {};  //!< places that fills and stage 9 look
 
   const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
@@ -46,9 +48,10 @@ struct Strip
   bool columns() const { return across == 1 && lines == kLanes; }
   /** Whether they lie close together, and those of the next place in another row. */
   bool leaps() const { return across == 1 || across == -1; }
-  void measure(int line, float length_m, const kernels::Config& k)
+  void measure(int line, float length_m, float rise, const kernels::Config& k)
   {
     step_m[line] = length_m;
+    rise_per_m[line] = rise;
     reach[line] = kernels::places_in(k.fill_search_m, length_m, places - 1);
     far[line] = kernels::places_in(k.sparsity_search_m, length_m, places - 1);
   }
@@ -222,7 +225,8 @@ class Sweep
     if (kRays)
     {
       TALUS_INDEPENDENT
-      for (int l = 0; l < kLanes; l++) found.across_m[l] = across(strip, before, behind, l, place);
+      for (int l = 0; l < kLanes; l++)
+        found.across_m[l] = across(k, strip, before, behind, l, place);
     }
     put(strip, found, static_cast<std::uint32_t>(wanted), place, to);
   }
@@ -241,7 +245,8 @@ class Sweep
     {
       const SideEstimate a = inner.load(l), b = outer.load(l);
       found.lines.store(
-          l, kAlongLines ? kernels::fuse_lines(a, b, kRays, k) : kernels::apply_rule(a, b, k));
+          l, kAlongLines ? kernels::fuse_lines(a, b, kRays, strip.rise_per_m[l], k)
+                         : kernels::apply_rule(a, b, k));
       if (kRays)
         found.variance_m2[l] =
             kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
@@ -249,11 +254,16 @@ class Sweep
   }
 
   /** Height difference between the samples on both sides, NaN if one is too far for stage 9. */
-  static float across(const Strip& strip, const Side& before, const Side& behind, int l, int place)
+  static float across(
+      const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind, int l,
+      int place)
   {
     const bool both =
         (before.distance(l, place) <= strip.far[l]) & (behind.distance(l, place) <= strip.far[l]);
-    const float across_m = kernels::abs_of(before.height_m[0][l] - behind.height_m[0][l]);
+    const int places = kernels::select(both, behind.place[0][l] - before.place[0][l], 0);
+    const float across_m = kernels::height_across(
+        before.height_m[0][l], behind.height_m[0][l], static_cast<float>(places) * strip.step_m[l],
+        k);
     return kernels::select(both, across_m, kernels::kNan);
   }
 
@@ -343,7 +353,7 @@ void sweep(const Walk& walk, const Strip& strip)
     sweep<kMaxSamples, kRays, kAlongLines>(walk, strip);
 }
 
-void sweep_axis(const Walk& walk, int part, int along, int across)
+void sweep_axis(const Walk& walk, int part, int along, int across, float rise_per_m)
 {
   const kernels::Config& k = walk.k;
   const int first = part * kLanes, last = k.cells - 1;
@@ -355,7 +365,7 @@ void sweep_axis(const Walk& walk, int part, int along, int across)
   }
   const int lines = std::min(kLanes, k.cells - first);
   Strip strip{lines, k.cells, first * across, along, across, &parallel};
-  for (int l = 0; l < kLanes; l++) strip.measure(l, k.resolution_m, k);
+  for (int l = 0; l < kLanes; l++) strip.measure(l, k.resolution_m, rise_per_m, k);
   sweep<false, true>(walk, strip);
 }
 }  // namespace
@@ -373,14 +383,15 @@ void Walk::rays(int part) const
   for (int l = 0; l < kLanes; l++)
   {
     const kernels::Line line{side, std::min(first + l, rings - 1)};
-    strip.measure(l, kernels::line_stretch(line, rings) * k.resolution_m, k);
+    strip.measure(
+        l, kernels::line_stretch(line, rings) * k.resolution_m, trend->along(line, rings), k);
   }
   if (k.fill_rule == kernels::kFillLines)
     sweep<true, true>(*this, strip);
   else
     sweep<true, false>(*this, strip);
 }
-void Walk::rows(int part) const { sweep_axis(*this, part, 1, grid.pitch); }
-void Walk::columns(int part) const { sweep_axis(*this, part, grid.pitch, 1); }
+void Walk::rows(int part) const { sweep_axis(*this, part, 1, grid.pitch, trend->x); }
+void Walk::columns(int part) const { sweep_axis(*this, part, grid.pitch, 1, trend->y); }
 
 }  // namespace talus::lines

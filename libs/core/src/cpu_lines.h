@@ -14,6 +14,7 @@ struct Walk
 {
   const kernels::Config& k;
   kernels::LineGrid grid;
+  const kernels::Trend* trend;
   kernels::Samples samples;
   kernels::InferenceGrid to;
 

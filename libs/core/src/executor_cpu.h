@@ -211,10 +211,11 @@ class CpuExecutor : public CpuMemory
 
   /** Fills `to` by sweeping along the rays from the sensor's cell, then rows, then columns. */
   void walk_lines(
-      const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Samples& samples,
-      const kernels::InferenceGrid& to)
+      const kernels::Config& k, const kernels::FindTrend& find_trend,
+      const kernels::Samples& samples, const kernels::InferenceGrid& to)
   {
-    const lines::Walk walk{k, grid, samples, to};
+    run(1, 1, [&find_trend](int, int) { find_trend(kernels::LoneTeam{}); });
+    const lines::Walk walk{k, find_trend.grid, find_trend.trend, samples, to};
     for_each_part(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
     if (k.fill_rule != kernels::kFillLines) return;
     for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.rows(part); });

@@ -187,8 +187,8 @@ class Pipeline final : public BackendInterface
     {
       const kernels::LookThrough look_through = look();
       const kernels::ChooseRole choose = choose_role();
-      const kernels::TakeSample take{
-          config_.data(), store(), role_.data(), passing().lowest_m, line_grid(), samples()};
+      const kernels::TakeSample take{config_.data(),     store(),     role_.data(),
+                                     passing().lowest_m, line_grid(), samples()};
       for_each_row(
           [&](const auto& row)
           {
@@ -241,7 +241,7 @@ class Pipeline final : public BackendInterface
   void walk_lines(const kernels::FillCell& cell)
   {
     const kernels::LineGrid grid = line_grid();
-    executor_.walk_lines(host_config_, grid, samples(), inferred());
+    executor_.walk_lines(host_config_, find_trend(), samples(), inferred());
     const kernels::FillWalkedCell fill{cell, grid, inferred()};
     const kernels::PutSurface put{config_.data(), store(), cell.out};
     for_each_row(
@@ -259,7 +259,7 @@ class Pipeline final : public BackendInterface
     executor_.pack_bits(
         lines, kernels::line_rings(host_config_) + 1,
         kernels::FindSamples{unguarded(axis_marks_, axes), side(), tracks_.data()},
-        unguarded(marks_, lines));
+        unguarded(marks_, lines), find_trend());
     const kernels::SearchAndFillCell<kAlongLines> search{
         cell,
         host_config_,
@@ -268,6 +268,7 @@ class Pipeline final : public BackendInterface
         unguarded(marks_, lines),
         unguarded(axis_marks_, axes),
         line_tables(),
+        trend_.data(),
         across_.data(),
         line_grid(),
         kernels::places_in(host_config_.fill_search_m, host_config_.resolution_m, side() - 1)};
@@ -422,6 +423,10 @@ class Pipeline final : public BackendInterface
   {
     return {passing_.data(), passing_.data() + static_cast<std::size_t>(cells())};
   }
+  kernels::FindTrend find_trend()
+  {
+    return {config_.data(), context_.data(), line_grid(), samples().height_m, trend_.data()};
+  }
   kernels::LineTables line_tables() { return {line_of_cell_.data(), tracks_.data()}; }
   kernels::LineGrid line_grid() const { return kernels::line_grid(host_config_); }
   std::size_t grid_size() const
@@ -528,6 +533,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint32_t> marks_, axis_marks_;
   Buffer<std::int32_t> line_of_cell_;
   Buffer<kernels::Track> tracks_;
+  Buffer<kernels::Trend> trend_;
   Buffer<float> top_hit_, support_, passing_, samples_, across_;
   Buffer<kernels::Inference> inferred_;
   Buffer<float> judged_;

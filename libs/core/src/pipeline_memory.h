@@ -17,6 +17,7 @@ void Pipeline<Executor>::allocate_cells()
   for (auto* b : {&cell_count_, &cell_begin_}) executor_.allocate(*b, n, std::uint32_t{0});
   executor_.allocate(passing_, 2 * n, 0.0f);
   executor_.allocate(top_hit_, n, 0.0f);
+  executor_.allocate(trend_, 1, kernels::Trend{});
   const auto pooled = static_cast<std::size_t>(kernels::support_side(host_config_));
   const std::size_t pad = 2 * static_cast<std::size_t>(host_config_.object_radius);
   executor_.allocate(support_, kSupportArrays * pooled * (pooled + pad), kernels::kInfinity);
