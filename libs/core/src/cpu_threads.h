@@ -32,6 +32,12 @@ struct OneThread
   {
     if (n > 0) body(0, n);
   }
+  template <class First, class Body>
+  void run_beside(const First& first, int n, int grain, const Body& body)
+  {
+    first();
+    run(n, grain, body);
+  }
 };
 
 /** A loop in pieces. Each thread has its own stretch of them, so that what it wrote in the loops
@@ -191,6 +197,19 @@ class ThreadPool
       loop_->run(n, piece, body);
     else
       run_frame([&] { loop_->run(n, piece, body); });
+  }
+
+  /** The same, and `first`, which one of the threads runs meanwhile; it must not run loops. */
+  template <class First, class Body>
+  void run_beside(const First& first, int n, int grain, const Body& body)
+  {
+    run((n + grain - 1) / grain + 1, 1,
+        [&](int begin, int end)
+        {
+          if (begin == 0) first();
+          begin = std::max(begin - 1, 0) * grain, end = std::min((end - 1) * grain, n);
+          if (begin < end) body(begin, end);
+        });
   }
 
  private:
