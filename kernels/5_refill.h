@@ -96,7 +96,8 @@ struct LowestGround
   }
 };
 
-/** Erosion: along rows first, then across them. */
+/** Erosion: along rows first, then across them. Only ground that is known can be as wide as an
+ * object may be: behind the face of a wall nothing is known, and does not make it wide. */
 struct ErodeSupport
 {
   using Row = LowestGround;
@@ -127,7 +128,7 @@ struct ErodeSupport
   TALUS_HD float erode(int px, int py, const LowestGround& lowest, bool own) const
   {
     if (own) grid.cone_m[grid.at(px, py)] = lowest.cone_m;
-    return lowest.plain_m;
+    return grid.lowest_m[grid.at(px, py)] < kInfinity ? lowest.plain_m : kInfinity;
   }
   TALUS_HD bool concerns(int, int, const LowestGround&) const { return false; }
   TALUS_HD void finish(int, int) const {}

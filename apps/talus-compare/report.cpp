@@ -66,7 +66,7 @@ Table fill_table(const std::vector<FillScore>& fills)
     t.rows.push_back(
         {f.fill, number(figures(f)[0].second, 1), percent(f.coverage.value()), millimetres(f.all),
          number(1000 * f.all.quantile_m(0.95), 1), number(1000 * f.all.quantile_m(0.5), 1),
-         millimetres(f.two_sided), millimetres(f.two_sided_seen), millimetres(f.one_sided),
+         millimetres(f.seen), millimetres(f.two_sided), millimetres(f.one_sided),
          std::to_string(f.all.count())});
   return t;
 }

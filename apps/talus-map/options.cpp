@@ -26,7 +26,7 @@ constexpr const char* kFooter =
     "  talus-map drive.rawlog --trajectory drive.tum --output out\n"
     "  talus-map logs/*.rawlog --output out\n"
     "      one folder a log: out/NAME/; logs/NAME.tum is found by itself\n"
-    "  talus-map car.rawlog -s min_height_m=-2.5 -s window_m=40 -s resolution_m=0.2\n"
+    "  talus-map car.rawlog -s window_m=40 -s resolution_m=0.2\n"
     "      a sensor 1.9 m above the ground; --parameters lists everything that can be set\n"
     "  talus-map drive.rawlog --config robot.ini --every 10\n"
     "      also map and picture of each tenth frame: drive_map/frames/\n"

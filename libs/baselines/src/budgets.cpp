@@ -36,7 +36,7 @@ void judge_fills(Results& out, const std::vector<FillScore>& fills)
 {
   for (std::size_t f = 1; f < fills.size(); ++f)
   {
-    const Errors &own = fills[0].all, &other = fills[f].all;
+    const Errors &own = fills[0].seen, &other = fills[f].seen;
     const bool enough = static_cast<double>(own.count()) >= kFewest;
     judge(
         out, "fill_beats_" + fills[f].fill, enough ? own.rmse_m() / other.rmse_m() : kNan, 1.0,

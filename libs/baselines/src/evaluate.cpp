@@ -184,7 +184,7 @@ class Evaluator
         const float error = truth_->height_error_m(at, fills[f].second[k]);
         score.all.add(error);
         (two_sided ? score.two_sided : score.one_sided).add(error);
-        if (two_sided && here.could_see[k]) score.two_sided_seen.add(error);
+        if (here.could_see[k]) score.seen.add(error);
       }
     }
   }

@@ -88,10 +88,10 @@ void Score::add(const Score& o)
 void FillScore::add(const FillScore& o)
 {
   fill = o.fill;
-  two_sided_seen.add(o.two_sided_seen);
+  all.add(o.all);
   two_sided.add(o.two_sided);
   one_sided.add(o.one_sided);
-  all.add(o.all);
+  seen.add(o.seen);
   coverage.add(o.coverage);
   ms.insert(ms.end(), o.ms.begin(), o.ms.end());
 }
@@ -143,8 +143,8 @@ Figures figures(const FillScore& s)
   out.emplace_back("coverage", s.coverage.value());
   add_errors(out, "all", s.all);
   out.emplace_back("all_median_m", s.all.quantile_m(0.5));
+  add_errors(out, "seen", s.seen);
   add_errors(out, "two_sided", s.two_sided);
-  add_errors(out, "two_sided_seen", s.two_sided_seen);
   add_errors(out, "one_sided", s.one_sided);
   return out;
 }

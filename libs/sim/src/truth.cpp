@@ -82,6 +82,8 @@ class CellJudge
     double slope_sum[2] = {0, 0};
     int slopes[2] = {0, 0};
     for (int j = 0; j < n_; ++j)
+    {
+      double face_m[2] = {0, 0};  // a face may lean, so that several samples share its height
       for (int i = 0; i + 1 < n_; ++i)
       {
         const double run = offset(i + 1, resolution_m) - offset(i, resolution_m);
@@ -89,12 +91,14 @@ class CellJudge
         for (int axis = 0; axis < 2; ++axis)
         {
           const bool face = std::abs(rise[axis]) > kFaceSlope * run;
-          if (face && std::abs(rise[axis]) > options_.max_step_m) return true;
+          face_m[axis] = face ? face_m[axis] + rise[axis] : 0;
+          if (std::abs(face_m[axis]) > options_.max_step_m) return true;
           if (face) continue;
           slope_sum[axis] += rise[axis] / run;
           ++slopes[axis];
         }
       }
+    }
     const double gx = slopes[0] ? slope_sum[0] / slopes[0] : 0;
     const double gy = slopes[1] ? slope_sum[1] / slopes[1] : 0;
     return std::hypot(gx, gy) > std::tan(options_.max_slope_rad);

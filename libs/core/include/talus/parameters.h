@@ -31,7 +31,7 @@ struct Parameters
   /// @{
   double min_range_m = 0.2;
   double max_range_m = 100.0;
-  double min_height_m = -1.0;  //!< lowest accepted z, sensor frame
+  double min_height_m = -3.0;  //!< lowest accepted z, sensor frame
   double max_height_m = 1.5;  //!< highest accepted z, sensor frame
   /** The robot's own body: an axis-aligned box in the sensor frame whose points are dropped. Empty
    * by default. */

@@ -126,7 +126,9 @@ std::vector<std::pair<std::string, double>> figures(const Score& score);
 struct FillScore
 {
   std::string fill;
-  Errors two_sided_seen, two_sided, one_sided, all;
+  Errors all, two_sided, one_sided;
+  Errors seen;  //!< where a ray of the scanner could have met the ground so far; what lies behind
+                //!< walls nobody can know
   Share coverage;  //!< of cells without measured ground: has a value
   std::vector<double> ms;  //!< one an evaluated frame; empty for talus (part of its update)
 
