@@ -21,6 +21,7 @@ namespace talus
 struct OneThread
 {
   using Atomics = kernels::SerialAtomics;
+  static constexpr bool kAlone = true;
   int size() const { return 1; }
   template <class Body>
   void run_frame(const Body& body)
@@ -31,12 +32,6 @@ struct OneThread
   void run(int n, int, const Body& body)
   {
     if (n > 0) body(0, n);
-  }
-  template <class First, class Body>
-  void run_beside(const First& first, int n, int grain, const Body& body)
-  {
-    first();
-    run(n, grain, body);
   }
 };
 
@@ -136,6 +131,7 @@ class ThreadPool
 {
  public:
   using Atomics = kernels::ThreadAtomics;
+  static constexpr bool kAlone = false;
   explicit ThreadPool(int threads)
       : arena_(std::make_unique<tbb::task_arena>(threads)),
         loop_(std::make_unique<SharedLoop>(threads))

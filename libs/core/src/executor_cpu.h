@@ -233,12 +233,13 @@ class CpuExecutor : public CpuMemory
     {
       for (int y = begin; y < end; y++) SteppedRow<G>(g).run(cells, y);
     };
-    if (n <= kFewPoints && threads_.size() > 1)
-    {
-      threads_.run_beside(
-          [&] { update_cells(OneThread{}, n, sort, update); }, cells, rows, over_rows);
-      return;
-    }
+    if constexpr (!Threads::kAlone)
+      if (n <= kFewPoints)
+      {
+        threads_.run_beside(
+            [&] { update_cells(OneThread{}, n, sort, update); }, cells, rows, over_rows);
+        return;
+      }
     for_another_stage(stage, [&] { run(cells, rows, over_rows); });
     update_cells(threads_, n, sort, update);
   }
