@@ -143,9 +143,10 @@ struct PassingRays
 {
   float* lowest_m;  //!< bounds unseen ground from above; infinity: no ray
   float* highest_m;
+  std::uint8_t* in_open;  //!< kInOpen, or 0
 };
 
-/** What the rays say of cell (ix, iy), stored at i; needs nothing but the rays. */
+/** What the rays say of cell (ix, iy); needs nothing but the rays. */
 struct LookThrough
 {
   using Item = Glance;
@@ -154,7 +155,6 @@ struct LookThrough
   const Config* config;
   const FrameContext* frame;
   const std::int32_t* rays;
-  std::uint8_t* passed;  //!< by storage index
   PassingRays passing;
 
   TALUS_HD Glance item(int ix, int iy) const { return glance_at(*config, *frame, ix, iy); }
@@ -163,13 +163,13 @@ struct LookThrough
   {
     look(seen, g, which, *config, *frame, rays);
   }
-  TALUS_HD void put(int ix, int iy, int i, const SeenThrough& seen) const
+  TALUS_HD void put(int ix, int iy, const SeenThrough& seen) const
   {
-    passing.lowest_m[iy * cells + ix] = seen.lowest_m;
-    passing.highest_m[iy * cells + ix] = seen.highest_m;
-    const int before = passed[i] & ~kInOpen;
+    const int o = iy * cells + ix;
+    passing.lowest_m[o] = seen.lowest_m;
+    passing.highest_m[o] = seen.highest_m;
     const bool in_open = (seen.in_open != 0) & seen.any();
-    passed[i] = static_cast<std::uint8_t>(before | select(in_open, kInOpen, 0));
+    passing.in_open[o] = static_cast<std::uint8_t>(select(in_open, kInOpen, 0));
   }
 
   TALUS_HD void operator()(int ix, int iy) const
@@ -177,7 +177,7 @@ struct LookThrough
     const Glance g = item(ix, iy);
     SeenThrough seen;
     for (int which = 0; which < steps(g); which++) step(seen, g, which);
-    put(ix, iy, storage_index(*frame, cells, ix, iy), seen);
+    put(ix, iy, seen);
   }
 };
 

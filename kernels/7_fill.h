@@ -465,7 +465,8 @@ struct FillCell
     const int o = iy * cells + ix;
     const float lowest_m = select(inferred.doubtful(), kInfinity, passing.lowest_m[o]);
     const float highest_m = passing.highest_m[o];
-    const int r = role[i], state_before = store.state[i], passed_before = store.passed[i];
+    const int r = role[i], state_before = store.state[i];
+    const int passed_before = store.passed[i] & ~kInOpen, in_open = passing.in_open[o];
     const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
     const float top_before = store.elevation_m[i], top_var_before = store.elevation_var_m2[i];
     const Fill fill = infer_ground(inferred, r >= kObject, lowest_m, *config);
@@ -475,19 +476,17 @@ struct FillCell
     // Behind something that was hit only rays below the height of a step prove that the ground is
     // free; before everything that was hit (the blind zone around the robot) the clearance will do.
     // A guess may lie too high, so that it counts little above the lowest of its lines.
-    const float proof_m =
-        select((passed_before & kInOpen) != 0, config->clearance_m, config->step_threshold_m);
+    const float proof_m = select(in_open != 0, config->clearance_m, config->step_threshold_m);
     const float guess_m = inferred.lines.lowest_m + 0.25f * config->step_threshold_m;
     const bool guess = filled & !inferred.two_sided();
     const float floor_m = min_of(ground, select(guess, guess_m, kInfinity));
     const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m);
     // What stands so high that the robot fits below it hangs, once rays passed there.
     const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
-    const int evidence =
-        (passed_before & ~kInOpen) | select(low, kPassedLow, 0) | select(object, kHitHighUp, 0);
+    const int evidence = passed_before | select(low, kPassedLow, 0) | select(object, kHitHighUp, 0);
     const int both = kPassedLow | kHitHighUp;
     const bool hangs = (evidence & both) == both;
-    const int passed = (passed_before & kInOpen) | select(hangs, evidence & ~kHitHighUp, evidence);
+    const int passed = in_open | select(hangs, evidence & ~kHitHighUp, evidence);
     const float elevation = select(hangs, kNan, top_before);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);

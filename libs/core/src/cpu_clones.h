@@ -19,6 +19,6 @@
 #define TALUS_INDEPENDENT _Pragma("GCC ivdep")
 #endif
 
-/** Of functions that only fetch memory into the cache: a compiler sees no effect and leaves calls of
- * them out. */
+/** Of functions that only fetch memory into the cache: a compiler sees no effect and leaves calls
+ * of them out. */
 #define TALUS_FETCHES [[gnu::always_inline]] inline

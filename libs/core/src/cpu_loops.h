@@ -49,31 +49,23 @@ TALUS_CLONES void find_concerned(F f, int begin, int end, int y, int first, std:
   in_blocks(
       begin, end, [&](int x) { concerned[x - begin] = f.concerns(x, y, first + (x - begin)); });
 }
-/** f(i) of those of n that are marked; few are. */
-template <class F>
-void for_each_marked(const std::uint8_t* marked, int n, const F& f)
-{
-  constexpr int kGroup = 8;
-  for (int first = 0; first < n; first += kGroup)
-  {
-    std::uint64_t any = 0;
-    const int size = std::min(kGroup, n - first);
-    std::memcpy(&any, marked + first, static_cast<std::size_t>(size));
-    if (any == 0) continue;
-    for (int i = first; i < first + size; i++)
-      if (marked[i]) f(i);
-  }
-}
 template <class F>
 void over_concerned(const F& f, int begin, int end, int y, int first)
 {
-  constexpr int kBlock = 256;
-  alignas(64) std::uint8_t concerned[kBlock];
+  constexpr int kBlock = 256, kGroup = 8;
+  alignas(64) std::uint8_t concerned[kBlock] = {};
   for (int x0 = begin; x0 < end; x0 += kBlock)
   {
-    const int x1 = std::min(x0 + kBlock, end), i0 = first + (x0 - begin);
-    find_concerned(f, x0, x1, y, i0, concerned);
-    for_each_marked(concerned, x1 - x0, [&](int k) { f(x0 + k, y, i0 + k); });
+    const int x1 = std::min(x0 + kBlock, end), shift = first - begin;
+    find_concerned(f, x0, x1, y, x0 + shift, concerned);
+    for (int group = x0; group < x1; group += kGroup)
+    {
+      std::uint64_t any;
+      std::memcpy(&any, concerned + (group - x0), kGroup);
+      if (any == 0) continue;
+      for (int x = group; x < std::min(group + kGroup, x1); x++)
+        if (concerned[x - x0]) f(x, y, x + shift);
+    }
   }
 }
 
@@ -89,9 +81,6 @@ class StoredRow
         row_(kernels::storage_index(frame, cells, 0, y) - frame.storage_x)
   {
   }
-  int cells() const { return cells_; }
-  int y() const { return y_; }
-
   /** f(x, y, i) with i where each cell is stored; twice is the same as once. */
   template <class F>
   void each(const F& f) const
@@ -104,10 +93,6 @@ class StoredRow
   {
     in_stretches([&](int begin, int end, int i) { over_concerned(f, begin, end, y_, i); });
   }
-  /** f in steps, see SteppedRow. */
-  template <class F>
-  void each_in_steps(const F& f) const;
-
   /** over(begin, end, i), i where the cell at `begin` is stored. */
   template <class Over>
   void in_stretches(const Over& over) const
@@ -172,18 +157,13 @@ class SteppedRow
 
  public:
   explicit SteppedRow(const F& f) : f_(f) {}
-  void run(const StoredRow& row)
+  void run(int cells, int y)
   {
-    for (int x0 = 0; x0 < row.cells(); x0 += kLanes)
+    for (int x0 = 0; x0 < cells; x0 += kLanes)
     {
-      const int x1 = std::min(x0 + kLanes, row.cells());
-      step(f_, items_, results_, x0, row.y(), (x1 - x0 + kGroup - 1) / kGroup);
-      row.in_stretches(
-          [&](int begin, int end, int i)
-          {
-            const int from = std::max(begin, x0), to = std::min(end, x1);
-            put(f_, results_, x0, row.y(), from, to, i + (from - begin));
-          });
+      const int x1 = std::min(x0 + kLanes, cells);
+      step(f_, items_, results_, x0, y, (x1 - x0 + kGroup - 1) / kGroup);
+      put(f_, results_, x0, x1, y);
     }
   }
 
@@ -215,10 +195,9 @@ class SteppedRow
       }
     }
   }
-  TALUS_CLONES static void put(
-      F f, Lanes<Result> results, int x0, int y, int begin, int end, int first)
+  TALUS_CLONES static void put(F f, Lanes<Result> results, int x0, int x1, int y)
   {
-    in_blocks(begin, end, [&](int x) { f.put(x, y, first + (x - begin), results.load(x - x0)); });
+    in_blocks(x0, x1, [&](int x) { f.put(x, y, results.load(x - x0)); });
   }
 
   static constexpr int kWords = Lanes<Item>::words(kLanes) + Lanes<Result>::words(kLanes);
@@ -227,12 +206,6 @@ class SteppedRow
   const Lanes<Item> items_{words_, kLanes};
   const Lanes<Result> results_{words_ + Lanes<Item>::words(kLanes), kLanes};
 };
-
-template <class F>
-void StoredRow::each_in_steps(const F& f) const
-{
-  SteppedRow<F>(f).run(*this);
-}
 
 /** Cells pooled two by two, by the parity of their place in the map: f.item(i) of each. */
 template <class F>
@@ -415,7 +388,7 @@ class SlidingRows
     {
       for (; next <= std::min(y + radius_, ny_ - 1); next++)
       {
-        fetch(x0, x1, std::min(next + kAhead, ny_ - 1));
+        if (nx_ > 2 * kLanes) fetch(x0, x1, std::min(next + kAhead, ny_ - 1));
         sum_row(f_, at(next), x0, x1, next, radius_);
       }
       window(y, x0, x1);
@@ -468,9 +441,9 @@ class SlidingRows
       row += kAtOnce;
     }
     for (; row <= last; row++) add_rows<false>(f_, sums, lanes, row - y, at(row));
-    alignas(64) std::uint8_t concerned[kLanes];
-    finish(f_, sums, x0, x1, y, concerned);
-    for_each_marked(concerned, lanes, [&](int l) { f_.finish(x0 + l, y); });
+    if (!finish(f_, sums, x0, x1, y)) return;
+    for (int x = x0; x < x1; x++)
+      if (f_.concerns(x, y, sums.load(x - x0))) f_.finish(x, y);
   }
   /** Adds rows at distances from d on; the first there are. */
   template <bool kFirst, class... Rows>
@@ -485,13 +458,15 @@ class SlidingRows
       sums.store(l, sum);
     }
   }
-  TALUS_CLONES static void finish(
-      F f, Lanes<Window> sums, int x0, int x1, int y, std::uint8_t* concerned)
+  /** True if f.concerns() any of the cells. */
+  TALUS_CLONES static int finish(F f, Lanes<Window> sums, int x0, int x1, int y)
   {
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++) f(x, y, sums.load(x - x0));
+    int any = 0;
     TALUS_INDEPENDENT
-    for (int x = x0; x < x1; x++) concerned[x - x0] = f.concerns(x, y, sums.load(x - x0));
+    for (int x = x0; x < x1; x++) any |= f.concerns(x, y, sums.load(x - x0));
+    return any;
   }
 
   int window_at() const { return (mask_ + 1) * Lanes<Row>::words(kLanes); }

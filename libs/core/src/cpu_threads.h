@@ -21,6 +21,7 @@ namespace talus
 struct OneThread
 {
   using Atomics = kernels::SerialAtomics;
+  static constexpr bool kAlone = true;
   int size() const { return 1; }
   template <class Body>
   void run_frame(const Body& body)
@@ -130,6 +131,7 @@ class ThreadPool
 {
  public:
   using Atomics = kernels::ThreadAtomics;
+  static constexpr bool kAlone = false;
   explicit ThreadPool(int threads)
       : arena_(std::make_unique<tbb::task_arena>(threads)),
         loop_(std::make_unique<SharedLoop>(threads))
@@ -191,6 +193,19 @@ class ThreadPool
       loop_->run(n, piece, body);
     else
       run_frame([&] { loop_->run(n, piece, body); });
+  }
+
+  /** The same, and `first`, which one of the threads runs meanwhile; it must not run loops. */
+  template <class First, class Body>
+  void run_beside(const First& first, int n, int grain, const Body& body)
+  {
+    run((n + grain - 1) / grain + 1, 1,
+        [&](int begin, int end)
+        {
+          if (begin == 0) first();
+          begin = std::max(begin - 1, 0) * grain, end = std::min((end - 1) * grain, n);
+          if (begin < end) body(begin, end);
+        });
   }
 
  private:

@@ -154,7 +154,7 @@ class CpuExecutor : public CpuMemory
   template <class F>
   void for_each_cell(int nx, int ny, const F& f)
   {
-    run(ny, std::max(1, 4096 / std::max(nx, 1)),
+    run(ny, rows_at_once(nx),
         [&f, nx](int begin, int end)
         {
           for (int y = begin; y < end; y++)
@@ -166,7 +166,7 @@ class CpuExecutor : public CpuMemory
   template <class F>
   void for_each_row(int nx, int ny, const F& f)
   {
-    run(ny, std::max(1, 4096 / std::max(nx, 1)),
+    run(ny, rows_at_once(nx),
         [&f](int begin, int end)
         {
           for (int y = begin; y < end; y++) f(y);
@@ -222,20 +222,34 @@ class CpuExecutor : public CpuMemory
     for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
   }
 
-  /** Sorts n points and updates all cells that received any. */
-  void update_cells(int n, const kernels::SortPoint& sort, const kernels::UpdateCell& update)
+  /** Sorts n points and updates all cells that received any; beside it, for another stage, g in
+   * steps of the cells of the window, see SteppedRow. */
+  template <class G>
+  void update_cells_beside(
+      int n, const kernels::SortPoint& sort, const kernels::UpdateCell& update, int stage,
+      int cells, const G& g)
   {
-    const cells::Order order(n, update);
-    run(n, points_at_once(n), [&sort](int begin, int end) { sort_points(sort, begin, end); });
-    run(order.groups(), points_at_once(n) / kPointsOfGroup,
-        [&order](int begin, int end) { order.update(begin, end); });
+    const int rows = rows_at_once(cells);
+    const auto over_rows = [&g, cells](int begin, int end)
+    {
+      for (int y = begin; y < end; y++) SteppedRow<G>(g).run(cells, y);
+    };
+    if constexpr (!Threads::kAlone)
+      if (n <= kFewPoints)
+      {
+        threads_.run_beside(
+            [&] { update_cells(OneThread{}, n, sort, update); }, cells, rows, over_rows);
+        return;
+      }
+    for_another_stage(stage, [&] { run(cells, rows, over_rows); });
+    update_cells(threads_, n, sort, update);
   }
 
   /** Sums over square neighbourhoods of the cells, see SlidingRows. */
   template <class F>
   void for_each_window(int nx, int ny, int radius, const F& f)
   {
-    run(ny, std::max(8 * radius, 4096 / std::max(nx, 1)),
+    run(ny, std::max(8 * radius, rows_at_once(nx)),
         [&](int begin, int end) { SlidingRows<F>(nx, ny, radius, f).run(begin, end); });
   }
 
@@ -251,7 +265,17 @@ class CpuExecutor : public CpuMemory
   /** So few are sooner done by one thread than their lines of the cache are with another. */
   static constexpr int kFewPoints = 1 << 15;
   static int points_at_once(int n) { return n <= kFewPoints ? kFewPoints : 1024; }
-  static constexpr int kPointsOfGroup = 128;  //!< of cells, about
+  static int rows_at_once(int nx) { return std::max(1, 4096 / std::max(nx, 1)); }
+
+  template <class SomeThreads>
+  static void update_cells(
+      SomeThreads&& threads, int n, const kernels::SortPoint& sort,
+      const kernels::UpdateCell& update)
+  {
+    const cells::Order order(n, update);
+    threads.run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
+    threads.run(order.groups(), 8, [&order](int begin, int end) { order.update(begin, end); });
+  }
 
   /** f(i) for i in [0, n), each of them work enough for a thread. */
   template <class F>

@@ -144,7 +144,7 @@ class Pipeline final : public BackendInterface
       const kernels::SweepRings sweep{config_.data(), rays_.data()};
       executor_.for_another_stage(
           5, [&] { executor_.for_each_stretch(kernels::bin_count(host_config_), sweep); });
-      executor_.update_cells(points(), sort, cell);
+      executor_.update_cells_beside(points(), sort, cell, 5, side(), look());
     }
     else
     {
@@ -185,14 +185,12 @@ class Pipeline final : public BackendInterface
                                      passing(), top_hit_.data(), role_.data()};
     if constexpr (Executor::kWalksLines)
     {
-      const kernels::LookThrough look_through = look();
       const kernels::ChooseRole choose = choose_role();
       const kernels::TakeSample take{config_.data(),     store(),     role_.data(),
                                      passing().lowest_m, line_grid(), samples()};
       for_each_row(
           [&](const auto& row)
           {
-            row.each_in_steps(look_through);
             row.each_concerned(choose);
             row.each_concerned(clean);
             row.each(take);
@@ -413,7 +411,7 @@ class Pipeline final : public BackendInterface
   }
   kernels::LookThrough look()
   {
-    return {side(), config_.data(), context_.data(), rays_.data(), passed_.data(), passing()};
+    return {side(), config_.data(), context_.data(), rays_.data(), passing()};
   }
   kernels::ChooseRole choose_role()
   {
@@ -421,7 +419,7 @@ class Pipeline final : public BackendInterface
   }
   kernels::PassingRays passing()
   {
-    return {passing_.data(), passing_.data() + static_cast<std::size_t>(cells())};
+    return {passing_.data(), passing_.data() + static_cast<std::size_t>(cells()), in_open_.data()};
   }
   kernels::FindTrend find_trend()
   {
@@ -527,7 +525,7 @@ class Pipeline final : public BackendInterface
   Buffer<kernels::HeightPoint> sorted_;
   Buffer<std::uint64_t> voxel_key_, voxel_winner_;
   Buffer<std::uint32_t> voxel_slot_;
-  Buffer<std::uint8_t> voxel_kept_, role_;
+  Buffer<std::uint8_t> voxel_kept_, role_, in_open_;
   Buffer<std::int32_t> rays_;
   Buffer<kernels::Surface> surfaces_;
   Buffer<std::uint32_t> marks_, axis_marks_;
