@@ -55,12 +55,12 @@ TEST(Stage5Refill, AWallWhoseFootWasNeverSeenGetsTheGroundBesideIt)
 
 TEST(Stage5Refill, UnknownGroundBehindAWallDoesNotMakeItWide)
 {
-  // Of a wall across the whole view the foot is hidden, and all that is behind it.
+  // Of a wall all around the foot is hidden, and all that is behind it.
   TestMap m;
   Scan s;
-  s.add_surface(0.5, -2, 1.5, 2, flat);
+  s.add_surface(-1.5, -1.5, 1.5, 1.5, flat);
   for (double y = -2; y < 2; y += 0.02)
-    for (double z = 0.3; z < 1.2; z += 0.1) s.add(1.775, y, z);
+    for (double z = 0.5; z < 1.2; z += 0.1) s.add(1.775, y, z);
   m.update(s);
   EXPECT_NEAR(m.ground(1.775, 0.025), 0.0, 0.02);
   EXPECT_NEAR(m.ground(2.225, 0.025), 0.0, 0.02) << "what a fill behind it builds on";

@@ -17,9 +17,9 @@ Scan with_rays(Scan s)
 
 /** Dense ground up to x = 1.5 m, a gap too wide to be filled from its far side, ground `drop_m`
  * lower from 2.5 m on. */
-Scan gap(double drop_m, double near_until_m = 1.5)
+Scan gap(double drop_m, double near_until_m = 1.5, double sensor_m = 0.3)
 {
-  Scan s(0, 0, 0.3);
+  Scan s(0, 0, sensor_m);
   s.add_surface(0.5, -0.5, near_until_m, 0.5, flat);
   if (drop_m < 1) s.add_surface(2.5, -0.5, 3.5, 0.5, [&](double, double) { return -drop_m; });
   return s;
@@ -34,17 +34,19 @@ Parameters short_search()
 constexpr double kX = 1.525, kY = 0.025;
 /** What a slope half as steep as is allowed explains, over the 21 cells between both sides. */
 const double kSlope_m = 0.5 * std::tan(Parameters().slope_threshold_rad) * 1.05;
+/** So high that the sensor sees the far side over the edge. */
+constexpr double kHigh_m = 0.9;
 }  // namespace
 
 TEST(Stage9Sparsity, Equation14ByNumbersWorkedOutByHand)
 {
   // h_s = 0.1 m < h_c = 0.2 m: 1 - 0.1 / 0.2.
   TestMap shallow(short_search());
-  shallow.update(gap(kSlope_m + 0.1));
+  shallow.update(gap(kSlope_m + 0.1, 1.5, kHigh_m));
   EXPECT_NEAR(shallow.at(Layer::Sparsity, kX, kY), 0.5, 1e-5);
   // h_s = 0.25 m >= h_c, 1.5 m away with d_c = 2 m: 1 - 0.25 * 2 / (0.2 * 1.5) < 0.
   TestMap deep(short_search());
-  deep.update(gap(kSlope_m + 0.25));
+  deep.update(gap(kSlope_m + 0.25, 1.5, kHigh_m));
   EXPECT_EQ(deep.at(Layer::Sparsity, kX, kY), 0.0f);
   EXPECT_EQ(deep.traversability(kX, kY), 0.0f);
 }
@@ -56,7 +58,7 @@ TEST(Stage9Sparsity, FarAwayTheSameHeightDifferenceWeighsLess)
   Parameters p = short_search();
   p.sparsity_distance_m = 0.6;
   TestMap m(p);
-  m.update(gap(kSlope_m + 0.25));
+  m.update(gap(kSlope_m + 0.25, 1.5, kHigh_m));
   EXPECT_NEAR(m.at(Layer::Sparsity, kX, kY), 0.5, 1e-4);
 }
 

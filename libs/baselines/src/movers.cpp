@@ -112,6 +112,12 @@ void MoverTruth::enter_rays(const ScanFrame& scan)
   }
 }
 
+bool MoverTruth::sees_through(std::size_t cell) const
+{
+  const double step_m = truth_.truth.ground[cell] + parameters_.step_threshold_m;
+  return lowest_ray_m[cell] < std::min<double>(hit_top_m[cell] - kSeenThrough_m, step_m);
+}
+
 void MoverTruth::forget_outside(const Window& window)
 {
   const sim::TruthWindow& area = truth_.truth.window;
@@ -143,8 +149,7 @@ void MoverTruth::advance(const ScanFrame& scan)
       touched[i] = 1;
       seen_through_frame[i] = -1;
     }
-    else if (
-        seen_through_frame[i] < 0 && touched[i] && lowest_ray_m[i] < hit_top_m[i] - kSeenThrough_m)
+    else if (seen_through_frame[i] < 0 && touched[i] && sees_through(i))
       seen_through_frame[i] = frame;
   }
   forget_outside(window_around(parameters_, scan.T_true));

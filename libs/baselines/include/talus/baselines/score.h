@@ -60,7 +60,8 @@ struct Score
   Share measured, filled_two_sided, filled_one_sided, unknown;
   /// @}
 
-  /// @name Hanging objects: free cells below something that leaves more than the clearance
+  /// @name Hanging objects: free cells below something that leaves more than the clearance, two or
+  /// more cells from obstacles
   /// @{
   Share hanging_wrong;  //!< of known ones: elevation or ground off by more than 0.2 m
   Share hanging_passable;  //!< of known ones whose ground a ray could have met so far

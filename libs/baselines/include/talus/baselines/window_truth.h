@@ -53,6 +53,8 @@ class MoverTruth
  private:
   void mark_movers(double time_s);
   void enter_rays(const ScanFrame& frame);
+  /** Whether a ray of this frame shows that nothing higher than a step is there. */
+  bool sees_through(std::size_t cell) const;
   void forget_outside(const Window& window);
 
   const TruthMap& truth_;
