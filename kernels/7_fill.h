@@ -311,16 +311,7 @@ struct Trend
 {
   float x = 0, y = 0;
 
-  /** Along a unit vector. */
-  TALUS_HD float along(float dx, float dy) const { return x * dx + y * dy; }
-  /** Along a line from the sensor. */
-  TALUS_HD float along(const Line& l, int rings) const
-  {
-    const float ahead = l.side < 2 ? 1.0f : -1.0f, stretch = line_stretch(l, rings);
-    const float aside = ahead * (static_cast<float>(l.minor) / static_cast<float>(rings));
-    const bool along_x = l.side % 2 == 0;
-    return along(select(along_x, ahead, -aside), select(along_x, aside, ahead)) / stretch;
-  }
+  TALUS_HD float along(const Direction& d) const { return x * d.x + y * d.y; }
 };
 
 /** The plane through samples of the whole window: exact sums, then its gradient. The less the plane

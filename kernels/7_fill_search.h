@@ -83,6 +83,7 @@ struct Track
   float inverse;  //!< 1 / (2 rings)
   float step_m;  //!< length per place
   int fill_reach, sparsity_reach;  //!< places
+  Direction direction;
 
   TALUS_HD int operator()(int place) const
   {
@@ -127,7 +128,8 @@ TALUS_HD Track radial_track(const Line& l, const LineGrid& grid, const Config& k
       1.0f / static_cast<float>(2 * rings),
       step_m,
       places_in(k.fill_search_m, step_m, rings),
-      places_in(k.sparsity_search_m, step_m, rings)};
+      places_in(k.sparsity_search_m, step_m, rings),
+      direction_of_line(l, rings)};
 }
 
 /** What never changes of the lines from the sensor. */
@@ -335,9 +337,8 @@ struct SearchAndFillCell
  private:
   TALUS_HD float rise_per_m(int line, int ix, int iy) const
   {
-    if (line == 0)
-      return trend->along(line_from_index(tables.line[grid.at(ix, iy)], grid.half), grid.half);
-    return line == 1 ? trend->x : trend->y;
+    if (line != 0) return line == 1 ? trend->x : trend->y;
+    return trend->along(tables.track[tables.line[grid.at(ix, iy)]].direction);
   }
   /** The sensor's own cell lies on no line. */
   TALUS_HD bool on_line(int ix, int iy) const { return ix != grid.half || iy != grid.half; }

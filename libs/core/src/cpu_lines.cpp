@@ -384,7 +384,8 @@ void Walk::rays(int part) const
   {
     const kernels::Line line{side, std::min(first + l, rings - 1)};
     strip.measure(
-        l, kernels::line_stretch(line, rings) * k.resolution_m, trend->along(line, rings), k);
+        l, kernels::line_stretch(line, rings) * k.resolution_m,
+        trend->along(kernels::direction_of_line(line, rings)), k);
   }
   if (k.fill_rule == kernels::kFillLines)
     sweep<true, true>(*this, strip);
