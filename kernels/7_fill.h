@@ -460,7 +460,9 @@ struct FillCell
     const int passed_before = store.passed[i] & ~kInOpen, in_open = passing.in_open[o];
     const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
     const float top_before = store.elevation_m[i], top_var_before = store.elevation_var_m2[i];
-    const Fill fill = infer_ground(inferred, r >= kObject, lowest_m, *config);
+    // Of the directions in which rays passed the highest: a few rays of reflections do not count.
+    const float bound_m = select(lowest_m < kInfinity, highest_m, kInfinity);
+    const Fill fill = infer_ground(inferred, r >= kObject, bound_m, *config);
     const bool filled = (r != kKeep) & inferred.any();  // else an older guess, or the object, stays
     const float ground = select(filled, fill.height_m, before);
     const int state = select(filled, fill.state, state_before);
