@@ -13,9 +13,9 @@ namespace talus::kernels
 /** What the rays of this frame say of one cell. */
 struct SeenThrough
 {
-  float lowest_m =
-      kInfinity;  //!< lowest height at which a ray passed; bounds unseen ground from above
-  float highest_m = -kInfinity;  //!< the highest among the lowest rays of the cell's directions
+  float lowest_m = kInfinity;  //!< lowest height at which a ray passed
+  float highest_m = -kInfinity;  //!< the highest among the lowest rays of the cell's directions;
+                                 //!< bounds unseen ground from above
   std::int32_t in_open = 1;  //!< nothing was hit between the sensor and the cell
   TALUS_HD bool any() const { return lowest_m < kInfinity; }
 
@@ -141,9 +141,9 @@ TALUS_HD bool clear_seen_through(
 /** Where the rays of this frame passed the cells, window order. */
 struct PassingRays
 {
-  float* lowest_m;  //!< bounds unseen ground from above; infinity: no ray
-  float* highest_m;
-  std::uint8_t* in_open;  //!< kInOpen, or 0
+  float* lowest_m;  //!< infinity: no ray
+  float* highest_m;  //!< bounds unseen ground from above
+  std::uint8_t* in_open;  //!< 1: nothing was hit between the sensor and the cell
 };
 
 /** What the rays say of cell (ix, iy); needs nothing but the rays. */
@@ -169,7 +169,7 @@ struct LookThrough
     passing.lowest_m[o] = seen.lowest_m;
     passing.highest_m[o] = seen.highest_m;
     const bool in_open = (seen.in_open != 0) & seen.any();
-    passing.in_open[o] = static_cast<std::uint8_t>(select(in_open, kInOpen, 0));
+    passing.in_open[o] = static_cast<std::uint8_t>(select(in_open, 1, 0));
   }
 
   TALUS_HD void operator()(int ix, int iy) const
@@ -200,10 +200,8 @@ struct CleanUpCell
     const float top = select(has_elevation, elevation, ground);
     const bool above = (top > passing.highest_m[o] + config->cleanup_margin_m) &
                        (has_elevation | (state == kMeasured));
-    const bool contradicted = (config->fill_use_ray_bound != 0) & (state == kFilledTwoSided) &
-                              (ground > passing.lowest_m[o] + config->cleanup_margin_m);
     const bool traced = store.passed[i] >= kTraceOne;
-    return any & (state != kUnknown) & (above | contradicted | traced);
+    return any & (state != kUnknown) & (above | traced);
   }
 
   TALUS_HD void operator()(int ix, int iy, int i) const
@@ -213,10 +211,6 @@ struct CleanUpCell
     Cell c = store.load(i);
     const bool faded = fade_trace(c);
     if (clear_seen_through(c, role[i], top_hit_m[i], seen, *config) || faded) store.store(i, c);
-    // A fill that a ray now contradicts is inferred again.
-    if (config->fill_use_ray_bound && c.state == kFilledTwoSided &&
-        c.ground_m > seen.lowest_m + config->cleanup_margin_m)
-      role[i] = kInfer;
   }
 };
 

@@ -457,7 +457,7 @@ struct FillCell
     const float lowest_m = select(inferred.doubtful(), kInfinity, passing.lowest_m[o]);
     const float highest_m = passing.highest_m[o];
     const int r = role[i], state_before = store.state[i];
-    const int passed_before = store.passed[i] & ~kInOpen, in_open = passing.in_open[o];
+    const int passed_before = store.passed[i], in_open = passing.in_open[o];
     const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
     const float top_before = store.elevation_m[i], top_var_before = store.elevation_var_m2[i];
     // Of the directions in which rays passed the highest: a few rays of reflections do not count.
@@ -479,7 +479,7 @@ struct FillCell
     const int evidence = passed_before | select(low, kPassedLow, 0) | select(object, kHitHighUp, 0);
     const int both = kPassedLow | kHitHighUp;
     const bool hangs = (evidence & both) == both;
-    const int passed = in_open | select(hangs, evidence & ~kHitHighUp, evidence);
+    const int passed = select(hangs, evidence & ~kHitHighUp, evidence);
     const float elevation = select(hangs, kNan, top_before);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);

@@ -416,7 +416,7 @@ struct SearchAndFillCell
     const int outer = radial.nearest(true, radial.track.sparsity_reach);
     if (!inner || !outer) return kNan;
     const float gap_m = static_cast<float>(inner + outer) * radial.track.step_m;
-    return kernels::height_across(
+    return drop_across(
         sample_m[radial.at(false, inner)], sample_m[radial.at(true, outer)], gap_m, k);
   }
 };

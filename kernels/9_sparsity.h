@@ -22,7 +22,7 @@ TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
 /** Height difference of the ground on both sides of a gap, less what a slope half as steep as is
  * allowed explains: a floor that is seen far behind the crest of a ramp does not make it a cliff.
  */
-TALUS_HD float height_across(float inner_m, float outer_m, float gap_m, const Config& k)
+TALUS_HD float drop_across(float inner_m, float outer_m, float gap_m, const Config& k)
 {
   return max_of(abs_of(inner_m - outer_m) - 0.5f * k.support_slope * gap_m, 0.0f);
 }

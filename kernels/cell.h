@@ -19,7 +19,6 @@ enum State : std::uint8_t
 enum Passed : std::uint8_t
 {
   kPassedLow = 1,  //!< in some frame a ray passed so low that nothing above a step can stand there
-  kInOpen = 2,  //!< in this frame nothing was hit between the sensor and the cell
   kHitHighUp = 4  //!< what was hit there may hang: high above a guess below which no ray passed
 };
 /** The bits above them hold a trace: each frame in which the cell was hit while rays passed lower

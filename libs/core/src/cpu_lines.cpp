@@ -261,7 +261,7 @@ class Sweep
     const bool both =
         (before.distance(l, place) <= strip.far[l]) & (behind.distance(l, place) <= strip.far[l]);
     const int places = kernels::select(both, behind.place[0][l] - before.place[0][l], 0);
-    const float across_m = kernels::height_across(
+    const float across_m = kernels::drop_across(
         before.height_m[0][l], behind.height_m[0][l], static_cast<float>(places) * strip.step_m[l],
         k);
     return kernels::select(both, across_m, kernels::kNan);
