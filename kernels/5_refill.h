@@ -134,6 +134,10 @@ struct ErodeSupport
   TALUS_HD void finish(int, int) const {}
 };
 
+/** Dilation goes one pair of cells farther than erosion: a pair that holds an edge and the ground
+ * below it belongs to what it is the edge of. */
+TALUS_HD int dilation_radius(int erosion_radius) { return erosion_radius + 1; }
+
 /** Highest eroded ground of a neighbourhood; places without any ground do not count. */
 struct HighestGround
 {

@@ -106,7 +106,8 @@ struct FeatureLayers
 
   TALUS_HD void put_traversability(int o, float value) const
   {
-    traversability[o] = judged[o] = value;
+    judged[o] = value;
+    traversability[o] = select(value < 0.0f, 0.0f, value);
   }
 };
 
@@ -133,13 +134,15 @@ TALUS_HD Features features_of(const Moments& m, std::int32_t height, const Confi
       clamp01(1.0f - (own - mean_height) * k.inverse_roughness_threshold)};
 }
 
-/** Eq. 13: the weighted sum; impassable where any feature is. */
+/** Eq. 13: the weighted sum; zero, impassable, where any feature is, and with a minus where only
+ * the slope is too steep, which CompleteObstacles has to look at again. */
 TALUS_HD float fuse_features(const Features& f, const Config& k)
 {
-  const bool impassable = (f.slope == 0.0f) | (f.step == 0.0f) | (f.roughness == 0.0f);
+  const bool impassable = (f.step == 0.0f) | (f.roughness == 0.0f);
   const float sum =
       k.weight_step * f.step + k.weight_slope * f.slope + k.weight_roughness * f.roughness;
-  return select(impassable, 0.0f, select(is_known(f.slope), sum, kNan));
+  const float judged = select(f.slope == 0.0f, 0.0f - sum, select(is_known(f.slope), sum, kNan));
+  return select(impassable, 0.0f, judged);
 }
 
 /** Stages 8 and 9 on cell (ix, iy): first along rows, then across them. `kParts`: what
@@ -253,14 +256,14 @@ struct CompleteObstacles
   TALUS_HD void operator()(int ix, int iy, int) const
   {
     const int o = iy * cells + ix;
-    if (joins(ix, iy, judged + o, cells)) traversability[o] = 0.0f;
+    traversability[o] = completed(ix, iy, judged + o, cells);
   }
   /** The same for executors that have the judgement elsewhere: that of the cell is at `at`, its
    * neighbour's in the next row `pitch` behind it. */
   TALUS_HD void complete(int ix, int iy, const float* at, int pitch) const
   {
-    const bool blocks = concerns(ix, iy, at, pitch) && joins(ix, iy, at, pitch);
-    traversability[iy * cells + ix] = blocks ? 0.0f : *at;
+    traversability[iy * cells + ix] =
+        concerns(ix, iy, at, pitch) ? completed(ix, iy, at, pitch) : max_of(*at, 0.0f);
   }
 
  private:
@@ -268,7 +271,12 @@ struct CompleteObstacles
   {
     const int n = cells;
     const bool inside = (ix > 0) & (iy > 0) & (ix < n - 1) & (iy < n - 1);
-    return inside & !blocked(at) & (around(at - pitch) | around(at) | around(at + pitch));
+    return inside & (*at != 0.0f) & (around(at - pitch) | around(at) | around(at + pitch));
+  }
+  TALUS_HD float completed(int ix, int iy, const float* at, int pitch) const
+  {
+    if (*at < 0.0f) return at_low_step(ix, iy, at, pitch) ? -*at : 0.0f;
+    return joins(ix, iy, at, pitch) ? 0.0f : *at;
   }
   TALUS_HD bool joins(int ix, int iy, const float* at, int pitch) const
   {
@@ -277,7 +285,7 @@ struct CompleteObstacles
            (is_known(*at) && at_steep_edge(ix, iy, at, pitch));
   }
 
-  static TALUS_HD bool blocked(const float* at) { return *at == 0.0f; }
+  static TALUS_HD bool blocked(const float* at) { return *at <= 0.0f; }
   static TALUS_HD bool around(const float* at)
   {
     return blocked(at - 1) | blocked(at) | blocked(at + 1);
@@ -320,6 +328,39 @@ struct CompleteObstacles
         if (beside && bare && steep(3 * rise) && blocked(judgement + dy * pitch + dx)) return true;
       }
     return steep(at->height() - at->ground) && static_cast<float>(high - low) > step;
+  }
+  /** Whether a cell that is too steep lies at the foot or the edge of a step that the robot takes:
+   * the ground goes on level to a passable neighbour and beyond it, but not to the other side, and
+   * within two cells nothing rises by more than four fifths of what it may. */
+  TALUS_HD bool at_low_step(int ix, int iy, const float* judgement, int pitch) const
+  {
+    const int n = cells;
+    const bool inside = (ix > 1) & (iy > 1) & (ix < n - 2) & (iy < n - 2);
+    const Surface* at = surfaces.cell + surfaces.at(ix, iy);
+    if (!inside || !is_low_around(at)) return false;
+    const int to[] = {-1, 1, -surfaces.pitch, surfaces.pitch}, by[] = {-1, 1, -pitch, pitch};
+    for (int i = 0; i < 4; i++)
+      if (judgement[by[i]] > 0.0f && is_level(*at, at[to[i]]) && is_level(*at, at[2 * to[i]]) &&
+          !is_level(*at, at[-2 * to[i]]))
+        return true;
+    return false;
+  }
+  TALUS_HD bool is_low_around(const Surface* at) const
+  {
+    int low = at->ground, high = at->height();
+    for (int dy = -2; dy <= 2; dy++)
+      for (int dx = -2; dx <= 2; dx++)
+      {
+        const Surface& next = at[dy * surfaces.pitch + dx];
+        if (!next.known()) continue;
+        low = min_of(low, next.ground);
+        high = max_of(high, next.height());
+      }
+    return static_cast<float>(high - low) <= 0.8f * config->step_threshold_m * kHeightSteps;
+  }
+  TALUS_HD bool is_level(const Surface& a, const Surface& b) const
+  {
+    return b.known() && !steep(abs_of(b.ground - a.ground));
   }
   /** Whether a rise within a cell is steeper than the slope threshold. */
   TALUS_HD bool steep(int rise) const

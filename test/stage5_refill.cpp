@@ -104,3 +104,21 @@ TEST(Stage5Refill, ABankSteeperThanTheRobotClimbsIsGroundToo)
   for (double x = 2.025; x < 3; x += 0.05) EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << x;
   for (double x = 2.025; x < 2.95; x += 0.05) EXPECT_EQ(m.traversability(x, 0.525), 0.0f) << x;
 }
+
+TEST(Stage5Refill, TheEdgeOfAPlatformIsGround)
+{
+  // In pairs of cells the edge may share one with the floor, or not.
+  for (const double edge_m : {2.0, 2.05})
+  {
+    TestMap m;
+    Scan s;
+    s.add_surface(0, -1, edge_m, 1, flat);
+    s.add_surface(edge_m, -1, 4, 1, [](double, double) { return 0.3; });
+    m.update(s);
+    for (double x = edge_m + 0.025; x < 3; x += 0.05)
+    {
+      EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << edge_m << " at " << x;
+      EXPECT_NEAR(m.ground(x, 0.525), 0.3, 1e-5) << edge_m << " at " << x;
+    }
+  }
+}

@@ -171,6 +171,22 @@ TEST(Stage8Traversability, ASteepFaceIsImpassableUpToItsEdge)
   }
 }
 
+TEST(Stage8Traversability, AKerbLowerThanAStepIsPassableAHigherOneIsNot)
+{
+  for (const double height_m : {0.14, 0.3})
+  {
+    TestMap m;
+    Scan s(2, 0, 0.7);
+    s.add_surface(0, -1, 2.05, 1, flat);
+    s.add_surface(2.05, -1, 4, 1, [&](double, double) { return height_m; });
+    m.update(s);
+    int blocked = 0;
+    for (double x = 1.525; x < 2.6; x += 0.05) blocked += m.traversability(x, 0.025) == 0.0f;
+    EXPECT_EQ(blocked > 0, height_m > 0.2) << height_m;
+    EXPECT_EQ(m.at(Layer::Slope, 2.025, 0.025), 0.0f) << "its plane is too steep";
+  }
+}
+
 TEST(Stage8Traversability, TheEdgeOfABarThatIsHitNowAndThenIsImpassable)
 {
   // A bar covers one row of cells and a sliver of the next, which is hit in some frames only; in

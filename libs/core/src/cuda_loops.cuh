@@ -137,26 +137,27 @@ __device__ void over_tile(int columns, int rows, const F& f)
   }
 }
 
-/** Erosion f and dilation g of what it says, over square neighbourhoods: each along the rows that a
- * tile of `height` rows needs first, then across them. See kernels::ErodeSupport. */
+/** Erosion f and dilation g of what it says, over square neighbourhoods of one radius and a wider
+ * one: each along the rows that a tile of `height` rows needs first, then across them. See
+ * kernels::ErodeSupport. */
 template <class F, class G>
 __global__ void __launch_bounds__(kOpeningThreads)
-    over_opening(int nx, int ny, int radius, int height, F f, G g, std::uint64_t* done_ns)
+    over_opening(int nx, int ny, int radius, int wide, int height, F f, G g, std::uint64_t* done_ns)
 {
   extern __shared__ __align__(16) unsigned char shared[];
-  const int width = kTileWidth + 2 * radius, reach = 2 * radius + 1;
+  const int width = kTileWidth + 2 * wide;
   auto* const rows = reinterpret_cast<typename F::Row*>(shared);
-  auto* const eroded = reinterpret_cast<float*>(rows + width * (height + 4 * radius));
+  auto* const eroded = reinterpret_cast<float*>(rows + width * (height + 2 * (wide + radius)));
   auto* const eroded_rows = reinterpret_cast<typename G::Row*>(shared);  // in place of `rows`
   wait_for_predecessor();
   const int x0 = static_cast<int>(blockIdx.x) * kTileWidth,
             y0 = static_cast<int>(blockIdx.y) * height;
   const auto exists = [&](int x, int y) { return x >= 0 && x < nx && y >= 0 && y < ny; };
   over_tile(
-      width, height + 4 * radius,
+      width, height + 2 * (wide + radius),
       [&](int column, int row)
       {
-        const int x = x0 - radius + column, y = y0 - 2 * radius + row;
+        const int x = x0 - wide + column, y = y0 - wide - radius + row;
         typename F::Row sum;
         if (exists(x, y))
           for (int d = -radius; d <= radius; d++) f.add(sum, x, y, d);
@@ -164,26 +165,27 @@ __global__ void __launch_bounds__(kOpeningThreads)
       });
   __syncthreads();
   over_tile(
-      width, height + 2 * radius,
+      width, height + 2 * wide,
       [&](int column, int row)
       {
-        const int x = x0 - radius + column, y = y0 - radius + row;
+        const int x = x0 - wide + column, y = y0 - wide + row;
         float& lowest = eroded[row * width + column];
         lowest = kernels::kInfinity;
         if (!exists(x, y)) return;
         typename F::Window sum;
-        for (int d = 0; d < reach; d++) f.add(sum, rows[(row + d) * width + column], d - radius);
-        const bool own = column >= radius && column < radius + kTileWidth && row >= radius &&
-                         row < radius + height;
+        for (int d = -radius; d <= radius; d++)
+          f.add(sum, rows[(row + radius + d) * width + column], d);
+        const bool own =
+            column >= wide && column < wide + kTileWidth && row >= wide && row < wide + height;
         lowest = f.erode(x, y, sum, own);
       });
   __syncthreads();
   over_tile(
-      kTileWidth, height + 2 * radius,
+      kTileWidth, height + 2 * wide,
       [&](int column, int row)
       {
         typename G::Row sum;
-        for (int d = 0; d < reach; d++) g.add(sum, eroded[row * width + column + d]);
+        for (int d = 0; d <= 2 * wide; d++) g.add(sum, eroded[row * width + column + d]);
         eroded_rows[row * kTileWidth + column] = sum;
       });
   __syncthreads();
@@ -193,8 +195,8 @@ __global__ void __launch_bounds__(kOpeningThreads)
       {
         if (!exists(x0 + column, y0 + row)) return;
         typename G::Window sum;
-        for (int d = 0; d < reach; d++)
-          g.add(sum, eroded_rows[(row + d) * kTileWidth + column], d - radius);
+        for (int d = -wide; d <= wide; d++)
+          g.add(sum, eroded_rows[(row + wide + d) * kTileWidth + column], d);
         g(x0 + column, y0 + row, sum);
       });
   note_time(done_ns);

@@ -145,15 +145,15 @@ class CudaExecutor
         loops::over_cells<F>, tiles(nx, end - first, rows), dim3(loops::kTileWidth, rows), 0, nx,
         first, end, f, beside_last);
   }
-  /** Erosion f, then dilation g of what it says. */
+  /** Erosion f, then dilation g of what it says, over a wider neighbourhood. */
   template <class F, class G>
-  void for_each_opening(int nx, int ny, int radius, const F& f, const G& g)
+  void for_each_opening(int nx, int ny, int radius, int wide, const F& f, const G& g)
   {
     // As below; and what fits into shared memory.
-    const int width = loops::kTileWidth + 2 * radius;
+    const int width = loops::kTileWidth + 2 * wide;
     const auto size = [&](int height)
     {
-      const int rows = width * (height + 4 * radius), eroded = width * (height + 2 * radius);
+      const int rows = width * (height + 2 * (wide + radius)), eroded = width * (height + 2 * wide);
       return static_cast<std::size_t>(rows) * sizeof(typename F::Row) +
              static_cast<std::size_t>(eroded) * sizeof(float);
     };
@@ -161,7 +161,7 @@ class CudaExecutor
     while (size(height) > kSharedBytes) height--;
     launch(
         loops::over_opening<F, G>, tiles(nx, ny, height), dim3(loops::kOpeningThreads),
-        size(height), nx, ny, radius, height, f, g);
+        size(height), nx, ny, radius, wide, height, f, g);
   }
   /** f of the neighbourhoods of cells, then g of what f says of each cell and its neighbours, see
    * kernels::CompleteObstacles. Of the rows [first, end) of ny. */

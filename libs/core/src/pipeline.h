@@ -159,7 +159,7 @@ class Pipeline final : public BackendInterface
   void refill()
   {
     const kernels::SupportGrid grid = support();
-    const int radius = host_config_.object_radius;
+    const int radius = host_config_.object_radius, wide = kernels::dilation_radius(radius);
     const kernels::PoolSupport pool{config_.data(), context_.data(), store(), grid};
     const kernels::ErodeSupport erode{config_.data(), grid};
     const kernels::OpenSupport open{config_.data(), grid};
@@ -167,7 +167,7 @@ class Pipeline final : public BackendInterface
     {
       executor_.for_each_pair_of_rows(grid.side, side(), context_.data(), pool);
       executor_.for_each_window(grid.side, grid.side, radius, erode);
-      executor_.for_each_window(grid.side, grid.side, radius, open);
+      executor_.for_each_window(grid.side, grid.side, wide, open);
     }
     else
     {
@@ -175,7 +175,7 @@ class Pipeline final : public BackendInterface
       executor_.for_each_beside(
           workers(), tidy_up(static_cast<int>(rays_.size()), cells()), 5, grid.side, grid.side,
           pool);
-      executor_.for_each_opening(grid.side, grid.side, radius, erode, open);
+      executor_.for_each_opening(grid.side, grid.side, radius, wide, erode, open);
     }
   }
 
@@ -404,7 +404,7 @@ class Pipeline final : public BackendInterface
   kernels::SupportGrid support()
   {
     const int side = kernels::support_side(host_config_);
-    const int pad = host_config_.object_radius;
+    const int pad = kernels::dilation_radius(host_config_.object_radius);
     const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side + 2 * pad);
     float* p = support_.data();
     return {side, pad, p, p + n, p + 2 * n, p + 3 * n, p + 4 * n};
