@@ -102,7 +102,7 @@ TALUS_HD float slope_angle(const Moments& m, const Config& k)
 struct FeatureLayers
 {
   float *slope, *step, *roughness, *sparsity, *traversability;
-  float* judged;  //!< traversability before CompleteObstacles
+  float* judged;  //!< before CompleteObstacles, as fuse_features() says
 
   TALUS_HD void put_traversability(int o, float value) const
   {
@@ -238,9 +238,10 @@ struct ComputeFeatures
   }
 };
 
-/** The last step of stage 8: cells at the edge of what is impassable join it. What a neighbourhood
- * says of its middle ends before the edge of what is steep, things that rays pass through are hit
- * in some of their cells only, and what covers a cell in part is hit now and then. */
+/** The last step of stage 8: cells at the edge of what is impassable join it, and those at a low
+ * step, which a plane takes for a slope, leave it. What a neighbourhood says of its middle ends
+ * before the edge of what is steep, things that rays pass through are hit in some of their cells
+ * only, and what covers a cell in part is hit now and then. */
 struct CompleteObstacles
 {
   int cells;
