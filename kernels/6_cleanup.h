@@ -100,7 +100,9 @@ TALUS_HD bool fade_trace(Cell& c)
 TALUS_HD bool count_miss(Cell& c, bool hit, const Config& k)
 {
   const int before = c.misses;
-  const int after = hit ? max_of(min_of(before, 0) - kPorousCredit, -kMaxCredit)
+  const int credit = (c.passed & kHitBefore) != 0 ? kHeldCredit : kPorousCredit;
+  c.passed = hit ? c.passed | kHitBefore : c.passed & ~kHitBefore;
+  const int after = hit ? max_of(min_of(before, 0) - credit, -kMaxCredit)
                         : (before <= -kPorous ? before + 1 : max_of(before, 0) + 1);
   const bool clear = after >= k.cleanup_frames;
   c.misses = clear ? 0 : after;

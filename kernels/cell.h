@@ -19,6 +19,7 @@ enum State : std::uint8_t
 enum Passed : std::uint8_t
 {
   kPassedLow = 1,  //!< in some frame a ray passed so low that nothing above a step can stand there
+  kHitBefore = 2,  //!< when rays passed last, it was hit, too
   kHitHighUp = 4  //!< what was hit there may hang: high above a guess below which no ray passed
 };
 /** The bits above them hold a trace: each frame in which the cell was hit while rays passed lower
@@ -76,8 +77,9 @@ struct CellStore
 };
 
 /** What is hit while rays pass below it, a hedge, a railing, a branch, a bench, is no more gone
- * when rays pass there: it stays for so many frames without a hit. */
-constexpr int kPorousCredit = 3, kPorous = 12, kMaxCredit = 60;
+ * when rays pass there: it stays for so many frames without a hit. What is hit in one frame after
+ * the other earns less: the long side of a thing that drives past is. */
+constexpr int kPorousCredit = 3, kHeldCredit = 1, kPorous = 12, kMaxCredit = 60;
 
 /** Where cell (ix, iy) of the window is stored. */
 TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)

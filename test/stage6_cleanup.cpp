@@ -123,3 +123,19 @@ TEST(Stage6Cleanup, ABenchIsNotClearedByTheRaysThatPassBelowIt)
   EXPECT_GT(m.elevation(1.525, 0.025), 0.3f);
   EXPECT_EQ(m.traversability(1.525, 0.025), 0.0f);
 }
+
+TEST(Stage6Cleanup, WhatIsHitForEightFramesOnEndIsNoHedge)
+{
+  // It covers a cell in part: rays pass beside it, none in its own direction.
+  const Scan floor = Scan().cast({}, 1440);
+  Scan hit = Scan();
+  for (std::size_t i = 0; i < floor.x_.size(); i++)
+    if (floor.x_[i] < 1.4f || std::abs(floor.y_[i] / floor.x_[i] - 0.01875f) > 0.0065f)
+      hit.add(floor.x_[i], floor.y_[i], floor.z_[i] + 0.7);
+  for (double z = 0.05; z < 0.5; z += 0.05) hit.add(1.5, 0.028, z);
+  TestMap m;
+  for (int i = 0; i < 8; i++) m.update(hit);
+  ASSERT_GT(m.elevation(1.5, 0.025), 0.3f);
+  for (int i = 0; i < 2; i++) m.update(floor);
+  EXPECT_FALSE(m.elevation(1.5, 0.025) > 0.05f);
+}
