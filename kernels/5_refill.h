@@ -136,7 +136,7 @@ struct ErodeSupport
 
 /** Dilation goes one pair of cells farther than erosion: a pair that holds an edge and the ground
  * below it belongs to what it is the edge of. */
-TALUS_HD int dilation_radius(int erosion_radius) { return erosion_radius + 1; }
+TALUS_HD int dilation_radius(const Config& k) { return k.object_radius + 1; }
 
 /** Highest eroded ground of a neighbourhood; places without any ground do not count. */
 struct HighestGround

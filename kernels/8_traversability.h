@@ -107,7 +107,7 @@ struct FeatureLayers
   TALUS_HD void put_traversability(int o, float value) const
   {
     judged[o] = value;
-    traversability[o] = select(value < 0.0f, 0.0f, value);
+    traversability[o] = max_of(value, 0.0f);
   }
 };
 

@@ -211,11 +211,10 @@ class CpuExecutor : public CpuMemory
 
   /** Fills `to` by sweeping along the rays from the sensor's cell, then rows, then columns. */
   void walk_lines(
-      const kernels::Config& k, const kernels::FindTrend& find_trend,
+      const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Trend* trend,
       const kernels::Samples& samples, const kernels::InferenceGrid& to)
   {
-    run(1, 1, [&find_trend](int, int) { find_trend(kernels::LoneTeam{}); });
-    const lines::Walk walk{k, find_trend.grid, find_trend.trend, samples, to};
+    const lines::Walk walk{k, grid, trend, samples, to};
     for_each_part(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
     if (k.fill_rule != kernels::kFillLines) return;
     for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.rows(part); });

@@ -159,7 +159,7 @@ class Pipeline final : public BackendInterface
   void refill()
   {
     const kernels::SupportGrid grid = support();
-    const int radius = host_config_.object_radius, wide = kernels::dilation_radius(radius);
+    const int radius = host_config_.object_radius, wide = kernels::dilation_radius(host_config_);
     const kernels::PoolSupport pool{config_.data(), context_.data(), store(), grid};
     const kernels::ErodeSupport erode{config_.data(), grid};
     const kernels::OpenSupport open{config_.data(), grid};
@@ -239,7 +239,8 @@ class Pipeline final : public BackendInterface
   void walk_lines(const kernels::FillCell& cell)
   {
     const kernels::LineGrid grid = line_grid();
-    executor_.walk_lines(host_config_, find_trend(), samples(), inferred());
+    find_trend()(kernels::LoneTeam{});
+    executor_.walk_lines(host_config_, grid, trend_.data(), samples(), inferred());
     const kernels::FillWalkedCell fill{cell, grid, inferred()};
     const kernels::PutSurface put{config_.data(), store(), cell.out};
     for_each_row(
@@ -404,7 +405,7 @@ class Pipeline final : public BackendInterface
   kernels::SupportGrid support()
   {
     const int side = kernels::support_side(host_config_);
-    const int pad = kernels::dilation_radius(host_config_.object_radius);
+    const int pad = kernels::dilation_radius(host_config_);
     const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side + 2 * pad);
     float* p = support_.data();
     return {side, pad, p, p + n, p + 2 * n, p + 3 * n, p + 4 * n};

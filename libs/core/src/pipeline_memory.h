@@ -19,8 +19,7 @@ void Pipeline<Executor>::allocate_cells()
   executor_.allocate(top_hit_, n, 0.0f);
   executor_.allocate(trend_, 1, kernels::Trend{});
   const auto pooled = static_cast<std::size_t>(kernels::support_side(host_config_));
-  const std::size_t pad =
-      2 * static_cast<std::size_t>(kernels::dilation_radius(host_config_.object_radius));
+  const std::size_t pad = 2 * static_cast<std::size_t>(kernels::dilation_radius(host_config_));
   executor_.allocate(support_, kSupportArrays * pooled * (pooled + pad), kernels::kInfinity);
   executor_.allocate(across_, grid_size(), kernels::kNan);
   const std::size_t walked = Executor::kWalksLines ? grid_size() : 0;
