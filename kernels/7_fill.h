@@ -126,6 +126,9 @@ constexpr float kFaceGap_m = 0.3f;
 /** What any line is off by [m], however short: of this size it makes short lines count nearly
  * alike, so that their noise averages out. */
 constexpr float kLineDeviation_m = 0.080f;
+/** Nobody knows where in a gap its face stands: deviation of what is one height or the other, by
+ * their difference, 1 / sqrt(12). */
+constexpr float kFaceDeviation = 0.289f;
 
 /** Heights of several lines, each weighed by how far it has to bridge. */
 struct LineFusion
@@ -153,7 +156,8 @@ struct LineFusion
     const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
     const float linear = a.mean_m + (b.mean_m - a.mean_m) * part;
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
-    const float error = 0.1f * a.distance_m * b.distance_m / gap_m;
+    const float error = 0.1f * a.distance_m * b.distance_m / gap_m +
+                        select(face, kFaceDeviation * abs_of(rise), 0.0f);
     const float beyond = select(
         has_a, a.mean_m + rise_per_m * a.mean_distance_m,
         b.mean_m - rise_per_m * b.mean_distance_m);
