@@ -133,6 +133,17 @@ TEST(Score, JudgesCellsUnderATableByHeightAndByPassability)
   EXPECT_EQ(s.hanging_passable.of - s.hanging_passable.part, 1);
 }
 
+TEST(Score, DoesNotJudgeWhatHangsWithinFiveCentimetresAboveTheClearance)
+{
+  const auto judged = [](const std::string& height_m)
+  {
+    const Stage stage("objects: [table: {at_m: [2, 0], size_m: [1, 1, " + height_m + "]}]\n");
+    return stage.score(stage.perfect()).hanging_passable.of;
+  };
+  EXPECT_EQ(judged("0.67"), 0);  // an underside at 0.64 m, the clearance is 0.6
+  EXPECT_GT(judged("0.69"), 0);
+}
+
 TEST(Score, MissesAPostThatTheMapLost)
 {
   const Stage stage("objects: [post: {at_m: [2, 0.5], height_m: 0.9, radius_m: 0.06}]\n");

@@ -87,7 +87,8 @@ class FrameScorer
 
   void hanging(std::size_t k, std::size_t at)
   {
-    if (!truth_.hangs[at] || !map_.known(k) || truth_.to_blocked[at] < kClear_cells) return;
+    if (!truth_.hangs[at] || truth_.doubtful[at] || !map_.known(k)) return;
+    if (truth_.to_blocked[at] < kClear_cells) return;
     score_.hanging_wrong.add(
         truth_.height_error_m(at, map_.ground_m[k]) > kWrong_m ||
         truth_.height_error_m(at, map_.elevation_m[k]) > kWrong_m);

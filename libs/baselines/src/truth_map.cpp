@@ -104,13 +104,14 @@ float TruthMap::height_error_m(std::size_t i, float z_m) const
 void TruthMap::classify_cells(const Parameters& p)
 {
   const auto step = static_cast<float>(p.step_threshold_m);
+  const auto clearance = static_cast<float>(p.clearance_m);
   for (auto* layer : {&hangs, &doubtful, &vertical}) layer->assign(size(), 0);
   for (std::size_t i = 0; i < size(); ++i)
   {
     const float stands = standing_m(i);
     const float air = truth.underside[i] - truth.ground[i];
-    hangs[i] = free(i) && air > static_cast<float>(p.clearance_m);
-    doubtful[i] = std::abs(stands - step) <= kDoubt_m;
+    hangs[i] = free(i) && air > clearance;
+    doubtful[i] = std::abs(stands - step) <= kDoubt_m || (hangs[i] && air <= clearance + kDoubt_m);
     vertical[i] = blocked(i) && stands > step;
   }
 }

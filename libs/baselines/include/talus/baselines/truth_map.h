@@ -51,8 +51,8 @@ class TruthMap
   std::vector<std::uint8_t> to_blocked;  //!< distance to the nearest blocked cell, 0 if blocked
   std::vector<std::uint8_t> depth;  //!< of blocked cells: distance to the nearest free one, from 1
   std::vector<std::uint8_t> hangs;  //!< 1: free, and something hangs above the clearance
-  std::vector<std::uint8_t> doubtful;  //!< 1: stands within 5 cm of the step threshold: either is
-                                       //!< right
+  std::vector<std::uint8_t> doubtful;  //!< 1: stands within 5 cm of the step threshold, or hangs
+                                       //!< less than 5 cm above the clearance: either is right
   std::vector<std::uint8_t> vertical;  //!< 1: blocked by an object higher than the step threshold
   std::vector<std::uint8_t> ditch;  //!< 1: 0.3 m or more below what a 1.5 m wide board would span
   std::vector<int> post;  //!< number of the thin upright thing that stands here, or -1
