@@ -243,6 +243,20 @@ TEST(Stage7Fill, WhatLiesBehindAnEdgeIsAsLowAsWhatIsSeenBeyondIt)
   for (double x = 0.625; x < 1.15; x += 0.05) EXPECT_NEAR(m.ground(x, 0.025), -0.6, 0.01) << x;
 }
 
+TEST(Stage7Fill, AShadowAcrossAnEdgeIsAsHighAsTheGroundBesideIt)
+{
+  // A platform ends at x = 1.6. A shadow begins on it and ends far beyond: the ray does not know
+  // where in between the edge stands, the columns do.
+  TestMap m;
+  const auto low = [](double, double) { return -0.55; };
+  Scan s;
+  s.add_surface(0.3, -1, 1.0, 1, flat).add_surface(2.4, -1, 3.5, 1, low);
+  for (const double y : {-1.0, 0.2})
+    s.add_surface(1.0, y, 1.6, y + 0.8, flat).add_surface(1.6, y, 2.4, y + 0.8, low);
+  m.update(s);
+  for (double x = 1.025; x < 1.55; x += 0.05) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 0.12) << x;
+}
+
 TEST(Stage7Fill, ADitchIsNotBridgedByARampToItsFarWall)
 {
   TestMap m;
