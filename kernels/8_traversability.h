@@ -248,7 +248,7 @@ struct CompleteObstacles
   const Config* config;
   Surfaces surfaces;
   const float* judged;  //!< window order, with a row and a cell more on both ends
-  float* traversability;  //!< as judged before
+  float* traversability;  //!< what is judged, 0 where that has a minus
 
   TALUS_HD bool concerns(int ix, int iy, int) const
   {
