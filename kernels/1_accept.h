@@ -278,11 +278,13 @@ struct FindGroundHits
   /** The limit from what that cell holds. */
   TALUS_HD float limit(int ring, std::int32_t hit, int state, float ground_m) const
   {
-    const float chebyshev_m = distance_m(ring), slope = float_from_ordered(hit);
-    const float height = frame->sensor_z_m + slope * chebyshev_m;
+    const float slope = float_from_ordered(hit);
+    const float height = frame->sensor_z_m + slope * distance_m(ring);
     const bool on_ground = (state == kMeasured) & (abs_of(height - ground_m) < kOnGround_m);
-    return select(on_ground, slope - kBuried_m / chebyshev_m, -kInfinity);
+    return select(on_ground, slope - margin(ring), -kInfinity);
   }
+  /** How much lower than a hit the limit is that it may set. */
+  TALUS_HD float margin(int ring) const { return kBuried_m / distance_m(ring); }
 
  private:
   TALUS_HD float distance_m(int ring) const
@@ -417,27 +419,28 @@ struct SettleRays
   TALUS_HD int place(int bin, int ring) const { return ring * bin_count(*ground.config) + bin; }
 };
 
-/** The same of some directions ring by ring, for executors that have few threads: what was not hit
- * costs next to nothing. */
-struct SweepBuriedRays
+/** The same of some directions ring by ring, for executors that have few threads. No limits are
+ * looked for in directions in which no ray could be buried, wherever known ground is. */
+struct SweepRays
 {
   FindGroundHits ground;
   std::int32_t* rays;
-  float* lowest_slope;  //!< as SettleRays leaves it
+  float* lowest_slope;  //!< as SettleRays leaves it; -infinity in directions without doubt
+  std::uint8_t* doubted;  //!< by direction, of the last frame before
 
   void operator()(int first_bin, int last_bin) const
   {
     // Copies that nothing else can write to, so that loops need not read them again.
     const Config config = *ground.config;
     const FrameContext frame = *ground.frame;
-    SweepBuriedRays here = *this;
+    SweepRays here = *this;
     here.ground.config = &config, here.ground.frame = &frame;
     for (int bin = first_bin; bin < last_bin; bin += kBlock)
       here.sweep(bin, min_of(kBlock, last_bin - bin));
   }
 
  private:
-  static constexpr int kBlock = 512, kGroup = 32;
+  static constexpr int kBlock = 256, kGroup = 32;
 
   /** Directions on the way outwards. */
   struct Directions
@@ -446,7 +449,21 @@ struct SweepBuriedRays
     float x[kBlock], y[kBlock];
   };
 
+  int rings() const { return ring_count(*ground.config); }
+  int place(int ring, int bin) const { return ring * bin_count(*ground.config) + bin; }
+
   void sweep(int first_bin, int bins) const
+  {
+    forget(first_bin, bins);
+    if (find_doubted(first_bin, bins)) bury(first_bin, bins);
+    for (int ring = rings() - 2; ring >= 0; ring--)
+    {
+      std::int32_t* const row = rays + place(ring, first_bin);
+      const std::int32_t* const next = rays + place(ring + 1, first_bin);
+      for (int b = 0; b < bins; b++) row[b] = min_of(row[b], next[b]);
+    }
+  }
+  void bury(int first_bin, int bins) const
   {
     Directions d;
     for (int b = 0; b < bins; b++)
@@ -454,17 +471,51 @@ struct SweepBuriedRays
       const BinDirection vector = direction_of_bin(first_bin + b, bins_per_side(*ground.config));
       d.seen[b] = {}, d.x[b] = vector.x, d.y[b] = vector.y;
     }
-    for (int ring = 0; ring < ring_count(*ground.config); ring++)
+    for (int ring = 0; ring < rings(); ring++)
     {
-      const int first = ring * bin_count(*ground.config) + first_bin;
-      sweep_ring(d, ring, rays + first, lowest_slope + first, bins);
+      const int first = place(ring, first_bin);
+      bury_ring(d, ring, rays + first, lowest_slope + first, doubted + first_bin, bins);
     }
   }
-  void sweep_ring(Directions& d, int ring, std::int32_t* row, float* slope, int bins) const
+  /** What the last frame left. */
+  void forget(int first_bin, int bins) const
+  {
+    for (int bin = first_bin; bin < first_bin + bins; bin++)
+      for (int ring = 0; doubted[bin] && ring < rings(); ring++)
+        lowest_slope[place(ring, bin)] = -kInfinity;
+  }
+  /** Finds the directions in which a ray would be buried if all hits were on known ground. */
+  int find_doubted(int first_bin, int bins) const
+  {
+    float highest[kBlock], second[kBlock];
+    std::int32_t doubt[kBlock];
+    for (int b = 0; b < bins; b++) highest[b] = second[b] = -kInfinity, doubt[b] = 0;
+    for (int ring = 0; ring < rings(); ring++)
+    {
+      const std::int32_t* const row = rays + place(ring, first_bin);
+      const float margin = ground.margin(ring);
+      for (int b = 0; b < bins; b++)
+      {
+        const bool hit = row[b] != kNoRay;
+        const float slope = select(hit, float_from_ordered(row[b]), kInfinity);
+        doubt[b] |= select(slope < second[b], 1, 0);
+        const float limit = select(hit, slope - margin, -kInfinity);
+        second[b] = max_of(second[b], min_of(highest[b], limit));
+        highest[b] = max_of(highest[b], limit);
+      }
+    }
+    int any = 0;
+    for (int b = 0; b < bins; b++) any |= doubt[b];
+    for (int b = 0; b < bins; b++) doubted[first_bin + b] = static_cast<std::uint8_t>(doubt[b]);
+    return any;
+  }
+  void bury_ring(
+      Directions& d, int ring, std::int32_t* row, float* slope, const std::uint8_t* doubt,
+      int bins) const
   {
     int bin[kBlock];
     float limit[kBlock];
-    const int hits = list_hits(row, bins, bin);
+    const int hits = list_hits(row, doubt, bins, bin);
     find_limits(d, row, ring, bin, (hits + kGroup - 1) / kGroup * kGroup, limit);
     for (int h = 0; h < hits; h++)
     {
@@ -473,21 +524,21 @@ struct SweepBuriedRays
       if (d.seen[b].meet(row[b], limit[h])) row[b] = kNoRay;
     }
   }
-  /** Lists the hits, since whether a place holds one cannot be guessed; the last group of the list
-   * is filled up with any bin. */
-  static int list_hits(const std::int32_t* row, int bins, int* bin)
+  /** Lists the hits in doubted directions, since whether a place holds one cannot be guessed; the
+   * last group of the list is filled up with any bin. */
+  static int list_hits(const std::int32_t* row, const std::uint8_t* doubt, int bins, int* bin)
   {
     int hits = 0;
     for (int first = 0; first < bins; first += kGroup)
     {
       const int last = min_of(first + kGroup, bins);
       int any = 0;
-      for (int b = first; b < last; b++) any |= row[b] != kNoRay;
+      for (int b = first; b < last; b++) any |= (row[b] != kNoRay) & doubt[b];
       if (!any) continue;
       for (int b = first; b < last; b++)
       {
         bin[hits] = b;
-        hits += row[b] != kNoRay;
+        hits += (row[b] != kNoRay) & doubt[b];
       }
     }
     for (int h = hits; h % kGroup; h++) bin[h] = 0;

@@ -216,23 +216,4 @@ struct CleanUpCell
   }
 };
 
-/** Replaces the lowest hit of each ring by the lowest ray that went at least that far: of the
- * directions [first, last), ring by ring. */
-struct SweepRings
-{
-  const Config* config;
-  std::int32_t* rays;
-
-  void operator()(int first_bin, int last_bin) const
-  {
-    const int bins = bin_count(*config);
-    for (int ring = ring_count(*config) - 2; ring >= 0; ring--)
-    {
-      std::int32_t* const here = rays + ring * bins;
-      for (int bin = first_bin; bin < last_bin; bin++)
-        here[bin] = min_of(here[bin], here[bin + bins]);
-    }
-  }
-};
-
 }  // namespace talus::kernels

@@ -147,6 +147,20 @@ TEST(Stage1Accept, AReflectionFromBelowSeenGroundIsCountedAndDropped)
   EXPECT_NEAR(m.ground(3.425, 0.025), 0.0, 1e-4);
 }
 
+TEST(Stage1Accept, WhatOneFrameSaysOfReflectionsTheNextForgets)
+{
+  // With the ground before it in the scan a point is buried; without, it is the floor of a ditch.
+  TestMap m;
+  Scan ground, both, alone;
+  ground.add_surface(1.0, -1.0, 3.0, 1.0, flat);
+  m.update(ground);
+  both.add_surface(1.0, -1.0, 3.0, 1.0, flat).add(3.425, 0.025, -0.6);
+  alone.add(3.425, 0.025, -0.6);
+  EXPECT_EQ(rejected(m.update(both), Reject::Buried), 1u);
+  EXPECT_EQ(rejected(m.update(alone), Reject::Buried), 0u);
+  EXPECT_NEAR(m.ground(3.425, 0.025), -0.6, 1e-3);
+}
+
 TEST(Stage1Accept, APitThatTheSensorLooksIntoIsNoReflection)
 {
   // The near edge of the pit does not stand in the way of the rays to its far wall.

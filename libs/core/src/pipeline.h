@@ -101,7 +101,7 @@ class Pipeline final : public BackendInterface
       executor_.for_another_stage(
           2, [&] { for_each_row([&](const auto& row) { row.each_concerned(roll); }); });
       executor_.for_each_stretch(
-          bins, kernels::SweepBuriedRays{ground, rays_.data(), lowest_slope_.data()});
+          bins, kernels::SweepRays{ground, rays_.data(), lowest_slope_.data(), doubted_.data()});
       executor_.for_each_point_by_parts(
           points(), kernels::BinPoint<Atomics>{
                         config_.data(), context_.data(), points_out(), lowest_slope_.data(),
@@ -141,9 +141,6 @@ class Pipeline final : public BackendInterface
                                    points_out(),   sorting(),       top_hit_.data()};
     if constexpr (Executor::kWalksLines)
     {
-      const kernels::SweepRings sweep{config_.data(), rays_.data()};
-      executor_.for_another_stage(
-          5, [&] { executor_.for_each_stretch(kernels::bin_count(host_config_), sweep); });
       executor_.update_cells_beside(points(), sort, cell, 5, side(), look());
     }
     else
@@ -526,7 +523,7 @@ class Pipeline final : public BackendInterface
   Buffer<kernels::HeightPoint> sorted_;
   Buffer<std::uint64_t> voxel_key_, voxel_winner_;
   Buffer<std::uint32_t> voxel_slot_;
-  Buffer<std::uint8_t> voxel_kept_, role_, in_open_;
+  Buffer<std::uint8_t> voxel_kept_, role_, in_open_, doubted_;
   Buffer<std::int32_t> rays_;
   Buffer<kernels::Surface> surfaces_;
   Buffer<std::uint32_t> marks_, axis_marks_;

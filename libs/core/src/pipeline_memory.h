@@ -37,6 +37,8 @@ void Pipeline<Executor>::allocate_cells()
                     static_cast<std::size_t>(kernels::bin_count(host_config_));
   executor_.allocate(rays_, rays, kernels::kNoRay);
   executor_.allocate(lowest_slope_, rays, -kernels::kInfinity);
+  const auto bins = static_cast<std::size_t>(kernels::bin_count(host_config_));
+  if (Executor::kWalksLines) executor_.allocate(doubted_, bins, std::uint8_t{0});
   if (!Executor::kWalksLines) allocate_for_search();
 }
 
