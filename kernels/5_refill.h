@@ -102,6 +102,7 @@ struct ErodeSupport
 {
   using Row = LowestGround;
   using Window = LowestGround;
+  static constexpr bool kHasPlain = false;
   const Config* config;
   SupportGrid grid;
 
@@ -151,6 +152,7 @@ struct OpenSupport
 {
   using Row = HighestGround;
   using Window = HighestGround;
+  static constexpr bool kHasPlain = false;
   const Config* config;
   SupportGrid grid;
 

@@ -260,7 +260,8 @@ struct LineSearch
         if (!nearest_places) nearest = height[0], nearest_places = found[0];
         for (int b = 0; b < kBatch; b++)
         {
-          sum.add(height[b], static_cast<float>(found[b]) * track.step_m, found[b] > 0, k);
+          const float away_m = static_cast<float>(found[b]) * track.step_m;
+          sum.add(height[b], found[b] ? away_m : kOutOfReach_m, k);
           wanted -= found[b] > 0;
         }
       } while (found[kBatch - 1] && wanted > 0);

@@ -79,22 +79,43 @@ TALUS_HD double determinant(std::int32_t a, std::int32_t b, std::int32_t c, std:
          static_cast<double>(c) * static_cast<double>(d);
 }
 
-/** Slope angle [rad] of the least-squares plane through the ground; NaN (of any bits) where fewer
- * than three cells, or cells in a line, leave it open. */
+/** Whether the ground of all cells in the neighbourhood is known. */
+TALUS_HD bool is_whole(const Moments& m, const Config& k)
+{
+  const int side = 2 * k.feature_radius_cells + 1;
+  return m.n == side * side;
+}
+
+/** Slope angle [rad] of a plane from its gradient: numerators, and what they share. */
+TALUS_HD float slope_angle(double x, double y, double share, const Config& k)
+{
+  const float to_metres = k.inverse_resolution / kHeightSteps;
+  const float gx = static_cast<float>(x * share) * to_metres;
+  const float gy = static_cast<float>(y * share) * to_metres;
+  return arctangent(sqrtf(gx * gx + gy * gy));
+}
+
+/** That of the least-squares plane through the ground; NaN (of any bits) where fewer than three
+ * cells, or cells in a line, leave it open. `kWhole`: of whole neighbourhoods, whose moments are
+ * known; the same bits. */
+template <bool kWhole>
 TALUS_HD float slope_angle(const Moments& m, const Config& k)
 {
   // Normal equations about the centroid; all sums are exact, only the last steps round.
+  if constexpr (kWhole)
+  {
+    const int r = k.feature_radius_cells, side = 2 * r + 1;
+    const double n = side * side, xx = n * (side * (r * (r + 1) * side / 3));
+    return slope_angle(n * m.x_ground * xx, n * m.y_ground * xx, 1.0 / (xx * xx), k);
+  }
   const double xx = determinant(m.n, m.xx, m.x, m.x);
   const double xy = determinant(m.n, m.xy, m.x, m.y);
   const double yy = determinant(m.n, m.yy, m.y, m.y);
   const double xg = determinant(m.n, m.x_ground, m.x, m.ground);
   const double yg = determinant(m.n, m.y_ground, m.y, m.ground);
   const double area = xx * yy - xy * xy;
-  const double divisor = area > 0.0 ? area : static_cast<double>(kNan);
-  const float to_metres = k.inverse_resolution / kHeightSteps;
-  const float gx = static_cast<float>((xg * yy - yg * xy) / divisor) * to_metres;
-  const float gy = static_cast<float>((yg * xx - xg * xy) / divisor) * to_metres;
-  return arctangent(sqrtf(gx * gx + gy * gy));
+  const double share = 1.0 / (area > 0.0 ? area : static_cast<double>(kNan));
+  return slope_angle(xg * yy - yg * xy, yg * xx - xg * xy, share, k);
 }
 
 /** The layers of stages 8 and 9, window order. The first four may be null for those who want
@@ -118,16 +139,16 @@ struct Features
 
 /** Eq. 10 to 12, each in [0, 1]. `height` is the cell's own elevation, or ground where nothing
  * stands. */
+template <bool kWhole>
 TALUS_HD Features features_of(const Moments& m, std::int32_t height, const Config& k)
 {
-  const float metres = 1.0f / kHeightSteps;
-  const float n = static_cast<float>(m.n);
+  const float metres = 1.0f / kHeightSteps, share = metres / static_cast<float>(m.n);
   const float own = static_cast<float>(height) * metres;
-  const float mean_ground = static_cast<float>(m.ground) * metres / n;
-  const float mean_height = static_cast<float>(m.height) * metres / n;
+  const float mean_ground = static_cast<float>(m.ground) * share;
+  const float mean_height = static_cast<float>(m.height) * share;
   const float lowest = static_cast<float>(m.lowest) * metres;
   const float step = (2.0f * own - lowest - mean_ground) * 0.5f;
-  const float angle = slope_angle(m, k);
+  const float angle = slope_angle<kWhole>(m, k);
   return {
       select(is_known(angle), clamp01(1.0f - angle * k.inverse_slope_threshold), kNan),
       clamp01(1.0f - step * k.inverse_step_threshold),
@@ -152,6 +173,7 @@ struct ComputeFeatures
 {
   using Row = RowSums;
   using Window = Moments;
+  static constexpr bool kHasPlain = true;
   int cells;
   const Config* config;
   Surfaces surfaces;
@@ -173,7 +195,13 @@ struct ComputeFeatures
 
   TALUS_HD void operator()(int ix, int iy, const Moments& m) const
   {
-    out.put_traversability(iy * cells + ix, judge_most(ix, iy, m, true));
+    out.put_traversability(iy * cells + ix, judge_most<false>(ix, iy, m, true));
+  }
+  /** Whether plain() does the same, in less time. */
+  TALUS_HD bool is_plain(const Moments& m) const { return is_whole(m, *config); }
+  TALUS_HD void plain(int ix, int iy, const Moments& m) const
+  {
+    out.put_traversability(iy * cells + ix, judge_most<true>(ix, iy, m, true));
   }
   /** Whether finish() may change the cell. */
   TALUS_HD bool concerns(int ix, int iy, const Moments& m) const
@@ -194,7 +222,7 @@ struct ComputeFeatures
    * CompleteObstacles, and puts only the parts, of cells that are the caller's `own`. */
   TALUS_HD float judge(int ix, int iy, const Moments& m, bool own) const
   {
-    const float most = judge_most(ix, iy, m, own);
+    const float most = judge_most<false>(ix, iy, m, own);
     if (!concerns(ix, iy, m) || !is_near(ix, iy)) return most;
     const float suspicion = suspicion_of(ix, iy);
     if constexpr (kParts)
@@ -204,11 +232,12 @@ struct ComputeFeatures
 
  private:
   /** As most cells are judged. */
+  template <bool kWhole>
   TALUS_HD float judge_most(int ix, int iy, const Moments& m, bool own) const
   {
     const Surface& cell = surfaces.cell[surfaces.at(ix, iy)];
     const bool known = cell.known();
-    const Features f = features_of(m, cell.height(), *config);
+    const Features f = features_of<kWhole>(m, cell.height(), *config);
     if constexpr (kParts)
       if (own)
       {

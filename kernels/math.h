@@ -99,16 +99,11 @@ TALUS_HD float arctangent(float t)
 {
   const bool beyond_one = t > 1.0f;
   const float u = select(beyond_one, 1.0f / t, t);
-  const float s = u * u;
-  float p = 0.0028662257f;
-  p = p * s - 0.0161657367f;
-  p = p * s + 0.0429096138f;
-  p = p * s - 0.0752896400f;
-  p = p * s + 0.1065626393f;
-  p = p * s - 0.1420889944f;
-  p = p * s + 0.1999355085f;
-  p = p * s - 0.3333314528f;
-  const float a = u + u * s * p;
+  // In pairs, so that its terms need not wait for each other.
+  const float s = u * u, s2 = s * s;
+  const float low = 0.1999355085f * s - 0.3333314528f + (0.1065626393f * s - 0.1420889944f) * s2;
+  const float high = 0.0429096138f * s - 0.0752896400f + (0.0028662257f * s - 0.0161657367f) * s2;
+  const float a = u + u * s * (low + high * (s2 * s2));
   return select(beyond_one, 1.57079632679f - a, a);
 }
 

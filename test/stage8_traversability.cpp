@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
+#include "kernels/8_traversability.h"
 #include "scene.h"
+
+#include <random>
 
 using namespace talus;
 using namespace talus::test;
@@ -207,4 +210,30 @@ TEST(Stage8Traversability, TheEdgeOfABarThatIsHitNowAndThenIsImpassable)
     EXPECT_EQ(m.traversability(2.025, 0.025), 0.0f) << hits;
     EXPECT_EQ(m.traversability(2.075, 0.025) == 0.0f, hits == 4) << hits;
   }
+}
+
+TEST(Stage8Traversability, WholeNeighbourhoodsHaveTheSlopeThatAllHave)
+{
+  // The short way to it gives the same bits as the long one.
+  std::mt19937 random(8);
+  std::uniform_int_distribution<int> height(-20000, 20000), step(-2000, 2000);
+  for (int radius : {1, 2, 3, 15})
+    for (int i = 0; i < 200; i++)
+    {
+      kernels::Config k{};
+      k.feature_radius_cells = radius;
+      k.inverse_resolution = 20.0f;
+      const int base = height(random);
+      kernels::Moments m;
+      for (int y = -radius; y <= radius; y++)
+      {
+        kernels::RowSums row;
+        for (int x = -radius; x <= radius; x++) row.add({base + step(random), 0}, x);
+        m.add(row, y);
+      }
+      ASSERT_TRUE(kernels::is_whole(m, k));
+      ASSERT_EQ(
+          kernels::bits_of(kernels::slope_angle<true>(m, k)),
+          kernels::bits_of(kernels::slope_angle<false>(m, k)));
+    }
 }

@@ -95,8 +95,8 @@ struct alignas(64) Met
     {
       const int places = kernels::abs_of(here - place[s][l]);
       const bool inside = (places <= strip.reach[l]) & (s < k.fill_samples);
-      const float distance_m = static_cast<float>(kernels::select(inside, places, 0)) * step_m;
-      sum.add(height_m[s][l], distance_m, inside, k);
+      const float distance_m = static_cast<float>(places) * step_m;
+      sum.add(height_m[s][l], kernels::select(inside, distance_m, kernels::kOutOfReach_m), k);
     }
     const bool any = distance(l, here) <= strip.reach[l];
     return sum.estimate(

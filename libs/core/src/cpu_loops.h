@@ -360,6 +360,7 @@ class SlidingRows
   using Window = typename F::Window;
   static constexpr int kLanes = 128;
   static constexpr int kAtOnce = 5;  //!< neighbours that are added in one pass
+  static constexpr int kGroup = 32;  //!< cells that are finished together
   static constexpr int kAhead = 8;  //!< rows that are fetched before they are added
   template <int n>
   using Distances = std::make_integer_sequence<int, n>;
@@ -458,15 +459,38 @@ class SlidingRows
       sums.store(l, sum);
     }
   }
-  /** True if f.concerns() any of the cells. */
+  /** f of the cells; true if f.concerns() any of them. */
   TALUS_CLONES static int finish(F f, Lanes<Window> sums, int x0, int x1, int y)
   {
-    TALUS_INDEPENDENT
-    for (int x = x0; x < x1; x++) f(x, y, sums.load(x - x0));
+    if constexpr (F::kHasPlain)
+      for (int first = x0; first < x1; first += kGroup)
+        finish_group(f, sums, x0, first, std::min(first + kGroup, x1), y);
+    else
+    {
+      TALUS_INDEPENDENT
+      for (int x = x0; x < x1; x++) f(x, y, sums.load(x - x0));
+    }
     int any = 0;
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++) any |= f.concerns(x, y, sums.load(x - x0));
     return any;
+  }
+  /** In the plain way if that will do for all of them. */
+  static void finish_group(const F& f, Lanes<Window> sums, int x0, int begin, int end, int y)
+  {
+    int other = 0;
+    TALUS_INDEPENDENT
+    for (int x = begin; x < end; x++) other |= !f.is_plain(sums.load(x - x0));
+    if (other)
+    {
+      TALUS_INDEPENDENT
+      for (int x = begin; x < end; x++) f(x, y, sums.load(x - x0));
+    }
+    else
+    {
+      TALUS_INDEPENDENT
+      for (int x = begin; x < end; x++) f.plain(x, y, sums.load(x - x0));
+    }
   }
 
   int window_at() const { return (mask_ + 1) * Lanes<Row>::words(kLanes); }
