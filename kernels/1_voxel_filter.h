@@ -1,0 +1,87 @@
+#pragma once
+#include "kernels/1_accept.h"
+
+namespace talus::kernels
+{
+// One point a voxel. Which one must not depend on the order of the points: the one whose
+// coordinates mix to the smallest number. Two passes over an open-addressing table of voxels.
+
+constexpr std::uint64_t kNoVoxel = ~0ull;
+
+TALUS_HD std::uint64_t mix_bits(std::uint64_t v)
+{
+  v ^= v >> 30;
+  v *= 0xbf58476d1ce4e5b9ull;
+  v ^= v >> 27;
+  v *= 0x94d049bb133111ebull;
+  return v ^ (v >> 31);
+}
+
+struct VoxelTable
+{
+  std::uint64_t* key;  //!< kNoVoxel before
+  std::uint64_t* winner;  //!< kNoVoxel before
+  std::uint32_t mask;  //!< size - 1, a power of two at least twice the points
+};
+
+/** Enters one point into the table; `slot` remembers where. */
+template <class Atomics>
+struct EnterVoxel
+{
+  const Config* config;
+  const FrameContext* frame;
+  PointsIn in;
+  VoxelTable table;
+  std::uint32_t* slot;
+
+  TALUS_HD void operator()(int i) const
+  {
+    if (i >= frame->n_points) return;
+    const Point p{in.x_m[i], in.y_m[i], in.z_m[i]};
+    if (accept(p, *config).code != kAccepted) return;
+    const std::uint64_t key = voxel_key(p);
+    std::uint32_t s = static_cast<std::uint32_t>(mix_bits(key)) & table.mask;
+    for (;;)
+    {
+      const std::uint64_t there = Atomics::compare_exchange(table.key + s, kNoVoxel, key);
+      if (there == kNoVoxel || there == key) break;
+      s = (s + 1) & table.mask;
+    }
+    slot[i] = s;
+    Atomics::min(table.winner + s, fingerprint(p));
+  }
+
+  /** 21 bits a coordinate, sensor frame. */
+  TALUS_HD std::uint64_t voxel_key(const Point& p) const
+  {
+    constexpr std::uint64_t mask = (1u << 21) - 1;
+    const auto part = [&](float v)
+    { return static_cast<std::uint64_t>(floor_to_int(v * config->inverse_voxel)) & mask; };
+    return part(p.x_m) << 42 | part(p.y_m) << 21 | part(p.z_m);
+  }
+
+  static TALUS_HD std::uint64_t fingerprint(const Point& p)
+  {
+    const auto bits = [](float v)
+    { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(ordered_from_float(v))); };
+    return mix_bits(mix_bits(bits(p.x_m) << 32 | bits(p.y_m)) ^ bits(p.z_m));
+  }
+};
+
+/** Keeps the points that stand for their voxel. */
+template <class Atomics>
+struct KeepVoxel
+{
+  EnterVoxel<Atomics> entered;
+  std::uint8_t* kept;
+
+  TALUS_HD void operator()(int i) const
+  {
+    if (i >= entered.frame->n_points) return;
+    const Point p{entered.in.x_m[i], entered.in.y_m[i], entered.in.z_m[i]};
+    kept[i] = accept(p, *entered.config).code != kAccepted ||
+              entered.table.winner[entered.slot[i]] == EnterVoxel<Atomics>::fingerprint(p);
+  }
+};
+
+}  // namespace talus::kernels
