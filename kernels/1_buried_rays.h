@@ -182,7 +182,7 @@ struct SweepRays
   FindGroundHits ground;
   std::int32_t* rays;
   float* lowest_slope;  //!< as SettleRays leaves it; -infinity in directions without doubt
-  std::uint8_t* doubted;  //!< by direction, of the last frame before
+  std::uint8_t* doubted;  //!< by direction; the last frame's before
 
   void operator()(int first_bin, int last_bin) const
   {
@@ -254,10 +254,10 @@ struct SweepRays
       {
         const bool hit = row[b] != kNoRay;
         const float slope = select(hit, float_from_ordered(row[b]), kInfinity);
-        doubt[b] |= select(slope < second[b], 1, 0);
-        const float limit = select(hit, slope - margin, -kInfinity);
-        second[b] = max_of(second[b], min_of(highest[b], limit));
-        highest[b] = max_of(highest[b], limit);
+        BuriedBelow seen{highest[b], second[b]};
+        doubt[b] |= select(slope < seen.second, 1, 0);
+        seen.add(select(hit, slope - margin, -kInfinity));
+        highest[b] = seen.highest, second[b] = seen.second;
       }
     }
     int any = 0;

@@ -40,6 +40,7 @@ TALUS_HD float kernel_weight(float distance_m, const Config& k)
   return s * s * e * (low + s * s * high);
 }
 
+/** Where a sample that does not count is said to lie: beyond any kernel. */
 constexpr float kOutOfReach_m = 1e18f;
 
 /** Eq. 8: sparse kernel inference with the lowest sample as the prior. Takes samples from the

@@ -142,9 +142,7 @@ class Pipeline final : public BackendInterface
     const kernels::UpdateCell cell{config_.data(), context_.data(), store(),
                                    points_out(),   sorting(),       top_hit_.data()};
     if constexpr (Executor::kWalksLines)
-    {
       executor_.update_cells_beside(points(), sort, cell, 5, side(), look());
-    }
     else
     {
       for_each_point_and_cell(

@@ -33,13 +33,14 @@ void Pipeline<Executor>::allocate_cells()
     executor_.allocate(judged_, n + 2 * static_cast<std::size_t>(side() + 1), kernels::kNan);
   const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
   executor_.allocate(surfaces_, padded, kernels::Surface{kernels::kNoHeight, 0});
-  const auto rays = static_cast<std::size_t>(kernels::ring_count(host_config_)) *
-                    static_cast<std::size_t>(kernels::bin_count(host_config_));
+  const auto bins = static_cast<std::size_t>(kernels::bin_count(host_config_));
+  const std::size_t rays = bins * static_cast<std::size_t>(kernels::ring_count(host_config_));
   executor_.allocate(rays_, rays, kernels::kNoRay);
   executor_.allocate(lowest_slope_, rays, -kernels::kInfinity);
-  const auto bins = static_cast<std::size_t>(kernels::bin_count(host_config_));
-  if (Executor::kWalksLines) executor_.allocate(doubted_, bins, std::uint8_t{0});
-  if (!Executor::kWalksLines) allocate_for_search();
+  if (Executor::kWalksLines)
+    executor_.allocate(doubted_, bins, std::uint8_t{0});
+  else
+    allocate_for_search();
 }
 
 template <class Executor>
