@@ -10,8 +10,8 @@
 
 namespace talus::cells
 {
-/** Points of such a cell; cells of more are updated one by one. */
-constexpr int kMost = 32;
+/** Cells side by side, and points of each; cells of more are updated one by one. */
+constexpr int kLanes = 32, kMost = 32;
 
 /** Cells that are updated side by side, and their points. */
 class alignas(64) Group
@@ -148,13 +148,15 @@ class alignas(64) Group
 
   /** What the points of each cell add to nothing, or to a sum. */
   template <class Sum, class Question>
-  void look(SideBySide<Sum>& sums, const SideBySide<Question>& asked, const Config& k)
+  void look(
+      SideBySide<Sum, kLanes>& sums, const SideBySide<Question, kLanes>& asked, const Config& k)
   {
     sums.fill({});
     add(sums, asked, k);
   }
   template <class Sum, class Question>
-  void add(SideBySide<Sum>& sums, const SideBySide<Question>& asked, const Config& k)
+  void add(
+      SideBySide<Sum, kLanes>& sums, const SideBySide<Question, kLanes>& asked, const Config& k)
   {
     for (int p = 0; p < most_; p++)
     {
@@ -170,64 +172,78 @@ class alignas(64) Group
 
   int most_ = 0;
   int size_[kLanes], hangs_[kLanes];
-  SideBySide<Cell> cells_;
-  SideBySide<kernels::HeightPoint> points_[kMost];
-  SideBySide<kernels::UpTo> up_to_;
-  SideBySide<kernels::Extremes> ends_, highest_;
-  SideBySide<kernels::FusionPlan> plan_;
-  SideBySide<kernels::Fusion> fusion_;
-  SideBySide<kernels::Climb> climb_, last_;
-  SideBySide<kernels::Overhang> overhang_;
+  SideBySide<Cell, kLanes> cells_;
+  SideBySide<kernels::HeightPoint, kLanes> points_[kMost];
+  SideBySide<kernels::UpTo, kLanes> up_to_;
+  SideBySide<kernels::Extremes, kLanes> ends_, highest_;
+  SideBySide<kernels::FusionPlan, kLanes> plan_;
+  SideBySide<kernels::Fusion, kLanes> fusion_;
+  SideBySide<kernels::Climb, kLanes> climb_, last_;
+  SideBySide<kernels::Overhang, kLanes> overhang_;
 };
 
-/** The cells that received points in order of how many, cut into groups; those of very many are
- * groups of their own. */
+/** The cells that received points: those of the same part of the window together, so that a thread
+ * has them where it wrote them last; of each part in order of how many points, cut into groups;
+ * those of very many are groups of their own. */
 class Order
 {
  public:
-  /** Of n points; reserves the stretches of the cells. */
-  Order(int n, const kernels::UpdateCell& update)
-      : update_(update), cells_(update.sorting.crowded + n)
+  Order(const kernels::UpdateCell& update, int parts)
+      : update_(update), parts_(std::min(parts, kMostParts))
   {
-    const std::int32_t* const found = update.sorting.crowded;
-    const int cells = find(n);
-    int start[kMost + 3] = {};  // of the cells of so many points
-    for (int c = 0; c < cells; c++) start[points_of(found[c]) + 1]++;
-    for (int points = 0; points < kMost + 2; points++) start[points + 1] += start[points];
-    grouped_ = start[kMost + 1];
-    lone_ = cells - grouped_;
+  }
+
+  /** Of n points; reserves the stretches of the cells. */
+  void find(int n)
+  {
+    const kernels::Sorting& sorting = update_.sorting;
+    const std::int32_t* const found = sorting.crowded;
+    cells_ = sorting.crowded + n;
+    const int cells = list(n);
+    int start[kMostParts * kKinds + 1] = {};  // of the cells of one kind
+    for (int c = 0; c < cells; c++) start[kind_of(found[c]) + 1]++;
+    for (int kind = 0; kind < parts_ * kKinds; kind++) start[kind + 1] += start[kind];
+    cut(start);
     std::uint32_t begin = 0;
     for (int c = 0; c < cells; c++)
     {
-      cells_[start[points_of(found[c])]++] = found[c];
-      update.sorting.cell_begin[found[c]] = begin;
-      begin += update.sorting.kept_count[found[c]];
+      cells_[start[kind_of(found[c])]++] = found[c];
+      sorting.cell_begin[found[c]] = begin;
+      begin += sorting.kept_count[found[c]];
     }
   }
 
-  int groups() const { return (grouped_ + kLanes - 1) / kLanes + lone_; }
+  int groups() const { return cuts_[parts_].group; }
   /** Of the groups [begin, end); their counts of points become zero, for the next frame. */
   void update(int begin, int end) const
   {
     Group side_by_side{};
-    const int full = groups() - lone_;
+    const Cut* part = cuts_;
     for (int group = begin; group < end; group++)
     {
-      const bool is_lone = group >= full;
-      const std::int32_t* const cells =
-          cells_ + (is_lone ? grouped_ + group - full : group * kLanes);
-      const int lanes = is_lone ? 1 : std::min(kLanes, grouped_ - group * kLanes);
+      while (group >= part[1].group) part++;
+      const int full = groups_of(part->lone - part->cell), k = group - part->group;
+      const bool is_lone = k >= full;
+      const int first = is_lone ? part->lone + k - full : part->cell + k * kLanes;
+      const int lanes = is_lone ? 1 : std::min(kLanes, part->lone - first);
       if (is_lone)
-        update_.update(*cells, kernels::LoneTeam{});
+        update_.update(cells_[first], kernels::LoneTeam{});
       else
-        side_by_side.update(update_, cells, lanes);
-      for (int l = 0; l < lanes; l++) update_.sorting.kept_count[cells[l]] = 0;
+        side_by_side.update(update_, cells_ + first, lanes);
+      for (int l = 0; l < lanes; l++) update_.sorting.kept_count[cells_[first + l]] = 0;
     }
   }
 
  private:
+  static constexpr int kMostParts = 16, kKinds = kMost + 2;
+  /** Where a part's cells, those of very many points, and groups begin. */
+  struct Cut
+  {
+    int cell = 0, lone = 0, group = 0;
+  };
+
   /** Lists the cells as their first points come. */
-  int find(int n) const
+  int list(int n) const
   {
     const kernels::PointsOut& points = update_.points;
     int cells = 0;
@@ -238,14 +254,32 @@ class Order
     }
     return cells;
   }
-  int points_of(int cell) const
+  /** By part, then by how many points. */
+  int kind_of(int cell) const
   {
-    return std::min(static_cast<int>(update_.sorting.kept_count[cell]), kMost + 1);
+    const int points = std::min(static_cast<int>(update_.sorting.kept_count[cell]), kMost + 1);
+    if (parts_ == 1) return points;
+    const int n = update_.config->cells, place = cell - update_.frame->storage_y * n;
+    const float share =
+        static_cast<float>(place + (place < 0 ? n * n : 0)) / static_cast<float>(n * n);
+    const int part = std::min(static_cast<int>(share * static_cast<float>(parts_)), parts_ - 1);
+    return part * kKinds + points;
+  }
+  static int groups_of(int cells) { return (cells + kLanes - 1) / kLanes; }
+  void cut(const int* start)
+  {
+    for (int part = 0; part < parts_; part++)
+    {
+      const int first = part * kKinds, lone = start[first + kMost + 1], end = start[first + kKinds];
+      cuts_[part].cell = start[first], cuts_[part].lone = lone;
+      cuts_[part + 1].group = cuts_[part].group + groups_of(lone - start[first]) + end - lone;
+    }
   }
 
   const kernels::UpdateCell& update_;
-  std::int32_t* cells_;
-  int grouped_ = 0, lone_ = 0;
+  int parts_;
+  std::int32_t* cells_ = nullptr;
+  Cut cuts_[kMostParts + 1];
 };
 
 }  // namespace talus::cells

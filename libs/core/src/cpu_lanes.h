@@ -6,14 +6,11 @@
 
 namespace talus
 {
-/** Cells or lines that vector code works on side by side. */
-constexpr int kLanes = 32;
-
-/** Structures side by side, an array each field. */
-template <class T, class Fields = decltype(T::fields())>
+/** Structures side by side, for vector code, an array each field. */
+template <class T, int kLanes, class Fields = decltype(T::fields())>
 class SideBySide;
-template <class T, class... Field>
-class SideBySide<T, std::tuple<Field T::*...>>
+template <class T, int kLanes, class... Field>
+class SideBySide<T, kLanes, std::tuple<Field T::*...>>
 {
   using All = std::index_sequence_for<Field...>;
 

@@ -114,7 +114,7 @@ struct alignas(64) Met
 /** What is inferred at one place. */
 struct Found
 {
-  SideBySide<kernels::LineFusion> lines;
+  SideBySide<kernels::LineFusion, kLanes> lines;
   float variance_m2[kLanes], across_m[kLanes];
 };
 
@@ -235,7 +235,7 @@ class Sweep
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
       int place, Found& found)
   {
-    SideBySide<SideEstimate> inner, outer;
+    SideBySide<SideEstimate, kLanes> inner, outer;
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++) inner.store(l, before.infer(l, place, strip, k));
     TALUS_INDEPENDENT

@@ -2,13 +2,16 @@
 #include "cpu_lanes.h"
 #include "kernels/7_fill.h"
 
-// Stage 7's lines on the CPU. Thirty-two lines, side by side, are swept from end to end, place
+// Stage 7's lines on the CPU. Sixteen lines, side by side, are swept from end to end, place
 // by place, and carry the samples that they met last along; then back, and what a cell has on both
 // sides is known. So a cell costs the same however far its samples are, neighbours are read
 // together, and everything is vector code.
 
 namespace talus::lines
 {
+/** Lines side by side. */
+constexpr int kLanes = 16;
+
 /** The lines from the sensor, then rows, then columns, in parts that touch different cells. */
 struct Walk
 {

@@ -21,7 +21,6 @@ namespace talus
 struct OneThread
 {
   using Atomics = kernels::SerialAtomics;
-  static constexpr bool kAlone = true;
   int size() const { return 1; }
   template <class Body>
   void run_frame(const Body& body)
@@ -32,6 +31,12 @@ struct OneThread
   void run(int n, int, const Body& body)
   {
     if (n > 0) body(0, n);
+  }
+  template <class First, class Body>
+  void run_beside(const First& first, int n, int grain, const Body& body)
+  {
+    first();
+    run(n, grain, body);
   }
 };
 
@@ -131,7 +136,6 @@ class ThreadPool
 {
  public:
   using Atomics = kernels::ThreadAtomics;
-  static constexpr bool kAlone = false;
   explicit ThreadPool(int threads)
       : arena_(std::make_unique<tbb::task_arena>(threads)),
         loop_(std::make_unique<SharedLoop>(threads))
@@ -180,15 +184,16 @@ class ThreadPool
         });
   }
 
-  /** body(begin, end) of pieces of [0, n), of `grain` and more. */
+  /** body(begin, end) of pieces of [0, n), of about `grain` and more, as many for each thread. */
   template <class Body>
   void run(int n, int grain, const Body& body)
   {
-    const int piece = std::max(grain, (n + kPieces * size() - 1) / (kPieces * size()));
+    if (n <= 0) return;
+    int pieces = std::min((n + grain - 1) / grain, kPieces * size());
+    if (pieces > size()) pieces -= pieces % size();
+    const int piece = (n + pieces - 1) / pieces;
     if (n <= piece)
-    {
-      if (n > 0) body(0, n);
-    }
+      body(0, n);
     else if (called_)
       loop_->run(n, piece, body);
     else

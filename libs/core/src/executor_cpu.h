@@ -182,7 +182,7 @@ class CpuExecutor : public CpuMemory
   template <class F>
   void locate_points(int n, const F& f)
   {
-    run(n, points_at_once(n), [&f](int begin, int end) { over_points(f, begin, end); });
+    run(n, 1024, [&f](int begin, int end) { over_points(f, begin, end); });
   }
   /** f(i) of points, in order; each thread those in its part, see f.is_in(). */
   template <class F>
@@ -190,7 +190,7 @@ class CpuExecutor : public CpuMemory
   {
     const int parts = n <= kFewPoints ? 1 : threads_.size();
     if (parts == 1)
-      for (int i = 0; i < n; i++) f(i);
+      one_by_one(f, n);
     else
       for_each_part(parts, [&f, n, parts](int part) { over_own_points(f, n, part, parts); });
   }
@@ -221,27 +221,36 @@ class CpuExecutor : public CpuMemory
     for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
   }
 
-  /** Sorts n points and updates all cells that received any; beside it, for another stage, g in
-   * steps of the cells of the window, see SteppedRow. */
-  template <class G>
+  /** Bins n points (stage 1), sorts them and updates all cells that received any; beside it, for
+   * another stage, g in steps of the cells of the window, see SteppedRow. */
+  template <class Bin, class G>
   void update_cells_beside(
-      int n, const kernels::SortPoint& sort, const kernels::UpdateCell& update, int stage,
-      int cells, const G& g)
+      int n, const Bin& bin, const kernels::SortPoint& sort, const kernels::UpdateCell& update,
+      int stage, int cells, const G& g)
   {
     const int rows = rows_at_once(cells);
     const auto over_rows = [&g, cells](int begin, int end)
     {
       for (int y = begin; y < end; y++) SteppedRow<G>(g).run(cells, y);
     };
-    if constexpr (!Threads::kAlone)
-      if (n <= kFewPoints)
-      {
-        threads_.run_beside(
-            [&] { update_cells(OneThread{}, n, sort, update); }, cells, rows, over_rows);
-        return;
-      }
-    for_another_stage(stage, [&] { run(cells, rows, over_rows); });
-    update_cells(threads_, n, sort, update);
+    cells::Order order(update, threads_.size());
+    if (n <= kFewPoints && threads_.size() > 1)
+      threads_.run_beside(
+          [&]
+          {
+            one_by_one(bin, n);
+            order.find(n);
+            sort_points(sort, 0, n);
+          },
+          cells, rows, over_rows);
+    else
+    {
+      for_another_stage(0, [&] { for_each_point_by_parts(n, bin); });
+      for_another_stage(stage, [&] { run(cells, rows, over_rows); });
+      order.find(n);
+      run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
+    }
+    run(order.groups(), 8, [&order](int begin, int end) { order.update(begin, end); });
   }
 
   /** Sums over square neighbourhoods of the cells, see SlidingRows. */
@@ -261,21 +270,17 @@ class CpuExecutor : public CpuMemory
   }
 
  private:
-  /** So few are sooner done by one thread than their lines of the cache are with another. */
+  /** What so few share is sooner done by one thread than their lines of the cache are with another.
+   */
   static constexpr int kFewPoints = 1 << 15;
-  static int points_at_once(int n) { return n <= kFewPoints ? kFewPoints : 1024; }
   static int rows_at_once(int nx) { return std::max(1, 4096 / std::max(nx, 1)); }
 
-  template <class SomeThreads>
-  static void update_cells(
-      SomeThreads&& threads, int n, const kernels::SortPoint& sort,
-      const kernels::UpdateCell& update)
+  /** A copy of f, to which nothing that it writes can point. */
+  template <class F>
+  static void one_by_one(const F f, int n)
   {
-    const cells::Order order(n, update);
-    threads.run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
-    threads.run(order.groups(), 8, [&order](int begin, int end) { order.update(begin, end); });
+    for (int i = 0; i < n; i++) f(i);
   }
-
   /** f(i) for i in [0, n), each of them work enough for a thread. */
   template <class F>
   void for_each_part(int n, const F& f)

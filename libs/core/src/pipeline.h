@@ -104,10 +104,6 @@ class Pipeline final : public BackendInterface
           2, [&] { for_each_row([&](const auto& row) { row.each_concerned(roll); }); });
       executor_.for_each_stretch(
           bins, kernels::SweepRays{ground, rays_.data(), lowest_slope_.data(), doubted_.data()});
-      executor_.for_each_point_by_parts(
-          points(), kernels::BinPoint<Atomics>{
-                        config_.data(), context_.data(), points_out(), lowest_slope_.data(),
-                        cell_count_.data(), counters_.data()});
     }
     else
     {
@@ -142,7 +138,12 @@ class Pipeline final : public BackendInterface
     const kernels::UpdateCell cell{config_.data(), context_.data(), store(),
                                    points_out(),   sorting(),       top_hit_.data()};
     if constexpr (Executor::kWalksLines)
-      executor_.update_cells_beside(points(), sort, cell, 5, side(), look());
+      executor_.update_cells_beside(
+          points(),
+          kernels::BinPoint<Atomics>{
+              config_.data(), context_.data(), points_out(), lowest_slope_.data(),
+              cell_count_.data(), counters_.data()},
+          sort, cell, 5, side(), look());
     else
     {
       for_each_point_and_cell(
