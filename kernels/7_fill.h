@@ -276,8 +276,8 @@ struct Samples
 struct InferenceGrid
 {
   Inference* cells;
-  float* across_m;  //!< where it is guessed from one side: height difference of the ground on both,
-                    //!< see stage 9
+  float* across_m;  //!< where it is guessed from one side, near enough for stage 9: height
+                    //!< difference of the ground on both
 };
 
 /** Whether fills may build on the ground of the cell stored at i. */

@@ -282,7 +282,7 @@ struct LineSearch
 };
 
 /** Searches the lines through cell (ix, iy) and fills it: the one from the sensor and, for
- * kFillLines, the row and the column. Their sides may be searched side by side, or one after the
+ * kFillLines, the column and the row. Their sides may be searched side by side, or one after the
  * other. */
 template <bool kAlongLines>
 struct SearchAndFillCell
@@ -298,7 +298,7 @@ struct SearchAndFillCell
   const std::uint32_t* axis_marks;
   LineTables tables;
   const Trend* trend;
-  float* across_m;  //!< for guesses: height difference of the ground on both sides, see stage 9
+  float* across_m;  //!< see InferenceGrid
   LineGrid grid;
   int axis_reach;  //!< places that fills look along rows and columns
 
@@ -306,7 +306,7 @@ struct SearchAndFillCell
   {
     if (!wanted(ix, iy)) return {};
     return line == 0 ? radial_search(ix, iy).infer_side(outwards)
-                     : axis_search(ix, iy, line == 1).infer_side(outwards);
+                     : axis_search(ix, iy, line == 2).infer_side(outwards);
   }
   TALUS_HD LineFusion
   line(int line, int ix, int iy, const SideEstimate& inner, const SideEstimate& outer) const
@@ -338,7 +338,7 @@ struct SearchAndFillCell
  private:
   TALUS_HD float rise_per_m(int line, int ix, int iy) const
   {
-    if (line != 0) return line == 1 ? trend->x : trend->y;
+    if (line != 0) return line == 2 ? trend->x : trend->y;
     return trend->along(tables.track[tables.line[grid.at(ix, iy)]].direction);
   }
   /** The sensor's own cell lies on no line. */
@@ -364,7 +364,7 @@ struct SearchAndFillCell
     Inference inferred{line(0, ix, iy, inner, outer), variance(radial, inner, outer)};
     for (int l = 1; l < kLines; l++)
     {
-      const LineSearch<AxisTrack> axis = axis_search(ix, iy, l == 1);
+      const LineSearch<AxisTrack> axis = axis_search(ix, iy, l == 2);
       inferred.lines.add(line(l, ix, iy, axis.infer_side(false), axis.infer_side(true)));
     }
     return inferred;
@@ -375,7 +375,11 @@ struct SearchAndFillCell
     const int n = k.cells, i = storage_index(*fill.frame, n, ix, iy);
     const int state = fill(ix, iy, i, inferred);
     if (state == kFilledOneSided && on_line(ix, iy))
-      across_m[grid.at(ix, iy)] = height_across(radial_search(ix, iy));
+    {
+      const LineSearch<Track> radial = radial_search(ix, iy);
+      if (static_cast<float>(radial.place) * radial.track.step_m <= k.sparsity_range_m)
+        across_m[grid.at(ix, iy)] = height_across(radial);
+    }
     fill.out.put(iy * n + ix, fill.store, i);
   }
 

@@ -42,6 +42,7 @@ struct Strip
   float step_m[kLanes] = {};  //!< length of a line per place
   float rise_per_m[kLanes] = {};  //!< trend of the ground along a line
   int reach[kLanes] = {}, far[kLanes] = {};  //!< places that fills and stage 9 look
+  int suspect = 0;  //!< the last place that is near enough for stage 9
 
   const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
   /** Whether the cells of a place are neighbours in memory: lines are columns. */
@@ -54,6 +55,7 @@ struct Strip
     rise_per_m[line] = rise;
     reach[line] = kernels::places_in(k.fill_search_m, length_m, places - 1);
     far[line] = kernels::places_in(k.sparsity_search_m, length_m, places - 1);
+    suspect = std::max(suspect, kernels::places_in(k.sparsity_range_m, length_m, places - 1) + 1);
   }
 };
 
@@ -222,7 +224,7 @@ class Sweep
       found.lines.fill({});
       std::fill_n(found.variance_m2, kLanes, kernels::kNan);
     }
-    if (kRays)
+    if (kRays && place <= strip.suspect)
     {
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
@@ -274,14 +276,16 @@ class Sweep
     const int* const minor = strip.at(place, !kRays).minor;
     const int first = strip.first + place * strip.along, ahead = -8 * strip.along;
     if (kRays)
+    {
+      const bool suspect = place <= strip.suspect;
       for (; wanted; wanted &= wanted - 1)
       {
         const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
         to.cells[i] = {found.lines.load(l), found.variance_m2[l]};
-        to.across_m[i] = found.across_m[l];
         __builtin_prefetch(to.cells + i + ahead, 1);
-        __builtin_prefetch(to.across_m + i + ahead, 1);
+        if (suspect) to.across_m[i] = found.across_m[l];
       }
+    }
     else if (strip.columns())
       add(found, to.cells + first, ahead);
     else

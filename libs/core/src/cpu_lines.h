@@ -2,6 +2,8 @@
 #include "cpu_lanes.h"
 #include "kernels/7_fill.h"
 
+#include <algorithm>
+
 // Stage 7's lines on the CPU. Sixteen lines, side by side, are swept from end to end, place
 // by place, and carry the samples that they met last along; then back, and what a cell has on both
 // sides is known. So a cell costs the same however far its samples are, neighbours are read
@@ -12,7 +14,7 @@ namespace talus::lines
 /** Lines side by side. */
 constexpr int kLanes = 16;
 
-/** The lines from the sensor, then rows, then columns, in parts that touch different cells. */
+/** The lines from the sensor, then columns, then rows, in parts that touch different cells. */
 struct Walk
 {
   const kernels::Config& k;
@@ -23,6 +25,8 @@ struct Walk
 
   int parts_of_rays() const { return 4 * parts(2 * kernels::line_rings(k)); }
   int parts_of_axis() const { return parts(k.cells); }
+  /** Row or column. */
+  int first_of(int part) const { return std::min(part * kLanes, k.cells); }
 
   void rays(int part) const;
   void rows(int part) const;

@@ -209,16 +209,30 @@ class CpuExecutor : public CpuMemory
         2 * n, n, [&f, cells, frame, n](int py) { PairOfRows<F>(f, n).pool(py, cells, *frame); });
   }
 
-  /** Fills `to` by sweeping along the rays from the sensor's cell, then rows, then columns. */
+  /** Fills `to` by sweeping along the rays from the sensor's cell, then columns, then rows; then
+   * f(row) as above, of rows whose sums are still in the cache. */
+  template <class F>
   void walk_lines(
       const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Trend* trend,
-      const kernels::Samples& samples, const kernels::InferenceGrid& to)
+      const kernels::Samples& samples, const kernels::InferenceGrid& to,
+      const kernels::FrameContext* frame, const F& f)
   {
     const lines::Walk walk{k, grid, trend, samples, to};
     for_each_part(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
-    if (k.fill_rule != kernels::kFillLines) return;
-    for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.rows(part); });
+    if (k.fill_rule != kernels::kFillLines)
+    {
+      for_each_stored_row(k.cells, frame, f);
+      return;
+    }
     for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
+    for_each_part(
+        walk.parts_of_axis(),
+        [&walk, &f, frame](int part)
+        {
+          walk.rows(part);
+          for (int y = walk.first_of(part); y < walk.first_of(part + 1); y++)
+            f(StoredRow(walk.k.cells, *frame, y));
+        });
   }
 
   /** Bins n points (stage 1), sorts them and updates all cells that received any; beside it, for

@@ -238,10 +238,10 @@ class Pipeline final : public BackendInterface
   {
     const kernels::LineGrid grid = line_grid();
     find_trend()(kernels::LoneTeam{});
-    executor_.walk_lines(host_config_, grid, trend_.data(), samples(), inferred());
     const kernels::FillWalkedCell fill{cell, grid, inferred()};
     const kernels::PutSurface put{config_.data(), store(), cell.out};
-    for_each_row(
+    executor_.walk_lines(
+        host_config_, grid, trend_.data(), samples(), inferred(), context_.data(),
         [&](const auto& row)
         {
           row.each(fill);
