@@ -440,6 +440,25 @@ struct Surfaces
   TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix + pad; }
 };
 
+/** What stands so high that the robot fits below it hangs, once rays passed there. They are few:
+ * FillCell leaves them to this. */
+struct DropHanging
+{
+  CellStore store;
+
+  static TALUS_HD bool hangs(int passed)
+  {
+    const int both = kPassedLow | kHitHighUp;
+    return (passed & both) == both;
+  }
+  TALUS_HD bool concerns(int, int, int i) const { return hangs(store.passed[i]); }
+  TALUS_HD void operator()(int, int, int i) const
+  {
+    store.elevation_m[i] = store.elevation_var_m2[i] = kNan;
+    store.passed[i] = static_cast<std::uint8_t>(store.passed[i] & ~kHitHighUp);
+  }
+};
+
 /** Stage 7 on cell (ix, iy), stored at i, from what the lines through it say. Returns its state. */
 struct FillCell
 {
@@ -462,7 +481,6 @@ struct FillCell
     const int r = role[i], state_before = store.state[i];
     const int passed_before = store.passed[i], in_open = passing.in_open[o];
     const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
-    const float top_before = store.elevation_m[i], top_var_before = store.elevation_var_m2[i];
     // Of the directions in which rays passed the highest: a few rays of reflections do not count.
     const float bound_m = select(lowest_m < kInfinity, highest_m, kInfinity);
     const Fill fill = infer_ground(inferred, r >= kObject, bound_m, *config);
@@ -477,19 +495,13 @@ struct FillCell
     const bool guess = filled & !inferred.two_sided();
     const float floor_m = min_of(ground, select(guess, guess_m, kInfinity));
     const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m);
-    // What stands so high that the robot fits below it hangs, once rays passed there.
     const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
-    const int evidence = passed_before | select(low, kPassedLow, 0) | select(object, kHitHighUp, 0);
-    const int both = kPassedLow | kHitHighUp;
-    const bool hangs = (evidence & both) == both;
-    const int passed = select(hangs, evidence & ~kHitHighUp, evidence);
-    const float elevation = select(hangs, kNan, top_before);
+    const int passed = passed_before | select(low, kPassedLow, 0) | select(object, kHitHighUp, 0);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);
-    store.elevation_m[i] = elevation;
-    store.elevation_var_m2[i] = select(hangs, kNan, top_var_before);
     store.state[i] = static_cast<std::uint8_t>(state);
     store.passed[i] = static_cast<std::uint8_t>(passed);
+    const float elevation = select(DropHanging::hangs(passed), kNan, store.elevation_m[i]);
     put_surface(surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, passed);
     return state;
   }

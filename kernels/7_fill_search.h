@@ -374,6 +374,8 @@ struct SearchAndFillCell
   {
     const int n = k.cells, i = storage_index(*fill.frame, n, ix, iy);
     const int state = fill(ix, iy, i, inferred);
+    const DropHanging drop{fill.store};
+    if (drop.concerns(ix, iy, i)) drop(ix, iy, i);
     if (state == kFilledOneSided && on_line(ix, iy))
     {
       const LineSearch<Track> radial = radial_search(ix, iy);

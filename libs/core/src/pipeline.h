@@ -239,12 +239,14 @@ class Pipeline final : public BackendInterface
     const kernels::LineGrid grid = line_grid();
     find_trend()(kernels::LoneTeam{});
     const kernels::FillWalkedCell fill{cell, grid, inferred()};
+    const kernels::DropHanging drop{store()};
     const kernels::PutSurface put{config_.data(), store(), cell.out};
     executor_.walk_lines(
         host_config_, grid, trend_.data(), samples(), inferred(), context_.data(),
         [&](const auto& row)
         {
           row.each(fill);
+          row.each_concerned(drop);
           if (cell.out.any()) row.each(put);
         });
   }
