@@ -128,10 +128,15 @@ class Sweep
   static constexpr int kAhead = 16;  //!< places that are fetched before they are met
 
  public:
-  TALUS_CLONES static void run(
-      const kernels::Config k, const Strip strip, const kernels::Samples samples,
-      const kernels::InferenceGrid to, Side* met)
+  TALUS_CLONES static void run(const Walk& walk, const Strip& lines, Side* met)
   {
+    // Copies that nothing else can write to, so that loops need not read them again. Not made by
+    // passing values: what -fschedule-insns lets gcc do with values on the stack is to write them
+    // before there is room for them, where a signal may overwrite them.
+    const kernels::Config k = walk.k;
+    const kernels::Samples samples = walk.samples;
+    const kernels::InferenceGrid to = walk.to;
+    const Strip strip = lines;
     outwards(strip, samples, met);
     Side behind = Side::nothing();
     for (int place = strip.places - 1; place >= 0; place--)
@@ -345,8 +350,7 @@ const Crossing* crossings_of(int rings, int first)
 template <int kSamples, bool kRays, bool kAlongLines>
 void sweep(const Walk& walk, const Strip& strip)
 {
-  Sweep<kSamples, kRays, kAlongLines>::run(
-      walk.k, strip, walk.samples, walk.to, scratch<Met<kSamples>>(strip.places + 1));
+  Sweep<kSamples, kRays, kAlongLines>::run(walk, strip, scratch<Met<kSamples>>(strip.places + 1));
 }
 template <bool kRays, bool kAlongLines>
 void sweep(const Walk& walk, const Strip& strip)
