@@ -3,9 +3,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
@@ -78,6 +80,43 @@ TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
   EXPECT_EQ(read("out/methods.csv").rfind("world,method,update_median_ms", 0), 0);
   EXPECT_FALSE(cv::imread(path("out/maps.png")).empty());
   EXPECT_FALSE(cv::imread(path("out/fills.png")).empty());
+}
+
+TEST_F(TalusCompare, SaysOfSeveralWorldsHowManyFailAndWhichIsTheWorst)
+{
+  std::ofstream(path("wall.yaml")) << "name: wall\n"
+                                      "seed: 4\n"
+                                      "ground: [plane: {z_m: 0}]\n"
+                                      "objects: [box: {at_m: [2, 0], size_m: [0.2, 9, 2]}]\n"
+                                      "robot: {path_m: [[0, 0], [1, 0]]}\n";
+  const Outcome o = run(
+      path("small.yaml") + " " + path("wall.yaml") + " --methods talus --output " + path("out"));
+  ASSERT_EQ(o.code, 0) << o.text;
+  int judged = 0, fail = 0, not_seen = 0;
+  double worst = 2;
+  const auto json = nlohmann::json::parse(read("out/comparison.json"));
+  for (const auto& world : json["worlds"])
+  {
+    std::map<std::string, nlohmann::json> budgets;
+    for (const auto& b : world["budgets"]) budgets[b["name"]] = b;
+    const bool fails = budgets["reach"]["verdict"] == "fail";
+    judged += budgets["reach"]["verdict"] != "not applicable";
+    fail += fails;
+    not_seen += fails && budgets["reach_seen"]["verdict"] == "pass";
+    worst = std::min(worst, budgets["reach"]["value"].get<double>());
+  }
+  ASSERT_GT(fail, 0);  // the floor behind the box is not seen
+  const std::size_t row = o.text.find("\n  reach ");  // the overview comes first
+  ASSERT_NE(row, std::string::npos) << o.text;
+  std::istringstream words(o.text.substr(row));
+  std::string name, sign;
+  double limit = 0, median = 0, worst_shown = 0;
+  int counts[3] = {};
+  words >> name >> sign >> limit >> counts[0] >> counts[1] >> counts[2] >> median >> worst_shown;
+  EXPECT_EQ(counts[0], judged);
+  EXPECT_EQ(counts[1], fail);
+  EXPECT_EQ(counts[2], not_seen);
+  EXPECT_NEAR(worst_shown, worst, 0.0006);
 }
 
 TEST_F(TalusCompare, GivesTheSameFiguresForTheLogOfAWorldAsForTheWorld)

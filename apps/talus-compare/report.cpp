@@ -1,5 +1,6 @@
 #include "report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -71,12 +72,79 @@ Table fill_table(const std::vector<FillScore>& fills)
   return t;
 }
 
-std::string budget_cell(const BudgetResult& r)
+bool fails(const BudgetResult& r) { return r.verdict == BudgetResult::Verdict::Fail; }
+
+std::string budget_value(const BudgetResult& r)
 {
   const int decimals = r.name.find("rmse_m") != std::string::npos ? 4
                        : r.name == "inflation_cells"              ? 0
                                                                   : 3;
-  return number(r.value, decimals) + (r.verdict == BudgetResult::Verdict::Fail ? "!" : "");
+  return number(r.value, decimals);
+}
+std::string budget_limit(const BudgetResult& r)
+{
+  return (r.at_most ? "<= " : ">= ") +
+         number(r.limit, r.name.find("rmse_m") != std::string::npos ? 3 : 2);
+}
+
+/** One budget in all worlds. */
+struct BudgetRow
+{
+  std::vector<std::pair<BudgetResult, std::string>> judged;  //!< and in which world
+  int fail = 0, not_seen = 0;
+
+  void add(const BudgetResult& r, const std::string& world, const std::vector<BudgetResult>& all)
+  {
+    if (r.verdict == BudgetResult::Verdict::NotApplicable) return;
+    judged.emplace_back(r, world);
+    if (!fails(r)) return;
+    fail++;
+    for (const BudgetResult& other : all)
+      not_seen += other.name == r.as_seen && other.verdict == BudgetResult::Verdict::Pass;
+  }
+  /** Best first. */
+  void sort()
+  {
+    std::sort(
+        judged.begin(), judged.end(),
+        [](const auto& a, const auto& b) {
+          return a.first.at_most ? a.first.value < b.first.value : a.first.value > b.first.value;
+        });
+  }
+  std::vector<std::string> text() const
+  {
+    const auto& [worst, world] = judged.back();
+    return {
+        worst.name,
+        budget_limit(worst),
+        std::to_string(judged.size()),
+        std::to_string(fail),
+        worst.as_seen.empty() ? "-" : std::to_string(not_seen),
+        budget_value(judged[judged.size() / 2].first),
+        budget_value(worst) + " (" + world + ")"};
+  }
+};
+
+/** Budgets in rows, over all worlds. */
+Table budget_overview(const Comparison& c)
+{
+  std::vector<BudgetRow> rows;
+  for (const Evaluation& e : c.evaluations)
+  {
+    if (!e.has_truth) continue;
+    const auto results = check_budgets(e);
+    rows.resize(std::max(rows.size(), results.size()));
+    for (std::size_t i = 0; i < results.size(); ++i) rows[i].add(results[i], e.name, results);
+  }
+  Table t;
+  t.heading = {"all worlds", "limit", "judged", "fail", "not seen", "median", "worst"};
+  for (BudgetRow& row : rows)
+  {
+    if (row.judged.empty()) continue;
+    row.sort();
+    t.rows.push_back(row.text());
+  }
+  return t;
 }
 
 constexpr std::size_t kWorldsPerTable = 8;
@@ -94,11 +162,8 @@ Table budget_table(const std::vector<const Evaluation*>& worlds)
     for (std::size_t i = 0; i < results.size(); ++i)
     {
       const BudgetResult& r = results[i];
-      if (t.rows[i].empty())
-        t.rows[i] = {
-            r.name, (r.at_most ? "<= " : ">= ") +
-                        number(r.limit, r.name.find("rmse_m") != std::string::npos ? 3 : 2)};
-      t.rows[i].push_back(budget_cell(r));
+      if (t.rows[i].empty()) t.rows[i] = {r.name, budget_limit(r)};
+      t.rows[i].push_back(budget_value(r) + (fails(r) ? "!" : ""));
     }
   }
   return t;
@@ -117,6 +182,7 @@ std::vector<Table> budget_tables(const Comparison& c)
     worlds.clear();
   }
   if (!worlds.empty()) tables.push_back(budget_table(worlds));
+  if (tables.size() > 1 || worlds.size() > 1) tables.insert(tables.begin(), budget_overview(c));
   return tables;
 }
 
@@ -221,8 +287,7 @@ int failed_budgets(const Comparison& c)
   int failed = 0;
   for (const Evaluation& e : c.evaluations)
     if (e.has_truth)
-      for (const BudgetResult& r : check_budgets(e))
-        failed += r.verdict == BudgetResult::Verdict::Fail;
+      for (const BudgetResult& r : check_budgets(e)) failed += fails(r);
   return failed;
 }
 

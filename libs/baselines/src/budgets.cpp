@@ -13,7 +13,7 @@ using Results = std::vector<BudgetResult>;
 
 void judge(Results& out, const std::string& name, double value, double limit, bool at_most)
 {
-  BudgetResult r{name, value, limit, at_most, BudgetResult::Verdict::NotApplicable};
+  BudgetResult r{name, value, limit, at_most, BudgetResult::Verdict::NotApplicable, ""};
   if (!std::isnan(value))
     r.verdict = (at_most ? value <= limit : value >= limit) ? BudgetResult::Verdict::Pass
                                                             : BudgetResult::Verdict::Fail;
@@ -60,11 +60,14 @@ Results check_budgets(const Evaluation& e)
     judge(out, "hanging_wrong", s.hanging_wrong, 0.02, true);
     judge(out, "hanging_passable", s.hanging_passable, 0.98, false);
     judge(out, "obstacle_blocked", s.obstacle_blocked, 0.98, false);
+    out.back().as_seen = "obstacle_blocked_whole";
     judge(out, "obstacle_blocked_whole", s.obstacle_blocked_whole, 0.98, false);
     judge(out, "free_passable", s.free_passable, 0.99, false);
     judge(out, "leak", s.leak, 0.01, true);
+    out.back().as_seen = "leak_hit";
     judge(out, "leak_hit", s.leak_hit, 0.01, true);
     judge(out, "reach", s.reach, 0.98, false);
+    out.back().as_seen = "reach_seen";
     judge(out, "reach_seen", s.reach_seen, 0.98, false);
     judge(out, "inflation_cells", s.inflation_cells(), 1, true);
     judge(out, "mover_freed", s.mover_freed, 0.98, false);

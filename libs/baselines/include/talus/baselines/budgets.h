@@ -16,6 +16,7 @@ struct BudgetResult
     Fail,
     NotApplicable
   } verdict = Verdict::NotApplicable;
+  std::string as_seen;  //!< the budget that asks the same of what a ray could show; or empty
 };
 
 /** What talus promises in a world with 15 mm of range noise and true poses. A budget applies when
