@@ -74,17 +74,15 @@ Table fill_table(const std::vector<FillScore>& fills)
 
 bool fails(const BudgetResult& r) { return r.verdict == BudgetResult::Verdict::Fail; }
 
+bool is_rmse(const BudgetResult& r) { return r.name.find("rmse_m") != std::string::npos; }
+
 std::string budget_value(const BudgetResult& r)
 {
-  const int decimals = r.name.find("rmse_m") != std::string::npos ? 4
-                       : r.name == "inflation_cells"              ? 0
-                                                                  : 3;
-  return number(r.value, decimals);
+  return number(r.value, is_rmse(r) ? 4 : r.name == "inflation_cells" ? 0 : 3);
 }
 std::string budget_limit(const BudgetResult& r)
 {
-  return (r.at_most ? "<= " : ">= ") +
-         number(r.limit, r.name.find("rmse_m") != std::string::npos ? 3 : 2);
+  return (r.at_most ? "<= " : ">= ") + number(r.limit, is_rmse(r) ? 3 : 2);
 }
 
 /** One budget in all worlds. */
@@ -125,16 +123,17 @@ struct BudgetRow
   }
 };
 
+using Worlds = std::vector<const Evaluation*>;
+
 /** Budgets in rows, over all worlds. */
-Table budget_overview(const Comparison& c)
+Table budget_overview(const Worlds& worlds)
 {
   std::vector<BudgetRow> rows;
-  for (const Evaluation& e : c.evaluations)
+  for (const Evaluation* e : worlds)
   {
-    if (!e.has_truth) continue;
-    const auto results = check_budgets(e);
+    const auto results = check_budgets(*e);
     rows.resize(std::max(rows.size(), results.size()));
-    for (std::size_t i = 0; i < results.size(); ++i) rows[i].add(results[i], e.name, results);
+    for (std::size_t i = 0; i < results.size(); ++i) rows[i].add(results[i], e->name, results);
   }
   Table t;
   t.heading = {"all worlds", "limit", "judged", "fail", "not seen", "median", "worst"};
@@ -150,7 +149,7 @@ Table budget_overview(const Comparison& c)
 constexpr std::size_t kWorldsPerTable = 8;
 
 /** Budgets in rows, worlds first .. first + kWorldsPerTable in columns. */
-Table budget_table(const std::vector<const Evaluation*>& worlds)
+Table budget_table(const Worlds& worlds)
 {
   Table t;
   t.heading = {"budget", "limit"};
@@ -171,18 +170,17 @@ Table budget_table(const std::vector<const Evaluation*>& worlds)
 
 std::vector<Table> budget_tables(const Comparison& c)
 {
-  std::vector<const Evaluation*> worlds;
-  std::vector<Table> tables;
+  Worlds worlds;
   for (const Evaluation& e : c.evaluations)
+    if (e.has_truth && !check_budgets(e).empty()) worlds.push_back(&e);
+  std::vector<Table> tables;
+  if (worlds.size() > 1) tables.push_back(budget_overview(worlds));
+  for (std::size_t first = 0; first < worlds.size(); first += kWorldsPerTable)
   {
-    if (!e.has_truth || check_budgets(e).empty()) continue;
-    worlds.push_back(&e);
-    if (worlds.size() < kWorldsPerTable) continue;
-    tables.push_back(budget_table(worlds));
-    worlds.clear();
+    const auto from = worlds.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto count = std::min(kWorldsPerTable, worlds.size() - first);
+    tables.push_back(budget_table({from, from + static_cast<std::ptrdiff_t>(count)}));
   }
-  if (!worlds.empty()) tables.push_back(budget_table(worlds));
-  if (tables.size() > 1 || worlds.size() > 1) tables.insert(tables.begin(), budget_overview(c));
   return tables;
 }
 
