@@ -42,7 +42,7 @@ struct Strip
   float step_m[kLanes] = {};  //!< length of a line per place
   float rise_per_m[kLanes] = {};  //!< trend of the ground along a line
   int reach[kLanes] = {}, far[kLanes] = {};  //!< places that fills and stage 9 look
-  int suspect = 0;  //!< the last place that is near enough for stage 9
+  int suspect = 0;  //!< no place behind it is near enough for stage 9
 
   const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
   /** Whether the cells of a place are neighbours in memory: lines are columns. */
@@ -364,14 +364,13 @@ void sweep(const Walk& walk, const Strip& strip)
 void sweep_axis(const Walk& walk, int part, int along, int across, float rise_per_m)
 {
   const kernels::Config& k = walk.k;
-  const int first = part * kLanes, last = k.cells - 1;
+  const int first = walk.first_of(part), lines = walk.first_of(part + 1) - first;
   Crossing parallel;
   for (int l = 0; l < kLanes; l++)
   {
-    parallel.minor[l] = std::min(l, last - first);
-    parallel.own[l] = first + l <= last ? bit_of(l) : 0;
+    parallel.minor[l] = std::min(l, lines - 1);
+    parallel.own[l] = l < lines ? bit_of(l) : 0;
   }
-  const int lines = std::min(kLanes, k.cells - first);
   Strip strip{lines, k.cells, first * across, along, across, &parallel};
   for (int l = 0; l < kLanes; l++) strip.measure(l, k.resolution_m, rise_per_m, k);
   sweep<false, true>(walk, strip);

@@ -32,12 +32,6 @@ struct OneThread
   {
     if (n > 0) body(0, n);
   }
-  template <class First, class Body>
-  void run_beside(const First& first, int n, int grain, const Body& body)
-  {
-    first();
-    run(n, grain, body);
-  }
 };
 
 /** A loop in pieces. Each thread has its own stretch of them, so that what it wrote in the loops
@@ -184,13 +178,14 @@ class ThreadPool
         });
   }
 
-  /** body(begin, end) of pieces of [0, n), of about `grain` and more, as many for each thread. */
+  /** body(begin, end) of pieces of [0, n), of about `grain` and more, as many for each thread where
+   * they can be cut so. */
   template <class Body>
   void run(int n, int grain, const Body& body)
   {
     if (n <= 0) return;
     int pieces = std::min((n + grain - 1) / grain, kPieces * size());
-    if (pieces > size()) pieces -= pieces % size();
+    if (pieces > size() && pieces < n) pieces -= pieces % size();
     const int piece = (n + pieces - 1) / pieces;
     if (n <= piece)
       body(0, n);
@@ -198,19 +193,6 @@ class ThreadPool
       loop_->run(n, piece, body);
     else
       run_frame([&] { loop_->run(n, piece, body); });
-  }
-
-  /** The same, and `first`, which one of the threads runs meanwhile; it must not run loops. */
-  template <class First, class Body>
-  void run_beside(const First& first, int n, int grain, const Body& body)
-  {
-    run((n + grain - 1) / grain + 1, 1,
-        [&](int begin, int end)
-        {
-          if (begin == 0) first();
-          begin = std::max(begin - 1, 0) * grain, end = std::min((end - 1) * grain, n);
-          if (begin < end) body(begin, end);
-        });
   }
 
  private:

@@ -249,7 +249,7 @@ class CpuExecutor : public CpuMemory
     };
     cells::Order order(update, threads_.size());
     if (n <= kFewPoints && threads_.size() > 1)
-      threads_.run_beside(
+      run_beside(
           [&]
           {
             one_by_one(bin, n);
@@ -309,6 +309,18 @@ class CpuExecutor : public CpuMemory
   void run(int n, int grain, const Body& body)
   {
     threads_.run(n, grain, body);
+  }
+  /** The same, and `first`, which one of the threads runs meanwhile; it must not run loops. */
+  template <class First, class Body>
+  void run_beside(const First& first, int n, int grain, const Body& body)
+  {
+    run((n + grain - 1) / grain + 1, 1,
+        [&](int begin, int end)
+        {
+          if (begin == 0) first();
+          begin = std::max(begin - 1, 0) * grain, end = std::min((end - 1) * grain, n);
+          if (begin < end) body(begin, end);
+        });
   }
   Threads threads_;
 };

@@ -72,7 +72,7 @@ class Pipeline final : public BackendInterface
     executor_.fetch(context_);
     accept_and_weigh();  // stages 1 and 2, and beside them 3
     executor_.lap(0);
-    update();  // stage 4, and beside it the rays of stage 6
+    update();  // stage 4, on cores the end of stage 1, and beside it the rays of stage 6
     executor_.lap(3);
     refill();  // stage 5
     executor_.lap(4);
