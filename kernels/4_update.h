@@ -365,6 +365,9 @@ struct ReserveStretch
   }
 };
 
+/** How far behind a point that overhangs the rays below it ended at least. */
+constexpr float kBehindOverhang_m = 0.2f;
+
 /** Moves one point to the stretch of its cell. */
 struct SortPoint
 {
@@ -381,13 +384,18 @@ struct SortPoint
     return passed_below(i, 0) &&
            (passed_below(i, -1) & passed_below(i, 1) & passed_below(i, -2) & passed_below(i, 2));
   }
+  /** Farther behind a point than range noise and round sides put other hits on the same thing. */
+  TALUS_HD int rings_behind() const
+  {
+    return max_of(2, floor_to_int(kBehindOverhang_m * config->inverse_resolution + 0.5f));
+  }
   /** Whether a ray that many directions beside a point passed below it. */
   TALUS_HD bool passed_below(int i, int beside) const
   {
     const bool aims = (points.ray[i] >= 0) & (points.cell[i] >= 0);
     const int at = select(aims, points.ray[i], 0), bins = bin_count(*config);
     const int ring = floor_div(at, bins, 1.0f / static_cast<float>(bins)), bin = at - ring * bins;
-    const int behind = min_of(ring + 2, ring_count(*config) - 1);
+    const int behind = min_of(ring + rings_behind(), ring_count(*config) - 1);
     const std::int32_t passed = rays[behind * bins + wrap_bin(bin + beside, bins)];
     const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
     const float limit = points.slope[i] - config->cleanup_margin_m / chebyshev_m;

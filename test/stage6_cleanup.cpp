@@ -124,6 +124,26 @@ TEST(Stage6Cleanup, ABenchIsNotClearedByTheRaysThatPassBelowIt)
   EXPECT_EQ(m.traversability(1.525, 0.025), 0.0f);
 }
 
+TEST(Stage6Cleanup, RangeNoiseDoesNotMakeABoxOverhang)
+{
+  // Every fifth hit on it lies 0.1 m before its face: other rays end below and behind those hits,
+  // but on the box.
+  const Box box{{2.1, -0.3, 0}, {2.4, 0.3, 0.6}};
+  Scan noisy;
+  noisy.cast({box});
+  for (std::size_t i = 0; i < noisy.x_.size(); i += 5)
+  {
+    if (noisy.z_[i] < -0.65f || std::abs(noisy.y_[i]) > 0.3f || noisy.x_[i] < 2.0f) continue;
+    const float nearer = 1 - 0.1f / noisy.x_[i];
+    noisy.x_[i] *= nearer, noisy.y_[i] *= nearer, noisy.z_[i] *= nearer;
+  }
+  TestMap m;
+  for (int i = 0; i < 3; i++) m.update(noisy);
+  ASSERT_GE(cells_above(m, 0.1), 15);
+  for (int i = 0; i < 2; i++) m.update(Scan().cast({}));
+  EXPECT_EQ(cells_above(m, 0.05), 0);
+}
+
 TEST(Stage6Cleanup, WhatIsHitForEightFramesOnEndIsNoHedge)
 {
   // It covers a cell in part: rays pass beside it, none in its own direction.
