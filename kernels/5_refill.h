@@ -15,10 +15,12 @@ namespace talus::kernels
 // of cells, and in passes along rows and columns.
 
 /** Cells of the map pooled two by two, by the parity of their place in the map, so that rolling
- * does not change the pairs. */
+ * does not change the pairs. In a margin around the window the ground goes on as at its border, or
+ * the edge of a platform of which only a strip is inside would be an object. */
 struct SupportGrid
 {
-  int side;  //!< pooled cells along each side
+  int side;  //!< pooled cells along each side, with both margins
+  int margin;  //!< in pooled cells
   int pad;  //!< places beside each row that hold infinity
   float* lowest_m;  //!< lowest measured ground, infinity: none
   float* column_m;  //!< highest top of something upright, -infinity: none
@@ -29,7 +31,8 @@ struct SupportGrid
   TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
 };
 
-TALUS_HD int support_side(const Config& k) { return k.cells / 2 + 1; }
+TALUS_HD int support_margin(const Config& k) { return k.object_radius; }
+TALUS_HD int support_side(const Config& k) { return k.cells / 2 + 1 + 2 * support_margin(k); }
 
 /** What pooled cells hold. */
 struct Support
@@ -60,6 +63,18 @@ struct PoolSupport
     const bool upright = measured & (top - ground > 0.5f * config->clearance_m);
     return {select(measured, ground, kInfinity), select(upright, top, -kInfinity)};
   }
+  /** The pair of cells, along one axis, whose ground a place has: its own or that at the border. */
+  TALUS_HD int pair_at(int place, int odd) const
+  {
+    return min_of(max_of(place - grid.margin, 0), (config->cells - 1 + odd) >> 1);
+  }
+  /** What goes on beyond the window: bare ground. What is as high as the sensor is not seen from
+   * above: it is a face. */
+  TALUS_HD Support beyond(const Support& border) const
+  {
+    const bool bare = border.column_m == -kInfinity, low = border.lowest_m <= frame->sensor_z_m;
+    return {select(bare & low, border.lowest_m, kInfinity), -kInfinity};
+  }
   TALUS_HD void put(int px, int py, const Support& pooled) const
   {
     grid.lowest_m[grid.at(px, py)] = pooled.lowest_m;
@@ -69,12 +84,14 @@ struct PoolSupport
   TALUS_HD void operator()(int px, int py) const
   {
     const int n = config->cells;
-    const int x0 = 2 * px - frame->odd_x, y0 = 2 * py - frame->odd_y;
+    const int qx = pair_at(px, frame->odd_x), qy = pair_at(py, frame->odd_y);
+    const int x0 = 2 * qx - frame->odd_x, y0 = 2 * qy - frame->odd_y;
     Support pooled;
     for (int y = max_of(y0, 0); y < min_of(y0 + 2, n); y++)
       for (int x = max_of(x0, 0); x < min_of(x0 + 2, n); x++)
         pooled.add(item(storage_index(*frame, n, x, y)));
-    put(px, py, pooled);
+    const bool inside = qx + grid.margin == px && qy + grid.margin == py;
+    put(px, py, inside ? pooled : beyond(pooled));
   }
 };
 
@@ -196,19 +213,21 @@ struct ChooseRole
     const float ground = store.ground_m[i];
     const bool measured = store.state[i] == kMeasured;
     const bool stays =
-        may_be_ground(grid.at((x + frame->odd_x) >> 1, (y + frame->odd_y) >> 1), ground);
+        may_be_ground(grid.at(place(x, frame->odd_x), place(y, frame->odd_y)), ground);
     role[i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
     return select(measured, !stays, may_join(i, ground));
   }
   TALUS_HD void operator()(int x, int y, int i) const
   {
-    const int px = (x + frame->odd_x) >> 1, py = (y + frame->odd_y) >> 1;
+    const int px = place(x, frame->odd_x), py = place(y, frame->odd_y);
     const bool measured = store.state[i] == kMeasured;
     role[i] = measured ? role_of_measured(px, py, store.ground_m[i]) : kInfer;
     if (!measured) join_column(i, px, py);
   }
 
  private:
+  /** In the grid, along one axis. */
+  TALUS_HD int place(int cell, int odd) const { return ((cell + odd) >> 1) + grid.margin; }
   TALUS_HD bool may_be_ground(int o, float ground_m) const { return ground_m <= grid.limit_m[o]; }
   TALUS_HD bool may_join(int i, float ground_m) const
   {
@@ -234,7 +253,6 @@ struct ChooseRole
   /** Whether something upright stands at least so high on two opposite sides of the pooled cell. */
   TALUS_HD bool between_columns(int px, int py, float height_m) const
   {
-    if (px == 0 || py == 0 || px == grid.side - 1 || py == grid.side - 1) return false;
     const float* at = grid.column_m + grid.at(px, py);
     const int pitch = grid.side + 2 * grid.pad, steps[] = {1, pitch, pitch + 1, pitch - 1};
     for (const int step : steps)
@@ -246,9 +264,8 @@ struct ChooseRole
   TALUS_HD float column_beside(int px, int py) const
   {
     float column = -kInfinity;
-    for (int y = max_of(py - 1, 0); y <= min_of(py + 1, grid.side - 1); y++)
-      for (int x = max_of(px - 1, 0); x <= min_of(px + 1, grid.side - 1); x++)
-        column = max_of(column, grid.column_m[grid.at(x, y)]);
+    for (int y = py - 1; y <= py + 1; y++)
+      for (int x = px - 1; x <= px + 1; x++) column = max_of(column, grid.column_m[grid.at(x, y)]);
     return column;
   }
 };

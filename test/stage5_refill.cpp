@@ -122,3 +122,38 @@ TEST(Stage5Refill, TheEdgeOfAPlatformIsGround)
     }
   }
 }
+
+TEST(Stage5Refill, AStripOfAPlatformAtTheWindowsBorderIsGround)
+{
+  // 0.3 and 0.25 m of it are inside, on each side in turn; the window ends 4 m from the sensor.
+  for (const double inside_m : {0.3, 0.25})
+    for (const double side : {-1.0, 1.0})
+    {
+      TestMap m;
+      const double edge_m = 4 - inside_m;
+      const auto ground = [&](double, double y) { return side * y > edge_m ? 0.4 : 0.0; };
+      m.update(Scan().add_surface(-1, -4, 1, 4, ground));
+      for (double y = edge_m + 0.025; y < 4; y += 0.05)
+      {
+        EXPECT_EQ(m.state(0.525, side * y), CellState::Measured) << inside_m << " at " << side * y;
+        EXPECT_NEAR(m.ground(0.525, side * y), 0.4, 1e-5) << inside_m << " at " << side * y;
+      }
+    }
+}
+
+TEST(Stage5Refill, AWallAtTheWindowsBorderIsNoGround)
+{
+  // What is seen of it stands upright, or is higher than the sensor.
+  const double seen_m[2][2] = {{0.4, 0.9}, {0.8, 1.0}};
+  for (const auto& [lowest_m, highest_m] : seen_m)
+  {
+    TestMap m;
+    Scan s;
+    s.add_surface(-1, 0, 1, 3.8, flat);
+    for (double z = lowest_m; z < highest_m; z += 0.1)
+      s.add_surface(-1, 3.85, 1, 3.95, [z](double, double) { return z; });
+    m.update(s);
+    EXPECT_NE(m.state(0.525, 3.925), CellState::Measured) << lowest_m;
+    EXPECT_NEAR(m.ground(0.525, 3.925), 0.0, 1e-5) << lowest_m;
+  }
+}

@@ -214,25 +214,33 @@ class PairOfRows
   using Item = typename F::Item;
 
  public:
-  /** `n`: pooled cells of a row. */
-  PairOfRows(const F& f, int n) : f_(f), n_(n)
+  explicit PairOfRows(const F& f) : f_(f)
   {
     static thread_local std::vector<std::uint32_t, CellMemory<std::uint32_t>> words;
-    const auto size = static_cast<std::size_t>(Lanes<Item>::words(2 * n));
+    const auto size = static_cast<std::size_t>(Lanes<Item>::words(2 * f.grid.side));
     if (words.size() < size) words.resize(size);
     words_ = words.data();
   }
 
+  /** Row py of the grid. */
   void pool(int py, int cells, const kernels::FrameContext& frame) const
   {
-    const Lanes<Item> items(words_, 2 * n_);
-    clear(items, 2 * n_);
-    const int first = 2 * py - frame.odd_y, odd_x = frame.odd_x;
+    const int side = f_.grid.side, margin = f_.grid.margin, odd_x = frame.odd_x;
+    const Lanes<Item> items(words_, 2 * side);
+    clear(items, 2 * side);
+    const int qy = f_.pair_at(py, frame.odd_y), first = 2 * qy - frame.odd_y;
     for (int y = std::max(first, 0); y < std::min(first + 2, cells); y++)
       StoredRow(cells, frame, y)
           .in_stretches([this, items, odd_x](int begin, int end, int i)
                         { add(f_, items, begin + odd_x, end + odd_x, i); });
-    put(f_, items, n_, py);
+    const int pairs = f_.pair_at(side, odd_x) + 1;
+    if (qy + margin == py)
+      put(f_, items, pairs, py, [](const Item& pooled) { return pooled; });
+    else
+      put(f_, items, pairs, py, [this](const Item& pooled) { return f_.beyond(pooled); });
+    for (int px = 0; px < margin; px++) f_.put(px, py, f_.beyond(pair(items, 0)));
+    for (int px = margin + pairs; px < side; px++)
+      f_.put(px, py, f_.beyond(pair(items, pairs - 1)));
   }
 
  private:
@@ -252,19 +260,20 @@ class PairOfRows
           items.store(l, item);
         });
   }
-  TALUS_CLONES static void put(F f, Lanes<Item> items, int n, int py)
+  static Item pair(const Lanes<Item>& items, int q)
+  {
+    Item pooled = items.load(2 * q);
+    pooled.add(items.load(2 * q + 1));
+    return pooled;
+  }
+  template <class G>
+  TALUS_CLONES static void put(F f, Lanes<Item> items, int pairs, int py, G as_shown)
   {
     TALUS_INDEPENDENT
-    for (int px = 0; px < n; px++)
-    {
-      Item pooled = items.load(2 * px);
-      pooled.add(items.load(2 * px + 1));
-      f.put(px, py, pooled);
-    }
+    for (int q = 0; q < pairs; q++) f.put(q + f.grid.margin, py, as_shown(pair(items, q)));
   }
 
   const F& f_;
-  int n_;
   std::uint32_t* words_;
 };
 

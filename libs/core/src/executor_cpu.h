@@ -201,12 +201,12 @@ class CpuExecutor : public CpuMemory
     for_each_row(cells, cells, [&f, cells, frame](int y) { f(StoredRow(cells, *frame, y)); });
   }
 
-  /** f.put(px, py, pooled) of pairs of pairs of cells, `n` along each side, see PairOfRows. */
+  /** f.put(px, py, pooled) of the rows of a grid of pairs, see PairOfRows. */
   template <class F>
-  void for_each_pair_of_rows(int n, int cells, const kernels::FrameContext* frame, const F& f)
+  void for_each_pair_of_rows(int rows, int cells, const kernels::FrameContext* frame, const F& f)
   {
     for_each_row(
-        2 * n, n, [&f, cells, frame, n](int py) { PairOfRows<F>(f, n).pool(py, cells, *frame); });
+        2 * rows, rows, [&f, cells, frame](int py) { PairOfRows<F>(f).pool(py, cells, *frame); });
   }
 
   /** Fills `to` by sweeping along the rays from the sensor's cell, then columns, then rows; then

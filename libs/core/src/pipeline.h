@@ -408,7 +408,8 @@ class Pipeline final : public BackendInterface
     const int pad = kernels::dilation_radius(host_config_);
     const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side + 2 * pad);
     float* p = support_.data();
-    return {side, pad, p, p + n, p + 2 * n, p + 3 * n, p + 4 * n};
+    return {side,     kernels::support_margin(host_config_), pad, p, p + n, p + 2 * n, p + 3 * n,
+            p + 4 * n};
   }
   kernels::LookThrough look()
   {
