@@ -79,7 +79,7 @@ struct CellStore
 /** What is hit while rays pass below it, a hedge, a railing, a branch, a bench, is no more gone
  * when rays pass there: it stays for so many frames without a hit. What is hit in one frame after
  * the other earns less: the long side of a thing that drives past is. */
-constexpr int kPorousCredit = 3, kHeldCredit = 1, kPorous = 12, kMaxCredit = 60;
+constexpr int kPorousCredit = 3, kHeldCredit = 1, kPorous = 12, kMaxCredit = 120;
 
 /** Where cell (ix, iy) of the window is stored. */
 TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)

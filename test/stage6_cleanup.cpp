@@ -119,7 +119,7 @@ TEST(Stage6Cleanup, ABenchIsNotClearedByTheRaysThatPassBelowIt)
   for (int i = 0; i < 3; i++) m.update(Scan(0, 0, 0.4).cast({bench}));
   ASSERT_GT(m.elevation(1.525, 0.025), 0.3f);
   // From now on the beams miss it, above and below.
-  for (int i = 0; i < 30; i++) m.update(Scan(0, 0, 0.4).cast({bench}, 720, -0.6, -0.05, 48));
+  for (int i = 0; i < 100; i++) m.update(Scan(0, 0, 0.4).cast({bench}, 720, -0.6, -0.05, 48));
   EXPECT_GT(m.elevation(1.525, 0.025), 0.3f);
   EXPECT_EQ(m.traversability(1.525, 0.025), 0.0f);
 }
