@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "sim_world.h"
 
@@ -224,6 +225,8 @@ TEST(WorldFile, takes_the_ground_from_a_height_image_and_knows_nothing_beyond_it
 
 TEST(WorldFile, of_every_world_of_the_project_has_a_free_way_of_60_to_250_frames)
 {
+  // A sill across the way, which is steep; logs and a rim close beside it.
+  const std::set<std::string> narrow{"basement", "greenhouse", "log_yard", "playground"};
   int worlds = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(TALUS_WORLDS_DIR))
   {
@@ -246,7 +249,7 @@ TEST(WorldFile, of_every_world_of_the_project_has_a_free_way_of_60_to_250_frames
       if (distance_m > 0.3) continue;
       ++beside;
       free_beside += t.label[i] == 1;
-      // A sill on the way may be steep; what stands may not be.
+      if (narrow.count(w.name) == 0) EXPECT_EQ(t.label[i], 1) << w.name << " at " << x << ", " << y;
       const bool stands = t.obstacle_top[i] - t.ground[i] > options.min_obstacle_m;
       EXPECT_FALSE(stands && distance_m < 0.1) << w.name << " at " << x << ", " << y;
     }
