@@ -119,6 +119,43 @@ TEST_F(TalusCompare, SaysOfSeveralWorldsHowManyFailAndWhichIsTheWorst)
   EXPECT_NEAR(worst_shown, worst, 0.0006);
 }
 
+TEST_F(TalusCompare, ShowsInEachColumnOfTheFillsWhatItsHeadingSays)
+{
+  std::ofstream(path("rough.yaml"))
+      << "ground: [roughness: {amplitude_m: 0.05, wavelength_m: 0.6, seed: 1}]\n"
+         "objects: [box: {at_m: [3, 1], size_m: [0.5, 0.5, 0.5]}]\n"
+         "robot: {path_m: [[0, 0], [1, 0]]}\n";
+  const Outcome o =
+      run(path("rough.yaml") + " --methods talus --output " + path("out") + " --markdown " +
+          path("page.md"));
+  ASSERT_EQ(o.code, 0) << o.text;
+  const std::string page = read("page.md");
+  const auto cells_of = [&](std::size_t from)
+  {
+    std::istringstream line(page.substr(from, page.find('\n', from) - from));
+    std::vector<std::string> cells;
+    for (std::string cell; std::getline(line, cell, '|');) cells.push_back(cell);
+    return cells;
+  };
+  const std::size_t table = page.find("| fill |");
+  ASSERT_NE(table, std::string::npos) << page;
+  const auto headings = cells_of(table), shown = cells_of(page.find("\n| bgk |", table) + 1);
+  ASSERT_EQ(headings.size(), shown.size());
+  const auto bgk = nlohmann::json::parse(read("out/comparison.json"))["worlds"][0]["fills"]["bgk"];
+  std::set<double> different;
+  for (const char* name : {"seen", "two_sided", "one_sided"})
+  {
+    std::string heading = std::string(" ") + name + " RMSE ";
+    std::replace(heading.begin(), heading.end(), '_', '-');
+    const auto column = std::find(headings.begin(), headings.end(), heading) - headings.begin();
+    ASSERT_LT(column, static_cast<std::ptrdiff_t>(headings.size())) << heading;
+    const double mm = 1000 * bgk[std::string(name) + "_rmse_m"].get<double>();
+    EXPECT_NEAR(std::stod(shown[static_cast<std::size_t>(column)]), mm, 0.051) << heading;
+    different.insert(std::round(10 * mm));
+  }
+  EXPECT_EQ(different.size(), 3U) << "of equal figures nobody can tell which is which";
+}
+
 TEST_F(TalusCompare, GivesTheSameFiguresForTheLogOfAWorldAsForTheWorld)
 {
   const auto sim = run_command(

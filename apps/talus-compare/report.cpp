@@ -12,17 +12,32 @@ namespace talus::baselines
 namespace
 {
 /** One column of the tables that people read. */
-struct MapColumn
+template <typename S>
+struct Column
 {
   const char* heading;
-  std::function<std::string(const Score&)> text;
+  std::function<std::string(const S&)> text;
 };
 
-std::string millimetres(const Errors& e) { return number(1000 * e.rmse_m(), 1); }
-
-const std::vector<MapColumn>& map_columns()
+template <typename S>
+Table table_of(const std::vector<Column<S>>& columns, const std::vector<S>& scores)
 {
-  static const std::vector<MapColumn> columns{
+  Table t;
+  for (const auto& c : columns) t.heading.emplace_back(c.heading);
+  for (const S& s : scores)
+  {
+    t.rows.emplace_back();
+    for (const auto& c : columns) t.rows.back().push_back(c.text(s));
+  }
+  return t;
+}
+
+std::string millimetres(double error_m) { return number(1000 * error_m, 1); }
+std::string millimetres(const Errors& e) { return millimetres(e.rmse_m()); }
+
+Table map_table(const std::vector<Score>& maps)
+{
+  static const std::vector<Column<Score>> columns{
       {"method", [](const Score& s) { return s.method; }},
       {"ms", [](const Score& s) { return number(figures(s)[0].second, 2); }},
       {"p99", [](const Score& s) { return number(figures(s)[1].second, 2); }},
@@ -43,33 +58,24 @@ const std::vector<MapColumn>& map_columns()
       {"mover", [](const Score& s) { return percent(s.mover_freed.value()); }},
       {"posts", [](const Score& s) { return percent(s.posts.value()); }},
       {"ditch", [](const Score& s) { return percent(s.ditch_found.value()); }}};
-  return columns;
-}
-
-Table map_table(const Evaluation& e)
-{
-  Table t;
-  for (const auto& c : map_columns()) t.heading.emplace_back(c.heading);
-  for (const Score& s : e.maps)
-  {
-    t.rows.emplace_back();
-    for (const auto& c : map_columns()) t.rows.back().push_back(c.text(s));
-  }
-  return t;
+  return table_of(columns, maps);
 }
 
 Table fill_table(const std::vector<FillScore>& fills)
 {
-  Table t;
-  t.heading = {"fill",           "ms",        "coverage %",     "RMSE mm", "p95 mm", "median mm",
-               "two-sided RMSE", "seen RMSE", "one-sided RMSE", "cells"};
-  for (const FillScore& f : fills)
-    t.rows.push_back(
-        {f.fill, number(figures(f)[0].second, 1), percent(f.coverage.value()), millimetres(f.all),
-         number(1000 * f.all.quantile_m(0.95), 1), number(1000 * f.all.quantile_m(0.5), 1),
-         millimetres(f.seen), millimetres(f.two_sided), millimetres(f.one_sided),
-         std::to_string(f.all.count())});
-  return t;
+  using F = FillScore;
+  static const std::vector<Column<F>> columns{
+      {"fill", [](const F& f) { return f.fill; }},
+      {"ms", [](const F& f) { return number(figures(f)[0].second, 1); }},
+      {"coverage %", [](const F& f) { return percent(f.coverage.value()); }},
+      {"RMSE mm", [](const F& f) { return millimetres(f.all); }},
+      {"p95 mm", [](const F& f) { return millimetres(f.all.quantile_m(0.95)); }},
+      {"median mm", [](const F& f) { return millimetres(f.all.quantile_m(0.5)); }},
+      {"seen RMSE", [](const F& f) { return millimetres(f.seen); }},
+      {"two-sided RMSE", [](const F& f) { return millimetres(f.two_sided); }},
+      {"one-sided RMSE", [](const F& f) { return millimetres(f.one_sided); }},
+      {"cells", [](const F& f) { return std::to_string(f.all.count()); }}};
+  return table_of(columns, fills);
 }
 
 bool fails(const BudgetResult& r) { return r.verdict == BudgetResult::Verdict::Fail; }
@@ -212,12 +218,12 @@ std::string tables(const Comparison& c, Render render, const std::string& title)
   const Evaluation all = pooled(c.evaluations);
   if (all.frames > 0)
   {
-    add("all worlds: maps", map_table(all));
+    add("all worlds: maps", map_table(all.maps));
     add("all worlds: fills, on the same cells", fill_table(all.fills));
   }
   for (const Evaluation& e : c.evaluations)
   {
-    add(e.name + ": maps", map_table(e));
+    add(e.name + ": maps", map_table(e.maps));
     if (e.has_truth && !e.fills.empty())
       add(e.name + ": fills, on the same cells", fill_table(e.fills));
   }
