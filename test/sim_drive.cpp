@@ -193,6 +193,33 @@ TEST(WorldFile, errors_name_file_line_key_and_the_nearest_known_key)
       "'none.pgm' cannot be read");
 }
 
+TEST(WorldFile, whose_mover_goes_through_a_thing_says_where_and_when)
+{
+  const auto error = [](const std::string& object, const std::string& mover)
+  {
+    return error_of(
+        "ground: [plane: {z_m: 1}]\nobjects: [" + object + "]\nrobot: {path_m: [[0, 0]]}\n" +
+        "movers:\n  - person: {radius_m: 0.2, " + mover + "}\n");
+  };
+  const std::string box = "box: {at_m: [5, 0], size_m: [1, 1, 1]}", path = "path: [[0, 0, 0], ";
+  EXPECT_EQ(
+      error(box, path + "[10, 10, 0]]"),
+      "bad.yaml:5: movers.person: key 'path' leads into an object: at (4.4, 0.0) after 4.4 s; "
+      "lead it around, or move the object");
+  EXPECT_NE(error(box, path + "[9, 0, 9]]"), error(box, path + "[9, 9, 0.6]]"));
+  EXPECT_EQ(error(box, path + "[9, 0, 9]]"), "no error") << "another way";
+  EXPECT_EQ(error(box, path + "[2, 0, 0.8], [9, 9, 0.8]]"), "no error") << "passes beside";
+  EXPECT_EQ(error(box, path + "[9, 9, 0]], lift_m: 1.1"), "no error") << "flies over";
+  EXPECT_EQ(error("box: {at_m: [5, 0], size_m: [1, 1, 0.19]}", path + "[9, 9, 0]]"), "no error");
+  EXPECT_NE(error("box: {at_m: [5, 0], size_m: [1, 1, 0.25]}", path + "[9, 9, 0]]"), "no error");
+  EXPECT_NE(
+      error("post: {at_m: [5, 0], height_m: 1, radius_m: 0.02}", path + "[9, 9, 0]]"), "no error");
+  const std::string beam = "beam: {from_m: [5, -1], to_m: [5, 1], width_m: 0.1, thickness_m: 0.1, ";
+  EXPECT_NE(error(beam + "underside_m: 1.7}", path + "[9, 9, 0]]"), "no error") << "head";
+  EXPECT_EQ(error(beam + "underside_m: 1.8}", path + "[9, 9, 0]]"), "no error") << "passes below";
+  EXPECT_EQ(error("foliage: {at_m: [5, 0], size_m: [1, 1, 1]}", path + "[9, 9, 0]]"), "no error");
+}
+
 TEST(WorldFile, with_an_endless_drive_says_how_many_frames_it_would_have)
 {
   const World w = world_of(kFlat, "", "{path_m: [[0, 0]], duration_s: 100000}");
@@ -249,7 +276,10 @@ TEST(WorldFile, of_every_world_of_the_project_has_a_free_way_of_60_to_250_frames
       if (distance_m > 0.3) continue;
       ++beside;
       free_beside += t.label[i] == 1;
-      if (narrow.count(w.name) == 0) EXPECT_EQ(t.label[i], 1) << w.name << " at " << x << ", " << y;
+      if (narrow.count(w.name) == 0)
+      {
+        EXPECT_EQ(t.label[i], 1) << w.name << " at " << x << ", " << y;
+      }
       const bool stands = t.obstacle_top[i] - t.ground[i] > options.min_obstacle_m;
       EXPECT_FALSE(stands && distance_m < 0.1) << w.name << " at " << x << ", " << y;
     }

@@ -24,19 +24,20 @@ Pose Mover::pose(double time_s) const
   return pose_from_rpy({a->x_m + w * dx, a->y_m + w * dy, 0}, 0, 0, yaw);
 }
 
+std::vector<Shape> Mover::placed(double time_s, const Ground& ground) const
+{
+  Pose T = pose(time_s);
+  T.m[11] = ground.height_m(T.x(), T.y());
+  std::vector<Shape> in_map = shapes;
+  for (Shape& s : in_map) s.T_map_shape = compose(T, s.T_map_shape);
+  return in_map;
+}
+
 Scene::Scene(const World& world, double time_s, bool with_movers) : world_(world)
 {
   if (!with_movers) return;
   for (const Mover& m : world.movers)
-  {
-    Pose T = m.pose(time_s);
-    T.m[11] = world.ground.height_m(T.x(), T.y());
-    for (Shape s : m.shapes)
-    {
-      s.T_map_shape = compose(T, s.T_map_shape);
-      movers_.push_back(s);
-    }
-  }
+    for (const Shape& s : m.placed(time_s, world.ground)) movers_.push_back(s);
 }
 
 std::optional<Scene::Hit> Scene::cast(const Ray& ray, double max_m, std::uint64_t chance) const

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <sstream>
 #include <stdexcept>
 
@@ -55,6 +56,17 @@ SensorSetup parse_sensor(const Fields& f)
   return s;
 }
 
+void check_way(const Fields& f, const Mover& mover, const World& world)
+{
+  const auto collision = first_collision(mover, world);
+  if (!collision) return;
+  std::ostringstream what;
+  what << std::fixed << std::setprecision(1) << "leads into an object: at (" << collision->x_m
+       << ", " << collision->y_m << ") after " << collision->time_s
+       << " s; lead it around, or move the object";
+  f.fail("path", what.str());
+}
+
 Mover parse_mover(const Fields& f, bool person)
 {
   Mover m;
@@ -86,7 +98,7 @@ std::string stem(const std::string& file) { return std::filesystem::path(file).s
 
 }  // namespace
 
-std::vector<Mover> parse_movers(const YAML::Node& list, const std::string& file)
+std::vector<Mover> parse_movers(const YAML::Node& list, const std::string& file, const World& world)
 {
   if (!list.IsSequence())
     fail_at(list, file, "movers", "must be a list of movers, e.g. `- person: {...}`");
@@ -98,7 +110,9 @@ std::vector<Mover> parse_movers(const YAML::Node& list, const std::string& file)
     const std::vector<std::string> keys =
         person ? std::vector<std::string>{"path", "height_m", "radius_m", "lift_m", "reflectivity"}
                : std::vector<std::string>{"path", "size_m", "lift_m", "reflectivity"};
-    movers.push_back(parse_mover(Fields(entry[name], file, "movers." + name, keys), person));
+    const Fields fields(entry[name], file, "movers." + name, keys);
+    movers.push_back(parse_mover(fields, person));
+    check_way(fields, movers.back(), world);
   }
   return movers;
 }
@@ -136,7 +150,7 @@ World parse_world(const std::string& text, const std::string& file)
   if (f.has("objects"))
     w.objects =
         ShapeTree(parse_objects(f.node("objects"), file, w.ground, RobotPath(w.robot, w.ground)));
-  if (f.has("movers")) w.movers = parse_movers(f.node("movers"), file);
+  if (f.has("movers")) w.movers = parse_movers(f.node("movers"), file, w);
   return w;
 }
 

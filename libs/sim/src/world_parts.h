@@ -10,6 +10,16 @@ Ground parse_ground(const YAML::Node& list, const std::string& file);
 /** `path`: of the robot; scattered things keep clear of it. */
 std::vector<Shape> parse_objects(
     const YAML::Node& list, const std::string& file, const Ground& ground, const RobotPath& path);
-std::vector<Mover> parse_movers(const YAML::Node& list, const std::string& file);
+/** Its ground and objects are there already. */
+std::vector<Mover> parse_movers(
+    const YAML::Node& list, const std::string& file, const World& world);
+
+/** When and where a mover is first inside something solid that stands still. Nothing real is, and
+ * no map can be right about it. */
+struct Collision
+{
+  double time_s, x_m, y_m;
+};
+std::optional<Collision> first_collision(const Mover& mover, const World& world);
 
 }  // namespace talus::sim

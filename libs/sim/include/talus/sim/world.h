@@ -24,6 +24,8 @@ struct Mover
 
   /** Where it is at a time, with z = 0; it faces the way it goes. */
   Pose pose(double time_s) const;
+  /** Its shapes at a time, map frame. */
+  std::vector<Shape> placed(double time_s, const Ground& ground) const;
 };
 
 /** The robot and its way, map frame. */
