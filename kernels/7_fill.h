@@ -455,6 +455,7 @@ struct DropHanging
   TALUS_HD void operator()(int, int, int i) const
   {
     store.elevation_m[i] = store.elevation_var_m2[i] = kNan;
+    store.misses[i] = 0;  // credit belongs to what stood there
     store.passed[i] = static_cast<std::uint8_t>(store.passed[i] & ~kHitHighUp);
   }
 };
