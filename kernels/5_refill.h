@@ -260,12 +260,18 @@ struct ChooseRole
     return false;
   }
 
-  /** Highest top of something upright in the pooled cell or next to it. */
+  /** Highest top of something upright in the pooled cell or next to it; of what stands, not of what
+   * hangs so high that the robot fits below, as the thing itself that is asked for may. */
   TALUS_HD float column_beside(int px, int py) const
   {
     float column = -kInfinity;
     for (int y = py - 1; y <= py + 1; y++)
-      for (int x = px - 1; x <= px + 1; x++) column = max_of(column, grid.column_m[grid.at(x, y)]);
+      for (int x = px - 1; x <= px + 1; x++)
+      {
+        const int o = grid.at(x, y);
+        const bool stands = grid.lowest_m[o] <= grid.limit_m[o] + config->clearance_m;
+        column = max_of(column, select(stands, grid.column_m[o], -kInfinity));
+      }
     return column;
   }
 };

@@ -83,6 +83,26 @@ TEST(Stage5Refill, ABranchSeenBeforeTheGroundAroundItEndsPassable)
   EXPECT_GT(m.traversability(2.025, 0.025), 0.99f);
 }
 
+TEST(Stage5Refill, ASignIsNotJoinedToItself)
+{
+  // It is met, over its whole height, before the floor below it; the robot fits below. The same on
+  // legs of a hand's height stands.
+  const auto meet = [](TestMap& m, double underside_m)
+  {
+    const Box sign{{1.5, -0.3, underside_m}, {1.55, 0.3, underside_m + 0.35}};
+    for (int i = 0; i < 3; i++) m.update(Scan().cast({sign}, 720, -0.38, 0.35));
+  };
+  TestMap high, low;
+  meet(high, 0.85);
+  meet(low, 0.1);
+  for (const double y : {-0.125, 0.025, 0.175})
+  {
+    EXPECT_NEAR(high.ground(1.525, y), 0, 0.03) << y;
+    EXPECT_FALSE(high.elevation(1.525, y) > 0.1f) << y;
+    EXPECT_GT(low.elevation(1.525, y), 0.4f) << y;
+  }
+}
+
 TEST(Stage5Refill, ASteepButSmoothSlopeIsGroundEverywhere)
 {
   TestMap m;
