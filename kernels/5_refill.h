@@ -269,7 +269,7 @@ struct ChooseRole
       for (int x = px - 1; x <= px + 1; x++)
       {
         const int o = grid.at(x, y);
-        const bool stands = grid.lowest_m[o] <= grid.limit_m[o] + config->clearance_m;
+        const bool stands = grid.lowest_m[o] <= grid.cone_m[o] + config->clearance_m;
         column = max_of(column, select(stands, grid.column_m[o], -kInfinity));
       }
     return column;
