@@ -218,6 +218,7 @@ TEST(WorldFile, whose_mover_goes_through_a_thing_says_where_and_when)
   EXPECT_NE(error(beam + "underside_m: 1.7}", path + "[9, 9, 0]]"), "no error") << "head";
   EXPECT_EQ(error(beam + "underside_m: 1.8}", path + "[9, 9, 0]]"), "no error") << "passes below";
   EXPECT_EQ(error("foliage: {at_m: [5, 0], size_m: [1, 1, 1]}", path + "[9, 9, 0]]"), "no error");
+  EXPECT_EQ(error(box, path + "[9, 0, 1e6]]"), "no error") << "and soon, however long the way";
 }
 
 TEST(WorldFile, with_an_endless_drive_says_how_many_frames_it_would_have)

@@ -8,35 +8,45 @@ namespace talus::sim
 namespace
 {
 constexpr double kStep_m = 0.1;  //!< along the way
-constexpr double kGrid_m = 0.025;  //!< of vertical lines through the mover
+constexpr double kMostSteps = 10000;  //!< from one stop to the next, however far that is
+constexpr double kGrid_m = 0.025;  //!< of vertical lines through what two bodies may share
+constexpr double kMostLines = 100;  //!< along each axis
 constexpr double kOver_m = 0.2;  //!< what is lower, a mover steps or rides over
 constexpr double kGraze_m = 0.01;  //!< less of a line in both is no collision
 
-ShapeTree solid_ones(const ShapeTree& objects)
+/** What the bounds of two bodies share; empty where a minimum is not below its maximum. */
+Bounds shared(const Bounds& a, const Bounds& b)
 {
-  std::vector<Shape> solid;
-  for (const Shape& s : objects.shapes())
-    if (s.mean_free_path_m == 0) solid.push_back(s);
-  return ShapeTree(std::move(solid));
+  return {
+      {std::max(a.min_m.x, b.min_m.x), std::max(a.min_m.y, b.min_m.y),
+       std::max(a.min_m.z, b.min_m.z)},
+      {std::min(a.max_m.x, b.max_m.x), std::min(a.max_m.y, b.max_m.y),
+       std::min(a.max_m.z, b.max_m.z)}};
 }
 
-/** Whether a shape and one of the objects overlap above a height. */
-bool overlap(const Shape& shape, const ShapeTree& objects, double above_m)
+/** Whether two bodies overlap on the vertical line at a place, above a height. */
+bool overlap_at(const Shape& a, const Shape& b, double x_m, double y_m, double above_m)
 {
-  const Bounds area = bounds(shape);
-  std::vector<Span> of_shape, of_objects;
-  for (double x = area.min_m.x + 0.5 * kGrid_m; x < area.max_m.x; x += kGrid_m)
-    for (double y = area.min_m.y + 0.5 * kGrid_m; y < area.max_m.y; y += kGrid_m)
+  std::vector<Span> of_a, of_b;
+  column(a, x_m, y_m, of_a);
+  column(b, x_m, y_m, of_b);
+  if (of_a.empty() || of_b.empty()) return false;
+  const double low = std::max({of_a[0].enter_m, of_b[0].enter_m, above_m});
+  return std::min(of_a[0].exit_m, of_b[0].exit_m) > low + kGraze_m;
+}
+
+bool overlap(const Shape& a, const Shape& b, double above_m)
+{
+  const Bounds area = shared(bounds(a), bounds(b));
+  const double size_x = area.max_m.x - area.min_m.x, size_y = area.max_m.y - area.min_m.y;
+  if (size_x <= 0 || size_y <= 0 || area.max_m.z <= std::max(area.min_m.z, above_m)) return false;
+  const double nx = std::ceil(std::min(size_x / kGrid_m, kMostLines));
+  const double ny = std::ceil(std::min(size_y / kGrid_m, kMostLines));
+  for (double i = 0.5; i < nx; ++i)
+    for (double j = 0.5; j < ny; ++j)
     {
-      of_shape.clear(), of_objects.clear();
-      column(shape, x, y, of_shape);
-      if (of_shape.empty()) continue;
-      objects.column(x, y, of_objects);
-      for (const Span& o : of_objects)
-      {
-        const double low = std::max({o.enter_m, of_shape[0].enter_m, above_m});
-        if (std::min(o.exit_m, of_shape[0].exit_m) > low + kGraze_m) return true;
-      }
+      const double x = area.min_m.x + size_x * i / nx, y = area.min_m.y + size_y * j / ny;
+      if (overlap_at(a, b, x, y, above_m)) return true;
     }
   return false;
 }
@@ -48,9 +58,10 @@ std::vector<double> times_along(const std::vector<Mover::Stop>& path)
   for (std::size_t i = 1; i < path.size(); ++i)
   {
     const Mover::Stop &a = path[i - 1], &b = path[i];
-    const int steps = std::max(
-        1, static_cast<int>(std::ceil(std::hypot(b.x_m - a.x_m, b.y_m - a.y_m) / kStep_m)));
-    for (int s = 1; s <= steps; ++s) times.push_back(a.time_s + (b.time_s - a.time_s) * s / steps);
+    const double way_m = std::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
+    const double steps = std::clamp(std::ceil(way_m / kStep_m), 1.0, kMostSteps);
+    for (double s = 1; s <= steps; ++s)
+      times.push_back(a.time_s + (b.time_s - a.time_s) * s / steps);
   }
   return times;
 }
@@ -59,13 +70,14 @@ std::vector<double> times_along(const std::vector<Mover::Stop>& path)
 
 std::optional<Collision> first_collision(const Mover& mover, const World& world)
 {
-  const ShapeTree solid = solid_ones(world.objects);
   for (const double time_s : times_along(mover.path))
   {
     const Pose at = mover.pose(time_s);
     const double above_m = world.ground.height_m(at.x(), at.y()) + kOver_m;
-    for (const Shape& shape : mover.placed(time_s, world.ground))
-      if (overlap(shape, solid, above_m)) return Collision{time_s, at.x(), at.y()};
+    for (const Shape& body : mover.placed(time_s, world.ground))
+      for (const Shape& thing : world.objects.shapes())
+        if (thing.mean_free_path_m == 0 && overlap(body, thing, above_m))
+          return Collision{time_s, at.x(), at.y()};
   }
   return std::nullopt;
 }
