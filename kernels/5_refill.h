@@ -29,6 +29,13 @@ struct SupportGrid
   float* limit_m;  //!< how high ground stands there at most
 
   TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
+  /** Along one axis: where a cell of the window is found. */
+  TALUS_HD int place_of(int cell, int odd) const { return ((cell + odd) >> 1) + margin; }
+  /** The other way: the pair of cells whose ground a place has, its own or that at the border. */
+  TALUS_HD int pair_at(int place, int odd, int cells) const
+  {
+    return min_of(max_of(place - margin, 0), place_of(cells - 1, odd) - margin);
+  }
 };
 
 TALUS_HD int support_margin(const Config& k) { return k.object_radius; }
@@ -63,11 +70,6 @@ struct PoolSupport
     const bool upright = measured & (top - ground > 0.5f * config->clearance_m);
     return {select(measured, ground, kInfinity), select(upright, top, -kInfinity)};
   }
-  /** The pair of cells, along one axis, whose ground a place has: its own or that at the border. */
-  TALUS_HD int pair_at(int place, int odd) const
-  {
-    return min_of(max_of(place - grid.margin, 0), (config->cells - 1 + odd) >> 1);
-  }
   /** What goes on beyond the window: bare ground. What is as high as the sensor is not seen from
    * above: it is a face. */
   TALUS_HD Support beyond(const Support& border) const
@@ -84,7 +86,7 @@ struct PoolSupport
   TALUS_HD void operator()(int px, int py) const
   {
     const int n = config->cells;
-    const int qx = pair_at(px, frame->odd_x), qy = pair_at(py, frame->odd_y);
+    const int qx = grid.pair_at(px, frame->odd_x, n), qy = grid.pair_at(py, frame->odd_y, n);
     const int x0 = 2 * qx - frame->odd_x, y0 = 2 * qy - frame->odd_y;
     Support pooled;
     for (int y = max_of(y0, 0); y < min_of(y0 + 2, n); y++)
@@ -212,22 +214,20 @@ struct ChooseRole
   {
     const float ground = store.ground_m[i];
     const bool measured = store.state[i] == kMeasured;
-    const bool stays =
-        may_be_ground(grid.at(place(x, frame->odd_x), place(y, frame->odd_y)), ground);
+    const bool stays = may_be_ground(
+        grid.at(grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y)), ground);
     role[i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
     return select(measured, !stays, may_join(i, ground));
   }
   TALUS_HD void operator()(int x, int y, int i) const
   {
-    const int px = place(x, frame->odd_x), py = place(y, frame->odd_y);
+    const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
     const bool measured = store.state[i] == kMeasured;
     role[i] = measured ? role_of_measured(px, py, store.ground_m[i]) : kInfer;
     if (!measured) join_column(i, px, py);
   }
 
  private:
-  /** In the grid, along one axis. */
-  TALUS_HD int place(int cell, int odd) const { return ((cell + odd) >> 1) + grid.margin; }
   TALUS_HD bool may_be_ground(int o, float ground_m) const { return ground_m <= grid.limit_m[o]; }
   TALUS_HD bool may_join(int i, float ground_m) const
   {

@@ -206,7 +206,7 @@ TEST(WorldFile, whose_mover_goes_through_a_thing_says_where_and_when)
       error(box, path + "[10, 10, 0]]"),
       "bad.yaml:5: movers.person: key 'path' leads into an object: at (4.4, 0.0) after 4.4 s; "
       "lead it around, or move the object");
-  EXPECT_NE(error(box, path + "[9, 0, 9]]"), error(box, path + "[9, 9, 0.6]]"));
+  EXPECT_NE(error(box, path + "[9, 9, 0.6]]"), "no error") << "grazes its side";
   EXPECT_EQ(error(box, path + "[9, 0, 9]]"), "no error") << "another way";
   EXPECT_EQ(error(box, path + "[2, 0, 0.8], [9, 9, 0.8]]"), "no error") << "passes beside";
   EXPECT_EQ(error(box, path + "[9, 9, 0]], lift_m: 1.1"), "no error") << "flies over";

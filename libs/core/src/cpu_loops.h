@@ -228,12 +228,12 @@ class PairOfRows
     const int side = f_.grid.side, margin = f_.grid.margin, odd_x = frame.odd_x;
     const Lanes<Item> items(words_, 2 * side);
     clear(items, 2 * side);
-    const int qy = f_.pair_at(py, frame.odd_y), first = 2 * qy - frame.odd_y;
+    const int qy = f_.grid.pair_at(py, frame.odd_y, cells), first = 2 * qy - frame.odd_y;
     for (int y = std::max(first, 0); y < std::min(first + 2, cells); y++)
       StoredRow(cells, frame, y)
           .in_stretches([this, items, odd_x](int begin, int end, int i)
                         { add(f_, items, begin + odd_x, end + odd_x, i); });
-    const int pairs = f_.pair_at(side, odd_x) + 1;
+    const int pairs = f_.grid.place_of(cells - 1, odd_x) - margin + 1;
     if (qy + margin == py)
       put(f_, items, pairs, py, [](const Item& pooled) { return pooled; });
     else
