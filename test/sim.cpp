@@ -204,6 +204,20 @@ TEST(Truth, of_slopes_and_steps_follows_their_thresholds)
   }
 }
 
+TEST(Truth, of_a_low_face_inside_a_cell_is_not_that_of_a_slope)
+{
+  for (const char* height_m : {"0.04", "0.07", "0.1", "0.13", "0.19"})
+    for (const char* yaw_deg : {"0", "10", "45"})
+    {
+      const World step = world_of(
+          "- plane: {slope_x_deg: 5}\n- step: {at_m: [1.022, 0], yaw_deg: " + std::string(yaw_deg) +
+          ", height_m: " + height_m + "}\n");
+      EXPECT_EQ(cell_at(step, 1.0, 0).label, 1) << height_m << " m at " << yaw_deg << " degrees";
+    }
+  const World bank = world_of("- ramp: {at_m: [1, 0], length_m: 0.05, height_m: 0.05}\n");
+  EXPECT_EQ(cell_at(bank, 1.0, 0).label, 0);
+}
+
 TEST(Truth, takes_movers_where_they_are_at_the_time_or_leaves_them_out)
 {
   const World w = world_of(

@@ -15,6 +15,7 @@ constexpr double kMaxBytes = 2e9;
 constexpr double kTouch_m = 1e-3;  //!< less than this above the ground does not stand on it
 constexpr double kAir_m = 0.01;
 const double kFaceSlope = std::tan(radians(85));  //!< steeper ground is a face, not a slope
+constexpr int kHalves = 7;  //!< of the way between two samples, to find a face of a few mm
 
 void check_size(double cells_x, double cells_y, double resolution_m)
 {
@@ -71,10 +72,45 @@ class CellJudge
 
   void sample_ground(double x_m, double y_m, double resolution_m)
   {
+    corner_x_m_ = x_m;
+    corner_y_m_ = y_m;
     for (int j = 0; j < n_; ++j)
       for (int i = 0; i < n_; ++i)
         heights_[static_cast<std::size_t>(j) * n_ + i] =
             world_.ground.height_m(x_m + offset(i, resolution_m), y_m + offset(j, resolution_m));
+  }
+
+  /** What the ground does from one sample of the cell to the next. */
+  struct Rise
+  {
+    double rise_m, run_m;
+    bool face;  //!< steeper than kFaceSlope somewhere on the way
+  };
+
+  /** From sample i to the next along an axis (0: x), at place j of the other. Samples are too far
+   * apart to tell a low face from a slope: halves of the way show where it is steepest. */
+  Rise rise_after(int i, int j, int axis, double resolution_m) const
+  {
+    const auto sample_m = [&](int k) { return axis == 0 ? height(k, j) : height(j, k); };
+    const auto height_m = [&](double along_m)
+    {
+      const double across_m = offset(j, resolution_m);
+      return axis == 0 ? world_.ground.height_m(corner_x_m_ + along_m, corner_y_m_ + across_m)
+                       : world_.ground.height_m(corner_x_m_ + across_m, corner_y_m_ + along_m);
+    };
+    double from_m = offset(i, resolution_m), to_m = offset(i + 1, resolution_m);
+    double low_m = sample_m(i), high_m = sample_m(i + 1);
+    Rise whole{high_m - low_m, to_m - from_m, false};
+    if (std::abs(whole.rise_m) <= std::tan(options_.max_slope_rad) * whole.run_m) return whole;
+    for (int half = 0; half < kHalves; ++half)
+    {
+      const double middle_m = 0.5 * (from_m + to_m), z_m = height_m(middle_m);
+      const bool first = std::abs(z_m - low_m) >= std::abs(high_m - z_m);
+      (first ? to_m : from_m) = middle_m;
+      (first ? high_m : low_m) = z_m;
+    }
+    whole.face = std::abs(high_m - low_m) > kFaceSlope * (to_m - from_m);
+    return whole;
   }
 
   bool ground_blocks(double resolution_m) const
@@ -86,15 +122,13 @@ class CellJudge
       double face_m[2] = {0, 0};  // a face may lean, so that several samples share its height
       for (int i = 0; i + 1 < n_; ++i)
       {
-        const double run = offset(i + 1, resolution_m) - offset(i, resolution_m);
-        const double rise[2] = {height(i + 1, j) - height(i, j), height(j, i + 1) - height(j, i)};
         for (int axis = 0; axis < 2; ++axis)
         {
-          const bool face = std::abs(rise[axis]) > kFaceSlope * run;
-          face_m[axis] = face ? face_m[axis] + rise[axis] : 0;
+          const Rise rise = rise_after(i, j, axis, resolution_m);
+          face_m[axis] = rise.face ? face_m[axis] + rise.rise_m : 0;
           if (std::abs(face_m[axis]) > options_.max_step_m) return true;
-          if (face) continue;
-          slope_sum[axis] += rise[axis] / run;
+          if (rise.face) continue;
+          slope_sum[axis] += rise.rise_m / rise.run_m;
           ++slopes[axis];
         }
       }
@@ -146,6 +180,7 @@ class CellJudge
   const Scene& scene_;
   const TruthOptions& options_;
   int n_;  //!< samples along a side, those beyond the borders included
+  double corner_x_m_ = 0, corner_y_m_ = 0;  //!< of the cell
   std::vector<double> heights_;
   std::vector<Span> spans_;
 };
