@@ -232,17 +232,24 @@ struct Fill
   float height_m;
   float variance_m2;
   std::int32_t state;
+  bool undercut;  //!< rays passed below what the lines say
 };
+
+/** Rays that pass this far below a fill [m] tell that the ground drops somewhere before it, and not
+ * where nor how steeply: the fill is as high as the rays, but no ray has shown that ground. */
+constexpr float kUndercut_m = 0.03f;
 
 TALUS_HD Fill
 infer_ground(const Inference& inferred, bool under_object, float bound_m, const Config& k)
 {
   const LineFusion& lines = inferred.lines;
   const float height = select(under_object, lines.lowest_m, lines.weighted / lines.information);
+  const float limit_m = select(k.fill_use_ray_bound != 0, bound_m, kInfinity);
   return {
-      min_of(height, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
+      min_of(height, limit_m),
       select(inferred.doubtful(), kToldDoubtful_m2, abs_of(inferred.variance_m2)),
-      select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided)};
+      select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided),
+      limit_m < height - kUndercut_m};
 }
 
 // ---- Where samples are kept ----
@@ -490,14 +497,15 @@ struct FillCell
     const int state = select(filled, fill.state, state_before);
     // Behind something that was hit only rays below the height of a step prove that the ground is
     // free; before everything that was hit (the blind zone around the robot) the clearance will do.
-    // A guess may lie too high, so that it counts little above the lowest of its lines.
     const float proof_m = select(in_open != 0, config->clearance_m, config->step_threshold_m);
-    const float guess_m = inferred.lines.lowest_m + 0.25f * config->step_threshold_m;
-    const bool guess = filled & !inferred.two_sided();
-    const float floor_m = min_of(ground, select(guess, guess_m, kInfinity));
-    const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m);
+    // A fill may lie too high, so that it counts little above the lowest of its lines.
+    const float low_m = inferred.lines.lowest_m + 0.25f * config->step_threshold_m;
+    const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
+    const bool undercut = filled & fill.undercut;
+    const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m) & !undercut;
     const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
-    const int passed = passed_before | select(low, kPassedLow, 0) | select(object, kHitHighUp, 0);
+    const int kept = passed_before & select(undercut, ~kPassedLow, ~0);
+    const int passed = kept | select(low, kPassedLow, 0) | select(object, kHitHighUp, 0);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);
     store.state[i] = static_cast<std::uint8_t>(state);

@@ -285,6 +285,28 @@ TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
   EXPECT_TRUE(std::isnan(m.traversability(2.225, 0.025)));
 }
 
+TEST(Stage7Fill, WhereRaysPassBelowAFillTheGroundDropsAndIsNotJudged)
+{
+  // A shelf ends at x = 1.5 m. First a ray passes over what may be its surface; then rays go down
+  // behind its edge, no steeper than a ramp that the robot could take.
+  const auto scan = [](double far_z_m)
+  {
+    Scan s(0, 0, 0.3);
+    s.add_surface(0.5, -0.5, 1.5, 0.5, flat);
+    for (double y = -0.475; y < 0.5; y += 0.01) s.add(4.5, y, far_z_m);
+    return s;
+  };
+  TestMap m;
+  m.update(scan(0.0));
+  EXPECT_GT(m.traversability(2.025, 0.025), 0.9f);
+  m.update(scan(-0.6));
+  EXPECT_NEAR(m.ground(2.025, 0.025), 0.3 - 0.2 * 2.025, 0.01);
+  EXPECT_TRUE(std::isnan(m.traversability(2.025, 0.025)));
+  EXPECT_GT(m.traversability(1.475, 0.025), 0.5f);  // the shelf itself is as before
+  m.update(scan(0.0));
+  EXPECT_GT(m.traversability(2.025, 0.025), 0.9f);
+}
+
 TEST(Stage7Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
 {
   TestMap m;
