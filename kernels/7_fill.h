@@ -239,6 +239,10 @@ struct Fill
  * where nor how steeply: the fill is as high as the rays, but no ray has shown that ground. */
 constexpr float kUndercut_m = 0.03f;
 
+/** A guess from one side does not lift by more than this [m] what was filled from two: it would
+ * forget what lies behind an edge once the ground beyond is on no line any more. */
+constexpr float kLift_m = 0.1f;
+
 TALUS_HD Fill
 infer_ground(const Inference& inferred, bool under_object, float bound_m, const Config& k)
 {
@@ -492,7 +496,10 @@ struct FillCell
     // Of the directions in which rays passed the highest: a few rays of reflections do not count.
     const float bound_m = select(lowest_m < kInfinity, highest_m, kInfinity);
     const Fill fill = infer_ground(inferred, r >= kObject, bound_m, *config);
-    const bool filled = (r != kKeep) & inferred.any();  // else an older guess, or the object, stays
+    const bool lifts = (state_before == kFilledTwoSided) & !inferred.two_sided() &
+                       (fill.height_m > before + kLift_m);
+    // Else an older fill, or the object, stays.
+    const bool filled = (r != kKeep) & inferred.any() & !lifts;
     const float ground = select(filled, fill.height_m, before);
     const int state = select(filled, fill.state, state_before);
     // Behind something that was hit only rays below the height of a step prove that the ground is

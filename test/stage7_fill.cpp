@@ -307,6 +307,23 @@ TEST(Stage7Fill, WhereRaysPassBelowAFillTheGroundDropsAndIsNotJudged)
   EXPECT_GT(m.traversability(2.025, 0.025), 0.9f);
 }
 
+TEST(Stage7Fill, AGuessFromOneSideDoesNotLiftWhatWasFilledFromTwo)
+{
+  // Behind the edge of a shelf a strip of the floor 0.4 m below it is seen, from one place only.
+  TestMap m;
+  m.update(Scan()
+               .add_surface(0.5, -0.7, 1.5, 0.7, flat)
+               .add_surface(2.5, -0.1, 3.0, 0.1, [](double, double) { return -0.4; }));
+  EXPECT_EQ(m.state(2.025, 0.025), CellState::FilledTwoSided);
+  EXPECT_NEAR(m.ground(2.025, 0.025), -0.4, 0.01);
+  m.update(Scan(0.5, -1.5).add_surface(0.5, -0.7, 1.5, 0.7, flat));
+  EXPECT_EQ(m.state(2.025, 0.025), CellState::FilledTwoSided);
+  EXPECT_NEAR(m.ground(2.025, 0.025), -0.4, 0.01);
+  EXPECT_EQ(
+      m.state(2.025, 0.525), CellState::FilledOneSided);  // of which nobody saw the other side
+  EXPECT_NEAR(m.ground(2.025, 0.525), 0.0, 0.01);
+}
+
 TEST(Stage7Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
 {
   TestMap m;
