@@ -13,9 +13,11 @@ namespace
 class Stage
 {
  public:
-  explicit Stage(const std::string& rest, double duration_s = 0.05)
+  explicit Stage(
+      const std::string& rest, double duration_s = 0.05,
+      const std::string& ground = "plane: {z_m: 0}")
       : world_(sim::parse_world(
-            "ground: [plane: {z_m: 0}]\n" + rest + "robot: {path_m: [[0, 0]], duration_s: " +
+            "ground: [" + ground + "]\n" + rest + "robot: {path_m: [[0, 0]], duration_s: " +
                 std::to_string(duration_s) + "}\nsensor: {scanner: OS1-64}\n",
             "test.yaml")),
         truth(truth_of(world_, options_)),
@@ -142,6 +144,58 @@ TEST(Score, DoesNotJudgeWhatHangsWithinFiveCentimetresAboveTheClearance)
   };
   EXPECT_EQ(judged("0.67"), 0);  // an underside at 0.64 m, the clearance is 0.6
   EXPECT_GT(judged("0.69"), 0);
+}
+
+TEST(Score, DoesNotJudgeWhatHangsSoHighThatNoPointOfItCounts)
+{
+  const auto judged = [](const std::string& height_m)
+  {
+    const Stage stage("objects: [table: {at_m: [2, 0], size_m: [1, 1, " + height_m + "]}]\n");
+    return stage.score(stage.perfect()).hanging_wrong.of;
+  };
+  EXPECT_GT(judged("2.0"), 0);
+  EXPECT_EQ(judged("2.4"), 0);  // points count up to 1.5 m above the sensor
+}
+
+TEST(Score, LeavesOutWhatStandsWithinFiveCentimetresOfAStep)
+{
+  // Whether a box of 0.19 m and the cells beside it are blocked is the map's choice.
+  const Stage stage("objects: [box: {at_m: [2.5, 0], size_m: [0.5, 1.5, 0.19]}]\n");
+  const auto blocked_up_to = [&stage](int cells)
+  {
+    Surfaces map = stage.perfect();
+    for (std::size_t k = 0; k < map.size(); ++k)
+      if (stage.truth.to_blocked[static_cast<std::size_t>(stage.here.at[k])] <= cells)
+        map.traversability[k] = 0.0f;
+    return map;
+  };
+  EXPECT_EQ(stage.score(blocked_up_to(0)).reach.value(), 1.0);
+  EXPECT_GT(stage.score(blocked_up_to(1)).free_passable.of, 0);
+  EXPECT_EQ(stage.score(blocked_up_to(1)).free_passable.value(), 1.0);
+  EXPECT_LT(stage.score(blocked_up_to(2)).free_passable.value(), 1.0);
+}
+
+TEST(Score, AThingAboveAnEdgeDoesNotShowTheDropBelow)
+{
+  // All ground beside the edge that the scanner hits is the upper one.
+  const auto shown = [](const std::string& objects)
+  {
+    const Stage stage(objects, 0.05, "step: {at_m: [2.0, 0], height_m: -0.5}");
+    int cells = 0;
+    for (double y = -1; y < 1; y += 0.05)
+      for (const double x : {1.975, 2.025})
+      {
+        const int at = stage.here.at[stage.cell(x, y)];
+        EXPECT_TRUE(stage.truth.blocked(static_cast<std::size_t>(at)));
+        cells += stage.observed.shows_obstacle(static_cast<std::size_t>(at));
+      }
+    return cells;
+  };
+  EXPECT_EQ(shown(""), 0);
+  EXPECT_EQ(
+      shown("objects: [beam: {from_m: [2.1, -1], to_m: [2.1, 1], underside_m: 1.1, "
+            "width_m: 0.1, thickness_m: 0.1}]\n"),
+      0);
 }
 
 TEST(Score, MissesAPostThatTheMapLost)

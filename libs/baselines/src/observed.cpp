@@ -45,6 +45,18 @@ void Observed::forget_outside(const Window& window)
     }
 }
 
+float Observed::ground_around_m(int at) const
+{
+  const sim::TruthWindow& area = truth_.truth.window;
+  const int ix = at % area.cells_x, iy = at / area.cells_x;
+  float highest = kNan;
+  for (int y = std::max(iy - 1, 0); y <= std::min(iy + 1, area.cells_y - 1); ++y)
+    for (int x = std::max(ix - 1, 0); x <= std::min(ix + 1, area.cells_x - 1); ++x)
+      highest =
+          std::fmax(highest, truth_.truth.ground[static_cast<std::size_t>(y * area.cells_x + x)]);
+  return highest;
+}
+
 void Observed::add(const ScanFrame& frame)
 {
   const Window w = window_around(parameters_, frame.T_true);
@@ -59,8 +71,11 @@ void Observed::add(const ScanFrame& frame)
     const auto i = static_cast<std::size_t>(at);
     const float above = p.z_m - truth_.truth.ground[i];
     if (std::abs(above) <= kGroundHit_m) ground_hit[i] = 1;
-    lowest_m_[i] = std::fmin(lowest_m_[i], p.z_m);
-    highest_m_[i] = std::fmax(highest_m_[i], p.z_m);
+    if (p.z_m <= ground_around_m(at) + kGroundHit_m)
+    {
+      lowest_m_[i] = std::fmin(lowest_m_[i], p.z_m);
+      highest_m_[i] = std::fmax(highest_m_[i], p.z_m);
+    }
     if (truth_.vertical[i] && above > static_cast<float>(parameters_.step_threshold_m) &&
         above <= truth_.standing_m(i) + kTopTolerance_m)
       high_hit_[i] = 1;

@@ -75,7 +75,7 @@ class FrameScorer
 
   void heights(std::size_t k, std::size_t at)
   {
-    if (!truth_.free(at) || !map_.known(k)) return;
+    if (!truth_.free(at) || truth_.doubtful[at] || !map_.known(k)) return;
     const float error = truth_.height_error_m(at, map_.ground_m[k]);
     if (state(k) == CellState::FilledTwoSided)
       (here_.could_see[k] ? score_.two_sided_seen : score_.two_sided_unseen).add(error);
@@ -89,6 +89,7 @@ class FrameScorer
   {
     if (!truth_.hangs[at] || truth_.doubtful[at] || !map_.known(k)) return;
     if (truth_.to_blocked[at] < kClear_cells) return;
+    if (truth_.truth.underside[at] > here_.highest_shown_m) return;
     score_.hanging_wrong.add(
         truth_.height_error_m(at, map_.ground_m[k]) > kWrong_m ||
         truth_.height_error_m(at, map_.elevation_m[k]) > kWrong_m);
@@ -156,7 +157,7 @@ class FrameScorer
         score_.leak.add(reached[k]);
         if (observed_.shows_obstacle(at)) score_.leak_hit.add(reached[k]);
       }
-      if (!here_.free_now[k] || here_.start[k]) continue;
+      if (!here_.free_now[k] || here_.start[k] || truth_.doubtful[at]) continue;
       if (!here_.reachable[k]) score_.beyond.add(reached[k]);
       if (!here_.reachable[k]) continue;
       score_.reach.add(reached[k]);

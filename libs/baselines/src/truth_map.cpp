@@ -143,10 +143,11 @@ void TruthMap::classify_terrain()
 
 void TruthMap::measure_distances()
 {
-  std::vector<std::uint8_t> not_blocked(size()), not_free(size());
-  for (std::size_t i = 0; i < size(); ++i) not_blocked[i] = !blocked(i), not_free[i] = blocked(i);
-  to_blocked = distance_to_zero(not_blocked, truth.window);
-  depth = distance_to_zero(not_free, truth.window);
+  std::vector<std::uint8_t> clear(size()), blocks(size());
+  for (std::size_t i = 0; i < size(); ++i)
+    blocks[i] = blocked(i), clear[i] = !blocked(i) && !doubtful[i];
+  to_blocked = distance_to_zero(clear, truth.window);
+  depth = distance_to_zero(blocks, truth.window);
 }
 
 void TruthMap::find_ditches()

@@ -112,7 +112,8 @@ WindowTruth window_truth(
 {
   WindowTruth here;
   here.T_map_sensor = frames[now].T_true;
-  here.window = window_around(parameters, here.T_map_sensor);
+  here.window = window_around(parameters, frames[now].T_map_sensor);
+  here.highest_shown_m = here.T_map_sensor.z() + parameters.max_height_m;
   const int n = here.window.cells;
   const auto size = static_cast<std::size_t>(n) * static_cast<std::size_t>(n);
   here.at.assign(size, -1);

@@ -48,7 +48,7 @@ class TruthMap
 
   sim::Truth truth;
   std::vector<Terrain> terrain;
-  std::vector<std::uint8_t> to_blocked;  //!< distance to the nearest blocked cell, 0 if blocked
+  std::vector<std::uint8_t> to_blocked;  //!< distance to the nearest blocked or doubtful cell
   std::vector<std::uint8_t> depth;  //!< of blocked cells: distance to the nearest free one, from 1
   std::vector<std::uint8_t> hangs;  //!< 1: free, and something hangs above the clearance
   std::vector<std::uint8_t> doubtful;  //!< 1: stands within 5 cm of the step threshold, or hangs

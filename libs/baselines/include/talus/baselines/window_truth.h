@@ -18,17 +18,19 @@ class Observed
   void add(const ScanFrame& frame);
 
   /** Whether the scans have shown that this blocked cell is one: a hit higher than the step
-   * threshold on what stands there; where the ground itself blocks, hits within 3 cells whose
-   * heights differ by more than the step threshold, and one in the cell. */
+   * threshold on what stands there; where the ground itself blocks, hits on the ground within
+   * 3 cells whose heights differ by more than the step threshold, and one in the cell. */
   bool shows_obstacle(std::size_t at) const;
 
   std::vector<std::uint8_t> ground_hit;
 
  private:
   void forget_outside(const Window& window);
+  /** The highest ground of the cell and those next to it. */
+  float ground_around_m(int at) const;
 
   std::vector<std::uint8_t> high_hit_;
-  std::vector<float> lowest_m_, highest_m_;  //!< hits; NaN: none
+  std::vector<float> lowest_m_, highest_m_;  //!< hits on the ground; NaN: none
   const TruthMap& truth_;
   Parameters parameters_;
 };
@@ -87,6 +89,7 @@ struct WindowTruth
   std::vector<std::uint8_t> start;  //!< where the robot stands
   std::vector<std::uint8_t> reachable;  //!< free and connected with the start
   Pose T_map_sensor;  //!< true pose
+  double highest_shown_m = 0;  //!< map frame; of what is higher no map gets a point
 };
 
 /** Cells of a flood through `open` cells (4-connected) from all `start` cells. */
