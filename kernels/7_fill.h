@@ -232,7 +232,7 @@ struct Fill
   float height_m;
   float variance_m2;
   std::int32_t state;
-  bool undercut;  //!< rays passed below what the lines say
+  float lines_m;  //!< what the lines say, where rays do not pass below it the height
 };
 
 /** Rays that pass this far below a fill [m] tell that the ground drops somewhere before it, and not
@@ -248,12 +248,11 @@ infer_ground(const Inference& inferred, bool under_object, float bound_m, const 
 {
   const LineFusion& lines = inferred.lines;
   const float height = select(under_object, lines.lowest_m, lines.weighted / lines.information);
-  const float limit_m = select(k.fill_use_ray_bound != 0, bound_m, kInfinity);
   return {
-      min_of(height, limit_m),
+      min_of(height, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
       select(inferred.doubtful(), kToldDoubtful_m2, abs_of(inferred.variance_m2)),
       select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided),
-      limit_m < height - kUndercut_m};
+      height};
 }
 
 // ---- Where samples are kept ----
@@ -508,7 +507,7 @@ struct FillCell
     // A fill may lie too high, so that it counts little above the lowest of its lines.
     const float low_m = inferred.lines.lowest_m + 0.25f * config->step_threshold_m;
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
-    const bool undercut = filled & fill.undercut;
+    const bool undercut = filled & (fill.height_m < fill.lines_m - kUndercut_m);
     const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m) & !undercut;
     const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
     const int kept = passed_before & select(undercut, ~kPassedLow, ~0);
