@@ -117,7 +117,7 @@ TEST(Score, MeasuresInflationInCells)
   const Stage stage(kBox);
   Surfaces map = stage.perfect();
   for (std::size_t k = 0; k < map.size(); ++k)
-    if (stage.truth.to_blocked[static_cast<std::size_t>(stage.here.at[k])] <= 3)
+    if (stage.truth.to_obstacle[static_cast<std::size_t>(stage.here.at[k])] <= 3)
       map.traversability[k] = 0.0f;
   EXPECT_EQ(stage.score(map).inflation_cells(), 3.0);
 }
@@ -165,7 +165,7 @@ TEST(Score, LeavesOutWhatStandsWithinFiveCentimetresOfAStep)
   {
     Surfaces map = stage.perfect();
     for (std::size_t k = 0; k < map.size(); ++k)
-      if (stage.truth.to_blocked[static_cast<std::size_t>(stage.here.at[k])] <= cells)
+      if (stage.truth.to_obstacle[static_cast<std::size_t>(stage.here.at[k])] <= cells)
         map.traversability[k] = 0.0f;
     return map;
   };

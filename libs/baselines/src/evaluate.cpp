@@ -175,7 +175,7 @@ class Evaluator
       if (!two_sided && state != CellState::FilledOneSided) continue;
       if (here.at[k] < 0 || here.touched[k]) continue;
       const auto at = static_cast<std::size_t>(here.at[k]);
-      bool all_known = truth_->free(at) && !truth_->doubtful[at];
+      bool all_known = truth_->surely_free(at);
       for (const auto& fill : fills) all_known &= !std::isnan(fill.second[k]);
       if (!all_known) continue;
       for (std::size_t f = 0; f < fills.size(); ++f)

@@ -30,7 +30,7 @@ double reach_m(const sim::Mover& mover)
 
 bool judged(const TruthMap& truth, std::size_t i)
 {
-  return truth.free(i) && !truth.doubtful[i] && truth.to_blocked[i] >= kClear_cells;
+  return truth.surely_free(i) && truth.to_obstacle[i] >= kClear_cells;
 }
 
 }  // namespace

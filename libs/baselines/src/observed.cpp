@@ -13,6 +13,16 @@ constexpr int kAround_cells = 3;
 constexpr float kGroundHit_m = 0.05f;
 constexpr float kTopTolerance_m = 0.06f;
 
+/** Calls visit(index) for a cell and those up to so many cells from it. */
+template <class Visit>
+void for_each_around(const sim::TruthWindow& area, std::size_t at, int cells, const Visit& visit)
+{
+  const int ix = static_cast<int>(at) % area.cells_x, iy = static_cast<int>(at) / area.cells_x;
+  for (int y = std::max(iy - cells, 0); y <= std::min(iy + cells, area.cells_y - 1); ++y)
+    for (int x = std::max(ix - cells, 0); x <= std::min(ix + cells, area.cells_x - 1); ++x)
+      visit(static_cast<std::size_t>(y * area.cells_x + x));
+}
+
 std::int64_t cell_of(double v_m, double resolution_m)
 {
   return static_cast<std::int64_t>(std::floor(v_m / resolution_m));
@@ -25,9 +35,18 @@ Observed::Observed(const TruthMap& truth, const Parameters& parameters)
       high_hit_(truth.size(), 0),
       lowest_m_(truth.size(), kNan),
       highest_m_(truth.size(), kNan),
+      ground_up_to_m_(truth.size(), kNan),
       truth_(truth),
       parameters_(parameters)
 {
+  for (std::size_t i = 0; i < truth.size(); ++i)
+  {
+    float& highest = ground_up_to_m_[i];
+    for_each_around(
+        truth.truth.window, i, 1,
+        [&](std::size_t next) { highest = std::fmax(highest, truth.truth.ground[next]); });
+    highest += kGroundHit_m;
+  }
 }
 
 void Observed::forget_outside(const Window& window)
@@ -45,18 +64,6 @@ void Observed::forget_outside(const Window& window)
     }
 }
 
-float Observed::ground_around_m(int at) const
-{
-  const sim::TruthWindow& area = truth_.truth.window;
-  const int ix = at % area.cells_x, iy = at / area.cells_x;
-  float highest = kNan;
-  for (int y = std::max(iy - 1, 0); y <= std::min(iy + 1, area.cells_y - 1); ++y)
-    for (int x = std::max(ix - 1, 0); x <= std::min(ix + 1, area.cells_x - 1); ++x)
-      highest =
-          std::fmax(highest, truth_.truth.ground[static_cast<std::size_t>(y * area.cells_x + x)]);
-  return highest;
-}
-
 void Observed::add(const ScanFrame& frame)
 {
   const Window w = window_around(parameters_, frame.T_true);
@@ -71,7 +78,7 @@ void Observed::add(const ScanFrame& frame)
     const auto i = static_cast<std::size_t>(at);
     const float above = p.z_m - truth_.truth.ground[i];
     if (std::abs(above) <= kGroundHit_m) ground_hit[i] = 1;
-    if (p.z_m <= ground_around_m(at) + kGroundHit_m)
+    if (p.z_m <= ground_up_to_m_[i])
     {
       lowest_m_[i] = std::fmin(lowest_m_[i], p.z_m);
       highest_m_[i] = std::fmax(highest_m_[i], p.z_m);
@@ -87,18 +94,14 @@ bool Observed::shows_obstacle(std::size_t at) const
   if (!truth_.blocked(at)) return false;
   if (truth_.vertical[at]) return high_hit_[at];
   if (std::isnan(lowest_m_[at])) return false;
-  const sim::TruthWindow& area = truth_.truth.window;
-  const int ix = static_cast<int>(at) % area.cells_x, iy = static_cast<int>(at) / area.cells_x;
   float low = lowest_m_[at], high = highest_m_[at];
-  for (int y = std::max(iy - kAround_cells, 0); y <= std::min(iy + kAround_cells, area.cells_y - 1);
-       ++y)
-    for (int x = std::max(ix - kAround_cells, 0);
-         x <= std::min(ix + kAround_cells, area.cells_x - 1); ++x)
-    {
-      const auto i = static_cast<std::size_t>(y * area.cells_x + x);
-      low = std::fmin(low, lowest_m_[i]);
-      high = std::fmax(high, highest_m_[i]);
-    }
+  for_each_around(
+      truth_.truth.window, at, kAround_cells,
+      [&](std::size_t i)
+      {
+        low = std::fmin(low, lowest_m_[i]);
+        high = std::fmax(high, highest_m_[i]);
+      });
   return high - low > static_cast<float>(parameters_.step_threshold_m);
 }
 

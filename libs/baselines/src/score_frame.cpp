@@ -75,12 +75,12 @@ class FrameScorer
 
   void heights(std::size_t k, std::size_t at)
   {
-    if (!truth_.free(at) || truth_.doubtful[at] || !map_.known(k)) return;
+    if (!truth_.surely_free(at) || !map_.known(k)) return;
     const float error = truth_.height_error_m(at, map_.ground_m[k]);
     if (state(k) == CellState::FilledTwoSided)
       (here_.could_see[k] ? score_.two_sided_seen : score_.two_sided_unseen).add(error);
     if (state(k) == CellState::FilledOneSided) score_.one_sided.add(error);
-    if (state(k) != CellState::Measured || truth_.to_blocked[at] < kClear_cells) return;
+    if (state(k) != CellState::Measured || truth_.to_obstacle[at] < kClear_cells) return;
     score_.measured_ground[static_cast<std::size_t>(truth_.terrain[at])].add(error);
     score_.measured_elevation.add(truth_.height_error_m(at, map_.elevation_m[k]));
   }
@@ -88,7 +88,7 @@ class FrameScorer
   void hanging(std::size_t k, std::size_t at)
   {
     if (!truth_.hangs[at] || truth_.doubtful[at] || !map_.known(k)) return;
-    if (truth_.to_blocked[at] < kClear_cells) return;
+    if (truth_.to_obstacle[at] < kClear_cells) return;
     if (truth_.truth.underside[at] > here_.highest_shown_m) return;
     score_.hanging_wrong.add(
         truth_.height_error_m(at, map_.ground_m[k]) > kWrong_m ||
@@ -106,7 +106,7 @@ class FrameScorer
     }
     if (!truth_.free(at) || !observed_.ground_hit[at]) return;
     score_.free_passable_all.add(map_.passable(k));
-    const int from_obstacle = truth_.to_blocked[at];
+    const int from_obstacle = truth_.to_obstacle[at];
     if (from_obstacle >= kClear_cells) score_.free_passable.add(map_.passable(k));
     if (from_obstacle >= 1 && from_obstacle <= kRings && distance_to_upright(k) == from_obstacle)
       score_.ring_blocked[static_cast<std::size_t>(from_obstacle - 1)].add(map_.blocked(k));
@@ -161,7 +161,7 @@ class FrameScorer
       if (!here_.reachable[k]) score_.beyond.add(reached[k]);
       if (!here_.reachable[k]) continue;
       score_.reach.add(reached[k]);
-      if (here_.could_see[k] && truth_.to_blocked[at] >= kClear_cells)
+      if (here_.could_see[k] && truth_.to_obstacle[at] >= kClear_cells)
         score_.reach_seen.add(reached[k]);
     }
   }

@@ -146,7 +146,7 @@ void TruthMap::measure_distances()
   std::vector<std::uint8_t> clear(size()), blocks(size());
   for (std::size_t i = 0; i < size(); ++i)
     blocks[i] = blocked(i), clear[i] = !blocked(i) && !doubtful[i];
-  to_blocked = distance_to_zero(clear, truth.window);
+  to_obstacle = distance_to_zero(clear, truth.window);
   depth = distance_to_zero(blocks, truth.window);
 }
 

@@ -111,9 +111,9 @@ WindowTruth window_truth(
     const sim::Scene* scene, const sim::Scanner* scanner)
 {
   WindowTruth here;
-  here.T_map_sensor = frames[now].T_true;
+  const Pose& T_true = frames[now].T_true;
   here.window = window_around(parameters, frames[now].T_map_sensor);
-  here.highest_shown_m = here.T_map_sensor.z() + parameters.max_height_m;
+  here.highest_shown_m = T_true.z() + parameters.max_height_m;
   const int n = here.window.cells;
   const auto size = static_cast<std::size_t>(n) * static_cast<std::size_t>(n);
   here.at.assign(size, -1);
@@ -127,7 +127,7 @@ WindowTruth window_truth(
     const double x = here.window.min_x_m() + (k % n + 0.5) * here.window.resolution_m;
     const double y =
         here.window.min_y_m() + (static_cast<double>(k / n) + 0.5) * here.window.resolution_m;
-    here.start[i] = std::hypot(x - here.T_map_sensor.x(), y - here.T_map_sensor.y()) < kRobot_m;
+    here.start[i] = std::hypot(x - T_true.x(), y - T_true.y()) < kRobot_m;
     if (here.at[i] >= 0)
       fill_cell(here, i, static_cast<std::size_t>(here.at[i]), truth, observed, movers);
   }

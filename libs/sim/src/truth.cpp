@@ -37,7 +37,11 @@ class CellJudge
 {
  public:
   CellJudge(const World& world, const Scene& scene, const TruthOptions& options)
-      : world_(world), scene_(scene), options_(options), n_(options.samples + 2)
+      : world_(world),
+        scene_(scene),
+        options_(options),
+        max_gradient_(std::tan(options.max_slope_rad)),
+        n_(options.samples + 2)
   {
     heights_.resize(static_cast<std::size_t>(n_) * n_);
   }
@@ -101,7 +105,7 @@ class CellJudge
     double from_m = offset(i, resolution_m), to_m = offset(i + 1, resolution_m);
     double low_m = sample_m(i), high_m = sample_m(i + 1);
     Rise whole{high_m - low_m, to_m - from_m, false};
-    if (std::abs(whole.rise_m) <= std::tan(options_.max_slope_rad) * whole.run_m) return whole;
+    if (std::abs(whole.rise_m) <= max_gradient_ * whole.run_m) return whole;
     for (int half = 0; half < kHalves; ++half)
     {
       const double middle_m = 0.5 * (from_m + to_m), z_m = height_m(middle_m);
@@ -135,7 +139,7 @@ class CellJudge
     }
     const double gx = slopes[0] ? slope_sum[0] / slopes[0] : 0;
     const double gy = slopes[1] ? slope_sum[1] / slopes[1] : 0;
-    return std::hypot(gx, gy) > std::tan(options_.max_slope_rad);
+    return std::hypot(gx, gy) > max_gradient_;
   }
 
   /** Of the places inside the cell, those beside which the ground is steeper than it may be. */
@@ -149,7 +153,7 @@ class CellJudge
         const double run_y = offset(j + 1, resolution_m) - offset(j - 1, resolution_m);
         const double gx = (height(i + 1, j) - height(i - 1, j)) / run_x;
         const double gy = (height(i, j + 1) - height(i, j - 1)) / run_y;
-        steep += std::hypot(gx, gy) > std::tan(options_.max_slope_rad);
+        steep += std::hypot(gx, gy) > max_gradient_;
       }
     return steep;
   }
@@ -179,6 +183,7 @@ class CellJudge
   const World& world_;
   const Scene& scene_;
   const TruthOptions& options_;
+  double max_gradient_;  //!< of the ground
   int n_;  //!< samples along a side, those beyond the borders included
   double corner_x_m_ = 0, corner_y_m_ = 0;  //!< of the cell
   std::vector<double> heights_;

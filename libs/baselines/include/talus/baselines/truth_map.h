@@ -38,6 +38,8 @@ class TruthMap
   bool known(std::size_t i) const { return truth.label[i] == truth.label[i]; }
   bool free(std::size_t i) const { return truth.label[i] == 1.0f; }
   bool blocked(std::size_t i) const { return truth.label[i] == 0.0f; }
+  /** Free, and a map that blocks it is wrong. */
+  bool surely_free(std::size_t i) const { return free(i) && !doubtful[i]; }
   /** Whether what makes the cell an obstacle is in all of it. */
   bool covered_whole(std::size_t i) const { return truth.covered[i] == 1.0f; }
   /** Distance [m] of a height from the ground or, where something low enough to be driven over
@@ -48,7 +50,7 @@ class TruthMap
 
   sim::Truth truth;
   std::vector<Terrain> terrain;
-  std::vector<std::uint8_t> to_blocked;  //!< distance to the nearest blocked or doubtful cell
+  std::vector<std::uint8_t> to_obstacle;  //!< distance to the nearest blocked or doubtful cell
   std::vector<std::uint8_t> depth;  //!< of blocked cells: distance to the nearest free one, from 1
   std::vector<std::uint8_t> hangs;  //!< 1: free, and something hangs above the clearance
   std::vector<std::uint8_t> doubtful;  //!< 1: stands within 5 cm of the step threshold, or hangs

@@ -26,11 +26,10 @@ class Observed
 
  private:
   void forget_outside(const Window& window);
-  /** The highest ground of the cell and those next to it. */
-  float ground_around_m(int at) const;
 
   std::vector<std::uint8_t> high_hit_;
   std::vector<float> lowest_m_, highest_m_;  //!< hits on the ground; NaN: none
+  std::vector<float> ground_up_to_m_;  //!< a hit this high is one on the ground there or beside it
   const TruthMap& truth_;
   Parameters parameters_;
 };
@@ -88,7 +87,6 @@ struct WindowTruth
   std::vector<std::uint8_t> could_see;  //!< a ray of some frame so far could have met its ground
   std::vector<std::uint8_t> start;  //!< where the robot stands
   std::vector<std::uint8_t> reachable;  //!< free and connected with the start
-  Pose T_map_sensor;  //!< true pose
   double highest_shown_m = 0;  //!< map frame; of what is higher no map gets a point
 };
 
