@@ -214,8 +214,27 @@ TEST(Truth, of_a_low_face_inside_a_cell_is_not_that_of_a_slope)
           ", height_m: " + height_m + "}\n");
       EXPECT_EQ(cell_at(step, 1.0, 0).label, 1) << height_m << " m at " << yaw_deg << " degrees";
     }
-  const World bank = world_of("- ramp: {at_m: [1, 0], length_m: 0.05, height_m: 0.05}\n");
-  EXPECT_EQ(cell_at(bank, 1.0, 0).label, 0);
+}
+
+TEST(Truth, of_a_steep_stretch_blocks_where_it_rises_by_more_than_a_step)
+{
+  const auto label = [](const char* length_m, const char* height_m, double x_m)
+  {
+    const std::string size = std::string("length_m: ") + length_m + ", height_m: " + height_m;
+    return cell_at(world_of("- ramp: {at_m: [1, 0], " + size + "}\n"), x_m, 0).label;
+  };
+  EXPECT_EQ(label("0.05", "0.05", 1.0), 1) << "a low kerb may lean";
+  EXPECT_EQ(label("0.18", "0.18", 1.1), 1);
+  EXPECT_EQ(label("0.22", "0.22", 1.0), 0) << "all of a higher one blocks";
+  EXPECT_EQ(label("0.22", "0.22", 1.1), 0);
+  EXPECT_EQ(label("0.22", "0.22", 1.15), 0);
+  EXPECT_EQ(label("0.05", "0.22", 1.0), 0);
+  EXPECT_EQ(label("1", "-0.8", 1.5), 0);
+  EXPECT_EQ(label("1", "0.6", 1.5), 1) << "31 degrees";
+  TruthOptions gentle;
+  gentle.max_slope_rad = 0.001;
+  const World hill = world_of("- plane: {slope_x_deg: 1}\n");
+  EXPECT_EQ(truth(hill, {0, 0, 1, 1, 0.05}, 0, gentle).label[0], 0);
 }
 
 TEST(Truth, takes_movers_where_they_are_at_the_time_or_leaves_them_out)

@@ -15,6 +15,8 @@ constexpr double kMaxBytes = 2e9;
 constexpr double kTouch_m = 1e-3;  //!< less than this above the ground does not stand on it
 constexpr double kAir_m = 0.01;
 const double kFaceSlope = std::tan(radians(85));  //!< steeper ground is a face, not a slope
+constexpr int kAlong = 20;  //!< places on each side of a cell at which a stretch may begin or end
+constexpr double kLong_m = 1;  //!< steep ground of this length blocks, however little it rises
 constexpr int kHalves = 7;  //!< of the way between two samples, to find a face of a few mm
 
 void check_size(double cells_x, double cells_y, double resolution_m)
@@ -139,7 +141,29 @@ class CellJudge
     }
     const double gx = slopes[0] ? slope_sum[0] / slopes[0] : 0;
     const double gy = slopes[1] ? slope_sum[1] / slopes[1] : 0;
-    return std::hypot(gx, gy) > max_gradient_;
+    const double gradient = std::hypot(gx, gy);
+    return gradient > max_gradient_ && rises_by_a_step(gx / gradient, gy / gradient, resolution_m);
+  }
+
+  /** Whether a stretch through the centre of the cell, along a direction, is steeper than the
+   * ground may be and rises by more than a step, or for more than kLong_m: what a robot steps over
+   * it also climbs when it leans. */
+  bool rises_by_a_step(double along_x, double along_y, double resolution_m) const
+  {
+    const double enough_m = std::min(options_.max_step_m, kLong_m * max_gradient_);
+    const double spacing_m = enough_m / max_gradient_ / kAlong;
+    const double cx = corner_x_m_ + 0.5 * resolution_m, cy = corner_y_m_ + 0.5 * resolution_m;
+    double profile_m[2 * kAlong + 1];
+    for (int k = 0; k <= 2 * kAlong; ++k)
+      profile_m[k] = world_.ground.height_m(
+          cx + (k - kAlong) * spacing_m * along_x, cy + (k - kAlong) * spacing_m * along_y);
+    for (int from = 0; from <= kAlong; ++from)
+      for (int to = kAlong; to <= 2 * kAlong; ++to)
+      {
+        const double rise_m = profile_m[to] - profile_m[from];
+        if (rise_m > enough_m && rise_m > max_gradient_ * (to - from) * spacing_m) return true;
+      }
+    return false;
   }
 
   /** Of the places inside the cell, those beside which the ground is steeper than it may be. */
