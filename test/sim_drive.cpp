@@ -198,7 +198,7 @@ TEST(WorldFile, whose_mover_goes_through_a_thing_says_where_and_when)
   const auto error = [](const std::string& object, const std::string& mover)
   {
     return error_of(
-        "ground: [plane: {z_m: 1}]\nobjects: [" + object + "]\nrobot: {path_m: [[0, 0]]}\n" +
+        "ground: [plane: {z_m: 1}]\nobjects: [" + object + "]\nrobot: {path_m: [[0, -5]]}\n" +
         "movers:\n  - person: {radius_m: 0.2, " + mover + "}\n");
   };
   const std::string box = "box: {at_m: [5, 0], size_m: [1, 1, 1]}", path = "path: [[0, 0, 0], ";
@@ -219,6 +219,31 @@ TEST(WorldFile, whose_mover_goes_through_a_thing_says_where_and_when)
   EXPECT_EQ(error(beam + "underside_m: 1.8}", path + "[9, 9, 0]]"), "no error") << "passes below";
   EXPECT_EQ(error("foliage: {at_m: [5, 0], size_m: [1, 1, 1]}", path + "[9, 9, 0]]"), "no error");
   EXPECT_EQ(error(box, path + "[9, 0, 1e6]]"), "no error") << "and soon, however long the way";
+}
+
+TEST(WorldFile, whose_mover_meets_the_robot_says_where_and_when)
+{
+  const auto error = [](const std::string& mover, const std::string& robot)
+  {
+    return error_of(
+        "ground: [plane: {}]\nrobot: {" + robot + "}\nsensor: {at_m: [0, 0, 0.8]}\n" +
+        "movers: [box: {size_m: [0.4, 0.4, 1], " + mover + "}]\n");
+  };
+  const std::string drive = "path_m: [[0, 0], [8, 0]], wheelbase_m: 0.6";
+  EXPECT_EQ(
+      error("path: [[0, 8, 0], [8, 0, 0]]", drive),
+      "bad.yaml:4: movers.box: key 'path' leads into the robot: at (4.2, 0.0) after 3.8 s; "
+      "lead it around, or let it come earlier or later");
+  EXPECT_EQ(error("path: [[0, 8, 0.5], [8, 0, 0.5]]", drive), "no error") << "passes beside";
+  EXPECT_EQ(error("path: [[5, 4, 1], [6, 4, -1]]", drive), "no error") << "crosses behind";
+  EXPECT_NE(error("path: [[3, 4, 1], [5, 4, -1]]", drive), "no error");
+  EXPECT_NE(error("path: [[0, 4, 0]]", drive), "no error") << "stands in the way";
+  EXPECT_EQ(error("path: [[0, 4, 0]], lift_m: 0.9", drive), "no error") << "hangs over it";
+  EXPECT_EQ(error("path: [[9, 4, 0], [12, 8, 0]]", "path_m: [[0, 0]]"), "no error");
+  EXPECT_NE(error("path: [[3, 4, 3], [6, 0, 0]]", "path_m: [[0, 0]], duration_s: 7"), "no error")
+      << "where the robot waits";
+  EXPECT_EQ(error("path: [[3, 4, 3], [8, 0, 0]]", "path_m: [[0, 0]], duration_s: 7"), "no error")
+      << "when the drive is over";
 }
 
 TEST(WorldFile, with_an_endless_drive_says_how_many_frames_it_would_have)

@@ -66,18 +66,75 @@ std::vector<double> times_along(const std::vector<Mover::Stop>& path)
   return times;
 }
 
+/** A mover at one time. */
+struct Placed
+{
+  Placed(const Mover& mover, double at_s, const Ground& ground)
+      : time_s(at_s), at(mover.pose(at_s)), bodies(mover.placed(at_s, ground))
+  {
+    above_m = ground.height_m(at.x(), at.y()) + kOver_m;
+  }
+  bool meets(const Shape& thing) const
+  {
+    return std::any_of(
+        bodies.begin(), bodies.end(),
+        [&](const Shape& body) { return overlap(body, thing, above_m); });
+  }
+  Collision collision() const { return {time_s, at.x(), at.y()}; }
+
+  double time_s;
+  Pose at;
+  std::vector<Shape> bodies;
+  double above_m;
+};
+
+/** The robot: a box over its wheels, as high as its sensor. */
+Shape body_of_robot(const World& world)
+{
+  const RobotSetup& r = world.robot;
+  return make_box(
+      {0, 0, 0}, {r.wheelbase_m, r.track_m, std::max(world.sensor.T_base_sensor.z(), kOver_m)}, 0);
+}
+
+/** Times during the drive at which robot or mover has gone one step after the other. */
+std::vector<double> times_of_drive(
+    const RobotPath& path, const RobotSetup& robot, const Mover& mover)
+{
+  const double way_s = path.length_m() / robot.speed_mps;
+  const double end_s = robot.duration_s > 0 ? robot.duration_s : way_s;
+  std::vector<double> times{0};
+  for (double t : times_along(mover.path))
+    if (t > 0 && t < end_s) times.push_back(t);
+  const double step_s = std::max(kStep_m / robot.speed_mps, way_s / kMostSteps);
+  for (double i = 1; i * step_s < std::min(way_s, end_s); ++i) times.push_back(i * step_s);
+  times.push_back(end_s);
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
 }  // namespace
 
 std::optional<Collision> first_collision(const Mover& mover, const World& world)
 {
   for (const double time_s : times_along(mover.path))
   {
-    const Pose at = mover.pose(time_s);
-    const double above_m = world.ground.height_m(at.x(), at.y()) + kOver_m;
-    for (const Shape& body : mover.placed(time_s, world.ground))
-      for (const Shape& thing : world.objects.shapes())
-        if (thing.mean_free_path_m == 0 && overlap(body, thing, above_m))
-          return Collision{time_s, at.x(), at.y()};
+    const Placed placed(mover, time_s, world.ground);
+    for (const Shape& thing : world.objects.shapes())
+      if (thing.mean_free_path_m == 0 && placed.meets(thing)) return placed.collision();
+  }
+  return std::nullopt;
+}
+
+std::optional<Collision> first_meeting(const Mover& mover, const World& world)
+{
+  const RobotPath path(world.robot, world.ground);
+  const Shape body = body_of_robot(world);
+  for (const double time_s : times_of_drive(path, world.robot, mover))
+  {
+    const Placed placed(mover, time_s, world.ground);
+    Shape robot = body;
+    robot.T_map_shape = compose(path.T_map_base(time_s), body.T_map_shape);
+    if (placed.meets(robot)) return placed.collision();
   }
   return std::nullopt;
 }

@@ -58,13 +58,17 @@ SensorSetup parse_sensor(const Fields& f)
 
 void check_way(const Fields& f, const Mover& mover, const World& world)
 {
-  const auto collision = first_collision(mover, world);
-  if (!collision) return;
-  std::ostringstream what;
-  what << std::fixed << std::setprecision(1) << "leads into an object: at (" << collision->x_m
-       << ", " << collision->y_m << ") after " << collision->time_s
-       << " s; lead it around, or move the object";
-  f.fail("path", what.str());
+  const auto fail = [&](const char* into, const Collision& c, const char* remedy)
+  {
+    std::ostringstream what;
+    what << std::fixed << std::setprecision(1) << "leads into " << into << ": at (" << c.x_m << ", "
+         << c.y_m << ") after " << c.time_s << " s; " << remedy;
+    f.fail("path", what.str());
+  };
+  if (const auto thing = first_collision(mover, world))
+    fail("an object", *thing, "lead it around, or move the object");
+  if (const auto robot = first_meeting(mover, world))
+    fail("the robot", *robot, "lead it around, or let it come earlier or later");
 }
 
 Mover parse_mover(const Fields& f, bool person)

@@ -10,7 +10,7 @@ Ground parse_ground(const YAML::Node& list, const std::string& file);
 /** `path`: of the robot; scattered things keep clear of it. */
 std::vector<Shape> parse_objects(
     const YAML::Node& list, const std::string& file, const Ground& ground, const RobotPath& path);
-/** Its ground and objects are there already. */
+/** Its ground, objects, robot and sensor are there already. */
 std::vector<Mover> parse_movers(
     const YAML::Node& list, const std::string& file, const World& world);
 
@@ -21,5 +21,8 @@ struct Collision
   double time_s, x_m, y_m;
 };
 std::optional<Collision> first_collision(const Mover& mover, const World& world);
+/** When and where, during the drive, it is first inside the robot: a box over its wheels, as high
+ * as its sensor. */
+std::optional<Collision> first_meeting(const Mover& mover, const World& world);
 
 }  // namespace talus::sim
