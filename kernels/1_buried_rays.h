@@ -5,7 +5,8 @@
 namespace talus::kernels
 {
 // Mirrors and wet cars send points back from below the ground. Such a ray would have passed under
-// ground that the same scan sees in the same direction, nearer, where the map has ground too.
+// ground that the same scan sees in the same direction, nearer, where the map has ground too. It
+// saw that ground from above: what a rising ray meets may be the underside of something.
 
 /** A hit is on known ground if it is this near to it; a ray is buried if it passes this far below.
  */
@@ -36,7 +37,8 @@ struct FindGroundHits
   {
     const float slope = float_from_ordered(hit);
     const float height = frame->sensor_z_m + slope * distance_m(ring);
-    const bool on_ground = (state == kMeasured) & (abs_of(height - ground_m) < kOnGround_m);
+    const bool on_ground =
+        (state == kMeasured) & (abs_of(height - ground_m) < kOnGround_m) & (slope < 0.0f);
     return select(on_ground, slope - margin(ring), -kInfinity);
   }
   /** How much lower than a hit the limit is that it may set. */

@@ -464,9 +464,10 @@ struct DropHanging
   TALUS_HD bool concerns(int, int, int i) const { return hangs(store.passed[i]); }
   TALUS_HD void operator()(int, int, int i) const
   {
+    const int flags = store.state[i] == kUnknown ? kHitHighUp | kPassedLow : kHitHighUp;
     store.elevation_m[i] = store.elevation_var_m2[i] = kNan;
     store.misses[i] = 0;  // credit belongs to what stood there
-    store.passed[i] = static_cast<std::uint8_t>(store.passed[i] & ~kHitHighUp);
+    store.passed[i] = static_cast<std::uint8_t>(store.passed[i] & ~flags);
   }
 };
 
@@ -499,8 +500,15 @@ struct FillCell
                        (fill.height_m > before + kLift_m);
     // Else an older fill, or the object, stays.
     const bool filled = (r != kKeep) & inferred.any() & !lifts;
-    const float ground = select(filled, fill.height_m, before);
-    const int state = select(filled, fill.state, state_before);
+    // The underside of something: rays passed below it, and no ground tells what is there. (Once
+    // it is unknown it floats as before, if asked again.)
+    const bool told = inferred.any() & (fill.lines_m < frame->sensor_z_m);
+    const bool above =
+        (before > frame->sensor_z_m) & (bound_m + config->cleanup_margin_m < before) & !told;
+    const bool floats = (r == kObject) & (above | (state_before == kUnknown));
+    const float ground = select(floats, kNan, select(filled, fill.height_m, before));
+    const int measured_or_filled = select(filled, fill.state, state_before);
+    const int state = select(floats, static_cast<int>(kUnknown), measured_or_filled);
     // Behind something that was hit only rays below the height of a step prove that the ground is
     // free; before everything that was hit (the blind zone around the robot) the clearance will do.
     const float proof_m = select(in_open != 0, config->clearance_m, config->step_threshold_m);
@@ -511,7 +519,8 @@ struct FillCell
     const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m) & !undercut;
     const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
     const int kept = passed_before & select(undercut, ~kPassedLow, ~0);
-    const int passed = kept | select(low, kPassedLow, 0) | select(object, kHitHighUp, 0);
+    const int passed =
+        kept | select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);
     store.state[i] = static_cast<std::uint8_t>(state);

@@ -172,6 +172,20 @@ TEST(Stage1Accept, APitThatTheSensorLooksIntoIsNoReflection)
   EXPECT_NEAR(m.ground(2.775, 0.025), -0.26, 1e-3);
 }
 
+TEST(Stage1Accept, WhatIsSeenFromBelowBuriesNothing)
+{
+  // The edge of a bridge overhead is all that the map knows there; behind it is floor.
+  TestMap m;
+  Scan edge, both;
+  const auto bridge = [](double, double) { return 1.5; };
+  edge.add_surface(2.0, -1.0, 2.1, 1.0, bridge);
+  m.update(edge);
+  ASSERT_EQ(m.state(2.025, 0.025), CellState::Measured);
+  both.add_surface(2.0, -1.0, 2.1, 1.0, bridge).add(3.425, 0.025, 0.0);
+  EXPECT_EQ(rejected(m.update(both), Reject::Buried), 0u);
+  EXPECT_EQ(m.ground(3.425, 0.025), 0.0f);
+}
+
 TEST(Stage1Accept, AMapThatDriftedAwayDoesNotBlindTheSensor)
 {
   // The pose sank by 0.3 m: all of the scan lies below the map, and none of it is a reflection.

@@ -324,6 +324,31 @@ TEST(Stage7Fill, AGuessFromOneSideDoesNotLiftWhatWasFilledFromTwo)
   EXPECT_NEAR(m.ground(2.025, 0.525), 0.0, 0.01);
 }
 
+TEST(Stage7Fill, TheUndersideOfSomethingWideIsNoGround)
+{
+  // A bridge above the sensor, of which only the underside is seen: rays to its far parts pass
+  // below its near parts. A bank that is as high faces the sensor.
+  TestMap below, before;
+  const auto bridge = [](double, double) { return 1.5; };
+  const auto bank = [](double x, double) { return 0.7 + 0.6 * (x - 1.9); };
+  for (int frame = 0; frame < 2; frame++)
+  {
+    below.update(Scan().add_surface(2.0, -1.0, 3.5, 1.0, bridge));
+    before.update(Scan().add_surface(2.0, -1.0, 3.5, 1.0, bank));
+    EXPECT_EQ(below.state(2.525, 0.025), CellState::Unknown);
+    EXPECT_TRUE(std::isnan(below.ground(2.525, 0.025)));
+    EXPECT_TRUE(std::isnan(below.elevation(2.525, 0.025)));
+    EXPECT_TRUE(std::isnan(below.traversability(2.525, 0.025)));
+    EXPECT_EQ(before.state(2.525, 0.025), CellState::Measured);
+    EXPECT_NEAR(before.ground(2.525, 0.025), bank(2.525, 0), 1e-3);
+  }
+  // The floor below it is seen at last: it hangs.
+  below.update(
+      Scan().add_surface(1.0, -1.0, 3.0, 1.0, flat).add_surface(2.0, -1.0, 3.0, 1.0, bridge));
+  EXPECT_EQ(below.ground(2.525, 0.025), 0.0f);
+  EXPECT_GT(below.traversability(2.525, 0.025), 0.9f);
+}
+
 TEST(Stage7Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
 {
   TestMap m;
