@@ -207,6 +207,27 @@ TEST(Score, MissesAPostThatTheMapLost)
   EXPECT_EQ(stage.score(map).posts.value(), 0.0);
 }
 
+TEST(WindowTruth, IsOfTheCellsThatTheMapShowsWhereItsPoseErrs)
+{
+  // The map's window follows the pose that it was told, 0.4 m beside the true one. Each of its
+  // cells is compared with what is there, and the robot stands where it really is.
+  const Stage stage(kBox);
+  std::vector<ScanFrame> frames = stage.sequence.frames;
+  frames.back().T_map_sensor.m[3] += 0.4;
+  const Parameters p;
+  const WindowTruth here = window_truth(
+      stage.truth, stage.observed, nullptr, frames, frames.size() - 1, p, nullptr, nullptr);
+  EXPECT_EQ(here.window.min_cell_x, stage.here.window.min_cell_x + 8);
+  const auto at = [&](double x_m, double y_m)
+  { return static_cast<std::size_t>(cell_index(here.window, x_m, y_m)); };
+  EXPECT_EQ(here.blocked_now[at(2.275, 0.025)], 1);
+  EXPECT_EQ(here.blocked_now[at(2.225, 0.025)], 0);
+  EXPECT_EQ(here.blocked_now[at(2.725, 0.025)], 1);
+  EXPECT_EQ(here.blocked_now[at(2.775, 0.025)], 0);
+  EXPECT_EQ(here.start[at(-0.325, 0.025)], 1);
+  EXPECT_EQ(here.start[at(0.375, 0.025)], 0);
+}
+
 TEST(TruthMap, TellsFlatFromSlopeRoughAndSteps)
 {
   const sim::World world = sim::parse_world(
