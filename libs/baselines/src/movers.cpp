@@ -12,7 +12,6 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kOnMover_m = 0.1f;  //!< hits higher than this are on the mover
 constexpr float kSeenThrough_m = 0.1f;
 constexpr int kFreedFrames = 2;
-constexpr int kClear_cells = 2;  //!< cells nearer than this to static obstacles are not judged
 
 /** Half side of the square that holds a mover in any heading [m]. */
 double reach_m(const sim::Mover& mover)
@@ -28,10 +27,7 @@ double reach_m(const sim::Mover& mover)
   return reach;
 }
 
-bool judged(const TruthMap& truth, std::size_t i)
-{
-  return truth.surely_free(i) && truth.to_obstacle[i] >= kClear_cells;
-}
+bool judged(const TruthMap& truth, std::size_t i) { return truth.surely_free(i) && truth.clear(i); }
 
 }  // namespace
 

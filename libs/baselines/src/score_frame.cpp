@@ -9,7 +9,6 @@ namespace talus::baselines
 namespace
 {
 constexpr float kWrong_m = 0.2f;
-constexpr int kClear_cells = 2;
 constexpr double kDitchRange_m = 4.0;
 constexpr float kSparse = 0.5f;
 
@@ -80,7 +79,7 @@ class FrameScorer
     if (state(k) == CellState::FilledTwoSided)
       (here_.could_see[k] ? score_.two_sided_seen : score_.two_sided_unseen).add(error);
     if (state(k) == CellState::FilledOneSided) score_.one_sided.add(error);
-    if (state(k) != CellState::Measured || truth_.to_obstacle[at] < kClear_cells) return;
+    if (state(k) != CellState::Measured || !truth_.clear(at)) return;
     score_.measured_ground[static_cast<std::size_t>(truth_.terrain[at])].add(error);
     score_.measured_elevation.add(truth_.height_error_m(at, map_.elevation_m[k]));
   }
@@ -88,7 +87,7 @@ class FrameScorer
   void hanging(std::size_t k, std::size_t at)
   {
     if (!truth_.hangs[at] || truth_.doubtful[at] || !map_.known(k)) return;
-    if (truth_.to_obstacle[at] < kClear_cells) return;
+    if (!truth_.clear(at)) return;
     if (truth_.truth.underside[at] > here_.highest_shown_m) return;
     score_.hanging_wrong.add(
         truth_.height_error_m(at, map_.ground_m[k]) > kWrong_m ||
@@ -107,7 +106,7 @@ class FrameScorer
     if (!truth_.free(at) || !observed_.ground_hit[at]) return;
     score_.free_passable_all.add(map_.passable(k));
     const int from_obstacle = truth_.to_obstacle[at];
-    if (from_obstacle >= kClear_cells) score_.free_passable.add(map_.passable(k));
+    if (truth_.clear(at)) score_.free_passable.add(map_.passable(k));
     if (from_obstacle >= 1 && from_obstacle <= kRings && distance_to_upright(k) == from_obstacle)
       score_.ring_blocked[static_cast<std::size_t>(from_obstacle - 1)].add(map_.blocked(k));
   }
@@ -161,8 +160,7 @@ class FrameScorer
       if (!here_.reachable[k]) score_.beyond.add(reached[k]);
       if (!here_.reachable[k]) continue;
       score_.reach.add(reached[k]);
-      if (here_.could_see[k] && truth_.to_obstacle[at] >= kClear_cells)
-        score_.reach_seen.add(reached[k]);
+      if (here_.could_see[k] && truth_.clear(at)) score_.reach_seen.add(reached[k]);
     }
   }
 

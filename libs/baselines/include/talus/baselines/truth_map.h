@@ -40,6 +40,8 @@ class TruthMap
   bool blocked(std::size_t i) const { return truth.label[i] == 0.0f; }
   /** Free, and a map that blocks it is wrong. */
   bool surely_free(std::size_t i) const { return free(i) && !doubtful[i]; }
+  /** Two or more cells from obstacles and doubt: one cell of inflation is allowed. */
+  bool clear(std::size_t i) const { return to_obstacle[i] >= 2; }
   /** Whether what makes the cell an obstacle is in all of it. */
   bool covered_whole(std::size_t i) const { return truth.covered[i] == 1.0f; }
   /** Distance [m] of a height from the ground or, where something low enough to be driven over
