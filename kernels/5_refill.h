@@ -234,12 +234,17 @@ struct ChooseRole
     return !is_known(store.elevation_m[i]) & (top_hit_m[i] > ground_m + config->clearance_m);
   }
   /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
-   * wall of which this cell was hit high up only. */
+   * wall of which this cell was hit high up only. What was seen from above, a roof, stands until a
+   * ray passes below it. */
   TALUS_HD void join_column(int i, int px, int py) const
   {
     const float top = top_hit_m[i];
     if (!may_join(i, store.ground_m[i])) return;
-    if (!between_columns(px, py, top - config->clearance_m)) return;
+    if (!between_columns(px, py, top - config->clearance_m))
+    {
+      if ((store.passed[i] & kPassedLow) != 0 || top > frame->sensor_z_m) return;
+      store.passed[i] |= kHitHighUp;
+    }
     store.elevation_m[i] = top;
     store.elevation_var_m2[i] = config->min_variance_m2;
   }

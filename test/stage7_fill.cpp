@@ -370,6 +370,34 @@ TEST(Stage7Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
   EXPECT_GT(m.traversability(2.525, 0.025), 0.9f);
 }
 
+TEST(Stage7Fill, ARoofSeenFromAboveStandsUntilARayPassesBelowIt)
+{
+  // Its floor is a guess between what is seen on both sides; what hangs above the sensor may be a
+  // canopy.
+  const auto floor = [](Scan s)
+  {
+    for (double x : {1.0, 3.0}) s.add_surface(x, -0.5, x + 0.5, 0.5, flat);
+    return s;
+  };
+  const auto roof = [](Scan s, double z_m)
+  {
+    for (double y = -0.475; y < 0.5; y += 0.05) s.add(2.225, y, z_m);
+    return s;
+  };
+  TestMap m;
+  const double sensor_m = 1.3;
+  m.update(floor(Scan(0, 0, sensor_m)));
+  EXPECT_EQ(m.state(2.225, 0.025), CellState::FilledTwoSided);
+  m.update(roof(Scan(0, 0, sensor_m), 1.6));
+  EXPECT_TRUE(std::isnan(m.elevation(2.225, 0.025)));
+  m.update(roof(Scan(0, 0, sensor_m), 0.9));
+  EXPECT_NEAR(m.elevation(2.225, 0.025), 0.9, 1e-3);
+  EXPECT_EQ(m.traversability(2.225, 0.025), 0.0f);
+  m.update(roof(Scan(0, 0, 0.5), 0.9).add_surface(2.6, -0.5, 3.2, 0.5, flat));
+  EXPECT_TRUE(std::isnan(m.elevation(2.225, 0.025)));
+  EXPECT_GT(m.traversability(2.225, 0.025), 0.9f);
+}
+
 TEST(Stage7Fill, ARayThatSeemsToPassBelowMeasuredGroundBoundsNothing)
 {
   // A reflection from 1 m below the ground; the hits beside its ray are of other directions.
