@@ -500,15 +500,11 @@ struct FillCell
                        (fill.height_m > before + kLift_m);
     // Else an older fill, or the object, stays.
     const bool filled = (r != kKeep) & inferred.any() & !lifts;
-    // The underside of something: rays passed below it, and no ground tells what is there. (Once
-    // it is unknown it floats as before, if asked again.)
-    const bool told = inferred.any() & (fill.lines_m < frame->sensor_z_m);
-    const bool above =
-        (before > frame->sensor_z_m) & (bound_m + config->cleanup_margin_m < before) & !told;
-    const bool floats = (r == kObject) & (above | (state_before == kUnknown));
+    const bool floats = is_underside(r, state_before, before, bound_m, inferred, fill);
     const float ground = select(floats, kNan, select(filled, fill.height_m, before));
-    const int measured_or_filled = select(filled, fill.state, state_before);
-    const int state = select(floats, static_cast<int>(kUnknown), measured_or_filled);
+    const float variance = select(floats, kNan, select(filled, fill.variance_m2, var_before));
+    const int known_as = select(filled, fill.state, state_before);
+    const int state = select(floats, static_cast<int>(kUnknown), known_as);
     // Behind something that was hit only rays below the height of a step prove that the ground is
     // free; before everything that was hit (the blind zone around the robot) the clearance will do.
     const float proof_m = select(in_open != 0, config->clearance_m, config->step_threshold_m);
@@ -522,7 +518,7 @@ struct FillCell
     const int passed =
         kept | select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0);
     store.ground_m[i] = ground;
-    store.ground_var_m2[i] = select(filled, fill.variance_m2, var_before);
+    store.ground_var_m2[i] = variance;
     store.state[i] = static_cast<std::uint8_t>(state);
     store.passed[i] = static_cast<std::uint8_t>(passed);
     const float elevation = select(DropHanging::hangs(passed), kNan, store.elevation_m[i]);
@@ -531,6 +527,18 @@ struct FillCell
   }
 
  private:
+  /** What is above the sensor, has rays below it and no ground beside it that tells what is there.
+   * (It is unknown then, and still an underside if asked again.) */
+  TALUS_HD bool is_underside(
+      int of_role, int state_before, float before_m, float bound_m, const Inference& inferred,
+      const Fill& fill) const
+  {
+    const bool told = inferred.any() & (fill.lines_m < frame->sensor_z_m);
+    const bool above =
+        (before_m > frame->sensor_z_m) & (bound_m + config->cleanup_margin_m < before_m) & !told;
+    return (of_role == kObject) & (above | (state_before == kUnknown));
+  }
+
   TALUS_HD void put_surface(Surface& to, float ground, float elevation, int state, int passed) const
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;

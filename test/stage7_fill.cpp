@@ -338,6 +338,7 @@ TEST(Stage7Fill, TheUndersideOfSomethingWideIsNoGround)
     EXPECT_EQ(below.state(2.525, 0.025), CellState::Unknown);
     EXPECT_TRUE(std::isnan(below.ground(2.525, 0.025)));
     EXPECT_TRUE(std::isnan(below.elevation(2.525, 0.025)));
+    EXPECT_TRUE(std::isnan(below.at(Layer::Variance, 2.525, 0.025)));
     EXPECT_TRUE(std::isnan(below.traversability(2.525, 0.025)));
     EXPECT_EQ(before.state(2.525, 0.025), CellState::Measured);
     EXPECT_NEAR(before.ground(2.525, 0.025), bank(2.525, 0), 1e-3);
