@@ -6,7 +6,8 @@ namespace talus::kernels
 {
 // Mirrors and wet cars send points back from below the ground. Such a ray would have passed under
 // ground that the same scan sees in the same direction, nearer, where the map has ground too. It
-// saw that ground from above: what a rising ray meets may be the underside of something.
+// saw that ground from above: what a rising ray meets may be the underside of something. (So below
+// ground that is higher than the sensor reflections stay.)
 
 /** A hit is on known ground if it is this near to it; a ray is buried if it passes this far below.
  */

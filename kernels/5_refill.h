@@ -234,8 +234,8 @@ struct ChooseRole
     return !is_known(store.elevation_m[i]) & (top_hit_m[i] > ground_m + config->clearance_m);
   }
   /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
-   * wall of which this cell was hit high up only. What was seen from above, a roof, stands until a
-   * ray passes below it. */
+   * wall of which this cell was hit high up only. What is no higher than the sensor cannot be the
+   * underside of a roof: it stands until a ray passes low over the guess. */
   TALUS_HD void join_column(int i, int px, int py) const
   {
     const float top = top_hit_m[i];

@@ -464,10 +464,10 @@ struct DropHanging
   TALUS_HD bool concerns(int, int, int i) const { return hangs(store.passed[i]); }
   TALUS_HD void operator()(int, int, int i) const
   {
-    const int flags = store.state[i] == kUnknown ? kHitHighUp | kPassedLow : kHitHighUp;
     store.elevation_m[i] = store.elevation_var_m2[i] = kNan;
-    store.misses[i] = 0;  // credit belongs to what stood there
-    store.passed[i] = static_cast<std::uint8_t>(store.passed[i] & ~flags);
+    store.misses[i] = 0;  // credit and, of an underside, trace belong to what stood there
+    const int kept = store.state[i] == kUnknown ? 0 : store.passed[i] & ~kHitHighUp;
+    store.passed[i] = static_cast<std::uint8_t>(kept);
   }
 };
 
@@ -527,15 +527,16 @@ struct FillCell
   }
 
  private:
-  /** What is above the sensor, has rays below it and no ground beside it that tells what is there.
-   * (It is unknown then, and still an underside if asked again.) */
+  /** What is above the sensor, has rays below it and no lower ground beside it that tells what is
+   * there. (It is unknown then, and still an underside if asked again.) */
   TALUS_HD bool is_underside(
       int of_role, int state_before, float before_m, float bound_m, const Inference& inferred,
       const Fill& fill) const
   {
-    const bool told = inferred.any() & (fill.lines_m < frame->sensor_z_m);
-    const bool above =
-        (before_m > frame->sensor_z_m) & (bound_m + config->cleanup_margin_m < before_m) & !told;
+    const float lower_m = max_of(frame->sensor_z_m, before_m - config->cleanup_margin_m);
+    const bool told = inferred.any() & (fill.lines_m < lower_m);
+    const bool above = (state_before == kMeasured) & (before_m > frame->sensor_z_m) &
+                       (bound_m + config->cleanup_margin_m < before_m) & !told;
     return (of_role == kObject) & (above | (state_before == kUnknown));
   }
 

@@ -235,6 +235,8 @@ TEST(Truth, of_a_steep_stretch_blocks_where_it_rises_by_more_than_a_step)
   gentle.max_slope_rad = 0.001;
   const World hill = world_of("- plane: {slope_x_deg: 1}\n");
   EXPECT_EQ(truth(hill, {0, 0, 1, 1, 0.05}, 0, gentle).label[0], 0);
+  gentle.max_step_m = 0;
+  EXPECT_THROW(truth(hill, {0, 0, 1, 1, 0.05}, 0, gentle), std::invalid_argument);
 }
 
 TEST(Truth, takes_movers_where_they_are_at_the_time_or_leaves_them_out)

@@ -350,6 +350,19 @@ TEST(Stage7Fill, TheUndersideOfSomethingWideIsNoGround)
   EXPECT_GT(below.traversability(2.525, 0.025), 0.9f);
 }
 
+TEST(Stage7Fill, ARailAcrossAHillsideAboveTheSensorIsAnObstacle)
+{
+  // The hill on both sides of it tells the ground below it.
+  const auto hill = [](double x, double) { return 0.35 * x; };
+  Scan s(0, 0, 0.7);
+  s.add_surface(2.2, -1.0, 2.9, 1.0, hill).add_surface(3.1, -1.0, 3.8, 1.0, hill);
+  for (double y = -0.975; y < 1.0; y += 0.02) s.add(3.025, y, hill(3.025, 0) + 0.3);
+  TestMap m;
+  for (int frame = 0; frame < 3; frame++) m.update(s);
+  EXPECT_NEAR(m.ground(3.025, 0.025), hill(3.025, 0), 0.05);
+  EXPECT_EQ(m.traversability(3.025, 0.025), 0.0f);
+}
+
 TEST(Stage7Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
 {
   TestMap m;

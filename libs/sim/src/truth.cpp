@@ -235,6 +235,8 @@ TruthWindow window_around(const Bounds& area, double margin_m, double resolution
 Truth truth(const World& world, const TruthWindow& w, double time_s, const TruthOptions& options)
 {
   check_size(w.cells_x, w.cells_y, w.resolution_m);
+  if (!(options.max_step_m > 0) || !(options.max_slope_rad > 0))
+    throw std::invalid_argument("the limits of step and slope of the truth must be positive");
   const std::size_t cells = static_cast<std::size_t>(w.cells_x) * w.cells_y;
   Truth out;
   out.window = w;

@@ -54,8 +54,8 @@ struct Truth
 };
 
 /** The truth at a time since the start of the drive. Throws std::runtime_error that says how large
- * the raster would be if it needs more than 2 GB, std::invalid_argument for a resolution that is
- * not positive. */
+ * the raster would be if it needs more than 2 GB, std::invalid_argument for a resolution or a
+ * limit of step or slope that is not positive. */
 Truth truth(
     const World& world, const TruthWindow& window, double time_s, const TruthOptions& options = {});
 
