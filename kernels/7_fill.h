@@ -514,6 +514,7 @@ struct FillCell
     const bool undercut = filled & (fill.height_m < fill.lines_m - kUndercut_m);
     const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m) & !undercut;
     const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
+    // What floats is dropped as what hangs.
     const int kept = passed_before & select(undercut, ~kPassedLow, ~0);
     const int passed =
         kept | select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0);

@@ -70,22 +70,20 @@ std::vector<double> times_along(const std::vector<Mover::Stop>& path)
 struct Placed
 {
   Placed(const Mover& mover, double at_s, const Ground& ground)
-      : time_s(at_s), at(mover.pose(at_s)), bodies(mover.placed(at_s, ground))
+      : time_s(at_s), at(mover.on_ground(at_s, ground)), bodies(mover.placed(at))
   {
-    above_m = ground.height_m(at.x(), at.y()) + kOver_m;
   }
   bool meets(const Shape& thing) const
   {
     return std::any_of(
         bodies.begin(), bodies.end(),
-        [&](const Shape& body) { return overlap(body, thing, above_m); });
+        [&](const Shape& body) { return overlap(body, thing, at.z() + kOver_m); });
   }
   Collision collision() const { return {time_s, at.x(), at.y()}; }
 
   double time_s;
   Pose at;
   std::vector<Shape> bodies;
-  double above_m;
 };
 
 /** The robot: a box over its wheels, as high as its sensor. */
@@ -101,7 +99,7 @@ std::vector<double> times_of_drive(
     const RobotPath& path, const RobotSetup& robot, const Mover& mover)
 {
   const double way_s = path.length_m() / robot.speed_mps;
-  const double end_s = robot.duration_s > 0 ? robot.duration_s : way_s;
+  const double end_s = path.duration_s();
   std::vector<double> times{0};
   for (double t : times_along(mover.path))
     if (t > 0 && t < end_s) times.push_back(t);

@@ -38,8 +38,7 @@ Drive::Drive(const World& world, const DriveOptions& options)
       path_(world.robot, world.ground),
       seed_(options.seed.value_or(world.seed))
 {
-  const double duration_s = world.robot.duration_s > 0 ? world.robot.duration_s
-                                                       : path_.length_m() / world.robot.speed_mps;
+  const double duration_s = path_.duration_s();
   double frames = std::floor(duration_s * scanner_.rate_hz + 1e-6) + 1;
   if (options.frames) frames = std::min(frames, static_cast<double>(*options.frames));
   if (!(frames <= kMaxFrames))

@@ -48,6 +48,11 @@ RobotPath::RobotPath(const RobotSetup& setup, const Ground& ground) : setup_(set
   }
 }
 
+double RobotPath::duration_s() const
+{
+  return setup_.duration_s > 0 ? setup_.duration_s : length_m() / setup_.speed_mps;
+}
+
 double RobotPath::distance_m(double time_s) const
 {
   return std::clamp(setup_.speed_mps * time_s, 0.0, length_m());

@@ -24,12 +24,17 @@ Pose Mover::pose(double time_s) const
   return pose_from_rpy({a->x_m + w * dx, a->y_m + w * dy, 0}, 0, 0, yaw);
 }
 
-std::vector<Shape> Mover::placed(double time_s, const Ground& ground) const
+Pose Mover::on_ground(double time_s, const Ground& ground) const
 {
   Pose T = pose(time_s);
   T.m[11] = ground.height_m(T.x(), T.y());
+  return T;
+}
+
+std::vector<Shape> Mover::placed(const Pose& T_map_mover) const
+{
   std::vector<Shape> in_map = shapes;
-  for (Shape& s : in_map) s.T_map_shape = compose(T, s.T_map_shape);
+  for (Shape& s : in_map) s.T_map_shape = compose(T_map_mover, s.T_map_shape);
   return in_map;
 }
 
@@ -37,7 +42,7 @@ Scene::Scene(const World& world, double time_s, bool with_movers) : world_(world
 {
   if (!with_movers) return;
   for (const Mover& m : world.movers)
-    for (const Shape& s : m.placed(time_s, world.ground)) movers_.push_back(s);
+    for (const Shape& s : m.placed(m.on_ground(time_s, world.ground))) movers_.push_back(s);
 }
 
 std::optional<Scene::Hit> Scene::cast(const Ray& ray, double max_m, std::uint64_t chance) const

@@ -14,6 +14,8 @@ class RobotPath
 
   /** Length of the curve seen from above [m]. */
   double length_m() const { return points_.back().distance_m; }
+  /** Of the drive [s]: what its setup says, else as long as the way takes. */
+  double duration_s() const;
   /** Distance driven by a time [m]. */
   double distance_m(double time_s) const;
 

@@ -39,11 +39,11 @@ struct TruthOptions
  * be driven over; NaN where there is nothing.
  * - `underside` [m]: lowest underside with more than 1 cm of air below it; NaN where nothing hangs.
  * - `label`: 0 (blocked) if at any sampled place what stands is higher than min_obstacle_m above
- *   the ground, if the mean gradient of the ground in the cell is steeper than max_slope_rad and a
- *   stretch through its centre that is so steep rises by more than max_step_m, or if a vertical
- * face of the ground higher than that is in the cell or on its border. 1 (free) otherwise. NaN
- * where the ground is not defined: beyond the border of a height image; the other layers are then
- * NaN too.
+ *   the ground, if the mean gradient of the ground in the cell is steeper than max_slope_rad and
+ *   a stretch through its centre that is so steep rises by more than max_step_m, or if a vertical
+ *   face of the ground higher than that is in the cell or on its border. 1 (free) otherwise. NaN
+ *   where the ground is not defined: beyond the border of a height image; the other layers are
+ *   then NaN too.
  * - `covered`: of blocked cells, the share of the sampled places at which something stands higher
  * than min_obstacle_m, or, if that is more, beside which the ground is too steep; 0 in free cells.
  */

@@ -24,8 +24,10 @@ struct Mover
 
   /** Where it is at a time, with z = 0; it faces the way it goes. */
   Pose pose(double time_s) const;
-  /** Its shapes at a time, map frame. */
-  std::vector<Shape> placed(double time_s, const Ground& ground) const;
+  /** The same with its origin on the ground. */
+  Pose on_ground(double time_s, const Ground& ground) const;
+  /** Its shapes where it is, map frame. */
+  std::vector<Shape> placed(const Pose& T_map_mover) const;
 };
 
 /** The robot and its way, map frame. */
