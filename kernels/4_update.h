@@ -206,7 +206,7 @@ TALUS_HD float standing_m(const Cell& c, bool stands)
 
 /** Whether all points of a cell hang above what is known to stand there. Over a guess below which
  * no ray passed that is not known, a wall may be hit high up first: it stands until a ray passes
- * there. */
+ * there, or until the ground itself is hit, and only what is joined to it goes on standing. */
 TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
 {
   const HeightPoint low = ends.lowest(), high = ends.highest();
@@ -217,6 +217,10 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
   const bool higher = hangs & guess & !(hit_high_up & (c.elevation_m >= high.height_m));
   c.elevation_m = select(higher, high.height_m, c.elevation_m);
   c.elevation_var_m2 = select(higher, high.variance_m2, c.elevation_var_m2);
+  const bool floor = low.height_m < c.ground_m + 0.5f * k.step_threshold_m;
+  const bool dropped = hit_high_up & !hangs & floor;
+  c.elevation_m = select(dropped, kNan, c.elevation_m);
+  c.elevation_var_m2 = select(dropped, kNan, c.elevation_var_m2);
   c.passed = select(hangs, c.passed, c.passed & ~kHitHighUp);
   c.passed = select(higher, c.passed | kHitHighUp, c.passed);
   return hangs;

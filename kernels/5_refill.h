@@ -24,6 +24,7 @@ struct SupportGrid
   int pad;  //!< places beside each row that hold infinity
   float* lowest_m;  //!< lowest measured ground, infinity: none
   float* column_m;  //!< highest top of something upright, -infinity: none
+  float* overhang_m;  //!< the same of what rays pass below
   float* eroded_m;  //!< lowest ground of the neighbourhood
   float* cone_m;  //!< lowest ground of the neighbourhood, raised with distance
   float* limit_m;  //!< how high ground stands there at most
@@ -44,15 +45,22 @@ TALUS_HD int support_side(const Config& k) { return k.cells / 2 + 1 + 2 * suppor
 /** What pooled cells hold. */
 struct Support
 {
-  float lowest_m = kInfinity, column_m = -kInfinity;
+  float lowest_m = kInfinity, column_m = -kInfinity, overhang_m = -kInfinity;
 
-  static constexpr auto fields() { return std::make_tuple(&Support::lowest_m, &Support::column_m); }
+  static constexpr auto fields()
+  {
+    return std::make_tuple(&Support::lowest_m, &Support::column_m, &Support::overhang_m);
+  }
   TALUS_HD void add(const Support& other)
   {
     lowest_m = min_of(lowest_m, other.lowest_m);
     column_m = max_of(column_m, other.column_m);
+    overhang_m = max_of(overhang_m, other.overhang_m);
   }
 };
+
+/** Frames for which little but what overhangs stands without a hit. */
+constexpr int kOverhangCredit = kMaxCredit / 2;
 
 struct PoolSupport
 {
@@ -68,19 +76,23 @@ struct PoolSupport
     const float ground = store.ground_m[i], top = store.elevation_m[i];
     const bool measured = store.state[i] == kMeasured;
     const bool upright = measured & (top - ground > 0.5f * config->clearance_m);
-    return {select(measured, ground, kInfinity), select(upright, top, -kInfinity)};
+    const bool overhangs = upright & (store.misses[i] <= -kOverhangCredit);
+    return {
+        select(measured, ground, kInfinity), select(upright, top, -kInfinity),
+        select(overhangs, top, -kInfinity)};
   }
   /** What goes on beyond the window: bare ground. What is as high as the sensor is not seen from
    * above: it is a face. */
   TALUS_HD Support beyond(const Support& border) const
   {
     const bool bare = border.column_m == -kInfinity, low = border.lowest_m <= frame->sensor_z_m;
-    return {select(bare & low, border.lowest_m, kInfinity), -kInfinity};
+    return {select(bare & low, border.lowest_m, kInfinity), -kInfinity, -kInfinity};
   }
   TALUS_HD void put(int px, int py, const Support& pooled) const
   {
     grid.lowest_m[grid.at(px, py)] = pooled.lowest_m;
     grid.column_m[grid.at(px, py)] = pooled.column_m;
+    grid.overhang_m[grid.at(px, py)] = pooled.overhang_m;
   }
 
   TALUS_HD void operator()(int px, int py) const
@@ -166,6 +178,12 @@ struct HighestGround
   static constexpr auto fields() { return std::make_tuple(&HighestGround::height_m); }
 };
 
+/** How high ground may be that is no steeper than ground. */
+TALUS_HD float cone_limit_m(const Config& k, float cone_m)
+{
+  return cone_m + 0.25f * k.step_threshold_m;
+}
+
 /** Dilation of what was eroded, and what follows: ground is what is not both narrow and steep. */
 struct OpenSupport
 {
@@ -191,9 +209,9 @@ struct OpenSupport
 
   TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
   {
-    const float step_m = config->step_threshold_m;
-    const int o = grid.at(px, py);
-    grid.limit_m[o] = max_of(grid.cone_m[o] + 0.25f * step_m, opened.height_m + 0.5f * step_m);
+    const float by_cone_m = cone_limit_m(*config, grid.cone_m[grid.at(px, py)]);
+    const float by_width_m = opened.height_m + 0.5f * config->step_threshold_m;
+    grid.limit_m[grid.at(px, py)] = max_of(by_cone_m, by_width_m);
   }
   TALUS_HD bool concerns(int, int, const HighestGround&) const { return false; }
   TALUS_HD void finish(int, int) const {}
@@ -217,7 +235,8 @@ struct ChooseRole
     const bool stays = may_be_ground(
         grid.at(grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y)), ground);
     role[i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
-    return select(measured, !stays, may_join(i, ground));
+    const bool stands_anew = may_join(i, ground) | may_be_bank(i, ground);
+    return select(measured, !stays, stands_anew) | may_be_top(i, ground);
   }
   TALUS_HD void operator()(int x, int y, int i) const
   {
@@ -225,13 +244,52 @@ struct ChooseRole
     const bool measured = store.state[i] == kMeasured;
     role[i] = measured ? role_of_measured(px, py, store.ground_m[i]) : kInfer;
     if (!measured) join_column(i, px, py);
+    if (!measured) take_bank(i, grid.at(px, py));
+    join_overhang(x, y, i, px, py);
   }
 
  private:
   TALUS_HD bool may_be_ground(int o, float ground_m) const { return ground_m <= grid.limit_m[o]; }
+  TALUS_HD bool hit_above(int i, float ground_m) const
+  {
+    return top_hit_m[i] > ground_m + config->clearance_m;
+  }
   TALUS_HD bool may_join(int i, float ground_m) const
   {
-    return !is_known(store.elevation_m[i]) & (top_hit_m[i] > ground_m + config->clearance_m);
+    return !is_known(store.elevation_m[i]) & hit_above(i, ground_m);
+  }
+  TALUS_HD bool may_be_top(int i, float ground_m) const
+  {
+    const bool stands = store.elevation_m[i] > ground_m + 0.5f * config->clearance_m;
+    return hit_above(i, ground_m) & !stands & (top_hit_m[i] <= frame->sensor_z_m);
+  }
+  TALUS_HD bool may_be_bank(int i, float ground_m) const
+  {
+    const bool stands = store.elevation_m[i] > ground_m + config->step_threshold_m;
+    return stands & (top_hit_m[i] > -kInfinity) & ((store.passed[i] & kHitHighUp) == 0);
+  }
+  /** What stood over a guess is ground where it is hit again and is as wide as ground by now: of a
+   * bank the brink is seen first, a narrow strip with lower ground before it. */
+  TALUS_HD void take_bank(int i, int o) const
+  {
+    const float top = store.elevation_m[i], by_cone_m = cone_limit_m(*config, grid.cone_m[o]);
+    if (!may_be_bank(i, store.ground_m[i]) || !may_be_ground(o, top)) return;
+    if (grid.limit_m[o] <= by_cone_m) return;  // no wider than it was
+    store.state[i] = kMeasured;
+    store.ground_m[i] = top;
+    store.ground_var_m2[i] = store.elevation_var_m2[i];
+    role[i] = kKeep;
+  }
+  /** What was hit too high to stand on known ground, as seen from above, is the top of the thing
+   * whose face overhangs before it, a trailer or a car: the robot fits as little below its middle
+   * as below its face. It stands as long as the face. */
+  TALUS_HD void join_overhang(int x, int y, int i, int px, int py) const
+  {
+    const float top = top_hit_m[i];
+    if (!may_be_top(i, store.ground_m[i]) || !behind_overhang(x, y, px, py, top)) return;
+    store.elevation_m[i] = top;
+    store.elevation_var_m2[i] = config->min_variance_m2;
+    store.misses[i] = -kMaxCredit;
   }
   /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
    * wall of which this cell was hit high up only. What is no higher than the sensor cannot be the
@@ -262,6 +320,37 @@ struct ChooseRole
     const int pitch = grid.side + 2 * grid.pad, steps[] = {1, pitch, pitch + 1, pitch - 1};
     for (const int step : steps)
       if (at[-step] >= height_m && at[step] >= height_m) return true;
+    return false;
+  }
+
+  /** Whether a face that overhangs stands as high between the pooled cell and the sensor, in four
+   * of five lanes: wider than the leg of a table. No farther than a thing reaches that is narrower
+   * than ground. */
+  TALUS_HD bool behind_overhang(int x, int y, int px, int py, float height_m) const
+  {
+    const auto dx = static_cast<float>(config->cells / 2 - x);
+    const auto dy = static_cast<float>(config->cells / 2 - y);
+    const float length = sqrtf(dx * dx + dy * dy);
+    if (length == 0.0f) return false;
+    const float ux = dx / length, uy = dy / length;
+    int lanes = 0;
+    for (int lane = -2; lane <= 2; lane++)
+      lanes += overhang_in_lane(px, py, ux, uy, static_cast<float>(lane), height_m) ? 1 : 0;
+    return lanes >= 4;
+  }
+  TALUS_HD bool overhang_in_lane(
+      int px, int py, float ux, float uy, float lane, float height_m) const
+  {
+    const float tolerance_m = 0.5f * config->step_threshold_m;
+    const int reach = 2 * dilation_radius(*config);
+    for (int r = 1; r <= reach; r++)
+    {
+      const float ahead = static_cast<float>(r);
+      const int qx = px + floor_to_int(ahead * ux - lane * uy + 0.5f);
+      const int qy = py + floor_to_int(ahead * uy + lane * ux + 0.5f);
+      if (qx < 0 || qy < 0 || qx >= grid.side || qy >= grid.side) return false;
+      if (abs_of(grid.overhang_m[grid.at(qx, qy)] - height_m) <= tolerance_m) return true;
+    }
     return false;
   }
 

@@ -112,6 +112,23 @@ TEST(Stage4Update, AnObjectSeenBeforeTheGroundUnderItHangsOnceTheGroundIsSeen)
   EXPECT_NEAR(m.elevation(kX, kY), 0.0, 1e-6);
 }
 
+TEST(Stage4Update, WhatStoodOverAGuessHangsOnceTheFloorBelowItIsHit)
+{
+  // The floor is known on one side, so that the ground below the sign is a guess from there, and
+  // what was hit high above it may be a wall. In the next frame a cell shows floor and sign.
+  const auto sign = [](double, double) { return 0.9; };
+  TestMap m;
+  m.update(Scan(0, 0, 0.5).add_surface(0.5, -1, 2.0, 1, flat));
+  m.update(Scan(0, 0, 0.5).add_surface(2.05, -0.5, 2.1, 0.5, sign));
+  EXPECT_EQ(m.state(2.075, 0.025), CellState::FilledOneSided);
+  EXPECT_NEAR(m.elevation(2.075, 0.025), 0.9, 1e-5);
+  Scan both;
+  both.add_surface(2.05, -0.5, 2.1, 0.5, sign).add_surface(2.05, -0.5, 2.1, 0.5, flat);
+  m.update(both);
+  EXPECT_NEAR(m.elevation(2.075, 0.025), 0.0, 1e-5);
+  EXPECT_GT(m.traversability(2.075, 0.025), 0.99f);
+}
+
 TEST(Stage4Update, GroundFoundLessThanTheClearanceBelowAnObjectMakesItAnObstacle)
 {
   TestMap m;

@@ -143,6 +143,52 @@ TEST(Stage5Refill, TheEdgeOfAPlatformIsGround)
   }
 }
 
+TEST(Stage5Refill, ABankOfWhichOnlyTheBrinkWasSeenIsGroundWhenItTurnsOutWide)
+{
+  // The ground beyond it is low again, so that what is guessed below it is told from two sides.
+  const auto low = [](double, double) { return -0.5; };
+  const auto see = [&](TestMap& m, double to_m)
+  { m.update(Scan(1).add_surface(0, -1, 2, 1, low).add_surface(2, -1, to_m, 1, flat)); };
+  TestMap wide, narrow;
+  for (TestMap* m : {&wide, &narrow}) m->update(Scan(5).add_surface(3.7, -1, 4.4, 1, low));
+  see(wide, 2.1);
+  EXPECT_EQ(wide.state(2.025, 0.025), CellState::FilledTwoSided) << "it may be a wall";
+  see(wide, 3.6);
+  EXPECT_EQ(wide.state(2.025, 0.025), CellState::Measured);
+  EXPECT_NEAR(wide.ground(2.025, 0.025), 0.0, 1e-5);
+  see(narrow, 2.1);
+  see(narrow, 2.1);
+  EXPECT_NE(narrow.state(2.025, 0.025), CellState::Measured) << "a wall stays one";
+}
+
+/** Share of the cells inside a thing, half a metre from its sides, that are blocked after a drive
+ * past it. */
+double blocked_inside(const std::vector<Box>& boxes, const Box& thing)
+{
+  TestMap m;
+  for (double x = -0.5; x < 2.5; x += 0.1)
+    m.update(Scan(x, 0, 1.0).cast(boxes, 720, -0.6, 0.1, 96));
+  int cells = 0, blocked = 0;
+  for (double x = thing.min[0] + 0.525; x < thing.max[0] - 0.5; x += 0.05)
+    for (double y = thing.min[1] + 0.525; y < thing.max[1] - 0.5; y += 0.05)
+      cells++, blocked += m.traversability(x, y) == 0.0f;
+  return static_cast<double>(blocked) / cells;
+}
+
+TEST(Stage5Refill, WhatHasAirBelowItIsBlockedInItsMiddleToo)
+{
+  // A trailer whose floor is 0.4 m above the ground, which rays reach below it, and its top is seen
+  // from above. Below a table of the same height the robot fits.
+  const Box trailer{{1.0, 1.0, 0.4}, {2.6, 2.4, 0.8}};
+  EXPECT_GT(blocked_inside({trailer}, trailer), 0.9);
+
+  const Box plate{{1.0, 1.0, 0.75}, {2.6, 2.4, 0.8}};
+  std::vector<Box> table{plate};
+  for (const double x : {1.0, 2.52})
+    for (const double y : {1.0, 2.32}) table.push_back({{x, y, 0}, {x + 0.08, y + 0.08, 0.75}});
+  EXPECT_EQ(blocked_inside(table, plate), 0.0);
+}
+
 TEST(Stage5Refill, AStripOfAPlatformAtTheWindowsBorderIsGround)
 {
   // 0.3 and 0.25 m of it are inside, on each side in turn; the window ends 4 m from the sensor.

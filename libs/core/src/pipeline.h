@@ -408,8 +408,11 @@ class Pipeline final : public BackendInterface
     const int pad = kernels::dilation_radius(host_config_);
     const auto n = static_cast<std::size_t>(side) * static_cast<std::size_t>(side + 2 * pad);
     float* p = support_.data();
-    return {side,     kernels::support_margin(host_config_), pad, p, p + n, p + 2 * n, p + 3 * n,
-            p + 4 * n};
+    return {side,      kernels::support_margin(host_config_),
+            pad,       p,
+            p + n,     p + 2 * n,
+            p + 3 * n, p + 4 * n,
+            p + 5 * n};
   }
   kernels::LookThrough look()
   {
@@ -488,7 +491,7 @@ class Pipeline final : public BackendInterface
 
   float* judged() { return Executor::kWalksLines ? judged_.data() + side() + 1 : nullptr; }
 
-  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 5;
+  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 6;
 
   /** What a frame does not share with the one that is in flight beside it. */
   struct Slot
