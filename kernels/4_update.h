@@ -221,6 +221,7 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
   const bool dropped = hit_high_up & !hangs & floor;
   c.elevation_m = select(dropped, kNan, c.elevation_m);
   c.elevation_var_m2 = select(dropped, kNan, c.elevation_var_m2);
+  c.misses = select(dropped, 0, c.misses);  // its credit goes with it
   c.passed = select(hangs, c.passed, c.passed & ~kHitHighUp);
   c.passed = select(higher, c.passed | kHitHighUp, c.passed);
   return hangs;

@@ -59,7 +59,7 @@ struct Support
   }
 };
 
-/** Frames for which little but what overhangs stands without a hit. */
+/** A credit that little but what overhangs earns, and hedges and railings in time. */
 constexpr int kOverhangCredit = kMaxCredit / 2;
 
 struct PoolSupport
@@ -261,15 +261,20 @@ struct ChooseRole
   TALUS_HD bool may_be_top(int i, float ground_m) const
   {
     const bool stands = store.elevation_m[i] > ground_m + 0.5f * config->clearance_m;
-    return hit_above(i, ground_m) & !stands & (top_hit_m[i] <= frame->sensor_z_m);
+    const bool guess = store.state[i] == kFilledOneSided;  // there join_column() decides
+    return hit_above(i, ground_m) & !stands & !guess & (top_hit_m[i] <= frame->sensor_z_m);
   }
   TALUS_HD bool may_be_bank(int i, float ground_m) const
   {
-    const bool stands = store.elevation_m[i] > ground_m + config->step_threshold_m;
-    return stands & (top_hit_m[i] > -kInfinity) & ((store.passed[i] & kHitHighUp) == 0);
+    const float step_m = config->step_threshold_m, top = store.elevation_m[i];
+    const bool stands = top > ground_m + step_m;
+    const bool hit = abs_of(top_hit_m[i] - top) <= 0.5f * step_m;
+    const bool seen_below = (store.misses[i] < 0) | ((store.passed[i] & kHitHighUp) != 0);
+    return stands & hit & !seen_below;
   }
-  /** What stood over a guess is ground where it is hit again and is as wide as ground by now: of a
-   * bank the brink is seen first, a narrow strip with lower ground before it. */
+  /** What stood over a guess is ground where its top is hit again and is no higher than ground
+   * beside it that is wide: of a bank the brink is seen first, a narrow strip with lower ground
+   * before it. Below ground no rays pass. */
   TALUS_HD void take_bank(int i, int o) const
   {
     const float top = store.elevation_m[i], by_cone_m = cone_limit_m(*config, grid.cone_m[o]);
@@ -280,16 +285,16 @@ struct ChooseRole
     store.ground_var_m2[i] = store.elevation_var_m2[i];
     role[i] = kKeep;
   }
-  /** What was hit too high to stand on known ground, as seen from above, is the top of the thing
+  /** What was hit too high to stand on the ground, as seen from above, is the top of the thing
    * whose face overhangs before it, a trailer or a car: the robot fits as little below its middle
-   * as below its face. It stands as long as the face. */
+   * as below its face. It has the least credit that such a face may have. */
   TALUS_HD void join_overhang(int x, int y, int i, int px, int py) const
   {
     const float top = top_hit_m[i];
     if (!may_be_top(i, store.ground_m[i]) || !behind_overhang(x, y, px, py, top)) return;
     store.elevation_m[i] = top;
     store.elevation_var_m2[i] = config->min_variance_m2;
-    store.misses[i] = -kMaxCredit;
+    store.misses[i] = static_cast<std::int8_t>(-kOverhangCredit);
   }
   /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
    * wall of which this cell was hit high up only. What is no higher than the sensor cannot be the

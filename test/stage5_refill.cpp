@@ -158,35 +158,56 @@ TEST(Stage5Refill, ABankOfWhichOnlyTheBrinkWasSeenIsGroundWhenItTurnsOutWide)
   EXPECT_NEAR(wide.ground(2.025, 0.025), 0.0, 1e-5);
   see(narrow, 2.1);
   see(narrow, 2.1);
-  EXPECT_NE(narrow.state(2.025, 0.025), CellState::Measured) << "a wall stays one";
+  EXPECT_EQ(narrow.state(2.025, 0.025), CellState::FilledTwoSided) << "a wall stays one";
+  EXPECT_NEAR(narrow.elevation(2.025, 0.025), 0.0, 1e-5);
 }
 
-/** Share of the cells inside a thing, half a metre from its sides, that are blocked after a drive
- * past it. */
-double blocked_inside(const std::vector<Box>& boxes, const Box& thing)
+/** A map after a drive past some things. */
+void drive_past(TestMap& m, const std::vector<Box>& boxes)
 {
-  TestMap m;
   for (double x = -0.5; x < 2.5; x += 0.1)
     m.update(Scan(x, 0, 1.0).cast(boxes, 720, -0.6, 0.1, 96));
-  int cells = 0, blocked = 0;
+}
+
+/** Share of the cells inside a thing, half a metre from its sides, of which `is` holds. */
+template <class Predicate>
+double share_inside(const TestMap& m, const Box& thing, Predicate is)
+{
+  int cells = 0, those = 0;
   for (double x = thing.min[0] + 0.525; x < thing.max[0] - 0.5; x += 0.05)
     for (double y = thing.min[1] + 0.525; y < thing.max[1] - 0.5; y += 0.05)
-      cells++, blocked += m.traversability(x, y) == 0.0f;
-  return static_cast<double>(blocked) / cells;
+      cells++, those += is(m.traversability(x, y));
+  return static_cast<double>(those) / cells;
 }
+bool blocked(float traversability) { return traversability == 0.0f; }
+bool passable(float traversability) { return traversability > 0.0f; }
+
+/** A trailer whose floor is 0.4 m above the ground: rays reach the ground below it, and its top is
+ * seen from above. */
+const Box kTrailer{{1.0, 1.0, 0.4}, {2.6, 2.4, 0.8}};
 
 TEST(Stage5Refill, WhatHasAirBelowItIsBlockedInItsMiddleToo)
 {
-  // A trailer whose floor is 0.4 m above the ground, which rays reach below it, and its top is seen
-  // from above. Below a table of the same height the robot fits.
-  const Box trailer{{1.0, 1.0, 0.4}, {2.6, 2.4, 0.8}};
-  EXPECT_GT(blocked_inside({trailer}, trailer), 0.9);
+  TestMap trailer, table;
+  drive_past(trailer, {kTrailer});
+  EXPECT_GT(share_inside(trailer, kTrailer, blocked), 0.9);
 
+  // Below a table of the same height the robot fits.
   const Box plate{{1.0, 1.0, 0.75}, {2.6, 2.4, 0.8}};
-  std::vector<Box> table{plate};
+  std::vector<Box> boxes{plate};
   for (const double x : {1.0, 2.52})
-    for (const double y : {1.0, 2.32}) table.push_back({{x, y, 0}, {x + 0.08, y + 0.08, 0.75}});
-  EXPECT_EQ(blocked_inside(table, plate), 0.0);
+    for (const double y : {1.0, 2.32}) boxes.push_back({{x, y, 0}, {x + 0.08, y + 0.08, 0.75}});
+  drive_past(table, boxes);
+  EXPECT_EQ(share_inside(table, plate, passable), 1.0);
+}
+
+TEST(Stage5Refill, WhatHadAirBelowItIsForgottenWhenItHasGone)
+{
+  // As its faces are, after 108 frames.
+  TestMap m;
+  drive_past(m, {kTrailer});
+  for (int i = 0; i < 110; i++) m.update(Scan(2.5, 0, 1.0).cast({}, 720, -0.6, 0.1, 96));
+  EXPECT_EQ(share_inside(m, kTrailer, passable), 1.0);
 }
 
 TEST(Stage5Refill, AStripOfAPlatformAtTheWindowsBorderIsGround)
