@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/cell.h"
+#include "kernels/rays.h"
 
 #include <tuple>
 
@@ -58,9 +58,6 @@ struct Support
     overhang_m = max_of(overhang_m, other.overhang_m);
   }
 };
-
-/** A credit that little but what overhangs earns, and hedges and railings in time. */
-constexpr int kOverhangCredit = kMaxCredit / 2;
 
 struct PoolSupport
 {
@@ -243,8 +240,11 @@ struct ChooseRole
     const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
     const bool measured = store.state[i] == kMeasured;
     role[i] = measured ? role_of_measured(px, py, store.ground_m[i]) : kInfer;
-    if (!measured) join_column(i, px, py);
-    if (!measured) take_bank(i, grid.at(px, py));
+    if (!measured)
+    {
+      join_column(i, px, py);
+      take_bank(i, grid.at(px, py));
+    }
     join_overhang(x, y, i, px, py);
   }
 
@@ -254,6 +254,8 @@ struct ChooseRole
   {
     return top_hit_m[i] > ground_m + config->clearance_m;
   }
+  /** What is no higher than the sensor cannot be the underside of a roof. */
+  TALUS_HD bool seen_from_above(int i) const { return top_hit_m[i] <= frame->sensor_z_m; }
   TALUS_HD bool may_join(int i, float ground_m) const
   {
     return !is_known(store.elevation_m[i]) & hit_above(i, ground_m);
@@ -262,7 +264,7 @@ struct ChooseRole
   {
     const bool stands = store.elevation_m[i] > ground_m + 0.5f * config->clearance_m;
     const bool guess = store.state[i] == kFilledOneSided;  // there join_column() decides
-    return hit_above(i, ground_m) & !stands & !guess & (top_hit_m[i] <= frame->sensor_z_m);
+    return hit_above(i, ground_m) & !stands & !guess & seen_from_above(i);
   }
   TALUS_HD bool may_be_bank(int i, float ground_m) const
   {
@@ -290,25 +292,26 @@ struct ChooseRole
    * as below its face. It has the least credit that such a face may have. */
   TALUS_HD void join_overhang(int x, int y, int i, int px, int py) const
   {
-    const float top = top_hit_m[i];
-    if (!may_be_top(i, store.ground_m[i]) || !behind_overhang(x, y, px, py, top)) return;
-    store.elevation_m[i] = top;
-    store.elevation_var_m2[i] = config->min_variance_m2;
+    if (!may_be_top(i, store.ground_m[i]) || !behind_overhang(x, y, px, py, top_hit_m[i])) return;
+    put_top(i);
     store.misses[i] = static_cast<std::int8_t>(-kOverhangCredit);
   }
   /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
-   * wall of which this cell was hit high up only. What is no higher than the sensor cannot be the
-   * underside of a roof: it stands until a ray passes low over the guess. */
+   * wall of which this cell was hit high up only. What is seen from above stands until a ray passes
+   * low over the guess. */
   TALUS_HD void join_column(int i, int px, int py) const
   {
-    const float top = top_hit_m[i];
     if (!may_join(i, store.ground_m[i])) return;
-    if (!between_columns(px, py, top - config->clearance_m))
+    if (!between_columns(px, py, top_hit_m[i] - config->clearance_m))
     {
-      if ((store.passed[i] & kPassedLow) != 0 || top > frame->sensor_z_m) return;
+      if ((store.passed[i] & kPassedLow) != 0 || !seen_from_above(i)) return;
       store.passed[i] |= kHitHighUp;
     }
-    store.elevation_m[i] = top;
+    put_top(i);
+  }
+  TALUS_HD void put_top(int i) const
+  {
+    store.elevation_m[i] = top_hit_m[i];
     store.elevation_var_m2[i] = config->min_variance_m2;
   }
 
@@ -337,22 +340,22 @@ struct ChooseRole
     const auto dy = static_cast<float>(config->cells / 2 - y);
     const float length = sqrtf(dx * dx + dy * dy);
     if (length == 0.0f) return false;
-    const float ux = dx / length, uy = dy / length;
+    const Direction to_sensor{dx / length, dy / length};
     int lanes = 0;
     for (int lane = -2; lane <= 2; lane++)
-      lanes += overhang_in_lane(px, py, ux, uy, static_cast<float>(lane), height_m) ? 1 : 0;
+      lanes += overhang_in_lane(px, py, to_sensor, static_cast<float>(lane), height_m) ? 1 : 0;
     return lanes >= 4;
   }
   TALUS_HD bool overhang_in_lane(
-      int px, int py, float ux, float uy, float lane, float height_m) const
+      int px, int py, const Direction& d, float lane, float height_m) const
   {
     const float tolerance_m = 0.5f * config->step_threshold_m;
     const int reach = 2 * dilation_radius(*config);
     for (int r = 1; r <= reach; r++)
     {
       const float ahead = static_cast<float>(r);
-      const int qx = px + floor_to_int(ahead * ux - lane * uy + 0.5f);
-      const int qy = py + floor_to_int(ahead * uy + lane * ux + 0.5f);
+      const int qx = px + floor_to_int(ahead * d.x - lane * d.y + 0.5f);
+      const int qy = py + floor_to_int(ahead * d.y + lane * d.x + 0.5f);
       if (qx < 0 || qy < 0 || qx >= grid.side || qy >= grid.side) return false;
       if (abs_of(grid.overhang_m[grid.at(qx, qy)] - height_m) <= tolerance_m) return true;
     }

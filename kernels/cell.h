@@ -80,6 +80,8 @@ struct CellStore
  * when rays pass there: it stays for so many frames without a hit. What is hit in one frame after
  * the other earns less: the long side of a thing that drives past is. */
 constexpr int kPorousCredit = 3, kHeldCredit = 1, kPorous = 12, kMaxCredit = 120;
+/** One that little but what overhangs earns, and hedges and railings in time. */
+constexpr int kOverhangCredit = kMaxCredit / 2;
 
 /** Where cell (ix, iy) of the window is stored. */
 TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)

@@ -169,5 +169,10 @@ class TestMap
 };
 
 inline double flat(double, double) { return 0.0; }
+/** Level ground, or the top of something, at a height. */
+inline auto level(double z_m)
+{
+  return [z_m](double, double) { return z_m; };
+}
 
 }  // namespace talus::test

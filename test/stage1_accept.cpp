@@ -177,7 +177,7 @@ TEST(Stage1Accept, WhatIsSeenFromBelowBuriesNothing)
   // The edge of a bridge overhead is all that the map knows there; behind it is floor.
   TestMap m;
   Scan edge, both;
-  const auto bridge = [](double, double) { return 1.5; };
+  const auto bridge = level(1.5);
   edge.add_surface(2.0, -1.0, 2.1, 1.0, bridge);
   m.update(edge);
   ASSERT_EQ(m.state(2.025, 0.025), CellState::Measured);
@@ -191,8 +191,7 @@ TEST(Stage1Accept, AMapThatDriftedAwayDoesNotBlindTheSensor)
   // The pose sank by 0.3 m: all of the scan lies below the map, and none of it is a reflection.
   TestMap m;
   m.update(Scan(0, 0, 0.7).add_surface(1.0, -1.0, 3.0, 1.0, flat));
-  const FrameReport r = m.update(
-      Scan(0, 0, 0.4).add_surface(1.0, -1.0, 3.0, 1.0, [](double, double) { return -0.3; }));
+  const FrameReport r = m.update(Scan(0, 0, 0.4).add_surface(1.0, -1.0, 3.0, 1.0, level(-0.3)));
   EXPECT_EQ(rejected(r, Reject::Buried), 0u);
   EXPECT_NEAR(m.ground(2.025, 0.025), -0.3, 1e-3);
 }

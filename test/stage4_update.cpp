@@ -75,8 +75,8 @@ TEST(Stage4Update, ATableTopAboveSeenGroundIsPassableAndALowBeamIsNot)
   ground.add_surface(1, -1, 3, 1, flat);
   table.update(ground);
   beam.update(ground);
-  table.update(Scan(ground).add_surface(1.8, -0.4, 2.2, 0.4, [](double, double) { return 0.72; }));
-  beam.update(Scan(ground).add_surface(1.8, -0.4, 2.2, 0.4, [](double, double) { return 0.35; }));
+  table.update(Scan(ground).add_surface(1.8, -0.4, 2.2, 0.4, level(0.72)));
+  beam.update(Scan(ground).add_surface(1.8, -0.4, 2.2, 0.4, level(0.35)));
   for (double y = -0.375; y < 0.4; y += 0.05)
   {
     EXPECT_NEAR(table.elevation(2.025, y), 0.0, 1e-5);
@@ -116,7 +116,7 @@ TEST(Stage4Update, WhatStoodOverAGuessHangsOnceTheFloorBelowItIsHit)
 {
   // The floor is known on one side, so that the ground below the sign is a guess from there, and
   // what was hit high above it may be a wall. In the next frame a cell shows floor and sign.
-  const auto sign = [](double, double) { return 0.9; };
+  const auto sign = level(0.9);
   TestMap m;
   m.update(Scan(0, 0, 0.5).add_surface(0.5, -1, 2.0, 1, flat));
   m.update(Scan(0, 0, 0.5).add_surface(2.05, -0.5, 2.1, 0.5, sign));

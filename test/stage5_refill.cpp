@@ -24,7 +24,7 @@ TEST(Stage5Refill, AFillFollowsNearerDataAndKeepsItsStateWithoutAny)
   const float before = m.ground(1.775, 0.025);
   m.update(Scan());
   EXPECT_EQ(m.ground(1.775, 0.025), before);
-  m.update(Scan().add_surface(1.55, -0.5, 1.75, 0.5, [](double, double) { return 0.05; }));
+  m.update(Scan().add_surface(1.55, -0.5, 1.75, 0.5, level(0.05)));
   EXPECT_GT(m.ground(1.775, 0.025), before + 0.02);
   EXPECT_EQ(m.state(1.775, 0.025), CellState::FilledTwoSided);
 }
@@ -43,8 +43,8 @@ TEST(Stage5Refill, AWallWhoseFootWasNeverSeenGetsTheGroundBesideIt)
   TestMap m;
   Scan s;
   s.add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.1, -1, 3.0, 1, flat);
-  s.add_surface(2.0, -1, 2.1, 1, [](double, double) { return 0.4; });
-  s.add_surface(2.0, -1, 2.1, 1, [](double, double) { return 0.9; });
+  s.add_surface(2.0, -1, 2.1, 1, level(0.4));
+  s.add_surface(2.0, -1, 2.1, 1, level(0.9));
   m.update(s);
   EXPECT_NEAR(m.ground(2.025, 0.025), 0.0, 1e-5);
   EXPECT_NEAR(m.elevation(2.025, 0.025), 0.9, 1e-5);
@@ -70,7 +70,7 @@ TEST(Stage5Refill, UnknownGroundBehindAWallDoesNotMakeItWide)
 TEST(Stage5Refill, ABranchSeenBeforeTheGroundAroundItEndsPassable)
 {
   TestMap m;
-  const auto branch = [](double, double) { return 0.9; };
+  const auto branch = level(0.9);
   m.update(Scan().add_surface(2.0, -0.05, 2.1, 0.05, branch));
   EXPECT_NEAR(m.ground(2.025, 0.025), 0.9, 1e-5);
   Scan around;
@@ -133,7 +133,7 @@ TEST(Stage5Refill, TheEdgeOfAPlatformIsGround)
     TestMap m;
     Scan s;
     s.add_surface(0, -1, edge_m, 1, flat);
-    s.add_surface(edge_m, -1, 4, 1, [](double, double) { return 0.3; });
+    s.add_surface(edge_m, -1, 4, 1, level(0.3));
     m.update(s);
     for (double x = edge_m + 0.025; x < 3; x += 0.05)
     {
@@ -146,7 +146,7 @@ TEST(Stage5Refill, TheEdgeOfAPlatformIsGround)
 TEST(Stage5Refill, ABankOfWhichOnlyTheBrinkWasSeenIsGroundWhenItTurnsOutWide)
 {
   // The ground beyond it is low again, so that what is guessed below it is told from two sides.
-  const auto low = [](double, double) { return -0.5; };
+  const auto low = level(-0.5);
   const auto see = [&](TestMap& m, double to_m)
   { m.update(Scan(1).add_surface(0, -1, 2, 1, low).add_surface(2, -1, to_m, 1, flat)); };
   TestMap wide, narrow;
@@ -237,8 +237,7 @@ TEST(Stage5Refill, AWallAtTheWindowsBorderIsNoGround)
     TestMap m;
     Scan s;
     s.add_surface(-1, 0, 1, 3.8, flat);
-    for (double z = lowest_m; z < highest_m; z += 0.1)
-      s.add_surface(-1, 3.85, 1, 3.95, [z](double, double) { return z; });
+    for (double z = lowest_m; z < highest_m; z += 0.1) s.add_surface(-1, 3.85, 1, 3.95, level(z));
     m.update(s);
     EXPECT_NE(m.state(0.525, 3.925), CellState::Measured) << lowest_m;
     EXPECT_NEAR(m.ground(0.525, 3.925), 0.0, 1e-5) << lowest_m;

@@ -225,7 +225,7 @@ TEST(Stage7Fill, FloorReachesUpToAWallThatWasHitHighUpOnly)
   TestMap m;
   Scan s;
   s.add_surface(1.0, -0.5, 2.0, 0.5, flat);
-  s.add_surface(2.5, -0.5, 2.55, 0.5, [](double, double) { return 0.65; });
+  s.add_surface(2.5, -0.5, 2.55, 0.5, level(0.65));
   m.update(s);
   for (double x = 2.025; x < 2.5; x += 0.05)
     for (double y = -0.375; y < 0.4; y += 0.05) EXPECT_NEAR(m.ground(x, y), 0.0, 0.01) << x;
@@ -238,7 +238,7 @@ TEST(Stage7Fill, WhatLiesBehindAnEdgeIsAsLowAsWhatIsSeenBeyondIt)
   TestMap m(p);
   Scan s;
   s.add_surface(0.3, -0.5, 0.6, 0.5, flat);
-  s.add_surface(1.15, -1, 2.0, 1, [](double, double) { return -0.6; });
+  s.add_surface(1.15, -1, 2.0, 1, level(-0.6));
   m.update(s);
   for (double x = 0.625; x < 1.15; x += 0.05) EXPECT_NEAR(m.ground(x, 0.025), -0.6, 0.01) << x;
 }
@@ -248,7 +248,7 @@ TEST(Stage7Fill, AShadowAcrossAnEdgeIsAsHighAsTheGroundBesideIt)
   // A platform ends at x = 1.6. A shadow begins on it and ends far beyond: the ray does not know
   // where in between the edge stands, the columns do.
   TestMap m;
-  const auto low = [](double, double) { return -0.55; };
+  const auto low = level(-0.55);
   Scan s;
   s.add_surface(0.3, -1, 1.0, 1, flat).add_surface(2.4, -1, 3.5, 1, low);
   for (const double y : {-1.0, 0.2})
@@ -262,7 +262,7 @@ TEST(Stage7Fill, ADitchIsNotBridgedByARampToItsFarWall)
   TestMap m;
   Scan s;
   s.add_surface(0.5, -1, 1.4, 1, flat);
-  s.add_surface(2.3, -1, 2.35, 1, [](double, double) { return -0.28; });
+  s.add_surface(2.3, -1, 2.35, 1, level(-0.28));
   s.add_surface(2.35, -1, 3.0, 1, flat);
   m.update(s);
   for (double x = 1.425; x < 2.3; x += 0.05) EXPECT_NEAR(m.ground(x, 0.025), -0.28, 0.01) << x;
@@ -311,9 +311,8 @@ TEST(Stage7Fill, AGuessFromOneSideDoesNotLiftWhatWasFilledFromTwo)
 {
   // Behind the edge of a shelf a strip of the floor 0.4 m below it is seen, from one place only.
   TestMap m;
-  m.update(Scan()
-               .add_surface(0.5, -0.7, 1.5, 0.7, flat)
-               .add_surface(2.5, -0.1, 3.0, 0.1, [](double, double) { return -0.4; }));
+  m.update(
+      Scan().add_surface(0.5, -0.7, 1.5, 0.7, flat).add_surface(2.5, -0.1, 3.0, 0.1, level(-0.4)));
   EXPECT_EQ(m.state(2.025, 0.025), CellState::FilledTwoSided);
   EXPECT_NEAR(m.ground(2.025, 0.025), -0.4, 0.01);
   m.update(Scan(0.5, -1.5).add_surface(0.5, -0.7, 1.5, 0.7, flat));
@@ -329,7 +328,7 @@ TEST(Stage7Fill, TheUndersideOfSomethingWideIsNoGround)
   // A bridge above the sensor, of which only the underside is seen: rays to its far parts pass
   // below its near parts. A bank that is as high faces the sensor.
   TestMap below, before;
-  const auto bridge = [](double, double) { return 1.5; };
+  const auto bridge = level(1.5);
   const auto bank = [](double x, double) { return 0.7 + 0.6 * (x - 1.9); };
   for (int frame = 0; frame < 2; frame++)
   {

@@ -106,7 +106,7 @@ TEST(Stage8Traversability, AFloorCellBesideAnObstacleIsNeitherRoughNorAStep)
   TestMap m;
   Scan s;
   s.add_surface(1, -1, 3, 1, flat);
-  s.add_surface(2.0, -1, 2.05, 1, [](double, double) { return 0.45; });
+  s.add_surface(2.0, -1, 2.05, 1, level(0.45));
   m.update(s);
   EXPECT_EQ(m.at(Layer::Step, 1.975, 0.025), 1.0f);
   EXPECT_EQ(m.at(Layer::Roughness, 1.975, 0.025), 1.0f);
@@ -150,7 +150,7 @@ TEST(Stage8Traversability, AGapOfOneCellBetweenImpassableCellsIsImpassable)
     s.add_surface(1, -1, 3, 1, flat);
     const double gap_m = 0.05 * gap_cells;
     for (const double x : {2.0 - 0.2, 2.0 + gap_m})
-      s.add_surface(x, -0.5, x + 0.2, 0.5, [](double, double) { return 0.45; });
+      s.add_surface(x, -0.5, x + 0.2, 0.5, level(0.45));
     m.update(s);
     EXPECT_EQ(m.traversability(2.0 + gap_m / 2, 0.025) == 0.0f, gap_cells == 1) << gap_cells;
   }
@@ -201,7 +201,7 @@ TEST(Stage8Traversability, TheEdgeOfABarThatIsHitNowAndThenIsImpassable)
     for (int frame = 0; frame < 16; frame++)
     {
       Scan s;
-      s.add_surface(2.0, -0.5, 2.05, 0.5, [](double, double) { return 0.45; });
+      s.add_surface(2.0, -0.5, 2.05, 0.5, level(0.45));
       s.add_surface(3.0, -0.5, 3.3, 0.5, flat);
       if (frame % 3 == 0 && frame / 3 < hits) s.add(2.055, 0.025, 0.45);
       m.update(s);
