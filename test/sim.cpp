@@ -155,6 +155,18 @@ TEST(Truth, says_how_much_of_a_blocked_cell_is_covered)
   EXPECT_FLOAT_EQ(covered(world_of("- plane: {slope_x_deg: 40}\n")), 1.0f);
 }
 
+TEST(Truth, says_how_much_of_a_cell_something_solid_stands_on)
+{
+  const auto solid = [](const World& w) { return truth(w, {1, 0, 1, 1, 0.05}, 0).solid[0]; };
+  const std::string at = "{at_m: [1, 0], size_m: [1, 1, 0.3]";
+  EXPECT_FLOAT_EQ(solid(world_of(kFlat, "objects: [box: " + at + "}]\n")), 1.0f);
+  EXPECT_FLOAT_EQ(solid(world_of(kFlat, "objects: [box: " + at + ", lift_m: 0.1}]\n")), 0.0f);
+  EXPECT_FLOAT_EQ(solid(world_of(kFlat, "objects: [foliage: " + at + ", form: box}]\n")), 0.0f);
+  EXPECT_FLOAT_EQ(
+      solid(world_of(kFlat, "objects: [box: {at_m: [0.52, 0], size_m: [1.02, 2, 0.5]}]\n")), 0.6f);
+  EXPECT_FLOAT_EQ(solid(world_of(kFlat)), 0.0f);
+}
+
 TEST(Truth, of_a_table_is_free_below_its_top_and_blocked_at_its_legs)
 {
   const World w = world_of(

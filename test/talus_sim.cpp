@@ -75,6 +75,7 @@ TEST_F(TalusSim, writes_a_log_a_trajectory_and_the_truth_that_agree)
   ASSERT_NE(truth.find("underside"), nullptr);
   ASSERT_NE(truth.find("label"), nullptr);
   ASSERT_NE(truth.find("covered"), nullptr);
+  ASSERT_NE(truth.find("solid"), nullptr);
 
   talus::io::RawlogReader log(path("out/small.rawlog"));
   int frames = 0;

@@ -198,6 +198,47 @@ TEST(Score, AThingAboveAnEdgeDoesNotShowTheDropBelow)
       0);
 }
 
+/** What a map scores that shows the top of a thing as ground, its outermost cells as blocked. */
+Score score_of_a_free_top(const Stage& stage)
+{
+  Surfaces map = stage.perfect();
+  for (std::size_t k = 0; k < map.size(); ++k)
+  {
+    const auto i = static_cast<std::size_t>(stage.here.at[k]);
+    map.ground_m[k] = stage.truth.surface_m(i);
+    if (stage.truth.depth[i] > 1) map.traversability[k] = 1.0f;
+  }
+  return stage.score(map);
+}
+
+TEST(Score, DoesNotJudgeATopAsWideAsAPlatformButForItsEdge)
+{
+  const Score wide =
+      score_of_a_free_top(Stage("objects: [box: {at_m: [2.5, 0], size_m: [1.4, 1.4, 0.4]}]\n"));
+  EXPECT_EQ(wide.obstacle_blocked.value(), 1.0);
+  EXPECT_GT(wide.obstacle_blocked.of, 10);
+  const Score narrow =
+      score_of_a_free_top(Stage("objects: [box: {at_m: [2.5, 0], size_m: [0.8, 1.4, 0.4]}]\n"));
+  EXPECT_LT(narrow.obstacle_blocked.value(), 0.8);
+  const Score hedge = score_of_a_free_top(
+      Stage("objects: [foliage: {at_m: [2.5, 0], size_m: [1.4, 1.4, 0.4], form: box}]\n"));
+  EXPECT_LT(hedge.obstacle_blocked.value(), 0.8);
+}
+
+TEST(Score, LeaksOntoAPlatformUnlessThereIsAWayUp)
+{
+  const auto leak = [](const std::string& more)
+  {
+    const Stage stage("objects:\n  - box: {at_m: [2.5, 0], size_m: [1.4, 1.4, 0.4]}\n" + more);
+    Surfaces map = stage.perfect();
+    for (float& t : map.traversability) t = 1.0f;
+    return stage.score(map).leak;
+  };
+  EXPECT_EQ(leak("").value(), 1.0);
+  EXPECT_GT(leak("").of, 26 * 26 - 1);
+  EXPECT_EQ(leak("  - box: {at_m: [1.55, 0], size_m: [0.5, 0.8, 0.2]}\n").of, 0);
+}
+
 TEST(Score, MissesAPostThatTheMapLost)
 {
   const Stage stage("objects: [post: {at_m: [2, 0.5], height_m: 0.9, radius_m: 0.06}]\n");

@@ -94,6 +94,7 @@ TruthMap read_truth(const std::string& path, const Parameters& parameters)
   t.underside = band(stack, "underside", path);
   t.label = band(stack, "label", path);
   t.covered = band(stack, "covered", path);
+  t.solid = band(stack, "solid", path);
   return TruthMap(std::move(t), parameters);
 }
 

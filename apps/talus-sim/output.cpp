@@ -109,8 +109,9 @@ void write_truth(const std::string& path, const Truth& truth, const World& world
   stack.resolution_m = truth.window.resolution_m;
   stack.min_x_m = truth.window.min_x_m;
   stack.min_y_m = truth.window.min_y_m;
-  stack.names = {"ground", "obstacle_top", "underside", "label", "covered"};
-  stack.layers = {truth.ground, truth.obstacle_top, truth.underside, truth.label, truth.covered};
+  stack.names = {"ground", "obstacle_top", "underside", "label", "covered", "solid"};
+  stack.layers = {truth.ground, truth.obstacle_top, truth.underside,
+                  truth.label,  truth.covered,      truth.solid};
   io::write_geotiff(path, stack, {{"world", world.name}, {"time_s", std::to_string(time_s)}});
 }
 

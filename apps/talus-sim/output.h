@@ -28,7 +28,7 @@ void write_rawlog(
 /** The base in the map at each stamp, as TUM text: the truth, or as the drive's pose errors say. */
 void write_tum(const std::string& path, const Drive& drive, bool noisy);
 
-/** Five bands: ground, obstacle_top, underside, label, covered. */
+/** Six bands: ground, obstacle_top, underside, label, covered, solid. */
 void write_truth(const std::string& path, const Truth& truth, const World& world, double time_s);
 
 }  // namespace talus::sim

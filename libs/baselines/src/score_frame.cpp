@@ -98,7 +98,7 @@ class FrameScorer
   void blocked_and_free(std::size_t k, std::size_t at)
   {
     if (truth_.doubtful[at]) return;
-    if (observed_.shows_obstacle(at))
+    if (observed_.shows_obstacle(at) && !truth_.platform[at])
     {
       score_.obstacle_blocked.add(map_.blocked(k));
       if (truth_.covered_whole(at)) score_.obstacle_blocked_whole.add(map_.blocked(k));
@@ -151,7 +151,8 @@ class FrameScorer
     {
       if (here_.at[k] < 0) continue;
       const auto at = static_cast<std::size_t>(here_.at[k]);
-      if (truth_.blocked(at) && truth_.depth[at] >= 2 && !truth_.doubtful[at])
+      if (truth_.blocked(at) && truth_.depth[at] >= 2 && !truth_.doubtful[at] &&
+          !truth_.climbable[at])
       {
         score_.leak.add(reached[k]);
         if (observed_.shows_obstacle(at)) score_.leak_hit.add(reached[k]);

@@ -15,6 +15,9 @@ constexpr double kSlope_rad = 0.035;
 constexpr double kRough_m = 0.003;
 constexpr float kDitchDepth_m = 0.3f;
 constexpr double kDitchWidth_m = 1.5;
+constexpr double kPlatform_m = 1.0;
+constexpr double kOnPlatform_m = 0.5;  //!< what stands on a platform is narrower
+constexpr double kCorner_m = 0.5;  //!< a disc as wide as a platform leaves its corners free
 constexpr int kPost_cells = 5;
 constexpr float kPostHeight_m = 0.3f;
 
@@ -74,6 +77,7 @@ TruthMap::TruthMap(sim::Truth t, const Parameters& parameters) : truth(std::move
 {
   classify_cells(parameters);
   classify_terrain();
+  find_platforms(parameters);
   measure_distances();
   find_ditches();
   find_posts();
@@ -120,8 +124,7 @@ void TruthMap::classify_terrain()
 {
   const sim::TruthWindow& w = truth.window;
   std::vector<std::uint8_t> calm(size(), 1);  // 0 at jumps
-  const auto surface = [&](int i)
-  { return truth.ground[static_cast<std::size_t>(i)] + standing_m(static_cast<std::size_t>(i)); };
+  const auto surface = [&](int i) { return surface_m(static_cast<std::size_t>(i)); };
   for (int i = 0; i < static_cast<int>(size()); ++i)
     for (int next : {(i + 1) % w.cells_x ? i + 1 : i, i + w.cells_x})
       if (next < static_cast<int>(size()) && std::abs(surface(i) - surface(next)) > kJump_m)
@@ -139,6 +142,82 @@ void TruthMap::classify_terrain()
                    : plane.slope_rad > kSlope_rad ? Terrain::Slope
                                                   : Terrain::Flat;
     }
+}
+
+/** Of the cells that a solid top covers whole, those that lean less than ground may: towards a
+ * neighbour along each axis, so that edges count, or `all_ways` towards every other top. */
+std::vector<std::uint8_t> TruthMap::level_tops(const Parameters& p, bool all_ways) const
+{
+  const sim::TruthWindow& w = truth.window;
+  const auto rise_m = static_cast<float>(std::tan(p.slope_threshold_rad) * w.resolution_m);
+  const auto top = [&](std::size_t i) { return truth.solid[i] == 1.0f; };
+  std::vector<std::uint8_t> level(size(), 0);
+  for (int iy = 1; iy + 1 < w.cells_y; ++iy)
+    for (int ix = 1; ix + 1 < w.cells_x; ++ix)
+    {
+      const auto i = static_cast<std::size_t>(iy * w.cells_x + ix);
+      const auto lean = [&](std::size_t next)
+      { return top(next) && std::abs(surface_m(next) - surface_m(i)) > rise_m; };
+      const auto same = [&](std::size_t next) { return top(next) && !lean(next); };
+      const auto row = static_cast<std::size_t>(w.cells_x);
+      const bool steep = lean(i - 1) || lean(i + 1) || lean(i - row) || lean(i + row);
+      const bool goes_on = (same(i - 1) || same(i + 1)) && (same(i - row) || same(i + row));
+      level[i] = top(i) && (all_ways ? !steep : goes_on);
+    }
+  return level;
+}
+
+void TruthMap::find_platforms(const Parameters& p)
+{
+  const sim::TruthWindow& w = truth.window;
+  const auto disc = [&](double diameter_m)
+  {
+    const int side = static_cast<int>(diameter_m / w.resolution_m) | 1;
+    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side});
+  };
+  std::vector<std::uint8_t> level = level_tops(p, true), whole = level;
+  const cv::Mat tops = as_image(whole, w);
+  cv::morphologyEx(tops, tops, cv::MORPH_CLOSE, disc(kOnPlatform_m));
+  std::vector<std::uint8_t> wide = whole;
+  const cv::Mat image = as_image(wide, w);
+  cv::morphologyEx(image, image, cv::MORPH_OPEN, disc(kPlatform_m));
+  cv::dilate(image, image, disc(kCorner_m));
+  const auto to_edge = distance_to_zero(whole, w);
+  const auto climbed =
+      climbed_tops(level_tops(p, false), static_cast<float>(p.step_threshold_m) + kDoubt_m);
+  platform.resize(size());
+  climbable.resize(size());
+  for (std::size_t i = 0; i < size(); ++i)
+  {
+    platform[i] = level[i] && wide[i] && to_edge[i] > 1;
+    climbable[i] = platform[i] && climbed[i];
+  }
+}
+
+/** Of the cells of `level`, those that a way from free ground reaches without a higher step. */
+std::vector<std::uint8_t> TruthMap::climbed_tops(
+    const std::vector<std::uint8_t>& level, float step_m) const
+{
+  const int cells_x = truth.window.cells_x;
+  std::vector<std::uint8_t> climbed(size(), 0);
+  std::vector<int> todo;
+  for (int i = 0; i < static_cast<int>(size()); ++i)
+    if (free(static_cast<std::size_t>(i))) todo.push_back(i);
+  while (!todo.empty())
+  {
+    const int i = todo.back(), x = i % cells_x;
+    todo.pop_back();
+    for (int next : {x > 0 ? i - 1 : -1, x + 1 < cells_x ? i + 1 : -1, i - cells_x, i + cells_x})
+    {
+      if (next < 0 || next >= static_cast<int>(size())) continue;
+      const auto n = static_cast<std::size_t>(next);
+      if (climbed[n] || !level[n]) continue;
+      if (std::abs(surface_m(static_cast<std::size_t>(i)) - surface_m(n)) > step_m) continue;
+      climbed[n] = 1;
+      todo.push_back(next);
+    }
+  }
+  return climbed;
 }
 
 void TruthMap::measure_distances()

@@ -117,7 +117,8 @@ std::optional<double> first_hit(const Shape& shape, const Ray& ray, std::uint64_
 
 void column(const Shape& shape, double x_m, double y_m, std::vector<Span>& heights_m)
 {
-  if (const auto span = intersect(shape, {{x_m, y_m, 0}, {0, 0, 1}})) heights_m.push_back(*span);
+  const auto span = intersect(shape, {{x_m, y_m, 0}, {0, 0, 1}});
+  if (span) heights_m.push_back({span->enter_m, span->exit_m, shape.mean_free_path_m > 0});
 }
 
 }  // namespace talus::sim

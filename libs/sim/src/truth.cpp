@@ -55,6 +55,7 @@ class CellJudge
     out.ground[index] = static_cast<float>(world_.ground.height_m(cx, cy));
     sample_ground(x_m, y_m, resolution_m);
     int standing = 0;
+    solid_places_ = 0;
     for (int j = 1; j + 1 < n_; ++j)
       for (int i = 1; i + 1 < n_; ++i)
         standing += column_blocks(
@@ -62,7 +63,9 @@ class CellJudge
     const bool ground = ground_blocks(resolution_m);
     const int covered = std::max(standing, ground ? steep_places(resolution_m) : 0);
     out.label[index] = standing > 0 || ground ? 0.0f : 1.0f;
-    out.covered[index] = static_cast<float>(covered) / static_cast<float>((n_ - 2) * (n_ - 2));
+    const auto places = static_cast<float>((n_ - 2) * (n_ - 2));
+    out.covered[index] = static_cast<float>(covered) / places;
+    out.solid[index] = static_cast<float>(solid_places_) / places;
   }
 
  private:
@@ -188,17 +191,20 @@ class CellJudge
     double level = ground_m;
     float& underside = out.underside[index];
     double lowest_air = std::numeric_limits<double>::infinity();
+    bool solid = true;
     for (const Span& s : spans_)
     {
       if (s.exit_m <= ground_m) continue;
       if (s.enter_m > level + kAir_m) lowest_air = std::min(lowest_air, s.enter_m);
       if (s.enter_m > level + options_.clearance_m) break;
+      solid &= s.enter_m <= level + kAir_m && !s.foliage;
       level = std::max(level, s.exit_m);
     }
     if (std::isfinite(lowest_air))
       underside = std::isnan(underside) ? static_cast<float>(lowest_air)
                                         : std::min(underside, static_cast<float>(lowest_air));
     if (level <= ground_m + kTouch_m) return false;
+    solid_places_ += solid;
     float& top = out.obstacle_top[index];
     top = std::isnan(top) ? static_cast<float>(level) : std::max(top, static_cast<float>(level));
     return level - ground_m > options_.min_obstacle_m;
@@ -208,6 +214,7 @@ class CellJudge
   const Scene& scene_;
   const TruthOptions& options_;
   double max_gradient_;  //!< of the ground
+  int solid_places_ = 0;
   int n_;  //!< samples along a side, those beyond the borders included
   double corner_x_m_ = 0, corner_y_m_ = 0;  //!< of the cell
   std::vector<double> heights_;
@@ -240,7 +247,8 @@ Truth truth(const World& world, const TruthWindow& w, double time_s, const Truth
   const std::size_t cells = static_cast<std::size_t>(w.cells_x) * w.cells_y;
   Truth out;
   out.window = w;
-  for (auto* layer : {&out.ground, &out.obstacle_top, &out.underside, &out.label, &out.covered})
+  for (auto* layer :
+       {&out.ground, &out.obstacle_top, &out.underside, &out.label, &out.covered, &out.solid})
     layer->assign(cells, kUnknown);
   const Scene scene(world, time_s, options.movers);
   CellJudge judge(world, scene, options);

@@ -49,6 +49,8 @@ class TruthMap
   float height_error_m(std::size_t i, float z_m) const;
   /** How high what stands here is [m]; 0: nothing. */
   float standing_m(std::size_t i) const;
+  /** Height [m] of the ground or of what stands on it. */
+  float surface_m(std::size_t i) const { return truth.ground[i] + standing_m(i); }
 
   sim::Truth truth;
   std::vector<Terrain> terrain;
@@ -57,6 +59,11 @@ class TruthMap
   std::vector<std::uint8_t> hangs;  //!< 1: free, and something hangs above the clearance
   std::vector<std::uint8_t> doubtful;  //!< 1: stands within 5 cm of the step threshold, or hangs
                                        //!< less than 5 cm above the clearance: either is right
+  /** 1: on a solid, level top more than a metre wide, inside its outermost cells. A step in the
+   * ground of that shape gives the same scans, and its top is free: what blocks is the edge. */
+  std::vector<std::uint8_t> platform;
+  std::vector<std::uint8_t>
+      climbable;  //!< 1: platform to which some way leads without too high a step
   std::vector<std::uint8_t> vertical;  //!< 1: blocked by an object higher than the step threshold
   std::vector<std::uint8_t> ditch;  //!< 1: 0.3 m or more below what a 1.5 m wide board would span
   std::vector<int> post;  //!< number of the thin upright thing that stands here, or -1
@@ -65,6 +72,10 @@ class TruthMap
  private:
   void classify_cells(const Parameters& parameters);
   void classify_terrain();
+  void find_platforms(const Parameters& parameters);
+  std::vector<std::uint8_t> level_tops(const Parameters& parameters, bool all_ways) const;
+  std::vector<std::uint8_t> climbed_tops(
+      const std::vector<std::uint8_t>& level, float step_m) const;
   void measure_distances();
   void find_ditches();
   void find_posts();

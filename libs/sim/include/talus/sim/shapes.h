@@ -43,6 +43,7 @@ Bounds bounds(const Shape& shape);
 struct Span
 {
   double enter_m = 0, exit_m = 0;
+  bool foliage = false;
 };
 std::optional<Span> intersect(const Shape& shape, const Ray& ray);
 

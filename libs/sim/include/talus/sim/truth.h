@@ -46,11 +46,13 @@ struct TruthOptions
  *   then NaN too.
  * - `covered`: of blocked cells, the share of the sampled places at which something stands higher
  * than min_obstacle_m, or, if that is more, beside which the ground is too steep; 0 in free cells.
+ * - `solid`: share of the sampled places at which something stands that has neither air nor foliage
+ * from the ground to its top.
  */
 struct Truth
 {
   TruthWindow window;
-  std::vector<float> ground, obstacle_top, underside, label, covered;
+  std::vector<float> ground, obstacle_top, underside, label, covered, solid;
 };
 
 /** The truth at a time since the start of the drive. Throws std::runtime_error that says how large
