@@ -51,12 +51,6 @@ struct Support
   {
     return std::make_tuple(&Support::lowest_m, &Support::column_m, &Support::overhang_m);
   }
-  TALUS_HD void add(const Support& other)
-  {
-    lowest_m = min_of(lowest_m, other.lowest_m);
-    column_m = max_of(column_m, other.column_m);
-    overhang_m = max_of(overhang_m, other.overhang_m);
-  }
 };
 
 struct PoolSupport
@@ -78,6 +72,19 @@ struct PoolSupport
         select(measured, ground, kInfinity), select(upright, top, -kInfinity),
         select(overhangs, top, -kInfinity)};
   }
+  /** What two cells hold together, one above the other, or then two such pairs. What stands counts
+   * where it stands: a cell that was hit high up only, beside the floor of the other, may hang. */
+  TALUS_HD Support pool(const Support& a, const Support& b) const
+  {
+    const float lowest_m = min_of(a.lowest_m, b.lowest_m);
+    const float limit_m = lowest_m + config->clearance_m;
+    return {
+        lowest_m,
+        max_of(
+            select(a.lowest_m <= limit_m, a.column_m, -kInfinity),
+            select(b.lowest_m <= limit_m, b.column_m, -kInfinity)),
+        max_of(a.overhang_m, b.overhang_m)};
+  }
   /** What goes on beyond the window: bare ground. What is as high as the sensor is not seen from
    * above: it is a face. */
   TALUS_HD Support beyond(const Support& border) const
@@ -97,10 +104,13 @@ struct PoolSupport
     const int n = config->cells;
     const int qx = grid.pair_at(px, frame->odd_x, n), qy = grid.pair_at(py, frame->odd_y, n);
     const int x0 = 2 * qx - frame->odd_x, y0 = 2 * qy - frame->odd_y;
-    Support pooled;
-    for (int y = max_of(y0, 0); y < min_of(y0 + 2, n); y++)
-      for (int x = max_of(x0, 0); x < min_of(x0 + 2, n); x++)
-        pooled.add(item(storage_index(*frame, n, x, y)));
+    const auto cell = [this, n](int x, int y)
+    {
+      const bool inside = (x >= 0) & (y >= 0) & (x < n) & (y < n);
+      return inside ? item(storage_index(*frame, n, x, y)) : Support{};
+    };
+    const Support left = pool(cell(x0, y0), cell(x0, y0 + 1));
+    const Support pooled = pool(left, pool(cell(x0 + 1, y0), cell(x0 + 1, y0 + 1)));
     const bool inside = qx + grid.margin == px && qy + grid.margin == py;
     put(px, py, inside ? pooled : beyond(pooled));
   }
@@ -318,7 +328,10 @@ struct ChooseRole
   TALUS_HD Role role_of_measured(int px, int py, float ground_m) const
   {
     if (may_be_ground(grid.at(px, py), ground_m)) return kKeep;
-    return column_beside(px, py) + config->clearance_m >= ground_m ? kObjectOnColumn : kObject;
+    const float column_m = column_beside(px, py);
+    if (column_m + config->clearance_m < ground_m) return kObject;
+    const bool past = column_m > ground_m + 0.5f * config->step_threshold_m;
+    return past ? kObjectBesideColumn : kObjectOnColumn;
   }
 
   /** Whether something upright stands at least so high on two opposite sides of the pooled cell. */

@@ -513,7 +513,9 @@ struct FillCell
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
     const bool undercut = filled & (fill.height_m < fill.lines_m - kUndercut_m);
     const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m) & !undercut;
-    const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
+    const float high_up_m = config->clearance_m * select(r == kObject, 1.0f, 2.0f);
+    const bool object = filled & ((r == kObject) | (r == kObjectBesideColumn)) &
+                        (before - fill.height_m > high_up_m);
     // What floats is dropped as what hangs.
     const int kept = passed_before & select(undercut, ~kPassedLow, ~0);
     const int passed =

@@ -99,8 +99,10 @@ enum Role : std::uint8_t
   kInfer = 1,  //!< its ground is unknown or a guess: infer it
   kObject = 2,  //!< its lowest surface is no ground but an object above unseen ground: infer the
                 //!< ground under it
-  kObjectOnColumn =
-      3  //!< the same, but it is joined to something that stands beside it, so it cannot hang
+  kObjectOnColumn = 3,  //!< the same, but it begins where something ends that stands beside it: it
+                        //!< cannot hang
+  kObjectBesideColumn = 4  //!< the same, but what stands beside it goes on past it, a wall or the
+                           //!< post of a sign: it hangs if it is high up
 };
 
 /** Where the layers of stages 3 to 7 are wanted, window order; null: not wanted. */

@@ -103,6 +103,45 @@ TEST(Stage5Refill, ASignIsNotJoinedToItself)
   }
 }
 
+/** Adds what is met of something over a strip of floor, from one height to another. */
+void add_face(Scan& s, double x0, double x1, double y0, double y1, double low_m, double high_m)
+{
+  for (double z = low_m; z < high_m + 1e-6; z += 0.1) s.add_surface(x0, y0, x1, y1, level(z));
+}
+
+TEST(Stage5Refill, WhatHangsBesideACellOfTheFloorIsNoColumn)
+{
+  // In a pair of cells a crown is met in one and the floor in the other: the next cell of the crown
+  // is joined to nothing that stands.
+  TestMap m;
+  Scan s;
+  s.add_surface(1.0, -1, 2.05, 1, flat).add_surface(2.3, -1, 3.0, 1, flat);
+  add_face(s, 2.05, 2.2, -0.3, 0.3, 0.9, 1.3);
+  for (int i = 0; i < 2; i++) m.update(s);
+  for (const double x : {2.075, 2.125, 2.175})
+  {
+    EXPECT_NEAR(m.ground(x, 0.025), 0.0, 0.01) << x;
+    EXPECT_GT(m.traversability(x, 0.025), 0.99f) << x;
+  }
+}
+
+TEST(Stage5Refill, ASignHangsBesideItsPostAndACabStandsOnItsBody)
+{
+  Scan floor;
+  floor.add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.3, -1, 3.0, 1, flat);
+  TestMap sign, cab;
+  Scan with_sign = floor, with_cab = floor;
+  add_face(with_sign, 2.0, 2.1, 0, 0.1, 0.0, 2.0);
+  add_face(with_sign, 2.0, 2.1, 0.1, 0.4, 1.4, 1.8);
+  add_face(with_cab, 2.0, 2.1, -0.4, 0.4, 0.3, 1.4);
+  add_face(with_cab, 2.1, 2.2, -0.4, 0.4, 1.4, 1.8);
+  for (int i = 0; i < 2; i++) sign.update(with_sign), cab.update(with_cab);
+  EXPECT_NEAR(sign.elevation(2.025, 0.025), 2.0, 0.01);
+  EXPECT_FALSE(sign.elevation(2.025, 0.175) > 0.1f);
+  EXPECT_EQ(cab.traversability(2.125, 0.025), 0.0f);
+  EXPECT_NEAR(cab.elevation(2.125, 0.025), 1.8, 0.01);
+}
+
 TEST(Stage5Refill, ASteepButSmoothSlopeIsGroundEverywhere)
 {
   TestMap m;

@@ -238,9 +238,9 @@ class PairOfRows
       put(f_, items, pairs, py, [](const Item& pooled) { return pooled; });
     else
       put(f_, items, pairs, py, [this](const Item& pooled) { return f_.beyond(pooled); });
-    for (int px = 0; px < margin; px++) f_.put(px, py, f_.beyond(pair(items, 0)));
+    for (int px = 0; px < margin; px++) f_.put(px, py, f_.beyond(pair(f_, items, 0)));
     for (int px = margin + pairs; px < side; px++)
-      f_.put(px, py, f_.beyond(pair(items, pairs - 1)));
+      f_.put(px, py, f_.beyond(pair(f_, items, pairs - 1)));
   }
 
  private:
@@ -253,24 +253,17 @@ class PairOfRows
   {
     in_blocks(
         begin, end,
-        [&](int l)
-        {
-          Item item = items.load(l);
-          item.add(f.item(first + (l - begin)));
-          items.store(l, item);
-        });
+        [&](int l) { items.store(l, f.pool(items.load(l), f.item(first + (l - begin)))); });
   }
-  static Item pair(const Lanes<Item>& items, int q)
+  static Item pair(const F& f, const Lanes<Item>& items, int q)
   {
-    Item pooled = items.load(2 * q);
-    pooled.add(items.load(2 * q + 1));
-    return pooled;
+    return f.pool(items.load(2 * q), items.load(2 * q + 1));
   }
   template <class G>
   TALUS_CLONES static void put(F f, Lanes<Item> items, int pairs, int py, G as_shown)
   {
     TALUS_INDEPENDENT
-    for (int q = 0; q < pairs; q++) f.put(q + f.grid.margin, py, as_shown(pair(items, q)));
+    for (int q = 0; q < pairs; q++) f.put(q + f.grid.margin, py, as_shown(pair(f, items, q)));
   }
 
   const F& f_;
