@@ -103,10 +103,10 @@ TEST(Stage5Refill, ASignIsNotJoinedToItself)
   }
 }
 
-/** Adds what is met of something over a strip of floor, from one height to another. */
+/** Adds what is met of something over a strip of floor, every 0.1 m up to below a height. */
 void add_face(Scan& s, double x0, double x1, double y0, double y1, double low_m, double high_m)
 {
-  for (double z = low_m; z < high_m + 1e-6; z += 0.1) s.add_surface(x0, y0, x1, y1, level(z));
+  for (double z = low_m; z < high_m; z += 0.1) s.add_surface(x0, y0, x1, y1, level(z));
 }
 
 TEST(Stage5Refill, WhatHangsBesideACellOfTheFloorIsNoColumn)
@@ -116,7 +116,7 @@ TEST(Stage5Refill, WhatHangsBesideACellOfTheFloorIsNoColumn)
   TestMap m;
   Scan s;
   s.add_surface(1.0, -1, 2.05, 1, flat).add_surface(2.3, -1, 3.0, 1, flat);
-  add_face(s, 2.05, 2.2, -0.3, 0.3, 0.9, 1.3);
+  add_face(s, 2.05, 2.2, -0.3, 0.3, 0.9, 1.35);
   for (int i = 0; i < 2; i++) m.update(s);
   for (const double x : {2.075, 2.125, 2.175})
   {
@@ -131,10 +131,10 @@ TEST(Stage5Refill, ASignHangsBesideItsPostAndACabStandsOnItsBody)
   floor.add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.3, -1, 3.0, 1, flat);
   TestMap sign, cab;
   Scan with_sign = floor, with_cab = floor;
-  add_face(with_sign, 2.0, 2.1, 0, 0.1, 0.0, 2.0);
-  add_face(with_sign, 2.0, 2.1, 0.1, 0.4, 1.4, 1.8);
-  add_face(with_cab, 2.0, 2.1, -0.4, 0.4, 0.3, 1.4);
-  add_face(with_cab, 2.1, 2.2, -0.4, 0.4, 1.4, 1.8);
+  add_face(with_sign, 2.0, 2.1, 0, 0.1, 0.0, 2.05);
+  add_face(with_sign, 2.0, 2.1, 0.1, 0.4, 1.4, 1.85);
+  add_face(with_cab, 2.0, 2.1, -0.4, 0.4, 0.3, 1.45);
+  add_face(with_cab, 2.1, 2.2, -0.4, 0.4, 1.4, 1.85);
   for (int i = 0; i < 2; i++) sign.update(with_sign), cab.update(with_cab);
   EXPECT_NEAR(sign.elevation(2.025, 0.025), 2.0, 0.01);
   EXPECT_FALSE(sign.elevation(2.025, 0.175) > 0.1f);
@@ -276,7 +276,7 @@ TEST(Stage5Refill, AWallAtTheWindowsBorderIsNoGround)
     TestMap m;
     Scan s;
     s.add_surface(-1, 0, 1, 3.8, flat);
-    for (double z = lowest_m; z < highest_m; z += 0.1) s.add_surface(-1, 3.85, 1, 3.95, level(z));
+    add_face(s, -1, 1, 3.85, 3.95, lowest_m, highest_m);
     m.update(s);
     EXPECT_NE(m.state(0.525, 3.925), CellState::Measured) << lowest_m;
     EXPECT_NEAR(m.ground(0.525, 3.925), 0.0, 1e-5) << lowest_m;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "spread.h"
+
 namespace talus::baselines
 {
 namespace
@@ -198,25 +200,14 @@ void TruthMap::find_platforms(const Parameters& p)
 std::vector<std::uint8_t> TruthMap::climbed_tops(
     const std::vector<std::uint8_t>& level, float step_m) const
 {
-  const int cells_x = truth.window.cells_x;
   std::vector<std::uint8_t> climbed(size(), 0);
   std::vector<int> todo;
   for (int i = 0; i < static_cast<int>(size()); ++i)
     if (free(static_cast<std::size_t>(i))) todo.push_back(i);
-  while (!todo.empty())
-  {
-    const int i = todo.back(), x = i % cells_x;
-    todo.pop_back();
-    for (int next : {x > 0 ? i - 1 : -1, x + 1 < cells_x ? i + 1 : -1, i - cells_x, i + cells_x})
-    {
-      if (next < 0 || next >= static_cast<int>(size())) continue;
-      const auto n = static_cast<std::size_t>(next);
-      if (climbed[n] || !level[n]) continue;
-      if (std::abs(surface_m(static_cast<std::size_t>(i)) - surface_m(n)) > step_m) continue;
-      climbed[n] = 1;
-      todo.push_back(next);
-    }
-  }
+  spread(
+      todo, climbed, truth.window.cells_x,
+      [&](std::size_t from, std::size_t to)
+      { return level[to] && std::abs(surface_m(from) - surface_m(to)) <= step_m; });
   return climbed;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "spread.h"
+
 namespace talus::baselines
 {
 namespace
@@ -88,20 +90,7 @@ std::vector<std::uint8_t> flood(
   std::vector<int> todo;
   for (std::size_t i = 0; i < start.size(); ++i)
     if (start[i]) reached[i] = 1, todo.push_back(static_cast<int>(i));
-  while (!todo.empty())
-  {
-    const int i = todo.back(), x = i % cells, y = i / cells;
-    todo.pop_back();
-    const auto visit = [&](int nx, int ny)
-    {
-      if (nx < 0 || ny < 0 || nx >= cells || ny >= cells) return;
-      const auto next = static_cast<std::size_t>(ny * cells + nx);
-      if (reached[next] || !open[next]) return;
-      reached[next] = 1;
-      todo.push_back(static_cast<int>(next));
-    };
-    visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
-  }
+  spread(todo, reached, cells, [&](std::size_t, std::size_t to) { return open[to] != 0; });
   return reached;
 }
 

@@ -62,8 +62,7 @@ class TruthMap
   /** 1: on a solid, level top more than a metre wide, inside its outermost cells. A step in the
    * ground of that shape gives the same scans, and its top is free: what blocks is the edge. */
   std::vector<std::uint8_t> platform;
-  std::vector<std::uint8_t>
-      climbable;  //!< 1: platform to which some way leads without too high a step
+  std::vector<std::uint8_t> climbable;  //!< 1: platform with a way up, no step too high
   std::vector<std::uint8_t> vertical;  //!< 1: blocked by an object higher than the step threshold
   std::vector<std::uint8_t> ditch;  //!< 1: 0.3 m or more below what a 1.5 m wide board would span
   std::vector<int> post;  //!< number of the thin upright thing that stands here, or -1
