@@ -103,6 +103,7 @@ struct PointsOut
   std::int32_t* cell;  //!< storage index, or -1: not in the map
   std::int32_t* ray;  //!< place in the table of rays, or -1: no direction
   float* slope;  //!< of that ray
+  std::int32_t* reach;  //!< place in the table of how far rays went, see NoteReach, or -1
   std::uint32_t* rank;  //!< place among the points of its cell, in any order; or kNoRank
   float* height_m;  //!< map frame
   float* variance_m2;
@@ -133,6 +134,33 @@ struct NoteRay
   {
     const int at = points.ray[i];
     if (at >= 0) Atomics::min(rays + at, ordered_from_float(points.slope[i]));
+  }
+};
+
+/** Notes how far the ray that a point ended went. */
+template <class Atomics>
+struct NoteReach
+{
+  PointsOut points;
+  std::int32_t* reach;  //!< [slope step][bin], minus the greatest PointsOut::ray, that is the one
+                        //!< of the farthest ring; 0: no ray
+
+  TALUS_HD void operator()(int i) const
+  {
+    if (points.reach[i] >= 0) Atomics::min(reach + points.reach[i], -points.ray[i]);
+  }
+};
+
+/** Both. */
+template <class Atomics>
+struct NoteRayAndReach : NoteRay<Atomics>
+{
+  NoteReach<Atomics> reach;
+
+  void operator()(int i) const
+  {
+    NoteRay<Atomics>::operator()(i);
+    reach(i);
   }
 };
 
@@ -223,7 +251,11 @@ struct AcceptPoint
         direction_in_bins(select(aims, dx, 1.0f), select(aims, dy, 0.0f), bins_per_side(*config));
     const int bin = wrap_bin(floor_to_int(direction), bins);
     out.ray[i] = select(aims, row * bins + bin, -1);
-    out.slope[i] = ray_slope(p.z_m - frame->sensor_z_m, chebyshev_m);
+    const float slope = ray_slope(p.z_m - frame->sensor_z_m, chebyshev_m);
+    out.slope[i] = slope;
+    const float step = slope_step(select(aims, slope, 0.0f));
+    const bool counts = aims & (step >= 0.0f) & (step < static_cast<float>(kSlopeSteps));
+    out.reach[i] = select(counts, floor_to_int(select(counts, step, 0.0f)) * bins + bin, -1);
   }
 };
 

@@ -222,6 +222,7 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
   c.elevation_m = select(dropped, kNan, c.elevation_m);
   c.elevation_var_m2 = select(dropped, kNan, c.elevation_var_m2);
   c.misses = select(dropped, 0, c.misses);  // its credit goes with it
+  c.underside = select(dropped, 0, c.underside);
   c.passed = select(hangs, c.passed, c.passed & ~kHitHighUp);
   c.passed = select(higher, c.passed | kHitHighUp, c.passed);
   return hangs;
@@ -294,26 +295,32 @@ TALUS_HD void put_elevation(
   c.elevation_m = select(all_hang, c.elevation_m, max_of(c.elevation_m, c.ground_m));
 }
 
-/** Whether a point overhangs what the robot drives on. */
+/** The lowest point that overhangs what the robot drives on; infinity: none does. */
 struct Overhang
 {
-  std::int32_t any = 0;
+  float lowest_m = kInfinity;
 
-  static constexpr auto fields() { return std::make_tuple(&Overhang::any); }
+  static constexpr auto fields() { return std::make_tuple(&Overhang::lowest_m); }
   TALUS_HD void add(const HeightPoint& p, bool counts, const UpTo& asked, const Config&)
   {
-    any |= select(counts & (p.height_m <= asked.limit_m), p.overhangs, 0);
+    const bool overhangs = counts & (p.height_m <= asked.limit_m) & (p.overhangs != 0);
+    lowest_m = select(overhangs & (p.height_m < lowest_m), p.height_m, lowest_m);
   }
   template <class Team>
   TALUS_HD void join(const Team& team)
   {
-    any = team.max(any);
+    lowest_m = team.min(lowest_m);
   }
 };
 
+/** It earns all credit, and Cell::underside is how far below the top its lowest hit was. */
 TALUS_HD void put_overhang(Cell& c, const Overhang& overhang)
 {
-  c.misses = select(overhang.any != 0, -kMaxCredit, c.misses);
+  const bool any = overhang.lowest_m < kInfinity;
+  const float down_m = select(any, c.elevation_m - overhang.lowest_m, 0.0f);
+  const int down = 1 + floor_to_int(max_of(down_m, 0.0f) / kUndersideStep_m);
+  c.misses = select(any, -kMaxCredit, c.misses);
+  c.underside = select(any, max_of(c.underside, min_of(down, kDeepest)), c.underside);
 }
 
 /** Stage 4 on one cell that received points; for many cells at once see
@@ -421,11 +428,13 @@ struct SortPoint
   }
 };
 
-/** The same where points were counted before it was known which are buried: leaves those out. */
+/** The same where points were counted before it was known which are buried: leaves those out; and
+ * notes how far their rays went. */
 template <class Atomics>
 struct SortUnburiedPoint
 {
   SortPoint sort;
+  NoteReach<Atomics> reach;
   const float* lowest_slope;  //!< of a ray that is not buried
   std::uint32_t* kept_count;  //!< by storage index, zero before
   std::uint32_t* rejected;  //!< by RejectCode
@@ -433,7 +442,9 @@ struct SortUnburiedPoint
   TALUS_HD void operator()(int i) const
   {
     const PointsOut& points = sort.points;
-    if (i >= sort.frame->n_points || points.cell[i] < 0) return;
+    if (i >= sort.frame->n_points) return;
+    reach(i);
+    if (points.cell[i] < 0) return;
     const int ray = points.ray[i];
     if (ray >= 0 && points.slope[i] < lowest_slope[ray])
       Atomics::count(rejected + kBuried);

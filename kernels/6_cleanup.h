@@ -86,6 +86,58 @@ TALUS_HD void look(
   seen.highest_m = max_of(seen.highest_m, select(passed, height, -kInfinity));
 }
 
+/** How far the rays of this frame went, see NoteReach. */
+struct Reach
+{
+  const FrameContext* frame;
+  const std::int32_t* of_slope;
+};
+
+/** Rays are looked at in so many directions more on either side of a cell: beside the edge of what
+ * stands there some go on. */
+constexpr int kBesideCell = 2;
+
+/** Whether rays that aimed at a cell between `low_m` and `high_m` ended two or more rings behind
+ * it, and none before. */
+TALUS_HD bool went_between(
+    float low_m, float high_m, const Glance& g, const Config& k, const Reach& reach)
+{
+  const int rays = g.rays(), bins = bin_count(k);
+  if (rays == 0) return false;
+  const float sensor_m = reach.frame->sensor_z_m, at_m = g.chebyshev_m;
+  const float low = slope_step(ray_slope(low_m - sensor_m, at_m));
+  const float high = slope_step(ray_slope(high_m - sensor_m, at_m));
+  const int first = max_of(floor_to_int(low) + 1, 0), end = min_of(floor_to_int(high), kSlopeSteps);
+  bool any = false;
+  for (int which = -kBesideCell; which < rays + kBesideCell; which++)
+  {
+    const int bin = wrap_bin(g.first_bin + which * g.stride, bins);
+    for (int step = first; step < end; step++)
+    {
+      const int ray = -reach.of_slope[step * bins + bin];
+      if (ray > 0 && ray < g.row) return false;
+      any = any || ray > 0;
+    }
+  }
+  return any;
+}
+
+/** Rays that pass below what overhangs do not tell that it left; rays that went on between its
+ * underside and its top do. Where such rays go while it is hit, it is open, and they tell nothing.
+ */
+TALUS_HD void look_between(
+    Cell& c, int ix, int iy, bool hit, float top_m, const Config& k, const Reach& reach)
+{
+  const Glance g = glance_at(k, *reach.frame, ix, iy);
+  const float low_m = top_m - static_cast<float>(c.underside - 1) * kUndersideStep_m;
+  const float margin_m = k.cleanup_margin_m;
+  if (!went_between(low_m + margin_m, top_m - margin_m, g, k, reach)) return;
+  if (hit)
+    c.underside = kOpen;
+  else
+    c.misses = 0;
+}
+
 TALUS_HD int trace_of(const Cell& c) { return c.passed & kTraceFull; }
 TALUS_HD void leave_trace(Cell& c) { c.passed += min_of(kTraceHit, kTraceFull - trace_of(c)); }
 /** Of a frame in which rays passed. False where there is none. */
@@ -113,7 +165,8 @@ TALUS_HD bool count_miss(Cell& c, bool hit, const Config& k)
  * exception: a box that left shows the floor in the very cells that it stood in. Returns whether
  * the cell is another now. */
 TALUS_HD bool clear_seen_through(
-    Cell& c, std::uint8_t& role, float top_hit_m, const SeenThrough& seen, const Config& k)
+    Cell& c, int ix, int iy, std::uint8_t& role, float top_hit_m, const SeenThrough& seen,
+    const Config& k, const Reach& reach)
 {
   const bool has_elevation = is_known(c.elevation_m);
   if (!seen.any() || (!has_elevation && c.state != kMeasured)) return false;
@@ -123,9 +176,12 @@ TALUS_HD bool clear_seen_through(
   if (c.state == kMeasured && role == kKeep && c.ground_m > limit) role = kObject;
   const bool hit = top_hit_m > limit;
   if (hit && top_hit_m <= top + k.cleanup_margin_m) leave_trace(c);  // what hangs above leaves none
+  if (c.misses < 0 && c.underside > 0 && c.underside != kOpen)
+    look_between(c, ix, iy, hit, top, k, reach);
   if (!count_miss(c, hit, k)) return true;
 
   c.elevation_m = c.elevation_var_m2 = kNan;
+  c.underside = 0;
   if (role >= kObject || c.ground_m > limit)
   {
     c.ground_m = c.ground_var_m2 = kNan;
@@ -190,6 +246,7 @@ struct CleanUpCell
   const Config* config;
   CellStore store;
   PassingRays passing;
+  Reach reach;
   const float* top_hit_m;
   std::uint8_t* role;
 
@@ -212,7 +269,8 @@ struct CleanUpCell
     const SeenThrough seen{passing.lowest_m[o], passing.highest_m[o]};
     Cell c = store.load(i);
     const bool faded = fade_trace(c);
-    if (clear_seen_through(c, role[i], top_hit_m[i], seen, *config) || faded) store.store(i, c);
+    if (clear_seen_through(c, ix, iy, role[i], top_hit_m[i], seen, *config, reach) || faded)
+      store.store(i, c);
   }
 };
 

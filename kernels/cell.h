@@ -29,7 +29,7 @@ constexpr int kTraceOne = 8, kTraceHit = 9 * kTraceOne, kTraceFull = 31 * kTrace
 /** Two hits within five frames, and not long ago. */
 TALUS_HD bool hit_lately(int passed) { return passed >= kTraceHit + 5 * kTraceOne; }
 
-/** What the map remembers of a cell; stored it takes 19 bytes. */
+/** What the map remembers of a cell; stored it takes 20 bytes. */
 struct Cell
 {
   float ground_m = kNan;  //!< the lowest surface, map frame; known unless state is kUnknown
@@ -39,12 +39,14 @@ struct Cell
   std::int32_t state = kUnknown;
   std::int32_t misses = 0;  //!< consecutive frames that saw through it; negative: see kMaxCredit
   std::int32_t passed = 0;  //!< what rays said of its ground, see Passed, and a trace of hits
+  std::int32_t underside = 0;  //!< where what overhangs was hit lowest, see put_overhang(); 0: no
+                               //!< such thing
 
   static constexpr auto fields()
   {
     return std::make_tuple(
         &Cell::ground_m, &Cell::ground_var_m2, &Cell::elevation_m, &Cell::elevation_var_m2,
-        &Cell::state, &Cell::misses, &Cell::passed);
+        &Cell::state, &Cell::misses, &Cell::passed, &Cell::underside);
   }
 };
 
@@ -58,11 +60,12 @@ struct CellStore
   std::uint8_t* state;
   std::int8_t* misses;
   std::uint8_t* passed;
+  std::uint8_t* underside;
 
   TALUS_HD Cell load(int i) const
   {
     return {ground_m[i], ground_var_m2[i], elevation_m[i], elevation_var_m2[i],
-            state[i],    misses[i],        passed[i]};
+            state[i],    misses[i],        passed[i],      underside[i]};
   }
   TALUS_HD void store(int i, const Cell& c) const
   {
@@ -73,6 +76,7 @@ struct CellStore
     state[i] = static_cast<std::uint8_t>(c.state);
     misses[i] = static_cast<std::int8_t>(c.misses);
     passed[i] = static_cast<std::uint8_t>(c.passed);
+    underside[i] = static_cast<std::uint8_t>(c.underside);
   }
 };
 
@@ -82,6 +86,12 @@ struct CellStore
 constexpr int kPorousCredit = 3, kHeldCredit = 1, kPorous = 12, kMaxCredit = 120;
 /** One that little but what overhangs earns, and hedges and railings in time. */
 constexpr int kOverhangCredit = kMaxCredit / 2;
+
+/** Cell::underside counts in such steps below the top, from 1 to kDeepest. kOpen: rays went on
+ * behind it between underside and top while it was hit, a railing, so that they do not tell that it
+ * left. */
+constexpr float kUndersideStep_m = 0.01f;
+constexpr int kDeepest = 254, kOpen = 255;
 
 /** Where cell (ix, iy) of the window is stored. */
 TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)

@@ -69,6 +69,16 @@ TALUS_HD float ray_slope(float dz, float chebyshev_m) { return dz / chebyshev_m;
 /** No ray seen. */
 constexpr std::int32_t kNoRay = 0x7fffffff;
 
+/** Slopes are told apart in so many steps. */
+constexpr int kSlopeSteps = 64;
+/** The step of a slope, and the part of it that lies below: from -1 up to 1/3, finest where it is
+ * level, since so is seen what is far. Steeper ones lie outside [0, kSlopeSteps). */
+TALUS_HD float slope_step(float slope)
+{
+  const float bent = slope / (1.0f + abs_of(slope));  // [-1, 1]
+  return (bent + 0.5f) * (static_cast<float>(kSlopeSteps) / 0.75f);
+}
+
 // ---- Lines: the cells that the line search of one cell visits ----
 
 /** Rings that a window of n cells needs around its central cell. */

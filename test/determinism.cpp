@@ -120,6 +120,26 @@ TEST(Determinism, ARestoredMapGoesOnWithTheSameBits)
   }
 }
 
+TEST(Determinism, AStateOfBeforeUndersidesWereKeptIsReadAndKnowsNone)
+{
+  const Box trailer{{1.8, -0.4, 0.2}, {2.4, 0.4, 0.55}};
+  TestMap a, b, older;
+  for (int i = 0; i < 5; i++) a.update(Scan().cast({trailer}));
+  auto bytes = a.map.save();
+  b.map.restore(bytes);
+  bytes[7] = '2';
+  const auto cells = a.map.layer(Layer::Elevation).size();
+  const auto features = static_cast<std::ptrdiff_t>(5 * sizeof(float) * cells);
+  bytes.erase(bytes.end() - features - static_cast<std::ptrdiff_t>(cells), bytes.end() - features);
+  older.map.restore(bytes);
+  expect_same_bits(a.map, older.map, 5);
+  for (int i = 0; i < 2; i++)
+    for (TestMap* m : {&a, &b, &older}) m->update(Scan().cast({}));
+  expect_same_bits(a.map, b.map, 7);
+  EXPECT_LT(b.elevation(1.825, 0.025), 0.05f);
+  EXPECT_GT(older.elevation(1.825, 0.025), 0.4f);
+}
+
 TEST(Determinism, BytesThatAreNoSavedMapAreRefused)
 {
   TestMap m;

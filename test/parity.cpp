@@ -40,14 +40,20 @@ void spoil(Scan& s, Random& random)
   }
 }
 
-/** A wall, a table, a kerb, a post, a beam overhead, and somebody who walks through it all. */
+/** A wall, a table, a kerb, a post, a beam overhead, somebody who walks through it all, and a
+ * trailer that is drawn away. */
 std::vector<Box> street(double walked_m)
 {
   return {
-      {{2, 0.5, 0}, {2.3, 0.9, 0.5}},        {{4, -1, 0.75}, {4.6, 1, 0.8}},
-      {{1, -2, 0}, {9, -1.95, 1.0}},         {{5 - walked_m, 1.2, 0}, {5.4 - walked_m, 1.5, 1.4}},
-      {{3.02, -0.6, 0}, {3.06, -0.56, 1.2}}, {{6, -0.5, 0}, {6.5, 0.5, 0.08}},
-      {{7, -3, 0.35}, {7.2, 3, 0.45}},       {{-3, -3, -0.4}, {-2, 3, 0.05}}};
+      {{2, 0.5, 0}, {2.3, 0.9, 0.5}},
+      {{4, -1, 0.75}, {4.6, 1, 0.8}},
+      {{1, -2, 0}, {9, -1.95, 1.0}},
+      {{5 - walked_m, 1.2, 0}, {5.4 - walked_m, 1.5, 1.4}},
+      {{3.02, -0.6, 0}, {3.06, -0.56, 1.2}},
+      {{6, -0.5, 0}, {6.5, 0.5, 0.08}},
+      {{7, -3, 0.35}, {7.2, 3, 0.45}},
+      {{-3, -3, -0.4}, {-2, 3, 0.05}},
+      {{4.5 - walked_m, -1.5, 0.2}, {5.3 - walked_m, -0.9, 0.55}}};
 }
 
 /** A map on the CPU and one on the device that are fed alike. */

@@ -124,6 +124,39 @@ TEST(Stage6Cleanup, ABenchIsNotClearedByTheRaysThatPassBelowIt)
   EXPECT_EQ(m.traversability(1.525, 0.025), 0.0f);
 }
 
+TEST(Stage6Cleanup, WhatHasAirBelowItIsGoneWhenRaysGoOnAboveItsUnderside)
+{
+  const Box trailer{{1.8, -0.4, 0.2}, {2.4, 0.4, 0.55}};
+  TestMap m;
+  for (int i = 0; i < 5; i++) m.update(Scan().cast({trailer}));
+  ASSERT_GT(m.elevation(1.825, 0.025), 0.4f);
+  ASSERT_EQ(m.traversability(1.825, 0.025), 0.0f);
+  for (int i = 0; i < 2; i++) m.update(Scan().cast({}));
+  for (double y = -0.375; y < 0.4; y += 0.05) EXPECT_LT(m.elevation(1.825, y), 0.05f) << y;
+}
+
+TEST(Stage6Cleanup, RaysBelowAnUndersideDoNotTellThatItLeft)
+{
+  // From now on no beam aims above the underside.
+  const Box trailer{{1.8, -0.4, 0.3}, {2.4, 0.4, 0.6}};
+  TestMap m;
+  for (int i = 0; i < 5; i++) m.update(Scan().cast({trailer}));
+  for (int i = 0; i < 50; i++) m.update(Scan().cast({}, 720, -0.6, -0.24));
+  EXPECT_GT(m.elevation(1.825, 0.025), 0.4f);
+}
+
+TEST(Stage6Cleanup, RaysBetweenTheBarsOfARailingDoNotTellThatItLeft)
+{
+  const std::vector<Box> bars{
+      {{1.5, -0.4, 0.25}, {1.54, 0.4, 0.29}}, {{1.5, -0.4, 0.55}, {1.54, 0.4, 0.59}}};
+  TestMap m;
+  for (int i = 0; i < 3; i++) m.update(Scan().cast(bars));
+  ASSERT_GT(m.elevation(1.525, 0.025), 0.5f);
+  // From now on the beams pass between them.
+  for (int i = 0; i < 100; i++) m.update(Scan().cast(bars, 720, -0.24, -0.13, 12));
+  EXPECT_GT(m.elevation(1.525, 0.025), 0.5f);
+}
+
 TEST(Stage6Cleanup, WhatHungInACellLendsNoTimeToWhatStandsThereLater)
 {
   // The branch is seen first, over floor that is only guessed; the robot fits below it. Later beams

@@ -7,7 +7,7 @@
 namespace talus
 {
 /** What kernels::CellStore holds of each cell. */
-constexpr std::size_t kBytesPerCell = 4 * sizeof(float) + 3;
+constexpr std::size_t kBytesPerCell = 4 * sizeof(float) + 4;
 
 /** The persistent state of a map and its derived layers, as bytes on the host. */
 struct MapBytes

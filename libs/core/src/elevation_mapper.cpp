@@ -11,7 +11,9 @@ namespace talus
 {
 namespace
 {
-constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '2'};
+constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '3'};
+/** Of states that were saved before: without the last array of the cells. */
+constexpr char kMagicWithoutUnderside[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '2'};
 
 /** What save() writes before the layers. */
 struct SavedHeader
@@ -287,12 +289,13 @@ void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
   if (bytes.size() < sizeof header) throw std::invalid_argument("saved map: cut short");
   std::memcpy(&header, bytes.data(), sizeof header);
   const int n = m.parameters.cells();
-  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0)
+  const bool older = std::memcmp(header.magic, kMagicWithoutUnderside, sizeof kMagic) == 0;
+  if (!older && std::memcmp(header.magic, kMagic, sizeof kMagic) != 0)
     throw std::invalid_argument("saved map: not a state of talus");
   if (header.cells != n || header.resolution_m != m.parameters.resolution_m)
     throw std::invalid_argument("saved map: another window size or resolution");
   const auto cells = static_cast<std::size_t>(n) * static_cast<std::size_t>(n);
-  const std::size_t cell_bytes = cells * kBytesPerCell;
+  const std::size_t cell_bytes = cells * (kBytesPerCell - (older ? 1 : 0));
   const std::size_t feature_bytes = cells * 5 * sizeof(float);
   const std::size_t expected = sizeof header + (header.started ? cell_bytes + feature_bytes : 0);
   if (bytes.size() != expected) throw std::invalid_argument("saved map: wrong length");
@@ -313,6 +316,7 @@ void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
   const auto* from = bytes.data() + sizeof header;
   MapBytes all;
   all.cells.assign(from, from + cell_bytes);
+  all.cells.resize(cells * kBytesPerCell);  // nothing is known of undersides
   all.features.resize(cells * 5);
   std::memcpy(all.features.data(), from + cell_bytes, feature_bytes);
   m.backend->write_all(all, window);

@@ -99,7 +99,8 @@ class Pipeline final : public BackendInterface
       executor_.locate_points(points(), accept);
       executor_.for_each_point_by_parts(
           points(),
-          kernels::NoteRay<kernels::SerialAtomics>{config_.data(), points_out(), rays_.data()});
+          kernels::NoteRayAndReach<kernels::SerialAtomics>{
+              {config_.data(), points_out(), rays_.data()}, {points_out(), reach_.data()}});
       executor_.for_another_stage(
           2, [&] { for_each_row([&](const auto& row) { row.each_concerned(roll); }); });
       executor_.for_each_stretch(
@@ -108,7 +109,8 @@ class Pipeline final : public BackendInterface
     else
     {
       for_each_point_and_cell(
-          kernels::AcceptAndCountPoint<Atomics>{accept, cell_count_.data()}, 2, roll);
+          kernels::AcceptAndCountPoint<Atomics>{accept, cell_count_.data()}, 2,
+          kernels::RollCellAndReach{roll, reach_.data(), static_cast<int>(reach_.size())});
       executor_.for_each_direction_beside(
           bins, kernels::ring_count(host_config_),
           kernels::SettleRays{ground, rays_.data(), lowest_slope_.data()}, points(), reserve());
@@ -148,7 +150,11 @@ class Pipeline final : public BackendInterface
     {
       for_each_point_and_cell(
           kernels::SortUnburiedPoint<Atomics>{
-              sort, lowest_slope_.data(), kept_count_.data(), counters_.data()},
+              sort,
+              {points_out(), reach_.data()},
+              lowest_slope_.data(),
+              kept_count_.data(),
+              counters_.data()},
           5, look());
       executor_.for_each_and_team(points(), most_crowded(points()), cell);
     }
@@ -179,8 +185,9 @@ class Pipeline final : public BackendInterface
 
   void clean_up()
   {
-    const kernels::CleanUpCell clean{side(),    config_.data(),  store(),
-                                     passing(), top_hit_.data(), role_.data()};
+    const kernels::Reach reach{context_.data(), reach_.data()};
+    const kernels::CleanUpCell clean{side(), config_.data(),  store(),     passing(),
+                                     reach,  top_hit_.data(), role_.data()};
     if constexpr (Executor::kWalksLines)
     {
       const kernels::ChooseRole choose = choose_role();
@@ -195,6 +202,7 @@ class Pipeline final : public BackendInterface
           });
       // A core fills memory faster than a loop.
       executor_.fill(rays_, kernels::kNoRay);
+      executor_.fill(reach_, std::int32_t{0});
       executor_.for_each(workers(), tidy_up(0, 0));
     }
     else
@@ -383,11 +391,11 @@ class Pipeline final : public BackendInterface
   kernels::CellStore store()
   {
     return {ground_.data(), ground_var_.data(), elevation_.data(), elevation_var_.data(),
-            state_.data(),  misses_.data(),     passed_.data()};
+            state_.data(),  misses_.data(),     passed_.data(),    underside_.data()};
   }
   kernels::PointsOut points_out()
   {
-    return {point_cell_.data(), point_ray_.data(),    point_slope_.data(),
+    return {point_cell_.data(), point_ray_.data(),    point_slope_.data(),   point_reach_.data(),
             point_rank_.data(), point_height_.data(), point_variance_.data()};
   }
   kernels::Sorting sorting()
@@ -520,10 +528,10 @@ class Pipeline final : public BackendInterface
   Buffer<kernels::FrameContext> context_;
   // persistent, storage order
   Buffer<float> ground_, ground_var_, elevation_, elevation_var_;
-  Buffer<std::uint8_t> state_, passed_;
+  Buffer<std::uint8_t> state_, passed_, underside_;
   Buffer<std::int8_t> misses_;
   // of one frame
-  Buffer<std::int32_t> point_cell_, point_ray_, crowded_;
+  Buffer<std::int32_t> point_cell_, point_ray_, point_reach_, crowded_;
   Buffer<std::uint64_t> cursor_;
   Buffer<std::uint32_t> point_rank_, cell_count_, kept_count_, cell_begin_, counters_;
   Buffer<float> point_slope_, point_height_, point_variance_, lowest_slope_;
@@ -531,7 +539,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint64_t> voxel_key_, voxel_winner_;
   Buffer<std::uint32_t> voxel_slot_;
   Buffer<std::uint8_t> voxel_kept_, role_, in_open_, doubted_;
-  Buffer<std::int32_t> rays_;
+  Buffer<std::int32_t> rays_, reach_;
   Buffer<kernels::Surface> surfaces_;
   Buffer<std::uint32_t> marks_, axis_marks_;
   Buffer<std::int32_t> line_of_cell_;

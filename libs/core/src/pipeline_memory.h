@@ -12,7 +12,8 @@ void Pipeline<Executor>::allocate_cells()
   const auto n = static_cast<std::size_t>(cells());
   for (auto* b : {&ground_, &ground_var_, &elevation_, &elevation_var_})
     executor_.allocate(*b, n, kernels::kNan);
-  for (auto* b : {&state_, &passed_, &role_, &in_open_}) executor_.allocate(*b, n, std::uint8_t{0});
+  for (auto* b : {&state_, &passed_, &underside_, &role_, &in_open_})
+    executor_.allocate(*b, n, std::uint8_t{0});
   executor_.allocate(misses_, n, std::int8_t{0});
   for (auto* b : {&cell_count_, &cell_begin_}) executor_.allocate(*b, n, std::uint32_t{0});
   executor_.allocate(passing_, 2 * n, 0.0f);
@@ -36,6 +37,7 @@ void Pipeline<Executor>::allocate_cells()
   const auto bins = static_cast<std::size_t>(kernels::bin_count(host_config_));
   const std::size_t rays = bins * static_cast<std::size_t>(kernels::ring_count(host_config_));
   executor_.allocate(rays_, rays, kernels::kNoRay);
+  executor_.allocate(reach_, bins * kernels::kSlopeSteps, std::int32_t{0});
   executor_.allocate(lowest_slope_, rays, -kernels::kInfinity);
   if (Executor::kWalksLines)
     executor_.allocate(doubted_, bins, std::uint8_t{0});
@@ -83,7 +85,7 @@ void Pipeline<Executor>::reserve_points(std::size_t points)
   executor_.allocate(
       crowded_, static_cast<std::size_t>(most_crowded(static_cast<int>(capacity))) + 1,
       std::int32_t{0});
-  executor_.allocate(point_ray_, capacity, std::int32_t{-1});
+  for (auto* b : {&point_ray_, &point_reach_}) executor_.allocate(*b, capacity, std::int32_t{-1});
   executor_.allocate(point_slope_, capacity, 0.0f);
   executor_.allocate(point_rank_, capacity, std::uint32_t{0});
   executor_.allocate(point_height_, capacity, 0.0f);
