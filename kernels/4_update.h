@@ -222,7 +222,7 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
   c.elevation_m = select(dropped, kNan, c.elevation_m);
   c.elevation_var_m2 = select(dropped, kNan, c.elevation_var_m2);
   c.misses = select(dropped, 0, c.misses);  // its credit goes with it
-  c.underside = select(dropped, 0, c.underside);
+  c.extent = select(dropped, 0, c.extent);
   c.passed = select(hangs, c.passed, c.passed & ~kHitHighUp);
   c.passed = select(higher, c.passed | kHitHighUp, c.passed);
   return hangs;
@@ -313,14 +313,13 @@ struct Overhang
   }
 };
 
-/** It earns all credit, and Cell::underside is how far below the top its lowest hit was. */
+/** It earns all credit, and Cell::extent reaches down to its lowest hit. */
 TALUS_HD void put_overhang(Cell& c, const Overhang& overhang)
 {
   const bool any = overhang.lowest_m < kInfinity;
   const float down_m = select(any, c.elevation_m - overhang.lowest_m, 0.0f);
-  const int down = 1 + floor_to_int(max_of(down_m, 0.0f) / kUndersideStep_m);
   c.misses = select(any, -kMaxCredit, c.misses);
-  c.underside = select(any, max_of(c.underside, min_of(down, kDeepest)), c.underside);
+  c.extent = select(any, deeper(c.extent, code_of_extent(down_m)), c.extent);
 }
 
 /** Stage 4 on one cell that received points; for many cells at once see

@@ -122,18 +122,61 @@ TALUS_HD bool went_between(
   return any;
 }
 
-/** Rays that pass below what overhangs do not tell that it left; rays that went on between its
- * underside and its top do. Where such rays go while it is hit, it is open, and they tell nothing.
- */
-TALUS_HD void look_between(
-    Cell& c, int ix, int iy, bool hit, float top_m, const Config& k, const Reach& reach)
+/** From a height that was hit in a cell to the end of the hits below or above it in one direction,
+ * up to a ray that went on. Hits up to two rings before the cell and one behind it count: what
+ * overhangs is seldom one cell wide. */
+TALUS_HD float end_of_hits(
+    float hit_m, bool above, int bin, const Glance& g, const Config& k, const Reach& reach)
 {
+  const int bins = bin_count(k), nearest = g.row - 4 * bins, up = select(above, 1, -1);
+  const float sensor_m = reach.frame->sensor_z_m, at_m = g.chebyshev_m;
+  float end_m = hit_m;
+  int step = floor_to_int(slope_step(ray_slope(hit_m - sensor_m, at_m))) + select(above, 1, 0);
+  for (; step >= 0 && step < kSlopeSteps; step += up)
+  {
+    const int ray = -reach.of_slope[step * bins + bin];
+    if (ray == 0) continue;
+    if (ray < nearest || ray >= g.row) break;
+    end_m = sensor_m + slope_of_step(step) * at_m;
+  }
+  return end_m;
+}
+
+/** Of a cell that was hit: not lower than `limit_m`, where rays passed. The top may have risen to
+ * this hit, so that what was known above it holds no more. */
+TALUS_HD void put_extent(
+    Cell& c, float top_m, float hit_m, float limit_m, const Glance& g, const Config& k,
+    const Reach& reach)
+{
+  float low_m = hit_m, high_m = hit_m;
+  for (int which = 0; which < g.rays(); which++)
+  {
+    const int bin = wrap_bin(g.first_bin + which * g.stride, bin_count(k));
+    low_m = min_of(low_m, end_of_hits(hit_m, false, bin, g, k, reach));
+    high_m = max_of(high_m, end_of_hits(hit_m, true, bin, g, k, reach));
+  }
+  const bool at_top = hit_m >= top_m - k.cleanup_margin_m;
+  const int above_before = select(at_top, 0, code_above(c.extent));
+  const int above = max_of(above_before, code_of_extent(high_m - top_m));
+  const int below = code_of_extent(top_m - max_of(low_m, limit_m));
+  c.extent = max_of(code_below(c.extent), below) | above << kExtentBits;
+}
+
+/** Rays that pass below what overhangs do not tell that it left; rays that went on where it is
+ * known to have been do. Where such rays go while it is hit, it is open, and they tell nothing. */
+TALUS_HD void look_between(
+    Cell& c, int ix, int iy, float top_m, float hit_m, float limit_m, const Config& k,
+    const Reach& reach)
+{
+  const bool hit = hit_m > limit_m;
   const Glance g = glance_at(k, *reach.frame, ix, iy);
-  const float low_m = top_m - static_cast<float>(c.underside - 1) * kUndersideStep_m;
-  const float margin_m = k.cleanup_margin_m;
-  if (!went_between(low_m + margin_m, top_m - margin_m, g, k, reach)) return;
+  if (hit) put_extent(c, top_m, hit_m, limit_m, g, k, reach);
+  const float lowest_m = top_m - extent_of_code(code_below(c.extent));
+  const float low_m = max_of(lowest_m + k.cleanup_margin_m, limit_m);
+  const float high_m = top_m + extent_of_code(code_above(c.extent)) - k.cleanup_margin_m;
+  if (low_m >= high_m || !went_between(low_m, high_m, g, k, reach)) return;
   if (hit)
-    c.underside = kOpen;
+    c.extent = kOpen;
   else
     c.misses = 0;
 }
@@ -176,12 +219,11 @@ TALUS_HD bool clear_seen_through(
   if (c.state == kMeasured && role == kKeep && c.ground_m > limit) role = kObject;
   const bool hit = top_hit_m > limit;
   if (hit && top_hit_m <= top + k.cleanup_margin_m) leave_trace(c);  // what hangs above leaves none
-  if (c.misses < 0 && c.underside > 0 && c.underside != kOpen)
-    look_between(c, ix, iy, hit, top, k, reach);
+  if (c.misses < 0 && c.extent != kOpen) look_between(c, ix, iy, top, top_hit_m, limit, k, reach);
   if (!count_miss(c, hit, k)) return true;
 
   c.elevation_m = c.elevation_var_m2 = kNan;
-  c.underside = 0;
+  c.extent = 0;
   if (role >= kObject || c.ground_m > limit)
   {
     c.ground_m = c.ground_var_m2 = kNan;

@@ -465,8 +465,9 @@ struct DropHanging
   TALUS_HD void operator()(int, int, int i) const
   {
     store.elevation_m[i] = store.elevation_var_m2[i] = kNan;
-    store.misses[i] = 0;  // credit, underside and, of one, trace belong to what stood there
-    store.underside[i] = 0;
+    // Credit, extent and, of an underside, trace belong to what stood there.
+    store.misses[i] = 0;
+    store.extent[i] = 0;
     const int kept = store.state[i] == kUnknown ? 0 : store.passed[i] & ~kHitHighUp;
     store.passed[i] = static_cast<std::uint8_t>(kept);
   }

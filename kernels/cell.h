@@ -39,14 +39,13 @@ struct Cell
   std::int32_t state = kUnknown;
   std::int32_t misses = 0;  //!< consecutive frames that saw through it; negative: see kMaxCredit
   std::int32_t passed = 0;  //!< what rays said of its ground, see Passed, and a trace of hits
-  std::int32_t underside = 0;  //!< where what overhangs was hit lowest, see put_overhang(); 0: no
-                               //!< such thing
+  std::int32_t extent = 0;  //!< of what overhangs, below and above its top, see put_extent()
 
   static constexpr auto fields()
   {
     return std::make_tuple(
         &Cell::ground_m, &Cell::ground_var_m2, &Cell::elevation_m, &Cell::elevation_var_m2,
-        &Cell::state, &Cell::misses, &Cell::passed, &Cell::underside);
+        &Cell::state, &Cell::misses, &Cell::passed, &Cell::extent);
   }
 };
 
@@ -60,12 +59,12 @@ struct CellStore
   std::uint8_t* state;
   std::int8_t* misses;
   std::uint8_t* passed;
-  std::uint8_t* underside;
+  std::uint8_t* extent;
 
   TALUS_HD Cell load(int i) const
   {
     return {ground_m[i], ground_var_m2[i], elevation_m[i], elevation_var_m2[i],
-            state[i],    misses[i],        passed[i],      underside[i]};
+            state[i],    misses[i],        passed[i],      extent[i]};
   }
   TALUS_HD void store(int i, const Cell& c) const
   {
@@ -76,7 +75,7 @@ struct CellStore
     state[i] = static_cast<std::uint8_t>(c.state);
     misses[i] = static_cast<std::int8_t>(c.misses);
     passed[i] = static_cast<std::uint8_t>(c.passed);
-    underside[i] = static_cast<std::uint8_t>(c.underside);
+    extent[i] = static_cast<std::uint8_t>(c.extent);
   }
 };
 
@@ -87,11 +86,25 @@ constexpr int kPorousCredit = 3, kHeldCredit = 1, kPorous = 12, kMaxCredit = 120
 /** One that little but what overhangs earns, and hedges and railings in time. */
 constexpr int kOverhangCredit = kMaxCredit / 2;
 
-/** Cell::underside counts in such steps below the top, from 1 to kDeepest. kOpen: rays went on
- * behind it between underside and top while it was hit, a railing, so that they do not tell that it
- * left. */
-constexpr float kUndersideStep_m = 0.01f;
-constexpr int kDeepest = 254, kOpen = 255;
+/** Cell::extent: the low four bits tell how far what overhangs reaches down from the top of its
+ * cell, the others how far up, each a code n for about n^2 such units. kOpen: it lets rays
+ * through, a railing. */
+constexpr float kExtentUnit_m = 0.0125f;
+constexpr int kExtentBits = 4, kMostExtent = 14, kOpen = 255;
+
+TALUS_HD int code_of_extent(float extent_m)
+{
+  const float units = max_of(extent_m, 0.0f) / kExtentUnit_m;
+  return min_of(floor_to_int(sqrtf(units) + 0.5f), kMostExtent);
+}
+TALUS_HD float extent_of_code(int code) { return static_cast<float>(code * code) * kExtentUnit_m; }
+TALUS_HD int code_below(int extent) { return extent & 15; }
+TALUS_HD int code_above(int extent) { return extent >> kExtentBits; }
+/** Reaching down at least so far; kOpen stays. */
+TALUS_HD int deeper(int extent, int code)
+{
+  return max_of(code_below(extent), code) | code_above(extent) << kExtentBits;
+}
 
 /** Where cell (ix, iy) of the window is stored. */
 TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)

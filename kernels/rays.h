@@ -78,6 +78,13 @@ TALUS_HD float slope_step(float slope)
   const float bent = slope / (1.0f + abs_of(slope));  // [-1, 1]
   return (bent + 0.5f) * (static_cast<float>(kSlopeSteps) / 0.75f);
 }
+/** In the middle of a step. */
+TALUS_HD float slope_of_step(int step)
+{
+  const float bent =
+      (static_cast<float>(step) + 0.5f) * (0.75f / static_cast<float>(kSlopeSteps)) - 0.5f;
+  return bent / (1.0f - abs_of(bent));
+}
 
 // ---- Lines: the cells that the line search of one cell visits ----
 

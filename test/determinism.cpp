@@ -120,7 +120,7 @@ TEST(Determinism, ARestoredMapGoesOnWithTheSameBits)
   }
 }
 
-TEST(Determinism, AStateOfBeforeUndersidesWereKeptIsReadAndKnowsNone)
+TEST(Determinism, AStateOfBeforeExtentsWereKeptIsReadAndKnowsNone)
 {
   const Box trailer{{1.8, -0.4, 0.2}, {2.4, 0.4, 0.55}};
   TestMap a, b, older;

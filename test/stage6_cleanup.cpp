@@ -135,6 +135,20 @@ TEST(Stage6Cleanup, WhatHasAirBelowItIsGoneWhenRaysGoOnAboveItsUnderside)
   for (double y = -0.375; y < 0.4; y += 0.05) EXPECT_LT(m.elevation(1.825, y), 0.05f) << y;
 }
 
+TEST(Stage6Cleanup, HitsBeforeAndBehindACellTellHowFarWhatOverhangsThereReaches)
+{
+  // A face that leans back: a cell is hit by one beam at most, and in other frames by none.
+  std::vector<Box> face;
+  for (int i = 0; i < 6; i++)
+    face.push_back({{1.8 + 0.05 * i, -0.4, 0.2 + 0.06 * i}, {2.4, 0.4, 0.26 + 0.06 * i}});
+  TestMap m;
+  for (int i = 0; i < 8; i++) m.update(Scan(0.01 * i, 0, 0.7).cast(face, 720, -0.6, 0.1, 48));
+  for (double x = 1.825; x < 2.1; x += 0.05) ASSERT_GT(m.elevation(x, 0.025), 0.2f) << x;
+  for (int i = 8; i < 12; i++) m.update(Scan(0.01 * i, 0, 0.7).cast({}, 720, -0.6, 0.1, 48));
+  // Of the first and the last only one side is known to have been hit.
+  for (double x = 1.875; x < 2.05; x += 0.05) EXPECT_LT(m.elevation(x, 0.025), 0.05f) << x;
+}
+
 TEST(Stage6Cleanup, RaysBelowAnUndersideDoNotTellThatItLeft)
 {
   // From now on no beam aims above the underside.

@@ -11,9 +11,9 @@ namespace talus
 {
 namespace
 {
-constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '3'};
+constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '4'};
 /** Of states that were saved before: without the last array of the cells. */
-constexpr char kMagicWithoutUnderside[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '2'};
+constexpr char kMagicWithoutExtent[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '2'};
 
 /** What save() writes before the layers. */
 struct SavedHeader
@@ -289,7 +289,7 @@ void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
   if (bytes.size() < sizeof header) throw std::invalid_argument("saved map: cut short");
   std::memcpy(&header, bytes.data(), sizeof header);
   const int n = m.parameters.cells();
-  const bool older = std::memcmp(header.magic, kMagicWithoutUnderside, sizeof kMagic) == 0;
+  const bool older = std::memcmp(header.magic, kMagicWithoutExtent, sizeof kMagic) == 0;
   if (!older && std::memcmp(header.magic, kMagic, sizeof kMagic) != 0)
     throw std::invalid_argument("saved map: not a state of talus");
   if (header.cells != n || header.resolution_m != m.parameters.resolution_m)
@@ -316,7 +316,7 @@ void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
   const auto* from = bytes.data() + sizeof header;
   MapBytes all;
   all.cells.assign(from, from + cell_bytes);
-  all.cells.resize(cells * kBytesPerCell);  // nothing is known of undersides
+  all.cells.resize(cells * kBytesPerCell);  // no extents are known
   all.features.resize(cells * 5);
   std::memcpy(all.features.data(), from + cell_bytes, feature_bytes);
   m.backend->write_all(all, window);

@@ -391,7 +391,7 @@ class Pipeline final : public BackendInterface
   kernels::CellStore store()
   {
     return {ground_.data(), ground_var_.data(), elevation_.data(), elevation_var_.data(),
-            state_.data(),  misses_.data(),     passed_.data(),    underside_.data()};
+            state_.data(),  misses_.data(),     passed_.data(),    extent_.data()};
   }
   kernels::PointsOut points_out()
   {
@@ -528,7 +528,7 @@ class Pipeline final : public BackendInterface
   Buffer<kernels::FrameContext> context_;
   // persistent, storage order
   Buffer<float> ground_, ground_var_, elevation_, elevation_var_;
-  Buffer<std::uint8_t> state_, passed_, underside_;
+  Buffer<std::uint8_t> state_, passed_, extent_;
   Buffer<std::int8_t> misses_;
   // of one frame
   Buffer<std::int32_t> point_cell_, point_ray_, point_reach_, crowded_;

@@ -113,7 +113,7 @@ MapBytes Pipeline<Executor>::read_all()
   }
   for (auto* b : {&state_, &passed_}) executor_.download(b->data(), n, to), to += n;
   executor_.download(misses_.data(), n, reinterpret_cast<std::int8_t*>(to));
-  executor_.download(underside_.data(), n, to + n);
+  executor_.download(extent_.data(), n, to + n);
   complete_parts();
   bytes.features.resize(kFeatureLayers * n);
   for (std::size_t i = 0; i < kFeatureLayers; i++)
@@ -136,7 +136,7 @@ void Pipeline<Executor>::write_all(const MapBytes& bytes, const kernels::FrameCo
   }
   for (auto* b : {&state_, &passed_}) executor_.upload(from, n, b->data()), from += n;
   executor_.upload(reinterpret_cast<const std::int8_t*>(from), n, misses_.data());
-  executor_.upload(from + n, n, underside_.data());
+  executor_.upload(from + n, n, extent_.data());
   allocate_parts();
   now_->parts_known = true;
   for (std::size_t i = 0; i < kFeatureLayers; i++)

@@ -12,7 +12,7 @@ void Pipeline<Executor>::allocate_cells()
   const auto n = static_cast<std::size_t>(cells());
   for (auto* b : {&ground_, &ground_var_, &elevation_, &elevation_var_})
     executor_.allocate(*b, n, kernels::kNan);
-  for (auto* b : {&state_, &passed_, &underside_, &role_, &in_open_})
+  for (auto* b : {&state_, &passed_, &extent_, &role_, &in_open_})
     executor_.allocate(*b, n, std::uint8_t{0});
   executor_.allocate(misses_, n, std::int8_t{0});
   for (auto* b : {&cell_count_, &cell_begin_}) executor_.allocate(*b, n, std::uint32_t{0});
