@@ -159,7 +159,7 @@ TALUS_HD void put_extent(
   const int above_before = select(at_top, 0, code_above(c.extent));
   const int above = max_of(above_before, code_of_extent(high_m - top_m));
   const int below = code_of_extent(top_m - max_of(low_m, limit_m));
-  c.extent = max_of(code_below(c.extent), below) | above << kExtentBits;
+  c.extent = extent_of_codes(max_of(code_below(c.extent), below), above);
 }
 
 /** Rays that pass below what overhangs do not tell that it left; rays that went on where it is

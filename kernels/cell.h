@@ -87,8 +87,8 @@ constexpr int kPorousCredit = 3, kHeldCredit = 1, kPorous = 12, kMaxCredit = 120
 constexpr int kOverhangCredit = kMaxCredit / 2;
 
 /** Cell::extent: the low four bits tell how far what overhangs reaches down from the top of its
- * cell, the others how far up, each a code n for about n^2 such units. kOpen: it lets rays
- * through, a railing. */
+ * cell, the others how far up, each a code n for about n^2 such units. kOpen, which no two codes
+ * give: it lets rays through, a railing. */
 constexpr float kExtentUnit_m = 0.0125f;
 constexpr int kExtentBits = 4, kMostExtent = 14, kOpen = 255;
 
@@ -98,12 +98,13 @@ TALUS_HD int code_of_extent(float extent_m)
   return min_of(floor_to_int(sqrtf(units) + 0.5f), kMostExtent);
 }
 TALUS_HD float extent_of_code(int code) { return static_cast<float>(code * code) * kExtentUnit_m; }
-TALUS_HD int code_below(int extent) { return extent & 15; }
+TALUS_HD int extent_of_codes(int below, int above) { return below | above << kExtentBits; }
+TALUS_HD int code_below(int extent) { return extent & ((1 << kExtentBits) - 1); }
 TALUS_HD int code_above(int extent) { return extent >> kExtentBits; }
 /** Reaching down at least so far; kOpen stays. */
-TALUS_HD int deeper(int extent, int code)
+TALUS_HD int deeper(int extent, int below)
 {
-  return max_of(code_below(extent), code) | code_above(extent) << kExtentBits;
+  return extent_of_codes(max_of(code_below(extent), below), code_above(extent));
 }
 
 /** Where cell (ix, iy) of the window is stored. */

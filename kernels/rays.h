@@ -71,18 +71,20 @@ constexpr std::int32_t kNoRay = 0x7fffffff;
 
 /** Slopes are told apart in so many steps. */
 constexpr int kSlopeSteps = 64;
-/** The step of a slope, and the part of it that lies below: from -1 up to 1/3, finest where it is
- * level, since so is seen what is far. Steeper ones lie outside [0, kSlopeSteps). */
+/** Of slopes bent into [-1, 1] those from -1/2, a slope of -1, up to 1/4, one of 1/3. */
+constexpr float kLowestBent = -0.5f, kBentRange = 0.75f;
+/** The step of a slope, and the part of it that lies below: finest where it is level, since so is
+ * seen what is far. Steeper ones lie outside [0, kSlopeSteps). */
 TALUS_HD float slope_step(float slope)
 {
-  const float bent = slope / (1.0f + abs_of(slope));  // [-1, 1]
-  return (bent + 0.5f) * (static_cast<float>(kSlopeSteps) / 0.75f);
+  const float bent = slope / (1.0f + abs_of(slope));
+  return (bent - kLowestBent) * (static_cast<float>(kSlopeSteps) / kBentRange);
 }
-/** In the middle of a step. */
+/** The slope in the middle of a step. */
 TALUS_HD float slope_of_step(int step)
 {
-  const float bent =
-      (static_cast<float>(step) + 0.5f) * (0.75f / static_cast<float>(kSlopeSteps)) - 0.5f;
+  const float middle = static_cast<float>(step) + 0.5f;
+  const float bent = kLowestBent + middle * (kBentRange / static_cast<float>(kSlopeSteps));
   return bent / (1.0f - abs_of(bent));
 }
 
