@@ -142,7 +142,7 @@ template <class Atomics>
 struct NoteReach
 {
   PointsOut points;
-  std::int32_t* reach;  //!< [slope step][bin], minus the greatest PointsOut::ray, that is the one
+  std::int32_t* reach;  //!< [bin][slope step], minus the greatest PointsOut::ray, that is the one
                         //!< of the farthest ring; 0: no ray
 
   TALUS_HD void operator()(int i) const
@@ -255,7 +255,8 @@ struct AcceptPoint
     out.slope[i] = slope;
     const float step = slope_step(select(aims, slope, 0.0f));
     const bool counts = aims & (step >= 0.0f) & (step < static_cast<float>(kSlopeSteps));
-    out.reach[i] = select(counts, floor_to_int(select(counts, step, 0.0f)) * bins + bin, -1);
+    const int at = bin * kSlopeSteps + floor_to_int(select(counts, step, 0.0f));
+    out.reach[i] = select(counts, at, -1);
   }
 };
 

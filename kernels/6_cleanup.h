@@ -1,5 +1,6 @@
 #pragma once
 #include "kernels/rays.h"
+#include "kernels/team.h"
 
 #include <tuple>
 
@@ -91,95 +92,121 @@ struct Reach
 {
   const FrameContext* frame;
   const std::int32_t* of_slope;
+
+  /** Of one direction, for steps of slope that lie side by side; 0: no ray. */
+  struct alignas(16) Steps
+  {
+    static constexpr int kSize = 4;
+    std::int32_t ends[kSize];
+  };
+  TALUS_HD Steps steps(int bin, int group) const
+  {
+    const Steps* const groups = reinterpret_cast<const Steps*>(of_slope);
+    Steps here = groups[bin * (kSlopeSteps / Steps::kSize) + group];
+    for (std::int32_t& end : here.ends) end = -end;
+    return here;
+  }
 };
 
-/** Rays are looked at in so many directions more on either side of a cell: beside the edge of what
- * stands there some go on. */
-constexpr int kBesideCell = 2;
-
-/** Whether rays that aimed at a cell between `low_m` and `high_m` ended two or more rings behind
- * it, and none before. */
-TALUS_HD bool went_between(
-    float low_m, float high_m, const Glance& g, const Config& k, const Reach& reach)
+/** How far what overhangs reaches below and above the top of one cell is learned from the rays of
+ * this frame, and whether it left. The directions of the cell are dealt out to a team. */
+template <class Team>
+struct OverhangRays
 {
-  const int rays = g.rays(), bins = bin_count(k);
-  if (rays == 0) return false;
-  const float sensor_m = reach.frame->sensor_z_m, at_m = g.chebyshev_m;
-  const float low = slope_step(ray_slope(low_m - sensor_m, at_m));
-  const float high = slope_step(ray_slope(high_m - sensor_m, at_m));
-  const int first = max_of(floor_to_int(low) + 1, 0), end = min_of(floor_to_int(high), kSlopeSteps);
-  bool any = false;
-  for (int which = -kBesideCell; which < rays + kBesideCell; which++)
+  const Config& k;
+  const Reach& reach;
+  Glance glance;
+  Team team;
+
+  /** Rays are looked at in so many directions more on either side of a cell: beside the edge of
+   * what stands there some go on. */
+  static constexpr int kBesideCell = 2;
+
+  /** Whether rays that aimed at the cell between `low_m` and `high_m` ended two or more rings
+   * behind it, and none before. */
+  TALUS_HD bool went_between(float low_m, float high_m) const
   {
-    const int bin = wrap_bin(g.first_bin + which * g.stride, bins);
-    for (int step = first; step < end; step++)
+    const int first = max_of(floor_to_int(step_of(low_m)) + 1, 0);
+    const int end = min_of(floor_to_int(step_of(high_m)), kSlopeSteps);
+    const int last = glance.rays() + kBesideCell;
+    int most = kNoneAimed;
+    if (glance.rays() > 0)
+      for (int which = team.rank() - kBesideCell; which < last; which += team.size())
+        most = max_of(most, aimed(bin(which), first, end));
+    return team.max(most) == kWentOn;
+  }
+
+  /** From a height that was hit in the cell to the end of the hits below (`up` = -1) or above it
+   * (1): in some direction they go on to there, without a ray that went on in between. Hits up to
+   * two rings before the cell and one behind it count: what overhangs is seldom one cell wide. */
+  TALUS_HD float end_of_hits(float hit_m, int up) const
+  {
+    const int first = floor_to_int(step_of(hit_m)) + select(up > 0, 1, 0), none = first - up;
+    int farthest = none * up;
+    for (int which = team.rank(); which < glance.rays(); which += team.size())
+      farthest = max_of(farthest, last_hit(bin(which), first, up) * up);
+    farthest = team.max(farthest) * up;
+    if (farthest == none) return hit_m;
+    return reach.frame->sensor_z_m + slope_of_step(farthest) * glance.chebyshev_m;
+  }
+
+ private:
+  enum Aimed
+  {
+    kNoneAimed,
+    kWentOn,
+    kEndedBefore
+  };
+
+  TALUS_HD float step_of(float height_m) const
+  {
+    return slope_step(ray_slope(height_m - reach.frame->sensor_z_m, glance.chebyshev_m));
+  }
+  TALUS_HD int bin(int which) const
+  {
+    return wrap_bin(glance.first_bin + which * glance.stride, bin_count(k));
+  }
+
+  TALUS_HD Aimed aimed(int bin, int first, int end) const
+  {
+    bool any = false, before = false;
+    for (int group = first / Reach::Steps::kSize; group * Reach::Steps::kSize < end; group++)
     {
-      const int ray = -reach.of_slope[step * bins + bin];
-      if (ray > 0 && ray < g.row) return false;
-      any = any || ray > 0;
+      const Reach::Steps rays = reach.steps(bin, group);
+      for (int s = 0; s < Reach::Steps::kSize; s++)
+      {
+        const int step = group * Reach::Steps::kSize + s, ray = rays.ends[s];
+        const bool is_ray = (step >= first) & (step < end) & (ray > 0);
+        any |= is_ray;
+        before |= is_ray & (ray < glance.row);
+      }
+      if (before) return kEndedBefore;
     }
+    return any ? kWentOn : kNoneAimed;
   }
-  return any;
-}
 
-/** From a height that was hit in a cell to the end of the hits below or above it in one direction,
- * up to a ray that went on. Hits up to two rings before the cell and one behind it count: what
- * overhangs is seldom one cell wide. */
-TALUS_HD float end_of_hits(
-    float hit_m, bool above, int bin, const Glance& g, const Config& k, const Reach& reach)
-{
-  const int bins = bin_count(k), nearest = g.row - 4 * bins, up = select(above, 1, -1);
-  const float sensor_m = reach.frame->sensor_z_m, at_m = g.chebyshev_m;
-  float end_m = hit_m;
-  int step = floor_to_int(slope_step(ray_slope(hit_m - sensor_m, at_m))) + select(above, 1, 0);
-  for (; step >= 0 && step < kSlopeSteps; step += up)
+  /** The last step of those from `first` on that were hit, or the one before `first`. */
+  TALUS_HD int last_hit(int bin, int first, int up) const
   {
-    const int ray = -reach.of_slope[step * bins + bin];
-    if (ray == 0) continue;
-    if (ray < nearest || ray >= g.row) break;
-    end_m = sensor_m + slope_of_step(step) * at_m;
+    const int nearest = glance.row - 4 * bin_count(k);
+    int last = first - up;
+    bool more = first >= 0 && first < kSlopeSteps;
+    for (int group = first / Reach::Steps::kSize;
+         more && group >= 0 && group < kSlopeSteps / Reach::Steps::kSize; group += up)
+    {
+      const Reach::Steps rays = reach.steps(bin, group);
+      for (int n = 0; n < Reach::Steps::kSize; n++)
+      {
+        const int s = up > 0 ? n : Reach::Steps::kSize - 1 - n, ray = rays.ends[s];
+        const int step = group * Reach::Steps::kSize + s;
+        const bool is_ray = ((step - first) * up >= 0) & (ray > 0);
+        more &= (!is_ray) | ((ray >= nearest) & (ray < glance.row));
+        last = select(more & is_ray, step, last);
+      }
+    }
+    return last;
   }
-  return end_m;
-}
-
-/** Of a cell that was hit: not lower than `limit_m`, where rays passed. The top may have risen to
- * this hit, so that what was known above it holds no more. */
-TALUS_HD void put_extent(
-    Cell& c, float top_m, float hit_m, float limit_m, const Glance& g, const Config& k,
-    const Reach& reach)
-{
-  float low_m = hit_m, high_m = hit_m;
-  for (int which = 0; which < g.rays(); which++)
-  {
-    const int bin = wrap_bin(g.first_bin + which * g.stride, bin_count(k));
-    low_m = min_of(low_m, end_of_hits(hit_m, false, bin, g, k, reach));
-    high_m = max_of(high_m, end_of_hits(hit_m, true, bin, g, k, reach));
-  }
-  const bool at_top = hit_m >= top_m - k.cleanup_margin_m;
-  const int above_before = select(at_top, 0, code_above(c.extent));
-  const int above = max_of(above_before, code_of_extent(high_m - top_m));
-  const int below = code_of_extent(top_m - max_of(low_m, limit_m));
-  c.extent = extent_of_codes(max_of(code_below(c.extent), below), above);
-}
-
-/** Rays that pass below what overhangs do not tell that it left; rays that went on where it is
- * known to have been do. Where such rays go while it is hit, it is open, and they tell nothing. */
-TALUS_HD void look_between(
-    Cell& c, int ix, int iy, float top_m, float hit_m, float limit_m, const Config& k,
-    const Reach& reach)
-{
-  const bool hit = hit_m > limit_m;
-  const Glance g = glance_at(k, *reach.frame, ix, iy);
-  if (hit) put_extent(c, top_m, hit_m, limit_m, g, k, reach);
-  const float lowest_m = top_m - extent_of_code(code_below(c.extent));
-  const float low_m = max_of(lowest_m + k.cleanup_margin_m, limit_m);
-  const float high_m = top_m + extent_of_code(code_above(c.extent)) - k.cleanup_margin_m;
-  if (low_m >= high_m || !went_between(low_m, high_m, g, k, reach)) return;
-  if (hit)
-    c.extent = kOpen;
-  else
-    c.misses = 0;
-}
+};
 
 TALUS_HD int trace_of(const Cell& c) { return c.passed & kTraceFull; }
 TALUS_HD void leave_trace(Cell& c) { c.passed += min_of(kTraceHit, kTraceFull - trace_of(c)); }
@@ -208,8 +235,7 @@ TALUS_HD bool count_miss(Cell& c, bool hit, const Config& k)
  * exception: a box that left shows the floor in the very cells that it stood in. Returns whether
  * the cell is another now. */
 TALUS_HD bool clear_seen_through(
-    Cell& c, int ix, int iy, std::uint8_t& role, float top_hit_m, const SeenThrough& seen,
-    const Config& k, const Reach& reach)
+    Cell& c, std::uint8_t& role, float top_hit_m, const SeenThrough& seen, const Config& k)
 {
   const bool has_elevation = is_known(c.elevation_m);
   if (!seen.any() || (!has_elevation && c.state != kMeasured)) return false;
@@ -219,7 +245,6 @@ TALUS_HD bool clear_seen_through(
   if (c.state == kMeasured && role == kKeep && c.ground_m > limit) role = kObject;
   const bool hit = top_hit_m > limit;
   if (hit && top_hit_m <= top + k.cleanup_margin_m) leave_trace(c);  // what hangs above leaves none
-  if (c.misses < 0 && c.extent != kOpen) look_between(c, ix, iy, top, top_hit_m, limit, k, reach);
   if (!count_miss(c, hit, k)) return true;
 
   c.elevation_m = c.elevation_var_m2 = kNan;
@@ -295,24 +320,81 @@ struct CleanUpCell
   /** False where nothing changes. */
   TALUS_HD bool concerns(int ix, int iy, int i) const
   {
-    const int o = iy * cells + ix, state = store.state[i];
-    const float elevation = store.elevation_m[i], ground = store.ground_m[i];
-    const bool has_elevation = is_known(elevation), any = passing.lowest_m[o] < kInfinity;
-    const float top = select(has_elevation, elevation, ground);
-    const bool above = (top > passing.highest_m[o] + config->cleanup_margin_m) &
-                       (has_elevation | (state == kMeasured));
-    const bool traced = store.passed[i] >= kTraceOne;
-    return any & (state != kUnknown) & (above | traced);
+    const int o = iy * cells + ix;
+    const bool any = passing.lowest_m[o] < kInfinity, traced = store.passed[i] >= kTraceOne;
+    return any & (store.state[i] != kUnknown) & (stands_above(o, i) | traced);
   }
 
   TALUS_HD void operator()(int ix, int iy, int i) const
+  {
+    if (wants_look(ix, iy, i)) look(ix, iy, i, LoneTeam{});
+    finish(ix, iy, i);
+  }
+
+  /** Whether look() has to come before finish(): what stands there may overhang. */
+  TALUS_HD bool wants_look(int ix, int iy, int i) const
+  {
+    const int o = iy * cells + ix;
+    return passing.lowest_m[o] < kInfinity && store.state[i] != kUnknown && stands_above(o, i) &&
+           store.misses[i] < 0 && store.extent[i] != kOpen;
+  }
+
+  /** Rays that pass below what overhangs do not tell that it left; rays that went on where it is
+   * known to have been do. Where such rays go while it is hit, it is open, and they tell nothing.
+   */
+  template <class Team>
+  TALUS_HD void look(int ix, int iy, int i, const Team& team) const
+  {
+    const Config& k = *config;
+    const float top_m = top(i), hit_m = top_hit_m[i], limit_m = limit(iy * cells + ix);
+    const bool hit = hit_m > limit_m;
+    const OverhangRays<Team> overhang{k, reach, glance_at(k, *reach.frame, ix, iy), team};
+    const int before = store.extent[i];
+    const int extent = hit ? learn(before, overhang, top_m, hit_m, limit_m) : before;
+    const float lowest_m = top_m - extent_of_code(code_below(extent));
+    const float low_m = max_of(lowest_m + k.cleanup_margin_m, limit_m);
+    const float high_m = top_m + extent_of_code(code_above(extent)) - k.cleanup_margin_m;
+    const bool went = low_m < high_m && overhang.went_between(low_m, high_m);
+    if (team.rank() != 0) return;
+    store.extent[i] = static_cast<std::uint8_t>(select(hit & went, kOpen, extent));
+    if (went & !hit) store.misses[i] = 0;
+  }
+
+  TALUS_HD void finish(int ix, int iy, int i) const
   {
     const int o = iy * cells + ix;
     const SeenThrough seen{passing.lowest_m[o], passing.highest_m[o]};
     Cell c = store.load(i);
     const bool faded = fade_trace(c);
-    if (clear_seen_through(c, ix, iy, role[i], top_hit_m[i], seen, *config, reach) || faded)
-      store.store(i, c);
+    if (clear_seen_through(c, role[i], top_hit_m[i], seen, *config) || faded) store.store(i, c);
+  }
+
+ private:
+  TALUS_HD float top(int i) const
+  {
+    const float elevation = store.elevation_m[i], ground = store.ground_m[i];
+    return select(is_known(elevation), elevation, ground);
+  }
+  TALUS_HD float limit(int o) const { return passing.highest_m[o] + config->cleanup_margin_m; }
+  TALUS_HD bool stands_above(int o, int i) const
+  {
+    const bool measured = store.state[i] == kMeasured;
+    return (top(i) > limit(o)) & (is_known(store.elevation_m[i]) | measured);
+  }
+
+  /** The extent of a cell that was hit: not lower than `limit_m`, where rays passed. The top may
+   * have risen to this hit, so that what was known above it holds no more. */
+  template <class Team>
+  TALUS_HD int learn(
+      int extent, const OverhangRays<Team>& overhang, float top_m, float hit_m, float limit_m) const
+  {
+    const float low_m = min_of(hit_m, overhang.end_of_hits(hit_m, -1));
+    const float high_m = max_of(hit_m, overhang.end_of_hits(hit_m, 1));
+    const bool at_top = hit_m >= top_m - config->cleanup_margin_m;
+    const int above_before = select(at_top, 0, code_above(extent));
+    const int above = max_of(above_before, code_of_extent(high_m - top_m));
+    const int below = code_of_extent(top_m - max_of(low_m, limit_m));
+    return extent_of_codes(max_of(code_below(extent), below), above);
   }
 };
 

@@ -194,12 +194,23 @@ struct SettleCell
   float* sample_m;  //!< see Samples
   float* sample_variance_m2;  //!< of samples
 
-  /** True for a sample. */
+  /** First. Whether look() has to come next. */
+  TALUS_HD bool begin(int ix, int iy) const
+  {
+    const int i = index(ix, iy);
+    choose(ix, iy, i);
+    return clean.wants_look(ix, iy, i);
+  }
+  template <class Team>
+  TALUS_HD void look(int ix, int iy, const Team& team) const
+  {
+    clean.look(ix, iy, index(ix, iy), team);
+  }
+  /** Last. True for a sample. */
   TALUS_HD bool operator()(int ix, int iy) const
   {
-    const int i = storage_index(*choose.frame, clean.cells, ix, iy);
-    choose(ix, iy, i);
-    if (clean.concerns(ix, iy, i)) clean(ix, iy, i);
+    const int i = index(ix, iy);
+    if (clean.concerns(ix, iy, i)) clean.finish(ix, iy, i);
     const bool sample = is_sample(clean.store, clean.role, i);
     const float ground_m = clean.store.ground_m[i];
     const int o = grid.at(ix, iy);
@@ -208,6 +219,12 @@ struct SettleCell
       sample_variance_m2[o] = sample_variance(
           ground_m, clean.store.ground_var_m2[i], clean.passing.lowest_m[iy * clean.cells + ix]);
     return sample;
+  }
+
+ private:
+  TALUS_HD int index(int ix, int iy) const
+  {
+    return storage_index(*choose.frame, clean.cells, ix, iy);
   }
 };
 
