@@ -91,6 +91,24 @@ TALUS_HD float sample_variance(float ground_m, float variance_m2, float ray_boun
   return select(ray_bound_m < ground_m - kContradicted_m, kDoubtful_m2, variance_m2);
 }
 
+/** Rays that pass this far below a fill [m] tell that the ground drops somewhere before it, and not
+ * where nor how steeply: the fill is as high as the rays, but no ray has shown that ground. */
+constexpr float kUndercut_m = 0.03f;
+
+/** Where rays undercut the ground that goes on from a sample as that around the robot does, a brink
+ * lies somewhere between, and the cells before that place are not judged either. Lines from the
+ * sensor are asked at each so many places. */
+constexpr float kUndercutAhead_m = 0.05f;
+constexpr int kUndercutPlaces = 4;
+TALUS_HD bool undercuts(float ray_bound_m, float sample_m, float distance_m, float rise_per_m)
+{
+  return ray_bound_m < sample_m + rise_per_m * distance_m - kUndercutAhead_m;
+}
+
+/** Fills before such a place, as far as fills look, say so by this variance, or a larger one; the
+ * map is told kToldDoubtful_m2. */
+constexpr float kBeforeBrink_m2 = 1e6f;
+
 /** Variance of ground inferred from a sample [m^2]. */
 TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const Config& k)
 {
@@ -192,6 +210,10 @@ struct alignas(16) Inference
   TALUS_HD bool any() const { return is_known(variance_m2); }
   TALUS_HD bool two_sided() const { return bits_of(variance_m2) >> 31 == 0; }
   TALUS_HD bool doubtful() const { return abs_of(variance_m2) >= kDoubtful_m2; }
+  TALUS_HD bool before_brink() const
+  {
+    return (abs_of(variance_m2) >= kBeforeBrink_m2) & !doubtful();
+  }
 };
 
 /** Inference::variance_m2 from the variances of the two sides of the line to the sensor, NaN where
@@ -203,6 +225,12 @@ TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
   const float larger = max_of(inner_m2, outer_m2);
   const float two = select(larger >= kDoubtful_m2, larger, fused);
   return select(both, two, -select(has_inner, inner_m2, outer_m2));
+}
+
+TALUS_HD float mark_before_brink(float fused_m2, bool is_before)
+{
+  return fused_m2 +
+         select(is_before, select(fused_m2 < 0.0f, -kBeforeBrink_m2, kBeforeBrink_m2), 0.0f);
 }
 
 TALUS_HD LineFusion fuse_lines(
@@ -235,10 +263,6 @@ struct Fill
   float lines_m;  //!< what the lines say, where rays do not pass below it the height
 };
 
-/** Rays that pass this far below a fill [m] tell that the ground drops somewhere before it, and not
- * where nor how steeply: the fill is as high as the rays, but no ray has shown that ground. */
-constexpr float kUndercut_m = 0.03f;
-
 /** A guess from one side does not lift by more than this [m] what was filled from two: it would
  * forget what lies behind an edge once the ground beyond is on no line any more. */
 constexpr float kLift_m = 0.1f;
@@ -250,9 +274,10 @@ infer_ground(const Inference& inferred, bool under_object, float bound_m, const 
   const float height = select(under_object, lines.lowest_m, lines.weighted / lines.information);
   return {
       min_of(height, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
-      select(inferred.doubtful(), kToldDoubtful_m2, abs_of(inferred.variance_m2)),
-      select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided),
-      height};
+      select(
+          abs_of(inferred.variance_m2) >= kBeforeBrink_m2, kToldDoubtful_m2,
+          abs_of(inferred.variance_m2)),
+      select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided), height};
 }
 
 // ---- Where samples are kept ----
@@ -279,8 +304,16 @@ TALUS_HD LineGrid line_grid(const Config& k)
 struct Samples
 {
   float* height_m;  //!< NaN: none
-  float* variance_m2;
+  float* variance_or_bound;  //!< of samples their variance [m^2]; where lines are swept, elsewhere
+                             //!< the ray bound [m]
 };
+
+/** Height that rays have shown the ground of a cell of the window not to exceed [m]; NaN: not
+ * shown. */
+TALUS_HD float ray_bound(const PassingRays& passing, int o)
+{
+  return select(passing.lowest_m[o] < kInfinity, passing.highest_m[o], kNan);
+}
 
 /** What was inferred of the cells, by place of the grid. */
 struct InferenceGrid
@@ -301,18 +334,19 @@ struct TakeSample
   const Config* config;
   CellStore store;
   const std::uint8_t* role;
-  const float* ray_bound_m;  //!< window order
+  PassingRays passing;
   LineGrid grid;
   Samples samples;
 
   TALUS_HD void operator()(int ix, int iy, int i) const
   {
-    const int o = grid.at(ix, iy);
-    const float bound_m = ray_bound_m[iy * config->cells + ix];
+    const int o = grid.at(ix, iy), w = iy * config->cells + ix;
     const bool sample = is_sample(store, role, i);
     const float ground_m = store.ground_m[i];
     samples.height_m[o] = select(sample, ground_m, kNan);
-    samples.variance_m2[o] = sample_variance(ground_m, store.ground_var_m2[i], bound_m);
+    samples.variance_or_bound[o] = select(
+        sample, sample_variance(ground_m, store.ground_var_m2[i], passing.lowest_m[w]),
+        ray_bound(passing, w));
   }
 };
 
@@ -513,7 +547,8 @@ struct FillCell
     // A fill may lie too high, so that it counts little above the lowest of its lines.
     const float low_m = inferred.lines.lowest_m + 0.25f * config->step_threshold_m;
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
-    const bool undercut = filled & (fill.height_m < fill.lines_m - kUndercut_m);
+    const bool brink = inferred.before_brink() & !is_known(store.elevation_m[i]);
+    const bool undercut = filled & ((fill.height_m < fill.lines_m - kUndercut_m) | brink);
     const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m) & !undercut;
     const float high_up_m = config->clearance_m * select(r == kObject, 1.0f, 2.0f);
     const bool object = filled & ((r == kObject) | (r == kObjectBesideColumn)) &

@@ -191,8 +191,7 @@ struct SettleCell
   ChooseRole choose;
   CleanUpCell clean;
   LineGrid grid;
-  float* sample_m;  //!< see Samples
-  float* sample_variance_m2;  //!< of samples
+  Samples samples;
 
   /** First. Whether look() has to come next. */
   TALUS_HD bool begin(int ix, int iy) const
@@ -214,9 +213,9 @@ struct SettleCell
     const bool sample = is_sample(clean.store, clean.role, i);
     const float ground_m = clean.store.ground_m[i];
     const int o = grid.at(ix, iy);
-    sample_m[o] = sample ? ground_m : kNan;
+    samples.height_m[o] = sample ? ground_m : kNan;
     if (sample)
-      sample_variance_m2[o] = sample_variance(
+      samples.variance_or_bound[o] = sample_variance(
           ground_m, clean.store.ground_var_m2[i], clean.passing.lowest_m[iy * clean.cells + ix]);
     return sample;
   }
@@ -309,8 +308,7 @@ struct SearchAndFillCell
   using Line = LineFusion;
   FillCell fill;
   Config k;
-  const float* sample_m;
-  const float* sample_variance_m2;
+  Samples samples;
   const std::uint32_t* marks;
   const std::uint32_t* axis_marks;
   LineTables tables;
@@ -406,7 +404,7 @@ struct SearchAndFillCell
   {
     const int line = tables.line[grid.at(ix, iy)], rings = grid.half;
     const int ring = max_of(abs_of(ix - rings), abs_of(iy - rings));
-    return {k, sample_m, {marks + line, 8 * rings}, tables.track[line], ring};
+    return {k, samples.height_m, {marks + line, 8 * rings}, tables.track[line], ring};
   }
 
   TALUS_HD LineSearch<AxisTrack> axis_search(int ix, int iy, bool along_x) const
@@ -414,7 +412,7 @@ struct SearchAndFillCell
     const int n = k.cells, begin = along_x ? grid.at(0, iy) : grid.at(ix, 0);
     return {
         k,
-        sample_m,
+        samples.height_m,
         {axis_marks + (along_x ? iy : n + ix), 2 * n},
         {begin, along_x ? 1 : grid.pitch, n, k.resolution_m, axis_reach},
         along_x ? ix : iy};
@@ -424,14 +422,35 @@ struct SearchAndFillCell
   TALUS_HD float variance(
       const LineSearch<Track>& radial, const SideEstimate& inner, const SideEstimate& outer) const
   {
-    return fuse_variances(variance(radial, false, inner), variance(radial, true, outer));
+    const float fused_m2 =
+        fuse_variances(variance(radial, false, inner), variance(radial, true, outer));
+    return mark_before_brink(
+        fused_m2, inner.any() && !outer.any() && is_before_brink(radial, inner));
+  }
+  /** Of what has samples towards the sensor only. */
+  TALUS_HD bool is_before_brink(const LineSearch<Track>& radial, const SideEstimate& inner) const
+  {
+    const float step_m = radial.track.step_m, rise = trend->along(radial.track.direction);
+    const int last = radial.place + radial.reach(true, radial.track.fill_reach);
+    const int first = (radial.place + kUndercutPlaces - 1) / kUndercutPlaces * kUndercutPlaces;
+    bool any = false;
+    for (int place = first; place <= last; place += kUndercutPlaces)
+    {
+      const CellOffset at = radial.track.offset(place);
+      const int ix = grid.half + at.dx, iy = grid.half + at.dy;
+      if (ix >= k.cells || iy >= k.cells) break;  // lines end one cell beyond an even window
+      const float distance_m = static_cast<float>(place - radial.place + inner.places) * step_m;
+      const float bound_m = ray_bound(fill.passing, iy * k.cells + ix);
+      any |= undercuts(bound_m, inner.nearest_m, distance_m, rise);
+    }
+    return any;
   }
   TALUS_HD float variance(
       const LineSearch<Track>& radial, bool outwards, const SideEstimate& side) const
   {
     if (!side.any()) return kNan;
     return spread_variance(
-        sample_variance_m2[radial.at(outwards, side.places)], side.distance_m, k);
+        samples.variance_or_bound[radial.at(outwards, side.places)], side.distance_m, k);
   }
 
   TALUS_HD float height_across(const LineSearch<Track>& radial) const
@@ -441,7 +460,8 @@ struct SearchAndFillCell
     if (!inner || !outer) return kNan;
     const float gap_m = static_cast<float>(inner + outer) * radial.track.step_m;
     return drop_across(
-        sample_m[radial.at(false, inner)], sample_m[radial.at(true, outer)], gap_m, k);
+        samples.height_m[radial.at(false, inner)], samples.height_m[radial.at(true, outer)], gap_m,
+        k);
   }
 };
 

@@ -307,6 +307,35 @@ TEST(Stage7Fill, WhereRaysPassBelowAFillTheGroundDropsAndIsNotJudged)
   EXPECT_GT(m.traversability(2.025, 0.025), 0.9f);
 }
 
+TEST(Stage7Fill, GroundThatWouldGoOnToWhereRaysPassBelowItIsNotJudged)
+{
+  // A shelf ends at x = 1.5 m. Rays pass low over what may be its surface, which begins to lie
+  // above them at 2.25 m: somewhere before it drops.
+  const auto scan = [](double far_z_m)
+  {
+    Scan s(0, 0, 0.3);
+    s.add_surface(0.5, -0.5, 1.5, 0.5, flat);
+    for (double y = -0.475; y < 0.5; y += 0.01) s.add(4.5, y, far_z_m);
+    return s;
+  };
+  Parameters p;
+  p.fill_search_m = 0.4;
+  TestMap level_on, drops, looks_less_far(p);
+  level_on.update(scan(0.0));
+  drops.update(scan(-0.3));
+  looks_less_far.update(scan(-0.3));
+  for (double x = 1.625; x < 2.2; x += 0.05)
+  {
+    EXPECT_EQ(drops.state(x, 0.025), CellState::FilledOneSided) << x;
+    EXPECT_NEAR(drops.ground(x, 0.025), 0.0, 1e-5) << x;
+    EXPECT_TRUE(std::isnan(drops.traversability(x, 0.025))) << x;
+    EXPECT_EQ(drops.at(Layer::Variance, x, 0.025), 1.0f) << x;
+    EXPECT_GT(level_on.traversability(x, 0.025), 0.9f) << x;
+  }
+  EXPECT_GT(looks_less_far.traversability(1.625, 0.025), 0.9f);
+  EXPECT_GT(drops.traversability(1.375, 0.025), 0.9f);  // the shelf itself
+}
+
 TEST(Stage7Fill, AGuessFromOneSideDoesNotLiftWhatWasFilledFromTwo)
 {
   // Behind the edge of a shelf a strip of the floor 0.4 m below it is seen, from one place only.

@@ -113,6 +113,15 @@ struct alignas(64) Met
   }
 };
 
+/** Where rays undercut the ground that goes on from the last sample, see kernels::undercuts(): the
+ * nearest such place behind. */
+struct alignas(64) Undercut
+{
+  int place[kLanes];
+
+  Undercut() { std::fill_n(place, kLanes, -kNowhere); }
+};
+
 /** What is inferred at one place. */
 struct Found
 {
@@ -139,14 +148,20 @@ class Sweep
     const Strip strip = lines;
     outwards(strip, samples, met);
     Side behind = Side::nothing();
+    Undercut undercut;
     for (int place = strip.places - 1; place >= 0; place--)
     {
       const Side& here = met[place + 1];
-      infer(k, strip, here, behind, place, to);
+      if (kRays && place % kernels::kUndercutPlaces == 0)
+        ask(strip, samples, here, place, undercut);
+      infer(k, strip, here, behind, undercut, place, to);
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
-        behind.meet(
-            behind, l, here.place[0][l] == place, here.height_m[0][l], here.variance_m2[l], place);
+      {
+        const bool known = here.place[0][l] == place;
+        behind.meet(behind, l, known, here.height_m[0][l], here.variance_m2[l], place);
+        if (kRays) undercut.place[l] = kernels::select(known, -kNowhere, undercut.place[l]);
+      }
     }
   }
 
@@ -181,13 +196,32 @@ class Sweep
       {
         TALUS_INDEPENDENT
         for (int l = 0; l < kLanes; l++)
-          variance_m2[l] = samples.variance_m2[first + minor[l] * strip.across];
+          variance_m2[l] = samples.variance_or_bound[first + minor[l] * strip.across];
       }
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
         met[place + 1].meet(
             met[place], l, kernels::is_known(height_m[l]), height_m[l],
             kRays ? variance_m2[l] : 0.0f, place);
+    }
+  }
+
+  /** Whether rays undercut the lines at a place. */
+  static void ask(
+      const Strip& strip, const kernels::Samples& samples, const Side& here, int place,
+      Undercut& undercut)
+  {
+    const int first = strip.first + place * strip.along;
+    const int* const minor = strip.at(place, false).minor;
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      const float bound_m = samples.variance_or_bound[first + minor[l] * strip.across];
+      const float distance_m = static_cast<float>(here.distance(l, place)) * strip.step_m[l];
+      const bool under =
+          (here.place[0][l] >= 0) & (here.place[0][l] < place) &
+          kernels::undercuts(bound_m, here.height_m[0][l], distance_m, strip.rise_per_m[l]);
+      undercut.place[l] = kernels::select(under, place, undercut.place[l]);
     }
   }
 
@@ -201,13 +235,13 @@ class Sweep
       const int lane = std::min(l, kLanes - 1);
       const int i = strip.first + place * strip.along + minor[lane] * strip.across;
       __builtin_prefetch(samples.height_m + i);
-      if (kRays) __builtin_prefetch(samples.variance_m2 + i);
+      if (kRays) __builtin_prefetch(samples.variance_or_bound + i);
     }
   }
 
   static void infer(
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
-      int place, const kernels::InferenceGrid& to)
+      const Undercut& undercut, int place, const kernels::InferenceGrid& to)
   {
     const Crossing& crossing = strip.at(place, !kRays);
     std::int32_t wanted = 0, near = 0;
@@ -223,7 +257,7 @@ class Sweep
     if (!wanted || (!kRays && !near)) return;
     Found found;
     if (near)
-      infer(k, strip, before, behind, place, found);
+      infer(k, strip, before, behind, undercut, place, found);
     else
     {
       found.lines.fill({});
@@ -240,7 +274,7 @@ class Sweep
 
   static void infer(
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
-      int place, Found& found)
+      const Undercut& undercut, int place, Found& found)
   {
     SideBySide<SideEstimate, kLanes> inner, outer;
     TALUS_INDEPENDENT
@@ -255,8 +289,13 @@ class Sweep
           l, kAlongLines ? kernels::fuse_lines(a, b, kRays, strip.rise_per_m[l], k)
                          : kernels::apply_rule(a, b, k));
       if (kRays)
-        found.variance_m2[l] =
+      {
+        const float fused_m2 =
             kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
+        const bool near_brink = undercut.place[l] - place <= strip.reach[l];
+        found.variance_m2[l] =
+            kernels::mark_before_brink(fused_m2, a.any() & !b.any() & near_brink);
+      }
     }
   }
 

@@ -191,8 +191,8 @@ class Pipeline final : public BackendInterface
     if constexpr (Executor::kWalksLines)
     {
       const kernels::ChooseRole choose = choose_role();
-      const kernels::TakeSample take{config_.data(),     store(),     role_.data(),
-                                     passing().lowest_m, line_grid(), samples()};
+      const kernels::TakeSample take{config_.data(), store(),     role_.data(),
+                                     passing(),      line_grid(), samples()};
       for_each_row(
           [&](const auto& row)
           {
@@ -207,9 +207,7 @@ class Pipeline final : public BackendInterface
     }
     else
       executor_.mark_cells(
-          side(),
-          kernels::SettleCell{
-              choose_role(), clean, line_grid(), samples().height_m, samples().variance_m2},
+          side(), kernels::SettleCell{choose_role(), clean, line_grid(), samples()},
           unguarded(axis_marks_, 2 * side()));
   }
 
@@ -270,8 +268,7 @@ class Pipeline final : public BackendInterface
     const kernels::SearchAndFillCell<kAlongLines> search{
         cell,
         host_config_,
-        samples().height_m,
-        samples().variance_m2,
+        samples(),
         unguarded(marks_, lines),
         unguarded(axis_marks_, axes),
         line_tables(),
