@@ -15,6 +15,16 @@ kernels::SideEstimate side(float height, int gap, float distance)
   s.distance_m = distance;
   return s;
 }
+
+/** A shelf that ends at x = 1.5 m, and rays over its edge that end at x = 4.5 m, outside the
+ * window. */
+Scan over_the_edge_of_a_shelf(double far_z_m)
+{
+  Scan s(0, 0, 0.3);
+  s.add_surface(0.5, -0.5, 1.5, 0.5, flat);
+  for (double y = -0.475; y < 0.5; y += 0.01) s.add(4.5, y, far_z_m);
+  return s;
+}
 }  // namespace
 
 TEST(Stage7Fill, EveryCellLiesOnTheLineThatIsSaidToPassThroughIt)
@@ -161,16 +171,12 @@ TEST(Stage7Fill, AFillIsTheLessCertainTheFartherItsSample)
 
 TEST(Stage7Fill, UnseenGroundStandsBelowTheRayThatPassedOverIt)
 {
-  // The ground ends at x = 1.5 m; rays that pass its edge go down to hits far outside the window. A
-  // guess from the near side alone would go on level, above them.
+  // A guess from the near side alone would go on level, above the rays.
   Parameters p;
   p.fill_use_ray_bound = false;
   TestMap with, without(p);
-  Scan s(0, 0, 0.3);
-  s.add_surface(0.5, -0.5, 1.5, 0.5, flat);
-  for (double y = -0.475; y < 0.5; y += 0.01) s.add(4.5, y, -0.6);
-  with.update(s);
-  without.update(s);
+  with.update(over_the_edge_of_a_shelf(-0.6));
+  without.update(over_the_edge_of_a_shelf(-0.6));
   EXPECT_EQ(without.ground(2.525, 0.025), 0.0f);
   EXPECT_NEAR(
       with.ground(2.525, 0.025), 0.3 - 0.2 * 2.525, 0.01);  // on the ray, at the cell's near edge
@@ -287,15 +293,9 @@ TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
 
 TEST(Stage7Fill, WhereRaysPassBelowAFillTheGroundDropsAndIsNotJudged)
 {
-  // A shelf ends at x = 1.5 m. First a ray passes over what may be its surface; then rays go down
-  // behind its edge, no steeper than a ramp that the robot could take.
-  const auto scan = [](double far_z_m)
-  {
-    Scan s(0, 0, 0.3);
-    s.add_surface(0.5, -0.5, 1.5, 0.5, flat);
-    for (double y = -0.475; y < 0.5; y += 0.01) s.add(4.5, y, far_z_m);
-    return s;
-  };
+  // First a ray passes over what may be its surface; then rays go down behind its edge, no steeper
+  // than a ramp that the robot could take.
+  const auto scan = over_the_edge_of_a_shelf;
   TestMap m;
   m.update(scan(0.0));
   EXPECT_GT(m.traversability(2.025, 0.025), 0.9f);
@@ -309,15 +309,9 @@ TEST(Stage7Fill, WhereRaysPassBelowAFillTheGroundDropsAndIsNotJudged)
 
 TEST(Stage7Fill, GroundThatWouldGoOnToWhereRaysPassBelowItIsNotJudged)
 {
-  // A shelf ends at x = 1.5 m. Rays pass low over what may be its surface, which begins to lie
-  // above them at 2.25 m: somewhere before it drops.
-  const auto scan = [](double far_z_m)
-  {
-    Scan s(0, 0, 0.3);
-    s.add_surface(0.5, -0.5, 1.5, 0.5, flat);
-    for (double y = -0.475; y < 0.5; y += 0.01) s.add(4.5, y, far_z_m);
-    return s;
-  };
+  // Rays pass low over what may be its surface, which begins to lie above them at 2.25 m: somewhere
+  // before it drops.
+  const auto scan = over_the_edge_of_a_shelf;
   Parameters p;
   p.fill_search_m = 0.4;
   TestMap level_on, drops, looks_less_far(p);
