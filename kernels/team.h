@@ -3,9 +3,9 @@
 
 namespace talus::kernels
 {
-// The points of a cell are looked through by a team: each member takes every size()-th point, then
-// all learn the team's minimum, maximum or sum. These are exact on what they are used for, so that
-// the size of the team does not matter.
+// The points of a cell, or its directions, are looked through by a team: each member takes every
+// size()-th, then all learn the team's minimum, maximum or sum. These are exact on what they are
+// used for, so that the size of the team does not matter.
 
 struct LoneTeam
 {
