@@ -231,21 +231,16 @@ TALUS_HD bool count_miss(Cell& c, bool hit, const Config& k)
   return clear;
 }
 
-/** Clears what no longer stands there. A cell that was only hit below the passing rays is no
- * exception: a box that left shows the floor in the very cells that it stood in. Returns whether
- * the cell is another now. */
-TALUS_HD bool clear_seen_through(
-    Cell& c, std::uint8_t& role, float top_hit_m, const SeenThrough& seen, const Config& k)
+/** Clears what no longer stands above `limit`, where rays passed. A cell that was only hit below
+ * the passing rays is no exception: a box that left shows the floor in the very cells that it stood
+ * in. */
+TALUS_HD void clear_seen_through(
+    Cell& c, std::uint8_t& role, float top_hit_m, float top, float limit, const Config& k)
 {
-  const bool has_elevation = is_known(c.elevation_m);
-  if (!seen.any() || (!has_elevation && c.state != kMeasured)) return false;
-  const float top = has_elevation ? c.elevation_m : c.ground_m;
-  const float limit = seen.highest_m + k.cleanup_margin_m;
-  if (top <= limit) return false;
   if (c.state == kMeasured && role == kKeep && c.ground_m > limit) role = kObject;
   const bool hit = top_hit_m > limit;
   if (hit && top_hit_m <= top + k.cleanup_margin_m) leave_trace(c);  // what hangs above leaves none
-  if (!count_miss(c, hit, k)) return true;
+  if (!count_miss(c, hit, k)) return;
 
   c.elevation_m = c.elevation_var_m2 = kNan;
   c.extent = 0;
@@ -260,7 +255,6 @@ TALUS_HD bool clear_seen_through(
     c.elevation_m = c.ground_m;
     c.elevation_var_m2 = c.ground_var_m2;
   }
-  return true;
 }
 
 /** Where the rays of this frame passed the cells, window order. */
@@ -335,8 +329,8 @@ struct CleanUpCell
   TALUS_HD bool wants_look(int ix, int iy, int i) const
   {
     const int o = iy * cells + ix;
-    return passing.lowest_m[o] < kInfinity && store.state[i] != kUnknown && stands_above(o, i) &&
-           store.misses[i] < 0 && store.extent[i] != kOpen;
+    return concerns(ix, iy, i) && stands_above(o, i) && store.misses[i] < 0 &&
+           store.extent[i] != kOpen;
   }
 
   /** Rays that pass below what overhangs do not tell that it left; rays that went on where it is
@@ -363,10 +357,10 @@ struct CleanUpCell
   TALUS_HD void finish(int ix, int iy, int i) const
   {
     const int o = iy * cells + ix;
-    const SeenThrough seen{passing.lowest_m[o], passing.highest_m[o]};
     Cell c = store.load(i);
-    const bool faded = fade_trace(c);
-    if (clear_seen_through(c, role[i], top_hit_m[i], seen, *config) || faded) store.store(i, c);
+    const bool faded = fade_trace(c), stands = stands_above(o, i);
+    if (stands) clear_seen_through(c, role[i], top_hit_m[i], top(i), limit(o), *config);
+    if (stands || faded) store.store(i, c);
   }
 
  private:

@@ -227,10 +227,10 @@ TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
   return select(both, two, -select(has_inner, inner_m2, outer_m2));
 }
 
+/** Of what has samples towards the sensor only. */
 TALUS_HD float mark_before_brink(float fused_m2, bool is_before)
 {
-  return fused_m2 +
-         select(is_before, select(fused_m2 < 0.0f, -kBeforeBrink_m2, kBeforeBrink_m2), 0.0f);
+  return fused_m2 - select(is_before, kBeforeBrink_m2, 0.0f);
 }
 
 TALUS_HD LineFusion fuse_lines(
@@ -308,11 +308,12 @@ struct Samples
                              //!< the ray bound [m]
 };
 
-/** Height that rays have shown the ground of a cell of the window not to exceed [m]; NaN: not
- * shown. */
+/** Height that rays have shown the ground of a cell of the window not to exceed [m]; infinity: not
+ * shown. Of the directions in which rays passed the highest: a few rays of reflections do not
+ * count. */
 TALUS_HD float ray_bound(const PassingRays& passing, int o)
 {
-  return select(passing.lowest_m[o] < kInfinity, passing.highest_m[o], kNan);
+  return select(passing.lowest_m[o] < kInfinity, passing.highest_m[o], kInfinity);
 }
 
 /** What was inferred of the cells, by place of the grid. */
@@ -524,13 +525,10 @@ struct FillCell
   TALUS_HD int operator()(int ix, int iy, int i, const Inference& inferred) const
   {
     const int o = iy * cells + ix;
-    const float lowest_m = select(inferred.doubtful(), kInfinity, passing.lowest_m[o]);
-    const float highest_m = passing.highest_m[o];
     const int r = role[i], state_before = store.state[i];
     const int passed_before = store.passed[i], in_open = passing.in_open[o];
     const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
-    // Of the directions in which rays passed the highest: a few rays of reflections do not count.
-    const float bound_m = select(lowest_m < kInfinity, highest_m, kInfinity);
+    const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound(passing, o));
     const Fill fill = infer_ground(inferred, r >= kObject, bound_m, *config);
     const bool lifts = (state_before == kFilledTwoSided) & !inferred.two_sided() &
                        (fill.height_m > before + kLift_m);
@@ -549,7 +547,7 @@ struct FillCell
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
     const bool brink = inferred.before_brink() & !is_known(store.elevation_m[i]);
     const bool undercut = filled & ((fill.height_m < fill.lines_m - kUndercut_m) | brink);
-    const bool low = (lowest_m < kInfinity) & (highest_m < floor_m + proof_m) & !undercut;
+    const bool low = (bound_m < floor_m + proof_m) & !undercut;
     const float high_up_m = config->clearance_m * select(r == kObject, 1.0f, 2.0f);
     const bool object = filled & ((r == kObject) | (r == kObjectBesideColumn)) &
                         (before - fill.height_m > high_up_m);
