@@ -308,6 +308,36 @@ TEST(MoverWatch, CountsAPassableCellAsFreedAndATrailAsNot)
   EXPECT_LE(e.maps[1].mover_freed.value(), 0.5);  // it averages, and forgets nothing
 }
 
+/** Whether a trolley, 0.35 m above the floor, counts as seen through where it stood until it left
+ * after a second; `others` are movers, too. */
+bool trolley_is_seen_through(const std::string& others)
+{
+  const sim::World world = sim::parse_world(
+      "ground: [plane: {z_m: 0}]\n"
+      "movers:\n"
+      "  - box: {path: [[0, 3, 0], [1, 3, 0], [1.5, 3, 4]], size_m: [0.6, 0.6, 0.4], lift_m: "
+      "0.35}\n" +
+          others + "robot: {path_m: [[0, 0]], duration_s: 2}\n",
+      "test.yaml");
+  const EvaluationOptions options;
+  const TruthMap truth = truth_of(world, options);
+  MoverTruth movers(truth, world, options.parameters);
+  for (const ScanFrame& f : simulate(world, sim::Drive(world)).frames) movers.advance(f);
+  const auto face = static_cast<std::size_t>(truth.index(54, 0));
+  EXPECT_GT(movers.hit_top_m[face], 0.35f);
+  EXPECT_LT(movers.lowest_ray_m[face], 0.2f);
+  return movers.seen_through_frame[face] >= 0;
+}
+
+TEST(MoverTruth, IsSeenThroughByRaysWhereItWasAndNotByThoseBelowIt)
+{
+  EXPECT_TRUE(trolley_is_seen_through(""));
+  // One that stops before it hides all but the floor below both.
+  EXPECT_FALSE(trolley_is_seen_through(
+      "  - box: {path: [[0, 1.8, -4], [0.9, 1.8, 0], [9, 1.8, 0]], size_m: [0.4, 1.6, 1.5], "
+      "lift_m: 0.35}\n"));
+}
+
 TEST(Budgets, DoNotApplyWhereThereIsNothingToJudge)
 {
   Evaluation e;

@@ -27,6 +27,13 @@ double reach_m(const sim::Mover& mover)
   return reach;
 }
 
+/** Where what is in a cell begins: above the air below it; on the ground nothing is below it. */
+float bottom_of(const sim::Truth& now, std::size_t i)
+{
+  const bool lifted = now.underside[i] < now.obstacle_top[i];
+  return lifted ? now.underside[i] : -std::numeric_limits<float>::infinity();
+}
+
 bool judged(const TruthMap& truth, std::size_t i) { return truth.surely_free(i) && truth.clear(i); }
 
 }  // namespace
@@ -35,8 +42,10 @@ MoverTruth::MoverTruth(const TruthMap& truth, const sim::World& world, const Par
     : blocked_now(truth.size(), 0),
       near_now(truth.size(), 0),
       touched(truth.size(), 0),
+      underside_m(truth.size(), kNan),
       hit_top_m(truth.size(), kNan),
       lowest_ray_m(truth.size(), kNan),
+      went_through(truth.size(), 0),
       seen_through_frame(truth.size(), -1),
       truth_(truth),
       world_(world),
@@ -66,10 +75,14 @@ void MoverTruth::mark_movers(double time_s)
       if (at < 0 || now.label[static_cast<std::size_t>(i)] != 0.0f) continue;
       if (truth_.blocked(static_cast<std::size_t>(at))) continue;
       blocked_now[static_cast<std::size_t>(at)] = 1;
+      const float bottom_m = bottom_of(now, static_cast<std::size_t>(i));
       for (int d = 0; d < 9; ++d)
       {
         const int near = truth_.index(x + d % 3 - 1, y + d / 3 - 1);
-        if (near >= 0) near_now[static_cast<std::size_t>(near)] = 1;
+        if (near < 0) continue;
+        near_now[static_cast<std::size_t>(near)] = 1;
+        float& underside = underside_m[static_cast<std::size_t>(near)];
+        underside = std::fmin(underside, bottom_m);
       }
     }
   }
@@ -78,6 +91,7 @@ void MoverTruth::mark_movers(double time_s)
 void MoverTruth::enter_rays(const ScanFrame& scan)
 {
   std::fill(lowest_ray_m.begin(), lowest_ray_m.end(), kNan);
+  std::fill(went_through.begin(), went_through.end(), 0);
   Frame view = scan.view();
   view.T_map_sensor = scan.T_true;
   const Pose& from = scan.T_true;
@@ -97,8 +111,8 @@ void MoverTruth::enter_rays(const ScanFrame& scan)
       const double t = s * 0.5 * res / length;
       const int at = cell(from.x() + t * dx, from.y() + t * dy);
       if (at < 0) continue;
-      float& lowest = lowest_ray_m[static_cast<std::size_t>(at)];
-      lowest = std::fmin(lowest, static_cast<float>(from.z() + t * (p.z_m - from.z())));
+      enter_ray(
+          static_cast<std::size_t>(at), static_cast<float>(from.z() + t * (p.z_m - from.z())));
     }
     const int end = cell(p.x_m, p.y_m);
     if (end < 0) continue;
@@ -108,10 +122,19 @@ void MoverTruth::enter_rays(const ScanFrame& scan)
   }
 }
 
+void MoverTruth::enter_ray(std::size_t cell, float height_m)
+{
+  lowest_ray_m[cell] = std::fmin(lowest_ray_m[cell], height_m);
+  if (!touched[cell]) return;
+  const float top_m = hit_top_m[cell], underside = underside_m[cell];
+  const float below_m = std::fmax(top_m - kSeenThrough_m, 0.5f * (underside + top_m));
+  went_through[cell] |= height_m >= underside && height_m < below_m;
+}
+
 bool MoverTruth::sees_through(std::size_t cell) const
 {
-  const double step_m = truth_.truth.ground[cell] + parameters_.step_threshold_m;
-  return lowest_ray_m[cell] < std::min<double>(hit_top_m[cell] - kSeenThrough_m, step_m);
+  return went_through[cell] &&
+         lowest_ray_m[cell] < truth_.truth.ground[cell] + parameters_.step_threshold_m;
 }
 
 void MoverTruth::forget_outside(const Window& window)
@@ -128,6 +151,7 @@ void MoverTruth::forget_outside(const Window& window)
         (static_cast<double>(i / static_cast<std::size_t>(area.cells_x)) + 0.5) * area.resolution_m;
     if (cell_index(window, x, y) >= 0) continue;
     touched[i] = 0;
+    underside_m[i] = kNan;
     hit_top_m[i] = kNan;
     seen_through_frame[i] = -1;
   }

@@ -46,15 +46,23 @@ class MoverTruth
   std::vector<std::uint8_t> blocked_now;  //!< by a mover
   std::vector<std::uint8_t> near_now;  //!< those and the cells next to them
   std::vector<std::uint8_t> touched;  //!< near_now, at any time since in the window
+  /** Lowest underside of a mover there since in the window; -infinity: it stood on the ground; NaN:
+   * none. */
+  std::vector<float> underside_m;
   std::vector<float> hit_top_m;  //!< highest hit on a mover there; NaN: none
   std::vector<float> lowest_ray_m;  //!< of this frame, over the cell; NaN: no ray
+  /** A ray of this frame went on between the bottom of the mover and its highest hit there. */
+  std::vector<std::uint8_t> went_through;
   std::vector<int> seen_through_frame;  //!< the first, after the mover left; -1: not yet
   int frame = -1;
 
  private:
   void mark_movers(double time_s);
   void enter_rays(const ScanFrame& frame);
-  /** Whether a ray of this frame shows that nothing higher than a step is there. */
+  /** A ray that goes on in the cell. */
+  void enter_ray(std::size_t cell, float height_m);
+  /** Whether rays of this frame show that the mover left, one that went through where it was, and
+   * that nothing higher than a step is there. A ray below what has air below it shows neither. */
   bool sees_through(std::size_t cell) const;
   void forget_outside(const Window& window);
 
