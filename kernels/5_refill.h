@@ -24,7 +24,8 @@ struct SupportGrid
   int pad;  //!< places beside each row that hold infinity
   float* lowest_m;  //!< lowest measured ground, infinity: none
   float* column_m;  //!< highest top of something upright, -infinity: none
-  float* overhang_m;  //!< the same of what rays pass below
+  float* overhang_m;  //!< the same of what rays pass below ...
+  float* overhang_depth_m;  //!< ... and how far down from it that is known to reach
   float* eroded_m;  //!< lowest ground of the neighbourhood
   float* cone_m;  //!< lowest ground of the neighbourhood, raised with distance
   float* limit_m;  //!< how high ground stands there at most
@@ -45,11 +46,13 @@ TALUS_HD int support_side(const Config& k) { return k.cells / 2 + 1 + 2 * suppor
 /** What pooled cells hold. */
 struct Support
 {
-  float lowest_m = kInfinity, column_m = -kInfinity, overhang_m = -kInfinity;
+  float lowest_m = kInfinity, column_m = -kInfinity;
+  float overhang_m = -kInfinity, overhang_depth_m = 0;
 
   static constexpr auto fields()
   {
-    return std::make_tuple(&Support::lowest_m, &Support::column_m, &Support::overhang_m);
+    return std::make_tuple(
+        &Support::lowest_m, &Support::column_m, &Support::overhang_m, &Support::overhang_depth_m);
   }
 };
 
@@ -68,9 +71,11 @@ struct PoolSupport
     const bool measured = store.state[i] == kMeasured;
     const bool upright = measured & (top - ground > 0.5f * config->clearance_m);
     const bool overhangs = upright & (store.misses[i] <= -kOverhangCredit);
+    const int extent = store.extent[i];
+    const float depth_m = extent_of_code(code_below(extent));
     return {
         select(measured, ground, kInfinity), select(upright, top, -kInfinity),
-        select(overhangs, top, -kInfinity)};
+        select(overhangs, top, -kInfinity), select(overhangs & (extent != kOpen), depth_m, 0.0f)};
   }
   /** What two cells hold together, one above the other, or then two such pairs. What stands counts
    * where it stands: a cell that was hit high up only, beside the floor of the other, may hang. */
@@ -83,20 +88,21 @@ struct PoolSupport
         max_of(
             select(a.lowest_m <= limit_m, a.column_m, -kInfinity),
             select(b.lowest_m <= limit_m, b.column_m, -kInfinity)),
-        max_of(a.overhang_m, b.overhang_m)};
+        max_of(a.overhang_m, b.overhang_m), max_of(a.overhang_depth_m, b.overhang_depth_m)};
   }
   /** What goes on beyond the window: bare ground. What is as high as the sensor is not seen from
    * above: it is a face. */
   TALUS_HD Support beyond(const Support& border) const
   {
     const bool bare = border.column_m == -kInfinity, low = border.lowest_m <= frame->sensor_z_m;
-    return {select(bare & low, border.lowest_m, kInfinity), -kInfinity, -kInfinity};
+    return {select(bare & low, border.lowest_m, kInfinity), -kInfinity, -kInfinity, 0};
   }
   TALUS_HD void put(int px, int py, const Support& pooled) const
   {
     grid.lowest_m[grid.at(px, py)] = pooled.lowest_m;
     grid.column_m[grid.at(px, py)] = pooled.column_m;
     grid.overhang_m[grid.at(px, py)] = pooled.overhang_m;
+    grid.overhang_depth_m[grid.at(px, py)] = pooled.overhang_depth_m;
   }
 
   TALUS_HD void operator()(int px, int py) const
@@ -299,12 +305,16 @@ struct ChooseRole
   }
   /** What was hit too high to stand on the ground, as seen from above, is the top of the thing
    * whose face overhangs before it, a trailer or a car: the robot fits as little below its middle
-   * as below its face. It has the least credit that such a face may have. */
+   * as below its face. It has the least credit that such a face may have, and reaches down as far.
+   */
   TALUS_HD void join_overhang(int x, int y, int i, int px, int py) const
   {
-    if (!may_be_top(i, store.ground_m[i]) || !behind_overhang(x, y, px, py, top_hit_m[i])) return;
+    if (!may_be_top(i, store.ground_m[i])) return;
+    const float depth_m = depth_of_face_before(x, y, px, py, top_hit_m[i]);
+    if (!is_known(depth_m)) return;
     put_top(i);
     store.misses[i] = static_cast<std::int8_t>(-kOverhangCredit);
+    store.extent[i] = static_cast<std::uint8_t>(extent_of_codes(code_of_extent(depth_m), 0));
   }
   /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
    * wall of which this cell was hit high up only. What is seen from above stands until a ray passes
@@ -344,23 +354,28 @@ struct ChooseRole
     return false;
   }
 
-  /** Whether a face that overhangs stands as high between the pooled cell and the sensor, in four
-   * of five lanes: wider than the leg of a table. No farther than a thing reaches that is narrower
-   * than ground. */
-  TALUS_HD bool behind_overhang(int x, int y, int px, int py, float height_m) const
+  /** How far down reaches what overhangs and stands as high between the pooled cell and the
+   * sensor, in four of five lanes: wider than the leg of a table. NaN: nothing does. No farther
+   * than a thing reaches that is narrower than ground. */
+  TALUS_HD float depth_of_face_before(int x, int y, int px, int py, float height_m) const
   {
     const auto dx = static_cast<float>(config->cells / 2 - x);
     const auto dy = static_cast<float>(config->cells / 2 - y);
     const float length = sqrtf(dx * dx + dy * dy);
-    if (length == 0.0f) return false;
+    if (length == 0.0f) return kNan;
     const Direction to_sensor{dx / length, dy / length};
     int lanes = 0;
+    float depth_m = 0;
     for (int lane = -2; lane <= 2; lane++)
-      lanes += overhang_in_lane(px, py, to_sensor, static_cast<float>(lane), height_m) ? 1 : 0;
-    return lanes >= 4;
+    {
+      const float here_m = depth_in_lane(px, py, to_sensor, static_cast<float>(lane), height_m);
+      if (!is_known(here_m)) continue;
+      lanes++;
+      depth_m = max_of(depth_m, here_m);
+    }
+    return lanes >= 4 ? depth_m : kNan;
   }
-  TALUS_HD bool overhang_in_lane(
-      int px, int py, const Direction& d, float lane, float height_m) const
+  TALUS_HD float depth_in_lane(int px, int py, const Direction& d, float lane, float height_m) const
   {
     const float tolerance_m = 0.5f * config->step_threshold_m;
     const int reach = 2 * dilation_radius(*config);
@@ -369,10 +384,11 @@ struct ChooseRole
       const float ahead = static_cast<float>(r);
       const int qx = px + floor_to_int(ahead * d.x - lane * d.y + 0.5f);
       const int qy = py + floor_to_int(ahead * d.y + lane * d.x + 0.5f);
-      if (qx < 0 || qy < 0 || qx >= grid.side || qy >= grid.side) return false;
-      if (abs_of(grid.overhang_m[grid.at(qx, qy)] - height_m) <= tolerance_m) return true;
+      if (qx < 0 || qy < 0 || qx >= grid.side || qy >= grid.side) return kNan;
+      const int o = grid.at(qx, qy);
+      if (abs_of(grid.overhang_m[o] - height_m) <= tolerance_m) return grid.overhang_depth_m[o];
     }
-    return false;
+    return kNan;
   }
 
   /** Highest top of something upright in the pooled cell or next to it; of what stands, not of what

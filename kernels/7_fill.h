@@ -147,6 +147,24 @@ constexpr float kLineDeviation_m = 0.080f;
  * their difference, 1 / sqrt(12). */
 constexpr float kFaceDeviation = 0.289f;
 
+/** Heights of neighbouring cells differ by so much for noise alone. */
+constexpr float kHeightNoise_m = 0.002f;
+
+/** Height to which the ground goes on beside samples that lie on one side: from their mean as the
+ * ground around the robot rises, and as far again past the nearest as that is off the mean. (So it
+ * is steeper or flatter than around the robot.) A nearest sample that is farther off is the foot of
+ * something: it counts for a quarter of a step. */
+TALUS_HD float goes_on(
+    float nearest_m, float distance_m, float mean_m, float mean_distance_m, float rise_per_m,
+    const Config& k)
+{
+  const float by_mean_m = mean_m + rise_per_m * mean_distance_m;
+  const float off_m = nearest_m + rise_per_m * distance_m - by_mean_m;
+  const float noise_m = max_of(min_of(off_m, kHeightNoise_m), -kHeightNoise_m);
+  const float most_m = 0.25f * k.step_threshold_m;
+  return by_mean_m + max_of(min_of(2.0f * (off_m - noise_m), most_m), -most_m);
+}
+
 /** Heights of several lines, each weighed by how far it has to bridge. */
 struct LineFusion
 {
@@ -156,11 +174,11 @@ struct LineFusion
   {
     return std::make_tuple(&LineFusion::information, &LineFusion::weighted, &LineFusion::lowest_m);
   }
-  /** Between samples of both sides linearly, beside one side as the ground around the robot does:
-   * `rise_per_m` from side a to side b. The error grows with the distances. A gap holds a face if
-   * its sides are steeper apart than a robot can drive, or if the ground beyond it is a step lower.
-   * Then along a ray the lower side counts, which is what lies before a front and in the shadow of
-   * an edge; rows and columns do not tell where it stands. */
+  /** Between samples of both sides linearly, beside one side as goes_on() says: the ground around
+   * the robot rises by `rise_per_m` from side a to side b. The error grows with the distances. A
+   * gap holds a face if its sides are steeper apart than a robot can drive, or if the ground beyond
+   * it is a step lower. Then along a ray the lower side counts, which is what lies before a front
+   * and in the shadow of an edge; rows and columns do not tell where it stands. */
   TALUS_HD void add(
       const SideEstimate& a, const SideEstimate& b, bool along_ray, float rise_per_m,
       const Config& k)
@@ -175,9 +193,10 @@ struct LineFusion
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
     const float error = 0.1f * a.distance_m * b.distance_m / gap_m +
                         select(face, kFaceDeviation * abs_of(rise), 0.0f);
-    const float beyond = select(
-        has_a, a.mean_m + rise_per_m * a.mean_distance_m,
-        b.mean_m - rise_per_m * b.mean_distance_m);
+    const float beyond = goes_on(
+        select(has_a, a.nearest_m, b.nearest_m), select(has_a, a.distance_m, b.distance_m),
+        select(has_a, a.mean_m, b.mean_m), select(has_a, a.mean_distance_m, b.mean_distance_m),
+        select(has_a, rise_per_m, -rise_per_m), k);
     const float height = select(both, between, beyond);
     const float deviation = select(both, error, 0.3f * select(has_a, a.distance_m, b.distance_m));
     add(height, deviation, (has_a | has_b) & (along_ray | !face));

@@ -417,7 +417,7 @@ class Pipeline final : public BackendInterface
             pad,       p,
             p + n,     p + 2 * n,
             p + 3 * n, p + 4 * n,
-            p + 5 * n};
+            p + 5 * n, p + 6 * n};
   }
   kernels::LookThrough look()
   {
@@ -496,7 +496,7 @@ class Pipeline final : public BackendInterface
 
   float* judged() { return Executor::kWalksLines ? judged_.data() + side() + 1 : nullptr; }
 
-  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 6;
+  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 7;
 
   /** What a frame does not share with the one that is in flight beside it. */
   struct Slot
