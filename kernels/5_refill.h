@@ -47,12 +47,13 @@ TALUS_HD int support_side(const Config& k) { return k.cells / 2 + 1 + 2 * suppor
 struct Support
 {
   float lowest_m = kInfinity, column_m = -kInfinity;
-  float overhang_m = -kInfinity, overhang_depth_m = 0;
+  float overhang_m = -kInfinity;
+  std::int32_t overhang_below = 0;  //!< code of how far it reaches down, see Cell::extent
 
   static constexpr auto fields()
   {
     return std::make_tuple(
-        &Support::lowest_m, &Support::column_m, &Support::overhang_m, &Support::overhang_depth_m);
+        &Support::lowest_m, &Support::column_m, &Support::overhang_m, &Support::overhang_below);
   }
 };
 
@@ -72,10 +73,10 @@ struct PoolSupport
     const bool upright = measured & (top - ground > 0.5f * config->clearance_m);
     const bool overhangs = upright & (store.misses[i] <= -kOverhangCredit);
     const int extent = store.extent[i];
-    const float depth_m = extent_of_code(code_below(extent));
     return {
         select(measured, ground, kInfinity), select(upright, top, -kInfinity),
-        select(overhangs, top, -kInfinity), select(overhangs & (extent != kOpen), depth_m, 0.0f)};
+        select(overhangs, top, -kInfinity),
+        select(overhangs & (extent != kOpen), code_below(extent), 0)};
   }
   /** What two cells hold together, one above the other, or then two such pairs. What stands counts
    * where it stands: a cell that was hit high up only, beside the floor of the other, may hang. */
@@ -88,7 +89,7 @@ struct PoolSupport
         max_of(
             select(a.lowest_m <= limit_m, a.column_m, -kInfinity),
             select(b.lowest_m <= limit_m, b.column_m, -kInfinity)),
-        max_of(a.overhang_m, b.overhang_m), max_of(a.overhang_depth_m, b.overhang_depth_m)};
+        max_of(a.overhang_m, b.overhang_m), max_of(a.overhang_below, b.overhang_below)};
   }
   /** What goes on beyond the window: bare ground. What is as high as the sensor is not seen from
    * above: it is a face. */
@@ -102,7 +103,7 @@ struct PoolSupport
     grid.lowest_m[grid.at(px, py)] = pooled.lowest_m;
     grid.column_m[grid.at(px, py)] = pooled.column_m;
     grid.overhang_m[grid.at(px, py)] = pooled.overhang_m;
-    grid.overhang_depth_m[grid.at(px, py)] = pooled.overhang_depth_m;
+    grid.overhang_depth_m[grid.at(px, py)] = extent_of_code(pooled.overhang_below);
   }
 
   TALUS_HD void operator()(int px, int py) const
