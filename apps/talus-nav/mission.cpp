@@ -1,5 +1,7 @@
 #include "mission.h"
 
+#include "retreat.h"
+
 #include <mrpt/core/Clock.h>
 
 #include <chrono>
@@ -67,7 +69,7 @@ class Mission
     if (has_way_)
       s.pilot_ms = ms_of([&] { steer(T); });
     else
-      pilot_.halt();
+      halt();
     s.obstacles = pilot_.obstacles().size();
     result.steps.push_back(s);
     return drive(result) || has_ended(result);
@@ -108,8 +110,16 @@ class Mission
 
   void steer(const CPose3D& T)
   {
+    if (const auto back = retreat_.target(robot_.time_s(), {T.x(), T.y()}))
+      return pilot_.creep(T, *back);
     const auto target = route_.target({T.x(), T.y(), T.yaw()}, o_.look_ahead_m);
     pilot_.step(T, target, (target - o_.goal).norm() < 1e-6);
+  }
+
+  void halt()
+  {
+    pilot_.halt();
+    retreat_.rest(robot_.time_s());
   }
 
   bool drive(MissionResult& result)
@@ -150,6 +160,7 @@ class Mission
   MapSource& map_;
   Pilot& pilot_;
   Route& route_;
+  Retreat retreat_;
   const MissionOptions& o_;
   int count_ = 0, plans_without_way_ = 0;
   bool has_way_ = false;

@@ -13,6 +13,7 @@ namespace talus::nav
 namespace
 {
 constexpr double kSameTarget_m = 0.3;
+constexpr double kCreep_mps = 0.2, kCreepClear_m = 0.2;
 
 /** A navigator that prints no report of its timing when it goes. */
 template <class Navigator>
@@ -71,10 +72,16 @@ mrpt::kinematics::CVehicleVelCmd::Ptr RobotInterface::getEmergencyStopCmd()
   return command;
 }
 
+void RobotInterface::look(const mrpt::poses::CPose3D& T)
+{
+  T_map_base = T;
+  map_.obstacles(T, prism_heights_m, seen);
+}
+
 bool RobotInterface::senseObstacles(
     mrpt::maps::CSimplePointsMap& obstacles, mrpt::system::TTimeStamp& timestamp)
 {
-  map_.obstacles(T_map_base, prism_heights_m, seen);
+  look(T_map_base);
   obstacles = seen;
   timestamp = mrpt::Clock::now();
   return true;
@@ -83,7 +90,7 @@ bool RobotInterface::senseObstacles(
 Pilot::Pilot(
     SimulatedRobot& robot, MapSource& map, bool in_3d, const std::string& ini,
     const std::string& log_folder, const std::string& cache_folder)
-    : interface_(robot, map)
+    : robot_(robot), interface_(robot, map)
 {
   mrpt::config::CConfigFileMemory config;
   config.setContent(ini);
@@ -122,6 +129,29 @@ void Pilot::step(
     target_ = target;
   }
   navigator_->navigationStep();
+}
+
+void Pilot::creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& place)
+{
+  halt();
+  interface_.look(T_map_base);
+  const mrpt::math::TPose2D base(T_map_base.x(), T_map_base.y(), T_map_base.yaw());
+  const mrpt::math::TPoint2D to = base.inverseComposePoint(place);
+  const double v_mps = is_clear(to.x > 0) ? std::copysign(kCreep_mps, to.x) : 0;
+  robot_.command(v_mps, v_mps * 2 * to.y / (to.x * to.x + to.y * to.y));
+}
+
+bool Pilot::is_clear(bool forwards) const
+{
+  const double end_m = robot_.body().length_m / 2, side_m = robot_.body().width_m / 2;
+  for (std::size_t i = 0; i < interface_.seen.size(); i++)
+  {
+    float x, y;
+    interface_.seen.getPoint(i, x, y);
+    const double ahead_m = (forwards ? x : -x) - end_m;
+    if (ahead_m > 0 && ahead_m < kCreepClear_m && std::abs(y) < side_m) return false;
+  }
+  return true;
 }
 
 void Pilot::halt()

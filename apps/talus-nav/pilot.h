@@ -24,6 +24,9 @@ class RobotInterface : public mrpt::nav::CRobot2NavInterface
   mrpt::poses::CPose3D T_map_base;  //!< as estimated
   mrpt::maps::CSimplePointsMap seen;  //!< the obstacles given last, robot frame
 
+  /** Takes the pose and makes the obstacles anew. */
+  void look(const mrpt::poses::CPose3D& T);
+
   bool getCurrentPoseAndSpeeds(
       mrpt::math::TPose2D& pose, mrpt::math::TTwist2D& velocity_map,
       mrpt::system::TTimeStamp& timestamp, mrpt::math::TPose2D& odometry,
@@ -58,11 +61,18 @@ class Pilot
   /** One step towards a place of the map frame; `is_last`: stop there. */
   void step(
       const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last);
+  /** One slow step on an arc to a place where the robot was, without the navigator, which does not
+   * move once its shape touches an obstacle. Stands while an obstacle is close ahead of the motion.
+   */
+  void creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& place);
   void halt();
 
   const mrpt::maps::CSimplePointsMap& obstacles() const { return interface_.seen; }
 
  private:
+  bool is_clear(bool forwards) const;
+
+  SimulatedRobot& robot_;
   RobotInterface interface_;
   std::unique_ptr<mrpt::nav::CAbstractPTGBasedReactive> navigator_;
   mrpt::math::TPoint2D target_{1e9, 1e9};
