@@ -1,6 +1,7 @@
 #pragma once
 #include "kernels/1_accept.h"
 #include "kernels/3_roll.h"
+#include "kernels/4_level.h"
 #include "kernels/team.h"
 
 #include <tuple>
@@ -351,6 +352,7 @@ struct Sorting
   std::uint32_t* kept_count;  //!< of points that are in it
   std::uint32_t* cell_begin;
   HeightPoint* sorted;
+  GroundRise* rise;  //!< on the CPU: through the cell whose stretch begins at a place
   std::int32_t* crowded;  //!< cells that a team updates; on the CPU room for all cells, twice
   std::uint64_t* cursor;  //!< of `sorted`, and in the upper half of `crowded`; zero before
   std::uint32_t crowd;  //!< cells of more points are crowded
@@ -379,7 +381,7 @@ struct ReserveStretch
 /** How far behind a point that overhangs the rays below it ended at least. */
 constexpr float kBehindOverhang_m = 0.2f;
 
-/** Moves one point to the stretch of its cell. */
+/** Moves one point to the stretch of its cell, at its height in the middle of that. */
 struct SortPoint
 {
   const Config* config;
@@ -414,16 +416,11 @@ struct SortPoint
   }
 
   /** As the point of that rank. */
-  TALUS_HD void put(int i, std::uint32_t rank, bool overhangs) const
+  TALUS_HD void put(int i, std::uint32_t rank, bool overhangs, const GroundRise& rise) const
   {
     sorting.sorted[sorting.cell_begin[points.cell[i]] + rank] = {
-        points.height_m[i], points.variance_m2[i], select(overhangs, 1, 0)};
-  }
-
-  /** As the point of the rank that it has. */
-  TALUS_HD void put(int i, bool overhangs) const
-  {
-    if (points.cell[i] >= 0 && points.rank[i] != kNoRank) put(i, points.rank[i], overhangs);
+        rise.level(points.height_m[i], in_cell(points.in_cell[i])), points.variance_m2[i],
+        select(overhangs, 1, 0)};
   }
 };
 
@@ -433,6 +430,7 @@ template <class Atomics>
 struct SortUnburiedPoint
 {
   SortPoint sort;
+  FindRise find_rise;
   NoteReach<Atomics> reach;
   const float* lowest_slope;  //!< of a ray that is not buried
   std::uint32_t* kept_count;  //!< by storage index, zero before
@@ -448,7 +446,9 @@ struct SortUnburiedPoint
     if (ray >= 0 && points.slope[i] < lowest_slope[ray])
       Atomics::count(rejected + kBuried);
     else
-      sort.put(i, Atomics::add(kept_count + points.cell[i], 1), sort.overhangs(i));
+      sort.put(
+          i, Atomics::add(kept_count + points.cell[i], 1), sort.overhangs(i),
+          find_rise(points.cell[i]));
   }
 };
 

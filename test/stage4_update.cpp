@@ -145,3 +145,90 @@ TEST(Stage4Update, AStandingPostSeenOnlyAtItsTopStillStands)
   m.update(column({1.4}));
   EXPECT_NEAR(m.elevation(kX, kY), 1.5, 1e-6);
 }
+
+namespace
+{
+double hillside(double x, double y) { return 0.3 * x - 0.2 * y; }
+/** Three points on the hillside in the same place of each cell of a rectangle, away from its middle
+ * by dx, dy. */
+Scan off_middle(double x0, double y0, double x1, double y1, double dx, double dy)
+{
+  Scan s(0, 0, 0.7);
+  s.add_surface(x0, y0, x1, y1, flat);
+  const Scan middles = s;
+  s.x_.clear(), s.y_.clear(), s.z_.clear();
+  for (std::size_t i = 0; i < middles.x_.size(); i++)
+  {
+    const double x = middles.x_[i] + dx, y = middles.y_[i] + dy;
+    for (int n = 0; n < 3; n++) s.add(x, y, hillside(x, y));
+  }
+  return s;
+}
+}  // namespace
+
+TEST(Stage4Update, APointOnASlopeCountsInTheMiddleOfItsCell)
+{
+  TestMap m;
+  m.update(Scan().add_surface(1.8, -0.2, 2.3, 0.3, hillside));
+  for (int i = 0; i < 20; i++) m.update(off_middle(2.0, 0.0, 2.05, 0.05, -0.02, 0.015));
+  EXPECT_NEAR(m.ground(kX, kY), hillside(kX, kY), 5e-4);
+  EXPECT_NEAR(m.elevation(kX, kY), hillside(kX, kY), 5e-4);
+}
+
+TEST(Stage4Update, TheSlopeIsThatOfMeasuredCellsUpToTwoAway)
+{
+  for (const double gap : {0.05, 0.1})
+  {
+    TestMap m;
+    m.update(Scan()
+                 .add_surface(1.7, -0.2, 2.0, 0.3, hillside)
+                 .add_surface(2.0 + gap, -0.2, 2.5, 0.3, hillside)
+                 .add_surface(2.0, -0.2, 2.05, 0.0, hillside)
+                 .add_surface(2.0, gap, 2.05, 0.3, hillside));
+    m.update(off_middle(2.0, 0.0, 2.05, 0.05, 0.02, 0.02));
+    EXPECT_NEAR(m.ground(kX, kY), hillside(kX, kY), 5e-4) << gap;
+  }
+}
+
+TEST(Stage4Update, WithoutGroundOnBothSidesAPointCountsAsItIs)
+{
+  TestMap m;
+  m.update(Scan().add_surface(1.7, 0.0, 2.0, 0.05, hillside));  // and nothing three cells beyond
+  m.update(Scan().add_surface(2.15, 0.0, 2.5, 0.05, hillside));
+  m.update(off_middle(2.0, 0.0, 2.05, 0.05, 0.02, 0.0));
+  EXPECT_NEAR(m.ground(kX, kY), hillside(kX + 0.02, kY), 1e-4);
+}
+
+TEST(Stage4Update, WhatStandsOnASlopeCountsAsItIs)
+{
+  TestMap m;
+  m.update(Scan().add_surface(1.8, -0.2, 2.3, 0.3, hillside));
+  Scan top;
+  top.add(kX + 0.02, kY, hillside(kX, kY) + 0.3);
+  m.update(top);
+  EXPECT_NEAR(m.elevation(kX, kY), hillside(kX, kY) + 0.3, 1e-6);
+}
+
+TEST(Stage4Update, BesideAFaceAPointCountsAsItIs)
+{
+  TestMap m;
+  const auto step = [](double x, double) { return x < 2.05 ? 0.0 : 0.08; };
+  m.update(Scan().add_surface(1.8, -0.2, 2.3, 0.3, step));
+  Scan hits;
+  for (int n = 0; n < 10; n++) hits.add(2.045, kY, 0.0);
+  m.update(hits);
+  EXPECT_NEAR(m.ground(kX, kY), 0.0, 1e-4);
+}
+
+TEST(Stage4Update, TheOtherSideOfTheWindowIsNotBesideItsBorder)
+{
+  const Parameters p;
+  TestMap m(p);
+  const auto valley = [](double x, double) { return 0.3 * std::abs(x); };  // as high on both sides
+  const double half = 0.5 * p.window_m, x = half - 0.025, off_m = 0.02;
+  m.update(Scan().add_surface(-half, 0.0, half, 0.05, valley));
+  Scan hits;
+  for (int n = 0; n < 3; n++) hits.add(x + off_m, kY, valley(x + off_m, kY));
+  m.update(hits);
+  EXPECT_GT(m.ground(x, kY), valley(x + 0.6 * off_m, kY));
+}

@@ -214,6 +214,13 @@ class Order
   }
 
   int groups() const { return cuts_[parts_].group; }
+  int cells() const { return cuts_[parts_].cell; }
+  /** How the ground rises through the cells [begin, end). */
+  void find_rises(const kernels::FindRise& find, int begin, int end) const
+  {
+    for (int c = begin; c < end; c++)
+      update_.sorting.rise[update_.sorting.cell_begin[cells_[c]]] = find(cells_[c]);
+  }
   /** Of the groups [begin, end); their counts of points become zero, for the next frame. */
   void update(int begin, int end) const
   {
@@ -272,6 +279,7 @@ class Order
     {
       const int first = part * kKinds, lone = start[first + kMost + 1], end = start[first + kKinds];
       cuts_[part].cell = start[first], cuts_[part].lone = lone;
+      cuts_[part + 1].cell = end;
       cuts_[part + 1].group = cuts_[part].group + groups_of(lone - start[first]) + end - lone;
     }
   }

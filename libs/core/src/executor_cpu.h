@@ -239,8 +239,8 @@ class CpuExecutor : public CpuMemory
    * another stage, g in steps of the cells of the window, see SteppedRow. */
   template <class Bin, class G>
   void update_cells_beside(
-      int n, const Bin& bin, const kernels::SortPoint& sort, const kernels::UpdateCell& update,
-      int stage, int cells, const G& g)
+      int n, const Bin& bin, const kernels::FindRise& find_rise, const kernels::SortPoint& sort,
+      const kernels::UpdateCell& update, int stage, int cells, const G& g)
   {
     const int rows = rows_at_once(cells);
     const auto over_rows = [&g, cells](int begin, int end)
@@ -254,6 +254,7 @@ class CpuExecutor : public CpuMemory
           {
             one_by_one(bin, n);
             order.find(n);
+            order.find_rises(find_rise, 0, order.cells());
             sort_points(sort, 0, n);
           },
           cells, rows, over_rows);
@@ -262,6 +263,7 @@ class CpuExecutor : public CpuMemory
       for_another_stage(0, [&] { for_each_point_by_parts(n, bin); });
       for_another_stage(stage, [&] { run(cells, rows, over_rows); });
       order.find(n);
+      run(order.cells(), 256, [&](int begin, int end) { order.find_rises(find_rise, begin, end); });
       run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
     }
     run(order.groups(), 8, [&order](int begin, int end) { order.update(begin, end); });

@@ -137,6 +137,7 @@ class Pipeline final : public BackendInterface
   {
     const kernels::SortPoint sort{
         config_.data(), context_.data(), points_out(), rays_.data(), sorting()};
+    const kernels::FindRise rise{config_.data(), context_.data(), store()};
     const kernels::UpdateCell cell{config_.data(), context_.data(), store(),
                                    points_out(),   sorting(),       top_hit_.data()};
     if constexpr (Executor::kWalksLines)
@@ -145,12 +146,13 @@ class Pipeline final : public BackendInterface
           kernels::BinPoint<Atomics>{
               config_.data(), context_.data(), points_out(), lowest_slope_.data(),
               cell_count_.data(), counters_.data()},
-          sort, cell, 5, side(), look());
+          rise, sort, cell, 5, side(), look());
     else
     {
       for_each_point_and_cell(
           kernels::SortUnburiedPoint<Atomics>{
               sort,
+              rise,
               {points_out(), reach_.data()},
               lowest_slope_.data(),
               kept_count_.data(),
@@ -392,19 +394,16 @@ class Pipeline final : public BackendInterface
   }
   kernels::PointsOut points_out()
   {
-    return {point_cell_.data(), point_ray_.data(),    point_slope_.data(),   point_reach_.data(),
-            point_rank_.data(), point_height_.data(), point_variance_.data()};
+    return {point_cell_.data(),   point_ray_.data(),     point_slope_.data(),
+            point_reach_.data(),  point_rank_.data(),    point_in_cell_.data(),
+            point_height_.data(), point_variance_.data()};
   }
   kernels::Sorting sorting()
   {
-    return {
-        cell_count_.data(),
-        Executor::kWalksLines ? cell_count_.data() : kept_count_.data(),
-        cell_begin_.data(),
-        sorted_.data(),
-        crowded_.data(),
-        cursor_.data(),
-        static_cast<std::uint32_t>(Executor::kCrowd)};
+    return {cell_count_.data(), Executor::kWalksLines ? cell_count_.data() : kept_count_.data(),
+            cell_begin_.data(), sorted_.data(),
+            rise_.data(),       crowded_.data(),
+            cursor_.data(),     static_cast<std::uint32_t>(Executor::kCrowd)};
   }
   kernels::ReserveStretch<Atomics> reserve() { return {context_.data(), points_out(), sorting()}; }
   kernels::SupportGrid support()
@@ -528,11 +527,12 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint8_t> state_, passed_, extent_;
   Buffer<std::int8_t> misses_;
   // of one frame
-  Buffer<std::int32_t> point_cell_, point_ray_, point_reach_, crowded_;
+  Buffer<std::int32_t> point_cell_, point_ray_, point_reach_, point_in_cell_, crowded_;
   Buffer<std::uint64_t> cursor_;
   Buffer<std::uint32_t> point_rank_, cell_count_, kept_count_, cell_begin_, counters_;
   Buffer<float> point_slope_, point_height_, point_variance_, lowest_slope_;
   Buffer<kernels::HeightPoint> sorted_;
+  Buffer<kernels::GroundRise> rise_;
   Buffer<std::uint64_t> voxel_key_, voxel_winner_;
   Buffer<std::uint32_t> voxel_slot_;
   Buffer<std::uint8_t> voxel_kept_, role_, in_open_, doubted_;

@@ -88,9 +88,11 @@ void Pipeline<Executor>::reserve_points(std::size_t points)
   for (auto* b : {&point_ray_, &point_reach_}) executor_.allocate(*b, capacity, std::int32_t{-1});
   executor_.allocate(point_slope_, capacity, 0.0f);
   executor_.allocate(point_rank_, capacity, std::uint32_t{0});
+  executor_.allocate(point_in_cell_, capacity, std::int32_t{0});
   executor_.allocate(point_height_, capacity, 0.0f);
   executor_.allocate(point_variance_, capacity, 0.0f);
   executor_.allocate(sorted_, capacity, kernels::HeightPoint{0, 0});
+  if constexpr (Executor::kWalksLines) executor_.allocate(rise_, capacity, kernels::GroundRise{});
   if (host_config_.inverse_voxel > 0)
   {
     executor_.allocate(voxel_slot_, capacity, std::uint32_t{0});
