@@ -6,10 +6,10 @@
 
 namespace talus::kernels
 {
-// Stage 6 (III-B.2): cells that this frame did not touch, but whose surface stands above a ray that
-// went on behind it, are cleared down to their ground. Stage 1 has turned the hits of each ring
-// into the lowest ray that passed it: each cell is a look-up. The same table bounds unseen ground
-// from above.
+// Stage 6 (III-B.2): cells whose surface stands above all rays that went on behind it, and is not
+// supported by points of this frame, are cleared down to their ground. Stage 1 has turned the hits
+// of each ring into the lowest ray that passed it: each cell is a look-up. The same table bounds
+// unseen ground from above.
 
 /** What the rays of this frame say of one cell. */
 struct SeenThrough

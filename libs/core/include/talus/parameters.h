@@ -15,7 +15,8 @@ enum class FillRule : int
   Lines = 4  //!< linear along the ray, the row and the column, weighed by what each has to bridge
 };
 
-/** Everything that can be tuned, in SI units. Defaults are those of the paper where it gives any.
+/** Everything that can be tuned, in SI units. Defaults are those of the paper where it gives any,
+ * unless doc/concepts.md says why not.
  *
  * Names, ranges and descriptions live in parameters.cpp once; INI files, `--help`, summary.json and
  * doc/parameters.md are all made from there (see parameter_table()). */
