@@ -135,6 +135,23 @@ TEST(Score, JudgesCellsUnderATableByHeightAndByPassability)
   EXPECT_EQ(s.hanging_passable.of - s.hanging_passable.part, 1);
 }
 
+TEST(Score, JudgesFloorUnderATableThatNoRayMetApart)
+{
+  // Behind the wall only the upper part of the table is seen.
+  const Stage stage(
+      "objects: [box: {at_m: [1.2, 0], size_m: [0.2, 3, 0.6]}, table: {at_m: [2.2, 0], size_m: [1, "
+      "1, 0.8]}]\n");
+  Surfaces map = stage.perfect();
+  for (double x = 2.0; x < 2.4; x += 0.05)
+    map.ground_m[stage.cell(x, 0)] = map.elevation_m[stage.cell(x, 0)] = 0.8f;
+  const Score s = stage.score(map);
+  EXPECT_GT(s.hanging_wrong.part, 5);
+  EXPECT_EQ(s.hanging_wrong_seen.part, 0);
+  EXPECT_GT(s.all_measured_ground().rmse_m(), 0.01);
+  for (const Errors& hit : s.measured_ground_hit)
+    EXPECT_TRUE(hit.count() == 0 || hit.rmse_m() == 0);
+}
+
 TEST(Score, DoesNotJudgeWhatHangsWithinFiveCentimetresAboveTheClearance)
 {
   const auto judged = [](const std::string& height_m)

@@ -104,7 +104,7 @@ struct BudgetRow
     if (!fails(r)) return;
     fail++;
     for (const BudgetResult& other : all)
-      not_seen += other.name == r.as_seen && other.verdict == BudgetResult::Verdict::Pass;
+      not_seen += other.name == r.as_seen && other.verdict != BudgetResult::Verdict::Fail;
   }
   /** Best first. */
   void sort()

@@ -32,6 +32,18 @@ void judge(
   judge(out, name, s.of >= fewest ? s.value() : kNan, limit, at_most);
 }
 
+void judge_measured_ground(Results& out, const Score& s)
+{
+  constexpr double kLimits_m[kTerrainCount] = {0.003, 0.003, 0.008, 0.030};
+  for (std::size_t t = 0; t < kTerrainCount; ++t)
+  {
+    const std::string name = std::string("measured_ground_") + kTerrainNames[t];
+    judge(out, name + "_rmse_m", s.measured_ground[t], kLimits_m[t]);
+    out.back().as_seen = name + "_hit_rmse_m";
+    judge(out, name + "_hit_rmse_m", s.measured_ground_hit[t], kLimits_m[t]);
+  }
+}
+
 void judge_fills(Results& out, const std::vector<FillScore>& fills)
 {
   for (std::size_t f = 1; f < fills.size(); ++f)
@@ -52,12 +64,11 @@ Results check_budgets(const Evaluation& e)
   for (const Score& s : e.maps)
   {
     if (s.method != "talus") continue;
-    judge(out, "measured_ground_flat_rmse_m", s.measured_ground[0], 0.003);
-    judge(out, "measured_ground_slope_rmse_m", s.measured_ground[1], 0.003);
-    judge(out, "measured_ground_rough_rmse_m", s.measured_ground[2], 0.008);
-    judge(out, "measured_ground_near_step_rmse_m", s.measured_ground[3], 0.030);
+    judge_measured_ground(out, s);
     judge(out, "two_sided_seen_rmse_m", s.two_sided_seen, 0.03);
     judge(out, "hanging_wrong", s.hanging_wrong, 0.02, true);
+    out.back().as_seen = "hanging_wrong_seen";
+    judge(out, "hanging_wrong_seen", s.hanging_wrong_seen, 0.02, true);
     judge(out, "hanging_passable", s.hanging_passable, 0.98, false);
     judge(out, "obstacle_blocked", s.obstacle_blocked, 0.98, false);
     out.back().as_seen = "obstacle_blocked_whole";

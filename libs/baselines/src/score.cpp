@@ -68,6 +68,8 @@ void Score::add(const Score& o)
 {
   method = o.method;
   for (std::size_t t = 0; t < kTerrainCount; ++t) measured_ground[t].add(o.measured_ground[t]);
+  for (std::size_t t = 0; t < kTerrainCount; ++t)
+    measured_ground_hit[t].add(o.measured_ground_hit[t]);
   for (std::size_t k = 0; k < kRings; ++k) ring_blocked[k].add(o.ring_blocked[k]);
   for (Errors Score::*e :
        {&Score::measured_elevation, &Score::two_sided_seen, &Score::two_sided_unseen,
@@ -75,10 +77,10 @@ void Score::add(const Score& o)
     (this->*e).add(o.*e);
   for (Share Score::*s :
        {&Score::measured, &Score::filled_two_sided, &Score::filled_one_sided, &Score::unknown,
-        &Score::hanging_wrong, &Score::hanging_passable, &Score::obstacle_blocked,
-        &Score::obstacle_blocked_whole, &Score::free_passable, &Score::free_passable_all,
-        &Score::posts, &Score::ditch_found, &Score::leak, &Score::leak_hit, &Score::reach,
-        &Score::reach_seen, &Score::beyond, &Score::mover_freed})
+        &Score::hanging_wrong, &Score::hanging_wrong_seen, &Score::hanging_passable,
+        &Score::obstacle_blocked, &Score::obstacle_blocked_whole, &Score::free_passable,
+        &Score::free_passable_all, &Score::posts, &Score::ditch_found, &Score::leak,
+        &Score::leak_hit, &Score::reach, &Score::reach_seen, &Score::beyond, &Score::mover_freed})
     (this->*s).add(o.*s);
   update_ms.insert(update_ms.end(), o.update_ms.begin(), o.update_ms.end());
   read_ms.insert(read_ms.end(), o.read_ms.begin(), o.read_ms.end());
@@ -108,13 +110,18 @@ Figures figures(const Score& s)
     out.emplace_back(name, share.value());
   add_errors(out, "measured_ground", s.all_measured_ground());
   for (std::size_t t = 0; t < kTerrainCount; ++t)
-    add_errors(out, std::string("measured_ground_") + kTerrainNames[t], s.measured_ground[t]);
+  {
+    const std::string name = std::string("measured_ground_") + kTerrainNames[t];
+    add_errors(out, name, s.measured_ground[t]);
+    add_errors(out, name + "_hit", s.measured_ground_hit[t]);
+  }
   add_errors(out, "measured_elevation", s.measured_elevation);
   add_errors(out, "two_sided_seen", s.two_sided_seen);
   add_errors(out, "two_sided_unseen", s.two_sided_unseen);
   add_errors(out, "one_sided", s.one_sided);
   for (const auto& [name, share] : std::initializer_list<std::pair<const char*, Share>>{
            {"hanging_wrong", s.hanging_wrong},
+           {"hanging_wrong_seen", s.hanging_wrong_seen},
            {"hanging_passable", s.hanging_passable},
            {"obstacle_blocked", s.obstacle_blocked},
            {"obstacle_blocked_whole", s.obstacle_blocked_whole},

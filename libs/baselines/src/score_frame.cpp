@@ -80,7 +80,9 @@ class FrameScorer
       (here_.could_see[k] ? score_.two_sided_seen : score_.two_sided_unseen).add(error);
     if (state(k) == CellState::FilledOneSided) score_.one_sided.add(error);
     if (state(k) != CellState::Measured || !truth_.clear(at)) return;
-    score_.measured_ground[static_cast<std::size_t>(truth_.terrain[at])].add(error);
+    const auto terrain = static_cast<std::size_t>(truth_.terrain[at]);
+    score_.measured_ground[terrain].add(error);
+    if (observed_.ground_hit[at]) score_.measured_ground_hit[terrain].add(error);
     score_.measured_elevation.add(truth_.height_error_m(at, map_.elevation_m[k]));
   }
 
@@ -89,10 +91,12 @@ class FrameScorer
     if (!truth_.hangs[at] || truth_.doubtful[at] || !map_.known(k)) return;
     if (!truth_.clear(at)) return;
     if (truth_.truth.underside[at] > here_.highest_shown_m) return;
-    score_.hanging_wrong.add(
-        truth_.height_error_m(at, map_.ground_m[k]) > kWrong_m ||
-        truth_.height_error_m(at, map_.elevation_m[k]) > kWrong_m);
-    if (here_.could_see[k]) score_.hanging_passable.add(map_.passable(k));
+    const bool wrong = truth_.height_error_m(at, map_.ground_m[k]) > kWrong_m ||
+                       truth_.height_error_m(at, map_.elevation_m[k]) > kWrong_m;
+    score_.hanging_wrong.add(wrong);
+    if (!here_.could_see[k]) return;
+    score_.hanging_wrong_seen.add(wrong);
+    score_.hanging_passable.add(map_.passable(k));
   }
 
   void blocked_and_free(std::size_t k, std::size_t at)

@@ -49,6 +49,8 @@ struct Score
   /// @{
   /** |ground - truth| of measured cells two or more cells away from obstacles, by terrain. */
   std::array<Errors, kTerrainCount> measured_ground;
+  /** The same where the ground was hit. Elsewhere an object was taken for it. */
+  std::array<Errors, kTerrainCount> measured_ground_hit;
   Errors measured_elevation;  //!< the same of the elevation, all terrain
   Errors two_sided_seen;  //!< fills from two sides, where a ray of the scanner could have met the
                           //!< ground in some frame so far
@@ -64,6 +66,7 @@ struct Score
   /// more cells from obstacles
   /// @{
   Share hanging_wrong;  //!< of known ones: elevation or ground off by more than 0.2 m
+  Share hanging_wrong_seen;  //!< the same of those whose ground a ray could have met so far
   Share hanging_passable;  //!< of known ones whose ground a ray could have met so far
   /// @}
 
@@ -97,8 +100,8 @@ struct Score
 
   /// @name Movers
   /// @{
-  /** Of cells where a mover was hit and left: passable at the latest 2 frames after the first ray
-   * went through the place 0.1 m or more below the highest hit there. */
+  /** Of cells where a mover was hit and left: passable at the latest 2 frames after rays showed
+   * that, see MoverTruth. */
   Share mover_freed;
   Errors residue_frames;  //!< frames from then until passable (abs_m holds frames)
   /// @}
