@@ -102,7 +102,7 @@ struct InCell
 {
   float x, y;
 };
-/** In two bytes each, from the places in the cell's lower corner, [0, 1). */
+/** In two bytes each; x and y from the lower corner of the cell, in cells, [0, 1). */
 TALUS_HD std::int32_t code_in_cell(float x, float y)
 {
   return floor_to_int(x * 65536.0f) | floor_to_int(y * 32768.0f) << 16;

@@ -422,6 +422,13 @@ struct SortPoint
         rise.level(points.height_m[i], in_cell(points.in_cell[i])), points.variance_m2[i],
         select(overhangs, 1, 0)};
   }
+
+  /** As the point of the rank that it has, where the rises of all cells are known. */
+  TALUS_HD void put(int i, bool overhangs) const
+  {
+    if (points.cell[i] >= 0 && points.rank[i] != kNoRank)
+      put(i, points.rank[i], overhangs, sorting.rise[sorting.cell_begin[points.cell[i]]]);
+  }
 };
 
 /** The same where points were counted before it was known which are buried: leaves those out; and

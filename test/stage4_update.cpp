@@ -149,19 +149,11 @@ TEST(Stage4Update, AStandingPostSeenOnlyAtItsTopStillStands)
 namespace
 {
 double hillside(double x, double y) { return 0.3 * x - 0.2 * y; }
-/** Three points on the hillside in the same place of each cell of a rectangle, away from its middle
- * by dx, dy. */
-Scan off_middle(double x0, double y0, double x1, double y1, double dx, double dy)
+/** Three points on the hillside in one place of the cell at (kX, kY), away from its middle. */
+Scan off_middle(double dx, double dy)
 {
   Scan s(0, 0, 0.7);
-  s.add_surface(x0, y0, x1, y1, flat);
-  const Scan middles = s;
-  s.x_.clear(), s.y_.clear(), s.z_.clear();
-  for (std::size_t i = 0; i < middles.x_.size(); i++)
-  {
-    const double x = middles.x_[i] + dx, y = middles.y_[i] + dy;
-    for (int n = 0; n < 3; n++) s.add(x, y, hillside(x, y));
-  }
+  for (int n = 0; n < 3; n++) s.add(kX + dx, kY + dy, hillside(kX + dx, kY + dy));
   return s;
 }
 }  // namespace
@@ -170,7 +162,7 @@ TEST(Stage4Update, APointOnASlopeCountsInTheMiddleOfItsCell)
 {
   TestMap m;
   m.update(Scan().add_surface(1.8, -0.2, 2.3, 0.3, hillside));
-  for (int i = 0; i < 20; i++) m.update(off_middle(2.0, 0.0, 2.05, 0.05, -0.02, 0.015));
+  for (int i = 0; i < 20; i++) m.update(off_middle(-0.02, 0.015));
   EXPECT_NEAR(m.ground(kX, kY), hillside(kX, kY), 5e-4);
   EXPECT_NEAR(m.elevation(kX, kY), hillside(kX, kY), 5e-4);
 }
@@ -185,7 +177,7 @@ TEST(Stage4Update, TheSlopeIsThatOfMeasuredCellsUpToTwoAway)
                  .add_surface(2.0 + gap, -0.2, 2.5, 0.3, hillside)
                  .add_surface(2.0, -0.2, 2.05, 0.0, hillside)
                  .add_surface(2.0, gap, 2.05, 0.3, hillside));
-    m.update(off_middle(2.0, 0.0, 2.05, 0.05, 0.02, 0.02));
+    m.update(off_middle(0.02, 0.02));
     EXPECT_NEAR(m.ground(kX, kY), hillside(kX, kY), 5e-4) << gap;
   }
 }
@@ -195,7 +187,7 @@ TEST(Stage4Update, WithoutGroundOnBothSidesAPointCountsAsItIs)
   TestMap m;
   m.update(Scan().add_surface(1.7, 0.0, 2.0, 0.05, hillside));  // and nothing three cells beyond
   m.update(Scan().add_surface(2.15, 0.0, 2.5, 0.05, hillside));
-  m.update(off_middle(2.0, 0.0, 2.05, 0.05, 0.02, 0.0));
+  m.update(off_middle(0.02, 0.0));
   EXPECT_NEAR(m.ground(kX, kY), hillside(kX + 0.02, kY), 1e-4);
 }
 

@@ -32,15 +32,26 @@ void judge(
   judge(out, name, s.of >= fewest ? s.value() : kNan, limit, at_most);
 }
 
+/** All, and then what of it a ray could show. */
+template <class What, class... Limit>
+void judge_with_seen(
+    Results& out, const std::string& name, const What& all, const std::string& name_seen,
+    const What& seen, Limit... limit)
+{
+  judge(out, name, all, limit...);
+  out.back().as_seen = name_seen;
+  judge(out, name_seen, seen, limit...);
+}
+
 void judge_measured_ground(Results& out, const Score& s)
 {
   constexpr double kLimits_m[kTerrainCount] = {0.003, 0.003, 0.008, 0.030};
   for (std::size_t t = 0; t < kTerrainCount; ++t)
   {
     const std::string name = std::string("measured_ground_") + kTerrainNames[t];
-    judge(out, name + "_rmse_m", s.measured_ground[t], kLimits_m[t]);
-    out.back().as_seen = name + "_hit_rmse_m";
-    judge(out, name + "_hit_rmse_m", s.measured_ground_hit[t], kLimits_m[t]);
+    judge_with_seen(
+        out, name + "_rmse_m", s.measured_ground[t], name + "_hit_rmse_m", s.measured_ground_hit[t],
+        kLimits_m[t]);
   }
 }
 
@@ -66,20 +77,16 @@ Results check_budgets(const Evaluation& e)
     if (s.method != "talus") continue;
     judge_measured_ground(out, s);
     judge(out, "two_sided_seen_rmse_m", s.two_sided_seen, 0.03);
-    judge(out, "hanging_wrong", s.hanging_wrong, 0.02, true);
-    out.back().as_seen = "hanging_wrong_seen";
-    judge(out, "hanging_wrong_seen", s.hanging_wrong_seen, 0.02, true);
+    judge_with_seen(
+        out, "hanging_wrong", s.hanging_wrong, "hanging_wrong_seen", s.hanging_wrong_seen, 0.02,
+        true);
     judge(out, "hanging_passable", s.hanging_passable, 0.98, false);
-    judge(out, "obstacle_blocked", s.obstacle_blocked, 0.98, false);
-    out.back().as_seen = "obstacle_blocked_whole";
-    judge(out, "obstacle_blocked_whole", s.obstacle_blocked_whole, 0.98, false);
+    judge_with_seen(
+        out, "obstacle_blocked", s.obstacle_blocked, "obstacle_blocked_whole",
+        s.obstacle_blocked_whole, 0.98, false);
     judge(out, "free_passable", s.free_passable, 0.99, false);
-    judge(out, "leak", s.leak, 0.01, true);
-    out.back().as_seen = "leak_hit";
-    judge(out, "leak_hit", s.leak_hit, 0.01, true);
-    judge(out, "reach", s.reach, 0.98, false);
-    out.back().as_seen = "reach_seen";
-    judge(out, "reach_seen", s.reach_seen, 0.98, false);
+    judge_with_seen(out, "leak", s.leak, "leak_hit", s.leak_hit, 0.01, true);
+    judge_with_seen(out, "reach", s.reach, "reach_seen", s.reach_seen, 0.98, false);
     judge(out, "inflation_cells", s.inflation_cells(), 1, true);
     judge(out, "mover_freed", s.mover_freed, 0.98, false);
     judge(out, "posts_kept", s.posts, 1.0, false, 1);

@@ -67,9 +67,11 @@ Errors Score::all_measured_ground() const
 void Score::add(const Score& o)
 {
   method = o.method;
-  for (std::size_t t = 0; t < kTerrainCount; ++t) measured_ground[t].add(o.measured_ground[t]);
   for (std::size_t t = 0; t < kTerrainCount; ++t)
+  {
+    measured_ground[t].add(o.measured_ground[t]);
     measured_ground_hit[t].add(o.measured_ground_hit[t]);
+  }
   for (std::size_t k = 0; k < kRings; ++k) ring_blocked[k].add(o.ring_blocked[k]);
   for (Errors Score::*e :
        {&Score::measured_elevation, &Score::two_sided_seen, &Score::two_sided_unseen,

@@ -349,12 +349,7 @@ void sort_points(const F& f, int begin, int end)
   {
     const int i1 = std::min(i0 + kBlock, end);
     find_passed_below(f, i0, i1, passed_below);
-    for (int i = i0; i < i1; i++)
-    {
-      if (f.points.cell[i] < 0 || f.points.rank[i] == kernels::kNoRank) continue;
-      const bool overhangs = passed_below[i - i0] && f.overhangs(i);
-      f.put(i, f.points.rank[i], overhangs, f.sorting.rise[f.sorting.cell_begin[f.points.cell[i]]]);
-    }
+    for (int i = i0; i < i1; i++) f.put(i, passed_below[i - i0] && f.overhangs(i));
   }
 }
 
