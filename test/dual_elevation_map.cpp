@@ -1,6 +1,7 @@
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/system/os.h>
@@ -12,6 +13,7 @@
 
 #include "room_for_maps.h"
 
+using mrpt::config::CConfigFileMemory;
 using mrpt::maps::CMultiMetricMap;
 using namespace talus_test;
 
@@ -31,12 +33,39 @@ void expect_same_bits(const CDualElevationMap& a, const CDualElevationMap& b)
   }
 }
 
-CMultiMetricMap map_from_ini(const std::string& text)
+CMultiMetricMap map_from_ini(const std::string& text, const std::string& section = "Maps")
 {
   talus::register_mrpt_classes();  // as a program does at its start
   mrpt::maps::TSetOfMetricMapInitializers definitions;
-  definitions.loadFromConfigFile(mrpt::config::CConfigFileMemory(text), "Maps");
+  definitions.loadFromConfigFile(mrpt::config::CConfigFileMemory(text), section);
   return CMultiMetricMap(definitions);
+}
+
+/** What goes to stderr meanwhile. */
+template <typename Function>
+std::string told(Function&& f)
+{
+  testing::internal::CaptureStderr();
+  f();
+  return testing::internal::GetCapturedStderr();
+}
+
+int count_of(const std::string& text, const std::string& part)
+{
+  int count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) count++;
+  return count;
+}
+
+/** As a program keeps options that it does not write to a file. */
+template <typename Options>
+Options saved_and_loaded(const Options& options)
+{
+  CConfigFileMemory memory;
+  options.saveToConfigFile(memory, "Section");
+  Options loaded;
+  loaded.loadFromConfigFile(memory, "Section");
+  return loaded;
 }
 
 const std::string kIni =
@@ -78,6 +107,100 @@ TEST(DualElevationMap, bad_values_of_an_ini_file_are_refused)
         map_from_ini("[Maps]\nterrain_count = 1\n[Maps_terrain_00_" + bad + "\n"), std::exception)
         << bad;
   EXPECT_THROW(CDualElevationMap(talus::Parameters{-1.0}), std::invalid_argument);
+}
+
+// One number off, as in observations2map.ini with a section renamed.
+TEST(DualElevationMap, sections_with_the_number_of_no_map_and_their_lack_are_told)
+{
+  const std::string text = told(
+      []
+      {
+        map_from_ini(
+            "[Off]\nterrain_count = 1\n[Off_terrain_01_creationOpts]\nresolution = 0.1\n"
+            "[Off_terrain_00_insertOpts]\nclearance_m = 0.7\n",
+            "Off");
+      });
+  EXPECT_EQ(count_of(text, "no section [Off_terrain_00_creationOpts]"), 1) << text;
+  EXPECT_EQ(count_of(text, "section [Off_terrain_01_creationOpts] is not read"), 1) << text;
+  EXPECT_NE(text.find("terrain_count = 1"), std::string::npos) << text;
+}
+
+TEST(DualElevationMap, a_map_without_any_section_is_told_in_one_sentence)
+{
+  const std::string text = told([] { map_from_ini("[Bare]\nterrain_count = 1\n", "Bare"); });
+  EXPECT_EQ(count_of(text, "no section"), 1) << text;
+  EXPECT_EQ(count_of(text, "[Bare_terrain_00_creationOpts]"), 1) << text;
+}
+
+TEST(DualElevationMap, sections_that_are_all_there_are_no_reason_to_tell_anything)
+{
+  const std::string text = told(
+      []
+      {
+        map_from_ini(
+            "[Two]\nterrain_count = 2\n[Two_terrain_00_creationOpts]\nwindow = 6\n"
+            "[Two_terrain_01_creationOpts]\nwindow = 5\n[Two_terrain_01_insertOpts]\n"
+            "voxel_m = 0\n[Two_pointsMap_07_insertOpts]\nx = 1\n",
+            "Two");
+      });
+  EXPECT_EQ(text, "");
+}
+
+TEST(DualElevationMap, a_device_that_is_not_there_is_told_with_the_section_that_wants_it)
+{
+  std::string message;
+  try
+  {
+    map_from_ini("[Maps]\nterrain_count = 1\n[Maps_terrain_00_creationOpts]\nbackend = cuda\n");
+  }
+  catch (const std::exception& e)
+  {
+    message = e.what();
+  }
+  if (message.empty()) GTEST_SKIP() << "a device answers";
+  EXPECT_NE(message.find("(in section Maps_terrain_00_creationOpts)"), std::string::npos)
+      << message;
+}
+
+TEST(DualElevationMap, every_option_survives_saving_and_loading_in_memory)
+{
+  CDualElevationMap::TInsertionOptions insertion;
+  insertion.clearance_m = 0.75;
+  insertion.fill_rule = talus::FillRule::Minimum;
+  CDualElevationMap::TLikelihoodOptions likelihood;
+  likelihood.sigma_m = 0.2;
+  likelihood.outlierRatio = 0.25;
+  likelihood.decimation = 3;
+  CDualElevationMap::TRenderOptions render;
+  render.showGround = render.showElevation = render.colorByTraversability = false;
+  render.colormap = mrpt::img::cmHOT;
+  render.maxCells = 77;
+  talus::ObstacleOptions obstacles;
+  obstacles.blocked_at = 0.125;
+  obstacles.range_m = 7.5;
+  obstacles.unknown = talus::CellPolicy::Obstacle;
+  obstacles.boundary_only = !obstacles.boundary_only;
+  const std::string text = told(
+      [&]
+      {
+        const auto i = saved_and_loaded(insertion);
+        for (const auto& info : talus::parameter_table())
+          EXPECT_EQ(info.get(i), info.get(insertion)) << info.name;
+        const auto l = saved_and_loaded(likelihood);
+        EXPECT_EQ(l.sigma_m, 0.2);
+        EXPECT_EQ(l.outlierRatio, 0.25);
+        EXPECT_EQ(l.decimation, 3);
+        const auto r = saved_and_loaded(render);
+        EXPECT_FALSE(r.showGround || r.showElevation || r.colorByTraversability);
+        EXPECT_EQ(r.colormap, mrpt::img::cmHOT);
+        EXPECT_EQ(r.maxCells, 77);
+        const auto o = saved_and_loaded(obstacles);
+        EXPECT_EQ(o.blocked_at, 0.125);
+        EXPECT_EQ(o.range_m, 7.5);
+        EXPECT_EQ(o.unknown, talus::CellPolicy::Obstacle);
+        EXPECT_EQ(o.boundary_only, obstacles.boundary_only);
+      });
+  EXPECT_EQ(text, "") << "no key is unknown";
 }
 
 TEST(DualElevationMap, options_print_themselves_and_definitions_can_be_made_in_code)
@@ -138,6 +261,27 @@ TEST(DualElevationMap, no_exception_leaves_an_insertion)
   const CPose3D nowhere(std::numeric_limits<double>::quiet_NaN(), 0, 0, 0, 0, 0);
   EXPECT_NO_THROW(EXPECT_FALSE(map.insertObservation(cloud({{1, 0, -0.5}}, {}), nowhere)));
   EXPECT_TRUE(map.isEmpty());
+}
+
+TEST(DualElevationMap, a_level_2d_scan_is_told_once_and_a_tilted_or_nodding_one_is_fine)
+{
+  constexpr double kDegree = M_PI / 180;
+  CDualElevationMap map(small_window(), talus::Backend::Cpu);
+  const auto insert = [&](const CPose3D& T_base_sensor, const CPose3D& T_map_base, double nod_rad)
+  {
+    mrpt::obs::CObservation2DRangeScan scan;
+    scan.resizeScanAndAssign(91, 2.0F, true);
+    scan.sensorPose = T_base_sensor;
+    scan.deltaPitch = nod_rad;
+    return told([&] { EXPECT_TRUE(map.insertObservation(scan, T_map_base)); });
+  };
+  const CPose3D level(0.1, 0, 0.5, 1, 0, 0), down(0.1, 0, 0.5, 0, 20 * kDegree, 0);
+  const CPose3D slope(0, 0, 0, 0, -20 * kDegree, 0);
+  EXPECT_EQ(insert(down, {}, 0), "");
+  EXPECT_EQ(insert(level, slope, 0), "");
+  EXPECT_EQ(insert(level, {}, 20 * kDegree), "");
+  EXPECT_NE(insert(down, slope, 0).find("level 2D scan shows no terrain"), std::string::npos);
+  EXPECT_EQ(insert(CPose3D(0, 0, 0.5, 0, 4 * kDegree, 0), {}, 0), "") << "told already";
 }
 
 TEST(DualElevationMap, insertion_can_be_disabled_as_in_any_mrpt_map)

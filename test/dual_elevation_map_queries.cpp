@@ -43,6 +43,32 @@ TEST(DualElevationMapQueries, the_true_pose_is_the_likeliest_of_all_around_it)
     }
 }
 
+TEST(DualElevationMapQueries, the_likelihood_counts_the_points_that_an_insertion_accepts)
+{
+  auto map = map_of_room(1);
+  auto& p = map.insertionOptions;
+  p.body_min_x_m = p.body_min_y_m = p.body_min_z_m = -0.5;
+  p.body_max_x_m = 0.75;
+  p.body_max_y_m = p.body_max_z_m = 0.5;
+  p.max_range_m = 2.7;
+  p.min_range_m = 0.6;
+  p.max_height_m = 1.1;
+  map.likelihoodOptions.decimation = 1;
+  const auto next = [](float v) { return std::nextafter(v, 9.0F); };
+  for (const TPoint3D& at :
+       {TPoint3D(0.75, 0, 0), TPoint3D(next(0.75F), 0, 0), TPoint3D(0.7, 0.5, 0),
+        TPoint3D(0.7, -0.5, 0.5), TPoint3D(0.6F, 0.7, 0), TPoint3D(2.7F, 0, 0),
+        TPoint3D(next(2.7F), 0, 0), TPoint3D(next(next(2.7F)), 0, 0), TPoint3D(0, 0.6F, 0),
+        TPoint3D(0, 1, 1.1F), TPoint3D(0, 1, next(1.1F)), TPoint3D(0, 0.6, -0.3)})
+  {
+    const auto obs = cloud({at}, kT_base_sensor);
+    const double likelihood = map.computeObservationLikelihood(obs, CPose3D());
+    auto copy = map;
+    ASSERT_TRUE(copy.insertObservation(obs, CPose3D()));
+    EXPECT_EQ(likelihood != 0, copy.lastReport().points_accepted == 1) << at;
+  }
+}
+
 TEST(DualElevationMapQueries, matching_ratio_is_high_at_the_true_pose_and_low_elsewhere)
 {
   const auto map = map_of_room();

@@ -216,6 +216,33 @@ TEST(FramesInFlight, ABadPoseThrowsAtTheStartAndChangesNothing)
   ASSERT_NO_FATAL_FAILURE(maps.finish_all());
 }
 
+TEST(FramesInFlight, WhatNoFrameMayHaveThrowsAtTheStartAndChangesNothing)
+{
+  Both maps(window(8), kTwo);
+  ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(0)));
+  const Scan scan = scan_at(1);
+  const Frame good = scan.frame();
+  std::vector<Frame> bad(8, good);
+  bad[0].size = 536870912;
+  bad[1].T_map_sensor.m[7] = -1.01e9 * maps.overlapped.parameters().resolution_m;
+  const TimedPose start{0, good.T_map_sensor}, end{0.1, good.T_map_sensor};
+  bad[2].path = {start, end};
+  bad[2].path[1].T_map_sensor.m[3] = 1.01e9 * maps.overlapped.parameters().resolution_m;
+  bad[3].path = {start, end};
+  bad[3].path[0].T_map_sensor.m[0] = NAN;
+  bad[4].path = {end, start};
+  bad[5].path = {start, {0.2, good.T_map_sensor}, end};
+  bad[6].path = {start, {NAN, good.T_map_sensor}, end};
+  bad[7].path = {start, {INFINITY, good.T_map_sensor}};
+  for (std::size_t i = 0; i < bad.size(); i++)
+  {
+    EXPECT_THROW(maps.overlapped.start(bad[i]), std::invalid_argument) << i;
+    EXPECT_EQ(maps.overlapped.frames_in_flight(), 1) << i;
+  }
+  ASSERT_NO_FATAL_FAILURE(maps.feed(scan));
+  ASSERT_NO_FATAL_FAILURE(maps.finish_all());
+}
+
 TEST(FramesInFlight, WhatCannotBeDoneMeanwhileSaysWhatToDo)
 {
   TestMap m(window(4));

@@ -208,6 +208,22 @@ TEST(LiveMap, ASnapshotHasTheLayersThatWereAskedForAndStaysAsItIs)
     EXPECT_TRUE(same(bits_of(*snapshot), expected[snapshot->frame]));
 }
 
+TEST(LiveMap, GoesOnCountingWhenItWasClearedAndTakesFramesOfAnyTime)
+{
+  const Drive drive(3);
+  const auto expected = expected_bits(drive);
+  LiveMap map(small_window(), kLayers, tested_backend());
+  for (const int i : {0, 1, 2}) map.ingest(drive[i]);
+  const auto held = map.snapshot();
+  map.clear();
+  EXPECT_EQ(map.snapshot(), nullptr);
+  EXPECT_EQ(map.ingest(drive[0]), FrameOrder::Newest) << "the time of the last one is forgotten";
+  EXPECT_TRUE(same(bits_of(*map.snapshot()), expected[1])) << "the map is forgotten";
+  EXPECT_EQ(map.snapshot()->frame, 4u) << "and not taken for an earlier one by who holds that";
+  EXPECT_EQ(held->frame, 3u);
+  EXPECT_EQ(map.counts().mapped, 4u);
+}
+
 TEST(LiveMap, ReadersSeeWholeFramesWhileOthersComeIn)
 {
   const Drive drive(150);

@@ -3,6 +3,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -97,6 +98,26 @@ TEST(MapPicture, has_a_panel_for_each_layer)
   EXPECT_GT(nine.rows, 2.5 * one.rows - 400);
   const cv::Mat other = draw_map(stack_of({"ground", "label"}, ramp));
   EXPECT_GT(other.cols, one.cols) << "layers of other files are drawn too";
+}
+
+TEST(MapPicture, has_no_panel_for_a_layer_without_a_value)
+{
+  LayerStack stack = stack_of({"elevation", "sparsity"}, [](int, int) { return 1.0F; });
+  const cv::Mat two = draw_map(stack);
+  std::fill(stack.layers[1].begin(), stack.layers[1].end(), kNan);
+  EXPECT_LT(draw_map(stack).cols, two.cols);
+  std::fill(stack.layers[0].begin(), stack.layers[0].end(), kNan);
+  EXPECT_EQ(draw_map(stack).cols, two.cols) << "nothing has a value";
+}
+
+TEST(MapPicture, says_how_far_values_lie_beyond_the_scale)
+{
+  const auto with_peak = [](float peak)
+  {
+    return draw_map(stack_of(
+        {"elevation"}, [peak](int ix, int iy) { return ix == 0 && iy == 0 ? peak : 0.01F * ix; }));
+  };
+  EXPECT_FALSE(same(with_peak(2), with_peak(3)));
 }
 
 TEST(MapPicture, points_the_arrow_of_the_robot_along_its_yaw)

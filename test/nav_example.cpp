@@ -8,6 +8,10 @@
 #include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/obstacles.h>
+#include <talus/mrpt/parameters_ini.h>
+
+#include <cmath>
+#include <iostream>
 
 struct MyRobot : mrpt::nav::CRobot2NavInterface
 {
@@ -17,6 +21,14 @@ struct MyRobot : mrpt::nav::CRobot2NavInterface
   mrpt::poses::CPose3D pose;  // of the base in the map, from localisation
   double v = 0, w = 0;  // m/s, rad/s: goes to the motors
 
+  // One file: the navigator's sections, the map's, and [talus_obstacles].
+  explicit MyRobot(const mrpt::config::CConfigFileBase& ini)
+  {
+    for (const auto& warning :
+         talus::load_parameters(ini, "CDualElevationMap", map.insertionOptions))
+      std::cerr << warning << "\n";
+    options.loadFromConfigFile(ini, "talus_obstacles");
+  }
   bool senseObstacles(mrpt::maps::CSimplePointsMap& obs, mrpt::system::TTimeStamp& t) override
   {
     t = mrpt::Clock::now();
@@ -70,23 +82,42 @@ void set_clock(double time_s)
 /** The navigator counts real seconds unless it is told otherwise. */
 struct RobotInSimulatedTime : MyRobot
 {
+  using MyRobot::MyRobot;
   double getNavigationTime() override { return mrpt::Clock::nowDouble() - start_s; }
   void resetNavigationTimer() override { start_s = mrpt::Clock::nowDouble(); }
   double start_s = 0;
 };
+
+void see_the_room(talus::CDualElevationMap& map)
+{
+  for (int i = 0; i < 3; i++)
+  {
+    const mrpt::poses::CPose3D pose(0.03 * i, -0.02 * i, 0, 0.1 * i, 0, 0);
+    ASSERT_TRUE(map.insertObservation(talus_test::scan_of_room(pose), pose));
+  }
+}
 }  // namespace
+
+TEST(NavExample, reads_map_and_obstacles_from_the_file_of_the_navigator)
+{
+  const RobotInSimulatedTime robot{mrpt::config::CConfigFile(kIni)};
+  EXPECT_EQ(robot.options.unknown, talus::CellPolicy::Free);
+  EXPECT_EQ(robot.options.inferred, talus::CellPolicy::Free);
+  EXPECT_EQ(robot.map.insertionOptions.clearance_m, 0.8);
+  EXPECT_EQ(robot.map.insertionOptions.window_m, 8.0);
+}
 
 TEST(NavExample, drives_around_the_box_to_the_goal)
 {
   const talus::test::ScratchDir caches;
-  RobotInSimulatedTime robot;
-  robot.map = talus_test::map_of_room();
-  robot.options.unknown = robot.options.inferred = talus::CellPolicy::Free;
+  const mrpt::config::CConfigFile ini(kIni);
+  RobotInSimulatedTime robot(ini);
+  see_the_room(robot.map);
   robot.pose = mrpt::poses::CPose3D(-1.2, 0.2, 0, 0, 0, 0);
   set_clock(0);
   mrpt::nav::CReactiveNavigationSystem navigator(robot, false);
   navigator.setMinLoggingLevel(mrpt::system::LVL_ERROR);
-  navigator.loadConfigFile(mrpt::config::CConfigFile(kIni));
+  navigator.loadConfigFile(ini);
   navigator.params_abstract_ptg_navigator.ptg_cache_files_directory = caches / "";
   navigator.initialize();
   mrpt::nav::CReactiveNavigationSystem::TNavigationParams goal;

@@ -236,6 +236,22 @@ TEST(ObstacleOptions, refuse_what_makes_no_sense_and_say_what_is_allowed)
   }
   catch (const std::exception& e)
   {
-    EXPECT_STREQ(e.what(), "[obstacles] unknown = 'maybe': must be free, near or obstacle");
+    EXPECT_STREQ(
+        e.what(), "unknown = 'maybe': must be free, near or obstacle (in section obstacles)");
+  }
+}
+
+TEST(Obstacles, all_stay_however_small_the_squares_of_the_spacing_are)
+{
+  const auto map = seen_room();
+  ObstacleOptions o = near_box();
+  o.spacing_m = 0;
+  CSimplePointsMap all, thinned;
+  obstacles_2d(map.mapper(), kRight, o, all);
+  for (const double spacing_m : {1e-9, 1e-12, 1e-20})
+  {
+    o.spacing_m = spacing_m;
+    obstacles_2d(map.mapper(), kRight, o, thinned);
+    EXPECT_EQ(thinned.size(), all.size()) << spacing_m;
   }
 }

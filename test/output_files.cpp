@@ -1,6 +1,8 @@
 // Files that appear whole or not at all, timing.csv and summary.json.
 #include <gtest/gtest.h>
+#include <mrpt/io/CFileGZOutputStream.h>
 #include <talus/io/atomic_file.h>
+#include <talus/io/gz_file.h>
 #include <talus/io/quantile.h>
 #include <talus/io/summary_json.h>
 #include <talus/io/timing_csv.h>
@@ -100,6 +102,36 @@ TEST(AtomicFile, names_the_file_that_cannot_be_written)
   expect_error([&] { write_file(dir / "none/a.txt", "x"); }, {"none/a.txt", "folder exist"});
   fs::create_directory(dir / "a.txt");
   expect_error([&] { write_file(dir / "a.txt", "x"); }, {"a.txt", "folder has this name"});
+}
+
+TEST(AtomicFile, replaces_no_pipe_or_device)
+{
+  const ScratchDir dir;
+  ASSERT_EQ(::mkfifo((dir / "pipe").c_str(), 0600), 0);
+  fs::create_symlink(dir / "pipe", dir / "link");
+  for (const char* name : {"pipe", "link"})
+    expect_error([&] { AtomicFile(dir / name).commit(); }, {"pipe", "device or a pipe"});
+  EXPECT_TRUE(fs::is_fifo(dir / "pipe"));
+  EXPECT_EQ(files_in(dir / ""), 2u);
+}
+
+TEST(GzFile, is_complete_only_with_all_of_its_bytes)
+{
+  const ScratchDir dir;
+  {
+    mrpt::io::CFileGZOutputStream file(dir / "a.gz");
+    const std::string text = "what a full disk cuts off";
+    file.Write(text.data(), text.size());
+  }
+  const std::string bytes = read_bytes(dir / "a.gz");
+  EXPECT_NO_THROW(require_complete_gz(dir / "a.gz"));
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+  {
+    write_bytes(dir / "cut.gz", bytes.substr(0, size));
+    EXPECT_THROW(require_complete_gz(dir / "cut.gz"), std::runtime_error) << size << " bytes";
+  }
+  expect_error([&] { require_complete_gz(dir / "cut.gz"); }, {"cut.gz", "disk full"});
+  expect_error([&] { require_complete_gz(dir / "cut.gz", "shown"); }, {"shown", "disk full"});
 }
 
 TEST(Quantile, is_a_value_of_the_list_and_nan_without_one)

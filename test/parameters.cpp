@@ -87,3 +87,49 @@ TEST(Parameters, AMisspeltNameGetsTheNearestOne)
   Parameters p;
   EXPECT_THROW(set_parameter(p, "max_rnage_m", "10"), std::invalid_argument);
 }
+
+TEST(Parameters, AnObjectSizeThatTheCellsCannotCountIsRefusedWithWhatIsPossible)
+{
+  Parameters p;
+  for (const double m : {0.1, 0.11, 0.25, 0.99, 3.2, 3.25, 3.29})
+  {
+    p.object_size_m = m;
+    EXPECT_EQ(message_of(p), "") << m;
+  }
+  for (const double m : {0.05, 0.099, 3.31, 30.0})
+  {
+    p.object_size_m = m;
+    EXPECT_NE(
+        message_of(p).find(
+            "object_size_m = " + parameter_text(p, *find_parameter("object_size_m")) + " m"),
+        std::string::npos)
+        << message_of(p);
+    EXPECT_NE(message_of(p).find("from 0.1 to 3.25 m"), std::string::npos) << message_of(p);
+  }
+  p.object_size_m = 0;
+  EXPECT_NE(message_of(p).find("object_size_m = 0 is out of range"), std::string::npos)
+      << message_of(p);
+  p = {};
+  p.resolution_m = 1;
+  EXPECT_NE(message_of(p).find("from 2 to 65 m"), std::string::npos) << message_of(p);
+}
+
+TEST(Parameters, OnlyANameThatIsNearIsOffered)
+{
+  EXPECT_EQ(nearest_parameter_name("windo"), "window_m");
+  EXPECT_EQ(nearest_parameter_name("clearence"), "clearance_m");
+  EXPECT_EQ(nearest_parameter_name("min_variance"), "min_variance_m2");
+  for (const char* far : {"foo", "", "x", "colour", "number_of_cells"})
+    EXPECT_EQ(nearest_parameter_name(far), "") << far;
+  Parameters p;
+  try
+  {
+    set_parameter(p, "foo", "1");
+    FAIL() << "nothing thrown";
+  }
+  catch (const std::invalid_argument& e)
+  {
+    EXPECT_EQ(std::string(e.what()).find("did you mean"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("'foo'"), std::string::npos) << e.what();
+  }
+}

@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 #include <mrpt/config/CConfigFile.h>
 #include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/core/exceptions.h>
 #include <talus/mrpt/parameters_ini.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 using mrpt::config::CConfigFileMemory;
 using talus::Parameters;
@@ -83,7 +86,57 @@ TEST(ParametersIni, sections_that_nothing_reads_are_warned)
   EXPECT_TRUE(contains(wrong_ending.back(), "[Map_insertionOpts]")) << wrong_ending.back();
   const auto none = load("[Other]\nclearance_m=1\n", p);
   ASSERT_EQ(none.size(), 1U);
-  EXPECT_TRUE(contains(none[0], "Map_creationOpts")) << none[0];
+  EXPECT_TRUE(contains(none[0], "no section [Map_creationOpts]")) << none[0];
+}
+
+TEST(ParametersIni, an_unknown_key_that_is_near_to_nothing_gets_no_name)
+{
+  Parameters p;
+  const auto warnings = load("[Map_insertOpts]\nfoo = 1\n", p);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(contains(warnings[0], "'foo' in section [Map_insertOpts]")) << warnings[0];
+  EXPECT_FALSE(contains(warnings[0], "nearest")) << warnings[0];
+}
+
+// MRPT takes what is in the first square brackets for a place in a source, and cuts it out.
+TEST(ParametersIni, what_mrpt_prints_of_an_error_is_the_whole_of_it)
+{
+  for (const std::string text :
+       {"[Map_insertOpts]\nmax_range_m = abc\n", "[Map_insertOpts]\nwindow_m = 5000\n",
+        "[Map_creationOpts]\nbackend = tpu\n"})
+    try
+    {
+      const CConfigFileMemory cfg(text);
+      Parameters p;
+      talus::Backend backend = talus::Backend::Auto;
+      int threads = 1;
+      talus::load_parameters(cfg, "Map", p);
+      talus::load_execution(cfg, "Map", backend, threads);
+      ADD_FAILURE() << "nothing thrown for " << text;
+    }
+    catch (const std::runtime_error& e)
+    {
+      const std::string shown =
+          mrpt::exception_to_str(mrpt::ExceptionWithCallBack<std::runtime_error>(e));
+      EXPECT_TRUE(contains(shown, e.what())) << shown;
+    }
+}
+
+TEST(ParametersIni, an_error_names_the_file_where_there_is_one)
+{
+  const std::string file = testing::TempDir() + "talus_parameters_ini.ini";
+  std::ofstream(file) << "[Map_insertOpts]\nlambda_t = x\n";
+  Parameters p;
+  try
+  {
+    talus::load_parameters(mrpt::config::CConfigFile(file), "Map", p);
+    FAIL() << "nothing thrown";
+  }
+  catch (const std::runtime_error& e)
+  {
+    EXPECT_TRUE(contains(e.what(), "(in section Map_insertOpts of " + file + ")")) << e.what();
+  }
+  std::remove(file.c_str());
 }
 
 TEST(ParametersIni, a_bad_value_names_section_key_value_and_range_and_changes_nothing)
@@ -91,7 +144,7 @@ TEST(ParametersIni, a_bad_value_names_section_key_value_and_range_and_changes_no
   for (const std::string value : {"-0.05", "0", "abc", "nan", "", "0.05m"})
   {
     const std::string message = error_of("[Map_creationOpts]\nresolution_m = " + value + "\n");
-    EXPECT_TRUE(contains(message, "[Map_creationOpts]")) << value << ": " << message;
+    EXPECT_TRUE(contains(message, "(in section Map_creationOpts)")) << value << ": " << message;
     EXPECT_TRUE(contains(message, "resolution_m = '" + value + "'")) << message;
     EXPECT_TRUE(contains(message, "0.001 to 100 m")) << message;
   }
@@ -107,7 +160,7 @@ TEST(ParametersIni, a_window_of_a_hundred_thousand_cells_is_refused_with_the_sec
 {
   const std::string message =
       error_of("[Map_creationOpts]\nresolution = 1\nwindow = 100000\n[Map_insertOpts]\n");
-  EXPECT_TRUE(contains(message, "[Map_creationOpts]")) << message;
+  EXPECT_TRUE(contains(message, "(in sections Map_creationOpts and Map_insertOpts)")) << message;
   EXPECT_TRUE(contains(message, "100000")) << message;
 }
 
@@ -144,14 +197,21 @@ TEST(ParametersIni, what_is_saved_loads_as_the_same_values)
 TEST(ParametersIni, the_shipped_files_load_without_a_warning)
 {
   const std::string folder = TALUS_SOURCE_DIR "/datasets/configs/";
-  Parameters p;
-  const auto map = talus::load_parameters(
-      mrpt::config::CConfigFile(folder + "talus-map.ini"), "CDualElevationMap", p);
-  EXPECT_TRUE(map.empty()) << map.front();
-  const auto stock = talus::load_parameters(
-      mrpt::config::CConfigFile(folder + "observations2map.ini"), "MappingApplication_terrain_00",
-      p);
-  EXPECT_TRUE(stock.empty()) << stock.front();
+  for (const auto& [file, prefix] :
+       {std::pair{"talus-map.ini", "CDualElevationMap"},
+        {"car.ini", "CDualElevationMap"},
+        {"reactive2d_config.ini", "CDualElevationMap"},
+        {"reactive3d_config.ini", "CDualElevationMap"},
+        {"observations2map.ini", "MappingApplication_terrain_00"},
+        {"icp-slam.ini", "MappingApplication_terrain_00"},
+        {"rbpf-slam.ini", "MappingApplication_terrain_00"},
+        {"pf-localization.ini", "MetricMap_terrain_00"}})
+  {
+    Parameters p;
+    const auto warnings =
+        talus::load_parameters(mrpt::config::CConfigFile(folder + file), prefix, p);
+    EXPECT_TRUE(warnings.empty()) << file << ": " << warnings.front();
+  }
 }
 
 // With TALUS_WRITE_DOC=1 in the environment this writes the page instead of checking it.

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <set>
 
 #include "sim_world.h"
@@ -193,6 +195,67 @@ TEST(WorldFile, errors_name_file_line_key_and_the_nearest_known_key)
       "'none.pgm' cannot be read");
 }
 
+TEST(WorldFile, with_a_key_that_is_no_word_or_a_second_document_says_where)
+{
+  const std::string world = "ground: [plane: {}]\nrobot: {path_m: [[0, 0]]}\n";
+  EXPECT_EQ(error_of(world), "no error");
+  for (const char* key : {"{a: 1}: 3\n", "[1, 2]: 3\n"})
+    EXPECT_EQ(
+        error_of(world + key), "bad.yaml:3: world: a key must be a word, not a list or a map");
+  EXPECT_EQ(
+      error_of("ground: [{[1]: 3}]\nrobot: {path_m: [[0, 0]]}\n"),
+      "bad.yaml:1: ground: a key must be a word, not a list or a map");
+  const std::string two = error_of(world + "---\n" + world);
+  EXPECT_EQ(two.rfind("bad.yaml:4: world: a second YAML document", 0), 0U) << two;
+  EXPECT_EQ(error_of("---\n" + world + "---\n"), "no error") << "only one holds anything";
+  const std::string deep = error_of("ground: " + std::string(20000, '['));
+  EXPECT_EQ(deep.rfind("bad.yaml:1: lists and maps are nested too deeply", 0), 0U) << deep;
+}
+
+TEST(WorldFile, of_too_many_parts_is_refused_at_once)
+{
+  const auto error = [](const std::string& object)
+  {
+    return error_of(
+        "ground: [plane: {}]\nrobot: {path_m: [[0, 0]]}\nobjects:\n  - " + object + "\n");
+  };
+  const std::string rail = "railing: {height_m: 1, from_m: [-1, 2], ";
+  EXPECT_EQ(
+      error(rail + "to_m: [1, 2], bars: 20, spacing_m: 1e-6}"),
+      "bad.yaml:4: objects.railing: key 'spacing_m' makes 42000001 parts, the limit is 10000: take "
+      "a shorter line or fewer parts");
+  const std::string overflow = error(rail + "to_m: [1e6, 2], spacing_m: 1e-6}");
+  EXPECT_NE(overflow.find("key 'spacing_m' makes 3"), std::string::npos) << overflow;
+  EXPECT_NE(error(rail + "to_m: [1e6, 2]}").find("key 'to_m' makes"), std::string::npos);
+  EXPECT_EQ(error(rail + "to_m: [1999, 2]}"), "no error");
+  const std::string wall = "wall: {height_m: 1, from_m: [0, 2], to_m: ";
+  EXPECT_NE(error(wall + "[10001, 2]}").find("key 'to_m' makes 10001"), std::string::npos);
+  EXPECT_EQ(error(wall + "[10000, 2]}"), "no error");
+}
+
+TEST(WorldFile, that_cannot_be_read_to_its_end_is_no_world)
+{
+  const auto error = [](const std::string& path) -> std::string
+  {
+    try
+    {
+      load_world(path);
+    }
+    catch (const std::runtime_error& e)
+    {
+      return e.what();
+    }
+    return "no error";
+  };
+  const std::string file = "/proc/self/mem";  // nothing can be read at its beginning
+  if (std::filesystem::exists(file))
+  {
+    EXPECT_NE(error(file).find("cannot be read to its end"), std::string::npos) << error(file);
+  }
+  const std::string too_long(300, 'x');
+  EXPECT_NE(error(too_long).find("cannot be read"), std::string::npos) << error(too_long);
+}
+
 TEST(WorldFile, whose_mover_goes_through_a_thing_says_where_and_when)
 {
   const auto error = [](const std::string& object, const std::string& mover)
@@ -257,6 +320,27 @@ TEST(WorldFile, with_an_endless_drive_says_how_many_frames_it_would_have)
   catch (const std::runtime_error& e)
   {
     EXPECT_NE(std::string(e.what()).find("1000001 frames"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Drive, of_endless_many_or_no_number_of_frames_is_refused_with_what_it_would_have)
+{
+  World w = world_of(kFlat);
+  for (const auto& [rate_hz, text] :
+       {std::pair{std::numeric_limits<double>::infinity(), "inf frames"},
+        {std::nan(""), "nan frames"},
+        {1e300, "1e+300 frames"}})
+  {
+    w.sensor.rate_hz = rate_hz;
+    try
+    {
+      const Drive drive(w);
+      ADD_FAILURE() << text;
+    }
+    catch (const std::runtime_error& e)
+    {
+      EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
+    }
   }
 }
 

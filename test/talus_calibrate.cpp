@@ -1,5 +1,6 @@
 // The command talus-calibrate from end to end: its files, messages and exit codes.
 #include <gtest/gtest.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/poses/CPose3D.h>
 #include <sys/wait.h>
 #include <talus/io/rawlog_reader.h>
@@ -12,6 +13,8 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "log_files.h"
 
 namespace fs = std::filesystem;
 
@@ -51,10 +54,12 @@ class TalusCalibrate : public testing::Test
     return run(std::string(TALUS_CALIBRATE_EXE) + " " + arguments);
   }
   /** drive.rawlog and drive.tum. */
-  void simulate(const std::string& ground, const std::string& way, const std::string& more) const
+  void simulate(
+      const std::string& ground, const std::string& way, const std::string& more,
+      const std::string& sensor = "{}") const
   {
     std::ofstream(folder_ / "drive.yaml")
-        << "ground: [" << ground << "]\nrobot: {path_m: " << way << "}\n";
+        << "ground: [" << ground << "]\nrobot: {path_m: " << way << "}\nsensor: " << sensor << "\n";
     const auto made = run(std::string(TALUS_SIM_EXE) + " drive.yaml --output . --quiet " + more);
     ASSERT_EQ(made.code, 0) << made.text;
   }
@@ -63,15 +68,16 @@ class TalusCalibrate : public testing::Test
   fs::path folder_ = fs::temp_directory_path() / ("talus_calibrate_" + std::to_string(getpid()));
 };
 
+const char* const kWaves =
+    "{sine: {amplitude_m: 0.15, wavelength_m: 9, yaw_deg: 15}}, "
+    "{sine: {amplitude_m: 0.06, wavelength_m: 4.5, yaw_deg: 100}}";
 const char* const kWay = "[[0, 0], [4, 1.5], [8, -1]]";
 
 TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
 {
-  simulate(
-      "{sine: {amplitude_m: 0.15, wavelength_m: 9, yaw_deg: 15}}, "
-      "{sine: {amplitude_m: 0.06, wavelength_m: 4.5, yaw_deg: 100}}",
-      kWay, "--mounting-error 0 0 0.05 2 -3 0 --clock-error 0.05");
-  const auto done = calibrate("drive.rawlog --output out");
+  simulate(kWaves, kWay, "--mounting-error 0 0 0.05 2 -3 0 --clock-error 0.05");
+  fs::create_symlink(".", path("m\xfcll"));  // a name that is not UTF-8 costs no results
+  const auto done = calibrate("m\xfcll/drive.rawlog --output out");
   ASSERT_EQ(done.code, 0) << done.text;
   EXPECT_TRUE(done.says("held-out ground thickness")) << done.text;
   const auto json = nlohmann::json::parse(bytes_of(path("out/calibration.json")));
@@ -96,6 +102,17 @@ TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
   EXPECT_NEAR(mounting.roll() * 57.29578, estimate("roll"), 1e-4);
 }
 
+TEST_F(TalusCalibrate, StatesNoCertaintyOfANoiseThatIsNotTold)
+{
+  simulate(kWaves, kWay, "", "{noise_m: 0, noise_per_m: 0}");
+  const auto done = calibrate("drive.rawlog --output out");
+  ASSERT_EQ(done.code, 0) << done.text;
+  const auto json = nlohmann::json::parse(bytes_of(path("out/calibration.json")));
+  ASSERT_FALSE(json["noise"]["c_beam_m"]["told_from_zero"]) << done.text;
+  const std::string ini = bytes_of(path("out/calibration.ini"));
+  EXPECT_NE(ini.find("c_beam_m = 0.0001   # not told from zero"), std::string::npos) << ini;
+}
+
 TEST_F(TalusCalibrate, SaysWhatIsMissingAndWritesNothing)
 {
   simulate("{plane: {z_m: 0}}", "[[0, 0], [1, 0]]", "--frames 1");
@@ -113,10 +130,33 @@ TEST_F(TalusCalibrate, SaysWhatIsMissingAndWritesNothing)
   EXPECT_FALSE(fs::exists(path("out")));
 }
 
+TEST_F(TalusCalibrate, SurvivesADamagedLogThatCrashesMrpt)
+{
+  auto obs = talus::test::observation_at<mrpt::obs::CObservation3DRangeScan>(1700000000.0);
+  obs->hasRangeImage = true;
+  obs->rangeImage_setSize(7, 11);
+  talus::test::write_log(path("depth.rawlog"), {obs}, talus::test::Packing::Plain);
+  std::string bytes = bytes_of(path("depth.rawlog"));
+  const char size[] = {7, 0, 0, 0, 11, 0, 0, 0};
+  const auto at = bytes.find(std::string(size, sizeof size));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 3] = bytes[at + 7] = 1;  // larger than any memory, which MRPT does not check
+  talus::test::write_bytes(path("depth.rawlog"), bytes);
+  talus::test::write_bytes(
+      path("depth.tum"), "1700000000 0 0 0 0 0 0 1\n1700000001 1 0 0 0 0 0 1\n");
+  EXPECT_EQ(calibrate("depth.rawlog --output out").code, 1);
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
 TEST_F(TalusCalibrate, TellsWrongUseAndWrongFiles)
 {
   EXPECT_EQ(calibrate("").code, 2);
   EXPECT_EQ(calibrate("a.rawlog --noise loud").code, 2);
+  for (const char* wrong :
+       {"--max-gap nan", "--max-offset nan", "--base-height nan", "--max-range nan",
+        "--time-offset nan", "--mounting nan 0 0 0 0 0", "--mounting 0 0 1e300 0 0 0",
+        "--mounting 0 0 0 361 0 0"})
+    EXPECT_EQ(calibrate(std::string("a.rawlog ") + wrong).code, 2) << wrong;
   EXPECT_EQ(calibrate("--help").code, 0);
   EXPECT_TRUE(calibrate("--version").says("talus-calibrate "));
   const auto missing = calibrate("nowhere.rawlog");

@@ -193,7 +193,8 @@ TEST_F(TalusCompare, HoldsPointsOutOfALogWithoutTruth)
 
 TEST_F(TalusCompare, KeepsWhatPeopleWroteAboveTheMarkerOfThePage)
 {
-  std::ofstream(path("page.md")) << "# By hand\n\n";
+  std::ofstream(path("page.md"))
+      << "# By hand\n\n<!-- below: written by talus-compare --markdown -->\nolder\n";
   const std::string call = path("small.yaml") + " --methods talus --output " + path("out") +
                            " --markdown " + path("page.md");
   ASSERT_EQ(run(call).code, 0);
@@ -202,6 +203,56 @@ TEST_F(TalusCompare, KeepsWhatPeopleWroteAboveTheMarkerOfThePage)
   EXPECT_EQ(page.rfind("# By hand\n", 0), 0);
   EXPECT_NE(page.find("| talus |"), std::string::npos);
   EXPECT_EQ(page.find("Made by"), page.rfind("Made by"));
+  EXPECT_EQ(page.find("older"), std::string::npos);
+}
+
+TEST_F(TalusCompare, RefusesToWriteOverOtherFilesBeforeItDoesAnything)
+{
+  const auto fails = [&](const std::string& arguments, const std::string& because)
+  {
+    const Outcome o = run(arguments + " --methods talus");
+    EXPECT_EQ(o.code, 1) << arguments;
+    EXPECT_NE(o.text.find(because), std::string::npos) << o.text;
+    EXPECT_EQ(o.text.find("budgets"), std::string::npos) << "compared first: " << o.text;
+  };
+  const std::string to = " --output " + path("out"), world = read("small.yaml");
+  std::ofstream(path("notes.md")) << "# My notes\n";
+  fails(path("small.yaml") + to + " --markdown " + path("notes.md"), "is no page of talus-compare");
+  EXPECT_EQ(read("notes.md"), "# My notes\n");
+  fails(path("small.yaml") + to + " --markdown " + path("small.yaml"), "is an input");
+  EXPECT_EQ(read("small.yaml"), world);
+  fails(path("small.yaml") + to + " --markdown " + path("none/page.md"), "none/page.md");
+  std::ofstream(path("fills.csv.yaml")) << world;
+  fs::create_directories(path("out"));
+  fs::create_symlink(path("fills.csv.yaml"), path("out/fills.csv"));
+  fails(path("fills.csv.yaml") + to, "is an input");
+}
+
+TEST_F(TalusCompare, WritesAllFilesOrNone)
+{
+  fs::create_directories(path("out/maps.png"));  // a folder where a file should go
+  const Outcome o =
+      run(path("small.yaml") + " --methods talus --output " + path("out") + " --markdown " +
+          path("page.md"));
+  EXPECT_EQ(o.code, 1);
+  EXPECT_FALSE(fs::exists(path("out/methods.csv")));
+  EXPECT_FALSE(fs::exists(path("page.md")));
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1) << "hidden files are left";
+}
+
+TEST_F(TalusCompare, WritesAFolderThatIsNotUtf8)
+{
+  const std::string out = path("m\xfcll");
+  const Outcome o = run(path("small.yaml") + " --methods talus --quiet --output '" + out + "'");
+  EXPECT_EQ(o.code, 0) << o.text;
+  EXPECT_EQ(nlohmann::json::parse(read("m\xfcll/comparison.json"))["worlds"].size(), 1U);
+}
+
+TEST_F(TalusCompare, RefusesWhatIsNoNumberInRange)
+{
+  for (const char* wrong : {"--noise nan", "--pose-noise nan", "--z-drift nan", "--seed -1"})
+    EXPECT_EQ(run(path("small.yaml") + " --output " + path("out") + " " + wrong).code, 2) << wrong;
+  EXPECT_FALSE(fs::exists(path("out")));
 }
 
 TEST_F(TalusCompare, TakesParametersFromTheCommandLine)

@@ -158,6 +158,26 @@ TEST_F(TalusMap, skips_scans_that_the_log_has_twice)
   EXPECT_TRUE(done.says("duplicate")) << done.err;
 }
 
+TEST_F(TalusMap, maps_different_scans_of_one_stamp_and_all_without_a_stamp)
+{
+  Objects objects = {floor_scan(kFirstStamp_s), floor_scan(kFirstStamp_s)};
+  const auto other = floor_scan(kFirstStamp_s);
+  other->pointcloud->setPoint(0, 1.0F, 1.0F, 0.0F);
+  objects.push_back(other);
+  for (int i = 0; i < 2; ++i)
+  {
+    objects.push_back(floor_scan(kFirstStamp_s, "unstamped"));
+    std::dynamic_pointer_cast<mrpt::obs::CObservation>(objects.back())->timestamp =
+        INVALID_TIMESTAMP;
+  }
+  write_log(path("a.rawlog"), objects, Packing::Gz);
+  const Outcome done = run("a.rawlog --static");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(summary("a_map")["sensors"]["lidar"], 2);
+  EXPECT_EQ(summary("a_map")["sensors"]["unstamped"], 2);
+  EXPECT_EQ(summary("a_map")["skipped_by_reason"]["duplicate"], 1);
+}
+
 TEST_F(TalusMap, deskews_scans_whose_points_have_times)
 {
   const std::string log = stock_dataset("test_velodyne_VLP16.rawlog");

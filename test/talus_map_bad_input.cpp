@@ -1,6 +1,9 @@
 // The command talus-map fed with what is wrong: exit codes, messages, and nothing half-written.
 #include "talus_map_run.h"
 
+#include <mrpt/obs/CObservationVelodyneScan.h>
+#include <sys/stat.h>
+
 #include <random>
 
 using namespace talus;
@@ -40,6 +43,19 @@ TEST_F(TalusMapBadInput, a_missing_file_a_directory_an_empty_file_and_a_text_fil
   expect_failure("--static folder.rawlog", 1, {"folder.rawlog", "directory"});
   expect_failure("--static empty.rawlog", 1, {"empty.rawlog", "empty"});
   expect_failure("--static text.rawlog", 1, {"text.rawlog", "rawlog"});
+}
+
+TEST_F(TalusMapBadInput, a_pipe_in_the_place_of_an_input_is_refused_without_waiting_for_it)
+{
+  write_good_log("a.rawlog");
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  for (const char* arguments :
+       {"--static pipe", "a.rawlog --trajectory pipe", "--static a.rawlog --config pipe"})
+  {
+    const Outcome refused = run(std::string(arguments) + " --output out", "timeout -s KILL 20");
+    EXPECT_TRUE(refused.says("pipe: is a pipe or a device")) << arguments << ": " << refused.err;
+    EXPECT_FALSE(exists("out"));
+  }
 }
 
 TEST_F(TalusMapBadInput, a_log_that_is_cut_short_writes_nothing)
@@ -87,6 +103,15 @@ TEST_F(TalusMapBadInput, a_bad_trajectory_is_named_with_its_line)
   expect_failure("a.rawlog --trajectory t.tum", 1, {"t.tum"});
   expect_failure("a.rawlog --trajectory none.tum", 1, {"none.tum"});
   expect_failure("a.rawlog --trajectory missing.tum", 1, {"missing.tum", "no such file"});
+}
+
+TEST_F(TalusMapBadInput, scans_without_time_stamps_have_no_pose)
+{
+  auto scan = floor_scan(kFirstStamp_s);
+  scan->timestamp = INVALID_TIMESTAMP;
+  write_log(path("a.rawlog"), {scan}, Packing::Gz);
+  write_bytes(path("t.tum"), straight_tum(3));
+  expect_failure("a.rawlog --trajectory t.tum", 1, {"no time stamps", "--static"});
 }
 
 TEST_F(TalusMapBadInput, a_log_without_scans_lists_what_it_has)
@@ -148,6 +173,19 @@ TEST_F(TalusMapBadInput, bytes_changed_anywhere_in_a_log_cost_that_log_at_most)
   const Outcome done = run("--static " + logs + "good.rawlog --output out");
   EXPECT_LE(done.code, 1) << done.err;
   EXPECT_TRUE(exists("out/good/map.tif"));
+}
+
+TEST_F(TalusMapBadInput, a_damaged_length_is_not_believed)
+{
+  constexpr std::uint32_t kPackets = 1237, kDamaged = 1U << 22;  // 5 GB
+  const auto scan = observation_at<mrpt::obs::CObservationVelodyneScan>(kFirstStamp_s);
+  scan->scan_packets.resize(kPackets);
+  write_log(path("a.rawlog"), {scan}, Packing::Plain);
+  std::string bytes = read_bytes(path("a.rawlog"));
+  const auto at = bytes.find(std::string(reinterpret_cast<const char*>(&kPackets), 4));
+  ASSERT_NE(at, std::string::npos);
+  write_bytes(path("a.rawlog"), bytes.replace(at, 4, reinterpret_cast<const char*>(&kDamaged), 4));
+  expect_failure("--static a.rawlog", 1, {"a.rawlog", "byte 0", "more memory", "damaged"});
 }
 
 TEST_F(TalusMapBadInput, a_configuration_that_is_missing_or_has_no_section_of_the_map_is_refused)
@@ -213,6 +251,48 @@ TEST_F(TalusMapBadInput, results_of_an_earlier_run_survive_one_that_fails)
   EXPECT_EQ(entries(), before) << "nothing hidden was left";
 }
 
+TEST_F(TalusMapBadInput, the_copy_of_the_log_replaces_no_input_and_no_result)
+{
+  write_good_log("a.rawlog");
+  write_bytes(path("a.tum"), straight_tum(3));
+  write_bytes(path("t.tum"), straight_tum(3));
+  write_bytes(path("m.ini"), "[CDualElevationMap_creationOpts]\nwindow = 4\n");
+  const std::string options = "a.rawlog --trajectory t.tum --config m.ini --rawlog-out ";
+  for (const char* name : {"a.rawlog", "a.tum", "./t.tum", "m.ini"})
+  {
+    const std::string before = read_bytes(path(name));
+    expect_failure(options + name, 1, {name, "give another name"});
+    EXPECT_TRUE(read_bytes(path(name)) == before) << name;
+  }
+  for (const char* name : {"out/deep/map.tif", "out/../out/deep/frames/frame_000001.png"})
+    expect_failure(options + name, 1, {name, "one of the results"});
+  EXPECT_EQ(run(options + "out/deep/log.rawlog --output out/deep").code, 0);
+}
+
+TEST_F(TalusMapBadInput, a_copy_of_the_log_that_a_full_disk_cuts_short_replaces_nothing)
+{
+  // Noise, which does not shrink: the copy is then the largest of all files.
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> coordinate_m(-2, 2);
+  auto scan = floor_scan(kFirstStamp_s);
+  for (int i = 0; i < 200000; ++i)
+    scan->pointcloud->insertPoint(coordinate_m(random), coordinate_m(random), 0);
+  write_log(path("a.rawlog"), {scan}, Packing::Gz);
+  const std::string arguments = "--static a.rawlog -s window_m=4 --rawlog-out copy.rawlog";
+  ASSERT_EQ(run(arguments).code, 0);
+  const auto size = std::filesystem::file_size(path("copy.rawlog"));
+  write_bytes(path("copy.rawlog"), "precious");
+  // The limit falls into the last bytes, which zlib writes when the file is closed, or earlier.
+  for (const auto blocks : {(size - 1) / 512, size / 4 * 3 / 512})
+  {
+    const Outcome failed = run(arguments, "ulimit -f " + std::to_string(blocks) + ";");
+    EXPECT_EQ(failed.code, 1);
+    EXPECT_TRUE(failed.says("copy.rawlog: could not be written")) << failed.err;
+    EXPECT_TRUE(failed.says("is the disk full?")) << failed.err;
+    EXPECT_EQ(read_bytes(path("copy.rawlog")), "precious");
+  }
+}
+
 TEST_F(TalusMapBadInput, a_folder_in_the_place_of_a_result_changes_nothing_else)
 {
   write_good_log("a.rawlog");
@@ -234,6 +314,18 @@ TEST_F(TalusMapBadInput, wrong_usage_has_an_exit_code_of_its_own)
   expect_failure("a.rawlog --every 0", 2, {"--every"});
   expect_failure("a.rawlog --threads -1", 2, {"--threads"});
   expect_failure("a.rawlog --static --trajectory t.tum", 2, {"--static"});
+}
+
+TEST_F(TalusMapBadInput, an_empty_value_is_not_taken_for_an_option_that_was_not_given)
+{
+  write_good_log("a.rawlog");
+  write_bytes(path("a.tum"), straight_tum(3));
+  for (const char* name : {"--trajectory", "--sensor", "--config", "--output", "--rawlog-out"})
+  {
+    const Outcome refused = run(std::string("a.rawlog ") + name + " ''");
+    EXPECT_EQ(refused.code, 2) << name;
+    EXPECT_TRUE(refused.says(std::string(name) + ": is empty")) << refused.err;
+  }
 }
 
 TEST_F(TalusMapBadInput, a_backend_without_its_device_is_refused_and_another_one_named)

@@ -78,6 +78,11 @@ TEST_F(TalusNav, drives_over_the_ramp_and_the_low_boxes_of_the_indoor_world)
   EXPECT_NEAR(height(7, 9), 0.375, 0.03) << "over the ramp";
   EXPECT_GT(height(10, 12), 0.03) << "over a box of 6.5 cm";
   EXPECT_LE(std::hypot(rows.back().x_m - 15, rows.back().y_m), 0.5);
+  char when[40];  // the report and the summary mean the same moment
+  std::snprintf(
+      when, sizeof when, "after %.1f s and %.1f m", summary("out")["time_s"].get<double>(),
+      summary("out")["driven_m"].get<double>());
+  EXPECT_NE(text("out.txt").find(when), std::string::npos) << when << "\n" << text("out.txt");
 }
 
 TEST_F(TalusNav, drives_under_the_branches_with_the_planner_in_3d)
@@ -141,6 +146,19 @@ TEST_F(TalusNav, judges_collisions_by_the_truth_and_not_by_the_map)
   talus::test::write_bytes(path_of("blind.yaml"), world);
   EXPECT_EQ(run("blind.yaml --goal 4,0 --timeout 20 --every 0 --output out"), 4) << text("err.txt");
   EXPECT_EQ(summary("out")["ending"], "collision");
+}
+
+TEST_F(TalusNav, warns_when_the_file_does_not_say_how_the_map_becomes_obstacles)
+{
+  auto ini = read_bytes(TALUS_SOURCE_DIR "/datasets/configs/reactive2d_config.ini");
+  ini.resize(ini.find("[talus_obstacles]"));
+  talus::test::write_bytes(path_of("own.ini"), ini);
+  const std::string arguments = "--goal 15,0 --timeout 1 --every 0 --output ";
+  drive("nav_indoor.yaml", arguments + "own --planner-config own.ini");
+  EXPECT_NE(text("err.txt").find("own.ini: has no section [talus_obstacles]"), std::string::npos)
+      << text("err.txt");
+  drive("nav_indoor.yaml", arguments + "builtin");
+  EXPECT_EQ(text("err.txt").find("talus_obstacles"), std::string::npos) << text("err.txt");
 }
 
 TEST_F(TalusNav, explains_what_is_wrong)

@@ -7,6 +7,7 @@
 #include <talus/io/rawlog_reader.h>
 #include <talus/io/trajectory.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <unistd.h>
 
@@ -136,7 +137,83 @@ TEST_F(TalusSim, says_what_is_wrong_and_leaves_nothing_behind)
   const Outcome fine = run(path("small.yaml") + " --output " + path("out") + " --resolution 0.001");
   EXPECT_EQ(fine.code, 1);
   EXPECT_NE(fine.text.find("GB"), std::string::npos) << fine.text;
+  EXPECT_NE(fine.text.find("small.yaml: "), std::string::npos) << fine.text;
   EXPECT_FALSE(fs::exists(path("out")));
+}
+
+TEST_F(TalusSim, refuses_what_is_no_number_in_range)
+{
+  const std::string common = path("small.yaml") + " --frames 1 --output " + path("out") + " ";
+  for (const char* wrong :
+       {"--noise nan", "--noise-per-m nan", "--pose-noise nan", "--angle-noise nan",
+        "--z-drift nan", "--clock-error nan", "--resolution nan", "--resolution inf",
+        "--mounting-error nan 0 0 0 0 0", "--mounting-error 1e300 0 0 0 0 0",
+        "--mounting-error 0 0 0 0 0 361", "--seed -1", "--seed 99999999999999999999999"})
+  {
+    const Outcome o = run(common + wrong);
+    EXPECT_EQ(o.code, 2) << wrong << ": " << o.text;
+    const std::string option = std::string(wrong).substr(0, std::string(wrong).find(' '));
+    EXPECT_NE(o.text.find(option + ":"), std::string::npos) << o.text;
+  }
+  EXPECT_FALSE(fs::exists(path("out")));
+  EXPECT_EQ(
+      run(common + "--seed 18446744073709551615 --mounting-error -100 0 100 0 0 360").code, 0);
+}
+
+TEST_F(TalusSim, does_not_write_over_its_world)
+{
+  for (const char* name : {"w.rawlog", "w.tum", "truth.tif"})
+  {
+    fs::copy_file(path("small.yaml"), path(name));
+    const Outcome o = run(path(name) + " --frames 1 --output " + path(""));
+    EXPECT_EQ(o.code, 1) << name;
+    EXPECT_NE(o.text.find("is an input"), std::string::npos) << o.text;
+    EXPECT_TRUE(bytes(path(name)) == bytes(path("small.yaml"))) << name;
+    fs::remove(path(name));
+  }
+}
+
+TEST_F(TalusSim, that_is_stopped_leaves_nothing_behind)
+{
+  std::ofstream(path("long.yaml")) << "ground: [plane: {}]\n"
+                                      "robot: {path_m: [[0, 0]], duration_s: 9000}\n";
+  fs::create_directories(path("out"));
+  // Stopped once its log, the last of the hidden files, is there.
+  const int status = std::system(
+      ("cd " + path("out") + "; " + TALUS_SIM_EXE + " ../long.yaml --output . >../log.txt 2>&1 & " +
+       "p=$!; for i in $(seq 600); do ls -A | grep -q rawlog && break; sleep 0.05; done; " +
+       "kill -TERM $p; wait $p")
+          .c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 128 + SIGTERM);
+  EXPECT_NE(bytes(path("log.txt")).find("nothing was written"), std::string::npos);
+  EXPECT_TRUE(fs::is_empty(path("out")));
+}
+
+TEST_F(TalusSim, leaves_the_old_files_when_the_last_bytes_of_a_log_do_not_fit)
+{
+  const std::string call =
+      path("small.yaml") + " --frames 3 --resolution 0.5 --output " + path("out");
+  ASSERT_EQ(run(call).code, 0);
+  const std::string old = bytes(path("out/small.rawlog"));
+  const std::size_t blocks = (old.size() - 1) / 512;  // of the limit of sh, one fewer than needed
+  const int status =
+      std::system(("trap '' XFSZ; ulimit -f " + std::to_string(blocks) + "; " + TALUS_SIM_EXE +
+                   " " + call + " --seed 4 >" + path("log.txt") + " 2>&1")
+                      .c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  const std::string text = bytes(path("log.txt"));
+  EXPECT_NE(text.find(path("out/small.rawlog") + ": could not be written"), std::string::npos)
+      << text;
+  EXPECT_TRUE(bytes(path("out/small.rawlog")) == old);
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 3) << "hidden files are left";
+}
+
+TEST_F(TalusSim, names_the_folder_that_cannot_be_made)
+{
+  const std::string too_long(300, 'x');
+  const Outcome o = run(path("small.yaml") + " --output " + path(too_long));
+  EXPECT_EQ(o.code, 1);
+  EXPECT_NE(o.text.find("give another --output"), std::string::npos) << o.text;
 }
 
 TEST_F(TalusSim, answers_help_version_and_wrong_usage)

@@ -133,6 +133,29 @@ TEST(TumFile, AcceptsStampsThatAreNotInOrder)
   EXPECT_DOUBLE_EQ(t.at(2.5, 1)->x(), 2.5);
 }
 
+TEST(TumFile, AcceptsAByteOrderMarkAndPlusSigns)
+{
+  const ScratchDir dir;
+  const auto t = load_text(dir, "\xEF\xBB\xBF+1 +2.5 -0 0 0 0 0 +1\n");
+  ASSERT_EQ(t.entries().size(), 1u);
+  EXPECT_EQ(t.entries()[0].time_s, 1.0);
+  EXPECT_EQ(t.entries()[0].T_map_base.x(), 2.5);
+  expect_text_error("1 +-2 0 0 0 0 0 1\n", {"poses.tum:1:", "'+-2'"});
+  expect_text_error("1 + 0 0 0 0 0 1\n", {"poses.tum:1:", "'+'"});
+}
+
+TEST(TumFile, RefusesTwoPosesAtOneTimeUnlessTheyAreNearlyTheSame)
+{
+  expect_text_error(
+      "1 0 0 0 0 0 0 1\n\n2 0 0 0 0 0 0 1\n1 0.5 0 0 0 0 0 1\n",
+      {"poses.tum:4:", "line 1", "same time"});
+  expect_text_error(
+      "1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0.70710678 0.70710678\n", {"poses.tum:2:", "same time"});
+  const ScratchDir dir;
+  const auto t = load_text(dir, "1 0 0 0 0 0 0 1\n1 0.01 0 0 0 0 0 -1\n");
+  EXPECT_EQ(t.entries().size(), 1u);
+}
+
 TEST(TumFile, NamesTheLineThatHasTooFewOrTooManyNumbers)
 {
   expect_text_error("# c\n1 0 0 0 0 0 0 1\n2 0 0 0 0 0 1\n", {"poses.tum:3:", "7 words", "qw"});
@@ -226,6 +249,19 @@ TEST(SimpleMapFile, SaysWhenItsPosesBelongToNoTime)
   two_keyframes(false).saveToFile(dir / "a.simplemap");
   expect_error(
       [&] { Trajectory::load(dir / "a.simplemap"); }, {"a.simplemap", "2 keyframes", "time stamp"});
+}
+
+TEST(SimpleMapFile, RefusesPosesThatAreNotFinite)
+{
+  const ScratchDir dir;
+  auto map = two_keyframes(true);
+  mrpt::obs::CSensoryFrame frame;
+  frame.insert(observation_at<mrpt::obs::CObservationOdometry>(54));
+  map.insert(mrpt::poses::CPose3DPDFGaussian(pose(std::nan(""))), frame);
+  map.saveToFile(dir / "a.simplemap");
+  expect_error(
+      [&] { Trajectory::load(dir / "a.simplemap"); },
+      {"a.simplemap", "keyframe 3 of 3", "not finite"});
 }
 
 TEST(SimpleMapFile, SaysWhenItIsTextOrCutShort)

@@ -1,4 +1,5 @@
 // talus-calibrate: the mounting, the clock and the noise of a sensor, from the log of a drive.
+#include "../talus-map/child_process.h"
 #include "../talus-map/output_folder.h"
 #include "../talus-map/progress_bar.h"
 #include "load_log.h"
@@ -80,6 +81,21 @@ void run(const AppOptions& options)
     std::cout << console_report(options, log, result) << "  wrote   "
               << (fs::path(options.output) / "calibration.ini").string() << "\n";
 }
+
+/** The exit code. */
+int run_or_tell(const AppOptions& options)
+{
+  try
+  {
+    run(options);
+    return 0;
+  }
+  catch (const std::exception& e)
+  {
+    std::cerr << "talus-calibrate: " << e.what() << "\n";
+    return 1;
+  }
+}
 }  // namespace
 
 int main(int argc, char** argv)
@@ -88,8 +104,13 @@ int main(int argc, char** argv)
   if (const auto code = parse_options(argc, argv, options)) return *code;
   try
   {
-    run(options);
-    return 0;
+    // A damaged log can crash MRPT.
+    const auto end = talus::app::run_in_child([&] { return run_or_tell(options); });
+    if (!end.signal) return end.exit_code;
+    throw std::runtime_error(
+        options.log + ": crashed the program (" + talus::app::signal_text(end.signal) +
+        "); nothing was written. The file is probably corrupt, or memory is short: compare it with "
+        "its source, or look at it with rawlog-edit --info");
   }
   catch (const std::exception& e)
   {

@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include "../option_checks.h"
+
 #include <CLI/CLI.hpp>
 
 #include <filesystem>
@@ -37,22 +39,23 @@ void add_inputs(CLI::App& app, AppOptions& o)
          "Poses of the robot: TUM text or .simplemap (default: LOG.tum beside it, else its own)")
       ->type_name("FILE");
   app.add_option("--max-gap", o.max_gap_s, "Poses farther apart than this are not joined [s]")
-      ->check(CLI::Range(0.001, 1e6))
+      ->check(app::between(0.001, 1e6))
       ->capture_default_str()
       ->type_name("S");
   app.add_option("--sensor", o.sensor, "Label of the sensor (default: the only one)")
       ->type_name("LABEL");
-  app.add_option("--mounting", o.mounting, "Mounting to start from (default: as the log says)")
+  app::check_mounting(
+      app.add_option("--mounting", o.mounting, "Mounting to start from (default: as the log says)"))
       ->expected(6)
       ->type_name("X Y Z YAW PITCH ROLL");
   app.add_option(
          "--time-offset", o.time_offset_s,
          "To start from: added to the log's stamps, gives the trajectory's time [s]")
-      ->check(CLI::Range(-1e6, 1e6))
+      ->check(app::between(-1e6, 1e6))
       ->capture_default_str()
       ->type_name("S");
   app.add_option("--max-offset", o.fit.max_time_offset_s, "A larger time offset is refused [s]")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(app::between(0.0, 10.0))
       ->capture_default_str()
       ->type_name("S");
 }
@@ -62,14 +65,14 @@ void add_model(CLI::App& app, AppOptions& o)
   app.add_option(
          "--base-height", o.base_height_m,
          "Height of the trajectory's reference point above the ground under the robot [m]")
-      ->check(CLI::Range(-10.0, 10.0))
+      ->check(app::between(-10.0, 10.0))
       ->capture_default_str()
       ->type_name("M");
   app.add_flag_callback(
       "--no-contact", [&o] { o.fit.use_contact = false; },
       "Do not use that the robot stands on the ground, parallel to it");
   app.add_option("--max-range", o.thinning.max_range_m, "Points farther away are not used [m]")
-      ->check(CLI::Range(1.0, 200.0))
+      ->check(app::between(1.0, 200.0))
       ->capture_default_str()
       ->type_name("M");
   app.add_option_function<std::string>(

@@ -74,6 +74,13 @@ Json figures_json(const HeldOutFigures& f)
       {"points", f.points}, {"thickness_m", f.thickness_m}, {"p95_m", f.p95_m}, {"by_range", bins}};
 }
 
+std::string c_beam_line(const NoiseFit& fit)
+{
+  return mrpt::format("c_beam_m = %.5g", std::max(fit.model.c_beam_m, kLeastCBeam_m)) +
+         (fit.constrained[kCBeam] ? mrpt::format("   # +- %.2g m\n", fit.sigma[kCBeam])
+                                  : "   # not told from zero: the least that the map takes\n");
+}
+
 std::string lambda_line(const NoiseFit& fit)
 {
   if (!fit.turns)
@@ -93,9 +100,7 @@ std::string calibration_ini(const AppOptions& options, const LoadedLog& log, con
                      "[CDualElevationMap_insertOpts]\n";
   text += mrpt::format(
       "# errors along the %s, 1-sigma behind each value\n", m.along_beam ? "beam" : "vertical");
-  text += mrpt::format(
-      "c_beam_m = %.5g   # +- %.2g m\n", std::max(m.c_beam_m, kLeastCBeam_m),
-      r.noise.sigma[kCBeam]);
+  text += c_beam_line(r.noise);
   text += r.noise.constrained[kABeam]
               ? mrpt::format("a_beam = %.5g   # +- %.2g\n", m.a_beam, r.noise.sigma[kABeam])
               : std::string("a_beam = 0   # no growth with range was seen\n");
@@ -151,7 +156,7 @@ std::string calibration_json(const AppOptions& options, const LoadedLog& log, co
       {"patches", r.patches},
       {"residuals", r.samples},
       {"warnings", r.warnings}};
-  return all.dump(2) + "\n";
+  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace talus::calibrate

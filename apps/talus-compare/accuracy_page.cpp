@@ -1,7 +1,6 @@
-#include <talus/io/atomic_file.h>
-
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 
 #include "report.h"
 
@@ -9,7 +8,7 @@ namespace talus::baselines
 {
 namespace
 {
-const std::string kMarker = "<!-- below: written by talus-compare --markdown -->\n";
+const std::string kMarker = "<!-- below: written by talus-compare --markdown -->";
 
 /** What people wrote above the marker; the marker itself not. */
 std::string hand_written(const std::string& path)
@@ -18,17 +17,21 @@ std::string hand_written(const std::string& path)
   std::ostringstream text;
   text << in.rdbuf();
   const std::string all = text.str();
-  return all.substr(0, all.find(kMarker));
+  const auto marker = all.find(kMarker);
+  if (marker == std::string::npos && !all.empty())
+    throw std::runtime_error(
+        "'" + path + "' is no page of talus-compare; give another --markdown, or add the line '" +
+        kMarker + "' to it: what stands below that line is replaced");
+  return all.substr(0, marker);
 }
 
 }  // namespace
 
-void write_accuracy_page(const std::string& path, const Comparison& c)
+std::string accuracy_page(const std::string& old_page, const Comparison& c)
 {
-  io::write_file(
-      path, hand_written(path) + kMarker + "\nMade by `" + c.command + "`. " +
-                std::to_string(failed_budgets(c)) + " budgets do not hold (marked `!`).\n\n" +
-                tables_markdown(c));
+  return hand_written(old_page) + kMarker + "\n\nMade by `" + c.command + "`. " +
+         std::to_string(failed_budgets(c)) + " budgets do not hold (marked `!`).\n\n" +
+         tables_markdown(c);
 }
 
 }  // namespace talus::baselines

@@ -28,8 +28,9 @@ io::Trajectory poses_of(const std::string& path, const std::string& trajectory)
 {
   if (!trajectory.empty()) return io::Trajectory::load(trajectory);
   const fs::path beside = fs::path(path).parent_path() / (stem_of(path) + ".tum");
-  return fs::exists(beside) ? io::Trajectory::load(beside.string())
-                            : io::trajectory_from_rawlog(path);
+  std::error_code none;
+  return fs::exists(beside, none) ? io::Trajectory::load(beside.string())
+                                  : io::trajectory_from_rawlog(path);
 }
 
 ScanFrame frame_from(SensorPoints& points, const mrpt::poses::CPose3D& T_map_base)

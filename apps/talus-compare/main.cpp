@@ -4,7 +4,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
+#include "../option_checks.h"
+#include "../talus-map/child_process.h"
+#include "../talus-map/output_folder.h"
 #include "log_sequence.h"
 #include "options.h"
 #include "pictures.h"
@@ -20,7 +24,8 @@ void make_folder(const std::string& path)
 {
   std::error_code error;
   fs::create_directories(path, error);
-  if (!fs::is_directory(path))
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored))
     throw std::runtime_error(
         "'" + path + "' cannot be made a folder" + (error ? ": " + error.message() : "") +
         "; give another --output");
@@ -42,8 +47,32 @@ bool is_world(const std::string& path)
   return extension == ".yaml" || extension == ".yml";
 }
 
+/** A damaged log can crash MRPT: reads it in another process first. */
+void require_no_crash(const std::string& path, const CommandOptions& o)
+{
+  const auto trial = [&]
+  {
+    try
+    {
+      // What it says is told when the log is read in earnest.
+      if (std::freopen("/dev/null", "w", stderr)) read_log(path, o.trajectory, o.sensor);
+    }
+    catch (const std::exception&)
+    {
+    }
+    return 0;
+  };
+  if (const int signal = talus::app::run_in_child(trial).signal)
+    throw std::runtime_error(
+        path + ": crashed the program (" + talus::app::signal_text(signal) +
+        ") while it was read. The file is probably corrupt, or memory is short: compare it with "
+        "its "
+        "source, or look at it with rawlog-edit --info");
+}
+
 void compare_log(const std::string& path, const CommandOptions& o, Comparison& out)
 {
+  require_no_crash(path, o);
   const Sequence sequence = read_log(path, o.trajectory, o.sensor);
   const EvaluationOptions& e = o.evaluation;
   if (!o.world.empty())
@@ -86,16 +115,44 @@ bool compare_input(const std::string& path, const CommandOptions& o, Comparison&
   }
 }
 
+/** Whether everything can be written, before hours of work. */
+void check_outputs(const CommandOptions& o)
+{
+  std::vector<std::string> outputs;
+  for (const char* name : {"methods.csv", "fills.csv", "comparison.json", "maps.png", "fills.png"})
+    outputs.push_back((fs::path(o.output) / name).string());
+  if (!o.markdown.empty()) outputs.push_back(o.markdown);
+  std::vector<std::string> inputs = o.inputs;
+  for (const std::string& more : {o.world, o.truth, o.trajectory, o.config}) inputs.push_back(more);
+  for (const std::string& output : outputs) talus::app::require_apart(output, inputs);
+  if (o.markdown.empty()) return;
+  accuracy_page(o.markdown, {});  // throws when something else stands there
+  const talus::io::AtomicFile trial(o.markdown);
+}
+
+/** All files appear together. */
 void write_files(const CommandOptions& o, const Comparison& c)
 {
+  talus::app::OutputFolder folder(o.output);
+  const fs::path to(folder.staging());
   const auto write = [&](const char* name, const std::string& text)
-  { talus::io::write_file((fs::path(o.output) / name).string(), text); };
+  { talus::io::write_file((to / name).string(), text); };
   write("methods.csv", methods_csv(c));
   write("fills.csv", fills_csv(c));
   write("comparison.json", comparison_json(c));
-  write_maps_picture((fs::path(o.output) / "maps.png").string(), c.evaluations);
-  write_fills_picture((fs::path(o.output) / "fills.png").string(), c.evaluations);
-  if (!o.markdown.empty()) write_accuracy_page(o.markdown, c);
+  write_maps_picture((to / "maps.png").string(), c.evaluations);
+  write_fills_picture((to / "fills.png").string(), c.evaluations);
+  std::optional<talus::io::AtomicFile> page;
+  if (!o.markdown.empty())
+  {
+    page.emplace(o.markdown);
+    talus::io::write_file(page->temporary_path(), accuracy_page(o.markdown, c));
+  }
+  folder.commit(
+      [&]
+      {
+        if (page) page->commit();
+      });
 }
 
 int run(CommandOptions& o, const std::string& command)
@@ -103,6 +160,7 @@ int run(CommandOptions& o, const std::string& command)
   load_parameters_into(o);
   for (const std::string& name : o.evaluation.methods) make_method(name, o.evaluation.parameters);
   make_folder(o.output);
+  check_outputs(o);
   Comparison c;
   c.command = command;
   bool all_read = true;

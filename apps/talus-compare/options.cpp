@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include "../option_checks.h"
+
 #include <mrpt/config/CConfigFile.h>
 #include <talus/mrpt/parameters_ini.h>
 
@@ -40,7 +42,10 @@ void add_inputs(CLI::App& app, CommandOptions& o)
   app.add_option("--output", o.output, "Folder of the files; made if it does not exist")
       ->required()
       ->type_name("DIR");
-  app.add_option("--markdown", o.markdown, "Also write all tables as Markdown")->type_name("FILE");
+  app.add_option(
+         "--markdown", o.markdown,
+         "Also write all tables as Markdown: a new page, or below the marker of such a page")
+      ->type_name("FILE");
   app.add_option("--world", o.world, "World that the rawlog was made from: truth of every frame")
       ->type_name("FILE");
   app.add_option("--truth", o.truth, "truth.tif of the rawlog: truth of what stands still")
@@ -93,18 +98,20 @@ void add_drive(CLI::App& app, sim::DriveOptions& d)
 {
   add_optional(app, "--scanner", d.scanner, "Of simulated worlds: scanner instead of the world's")
       ->type_name("NAME");
-  add_optional(app, "--seed", d.seed, "Seed of the noise")->type_name("N");
+  add_optional(app, "--seed", d.seed, "Seed of the noise")
+      ->check(app::whole_of_64_bits())
+      ->type_name("N");
   add_optional(app, "--noise", d.noise_m, "Standard deviation of a range [m]")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(app::between(0.0, 10.0))
       ->type_name("M");
   add_optional(app, "--frames", d.frames, "At most so many frames")
       ->check(CLI::Range(1, 100000))
       ->type_name("N");
   app.add_option("--pose-noise", d.pose_noise_m, "Noise of the poses in x, y, z [m]")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(app::between(0.0, 10.0))
       ->type_name("M");
   app.add_option("--z-drift", d.z_drift, "Climb of the poses, metres a metre driven")
-      ->check(CLI::Range(-1.0, 1.0))
+      ->check(app::between(-1.0, 1.0))
       ->type_name("M/M");
 }
 
@@ -126,7 +133,8 @@ void load_parameters_into(CommandOptions& o)
   Parameters& p = o.evaluation.parameters;
   if (!o.config.empty())
   {
-    if (!std::filesystem::is_regular_file(o.config))
+    std::error_code ec;
+    if (!std::filesystem::is_regular_file(o.config, ec))
       throw std::runtime_error("'" + o.config + "' is not a file; check --config");
     const mrpt::config::CConfigFile file(o.config);
     for (const std::string& warning : load_parameters(file, "CDualElevationMap", p))

@@ -331,9 +331,9 @@ std::string comparison_json(const Comparison& c)
     for (const FillScore& f : h.fills) j["fills"][f.fill] = as_json(figures(f));
     holdouts.push_back(j);
   }
-  return nlohmann::json{{"command", c.command}, {"worlds", worlds}, {"held_out", holdouts}}.dump(
-             2) +
-         "\n";
+  const nlohmann::json all{{"command", c.command}, {"worlds", worlds}, {"held_out", holdouts}};
+  // a file name may be no UTF-8
+  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace talus::baselines

@@ -75,9 +75,15 @@ void forward_signals()
 {
   std::signal(
       SIGXFSZ, SIG_IGN);  // a limit on file sizes then is an error of write(), with a message
+  struct sigaction forward = {};
+  forward.sa_handler = on_signal;  // without SA_RESTART: whatever waits for ever ends
   for (const int s : kForwarded)
+  {
+    struct sigaction before = {};
     // A program that ignores a signal (nohup) goes on ignoring it.
-    if (std::signal(s, on_signal) == SIG_IGN) std::signal(s, SIG_IGN);
+    if (::sigaction(s, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
+      ::sigaction(s, &forward, nullptr);
+  }
 }
 
 int stop_signal() { return asked_to_stop; }

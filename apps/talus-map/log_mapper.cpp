@@ -1,11 +1,15 @@
 #include "log_mapper.h"
 
+#include "memory_limit.h"
+
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/CObservationTraversability.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <iostream>
+#include <memory>
 #include <stdexcept>
 
 namespace talus::app
@@ -55,6 +59,20 @@ std::string percent(std::uint64_t part, std::uint64_t whole)
   return text;
 }
 
+/** FNV-1a, a coordinate at a time. */
+std::uint64_t hash_of(const SensorPoints& scan)
+{
+  std::uint64_t hash = 14695981039346656037U;
+  for (const auto* coordinates : {&scan.x_m, &scan.y_m, &scan.z_m})
+    for (const float c : *coordinates)
+    {
+      std::uint32_t bits;
+      std::memcpy(&bits, &c, sizeof bits);
+      hash = (hash ^ bits) * 1099511628211U;
+    }
+  return hash;
+}
+
 std::string quoted_list(const std::set<std::string>& names)
 {
   std::string text;
@@ -84,11 +102,16 @@ LogMapper::LogMapper(const Job& job, const Options& options, const Settings& set
 
 void LogMapper::run(const OnFrame& on_frame)
 {
-  io::RawlogReader reader(log_);
-  poses_ = PoseSource::of_log(log_, options_);
+  const auto limited = [](const auto& read)
+  {
+    const MemoryLimit limit(kMostToRead_bytes);
+    return read();
+  };
+  const auto reader = limited([&] { return std::make_unique<io::RawlogReader>(log_); });
+  poses_ = limited([&] { return PoseSource::of_log(log_, options_); });
   run_.pose_source = poses_.description();
-  while (const auto obs = reader.next())
-    if (take(*obs)) on_frame(*this, reader.progress());
+  while (const auto obs = limited([&] { return reader->next(); }))
+    if (take(*obs)) on_frame(*this, reader->progress());
   if (run_.frames.empty()) explain_no_frames();
   require_points();
   add_warnings();
@@ -103,8 +126,8 @@ bool LogMapper::take(const mrpt::obs::CObservation& obs)
   }
   if (!decode(obs)) return false;
   if (scan_.x_m.empty()) return skip("no_points", "it is empty");
-  if (!note_stamp(obs.sensorLabel))
-    return skip("duplicate", "the log has it twice: same sensor, stamp and number of points");
+  if (!note_stamp(obs))
+    return skip("duplicate", "the log has it twice: same sensor, stamp and points");
   last_stamp_ = obs.timestamp;
   last_label_ = obs.sensorLabel;
   return insert(obs.sensorLabel);
@@ -125,13 +148,15 @@ bool LogMapper::decode(const mrpt::obs::CObservation& obs)
 }
 
 /** Frames are taken in the order of the log, each with the pose of its own time; where a clock
- * jumps back, or a scan was logged late, that is counted. False when the log repeats a scan. */
-bool LogMapper::note_stamp(const std::string& label)
+ * jumps back, or a scan was logged late, that is counted. False when the log repeats a scan: one
+ * without a stamp may be like the one before because nothing moved. */
+bool LogMapper::note_stamp(const mrpt::obs::CObservation& obs)
 {
+  if (obs.timestamp == INVALID_TIMESTAMP) return true;
   first_stamp_s_ = std::min(first_stamp_s_, scan_.stamp_s);
   final_stamp_s_ = std::max(final_stamp_s_, scan_.stamp_s);
-  const LastScan now{scan_.stamp_s, scan_.x_m.size(), scan_.T_base_sensor};
-  const auto [last, is_first] = last_scans_.emplace(label, now);
+  const LastScan now{scan_.stamp_s, scan_.x_m.size(), hash_of(scan_), scan_.T_base_sensor};
+  const auto [last, is_first] = last_scans_.emplace(obs.sensorLabel, now);
   if (is_first) return true;
   if (now.stamp_s < last->second.stamp_s) ++run_.stamps_backwards;
   const bool repeated = now == last->second;
@@ -172,9 +197,15 @@ bool LogMapper::skip(const std::string& reason, const std::string& why)
 void LogMapper::explain_no_frames() const
 {
   const std::string start = log_ + ": no scan of this log could be mapped: ";
-  for (const char* reason : {"undecodable", "bad_pose", "no_points"})
-    if (run_.skipped.count(reason) && !run_.skipped.count("no_pose"))
+  for (const char* reason : {"bad_pose", "undecodable", "no_points"})
+    if (run_.skipped.count(reason) &&
+        (reason == std::string("bad_pose") || !run_.skipped.count("no_pose")))
       throw std::runtime_error(start + first_skip_.at(reason));
+  if (run_.skipped.count("no_pose") && first_stamp_s_ > final_stamp_s_)
+    throw std::runtime_error(
+        start +
+        "its scans have no time stamps, and poses belong to times; say --static if the robot did "
+        "not move");
   if (run_.skipped.count("no_pose"))
     throw std::runtime_error(start + poses_.why_no_pose(first_stamp_s_, final_stamp_s_));
   if (!run_.unsupported.empty())

@@ -9,6 +9,7 @@
 #include <mrpt/obs/CObservation.h>
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <set>
@@ -47,10 +48,12 @@ class LogMapper
   {
     double stamp_s;
     std::size_t points;
+    std::uint64_t hash;  //!< of the points
     mrpt::poses::CPose3D T_base_sensor;
     bool operator==(const LastScan& o) const
     {
-      return stamp_s == o.stamp_s && points == o.points && T_base_sensor == o.T_base_sensor;
+      return stamp_s == o.stamp_s && points == o.points && hash == o.hash &&
+             T_base_sensor == o.T_base_sensor;
     }
   };
 
@@ -58,7 +61,7 @@ class LogMapper
   bool decode(const mrpt::obs::CObservation& obs);
   bool insert(const std::string& label);
   bool skip(const std::string& reason, const std::string& why);
-  bool note_stamp(const std::string& label);
+  bool note_stamp(const mrpt::obs::CObservation& obs);
   [[noreturn]] void explain_no_frames() const;
   void require_points() const;
   void add_warnings();

@@ -58,6 +58,7 @@ int run(const Options& options)
   try
   {
     settings = load_settings(options);
+    forward_signals();  // before any folder is made: a signal must not leave it behind
     require_writable(options.output.empty() ? "." : options.output);
   }
   catch (const std::exception& e)
@@ -75,6 +76,5 @@ int main(int argc, char** argv)
 {
   Options options;
   if (const auto code = parse_options(argc, argv, options)) return *code;
-  forward_signals();
   return run(options);
 }

@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include "../option_checks.h"
+
 #include <talus/mrpt/parameters_ini.h>
 
 #include <CLI/CLI.hpp>
@@ -50,24 +52,35 @@ void print_parameters()
   }
 }
 
+/** A shell puts nothing in the place of a variable that is not set: that would count as not given.
+ */
+CLI::Validator not_empty()
+{
+  return CLI::Validator(
+      [](std::string& text) { return text.empty() ? "is empty: an unset variable?" : ""; }, "");
+}
+
 void add_inputs(CLI::App& app, Options& o)
 {
   app.add_option("LOG", o.logs, "Rawlogs (.rawlog, .rawlog.gz); several are a batch")
       ->required()
+      ->check(not_empty())
       ->type_name("");
   auto* trajectory =
       app.add_option(
              "--trajectory", o.trajectory,
              "Poses of the robot: TUM text (t x y z qx qy qz qw, base in map) or .simplemap")
+          ->check(not_empty())
           ->type_name("FILE");
   app.add_flag("--static", o.robot_is_static, "The robot does not move; needs no poses")
       ->excludes(trajectory);
   app.add_option(
          "--max-gap", o.max_gap_s, "Scans between poses farther apart than this are skipped [s]")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(between(0.0, 1e6))
       ->capture_default_str()
       ->type_name("S");
   app.add_option("--sensor", o.sensor, "Only the sensor of this label (default: every sensor)")
+      ->check(not_empty())
       ->type_name("LABEL");
 }
 
@@ -76,6 +89,7 @@ void add_processing(CLI::App& app, Options& o)
   app.add_option(
          "--config", o.config,
          "INI file with [CDualElevationMap_creationOpts] and [CDualElevationMap_insertOpts]")
+      ->check(not_empty())
       ->type_name("FILE.ini");
   app.add_option("-s,--set", o.overrides, "Set a parameter, after --config; can be repeated")
       ->allow_extra_args(false)
@@ -97,6 +111,7 @@ void add_outputs(CLI::App& app, Options& o)
   app.add_option(
          "--output", o.output,
          "Folder of the results; a batch makes one folder a log in it (default: NAME_map)")
+      ->check(not_empty())
       ->type_name("DIR");
   app.add_option("--every", o.every, "Also write map and picture of every Nth frame")
       ->check(CLI::Range(1, 1000000000))
@@ -105,6 +120,7 @@ void add_outputs(CLI::App& app, Options& o)
          "--rawlog-out", o.rawlog_out,
          "Also write the log with a snapshot of the map after each scan, or each Nth with --every "
          "(of one log)")
+      ->check(not_empty())
       ->type_name("FILE.rawlog");
   app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
 }

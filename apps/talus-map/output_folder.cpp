@@ -60,27 +60,39 @@ OutputFolder::OutputFolder(const std::string& folder)
   try
   {
     if (!folder_.has_filename()) folder_ = folder_.parent_path();
-    fs::path so_far;
-    for (const auto& part : folder_)
-    {
-      so_far /= part;
-      std::error_code ec;
-      if (fs::is_directory(so_far, ec)) continue;
-      if (fs::exists(so_far, ec)) fail(so_far, "cannot write results there: this is not a folder");
-      if (!fs::create_directory(so_far, ec))
-        fail(so_far, "cannot make this folder: " + ec.message());
-      made_.push_back(so_far);
-    }
-    std::string name = (folder_ / ".talus-map.XXXXXX").string();
-    if (!::mkdtemp(name.data()))
-      fail(folder_, std::string("cannot write there: ") + std::strerror(errno));
-    staging_ = name;
+    constexpr int kMostTries = 100;
+    for (int i = 1; staging_.empty(); ++i) make_staging(i < kMostTries);
   }
   catch (...)
   {
     remove_made_folders();
     throw;
   }
+}
+
+/** Makes the folder and the hidden one. With `may_vanish` it gives up without an error where a
+ * folder vanishes meanwhile: another run that made it removes it again while it is empty. */
+void OutputFolder::make_staging(bool may_vanish)
+{
+  fs::path so_far;
+  for (const auto& part : folder_)
+  {
+    so_far /= part;
+    std::error_code ec;
+    const auto status = fs::status(so_far, ec);
+    if (fs::is_directory(status)) continue;
+    if (fs::exists(status)) fail(so_far, "cannot write results there: this is not a folder");
+    if (fs::create_directory(so_far, ec)) made_.push_back(so_far);
+    const bool vanished =
+        ec == std::errc::no_such_file_or_directory || ec == std::errc::file_exists;
+    if (vanished && may_vanish) return;
+    if (ec) fail(so_far, "cannot make this folder: " + ec.message());
+  }
+  std::string name = (folder_ / ".talus-map.XXXXXX").string();
+  if (::mkdtemp(name.data()))
+    staging_ = name;
+  else if (errno != ENOENT || !may_vanish)
+    fail(folder_, std::string("cannot write there: ") + std::strerror(errno));
 }
 
 OutputFolder::~OutputFolder()
@@ -107,7 +119,11 @@ void OutputFolder::replace(const fs::path& relative, Moves& done)
   if (fs::is_directory(to))
     throw std::runtime_error(
         to.string() + ": cannot be replaced, a folder has this name; rename it or write elsewhere");
-  if (fs::exists(fs::symlink_status(to)))
+  const auto status = fs::symlink_status(to);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_symlink(status))
+    throw std::runtime_error(
+        to.string() + ": cannot be replaced, it is a device or a pipe; write elsewhere");
+  if (fs::exists(status))
   {
     fs::create_directories(aside.parent_path());
     fs::rename(to, aside);
@@ -133,7 +149,7 @@ void OutputFolder::set_aside_old_snapshots(Moves& done)
   }
 }
 
-void OutputFolder::commit()
+void OutputFolder::commit(const std::function<void()>& last)
 {
   Moves done;
   try
@@ -141,6 +157,7 @@ void OutputFolder::commit()
     const auto files = files_below(staging_);
     set_aside_old_snapshots(done);
     for (const auto& file : files) replace(file, done);
+    if (last) last();
   }
   catch (...)
   {

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,15 +23,17 @@ class OutputFolder
   /** Where to write. */
   std::string staging() const { return staging_.string(); }
 
-  /** Moves everything out of staging(); files of the same name are replaced. Throws
-   * std::runtime_error; then nothing has changed. */
-  void commit();
+  /** Moves everything out of staging(); files of the same name are replaced. Then calls `last`, a
+   * step that belongs to it. Throws std::runtime_error, also what `last` throws; then nothing has
+   * changed. */
+  void commit(const std::function<void()>& last = {});
 
  private:
   using Moves = std::vector<std::pair<std::filesystem::path, std::filesystem::path>>;
 
   void replace(const std::filesystem::path& relative, Moves& done);
   void set_aside_old_snapshots(Moves& done);
+  void make_staging(bool may_vanish);
   void remove_made_folders() noexcept;
 
   std::filesystem::path folder_, staging_;

@@ -27,17 +27,18 @@ std::string seconds(double s)
   return text;
 }
 
-std::string file_beside(const std::string& log)
+}  // namespace
+
+std::string trajectory_beside(const std::string& log)
 {
   return (fs::path(log).parent_path() / (name_of_log(log) + ".tum")).string();
 }
-}  // namespace
 
 PoseSource PoseSource::of_log(const std::string& log, const Options& options)
 {
   PoseSource source;
   source.max_gap_s_ = options.max_gap_s;
-  const std::string beside = file_beside(log);
+  const std::string beside = trajectory_beside(log);
   std::error_code ec;
   if (options.robot_is_static)
   {

@@ -5,6 +5,8 @@
 #include <mrpt/io/CFileInputStream.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
+#include <talus/io/gz_file.h>
+#include <talus/io/mrpt_error.h>
 #include <talus/mrpt/CObservationTraversability.h>
 
 #include <filesystem>
@@ -32,8 +34,11 @@ class Snapshots
     if (!next_ || obs.timestamp != next_->timestamp || obs.sensorLabel != label_) return nullptr;
     const auto found = next_;
     advance();
+    ++given_;
     return found;
   }
+
+  std::size_t given() const { return given_; }
 
  private:
   void advance()
@@ -49,6 +54,7 @@ class Snapshots
   mrpt::serialization::CArchiveStreamBase<mrpt::io::CFileInputStream> archive_;
   std::string label_;  //!< of the scan
   Snapshot::Ptr next_;
+  std::size_t given_ = 0;
 };
 
 bool is_snapshot(const mrpt::serialization::CSerializable::Ptr& object)
@@ -80,6 +86,22 @@ void write_object(
     if (const auto snapshot = snapshots.of(*obs)) out << *snapshot;
 }
 
+bool is_same_file(const std::string& a, const fs::path& b)
+{
+  std::error_code ec;
+  return fs::equivalent(a, b, ec) ||
+         fs::weakly_canonical(fs::absolute(a), ec) == fs::weakly_canonical(fs::absolute(b), ec);
+}
+
+/** A file of write_results() or write_snapshot(). */
+bool is_result(const std::string& path, const fs::path& folder)
+{
+  for (const char* name : {"map.tif", "map.png", "timing.csv", "summary.json", "frames"})
+    if (is_same_file(path, folder / name)) return true;
+  const fs::path parent = fs::absolute(path).parent_path();
+  return is_same_file(parent.string(), folder / "frames");
+}
+
 fs::path without_endings(const std::string& log)
 {
   fs::path path(log);
@@ -89,12 +111,28 @@ fs::path without_endings(const std::string& log)
 }
 }  // namespace
 
+void require_file_of_its_own(const Job& job, const Options& options)
+{
+  const std::string& path = options.rawlog_out;
+  if (path.empty()) return;
+  std::string what;
+  if (is_same_file(path, job.log))
+    what = "the log itself";
+  else if (is_same_file(path, trajectory_beside(job.log)))
+    what = "the trajectory beside the log";
+  else if (!options.trajectory.empty() && is_same_file(path, options.trajectory))
+    what = "the file given to --trajectory";
+  else if (!options.config.empty() && is_same_file(path, options.config))
+    what = "the file given to --config";
+  else if (is_result(path, job.folder))
+    what = "one of the results in " + job.folder;
+  if (!what.empty())
+    throw std::runtime_error("--rawlog-out " + path + ": is " + what + "; give another name");
+}
+
 RawlogOut::RawlogOut(const std::string& path, const std::string& log)
     : path_(path), log_(log), file_(path), snapshots_path_(file_.temporary_path() + ".snapshots")
 {
-  std::error_code ignored;
-  if (fs::equivalent(path, log, ignored))
-    throw std::runtime_error("--rawlog-out " + path + ": is the log itself; give another name");
   if (!snapshots_.open(snapshots_path_))
     throw std::runtime_error(snapshots_path_ + ": cannot be written");
 }
@@ -111,8 +149,16 @@ void RawlogOut::add(const LogMapper& mapper)
   Snapshot snapshot(mapper.map(), mapper.last_base());
   snapshot.timestamp = mapper.last_stamp();
   snapshot.T_base_sensor = mapper.last_sensor();
-  auto archive = mrpt::serialization::archiveFrom(snapshots_);
-  archive << mapper.last_label() << snapshot;
+  try
+  {
+    auto archive = mrpt::serialization::archiveFrom(snapshots_);
+    archive << mapper.last_label() << snapshot;
+  }
+  catch (const std::exception& e)
+  {
+    fail_to_write(io::reason_of(e));
+  }
+  ++snapshots_added_;
 }
 
 void RawlogOut::write()
@@ -135,9 +181,24 @@ void RawlogOut::write()
     {
       break;  // the log was read to its end before, without an error
     }
-    write_object(to, object, snapshots);
+    try
+    {
+      write_object(to, object, snapshots);
+    }
+    catch (const std::exception& e)
+    {
+      fail_to_write(io::reason_of(e));
+    }
   }
   out.close();
+  if (snapshots.given() != snapshots_added_) fail_to_write("snapshots are missing");
+  io::require_complete_gz(file_.temporary_path(), path_);
+}
+
+void RawlogOut::fail_to_write(const std::string& reason) const
+{
+  throw std::runtime_error(
+      path_ + ": could not be written (" + reason + "); is the disk full? Free some space there");
 }
 
 std::string RawlogOut::externals() const

@@ -15,13 +15,14 @@ namespace talus::app
 class RawlogOut
 {
  public:
-  /** Throws std::runtime_error when nothing can be written there, or when `path` is the log. */
+  /** Throws std::runtime_error when nothing can be written there. */
   RawlogOut(const std::string& path, const std::string& log);
   ~RawlogOut();
   RawlogOut(const RawlogOut&) = delete;
   RawlogOut& operator=(const RawlogOut&) = delete;
 
-  /** Keeps the map as it is, as the snapshot that belongs to the last scan. */
+  /** Keeps the map as it is, as the snapshot that belongs to the last scan. Throws
+   * std::runtime_error. */
   void add(const LogMapper& mapper);
 
   /** Reads the log once more and writes it with the snapshots. Throws std::runtime_error. */
@@ -35,10 +36,17 @@ class RawlogOut
   std::string externals_of_copy() const;
 
  private:
+  [[noreturn]] void fail_to_write(const std::string& reason) const;
+
   std::string path_, log_;
   io::AtomicFile file_;
   std::string snapshots_path_;
   mrpt::io::CFileOutputStream snapshots_;  //!< label of the scan, snapshot; in turn
+  std::size_t snapshots_added_ = 0;
 };
+
+/** Throws std::runtime_error when --rawlog-out names a file that the run reads or another that it
+ * writes. */
+void require_file_of_its_own(const Job& job, const Options& options);
 
 }  // namespace talus::app

@@ -113,6 +113,7 @@ bool run_job(
 {
   try
   {
+    require_file_of_its_own(job, options);
     OutputFolder output(job.folder);
     std::unique_ptr<RawlogOut> rawlog_out;
     if (!options.rawlog_out.empty())
@@ -126,8 +127,11 @@ bool run_job(
       print_error(crash_text(job.log, end.signal));
     else if (end.exit_code == kDone)
     {
-      if (rawlog_out) rawlog_out->commit();
-      output.commit();
+      output.commit(
+          [&]
+          {
+            if (rawlog_out) rawlog_out->commit();
+          });
       return true;
     }
   }

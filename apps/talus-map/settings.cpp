@@ -68,6 +68,9 @@ void require_file(const std::string& path)
     throw std::runtime_error(path + ": no such file; check the path given to --config");
   if (fs::is_directory(path, ec))
     throw std::runtime_error(path + ": is a directory; give an INI file to --config");
+  if (!fs::is_regular_file(path, ec))  // to open a pipe may wait for ever
+    throw std::runtime_error(
+        path + ": is a pipe or a device; save it as a file and give that to --config");
   if (!std::ifstream(path))
     throw std::runtime_error(path + ": cannot be opened; check its permissions");
 }

@@ -47,8 +47,8 @@ std::string title(const Options& o, const MissionResult& m, bool ended)
   std::snprintf(
       text, sizeof text, "%s, %s planner, %s, seed %llu: %.1f s%s%s",
       fs::path(o.world).stem().c_str(), o.in_3d ? "3D" : "2D", o.octomap ? "octomap" : "talus",
-      static_cast<unsigned long long>(o.seed), m.steps.back().time_s, ended ? ", " : "",
-      ended ? ending_name(m.ending).c_str() : "");
+      static_cast<unsigned long long>(o.seed), ended ? m.time_s : m.steps.back().time_s,
+      ended ? ", " : "", ended ? ending_name(m.ending).c_str() : "");
   return text;
 }
 

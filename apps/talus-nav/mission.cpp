@@ -152,6 +152,8 @@ class Mission
         robot_.time_s(), robot_.driven_m());
     result.ending = ending;
     result.detail = what + where;
+    result.time_s = robot_.time_s();
+    result.driven_m = robot_.driven_m();
     return true;
   }
 

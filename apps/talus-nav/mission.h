@@ -19,7 +19,7 @@ enum class Ending
 };
 std::string ending_name(Ending ending);
 
-/** One step of the robot. */
+/** One step of the robot, as it begins. */
 struct Step
 {
   double time_s, x_m, y_m, z_m, yaw_rad;  //!< where it is
@@ -42,6 +42,7 @@ struct MissionResult
 {
   Ending ending = Ending::Timeout;
   std::string detail;
+  double time_s = 0, driven_m = 0;  //!< when it ended, after the last step
   std::vector<Step> steps;
 };
 

@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstdio>
+
 namespace talus::nav
 {
 namespace
@@ -25,12 +27,21 @@ constexpr const char* kFooter =
     "Exit codes: 0 arrived, 1 failed, 2 wrong usage, 3 blocked (there is no way), 4 collision, 5 "
     "timeout.";
 
+std::string what_arrived_means()
+{
+  char text[80];
+  std::snprintf(
+      text, sizeof text, "the robot has arrived when its middle is within %.1f m of it",
+      MissionOptions().arrived_m);
+  return text;
+}
+
 void add_mission(CLI::App& app, Options& o)
 {
   app.add_option("WORLD", o.world, "World file (.yaml); the robot starts where its way begins")
       ->required()
       ->type_name("");
-  app.add_option("--goal", o.goal, "Where to go, map frame [m]")
+  app.add_option("--goal", o.goal, "Where to go, map frame [m]; " + what_arrived_means())
       ->required()
       ->delimiter(',')
       ->expected(2)

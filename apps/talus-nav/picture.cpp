@@ -1,11 +1,12 @@
 #include "picture.h"
 
+#include "legend.h"
+
 #include <talus/sim/truth.h>
 
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace talus::nav
@@ -13,11 +14,23 @@ namespace talus::nav
 namespace
 {
 constexpr double kCell_m = 0.05;
-constexpr int kPixelsPerCell = 3, kTitle_px = 26;
+constexpr int kPixelsPerCell = 3;
+constexpr int kLeastWidth_px = 600;  // of the picture, for its words
+constexpr float kOccupied = 0.45F;  // less is an obstacle for the route
 
 const cv::Scalar kRoute(220, 110, 20), kDriven(20, 20, 20), kRobot(60, 150, 30),
-    kGoal(160, 20, 160), kPoints(0, 140, 255), kInk(30, 30, 30);
-const cv::Vec3b kBlocked(70, 62, 58), kCostmap(70, 70, 230);
+    kGoal(160, 20, 160), kPoints(230, 200, 0), kInk(30, 30, 30);
+const cv::Scalar kCostmap(70, 70, 230), kJudgedFree(40, 150, 255), kHardly(110, 215, 255),
+    kTraversable(110, 215, 105), kUnknown(225, 225, 225);
+const cv::Vec3b kBlocked(70, 62, 58);
+constexpr int kLowGrey = 150, kHighGrey = 245;
+
+cv::Vec3b below_something(int grey)
+{
+  return {
+      static_cast<unsigned char>(grey), static_cast<unsigned char>(grey - 20),
+      static_cast<unsigned char>(grey - 60)};
+}
 
 sim::Truth truth_around(
     const sim::World& world, const mrpt::maps::COccupancyGridMap2D& grid, const RobotBody& body,
@@ -33,10 +46,45 @@ sim::Truth truth_around(
 /** Of a cell that is free with this probability; costmap_from_map() says how they are made. */
 cv::Scalar costmap_colour(float p)
 {
-  if (p < 0.45F) return {70, 70, 230};
-  if (std::abs(p - Route::kHopeful) < 0.01F) return cv::Scalar::all(225);
+  if (p < kOccupied) return kCostmap;
+  if (p < 0.555F) return kJudgedFree;  // traversability 0, and yet no obstacle
+  if (std::abs(p - Route::kHopeful) < 0.01F) return kUnknown;
   const double t = std::clamp((p - 0.55) / 0.4, 0.0, 1.0);
-  return {110, 215, 255 - 150 * t};
+  return (1 - t) * kHardly + t * kTraversable;
+}
+
+std::vector<std::vector<LegendItem>> legend()
+{
+  const cv::Scalar hangs(below_something((kLowGrey + kHighGrey) / 2));
+  const auto metre_px = static_cast<int>(std::lround(kPixelsPerCell / kCell_m));
+  return {
+      {{Mark::None, "Above, the truth:"},
+       {Mark::Ramp, "ground, low to high", cv::Scalar::all(kLowGrey), cv::Scalar::all(kHighGrey)},
+       {Mark::Area, "ground below something", hangs},
+       {Mark::Area, "blocked", cv::Scalar(kBlocked)},
+       {Mark::Dot, "blocked, as the robot knows", kCostmap}},
+      {{Mark::None, "Below, what the robot knows:"},
+       {Mark::Ramp, "hardly to well traversable", kHardly, kTraversable},
+       {Mark::Area, "blocked", kCostmap},
+       {Mark::Area, "looks blocked or is below the robot, taken as free", kJudgedFree},
+       {Mark::Area, "unknown", kUnknown}},
+      {{Mark::None, "Both:"},
+       {Mark::Robot, "robot", kRobot},
+       {Mark::Line, "way driven", kDriven},
+       {Mark::Line, "route", kRoute},
+       {Mark::Dot, "obstacles given to the navigator", kPoints},
+       {Mark::Cross, "goal", kGoal},
+       {Mark::Bar, "1 m", kInk, {}, metre_px}}};
+}
+
+/** With paper to its right where it is narrower. */
+cv::Mat widened(const cv::Mat& image, int width_px)
+{
+  cv::Mat wide;
+  cv::copyMakeBorder(
+      image, wide, 0, 0, 0, std::max(0, width_px - image.cols), cv::BORDER_CONSTANT,
+      cv::Scalar::all(255));
+  return wide;
 }
 }  // namespace
 
@@ -48,9 +96,7 @@ Painter::Painter(const sim::World& world, const RobotBody& body, const MissionOp
 cv::Point Painter::pixel(double x_m, double y_m) const
 {
   const double scale = kPixelsPerCell / kCell_m;
-  return {
-      static_cast<int>((x_m - min_x_m_) * scale),
-      kTitle_px + static_cast<int>((max_y_m_ - y_m) * scale)};
+  return {static_cast<int>((x_m - min_x_m_) * scale), static_cast<int>((max_y_m_ - y_m) * scale)};
 }
 
 void Painter::paint_truth(const Route& route, double time_s)
@@ -64,20 +110,15 @@ void Painter::paint_truth(const Route& route, double time_s)
     for (int ix = 0; ix < w.cells_x; ix++)
     {
       const auto i = static_cast<std::size_t>(iy * w.cells_x + ix);
-      const auto grey = static_cast<unsigned char>(150 + 95 * (truth.ground[i] - *low) / span);
+      const auto grey = static_cast<unsigned char>(
+          kLowGrey + (kHighGrey - kLowGrey) * (truth.ground[i] - *low) / span);
       const bool hangs = !std::isnan(truth.underside[i]);
-      cv::Vec3b colour(grey, grey, grey);
-      if (hangs)
-        colour = {
-            grey, static_cast<unsigned char>(grey - 20), static_cast<unsigned char>(grey - 60)};
+      const cv::Vec3b colour = hangs ? below_something(grey) : cv::Vec3b(grey, grey, grey);
       cells.at<cv::Vec3b>(w.cells_y - 1 - iy, ix) = truth.label[i] == 0 ? kBlocked : colour;
     }
   min_x_m_ = w.min_x_m;
   max_y_m_ = w.min_y_m + w.cells_y * w.resolution_m;
-  cv::Mat large;
-  cv::resize(cells, large, {}, kPixelsPerCell, kPixelsPerCell, cv::INTER_NEAREST);
-  cv::copyMakeBorder(
-      large, background_, kTitle_px, 0, 0, 0, cv::BORDER_CONSTANT, cv::Scalar(255, 255, 255));
+  cv::resize(cells, background_, {}, kPixelsPerCell, kPixelsPerCell, cv::INTER_NEAREST);
 }
 
 void Painter::paint_obstacles(cv::Mat& image, const Route& route) const
@@ -86,11 +127,11 @@ void Painter::paint_obstacles(cv::Mat& image, const Route& route) const
   for (unsigned iy = 0; iy < grid.getSizeY(); iy++)
     for (unsigned ix = 0; ix < grid.getSizeX(); ix++)
     {
-      if (grid.getCell(static_cast<int>(ix), static_cast<int>(iy)) > 0.45F) continue;
+      if (grid.getCell(static_cast<int>(ix), static_cast<int>(iy)) > kOccupied) continue;
       const auto at = pixel(grid.idx2x(ix), grid.idx2y(iy));
       const cv::Rect cell =
           cv::Rect(at.x - 1, at.y - 1, 2, 2) & cv::Rect(0, 0, image.cols, image.rows);
-      image(cell).setTo(cv::Scalar(kCostmap[0], kCostmap[1], kCostmap[2]));
+      image(cell).setTo(kCostmap);
     }
 }
 
@@ -112,7 +153,7 @@ void Painter::paint_costmap(cv::Mat& image, const Route& route) const
     {
       const auto at = pixel(grid.idx2x(ix), grid.idx2y(iy));
       const cv::Rect cell = cv::Rect(at.x - 1, at.y - 1, kPixelsPerCell, kPixelsPerCell) &
-                            cv::Rect(0, kTitle_px, image.cols, image.rows - kTitle_px);
+                            cv::Rect(0, 0, image.cols, image.rows);
       image(cell).setTo(costmap_colour(grid.getCell(static_cast<int>(ix), static_cast<int>(iy))));
     }
 }
@@ -148,17 +189,16 @@ cv::Mat Painter::draw(
   paint_obstacles(truth, route);
   cv::Mat known(truth.size(), truth.type(), cv::Scalar::all(255));
   paint_costmap(known, route);
-  const std::array<std::pair<cv::Mat*, std::string>, 2> parts{
-      {{&truth, title},
-       {&known, "what the robot knows: green to yellow traversable, red blocked, grey unknown"}}};
-  for (const auto& [image, text] : parts)
-  {
-    paint_mission(*image, mission, route, pilot);
-    cv::putText(*image, text, {6, 18}, cv::FONT_HERSHEY_SIMPLEX, 0.5, kInk, 1, cv::LINE_AA);
-  }
-  cv::Mat both;
-  cv::vconcat(truth, known, both);
-  return both;
+  for (cv::Mat* image : {&truth, &known}) paint_mission(*image, mission, route, pilot);
+  const int width_px = std::max(truth.cols, kLeastWidth_px);
+  cv::Mat all;
+  cv::vconcat(
+      std::vector<cv::Mat>{
+          draw_title(width_px, title), widened(truth, width_px),
+          draw_title(width_px, "what the robot knows"), widened(known, width_px),
+          draw_legend(width_px, legend())},
+      all);
+  return all;
 }
 
 }  // namespace talus::nav

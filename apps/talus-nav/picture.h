@@ -11,11 +11,9 @@ class Painter
  public:
   Painter(const sim::World& world, const RobotBody& body, const MissionOptions& options);
 
-  /** Two pictures, one above the other, each with the route (blue), the way driven (black), the
-   * robot (green), the obstacle points given to the navigator (orange) and the goal (cross); 8-bit
-   * BGR. Above, the truth: ground by height (grey), what hangs (blue), what blocks (dark), and the
-   * costmap's obstacles (red). Below, what the robot knows: its costmap, from traversable (green)
-   * to barely (yellow), obstacles (red), unknown (light grey). */
+  /** Two pictures, one above the other, with a legend below; 8-bit BGR. In both the route, the way
+   * driven, the robot, the obstacle points given to the navigator and the goal. Above, the truth
+   * and the costmap's obstacles. Below, what the robot knows: its costmap. */
   cv::Mat draw(
       const MissionResult& mission, const Route& route, const Pilot& pilot,
       const std::string& title);

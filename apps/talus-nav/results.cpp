@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
@@ -34,16 +33,6 @@ std::string path_csv(const MissionResult& mission)
   return text;
 }
 
-double driven_m(const MissionResult& mission)
-{
-  double sum = 0;
-  for (std::size_t i = 1; i < mission.steps.size(); i++)
-    sum += std::hypot(
-        mission.steps[i].x_m - mission.steps[i - 1].x_m,
-        mission.steps[i].y_m - mission.steps[i - 1].y_m);
-  return sum;
-}
-
 double median_of(const MissionResult& mission, double Step::*value)
 {
   std::vector<double> values;
@@ -69,8 +58,8 @@ nlohmann::json summary(const Options& o, const MissionResult& mission)
         {"angle_rad", o.noise.angle_rad}}},
       {"ending", ending_name(mission.ending)},
       {"detail", mission.detail},
-      {"time_s", mission.steps.back().time_s},
-      {"driven_m", driven_m(mission)},
+      {"time_s", mission.time_s},
+      {"driven_m", mission.driven_m},
       {"steps", mission.steps.size()},
       {"median_ms",
        {{"map", median_of(mission, &Step::map_ms)},

@@ -15,6 +15,8 @@ namespace talus::nav
 {
 namespace
 {
+constexpr const char* kObstacles = "talus_obstacles";
+
 std::string text_of(const std::string& path)
 {
   if (std::filesystem::is_directory(path))
@@ -36,6 +38,17 @@ void require_navigator(
       name + ": has no section [" + section + "]; --planner " + (o.in_3d ? "3d" : "2d") +
       " needs one such as in datasets/configs/reactive" + (o.in_3d ? "3d" : "2d") + "_config.ini");
 }
+
+/** Without the section the policies are other ones than in the shipped files, and the robot may
+ * stand where those let it go. */
+void warn_of_missing_obstacles(
+    const mrpt::config::CConfigFileBase& ini, const std::string& name, const Options& o)
+{
+  if (o.octomap || ini.sectionExists(kObstacles)) return;
+  std::cerr << "talus-nav: warning: " << name << ": has no section [" << kObstacles
+            << "]; obstacles are made with its defaults (unknown, risky and inferred = near), see "
+               "doc/navigation.md\n";
+}
 }  // namespace
 
 Settings load_settings(const Options& o)
@@ -50,7 +63,8 @@ Settings load_settings(const Options& o)
   {
     for (const auto& w : load_parameters(ini, "CDualElevationMap", s.parameters))
       std::cerr << "talus-nav: warning: " << name << ": " << w << "\n";
-    s.obstacles.loadFromConfigFile(ini, "talus_obstacles");
+    warn_of_missing_obstacles(ini, name, o);
+    s.obstacles.loadFromConfigFile(ini, kObstacles);
   }
   catch (const std::exception& e)
   {

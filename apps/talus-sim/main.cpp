@@ -8,6 +8,8 @@
 #include <iostream>
 #include <memory>
 
+#include "../option_checks.h"
+#include "interrupt.h"
 #include "output.h"
 
 namespace fs = std::filesystem;
@@ -15,6 +17,7 @@ namespace fs = std::filesystem;
 namespace
 {
 using namespace talus::sim;
+using namespace talus::app;
 
 constexpr double kTruthMargin_m = 6.0;
 
@@ -42,7 +45,7 @@ std::string footer()
          "out/demo_noisy.tum\n"
          "  talus-sim demo.yaml --output out --mounting-error 0 0 0.05 2 -3 0 --clock-error 0.05\n"
          "      a log for talus-calibrate to put right\n"
-         "\nExit codes: 0 done, 1 failed, 2 wrong usage.";
+         "\nExit codes: 0 done, 1 failed, 2 wrong usage, 128 + N stopped by signal N.";
 }
 
 /** Adds an option whose value stays empty when it is not given. */
@@ -64,12 +67,13 @@ void add_options(CLI::App& app, Options& o)
   add_optional(app, "--scanner", o.drive.scanner, "Scanner instead of the world's, see below")
       ->type_name("NAME");
   add_optional(app, "--seed", o.drive.seed, "Seed of the noise instead of the world's")
+      ->check(whole_of_64_bits())
       ->type_name("N");
   add_optional(app, "--noise", o.drive.noise_m, "Standard deviation of a range [m]")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(between(0.0, 10.0))
       ->type_name("M");
   add_optional(app, "--noise-per-m", o.drive.noise_per_m, "Its growth with the range [m/m]")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(between(0.0, 1.0))
       ->type_name("M/M");
   add_optional(app, "--frames", o.drive.frames, "Write at most so many frames")
       ->check(CLI::Range(1, 100000))
@@ -77,26 +81,26 @@ void add_options(CLI::App& app, Options& o)
   app.add_option(
          "--pose-noise", o.drive.pose_noise_m,
          "Also write WORLD_noisy.tum: standard deviation in x, y, z [m]")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(between(0.0, 10.0))
       ->type_name("M");
   app.add_option("--angle-noise", o.drive.angle_noise_rad, "The same in roll, pitch, yaw [rad]")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(between(0.0, 1.0))
       ->type_name("RAD");
   app.add_option(
          "--z-drift", o.drive.z_drift, "The same: climb of the noisy pose, metres a metre driven")
-      ->check(CLI::Range(-1.0, 1.0))
+      ->check(between(-1.0, 1.0))
       ->type_name("M/M");
-  app.add_option(
-         "--mounting-error", o.claims.mounting_error,
-         "The log states a mounting that is off by x y z roll pitch yaw [m, degrees]")
+  check_mounting(app.add_option(
+                     "--mounting-error", o.claims.mounting_error,
+                     "The log states a mounting that is off by x y z roll pitch yaw [m, degrees]"))
       ->type_name("...");
   app.add_option(
          "--clock-error", o.claims.clock_error_s,
          "The stamps of the log are late by this against the trajectory [s]")
-      ->check(CLI::Range(-10.0, 10.0))
+      ->check(between(-10.0, 10.0))
       ->type_name("S");
   app.add_option("--resolution", o.resolution_m, "Side of a cell of truth.tif [m]")
-      ->check(CLI::Range(0.001, 100.0))
+      ->check(between(0.001, 100.0))
       ->capture_default_str()
       ->type_name("M");
   app.add_flag("--no-movers", o.without_movers, "Leave what moves out of truth.tif");
@@ -109,7 +113,8 @@ void make_folder(const std::string& path)
 {
   std::error_code error;
   fs::create_directories(path, error);
-  if (!fs::is_directory(path))
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored))
     throw std::runtime_error(
         "'" + path + "' cannot be made a folder" + (error ? ": " + error.message() : "") +
         "; give another --output");
@@ -125,39 +130,62 @@ void show_progress(int done, int total)
       std::string(width - filled, '.').c_str(), done, total, done == total ? "\n" : "");
 }
 
+TruthWindow window_of(const Options& o, const Drive& drive)
+{
+  try
+  {
+    return window_around(drive.path().bounds(), kTruthMargin_m, o.resolution_m);
+  }
+  catch (const std::exception& e)
+  {
+    throw std::runtime_error(o.world + ": " + e.what());
+  }
+}
+
+/** All files appear together, or none. */
+void write_files(const Options& o, const World& world, const Drive& drive, Truth last, double end_s)
+{
+  const std::string stem = fs::path(o.world).stem().string();
+  const bool bar = !o.quiet && isatty(STDERR_FILENO);
+  const Interrupt interrupt;
+  std::vector<std::unique_ptr<talus::io::AtomicFile>> files;
+  const auto path = [&](const std::string& name) { return (fs::path(o.output) / name).string(); };
+  const auto add = [&](const std::string& name)
+  {
+    require_apart(path(name), {o.world});
+    files.push_back(std::make_unique<talus::io::AtomicFile>(path(name)));
+    return files.back()->temporary_path();
+  };
+  write_truth(add("truth.tif"), last, world, end_s);
+  last = {};  // it may be large
+  write_tum(add(stem + ".tum"), drive, false);
+  if (drive.has_pose_errors()) write_tum(add(stem + "_noisy.tum"), drive, true);
+  const std::string log = stem + ".rawlog";
+  write_rawlog(
+      add(log), path(log), world, drive, o.claims,
+      [&](int done)
+      {
+        interrupt.check();
+        if (bar) show_progress(done, drive.frames());
+      });
+  for (const auto& file : files) file->commit();
+}
+
 void simulate(const Options& o)
 {
   const World world = load_world(o.world);
   const Drive drive(world, o.drive);
-  const TruthWindow window = window_around(drive.path().bounds(), kTruthMargin_m, o.resolution_m);
+  const TruthWindow window = window_of(o, drive);
   make_folder(o.output);
   const double end_s = drive.time_s(drive.frames() - 1);
   TruthOptions truth_options;
   truth_options.movers = !o.without_movers;
-
-  const std::string stem = fs::path(o.world).stem().string();
-  const bool bar = !o.quiet && isatty(STDERR_FILENO);
-  std::vector<std::unique_ptr<talus::io::AtomicFile>> files;  // they appear together, at the end
-  const auto add = [&](const std::string& name)
-  {
-    files.push_back(std::make_unique<talus::io::AtomicFile>((fs::path(o.output) / name).string()));
-    return files.back()->temporary_path();
-  };
-  write_truth(add("truth.tif"), truth(world, window, end_s, truth_options), world, end_s);
-  write_tum(add(stem + ".tum"), drive, false);
-  if (drive.has_pose_errors()) write_tum(add(stem + "_noisy.tum"), drive, true);
-  write_rawlog(
-      add(stem + ".rawlog"), world, drive, o.claims,
-      [&](int done)
-      {
-        if (bar) show_progress(done, drive.frames());
-      });
-  for (const auto& file : files) file->commit();
+  write_files(o, world, drive, truth(world, window, end_s, truth_options), end_s);
   if (o.quiet) return;
   std::printf(
       "%s: %d frames of %s over %.1f m -> %s\n", world.name.c_str(), drive.frames(),
       drive.scanner().name.c_str(), drive.path().distance_m(end_s),
-      (fs::path(o.output) / (stem + ".rawlog")).c_str());
+      (fs::path(o.output) / (fs::path(o.world).stem().string() + ".rawlog")).c_str());
 }
 
 }  // namespace
@@ -180,6 +208,11 @@ int main(int argc, char** argv)
   try
   {
     simulate(options);
+  }
+  catch (const Interrupted& e)
+  {
+    std::cerr << "talus-sim: stopped; nothing was written\n";
+    return 128 + e.signal;
   }
   catch (const std::exception& e)
   {

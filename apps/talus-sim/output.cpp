@@ -6,6 +6,8 @@
 #include <mrpt/poses/CPose3DQuat.h>
 #include <mrpt/serialization/CArchive.h>
 #include <talus/io/geotiff.h>
+#include <talus/io/gz_file.h>
+#include <talus/io/mrpt_error.h>
 
 #include <chrono>
 #include <cmath>
@@ -68,18 +70,29 @@ mrpt::obs::CObservationPointCloud observation(
 }  // namespace
 
 void write_rawlog(
-    const std::string& path, const World& world, const Drive& drive, const Claims& claims,
-    const std::function<void(int)>& progress)
+    const std::string& path, const std::string& name, const World& world, const Drive& drive,
+    const Claims& claims, const std::function<void(int)>& progress)
 {
   mrpt::io::CFileGZOutputStream file;
-  if (!file.open(path, 1)) throw std::runtime_error("'" + path + "' cannot be written");
+  if (!file.open(path, 1)) throw std::runtime_error("'" + name + "' cannot be written");
   auto archive = mrpt::serialization::archiveFrom(file);
   for (int i = 0; i < drive.frames(); ++i)
   {
-    archive << observation(world, drive, claims, i);
+    const auto obs = observation(world, drive, claims, i);
+    try
+    {
+      archive << obs;
+    }
+    catch (const std::exception& e)
+    {
+      throw std::runtime_error(
+          "'" + name + "' could not be written (" + io::reason_of(e) +
+          "); is the disk full? Free some space there");
+    }
     progress(i + 1);
   }
   file.close();
+  io::require_complete_gz(path, name);
 }
 
 void write_tum(const std::string& path, const Drive& drive, bool noisy)

@@ -20,10 +20,10 @@ struct Claims
 };
 
 /** Every frame as a CObservationPointCloud with label "lidar". `progress` gets the frames done.
- * Throws std::runtime_error naming the file. */
+ * Throws std::runtime_error naming the file as `name`. */
 void write_rawlog(
-    const std::string& path, const World& world, const Drive& drive, const Claims& claims,
-    const std::function<void(int)>& progress);
+    const std::string& path, const std::string& name, const World& world, const Drive& drive,
+    const Claims& claims, const std::function<void(int)>& progress);
 
 /** The base in the map at each stamp, as TUM text: the truth, or as the drive's pose errors say. */
 void write_tum(const std::string& path, const Drive& drive, bool noisy);

@@ -1,6 +1,6 @@
 include(CMakePackageConfigHelpers)
 
-install(EXPORT talusTargets NAMESPACE talus:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/talus)
+get_property(TALUS_COMPONENTS GLOBAL PROPERTY TALUS_COMPONENTS)
 configure_package_config_file(
   "${CMAKE_CURRENT_LIST_DIR}/talusConfig.cmake.in" "${PROJECT_BINARY_DIR}/talusConfig.cmake"
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/talus)

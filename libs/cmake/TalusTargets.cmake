@@ -18,7 +18,8 @@ function(talus_target_defaults target)
     $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${TALUS_WARNINGS_AS_ERRORS}>>:-Werror>)
 endfunction()
 
-# talus_add_library(NAME SOURCES...): static library talus_NAME, alias talus::NAME, headers under include/.
+# talus_add_library(NAME SOURCES...): static library talus_NAME, alias talus::NAME, headers under include/. Installed, it is
+# component NAME of the package, with an export set of its own.
 function(talus_add_library name)
   add_library(talus_${name} STATIC ${ARGN})
   add_library(talus::${name} ALIAS talus_${name})
@@ -26,8 +27,10 @@ function(talus_add_library name)
   set_target_properties(talus_${name} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(talus_${name}
     PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  install(TARGETS talus_${name} EXPORT talusTargets)
+  install(TARGETS talus_${name} EXPORT talusTargets_${name})
+  install(EXPORT talusTargets_${name} NAMESPACE talus:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/talus)
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  set_property(GLOBAL APPEND PROPERTY TALUS_COMPONENTS ${name})
 endfunction()
 
 # talus_add_app(NAME SOURCES...): a command.

@@ -1,10 +1,13 @@
 #include "frame_context.h"
+#include <talus/point_filter.h>
+#include "kernels/1_accept.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 namespace talus
 {
@@ -68,6 +71,20 @@ void check_pose(const Pose& p, double resolution_m)
         "the sensor is more than 1e9 cells away from the origin of the map: use a local origin");
 }
 
+/** NaN does not ascend either. */
+void check_path(const std::vector<TimedPose>& path, double resolution_m)
+{
+  for (std::size_t i = 0; i < path.size(); i++)
+  {
+    check_pose(path[i].T_map_sensor, resolution_m);
+    if (!std::isfinite(path[i].time_s) || (i > 0 && path[i].time_s < path[i - 1].time_s))
+      throw std::invalid_argument(
+          "the path of the frame must ascend in time: its pose " + std::to_string(i) + " is at " +
+          std::to_string(path[i].time_s) + " s" +
+          (i ? ", the one before at " + std::to_string(path[i - 1].time_s) + " s" : ""));
+  }
+}
+
 /** (lambda_t sin(theta/2))^2, eq. 2 to 4, theta between the sensor's z axes in two consecutive
  * frames. */
 double pose_change_factor(
@@ -103,8 +120,7 @@ kernels::Config make_config(const Parameters& p)
   k.clearance_m = f(p.clearance_m);
   k.cleanup_margin_m = f(p.cleanup_margin_m);
   k.cleanup_frames = p.cleanup_frames;
-  k.object_radius =
-      std::clamp(static_cast<int>(std::lround(p.object_size_m / (4 * p.resolution_m))), 1, 16);
+  k.object_radius = static_cast<int>(std::lround(p.object_size_m / (4 * p.resolution_m)));
   k.support_slope = f(std::tan(p.slope_threshold_rad));
   k.fill_search_m = f(p.fill_search_m);
   k.fill_lambda = f(p.fill_lambda);
@@ -128,10 +144,21 @@ kernels::Config make_config(const Parameters& p)
   return k;
 }
 
+PointFilter::PointFilter(const Parameters& p)
+    : config_(std::make_unique<const kernels::Config>(make_config(p)))
+{
+}
+PointFilter::~PointFilter() = default;
+
+bool PointFilter::accepts(float x_m, float y_m, float z_m) const
+{
+  return kernels::accept({x_m, y_m, z_m}, *config_).code == kernels::kAccepted;
+}
+
 kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameters& p)
 {
   check_pose(frame.T_map_sensor, p.resolution_m);
-  for (const auto& timed : frame.path) check_pose(timed.T_map_sensor, p.resolution_m);
+  check_path(frame.path, p.resolution_m);
   const int n = p.cells();
   const auto first_cell = [&](double v)
   { return static_cast<std::int64_t>(std::floor(v / p.resolution_m)) - n / 2; };

@@ -17,7 +17,7 @@ struct WindowTracker
 
   /** Moves the window to the frame's sensor and returns what the kernels need to know of the frame.
    * Throws std::invalid_argument if a pose is not finite, or too far from the origin to count cells
-   * (1e9 cells). */
+   * (1e9 cells), or if the path does not ascend in time. */
   kernels::FrameContext advance(const Frame& frame, const Parameters& p);
 };
 

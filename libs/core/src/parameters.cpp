@@ -85,9 +85,9 @@ std::vector<ParameterInfo> make_table()
           "cleanup_frames", "", 1, 100,
           "consecutive frames that must see through a cell before it is cleared"),
       entry<&Parameters::object_size_m>(
-          "object_size_m", "m", 0, 1000,
-          "measured ground narrower than this that stands out steeply is an object; at most 32 "
-          "pairs of cells"),
+          "object_size_m", "m", 2e-3, 6500,
+          "measured ground narrower than this that stands out steeply is an object; 2 to 65 "
+          "cells"),
       entry<&Parameters::fill_search_m>(
           "fill_search_m", "m", 0, 1000,
           "how far to look for measured ground, each way along the ray"),
@@ -169,6 +169,31 @@ std::size_t edit_distance(const std::string& a, const std::string& b)
   return row.back();
 }
 
+/** People leave the unit away: `clearence` is as near to `clearance_m` as to `clearance`. */
+std::size_t distance_to_name(const std::string& wanted, const std::string& name)
+{
+  std::size_t distance = edit_distance(wanted, name);
+  for (const std::string unit : {"_m", "_m2", "_rad"})
+    if (name.size() > unit.size() &&
+        name.compare(name.size() - unit.size(), unit.size(), unit) == 0)
+      distance =
+          std::min(distance, edit_distance(wanted, name.substr(0, name.size() - unit.size())));
+  return distance;
+}
+
+/** Half of the size is counted in pairs of cells: 1 to 16 of them. */
+void validate_object_size(const Parameters& p)
+{
+  const double pairs = std::round(p.object_size_m / (4 * p.resolution_m));
+  if (pairs >= 1 && pairs <= 16) return;
+  throw std::invalid_argument(
+      "object_size_m = " + number(p.object_size_m) + " m is " +
+      number(p.object_size_m / p.resolution_m) +
+      " cells at resolution_m = " + number(p.resolution_m) +
+      " m; 2 to 65 are supported: choose a size from " + number(2 * p.resolution_m) + " to " +
+      number(65 * p.resolution_m) + " m or another resolution");
+}
+
 /** Checks that need more than one parameter. */
 void validate_combinations(const Parameters& p)
 {
@@ -188,6 +213,7 @@ void validate_combinations(const Parameters& p)
         "feature_radius_m = " + number(p.feature_radius_m) + " m is " +
         number(std::round(p.feature_radius_m / p.resolution_m)) +
         " cells; at most 15 are supported: choose a smaller radius or a coarser resolution");
+  validate_object_size(p);
   const double weights = p.weight_slope + p.weight_step + p.weight_roughness;
   if (std::abs(weights - 1.0) > 1e-6)
     fail("weight_slope + weight_step + weight_roughness must be 1, not " + number(weights));
@@ -225,21 +251,28 @@ const ParameterInfo* find_parameter(const std::string& name)
 
 std::string nearest_parameter_name(const std::string& name)
 {
-  const auto& table = parameter_table();
   const auto wanted = lower(name);
-  return std::min_element(
-             table.begin(), table.end(),
-             [&](const auto& a, const auto& b)
-             { return edit_distance(wanted, a.name) < edit_distance(wanted, b.name); })
-      ->name;
+  std::size_t least = std::max<std::size_t>(1, wanted.size() / 3) + 1;
+  std::string nearest;
+  for (const auto& info : parameter_table())
+    if (const auto distance = distance_to_name(wanted, info.name); distance < least)
+    {
+      least = distance;
+      nearest = info.name;
+    }
+  return nearest;
 }
 
 void set_parameter(Parameters& p, const std::string& name, const std::string& text)
 {
   const ParameterInfo* info = find_parameter(name);
   if (!info)
+  {
+    const std::string nearest = nearest_parameter_name(name);
     throw std::invalid_argument(
-        "unknown parameter '" + name + "'; did you mean '" + nearest_parameter_name(name) + "'?");
+        "unknown parameter '" + name + "'; " +
+        (nearest.empty() ? "doc/parameters.md lists them all" : "did you mean '" + nearest + "'?"));
+  }
   for (std::size_t i = 0; i < info->choices.size(); i++)
     if (lower(text) == info->choices[i]) return info->set(p, static_cast<double>(i));
 

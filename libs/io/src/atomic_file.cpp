@@ -55,6 +55,11 @@ AtomicFile::AtomicFile(const std::string& path) : path_(follow_links(path))
   if (fs::is_directory(path_, ec))
     throw std::runtime_error(
         path_ + ": cannot write this file: a folder has this name; rename it or write elsewhere");
+  if (fs::exists(path_, ec) && !fs::is_regular_file(path_, ec))
+    throw std::runtime_error(
+        path_ +
+        ": cannot write this file: a device or a pipe has this name, which the new file "
+        "would replace; write elsewhere");
   const fs::path p(path_);
   const std::string ending = p.extension().string();
   const std::string wanted =

@@ -1,5 +1,6 @@
 #include "input_file.h"
 
+#include <talus/io/gz_file.h>
 #include <zlib.h>
 
 #include <cerrno>
@@ -23,11 +24,15 @@ void require_readable_file(const std::string& path, const std::string& kind)
   if (fs::is_directory(status))
     throw std::runtime_error(
         path + ": is a directory, not a " + kind + ". Name the file inside it.");
+  if (!fs::is_regular_file(status))  // to open a pipe may wait for ever
+    throw std::runtime_error(
+        path + ": is a pipe or a device, and a " + kind +
+        " is read more than once. Save it as a file first.");
   errno = 0;
   if (!std::ifstream(path, std::ios::binary))
     throw std::runtime_error(
         path + ": cannot be opened (" + std::strerror(errno) + "). Check its permissions.");
-  if (fs::is_regular_file(status) && fs::file_size(path, error) == 0)
+  if (fs::file_size(path, error) == 0)
     throw std::runtime_error(
         path + ": is empty (0 bytes), not a " + kind + ". Copy or record it again.");
 }
@@ -56,6 +61,26 @@ std::uint64_t verified_size(const std::string& path)
         path + ": gz data is damaged before byte " + std::to_string(size + kChunk) +
         " (uncompressed): " + zlib_says + ". Copy it again.");
   return size;
+}
+
+void require_complete_gz(const std::string& path, const std::string& name)
+{
+  const std::string shown = name.empty() ? path : name;
+  std::string reason = "not even its header";
+  char magic[2] = {};  // zlib takes a file without it for one that is not compressed
+  if (std::ifstream(path, std::ios::binary).read(magic, 2) && magic[0] == '\x1f' &&
+      magic[1] == '\x8b')
+    try
+    {
+      verified_size(path);
+      return;
+    }
+    catch (const std::exception&)
+    {
+      reason = "not to its end";
+    }
+  throw std::runtime_error(
+      shown + ": could not be written, " + reason + "; is the disk full? Free some space there");
 }
 
 }  // namespace talus::io

@@ -4,8 +4,9 @@
 
 namespace talus::io
 {
-/** Checks that `path` is a file that can be read and is not empty. `kind` is a word for messages,
- * e.g. "rawlog". Throws std::runtime_error that names the file, what is wrong and what to do. */
+/** Checks that `path` is a regular file that can be read and is not empty. `kind` is a word for
+ * messages, e.g. "rawlog". Throws std::runtime_error that names the file, what is wrong and what to
+ * do. */
 void require_readable_file(const std::string& path, const std::string& kind);
 
 /** Reads a file (gz or plain) to its end, which makes zlib compare the checksum and the length in

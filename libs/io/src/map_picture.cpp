@@ -38,7 +38,7 @@ ColourRange range_of(
   switch (style.palette)
   {
     case Palette::Heights:
-      return heights;
+      return range_for(heights, values);
     case Palette::Amounts:
     {
       ColourRange range = robust_range(values, 1e-3F);
@@ -52,6 +52,25 @@ ColourRange range_of(
     default:
       return {};
   }
+}
+
+bool is_empty(const LayerStack& stack, const LayerStyle& style)
+{
+  const auto& values = *stack.find(style.layer);
+  return std::none_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+
+/** Takes out the layers without any value, and names them; keeps all when none has one. */
+std::string take_out_empty(const LayerStack& stack, std::vector<LayerStyle>& styles)
+{
+  const auto first_empty = std::stable_partition(
+      styles.begin(), styles.end(), [&](const LayerStyle& s) { return !is_empty(stack, s); });
+  if (first_empty == styles.begin()) return "";
+  std::string names;
+  for (auto s = first_empty; s != styles.end(); ++s)
+    names += (names.empty() ? "" : ", ") + s->layer;
+  styles.erase(first_empty, styles.end());
+  return names;
 }
 
 std::string subtitle_of(const LayerStack& s)
@@ -83,9 +102,10 @@ std::string drawable(std::string text)
   return text;
 }
 
-/** Title, what the window is, and what arrow and grey mean. */
+/** Title, what the window is, what has no panel, and what arrow and grey mean. */
 void draw_header(
-    Canvas& canvas, const LayerStack& stack, const PictureOptions& options, int left, int right)
+    Canvas& canvas, const LayerStack& stack, const std::string& empty_layers,
+    const PictureOptions& options, int left, int right)
 {
   const TextStyle title{18, kInk, true, Anchor::Start, Anchor::Middle, false};
   const TextStyle plain{12, kFaintInk, false, Anchor::Start, Anchor::Middle, false};
@@ -110,15 +130,18 @@ void draw_header(
     x -= 28;
   }
   canvas.text(fitted(text, title, x - left), left, y, title);
-  canvas.text(subtitle_of(stack), left, y + 34, plain);
+  std::string subtitle = subtitle_of(stack);
+  if (!empty_layers.empty()) subtitle += "; no cell has a value: " + drawable(empty_layers);
+  canvas.text(fitted(subtitle, plain, right - left), left, y + 34, plain);
 }
 }  // namespace
 
 cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options)
 {
-  const auto styles = styles_of(stack);
+  auto styles = styles_of(stack);
   if (stack.cells_x <= 0 || stack.cells_y <= 0 || styles.empty())
     throw std::runtime_error("nothing to draw: the map has no cells or layers");
+  const std::string empty_layers = take_out_empty(stack, styles);
   const PanelMargins m;
   const cv::Size plot = plot_size(stack);
   const cv::Size panel(plot.width + m.left + m.right, plot.height + m.top + m.bottom);
@@ -126,7 +149,8 @@ cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options)
   const int columns = std::min(kColumns, count), rows = (count + columns - 1) / columns;
   Canvas canvas(columns * panel.width + 2 * kEdge, rows * panel.height + kHeader + 2 * kEdge);
 
-  draw_header(canvas, stack, options, kEdge + m.left - 1, canvas.image().cols - kEdge - 40);
+  draw_header(
+      canvas, stack, empty_layers, options, kEdge + m.left - 1, canvas.image().cols - kEdge - 40);
   const ColourRange heights = height_range(stack);
   for (int i = 0; i < count; ++i)
   {

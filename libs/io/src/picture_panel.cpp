@@ -60,14 +60,31 @@ void draw_y_axis(Canvas& canvas, const cv::Rect& plot, const LayerStack& s)
   canvas.text("y [m]", plot.x - kTick - 14 - widest, plot.y + plot.height / 2.0, style);
 }
 
-/** A tip beyond an end of the scale says that some values lie beyond it. */
-void draw_tip(Canvas& canvas, const cv::Rect& bar, bool above, const cv::Vec3b& colour)
+/** A tip beyond an end of the scale says that some values lie beyond it, and how far. */
+void draw_tip(
+    Canvas& canvas, const cv::Rect& bar, bool above, const cv::Vec3b& colour,
+    const std::string& words)
 {
   const double y = above ? bar.y - 1 : bar.y + bar.height, tip = above ? y - 11 : y + 11;
   const cv::Scalar c(colour[0], colour[1], colour[2]);
   canvas.polygon(
       {{bar.x - 0.5, y}, {bar.x + bar.width - 0.5, y}, {bar.x + bar.width / 2.0 - 0.5, tip}}, c,
       kInk, 0.5);
+  const TextStyle text{10, kInk, false, Anchor::Start, Anchor::Middle, false};
+  // Clear of a tick at the end of the scale.
+  canvas.text(words, bar.x + bar.width + kTick + 6, above ? y - 17 : y + 17, text);
+}
+
+void draw_tips(
+    Canvas& canvas, const cv::Rect& bar, const cv::Mat& colours, const ColourRange& range,
+    double step)
+{
+  if (range.values_above)
+    draw_tip(
+        canvas, bar, true, colours.at<cv::Vec3b>(255), "up to " + tick_text(range.greatest, step));
+  if (range.values_below)
+    draw_tip(
+        canvas, bar, false, colours.at<cv::Vec3b>(0), "down to " + tick_text(range.least, step));
 }
 
 void draw_colour_scale(
@@ -82,10 +99,8 @@ void draw_colour_scale(
   cv::resize(scale, scale, bar.size(), 0, 0, cv::INTER_LINEAR);
   canvas.paste(scale, bar.x, bar.y);
   canvas.frame(bar, kInk);
-  if (range.values_above) draw_tip(canvas, bar, true, colours.at<cv::Vec3b>(255));
-  if (range.values_below) draw_tip(canvas, bar, false, colours.at<cv::Vec3b>(0));
-
   const auto ticks = ticks_between(range.low, range.high, std::max(4, bar.height / 60));
+  draw_tips(canvas, bar, colours, range, step_of(ticks));
   TextStyle text = kTickText;
   text.across = Anchor::Start;
   text.down = Anchor::Middle;

@@ -102,16 +102,30 @@ ColourRange robust_range(std::vector<float> values, float least_span)
   const auto unknown = [](float v) { return !std::isfinite(v); };
   values.erase(std::remove_if(values.begin(), values.end(), unknown), values.end());
   if (values.empty()) return {};
-  const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
-  ColourRange range{quantile(values, 0.01), quantile(values, 0.99), false, false};
+  ColourRange range;
+  range.low = quantile(values, 0.01);
+  range.high = quantile(values, 0.99);
   const float missing = least_span - (range.high - range.low);
   if (missing > 0)
   {
     range.low -= missing / 2;
     range.high += missing / 2;
   }
-  range.values_below = *smallest < range.low;
-  range.values_above = *largest > range.high;
+  return range_for(range, values);
+}
+
+ColourRange range_for(ColourRange range, const std::vector<float>& values)
+{
+  range.least = range.high;
+  range.greatest = range.low;
+  for (const float v : values)
+    if (std::isfinite(v))
+    {
+      range.least = std::min(range.least, v);
+      range.greatest = std::max(range.greatest, v);
+    }
+  range.values_below = range.least < range.low;
+  range.values_above = range.greatest > range.high;
   return range;
 }
 

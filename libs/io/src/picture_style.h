@@ -32,6 +32,7 @@ struct ColourRange
 {
   float low = 0, high = 1;
   bool values_below = false, values_above = false;  //!< some lie beyond the ends
+  float least = 0, greatest = 1;  //!< of the values shown
 };
 
 /** The legend of the layer `state`, in the order of CellState; the first is unknown. */
@@ -51,6 +52,9 @@ std::vector<float> shown_values(const LayerStack& stack, const LayerStyle& style
 /** From the smallest to the largest value, but for the outermost 1 % of them, and at least
  * `least_span` wide. NaN is ignored. */
 ColourRange robust_range(std::vector<float> values, float least_span);
+
+/** The same scale with what is said of the values set for these. NaN is ignored. */
+ColourRange range_for(ColourRange range, const std::vector<float>& values);
 
 /** 256 colours from low to high, a column of one pixel each (256 x 1, BGR). */
 cv::Mat colours_of(Palette palette);

@@ -4,6 +4,7 @@
 #include <mrpt/obs/registerAllClasses.h>
 #include <talus/io/mrpt_error.h>
 
+#include <new>
 #include <stdexcept>
 
 #include "input_file.h"
@@ -35,6 +36,10 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
     mrpt::serialization::CSerializable::Ptr object;
     archive_ >> object;
     if (object) return object;
+  }
+  catch (const std::bad_alloc&)
+  {
+    fail("needs more memory than there is. Most likely the log is damaged there");
   }
   catch (const std::exception& e)
   {

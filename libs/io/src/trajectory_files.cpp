@@ -53,6 +53,13 @@ std::vector<std::string_view> words_of(std::string_view line)
   return words;
 }
 
+/** A number as people and programs write it: with a plus sign too, which from_chars() refuses. */
+std::from_chars_result read_number(std::string_view word, double& value)
+{
+  const bool has_plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
+  return std::from_chars(word.data() + (has_plus ? 1 : 0), word.data() + word.size(), value);
+}
+
 /** The eight numbers of a TUM line, in its order. */
 std::array<double, 8> parse_numbers(
     const std::vector<std::string_view>& words, const std::string& path, std::size_t line)
@@ -65,7 +72,7 @@ std::array<double, 8> parse_numbers(
   for (std::size_t i = 0; i < v.size(); ++i)
   {
     const char* end = words[i].data() + words[i].size();
-    const auto [stop, error] = std::from_chars(words[i].data(), end, v[i]);
+    const auto [stop, error] = read_number(words[i], v[i]);
     if (error != std::errc() || stop != end)
       fail_at_line(
           path, line, quoted(words[i]) + " is not a number",
@@ -96,18 +103,66 @@ Trajectory::Entry parse_line(
   return {v[0], CPose3D(q, v[1], v[2], v[3])};
 }
 
-std::vector<Trajectory::Entry> load_tum(const std::string& path)
+struct TumLine
 {
+  std::size_t number;
+  Trajectory::Entry entry;
+};
+
+/** Stamps may have been rounded: two poses of one time may then differ by what a robot moves in
+ * that. */
+bool is_same_pose(const CPose3D& a, const CPose3D& b)
+{
+  constexpr double kMost_m = 0.05, kMost_rad = 0.02;
+  const CPose3D difference = b - a;
+  mrpt::math::CQuaternionDouble q;
+  difference.getAsQuaternion(q);
+  return difference.norm() <= kMost_m && 2 * std::acos(std::min(1.0, std::abs(q.r()))) <= kMost_rad;
+}
+
+/** Refuses two poses at one time: which of them holds is anybody's guess. */
+void require_one_pose_a_time(std::vector<TumLine> lines, const std::string& path)
+{
+  std::stable_sort(
+      lines.begin(), lines.end(),
+      [](const TumLine& a, const TumLine& b) { return a.entry.time_s < b.entry.time_s; });
+  for (std::size_t i = 1; i < lines.size(); ++i)
+  {
+    const auto& [first_line, first] = lines[i - 1];
+    const auto& [line, entry] = lines[i];
+    if (first.time_s == entry.time_s && !is_same_pose(first.T_map_base, entry.T_map_base))
+      fail_at_line(
+          path, line,
+          "another pose than line " + std::to_string(first_line) + " has at the same time",
+          "Delete one of them");
+  }
+}
+
+std::vector<TumLine> read_tum_lines(const std::string& path)
+{
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // of editors on Windows
   std::ifstream file(path);
-  std::vector<Trajectory::Entry> entries;
+  std::vector<TumLine> lines;
   std::string text;
   for (std::size_t line = 1; std::getline(file, text); ++line)
   {
-    const auto words = words_of(text);
-    if (!words.empty()) entries.push_back(parse_line(words, path, line));
+    std::string_view rest = text;
+    if (line == 1 && rest.substr(0, 3) == kByteOrderMark) rest.remove_prefix(3);
+    const auto words = words_of(rest);
+    if (!words.empty()) lines.push_back({line, parse_line(words, path, line)});
   }
-  if (entries.empty())
+  if (file.bad()) throw std::runtime_error(path + ": cannot be read to its end. Copy it again.");
+  return lines;
+}
+
+std::vector<Trajectory::Entry> load_tum(const std::string& path)
+{
+  const auto lines = read_tum_lines(path);
+  if (lines.empty())
     throw std::runtime_error(path + ": holds no poses. One a line is needed: " + kTumColumns + ".");
+  require_one_pose_a_time(lines, path);
+  std::vector<Trajectory::Entry> entries;
+  for (const auto& line : lines) entries.push_back(line.entry);
   return entries;
 }
 
@@ -130,16 +185,31 @@ mrpt::maps::CSimpleMap read_simplemap(const std::string& path)
       path + ": not a simplemap (" + reason + "). Pass a .simplemap of MRPT or a TUM text file.");
 }
 
+bool is_finite(const CPose3D& pose)
+{
+  const mrpt::math::CMatrixDouble44 T = pose.getHomogeneousMatrixVal<mrpt::math::CMatrixDouble44>();
+  return std::all_of(T.begin(), T.end(), [](double v) { return std::isfinite(v); });
+}
+
 /** The pose of each keyframe at the time stamps of its observations. */
 std::vector<Trajectory::Entry> load_simplemap(const std::string& path)
 {
   const auto map = read_simplemap(path);
   std::vector<Trajectory::Entry> entries;
+  std::size_t number = 0;
   for (const auto& keyframe : map)
-    if (keyframe.pose && keyframe.sf)
-      for (const auto& obs : *keyframe.sf)
-        if (obs->timestamp != INVALID_TIMESTAMP)
-          entries.push_back({mrpt::Clock::toDouble(obs->timestamp), keyframe.pose->getMeanVal()});
+  {
+    ++number;
+    if (!keyframe.pose || !keyframe.sf) continue;
+    const CPose3D T_map_base = keyframe.pose->getMeanVal();
+    if (!is_finite(T_map_base))
+      throw std::runtime_error(
+          path + ": the pose of keyframe " + std::to_string(number) + " of " +
+          std::to_string(map.size()) + " is not finite. Delete keyframes without a pose.");
+    for (const auto& obs : *keyframe.sf)
+      if (obs->timestamp != INVALID_TIMESTAMP)
+        entries.push_back({mrpt::Clock::toDouble(obs->timestamp), T_map_base});
+  }
   if (entries.empty())
     throw std::runtime_error(
         path + ": none of its " + std::to_string(map.size()) +

@@ -1,7 +1,9 @@
+#include <mrpt/obs/CObservation2DRangeScan.h>
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/pose_from.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "warn_once.h"
@@ -10,6 +12,16 @@ namespace talus
 {
 namespace
 {
+constexpr double kLevel_rad = 5 * M_PI / 180;
+
+/** A scanner that nods during the scan, or is tilted, sees heights. */
+bool is_level_scan(const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& T_map_sensor)
+{
+  const auto* scan = dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(&obs);
+  return scan && std::abs(scan->deltaPitch) < kLevel_rad &&
+         std::abs(T_map_sensor.getRotationMatrix()(2, 2)) > std::cos(kLevel_rad);
+}
+
 bool same_parameters(const Parameters& a, const Parameters& b)
 {
   const auto& table = parameter_table();
@@ -55,7 +67,10 @@ bool CDualElevationMap::internal_insertObservation(
       detail::warn_once(type + " holds no points that this map understands: ignored");
       return false;
     }
-    insertPoints(m_scratch, robotPose ? *robotPose : mrpt::poses::CPose3D());
+    const auto T_map_base = robotPose ? *robotPose : mrpt::poses::CPose3D();
+    insertPoints(m_scratch, T_map_base);
+    if (is_level_scan(obs, T_map_base + m_scratch.T_base_sensor))
+      detail::warn_once("a level 2D scan shows no terrain: what it hits counts as ground");
     return true;
   }
   catch (const std::exception& e)

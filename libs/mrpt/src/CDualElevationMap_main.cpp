@@ -2,16 +2,20 @@
 #include <mrpt/core/initializer.h>
 #include <mrpt/maps/TMetricMapTypesRegistry.h>
 #include <mrpt/serialization/CArchive.h>
+#include <mrpt/system/string_utils.h>
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/CObservationTraversability.h>
 #include <talus/mrpt/parameters_ini.h>
 #include <talus/mrpt/register.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 #include <utility>
 
+#include "ini_sections.h"
 #include "warn_once.h"
 
 namespace
@@ -29,27 +33,45 @@ const char* names_unless_registered()
   return Registry::Instance().getAllRegistered().count("talus::CDualElevationMap") ? "" : kNames;
 }
 
-/** Whether any section begins with this prefix. */
-bool has_sections(const mrpt::config::CConfigFileBase& source, const std::string& prefix)
+/** A map whose other sections are there: of one without any load_parameters() warns. */
+void warn_without_creation(const mrpt::config::CConfigFileBase& source, const std::string& prefix)
 {
-  std::vector<std::string> sections;
-  source.getAllSections(sections);
-  return std::any_of(
-      sections.begin(), sections.end(),
-      [&](const auto& s) { return s.rfind(prefix + "_", 0) == 0; });
+  const auto& endings = talus::detail::section_endings();
+  const bool any = std::any_of(
+      endings.begin(), endings.end(),
+      [&](const auto& e) { return source.sectionExists(prefix + e); });
+  if (any && !source.sectionExists(prefix + "_creationOpts"))
+    talus::detail::warn_once(
+        "no section [" + prefix +
+        "_creationOpts]: what belongs there (resolution, window, backend, threads) keeps its "
+        "default");
 }
 
-/** What a person should know about the sections of one map: `APP_terrain_00`. */
-void warn_sections(const mrpt::config::CConfigFileBase& source, const std::string& prefix)
+/** Sections `APP_NAME_07_...` where there are fewer maps of that name. */
+void warn_numbers(
+    const mrpt::config::CConfigFileBase& source, const std::string& app, const std::string& name)
 {
-  if (!has_sections(source, prefix))
-    talus::detail::warn_once(
-        "no section [" + prefix + "_creationOpts], [" + prefix +
-        "_insertOpts], ...: this map has the defaults");
-  const auto number = prefix.rfind('_');
-  const auto alias = number == std::string::npos ? number : prefix.rfind('_', number - 1);
-  if (alias == std::string::npos) return;
-  const std::string app = prefix.substr(0, alias);
+  const int count = source.read_int(app, name + "_count", 0);
+  if (count <= 0) return;
+  const std::string begin = mrpt::system::lowerCase(app + "_" + name + "_");
+  std::vector<std::string> sections;
+  source.getAllSections(sections);
+  for (const auto& s : sections)
+  {
+    if (mrpt::system::lowerCase(s).rfind(begin, 0) != 0) continue;
+    char* end = nullptr;
+    const char* digits = s.c_str() + begin.size();
+    const unsigned long number = std::strtoul(digits, &end, 10);
+    if (std::isdigit(static_cast<unsigned char>(*digits)) && *end == '_' &&
+        number >= static_cast<unsigned long>(count))
+      talus::detail::warn_once(
+          "section [" + s + "] is not read: [" + app + "] has " + name +
+          mrpt::format("_count = %d, and the first map is number 00", count));
+  }
+}
+
+void warn_names(const mrpt::config::CConfigFileBase& source, const std::string& app)
+{
   std::string names;
   int used = 0;
   for (const char* key :
@@ -58,6 +80,18 @@ void warn_sections(const mrpt::config::CConfigFileBase& source, const std::strin
   if (used > 1)
     talus::detail::warn_once(
         "[" + app + "] has " + names + ": each makes maps of its own; leave one of them");
+}
+
+/** What a person should know about the sections of one map: `APP_terrain_00`. */
+void warn_sections(const mrpt::config::CConfigFileBase& source, const std::string& prefix)
+{
+  warn_without_creation(source, prefix);
+  const auto number = prefix.rfind('_');
+  const auto name = number == std::string::npos ? number : prefix.rfind('_', number - 1);
+  if (name == std::string::npos) return;
+  const std::string app = prefix.substr(0, name);
+  warn_numbers(source, app, prefix.substr(name + 1, number - name - 1));
+  warn_names(source, app);
 }
 }  // namespace
 
@@ -75,6 +109,7 @@ void talus::CDualElevationMap::TMapDefinition::loadFromConfigFile_map_specific(
   resolution.reset();
   window.reset();
   load_execution(source, sectionNamePrefix, backend, threads);
+  place = detail::in_section(source, sectionNamePrefix + "_creationOpts");
   likelihoodOpts.loadFromConfigFile(source, sectionNamePrefix + "_likelihoodOpts");
   renderOpts.loadFromConfigFile(source, sectionNamePrefix + "_renderOpts");
 }
@@ -91,6 +126,22 @@ void talus::CDualElevationMap::TMapDefinition::dumpToTextStream_map_specific(
   renderOpts.dumpToTextStream(out);
 }
 
+namespace
+{
+/** An absent device is told now, not at the first scan. */
+void make_mapper_now(talus::CDualElevationMap& map, const std::string& place)
+{
+  try
+  {
+    map.mapper();
+  }
+  catch (const std::runtime_error& e)
+  {
+    throw std::runtime_error(e.what() + place);
+  }
+}
+}  // namespace
+
 // A pointer or a shared pointer, as this version of MRPT wants it.
 mrpt::maps::internal::MapCtorFromDefFunctor::result_type
 talus::CDualElevationMap::internal_CreateFromMapDefinition(
@@ -104,8 +155,7 @@ talus::CDualElevationMap::internal_CreateFromMapDefinition(
   auto map = std::make_unique<CDualElevationMap>(p, def.backend, def.threads);
   map->likelihoodOptions = def.likelihoodOpts;
   map->renderOptions = def.renderOpts;
-  if (def.backend == Backend::Cuda)
-    map->mapper();  // an absent device is told now, not at the first scan
+  if (def.backend == Backend::Cuda) make_mapper_now(*map, def.place);
   return mrpt::maps::internal::MapCtorFromDefFunctor::result_type(map.release());
 }
 //  =========== End of Map definition Block =========

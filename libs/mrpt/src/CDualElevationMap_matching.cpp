@@ -4,6 +4,7 @@
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <talus/mrpt/CDualElevationMap.h>
+#include <talus/point_filter.h>
 
 #include <cmath>
 #include <stdexcept>
@@ -17,18 +18,6 @@ using detail::SurfaceView;
 
 namespace
 {
-/** Stage 1's test of a point in the sensor frame, without its counters. */
-bool accepted(float x, float y, float z, const Parameters& p)
-{
-  const double range2 = double(x) * x + double(y) * y + double(z) * z;
-  if (!(range2 >= p.min_range_m * p.min_range_m && range2 <= p.max_range_m * p.max_range_m))
-    return false;
-  if (z < p.min_height_m || z > p.max_height_m) return false;
-  return !(
-      x > p.body_min_x_m && x < p.body_max_x_m && y > p.body_min_y_m && y < p.body_max_y_m &&
-      z > p.body_min_z_m && z < p.body_max_z_m);
-}
-
 double log_likelihood_of_point(
     const SurfaceView& map, const mrpt::math::TPoint3D& p_map,
     const CDualElevationMap::TLikelihoodOptions& o)
@@ -70,12 +59,13 @@ double CDualElevationMap::internal_computeObservationLikelihood(
   const SurfaceView map(mapper());
   const auto T_map_sensor = takenFrom + points.T_base_sensor;
   const auto step = static_cast<std::size_t>(std::max(1, likelihoodOptions.decimation));
+  const PointFilter filter(insertionOptions);
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < points.x_m.size(); i++)
   {
     const float x = points.x_m[i], y = points.y_m[i], z = points.z_m[i];
-    if (!accepted(x, y, z, insertionOptions) || count++ % step != 0) continue;
+    if (!filter.accepts(x, y, z) || count++ % step != 0) continue;
     const auto p_map = T_map_sensor.composePoint(mrpt::math::TPoint3D(x, y, z));
     sum += log_likelihood_of_point(map, p_map, likelihoodOptions);
   }

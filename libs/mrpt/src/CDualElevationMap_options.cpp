@@ -5,6 +5,7 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "ini_sections.h"
 #include "warn_once.h"
 
 namespace talus
@@ -20,9 +21,21 @@ void warn_keys(
   for (const auto& w : warnings) detail::warn_once(w);
 }
 
-void require(bool ok, const std::string& section, const std::string& what)
+void require(
+    bool ok, const mrpt::config::CConfigFileBase& c, const std::string& section,
+    const std::string& what)
 {
-  if (!ok) throw std::runtime_error("[" + section + "] " + what);
+  if (!ok) throw std::runtime_error(what + detail::in_section(c, section));
+}
+
+/** No padding of the name as MRPT's macros have it: an unsaved configuration would keep it as part
+ * of the key. */
+template <typename Value>
+void write(
+    mrpt::config::CConfigFileBase& c, const std::string& section, const char* key,
+    const Value& value, const char* comment)
+{
+  c.write(section, key, value, -1, 12, comment);
 }
 }  // namespace
 
@@ -38,7 +51,7 @@ void CDualElevationMap::TInsertionOptions::loadFromConfigFile(
   }
   catch (const std::invalid_argument& e)
   {
-    require(false, section, e.what());
+    require(false, source, section, e.what());
   }
   static_cast<Parameters&>(*this) = loaded;
   for (const auto& w : warnings) detail::warn_once(w);
@@ -68,19 +81,19 @@ void CDualElevationMap::TLikelihoodOptions::loadFromConfigFile(
   MRPT_LOAD_CONFIG_VAR_CS(decimation, int);
   const auto text = [&](const char* key)
   { return std::string(key) + " = '" + ini_value(c, s, key) + "': "; };
-  require(sigma_m > 0 && sigma_m <= 10, s, text("sigma_m") + "must be above 0 and at most 10 m");
+  require(sigma_m > 0 && sigma_m <= 10, c, s, text("sigma_m") + "must be above 0 and at most 10 m");
   require(
-      outlierRatio > 0 && outlierRatio < 1, s,
+      outlierRatio > 0 && outlierRatio < 1, c, s,
       text("outlierRatio") + "must lie between 0 and 1, both excluded");
-  require(decimation >= 1, s, text("decimation") + "must be 1 or more");
+  require(decimation >= 1, c, s, text("decimation") + "must be 1 or more");
 }
 
 void CDualElevationMap::TLikelihoodOptions::saveToConfigFile(
     mrpt::config::CConfigFileBase& c, const std::string& s) const
 {
-  MRPT_SAVE_CONFIG_VAR_COMMENT(sigma_m, "[m] standard deviation of a point");
-  MRPT_SAVE_CONFIG_VAR_COMMENT(outlierRatio, "part of the points that may fit nothing, (0,1)");
-  MRPT_SAVE_CONFIG_VAR_COMMENT(decimation, "takes one point of this many");
+  write(c, s, "sigma_m", sigma_m, "[m] standard deviation of a point");
+  write(c, s, "outlierRatio", outlierRatio, "part of the points that may fit nothing, (0,1)");
+  write(c, s, "decimation", decimation, "takes one point of this many");
 }
 
 void CDualElevationMap::TRenderOptions::loadFromConfigFile(
@@ -92,17 +105,18 @@ void CDualElevationMap::TRenderOptions::loadFromConfigFile(
   MRPT_LOAD_CONFIG_VAR_CS(colorByTraversability, bool);
   colormap = c.read_enum<mrpt::img::TColormap>(s, "colormap", colormap);
   MRPT_LOAD_CONFIG_VAR_CS(maxCells, int);
-  require(maxCells >= 2, s, "maxCells = '" + ini_value(c, s, "maxCells") + "': must be 2 or more");
+  require(
+      maxCells >= 2, c, s, "maxCells = '" + ini_value(c, s, "maxCells") + "': must be 2 or more");
 }
 
 void CDualElevationMap::TRenderOptions::saveToConfigFile(
     mrpt::config::CConfigFileBase& c, const std::string& s) const
 {
-  MRPT_SAVE_CONFIG_VAR_COMMENT(showGround, "");
-  MRPT_SAVE_CONFIG_VAR_COMMENT(showElevation, "with the ground shown: only what stands on it");
-  MRPT_SAVE_CONFIG_VAR_COMMENT(colorByTraversability, "red 0 to green 1; false: by height");
-  MRPT_SAVE_CONFIG_VAR_COMMENT(colormap, "of heights");
-  MRPT_SAVE_CONFIG_VAR_COMMENT(maxCells, "along a side; larger windows are thinned");
+  write(c, s, "showGround", showGround, "");
+  write(c, s, "showElevation", showElevation, "with the ground shown: only what stands on it");
+  write(c, s, "colorByTraversability", colorByTraversability, "red 0 to green 1; false: by height");
+  write(c, s, "colormap", colormap, "of heights");
+  write(c, s, "maxCells", maxCells, "along a side; larger windows are thinned");
 }
 
 }  // namespace talus

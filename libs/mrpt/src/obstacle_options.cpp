@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "ini_sections.h"
 #include "warn_once.h"
 
 namespace talus
@@ -50,17 +51,21 @@ constexpr std::array<Choice, 4> kChoices{{
 }};
 
 [[noreturn]] void fail(
-    const std::string& section, const std::string& key, const std::string& value,
+    const mrpt::config::CConfigFileBase& c, const std::string& section, const std::string& key,
     const std::string& allowed)
 {
-  throw std::runtime_error("[" + section + "] " + key + " = '" + value + "': must be " + allowed);
+  throw std::runtime_error(
+      key + " = '" + ini_value(c, section, key) + "': must be " + allowed +
+      detail::in_section(c, section));
 }
 
-CellPolicy policy_from(const std::string& section, const std::string& key, const std::string& text)
+CellPolicy policy_from(
+    const mrpt::config::CConfigFileBase& c, const std::string& section, const std::string& key)
 {
+  const std::string text = ini_value(c, section, key);
   for (std::size_t i = 0; i < kPolicyNames.size(); i++)
     if (text == kPolicyNames[i]) return static_cast<CellPolicy>(i);
-  fail(section, key, text, "free, near or obstacle");
+  fail(c, section, key, "free, near or obstacle");
 }
 
 std::vector<std::string> known_keys()
@@ -81,13 +86,11 @@ void ObstacleOptions::loadFromConfigFile(
   for (const auto& n : kNumbers)
   {
     const double v = c.read_double(s, n.name, this->*n.value);
-    if (!(v >= n.min && v <= n.max))
-      fail(s, n.name, ini_value(c, s, n.name), n.max == 1 ? "in [0, 1]" : "larger");
+    if (!(v >= n.min && v <= n.max)) fail(c, s, n.name, n.max == 1 ? "from 0 to 1" : "larger");
     this->*n.value = v;
   }
   for (const auto& choice : kChoices)
-    if (const auto text = ini_value(c, s, choice.name); !text.empty())
-      this->*choice.value = policy_from(s, choice.name, text);
+    if (!ini_value(c, s, choice.name).empty()) this->*choice.value = policy_from(c, s, choice.name);
   MRPT_LOAD_CONFIG_VAR_CS(boundary_only, bool);
 }
 

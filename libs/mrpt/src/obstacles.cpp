@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include "surface_view.h"
 
@@ -26,20 +27,22 @@ bool on_boundary(const std::vector<Passage>& cells, int n, int ix, int iy)
   return false;
 }
 
+/** Row and column of a square of the spacing: whole numbers, which may be greater than an integer.
+ */
+using Square = std::pair<double, double>;
+
 /** A cell that is given to the planner, robot frame seen from above. */
 struct Obstacle
 {
   double x_m, y_m;
   double height_m;  //!< above the ground of its cell
-  std::int64_t square;  //!< all with the same number share a square of the spacing
+  Square square;
 };
 
 /** The squares lie fixed in the map, so that points do not flicker while the robot moves. */
-std::int64_t square_of(double x_map, double y_map, double spacing_m)
+Square square_of(double x_map, double y_map, double spacing_m)
 {
-  const auto column = static_cast<std::int64_t>(std::floor(x_map / spacing_m));
-  const auto row = static_cast<std::int64_t>(std::floor(y_map / spacing_m));
-  return (row << 32) + column;
+  return {std::floor(y_map / spacing_m), std::floor(x_map / spacing_m)};
 }
 
 std::vector<Obstacle> find_obstacles(
@@ -59,7 +62,8 @@ std::vector<Obstacle> find_obstacles(
       if (dx * dx + dy * dy > o.range_m * o.range_m) continue;
       if (o.boundary_only && !on_boundary(cells, n, ix, iy)) continue;
       const double above = view.top(cell) - view.ground[cell];  // NaN where unknown
-      const auto square = o.spacing_m > 0 ? square_of(view.x_m(ix), view.y_m(iy), o.spacing_m) : 0;
+      const auto square =
+          o.spacing_m > 0 ? square_of(view.x_m(ix), view.y_m(iy), o.spacing_m) : Square{};
       found.push_back({c * dx + s * dy, -s * dx + c * dy, above > 0 ? above : 0.0, square});
     }
   return found;

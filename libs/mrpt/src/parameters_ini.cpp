@@ -1,3 +1,4 @@
+#include <mrpt/config/CConfigFile.h>
 #include <talus/mrpt/parameters_ini.h>
 
 #include <algorithm>
@@ -6,6 +7,8 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
+
+#include "ini_sections.h"
 
 namespace talus
 {
@@ -17,10 +20,6 @@ constexpr int kMaxThreads = 1024;
 const std::vector<std::string> kOtherKeys{
     "backend", "threads", "enableSaveAs3DObject", "enableObservationLikelihood",
     "enableObservationInsertion"};
-
-/** Endings of the sections of one map. */
-const std::vector<std::string> kSectionEndings{
-    "_creationOpts", "_insertOpts", "_likelihoodOpts", "_renderOpts"};
 
 std::string lower(std::string s)
 {
@@ -56,7 +55,7 @@ void warn_sections(
 {
   std::vector<std::string> sections, known;
   cfg.getAllSections(sections);
-  for (const auto& ending : kSectionEndings) known.push_back(prefix + ending);
+  for (const auto& ending : detail::section_endings()) known.push_back(prefix + ending);
   bool any = false;
   for (const auto& s : sections)
   {
@@ -66,12 +65,20 @@ void warn_sections(
       warnings.push_back("section [" + s + "] is not read; known are " + joined(known));
   }
   if (!any)
-    warnings.push_back("no section of " + joined(known) + " found: all parameters keep defaults");
+    warnings.push_back(
+        "no section [" + prefix + "_creationOpts], [" + prefix +
+        "_insertOpts], ...: this map has the defaults");
 }
 
-/** Adds "[section]" to what an invalid value says. */
+std::string of_file(const mrpt::config::CConfigFileBase& cfg)
+{
+  const auto* file = dynamic_cast<const mrpt::config::CConfigFile*>(&cfg);
+  return file ? " of " + file->getAssociatedFile() : std::string();
+}
+
+/** Adds `place` to what an invalid value says. */
 template <typename Function>
-void in_section(const std::string& section, Function&& f)
+void with_place(const std::string& place, Function&& f)
 {
   try
   {
@@ -79,11 +86,32 @@ void in_section(const std::string& section, Function&& f)
   }
   catch (const std::invalid_argument& e)
   {
-    throw std::runtime_error("[" + section + "] " + e.what());
+    throw std::runtime_error(e.what() + place);
   }
 }
 
 }  // namespace
+
+namespace detail
+{
+const std::vector<std::string>& section_endings()
+{
+  static const std::vector<std::string> endings{
+      "_creationOpts", "_insertOpts", "_likelihoodOpts", "_renderOpts"};
+  return endings;
+}
+
+std::string in_section(const mrpt::config::CConfigFileBase& cfg, const std::string& section)
+{
+  return " (in section " + section + of_file(cfg) + ")";
+}
+
+std::string in_sections(
+    const mrpt::config::CConfigFileBase& cfg, const std::string& a, const std::string& b)
+{
+  return " (in sections " + a + " and " + b + of_file(cfg) + ")";
+}
+}  // namespace detail
 
 std::string ini_value(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section, const std::string& key)
@@ -115,21 +143,24 @@ void load_parameter_section(
   std::vector<std::string> keys;
   cfg.getAllKeys(section, keys);
   std::set<std::string> seen;
+  const std::string place = detail::in_section(cfg, section);
   for (const auto& key : keys)
   {
     const std::string name = parameter_of_key(key);
     if (contains_name(kOtherKeys, key)) continue;
     if (!find_parameter(name))
     {
+      const std::string nearest = nearest_parameter_name(key);
       warnings.push_back(
-          "unknown key '" + key + "' in section [" + section + "]; the nearest known name is '" +
-          nearest_parameter_name(key) + "'");
+          "unknown key '" + key + "' in section [" + section + "]; " +
+          (nearest.empty() ? "doc/parameters.md lists the known ones"
+                           : "the nearest known name is '" + nearest + "'"));
       continue;
     }
     if (!seen.insert(name).second)
       warnings.push_back(
           "'" + key + "' in section [" + section + "] is given twice: the last value counts");
-    in_section(section, [&] { set_parameter(p, name, ini_value(cfg, section, key)); });
+    with_place(place, [&] { set_parameter(p, name, ini_value(cfg, section, key)); });
   }
 }
 
@@ -142,7 +173,7 @@ std::vector<std::string> load_parameters(
   const std::string insertion = section_prefix + "_insertOpts";
   load_parameter_section(cfg, creation, loaded, warnings);
   load_parameter_section(cfg, insertion, loaded, warnings);
-  in_section(creation + "], [" + insertion, [&] { loaded.validate(); });
+  with_place(detail::in_sections(cfg, creation, insertion), [&] { loaded.validate(); });
   warn_sections(cfg, section_prefix, warnings);
   p = loaded;
   return warnings;
@@ -153,8 +184,8 @@ void load_execution(
     int& threads)
 {
   const std::string section = section_prefix + "_creationOpts";
-  in_section(
-      section,
+  with_place(
+      detail::in_section(cfg, section),
       [&]
       {
         if (const auto text = ini_value(cfg, section, "backend"); !text.empty())

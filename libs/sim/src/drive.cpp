@@ -2,13 +2,23 @@
 #include <talus/sim/random.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <stdexcept>
+#include <string>
 
 namespace talus::sim
 {
 namespace
 {
 constexpr double kMaxFrames = 100000;
+
+std::string number(double v)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%.10g", v);
+  return text;
+}
 
 Scanner scanner_of(const World& world, const DriveOptions& options)
 {
@@ -43,9 +53,8 @@ Drive::Drive(const World& world, const DriveOptions& options)
   if (options.frames) frames = std::min(frames, static_cast<double>(*options.frames));
   if (!(frames <= kMaxFrames))
     throw std::runtime_error(
-        "world '" + world.name + "': the drive would have " +
-        std::to_string(static_cast<long long>(frames)) + " frames (" + std::to_string(duration_s) +
-        " s at " + std::to_string(scanner_.rate_hz) +
+        "world '" + world.name + "': the drive would have " + number(frames) + " frames (" +
+        number(duration_s) + " s at " + number(scanner_.rate_hz) +
         " Hz), the limit is 100000; shorten robot.path_m or robot.duration_s");
   frames_ = static_cast<int>(frames);
 }

@@ -49,6 +49,12 @@ std::string text_of(const YAML::Node& node)
   return out.str();
 }
 
+std::string key_text(const YAML::Node& key, const std::string& file, const std::string& where)
+{
+  if (!key.IsScalar()) fail_at(key, file, where, "a key must be a word, not a list or a map");
+  return key.Scalar();
+}
+
 }  // namespace
 
 void fail_at(
@@ -77,7 +83,7 @@ std::string only_key(
         node, file, where,
         "an entry must be one kind with its keys, e.g. `- " + known.front() +
             ": {...}`; known kinds: " + list_of(known));
-  const auto key = node.begin()->first.as<std::string>();
+  const auto key = key_text(node.begin()->first, file, where);
   if (std::find(known.begin(), known.end(), key) == known.end())
     fail_at(node.begin()->first, file, where, unknown_key(key, known));
   return key;
@@ -92,7 +98,7 @@ Fields::Fields(
   std::set<std::string> seen;
   for (const auto& entry : node)
   {
-    const auto key = entry.first.as<std::string>();
+    const auto key = key_text(entry.first, file, where);
     if (std::find(known.begin(), known.end(), key) == known.end())
       fail(entry.first, unknown_key(key, known));
     if (!seen.insert(key).second) fail(entry.first, "key '" + key + "' is given twice");

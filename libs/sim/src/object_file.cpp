@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <functional>
+#include <iomanip>
 #include <map>
+#include <sstream>
 
 #include "place_shapes.h"
 #include "world_parts.h"
@@ -31,6 +33,7 @@ class Builder
     const double height = f.number("height_m", kPositive);
     const double thickness = f.number_or("thickness_m", 0.1, kPositive);
     const Line line = line_of(f);
+    limit_parts(f, "to_m", std::ceil(line.length_m));
     const int pieces = std::max(1, static_cast<int>(std::ceil(line.length_m)));
     const double piece_m = line.length_m / pieces;
     for (int i = 0; i < pieces; ++i)
@@ -157,8 +160,9 @@ class Builder
     const double r = f.number_or("radius_m", 0.02, kPositive);
     const int bars = f.whole_or("bars", 2, 1, 20);
     const Line line = line_of(f);
-    const int spans = std::max(
-        1, static_cast<int>(std::lround(line.length_m / f.number_or("spacing_m", 1, kPositive))));
+    const double wanted = std::round(line.length_m / f.number_or("spacing_m", 1, kPositive));
+    limit_parts(f, f.has("spacing_m") ? "spacing_m" : "to_m", 1 + wanted * (1 + bars));
+    const int spans = std::max(1, static_cast<int>(wanted));
     for (int i = 0; i <= spans; ++i)
     {
       const Vec3 p = line.at(static_cast<double>(i) / spans);
@@ -189,6 +193,16 @@ class Builder
     const double dx = b[0] - a[0], dy = b[1] - a[1];
     if (std::hypot(dx, dy) < 1e-3) f.fail("to_m", "must differ from from_m");
     return {{a[0], a[1], 0}, dx, dy, std::hypot(dx, dy), std::atan2(dy, dx)};
+  }
+  /** Of one object; more would take hours, or not fit. */
+  static void limit_parts(const Fields& f, const std::string& key, double parts)
+  {
+    constexpr double kMostParts = 10000;
+    if (parts <= kMostParts) return;
+    std::ostringstream what;
+    what << "makes " << std::setprecision(15) << parts << " parts, the limit is " << kMostParts
+         << ": take a shorter line or fewer parts";
+    f.fail(key, what.str());
   }
   static double yaw(const Fields& f) { return radians(f.number_or("yaw_deg", 0, kAny)); }
   static double lift(const Fields& f) { return f.number_or("lift_m", 0, kAny); }

@@ -1,8 +1,13 @@
 #include <talus/sim/scanner.h>
+#include <yaml-cpp/depthguard.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
@@ -121,18 +126,27 @@ std::vector<Mover> parse_movers(const YAML::Node& list, const std::string& file,
   return movers;
 }
 
-World parse_world(const std::string& text, const std::string& file)
+namespace
 {
-  YAML::Node root;
-  try
-  {
-    root = YAML::Load(text);
-  }
-  catch (const YAML::Exception& e)
-  {
-    throw std::runtime_error(
-        file + ":" + std::to_string(e.mark.line + 1) + ": not valid YAML: " + e.msg);
-  }
+std::string at_line(const std::string& file, const YAML::Exception& e)
+{
+  return file + ":" + std::to_string(std::max(1, e.mark.line + 1)) + ": ";
+}
+
+YAML::Node only_document(const std::string& text, const std::string& file)
+{
+  const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+  for (std::size_t i = 1; i < documents.size(); ++i)
+    if (!documents[i].IsNull())
+      fail_at(
+          documents[i], file, "world",
+          "a second YAML document begins here; a file holds one world: remove it, or the '---' or "
+          "'...' before it");
+  return documents.empty() ? YAML::Node() : documents.front();
+}
+
+World world_from(const YAML::Node& root, const std::string& file)
+{
   const Fields f(
       root, file, "world",
       {"name", "description", "seed", "ground", "objects", "movers", "robot", "sensor"});
@@ -158,15 +172,41 @@ World parse_world(const std::string& text, const std::string& file)
   return w;
 }
 
+}  // namespace
+
+World parse_world(const std::string& text, const std::string& file)
+{
+  try
+  {
+    return world_from(only_document(text, file), file);
+  }
+  catch (const YAML::DeepRecursion& e)  // yaml-cpp calls it a "bad file"
+  {
+    throw std::runtime_error(at_line(file, e) + "lists and maps are nested too deeply");
+  }
+  catch (const YAML::Exception& e)
+  {
+    throw std::runtime_error(at_line(file, e) + "not valid YAML: " + e.msg);
+  }
+}
+
 World load_world(const std::string& path)
 {
-  if (std::filesystem::is_directory(path))
+  std::error_code ec;
+  if (std::filesystem::is_directory(path, ec))
     throw std::runtime_error("'" + path + "' is a directory; give a world file (.yaml)");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw std::runtime_error("'" + path + "' cannot be read; is the name right?");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return parse_world(text.str(), path);
+  std::string text;
+  try
+  {
+    text.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  catch (const std::ios_base::failure&)  // not to be taken for the end of the file
+  {
+    throw std::runtime_error("'" + path + "' cannot be read to its end: " + std::strerror(errno));
+  }
+  return parse_world(text, path);
 }
 
 }  // namespace talus::sim

@@ -94,8 +94,10 @@ class ElevationMapper
    * second one is, the map allocates what it needs for it. @{ */
 
   /** Begins a frame. The memory of its points must stay as it is until its finish() has returned;
-   * its path is not needed any longer. Throws std::invalid_argument for a pose that is not finite,
-   * std::logic_error if two frames are in flight; then nothing has changed. */
+   * its path is not needed any longer. Throws std::invalid_argument for more than 536,870,911
+   * points, for a pose (of the sensor or in the path) that is not finite or more than 1e9 cells
+   * away from the origin in x or y, and for a path whose times are not finite or descend;
+   * std::logic_error if two frames are in flight. Then nothing has changed. */
   void start(const Frame& frame);
   /** Ends the frame that was started first. Throws std::logic_error if none is in flight. */
   FrameReport finish();

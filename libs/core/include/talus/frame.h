@@ -42,9 +42,9 @@ struct Frame
   /** Optional time of each point [s] relative to stamp_s; nullptr when unknown. Used with `path`
    * only. */
   const float* time_s = nullptr;
-  /** Optional poses of the sensor during the scan, ascending in time, two or more: each point is
-   * then transformed with the pose interpolated at its time (deskew); points outside take the first
-   * or last pose. */
+  /** Optional poses of the sensor during the scan, two or more, which ascend in time (else the map
+   * throws): each point is then transformed with the pose interpolated at its time (deskew); points
+   * outside take the first or last pose. */
   std::vector<TimedPose> path;
 };
 

@@ -12,7 +12,9 @@ namespace talus
 /** Some layers of a map as one frame left them. Never changes. */
 struct MapSnapshot
 {
-  std::uint64_t frame = 0;  //!< 1 for the first frame that reached the map
+  /** 1 for the first frame that reached the live map, and counted on over its clear(): two
+   * snapshots of one live map never have the same number. */
+  std::uint64_t frame = 0;
   Pose T_map_sensor;  //!< of that frame
   FrameReport report;  //!< of that frame; has its stamp
   Window window;
@@ -24,7 +26,7 @@ struct MapSnapshot
   const std::vector<float>& layer(Layer l) const;
 };
 
-/** What became of the frames that a live map was given. */
+/** What became of the frames that a live map was given since it was made, also before a clear(). */
 struct LiveCounts
 {
   std::uint64_t mapped = 0;  //!< those after a step of the clock included
@@ -64,7 +66,8 @@ class LiveMap
   LiveCounts counts() const;
 
   /** Forgets the map and the time of its last frame; snapshot() is nullptr again. Snapshots that
-   * readers hold stay. */
+   * readers hold stay, and so that none is taken for a later one MapSnapshot::frame and counts() go
+   * on. */
   void clear();
 
  private:

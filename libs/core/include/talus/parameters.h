@@ -67,8 +67,8 @@ struct Parameters
 
   /// @name Stages 5 and 7: filling
   /// @{
-  double object_size_m =
-      1.0;  //!< measured ground narrower than this that stands out steeply is an object
+  double object_size_m = 1.0;  //!< measured ground narrower than this that stands out steeply is an
+                               //!< object; 2 to 65 cells, counted in steps of four
   double fill_search_m = 2.0;  //!< how far to look for measured ground, each way along the ray
   double fill_kernel_m = 2.0;  //!< support of the sparse kernel of eq. 8
   double fill_lambda = 1.0;  //!< weight of the prior of eq. 8, the lowest sample
@@ -124,7 +124,9 @@ const std::vector<ParameterInfo>& parameter_table();
 /** The parameter of that name (case ignored), or nullptr. */
 const ParameterInfo* find_parameter(const std::string& name);
 
-/** The known name nearest to a misspelt one by edit distance; for error messages. */
+/** The known name nearest to a misspelt one by edit distance, with or without the unit at its end;
+ * empty when that is more than a third of what was written (more than 1 for a short word). For
+ * error messages. */
 std::string nearest_parameter_name(const std::string& name);
 
 /** Parses the text of a value (a number, true/false, or the name of a choice) and sets it.

@@ -10,7 +10,8 @@ class AtomicFile
 {
  public:
   /** Creates the file beside `path` (symbolic links are followed). Throws std::runtime_error naming
-   * the file, why it cannot be written and what to do. */
+   * the file, why it cannot be written and what to do; also where a device or a pipe would be
+   * replaced. */
   explicit AtomicFile(const std::string& path);
   /** Without commit(): removes what was written. */
   ~AtomicFile();

@@ -13,8 +13,9 @@ struct PictureOptions
   double robot_x_m = 0, robot_y_m = 0, robot_yaw_rad = 0;
 };
 
-/** The picture a person looks at: the layers side by side, colour scales with units, axes in
- * metres, the robot and a legend of the cell states. 8-bit BGR. */
+/** The picture a person looks at: the layers side by side (those without any value only named),
+ * colour scales with units, axes in metres, the robot and a legend of the cell states. 8-bit BGR.
+ */
 cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options = {});
 
 /** draw_map() into a PNG, whole or not at all. Throws std::runtime_error naming the file and the

@@ -26,7 +26,8 @@ namespace talus
  * CObservationVelodyneScan, CObservationRotatingScan, CObservation3DRangeScan and
  * CObservation2DRangeScan. Points are placed at `robotPose (+) sensorPose`; any other class is
  * refused (insertObservation() returns false), and nothing throws. All heights are in the map
- * frame.
+ * frame. A 2D scanner must be tilted: a level scan shows no terrain, and what it hits, walls too,
+ * counts as ground that is flat and free (told once on stderr).
  *
  * Inside a CMultiMetricMap its name is `terrain`: `terrain_count = 1`, sections
  * `[<name>_terrain_00_creationOpts]` (resolution, window, backend, threads), `_insertOpts`,
@@ -134,6 +135,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   std::optional<double> window;  //!< side of the window [m]; set: goes before insertionOpts
   Backend backend{Backend::Auto};
   int threads{1};
+  std::string place;  //!< where a file has the backend, to end messages with; empty: made in code
   talus::CDualElevationMap::TInsertionOptions insertionOpts;
   talus::CDualElevationMap::TLikelihoodOptions likelihoodOpts;
   talus::CDualElevationMap::TRenderOptions renderOpts;

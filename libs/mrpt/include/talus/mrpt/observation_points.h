@@ -23,8 +23,10 @@ struct SensorPoints
  * block, both of dual ones), CObservationRotatingScan, CObservation3DRangeScan (every pixel),
  * CObservation2DRangeScan. Rays without a return give no point, nor do Velodyne and rotating-scan
  * returns outside the minRange..maxRange that the observation states. The memory of `out` is used
- * again. False for any other class, `out` is then untouched. Throws std::runtime_error when a
- * supported observation cannot be decoded (names class, label and reason). */
+ * again. Those of a level 2D scan all have one height: whoever maps them takes each wall that it
+ * hits for flat ground. False for any other class, `out` is then untouched. Throws
+ * std::runtime_error when a supported observation cannot be decoded (names class, label and
+ * reason). */
 bool points_from_observation(const mrpt::obs::CObservation& obs, SensorPoints& out);
 
 /** The points as a frame, its sensor at `T_map_base (+) T_base_sensor`; without a path. Valid as

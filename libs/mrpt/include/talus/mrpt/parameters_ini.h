@@ -14,7 +14,7 @@ namespace talus
  *
  * Returns warnings for a person: unknown keys (with key, section and the nearest known name), keys
  * given twice, sections of this prefix that nothing reads. Throws std::runtime_error that names
- * section, key, value and what is allowed; `p` is then unchanged. */
+ * key, value, what is allowed, section and file; `p` is then unchanged. */
 std::vector<std::string> load_parameters(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section_prefix, Parameters& p);
 
