@@ -1,6 +1,7 @@
 // libs/calibrate: derivatives, what is observable, the noise, what a log must have.
 #include <gtest/gtest.h>
 #include <talus/calibrate/calibrate.h>
+#include <talus/calibrate/contact.h>
 #include <talus/calibrate/first_guess.h>
 #include <talus/calibrate/observability.h>
 #include <talus/sim/drive.h>
@@ -129,6 +130,17 @@ TEST(CalibratePoseTrack, GoesThroughThePosesAndHasNoJumpsInItsVelocity)
   }
   EXPECT_FALSE(track.covers(-0.1));
   EXPECT_TRUE(track.covers(0.45));
+}
+
+TEST(CalibratePoseTrack, TakesAsLongAsItsPosesWhereOneIsOfAnotherYear)
+{
+  std::vector<io::Trajectory::Entry> poses{{0, mrpt::poses::CPose3D()}};
+  for (int i = 0; i < 10; ++i)
+    poses.push_back({1.7e9 + 0.1 * i, mrpt::poses::CPose3D(0.1 * i, 0, 0.5, 0, 0, 0)});
+  const auto places = driven_places(PoseTrack(io::Trajectory(poses), 0.5), 0.5);
+  ASSERT_GT(places.size(), 20U);
+  EXPECT_NEAR(places[1].time_s, 1.7e9, 0.01);
+  EXPECT_NEAR(places.back().time_s, 1.7e9 + 0.9, 0.04);
 }
 
 TEST(CalibrateFirstGuess, IsRightToADegreeWhereTheGroundIsLevelOnAverage)

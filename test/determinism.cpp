@@ -1,8 +1,14 @@
 #include <gtest/gtest.h>
 #include "scene.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstring>
+#include <fstream>
+#include <limits>
+#include <new>
 #include <numeric>
 
 using namespace talus;
@@ -155,6 +161,58 @@ TEST(Determinism, BytesThatAreNoSavedMapAreRefused)
   EXPECT_THROW(smaller.map.restore(m.map.save()), std::invalid_argument);
   EXPECT_EQ(m.state(1, 1), CellState::Measured);
 }
+
+TEST(Determinism, DamagedSavedMapsAreRefused)
+{
+  TestMap m;
+  m.update(Scan().add(1, 1, 0));
+  const auto sound = m.map.save();
+  const std::size_t cells = m.map.layer(Layer::State).size(), header = 72;
+  const auto refuses = [&](std::size_t at, auto value)
+  {
+    auto bytes = sound;
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+    EXPECT_THROW(m.map.restore(bytes), std::invalid_argument) << at;
+  };
+  refuses(16, std::numeric_limits<std::int64_t>::min());  // where the window lies
+  refuses(32, std::nan(""));  // the axis of the sensor
+  refuses(64, INFINITY);  // its height
+  refuses(header, INFINITY);  // the ground
+  refuses(header + 4 * cells, -1.0f);  // its variance
+  refuses(header + 16 * cells, std::uint8_t{4});  // a state
+  refuses(sound.size() - 4, INFINITY);  // traversability
+  EXPECT_EQ(m.state(1, 1), CellState::Measured);
+  EXPECT_NO_THROW(m.map.restore(sound));
+}
+
+#if !defined(__SANITIZE_ADDRESS__)  // which ends the program where memory ends
+TEST(Determinism, AFrameThatThereIsNoMemoryForLeavesNoTrace)
+{
+  if (tested_backend() != Backend::Cpu) GTEST_SKIP() << "a device has memory of its own";
+  TestMap m, other;
+  for (TestMap* map : {&m, &other})
+  {
+    map->map.set_output_layers({Layer::Traversability});
+    map->update(Scan().add(1, 1, 0));
+  }
+  Random noise(8);
+  const Scan scan = drive_frame(0, noise);
+  Frame huge = scan.frame();
+  huge.size = 20'000'000;  // its points are not read before there is room for them
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
+  rlimit limit = before;  // enough for one of the arrays
+  limit.rlim_cur = pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + (128 << 20);
+  ASSERT_EQ(::setrlimit(RLIMIT_AS, &limit), 0);
+  EXPECT_THROW(m.map.update(huge), std::bad_alloc);
+  ASSERT_EQ(::setrlimit(RLIMIT_AS, &before), 0);
+  expect_same_bits(m.map, other.map, 1);
+  for (TestMap* map : {&m, &other}) map->update(scan);
+  expect_same_bits(m.map, other.map, 2);
+}
+#endif
 
 TEST(Determinism, ClearForgetsEverything)
 {

@@ -222,7 +222,7 @@ TEST(FramesInFlight, WhatNoFrameMayHaveThrowsAtTheStartAndChangesNothing)
   ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(0)));
   const Scan scan = scan_at(1);
   const Frame good = scan.frame();
-  std::vector<Frame> bad(8, good);
+  std::vector<Frame> bad(13, good);
   bad[0].size = 536870912;
   bad[1].T_map_sensor.m[7] = -1.01e9 * maps.overlapped.parameters().resolution_m;
   const TimedPose start{0, good.T_map_sensor}, end{0.1, good.T_map_sensor};
@@ -234,6 +234,12 @@ TEST(FramesInFlight, WhatNoFrameMayHaveThrowsAtTheStartAndChangesNothing)
   bad[5].path = {start, {0.2, good.T_map_sensor}, end};
   bad[6].path = {start, {NAN, good.T_map_sensor}, end};
   bad[7].path = {start, {INFINITY, good.T_map_sensor}};
+  bad[8].y_m = nullptr;
+  bad[9].T_map_sensor.m[11] = -1.01e5;
+  bad[10].T_map_sensor.m[0] = 1.1;
+  bad[11].T_map_sensor.m[10] = -1;  // mirrored
+  bad[12].path = {start, end};
+  bad[12].path[1].T_map_sensor.m = {};
   for (std::size_t i = 0; i < bad.size(); i++)
   {
     EXPECT_THROW(maps.overlapped.start(bad[i]), std::invalid_argument) << i;

@@ -136,6 +136,28 @@ TEST(GeoTiff, reading_says_what_is_wrong_with_a_file)
   expect_error([&] { read_geotiff(dir / ""); }, {"GeoTIFF"});
 }
 
+TEST(GeoTiff, reading_refuses_a_place_that_is_none_and_more_cells_than_fit)
+{
+  const ScratchDir dir;
+  GDALAllRegister();
+  const auto write = [&](const std::string& path, int cells, double west)
+  {
+    const char* const nothing_written[] = {"SPARSE_OK=TRUE", nullptr};
+    auto* tif = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+        path.c_str(), cells, cells, 1, GDT_Float32, const_cast<char**>(nothing_written));
+    ASSERT_TRUE(tif);
+    double t[6] = {west, 0.5, 0, 10, 0, -0.5};
+    tif->SetGeoTransform(t);
+    GDALClose(tif);
+  };
+  write(dir / "sound.tif", 4, 0);
+  EXPECT_EQ(read_geotiff(dir / "sound.tif").cells_x, 4);
+  write(dir / "nowhere.tif", 4, kNan);
+  expect_error([&] { read_geotiff(dir / "nowhere.tif"); }, {"nowhere.tif", "north-up"});
+  write(dir / "huge.tif", 100'000, 0);
+  expect_error([&] { read_geotiff(dir / "huge.tif"); }, {"huge.tif", "2^30 cells"});
+}
+
 TEST(GeoTiff, holds_every_layer_of_a_map_in_their_order)
 {
   const ElevationMapper map;

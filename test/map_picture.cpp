@@ -171,6 +171,26 @@ TEST(MapPicture, copes_with_layers_that_are_empty_level_infinite_or_far_away)
   EXPECT_NO_THROW(draw_map(far, options));
 }
 
+TEST(MapPicture, is_not_drawn_of_layers_that_do_not_fit_or_lie_nowhere)
+{
+  const auto sound = stack_of({"elevation", "slope"}, [](int, int) { return 1.0F; });
+  LayerStack bad = sound;
+  bad.layers[1].pop_back();
+  expect_error([&] { draw_map(bad); }, {"'slope'"});
+  bad = sound;
+  bad.layers.pop_back();
+  expect_error([&] { draw_map(bad); }, {"no cells or layers"});
+  for (const double m : {0.0, std::nan("")})
+  {
+    bad = sound;
+    bad.resolution_m = m;
+    expect_error([&] { draw_map(bad); }, {"no place"});
+  }
+  LayerStack far = sound;
+  far.min_x_m = 1e15;  // neighbouring cells are one number there
+  EXPECT_NO_THROW(draw_map(far));
+}
+
 TEST(MapPicture, writes_a_png_whole_or_not_at_all)
 {
   const ScratchDir dir;

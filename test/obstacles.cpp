@@ -5,6 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
 
 #include "room_for_maps.h"
 
@@ -55,6 +59,27 @@ ObstacleOptions near_box()
   return o;
 }
 CDualElevationMap seen_room() { return talus_test::map_of_room(); }
+
+/** What a live map shows of the frames of map_of_room(). */
+MapSnapshot snapshot_of_room()
+{
+  LiveMap live(
+      talus_test::small_window(),
+      {Layer::GroundElevation, Layer::Elevation, Layer::Variance, Layer::State, Layer::Sparsity,
+       Layer::Traversability},
+      Backend::Cpu);
+  SensorPoints points;
+  for (int i = 0; i < 3; i++)
+  {
+    const CPose3D pose(0.03 * i, -0.02 * i, 0, 0.1 * i, 0, 0);
+    EXPECT_TRUE(points_from_observation(talus_test::scan_of_room(pose), points));
+    Frame frame = frame_from(points, pose);
+    frame.stamp_s += 0.1 * i;
+    EXPECT_EQ(live.ingest(frame), FrameOrder::Newest);
+  }
+  return *live.snapshot();
+}
+
 const CPose3D kRight(0, -0.6, 0, 0, 0, 0);  // a place from where the range holds only that box
 
 constexpr double kCell_m = 0.05, kFeature_m = 0.15;
@@ -116,23 +141,9 @@ TEST(Obstacles, reach_the_prisms_that_the_box_is_high_enough_for)
 
 TEST(Obstacles, of_a_snapshot_are_those_of_the_map)
 {
-  LiveMap live(
-      talus_test::small_window(),
-      {Layer::GroundElevation, Layer::Elevation, Layer::Variance, Layer::State, Layer::Sparsity,
-       Layer::Traversability},
-      Backend::Cpu);
-  SensorPoints points;
-  for (int i = 0; i < 3; i++)  // as map_of_room()
-  {
-    const CPose3D pose(0.03 * i, -0.02 * i, 0, 0.1 * i, 0, 0);
-    ASSERT_TRUE(points_from_observation(talus_test::scan_of_room(pose), points));
-    Frame frame = frame_from(points, pose);
-    frame.stamp_s += 0.1 * i;
-    ASSERT_EQ(live.ingest(frame), FrameOrder::Newest);
-  }
   CSimplePointsMap of_map, of_snapshot;
   obstacles_2d(seen_room().mapper(), kRight, near_box(), of_map);
-  obstacles_2d(*live.snapshot(), kRight, near_box(), of_snapshot);
+  obstacles_2d(snapshot_of_room(), kRight, near_box(), of_snapshot);
   ASSERT_GT(of_map.size(), 8U);
   EXPECT_EQ(of_map.getPointsBufferRef_x(), of_snapshot.getPointsBufferRef_x());
   EXPECT_EQ(of_map.getPointsBufferRef_y(), of_snapshot.getPointsBufferRef_y());
@@ -208,6 +219,53 @@ TEST(Costmap, of_the_world_keeps_what_left_the_window)
   COccupancyGridMap2D other;
   other.setSize(-10, 10, -10, 10, 0.1F);
   EXPECT_THROW(update_costmap(map.mapper(), {}, {}, other), std::invalid_argument);
+}
+
+TEST(Costmap, stays_as_it_is_where_the_window_lies_far_outside_of_it)
+{
+  MapSnapshot far_away = snapshot_of_room();
+  far_away.window.min_cell_x -= std::int64_t{1} << 32;  // an int would wrap back into the costmap
+  COccupancyGridMap2D world;
+  world.setSize(-10, 10, -10, 10, 0.05F, 0.6F);
+  update_costmap(far_away, {}, only_measured(), world);
+  EXPECT_NEAR(world.getPos(1.3F, 0.5F), 0.6F, 0.01F) << "the box";
+  EXPECT_NEAR(world.getPos(0.5F, -1.5F), 0.6F, 0.01F) << "the floor";
+}
+
+TEST(Costmap, is_refused_where_its_borders_cannot_be_told_apart)
+{
+  CDualElevationMap map(talus_test::small_window(), Backend::Cpu);
+  ASSERT_TRUE(
+      map.insertObservation(talus_test::scan_of_room({}), CPose3D(300000.3, 0, 0, 0, 0, 0)));
+  COccupancyGridMap2D grid;
+  try
+  {
+    map.getAsOccupancyGrid(grid, only_measured());
+    ADD_FAILURE() << "accepted";
+  }
+  catch (const std::invalid_argument& e)
+  {
+    EXPECT_NE(
+        std::string(e.what()).find("choose a map frame whose origin is near"), std::string::npos)
+        << e.what();
+  }
+}
+
+TEST(Obstacles, are_not_made_of_numbers_that_are_none)
+{
+  const auto map = seen_room();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  CSimplePointsMap points;
+  COccupancyGridMap2D grid;
+  for (const CPose3D& pose : {CPose3D(NAN, 0, 0, 0, 0, 0), CPose3D(0, 0, kInfinity, 0, 0, 0)})
+  {
+    EXPECT_THROW(obstacles_2d(map.mapper(), pose, {}, points), std::invalid_argument);
+    EXPECT_THROW(obstacles_3d(map.mapper(), pose, {}, {0.5}, points), std::invalid_argument);
+    EXPECT_THROW(costmap_from_map(map.mapper(), pose, {}, grid), std::invalid_argument);
+  }
+  ObstacleOptions o;
+  o.blocked_at = NAN;
+  EXPECT_THROW(obstacles_2d(map.mapper(), {}, o, points), std::invalid_argument);
 }
 
 TEST(ObstacleOptions, come_back_from_an_ini_file)

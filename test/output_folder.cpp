@@ -1,11 +1,15 @@
 // Where talus-map puts its results: all of them appear, or none.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <csignal>
+#include <fstream>
 #include <stdexcept>
 #include <thread>
 
-#include "apps/talus-map/output_folder.h"
+#include "apps/common/child_process.h"
+#include "apps/common/output_folder.h"
 #include "log_files.h"
 
 namespace fs = std::filesystem;
@@ -55,4 +59,51 @@ TEST(OutputFolder, can_be_made_while_another_run_removes_the_same_folder_again)
   std::thread other(make_often);
   make_often();
   other.join();
+}
+
+TEST(OutputFolder, tells_of_its_hidden_folder_by_the_name_that_was_given)
+{
+  const ScratchDir dir;
+  const std::string name = dir / "out";
+  OutputFolder output(name);
+  EXPECT_EQ(
+      output.told(output.staging() + "/a and " + output.staging() + "/b"),
+      name + "/a and " + name + "/b");
+  write_bytes(output.staging() + "/map.tif", "new");
+  try
+  {
+    output.commit([&] { throw std::runtime_error(output.staging() + "/map.tif: is gone"); });
+    ADD_FAILURE() << "nothing thrown";
+  }
+  catch (const std::runtime_error& e)
+  {
+    EXPECT_EQ(e.what(), name + "/map.tif: is gone");
+  }
+}
+
+TEST(OutputFolder, makes_of_a_limit_on_the_size_of_files_an_error_that_can_be_told)
+{
+  const auto end = talus::app::run_in_child(
+      []
+      {
+        const ScratchDir dir;
+        const OutputFolder output(dir / "out");
+        const rlimit limit{8, 8};
+        if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) return 1;
+        return (std::ofstream(output.staging() + "/a") << "too long"
+                                                       << " for it")
+                       .flush()
+                   ? 2
+                   : 0;
+      });
+  EXPECT_EQ(end.signal, 0);
+  EXPECT_EQ(end.exit_code, 0);
+}
+
+TEST(ChildProcess, goes_on_ignoring_what_the_program_ignores)
+{
+  const auto before = std::signal(SIGHUP, SIG_IGN);
+  const auto end = talus::app::run_in_child([] { return std::raise(SIGHUP); });
+  std::signal(SIGHUP, before);
+  EXPECT_EQ(end.signal, 0) << "as under nohup";
 }

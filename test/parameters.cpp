@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 #include <talus/elevation_mapper.h>
 
+#include <utility>
+
 using namespace talus;
 
 namespace
@@ -112,6 +114,28 @@ TEST(Parameters, AnObjectSizeThatTheCellsCannotCountIsRefusedWithWhatIsPossible)
   p = {};
   p.resolution_m = 1;
   EXPECT_NE(message_of(p).find("from 2 to 65 m"), std::string::npos) << message_of(p);
+}
+
+TEST(Parameters, ABodyWithoutVolumeIsRefusedUnlessItIsNone)
+{
+  Parameters p;
+  p.body_min_x_m = -0.5, p.body_max_x_m = 0.5;
+  EXPECT_NE(message_of(p).find("no extent in y"), std::string::npos) << message_of(p);
+  p.body_min_y_m = -0.3, p.body_max_y_m = 0.3;
+  p.body_min_z_m = 0.1, p.body_max_z_m = -0.8;
+  EXPECT_NE(message_of(p).find("set body_min_z_m below"), std::string::npos) << message_of(p);
+  std::swap(p.body_min_z_m, p.body_max_z_m);
+  EXPECT_EQ(message_of(p), "");
+}
+
+TEST(Parameters, VoxelsThatCannotBeCountedAreRefused)
+{
+  Parameters p;
+  p.voxel_m = 1e-5;
+  EXPECT_EQ(message_of(p), "");
+  p.max_range_m = 1e6;
+  EXPECT_NE(message_of(p).find("voxel_m = 1e-05 m is too small"), std::string::npos)
+      << message_of(p);
 }
 
 TEST(Parameters, OnlyANameThatIsNearIsOffered)

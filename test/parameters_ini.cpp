@@ -2,6 +2,8 @@
 #include <mrpt/config/CConfigFile.h>
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/core/exceptions.h>
+#include <talus/mrpt/CDualElevationMap.h>
+#include <talus/mrpt/obstacles.h>
 #include <talus/mrpt/parameters_ini.h>
 
 #include <cstdio>
@@ -21,19 +23,31 @@ std::vector<std::string> load(const std::string& text, Parameters& p)
   return talus::load_parameters(CConfigFileMemory(text), "Map", p);
 }
 
-/** The message of the std::runtime_error that loading the text throws. */
-std::string error_of(const std::string& text)
+/** The message of the std::runtime_error that the function throws. */
+template <typename Function>
+std::string message_of(Function&& f)
 {
-  Parameters p;
   try
   {
-    load(text, p);
+    f();
   }
   catch (const std::runtime_error& e)
   {
     return e.what();
   }
   return "no error";
+}
+
+std::string error_of(const std::string& text)
+{
+  Parameters p;
+  return message_of([&] { load(text, p); });
+}
+
+/** What require_sound_ini() finds in the sections Map_a and Map_b. */
+std::string flaw_of(const std::string& text)
+{
+  return message_of([&] { talus::require_sound_ini(text, "f.ini", {"Map_a", "Map_b"}); });
 }
 
 bool contains(const std::string& text, const std::string& part)
@@ -125,18 +139,95 @@ TEST(ParametersIni, what_mrpt_prints_of_an_error_is_the_whole_of_it)
 TEST(ParametersIni, an_error_names_the_file_where_there_is_one)
 {
   const std::string file = testing::TempDir() + "talus_parameters_ini.ini";
-  std::ofstream(file) << "[Map_insertOpts]\nlambda_t = x\n";
-  Parameters p;
-  try
+  const auto message = [&](const std::string& text)
   {
-    talus::load_parameters(mrpt::config::CConfigFile(file), "Map", p);
-    FAIL() << "nothing thrown";
-  }
-  catch (const std::runtime_error& e)
-  {
-    EXPECT_TRUE(contains(e.what(), "(in section Map_insertOpts of " + file + ")")) << e.what();
-  }
+    std::ofstream(file) << "[Map_insertOpts]\n" << text;
+    Parameters p;
+    return message_of([&] { talus::load_parameters(mrpt::config::CConfigFile(file), "Map", p); });
+  };
+  const std::string value = message("lambda_t = x\n"), line = message("\nlambda_t 2\n");
+  EXPECT_TRUE(contains(value, "(in section Map_insertOpts of " + file + ")")) << value;
+  EXPECT_EQ(line.rfind(file + ":3: 'lambda_t 2' has no '='", 0), 0U) << line;
   std::remove(file.c_str());
+}
+
+TEST(ParametersIni, what_mrpt_would_drop_without_a_word_is_refused_with_its_line)
+{
+  using namespace std::string_literals;
+  const std::vector<std::pair<std::string, std::string>> flaws{
+      {"[Map_a]\nx 1\n", "f.ini:2: 'x 1' has no '='"},
+      {"[Map_a]\r\n\r\nx 1 ; = m\r\n", "f.ini:3: 'x 1' has no '='"},
+      {"[Map_a]\ny = \\\n2\n= 1\n", "f.ini:4: '= 1' has no name"},
+      {"[Map_a]\nx = 1\ny = 1\n X= 2\n", "f.ini:4: 'X' is given again, first in line 2"},
+      {"[Map_b]\nx = 1\n[map_B]\nx = 2\n", "f.ini:4: 'x' is given again, first in line 2"},
+      {"[Map_a]\n# see \\\nx = 1\n", "f.ini:2: a comment that ends in a backslash"},
+      {"[Map_a]\nx = 1 // m \\\ny = 1\n", "f.ini:2: a comment that ends in a backslash"},
+      {"[Map_a] x = 1\n", "f.ini:1: nothing behind the name of a section is read"},
+      {"[Other]\n[Map_a\nx = 1\n", "f.ini:2: the name of this section has no closing bracket"},
+      {"[Map_a]\nx = 1\0\n"s, "f.ini:2: a NUL byte"},
+      {"[Other]\n\0\n[Map_a]\n"s, "f.ini:2: a NUL byte"}};
+  for (const auto& [text, flaw] : flaws)
+    EXPECT_EQ(flaw_of(text).rfind(flaw, 0), 0U) << flaw_of(text);
+}
+
+TEST(ParametersIni, what_mrpt_understands_and_the_sections_of_others_are_left_alone)
+{
+  for (const std::string text :
+       {"", "\xef\xbb\xbf[Map_a] // the first\nx = 1\n[Map_b]\nx = 1\n",
+        "; a\n  # b\n[Map_a]\n// x = 1\n// x = 2\nno = // value\n",
+        "@define N 3 \\\n[Map_a]\nx = ${N}\n@define M x\ny = $eval{2 * N}\n",
+        "[Map_a]\nx = 1 + \\\r\n  2 + \\\n  3 ; six\ny = 1 = 2",
+        "[Other]\nx\nx = 1\nx = 1\n[Map_a\\\n]\nx = 1\n[Map\nx\n[Map_aa] y\nz\n"})
+    EXPECT_EQ(flaw_of(text), "no error") << text;
+}
+
+TEST(ParametersIni, what_an_error_quotes_is_short_and_shows_in_any_terminal_and_in_mrpt)
+{
+  const auto quote_of = [](const std::string& line)
+  {
+    const std::string flaw = flaw_of("[Map_a]\n" + line);
+    const auto from = flaw.find('\''), to = flaw.find("' has no '='");
+    return flaw.substr(from + 1, to - from - 1);
+  };
+  EXPECT_EQ(quote_of("x\033[2J"), "x...");
+  EXPECT_EQ(quote_of("range [m]"), "range ...");
+  EXPECT_EQ(quote_of(std::string(10000, 'x')), std::string(60, 'x') + "...");
+}
+
+TEST(ParametersIni, a_parameter_with_and_without_its_unit_is_refused)
+{
+  const std::string message =
+      error_of("[Map_creationOpts]\nresolution_m = 0.1\nresolution = 0.2\n");
+  EXPECT_TRUE(contains(message, "resolution_m is given twice")) << message;
+  EXPECT_TRUE(contains(message, "(in section Map_creationOpts)")) << message;
+}
+
+TEST(ParametersIni, a_comment_with_slashes_is_no_unknown_key)
+{
+  Parameters p;
+  EXPECT_TRUE(load("[Map_insertOpts]\n// clearance_m = 0.7\n", p).empty());
+  EXPECT_EQ(p.clearance_m, Parameters().clearance_m);
+}
+
+TEST(ParametersIni, options_refuse_what_mrpt_would_read_as_some_other_value)
+{
+  talus::CDualElevationMap::TLikelihoodOptions likelihood;
+  talus::CDualElevationMap::TRenderOptions render;
+  talus::ObstacleOptions obstacles;
+  const std::vector<std::pair<mrpt::config::CLoadableOptions*, std::string>> wrong{
+      {&likelihood, "sigma_m = 0.05m"},  {&likelihood, "outlierRatio = "},
+      {&likelihood, "decimation = 2.7"}, {&likelihood, "decimation = 1e12"},
+      {&render, "showGround = maybe"},   {&render, "maxCells = many"},
+      {&obstacles, "near_m = far"},      {&obstacles, "z_m = nan"},
+      {&obstacles, "unknown = "},        {&obstacles, "boundary_only = 2"}};
+  for (const auto& [options, line] : wrong)
+  {
+    const std::string key = line.substr(0, line.find(' ')), value = line.substr(key.size() + 3);
+    const std::string message = message_of(
+        [&, o = options, l = line] { o->loadFromConfigFile(CConfigFileMemory("[S]\n" + l), "S"); });
+    EXPECT_EQ(message.rfind(key + " = '" + value + "': must be ", 0), 0U) << message;
+    EXPECT_TRUE(contains(message, "(in section S)")) << message;
+  }
 }
 
 TEST(ParametersIni, a_bad_value_names_section_key_value_and_range_and_changes_nothing)

@@ -273,6 +273,22 @@ TEST(RawlogReader, NamesTheByteWhereALogIsDamaged)
   }
 }
 
+TEST(RawlogReader, NamesTheByteOfAFrameThatLacksAnObservation)
+{
+  const ScratchDir dir;
+  write_log(dir / "a.rawlog", {frame_of({})}, Packing::Plain);
+  auto bytes = read_bytes(dir / "a.rawlog");
+  const std::string name = "CSensoryFrame", null = "\x87nullptr\x88";
+  const auto size_at = bytes.find(name) + name.size() + 1;  // behind its version
+  ASSERT_EQ(bytes.substr(size_at), std::string(4, '\0') + "\x88");
+  bytes[size_at] = 1;
+  bytes.insert(size_at + 4, null);
+  write_bytes(dir / "bad.rawlog", bytes);
+  const std::vector<std::string> words{"bad.rawlog", "byte 0", "null object", "damaged"};
+  expect_error([&] { read_all(dir / "bad.rawlog"); }, words);
+  expect_error([&] { trajectory_from_rawlog(dir / "bad.rawlog"); }, words);
+}
+
 TEST(RawlogReader, NamesTheClassThatItDoesNotKnow)
 {
   const ScratchDir dir;
@@ -333,6 +349,21 @@ TEST(PosesOfALog, ComeFromOneOdometryOnlyTheOneWithTheMostPoses)
   std::string source;
   const auto t = trajectory_from_rawlog(dir / "a.rawlog", &source);
   EXPECT_EQ(source, "CObservationOdometry 'wheels'");
+  EXPECT_DOUBLE_EQ(t.at(1.5, 1)->x(), 1.5);
+}
+
+TEST(PosesOfALog, AreTheFiniteOnes)
+{
+  const ScratchDir dir;
+  const auto lost = observation_at<CObservationRobotPose>(1, "gps");
+  lost->pose.mean = CPose3D(std::nan(""), 0, 0, 0, 0, 0);
+  write_log(
+      dir / "a.rawlog", {odometry(1, 1), odometry(1.5, std::nan("")), odometry(2, 2), lost},
+      Packing::Gz);
+  std::string source;
+  const auto t = trajectory_from_rawlog(dir / "a.rawlog", &source);
+  EXPECT_EQ(source, "CObservationOdometry 'odom'") << "a source without poses is none";
+  ASSERT_EQ(t.entries().size(), 2u);
   EXPECT_DOUBLE_EQ(t.at(1.5, 1)->x(), 1.5);
 }
 

@@ -1,6 +1,7 @@
 // The simulator's scanners, its robot and its world files.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -208,6 +209,13 @@ TEST(WorldFile, with_a_key_that_is_no_word_or_a_second_document_says_where)
   const std::string two = error_of(world + "---\n" + world);
   EXPECT_EQ(two.rfind("bad.yaml:4: world: a second YAML document", 0), 0U) << two;
   EXPECT_EQ(error_of("---\n" + world + "---\n"), "no error") << "only one holds anything";
+  for (const std::string stray : {"]", ", 1", "} x"})
+  {
+    const std::string first = error_of(stray + "\n" + world);
+    EXPECT_EQ(first.rfind("bad.yaml:1: not valid YAML", 0), 0U) << first;
+    const std::string later = error_of(world + "---\n" + stray);
+    EXPECT_EQ(later.rfind("bad.yaml:4: ", 0), 0U) << later;
+  }
   const std::string deep = error_of("ground: " + std::string(20000, '['));
   EXPECT_EQ(deep.rfind("bad.yaml:1: lists and maps are nested too deeply", 0), 0U) << deep;
 }
@@ -231,6 +239,16 @@ TEST(WorldFile, of_too_many_parts_is_refused_at_once)
   const std::string wall = "wall: {height_m: 1, from_m: [0, 2], to_m: ";
   EXPECT_NE(error(wall + "[10001, 2]}").find("key 'to_m' makes 10001"), std::string::npos);
   EXPECT_EQ(error(wall + "[10000, 2]}"), "no error");
+}
+
+TEST(WorldFile, whose_robot_drives_too_far_is_refused_before_memory_ends)
+{
+  const auto error = [](const std::string& path)
+  { return error_of("ground: [plane: {}]\nrobot: {path_m: " + path + "}\nobjects: []\n"); };
+  EXPECT_EQ(
+      error("[[0, 0], [1e6, 0], [-1e6, 0]]"),
+      "bad.yaml:2: robot: key 'path_m' is longer than 100 km: shorten it");
+  EXPECT_EQ(error("[[0, 0], [50, 0], [0, 0]]"), "no error");
 }
 
 TEST(WorldFile, that_cannot_be_read_to_its_end_is_no_world)
@@ -342,6 +360,50 @@ TEST(Drive, of_endless_many_or_no_number_of_frames_is_refused_with_what_it_would
       EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
     }
   }
+}
+
+TEST(HeightImage, that_is_too_short_or_brighter_than_white_is_refused)
+{
+  const auto file = std::filesystem::path(testing::TempDir()) / "talus_sim_bad.pgm";
+  const auto error = [&](const std::string& bytes) -> std::string
+  {
+    std::ofstream(file, std::ios::binary) << bytes;
+    try
+    {
+      read_pgm(file.string());
+    }
+    catch (const std::invalid_argument& e)
+    {
+      return e.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(error("P2 2 1 100 0 100"), "no error");
+  EXPECT_NE(error("P2 2 1 100 0 101").find("a pixel of 101, white is 100"), std::string::npos);
+  EXPECT_NE(error("P2 2 1 100 0 -1").find("a pixel of -1"), std::string::npos);
+  EXPECT_NE(error(std::string("P5 2 1 1 \1\2")).find("a pixel of 2"), std::string::npos);
+  EXPECT_NE(error("P2 3 1 100 0 100").find("ends before"), std::string::npos);
+  EXPECT_NE(error("P5 20000 20000 255 abc").find("ends before"), std::string::npos);
+  std::filesystem::remove(file);
+}
+
+TEST(RobotPath, finds_the_nearest_of_its_places)
+{
+  RobotSetup robot;
+  robot.waypoints = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {1, 1, 0}, {-20, 3, 0}};
+  const World w = world_of(kFlat);
+  const RobotPath path(robot, w.ground);
+  for (double x = -25; x < 15; x += 1.7)
+    for (double y = -5; y < 15; y += 1.3)
+    {
+      double nearest = HUGE_VAL;
+      for (double t = 0; t < path.duration_s(); t += 0.02)
+      {
+        const auto T = path.T_map_base(t);
+        nearest = std::min(nearest, std::hypot(T.x() - x, T.y() - y));
+      }
+      EXPECT_NEAR(path.distance_to_m(x, y), nearest, 0.02) << x << " " << y;
+    }
 }
 
 TEST(WorldFile, takes_the_ground_from_a_height_image_and_knows_nothing_beyond_it)

@@ -136,6 +136,17 @@ TEST(Stage7Fill, Equation8WeighsSamplesBySparseKernelAndPrior)
   EXPECT_NEAR(m.ground(1.225, 0.025), expected, 1e-4);  // the kernel is tabulated in 1024 steps
 }
 
+TEST(Stage7Fill, WithoutPriorWhatIsFilledHasAHeightAlsoWhereTheKernelEnds)
+{
+  Parameters p;
+  p.fill_search_m = 2.0, p.fill_kernel_m = 0.5, p.fill_lambda = 0;
+  p.fill_rule = FillRule::Exchanged;
+  TestMap m(p);
+  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat));
+  EXPECT_EQ(m.state(2.775, 0.025), CellState::FilledOneSided);
+  EXPECT_NEAR(m.ground(2.775, 0.025), 0.0, 1e-5);
+}
+
 TEST(Stage7Fill, AGapWithGroundOnBothSidesIsReliableAndOneWithOneSideIsNot)
 {
   TestMap m;

@@ -113,6 +113,17 @@ TEST_F(TalusCalibrate, StatesNoCertaintyOfANoiseThatIsNotTold)
   EXPECT_NE(ini.find("c_beam_m = 0.0001   # not told from zero"), std::string::npos) << ini;
 }
 
+TEST_F(TalusCalibrate, TellsOfADiskThatIsFullByTheNameOfTheFolderAndWritesNothing)
+{
+  simulate(kWaves, kWay, "--frames 30");
+  const auto full =
+      run("ulimit -f 2; " + std::string(TALUS_CALIBRATE_EXE) +
+          " drive.rawlog --max-range 4 --quiet --output out");
+  EXPECT_EQ(full.code, 1);
+  EXPECT_EQ(full.text.rfind("talus-calibrate: out/calibration.", 0), 0U) << full.text;
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
 TEST_F(TalusCalibrate, SaysWhatIsMissingAndWritesNothing)
 {
   simulate("{plane: {z_m: 0}}", "[[0, 0], [1, 0]]", "--frames 1");
@@ -155,7 +166,7 @@ TEST_F(TalusCalibrate, TellsWrongUseAndWrongFiles)
   for (const char* wrong :
        {"--max-gap nan", "--max-offset nan", "--base-height nan", "--max-range nan",
         "--time-offset nan", "--mounting nan 0 0 0 0 0", "--mounting 0 0 1e300 0 0 0",
-        "--mounting 0 0 0 361 0 0"})
+        "--mounting 0 0 0 361 0 0", "--trajectory ''", "--output ''"})
     EXPECT_EQ(calibrate(std::string("a.rawlog ") + wrong).code, 2) << wrong;
   EXPECT_EQ(calibrate("--help").code, 0);
   EXPECT_TRUE(calibrate("--version").says("talus-calibrate "));

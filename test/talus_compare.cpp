@@ -250,7 +250,8 @@ TEST_F(TalusCompare, WritesAFolderThatIsNotUtf8)
 
 TEST_F(TalusCompare, RefusesWhatIsNoNumberInRange)
 {
-  for (const char* wrong : {"--noise nan", "--pose-noise nan", "--z-drift nan", "--seed -1"})
+  for (const char* wrong :
+       {"--noise nan", "--pose-noise nan", "--z-drift nan", "--seed -1", "--config ''"})
     EXPECT_EQ(run(path("small.yaml") + " --output " + path("out") + " " + wrong).code, 2) << wrong;
   EXPECT_FALSE(fs::exists(path("out")));
 }
@@ -267,6 +268,24 @@ TEST_F(TalusCompare, TakesParametersFromTheCommandLine)
   EXPECT_EQ(bad.code, 1);
   EXPECT_NE(bad.text.find("exchanged"), std::string::npos) << bad.text;
   EXPECT_FALSE(fs::exists(path("out2")));
+}
+
+TEST_F(TalusCompare, TakesAConfigurationAsTalusMapDoes)
+{
+  const auto fails = [&](const std::string& ini, const std::string& because)
+  {
+    std::ofstream(path("m.ini")) << ini;
+    const Outcome o =
+        run(path("small.yaml") + " --config " + path("m.ini") + " --set window=5000 --output " +
+            path("out"));
+    EXPECT_EQ(o.code, 1) << ini;
+    EXPECT_NE(o.text.find(because), std::string::npos) << o.text;
+    EXPECT_FALSE(fs::exists(path("out")));
+  };
+  const std::string section = "[map_CDualElevationMap_00_insertOpts]\n";
+  fails("[Other]\nwindow_m = 4\n", "m.ini: has neither a section");
+  fails(section + "window_m 4\n", "m.ini:2: 'window_m 4' has no '='");
+  fails(section + "resolution_m = 0.1\n", "5000 m at resolution_m = 0.1 m");
 }
 
 TEST_F(TalusCompare, ExitsWithOneWhenAnInputFailsAndStillDoesTheOthers)

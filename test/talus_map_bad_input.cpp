@@ -198,6 +198,28 @@ TEST_F(TalusMapBadInput, a_configuration_that_is_missing_or_has_no_section_of_th
       "--static a.rawlog --config other.ini", 2, {"other.ini", "CDualElevationMap_insertOpts"});
 }
 
+TEST_F(TalusMapBadInput, what_is_wrong_with_a_configuration_is_told_with_its_file_once)
+{
+  using namespace std::string_literals;
+  write_good_log("a.rawlog");
+  const std::string section = "[CDualElevationMap_insertOpts]\n";
+  for (const auto& [text, told] : std::vector<std::pair<std::string, std::string>>{
+           {section + "window_m 4\n", "talus-map: m.ini:2: 'window_m 4' has no '='"},
+           {section + "window_m = 4\nWindow_m = 5\n", "talus-map: m.ini:3: 'Window_m' is given"},
+           {"\0"s + section, "talus-map: m.ini:1: a NUL byte"},
+           {"[CDualElevationMap_insertOpts\nwindow_m = 4\n", "m.ini:1: the name of this section"},
+           {section + "window_m = ${W}\n", "talus-map: m.ini: Line 2: Unknown variable `${W}`\n"},
+           {section + "window_m = x\n", "(in section CDualElevationMap_insertOpts of m.ini)\n"}})
+  {
+    write_bytes(path("m.ini"), text);
+    const Outcome failed = run("--static a.rawlog --config m.ini");
+    EXPECT_EQ(failed.code, 2) << text;
+    EXPECT_TRUE(failed.says(told)) << failed.err;
+    EXPECT_EQ(failed.err.find("m.ini"), failed.err.rfind("m.ini")) << failed.err;
+  }
+  EXPECT_FALSE(exists("a_map"));
+}
+
 TEST_F(TalusMapBadInput, unknown_keys_are_warned_of_with_the_nearest_known_one)
 {
   write_good_log("a.rawlog");

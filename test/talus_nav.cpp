@@ -5,9 +5,12 @@
 #include <sys/wait.h>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <sstream>
 
@@ -159,6 +162,133 @@ TEST_F(TalusNav, warns_when_the_file_does_not_say_how_the_map_becomes_obstacles)
       << text("err.txt");
   drive("nav_indoor.yaml", arguments + "builtin");
   EXPECT_EQ(text("err.txt").find("talus_obstacles"), std::string::npos) << text("err.txt");
+}
+
+TEST_F(TalusNav, shows_at_the_end_which_obstacles_the_navigator_was_given)
+{
+  EXPECT_EQ(drive("nav_indoor.yaml", "--goal 15,0 --timeout 1 --every 0 --output out"), 5);
+  const cv::Mat picture = cv::imread(path_of("out/navigation.png"));
+  const auto pixels =
+      std::count(picture.begin<cv::Vec3b>(), picture.end<cv::Vec3b>(), cv::Vec3b(230, 200, 0));
+  EXPECT_GT(pixels, 500) << "the legend alone has some ten";
+}
+
+TEST_F(TalusNav, refuses_options_that_are_no_numbers_in_their_range)
+{
+  for (const std::string wrong :
+       {"--goal=nan,0", "--goal=0,inf", "--goal=1e9,0", "--goal=1,0 --timeout nan",
+        "--goal=1,0 --noise nan", "--goal=1,0 --pose-noise nan", "--goal=1,0 --angle-noise nan",
+        "--goal=1,0 --seed -1", "--goal=1,0 --planner-config ''"})
+  {
+    EXPECT_EQ(drive("nav_indoor.yaml", "--output out " + wrong), 2) << wrong;
+    const auto option = wrong.substr(wrong.rfind("--"));
+    const auto name = option.substr(0, option.find_first_of("= "));
+    EXPECT_NE(text("err.txt").find(name + ":"), std::string::npos) << wrong << text("err.txt");
+  }
+  EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(TalusNav, refuses_worlds_that_are_too_large_to_plan_in)
+{
+  EXPECT_EQ(drive("nav_indoor.yaml", "--goal 2999,0 --output out"), 1);
+  const std::string end = ": choose a nearer --goal, or move what is far away in the world";
+  EXPECT_NE(text("err.txt").find("to (3000.5, 5.5) m"), std::string::npos) << text("err.txt");
+  EXPECT_NE(text("err.txt").find(end), std::string::npos) << text("err.txt");
+  const std::string world =
+      "ground: [plane: {}]\nobjects: [box: {at_m: [9e5, 0], size_m: [1, 2, 1]}]\n"
+      "robot: {path_m: [[0, 0], [1, 0]]}\n";
+  talus::test::write_bytes(path_of("far.yaml"), world);
+  EXPECT_EQ(run("far.yaml --goal 4,0 --output out"), 1);
+  EXPECT_NE(text("err.txt").find("far.yaml: start, goal and objects"), std::string::npos)
+      << text("err.txt");
+  EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(TalusNav, writes_a_summary_of_a_world_whose_name_is_not_utf8)
+{
+  const std::string name = "nav_\xff.yaml";
+  std::filesystem::copy_file(TALUS_SOURCE_DIR "/datasets/worlds/nav_indoor.yaml", path_of(name));
+  EXPECT_EQ(run(name + " --goal 15,0 --timeout 1 --every 0 --output out"), 5) << text("err.txt");
+  EXPECT_EQ(summary("out")["world"], "nav_\xef\xbf\xbd.yaml");
+}
+
+TEST_F(TalusNav, that_is_stopped_leaves_nothing_behind)
+{
+  // Stopped once it drives.
+  const int status = std::system(
+      ("cd '" + path_of("") +
+       "'; '" TALUS_NAV_EXE "' '" TALUS_SOURCE_DIR
+       "/datasets/worlds/nav_indoor.yaml' --goal 15,0 --every 1 --output out >out.txt 2>err.txt & "
+       "p=$!; for i in $(seq 600); do ls out/.*/frames/*.png && break; sleep 0.05; done "
+       ">/dev/null 2>&1; kill -TERM $p; wait $p")
+          .c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 128 + SIGTERM);
+  EXPECT_NE(text("err.txt").find("nothing was written"), std::string::npos) << text("err.txt");
+  EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
+{
+  struct Wrong
+  {
+    const char *planner, *was, *is, *message;
+  };
+  for (const Wrong& w : std::vector<Wrong>{
+           {"2d", "ROBOT_MAX_V  0.7", "ROBOT_MAX_V  abc",
+            "robotMax_V_mps = 'abc': must be a number (in section CAbstractPTGBasedReactive)"},
+           {"2d", "NAV_MAX_REF_DIST   4.0", "NAV_MAX_REF_DIST   -4",
+            "ref_distance = '-4': must be above 0 (in section CAbstractPTGBasedReactive)"},
+           {"2d", "PTG2_K = -1.0",
+            "PTG2_K =", "PTG2_K = '': must be a number (in section CReactiveNavigationSystem)"},
+           {"2d", "enable_obstacle_filtering                         = false",
+            "enable_obstacle_filtering = maybe",
+            "enable_obstacle_filtering = 'maybe': must be true or false (in section "
+            "CAbstractPTGBasedReactive)"},
+           {"2d", "[0.25 , 0.1 ,", "[0.25 , x ,", "1  , 0.05 , 0.5, 1, 1 ]': must be numbers"},
+           {"2d", "\nPTG_COUNT", "\n# PTG_COUNT", "PTG_COUNT is missing: must be a whole number"},
+           {"2d", "RobotModel_shape2D_ys = 0.30",
+            "RobotModel_shape2D_ys =", "must be as many numbers as RobotModel_shape2D_xs"},
+           {"3d", "LEVEL2_HEIGHT = 0.25", "LEVEL2_HEIGHT = -0.25",
+            "LEVEL2_HEIGHT = '-0.25': must be above 0"},
+           {"2d", "\nnear_m        = 1.2", "\nnear_m = abc", "near_m = 'abc': must be"},
+           {"2d", "\nresolution = 0.05", "\nresolution = 0.1",
+            "resolution = 0.1 m: must be 0.05 m"},
+           {"2d", "\nnear_m ", "\nfree\nnear_m ", "own.ini:227: 'free' has no '='"}})
+  {
+    auto ini = read_bytes(
+        std::string(TALUS_SOURCE_DIR "/datasets/configs/reactive") + w.planner + "_config.ini");
+    const auto at = ini.find(w.was);
+    ASSERT_NE(at, std::string::npos) << w.was;
+    ini.replace(at, std::string(w.was).size(), w.is);
+    talus::test::write_bytes(path_of("own.ini"), ini);
+    const std::string planner = std::string(" --planner ") + w.planner;
+    EXPECT_EQ(
+        drive("nav_indoor.yaml", "--goal 15,0 --planner-config own.ini --output out" + planner), 2);
+    EXPECT_NE(text("err.txt").find("own.ini"), std::string::npos) << text("err.txt");
+    EXPECT_NE(text("err.txt").find(w.message), std::string::npos) << text("err.txt");
+  }
+  EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(TalusNav, says_what_mrpt_does_not_take_of_a_planner_configuration)
+{
+  const auto shipped = read_bytes(TALUS_SOURCE_DIR "/datasets/configs/reactive2d_config.ini");
+  for (const auto& [was, is, message] : std::vector<std::array<std::string, 3>>{
+           {"CPTG_DiffDrive_alpha", "CPTG_Nothing", "No PTG named `CPTG_Nothing`"},
+           {"8.0*euclidean", "8.0*(euclidean", "Mismatched brackets"}})  // found when it drives
+  {
+    auto ini = shipped;
+    ini.replace(ini.find(was), was.size(), is);
+    talus::test::write_bytes(path_of("own.ini"), ini);
+    EXPECT_EQ(drive("nav_indoor.yaml", "--goal 15,0 --planner-config own.ini --output out"), 2);
+    const auto error = text("err.txt");
+    EXPECT_NE(
+        error.find("own.ini: MRPT's CReactiveNavigationSystem cannot work"), std::string::npos)
+        << error;
+    EXPECT_NE(error.find(message), std::string::npos) << error;
+    EXPECT_EQ(error.find("backtrace"), std::string::npos) << error;
+  }
+  EXPECT_FALSE(exists("out"));
 }
 
 TEST_F(TalusNav, explains_what_is_wrong)

@@ -99,6 +99,12 @@ TEST(Trajectory, GivesNothingOutsideByMoreThanOneMillisecond)
   EXPECT_FALSE(t.at(0, 1e9));
 }
 
+TEST(Trajectory, RefusesTimesAndPosesThatAreNotFinite)
+{
+  EXPECT_THROW(Trajectory({{0, pose(0)}, {std::nan(""), pose(1)}}), std::invalid_argument);
+  EXPECT_THROW(Trajectory({{0, pose(std::nan(""))}}), std::invalid_argument);
+}
+
 TEST(Trajectory, AnswersQueriesThatMakeNoSenseWithNothing)
 {
   const Trajectory t({{0, pose(0)}, {1, pose(1)}});

@@ -1,5 +1,7 @@
 #include "load_log.h"
 
+#include "../common/log_name.h"
+
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/observation_points.h>
 
@@ -17,16 +19,9 @@ namespace
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kMostPitch = 80 * kDegree;  // beyond, roll and yaw turn about the same axis
 
-std::string file_beside(const std::string& log)
-{
-  fs::path path(log);
-  if (path.extension() == ".gz") path.replace_extension();
-  return path.replace_extension(".tum").string();
-}
-
 io::Trajectory load_poses(const AppOptions& o, std::string& source)
 {
-  const std::string beside = file_beside(o.log);
+  const std::string beside = app::trajectory_beside(o.log);
   std::error_code ec;
   if (o.trajectory.empty() && !fs::is_regular_file(beside, ec))
   {

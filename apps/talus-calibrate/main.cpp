@@ -1,7 +1,7 @@
 // talus-calibrate: the mounting, the clock and the noise of a sensor, from the log of a drive.
-#include "../talus-map/child_process.h"
-#include "../talus-map/output_folder.h"
-#include "../talus-map/progress_bar.h"
+#include "../common/child_process.h"
+#include "../common/output_folder.h"
+#include "../common/progress_bar.h"
 #include "load_log.h"
 #include "options.h"
 #include "outputs.h"
@@ -19,15 +19,17 @@
 
 namespace fs = std::filesystem;
 using namespace talus::calibrate;
+using talus::app::OutputFolder;
 
 namespace
 {
 constexpr double kReading = 0.4;  // share of the time
 
-void write_results(const AppOptions& options, const LoadedLog& log, const Result& result)
+void write_results(
+    const std::string& folder, const AppOptions& options, const LoadedLog& log,
+    const Result& result)
 {
-  talus::app::OutputFolder folder(options.output);
-  const fs::path to(folder.staging());
+  const fs::path to(folder);
   const auto write = [&](const char* name, const std::string& text)
   { talus::io::write_file((to / name).string(), text); };
   write("calibration.ini", calibration_ini(options, log, result));
@@ -35,7 +37,6 @@ void write_results(const AppOptions& options, const LoadedLog& log, const Result
   write("calibration.json", calibration_json(options, log, result));
   write_picture(
       (to / "calibration.png").string(), fs::path(options.log).filename().string(), result);
-  folder.commit();
 }
 
 /** The trajectory's point may not be the one on the ground that --base-height says. */
@@ -53,9 +54,8 @@ void warn_of_base_height(const AppOptions& o, const LoadedLog& log, Result& r)
   r.warnings.emplace_back(text);
 }
 
-void run(const AppOptions& options)
+void calibrate_log(const AppOptions& options, const std::string& folder)
 {
-  talus::app::require_writable(options.output);
   talus::app::ProgressBar bar("talus-calibrate", !options.quiet);
   const LoadedLog log =
       load_log(options, [&](double share) { bar.show(kReading * share, "reading"); });
@@ -73,28 +73,48 @@ void run(const AppOptions& options)
     throw std::runtime_error(options.log + ": " + e.what());
   }
   warn_of_base_height(options, log, result);
-  write_results(options, log, result);
+  write_results(folder, options, log, result);
   bar.show(1, "done");
   for (const auto& warning : result.warnings)
     std::cerr << "talus-calibrate: warning: " << options.log << ": " << warning << "\n";
-  if (!options.quiet)
-    std::cout << console_report(options, log, result) << "  wrote   "
-              << (fs::path(options.output) / "calibration.ini").string() << "\n";
+  if (!options.quiet) std::cout << console_report(options, log, result);
 }
 
-/** The exit code. */
-int run_or_tell(const AppOptions& options)
+void print_error(const std::string& text) { std::cerr << "talus-calibrate: " << text << "\n"; }
+
+/** In the child: the exit code. */
+int calibrate_or_tell(const AppOptions& options, const OutputFolder& output)
 {
   try
   {
-    run(options);
+    calibrate_log(options, output.staging());
     return 0;
   }
   catch (const std::exception& e)
   {
-    std::cerr << "talus-calibrate: " << e.what() << "\n";
+    print_error(output.told(e.what()));
     return 1;
   }
+}
+
+/** The exit code. */
+int run(const AppOptions& options)
+{
+  talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
+  OutputFolder output(options.output);
+  // A damaged log can crash MRPT.
+  const auto end = talus::app::run_in_child([&] { return calibrate_or_tell(options, output); });
+  if (const int signal = talus::app::stop_signal())
+  {
+    print_error("stopped; nothing was written");
+    return 128 + signal;
+  }
+  if (end.signal) throw std::runtime_error(talus::app::crash_text(options.log, end.signal));
+  if (end.exit_code != 0) return end.exit_code;
+  output.commit();
+  if (!options.quiet)
+    std::cout << "  wrote   " << (fs::path(options.output) / "calibration.ini").string() << "\n";
+  return 0;
 }
 }  // namespace
 
@@ -104,17 +124,11 @@ int main(int argc, char** argv)
   if (const auto code = parse_options(argc, argv, options)) return *code;
   try
   {
-    // A damaged log can crash MRPT.
-    const auto end = talus::app::run_in_child([&] { return run_or_tell(options); });
-    if (!end.signal) return end.exit_code;
-    throw std::runtime_error(
-        options.log + ": crashed the program (" + talus::app::signal_text(end.signal) +
-        "); nothing was written. The file is probably corrupt, or memory is short: compare it with "
-        "its source, or look at it with rawlog-edit --info");
+    return run(options);
   }
   catch (const std::exception& e)
   {
-    std::cerr << "talus-calibrate: " << e.what() << "\n";
+    print_error(e.what());
     return 1;
   }
 }

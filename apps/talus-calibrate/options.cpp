@@ -1,12 +1,9 @@
 #include "options.h"
 
-#include "../option_checks.h"
+#include "../common/option_checks.h"
+#include "../common/log_name.h"
 
 #include <CLI/CLI.hpp>
-
-#include <filesystem>
-
-namespace fs = std::filesystem;
 
 namespace talus::calibrate
 {
@@ -33,16 +30,19 @@ void add_inputs(CLI::App& app, AppOptions& o)
 {
   app.add_option("LOG", o.log, "Rawlog (.rawlog, .rawlog.gz) of a drive")
       ->required()
+      ->check(app::not_empty())
       ->type_name("");
   app.add_option(
          "--trajectory", o.trajectory,
          "Poses of the robot: TUM text or .simplemap (default: LOG.tum beside it, else its own)")
+      ->check(app::not_empty())
       ->type_name("FILE");
   app.add_option("--max-gap", o.max_gap_s, "Poses farther apart than this are not joined [s]")
       ->check(app::between(0.001, 1e6))
       ->capture_default_str()
       ->type_name("S");
   app.add_option("--sensor", o.sensor, "Label of the sensor (default: the only one)")
+      ->check(app::not_empty())
       ->type_name("LABEL");
   app::check_mounting(
       app.add_option("--mounting", o.mounting, "Mounting to start from (default: as the log says)"))
@@ -94,13 +94,6 @@ void add_model(CLI::App& app, AppOptions& o)
       ->type_name("N");
 }
 
-std::string default_folder(const std::string& log)
-{
-  fs::path name = fs::path(log).filename();
-  for (const char* ending : {".gz", ".rawlog"})
-    if (name.extension() == ending) name = name.stem();
-  return name.string() + "_calibration";
-}
 }  // namespace
 
 std::optional<int> parse_options(int argc, char** argv, AppOptions& options)
@@ -112,6 +105,7 @@ std::optional<int> parse_options(int argc, char** argv, AppOptions& options)
   add_inputs(app, options);
   add_model(app, options);
   app.add_option("--output", options.output, "Folder of the results (default: LOG_calibration)")
+      ->check(app::not_empty())
       ->type_name("DIR");
   app.add_flag("--quiet", options.quiet, "Print warnings and errors only");
   app.set_version_flag("--version", std::string("talus-calibrate ") + TALUS_VERSION);
@@ -130,7 +124,7 @@ std::optional<int> parse_options(int argc, char** argv, AppOptions& options)
   {
     return app.exit(e) == 0 ? 0 : 2;
   }
-  if (options.output.empty()) options.output = default_folder(options.log);
+  if (options.output.empty()) options.output = app::name_of_log(options.log) + "_calibration";
   return std::nullopt;
 }
 

@@ -1,6 +1,8 @@
+#include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <iterator>
 #include <stdexcept>
+#include <system_error>
 
 #include "report.h"
 
@@ -13,10 +15,21 @@ const std::string kMarker = "<!-- below: written by talus-compare --markdown -->
 /** What people wrote above the marker; the marker itself not. */
 std::string hand_written(const std::string& path)
 {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  const std::string all = text.str();
+  std::string all;
+  bool is_read = false;
+  std::ifstream in(path, std::ios::binary);
+  try
+  {
+    all.assign(std::istreambuf_iterator<char>(in), {});
+    is_read = in.is_open();
+  }
+  catch (const std::ios_base::failure&)
+  {
+  }
+  std::error_code none;
+  if (!is_read && std::filesystem::exists(path, none))
+    throw std::runtime_error(
+        "'" + path + "' cannot be read, and what it says would be lost; give another --markdown");
   const auto marker = all.find(kMarker);
   if (marker == std::string::npos && !all.empty())
     throw std::runtime_error(

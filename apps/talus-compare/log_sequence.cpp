@@ -1,5 +1,7 @@
 #include "log_sequence.h"
 
+#include "../common/log_name.h"
+
 #include <talus/io/geotiff.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/observation_points.h>
@@ -17,20 +19,12 @@ namespace
 {
 constexpr double kMaxGap_s = 0.5;
 
-std::string stem_of(const std::string& path)
-{
-  fs::path p = fs::path(path).filename();
-  if (p.extension() == ".gz") p = p.stem();
-  return p.stem().string();
-}
-
 io::Trajectory poses_of(const std::string& path, const std::string& trajectory)
 {
   if (!trajectory.empty()) return io::Trajectory::load(trajectory);
-  const fs::path beside = fs::path(path).parent_path() / (stem_of(path) + ".tum");
+  const std::string beside = app::trajectory_beside(path);
   std::error_code none;
-  return fs::exists(beside, none) ? io::Trajectory::load(beside.string())
-                                  : io::trajectory_from_rawlog(path);
+  return fs::exists(beside, none) ? io::Trajectory::load(beside) : io::trajectory_from_rawlog(path);
 }
 
 ScanFrame frame_from(SensorPoints& points, const mrpt::poses::CPose3D& T_map_base)
@@ -63,7 +57,7 @@ Sequence read_log(const std::string& path, const std::string& trajectory, const 
     throw std::runtime_error("'" + path + "' holds no poses; pass --trajectory FILE");
   io::RawlogReader reader(path);
   Sequence sequence;
-  sequence.name = stem_of(path);
+  sequence.name = app::name_of_log(path);
   while (const auto obs = reader.next())
   {
     if (!sensor.empty() && obs->sensorLabel != sensor) continue;

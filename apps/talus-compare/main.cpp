@@ -4,11 +4,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
-#include <optional>
 
-#include "../option_checks.h"
-#include "../talus-map/child_process.h"
-#include "../talus-map/output_folder.h"
+#include "../common/option_checks.h"
+#include "../common/child_process.h"
+#include "../common/output_folder.h"
 #include "log_sequence.h"
 #include "options.h"
 #include "pictures.h"
@@ -63,11 +62,7 @@ void require_no_crash(const std::string& path, const CommandOptions& o)
     return 0;
   };
   if (const int signal = talus::app::run_in_child(trial).signal)
-    throw std::runtime_error(
-        path + ": crashed the program (" + talus::app::signal_text(signal) +
-        ") while it was read. The file is probably corrupt, or memory is short: compare it with "
-        "its "
-        "source, or look at it with rawlog-edit --info");
+    throw std::runtime_error(talus::app::crash_text(path, signal));
 }
 
 void compare_log(const std::string& path, const CommandOptions& o, Comparison& out)
@@ -130,11 +125,9 @@ void check_outputs(const CommandOptions& o)
   const talus::io::AtomicFile trial(o.markdown);
 }
 
-/** All files appear together. */
-void write_files(const CommandOptions& o, const Comparison& c)
+void write_results(const std::string& folder, const Comparison& c)
 {
-  talus::app::OutputFolder folder(o.output);
-  const fs::path to(folder.staging());
+  const fs::path to(folder);
   const auto write = [&](const char* name, const std::string& text)
   { talus::io::write_file((to / name).string(), text); };
   write("methods.csv", methods_csv(c));
@@ -142,16 +135,24 @@ void write_files(const CommandOptions& o, const Comparison& c)
   write("comparison.json", comparison_json(c));
   write_maps_picture((to / "maps.png").string(), c.evaluations);
   write_fills_picture((to / "fills.png").string(), c.evaluations);
-  std::optional<talus::io::AtomicFile> page;
-  if (!o.markdown.empty())
+}
+
+/** All files appear together. */
+void write_files(const CommandOptions& o, const Comparison& c)
+{
+  talus::app::OutputFolder folder(o.output);
+  try
   {
-    page.emplace(o.markdown);
-    talus::io::write_file(page->temporary_path(), accuracy_page(o.markdown, c));
+    write_results(folder.staging(), c);
+  }
+  catch (const std::exception& e)
+  {
+    throw std::runtime_error(folder.told(e.what()));
   }
   folder.commit(
       [&]
       {
-        if (page) page->commit();
+        if (!o.markdown.empty()) talus::io::write_file(o.markdown, accuracy_page(o.markdown, c));
       });
 }
 

@@ -1,13 +1,11 @@
 #include "options.h"
 
-#include "../option_checks.h"
+#include "../common/option_checks.h"
+#include "../talus-map/settings.h"
 
-#include <mrpt/config/CConfigFile.h>
 #include <talus/mrpt/parameters_ini.h>
 
-#include <filesystem>
 #include <iostream>
-#include <stdexcept>
 
 namespace talus::baselines
 {
@@ -38,21 +36,30 @@ std::string footer()
 
 void add_inputs(CLI::App& app, CommandOptions& o)
 {
-  app.add_option("INPUT", o.inputs, "Worlds (.yaml), which are simulated, or rawlogs")->required();
+  app.add_option("INPUT", o.inputs, "Worlds (.yaml), which are simulated, or rawlogs")
+      ->required()
+      ->check(app::not_empty());
   app.add_option("--output", o.output, "Folder of the files; made if it does not exist")
       ->required()
+      ->check(app::not_empty())
       ->type_name("DIR");
   app.add_option(
          "--markdown", o.markdown,
          "Also write all tables as Markdown: a new page, or below the marker of such a page")
+      ->check(app::not_empty())
       ->type_name("FILE");
   app.add_option("--world", o.world, "World that the rawlog was made from: truth of every frame")
+      ->check(app::not_empty())
       ->type_name("FILE");
   app.add_option("--truth", o.truth, "truth.tif of the rawlog: truth of what stands still")
+      ->check(app::not_empty())
       ->type_name("FILE");
   app.add_option("--trajectory", o.trajectory, "Poses of the rawlog; default: LOG.tum beside it")
+      ->check(app::not_empty())
       ->type_name("FILE");
-  app.add_option("--sensor", o.sensor, "Only scans with this label")->type_name("LABEL");
+  app.add_option("--sensor", o.sensor, "Only scans with this label")
+      ->check(app::not_empty())
+      ->type_name("LABEL");
 }
 
 void add_methods(CLI::App& app, CommandOptions& o)
@@ -60,7 +67,9 @@ void add_methods(CLI::App& app, CommandOptions& o)
   app.add_option("--methods", o.evaluation.methods, "Which to run, see below; default: all")
       ->delimiter(',')
       ->type_name("NAME,...");
-  app.add_option("--config", o.config, "Parameters, as talus-map takes them")->type_name("FILE");
+  app.add_option("--config", o.config, "Parameters, as talus-map takes them")
+      ->check(app::not_empty())
+      ->type_name("FILE");
   app.add_option("--set", o.settings, "One parameter; can be given several times")
       ->type_name("NAME=VALUE")
       ->take_all();
@@ -130,24 +139,13 @@ void add_options(CLI::App& app, CommandOptions& o)
 
 void load_parameters_into(CommandOptions& o)
 {
-  Parameters& p = o.evaluation.parameters;
-  if (!o.config.empty())
-  {
-    std::error_code ec;
-    if (!std::filesystem::is_regular_file(o.config, ec))
-      throw std::runtime_error("'" + o.config + "' is not a file; check --config");
-    const mrpt::config::CConfigFile file(o.config);
-    for (const std::string& warning : load_parameters(file, "CDualElevationMap", p))
-      std::cerr << "talus-compare: " << o.config << ": " << warning << "\n";
-  }
-  for (const std::string& setting : o.settings)
-  {
-    const auto at = setting.find('=');
-    if (at == std::string::npos)
-      throw std::runtime_error("--set " + setting + ": write NAME=VALUE");
-    set_parameter(p, setting.substr(0, at), setting.substr(at + 1));
-  }
-  p.validate();
+  app::Options as_talus_map;
+  as_talus_map.config = o.config;
+  as_talus_map.overrides = o.settings;
+  const app::Settings settings = app::load_settings(as_talus_map);
+  for (const std::string& warning : settings.warnings)
+    std::cerr << "talus-compare: warning: " << warning << "\n";
+  o.evaluation.parameters = settings.parameters;
 }
 
 }  // namespace talus::baselines

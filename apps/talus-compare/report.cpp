@@ -232,11 +232,20 @@ std::string tables(const Comparison& c, Render render, const std::string& title)
   return out;
 }
 
+/** A world or log may be called anything. */
+std::string csv_text(const std::string& text)
+{
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
 std::string csv_row(
     const std::string& world, const std::string& who,
     const std::vector<std::pair<std::string, double>>& values)
 {
-  std::string out = world + "," + who;
+  std::string out = csv_text(world) + "," + who;
   for (const auto& v : values) out += "," + (std::isnan(v.second) ? "" : number(v.second, 6));
   return out + "\n";
 }

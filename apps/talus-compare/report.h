@@ -17,8 +17,9 @@ struct Comparison
 
 /** For a terminal: for each world or log one row a method, one row a fill; then the budgets. */
 std::string tables_text(const Comparison& c);
-/** Rows are budgets, columns are worlds; "!" marks what fails, "-" what does not apply. Before them,
- * of several worlds, how many fail; "not seen": of these, where what a ray could show holds. */
+/** Rows are budgets, columns are worlds; "!" marks what fails, "-" what does not apply. Before
+ * them, of several worlds, how many fail; "not seen": of these, where what a ray could show holds.
+ */
 std::string budget_text(const Comparison& c);
 /** How many budgets fail. */
 int failed_budgets(const Comparison& c);

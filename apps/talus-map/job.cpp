@@ -1,5 +1,7 @@
 #include "job.h"
 
+#include "../common/log_name.h"
+
 #include <filesystem>
 #include <set>
 
@@ -7,15 +9,6 @@ namespace fs = std::filesystem;
 
 namespace talus::app
 {
-std::string name_of_log(const std::string& log)
-{
-  fs::path name = fs::path(log).filename();
-  if (name.empty()) name = fs::path(log).parent_path().filename();
-  for (const char* ending : {".gz", ".rawlog"})
-    if (name.extension() == ending) name = name.stem();
-  return name.string();
-}
-
 std::vector<Job> plan_jobs(const Options& options)
 {
   if (options.logs.size() == 1 && !options.output.empty())

@@ -12,9 +12,6 @@ struct Job
   std::string log, folder;
 };
 
-/** The file name of a log without folder, `.gz` and `.rawlog`. */
-std::string name_of_log(const std::string& log);
-
 /** One job a log. Several logs of the same name get folders NAME, NAME_2, ... */
 std::vector<Job> plan_jobs(const Options& options);
 

@@ -1,8 +1,9 @@
 // talus-map: rawlogs in; maps, pictures and timing out.
-#include "child_process.h"
+#include "../common/child_process.h"
+#include "../common/log_name.h"
+#include "../common/output_folder.h"
 #include "job.h"
 #include "options.h"
-#include "output_folder.h"
 #include "run_job.h"
 #include "settings.h"
 

@@ -1,6 +1,6 @@
 #include "options.h"
 
-#include "../option_checks.h"
+#include "../common/option_checks.h"
 
 #include <talus/mrpt/parameters_ini.h>
 
@@ -50,14 +50,6 @@ void print_parameters()
     for (const char* c : info.choices) choices += std::string(choices.empty() ? "" : ", ") + c;
     std::printf("  %-35s one of: %s\n", "", choices.c_str());
   }
-}
-
-/** A shell puts nothing in the place of a variable that is not set: that would count as not given.
- */
-CLI::Validator not_empty()
-{
-  return CLI::Validator(
-      [](std::string& text) { return text.empty() ? "is empty: an unset variable?" : ""; }, "");
 }
 
 void add_inputs(CLI::App& app, Options& o)

@@ -1,6 +1,6 @@
 #include "pose_source.h"
 
-#include "job.h"
+#include "../common/log_name.h"
 
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/pose_from.h>
@@ -28,11 +28,6 @@ std::string seconds(double s)
 }
 
 }  // namespace
-
-std::string trajectory_beside(const std::string& log)
-{
-  return (fs::path(log).parent_path() / (name_of_log(log) + ".tum")).string();
-}
 
 PoseSource PoseSource::of_log(const std::string& log, const Options& options)
 {

@@ -11,9 +11,6 @@
 
 namespace talus::app
 {
-/** NAME.tum beside NAME.rawlog, whether there is such a file or not. */
-std::string trajectory_beside(const std::string& log);
-
 /** Where the robot was when. */
 class PoseSource
 {

@@ -1,5 +1,7 @@
 #include "rawlog_out.h"
 
+#include "../common/log_name.h"
+
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/io/CFileInputStream.h>
@@ -133,8 +135,7 @@ void require_file_of_its_own(const Job& job, const Options& options)
 RawlogOut::RawlogOut(const std::string& path, const std::string& log)
     : path_(path), log_(log), file_(path), snapshots_path_(file_.temporary_path() + ".snapshots")
 {
-  if (!snapshots_.open(snapshots_path_))
-    throw std::runtime_error(snapshots_path_ + ": cannot be written");
+  if (!snapshots_.open(snapshots_path_)) throw std::runtime_error(path_ + ": cannot be written");
 }
 
 RawlogOut::~RawlogOut()

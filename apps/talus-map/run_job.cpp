@@ -1,9 +1,9 @@
 #include "run_job.h"
 
-#include "child_process.h"
+#include "../common/child_process.h"
+#include "../common/output_folder.h"
+#include "../common/progress_bar.h"
 #include "log_mapper.h"
-#include "output_folder.h"
-#include "progress_bar.h"
 #include "rawlog_out.h"
 #include "report.h"
 
@@ -22,17 +22,6 @@ namespace talus::app
 namespace
 {
 constexpr int kDone = 0, kFailed = 1;
-
-/** What an exception says; the hidden folder of the results is called by the name that the user
- * knows. */
-std::string told(const std::exception& e, const Job& job, const std::string& staging)
-{
-  std::string text = e.what();
-  for (auto at = text.find(staging); !staging.empty() && at != std::string::npos;
-       at = text.find(staging, at + job.folder.size()))
-    text.replace(at, staging.size(), job.folder);
-  return text;
-}
 
 void write_log(RawlogOut& out)
 {
@@ -75,11 +64,11 @@ void map_log(
 /** In the child: the exit code. */
 int map_or_tell(
     const Job& job, const Options& options, const Settings& settings, const std::string& label,
-    const std::string& staging, RawlogOut* rawlog_out)
+    const OutputFolder& output, RawlogOut* rawlog_out)
 {
   try
   {
-    map_log(job, options, settings, label, staging, rawlog_out);
+    map_log(job, options, settings, label, output.staging(), rawlog_out);
     return kDone;
   }
   catch (const std::bad_alloc&)
@@ -88,22 +77,11 @@ int map_or_tell(
   }
   catch (const std::exception& e)
   {
-    print_error(told(e, job, staging));
+    print_error(output.told(e.what()));
   }
   return kFailed;
 }
 
-std::string crash_text(const std::string& log, int signal)
-{
-  if (signal == SIGKILL)
-    return log +
-           ": was killed while it was mapped, perhaps for want of memory; nothing was "
-           "written. Try a smaller window_m or a larger resolution_m";
-  return log + ": crashed the program (" + signal_text(signal) +
-         ") while it was read or mapped; nothing was written. The file is probably corrupt: "
-         "compare "
-         "it with its source, or look at it with rawlog-edit --info";
-}
 }  // namespace
 
 void print_error(const std::string& text) { std::cerr << "talus-map: " << text << "\n"; }
@@ -119,12 +97,14 @@ bool run_job(
     if (!options.rawlog_out.empty())
       rawlog_out = std::make_unique<RawlogOut>(options.rawlog_out, job.log);
     const auto work = [&]
-    { return map_or_tell(job, options, settings, label, output.staging(), rawlog_out.get()); };
+    { return map_or_tell(job, options, settings, label, output, rawlog_out.get()); };
     const ChildEnd end = run_in_child(work);
     if (stop_signal())
       print_error(job.log + ": stopped; nothing was written");
     else if (end.signal)
-      print_error(crash_text(job.log, end.signal));
+      print_error(
+          crash_text(job.log, end.signal) +
+          (end.signal == SIGKILL ? ". Try a smaller window_m or a larger resolution_m" : ""));
     else if (end.exit_code == kDone)
     {
       output.commit(

@@ -1,11 +1,11 @@
 #include "settings.h"
 
+#include <talus/io/mrpt_error.h>
 #include <talus/mrpt/parameters_ini.h>
 
 #include <mrpt/config/CConfigFile.h>
+#include <mrpt/system/string_utils.h>
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -17,13 +17,9 @@ namespace talus::app
 {
 namespace
 {
-constexpr const char* kPrefix = "CDualElevationMap";
+using mrpt::system::lowerCase;
 
-std::string lower(std::string s)
-{
-  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return std::tolower(c); });
-  return s;
-}
+constexpr const char* kPrefix = "CDualElevationMap";
 
 /** The prefix of a section that this program reads, or nothing: `CDualElevationMap_insertOpts`, and
  * as in a multi-map `map_CDualElevationMap_00_insertOpts`. */
@@ -31,10 +27,10 @@ std::string prefix_of(const std::string& section)
 {
   for (const char* ending : {"_creationopts", "_insertopts"})
   {
-    const std::string s = lower(section), e = ending;
+    const std::string s = lowerCase(section), e = ending;
     if (s.size() <= e.size() || s.compare(s.size() - e.size(), e.size(), e) != 0) continue;
     const std::string prefix = section.substr(0, section.size() - e.size());
-    if (lower(prefix).find(lower(kPrefix)) != std::string::npos) return prefix;
+    if (lowerCase(prefix).find(lowerCase(kPrefix)) != std::string::npos) return prefix;
   }
   return {};
 }
@@ -75,21 +71,29 @@ void require_file(const std::string& path)
     throw std::runtime_error(path + ": cannot be opened; check its permissions");
 }
 
-void load_file(const std::string& path, Settings& s)
+mrpt::config::CConfigFile parsed(const std::string& path)
 {
   require_file(path);
-  const mrpt::config::CConfigFile cfg(path);
-  const std::string prefix = find_prefix(path, cfg);
   try
   {
-    for (const auto& warning : load_parameters(cfg, prefix, s.parameters))
-      s.warnings.push_back(path + ": " + warning);
-    load_execution(cfg, prefix, s.backend, s.threads);
+    return mrpt::config::CConfigFile(path);
   }
   catch (const std::exception& e)
   {
-    throw std::runtime_error(path + ": " + e.what());
+    throw std::runtime_error(path + ": " + io::reason_of(e));
   }
+}
+
+void load_file(const std::string& path, Settings& s)
+{
+  const auto cfg = parsed(path);
+  // Before they are looked for: MRPT may not see what is meant to be one.
+  require_sound_ini(
+      cfg, {kPrefix + std::string("_creationOpts"), kPrefix + std::string("_insertOpts")});
+  const std::string prefix = find_prefix(path, cfg);
+  for (const auto& warning : load_parameters(cfg, prefix, s.parameters))
+    s.warnings.push_back(path + ": " + warning);
+  load_execution(cfg, prefix, s.backend, s.threads);
 }
 
 void apply_override(const std::string& text, Parameters& p)

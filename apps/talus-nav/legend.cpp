@@ -35,9 +35,9 @@ void draw_ramp(cv::Mat& image, const cv::Rect& area, const LegendItem& item)
 void draw_bar(cv::Mat& image, const cv::Point& left, const LegendItem& item)
 {
   const cv::Point right(left.x + item.length_px, left.y), up(0, 4);
-  cv::line(image, left, right, item.colour, 2);
-  cv::line(image, left - up, left + up, item.colour, 1);
-  cv::line(image, right - up, right + up, item.colour, 1);
+  cv::line(image, left, right, kInk, 2);
+  cv::line(image, left - up, left + up, kInk, 1);
+  cv::line(image, right - up, right + up, kInk, 1);
 }
 
 /** `left` is the middle of the left edge. */

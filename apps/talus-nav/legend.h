@@ -16,7 +16,7 @@ enum class Mark
   Dot,
   Cross,
   Robot,
-  Bar  //!< of a length
+  Bar  //!< of a length, as dark as the words
 };
 
 struct LegendItem

@@ -1,10 +1,12 @@
 // talus-nav: a robot, its LiDAR, the map and MRPT's planners in a closed loop, without a display.
-#include "../talus-map/output_folder.h"
+#include "../common/output_folder.h"
+#include "../common/interrupt.h"
 #include "picture.h"
 #include "results.h"
 #include "settings.h"
 
 #include <talus/io/geotiff.h>
+#include <talus/io/mrpt_error.h>
 
 #include <cstdio>
 #include <exception>
@@ -17,8 +19,6 @@ using namespace talus::nav;
 
 namespace
 {
-constexpr double kCostmapCell_m = 0.05;
-
 enum ExitCode
 {
   kFailed = 1,
@@ -67,26 +67,29 @@ void rename_log(const fs::path& folder)
       return fs::rename(entry.path(), folder / "log.reactivenavlog");
 }
 
-MissionResult drive(const Options& o, const Settings& settings, const std::string& folder)
+MissionResult drive(
+    const Options& o, const Settings& settings, const std::string& folder,
+    const talus::app::Interrupt& interrupt)
 {
   const auto world = talus::sim::load_world(o.world);
   SimulatedRobot robot(world, o.noise, o.seed);
   if (robot.collides())
     throw std::runtime_error(o.world + ": the robot starts in an obstacle; move path_m");
-  const auto map = make_source(o, settings);
   MissionOptions mission_options;
   mission_options.goal = {o.goal[0], o.goal[1]};
   mission_options.timeout_s = o.timeout_s;
   Route route(
       world, {robot.x_m(), robot.y_m()}, mission_options.goal, kCostmapCell_m,
       mission_options.robot_radius_m);
+  const auto map = make_source(o, settings);
   const fs::path cache = fs::path(folder) / "cache";
   fs::create_directories(cache);
   fs::create_directories(fs::path(folder) / "frames");
-  Pilot pilot(robot, *map, o.in_3d, settings.ini, folder, cache.string());
+  Pilot pilot(robot, *map, o.in_3d, settings, folder, cache.string());
   Painter painter(world, robot.body(), mission_options);
   const auto on_step = [&](const MissionResult& m)
   {
+    interrupt.check();
     if (o.every > 0 && m.steps.size() % static_cast<std::size_t>(o.every) == 1 % o.every)
       write_picture(
           frame_path(folder, m.steps.size()), painter.draw(m, route, pilot, title(o, m, false)));
@@ -100,32 +103,38 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
   return result;
 }
 
-int run(const Options& o)
+int run(const Options& o, const Settings& settings)
 {
-  Settings settings;
+  const talus::app::Interrupt interrupt;
+  talus::app::OutputFolder output(o.output);
+  MissionResult result;
   try
   {
-    settings = load_settings(o);
+    result = drive(o, settings, output.staging(), interrupt);
+  }
+  catch (const WrongConfiguration&)
+  {
+    throw;
+  }
+  catch (const std::invalid_argument& e)  // map or route cannot work with the world's numbers
+  {
+    throw std::runtime_error(o.world + ": " + e.what());
   }
   catch (const std::exception& e)
   {
-    std::cerr << "talus-nav: " << e.what() << "\n";
-    return kUsage;
+    throw std::runtime_error(output.told(talus::io::reason_of(e)));
   }
-  try
-  {
-    talus::app::OutputFolder output(o.output);
-    const auto result = drive(o, settings, output.staging());
-    rename_log(output.staging());
-    output.commit();
-    if (!o.quiet) std::cout << console_summary(o, result);
-    return exit_code(result.ending);
-  }
-  catch (const std::exception& e)
-  {
-    std::cerr << "talus-nav: " << e.what() << "\n";
-    return kFailed;
-  }
+  rename_log(output.staging());
+  interrupt.check();
+  output.commit();
+  if (!o.quiet) std::cout << console_summary(o, result);
+  return exit_code(result.ending);
+}
+
+int fail(const std::string& what, int code)
+{
+  std::cerr << "talus-nav: " << what << "\n";
+  return code;
 }
 }  // namespace
 
@@ -133,5 +142,20 @@ int main(int argc, char** argv)
 {
   Options options;
   if (const auto code = parse_options(argc, argv, options)) return *code;
-  return run(options);
+  try
+  {
+    return run(options, load_settings(options));
+  }
+  catch (const talus::app::Interrupted& e)
+  {
+    return fail("stopped; nothing was written", 128 + e.signal);
+  }
+  catch (const WrongConfiguration& e)
+  {
+    return fail(e.what(), kUsage);
+  }
+  catch (const std::exception& e)
+  {
+    return fail(talus::io::reason_of(e), kFailed);
+  }
 }

@@ -195,7 +195,6 @@ MissionResult run_mission(
     ended = mission.step(result);
     on_step(result);
   }
-  pilot.halt();
   return result;
 }
 

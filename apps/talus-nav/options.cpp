@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include "../common/option_checks.h"
+
 #include <talus/mrpt/parameters_ini.h>
 
 #include <CLI/CLI.hpp>
@@ -25,7 +27,8 @@ constexpr const char* kFooter =
     "  talus-nav datasets/worlds/nav_indoor.yaml --goal 15,0 --map octomap --output out\n"
     "\n"
     "Exit codes: 0 arrived, 1 failed, 2 wrong usage, 3 blocked (there is no way), 4 collision, 5 "
-    "timeout.";
+    "timeout,\n"
+    "128 + N stopped by signal N.";
 
 std::string what_arrived_means()
 {
@@ -43,10 +46,14 @@ void add_mission(CLI::App& app, Options& o)
       ->type_name("");
   app.add_option("--goal", o.goal, "Where to go, map frame [m]; " + what_arrived_means())
       ->required()
+      ->check(app::between(-Route::kFarthest_m, Route::kFarthest_m))
       ->delimiter(',')
       ->expected(2)
       ->type_name("X,Y");
-  app.add_option("--output", o.output, "Folder of the results")->required()->type_name("DIR");
+  app.add_option("--output", o.output, "Folder of the results")
+      ->required()
+      ->check(app::not_empty())
+      ->type_name("DIR");
   app.add_option_function<std::string>(
          "--planner", [&o](const std::string& text) { o.in_3d = text == "3d"; },
          "2d: CReactiveNavigationSystem, 3d: CReactiveNavigationSystem3D (default: 2d)")
@@ -61,26 +68,30 @@ void add_mission(CLI::App& app, Options& o)
          "--planner-config", o.config,
          "INI file of navigator, map and obstacles (default: reactive2d_config.ini or "
          "reactive3d_config.ini of datasets/configs, built in)")
+      ->check(app::not_empty())
       ->type_name("FILE.ini");
   app.add_option("--timeout", o.timeout_s, "Give up after this simulated time [s]")
-      ->check(CLI::Range(1.0, 1e5))
+      ->check(app::between(1.0, 1e5))
       ->capture_default_str()
       ->type_name("S");
 }
 
 void add_noise(CLI::App& app, Options& o)
 {
-  app.add_option("--seed", o.seed, "Seed of all noise")->capture_default_str()->type_name("N");
+  app.add_option("--seed", o.seed, "Seed of all noise")
+      ->check(app::whole_of_64_bits())
+      ->capture_default_str()
+      ->type_name("N");
   app.add_option("--noise", o.noise.range_m, "Standard deviation of a range [m]")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(app::between(0.0, 1.0))
       ->capture_default_str()
       ->type_name("M");
   app.add_option("--pose-noise", o.noise.position_m, "Of each pose in x, y, z [m]")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(app::between(0.0, 1.0))
       ->capture_default_str()
       ->type_name("M");
   app.add_option("--angle-noise", o.noise.angle_rad, "Of each pose in roll, pitch, yaw [rad]")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(app::between(0.0, 1.0))
       ->capture_default_str()
       ->type_name("RAD");
 }

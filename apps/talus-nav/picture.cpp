@@ -16,10 +16,9 @@ namespace
 constexpr double kCell_m = 0.05;
 constexpr int kPixelsPerCell = 3;
 constexpr int kLeastWidth_px = 600;  // of the picture, for its words
-constexpr float kOccupied = 0.45F;  // less is an obstacle for the route
 
 const cv::Scalar kRoute(220, 110, 20), kDriven(20, 20, 20), kRobot(60, 150, 30),
-    kGoal(160, 20, 160), kPoints(230, 200, 0), kInk(30, 30, 30);
+    kGoal(160, 20, 160), kPoints(230, 200, 0);
 const cv::Scalar kCostmap(70, 70, 230), kJudgedFree(40, 150, 255), kHardly(110, 215, 255),
     kTraversable(110, 215, 105), kUnknown(225, 225, 225);
 const cv::Vec3b kBlocked(70, 62, 58);
@@ -44,13 +43,18 @@ sim::Truth truth_around(
 }
 
 /** Of a cell that is free with this probability; costmap_from_map() says how they are made. */
-cv::Scalar costmap_colour(float p)
+std::optional<cv::Scalar> costmap_colour(float p)
 {
-  if (p < kOccupied) return kCostmap;
+  if (p <= Route::kBlocked) return kCostmap;
+  if (p < 0.525F) return kUnknown;  // Route::kHopeful
   if (p < 0.555F) return kJudgedFree;  // traversability 0, and yet no obstacle
-  if (std::abs(p - Route::kHopeful) < 0.01F) return kUnknown;
   const double t = std::clamp((p - 0.55) / 0.4, 0.0, 1.0);
   return (1 - t) * kHardly + t * kTraversable;
+}
+
+std::optional<cv::Scalar> obstacle_colour(float p)
+{
+  return p <= Route::kBlocked ? std::optional(kCostmap) : std::nullopt;
 }
 
 std::vector<std::vector<LegendItem>> legend()
@@ -74,7 +78,7 @@ std::vector<std::vector<LegendItem>> legend()
        {Mark::Line, "route", kRoute},
        {Mark::Dot, "obstacles given to the navigator", kPoints},
        {Mark::Cross, "goal", kGoal},
-       {Mark::Bar, "1 m", kInk, {}, metre_px}}};
+       {Mark::Bar, "1 m", {}, {}, metre_px}}};
 }
 
 /** With paper to its right where it is narrower. */
@@ -121,20 +125,6 @@ void Painter::paint_truth(const Route& route, double time_s)
   cv::resize(cells, background_, {}, kPixelsPerCell, kPixelsPerCell, cv::INTER_NEAREST);
 }
 
-void Painter::paint_obstacles(cv::Mat& image, const Route& route) const
-{
-  const auto& grid = route.costmap();
-  for (unsigned iy = 0; iy < grid.getSizeY(); iy++)
-    for (unsigned ix = 0; ix < grid.getSizeX(); ix++)
-    {
-      if (grid.getCell(static_cast<int>(ix), static_cast<int>(iy)) > kOccupied) continue;
-      const auto at = pixel(grid.idx2x(ix), grid.idx2y(iy));
-      const cv::Rect cell =
-          cv::Rect(at.x - 1, at.y - 1, 2, 2) & cv::Rect(0, 0, image.cols, image.rows);
-      image(cell).setTo(kCostmap);
-    }
-}
-
 void Painter::paint_robot(cv::Mat& image, const Step& at) const
 {
   const double c = std::cos(at.yaw_rad), s = std::sin(at.yaw_rad);
@@ -145,16 +135,20 @@ void Painter::paint_robot(cv::Mat& image, const Step& at) const
   cv::fillPoly(image, std::vector<std::vector<cv::Point>>{outline}, kRobot, cv::LINE_AA);
 }
 
-void Painter::paint_costmap(cv::Mat& image, const Route& route) const
+/** Fills a square of this side for each cell of the costmap that has a colour. */
+void Painter::paint_cells(
+    cv::Mat& image, const Route& route, int side_px, const CellColour& colour_of) const
 {
   const auto& grid = route.costmap();
   for (unsigned iy = 0; iy < grid.getSizeY(); iy++)
     for (unsigned ix = 0; ix < grid.getSizeX(); ix++)
     {
+      const auto colour = colour_of(grid.getCell(static_cast<int>(ix), static_cast<int>(iy)));
+      if (!colour) continue;
       const auto at = pixel(grid.idx2x(ix), grid.idx2y(iy));
-      const cv::Rect cell = cv::Rect(at.x - 1, at.y - 1, kPixelsPerCell, kPixelsPerCell) &
-                            cv::Rect(0, 0, image.cols, image.rows);
-      image(cell).setTo(costmap_colour(grid.getCell(static_cast<int>(ix), static_cast<int>(iy))));
+      const cv::Rect square =
+          cv::Rect(at.x - 1, at.y - 1, side_px, side_px) & cv::Rect(0, 0, image.cols, image.rows);
+      image(square).setTo(*colour);
     }
 }
 
@@ -186,9 +180,9 @@ cv::Mat Painter::draw(
   if (background_.empty() || !world_.movers.empty())
     paint_truth(route, mission.steps.back().time_s);
   cv::Mat truth = background_.clone();
-  paint_obstacles(truth, route);
-  cv::Mat known(truth.size(), truth.type(), cv::Scalar::all(255));
-  paint_costmap(known, route);
+  paint_cells(truth, route, 2, obstacle_colour);
+  cv::Mat known(truth.size(), truth.type(), kUnknown);
+  paint_cells(known, route, kPixelsPerCell, costmap_colour);
   for (cv::Mat* image : {&truth, &known}) paint_mission(*image, mission, route, pilot);
   const int width_px = std::max(truth.cols, kLeastWidth_px);
   cv::Mat all;

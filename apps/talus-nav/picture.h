@@ -3,6 +3,9 @@
 
 #include <opencv2/core.hpp>
 
+#include <functional>
+#include <optional>
+
 namespace talus::nav
 {
 /** Draws a mission over the truth of its world. */
@@ -21,8 +24,9 @@ class Painter
  private:
   cv::Point pixel(double x_m, double y_m) const;
   void paint_truth(const Route& route, double time_s);
-  void paint_obstacles(cv::Mat& image, const Route& route) const;
-  void paint_costmap(cv::Mat& image, const Route& route) const;
+  using CellColour = std::function<std::optional<cv::Scalar>(float)>;  //!< none: leave it
+  void paint_cells(
+      cv::Mat& image, const Route& route, int side_px, const CellColour& colour_of) const;
   void paint_mission(
       cv::Mat& image, const MissionResult& mission, const Route& route, const Pilot& pilot) const;
   void paint_robot(cv::Mat& image, const Step& at) const;

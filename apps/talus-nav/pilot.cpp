@@ -1,12 +1,19 @@
 #include "pilot.h"
 
+#include "planner_ini.h"
+#include "settings.h"
+
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/core/Clock.h>
 #include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem3D.h>
+#include <talus/io/mrpt_error.h>
 
 #include <cmath>
+#include <new>
+#include <stdexcept>
+#include <string_view>
 
 namespace talus::nav
 {
@@ -15,15 +22,23 @@ namespace
 constexpr double kSameTarget_m = 0.3;
 constexpr double kCreep_mps = 0.2, kCreepClear_m = 0.2;
 
-/** A navigator that prints no report of its timing when it goes. */
+/** A navigator that prints nothing, and keeps the first error that it would print in `error`. */
 template <class Navigator>
 struct Quiet : Navigator
 {
-  Quiet(mrpt::nav::CRobot2NavInterface& robot, const std::string& log_folder)
+  Quiet(mrpt::nav::CRobot2NavInterface& robot, const std::string& log_folder, std::string& error)
       : Navigator(robot, false, false, log_folder)
   {
     this->m_timlog_delays.enable(false);
     this->setMinLoggingLevel(mrpt::system::LVL_ERROR);
+    this->logging_enable_console_output = false;
+    this->logRegisterCallback(
+        [&error](
+            std::string_view text, mrpt::system::VerbosityLevel level, std::string_view,
+            mrpt::Clock::time_point)
+        {
+          if (level >= mrpt::system::LVL_ERROR && error.empty()) error = text;
+        });
   }
 };
 
@@ -88,25 +103,50 @@ bool RobotInterface::senseObstacles(
 }
 
 Pilot::Pilot(
-    SimulatedRobot& robot, MapSource& map, bool in_3d, const std::string& ini,
+    SimulatedRobot& robot, MapSource& map, bool in_3d, const Settings& settings,
     const std::string& log_folder, const std::string& cache_folder)
-    : robot_(robot), interface_(robot, map)
+    : robot_(robot),
+      interface_(robot, map),
+      failure_(settings.name + ": MRPT's " + planner_name(in_3d) + " cannot work with this: "),
+      advice_("; compare it with " + shipped_ini(in_3d))
 {
   mrpt::config::CConfigFileMemory config;
-  config.setContent(ini);
+  config.setContent(settings.ini);
   if (in_3d)
   {
-    navigator_ =
-        std::make_unique<Quiet<mrpt::nav::CReactiveNavigationSystem3D>>(interface_, log_folder);
+    navigator_ = std::make_unique<Quiet<mrpt::nav::CReactiveNavigationSystem3D>>(
+        interface_, log_folder, error_);
     interface_.prism_heights_m = prism_heights(config);
   }
   else
-    navigator_ =
-        std::make_unique<Quiet<mrpt::nav::CReactiveNavigationSystem>>(interface_, log_folder);
+    navigator_ = std::make_unique<Quiet<mrpt::nav::CReactiveNavigationSystem>>(
+        interface_, log_folder, error_);
   navigator_->enableLogFile(!log_folder.empty());
-  navigator_->loadConfigFile(config);
-  navigator_->params_abstract_ptg_navigator.ptg_cache_files_directory = cache_folder;
-  navigator_->initialize();
+  try_to(
+      [&]
+      {
+        navigator_->loadConfigFile(config);
+        navigator_->params_abstract_ptg_navigator.ptg_cache_files_directory = cache_folder;
+        navigator_->initialize();
+      });
+}
+
+/** Says which file it is when MRPT throws or logs an error. */
+void Pilot::try_to(const std::function<void()>& work)
+{
+  try
+  {
+    work();
+    if (!error_.empty()) throw std::runtime_error(error_);
+  }
+  catch (const std::bad_alloc&)
+  {
+    throw WrongConfiguration(failure_ + "it needs too much memory" + advice_);
+  }
+  catch (const std::exception& e)
+  {
+    throw WrongConfiguration(failure_ + io::reason_of(e) + advice_);
+  }
 }
 
 Pilot::~Pilot() = default;
@@ -128,7 +168,7 @@ void Pilot::step(
     navigator_->navigate(&wanted);
     target_ = target;
   }
-  navigator_->navigationStep();
+  try_to([&] { navigator_->navigationStep(); });
 }
 
 void Pilot::creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& place)

@@ -4,6 +4,7 @@
 
 #include <mrpt/nav/reactive/CAbstractPTGBasedReactive.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -46,19 +47,21 @@ class RobotInterface : public mrpt::nav::CRobot2NavInterface
   double start_s_ = 0;
 };
 
-/** A stock reactive navigator, CReactiveNavigationSystem or ...3D, set up from the text of an INI
- * file. */
+struct Settings;
+
+/** A stock reactive navigator, CReactiveNavigationSystem or ...3D, set up from an INI file. */
 class Pilot
 {
  public:
   /** Writes its log into `log_folder` (unless empty) and its caches into `cache_folder`. Throws
-   * what MRPT throws. */
+   * WrongConfiguration. */
   Pilot(
-      SimulatedRobot& robot, MapSource& map, bool in_3d, const std::string& ini,
+      SimulatedRobot& robot, MapSource& map, bool in_3d, const Settings& settings,
       const std::string& log_folder, const std::string& cache_folder);
   ~Pilot();
 
-  /** One step towards a place of the map frame; `is_last`: stop there. */
+  /** One step towards a place of the map frame; `is_last`: stop there. Throws WrongConfiguration:
+   * MRPT compiles formulas only now. */
   void step(
       const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last);
   /** One slow step on an arc to a place where the robot was, without the navigator, which does not
@@ -71,9 +74,12 @@ class Pilot
 
  private:
   bool is_clear(bool forwards) const;
+  void try_to(const std::function<void()>& work);
 
   SimulatedRobot& robot_;
   RobotInterface interface_;
+  std::string failure_, advice_;  //!< around what MRPT says
+  std::string error_;  //!< that MRPT logged
   std::unique_ptr<mrpt::nav::CAbstractPTGBasedReactive> navigator_;
   mrpt::math::TPoint2D target_{1e9, 1e9};
 };

@@ -71,7 +71,8 @@ nlohmann::json summary(const Options& o, const MissionResult& mission)
 
 void write_picture(const std::string& path, const cv::Mat& picture)
 {
-  if (!cv::imwrite(path, picture)) throw std::runtime_error(path + ": cannot be written");
+  if (!cv::imwrite(path, picture))
+    throw std::runtime_error(path + ": cannot be written; is the disk full? Free some space there");
 }
 
 void write_results(
@@ -81,22 +82,22 @@ void write_results(
   const fs::path to(folder);
   write_picture((to / "navigation.png").string(), picture);
   io::write_file((to / "path.csv").string(), path_csv(mission));
-  io::write_file((to / "summary.json").string(), summary(options, mission).dump(2) + "\n");
+  // A file name need not be UTF-8, JSON is.
+  const auto json =
+      summary(options, mission).dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  io::write_file((to / "summary.json").string(), json + "\n");
 }
 
 std::string console_summary(const Options& options, const MissionResult& mission)
 {
-  char text[500];
+  char times[100];
   std::snprintf(
-      text, sizeof text,
-      "%s: %s\n"
-      "  %s\n"
-      "  median ms a step: map %.1f, route %.1f, navigator %.1f\n"
-      "  wrote %s\n",
-      options.world.c_str(), ending_name(mission.ending).c_str(), mission.detail.c_str(),
+      times, sizeof times, "map %.1f, route %.1f, navigator %.1f",
       median_of(mission, &Step::map_ms), median_of(mission, &Step::plan_ms),
-      median_of(mission, &Step::pilot_ms), (fs::path(options.output) / "navigation.png").c_str());
-  return text;
+      median_of(mission, &Step::pilot_ms));
+  return options.world + ": " + ending_name(mission.ending) + "\n  " + mission.detail +
+         "\n  median ms a step: " + times + "\n  wrote " +
+         (fs::path(options.output) / "navigation.png").string() + "\n";
 }
 
 }  // namespace talus::nav

@@ -1,10 +1,12 @@
 #include "route.h"
 
+#include <mrpt/core/format.h>
 #include <mrpt/nav/planners/PlannerSimple2D.h>
 
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <stdexcept>
 
 namespace talus::nav
 {
@@ -13,6 +15,41 @@ namespace
 using mrpt::math::TPoint2D;
 
 constexpr double kMargin_m = 1.5;
+constexpr double kMost_m2 = 25000;  // 10 million cells, with the pictures 2 GB
+
+struct Area
+{
+  double min_x_m, max_x_m, min_y_m, max_y_m;
+};
+
+/** Start, goal and all that stands in the world, with a margin. */
+Area area_of(const sim::World& world, const TPoint2D& start, const TPoint2D& goal)
+{
+  Area a{
+      std::min(start.x, goal.x), std::max(start.x, goal.x), std::min(start.y, goal.y),
+      std::max(start.y, goal.y)};
+  for (const auto& shape : world.objects.shapes())
+  {
+    const auto b = sim::bounds(shape);
+    a.min_x_m = std::min(a.min_x_m, b.min_m.x);
+    a.max_x_m = std::max(a.max_x_m, b.max_m.x);
+    a.min_y_m = std::min(a.min_y_m, b.min_m.y);
+    a.max_y_m = std::max(a.max_y_m, b.max_m.y);
+  }
+  return {
+      a.min_x_m - kMargin_m, a.max_x_m + kMargin_m, a.min_y_m - kMargin_m, a.max_y_m + kMargin_m};
+}
+
+void require_manageable(const Area& a)
+{
+  const double size_m2 = (a.max_x_m - a.min_x_m) * (a.max_y_m - a.min_y_m);
+  const double farthest_m = std::max({-a.min_x_m, a.max_x_m, -a.min_y_m, a.max_y_m});
+  if (farthest_m <= Route::kFarthest_m + kMargin_m && size_m2 <= kMost_m2) return;
+  throw std::invalid_argument(mrpt::format(
+      "start, goal and objects reach from (%.1f, %.1f) to (%.1f, %.1f) m; the limit is %.0f m from "
+      "the origin and %.0f m2: choose a nearer --goal, or move what is far away in the world",
+      a.min_x_m, a.min_y_m, a.max_x_m, a.max_y_m, Route::kFarthest_m, kMost_m2));
+}
 
 /** What is nearer to the robot is left to the reactive navigator. */
 void clear_around(
@@ -32,21 +69,13 @@ Route::Route(
     double robot_radius_m)
     : goal_(goal), robot_radius_m_(robot_radius_m)
 {
-  double x0 = std::min(start.x, goal.x), x1 = std::max(start.x, goal.x);
-  double y0 = std::min(start.y, goal.y), y1 = std::max(start.y, goal.y);
-  for (const auto& shape : world.objects.shapes())
-  {
-    const auto b = sim::bounds(shape);
-    x0 = std::min(x0, b.min_m.x);
-    x1 = std::max(x1, b.max_m.x);
-    y0 = std::min(y0, b.min_m.y);
-    y1 = std::max(y1, b.max_m.y);
-  }
+  const Area area = area_of(world, start, goal);
+  require_manageable(area);
   const auto down = [&](double v) { return std::floor(v / resolution_m) * resolution_m; };
   const auto up = [&](double v) { return std::ceil(v / resolution_m) * resolution_m; };
   costmap_.setSize(
-      static_cast<float>(down(x0 - kMargin_m)), static_cast<float>(up(x1 + kMargin_m)),
-      static_cast<float>(down(y0 - kMargin_m)), static_cast<float>(up(y1 + kMargin_m)),
+      static_cast<float>(down(area.min_x_m)), static_cast<float>(up(area.max_x_m)),
+      static_cast<float>(down(area.min_y_m)), static_cast<float>(up(area.max_y_m)),
       static_cast<float>(resolution_m), kHopeful);
 }
 
@@ -68,7 +97,7 @@ bool Route::plan_with(
   mrpt::nav::PlannerSimple2D planner;
   planner.robotRadius = static_cast<float>(radius_m);
   planner.minStepInReturnedPath = 0.2F;
-  planner.occupancyThreshold = 0.45F;
+  planner.occupancyThreshold = kBlocked;
   std::deque<TPoint2D> path;
   bool not_found = true;
   planner.computePath(

@@ -12,10 +12,15 @@ namespace talus::nav
 class Route
 {
  public:
-  static constexpr float kHopeful = 0.6F;  //!< probability of being free where nothing is known
+  static constexpr float kBlocked =
+      0.45F;  //!< cells whose probability of being free is this or less
+  /** Where nothing is known a way may be hoped for. What costmap_from_map() makes of a cell that is
+   * known and not blocked is 0.55 or more. */
+  static constexpr float kHopeful = 0.5F;
+  static constexpr double kFarthest_m = 3000;  //!< from the origin: what OctoMap can hold
 
-  /** The costmap covers the world around start and goal; all of it is unknown, and a way may be
-   * hoped for where nothing is known. */
+  /** The costmap covers start, goal and all that stands in the world; all of it is unknown. Throws
+   * std::invalid_argument where that is too far away or too large. */
   Route(
       const sim::World& world, const mrpt::math::TPoint2D& start, const mrpt::math::TPoint2D& goal,
       double resolution_m, double robot_radius_m);

@@ -1,8 +1,11 @@
 #include "settings.h"
 
 #include "builtin_configs.h"
+#include "planner_ini.h"
 
 #include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/core/format.h>
+#include <talus/io/mrpt_error.h>
 #include <talus/mrpt/parameters_ini.h>
 
 #include <filesystem>
@@ -20,23 +23,40 @@ constexpr const char* kObstacles = "talus_obstacles";
 std::string text_of(const std::string& path)
 {
   if (std::filesystem::is_directory(path))
-    throw std::runtime_error(path + ": is a directory; give an INI file to --planner-config");
+    throw WrongConfiguration(path + ": is a directory; give an INI file to --planner-config");
+  if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path))
+    throw WrongConfiguration(
+        path + ": is a pipe or a device; save it as a file and give that to --planner-config");
   std::ifstream file(path);
   if (!file)
-    throw std::runtime_error(path + ": cannot be read; check the path given to --planner-config");
+    throw WrongConfiguration(path + ": cannot be read; check the path given to --planner-config");
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
 }
 
-void require_navigator(
-    const mrpt::config::CConfigFileBase& ini, const std::string& name, const Options& o)
+/** Of the sections that are read by this project. */
+void require_sound(const Settings& s)
 {
-  const std::string section = o.in_3d ? "CReactiveNavigationSystem3D" : "CReactiveNavigationSystem";
+  try
+  {
+    require_sound_ini(
+        s.ini, s.name,
+        {"CDualElevationMap_creationOpts", "CDualElevationMap_insertOpts", kObstacles});
+  }
+  catch (const std::exception& e)
+  {
+    throw WrongConfiguration(e.what());
+  }
+}
+
+void require_navigator(const mrpt::config::CConfigFileBase& ini, const Options& o)
+{
+  const std::string section = planner_name(o.in_3d);
   if (ini.sectionExists(section)) return;
   throw std::runtime_error(
-      name + ": has no section [" + section + "]; --planner " + (o.in_3d ? "3d" : "2d") +
-      " needs one such as in datasets/configs/reactive" + (o.in_3d ? "3d" : "2d") + "_config.ini");
+      "has no section [" + section + "]; --planner " + (o.in_3d ? "3d" : "2d") +
+      " needs one such as in " + shipped_ini(o.in_3d));
 }
 
 /** Without the section the policies are other ones than in the shipped files, and the robot may
@@ -54,21 +74,27 @@ void warn_of_missing_obstacles(
 Settings load_settings(const Options& o)
 {
   Settings s;
-  const std::string name = o.config.empty() ? "the built-in configuration" : o.config;
+  s.name = o.config.empty() ? "the built-in configuration" : o.config;
   s.ini = !o.config.empty() ? text_of(o.config) : o.in_3d ? kReactive3D : kReactive2D;
-  mrpt::config::CConfigFileMemory ini;
-  ini.setContent(s.ini);
-  require_navigator(ini, name, o);
+  require_sound(s);
   try
   {
+    mrpt::config::CConfigFileMemory ini;
+    ini.setContent(s.ini);
+    require_navigator(ini, o);
     for (const auto& w : load_parameters(ini, "CDualElevationMap", s.parameters))
-      std::cerr << "talus-nav: warning: " << name << ": " << w << "\n";
-    warn_of_missing_obstacles(ini, name, o);
+      std::cerr << "talus-nav: warning: " << s.name << ": " << w << "\n";
+    if (!o.octomap && s.parameters.resolution_m != kCostmapCell_m)
+      throw std::runtime_error(mrpt::format(
+          "resolution = %g m: must be %g m, as the costmap of the route has",
+          s.parameters.resolution_m, kCostmapCell_m));
+    warn_of_missing_obstacles(ini, s.name, o);
     s.obstacles.loadFromConfigFile(ini, kObstacles);
+    check_planner_ini(ini, o.in_3d);
   }
   catch (const std::exception& e)
   {
-    throw std::runtime_error(name + ": " + e.what());
+    throw WrongConfiguration(s.name + ": " + io::reason_of(e));
   }
   return s;
 }

@@ -1,4 +1,3 @@
-#include <talus/io/atomic_file.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -6,10 +5,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
-#include <memory>
+#include <utility>
 
-#include "../option_checks.h"
-#include "interrupt.h"
+#include "../common/interrupt.h"
+#include "../common/option_checks.h"
+#include "../common/output_folder.h"
 #include "output.h"
 
 namespace fs = std::filesystem;
@@ -109,18 +109,7 @@ void add_options(CLI::App& app, Options& o)
   app.footer(footer());
 }
 
-void make_folder(const std::string& path)
-{
-  std::error_code error;
-  fs::create_directories(path, error);
-  std::error_code ignored;
-  if (!fs::is_directory(path, ignored))
-    throw std::runtime_error(
-        "'" + path + "' cannot be made a folder" + (error ? ": " + error.message() : "") +
-        "; give another --output");
-  if (access(path.c_str(), W_OK) != 0)
-    throw std::runtime_error("'" + path + "' is not writable; give another --output");
-}
+bool has_bar(const Options& o) { return !o.quiet && isatty(STDERR_FILENO); }
 
 void show_progress(int done, int total)
 {
@@ -142,50 +131,57 @@ TruthWindow window_of(const Options& o, const Drive& drive)
   }
 }
 
-/** All files appear together, or none. */
-void write_files(const Options& o, const World& world, const Drive& drive, Truth last, double end_s)
+std::string stem_of(const Options& o) { return fs::path(o.world).stem().string(); }
+
+void write_files(
+    const Options& o, const std::string& folder, const World& world, const Drive& drive, Truth last,
+    const Interrupt& interrupt)
 {
-  const std::string stem = fs::path(o.world).stem().string();
-  const bool bar = !o.quiet && isatty(STDERR_FILENO);
-  const Interrupt interrupt;
-  std::vector<std::unique_ptr<talus::io::AtomicFile>> files;
-  const auto path = [&](const std::string& name) { return (fs::path(o.output) / name).string(); };
-  const auto add = [&](const std::string& name)
+  const auto path = [&](const std::string& name)
   {
-    require_apart(path(name), {o.world});
-    files.push_back(std::make_unique<talus::io::AtomicFile>(path(name)));
-    return files.back()->temporary_path();
+    require_apart((fs::path(o.output) / name).string(), {o.world});
+    return (fs::path(folder) / name).string();
   };
-  write_truth(add("truth.tif"), last, world, end_s);
-  last = {};  // it may be large
-  write_tum(add(stem + ".tum"), drive, false);
-  if (drive.has_pose_errors()) write_tum(add(stem + "_noisy.tum"), drive, true);
-  const std::string log = stem + ".rawlog";
+  write_truth(path("truth.tif"), std::move(last), world, drive.time_s(drive.frames() - 1));
+  write_tum(path(stem_of(o) + ".tum"), drive, false);
+  if (drive.has_pose_errors()) write_tum(path(stem_of(o) + "_noisy.tum"), drive, true);
   write_rawlog(
-      add(log), path(log), world, drive, o.claims,
+      path(stem_of(o) + ".rawlog"), world, drive, o.claims,
       [&](int done)
       {
+        if (has_bar(o)) show_progress(done, drive.frames());
         interrupt.check();
-        if (bar) show_progress(done, drive.frames());
       });
-  for (const auto& file : files) file->commit();
 }
 
+/** All files appear together, or none. */
 void simulate(const Options& o)
 {
   const World world = load_world(o.world);
   const Drive drive(world, o.drive);
   const TruthWindow window = window_of(o, drive);
-  make_folder(o.output);
+  require_writable(o.output);
   const double end_s = drive.time_s(drive.frames() - 1);
   TruthOptions truth_options;
   truth_options.movers = !o.without_movers;
-  write_files(o, world, drive, truth(world, window, end_s, truth_options), end_s);
+  Truth last = truth(world, window, end_s, truth_options);
+  const Interrupt interrupt;
+  OutputFolder folder(o.output);
+  try
+  {
+    write_files(o, folder.staging(), world, drive, std::move(last), interrupt);
+  }
+  catch (const std::exception& e)
+  {
+    throw std::runtime_error(folder.told(e.what()));
+  }
+  interrupt.check();
+  folder.commit();
   if (o.quiet) return;
   std::printf(
       "%s: %d frames of %s over %.1f m -> %s\n", world.name.c_str(), drive.frames(),
       drive.scanner().name.c_str(), drive.path().distance_m(end_s),
-      (fs::path(o.output) / (fs::path(o.world).stem().string() + ".rawlog")).c_str());
+      (fs::path(o.output) / (stem_of(o) + ".rawlog")).c_str());
 }
 
 }  // namespace
@@ -211,6 +207,7 @@ int main(int argc, char** argv)
   }
   catch (const Interrupted& e)
   {
+    if (has_bar(options)) std::cerr << "\n";
     std::cerr << "talus-sim: stopped; nothing was written\n";
     return 128 + e.signal;
   }

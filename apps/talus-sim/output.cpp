@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
 
 namespace talus::sim
 {
@@ -70,11 +71,11 @@ mrpt::obs::CObservationPointCloud observation(
 }  // namespace
 
 void write_rawlog(
-    const std::string& path, const std::string& name, const World& world, const Drive& drive,
-    const Claims& claims, const std::function<void(int)>& progress)
+    const std::string& path, const World& world, const Drive& drive, const Claims& claims,
+    const std::function<void(int)>& progress)
 {
   mrpt::io::CFileGZOutputStream file;
-  if (!file.open(path, 1)) throw std::runtime_error("'" + name + "' cannot be written");
+  if (!file.open(path, 1)) throw std::runtime_error("'" + path + "' cannot be written");
   auto archive = mrpt::serialization::archiveFrom(file);
   for (int i = 0; i < drive.frames(); ++i)
   {
@@ -86,13 +87,13 @@ void write_rawlog(
     catch (const std::exception& e)
     {
       throw std::runtime_error(
-          "'" + name + "' could not be written (" + io::reason_of(e) +
+          "'" + path + "' could not be written (" + io::reason_of(e) +
           "); is the disk full? Free some space there");
     }
     progress(i + 1);
   }
   file.close();
-  io::require_complete_gz(path, name);
+  io::require_complete_gz(path);
 }
 
 void write_tum(const std::string& path, const Drive& drive, bool noisy)
@@ -114,7 +115,7 @@ void write_tum(const std::string& path, const Drive& drive, bool noisy)
   if (!out) throw std::runtime_error("'" + path + "' cannot be written");
 }
 
-void write_truth(const std::string& path, const Truth& truth, const World& world, double time_s)
+void write_truth(const std::string& path, Truth truth, const World& world, double time_s)
 {
   io::LayerStack stack;
   stack.cells_x = truth.window.cells_x;
@@ -123,8 +124,10 @@ void write_truth(const std::string& path, const Truth& truth, const World& world
   stack.min_x_m = truth.window.min_x_m;
   stack.min_y_m = truth.window.min_y_m;
   stack.names = {"ground", "obstacle_top", "underside", "label", "covered", "solid"};
-  stack.layers = {truth.ground, truth.obstacle_top, truth.underside,
-                  truth.label,  truth.covered,      truth.solid};
+  for (auto* layer :
+       {&truth.ground, &truth.obstacle_top, &truth.underside, &truth.label, &truth.covered,
+        &truth.solid})
+    stack.layers.push_back(std::move(*layer));
   io::write_geotiff(path, stack, {{"world", world.name}, {"time_s", std::to_string(time_s)}});
 }
 

@@ -20,15 +20,15 @@ struct Claims
 };
 
 /** Every frame as a CObservationPointCloud with label "lidar". `progress` gets the frames done.
- * Throws std::runtime_error naming the file as `name`. */
+ * Throws std::runtime_error naming the file, and what `progress` throws. */
 void write_rawlog(
-    const std::string& path, const std::string& name, const World& world, const Drive& drive,
-    const Claims& claims, const std::function<void(int)>& progress);
+    const std::string& path, const World& world, const Drive& drive, const Claims& claims,
+    const std::function<void(int)>& progress);
 
 /** The base in the map at each stamp, as TUM text: the truth, or as the drive's pose errors say. */
 void write_tum(const std::string& path, const Drive& drive, bool noisy);
 
 /** Six bands: ground, obstacle_top, underside, label, covered, solid. */
-void write_truth(const std::string& path, const Truth& truth, const World& world, double time_s);
+void write_truth(const std::string& path, Truth truth, const World& world, double time_s);
 
 }  // namespace talus::sim

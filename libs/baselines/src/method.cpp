@@ -1,6 +1,7 @@
 #include <talus/baselines/highest_point_map.h>
 #include <talus/baselines/method.h>
 #include <talus/baselines/stock_maps.h>
+#include <talus/point_filter.h>
 
 #include <cmath>
 #include <limits>
@@ -37,14 +38,6 @@ class TalusMethod : public Method
  private:
   ElevationMapper map_;
 };
-
-bool in_body(const Parameters& p, float x, float y, float z)
-{
-  const bool has_body = p.body_max_x_m > p.body_min_x_m && p.body_max_y_m > p.body_min_y_m &&
-                        p.body_max_z_m > p.body_min_z_m;
-  return has_body && x >= p.body_min_x_m && x <= p.body_max_x_m && y >= p.body_min_y_m &&
-         y <= p.body_max_y_m && z >= p.body_min_z_m && z <= p.body_max_z_m;
-}
 
 }  // namespace
 
@@ -89,16 +82,15 @@ std::vector<MapPoint> accepted_points(const Frame& frame, const Parameters& p)
 {
   std::vector<MapPoint> points;
   points.reserve(frame.size);
+  const PointFilter filter(p);
   const auto& m = frame.T_map_sensor.m;
   for (std::size_t i = 0; i < frame.size; ++i)
   {
     const float x = frame.x_m[i], y = frame.y_m[i], z = frame.z_m[i];
-    const float range = std::sqrt(x * x + y * y + z * z);
-    if (!std::isfinite(range) || range < p.min_range_m || range > p.max_range_m) continue;
-    if (z < p.min_height_m || z > p.max_height_m || in_body(p, x, y, z)) continue;
+    if (!filter.accepts(x, y, z)) continue;
     const auto row = [&](std::size_t r)
     { return static_cast<float>(m[r] * x + m[r + 1] * y + m[r + 2] * z + m[r + 3]); };
-    points.push_back({row(0), row(4), row(8), range});
+    points.push_back({row(0), row(4), row(8), std::sqrt(x * x + y * y + z * z)});
   }
   return points;
 }

@@ -2,6 +2,7 @@
 
 #include <talus/io/quantile.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace talus::calibrate
@@ -30,7 +31,13 @@ std::vector<DrivenPlace> driven_places(const PoseTrack& track, double base_heigh
   for (std::int64_t i = 0; i <= steps; ++i)
   {
     const double t = track.first_s() + kTimeStep_s * static_cast<double>(i);
-    if (!track.covers(t)) continue;
+    if (!track.covers(t))
+    {
+      // To the end of the gap: where a stamp is wrong it may last for years.
+      const double ahead_s = std::min(track.next_s(t), track.last_s()) - track.first_s();
+      i = std::max(i, static_cast<std::int64_t>(ahead_s / kTimeStep_s) - 1);
+      continue;
+    }
     const TrackPose pose = track.at(t);
     if (!((pose.t_m - last).norm() > kStep_m)) continue;
     last = pose.t_m;

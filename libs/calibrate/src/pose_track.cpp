@@ -59,12 +59,22 @@ Value PoseTrack::chord(std::size_t from, std::size_t to) const
   return (knots_[to].value - knots_[from].value) / (knots_[to].time_s - knots_[from].time_s);
 }
 
+std::vector<PoseTrack::Knot>::const_iterator PoseTrack::knot_after(double time_s) const
+{
+  return std::upper_bound(
+      knots_.begin(), knots_.end(), time_s, [](double t, const Knot& k) { return t < k.time_s; });
+}
+
+double PoseTrack::next_s(double time_s) const
+{
+  const auto after = knot_after(time_s);
+  return after == knots_.end() ? HUGE_VAL : after->time_s;
+}
+
 /** Index of the pose before the time; the first or last but one beyond the ends. */
 std::size_t PoseTrack::segment_of(double time_s) const
 {
-  const auto after = std::upper_bound(
-      knots_.begin(), knots_.end(), time_s, [](double t, const Knot& k) { return t < k.time_s; });
-  const auto i = std::max<std::ptrdiff_t>(after - knots_.begin() - 1, 0);
+  const auto i = std::max<std::ptrdiff_t>(knot_after(time_s) - knots_.begin() - 1, 0);
   return std::min(static_cast<std::size_t>(i), knots_.size() - 2);
 }
 

@@ -8,6 +8,7 @@ namespace talus::calibrate
 namespace
 {
 constexpr double kSlice_s = 0.005;  // points within it share a pose
+constexpr float kLongestScan_s = 1e4F;
 
 std::uint64_t mix(std::uint64_t v)
 {
@@ -64,7 +65,7 @@ void ScanSet::add(
   for (std::size_t i = 0; i < size; ++i)
   {
     if (!may_be_ground(at(i)) || chance(static_cast<std::uint64_t>(frame), i) >= share) continue;
-    if (time_s && !std::isfinite(time_s[i])) continue;
+    if (time_s && !(std::abs(time_s[i]) < kLongestScan_s)) continue;
     kept.push_back({time_s ? static_cast<int>(std::lround(time_s[i] / kSlice_s)) : 0, at(i)});
   }
   std::stable_sort(

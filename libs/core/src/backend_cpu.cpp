@@ -5,9 +5,15 @@
 
 namespace talus
 {
+namespace
+{
+constexpr int kMostThreads = 1024;  //!< their pieces of a loop are counted in an int
+}
+
 std::unique_ptr<BackendInterface> make_cpu_backend(const kernels::Config& config, int threads)
 {
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  threads = std::min(threads, kMostThreads);
 #if defined(TALUS_HAVE_TBB)
   if (threads > 1)
     return std::make_unique<Pipeline<CpuExecutor<ThreadPool>>>(

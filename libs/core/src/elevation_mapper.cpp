@@ -1,8 +1,7 @@
 #include <talus/elevation_mapper.h>
-#include "backend.h"
 #include "kernels/math.h"
+#include "saved_map.h"
 
-#include <cstring>
 #include <iostream>
 #include <limits>
 #include <stdexcept>
@@ -11,23 +10,6 @@ namespace talus
 {
 namespace
 {
-constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '4'};
-/** Of states that were saved before: without the last array of the cells. */
-constexpr char kMagicWithoutExtent[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '2'};
-
-/** What save() writes before the layers. */
-struct SavedHeader
-{
-  char magic[8];
-  std::int32_t cells;
-  std::int32_t started;
-  std::int64_t min_cell_x, min_cell_y;
-  double last_z_axis[3];
-  double resolution_m;
-  float reference_z_m;
-  std::uint32_t reserved;
-};
-
 /** Says once in a process which backend `auto` took, and why not the other. */
 void say_once(const std::string& text)
 {
@@ -168,13 +150,15 @@ void ElevationMapper::start(const Frame& frame)
 {
   if (frame.size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max() / 4))
     throw std::invalid_argument("a frame of more than 536,870,911 points");
+  if (frame.size && !(frame.x_m && frame.y_m && frame.z_m))
+    throw std::invalid_argument("a frame with points has no x_m, y_m or z_m");
   Impl& m = *impl_;
   const int index = m.free_slot("start");
   auto& slot = m.slots[static_cast<std::size_t>(index)];
   slot.tracker = m.started;
   slot.context = slot.tracker.advance(frame, m.parameters);
-  m.layer_read = {};
   m.backend->start(index, frame, slot.context);
+  m.layer_read = {};
   m.started = slot.tracker;
   if (m.in_flight++ == 0) m.oldest = index;
 }
@@ -262,64 +246,24 @@ std::vector<std::uint8_t> ElevationMapper::save() const
 {
   const Impl& m = *impl_;
   m.require_none_in_flight("save");
-  SavedHeader header{};
-  std::memcpy(header.magic, kMagic, sizeof kMagic);
-  header.cells = m.parameters.cells();
-  header.started = m.finished.started;
-  header.min_cell_x = m.finished.min_cell_x;
-  header.min_cell_y = m.finished.min_cell_y;
-  std::copy(m.finished.last_z_axis.begin(), m.finished.last_z_axis.end(), header.last_z_axis);
-  header.resolution_m = m.parameters.resolution_m;
-  header.reference_z_m = m.reference_z_m;
-  const auto* head = reinterpret_cast<const std::uint8_t*>(&header);
-  std::vector<std::uint8_t> bytes(head, head + sizeof header);
-  if (empty()) return bytes;
-  const MapBytes all = m.backend->read_all();
-  bytes.insert(bytes.end(), all.cells.begin(), all.cells.end());
-  const auto* features = reinterpret_cast<const std::uint8_t*>(all.features.data());
-  bytes.insert(bytes.end(), features, features + all.features.size() * sizeof(float));
-  return bytes;
+  return bytes_of(
+      {m.finished, m.reference_z_m, empty() ? MapBytes{} : m.backend->read_all()}, m.parameters);
 }
 
 void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
 {
   Impl& m = *impl_;
   m.require_none_in_flight("restore");
-  SavedHeader header;
-  if (bytes.size() < sizeof header) throw std::invalid_argument("saved map: cut short");
-  std::memcpy(&header, bytes.data(), sizeof header);
-  const int n = m.parameters.cells();
-  const bool older = std::memcmp(header.magic, kMagicWithoutExtent, sizeof kMagic) == 0;
-  if (!older && std::memcmp(header.magic, kMagic, sizeof kMagic) != 0)
-    throw std::invalid_argument("saved map: not a state of talus");
-  if (header.cells != n || header.resolution_m != m.parameters.resolution_m)
-    throw std::invalid_argument("saved map: another window size or resolution");
-  const auto cells = static_cast<std::size_t>(n) * static_cast<std::size_t>(n);
-  const std::size_t cell_bytes = cells * (kBytesPerCell - (older ? 1 : 0));
-  const std::size_t feature_bytes = cells * 5 * sizeof(float);
-  const std::size_t expected = sizeof header + (header.started ? cell_bytes + feature_bytes : 0);
-  if (bytes.size() != expected) throw std::invalid_argument("saved map: wrong length");
-
+  const SavedMap saved = saved_map_from(bytes, m.parameters);
   m.reset();
-  if (!header.started) return;
-  m.started = m.finished = {
-      true,
-      header.min_cell_x,
-      header.min_cell_y,
-      {header.last_z_axis[0], header.last_z_axis[1], header.last_z_axis[2]}};
-  const auto storage = [n](std::int64_t cell) { return static_cast<int>(((cell % n) + n) % n); };
-  m.reference_z_m = header.reference_z_m;
+  if (!saved.tracker.started) return;
+  m.started = m.finished = saved.tracker;
+  m.reference_z_m = saved.reference_z_m;
   kernels::FrameContext window{};
-  window.storage_x = storage(header.min_cell_x);
-  window.storage_y = storage(header.min_cell_y);
+  window.storage_x = WindowTracker::storage(m.finished.min_cell_x, m.parameters.cells());
+  window.storage_y = WindowTracker::storage(m.finished.min_cell_y, m.parameters.cells());
   window.sensor_z_m = m.reference_z_m;
-  const auto* from = bytes.data() + sizeof header;
-  MapBytes all;
-  all.cells.assign(from, from + cell_bytes);
-  all.cells.resize(cells * kBytesPerCell);  // no extents are known
-  all.features.resize(cells * 5);
-  std::memcpy(all.features.data(), from + cell_bytes, feature_bytes);
-  m.backend->write_all(all, window);
+  m.backend->write_all(saved.map, window);
   m.layer_read = m.shown_slot().delivered;
 }
 

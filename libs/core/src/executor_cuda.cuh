@@ -345,7 +345,7 @@ class CudaExecutor
   }
 
   /** Whether the points are copied by the bus as they are staged, not read from where they are. */
-  bool copies_points() const;
+  static bool copies_points(std::size_t capacity);
 
   std::string name_;
   bool can_chain_ = false;

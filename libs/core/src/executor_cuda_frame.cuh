@@ -55,9 +55,9 @@ inline OutputMemory CudaExecutor::map_output(float* host, std::size_t size)
   return {direct != nullptr, fits ? direct : nullptr};
 }
 
-inline bool CudaExecutor::copies_points() const
+inline bool CudaExecutor::copies_points(std::size_t capacity)
 {
-  return 3 * slot().capacity * sizeof(float) > kReadBytes;
+  return 3 * capacity * sizeof(float) > kReadBytes;
 }
 
 inline PointArrays CudaExecutor::point_arrays(std::size_t capacity)
@@ -65,11 +65,12 @@ inline PointArrays CudaExecutor::point_arrays(std::size_t capacity)
   CudaSlot& s = slot();
   if (capacity != s.capacity)
   {
-    s.capacity = capacity;
+    s.capacity = 0;  // until all is there
     s.staged = {};
     s.staged = PinnedBuffer<std::uint32_t>(kStagedPoints + 4 * capacity);
     std::memset(s.staged.data(), 0, s.staged.size() * sizeof(std::uint32_t));
-    allocate(s.points, copies_points() ? 4 * capacity : 0, 0.0f);
+    allocate(s.points, copies_points(capacity) ? 4 * capacity : 0, 0.0f);
+    s.capacity = capacity;
   }
   auto* p = reinterpret_cast<float*>(s.staged.data() + kStagedPoints);
   return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
@@ -82,14 +83,14 @@ inline kernels::PointsIn CudaExecutor::stage(
   const PointArrays to = point_arrays(capacity);
   std::memcpy(slot().staged.data(), &context, sizeof context);
   const float* const from[] = {frame.x_m, frame.y_m, frame.z_m, frame.time_s};
-  float* const p = copies_points() ? slot().points.data() : to.x_m;
+  float* const p = copies_points(capacity) ? slot().points.data() : to.x_m;
   const int arrays = frame.size == 0 ? 0 : context.has_times ? 4 : 3;
   std::array<CopyBlock, kMaxCopyBlocks> blocks;
   for (std::size_t a = 0; a < static_cast<std::size_t>(arrays); a++)
     blocks[a] = {to.x_m + a * capacity, from[a], frame.size * sizeof(float)};
   const auto send = [&](std::size_t a)
   {
-    if (copies_points()) copy(p + a * capacity, to.x_m + a * capacity, frame.size);
+    if (copies_points(capacity)) copy(p + a * capacity, to.x_m + a * capacity, frame.size);
   };
   copy_blocks(blocks.data(), arrays, std::ref(send));
   return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};

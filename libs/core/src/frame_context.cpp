@@ -14,6 +14,10 @@ namespace talus
 namespace
 {
 constexpr double kMaxCellIndex = 1e9;
+constexpr double kMaxHeight_m = 1e5;  //!< floats lie 8 mm apart there
+constexpr double kNotRigid = 0.01;
+/** At the end of the kernel's support samples weigh nothing: the prior alone says what is there. */
+constexpr double kLeastLambda = 1e-6;
 
 kernels::WindowPose window_pose(const Pose& T_map_sensor, double min_x_m, double min_y_m)
 {
@@ -62,13 +66,26 @@ void resample_path(const Frame& frame, double min_x_m, double min_y_m, kernels::
   }
 }
 
+bool is_rotation(const Eigen::Matrix3d& R)
+{
+  return (R * R.transpose()).isApprox(Eigen::Matrix3d::Identity(), kNotRigid) &&
+         R.determinant() > 0;
+}
+
 void check_pose(const Pose& p, double resolution_m)
 {
   for (double v : p.m)
     if (!std::isfinite(v)) throw std::invalid_argument("the pose of the sensor is not finite");
+  if (!is_rotation(to_eigen(p).linear()))
+    throw std::invalid_argument(
+        "the pose of the sensor is no rigid transform: the left 3x3 of its matrix must be a "
+        "rotation");
   if (std::max(std::abs(p.x()), std::abs(p.y())) / resolution_m > kMaxCellIndex)
     throw std::invalid_argument(
         "the sensor is more than 1e9 cells away from the origin of the map: use a local origin");
+  if (std::abs(p.z()) > kMaxHeight_m)
+    throw std::invalid_argument(
+        "the sensor is more than 100 km above or below the origin of the map: use a local origin");
 }
 
 /** NaN does not ascend either. */
@@ -123,7 +140,7 @@ kernels::Config make_config(const Parameters& p)
   k.object_radius = static_cast<int>(std::lround(p.object_size_m / (4 * p.resolution_m)));
   k.support_slope = f(std::tan(p.slope_threshold_rad));
   k.fill_search_m = f(p.fill_search_m);
-  k.fill_lambda = f(p.fill_lambda);
+  k.fill_lambda = f(std::max(p.fill_lambda, kLeastLambda));
   k.inverse_fill_kernel = f(1 / p.fill_kernel_m);
   k.fill_variance_per_m = f(p.fill_variance_per_m);
   k.fill_samples = p.fill_samples;
@@ -169,11 +186,10 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   kernels::FrameContext f{};
   const auto moved = [&](std::int64_t now, std::int64_t before)
   { return started ? static_cast<int>(std::clamp<std::int64_t>(now - before, -n, n)) : n; };
-  const auto storage = [&](std::int64_t cell) { return static_cast<int>(((cell % n) + n) % n); };
   f.moved_x = moved(x, min_cell_x);
   f.moved_y = moved(y, min_cell_y);
-  f.storage_x = storage(x);
-  f.storage_y = storage(y);
+  f.storage_x = storage(x, n);
+  f.storage_y = storage(y, n);
   f.odd_x = static_cast<int>(x & 1);
   f.odd_y = static_cast<int>(y & 1);
   f.n_points = static_cast<int>(frame.size);

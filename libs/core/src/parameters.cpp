@@ -181,6 +181,32 @@ std::size_t distance_to_name(const std::string& wanted, const std::string& name)
   return distance;
 }
 
+/** A box without volume drops nothing: as it is by default, or because something was forgotten. */
+void validate_body(const Parameters& p)
+{
+  const double sizes_m[3] = {
+      p.body_max_x_m - p.body_min_x_m, p.body_max_y_m - p.body_min_y_m,
+      p.body_max_z_m - p.body_min_z_m};
+  const bool is_box = std::all_of(sizes_m, sizes_m + 3, [](double s) { return s > 0; });
+  const bool is_none = std::all_of(sizes_m, sizes_m + 3, [](double s) { return s == 0; });
+  if (is_box || is_none) return;
+  const std::size_t flat =
+      std::find_if(sizes_m, sizes_m + 3, [](double s) { return s <= 0; }) - sizes_m;
+  const std::string axis(1, "xyz"[flat]);
+  throw std::invalid_argument(
+      "the robot's body has no extent in " + axis + ": set body_min_" + axis +
+      "_m below body_max_" + axis + "_m, or all six of body_min_ and body_max_ to 0");
+}
+
+void validate_voxels(const Parameters& p)
+{
+  constexpr double kMost = 2147483648.0;  // places are counted in 32 bits
+  if (p.voxel_m == 0 || p.max_range_m / p.voxel_m < kMost) return;
+  throw std::invalid_argument(
+      "voxel_m = " + number(p.voxel_m) + " m is too small for max_range_m = " +
+      number(p.max_range_m) + " m: choose larger voxels or a shorter range");
+}
+
 /** Half of the size is counted in pairs of cells: 1 to 16 of them. */
 void validate_object_size(const Parameters& p)
 {
@@ -213,6 +239,8 @@ void validate_combinations(const Parameters& p)
         "feature_radius_m = " + number(p.feature_radius_m) + " m is " +
         number(std::round(p.feature_radius_m / p.resolution_m)) +
         " cells; at most 15 are supported: choose a smaller radius or a coarser resolution");
+  validate_body(p);
+  validate_voxels(p);
   validate_object_size(p);
   const double weights = p.weight_slope + p.weight_step + p.weight_roughness;
   if (std::abs(weights - 1.0) > 1e-6)

@@ -81,7 +81,8 @@ void Pipeline<Executor>::reserve_points(std::size_t points)
   std::size_t step = 1024;
   while (8 * step < points) step *= 2;
   const std::size_t capacity = std::max<std::size_t>(1, (points + step - 1) / step) * step;
-  executor_.allocate(point_cell_, capacity, std::int32_t{-1});
+  // The size of the first tells that of all: where memory ends half-way it must tell of none.
+  executor_.allocate(point_cell_, 0, std::int32_t{-1});
   executor_.allocate(
       crowded_, static_cast<std::size_t>(most_crowded(static_cast<int>(capacity))) + 1,
       std::int32_t{0});
@@ -100,6 +101,7 @@ void Pipeline<Executor>::reserve_points(std::size_t points)
     executor_.allocate(voxel_key_, 16 * step, kernels::kNoVoxel);
     executor_.allocate(voxel_winner_, 16 * step, kernels::kNoVoxel);
   }
+  executor_.allocate(point_cell_, capacity, std::int32_t{-1});
 }
 
 }  // namespace talus

@@ -9,7 +9,9 @@
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -69,16 +71,16 @@ OGRSpatialReference map_frame()
   return frame;
 }
 
-void check_shape(const std::string& path, const LayerStack& s)
+void check_shape(const std::string& path, const LayerStack& stack)
 {
-  const bool sound = s.cells_x > 0 && s.cells_y > 0 && s.resolution_m > 0 && !s.layers.empty() &&
-                     s.names.size() == s.layers.size();
-  if (!sound) throw std::runtime_error(path + ": nothing to write: the map has no cells or layers");
-  for (std::size_t i = 0; i < s.layers.size(); ++i)
-    if (s.layers[i].size() != static_cast<std::size_t>(s.cells_x) * s.cells_y)
-      throw std::runtime_error(
-          path + ": layer '" + s.names[i] + "' does not have " + std::to_string(s.cells_x) + " x " +
-          std::to_string(s.cells_y) + " cells");
+  try
+  {
+    stack.require_sound();
+  }
+  catch (const std::exception& e)
+  {
+    throw std::runtime_error(path + ": nothing to write: " + e.what());
+  }
 }
 
 DatasetPtr create(const std::string& file, const LayerStack& s)
@@ -104,6 +106,43 @@ bool write_band(GDALRasterBand& band, const std::string& name, std::vector<float
   return band.RasterIO(
              GF_Write, 0, 0, nx, ny, last_row, nx, ny, GDT_Float32, pixel, line, nullptr) ==
          CE_None;
+}
+
+/** Where the cells of a file lie, without layers. */
+LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErrors& errors)
+{
+  constexpr std::int64_t kMostCells = std::int64_t{1} << 30;  // 4 GB a band
+  double t[6];
+  if (dataset.GetGeoTransform(t) != CE_None || t[2] != 0 || t[4] != 0 || !(t[1] > 0) ||
+      !(std::abs(t[1] + t[5]) <= 1e-9 * t[1]) || !std::isfinite(t[0] + t[3]))
+    fail(path, "not a north-up GeoTIFF with square cells", errors);
+  LayerStack stack;
+  stack.cells_x = dataset.GetRasterXSize();
+  stack.cells_y = dataset.GetRasterYSize();
+  stack.resolution_m = t[1];
+  stack.min_x_m = t[0];
+  stack.min_y_m = t[3] - stack.cells_y * t[1];
+  if (std::int64_t{stack.cells_x} * stack.cells_y > kMostCells)
+    fail(path, "more than 2^30 cells in a band are not supported: cut out a part of it", errors);
+  return stack;
+}
+
+/** The southernmost row first; what the file calls no data becomes NaN. */
+std::vector<float> read_band(
+    GDALRasterBand& band, const std::string& path, const GdalErrors& errors)
+{
+  const int nx = band.GetXSize(), ny = band.GetYSize();
+  const GSpacing pixel = sizeof(float), line = -pixel * nx;
+  std::vector<float> cells(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny));
+  float* last_row = cells.data() + static_cast<std::size_t>(ny - 1) * static_cast<std::size_t>(nx);
+  if (band.RasterIO(GF_Read, 0, 0, nx, ny, last_row, nx, ny, GDT_Float32, pixel, line, nullptr) !=
+      CE_None)
+    fail(path, "cannot read this GeoTIFF", errors);
+  int has_nodata = 0;
+  const auto nodata = static_cast<float>(band.GetNoDataValue(&has_nodata));
+  if (has_nodata)
+    std::replace(cells.begin(), cells.end(), nodata, std::numeric_limits<float>::quiet_NaN());
+  return cells;
 }
 }  // namespace
 
@@ -145,33 +184,11 @@ LayerStack read_geotiff(const std::string& path)
   const char* const only_geotiff[] = {"GTiff", nullptr};
   DatasetPtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER, only_geotiff));
   if (!dataset) fail(path, "cannot read this file as a GeoTIFF", errors);
-  double t[6];
-  if (dataset->GetGeoTransform(t) != CE_None || t[2] != 0 || t[4] != 0 || !(t[1] > 0) ||
-      !(std::abs(t[1] + t[5]) <= 1e-9 * t[1]))
-    fail(path, "not a north-up GeoTIFF with square cells", errors);
-
-  LayerStack stack;
-  stack.cells_x = dataset->GetRasterXSize();
-  stack.cells_y = dataset->GetRasterYSize();
-  stack.resolution_m = t[1];
-  stack.min_x_m = t[0];
-  stack.min_y_m = t[3] - stack.cells_y * t[1];
+  LayerStack stack = place_of(*dataset, path, errors);
   for (auto* band : dataset->GetBands())
   {
-    const GSpacing pixel = sizeof(float), line = -pixel * stack.cells_x;
-    std::vector<float> cells(static_cast<std::size_t>(stack.cells_x) * stack.cells_y);
-    float* last_row = cells.data() + static_cast<std::size_t>(stack.cells_y - 1) * stack.cells_x;
-    if (band->RasterIO(
-            GF_Read, 0, 0, stack.cells_x, stack.cells_y, last_row, stack.cells_x, stack.cells_y,
-            GDT_Float32, pixel, line, nullptr) != CE_None)
-      fail(path, "cannot read this GeoTIFF", errors);
-    int has_nodata = 0;
-    const auto nodata = static_cast<float>(band->GetNoDataValue(&has_nodata));
-    if (has_nodata)
-      for (float& v : cells)
-        if (v == nodata) v = std::numeric_limits<float>::quiet_NaN();
     stack.names.emplace_back(band->GetDescription());
-    stack.layers.push_back(std::move(cells));
+    stack.layers.push_back(read_band(*band, path, errors));
   }
   return stack;
 }

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <memory>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 namespace fs = std::filesystem;
@@ -19,6 +20,8 @@ void require_readable_file(const std::string& path, const std::string& kind)
 {
   std::error_code error;
   const auto status = fs::status(path, error);
+  if (error == std::errc::permission_denied)
+    throw std::runtime_error(path + ": cannot be reached. Check the permissions of its folders.");
   if (!fs::exists(status))
     throw std::runtime_error(path + ": no such file. Check the path of the " + kind + ".");
   if (fs::is_directory(status))

@@ -1,5 +1,8 @@
 #include <talus/io/layer_stack.h>
 
+#include <cmath>
+#include <stdexcept>
+
 namespace talus::io
 {
 const std::vector<float>* LayerStack::find(const std::string& name) const
@@ -7,6 +10,20 @@ const std::vector<float>* LayerStack::find(const std::string& name) const
   for (std::size_t i = 0; i < names.size() && i < layers.size(); ++i)
     if (names[i] == name) return &layers[i];
   return nullptr;
+}
+
+void LayerStack::require_sound() const
+{
+  if (cells_x <= 0 || cells_y <= 0 || layers.empty() || names.size() != layers.size())
+    throw std::runtime_error("the map has no cells or layers");
+  if (!(resolution_m > 0 && std::isfinite(resolution_m + min_x_m + min_y_m)))
+    throw std::runtime_error("the map has no place: its resolution or corner is no number");
+  const auto cells = static_cast<std::size_t>(cells_x) * static_cast<std::size_t>(cells_y);
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    if (layers[i].size() != cells)
+      throw std::runtime_error(
+          "layer '" + names[i] + "' does not have " + std::to_string(cells_x) + " x " +
+          std::to_string(cells_y) + " cells");
 }
 
 LayerStack snapshot(const ElevationMapper& map)

@@ -138,9 +138,8 @@ void draw_header(
 
 cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options)
 {
+  stack.require_sound();
   auto styles = styles_of(stack);
-  if (stack.cells_x <= 0 || stack.cells_y <= 0 || styles.empty())
-    throw std::runtime_error("nothing to draw: the map has no cells or layers");
   const std::string empty_layers = take_out_empty(stack, styles);
   const PanelMargins m;
   const cv::Size plot = plot_size(stack);

@@ -142,6 +142,7 @@ void draw_state_legend(Canvas& canvas, const cv::Rect& plot, const std::vector<f
     y += 54;
   }
 }
+
 void say_when_empty(Canvas& canvas, const cv::Rect& plot, const std::vector<float>& values)
 {
   const auto known = [](float v) { return std::isfinite(v); };
@@ -171,8 +172,14 @@ std::vector<double> ticks_between(double low, double high, int most)
                                          : 10 * ten;
   std::vector<double> ticks;
   const double slack = 1e-6 * step;
-  for (double i = std::ceil((low - slack) / step); i * step <= high + slack; ++i)
-    ticks.push_back(i * step);
+  const double first = std::ceil((low - slack) / step);
+  for (int i = 0; i <= std::max(1, most); ++i)
+  {
+    const double tick = (first + i) * step;
+    if (!(tick <= high + slack)) break;
+    if (!ticks.empty() && tick <= ticks.back()) break;  // numbers too large to tell apart
+    ticks.push_back(tick);
+  }
   return ticks;
 }
 
@@ -214,10 +221,12 @@ void draw_panel(
   else
     draw_colour_scale(canvas, plot, style, range);
 
-  const double px_per_m = plot.width / (stack.cells_x * stack.resolution_m);
+  // Not the same both ways where a long and narrow map is drawn wider.
+  const double px_per_m_x = plot.width / (stack.cells_x * stack.resolution_m);
+  const double px_per_m_y = plot.height / (stack.cells_y * stack.resolution_m);
   const cv::Point2d robot(
-      plot.x + (options.robot_x_m - stack.min_x_m) * px_per_m,
-      plot.y + plot.height - (options.robot_y_m - stack.min_y_m) * px_per_m);
+      plot.x + (options.robot_x_m - stack.min_x_m) * px_per_m_x,
+      plot.y + plot.height - (options.robot_y_m - stack.min_y_m) * px_per_m_y);
   if (options.has_robot && cv::Rect2d(plot).contains(robot))
     draw_robot(canvas, robot, options.robot_yaw_rad, 20);
 }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "finite_pose.h"
 #include "rawlog_stream.h"
 
 using mrpt::obs::CObservation;
@@ -25,7 +26,8 @@ class LogPoses
 {
  public:
   void add(const mrpt::serialization::CSerializable& object);
-  Trajectory best(std::string& source) const;
+  /** Those that are not finite are none. */
+  Trajectory best(std::string& source);
 
  private:
   void add_observation(const CObservation& obs);
@@ -77,17 +79,26 @@ void LogPoses::add_actions(const mrpt::obs::CActionCollection& actions)
   has_movements_ = true;
 }
 
+void leave_out_not_finite(Entries& poses)
+{
+  const auto is_none = [](const Trajectory::Entry& e) { return !is_finite(e.T_map_base); };
+  poses.erase(std::remove_if(poses.begin(), poses.end(), is_none), poses.end());
+}
+
 /** Sources of the same kind are never mixed: the label with the most poses wins. */
 const EntriesByLabel::value_type* largest(const EntriesByLabel& by_label)
 {
   const auto it = std::max_element(
       by_label.begin(), by_label.end(),
       [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
-  return it == by_label.end() ? nullptr : &*it;
+  return it == by_label.end() || it->second.empty() ? nullptr : &*it;
 }
 
-Trajectory LogPoses::best(std::string& source) const
+Trajectory LogPoses::best(std::string& source)
 {
+  for (auto* by_label : {&robot_poses_, &odometry_})
+    for (auto& entry : *by_label) leave_out_not_finite(entry.second);
+  leave_out_not_finite(integrated_);
   if (const auto* poses = largest(robot_poses_))
   {
     source = "CObservationRobotPose '" + poses->first + "'";

@@ -1,9 +1,11 @@
 #include "rawlog_stream.h"
 
 #include <mrpt/maps/registerAllClasses.h>
+#include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/obs/registerAllClasses.h>
 #include <talus/io/mrpt_error.h>
 
+#include <algorithm>
 #include <new>
 #include <stdexcept>
 
@@ -11,6 +13,16 @@
 
 namespace talus::io
 {
+namespace
+{
+/** Whether a frame lacks one of its observations: MRPT reads such a frame, and it is of no use. */
+bool lacks_an_observation(const mrpt::serialization::CSerializable& object)
+{
+  auto* frame = dynamic_cast<const mrpt::obs::CSensoryFrame*>(&object);
+  return frame && std::any_of(frame->begin(), frame->end(), [](const auto& obs) { return !obs; });
+}
+}  // namespace
+
 RawlogStream::RawlogStream(const std::string& path) : path_(path), archive_(file_)
 {
   require_readable_file(path, "rawlog");
@@ -35,7 +47,7 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
   {
     mrpt::serialization::CSerializable::Ptr object;
     archive_ >> object;
-    if (object) return object;
+    if (object && !lacks_an_observation(*object)) return object;
   }
   catch (const std::bad_alloc&)
   {
@@ -57,7 +69,7 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
         "cannot be read (" + reason_of(e) +
         "). The log is damaged there, or its class comes from a plugin that is not loaded");
   }
-  fail("is a null object. The log is damaged there");
+  fail("is a null object, or holds one. The log is damaged there");
 }
 
 void RawlogStream::fail(const std::string& what) const

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+
+#include "finite_pose.h"
 
 using mrpt::poses::CPose3D;
 
@@ -32,6 +35,9 @@ CPose3D interpolate(const Trajectory::Entry& a, const Trajectory::Entry& b, doub
 
 Trajectory::Trajectory(std::vector<Entry> entries) : entries_(std::move(entries))
 {
+  for (const Entry& e : entries_)
+    if (!std::isfinite(e.time_s) || !is_finite(e.T_map_base))
+      throw std::invalid_argument("a time or a pose of a trajectory is not finite");
   std::stable_sort(
       entries_.begin(), entries_.end(),
       [](const Entry& a, const Entry& b) { return a.time_s < b.time_s; });

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "finite_pose.h"
 #include "input_file.h"
 
 using mrpt::poses::CPose3D;
@@ -185,12 +186,6 @@ mrpt::maps::CSimpleMap read_simplemap(const std::string& path)
       path + ": not a simplemap (" + reason + "). Pass a .simplemap of MRPT or a TUM text file.");
 }
 
-bool is_finite(const CPose3D& pose)
-{
-  const mrpt::math::CMatrixDouble44 T = pose.getHomogeneousMatrixVal<mrpt::math::CMatrixDouble44>();
-  return std::all_of(T.begin(), T.end(), [](double v) { return std::isfinite(v); });
-}
-
 /** The pose of each keyframe at the time stamps of its observations. */
 std::vector<Trajectory::Entry> load_simplemap(const std::string& path)
 {
@@ -207,7 +202,7 @@ std::vector<Trajectory::Entry> load_simplemap(const std::string& path)
           path + ": the pose of keyframe " + std::to_string(number) + " of " +
           std::to_string(map.size()) + " is not finite. Delete keyframes without a pose.");
     for (const auto& obs : *keyframe.sf)
-      if (obs->timestamp != INVALID_TIMESTAMP)
+      if (obs && obs->timestamp != INVALID_TIMESTAMP)
         entries.push_back({mrpt::Clock::toDouble(obs->timestamp), T_map_base});
   }
   if (entries.empty())

@@ -1,4 +1,5 @@
 #include <mrpt/config/CConfigFileBase.h>
+#include <mrpt/core/format.h>
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/parameters_ini.h>
 
@@ -12,20 +13,16 @@ namespace talus
 {
 namespace
 {
-void warn_keys(
+constexpr int kMost = 1000000;  // of what is counted
+
+void check_keys(
     const mrpt::config::CConfigFileBase& c, const std::string& s,
     const std::vector<std::string>& known)
 {
+  require_sound_ini(c, {s});
   std::vector<std::string> warnings;
   warn_unknown_keys(c, s, known, warnings);
   for (const auto& w : warnings) detail::warn_once(w);
-}
-
-void require(
-    bool ok, const mrpt::config::CConfigFileBase& c, const std::string& section,
-    const std::string& what)
-{
-  if (!ok) throw std::runtime_error(what + detail::in_section(c, section));
 }
 
 /** No padding of the name as MRPT's macros have it: an unsaved configuration would keep it as part
@@ -51,7 +48,7 @@ void CDualElevationMap::TInsertionOptions::loadFromConfigFile(
   }
   catch (const std::invalid_argument& e)
   {
-    require(false, source, section, e.what());
+    throw std::runtime_error(e.what() + detail::in_section(source, section));
   }
   static_cast<Parameters&>(*this) = loaded;
   for (const auto& w : warnings) detail::warn_once(w);
@@ -75,17 +72,16 @@ void CDualElevationMap::TInsertionOptions::dumpToTextStream(std::ostream& out) c
 void CDualElevationMap::TLikelihoodOptions::loadFromConfigFile(
     const mrpt::config::CConfigFileBase& c, const std::string& s)
 {
-  warn_keys(c, s, {"sigma_m", "outlierRatio", "decimation"});
-  MRPT_LOAD_CONFIG_VAR_CS(sigma_m, double);
-  MRPT_LOAD_CONFIG_VAR_CS(outlierRatio, double);
-  MRPT_LOAD_CONFIG_VAR_CS(decimation, int);
-  const auto text = [&](const char* key)
-  { return std::string(key) + " = '" + ini_value(c, s, key) + "': "; };
-  require(sigma_m > 0 && sigma_m <= 10, c, s, text("sigma_m") + "must be above 0 and at most 10 m");
-  require(
-      outlierRatio > 0 && outlierRatio < 1, c, s,
-      text("outlierRatio") + "must lie between 0 and 1, both excluded");
-  require(decimation >= 1, c, s, text("decimation") + "must be 1 or more");
+  check_keys(c, s, {"sigma_m", "outlierRatio", "decimation"});
+  const double sigma = detail::ini_number(c, s, "sigma_m", sigma_m);
+  if (!(sigma > 0 && sigma <= 10))
+    detail::refuse_value(c, s, "sigma_m", "a number above 0 and at most 10 m");
+  const double ratio = detail::ini_number(c, s, "outlierRatio", outlierRatio);
+  if (!(ratio > 0 && ratio < 1))
+    detail::refuse_value(c, s, "outlierRatio", "a number between 0 and 1, both excluded");
+  decimation = detail::ini_whole_number(c, s, "decimation", decimation, 1, kMost);
+  sigma_m = sigma;
+  outlierRatio = ratio;
 }
 
 void CDualElevationMap::TLikelihoodOptions::saveToConfigFile(
@@ -99,14 +95,13 @@ void CDualElevationMap::TLikelihoodOptions::saveToConfigFile(
 void CDualElevationMap::TRenderOptions::loadFromConfigFile(
     const mrpt::config::CConfigFileBase& c, const std::string& s)
 {
-  warn_keys(c, s, {"showGround", "showElevation", "colorByTraversability", "colormap", "maxCells"});
-  MRPT_LOAD_CONFIG_VAR_CS(showGround, bool);
-  MRPT_LOAD_CONFIG_VAR_CS(showElevation, bool);
-  MRPT_LOAD_CONFIG_VAR_CS(colorByTraversability, bool);
+  check_keys(
+      c, s, {"showGround", "showElevation", "colorByTraversability", "colormap", "maxCells"});
+  showGround = detail::ini_flag(c, s, "showGround", showGround);
+  showElevation = detail::ini_flag(c, s, "showElevation", showElevation);
+  colorByTraversability = detail::ini_flag(c, s, "colorByTraversability", colorByTraversability);
   colormap = c.read_enum<mrpt::img::TColormap>(s, "colormap", colormap);
-  MRPT_LOAD_CONFIG_VAR_CS(maxCells, int);
-  require(
-      maxCells >= 2, c, s, "maxCells = '" + ini_value(c, s, "maxCells") + "': must be 2 or more");
+  maxCells = detail::ini_whole_number(c, s, "maxCells", maxCells, 2, kMost);
 }
 
 void CDualElevationMap::TRenderOptions::saveToConfigFile(

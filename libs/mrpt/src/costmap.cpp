@@ -1,3 +1,4 @@
+#include <mrpt/core/format.h>
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/obstacles.h>
 
@@ -11,10 +12,30 @@ namespace
 using mrpt::maps::COccupancyGridMap2D;
 
 constexpr float kObstacle = 0.05F;  // probability of being free
+constexpr double kMostShift_cells = 0.01;  // between the borders of costmap and map
 
 float free_probability(float traversability)
 {
   return 0.55F + (traversability > 0 ? 0.4F * traversability : 0.0F);  // NaN below the robot
+}
+
+bool is_whole(double cells) { return std::abs(cells - std::round(cells)) <= kMostShift_cells; }
+
+/** Whether `cells` from `first` on, which may be far away, reach into a grid. */
+bool overlap(double first, int cells, std::size_t grid_cells)
+{
+  return first > -cells && first < static_cast<double>(grid_cells);
+}
+
+/** MRPT keeps the borders of a grid as floats. */
+void require_exact_borders(const Window& w)
+{
+  for (const double border_m : {w.min_x_m(), w.min_y_m()})
+    if (std::abs(static_cast<float>(border_m) - border_m) > kMostShift_cells * w.resolution_m)
+      throw std::invalid_argument(mrpt::format(
+          "no costmap with cells of %g m can lie at (%.1f, %.1f) m, so far from the origin: MRPT "
+          "keeps its borders as floats; choose a map frame whose origin is near",
+          w.resolution_m, w.min_x_m(), w.min_y_m()));
 }
 }  // namespace
 
@@ -26,12 +47,13 @@ void update_costmap(
   const double first_x = (w.min_x_m() - grid.getXMin()) / w.resolution_m;
   const double first_y = (w.min_y_m() - grid.getYMin()) / w.resolution_m;
   const bool same_size = std::abs(grid.getResolution() - w.resolution_m) < 1e-6;
-  if (!same_size || std::abs(first_x - std::round(first_x)) > 0.01 ||
-      std::abs(first_y - std::round(first_y)) > 0.01)
+  if (!same_size || !is_whole(first_x) || !is_whole(first_y))
     throw std::invalid_argument(
         "the costmap must have the cells of the map: the same resolution, and borders at whole "
         "multiples of it");
   const auto cells = classify_cells(map, T_map_base, o);
+  if (!overlap(first_x, w.cells, grid.getSizeX()) || !overlap(first_y, w.cells, grid.getSizeY()))
+    return;
   const auto& traversability = map.layer(Layer::Traversability);
   const int x0 = static_cast<int>(std::lround(first_x));
   const int y0 = static_cast<int>(std::lround(first_y));
@@ -49,6 +71,7 @@ void costmap_from_map(
     COccupancyGridMap2D& out)
 {
   const Window w = map.window();
+  require_exact_borders(w);
   const double side_m = w.cells * w.resolution_m;
   out.setSize(
       static_cast<float>(w.min_x_m()), static_cast<float>(w.min_x_m() + side_m),

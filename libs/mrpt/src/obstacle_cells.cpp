@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "surface_view.h"
 
@@ -86,11 +87,23 @@ class Judge
   const ObstacleOptions& o_;
   int reach_;  //!< of the neighbourhood of slope and step, in cells
 };
+
+/** A comparison with NaN makes nothing an obstacle. */
+void require_numbers(const mrpt::poses::CPose3D& T, const ObstacleOptions& o)
+{
+  if (!std::isfinite(T.x() + T.y() + T.z() + T.yaw() + T.pitch() + T.roll()))
+    throw std::invalid_argument("the pose of the robot among the obstacles is not finite");
+  if (std::isnan(
+          o.blocked_at + o.risky_below + o.near_m + o.body_radius_m + o.own_radius_m + o.range_m +
+          o.spacing_m + o.z_m))
+    throw std::invalid_argument("a number of the ObstacleOptions is NaN");
+}
 }  // namespace
 
 std::vector<Passage> classify_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
 {
+  require_numbers(T_map_base, o);
   const Judge judge(map, T_map_base, o);
   const int cells = map.window().cells;
   std::vector<Passage> out;

@@ -1,10 +1,12 @@
 #include <mrpt/config/CConfigFileBase.h>
+#include <mrpt/core/format.h>
 #include <talus/mrpt/obstacles.h>
 #include <talus/mrpt/parameters_ini.h>
 
 #include <array>
 #include <limits>
-#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "ini_sections.h"
 #include "warn_once.h"
@@ -50,22 +52,19 @@ constexpr std::array<Choice, 4> kChoices{{
     {"inferred", &ObstacleOptions::inferred, "the same: blocked only by comparison with a fill"},
 }};
 
-[[noreturn]] void fail(
-    const mrpt::config::CConfigFileBase& c, const std::string& section, const std::string& key,
-    const std::string& allowed)
-{
-  throw std::runtime_error(
-      key + " = '" + ini_value(c, section, key) + "': must be " + allowed +
-      detail::in_section(c, section));
-}
-
 CellPolicy policy_from(
     const mrpt::config::CConfigFileBase& c, const std::string& section, const std::string& key)
 {
   const std::string text = ini_value(c, section, key);
   for (std::size_t i = 0; i < kPolicyNames.size(); i++)
     if (text == kPolicyNames[i]) return static_cast<CellPolicy>(i);
-  fail(c, section, key, "free, near or obstacle");
+  detail::refuse_value(c, section, key, "free, near or obstacle");
+}
+
+std::string allowed(const Number& n)
+{
+  if (n.max == 1) return "from 0 to 1";
+  return n.min == -kAny ? "a finite number" : mrpt::format("a finite number, %g or more", n.min);
 }
 
 std::vector<std::string> known_keys()
@@ -80,18 +79,19 @@ std::vector<std::string> known_keys()
 void ObstacleOptions::loadFromConfigFile(
     const mrpt::config::CConfigFileBase& c, const std::string& s)
 {
+  require_sound_ini(c, {s});
   std::vector<std::string> warnings;
   warn_unknown_keys(c, s, known_keys(), warnings);
   for (const auto& w : warnings) detail::warn_once(w);
   for (const auto& n : kNumbers)
   {
-    const double v = c.read_double(s, n.name, this->*n.value);
-    if (!(v >= n.min && v <= n.max)) fail(c, s, n.name, n.max == 1 ? "from 0 to 1" : "larger");
+    const double v = detail::ini_number(c, s, n.name, this->*n.value);
+    if (!(v >= n.min && v <= n.max)) detail::refuse_value(c, s, n.name, allowed(n));
     this->*n.value = v;
   }
   for (const auto& choice : kChoices)
-    if (!ini_value(c, s, choice.name).empty()) this->*choice.value = policy_from(c, s, choice.name);
-  MRPT_LOAD_CONFIG_VAR_CS(boundary_only, bool);
+    if (c.keyExists(s, choice.name)) this->*choice.value = policy_from(c, s, choice.name);
+  boundary_only = detail::ini_flag(c, s, "boundary_only", boundary_only);
 }
 
 void ObstacleOptions::saveToConfigFile(mrpt::config::CConfigFileBase& c, const std::string& s) const

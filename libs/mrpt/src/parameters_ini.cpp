@@ -1,9 +1,8 @@
-#include <mrpt/config/CConfigFile.h>
+#include <mrpt/config/CConfigFileBase.h>
+#include <mrpt/system/string_utils.h>
 #include <talus/mrpt/parameters_ini.h>
 
 #include <algorithm>
-#include <cctype>
-#include <cstdlib>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -14,6 +13,8 @@ namespace talus
 {
 namespace
 {
+using mrpt::system::lowerCase;
+
 constexpr int kMaxThreads = 1024;
 
 /** Keys of the two sections that are not parameters of the pipeline; read elsewhere. */
@@ -21,22 +22,16 @@ const std::vector<std::string> kOtherKeys{
     "backend", "threads", "enableSaveAs3DObject", "enableObservationLikelihood",
     "enableObservationInsertion"};
 
-std::string lower(std::string s)
-{
-  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return std::tolower(c); });
-  return s;
-}
-
 bool contains_name(const std::vector<std::string>& names, const std::string& name)
 {
   return std::any_of(
-      names.begin(), names.end(), [&](const auto& n) { return lower(n) == lower(name); });
+      names.begin(), names.end(), [&](const auto& n) { return lowerCase(n) == lowerCase(name); });
 }
 
 /** The parameter that a key of an INI file stands for. */
 std::string parameter_of_key(const std::string& key)
 {
-  const std::string k = lower(key);
+  const std::string k = lowerCase(key);
   return k == "resolution" || k == "window" ? k + "_m" : k;
 }
 
@@ -61,19 +56,13 @@ void warn_sections(
   {
     if (contains_name(known, s))
       any = true;
-    else if (lower(s).rfind(lower(prefix) + "_", 0) == 0)
+    else if (lowerCase(s).rfind(lowerCase(prefix) + "_", 0) == 0)
       warnings.push_back("section [" + s + "] is not read; known are " + joined(known));
   }
   if (!any)
     warnings.push_back(
         "no section [" + prefix + "_creationOpts], [" + prefix +
         "_insertOpts], ...: this map has the defaults");
-}
-
-std::string of_file(const mrpt::config::CConfigFileBase& cfg)
-{
-  const auto* file = dynamic_cast<const mrpt::config::CConfigFile*>(&cfg);
-  return file ? " of " + file->getAssociatedFile() : std::string();
 }
 
 /** Adds `place` to what an invalid value says. */
@@ -92,45 +81,11 @@ void with_place(const std::string& place, Function&& f)
 
 }  // namespace
 
-namespace detail
-{
-const std::vector<std::string>& section_endings()
-{
-  static const std::vector<std::string> endings{
-      "_creationOpts", "_insertOpts", "_likelihoodOpts", "_renderOpts"};
-  return endings;
-}
-
-std::string in_section(const mrpt::config::CConfigFileBase& cfg, const std::string& section)
-{
-  return " (in section " + section + of_file(cfg) + ")";
-}
-
-std::string in_sections(
-    const mrpt::config::CConfigFileBase& cfg, const std::string& a, const std::string& b)
-{
-  return " (in sections " + a + " and " + b + of_file(cfg) + ")";
-}
-}  // namespace detail
-
-std::string ini_value(
-    const mrpt::config::CConfigFileBase& cfg, const std::string& section, const std::string& key)
-{
-  std::string text = cfg.read_string(section, key, "");
-  for (const char* comment : {";", "#", "//"}) text = text.substr(0, text.find(comment));
-  const char* blanks = " \t\r\n";
-  const auto first = text.find_first_not_of(blanks);
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
-
 void warn_unknown_keys(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section,
     const std::vector<std::string>& known, std::vector<std::string>& warnings)
 {
-  std::vector<std::string> keys;
-  cfg.getAllKeys(section, keys);
-  for (const auto& key : keys)
+  for (const auto& key : detail::keys_of(cfg, section))
     if (!contains_name(known, key))
       warnings.push_back(
           "unknown key '" + key + "' in section [" + section + "]; known are " + joined(known));
@@ -140,11 +95,10 @@ void load_parameter_section(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section, Parameters& p,
     std::vector<std::string>& warnings)
 {
-  std::vector<std::string> keys;
-  cfg.getAllKeys(section, keys);
+  require_sound_ini(cfg, {section});
   std::set<std::string> seen;
   const std::string place = detail::in_section(cfg, section);
-  for (const auto& key : keys)
+  for (const auto& key : detail::keys_of(cfg, section))
   {
     const std::string name = parameter_of_key(key);
     if (contains_name(kOtherKeys, key)) continue;
@@ -158,8 +112,8 @@ void load_parameter_section(
       continue;
     }
     if (!seen.insert(name).second)
-      warnings.push_back(
-          "'" + key + "' in section [" + section + "] is given twice: the last value counts");
+      throw std::runtime_error(
+          name + " is given twice, with and without its unit; leave one of them" + place);
     with_place(place, [&] { set_parameter(p, name, ini_value(cfg, section, key)); });
   }
 }
@@ -188,17 +142,10 @@ void load_execution(
       detail::in_section(cfg, section),
       [&]
       {
-        if (const auto text = ini_value(cfg, section, "backend"); !text.empty())
-          backend = backend_from_text(text);
-        const auto text = ini_value(cfg, section, "threads");
-        if (text.empty()) return;
-        char* end = nullptr;
-        const long n = std::strtol(text.c_str(), &end, 10);
-        if (*end != '\0' || n < 0 || n > kMaxThreads)
-          throw std::invalid_argument(
-              "threads = '" + text + "': must be 0 (all cores) to " + std::to_string(kMaxThreads));
-        threads = static_cast<int>(n);
+        if (cfg.keyExists(section, "backend"))
+          backend = backend_from_text(ini_value(cfg, section, "backend"));
       });
+  threads = detail::ini_whole_number(cfg, section, "threads", threads, 0, kMaxThreads);
 }
 
 void save_parameters(
@@ -220,7 +167,7 @@ std::string backend_text(Backend backend)
 Backend backend_from_text(const std::string& text)
 {
   for (Backend b : {Backend::Auto, Backend::Cpu, Backend::Cuda})
-    if (lower(text) == backend_text(b)) return b;
+    if (lowerCase(text) == backend_text(b)) return b;
   throw std::invalid_argument("backend = '" + text + "': must be one of auto cpu cuda");
 }
 

@@ -42,11 +42,14 @@ std::string unknown_key(const std::string& key, const std::vector<std::string>& 
          "'? Known: " + list_of(known);
 }
 
+/** For messages: its beginning. */
 std::string text_of(const YAML::Node& node)
 {
+  constexpr std::size_t kMost = 80;
   std::ostringstream out;
   out << node;
-  return out.str();
+  const std::string text = out.str();
+  return text.size() > kMost ? text.substr(0, kMost) + "..." : text;
 }
 
 std::string key_text(const YAML::Node& key, const std::string& file, const std::string& where)

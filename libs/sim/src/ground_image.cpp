@@ -68,6 +68,40 @@ int header_number(std::istream& in)
   return value;
 }
 
+/** A pixel takes a byte or more: what is too short shows before memory is taken for it. */
+void require_room(std::istream& in, double pixels, const std::string& path)
+{
+  const auto begin = in.tellg();
+  const auto size = in.seekg(0, std::ios::end).tellg() - begin;
+  in.seekg(begin);
+  if (static_cast<double>(size) < pixels)
+    throw std::invalid_argument("'" + path + "' ends before its last pixel");
+}
+
+void read_pixels(
+    std::istream& in, bool as_text, int white, const std::string& path, HeightImage& image)
+{
+  require_room(in, static_cast<double>(image.width) * image.height, path);
+  image.value.resize(static_cast<std::size_t>(image.width) * image.height);
+  for (float& v : image.value)
+  {
+    int grey = 0;
+    if (as_text)
+      in >> grey;
+    else
+    {
+      grey = in.get();
+      if (white > 255) grey = grey * 256 + in.get();
+    }
+    if (!in) throw std::invalid_argument("'" + path + "' ends before its last pixel");
+    if (grey < 0 || grey > white)
+      throw std::invalid_argument(
+          "'" + path + "' has a pixel of " + std::to_string(grey) + ", white is " +
+          std::to_string(white));
+    v = static_cast<float>(grey) / static_cast<float>(white);
+  }
+}
+
 }  // namespace
 
 GroundPartPtr make_image(
@@ -90,20 +124,7 @@ HeightImage read_pgm(const std::string& path)
       image.width > 20000 || image.height > 20000 || white < 1 || white > 65535)
     throw std::invalid_argument("'" + path + "' is not a grey PGM image of up to 20000 x 20000");
   in.get();
-  image.value.resize(static_cast<std::size_t>(image.width) * image.height);
-  for (float& v : image.value)
-  {
-    int grey = 0;
-    if (magic == "P2")
-      in >> grey;
-    else
-    {
-      grey = in.get();
-      if (white > 255) grey = grey * 256 + in.get();
-    }
-    v = static_cast<float>(grey) / static_cast<float>(white);
-  }
-  if (!in) throw std::invalid_argument("'" + path + "' ends before its last pixel");
+  read_pixels(in, magic == "P2", white, path, image);
   return image;
 }
 

@@ -87,8 +87,18 @@ Pose RobotPath::T_map_base(double time_s) const
 
 double RobotPath::distance_to_m(double x_m, double y_m) const
 {
+  constexpr double kRounding_m = 1e-6;
   double best = std::numeric_limits<double>::infinity();
-  for (const Point& p : points_) best = std::min(best, std::hypot(p.x_m - x_m, p.y_m - y_m));
+  for (auto p = points_.begin(); p != points_.end();)
+  {
+    const double here_m = std::hypot(p->x_m - x_m, p->y_m - y_m);
+    best = std::min(best, here_m);
+    // No place of the curve is nearer than the way there.
+    const double none_before_m = p->distance_m + here_m - best - kRounding_m;
+    p = std::upper_bound(
+        p + 1, points_.end(), none_before_m,
+        [](double d, const Point& q) { return d < q.distance_m; });
+  }
   return best;
 }
 

@@ -12,6 +12,7 @@ namespace
 {
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double kMaxBytes = 2e9;
+constexpr int kLayers = 6;
 constexpr double kTouch_m = 1e-3;  //!< less than this above the ground does not stand on it
 constexpr double kAir_m = 0.01;
 const double kFaceSlope = std::tan(radians(85));  //!< steeper ground is a face, not a slope
@@ -23,7 +24,7 @@ void check_size(double cells_x, double cells_y, double resolution_m)
 {
   if (!(resolution_m > 0) || !std::isfinite(resolution_m))
     throw std::invalid_argument("the resolution of the truth must be positive");
-  const double bytes = cells_x * cells_y * 4 * sizeof(float);
+  const double bytes = cells_x * cells_y * kLayers * sizeof(float);
   if (bytes <= kMaxBytes) return;
   std::ostringstream msg;
   msg.precision(12);
@@ -242,8 +243,12 @@ TruthWindow window_around(const Bounds& area, double margin_m, double resolution
 Truth truth(const World& world, const TruthWindow& w, double time_s, const TruthOptions& options)
 {
   check_size(w.cells_x, w.cells_y, w.resolution_m);
-  if (!(options.max_step_m > 0) || !(options.max_slope_rad > 0))
-    throw std::invalid_argument("the limits of step and slope of the truth must be positive");
+  if (w.cells_x < 0 || w.cells_y < 0 || options.samples < 1)
+    throw std::invalid_argument("the truth needs cells, and samples in them");
+  if (!(options.max_step_m > 0) || !(options.max_slope_rad > 0 && options.max_slope_rad < kPi / 2))
+    throw std::invalid_argument(
+        "the limits of step and slope of the truth must be positive, that of the slope below a "
+        "right angle");
   const std::size_t cells = static_cast<std::size_t>(w.cells_x) * w.cells_y;
   Truth out;
   out.window = w;

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "only_document.h"
 #include "world_parts.h"
 
 namespace talus::sim
@@ -19,13 +20,21 @@ namespace
 {
 RobotSetup parse_robot(const Fields& f)
 {
+  constexpr double kLongest_m = 1e5;  // the curve is kept in pieces of 2 cm
   RobotSetup r;
+  double way_m = 0;
   for (const auto& p : f.rows("path_m", 2))
   {
-    if (!r.waypoints.empty() && norm(Vec3{p[0], p[1], 0} - r.waypoints.back()) < 1e-3)
-      f.fail("path_m", "holds the same place twice in a row");
-    r.waypoints.push_back({p[0], p[1], 0});
+    const Vec3 next{p[0], p[1], 0};
+    if (!r.waypoints.empty())
+    {
+      const double leg_m = norm(next - r.waypoints.back());
+      if (leg_m < 1e-3) f.fail("path_m", "holds the same place twice in a row");
+      way_m += leg_m;
+    }
+    r.waypoints.push_back(next);
   }
+  if (way_m > kLongest_m) f.fail("path_m", "is longer than 100 km: shorten it");
   r.yaw_rad = radians(f.number_or("yaw_deg", 0, kAny));
   r.speed_mps = f.number_or("speed_mps", 1, kPositive);
   r.duration_s = f.number_or("duration_s", 0, kPositive);
@@ -131,18 +140,6 @@ namespace
 std::string at_line(const std::string& file, const YAML::Exception& e)
 {
   return file + ":" + std::to_string(std::max(1, e.mark.line + 1)) + ": ";
-}
-
-YAML::Node only_document(const std::string& text, const std::string& file)
-{
-  const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-  for (std::size_t i = 1; i < documents.size(); ++i)
-    if (!documents[i].IsNull())
-      fail_at(
-          documents[i], file, "world",
-          "a second YAML document begins here; a file holds one world: remove it, or the '---' or "
-          "'...' before it");
-  return documents.empty() ? YAML::Node() : documents.front();
 }
 
 World world_from(const YAML::Node& root, const std::string& file)

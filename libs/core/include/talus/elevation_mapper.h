@@ -72,7 +72,8 @@ class ElevationMapper
 {
  public:
   /** Throws std::invalid_argument if a parameter is out of range, std::runtime_error if `backend`
-   * is Cuda and there is no usable device. `threads`: of the CPU backend, 0 = all cores. */
+   * is Cuda and there is no usable device. `threads`: of the CPU backend, 0 = all cores; at most
+   * 1024 are taken. */
   explicit ElevationMapper(
       const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = 1);
   ~ElevationMapper();
@@ -95,9 +96,10 @@ class ElevationMapper
 
   /** Begins a frame. The memory of its points must stay as it is until its finish() has returned;
    * its path is not needed any longer. Throws std::invalid_argument for more than 536,870,911
-   * points, for a pose (of the sensor or in the path) that is not finite or more than 1e9 cells
-   * away from the origin in x or y, and for a path whose times are not finite or descend;
-   * std::logic_error if two frames are in flight. Then nothing has changed. */
+   * points or points without coordinates, for a pose (of the sensor or in the path) that is not
+   * finite, no rigid transform, or farther from the origin than 1e9 cells in x or y or 100 km in z,
+   * and for a path whose times are not finite or descend; std::logic_error if two frames are in
+   * flight. Then nothing has changed. */
   void start(const Frame& frame);
   /** Ends the frame that was started first. Throws std::logic_error if none is in flight. */
   FrameReport finish();
@@ -136,7 +138,7 @@ class ElevationMapper
 
   /** The whole persistent state, and back: a restored map goes on with the same bits. restore()
    * throws std::invalid_argument when the bytes are not such a state or belong to another window
-   * size. */
+   * size or resolution; then nothing has changed. */
   std::vector<std::uint8_t> save() const;
   void restore(const std::vector<std::uint8_t>& bytes);
 

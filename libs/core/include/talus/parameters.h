@@ -34,8 +34,8 @@ struct Parameters
   double max_range_m = 100.0;
   double min_height_m = -3.0;  //!< lowest accepted z, sensor frame
   double max_height_m = 1.5;  //!< highest accepted z, sensor frame
-  /** The robot's own body: an axis-aligned box in the sensor frame whose points are dropped. Empty
-   * by default. */
+  /** The robot's own body: an axis-aligned box in the sensor frame whose points are dropped. None
+   * by default; one that is given has an extent along all three axes. */
   double body_min_x_m = 0, body_max_x_m = 0;
   double body_min_y_m = 0, body_max_y_m = 0;
   double body_min_z_m = 0, body_max_z_m = 0;

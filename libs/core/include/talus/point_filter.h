@@ -17,8 +17,8 @@ class PointFilter
   explicit PointFilter(const Parameters& parameters);
   ~PointFilter();
 
-  /** Whether a point of the sensor frame passes range, body box and height band: stage 1 without
-   * the voxel filter and the border of the window. */
+  /** Whether a point of the sensor frame [m] passes range, body box and height band: stage 1 but
+   * for what depends on the window or on other points. False for one that is not finite. */
   bool accepts(float x_m, float y_m, float z_m) const;
 
  private:

@@ -32,6 +32,8 @@ class PoseTrack
   std::size_t size() const { return knots_.size(); }
   double first_s() const { return knots_.front().time_s; }
   double last_s() const { return knots_.back().time_s; }
+  /** Time of the first pose after this time; infinite after the last. */
+  double next_s(double time_s) const;
   /** Length of the way [m], and the largest turn between the first pose and any other [rad]. */
   double length_m() const;
   double turn_rad() const;
@@ -44,6 +46,7 @@ class PoseTrack
   };
   Eigen::Matrix<double, 7, 1> value_at(double time_s) const;
   Eigen::Matrix<double, 7, 1> chord(std::size_t from, std::size_t to) const;
+  std::vector<Knot>::const_iterator knot_after(double time_s) const;
   std::size_t segment_of(double time_s) const;
 
   std::vector<Knot> knots_;

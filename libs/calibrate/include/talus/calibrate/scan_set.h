@@ -35,8 +35,9 @@ class ScanSet
   ScanSet(
       const Thinning& thinning, const mrpt::poses::CPose3D& T_base_sensor, double base_height_m);
 
-  /** One frame: `size` coordinates each [m], NaN is dropped, and times relative to the stamp or
-   * nullptr. Which points are kept depends on their number in the frame only. */
+  /** One frame: `size` coordinates each [m], NaN is dropped, and times relative to the stamp [s] or
+   * nullptr; points hours away are dropped. Which points are kept depends on their number in the
+   * frame only. */
   void add(
       double stamp_s, const float* x_m, const float* y_m, const float* z_m, const float* time_s,
       std::size_t size);

@@ -20,6 +20,10 @@ struct LayerStack
 
   /** The layer of that name, or nullptr. */
   const std::vector<float>* find(const std::string& name) const;
+
+  /** Throws std::runtime_error that says what is wrong unless there is a cell, a layer, a place in
+   * the map frame, and one value a cell in each layer. */
+  void require_sound() const;
 };
 
 /** All layers of a map, in the order of kLayerNames. */

@@ -15,7 +15,7 @@ struct PictureOptions
 
 /** The picture a person looks at: the layers side by side (those without any value only named),
  * colour scales with units, axes in metres, the robot and a legend of the cell states. 8-bit BGR.
- */
+ * Throws std::runtime_error as LayerStack::require_sound() does. */
 cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options = {});
 
 /** draw_map() into a PNG, whole or not at all. Throws std::runtime_error naming the file and the

@@ -35,8 +35,8 @@ class RawlogReader
 
 /** The poses that a log holds itself: CObservationRobotPose, else CObservationOdometry, else its
  * action pairs (odometry integrated from the origin), in that order of preference; of several
- * labels the one with the most poses. `source` gets a few words for messages. Empty when the log
- * has none. Throws as RawlogReader. */
+ * labels the one with the most poses. Poses that are not finite are left out. `source` gets a few
+ * words for messages. Empty when the log has none. Throws as RawlogReader. */
 Trajectory trajectory_from_rawlog(const std::string& path, std::string* source = nullptr);
 
 }  // namespace talus::io

@@ -18,11 +18,13 @@ class Trajectory
   };
 
   Trajectory() = default;
-  /** Sorts by time; of entries with the same time the last stays. */
+  /** Sorts by time; of entries with the same time the last stays. Throws std::invalid_argument for
+   * a time or a pose that is not finite. */
   explicit Trajectory(std::vector<Entry> entries);
 
   /** TUM text (`t x y z qx qy qz qw` a line, # comments), or an MRPT .simplemap[.gz] by its ending.
-   * Throws std::runtime_error that names the file, the line and what is wrong. */
+   * Throws std::runtime_error that names the file, the line and what is wrong; also where two lines
+   * give different poses for one time. */
   static Trajectory load(const std::string& path);
 
   /** The pose at a time: interpolated (linear and slerp) between neighbours no more than

@@ -43,13 +43,17 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
   double z_m = 0.1;  //!< height of the points of obstacles_2d(), robot frame
 };
 
-/** What each cell of the window is, in the order of its layers. */
+/** What a cell is for a planner. */
 enum class Passage : std::uint8_t
 {
   Free,
   Unknown,  //!< no ground is known, and no policy makes it an obstacle here
   Obstacle
 };
+
+/** What each cell of the window is, in the order of its layers. Throws std::invalid_argument for a
+ * pose that is not finite and for an option that is NaN; so do all functions below, of a map that
+ * is not empty. */
 std::vector<Passage> classify_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
 
@@ -71,14 +75,16 @@ void obstacles_3d(
 
 /** Makes `out` a costmap of the window in the map frame, for mrpt::nav::PlannerSimple2D: the
  * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles, 0.5 where unknown
- * (which that planner takes for an obstacle). `range_m` does not count. */
+ * (which that planner takes for an obstacle). `range_m` does not count. Throws
+ * std::invalid_argument where the window lies so far from the origin (8 km for cells of 0.05 m)
+ * that the borders of a costmap, which are floats, cannot be those of its cells. */
 void costmap_from_map(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& out);
 
 /** Writes the window into a larger costmap of the same resolution: what is known in the window
- * replaces what was there, the rest stays. Throws std::invalid_argument when the cells do not
- * match. */
+ * replaces what was there, the rest stays, and what lies outside of the costmap is left out. Throws
+ * std::invalid_argument when the cells do not match. */
 void update_costmap(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& grid);

@@ -12,9 +12,9 @@ namespace talus
  * is accepted in either, `resolution` and `window` stand for `resolution_m` and `window_m`. What no
  * section names keeps its value.
  *
- * Returns warnings for a person: unknown keys (with key, section and the nearest known name), keys
- * given twice, sections of this prefix that nothing reads. Throws std::runtime_error that names
- * key, value, what is allowed, section and file; `p` is then unchanged. */
+ * Returns warnings for a person: unknown keys (with key, section and the nearest known name),
+ * sections of this prefix that nothing reads. Throws std::runtime_error that names key, value, what
+ * is allowed, section and file, and what require_sound_ini() throws; `p` is then unchanged. */
 std::vector<std::string> load_parameters(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section_prefix, Parameters& p);
 
@@ -22,6 +22,18 @@ std::vector<std::string> load_parameters(
 void load_parameter_section(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section, Parameters& p,
     std::vector<std::string>& warnings);
+
+/** Throws std::runtime_error "FILE:LINE: what is wrong; what to do" where MRPT would drop something
+ * of these sections without a word: a line without `=`, a key that is given twice, a comment that
+ * swallows the next line, a section name without its bracket or with something behind it; and for
+ * a NUL byte anywhere, where MRPT stops reading. `text` is what the file holds. */
+void require_sound_ini(
+    const std::string& text, const std::string& file, const std::vector<std::string>& sections);
+
+/** The same for the file that a mrpt::config::CConfigFile has read; of any other configuration the
+ * text is not known, and nothing is checked. Whatever reads a section here calls it. */
+void require_sound_ini(
+    const mrpt::config::CConfigFileBase& cfg, const std::vector<std::string>& sections);
 
 /** Reads the keys `backend` (auto, cpu, cuda) and `threads` (of the CPU backend, 0: all cores) of
  * `[<section_prefix>_creationOpts]`; a key that is absent leaves its argument alone. Throws as

@@ -56,8 +56,9 @@ struct Truth
 };
 
 /** The truth at a time since the start of the drive. Throws std::runtime_error that says how large
- * the raster would be if it needs more than 2 GB, std::invalid_argument for a resolution or a
- * limit of step or slope that is not positive. */
+ * the raster would be if its six layers need more than 2 GB, std::invalid_argument for fewer than
+ * no cells, for fewer than one sample, and for a resolution or a limit of step or slope that is not
+ * positive, or a slope of a right angle. */
 Truth truth(
     const World& world, const TruthWindow& window, double time_s, const TruthOptions& options = {});
 

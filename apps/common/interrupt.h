@@ -1,6 +1,6 @@
 #pragma once
 
-namespace talus::sim
+namespace talus::app
 {
 /** Thrown when a signal asked the program to stop. */
 struct Interrupted
@@ -22,4 +22,4 @@ class Interrupt
   void check() const;
 };
 
-}  // namespace talus::sim
+}  // namespace talus::app

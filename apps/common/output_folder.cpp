@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <stdexcept>
@@ -55,8 +56,9 @@ std::vector<fs::path> files_below(const fs::path& folder)
 }  // namespace
 
 OutputFolder::OutputFolder(const std::string& folder)
-    : folder_(fs::absolute(folder).lexically_normal())
+    : name_(folder), folder_(fs::absolute(folder).lexically_normal())
 {
+  std::signal(SIGXFSZ, SIG_IGN);
   try
   {
     if (!folder_.has_filename()) folder_ = folder_.parent_path();
@@ -111,6 +113,15 @@ void OutputFolder::remove_made_folders() noexcept
   }
 }
 
+std::string OutputFolder::told(std::string error) const
+{
+  for (const std::string& hidden : {(staging_ / kReplaced).string(), staging()})
+    for (auto at = error.find(hidden); at != std::string::npos;
+         at = error.find(hidden, at + name_.size()))
+      error.replace(at, hidden.size(), name_);
+  return error;
+}
+
 void OutputFolder::replace(const fs::path& relative, Moves& done)
 {
   const fs::path from = staging_ / relative, to = folder_ / relative;
@@ -159,12 +170,12 @@ void OutputFolder::commit(const std::function<void()>& last)
     for (const auto& file : files) replace(file, done);
     if (last) last();
   }
-  catch (...)
+  catch (const std::exception& e)
   {
     std::error_code ignored;
     for (auto it = done.rbegin(); it != done.rend(); ++it)
       fs::rename(it->second, it->first, ignored);
-    throw;
+    throw std::runtime_error(told(e.what()));
   }
 }
 

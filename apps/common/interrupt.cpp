@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-namespace talus::sim
+namespace talus::app
 {
 namespace
 {
@@ -36,4 +36,4 @@ void Interrupt::check() const
   if (noted != 0) throw Interrupted{static_cast<int>(noted)};
 }
 
-}  // namespace talus::sim
+}  // namespace talus::app

@@ -14,7 +14,8 @@ class OutputFolder
 {
  public:
   /** Makes the folder and the hidden one. Throws std::runtime_error that says why nothing can be
-   * written there and what to do. */
+   * written there and what to do. From now on a limit on the size of files is an error of write(),
+   * no signal that ends the program and leaves the hidden folder behind. */
   explicit OutputFolder(const std::string& folder);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
@@ -22,6 +23,9 @@ class OutputFolder
 
   /** Where to write. */
   std::string staging() const { return staging_.string(); }
+
+  /** What an error says of a file in staging(), by the name that the user knows. */
+  std::string told(std::string error) const;
 
   /** Moves everything out of staging(); files of the same name are replaced. Then calls `last`, a
    * step that belongs to it. Throws std::runtime_error, also what `last` throws; then nothing has
@@ -36,6 +40,7 @@ class OutputFolder
   void make_staging(bool may_vanish);
   void remove_made_folders() noexcept;
 
+  std::string name_;  //!< of the folder, as given
   std::filesystem::path folder_, staging_;
   std::vector<std::filesystem::path> made_;  //!< folders that did not exist before, outermost first
 };

@@ -11,8 +11,9 @@ struct ChildEnd
   int signal = 0;  //!< when a signal ended it
 };
 
-/** Runs `work` in a child process, so that a crash in it costs this process nothing, and waits. Its
- * result is the exit code. Throws std::runtime_error when no child can be started. */
+/** Runs `work`, which throws nothing, in a child process, so that a crash in it costs this process
+ * nothing, and waits. Its result is the exit code. Throws std::runtime_error when no child can be
+ * started. */
 ChildEnd run_in_child(const std::function<int()>& work);
 
 /** From now on SIGINT, SIGTERM and SIGHUP end the running child instead of this process. */
@@ -23,5 +24,8 @@ int stop_signal();
 
 /** E.g. "signal 11, Segmentation fault". */
 std::string signal_text(int signal);
+
+/** What to tell of a log over which a child was ended by a signal. */
+std::string crash_text(const std::string& log, int signal);
 
 }  // namespace talus::app

@@ -46,6 +46,14 @@ inline CLI::Validator whole_of_64_bits()
       "");
 }
 
+/** A shell puts nothing in the place of a variable that is not set: that would count as not given.
+ */
+inline CLI::Validator not_empty()
+{
+  return CLI::Validator(
+      [](std::string& text) { return text.empty() ? "is empty: an unset variable?" : ""; }, "");
+}
+
 /** Checks an option of six numbers: x, y, z [m], then three angles [degrees]. */
 inline CLI::Option* check_mounting(CLI::Option* option)
 {

@@ -8,7 +8,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <iostream>
 #include <stdexcept>
 
@@ -27,20 +26,13 @@ void on_signal(int signal)
   if (running_child > 0) ::kill(static_cast<pid_t>(running_child), SIGKILL);
 }
 
-[[noreturn]] void be_the_child(const std::function<int()>& work)
+[[noreturn]] void be_the_child(const std::function<int()>& work) noexcept
 {
-  for (const int s : kForwarded) std::signal(s, SIG_DFL);
+  for (const int s : kForwarded)  // as before forward_signals()
+    if (std::signal(s, SIG_DFL) == SIG_IGN) std::signal(s, SIG_IGN);
   // A parent that is killed cannot tidy up after its child: the child goes with it.
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  int code = 1;
-  try
-  {
-    code = work();
-  }
-  catch (const std::exception& e)
-  {
-    std::cerr << "talus-map: " << e.what() << "\n";
-  }
+  const int code = work();
   std::cout.flush();
   std::fflush(nullptr);
   ::_exit(code);  // not exit(): what the parent registered to be undone is the parent's
@@ -73,8 +65,6 @@ ChildEnd run_in_child(const std::function<int()>& work)
 
 void forward_signals()
 {
-  std::signal(
-      SIGXFSZ, SIG_IGN);  // a limit on file sizes then is an error of write(), with a message
   struct sigaction forward = {};
   forward.sa_handler = on_signal;  // without SA_RESTART: whatever waits for ever ends
   for (const int s : kForwarded)
@@ -91,6 +81,15 @@ int stop_signal() { return asked_to_stop; }
 std::string signal_text(int signal)
 {
   return "signal " + std::to_string(signal) + ", " + ::strsignal(signal);
+}
+
+std::string crash_text(const std::string& log, int signal)
+{
+  if (signal == SIGKILL)
+    return log + ": was killed, perhaps for want of memory; it gives no results";
+  return log + ": crashed the program (" + signal_text(signal) +
+         "); it gives no results. The file is probably corrupt: compare it with its source, or "
+         "look at it with rawlog-edit --info";
 }
 
 }  // namespace talus::app

@@ -1,0 +1,129 @@
+#include "saved_map.h"
+#include "kernels/cell.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+namespace talus
+{
+namespace
+{
+constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '4'};
+/** Of states that were saved before: without the last array of the cells. */
+constexpr char kMagicWithoutExtent[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '2'};
+
+/** What stands before the layers. */
+struct Header
+{
+  char magic[8];
+  std::int32_t cells;
+  std::int32_t started;
+  std::int64_t min_cell_x, min_cell_y;
+  double last_z_axis[3];
+  double resolution_m;
+  float reference_z_m;
+  std::uint32_t reserved;
+};
+
+constexpr std::size_t kCellFloats = 4, kFeatures = 5;
+constexpr double kFarthestCell = 2e9, kHighest_m = 1e9;  //!< beyond what frames can lead to
+
+[[noreturn]] void fail(const std::string& what)
+{
+  throw std::invalid_argument("saved map: " + what);
+}
+
+std::size_t cell_count(const Parameters& p)
+{
+  const auto n = static_cast<std::size_t>(p.cells());
+  return n * n;
+}
+
+bool is_within(double v, double limit) { return std::abs(v) <= limit; }  // not NaN
+
+void check_header(const Header& h)
+{
+  const bool sound =
+      std::all_of(h.last_z_axis, h.last_z_axis + 3, [](double v) { return is_within(v, 2); }) &&
+      is_within(static_cast<double>(h.min_cell_x), kFarthestCell) &&
+      is_within(static_cast<double>(h.min_cell_y), kFarthestCell) &&
+      is_within(h.reference_z_m, kHighest_m);
+  if (!sound) fail("damaged, its place is none");
+}
+
+/** What the stages count on. */
+void check_cells(const MapBytes& map, std::size_t cells)
+{
+  const std::uint8_t* const state = map.cells.data() + kCellFloats * sizeof(float) * cells;
+  bool sound = true;
+  for (std::size_t array = 0; array < kCellFloats; array++)
+    for (std::size_t i = 0; i < cells; i++)
+    {
+      float v;
+      std::memcpy(&v, map.cells.data() + (array * cells + i) * sizeof v, sizeof v);
+      const bool is_variance = array % 2 == 1;
+      sound &=
+          std::isnan(v) || (is_variance ? v >= 0 && std::isfinite(v) : is_within(v, kHighest_m));
+    }
+  sound &= std::all_of(
+      state, state + cells, [](std::uint8_t s) { return s <= kernels::kFilledOneSided; });
+  sound &= std::all_of(
+      map.features.begin(), map.features.end(),
+      [](float v) { return std::isnan(v) || is_within(v, 2); });
+  if (!sound) fail("damaged, its cells are none of a map");
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p)
+{
+  Header header{};
+  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  header.cells = p.cells();
+  header.started = saved.tracker.started;
+  header.min_cell_x = saved.tracker.min_cell_x;
+  header.min_cell_y = saved.tracker.min_cell_y;
+  std::copy_n(saved.tracker.last_z_axis.begin(), 3, header.last_z_axis);
+  header.resolution_m = p.resolution_m;
+  header.reference_z_m = saved.reference_z_m;
+  const auto* head = reinterpret_cast<const std::uint8_t*>(&header);
+  std::vector<std::uint8_t> bytes(head, head + sizeof header);
+  bytes.insert(bytes.end(), saved.map.cells.begin(), saved.map.cells.end());
+  const auto* features = reinterpret_cast<const std::uint8_t*>(saved.map.features.data());
+  bytes.insert(bytes.end(), features, features + saved.map.features.size() * sizeof(float));
+  return bytes;
+}
+
+SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters& p)
+{
+  Header header;
+  if (bytes.size() < sizeof header) fail("cut short");
+  std::memcpy(&header, bytes.data(), sizeof header);
+  const bool older = std::memcmp(header.magic, kMagicWithoutExtent, sizeof kMagic) == 0;
+  if (!older && std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) fail("not a state of talus");
+  if (header.cells != p.cells() || header.resolution_m != p.resolution_m)
+    fail("another window size or resolution");
+  const std::size_t cells = cell_count(p), cell_bytes = cells * (kBytesPerCell - (older ? 1 : 0));
+  const std::size_t feature_bytes = kFeatures * cells * sizeof(float);
+  if (bytes.size() != sizeof header + (header.started ? cell_bytes + feature_bytes : 0))
+    fail("wrong length");
+
+  SavedMap saved;
+  if (!header.started) return saved;
+  check_header(header);
+  const double(&z)[3] = header.last_z_axis;
+  saved.tracker = {true, header.min_cell_x, header.min_cell_y, {z[0], z[1], z[2]}};
+  saved.reference_z_m = header.reference_z_m;
+  const std::uint8_t* const from = bytes.data() + sizeof header;
+  saved.map.cells.assign(from, from + cell_bytes);
+  saved.map.cells.resize(cells * kBytesPerCell);  // no extents are known
+  saved.map.features.resize(kFeatures * cells);
+  std::memcpy(saved.map.features.data(), from + cell_bytes, feature_bytes);
+  check_cells(saved.map, cells);
+  return saved;
+}
+
+}  // namespace talus
