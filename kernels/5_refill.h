@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/rays.h"
+#include "kernels/overhang.h"
 
 #include <tuple>
 
@@ -24,7 +24,7 @@ struct SupportGrid
   int pad;  //!< places beside each row that hold infinity
   float* lowest_m;  //!< lowest measured ground, infinity: none
   float* column_m;  //!< highest top of something upright, -infinity: none
-  float* overhang_m;  //!< the same of what rays pass below ...
+  float* overhang_m;  //!< the same of what rays pass below, but not the robot ...
   float* overhang_depth_m;  //!< ... and how far down from it that is known to reach
   float* eroded_m;  //!< lowest ground of the neighbourhood
   float* cone_m;  //!< lowest ground of the neighbourhood, raised with distance
@@ -71,8 +71,11 @@ struct PoolSupport
     const float ground = store.ground_m[i], top = store.elevation_m[i];
     const bool measured = store.state[i] == kMeasured;
     const bool upright = measured & (top - ground > 0.5f * config->clearance_m);
-    const bool overhangs = upright & (store.misses[i] <= -kOverhangCredit);
     const int extent = store.extent[i];
+    const float underside = top - extent_of_code(code_below(extent));
+    const float robot_m = ground + config->clearance_m + 0.5f * config->step_threshold_m;
+    const bool low = (extent == kOpen) | (underside <= robot_m);
+    const bool overhangs = upright & low & (store.misses[i] <= -kOverhangCredit);
     return {
         select(measured, ground, kInfinity), select(upright, top, -kInfinity),
         select(overhangs, top, -kInfinity),
@@ -231,6 +234,9 @@ struct OpenSupport
   TALUS_HD void finish(int, int) const {}
 };
 
+/** How far behind the face of what it stands on something is hit at most. */
+constexpr float kBehindFace_m = 0.4f;
+
 /** The decision for one cell. */
 struct ChooseRole
 {
@@ -239,6 +245,7 @@ struct ChooseRole
   CellStore store;
   SupportGrid grid;
   const float* top_hit_m;  //!< of this frame, by storage index
+  Reach reach;
   std::uint8_t* role;  //!< by storage index
 
   /** Decides for cell (x, y), stored at i, as most are; false where that is all. */
@@ -254,6 +261,13 @@ struct ChooseRole
   }
   TALUS_HD void operator()(int x, int y, int i) const
   {
+    decide(x, y, i);
+    if (wants_look(x, y, i)) look(x, y, i, LoneTeam{});
+  }
+
+  /** All but what look() does. */
+  TALUS_HD void decide(int x, int y, int i) const
+  {
     const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
     const bool measured = store.state[i] == kMeasured;
     role[i] = measured ? role_of_measured(px, py, store.ground_m[i]) : kInfer;
@@ -262,7 +276,35 @@ struct ChooseRole
       join_column(i, px, py);
       take_bank(i, grid.at(px, py));
     }
-    join_overhang(x, y, i, px, py);
+  }
+
+  /** Whether look() has to come next: something that overhangs is before what was hit. */
+  TALUS_HD bool wants_look(int x, int y, int i) const
+  {
+    return may_be_top(i, store.ground_m[i]) && is_before(x, y, face_below(i));
+  }
+
+  /** What was hit too high to stand on the ground may belong to a thing whose face overhangs before
+   * it. Seen from above it is the top of that thing, a trailer or a car: the robot fits as little
+   * below its middle as below its face. Hit above the sensor, right behind the face and without a
+   * ray that went on between the two, it stands on that: the cab on a loader, the windows above a
+   * car's doors. It has the least credit that such a face may have, and reaches down as far, or to
+   * the end of what is hit of it. */
+  template <class Team>
+  TALUS_HD void look(int x, int y, int i, const Team& team) const
+  {
+    const float top_m = top_hit_m[i];
+    float depth_m = kNan;
+    if (seen_from_above(i))
+      depth_m = depth_before(x, y, face_below(i), team);
+    else
+    {
+      const OverhangRays<Team> rays{*config, reach, glance_at(*config, *frame, x, y), team};
+      const float low_m = rays.end_on_something(top_m);
+      const Face face = on_which_stands(low_m, low_m);
+      if (is_known(low_m) && is_known(depth_before(x, y, face, team))) depth_m = top_m - low_m;
+    }
+    if (team.rank() == 0 && is_known(depth_m)) put_overhang(i, depth_m);
   }
 
  private:
@@ -281,7 +323,7 @@ struct ChooseRole
   {
     const bool stands = store.elevation_m[i] > ground_m + 0.5f * config->clearance_m;
     const bool guess = store.state[i] == kFilledOneSided;  // there join_column() decides
-    return hit_above(i, ground_m) & !stands & !guess & seen_from_above(i);
+    return hit_above(i, ground_m) & !stands & !guess;
   }
   TALUS_HD bool may_be_bank(int i, float ground_m) const
   {
@@ -304,15 +346,8 @@ struct ChooseRole
     store.ground_var_m2[i] = store.elevation_var_m2[i];
     role[i] = kKeep;
   }
-  /** What was hit too high to stand on the ground, as seen from above, is the top of the thing
-   * whose face overhangs before it, a trailer or a car: the robot fits as little below its middle
-   * as below its face. It has the least credit that such a face may have, and reaches down as far.
-   */
-  TALUS_HD void join_overhang(int x, int y, int i, int px, int py) const
+  TALUS_HD void put_overhang(int i, float depth_m) const
   {
-    if (!may_be_top(i, store.ground_m[i])) return;
-    const float depth_m = depth_of_face_before(x, y, px, py, top_hit_m[i]);
-    if (!is_known(depth_m)) return;
     put_top(i);
     store.misses[i] = static_cast<std::int8_t>(-kOverhangCredit);
     store.extent[i] = static_cast<std::uint8_t>(extent_of_codes(code_of_extent(depth_m), 0));
@@ -355,41 +390,95 @@ struct ChooseRole
     return false;
   }
 
-  /** How far down reaches what overhangs and stands as high between the pooled cell and the
-   * sensor, in four of five lanes: wider than the leg of a table. NaN: nothing does. No farther
-   * than a thing reaches that is narrower than ground. */
-  TALUS_HD float depth_of_face_before(int x, int y, int px, int py, float height_m) const
+  /** What overhangs and has its top between two heights, at most so many pairs of cells away. */
+  struct Face
+  {
+    float lowest_m, highest_m;
+    int reach;
+  };
+  /** The face of a thing whose top is that high: no farther than a thing reaches that is narrower
+   * than ground. */
+  TALUS_HD Face whose_top_is_at(float top_m) const
+  {
+    const float tolerance_m = 0.5f * config->step_threshold_m;
+    return {top_m - tolerance_m, top_m + tolerance_m, 2 * dilation_radius(*config)};
+  }
+  /** The face above which something begins between two heights. */
+  TALUS_HD Face on_which_stands(float lowest_m, float highest_m) const
+  {
+    const float step_m = config->step_threshold_m;
+    return {
+        lowest_m - 0.75f * step_m, highest_m + 0.5f * step_m,
+        floor_to_int(0.5f * kBehindFace_m * config->inverse_resolution + 0.5f)};
+  }
+
+  /** The face of what a hit may belong to. */
+  TALUS_HD Face face_below(int i) const
+  {
+    const float top_m = top_hit_m[i];
+    return seen_from_above(i) ? whose_top_is_at(top_m) : on_which_stands(-kInfinity, top_m);
+  }
+
+  /** Lanes from a cell to the sensor, a pair of cells wide each. */
+  struct Lanes
+  {
+    static constexpr int kCount = 5, kMissing = 1;  //!< so many may be without what is looked for
+    int px, py;
+    Direction to_sensor;
+  };
+  TALUS_HD Lanes lanes_from(int x, int y) const
   {
     const auto dx = static_cast<float>(config->cells / 2 - x);
     const auto dy = static_cast<float>(config->cells / 2 - y);
-    const float length = sqrtf(dx * dx + dy * dy);
-    if (length == 0.0f) return kNan;
-    const Direction to_sensor{dx / length, dy / length};
-    int lanes = 0;
-    float depth_m = 0;
-    for (int lane = -2; lane <= 2; lane++)
-    {
-      const float here_m = depth_in_lane(px, py, to_sensor, static_cast<float>(lane), height_m);
-      if (!is_known(here_m)) continue;
-      lanes++;
-      depth_m = max_of(depth_m, here_m);
-    }
-    return lanes >= 4 ? depth_m : kNan;
+    const float length = max_of(sqrtf(dx * dx + dy * dy), 1.0f);
+    return {
+        grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y), {dx / length, dy / length}};
   }
-  TALUS_HD float depth_in_lane(int px, int py, const Direction& d, float lane, float height_m) const
+  /** The pooled cell nearest in a lane that holds the face; -1: none. */
+  TALUS_HD int face_in_lane(const Lanes& lanes, int lane, const Face& face) const
   {
-    const float tolerance_m = 0.5f * config->step_threshold_m;
-    const int reach = 2 * dilation_radius(*config);
-    for (int r = 1; r <= reach; r++)
+    const Direction d = lanes.to_sensor;
+    const auto beside = static_cast<float>(lane - Lanes::kCount / 2);
+    const int here = grid.at(lanes.px, lanes.py);  // of no use: what overhangs is before it
+    int nearest = -1;
+    for (int r = face.reach; r >= 1; r--)  // to the end, so that a device reads ahead
     {
       const float ahead = static_cast<float>(r);
-      const int qx = px + floor_to_int(ahead * d.x - lane * d.y + 0.5f);
-      const int qy = py + floor_to_int(ahead * d.y + lane * d.x + 0.5f);
-      if (qx < 0 || qy < 0 || qx >= grid.side || qy >= grid.side) return kNan;
-      const int o = grid.at(qx, qy);
-      if (abs_of(grid.overhang_m[o] - height_m) <= tolerance_m) return grid.overhang_depth_m[o];
+      const int qx = lanes.px + floor_to_int(ahead * d.x - beside * d.y + 0.5f);
+      const int qy = lanes.py + floor_to_int(ahead * d.y + beside * d.x + 0.5f);
+      const bool inside = (qx >= 0) & (qy >= 0) & (qx < grid.side) & (qy < grid.side);
+      const int o = select(inside, grid.at(qx, qy), here);
+      const float top_m = grid.overhang_m[o];
+      const bool is_face = (o != here) & (top_m >= face.lowest_m) & (top_m <= face.highest_m);
+      nearest = select(is_face, o, nearest);
     }
-    return kNan;
+    return nearest;
+  }
+  /** Whether depth_before() may find the face: it is in one of two lanes. */
+  TALUS_HD bool is_before(int x, int y, const Face& face) const
+  {
+    const Lanes lanes = lanes_from(x, y);
+    const int middle = Lanes::kCount / 2;
+    return face_in_lane(lanes, middle, face) >= 0 || face_in_lane(lanes, middle + 1, face) >= 0;
+  }
+  /** How far down reaches what overhangs between a cell and the sensor, in all lanes but one: wider
+   * than the leg of a table. NaN: nothing does. */
+  template <class Team>
+  TALUS_HD float depth_before(int x, int y, const Face& face, const Team& team) const
+  {
+    const Lanes lanes = lanes_from(x, y);
+    int missing = 0;
+    float depth_m = 0;
+    for (int lane = team.rank(); lane < Lanes::kCount; lane += team.size())
+    {
+      const int o = face_in_lane(lanes, lane, face);
+      if (o < 0)
+        missing++;
+      else
+        depth_m = max_of(depth_m, grid.overhang_depth_m[o]);
+    }
+    depth_m = team.max(depth_m);
+    return team.sum(missing) <= Lanes::kMissing ? depth_m : kNan;
   }
 
   /** Highest top of something upright in the pooled cell or next to it; of what stands, not of what

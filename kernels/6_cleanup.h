@@ -1,6 +1,5 @@
 #pragma once
-#include "kernels/rays.h"
-#include "kernels/team.h"
+#include "kernels/overhang.h"
 
 #include <tuple>
 
@@ -26,49 +25,7 @@ struct SeenThrough
   }
 };
 
-constexpr int kMaxBinsPerCellBits = 3;  //!< of a cell near the sensor eight are looked at
-
-/** Where the rays through the middle half of the angle under which the sensor sees a cell are
- * found, those that ended two or more rings behind it. */
-struct Glance
-{
-  std::int32_t first_bin = 0, last_bin = -1, stride = 1;
-  std::int32_t row = 0;  //!< where their ring starts in the table
-  float chebyshev_m = 0;
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(
-        &Glance::first_bin, &Glance::last_bin, &Glance::stride, &Glance::row, &Glance::chebyshev_m);
-  }
-  /** How many rays to look at. */
-  TALUS_HD int rays() const
-  {
-    const int more = floor_div(last_bin - first_bin, stride, 1.0f / static_cast<float>(stride));
-    return select(last_bin < first_bin, 0, more + 1);
-  }
-};
-
-TALUS_HD Glance glance_at(const Config& k, const FrameContext& f, int ix, int iy)
-{
-  const float dx = (static_cast<float>(ix) + 0.5f) * k.resolution_m - f.sensor_x_m;
-  const float dy = (static_cast<float>(iy) + 0.5f) * k.resolution_m - f.sensor_y_m;
-  Glance g;
-  g.chebyshev_m = chebyshev(dx, dy);
-  const float ring = g.chebyshev_m * k.inverse_resolution;
-  const bool under_sensor = ring < 2.0f;
-  const int bins = bin_count(k), per_side = bins_per_side(k);
-  g.row = min_of(floor_to_int(ring) + 2, ring_count(k) - 1) * bins;
-  const float half_span = 0.125f * static_cast<float>(per_side) / select(under_sensor, 2.0f, ring);
-  const float middle =
-      direction_in_bins(select(under_sensor, 1.0f, dx), select(under_sensor, 0.0f, dy), per_side);
-  g.first_bin = floor_to_int(middle - half_span);
-  g.last_bin = select(under_sensor, g.first_bin - 1, floor_to_int(middle + half_span));
-  g.stride = (max_of(g.last_bin - g.first_bin, 0) >> kMaxBinsPerCellBits) + 1;
-  return g;
-}
-
-/** Looks at one of them. Heights are taken where the ray is highest inside the cell. */
+/** Looks at one ray of a glance. Heights are taken where the ray is highest inside the cell. */
 TALUS_HD void look(
     SeenThrough& seen, const Glance& g, int which, const Config& k, const FrameContext& f,
     const std::int32_t* rays)
@@ -86,127 +43,6 @@ TALUS_HD void look(
   seen.lowest_m = min_of(seen.lowest_m, select(passed, height, kInfinity));
   seen.highest_m = max_of(seen.highest_m, select(passed, height, -kInfinity));
 }
-
-/** How far the rays of this frame went, see NoteReach. */
-struct Reach
-{
-  const FrameContext* frame;
-  const std::int32_t* of_slope;
-
-  /** Of one direction, for steps of slope that lie side by side; 0: no ray. */
-  struct alignas(16) Steps
-  {
-    static constexpr int kSize = 4;
-    std::int32_t ends[kSize];
-  };
-  TALUS_HD Steps steps(int bin, int group) const
-  {
-    const Steps* const groups = reinterpret_cast<const Steps*>(of_slope);
-    Steps here = groups[bin * (kSlopeSteps / Steps::kSize) + group];
-    for (std::int32_t& end : here.ends) end = -end;
-    return here;
-  }
-};
-
-/** How far what overhangs reaches below and above the top of one cell is learned from the rays of
- * this frame, and whether it left. The directions of the cell are dealt out to a team. */
-template <class Team>
-struct OverhangRays
-{
-  const Config& k;
-  const Reach& reach;
-  Glance glance;
-  Team team;
-
-  /** Rays are looked at in so many directions more on either side of a cell: beside the edge of
-   * what stands there some go on. */
-  static constexpr int kBesideCell = 2;
-
-  /** Whether rays that aimed at the cell between `low_m` and `high_m` ended two or more rings
-   * behind it, and none before. */
-  TALUS_HD bool went_between(float low_m, float high_m) const
-  {
-    const int first = max_of(floor_to_int(step_of(low_m)) + 1, 0);
-    const int end = min_of(floor_to_int(step_of(high_m)), kSlopeSteps);
-    const int last = glance.rays() + kBesideCell;
-    int most = kNoneAimed;
-    if (glance.rays() > 0)
-      for (int which = team.rank() - kBesideCell; which < last; which += team.size())
-        most = max_of(most, aimed(bin(which), first, end));
-    return team.max(most) == kWentOn;
-  }
-
-  /** From a height that was hit in the cell to the end of the hits below (`up` = -1) or above it
-   * (1): in some direction they go on to there, without a ray that went on in between. Hits up to
-   * two rings before the cell and one behind it count: what overhangs is seldom one cell wide. */
-  TALUS_HD float end_of_hits(float hit_m, int up) const
-  {
-    const int first = floor_to_int(step_of(hit_m)) + select(up > 0, 1, 0), none = first - up;
-    int farthest = none * up;
-    for (int which = team.rank(); which < glance.rays(); which += team.size())
-      farthest = max_of(farthest, last_hit(bin(which), first, up) * up);
-    farthest = team.max(farthest) * up;
-    if (farthest == none) return hit_m;
-    return reach.frame->sensor_z_m + slope_of_step(farthest) * glance.chebyshev_m;
-  }
-
- private:
-  enum Aimed
-  {
-    kNoneAimed,
-    kWentOn,
-    kEndedBefore
-  };
-
-  TALUS_HD float step_of(float height_m) const
-  {
-    return slope_step(ray_slope(height_m - reach.frame->sensor_z_m, glance.chebyshev_m));
-  }
-  TALUS_HD int bin(int which) const
-  {
-    return wrap_bin(glance.first_bin + which * glance.stride, bin_count(k));
-  }
-
-  TALUS_HD Aimed aimed(int bin, int first, int end) const
-  {
-    bool any = false, before = false;
-    for (int group = first / Reach::Steps::kSize; group * Reach::Steps::kSize < end; group++)
-    {
-      const Reach::Steps rays = reach.steps(bin, group);
-      for (int s = 0; s < Reach::Steps::kSize; s++)
-      {
-        const int step = group * Reach::Steps::kSize + s, ray = rays.ends[s];
-        const bool is_ray = (step >= first) & (step < end) & (ray > 0);
-        any |= is_ray;
-        before |= is_ray & (ray < glance.row);
-      }
-      if (before) return kEndedBefore;
-    }
-    return any ? kWentOn : kNoneAimed;
-  }
-
-  /** The last step of those from `first` on that were hit, or the one before `first`. */
-  TALUS_HD int last_hit(int bin, int first, int up) const
-  {
-    const int nearest = glance.row - 4 * bin_count(k);
-    int last = first - up;
-    bool more = first >= 0 && first < kSlopeSteps;
-    for (int group = first / Reach::Steps::kSize;
-         more && group >= 0 && group < kSlopeSteps / Reach::Steps::kSize; group += up)
-    {
-      const Reach::Steps rays = reach.steps(bin, group);
-      for (int n = 0; n < Reach::Steps::kSize; n++)
-      {
-        const int s = up > 0 ? n : Reach::Steps::kSize - 1 - n, ray = rays.ends[s];
-        const int step = group * Reach::Steps::kSize + s;
-        const bool is_ray = ((step - first) * up >= 0) & (ray > 0);
-        more &= (!is_ray) | ((ray >= nearest) & (ray < glance.row));
-        last = select(more & is_ray, step, last);
-      }
-    }
-    return last;
-  }
-};
 
 TALUS_HD int trace_of(const Cell& c) { return c.passed & kTraceFull; }
 TALUS_HD void leave_trace(Cell& c) { c.passed += min_of(kTraceHit, kTraceFull - trace_of(c)); }

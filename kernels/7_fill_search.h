@@ -193,17 +193,30 @@ struct SettleCell
   LineGrid grid;
   Samples samples;
 
-  /** First. Whether look() has to come next. */
-  TALUS_HD bool begin(int ix, int iy) const
+  enum Looks
+  {
+    kLookForFace = 1,
+    kLookThrough = 2
+  };
+  /** First. Which looks have to come next. */
+  TALUS_HD int begin(int ix, int iy) const
   {
     const int i = index(ix, iy);
-    choose(ix, iy, i);
-    return clean.wants_look(ix, iy, i);
+    choose.decide(ix, iy, i);
+    return (choose.wants_look(ix, iy, i) ? kLookForFace : 0) |
+           (clean.wants_look(ix, iy, i) ? kLookThrough : 0);
   }
   template <class Team>
-  TALUS_HD void look(int ix, int iy, const Team& team) const
+  TALUS_HD void look(int ix, int iy, int looks, const Team& team) const
   {
-    clean.look(ix, iy, index(ix, iy), team);
+    const int i = index(ix, iy);
+    if ((looks & kLookForFace) != 0)
+    {
+      choose.look(ix, iy, i, team);
+      team.sync();
+      if (!clean.wants_look(ix, iy, i)) return;  // may be otherwise now
+    }
+    clean.look(ix, iy, i, team);
   }
   /** Last. True for a sample. */
   TALUS_HD bool operator()(int ix, int iy) const

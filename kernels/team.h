@@ -11,6 +11,7 @@ struct LoneTeam
 {
   TALUS_HD int rank() const { return 0; }
   TALUS_HD int size() const { return 1; }
+  TALUS_HD void sync() const {}
   template <class T>
   TALUS_HD T min(T v) const
   {
@@ -36,6 +37,11 @@ struct DeviceTeam
 
   __device__ int rank() const { return is_warp ? static_cast<int>(threadIdx.x % 32) : 0; }
   __device__ int size() const { return is_warp ? 32 : 1; }
+  /** What one member wrote the others read. */
+  __device__ void sync() const
+  {
+    if (is_warp) __syncwarp();
+  }
   template <class T>
   __device__ T min(T v) const
   {

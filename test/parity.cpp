@@ -40,8 +40,8 @@ void spoil(Scan& s, Random& random)
   }
 }
 
-/** A wall, a table, a kerb, a post, a beam overhead, somebody who walks through it all, and a
- * trailer that is drawn away. */
+/** A wall, a table, a kerb, a post, a beam overhead, somebody who walks through it all, a
+ * trailer that is drawn away, and a car with windows above its doors. */
 std::vector<Box> street(double walked_m)
 {
   return {
@@ -53,7 +53,9 @@ std::vector<Box> street(double walked_m)
       {{6, -0.5, 0}, {6.5, 0.5, 0.08}},
       {{7, -3, 0.35}, {7.2, 3, 0.45}},
       {{-3, -3, -0.4}, {-2, 3, 0.05}},
-      {{4.5 - walked_m, -1.5, 0.2}, {5.3 - walked_m, -0.9, 0.55}}};
+      {{4.5 - walked_m, -1.5, 0.2}, {5.3 - walked_m, -0.9, 0.55}},
+      {{1.5, 2, 0.2}, {3.5, 3, 0.75}},
+      {{1.8, 2.12, 0.75}, {3.2, 2.9, 1.3}}};
 }
 
 /** A map on the CPU and one on the device that are fed alike. */

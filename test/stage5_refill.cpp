@@ -250,6 +250,32 @@ TEST(Stage5Refill, WhatHadAirBelowItIsForgottenWhenItHasGone)
   EXPECT_EQ(share_inside(m, kTrailer, passable), 1.0);
 }
 
+/** A car that lets rays through below its doors, and what is above its doors, seen from a sensor
+ * that is lower than they are high. */
+TestMap map_of_car(const Box& windows)
+{
+  const Box doors{{1.0, 1.0, 0.2}, {2.6, 2.4, 0.8}};
+  TestMap m;
+  for (double x = 0; x < 2.5; x += 0.1)
+    m.update(Scan(x, 0, 0.7).cast({doors, windows}, 720, -0.6, 0.5, 128));
+  return m;
+}
+
+TEST(Stage5Refill, WhatBeginsWhereAFaceEndsStandsOnIt)
+{
+  const TestMap car = map_of_car({{1.2, 1.15, 0.8}, {2.4, 2.3, 1.4}});
+  for (double x = 1.425; x < 2.2; x += 0.05)
+    EXPECT_TRUE(blocked(car.traversability(x, 1.175))) << "side of the windows at " << x;
+}
+
+TEST(Stage5Refill, WhatRaysPassBelowDoesNotStandOnTheFaceBeforeIt)
+{
+  // The same, 0.4 m above the doors.
+  const TestMap canopy = map_of_car({{1.2, 1.15, 1.2}, {2.4, 2.3, 1.5}});
+  for (double x = 1.425; x < 1.9; x += 0.05)
+    EXPECT_TRUE(passable(canopy.traversability(x, 1.175))) << "edge of the canopy at " << x;
+}
+
 TEST(Stage5Refill, AStripOfAPlatformAtTheWindowsBorderIsGround)
 {
   // 0.3 and 0.25 m of it are inside, on each side in turn; the window ends 4 m from the sensor.

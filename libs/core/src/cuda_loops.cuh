@@ -390,26 +390,32 @@ __global__ void __launch_bounds__(kThreads)
   note_time(done_ns);
 }
 
-/** f.begin(x, y) of the cells, f.look(x, y) of those that want it, by a warp each, since it is long
- * and they are few, then f(x, y), which marks some: the marks of the rows, then of the columns,
- * layout [word][line]. */
+/** f.begin(x, y) of the cells; f.look(x, y, what) of those for which that gave something, by a warp
+ * each, since it is long and they are few; then f(x, y), which marks some: the marks of the rows,
+ * then of the columns, layout [word][line]. */
 template <class F>
 __global__ void __launch_bounds__(kTileWidth* kTileRows)
     over_marked_cells(int side, F f, std::uint32_t* marks, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   __shared__ unsigned rows[kTileRows];
-  __shared__ int wanting[kTileRows * kTileWidth], n_wanting;
+  constexpr int kCells = kTileRows * kTileWidth;
+  __shared__ int wanting[kCells], n_wanting;  // kCells times what begin() gave and which cell
   const int lane = static_cast<int>(threadIdx.x), row = static_cast<int>(threadIdx.y);
   const int word = static_cast<int>(blockIdx.x), x0 = kTileWidth * word, x = x0 + lane;
   const int y0 = static_cast<int>(blockIdx.y) * kTileRows, y = y0 + row;
   const bool inside = x < side && y < side;
   if (lane + row == 0) n_wanting = 0;
   __syncthreads();
-  if (inside && f.begin(x, y)) wanting[atomicAdd(&n_wanting, 1)] = row * kTileWidth + lane;
+  const int looks = inside ? f.begin(x, y) : 0;
+  if (looks != 0) wanting[atomicAdd(&n_wanting, 1)] = looks * kCells + row * kTileWidth + lane;
   __syncthreads();
   for (int w = row; w < n_wanting; w += kTileRows)
-    f.look(x0 + wanting[w] % kTileWidth, y0 + wanting[w] / kTileWidth, kernels::DeviceTeam{true});
+  {
+    const int at = wanting[w] % kCells;
+    f.look(
+        x0 + at % kTileWidth, y0 + at / kTileWidth, wanting[w] / kCells, kernels::DeviceTeam{true});
+  }
   __syncthreads();
   const unsigned marked = __ballot_sync(0xffffffffu, inside && f(x, y));
   if (lane == 0) rows[row] = marked;

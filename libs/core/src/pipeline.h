@@ -187,9 +187,8 @@ class Pipeline final : public BackendInterface
 
   void clean_up()
   {
-    const kernels::Reach reach{context_.data(), reach_.data()};
-    const kernels::CleanUpCell clean{side(), config_.data(),  store(),     passing(),
-                                     reach,  top_hit_.data(), role_.data()};
+    const kernels::CleanUpCell clean{side(),  config_.data(),  store(),     passing(),
+                                     reach(), top_hit_.data(), role_.data()};
     if constexpr (Executor::kWalksLines)
     {
       const kernels::ChooseRole choose = choose_role();
@@ -422,9 +421,11 @@ class Pipeline final : public BackendInterface
   {
     return {side(), config_.data(), context_.data(), rays_.data(), passing()};
   }
+  kernels::Reach reach() { return {context_.data(), reach_.data()}; }
   kernels::ChooseRole choose_role()
   {
-    return {config_.data(), context_.data(), store(), support(), top_hit_.data(), role_.data()};
+    return {config_.data(),  context_.data(), store(),     support(),
+            top_hit_.data(), reach(),         role_.data()};
   }
   kernels::PassingRays passing()
   {

@@ -1,0 +1,210 @@
+#pragma once
+#include "kernels/rays.h"
+#include "kernels/team.h"
+
+#include <tuple>
+
+namespace talus::kernels
+{
+// What the rays of a frame tell of one cell beyond the lowest that passed it: how far those of each
+// direction and slope went. Stage 5 asks whether something stands on what is before it, stage 6 how
+// far what overhangs reaches, and whether it left.
+
+constexpr int kMaxBinsPerCellBits = 3;  //!< of a cell near the sensor eight are looked at
+
+/** Where the rays through the middle half of the angle under which the sensor sees a cell are
+ * found, those that ended two or more rings behind it. */
+struct Glance
+{
+  std::int32_t first_bin = 0, last_bin = -1, stride = 1;
+  std::int32_t row = 0;  //!< where their ring starts in the table
+  float chebyshev_m = 0;
+
+  static constexpr auto fields()
+  {
+    return std::make_tuple(
+        &Glance::first_bin, &Glance::last_bin, &Glance::stride, &Glance::row, &Glance::chebyshev_m);
+  }
+  /** How many rays to look at. */
+  TALUS_HD int rays() const
+  {
+    const int more = floor_div(last_bin - first_bin, stride, 1.0f / static_cast<float>(stride));
+    return select(last_bin < first_bin, 0, more + 1);
+  }
+};
+
+TALUS_HD Glance glance_at(const Config& k, const FrameContext& f, int ix, int iy)
+{
+  const float dx = (static_cast<float>(ix) + 0.5f) * k.resolution_m - f.sensor_x_m;
+  const float dy = (static_cast<float>(iy) + 0.5f) * k.resolution_m - f.sensor_y_m;
+  Glance g;
+  g.chebyshev_m = chebyshev(dx, dy);
+  const float ring = g.chebyshev_m * k.inverse_resolution;
+  const bool under_sensor = ring < 2.0f;
+  const int bins = bin_count(k), per_side = bins_per_side(k);
+  g.row = min_of(floor_to_int(ring) + 2, ring_count(k) - 1) * bins;
+  const float half_span = 0.125f * static_cast<float>(per_side) / select(under_sensor, 2.0f, ring);
+  const float middle =
+      direction_in_bins(select(under_sensor, 1.0f, dx), select(under_sensor, 0.0f, dy), per_side);
+  g.first_bin = floor_to_int(middle - half_span);
+  g.last_bin = select(under_sensor, g.first_bin - 1, floor_to_int(middle + half_span));
+  g.stride = (max_of(g.last_bin - g.first_bin, 0) >> kMaxBinsPerCellBits) + 1;
+  return g;
+}
+
+/** How far the rays of this frame went, see NoteReach. */
+struct Reach
+{
+  const FrameContext* frame;
+  const std::int32_t* of_slope;
+
+  /** Of one direction, for steps of slope that lie side by side; 0: no ray. */
+  struct alignas(16) Steps
+  {
+    static constexpr int kSize = 4;
+    std::int32_t ends[kSize];
+  };
+  TALUS_HD Steps steps(int bin, int group) const
+  {
+    const Steps* const groups = reinterpret_cast<const Steps*>(of_slope);
+    Steps here = groups[bin * (kSlopeSteps / Steps::kSize) + group];
+    for (std::int32_t& end : here.ends) end = -end;
+    return here;
+  }
+};
+
+/** How far what overhangs reaches below and above the top of one cell is learned from the rays of
+ * this frame, and whether it left. The directions of the cell are dealt out to a team. */
+template <class Team>
+struct OverhangRays
+{
+  const Config& k;
+  const Reach& reach;
+  Glance glance;
+  Team team;
+
+  /** Rays are looked at in so many directions more on either side of a cell: beside the edge of
+   * what stands there some go on. */
+  static constexpr int kBesideCell = 2;
+
+  /** Whether rays that aimed at the cell between `low_m` and `high_m` ended two or more rings
+   * behind it, and none before. */
+  TALUS_HD bool went_between(float low_m, float high_m) const
+  {
+    const int first = max_of(floor_to_int(step_of(low_m)) + 1, 0);
+    const int end = min_of(floor_to_int(step_of(high_m)), kSlopeSteps);
+    const int last = glance.rays() + kBesideCell;
+    int most = kNoneAimed;
+    if (glance.rays() > 0)
+      for (int which = team.rank() - kBesideCell; which < last; which += team.size())
+        most = max_of(most, aimed(bin(which), first, end));
+    return team.max(most) == kWentOn;
+  }
+
+  /** From a height that was hit in the cell to the end of the hits below (`up` = -1) or above it
+   * (1): in some direction they go on to there, without a ray that went on in between. Hits up to
+   * two rings before the cell and one behind it count: what overhangs is seldom one cell wide. */
+  TALUS_HD float end_of_hits(float hit_m, int up) const
+  {
+    const int first = first_step(hit_m, up), none = first - up;
+    int farthest = none * up;
+    for (int which = team.rank(); which < glance.rays(); which += team.size())
+      farthest = max_of(farthest, follow(bin(which), first, up).last * up);
+    return height_of(team.max(farthest) * up, none, hit_m);
+  }
+
+  /** The same downwards, where the ray below the last hit ended on something nearer; NaN: it went
+   * on in some direction, or there is none. */
+  TALUS_HD float end_on_something(float hit_m) const
+  {
+    const int first = min_of(first_step(hit_m, -1), kSlopeSteps - 1), none = first + 1;
+    int lowest = none, most = kNoneAimed;
+    for (int which = team.rank(); which < glance.rays(); which += team.size())
+    {
+      const EndOfHits end = follow(bin(which), first, -1);
+      lowest = min_of(lowest, select(end.next == kWentOn, kWentOnBelow, end.last));
+      most = max_of(most, static_cast<int>(end.next));
+    }
+    lowest = team.min(lowest);
+    const bool on_something = (team.max(most) == kEndedBefore) & (lowest != kWentOnBelow);
+    return on_something ? height_of(lowest, none, hit_m) : kNan;
+  }
+
+ private:
+  static constexpr int kWentOnBelow = -1;  //!< no step
+  enum Aimed
+  {
+    kNoneAimed,
+    kWentOn,
+    kEndedBefore
+  };
+
+  TALUS_HD float step_of(float height_m) const
+  {
+    return slope_step(ray_slope(height_m - reach.frame->sensor_z_m, glance.chebyshev_m));
+  }
+  TALUS_HD int bin(int which) const
+  {
+    return wrap_bin(glance.first_bin + which * glance.stride, bin_count(k));
+  }
+
+  TALUS_HD Aimed aimed(int bin, int first, int end) const
+  {
+    bool any = false, before = false;
+    for (int group = first / Reach::Steps::kSize; group * Reach::Steps::kSize < end; group++)
+    {
+      const Reach::Steps rays = reach.steps(bin, group);
+      for (int s = 0; s < Reach::Steps::kSize; s++)
+      {
+        const int step = group * Reach::Steps::kSize + s, ray = rays.ends[s];
+        const bool is_ray = (step >= first) & (step < end) & (ray > 0);
+        any |= is_ray;
+        before |= is_ray & (ray < glance.row);
+      }
+      if (before) return kEndedBefore;
+    }
+    return any ? kWentOn : kNoneAimed;
+  }
+
+  TALUS_HD int first_step(float hit_m, int up) const
+  {
+    return floor_to_int(step_of(hit_m)) + select(up > 0, 1, 0);
+  }
+  TALUS_HD float height_of(int last, int none, float hit_m) const
+  {
+    if (last == none) return hit_m;
+    return reach.frame->sensor_z_m + slope_of_step(last) * glance.chebyshev_m;
+  }
+
+  /** The last step of those from `first` on that were hit, or the one before `first`, and what
+   * became of the next ray. */
+  struct EndOfHits
+  {
+    int last;
+    Aimed next;
+  };
+  TALUS_HD EndOfHits follow(int bin, int first, int up) const
+  {
+    const int nearest = glance.row - 4 * bin_count(k);
+    EndOfHits end{first - up, kNoneAimed};
+    bool more = first >= 0 && first < kSlopeSteps;
+    for (int group = first / Reach::Steps::kSize;
+         more && group >= 0 && group < kSlopeSteps / Reach::Steps::kSize; group += up)
+    {
+      const Reach::Steps rays = reach.steps(bin, group);
+      for (int n = 0; n < Reach::Steps::kSize; n++)
+      {
+        const int s = up > 0 ? n : Reach::Steps::kSize - 1 - n, ray = rays.ends[s];
+        const int step = group * Reach::Steps::kSize + s;
+        const bool is_ray = more & ((step - first) * up >= 0) & (ray > 0);
+        const bool before = ray < nearest, behind = ray >= glance.row;
+        end.last = is_ray & !before & !behind ? step : end.last;
+        end.next = is_ray & before ? kEndedBefore : is_ray & behind ? kWentOn : end.next;
+        more = end.next == kNoneAimed;
+      }
+    }
+    return end;
+  }
+};
+
+}  // namespace talus::kernels
