@@ -1,8 +1,10 @@
-// Where talus-map puts its results: all of them appear, or none.
+// Where a command puts its results: all of them appear, or none.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <fstream>
 #include <stdexcept>
@@ -98,6 +100,23 @@ TEST(OutputFolder, makes_of_a_limit_on_the_size_of_files_an_error_that_can_be_to
       });
   EXPECT_EQ(end.signal, 0);
   EXPECT_EQ(end.exit_code, 0);
+}
+
+TEST(OutputFolder, is_not_left_behind_when_nobody_reads_what_is_printed)
+{
+  const ScratchDir dir;
+  const auto print_to_nobody = [&]
+  {
+    std::signal(SIGPIPE, SIG_DFL);
+    int ends[2];
+    if (::pipe(ends) != 0 || ::close(ends[0]) != 0) return 2;
+    const OutputFolder output(dir / "out");
+    return ::write(ends[1], "x", 1) == -1 && errno == EPIPE ? 0 : 1;
+  };
+  const auto end = talus::app::run_in_child(print_to_nobody);
+  EXPECT_EQ(end.signal, 0);
+  EXPECT_EQ(end.exit_code, 0);
+  EXPECT_FALSE(fs::exists(dir / "out"));
 }
 
 TEST(ChildProcess, goes_on_ignoring_what_the_program_ignores)

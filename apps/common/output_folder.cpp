@@ -58,7 +58,7 @@ std::vector<fs::path> files_below(const fs::path& folder)
 OutputFolder::OutputFolder(const std::string& folder)
     : name_(folder), folder_(fs::absolute(folder).lexically_normal())
 {
-  std::signal(SIGXFSZ, SIG_IGN);
+  for (const int s : {SIGXFSZ, SIGPIPE}) std::signal(s, SIG_IGN);
   try
   {
     if (!folder_.has_filename()) folder_ = folder_.parent_path();

@@ -14,8 +14,9 @@ class OutputFolder
 {
  public:
   /** Makes the folder and the hidden one. Throws std::runtime_error that says why nothing can be
-   * written there and what to do. From now on a limit on the size of files is an error of write(),
-   * no signal that ends the program and leaves the hidden folder behind. */
+   * written there and what to do. From now on a limit on the size of files, or nobody who reads
+   * what is printed, is an error of write(), no signal that ends the program and leaves the hidden
+   * folder behind. */
   explicit OutputFolder(const std::string& folder);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;

@@ -240,9 +240,11 @@ void LogMapper::require_points() const
 
 void LogMapper::add_warnings()
 {
+  constexpr double kMany = 0.1;  // of all points
   auto& warnings = run_.warnings;
   const auto sum = io::totals_of(run_.frames);
-  if (points_below_ > sum.accepted)
+  if (points_below_ > sum.accepted &&
+      static_cast<double>(points_below_) > kMany * static_cast<double>(sum.in))
     warnings.push_back(
         percent(points_below_, sum.in) + " of all points are dropped because they lie below " +
         parameter_text(run_.parameters, *find_parameter("min_height_m")) +
