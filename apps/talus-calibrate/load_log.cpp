@@ -1,6 +1,7 @@
 #include "load_log.h"
 
 #include "../common/log_name.h"
+#include "../common/memory_limit.h"
 
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/observation_points.h>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <memory>
 #include <stdexcept>
 
 namespace fs = std::filesystem;
@@ -120,14 +122,16 @@ class Loader
 
 LoadedLog load_log(const AppOptions& options, const std::function<void(double)>& progress)
 {
-  io::RawlogReader reader(options.log);
+  const auto reader =
+      app::read_with_limit([&] { return std::make_unique<io::RawlogReader>(options.log); });
   std::string source;
-  PoseTrack track(load_poses(options, source), options.max_gap_s);
+  PoseTrack track(
+      app::read_with_limit([&] { return load_poses(options, source); }), options.max_gap_s);
   Loader loader(options);
-  while (const auto obs = reader.next())
+  while (const auto obs = app::read_with_limit([&] { return reader->next(); }))
   {
     loader.take(*obs);
-    progress(reader.progress());
+    progress(reader->progress());
   }
   return loader.finish(std::move(track), source);
 }

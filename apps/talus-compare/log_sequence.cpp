@@ -1,6 +1,7 @@
 #include "log_sequence.h"
 
 #include "../common/log_name.h"
+#include "../common/memory_limit.h"
 
 #include <talus/io/geotiff.h>
 #include <talus/io/rawlog_reader.h>
@@ -9,6 +10,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 
 namespace fs = std::filesystem;
@@ -52,13 +54,14 @@ const std::vector<float>& band(
 
 Sequence read_log(const std::string& path, const std::string& trajectory, const std::string& sensor)
 {
-  const io::Trajectory poses = poses_of(path, trajectory);
+  const io::Trajectory poses = app::read_with_limit([&] { return poses_of(path, trajectory); });
   if (poses.empty())
     throw std::runtime_error("'" + path + "' holds no poses; pass --trajectory FILE");
-  io::RawlogReader reader(path);
+  const auto reader =
+      app::read_with_limit([&] { return std::make_unique<io::RawlogReader>(path); });
   Sequence sequence;
   sequence.name = app::name_of_log(path);
-  while (const auto obs = reader.next())
+  while (const auto obs = app::read_with_limit([&] { return reader->next(); }))
   {
     if (!sensor.empty() && obs->sensorLabel != sensor) continue;
     SensorPoints points;

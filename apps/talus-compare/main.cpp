@@ -19,19 +19,6 @@ namespace
 {
 using namespace talus::baselines;
 
-void make_folder(const std::string& path)
-{
-  std::error_code error;
-  fs::create_directories(path, error);
-  std::error_code ignored;
-  if (!fs::is_directory(path, ignored))
-    throw std::runtime_error(
-        "'" + path + "' cannot be made a folder" + (error ? ": " + error.message() : "") +
-        "; give another --output");
-  if (access(path.c_str(), W_OK) != 0)
-    throw std::runtime_error("'" + path + "' is not writable; give another --output");
-}
-
 void show_progress(const std::string& what, int done, int total)
 {
   const int width = 40, filled = width * done / total;
@@ -113,6 +100,7 @@ bool compare_input(const std::string& path, const CommandOptions& o, Comparison&
 /** Whether everything can be written, before hours of work. */
 void check_outputs(const CommandOptions& o)
 {
+  const talus::app::OutputFolder trial(o.output);
   std::vector<std::string> outputs;
   for (const char* name : {"methods.csv", "fills.csv", "comparison.json", "maps.png", "fills.png"})
     outputs.push_back((fs::path(o.output) / name).string());
@@ -122,7 +110,7 @@ void check_outputs(const CommandOptions& o)
   for (const std::string& output : outputs) talus::app::require_apart(output, inputs);
   if (o.markdown.empty()) return;
   accuracy_page(o.markdown, {});  // throws when something else stands there
-  const talus::io::AtomicFile trial(o.markdown);
+  const talus::io::AtomicFile trial_page(o.markdown);
 }
 
 void write_results(const std::string& folder, const Comparison& c)
@@ -160,7 +148,6 @@ int run(CommandOptions& o, const std::string& command)
 {
   load_parameters_into(o);
   for (const std::string& name : o.evaluation.methods) make_method(name, o.evaluation.parameters);
-  make_folder(o.output);
   check_outputs(o);
   Comparison c;
   c.command = command;

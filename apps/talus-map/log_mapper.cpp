@@ -1,6 +1,6 @@
 #include "log_mapper.h"
 
-#include "memory_limit.h"
+#include "../common/memory_limit.h"
 
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/CObservationTraversability.h>
@@ -102,15 +102,10 @@ LogMapper::LogMapper(const Job& job, const Options& options, const Settings& set
 
 void LogMapper::run(const OnFrame& on_frame)
 {
-  const auto limited = [](const auto& read)
-  {
-    const MemoryLimit limit(kMostToRead_bytes);
-    return read();
-  };
-  const auto reader = limited([&] { return std::make_unique<io::RawlogReader>(log_); });
-  poses_ = limited([&] { return PoseSource::of_log(log_, options_); });
+  const auto reader = read_with_limit([&] { return std::make_unique<io::RawlogReader>(log_); });
+  poses_ = read_with_limit([&] { return PoseSource::of_log(log_, options_); });
   run_.pose_source = poses_.description();
-  while (const auto obs = limited([&] { return reader->next(); }))
+  while (const auto obs = read_with_limit([&] { return reader->next(); }))
     if (take(*obs)) on_frame(*this, reader->progress());
   if (run_.frames.empty()) explain_no_frames();
   require_points();
