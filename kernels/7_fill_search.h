@@ -193,28 +193,29 @@ struct SettleCell
   LineGrid grid;
   Samples samples;
 
-  enum Looks
+  enum Look
   {
-    kLookForFace = 1,
-    kLookThrough = 2
+    kNoLook,
+    kLookForFace,  //!< and then, where that is still wanted, the other
+    kLookThrough
   };
-  /** First. Which looks have to come next. */
+  /** First. Which look has to come next. */
   TALUS_HD int begin(int ix, int iy) const
   {
     const int i = index(ix, iy);
     choose.decide(ix, iy, i);
-    return (choose.wants_look(ix, iy, i) ? kLookForFace : 0) |
-           (clean.wants_look(ix, iy, i) ? kLookThrough : 0);
+    if (choose.wants_look(ix, iy, i)) return kLookForFace;
+    return clean.wants_look(ix, iy, i) ? kLookThrough : kNoLook;
   }
   template <class Team>
-  TALUS_HD void look(int ix, int iy, int looks, const Team& team) const
+  TALUS_HD void look(int ix, int iy, int which, const Team& team) const
   {
     const int i = index(ix, iy);
-    if ((looks & kLookForFace) != 0)
+    if (which == kLookForFace)
     {
       choose.look(ix, iy, i, team);
       team.sync();
-      if (!clean.wants_look(ix, iy, i)) return;  // may be otherwise now
+      if (!clean.wants_look(ix, iy, i)) return;
     }
     clean.look(ix, iy, i, team);
   }

@@ -8,8 +8,8 @@
 
 #include <cmath>
 #include <filesystem>
-#include <set>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 namespace fs = std::filesystem;

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <iostream>
 
-#include "../common/option_checks.h"
 #include "../common/child_process.h"
+#include "../common/option_checks.h"
 #include "../common/output_folder.h"
 #include "log_sequence.h"
 #include "options.h"

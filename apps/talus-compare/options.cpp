@@ -139,10 +139,7 @@ void add_options(CLI::App& app, CommandOptions& o)
 
 void load_parameters_into(CommandOptions& o)
 {
-  app::Options as_talus_map;
-  as_talus_map.config = o.config;
-  as_talus_map.overrides = o.settings;
-  const app::Settings settings = app::load_settings(as_talus_map);
+  const app::Settings settings = app::load_settings(o.config, o.settings);
   for (const std::string& warning : settings.warnings)
     std::cerr << "talus-compare: warning: " << warning << "\n";
   o.evaluation.parameters = settings.parameters;

@@ -58,7 +58,9 @@ int run(const Options& options)
   Settings settings;
   try
   {
-    settings = load_settings(options);
+    settings = load_settings(options.config, options.overrides);
+    if (options.backend) settings.backend = *options.backend;
+    if (options.threads) settings.threads = *options.threads;
     forward_signals();  // before any folder is made: a signal must not leave it behind
     require_writable(options.output.empty() ? "." : options.output);
   }

@@ -114,14 +114,12 @@ void apply_override(const std::string& text, Parameters& p)
 }
 }  // namespace
 
-Settings load_settings(const Options& options)
+Settings load_settings(const std::string& config, const std::vector<std::string>& overrides)
 {
   Settings s;
-  if (!options.config.empty()) load_file(options.config, s);
-  for (const auto& text : options.overrides) apply_override(text, s.parameters);
+  if (!config.empty()) load_file(config, s);
+  for (const auto& text : overrides) apply_override(text, s.parameters);
   s.parameters.validate();
-  if (options.backend) s.backend = *options.backend;
-  if (options.threads) s.threads = *options.threads;
   return s;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
-#include "options.h"
-
+#include <talus/elevation_mapper.h>
 #include <talus/parameters.h>
 
 #include <string>
@@ -8,7 +7,7 @@
 
 namespace talus::app
 {
-/** How to map: defaults, then the INI file, then the command line. */
+/** How to map. */
 struct Settings
 {
   Parameters parameters;
@@ -17,7 +16,8 @@ struct Settings
   std::vector<std::string> warnings;
 };
 
-/** Throws std::runtime_error that says what is wrong with which file or option, and what to do. */
-Settings load_settings(const Options& options);
+/** Defaults, then the INI file `config` (unless empty), then each NAME=VALUE of `overrides`. Throws
+ * std::runtime_error that says what is wrong with which file or option, and what to do. */
+Settings load_settings(const std::string& config, const std::vector<std::string>& overrides);
 
 }  // namespace talus::app

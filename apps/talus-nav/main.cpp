@@ -1,6 +1,6 @@
 // talus-nav: a robot, its LiDAR, the map and MRPT's planners in a closed loop, without a display.
-#include "../common/output_folder.h"
 #include "../common/interrupt.h"
+#include "../common/output_folder.h"
 #include "picture.h"
 #include "results.h"
 #include "settings.h"
