@@ -1,6 +1,5 @@
 #pragma once
-#include "kernels/6_cleanup.h"
-#include "kernels/team.h"
+#include "kernels/7_planes.h"
 
 namespace talus::kernels
 {
@@ -143,9 +142,9 @@ constexpr float kFaceGap_m = 0.3f;
 /** What any line is off by [m], however short: of this size it makes short lines count nearly
  * alike, so that their noise averages out. */
 constexpr float kLineDeviation_m = 0.080f;
-/** Nobody knows where in a gap its face stands: deviation of what is one height or the other, by
- * their difference, 1 / sqrt(12). */
-constexpr float kFaceDeviation = 0.289f;
+/** Nobody knows where in a gap ground rises that does not rise as it does around the robot: the
+ * deviation of what is one height or the other, by their difference, 1 / sqrt(12). */
+constexpr float kRiseDeviation = 0.289f;
 
 /** Heights of neighbouring cells differ by so much for noise alone. */
 constexpr float kHeightNoise_m = 0.002f;
@@ -175,10 +174,11 @@ struct LineFusion
     return std::make_tuple(&LineFusion::information, &LineFusion::weighted, &LineFusion::lowest_m);
   }
   /** Between samples of both sides linearly, beside one side as goes_on() says: the ground around
-   * the robot rises by `rise_per_m` from side a to side b. The error grows with the distances. A
-   * gap holds a face if its sides are steeper apart than a robot can drive, or if the ground beyond
-   * it is a step lower. Then along a ray the lower side counts, which is what lies before a front
-   * and in the shadow of an edge; rows and columns do not tell where it stands. */
+   * the robot rises by `rise_per_m` from side a to side b. The error grows with the distances, and
+   * with what the sides differ by beyond that: nobody knows where between them it rises. A gap
+   * holds a face if its sides are steeper apart than a robot can drive, or if the ground beyond it
+   * is a step lower. Then along a ray the lower side counts, which is what lies before a front and
+   * in the shadow of an edge; rows and columns do not tell where it stands. */
   TALUS_HD void add(
       const SideEstimate& a, const SideEstimate& b, bool along_ray, float rise_per_m,
       const Config& k)
@@ -192,7 +192,7 @@ struct LineFusion
     const float linear = a.mean_m + (b.mean_m - a.mean_m) * part;
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
     const float error = 0.1f * a.distance_m * b.distance_m / gap_m +
-                        select(face, kFaceDeviation * abs_of(rise), 0.0f);
+                        kRiseDeviation * abs_of(rise - rise_per_m * gap_m);
     const float beyond = goes_on(
         select(has_a, a.nearest_m, b.nearest_m), select(has_a, a.distance_m, b.distance_m),
         select(has_a, a.mean_m, b.mean_m), select(has_a, a.mean_distance_m, b.mean_distance_m),
@@ -279,45 +279,30 @@ struct Fill
   float height_m;
   float variance_m2;
   std::int32_t state;
-  float lines_m;  //!< what the lines say, where rays do not pass below it the height
+  float expected_m;  //!< by lines and floor; where rays do not pass below it the height
 };
 
 /** A guess from one side does not lift by more than this [m] what was filled from two: it would
  * forget what lies behind an edge once the ground beyond is on no line any more. */
 constexpr float kLift_m = 0.1f;
 
-TALUS_HD Fill
-infer_ground(const Inference& inferred, bool under_object, float bound_m, const Config& k)
+TALUS_HD float height_of_lines(const LineFusion& lines, bool under_object)
 {
-  const LineFusion& lines = inferred.lines;
-  const float height = select(under_object, lines.lowest_m, lines.weighted / lines.information);
+  return select(under_object, lines.lowest_m, lines.weighted / lines.information);
+}
+
+TALUS_HD Fill
+infer_ground(const Inference& inferred, float expected_m, float bound_m, const Config& k)
+{
   return {
-      min_of(height, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
+      min_of(expected_m, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
       select(
           abs_of(inferred.variance_m2) >= kBeforeBrink_m2, kToldDoubtful_m2,
           abs_of(inferred.variance_m2)),
-      select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided), height};
+      select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided), expected_m};
 }
 
 // ---- Where samples are kept ----
-
-/** Places of the window on a grid with the sensor's cell in its very middle: one more row and
- * column than the window where its cells are even in number. */
-struct LineGrid
-{
-  int half, side, pitch;
-
-  TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix; }
-  TALUS_HD int middle() const { return at(half, half); }
-};
-
-/** The pitch is an odd number of cache lines, so that the places of a column do not fight for the
- * same part of a cache. */
-TALUS_HD LineGrid line_grid(const Config& k)
-{
-  const int half = k.cells / 2, side = 2 * half + 1;
-  return {half, side, (side + 31) / 32 * 32 + 16};
-}
 
 /** Measured ground that fills may build on, by place of the grid. */
 struct Samples
@@ -367,106 +352,6 @@ struct TakeSample
     samples.variance_or_bound[o] = select(
         sample, sample_variance(ground_m, store.ground_var_m2[i], passing.lowest_m[w]),
         ray_bound(passing, w));
-  }
-};
-
-// ---- The trend of the ground ----
-
-/** How the ground around the robot rises, metres per metre along x and y of the map; for fills that
- * have samples on one side only. */
-struct Trend
-{
-  float x = 0, y = 0;
-
-  TALUS_HD float along(const Direction& d) const { return x * d.x + y * d.y; }
-};
-
-/** The plane through samples of the whole window: exact sums, then its gradient. The less the plane
- * fits, the more level it is taken to be: a bank beside a floor says nothing about the floor. */
-struct FindTrend
-{
-  const Config* config;
-  const FrameContext* frame;
-  LineGrid grid;
-  const float* sample_m;
-  Trend* trend;
-
-  template <class Team>
-  TALUS_HD void operator()(const Team& team) const
-  {
-    Sums sums;
-    for (int first = team.rank(); first < kSide * kSide; first += kBatch * team.size())
-      sums.add(*this, first, team.size());
-    sums.join(team);
-    if (team.rank() == 0) *trend = sums.n < kFewest ? Trend{} : solve(sums);
-  }
-
- private:
-  /** Samples are looked for in so many rows and columns; of fewer nothing is said. */
-  static constexpr int kSide = 16, kFewest = 16, kBatch = 8;
-  /** A plane that samples are off by this share of a step is half believed. */
-  static constexpr float kBelieved = 0.25f;
-
-  /** x and y in places, heights in quantised steps. */
-  struct Sums
-  {
-    std::int32_t n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, h = 0;
-    std::int64_t xh = 0, yh = 0, hh = 0;
-
-    /** Loads first, so that they do not wait for each other. */
-    TALUS_HD void add(const FindTrend& f, int first, int stride)
-    {
-      float heights_m[kBatch];
-      for (int b = 0; b < kBatch; b++) heights_m[b] = f.sample(first + b * stride);
-      for (int b = 0; b < kBatch; b++)
-        if (is_known(heights_m[b])) add(first + b * stride, f.height(heights_m[b]));
-    }
-    TALUS_HD void add(int place, std::int32_t height)
-    {
-      const int dx = place % kSide - kSide / 2, dy = place / kSide - kSide / 2;
-      const std::int64_t height_64 = height;
-      n += 1, x += dx, y += dy, xx += dx * dx, xy += dx * dy, yy += dy * dy, h += height;
-      xh += dx * height_64, yh += dy * height_64, hh += height_64 * height_64;
-    }
-    template <class Team>
-    TALUS_HD void join(const Team& team)
-    {
-      n = team.sum(n), x = team.sum(x), y = team.sum(y), h = team.sum(h);
-      xx = team.sum(xx), xy = team.sum(xy), yy = team.sum(yy);
-      xh = team.sum(xh), yh = team.sum(yh), hh = team.sum(hh);
-    }
-    /** n^2 times the covariance of two quantities, from their sums and that of their products. */
-    TALUS_HD float covariance(std::int64_t a, std::int64_t b, std::int64_t ab) const
-    {
-      return static_cast<float>(n * ab - a * b);
-    }
-  };
-
-  TALUS_HD int cell(int s) const { return (2 * s + 1) * config->cells / (2 * kSide); }
-  TALUS_HD float sample(int place) const
-  {
-    if (place >= kSide * kSide) return kNan;
-    return sample_m[grid.at(cell(place % kSide), cell(place / kSide))];
-  }
-  TALUS_HD std::int32_t height(float of_sample_m) const
-  {
-    return quantise_height(of_sample_m, frame->sensor_z_m);
-  }
-
-  TALUS_HD Trend solve(const Sums& s) const
-  {
-    const float xx = s.covariance(s.x, s.x, s.xx), xy = s.covariance(s.x, s.y, s.xy);
-    const float yy = s.covariance(s.y, s.y, s.yy), xh = s.covariance(s.x, s.h, s.xh);
-    const float yh = s.covariance(s.y, s.h, s.yh), hh = s.covariance(s.h, s.h, s.hh);
-    const float area = xx * yy - xy * xy;
-    if (area <= 0.05f * xx * yy) return {};  // samples nearly in a line
-    const float gx = (xh * yy - yh * xy) / area, gy = (yh * xx - xh * xy) / area;
-    const float n = static_cast<float>(s.n), rest = max_of(hh - gx * xh - gy * yh, 0.0f) / (n * n);
-    const float off = kBelieved * config->step_threshold_m * kHeightSteps;
-    const float places_per_m =
-        kSide * config->inverse_resolution / static_cast<float>(config->cells);
-    const float per_m = places_per_m / kHeightSteps * (off * off / (off * off + rest));
-    return {gx * per_m, gy * per_m};
   }
 };
 
@@ -536,6 +421,7 @@ struct FillCell
   CellStore store;
   const std::uint8_t* role;
   PassingRays passing;
+  const Planes* planes;
   Surfaces surfaces;
   SurfaceLayers out;
 
@@ -548,7 +434,9 @@ struct FillCell
     const int passed_before = store.passed[i], in_open = passing.in_open[o];
     const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
     const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound(passing, o));
-    const Fill fill = infer_ground(inferred, r >= kObject, bound_m, *config);
+    const float by_lines_m = height_of_lines(inferred.lines, r >= kObject);
+    const float expected_m = planes->floor.draw(by_lines_m, ix, iy);
+    const Fill fill = infer_ground(inferred, expected_m, bound_m, *config);
     const bool lifts = (state_before == kFilledTwoSided) & !inferred.two_sided() &
                        (fill.height_m > before + kLift_m);
     // Else an older fill, or the object, stays.
@@ -565,7 +453,7 @@ struct FillCell
     const float low_m = inferred.lines.lowest_m + 0.25f * config->step_threshold_m;
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
     const bool brink = inferred.before_brink() & !is_known(store.elevation_m[i]);
-    const bool undercut = filled & ((fill.height_m < fill.lines_m - kUndercut_m) | brink);
+    const bool undercut = filled & ((fill.height_m < fill.expected_m - kUndercut_m) | brink);
     const bool low = (bound_m < floor_m + proof_m) & !undercut;
     const float high_up_m = config->clearance_m * select(r == kObject, 1.0f, 2.0f);
     const bool object = filled & ((r == kObject) | (r == kObjectBesideColumn)) &
@@ -591,7 +479,7 @@ struct FillCell
       const Fill& fill) const
   {
     const float lower_m = max_of(frame->sensor_z_m, before_m - config->cleanup_margin_m);
-    const bool told = inferred.any() & (fill.lines_m < lower_m);
+    const bool told = inferred.any() & (fill.expected_m < lower_m);
     const bool above = (state_before == kMeasured) & (before_m > frame->sensor_z_m) &
                        (bound_m + config->cleanup_margin_m < before_m) & !told;
     return (of_role == kObject) & (above | (state_before == kUnknown));

@@ -326,7 +326,7 @@ struct SearchAndFillCell
   const std::uint32_t* marks;
   const std::uint32_t* axis_marks;
   LineTables tables;
-  const Trend* trend;
+  const Planes* planes;
   float* across_m;  //!< see InferenceGrid
   LineGrid grid;
   int axis_reach;  //!< places that fills look along rows and columns
@@ -367,8 +367,8 @@ struct SearchAndFillCell
  private:
   TALUS_HD float rise_per_m(int line, int ix, int iy) const
   {
-    if (line != 0) return line == 2 ? trend->x : trend->y;
-    return trend->along(tables.track[tables.line[grid.at(ix, iy)]].direction);
+    if (line != 0) return line == 2 ? planes->trend.x : planes->trend.y;
+    return planes->trend.along(tables.track[tables.line[grid.at(ix, iy)]].direction);
   }
   /** The sensor's own cell lies on no line. */
   TALUS_HD bool on_line(int ix, int iy) const { return ix != grid.half || iy != grid.half; }
@@ -444,7 +444,7 @@ struct SearchAndFillCell
   /** Of what has samples towards the sensor only. */
   TALUS_HD bool is_before_brink(const LineSearch<Track>& radial, const SideEstimate& inner) const
   {
-    const float step_m = radial.track.step_m, rise = trend->along(radial.track.direction);
+    const float step_m = radial.track.step_m, rise = planes->trend.along(radial.track.direction);
     const int last = radial.place + radial.reach(true, radial.track.fill_reach);
     const int first = (radial.place + kUndercutPlaces - 1) / kUndercutPlaces * kUndercutPlaces;
     bool any = false;

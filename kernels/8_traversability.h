@@ -305,35 +305,41 @@ struct CompleteObstacles
   }
   TALUS_HD float completed(int ix, int iy, const float* at, int pitch) const
   {
-    if (*at < 0.0f) return at_low_step(ix, iy, at, pitch) ? -*at : 0.0f;
+    if (*at < 0.0f) return at_low_step(ix, iy) ? -*at : 0.0f;
     return joins(ix, iy, at, pitch) ? 0.0f : *at;
   }
   TALUS_HD bool joins(int ix, int iy, const float* at, int pitch) const
   {
     const bool traced = surfaces.cell[surfaces.at(ix, iy)].is(kSurfaceTraced);
-    return between(at, pitch) || (traced && beside(at, pitch)) ||
+    return between(ix, iy, at, pitch) || (traced && beside(ix, iy, at, pitch)) ||
            (is_known(*at) && at_steep_edge(ix, iy, at, pitch));
   }
 
-  static TALUS_HD bool blocked(const float* at) { return *at <= 0.0f; }
+  static TALUS_HD bool may_block(const float* at) { return *at <= 0.0f; }
   static TALUS_HD bool around(const float* at)
   {
-    return blocked(at - 1) | blocked(at) | blocked(at + 1);
+    return may_block(at - 1) | may_block(at) | may_block(at + 1);
+  }
+  /** Whether the neighbour at (dx, dy) is impassable. */
+  TALUS_HD bool blocks(int ix, int iy, int dx, int dy, const float* at, int pitch) const
+  {
+    const float judgement = at[dy * pitch + dx];
+    return judgement == 0.0f || (judgement < 0.0f && !at_low_step(ix + dx, iy + dy));
   }
 
   /** Shares a side with an impassable cell. */
-  static TALUS_HD bool beside(const float* at, int pitch)
+  TALUS_HD bool beside(int ix, int iy, const float* at, int pitch) const
   {
-    return blocked(at - 1) || blocked(at + 1) || blocked(at - pitch) || blocked(at + pitch);
+    return blocks(ix, iy, -1, 0, at, pitch) || blocks(ix, iy, 1, 0, at, pitch) ||
+           blocks(ix, iy, 0, -1, at, pitch) || blocks(ix, iy, 0, 1, at, pitch);
   }
 
   /** Between two impassable cells on opposite sides: no robot fits through one cell. */
-  static TALUS_HD bool between(const float* at, int pitch)
+  TALUS_HD bool between(int ix, int iy, const float* at, int pitch) const
   {
-    const int n = pitch;
-    return (blocked(at - 1) && blocked(at + 1)) || (blocked(at - n) && blocked(at + n)) ||
-           (blocked(at - n - 1) && blocked(at + n + 1)) ||
-           (blocked(at - n + 1) && blocked(at + n - 1));
+    const auto both = [&](int dx, int dy)
+    { return blocks(ix, iy, -dx, -dy, at, pitch) && blocks(ix, iy, dx, dy, at, pitch); };
+    return both(1, 0) || both(0, 1) || both(1, 1) || both(-1, 1);
   }
 
   /** Of measured cells: the surface rises or falls at least a third as steeply as it may to an
@@ -352,28 +358,38 @@ struct CompleteObstacles
         if (!next.is(kSurfaceMeasured)) continue;
         low = min_of(low, next.ground);
         high = max_of(high, next.height());
-        const bool beside = (dx == 0) | (dy == 0), bare = 2 * (next.height() - next.ground) < step;
+        const bool beside = (dx == 0) != (dy == 0), bare = 2 * (next.height() - next.ground) < step;
         const int rise =
             max_of(abs_of(next.ground - at->ground), abs_of(next.height() - at->height()));
-        if (beside && bare && steep(3 * rise) && blocked(judgement + dy * pitch + dx)) return true;
+        if (beside && bare && steep(3 * rise) && blocks(ix, iy, dx, dy, judgement, pitch))
+          return true;
       }
     return steep(at->height() - at->ground) && static_cast<float>(high - low) > step;
   }
-  /** Whether a cell that is too steep lies at the foot or the edge of a step that the robot takes:
-   * the ground goes on level to a passable neighbour and beyond it, but not to the other side, and
-   * within two cells nothing rises by more than four fifths of what it may. */
-  TALUS_HD bool at_low_step(int ix, int iy, const float* judgement, int pitch) const
+  /** Whether a cell lies at a step that the robot takes, not on a slope: within two cells nothing
+   * rises by more than four fifths of what it may, and the ground goes on level to one side only
+   * (its foot or edge), or to both but not from one to the other (its face). */
+  TALUS_HD bool at_low_step(int ix, int iy) const
   {
     const int n = cells;
-    const bool inside = (ix > 1) & (iy > 1) & (ix < n - 2) & (iy < n - 2);
+    const bool inside = (ix > 2) & (iy > 2) & (ix < n - 3) & (iy < n - 3);
     const Surface* at = surfaces.cell + surfaces.at(ix, iy);
     if (!inside || !is_low_around(at)) return false;
-    const int to[] = {-1, 1, -surfaces.pitch, surfaces.pitch}, by[] = {-1, 1, -pitch, pitch};
-    for (int i = 0; i < 4; i++)
-      if (judgement[by[i]] > 0.0f && is_level(*at, at[to[i]]) && is_level(*at, at[2 * to[i]]) &&
-          !is_level(*at, at[-2 * to[i]]))
-        return true;
+    for (const int to : {-1, 1, -surfaces.pitch, surfaces.pitch})
+    {
+      const Surface &next = at[to], &before = at[-to];
+      const bool beside = goes_on_level(next, to);
+      const bool edge = beside && is_level(*at, next) && !is_level(*at, at[-2 * to]);
+      const bool face =
+          beside && goes_on_level(before, -to) && steep((next.ground - before.ground) / 2);
+      if (edge || face) return true;
+    }
     return false;
+  }
+  /** For two cells more. */
+  TALUS_HD bool goes_on_level(const Surface& from, int to) const
+  {
+    return is_level(from, (&from)[to]) && is_level(from, (&from)[2 * to]);
   }
   TALUS_HD bool is_low_around(const Surface* at) const
   {
@@ -390,12 +406,13 @@ struct CompleteObstacles
   }
   TALUS_HD bool is_level(const Surface& a, const Surface& b) const
   {
-    return b.known() && !steep(abs_of(b.ground - a.ground));
+    return a.known() && b.known() && !steep(b.ground - a.ground);
   }
   /** Whether a rise within a cell is steeper than the slope threshold. */
   TALUS_HD bool steep(int rise) const
   {
-    return static_cast<float>(rise) > config->support_slope * config->resolution_m * kHeightSteps;
+    return static_cast<float>(abs_of(rise)) >
+           config->support_slope * config->resolution_m * kHeightSteps;
   }
 };
 

@@ -243,9 +243,10 @@ TEST(Stage7Fill, BesideOneSideTheNearestSampleTellsHowTheGroundTurns)
   EXPECT_FLOAT_EQ(level(-0.100f, 0.020f), -0.030f);
   EXPECT_FLOAT_EQ(kernels::goes_on(0, 0.1f, -0.0025f, 0.125f, 0.1f, k), 0.01f);  // a plane
 
-  TestMap m;  // a floor that begins to rise where it is last seen
-  const auto floor = [](double x, double) { return 0.6 * std::max(0.0, x - 1.9); };
-  m.update(Scan().add_surface(-2.5, -2.5, 2.0, 2.5, floor));
+  TestMap m;  // rolling ground that begins to rise where it is last seen
+  const auto ground = [](double x, double y)
+  { return 0.6 * std::max(0.0, x - 1.9) + 0.04 * std::cos(2 * y); };
+  m.update(Scan().add_surface(-2.5, -2.5, 2.0, 2.5, ground));
   const float last_m = m.ground(1.975, 0.025), before_m = m.ground(1.925, 0.025);
   EXPECT_GT(last_m, before_m + 0.02f);
   for (double x = 2.025; x < 2.4; x += 0.05)
@@ -258,6 +259,49 @@ TEST(Stage7Fill, ABankBesideAFloorSaysNothingOfHowTheFloorGoesOn)
   const auto bank = [](double x, double) { return std::max(0.0, -0.7 * (x + 1)); };
   m.update(Scan().add_surface(-2.5, -2.5, 2.0, 2.5, bank));
   for (double x = 2.025; x < 2.8; x += 0.1) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 0.02) << x;
+}
+
+namespace
+{
+/** Ground with a hole in it, the cells around which were measured 20 mm too high. */
+template <class Height>
+TestMap with_a_hole(double x_m, Height ground)
+{
+  TestMap m;
+  m.update(Scan().add_surface(
+      -4, -4, 4, 4,
+      [&](double x, double y)
+      {
+        const double off_m = std::max(std::abs(x - x_m), std::abs(y - 0.025));
+        if (off_m < 0.11) return std::nan("");
+        return ground(x, y) + (off_m < 0.21 ? 0.02 : 0.0);
+      }));
+  return m;
+}
+}  // namespace
+
+TEST(Stage7Fill, WhereMostGroundIsAPlaneFillsThatComeNearItLieOnIt)
+{
+  const auto ramp = [](double x, double y) { return 0.1 * x - 0.05 * y; };
+  const TestMap m = with_a_hole(2.025, ramp);
+  EXPECT_EQ(m.state(2.025, 0.025), CellState::FilledTwoSided);
+  EXPECT_NEAR(m.ground(2.025, 0.025), ramp(2.025, 0.025), 2e-3);
+}
+
+TEST(Stage7Fill, WhatIsFartherOffThePlaneThanFloorsAreKeepsItsHeight)
+{
+  // A platform of 0.12 m on a floor: half of the window would lie between them.
+  const auto platform = [](double x, double) { return x > 1 ? 0.12 : 0.0; };
+  const TestMap m = with_a_hole(2.525, platform);
+  EXPECT_NEAR(m.ground(2.525, 0.025), 0.14, 4e-3);
+}
+
+TEST(Stage7Fill, GroundThatRollsHasNoFloorToDrawFills)
+{
+  const auto rolling = [](double x, double y)
+  { return 0.05 * std::sin(1.7 * x) * std::cos(1.3 * y); };
+  const TestMap m = with_a_hole(2.025, rolling);
+  EXPECT_NEAR(m.ground(2.025, 0.025), rolling(2.025, 0.025) + 0.02, 2e-3);
 }
 
 TEST(Stage7Fill, FloorReachesUpToAWallThatWasHitHighUpOnly)

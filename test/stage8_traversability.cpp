@@ -190,6 +190,41 @@ TEST(Stage8Traversability, AKerbLowerThanAStepIsPassableAHigherOneIsNot)
   }
 }
 
+TEST(Stage8Traversability, AKerbOfWhichTheFaceWasHitBetweenRoughGroundIsPassable)
+{
+  // The lowest hits of its cells lie anywhere on the face.
+  Random random(14);
+  std::vector<float> face_m(40);
+  for (float& z : face_m) z = static_cast<float>(random.uniform(0.01, 0.12));
+  TestMap m;
+  Scan s(2, 0, 0.7);
+  s.add_surface(
+      0, -1, 4, 1,
+      [&](double x, double y)
+      {
+        const auto row = static_cast<std::size_t>((y + 1) / 0.05);
+        const double rough_m = 0.006 * std::sin(9 * x) * std::cos(11 * y);
+        return x < 2.05 ? rough_m : x < 2.1 ? face_m[row] : 0.14 + rough_m;
+      });
+  s.add_surface(2.05, -1, 2.1, 1, level(0.14));
+  m.update(s);
+  for (double y = -0.775; y < 0.8; y += 0.05)
+    for (double x = 1.825; x < 2.4; x += 0.05)
+      EXPECT_GT(m.traversability(x, y), 0.0f) << x << "," << y;
+}
+
+TEST(Stage8Traversability, AWallBesideAKerbIsNoStepThatTheRobotTakes)
+{
+  TestMap m;
+  Scan s(2, 0, 0.7);
+  s.add_surface(
+      0, -1, 4, 1, [](double x, double) { return x < 2.05  ? 0.0
+                                                 : x < 2.2 ? 0.14
+                                                           : 0.4; });
+  m.update(s);
+  for (double y = -0.775; y < 0.8; y += 0.05) EXPECT_EQ(m.traversability(2.225, y), 0.0f) << y;
+}
+
 TEST(Stage8Traversability, TheEdgeOfABarThatIsHitNowAndThenIsImpassable)
 {
   // A bar covers one row of cells and a sliver of the next, which is hit in some frames only; in

@@ -431,14 +431,14 @@ void Walk::rays(int part) const
     const kernels::Line line{side, std::min(first + l, rings - 1)};
     strip.measure(
         l, kernels::line_stretch(line, rings) * k.resolution_m,
-        trend->along(kernels::direction_of_line(line, rings)), k);
+        planes->trend.along(kernels::direction_of_line(line, rings)), k);
   }
   if (k.fill_rule == kernels::kFillLines)
     sweep<true, true>(*this, strip);
   else
     sweep<true, false>(*this, strip);
 }
-void Walk::rows(int part) const { sweep_axis(*this, part, 1, grid.pitch, trend->x); }
-void Walk::columns(int part) const { sweep_axis(*this, part, grid.pitch, 1, trend->y); }
+void Walk::rows(int part) const { sweep_axis(*this, part, 1, grid.pitch, planes->trend.x); }
+void Walk::columns(int part) const { sweep_axis(*this, part, grid.pitch, 1, planes->trend.y); }
 
 }  // namespace talus::lines

@@ -19,7 +19,7 @@ struct Walk
 {
   const kernels::Config& k;
   kernels::LineGrid grid;
-  const kernels::Trend* trend;
+  const kernels::Planes* planes;
   kernels::Samples samples;
   kernels::InferenceGrid to;
 

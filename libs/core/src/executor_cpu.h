@@ -213,11 +213,11 @@ class CpuExecutor : public CpuMemory
    * f(row) as above, of rows whose sums are still in the cache. */
   template <class F>
   void walk_lines(
-      const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Trend* trend,
+      const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Planes* planes,
       const kernels::Samples& samples, const kernels::InferenceGrid& to,
       const kernels::FrameContext* frame, const F& f)
   {
-    const lines::Walk walk{k, grid, trend, samples, to};
+    const lines::Walk walk{k, grid, planes, samples, to};
     for_each_part(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
     if (k.fill_rule != kernels::kFillLines)
     {

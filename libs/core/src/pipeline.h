@@ -232,7 +232,8 @@ class Pipeline final : public BackendInterface
   void fill()
   {
     const kernels::FillCell cell{side(),       config_.data(), context_.data(), store(),
-                                 role_.data(), passing(),      surfaces(),      surface_layers()};
+                                 role_.data(), passing(),      planes_.data(),  surfaces(),
+                                 surface_layers()};
     if constexpr (Executor::kWalksLines)
       walk_lines(cell);
     else if (host_config_.fill_rule == kernels::kFillLines)
@@ -244,12 +245,12 @@ class Pipeline final : public BackendInterface
   void walk_lines(const kernels::FillCell& cell)
   {
     const kernels::LineGrid grid = line_grid();
-    find_trend()(kernels::LoneTeam{});
+    find_planes()(kernels::LoneTeam{});
     const kernels::FillWalkedCell fill{cell, grid, inferred()};
     const kernels::DropHanging drop{store()};
     const kernels::PutSurface put{config_.data(), store(), cell.out};
     executor_.walk_lines(
-        host_config_, grid, trend_.data(), samples(), inferred(), context_.data(),
+        host_config_, grid, planes_.data(), samples(), inferred(), context_.data(),
         [&](const auto& row)
         {
           row.each(fill);
@@ -265,7 +266,7 @@ class Pipeline final : public BackendInterface
     executor_.pack_bits(
         lines, kernels::line_rings(host_config_) + 1,
         kernels::FindSamples{unguarded(axis_marks_, axes), side(), tracks_.data()},
-        unguarded(marks_, lines), find_trend());
+        unguarded(marks_, lines), find_planes());
     const kernels::SearchAndFillCell<kAlongLines> search{
         cell,
         host_config_,
@@ -273,7 +274,7 @@ class Pipeline final : public BackendInterface
         unguarded(marks_, lines),
         unguarded(axis_marks_, axes),
         line_tables(),
-        trend_.data(),
+        planes_.data(),
         across_.data(),
         line_grid(),
         kernels::places_in(host_config_.fill_search_m, host_config_.resolution_m, side() - 1)};
@@ -431,9 +432,9 @@ class Pipeline final : public BackendInterface
   {
     return {passing_.data(), passing_.data() + static_cast<std::size_t>(cells()), in_open_.data()};
   }
-  kernels::FindTrend find_trend()
+  kernels::FindPlanes find_planes()
   {
-    return {config_.data(), context_.data(), line_grid(), samples().height_m, trend_.data()};
+    return {config_.data(), context_.data(), line_grid(), samples().height_m, planes_.data()};
   }
   kernels::LineTables line_tables() { return {line_of_cell_.data(), tracks_.data()}; }
   kernels::LineGrid line_grid() const { return kernels::line_grid(host_config_); }
@@ -542,7 +543,7 @@ class Pipeline final : public BackendInterface
   Buffer<std::uint32_t> marks_, axis_marks_;
   Buffer<std::int32_t> line_of_cell_;
   Buffer<kernels::Track> tracks_;
-  Buffer<kernels::Trend> trend_;
+  Buffer<kernels::Planes> planes_;
   Buffer<float> top_hit_, support_, passing_, samples_, across_;
   Buffer<kernels::Inference> inferred_;
   Buffer<float> judged_;

@@ -18,7 +18,7 @@ void Pipeline<Executor>::allocate_cells()
   for (auto* b : {&cell_count_, &cell_begin_}) executor_.allocate(*b, n, std::uint32_t{0});
   executor_.allocate(passing_, 2 * n, 0.0f);
   executor_.allocate(top_hit_, n, 0.0f);
-  executor_.allocate(trend_, 1, kernels::Trend{});
+  executor_.allocate(planes_, 1, kernels::Planes{});
   const auto pooled = static_cast<std::size_t>(kernels::support_side(host_config_));
   const std::size_t pad = 2 * static_cast<std::size_t>(kernels::dilation_radius(host_config_));
   executor_.allocate(support_, kSupportArrays * pooled * (pooled + pad), kernels::kInfinity);
