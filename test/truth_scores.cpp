@@ -192,6 +192,61 @@ TEST(Score, LeavesOutWhatStandsWithinFiveCentimetresOfAStep)
   EXPECT_LT(stage.score(blocked_up_to(2)).free_passable.value(), 1.0);
 }
 
+TEST(Score, DoesNotJudgeGroundThatMayAsWellBeAThing)
+{
+  // Ground between steep sides: on top it is free, and nothing leads there.
+  const auto judged = [](const std::string& top_m)
+  {
+    const Stage stage(
+        "", 0.05,
+        "ramp: {at_m: [1.5, 0], length_m: 0.5, height_m: 0.5, top_m: " + top_m +
+            ", down_m: 0.5, width_m: 1.4}");
+    const auto i = static_cast<std::size_t>(stage.here.at[stage.cell(2.4, 0)]);
+    EXPECT_TRUE(stage.truth.free(i));
+    return stage.truth.surely_free(i);
+  };
+  EXPECT_FALSE(judged("0.8"));
+  EXPECT_TRUE(judged("1.4"));
+}
+
+TEST(Score, AHitWithinFiveCentimetresOfAStepShowsNoObstacle)
+{
+  const auto shown = [](float height_m)
+  {
+    const Stage stage(kBox);
+    const Parameters p;
+    Observed observed(stage.truth, p);
+    ScanFrame f = stage.sequence.frames.front();
+    f.x_m = {2.3f}, f.y_m = {0.0f};
+    f.z_m = {height_m - static_cast<float>(f.T_true.z())};
+    observed.add(f);
+    return observed.shows_obstacle(static_cast<std::size_t>(stage.here.at[stage.cell(2.3, 0)]));
+  };
+  EXPECT_FALSE(shown(0.24f));
+  EXPECT_TRUE(shown(0.26f));
+}
+
+TEST(Score, AsksForWhatAWayOverSeenGroundLeadsTo)
+{
+  // No beam meets the ground around a robot at rest; one that drove saw it before.
+  const auto asked = [](const std::string& path)
+  {
+    const sim::World world = sim::parse_world(
+        "ground: [plane: {z_m: 0}]\nrobot: {" + path + "}\nsensor: {scanner: OS1-64}\n",
+        "test.yaml");
+    EvaluationOptions options;
+    options.methods = {"talus"};
+    options.evaluated_frames = 1;
+    return evaluate_world(world, options).maps[0];
+  };
+  const Score rest = asked("path_m: [[0, 0]], duration_s: 0.3");
+  EXPECT_GT(rest.reach.of, 1000);
+  EXPECT_EQ(rest.reach_seen.of, 0);
+  const Score drive = asked("path_m: [[0, 0], [3, 0]]");
+  EXPECT_GT(drive.reach_seen.of, 0.9 * drive.reach.of);
+  EXPECT_GT(drive.reach_seen.value(), 0.98);
+}
+
 TEST(Score, AThingAboveAnEdgeDoesNotShowTheDropBelow)
 {
   // All ground beside the edge that the scanner hits is the upper one.
@@ -353,6 +408,23 @@ TEST(MoverTruth, IsSeenThroughByRaysWhereItWasAndNotByThoseBelowIt)
   EXPECT_FALSE(trolley_is_seen_through(
       "  - box: {path: [[0, 1.8, -4], [0.9, 1.8, 0], [9, 1.8, 0]], size_m: [0.4, 1.6, 1.5], "
       "lift_m: 0.35}\n"));
+}
+
+TEST(Budgets, CallFillsAlikeThatErrByLessThanAMillimetre)
+{
+  const auto verdict = [](float own_m, float other_m)
+  {
+    Evaluation e;
+    e.maps.resize(1);
+    e.maps[0].method = "talus";
+    e.fills.resize(2);
+    e.fills[0].fill = "talus", e.fills[1].fill = "bgk";
+    e.fills[0].seen.abs_m.assign(20, own_m), e.fills[1].seen.abs_m.assign(20, other_m);
+    return check_budgets(e).back().verdict;
+  };
+  EXPECT_EQ(verdict(0.0009f, 0.0003f), BudgetResult::Verdict::Pass);
+  EXPECT_EQ(verdict(0.0011f, 0.0003f), BudgetResult::Verdict::Fail);
+  EXPECT_EQ(verdict(0.0021f, 0.0020f), BudgetResult::Verdict::Fail);
 }
 
 TEST(Budgets, DoNotApplyWhereThereIsNothingToJudge)

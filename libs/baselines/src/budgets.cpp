@@ -1,5 +1,6 @@
 #include <talus/baselines/budgets.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -8,6 +9,8 @@ namespace talus::baselines
 namespace
 {
 constexpr double kFewest = 20;
+/** Fills err by so much at least: less is a fifteenth of the noise of a range. */
+constexpr double kLeastError_m = 0.001;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 using Results = std::vector<BudgetResult>;
 
@@ -61,8 +64,9 @@ void judge_fills(Results& out, const std::vector<FillScore>& fills)
   {
     const Errors &own = fills[0].seen, &other = fills[f].seen;
     const bool enough = static_cast<double>(own.count()) >= kFewest;
+    const auto error_m = [](const Errors& e) { return std::max(e.rmse_m(), kLeastError_m); };
     judge(
-        out, "fill_beats_" + fills[f].fill, enough ? own.rmse_m() / other.rmse_m() : kNan, 1.0,
+        out, "fill_beats_" + fills[f].fill, enough ? error_m(own) / error_m(other) : kNan, 1.0,
         true);
   }
 }

@@ -83,7 +83,7 @@ void Observed::add(const ScanFrame& frame)
       lowest_m_[i] = std::fmin(lowest_m_[i], p.z_m);
       highest_m_[i] = std::fmax(highest_m_[i], p.z_m);
     }
-    if (truth_.vertical[i] && above > static_cast<float>(parameters_.step_threshold_m) &&
+    if (truth_.vertical[i] && above > obstacle_from_m() &&
         above <= truth_.standing_m(i) + kTopTolerance_m)
       high_hit_[i] = 1;
   }
@@ -102,7 +102,12 @@ bool Observed::shows_obstacle(std::size_t at) const
         low = std::fmin(low, lowest_m_[i]);
         high = std::fmax(high, highest_m_[i]);
       });
-  return high - low > static_cast<float>(parameters_.step_threshold_m);
+  return high - low > obstacle_from_m();
+}
+
+float Observed::obstacle_from_m() const
+{
+  return static_cast<float>(parameters_.step_threshold_m) + kDoubt_m;
 }
 
 }  // namespace talus::baselines

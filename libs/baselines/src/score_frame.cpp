@@ -165,7 +165,7 @@ class FrameScorer
       if (!here_.reachable[k]) score_.beyond.add(reached[k]);
       if (!here_.reachable[k]) continue;
       score_.reach.add(reached[k]);
-      if (here_.could_see[k] && truth_.clear(at)) score_.reach_seen.add(reached[k]);
+      if (here_.reachable_seen[k] && truth_.clear(at)) score_.reach_seen.add(reached[k]);
     }
   }
 

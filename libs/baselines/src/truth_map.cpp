@@ -1,6 +1,7 @@
 #include <talus/baselines/truth_map.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -10,7 +11,6 @@ namespace talus::baselines
 {
 namespace
 {
-constexpr float kDoubt_m = 0.05f;
 constexpr float kJump_m = 0.05f;
 constexpr int kNearStep_cells = 3;
 constexpr double kSlope_rad = 0.035;
@@ -26,6 +26,19 @@ constexpr float kPostHeight_m = 0.3f;
 cv::Mat as_image(std::vector<std::uint8_t>& v, const sim::TruthWindow& w)
 {
   return cv::Mat(w.cells_y, w.cells_x, CV_8U, v.data());
+}
+
+/** Of the cell at an index of the TruthMap. */
+template <class T>
+T value(const cv::Mat& whole_image, std::size_t i)
+{
+  return whole_image.ptr<T>()[i];
+}
+
+cv::Mat disc(double diameter_m, const sim::TruthWindow& w)
+{
+  const int side = static_cast<int>(diameter_m / w.resolution_m) | 1;
+  return cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side});
 }
 
 /** Chessboard distance of each cell to the nearest one that is zero in `mask`. */
@@ -79,6 +92,7 @@ TruthMap::TruthMap(sim::Truth t, const Parameters& parameters) : truth(std::move
 {
   classify_cells(parameters);
   classify_terrain();
+  find_islets(parameters);
   find_platforms(parameters);
   measure_distances();
   find_ditches();
@@ -169,21 +183,39 @@ std::vector<std::uint8_t> TruthMap::level_tops(const Parameters& p, bool all_way
   return level;
 }
 
+void TruthMap::find_islets(const Parameters& p)
+{
+  const sim::TruthWindow& w = truth.window;
+  std::vector<std::uint8_t> open(size());
+  std::vector<float> lowest_m(size());
+  for (std::size_t i = 0; i < size(); ++i)
+    open[i] = free(i), lowest_m[i] = known(i) ? truth.ground[i] : FLT_MAX;
+  cv::Mat labels, wide;
+  const int n = cv::connectedComponents(as_image(open, w), labels, 4);
+  cv::morphologyEx(as_image(open, w), wide, cv::MORPH_OPEN, disc(kPlatform_m, w));
+  const int around = 2 * static_cast<int>(kPlatform_m / w.resolution_m) + 1;
+  const cv::Mat lowest(w.cells_y, w.cells_x, CV_32F, lowest_m.data());
+  cv::erode(lowest, lowest, cv::Mat::ones(around, around, CV_8U));
+  std::vector<std::uint8_t> narrow(static_cast<std::size_t>(n), 1);
+  const auto part = [&](std::size_t i) { return static_cast<std::size_t>(value<int>(labels, i)); };
+  for (std::size_t i = 0; i < size(); ++i)
+    if (value<std::uint8_t>(wide, i)) narrow[part(i)] = 0;
+  for (std::size_t i = 0; i < size(); ++i)
+    if (open[i] && narrow[part(i)] &&
+        truth.ground[i] - lowest_m[i] > static_cast<float>(p.step_threshold_m))
+      doubtful[i] = 1;
+}
+
 void TruthMap::find_platforms(const Parameters& p)
 {
   const sim::TruthWindow& w = truth.window;
-  const auto disc = [&](double diameter_m)
-  {
-    const int side = static_cast<int>(diameter_m / w.resolution_m) | 1;
-    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side});
-  };
   std::vector<std::uint8_t> level = level_tops(p, true), whole = level;
   const cv::Mat tops = as_image(whole, w);
-  cv::morphologyEx(tops, tops, cv::MORPH_CLOSE, disc(kOnPlatform_m));
+  cv::morphologyEx(tops, tops, cv::MORPH_CLOSE, disc(kOnPlatform_m, w));
   std::vector<std::uint8_t> wide = whole;
   const cv::Mat image = as_image(wide, w);
-  cv::morphologyEx(image, image, cv::MORPH_OPEN, disc(kPlatform_m));
-  cv::dilate(image, image, disc(kCorner_m));
+  cv::morphologyEx(image, image, cv::MORPH_OPEN, disc(kPlatform_m, w));
+  cv::dilate(image, image, disc(kCorner_m, w));
   const auto to_edge = distance_to_zero(whole, w);
   const auto climbed =
       climbed_tops(level_tops(p, false), static_cast<float>(p.step_threshold_m) + kDoubt_m);
@@ -232,9 +264,7 @@ void TruthMap::find_ditches()
       cv::Mat(w.cells_y, w.cells_x, CV_32F, ground.data()), depth_m, cv::MORPH_BLACKHAT,
       cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
   ditch.assign(size(), 0);
-  for (std::size_t i = 0; i < size(); ++i)
-    ditch[i] = depth_m.at<float>(static_cast<int>(i) / w.cells_x, static_cast<int>(i) % w.cells_x) >
-               kDitchDepth_m;
+  for (std::size_t i = 0; i < size(); ++i) ditch[i] = value<float>(depth_m, i) > kDitchDepth_m;
 }
 
 void TruthMap::find_posts()
@@ -247,8 +277,7 @@ void TruthMap::find_posts()
   std::vector<float> height(static_cast<std::size_t>(n), 0.0f);
   for (std::size_t i = 0; i < size(); ++i)
   {
-    float& h = height[static_cast<std::size_t>(
-        labels.at<int>(static_cast<int>(i) / w.cells_x, static_cast<int>(i) % w.cells_x))];
+    float& h = height[static_cast<std::size_t>(value<int>(labels, i))];
     h = std::max(h, standing_m(i));
   }
   std::vector<int> number(static_cast<std::size_t>(n), -1);
@@ -259,8 +288,7 @@ void TruthMap::find_posts()
       number[static_cast<std::size_t>(c)] = posts++;
   post.resize(size());
   for (std::size_t i = 0; i < size(); ++i)
-    post[i] = number[static_cast<std::size_t>(
-        labels.at<int>(static_cast<int>(i) / w.cells_x, static_cast<int>(i) % w.cells_x))];
+    post[i] = number[static_cast<std::size_t>(value<int>(labels, i))];
 }
 
 }  // namespace talus::baselines

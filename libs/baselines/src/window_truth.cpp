@@ -123,6 +123,9 @@ WindowTruth window_truth(
   here.reachable = flood(here.free_now, here.start, n);
   if (scene && scanner)
     mark_visible(here, truth, viewpoints(frames, now), parameters, *scene, *scanner);
+  std::vector<std::uint8_t> seen_free(size);
+  for (std::size_t k = 0; k < size; ++k) seen_free[k] = here.free_now[k] && here.could_see[k];
+  here.reachable_seen = flood(seen_free, here.start, n);
   return here;
 }
 

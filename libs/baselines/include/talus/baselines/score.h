@@ -93,8 +93,8 @@ struct Score
   Share leak;  //!< of obstacle cells that have obstacle cells all around: reached
   Share leak_hit;  //!< the same of those that were hit themselves
   Share reach;  //!< of free cells that are truly reachable: reached
-  Share reach_seen;  //!< the same of those that a ray could have met so far, two or more cells away
-                     //!< from obstacles
+  Share reach_seen;  //!< the same of those to which a way leads over ground that rays could have
+                     //!< met so far, two or more cells away from obstacles
   Share beyond;  //!< of free cells that are truly not reachable: reached
   /// @}
 

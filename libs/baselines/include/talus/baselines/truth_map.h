@@ -15,6 +15,9 @@ enum class Terrain : std::uint8_t
   Rough,  //!< more than 3 mm RMS from a plane within 7 x 7 cells
   NearStep  //!< within 3 cells of where the surface jumps by more than 5 cm from cell to cell
 };
+/** What is so near to a limit may be judged either way. */
+constexpr float kDoubt_m = 0.05f;
+
 constexpr int kTerrainCount = 4;
 constexpr const char* kTerrainNames[kTerrainCount] = {"flat", "slope", "rough", "near_step"};
 
@@ -57,8 +60,10 @@ class TruthMap
   std::vector<std::uint8_t> to_obstacle;  //!< distance to the nearest blocked or doubtful cell
   std::vector<std::uint8_t> depth;  //!< of blocked cells: distance to the nearest free one, from 1
   std::vector<std::uint8_t> hangs;  //!< 1: free, and something hangs above the clearance
-  std::vector<std::uint8_t> doubtful;  //!< 1: stands within 5 cm of the step threshold, or hangs
-                                       //!< less than 5 cm above the clearance: either is right
+  /** 1: either is right. What stands there is within kDoubt_m of the step threshold, or what hangs
+   * is less than that above the clearance; or it is an islet: ground more than a step above what is
+   * around it, and less than a metre wide. A thing of that shape gives the same scans. */
+  std::vector<std::uint8_t> doubtful;
   /** 1: on a solid, level top more than a metre wide, inside its outermost cells. A step in the
    * ground of that shape gives the same scans, and its top is free: what blocks is the edge. */
   std::vector<std::uint8_t> platform;
@@ -71,6 +76,7 @@ class TruthMap
  private:
   void classify_cells(const Parameters& parameters);
   void classify_terrain();
+  void find_islets(const Parameters& parameters);
   void find_platforms(const Parameters& parameters);
   std::vector<std::uint8_t> level_tops(const Parameters& parameters, bool all_ways) const;
   std::vector<std::uint8_t> climbed_tops(

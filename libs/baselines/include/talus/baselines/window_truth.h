@@ -17,15 +17,16 @@ class Observed
   /** Adds the points of a frame; forgets cells outside the window. */
   void add(const ScanFrame& frame);
 
-  /** Whether the scans have shown that this blocked cell is one: a hit higher than the step
-   * threshold on what stands there; where the ground itself blocks, hits on the ground within
-   * 3 cells whose heights differ by more than the step threshold, and one in the cell. */
+  /** Whether the scans have shown that this blocked cell is one: a hit on what stands there, higher
+   * than the step threshold and kDoubt_m; where the ground itself blocks, hits on the ground within
+   * 3 cells whose heights differ by more than that, and one in the cell. */
   bool shows_obstacle(std::size_t at) const;
 
   std::vector<std::uint8_t> ground_hit;
 
  private:
   void forget_outside(const Window& window);
+  float obstacle_from_m() const;
 
   std::vector<std::uint8_t> high_hit_;
   std::vector<float> lowest_m_, highest_m_;  //!< hits on the ground; NaN: none
@@ -95,6 +96,7 @@ struct WindowTruth
   std::vector<std::uint8_t> could_see;  //!< a ray of some frame so far could have met its ground
   std::vector<std::uint8_t> start;  //!< where the robot stands
   std::vector<std::uint8_t> reachable;  //!< free and connected with the start
+  std::vector<std::uint8_t> reachable_seen;  //!< the same over what could be seen
   double highest_shown_m = 0;  //!< map frame; of what is higher no map gets a point
 };
 
