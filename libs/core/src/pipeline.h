@@ -231,9 +231,9 @@ class Pipeline final : public BackendInterface
 
   void fill()
   {
-    const kernels::FillCell cell{side(),       config_.data(), context_.data(), store(),
-                                 role_.data(), passing(),      planes_.data(),  surfaces(),
-                                 surface_layers()};
+    const kernels::FillCell cell{side(),         config_.data(), context_.data(),
+                                 store(),        role_.data(),   passing(),
+                                 planes_.data(), surfaces(),     surface_layers()};
     if constexpr (Executor::kWalksLines)
       walk_lines(cell);
     else if (host_config_.fill_rule == kernels::kFillLines)
