@@ -93,14 +93,8 @@ struct FindPlanes
   /** A floor off which its samples are so far is half trusted: twice what noise leaves of one. */
   static constexpr float kFloor_m = 0.004f;
 
-  /** Heights are summed in steps of 1/65536 m, relative to the sensor, within +-32 m. */
-  static constexpr float kSteps = 65536.0f, kMostSteps = 32 * 65536.0f;
-
-  TALUS_HD std::int32_t quantised(float height_m) const
-  {
-    const float steps = (height_m - frame->sensor_z_m) * kSteps + 0.5f;
-    return floor_to_int(min_of(max_of(steps, -kMostSteps), kMostSteps));
-  }
+  /** Steps of heights per metre: finer than those of windows, as its sums have 64 bits. */
+  static constexpr float kSteps = 65536.0f;
 
   /** Heights in such steps, x and y in cells from the middle of the window. */
   struct Plane
@@ -161,7 +155,7 @@ struct FindPlanes
       const int place = first + b * stride, middle = config->cells / 2;
       const int dx = cell(place % kSide) - middle, dy = cell(place / kSide) - middle;
       if (!is_known(heights_m[b])) continue;
-      const std::int32_t height = quantised(heights_m[b]);
+      const std::int32_t height = quantise_height(heights_m[b], frame->sensor_z_m, kSteps);
       if (abs_of(static_cast<float>(height) - to.at(dx, dy)) <= within) sums.add(dx, dy, height);
     }
   }

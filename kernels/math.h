@@ -46,15 +46,15 @@ TALUS_HD int floor_div(int a, int b)
 #endif
 }
 
-/** Heights in window sums: steps of 1/4096 m, relative to the sensor, within +-32 m: sums of up to
- * 31 x 31 cells, times an offset of up to 15 cells, are exact in 32 bits. */
-constexpr float kHeightSteps = 4096.0f;
-constexpr int kMaxHeightSteps = 32 * 4096;
+/** Heights are summed as integers, in steps, relative to the sensor and within +-32 m. Those of
+ * window sums are 1/4096 m: sums of up to 31 x 31 cells, times an offset of up to 15 cells, are
+ * exact in 32 bits. */
+constexpr float kHeightSteps = 4096.0f, kMaxHeight_m = 32.0f;
 
-TALUS_HD int quantise_height(float height_m, float reference_m)
+TALUS_HD int quantise_height(float height_m, float reference_m, float steps_per_m = kHeightSteps)
 {
-  const float steps = (height_m - reference_m) * kHeightSteps + 0.5f;
-  const float limit = static_cast<float>(kMaxHeightSteps);
+  const float steps = (height_m - reference_m) * steps_per_m + 0.5f;
+  const float limit = kMaxHeight_m * steps_per_m;
   return floor_to_int(min_of(max_of(steps, -limit), limit));
 }
 

@@ -10,9 +10,9 @@ namespace
 kernels::SideEstimate side(float height, int gap, float distance)
 {
   kernels::SideEstimate s;
-  s.height_m = s.nearest_m = height;
+  s.height_m = s.nearest_m = s.mean_m = height;
   s.places = gap + 1;
-  s.distance_m = distance;
+  s.distance_m = s.mean_distance_m = distance;
   return s;
 }
 
@@ -302,6 +302,25 @@ TEST(Stage7Fill, GroundThatRollsHasNoFloorToDrawFills)
   { return 0.05 * std::sin(1.7 * x) * std::cos(1.3 * y); };
   const TestMap m = with_a_hole(2.025, rolling);
   EXPECT_NEAR(m.ground(2.025, 0.025), rolling(2.025, 0.025) + 0.02, 2e-3);
+}
+
+TEST(Stage7Fill, LinesWhoseSidesDisagreeBeyondHowTheGroundRisesCountForLess)
+{
+  const Parameters p;
+  kernels::Config k{};
+  k.step_threshold_m = static_cast<float>(p.step_threshold_m);
+  k.support_slope = 0.47f;
+  const auto counts = [&](float rise_m, float rise_per_m)
+  {
+    kernels::LineFusion lines;
+    lines.add(side(0, 9, 0.5f), side(rise_m, 9, 0.5f), true, rise_per_m, k);
+    return lines.information;
+  };
+  const float level = 1 / (0.105f * 0.105f);
+  EXPECT_FLOAT_EQ(counts(0, 0), level);
+  EXPECT_FLOAT_EQ(counts(0.15f, 0.15f), level);  // on a hillside
+  EXPECT_NEAR(counts(0.15f, 0), 0.5f * level, 0.01f * level);  // 0.15 m / sqrt(12) further off
+  EXPECT_FLOAT_EQ(counts(0, 0.15f), counts(0.15f, 0));
 }
 
 TEST(Stage7Fill, FloorReachesUpToAWallThatWasHitHighUpOnly)
