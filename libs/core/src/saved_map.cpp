@@ -90,10 +90,12 @@ std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p)
   header.resolution_m = p.resolution_m;
   header.reference_z_m = saved.reference_z_m;
   const auto* head = reinterpret_cast<const std::uint8_t*>(&header);
-  std::vector<std::uint8_t> bytes(head, head + sizeof header);
-  bytes.insert(bytes.end(), saved.map.cells.begin(), saved.map.cells.end());
   const auto* features = reinterpret_cast<const std::uint8_t*>(saved.map.features.data());
-  bytes.insert(bytes.end(), features, features + saved.map.features.size() * sizeof(float));
+  const std::size_t feature_bytes = saved.map.features.size() * sizeof(float);
+  std::vector<std::uint8_t> bytes(sizeof header + saved.map.cells.size() + feature_bytes);
+  auto to = std::copy_n(head, sizeof header, bytes.begin());
+  to = std::copy(saved.map.cells.begin(), saved.map.cells.end(), to);
+  std::copy_n(features, feature_bytes, to);
   return bytes;
 }
 
