@@ -9,15 +9,8 @@
 
 namespace talus::test
 {
-/** The backend that this executable specifies (one executable a backend, from one source). */
-inline Backend tested_backend()
-{
-#if defined(TALUS_TEST_CUDA)
-  return Backend::Cuda;
-#else
-  return Backend::Cpu;
-#endif
-}
+/** The backend that this executable specifies: one executable a backend, of the same objects. */
+Backend tested_backend();
 
 /** Reproducible numbers on every platform (splitmix64). */
 class Random

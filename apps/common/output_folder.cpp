@@ -179,4 +179,15 @@ void OutputFolder::commit(const std::function<void()>& last)
   }
 }
 
+void require_apart(const std::string& output, const std::vector<std::string>& inputs)
+{
+  for (const std::string& input : inputs)
+  {
+    std::error_code none;
+    if (!input.empty() && fs::equivalent(output, input, none))
+      throw std::runtime_error(
+          "'" + output + "' would be overwritten, but it is an input; write elsewhere");
+  }
+}
+
 }  // namespace talus::app

@@ -49,4 +49,7 @@ class OutputFolder
 /** Throws std::runtime_error when no OutputFolder could be made there; leaves nothing behind. */
 inline void require_writable(const std::string& folder) { const OutputFolder trial(folder); }
 
+/** Throws std::runtime_error when a file that is to be written is one of those that are read. */
+void require_apart(const std::string& output, const std::vector<std::string>& inputs);
+
 }  // namespace talus::app

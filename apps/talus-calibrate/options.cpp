@@ -1,9 +1,7 @@
 #include "options.h"
 
-#include "../common/option_checks.h"
+#include "../common/command_line.h"
 #include "../common/log_name.h"
-
-#include <CLI/CLI.hpp>
 
 namespace talus::calibrate
 {
@@ -110,20 +108,7 @@ std::optional<int> parse_options(int argc, char** argv, AppOptions& options)
   app.add_flag("--quiet", options.quiet, "Print warnings and errors only");
   app.set_version_flag("--version", std::string("talus-calibrate ") + TALUS_VERSION);
   app.footer(kFooter);
-  app.failure_message(
-      [](const CLI::App*, const CLI::Error& e)
-      {
-        return std::string("talus-calibrate: ") + e.what() +
-               "\nRun 'talus-calibrate --help' for usage.\n";
-      });
-  try
-  {
-    app.parse(argc, argv);
-  }
-  catch (const CLI::ParseError& e)
-  {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto exit_code = app::parse_command_line(app, argc, argv)) return exit_code;
   if (options.output.empty()) options.output = app::name_of_log(options.log) + "_calibration";
   return std::nullopt;
 }

@@ -1,13 +1,12 @@
 #include <talus/io/atomic_file.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 
 #include "../common/child_process.h"
-#include "../common/option_checks.h"
 #include "../common/output_folder.h"
+#include "../common/progress_bar.h"
 #include "log_sequence.h"
 #include "options.h"
 #include "pictures.h"
@@ -18,14 +17,6 @@ namespace fs = std::filesystem;
 namespace
 {
 using namespace talus::baselines;
-
-void show_progress(const std::string& what, int done, int total)
-{
-  const int width = 40, filled = width * done / total;
-  std::fprintf(
-      stderr, "\r%-20s [%s%s] %d/%d%s", what.c_str(), std::string(filled, '#').c_str(),
-      std::string(width - filled, '.').c_str(), done, total, done == total ? "\n" : "");
-}
 
 bool is_world(const std::string& path)
 {
@@ -81,9 +72,9 @@ bool compare_input(const std::string& path, const CommandOptions& o, Comparison&
   try
   {
     CommandOptions named = o;
-    if (!o.quiet && isatty(STDERR_FILENO))
-      named.evaluation.progress = [&](int done, int total)
-      { show_progress(fs::path(path).stem().string(), done, total); };
+    talus::app::ProgressBar bar(fs::path(path).stem().string(), !o.quiet);
+    named.evaluation.progress = [&](int done, int total)
+    { bar.show(static_cast<double>(done) / total, "frame " + std::to_string(done)); };
     if (is_world(path))
       out.evaluations.push_back(evaluate_world(talus::sim::load_world(path), named.evaluation));
     else
@@ -174,19 +165,8 @@ std::string command_text(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
-  CLI::App app{
-      "Runs logs and simulated worlds through talus and other maps, and says which is right.",
-      "talus-compare"};
   CommandOptions options;
-  add_options(app, options);
-  try
-  {
-    app.parse(argc, argv);
-  }
-  catch (const CLI::ParseError& e)
-  {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto exit_code = parse_options(argc, argv, options)) return *exit_code;
   try
   {
     return run(options, command_text(argc, argv));

@@ -1,6 +1,6 @@
 #include "options.h"
 
-#include "../common/option_checks.h"
+#include "../common/command_line.h"
 #include "../talus-map/settings.h"
 
 #include <talus/mrpt/parameters_ini.h>
@@ -95,25 +95,18 @@ void add_methods(CLI::App& app, CommandOptions& o)
       ->type_name("N");
 }
 
-template <typename T>
-CLI::Option* add_optional(
-    CLI::App& app, const std::string& name, std::optional<T>& value, const std::string& help)
-{
-  return app.add_option_function<T>(
-      name, [&value](const T& v) { value = v; }, help);
-}
-
 void add_drive(CLI::App& app, sim::DriveOptions& d)
 {
-  add_optional(app, "--scanner", d.scanner, "Of simulated worlds: scanner instead of the world's")
+  app::add_optional(
+      app, "--scanner", d.scanner, "Of simulated worlds: scanner instead of the world's")
       ->type_name("NAME");
-  add_optional(app, "--seed", d.seed, "Seed of the noise")
+  app::add_optional(app, "--seed", d.seed, "Seed of the noise")
       ->check(app::whole_of_64_bits())
       ->type_name("N");
-  add_optional(app, "--noise", d.noise_m, "Standard deviation of a range [m]")
+  app::add_optional(app, "--noise", d.noise_m, "Standard deviation of a range [m]")
       ->check(app::between(0.0, 10.0))
       ->type_name("M");
-  add_optional(app, "--frames", d.frames, "At most so many frames")
+  app::add_optional(app, "--frames", d.frames, "At most so many frames")
       ->check(CLI::Range(1, 100000))
       ->type_name("N");
   app.add_option("--pose-noise", d.pose_noise_m, "Noise of the poses in x, y, z [m]")
@@ -126,15 +119,19 @@ void add_drive(CLI::App& app, sim::DriveOptions& d)
 
 }  // namespace
 
-void add_options(CLI::App& app, CommandOptions& o)
+std::optional<int> parse_options(int argc, char** argv, CommandOptions& options)
 {
-  add_inputs(app, o);
-  add_methods(app, o);
-  add_drive(app, o.evaluation.drive);
-  app.add_flag("--check", o.check, "Exit code 1 when a budget fails");
-  app.add_flag("--quiet", o.quiet, "Print errors only");
+  CLI::App app{
+      "Runs logs and simulated worlds through talus and other maps, and says which is right.",
+      "talus-compare"};
+  add_inputs(app, options);
+  add_methods(app, options);
+  add_drive(app, options.evaluation.drive);
+  app.add_flag("--check", options.check, "Exit code 1 when a budget fails");
+  app.add_flag("--quiet", options.quiet, "Print errors only");
   app.set_version_flag("--version", std::string("talus-compare ") + TALUS_VERSION);
   app.footer(footer());
+  return app::parse_command_line(app, argc, argv);
 }
 
 void load_parameters_into(CommandOptions& o)

@@ -1,7 +1,7 @@
 #pragma once
 #include <talus/baselines/holdout.h>
 
-#include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +18,9 @@ struct CommandOptions
   bool quiet = false, check = false;
 };
 
-void add_options(CLI::App& app, CommandOptions& o);
+/** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
+ * program, or nothing: go on. */
+std::optional<int> parse_options(int argc, char** argv, CommandOptions& options);
 
 /** Config file, then --set. Throws std::runtime_error. */
 void load_parameters_into(CommandOptions& o);

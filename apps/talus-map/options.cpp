@@ -1,10 +1,8 @@
 #include "options.h"
 
-#include "../common/option_checks.h"
+#include "../common/command_line.h"
 
 #include <talus/mrpt/parameters_ini.h>
-
-#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <iostream>
@@ -135,20 +133,13 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
       "List all parameters with defaults and meaning");
   app.set_version_flag("--version", std::string("talus-map ") + TALUS_VERSION);
   app.footer(kFooter);
-  app.failure_message(
-      [](const CLI::App*, const CLI::Error& e)
-      { return std::string("talus-map: ") + e.what() + "\nRun 'talus-map --help' for usage.\n"; });
-  try
-  {
-    app.parse(argc, argv);
-    if (!options.rawlog_out.empty() && options.logs.size() > 1)
-      throw CLI::ValidationError("--rawlog-out", "takes one log, not a batch");
-  }
-  catch (const CLI::ParseError& e)
-  {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
-  return std::nullopt;
+  app.final_callback(
+      [&]
+      {
+        if (!options.rawlog_out.empty() && options.logs.size() > 1)
+          throw CLI::ValidationError("--rawlog-out", "takes one log, not a batch");
+      });
+  return parse_command_line(app, argc, argv);
 }
 
 }  // namespace talus::app

@@ -1,10 +1,8 @@
 #include "options.h"
 
-#include "../common/option_checks.h"
+#include "../common/command_line.h"
 
 #include <talus/mrpt/parameters_ini.h>
-
-#include <CLI/CLI.hpp>
 
 #include <cstdio>
 
@@ -125,15 +123,7 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
   add_processing(app, options);
   app.set_version_flag("--version", std::string("talus-nav ") + TALUS_VERSION);
   app.footer(kFooter);
-  try
-  {
-    app.parse(argc, argv);
-  }
-  catch (const CLI::ParseError& e)
-  {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
-  return std::nullopt;
+  return app::parse_command_line(app, argc, argv);
 }
 
 }  // namespace talus::nav

@@ -1,19 +1,31 @@
-#pragma once
-#include <CLI/CLI.hpp>
+#include "command_line.h"
 
 #include <cerrno>
 #include <cstdlib>
-#include <filesystem>
 #include <sstream>
-#include <stdexcept>
-#include <string>
-#include <system_error>
-#include <vector>
 
 namespace talus::app
 {
-/** A number from `low` to `high`. CLI::Range lets NaN through, which no comparison refuses. */
-inline CLI::Validator between(double low, double high)
+std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv)
+{
+  app.failure_message(
+      [](const CLI::App* a, const CLI::Error& e)
+      {
+        const std::string name = a->get_name();
+        return name + ": " + e.what() + "\nRun '" + name + " --help' for usage.\n";
+      });
+  try
+  {
+    app.parse(argc, argv);
+  }
+  catch (const CLI::ParseError& e)
+  {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  return std::nullopt;
+}
+
+CLI::Validator between(double low, double high)
 {
   std::ostringstream limits;
   limits << "[" << low << " - " << high << "]";
@@ -28,9 +40,7 @@ inline CLI::Validator between(double low, double high)
       "FLOAT in " + in);
 }
 
-/** A whole number of 64 bits without sign. CLI11 takes the largest for one that is larger, and
- * wraps one that is negative. */
-inline CLI::Validator whole_of_64_bits()
+CLI::Validator whole_of_64_bits()
 {
   return CLI::Validator(
       [](std::string& text)
@@ -46,16 +56,13 @@ inline CLI::Validator whole_of_64_bits()
       "");
 }
 
-/** A shell puts nothing in the place of a variable that is not set: that would count as not given.
- */
-inline CLI::Validator not_empty()
+CLI::Validator not_empty()
 {
   return CLI::Validator(
       [](std::string& text) { return text.empty() ? "is empty: an unset variable?" : ""; }, "");
 }
 
-/** Checks an option of six numbers: x, y, z [m], then three angles [degrees]. */
-inline CLI::Option* check_mounting(CLI::Option* option)
+CLI::Option* check_mounting(CLI::Option* option)
 {
   constexpr double kFarthest_m = 100, kFullTurn_deg = 360;
   for (int i = 0; i < 6; ++i)
@@ -64,18 +71,6 @@ inline CLI::Option* check_mounting(CLI::Option* option)
     option->check(between(-limit, limit).description("").application_index(i));
   }
   return option;
-}
-
-/** Throws std::runtime_error when a file that is to be written is one of those that are read. */
-inline void require_apart(const std::string& output, const std::vector<std::string>& inputs)
-{
-  for (const std::string& input : inputs)
-  {
-    std::error_code none;
-    if (!input.empty() && std::filesystem::equivalent(output, input, none))
-      throw std::runtime_error(
-          "'" + output + "' would be overwritten, but it is an input; write elsewhere");
-  }
 }
 
 }  // namespace talus::app

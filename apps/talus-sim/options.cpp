@@ -1,0 +1,101 @@
+#include "options.h"
+
+#include "../common/command_line.h"
+
+namespace talus::sim
+{
+using namespace talus::app;
+
+namespace
+{
+std::string footer()
+{
+  std::string text = "Scanners:\n";
+  for (const Scanner& s : scanners())
+    text += "  " + s.name + std::string(14 - s.name.size(), ' ') + s.description + "\n";
+  return text +
+         "\nExamples:\n"
+         "  talus-sim datasets/worlds/demo.yaml --output out\n"
+         "      out/demo.rawlog, out/demo.tum and out/truth.tif; then: talus-map out/demo.rawlog\n"
+         "  talus-sim demo.yaml --output out --scanner OS1-64 --seed 3 --noise 0.02\n"
+         "  talus-sim demo.yaml --output out --pose-noise 0.02 --z-drift 0.01\n"
+         "      also out/demo_noisy.tum; then: talus-map out/demo.rawlog --trajectory "
+         "out/demo_noisy.tum\n"
+         "  talus-sim demo.yaml --output out --mounting-error 0 0 0.05 2 -3 0 --clock-error 0.05\n"
+         "      a log for talus-calibrate to put right\n"
+         "\nExit codes: 0 done, 1 failed, 2 wrong usage, 128 + N stopped by signal N.";
+}
+
+void add_world(CLI::App& app, Options& o)
+{
+  app.add_option("WORLD", o.world, "World file (.yaml); datasets/README.md describes the format")
+      ->required();
+  add_optional(app, "--scanner", o.drive.scanner, "Scanner instead of the world's, see below")
+      ->type_name("NAME");
+  add_optional(app, "--seed", o.drive.seed, "Seed of the noise instead of the world's")
+      ->check(whole_of_64_bits())
+      ->type_name("N");
+  add_optional(app, "--noise", o.drive.noise_m, "Standard deviation of a range [m]")
+      ->check(between(0.0, 10.0))
+      ->type_name("M");
+  add_optional(app, "--noise-per-m", o.drive.noise_per_m, "Its growth with the range [m/m]")
+      ->check(between(0.0, 1.0))
+      ->type_name("M/M");
+  add_optional(app, "--frames", o.drive.frames, "Write at most so many frames")
+      ->check(CLI::Range(1, 100000))
+      ->type_name("N");
+}
+
+void add_errors(CLI::App& app, Options& o)
+{
+  app.add_option(
+         "--pose-noise", o.drive.pose_noise_m,
+         "Also write WORLD_noisy.tum: standard deviation in x, y, z [m]")
+      ->check(between(0.0, 10.0))
+      ->type_name("M");
+  app.add_option("--angle-noise", o.drive.angle_noise_rad, "The same in roll, pitch, yaw [rad]")
+      ->check(between(0.0, 1.0))
+      ->type_name("RAD");
+  app.add_option(
+         "--z-drift", o.drive.z_drift, "The same: climb of the noisy pose, metres a metre driven")
+      ->check(between(-1.0, 1.0))
+      ->type_name("M/M");
+  check_mounting(app.add_option(
+                     "--mounting-error", o.claims.mounting_error,
+                     "The log states a mounting that is off by x y z roll pitch yaw [m, degrees]"))
+      ->type_name("...");
+  app.add_option(
+         "--clock-error", o.claims.clock_error_s,
+         "The stamps of the log are late by this against the trajectory [s]")
+      ->check(between(-10.0, 10.0))
+      ->type_name("S");
+}
+
+void add_outputs(CLI::App& app, Options& o)
+{
+  app.add_option("--output", o.output, "Folder of the files; made if it does not exist")
+      ->required()
+      ->type_name("DIR");
+  app.add_option("--resolution", o.resolution_m, "Side of a cell of truth.tif [m]")
+      ->check(between(0.001, 100.0))
+      ->capture_default_str()
+      ->type_name("M");
+  app.add_flag("--no-movers", o.without_movers, "Leave what moves out of truth.tif");
+  app.add_flag("--quiet", o.quiet, "Print errors only");
+}
+}  // namespace
+
+std::optional<int> parse_options(int argc, char** argv, Options& options)
+{
+  CLI::App app{
+      "Drives a robot with a LiDAR through a world; writes its log, its way and the truth.",
+      "talus-sim"};
+  add_world(app, options);
+  add_errors(app, options);
+  add_outputs(app, options);
+  app.set_version_flag("--version", std::string("talus-sim ") + TALUS_VERSION);
+  app.footer(footer());
+  return parse_command_line(app, argc, argv);
+}
+
+}  // namespace talus::sim

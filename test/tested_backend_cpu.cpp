@@ -1,0 +1,3 @@
+#include "scene.h"
+
+talus::Backend talus::test::tested_backend() { return Backend::Cpu; }
