@@ -66,7 +66,8 @@ struct Planes
   Floor floor;
 };
 
-/** From samples at 16 x 16 places: exact sums, so that every team comes to the same planes. */
+/** From samples at 16 x 16 places: exact sums, so that every team comes to the same planes. Each
+ * member keeps its own samples from fit to fit. */
 struct FindPlanes
 {
   const Config* config;
@@ -78,16 +79,17 @@ struct FindPlanes
   template <class Team>
   TALUS_HD void operator()(const Team& team) const
   {
-    Plane plane = fit({}, kInfinity, team);
+    const auto own = samples_of(team);
+    Plane plane = fit({}, kInfinity, own, team);
     const Trend trend = trend_of(plane);
     const int all = plane.n;
-    for (const float within_m : {0.1f, 0.03f}) plane = fit(plane, within_m, team);
+    for (const float within_m : {0.1f, 0.03f}) plane = fit(plane, within_m, own, team);
     if (team.rank() == 0) *planes = {trend, floor_of(plane, all)};
   }
 
  private:
   /** Samples are looked for in so many rows and columns; of fewer nothing is said. */
-  static constexpr int kSide = 16, kFewest = 16, kBatch = 8;
+  static constexpr int kSide = 16, kFewest = 16;
   /** A plane that samples are off by this share of a step is half believed to be the trend. */
   static constexpr float kBelieved = 0.25f;
   /** A floor off which its samples are so far is half trusted: twice what noise leaves of one. */
@@ -135,36 +137,50 @@ struct FindPlanes
     }
   };
 
-  /** The least-squares plane through the samples that are so near to another. */
-  template <class Team>
-  TALUS_HD Plane fit(const Plane& to, float within_m, const Team& team) const
+  /** Of the places rank, rank + size ... of a whole team. */
+  template <int kSamples>
+  struct Own
   {
+    std::int32_t height[kSamples];  //!< kNone: no sample
+  };
+  static constexpr std::int32_t kNone = -0x7fffffff;
+
+  template <class Team>
+  TALUS_HD auto samples_of(const Team& team) const
+  {
+    constexpr int kSamples = kSide * kSide / Team::kMembers;
+    Own<kSamples> own;
+    for (int i = 0; i < kSamples; i++)
+    {
+      const int place = team.rank() + i * Team::kMembers;
+      const float height_m = sample_m[grid.at(cell(place % kSide), cell(place / kSide))];
+      const bool known = is_known(height_m);
+      const std::int32_t height =
+          quantise_height(select(known, height_m, 0.0f), frame->sensor_z_m, kSteps);
+      own.height[i] = select(known, height, kNone);
+    }
+    return own;
+  }
+
+  /** The least-squares plane through the samples that are so near to another. */
+  template <int kSamples, class Team>
+  TALUS_HD Plane
+  fit(const Plane& to, float within_m, const Own<kSamples>& own, const Team& team) const
+  {
+    const int middle = config->cells / 2;
     Sums sums;
-    for (int first = team.rank(); first < kSide * kSide; first += kBatch * team.size())
-      add(sums, first, team.size(), to, within_m * kSteps);
+    for (int i = 0; i < kSamples; i++)
+    {
+      const int place = team.rank() + i * Team::kMembers;
+      const int dx = cell(place % kSide) - middle, dy = cell(place / kSide) - middle;
+      const std::int32_t height = own.height[i];
+      const float off = static_cast<float>(height) - to.at(dx, dy);
+      if (height != kNone && abs_of(off) <= within_m * kSteps) sums.add(dx, dy, height);
+    }
     sums.join(team);
     return sums.n < kFewest ? Plane{} : solve(sums);
   }
-  /** Loads first, so that they do not wait for each other. */
-  TALUS_HD void add(Sums& sums, int first, int stride, const Plane& to, float within) const
-  {
-    float heights_m[kBatch];
-    for (int b = 0; b < kBatch; b++) heights_m[b] = sample(first + b * stride);
-    for (int b = 0; b < kBatch; b++)
-    {
-      const int place = first + b * stride, middle = config->cells / 2;
-      const int dx = cell(place % kSide) - middle, dy = cell(place / kSide) - middle;
-      if (!is_known(heights_m[b])) continue;
-      const std::int32_t height = quantise_height(heights_m[b], frame->sensor_z_m, kSteps);
-      if (abs_of(static_cast<float>(height) - to.at(dx, dy)) <= within) sums.add(dx, dy, height);
-    }
-  }
   TALUS_HD int cell(int place) const { return (2 * place + 1) * config->cells / (2 * kSide); }
-  TALUS_HD float sample(int place) const
-  {
-    if (place >= kSide * kSide) return kNan;
-    return sample_m[grid.at(cell(place % kSide), cell(place / kSide))];
-  }
 
   TALUS_HD static Plane solve(const Sums& s)
   {

@@ -123,12 +123,12 @@ TALUS_HD float slope_angle(const Moments& m, const Config& k)
 struct FeatureLayers
 {
   float *slope, *step, *roughness, *sparsity, *traversability;
-  float* judged;  //!< before CompleteObstacles, as fuse_features() says
+  float* judged;  //!< traversability before CompleteObstacles, with a minus at low steps
 
   TALUS_HD void put_traversability(int o, float value) const
   {
     judged[o] = value;
-    traversability[o] = max_of(value, 0.0f);
+    traversability[o] = abs_of(value);
   }
 };
 
@@ -156,7 +156,7 @@ TALUS_HD Features features_of(const Moments& m, std::int32_t height, const Confi
 }
 
 /** Eq. 13: the weighted sum; zero, impassable, where any feature is, and with a minus where only
- * the slope is too steep, which CompleteObstacles has to look at again. */
+ * the slope is too steep, which takes another look: see LowStep. */
 TALUS_HD float fuse_features(const Features& f, const Config& k)
 {
   const bool impassable = (f.step == 0.0f) | (f.roughness == 0.0f);
@@ -165,6 +165,64 @@ TALUS_HD float fuse_features(const Features& f, const Config& k)
   const float judged = select(f.slope == 0.0f, 0.0f - sum, select(is_known(f.slope), sum, kNan));
   return select(impassable, 0.0f, judged);
 }
+
+/** Whether a rise within a cell is steeper than the slope threshold; in quantised steps. */
+TALUS_HD bool is_steep(int rise, const Config& k)
+{
+  return static_cast<float>(abs_of(rise)) > k.support_slope * k.resolution_m * kHeightSteps;
+}
+
+/** Whether a cell lies at a step that the robot takes, not on a slope as a plane through it would
+ * say: within two cells nothing rises by more than four fifths of what it may, and the ground goes
+ * on level to one side only (its foot or edge), or to both but not from one to the other (its
+ * face). */
+struct LowStep
+{
+  const Config& config;
+  const Surfaces& surfaces;
+
+  TALUS_HD bool is_at(int ix, int iy) const
+  {
+    const int n = config.cells;
+    const bool inside = (ix > 2) & (iy > 2) & (ix < n - 3) & (iy < n - 3);
+    const Surface* at = surfaces.cell + surfaces.at(ix, iy);
+    if (!inside || !is_low_around(at)) return false;
+    for (const int to : {-1, 1, -surfaces.pitch, surfaces.pitch})
+    {
+      const Surface &next = at[to], &before = at[-to];
+      const bool beside = goes_on_level(next, to);
+      const bool edge = beside && is_level(*at, next) && !is_level(*at, at[-2 * to]);
+      const bool face = beside && goes_on_level(before, -to) &&
+                        is_steep((next.ground - before.ground) / 2, config);
+      if (edge || face) return true;
+    }
+    return false;
+  }
+
+ private:
+  /** For two cells more. */
+  TALUS_HD bool goes_on_level(const Surface& from, int to) const
+  {
+    return is_level(from, (&from)[to]) && is_level(from, (&from)[2 * to]);
+  }
+  TALUS_HD bool is_low_around(const Surface* at) const
+  {
+    int low = at->ground, high = at->height();
+    for (int dy = -2; dy <= 2; dy++)
+      for (int dx = -2; dx <= 2; dx++)
+      {
+        const Surface& next = at[dy * surfaces.pitch + dx];
+        if (!next.known()) continue;
+        low = min_of(low, next.ground);
+        high = max_of(high, next.height());
+      }
+    return static_cast<float>(high - low) <= 0.8f * config.step_threshold_m * kHeightSteps;
+  }
+  TALUS_HD bool is_level(const Surface& a, const Surface& b) const
+  {
+    return a.known() && b.known() && !is_steep(b.ground - a.ground, config);
+  }
+};
 
 /** Stages 8 and 9 on cell (ix, iy): first along rows, then across them. `kParts`: what
  * traversability is made of is wanted too, not it alone. */
@@ -203,31 +261,22 @@ struct ComputeFeatures
   {
     out.put_traversability(iy * cells + ix, judge_most<true>(ix, iy, m, true));
   }
-  /** Whether finish() may change the cell. */
+  /** Whether finish() may change the cell, after one of these. */
   TALUS_HD bool concerns(int ix, int iy, const Moments& m) const
   {
-    return neighbour(ix, iy).is(kSurfaceGuess) &
-           dense_around(m.measured, config->feature_radius_cells);
+    return may_be_sparse(ix, iy, m) | (out.judged[iy * cells + ix] < 0.0f);
   }
   /** What only few cells need. */
-  TALUS_HD void finish(int ix, int iy) const
+  TALUS_HD void finish(int ix, int iy, const Moments& m) const
   {
-    if (!is_near(ix, iy)) return;
     const int o = iy * cells + ix;
-    const float suspicion = suspicion_of(ix, iy);
-    if constexpr (kParts) out.sparsity[o] = suspicion;
-    out.put_traversability(o, suspicion);
+    out.put_traversability(o, settle(ix, iy, m, out.judged[o], true));
   }
-  /** Both, for executors that go on with the result: returns the traversability before
+  /** All of that, for executors that go on with the result: returns the traversability before
    * CompleteObstacles, and puts only the parts, of cells that are the caller's `own`. */
   TALUS_HD float judge(int ix, int iy, const Moments& m, bool own) const
   {
-    const float most = judge_most<false>(ix, iy, m, own);
-    if (!concerns(ix, iy, m) || !is_near(ix, iy)) return most;
-    const float suspicion = suspicion_of(ix, iy);
-    if constexpr (kParts)
-      if (own) out.sparsity[iy * cells + ix] = suspicion;
-    return suspicion;
+    return settle(ix, iy, m, judge_most<false>(ix, iy, m, own), own);
   }
 
  private:
@@ -251,6 +300,22 @@ struct ComputeFeatures
     const bool judged = known & cell.is(kSurfaceReached);
     return select(judged, fuse_features(f, *config), kNan);
   }
+  /** `judged`, unless stage 9 says otherwise, or it is the slope of a low step alone. */
+  TALUS_HD float settle(int ix, int iy, const Moments& m, float judged, bool own) const
+  {
+    if (may_be_sparse(ix, iy, m) && is_near(ix, iy))
+    {
+      judged = suspicion_of(ix, iy);
+      if constexpr (kParts)
+        if (own) out.sparsity[iy * cells + ix] = judged;
+    }
+    return judged < 0.0f && !LowStep{*config, surfaces}.is_at(ix, iy) ? 0.0f : judged;
+  }
+  TALUS_HD bool may_be_sparse(int ix, int iy, const Moments& m) const
+  {
+    return neighbour(ix, iy).is(kSurfaceGuess) &
+           dense_around(m.measured, config->feature_radius_cells);
+  }
   /** Whether stage 9 looks there. The sensor's own cell lies on no line. */
   TALUS_HD bool is_near(int ix, int iy) const
   {
@@ -267,17 +332,17 @@ struct ComputeFeatures
   }
 };
 
-/** The last step of stage 8: cells at the edge of what is impassable join it, and those at a low
- * step, which a plane takes for a slope, leave it. What a neighbourhood says of its middle ends
- * before the edge of what is steep, things that rays pass through are hit in some of their cells
- * only, and what covers a cell in part is hit now and then. */
+/** The last step of stage 8: cells at the edge of what is impassable join it, but for those at a
+ * low step. What a neighbourhood says of its middle ends before the edge of what is steep, things
+ * that rays pass through are hit in some of their cells only, and what covers a cell in part is hit
+ * now and then. */
 struct CompleteObstacles
 {
   int cells;
   const Config* config;
   Surfaces surfaces;
   const float* judged;  //!< window order, with a row and a cell more on both ends
-  float* traversability;  //!< what is judged, 0 where that has a minus
+  float* traversability;
 
   TALUS_HD bool concerns(int ix, int iy, int) const
   {
@@ -286,14 +351,14 @@ struct CompleteObstacles
   TALUS_HD void operator()(int ix, int iy, int) const
   {
     const int o = iy * cells + ix;
-    traversability[o] = completed(ix, iy, judged + o, cells);
+    if (joins(ix, iy, judged + o, cells)) traversability[o] = 0.0f;
   }
   /** The same for executors that have the judgement elsewhere: that of the cell is at `at`, its
    * neighbour's in the next row `pitch` behind it. */
   TALUS_HD void complete(int ix, int iy, const float* at, int pitch) const
   {
-    traversability[iy * cells + ix] =
-        concerns(ix, iy, at, pitch) ? completed(ix, iy, at, pitch) : max_of(*at, 0.0f);
+    const bool joined = concerns(ix, iy, at, pitch) && joins(ix, iy, at, pitch);
+    traversability[iy * cells + ix] = joined ? 0.0f : abs_of(*at);
   }
 
  private:
@@ -301,45 +366,34 @@ struct CompleteObstacles
   {
     const int n = cells;
     const bool inside = (ix > 0) & (iy > 0) & (ix < n - 1) & (iy < n - 1);
-    return inside & (*at != 0.0f) & (around(at - pitch) | around(at) | around(at + pitch));
-  }
-  TALUS_HD float completed(int ix, int iy, const float* at, int pitch) const
-  {
-    if (*at < 0.0f) return at_low_step(ix, iy) ? -*at : 0.0f;
-    return joins(ix, iy, at, pitch) ? 0.0f : *at;
+    return inside & !is_settled(at) & (around(at - pitch) | around(at) | around(at + pitch));
   }
   TALUS_HD bool joins(int ix, int iy, const float* at, int pitch) const
   {
     const bool traced = surfaces.cell[surfaces.at(ix, iy)].is(kSurfaceTraced);
-    return between(ix, iy, at, pitch) || (traced && beside(ix, iy, at, pitch)) ||
+    return between(at, pitch) || (traced && beside(at, pitch)) ||
            (is_known(*at) && at_steep_edge(ix, iy, at, pitch));
   }
 
-  static TALUS_HD bool may_block(const float* at) { return *at <= 0.0f; }
+  static TALUS_HD bool blocks(const float* at) { return *at == 0.0f; }
+  /** Impassable already, or at a low step. */
+  static TALUS_HD bool is_settled(const float* at) { return *at <= 0.0f; }
   static TALUS_HD bool around(const float* at)
   {
-    return may_block(at - 1) | may_block(at) | may_block(at + 1);
-  }
-  /** Whether the neighbour at (dx, dy) is impassable. */
-  TALUS_HD bool blocks(int ix, int iy, int dx, int dy, const float* at, int pitch) const
-  {
-    const float judgement = at[dy * pitch + dx];
-    return judgement == 0.0f || (judgement < 0.0f && !at_low_step(ix + dx, iy + dy));
+    return is_settled(at - 1) | is_settled(at) | is_settled(at + 1);
   }
 
   /** Shares a side with an impassable cell. */
-  TALUS_HD bool beside(int ix, int iy, const float* at, int pitch) const
+  static TALUS_HD bool beside(const float* at, int pitch)
   {
-    return blocks(ix, iy, -1, 0, at, pitch) || blocks(ix, iy, 1, 0, at, pitch) ||
-           blocks(ix, iy, 0, -1, at, pitch) || blocks(ix, iy, 0, 1, at, pitch);
+    return blocks(at - 1) || blocks(at + 1) || blocks(at - pitch) || blocks(at + pitch);
   }
 
   /** Between two impassable cells on opposite sides: no robot fits through one cell. */
-  TALUS_HD bool between(int ix, int iy, const float* at, int pitch) const
+  static TALUS_HD bool between(const float* at, int pitch)
   {
-    const auto both = [&](int dx, int dy)
-    { return blocks(ix, iy, -dx, -dy, at, pitch) && blocks(ix, iy, dx, dy, at, pitch); };
-    return both(1, 0) || both(0, 1) || both(1, 1) || both(-1, 1);
+    const auto both = [at](int to) { return blocks(at - to) && blocks(at + to); };
+    return both(1) || both(pitch) || both(pitch + 1) || both(pitch - 1);
   }
 
   /** Of measured cells: the surface rises or falls at least a third as steeply as it may to an
@@ -361,58 +415,10 @@ struct CompleteObstacles
         const bool beside = (dx == 0) != (dy == 0), bare = 2 * (next.height() - next.ground) < step;
         const int rise =
             max_of(abs_of(next.ground - at->ground), abs_of(next.height() - at->height()));
-        if (beside && bare && steep(3 * rise) && blocks(ix, iy, dx, dy, judgement, pitch))
+        if (beside && bare && is_steep(3 * rise, *config) && blocks(judgement + dy * pitch + dx))
           return true;
       }
-    return steep(at->height() - at->ground) && static_cast<float>(high - low) > step;
-  }
-  /** Whether a cell lies at a step that the robot takes, not on a slope: within two cells nothing
-   * rises by more than four fifths of what it may, and the ground goes on level to one side only
-   * (its foot or edge), or to both but not from one to the other (its face). */
-  TALUS_HD bool at_low_step(int ix, int iy) const
-  {
-    const int n = cells;
-    const bool inside = (ix > 2) & (iy > 2) & (ix < n - 3) & (iy < n - 3);
-    const Surface* at = surfaces.cell + surfaces.at(ix, iy);
-    if (!inside || !is_low_around(at)) return false;
-    for (const int to : {-1, 1, -surfaces.pitch, surfaces.pitch})
-    {
-      const Surface &next = at[to], &before = at[-to];
-      const bool beside = goes_on_level(next, to);
-      const bool edge = beside && is_level(*at, next) && !is_level(*at, at[-2 * to]);
-      const bool face =
-          beside && goes_on_level(before, -to) && steep((next.ground - before.ground) / 2);
-      if (edge || face) return true;
-    }
-    return false;
-  }
-  /** For two cells more. */
-  TALUS_HD bool goes_on_level(const Surface& from, int to) const
-  {
-    return is_level(from, (&from)[to]) && is_level(from, (&from)[2 * to]);
-  }
-  TALUS_HD bool is_low_around(const Surface* at) const
-  {
-    int low = at->ground, high = at->height();
-    for (int dy = -2; dy <= 2; dy++)
-      for (int dx = -2; dx <= 2; dx++)
-      {
-        const Surface& next = at[dy * surfaces.pitch + dx];
-        if (!next.known()) continue;
-        low = min_of(low, next.ground);
-        high = max_of(high, next.height());
-      }
-    return static_cast<float>(high - low) <= 0.8f * config->step_threshold_m * kHeightSteps;
-  }
-  TALUS_HD bool is_level(const Surface& a, const Surface& b) const
-  {
-    return a.known() && b.known() && !steep(b.ground - a.ground);
-  }
-  /** Whether a rise within a cell is steeper than the slope threshold. */
-  TALUS_HD bool steep(int rise) const
-  {
-    return static_cast<float>(abs_of(rise)) >
-           config->support_slope * config->resolution_m * kHeightSteps;
+    return is_steep(at->height() - at->ground, *config) && static_cast<float>(high - low) > step;
   }
 };
 

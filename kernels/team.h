@@ -1,6 +1,8 @@
 #pragma once
 #include "kernels/platform.h"
 
+#include <cstdint>
+
 namespace talus::kernels
 {
 // The points of a cell, or its directions, are looked through by a team: each member takes every
@@ -9,6 +11,8 @@ namespace talus::kernels
 
 struct LoneTeam
 {
+  static constexpr int kMembers = 1;
+
   TALUS_HD int rank() const { return 0; }
   TALUS_HD int size() const { return 1; }
   TALUS_HD void sync() const {}
@@ -33,6 +37,7 @@ struct LoneTeam
 /** A warp, or each of its threads for itself: one code for both is less to fetch. */
 struct DeviceTeam
 {
+  static constexpr int kMembers = 32;  //!< of a warp
   bool is_warp;
 
   __device__ int rank() const { return is_warp ? static_cast<int>(threadIdx.x % 32) : 0; }
@@ -52,13 +57,29 @@ struct DeviceTeam
   {
     return combine(v, [](T a, T b) { return a < b ? b : a; });
   }
-  template <class T>
-  __device__ T sum(T v) const
+  __device__ std::int32_t sum(std::int32_t v) const { return is_warp ? warp_sum(v) : v; }
+  /** In parts whose sums fit into a word. */
+  __device__ std::int64_t sum(std::int64_t v) const
   {
-    return combine(v, [](T a, T b) { return a + b; });
+    if (!is_warp) return v;
+    constexpr std::uint32_t kLow = (1u << 26) - 1;
+    const auto low = static_cast<std::uint32_t>(v) & kLow;
+    const auto middle = static_cast<std::uint32_t>(v >> 26) & kLow;
+    return static_cast<std::int64_t>(warp_sum(static_cast<std::int32_t>(v >> 52))) * (1ll << 52) +
+           (static_cast<std::int64_t>(warp_sum(middle)) << 26) + warp_sum(low);
   }
 
  private:
+  /** Of 32-bit integers. */
+  template <class T>
+  static __device__ T warp_sum(T v)
+  {
+#if __CUDA_ARCH__ >= 800
+    return __reduce_add_sync(0xffffffffu, v);
+#else
+    return DeviceTeam{true}.combine(v, [](T a, T b) { return a + b; });
+#endif
+  }
   template <class T, class F>
   __device__ T combine(T v, F f) const
   {

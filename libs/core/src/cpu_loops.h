@@ -49,23 +49,30 @@ TALUS_CLONES void find_concerned(F f, int begin, int end, int y, int first, std:
   in_blocks(
       begin, end, [&](int x) { concerned[x - begin] = f.concerns(x, y, first + (x - begin)); });
 }
+/** f(i) of the marked ones of n, which are few; marks in whole groups of 8. */
+template <class F>
+void over_marked(const std::uint8_t* marks, int n, const F& f)
+{
+  constexpr int kGroup = 8;
+  for (int group = 0; group < n; group += kGroup)
+  {
+    std::uint64_t any;
+    std::memcpy(&any, marks + group, kGroup);
+    if (any == 0) continue;
+    for (int i = group; i < std::min(group + kGroup, n); i++)
+      if (marks[i]) f(i);
+  }
+}
 template <class F>
 void over_concerned(const F& f, int begin, int end, int y, int first)
 {
-  constexpr int kBlock = 256, kGroup = 8;
+  constexpr int kBlock = 256;
   alignas(64) std::uint8_t concerned[kBlock] = {};
   for (int x0 = begin; x0 < end; x0 += kBlock)
   {
     const int x1 = std::min(x0 + kBlock, end), shift = first - begin;
     find_concerned(f, x0, x1, y, x0 + shift, concerned);
-    for (int group = x0; group < x1; group += kGroup)
-    {
-      std::uint64_t any;
-      std::memcpy(&any, concerned + (group - x0), kGroup);
-      if (any == 0) continue;
-      for (int x = group; x < std::min(group + kGroup, x1); x++)
-        if (concerned[x - x0]) f(x, y, x + shift);
-    }
+    over_marked(concerned, x1 - x0, [&](int i) { f(x0 + i, y, x0 + i + shift); });
   }
 }
 
@@ -444,9 +451,9 @@ class SlidingRows
       row += kAtOnce;
     }
     for (; row <= last; row++) add_rows<false>(f_, sums, lanes, row - y, at(row));
-    if (!finish(f_, sums, x0, x1, y)) return;
-    for (int x = x0; x < x1; x++)
-      if (f_.concerns(x, y, sums.load(x - x0))) f_.finish(x, y);
+    alignas(64) std::uint8_t concerned[kLanes] = {};
+    finish(f_, sums, x0, x1, y, concerned);
+    over_marked(concerned, x1 - x0, [&](int l) { f_.finish(x0 + l, y, sums.load(l)); });
   }
   /** Adds rows at distances from d on; the first there are. */
   template <bool kFirst, class... Rows>
@@ -461,8 +468,9 @@ class SlidingRows
       sums.store(l, sum);
     }
   }
-  /** f of the cells; true if f.concerns() any of them. */
-  TALUS_CLONES static int finish(F f, Lanes<Window> sums, int x0, int x1, int y)
+  /** f of the cells, and which of them f.concerns(). */
+  TALUS_CLONES static void finish(
+      F f, Lanes<Window> sums, int x0, int x1, int y, std::uint8_t* concerned)
   {
     if constexpr (F::kHasPlain)
       for (int first = x0; first < x1; first += kGroup)
@@ -472,10 +480,8 @@ class SlidingRows
       TALUS_INDEPENDENT
       for (int x = x0; x < x1; x++) f(x, y, sums.load(x - x0));
     }
-    int any = 0;
     TALUS_INDEPENDENT
-    for (int x = x0; x < x1; x++) any |= f.concerns(x, y, sums.load(x - x0));
-    return any;
+    for (int x = x0; x < x1; x++) concerned[x - x0] = f.concerns(x, y, sums.load(x - x0));
   }
   /** In the plain way if that will do for all of them. */
   static void finish_group(const F& f, Lanes<Window> sums, int x0, int begin, int end, int y)

@@ -13,10 +13,12 @@ namespace talus::loops
 {
 constexpr int kThreads = 256;  //!< of a block over a range, at most
 constexpr int kTileWidth = 32, kTileRows = 8;  //!< threads of a block over cells, at most
+// Of a multiprocessor, at least: bounds the registers. Of blocks over bits, since the one warp that
+// does more must not take those of the others.
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
-constexpr int kTilesAtOnce = 4;  //!< of a multiprocessor, at least: bounds the registers
+constexpr int kTilesAtOnce = 4, kBitBlocksAtOnce = 4;
 #else
-constexpr int kTilesAtOnce = 5;
+constexpr int kTilesAtOnce = 5, kBitBlocksAtOnce = 6;
 #endif
 constexpr int kOpeningThreads = 1024;
 constexpr int kWindowThreads = 16;  //!< rows of threads of a block with neighbourhoods
@@ -368,7 +370,7 @@ __global__ void __launch_bounds__(kThreads)
 /** f(line)(bit) of all bits as words, layout [word][line]. A warp makes several words of a line;
  * one more warp does g. */
 template <class F, class G>
-__global__ void __launch_bounds__(kThreads)
+__global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce)
     over_bits(int lines, int bits, F f, std::uint32_t* words, G g, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
