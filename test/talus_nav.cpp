@@ -30,8 +30,9 @@ class TalusNav : public testing::Test
  protected:
   int run(const std::string& arguments) const
   {
+    const bool chooses = arguments.find("--backend") != std::string::npos;
     const std::string command = "cd '" + (dir_ / "") + "' && '" TALUS_NAV_EXE "' " + arguments +
-                                " --backend cpu >out.txt 2>err.txt";
+                                (chooses ? "" : " --backend cpu") + " >out.txt 2>err.txt";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
@@ -122,6 +123,15 @@ TEST_F(TalusNav, gives_the_same_path_with_the_same_seed)
   EXPECT_EQ(a.back().x_m, b.back().x_m);
   EXPECT_EQ(a.back().y_m, b.back().y_m);
   EXPECT_NE(a.back().y_m, c.back().y_m);
+}
+
+TEST_F(TalusNav, says_which_backend_it_took_unless_it_is_to_be_quiet)
+{
+  const std::string arguments = "--goal 15,0 --timeout 1 --every 0 --output out --backend auto";
+  EXPECT_EQ(drive("nav_indoor.yaml", arguments), 5);
+  EXPECT_NE(text("err.txt").find("[talus] backend: c"), std::string::npos) << text("err.txt");
+  EXPECT_EQ(drive("nav_indoor.yaml", arguments + " --quiet"), 5);
+  EXPECT_EQ(text("out.txt") + text("err.txt"), "");
 }
 
 TEST_F(TalusNav, writes_a_log_that_navlog_viewer_reads)

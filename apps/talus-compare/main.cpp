@@ -167,6 +167,7 @@ int main(int argc, char** argv)
 {
   CommandOptions options;
   if (const auto exit_code = parse_options(argc, argv, options)) return *exit_code;
+  if (options.quiet) std::clog.setstate(std::ios::failbit);  // tells which backend was taken
   try
   {
     return run(options, command_text(argc, argv));

@@ -142,6 +142,7 @@ int main(int argc, char** argv)
 {
   Options options;
   if (const auto code = parse_options(argc, argv, options)) return *code;
+  if (options.quiet) std::clog.setstate(std::ios::failbit);  // tells which backend was taken
   try
   {
     return run(options, load_settings(options));
