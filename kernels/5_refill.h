@@ -179,8 +179,6 @@ struct ErodeSupport
     if (own) grid.cone_m[grid.at(px, py)] = lowest.cone_m;
     return grid.lowest_m[grid.at(px, py)] < kInfinity ? lowest.plain_m : kInfinity;
   }
-  TALUS_HD bool concerns(int, int, const LowestGround&) const { return false; }
-  TALUS_HD void finish(int, int, const LowestGround&) const {}
 };
 
 /** Dilation goes one pair of cells farther than erosion: a pair that holds an edge and the ground
@@ -230,8 +228,6 @@ struct OpenSupport
     const float by_width_m = opened.height_m + 0.5f * config->step_threshold_m;
     grid.limit_m[grid.at(px, py)] = max_of(by_cone_m, by_width_m);
   }
-  TALUS_HD bool concerns(int, int, const HighestGround&) const { return false; }
-  TALUS_HD void finish(int, int, const HighestGround&) const {}
 };
 
 /** How far behind the face of what it stands on something is hit at most. */

@@ -1,8 +1,7 @@
 #include <talus/elevation_mapper.h>
+#include "../common/command_line.h"
 #include "measure.h"
 #include "scans.h"
-
-#include <CLI/CLI.hpp>
 
 #include <sys/resource.h>
 
@@ -184,7 +183,8 @@ int main(int argc, char** argv)
       "the\n"
       "time of a frame, the memory, the place of the window or the map itself creep.\n\n"
       "  talus-soak                                # 72,000 frames\n"
-      "  talus-soak --by-clock                     # on a machine that does nothing else");
+      "  talus-soak --by-clock                     # on a machine that does nothing else",
+      "talus-soak");
   app.add_option("--frames", o.frames, "how many")
       ->check(CLI::Range(2, 10000000))
       ->capture_default_str();
@@ -199,14 +199,7 @@ int main(int argc, char** argv)
   app.add_option("--threads", o.threads, "of the CPU backend")->check(CLI::Range(1, 256));
   const std::map<std::string, Backend> backends{{"cpu", Backend::Cpu}, {"cuda", Backend::Cuda}};
   app.add_option("--backend", o.backend, "cpu or cuda")->transform(CLI::Transformer(backends));
-  try
-  {
-    app.parse(argc, argv);
-  }
-  catch (const CLI::ParseError& e)
-  {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto exit_code = app::parse_command_line(app, argc, argv)) return *exit_code;
   try
   {
     return Soak(o).run() ? 0 : 1;

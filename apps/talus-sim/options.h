@@ -9,7 +9,7 @@ namespace talus::sim
 /** What the command line says. */
 struct Options
 {
-  std::string world, output = ".";
+  std::string world, output;
   DriveOptions drive;
   Claims claims;
   double resolution_m = 0.05;

@@ -361,7 +361,8 @@ void sort_points(const F& f, int begin, int end)
 }
 
 /** Sums over the square neighbourhoods of the cells in a strip of columns, row by row: F::Row of
- * each row once, F::Window of those that slide along. */
+ * each row once, F::Window of those that slide along. F::kHasPlain: most cells are done by
+ * f.plain(), some of them, which f.concerns(), by f.finish() after that. */
 template <class F>
 class SlidingRows
 {
@@ -451,9 +452,13 @@ class SlidingRows
       row += kAtOnce;
     }
     for (; row <= last; row++) add_rows<false>(f_, sums, lanes, row - y, at(row));
-    alignas(64) std::uint8_t concerned[kLanes] = {};
-    finish(f_, sums, x0, x1, y, concerned);
-    over_marked(concerned, x1 - x0, [&](int l) { f_.finish(x0 + l, y, sums.load(l)); });
+    finish(f_, sums, x0, x1, y);
+    if constexpr (F::kHasPlain)
+    {
+      alignas(64) std::uint8_t concerned[kLanes] = {};
+      find_concerned(f_, sums, x0, x1, y, concerned);
+      over_marked(concerned, lanes, [&](int l) { f_.finish(x0 + l, y, sums.load(l)); });
+    }
   }
   /** Adds rows at distances from d on; the first there are. */
   template <bool kFirst, class... Rows>
@@ -468,9 +473,8 @@ class SlidingRows
       sums.store(l, sum);
     }
   }
-  /** f of the cells, and which of them f.concerns(). */
-  TALUS_CLONES static void finish(
-      F f, Lanes<Window> sums, int x0, int x1, int y, std::uint8_t* concerned)
+  /** f of the cells. */
+  TALUS_CLONES static void finish(F f, Lanes<Window> sums, int x0, int x1, int y)
   {
     if constexpr (F::kHasPlain)
       for (int first = x0; first < x1; first += kGroup)
@@ -480,6 +484,11 @@ class SlidingRows
       TALUS_INDEPENDENT
       for (int x = x0; x < x1; x++) f(x, y, sums.load(x - x0));
     }
+  }
+  /** Which of them f.finish() may change after that. */
+  TALUS_CLONES static void find_concerned(
+      F f, Lanes<Window> sums, int x0, int x1, int y, std::uint8_t* concerned)
+  {
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++) concerned[x - x0] = f.concerns(x, y, sums.load(x - x0));
   }

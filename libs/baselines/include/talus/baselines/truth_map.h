@@ -15,11 +15,11 @@ enum class Terrain : std::uint8_t
   Rough,  //!< more than 3 mm RMS from a plane within 7 x 7 cells
   NearStep  //!< within 3 cells of where the surface jumps by more than 5 cm from cell to cell
 };
-/** What is so near to a limit may be judged either way. */
-constexpr float kDoubt_m = 0.05f;
-
 constexpr int kTerrainCount = 4;
 constexpr const char* kTerrainNames[kTerrainCount] = {"flat", "slope", "rough", "near_step"};
+
+/** What is so near to a limit may be judged either way. */
+constexpr float kDoubt_m = 0.05f;
 
 /** The truth without movers over the whole area of a drive, and what follows from it. One entry a
  * cell of `window`, index = iy * cells_x + ix; distances are chessboard distances in cells, at
