@@ -6,6 +6,7 @@
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <talus/elevation_mapper.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>

@@ -1,5 +1,7 @@
 // The simulator against closed forms: where rays hit, and what is really there.
 #include <gtest/gtest.h>
+
+#include <algorithm>
 #include <talus/sim/random.h>
 
 #include "sim_world.h"

@@ -1,4 +1,6 @@
 #include <gtest/gtest.h>
+
+#include <algorithm>
 #include "kernels/7_fill_search.h"
 #include "scene.h"
 

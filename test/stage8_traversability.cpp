@@ -2,6 +2,7 @@
 #include "kernels/8_traversability.h"
 #include "scene.h"
 
+#include <algorithm>
 #include <random>
 
 using namespace talus;

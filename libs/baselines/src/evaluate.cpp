@@ -1,6 +1,7 @@
 #include <malloc.h>
 #include <talus/baselines/evaluate.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>

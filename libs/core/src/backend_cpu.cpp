@@ -1,6 +1,7 @@
 #include "executor_cpu.h"
 #include "pipeline.h"
 
+#include <algorithm>
 #include <thread>
 
 namespace talus

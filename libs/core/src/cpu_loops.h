@@ -242,9 +242,9 @@ class PairOfRows
                         { add(f_, items, begin + odd_x, end + odd_x, i); });
     const int pairs = f_.grid.place_of(cells - 1, odd_x) - margin + 1;
     if (qy + margin == py)
-      put(f_, items, pairs, py, [](const Item& pooled) { return pooled; });
+      put(f_, items, pairs, py, AsPooled{});
     else
-      put(f_, items, pairs, py, [this](const Item& pooled) { return f_.beyond(pooled); });
+      put(f_, items, pairs, py, Beyond{});
     for (int px = 0; px < margin; px++) f_.put(px, py, f_.beyond(pair(f_, items, 0)));
     for (int px = margin + pairs; px < side; px++)
       f_.put(px, py, f_.beyond(pair(f_, items, pairs - 1)));
@@ -266,11 +266,20 @@ class PairOfRows
   {
     return f.pool(items.load(2 * q), items.load(2 * q + 1));
   }
-  template <class G>
-  TALUS_CLONES static void put(F f, Lanes<Item> items, int pairs, int py, G as_shown)
+  // With names: g++ 14 crashes where clones are made for a lambda.
+  struct AsPooled
+  {
+    Item operator()(const F&, const Item& pooled) const { return pooled; }
+  };
+  struct Beyond
+  {
+    Item operator()(const F& f, const Item& pooled) const { return f.beyond(pooled); }
+  };
+  template <class AsShown>
+  TALUS_CLONES static void put(F f, Lanes<Item> items, int pairs, int py, AsShown as_shown)
   {
     TALUS_INDEPENDENT
-    for (int q = 0; q < pairs; q++) f.put(q + f.grid.margin, py, as_shown(pair(f, items, q)));
+    for (int q = 0; q < pairs; q++) f.put(q + f.grid.margin, py, as_shown(f, pair(f, items, q)));
   }
 
   const F& f_;

@@ -6,6 +6,7 @@
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/point_filter.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
