@@ -1,4 +1,4 @@
-#include <mrpt/maps/CPointsMapXYZI.h>
+#include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
@@ -43,7 +43,7 @@ CObservationOdometry::Ptr odometry(double time_s, double x_m, const std::string&
 CObservationPointCloud::Ptr cloud(double time_s, std::size_t points)
 {
   auto obs = observation_at<CObservationPointCloud>(time_s, "lidar");
-  auto map = mrpt::maps::CPointsMapXYZI::Create();
+  auto map = mrpt::maps::CSimplePointsMap::Create();
   for (std::size_t i = 0; i < points; ++i) map->insertPoint(static_cast<float>(i), 0.5f, -0.5f);
   obs->pointcloud = map;
   return obs;

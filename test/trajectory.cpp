@@ -222,15 +222,25 @@ TEST(TrajectoryFile, SaysWhenItIsMissingADirectoryOrEmpty)
 
 namespace
 {
+using Observations = std::vector<mrpt::obs::CObservation::Ptr>;
+
+void add_keyframe(
+    mrpt::maps::CSimpleMap& map, const CPose3D& T_map_base, const Observations& observations)
+{
+  auto frame = std::make_shared<mrpt::obs::CSensoryFrame>();
+  for (const auto& obs : observations) frame->insert(obs);
+  map.insert(std::make_shared<mrpt::poses::CPose3DPDFGaussian>(T_map_base), frame);
+}
+
 mrpt::maps::CSimpleMap two_keyframes(bool with_observations)
 {
   mrpt::maps::CSimpleMap map;
   for (int i = 0; i < 2; ++i)
   {
-    mrpt::obs::CSensoryFrame frame;
+    Observations observations;
     if (with_observations)
-      frame.insert(observation_at<mrpt::obs::CObservationOdometry>(50 + 2 * i));
-    map.insert(mrpt::poses::CPose3DPDFGaussian(pose(3.0 * i, 0, 0, 30 * i)), frame);
+      observations = {observation_at<mrpt::obs::CObservationOdometry>(50 + 2 * i)};
+    add_keyframe(map, pose(3.0 * i, 0, 0, 30 * i), observations);
   }
   return map;
 }
@@ -261,9 +271,7 @@ TEST(SimpleMapFile, RefusesPosesThatAreNotFinite)
 {
   const ScratchDir dir;
   auto map = two_keyframes(true);
-  mrpt::obs::CSensoryFrame frame;
-  frame.insert(observation_at<mrpt::obs::CObservationOdometry>(54));
-  map.insert(mrpt::poses::CPose3DPDFGaussian(pose(std::nan(""))), frame);
+  add_keyframe(map, pose(std::nan("")), {observation_at<mrpt::obs::CObservationOdometry>(54)});
   map.saveToFile(dir / "a.simplemap");
   expect_error(
       [&] { Trajectory::load(dir / "a.simplemap"); },

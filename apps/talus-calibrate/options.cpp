@@ -26,7 +26,7 @@ constexpr const char* kFooter =
 
 void add_inputs(CLI::App& app, AppOptions& o)
 {
-  app.add_option("LOG", o.log, "Rawlog (.rawlog, .rawlog.gz) of a drive")
+  app.add_option("LOG", o.log, "Rawlog (plain, gz or zstd) of a drive")
       ->required()
       ->check(app::not_empty())
       ->type_name("");

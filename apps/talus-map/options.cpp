@@ -52,7 +52,7 @@ void print_parameters()
 
 void add_inputs(CLI::App& app, Options& o)
 {
-  app.add_option("LOG", o.logs, "Rawlogs (.rawlog, .rawlog.gz); several are a batch")
+  app.add_option("LOG", o.logs, "Rawlogs (plain, gz or zstd); several are a batch")
       ->required()
       ->check(not_empty())
       ->type_name("");

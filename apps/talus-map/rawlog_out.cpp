@@ -2,13 +2,13 @@
 
 #include "../common/log_name.h"
 
-#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/io/CFileInputStream.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
 #include <talus/io/gz_file.h>
 #include <talus/io/mrpt_error.h>
+#include <talus/io/rawlog_stream.h>
 #include <talus/mrpt/CObservationTraversability.h>
 
 #include <filesystem>
@@ -166,23 +166,11 @@ void RawlogOut::write()
 {
   snapshots_.close();
   Snapshots snapshots(snapshots_path_);
-  mrpt::io::CFileGZInputStream in(log_);
+  io::RawlogStream in(log_);
   mrpt::io::CFileGZOutputStream out;
   if (!out.open(file_.temporary_path())) throw std::runtime_error(path_ + ": cannot be written");
-  auto from = mrpt::serialization::archiveFrom(in);
   auto to = mrpt::serialization::archiveFrom(out);
-  while (!in.checkEOF())
-  {
-    mrpt::serialization::CSerializable::Ptr object;
-    try
-    {
-      from >> object;
-    }
-    catch (const mrpt::serialization::CExceptionEOF&)
-    {
-      break;  // the log was read to its end before, without an error
-    }
-    try
+  while (const auto object = in.next()) try
     {
       write_object(to, object, snapshots);
     }
@@ -190,7 +178,6 @@ void RawlogOut::write()
     {
       fail_to_write(io::reason_of(e));
     }
-  }
   out.close();
   if (snapshots.given() != snapshots_added_) fail_to_write("snapshots are missing");
   io::require_complete_gz(file_.temporary_path(), path_);

@@ -7,11 +7,10 @@
 #include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <talus/io/mrpt_error.h>
+#include <talus/io/rawlog_stream.h>
 
 #include <deque>
 #include <filesystem>
-
-#include "rawlog_stream.h"
 
 using mrpt::obs::CObservation;
 

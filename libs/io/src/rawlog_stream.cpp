@@ -1,4 +1,4 @@
-#include "rawlog_stream.h"
+#include <talus/io/rawlog_stream.h>
 
 #include <mrpt/maps/registerAllClasses.h>
 #include <mrpt/obs/CSensoryFrame.h>
@@ -9,6 +9,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "archive.h"
 #include "input_file.h"
 
 namespace talus::io
@@ -21,32 +22,44 @@ bool lacks_an_observation(const mrpt::serialization::CSerializable& object)
   auto* frame = dynamic_cast<const mrpt::obs::CSensoryFrame*>(&object);
   return frame && std::any_of(frame->begin(), frame->end(), [](const auto& obs) { return !obs; });
 }
-}  // namespace
 
-RawlogStream::RawlogStream(const std::string& path) : path_(path), archive_(file_)
+/** The size after unpacking of a file that is whole. */
+std::uint64_t size_of_whole(const std::string& path)
 {
   require_readable_file(path, "rawlog");
-  size_ = verified_size(path);
-  if (size_ == 0)
-    throw std::runtime_error(path + ": holds no data once decompressed. Record it again.");
+  const auto size = verified_size(path);
+  if (size == 0) throw std::runtime_error(path + ": holds no data once unpacked. Record it again.");
+  return size;
+}
+}  // namespace
 
+struct RawlogStream::Impl
+{
+  explicit Impl(const std::string& p) : path(p), size(size_of_whole(p)), file(p), archive(file) {}
+
+  std::string path;
+  std::uint64_t size;  //!< bytes after unpacking
+  std::uint64_t object_begin = 0;
+  PackedFile file;
+  PackedArchive archive;
+};
+
+RawlogStream::RawlogStream(const std::string& path) : impl_(std::make_unique<Impl>(path))
+{
   // Point clouds live in mrpt-maps: a program that calls nothing else of it may not have it loaded.
   mrpt::obs::registerAllClasses_mrpt_obs();
   mrpt::maps::registerAllClasses_mrpt_maps();
-
-  std::string reason;
-  if (!file_.open(path, reason))
-    throw std::runtime_error(path + ": cannot be opened (" + reason + "). Check its permissions.");
 }
+RawlogStream::~RawlogStream() = default;
 
 mrpt::serialization::CSerializable::Ptr RawlogStream::next()
 {
-  object_begin_ = file_.getPosition();
-  if (object_begin_ >= size_) return nullptr;
+  impl_->object_begin = impl_->file.position();
+  if (impl_->object_begin >= impl_->size) return nullptr;
   try
   {
     mrpt::serialization::CSerializable::Ptr object;
-    archive_ >> object;
+    impl_->archive >> object;
     if (object && !lacks_an_observation(*object)) return object;
   }
   catch (const std::bad_alloc&)
@@ -55,14 +68,14 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
   }
   catch (const std::exception& e)
   {
-    const bool at_end = file_.getPosition() >= size_;
-    if (object_begin_ == 0 && !at_end)
+    const bool at_end = impl_->file.position() >= impl_->size;
+    if (impl_->object_begin == 0 && !at_end)
       throw std::runtime_error(
-          path_ + ": not a rawlog, nothing of MRPT begins at byte 0 (" + reason_of(e) +
+          impl_->path + ": not a rawlog, nothing of MRPT begins at byte 0 (" + reason_of(e) +
           "). Pass a .rawlog file; if its classes come from a plugin, load the plugin.");
     if (at_end)
       fail(
-          "runs past the end of the file at byte " + std::to_string(size_) +
+          "runs past the end of the file at byte " + std::to_string(impl_->size) +
           ": the log is cut short or damaged. Copy it again, or keep what is whole with "
           "rawlog-edit --cut");
     fail(
@@ -75,12 +88,13 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
 void RawlogStream::fail(const std::string& what) const
 {
   throw std::runtime_error(
-      path_ + ": the object at byte " + std::to_string(object_begin_) + " " + what + ".");
+      impl_->path + ": the object at byte " + std::to_string(impl_->object_begin) + " " + what +
+      ".");
 }
 
 double RawlogStream::progress() const
 {
-  return static_cast<double>(file_.getPosition()) / static_cast<double>(size_);
+  return static_cast<double>(impl_->file.position()) / static_cast<double>(impl_->size);
 }
 
 }  // namespace talus::io

@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "finite_pose.h"
+#include "archive.h"
 #include "input_file.h"
 
 using mrpt::poses::CPose3D;
@@ -169,21 +170,23 @@ std::vector<Trajectory::Entry> load_tum(const std::string& path)
 
 mrpt::maps::CSimpleMap read_simplemap(const std::string& path)
 {
-  verified_size(path);
+  verified_size(path);  // MRPT reads a file that is cut short without a word
   mrpt::obs::registerAllClasses_mrpt_obs();
   mrpt::maps::registerAllClasses_mrpt_maps();
   mrpt::maps::CSimpleMap map;
-  std::string reason = "unknown format";
+  PackedFile file(path);
+  PackedArchive archive(file);
   try
   {
-    if (map.loadFromFile(path)) return map;
+    archive >> map;
+    return map;
   }
   catch (const std::exception& e)
   {
-    reason = reason_of(e);
+    throw std::runtime_error(
+        path + ": not a simplemap (" + reason_of(e) +
+        "). Pass a .simplemap of MRPT or a TUM text file.");
   }
-  throw std::runtime_error(
-      path + ": not a simplemap (" + reason + "). Pass a .simplemap of MRPT or a TUM text file.");
 }
 
 /** The pose of each keyframe at the time stamps of its observations. */

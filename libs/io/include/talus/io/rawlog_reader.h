@@ -7,14 +7,14 @@
 
 namespace talus::io
 {
-/** Reads a rawlog (plain or gz, observation-only or action/sensory-frame format, external files
+/** Reads a rawlog (plain, gz or zstd, observation-only or action/sensory-frame format, external files
  * included) front to back, one observation at a time. Not thread safe, nor are two readers of logs
  * with external files at once: where such files lie is a global of MRPT. */
 class RawlogReader
 {
  public:
   /** Throws std::runtime_error that names the file and says what is wrong and what to do: missing,
-   * a directory, empty, not a rawlog, gz file cut short (trailer checked). */
+   * a directory, empty, not a rawlog, gz or zstd data cut short or damaged. */
   explicit RawlogReader(const std::string& path);
   ~RawlogReader();
   RawlogReader(const RawlogReader&) = delete;

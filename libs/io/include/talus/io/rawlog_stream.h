@@ -1,21 +1,22 @@
 #pragma once
-#include <mrpt/io/CFileGZInputStream.h>
-#include <mrpt/serialization/CArchive.h>
+#include <mrpt/serialization/CSerializable.h>
 
-#include <cstdint>
+#include <memory>
 #include <string>
 
 namespace talus::io
 {
-/** The objects of a rawlog one after the other, whatever their class. */
+/** The objects of a rawlog (plain, gz or zstd) one after the other, whatever their class. */
 class RawlogStream
 {
  public:
-  /** Checks the whole file first (see verified_size()). Throws std::runtime_error. */
+  /** Reads the whole file first, so that one that is cut short or damaged is found before any work.
+   * Throws std::runtime_error that names the file, what is wrong and what to do. */
   explicit RawlogStream(const std::string& path);
+  ~RawlogStream();
 
   /** The next object, or nullptr at the end. Throws std::runtime_error naming the file and the byte
-   * offset at which the object begins. */
+   * offset (after unpacking) at which the object begins. */
   mrpt::serialization::CSerializable::Ptr next();
 
   /** Throws std::runtime_error: `what` is wrong with the object that next() returned last. */
@@ -25,11 +26,8 @@ class RawlogStream
   double progress() const;
 
  private:
-  std::string path_;
-  std::uint64_t size_ = 0;  //!< bytes after decompression
-  std::uint64_t object_begin_ = 0;
-  mrpt::io::CFileGZInputStream file_;
-  mrpt::serialization::CArchiveStreamBase<mrpt::io::CFileGZInputStream> archive_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace talus::io

@@ -1,0 +1,109 @@
+#include "packed_file.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+namespace talus::io
+{
+namespace
+{
+constexpr std::size_t kChunk = 1 << 18;
+constexpr std::size_t kLongestBegin = 4;
+
+// Logs of sensors hardly reach 20 bytes for each that is packed; files that are made to fill a disk
+// or a memory reach 1,000 (gz) and 30,000 (zstd).
+constexpr std::uint64_t kMostPerByte = 250, kNotWorthACheck = std::uint64_t{1} << 30;
+}  // namespace
+
+PackedFile::PackedFile(const std::string& path)
+    : path_(path), file_(path, std::ios::binary), packed_(kChunk), unpacked_(kChunk)
+{
+  if (!file_) throw std::runtime_error(path + ": cannot be opened. Check its permissions.");
+  refill();
+  unpacker_ = make_unpacker({rest_.begin, rest_.size});
+}
+
+std::size_t PackedFile::read(void* to, std::size_t count)
+{
+  std::size_t got = 0;
+  while (got < count && (next_ < end_ || unpack_more()))
+  {
+    const std::size_t n = std::min(count - got, end_ - next_);
+    std::memcpy(static_cast<char*>(to) + got, unpacked_.data() + next_, n);
+    next_ += n;
+    got += n;
+  }
+  position_ += got;
+  return got;
+}
+
+/** What is left moves to the front, so that the beginning of a member is never torn. */
+void PackedFile::refill()
+{
+  if (rest_.size > 0) std::memmove(packed_.data(), rest_.begin, rest_.size);
+  errno = 0;
+  file_.read(packed_.data() + rest_.size, static_cast<std::streamsize>(kChunk - rest_.size));
+  if (file_.bad())
+    throw std::runtime_error(
+        path_ + ": cannot be read (" + std::strerror(errno) + "). Copy it again.");
+  const auto fetched = static_cast<std::size_t>(file_.gcount());
+  fetched_bytes_ += fetched;
+  rest_ = {packed_.data(), rest_.size + fetched};
+}
+
+/** False at the end. */
+bool PackedFile::unpack_more()
+{
+  Room room{unpacked_.data(), unpacked_.size()};
+  while (room.size == unpacked_.size())
+  {
+    if (rest_.size < kLongestBegin && file_) refill();
+    const bool is_between = unpacker_->may_end();
+    if (rest_.size == 0 && is_between) return false;
+    const std::size_t before = rest_.size;
+    if (is_between && unpacked_bytes_ > 0 && !unpacker_->may_go_on_with({rest_.begin, rest_.size}))
+      fail(
+          "file goes on after its data, from its byte " + std::to_string(fetched_bytes_ - before) +
+          " on, with something else. Copy it again, or cut it there.");
+    try
+    {
+      unpacker_->unpack(rest_, room);
+    }
+    catch (const std::runtime_error& e)
+    {
+      fail(
+          "data is damaged before its byte " + std::to_string(fetched_bytes_ - rest_.size) + " (" +
+          e.what() + "). Copy it again.");
+    }
+    if (rest_.size == before && room.size == unpacked_.size())
+      fail(
+          "file is cut short, it ends with byte " + std::to_string(fetched_bytes_) +
+          " in the middle of its data. Copy it again.");
+  }
+  next_ = 0;
+  end_ = unpacked_.size() - room.size;
+  unpacked_bytes_ += end_;
+  if (unpacked_bytes_ > kNotWorthACheck && unpacked_bytes_ / kMostPerByte > fetched_bytes_)
+    fail(
+        "data unpacks to more than " + std::to_string(kMostPerByte) +
+        " bytes from each of the first " + std::to_string(fetched_bytes_) +
+        ". No log does: it is damaged, or made to fill memory. Record it again.");
+  return true;
+}
+
+void PackedFile::fail(const std::string& what) const
+{
+  throw std::runtime_error(path_ + ": " + unpacker_->name() + " " + what);
+}
+
+std::uint64_t verified_size(const std::string& path)
+{
+  PackedFile file(path);
+  std::vector<char> chunk(kChunk);
+  while (file.read(chunk.data(), chunk.size()) == chunk.size()) continue;
+  return file.position();
+}
+
+}  // namespace talus::io

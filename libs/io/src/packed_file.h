@@ -1,0 +1,48 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "unpacker.h"
+
+namespace talus::io
+{
+/** The bytes of a file: as they are, or unpacked where it begins as gz (of one or more members) or
+ * zstd (of one or more frames) does. Takes little memory, whatever is in the file. */
+class PackedFile
+{
+ public:
+  /** Throws std::runtime_error if it cannot be opened. */
+  explicit PackedFile(const std::string& path);
+
+  /** Reads `count` bytes, fewer at the end only. Throws std::runtime_error where packed data is cut
+   * short, damaged, followed by something else, or unpacks to far more than any log does. */
+  std::size_t read(void* to, std::size_t count);
+
+  /** Bytes read so far, unpacked. */
+  std::uint64_t position() const { return position_; }
+
+ private:
+  bool unpack_more();
+  void refill();
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::string path_;
+  std::ifstream file_;
+  std::unique_ptr<Unpacker> unpacker_;
+  std::vector<char> packed_, unpacked_;
+  Bytes rest_;  //!< of packed_
+  std::size_t next_ = 0, end_ = 0;  //!< what is still to be read of unpacked_
+  std::uint64_t position_ = 0;
+  std::uint64_t fetched_bytes_ = 0;  //!< from the file
+  std::uint64_t unpacked_bytes_ = 0;
+};
+
+/** Reads a file to its end, which compares the checksums of packed data, and returns the number of
+ * bytes after unpacking. Throws std::runtime_error as PackedFile does. */
+std::uint64_t verified_size(const std::string& path);
+
+}  // namespace talus::io

@@ -1,0 +1,249 @@
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
+#include <talus/io/rawlog_reader.h>
+#include <talus/io/trajectory.h>
+
+#include <functional>
+
+#include "log_files.h"
+#include "packing.h"
+
+using namespace mrpt::obs;
+using namespace talus::test;
+using mrpt::poses::CPose3D;
+using talus::io::RawlogReader;
+using talus::io::Trajectory;
+
+namespace
+{
+CObservationPointCloud::Ptr cloud(double time_s, int points)
+{
+  auto obs = observation_at<CObservationPointCloud>(time_s, "lidar");
+  auto map = mrpt::maps::CSimplePointsMap::Create();
+  for (int i = 0; i < points; ++i)
+    map->insertPoint(0.37F * static_cast<float>(i * i % 101), 0.5F, -0.01F * static_cast<float>(i));
+  obs->pointcloud = map;
+  return obs;
+}
+
+std::string bytes_of(const Objects& objects)
+{
+  const ScratchDir dir;
+  write_log(dir / "a.rawlog", objects, Packing::Plain);
+  return read_bytes(dir / "a.rawlog");
+}
+
+/** The log again, by what it is read as. */
+std::string read_again(const std::string& path)
+{
+  RawlogReader reader(path);
+  Objects objects;
+  while (auto obs = reader.next()) objects.push_back(obs);
+  return bytes_of(objects);
+}
+
+/** What reading says, empty when it says nothing. */
+std::string complaint(const std::string& path)
+{
+  try
+  {
+    read_again(path);
+    return "";
+  }
+  catch (const std::exception& e)
+  {
+    return e.what();
+  }
+}
+
+using Pack = std::function<std::string(const std::string&)>;
+struct Way
+{
+  const char* name;
+  Pack pack;
+};
+const std::vector<Way> kPacked{
+    {"gz", gz_of}, {"zstd", [](const std::string& bytes) { return zstd_of(bytes); }}};
+
+const Objects kSmall{cloud(1, 20), cloud(2, 20), cloud(3, 20)};
+
+}  // namespace
+
+TEST(PackedLogs, are_read_plain_and_packed_in_one_piece_or_in_several)
+{
+  const ScratchDir dir;
+  const auto log = bytes_of({cloud(1, 30000), cloud(2, 50000), cloud(3, 4)});
+  const auto half = log.size() / 2;
+  const auto parts = [&](const Pack& pack)
+  { return pack(log.substr(0, half)) + pack("") + pack(log.substr(half)); };
+  const auto without_checksum = [](const std::string& bytes) { return zstd_of(bytes, false); };
+  const std::string for_other_programs("\x52\x2a\x4d\x18\3\0\0\0abc", 11);
+  for (const auto& file :
+       {log, gz_of(log), parts(gz_of), zstd_of(log), without_checksum(log), parts(kPacked[1].pack),
+        zstd_of(log) + for_other_programs})
+  {
+    write_bytes(dir / "a.rawlog", file);
+    EXPECT_TRUE(read_again(dir / "a.rawlog") == log) << file.size();
+  }
+}
+
+TEST(PackedLogs, tell_how_far_the_reader_is)
+{
+  const ScratchDir dir;
+  const auto log = bytes_of({cloud(1, 3000), cloud(2, 3000), cloud(3, 3000)});
+  for (const auto& way : kPacked)
+  {
+    write_bytes(dir / "a.rawlog", way.pack(log));
+    RawlogReader reader(dir / "a.rawlog");
+    for (const double done : {1.0 / 3, 2.0 / 3, 1.0})
+    {
+      ASSERT_TRUE(reader.next());
+      EXPECT_NEAR(reader.progress(), done, 0.34) << way.name;  // it reads an object ahead
+    }
+    EXPECT_FALSE(reader.next());
+    EXPECT_EQ(reader.progress(), 1.0) << way.name;
+  }
+}
+
+TEST(PackedLogs, that_are_cut_short_are_found_before_anything_is_read_wherever_they_are_cut)
+{
+  const ScratchDir dir;
+  const auto log = bytes_of(kSmall);
+  for (const auto& way : kPacked)
+  {
+    const auto file = way.pack(log);
+    for (std::size_t size = 4; size < file.size(); ++size)
+    {
+      write_bytes(dir / "cut.rawlog", file.substr(0, size));
+      expect_error(
+          [&] { RawlogReader{dir / "cut.rawlog"}; },
+          {"cut.rawlog", way.name, "cut short", "byte " + std::to_string(size), "Copy it again"});
+    }
+    for (const std::size_t size : {1, 2, 3})
+    {
+      write_bytes(dir / "cut.rawlog", file.substr(0, size));
+      EXPECT_NE(complaint(dir / "cut.rawlog"), "") << way.name << " " << size;
+    }
+  }
+}
+
+TEST(PackedLogs, of_several_pieces_are_whole_only_behind_the_last)
+{
+  const ScratchDir dir;
+  for (const auto& way : kPacked)
+  {
+    const auto first = way.pack(bytes_of({kSmall[0]})), second = way.pack(bytes_of({kSmall[1]}));
+    const auto file = first + second;
+    for (std::size_t size = first.size() + 4; size < file.size(); ++size)
+    {
+      write_bytes(dir / "cut.rawlog", file.substr(0, size));
+      EXPECT_NE(complaint(dir / "cut.rawlog"), "") << way.name << " " << size;
+    }
+  }
+}
+
+TEST(PackedLogs, plain_ones_that_are_cut_short_are_found_but_between_two_objects)
+{
+  const ScratchDir dir;
+  const auto log = bytes_of(kSmall);
+  const auto one = log.size() / 3;
+  for (std::size_t size = 1; size < log.size(); ++size)
+  {
+    write_bytes(dir / "cut.rawlog", log.substr(0, size));
+    EXPECT_EQ(complaint(dir / "cut.rawlog").empty(), size % one == 0) << size;
+  }
+}
+
+TEST(PackedLogs, with_one_wrong_bit_are_refused_or_the_bit_means_nothing)
+{
+  const ScratchDir dir;
+  const auto log = bytes_of(kSmall);
+  for (const auto& way : kPacked)
+  {
+    const auto file = way.pack(log);
+    int refused = 0;
+    for (std::size_t bit = 0; bit < 8 * file.size(); bit += 3)
+    {
+      auto bad = file;
+      bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ (1 << bit % 8));
+      write_bytes(dir / "bad.rawlog", bad);
+      if (!complaint(dir / "bad.rawlog").empty())
+        ++refused;
+      else
+        EXPECT_TRUE(read_again(dir / "bad.rawlog") == log) << way.name << " bit " << bit;
+    }
+    EXPECT_GT(3 * refused, 7 * static_cast<int>(file.size())) << way.name;
+  }
+}
+
+TEST(PackedLogs, say_what_is_wrong_where_a_checksum_is)
+{
+  const ScratchDir dir;
+  for (const auto& way : kPacked)
+  {
+    auto file = way.pack(bytes_of(kSmall));
+    const std::size_t in_checksum = file.size() - (way.name == std::string("gz") ? 8 : 4);
+    file[in_checksum] = static_cast<char>(file[in_checksum] ^ 1);
+    write_bytes(dir / "bad.rawlog", file);
+    expect_error(
+        [&] { RawlogReader{dir / "bad.rawlog"}; },
+        {"bad.rawlog", way.name, "damaged", "check", "Copy it again"});
+  }
+}
+
+TEST(PackedLogs, say_where_something_else_follows_the_data)
+{
+  const ScratchDir dir;
+  for (const auto& way : kPacked)
+    for (const std::string rest : {std::string(1, '\0'), std::string("more")})
+    {
+      const auto file = way.pack(bytes_of(kSmall));
+      write_bytes(dir / "long.rawlog", file + rest);
+      expect_error(
+          [&] { RawlogReader{dir / "long.rawlog"}; },
+          {"long.rawlog", way.name, "goes on after its data",
+           "byte " + std::to_string(file.size())});
+    }
+}
+
+TEST(PackedLogs, that_unpack_to_more_than_any_log_are_refused)
+{
+  const ScratchDir dir;
+  const std::string zeros(1 << 24, '\0');
+  for (const auto& way : kPacked)
+  {
+    const auto piece = way.pack(zeros);
+    std::string file;
+    for (int i = 0; i < 66; ++i) file += piece;  // 1.03 GiB
+    write_bytes(dir / "bomb.rawlog", file);
+    expect_error(
+        [&] { RawlogReader{dir / "bomb.rawlog"}; },
+        {"bomb.rawlog", way.name, "unpacks to more than", "made to fill memory"});
+  }
+}
+
+TEST(PackedSimpleMap, is_read_and_found_cut_short_in_each_packing)
+{
+  const ScratchDir dir;
+  mrpt::maps::CSimpleMap map;
+  auto frame = CSensoryFrame::Create();
+  frame->insert(observation_at<CObservationOdometry>(50));
+  map.insert(std::make_shared<mrpt::poses::CPose3DPDFGaussian>(CPose3D(3, 0, 0, 0, 0, 0)), frame);
+  const auto plain = bytes_of({std::make_shared<mrpt::maps::CSimpleMap>(map)});
+  for (const auto& way : kPacked)
+  {
+    const auto file = way.pack(plain);
+    write_bytes(dir / "a.simplemap", file);
+    ASSERT_EQ(Trajectory::load(dir / "a.simplemap").entries().size(), 1u) << way.name;
+    for (std::size_t size = 4; size < file.size(); size += 7)
+    {
+      write_bytes(dir / "cut.simplemap", file.substr(0, size));
+      expect_error(
+          [&] { Trajectory::load(dir / "cut.simplemap"); }, {"cut.simplemap", "cut short"});
+    }
+  }
+}
