@@ -1,5 +1,3 @@
-#include <mrpt/opengl/CSetOfObjects.h>
-#include <mrpt/opengl/CSetOfTriangles.h>
 #include <talus/io/geotiff.h>
 
 #include <unistd.h>
@@ -9,6 +7,8 @@
 #include <stdexcept>
 
 #include "room_for_maps.h"
+#include TALUS_SCENE_HEADER(CSetOfObjects.h)
+#include TALUS_SCENE_HEADER(CSetOfTriangles.h)
 
 using namespace talus_test;
 namespace fs = std::filesystem;
@@ -126,7 +126,7 @@ TEST(DualElevationMapQueries, the_scene_holds_both_surfaces_and_honours_the_gene
   const auto triangles = [&](const char* name) -> std::size_t
   {
     const auto mesh =
-        std::dynamic_pointer_cast<mrpt::opengl::CSetOfTriangles>(scene->getByName(name));
+        std::dynamic_pointer_cast<talus::mrpt_scene::CSetOfTriangles>(scene->getByName(name));
     return mesh ? mesh->getTrianglesCount() : 0;
   };
   EXPECT_GT(triangles("ground"), 10000U);
@@ -147,7 +147,7 @@ TEST(DualElevationMapQueries, the_scene_follows_the_map_and_its_options)
   auto map = map_of_room(1);
   const auto ground = [&]
   {
-    return std::dynamic_pointer_cast<mrpt::opengl::CSetOfTriangles>(
+    return std::dynamic_pointer_cast<talus::mrpt_scene::CSetOfTriangles>(
         map.getVisualization()->getByName("ground"));
   };
   const auto first = ground();

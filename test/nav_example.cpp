@@ -9,6 +9,7 @@
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/obstacles.h>
 #include <talus/mrpt/parameters_ini.h>
+#include <talus/mrpt/planner_ini.h>
 
 #include <cmath>
 #include <iostream>
@@ -110,7 +111,9 @@ TEST(NavExample, reads_map_and_obstacles_from_the_file_of_the_navigator)
 TEST(NavExample, drives_around_the_box_to_the_goal)
 {
   const talus::test::ScratchDir caches;
-  const mrpt::config::CConfigFile ini(kIni);
+  mrpt::config::CConfigFile ini(kIni);
+  talus::fit_planner_ini(ini);
+  ini.discardSavingChanges();
   RobotInSimulatedTime robot(ini);
   see_the_room(robot.map);
   robot.pose = mrpt::poses::CPose3D(-1.2, 0.2, 0, 0, 0, 0);

@@ -1,7 +1,7 @@
 #include <talus/mrpt/observation_points.h>
 
 #include <mrpt/io/CFileGZInputStream.h>
-#include <mrpt/maps/CPointsMapXYZI.h>
+#include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationOdometry.h>
@@ -77,7 +77,7 @@ TEST(PointsFromAnyObservation, ReplaceThoseOfTheObservationBefore)
 TEST(PointsFromAPointCloud, StayInTheSensorFrameWithTheMountingBesideThem)
 {
   auto obs = observation_at<CObservationPointCloud>(1300000000.25);
-  auto map = mrpt::maps::CPointsMapXYZI::Create();
+  auto map = mrpt::maps::CSimplePointsMap::Create();
   map->insertPoint(1, 2, 3);
   map->insertPoint(std::nanf(""), 0, 0);
   map->insertPoint(0, 0, 0);

@@ -5,6 +5,8 @@
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/obstacles.h>
 #include <talus/mrpt/parameters_ini.h>
+#include <talus/mrpt/planner_ini.h>
+#include <talus/mrpt/version_compat.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -303,6 +305,29 @@ TEST(ParametersIni, the_shipped_files_load_without_a_warning)
         talus::load_parameters(mrpt::config::CConfigFile(folder + file), prefix, p);
     EXPECT_TRUE(warnings.empty()) << file << ": " << warnings.front();
   }
+}
+
+TEST(PlannerIni, weighs_as_many_factors_as_this_mrpt_whether_it_was_written_for_an_older_or_a_newer)
+{
+  const bool wants_8 = talus::detail::kHolonomicFactors == 8;
+  const std::string fitted = wants_8 ? "[0.5, 0, 0, 1, 0, 0, 2, 0]" : "[0.5, 0, 0, 1, 0, 0, 2]";
+  for (const std::string written : {"[0.5 , 0, 0, 1, 0, 0,2]  // comment", "0.5 0 0 1 0 0 2 0"})
+  {
+    CConfigFileMemory ini(
+        "[CHolonomicFullEval]\nfactorWeights = " + written +
+        "\n[CHolonomicND]\nfactorWeights = 1 2 3 4\n");
+    talus::fit_planner_ini(ini);
+    EXPECT_EQ(talus::ini_value(ini, "CHolonomicFullEval", "factorWeights"), fitted);
+    EXPECT_FALSE(ini.keyExists("CHolonomicFullEval", "factorNormalizeOrNot"));
+    EXPECT_EQ(talus::ini_value(ini, "CHolonomicND", "factorWeights"), "1 2 3 4");
+  }
+}
+
+TEST(PlannerIni, keeps_a_list_of_any_other_length_for_mrpt_to_refuse)
+{
+  CConfigFileMemory ini(std::string("[CHolonomicFullEval]\nfactorWeights = 1 2\n"));
+  talus::fit_planner_ini(ini);
+  EXPECT_EQ(talus::ini_value(ini, "CHolonomicFullEval", "factorWeights"), "1 2");
 }
 
 // With TALUS_WRITE_DOC=1 in the environment this writes the page instead of checking it.

@@ -165,12 +165,14 @@ TEST_F(StockApps, an_observation_that_no_map_understands_is_told_once_and_left_o
     for (int y = -40; y < 40; y++) points->insertPoint(0.05F * x, 0.05F * y, -0.5F);
   auto cloud = mrpt::obs::CObservationPointCloud::Create();
   cloud->pointcloud = points;
-  mrpt::obs::CSensoryFrame frame;
-  frame.insert(mrpt::obs::CObservationIMU::Create());
-  frame.insert(mrpt::obs::CObservationIMU::Create());
-  frame.insert(cloud);
+  auto frame = mrpt::obs::CSensoryFrame::Create();
+  frame->insert(mrpt::obs::CObservationIMU::Create());
+  frame->insert(mrpt::obs::CObservationIMU::Create());
+  frame->insert(cloud);
   mrpt::maps::CSimpleMap log;
-  log.insert(mrpt::poses::CPose3DPDFGaussian(mrpt::poses::CPose3D(0, 0, 0.5, 0, 0, 0)), frame);
+  log.insert(
+      std::make_shared<mrpt::poses::CPose3DPDFGaussian>(mrpt::poses::CPose3D(0, 0, 0.5, 0, 0, 0)),
+      frame);
   ASSERT_TRUE(log.saveToFile(path("imu.simplemap")));
   EXPECT_EQ(run("observations2map", kConfigs + "observations2map.ini imu.simplemap out"), 0)
       << output;

@@ -95,8 +95,7 @@ TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
       run("rawlog-edit --sensors-pose out/sensors-pose.ini -i ./drive.rawlog -o ./fixed.rawlog");
   ASSERT_EQ(edited.code, 0) << edited.text;
   talus::io::RawlogReader fixed(path("fixed.rawlog"));
-  mrpt::poses::CPose3D mounting;
-  fixed.next()->getSensorPose(mounting);
+  const mrpt::poses::CPose3D mounting(fixed.next()->sensorPose());
   EXPECT_NEAR(mounting.z(), estimate("z"), 1e-5);
   EXPECT_NEAR(mounting.pitch() * 57.29578, estimate("pitch"), 1e-4);
   EXPECT_NEAR(mounting.roll() * 57.29578, estimate("roll"), 1e-4);

@@ -1,8 +1,8 @@
 // The command talus-nav, as a person runs it. Runs of many seeds are not tests: they take minutes.
 #include <gtest/gtest.h>
-#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/nav/reactive/CLogFileRecord.h>
 #include <sys/wait.h>
+#include <talus/io/rawlog_stream.h>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -137,12 +137,15 @@ TEST_F(TalusNav, says_which_backend_it_took_unless_it_is_to_be_quiet)
 TEST_F(TalusNav, writes_a_log_that_navlog_viewer_reads)
 {
   drive("nav_indoor.yaml", "--goal 15,0 --timeout 2 --every 0 --output out");
-  mrpt::io::CFileGZInputStream file(path_of("out/log.reactivenavlog"));
-  auto archive = mrpt::serialization::archiveFrom(file);
-  mrpt::nav::CLogFileRecord record;
-  for (int i = 0; i < 15; i++) ASSERT_NO_THROW(archive >> record) << i;
-  EXPECT_GT(record.WS_Obstacles.size(), 50U);
-  EXPECT_EQ(record.nPTGs, 3U);
+  talus::io::RawlogStream file(path_of("out/log.reactivenavlog"));
+  mrpt::nav::CLogFileRecord::Ptr record;
+  for (int i = 0; i < 15; i++)
+  {
+    record = std::dynamic_pointer_cast<mrpt::nav::CLogFileRecord>(file.next());
+    ASSERT_TRUE(record) << i;
+  }
+  EXPECT_GT(record->WS_Obstacles.size(), 50U);
+  EXPECT_EQ(record->nPTGs, 3U);
 }
 
 TEST_F(TalusNav, says_blocked_when_the_goal_lies_in_a_box)
@@ -254,7 +257,7 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
             "enable_obstacle_filtering = maybe",
             "enable_obstacle_filtering = 'maybe': must be true or false (in section "
             "CAbstractPTGBasedReactive)"},
-           {"2d", "[0.25 , 0.1 ,", "[0.25 , x ,", "1  , 0.05 , 0.5, 1, 1 ]': must be numbers"},
+           {"2d", "[0.25 , 0.1 ,", "[0.25 , x ,", "1  , 0.05 , 0.5, 1, 1, 0 ]': must be numbers"},
            {"2d", "\nPTG_COUNT", "\n# PTG_COUNT", "PTG_COUNT is missing: must be a whole number"},
            {"2d", "RobotModel_shape2D_ys = 0.30",
             "RobotModel_shape2D_ys =", "must be as many numbers as RobotModel_shape2D_xs"},
@@ -263,7 +266,7 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
            {"2d", "\nnear_m        = 1.2", "\nnear_m = abc", "near_m = 'abc': must be"},
            {"2d", "\nresolution = 0.05", "\nresolution = 0.1",
             "resolution = 0.1 m: must be 0.05 m"},
-           {"2d", "\nnear_m ", "\nfree\nnear_m ", "own.ini:227: 'free' has no '='"}})
+           {"2d", "\nnear_m ", "\nfree\nnear_m ", "own.ini:228: 'free' has no '='"}})
   {
     auto ini = read_bytes(
         std::string(TALUS_SOURCE_DIR "/datasets/configs/reactive") + w.planner + "_config.ini");

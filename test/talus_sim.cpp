@@ -1,12 +1,13 @@
 // The command talus-sim from end to end: its files, messages and exit codes.
 #include <gtest/gtest.h>
-#include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <sys/wait.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/io/trajectory.h>
+#include <talus/mrpt/version_compat.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <unistd.h>
@@ -86,7 +87,7 @@ TEST_F(TalusSim, writes_a_log_a_trajectory_and_the_truth_that_agree)
     const auto cloud = std::dynamic_pointer_cast<mrpt::obs::CObservationPointCloud>(obs);
     ASSERT_TRUE(cloud);
     EXPECT_EQ(cloud->sensorLabel, "lidar");
-    ASSERT_TRUE(std::dynamic_pointer_cast<mrpt::maps::CPointsMapXYZI>(cloud->pointcloud));
+    ASSERT_TRUE(std::dynamic_pointer_cast<talus::detail::CloudWithIntensity>(cloud->pointcloud));
     const auto pose = way.at(mrpt::Clock::toDouble(cloud->timestamp), 0.0);
     ASSERT_TRUE(pose) << "a pose at the very stamp of each frame";
     const auto T = *pose + cloud->sensorPose;

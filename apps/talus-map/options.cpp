@@ -124,13 +124,14 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
   add_processing(app, options);
   add_outputs(app, options);
   app.add_flag_callback(
-      "--parameters",
-      []
-      {
-        print_parameters();
-        throw CLI::Success();
-      },
-      "List all parameters with defaults and meaning");
+         "--parameters",
+         []
+         {
+           print_parameters();
+           throw CLI::Success();
+         },
+         "List all parameters with defaults and meaning")
+      ->trigger_on_parse();  // before anything is missed
   app.set_version_flag("--version", std::string("talus-map ") + TALUS_VERSION);
   app.footer(kFooter);
   app.final_callback(

@@ -9,6 +9,7 @@
 #include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem3D.h>
 #include <talus/io/mrpt_error.h>
+#include <talus/mrpt/planner_ini.h>
 
 #include <cmath>
 #include <new>
@@ -112,6 +113,7 @@ Pilot::Pilot(
 {
   mrpt::config::CConfigFileMemory config;
   config.setContent(settings.ini);
+  fit_planner_ini(config);
   if (in_3d)
   {
     navigator_ = std::make_unique<Quiet<mrpt::nav::CReactiveNavigationSystem3D>>(

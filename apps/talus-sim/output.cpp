@@ -1,13 +1,13 @@
 #include "output.h"
 
 #include <mrpt/io/CFileGZOutputStream.h>
-#include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/poses/CPose3DQuat.h>
 #include <mrpt/serialization/CArchive.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/gz_file.h>
 #include <talus/io/mrpt_error.h>
+#include <talus/mrpt/version_compat.h>
 
 #include <chrono>
 #include <cmath>
@@ -52,12 +52,11 @@ mrpt::obs::CObservationPointCloud observation(
     const World& world, const Drive& drive, const Claims& claims, int frame)
 {
   const Scan scan = drive.scan(frame);
-  auto points = mrpt::maps::CPointsMapXYZI::Create();
-  points->reserve(scan.size());
+  const auto points = talus::detail::make_cloud_with_intensity(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i)
   {
-    points->insertPointFast(scan.x_m[i], scan.y_m[i], scan.z_m[i]);
-    points->setPointIntensity(i, scan.intensity[i]);
+    points->setPointFast(i, scan.x_m[i], scan.y_m[i], scan.z_m[i]);
+    talus::detail::set_intensity(*points, i, scan.intensity[i]);
   }
   mrpt::obs::CObservationPointCloud obs;
   obs.pointcloud = points;

@@ -1,6 +1,6 @@
 #include <talus/mrpt/CDualElevationMap.h>
 #include TALUS_MRPT_SCENE_HEADER
-#include <mrpt/opengl/CSetOfObjects.h>
+#include TALUS_SCENE_HEADER(CSetOfObjects.h)
 #include <talus/io/geotiff.h>
 #include <talus/io/map_picture.h>
 
@@ -14,7 +14,7 @@ namespace talus
 namespace
 {
 /** Whole or not at all: written beside, then renamed. */
-void write_scene(const std::string& path, const mrpt::opengl::CSetOfObjects::Ptr& objects)
+void write_scene(const std::string& path, const mrpt_scene::CSetOfObjects::Ptr& objects)
 {
   MrptScene scene;
   scene.insert(objects);

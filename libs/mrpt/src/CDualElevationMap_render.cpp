@@ -1,6 +1,6 @@
-#include <mrpt/opengl/CSetOfObjects.h>
-#include <mrpt/opengl/CSetOfTriangles.h>
 #include <talus/mrpt/CDualElevationMap.h>
+#include TALUS_SCENE_HEADER(CSetOfObjects.h)
+#include TALUS_SCENE_HEADER(CSetOfTriangles.h)
 
 #include <algorithm>
 #include <array>
@@ -14,8 +14,8 @@ namespace talus
 {
 using detail::SurfaceView;
 using mrpt::img::TColor;
-using mrpt::opengl::CSetOfTriangles;
-using mrpt::opengl::TTriangle;
+using mrpt_scene::CSetOfTriangles;
+using mrpt_scene::TTriangle;
 
 namespace
 {
@@ -132,7 +132,7 @@ bool same_options(
 }
 }  // namespace
 
-void CDualElevationMap::getVisualizationInto(mrpt::opengl::CSetOfObjects& outObj) const
+void CDualElevationMap::getVisualizationInto(mrpt_scene::CSetOfObjects& outObj) const
 {
   if (!genericMapParams.enableSaveAs3DObject || isEmpty()) return;
   if (m_sceneCache.empty() || !same_options(renderOptions, m_sceneOptions)) drawScene();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 #include <vector>
 
 #include "observation_points_detail.h"
@@ -82,18 +83,15 @@ ScanGeometry velodyne_geometry(
   return g;
 }
 
-ScanGeometry geometry_of(const CObservationRotatingScan& scan)
+std::optional<ScanGeometry> geometry_of(const CObservationRotatingScan& scan)
 {
   const auto rows = scan.rangeImage.rows();
   const auto name = plain_name(scan.lidarModel);
+  if (rows == 0 || scan.rangeImage.cols() == 0) return std::nullopt;
   if (rows == 1) return planar_geometry(scan);
   if (rows == 16 && name.find("VLP16") == 0) return velodyne_geometry(scan, "VLP16", kFiringVlp16);
   if (rows == 32 && name.find("HDL32") == 0) return velodyne_geometry(scan, "HDL32", kFiringHdl32);
-  fail(
-      scan, "the elevation angles of lidarModel '" + scan.lidarModel + "' with " +
-                std::to_string(rows) +
-                " rows are not in the observation and not known (VLP-16, HDL-32E and single rows "
-                "are). Record CObservationVelodyneScan or CObservationPointCloud instead");
+  return std::nullopt;
 }
 
 /** The returns of one image; `skip`: an image whose equal returns were taken already. */
@@ -119,27 +117,46 @@ void read_image(
     }
 }
 
+/** False where the scan holds no points in XYZ. */
+bool read_organized_points(const CObservationRotatingScan& scan, SensorPoints& out)
+{
+  const double column_s = scan.columnCount > 0 ? scan.sweepDuration / scan.columnCount : 0.0;
+  return for_each_organized_point(
+      scan,
+      [&](double x, double y, double z, int column)
+      {
+        add_point(out, x, y, z);
+        if (column_s > 0) out.time_s.push_back(static_cast<float>(column_s * column));
+      });
+}
+
+[[noreturn]] void fail_without_points(const CObservationRotatingScan& scan)
+{
+  if (scan.rangeImage.rows() == 0 || scan.rangeImage.cols() == 0)
+    fail(scan, "its range image is empty. Record it again");
+  fail(
+      scan, "the elevation angles of lidarModel '" + scan.lidarModel + "' with " +
+                std::to_string(scan.rangeImage.rows()) +
+                " rows are not in the observation and not known (VLP-16, HDL-32E and single rows "
+                "are). Record CObservationVelodyneScan or CObservationPointCloud instead");
+}
+
 }  // namespace
 
+/** The image comes first where it says all: MRPT's own conversions fill the points in units of the
+ * image (fromScan2D() from 2.11.4 on), and in the frame of the robot instead of the sensor. */
 void read_points(const CObservationRotatingScan& obs, SensorPoints& out)
 {
-  const double column_s = obs.columnCount > 0 ? obs.sweepDuration / obs.columnCount : 0.0;
-  if (for_each_organized_point(
-          obs,
-          [&](double x, double y, double z, int column)
-          {
-            add_point(out, x, y, z);
-            if (column_s > 0) out.time_s.push_back(static_cast<float>(column_s * column));
-          }))
-    return;
-
-  if (obs.rangeImage.rows() == 0 || obs.rangeImage.cols() == 0)
-    fail(obs, "its range image is empty. Record it again");
   const auto geometry = geometry_of(obs);
-  read_image(obs, geometry, obs.rangeImage, nullptr, out);
+  if (!geometry)
+  {
+    if (!read_organized_points(obs, out)) fail_without_points(obs);
+    return;
+  }
+  read_image(obs, *geometry, obs.rangeImage, nullptr, out);
   for (const auto& [name, layer] : obs.rangeOtherLayers)  // further returns of the same ray
     if (layer.rows() == obs.rangeImage.rows() && layer.cols() == obs.rangeImage.cols())
-      read_image(obs, geometry, layer, &obs.rangeImage, out);
+      read_image(obs, *geometry, layer, &obs.rangeImage, out);
 }
 
 }  // namespace talus::detail

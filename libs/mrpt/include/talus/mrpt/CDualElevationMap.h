@@ -4,7 +4,6 @@
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/math/TBoundingBox.h>
-#include <mrpt/opengl/CRenderizable.h>
 #include <mrpt/poses/CPose3D.h>
 #include <talus/elevation_mapper.h>
 #include <talus/mrpt/observation_points.h>
@@ -61,7 +60,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   std::string asString() const override;
   /** Both surfaces as triangles named "ground" and "elevation", see TRenderOptions. Made once for
    * each state of the map: scenes share the triangles. */
-  void getVisualizationInto(mrpt::opengl::CSetOfObjects& outObj) const override;
+  void getVisualizationInto(mrpt_scene::CSetOfObjects& outObj) const override;
   /** Writes PREFIX.tif (all layers, GeoTIFF), PREFIX.png (picture) and PREFIX.3Dscene; nothing for
    * an empty map. Throws std::runtime_error naming the file. */
   void saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const override;
@@ -161,7 +160,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   int m_threads;
   mutable std::unique_ptr<ElevationMapper> m_mapper;  //!< made on first use
   mutable mrpt::maps::CSimplePointsMap::Ptr m_pointsCache;  //!< of getAsSimplePointsMap()
-  mutable std::vector<mrpt::opengl::CRenderizable::Ptr> m_sceneCache;  //!< of the map as it is,
+  mutable std::vector<std::shared_ptr<MrptSceneObject>> m_sceneCache;  //!< of the map as it is,
   mutable TRenderOptions m_sceneOptions;  //!< drawn with these options
   mrpt::poses::CPose3D m_T_map_base;  //!< of the last insertion
   FrameReport m_lastReport;

@@ -2,6 +2,7 @@
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/poses/CPose3D.h>
 #include <talus/elevation_mapper.h>
+#include <talus/mrpt/version_compat.h>
 
 #include <array>
 #include <string>
@@ -61,7 +62,7 @@ class CObservationTraversability : public mrpt::obs::CObservation
 
   /** @name Virtual methods of CObservation
    *  @{ */
-  void getSensorPose(mrpt::poses::CPose3D& out) const override { out = T_base_sensor; }
+  TALUS_GET_SENSOR_POSE(T_base_sensor)
   void setSensorPose(const mrpt::poses::CPose3D& pose) override { T_base_sensor = pose; }
   void getDescriptionAsText(std::ostream& o) const override;
   bool exportTxtSupported() const override { return true; }

@@ -5,29 +5,62 @@
 #include <mrpt/maps/CPointsMap.h>
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/version.h>
+#if MRPT_VERSION >= 0x030000
+#include <mrpt/maps/CGenericPointsMap.h>
+#else
+#include <mrpt/maps/CPointsMapXYZI.h>
+#endif
 
 #include <cstddef>
+#include <memory>
 
+// What is drawn: mrpt::opengl, from 3.0 on mrpt::viz, here talus::mrpt_scene.
+// #include TALUS_SCENE_HEADER(CSetOfObjects.h)
+#if MRPT_VERSION >= 0x030000
+#define TALUS_SCENE_HEADER(name) <mrpt/viz/name>
+#define TALUS_MRPT_SCENE_HEADER <mrpt/viz/Scene.h>
+namespace mrpt::viz
+{
+class CSetOfObjects;
+class CVisualObject;
+class Scene;
+}  // namespace mrpt::viz
+namespace talus
+{
+namespace mrpt_scene = mrpt::viz;
+using MrptScene = mrpt::viz::Scene;
+using MrptSceneObject = mrpt::viz::CVisualObject;
+}  // namespace talus
+#else
+#define TALUS_SCENE_HEADER(name) <mrpt/opengl/name>
+namespace mrpt::opengl
+{
+class CRenderizable;
+class CSetOfObjects;
+class Scene;
+class COpenGLScene;
+}  // namespace mrpt::opengl
+namespace talus
+{
+namespace mrpt_scene = mrpt::opengl;
+using MrptSceneObject = mrpt::opengl::CRenderizable;
 #if MRPT_VERSION >= 0x020700
 #define TALUS_MRPT_SCENE_HEADER <mrpt/opengl/Scene.h>
-namespace mrpt::opengl
-{
-class Scene;
-}
-namespace talus
-{
 using MrptScene = mrpt::opengl::Scene;
-}
 #else
 #define TALUS_MRPT_SCENE_HEADER <mrpt/opengl/COpenGLScene.h>
-namespace mrpt::opengl
-{
-class COpenGLScene;
-}
-namespace talus
-{
 using MrptScene = mrpt::opengl::COpenGLScene;
-}
+#endif
+}  // namespace talus
+#endif
+
+// A member of an observation: where its sensor is, from 3.0 on by value.
+#if MRPT_VERSION >= 0x030000
+#define TALUS_GET_SENSOR_POSE(pose) \
+  mrpt::poses::CPose3D getSensorPose() const override { return pose; }
+#else
+#define TALUS_GET_SENSOR_POSE(pose) \
+  void getSensorPose(mrpt::poses::CPose3D& out) const override { out = pose; }
 #endif
 
 // CMetricMap::boundingBox() is virtual from 2.11.3 on.
@@ -39,18 +72,25 @@ using MrptScene = mrpt::opengl::COpenGLScene;
 
 namespace talus::detail
 {
-#if MRPT_VERSION >= 0x020b04 && MRPT_VERSION < 0x030000
-/** One time a point [s, relative to the stamp], or nullptr when the cloud has none. */
-inline const mrpt::aligned_std_vector<float>* point_times(const mrpt::maps::CPointsMap& points)
-{
-  return points.getPointsBufferRef_timestamp();
-}
+/** CHolonomicFullEval weighs so many factors, and refuses any other number. */
+#if MRPT_VERSION >= 0x020e03
+constexpr std::size_t kHolonomicFactors = 8;
 #else
-inline const mrpt::aligned_std_vector<float>* point_times(const mrpt::maps::CPointsMap&)
-{
-  return nullptr;
-}
+constexpr std::size_t kHolonomicFactors = 7;
 #endif
+
+/** One time a point [s, relative to the stamp], or nullptr when the cloud has none. */
+inline const mrpt::aligned_std_vector<float>* point_times(
+    [[maybe_unused]] const mrpt::maps::CPointsMap& points)
+{
+#if MRPT_VERSION >= 0x020f00
+  return points.getPointsBufferRef_float_field("t");
+#elif MRPT_VERSION >= 0x020b04
+  return points.getPointsBufferRef_timestamp();
+#else
+  return nullptr;
+#endif
+}
 
 #if MRPT_VERSION >= 0x020b04
 /** Calls add(x, y, z, column) [m, sensor frame] for each return when the scan holds its points in
@@ -73,5 +113,30 @@ bool for_each_organized_point(const mrpt::obs::CObservationRotatingScan&, Add&&)
   return false;
 }
 #endif
+
+#if MRPT_VERSION >= 0x030000
+using CloudWithIntensity = mrpt::maps::CGenericPointsMap;
+inline void set_intensity(CloudWithIntensity& points, std::size_t i, float intensity)
+{
+  points.setPointField_float(i, mrpt::maps::CPointsMap::POINT_FIELD_INTENSITY, intensity);
+}
+#else
+using CloudWithIntensity = mrpt::maps::CPointsMapXYZI;
+inline void set_intensity(CloudWithIntensity& points, std::size_t i, float intensity)
+{
+  points.setPointIntensity(i, intensity);
+}
+#endif
+/** For setPointFast() and set_intensity(): points that are inserted one by one get no intensity
+ * from 2.14.0 on, and cannot be written then. */
+inline CloudWithIntensity::Ptr make_cloud_with_intensity(std::size_t points)
+{
+  auto cloud = CloudWithIntensity::Create();
+#if MRPT_VERSION >= 0x030000
+  cloud->registerField_float(mrpt::maps::CPointsMap::POINT_FIELD_INTENSITY);
+#endif
+  cloud->resize(points);
+  return cloud;
+}
 
 }  // namespace talus::detail
