@@ -55,29 +55,21 @@ std::vector<double> prism_heights(const mrpt::config::CConfigFileBase& ini)
 }
 }  // namespace
 
-bool RobotInterface::getCurrentPoseAndSpeeds(
-    mrpt::math::TPose2D& pose, mrpt::math::TTwist2D& velocity_map,
-    mrpt::system::TTimeStamp& timestamp, mrpt::math::TPose2D& odometry, std::string&)
+mrpt::math::TPose2D RobotInterface::pose_in_map()
 {
-  pose = mrpt::math::TPose2D(T_map_base.x(), T_map_base.y(), T_map_base.yaw());
-  odometry = pose;
-  velocity_map.vx = robot_.v_mps() * std::cos(pose.phi);
-  velocity_map.vy = robot_.v_mps() * std::sin(pose.phi);
-  velocity_map.omega = robot_.w_radps();
-  timestamp = mrpt::Clock::now();
-  return true;
+  return {T_map_base.x(), T_map_base.y(), T_map_base.yaw()};
+}
+
+mrpt::math::TTwist2D RobotInterface::velocity_in_map()
+{
+  const double yaw = T_map_base.yaw(), v_mps = robot_.v_mps();
+  return {v_mps * std::cos(yaw), v_mps * std::sin(yaw), robot_.w_radps()};
 }
 
 bool RobotInterface::changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command)
 {
   const auto& c = dynamic_cast<const mrpt::kinematics::CVehicleVelCmd_DiffDriven&>(command);
   robot_.command(c.lin_vel, c.ang_vel);
-  return true;
-}
-
-bool RobotInterface::stop(bool)
-{
-  robot_.command(0, 0);
   return true;
 }
 
@@ -199,7 +191,7 @@ bool Pilot::is_clear(bool forwards) const
 void Pilot::halt()
 {
   navigator_->cancel();
-  interface_.stop(false);
+  interface_.stand();
   interface_.seen.clear();
 }
 

@@ -3,6 +3,7 @@
 #include "simulated_robot.h"
 
 #include <mrpt/nav/reactive/CAbstractPTGBasedReactive.h>
+#include <talus/mrpt/version_compat_nav.h>
 
 #include <functional>
 #include <memory>
@@ -13,7 +14,7 @@ namespace talus::nav
 {
 /** What MRPT's reactive navigators know of the robot: its pose as estimated, its speeds, the
  * obstacles of the map. */
-class RobotInterface : public mrpt::nav::CRobot2NavInterface
+class RobotInterface : public detail::RobotToNavigate
 {
  public:
   RobotInterface(SimulatedRobot& robot, MapSource& map) : robot_(robot), map_(map)
@@ -28,12 +29,10 @@ class RobotInterface : public mrpt::nav::CRobot2NavInterface
   /** Takes the pose and makes the obstacles anew. */
   void look(const mrpt::poses::CPose3D& T);
 
-  bool getCurrentPoseAndSpeeds(
-      mrpt::math::TPose2D& pose, mrpt::math::TTwist2D& velocity_map,
-      mrpt::system::TTimeStamp& timestamp, mrpt::math::TPose2D& odometry,
-      std::string& frame_id) override;
+  mrpt::math::TPose2D pose_in_map() override;
+  mrpt::math::TTwist2D velocity_in_map() override;
   bool changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command) override;
-  bool stop(bool is_emergency) override;
+  void stand() override { robot_.command(0, 0); }
   mrpt::kinematics::CVehicleVelCmd::Ptr getEmergencyStopCmd() override;
   mrpt::kinematics::CVehicleVelCmd::Ptr getStopCmd() override { return getEmergencyStopCmd(); }
   bool senseObstacles(

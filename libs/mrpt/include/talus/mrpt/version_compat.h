@@ -1,7 +1,7 @@
 #pragma once
-// Every switch between versions of MRPT lives here. Developed against 2.5.8 (Debian bookworm).
-// MRPT_VERSION is 0xMmp up to 2.9 and 0xMMmmpp from 2.10 on, so only >= comparisons with the long
-// form are safe.
+// Every switch between versions of MRPT lives here, those of mrpt-nav in version_compat_nav.h.
+// Developed against 2.5.8 (Debian bookworm). MRPT_VERSION is 0xMmp up to 2.9 and 0xMMmmpp from 2.10
+// on, so only >= comparisons with the long form are safe.
 #include <mrpt/maps/CPointsMap.h>
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/version.h>
@@ -37,21 +37,22 @@ namespace mrpt::opengl
 {
 class CRenderizable;
 class CSetOfObjects;
-class Scene;
-class COpenGLScene;
+#if MRPT_VERSION >= 0x020700
+#define TALUS_MRPT_SCENE_HEADER <mrpt/opengl/Scene.h>
+#define TALUS_MRPT_SCENE Scene
+#else
+#define TALUS_MRPT_SCENE_HEADER <mrpt/opengl/COpenGLScene.h>
+#define TALUS_MRPT_SCENE COpenGLScene
+#endif
+class TALUS_MRPT_SCENE;
 }  // namespace mrpt::opengl
 namespace talus
 {
 namespace mrpt_scene = mrpt::opengl;
+using MrptScene = mrpt::opengl::TALUS_MRPT_SCENE;
 using MrptSceneObject = mrpt::opengl::CRenderizable;
-#if MRPT_VERSION >= 0x020700
-#define TALUS_MRPT_SCENE_HEADER <mrpt/opengl/Scene.h>
-using MrptScene = mrpt::opengl::Scene;
-#else
-#define TALUS_MRPT_SCENE_HEADER <mrpt/opengl/COpenGLScene.h>
-using MrptScene = mrpt::opengl::COpenGLScene;
-#endif
 }  // namespace talus
+#undef TALUS_MRPT_SCENE
 #endif
 
 // A member of an observation: where its sensor is, from 3.0 on by value.
@@ -72,6 +73,10 @@ using MrptScene = mrpt::opengl::COpenGLScene;
 
 namespace talus::detail
 {
+/** Faults of MRPT's own programs and files, which specifications leave out (doc/mrpt.md). */
+constexpr bool kRawlogEditFiltersWork = MRPT_VERSION < 0x020c01 || MRPT_VERSION >= 0x030102;
+constexpr bool kReadsRotatingScansOfBefore_2_11_4 = MRPT_VERSION < 0x020b04;
+
 /** CHolonomicFullEval weighs so many factors, and refuses any other number. */
 #if MRPT_VERSION >= 0x020e03
 constexpr std::size_t kHolonomicFactors = 8;
