@@ -1,3 +1,4 @@
+#include <mrpt/io/CMemoryStream.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservationOdometry.h>
@@ -32,9 +33,10 @@ CObservationPointCloud::Ptr cloud(double time_s, int points)
 
 std::string bytes_of(const Objects& objects)
 {
-  const ScratchDir dir;
-  write_log(dir / "a.rawlog", objects, Packing::Plain);
-  return read_bytes(dir / "a.rawlog");
+  mrpt::io::CMemoryStream stream;
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  for (const auto& object : objects) archive << *object;
+  return {static_cast<const char*>(stream.getRawBufferData()), stream.getTotalBytesCount()};
 }
 
 /** The log again, by what it is read as. */
@@ -116,7 +118,7 @@ TEST(PackedLogs, that_are_cut_short_are_found_before_anything_is_read_wherever_t
   for (const auto& way : kPacked)
   {
     const auto file = way.pack(log);
-    for (std::size_t size = 4; size < file.size(); ++size)
+    for (std::size_t size = 4; size < file.size(); size += size + 20 < file.size() ? 5 : 1)
     {
       write_bytes(dir / "cut.rawlog", file.substr(0, size));
       expect_error(
@@ -138,7 +140,7 @@ TEST(PackedLogs, of_several_pieces_are_whole_only_behind_the_last)
   {
     const auto first = way.pack(bytes_of({kSmall[0]})), second = way.pack(bytes_of({kSmall[1]}));
     const auto file = first + second;
-    for (std::size_t size = first.size() + 4; size < file.size(); ++size)
+    for (std::size_t size = first.size() + 4; size < file.size(); size += 5)
     {
       write_bytes(dir / "cut.rawlog", file.substr(0, size));
       EXPECT_NE(complaint(dir / "cut.rawlog"), "") << way.name << " " << size;
@@ -153,6 +155,7 @@ TEST(PackedLogs, plain_ones_that_are_cut_short_are_found_but_between_two_objects
   const auto one = log.size() / 3;
   for (std::size_t size = 1; size < log.size(); ++size)
   {
+    if (const auto far = size % one; far % 17 != 0 && far > 2 && far < one - 2) continue;
     write_bytes(dir / "cut.rawlog", log.substr(0, size));
     EXPECT_EQ(complaint(dir / "cut.rawlog").empty(), size % one == 0) << size;
   }
@@ -165,8 +168,8 @@ TEST(PackedLogs, with_one_wrong_bit_are_refused_or_the_bit_means_nothing)
   for (const auto& way : kPacked)
   {
     const auto file = way.pack(log);
-    int refused = 0;
-    for (std::size_t bit = 0; bit < 8 * file.size(); bit += 3)
+    int tried = 0, refused = 0;
+    for (std::size_t bit = 0; bit < 8 * file.size(); bit += 19, ++tried)
     {
       auto bad = file;
       bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ (1 << bit % 8));
@@ -176,7 +179,7 @@ TEST(PackedLogs, with_one_wrong_bit_are_refused_or_the_bit_means_nothing)
       else
         EXPECT_TRUE(read_again(dir / "bad.rawlog") == log) << way.name << " bit " << bit;
     }
-    EXPECT_GT(3 * refused, 7 * static_cast<int>(file.size())) << way.name;
+    EXPECT_GT(10 * refused, 9 * tried) << way.name;
   }
 }
 
@@ -199,7 +202,7 @@ TEST(PackedLogs, say_where_something_else_follows_the_data)
 {
   const ScratchDir dir;
   for (const auto& way : kPacked)
-    for (const std::string rest : {std::string(1, '\0'), std::string("more")})
+    for (const auto& rest : {std::string(1, '\0'), std::string("more")})
     {
       const auto file = way.pack(bytes_of(kSmall));
       write_bytes(dir / "long.rawlog", file + rest);
