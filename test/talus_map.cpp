@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 using namespace talus;
 using namespace talus::test;
@@ -226,6 +227,28 @@ TEST_F(TalusMap, gives_each_log_of_a_batch_its_own_folder)
   EXPECT_EQ(summary("out/a")["log"], "a.rawlog");
   EXPECT_EQ(summary("out/b")["log"], "b.rawlog");
   EXPECT_EQ(summary("out/a_2")["log"], "other/a.rawlog");
+}
+
+TEST_F(TalusMap, writes_nothing_outside_of_the_folder_whatever_the_logs_of_a_batch_are_called)
+{
+  const std::string names = " ...rawlog ..rawlog .rawlog .hidden.rawlog hidden.rawlog unnamed_2.gz";
+  std::istringstream each(names);
+  for (std::string name; each >> name;) write_log(path(name), floor_scans(1), Packing::Gz);
+  const std::size_t before = entries();
+  ASSERT_EQ(run("--static" + names + " --output in/out --quiet").code, 0);
+  for (const char* label : {"unnamed", "unnamed_2", "rawlog", "hidden", "hidden_2", "unnamed_2_2"})
+    EXPECT_EQ(summary(std::string("in/out/") + label)["frames"], 1) << label;
+  EXPECT_EQ(entries(), before + 2 + 6 * 5) << "two folders, then a folder and four files each";
+  ASSERT_EQ(run("--static ...rawlog").code, 0);
+  EXPECT_EQ(summary("unnamed_map")["frames"], 1);
+}
+
+TEST_F(TalusMap, finds_the_trajectory_beside_a_log_with_leading_dots)
+{
+  write_log(path("...rawlog"), floor_scans(3), Packing::Gz);
+  write_bytes(path("...tum"), straight_tum(3));
+  ASSERT_EQ(run("...rawlog --output out").code, 0);
+  EXPECT_EQ(summary("out")["poses"], "...tum");
 }
 
 TEST_F(TalusMap, replaces_the_snapshots_of_an_earlier_run_and_nothing_else)

@@ -110,6 +110,15 @@ TEST_F(TalusSim, writes_a_log_a_trajectory_and_the_truth_that_agree)
   EXPECT_LT(worst_m, 0.03);
 }
 
+TEST_F(TalusSim, hides_no_file_of_a_world_whose_name_begins_with_dots)
+{
+  fs::copy_file(path("small.yaml"), path("...yaml"));
+  const Outcome done = run(path("...yaml") + " --output " + path("out") + " --frames 1");
+  ASSERT_EQ(done.code, 0) << done.text;
+  EXPECT_TRUE(fs::exists(path("out/unnamed.rawlog")));
+  EXPECT_TRUE(fs::exists(path("out/unnamed.tum")));
+}
+
 TEST_F(TalusSim, writes_the_same_bytes_again_for_the_same_seed)
 {
   const std::string common = path("small.yaml") + " --quiet --frames 3 --pose-noise 0.02 --output ";

@@ -6,7 +6,9 @@ namespace fs = std::filesystem;
 
 namespace talus::app
 {
-std::string name_of_log(const std::string& log)
+namespace
+{
+std::string without_endings(const std::string& log)
 {
   fs::path name = fs::path(log).filename();
   if (name.empty()) name = fs::path(log).parent_path().filename();
@@ -15,9 +17,21 @@ std::string name_of_log(const std::string& log)
   return name.string();
 }
 
+/** "." and ".." are folders, and what begins with a dot is hidden. */
+std::string label(std::string name)
+{
+  name.erase(0, name.find_first_not_of('.'));
+  return name.empty() ? "unnamed" : name;
+}
+}  // namespace
+
+std::string name_of_log(const std::string& log) { return label(without_endings(log)); }
+
+std::string name_of_world(const std::string& world) { return label(fs::path(world).stem()); }
+
 std::string trajectory_beside(const std::string& log)
 {
-  return (fs::path(log).parent_path() / (name_of_log(log) + ".tum")).string();
+  return (fs::path(log).parent_path() / (without_endings(log) + ".tum")).string();
 }
 
 }  // namespace talus::app

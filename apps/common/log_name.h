@@ -3,8 +3,13 @@
 
 namespace talus::app
 {
-/** The file name of a log without folder, `.gz` and `.rawlog`. */
+/** What the results of a log are called: its file name without folder, `.gz`, `.rawlog` and leading
+ * dots, so that no name of a log makes a hidden folder or leads out of the one that was given.
+ * "unnamed" when nothing is left. */
 std::string name_of_log(const std::string& log);
+
+/** The same for a world, without the ending of its file. */
+std::string name_of_world(const std::string& world);
 
 /** NAME.tum beside NAME.rawlog, whether there is such a file or not. */
 std::string trajectory_beside(const std::string& log);

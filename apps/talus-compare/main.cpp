@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "../common/child_process.h"
+#include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/progress_bar.h"
 #include "log_sequence.h"
@@ -72,7 +73,9 @@ bool compare_input(const std::string& path, const CommandOptions& o, Comparison&
   try
   {
     CommandOptions named = o;
-    talus::app::ProgressBar bar(fs::path(path).stem().string(), !o.quiet);
+    const std::string name =
+        is_world(path) ? talus::app::name_of_world(path) : talus::app::name_of_log(path);
+    talus::app::ProgressBar bar(name, !o.quiet);
     named.evaluation.progress = [&](int done, int total)
     { bar.show(static_cast<double>(done) / total, "frame " + std::to_string(done)); };
     if (is_world(path))

@@ -1,5 +1,6 @@
 // talus-nav: a robot, its LiDAR, the map and MRPT's planners in a closed loop, without a display.
 #include "../common/interrupt.h"
+#include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "picture.h"
 #include "results.h"
@@ -46,9 +47,10 @@ std::string title(const Options& o, const MissionResult& m, bool ended)
   char text[200];
   std::snprintf(
       text, sizeof text, "%s, %s planner, %s, seed %llu: %.1f s%s%s",
-      fs::path(o.world).stem().c_str(), o.in_3d ? "3D" : "2D", o.octomap ? "octomap" : "talus",
-      static_cast<unsigned long long>(o.seed), ended ? m.time_s : m.steps.back().time_s,
-      ended ? ", " : "", ended ? ending_name(m.ending).c_str() : "");
+      talus::app::name_of_world(o.world).c_str(), o.in_3d ? "3D" : "2D",
+      o.octomap ? "octomap" : "talus", static_cast<unsigned long long>(o.seed),
+      ended ? m.time_s : m.steps.back().time_s, ended ? ", " : "",
+      ended ? ending_name(m.ending).c_str() : "");
   return text;
 }
 

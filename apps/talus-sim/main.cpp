@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "../common/interrupt.h"
+#include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/progress_bar.h"
 #include "options.h"
@@ -29,8 +30,6 @@ TruthWindow window_of(const Options& o, const Drive& drive)
   }
 }
 
-std::string stem_of(const Options& o) { return fs::path(o.world).stem().string(); }
-
 void write_files(
     const Options& o, const std::string& folder, const World& world, const Drive& drive, Truth last,
     const Interrupt& interrupt)
@@ -41,11 +40,12 @@ void write_files(
     return (fs::path(folder) / name).string();
   };
   write_truth(path("truth.tif"), std::move(last), world, drive.time_s(drive.frames() - 1));
-  write_tum(path(stem_of(o) + ".tum"), drive, false);
-  if (drive.has_pose_errors()) write_tum(path(stem_of(o) + "_noisy.tum"), drive, true);
+  const std::string name = name_of_world(o.world);
+  write_tum(path(name + ".tum"), drive, false);
+  if (drive.has_pose_errors()) write_tum(path(name + "_noisy.tum"), drive, true);
   ProgressBar bar("talus-sim", !o.quiet);
   write_rawlog(
-      path(stem_of(o) + ".rawlog"), world, drive, o.claims,
+      path(name + ".rawlog"), world, drive, o.claims,
       [&](int done)
       {
         bar.show(static_cast<double>(done) / drive.frames(), "frame " + std::to_string(done));
@@ -80,7 +80,7 @@ void simulate(const Options& o)
   std::printf(
       "%s: %d frames of %s over %.1f m -> %s\n", world.name.c_str(), drive.frames(),
       drive.scanner().name.c_str(), drive.path().distance_m(end_s),
-      (fs::path(o.output) / (stem_of(o) + ".rawlog")).c_str());
+      (fs::path(o.output) / (name_of_world(o.world) + ".rawlog")).c_str());
 }
 
 }  // namespace
