@@ -87,7 +87,7 @@ TEST_F(TalusSim, writes_a_log_a_trajectory_and_the_truth_that_agree)
     const auto cloud = std::dynamic_pointer_cast<mrpt::obs::CObservationPointCloud>(obs);
     ASSERT_TRUE(cloud);
     EXPECT_EQ(cloud->sensorLabel, "lidar");
-    ASSERT_TRUE(std::dynamic_pointer_cast<talus::detail::CloudWithIntensity>(cloud->pointcloud));
+    ASSERT_TRUE(talus::detail::is_cloud_with_intensity(*cloud->pointcloud));
     const auto pose = way.at(mrpt::Clock::toDouble(cloud->timestamp), 0.0);
     ASSERT_TRUE(pose) << "a pose at the very stamp of each frame";
     const auto T = *pose + cloud->sensorPose;

@@ -119,22 +119,18 @@ bool for_each_organized_point(const mrpt::obs::CObservationRotatingScan&, Add&&)
 }
 #endif
 
+// 2.15 calls CPointsMapXYZI deprecated; yet older versions cannot read what replaces it.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
 #if MRPT_VERSION >= 0x030000
 using CloudWithIntensity = mrpt::maps::CGenericPointsMap;
-inline void set_intensity(CloudWithIntensity& points, std::size_t i, float intensity)
-{
-  points.setPointField_float(i, mrpt::maps::CPointsMap::POINT_FIELD_INTENSITY, intensity);
-}
 #else
 using CloudWithIntensity = mrpt::maps::CPointsMapXYZI;
-inline void set_intensity(CloudWithIntensity& points, std::size_t i, float intensity)
-{
-  points.setPointIntensity(i, intensity);
-}
 #endif
+
 /** For setPointFast() and set_intensity(): points that are inserted one by one get no intensity
  * from 2.14.0 on, and cannot be written then. */
-inline CloudWithIntensity::Ptr make_cloud_with_intensity(std::size_t points)
+inline auto make_cloud_with_intensity(std::size_t points)
 {
   auto cloud = CloudWithIntensity::Create();
 #if MRPT_VERSION >= 0x030000
@@ -143,5 +139,20 @@ inline CloudWithIntensity::Ptr make_cloud_with_intensity(std::size_t points)
   cloud->resize(points);
   return cloud;
 }
+
+inline void set_intensity(CloudWithIntensity& points, std::size_t i, float intensity)
+{
+#if MRPT_VERSION >= 0x030000
+  points.setPointField_float(i, mrpt::maps::CPointsMap::POINT_FIELD_INTENSITY, intensity);
+#else
+  points.setPointIntensity(i, intensity);
+#endif
+}
+
+inline bool is_cloud_with_intensity(const mrpt::maps::CPointsMap& points)
+{
+  return dynamic_cast<const CloudWithIntensity*>(&points) != nullptr;
+}
+#pragma GCC diagnostic pop
 
 }  // namespace talus::detail
