@@ -58,9 +58,10 @@ class StockApps : public testing::Test
     {
       const auto name = entry.path().filename().string();
       if (name.rfind(stem, 0) != 0 || name.find("CDualElevationMap") == std::string::npos) continue;
+      const std::string ending = entry.path().extension();
+      if (ending == ".bin") continue;  // the map itself, which observations2map writes from 2.14 on
       maps++;
       const auto bytes = talus::test::read_bytes(entry.path());
-      const std::string ending = entry.path().extension();
       EXPECT_TRUE(ending != ".tif" || bytes.substr(0, 2) == "II") << name;
       EXPECT_TRUE(ending != ".png" || bytes.substr(1, 3) == "PNG") << name;
       EXPECT_GT(bytes.size(), 2000U) << name;
