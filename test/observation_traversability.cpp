@@ -28,9 +28,7 @@ Snapshot small_snapshot()
   s.sensorLabel = "terrain";
   s.T_map_base = mrpt::poses::CPose3D(1, 2, 0.3, M_PI / 2, 0, 0);
   s.window = {80, 0.05, -20, 0};
-  for (const Layer l : Snapshot::default_layers()) s.layers[static_cast<int>(l)].resize(6400, 1.0F);
-  auto& free = s.layers[static_cast<int>(Layer::Traversability)];
-  auto& state = s.layers[static_cast<int>(Layer::State)];
+  std::vector<float> heights(6400, 1.0F), free = heights, state = heights;
   for (int iy = 0; iy < 40; iy++)
     for (int ix = 0; ix < 40; ix++)
     {
@@ -38,6 +36,10 @@ Snapshot small_snapshot()
       state[static_cast<std::size_t>(80 * iy + ix)] = 0;
     }
   free[80 * 60 + 40] = 0;  // its middle is (1.025, 3.025)
+  s.set_layer(Layer::Elevation, heights);
+  s.set_layer(Layer::GroundElevation, heights);
+  s.set_layer(Layer::State, state);
+  s.set_layer(Layer::Traversability, free);
   return s;
 }
 
@@ -58,18 +60,19 @@ Snapshot rich_snapshot()
 {
   Snapshot s;
   s.window = {64, 0.05, -1000000, 5};
-  for (auto& layer : s.layers) layer.assign(64 * 64, 0.0F);
+  std::vector<std::vector<float>> layers(kLayerCount, std::vector<float>(64 * 64, 0.0F));
   for (std::size_t i = 0; i < 64 * 64; i++)
   {
     const auto x = static_cast<float>(i);
-    s.layers[0][i] = i % 7 ? 100 + 0.5F * std::sin(x) : NAN;
-    s.layers[1][i] = -3 + 0.5F * std::cos(x);
-    s.layers[2][i] = 1e-6F * x;
-    s.layers[3][i] = static_cast<float>(i % 4);
-    s.layers[8][i] = i % 5 ? x / 4095 : 1e-5F;
+    layers[0][i] = i % 7 ? 100 + 0.5F * std::sin(x) : NAN;
+    layers[1][i] = -3 + 0.5F * std::cos(x);
+    layers[2][i] = 1e-6F * x;
+    layers[3][i] = static_cast<float>(i % 4);
+    layers[8][i] = i % 5 ? x / 4095 : 1e-5F;
   }
-  s.layers[8][0] = 0;
-  s.layers[8][1] = 1;
+  layers[8][0] = 0;
+  layers[8][1] = 1;
+  for (std::size_t l = 0; l < layers.size(); l++) s.set_layer(static_cast<Layer>(l), layers[l]);
   return s;
 }
 
@@ -139,21 +142,23 @@ TEST(Snapshot, without_layers_has_no_numbers_but_does_not_fail)
 TEST(Snapshot, keeps_its_data_in_a_stream_within_what_it_promises)
 {
   const Snapshot s = rich_snapshot(), back = through_a_stream(s);
+  const auto written = [&](int l, std::size_t i) { return s.layer(static_cast<Layer>(l))[i]; };
+  const auto read = [&](int l, std::size_t i) { return back.layer(static_cast<Layer>(l))[i]; };
   EXPECT_EQ(back.window.min_cell_x, s.window.min_cell_x);
   for (std::size_t i = 0; i < 64 * 64; i++)
   {
-    ASSERT_EQ(std::isnan(back.layers[0][i]), std::isnan(s.layers[0][i]));
-    if (!std::isnan(s.layers[0][i]))
+    ASSERT_EQ(std::isnan(read(0, i)), std::isnan(written(0, i)));
+    if (!std::isnan(written(0, i)))
     {
-      ASSERT_NEAR(back.layers[0][i], s.layers[0][i], 1.1e-3);
+      ASSERT_NEAR(read(0, i), written(0, i), 1.1e-3);
     }
-    ASSERT_NEAR(back.layers[1][i], s.layers[1][i], 1.1e-3);
-    ASSERT_NEAR(std::sqrt(back.layers[2][i]), std::sqrt(s.layers[2][i]), 2e-3);
-    ASSERT_EQ(back.layers[3][i], s.layers[3][i]);
-    ASSERT_NEAR(back.layers[8][i], s.layers[8][i], 4e-3);
-    ASSERT_EQ(back.layers[8][i] == 0, s.layers[8][i] == 0) << "what is not blocked stays so";
+    ASSERT_NEAR(read(1, i), written(1, i), 1.1e-3);
+    ASSERT_NEAR(std::sqrt(read(2, i)), std::sqrt(written(2, i)), 2e-3);
+    ASSERT_EQ(read(3, i), written(3, i));
+    ASSERT_NEAR(read(8, i), written(8, i), 4e-3);
+    ASSERT_EQ(read(8, i) == 0, written(8, i) == 0) << "what is not blocked stays so";
   }
-  EXPECT_EQ(back.layers[8][1], 1.0F);
+  EXPECT_EQ(read(8, 1), 1.0F);
 }
 
 TEST(Snapshot, of_a_map_takes_little_room)
@@ -167,7 +172,7 @@ TEST(Snapshot, of_a_map_takes_little_room)
   EXPECT_EQ(back.T_map_base, s.T_map_base);
 }
 
-TEST(Snapshot, says_what_is_damaged)
+TEST(Snapshot, says_which_layer_is_damaged_when_it_is_asked_for)
 {
   mrpt::io::CMemoryStream stream;
   auto archive = mrpt::serialization::archiveFrom(stream);
@@ -176,14 +181,16 @@ TEST(Snapshot, says_what_is_damaged)
   bytes[stream.getTotalBytesCount() - 200] ^= 0xFF;
   stream.Seek(0);
   Snapshot back;
+  archive >> back;
+  EXPECT_EQ(back.layer(Layer::Elevation).size(), 64U * 64U);
   try
   {
-    archive >> back;
-    ADD_FAILURE() << "read";
+    back.layer(Layer::Traversability);
+    ADD_FAILURE() << "unpacked";
   }
-  catch (const std::exception& e)
+  catch (const std::runtime_error& e)
   {
-    EXPECT_NE(std::string(e.what()).find("the stream is damaged (layer"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("the layer traversability is damaged"), std::string::npos);
   }
 }
 

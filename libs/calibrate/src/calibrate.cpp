@@ -4,10 +4,10 @@
 #include <talus/calibrate/observability.h>
 #include <talus/calibrate/requirements.h>
 #include <talus/calibrate/solve.h>
+#include <talus/number_text.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 namespace talus::calibrate
@@ -135,15 +135,12 @@ void Calibration::finish(Result& result)
   result.patches = association_.patches.size();
   result.samples = association_.samples.size();
   if (std::abs(v_[kTimeOffset]) > options_.max_time_offset_s)
-  {
-    char text[240];
-    std::snprintf(
-        text, sizeof text,
-        "seems to be %.3f s off against the trajectory, more than the %.3f s looked for: put the "
-        "stamps right first (rawlog-edit --remap-timestamps) or raise --max-offset",
-        v_[kTimeOffset], options_.max_time_offset_s);
-    throw std::runtime_error(text);
-  }
+    throw std::runtime_error(
+        "seems to be " + fixed_text(v_[kTimeOffset], 3) +
+        " s off against the trajectory, more than the " +
+        fixed_text(options_.max_time_offset_s, 3) +
+        " s looked for: put the stamps right first (rawlog-edit --remap-timestamps) or raise "
+        "--max-offset");
   options_.progress(0.95, "held-out frames");
   judge(result);
 }

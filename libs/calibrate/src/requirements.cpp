@@ -1,8 +1,8 @@
 #include <talus/calibrate/requirements.h>
+#include <talus/number_text.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 namespace talus::calibrate
@@ -13,12 +13,7 @@ constexpr int kFewFrames = 8;
 constexpr double kLittleWay_m = 0.5, kLittleTurn_rad = 0.2;
 constexpr std::size_t kFewPatches = 20;
 
-std::string number(double v)
-{
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", v);
-  return text;
-}
+std::string number(double v) { return fixed_text(v, 2); }
 }  // namespace
 
 void require_motion(const ScanSet& scans, const PoseTrack& track)

@@ -62,6 +62,20 @@ struct ElevationMapper::Impl
     layer_read = {};
   }
 
+  /** Of a map that was reset. */
+  void take(const SavedMap& saved)
+  {
+    if (!saved.tracker.started) return;
+    started = finished = saved.tracker;
+    reference_z_m = saved.reference_z_m;
+    kernels::FrameContext window{};
+    window.storage_x = WindowTracker::storage(finished.min_cell_x, parameters.cells());
+    window.storage_y = WindowTracker::storage(finished.min_cell_y, parameters.cells());
+    window.sensor_z_m = reference_z_m;
+    backend->write_all(saved.map, window);
+    layer_read = shown_slot().delivered;
+  }
+
   std::size_t cells() const
   {
     const auto n = static_cast<std::size_t>(parameters.cells());
@@ -134,6 +148,15 @@ ElevationMapper::ElevationMapper(const Parameters& parameters, Backend backend, 
 {
   parameters.validate();
   impl_ = std::make_unique<Impl>(parameters, backend, threads);
+}
+ElevationMapper::ElevationMapper(
+    const Parameters& parameters, const std::vector<std::uint8_t>& state, Backend backend,
+    int threads)
+{
+  parameters.validate();
+  const SavedMap saved = saved_map_from(state, parameters);
+  impl_ = std::make_unique<Impl>(parameters, backend, threads);
+  impl_->take(saved);
 }
 ElevationMapper::~ElevationMapper() = default;
 ElevationMapper::ElevationMapper(ElevationMapper&&) noexcept = default;
@@ -250,21 +273,19 @@ std::vector<std::uint8_t> ElevationMapper::save() const
       {m.finished, m.reference_z_m, empty() ? MapBytes{} : m.backend->read_all()}, m.parameters);
 }
 
+bool ElevationMapper::is_size_of_state(std::uint64_t bytes, const Parameters& parameters)
+{
+  parameters.validate();
+  return talus::is_size_of_state(bytes, parameters);
+}
+
 void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
 {
   Impl& m = *impl_;
   m.require_none_in_flight("restore");
   const SavedMap saved = saved_map_from(bytes, m.parameters);
   m.reset();
-  if (!saved.tracker.started) return;
-  m.started = m.finished = saved.tracker;
-  m.reference_z_m = saved.reference_z_m;
-  kernels::FrameContext window{};
-  window.storage_x = WindowTracker::storage(m.finished.min_cell_x, m.parameters.cells());
-  window.storage_y = WindowTracker::storage(m.finished.min_cell_y, m.parameters.cells());
-  window.sensor_z_m = m.reference_z_m;
-  m.backend->write_all(saved.map, window);
-  m.layer_read = m.shown_slot().delivered;
+  m.take(saved);
 }
 
 }  // namespace talus

@@ -1,4 +1,5 @@
 #include "frame_context.h"
+#include <talus/number_text.h>
 #include <talus/point_filter.h>
 #include "kernels/1_accept.h"
 
@@ -97,8 +98,8 @@ void check_path(const std::vector<TimedPose>& path, double resolution_m)
     if (!std::isfinite(path[i].time_s) || (i > 0 && path[i].time_s < path[i - 1].time_s))
       throw std::invalid_argument(
           "the path of the frame must ascend in time: its pose " + std::to_string(i) + " is at " +
-          std::to_string(path[i].time_s) + " s" +
-          (i ? ", the one before at " + std::to_string(path[i - 1].time_s) + " s" : ""));
+          fixed_text(path[i].time_s, 6) + " s" +
+          (i ? ", the one before at " + fixed_text(path[i - 1].time_s, 6) + " s" : ""));
   }
 }
 

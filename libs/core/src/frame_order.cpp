@@ -1,4 +1,5 @@
 #include <talus/frame_order.h>
+#include <talus/number_text.h>
 
 #include <cmath>
 #include <stdexcept>
@@ -10,7 +11,7 @@ FrameSequence::FrameSequence(double max_late_s) : max_late_s_(max_late_s)
 {
   if (!(std::isfinite(max_late_s) && max_late_s >= 0))
     throw std::invalid_argument(
-        "max_late_s is " + std::to_string(max_late_s) + ": must be a time of 0 s or more");
+        "max_late_s is " + number_text(max_late_s) + ": must be a time of 0 s or more");
 }
 
 FrameOrder FrameSequence::next(double stamp_s)

@@ -1,10 +1,9 @@
+#include <talus/number_text.h>
 #include <talus/parameters.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <numeric>
 #include <stdexcept>
 #include <type_traits>
@@ -134,12 +133,7 @@ std::string lower(std::string s)
   return s;
 }
 
-std::string number(double v)
-{
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", v);
-  return text;
-}
+std::string number(double v) { return number_text(v); }
 
 std::string allowed(const ParameterInfo& info)
 {
@@ -220,18 +214,29 @@ void validate_object_size(const Parameters& p)
       number(65 * p.resolution_m) + " m or another resolution");
 }
 
+bool is_allowed(const ParameterInfo& info, double v)
+{
+  const bool in_range = v >= info.min && v <= info.max;  // not NaN
+  return in_range && (!info.is_integer || v == std::floor(v));
+}
+
+void require_allowed(const ParameterInfo& info, double v)
+{
+  if (is_allowed(info, v)) return;
+  throw std::invalid_argument(
+      std::string(info.name) + " = " + number(v) + " is out of range: it must be " + allowed(info));
+}
+
 /** Checks that need more than one parameter. */
 void validate_combinations(const Parameters& p)
 {
   const auto fail = [](const std::string& what) { throw std::invalid_argument(what); };
-  constexpr int kMaxCells =
-      16384;  // 2^28 cells: indices stay in 32 bits, the resident layers below 16 GB
   const double cells = std::round(p.window_m / p.resolution_m);
-  if (cells < 4 || cells > kMaxCells)
+  if (cells < 4 || cells > kMostCellsASide)
     fail(
         "window_m = " + number(p.window_m) + " m at resolution_m = " + number(p.resolution_m) +
         " m makes " + number(cells) + " x " + number(cells) + " cells; allowed are 4 to " +
-        number(kMaxCells) + " along a side: choose a smaller window or a coarser resolution");
+        number(kMostCellsASide) + " along a side: choose a smaller window or a coarser resolution");
   if (p.min_range_m >= p.max_range_m) fail("min_range_m must be below max_range_m");
   if (p.min_height_m >= p.max_height_m) fail("min_height_m must be below max_height_m");
   if (p.feature_radius_m / p.resolution_m > 15.5)
@@ -253,14 +258,7 @@ int Parameters::cells() const { return static_cast<int>(std::lround(window_m / r
 
 void Parameters::validate() const
 {
-  for (const auto& info : parameter_table())
-  {
-    const double v = info.get(*this);
-    if (!(v >= info.min && v <= info.max))
-      throw std::invalid_argument(
-          std::string(info.name) + " = " + number(v) + " is out of range: it must be " +
-          allowed(info));
-  }
+  for (const auto& info : parameter_table()) require_allowed(info, info.get(*this));
   validate_combinations(*this);
 }
 
@@ -304,20 +302,25 @@ void set_parameter(Parameters& p, const std::string& name, const std::string& te
   for (std::size_t i = 0; i < info->choices.size(); i++)
     if (lower(text) == info->choices[i]) return info->set(p, static_cast<double>(i));
 
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const bool whole_text = end != text.c_str() && *end == '\0';
-  const bool in_range = value >= info->min && value <= info->max;
-  if (!whole_text || !in_range || (info->is_integer && value != std::floor(value)))
+  const auto value = number_from(text);
+  if (!value || !is_allowed(*info, *value))
     throw std::invalid_argument(
         std::string(info->name) + " = '" + text + "': must be " + allowed(*info));
-  info->set(p, value);
+  info->set(p, *value);
+}
+
+void set_parameter(Parameters& p, const ParameterInfo& info, double value)
+{
+  require_allowed(info, value);
+  info.set(p, value);
 }
 
 std::string parameter_text(const Parameters& p, const ParameterInfo& info)
 {
   const double v = info.get(p);
-  return info.choices.empty() ? number(v) : info.choices[static_cast<std::size_t>(v)];
+  if (info.choices.empty()) return number(v);
+  if (!is_allowed(info, v)) return number(v) + " (must be " + allowed(info) + ")";
+  return info.choices[static_cast<std::size_t>(v)];
 }
 
 }  // namespace talus

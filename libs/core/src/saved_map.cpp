@@ -42,6 +42,10 @@ std::size_t cell_count(const Parameters& p)
   return n * n;
 }
 
+/** Behind the header, of a map that has seen a frame. Older states are without one array. */
+std::size_t cell_bytes(std::size_t cells, bool older) { return cells * (kBytesPerCell - older); }
+std::size_t feature_bytes(std::size_t cells) { return kFeatures * cells * sizeof(float); }
+
 bool is_within(double v, double limit) { return std::abs(v) <= limit; }  // not NaN
 
 void check_header(const Header& h)
@@ -91,12 +95,20 @@ std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p)
   header.reference_z_m = saved.reference_z_m;
   const auto* head = reinterpret_cast<const std::uint8_t*>(&header);
   const auto* features = reinterpret_cast<const std::uint8_t*>(saved.map.features.data());
-  const std::size_t feature_bytes = saved.map.features.size() * sizeof(float);
-  std::vector<std::uint8_t> bytes(sizeof header + saved.map.cells.size() + feature_bytes);
+  const std::size_t of_features = saved.map.features.size() * sizeof(float);
+  std::vector<std::uint8_t> bytes(sizeof header + saved.map.cells.size() + of_features);
   auto to = std::copy_n(head, sizeof header, bytes.begin());
   to = std::copy(saved.map.cells.begin(), saved.map.cells.end(), to);
-  std::copy_n(features, feature_bytes, to);
+  std::copy_n(features, of_features, to);
   return bytes;
+}
+
+bool is_size_of_state(std::uint64_t bytes, const Parameters& p)
+{
+  const std::size_t cells = cell_count(p);
+  for (const bool older : {false, true})
+    if (bytes == sizeof(Header) + cell_bytes(cells, older) + feature_bytes(cells)) return true;
+  return false;
 }
 
 SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters& p)
@@ -108,9 +120,8 @@ SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters
   if (!older && std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) fail("not a state of talus");
   if (header.cells != p.cells() || header.resolution_m != p.resolution_m)
     fail("another window size or resolution");
-  const std::size_t cells = cell_count(p), cell_bytes = cells * (kBytesPerCell - (older ? 1 : 0));
-  const std::size_t feature_bytes = kFeatures * cells * sizeof(float);
-  if (bytes.size() != sizeof header + (header.started ? cell_bytes + feature_bytes : 0))
+  const std::size_t cells = cell_count(p), of_cells = cell_bytes(cells, older);
+  if (bytes.size() != sizeof header + (header.started ? of_cells + feature_bytes(cells) : 0))
     fail("wrong length");
 
   SavedMap saved;
@@ -120,10 +131,10 @@ SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters
   saved.tracker = {true, header.min_cell_x, header.min_cell_y, {z[0], z[1], z[2]}};
   saved.reference_z_m = header.reference_z_m;
   const std::uint8_t* const from = bytes.data() + sizeof header;
-  saved.map.cells.assign(from, from + cell_bytes);
+  saved.map.cells.assign(from, from + of_cells);
   saved.map.cells.resize(cells * kBytesPerCell);  // no extents are known
   saved.map.features.resize(kFeatures * cells);
-  std::memcpy(saved.map.features.data(), from + cell_bytes, feature_bytes);
+  std::memcpy(saved.map.features.data(), from + of_cells, feature_bytes(cells));
   check_cells(saved.map, cells);
   return saved;
 }

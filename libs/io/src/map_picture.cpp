@@ -1,6 +1,7 @@
 #include <talus/io/map_picture.h>
 
 #include <talus/io/atomic_file.h>
+#include <talus/number_text.h>
 
 #include "picture_canvas.h"
 #include "picture_panel.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string_view>
 
@@ -75,11 +75,9 @@ std::string take_out_empty(const LayerStack& stack, std::vector<LayerStyle>& sty
 
 std::string subtitle_of(const LayerStack& s)
 {
-  char text[160];
-  std::snprintf(
-      text, sizeof text, "%.4g x %.4g m, %d x %d cells of %.3g m, north up",
-      s.cells_x * s.resolution_m, s.cells_y * s.resolution_m, s.cells_x, s.cells_y, s.resolution_m);
-  return text;
+  return number_text(s.cells_x * s.resolution_m, 4) + " x " +
+         number_text(s.cells_y * s.resolution_m, 4) + " m, " + std::to_string(s.cells_x) + " x " +
+         std::to_string(s.cells_y) + " cells of " + number_text(s.resolution_m, 3) + " m, north up";
 }
 
 /** The text, cut in its middle where it is wider than the room for it. */

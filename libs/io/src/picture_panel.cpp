@@ -1,10 +1,10 @@
 #include "picture_panel.h"
+#include <talus/number_text.h>
 
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace talus::io
 {
@@ -132,13 +132,10 @@ void draw_state_legend(Canvas& canvas, const cv::Rect& plot, const std::vector<f
     const cv::Rect swatch(plot.x + plot.width + kBarGap, y, kBarWidth, kBarWidth);
     canvas.fill(swatch, cv::Scalar(style.colour[0], style.colour[1], style.colour[2]));
     canvas.frame(swatch, kInk);
-    char text[16];
-    std::snprintf(
-        text, sizeof text, "%.1f %%",
-        100.0 * static_cast<double>(count[i]) / static_cast<double>(states.size()));
+    const double part = static_cast<double>(count[i]) / static_cast<double>(states.size());
     const int x = swatch.x + kBarWidth + kTick + 4;
     canvas.text(style.word, x, y + kBarWidth / 2.0, word);
-    canvas.text(text, x, y + kBarWidth / 2.0 + 20, percent);
+    canvas.text(fixed_text(100 * part, 1) + " %", x, y + kBarWidth / 2.0 + 20, percent);
     y += 54;
   }
 }
@@ -187,9 +184,7 @@ std::string tick_text(double value, double step)
 {
   const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
   if (std::abs(value) < 1e-6 * step) value = 0;  // no "-0.0"
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
+  return fixed_text(value, decimals);
 }
 
 void draw_robot(Canvas& canvas, cv::Point2d middle, double yaw_rad, double length_px)

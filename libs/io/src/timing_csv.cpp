@@ -1,8 +1,7 @@
 #include <talus/io/timing_csv.h>
 
 #include <talus/io/atomic_file.h>
-
-#include <cstdio>
+#include <talus/number_text.h>
 
 namespace talus::io
 {
@@ -16,23 +15,13 @@ std::string header()
   return line + ",total_ms\n";
 }
 
-void append_ms(std::string& row, double ms)
-{
-  char text[32];
-  std::snprintf(text, sizeof text, ",%.4f", ms);
-  row += text;
-}
-
 std::string row_of(const FrameReport& f)
 {
-  char stamp[40];
-  std::snprintf(stamp, sizeof stamp, "%.6f", f.stamp_s);
-  std::string row = stamp;
+  std::string row = fixed_text(f.stamp_s, 6);
   row += "," + std::to_string(f.points_in) + "," + std::to_string(f.points_accepted);
   for (const auto count : f.rejected) row += "," + std::to_string(count);
-  for (const double ms : f.stage_ms) append_ms(row, ms);
-  append_ms(row, f.total_ms);
-  return row + "\n";
+  for (const double ms : f.stage_ms) row += "," + fixed_text(ms, 4);
+  return row + "," + fixed_text(f.total_ms, 4) + "\n";
 }
 }  // namespace
 

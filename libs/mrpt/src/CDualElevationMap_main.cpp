@@ -7,6 +7,7 @@
 #include <talus/mrpt/CObservationTraversability.h>
 #include <talus/mrpt/parameters_ini.h>
 #include <talus/mrpt/register.h>
+#include <talus/number_text.h>
 
 #include <algorithm>
 #include <cctype>
@@ -117,10 +118,10 @@ void talus::CDualElevationMap::TMapDefinition::loadFromConfigFile_map_specific(
 void talus::CDualElevationMap::TMapDefinition::dumpToTextStream_map_specific(
     std::ostream& out) const
 {
-  out << "resolution = " << resolution.value_or(insertionOpts.resolution_m) << " m\n"
-      << "window     = " << window.value_or(insertionOpts.window_m) << " m\n"
+  out << "resolution = " << number_text(resolution.value_or(insertionOpts.resolution_m)) << " m\n"
+      << "window     = " << number_text(window.value_or(insertionOpts.window_m)) << " m\n"
       << "backend    = " << backend_text(backend) << "\n"
-      << "threads    = " << threads << "\n";
+      << "threads    = " << std::to_string(threads) << "\n";
   insertionOpts.dumpToTextStream(out);
   likelihoodOpts.dumpToTextStream(out);
   renderOpts.dumpToTextStream(out);
@@ -209,8 +210,8 @@ CDualElevationMap& CDualElevationMap::operator=(const CDualElevationMap& o)
   forgetDerived();
   m_mapper.reset();
   if (o.isEmpty()) return *this;
-  m_mapper = std::make_unique<ElevationMapper>(o.m_mapper->parameters(), m_backend, m_threads);
-  m_mapper->restore(o.m_mapper->save());
+  m_mapper = std::make_unique<ElevationMapper>(
+      o.m_mapper->parameters(), o.m_mapper->save(), m_backend, m_threads);
   return *this;
 }
 
@@ -248,16 +249,16 @@ void CDualElevationMap::internal_clear()
 std::string CDualElevationMap::asString() const
 {
   const Parameters& p = m_mapper ? m_mapper->parameters() : insertionOptions;
-  const std::string size =
-      mrpt::format("%g x %g m at %g m", p.window_m, p.window_m, p.resolution_m);
+  const std::string side = number_text(p.window_m, 6) + " ";
+  const std::string size = side + "x " + side + "m at " + number_text(p.resolution_m, 6) + " m";
   if (isEmpty()) return "talus::CDualElevationMap, " + size + ", empty";
   const auto& ground = m_mapper->layer(Layer::GroundElevation);
   const auto known = static_cast<std::size_t>(
       std::count_if(ground.begin(), ground.end(), [](float z) { return !std::isnan(z); }));
   const Window w = m_mapper->window();
   return mrpt::format(
-      "talus::CDualElevationMap, %s from (%.2f,%.2f), %zu of %zu cells with ground, backend %s",
-      size.c_str(), w.min_x_m(), w.min_y_m(), known, ground.size(),
-      m_mapper->backend_name().c_str());
+      "talus::CDualElevationMap, %s from (%s,%s), %zu of %zu cells with ground, backend %s",
+      size.c_str(), fixed_text(w.min_x_m(), 2).c_str(), fixed_text(w.min_y_m(), 2).c_str(), known,
+      ground.size(), m_mapper->backend_name().c_str());
 }
 }  // namespace talus

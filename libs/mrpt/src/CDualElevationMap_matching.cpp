@@ -48,6 +48,7 @@ double CDualElevationMap::internal_computeObservationLikelihood(
   SensorPoints points;
   try
   {
+    likelihoodOptions.validate();
     if (!points_from_observation(obs, points)) return 0;
   }
   catch (const std::exception& e)
@@ -59,7 +60,7 @@ double CDualElevationMap::internal_computeObservationLikelihood(
   }
   const SurfaceView map(mapper());
   const auto T_map_sensor = takenFrom + points.T_base_sensor;
-  const auto step = static_cast<std::size_t>(std::max(1, likelihoodOptions.decimation));
+  const auto step = static_cast<std::size_t>(likelihoodOptions.decimation);
   const PointFilter filter(insertionOptions);
   double sum = 0;
   std::size_t count = 0;

@@ -2,7 +2,9 @@
 #include <mrpt/core/format.h>
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/parameters_ini.h>
+#include <talus/number_text.h>
 
+#include <array>
 #include <ostream>
 #include <stdexcept>
 
@@ -14,6 +16,43 @@ namespace talus
 namespace
 {
 constexpr int kMost = 1000000;  // of what is counted
+
+// What is allowed, for files, streams and code alike.
+constexpr int kLeastDecimation = 1, kLeastMaxCells = 2;
+constexpr const char* kSigmas = "a number above 0 and at most 10 m";
+constexpr const char* kRatios = "a number between 0 and 1, both excluded";
+bool is_sigma(double v) { return v > 0 && v <= 10; }  // not NaN
+bool is_ratio(double v) { return v > 0 && v < 1; }
+std::string counts(int least)
+{
+  return "a whole number from " + std::to_string(least) + " to " + std::to_string(kMost);
+}
+
+constexpr std::array<const char*, 3> kColormaps{"cmGRAYSCALE", "cmJET", "cmHOT"};  // by value
+constexpr const char* kColormapChoices = "cmGRAYSCALE, cmJET or cmHOT";
+
+/** The name, or the number where there is none. */
+std::string colormap_text(mrpt::img::TColormap colormap)
+{
+  const int i = colormap;
+  return i >= 0 && i < static_cast<int>(kColormaps.size()) ? kColormaps[static_cast<std::size_t>(i)]
+                                                           : std::to_string(i);
+}
+
+mrpt::img::TColormap colormap_from(
+    const mrpt::config::CConfigFileBase& c, const std::string& section, const std::string& key)
+{
+  const std::string text = ini_value(c, section, key);
+  for (std::size_t i = 0; i < kColormaps.size(); i++)
+    if (text == kColormaps[i] || text == std::to_string(i))
+      return static_cast<mrpt::img::TColormap>(i);
+  detail::refuse_value(c, section, key, kColormapChoices);
+}
+
+void require(bool ok, const char* name, const std::string& value, const std::string& allowed)
+{
+  if (!ok) throw std::invalid_argument(name + (" = " + value) + ": must be " + allowed);
+}
 
 void check_keys(
     const mrpt::config::CConfigFileBase& c, const std::string& s,
@@ -74,21 +113,30 @@ void CDualElevationMap::TLikelihoodOptions::loadFromConfigFile(
 {
   check_keys(c, s, {"sigma_m", "outlierRatio", "decimation"});
   const double sigma = detail::ini_number(c, s, "sigma_m", sigma_m);
-  if (!(sigma > 0 && sigma <= 10))
-    detail::refuse_value(c, s, "sigma_m", "a number above 0 and at most 10 m");
+  if (!is_sigma(sigma)) detail::refuse_value(c, s, "sigma_m", kSigmas);
   const double ratio = detail::ini_number(c, s, "outlierRatio", outlierRatio);
-  if (!(ratio > 0 && ratio < 1))
-    detail::refuse_value(c, s, "outlierRatio", "a number between 0 and 1, both excluded");
-  decimation = detail::ini_whole_number(c, s, "decimation", decimation, 1, kMost);
+  if (!is_ratio(ratio)) detail::refuse_value(c, s, "outlierRatio", kRatios);
+  decimation = detail::ini_whole_number(c, s, "decimation", decimation, kLeastDecimation, kMost);
   sigma_m = sigma;
   outlierRatio = ratio;
+}
+
+void CDualElevationMap::TLikelihoodOptions::validate() const
+{
+  require(is_sigma(sigma_m), "sigma_m", number_text(sigma_m), kSigmas);
+  require(is_ratio(outlierRatio), "outlierRatio", number_text(outlierRatio), kRatios);
+  require(
+      decimation >= kLeastDecimation && decimation <= kMost, "decimation",
+      std::to_string(decimation), counts(kLeastDecimation));
 }
 
 void CDualElevationMap::TLikelihoodOptions::saveToConfigFile(
     mrpt::config::CConfigFileBase& c, const std::string& s) const
 {
-  write(c, s, "sigma_m", sigma_m, "[m] standard deviation of a point");
-  write(c, s, "outlierRatio", outlierRatio, "part of the points that may fit nothing, (0,1)");
+  write(c, s, "sigma_m", number_text(sigma_m), "[m] standard deviation of a point");
+  write(
+      c, s, "outlierRatio", number_text(outlierRatio),
+      "part of the points that may fit nothing, (0,1)");
   write(c, s, "decimation", decimation, "takes one point of this many");
 }
 
@@ -100,8 +148,17 @@ void CDualElevationMap::TRenderOptions::loadFromConfigFile(
   showGround = detail::ini_flag(c, s, "showGround", showGround);
   showElevation = detail::ini_flag(c, s, "showElevation", showElevation);
   colorByTraversability = detail::ini_flag(c, s, "colorByTraversability", colorByTraversability);
-  colormap = c.read_enum<mrpt::img::TColormap>(s, "colormap", colormap);
-  maxCells = detail::ini_whole_number(c, s, "maxCells", maxCells, 2, kMost);
+  if (c.keyExists(s, "colormap")) colormap = colormap_from(c, s, "colormap");
+  maxCells = detail::ini_whole_number(c, s, "maxCells", maxCells, kLeastMaxCells, kMost);
+}
+
+void CDualElevationMap::TRenderOptions::validate() const
+{
+  const bool is_colormap = colormap >= 0 && colormap < static_cast<int>(kColormaps.size());
+  require(is_colormap, "colormap", colormap_text(colormap), kColormapChoices);
+  require(
+      maxCells >= kLeastMaxCells && maxCells <= kMost, "maxCells", std::to_string(maxCells),
+      counts(kLeastMaxCells));
 }
 
 void CDualElevationMap::TRenderOptions::saveToConfigFile(
@@ -110,7 +167,7 @@ void CDualElevationMap::TRenderOptions::saveToConfigFile(
   write(c, s, "showGround", showGround, "");
   write(c, s, "showElevation", showElevation, "with the ground shown: only what stands on it");
   write(c, s, "colorByTraversability", colorByTraversability, "red 0 to green 1; false: by height");
-  write(c, s, "colormap", colormap, "of heights");
+  write(c, s, "colormap", colormap_text(colormap), "of heights: cmGRAYSCALE, cmJET, cmHOT");
   write(c, s, "maxCells", maxCells, "along a side; larger windows are thinned");
 }
 

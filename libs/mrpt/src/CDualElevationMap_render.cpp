@@ -56,7 +56,7 @@ class SurfacePainter
       const CDualElevationMap::TRenderOptions& options)
       : map_(map), z_(z), options_(options), span_(map)
   {
-    step_ = std::max(1, (map.window.cells + options.maxCells - 1) / std::max(1, options.maxCells));
+    step_ = std::max(1, (map.window.cells + options.maxCells - 1) / options.maxCells);
   }
 
   /** `only_above`: only where a corner stands more than a cell's side above the ground. */
@@ -135,6 +135,7 @@ bool same_options(
 void CDualElevationMap::getVisualizationInto(mrpt_scene::CSetOfObjects& outObj) const
 {
   if (!genericMapParams.enableSaveAs3DObject || isEmpty()) return;
+  renderOptions.validate();
   if (m_sceneCache.empty() || !same_options(renderOptions, m_sceneOptions)) drawScene();
   for (const auto& mesh : m_sceneCache) outObj.insert(mesh);
 }

@@ -2,16 +2,22 @@
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/parameters_ini.h>
 
+#include <cstring>
 #include <stdexcept>
+#include <utility>
 
+#include "stream_reader.h"
 #include "warn_once.h"
 
 namespace talus
 {
 namespace
 {
-constexpr std::uint64_t kMaxStateBytes = 1ULL
-                                         << 36;  // far above any window; catches a broken stream
+using detail::StreamReader;
+
+constexpr std::uint32_t kMostParameters = 1000;  // of any version
+constexpr std::size_t kLongestName = 100;
+constexpr const char* kParameters = "parameters";
 
 /** By name, so that a table with more parameters reads what one with fewer wrote. */
 void write_parameters(mrpt::serialization::CArchive& out, const Parameters& p)
@@ -20,17 +26,19 @@ void write_parameters(mrpt::serialization::CArchive& out, const Parameters& p)
   for (const auto& info : parameter_table()) out << std::string(info.name) << info.get(p);
 }
 
-void read_parameters(mrpt::serialization::CArchive& in, Parameters& p)
+Parameters read_parameters(StreamReader& in)
 {
-  std::uint32_t count = 0;
-  in >> count;
+  Parameters p;
+  const auto count = in.number<std::uint32_t>(kParameters);
+  if (count > kMostParameters) in.fail(kParameters);
   for (std::uint32_t i = 0; i < count; i++)
   {
-    std::string name;
-    double value = 0;
-    in >> name >> value;
-    if (const ParameterInfo* info = find_parameter(name)) info->set(p, value);
+    const auto name = in.text(kLongestName, kParameters);
+    const auto value = in.number<double>(kParameters);
+    if (const ParameterInfo* info = find_parameter(name)) set_parameter(p, *info, value);
   }
+  p.validate();
+  return p;
 }
 
 void write_bytes(mrpt::serialization::CArchive& out, const std::vector<std::uint8_t>& bytes)
@@ -39,15 +47,67 @@ void write_bytes(mrpt::serialization::CArchive& out, const std::vector<std::uint
   if (!bytes.empty()) out.WriteBuffer(bytes.data(), bytes.size());
 }
 
-std::vector<std::uint8_t> read_bytes(mrpt::serialization::CArchive& in)
+/** Its flags may have any bytes: MRPT copies them as they come. */
+mrpt::maps::TMapGenericParams read_generic(
+    mrpt::serialization::CArchive& archive, const StreamReader& in)
 {
-  std::uint64_t size = 0;
-  in >> size;
-  if (size > kMaxStateBytes)
-    throw std::runtime_error("talus::CDualElevationMap: the stream is damaged (size of the state)");
-  std::vector<std::uint8_t> bytes(size);
-  if (size > 0) in.ReadBuffer(bytes.data(), bytes.size());
-  return bytes;
+  mrpt::maps::TMapGenericParams p;
+  archive >> p;
+  for (const bool* flag :
+       {&p.enableSaveAs3DObject, &p.enableObservationLikelihood, &p.enableObservationInsertion})
+  {
+    std::uint8_t byte;
+    std::memcpy(&byte, flag, 1);
+    if (byte > 1) in.fail("flags of the map");
+  }
+  return p;
+}
+
+CDualElevationMap::TLikelihoodOptions read_likelihood_options(StreamReader& in)
+{
+  constexpr const char* what = "likelihoodOptions";
+  CDualElevationMap::TLikelihoodOptions o;
+  o.sigma_m = in.number<double>(what);
+  o.outlierRatio = in.number<double>(what);
+  o.decimation = in.number<std::int32_t>(what);
+  o.validate();
+  return o;
+}
+
+CDualElevationMap::TRenderOptions read_render_options(StreamReader& in)
+{
+  constexpr const char* what = "renderOptions";
+  CDualElevationMap::TRenderOptions o;
+  o.showGround = in.flag(what);
+  o.showElevation = in.flag(what);
+  o.colorByTraversability = in.flag(what);
+  o.colormap = static_cast<mrpt::img::TColormap>(in.number<std::int32_t>(what));
+  o.maxCells = in.number<std::int32_t>(what);
+  o.validate();
+  return o;
+}
+
+/** The map behind it; none for an empty one. The state is looked at before memory is taken for the
+ * window that the parameters say. */
+std::unique_ptr<ElevationMapper> read_mapper(StreamReader& in, Backend& backend, int threads)
+{
+  if (in.flag("whether it is empty")) return nullptr;
+  const Parameters p = read_parameters(in);
+  const auto size = in.number<std::uint64_t>("size of the state");
+  if (!ElevationMapper::is_size_of_state(size, p))
+    in.fail("size of the state: not that of " + std::to_string(p.cells()) + " cells a side");
+  const auto state = in.bytes(size, "state");
+  try
+  {
+    return std::make_unique<ElevationMapper>(p, state, backend, threads);
+  }
+  catch (const std::runtime_error& e)
+  {
+    // A map written on a machine with a GPU: every backend goes on with the same bits.
+    detail::warn_once(std::string(e.what()) + "; the map read goes on with backend auto");
+    backend = Backend::Auto;
+    return std::make_unique<ElevationMapper>(p, state, backend, threads);
+  }
 }
 
 }  // namespace
@@ -56,6 +116,10 @@ std::uint8_t CDualElevationMap::serializeGetVersion() const { return 0; }
 
 void CDualElevationMap::serializeTo(mrpt::serialization::CArchive& out) const
 {
+  // What is written can be read.
+  insertionOptions.validate();
+  likelihoodOptions.validate();
+  renderOptions.validate();
   out << genericMapParams << backend_text(m_backend) << static_cast<std::int32_t>(m_threads);
   write_parameters(out, insertionOptions);
   out << likelihoodOptions.sigma_m << likelihoodOptions.outlierRatio
@@ -75,51 +139,43 @@ void CDualElevationMap::serializeFrom(mrpt::serialization::CArchive& in, std::ui
   switch (version)
   {
     case 0:
-    {
-      std::string backend;
-      std::int32_t threads = 0, decimation = 0, colormap = 0, maxCells = 0;
-      in >> genericMapParams >> backend >> threads;
-      m_backend = backend_from_text(backend);
-      m_threads = threads;
-      read_parameters(in, insertionOptions);
-      in >> likelihoodOptions.sigma_m >> likelihoodOptions.outlierRatio >> decimation;
-      likelihoodOptions.decimation = decimation;
-      in >> renderOptions.showGround >> renderOptions.showElevation >>
-          renderOptions.colorByTraversability >> colormap >> maxCells;
-      renderOptions.colormap = static_cast<mrpt::img::TColormap>(colormap);
-      renderOptions.maxCells = maxCells;
-      in >> m_T_map_base;
-      readState(in);
-    }
-    break;
+      readVersion0(in);
+      break;
     default:
       MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   }
 }
 
-void CDualElevationMap::readState(mrpt::serialization::CArchive& in)
+/** Nothing changes before everything has been read. */
+void CDualElevationMap::readVersion0(mrpt::serialization::CArchive& archive)
 {
-  m_lastReport = {};
-  forgetDerived();
-  m_mapper.reset();
-  bool empty = true;
-  in >> empty;
-  if (empty) return;
-  Parameters p;
-  read_parameters(in, p);
-  const auto state = read_bytes(in);
+  StreamReader in(archive, "talus::CDualElevationMap");
+  CDualElevationMap read;
   try
   {
-    m_mapper = std::make_unique<ElevationMapper>(p, m_backend, m_threads);
+    read.genericMapParams = read_generic(archive, in);
+    read.m_backend = backend_from_text(in.text(kLongestName, "backend"));
+    read.m_threads = in.number<std::int32_t>("threads");
+    static_cast<Parameters&>(read.insertionOptions) = read_parameters(in);
+    read.likelihoodOptions = read_likelihood_options(in);
+    read.renderOptions = read_render_options(in);
+    read.m_T_map_base = in.pose("pose of the robot");
+    read.m_mapper = read_mapper(in, read.m_backend, read.m_threads);
   }
-  catch (const std::runtime_error& e)
+  catch (const std::invalid_argument& e)
   {
-    // A map written on a machine with a GPU: every backend goes on with the same bits.
-    detail::warn_once(std::string(e.what()) + "; the map read goes on with backend auto");
-    m_backend = Backend::Auto;
-    m_mapper = std::make_unique<ElevationMapper>(p, m_backend, m_threads);
+    in.fail(e.what());
   }
-  m_mapper->restore(state);
+  genericMapParams = read.genericMapParams;
+  m_backend = read.m_backend;
+  m_threads = read.m_threads;
+  insertionOptions = read.insertionOptions;
+  likelihoodOptions = read.likelihoodOptions;
+  renderOptions = read.renderOptions;
+  m_T_map_base = read.m_T_map_base;
+  m_mapper = std::move(read.m_mapper);
+  m_lastReport = {};
+  forgetDerived();
 }
 
 }  // namespace talus

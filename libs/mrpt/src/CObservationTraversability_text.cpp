@@ -1,5 +1,6 @@
 #include <mrpt/core/format.h>
 #include <talus/mrpt/CObservationTraversability.h>
+#include <talus/number_text.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,62 +14,93 @@ namespace
 using Summary = CObservationTraversability::Summary;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-void count_states(const std::vector<float>& state, Summary& s)
+std::string percent(double part) { return fixed_text(100 * part, 1) + " %"; }
+
+void count_states(const float* state, std::size_t count, Summary& s)
 {
-  for (const float v : state)
+  for (std::size_t i = 0; i < count; i++)
   {
-    s.measured += v == static_cast<float>(CellState::Measured);
-    s.filled_two_sided += v == static_cast<float>(CellState::FilledTwoSided);
-    s.filled_one_sided += v == static_cast<float>(CellState::FilledOneSided);
+    s.measured += state[i] == static_cast<float>(CellState::Measured);
+    s.filled_two_sided += state[i] == static_cast<float>(CellState::FilledTwoSided);
+    s.filled_one_sided += state[i] == static_cast<float>(CellState::FilledOneSided);
   }
 }
 
-/** Distances to the blocked cells, in the frame of the base seen from above. */
-void find_nearest(
-    const CObservationTraversability& obs, const std::vector<float>& traversability, Summary& s)
+/** Finds the blocked cells nearest to the base, in its frame seen from above. */
+class NearestBlocked
 {
-  const Window& w = obs.window;
-  const double c = std::cos(obs.T_map_base.yaw()), n = std::sin(obs.T_map_base.yaw());
-  double nearest2 = std::numeric_limits<double>::infinity(), ahead = nearest2;
-  for (std::size_t i = 0; i < traversability.size(); i++)
+ public:
+  NearestBlocked(const Window& window, const mrpt::poses::CPose3D& T_map_base)
+      : w_(window),
+        base_(T_map_base),
+        cos_(std::cos(T_map_base.yaw())),
+        sin_(std::sin(T_map_base.yaw()))
   {
-    if (traversability[i] != 0.0F) continue;
-    const auto cells = static_cast<std::size_t>(w.cells);
-    const double x_map = w.min_x_m() + (static_cast<double>(i % cells) + 0.5) * w.resolution_m;
-    const double y_map = w.min_y_m() + (static_cast<double>(i / cells) + 0.5) * w.resolution_m;
-    const double dx = x_map - obs.T_map_base.x(), dy = y_map - obs.T_map_base.y();
-    const double x = c * dx + n * dy, y = -n * dx + c * dy;
-    if (x * x + y * y < nearest2)
+  }
+
+  void take(std::size_t cell)
+  {
+    const auto cells = static_cast<std::size_t>(w_.cells);
+    const double x_map = w_.min_x_m() + (static_cast<double>(cell % cells) + 0.5) * w_.resolution_m;
+    const double y_map = w_.min_y_m() + (static_cast<double>(cell / cells) + 0.5) * w_.resolution_m;
+    const double dx = x_map - base_.x(), dy = y_map - base_.y();
+    const double x = cos_ * dx + sin_ * dy, y = -sin_ * dx + cos_ * dy;
+    if (x * x + y * y < nearest2_)
     {
-      nearest2 = x * x + y * y;
-      s.nearest_rad = std::atan2(y, x);
+      nearest2_ = x * x + y * y;
+      nearest_rad_ = std::atan2(y, x);
     }
     if (x > 0 && std::abs(y) <= CObservationTraversability::kHalfCorridor_m)
-      ahead = std::min(ahead, x);
+      ahead_m_ = std::min(ahead_m_, x);
   }
-  if (std::isfinite(nearest2)) s.nearest_m = std::sqrt(nearest2);
-  if (std::isfinite(ahead)) s.ahead_m = ahead;
-}
+
+  void tell(Summary& s) const
+  {
+    s.nearest_rad = nearest_rad_;
+    if (std::isfinite(nearest2_)) s.nearest_m = std::sqrt(nearest2_);
+    if (std::isfinite(ahead_m_)) s.ahead_m = ahead_m_;
+  }
+
+ private:
+  const Window& w_;
+  const mrpt::poses::CPose3D& base_;
+  double cos_, sin_;
+  double nearest2_ = std::numeric_limits<double>::infinity(), ahead_m_ = nearest2_;
+  double nearest_rad_ = kNan;
+};
 }  // namespace
 
 Summary CObservationTraversability::summary() const
 {
+  requireSound();
   Summary s;
   s.nearest_m = s.nearest_rad = s.ahead_m = s.min_ground_m = s.max_ground_m = kNan;
-  const auto& traversability = layer(Layer::Traversability);
-  count_states(layer(Layer::State), s);
-  for (const float v : traversability)
-  {
-    s.free += v > 0;
-    s.blocked += v == 0;
-  }
-  for (const float z : layer(Layer::GroundElevation))
-    if (!std::isnan(z))
-    {
-      s.min_ground_m = std::fmin(s.min_ground_m, z);
-      s.max_ground_m = std::fmax(s.max_ground_m, z);
-    }
-  find_nearest(*this, traversability, s);
+  forEachValue(Layer::State, [&](const float* v, std::size_t count) { count_states(v, count, s); });
+  NearestBlocked nearest(window, T_map_base);
+  std::size_t cell = 0;
+  forEachValue(
+      Layer::Traversability,
+      [&](const float* v, std::size_t count)
+      {
+        for (std::size_t i = 0; i < count; i++, cell++)
+        {
+          s.free += v[i] > 0;
+          s.blocked += v[i] == 0;
+          if (v[i] == 0) nearest.take(cell);
+        }
+      });
+  nearest.tell(s);
+  forEachValue(
+      Layer::GroundElevation,
+      [&](const float* v, std::size_t count)
+      {
+        for (std::size_t i = 0; i < count; i++)
+        {
+          if (std::isnan(v[i])) continue;
+          s.min_ground_m = std::fmin(s.min_ground_m, v[i]);
+          s.max_ground_m = std::fmax(s.max_ground_m, v[i]);
+        }
+      });
   const double all = std::max(1.0, static_cast<double>(window.cells) * window.cells);
   for (double* part : {&s.measured, &s.filled_two_sided, &s.filled_one_sided, &s.free, &s.blocked})
     *part /= all;
@@ -82,24 +114,23 @@ void CObservationTraversability::getDescriptionAsText(std::ostream& o) const
   const Summary s = summary();
   std::string names;
   for (std::size_t i = 0; i < kLayerCount; i++)
-    if (!layers[i].empty()) names += std::string(names.empty() ? "" : ", ") + kLayerNames[i];
+    if (has_layer(static_cast<Layer>(i)))
+      names += std::string(names.empty() ? "" : ", ") + kLayerNames[i];
   o << "Robot in the map      : " << T_map_base.asString() << "\n"
     << "Sensor on the robot   : " << T_base_sensor.asString() << "\n"
-    << mrpt::format(
-           "Window                : %d x %d cells of %g m from (%.2f, %.2f)\n", window.cells,
-           window.cells, window.resolution_m, window.min_x_m(), window.min_y_m())
+    << "Window                : " << window.cells << " x " << window.cells << " cells of "
+    << number_text(window.resolution_m, 6) << " m from (" << fixed_text(window.min_x_m(), 2) << ","
+    << fixed_text(window.min_y_m(), 2) << ")\n"
     << "Layers                : " << names << "\n"
-    << mrpt::format(
-           "Ground                : %.1f %% measured, %.1f %% filled from two sides, %.1f %% from "
-           "one; %.2f to %.2f m\n",
-           100 * s.measured, 100 * s.filled_two_sided, 100 * s.filled_one_sided, s.min_ground_m,
-           s.max_ground_m)
-    << mrpt::format(
-           "Traversability        : %.1f %% free, %.1f %% blocked, %.1f %% unknown\n", 100 * s.free,
-           100 * s.blocked, 100 * s.unknown)
-    << mrpt::format(
-           "Nearest blocked cell  : %.2f m at %.0f deg; ahead %.2f m\n", s.nearest_m,
-           s.nearest_rad * 180 / M_PI, s.ahead_m);
+    << "Ground                : " << percent(s.measured) << " measured, "
+    << percent(s.filled_two_sided) << " filled from two sides, " << percent(s.filled_one_sided)
+    << " from one; " << fixed_text(s.min_ground_m, 2) << " to " << fixed_text(s.max_ground_m, 2)
+    << " m\n"
+    << "Traversability        : " << percent(s.free) << " free, " << percent(s.blocked)
+    << " blocked, " << percent(s.unknown) << " unknown\n"
+    << "Nearest blocked cell  : " << fixed_text(s.nearest_m, 2) << " m at "
+    << fixed_text(s.nearest_rad * 180 / M_PI, 0) << " deg; ahead " << fixed_text(s.ahead_m, 2)
+    << " m\n";
 }
 
 std::string CObservationTraversability::exportTxtHeader() const
@@ -122,7 +153,7 @@ std::string CObservationTraversability::exportTxtDataRow() const
         T_map_base.roll(), s.coverage(), s.measured, s.filled_two_sided, s.filled_one_sided, s.free,
         s.blocked, s.unknown, s.nearest_m, s.nearest_rad, s.ahead_m, s.min_ground_m,
         s.max_ground_m})
-    text += mrpt::format("%13.6f ", v);
+    text += mrpt::format("%13s ", fixed_text(v, 6).c_str());
   return text;
 }
 

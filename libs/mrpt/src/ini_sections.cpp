@@ -4,10 +4,10 @@
 #include <mrpt/core/format.h>
 #include <mrpt/system/string_utils.h>
 #include <talus/mrpt/parameters_ini.h>
+#include <talus/number_text.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <stdexcept>
 
@@ -79,11 +79,8 @@ double ini_number(
     double fallback)
 {
   if (!cfg.keyExists(section, key)) return fallback;
-  const std::string text = ini_value(cfg, section, key);
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const bool is_number = !text.empty() && *end == '\0';
-  return is_number ? value : std::numeric_limits<double>::quiet_NaN();
+  const auto value = number_from(ini_value(cfg, section, key));
+  return value.value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 int ini_whole_number(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -14,6 +15,9 @@ namespace
 {
 constexpr std::uint16_t kNan = 0xFFFF;
 constexpr double kHeightStep_m = 1.0 / 512, kScoreStep = 1.0 / 256, kMostSteps = 65000;
+constexpr double kFarthest = 2e9;  // no value of a map is so far from 0
+constexpr std::size_t kPieceBytes = 1 << 14;
+constexpr std::size_t kMostRatio = 1032;  // of zlib: 258 bytes in two bits
 
 bool is_height(Layer l) { return l == Layer::Elevation || l == Layer::GroundElevation; }
 
@@ -49,6 +53,13 @@ std::uint16_t steps_of(Layer layer, float value, const PackedLayer& p)
   return static_cast<std::uint16_t>(std::clamp(q, least, kMostSteps));
 }
 
+/** Steps of the greatest value that a cell can have. */
+double most_steps(Layer l, const PackedLayer& p)
+{
+  if (l == Layer::State) return static_cast<double>(CellState::FilledOneSided);
+  return is_height(l) || l == Layer::Variance ? kMostSteps : std::round(1 / p.step);
+}
+
 std::vector<std::uint8_t> compressed(const std::vector<std::uint8_t>& bytes)
 {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
@@ -58,13 +69,58 @@ std::vector<std::uint8_t> compressed(const std::vector<std::uint8_t>& bytes)
   out.resize(size);
   return out;
 }
+
+[[noreturn]] void fail(Layer layer)
+{
+  throw std::runtime_error(
+      std::string("talus::CObservationTraversability: the layer ") + layer_name(layer) +
+      " is damaged; take another copy of the log or write it anew");
+}
+
+/** Unpacks bytes from the first on, as many at a time as one asks for. */
+class Inflater
+{
+ public:
+  /** The bytes must stay where they are. */
+  Inflater(Layer layer, const std::vector<std::uint8_t>& zlib) : layer_(layer)
+  {
+    stream_.next_in = const_cast<Bytef*>(zlib.data());  // zlib does not write there
+    stream_.avail_in = static_cast<uInt>(zlib.size());
+    if (inflateInit(&stream_) != Z_OK) throw std::bad_alloc();
+  }
+  ~Inflater() { inflateEnd(&stream_); }
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
+
+  /** Throws std::runtime_error where there are not so many. */
+  void read(std::uint8_t* out, std::size_t count)
+  {
+    stream_.next_out = out;
+    stream_.avail_out = static_cast<uInt>(count);
+    while (stream_.avail_out > 0)
+      if (inflate(&stream_, Z_NO_FLUSH) != Z_OK && stream_.avail_out > 0) fail(layer_);
+  }
+
+  /** No byte is left, and the checksum is that of those that were read. */
+  bool is_at_end()
+  {
+    std::uint8_t further;
+    stream_.next_out = &further;
+    stream_.avail_out = 1;
+    return inflate(&stream_, Z_NO_FLUSH) == Z_STREAM_END && stream_.avail_out == 1;
+  }
+
+ private:
+  Layer layer_;
+  z_stream stream_{};
+};
 }  // namespace
 
 PackedLayer pack_layer(Layer layer, const std::vector<float>& values)
 {
   PackedLayer p;
   choose_steps(layer, values, p);
-  const std::size_t n = values.size();
+  const std::size_t n = p.count = values.size();
   std::vector<std::uint8_t> bytes(2 * n);
   std::uint16_t before = 0;
   for (std::size_t i = 0; i < n; i++)
@@ -79,24 +135,43 @@ PackedLayer pack_layer(Layer layer, const std::vector<float>& values)
   return p;
 }
 
-std::vector<float> unpack_layer(Layer layer, const PackedLayer& p, std::size_t count)
+bool is_plausible(const PackedLayer& p)
 {
-  std::vector<std::uint8_t> bytes(2 * count);
-  auto size = static_cast<uLongf>(bytes.size());
-  const auto packed = static_cast<uLong>(p.zlib.size());
-  if (uncompress(bytes.data(), &size, p.zlib.data(), packed) != Z_OK || size != bytes.size())
-    throw std::runtime_error(
-        "talus::CObservationTraversability: the stream is damaged (layer " +
-        std::string(layer_name(layer)) + ")");
-  std::vector<float> values(count);
-  std::uint16_t q = 0;
-  for (std::size_t i = 0; i < count; i++)
+  const double last = p.offset + kMostSteps * p.step;
+  return p.step > 0 && std::abs(p.offset) <= kFarthest && last <= kFarthest &&
+         2 * p.count <= kMostRatio * p.zlib.size();
+}
+
+void unpack_layer(Layer layer, const PackedLayer& p, const TakeValues& take)
+{
+  // One goes through the low bytes, the other through the high ones.
+  Inflater low(layer, p.zlib), high(layer, p.zlib);
+  std::vector<std::uint8_t> low_bytes(kPieceBytes), high_bytes(kPieceBytes);
+  std::vector<float> values(kPieceBytes);
+  for (std::size_t left = p.count; left > 0;)
   {
-    q = static_cast<std::uint16_t>(q + bytes[i] + 256 * bytes[count + i]);
-    values[i] = q == kNan ? std::numeric_limits<float>::quiet_NaN()
-                          : static_cast<float>(from_stored(layer, p.offset + q * p.step));
+    const std::size_t n = std::min(left, kPieceBytes);
+    high.read(high_bytes.data(), n);
+    left -= n;
   }
-  return values;
+  const double most = most_steps(layer, p);
+  std::uint16_t q = 0;
+  for (std::size_t left = p.count; left > 0;)
+  {
+    const std::size_t n = std::min(left, kPieceBytes);
+    low.read(low_bytes.data(), n);
+    high.read(high_bytes.data(), n);
+    for (std::size_t i = 0; i < n; i++)
+    {
+      q = static_cast<std::uint16_t>(q + low_bytes[i] + 256 * high_bytes[i]);
+      values[i] = q == kNan || q > most
+                      ? std::numeric_limits<float>::quiet_NaN()
+                      : static_cast<float>(from_stored(layer, p.offset + q * p.step));
+    }
+    take(values.data(), n);
+    left -= n;
+  }
+  if (!high.is_at_end()) fail(layer);
 }
 
 }  // namespace talus::detail

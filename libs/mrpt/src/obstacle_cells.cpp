@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "surface_view.h"
 
@@ -88,8 +89,8 @@ class Judge
   int reach_;  //!< of the neighbourhood of slope and step, in cells
 };
 
-/** A comparison with NaN makes nothing an obstacle. */
-void require_numbers(const mrpt::poses::CPose3D& T, const ObstacleOptions& o)
+/** A comparison with NaN, or a policy that is none, makes nothing an obstacle. */
+void require_sound(const mrpt::poses::CPose3D& T, const ObstacleOptions& o)
 {
   if (!std::isfinite(T.x() + T.y() + T.z() + T.yaw() + T.pitch() + T.roll()))
     throw std::invalid_argument("the pose of the robot among the obstacles is not finite");
@@ -97,13 +98,18 @@ void require_numbers(const mrpt::poses::CPose3D& T, const ObstacleOptions& o)
           o.blocked_at + o.risky_below + o.near_m + o.body_radius_m + o.own_radius_m + o.range_m +
           o.spacing_m + o.z_m))
     throw std::invalid_argument("a number of the ObstacleOptions is NaN");
+  for (const CellPolicy policy : {o.unknown, o.one_sided, o.risky, o.inferred})
+    if (policy != CellPolicy::Free && policy != CellPolicy::Near && policy != CellPolicy::Obstacle)
+      throw std::invalid_argument(
+          "a policy of the ObstacleOptions is " + std::to_string(static_cast<int>(policy)) +
+          ", none of CellPolicy");
 }
 }  // namespace
 
 std::vector<Passage> classify_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
 {
-  require_numbers(T_map_base, o);
+  require_sound(T_map_base, o);
   const Judge judge(map, T_map_base, o);
   const int cells = map.window().cells;
   std::vector<Passage> out;

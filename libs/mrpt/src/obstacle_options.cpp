@@ -1,7 +1,7 @@
 #include <mrpt/config/CConfigFileBase.h>
-#include <mrpt/core/format.h>
 #include <talus/mrpt/obstacles.h>
 #include <talus/mrpt/parameters_ini.h>
+#include <talus/number_text.h>
 
 #include <array>
 #include <limits>
@@ -61,10 +61,17 @@ CellPolicy policy_from(
   detail::refuse_value(c, section, key, "free, near or obstacle");
 }
 
+/** The name, or the number where there is none. */
+std::string text_of(CellPolicy policy)
+{
+  const auto i = static_cast<std::size_t>(policy);
+  return i < kPolicyNames.size() ? kPolicyNames[i] : std::to_string(static_cast<int>(policy));
+}
+
 std::string allowed(const Number& n)
 {
   if (n.max == 1) return "from 0 to 1";
-  return n.min == -kAny ? "a finite number" : mrpt::format("a finite number, %g or more", n.min);
+  return n.min == -kAny ? "a finite number" : "a finite number, " + number_text(n.min) + " or more";
 }
 
 std::vector<std::string> known_keys()
@@ -96,11 +103,9 @@ void ObstacleOptions::loadFromConfigFile(
 
 void ObstacleOptions::saveToConfigFile(mrpt::config::CConfigFileBase& c, const std::string& s) const
 {
-  for (const auto& n : kNumbers) c.write(s, n.name, this->*n.value, -1, 12, n.meaning);
+  for (const auto& n : kNumbers) c.write(s, n.name, number_text(this->*n.value), -1, 12, n.meaning);
   for (const auto& choice : kChoices)
-    c.write(
-        s, choice.name, std::string(kPolicyNames[static_cast<std::size_t>(this->*choice.value)]),
-        -1, 12, choice.meaning);
+    c.write(s, choice.name, text_of(this->*choice.value), -1, 12, choice.meaning);
   c.write(s, "boundary_only", boundary_only, -1, 12, "leave out the inside of obstacles");
 }
 

@@ -1,6 +1,7 @@
 #include <mrpt/config/CConfigFileBase.h>
 #include <mrpt/system/string_utils.h>
 #include <talus/mrpt/parameters_ini.h>
+#include <talus/number_text.h>
 
 #include <algorithm>
 #include <set>
@@ -185,7 +186,7 @@ std::string parameters_as_markdown()
     out << "| `" << info.name << "` | " << parameter_text(defaults, info) << " | " << info.unit
         << " | ";
     if (info.choices.empty())
-      out << info.min << " to " << info.max;
+      out << number_text(info.min, 6) << " to " << number_text(info.max, 6);
     else
       for (std::size_t i = 0; i < info.choices.size(); i++)
         out << (i ? ", " : "") << info.choices[i];

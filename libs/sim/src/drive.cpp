@@ -1,9 +1,9 @@
+#include <talus/number_text.h>
 #include <talus/sim/drive.h>
 #include <talus/sim/random.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 
@@ -12,13 +12,6 @@ namespace talus::sim
 namespace
 {
 constexpr double kMaxFrames = 100000;
-
-std::string number(double v)
-{
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", v);
-  return text;
-}
 
 Scanner scanner_of(const World& world, const DriveOptions& options)
 {
@@ -53,8 +46,8 @@ Drive::Drive(const World& world, const DriveOptions& options)
   if (options.frames) frames = std::min(frames, static_cast<double>(*options.frames));
   if (!(frames <= kMaxFrames))
     throw std::runtime_error(
-        "world '" + world.name + "': the drive would have " + number(frames) + " frames (" +
-        number(duration_s) + " s at " + number(scanner_.rate_hz) +
+        "world '" + world.name + "': the drive would have " + number_text(frames) + " frames (" +
+        number_text(duration_s) + " s at " + number_text(scanner_.rate_hz) +
         " Hz), the limit is 100000; shorten robot.path_m or robot.duration_s");
   frames_ = static_cast<int>(frames);
 }

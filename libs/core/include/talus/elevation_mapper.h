@@ -76,6 +76,11 @@ class ElevationMapper
    * 1024 are taken. */
   explicit ElevationMapper(
       const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = 1);
+  /** The map of which save() gave `state`. Throws as above and as restore(), before it takes memory
+   * for a window that the state is none of. */
+  ElevationMapper(
+      const Parameters& parameters, const std::vector<std::uint8_t>& state,
+      Backend backend = Backend::Auto, int threads = 1);
   ~ElevationMapper();
   ElevationMapper(ElevationMapper&&) noexcept;
   ElevationMapper& operator=(ElevationMapper&&) noexcept;
@@ -141,6 +146,11 @@ class ElevationMapper
    * size or resolution; then nothing has changed. */
   std::vector<std::uint8_t> save() const;
   void restore(const std::vector<std::uint8_t>& bytes);
+
+  /** Whether save() gives so many bytes of a map with these parameters that has seen a frame, or
+   * did so in an earlier version: to be asked before they are read from a file. Throws
+   * std::invalid_argument if a parameter is out of range. */
+  static bool is_size_of_state(std::uint64_t bytes, const Parameters& parameters);
 
  private:
   struct Impl;

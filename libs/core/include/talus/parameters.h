@@ -4,6 +4,10 @@
 
 namespace talus
 {
+/** Most cells along a side of the window: indices of cells stay in 32 bits, the resident layers
+ * below 16 GB. */
+constexpr int kMostCellsASide = 16384;
+
 /** How the two one-sided estimates of a filled cell are combined (paper eq. 9, see
  * doc/concepts.md). */
 enum class FillRule : int
@@ -112,7 +116,7 @@ struct ParameterInfo
   double min, max;
   const char* description;
   double (*get)(const Parameters&);
-  void (*set)(Parameters&, double);
+  void (*set)(Parameters&, double);  //!< of a value that is allowed; set_parameter() looks
   bool is_integer;
   /** Names of the values 0, 1, ... of an enumeration, else empty. */
   std::vector<const char*> choices;
@@ -133,7 +137,12 @@ std::string nearest_parameter_name(const std::string& name);
  * Throws std::invalid_argument naming the parameter, the text, and what is allowed. */
 void set_parameter(Parameters& p, const std::string& name, const std::string& text);
 
-/** The value as set_parameter() reads it back. */
+/** The same of a number that was read elsewhere. Throws std::invalid_argument that names the
+ * parameter, the value and what is allowed. */
+void set_parameter(Parameters& p, const ParameterInfo& info, double value);
+
+/** The value as set_parameter() reads it back. Of a choice that is none of the names, which code
+ * can set: its number, and what it must be. */
 std::string parameter_text(const Parameters& p, const ParameterInfo& info);
 
 }  // namespace talus

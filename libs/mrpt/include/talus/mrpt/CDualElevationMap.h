@@ -30,7 +30,11 @@ namespace talus
  *
  * Inside a CMultiMetricMap its name is `terrain`: `terrain_count = 1`, sections
  * `[<name>_terrain_00_creationOpts]` (resolution, window, backend, threads), `_insertOpts`,
- * `_likelihoodOpts`, `_renderOpts`. Not thread safe. An empty map costs nothing to copy. */
+ * `_likelihoodOpts`, `_renderOpts`. Not thread safe. An empty map costs nothing to copy.
+ *
+ * Read from a stream that is damaged or made up, it throws and stays as it was; the memory that
+ * this takes grows with the bytes that are there, whatever they say. Options that are out of range
+ * are refused by name: when written or read, and where they are used. */
 class CDualElevationMap : public mrpt::maps::CMetricMap
 {
   DEFINE_SERIALIZABLE(CDualElevationMap, talus)
@@ -59,7 +63,8 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   bool isEmpty() const override;
   std::string asString() const override;
   /** Both surfaces as triangles named "ground" and "elevation", see TRenderOptions. Made once for
-   * each state of the map: scenes share the triangles. */
+   * each state of the map: scenes share the triangles. Throws std::invalid_argument for a
+   * renderOptions that is out of range. */
   void getVisualizationInto(mrpt_scene::CSetOfObjects& outObj) const override;
   /** Writes PREFIX.tif (all layers, GeoTIFF), PREFIX.png (picture) and PREFIX.3Dscene; nothing for
    * an empty map. Throws std::runtime_error naming the file. */
@@ -109,9 +114,11 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
         const mrpt::config::CConfigFileBase& source, const std::string& section) override;
     void saveToConfigFile(
         mrpt::config::CConfigFileBase& target, const std::string& section) const override;
+    /** Throws std::invalid_argument that names the first value out of its range. */
+    void validate() const;
     double sigma_m{0.05};  //!< standard deviation of a point, (0, 10] m
     double outlierRatio{0.1};  //!< (0, 1)
-    int decimation{10};  //!< takes one point of this many, >= 1
+    int decimation{10};  //!< takes one point of this many, 1 to 1000000
   };
   TLikelihoodOptions likelihoodOptions;
 
@@ -121,11 +128,14 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
         const mrpt::config::CConfigFileBase& source, const std::string& section) override;
     void saveToConfigFile(
         mrpt::config::CConfigFileBase& target, const std::string& section) const override;
+    /** Throws std::invalid_argument that names the first value out of its range. */
+    void validate() const;
     bool showGround{true};
     bool showElevation{true};  //!< with the ground shown: only where it stands above the ground
     bool colorByTraversability{true};  //!< red 0 to green 1, grey unknown; false: by height
     mrpt::img::TColormap colormap{mrpt::img::cmJET};  //!< of heights
-    int maxCells{512};  //!< along a side; larger windows are drawn with every n-th cell
+    int maxCells{
+        512};  //!< along a side, 2 to 1000000; larger windows are drawn with every n-th cell
   };
   TRenderOptions renderOptions;
 
@@ -153,7 +163,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   void applyOptions();
   void forgetDerived();
   void drawScene() const;
-  void readState(mrpt::serialization::CArchive& in);
+  void readVersion0(mrpt::serialization::CArchive& archive);
   void insertPoints(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base);
 
   Backend m_backend;

@@ -52,8 +52,8 @@ enum class Passage : std::uint8_t
 };
 
 /** What each cell of the window is, in the order of its layers. Throws std::invalid_argument for a
- * pose that is not finite and for an option that is NaN; so do all functions below, of a map that
- * is not empty. */
+ * pose that is not finite and for an option that is NaN or no CellPolicy; so do all functions
+ * below, of a map that is not empty. */
 std::vector<Passage> classify_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
 
