@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 #include <talus/elevation_mapper.h>
+#include <talus/number_text.h>
 
+#include <cmath>
+#include <limits>
 #include <utility>
+#include <vector>
 
 using namespace talus;
 
@@ -156,4 +160,46 @@ TEST(Parameters, OnlyANameThatIsNearIsOffered)
     EXPECT_EQ(std::string(e.what()).find("did you mean"), std::string::npos) << e.what();
     EXPECT_NE(std::string(e.what()).find("'foo'"), std::string::npos) << e.what();
   }
+}
+
+TEST(NumberText, is_what_people_and_programs_write)
+{
+  for (const auto& [text, value] : std::vector<std::pair<const char*, double>>{
+           {"0.10", 0.1}, {"+2", 2}, {"-.5", -0.5}, {"5.", 5}, {"1e-3", 1e-3}, {" 7", 7}, {"0", 0}})
+    EXPECT_EQ(number_from(text), value) << text;
+  for (const char* none :
+       {"", " ", "+", "-", "+-1", "++1", "0,1", "1 ", "1e", "1m", "0x10", "1e999", "."})
+    EXPECT_EQ(number_from(none), std::nullopt) << none;
+  EXPECT_TRUE(std::isinf(number_from("-inf").value()));
+  EXPECT_EQ(number_text(1.0 / 3), "0.3333333333");
+  EXPECT_EQ(number_text(1e-7, 3), "1e-07");
+  EXPECT_EQ(number_text(-1.7976931348623157e308, 17), "-1.7976931348623157e+308");
+  EXPECT_EQ(fixed_text(-1.7976931348623157e308, 3).size(), 314U);
+  EXPECT_EQ(fixed_text(0.125, 2), "0.12");
+  EXPECT_EQ(fixed_text(std::nan(""), 2), "nan");
+}
+
+TEST(Parameters, AChoiceThatIsNoneIsShownAsItsNumberAndRefused)
+{
+  Parameters p;
+  for (const int rule : {-1, 5, 77, 1000000, std::numeric_limits<int>::min()})
+  {
+    p.fill_rule = static_cast<FillRule>(rule);
+    const auto text = parameter_text(p, *find_parameter("fill_rule"));
+    EXPECT_EQ(text.find(number_text(rule) + " (must be one of printed"), 0U) << text;
+    EXPECT_NE(message_of(p).find("fill_rule = " + number_text(rule)), std::string::npos);
+  }
+}
+
+TEST(Parameters, ANumberThatIsNotAllowedIsNotSet)
+{
+  for (const auto& info : parameter_table())
+    for (const double bad : {std::nan(""), -1e300, 1e300})
+    {
+      Parameters p;
+      EXPECT_THROW(set_parameter(p, info, bad), std::invalid_argument) << info.name;
+      EXPECT_EQ(info.get(p), info.get(Parameters())) << info.name;
+    }
+  Parameters p;
+  EXPECT_THROW(set_parameter(p, *find_parameter("fill_rule"), 0.5), std::invalid_argument);
 }

@@ -1,4 +1,5 @@
 #include "fields.h"
+#include <talus/number_text.h>
 
 #include <algorithm>
 #include <cmath>
@@ -127,17 +128,14 @@ YAML::Node Fields::node(const std::string& key) const
 
 double Fields::to_number(const YAML::Node& node, const std::string& key, Range range) const
 {
-  double value = 0;
-  if (!node.IsScalar() || !YAML::convert<double>::decode(node, value) || !std::isfinite(value))
+  const auto value = node.IsScalar() ? number_from(node.Scalar()) : std::nullopt;
+  if (!value || !std::isfinite(*value))
     fail(node, "key '" + key + "': '" + text_of(node) + "' is not a number");
-  if (value < range.min || value > range.max)
-  {
-    std::ostringstream msg;
-    msg << "key '" << key << "': " << value << " is not in [" << range.min << ", " << range.max
-        << "]";
-    fail(node, msg.str());
-  }
-  return value;
+  if (*value < range.min || *value > range.max)
+    fail(
+        node, "key '" + key + "': " + number_text(*value, 6) + " is not in [" +
+                  number_text(range.min, 6) + ", " + number_text(range.max, 6) + "]");
+  return *value;
 }
 
 double Fields::number(const std::string& key, Range range) const
