@@ -154,7 +154,7 @@ void CDualElevationMap::TRenderOptions::loadFromConfigFile(
 
 void CDualElevationMap::TRenderOptions::validate() const
 {
-  const bool is_colormap = colormap >= 0 && colormap < static_cast<int>(kColormaps.size());
+  const bool is_colormap = colormap >= mrpt::img::cmGRAYSCALE && colormap <= mrpt::img::cmHOT;
   require(is_colormap, "colormap", colormap_text(colormap), kColormapChoices);
   require(
       maxCells >= kLeastMaxCells && maxCells <= kMost, "maxCells", std::to_string(maxCells),

@@ -81,7 +81,10 @@ CDualElevationMap::TRenderOptions read_render_options(StreamReader& in)
   o.showGround = in.flag(what);
   o.showElevation = in.flag(what);
   o.colorByTraversability = in.flag(what);
-  o.colormap = static_cast<mrpt::img::TColormap>(in.number<std::int32_t>(what));
+  const auto colormap = in.number<std::int32_t>(what);
+  if (colormap < mrpt::img::cmGRAYSCALE || colormap > mrpt::img::cmHOT)
+    in.fail("colormap = " + std::to_string(colormap));
+  o.colormap = static_cast<mrpt::img::TColormap>(colormap);
   o.maxCells = in.number<std::int32_t>(what);
   o.validate();
   return o;
