@@ -1,13 +1,13 @@
 // Streams that are damaged or made up: what they say is refused by name before memory is taken for
 // it, and what should have been replaced stays as it was. They are written here part by part.
 #include <mrpt/io/CMemoryStream.h>
-#include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/serialization/CArchive.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <talus/mrpt/CObservationTraversability.h>
 #include <unistd.h>
 #include <zlib.h>
+#include TALUS_SCENE_HEADER(CSetOfObjects.h)
 
 #include <functional>
 #include <limits>
@@ -401,7 +401,7 @@ TEST(OptionsSetInCode, are_shown_as_they_are_and_refused_where_they_are_used)
   EXPECT_TRUE(says(text.str(), "= 77 (must be one of printed exchanged")) << text.str();
   EXPECT_TRUE(says(text.str(), "colormap =  -1")) << text.str();
   EXPECT_FALSE(map.insertObservation(talus_test::scan_of_room({})));
-  mrpt::opengl::CSetOfObjects scene;
+  mrpt_scene::CSetOfObjects scene;
   EXPECT_THROW(map.getVisualizationInto(scene), std::invalid_argument);
   map.renderOptions = {};
   map.renderOptions.maxCells = std::numeric_limits<int>::max();

@@ -1,6 +1,6 @@
-#include <mrpt/core/format.h>
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/obstacles.h>
+#include <talus/number_text.h>
 
 #include <cmath>
 #include <stdexcept>
@@ -32,10 +32,11 @@ void require_exact_borders(const Window& w)
 {
   for (const double border_m : {w.min_x_m(), w.min_y_m()})
     if (std::abs(static_cast<float>(border_m) - border_m) > kMostShift_cells * w.resolution_m)
-      throw std::invalid_argument(mrpt::format(
-          "no costmap with cells of %g m can lie at (%.1f, %.1f) m, so far from the origin: MRPT "
-          "keeps its borders as floats; choose a map frame whose origin is near",
-          w.resolution_m, w.min_x_m(), w.min_y_m()));
+      throw std::invalid_argument(
+          "no costmap with cells of " + number_text(w.resolution_m, 6) + " m can lie at (" +
+          fixed_text(w.min_x_m(), 1) + ", " + fixed_text(w.min_y_m(), 1) +
+          ") m, so far from the origin: MRPT keeps its borders as floats; choose a map frame whose "
+          "origin is near");
 }
 }  // namespace
 
