@@ -153,6 +153,21 @@ TEST_F(TalusNav, says_blocked_when_the_goal_lies_in_a_box)
   EXPECT_EQ(drive("nav_indoor.yaml", "--goal 3,0.2 --timeout 60 --every 0 --output out"), 3);
 }
 
+TEST_F(TalusNav, arrives_at_goals_that_are_near)
+{
+  // The robot looks 27 degrees past them, so that the first arcs of the navigator do not lead
+  // there.
+  const std::string world =
+      "ground: [plane: {z_m: 0}]\nrobot: {path_m: [[0, 0], [1, 0.5]]}\n"
+      "sensor: {scanner: depth-camera, at_m: [0, 0, 0.68]}\n";
+  talus::test::write_bytes(path_of("near.yaml"), world);
+  for (const std::string mission :
+       {"0.05,0 --planner 2d", "0.5,0 --planner 2d", "0.5,0 --planner 3d", "0,0.5 --planner 2d"})
+    EXPECT_EQ(run("near.yaml --every 0 --output out --timeout 30 --goal " + mission), 0)
+        << mission << "\n"
+        << text("err.txt");
+}
+
 TEST_F(TalusNav, judges_collisions_by_the_truth_and_not_by_the_map)
 {
   // What a sensor without returns does not see is not in the map.

@@ -23,6 +23,51 @@ namespace
 constexpr double kSameTarget_m = 0.3;
 constexpr double kCreep_mps = 0.2, kCreepClear_m = 0.2;
 
+/** MRPT compiles the formulas of scores with the symbols of the first movement that it rates, and
+ * one that does not lead to the target (a near one, or one behind the robot) has hardly any. */
+void compile_formulas(mrpt::nav::CMultiObjectiveMotionOptimizerBase& decider)
+{
+  mrpt::nav::TCandidateMovementPTG no_movement;
+  for (const char* symbol :
+       {"clearance",
+        "clearance_50p",
+        "clearance_path",
+        "clearance_path_50p",
+        "dist_eucl_final",
+        "dist_eucl_min",
+        "collision_free_distance",
+        "eta",
+        "holo_stage_eval",
+        "hysteresis",
+        "is_PTG_cont",
+        "is_slowdown",
+        "move_cur_d",
+        "move_k",
+        "num_paths",
+        "original_col_free_dist",
+        "ptg_idx",
+        "ptg_priority",
+        "ref_dist",
+        "robpose_phi",
+        "robpose_x",
+        "robpose_y",
+        "target_d_norm",
+        "target_dir",
+        "target_k",
+        "WS_target_x",
+        "WS_target_y"})
+    no_movement.props[symbol] = 0;
+  mrpt::nav::CMultiObjectiveMotionOptimizerBase::TResultInfo ignored;
+  try
+  {
+    decider.decide({no_movement}, ignored);
+  }
+  catch (const std::exception&)  // what is wrong with a formula is told by the first step
+  {
+    decider.clear();
+  }
+}
+
 /** A navigator that prints nothing, and keeps the first error that it would print in `error`. */
 template <class Navigator>
 struct Quiet : Navigator
@@ -40,6 +85,12 @@ struct Quiet : Navigator
         {
           if (level >= mrpt::system::LVL_ERROR && error.empty()) error = text;
         });
+  }
+
+  void initialize() override
+  {
+    Navigator::initialize();
+    compile_formulas(*this->m_multiobjopt);
   }
 };
 
