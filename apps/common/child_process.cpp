@@ -1,6 +1,9 @@
 #include "child_process.h"
 
+#include "suspect.h"
+
 #include <sys/prctl.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -41,6 +44,7 @@ void on_signal(int signal)
 
 ChildEnd run_in_child(const std::function<int()>& work)
 {
+  Suspect::forget();
   std::cout.flush();
   std::fflush(nullptr);
   const pid_t child = ::fork();
@@ -85,11 +89,20 @@ std::string signal_text(int signal)
 
 std::string crash_text(const std::string& log, int signal)
 {
+  Suspect::Named suspect = Suspect::newest();
+  if (suspect.file.empty()) suspect = {log, kLookAtLog};
   if (signal == SIGKILL)
-    return log + ": was killed, perhaps for want of memory; it gives no results";
-  return log + ": crashed the program (" + signal_text(signal) +
-         "); it gives no results. The file is probably corrupt: compare it with its source, or "
-         "look at it with rawlog-edit --info";
+    return suspect.file + ": was killed, perhaps for want of memory; it gives no results";
+  const std::string what = signal == SIGPROF ? "computing over it did not come to an end"
+                                             : "crashed the program (" + signal_text(signal) + ")";
+  return suspect.file + ": " + what + "; it gives no results. " + suspect.advice;
+}
+
+void limit_computing(int seconds)
+{
+  itimerval limit{};
+  limit.it_value.tv_sec = seconds;
+  ::setitimer(ITIMER_PROF, &limit, nullptr);
 }
 
 }  // namespace talus::app

@@ -25,7 +25,13 @@ int stop_signal();
 /** E.g. "signal 11, Segmentation fault". */
 std::string signal_text(int signal);
 
-/** What to tell of a log over which a child was ended by a signal. */
+/** What to tell of a child that was ended by a signal: which file it is put down to (see Suspect;
+ * else to `log`), and what to do. */
 std::string crash_text(const std::string& log, int signal);
+
+/** The process that calls this is ended by a signal, which crash_text() explains, where it computes
+ * for longer than so many seconds (of all its threads) until it calls it again: what comes from a
+ * wrong file may never end. */
+void limit_computing(int seconds);
 
 }  // namespace talus::app

@@ -21,12 +21,4 @@ class MemoryLimit
   bool is_set_ = false;
 };
 
-/** Reads an observation, or all poses of a log, with more memory than such things ever need. */
-template <class F>
-auto read_with_limit(const F& read)
-{
-  const MemoryLimit limit(std::size_t{2} << 30);
-  return read();
-}
-
 }  // namespace talus::app

@@ -1,5 +1,7 @@
 #include "progress_bar.h"
 
+#include "printable.h"
+
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -19,7 +21,7 @@ int terminal_columns()
 }  // namespace
 
 ProgressBar::ProgressBar(std::string label, bool wanted)
-    : label_(std::move(label)), on_(wanted && ::isatty(STDERR_FILENO))
+    : label_(printable(label)), on_(wanted && ::isatty(STDERR_FILENO))
 {
 }
 
@@ -38,7 +40,8 @@ void ProgressBar::show(double fraction, const std::string& words)
   fraction = std::clamp(fraction, 0.0, 1.0);
   const int filled = static_cast<int>(std::lround(fraction * kWidth));
   std::string line = label_ + " [" + std::string(filled, '#') + std::string(kWidth - filled, '.') +
-                     "] " + std::to_string(static_cast<int>(100 * fraction)) + " %  " + words;
+                     "] " + std::to_string(static_cast<int>(100 * fraction)) + " %  " +
+                     printable(words);
   line.resize(std::min(line.size(), static_cast<std::size_t>(std::max(1, terminal_columns() - 1))));
   std::fprintf(stderr, "\r%s\033[K", line.c_str());
   std::fflush(stderr);

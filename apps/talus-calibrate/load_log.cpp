@@ -1,7 +1,7 @@
 #include "load_log.h"
 
 #include "../common/log_name.h"
-#include "../common/memory_limit.h"
+#include "../common/suspect.h"
 
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/observation_points.h>
@@ -25,9 +25,10 @@ io::Trajectory load_poses(const AppOptions& o, std::string& source)
 {
   const std::string beside = app::trajectory_beside(o.log);
   std::error_code ec;
-  if (o.trajectory.empty() && !fs::is_regular_file(beside, ec))
+  if (o.trajectory.empty() && !fs::exists(beside, ec))
   {
-    auto trajectory = io::trajectory_from_rawlog(o.log, &source);
+    auto trajectory = app::guarded(
+        o.log, app::kLookAtLog, [&] { return io::trajectory_from_rawlog(o.log, &source); });
     source += " of the log";
     if (trajectory.entries().size() >= 2) return trajectory;
     throw std::runtime_error(
@@ -35,7 +36,8 @@ io::Trajectory load_poses(const AppOptions& o, std::string& source)
         beside);
   }
   source = o.trajectory.empty() ? beside : o.trajectory;
-  auto trajectory = io::Trajectory::load(source);
+  auto trajectory =
+      app::guarded(source, app::kCompareWithSource, [&] { return io::Trajectory::load(source); });
   if (trajectory.entries().size() < 2)
     throw std::runtime_error(
         source + ": number of poses: " + std::to_string(trajectory.entries().size()) +
@@ -122,13 +124,14 @@ class Loader
 
 LoadedLog load_log(const AppOptions& options, const std::function<void(double)>& progress)
 {
-  const auto reader =
-      app::read_with_limit([&] { return std::make_unique<io::RawlogReader>(options.log); });
+  const auto reader = app::guarded(
+      options.log, app::kLookAtLog,
+      [&] { return std::make_unique<io::RawlogReader>(options.log); });
   std::string source;
-  PoseTrack track(
-      app::read_with_limit([&] { return load_poses(options, source); }), options.max_gap_s);
+  PoseTrack track(load_poses(options, source), options.max_gap_s);
   Loader loader(options);
-  while (const auto obs = app::read_with_limit([&] { return reader->next(); }))
+  while (const auto obs =
+             app::guarded(options.log, app::kLookAtLog, [&] { return reader->next(); }))
   {
     loader.take(*obs);
     progress(reader->progress());

@@ -1,7 +1,9 @@
 // talus-calibrate: the mounting, the clock and the noise of a sensor, from the log of a drive.
 #include "../common/child_process.h"
 #include "../common/output_folder.h"
+#include "../common/printable.h"
 #include "../common/progress_bar.h"
+#include "../common/suspect.h"
 #include "load_log.h"
 #include "options.h"
 #include "outputs.h"
@@ -23,6 +25,7 @@ using talus::app::OutputFolder;
 
 namespace
 {
+constexpr const char* kShorterLog = "Try a part of the log, which rawlog-edit --cut makes";
 constexpr double kReading = 0.4;  // share of the time
 
 void write_results(
@@ -92,7 +95,7 @@ int calibrate_or_tell(const AppOptions& options, const OutputFolder& output)
   }
   catch (const std::exception& e)
   {
-    print_error(output.told(e.what()));
+    print_error(output.told(talus::app::failure_text(e, options.log, kShorterLog)));
     return 1;
   }
 }
@@ -120,6 +123,7 @@ int run(const AppOptions& options)
 
 int main(int argc, char** argv)
 {
+  const talus::app::PrintableOutput printable;
   AppOptions options;
   if (const auto code = parse_options(argc, argv, options)) return *code;
   try
@@ -128,7 +132,7 @@ int main(int argc, char** argv)
   }
   catch (const std::exception& e)
   {
-    print_error(e.what());
+    print_error(talus::app::failure_text(e, options.log, kShorterLog));
     return 1;
   }
 }

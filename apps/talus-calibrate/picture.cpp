@@ -1,17 +1,14 @@
 #include "picture.h"
 
-#include <talus/io/atomic_file.h>
+#include <talus/io/map_picture.h>
 
 #include <picture_canvas.h>
 #include <picture_panel.h>
-
-#include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
-#include <string_view>
 
 namespace talus::calibrate
 {
@@ -141,10 +138,7 @@ void write_picture(const std::string& path, const std::string& title, const Resu
   draw_diagram(canvas, 0, result.held_out, &RangeBin::thickness_m, "thickness of the ground [mm]");
   draw_diagram(
       canvas, 1, result.held_out, &RangeBin::offset_m, "seen too high or too low [mm], median");
-  std::vector<uchar> png;
-  if (!cv::imencode(".png", canvas.image(), png))
-    throw std::runtime_error(path + ": cannot make this picture");
-  io::write_file(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+  io::write_png(path, canvas.image());
 }
 
 }  // namespace talus::calibrate

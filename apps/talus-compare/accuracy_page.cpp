@@ -1,6 +1,7 @@
+#include <talus/input_file.h>
+
+#include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <system_error>
 
@@ -15,23 +16,14 @@ const std::string kMarker = "<!-- below: written by talus-compare --markdown -->
 /** What people wrote above the marker; the marker itself not. */
 std::string hand_written(const std::string& path)
 {
-  std::string all;
-  bool is_read = false;
-  std::ifstream in(path, std::ios::binary);
-  try
-  {
-    all.assign(std::istreambuf_iterator<char>(in), {});
-    is_read = in.is_open();
-  }
-  catch (const std::ios_base::failure&)
-  {
-  }
+  namespace fs = std::filesystem;
+  constexpr std::uint64_t kMost_bytes = 16 << 20;
   std::error_code none;
-  if (!is_read && std::filesystem::exists(path, none))
-    throw std::runtime_error(
-        "'" + path + "' cannot be read, and what it says would be lost; give another --markdown");
+  const bool is_new = !fs::exists(path, none);
+  if (is_new || (fs::is_regular_file(path, none) && fs::file_size(path, none) == 0)) return {};
+  const std::string all = read_input_file(path, "page (--markdown)", kMost_bytes);
   const auto marker = all.find(kMarker);
-  if (marker == std::string::npos && !all.empty())
+  if (marker == std::string::npos)
     throw std::runtime_error(
         "'" + path + "' is no page of talus-compare; give another --markdown, or add the line '" +
         kMarker + "' to it: what stands below that line is replaced");

@@ -1,7 +1,7 @@
 #include "log_sequence.h"
 
 #include "../common/log_name.h"
-#include "../common/memory_limit.h"
+#include "../common/suspect.h"
 
 #include <talus/io/geotiff.h>
 #include <talus/io/rawlog_reader.h>
@@ -23,10 +23,14 @@ constexpr double kMaxGap_s = 0.5;
 
 io::Trajectory poses_of(const std::string& path, const std::string& trajectory)
 {
-  if (!trajectory.empty()) return io::Trajectory::load(trajectory);
   const std::string beside = app::trajectory_beside(path);
   std::error_code none;
-  return fs::exists(beside, none) ? io::Trajectory::load(beside) : io::trajectory_from_rawlog(path);
+  const std::string file = !trajectory.empty()        ? trajectory
+                           : fs::exists(beside, none) ? beside
+                                                      : std::string();
+  if (file.empty())
+    return app::guarded(path, app::kLookAtLog, [&] { return io::trajectory_from_rawlog(path); });
+  return app::guarded(file, app::kCompareWithSource, [&] { return io::Trajectory::load(file); });
 }
 
 ScanFrame frame_from(SensorPoints& points, const mrpt::poses::CPose3D& T_map_base)
@@ -54,14 +58,14 @@ const std::vector<float>& band(
 
 Sequence read_log(const std::string& path, const std::string& trajectory, const std::string& sensor)
 {
-  const io::Trajectory poses = app::read_with_limit([&] { return poses_of(path, trajectory); });
+  const io::Trajectory poses = poses_of(path, trajectory);
   if (poses.empty())
     throw std::runtime_error("'" + path + "' holds no poses; pass --trajectory FILE");
   const auto reader =
-      app::read_with_limit([&] { return std::make_unique<io::RawlogReader>(path); });
+      app::guarded(path, app::kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(path); });
   Sequence sequence;
   sequence.name = app::name_of_log(path);
-  while (const auto obs = app::read_with_limit([&] { return reader->next(); }))
+  while (const auto obs = app::guarded(path, app::kLookAtLog, [&] { return reader->next(); }))
   {
     if (!sensor.empty() && obs->sensorLabel != sensor) continue;
     SensorPoints points;
@@ -80,7 +84,8 @@ Sequence read_log(const std::string& path, const std::string& trajectory, const 
 
 TruthMap read_truth(const std::string& path, const Parameters& parameters)
 {
-  const io::LayerStack stack = io::read_geotiff(path);
+  const io::LayerStack stack =
+      app::guarded(path, app::kCompareWithSource, [&] { return io::read_geotiff(path); });
   if (std::abs(stack.resolution_m - parameters.resolution_m) > 1e-6)
     throw std::runtime_error(
         "'" + path + "' has cells of " + std::to_string(stack.resolution_m) + " m, the maps of " +

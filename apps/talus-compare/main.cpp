@@ -7,7 +7,9 @@
 #include "../common/child_process.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
+#include "../common/printable.h"
 #include "../common/progress_bar.h"
+#include "../common/suspect.h"
 #include "log_sequence.h"
 #include "options.h"
 #include "pictures.h"
@@ -23,6 +25,14 @@ bool is_world(const std::string& path)
 {
   const fs::path extension = fs::path(path).extension();
   return extension == ".yaml" || extension == ".yml";
+}
+
+constexpr const char* kLessToCompare = "Try a shorter log or way, or fewer --methods";
+
+talus::sim::World world_of(const std::string& path)
+{
+  return talus::app::guarded(
+      path, talus::app::kCompareWithSource, [&] { return talus::sim::load_world(path); });
 }
 
 /** A damaged log can crash MRPT: reads it in another process first. */
@@ -51,7 +61,7 @@ void compare_log(const std::string& path, const CommandOptions& o, Comparison& o
   const EvaluationOptions& e = o.evaluation;
   if (!o.world.empty())
   {
-    const auto world = talus::sim::load_world(o.world);
+    const auto world = world_of(o.world);
     const TruthMap truth = truth_of(world, e);
     out.evaluations.push_back(evaluate_sequence(sequence, &truth, &world, e));
   }
@@ -79,14 +89,14 @@ bool compare_input(const std::string& path, const CommandOptions& o, Comparison&
     named.evaluation.progress = [&](int done, int total)
     { bar.show(static_cast<double>(done) / total, "frame " + std::to_string(done)); };
     if (is_world(path))
-      out.evaluations.push_back(evaluate_world(talus::sim::load_world(path), named.evaluation));
+      out.evaluations.push_back(evaluate_world(world_of(path), named.evaluation));
     else
       compare_log(path, named, out);
     return true;
   }
   catch (const std::exception& e)
   {
-    std::cerr << "talus-compare: " << e.what() << "\n";
+    std::cerr << "talus-compare: " << talus::app::failure_text(e, path, kLessToCompare) << "\n";
     return false;
   }
 }
@@ -168,6 +178,7 @@ std::string command_text(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
+  const talus::app::PrintableOutput printable;
   CommandOptions options;
   if (const auto exit_code = parse_options(argc, argv, options)) return *exit_code;
   if (options.quiet) std::clog.setstate(std::ios::failbit);  // tells which backend was taken
@@ -177,7 +188,8 @@ int main(int argc, char** argv)
   }
   catch (const std::exception& e)
   {
-    std::cerr << "talus-compare: " << e.what() << "\n";
+    std::cerr << "talus-compare: " << talus::app::failure_text(e, options.output, kLessToCompare)
+              << "\n";
     return 1;
   }
 }

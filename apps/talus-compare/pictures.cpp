@@ -1,10 +1,9 @@
 #include "pictures.h"
 
-#include <talus/io/atomic_file.h>
+#include <talus/io/map_picture.h>
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
@@ -138,14 +137,6 @@ void draw_patch(cv::Mat& canvas, int x, const std::string& text, const cv::Vec3b
   write_text(canvas, text, {x + 32, y + 13});
 }
 
-void write_png(const std::string& path, const cv::Mat& canvas)
-{
-  io::AtomicFile file(path);
-  if (!cv::imwrite(file.temporary_path(), canvas))
-    throw std::runtime_error("'" + path + "' cannot be written");
-  file.commit();
-}
-
 /** Range of colours of one world: that of the true ground, or of what was measured. */
 std::pair<float, float> height_range(const Snapshot& s)
 {
@@ -187,7 +178,7 @@ void write_maps_picture(const std::string& path, const std::vector<Evaluation>& 
       [](float t) { return traversability_color(0.01f + 0.99f * t); });
   draw_patch(canvas, x, "impassable", traversability_color(0));
   draw_patch(canvas, x + 150, "unknown", kUnknownColor);
-  write_png(path, canvas);
+  io::write_png(path, canvas);
 }
 
 void write_fills_picture(const std::string& path, const std::vector<Evaluation>& evaluations)
@@ -218,7 +209,7 @@ void write_fills_picture(const std::string& path, const std::vector<Evaluation>&
       canvas, kName_px, "lowest ground of the world", "highest",
       [](float t) { return height_color(t, 0, 1); });
   draw_patch(canvas, x, "unknown", kUnknownColor);
-  write_png(path, canvas);
+  io::write_png(path, canvas);
 }
 
 }  // namespace talus::baselines

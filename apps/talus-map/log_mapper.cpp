@@ -1,6 +1,6 @@
 #include "log_mapper.h"
 
-#include "../common/memory_limit.h"
+#include "../common/suspect.h"
 
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/CObservationTraversability.h>
@@ -102,10 +102,11 @@ LogMapper::LogMapper(const Job& job, const Options& options, const Settings& set
 
 void LogMapper::run(const OnFrame& on_frame)
 {
-  const auto reader = read_with_limit([&] { return std::make_unique<io::RawlogReader>(log_); });
-  poses_ = read_with_limit([&] { return PoseSource::of_log(log_, options_); });
+  const auto reader =
+      guarded(log_, kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(log_); });
+  poses_ = PoseSource::of_log(log_, options_);
   run_.pose_source = poses_.description();
-  while (const auto obs = read_with_limit([&] { return reader->next(); }))
+  while (const auto obs = guarded(log_, kLookAtLog, [&] { return reader->next(); }))
     if (take(*obs)) on_frame(*this, reader->progress());
   if (run_.frames.empty()) explain_no_frames();
   require_points();

@@ -2,14 +2,15 @@
 #include "../common/child_process.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
+#include "../common/printable.h"
 #include "job.h"
 #include "options.h"
 #include "run_job.h"
 #include "settings.h"
 
-#include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <iostream>
 #include <string>
 #include <vector>
 
@@ -36,13 +37,13 @@ int run_batch(const std::vector<Job>& jobs, const Options& options, const Settin
     if (!run_job(jobs[i], options, settings, label))
       failed.push_back(jobs[i].log);
     else if (!options.quiet)
-      std::printf("  wrote   %s\n", (std::filesystem::path(jobs[i].folder) / "map.png").c_str());
+      std::cout << "  wrote   " << (std::filesystem::path(jobs[i].folder) / "map.png").string()
+                << "\n";
     if (stop_signal()) return 128 + stop_signal();
   }
   if (jobs.size() > 1 && !options.quiet)
-    std::printf(
-        "%zu logs: %zu done, %zu failed\n", jobs.size(), jobs.size() - failed.size(),
-        failed.size());
+    std::cout << jobs.size() << " logs: " << jobs.size() - failed.size() << " done, "
+              << failed.size() << " failed\n";
   if (jobs.size() > 1 && !failed.empty())
   {
     std::string list;
@@ -77,6 +78,7 @@ int run(const Options& options)
 
 int main(int argc, char** argv)
 {
+  const PrintableOutput printable;
   Options options;
   if (const auto code = parse_options(argc, argv, options)) return *code;
   return run(options);

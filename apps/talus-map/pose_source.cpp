@@ -1,6 +1,7 @@
 #include "pose_source.h"
 
 #include "../common/log_name.h"
+#include "../common/suspect.h"
 
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/pose_from.h>
@@ -40,17 +41,20 @@ PoseSource PoseSource::of_log(const std::string& log, const Options& options)
     source.robot_is_static_ = true;
     source.description_ = "static";
   }
-  else if (!options.trajectory.empty() || fs::is_regular_file(beside, ec))
+  else if (!options.trajectory.empty() || fs::exists(beside, ec))
   {
     source.description_ = options.trajectory.empty() ? beside : options.trajectory;
-    source.trajectory_ = io::Trajectory::load(source.description_);
+    source.trajectory_ = guarded(
+        source.description_, kCompareWithSource,
+        [&] { return io::Trajectory::load(source.description_); });
     if (source.trajectory_.empty())
       throw std::runtime_error(
           source.description_ + ": holds no poses; a trajectory has lines 't x y z qx qy qz qw'");
   }
   else
   {
-    source.trajectory_ = io::trajectory_from_rawlog(log, &source.description_);
+    source.trajectory_ = guarded(
+        log, kLookAtLog, [&] { return io::trajectory_from_rawlog(log, &source.description_); });
     source.description_ += " of the log";
     if (source.trajectory_.empty())
       throw std::runtime_error(

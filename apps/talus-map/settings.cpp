@@ -1,17 +1,15 @@
 #include "settings.h"
 
+#include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/mrpt/parameters_ini.h>
 
 #include <mrpt/config/CConfigFile.h>
 #include <mrpt/system/string_utils.h>
 
-#include <filesystem>
-#include <fstream>
+#include <cstdint>
 #include <set>
 #include <stdexcept>
-
-namespace fs = std::filesystem;
 
 namespace talus::app
 {
@@ -57,23 +55,10 @@ std::string find_prefix(const std::string& file, const mrpt::config::CConfigFile
       "_insertOpts]; put the parameters into these");
 }
 
-void require_file(const std::string& path)
-{
-  std::error_code ec;
-  if (!fs::exists(path, ec))
-    throw std::runtime_error(path + ": no such file; check the path given to --config");
-  if (fs::is_directory(path, ec))
-    throw std::runtime_error(path + ": is a directory; give an INI file to --config");
-  if (!fs::is_regular_file(path, ec))  // to open a pipe may wait for ever
-    throw std::runtime_error(
-        path + ": is a pipe or a device; save it as a file and give that to --config");
-  if (!std::ifstream(path))
-    throw std::runtime_error(path + ": cannot be opened; check its permissions");
-}
-
 mrpt::config::CConfigFile parsed(const std::string& path)
 {
-  require_file(path);
+  constexpr std::uint64_t kMost_bytes = 1 << 20;
+  read_input_file(path, "configuration (--config)", kMost_bytes);
   try
   {
     return mrpt::config::CConfigFile(path);

@@ -6,7 +6,9 @@
 #include "../common/interrupt.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
+#include "../common/printable.h"
 #include "../common/progress_bar.h"
+#include "../common/suspect.h"
 #include "options.h"
 
 namespace fs = std::filesystem;
@@ -17,6 +19,7 @@ using namespace talus::sim;
 using namespace talus::app;
 
 constexpr double kTruthMargin_m = 6.0;
+constexpr const char* kSimplerWorld = "Try one with fewer things and a shorter way in it";
 
 TruthWindow window_of(const Options& o, const Drive& drive)
 {
@@ -56,7 +59,7 @@ void write_files(
 /** All files appear together, or none. */
 void simulate(const Options& o)
 {
-  const World world = load_world(o.world);
+  const World world = guarded(o.world, kSimplerWorld, [&] { return load_world(o.world); });
   const Drive drive(world, o.drive);
   const TruthWindow window = window_of(o, drive);
   require_writable(o.output);
@@ -77,16 +80,18 @@ void simulate(const Options& o)
   interrupt.check();
   folder.commit();
   if (o.quiet) return;
-  std::printf(
-      "%s: %d frames of %s over %.1f m -> %s\n", world.name.c_str(), drive.frames(),
-      drive.scanner().name.c_str(), drive.path().distance_m(end_s),
-      (fs::path(o.output) / (name_of_world(o.world) + ".rawlog")).c_str());
+  char way[40];
+  std::snprintf(way, sizeof way, "%.1f m", drive.path().distance_m(end_s));
+  std::cout << world.name << ": " << drive.frames() << " frames of " << drive.scanner().name
+            << " over " << way << " -> "
+            << (fs::path(o.output) / (name_of_world(o.world) + ".rawlog")).string() << "\n";
 }
 
 }  // namespace
 
 int main(int argc, char** argv)
 {
+  const PrintableOutput printable;
   Options options;
   if (const auto exit_code = parse_options(argc, argv, options)) return *exit_code;
   try
@@ -100,7 +105,7 @@ int main(int argc, char** argv)
   }
   catch (const std::exception& e)
   {
-    std::cerr << "talus-sim: " << e.what() << "\n";
+    std::cerr << "talus-sim: " << failure_text(e, options.world, kSimplerWorld) << "\n";
     return 1;
   }
   return 0;

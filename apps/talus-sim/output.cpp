@@ -4,6 +4,7 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/poses/CPose3DQuat.h>
 #include <mrpt/serialization/CArchive.h>
+#include <talus/io/atomic_file.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/gz_file.h>
 #include <talus/io/mrpt_error.h>
@@ -12,7 +13,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <stdexcept>
 #include <utility>
 
@@ -74,7 +74,8 @@ void write_rawlog(
     const std::function<void(int)>& progress)
 {
   mrpt::io::CFileGZOutputStream file;
-  if (!file.open(path, 1)) throw std::runtime_error("'" + path + "' cannot be written");
+  if (!file.open(path, 1))
+    throw std::runtime_error(path + ": cannot be written; is the disk full? Free some space there");
   auto archive = mrpt::serialization::archiveFrom(file);
   for (int i = 0; i < drive.frames(); ++i)
   {
@@ -86,7 +87,7 @@ void write_rawlog(
     catch (const std::exception& e)
     {
       throw std::runtime_error(
-          "'" + path + "' could not be written (" + io::reason_of(e) +
+          path + ": could not be written (" + io::reason_of(e) +
           "); is the disk full? Free some space there");
     }
     progress(i + 1);
@@ -97,8 +98,7 @@ void write_rawlog(
 
 void write_tum(const std::string& path, const Drive& drive, bool noisy)
 {
-  std::ofstream out(path);
-  out << "# t[s] x[m] y[m] z[m] qx qy qz qw of the base in the map\n";
+  std::string text = "# t[s] x[m] y[m] z[m] qx qy qz qw of the base in the map\n";
   for (int i = 0; i < drive.frames(); ++i)
   {
     const mrpt::poses::CPose3DQuat p(
@@ -108,10 +108,9 @@ void write_tum(const std::string& path, const Drive& drive, bool noisy)
     std::snprintf(
         line, sizeof(line), "%.6f %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n",
         mrpt::Clock::toDouble(stamp_of(drive, i)), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.r());
-    out << line;
+    text += line;
   }
-  out.close();
-  if (!out) throw std::runtime_error("'" + path + "' cannot be written");
+  io::write_file(path, text);
 }
 
 void write_truth(const std::string& path, Truth truth, const World& world, double time_s)

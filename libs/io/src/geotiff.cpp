@@ -1,5 +1,6 @@
 #include <talus/io/geotiff.h>
 
+#include <talus/input_file.h>
 #include <talus/io/atomic_file.h>
 
 #include <cpl_conv.h>
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -52,6 +52,9 @@ class GdalErrors
 {
   throw std::runtime_error(path + ": " + what + (errors.any() ? ": " + errors.text() : ""));
 }
+
+constexpr const char* kNotWritten =
+    "cannot write this GeoTIFF; is the disk full? Free some space there";
 
 GDALDriver& geotiff_driver()
 {
@@ -169,16 +172,15 @@ void write_geotiff(
   for (std::size_t i = 0; i < stack.layers.size(); ++i)
     if (!write_band(
             *dataset->GetRasterBand(static_cast<int>(i) + 1), stack.names[i], stack.layers[i]))
-      fail(path, "cannot write this GeoTIFF", errors);
+      fail(path, kNotWritten, errors);
   dataset.reset();
-  if (errors.any()) fail(path, "cannot write this GeoTIFF", errors);
+  if (errors.any()) fail(path, kNotWritten, errors);
   file.commit();
 }
 
 LayerStack read_geotiff(const std::string& path)
 {
-  std::error_code ec;
-  if (!std::filesystem::exists(path, ec)) throw std::runtime_error(path + ": no such file");
+  require_readable_file(path, "GeoTIFF");
   geotiff_driver();
   GdalErrors errors;
   const char* const only_geotiff[] = {"GTiff", nullptr};

@@ -160,22 +160,27 @@ cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options)
   return canvas.image();
 }
 
+void write_png(const std::string& path, const cv::Mat& picture)
+{
+  std::vector<uchar> png;
+  if (!cv::imencode(".png", picture, png))
+    throw std::runtime_error(path + ": cannot make this picture");
+  write_file(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+}
+
 void write_map_picture(
     const std::string& path, const LayerStack& stack, const PictureOptions& options)
 {
-  std::vector<uchar> png;
-  bool encoded = false;
-  std::string reason;
+  cv::Mat picture;
   try
   {
-    encoded = cv::imencode(".png", draw_map(stack, options), png);
+    picture = draw_map(stack, options);
   }
   catch (const std::exception& e)
   {
-    reason = std::string(": ") + e.what();
+    throw std::runtime_error(path + ": cannot make this picture: " + e.what());
   }
-  if (!encoded) throw std::runtime_error(path + ": cannot make this picture" + reason);
-  write_file(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+  write_png(path, picture);
 }
 
 }  // namespace talus::io

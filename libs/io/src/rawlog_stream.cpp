@@ -3,6 +3,7 @@
 #include <mrpt/maps/registerAllClasses.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/obs/registerAllClasses.h>
+#include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <stdexcept>
 
 #include "archive.h"
-#include "input_file.h"
 
 namespace talus::io
 {

@@ -2,6 +2,7 @@
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/maps/registerAllClasses.h>
 #include <mrpt/obs/registerAllClasses.h>
+#include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/io/trajectory.h>
 
@@ -15,7 +16,6 @@
 
 #include "finite_pose.h"
 #include "archive.h"
-#include "input_file.h"
 
 using mrpt::poses::CPose3D;
 
@@ -140,13 +140,31 @@ void require_one_pose_a_time(std::vector<TumLine> lines, const std::string& path
   }
 }
 
+/** The next line, as std::getline() gives it, but no longer one than a comment may be: a file of
+ * another kind may have no end of a line at all. */
+bool next_line(std::istream& file, std::string& text, const std::string& path, std::size_t line)
+{
+  constexpr std::size_t kLongest = 1 << 16;
+  text.clear();
+  for (int c = file.get(); c != '\n'; c = file.get())
+  {
+    if (c == std::char_traits<char>::eof()) return !text.empty();
+    text += static_cast<char>(c);
+    if (text.size() > kLongest)
+      fail_at_line(
+          path, line, "no end of the line within 65536 bytes: this is no text file",
+          std::string("TUM lines are ") + kTumColumns + ", separated by blanks");
+  }
+  return true;
+}
+
 std::vector<TumLine> read_tum_lines(const std::string& path)
 {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // of editors on Windows
   std::ifstream file(path);
   std::vector<TumLine> lines;
   std::string text;
-  for (std::size_t line = 1; std::getline(file, text); ++line)
+  for (std::size_t line = 1; next_line(file, text, path, line); ++line)
   {
     std::string_view rest = text;
     if (line == 1 && rest.substr(0, 3) == kByteOrderMark) rest.remove_prefix(3);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -148,8 +149,9 @@ void require_sound_ini(
     const mrpt::config::CConfigFileBase& cfg, const std::vector<std::string>& sections)
 {
   const std::string file = detail::file_of(cfg);
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) return;  // to open a pipe may wait for ever
   const std::ifstream in(file, std::ios::binary);
-  if (file.empty() || !in) return;
   std::stringstream text;
   text << in.rdbuf();
   require_sound_ini(text.str(), file, sections);

@@ -101,9 +101,9 @@ GroundPartPtr image(const Fields& f)
         read_pgm(beside.string()), at[0], at[1], f.number("pixel_m", kPositive),
         f.number("min_m", kAny), f.number("max_m", kAny));
   }
-  catch (const std::invalid_argument& e)
+  catch (const std::exception& e)
   {
-    f.fail("file", e.what());
+    f.fail("file", std::string(e.what()));
   }
 }
 

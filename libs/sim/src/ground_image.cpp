@@ -1,3 +1,4 @@
+#include <talus/input_file.h>
 #include <talus/sim/ground.h>
 
 #include <algorithm>
@@ -112,8 +113,8 @@ GroundPartPtr make_image(
 
 HeightImage read_pgm(const std::string& path)
 {
+  require_readable_file(path, "height image");
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw std::invalid_argument("'" + path + "' cannot be read");
   std::string magic(2, ' ');
   in.read(magic.data(), 2);
   HeightImage image;

@@ -1,13 +1,11 @@
+#include <talus/input_file.h>
 #include <talus/sim/scanner.h>
 #include <yaml-cpp/depthguard.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
+#include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <iomanip>
-#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
@@ -189,21 +187,9 @@ World parse_world(const std::string& text, const std::string& file)
 
 World load_world(const std::string& path)
 {
-  std::error_code ec;
-  if (std::filesystem::is_directory(path, ec))
-    throw std::runtime_error("'" + path + "' is a directory; give a world file (.yaml)");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw std::runtime_error("'" + path + "' cannot be read; is the name right?");
-  std::string text;
-  try
-  {
-    text.assign(std::istreambuf_iterator<char>(in), {});
-  }
-  catch (const std::ios_base::failure&)  // not to be taken for the end of the file
-  {
-    throw std::runtime_error("'" + path + "' cannot be read to its end: " + std::strerror(errno));
-  }
-  return parse_world(text, path);
+  constexpr std::uint64_t kMost_bytes = 1
+                                        << 20;  // takes a hundred times as much memory once parsed
+  return parse_world(read_input_file(path, "world file", kMost_bytes), path);
 }
 
 }  // namespace talus::sim

@@ -18,6 +18,10 @@ struct PictureOptions
  * Throws std::runtime_error as LayerStack::require_sound() does. */
 cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options = {});
 
+/** Writes any picture, whole or not at all. Throws std::runtime_error naming the file, why, and
+ * what to do. */
+void write_png(const std::string& path, const cv::Mat& picture);
+
 /** draw_map() into a PNG, whole or not at all. Throws std::runtime_error naming the file and the
  * reason. */
 void write_map_picture(

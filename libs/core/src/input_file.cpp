@@ -1,4 +1,4 @@
-#include "input_file.h"
+#include <talus/input_file.h>
 
 #include <cerrno>
 #include <cstring>
@@ -9,7 +9,7 @@
 
 namespace fs = std::filesystem;
 
-namespace talus::io
+namespace talus
 {
 void require_readable_file(const std::string& path, const std::string& kind)
 {
@@ -22,10 +22,9 @@ void require_readable_file(const std::string& path, const std::string& kind)
   if (fs::is_directory(status))
     throw std::runtime_error(
         path + ": is a directory, not a " + kind + ". Name the file inside it.");
-  if (!fs::is_regular_file(status))  // to open a pipe may wait for ever
+  if (!fs::is_regular_file(status))
     throw std::runtime_error(
-        path + ": is a pipe or a device, and a " + kind +
-        " is read more than once. Save it as a file first.");
+        path + ": is a pipe or a device, not a " + kind + ". Save it as a file first.");
   errno = 0;
   if (!std::ifstream(path, std::ios::binary))
     throw std::runtime_error(
@@ -35,4 +34,22 @@ void require_readable_file(const std::string& path, const std::string& kind)
         path + ": is empty (0 bytes), not a " + kind + ". Copy or record it again.");
 }
 
-}  // namespace talus::io
+std::string read_input_file(
+    const std::string& path, const std::string& kind, std::uint64_t most_bytes)
+{
+  require_readable_file(path, kind);
+  const std::uint64_t size = fs::file_size(path);
+  if (size > most_bytes)
+    throw std::runtime_error(
+        path + ": has " + std::to_string(size) + " bytes, a " + kind + " at most " +
+        std::to_string(most_bytes) + ". Is it another file?");
+  std::string bytes(size, '\0');
+  std::ifstream in(path, std::ios::binary);
+  errno = 0;
+  if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
+    throw std::runtime_error(
+        path + ": cannot be read to its end (" + std::strerror(errno) + "). Copy it again.");
+  return bytes;
+}
+
+}  // namespace talus

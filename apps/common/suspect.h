@@ -1,0 +1,63 @@
+#pragma once
+#include <new>
+#include <stdexcept>
+#include <string>
+
+#include "memory_limit.h"
+
+namespace talus::app
+{
+/** While one lives, a crash of this process is put down to a file: MRPT may crash over what is
+ * damaged or makes no sense. Of several that live the newest counts; the parent of a child that
+ * crashed sees it too. Of the whole process: not for two threads at once. */
+class Suspect
+{
+ public:
+  /** `advice`: what to do, a sentence without its full stop. */
+  Suspect(const std::string& file, const std::string& advice);
+  ~Suspect();
+  Suspect(const Suspect&) = delete;
+  Suspect& operator=(const Suspect&) = delete;
+
+  struct Named
+  {
+    std::string file, advice;  //!< empty: there is none
+  };
+  /** The newest that lives, here or in the child that ran last, or that lived when it crashed. */
+  static Named newest();
+  /** Before a child is started: forgets that of a child before. */
+  static void forget();
+
+ private:
+  Named before_;
+};
+
+/** For files: what a person can do about a damaged one. */
+constexpr const char* kCompareWithSource = "It is probably damaged: compare it with its source";
+constexpr const char* kLookAtLog =
+    "It is probably damaged: compare it with its source, or look at it with rawlog-edit --info";
+
+/** Does what a wrong file may lead astray: with at most 2 GB more memory than now, which is more
+ * than any file needs, under suspicion of that file, and so that want of memory is told by its
+ * name. Throws std::runtime_error for that, and what `work` throws. */
+template <class F>
+auto guarded(const std::string& file, const std::string& advice, const F& work)
+{
+  const Suspect suspect(file, advice);
+  const MemoryLimit limit(std::size_t{2} << 30);
+  try
+  {
+    return work();
+  }
+  catch (const std::bad_alloc&)
+  {
+    throw std::runtime_error(file + ": needs more memory than there is (or 2 GB). " + advice);
+  }
+}
+
+/** What to tell of an exception. One for want of memory says nothing of its own: it is put down to
+ * `file`, with `advice`. */
+std::string failure_text(
+    const std::exception& e, const std::string& file, const std::string& advice);
+
+}  // namespace talus::app

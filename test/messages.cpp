@@ -1,0 +1,122 @@
+// What commands print: nothing that a terminal obeys, and the file that is to blame.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <iostream>
+#include <new>
+#include <sstream>
+
+#include "apps/common/child_process.h"
+#include "apps/common/printable.h"
+#include "apps/common/suspect.h"
+
+using namespace talus::app;
+
+TEST(Printable, TextStaysAsItIs)
+{
+  for (const std::string text : {"", "a b\tc\n", "Gr\u00fc\u00dfe \u20ac \U0001F916", "\\x1b"})
+    EXPECT_EQ(printable(text), text);
+}
+
+TEST(Printable, WhatATerminalObeysBecomesACode)
+{
+  EXPECT_EQ(printable("\x1b[31mred\r\x7f\a"), "\\x1b[31mred\\x0d\\x7f\\x07");
+  EXPECT_EQ(printable(std::string("\0", 1)), "\\x00");
+  EXPECT_EQ(printable("\u009b31m"), "\\xc2\\x9b31m") << "the same as ESC [, in one character";
+}
+
+TEST(Printable, BytesThatAreNoUtf8BecomeCodes)
+{
+  EXPECT_EQ(printable("a\xff\xfe"), "a\\xff\\xfe");
+  EXPECT_EQ(printable("\xc3"), "\\xc3") << "cut";
+  EXPECT_EQ(printable("\xe2\x82z"), "\\xe2\\x82z") << "cut";
+  EXPECT_EQ(printable("\xc0\x9b"), "\\xc0\\x9b") << "too long a form of ESC";
+  EXPECT_EQ(printable("\xe0\x80\x9b"), "\\xe0\\x80\\x9b") << "too long a form of ESC";
+  EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80") << "half of a pair";
+  EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80") << "beyond Unicode";
+}
+
+TEST(PrintableOutput, HoldsForAllThatIsPrintedWhileItLives)
+{
+  std::ostringstream shown;
+  auto* before = std::cerr.rdbuf(shown.rdbuf());
+  {
+    const PrintableOutput printable_output;
+    std::cerr << "sensor '\x1b]0;title\a'" << 7 << '\x1b' << std::endl;
+  }
+  std::cerr << "\x1b";
+  std::cerr.rdbuf(before);
+  EXPECT_EQ(shown.str(), "sensor '\\x1b]0;title\\x07'7\\x1b\n\x1b");
+}
+
+namespace
+{
+/** What is told of a child that crashed while it did this. */
+template <class F>
+std::string told(const F& work)
+{
+  return crash_text("a.rawlog", run_in_child(work).signal);
+}
+
+int crash()
+{
+  std::signal(SIGSEGV, SIG_DFL);  // a sanitizer catches it
+  return std::raise(SIGSEGV);
+}
+}  // namespace
+
+TEST(Suspect, IsBlamedForACrashOfTheChild)
+{
+  const auto with_suspect = []
+  {
+    const Suspect outer("b.yaml", "Mend it");
+    const Suspect inner("c.simplemap", "Copy it again");
+    return crash();
+  };
+  const std::string start = ": crashed the program (signal 11, Segmentation fault); it gives no ";
+  EXPECT_EQ(told(with_suspect), "c.simplemap" + start + "results. Copy it again");
+  const auto with_outer = []
+  {
+    const Suspect outer("b.yaml", "Mend it");
+    {
+      const Suspect inner("c.simplemap", "Copy it again");
+    }
+    return crash();
+  };
+  EXPECT_EQ(told(with_outer), "b.yaml" + start + "results. Mend it");
+  EXPECT_EQ(told(crash).rfind("a.rawlog" + start, 0), 0U) << "not that of the child before";
+}
+
+TEST(Suspect, IsBlamedForWantOfMemory)
+{
+  const auto take_all = [] { return std::string(std::size_t{1} << 45, 'x').size(); };
+  try
+  {
+    guarded("b.yaml", "Mend it", take_all);
+    FAIL() << "so much memory there is not";
+  }
+  catch (const std::runtime_error& e)
+  {
+    EXPECT_EQ(std::string(e.what()).rfind("b.yaml: needs more memory", 0), 0U) << e.what();
+  }
+  EXPECT_EQ(
+      failure_text(std::bad_alloc(), "b.yaml", "Mend it"),
+      "b.yaml: needs more memory than there is. Mend it");
+  EXPECT_EQ(failure_text(std::runtime_error("text"), "b.yaml", "Mend it"), "text");
+}
+
+TEST(ChildProcess, EndsWhereItComputesOnAndOn)
+{
+  const auto for_ever = []
+  {
+    const Suspect suspect("c.ini", "Mend it");
+    limit_computing(1);
+    for (volatile bool on = true; on;)
+    {
+    }
+    return 0;
+  };
+  EXPECT_EQ(
+      told(for_ever),
+      "c.ini: computing over it did not come to an end; it gives no results. Mend it");
+}
