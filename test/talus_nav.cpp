@@ -1,6 +1,7 @@
 // The command talus-nav, as a person runs it. Runs of many seeds are not tests: they take minutes.
 #include <gtest/gtest.h>
 #include <mrpt/nav/reactive/CLogFileRecord.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <talus/io/rawlog_stream.h>
 
@@ -28,11 +29,13 @@ struct Row
 class TalusNav : public testing::Test
 {
  protected:
-  int run(const std::string& arguments) const
+  /** `before` is put in front, e.g. "ulimit -f 1;". */
+  int run(const std::string& arguments, const std::string& before = "") const
   {
     const bool chooses = arguments.find("--backend") != std::string::npos;
-    const std::string command = "cd '" + (dir_ / "") + "' && '" TALUS_NAV_EXE "' " + arguments +
-                                (chooses ? "" : " --backend cpu") + " >out.txt 2>err.txt";
+    const std::string command = "cd '" + (dir_ / "") + "' && " + before + " '" TALUS_NAV_EXE "' " +
+                                arguments + (chooses ? "" : " --backend cpu") +
+                                " >out.txt 2>err.txt";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
@@ -265,7 +268,17 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
            {"2d", "ROBOT_MAX_V  0.7", "ROBOT_MAX_V  abc",
             "robotMax_V_mps = 'abc': must be a number (in section CAbstractPTGBasedReactive)"},
            {"2d", "NAV_MAX_REF_DIST   4.0", "NAV_MAX_REF_DIST   -4",
-            "ref_distance = '-4': must be above 0 (in section CAbstractPTGBasedReactive)"},
+            "ref_distance = '-4': must be from 0.5 to 50 (in section CAbstractPTGBasedReactive)"},
+           {"2d", "ROBOT_MAX_V  0.7", "ROBOT_MAX_V  1e308",
+            "robotMax_V_mps = '1e308': must be from 0.01 to 50 (in section "
+            "CAbstractPTGBasedReactive)"},
+           {"2d", "PTG1_resolution = 0.05", "PTG1_resolution = 0.001",
+            "PTG1_resolution = '0.001': must be from 0.005 to 1"},
+           {"2d", "NAV_MAX_REF_DIST   4.0", "NAV_MAX_REF_DIST   50.0",
+            "must be 0.1 or more, or PTG0_refDistance less: its grid would have"},
+           {"2d", "PTG0_K = 1.0", "PTG0_K = 0.5", "PTG0_K = '0.5': must be 1 or -1"},
+           {"2d", "RobotModel_shape2D_xs = -0.35", "RobotModel_shape2D_xs = -1e300",
+            "must be from -10 to 10"},
            {"2d", "PTG2_K = -1.0",
             "PTG2_K =", "PTG2_K = '': must be a number (in section CReactiveNavigationSystem)"},
            {"2d", "enable_obstacle_filtering                         = false",
@@ -277,7 +290,7 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
            {"2d", "RobotModel_shape2D_ys = 0.30",
             "RobotModel_shape2D_ys =", "must be as many numbers as RobotModel_shape2D_xs"},
            {"3d", "LEVEL2_HEIGHT = 0.25", "LEVEL2_HEIGHT = -0.25",
-            "LEVEL2_HEIGHT = '-0.25': must be above 0"},
+            "LEVEL2_HEIGHT = '-0.25': must be from 0.01 to 10"},
            {"2d", "\nnear_m        = 1.2", "\nnear_m = abc", "near_m = 'abc': must be"},
            {"2d", "\nresolution = 0.05", "\nresolution = 0.1",
             "resolution = 0.1 m: must be 0.05 m"},
@@ -303,7 +316,7 @@ TEST_F(TalusNav, says_what_mrpt_does_not_take_of_a_planner_configuration)
   const auto shipped = read_bytes(TALUS_SOURCE_DIR "/datasets/configs/reactive2d_config.ini");
   for (const auto& [was, is, message] : std::vector<std::array<std::string, 3>>{
            {"CPTG_DiffDrive_alpha", "CPTG_Nothing", "No PTG named `CPTG_Nothing`"},
-           {"8.0*euclidean", "8.0*(euclidean", "Mismatched brackets"}})  // found when it drives
+           {"8.0*euclidean", "8.0*(euclidean", "Mismatched brackets"}})
   {
     auto ini = shipped;
     ini.replace(ini.find(was), was.size(), is);
@@ -319,6 +332,39 @@ TEST_F(TalusNav, says_what_mrpt_does_not_take_of_a_planner_configuration)
   EXPECT_FALSE(exists("out"));
 }
 
+TEST_F(TalusNav, refuses_a_pipe_or_a_device_without_waiting_for_it)
+{
+  ASSERT_EQ(::mkfifo(path_of("pipe").c_str(), 0600), 0);
+  for (const std::string what : {"pipe", "/dev/zero"})
+  {
+    EXPECT_EQ(run(what + " --goal 1,0 --output out", "timeout -s KILL 20"), 1);
+    EXPECT_NE(text("err.txt").find(what + ": is a pipe or a device"), std::string::npos);
+    EXPECT_EQ(
+        run("none.yaml --goal 1,0 --output out --planner-config " + what, "timeout -s KILL 20"), 2);
+    EXPECT_NE(text("err.txt").find(what + ": is a pipe or a device"), std::string::npos);
+  }
+  EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(TalusNav, says_that_the_disk_is_full_instead_of_blaming_the_configuration)
+{
+  const std::string world = TALUS_SOURCE_DIR "/datasets/worlds/nav_indoor.yaml";
+  EXPECT_EQ(run(world + " --goal 15,0 --timeout 5 --every 0 --output out", "ulimit -f 16;"), 1);
+  EXPECT_NE(text("err.txt").find("out: the log of the navigator"), std::string::npos)
+      << text("err.txt");
+  EXPECT_NE(text("err.txt").find("is the disk full?"), std::string::npos) << text("err.txt");
+  EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(TalusNav, tells_a_terminal_nothing_to_obey)
+{
+  const std::string name = "a\x1b[31m.yaml";
+  talus::test::write_bytes(path_of(name), "ground: \x1b[32m");
+  EXPECT_EQ(run("'" + name + "' --goal 1,0 --output out"), 1);
+  EXPECT_EQ(text("err.txt").find('\x1b'), std::string::npos) << text("err.txt");
+  EXPECT_NE(text("err.txt").find("a\\x1b[31m.yaml:1: "), std::string::npos) << text("err.txt");
+}
+
 TEST_F(TalusNav, explains_what_is_wrong)
 {
   EXPECT_EQ(run("none.yaml --goal 1,0 --output out"), 1);
@@ -326,6 +372,6 @@ TEST_F(TalusNav, explains_what_is_wrong)
   EXPECT_FALSE(exists("out"));
   EXPECT_EQ(run("none.yaml --goal 1 --output out"), 2);
   EXPECT_EQ(drive("nav_indoor.yaml", "--goal 1,0 --output out --planner-config none.ini"), 2);
-  EXPECT_NE(text("err.txt").find("none.ini: cannot be read"), std::string::npos);
+  EXPECT_NE(text("err.txt").find("none.ini: no such file"), std::string::npos);
   EXPECT_EQ(run("--version"), 0);
 }

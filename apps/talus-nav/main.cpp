@@ -1,12 +1,16 @@
 // talus-nav: a robot, its LiDAR, the map and MRPT's planners in a closed loop, without a display.
-#include "../common/interrupt.h"
+#include "../common/child_process.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
+#include "../common/printable.h"
+#include "../common/suspect.h"
 #include "picture.h"
 #include "results.h"
 #include "settings.h"
 
 #include <talus/io/geotiff.h>
+#include <talus/io/gz_file.h>
+#include <talus/io/map_picture.h>
 #include <talus/io/mrpt_error.h>
 
 #include <cstdio>
@@ -25,6 +29,9 @@ enum ExitCode
   kFailed = 1,
   kUsage = 2
 };
+
+constexpr int kLongestStep_s = 60;  // of computing; a usual one takes a hundredth of a second
+constexpr const char* kSimplerWorld = "Try a world with fewer things in it, and a nearer --goal";
 
 int exit_code(Ending ending)
 {
@@ -61,19 +68,25 @@ std::string frame_path(const std::string& folder, std::size_t step)
   return (fs::path(folder) / "frames" / name).string();
 }
 
-/** The navigator's log gets a name that does not depend on its number. */
-void rename_log(const fs::path& folder)
+/** The navigator's log, closed by now, is checked: MRPT does not tell when its end does not reach
+ * the disk. It gets a name that does not depend on its number. */
+void finish_log(const fs::path& folder)
 {
+  const fs::path name = folder / "log.reactivenavlog";
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().extension() == ".reactivenavlog")
-      return fs::rename(entry.path(), folder / "log.reactivenavlog");
+    if (entry.path().extension() == name.extension())
+    {
+      talus::io::require_complete_gz(entry.path().string(), name.string());
+      return fs::rename(entry.path(), name);
+    }
 }
 
-MissionResult drive(
-    const Options& o, const Settings& settings, const std::string& folder,
-    const talus::app::Interrupt& interrupt)
+MissionResult drive(const Options& o, const Settings& settings, const std::string& folder)
 {
-  const auto world = talus::sim::load_world(o.world);
+  const talus::app::Suspect suspect(o.world, kSimplerWorld);
+  talus::app::limit_computing(kLongestStep_s);
+  const auto world =
+      talus::app::guarded(o.world, kSimplerWorld, [&] { return talus::sim::load_world(o.world); });
   SimulatedRobot robot(world, o.noise, o.seed);
   if (robot.collides())
     throw std::runtime_error(o.world + ": the robot starts in an obstacle; move path_m");
@@ -91,9 +104,9 @@ MissionResult drive(
   Painter painter(world, robot.body(), mission_options);
   const auto on_step = [&](const MissionResult& m)
   {
-    interrupt.check();
+    talus::app::limit_computing(kLongestStep_s);
     if (o.every > 0 && m.steps.size() % static_cast<std::size_t>(o.every) == 1 % o.every)
-      write_picture(
+      talus::io::write_png(
           frame_path(folder, m.steps.size()), painter.draw(m, route, pilot, title(o, m, false)));
   };
   const auto result = run_mission(world, robot, *map, pilot, route, mission_options, on_step);
@@ -105,43 +118,61 @@ MissionResult drive(
   return result;
 }
 
-int run(const Options& o, const Settings& settings)
+void print_error(const std::string& text) { std::cerr << "talus-nav: " << text << "\n"; }
+
+/** In the child: the exit code. */
+int drive_or_tell(
+    const Options& o, const Settings& settings, const talus::app::OutputFolder& output)
 {
-  const talus::app::Interrupt interrupt;
-  talus::app::OutputFolder output(o.output);
-  MissionResult result;
   try
   {
-    result = drive(o, settings, output.staging(), interrupt);
+    const MissionResult result = drive(o, settings, output.staging());
+    finish_log(output.staging());
+    if (!o.quiet) std::cout << console_summary(o, result);
+    return exit_code(result.ending);
   }
-  catch (const WrongConfiguration&)
+  catch (const WrongConfiguration& e)
   {
-    throw;
+    print_error(output.told(e.what()));
+    return kUsage;
   }
   catch (const std::invalid_argument& e)  // map or route cannot work with the world's numbers
   {
-    throw std::runtime_error(o.world + ": " + e.what());
+    print_error(o.world + ": " + e.what());
+  }
+  catch (const std::bad_alloc& e)
+  {
+    print_error(talus::app::failure_text(e, o.world, kSimplerWorld));
   }
   catch (const std::exception& e)
   {
-    throw std::runtime_error(output.told(talus::io::reason_of(e)));
+    print_error(output.told(talus::io::reason_of(e)));
   }
-  rename_log(output.staging());
-  interrupt.check();
-  output.commit();
-  if (!o.quiet) std::cout << console_summary(o, result);
-  return exit_code(result.ending);
+  return kFailed;
 }
 
-int fail(const std::string& what, int code)
+int run(const Options& o, const Settings& settings)
 {
-  std::cerr << "talus-nav: " << what << "\n";
-  return code;
+  talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
+  talus::app::OutputFolder output(o.output);
+  // Numbers that make no sense can crash MRPT's navigators.
+  const auto end = talus::app::run_in_child([&] { return drive_or_tell(o, settings, output); });
+  if (const int signal = talus::app::stop_signal())
+  {
+    print_error("stopped; nothing was written");
+    return 128 + signal;
+  }
+  if (end.signal) throw std::runtime_error(talus::app::crash_text(o.world, end.signal));
+  if (end.exit_code == kFailed || end.exit_code == kUsage) return end.exit_code;
+  output.commit();
+  if (!o.quiet) std::cout << "  wrote " << (fs::path(o.output) / "navigation.png").string() << "\n";
+  return end.exit_code;
 }
 }  // namespace
 
 int main(int argc, char** argv)
 {
+  const talus::app::PrintableOutput printable;
   Options options;
   if (const auto code = parse_options(argc, argv, options)) return *code;
   if (options.quiet) std::clog.setstate(std::ios::failbit);  // tells which backend was taken
@@ -149,16 +180,14 @@ int main(int argc, char** argv)
   {
     return run(options, load_settings(options));
   }
-  catch (const talus::app::Interrupted& e)
-  {
-    return fail("stopped; nothing was written", 128 + e.signal);
-  }
   catch (const WrongConfiguration& e)
   {
-    return fail(e.what(), kUsage);
+    print_error(e.what());
+    return kUsage;
   }
   catch (const std::exception& e)
   {
-    return fail(talus::io::reason_of(e), kFailed);
+    print_error(talus::app::failure_text(e, options.world, kSimplerWorld));
+    return kFailed;
   }
 }

@@ -1,5 +1,6 @@
 #include "pilot.h"
 
+#include "../common/suspect.h"
 #include "planner_ini.h"
 #include "settings.h"
 
@@ -58,14 +59,7 @@ void compile_formulas(mrpt::nav::CMultiObjectiveMotionOptimizerBase& decider)
         "WS_target_y"})
     no_movement.props[symbol] = 0;
   mrpt::nav::CMultiObjectiveMotionOptimizerBase::TResultInfo ignored;
-  try
-  {
-    decider.decide({no_movement}, ignored);
-  }
-  catch (const std::exception&)  // what is wrong with a formula is told by the first step
-  {
-    decider.clear();
-  }
+  decider.decide({no_movement}, ignored);
 }
 
 /** A navigator that prints nothing, and keeps the first error that it would print in `error`. */
@@ -151,8 +145,10 @@ Pilot::Pilot(
     const std::string& log_folder, const std::string& cache_folder)
     : robot_(robot),
       interface_(robot, map),
+      name_(settings.name),
       failure_(settings.name + ": MRPT's " + planner_name(in_3d) + " cannot work with this: "),
-      advice_("; compare it with " + shipped_ini(in_3d))
+      advice_("compare it with " + shipped_ini(in_3d)),
+      log_folder_(log_folder)
 {
   mrpt::config::CConfigFileMemory config;
   config.setContent(settings.ini);
@@ -170,15 +166,17 @@ Pilot::Pilot(
   try_to(
       [&]
       {
+        const app::MemoryLimit limit(std::size_t{2} << 30);
         navigator_->loadConfigFile(config);
         navigator_->params_abstract_ptg_navigator.ptg_cache_files_directory = cache_folder;
         navigator_->initialize();
       });
 }
 
-/** Says which file it is when MRPT throws or logs an error. */
+/** Says which file it is when MRPT throws or logs an error, or crashes. */
 void Pilot::try_to(const std::function<void()>& work)
 {
+  const app::Suspect suspect(name_, advice_);
   try
   {
     work();
@@ -186,11 +184,17 @@ void Pilot::try_to(const std::function<void()>& work)
   }
   catch (const std::bad_alloc&)
   {
-    throw WrongConfiguration(failure_ + "it needs too much memory" + advice_);
+    throw WrongConfiguration(failure_ + "it needs too much memory; " + advice_);
   }
   catch (const std::exception& e)
   {
-    throw WrongConfiguration(failure_ + io::reason_of(e) + advice_);
+    const std::string reason = io::reason_of(e);
+    // What MRPT says of a disk that is full.
+    if (reason.find("write bytes") != std::string::npos)
+      throw std::runtime_error(
+          log_folder_ +
+          ": the log of the navigator cannot be written; is the disk full? Free some space there");
+    throw WrongConfiguration(failure_ + reason + "; " + advice_);
   }
 }
 

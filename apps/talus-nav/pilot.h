@@ -60,7 +60,7 @@ class Pilot
   ~Pilot();
 
   /** One step towards a place of the map frame; `is_last`: stop there. Throws WrongConfiguration:
-   * MRPT compiles formulas only now. */
+   * formulas may fail only with the numbers of a movement. */
   void step(
       const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last);
   /** One slow step on an arc to a place where the robot was, without the navigator, which does not
@@ -77,7 +77,9 @@ class Pilot
 
   SimulatedRobot& robot_;
   RobotInterface interface_;
+  std::string name_;  //!< of the configuration
   std::string failure_, advice_;  //!< around what MRPT says
+  std::string log_folder_;
   std::string error_;  //!< that MRPT logged
   std::unique_ptr<mrpt::nav::CAbstractPTGBasedReactive> navigator_;
   mrpt::math::TPoint2D target_{1e9, 1e9};

@@ -3,6 +3,7 @@
 #include "builtin_configs.h"
 
 #include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/core/format.h>
 #include <mrpt/system/string_utils.h>
 #include <talus/mrpt/parameters_ini.h>
 
@@ -11,7 +12,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
-#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -37,11 +37,6 @@ PTG1_turningRadiusReference = 0.1
 PTG1_T_ramp_max = 1
 )";
 
-/** Numbers that must be above 0, without digits. */
-const std::set<std::string> kPositive{"robotmax_v_mps", "robotmax_w_degps", "ref_distance",
-                                      "ptg_v_max_mps",  "ptg_w_max_dps",    "ptg_resolution",
-                                      "ptg_num_paths",  "ptg_refdistance",  "level_height"};
-
 enum class Kind
 {
   Text,
@@ -49,6 +44,83 @@ enum class Kind
   Numbers,
   YesNo
 };
+
+struct Limits
+{
+  double least, most;
+};
+
+/** Of the numbers at a key without digits. MRPT works with any: beyond these it computes without an
+ * end, takes all memory, or crashes. */
+Limits limits_of(const std::string& name)
+{
+  constexpr Limits kShare{0, 1}, kTime_s{0, 1e6}, kAngle_deg{0, 360}, kHeight_m{-100, 100};
+  constexpr Limits kSpeed_mps{0.01, 50}, kTurn_degps{1, 1000}, kReach_m{0.5, 50}, kBody_m{-10, 10};
+  static const std::map<std::string, Limits> limits{
+      {"alarm_seems_not_approaching_target_timeout", kTime_s},
+      {"angle_tolerance", kAngle_deg},
+      {"clearance_threshold_ratio", kShare},
+      {"dist_check_target_is_blocked", {0, 1000}},
+      {"dist_to_target_for_sending_event", {0, 1000}},
+      {"factornormalizeornot", kShare},
+      {"factorweights", {0, 1000}},
+      {"gap_width_ratio_threshold", kShare},
+      {"height_levels", {1, 100}},
+      {"hysteresis_check_target_is_blocked", {0, 1e6}},
+      {"hysteresis_sector_count", {0.1, 10000}},
+      {"level_height", {0.01, 10}},
+      {"level_radius", {0.01, 10}},
+      {"level_vectorx", kBody_m},
+      {"level_vectory", kBody_m},
+      {"max_deletion_ratio", kShare},
+      {"max_dist_for_timebased_path_prediction", {0, 1000}},
+      {"max_distance_predicted_actual_path", {0, 1000}},
+      {"max_distance_to_allow_skip_waypoint", {-1, 1e6}},
+      {"max_obstacles_height", kHeight_m},
+      {"max_sector_dist_for_d_percent", kShare},
+      {"min_dist", {0, 1000}},
+      {"min_normalized_free_space_for_ptg_continuation", kShare},
+      {"min_obstacles_height", kHeight_m},
+      {"min_timesteps_confirm_skip_waypoints", {0, 1e6}},
+      {"multitarget_look_ahead", {0, 1000}},
+      {"obstacle_slow_down_distance", kShare},
+      {"phase_count", {1, 10}},
+      {"phase_factors", {0, 7}},
+      {"phase_threshold", kShare},
+      {"previous_keyframes", {1, 100}},
+      {"ptg_count", {1, 100}},
+      {"ptg_cte_av_deg", {1, 180}},
+      {"ptg_cte_aw_deg", {1, 180}},
+      {"ptg_k", {-1, 1}},
+      {"ptg_num_paths", {3, 1000}},
+      {"ptg_refdistance", kReach_m},
+      {"ptg_resolution", {0.005, 1}},
+      {"ptg_score_priority", {0, 1000}},
+      {"ptg_t_ramp_max", {0.01, 100}},
+      {"ptg_turningradiusreference", {0.01, 10}},
+      {"ptg_v_max_mps", kSpeed_mps},
+      {"ptg_w_max_dps", kTurn_degps},
+      {"ref_distance", kReach_m},
+      {"risk_evaluation_distance", kShare},
+      {"risk_evaluation_sectors_percent", kShare},
+      {"robotmax_v_mps", kSpeed_mps},
+      {"robotmax_w_degps", kTurn_degps},
+      {"robotmincurvradius", {0, 1000}},
+      {"robotmodel_circular_shape_radius", {0.01, 10}},
+      {"robotmodel_shaped_xs", kBody_m},
+      {"robotmodel_shaped_ys", kBody_m},
+      {"secure_distance_end", kShare},
+      {"secure_distance_start", kShare},
+      {"speedfilter_tau", {0, 100}},
+      {"target_attractive_force", {0, 1e6}},
+      {"target_slow_approaching_distance", {0, 100}},
+      {"too_close_obstacle", kShare},
+      {"too_old_seconds", kTime_s},
+      {"waypoint_angle_tolerance", kAngle_deg},
+      {"wide_gap_size_percent", kShare}};
+  const auto found = limits.find(name);
+  return found == limits.end() ? Limits{-1e6, 1e6} : found->second;
+}
 
 bool is_number(const std::string& text)
 {
@@ -109,6 +181,21 @@ std::string without_digits(std::string key)
   return mrpt::system::lowerCase(key);
 }
 
+void check_limits(
+    const CConfigFileBase& ini, const std::string& section, const std::string& key,
+    const std::string& name)
+{
+  const Limits limits = limits_of(name);
+  const auto is_inside = [&](const std::string& number)
+  {
+    const double value = std::strtod(number.c_str(), nullptr);
+    return value >= limits.least && value <= limits.most;
+  };
+  const auto numbers = parts_of(ini_value(ini, section, key));
+  if (!std::all_of(numbers.begin(), numbers.end(), is_inside))
+    refuse(ini, section, key, mrpt::format("from %g to %g", limits.least, limits.most));
+}
+
 void check_kinds(
     const CConfigFileBase& ini, const CConfigFileBase& shipped, const std::string& section)
 {
@@ -124,8 +211,8 @@ void check_kinds(
     const auto kind = kinds.find(name);
     if (kind == kinds.end()) continue;
     if (!fits(text, kind->second)) refuse(ini, section, key, name_of(kind->second));
-    if (kPositive.count(name) > 0 && !(std::strtod(text.c_str(), nullptr) > 0))
-      refuse(ini, section, key, "above 0");
+    if (kind->second == Kind::Number || kind->second == Kind::Numbers)
+      check_limits(ini, section, key, name);
   }
 }
 
@@ -149,6 +236,24 @@ int count_at(const CConfigFileBase& ini, const std::string& section, const std::
     refuse(ini, section, key, "a whole number from 1 to " + std::to_string(kMost));
   return static_cast<int>(count);
 }
+/** The grid in which a family of paths looks up what it hits grows with the square of its reach. */
+void check_paths(const CConfigFileBase& ini, const std::string& section, const std::string& ptg)
+{
+  constexpr double kMostCells = 1e6;
+  const auto number = [&](const char* key)
+  { return std::strtod(ini_value(ini, section, ptg + key).c_str(), nullptr); };
+  if (ini.keyExists(section, ptg + "_K") && std::abs(number("_K")) != 1)
+    refuse(ini, section, ptg + "_K", "1 or -1");
+  if (!ini.keyExists(section, ptg + "_resolution")) return;
+  const double side = 2 * number("_refDistance") / number("_resolution");
+  if (side * side > kMostCells)
+    refuse(
+        ini, section, ptg + "_resolution",
+        mrpt::format(
+            "%g or more, or %s_refDistance less: its grid would have %.3g cells, the limit is %g",
+            2 * number("_refDistance") / std::sqrt(kMostCells), ptg.c_str(), side * side,
+            kMostCells));
+}
 }  // namespace
 
 std::string planner_name(bool in_3d)
@@ -170,7 +275,8 @@ void check_planner_ini(const CConfigFileBase& ini, bool in_3d)
   shipped.getAllSections(sections);
   for (const auto& section : sections)
     if (section != planner_name(!in_3d)) check_kinds(ini, shipped, section);
-  count_at(ini, own, "PTG_COUNT");
+  const int ptgs = count_at(ini, own, "PTG_COUNT"), first = in_3d ? 1 : 0;
+  for (int i = first; i < first + ptgs; i++) check_paths(ini, own, "PTG" + std::to_string(i));
   if (!in_3d)
     return check_outline(
         ini, own, "RobotModel_shape2D_xs", "RobotModel_shape2D_ys",
@@ -179,7 +285,8 @@ void check_planner_ini(const CConfigFileBase& ini, bool in_3d)
   for (int i = 1; i <= levels; i++)
   {
     const std::string level = "LEVEL" + std::to_string(i);
-    if (!ini.keyExists(own, level + "_HEIGHT")) refuse(ini, own, level + "_HEIGHT", "above 0");
+    if (!ini.keyExists(own, level + "_HEIGHT"))
+      refuse(ini, own, level + "_HEIGHT", "from 0.01 to 10");
     check_outline(ini, own, level + "_VECTORX", level + "_VECTORY", level + "_RADIUS");
   }
 }

@@ -1,10 +1,10 @@
 #include "results.h"
 
 #include <talus/io/atomic_file.h>
+#include <talus/io/map_picture.h>
 #include <talus/io/quantile.h>
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include <cstdio>
 #include <filesystem>
@@ -69,18 +69,12 @@ nlohmann::json summary(const Options& o, const MissionResult& mission)
 }
 }  // namespace
 
-void write_picture(const std::string& path, const cv::Mat& picture)
-{
-  if (!cv::imwrite(path, picture))
-    throw std::runtime_error(path + ": cannot be written; is the disk full? Free some space there");
-}
-
 void write_results(
     const std::string& folder, const Options& options, const MissionResult& mission,
     const cv::Mat& picture)
 {
   const fs::path to(folder);
-  write_picture((to / "navigation.png").string(), picture);
+  io::write_png((to / "navigation.png").string(), picture);
   io::write_file((to / "path.csv").string(), path_csv(mission));
   // A file name need not be UTF-8, JSON is.
   const auto json =
@@ -96,8 +90,7 @@ std::string console_summary(const Options& options, const MissionResult& mission
       median_of(mission, &Step::map_ms), median_of(mission, &Step::plan_ms),
       median_of(mission, &Step::pilot_ms));
   return options.world + ": " + ending_name(mission.ending) + "\n  " + mission.detail +
-         "\n  median ms a step: " + times + "\n  wrote " +
-         (fs::path(options.output) / "navigation.png").string() + "\n";
+         "\n  median ms a step: " + times + "\n";
 }
 
 }  // namespace talus::nav

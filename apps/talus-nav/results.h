@@ -11,9 +11,6 @@ void write_results(
     const std::string& folder, const Options& options, const MissionResult& mission,
     const cv::Mat& picture);
 
-/** Throws std::runtime_error naming the file. */
-void write_picture(const std::string& path, const cv::Mat& picture);
-
 /** A few lines for the terminal. */
 std::string console_summary(const Options& options, const MissionResult& mission);
 

@@ -5,13 +5,12 @@
 
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/core/format.h>
+#include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/mrpt/parameters_ini.h>
 
-#include <filesystem>
-#include <fstream>
+#include <cstdint>
 #include <iostream>
-#include <sstream>
 #include <stdexcept>
 
 namespace talus::nav
@@ -22,17 +21,15 @@ constexpr const char* kObstacles = "talus_obstacles";
 
 std::string text_of(const std::string& path)
 {
-  if (std::filesystem::is_directory(path))
-    throw WrongConfiguration(path + ": is a directory; give an INI file to --planner-config");
-  if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path))
-    throw WrongConfiguration(
-        path + ": is a pipe or a device; save it as a file and give that to --planner-config");
-  std::ifstream file(path);
-  if (!file)
-    throw WrongConfiguration(path + ": cannot be read; check the path given to --planner-config");
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
+  constexpr std::uint64_t kMost_bytes = 1 << 20;  // the shipped files have 14 KB
+  try
+  {
+    return read_input_file(path, "planner configuration (--planner-config)", kMost_bytes);
+  }
+  catch (const std::exception& e)
+  {
+    throw WrongConfiguration(e.what());
+  }
 }
 
 /** Of the sections that are read by this project. */
