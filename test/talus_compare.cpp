@@ -176,6 +176,38 @@ TEST_F(TalusCompare, GivesTheSameFiguresForTheLogOfAWorldAsForTheWorld)
     EXPECT_NEAR(figure("a", name), figure("b", name), 1e-4) << name;  // poses rounded in the log
 }
 
+TEST_F(TalusCompare, LeavesOutAScanWhosePoseIsNowhere)
+{
+  ASSERT_EQ(
+      run_command(
+          std::string(TALUS_SIM_EXE) + " " + path("small.yaml") + " --output " + path("log"))
+          .code,
+      0);
+  const auto with_x = [&](const std::string& x)
+  {
+    std::istringstream lines(read("log/small.tum"));
+    std::string line, text, stamp, old;
+    for (int i = 0; std::getline(lines, line); ++i)
+    {
+      std::istringstream words(line);
+      words >> stamp >> old;
+      text += i == 2 ? stamp + " " + x + line.substr(stamp.size() + 1 + old.size()) : line;
+      text += "\n";
+    }
+    std::ofstream(path("bad.tum")) << text;
+    return run(
+        path("log/small.rawlog") + " --trajectory " + path("bad.tum") +
+        " --quiet --evaluate 1 --set resolution_m=0.1 --output " + path("out"));
+  };
+  const Outcome nowhere = with_x("1e300");
+  EXPECT_EQ(nowhere.code, 0) << nowhere.text;
+  EXPECT_NE(nowhere.text.find("small.rawlog: 1 scan was skipped"), std::string::npos)
+      << nowhere.text;
+  const Outcome far_off = with_x("900000");  // a grid over the whole way would take 1 TB
+  EXPECT_EQ(far_off.code, 0) << far_off.text;
+  EXPECT_EQ(far_off.text, "");
+}
+
 TEST_F(TalusCompare, HoldsPointsOutOfALogWithoutTruth)
 {
   ASSERT_EQ(

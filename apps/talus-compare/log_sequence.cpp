@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <iostream>
 #include <memory>
 #include <stdexcept>
 
@@ -31,6 +32,23 @@ io::Trajectory poses_of(const std::string& path, const std::string& trajectory)
   if (file.empty())
     return app::guarded(path, app::kLookAtLog, [&] { return io::trajectory_from_rawlog(path); });
   return app::guarded(file, app::kCompareWithSource, [&] { return io::Trajectory::load(file); });
+}
+
+/** Where no map is: MRPT's have coordinates of 32 bits, which would be half a metre apart there. */
+bool is_nowhere(const mrpt::poses::CPose3D& T_map_base)
+{
+  constexpr double kFarthest_m = 1e6, kHighest_m = 1e5;
+  return std::abs(T_map_base.x()) > kFarthest_m || std::abs(T_map_base.y()) > kFarthest_m ||
+         std::abs(T_map_base.z()) > kHighest_m;
+}
+
+void warn_of_skipped(const std::string& path, int scans)
+{
+  if (scans == 0) return;
+  std::cerr << "talus-compare: warning: " << path << ": " << scans
+            << (scans == 1 ? " scan was" : " scans were")
+            << " skipped: the pose is more than 1000 km away from the origin of the map, or more "
+               "than 100 km high; look for it in the trajectory\n";
 }
 
 ScanFrame frame_from(SensorPoints& points, const mrpt::poses::CPose3D& T_map_base)
@@ -65,14 +83,19 @@ Sequence read_log(const std::string& path, const std::string& trajectory, const 
       app::guarded(path, app::kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(path); });
   Sequence sequence;
   sequence.name = app::name_of_log(path);
+  int nowhere = 0;
   while (const auto obs = app::guarded(path, app::kLookAtLog, [&] { return reader->next(); }))
   {
     if (!sensor.empty() && obs->sensorLabel != sensor) continue;
     SensorPoints points;
     if (!points_from_observation(*obs, points)) continue;
-    if (const auto T = poses.at(points.stamp_s, kMaxGap_s))
+    const auto T = poses.at(points.stamp_s, kMaxGap_s);
+    if (T && is_nowhere(*T))
+      ++nowhere;
+    else if (T)
       sequence.frames.push_back(frame_from(points, *T));
   }
+  warn_of_skipped(path, nowhere);
   if (sequence.frames.empty())
     throw std::runtime_error(
         "'" + path + "' has no 3D scan with a pose" +

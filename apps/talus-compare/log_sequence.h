@@ -7,7 +7,8 @@
 namespace talus::baselines
 {
 /** Reads all scans of a rawlog that have a pose. `trajectory`: TUM or simplemap; empty: LOG.tum
- * beside the log, else what the log holds itself. `sensor`: label, empty for all. Throws
+ * beside the log, else what the log holds itself. `sensor`: label, empty for all. Scans whose
+ * pose is farther away than any map reaches are left out and told on stderr. Throws
  * std::runtime_error that names the file and says what to do. */
 Sequence read_log(
     const std::string& path, const std::string& trajectory, const std::string& sensor);

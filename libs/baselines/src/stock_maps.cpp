@@ -2,6 +2,7 @@
 #include <talus/baselines/features.h>
 #include <talus/baselines/stock_maps.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -9,6 +10,7 @@ namespace talus::baselines
 {
 namespace
 {
+constexpr double kMostGridCells = 3e7;  // a gigabyte
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 double center_m(std::int64_t cell, double resolution_m)
@@ -27,10 +29,16 @@ OctoMapMethod::OctoMapMethod(const Parameters& parameters)
 void OctoMapMethod::update(const Frame& frame)
 {
   T_map_sensor_ = frame.T_map_sensor;
+  // OctoMap numbers its voxels with 16 bits, and prints a line for each point that is farther away.
+  const double farthest_m = 32767 * parameters_.resolution_m;
+  const auto is_inside = [&](double x_m, double y_m, double z_m) {
+    return std::max({std::abs(x_m), std::abs(y_m), std::abs(z_m)}) < farthest_m;
+  };
+  if (!is_inside(T_map_sensor_.x(), T_map_sensor_.y(), T_map_sensor_.z())) return;
   mrpt::maps::CSimplePointsMap cloud;
   cloud.reserve(frame.size);
   for (const MapPoint& p : accepted_points(frame, parameters_))
-    cloud.insertPointFast(p.x_m, p.y_m, p.z_m);
+    if (is_inside(p.x_m, p.y_m, p.z_m)) cloud.insertPointFast(p.x_m, p.y_m, p.z_m);
   map_.insertPointCloud(
       cloud, static_cast<float>(T_map_sensor_.x()), static_cast<float>(T_map_sensor_.y()),
       static_cast<float>(T_map_sensor_.z()));
@@ -94,7 +102,11 @@ void HeightGridMethod::update(const Frame& frame)
   T_map_sensor_ = frame.T_map_sensor;
   const Window w = window_around(parameters_, T_map_sensor_);
   const double x0 = w.min_x_m(), y0 = w.min_y_m(), side = w.cells * w.resolution_m;
-  if (!map_)
+  const auto cells_with = [&](double low_m, double high_m, double old_low_m, double old_high_m)
+  { return (std::max(high_m, old_high_m) - std::min(low_m, old_low_m)) / w.resolution_m; };
+  if (!map_ || cells_with(x0, x0 + side, map_->getXMin(), map_->getXMax()) *
+                       cells_with(y0, y0 + side, map_->getYMin(), map_->getYMax()) >
+                   kMostGridCells)
     map_ =
         std::make_unique<Map>(Map::mrSimpleAverage, x0, x0 + side, y0, y0 + side, w.resolution_m);
   else
