@@ -241,6 +241,27 @@ TEST(WorldFile, of_too_many_parts_is_refused_at_once)
   EXPECT_EQ(error(wall + "[10000, 2]}"), "no error");
 }
 
+TEST(WorldFile, whose_lists_repeat_one_thing_without_an_end_is_refused_at_once)
+{
+  const auto repeat = [](const std::string& first, int times)
+  {
+    std::string list = "[&again " + first;
+    for (int i = 0; i < times; ++i) list += ",*again";
+    return list + "]\n";
+  };
+  const std::string robot = "robot: {path_m: [[0, 0]], duration_s: 1}\n";
+  EXPECT_EQ(
+      error_of(robot + "ground: " + repeat("{plane: {}}", 100000)),
+      "bad.yaml:2: ground: has 100001 entries, the limit is 1000");
+  const std::string flat = robot + "ground: [plane: {}]\n";
+  EXPECT_EQ(
+      error_of(flat + "movers: " + repeat("{person: {path: [[0, 5, 5]]}}", 100000)),
+      "bad.yaml:3: movers: has 100001 entries, the limit is 1000");
+  const std::string wall = "{wall: {height_m: 1, from_m: [0, 2], to_m: [9000, 2]}}";
+  const auto error = error_of(flat + "objects: " + repeat(wall, 100000));
+  EXPECT_NE(error.find("more than 200000: leave some out"), std::string::npos) << error;
+}
+
 TEST(WorldFile, whose_robot_drives_too_far_is_refused_before_memory_ends)
 {
   const auto error = [](const std::string& path)

@@ -55,7 +55,7 @@ struct Limits
 Limits limits_of(const std::string& name)
 {
   constexpr Limits kShare{0, 1}, kTime_s{0, 1e6}, kAngle_deg{0, 360}, kHeight_m{-100, 100};
-  constexpr Limits kSpeed_mps{0.01, 50}, kTurn_degps{1, 1000}, kReach_m{0.5, 50}, kBody_m{-10, 10};
+  constexpr Limits kSpeed_mps{0.01, 50}, kTurn_degps{1, 1000}, kReach_m{0.5, 50}, kBody_m{-5, 5};
   static const std::map<std::string, Limits> limits{
       {"alarm_seems_not_approaching_target_timeout", kTime_s},
       {"angle_tolerance", kAngle_deg},

@@ -70,6 +70,15 @@ void fail_at(
   throw std::runtime_error(msg.str());
 }
 
+void require_few(
+    const YAML::Node& list, const std::string& file, const std::string& where, std::size_t most)
+{
+  if (list.size() > most)
+    fail_at(
+        list, file, where,
+        "has " + std::to_string(list.size()) + " entries, the limit is " + std::to_string(most));
+}
+
 std::string nearest_word(const std::string& word, const std::vector<std::string>& known)
 {
   return *std::min_element(

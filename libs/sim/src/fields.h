@@ -69,6 +69,11 @@ std::string only_key(
     const YAML::Node& node, const std::string& file, const std::string& where,
     const std::vector<std::string>& known);
 
+/** Throws for a list that is longer: each entry costs time in every ray, and short names can repeat
+ * long ones. */
+void require_few(
+    const YAML::Node& list, const std::string& file, const std::string& where, std::size_t most);
+
 /** "FILE:LINE: WHERE: WHAT" */
 [[noreturn]] void fail_at(
     const YAML::Node& node, const std::string& file, const std::string& where,

@@ -130,6 +130,7 @@ Ground parse_ground(const YAML::Node& list, const std::string& file)
 {
   if (!list.IsSequence() || list.size() == 0)
     fail_at(list, file, "ground", "must be a list of parts, e.g. `- plane: {z_m: 0}`");
+  require_few(list, file, "ground", 1000);
   std::vector<std::string> names;
   for (const auto& k : kinds()) names.push_back(k.first);
   Ground ground;

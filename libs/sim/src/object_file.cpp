@@ -272,6 +272,7 @@ const std::map<std::string, Kind>& kinds()
 std::vector<Shape> parse_objects(
     const YAML::Node& list, const std::string& file, const Ground& ground, const RobotPath& path)
 {
+  constexpr std::size_t kMostParts = 200000;  // hours of work, and 100 MB
   if (!list.IsSequence())
     fail_at(list, file, "objects", "must be a list of objects, e.g. `- box: {...}`");
   std::vector<std::string> names;
@@ -282,6 +283,11 @@ std::vector<Shape> parse_objects(
     const std::string name = only_key(entry, file, "objects", names);
     const Kind& kind = kinds().at(name);
     (builder.*kind.make)(Fields(entry[name], file, "objects." + name, kind.keys));
+    if (builder.shapes.size() > kMostParts)
+      fail_at(
+          entry, file, "objects",
+          "the parts of all objects up to this one are more than " + std::to_string(kMostParts) +
+              ": leave some out");
   }
   return std::move(builder.shapes);
 }
