@@ -1,0 +1,97 @@
+// Seeds of the binary formats: fuzz_seeds FOLDER writes a folder a target. Made here, not kept in
+// the repository, so that they are of the version that reads them.
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
+#include <talus/mrpt/CDualElevationMap.h>
+#include <talus/mrpt/CObservationTraversability.h>
+
+#include "../log_files.h"
+#include "../room_for_maps.h"
+
+namespace
+{
+using namespace talus::test;
+namespace fs = std::filesystem;
+using talus::CDualElevationMap;
+
+CDualElevationMap small_map(int frames)
+{
+  talus::Parameters p;
+  p.window_m = 2;
+  p.resolution_m = 0.25;
+  CDualElevationMap map(p, talus::Backend::Cpu);
+  for (int i = 0; i < frames; i++)
+  {
+    const mrpt::poses::CPose3D pose(0.03 * i, -0.02 * i, 0, 0.1 * i, 0, 0);
+    map.insertObservation(talus_test::scan_of_room(pose), pose);
+  }
+  return map;
+}
+
+template <class Object>
+void write_object(const fs::path& file, const Object& object)
+{
+  mrpt::io::CFileOutputStream stream(file.string());
+  auto out = mrpt::serialization::archiveFrom(stream);
+  out << object;
+}
+
+void write_maps(const fs::path& folder)
+{
+  fs::create_directories(folder / "saved_map");
+  fs::create_directories(folder / "snapshot");
+  write_object(folder / "saved_map/empty", small_map(0));
+  write_object(folder / "saved_map/room", small_map(3));
+  const auto map = small_map(2);
+  write_object(folder / "snapshot/none", talus::CObservationTraversability());
+  write_object(folder / "snapshot/room", talus::CObservationTraversability(map.mapper(), {}));
+}
+
+mrpt::obs::CSensoryFrame::Ptr frame(double time_s)
+{
+  auto all = std::make_shared<mrpt::obs::CSensoryFrame>();
+  all->insert(observation_at<mrpt::obs::CObservationOdometry>(time_s, "odometry"));
+  all->insert(observation_at<mrpt::obs::CObservationRobotPose>(time_s, "pose"));
+  return all;
+}
+
+void write_logs(const fs::path& folder)
+{
+  fs::create_directories(folder);
+  auto text = observation_at<mrpt::obs::CObservationComment>(1000);
+  text->text = "a log";
+  const Objects log{
+      text, observation_at<mrpt::obs::CObservationRobotPose>(1000.1),
+      std::make_shared<mrpt::obs::CActionCollection>(), frame(1000.2),
+      observation_at<mrpt::obs::CObservationOdometry>(1000.3)};
+  write_log(folder / "plain", log, Packing::Plain);
+  write_log(folder / "gz", log, Packing::Gz);
+}
+
+void write_simplemaps(const fs::path& folder)
+{
+  fs::create_directories(folder);
+  mrpt::maps::CSimpleMap map;
+  for (int i = 0; i < 2; i++)
+  {
+    const auto pose = std::make_shared<mrpt::poses::CPose3DPDFGaussian>();
+    pose->mean = mrpt::poses::CPose3D(i, 0, 0, 0, 0, 0);
+    map.insert(pose, frame(1000 + i));
+  }
+  map.saveToFile((folder / "gz").string());
+  write_object(folder / "plain", map);
+}
+}  // namespace
+
+int main(int, char** arguments)
+{
+  const fs::path folder = arguments[1];
+  write_maps(folder);
+  write_logs(folder / "rawlog");
+  write_simplemaps(folder / "simplemap");
+}
