@@ -145,7 +145,8 @@ TEST(Plugin, stock_observations2map_writes_the_terrain_map_with_the_shipped_ini)
   EXPECT_EQ(run.code, 0) << run.output;
   int terrain = 0;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().filename().string().find("CDualElevationMap") != std::string::npos)
+    if (entry.path().filename().string().find("CDualElevationMap") != std::string::npos &&
+        entry.path().extension() != ".bin")  // which observations2map writes from 2.14 on
     {
       terrain++;
       EXPECT_GT(entry.file_size(), 1000U) << entry.path();
