@@ -7,6 +7,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "packing.h"
+
 using namespace talus;
 using namespace talus::test;
 
@@ -62,6 +64,19 @@ TEST_F(TalusMap, finds_the_trajectory_beside_a_compressed_log_and_prefers_the_on
   EXPECT_EQ(summary("a")["poses"], "drive.tum");
   ASSERT_EQ(run("drive.rawlog.gz --output a --trajectory better.tum").code, 0);
   EXPECT_EQ(summary("a")["poses"], "better.tum");
+}
+
+TEST_F(TalusMap, maps_a_log_that_is_packed_with_zstd_and_copies_it_with_its_snapshots)
+{
+  write_log(path("plain.rawlog"), floor_scans(4), Packing::Plain);
+  write_bytes(path("drive.rawlog"), zstd_of(read_bytes(path("plain.rawlog"))));
+  const Outcome done = run("drive.rawlog --static --rawlog-out copy.rawlog");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(summary("drive_map")["frames"], 4);
+  const Outcome again = run("copy.rawlog --static");
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(summary("copy_map")["frames"], 4);
+  EXPECT_EQ(read_bytes(path("copy.rawlog")).substr(0, 2), "\x1f\x8b") << "what every MRPT reads";
 }
 
 TEST_F(TalusMap, takes_poses_from_the_log_when_there_are_no_others)
