@@ -10,6 +10,7 @@
 #include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/io/lazy_load_path.h>
+#include <sys/stat.h>
 #include <talus/io/rawlog_reader.h>
 
 #include <cmath>
@@ -177,6 +178,19 @@ TEST(RawlogReader, NamesTheDirectoryWhenOutsideDataIsMissing)
   expect_error(
       [&] { read_all(dir / "a.rawlog"); },
       {"a.rawlog", "byte 0", "'lidar'", "external data", "a_Images"});
+}
+
+TEST(RawlogReader, DoesNotWaitForAPipeInThePlaceOfOutsideData)
+{
+  for (const std::string name : {"points.bin", "depth.bin"})
+  {
+    const ScratchDir dir;
+    write_external_log(dir);
+    std::filesystem::remove(dir / "a_Images/" + name);
+    ASSERT_EQ(::mkfifo((dir / "a_Images/" + name).c_str(), 0600), 0);
+    expect_error(
+        [&] { read_all(dir / "a.rawlog"); }, {"a.rawlog", "external data", name + ": is a pipe"});
+  }
 }
 
 TEST(RawlogReader, DoesNotNeedPicturesThatAreStoredOutsideTheLog)

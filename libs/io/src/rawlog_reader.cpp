@@ -1,16 +1,21 @@
 #include <talus/io/rawlog_reader.h>
 
 #include <mrpt/io/lazy_load_path.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
+#include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/io/rawlog_stream.h>
 
 #include <deque>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 using mrpt::obs::CObservation;
 
@@ -38,6 +43,24 @@ std::string externals_directory(const std::string& log)
   return (path.parent_path() / (stem + "_Images")).string();
 }
 
+/** The files that load() reads of an observation. */
+std::vector<std::string> external_files(const CObservation& obs)
+{
+  std::vector<std::string> files;
+  if (auto* points = dynamic_cast<const mrpt::obs::CObservationPointCloud*>(&obs);
+      points && points->isExternallyStored())
+    files.push_back(mrpt::io::lazy_load_absolute_path(points->getExternalStorageFile()));
+  auto* depth = dynamic_cast<const mrpt::obs::CObservation3DRangeScan*>(&obs);
+  if (depth && depth->points3D_isExternallyStored())
+    files.push_back(depth->points3D_getExternalStorageFileAbsolutePath());
+  if (depth && depth->rangeImage_isExternallyStored())
+  {
+    files.push_back(depth->rangeImage_getExternalStorageFileAbsolutePath(""));
+    for (const auto& layer : depth->rangeImageOtherLayers)
+      files.push_back(depth->rangeImage_getExternalStorageFileAbsolutePath(layer.first));
+  }
+  return files;
+}
 }  // namespace
 
 struct RawlogReader::Impl
@@ -62,6 +85,7 @@ void RawlogReader::Impl::load(const CObservation& obs)
   try
   {
     mrpt::io::setLazyLoadPathBase(externals);  // global in MRPT: another reader may have set it
+    for (const auto& file : external_files(obs)) require_readable_file(file, "part of a log");
     obs.load();
   }
   catch (const std::exception& e)
