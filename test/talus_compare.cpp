@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -48,6 +49,13 @@ class TalusCompare : public testing::Test
   Outcome run(const std::string& arguments) const
   {
     return run_command(std::string(TALUS_COMPARE_EXE) + " " + arguments);
+  }
+
+  static std::ptrdiff_t hidden_in(const std::string& folder)
+  {
+    return std::count_if(
+        fs::directory_iterator(folder), fs::directory_iterator(),
+        [](const auto& entry) { return entry.path().filename().string().front() == '.'; });
   }
 
   std::string read(const std::string& name) const
@@ -270,6 +278,35 @@ TEST_F(TalusCompare, WritesAllFilesOrNone)
   EXPECT_FALSE(fs::exists(path("out/methods.csv")));
   EXPECT_FALSE(fs::exists(path("page.md")));
   EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1) << "hidden files are left";
+}
+
+TEST_F(TalusCompare, LeavesNothingBehindWhenItIsStopped)
+{
+  std::ofstream(path("long.yaml")) << "ground: [plane: {}]\n"
+                                      "robot: {path_m: [[0, 0]], duration_s: 9000}\n";
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+  {
+    const pid_t command = ::fork();
+    if (command == 0)
+    {
+      if (::chdir(path("").c_str()) != 0 || !std::freopen("log.txt", "w", stderr)) ::_exit(99);
+      ::execl(
+          TALUS_COMPARE_EXE, TALUS_COMPARE_EXE, "long.yaml", "--output", "out", "--markdown",
+          "page.md", nullptr);
+      ::_exit(99);
+    }
+    // Stopped once both of its hidden folders are there.
+    for (int i = 0; i < 3000 && hidden_in(path("")) == 0; ++i) ::usleep(10000);
+    EXPECT_EQ(hidden_in(path("")), 1);
+    EXPECT_EQ(hidden_in(path("out")), 1);
+    ::kill(command, signal);
+    int status = 0;
+    ::waitpid(command, &status, 0);
+    EXPECT_EQ(WEXITSTATUS(status), 128 + signal) << read("log.txt");
+    EXPECT_NE(read("log.txt").find("nothing was written"), std::string::npos) << read("log.txt");
+    EXPECT_FALSE(fs::exists(path("out")));
+    EXPECT_EQ(hidden_in(path("")), 0);
+  }
 }
 
 TEST_F(TalusCompare, WritesAFolderThatIsNotUtf8)

@@ -7,11 +7,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <iostream>
+#include <iterator>
 #include <stdexcept>
 
 namespace talus::app
@@ -29,12 +31,13 @@ void on_signal(int signal)
   if (running_child > 0) ::kill(static_cast<pid_t>(running_child), SIGKILL);
 }
 
-[[noreturn]] void be_the_child(const std::function<int()>& work) noexcept
+[[noreturn]] void be_the_child(const std::function<int()>& work, pid_t parent) noexcept
 {
   for (const int s : kForwarded)  // as before forward_signals()
     if (std::signal(s, SIG_DFL) == SIG_IGN) std::signal(s, SIG_IGN);
   // A parent that is killed cannot tidy up after its child: the child goes with it.
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(1);  // it was killed before
   const int code = work();
   std::cout.flush();
   std::fflush(nullptr);
@@ -47,23 +50,28 @@ ChildEnd run_in_child(const std::function<int()>& work)
   Suspect::forget();
   std::cout.flush();
   std::fflush(nullptr);
-  const pid_t child = ::fork();
+  const pid_t parent = ::getpid(), child = ::fork();
   if (child < 0)
     throw std::runtime_error(std::string("cannot start a process: ") + std::strerror(errno));
-  if (child == 0) be_the_child(work);
+  if (child == 0) be_the_child(work, parent);
 
   running_child = child;
   if (asked_to_stop) ::kill(child, SIGKILL);
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR)
+  siginfo_t ended;
+  while (::waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR)
   {
   }
-  running_child = 0;
+  running_child = 0;  // before its number can become that of another process
+  int status = 0;
+  ::waitpid(child, &status, 0);
   ChildEnd end;
   if (WIFSIGNALED(status))
     end.signal = WTERMSIG(status);
   else
     end.exit_code = WEXITSTATUS(status);
+  // A signal to the whole group, as of a terminal, may reach the child first.
+  if (std::count(std::begin(kForwarded), std::end(kForwarded), end.signal) > 0)
+    asked_to_stop = end.signal;
   return end;
 }
 

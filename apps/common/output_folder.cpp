@@ -1,12 +1,12 @@
 #include "output_folder.h"
 
-#include <algorithm>
-#include <cctype>
+#include "placing.h"
+
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
-#include <cstring>
+#include <iostream>
 #include <stdexcept>
+#include <system_error>
 
 namespace fs = std::filesystem;
 
@@ -14,44 +14,21 @@ namespace talus::app
 {
 namespace
 {
-constexpr const char* kSnapshots = "frames";
-constexpr const char* kReplaced = ".replaced";  // in the hidden folder: what was there before
-
 [[noreturn]] void fail(const fs::path& path, const std::string& what)
 {
   throw std::runtime_error(
       path.string() + ": " + what + "; give a folder that you may write to with --output");
 }
 
-/** frame_NNNNNN.tif or .png */
-bool is_snapshot(const fs::path& file)
+void tell(const std::string& folder, const Swept& swept)
 {
-  const std::string stem = file.stem().string(), start = "frame_";
-  const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
-  return (file.extension() == ".tif" || file.extension() == ".png") &&
-         stem.size() >= start.size() + 6 && stem.rfind(start, 0) == 0 &&
-         std::all_of(
-             stem.begin() + static_cast<std::ptrdiff_t>(start.size()), stem.end(), is_digit);
-}
-
-/** Everything below a folder that is not a folder, relative to it; summary.json, which says that a
- * run is complete, comes last. */
-std::vector<fs::path> files_below(const fs::path& folder)
-{
-  const fs::path last = "summary.json";
-  std::vector<fs::path> files;
-  bool has_last = false;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
+  const auto say = [&](const std::string& what)
   {
-    if (entry.is_directory()) continue;
-    const fs::path relative = entry.path().lexically_relative(folder);
-    if (relative == last)
-      has_last = true;
-    else
-      files.push_back(relative);
-  }
-  if (has_last) files.push_back(last);
-  return files;
+    std::cerr << ::program_invocation_short_name << ": warning: " << folder << ": " << what << "\n";
+  };
+  if (swept.placed > 0)
+    say("a run was killed while its results were put there; they are complete now");
+  if (swept.removed > 0) say("removed what a run that was killed had left there");
 }
 }  // namespace
 
@@ -63,7 +40,7 @@ OutputFolder::OutputFolder(const std::string& folder)
   {
     if (!folder_.has_filename()) folder_ = folder_.parent_path();
     constexpr int kMostTries = 100;
-    for (int i = 1; staging_.empty(); ++i) make_staging(i < kMostTries);
+    for (int i = 1; !hidden_; ++i) make_folders(i < kMostTries);
   }
   catch (...)
   {
@@ -74,7 +51,7 @@ OutputFolder::OutputFolder(const std::string& folder)
 
 /** Makes the folder and the hidden one. With `may_vanish` it gives up without an error where a
  * folder vanishes meanwhile: another run that made it removes it again while it is empty. */
-void OutputFolder::make_staging(bool may_vanish)
+void OutputFolder::make_folders(bool may_vanish)
 {
   fs::path so_far;
   for (const auto& part : folder_)
@@ -90,17 +67,23 @@ void OutputFolder::make_staging(bool may_vanish)
     if (vanished && may_vanish) return;
     if (ec) fail(so_far, "cannot make this folder: " + ec.message());
   }
-  std::string name = (folder_ / ".talus-map.XXXXXX").string();
-  if (::mkdtemp(name.data()))
-    staging_ = name;
-  else if (errno != ENOENT || !may_vanish)
-    fail(folder_, std::string("cannot write there: ") + std::strerror(errno));
+  try
+  {
+    const io::FolderLock lock(folder_, io::FolderLock::IfTaken::Wait);
+    sweep_and_tell();
+    hidden_ = std::make_unique<io::HiddenFolder>(folder_, kRunPrefix);
+  }
+  catch (const std::system_error& e)
+  {
+    if (e.code() != std::errc::no_such_file_or_directory || !may_vanish)
+      fail(folder_, "cannot write there: " + e.code().message());
+  }
 }
 
 OutputFolder::~OutputFolder()
 {
-  std::error_code ignored;
-  fs::remove_all(staging_, ignored);
+  elsewhere_.reset();
+  hidden_.reset();
   remove_made_folders();
 }
 
@@ -113,68 +96,40 @@ void OutputFolder::remove_made_folders() noexcept
   }
 }
 
+/** Needs the lock of the folder. */
+void OutputFolder::sweep_and_tell() { tell(name_, sweep(folder_)); }
+
+io::AtomicFile& OutputFolder::elsewhere(const std::string& path)
+{
+  tell(fs::absolute(path).parent_path().string(), {io::remove_abandoned_files(path), 0});
+  elsewhere_ = std::make_unique<io::AtomicFile>(path);
+  link_elsewhere(hidden_->path(), elsewhere_->hidden_folder());
+  return *elsewhere_;
+}
+
 std::string OutputFolder::told(std::string error) const
 {
-  for (const std::string& hidden : {(staging_ / kReplaced).string(), staging()})
+  for (const std::string& hidden : {replaced_in(hidden_->path()).string(), staging()})
     for (auto at = error.find(hidden); at != std::string::npos;
          at = error.find(hidden, at + name_.size()))
       error.replace(at, hidden.size(), name_);
   return error;
 }
 
-void OutputFolder::replace(const fs::path& relative, Moves& done)
+void OutputFolder::commit(const std::string& seal)
 {
-  const fs::path from = staging_ / relative, to = folder_ / relative;
-  const fs::path aside = staging_ / kReplaced / relative;
-  fs::create_directories(to.parent_path());
-  if (fs::is_directory(to))
-    throw std::runtime_error(
-        to.string() + ": cannot be replaced, a folder has this name; rename it or write elsewhere");
-  const auto status = fs::symlink_status(to);
-  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_symlink(status))
-    throw std::runtime_error(
-        to.string() + ": cannot be replaced, it is a device or a pipe; write elsewhere");
-  if (fs::exists(status))
-  {
-    fs::create_directories(aside.parent_path());
-    fs::rename(to, aside);
-    done.emplace_back(to, aside);
-  }
-  fs::rename(from, to);
-  done.emplace_back(from, to);
-}
-
-/** Snapshots of another run would be taken for those of this one. */
-void OutputFolder::set_aside_old_snapshots(Moves& done)
-{
-  if (!fs::is_directory(folder_ / kSnapshots) || !fs::is_directory(staging_ / kSnapshots)) return;
-  std::vector<fs::path> old;
-  for (const auto& entry : fs::directory_iterator(folder_ / kSnapshots))
-    if (entry.is_regular_file() && is_snapshot(entry.path())) old.push_back(entry.path());
-  const fs::path aside = staging_ / kReplaced / kSnapshots;
-  fs::create_directories(aside);
-  for (const auto& file : old)
-  {
-    fs::rename(file, aside / file.filename());
-    done.emplace_back(file, aside / file.filename());
-  }
-}
-
-void OutputFolder::commit(const std::function<void()>& last)
-{
+  const io::FolderLock lock(folder_, io::FolderLock::IfTaken::Wait);
   Moves done;
   try
   {
-    const auto files = files_below(staging_);
-    set_aside_old_snapshots(done);
-    for (const auto& file : files) replace(file, done);
-    if (last) last();
+    if (elsewhere_) elsewhere_->finish();
+    sweep_and_tell();
+    begin_placing(hidden_->path(), seal, done);
+    place(hidden_->path(), done);
   }
   catch (const std::exception& e)
   {
-    std::error_code ignored;
-    for (auto it = done.rbegin(); it != done.rend(); ++it)
-      fs::rename(it->second, it->first, ignored);
+    done.undo();
     throw std::runtime_error(told(e.what()));
   }
 }

@@ -1,15 +1,17 @@
 #pragma once
+#include <talus/io/atomic_file.h>
+
 #include <filesystem>
-#include <functional>
+#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace talus::app
 {
 /** A folder whose new files appear together at the end, or not at all: they are written into a
  * hidden folder inside of it and moved by commit(). Until then, and when anything fails, what was
- * there before stays as it is; folders that were made for nothing are removed. */
+ * there before stays as it is; folders that were made for nothing are removed. What runs that were
+ * killed have left there is ended first, and told on stderr. */
 class OutputFolder
 {
  public:
@@ -23,26 +25,28 @@ class OutputFolder
   OutputFolder& operator=(const OutputFolder&) = delete;
 
   /** Where to write. */
-  std::string staging() const { return staging_.string(); }
+  std::string staging() const { return hidden_->path().string(); }
+
+  /** One file at another place that appears with the others. Throws std::runtime_error. */
+  io::AtomicFile& elsewhere(const std::string& path);
 
   /** What an error says of a file in staging(), by the name that the user knows. */
   std::string told(std::string error) const;
 
-  /** Moves everything out of staging(); files of the same name are replaced. Then calls `last`, a
-   * step that belongs to it. Throws std::runtime_error, also what `last` throws; then nothing has
-   * changed. */
-  void commit(const std::function<void()>& last = {});
+  /** Moves everything out of staging(); files of the same name are replaced. `seal` is the file in
+   * it that says that the results are complete: without it the folder has none. Throws
+   * std::runtime_error; then nothing has changed. */
+  void commit(const std::string& seal);
 
  private:
-  using Moves = std::vector<std::pair<std::filesystem::path, std::filesystem::path>>;
-
-  void replace(const std::filesystem::path& relative, Moves& done);
-  void set_aside_old_snapshots(Moves& done);
-  void make_staging(bool may_vanish);
+  void make_folders(bool may_vanish);
+  void sweep_and_tell();
   void remove_made_folders() noexcept;
 
   std::string name_;  //!< of the folder, as given
-  std::filesystem::path folder_, staging_;
+  std::filesystem::path folder_;
+  std::unique_ptr<io::HiddenFolder> hidden_;
+  std::unique_ptr<io::AtomicFile> elsewhere_;
   std::vector<std::filesystem::path> made_;  //!< folders that did not exist before, outermost first
 };
 

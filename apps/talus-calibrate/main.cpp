@@ -114,7 +114,7 @@ int run(const AppOptions& options)
   }
   if (end.signal) throw std::runtime_error(talus::app::crash_text(options.log, end.signal));
   if (end.exit_code != 0) return end.exit_code;
-  output.commit();
+  output.commit("calibration.json");
   if (!options.quiet)
     std::cout << "  wrote   " << (fs::path(options.output) / "calibration.ini").string() << "\n";
   return 0;

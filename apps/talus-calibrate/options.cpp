@@ -22,7 +22,7 @@ constexpr const char* kFooter =
     "  talus-calibrate drive.rawlog --mounting 0.2 0 0.68 0 0 0\n"
     "      the log does not know where the sensor is mounted: x y z [m] yaw pitch roll [degrees]\n"
     "\n"
-    "Exit codes: 0 done, 1 failed, 2 wrong usage.";
+    "Exit codes: 0 done, 1 failed, 2 wrong usage, 128 + N stopped by signal N.";
 
 void add_inputs(CLI::App& app, AppOptions& o)
 {

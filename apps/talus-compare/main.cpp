@@ -21,6 +21,8 @@ namespace
 {
 using namespace talus::baselines;
 
+constexpr const char* kSeal = "comparison.json";
+
 bool is_world(const std::string& path)
 {
   const fs::path extension = fs::path(path).extension();
@@ -101,69 +103,101 @@ bool compare_input(const std::string& path, const CommandOptions& o, Comparison&
   }
 }
 
-/** Whether everything can be written, before hours of work. */
-void check_outputs(const CommandOptions& o)
+void require_outputs_apart(const CommandOptions& o)
 {
-  const talus::app::OutputFolder trial(o.output);
   std::vector<std::string> outputs;
-  for (const char* name : {"methods.csv", "fills.csv", "comparison.json", "maps.png", "fills.png"})
+  for (const char* name : {"methods.csv", "fills.csv", kSeal, "maps.png", "fills.png"})
     outputs.push_back((fs::path(o.output) / name).string());
   if (!o.markdown.empty()) outputs.push_back(o.markdown);
   std::vector<std::string> inputs = o.inputs;
   for (const std::string& more : {o.world, o.truth, o.trajectory, o.config}) inputs.push_back(more);
   for (const std::string& output : outputs) talus::app::require_apart(output, inputs);
-  if (o.markdown.empty()) return;
-  accuracy_page(o.markdown, {});  // throws when something else stands there
-  const talus::io::AtomicFile trial_page(o.markdown);
 }
 
-void write_results(const std::string& folder, const Comparison& c)
+/** Where everything is written until it is complete: made before hours of work. */
+struct Outputs
 {
-  const fs::path to(folder);
+  explicit Outputs(const CommandOptions& o) : folder(o.output)
+  {
+    require_outputs_apart(o);
+    if (o.markdown.empty()) return;
+    accuracy_page(o.markdown, {});  // throws when something else stands there
+    page = &folder.elsewhere(o.markdown);
+  }
+
+  talus::app::OutputFolder folder;
+  talus::io::AtomicFile* page = nullptr;  //!< of --markdown
+};
+
+void write_results(const CommandOptions& o, const Comparison& c, const Outputs& outputs)
+{
+  const fs::path to(outputs.folder.staging());
   const auto write = [&](const char* name, const std::string& text)
   { talus::io::write_file((to / name).string(), text); };
   write("methods.csv", methods_csv(c));
   write("fills.csv", fills_csv(c));
-  write("comparison.json", comparison_json(c));
+  write(kSeal, comparison_json(c));
   write_maps_picture((to / "maps.png").string(), c.evaluations);
   write_fills_picture((to / "fills.png").string(), c.evaluations);
+  if (outputs.page) outputs.page->write(accuracy_page(o.markdown, c));
 }
 
-/** All files appear together. */
-void write_files(const CommandOptions& o, const Comparison& c)
-{
-  talus::app::OutputFolder folder(o.output);
-  try
-  {
-    write_results(folder.staging(), c);
-  }
-  catch (const std::exception& e)
-  {
-    throw std::runtime_error(folder.told(e.what()));
-  }
-  folder.commit(
-      [&]
-      {
-        if (!o.markdown.empty()) talus::io::write_file(o.markdown, accuracy_page(o.markdown, c));
-      });
-}
+void print_error(const std::string& text) { std::cerr << "talus-compare: " << text << "\n"; }
 
-int run(CommandOptions& o, const std::string& command)
+/** How the child ends. */
+enum Ending
 {
-  load_parameters_into(o);
+  kDone = 0,
+  kWrittenButFailed = 1,  // an input could not be read, or a budget does not hold
+  kFailed = 2
+};
+
+Ending compare(const CommandOptions& o, const std::string& command, const Outputs& outputs)
+{
   for (const std::string& name : o.evaluation.methods) make_method(name, o.evaluation.parameters);
-  check_outputs(o);
   Comparison c;
   c.command = command;
   bool all_read = true;
   for (const std::string& input : o.inputs) all_read &= compare_input(input, o, c);
-  if (c.evaluations.empty()) return 1;
-  write_files(o, c);
+  if (c.evaluations.empty()) return kFailed;
+  write_results(o, c, outputs);
   const int failed = failed_budgets(c);
   if (!o.quiet)
     std::cout << tables_text(c) << budget_text(c) << failed << " budgets do not hold -> "
               << o.output << "\n";
-  return all_read && !(o.check && failed > 0) ? 0 : 1;
+  return all_read && !(o.check && failed > 0) ? kDone : kWrittenButFailed;
+}
+
+/** In the child. */
+Ending compare_or_tell(const CommandOptions& o, const std::string& command, const Outputs& outputs)
+{
+  try
+  {
+    return compare(o, command, outputs);
+  }
+  catch (const std::exception& e)
+  {
+    print_error(outputs.folder.told(talus::app::failure_text(e, o.output, kLessToCompare)));
+    return kFailed;
+  }
+}
+
+/** The exit code. */
+int run(CommandOptions& o, const std::string& command)
+{
+  load_parameters_into(o);
+  talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
+  Outputs outputs(o);
+  const auto end = talus::app::run_in_child([&] { return compare_or_tell(o, command, outputs); });
+  if (const int signal = talus::app::stop_signal())
+  {
+    print_error("stopped; nothing was written");
+    return 128 + signal;
+  }
+  if (end.signal) throw std::runtime_error(talus::app::crash_text(o.inputs.front(), end.signal));
+  if (end.exit_code == kFailed) return 1;
+  outputs.folder.commit(kSeal);
+  return end.exit_code;
 }
 
 /** The command line as a person would type it. */
@@ -188,8 +222,7 @@ int main(int argc, char** argv)
   }
   catch (const std::exception& e)
   {
-    std::cerr << "talus-compare: " << talus::app::failure_text(e, options.output, kLessToCompare)
-              << "\n";
+    print_error(talus::app::failure_text(e, options.output, kLessToCompare));
     return 1;
   }
 }

@@ -31,7 +31,8 @@ std::string footer()
          "  talus-compare out/demo.rawlog --world datasets/worlds/demo.yaml --output out\n"
          "  talus-compare street.rawlog --config car.ini --output out\n"
          "      without truth: cost, coverage, and held-out points to measure the fills\n"
-         "\nExit codes: 0 done, 1 an input failed (or, with --check, a budget), 2 wrong usage.";
+         "\nExit codes: 0 done, 1 an input failed (or, with --check, a budget), 2 wrong usage,\n"
+         "128 + N stopped by signal N.";
 }
 
 void add_inputs(CLI::App& app, CommandOptions& o)

@@ -33,7 +33,7 @@ constexpr const char* kFooter =
     "  talus-map drive.rawlog --rawlog-out terrain.rawlog\n"
     "      for rawlog-edit -p libtalus-mrpt.so --info -i terrain.rawlog\n"
     "\n"
-    "Exit codes: 0 done, 1 a log failed, 2 wrong usage.";
+    "Exit codes: 0 done, 1 a log failed, 2 wrong usage, 128 + N stopped by signal N.";
 
 void print_parameters()
 {

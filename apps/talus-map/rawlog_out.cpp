@@ -132,8 +132,11 @@ void require_file_of_its_own(const Job& job, const Options& options)
     throw std::runtime_error("--rawlog-out " + path + ": is " + what + "; give another name");
 }
 
-RawlogOut::RawlogOut(const std::string& path, const std::string& log)
-    : path_(path), log_(log), file_(path), snapshots_path_(file_.temporary_path() + ".snapshots")
+RawlogOut::RawlogOut(const io::AtomicFile& file, const std::string& path, const std::string& log)
+    : file_(file),
+      path_(path),
+      log_(log),
+      snapshots_path_((file.hidden_folder().path() / ".snapshots").string())
 {
   if (!snapshots_.open(snapshots_path_)) throw std::runtime_error(path_ + ": cannot be written");
 }

@@ -95,7 +95,8 @@ bool run_job(
     OutputFolder output(job.folder);
     std::unique_ptr<RawlogOut> rawlog_out;
     if (!options.rawlog_out.empty())
-      rawlog_out = std::make_unique<RawlogOut>(options.rawlog_out, job.log);
+      rawlog_out = std::make_unique<RawlogOut>(
+          output.elsewhere(options.rawlog_out), options.rawlog_out, job.log);
     const auto work = [&]
     { return map_or_tell(job, options, settings, label, output, rawlog_out.get()); };
     const ChildEnd end = run_in_child(work);
@@ -107,11 +108,7 @@ bool run_job(
           (end.signal == SIGKILL ? ". Try a smaller window_m or a larger resolution_m" : ""));
     else if (end.exit_code == kDone)
     {
-      output.commit(
-          [&]
-          {
-            if (rawlog_out) rawlog_out->commit();
-          });
+      output.commit("summary.json");
       return true;
     }
   }

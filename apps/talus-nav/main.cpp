@@ -164,7 +164,7 @@ int run(const Options& o, const Settings& settings)
   }
   if (end.signal) throw std::runtime_error(talus::app::crash_text(o.world, end.signal));
   if (end.exit_code == kFailed || end.exit_code == kUsage) return end.exit_code;
-  output.commit();
+  output.commit("summary.json");
   if (!o.quiet) std::cout << "  wrote " << (fs::path(o.output) / "navigation.png").string() << "\n";
   return end.exit_code;
 }

@@ -3,7 +3,7 @@
 #include <iostream>
 #include <utility>
 
-#include "../common/interrupt.h"
+#include "../common/child_process.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/printable.h"
@@ -34,8 +34,7 @@ TruthWindow window_of(const Options& o, const Drive& drive)
 }
 
 void write_files(
-    const Options& o, const std::string& folder, const World& world, const Drive& drive, Truth last,
-    const Interrupt& interrupt)
+    const Options& o, const std::string& folder, const World& world, const Drive& drive, Truth last)
 {
   const auto path = [&](const std::string& name)
   {
@@ -50,41 +49,61 @@ void write_files(
   write_rawlog(
       path(name + ".rawlog"), world, drive, o.claims,
       [&](int done)
-      {
-        bar.show(static_cast<double>(done) / drive.frames(), "frame " + std::to_string(done));
-        interrupt.check();
-      });
+      { bar.show(static_cast<double>(done) / drive.frames(), "frame " + std::to_string(done)); });
 }
 
-/** All files appear together, or none. */
-void simulate(const Options& o)
+void simulate(const Options& o, const std::string& folder)
 {
   const World world = guarded(o.world, kSimplerWorld, [&] { return load_world(o.world); });
   const Drive drive(world, o.drive);
-  const TruthWindow window = window_of(o, drive);
-  require_writable(o.output);
   const double end_s = drive.time_s(drive.frames() - 1);
   TruthOptions truth_options;
   truth_options.movers = !o.without_movers;
-  Truth last = truth(world, window, end_s, truth_options);
-  const Interrupt interrupt;
-  OutputFolder folder(o.output);
+  Truth last = truth(world, window_of(o, drive), end_s, truth_options);
+  write_files(o, folder, world, drive, std::move(last));
+  if (!o.quiet)
+  {
+    char way[40];
+    std::snprintf(way, sizeof way, "%.1f m", drive.path().distance_m(end_s));
+    std::cout << world.name << ": " << drive.frames() << " frames of " << drive.scanner().name
+              << " over " << way << "\n";
+  }
+}
+
+void print_error(const std::string& text) { std::cerr << "talus-sim: " << text << "\n"; }
+
+/** In the child: the exit code. */
+int simulate_or_tell(const Options& o, const OutputFolder& output)
+{
   try
   {
-    write_files(o, folder.staging(), world, drive, std::move(last), interrupt);
+    simulate(o, output.staging());
+    return 0;
   }
   catch (const std::exception& e)
   {
-    throw std::runtime_error(folder.told(e.what()));
+    print_error(output.told(failure_text(e, o.world, kSimplerWorld)));
+    return 1;
   }
-  interrupt.check();
-  folder.commit();
-  if (o.quiet) return;
-  char way[40];
-  std::snprintf(way, sizeof way, "%.1f m", drive.path().distance_m(end_s));
-  std::cout << world.name << ": " << drive.frames() << " frames of " << drive.scanner().name
-            << " over " << way << " -> "
-            << (fs::path(o.output) / (name_of_world(o.world) + ".rawlog")).string() << "\n";
+}
+
+/** The exit code. */
+int run(const Options& o)
+{
+  forward_signals();  // before any folder is made: a signal must not leave it behind
+  OutputFolder output(o.output);
+  const ChildEnd end = run_in_child([&] { return simulate_or_tell(o, output); });
+  if (stop_signal())
+  {
+    print_error("stopped; nothing was written");
+    return 128 + stop_signal();
+  }
+  if (end.signal) throw std::runtime_error(crash_text(o.world, end.signal));
+  if (end.exit_code != 0) return end.exit_code;
+  const std::string log = name_of_world(o.world) + ".rawlog";
+  output.commit(log);
+  if (!o.quiet) std::cout << "  wrote   " << (fs::path(o.output) / log).string() << "\n";
+  return 0;
 }
 
 }  // namespace
@@ -96,17 +115,11 @@ int main(int argc, char** argv)
   if (const auto exit_code = parse_options(argc, argv, options)) return *exit_code;
   try
   {
-    simulate(options);
-  }
-  catch (const Interrupted& e)
-  {
-    std::cerr << "talus-sim: stopped; nothing was written\n";
-    return 128 + e.signal;
+    return run(options);
   }
   catch (const std::exception& e)
   {
-    std::cerr << "talus-sim: " << failure_text(e, options.world, kSimplerWorld) << "\n";
+    print_error(failure_text(e, options.world, kSimplerWorld));
     return 1;
   }
-  return 0;
 }

@@ -4,13 +4,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
-#include <vector>
+#include <system_error>
 
 namespace fs = std::filesystem;
 
@@ -30,22 +30,20 @@ namespace
   throw std::runtime_error(path + ": cannot write this file: " + std::strerror(error) + hint);
 }
 
-/** The mode that a plain open() would have given to a new file, or that of the file replaced. */
-mode_t wanted_mode(const std::string& path)
-{
-  struct stat info;
-  if (::stat(path.c_str(), &info) == 0) return info.st_mode & 07777;
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  return 0666 & ~mask;
-}
-
 std::string follow_links(const std::string& path)
 {
   std::error_code ec;
   const fs::path target =
       fs::is_symlink(path, ec) ? fs::weakly_canonical(path, ec) : fs::path(path);
   return ec ? path : target.string();
+}
+
+/** Whether a file lies in a hidden folder of talus, with which all that was left in it goes. */
+bool is_hidden_with_its_folder(const fs::path& path)
+{
+  return std::any_of(
+      path.begin(), path.end(),
+      [](const fs::path& part) { return part.string().rfind(".talus-", 0) == 0; });
 }
 }  // namespace
 
@@ -60,41 +58,27 @@ AtomicFile::AtomicFile(const std::string& path) : path_(follow_links(path))
         path_ +
         ": cannot write this file: a device or a pipe has this name, which the new file "
         "would replace; write elsewhere");
-  const fs::path p(path_);
-  const std::string ending = p.extension().string();
-  const std::string wanted =
-      (p.parent_path() / ("." + p.stem().string() + ".XXXXXX" + ending)).string();
-  std::vector<char> name(wanted.begin(), wanted.end());
-  name.push_back('\0');
-  const int fd = ::mkstemps(name.data(), static_cast<int>(ending.size()));
+  if (!is_hidden_with_its_folder(path_)) remove_abandoned_files(path_);
+  try
+  {
+    hidden_ = std::make_unique<HiddenFolder>(fs::path(path_).parent_path(), kFilePrefix);
+  }
+  catch (const std::system_error& e)
+  {
+    fail(path_, e.code().value());
+  }
+  temporary_path_ = (hidden_->path() / fs::path(path_).filename()).string();
+  const int fd = ::open(temporary_path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (fd < 0) fail(path_, errno);
   ::close(fd);
-  temporary_path_ = name.data();
 }
 
-AtomicFile::~AtomicFile()
-{
-  if (!temporary_path_.empty()) ::unlink(temporary_path_.c_str());
-}
+AtomicFile::~AtomicFile() = default;
 
-void AtomicFile::commit()
+void AtomicFile::write(std::string_view bytes)
 {
-  const int fd = ::open(temporary_path_.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) fail(path_, errno);
-  ::fchmod(fd, wanted_mode(path_));
-  const int synced = ::fsync(fd);
-  const int error = errno;
-  ::close(fd);
-  if (synced != 0 && error != EINVAL) fail(path_, error);
-  if (::rename(temporary_path_.c_str(), path_.c_str()) != 0) fail(path_, errno);
-  temporary_path_.clear();
-}
-
-void write_file(const std::string& path, std::string_view bytes)
-{
-  AtomicFile file(path);
-  std::FILE* f = std::fopen(file.temporary_path().c_str(), "wb");
-  if (!f) fail(path, errno);
+  std::FILE* f = std::fopen(temporary_path_.c_str(), "wb");
+  if (!f) fail(path_, errno);
   errno = 0;
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), f) == bytes.size();
   int error = errno;
@@ -102,8 +86,42 @@ void write_file(const std::string& path, std::string_view bytes)
     error = errno;
   else if (written)
     error = 0;
-  if (error != 0 || !written) fail(path, error != 0 ? error : EIO);
+  if (error != 0 || !written) fail(path_, error != 0 ? error : EIO);
+}
+
+void AtomicFile::finish()
+{
+  const int fd = ::open(temporary_path_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) fail(path_, errno);
+  struct stat replaced;
+  if (::stat(path_.c_str(), &replaced) == 0) ::fchmod(fd, replaced.st_mode & 07777);
+  const int synced = ::fsync(fd);
+  const int error = errno;
+  ::close(fd);
+  if (synced != 0 && error != EINVAL) fail(path_, error);
+}
+
+void AtomicFile::commit()
+{
+  finish();
+  if (::rename(temporary_path_.c_str(), path_.c_str()) != 0) fail(path_, errno);
+  hidden_.reset();
+}
+
+void write_file(const std::string& path, std::string_view bytes)
+{
+  AtomicFile file(path);
+  file.write(bytes);
   file.commit();
+}
+
+std::size_t remove_abandoned_files(const std::string& path)
+{
+  std::size_t count = 0;
+  for (const auto& hidden :
+       HiddenFolder::all_in(fs::path(follow_links(path)).parent_path(), kFilePrefix))
+    count += HiddenFolder::remove_if_abandoned(hidden) ? 1 : 0;
+  return count;
 }
 
 }  // namespace talus::io

@@ -1,0 +1,180 @@
+#include "placing.h"
+
+#include <talus/io/atomic_file.h>
+#include <talus/io/hidden_folder.h>
+
+#include <algorithm>
+#include <cctype>
+#include <stdexcept>
+#include <system_error>
+
+namespace fs = std::filesystem;
+
+namespace talus::app
+{
+namespace
+{
+constexpr const char* kSnapshots = "frames";
+
+// In the hidden folder:
+constexpr const char* kSeal = ".seal";  // folder; the seal is in it from begin_placing() on
+constexpr const char* kCleared = ".cleared";  // what would mislead has been set aside
+constexpr const char* kReplaced = ".replaced";  // folder; what was there before
+constexpr const char* kElsewhere = ".elsewhere";  // link to the hidden folder of a file elsewhere
+
+bool is_hidden(const fs::path& path) { return path.filename().string().rfind('.', 0) == 0; }
+
+/** frame_NNNNNN.tif or .png */
+bool is_snapshot(const fs::path& file)
+{
+  const std::string stem = file.stem().string(), start = "frame_";
+  const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
+  return (file.extension() == ".tif" || file.extension() == ".png") &&
+         stem.size() >= start.size() + 6 && stem.rfind(start, 0) == 0 &&
+         std::all_of(
+             stem.begin() + static_cast<std::ptrdiff_t>(start.size()), stem.end(), is_digit);
+}
+
+/** Everything below a folder that is neither hidden nor a folder, relative to it. */
+std::vector<fs::path> files_below(const fs::path& folder)
+{
+  std::vector<fs::path> files;
+  std::error_code gone;
+  for (auto it = fs::recursive_directory_iterator(folder, gone);
+       it != fs::recursive_directory_iterator(); ++it)
+    if (is_hidden(it->path()))
+      it.disable_recursion_pending();
+    else if (!it->is_directory())
+      files.push_back(it->path().lexically_relative(folder));
+  return files;
+}
+
+/** The name of the seal; empty before begin_placing(), and when everything is in place. */
+fs::path seal_of(const fs::path& hidden)
+{
+  const auto files = files_below(hidden / kSeal);
+  return files.empty() ? fs::path() : files.front();
+}
+
+/** The hidden folder of a file elsewhere, or empty. */
+fs::path elsewhere_of(const fs::path& hidden)
+{
+  std::error_code none;
+  const fs::path link = fs::read_symlink(hidden / kElsewhere, none);
+  const auto known = io::HiddenFolder::all_in(link.parent_path(), io::kFilePrefix);
+  return std::find(known.begin(), known.end(), link) == known.end() ? fs::path() : link;
+}
+
+void require_replaceable(const fs::path& file)
+{
+  if (fs::is_directory(file))
+    throw std::runtime_error(
+        file.string() +
+        ": cannot be replaced, a folder has this name; rename it or write elsewhere");
+  const auto status = fs::symlink_status(file);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_symlink(status))
+    throw std::runtime_error(
+        file.string() + ": cannot be replaced, it is a device or a pipe; write elsewhere");
+}
+
+void set_aside(const fs::path& hidden, const fs::path& relative, Moves& done)
+{
+  const fs::path file = hidden.parent_path() / relative;
+  if (!fs::exists(fs::symlink_status(file))) return;
+  const fs::path aside = replaced_in(hidden) / relative;
+  fs::create_directories(aside.parent_path());
+  done.move(file, aside);
+}
+
+/** Snapshots of another run would be taken for those of this one. */
+void set_aside_old_snapshots(const fs::path& hidden, Moves& done)
+{
+  const fs::path snapshots = hidden.parent_path() / kSnapshots;
+  if (!fs::is_directory(snapshots) || !fs::is_directory(hidden / kSnapshots)) return;
+  std::vector<fs::path> old;
+  for (const auto& entry : fs::directory_iterator(snapshots))
+    if (entry.is_regular_file() && is_snapshot(entry.path())) old.push_back(entry.path());
+  for (const auto& file : old) set_aside(hidden, kSnapshots / file.filename(), done);
+}
+
+/** Ends one that no other process holds. */
+void end(const fs::path& hidden, Swept& swept)
+{
+  using IfTaken = io::FolderLock::IfTaken;
+  // Only who has the lock of the folder places results: a process that did is at its end.
+  const bool has_begun = !seal_of(hidden).empty();
+  const io::FolderLock lock(hidden, has_begun ? IfTaken::Wait : IfTaken::GiveUp);
+  if (!lock.is_held()) return;
+  Moves done;
+  if (has_begun) place(hidden, done);
+  const fs::path elsewhere = elsewhere_of(hidden);
+  std::error_code ignored;
+  fs::remove_all(hidden, ignored);
+  if (!elsewhere.empty()) io::HiddenFolder::remove_if_abandoned(elsewhere);
+  if (has_begun)
+    ++swept.placed;
+  else if (!fs::exists(hidden, ignored))
+    ++swept.removed;
+}
+}  // namespace
+
+void Moves::move(const fs::path& from, const fs::path& to)
+{
+  fs::rename(from, to);
+  done_.emplace_back(from, to);
+}
+
+void Moves::undo() noexcept
+{
+  std::error_code ignored;
+  for (auto it = done_.rbegin(); it != done_.rend(); ++it)
+    fs::rename(it->second, it->first, ignored);
+  done_.clear();
+}
+
+fs::path replaced_in(const fs::path& hidden) { return hidden / kReplaced; }
+
+void link_elsewhere(const fs::path& hidden, const io::HiddenFolder& elsewhere)
+{
+  fs::create_symlink(fs::absolute(elsewhere.path()), hidden / kElsewhere);
+  elsewhere.keep_while_exists(hidden / kSeal);
+}
+
+void begin_placing(const fs::path& hidden, const std::string& seal, Moves& done)
+{
+  for (const auto& file : files_below(hidden)) require_replaceable(hidden.parent_path() / file);
+  fs::create_directory(hidden / kSeal);
+  done.move(hidden / seal, hidden / kSeal / seal);
+}
+
+void place(const fs::path& hidden, Moves& done)
+{
+  const fs::path folder = hidden.parent_path(), seal = seal_of(hidden);
+  if (!fs::exists(hidden / kCleared))
+  {
+    set_aside(hidden, seal, done);
+    set_aside_old_snapshots(hidden, done);
+    fs::create_directory(hidden / kCleared);
+  }
+  for (const auto& file : files_below(hidden))
+  {
+    require_replaceable(folder / file);
+    set_aside(hidden, file, done);
+    fs::create_directories((folder / file).parent_path());
+    done.move(hidden / file, folder / file);
+  }
+  if (const fs::path elsewhere = elsewhere_of(hidden); !elsewhere.empty())
+    for (const auto& file : files_below(elsewhere))
+      fs::rename(elsewhere / file, elsewhere.parent_path() / file);
+  done.move(hidden / kSeal / seal, folder / seal);
+}
+
+Swept sweep(const fs::path& folder)
+{
+  Swept swept;
+  for (const auto& hidden : io::HiddenFolder::all_in(folder, kRunPrefix)) end(hidden, swept);
+  swept.removed += io::remove_abandoned_files((folder / "any").string());
+  return swept;
+}
+
+}  // namespace talus::app

@@ -1,0 +1,56 @@
+#pragma once
+#include <talus/io/hidden_folder.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+// How results get from a hidden folder to their place beside it: whatever moment a run is killed
+// at, the next one sees from the hidden folder how far it was, and ends it. So the place has the
+// results of one run; the seal, the file among them that says that they are complete, vanishes
+// first and appears last.
+namespace talus::app
+{
+/** Of the hidden folders that hold results until they are complete. */
+constexpr const char* kRunPrefix = ".talus-run.";
+
+/** What has been moved, so that it can be moved back. */
+class Moves
+{
+ public:
+  void move(const std::filesystem::path& from, const std::filesystem::path& to);
+  /** Moves back what can be. */
+  void undo() noexcept;
+
+ private:
+  std::vector<std::pair<std::filesystem::path, std::filesystem::path>> done_;
+};
+
+/** Lets a hidden folder know a file of io::AtomicFile that belongs to its results. */
+void link_elsewhere(const std::filesystem::path& hidden, const io::HiddenFolder& elsewhere);
+
+/** From now on the results are complete: whoever finds the hidden folder puts them in place.
+ * Throws std::runtime_error, also where one of them would replace a folder, a device or a pipe. */
+void begin_placing(const std::filesystem::path& hidden, const std::string& seal, Moves& done);
+
+/** Moves everything to its place; goes on where another process was killed. Files of the same name,
+ * and snapshots where there are new ones, are set aside. Throws std::runtime_error. */
+void place(const std::filesystem::path& hidden, Moves& done);
+
+/** Where what is replaced waits until all is in place. */
+std::filesystem::path replaced_in(const std::filesystem::path& hidden);
+
+/** What was done about hidden folders of runs that were killed. */
+struct Swept
+{
+  std::size_t removed = 0;
+  std::size_t placed = 0;  //!< of these the results were complete, and are in place now
+};
+
+/** Ends what runs that were killed have left in a folder. Needs its FolderLock. Throws
+ * std::runtime_error where complete results cannot be placed. */
+Swept sweep(const std::filesystem::path& folder);
+
+}  // namespace talus::app

@@ -1,0 +1,241 @@
+// A run that is killed, at whatever moment: the place has the results of one run or none, and the
+// next run tidies up.
+#include <gtest/gtest.h>
+#include <sys/ptrace.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "apps/common/child_process.h"
+#include "apps/common/output_folder.h"
+#include "log_files.h"
+
+namespace fs = std::filesystem;
+using talus::app::OutputFolder;
+using talus::test::read_bytes;
+using talus::test::ScratchDir;
+using talus::test::write_bytes;
+
+namespace
+{
+using Files = std::map<std::string, std::string>;
+
+/** All files below a folder, and the folders among them that are hidden. */
+Files files_in(const std::string& folder)
+{
+  Files files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+  {
+    const std::string name = entry.path().lexically_relative(folder).string();
+    const bool is_hidden = entry.path().filename().string().rfind('.', 0) == 0;
+    if (!entry.is_directory())
+      files[name] = read_bytes(entry.path().string());
+    else if (is_hidden)
+      files[name] = "hidden folder";
+  }
+  return files;
+}
+
+/** A run with other results than the next. The second has fewer snapshots, and one file more. */
+struct Run
+{
+  char sign;
+  int snapshots;
+  bool has_more;
+
+  Files files() const
+  {
+    Files files{{"elsewhere/copy", text("copy")}};
+    for (const char* name : {"map.tif", "map.png", "seal"})
+      files[std::string("out/") + name] = text(name);
+    if (has_more) files["out/more/more.txt"] = text("more");
+    for (int i = 1; i <= snapshots; ++i)
+      files["out/frames/frame_00000" + std::to_string(i) + ".tif"] = text("snapshot");
+    return files;
+  }
+
+  void write(const ScratchDir& dir) const
+  {
+    OutputFolder output(dir / "out");
+    for (const auto& [name, bytes] : files())
+    {
+      if (name == "elsewhere/copy")
+      {
+        output.elsewhere(dir / name).write(bytes);
+        continue;
+      }
+      const fs::path file = fs::path(output.staging()) / fs::path(name).lexically_relative("out");
+      fs::create_directories(file.parent_path());
+      write_bytes(file.string(), bytes);
+    }
+    output.commit("seal");
+  }
+
+ private:
+  std::string text(const std::string& name) const { return name + " of run " + sign; }
+};
+
+const Run kFirst{'A', 3, false}, kSecond{'B', 2, true};
+
+constexpr int kStep = 10;  // begin and end of five system calls
+
+/** Runs `work` in a child that is killed when it begins or ends a system call, the `nth` such
+ * moment. False when it was at its end before. */
+bool is_killed_at(int nth, const std::function<void()>& work)
+{
+  const pid_t child = ::fork();
+  if (child == 0)
+  {
+    if (!std::freopen("/dev/null", "w", stderr) || ::ptrace(PTRACE_TRACEME, 0, 0, 0) != 0) _exit(1);
+    std::raise(SIGSTOP);
+    work();
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  for (int i = 0; i < nth && WIFSTOPPED(status); ++i)
+  {
+    ::ptrace(PTRACE_SYSCALL, child, 0, 0);
+    ::waitpid(child, &status, 0);
+  }
+  if (!WIFSTOPPED(status)) return false;
+  ::kill(child, SIGKILL);
+  ::waitpid(child, &status, 0);
+  return true;
+}
+
+/** A run to the same places that fails. */
+void run_in_vain(const ScratchDir& dir)
+{
+  OutputFolder output(dir / "out");
+  output.elsewhere(dir / "elsewhere/copy").write("half");
+}
+
+bool can_trace()
+{
+  return is_killed_at(1, [] { ::getppid(); });
+}
+
+/** After a first run, a second one that is killed at its nth moment, and a third one that finds
+ * what it left and is killed at its mth. False when the second was at its end before. */
+bool kill_second_run(const ScratchDir& dir, int nth, int mth)
+{
+  fs::remove_all(dir / "");
+  fs::create_directories(dir / "out/frames");
+  fs::create_directories(dir / "elsewhere");
+  write_bytes(dir / "out/frames/notes.txt", "mine");
+  for (const auto& [name, bytes] : kFirst.files()) write_bytes(dir / name, bytes);
+  const bool is_killed = is_killed_at(nth, [&] { kSecond.write(dir); });
+  if (mth > 0) is_killed_at(mth, [&] { run_in_vain(dir); });
+  return is_killed;
+}
+
+/** Where a seal is, everything is of its run. Runs leave files of another name alone. */
+void expect_one_run_or_no_seal(const ScratchDir& dir)
+{
+  const Files files = files_in(dir / "");
+  const auto seal = files.find("out/seal");
+  if (seal == files.end()) return;
+  const Run& run = seal->second.back() == 'A' ? kFirst : kSecond;
+  for (const auto& [name, bytes] : run.files()) EXPECT_EQ(files.at(name), bytes) << name;
+}
+
+/** Of which run, after another one: of one only, and nothing hidden is left. */
+char results_after_next_run(const ScratchDir& dir, int nth)
+{
+  run_in_vain(dir);
+  const Files files = files_in(dir / "");
+  const char sign = files.count("out/seal") > 0 ? files.at("out/seal").back() : '?';
+  Files expected = (sign == 'A' ? kFirst : kSecond).files();
+  expected["out/frames/notes.txt"] = "mine";
+  EXPECT_EQ(files, expected) << "killed at " << nth;
+  return sign;
+}
+}  // namespace
+
+TEST(KilledRuns, leave_the_results_of_one_run_and_the_next_run_tidies_up)
+{
+  if (!can_trace()) GTEST_SKIP() << "this machine lets no process trace another";
+  const ScratchDir dir;
+  testing::internal::CaptureStderr();
+  int old = 0, complete = 0;
+  for (int n = 1; kill_second_run(dir, n, 0); n += kStep)
+  {
+    expect_one_run_or_no_seal(dir);
+    ++(results_after_next_run(dir, n) == 'A' ? old : complete);
+  }
+  EXPECT_GT(old, 20);
+  EXPECT_GT(complete, 20);
+  const std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_NE(told.find("out: a run was killed while its results were put there"), std::string::npos);
+  EXPECT_NE(told.find("out: removed what a run that was killed had left"), std::string::npos);
+  EXPECT_NE(told.find("elsewhere: removed what a run"), std::string::npos);
+}
+
+TEST(KilledRuns, are_tidied_up_after_when_the_run_that_does_so_is_killed_too)
+{
+  if (!can_trace()) GTEST_SKIP() << "this machine lets no process trace another";
+  const ScratchDir dir;
+  testing::internal::CaptureStderr();
+  for (int n = 3; kill_second_run(dir, n, 1 + 29 * n % 230); n += kStep)
+  {
+    expect_one_run_or_no_seal(dir);
+    results_after_next_run(dir, n);
+  }
+  testing::internal::GetCapturedStderr();
+}
+
+TEST(KilledRuns, are_not_tidied_up_after_while_another_run_holds_its_folder)
+{
+  const ScratchDir dir;
+  {
+    OutputFolder first(dir / "out"), second(dir / "out");
+    first.elsewhere(dir / "copy").write("first");
+    second.elsewhere(dir / "copy").write("second");
+    write_bytes(first.staging() + "/seal", "first");
+    write_bytes(second.staging() + "/seal", "second");
+    first.commit("seal");
+    EXPECT_EQ(read_bytes(dir / "out/seal") + read_bytes(dir / "copy"), "firstfirst");
+    second.commit("seal");
+    EXPECT_EQ(read_bytes(dir / "out/seal") + read_bytes(dir / "copy"), "secondsecond");
+  }
+  EXPECT_EQ(files_in(dir / ""), (Files{{"copy", "second"}, {"out/seal", "second"}}));
+}
+
+TEST(KilledRuns, take_their_children_along)
+{
+  const ScratchDir dir;
+  const pid_t parent = ::fork();
+  if (parent == 0)
+  {
+    const OutputFolder output(dir / "out");
+    const auto work = [&]
+    {
+      write_bytes(output.staging() + "/child.txt", std::to_string(::getpid()));
+      ::kill(::getppid(), SIGKILL);
+      for (;;) ::pause();
+      return 0;
+    };
+    ::_exit(talus::app::run_in_child(work).exit_code);
+  }
+  ::waitpid(parent, nullptr, 0);
+  const auto hidden = fs::directory_iterator(dir / "out")->path();
+  const pid_t child = std::stoi(read_bytes((hidden / "child.txt").string()));
+  const auto is_alive = [&]
+  {
+    // Nobody may have waited for it yet: a zombie's command line is empty.
+    return !read_bytes("/proc/" + std::to_string(child) + "/cmdline").empty();
+  };
+  for (int i = 0; i < 1000 && is_alive(); ++i) ::usleep(10000);
+  EXPECT_FALSE(is_alive());
+  {
+    const OutputFolder next(dir / "out");
+  }
+  EXPECT_TRUE(files_in(dir / "").empty());
+}
