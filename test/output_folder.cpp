@@ -144,6 +144,37 @@ TEST(OutputFolder, is_not_left_behind_when_nobody_reads_what_is_printed)
   EXPECT_FALSE(fs::exists(dir / "out"));
 }
 
+TEST(FolderLock, is_of_one_process_at_a_time_by_whatever_name_and_lost_where_the_folder_is_gone)
+{
+  using talus::io::FolderLock;
+  const ScratchDir dir;
+  fs::create_directory(dir / "out");
+  fs::create_directory_symlink(dir / "out", dir / "link");
+  {
+    const FolderLock lock(dir / "link", FolderLock::IfTaken::GiveUp);
+    EXPECT_TRUE(lock.is_held());
+    EXPECT_TRUE(FolderLock(dir / "out", FolderLock::IfTaken::GiveUp).is_lost());
+  }
+  EXPECT_TRUE(FolderLock(dir / "out", FolderLock::IfTaken::GiveUp).is_held());
+  EXPECT_TRUE(FolderLock(dir / "none", FolderLock::IfTaken::GiveUp).is_lost());
+}
+
+TEST(HiddenFolder, that_a_process_left_is_removed_and_no_link_or_folder_of_another_name)
+{
+  const ScratchDir dir;
+  using talus::io::HiddenFolder;
+  fs::create_directories(dir / ".talus-file.left00/in it");
+  fs::create_directories(dir / "mine/in it");
+  fs::create_directory_symlink(dir / "mine", dir / ".talus-file.link00");
+  fs::create_directory(dir / ".talus-file.mine");
+  const HiddenFolder held(dir / "", talus::io::kFilePrefix);
+  EXPECT_EQ(talus::io::remove_abandoned_files(dir / "a.txt"), 1u);
+  const std::string held_name = held.path().filename().string();
+  EXPECT_EQ(
+      names_in(dir / ""), (Names{".talus-file.link00", ".talus-file.mine", "mine", held_name}));
+  EXPECT_EQ(names_in(dir / "mine"), Names{"in it"});
+}
+
 TEST(ChildProcess, goes_on_ignoring_what_the_program_ignores)
 {
   const auto before = std::signal(SIGHUP, SIG_IGN);

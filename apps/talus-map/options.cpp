@@ -14,8 +14,9 @@ namespace
 constexpr const char* kFooter =
     "Writes into DIR: map.tif (GeoTIFF, a band a layer), map.png (the layers side by side), "
     "timing.csv (a\n"
-    "row a frame), summary.json. They appear together when a log is done; a log that fails writes "
-    "nothing.\n"
+    "row a frame), summary.json. They appear together when a log is done, summary.json last; a log "
+    "that\n"
+    "fails writes nothing.\n"
     "\n"
     "Poses, the first of: --static, --trajectory, NAME.tum beside NAME.rawlog, those that the log "
     "holds.\n"

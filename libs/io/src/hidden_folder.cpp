@@ -22,7 +22,7 @@ constexpr const char* kRandom = "XXXXXX";
 bool is_still_at(const fs::path& path, int fd)
 {
   struct stat opened, there;
-  return ::fstat(fd, &opened) == 0 && ::lstat(path.c_str(), &there) == 0 &&
+  return ::fstat(fd, &opened) == 0 && ::stat(path.c_str(), &there) == 0 &&
          opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
 }
 }  // namespace
