@@ -75,6 +75,7 @@ TEST(Suspect, IsBlamedForACrashOfTheChild)
   };
   const std::string start = ": crashed the program (signal 11, Segmentation fault); it gives no ";
   EXPECT_EQ(told(with_suspect), "c.simplemap" + start + "results. Copy it again");
+  EXPECT_EQ(crash_text("a.rawlog", SIGSEGV).rfind("a.rawlog" + start, 0), 0U) << "told once";
   const auto with_outer = []
   {
     const Suspect outer("b.yaml", "Mend it");

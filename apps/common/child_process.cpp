@@ -98,6 +98,7 @@ std::string signal_text(int signal)
 std::string crash_text(const std::string& log, int signal)
 {
   Suspect::Named suspect = Suspect::newest();
+  Suspect::forget();  // this process may be a child itself
   if (suspect.file.empty()) suspect = {log, kLookAtLog};
   if (signal == SIGKILL)
     return suspect.file + ": was killed, perhaps for want of memory; it gives no results";
