@@ -317,6 +317,18 @@ TEST(RawlogReader, NamesTheClassThatItDoesNotKnow)
   expect_error([&] { reader.next(); }, {"CObservationOfAnimal", "plugin"});
 }
 
+TEST(RawlogReader, SaysThatANewerMrptWroteWhatItCannotRead)
+{
+  const ScratchDir dir;
+  write_log(dir / "a.rawlog", {kThree[0]}, Packing::Plain);
+  auto bytes = read_bytes(dir / "a.rawlog");
+  const std::string name = "CObservationOdometry";
+  bytes[bytes.find(name) + name.size()] = 99;  // the version of what follows
+  write_bytes(dir / "new.rawlog", bytes);
+  expect_error(
+      [&] { RawlogReader{dir / "new.rawlog"}; }, {"new.rawlog", "byte 0", "newer MRPT", "99"});
+}
+
 TEST(RawlogReader, ReadsTheLogsThatComeWithMrpt)
 {
   const auto scan = stock_dataset("test_velodyne_VLP16.rawlog");

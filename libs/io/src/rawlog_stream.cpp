@@ -68,10 +68,15 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
   }
   catch (const std::exception& e)
   {
+    const std::string reason = reason_of(e);
+    if (reason.find("unknown serialization version") != std::string::npos)
+      fail(
+          "was written by a newer MRPT than this program has (" + reason +
+          "), or is damaged. Read it where that version is installed");
     const bool at_end = impl_->file.position() >= impl_->size;
     if (impl_->object_begin == 0 && !at_end)
       throw std::runtime_error(
-          impl_->path + ": not a rawlog, nothing of MRPT begins at byte 0 (" + reason_of(e) +
+          impl_->path + ": not a rawlog, nothing of MRPT begins at byte 0 (" + reason +
           "). Pass a .rawlog file; if its classes come from a plugin, load the plugin.");
     if (at_end)
       fail(
@@ -79,7 +84,7 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
           ": the log is cut short or damaged. Copy it again, or keep what is whole with "
           "rawlog-edit --cut");
     fail(
-        "cannot be read (" + reason_of(e) +
+        "cannot be read (" + reason +
         "). The log is damaged there, or its class comes from a plugin that is not loaded");
   }
   fail("is a null object, or holds one. The log is damaged there");
