@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <talus/io/atomic_file.h>
-#include <talus/io/gz_file.h>
+#include <talus/io/written_file.h>
 #include <talus/io/quantile.h>
 #include <talus/io/summary_json.h>
 #include <talus/io/timing_csv.h>
@@ -115,7 +115,7 @@ TEST(AtomicFile, replaces_no_pipe_or_device)
   EXPECT_EQ(files_in(dir / ""), 2u);
 }
 
-TEST(GzFile, is_complete_only_with_all_of_its_bytes)
+TEST(WrittenFile, is_complete_only_with_all_of_its_bytes)
 {
   const ScratchDir dir;
   {
@@ -124,14 +124,14 @@ TEST(GzFile, is_complete_only_with_all_of_its_bytes)
     file.Write(text.data(), text.size());
   }
   const std::string bytes = read_bytes(dir / "a.gz");
-  EXPECT_NO_THROW(require_complete_gz(dir / "a.gz"));
+  EXPECT_NO_THROW(require_complete_packed(dir / "a.gz"));
   for (std::size_t size = 0; size < bytes.size(); ++size)
   {
     write_bytes(dir / "cut.gz", bytes.substr(0, size));
-    EXPECT_THROW(require_complete_gz(dir / "cut.gz"), std::runtime_error) << size << " bytes";
+    EXPECT_THROW(require_complete_packed(dir / "cut.gz"), std::runtime_error) << size << " bytes";
   }
-  expect_error([&] { require_complete_gz(dir / "cut.gz"); }, {"cut.gz", "disk full"});
-  expect_error([&] { require_complete_gz(dir / "cut.gz", "shown"); }, {"shown", "disk full"});
+  expect_error([&] { require_complete_packed(dir / "cut.gz"); }, {"cut.gz", "disk full"});
+  expect_error([&] { require_complete_packed(dir / "cut.gz", "shown"); }, {"shown", "disk full"});
 }
 
 TEST(Quantile, is_a_value_of_the_list_and_nan_without_one)

@@ -6,7 +6,7 @@
 #include <mrpt/io/CFileInputStream.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
-#include <talus/io/gz_file.h>
+#include <talus/io/written_file.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/io/rawlog_stream.h>
 #include <talus/mrpt/CObservationTraversability.h>
@@ -183,7 +183,7 @@ void RawlogOut::write()
     }
   out.close();
   if (snapshots.given() != snapshots_added_) fail_to_write("snapshots are missing");
-  io::require_complete_gz(file_.temporary_path(), path_);
+  io::require_complete_packed(file_.temporary_path(), path_);
 }
 
 void RawlogOut::fail_to_write(const std::string& reason) const

@@ -9,7 +9,7 @@
 #include "settings.h"
 
 #include <talus/io/geotiff.h>
-#include <talus/io/gz_file.h>
+#include <talus/io/written_file.h>
 #include <talus/io/map_picture.h>
 #include <talus/io/mrpt_error.h>
 
@@ -76,7 +76,7 @@ void finish_log(const fs::path& folder)
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.path().extension() == name.extension())
     {
-      talus::io::require_complete_gz(entry.path().string(), name.string());
+      talus::io::require_complete_packed(entry.path().string(), name.string());
       return fs::rename(entry.path(), name);
     }
 }

@@ -6,7 +6,7 @@
 #include <mrpt/serialization/CArchive.h>
 #include <talus/io/atomic_file.h>
 #include <talus/io/geotiff.h>
-#include <talus/io/gz_file.h>
+#include <talus/io/written_file.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/mrpt/version_compat.h>
 
@@ -93,7 +93,7 @@ void write_rawlog(
     progress(i + 1);
   }
   file.close();
-  io::require_complete_gz(path);
+  io::require_complete_packed(path);
 }
 
 void write_tum(const std::string& path, const Drive& drive, bool noisy)

@@ -22,6 +22,9 @@ class PackedFile
    * short, damaged, followed by something else, or unpacks to far more than any log does. */
   std::size_t read(void* to, std::size_t count);
 
+  /** Whether it begins as gz or zstd does. */
+  bool is_packed() const { return unpacker_->name()[0] != '\0'; }
+
   /** Bytes read so far, unpacked. */
   std::uint64_t position() const { return position_; }
 
