@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "talus_map_run.h"
+#include "sanitizer.h"
 
 using namespace talus;
 using talus::test::floor_scans;
@@ -82,6 +83,7 @@ class RawlogEdit : public talus::test::TalusMap
  protected:
   void SetUp() override
   {
+    TALUS_SKIP_UNDER_SANITIZER("stock programs are built without it");
     if (std::system("command -v rawlog-edit >/dev/null") != 0)
       GTEST_SKIP() << "rawlog-edit is not installed";
     write_log(path("in.rawlog"), floor_scans(6), talus::test::Packing::Gz);

@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "comma_locale.h"
+#include "sanitizer.h"
 
 namespace fs = std::filesystem;
 using mrpt::maps::CMultiMetricMap;
@@ -134,6 +135,7 @@ TEST_F(CommaLocale, an_ini_file_gives_the_map_of_the_plugin_its_numbers)
 TEST(Plugin, stock_observations2map_writes_the_terrain_map_with_the_shipped_ini)
 {
   const fs::path simplemap = "/usr/share/mrpt/datasets/localization_demo.simplemap.gz";
+  TALUS_SKIP_UNDER_SANITIZER("stock programs are built without it");
   if (!program_exists("observations2map")) GTEST_SKIP() << "observations2map is not installed";
   if (!fs::exists(simplemap)) GTEST_SKIP() << simplemap << " is not installed";
   const fs::path folder =

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "log_files.h"
+#include "sanitizer.h"
 
 namespace
 {
@@ -24,6 +25,8 @@ const std::string kConfigs = TALUS_SOURCE_DIR "/datasets/configs/";
 class StockApps : public testing::Test
 {
  protected:
+  void SetUp() override { TALUS_SKIP_UNDER_SANITIZER("stock programs are built without it"); }
+
   /** Runs a program in the scratch folder; no window, no key. The exit code, or -1 for a crash or
    * where it did not end. */
   int run(const std::string& program, const std::string& arguments, int copies = 1)
