@@ -1,5 +1,4 @@
 #include <mrpt/config/CConfigFileBase.h>
-#include <mrpt/core/initializer.h>
 #include <mrpt/maps/TMetricMapTypesRegistry.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/system/string_utils.h>
@@ -164,11 +163,13 @@ talus::CDualElevationMap::internal_CreateFromMapDefinition(
 IMPLEMENTS_SERIALIZABLE(CDualElevationMap, CMetricMap, talus)
 
 // By name, for the copies and files of whatever program has this unit in it; the first copy stays.
-MRPT_INITIALIZER(register_dual_elevation_map)
+// A variable, so that it comes after the class's own: MRPT_INITIALIZER may run before.
+[[maybe_unused]] static const bool dual_elevation_map_is_known = []
 {
   if (!mrpt::rtti::findRegisteredClass("talus::CDualElevationMap", false))
     mrpt::rtti::registerClass(CLASS_ID_NAMESPACE(CDualElevationMap, talus));
-}
+  return true;
+}();
 
 namespace talus
 {

@@ -1,4 +1,3 @@
-#include <mrpt/core/initializer.h>
 #include <mrpt/serialization/CArchive.h>
 #include <talus/mrpt/CObservationTraversability.h>
 
@@ -10,11 +9,13 @@
 
 IMPLEMENTS_SERIALIZABLE(CObservationTraversability, CObservation, talus)
 
-MRPT_INITIALIZER(register_observation_traversability)
+// A variable, so that it comes after the class's own: MRPT_INITIALIZER may run before.
+[[maybe_unused]] static const bool observation_traversability_is_known = []
 {
   if (!mrpt::rtti::findRegisteredClass("talus::CObservationTraversability", false))
     mrpt::rtti::registerClass(CLASS_ID_NAMESPACE(CObservationTraversability, talus));
-}
+  return true;
+}();
 
 namespace talus
 {
