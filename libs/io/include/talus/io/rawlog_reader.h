@@ -7,9 +7,9 @@
 
 namespace talus::io
 {
-/** Reads a rawlog (plain, gz or zstd, observation-only or action/sensory-frame format, external files
- * included) front to back, one observation at a time. Not thread safe, nor are two readers of logs
- * with external files at once: where such files lie is a global of MRPT. */
+/** Reads a rawlog (plain, gz or zstd, observation-only or action/sensory-frame format, external
+ * files included) front to back, one observation at a time. Not thread safe, nor are two readers of
+ * logs with external files at once: where such files lie is a global of MRPT. */
 class RawlogReader
 {
  public:
