@@ -1,0 +1,278 @@
+#pragma once
+#include "executor_cpu.h"
+#include "kernels/team.h"
+
+#include <algorithm>
+#include <array>
+#include <type_traits>
+#include <vector>
+
+namespace talus::test
+{
+struct DeviceScheduleAtomics : kernels::SerialAtomics
+{
+  static std::uint64_t reserve(std::uint64_t* where, std::uint64_t value)
+  {
+    const std::uint64_t before = *where;
+    *where = before + value;
+    return before;
+  }
+};
+
+/** What runs on a device, on the host: the stages in the device's order with the device's rules,
+ * by plain loops on plain memory, so that every machine executes them. A warp is a team of one.
+ * What a device does at once is done from the last to the first here, since no order may matter. */
+class DeviceSchedule : public CpuMemory
+{
+ public:
+  using Atomics = DeviceScheduleAtomics;
+  static constexpr int kCrowd = 4;
+  static constexpr bool kWalksLines = false;
+
+  std::string name() const { return "cpu (the device's schedule)"; }
+
+  /** Of two outputs one is written by kernels, the other is copied. */
+  OutputMemory map_output(float* host, std::size_t)
+  {
+    copies_ = !copies_;
+    return {true, copies_ ? nullptr : host};
+  }
+
+  // ---- one frame, of the slot in use ----
+  void use(int slot)
+  {
+    CpuMemory::use(slot);
+    slot_ = static_cast<std::size_t>(slot);
+  }
+  int loop_size(int, std::size_t capacity) const { return static_cast<int>(capacity); }
+  int workers(int elements) const { return elements / 8 + 1; }
+  /** A device has a copy of the points. */
+  kernels::PointsIn stage(
+      const Frame& frame, const kernels::FrameContext& context, std::size_t capacity)
+  {
+    CpuMemory::stage(frame, context, capacity);
+    const PointArrays to = point_arrays(capacity);
+    float* const arrays[] = {to.x_m, to.y_m, to.z_m, to.time_s};
+    const float* const from[] = {frame.x_m, frame.y_m, frame.z_m, frame.time_s};
+    for (std::size_t a = 0; a < 4; a++)
+      if (from[a] && from[a] != arrays[a]) std::copy_n(from[a], frame.size, arrays[a]);
+    return {to.x_m, to.y_m, to.z_m, to.time_s};
+  }
+  template <class Body>
+  void start_frame(const Body& body)
+  {
+    start_clock();
+    body();
+  }
+  template <class Body>
+  void finish_frame(const Body&)
+  {
+  }
+  std::uint32_t* reported() { return reported_[slot_].data(); }
+
+  // ---- loops ----
+  template <class F>
+  void for_each(int n, const F& f)
+  {
+    for (int i = n; i-- > 0;) run(f, i, 0);
+  }
+  template <class F, class G>
+  void for_each_beside(int n, const F& f, int, int nx, int ny, const G& g)
+  {
+    for_each_cell(nx, ny, g);
+    for_each(n, f);
+  }
+  template <class F>
+  void for_each_and_team(int n, int, const F& f)
+  {
+    int cell = -1;
+    for (int i = n; i-- > 0;)
+      if ((cell = f.lone_cell(i)) >= 0) f.update(cell, kernels::LoneTeam{});
+    for (int slot = 0; (cell = f.crowded_cell(slot)) >= 0; slot++)
+      f.update(cell, kernels::LoneTeam{});
+  }
+  template <class F>
+  void for_each_cell(int nx, int ny, const F& f)
+  {
+    for (int y = ny; y-- > 0;)
+      for (int x = nx; x-- > 0;) f(x, y);
+  }
+  /** Both forms in which a device searches a cell's lines. */
+  template <class F>
+  void for_each_cell_by_lines(int n, int first, int end, const F& f, bool)
+  {
+    for (int y = end; y-- > first;)
+      for (int x = n; x-- > 0;)
+        if ((x + y) % 2)
+          f(x, y);
+        else
+          by_lines(f, x, y);
+  }
+  /** Each direction in as many stretches as on a device. */
+  template <class F, class G>
+  void for_each_direction_beside(int directions, int rings, const F& f, int n, const G& g)
+  {
+    for_each(n, g);
+    for (int d = directions; d-- > 0;) settle(f, d, rings);
+  }
+  template <class F, class G>
+  void pack_bits(int lines, int bits, const F& f, std::uint32_t* words, const G& g)
+  {
+    g(kernels::LoneTeam{});
+    std::fill_n(words, (bits + 31) / 32 * lines, 0u);
+    for (int line = lines; line-- > 0;)
+    {
+      const auto marks = f(line);
+      for (int bit = 0; bit < bits; bit++)
+        if (marks(bit)) words[bit / 32 * lines + line] |= 1u << bit % 32;
+    }
+  }
+  template <class F>
+  void mark_cells(int side, const F& f, std::uint32_t* marks)
+  {
+    const auto look = [&](int x, int y)
+    {
+      if (const int what = f.begin(x, y)) f.look(x, y, what, kernels::LoneTeam{});
+    };
+    for_each_cell(side, side, look);
+    std::fill_n(marks, (side + 31) / 32 * 2 * side, 0u);
+    const auto mark = [&](int x, int y)
+    {
+      if (!f(x, y)) return;
+      marks[x / 32 * 2 * side + y] |= 1u << x % 32;
+      marks[y / 32 * 2 * side + side + x] |= 1u << y % 32;
+    };
+    for_each_cell(side, side, mark);
+  }
+  template <class F, class G>
+  void for_each_opening(int nx, int ny, int radius, int wide, const F& f, const G& g)
+  {
+    const int pitch = nx + 2 * wide;
+    std::vector<float> eroded(static_cast<std::size_t>(pitch * ny), kernels::kInfinity);
+    const auto at = [&](int x, int y) -> float&
+    { return eroded[static_cast<std::size_t>(y * pitch + x + wide)]; };
+    windows<F>(
+        nx, ny, radius, 0, ny, [&](auto& row, int x, int y, int d) { f.add(row, x, y, d); },
+        [&](auto& sum, const auto& row, int d) { f.add(sum, row, d); },
+        [&](int x, int y, const auto& sum) { at(x, y) = f.erode(x, y, sum, true); });
+    windows<G>(
+        nx, ny, wide, 0, ny, [&](auto& row, int x, int y, int d) { g.add(row, at(x + d, y)); },
+        [&](auto& sum, const auto& row, int d) { g.add(sum, row, d); }, g);
+  }
+  template <class F, class G>
+  void for_each_judged_cell_of_rows(
+      int nx, int ny, int first, int end, int radius, const F& f, const G& g, bool)
+  {
+    const int from = std::max(first - 1, 0), to = std::min(end + 1, ny), pitch = nx + 2;
+    std::vector<float> judged(static_cast<std::size_t>(pitch * (to - from + 2)), kernels::kNan);
+    const auto at = [&](int x, int y) { return judged.data() + (y - from + 1) * pitch + x + 1; };
+    windows<F>(
+        nx, ny, radius, from, to, [&](auto& row, int x, int y, int d) { f.add(row, x, y, d); },
+        [&](auto& sum, const auto& row, int d) { f.add(sum, row, d); },
+        [&](int x, int y, const auto& sum)
+        { *at(x, y) = f.judge(x, y, sum, y >= first && y < end); });
+    for (int y = end; y-- > first;)
+      for (int x = nx; x-- > 0;) g.complete(x, y, at(x, y), pitch);
+  }
+  template <class T>
+  void fill(Buffer<T>& buffer, T value)
+  {
+    std::fill(buffer.begin(), buffer.end(), value);
+  }
+  template <class Body>
+  void aside(const Body& body)
+  {
+    body();
+  }
+  /** Bands do not need each other. */
+  template <class Body>
+  void in_bands(int rows, int, int, const Body& body)
+  {
+    body(rows / 3, rows, true);
+    body(0, rows / 3, false);
+  }
+
+ private:
+  static constexpr int kStretches = 32;
+
+  /** f(i, early), where f reads something early; else f(i). */
+  template <class F>
+  static auto run(const F& f, int i, int) -> decltype(f.early(i), void())
+  {
+    f(i, f.early(i));
+  }
+  template <class F>
+  static void run(const F& f, int i, long)
+  {
+    f(i);
+  }
+
+  template <class F>
+  static void by_lines(const F& f, int x, int y)
+  {
+    std::array<typename F::Side, 2 * F::kLines> sides;
+    std::array<typename F::Line, F::kLines> lines;
+    for (int part = 0; part < 2 * F::kLines; part++)
+      sides[static_cast<std::size_t>(part)] = f.side(part / 2, part % 2 == 1, x, y);
+    for (std::size_t l = 0; l < lines.size(); l++)
+      lines[l] = f.line(static_cast<int>(l), x, y, sides[2 * l], sides[2 * l + 1]);
+    f(x, y, sides[0], sides[1], lines.data(), 1);
+  }
+
+  template <class F>
+  static void settle(const F& f, int direction, int rings)
+  {
+    const int length = (rings + kStretches - 1) / kStretches;
+    const auto begin = [&](int s) { return s * length; };
+    const auto end = [&](int s) { return std::min((s + 1) * length, rings); };
+    std::array<typename F::Before, kStretches + 1> before;  // sums of the stretches before
+    std::array<typename F::Behind, kStretches + 1> behind;
+    for (int s = 0; s < kStretches; s++)
+    {
+      typename F::Before own;
+      f.look(direction, begin(s), end(s), own);
+      before[static_cast<std::size_t>(s) + 1] = own;
+      before[static_cast<std::size_t>(s) + 1].add(before[static_cast<std::size_t>(s)]);
+    }
+    for (int s = kStretches; s-- > 0;)
+    {
+      typename F::Behind own;
+      f.bury(direction, begin(s), end(s), before[static_cast<std::size_t>(s)], own);
+      behind[static_cast<std::size_t>(s)] = behind[static_cast<std::size_t>(s) + 1];
+      behind[static_cast<std::size_t>(s)].add(own);
+    }
+    for (int s = 0; s < kStretches; s++)
+      f.sweep(direction, begin(s), end(s), behind[static_cast<std::size_t>(s) + 1]);
+  }
+
+  /** use(x, y, sum) of square neighbourhoods, for the rows [first, end) of ny: along rows, then
+   * across them. */
+  template <class F, class Along, class Across, class Use>
+  static void windows(
+      int nx, int ny, int radius, int first, int end, const Along& along, const Across& across,
+      const Use& use)
+  {
+    const int low = std::max(first - radius, 0), high = std::min(end + radius, ny);
+    std::vector<typename F::Row> rows(
+        static_cast<std::size_t>(high - low) * static_cast<std::size_t>(nx));
+    const auto row = [&](int x, int y) ->
+        typename F::Row& { return rows[static_cast<std::size_t>((y - low) * nx + x)]; };
+    for (int y = low; y < high; y++)
+      for (int x = 0; x < nx; x++)
+        for (int d = -radius; d <= radius; d++) along(row(x, y), x, y, d);
+    for (int y = end; y-- > first;)
+      for (int x = nx; x-- > 0;)
+      {
+        typename F::Window sum;
+        for (int d = -radius; d <= radius; d++)
+          if (y + d >= low && y + d < high) across(sum, row(x, y + d), d);
+        use(x, y, sum);
+      }
+  }
+
+  bool copies_ = false;
+  std::size_t slot_ = 0;
+  std::array<std::array<std::uint32_t, kernels::kRejectCodes>, kSlots> reported_{};
+};
+
+}  // namespace talus::test

@@ -1,0 +1,13 @@
+#include "device_schedule.h"
+#include "pipeline.h"
+
+// Takes the place of the CPU backend in an executable: what is specified of that one then holds for
+// the device's schedule.
+
+namespace talus
+{
+std::unique_ptr<BackendInterface> make_cpu_backend(const kernels::Config& config, int)
+{
+  return std::make_unique<Pipeline<test::DeviceSchedule>>(config, test::DeviceSchedule{});
+}
+}  // namespace talus

@@ -1,0 +1,13 @@
+#include "device_schedule.h"
+#include "pipeline.h"
+
+// Takes the place of the CUDA backend in an executable, so that both schedules can be compared
+// where there is no device.
+
+namespace talus
+{
+std::unique_ptr<BackendInterface> make_cuda_backend(const kernels::Config& config)
+{
+  return std::make_unique<Pipeline<test::DeviceSchedule>>(config, test::DeviceSchedule{});
+}
+}  // namespace talus
