@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include "libs/core/src/copy_large.h"
+#include "cuda/copy_large.h"
 
 #include <chrono>
 #include <cstring>

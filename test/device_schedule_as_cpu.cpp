@@ -1,5 +1,6 @@
-#include "device_schedule.h"
-#include "pipeline.h"
+#include "cuda/schedule.h"
+#include "device_on_host.h"
+#include "map_backend.h"
 
 // Takes the place of the CPU backend in an executable: what is specified of that one then holds for
 // the device's schedule.
@@ -8,6 +9,7 @@ namespace talus
 {
 std::unique_ptr<BackendInterface> make_cpu_backend(const kernels::Config& config, int)
 {
-  return std::make_unique<Pipeline<test::DeviceSchedule>>(config, test::DeviceSchedule{});
+  return std::make_unique<MapBackend<DeviceSchedule<test::DeviceOnHost>>>(
+      config, test::DeviceOnHost{});
 }
 }  // namespace talus

@@ -1,5 +1,6 @@
-#include "device_schedule.h"
-#include "pipeline.h"
+#include "cuda/schedule.h"
+#include "device_on_host.h"
+#include "map_backend.h"
 
 // Takes the place of the CUDA backend in an executable, so that both schedules can be compared
 // where there is no device.
@@ -8,6 +9,7 @@ namespace talus
 {
 std::unique_ptr<BackendInterface> make_cuda_backend(const kernels::Config& config)
 {
-  return std::make_unique<Pipeline<test::DeviceSchedule>>(config, test::DeviceSchedule{});
+  return std::make_unique<MapBackend<DeviceSchedule<test::DeviceOnHost>>>(
+      config, test::DeviceOnHost{});
 }
 }  // namespace talus

@@ -1,6 +1,6 @@
 #pragma once
-#include "copy_large.h"
-#include "executor_cuda.cuh"
+#include "cuda/copy_large.h"
+#include "cuda/executor.cuh"
 
 #include <functional>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "cuda_memory.h"
+#include "cuda/memory.h"
 
 #include <type_traits>
 

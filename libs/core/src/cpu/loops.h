@@ -1,6 +1,6 @@
 #pragma once
-#include "cpu_buffer.h"
-#include "cpu_clones.h"
+#include "cpu/buffer.h"
+#include "cpu/clones.h"
 #include "kernels/cell.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
-#include "cpu_clones.h"
-#include "cpu_lanes.h"
+#include "cpu/clones.h"
+#include "cpu/lanes.h"
 #include "kernels/4_update.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 #pragma once
-#include "executor_cpu.h"
+#include "cpu/executor.h"
 #include "kernels/team.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace talus::test
 {
-struct DeviceScheduleAtomics : kernels::SerialAtomics
+struct DeviceOnHostAtomics : kernels::SerialAtomics
 {
   static std::uint64_t reserve(std::uint64_t* where, std::uint64_t value)
   {
@@ -22,12 +22,11 @@ struct DeviceScheduleAtomics : kernels::SerialAtomics
 /** What runs on a device, on the host: the stages in the device's order with the device's rules,
  * by plain loops on plain memory, so that every machine executes them. A warp is a team of one.
  * What a device does at once is done from the last to the first here, since no order may matter. */
-class DeviceSchedule : public CpuMemory
+class DeviceOnHost : public CpuMemory
 {
  public:
-  using Atomics = DeviceScheduleAtomics;
+  using Atomics = DeviceOnHostAtomics;
   static constexpr int kCrowd = 4;
-  static constexpr bool kWalksLines = false;
 
   std::string name() const { return "cpu (the device's schedule)"; }
 
@@ -179,6 +178,7 @@ class DeviceSchedule : public CpuMemory
   {
     std::fill(buffer.begin(), buffer.end(), value);
   }
+  void join() {}
   template <class Body>
   void aside(const Body& body)
   {

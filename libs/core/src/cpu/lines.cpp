@@ -1,6 +1,6 @@
-#include "cpu_lines.h"
+#include "cpu/lines.h"
 
-#include "cpu_clones.h"
+#include "cpu/clones.h"
 #include "kernels/9_sparsity.h"
 
 #include <algorithm>

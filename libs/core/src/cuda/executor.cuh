@@ -1,7 +1,7 @@
 #pragma once
 #include "backend.h"
-#include "cuda_loops.cuh"
-#include "cuda_slot.h"
+#include "cuda/loops.cuh"
+#include "cuda/slot.h"
 
 #include <array>
 
@@ -26,8 +26,6 @@ class CudaExecutor
 
   /** Cells of more points are updated by a warp. */
   static constexpr int kCrowd = 4;
-  /** Each thread searches the lines through its cell. */
-  static constexpr bool kWalksLines = false;
 
   /** Of what follows, up to the next use(). */
   void use(int index)

@@ -1,6 +1,6 @@
 #pragma once
 #include "backend.h"
-#include "cuda_graph.h"
+#include "cuda/graph.h"
 #include "kernels/1_accept.h"
 
 #include <chrono>

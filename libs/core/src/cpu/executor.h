@@ -1,10 +1,8 @@
 #pragma once
 #include "backend.h"
-#include "cpu_buffer.h"
-#include "cpu_cells.h"
-#include "cpu_lines.h"
-#include "cpu_loops.h"
-#include "cpu_threads.h"
+#include "cpu/buffer.h"
+#include "cpu/loops.h"
+#include "cpu/threads.h"
 #include "kernels/1_accept.h"
 
 #include <algorithm>
@@ -22,11 +20,6 @@ class CpuMemory
  public:
   template <class T>
   using Buffer = std::vector<T, CellMemory<T>>;
-
-  /** No cell is crowded: they are taken in the order of their points, see cells::Order. */
-  static constexpr int kCrowd = 0;
-  /** Fills sweep along lines and carry samples with them. */
-  static constexpr bool kWalksLines = true;
 
   template <class T>
   void allocate(Buffer<T>& buffer, std::size_t size, T value)
@@ -58,8 +51,6 @@ class CpuMemory
   // ---- one frame, of the slot in use ----
   void use(int slot) { now_ = static_cast<std::size_t>(slot); }
   int loop_size(int points, std::size_t) const { return points; }
-  /** How many calls should share work on that many elements. */
-  int workers(int) const { return 1; }
   PointArrays point_arrays(std::size_t capacity)
   {
     slots_[now_].points.resize(4 * capacity);
@@ -83,9 +74,14 @@ class CpuMemory
     stage_ms_ = {};
   }
   void fetch(Buffer<kernels::FrameContext>& context) { context.assign(1, *slots_[now_].context); }
-  /** Where a frame leaves its counters for the host. */
-  std::uint32_t* reported() { return counters_.data(); }
-  void join() {}
+  /** What a frame counted, after report(). */
+  const std::uint32_t* reported() const { return counters_.data(); }
+  /** Hands the counters out, which start at zero in the next frame. */
+  void report(Buffer<std::uint32_t>& counters)
+  {
+    std::copy(counters.begin(), counters.end(), counters_.begin());
+    std::fill(counters.begin(), counters.end(), 0u);
+  }
   /** The time since the last lap belongs to a stage. */
   void lap(int stage)
   {
@@ -194,81 +190,6 @@ class CpuExecutor : public CpuMemory
     else
       for_each_part(parts, [&f, n, parts](int part) { over_own_points(f, n, part, parts); });
   }
-  /** f(row) of the rows of the window, see StoredRow. */
-  template <class F>
-  void for_each_stored_row(int cells, const kernels::FrameContext* frame, const F& f)
-  {
-    for_each_row(cells, cells, [&f, cells, frame](int y) { f(StoredRow(cells, *frame, y)); });
-  }
-
-  /** f.put(px, py, pooled) of the rows of a grid of pairs, see PairOfRows. */
-  template <class F>
-  void for_each_pair_of_rows(int rows, int cells, const kernels::FrameContext* frame, const F& f)
-  {
-    for_each_row(
-        2 * rows, rows, [&f, cells, frame](int py) { PairOfRows<F>(f).pool(py, cells, *frame); });
-  }
-
-  /** Fills `to` by sweeping along the rays from the sensor's cell, then columns, then rows; then
-   * f(row) as above, of rows whose sums are still in the cache. */
-  template <class F>
-  void walk_lines(
-      const kernels::Config& k, const kernels::LineGrid& grid, const kernels::Planes* planes,
-      const kernels::Samples& samples, const kernels::InferenceGrid& to,
-      const kernels::FrameContext* frame, const F& f)
-  {
-    const lines::Walk walk{k, grid, planes, samples, to};
-    for_each_part(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
-    if (k.fill_rule != kernels::kFillLines)
-    {
-      for_each_stored_row(k.cells, frame, f);
-      return;
-    }
-    for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
-    for_each_part(
-        walk.parts_of_axis(),
-        [&walk, &f, frame](int part)
-        {
-          walk.rows(part);
-          for (int y = walk.first_of(part); y < walk.first_of(part + 1); y++)
-            f(StoredRow(walk.k.cells, *frame, y));
-        });
-  }
-
-  /** Bins n points (stage 1), sorts them and updates all cells that received any; beside it, for
-   * another stage, g in steps of the cells of the window, see SteppedRow. */
-  template <class Bin, class G>
-  void update_cells_beside(
-      int n, const Bin& bin, const kernels::FindRise& find_rise, const kernels::SortPoint& sort,
-      const kernels::UpdateCell& update, int stage, int cells, const G& g)
-  {
-    const int rows = rows_at_once(cells);
-    const auto over_rows = [&g, cells](int begin, int end)
-    {
-      for (int y = begin; y < end; y++) SteppedRow<G>(g).run(cells, y);
-    };
-    cells::Order order(update, threads_.size());
-    if (n <= kFewPoints && threads_.size() > 1)
-      run_beside(
-          [&]
-          {
-            one_by_one(bin, n);
-            order.find(n);
-            order.find_rises(find_rise, 0, order.cells());
-            sort_points(sort, 0, n);
-          },
-          cells, rows, over_rows);
-    else
-    {
-      for_another_stage(0, [&] { for_each_point_by_parts(n, bin); });
-      for_another_stage(stage, [&] { run(cells, rows, over_rows); });
-      order.find(n);
-      run(order.cells(), 256, [&](int begin, int end) { order.find_rises(find_rise, begin, end); });
-      run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
-    }
-    run(order.groups(), 8, [&order](int begin, int end) { order.update(begin, end); });
-  }
-
   /** Sums over square neighbourhoods of the cells, see SlidingRows. */
   template <class F>
   void for_each_window(int nx, int ny, int radius, const F& f)
@@ -285,10 +206,10 @@ class CpuExecutor : public CpuMemory
         { std::fill(buffer.begin() + begin, buffer.begin() + end, value); });
   }
 
- private:
-  /** What so few share is sooner done by one thread than their lines of the cache are with another.
-   */
-  static constexpr int kFewPoints = 1 << 15;
+  int threads() const { return threads_.size(); }
+  /** Whether so few points are sooner done by one thread than their lines of the cache are with
+   * another, while others do something else. */
+  bool is_for_one(int n) const { return n <= kFewPoints && threads_.size() > 1; }
   static int rows_at_once(int nx) { return std::max(1, 4096 / std::max(nx, 1)); }
 
   /** A copy of f, to which nothing that it writes can point. */
@@ -324,6 +245,9 @@ class CpuExecutor : public CpuMemory
           if (begin < end) body(begin, end);
         });
   }
+
+ private:
+  static constexpr int kFewPoints = 1 << 15;
   Threads threads_;
 };
 

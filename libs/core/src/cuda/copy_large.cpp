@@ -1,5 +1,5 @@
-#include "copy_large.h"
-#include "staging_threads.h"
+#include "cuda/copy_large.h"
+#include "cuda/staging_threads.h"
 
 #include <algorithm>
 #include <atomic>

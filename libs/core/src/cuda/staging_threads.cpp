@@ -1,4 +1,4 @@
-#include "staging_threads.h"
+#include "cuda/staging_threads.h"
 
 #include <chrono>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "cpu_lanes.h"
+#include "cpu/lanes.h"
 #include "kernels/7_fill.h"
 
 #include <algorithm>

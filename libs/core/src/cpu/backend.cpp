@@ -1,5 +1,5 @@
-#include "executor_cpu.h"
-#include "pipeline.h"
+#include "cpu/schedule.h"
+#include "map_backend.h"
 
 #include <algorithm>
 #include <thread>
@@ -17,10 +17,10 @@ std::unique_ptr<BackendInterface> make_cpu_backend(const kernels::Config& config
   threads = std::min(threads, kMostThreads);
 #if defined(TALUS_HAVE_TBB)
   if (threads > 1)
-    return std::make_unique<Pipeline<CpuExecutor<ThreadPool>>>(
+    return std::make_unique<MapBackend<CpuSchedule<ThreadPool>>>(
         config, CpuExecutor<ThreadPool>{ThreadPool{threads}});
 #endif
-  return std::make_unique<Pipeline<CpuExecutor<OneThread>>>(
+  return std::make_unique<MapBackend<CpuSchedule<OneThread>>>(
       config, CpuExecutor<OneThread>{OneThread{}});
 }
 

@@ -1,0 +1,239 @@
+#pragma once
+#include "cpu/executor.h"
+#include "cpu/cells.h"
+#include "cpu/lines.h"
+#include "kernels/1_buried_rays.h"
+#include "map_buffers.h"
+#include "voxel_filter.h"
+
+#include <algorithm>
+
+namespace talus
+{
+/** The nine stages on cores, in their order. Rows of the window are done while their cells are in
+ * the cache; fills sweep along lines and carry samples with them. */
+template <class Threads>
+class CpuSchedule
+{
+ public:
+  using Executor = CpuExecutor<Threads>;
+  CpuSchedule(MapBuffers<Executor>& map, Executor& executor) : map_(map), executor_(executor) {}
+
+  void allocate()
+  {
+    const auto n = static_cast<std::size_t>(map_.cells());
+    executor_.allocate(inferred_, map_.grid_size(), kernels::Inference{});
+    executor_.allocate(judged_, n + 2 * static_cast<std::size_t>(map_.side() + 1), kernels::kNan);
+    const int directions = kernels::bin_count(map_.host_config);
+    executor_.allocate(doubted_, static_cast<std::size_t>(directions), std::uint8_t{0});
+  }
+  void reserve_points(std::size_t capacity)
+  {
+    executor_.allocate(hit_cells_, 2 * capacity + 1, std::int32_t{0});
+    executor_.allocate(rise_, capacity, kernels::GroundRise{});
+  }
+
+  void stages()
+  {
+    executor_.fetch(map_.context);
+    accept_and_weigh();  // stages 1 and 2
+    executor_.for_another_stage(2, [this] { roll(); });
+    find_buried();  // for stage 1
+    executor_.lap(0);
+    update();  // stage 4, before it the end of stage 1, beside it the rays of stage 6
+    executor_.lap(3);
+    find_support();  // stage 5
+    executor_.lap(4);
+    clean_up();  // stage 6, and what stage 5 decides for each cell
+    executor_.lap(5);
+    fill();  // stage 7
+    executor_.lap(6);
+    if (map_.parts_wanted())  // stages 8 and 9
+      judge<true>();
+    else
+      judge<false>();
+    executor_.lap(7);
+  }
+  /** Stages 8 and 9 once more, for what traversability is made of. */
+  void judge_parts() { judge<true>(); }
+
+ private:
+  int side() const { return map_.side(); }
+  int points() const { return map_.points(executor_); }
+
+  void accept_and_weigh()
+  {
+    executor_.locate_points(points(), map_.accept(filter_voxels(map_, executor_)));
+    executor_.for_each_point_by_parts(
+        points(), kernels::NoteRayAndReach<kernels::SerialAtomics>{
+                      {map_.config.data(), map_.points_out(), map_.rays.data()},
+                      {map_.points_out(), map_.reach.data()}});
+  }
+
+  void roll()
+  {
+    const kernels::RollCell roll = map_.roll();
+    for_each_row([&](const StoredRow& row) { row.each_concerned(roll); });
+  }
+
+  void find_buried()
+  {
+    executor_.for_each_stretch(
+        kernels::bin_count(map_.host_config),
+        kernels::SweepRays{
+            map_.ground_hits(), map_.rays.data(), map_.lowest_slope.data(), doubted_.data()});
+  }
+
+  /** Bins the points that are not buried, sorts them into their cells, and updates these. */
+  void update()
+  {
+    const int n = points();
+    const kernels::BinPoint<Atomics> bin{map_.config.data(),     map_.context.data(),
+                                         map_.points_out(),      map_.lowest_slope.data(),
+                                         map_.cell_count.data(), map_.counters.data()};
+    const kernels::FindRise rise = map_.find_rise();
+    const kernels::SortPoint sort = map_.sort_point(sorting());
+    const kernels::UpdateCell update = map_.update_cell(sorting());
+    const kernels::LookThrough look = map_.look_through();
+    const auto over_rows = [&look, cells = side()](int begin, int end)
+    {
+      for (int y = begin; y < end; y++) SteppedRow<kernels::LookThrough>(look).run(cells, y);
+    };
+    cells::Order order(update, executor_.threads());
+    if (executor_.is_for_one(n))
+      executor_.run_beside(
+          [&]
+          {
+            executor_.one_by_one(bin, n);
+            order.find(n);
+            order.find_rises(rise, 0, order.cells());
+            sort_points(sort, 0, n);
+          },
+          side(), executor_.rows_at_once(side()), over_rows);
+    else
+    {
+      executor_.for_another_stage(0, [&] { executor_.for_each_point_by_parts(n, bin); });
+      executor_.for_another_stage(
+          5, [&] { executor_.run(side(), executor_.rows_at_once(side()), over_rows); });
+      order.find(n);
+      executor_.run(
+          order.cells(), 256, [&](int begin, int end) { order.find_rises(rise, begin, end); });
+      executor_.run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
+    }
+    executor_.run(order.groups(), 8, [&order](int begin, int end) { order.update(begin, end); });
+  }
+
+  void find_support()
+  {
+    const kernels::SupportGrid grid = map_.support_grid();
+    const kernels::PoolSupport pool{map_.config.data(), map_.context.data(), map_.store(), grid};
+    executor_.for_each_row(
+        2 * grid.side, grid.side,
+        [&](int py)
+        { PairOfRows<kernels::PoolSupport>(pool).pool(py, side(), *map_.context.data()); });
+    executor_.for_each_window(
+        grid.side, grid.side, map_.host_config.object_radius,
+        kernels::ErodeSupport{map_.config.data(), grid});
+    executor_.for_each_window(
+        grid.side, grid.side, kernels::dilation_radius(map_.host_config),
+        kernels::OpenSupport{map_.config.data(), grid});
+  }
+
+  void clean_up()
+  {
+    const kernels::ChooseRole choose = map_.choose_role();
+    const kernels::CleanUpCell clean = map_.clean_up();
+    const kernels::TakeSample take{map_.config.data(), map_.store(),     map_.role.data(),
+                                   map_.passing(),     map_.line_grid(), map_.samples()};
+    for_each_row(
+        [&](const StoredRow& row)
+        {
+          row.each_concerned(choose);
+          row.each_concerned(clean);
+          row.each(take);
+        });
+    // A core fills memory faster than a loop.
+    executor_.fill(map_.rays, kernels::kNoRay);
+    executor_.fill(map_.reach, std::int32_t{0});
+    executor_.report(map_.counters);
+  }
+
+  void fill()
+  {
+    map_.find_planes()(kernels::LoneTeam{});
+    const kernels::FillCell cell = map_.fill_cell();
+    const kernels::FillWalkedCell fill{cell, map_.line_grid(), inferred()};
+    const kernels::DropHanging drop{map_.store()};
+    const kernels::PutSurface put{map_.config.data(), map_.store(), cell.out};
+    const auto fill_row = [&](const StoredRow& row)
+    {
+      row.each(fill);
+      row.each_concerned(drop);
+      if (cell.out.any()) row.each(put);
+    };
+    const lines::Walk walk{
+        map_.host_config, map_.line_grid(), map_.planes.data(), map_.samples(), inferred()};
+    executor_.for_each_part(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
+    if (map_.host_config.fill_rule != kernels::kFillLines)
+    {
+      for_each_row(fill_row);
+      return;
+    }
+    executor_.for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
+    executor_.for_each_part(
+        walk.parts_of_axis(),
+        [&](int part)
+        {
+          walk.rows(part);
+          for (int y = walk.first_of(part); y < walk.first_of(part + 1); y++)
+            fill_row(StoredRow(side(), *map_.context.data(), y));
+        });
+  }
+
+  template <bool kParts>
+  void judge()
+  {
+    float* const judged = judged_.data() + side() + 1;
+    executor_.for_each_window(
+        side(), side(), map_.host_config.feature_radius_cells,
+        map_.template compute_features<kParts>(judged));
+    const kernels::CompleteObstacles complete = map_.complete_obstacles(judged);
+    for_each_row([&](const StoredRow& row) { row.each_concerned(complete); });
+  }
+
+  /** f(row) of the rows of the window and where they are stored. */
+  template <class F>
+  void for_each_row(const F& f)
+  {
+    executor_.for_each_row(
+        side(), side(), [&](int y) { f(StoredRow(side(), *map_.context.data(), y)); });
+  }
+
+  kernels::Sorting sorting()
+  {
+    return {
+        map_.cell_count.data(),
+        map_.cell_count.data(),
+        map_.cell_begin.data(),
+        map_.sorted.data(),
+        rise_.data(),
+        hit_cells_.data(),
+        nullptr,
+        0};
+  }
+  kernels::InferenceGrid inferred() { return {inferred_.data(), map_.across.data()}; }
+
+  using Atomics = typename Executor::Atomics;
+  template <class T>
+  using Buffer = typename Executor::template Buffer<T>;
+
+  MapBuffers<Executor>& map_;
+  Executor& executor_;
+  Buffer<std::int32_t> hit_cells_;  //!< as they are found, then in order
+  Buffer<kernels::GroundRise> rise_;
+  Buffer<std::uint8_t> doubted_;
+  Buffer<kernels::Inference> inferred_;
+  Buffer<float> judged_;
+};
+
+}  // namespace talus

@@ -1,0 +1,235 @@
+#pragma once
+#include "kernels/1_buried_rays.h"
+#include "kernels/7_fill_search.h"
+#include "kernels/tidy.h"
+#include "map_buffers.h"
+#include "voxel_filter.h"
+
+namespace talus
+{
+/** The nine stages on a device, in their order: few launches, each thread a point, a cell or a
+ * direction; each cell searches the lines through it. What does not need each other runs in one
+ * launch. `Executor`: of a device, or a stand-in for one. */
+template <class ExecutorType>
+class DeviceSchedule
+{
+ public:
+  using Executor = ExecutorType;
+  DeviceSchedule(MapBuffers<Executor>& map, Executor& executor) : map_(map), executor_(executor) {}
+
+  void allocate();
+  void reserve_points(std::size_t capacity)
+  {
+    executor_.allocate(
+        crowded_, static_cast<std::size_t>(most_crowded(static_cast<int>(capacity))) + 1,
+        std::int32_t{0});
+  }
+
+  void stages()
+  {
+    executor_.fetch(map_.context);
+    accept_and_weigh();  // stages 1 and 2, and beside them 3
+    find_buried();  // for stage 1, and beside it where points will be sorted to
+    executor_.lap(0);
+    sort_points();  // stage 4, before it the end of stage 1, beside it the rays of stage 6
+    update();
+    executor_.lap(3);
+    find_support();  // stage 5
+    executor_.lap(4);
+    clean_up();  // stage 6, and what stage 5 decides for each cell
+    executor_.lap(5);
+    if (map_.host_config.fill_rule == kernels::kFillLines)  // stage 7
+      fill<true>();
+    else
+      fill<false>();
+    executor_.lap(6);
+    if (map_.parts_wanted())  // stages 8 and 9
+      judge<true>();
+    else
+      judge<false>();
+    executor_.lap(7);
+    executor_.join();  // with the layers that are copied
+  }
+  /** Stages 8 and 9 once more, for what traversability is made of. */
+  void judge_parts() { judge_rows<true>(0, side(), false); }
+
+ private:
+  using Atomics = typename Executor::Atomics;
+  template <class T>
+  using Buffer = typename Executor::template Buffer<T>;
+
+  int side() const { return map_.side(); }
+  int points() const { return map_.points(executor_); }
+  /** How many cells of so many points can be crowded. */
+  static int most_crowded(int points) { return points / Executor::kCrowd; }
+
+  void accept_and_weigh()
+  {
+    executor_.for_each_beside(
+        points(),
+        kernels::AcceptAndCountPoint<Atomics>{
+            map_.accept(filter_voxels(map_, executor_)), map_.cell_count.data()},
+        2, side(), side(),
+        kernels::RollCellAndReach{
+            map_.roll(), map_.reach.data(), static_cast<int>(map_.reach.size())});
+  }
+
+  void find_buried()
+  {
+    executor_.for_each_direction_beside(
+        kernels::bin_count(map_.host_config), kernels::ring_count(map_.host_config),
+        kernels::SettleRays{map_.ground_hits(), map_.rays.data(), map_.lowest_slope.data()},
+        points(),
+        kernels::ReserveStretch<Atomics>{map_.context.data(), map_.points_out(), sorting()});
+  }
+
+  void sort_points()
+  {
+    const kernels::SortUnburiedPoint<Atomics> sort{
+        map_.sort_point(sorting()), map_.find_rise(),   {map_.points_out(), map_.reach.data()},
+        map_.lowest_slope.data(),   kept_count_.data(), map_.counters.data()};
+    executor_.for_each_beside(points(), sort, 5, side(), side(), map_.look_through());
+  }
+
+  void update()
+  {
+    executor_.for_each_and_team(points(), most_crowded(points()), map_.update_cell(sorting()));
+  }
+
+  void find_support()
+  {
+    const kernels::SupportGrid grid = map_.support_grid();
+    // The rays and the counts have been used.
+    executor_.for_each_beside(
+        workers(), tidy_up(), 5, grid.side, grid.side,
+        kernels::PoolSupport{map_.config.data(), map_.context.data(), map_.store(), grid});
+    executor_.for_each_opening(
+        grid.side, grid.side, map_.host_config.object_radius,
+        kernels::dilation_radius(map_.host_config), kernels::ErodeSupport{map_.config.data(), grid},
+        kernels::OpenSupport{map_.config.data(), grid});
+  }
+
+  void clean_up()
+  {
+    executor_.mark_cells(
+        side(),
+        kernels::SettleCell{map_.choose_role(), map_.clean_up(), map_.line_grid(), map_.samples()},
+        unguarded(axis_marks_, 2 * side()));
+  }
+
+  template <bool kAlongLines>
+  void fill()
+  {
+    const kernels::Config& k = map_.host_config;
+    const int lines = kernels::line_count(k), axes = 2 * side();
+    executor_.pack_bits(
+        lines, kernels::line_rings(k) + 1,
+        kernels::FindSamples{unguarded(axis_marks_, axes), side(), tracks_.data()},
+        unguarded(marks_, lines), map_.find_planes());
+    const kernels::SearchAndFillCell<kAlongLines> search{
+        map_.fill_cell(),
+        k,
+        map_.samples(),
+        unguarded(marks_, lines),
+        unguarded(axis_marks_, axes),
+        line_tables(),
+        map_.planes.data(),
+        map_.across.data(),
+        map_.line_grid(),
+        kernels::places_in(k.fill_search_m, k.resolution_m, side() - 1)};
+    executor_.in_bands(
+        side(), map_.copied_surfaces(), 0,
+        [&](int first, int end, bool beside_last)
+        {
+          executor_.for_each_cell_by_lines(side(), first, end, search, beside_last);
+          executor_.aside([&] { map_.deliver_surfaces(executor_, first, end); });
+        });
+  }
+
+  template <bool kParts>
+  void judge()
+  {
+    executor_.in_bands(
+        side(), map_.copied_features(), map_.copied_surfaces(),
+        [&](int first, int end, bool beside_last)
+        {
+          judge_rows<kParts>(first, end, beside_last);
+          executor_.aside([&] { map_.deliver_features(executor_, first, end); });
+        });
+  }
+
+  template <bool kParts>
+  void judge_rows(int first, int end, bool beside_last)
+  {
+    executor_.for_each_judged_cell_of_rows(
+        side(), side(), first, end, map_.host_config.feature_radius_cells,
+        map_.template compute_features<kParts>(nullptr), map_.complete_obstacles(nullptr),
+        beside_last);
+  }
+
+  int workers() const { return executor_.workers(map_.cells()); }
+  kernels::TidyUp tidy_up()
+  {
+    return {
+        map_.rays.data(),
+        static_cast<int>(map_.rays.size()),
+        map_.cell_count.data(),
+        kept_count_.data(),
+        map_.cells(),
+        static_cast<int>(kept_count_.size()),
+        map_.counters.data(),
+        executor_.reported(),
+        kernels::kRejectCodes,
+        cursor_.data(),
+        workers()};
+  }
+
+  kernels::Sorting sorting()
+  {
+    return {map_.cell_count.data(),
+            kept_count_.data(),
+            map_.cell_begin.data(),
+            map_.sorted.data(),
+            nullptr,
+            crowded_.data(),
+            cursor_.data(),
+            Executor::kCrowd};
+  }
+  kernels::LineTables line_tables() { return {line_of_cell_.data(), tracks_.data()}; }
+  /** The first word of marks of so many lines, see kernels::LineMarks. */
+  static std::uint32_t* unguarded(Buffer<std::uint32_t>& marks, int lines)
+  {
+    return marks.data() + kernels::LineMarks::kGuardWords * lines;
+  }
+
+  MapBuffers<Executor>& map_;
+  Executor& executor_;
+  Buffer<std::uint32_t> kept_count_;
+  Buffer<std::uint64_t> cursor_;
+  Buffer<std::int32_t> crowded_;
+  Buffer<std::int32_t> line_of_cell_;
+  Buffer<kernels::Track> tracks_;
+  Buffer<std::uint32_t> marks_, axis_marks_;
+};
+
+template <class Executor>
+void DeviceSchedule<Executor>::allocate()
+{
+  const kernels::Config& k = map_.host_config;
+  const auto lines = static_cast<std::size_t>(kernels::line_count(k));
+  executor_.allocate(kept_count_, static_cast<std::size_t>(map_.cells()), std::uint32_t{0});
+  executor_.allocate(cursor_, 1, std::uint64_t{0});
+  executor_.allocate(line_of_cell_, map_.grid_size(), std::int32_t{0});
+  executor_.allocate(tracks_, lines, kernels::Track{});
+  const auto guarded = [](int words)
+  { return static_cast<std::size_t>(words + 2 * kernels::LineMarks::kGuardWords); };
+  executor_.allocate(
+      axis_marks_, 2 * static_cast<std::size_t>(side()) * guarded(kernels::words_per_axis(k)),
+      std::uint32_t{0});
+  executor_.allocate(marks_, lines * guarded(kernels::words_per_line(k)), std::uint32_t{0});
+  const kernels::LineGrid grid = map_.line_grid();
+  executor_.for_each_cell(
+      grid.side, grid.side, kernels::FillLineTables{map_.config.data(), grid, line_tables()});
+}
+
+}  // namespace talus

@@ -1,0 +1,324 @@
+#pragma once
+#include "backend.h"
+#include "kernels/1_accept.h"
+#include "kernels/1_voxel_filter.h"
+#include "kernels/2_uncertainty.h"
+#include "kernels/3_roll.h"
+#include "kernels/4_update.h"
+#include "kernels/5_refill.h"
+#include "kernels/6_cleanup.h"
+#include "kernels/7_fill.h"
+#include "kernels/8_traversability.h"
+#include "kernels/9_sparsity.h"
+
+#include <algorithm>
+#include <array>
+
+namespace talus
+{
+/** The memory of a map, and views of it for the kernels: what every schedule works on. What only
+ * one of them needs is its own. */
+template <class ExecutorType>
+struct MapBuffers
+{
+  using Executor = ExecutorType;
+  using Atomics = typename Executor::Atomics;
+  template <class T>
+  using Buffer = typename Executor::template Buffer<T>;
+
+  explicit MapBuffers(const kernels::Config& c) : host_config(c) {}
+
+  // ---- memory: by the size of the map once, by that of its largest frame as it comes ----
+  void allocate(Executor& executor);
+  /** Grows the buffers of points in steps of at least an eighth, so that a run settles after a few
+   * frames; then more(capacity), for buffers of the schedule. */
+  template <class More>
+  void reserve_points(Executor& executor, std::size_t points, const More& more);
+  /** Room for what traversability is made of. */
+  void allocate_parts(Executor& executor)
+  {
+    const std::size_t size = kParts * static_cast<std::size_t>(cells());
+    if (now->parts.size() != size) executor.allocate(now->parts, size, kernels::kNan);
+  }
+
+  // ---- sizes ----
+  int side() const { return host_config.cells; }
+  int cells() const { return side() * side(); }
+  kernels::LineGrid line_grid() const { return kernels::line_grid(host_config); }
+  std::size_t grid_size() const
+  {
+    return static_cast<std::size_t>(line_grid().side) * static_cast<std::size_t>(line_grid().pitch);
+  }
+  /** How many points a loop runs over. */
+  int points(const Executor& executor) const
+  {
+    return executor.loop_size(now->n_points, point_cell.size());
+  }
+
+  // ---- views ----
+  kernels::CellStore store()
+  {
+    return {ground.data(), ground_var.data(), elevation.data(), elevation_var.data(),
+            state.data(),  misses.data(),     passed.data(),    extent.data()};
+  }
+  kernels::PointsOut points_out()
+  {
+    return {point_cell.data(), point_ray.data(),     point_slope.data(),  point_reach.data(),
+            point_rank.data(), point_in_cell.data(), point_height.data(), point_variance.data()};
+  }
+  kernels::AcceptPoint<Atomics> accept(const std::uint8_t* kept)
+  {
+    return {config.data(), context.data(),  now->in, points_out(),
+            rays.data(),   counters.data(), kept};
+  }
+  kernels::RollCell roll() { return {config.data(), context.data(), store(), top_hit.data()}; }
+  kernels::FindGroundHits ground_hits() { return {config.data(), context.data(), store()}; }
+  kernels::FindRise find_rise() { return {config.data(), context.data(), store()}; }
+  kernels::SortPoint sort_point(const kernels::Sorting& sorting)
+  {
+    return {config.data(), context.data(), points_out(), rays.data(), sorting};
+  }
+  kernels::UpdateCell update_cell(const kernels::Sorting& sorting)
+  {
+    return {config.data(), context.data(), store(), points_out(), sorting, top_hit.data()};
+  }
+  kernels::LookThrough look_through()
+  {
+    return {side(), config.data(), context.data(), rays.data(), passing()};
+  }
+  kernels::SupportGrid support_grid()
+  {
+    const int grid_side = kernels::support_side(host_config);
+    const int pad = kernels::dilation_radius(host_config);
+    const auto n =
+        static_cast<std::size_t>(grid_side) * static_cast<std::size_t>(grid_side + 2 * pad);
+    float* p = support.data();
+    return {grid_side, kernels::support_margin(host_config),
+            pad,       p,
+            p + n,     p + 2 * n,
+            p + 3 * n, p + 4 * n,
+            p + 5 * n, p + 6 * n};
+  }
+  kernels::Reach ray_reach() { return {context.data(), reach.data()}; }
+  kernels::ChooseRole choose_role()
+  {
+    return {config.data(),  context.data(), store(),    support_grid(),
+            top_hit.data(), ray_reach(),    role.data()};
+  }
+  kernels::CleanUpCell clean_up()
+  {
+    return {side(), config.data(), store(), passing(), ray_reach(), top_hit.data(), role.data()};
+  }
+  kernels::PassingRays passing()
+  {
+    return {
+        passing_heights.data(), passing_heights.data() + static_cast<std::size_t>(cells()),
+        in_open.data()};
+  }
+  kernels::FindPlanes find_planes()
+  {
+    return {config.data(), context.data(), line_grid(), samples().height_m, planes.data()};
+  }
+  kernels::Samples samples() { return {line_samples.data(), line_samples.data() + grid_size()}; }
+  kernels::FillCell fill_cell()
+  {
+    return {side(),    config.data(), context.data(), store(),         role.data(),
+            passing(), planes.data(), surfaces(),     surface_layers()};
+  }
+  kernels::Surfaces surfaces()
+  {
+    const int pad = host_config.feature_radius_cells;
+    return {judged_surfaces.data(), side() + 2 * pad, pad};
+  }
+  /** `judged`: see kernels::FeatureLayers. */
+  template <bool kParts>
+  kernels::ComputeFeatures<kParts> compute_features(float* judged)
+  {
+    return {side(), config.data(), surfaces(), line_grid(), across.data(), feature_layers(judged)};
+  }
+  kernels::CompleteObstacles complete_obstacles(const float* judged)
+  {
+    return {side(), config.data(), surfaces(), judged, feature(Layer::Traversability)};
+  }
+
+  // ---- layers ----
+  /** Where stage 7 puts a layer that is wanted: into the caller's memory if kernels reach it. */
+  float* surface(Layer layer)
+  {
+    const auto l = static_cast<std::size_t>(layer);
+    if (!now->wanted[l]) return nullptr;
+    float* direct = now->outputs[l].direct;
+    return direct ? direct : now->delivered.data() + l * static_cast<std::size_t>(cells());
+  }
+  kernels::SurfaceLayers surface_layers()
+  {
+    return {
+        surface(Layer::Elevation), surface(Layer::GroundElevation), surface(Layer::Variance),
+        surface(Layer::State)};
+  }
+  /** Whether each frame leaves what traversability is made of: slope, step, roughness, sparsity. */
+  bool parts_wanted() const
+  {
+    const auto first = now->wanted.begin() + static_cast<int>(Layer::Slope);
+    return std::any_of(first, first + kParts, [](const float* to) { return to; });
+  }
+  /** Where a layer of stages 8 and 9 lives: in the caller's memory if kernels reach it. Null:
+   * nobody wants it. */
+  float* feature(Layer layer)
+  {
+    const auto l = static_cast<std::size_t>(layer);
+    if (float* direct = now->outputs[l].direct) return direct;
+    if (layer == Layer::Traversability) return now->traversability.data();
+    const std::size_t index = l - static_cast<std::size_t>(Layer::Slope);
+    float* const parts = now->parts.data();
+    return now->parts.size() ? parts + index * static_cast<std::size_t>(cells()) : nullptr;
+  }
+  kernels::FeatureLayers feature_layers(float* judged)
+  {
+    return {feature(Layer::Slope),    feature(Layer::Step),           feature(Layer::Roughness),
+            feature(Layer::Sparsity), feature(Layer::Traversability), judged};
+  }
+  /** Whether a layer is wanted, and not yet where it is wanted when it is computed. */
+  bool is_copied(Layer layer) const
+  {
+    const auto l = static_cast<std::size_t>(layer);
+    return now->wanted[l] && !now->outputs[l].direct;
+  }
+  int copied_surfaces() const { return copied(Layer::Elevation, Layer::State); }
+  int copied_features() const { return copied(Layer::Slope, Layer::Traversability); }
+  /** Copies the rows [first_row, end_row) of those that are. */
+  void deliver_surfaces(Executor& executor, int first_row, int end_row)
+  {
+    for (const Layer l : {Layer::Elevation, Layer::GroundElevation, Layer::Variance, Layer::State})
+      if (is_copied(l)) deliver(executor, l, surface(l), first_row, end_row);
+  }
+  void deliver_features(Executor& executor, int first_row, int end_row)
+  {
+    for (const Layer l :
+         {Layer::Slope, Layer::Step, Layer::Roughness, Layer::Sparsity, Layer::Traversability})
+      if (is_copied(l)) deliver(executor, l, feature(l), first_row, end_row);
+  }
+
+  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 7;
+
+  /** What a frame does not share with the one that is in flight beside it. */
+  struct Slot
+  {
+    double stamp_s = 0;
+    int n_points = 0;
+    kernels::PointsIn in{};
+    OutputPointers wanted{};
+    std::array<OutputMemory, kLayerCount> outputs{};
+    // derived layers, window order
+    Buffer<float> traversability, parts, delivered;
+    bool parts_known = false;  //!< `parts` belong to the map as it is
+  };
+
+  kernels::Config host_config;
+  std::array<Slot, kSlots> slots;
+  Slot* now = slots.data();  //!< of the frame that is dealt with
+
+  Buffer<kernels::Config> config;
+  Buffer<kernels::FrameContext> context;
+  // persistent, storage order
+  Buffer<float> ground, ground_var, elevation, elevation_var;
+  Buffer<std::uint8_t> state, passed, extent;
+  Buffer<std::int8_t> misses;
+  // of one frame: points
+  Buffer<std::int32_t> point_cell, point_ray, point_reach, point_in_cell;
+  Buffer<std::uint32_t> point_rank, cell_count, cell_begin, counters;
+  Buffer<float> point_slope, point_height, point_variance;
+  Buffer<kernels::HeightPoint> sorted;
+  Buffer<std::uint64_t> voxel_key, voxel_winner;
+  Buffer<std::uint32_t> voxel_slot;
+  Buffer<std::uint8_t> voxel_kept;
+  // rays, by direction and ring
+  Buffer<std::int32_t> rays, reach;
+  Buffer<float> lowest_slope;
+  // cells, window order where not said otherwise
+  Buffer<float> top_hit;  //!< storage order
+  Buffer<std::uint8_t> role;  //!< storage order
+  Buffer<std::uint8_t> in_open;
+  Buffer<float> passing_heights;
+  Buffer<float> support;  //!< coarse grid
+  Buffer<float> line_samples, across;  //!< grid of lines
+  Buffer<kernels::Planes> planes;
+  Buffer<kernels::Surface> judged_surfaces;
+
+ private:
+  /** How many of the layers [first, last] are copied. */
+  int copied(Layer first, Layer last) const
+  {
+    int n = 0;
+    for (int l = static_cast<int>(first); l <= static_cast<int>(last); l++)
+      n += is_copied(static_cast<Layer>(l));
+    return n;
+  }
+  void deliver(Executor& executor, Layer layer, const float* from, int first_row, int end_row)
+  {
+    const auto first = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(side());
+    const auto end = static_cast<std::size_t>(end_row) * static_cast<std::size_t>(side());
+    executor.copy(now->wanted[static_cast<std::size_t>(layer)] + first, from + first, end - first);
+  }
+};
+
+template <class Executor>
+void MapBuffers<Executor>::allocate(Executor& executor)
+{
+  const auto n = static_cast<std::size_t>(cells());
+  for (auto* b : {&ground, &ground_var, &elevation, &elevation_var})
+    executor.allocate(*b, n, kernels::kNan);
+  for (auto* b : {&state, &passed, &extent, &role, &in_open})
+    executor.allocate(*b, n, std::uint8_t{0});
+  executor.allocate(misses, n, std::int8_t{0});
+  for (auto* b : {&cell_count, &cell_begin}) executor.allocate(*b, n, std::uint32_t{0});
+  executor.allocate(passing_heights, 2 * n, 0.0f);
+  executor.allocate(top_hit, n, 0.0f);
+  executor.allocate(planes, 1, kernels::Planes{});
+  const auto pooled = static_cast<std::size_t>(kernels::support_side(host_config));
+  const std::size_t pad = 2 * static_cast<std::size_t>(kernels::dilation_radius(host_config));
+  executor.allocate(support, kSupportArrays * pooled * (pooled + pad), kernels::kInfinity);
+  executor.allocate(across, grid_size(), kernels::kNan);
+  executor.allocate(line_samples, 2 * grid_size(), kernels::kNan);
+  executor.allocate(config, 1, kernels::Config{});
+  executor.allocate(context, 1, kernels::FrameContext{});
+  executor.allocate(counters, kernels::kRejectCodes, std::uint32_t{0});
+  const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
+  executor.allocate(judged_surfaces, padded, kernels::Surface{kernels::kNoHeight, 0});
+  const auto bins = static_cast<std::size_t>(kernels::bin_count(host_config));
+  const std::size_t table = bins * static_cast<std::size_t>(kernels::ring_count(host_config));
+  executor.allocate(rays, table, kernels::kNoRay);
+  executor.allocate(reach, bins * kernels::kSlopeSteps, std::int32_t{0});
+  executor.allocate(lowest_slope, table, -kernels::kInfinity);
+  executor.upload(&host_config, 1, config.data());
+}
+
+template <class Executor>
+template <class More>
+void MapBuffers<Executor>::reserve_points(Executor& executor, std::size_t points, const More& more)
+{
+  if (points <= point_cell.size() && point_cell.size() != 0) return;
+  std::size_t step = 1024;
+  while (8 * step < points) step *= 2;
+  const std::size_t capacity = std::max<std::size_t>(1, (points + step - 1) / step) * step;
+  // The size of the first tells that of all: where memory ends half-way it must tell of none.
+  executor.allocate(point_cell, 0, std::int32_t{-1});
+  for (auto* b : {&point_ray, &point_reach}) executor.allocate(*b, capacity, std::int32_t{-1});
+  executor.allocate(point_slope, capacity, 0.0f);
+  executor.allocate(point_rank, capacity, std::uint32_t{0});
+  executor.allocate(point_in_cell, capacity, std::int32_t{0});
+  executor.allocate(point_height, capacity, 0.0f);
+  executor.allocate(point_variance, capacity, 0.0f);
+  executor.allocate(sorted, capacity, kernels::HeightPoint{0, 0});
+  more(capacity);
+  if (host_config.inverse_voxel > 0)
+  {
+    executor.allocate(voxel_slot, capacity, std::uint32_t{0});
+    executor.allocate(voxel_kept, capacity, std::uint8_t{0});
+    executor.allocate(voxel_key, 16 * step, kernels::kNoVoxel);
+    executor.allocate(voxel_winner, 16 * step, kernels::kNoVoxel);
+  }
+  executor.allocate(point_cell, capacity, std::int32_t{-1});
+}
+
+}  // namespace talus
