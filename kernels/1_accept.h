@@ -169,19 +169,6 @@ struct NoteReach
   }
 };
 
-/** Both. */
-template <class Atomics>
-struct NoteRayAndReach : NoteRay<Atomics>
-{
-  NoteReach<Atomics> reach;
-
-  void operator()(int i) const
-  {
-    NoteRay<Atomics>::operator()(i);
-    reach(i);
-  }
-};
-
 /** Stages 1 and 2: transforms, accepts and weighs one point, and notes the ray that it ended. */
 template <class Atomics>
 struct AcceptPoint
@@ -278,60 +265,6 @@ struct AcceptPoint
     const bool counts = aims & (step >= 0.0f) & (step < static_cast<float>(kSlopeSteps));
     const int at = bin * kSlopeSteps + floor_to_int(select(counts, step, 0.0f));
     out.reach[i] = select(counts, at, -1);
-  }
-};
-
-/** The same, and counts the point in its cell, also if it will turn out to be buried. The point
- * itself is there before the frame's context is. */
-template <class Atomics>
-struct AcceptAndCountPoint
-{
-  AcceptPoint<Atomics> accept;
-  std::uint32_t* cell_count;  //!< by storage index, zero before
-
-  TALUS_HD Point early(int i) const { return accept.point(i); }
-  TALUS_HD void operator()(int i, const Point& sensed) const
-  {
-    if (i >= accept.frame->n_points) return;
-    accept.locate(i, sensed);
-    accept.note(i);
-    if (accept.out.cell[i] < 0) return;
-    accept.out.rank[i] = Atomics::add(cell_count + accept.out.cell[i], 1);
-  }
-};
-
-/** Bins one point, if it is not buried, in a cell that no other thread has to do with. */
-template <class Atomics>
-struct BinPoint
-{
-  const Config* config;
-  const FrameContext* frame;
-  PointsOut points;
-  const float* lowest_slope;  //!< of a ray that is not buried, see SettleRays
-  std::uint32_t* cell_count;  //!< by storage index, zero before
-  std::uint32_t* rejected;  //!< by RejectCode
-
-  /** Of the window's cells, as they are stored; may go on at the beginning. */
-  Part part(int which, int of) const
-  {
-    const int n = config->cells, first = which * n / of, end = (which + 1) * n / of;
-    const int begin = storage_index(*frame, n, 0, first) - frame->storage_x;
-    return {begin, begin + (end - first) * n};
-  }
-  bool is_in(const Part& part, int i) const
-  {
-    const int n = config->cells, cell = points.cell[i];
-    const int place = cell + select(cell < part.begin, n * n, 0);
-    return (cell >= 0) & (place < part.end);
-  }
-  void operator()(int i) const
-  {
-    const int cell = points.cell[i];
-    if (cell < 0) return;
-    const int ray = points.ray[i];
-    const bool buried = ray >= 0 && points.slope[i] < lowest_slope[ray];
-    if (buried) Atomics::count(rejected + kBuried);
-    points.rank[i] = buried ? kNoRank : cell_count[cell]++;
   }
 };
 

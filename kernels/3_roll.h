@@ -34,19 +34,4 @@ struct RollCell
   }
 };
 
-/** The same, and forgets the reach of the last frame's rays, see NoteReach. */
-struct RollCellAndReach
-{
-  RollCell roll;
-  std::int32_t* reach;
-  int size;
-
-  TALUS_HD void operator()(int ix, int iy) const
-  {
-    roll(ix, iy);
-    const int cells = roll.config->cells;
-    for (int at = iy * cells + ix; at < size; at += cells * cells) reach[at] = 0;
-  }
-};
-
 }  // namespace talus::kernels

@@ -324,7 +324,7 @@ TALUS_HD void put_overhang(Cell& c, const Overhang& overhang)
 }
 
 /** Stage 4 on one cell that received points; for many cells at once see
- * libs/core/src/cpu_cells.h. */
+ * libs/core/src/cpu/cells.h. */
 template <class Team>
 TALUS_HD void update_cell(
     Cell& c, const Extremes& ends, const CellPoints<Team>& points, const Config& k)
@@ -356,26 +356,6 @@ struct Sorting
   std::int32_t* crowded;  //!< cells that a team updates; on the CPU room for all cells, twice
   std::uint64_t* cursor;  //!< of `sorted`, and in the upper half of `crowded`; zero before
   std::uint32_t crowd;  //!< cells of more points are crowded
-};
-
-/** Reserves a stretch for the cell of a point, if it is the first there. */
-template <class Atomics>
-struct ReserveStretch
-{
-  const FrameContext* frame;
-  PointsOut points;
-  Sorting sorting;
-
-  TALUS_HD void operator()(int i) const
-  {
-    if (i >= frame->n_points || points.cell[i] < 0 || points.rank[i] != 0) return;
-    const int cell = points.cell[i];
-    const std::uint64_t count = sorting.cell_count[cell];
-    const bool crowded = count > sorting.crowd;
-    const std::uint64_t at = Atomics::reserve(sorting.cursor, crowded ? count | 1ull << 32 : count);
-    sorting.cell_begin[cell] = static_cast<std::uint32_t>(at);
-    if (crowded) sorting.crowded[at >> 32] = cell;
-  }
 };
 
 /** How far behind a point that overhangs the rays below it ended at least. */
@@ -428,34 +408,6 @@ struct SortPoint
   {
     if (points.cell[i] >= 0 && points.rank[i] != kNoRank)
       put(i, points.rank[i], overhangs, sorting.rise[sorting.cell_begin[points.cell[i]]]);
-  }
-};
-
-/** The same where points were counted before it was known which are buried: leaves those out; and
- * notes how far their rays went. */
-template <class Atomics>
-struct SortUnburiedPoint
-{
-  SortPoint sort;
-  FindRise find_rise;
-  NoteReach<Atomics> reach;
-  const float* lowest_slope;  //!< of a ray that is not buried
-  std::uint32_t* kept_count;  //!< by storage index, zero before
-  std::uint32_t* rejected;  //!< by RejectCode
-
-  TALUS_HD void operator()(int i) const
-  {
-    const PointsOut& points = sort.points;
-    if (i >= sort.frame->n_points) return;
-    reach(i);
-    if (points.cell[i] < 0) return;
-    const int ray = points.ray[i];
-    if (ray >= 0 && points.slope[i] < lowest_slope[ray])
-      Atomics::count(rejected + kBuried);
-    else
-      sort.put(
-          i, Atomics::add(kept_count + points.cell[i], 1), sort.overhangs(i),
-          find_rise(points.cell[i]));
   }
 };
 

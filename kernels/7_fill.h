@@ -5,8 +5,9 @@ namespace talus::kernels
 {
 // Stage 7 (III-B.3): ground of cells that were not measured, from samples found along the line to
 // the sensor: towards it and away from it. How samples are found is the executor's choice, for what
-// is fast on a device is slow on a core. A device searches for each cell (7_fill_search.h). A core
-// sweeps along many lines at once (libs/core/src/cpu_lines.h). What is made of them is the same.
+// is fast on a device is slow on a core. A device searches for each cell
+// (libs/core/src/cuda/fill_search.h). A core sweeps along many lines at once
+// (libs/core/src/cpu/lines.h). What is made of them is the same.
 
 /** The samples of one side and what eq. 8 makes of them. */
 struct SideEstimate
@@ -320,40 +321,11 @@ TALUS_HD float ray_bound(const PassingRays& passing, int o)
   return select(passing.lowest_m[o] < kInfinity, passing.highest_m[o], kInfinity);
 }
 
-/** What was inferred of the cells, by place of the grid. */
-struct InferenceGrid
-{
-  Inference* cells;
-  float* across_m;  //!< where it is guessed from one side, near enough for stage 9: height
-                    //!< difference of the ground on both
-};
-
 /** Whether fills may build on the ground of the cell stored at i. */
 TALUS_HD bool is_sample(const CellStore& store, const std::uint8_t* role, int i)
 {
   return (store.state[i] == kMeasured) & (role[i] == kKeep);
 }
-
-struct TakeSample
-{
-  const Config* config;
-  CellStore store;
-  const std::uint8_t* role;
-  PassingRays passing;
-  LineGrid grid;
-  Samples samples;
-
-  TALUS_HD void operator()(int ix, int iy, int i) const
-  {
-    const int o = grid.at(ix, iy), w = iy * config->cells + ix;
-    const bool sample = is_sample(store, role, i);
-    const float ground_m = store.ground_m[i];
-    samples.height_m[o] = select(sample, ground_m, kNan);
-    samples.variance_or_bound[o] = select(
-        sample, sample_variance(ground_m, store.ground_var_m2[i], passing.lowest_m[w]),
-        ray_bound(passing, w));
-  }
-};
 
 // ---- The cell ----
 
@@ -498,19 +470,6 @@ struct FillCell
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
     to.height_and_flags =
         select(known, 16 * quantise_height(select(known, top, 0.0f), reference) + flags, 0);
-  }
-};
-
-/** Fills cell (ix, iy) from what was found when the lines were walked. */
-struct FillWalkedCell
-{
-  FillCell fill;
-  LineGrid grid;
-  InferenceGrid inferred;
-
-  TALUS_HD void operator()(int ix, int iy, int i) const
-  {
-    fill(ix, iy, i, inferred.cells[grid.at(ix, iy)]);
   }
 };
 

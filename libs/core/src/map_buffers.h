@@ -1,6 +1,7 @@
 #pragma once
 #include "backend.h"
 #include "kernels/1_accept.h"
+#include "kernels/1_buried_rays.h"
 #include "kernels/1_voxel_filter.h"
 #include "kernels/2_uncertainty.h"
 #include "kernels/3_roll.h"

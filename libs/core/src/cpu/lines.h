@@ -1,6 +1,6 @@
 #pragma once
 #include "cpu/lanes.h"
-#include "kernels/7_fill.h"
+#include "cpu/swept_cells.h"
 
 #include <algorithm>
 

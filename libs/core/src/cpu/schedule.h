@@ -2,7 +2,9 @@
 #include "cpu/executor.h"
 #include "cpu/cells.h"
 #include "cpu/lines.h"
-#include "kernels/1_buried_rays.h"
+#include "cpu/points.h"
+#include "cpu/swept_cells.h"
+#include "cpu/sweep_rays.h"
 #include "map_buffers.h"
 #include "voxel_filter.h"
 

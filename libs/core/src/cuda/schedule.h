@@ -1,7 +1,9 @@
 #pragma once
-#include "kernels/1_buried_rays.h"
-#include "kernels/7_fill_search.h"
-#include "kernels/tidy.h"
+#include "cuda/fill_search.h"
+#include "cuda/points.h"
+#include "cuda/settle_cell.h"
+#include "cuda/settle_rays.h"
+#include "cuda/tidy_up.h"
 #include "map_buffers.h"
 #include "voxel_filter.h"
 

@@ -1,0 +1,56 @@
+#pragma once
+#include "kernels/1_accept.h"
+
+namespace talus::kernels
+{
+// Stage 1 on cores: each thread has the points of its own part of the window, or of the directions.
+
+/** Both. */
+template <class Atomics>
+struct NoteRayAndReach : NoteRay<Atomics>
+{
+  NoteReach<Atomics> reach;
+
+  void operator()(int i) const
+  {
+    NoteRay<Atomics>::operator()(i);
+    reach(i);
+  }
+};
+
+/** Bins one point, if it is not buried, in a cell that no other thread has to do with. */
+template <class Atomics>
+struct BinPoint
+{
+  const Config* config;
+  const FrameContext* frame;
+  PointsOut points;
+  const float* lowest_slope;  //!< of a ray that is not buried, see SettleRays
+  std::uint32_t* cell_count;  //!< by storage index, zero before
+  std::uint32_t* rejected;  //!< by RejectCode
+
+  /** Of the window's cells, as they are stored; may go on at the beginning. */
+  Part part(int which, int of) const
+  {
+    const int n = config->cells, first = which * n / of, end = (which + 1) * n / of;
+    const int begin = storage_index(*frame, n, 0, first) - frame->storage_x;
+    return {begin, begin + (end - first) * n};
+  }
+  bool is_in(const Part& part, int i) const
+  {
+    const int n = config->cells, cell = points.cell[i];
+    const int place = cell + select(cell < part.begin, n * n, 0);
+    return (cell >= 0) & (place < part.end);
+  }
+  void operator()(int i) const
+  {
+    const int cell = points.cell[i];
+    if (cell < 0) return;
+    const int ray = points.ray[i];
+    const bool buried = ray >= 0 && points.slope[i] < lowest_slope[ray];
+    if (buried) Atomics::count(rejected + kBuried);
+    points.rank[i] = buried ? kNoRank : cell_count[cell]++;
+  }
+};
+
+}  // namespace talus::kernels

@@ -1,0 +1,50 @@
+#pragma once
+#include "kernels/7_fill.h"
+
+namespace talus::kernels
+{
+// Before and after the lines of stage 7 are swept, see cpu/lines.h.
+
+struct TakeSample
+{
+  const Config* config;
+  CellStore store;
+  const std::uint8_t* role;
+  PassingRays passing;
+  LineGrid grid;
+  Samples samples;
+
+  TALUS_HD void operator()(int ix, int iy, int i) const
+  {
+    const int o = grid.at(ix, iy), w = iy * config->cells + ix;
+    const bool sample = is_sample(store, role, i);
+    const float ground_m = store.ground_m[i];
+    samples.height_m[o] = select(sample, ground_m, kNan);
+    samples.variance_or_bound[o] = select(
+        sample, sample_variance(ground_m, store.ground_var_m2[i], passing.lowest_m[w]),
+        ray_bound(passing, w));
+  }
+};
+
+/** What was inferred of the cells, by place of the grid. */
+struct InferenceGrid
+{
+  Inference* cells;
+  float* across_m;  //!< where it is guessed from one side, near enough for stage 9: height
+                    //!< difference of the ground on both
+};
+
+/** Fills cell (ix, iy) from what was found when the lines were walked. */
+struct FillWalkedCell
+{
+  FillCell fill;
+  LineGrid grid;
+  InferenceGrid inferred;
+
+  TALUS_HD void operator()(int ix, int iy, int i) const
+  {
+    fill(ix, iy, i, inferred.cells[grid.at(ix, iy)]);
+  }
+};
+
+}  // namespace talus::kernels

@@ -1,0 +1,93 @@
+#pragma once
+#include "kernels/1_accept.h"
+#include "kernels/3_roll.h"
+#include "kernels/4_update.h"
+
+namespace talus::kernels
+{
+// Stages 1, 3 and 4 on a device, a thread each point: points are counted in their cells before it
+// is known which of them are buried, and each cell reserves a stretch of the sorted ones.
+
+/** The same, and counts the point in its cell, also if it will turn out to be buried. The point
+ * itself is there before the frame's context is. */
+template <class Atomics>
+struct AcceptAndCountPoint
+{
+  AcceptPoint<Atomics> accept;
+  std::uint32_t* cell_count;  //!< by storage index, zero before
+
+  TALUS_HD Point early(int i) const { return accept.point(i); }
+  TALUS_HD void operator()(int i, const Point& sensed) const
+  {
+    if (i >= accept.frame->n_points) return;
+    accept.locate(i, sensed);
+    accept.note(i);
+    if (accept.out.cell[i] < 0) return;
+    accept.out.rank[i] = Atomics::add(cell_count + accept.out.cell[i], 1);
+  }
+};
+
+/** The same, and forgets the reach of the last frame's rays, see NoteReach. */
+struct RollCellAndReach
+{
+  RollCell roll;
+  std::int32_t* reach;
+  int size;
+
+  TALUS_HD void operator()(int ix, int iy) const
+  {
+    roll(ix, iy);
+    const int cells = roll.config->cells;
+    for (int at = iy * cells + ix; at < size; at += cells * cells) reach[at] = 0;
+  }
+};
+
+/** Reserves a stretch for the cell of a point, if it is the first there. */
+template <class Atomics>
+struct ReserveStretch
+{
+  const FrameContext* frame;
+  PointsOut points;
+  Sorting sorting;
+
+  TALUS_HD void operator()(int i) const
+  {
+    if (i >= frame->n_points || points.cell[i] < 0 || points.rank[i] != 0) return;
+    const int cell = points.cell[i];
+    const std::uint64_t count = sorting.cell_count[cell];
+    const bool crowded = count > sorting.crowd;
+    const std::uint64_t at = Atomics::reserve(sorting.cursor, crowded ? count | 1ull << 32 : count);
+    sorting.cell_begin[cell] = static_cast<std::uint32_t>(at);
+    if (crowded) sorting.crowded[at >> 32] = cell;
+  }
+};
+
+/** The same where points were counted before it was known which are buried: leaves those out; and
+ * notes how far their rays went. */
+template <class Atomics>
+struct SortUnburiedPoint
+{
+  SortPoint sort;
+  FindRise find_rise;
+  NoteReach<Atomics> reach;
+  const float* lowest_slope;  //!< of a ray that is not buried
+  std::uint32_t* kept_count;  //!< by storage index, zero before
+  std::uint32_t* rejected;  //!< by RejectCode
+
+  TALUS_HD void operator()(int i) const
+  {
+    const PointsOut& points = sort.points;
+    if (i >= sort.frame->n_points) return;
+    reach(i);
+    if (points.cell[i] < 0) return;
+    const int ray = points.ray[i];
+    if (ray >= 0 && points.slope[i] < lowest_slope[ray])
+      Atomics::count(rejected + kBuried);
+    else
+      sort.put(
+          i, Atomics::add(kept_count + points.cell[i], 1), sort.overhangs(i),
+          find_rise(points.cell[i]));
+  }
+};
+
+}  // namespace talus::kernels
