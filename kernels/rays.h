@@ -115,10 +115,17 @@ TALUS_HD Line line_from_index(int index, int rings)
 
 TALUS_HD int line_index(const Line& l, int rings) { return l.side * 2 * rings + l.minor + rings; }
 
+/** How far aside of its axis a line to border cell `minor` is at a ring, in cells, rounded.
+ * `inverse` = 1 / (2 rings). */
+TALUS_HD int line_aside(int minor, int ring, int rings, float inverse)
+{
+  return floor_div(2 * minor * ring + rings, 2 * rings, inverse);
+}
+
 /** Cell of a line at a ring, relative to the sensor's cell. */
 TALUS_HD CellOffset line_cell(const Line& l, int ring, int rings)
 {
-  const int minor = floor_div(2 * l.minor * ring + rings, 2 * rings);
+  const int minor = line_aside(l.minor, ring, rings, 1.0f / static_cast<float>(2 * rings));
   switch (l.side)
   {
     case 0:

@@ -1,6 +1,6 @@
 #pragma once
 #include <talus/elevation_mapper.h>
-#include "frame_context.h"
+#include "kernels/frame.h"
 
 #include <functional>
 

@@ -1,4 +1,5 @@
 #include <talus/elevation_mapper.h>
+#include "config.h"
 #include "kernels/math.h"
 #include "saved_map.h"
 

@@ -6,7 +6,7 @@
 #include "kernels/2_uncertainty.h"
 #include "kernels/3_roll.h"
 #include "kernels/4_update.h"
-#include "kernels/5_refill.h"
+#include "kernels/5_classify.h"
 #include "kernels/6_cleanup.h"
 #include "kernels/7_fill.h"
 #include "kernels/8_traversability.h"

@@ -1,5 +1,6 @@
 #pragma once
 #include "backend.h"
+#include "window_tracker.h"
 
 namespace talus
 {

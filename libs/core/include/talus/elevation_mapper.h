@@ -1,9 +1,10 @@
 #pragma once
 #include <talus/frame.h>
+#include <talus/frame_report.h>
 #include <talus/layers.h>
 #include <talus/parameters.h>
+#include <talus/window.h>
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -16,52 +17,6 @@ enum class Backend
   Auto,  //!< CUDA where a device answers, else CPU
   Cpu,
   Cuda
-};
-
-/** Why a point of a frame did not reach the map. */
-enum class Reject : int
-{
-  NotFinite = 0,
-  Range,  //!< nearer than min_range_m (also zero-range returns) or farther than max_range_m
-  Height,  //!< outside the height band
-  Body,  //!< the robot itself
-  Outside,  //!< beyond the window
-  Voxel,  //!< another point of the same voxel stands for it
-  Buried,  //!< its ray would have passed under seen ground: a reflection
-};
-constexpr int kRejectCount = 7;
-constexpr std::array<const char*, kRejectCount> kRejectNames{
-    "not_finite", "range", "height", "body", "outside", "voxel", "buried"};
-
-constexpr int kStageCount = 9;
-constexpr std::array<const char*, kStageCount> kStageNames{"accept", "uncertainty",    "roll",
-                                                           "update", "refill",         "cleanup",
-                                                           "fill",   "traversability", "sparsity"};
-
-/** What became of one frame. */
-struct FrameReport
-{
-  double stamp_s = 0;
-  std::uint32_t points_in = 0;
-  std::uint32_t points_accepted = 0;
-  std::array<std::uint32_t, kRejectCount> rejected{};  //!< indexed by Reject
-  std::array<double, kStageCount>
-      stage_ms{};  //!< indexed as kStageNames; stages that run fused report with the first
-  /** From update() to its end; of a CUDA frame from start() to the end of finish(). */
-  double total_ms = 0;
-};
-
-/** Where the window lies. Cell (ix, iy) covers [min_x_m + ix*resolution_m, ...): ix grows with x,
- * iy with y. */
-struct Window
-{
-  int cells = 0;  //!< along each side
-  double resolution_m = 0;
-  std::int64_t min_cell_x = 0,
-               min_cell_y = 0;  //!< the first cell, counted in cells from the map's origin
-
-  double min_x_m() const { return static_cast<double>(min_cell_x) * resolution_m; }
-  double min_y_m() const { return static_cast<double>(min_cell_y) * resolution_m; }
 };
 
 /** The map: feed it frames, read its layers. Not thread safe.

@@ -366,7 +366,7 @@ TALUS_CLONES void cross(int rings, int first, Crossing* crossings)
     {
       const int line = std::min(first + l, rings - 1);
       const float inverse = 1.0f / static_cast<float>(2 * rings);
-      const int minor = kernels::floor_div(2 * line * ring + rings, 2 * rings, inverse);
+      const int minor = kernels::line_aside(line, ring, rings, inverse);
       const int twice = std::max(2 * ring, 1);
       const int through =
           kernels::floor_div(2 * minor * rings + ring, twice, 1.0f / static_cast<float>(twice));

@@ -77,7 +77,7 @@ struct Track
 {
   int begin, along;  //!< place 0, and from place to place
   int across;  //!< how it drifts: from one row of places to the next
-  int drift, rings;  //!< drift / (2 rings) rows from place to place, rounded
+  int minor, rings;  //!< minor / rings rows from place to place, rounded
   float inverse;  //!< 1 / (2 rings)
   float step_m;  //!< length per place
   int fill_reach, sparsity_reach;  //!< places
@@ -85,19 +85,16 @@ struct Track
 
   TALUS_HD int operator()(int place) const
   {
-    return begin + place * along + drifted(place) * across;
+    return begin + place * along + aside_at(place) * across;
   }
   /** The same, from the sensor's cell. */
   TALUS_HD CellOffset offset(int place) const
   {
     const int ahead = along > 0 ? place : -place;
-    const int aside = across > 0 ? drifted(place) : -drifted(place);
+    const int aside = across > 0 ? aside_at(place) : -aside_at(place);
     return abs_of(along) == 1 ? CellOffset{ahead, aside} : CellOffset{aside, ahead};
   }
-  TALUS_HD int drifted(int place) const
-  {
-    return floor_div(drift * place + rings, 2 * rings, inverse);
-  }
+  TALUS_HD int aside_at(int place) const { return line_aside(minor, place, rings, inverse); }
   TALUS_HD int last() const { return rings; }
 };
 
@@ -121,7 +118,7 @@ TALUS_HD Track radial_track(const Line& l, const LineGrid& grid, const Config& k
       grid.middle(),
       along_x ? sign : sign * grid.pitch,
       along_x ? sign * grid.pitch : -sign,
-      2 * l.minor,
+      l.minor,
       rings,
       1.0f / static_cast<float>(2 * rings),
       step_m,

@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/5_refill.h"
+#include "kernels/5_classify.h"
 #include "kernels/6_cleanup.h"
 #include "kernels/7_fill.h"
 

@@ -1,12 +1,13 @@
 #pragma once
-#include <talus/elevation_mapper.h>
+#include <talus/frame.h>
+#include <talus/parameters.h>
 #include "kernels/frame.h"
+
+#include <array>
+#include <cstdint>
 
 namespace talus
 {
-/** talus::Parameters as the kernels want them. */
-kernels::Config make_config(const Parameters& p);
-
 /** Where the window lies and how the sensor moved: the part of the map's state that lives on the
  * host, in double. */
 struct WindowTracker

@@ -1,0 +1,233 @@
+#pragma once
+#include "kernels/overhang.h"
+
+#include <tuple>
+
+namespace talus::kernels
+{
+// Stage 5 (III-B.4): which cells are inferred (again) from the updated map. Those are the unknown,
+// the guesses, and measured "ground" that turns out to be an object whose ground was never seen.
+//
+// A measured ground is an object if it is both narrow and steep: it stands above the morphological
+// opening of the measured ground (nothing as wide as object_size_m fits below its top: a wall, a
+// rock, a branch; but not the edge of a platform or a kerb), and above a cone of the steepest slope
+// that ground has over ground close by (so that a ridge or a bank is no object). Both work on pairs
+// of cells, and in passes along rows and columns.
+
+/** Cells of the map pooled two by two, by the parity of their place in the map, so that rolling
+ * does not change the pairs. In a margin around the window the ground goes on as at its border, or
+ * the edge of a platform of which only a strip is inside would be an object. */
+struct SupportGrid
+{
+  int side;  //!< pooled cells along each side, with both margins
+  int margin;  //!< in pooled cells
+  int pad;  //!< places beside each row that hold infinity
+  float* lowest_m;  //!< lowest measured ground, infinity: none
+  float* column_m;  //!< highest top of something upright, -infinity: none
+  float* overhang_m;  //!< the same of what rays pass below, but not the robot ...
+  float* overhang_depth_m;  //!< ... and how far down from it that is known to reach
+  float* eroded_m;  //!< lowest ground of the neighbourhood
+  float* cone_m;  //!< lowest ground of the neighbourhood, raised with distance
+  float* limit_m;  //!< how high ground stands there at most
+
+  TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
+  /** Along one axis: where a cell of the window is found. */
+  TALUS_HD int place_of(int cell, int odd) const { return ((cell + odd) >> 1) + margin; }
+  /** The other way: the pair of cells whose ground a place has, its own or that at the border. */
+  TALUS_HD int pair_at(int place, int odd, int cells) const
+  {
+    return min_of(max_of(place - margin, 0), place_of(cells - 1, odd) - margin);
+  }
+};
+
+TALUS_HD int support_margin(const Config& k) { return k.object_radius; }
+TALUS_HD int support_side(const Config& k) { return k.cells / 2 + 1 + 2 * support_margin(k); }
+
+/** What pooled cells hold. */
+struct Support
+{
+  float lowest_m = kInfinity, column_m = -kInfinity;
+  float overhang_m = -kInfinity;
+  std::int32_t overhang_below = 0;  //!< code of how far it reaches down, see Cell::extent
+
+  static constexpr auto fields()
+  {
+    return std::make_tuple(
+        &Support::lowest_m, &Support::column_m, &Support::overhang_m, &Support::overhang_below);
+  }
+};
+
+struct PoolSupport
+{
+  using Item = Support;
+  const Config* config;
+  const FrameContext* frame;
+  CellStore store;
+  SupportGrid grid;
+
+  /** Of the cell stored at i. */
+  TALUS_HD Support item(int i) const
+  {
+    const float ground = store.ground_m[i], top = store.elevation_m[i];
+    const bool measured = store.state[i] == kMeasured;
+    const bool upright = measured & (top - ground > 0.5f * config->clearance_m);
+    const int extent = store.extent[i];
+    const float underside = top - extent_of_code(code_below(extent));
+    const float robot_m = ground + config->clearance_m + 0.5f * config->step_threshold_m;
+    const bool low = (extent == kOpen) | (underside <= robot_m);
+    const bool overhangs = upright & low & (store.misses[i] <= -kOverhangCredit);
+    return {
+        select(measured, ground, kInfinity), select(upright, top, -kInfinity),
+        select(overhangs, top, -kInfinity),
+        select(overhangs & (extent != kOpen), code_below(extent), 0)};
+  }
+  /** What two cells hold together, one above the other, or then two such pairs. What stands counts
+   * where it stands: a cell that was hit high up only, beside the floor of the other, may hang. */
+  TALUS_HD Support pool(const Support& a, const Support& b) const
+  {
+    const float lowest_m = min_of(a.lowest_m, b.lowest_m);
+    const float limit_m = lowest_m + config->clearance_m;
+    return {
+        lowest_m,
+        max_of(
+            select(a.lowest_m <= limit_m, a.column_m, -kInfinity),
+            select(b.lowest_m <= limit_m, b.column_m, -kInfinity)),
+        max_of(a.overhang_m, b.overhang_m), max_of(a.overhang_below, b.overhang_below)};
+  }
+  /** What goes on beyond the window: bare ground. What is as high as the sensor is not seen from
+   * above: it is a face. */
+  TALUS_HD Support beyond(const Support& border) const
+  {
+    const bool bare = border.column_m == -kInfinity, low = border.lowest_m <= frame->sensor_z_m;
+    return {select(bare & low, border.lowest_m, kInfinity), -kInfinity, -kInfinity, 0};
+  }
+  TALUS_HD void put(int px, int py, const Support& pooled) const
+  {
+    grid.lowest_m[grid.at(px, py)] = pooled.lowest_m;
+    grid.column_m[grid.at(px, py)] = pooled.column_m;
+    grid.overhang_m[grid.at(px, py)] = pooled.overhang_m;
+    grid.overhang_depth_m[grid.at(px, py)] = extent_of_code(pooled.overhang_below);
+  }
+
+  TALUS_HD void operator()(int px, int py) const
+  {
+    const int n = config->cells;
+    const int qx = grid.pair_at(px, frame->odd_x, n), qy = grid.pair_at(py, frame->odd_y, n);
+    const int x0 = 2 * qx - frame->odd_x, y0 = 2 * qy - frame->odd_y;
+    const auto cell = [this, n](int x, int y)
+    {
+      const bool inside = (x >= 0) & (y >= 0) & (x < n) & (y < n);
+      return inside ? item(storage_index(*frame, n, x, y)) : Support{};
+    };
+    const Support left = pool(cell(x0, y0), cell(x0, y0 + 1));
+    const Support pooled = pool(left, pool(cell(x0 + 1, y0), cell(x0 + 1, y0 + 1)));
+    const bool inside = qx + grid.margin == px && qy + grid.margin == py;
+    put(px, py, inside ? pooled : beyond(pooled));
+  }
+};
+
+/** Rise of the steepest ground between neighbours of the pooled grid: 45 degrees, or what the robot
+ * climbs. */
+TALUS_HD float pooled_rise(const Config& k)
+{
+  return 2.0f * max_of(k.support_slope, 1.0f) * k.resolution_m;
+}
+
+/** Lowest ground of a neighbourhood in the pooled grid, plain and raised with distance. */
+struct LowestGround
+{
+  float plain_m = kInfinity, cone_m = kInfinity;
+
+  static constexpr auto fields()
+  {
+    return std::make_tuple(&LowestGround::plain_m, &LowestGround::cone_m);
+  }
+};
+
+/** Erosion: along rows first, then across them. Only ground that is known can be as wide as an
+ * object may be: behind the face of a wall nothing is known, and does not make it wide. */
+struct ErodeSupport
+{
+  using Row = LowestGround;
+  using Window = LowestGround;
+  static constexpr bool kHasPlain = false;
+  const Config* config;
+  SupportGrid grid;
+
+  TALUS_HD const float& neighbour(int px, int py) const { return grid.lowest_m[grid.at(px, py)]; }
+  TALUS_HD void add(LowestGround& row, int px, int py, int d) const
+  {
+    const float ground = neighbour(px + d, py);
+    add(row, {ground, ground}, d);
+  }
+  TALUS_HD void add(LowestGround& sum, const LowestGround& other, int d) const
+  {
+    const float rise = pooled_rise(*config) * static_cast<float>(abs_of(d));
+    sum.plain_m = min_of(sum.plain_m, other.plain_m);
+    sum.cone_m = min_of(sum.cone_m, other.cone_m + rise);
+  }
+
+  TALUS_HD void operator()(int px, int py, const LowestGround& lowest) const
+  {
+    grid.eroded_m[grid.at(px, py)] = erode(px, py, lowest, true);
+  }
+  /** For executors that go on with the result: puts the rest, of places that are the caller's
+   * `own`.
+   */
+  TALUS_HD float erode(int px, int py, const LowestGround& lowest, bool own) const
+  {
+    if (own) grid.cone_m[grid.at(px, py)] = lowest.cone_m;
+    return grid.lowest_m[grid.at(px, py)] < kInfinity ? lowest.plain_m : kInfinity;
+  }
+};
+
+/** Dilation goes one pair of cells farther than erosion: a pair that holds an edge and the ground
+ * below it belongs to what it is the edge of. */
+TALUS_HD int dilation_radius(const Config& k) { return k.object_radius + 1; }
+
+/** Highest eroded ground of a neighbourhood; places without any ground do not count. */
+struct HighestGround
+{
+  float height_m = -kInfinity;
+
+  static constexpr auto fields() { return std::make_tuple(&HighestGround::height_m); }
+};
+
+/** How high ground may be that is no steeper than ground. */
+TALUS_HD float cone_limit_m(const Config& k, float cone_m)
+{
+  return cone_m + 0.25f * k.step_threshold_m;
+}
+
+/** Dilation of what was eroded, and what follows: ground is what is not both narrow and steep. */
+struct OpenSupport
+{
+  using Row = HighestGround;
+  using Window = HighestGround;
+  static constexpr bool kHasPlain = false;
+  const Config* config;
+  SupportGrid grid;
+
+  TALUS_HD const float& neighbour(int px, int py) const { return grid.eroded_m[grid.at(px, py)]; }
+  TALUS_HD void add(HighestGround& row, int px, int py, int d) const
+  {
+    add(row, neighbour(px + d, py));
+  }
+  TALUS_HD void add(HighestGround& row, float eroded_m) const
+  {
+    row.height_m = max_of(row.height_m, select(eroded_m < kInfinity, eroded_m, -kInfinity));
+  }
+  TALUS_HD void add(HighestGround& sum, const HighestGround& other, int) const
+  {
+    sum.height_m = max_of(sum.height_m, other.height_m);
+  }
+
+  TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
+  {
+    const float by_cone_m = cone_limit_m(*config, grid.cone_m[grid.at(px, py)]);
+    const float by_width_m = opened.height_m + 0.5f * config->step_threshold_m;
+    grid.limit_m[grid.at(px, py)] = max_of(by_cone_m, by_width_m);
+  }
+};
+
+}  // namespace talus::kernels

@@ -1,0 +1,40 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+namespace talus
+{
+/** Why a point of a frame did not reach the map. */
+enum class Reject : int
+{
+  NotFinite = 0,
+  Range,  //!< nearer than min_range_m (also zero-range returns) or farther than max_range_m
+  Height,  //!< outside the height band
+  Body,  //!< the robot itself
+  Outside,  //!< beyond the window
+  Voxel,  //!< another point of the same voxel stands for it
+  Buried,  //!< its ray would have passed under seen ground: a reflection
+};
+constexpr int kRejectCount = 7;
+constexpr std::array<const char*, kRejectCount> kRejectNames{
+    "not_finite", "range", "height", "body", "outside", "voxel", "buried"};
+
+constexpr int kStageCount = 9;
+constexpr std::array<const char*, kStageCount> kStageNames{"accept", "uncertainty",    "roll",
+                                                           "update", "refill",         "cleanup",
+                                                           "fill",   "traversability", "sparsity"};
+
+/** What became of one frame. */
+struct FrameReport
+{
+  double stamp_s = 0;
+  std::uint32_t points_in = 0;
+  std::uint32_t points_accepted = 0;
+  std::array<std::uint32_t, kRejectCount> rejected{};  //!< indexed by Reject
+  std::array<double, kStageCount>
+      stage_ms{};  //!< indexed as kStageNames; stages that run fused report with the first
+  /** From update() to its end; of a CUDA frame from start() to the end of finish(). */
+  double total_ms = 0;
+};
+
+}  // namespace talus
