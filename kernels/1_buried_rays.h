@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/3_roll.h"
+#include "kernels/cell.h"
 #include "kernels/rays.h"
 
 namespace talus::kernels

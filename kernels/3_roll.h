@@ -3,15 +3,8 @@
 
 namespace talus::kernels
 {
-/** Stage 3: the window follows the sensor by whole cells. Storage is a torus, so what stays is not
- * touched; a cell that was outside the last window starts empty. */
-TALUS_HD bool entered_window(const FrameContext& f, int cells, int ix, int iy)
-{
-  const int old_x = ix + f.moved_x, old_y = iy + f.moved_y;
-  return (old_x < 0) | (old_x >= cells) | (old_y < 0) | (old_y >= cells);
-}
-
-/** Stage 3 on cell (ix, iy) of the window. */
+/** Stage 3 on cell (ix, iy) of the window, which follows the sensor by whole cells. Storage is a
+ * torus, so what stays is not touched; a cell that was outside the last window starts empty. */
 struct RollCell
 {
   const Config* config;

@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/1_accept.h"
+#include "kernels/2_points.h"
 
 namespace talus::kernels
 {

@@ -1,6 +1,4 @@
 #pragma once
-#include "kernels/1_accept.h"
-#include "kernels/3_roll.h"
 #include "kernels/4_level.h"
 #include "kernels/team.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/7_fill.h"
+#include "kernels/rays.h"
 
 namespace talus::kernels
 {

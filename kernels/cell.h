@@ -116,6 +116,13 @@ TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)
   return y * cells + x;
 }
 
+/** Whether cell (ix, iy) was outside the last window: it starts empty, see stage 3. */
+TALUS_HD bool entered_window(const FrameContext& f, int cells, int ix, int iy)
+{
+  const int old_x = ix + f.moved_x, old_y = iy + f.moved_y;
+  return (old_x < 0) | (old_x >= cells) | (old_y < 0) | (old_y >= cells);
+}
+
 /** What stage 5 decides about a cell for the rest of the frame. */
 enum Role : std::uint8_t
 {

@@ -1,16 +1,14 @@
 #pragma once
 #include "backend.h"
-#include "kernels/1_accept.h"
 #include "kernels/1_buried_rays.h"
 #include "kernels/1_voxel_filter.h"
-#include "kernels/2_uncertainty.h"
+#include "kernels/2_points.h"
 #include "kernels/3_roll.h"
 #include "kernels/4_update.h"
 #include "kernels/5_classify.h"
 #include "kernels/6_cleanup.h"
 #include "kernels/7_fill.h"
-#include "kernels/8_traversability.h"
-#include "kernels/9_sparsity.h"
+#include "kernels/9_judge.h"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 #include "cpu/buffer.h"
 #include "cpu/loops.h"
 #include "cpu/threads.h"
-#include "kernels/1_accept.h"
+#include "kernels/2_points.h"
 
 #include <algorithm>
 #include <chrono>

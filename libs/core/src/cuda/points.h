@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/1_accept.h"
+#include "kernels/2_points.h"
 #include "kernels/3_roll.h"
 #include "kernels/4_update.h"
 

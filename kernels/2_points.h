@@ -1,0 +1,192 @@
+#pragma once
+#include "kernels/1_accept.h"
+#include "kernels/2_uncertainty.h"
+#include "kernels/atomics.h"
+#include "kernels/cell.h"
+#include "kernels/rays.h"
+
+namespace talus::kernels
+{
+// Stages 1 and 2 on the points of a frame, and what their rays say of the space before them.
+
+/** A stretch of places, for one of several threads. */
+struct Part
+{
+  int begin, end;
+};
+
+/** Of a point that is in a cell and does not count. */
+constexpr std::uint32_t kNoRank = ~0u;
+
+/** Where a point is in its cell, from the middle: in cells, [-0.5, 0.5). */
+struct InCell
+{
+  float x, y;
+};
+/** In two bytes each; x and y from the lower corner of the cell, in cells, [0, 1). */
+TALUS_HD std::int32_t code_in_cell(float x, float y)
+{
+  return floor_to_int(x * 65536.0f) | floor_to_int(y * 32768.0f) << 16;
+}
+TALUS_HD InCell in_cell(std::int32_t code)
+{
+  return {
+      static_cast<float>(code & 0xffff) / 65536.0f - 0.5f,
+      static_cast<float>(code >> 16) / 32768.0f - 0.5f};
+}
+
+/** What stages 1 and 2 leave of each point. */
+struct PointsOut
+{
+  std::int32_t* cell;  //!< storage index, or -1: not in the map
+  std::int32_t* ray;  //!< place in the table of rays, or -1: no direction
+  float* slope;  //!< of that ray
+  std::int32_t* reach;  //!< place in the table of how far rays went, see NoteReach, or -1
+  std::uint32_t* rank;  //!< place among the points of its cell, in any order; or kNoRank
+  std::int32_t* in_cell;  //!< see in_cell()
+  float* height_m;  //!< map frame
+  float* variance_m2;
+};
+
+/** Notes the ray that a point ended. */
+template <class Atomics>
+struct NoteRay
+{
+  const Config* config;
+  PointsOut points;
+  std::int32_t*
+      rays;  //!< [ring][bin], lowest slope of what was hit in that ring, as an ordered integer
+
+  /** Of the directions. */
+  Part part(int which, int of) const
+  {
+    const int bins = bin_count(*config);
+    return {which * bins / of, (which + 1) * bins / of};
+  }
+  bool is_in(const Part& part, int i) const
+  {
+    const int bins = bin_count(*config), at = max_of(points.ray[i], 0);
+    const int bin = at - floor_div(at, bins, 1.0f / static_cast<float>(bins)) * bins;
+    return (bin >= part.begin) & (bin < part.end);
+  }
+  TALUS_HD void operator()(int i) const
+  {
+    const int at = points.ray[i];
+    if (at >= 0) Atomics::min(rays + at, ordered_from_float(points.slope[i]));
+  }
+};
+
+/** Notes how far the ray that a point ended went. */
+template <class Atomics>
+struct NoteReach
+{
+  PointsOut points;
+  std::int32_t* reach;  //!< [bin][slope step], minus the greatest PointsOut::ray, that is the one
+                        //!< of the farthest ring; 0: no ray
+
+  TALUS_HD void operator()(int i) const
+  {
+    if (points.reach[i] >= 0) Atomics::min(reach + points.reach[i], -points.ray[i]);
+  }
+};
+
+/** Stages 1 and 2: transforms, accepts and weighs one point, and notes the ray that it ended. */
+template <class Atomics>
+struct AcceptPoint
+{
+  const Config* config;
+  const FrameContext* frame;
+  PointsIn in;
+  PointsOut out;
+  std::int32_t* rays;  //!< see NoteRay
+  std::uint32_t* rejected;  //!< by RejectCode
+  const std::uint8_t* voxel_kept;  //!< null: no voxel filter
+
+  /** What depends on this point alone. PointsOut::rank holds its RejectCode until note(). */
+  TALUS_HD void locate(int i) const { locate(i, point(i)); }
+  TALUS_HD void locate(int i, const Point& sensed) const
+  {
+    const bool moves = frame->n_poses > 1 && frame->has_times;
+    put(i, sensed,
+        moves ? transform(pose_at(*frame, in.time_s[i]), sensed)
+              : transform(frame->poses[0], sensed),
+        !voxel_kept || voxel_kept[i]);
+  }
+
+  /** Whether locate_plain() is the same as locate(): no voxel filter, no motion during the scan. */
+  TALUS_HD bool is_plain() const
+  {
+    return !voxel_kept && !(frame->n_poses > 1 && frame->has_times);
+  }
+  TALUS_HD void locate_plain(int i) const
+  {
+    const Point sensed = point(i);
+    put(i, sensed, transform(frame->poses[0], sensed), true);
+  }
+
+  /** What it shares with other points. */
+  TALUS_HD void note(int i) const
+  {
+    NoteRay<Atomics>{config, out, rays}(i);
+    if (out.rank[i] != kAccepted) Atomics::count(rejected + out.rank[i]);
+  }
+  /** Counts the rejected among the points [begin, end), after locate(). */
+  void count_rejected(int begin, int end) const
+  {
+    for (std::uint32_t code = 0; code < kRejectCodes; code++)
+    {
+      std::uint32_t n = 0;
+      for (int i = begin; i < end; i++) n += out.rank[i] == code;
+      if (n) Atomics::add(rejected + code, n);
+    }
+  }
+
+  TALUS_HD Point point(int i) const { return {in.x_m[i], in.y_m[i], in.z_m[i]}; }
+
+ private:
+  TALUS_HD void put(int i, const Point& sensed, const Point& p, bool kept) const
+  {
+    const Verdict verdict = accept(sensed, *config);
+    int code = select((verdict.seen != 0) & !kept, kVoxel, verdict.code);
+    put_ray(i, p, (verdict.seen != 0) & kept);
+    const float n = static_cast<float>(config->cells);
+    const float cx = p.x_m * config->inverse_resolution, cy = p.y_m * config->inverse_resolution;
+    const bool inside = (cx >= 0.0f) & (cx < n) & (cy >= 0.0f) & (cy < n);
+    code = select((code == kAccepted) & !inside, kOutside, code);
+    const int ix = floor_to_int(select(inside, cx, 0.0f));
+    const int iy = floor_to_int(select(inside, cy, 0.0f));
+    const int cell = storage_index(*frame, config->cells, ix, iy);
+    out.cell[i] = select(code == kAccepted, cell, -1);
+    out.rank[i] = static_cast<std::uint32_t>(code);
+    out.in_cell[i] = code_in_cell(
+        select(inside, cx - static_cast<float>(ix), 0.0f),
+        select(inside, cy - static_cast<float>(iy), 0.0f));
+    out.height_m[i] = p.z_m;
+    out.variance_m2[i] = point_variance(sensed.x_m, sensed.y_m, sensed.z_m, *config, *frame);
+  }
+
+  TALUS_HD void put_ray(int i, const Point& p, bool seen) const
+  {
+    const float dx = select(seen, p.x_m - frame->sensor_x_m, 0.0f);
+    const float dy = select(seen, p.y_m - frame->sensor_y_m, 0.0f);
+    const float chebyshev_m = chebyshev(dx, dy);
+    const float ring = chebyshev_m * config->inverse_resolution;
+    const bool aims = ring >= 1.0f;  // else straight above or below: no direction
+    const int last_ring = ring_count(*config) - 1;
+    const float farthest = static_cast<float>(last_ring);
+    const int row = floor_to_int(select(ring > farthest, farthest, ring));
+    const int bins = bin_count(*config);
+    const float direction =
+        direction_in_bins(select(aims, dx, 1.0f), select(aims, dy, 0.0f), bins_per_side(*config));
+    const int bin = wrap_bin(floor_to_int(direction), bins);
+    out.ray[i] = select(aims, row * bins + bin, -1);
+    const float slope = ray_slope(p.z_m - frame->sensor_z_m, chebyshev_m);
+    out.slope[i] = slope;
+    const float step = slope_step(select(aims, slope, 0.0f));
+    const bool counts = aims & (step >= 0.0f) & (step < static_cast<float>(kSlopeSteps));
+    const int at = bin * kSlopeSteps + floor_to_int(select(counts, step, 0.0f));
+    out.reach[i] = select(counts, at, -1);
+  }
+};
+
+}  // namespace talus::kernels
