@@ -9,10 +9,6 @@ namespace talus::kernels
 // saw that ground from above: what a rising ray meets may be the underside of something. (So below
 // ground that is higher than the sensor reflections stay.)
 
-/** A hit is on known ground if it is this near to it; a ray is buried if it passes this far below.
- */
-constexpr float kOnGround_m = 0.1f, kBuried_m = 0.2f;
-
 /** For a hit in one place of the table: the slope that a ray must keep to pass over known ground
  * that was hit there; -infinity where none was. */
 struct FindGroundHits

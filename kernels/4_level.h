@@ -7,11 +7,6 @@ namespace talus::kernels
 // higher or lower as it is away from there, and the rings of a scanner meet a cell at the same
 // place again and again.
 
-/** What is farther off the ground than this is no hit of it. */
-constexpr float kNearGround_m = 0.05f;
-/** So many cells away ground is looked for on each side. */
-constexpr int kBesidePoint = 2;
-
 /** How the ground rises through a cell. */
 struct GroundRise
 {
@@ -80,8 +75,8 @@ struct FindRise
   {
     const int n = config->cells, before = axis.place - axis.begin;
     const int in_window = before + select(before < 0, n, 0);
-    const Ground a = nearest(axis, -1, min_of(kBesidePoint, in_window));
-    const Ground b = nearest(axis, 1, min_of(kBesidePoint, n - 1 - in_window));
+    const Ground a = nearest(axis, -1, min_of(kBesidePoint_cells, in_window));
+    const Ground b = nearest(axis, 1, min_of(kBesidePoint_cells, n - 1 - in_window));
     if (a.cells_away == 0 || b.cells_away == 0) return {};
     const float rise_m =
         (b.height_m - a.height_m) / static_cast<float>(a.cells_away + b.cells_away);

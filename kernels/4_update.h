@@ -216,7 +216,7 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
   const bool higher = hangs & guess & !(hit_high_up & (c.elevation_m >= high.height_m));
   c.elevation_m = select(higher, high.height_m, c.elevation_m);
   c.elevation_var_m2 = select(higher, high.variance_m2, c.elevation_var_m2);
-  const bool floor = low.height_m < c.ground_m + 0.5f * k.step_threshold_m;
+  const bool floor = low.height_m < c.ground_m + kFloorHit_steps * k.step_threshold_m;
   const bool dropped = hit_high_up & !hangs & floor;
   c.elevation_m = select(dropped, kNan, c.elevation_m);
   c.elevation_var_m2 = select(dropped, kNan, c.elevation_var_m2);
@@ -356,9 +356,6 @@ struct Sorting
   std::uint32_t crowd;  //!< cells of more points are crowded
 };
 
-/** How far behind a point that overhangs the rays below it ended at least. */
-constexpr float kBehindOverhang_m = 0.2f;
-
 /** Moves one point to the stretch of its cell, at its height in the middle of that. */
 struct SortPoint
 {
@@ -378,7 +375,8 @@ struct SortPoint
   /** Farther behind a point than range noise and round sides put other hits on the same thing. */
   TALUS_HD int rings_behind() const
   {
-    return max_of(2, floor_to_int(kBehindOverhang_m * config->inverse_resolution + 0.5f));
+    return max_of(
+        kBehindOverhang_rings, floor_to_int(kBehindOverhang_m * config->inverse_resolution + 0.5f));
   }
   /** Whether a ray that many directions beside a point passed below it. */
   TALUS_HD bool passed_below(int i, int beside) const

@@ -5,9 +5,6 @@ namespace talus::kernels
 {
 // Stage 5, what a cell is: see 5_support.h for what ground is measured against.
 
-/** How far behind the face of what it stands on something is hit at most. */
-constexpr float kBehindFace_m = 0.4f;
-
 /** The decision for one cell. */
 struct ChooseRole
 {
@@ -92,7 +89,8 @@ struct ChooseRole
   }
   TALUS_HD bool may_be_top(int i, float ground_m) const
   {
-    const bool stands = store.elevation_m[i] > ground_m + 0.5f * config->clearance_m;
+    const bool stands =
+        store.elevation_m[i] > ground_m + kStandsAlready_clearances * config->clearance_m;
     const bool guess = store.state[i] == kFilledOneSided;  // there join_column() decides
     return hit_above(i, ground_m) & !stands & !guess;
   }
@@ -100,7 +98,7 @@ struct ChooseRole
   {
     const float step_m = config->step_threshold_m, top = store.elevation_m[i];
     const bool stands = top > ground_m + step_m;
-    const bool hit = abs_of(top_hit_m[i] - top) <= 0.5f * step_m;
+    const bool hit = abs_of(top_hit_m[i] - top) <= kSameTop_steps * step_m;
     const bool seen_below = (store.misses[i] < 0) | ((store.passed[i] & kHitHighUp) != 0);
     return stands & hit & !seen_below;
   }
@@ -147,7 +145,7 @@ struct ChooseRole
     if (may_be_ground(grid.at(px, py), ground_m)) return kKeep;
     const float column_m = column_beside(px, py);
     if (column_m + config->clearance_m < ground_m) return kObject;
-    const bool past = column_m > ground_m + 0.5f * config->step_threshold_m;
+    const bool past = column_m > ground_m + kPastObject_steps * config->step_threshold_m;
     return past ? kObjectBesideColumn : kObjectOnColumn;
   }
 
@@ -171,7 +169,7 @@ struct ChooseRole
    * than ground. */
   TALUS_HD Face whose_top_is_at(float top_m) const
   {
-    const float tolerance_m = 0.5f * config->step_threshold_m;
+    const float tolerance_m = kSameThing_steps * config->step_threshold_m;
     return {top_m - tolerance_m, top_m + tolerance_m, 2 * dilation_radius(*config)};
   }
   /** The face above which something begins between two heights. */
@@ -179,7 +177,7 @@ struct ChooseRole
   {
     const float step_m = config->step_threshold_m;
     return {
-        lowest_m - 0.75f * step_m, highest_m + 0.5f * step_m,
+        lowest_m - kBelowFaceTop_steps * step_m, highest_m + kAboveFaceTop_steps * step_m,
         floor_to_int(0.5f * kBehindFace_m * config->inverse_resolution + 0.5f)};
   }
 
@@ -193,7 +191,6 @@ struct ChooseRole
   /** Lanes from a cell to the sensor, a pair of cells wide each. */
   struct Lanes
   {
-    static constexpr int kCount = 5, kMissing = 1;  //!< so many may be without what is looked for
     int px, py;
     Direction to_sensor;
   };
@@ -209,7 +206,7 @@ struct ChooseRole
   TALUS_HD int face_in_lane(const Lanes& lanes, int lane, const Face& face) const
   {
     const Direction d = lanes.to_sensor;
-    const auto beside = static_cast<float>(lane - Lanes::kCount / 2);
+    const auto beside = static_cast<float>(lane - kFaceLanes / 2);
     const int here = grid.at(lanes.px, lanes.py);  // of no use: what overhangs is before it
     int nearest = -1;
     for (int r = face.reach; r >= 1; r--)  // to the end, so that a device reads ahead
@@ -229,7 +226,7 @@ struct ChooseRole
   TALUS_HD bool is_before(int x, int y, const Face& face) const
   {
     const Lanes lanes = lanes_from(x, y);
-    const int middle = Lanes::kCount / 2;
+    const int middle = kFaceLanes / 2;
     return face_in_lane(lanes, middle, face) >= 0 || face_in_lane(lanes, middle + 1, face) >= 0;
   }
   /** How far down reaches what overhangs between a cell and the sensor, in all lanes but one: wider
@@ -240,7 +237,7 @@ struct ChooseRole
     const Lanes lanes = lanes_from(x, y);
     int missing = 0;
     float depth_m = 0;
-    for (int lane = team.rank(); lane < Lanes::kCount; lane += team.size())
+    for (int lane = team.rank(); lane < kFaceLanes; lane += team.size())
     {
       const int o = face_in_lane(lanes, lane, face);
       if (o < 0)
@@ -249,7 +246,7 @@ struct ChooseRole
         depth_m = max_of(depth_m, grid.overhang_depth_m[o]);
     }
     depth_m = team.max(depth_m);
-    return team.sum(missing) <= Lanes::kMissing ? depth_m : kNan;
+    return team.sum(missing) <= kMissingLanes ? depth_m : kNan;
   }
 
   /** Highest top of something upright in the pooled cell or next to it; of what stands, not of what

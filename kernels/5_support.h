@@ -70,10 +70,11 @@ struct PoolSupport
   {
     const float ground = store.ground_m[i], top = store.elevation_m[i];
     const bool measured = store.state[i] == kMeasured;
-    const bool upright = measured & (top - ground > 0.5f * config->clearance_m);
+    const bool upright = measured & (top - ground > kUpright_clearances * config->clearance_m);
     const int extent = store.extent[i];
     const float underside = top - extent_of_code(code_below(extent));
-    const float robot_m = ground + config->clearance_m + 0.5f * config->step_threshold_m;
+    const float robot_m =
+        ground + config->clearance_m + kFaceAboveRobot_steps * config->step_threshold_m;
     const bool low = (extent == kOpen) | (underside <= robot_m);
     const bool overhangs = upright & low & (store.misses[i] <= -kOverhangCredit);
     return {
@@ -130,7 +131,7 @@ struct PoolSupport
  * climbs. */
 TALUS_HD float pooled_rise(const Config& k)
 {
-  return 2.0f * max_of(k.support_slope, 1.0f) * k.resolution_m;
+  return 2.0f * max_of(k.support_slope, kSteepestBank) * k.resolution_m;
 }
 
 /** Lowest ground of a neighbourhood in the pooled grid, plain and raised with distance. */
@@ -196,7 +197,7 @@ struct HighestGround
 /** How high ground may be that is no steeper than ground. */
 TALUS_HD float cone_limit_m(const Config& k, float cone_m)
 {
-  return cone_m + 0.25f * k.step_threshold_m;
+  return cone_m + kAboveCone_steps * k.step_threshold_m;
 }
 
 /** Dilation of what was eroded, and what follows: ground is what is not both narrow and steep. */
@@ -225,7 +226,7 @@ struct OpenSupport
   TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
   {
     const float by_cone_m = cone_limit_m(*config, grid.cone_m[grid.at(px, py)]);
-    const float by_width_m = opened.height_m + 0.5f * config->step_threshold_m;
+    const float by_width_m = opened.height_m + kAboveOpening_steps * config->step_threshold_m;
     grid.limit_m[grid.at(px, py)] = max_of(by_cone_m, by_width_m);
   }
 };

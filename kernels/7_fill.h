@@ -81,25 +81,15 @@ TALUS_HD int places_in(float distance_m, float step_m, int rings)
   return floor_to_int(min_of(distance_m / step_m, static_cast<float>(rings)));
 }
 
-/** Where a ray seems to have passed this far below a sample, one of the two is wrong: the thing is
- * gone, or the ray is that of a reflection. Until it is known which, fills beside the sample do not
- * believe their rays. Samples and fills say so by this variance; the map is told the other one. */
-constexpr float kContradicted_m = 0.1f, kDoubtful_m2 = 1e12f, kToldDoubtful_m2 = 1.0f;
-
+/** Samples that rays contradict, and fills beside them, say so by this variance; the map is told
+ * the other one. */
+constexpr float kDoubtful_m2 = 1e12f, kToldDoubtful_m2 = 1.0f;
 TALUS_HD float sample_variance(float ground_m, float variance_m2, float ray_bound_m)
 {
   return select(ray_bound_m < ground_m - kContradicted_m, kDoubtful_m2, variance_m2);
 }
 
-/** Rays that pass this far below a fill [m] tell that the ground drops somewhere before it, and not
- * where nor how steeply: the fill is as high as the rays, but no ray has shown that ground. */
-constexpr float kUndercut_m = 0.03f;
-
-/** Where rays undercut the ground that goes on from a sample as that around the robot does, a brink
- * lies somewhere between, and the cells before that place are not judged either. Lines from the
- * sensor are asked at each so many places. */
-constexpr float kUndercutAhead_m = 0.05f;
-constexpr int kUndercutPlaces = 4;
+/** Whether rays undercut the ground that goes on from a sample. */
 TALUS_HD bool undercuts(float ray_bound_m, float sample_m, float distance_m, float rise_per_m)
 {
   return ray_bound_m < sample_m + rise_per_m * distance_m - kUndercutAhead_m;
@@ -138,18 +128,6 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b, int r
   return ((n_share + n_other) * low.height_m + n_share * high.height_m) / total;
 }
 
-/** Wider gaps may hold a face: the front of something, or the edge of a drop. */
-constexpr float kFaceGap_m = 0.3f;
-/** What any line is off by [m], however short: of this size it makes short lines count nearly
- * alike, so that their noise averages out. */
-constexpr float kLineDeviation_m = 0.080f;
-/** Nobody knows where in a gap ground rises that does not rise as it does around the robot: the
- * deviation of what is one height or the other, by their difference, 1 / sqrt(12). */
-constexpr float kRiseDeviation = 0.289f;
-
-/** Heights of neighbouring cells differ by so much for noise alone. */
-constexpr float kHeightNoise_m = 0.002f;
-
 /** Height to which the ground goes on beside samples that lie on one side: from their mean as the
  * ground around the robot rises, and as far again past the nearest as that is off the mean. (So it
  * is steeper or flatter than around the robot.) A nearest sample that is farther off is the foot of
@@ -161,8 +139,8 @@ TALUS_HD float goes_on(
   const float by_mean_m = mean_m + rise_per_m * mean_distance_m;
   const float off_m = nearest_m + rise_per_m * distance_m - by_mean_m;
   const float noise_m = max_of(min_of(off_m, kHeightNoise_m), -kHeightNoise_m);
-  const float most_m = 0.25f * k.step_threshold_m;
-  return by_mean_m + max_of(min_of(2.0f * (off_m - noise_m), most_m), -most_m);
+  const float most_m = kGoesOnMost_steps * k.step_threshold_m;
+  return by_mean_m + max_of(min_of(kGoesOn * (off_m - noise_m), most_m), -most_m);
 }
 
 /** Heights of several lines, each weighed by how far it has to bridge. */
@@ -192,14 +170,15 @@ struct LineFusion
     const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
     const float linear = a.mean_m + (b.mean_m - a.mean_m) * part;
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
-    const float error = 0.1f * a.distance_m * b.distance_m / gap_m +
+    const float error = kBetweenDeviation * a.distance_m * b.distance_m / gap_m +
                         kRiseDeviation * abs_of(rise - rise_per_m * gap_m);
     const float beyond = goes_on(
         select(has_a, a.nearest_m, b.nearest_m), select(has_a, a.distance_m, b.distance_m),
         select(has_a, a.mean_m, b.mean_m), select(has_a, a.mean_distance_m, b.mean_distance_m),
         select(has_a, rise_per_m, -rise_per_m), k);
     const float height = select(both, between, beyond);
-    const float deviation = select(both, error, 0.3f * select(has_a, a.distance_m, b.distance_m));
+    const float deviation =
+        select(both, error, kBeyondDeviation * select(has_a, a.distance_m, b.distance_m));
     add(height, deviation, (has_a | has_b) & (along_ray | !face));
   }
 
@@ -282,10 +261,6 @@ struct Fill
   std::int32_t state;
   float expected_m;  //!< by lines and floor; where rays do not pass below it the height
 };
-
-/** A guess from one side does not lift by more than this [m] what was filled from two: it would
- * forget what lies behind an edge once the ground beyond is on no line any more. */
-constexpr float kLift_m = 0.1f;
 
 TALUS_HD float height_of_lines(const LineFusion& lines, bool under_object)
 {
@@ -422,12 +397,13 @@ struct FillCell
     // free; before everything that was hit (the blind zone around the robot) the clearance will do.
     const float proof_m = select(in_open != 0, config->clearance_m, config->step_threshold_m);
     // A fill may lie too high, so that it counts little above the lowest of its lines.
-    const float low_m = inferred.lines.lowest_m + 0.25f * config->step_threshold_m;
+    const float low_m = inferred.lines.lowest_m + kAboveLowestLine_steps * config->step_threshold_m;
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
     const bool brink = inferred.before_brink() & !is_known(store.elevation_m[i]);
     const bool undercut = filled & ((fill.height_m < fill.expected_m - kUndercut_m) | brink);
     const bool low = (bound_m < floor_m + proof_m) & !undercut;
-    const float high_up_m = config->clearance_m * select(r == kObject, 1.0f, 2.0f);
+    const float high_up_m = config->clearance_m *
+                            select(r == kObject, kHangs_clearances, kHangsBesideColumn_clearances);
     const bool object = filled & ((r == kObject) | (r == kObjectBesideColumn)) &
                         (before - fill.height_m > high_up_m);
     // What floats is dropped as what hangs.

@@ -51,13 +51,10 @@ struct Floor
   /** Where a fill lies that lines expect at a height: what is farther off is no floor. */
   TALUS_HD float draw(float expected_m, int ix, int iy) const
   {
-    const float off_m = expected_m - at(ix, iy), part = off_m * (1.0f / kNear_m);
+    const float off_m = expected_m - at(ix, iy), part = off_m * (1.0f / kNearFloor_m);
     const float square = part * part;
     return expected_m - off_m * (trust / (1.0f + square * square));
   }
-
- private:
-  static constexpr float kNear_m = 0.05f;
 };
 
 struct Planes
@@ -83,18 +80,12 @@ struct FindPlanes
     Plane plane = fit({}, kInfinity, own, team);
     const Trend trend = trend_of(plane);
     const int all = plane.n;
-    for (const float within_m : {0.1f, 0.03f}) plane = fit(plane, within_m, own, team);
+    for (const float within_m : {kFloorWithin_m, kFloorCloselyWithin_m})
+      plane = fit(plane, within_m, own, team);
     if (team.rank() == 0) *planes = {trend, floor_of(plane, all)};
   }
 
  private:
-  /** Samples are looked for in so many rows and columns; of fewer nothing is said. */
-  static constexpr int kSide = 16, kFewest = 16;
-  /** A plane that samples are off by this share of a step is half believed to be the trend. */
-  static constexpr float kBelieved = 0.25f;
-  /** A floor off which its samples are so far is half trusted: twice what noise leaves of one. */
-  static constexpr float kFloor_m = 0.004f;
-
   /** Steps of heights per metre: finer than those of windows, as its sums have 64 bits. */
   static constexpr float kSteps = 65536.0f;
 
@@ -148,12 +139,12 @@ struct FindPlanes
   template <class Team>
   TALUS_HD auto samples_of(const Team& team) const
   {
-    constexpr int kSamples = kSide * kSide / Team::kMembers;
+    constexpr int kSamples = kPlaneSide * kPlaneSide / Team::kMembers;
     Own<kSamples> own;
     for (int i = 0; i < kSamples; i++)
     {
       const int place = team.rank() + i * Team::kMembers;
-      const float height_m = sample_m[grid.at(cell(place % kSide), cell(place / kSide))];
+      const float height_m = sample_m[grid.at(cell(place % kPlaneSide), cell(place / kPlaneSide))];
       const bool known = is_known(height_m);
       const std::int32_t height =
           quantise_height(select(known, height_m, 0.0f), frame->sensor_z_m, kSteps);
@@ -172,15 +163,15 @@ struct FindPlanes
     for (int i = 0; i < kSamples; i++)
     {
       const int place = team.rank() + i * Team::kMembers;
-      const int dx = cell(place % kSide) - middle, dy = cell(place / kSide) - middle;
+      const int dx = cell(place % kPlaneSide) - middle, dy = cell(place / kPlaneSide) - middle;
       const std::int32_t height = own.height[i];
       const float off = static_cast<float>(height) - to.at(dx, dy);
       if (height != kNone && abs_of(off) <= within_m * kSteps) sums.add(dx, dy, height);
     }
     sums.join(team);
-    return sums.n < kFewest ? Plane{} : solve(sums);
+    return sums.n < kFewestSamples ? Plane{} : solve(sums);
   }
-  TALUS_HD int cell(int place) const { return (2 * place + 1) * config->cells / (2 * kSide); }
+  TALUS_HD int cell(int place) const { return (2 * place + 1) * config->cells / (2 * kPlaneSide); }
 
   TALUS_HD static Plane solve(const Sums& s)
   {
@@ -188,7 +179,7 @@ struct FindPlanes
     const float yy = s.covariance(s.y, s.y, s.yy), xh = s.covariance(s.x, s.h, s.xh);
     const float yh = s.covariance(s.y, s.h, s.yh), hh = s.covariance(s.h, s.h, s.hh);
     const float area = xx * yy - xy * xy;
-    if (area <= 0.05f * xx * yy) return {};  // samples nearly in a line
+    if (area <= kInALine * xx * yy) return {};  // samples nearly in a line
     const float gx = (xh * yy - yh * xy) / area, gy = (yh * xx - xh * xy) / area;
     const float n = static_cast<float>(s.n);
     const float height =
@@ -198,7 +189,7 @@ struct FindPlanes
 
   TALUS_HD Trend trend_of(const Plane& plane) const
   {
-    const float off = kBelieved * config->step_threshold_m * kSteps;
+    const float off = kBelieved_steps * config->step_threshold_m * kSteps;
     const float believed = off * off / (off * off + plane.rest);
     const float per_m = config->inverse_resolution / kSteps * believed;
     return {plane.x * per_m, plane.y * per_m};
@@ -207,7 +198,7 @@ struct FindPlanes
   TALUS_HD Floor floor_of(const Plane& plane, int of_samples) const
   {
     if (plane.n == 0 || config->fill_rule != kFillLines) return {};
-    constexpr float kMetres = 1.0f / kSteps, kHalf = kFloor_m * kSteps;
+    constexpr float kMetres = 1.0f / kSteps, kHalf = kFloorRest_m * kSteps;
     const int to_corner = -(config->cells / 2);
     const float height_m = frame->sensor_z_m + plane.at(to_corner, to_corner) * kMetres;
     const float share = static_cast<float>(plane.n) / static_cast<float>(of_samples);

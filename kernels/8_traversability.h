@@ -202,7 +202,8 @@ struct LowStep
         low = min_of(low, next.ground);
         high = max_of(high, next.height());
       }
-    return static_cast<float>(high - low) <= 0.8f * config.step_threshold_m * kHeightSteps;
+    return static_cast<float>(high - low) <=
+           kLowStep_steps * config.step_threshold_m * kHeightSteps;
   }
   TALUS_HD bool is_level(const Surface& a, const Surface& b) const
   {

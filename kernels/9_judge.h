@@ -211,7 +211,8 @@ struct CompleteObstacles
         const bool beside = (dx == 0) != (dy == 0), bare = 2 * (next.height() - next.ground) < step;
         const int rise =
             max_of(abs_of(next.ground - at->ground), abs_of(next.height() - at->height()));
-        if (beside && bare && is_steep(3 * rise, *config) && blocks(judgement + dy * pitch + dx))
+        if (beside && bare && is_steep(kSteepEdge * rise, *config) &&
+            blocks(judgement + dy * pitch + dx))
           return true;
       }
     return is_steep(at->height() - at->ground, *config) && static_cast<float>(high - low) > step;

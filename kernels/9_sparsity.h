@@ -8,7 +8,7 @@ namespace talus::kernels
 TALUS_HD bool dense_around(int measured, int radius_cells)
 {
   const int side = 2 * radius_cells + 1;
-  return 4 * measured >= side * side;
+  return kDenseOneIn * measured >= side * side;
 }
 
 /** From the sensor along its line to the cell at (dx, dy) != 0 [m]. */
@@ -24,7 +24,7 @@ TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
  */
 TALUS_HD float drop_across(float inner_m, float outer_m, float gap_m, const Config& k)
 {
-  return max_of(abs_of(inner_m - outer_m) - 0.5f * k.support_slope * gap_m, 0.0f);
+  return max_of(abs_of(inner_m - outer_m) - kExplainedSlope * k.support_slope * gap_m, 0.0f);
 }
 
 /** Eq. 14 from the height difference h_s of the ground found on both sides, searched farther than a

@@ -1,6 +1,7 @@
 #pragma once
 #include "kernels/frame.h"
 #include "kernels/math.h"
+#include "kernels/rule_constants.h"
 
 #include <tuple>
 
@@ -22,12 +23,9 @@ enum Passed : std::uint8_t
   kHitBefore = 2,  //!< when rays passed last, it was hit, too
   kHitHighUp = 4  //!< what was hit there may hang: high above a guess below which no ray passed
 };
-/** The bits above them hold a trace: each frame in which the cell was hit while rays passed lower
- * adds kTraceHit, each in which rays passed takes kTraceOne. The edges of things cover their cells
- * in part, so that rays pass most of the time. What moves on seldom leaves two hits close by. */
-constexpr int kTraceOne = 8, kTraceHit = 9 * kTraceOne, kTraceFull = 31 * kTraceOne;
-/** Two hits within five frames, and not long ago. */
-TALUS_HD bool hit_lately(int passed) { return passed >= kTraceHit + 5 * kTraceOne; }
+/** The bits above them hold a trace, see kTraceOne. True: two hits within a few frames, and not
+ * long ago. */
+TALUS_HD bool hit_lately(int passed) { return passed >= kTraceLately; }
 
 /** What the map remembers of a cell; stored it takes 20 bytes. */
 struct Cell
@@ -78,13 +76,6 @@ struct CellStore
     extent[i] = static_cast<std::uint8_t>(c.extent);
   }
 };
-
-/** What is hit while rays pass below it, a hedge, a railing, a branch, a bench, is no more gone
- * when rays pass there: it stays for so many frames without a hit. What is hit in one frame after
- * the other earns less: the long side of a thing that drives past is. */
-constexpr int kPorousCredit = 3, kHeldCredit = 1, kPorous = 12, kMaxCredit = 120;
-/** One that little but what overhangs earns, and hedges and railings in time. */
-constexpr int kOverhangCredit = kMaxCredit / 2;
 
 /** Cell::extent: the low four bits tell how far what overhangs reaches down from the top of its
  * cell, the others how far up, each a code n for about n^2 such units. kOpen, which no two codes

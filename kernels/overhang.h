@@ -40,10 +40,11 @@ TALUS_HD Glance glance_at(const Config& k, const FrameContext& f, int ix, int iy
   Glance g;
   g.chebyshev_m = chebyshev(dx, dy);
   const float ring = g.chebyshev_m * k.inverse_resolution;
-  const bool under_sensor = ring < 2.0f;
+  const bool under_sensor = ring < kUnderSensor_rings;
   const int bins = bin_count(k), per_side = bins_per_side(k);
-  g.row = min_of(floor_to_int(ring) + 2, ring_count(k) - 1) * bins;
-  const float half_span = 0.125f * static_cast<float>(per_side) / select(under_sensor, 2.0f, ring);
+  g.row = min_of(floor_to_int(ring) + kBehindCell_rings, ring_count(k) - 1) * bins;
+  const float half_span = kGlanceHalfSpan * static_cast<float>(per_side) /
+                          select(under_sensor, kUnderSensor_rings, ring);
   const float middle =
       direction_in_bins(select(under_sensor, 1.0f, dx), select(under_sensor, 0.0f, dy), per_side);
   g.first_bin = floor_to_int(middle - half_span);
@@ -83,20 +84,16 @@ struct OverhangRays
   Glance glance;
   Team team;
 
-  /** Rays are looked at in so many directions more on either side of a cell: beside the edge of
-   * what stands there some go on. */
-  static constexpr int kBesideCell = 2;
-
   /** Whether rays that aimed at the cell between `low_m` and `high_m` ended two or more rings
    * behind it, and none before. */
   TALUS_HD bool went_between(float low_m, float high_m) const
   {
     const int first = max_of(floor_to_int(step_of(low_m)) + 1, 0);
     const int end = min_of(floor_to_int(step_of(high_m)), kSlopeSteps);
-    const int last = glance.rays() + kBesideCell;
+    const int last = glance.rays() + kBesideCell_bins;
     int most = kNoneAimed;
     if (glance.rays() > 0)
-      for (int which = team.rank() - kBesideCell; which < last; which += team.size())
+      for (int which = team.rank() - kBesideCell_bins; which < last; which += team.size())
         most = max_of(most, aimed(bin(which), first, end));
     return team.max(most) == kWentOn;
   }
@@ -185,7 +182,7 @@ struct OverhangRays
   };
   TALUS_HD EndOfHits follow(int bin, int first, int up) const
   {
-    const int nearest = glance.row - 4 * bin_count(k);
+    const int nearest = glance.row - (kBehindCell_rings + kBeforeCell_rings) * bin_count(k);
     EndOfHits end{first - up, kNoneAimed};
     bool more = first >= 0 && first < kSlopeSteps;
     for (int group = first / Reach::Steps::kSize;

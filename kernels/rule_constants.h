@@ -1,0 +1,165 @@
+#pragma once
+
+// Every number that decides something in a rule, by stage: with its unit and its reason. What a
+// user can set is a parameter (config.h); sizes of tables and of memory are beside what they
+// describe.
+
+namespace talus::kernels
+{
+// ---- Stage 1: reflections, see 1_buried_rays.h ----
+
+/** A hit is on known ground if it is this near to it: range noise and a cell's own relief. */
+constexpr float kOnGround_m = 0.1f;
+/** A ray is buried if it passes this far below known ground: twice that. */
+constexpr float kBuried_m = 0.2f;
+
+// ---- Stage 4: update ----
+
+/** What is farther off the ground than this is no hit of it, and is not taken to the cell's middle.
+ */
+constexpr float kNearGround_m = 0.05f;
+/** So many cells away ground is looked for on each side of a point's cell: rings seldom meet every
+ * cell. */
+constexpr int kBesidePoint_cells = 2;
+/** What is hit at most so far above a guess [steps] is the floor itself. */
+constexpr float kFloorHit_steps = 0.5f;
+/** How far behind a point that overhangs the rays below it ended at least: farther than range noise
+ * and round sides put other hits on the same thing; and in whole rings at least so many. */
+constexpr float kBehindOverhang_m = 0.2f;
+constexpr int kBehindOverhang_rings = 2;
+
+// ---- Persistence: what is hit while rays pass ----
+
+/** Rays that passed: each frame in which the cell was hit while rays passed lower adds kTraceHit,
+ * each in which rays passed takes kTraceOne. The edges of things cover their cells in part, so that
+ * rays pass most of the time. What moves on seldom leaves two hits close by. */
+constexpr int kTraceOne = 8, kTraceHit = 9 * kTraceOne, kTraceFull = 31 * kTraceOne;
+/** Two hits within five frames, and not long ago. */
+constexpr int kTraceLately = kTraceHit + 5 * kTraceOne;
+/** What is hit while rays pass below it, a hedge, a railing, a branch, a bench, is no more gone
+ * when rays pass there: it stays for so many frames without a hit. What is hit in one frame after
+ * the other earns less: the long side of a thing that drives past is. */
+constexpr int kPorousCredit = 3, kHeldCredit = 1;
+/** With so much it is porous, and one ray takes one; it cannot earn more than kMaxCredit. */
+constexpr int kPorous = 12, kMaxCredit = 120;
+/** That little but what overhangs earns, and hedges and railings in time. */
+constexpr int kOverhangCredit = kMaxCredit / 2;
+
+// ---- Stage 5: what is ground, and what stands ----
+
+/** What stands at least so high [clearances] is upright: a column that others may be joined to. */
+constexpr float kUpright_clearances = 0.5f;
+/** The underside of what overhangs may be so much above the robot [steps] and still be a face. */
+constexpr float kFaceAboveRobot_steps = 0.5f;
+/** Ground may be so much higher than the cone of the steepest slope over ground close by [steps]
+ * ... */
+constexpr float kAboveCone_steps = 0.25f;
+/** ... and than the opening of the ground around it. */
+constexpr float kAboveOpening_steps = 0.5f;
+/** The cone is as steep as this [m/m], or as what the robot climbs: 45 degrees, as steep as banks
+ * are. */
+constexpr float kSteepestBank = 1.0f;
+/** What stands higher than this [clearances] over its ground is no roof that was hit for the first
+ * time. */
+constexpr float kStandsAlready_clearances = 0.5f;
+/** The top of a bank is hit again if a hit is so near to it [steps]. */
+constexpr float kSameTop_steps = 0.5f;
+/** What stands beside an object goes on past it if it is so much higher [steps]. */
+constexpr float kPastObject_steps = 0.5f;
+/** Tops belong to one thing if they differ by at most so much [steps]. */
+constexpr float kSameThing_steps = 0.5f;
+/** What begins so much below the top of a face, or above it [steps], stands on it. */
+constexpr float kBelowFaceTop_steps = 0.75f, kAboveFaceTop_steps = 0.5f;
+/** How far behind the face of what it stands on something is hit at most. */
+constexpr float kBehindFace_m = 0.4f;
+/** A face is looked for in so many lanes towards the sensor, a pair of cells wide each, of which so
+ * many may be without it: wider than the leg of a table. */
+constexpr int kFaceLanes = 5, kMissingLanes = 1;
+
+// ---- Stages 5 and 6: rays of one cell ----
+
+/** Of the angle under which the sensor sees a cell its middle half is looked at: an eighth of a
+ * side of the square in either direction, over the ring. */
+constexpr float kGlanceHalfSpan = 0.125f;
+/** Rays count for a cell if they ended so many rings behind it: not on the thing itself. */
+constexpr int kBehindCell_rings = 2;
+/** Nearer to the sensor than this a cell is seen from above only. */
+constexpr float kUnderSensor_rings = 2.0f;
+/** Rays are looked at in so many directions more on either side of a cell: beside the edge of what
+ * stands there some go on. */
+constexpr int kBesideCell_bins = 2;
+/** Hits so many rings before a cell still belong to what overhangs in it, which is seldom one cell
+ * wide. */
+constexpr int kBeforeCell_rings = 2;
+
+// ---- Stage 7: planes ----
+
+/** The floor is fitted to the samples so near to the last plane: coarsely, then closely. */
+constexpr float kFloorWithin_m = 0.1f, kFloorCloselyWithin_m = 0.03f;
+/** A fill that is so far off the floor is drawn half as much: what is farther off is no floor. */
+constexpr float kNearFloor_m = 0.05f;
+/** Samples are looked for in so many rows and columns; of fewer nothing is said. */
+constexpr int kPlaneSide = 16, kFewestSamples = 16;
+/** A plane that samples are off by this share of a step is half believed to be the trend. */
+constexpr float kBelieved_steps = 0.25f;
+/** A floor off which its samples are so far is half trusted: twice what noise leaves of one. */
+constexpr float kFloorRest_m = 0.004f;
+/** Samples whose area is smaller than this share of that of their extents lie nearly in a line. */
+constexpr float kInALine = 0.05f;
+
+// ---- Stage 7: lines ----
+
+/** Where a ray seems to have passed this far below a sample, one of the two is wrong: the thing is
+ * gone, or the ray is that of a reflection. Until it is known which, fills beside the sample do not
+ * believe their rays. */
+constexpr float kContradicted_m = 0.1f;
+/** Rays that pass this far below a fill tell that the ground drops somewhere before it, and not
+ * where nor how steeply: the fill is as high as the rays, but no ray has shown that ground. */
+constexpr float kUndercut_m = 0.03f;
+/** Where rays undercut by this the ground that goes on from a sample as that around the robot does,
+ * a brink lies somewhere between, and the cells before that place are not judged either. Lines from
+ * the sensor are asked at each so many places. */
+constexpr float kUndercutAhead_m = 0.05f;
+constexpr int kUndercutPlaces = 4;
+/** Wider gaps may hold a face: the front of something, or the edge of a drop. */
+constexpr float kFaceGap_m = 0.3f;
+/** What any line is off by, however short: of this size it makes short lines count nearly alike, so
+ * that their noise averages out. */
+constexpr float kLineDeviation_m = 0.080f;
+/** Nobody knows where in a gap ground rises that does not rise as it does around the robot: the
+ * deviation of what is one height or the other, by their difference, 1 / sqrt(12). */
+constexpr float kRiseDeviation = 0.289f;
+/** What lies between two samples is off by this share of their reduced distance, a b / (a + b)
+ * [m/m]; beside one by this share of its distance. */
+constexpr float kBetweenDeviation = 0.1f, kBeyondDeviation = 0.3f;
+/** Heights of neighbouring cells differ by so much for noise alone. */
+constexpr float kHeightNoise_m = 0.002f;
+/** Ground goes on so many times as far off the mean as the nearest sample is, but at most by this
+ * share of a step: a nearest sample that is farther off is the foot of something. */
+constexpr float kGoesOn = 2.0f, kGoesOnMost_steps = 0.25f;
+/** A guess from one side does not lift by more than this what was filled from two: it would forget
+ * what lies behind an edge once the ground beyond is on no line any more. */
+constexpr float kLift_m = 0.1f;
+/** A fill may lie too high, so that it counts so much above the lowest of its lines [steps]. */
+constexpr float kAboveLowestLine_steps = 0.25f;
+/** An object hangs if it is so high above what is filled below it [clearances]: on nothing, or
+ * beside a column, which may hold it. */
+constexpr float kHangs_clearances = 1.0f, kHangsBesideColumn_clearances = 2.0f;
+
+// ---- Stage 8 ----
+
+/** A step that the robot takes for sure, within two cells [steps]. */
+constexpr float kLowStep_steps = 0.8f;
+/** A cell at the edge of what is impassable joins it if the surface rises this many times as
+ * steeply as it may count: two cells alone tell a slope badly. */
+constexpr int kSteepEdge = 3;
+
+// ---- Stage 9 ----
+
+/** Data are dense around a cell if one in so many of the cells in its neighbourhood is measured. */
+constexpr int kDenseOneIn = 4;
+/** A slope of this share of what is allowed explains a height difference on both sides of a gap: a
+ * floor that is seen far behind the crest of a ramp does not make it a cliff. */
+constexpr float kExplainedSlope = 0.5f;
+
+}  // namespace talus::kernels
