@@ -13,7 +13,7 @@ struct RollCell
   float* top_hit_m;  //!< by storage index: highest point of this frame; -infinity: none yet
 
   /** Prepares the cell stored at i; true if it starts empty. */
-  TALUS_HD bool concerns(int ix, int iy, int i) const
+  TALUS_HD bool applies(int ix, int iy, int i) const
   {
     top_hit_m[i] = -kInfinity;
     return entered_window(*frame, config->cells, ix, iy);
@@ -23,7 +23,7 @@ struct RollCell
   TALUS_HD void operator()(int ix, int iy) const
   {
     const int i = storage_index(*frame, config->cells, ix, iy);
-    if (concerns(ix, iy, i)) (*this)(ix, iy, i);
+    if (applies(ix, iy, i)) (*this)(ix, iy, i);
   }
 };
 

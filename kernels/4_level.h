@@ -80,7 +80,7 @@ struct FindRise
     if (a.cells_away == 0 || b.cells_away == 0) return {};
     const float rise_m =
         (b.height_m - a.height_m) / static_cast<float>(a.cells_away + b.cells_away);
-    if (abs_of(rise_m) > config->support_slope * config->resolution_m) return {};
+    if (abs_of(rise_m) > config->max_slope * config->resolution_m) return {};
     return {rise_m, 0.5f * (a.height_m + b.height_m)};
   }
 };

@@ -1,6 +1,6 @@
 #pragma once
 #include "kernels/4_level.h"
-#include "kernels/team.h"
+#include "kernels/group.h"
 
 #include <tuple>
 
@@ -8,7 +8,7 @@ namespace talus::kernels
 {
 // Stage 4 (III-B.1). The points of a cell in one frame are a set: every step below is a minimum, a
 // maximum or an exact integer sum over them, so that their order cannot matter. What is done with
-// one point, and with one cell between two looks at its points, has no branches: a team of threads
+// one point, and with one cell between two looks at its points, has no branches: a group of threads
 // looks through the points of one cell, or one thread through those of many cells side by side.
 
 struct HeightPoint
@@ -25,19 +25,19 @@ struct HeightPoint
 };
 
 /** The points of one cell, and who looks through them. */
-template <class Team>
+template <class Group>
 struct CellPoints
 {
   const HeightPoint* at;
   int size;
-  Team team;
+  Group group;
 
   /** What all of them add to `sum`, when asked so. */
   template <class Sum, class Question>
-  TALUS_HD Sum look(Sum sum, const Question& asked, const Config& k) const
+  TALUS_HD Sum reduce(Sum sum, const Question& asked, const Config& k) const
   {
-    for (int i = team.rank(); i < size; i += team.size()) sum.add(at[i], true, asked, k);
-    sum.join(team);
+    for (int i = group.rank(); i < size; i += group.size()) sum.add(at[i], true, asked, k);
+    sum.join(group);
     return sum;
   }
 };
@@ -84,11 +84,11 @@ struct Extremes
     low = select(inside & (as_low < low), as_low, low);
     high = select(inside & (as_high > high), as_high, high);
   }
-  template <class Team>
-  TALUS_HD void join(const Team& team)
+  template <class Group>
+  TALUS_HD void join(const Group& group)
   {
-    low = team.min(low);
-    high = team.max(high);
+    low = group.min(low);
+    high = group.max(high);
   }
   TALUS_HD HeightPoint lowest() const
   {
@@ -151,11 +151,11 @@ struct Fusion
     information += w;
     weighted_distance += static_cast<std::int64_t>(w) * distance;
   }
-  template <class Team>
-  TALUS_HD void join(const Team& team)
+  template <class Group>
+  TALUS_HD void join(const Group& group)
   {
-    information = team.sum(information);
-    weighted_distance = team.sum(weighted_distance);
+    information = group.sum(information);
+    weighted_distance = group.sum(weighted_distance);
   }
   /** The base where nothing is inside the gate. */
   TALUS_HD Estimate result(const FusionPlan& plan, const Config& k) const
@@ -174,24 +174,24 @@ struct Fusion
 
 /** One step on the way from the ground (or from what stands on it) up over the points: at the first
  * gap larger than the robot's clearance all that is above hangs and is passable. */
-struct Climb
+struct ClearanceScan
 {
   float top_m;
 
-  static constexpr auto fields() { return std::make_tuple(&Climb::top_m); }
+  static constexpr auto fields() { return std::make_tuple(&ClearanceScan::top_m); }
   /** From where `asked` says. */
-  TALUS_HD void add(const HeightPoint& p, bool counts, const Climb& asked, const Config& k)
+  TALUS_HD void add(const HeightPoint& p, bool counts, const ClearanceScan& asked, const Config& k)
   {
     const bool higher = counts & (p.height_m > top_m) & (p.height_m <= asked.top_m + k.clearance_m);
     top_m = select(higher, p.height_m, top_m);
   }
-  template <class Team>
-  TALUS_HD void join(const Team& team)
+  template <class Group>
+  TALUS_HD void join(const Group& group)
   {
-    top_m = team.max(top_m);
+    top_m = group.max(top_m);
   }
   /** Whether there may be another one. */
-  TALUS_HD bool goes_on(const Climb& before, float highest_m) const
+  TALUS_HD bool goes_on(const ClearanceScan& before, float highest_m) const
   {
     return (top_m > before.top_m) & (top_m < highest_m);
   }
@@ -209,10 +209,10 @@ TALUS_HD float standing_m(const Cell& c, bool stands)
 TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
 {
   const HeightPoint low = ends.lowest(), high = ends.highest();
-  const bool hit_high_up = (c.passed & kHitHighUp) != 0;
+  const bool hit_high_up = (c.ray_evidence & kHitHighUp) != 0;
   const bool stands = is_known(c.elevation_m) & !hit_high_up;
   const bool hangs = (c.state != kUnknown) & (low.height_m - standing_m(c, stands) > k.clearance_m);
-  const bool guess = !stands & (c.state == kFilledOneSided) & ((c.passed & kPassedLow) == 0);
+  const bool guess = !stands & (c.state == kFilledOneSided) & ((c.ray_evidence & kPassedLow) == 0);
   const bool higher = hangs & guess & !(hit_high_up & (c.elevation_m >= high.height_m));
   c.elevation_m = select(higher, high.height_m, c.elevation_m);
   c.elevation_var_m2 = select(higher, high.variance_m2, c.elevation_var_m2);
@@ -220,10 +220,10 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
   const bool dropped = hit_high_up & !hangs & floor;
   c.elevation_m = select(dropped, kNan, c.elevation_m);
   c.elevation_var_m2 = select(dropped, kNan, c.elevation_var_m2);
-  c.misses = select(dropped, 0, c.misses);  // its credit goes with it
+  c.persistence = select(dropped, 0, c.persistence);  // that goes with it
   c.extent = select(dropped, 0, c.extent);
-  c.passed = select(hangs, c.passed, c.passed & ~kHitHighUp);
-  c.passed = select(higher, c.passed | kHitHighUp, c.passed);
+  c.ray_evidence = select(hangs, c.ray_evidence, c.ray_evidence & ~kHitHighUp);
+  c.ray_evidence = select(higher, c.ray_evidence | kHitHighUp, c.ray_evidence);
   return hangs;
 }
 
@@ -263,7 +263,10 @@ TALUS_HD void put_ground(
 }
 
 /** Where it begins. */
-TALUS_HD Climb start_of_climb(const Cell& c) { return {standing_m(c, is_known(c.elevation_m))}; }
+TALUS_HD ClearanceScan start_of_scan(const Cell& c)
+{
+  return {standing_m(c, is_known(c.elevation_m))};
+}
 
 /** The elevation keeps the highest of what stands (eq. 6 and 7): inside the gate it is fused, a
  * higher point replaces it, a lower one leaves height and variance as they are. `high` is the
@@ -305,42 +308,42 @@ struct Overhang
     const bool overhangs = counts & (p.height_m <= asked.limit_m) & (p.overhangs != 0);
     lowest_m = select(overhangs & (p.height_m < lowest_m), p.height_m, lowest_m);
   }
-  template <class Team>
-  TALUS_HD void join(const Team& team)
+  template <class Group>
+  TALUS_HD void join(const Group& group)
   {
-    lowest_m = team.min(lowest_m);
+    lowest_m = group.min(lowest_m);
   }
 };
 
-/** It earns all credit, and Cell::extent reaches down to its lowest hit. */
+/** It earns all persistence, and Cell::extent reaches down to its lowest hit. */
 TALUS_HD void put_overhang(Cell& c, const Overhang& overhang)
 {
   const bool any = overhang.lowest_m < kInfinity;
   const float down_m = select(any, c.elevation_m - overhang.lowest_m, 0.0f);
-  c.misses = select(any, -kMaxCredit, c.misses);
+  c.persistence = select(any, -kMaxPersistence, c.persistence);
   c.extent = select(any, deeper(c.extent, code_of_extent(down_m)), c.extent);
 }
 
 /** Stage 4 on one cell that received points; for many cells at once see
  * libs/core/src/cpu/cells.h. */
-template <class Team>
+template <class Group>
 TALUS_HD void update_cell(
-    Cell& c, const Extremes& ends, const CellPoints<Team>& points, const Config& k)
+    Cell& c, const Extremes& ends, const CellPoints<Group>& points, const Config& k)
 {
   if (!all_hang(c, ends, k))
   {
     const FusionPlan ground = plan_ground(c, ends.lowest(), k);
-    if (ground.wanted) put_ground(c, false, ground, points.look(Fusion{}, ground, k), k);
+    if (ground.wanted) put_ground(c, false, ground, points.reduce(Fusion{}, ground, k), k);
     HeightPoint high = ends.highest();
-    Climb last{}, next = start_of_climb(c);
+    ClearanceScan last{}, next = start_of_scan(c);
     if (next.top_m < high.height_m) do
-        last = next, next = points.look(last, last, k);
+        last = next, next = points.reduce(last, last, k);
       while (next.goes_on(last, high.height_m));
-    if (next.top_m < high.height_m) high = points.look(Extremes{}, UpTo{next.top_m}, k).highest();
+    if (next.top_m < high.height_m) high = points.reduce(Extremes{}, UpTo{next.top_m}, k).highest();
     const FusionPlan elevation = plan_elevation(c, high, next.top_m, k);
-    put_elevation(c, false, elevation, points.look(Fusion{}, elevation, k), k);
+    put_elevation(c, false, elevation, points.reduce(Fusion{}, elevation, k), k);
   }
-  put_overhang(c, points.look(Overhang{}, UpTo{c.ground_m + k.clearance_m}, k));
+  put_overhang(c, points.reduce(Overhang{}, UpTo{c.ground_m + k.clearance_m}, k));
 }
 
 /** Where the points of each cell stand after sorting. Which stretch a cell gets does not matter. */
@@ -351,7 +354,7 @@ struct Sorting
   std::uint32_t* cell_begin;
   HeightPoint* sorted;
   GroundRise* rise;  //!< on the CPU: through the cell whose stretch begins at a place
-  std::int32_t* crowded;  //!< cells that a team updates; on the CPU room for all cells, twice
+  std::int32_t* crowded;  //!< cells that a group updates; on the CPU room for all cells, twice
   std::uint64_t* cursor;  //!< of `sorted`, and in the upper half of `crowded`; zero before
   std::uint32_t crowd;  //!< cells of more points are crowded
 };
@@ -385,10 +388,10 @@ struct SortPoint
     const int at = select(aims, points.ray[i], 0), bins = bin_count(*config);
     const int ring = floor_div(at, bins, 1.0f / static_cast<float>(bins)), bin = at - ring * bins;
     const int behind = min_of(ring + rings_behind(), ring_count(*config) - 1);
-    const std::int32_t passed = rays[behind * bins + wrap_bin(bin + beside, bins)];
+    const std::int32_t lowest = rays[behind * bins + wrap_bin(bin + beside, bins)];
     const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
     const float limit = points.slope[i] - config->cleanup_margin_m / chebyshev_m;
-    return aims & (passed != kNoRay) & !(float_from_ordered(passed) > limit);
+    return aims & (lowest != kNoRay) & !(float_from_ordered(lowest) > limit);
   }
 
   /** As the point of that rank. */
@@ -429,16 +432,16 @@ struct UpdateCell
     return slot < static_cast<int>(*sorting.cursor >> 32) ? sorting.crowded[slot] : -1;
   }
 
-  template <class Team>
-  TALUS_HD void update(int i, const Team& team) const
+  template <class Group>
+  TALUS_HD void update(int i, const Group& group) const
   {
-    const CellPoints<Team> here{
-        sorting.sorted + sorting.cell_begin[i], static_cast<int>(sorting.kept_count[i]), team};
+    const CellPoints<Group> here{
+        sorting.sorted + sorting.cell_begin[i], static_cast<int>(sorting.kept_count[i]), group};
     if (here.size == 0) return;
     Cell c = store.load(i);
-    const Extremes ends = here.look(Extremes{}, UpTo{}, *config);
+    const Extremes ends = here.reduce(Extremes{}, UpTo{}, *config);
     update_cell(c, ends, here, *config);
-    if (team.rank() != 0) return;
+    if (group.rank() != 0) return;
     store.store(i, c);
     top_hit_m[i] = ends.highest().height_m;
   }

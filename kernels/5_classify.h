@@ -1,36 +1,36 @@
 #pragma once
-#include "kernels/5_support.h"
+#include "kernels/5_opening.h"
 
 namespace talus::kernels
 {
 // Stage 5, what a cell is: see 5_support.h for what ground is measured against.
 
 /** The decision for one cell. */
-struct ChooseRole
+struct ClassifyCell
 {
   const Config* config;
   const FrameContext* frame;
   CellStore store;
-  SupportGrid grid;
+  CoarseGrid grid;
   const float* top_hit_m;  //!< of this frame, by storage index
-  Reach reach;
-  std::uint8_t* role;  //!< by storage index
+  RayReach reach;
+  std::uint8_t* surface_class;  //!< by storage index
 
   /** Decides for cell (x, y), stored at i, as most are; false where that is all. */
-  TALUS_HD bool concerns(int x, int y, int i) const
+  TALUS_HD bool applies(int x, int y, int i) const
   {
     const float ground = store.ground_m[i];
     const bool measured = store.state[i] == kMeasured;
     const bool stays = may_be_ground(
         grid.at(grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y)), ground);
-    role[i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
+    surface_class[i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
     const bool stands_anew = may_join(i, ground) | may_be_bank(i, ground);
     return select(measured, !stays, stands_anew) | may_be_top(i, ground);
   }
   TALUS_HD void operator()(int x, int y, int i) const
   {
     decide(x, y, i);
-    if (wants_look(x, y, i)) look(x, y, i, LoneTeam{});
+    if (needs_inspection(x, y, i)) inspect(x, y, i, SerialGroup{});
   }
 
   /** All but what look() does. */
@@ -38,7 +38,7 @@ struct ChooseRole
   {
     const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
     const bool measured = store.state[i] == kMeasured;
-    role[i] = measured ? role_of_measured(px, py, store.ground_m[i]) : kInfer;
+    surface_class[i] = measured ? class_of_measured(px, py, store.ground_m[i]) : kInfer;
     if (!measured)
     {
       join_column(i, px, py);
@@ -47,7 +47,7 @@ struct ChooseRole
   }
 
   /** Whether look() has to come next: something that overhangs is before what was hit. */
-  TALUS_HD bool wants_look(int x, int y, int i) const
+  TALUS_HD bool needs_inspection(int x, int y, int i) const
   {
     return may_be_top(i, store.ground_m[i]) && is_before(x, y, face_below(i));
   }
@@ -56,23 +56,23 @@ struct ChooseRole
    * it. Seen from above it is the top of that thing, a trailer or a car: the robot fits as little
    * below its middle as below its face. Hit above the sensor, right behind the face and without a
    * ray that went on between the two, it stands on that: the cab on a loader, the windows above a
-   * car's doors. It has the least credit that such a face may have, and reaches down as far, or to
-   * the end of what is hit of it. */
-  template <class Team>
-  TALUS_HD void look(int x, int y, int i, const Team& team) const
+   * car's doors. It has the least persistence that such a face may have, and reaches down as far,
+   * or to the end of what is hit of it. */
+  template <class Group>
+  TALUS_HD void inspect(int x, int y, int i, const Group& group) const
   {
     const float top_m = top_hit_m[i];
     float depth_m = kNan;
     if (seen_from_above(i))
-      depth_m = depth_before(x, y, face_below(i), team);
+      depth_m = depth_before(x, y, face_below(i), group);
     else
     {
-      const OverhangRays<Team> rays{*config, reach, glance_at(*config, *frame, x, y), team};
+      const OverhangRays<Group> rays{*config, reach, footprint_of(*config, *frame, x, y), group};
       const float low_m = rays.end_on_something(top_m);
       const Face face = on_which_stands(low_m, low_m);
-      if (is_known(low_m) && is_known(depth_before(x, y, face, team))) depth_m = top_m - low_m;
+      if (is_known(low_m) && is_known(depth_before(x, y, face, group))) depth_m = top_m - low_m;
     }
-    if (team.rank() == 0 && is_known(depth_m)) put_overhang(i, depth_m);
+    if (group.rank() == 0 && is_known(depth_m)) put_overhang(i, depth_m);
   }
 
  private:
@@ -99,11 +99,12 @@ struct ChooseRole
     const float step_m = config->step_threshold_m, top = store.elevation_m[i];
     const bool stands = top > ground_m + step_m;
     const bool hit = abs_of(top_hit_m[i] - top) <= kSameTop_steps * step_m;
-    const bool seen_below = (store.misses[i] < 0) | ((store.passed[i] & kHitHighUp) != 0);
+    const bool seen_below =
+        (store.persistence[i] < 0) | ((store.ray_evidence[i] & kHitHighUp) != 0);
     return stands & hit & !seen_below;
   }
   /** What stood over a guess is ground where its top is hit again and is no higher than ground
-   * beside it that is wide: of a bank the brink is seen first, a narrow strip with lower ground
+   * beside it that is wide: of a bank the drop-off is seen first, a narrow strip with lower ground
    * before it. Below ground no rays pass. */
   TALUS_HD void take_bank(int i, int o) const
   {
@@ -113,12 +114,12 @@ struct ChooseRole
     store.state[i] = kMeasured;
     store.ground_m[i] = top;
     store.ground_var_m2[i] = store.elevation_var_m2[i];
-    role[i] = kKeep;
+    surface_class[i] = kKeep;
   }
   TALUS_HD void put_overhang(int i, float depth_m) const
   {
     put_top(i);
-    store.misses[i] = static_cast<std::int8_t>(-kOverhangCredit);
+    store.persistence[i] = static_cast<std::int8_t>(-kOverhangPersistence);
     store.extent[i] = static_cast<std::uint8_t>(extent_of_codes(code_of_extent(depth_m), 0));
   }
   /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
@@ -129,8 +130,8 @@ struct ChooseRole
     if (!may_join(i, store.ground_m[i])) return;
     if (!between_columns(px, py, top_hit_m[i] - config->clearance_m))
     {
-      if ((store.passed[i] & kPassedLow) != 0 || !seen_from_above(i)) return;
-      store.passed[i] |= kHitHighUp;
+      if ((store.ray_evidence[i] & kPassedLow) != 0 || !seen_from_above(i)) return;
+      store.ray_evidence[i] |= kHitHighUp;
     }
     put_top(i);
   }
@@ -140,7 +141,7 @@ struct ChooseRole
     store.elevation_var_m2[i] = config->min_variance_m2;
   }
 
-  TALUS_HD Role role_of_measured(int px, int py, float ground_m) const
+  TALUS_HD SurfaceClass class_of_measured(int px, int py, float ground_m) const
   {
     if (may_be_ground(grid.at(px, py), ground_m)) return kKeep;
     const float column_m = column_beside(px, py);
@@ -149,7 +150,7 @@ struct ChooseRole
     return past ? kObjectBesideColumn : kObjectOnColumn;
   }
 
-  /** Whether something upright stands at least so high on two opposite sides of the pooled cell. */
+  /** Whether something upright stands at least so high on two opposite sides of the coarse cell. */
   TALUS_HD bool between_columns(int px, int py, float height_m) const
   {
     const float* at = grid.column_m + grid.at(px, py);
@@ -163,7 +164,7 @@ struct ChooseRole
   struct Face
   {
     float lowest_m, highest_m;
-    int reach;
+    int most_pairs;
   };
   /** The face of a thing whose top is that high: no farther than a thing reaches that is narrower
    * than ground. */
@@ -188,13 +189,13 @@ struct ChooseRole
     return seen_from_above(i) ? whose_top_is_at(top_m) : on_which_stands(-kInfinity, top_m);
   }
 
-  /** Lanes from a cell to the sensor, a pair of cells wide each. */
-  struct Lanes
+  /** Corridors from a cell to the sensor, a pair of cells wide each. */
+  struct Corridors
   {
     int px, py;
     Direction to_sensor;
   };
-  TALUS_HD Lanes lanes_from(int x, int y) const
+  TALUS_HD Corridors corridors_from(int x, int y) const
   {
     const auto dx = static_cast<float>(config->cells / 2 - x);
     const auto dy = static_cast<float>(config->cells / 2 - y);
@@ -202,18 +203,18 @@ struct ChooseRole
     return {
         grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y), {dx / length, dy / length}};
   }
-  /** The pooled cell nearest in a lane that holds the face; -1: none. */
-  TALUS_HD int face_in_lane(const Lanes& lanes, int lane, const Face& face) const
+  /** The coarse cell nearest in a corridor that holds the face; -1: none. */
+  TALUS_HD int face_in_corridor(const Corridors& corridors, int corridor, const Face& face) const
   {
-    const Direction d = lanes.to_sensor;
-    const auto beside = static_cast<float>(lane - kFaceLanes / 2);
-    const int here = grid.at(lanes.px, lanes.py);  // of no use: what overhangs is before it
+    const Direction d = corridors.to_sensor;
+    const auto beside = static_cast<float>(corridor - kFaceCorridors / 2);
+    const int here = grid.at(corridors.px, corridors.py);  // of no use: what overhangs is before it
     int nearest = -1;
-    for (int r = face.reach; r >= 1; r--)  // to the end, so that a device reads ahead
+    for (int r = face.most_pairs; r >= 1; r--)  // to the end, so that a device reads ahead
     {
       const float ahead = static_cast<float>(r);
-      const int qx = lanes.px + floor_to_int(ahead * d.x - beside * d.y + 0.5f);
-      const int qy = lanes.py + floor_to_int(ahead * d.y + beside * d.x + 0.5f);
+      const int qx = corridors.px + floor_to_int(ahead * d.x - beside * d.y + 0.5f);
+      const int qy = corridors.py + floor_to_int(ahead * d.y + beside * d.x + 0.5f);
       const bool inside = (qx >= 0) & (qy >= 0) & (qx < grid.side) & (qy < grid.side);
       const int o = select(inside, grid.at(qx, qy), here);
       const float top_m = grid.overhang_m[o];
@@ -222,34 +223,35 @@ struct ChooseRole
     }
     return nearest;
   }
-  /** Whether depth_before() may find the face: it is in one of two lanes. */
+  /** Whether depth_before() may find the face: it is in one of two corridors. */
   TALUS_HD bool is_before(int x, int y, const Face& face) const
   {
-    const Lanes lanes = lanes_from(x, y);
-    const int middle = kFaceLanes / 2;
-    return face_in_lane(lanes, middle, face) >= 0 || face_in_lane(lanes, middle + 1, face) >= 0;
+    const Corridors corridors = corridors_from(x, y);
+    const int middle = kFaceCorridors / 2;
+    return face_in_corridor(corridors, middle, face) >= 0 ||
+           face_in_corridor(corridors, middle + 1, face) >= 0;
   }
-  /** How far down reaches what overhangs between a cell and the sensor, in all lanes but one: wider
-   * than the leg of a table. NaN: nothing does. */
-  template <class Team>
-  TALUS_HD float depth_before(int x, int y, const Face& face, const Team& team) const
+  /** How far down reaches what overhangs between a cell and the sensor, in all corridors but one:
+   * wider than the leg of a table. NaN: nothing does. */
+  template <class Group>
+  TALUS_HD float depth_before(int x, int y, const Face& face, const Group& group) const
   {
-    const Lanes lanes = lanes_from(x, y);
+    const Corridors corridors = corridors_from(x, y);
     int missing = 0;
     float depth_m = 0;
-    for (int lane = team.rank(); lane < kFaceLanes; lane += team.size())
+    for (int corridor = group.rank(); corridor < kFaceCorridors; corridor += group.size())
     {
-      const int o = face_in_lane(lanes, lane, face);
+      const int o = face_in_corridor(corridors, corridor, face);
       if (o < 0)
         missing++;
       else
         depth_m = max_of(depth_m, grid.overhang_depth_m[o]);
     }
-    depth_m = team.max(depth_m);
-    return team.sum(missing) <= kMissingLanes ? depth_m : kNan;
+    depth_m = group.max(depth_m);
+    return group.sum(missing) <= kMissingCorridors ? depth_m : kNan;
   }
 
-  /** Highest top of something upright in the pooled cell or next to it; of what stands, not of what
+  /** Highest top of something upright in the coarse cell or next to it; of what stands, not of what
    * hangs so high that the robot fits below, as the thing itself that is asked for may. */
   TALUS_HD float column_beside(int px, int py) const
   {

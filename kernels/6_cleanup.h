@@ -25,9 +25,9 @@ struct SeenThrough
   }
 };
 
-/** Looks at one ray of a glance. Heights are taken where the ray is highest inside the cell. */
-TALUS_HD void look(
-    SeenThrough& seen, const Glance& g, int which, const Config& k, const FrameContext& f,
+/** Looks at one ray of a footprint. Heights are taken where the ray is highest inside the cell. */
+TALUS_HD void add_ray(
+    SeenThrough& seen, const RayFootprint& g, int which, const Config& k, const FrameContext& f,
     const std::int32_t* rays)
 {
   const int bin = g.first_bin + which * g.stride;
@@ -35,35 +35,38 @@ TALUS_HD void look(
   const int column = select(wanted, wrap_bin(bin, bin_count(k)), 0);
   const std::int32_t hit = rays[g.row + column], anywhere = rays[column];
   seen.in_open = select(wanted & (hit != anywhere), 0, seen.in_open);
-  const bool passed = wanted & (hit != kNoRay);
+  const bool is_ray = wanted & (hit != kNoRay);
   const float slope = float_from_ordered(hit);
   const float half_cell = 0.5f * k.resolution_m;
   const float where = g.chebyshev_m + select(slope < 0.0f, -half_cell, half_cell);
   const float height = f.sensor_z_m + slope * where;
-  seen.lowest_m = min_of(seen.lowest_m, select(passed, height, kInfinity));
-  seen.highest_m = max_of(seen.highest_m, select(passed, height, -kInfinity));
+  seen.lowest_m = min_of(seen.lowest_m, select(is_ray, height, kInfinity));
+  seen.highest_m = max_of(seen.highest_m, select(is_ray, height, -kInfinity));
 }
 
-TALUS_HD int trace_of(const Cell& c) { return c.passed & kTraceFull; }
-TALUS_HD void leave_trace(Cell& c) { c.passed += min_of(kTraceHit, kTraceFull - trace_of(c)); }
+TALUS_HD int trace_of(const Cell& c) { return c.ray_evidence & kTraceFull; }
+TALUS_HD void leave_trace(Cell& c)
+{
+  c.ray_evidence += min_of(kTraceHit, kTraceFull - trace_of(c));
+}
 /** Of a frame in which rays passed. False where there is none. */
 TALUS_HD bool fade_trace(Cell& c)
 {
   const bool any = trace_of(c) != 0;
-  if (any) c.passed -= kTraceOne;
+  if (any) c.ray_evidence -= kTraceOne;
   return any;
 }
 
 /** Counts the evidence of one frame; true when the cell must be cleared. */
-TALUS_HD bool count_miss(Cell& c, bool hit, const Config& k)
+TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
 {
-  const int before = c.misses;
-  const int credit = (c.passed & kHitBefore) != 0 ? kHeldCredit : kPorousCredit;
-  c.passed = hit ? c.passed | kHitBefore : c.passed & ~kHitBefore;
-  const int after = hit ? max_of(min_of(before, 0) - credit, -kMaxCredit)
-                        : (before <= -kPorous ? before + 1 : max_of(before, 0) + 1);
+  const int before = c.persistence;
+  const int earned = (c.ray_evidence & kHitBefore) != 0 ? kHeldHitEarns : kPorousHitEarns;
+  c.ray_evidence = hit ? c.ray_evidence | kHitBefore : c.ray_evidence & ~kHitBefore;
+  const int after = hit ? max_of(min_of(before, 0) - earned, -kMaxPersistence)
+                        : (before <= -kPorousPersistence ? before + 1 : max_of(before, 0) + 1);
   const bool clear = after >= k.cleanup_frames;
-  c.misses = clear ? 0 : after;
+  c.persistence = clear ? 0 : after;
   return clear;
 }
 
@@ -71,20 +74,20 @@ TALUS_HD bool count_miss(Cell& c, bool hit, const Config& k)
  * the passing rays is no exception: a box that left shows the floor in the very cells that it stood
  * in. */
 TALUS_HD void clear_seen_through(
-    Cell& c, std::uint8_t& role, float top_hit_m, float top, float limit, const Config& k)
+    Cell& c, std::uint8_t& surface_class, float top_hit_m, float top, float limit, const Config& k)
 {
-  if (c.state == kMeasured && role == kKeep && c.ground_m > limit) role = kObject;
+  if (c.state == kMeasured && surface_class == kKeep && c.ground_m > limit) surface_class = kObject;
   const bool hit = top_hit_m > limit;
   if (hit && top_hit_m <= top + k.cleanup_margin_m) leave_trace(c);  // what hangs above leaves none
-  if (!count_miss(c, hit, k)) return;
+  if (!count_evidence(c, hit, k)) return;
 
   c.elevation_m = c.elevation_var_m2 = kNan;
   c.extent = 0;
-  if (role >= kObject || c.ground_m > limit)
+  if (surface_class >= kObject || c.ground_m > limit)
   {
     c.ground_m = c.ground_var_m2 = kNan;
     c.state = kUnknown;
-    role = kInfer;
+    surface_class = kInfer;
   }
   else if (c.state == kMeasured)
   {
@@ -102,9 +105,9 @@ struct PassingRays
 };
 
 /** What the rays say of cell (ix, iy); needs nothing but the rays. */
-struct LookThrough
+struct FindPassingRays
 {
-  using Item = Glance;
+  using Item = RayFootprint;
   using Result = SeenThrough;
   int cells;
   const Config* config;
@@ -112,11 +115,11 @@ struct LookThrough
   const std::int32_t* rays;
   PassingRays passing;
 
-  TALUS_HD Glance item(int ix, int iy) const { return glance_at(*config, *frame, ix, iy); }
-  TALUS_HD int steps(const Glance& g) const { return g.rays(); }
-  TALUS_HD void step(SeenThrough& seen, const Glance& g, int which) const
+  TALUS_HD RayFootprint item(int ix, int iy) const { return footprint_of(*config, *frame, ix, iy); }
+  TALUS_HD int steps(const RayFootprint& g) const { return g.rays(); }
+  TALUS_HD void step(SeenThrough& seen, const RayFootprint& g, int which) const
   {
-    look(seen, g, which, *config, *frame, rays);
+    add_ray(seen, g, which, *config, *frame, rays);
   }
   TALUS_HD void put(int ix, int iy, const SeenThrough& seen) const
   {
@@ -129,7 +132,7 @@ struct LookThrough
 
   TALUS_HD void operator()(int ix, int iy) const
   {
-    const Glance g = item(ix, iy);
+    const RayFootprint g = item(ix, iy);
     SeenThrough seen;
     for (int which = 0; which < steps(g); which++) step(seen, g, which);
     put(ix, iy, seen);
@@ -143,51 +146,51 @@ struct CleanUpCell
   const Config* config;
   CellStore store;
   PassingRays passing;
-  Reach reach;
+  RayReach reach;
   const float* top_hit_m;
-  std::uint8_t* role;
+  std::uint8_t* surface_class;
 
   /** False where nothing changes. */
-  TALUS_HD bool concerns(int ix, int iy, int i) const
+  TALUS_HD bool applies(int ix, int iy, int i) const
   {
     const int o = iy * cells + ix;
-    const bool any = passing.lowest_m[o] < kInfinity, traced = store.passed[i] >= kTraceOne;
+    const bool any = passing.lowest_m[o] < kInfinity, traced = store.ray_evidence[i] >= kTraceOne;
     return any & (store.state[i] != kUnknown) & (stands_above(o, i) | traced);
   }
 
   TALUS_HD void operator()(int ix, int iy, int i) const
   {
-    if (wants_look(ix, iy, i)) look(ix, iy, i, LoneTeam{});
+    if (needs_inspection(ix, iy, i)) inspect(ix, iy, i, SerialGroup{});
     finish(ix, iy, i);
   }
 
   /** Whether look() has to come before finish(): what stands there may overhang. */
-  TALUS_HD bool wants_look(int ix, int iy, int i) const
+  TALUS_HD bool needs_inspection(int ix, int iy, int i) const
   {
     const int o = iy * cells + ix;
-    return concerns(ix, iy, i) && stands_above(o, i) && store.misses[i] < 0 &&
+    return applies(ix, iy, i) && stands_above(o, i) && store.persistence[i] < 0 &&
            store.extent[i] != kOpen;
   }
 
   /** Rays that pass below what overhangs do not tell that it left; rays that went on where it is
    * known to have been do. Where such rays go while it is hit, it is open, and they tell nothing.
    */
-  template <class Team>
-  TALUS_HD void look(int ix, int iy, int i, const Team& team) const
+  template <class Group>
+  TALUS_HD void inspect(int ix, int iy, int i, const Group& group) const
   {
     const Config& k = *config;
     const float top_m = top(i), hit_m = top_hit_m[i], limit_m = limit(iy * cells + ix);
     const bool hit = hit_m > limit_m;
-    const OverhangRays<Team> overhang{k, reach, glance_at(k, *reach.frame, ix, iy), team};
+    const OverhangRays<Group> overhang{k, reach, footprint_of(k, *reach.frame, ix, iy), group};
     const int before = store.extent[i];
     const int extent = hit ? learn(before, overhang, top_m, hit_m, limit_m) : before;
     const float lowest_m = top_m - extent_of_code(code_below(extent));
     const float low_m = max_of(lowest_m + k.cleanup_margin_m, limit_m);
     const float high_m = top_m + extent_of_code(code_above(extent)) - k.cleanup_margin_m;
     const bool went = low_m < high_m && overhang.went_between(low_m, high_m);
-    if (team.rank() != 0) return;
+    if (group.rank() != 0) return;
     store.extent[i] = static_cast<std::uint8_t>(select(hit & went, kOpen, extent));
-    if (went & !hit) store.misses[i] = 0;
+    if (went & !hit) store.persistence[i] = 0;
   }
 
   TALUS_HD void finish(int ix, int iy, int i) const
@@ -195,7 +198,7 @@ struct CleanUpCell
     const int o = iy * cells + ix;
     Cell c = store.load(i);
     const bool faded = fade_trace(c), stands = stands_above(o, i);
-    if (stands) clear_seen_through(c, role[i], top_hit_m[i], top(i), limit(o), *config);
+    if (stands) clear_seen_through(c, surface_class[i], top_hit_m[i], top(i), limit(o), *config);
     if (stands || faded) store.store(i, c);
   }
 
@@ -214,9 +217,10 @@ struct CleanUpCell
 
   /** The extent of a cell that was hit: not lower than `limit_m`, where rays passed. The top may
    * have risen to this hit, so that what was known above it holds no more. */
-  template <class Team>
+  template <class Group>
   TALUS_HD int learn(
-      int extent, const OverhangRays<Team>& overhang, float top_m, float hit_m, float limit_m) const
+      int extent, const OverhangRays<Group>& overhang, float top_m, float hit_m,
+      float limit_m) const
   {
     const float low_m = min_of(hit_m, overhang.end_of_hits(hit_m, -1));
     const float high_m = max_of(hit_m, overhang.end_of_hits(hit_m, 1));

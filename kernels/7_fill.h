@@ -97,7 +97,7 @@ TALUS_HD bool undercuts(float ray_bound_m, float sample_m, float distance_m, flo
 
 /** Fills before such a place, as far as fills look, say so by this variance, or a larger one; the
  * map is told kToldDoubtful_m2. */
-constexpr float kBeforeBrink_m2 = 1e6f;
+constexpr float kBeforeDropOff_m2 = 1e6f;
 
 /** Variance of ground inferred from a sample [m^2]. */
 TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const Config& k)
@@ -166,7 +166,7 @@ struct LineFusion
     const float gap_m = a.distance_m + b.distance_m, rise = b.nearest_m - a.nearest_m;
     const float drop = select(along_ray, -rise, abs_of(rise));
     const bool face = both & (gap_m > kFaceGap_m) &
-                      ((abs_of(rise) > k.support_slope * gap_m) | (drop > k.step_threshold_m));
+                      ((abs_of(rise) > k.max_slope * gap_m) | (drop > k.step_threshold_m));
     const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
     const float linear = a.mean_m + (b.mean_m - a.mean_m) * part;
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
@@ -209,9 +209,9 @@ struct alignas(16) Inference
   TALUS_HD bool any() const { return is_known(variance_m2); }
   TALUS_HD bool two_sided() const { return bits_of(variance_m2) >> 31 == 0; }
   TALUS_HD bool doubtful() const { return abs_of(variance_m2) >= kDoubtful_m2; }
-  TALUS_HD bool before_brink() const
+  TALUS_HD bool before_drop_off() const
   {
-    return (abs_of(variance_m2) >= kBeforeBrink_m2) & !doubtful();
+    return (abs_of(variance_m2) >= kBeforeDropOff_m2) & !doubtful();
   }
 };
 
@@ -227,9 +227,9 @@ TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
 }
 
 /** Of what has samples towards the sensor only. */
-TALUS_HD float mark_before_brink(float fused_m2, bool is_before)
+TALUS_HD float mark_before_drop_off(float fused_m2, bool is_before)
 {
-  return fused_m2 - select(is_before, kBeforeBrink_m2, 0.0f);
+  return fused_m2 - select(is_before, kBeforeDropOff_m2, 0.0f);
 }
 
 TALUS_HD LineFusion fuse_lines(
@@ -273,7 +273,7 @@ infer_ground(const Inference& inferred, float expected_m, float bound_m, const C
   return {
       min_of(expected_m, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
       select(
-          abs_of(inferred.variance_m2) >= kBeforeBrink_m2, kToldDoubtful_m2,
+          abs_of(inferred.variance_m2) >= kBeforeDropOff_m2, kToldDoubtful_m2,
           abs_of(inferred.variance_m2)),
       select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided), expected_m};
 }
@@ -297,9 +297,9 @@ TALUS_HD float ray_bound(const PassingRays& passing, int o)
 }
 
 /** Whether fills may build on the ground of the cell stored at i. */
-TALUS_HD bool is_sample(const CellStore& store, const std::uint8_t* role, int i)
+TALUS_HD bool is_sample(const CellStore& store, const std::uint8_t* surface_class, int i)
 {
-  return (store.state[i] == kMeasured) & (role[i] == kKeep);
+  return (store.state[i] == kMeasured) & (surface_class[i] == kKeep);
 }
 
 // ---- The cell ----
@@ -310,7 +310,7 @@ constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
 enum SurfaceFlag : std::int32_t
 {
   kSurfaceMeasured = 1,  //!< its ground is measured
-  kSurfaceReached = 2,  //!< a ray met it or passed low over its ground
+  kSurfaceSeen = 2,  //!< a ray met it or passed low over its ground
   kSurfaceGuess = 4,  //!< its ground is filled from one side and nothing stands on it
   kSurfaceTraced = 8  //!< it was hit lately while rays passed, see hit_lately()
 };
@@ -342,20 +342,20 @@ struct DropHanging
 {
   CellStore store;
 
-  static TALUS_HD bool hangs(int passed)
+  static TALUS_HD bool hangs(int ray_evidence)
   {
     const int both = kPassedLow | kHitHighUp;
-    return (passed & both) == both;
+    return (ray_evidence & both) == both;
   }
-  TALUS_HD bool concerns(int, int, int i) const { return hangs(store.passed[i]); }
+  TALUS_HD bool applies(int, int, int i) const { return hangs(store.ray_evidence[i]); }
   TALUS_HD void operator()(int, int, int i) const
   {
     store.elevation_m[i] = store.elevation_var_m2[i] = kNan;
-    // Credit, extent and, of an underside, trace belong to what stood there.
-    store.misses[i] = 0;
+    // Persistence, extent and, of an underside, trace belong to what stood there.
+    store.persistence[i] = 0;
     store.extent[i] = 0;
-    const int kept = store.state[i] == kUnknown ? 0 : store.passed[i] & ~kHitHighUp;
-    store.passed[i] = static_cast<std::uint8_t>(kept);
+    const int kept = store.state[i] == kUnknown ? 0 : store.ray_evidence[i] & ~kHitHighUp;
+    store.ray_evidence[i] = static_cast<std::uint8_t>(kept);
   }
 };
 
@@ -366,19 +366,19 @@ struct FillCell
   const Config* config;
   const FrameContext* frame;
   CellStore store;
-  const std::uint8_t* role;
+  const std::uint8_t* surface_class;
   PassingRays passing;
   const Planes* planes;
   Surfaces surfaces;
   SurfaceLayers out;
 
-  TALUS_HD bool wanted(int i) const { return role[i] != kKeep; }
+  TALUS_HD bool wanted(int i) const { return surface_class[i] != kKeep; }
 
   TALUS_HD int operator()(int ix, int iy, int i, const Inference& inferred) const
   {
     const int o = iy * cells + ix;
-    const int r = role[i], state_before = store.state[i];
-    const int passed_before = store.passed[i], in_open = passing.in_open[o];
+    const int r = surface_class[i], state_before = store.state[i];
+    const int evidence_before = store.ray_evidence[i], in_open = passing.in_open[o];
     const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
     const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound(passing, o));
     const float by_lines_m = height_of_lines(inferred.lines, r >= kObject);
@@ -399,23 +399,23 @@ struct FillCell
     // A fill may lie too high, so that it counts little above the lowest of its lines.
     const float low_m = inferred.lines.lowest_m + kAboveLowestLine_steps * config->step_threshold_m;
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
-    const bool brink = inferred.before_brink() & !is_known(store.elevation_m[i]);
-    const bool undercut = filled & ((fill.height_m < fill.expected_m - kUndercut_m) | brink);
+    const bool drop_off = inferred.before_drop_off() & !is_known(store.elevation_m[i]);
+    const bool undercut = filled & ((fill.height_m < fill.expected_m - kUndercut_m) | drop_off);
     const bool low = (bound_m < floor_m + proof_m) & !undercut;
     const float high_up_m = config->clearance_m *
                             select(r == kObject, kHangs_clearances, kHangsBesideColumn_clearances);
     const bool object = filled & ((r == kObject) | (r == kObjectBesideColumn)) &
                         (before - fill.height_m > high_up_m);
     // What floats is dropped as what hangs.
-    const int kept = passed_before & select(undercut, ~kPassedLow, ~0);
-    const int passed =
+    const int kept = evidence_before & select(undercut, ~kPassedLow, ~0);
+    const int ray_evidence =
         kept | select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0);
     store.ground_m[i] = ground;
     store.ground_var_m2[i] = variance;
     store.state[i] = static_cast<std::uint8_t>(state);
-    store.passed[i] = static_cast<std::uint8_t>(passed);
-    const float elevation = select(DropHanging::hangs(passed), kNan, store.elevation_m[i]);
-    put_surface(surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, passed);
+    store.ray_evidence[i] = static_cast<std::uint8_t>(ray_evidence);
+    const float elevation = select(DropHanging::hangs(ray_evidence), kNan, store.elevation_m[i]);
+    put_surface(surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, ray_evidence);
     return state;
   }
 
@@ -423,25 +423,26 @@ struct FillCell
   /** What is above the sensor, has rays below it and no lower ground beside it that tells what is
    * there. (It is unknown then, and still an underside if asked again.) */
   TALUS_HD bool is_underside(
-      int of_role, int state_before, float before_m, float bound_m, const Inference& inferred,
+      int of_class, int state_before, float before_m, float bound_m, const Inference& inferred,
       const Fill& fill) const
   {
     const float lower_m = max_of(frame->sensor_z_m, before_m - config->cleanup_margin_m);
     const bool told = inferred.any() & (fill.expected_m < lower_m);
     const bool above = (state_before == kMeasured) & (before_m > frame->sensor_z_m) &
                        (bound_m + config->cleanup_margin_m < before_m) & !told;
-    return (of_role == kObject) & (above | (state_before == kUnknown));
+    return (of_class == kObject) & (above | (state_before == kUnknown));
   }
 
-  TALUS_HD void put_surface(Surface& to, float ground, float elevation, int state, int passed) const
+  TALUS_HD void put_surface(
+      Surface& to, float ground, float elevation, int state, int ray_evidence) const
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;
     const bool guess = (state == kFilledOneSided) & !stands;
     const bool met = measured | stands, known = is_known(ground);
-    const std::int32_t passed_low = (passed & kPassedLow) * (kSurfaceReached / kPassedLow);
+    const std::int32_t passed_low = (ray_evidence & kPassedLow) * (kSurfaceSeen / kPassedLow);
     const std::int32_t flags =
-        select(measured, kSurfaceMeasured, 0) | select(met, kSurfaceReached, 0) | passed_low |
-        select(guess, kSurfaceGuess, 0) | select(hit_lately(passed), kSurfaceTraced, 0);
+        select(measured, kSurfaceMeasured, 0) | select(met, kSurfaceSeen, 0) | passed_low |
+        select(guess, kSurfaceGuess, 0) | select(hit_lately(ray_evidence), kSurfaceTraced, 0);
     const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
     to.height_and_flags =

@@ -1,6 +1,6 @@
 #pragma once
 #include "kernels/6_cleanup.h"
-#include "kernels/team.h"
+#include "kernels/group.h"
 
 namespace talus::kernels
 {
@@ -63,7 +63,7 @@ struct Planes
   Floor floor;
 };
 
-/** From samples at 16 x 16 places: exact sums, so that every team comes to the same planes. Each
+/** From samples at 16 x 16 places: exact sums, so that every group comes to the same planes. Each
  * member keeps its own samples from fit to fit. */
 struct FindPlanes
 {
@@ -73,16 +73,16 @@ struct FindPlanes
   const float* sample_m;
   Planes* planes;
 
-  template <class Team>
-  TALUS_HD void operator()(const Team& team) const
+  template <class Group>
+  TALUS_HD void operator()(const Group& group) const
   {
-    const auto own = samples_of(team);
-    Plane plane = fit({}, kInfinity, own, team);
+    const auto own = samples_of(group);
+    Plane plane = fit({}, kInfinity, own, group);
     const Trend trend = trend_of(plane);
     const int all = plane.n;
     for (const float within_m : {kFloorWithin_m, kFloorCloselyWithin_m})
-      plane = fit(plane, within_m, own, team);
-    if (team.rank() == 0) *planes = {trend, floor_of(plane, all)};
+      plane = fit(plane, within_m, own, group);
+    if (group.rank() == 0) *planes = {trend, floor_of(plane, all)};
   }
 
  private:
@@ -114,12 +114,12 @@ struct FindPlanes
       xx += x_64 * dx, xy += x_64 * dy, yy += y_64 * dy;
       xh += dx * height_64, yh += dy * height_64, hh += height_64 * height_64;
     }
-    template <class Team>
-    TALUS_HD void join(const Team& team)
+    template <class Group>
+    TALUS_HD void join(const Group& group)
     {
-      n = team.sum(n), x = team.sum(x), y = team.sum(y), h = team.sum(h);
-      xx = team.sum(xx), xy = team.sum(xy), yy = team.sum(yy);
-      xh = team.sum(xh), yh = team.sum(yh), hh = team.sum(hh);
+      n = group.sum(n), x = group.sum(x), y = group.sum(y), h = group.sum(h);
+      xx = group.sum(xx), xy = group.sum(xy), yy = group.sum(yy);
+      xh = group.sum(xh), yh = group.sum(yh), hh = group.sum(hh);
     }
     /** n^2 times the covariance of two quantities, from their sums and that of their products. */
     TALUS_HD float covariance(std::int64_t a, std::int64_t b, std::int64_t ab) const
@@ -128,7 +128,7 @@ struct FindPlanes
     }
   };
 
-  /** Of the places rank, rank + size ... of a whole team. */
+  /** Of the places rank, rank + size ... of a whole group. */
   template <int kSamples>
   struct Own
   {
@@ -136,14 +136,14 @@ struct FindPlanes
   };
   static constexpr std::int32_t kNone = -0x7fffffff;
 
-  template <class Team>
-  TALUS_HD auto samples_of(const Team& team) const
+  template <class Group>
+  TALUS_HD auto samples_of(const Group& group) const
   {
-    constexpr int kSamples = kPlaneSide * kPlaneSide / Team::kMembers;
+    constexpr int kSamples = kPlaneSide * kPlaneSide / Group::kMembers;
     Own<kSamples> own;
     for (int i = 0; i < kSamples; i++)
     {
-      const int place = team.rank() + i * Team::kMembers;
+      const int place = group.rank() + i * Group::kMembers;
       const float height_m = sample_m[grid.at(cell(place % kPlaneSide), cell(place / kPlaneSide))];
       const bool known = is_known(height_m);
       const std::int32_t height =
@@ -154,21 +154,21 @@ struct FindPlanes
   }
 
   /** The least-squares plane through the samples that are so near to another. */
-  template <int kSamples, class Team>
+  template <int kSamples, class Group>
   TALUS_HD Plane
-  fit(const Plane& to, float within_m, const Own<kSamples>& own, const Team& team) const
+  fit(const Plane& to, float within_m, const Own<kSamples>& own, const Group& group) const
   {
     const int middle = config->cells / 2;
     Sums sums;
     for (int i = 0; i < kSamples; i++)
     {
-      const int place = team.rank() + i * Team::kMembers;
+      const int place = group.rank() + i * Group::kMembers;
       const int dx = cell(place % kPlaneSide) - middle, dy = cell(place / kPlaneSide) - middle;
       const std::int32_t height = own.height[i];
       const float off = static_cast<float>(height) - to.at(dx, dy);
       if (height != kNone && abs_of(off) <= within_m * kSteps) sums.add(dx, dy, height);
     }
-    sums.join(team);
+    sums.join(group);
     return sums.n < kFewestSamples ? Plane{} : solve(sums);
   }
   TALUS_HD int cell(int place) const { return (2 * place + 1) * config->cells / (2 * kPlaneSide); }

@@ -155,7 +155,7 @@ TALUS_HD float fuse_features(const Features& f, const Config& k)
 /** Whether a rise within a cell is steeper than the slope threshold; in quantised steps. */
 TALUS_HD bool is_steep(int rise, const Config& k)
 {
-  return static_cast<float>(abs_of(rise)) > k.support_slope * k.resolution_m * kHeightSteps;
+  return static_cast<float>(abs_of(rise)) > k.max_slope * k.resolution_m * kHeightSteps;
 }
 
 /** Whether a cell lies at a step that the robot takes, not on a slope as a plane through it would

@@ -58,7 +58,7 @@ struct ComputeFeatures
     out.put_traversability(iy * cells + ix, judge_most<true>(ix, iy, m, true));
   }
   /** Whether finish() may change the cell, after one of these. */
-  TALUS_HD bool concerns(int ix, int iy, const Moments& m) const
+  TALUS_HD bool applies(int ix, int iy, const Moments& m) const
   {
     return may_be_sparse(ix, iy, m) | (out.judged[iy * cells + ix] < 0.0f);
   }
@@ -93,7 +93,7 @@ struct ComputeFeatures
         out.sparsity[o] = kNan;
       }
     // What no ray ever met, nor passed low over its ground, may be the inside of a thing.
-    const bool judged = known & cell.is(kSurfaceReached);
+    const bool judged = known & cell.is(kSurfaceSeen);
     return select(judged, fuse_features(f, *config), kNan);
   }
   /** `judged`, unless stage 9 says otherwise, or it is the slope of a low step alone. */
@@ -140,9 +140,9 @@ struct CompleteObstacles
   const float* judged;  //!< window order, with a row and a cell more on both ends
   float* traversability;
 
-  TALUS_HD bool concerns(int ix, int iy, int) const
+  TALUS_HD bool applies(int ix, int iy, int) const
   {
-    return concerns(ix, iy, judged + iy * cells + ix, cells);
+    return applies(ix, iy, judged + iy * cells + ix, cells);
   }
   TALUS_HD void operator()(int ix, int iy, int) const
   {
@@ -153,12 +153,12 @@ struct CompleteObstacles
    * neighbour's in the next row `pitch` behind it. */
   TALUS_HD void complete(int ix, int iy, const float* at, int pitch) const
   {
-    const bool joined = concerns(ix, iy, at, pitch) && joins(ix, iy, at, pitch);
+    const bool joined = applies(ix, iy, at, pitch) && joins(ix, iy, at, pitch);
     traversability[iy * cells + ix] = joined ? 0.0f : abs_of(*at);
   }
 
  private:
-  TALUS_HD bool concerns(int ix, int iy, const float* at, int pitch) const
+  TALUS_HD bool applies(int ix, int iy, const float* at, int pitch) const
   {
     const int n = cells;
     const bool inside = (ix > 0) & (iy > 0) & (ix < n - 1) & (iy < n - 1);

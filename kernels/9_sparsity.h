@@ -24,7 +24,7 @@ TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
  */
 TALUS_HD float drop_across(float inner_m, float outer_m, float gap_m, const Config& k)
 {
-  return max_of(abs_of(inner_m - outer_m) - kExplainedSlope * k.support_slope * gap_m, 0.0f);
+  return max_of(abs_of(inner_m - outer_m) - kExplainedSlope * k.max_slope * gap_m, 0.0f);
 }
 
 /** Eq. 14 from the height difference h_s of the ground found on both sides, searched farther than a

@@ -17,7 +17,7 @@ enum State : std::uint8_t
 
 /** Bits: how well rays that passed over a cell show that nothing stands on unmeasured ground there.
  */
-enum Passed : std::uint8_t
+enum RayEvidence : std::uint8_t
 {
   kPassedLow = 1,  //!< in some frame a ray passed so low that nothing above a step can stand there
   kHitBefore = 2,  //!< when rays passed last, it was hit, too
@@ -25,7 +25,7 @@ enum Passed : std::uint8_t
 };
 /** The bits above them hold a trace, see kTraceOne. True: two hits within a few frames, and not
  * long ago. */
-TALUS_HD bool hit_lately(int passed) { return passed >= kTraceLately; }
+TALUS_HD bool hit_lately(int ray_evidence) { return ray_evidence >= kTraceLately; }
 
 /** What the map remembers of a cell; stored it takes 20 bytes. */
 struct Cell
@@ -35,15 +35,17 @@ struct Cell
   float elevation_m = kNan;  //!< top of what stands on the ground; NaN where nothing was measured
   float elevation_var_m2 = kNan;
   std::int32_t state = kUnknown;
-  std::int32_t misses = 0;  //!< consecutive frames that saw through it; negative: see kMaxCredit
-  std::int32_t passed = 0;  //!< what rays said of its ground, see Passed, and a trace of hits
+  std::int32_t persistence =
+      0;  //!< consecutive frames that saw through it; negative: see kMaxPersistence
+  std::int32_t ray_evidence =
+      0;  //!< what rays said of its ground, see RayEvidence, and a trace of hits
   std::int32_t extent = 0;  //!< of what overhangs, below and above its top, see put_extent()
 
   static constexpr auto fields()
   {
     return std::make_tuple(
         &Cell::ground_m, &Cell::ground_var_m2, &Cell::elevation_m, &Cell::elevation_var_m2,
-        &Cell::state, &Cell::misses, &Cell::passed, &Cell::extent);
+        &Cell::state, &Cell::persistence, &Cell::ray_evidence, &Cell::extent);
   }
 };
 
@@ -55,14 +57,14 @@ struct CellStore
   float* elevation_m;
   float* elevation_var_m2;
   std::uint8_t* state;
-  std::int8_t* misses;
-  std::uint8_t* passed;
+  std::int8_t* persistence;
+  std::uint8_t* ray_evidence;
   std::uint8_t* extent;
 
   TALUS_HD Cell load(int i) const
   {
-    return {ground_m[i], ground_var_m2[i], elevation_m[i], elevation_var_m2[i],
-            state[i],    misses[i],        passed[i],      extent[i]};
+    return {ground_m[i], ground_var_m2[i], elevation_m[i],  elevation_var_m2[i],
+            state[i],    persistence[i],   ray_evidence[i], extent[i]};
   }
   TALUS_HD void store(int i, const Cell& c) const
   {
@@ -71,8 +73,8 @@ struct CellStore
     elevation_m[i] = c.elevation_m;
     elevation_var_m2[i] = c.elevation_var_m2;
     state[i] = static_cast<std::uint8_t>(c.state);
-    misses[i] = static_cast<std::int8_t>(c.misses);
-    passed[i] = static_cast<std::uint8_t>(c.passed);
+    persistence[i] = static_cast<std::int8_t>(c.persistence);
+    ray_evidence[i] = static_cast<std::uint8_t>(c.ray_evidence);
     extent[i] = static_cast<std::uint8_t>(c.extent);
   }
 };
@@ -115,7 +117,7 @@ TALUS_HD bool entered_window(const FrameContext& f, int cells, int ix, int iy)
 }
 
 /** What stage 5 decides about a cell for the rest of the frame. */
-enum Role : std::uint8_t
+enum SurfaceClass : std::uint8_t
 {
   kKeep = 0,  //!< its ground stays
   kInfer = 1,  //!< its ground is unknown or a guess: infer it

@@ -33,7 +33,7 @@ struct Config
   int cleanup_frames;
   // refill and fill
   int object_radius;  //!< half of object_size_m, in pairs of cells
-  float support_slope;  //!< tangent of the slope threshold
+  float max_slope;  //!< tangent of the slope threshold
   float fill_search_m, fill_lambda, inverse_fill_kernel, fill_variance_per_m;
   int fill_samples, fill_rule, fill_use_ray_bound;
   // traversability

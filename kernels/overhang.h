@@ -1,6 +1,6 @@
 #pragma once
 #include "kernels/rays.h"
-#include "kernels/team.h"
+#include "kernels/group.h"
 
 #include <tuple>
 
@@ -14,7 +14,7 @@ constexpr int kMaxBinsPerCellBits = 3;  //!< of a cell near the sensor eight are
 
 /** Where the rays through the middle half of the angle under which the sensor sees a cell are
  * found, those that ended two or more rings behind it. */
-struct Glance
+struct RayFootprint
 {
   std::int32_t first_bin = 0, last_bin = -1, stride = 1;
   std::int32_t row = 0;  //!< where their ring starts in the table
@@ -23,7 +23,8 @@ struct Glance
   static constexpr auto fields()
   {
     return std::make_tuple(
-        &Glance::first_bin, &Glance::last_bin, &Glance::stride, &Glance::row, &Glance::chebyshev_m);
+        &RayFootprint::first_bin, &RayFootprint::last_bin, &RayFootprint::stride,
+        &RayFootprint::row, &RayFootprint::chebyshev_m);
   }
   /** How many rays to look at. */
   TALUS_HD int rays() const
@@ -33,17 +34,17 @@ struct Glance
   }
 };
 
-TALUS_HD Glance glance_at(const Config& k, const FrameContext& f, int ix, int iy)
+TALUS_HD RayFootprint footprint_of(const Config& k, const FrameContext& f, int ix, int iy)
 {
   const float dx = (static_cast<float>(ix) + 0.5f) * k.resolution_m - f.sensor_x_m;
   const float dy = (static_cast<float>(iy) + 0.5f) * k.resolution_m - f.sensor_y_m;
-  Glance g;
+  RayFootprint g;
   g.chebyshev_m = chebyshev(dx, dy);
   const float ring = g.chebyshev_m * k.inverse_resolution;
   const bool under_sensor = ring < kUnderSensor_rings;
   const int bins = bin_count(k), per_side = bins_per_side(k);
   g.row = min_of(floor_to_int(ring) + kBehindCell_rings, ring_count(k) - 1) * bins;
-  const float half_span = kGlanceHalfSpan * static_cast<float>(per_side) /
+  const float half_span = kFootprintHalfSpan * static_cast<float>(per_side) /
                           select(under_sensor, kUnderSensor_rings, ring);
   const float middle =
       direction_in_bins(select(under_sensor, 1.0f, dx), select(under_sensor, 0.0f, dy), per_side);
@@ -54,7 +55,7 @@ TALUS_HD Glance glance_at(const Config& k, const FrameContext& f, int ix, int iy
 }
 
 /** How far the rays of this frame went, see NoteReach. */
-struct Reach
+struct RayReach
 {
   const FrameContext* frame;
   const std::int32_t* of_slope;
@@ -65,24 +66,24 @@ struct Reach
     static constexpr int kSize = 4;
     std::int32_t ends[kSize];
   };
-  TALUS_HD Steps steps(int bin, int group) const
+  TALUS_HD Steps steps(int bin, int quad) const
   {
-    const Steps* const groups = reinterpret_cast<const Steps*>(of_slope);
-    Steps here = groups[bin * (kSlopeSteps / Steps::kSize) + group];
+    const Steps* const quads = reinterpret_cast<const Steps*>(of_slope);
+    Steps here = quads[bin * (kSlopeSteps / Steps::kSize) + quad];
     for (std::int32_t& end : here.ends) end = -end;
     return here;
   }
 };
 
 /** How far what overhangs reaches below and above the top of one cell is learned from the rays of
- * this frame, and whether it left. The directions of the cell are dealt out to a team. */
-template <class Team>
+ * this frame, and whether it left. The directions of the cell are dealt out to a group. */
+template <class Group>
 struct OverhangRays
 {
   const Config& k;
-  const Reach& reach;
-  Glance glance;
-  Team team;
+  const RayReach& reach;
+  RayFootprint footprint;
+  Group group;
 
   /** Whether rays that aimed at the cell between `low_m` and `high_m` ended two or more rings
    * behind it, and none before. */
@@ -90,12 +91,12 @@ struct OverhangRays
   {
     const int first = max_of(floor_to_int(step_of(low_m)) + 1, 0);
     const int end = min_of(floor_to_int(step_of(high_m)), kSlopeSteps);
-    const int last = glance.rays() + kBesideCell_bins;
+    const int last = footprint.rays() + kBesideCell_bins;
     int most = kNoneAimed;
-    if (glance.rays() > 0)
-      for (int which = team.rank() - kBesideCell_bins; which < last; which += team.size())
+    if (footprint.rays() > 0)
+      for (int which = group.rank() - kBesideCell_bins; which < last; which += group.size())
         most = max_of(most, aimed(bin(which), first, end));
-    return team.max(most) == kWentOn;
+    return group.max(most) == kWentOn;
   }
 
   /** From a height that was hit in the cell to the end of the hits below (`up` = -1) or above it
@@ -105,9 +106,9 @@ struct OverhangRays
   {
     const int first = first_step(hit_m, up), none = first - up;
     int farthest = none * up;
-    for (int which = team.rank(); which < glance.rays(); which += team.size())
+    for (int which = group.rank(); which < footprint.rays(); which += group.size())
       farthest = max_of(farthest, follow(bin(which), first, up).last * up);
-    return height_of(team.max(farthest) * up, none, hit_m);
+    return height_of(group.max(farthest) * up, none, hit_m);
   }
 
   /** The same downwards, where the ray below the last hit ended on something nearer; NaN: it went
@@ -116,14 +117,14 @@ struct OverhangRays
   {
     const int first = min_of(first_step(hit_m, -1), kSlopeSteps - 1), none = first + 1;
     int lowest = none, most = kNoneAimed;
-    for (int which = team.rank(); which < glance.rays(); which += team.size())
+    for (int which = group.rank(); which < footprint.rays(); which += group.size())
     {
       const EndOfHits end = follow(bin(which), first, -1);
       lowest = min_of(lowest, select(end.next == kWentOn, kWentOnBelow, end.last));
       most = max_of(most, static_cast<int>(end.next));
     }
-    lowest = team.min(lowest);
-    const bool on_something = (team.max(most) == kEndedBefore) & (lowest != kWentOnBelow);
+    lowest = group.min(lowest);
+    const bool on_something = (group.max(most) == kEndedBefore) & (lowest != kWentOnBelow);
     return on_something ? height_of(lowest, none, hit_m) : kNan;
   }
 
@@ -138,25 +139,25 @@ struct OverhangRays
 
   TALUS_HD float step_of(float height_m) const
   {
-    return slope_step(ray_slope(height_m - reach.frame->sensor_z_m, glance.chebyshev_m));
+    return slope_step(ray_slope(height_m - reach.frame->sensor_z_m, footprint.chebyshev_m));
   }
   TALUS_HD int bin(int which) const
   {
-    return wrap_bin(glance.first_bin + which * glance.stride, bin_count(k));
+    return wrap_bin(footprint.first_bin + which * footprint.stride, bin_count(k));
   }
 
   TALUS_HD Aimed aimed(int bin, int first, int end) const
   {
     bool any = false, before = false;
-    for (int group = first / Reach::Steps::kSize; group * Reach::Steps::kSize < end; group++)
+    for (int quad = first / RayReach::Steps::kSize; quad * RayReach::Steps::kSize < end; quad++)
     {
-      const Reach::Steps rays = reach.steps(bin, group);
-      for (int s = 0; s < Reach::Steps::kSize; s++)
+      const RayReach::Steps rays = reach.steps(bin, quad);
+      for (int s = 0; s < RayReach::Steps::kSize; s++)
       {
-        const int step = group * Reach::Steps::kSize + s, ray = rays.ends[s];
+        const int step = quad * RayReach::Steps::kSize + s, ray = rays.ends[s];
         const bool is_ray = (step >= first) & (step < end) & (ray > 0);
         any |= is_ray;
-        before |= is_ray & (ray < glance.row);
+        before |= is_ray & (ray < footprint.row);
       }
       if (before) return kEndedBefore;
     }
@@ -170,7 +171,7 @@ struct OverhangRays
   TALUS_HD float height_of(int last, int none, float hit_m) const
   {
     if (last == none) return hit_m;
-    return reach.frame->sensor_z_m + slope_of_step(last) * glance.chebyshev_m;
+    return reach.frame->sensor_z_m + slope_of_step(last) * footprint.chebyshev_m;
   }
 
   /** The last step of those from `first` on that were hit, or the one before `first`, and what
@@ -182,19 +183,19 @@ struct OverhangRays
   };
   TALUS_HD EndOfHits follow(int bin, int first, int up) const
   {
-    const int nearest = glance.row - (kBehindCell_rings + kBeforeCell_rings) * bin_count(k);
+    const int nearest = footprint.row - (kBehindCell_rings + kBeforeCell_rings) * bin_count(k);
     EndOfHits end{first - up, kNoneAimed};
     bool more = first >= 0 && first < kSlopeSteps;
-    for (int group = first / Reach::Steps::kSize;
-         more && group >= 0 && group < kSlopeSteps / Reach::Steps::kSize; group += up)
+    for (int quad = first / RayReach::Steps::kSize;
+         more && quad >= 0 && quad < kSlopeSteps / RayReach::Steps::kSize; quad += up)
     {
-      const Reach::Steps rays = reach.steps(bin, group);
-      for (int n = 0; n < Reach::Steps::kSize; n++)
+      const RayReach::Steps rays = reach.steps(bin, quad);
+      for (int n = 0; n < RayReach::Steps::kSize; n++)
       {
-        const int s = up > 0 ? n : Reach::Steps::kSize - 1 - n, ray = rays.ends[s];
-        const int step = group * Reach::Steps::kSize + s;
+        const int s = up > 0 ? n : RayReach::Steps::kSize - 1 - n, ray = rays.ends[s];
+        const int step = quad * RayReach::Steps::kSize + s;
         const bool is_ray = more & ((step - first) * up >= 0) & (ray > 0);
-        const bool before = ray < nearest, behind = ray >= glance.row;
+        const bool before = ray < nearest, behind = ray >= footprint.row;
         end.last = is_ray & !before & !behind ? step : end.last;
         end.next = is_ray & before ? kEndedBefore : is_ray & behind ? kWentOn : end.next;
         more = end.next == kNoneAimed;

@@ -39,11 +39,11 @@ constexpr int kTraceLately = kTraceHit + 5 * kTraceOne;
 /** What is hit while rays pass below it, a hedge, a railing, a branch, a bench, is no more gone
  * when rays pass there: it stays for so many frames without a hit. What is hit in one frame after
  * the other earns less: the long side of a thing that drives past is. */
-constexpr int kPorousCredit = 3, kHeldCredit = 1;
-/** With so much it is porous, and one ray takes one; it cannot earn more than kMaxCredit. */
-constexpr int kPorous = 12, kMaxCredit = 120;
+constexpr int kPorousHitEarns = 3, kHeldHitEarns = 1;
+/** With so much it is porous, and one ray takes one; it cannot earn more than kMaxPersistence. */
+constexpr int kPorousPersistence = 12, kMaxPersistence = 120;
 /** That little but what overhangs earns, and hedges and railings in time. */
-constexpr int kOverhangCredit = kMaxCredit / 2;
+constexpr int kOverhangPersistence = kMaxPersistence / 2;
 
 // ---- Stage 5: what is ground, and what stands ----
 
@@ -72,15 +72,15 @@ constexpr float kSameThing_steps = 0.5f;
 constexpr float kBelowFaceTop_steps = 0.75f, kAboveFaceTop_steps = 0.5f;
 /** How far behind the face of what it stands on something is hit at most. */
 constexpr float kBehindFace_m = 0.4f;
-/** A face is looked for in so many lanes towards the sensor, a pair of cells wide each, of which so
- * many may be without it: wider than the leg of a table. */
-constexpr int kFaceLanes = 5, kMissingLanes = 1;
+/** A face is looked for in so many corridors towards the sensor, a pair of cells wide each, of
+ * which so many may be without it: wider than the leg of a table. */
+constexpr int kFaceCorridors = 5, kMissingCorridors = 1;
 
 // ---- Stages 5 and 6: rays of one cell ----
 
 /** Of the angle under which the sensor sees a cell its middle half is looked at: an eighth of a
  * side of the square in either direction, over the ring. */
-constexpr float kGlanceHalfSpan = 0.125f;
+constexpr float kFootprintHalfSpan = 0.125f;
 /** Rays count for a cell if they ended so many rings behind it: not on the thing itself. */
 constexpr int kBehindCell_rings = 2;
 /** Nearer to the sensor than this a cell is seen from above only. */
@@ -117,8 +117,8 @@ constexpr float kContradicted_m = 0.1f;
  * where nor how steeply: the fill is as high as the rays, but no ray has shown that ground. */
 constexpr float kUndercut_m = 0.03f;
 /** Where rays undercut by this the ground that goes on from a sample as that around the robot does,
- * a brink lies somewhere between, and the cells before that place are not judged either. Lines from
- * the sensor are asked at each so many places. */
+ * a drop-off lies somewhere between, and the cells before that place are not judged either. Lines
+ * from the sensor are asked at each so many places. */
 constexpr float kUndercutAhead_m = 0.05f;
 constexpr int kUndercutPlaces = 4;
 /** Wider gaps may hold a face: the front of something, or the edge of a drop. */

@@ -1,6 +1,6 @@
 #pragma once
 #include "cpu/executor.h"
-#include "kernels/team.h"
+#include "kernels/group.h"
 
 #include <algorithm>
 #include <array>
@@ -20,7 +20,7 @@ struct DeviceOnHostAtomics : kernels::SerialAtomics
 };
 
 /** What runs on a device, on the host: the stages in the device's order with the device's rules,
- * by plain loops on plain memory, so that every machine executes them. A warp is a team of one.
+ * by plain loops on plain memory, so that every machine executes them. A warp is a group of one.
  * What a device does at once is done from the last to the first here, since no order may matter. */
 class DeviceOnHost : public CpuMemory
 {
@@ -82,13 +82,13 @@ class DeviceOnHost : public CpuMemory
     for_each(n, f);
   }
   template <class F>
-  void for_each_and_team(int n, int, const F& f)
+  void for_each_and_group(int n, int, const F& f)
   {
     int cell = -1;
     for (int i = n; i-- > 0;)
-      if ((cell = f.lone_cell(i)) >= 0) f.update(cell, kernels::LoneTeam{});
+      if ((cell = f.lone_cell(i)) >= 0) f.update(cell, kernels::SerialGroup{});
     for (int slot = 0; (cell = f.crowded_cell(slot)) >= 0; slot++)
-      f.update(cell, kernels::LoneTeam{});
+      f.update(cell, kernels::SerialGroup{});
   }
   template <class F>
   void for_each_cell(int nx, int ny, const F& f)
@@ -117,7 +117,7 @@ class DeviceOnHost : public CpuMemory
   template <class F, class G>
   void pack_bits(int lines, int bits, const F& f, std::uint32_t* words, const G& g)
   {
-    g(kernels::LoneTeam{});
+    g(kernels::SerialGroup{});
     std::fill_n(words, (bits + 31) / 32 * lines, 0u);
     for (int line = lines; line-- > 0;)
     {
@@ -129,11 +129,11 @@ class DeviceOnHost : public CpuMemory
   template <class F>
   void mark_cells(int side, const F& f, std::uint32_t* marks)
   {
-    const auto look = [&](int x, int y)
+    const auto inspect = [&](int x, int y)
     {
-      if (const int what = f.begin(x, y)) f.look(x, y, what, kernels::LoneTeam{});
+      if (const int what = f.begin(x, y)) f.inspect(x, y, what, kernels::SerialGroup{});
     };
-    for_each_cell(side, side, look);
+    for_each_cell(side, side, inspect);
     std::fill_n(marks, (side + 31) / 32 * 2 * side, 0u);
     const auto mark = [&](int x, int y)
     {
@@ -230,7 +230,7 @@ class DeviceOnHost : public CpuMemory
     for (int s = 0; s < kStretches; s++)
     {
       typename F::Before own;
-      f.look(direction, begin(s), end(s), own);
+      f.collect(direction, begin(s), end(s), own);
       before[static_cast<std::size_t>(s) + 1] = own;
       before[static_cast<std::size_t>(s) + 1].add(before[static_cast<std::size_t>(s)]);
     }

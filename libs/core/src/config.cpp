@@ -35,7 +35,7 @@ kernels::Config make_config(const Parameters& p)
   k.cleanup_margin_m = f(p.cleanup_margin_m);
   k.cleanup_frames = p.cleanup_frames;
   k.object_radius = static_cast<int>(std::lround(p.object_size_m / (4 * p.resolution_m)));
-  k.support_slope = f(std::tan(p.slope_threshold_rad));
+  k.max_slope = f(std::tan(p.slope_threshold_rad));
   k.fill_search_m = f(p.fill_search_m);
   k.fill_lambda = f(std::max(p.fill_lambda, kLeastLambda));
   k.inverse_fill_kernel = f(1 / p.fill_kernel_m);

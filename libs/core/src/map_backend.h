@@ -162,8 +162,8 @@ MapBytes MapBackend<Schedule>::read_all()
     executor_.download(b->data(), n, reinterpret_cast<float*>(to));
     to += n * sizeof(float);
   }
-  for (auto* b : {&map_.state, &map_.passed}) executor_.download(b->data(), n, to), to += n;
-  executor_.download(map_.misses.data(), n, reinterpret_cast<std::int8_t*>(to));
+  for (auto* b : {&map_.state, &map_.ray_evidence}) executor_.download(b->data(), n, to), to += n;
+  executor_.download(map_.persistence.data(), n, reinterpret_cast<std::int8_t*>(to));
   executor_.download(map_.extent.data(), n, to + n);
   complete_parts();
   bytes.features.resize(Map::kFeatureLayers * n);
@@ -183,8 +183,8 @@ void MapBackend<Schedule>::write_all(const MapBytes& bytes, const kernels::Frame
     executor_.upload(reinterpret_cast<const float*>(from), n, b->data());
     from += n * sizeof(float);
   }
-  for (auto* b : {&map_.state, &map_.passed}) executor_.upload(from, n, b->data()), from += n;
-  executor_.upload(reinterpret_cast<const std::int8_t*>(from), n, map_.misses.data());
+  for (auto* b : {&map_.state, &map_.ray_evidence}) executor_.upload(from, n, b->data()), from += n;
+  executor_.upload(reinterpret_cast<const std::int8_t*>(from), n, map_.persistence.data());
   executor_.upload(from + n, n, map_.extent.data());
   map_.allocate_parts(executor_);
   map_.now->parts_known = true;

@@ -57,8 +57,8 @@ struct MapBuffers
   // ---- views ----
   kernels::CellStore store()
   {
-    return {ground.data(), ground_var.data(), elevation.data(), elevation_var.data(),
-            state.data(),  misses.data(),     passed.data(),    extent.data()};
+    return {ground.data(), ground_var.data(),  elevation.data(),    elevation_var.data(),
+            state.data(),  persistence.data(), ray_evidence.data(), extent.data()};
   }
   kernels::PointsOut points_out()
   {
@@ -81,32 +81,33 @@ struct MapBuffers
   {
     return {config.data(), context.data(), store(), points_out(), sorting, top_hit.data()};
   }
-  kernels::LookThrough look_through()
+  kernels::FindPassingRays find_passing_rays()
   {
     return {side(), config.data(), context.data(), rays.data(), passing()};
   }
-  kernels::SupportGrid support_grid()
+  kernels::CoarseGrid coarse_grid()
   {
-    const int grid_side = kernels::support_side(host_config);
+    const int grid_side = kernels::coarse_side(host_config);
     const int pad = kernels::dilation_radius(host_config);
     const auto n =
         static_cast<std::size_t>(grid_side) * static_cast<std::size_t>(grid_side + 2 * pad);
-    float* p = support.data();
-    return {grid_side, kernels::support_margin(host_config),
+    float* p = coarse.data();
+    return {grid_side, kernels::coarse_margin(host_config),
             pad,       p,
             p + n,     p + 2 * n,
             p + 3 * n, p + 4 * n,
             p + 5 * n, p + 6 * n};
   }
-  kernels::Reach ray_reach() { return {context.data(), reach.data()}; }
-  kernels::ChooseRole choose_role()
+  kernels::RayReach ray_reach() { return {context.data(), reach.data()}; }
+  kernels::ClassifyCell classify_cell()
   {
-    return {config.data(),  context.data(), store(),    support_grid(),
-            top_hit.data(), ray_reach(),    role.data()};
+    return {config.data(), context.data(),      store(), coarse_grid(), top_hit.data(),
+            ray_reach(),   surface_class.data()};
   }
   kernels::CleanUpCell clean_up()
   {
-    return {side(), config.data(), store(), passing(), ray_reach(), top_hit.data(), role.data()};
+    return {side(),         config.data(),       store(), passing(), ray_reach(),
+            top_hit.data(), surface_class.data()};
   }
   kernels::PassingRays passing()
   {
@@ -121,7 +122,7 @@ struct MapBuffers
   kernels::Samples samples() { return {line_samples.data(), line_samples.data() + grid_size()}; }
   kernels::FillCell fill_cell()
   {
-    return {side(),    config.data(), context.data(), store(),         role.data(),
+    return {side(),    config.data(), context.data(), store(),         surface_class.data(),
             passing(), planes.data(), surfaces(),     surface_layers()};
   }
   kernels::Surfaces surfaces()
@@ -198,7 +199,7 @@ struct MapBuffers
       if (is_copied(l)) deliver(executor, l, feature(l), first_row, end_row);
   }
 
-  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kSupportArrays = 7;
+  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kCoarseArrays = 7;
 
   /** What a frame does not share with the one that is in flight beside it. */
   struct Slot
@@ -221,8 +222,8 @@ struct MapBuffers
   Buffer<kernels::FrameContext> context;
   // persistent, storage order
   Buffer<float> ground, ground_var, elevation, elevation_var;
-  Buffer<std::uint8_t> state, passed, extent;
-  Buffer<std::int8_t> misses;
+  Buffer<std::uint8_t> state, ray_evidence, extent;
+  Buffer<std::int8_t> persistence;
   // of one frame: points
   Buffer<std::int32_t> point_cell, point_ray, point_reach, point_in_cell;
   Buffer<std::uint32_t> point_rank, cell_count, cell_begin, counters;
@@ -236,10 +237,10 @@ struct MapBuffers
   Buffer<float> lowest_slope;
   // cells, window order where not said otherwise
   Buffer<float> top_hit;  //!< storage order
-  Buffer<std::uint8_t> role;  //!< storage order
+  Buffer<std::uint8_t> surface_class;  //!< storage order
   Buffer<std::uint8_t> in_open;
   Buffer<float> passing_heights;
-  Buffer<float> support;  //!< coarse grid
+  Buffer<float> coarse;  //!< coarse grid
   Buffer<float> line_samples, across;  //!< grid of lines
   Buffer<kernels::Planes> planes;
   Buffer<kernels::Surface> judged_surfaces;
@@ -267,16 +268,16 @@ void MapBuffers<Executor>::allocate(Executor& executor)
   const auto n = static_cast<std::size_t>(cells());
   for (auto* b : {&ground, &ground_var, &elevation, &elevation_var})
     executor.allocate(*b, n, kernels::kNan);
-  for (auto* b : {&state, &passed, &extent, &role, &in_open})
+  for (auto* b : {&state, &ray_evidence, &extent, &surface_class, &in_open})
     executor.allocate(*b, n, std::uint8_t{0});
-  executor.allocate(misses, n, std::int8_t{0});
+  executor.allocate(persistence, n, std::int8_t{0});
   for (auto* b : {&cell_count, &cell_begin}) executor.allocate(*b, n, std::uint32_t{0});
   executor.allocate(passing_heights, 2 * n, 0.0f);
   executor.allocate(top_hit, n, 0.0f);
   executor.allocate(planes, 1, kernels::Planes{});
-  const auto pooled = static_cast<std::size_t>(kernels::support_side(host_config));
+  const auto pooled = static_cast<std::size_t>(kernels::coarse_side(host_config));
   const std::size_t pad = 2 * static_cast<std::size_t>(kernels::dilation_radius(host_config));
-  executor.allocate(support, kSupportArrays * pooled * (pooled + pad), kernels::kInfinity);
+  executor.allocate(coarse, kCoarseArrays * pooled * (pooled + pad), kernels::kInfinity);
   executor.allocate(across, grid_size(), kernels::kNan);
   executor.allocate(line_samples, 2 * grid_size(), kernels::kNan);
   executor.allocate(config, 1, kernels::Config{});

@@ -14,7 +14,7 @@ namespace talus::cells
 constexpr int kLanes = 32, kMost = 32;
 
 /** Cells that are updated side by side, and their points. */
-class alignas(64) Group
+class alignas(64) Batch
 {
   using Cell = kernels::Cell;
   using Config = kernels::Config;
@@ -47,7 +47,7 @@ class alignas(64) Group
   }
 
   /** kernels::update_cell() of all of them. */
-  TALUS_CLONES static void run(Group& g, const Config k)
+  TALUS_CLONES static void run(Batch& g, const Config k)
   {
     g.find_ends(k);
     g.update_ground(k);
@@ -58,7 +58,7 @@ class alignas(64) Group
   void find_ends(const Config& k)
   {
     up_to_.fill({});
-    look(ends_, up_to_, k);
+    reduce(ends_, up_to_, k);
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
@@ -73,7 +73,7 @@ class alignas(64) Group
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
       plan_.store(l, kernels::plan_ground(cells_.load(l), ends_.load(l).lowest(), k));
-    look(fusion_, plan_, k);
+    reduce(fusion_, plan_, k);
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
@@ -85,13 +85,13 @@ class alignas(64) Group
 
   void update_elevation(const Config& k)
   {
-    climb(k);
+    scan_clearance(k);
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
       plan_.store(
           l, kernels::plan_elevation(
-                 cells_.load(l), highest_.load(l).highest(), climb_.load(l).top_m, k));
-    look(fusion_, plan_, k);
+                 cells_.load(l), highest_.load(l).highest(), scan_.load(l).top_m, k));
+    reduce(fusion_, plan_, k);
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
@@ -102,41 +102,41 @@ class alignas(64) Group
   }
 
   /** To the highest point that stands. */
-  void climb(const Config& k)
+  void scan_clearance(const Config& k)
   {
     int any = 0;
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      const float start_m = kernels::start_of_climb(cells_.load(l)).top_m;
-      climb_.store(l, {kernels::select(hangs_[l] != 0, kernels::kInfinity, start_m)});
-      any |= climb_.load(l).top_m < ends_.load(l).highest().height_m;
+      const float start_m = kernels::start_of_scan(cells_.load(l)).top_m;
+      scan_.store(l, {kernels::select(hangs_[l] != 0, kernels::kInfinity, start_m)});
+      any |= scan_.load(l).top_m < ends_.load(l).highest().height_m;
     }
     while (any)
     {
-      last_ = climb_;
-      add(climb_, last_, k);
+      last_ = scan_;
+      add(scan_, last_, k);
       any = 0;
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
-        any |= climb_.load(l).goes_on(last_.load(l), ends_.load(l).highest().height_m);
+        any |= scan_.load(l).goes_on(last_.load(l), ends_.load(l).highest().height_m);
     }
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      const float top_m = climb_.load(l).top_m;
+      const float top_m = scan_.load(l).top_m;
       up_to_.store(l, {top_m});
       any |= top_m < ends_.load(l).highest().height_m;
     }
     highest_ = ends_;
-    if (any) look(highest_, up_to_, k);
+    if (any) reduce(highest_, up_to_, k);
   }
 
   void find_overhangs(const Config& k)
   {
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++) up_to_.store(l, {cells_.load(l).ground_m + k.clearance_m});
-    look(overhang_, up_to_, k);
+    reduce(overhang_, up_to_, k);
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
@@ -148,7 +148,7 @@ class alignas(64) Group
 
   /** What the points of each cell add to nothing, or to a sum. */
   template <class Sum, class Question>
-  void look(
+  void reduce(
       SideBySide<Sum, kLanes>& sums, const SideBySide<Question, kLanes>& asked, const Config& k)
   {
     sums.fill({});
@@ -178,13 +178,13 @@ class alignas(64) Group
   SideBySide<kernels::Extremes, kLanes> ends_, highest_;
   SideBySide<kernels::FusionPlan, kLanes> plan_;
   SideBySide<kernels::Fusion, kLanes> fusion_;
-  SideBySide<kernels::Climb, kLanes> climb_, last_;
+  SideBySide<kernels::ClearanceScan, kLanes> scan_, last_;
   SideBySide<kernels::Overhang, kLanes> overhang_;
 };
 
 /** The cells that received points: those of the same part of the window together, so that a thread
- * has them where it wrote them last; of each part in order of how many points, cut into groups;
- * those of very many are groups of their own. */
+ * has them where it wrote them last; of each part in order of how many points, cut into batches;
+ * those of very many are batches of their own. */
 class Order
 {
  public:
@@ -213,7 +213,7 @@ class Order
     }
   }
 
-  int groups() const { return cuts_[parts_].group; }
+  int batches() const { return cuts_[parts_].batch; }
   int cells() const { return cuts_[parts_].cell; }
   /** How the ground rises through the cells [begin, end). */
   void find_rises(const kernels::FindRise& find, int begin, int end) const
@@ -221,20 +221,20 @@ class Order
     for (int c = begin; c < end; c++)
       update_.sorting.rise[update_.sorting.cell_begin[cells_[c]]] = find(cells_[c]);
   }
-  /** Of the groups [begin, end); their counts of points become zero, for the next frame. */
+  /** Of the batches [begin, end); their counts of points become zero, for the next frame. */
   void update(int begin, int end) const
   {
-    Group side_by_side{};
+    Batch side_by_side{};
     const Cut* part = cuts_;
-    for (int group = begin; group < end; group++)
+    for (int batch = begin; batch < end; batch++)
     {
-      while (group >= part[1].group) part++;
-      const int full = groups_of(part->lone - part->cell), k = group - part->group;
+      while (batch >= part[1].batch) part++;
+      const int full = batches_of(part->lone - part->cell), k = batch - part->batch;
       const bool is_lone = k >= full;
       const int first = is_lone ? part->lone + k - full : part->cell + k * kLanes;
       const int lanes = is_lone ? 1 : std::min(kLanes, part->lone - first);
       if (is_lone)
-        update_.update(cells_[first], kernels::LoneTeam{});
+        update_.update(cells_[first], kernels::SerialGroup{});
       else
         side_by_side.update(update_, cells_ + first, lanes);
       for (int l = 0; l < lanes; l++) update_.sorting.kept_count[cells_[first + l]] = 0;
@@ -243,10 +243,10 @@ class Order
 
  private:
   static constexpr int kMostParts = 16, kKinds = kMost + 2;
-  /** Where a part's cells, those of very many points, and groups begin. */
+  /** Where a part's cells, those of very many points, and batches begin. */
   struct Cut
   {
-    int cell = 0, lone = 0, group = 0;
+    int cell = 0, lone = 0, batch = 0;
   };
 
   /** Lists the cells as their first points come. */
@@ -272,7 +272,7 @@ class Order
     const int part = std::min(static_cast<int>(share * static_cast<float>(parts_)), parts_ - 1);
     return part * kKinds + points;
   }
-  static int groups_of(int cells) { return (cells + kLanes - 1) / kLanes; }
+  static int batches_of(int cells) { return (cells + kLanes - 1) / kLanes; }
   void cut(const int* start)
   {
     for (int part = 0; part < parts_; part++)
@@ -280,7 +280,7 @@ class Order
       const int first = part * kKinds, lone = start[first + kMost + 1], end = start[first + kKinds];
       cuts_[part].cell = start[first], cuts_[part].lone = lone;
       cuts_[part + 1].cell = end;
-      cuts_[part + 1].group = cuts_[part].group + groups_of(lone - start[first]) + end - lone;
+      cuts_[part + 1].batch = cuts_[part].batch + batches_of(lone - start[first]) + end - lone;
     }
   }
 

@@ -83,7 +83,7 @@ class CpuMemory
     std::fill(counters.begin(), counters.end(), 0u);
   }
   /** The time since the last lap belongs to a stage. */
-  void lap(int stage)
+  void end_stage(int stage)
   {
     const auto now = Clock::now();
     stage_ms_[static_cast<std::size_t>(stage)] += milliseconds(std::exchange(last_, now), now);

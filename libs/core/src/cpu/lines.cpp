@@ -41,7 +41,8 @@ struct Strip
   const Crossing* crossings;  //!< by place; all the same on parallel lines
   float step_m[kLanes] = {};  //!< length of a line per place
   float rise_per_m[kLanes] = {};  //!< trend of the ground along a line
-  int reach[kLanes] = {}, far[kLanes] = {};  //!< places that fills and stage 9 look
+  int fill_places[kLanes] = {},
+      sparsity_places[kLanes] = {};  //!< places that fills and stage 9 look
   int suspect = 0;  //!< no place behind it is near enough for stage 9
 
   const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
@@ -53,8 +54,8 @@ struct Strip
   {
     step_m[line] = length_m;
     rise_per_m[line] = rise;
-    reach[line] = kernels::places_in(k.fill_search_m, length_m, places - 1);
-    far[line] = kernels::places_in(k.sparsity_search_m, length_m, places - 1);
+    fill_places[line] = kernels::places_in(k.fill_search_m, length_m, places - 1);
+    sparsity_places[line] = kernels::places_in(k.sparsity_search_m, length_m, places - 1);
     suspect = std::max(suspect, kernels::places_in(k.sparsity_range_m, length_m, places - 1) + 1);
   }
 };
@@ -96,11 +97,11 @@ struct alignas(64) Met
     for (int s = 0; s < kSamples; s++)
     {
       const int places = kernels::abs_of(here - place[s][l]);
-      const bool inside = (places <= strip.reach[l]) & (s < k.fill_samples);
+      const bool inside = (places <= strip.fill_places[l]) & (s < k.fill_samples);
       const float distance_m = static_cast<float>(places) * step_m;
       sum.add(height_m[s][l], kernels::select(inside, distance_m, kernels::kOutOfReach_m), k);
     }
-    const bool any = distance(l, here) <= strip.reach[l];
+    const bool any = distance(l, here) <= strip.fill_places[l];
     return sum.estimate(
         kernels::select(any, height_m[0][l], kernels::kNan),
         kernels::select(any, distance(l, here), 0), step_m, k);
@@ -250,8 +251,8 @@ class Sweep
     {
       const std::int32_t own = kernels::select(before.place[0][l] == place, 0, crossing.own[l]);
       wanted |= own;
-      const bool reached = (before.distance(l, place) <= strip.reach[l]) |
-                           (behind.distance(l, place) <= strip.reach[l]);
+      const bool reached = (before.distance(l, place) <= strip.fill_places[l]) |
+                           (behind.distance(l, place) <= strip.fill_places[l]);
       near |= kernels::select(reached, own, 0);
     }
     if (!wanted || (!kRays && !near)) return;
@@ -292,9 +293,9 @@ class Sweep
       {
         const float fused_m2 =
             kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
-        const bool near_brink = undercut.place[l] - place <= strip.reach[l];
+        const bool near_drop_off = undercut.place[l] - place <= strip.fill_places[l];
         found.variance_m2[l] =
-            kernels::mark_before_brink(fused_m2, a.any() & !b.any() & near_brink);
+            kernels::mark_before_drop_off(fused_m2, a.any() & !b.any() & near_drop_off);
       }
     }
   }
@@ -304,8 +305,8 @@ class Sweep
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind, int l,
       int place)
   {
-    const bool both =
-        (before.distance(l, place) <= strip.far[l]) & (behind.distance(l, place) <= strip.far[l]);
+    const bool both = (before.distance(l, place) <= strip.sparsity_places[l]) &
+                      (behind.distance(l, place) <= strip.sparsity_places[l]);
     const int places = kernels::select(both, behind.place[0][l] - before.place[0][l], 0);
     const float across_m = kernels::drop_across(
         before.height_m[0][l], behind.height_m[0][l], static_cast<float>(places) * strip.step_m[l],

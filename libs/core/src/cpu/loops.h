@@ -44,35 +44,36 @@ TALUS_CLONES void over_row(F f, int begin, int end, int y, int first)
 
 /** f of those cells of a row that it concerns. */
 template <class F>
-TALUS_CLONES void find_concerned(F f, int begin, int end, int y, int first, std::uint8_t* concerned)
+TALUS_CLONES void find_applicable(
+    F f, int begin, int end, int y, int first, std::uint8_t* applicable)
 {
   in_blocks(
-      begin, end, [&](int x) { concerned[x - begin] = f.concerns(x, y, first + (x - begin)); });
+      begin, end, [&](int x) { applicable[x - begin] = f.applies(x, y, first + (x - begin)); });
 }
 /** f(i) of the marked ones of n, which are few; marks in whole groups of 8. */
 template <class F>
 void over_marked(const std::uint8_t* marks, int n, const F& f)
 {
   constexpr int kGroup = 8;
-  for (int group = 0; group < n; group += kGroup)
+  for (int block = 0; block < n; block += kGroup)
   {
     std::uint64_t any;
-    std::memcpy(&any, marks + group, kGroup);
+    std::memcpy(&any, marks + block, kGroup);
     if (any == 0) continue;
-    for (int i = group; i < std::min(group + kGroup, n); i++)
+    for (int i = block; i < std::min(block + kGroup, n); i++)
       if (marks[i]) f(i);
   }
 }
 template <class F>
-void over_concerned(const F& f, int begin, int end, int y, int first)
+void over_applicable(const F& f, int begin, int end, int y, int first)
 {
   constexpr int kBlock = 256;
-  alignas(64) std::uint8_t concerned[kBlock] = {};
+  alignas(64) std::uint8_t applicable[kBlock] = {};
   for (int x0 = begin; x0 < end; x0 += kBlock)
   {
     const int x1 = std::min(x0 + kBlock, end), shift = first - begin;
-    find_concerned(f, x0, x1, y, x0 + shift, concerned);
-    over_marked(concerned, x1 - x0, [&](int i) { f(x0 + i, y, x0 + i + shift); });
+    find_applicable(f, x0, x1, y, x0 + shift, applicable);
+    over_marked(applicable, x1 - x0, [&](int i) { f(x0 + i, y, x0 + i + shift); });
   }
 }
 
@@ -96,9 +97,9 @@ class StoredRow
   }
   /** The same of those that f.concerns(x, y, i). */
   template <class F>
-  void each_concerned(const F& f) const
+  void each_applicable(const F& f) const
   {
-    in_stretches([&](int begin, int end, int i) { over_concerned(f, begin, end, y_, i); });
+    in_stretches([&](int begin, int end, int i) { over_applicable(f, begin, end, y_, i); });
   }
   /** over(begin, end, i), i where the cell at `begin` is stored. */
   template <class Over>
@@ -114,13 +115,13 @@ class StoredRow
 
 /** Structures of 32-bit fields in a row, an array each field, so that loops over them vectorise. */
 template <class T>
-class Lanes
+class SoaView
 {
   static constexpr std::size_t kFields = std::tuple_size<decltype(T::fields())>::value;
 
  public:
   static constexpr int words(int lanes) { return static_cast<int>(kFields) * lanes; }
-  Lanes(std::uint32_t* memory, int lanes) : data_(memory), lanes_(lanes) {}
+  SoaView(std::uint32_t* memory, int lanes) : data_(memory), lanes_(lanes) {}
 
   T load(int lane) const
   {
@@ -177,16 +178,16 @@ class SteppedRow
  private:
   /** Of the cells from x on, in whole groups, some of which may lie beyond the row. */
   TALUS_CLONES static void step(
-      F f, Lanes<Item> items, Lanes<Result> results, int x, int y, int groups)
+      F f, SoaView<Item> items, SoaView<Result> results, int x, int y, int blocks)
   {
     const Result none;
     TALUS_INDEPENDENT
-    for (int l = 0; l < groups * kGroup; l++)
+    for (int l = 0; l < blocks * kGroup; l++)
     {
       items.store(l, f.item(x + l, y));
       results.store(l, none);
     }
-    for (int first = 0; first < groups * kGroup; first += kGroup)
+    for (int first = 0; first < blocks * kGroup; first += kGroup)
     {
       int steps = 0;
       for (int l = first; l < first + kGroup; l++) steps = std::max(steps, f.steps(items.load(l)));
@@ -202,16 +203,16 @@ class SteppedRow
       }
     }
   }
-  TALUS_CLONES static void put(F f, Lanes<Result> results, int x0, int x1, int y)
+  TALUS_CLONES static void put(F f, SoaView<Result> results, int x0, int x1, int y)
   {
     in_blocks(x0, x1, [&](int x) { f.put(x, y, results.load(x - x0)); });
   }
 
-  static constexpr int kWords = Lanes<Item>::words(kLanes) + Lanes<Result>::words(kLanes);
+  static constexpr int kWords = SoaView<Item>::words(kLanes) + SoaView<Result>::words(kLanes);
   const F& f_;
   alignas(64) std::uint32_t words_[static_cast<std::size_t>(kWords)];
-  const Lanes<Item> items_{words_, kLanes};
-  const Lanes<Result> results_{words_ + Lanes<Item>::words(kLanes), kLanes};
+  const SoaView<Item> items_{words_, kLanes};
+  const SoaView<Result> results_{words_ + SoaView<Item>::words(kLanes), kLanes};
 };
 
 /** Cells pooled two by two, by the parity of their place in the map: f.item(i) of each. */
@@ -224,7 +225,7 @@ class PairOfRows
   explicit PairOfRows(const F& f) : f_(f)
   {
     static thread_local std::vector<std::uint32_t, CellMemory<std::uint32_t>> words;
-    const auto size = static_cast<std::size_t>(Lanes<Item>::words(2 * f.grid.side));
+    const auto size = static_cast<std::size_t>(SoaView<Item>::words(2 * f.grid.side));
     if (words.size() < size) words.resize(size);
     words_ = words.data();
   }
@@ -233,7 +234,7 @@ class PairOfRows
   void pool(int py, int cells, const kernels::FrameContext& frame) const
   {
     const int side = f_.grid.side, margin = f_.grid.margin, odd_x = frame.odd_x;
-    const Lanes<Item> items(words_, 2 * side);
+    const SoaView<Item> items(words_, 2 * side);
     clear(items, 2 * side);
     const int qy = f_.grid.pair_at(py, frame.odd_y, cells), first = 2 * qy - frame.odd_y;
     for (int y = std::max(first, 0); y < std::min(first + 2, cells); y++)
@@ -251,18 +252,18 @@ class PairOfRows
   }
 
  private:
-  TALUS_CLONES static void clear(Lanes<Item> items, int n)
+  TALUS_CLONES static void clear(SoaView<Item> items, int n)
   {
     const Item none;
     for (int l = 0; l < n; l++) items.store(l, none);
   }
-  TALUS_CLONES static void add(F f, Lanes<Item> items, int begin, int end, int first)
+  TALUS_CLONES static void add(F f, SoaView<Item> items, int begin, int end, int first)
   {
     in_blocks(
         begin, end,
         [&](int l) { items.store(l, f.pool(items.load(l), f.item(first + (l - begin)))); });
   }
-  static Item pair(const F& f, const Lanes<Item>& items, int q)
+  static Item pair(const F& f, const SoaView<Item>& items, int q)
   {
     return f.pool(items.load(2 * q), items.load(2 * q + 1));
   }
@@ -276,7 +277,7 @@ class PairOfRows
     Item operator()(const F& f, const Item& pooled) const { return f.beyond(pooled); }
   };
   template <class AsShown>
-  TALUS_CLONES static void put(F f, Lanes<Item> items, int pairs, int py, AsShown as_shown)
+  TALUS_CLONES static void put(F f, SoaView<Item> items, int pairs, int py, AsShown as_shown)
   {
     TALUS_INDEPENDENT
     for (int q = 0; q < pairs; q++) f.put(q + f.grid.margin, py, as_shown(f, pair(f, items, q)));
@@ -389,7 +390,7 @@ class SlidingRows
   {
     while (mask_ < 2 * radius) mask_ = 2 * mask_ + 1;
     auto& words = memory();
-    const auto size = static_cast<std::size_t>(window_at() + Lanes<Window>::words(kLanes));
+    const auto size = static_cast<std::size_t>(window_at() + SoaView<Window>::words(kLanes));
     if (words.size() < size) words.resize(size);
     words_ = words.data();
   }
@@ -421,7 +422,7 @@ class SlidingRows
     constexpr auto kStep = static_cast<int>(64 / sizeof(f_.neighbour(0, 0)));
     for (int x = x0; x < x1; x += kStep) __builtin_prefetch(&f_.neighbour(x, y));
   }
-  static void sum_row(const F& f, Lanes<Row> rows, int x0, int x1, int y, int radius)
+  static void sum_row(const F& f, SoaView<Row> rows, int x0, int x1, int y, int radius)
   {
     int d = -radius;
     if (2 * radius + 1 < kAtOnce)
@@ -436,7 +437,7 @@ class SlidingRows
   /** Adds the neighbours at distances from d on; the first there are. */
   template <bool kFirst, int... k>
   TALUS_CLONES static void add_columns(
-      F f, Lanes<Row> rows, int x0, int x1, int y, int d, std::integer_sequence<int, k...>)
+      F f, SoaView<Row> rows, int x0, int x1, int y, int d, std::integer_sequence<int, k...>)
   {
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++)
@@ -449,7 +450,7 @@ class SlidingRows
 
   void window(int y, int x0, int x1) const
   {
-    const Lanes<Window> sums(words_ + window_at(), kLanes);
+    const SoaView<Window> sums(words_ + window_at(), kLanes);
     const int last = std::min(y + radius_, ny_ - 1), lanes = x1 - x0;
     int row = std::max(y - radius_, 0);
     if (last - row + 1 < kAtOnce)
@@ -464,14 +465,14 @@ class SlidingRows
     finish(f_, sums, x0, x1, y);
     if constexpr (F::kHasPlain)
     {
-      alignas(64) std::uint8_t concerned[kLanes] = {};
-      find_concerned(f_, sums, x0, x1, y, concerned);
-      over_marked(concerned, lanes, [&](int l) { f_.finish(x0 + l, y, sums.load(l)); });
+      alignas(64) std::uint8_t applicable[kLanes] = {};
+      find_applicable(f_, sums, x0, x1, y, applicable);
+      over_marked(applicable, lanes, [&](int l) { f_.finish(x0 + l, y, sums.load(l)); });
     }
   }
   /** Adds rows at distances from d on; the first there are. */
   template <bool kFirst, class... Rows>
-  TALUS_CLONES static void add_rows(F f, Lanes<Window> sums, int lanes, int d, Rows... rows)
+  TALUS_CLONES static void add_rows(F f, SoaView<Window> sums, int lanes, int d, Rows... rows)
   {
     TALUS_INDEPENDENT
     for (int l = 0; l < lanes; l++)
@@ -483,11 +484,11 @@ class SlidingRows
     }
   }
   /** f of the cells. */
-  TALUS_CLONES static void finish(F f, Lanes<Window> sums, int x0, int x1, int y)
+  TALUS_CLONES static void finish(F f, SoaView<Window> sums, int x0, int x1, int y)
   {
     if constexpr (F::kHasPlain)
       for (int first = x0; first < x1; first += kGroup)
-        finish_group(f, sums, x0, first, std::min(first + kGroup, x1), y);
+        finish_block(f, sums, x0, first, std::min(first + kGroup, x1), y);
     else
     {
       TALUS_INDEPENDENT
@@ -495,14 +496,14 @@ class SlidingRows
     }
   }
   /** Which of them f.finish() may change after that. */
-  TALUS_CLONES static void find_concerned(
-      F f, Lanes<Window> sums, int x0, int x1, int y, std::uint8_t* concerned)
+  TALUS_CLONES static void find_applicable(
+      F f, SoaView<Window> sums, int x0, int x1, int y, std::uint8_t* applicable)
   {
     TALUS_INDEPENDENT
-    for (int x = x0; x < x1; x++) concerned[x - x0] = f.concerns(x, y, sums.load(x - x0));
+    for (int x = x0; x < x1; x++) applicable[x - x0] = f.applies(x, y, sums.load(x - x0));
   }
   /** In the plain way if that will do for all of them. */
-  static void finish_group(const F& f, Lanes<Window> sums, int x0, int begin, int end, int y)
+  static void finish_block(const F& f, SoaView<Window> sums, int x0, int begin, int end, int y)
   {
     int other = 0;
     TALUS_INDEPENDENT
@@ -519,8 +520,11 @@ class SlidingRows
     }
   }
 
-  int window_at() const { return (mask_ + 1) * Lanes<Row>::words(kLanes); }
-  Lanes<Row> at(int y) const { return {words_ + (y & mask_) * Lanes<Row>::words(kLanes), kLanes}; }
+  int window_at() const { return (mask_ + 1) * SoaView<Row>::words(kLanes); }
+  SoaView<Row> at(int y) const
+  {
+    return {words_ + (y & mask_) * SoaView<Row>::words(kLanes), kLanes};
+  }
   /** Of this thread, kept from frame to frame. */
   static std::vector<std::uint32_t, CellMemory<std::uint32_t>>& memory()
   {

@@ -41,20 +41,20 @@ class CpuSchedule
     accept_and_weigh();  // stages 1 and 2
     executor_.for_another_stage(2, [this] { roll(); });
     find_buried();  // for stage 1
-    executor_.lap(0);
+    executor_.end_stage(0);
     update();  // stage 4, before it the end of stage 1, beside it the rays of stage 6
-    executor_.lap(3);
-    find_support();  // stage 5
-    executor_.lap(4);
+    executor_.end_stage(3);
+    open_ground();  // stage 5
+    executor_.end_stage(4);
     clean_up();  // stage 6, and what stage 5 decides for each cell
-    executor_.lap(5);
+    executor_.end_stage(5);
     fill();  // stage 7
-    executor_.lap(6);
+    executor_.end_stage(6);
     if (map_.parts_wanted())  // stages 8 and 9
       judge<true>();
     else
       judge<false>();
-    executor_.lap(7);
+    executor_.end_stage(7);
   }
   /** Stages 8 and 9 once more, for what traversability is made of. */
   void judge_parts() { judge<true>(); }
@@ -75,7 +75,7 @@ class CpuSchedule
   void roll()
   {
     const kernels::RollCell roll = map_.roll();
-    for_each_row([&](const StoredRow& row) { row.each_concerned(roll); });
+    for_each_row([&](const StoredRow& row) { row.each_applicable(roll); });
   }
 
   void find_buried()
@@ -96,10 +96,10 @@ class CpuSchedule
     const kernels::FindRise rise = map_.find_rise();
     const kernels::SortPoint sort = map_.sort_point(sorting());
     const kernels::UpdateCell update = map_.update_cell(sorting());
-    const kernels::LookThrough look = map_.look_through();
-    const auto over_rows = [&look, cells = side()](int begin, int end)
+    const kernels::FindPassingRays passing = map_.find_passing_rays();
+    const auto over_rows = [&passing, cells = side()](int begin, int end)
     {
-      for (int y = begin; y < end; y++) SteppedRow<kernels::LookThrough>(look).run(cells, y);
+      for (int y = begin; y < end; y++) SteppedRow<kernels::FindPassingRays>(passing).run(cells, y);
     };
     cells::Order order(update, executor_.threads());
     if (executor_.is_for_one(n))
@@ -122,36 +122,36 @@ class CpuSchedule
           order.cells(), 256, [&](int begin, int end) { order.find_rises(rise, begin, end); });
       executor_.run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
     }
-    executor_.run(order.groups(), 8, [&order](int begin, int end) { order.update(begin, end); });
+    executor_.run(order.batches(), 8, [&order](int begin, int end) { order.update(begin, end); });
   }
 
-  void find_support()
+  void open_ground()
   {
-    const kernels::SupportGrid grid = map_.support_grid();
-    const kernels::PoolSupport pool{map_.config.data(), map_.context.data(), map_.store(), grid};
+    const kernels::CoarseGrid grid = map_.coarse_grid();
+    const kernels::PoolCells pool{map_.config.data(), map_.context.data(), map_.store(), grid};
     executor_.for_each_row(
         2 * grid.side, grid.side,
         [&](int py)
-        { PairOfRows<kernels::PoolSupport>(pool).pool(py, side(), *map_.context.data()); });
+        { PairOfRows<kernels::PoolCells>(pool).pool(py, side(), *map_.context.data()); });
     executor_.for_each_window(
         grid.side, grid.side, map_.host_config.object_radius,
-        kernels::ErodeSupport{map_.config.data(), grid});
+        kernels::ErodeGround{map_.config.data(), grid});
     executor_.for_each_window(
         grid.side, grid.side, kernels::dilation_radius(map_.host_config),
-        kernels::OpenSupport{map_.config.data(), grid});
+        kernels::OpenGround{map_.config.data(), grid});
   }
 
   void clean_up()
   {
-    const kernels::ChooseRole choose = map_.choose_role();
+    const kernels::ClassifyCell choose = map_.classify_cell();
     const kernels::CleanUpCell clean = map_.clean_up();
-    const kernels::TakeSample take{map_.config.data(), map_.store(),     map_.role.data(),
+    const kernels::TakeSample take{map_.config.data(), map_.store(),     map_.surface_class.data(),
                                    map_.passing(),     map_.line_grid(), map_.samples()};
     for_each_row(
         [&](const StoredRow& row)
         {
-          row.each_concerned(choose);
-          row.each_concerned(clean);
+          row.each_applicable(choose);
+          row.each_applicable(clean);
           row.each(take);
         });
     // A core fills memory faster than a loop.
@@ -162,7 +162,7 @@ class CpuSchedule
 
   void fill()
   {
-    map_.find_planes()(kernels::LoneTeam{});
+    map_.find_planes()(kernels::SerialGroup{});
     const kernels::FillCell cell = map_.fill_cell();
     const kernels::FillWalkedCell fill{cell, map_.line_grid(), inferred()};
     const kernels::DropHanging drop{map_.store()};
@@ -170,7 +170,7 @@ class CpuSchedule
     const auto fill_row = [&](const StoredRow& row)
     {
       row.each(fill);
-      row.each_concerned(drop);
+      row.each_applicable(drop);
       if (cell.out.any()) row.each(put);
     };
     const lines::Walk walk{
@@ -200,7 +200,7 @@ class CpuSchedule
         side(), side(), map_.host_config.feature_radius_cells,
         map_.template compute_features<kParts>(judged));
     const kernels::CompleteObstacles complete = map_.complete_obstacles(judged);
-    for_each_row([&](const StoredRow& row) { row.each_concerned(complete); });
+    for_each_row([&](const StoredRow& row) { row.each_applicable(complete); });
   }
 
   /** f(row) of the rows of the window and where they are stored. */

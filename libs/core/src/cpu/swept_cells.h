@@ -9,7 +9,7 @@ struct TakeSample
 {
   const Config* config;
   CellStore store;
-  const std::uint8_t* role;
+  const std::uint8_t* surface_class;
   PassingRays passing;
   LineGrid grid;
   Samples samples;
@@ -17,7 +17,7 @@ struct TakeSample
   TALUS_HD void operator()(int ix, int iy, int i) const
   {
     const int o = grid.at(ix, iy), w = iy * config->cells + ix;
-    const bool sample = is_sample(store, role, i);
+    const bool sample = is_sample(store, surface_class, i);
     const float ground_m = store.ground_m[i];
     samples.height_m[o] = select(sample, ground_m, kNan);
     samples.variance_or_bound[o] = select(

@@ -31,7 +31,7 @@ class CudaExecutor
   void use(int index)
   {
     now_ = static_cast<std::size_t>(index);
-    if (!slot().lane.stream) slot() = CudaSlot::make();
+    if (!slot().queue.stream) slot() = CudaSlot::make();
   }
 
   // ---- memory: these wait until they are done ----
@@ -57,7 +57,7 @@ class CudaExecutor
     copy(to, from, size);
     synchronize();
   }
-  void synchronize() { TALUS_CUDA(cudaStreamSynchronize(slot().lane.stream.get())); }
+  void synchronize() { TALUS_CUDA(cudaStreamSynchronize(slot().queue.stream.get())); }
 
   // ---- outputs ----
   OutputMemory map_output(float* host, std::size_t size);
@@ -81,7 +81,7 @@ class CudaExecutor
     for (CudaSlot& other : slots_)
       if (other.in_flight) wait_until_computed(other);
     if (!slot().graph) record(body);
-    TALUS_CUDA(cudaGraphLaunch(slot().graph.get(), slot().lane.stream.get()));
+    TALUS_CUDA(cudaGraphLaunch(slot().graph.get(), slot().queue.stream.get()));
     slot().in_flight = true;
   }
   template <class Body>
@@ -93,8 +93,8 @@ class CudaExecutor
   void fetch(Buffer<kernels::FrameContext>& context);
   /** Where a frame leaves its counters for the host. */
   std::uint32_t* reported() { return slot().counters.data(); }
-  /** Kernels that were recorded since the last lap belong to a stage. */
-  void lap(int stage) { lap_of_stage_[static_cast<std::size_t>(stage)] = lap_++; }
+  /** Kernels that were recorded since the last stage belong to a stage. */
+  void end_stage(int stage) { end_of_stage_[static_cast<std::size_t>(stage)] = stage_end_++; }
   std::array<double, kStageCount> stage_ms() const;
   double total_ms() const
   {
@@ -121,13 +121,13 @@ class CudaExecutor
   /** Of the points [0, n) and of crowded cells, at most so many, but few are expected: see
    * kernels::UpdateCell. */
   template <class F>
-  void for_each_and_team(int n, int crowded, const F& f)
+  void for_each_and_group(int n, int crowded, const F& f)
   {
     const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
-    const int teams = crowded / kCellsPerTeam + 1;
+    const int groups = crowded / kCellsPerGroup + 1;
     launch(
-        loops::over_range_and_teams<F>, dim3(blocks(n + 32 * teams, size)), dim3(size), 0, n, teams,
-        f);
+        loops::over_range_and_groups<F>, dim3(blocks(n + 32 * groups, size)), dim3(size), 0, n,
+        groups, f);
   }
   template <class F>
   void for_each_cell(int nx, int ny, const F& f)
@@ -188,7 +188,7 @@ class CudaExecutor
         dim3(blocks(directions, loops::kDirections) + blocks(n, loops::kThreads)),
         dim3(loops::kThreads), 0, directions, rings, f, n, g);
   }
-  /** Bit b of line l is f(l)(b). Layout [word][line]. Beside them g(team), once. */
+  /** Bit b of line l is f(l)(b). Layout [word][line]. Beside them g(group), once. */
   template <class F, class G>
   void pack_bits(int lines, int bits, const F& f, std::uint32_t* words, const G& g)
   {
@@ -228,9 +228,10 @@ class CudaExecutor
   void copy(T* to, const T* from, std::size_t size)
   {
     if (!size) return;
-    if (beside_ && !forked_) follow(slot().lane, side_), forked_ = joins_ = true;
-    TALUS_CUDA(cudaMemcpyAsync(to, from, size * sizeof(T), cudaMemcpyDefault, lane().stream.get()));
-    lane().after_kernel = false;
+    if (beside_ && !forked_) follow(slot().queue, side_), forked_ = joins_ = true;
+    TALUS_CUDA(
+        cudaMemcpyAsync(to, from, size * sizeof(T), cudaMemcpyDefault, queue().stream.get()));
+    queue().after_kernel = false;
   }
 
   /** Copies in `body` start when what came before is done, and run beside what follows, up to
@@ -248,8 +249,8 @@ class CudaExecutor
     slot().marks_computed = joins_;
     if (!joins_) return;
     TALUS_CUDA(cudaEventRecordWithFlags(
-        slot().computed.get(), slot().lane.stream.get(), cudaEventRecordExternal));
-    follow(side_, slot().lane);
+        slot().computed.get(), slot().queue.stream.get(), cudaEventRecordExternal));
+    follow(side_, slot().queue);
     joins_ = false;
   }
   /** body(first, end, beside_last) of all rows, of so many layers that are copied aside; in bands
@@ -272,41 +273,41 @@ class CudaExecutor
 
  private:
   static constexpr std::size_t kSharedBytes = 48 * 1024;  //!< that a block gets anywhere
-  static constexpr int kCellsPerTeam = 4, kWordsPerWarp = 4;
+  static constexpr int kCellsPerGroup = 4, kWordsPerWarp = 4;
   static constexpr int kManyThreads = 100000;  //!< enough to fill a device
   static constexpr std::size_t kBandBytes = 1024 * 1024;
   static constexpr int kLeastShares = 4;
 
   CudaSlot& slot() { return slots_[now_]; }
   const CudaSlot& slot() const { return slots_[now_]; }
-  Lane& lane() { return beside_ ? side_ : slot().lane; }
+  WorkQueue& queue() { return beside_ ? side_ : slot().queue; }
   /** The kernels of the slot in use wait for those of another, not for its copies. */
   void wait_until_computed(CudaSlot& other)
   {
     if (!other.marks_computed)
-      TALUS_CUDA(cudaEventRecord(other.computed.get(), other.lane.stream.get()));
-    TALUS_CUDA(cudaStreamWaitEvent(slot().lane.stream.get(), other.computed.get(), 0));
+      TALUS_CUDA(cudaEventRecord(other.computed.get(), other.queue.stream.get()));
+    TALUS_CUDA(cudaStreamWaitEvent(slot().queue.stream.get(), other.computed.get(), 0));
   }
   void forget_recordings()
   {
     for (CudaSlot& s : slots_)
     {
-      if (s.in_flight) TALUS_CUDA(cudaStreamSynchronize(s.lane.stream.get()));
+      if (s.in_flight) TALUS_CUDA(cudaStreamSynchronize(s.queue.stream.get()));
       s.graph.reset();
     }
   }
   template <class Body>
   void record(const Body& body)
   {
-    lap_ = 0;
-    beside_ = forked_ = joins_ = slot().lane.after_kernel = false;
+    stage_end_ = 0;
+    beside_ = forked_ = joins_ = slot().queue.after_kernel = false;
     recording_ = true;
     struct Off
     {
       bool& recording;
       ~Off() { recording = false; }
     } off{recording_};
-    slot().graph = instantiate(capture(slot().lane.stream, body));
+    slot().graph = instantiate(capture(slot().queue.stream, body));
   }
 
   static unsigned blocks(int n, int size) { return static_cast<unsigned>((n + size - 1) / size); }
@@ -320,26 +321,29 @@ class CudaExecutor
     return {static_cast<int>(tiles.x), 1.0f / static_cast<float>(tiles.x)};
   }
 
-  /** Where the time of the current lap is noted. */
-  std::uint64_t* lap_note() { return recording_ ? slot().lap_ns.data() + lap_ : nullptr; }
+  /** Where the time of the current stage is noted. */
+  std::uint64_t* time_note()
+  {
+    return recording_ ? slot().stage_end_ns.data() + stage_end_ : nullptr;
+  }
 
   template <class... P, class... A>
   void launch(void (*kernel)(P...), dim3 grid, dim3 block, std::size_t shared, const A&... args)
   {
     if (!grid.x || !grid.y) return;
-    Lane& lane = slot().lane;
+    WorkQueue& queue = slot().queue;
     cudaLaunchConfig_t config{};
     config.gridDim = grid;
     config.blockDim = block;
     config.dynamicSmemBytes = shared;
-    config.stream = lane.stream.get();
+    config.stream = queue.stream.get();
     cudaLaunchAttribute chain{};
     chain.id = cudaLaunchAttributeProgrammaticStreamSerialization;
     chain.val.programmaticStreamSerializationAllowed = 1;
     config.attrs = &chain;
-    config.numAttrs = recording_ && can_chain_ && lane.after_kernel ? 1 : 0;
-    TALUS_CUDA(cudaLaunchKernelEx(&config, kernel, args..., lap_note()));
-    lane.after_kernel = true;
+    config.numAttrs = recording_ && can_chain_ && queue.after_kernel ? 1 : 0;
+    TALUS_CUDA(cudaLaunchKernelEx(&config, kernel, args..., time_note()));
+    queue.after_kernel = true;
   }
 
   /** Whether the points are copied by the bus as they are staged, not read from where they are. */
@@ -348,9 +352,9 @@ class CudaExecutor
   std::string name_;
   bool can_chain_ = false;
   bool recording_ = false, beside_ = false, forked_ = false, joins_ = false;
-  int lap_ = 0;
-  std::array<int, kStageCount> lap_of_stage_{};
-  Lane side_;  //!< of copies, where a frame is recorded
+  int stage_end_ = 0;
+  std::array<int, kStageCount> end_of_stage_{};
+  WorkQueue side_;  //!< of copies, where a frame is recorded
   std::array<CudaSlot, kSlots> slots_;
   std::size_t now_ = 0;
 };

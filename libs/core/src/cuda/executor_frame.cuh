@@ -41,7 +41,7 @@ inline CudaExecutor::CudaExecutor()
   }
   // Code of an older architecture does not wait for its predecessor by itself.
   can_chain_ = device.major >= 9 && code.ptxVersion >= 90;
-  side_ = make_lane();
+  side_ = make_queue();
   use(0);
 }
 
@@ -101,16 +101,16 @@ inline void CudaExecutor::fetch(Buffer<kernels::FrameContext>& context)
   for_each(
       static_cast<int>(kContextWords),
       loops::FetchContext{slot().staged.data(), reinterpret_cast<std::uint32_t*>(context.data())});
-  lap_++;
+  stage_end_++;
 }
 
 inline std::array<double, kStageCount> CudaExecutor::stage_ms() const
 {
   std::array<double, kStageCount> ms{};
-  const std::uint64_t* done = slot().lap_ns.data();
+  const std::uint64_t* done = slot().stage_end_ns.data();
   for (std::size_t s = 0; s < ms.size(); s++)
-    if (const int lap = lap_of_stage_[s])
-      ms[s] = static_cast<double>(done[lap] - done[lap - 1]) * 1e-6;
+    if (const int end_stage = end_of_stage_[s])
+      ms[s] = static_cast<double>(done[end_stage] - done[end_stage - 1]) * 1e-6;
   return ms;
 }
 

@@ -53,13 +53,13 @@ struct LineMarks
     return low | high << 32;
   }
   /** Distance to the nearest marked place; 0: none within reach, which must not leave the line. */
-  TALUS_HD int nearest(int place, bool outwards, int reach) const
+  TALUS_HD int nearest(int place, bool outwards, int places_to_end) const
   {
-    for (int from = 0; from < reach; from += kView)
+    for (int from = 0; from < places_to_end; from += kView)
       if (const std::uint64_t bits = view(place, outwards, from))
       {
         const int found = from + 1 + lowest_bit(bits);
-        return found <= reach ? found : 0;
+        return found <= places_to_end ? found : 0;
       }
     return 0;
   }
@@ -80,7 +80,7 @@ struct Track
   int minor, rings;  //!< minor / rings rows from place to place, rounded
   float inverse;  //!< 1 / (2 rings)
   float step_m;  //!< length per place
-  int fill_reach, sparsity_reach;  //!< places
+  int fill_places, sparsity_places;  //!< places
   Direction direction;
 
   TALUS_HD int operator()(int place) const
@@ -103,7 +103,7 @@ struct AxisTrack
 {
   int begin, along, cells;
   float step_m;
-  int fill_reach;
+  int fill_places;
 
   TALUS_HD int operator()(int place) const { return begin + place * along; }
   TALUS_HD int last() const { return cells - 1; }
@@ -190,7 +190,7 @@ struct LineSearch
   int place;
 
   /** `places` cut short where the line ends. */
-  TALUS_HD int reach(bool outwards, int places) const
+  TALUS_HD int places_to_end(bool outwards, int places) const
   {
     return min_of(places, outwards ? track.last() - place : place);
   }
@@ -200,12 +200,12 @@ struct LineSearch
   }
   TALUS_HD int nearest(bool outwards, int places) const
   {
-    return marks.nearest(place, outwards, reach(outwards, places));
+    return marks.nearest(place, outwards, places_to_end(outwards, places));
   }
 
   TALUS_HD SideEstimate infer_side(bool outwards) const
   {
-    const int limit = reach(outwards, track.fill_reach);
+    const int limit = places_to_end(outwards, track.fill_places);
     SideSum sum;
     float nearest = kNan;
     int nearest_places = 0, wanted = k.fill_samples;
@@ -267,7 +267,7 @@ struct SearchAndFillCell
   const Planes* planes;
   float* across_m;  //!< see InferenceGrid
   LineGrid grid;
-  int axis_reach;  //!< places that fills look along rows and columns
+  int axis_places;  //!< places that fills look along rows and columns
 
   TALUS_HD SideEstimate side(int line, bool outwards, int ix, int iy) const
   {
@@ -342,7 +342,7 @@ struct SearchAndFillCell
     const int n = k.cells, i = storage_index(*fill.frame, n, ix, iy);
     const int state = fill(ix, iy, i, inferred);
     const DropHanging drop{fill.store};
-    if (drop.concerns(ix, iy, i)) drop(ix, iy, i);
+    if (drop.applies(ix, iy, i)) drop(ix, iy, i);
     if (state == kFilledOneSided && on_line(ix, iy))
     {
       const LineSearch<Track> radial = radial_search(ix, iy);
@@ -366,7 +366,7 @@ struct SearchAndFillCell
         k,
         samples.height_m,
         {axis_marks + (along_x ? iy : n + ix), 2 * n},
-        {begin, along_x ? 1 : grid.pitch, n, k.resolution_m, axis_reach},
+        {begin, along_x ? 1 : grid.pitch, n, k.resolution_m, axis_places},
         along_x ? ix : iy};
   }
 
@@ -376,14 +376,14 @@ struct SearchAndFillCell
   {
     const float fused_m2 =
         fuse_variances(variance(radial, false, inner), variance(radial, true, outer));
-    return mark_before_brink(
-        fused_m2, inner.any() && !outer.any() && is_before_brink(radial, inner));
+    return mark_before_drop_off(
+        fused_m2, inner.any() && !outer.any() && is_before_drop_off(radial, inner));
   }
   /** Of what has samples towards the sensor only. */
-  TALUS_HD bool is_before_brink(const LineSearch<Track>& radial, const SideEstimate& inner) const
+  TALUS_HD bool is_before_drop_off(const LineSearch<Track>& radial, const SideEstimate& inner) const
   {
     const float step_m = radial.track.step_m, rise = planes->trend.along(radial.track.direction);
-    const int last = radial.place + radial.reach(true, radial.track.fill_reach);
+    const int last = radial.place + radial.places_to_end(true, radial.track.fill_places);
     const int first = (radial.place + kUndercutPlaces - 1) / kUndercutPlaces * kUndercutPlaces;
     bool any = false;
     for (int place = first; place <= last; place += kUndercutPlaces)
@@ -407,8 +407,8 @@ struct SearchAndFillCell
 
   TALUS_HD float height_across(const LineSearch<Track>& radial) const
   {
-    const int inner = radial.nearest(false, radial.track.sparsity_reach);
-    const int outer = radial.nearest(true, radial.track.sparsity_reach);
+    const int inner = radial.nearest(false, radial.track.sparsity_places);
+    const int outer = radial.nearest(true, radial.track.sparsity_places);
     if (!inner || !outer) return kNan;
     const float gap_m = static_cast<float>(inner + outer) * radial.track.step_m;
     return drop_across(

@@ -1,6 +1,6 @@
 #pragma once
 #include "kernels/cell.h"
-#include "kernels/team.h"
+#include "kernels/group.h"
 
 #include <cstdint>
 #include <type_traits>
@@ -72,21 +72,23 @@ __global__ void __launch_bounds__(kThreads) over_range(int n, F f, std::uint64_t
   note_time(done_ns);
 }
 
-/** f.update() of crowded cells by teams, a warp each, since theirs is the longer work: each takes
+/** f.update() of crowded cells by groups, a warp each, since theirs is the longer work: each takes
  * the next one of those that are left. Then of the cells of the range, a thread each. */
 template <class F>
 __global__ void __launch_bounds__(kThreads)
-    over_range_and_teams(int n, int teams, F f, std::uint64_t* done_ns)
+    over_range_and_groups(int n, int groups, F f, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  const bool is_team = i < 32 * teams;
+  const bool is_group = i < 32 * groups;
   int slot = i / 32;
-  int cell = is_team ? f.crowded_cell(slot) : i - 32 * teams < n ? f.lone_cell(i - 32 * teams) : -1;
+  int cell = is_group              ? f.crowded_cell(slot)
+             : i - 32 * groups < n ? f.lone_cell(i - 32 * groups)
+                                   : -1;
   while (cell >= 0)
   {
-    f.update(cell, kernels::DeviceTeam{is_team});
-    cell = is_team ? f.crowded_cell(slot += teams) : -1;
+    f.update(cell, kernels::WarpGroup{is_group});
+    cell = is_group ? f.crowded_cell(slot += groups) : -1;
   }
   note_time(done_ns);
 }
@@ -141,7 +143,7 @@ __device__ void over_tile(int columns, int rows, const F& f)
 
 /** Erosion f and dilation g of what it says, over square neighbourhoods of one radius and a wider
  * one: each along the rows that a tile of `height` rows needs first, then across them. See
- * kernels::ErodeSupport. */
+ * kernels::ErodeGround. */
 template <class F, class G>
 __global__ void __launch_bounds__(kOpeningThreads)
     over_opening(int nx, int ny, int radius, int wide, int height, F f, G g, std::uint64_t* done_ns)
@@ -342,7 +344,7 @@ __device__ void over_directions(int block, int directions, int rings, const F& f
   const int length = direction < directions ? (rings + kStretches - 1) / kStretches : 0;
   const int begin = stretch * length, end = min(begin + length, rings);
   Before seen;
-  f.look(direction, begin, end, seen);
+  f.collect(direction, begin, end, seen);
   seen = sum_before_stretch(seen, before, stretch, column);
   Behind lowest;
   f.bury(direction, begin, end, seen, lowest);
@@ -388,13 +390,13 @@ __global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce)
     }
   }
   else if (line == lines && blockIdx.y == 0)
-    g(kernels::DeviceTeam{true});
+    g(kernels::WarpGroup{true});
   note_time(done_ns);
 }
 
-/** f.begin(x, y) of the cells; f.look(x, y, what) of those for which that gave something, by a warp
- * each, since it is long and they are few; then f(x, y), which marks some: the marks of the rows,
- * then of the columns, layout [word][line]. */
+/** f.begin(x, y) of the cells; f.inspect(x, y, what) of those for which that gave something, by a
+ * warp each, since it is long and they are few; then f(x, y), which marks some: the marks of the
+ * rows, then of the columns, layout [word][line]. */
 template <class F>
 __global__ void __launch_bounds__(kTileWidth* kTileRows)
     over_marked_cells(int side, F f, std::uint32_t* marks, std::uint64_t* done_ns)
@@ -409,14 +411,14 @@ __global__ void __launch_bounds__(kTileWidth* kTileRows)
   const bool inside = x < side && y < side;
   if (lane + row == 0) n_wanting = 0;
   __syncthreads();
-  const int looks = inside ? f.begin(x, y) : 0;
-  if (looks != 0) wanting[atomicAdd(&n_wanting, 1)] = looks * kCells + row * kTileWidth + lane;
+  const int wanted = inside ? f.begin(x, y) : 0;
+  if (wanted != 0) wanting[atomicAdd(&n_wanting, 1)] = wanted * kCells + row * kTileWidth + lane;
   __syncthreads();
   for (int w = row; w < n_wanting; w += kTileRows)
   {
     const int at = wanting[w] % kCells;
-    f.look(
-        x0 + at % kTileWidth, y0 + at / kTileWidth, wanting[w] / kCells, kernels::DeviceTeam{true});
+    f.inspect(
+        x0 + at % kTileWidth, y0 + at / kTileWidth, wanting[w] / kCells, kernels::WarpGroup{true});
   }
   __syncthreads();
   const unsigned marked = __ballot_sync(0xffffffffu, inside && f(x, y));

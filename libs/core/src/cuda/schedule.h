@@ -3,7 +3,7 @@
 #include "cuda/points.h"
 #include "cuda/settle_cell.h"
 #include "cuda/settle_rays.h"
-#include "cuda/tidy_up.h"
+#include "cuda/reset_frame.h"
 #include "map_buffers.h"
 #include "voxel_filter.h"
 
@@ -32,24 +32,24 @@ class DeviceSchedule
     executor_.fetch(map_.context);
     accept_and_weigh();  // stages 1 and 2, and beside them 3
     find_buried();  // for stage 1, and beside it where points will be sorted to
-    executor_.lap(0);
+    executor_.end_stage(0);
     sort_points();  // stage 4, before it the end of stage 1, beside it the rays of stage 6
     update();
-    executor_.lap(3);
-    find_support();  // stage 5
-    executor_.lap(4);
+    executor_.end_stage(3);
+    open_ground();  // stage 5
+    executor_.end_stage(4);
     clean_up();  // stage 6, and what stage 5 decides for each cell
-    executor_.lap(5);
+    executor_.end_stage(5);
     if (map_.host_config.fill_rule == kernels::kFillLines)  // stage 7
       fill<true>();
     else
       fill<false>();
-    executor_.lap(6);
+    executor_.end_stage(6);
     if (map_.parts_wanted())  // stages 8 and 9
       judge<true>();
     else
       judge<false>();
-    executor_.lap(7);
+    executor_.end_stage(7);
     executor_.join();  // with the layers that are copied
   }
   /** Stages 8 and 9 once more, for what traversability is made of. */
@@ -90,32 +90,33 @@ class DeviceSchedule
     const kernels::SortUnburiedPoint<Atomics> sort{
         map_.sort_point(sorting()), map_.find_rise(),   {map_.points_out(), map_.reach.data()},
         map_.lowest_slope.data(),   kept_count_.data(), map_.counters.data()};
-    executor_.for_each_beside(points(), sort, 5, side(), side(), map_.look_through());
+    executor_.for_each_beside(points(), sort, 5, side(), side(), map_.find_passing_rays());
   }
 
   void update()
   {
-    executor_.for_each_and_team(points(), most_crowded(points()), map_.update_cell(sorting()));
+    executor_.for_each_and_group(points(), most_crowded(points()), map_.update_cell(sorting()));
   }
 
-  void find_support()
+  void open_ground()
   {
-    const kernels::SupportGrid grid = map_.support_grid();
+    const kernels::CoarseGrid grid = map_.coarse_grid();
     // The rays and the counts have been used.
     executor_.for_each_beside(
-        workers(), tidy_up(), 5, grid.side, grid.side,
-        kernels::PoolSupport{map_.config.data(), map_.context.data(), map_.store(), grid});
+        workers(), reset_frame(), 5, grid.side, grid.side,
+        kernels::PoolCells{map_.config.data(), map_.context.data(), map_.store(), grid});
     executor_.for_each_opening(
         grid.side, grid.side, map_.host_config.object_radius,
-        kernels::dilation_radius(map_.host_config), kernels::ErodeSupport{map_.config.data(), grid},
-        kernels::OpenSupport{map_.config.data(), grid});
+        kernels::dilation_radius(map_.host_config), kernels::ErodeGround{map_.config.data(), grid},
+        kernels::OpenGround{map_.config.data(), grid});
   }
 
   void clean_up()
   {
     executor_.mark_cells(
         side(),
-        kernels::SettleCell{map_.choose_role(), map_.clean_up(), map_.line_grid(), map_.samples()},
+        kernels::SettleCell{
+            map_.classify_cell(), map_.clean_up(), map_.line_grid(), map_.samples()},
         unguarded(axis_marks_, 2 * side()));
   }
 
@@ -170,7 +171,7 @@ class DeviceSchedule
   }
 
   int workers() const { return executor_.workers(map_.cells()); }
-  kernels::TidyUp tidy_up()
+  kernels::ResetFrame reset_frame()
   {
     return {
         map_.rays.data(),

@@ -5,47 +5,47 @@
 
 namespace talus::kernels
 {
-/** The last steps before the search, on one cell: its role, the cleanup, and whether it is a
+/** The last steps before the search, on one cell: its class, the cleanup, and whether it is a
  * sample. */
 struct SettleCell
 {
-  ChooseRole choose;
+  ClassifyCell choose;
   CleanUpCell clean;
   LineGrid grid;
   Samples samples;
 
-  enum Look
+  enum Inspection
   {
-    kNoLook,
-    kLookForFace,  //!< and then, where that is still wanted, the other
-    kLookThrough
+    kNone,
+    kFace,  //!< and then, where that is still wanted, the other
+    kOverhang
   };
   /** First. Which look has to come next. */
   TALUS_HD int begin(int ix, int iy) const
   {
     const int i = index(ix, iy);
     choose.decide(ix, iy, i);
-    if (choose.wants_look(ix, iy, i)) return kLookForFace;
-    return clean.wants_look(ix, iy, i) ? kLookThrough : kNoLook;
+    if (choose.needs_inspection(ix, iy, i)) return kFace;
+    return clean.needs_inspection(ix, iy, i) ? kOverhang : kNone;
   }
-  template <class Team>
-  TALUS_HD void look(int ix, int iy, int which, const Team& team) const
+  template <class Group>
+  TALUS_HD void inspect(int ix, int iy, int which, const Group& group) const
   {
     const int i = index(ix, iy);
-    if (which == kLookForFace)
+    if (which == kFace)
     {
-      choose.look(ix, iy, i, team);
-      team.sync();
-      if (!clean.wants_look(ix, iy, i)) return;
+      choose.inspect(ix, iy, i, group);
+      group.sync();
+      if (!clean.needs_inspection(ix, iy, i)) return;
     }
-    clean.look(ix, iy, i, team);
+    clean.inspect(ix, iy, i, group);
   }
   /** Last. True for a sample. */
   TALUS_HD bool operator()(int ix, int iy) const
   {
     const int i = index(ix, iy);
-    if (clean.concerns(ix, iy, i)) clean.finish(ix, iy, i);
-    const bool sample = is_sample(clean.store, clean.role, i);
+    if (clean.applies(ix, iy, i)) clean.finish(ix, iy, i);
+    const bool sample = is_sample(clean.store, clean.surface_class, i);
     const float ground_m = clean.store.ground_m[i];
     const int o = grid.at(ix, iy);
     samples.height_m[o] = sample ? ground_m : kNan;

@@ -15,7 +15,7 @@ struct SettleRays
   float* lowest_slope;  //!< of a ray that is not buried, where there is a hit; same layout as rays
 
   /** First step: of the rings [begin, end), outwards. */
-  TALUS_HD void look(int bin, int begin, int end, BuriedBelow& seen) const
+  TALUS_HD void collect(int bin, int begin, int end, BuriedBelow& seen) const
   {
     for (int ring = begin; ring < end; ring += kBatch)
     {

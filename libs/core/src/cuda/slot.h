@@ -9,23 +9,23 @@
 namespace talus
 {
 /** A stream, and how others wait for it. */
-struct Lane
+struct WorkQueue
 {
   Stream stream;
   Event reached;
   bool after_kernel = false;  //!< the next entry waits for a kernel, and for nothing else
 };
 
-inline Lane make_lane()
+inline WorkQueue make_queue()
 {
-  Lane lane;
-  lane.reached = make_event();
-  lane.stream = make_stream();
-  return lane;
+  WorkQueue queue;
+  queue.reached = make_event();
+  queue.stream = make_stream();
+  return queue;
 }
 
 /** `after` goes on when `before` is as far as it is now. */
-inline void follow(Lane& before, Lane& after)
+inline void follow(WorkQueue& before, WorkQueue& after)
 {
   TALUS_CUDA(cudaEventRecord(before.reached.get(), before.stream.get()));
   TALUS_CUDA(cudaStreamWaitEvent(after.stream.get(), before.reached.get(), 0));
@@ -37,7 +37,7 @@ inline void follow(Lane& before, Lane& after)
 struct CudaSlot
 {
   using Clock = std::chrono::steady_clock;
-  static constexpr int kMaxLaps = kStageCount + 1;
+  static constexpr int kMaxStageEnds = kStageCount + 1;
 
   CudaSlot() = default;
   /** Ready for use. */
@@ -45,9 +45,9 @@ struct CudaSlot
   {
     CudaSlot slot;
     slot.counters = PinnedBuffer<std::uint32_t>(kernels::kRejectCodes);
-    slot.lap_ns = PinnedBuffer<std::uint64_t>(kMaxLaps);
+    slot.stage_end_ns = PinnedBuffer<std::uint64_t>(kMaxStageEnds);
     slot.computed = make_event();
-    slot.lane = make_lane();
+    slot.queue = make_queue();
     return slot;
   }
 
@@ -59,14 +59,14 @@ struct CudaSlot
   DeviceBuffer<float> points;
   // the report
   PinnedBuffer<std::uint32_t> counters;
-  PinnedBuffer<std::uint64_t> lap_ns;
+  PinnedBuffer<std::uint64_t> stage_end_ns;
   Clock::time_point start;
 
   GraphExec graph;
   Event computed;  //!< all kernels are done; copies to the host may go on
   bool marks_computed = false;  //!< the graph says so itself
   bool in_flight = false;
-  Lane lane;  //!< the last member: what is on it ends before the memory goes
+  WorkQueue queue;  //!< the last member: what is on it ends before the memory goes
 };
 
 }  // namespace talus

@@ -5,11 +5,11 @@
 
 namespace talus::kernels
 {
-// The points of a cell, or its directions, are looked through by a team: each member takes every
-// size()-th, then all learn the team's minimum, maximum or sum. These are exact on what they are
-// used for, so that the size of the team does not matter.
+// The points of a cell, or its directions, are looked through by a group: each member takes every
+// size()-th, then all learn the group's minimum, maximum or sum. These are exact on what they are
+// used for, so that the size of the group does not matter.
 
-struct LoneTeam
+struct SerialGroup
 {
   static constexpr int kMembers = 1;
 
@@ -35,7 +35,7 @@ struct LoneTeam
 
 #if defined(__CUDACC__)
 /** A warp, or each of its threads for itself: one code for both is less to fetch. */
-struct DeviceTeam
+struct WarpGroup
 {
   static constexpr int kMembers = 32;  //!< of a warp
   bool is_warp;
@@ -77,7 +77,7 @@ struct DeviceTeam
 #if __CUDA_ARCH__ >= 800
     return __reduce_add_sync(0xffffffffu, v);
 #else
-    return DeviceTeam{true}.combine(v, [](T a, T b) { return a + b; });
+    return WarpGroup{true}.combine(v, [](T a, T b) { return a + b; });
 #endif
   }
   template <class T, class F>

@@ -4,7 +4,7 @@
 namespace talus::kernels
 {
 /** Hands the counters out, and leaves what the next frame expects to find: as one of `workers`. */
-struct TidyUp
+struct ResetFrame
 {
   std::int32_t* rays;
   int n_rays;

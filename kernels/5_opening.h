@@ -17,10 +17,10 @@ namespace talus::kernels
 /** Cells of the map pooled two by two, by the parity of their place in the map, so that rolling
  * does not change the pairs. In a margin around the window the ground goes on as at its border, or
  * the edge of a platform of which only a strip is inside would be an object. */
-struct SupportGrid
+struct CoarseGrid
 {
-  int side;  //!< pooled cells along each side, with both margins
-  int margin;  //!< in pooled cells
+  int side;  //!< coarse cells along each side, with both margins
+  int margin;  //!< in coarse cells
   int pad;  //!< places beside each row that hold infinity
   float* lowest_m;  //!< lowest measured ground, infinity: none
   float* column_m;  //!< highest top of something upright, -infinity: none
@@ -40,11 +40,11 @@ struct SupportGrid
   }
 };
 
-TALUS_HD int support_margin(const Config& k) { return k.object_radius; }
-TALUS_HD int support_side(const Config& k) { return k.cells / 2 + 1 + 2 * support_margin(k); }
+TALUS_HD int coarse_margin(const Config& k) { return k.object_radius; }
+TALUS_HD int coarse_side(const Config& k) { return k.cells / 2 + 1 + 2 * coarse_margin(k); }
 
-/** What pooled cells hold. */
-struct Support
+/** What coarse cells hold. */
+struct CoarseCell
 {
   float lowest_m = kInfinity, column_m = -kInfinity;
   float overhang_m = -kInfinity;
@@ -53,20 +53,21 @@ struct Support
   static constexpr auto fields()
   {
     return std::make_tuple(
-        &Support::lowest_m, &Support::column_m, &Support::overhang_m, &Support::overhang_below);
+        &CoarseCell::lowest_m, &CoarseCell::column_m, &CoarseCell::overhang_m,
+        &CoarseCell::overhang_below);
   }
 };
 
-struct PoolSupport
+struct PoolCells
 {
-  using Item = Support;
+  using Item = CoarseCell;
   const Config* config;
   const FrameContext* frame;
   CellStore store;
-  SupportGrid grid;
+  CoarseGrid grid;
 
   /** Of the cell stored at i. */
-  TALUS_HD Support item(int i) const
+  TALUS_HD CoarseCell item(int i) const
   {
     const float ground = store.ground_m[i], top = store.elevation_m[i];
     const bool measured = store.state[i] == kMeasured;
@@ -76,7 +77,7 @@ struct PoolSupport
     const float robot_m =
         ground + config->clearance_m + kFaceAboveRobot_steps * config->step_threshold_m;
     const bool low = (extent == kOpen) | (underside <= robot_m);
-    const bool overhangs = upright & low & (store.misses[i] <= -kOverhangCredit);
+    const bool overhangs = upright & low & (store.persistence[i] <= -kOverhangPersistence);
     return {
         select(measured, ground, kInfinity), select(upright, top, -kInfinity),
         select(overhangs, top, -kInfinity),
@@ -84,7 +85,7 @@ struct PoolSupport
   }
   /** What two cells hold together, one above the other, or then two such pairs. What stands counts
    * where it stands: a cell that was hit high up only, beside the floor of the other, may hang. */
-  TALUS_HD Support pool(const Support& a, const Support& b) const
+  TALUS_HD CoarseCell pool(const CoarseCell& a, const CoarseCell& b) const
   {
     const float lowest_m = min_of(a.lowest_m, b.lowest_m);
     const float limit_m = lowest_m + config->clearance_m;
@@ -97,12 +98,12 @@ struct PoolSupport
   }
   /** What goes on beyond the window: bare ground. What is as high as the sensor is not seen from
    * above: it is a face. */
-  TALUS_HD Support beyond(const Support& border) const
+  TALUS_HD CoarseCell beyond(const CoarseCell& border) const
   {
     const bool bare = border.column_m == -kInfinity, low = border.lowest_m <= frame->sensor_z_m;
     return {select(bare & low, border.lowest_m, kInfinity), -kInfinity, -kInfinity, 0};
   }
-  TALUS_HD void put(int px, int py, const Support& pooled) const
+  TALUS_HD void put(int px, int py, const CoarseCell& pooled) const
   {
     grid.lowest_m[grid.at(px, py)] = pooled.lowest_m;
     grid.column_m[grid.at(px, py)] = pooled.column_m;
@@ -118,23 +119,23 @@ struct PoolSupport
     const auto cell = [this, n](int x, int y)
     {
       const bool inside = (x >= 0) & (y >= 0) & (x < n) & (y < n);
-      return inside ? item(storage_index(*frame, n, x, y)) : Support{};
+      return inside ? item(storage_index(*frame, n, x, y)) : CoarseCell{};
     };
-    const Support left = pool(cell(x0, y0), cell(x0, y0 + 1));
-    const Support pooled = pool(left, pool(cell(x0 + 1, y0), cell(x0 + 1, y0 + 1)));
+    const CoarseCell left = pool(cell(x0, y0), cell(x0, y0 + 1));
+    const CoarseCell pooled = pool(left, pool(cell(x0 + 1, y0), cell(x0 + 1, y0 + 1)));
     const bool inside = qx + grid.margin == px && qy + grid.margin == py;
     put(px, py, inside ? pooled : beyond(pooled));
   }
 };
 
-/** Rise of the steepest ground between neighbours of the pooled grid: 45 degrees, or what the robot
+/** Rise of the steepest ground between neighbours of the coarse grid: 45 degrees, or what the robot
  * climbs. */
 TALUS_HD float pooled_rise(const Config& k)
 {
-  return 2.0f * max_of(k.support_slope, kSteepestBank) * k.resolution_m;
+  return 2.0f * max_of(k.max_slope, kSteepestBank) * k.resolution_m;
 }
 
-/** Lowest ground of a neighbourhood in the pooled grid, plain and raised with distance. */
+/** Lowest ground of a neighbourhood in the coarse grid, plain and raised with distance. */
 struct LowestGround
 {
   float plain_m = kInfinity, cone_m = kInfinity;
@@ -147,13 +148,13 @@ struct LowestGround
 
 /** Erosion: along rows first, then across them. Only ground that is known can be as wide as an
  * object may be: behind the face of a wall nothing is known, and does not make it wide. */
-struct ErodeSupport
+struct ErodeGround
 {
   using Row = LowestGround;
   using Window = LowestGround;
   static constexpr bool kHasPlain = false;
   const Config* config;
-  SupportGrid grid;
+  CoarseGrid grid;
 
   TALUS_HD const float& neighbour(int px, int py) const { return grid.lowest_m[grid.at(px, py)]; }
   TALUS_HD void add(LowestGround& row, int px, int py, int d) const
@@ -201,13 +202,13 @@ TALUS_HD float cone_limit_m(const Config& k, float cone_m)
 }
 
 /** Dilation of what was eroded, and what follows: ground is what is not both narrow and steep. */
-struct OpenSupport
+struct OpenGround
 {
   using Row = HighestGround;
   using Window = HighestGround;
   static constexpr bool kHasPlain = false;
   const Config* config;
-  SupportGrid grid;
+  CoarseGrid grid;
 
   TALUS_HD const float& neighbour(int px, int py) const { return grid.eroded_m[grid.at(px, py)]; }
   TALUS_HD void add(HighestGround& row, int px, int py, int d) const
