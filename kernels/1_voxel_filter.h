@@ -34,10 +34,10 @@ struct EnterVoxel
   VoxelTable table;
   std::uint32_t* slot;
 
-  TALUS_HD void operator()(int i) const
+  TALUS_HD void operator()(int point_i) const
   {
-    if (i >= frame->n_points) return;
-    const Point p{in.x_m[i], in.y_m[i], in.z_m[i]};
+    if (point_i >= frame->n_points) return;
+    const Point p{in.x_m[point_i], in.y_m[point_i], in.z_m[point_i]};
     if (accept(p, *config).code != kAccepted) return;
     const std::uint64_t key = voxel_key(p);
     std::uint32_t s = static_cast<std::uint32_t>(mix_bits(key)) & table.mask;
@@ -47,7 +47,7 @@ struct EnterVoxel
       if (there == kNoVoxel || there == key) break;
       s = (s + 1) & table.mask;
     }
-    slot[i] = s;
+    slot[point_i] = s;
     Atomics::min(table.winner + s, fingerprint(p));
   }
 
@@ -75,12 +75,13 @@ struct KeepVoxel
   EnterVoxel<Atomics> entered;
   std::uint8_t* kept;
 
-  TALUS_HD void operator()(int i) const
+  TALUS_HD void operator()(int point_i) const
   {
-    if (i >= entered.frame->n_points) return;
-    const Point p{entered.in.x_m[i], entered.in.y_m[i], entered.in.z_m[i]};
-    kept[i] = accept(p, *entered.config).code != kAccepted ||
-              entered.table.winner[entered.slot[i]] == EnterVoxel<Atomics>::fingerprint(p);
+    if (point_i >= entered.frame->n_points) return;
+    const Point p{entered.in.x_m[point_i], entered.in.y_m[point_i], entered.in.z_m[point_i]};
+    kept[point_i] =
+        accept(p, *entered.config).code != kAccepted ||
+        entered.table.winner[entered.slot[point_i]] == EnterVoxel<Atomics>::fingerprint(p);
   }
 };
 

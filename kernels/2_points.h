@@ -63,16 +63,16 @@ struct NoteRay
     const int bins = bin_count(*config);
     return {which * bins / of, (which + 1) * bins / of};
   }
-  bool is_in(const Part& part, int i) const
+  bool is_in(const Part& part, int point_i) const
   {
-    const int bins = bin_count(*config), at = max_of(points.ray[i], 0);
+    const int bins = bin_count(*config), at = max_of(points.ray[point_i], 0);
     const int bin = at - floor_div(at, bins, 1.0f / static_cast<float>(bins)) * bins;
     return (bin >= part.begin) & (bin < part.end);
   }
-  TALUS_HD void operator()(int i) const
+  TALUS_HD void operator()(int point_i) const
   {
-    const int at = points.ray[i];
-    if (at >= 0) Atomics::min(rays + at, ordered_from_float(points.slope[i]));
+    const int at = points.ray[point_i];
+    if (at >= 0) Atomics::min(rays + at, ordered_from_float(points.slope[point_i]));
   }
 };
 
@@ -84,9 +84,10 @@ struct NoteReach
   std::int32_t* reach;  //!< [bin][slope step], minus the greatest PointsOut::ray, that is the one
                         //!< of the farthest ring; 0: no ray
 
-  TALUS_HD void operator()(int i) const
+  TALUS_HD void operator()(int point_i) const
   {
-    if (points.reach[i] >= 0) Atomics::min(reach + points.reach[i], -points.ray[i]);
+    if (points.reach[point_i] >= 0)
+      Atomics::min(reach + points.reach[point_i], -points.ray[point_i]);
   }
 };
 
@@ -103,14 +104,14 @@ struct AcceptPoint
   const std::uint8_t* voxel_kept;  //!< null: no voxel filter
 
   /** What depends on this point alone. PointsOut::rank holds its RejectCode until note(). */
-  TALUS_HD void locate(int i) const { locate(i, point(i)); }
-  TALUS_HD void locate(int i, const Point& sensed) const
+  TALUS_HD void locate(int point_i) const { locate(point_i, point(point_i)); }
+  TALUS_HD void locate(int point_i, const Point& sensed) const
   {
     const bool moves = frame->n_poses > 1 && frame->has_times;
-    put(i, sensed,
-        moves ? transform(pose_at(*frame, in.time_s[i]), sensed)
+    put(point_i, sensed,
+        moves ? transform(pose_at(*frame, in.time_s[point_i]), sensed)
               : transform(frame->poses[0], sensed),
-        !voxel_kept || voxel_kept[i]);
+        !voxel_kept || voxel_kept[point_i]);
   }
 
   /** Whether locate_plain() is the same as locate(): no voxel filter, no motion during the scan. */
@@ -118,17 +119,17 @@ struct AcceptPoint
   {
     return !voxel_kept && !(frame->n_poses > 1 && frame->has_times);
   }
-  TALUS_HD void locate_plain(int i) const
+  TALUS_HD void locate_plain(int point_i) const
   {
-    const Point sensed = point(i);
-    put(i, sensed, transform(frame->poses[0], sensed), true);
+    const Point sensed = point(point_i);
+    put(point_i, sensed, transform(frame->poses[0], sensed), true);
   }
 
   /** What it shares with other points. */
-  TALUS_HD void note(int i) const
+  TALUS_HD void note(int point_i) const
   {
-    NoteRay<Atomics>{config, out, rays}(i);
-    if (out.rank[i] != kAccepted) Atomics::count(rejected + out.rank[i]);
+    NoteRay<Atomics>{config, out, rays}(point_i);
+    if (out.rank[point_i] != kAccepted) Atomics::count(rejected + out.rank[point_i]);
   }
   /** Counts the rejected among the points [begin, end), after locate(). */
   void count_rejected(int begin, int end) const
@@ -136,19 +137,22 @@ struct AcceptPoint
     for (std::uint32_t code = 0; code < kRejectCodes; code++)
     {
       std::uint32_t n = 0;
-      for (int i = begin; i < end; i++) n += out.rank[i] == code;
+      for (int point_i = begin; point_i < end; point_i++) n += out.rank[point_i] == code;
       if (n) Atomics::add(rejected + code, n);
     }
   }
 
-  TALUS_HD Point point(int i) const { return {in.x_m[i], in.y_m[i], in.z_m[i]}; }
+  TALUS_HD Point point(int point_i) const
+  {
+    return {in.x_m[point_i], in.y_m[point_i], in.z_m[point_i]};
+  }
 
  private:
-  TALUS_HD void put(int i, const Point& sensed, const Point& p, bool kept) const
+  TALUS_HD void put(int point_i, const Point& sensed, const Point& p, bool kept) const
   {
     const Verdict verdict = accept(sensed, *config);
     int code = select((verdict.seen != 0) & !kept, kVoxel, verdict.code);
-    put_ray(i, p, (verdict.seen != 0) & kept);
+    put_ray(point_i, p, (verdict.seen != 0) & kept);
     const float n = static_cast<float>(config->cells);
     const float cx = p.x_m * config->inverse_resolution, cy = p.y_m * config->inverse_resolution;
     const bool inside = (cx >= 0.0f) & (cx < n) & (cy >= 0.0f) & (cy < n);
@@ -156,16 +160,16 @@ struct AcceptPoint
     const int ix = floor_to_int(select(inside, cx, 0.0f));
     const int iy = floor_to_int(select(inside, cy, 0.0f));
     const int cell = storage_index(*frame, config->cells, ix, iy);
-    out.cell[i] = select(code == kAccepted, cell, -1);
-    out.rank[i] = static_cast<std::uint32_t>(code);
-    out.in_cell[i] = code_in_cell(
+    out.cell[point_i] = select(code == kAccepted, cell, -1);
+    out.rank[point_i] = static_cast<std::uint32_t>(code);
+    out.in_cell[point_i] = code_in_cell(
         select(inside, cx - static_cast<float>(ix), 0.0f),
         select(inside, cy - static_cast<float>(iy), 0.0f));
-    out.height_m[i] = p.z_m;
-    out.variance_m2[i] = point_variance(sensed.x_m, sensed.y_m, sensed.z_m, *config, *frame);
+    out.height_m[point_i] = p.z_m;
+    out.variance_m2[point_i] = point_variance(sensed.x_m, sensed.y_m, sensed.z_m, *config, *frame);
   }
 
-  TALUS_HD void put_ray(int i, const Point& p, bool seen) const
+  TALUS_HD void put_ray(int point_i, const Point& p, bool seen) const
   {
     const float dx = select(seen, p.x_m - frame->sensor_x_m, 0.0f);
     const float dy = select(seen, p.y_m - frame->sensor_y_m, 0.0f);
@@ -179,13 +183,13 @@ struct AcceptPoint
     const float direction =
         direction_in_bins(select(aims, dx, 1.0f), select(aims, dy, 0.0f), bins_per_side(*config));
     const int bin = wrap_bin(floor_to_int(direction), bins);
-    out.ray[i] = select(aims, row * bins + bin, -1);
+    out.ray[point_i] = select(aims, row * bins + bin, -1);
     const float slope = ray_slope(p.z_m - frame->sensor_z_m, chebyshev_m);
-    out.slope[i] = slope;
+    out.slope[point_i] = slope;
     const float step = slope_step(select(aims, slope, 0.0f));
     const bool counts = aims & (step >= 0.0f) & (step < static_cast<float>(kSlopeSteps));
     const int at = bin * kSlopeSteps + floor_to_int(select(counts, step, 0.0f));
-    out.reach[i] = select(counts, at, -1);
+    out.reach[point_i] = select(counts, at, -1);
   }
 };
 

@@ -12,18 +12,18 @@ struct RollCell
   CellStore store;
   float* top_hit_m;  //!< by storage index: highest point of this frame; -infinity: none yet
 
-  /** Prepares the cell stored at i; true if it starts empty. */
-  TALUS_HD bool applies(int ix, int iy, int i) const
+  /** Prepares the cell stored at storage_i; true if it starts empty. */
+  TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
-    top_hit_m[i] = -kInfinity;
+    top_hit_m[storage_i] = -kInfinity;
     return entered_window(*frame, config->cells, ix, iy);
   }
-  TALUS_HD void operator()(int, int, int i) const { store.store(i, Cell{}); }
+  TALUS_HD void operator()(int, int, int storage_i) const { store.store(storage_i, Cell{}); }
 
   TALUS_HD void operator()(int ix, int iy) const
   {
-    const int i = storage_index(*frame, config->cells, ix, iy);
-    if (applies(ix, iy, i)) (*this)(ix, iy, i);
+    const int storage_i = storage_index(*frame, config->cells, ix, iy);
+    if (applies(ix, iy, storage_i)) (*this)(ix, iy, storage_i);
   }
 };
 

@@ -30,10 +30,10 @@ struct FindRise
   CellStore store;
 
   /** Of the cell stored there. */
-  TALUS_HD GroundRise operator()(int cell) const
+  TALUS_HD GroundRise operator()(int storage_i) const
   {
-    const int n = config->cells, row = floor_div(cell, n, 1.0f / static_cast<float>(n));
-    const int column = cell - row * n;
+    const int n = config->cells, row = floor_div(storage_i, n, 1.0f / static_cast<float>(n));
+    const int column = storage_i - row * n;
     const Along x = along({row * n, 1, column, frame->storage_x});
     const Along y = along({column, n, row, frame->storage_y});
     const bool has_x = is_known(x.middle_m), has_y = is_known(y.middle_m);
@@ -64,8 +64,9 @@ struct FindRise
     for (int d = 1; d <= most; d++)
     {
       const int at = axis.place + d * direction;
-      const int i = axis.first + (at + select(at < 0, n, 0) - select(at >= n, n, 0)) * axis.stride;
-      if (store.state[i] == kMeasured) return {store.ground_m[i], d};
+      const int storage_i =
+          axis.first + (at + select(at < 0, n, 0) - select(at >= n, n, 0)) * axis.stride;
+      if (store.state[storage_i] == kMeasured) return {store.ground_m[storage_i], d};
     }
     return {};
   }

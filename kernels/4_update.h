@@ -370,10 +370,10 @@ struct SortPoint
 
   /** Whether rays of its own direction passed below a point. Beside the edge of something rays pass
    * as well; below what overhangs they pass on both sides of the point. */
-  TALUS_HD bool overhangs(int i) const
+  TALUS_HD bool overhangs(int point_i) const
   {
-    return passed_below(i, 0) &&
-           (passed_below(i, -1) & passed_below(i, 1) & passed_below(i, -2) & passed_below(i, 2));
+    return passed_below(point_i, 0) && (passed_below(point_i, -1) & passed_below(point_i, 1) &
+                                        passed_below(point_i, -2) & passed_below(point_i, 2));
   }
   /** Farther behind a point than range noise and round sides put other hits on the same thing. */
   TALUS_HD int rings_behind() const
@@ -382,31 +382,32 @@ struct SortPoint
         kBehindOverhang_rings, floor_to_int(kBehindOverhang_m * config->inverse_resolution + 0.5f));
   }
   /** Whether a ray that many directions beside a point passed below it. */
-  TALUS_HD bool passed_below(int i, int beside) const
+  TALUS_HD bool passed_below(int point_i, int beside) const
   {
-    const bool aims = (points.ray[i] >= 0) & (points.cell[i] >= 0);
-    const int at = select(aims, points.ray[i], 0), bins = bin_count(*config);
+    const bool aims = (points.ray[point_i] >= 0) & (points.cell[point_i] >= 0);
+    const int at = select(aims, points.ray[point_i], 0), bins = bin_count(*config);
     const int ring = floor_div(at, bins, 1.0f / static_cast<float>(bins)), bin = at - ring * bins;
     const int behind = min_of(ring + rings_behind(), ring_count(*config) - 1);
     const std::int32_t lowest = rays[behind * bins + wrap_bin(bin + beside, bins)];
     const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
-    const float limit = points.slope[i] - config->cleanup_margin_m / chebyshev_m;
+    const float limit = points.slope[point_i] - config->cleanup_margin_m / chebyshev_m;
     return aims & (lowest != kNoRay) & !(float_from_ordered(lowest) > limit);
   }
 
   /** As the point of that rank. */
-  TALUS_HD void put(int i, std::uint32_t rank, bool overhangs, const GroundRise& rise) const
+  TALUS_HD void put(int point_i, std::uint32_t rank, bool overhangs, const GroundRise& rise) const
   {
-    sorting.sorted[sorting.cell_begin[points.cell[i]] + rank] = {
-        rise.level(points.height_m[i], in_cell(points.in_cell[i])), points.variance_m2[i],
-        select(overhangs, 1, 0)};
+    sorting.sorted[sorting.cell_begin[points.cell[point_i]] + rank] = {
+        rise.level(points.height_m[point_i], in_cell(points.in_cell[point_i])),
+        points.variance_m2[point_i], select(overhangs, 1, 0)};
   }
 
   /** As the point of the rank that it has, where the rises of all cells are known. */
-  TALUS_HD void put(int i, bool overhangs) const
+  TALUS_HD void put(int point_i, bool overhangs) const
   {
-    if (points.cell[i] >= 0 && points.rank[i] != kNoRank)
-      put(i, points.rank[i], overhangs, sorting.rise[sorting.cell_begin[points.cell[i]]]);
+    if (points.cell[point_i] >= 0 && points.rank[point_i] != kNoRank)
+      put(point_i, points.rank[point_i], overhangs,
+          sorting.rise[sorting.cell_begin[points.cell[point_i]]]);
   }
 };
 
@@ -421,10 +422,11 @@ struct UpdateCell
   float* top_hit_m;
 
   /** The cell that is to be updated for point i, or -1. */
-  TALUS_HD int lone_cell(int i) const
+  TALUS_HD int lone_cell(int point_i) const
   {
-    if (i >= frame->n_points || points.cell[i] < 0 || points.rank[i] != 0) return -1;
-    return sorting.cell_count[points.cell[i]] <= sorting.crowd ? points.cell[i] : -1;
+    if (point_i >= frame->n_points || points.cell[point_i] < 0 || points.rank[point_i] != 0)
+      return -1;
+    return sorting.cell_count[points.cell[point_i]] <= sorting.crowd ? points.cell[point_i] : -1;
   }
   /** A crowded cell, or -1: there are no more. */
   TALUS_HD int crowded_cell(int slot) const
@@ -433,17 +435,18 @@ struct UpdateCell
   }
 
   template <class Group>
-  TALUS_HD void update(int i, const Group& group) const
+  TALUS_HD void update(int storage_i, const Group& group) const
   {
     const CellPoints<Group> here{
-        sorting.sorted + sorting.cell_begin[i], static_cast<int>(sorting.kept_count[i]), group};
+        sorting.sorted + sorting.cell_begin[storage_i],
+        static_cast<int>(sorting.kept_count[storage_i]), group};
     if (here.size == 0) return;
-    Cell c = store.load(i);
+    Cell c = store.load(storage_i);
     const Extremes ends = here.reduce(Extremes{}, UpTo{}, *config);
     update_cell(c, ends, here, *config);
     if (group.rank() != 0) return;
-    store.store(i, c);
-    top_hit_m[i] = ends.highest().height_m;
+    store.store(storage_i, c);
+    top_hit_m[storage_i] = ends.highest().height_m;
   }
 };
 

@@ -16,40 +16,42 @@ struct ClassifyCell
   RayReach reach;
   std::uint8_t* surface_class;  //!< by storage index
 
-  /** Decides for cell (x, y), stored at i, as most are; false where that is all. */
-  TALUS_HD bool applies(int x, int y, int i) const
+  /** Decides for cell (x, y), stored at storage_i, as most are; false where that is all. */
+  TALUS_HD bool applies(int x, int y, int storage_i) const
   {
-    const float ground = store.ground_m[i];
-    const bool measured = store.state[i] == kMeasured;
+    const float ground = store.ground_m[storage_i];
+    const bool measured = store.state[storage_i] == kMeasured;
     const bool stays = may_be_ground(
         grid.at(grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y)), ground);
-    surface_class[i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
-    const bool stands_anew = may_join(i, ground) | may_be_bank(i, ground);
-    return select(measured, !stays, stands_anew) | may_be_top(i, ground);
+    surface_class[storage_i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
+    const bool stands_anew = may_join(storage_i, ground) | may_be_bank(storage_i, ground);
+    return select(measured, !stays, stands_anew) | may_be_top(storage_i, ground);
   }
-  TALUS_HD void operator()(int x, int y, int i) const
+  TALUS_HD void operator()(int x, int y, int storage_i) const
   {
-    decide(x, y, i);
-    if (needs_inspection(x, y, i)) inspect(x, y, i, SerialGroup{});
+    decide(x, y, storage_i);
+    if (needs_inspection(x, y, storage_i)) inspect(x, y, storage_i, SerialGroup{});
   }
 
   /** All but what look() does. */
-  TALUS_HD void decide(int x, int y, int i) const
+  TALUS_HD void decide(int x, int y, int storage_i) const
   {
     const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
-    const bool measured = store.state[i] == kMeasured;
-    surface_class[i] = measured ? class_of_measured(px, py, store.ground_m[i]) : kInfer;
+    const bool measured = store.state[storage_i] == kMeasured;
+    surface_class[storage_i] =
+        measured ? class_of_measured(px, py, store.ground_m[storage_i]) : kInfer;
     if (!measured)
     {
-      join_column(i, px, py);
-      take_bank(i, grid.at(px, py));
+      join_column(storage_i, px, py);
+      take_bank(storage_i, grid.at(px, py));
     }
   }
 
   /** Whether look() has to come next: something that overhangs is before what was hit. */
-  TALUS_HD bool needs_inspection(int x, int y, int i) const
+  TALUS_HD bool needs_inspection(int x, int y, int storage_i) const
   {
-    return may_be_top(i, store.ground_m[i]) && is_before(x, y, face_below(i));
+    return may_be_top(storage_i, store.ground_m[storage_i]) &&
+           is_before(x, y, face_below(storage_i));
   }
 
   /** What was hit too high to stand on the ground may belong to a thing whose face overhangs before
@@ -59,12 +61,12 @@ struct ClassifyCell
    * car's doors. It has the least persistence that such a face may have, and reaches down as far,
    * or to the end of what is hit of it. */
   template <class Group>
-  TALUS_HD void inspect(int x, int y, int i, const Group& group) const
+  TALUS_HD void inspect(int x, int y, int storage_i, const Group& group) const
   {
-    const float top_m = top_hit_m[i];
+    const float top_m = top_hit_m[storage_i];
     float depth_m = kNan;
-    if (seen_from_above(i))
-      depth_m = depth_before(x, y, face_below(i), group);
+    if (seen_from_above(storage_i))
+      depth_m = depth_before(x, y, face_below(storage_i), group);
     else
     {
       const OverhangRays<Group> rays{*config, reach, footprint_of(*config, *frame, x, y), group};
@@ -72,73 +74,81 @@ struct ClassifyCell
       const Face face = on_which_stands(low_m, low_m);
       if (is_known(low_m) && is_known(depth_before(x, y, face, group))) depth_m = top_m - low_m;
     }
-    if (group.rank() == 0 && is_known(depth_m)) put_overhang(i, depth_m);
+    if (group.rank() == 0 && is_known(depth_m)) put_overhang(storage_i, depth_m);
   }
 
  private:
-  TALUS_HD bool may_be_ground(int o, float ground_m) const { return ground_m <= grid.limit_m[o]; }
-  TALUS_HD bool hit_above(int i, float ground_m) const
+  TALUS_HD bool may_be_ground(int coarse_i, float ground_m) const
   {
-    return top_hit_m[i] > ground_m + config->clearance_m;
+    return ground_m <= grid.limit_m[coarse_i];
+  }
+  TALUS_HD bool hit_above(int storage_i, float ground_m) const
+  {
+    return top_hit_m[storage_i] > ground_m + config->clearance_m;
   }
   /** What is no higher than the sensor cannot be the underside of a roof. */
-  TALUS_HD bool seen_from_above(int i) const { return top_hit_m[i] <= frame->sensor_z_m; }
-  TALUS_HD bool may_join(int i, float ground_m) const
+  TALUS_HD bool seen_from_above(int storage_i) const
   {
-    return !is_known(store.elevation_m[i]) & hit_above(i, ground_m);
+    return top_hit_m[storage_i] <= frame->sensor_z_m;
   }
-  TALUS_HD bool may_be_top(int i, float ground_m) const
+  TALUS_HD bool may_join(int storage_i, float ground_m) const
+  {
+    return !is_known(store.elevation_m[storage_i]) & hit_above(storage_i, ground_m);
+  }
+  TALUS_HD bool may_be_top(int storage_i, float ground_m) const
   {
     const bool stands =
-        store.elevation_m[i] > ground_m + kStandsAlready_clearances * config->clearance_m;
-    const bool guess = store.state[i] == kFilledOneSided;  // there join_column() decides
-    return hit_above(i, ground_m) & !stands & !guess;
+        store.elevation_m[storage_i] > ground_m + kStandsAlready_clearances * config->clearance_m;
+    const bool guess = store.state[storage_i] == kFilledOneSided;  // there join_column() decides
+    return hit_above(storage_i, ground_m) & !stands & !guess;
   }
-  TALUS_HD bool may_be_bank(int i, float ground_m) const
+  TALUS_HD bool may_be_bank(int storage_i, float ground_m) const
   {
-    const float step_m = config->step_threshold_m, top = store.elevation_m[i];
+    const float step_m = config->step_threshold_m, top = store.elevation_m[storage_i];
     const bool stands = top > ground_m + step_m;
-    const bool hit = abs_of(top_hit_m[i] - top) <= kSameTop_steps * step_m;
+    const bool hit = abs_of(top_hit_m[storage_i] - top) <= kSameTop_steps * step_m;
     const bool seen_below =
-        (store.persistence[i] < 0) | ((store.ray_evidence[i] & kHitHighUp) != 0);
+        (store.persistence[storage_i] < 0) | ((store.ray_evidence[storage_i] & kHitHighUp) != 0);
     return stands & hit & !seen_below;
   }
   /** What stood over a guess is ground where its top is hit again and is no higher than ground
    * beside it that is wide: of a bank the drop-off is seen first, a narrow strip with lower ground
    * before it. Below ground no rays pass. */
-  TALUS_HD void take_bank(int i, int o) const
+  TALUS_HD void take_bank(int storage_i, int coarse_i) const
   {
-    const float top = store.elevation_m[i], by_cone_m = cone_limit_m(*config, grid.cone_m[o]);
-    if (!may_be_bank(i, store.ground_m[i]) || !may_be_ground(o, top)) return;
-    if (grid.limit_m[o] <= by_cone_m) return;  // no wider than it was
-    store.state[i] = kMeasured;
-    store.ground_m[i] = top;
-    store.ground_var_m2[i] = store.elevation_var_m2[i];
-    surface_class[i] = kKeep;
+    const float top = store.elevation_m[storage_i],
+                by_cone_m = cone_limit_m(*config, grid.cone_m[coarse_i]);
+    if (!may_be_bank(storage_i, store.ground_m[storage_i]) || !may_be_ground(coarse_i, top)) return;
+    if (grid.limit_m[coarse_i] <= by_cone_m) return;  // no wider than it was
+    store.state[storage_i] = kMeasured;
+    store.ground_m[storage_i] = top;
+    store.ground_var_m2[storage_i] = store.elevation_var_m2[storage_i];
+    surface_class[storage_i] = kKeep;
   }
-  TALUS_HD void put_overhang(int i, float depth_m) const
+  TALUS_HD void put_overhang(int storage_i, float depth_m) const
   {
-    put_top(i);
-    store.persistence[i] = static_cast<std::int8_t>(-kOverhangPersistence);
-    store.extent[i] = static_cast<std::uint8_t>(extent_of_codes(code_of_extent(depth_m), 0));
+    put_top(storage_i);
+    store.persistence[storage_i] = static_cast<std::int8_t>(-kOverhangPersistence);
+    store.extent[storage_i] =
+        static_cast<std::uint8_t>(extent_of_codes(code_of_extent(depth_m), 0));
   }
   /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
    * wall of which this cell was hit high up only. What is seen from above stands until a ray passes
    * low over the guess. */
-  TALUS_HD void join_column(int i, int px, int py) const
+  TALUS_HD void join_column(int storage_i, int px, int py) const
   {
-    if (!may_join(i, store.ground_m[i])) return;
-    if (!between_columns(px, py, top_hit_m[i] - config->clearance_m))
+    if (!may_join(storage_i, store.ground_m[storage_i])) return;
+    if (!between_columns(px, py, top_hit_m[storage_i] - config->clearance_m))
     {
-      if ((store.ray_evidence[i] & kPassedLow) != 0 || !seen_from_above(i)) return;
-      store.ray_evidence[i] |= kHitHighUp;
+      if ((store.ray_evidence[storage_i] & kPassedLow) != 0 || !seen_from_above(storage_i)) return;
+      store.ray_evidence[storage_i] |= kHitHighUp;
     }
-    put_top(i);
+    put_top(storage_i);
   }
-  TALUS_HD void put_top(int i) const
+  TALUS_HD void put_top(int storage_i) const
   {
-    store.elevation_m[i] = top_hit_m[i];
-    store.elevation_var_m2[i] = config->min_variance_m2;
+    store.elevation_m[storage_i] = top_hit_m[storage_i];
+    store.elevation_var_m2[storage_i] = config->min_variance_m2;
   }
 
   TALUS_HD SurfaceClass class_of_measured(int px, int py, float ground_m) const
@@ -183,10 +193,10 @@ struct ClassifyCell
   }
 
   /** The face of what a hit may belong to. */
-  TALUS_HD Face face_below(int i) const
+  TALUS_HD Face face_below(int storage_i) const
   {
-    const float top_m = top_hit_m[i];
-    return seen_from_above(i) ? whose_top_is_at(top_m) : on_which_stands(-kInfinity, top_m);
+    const float top_m = top_hit_m[storage_i];
+    return seen_from_above(storage_i) ? whose_top_is_at(top_m) : on_which_stands(-kInfinity, top_m);
   }
 
   /** Corridors from a cell to the sensor, a pair of cells wide each. */
@@ -216,10 +226,11 @@ struct ClassifyCell
       const int qx = corridors.px + floor_to_int(ahead * d.x - beside * d.y + 0.5f);
       const int qy = corridors.py + floor_to_int(ahead * d.y + beside * d.x + 0.5f);
       const bool inside = (qx >= 0) & (qy >= 0) & (qx < grid.side) & (qy < grid.side);
-      const int o = select(inside, grid.at(qx, qy), here);
-      const float top_m = grid.overhang_m[o];
-      const bool is_face = (o != here) & (top_m >= face.lowest_m) & (top_m <= face.highest_m);
-      nearest = select(is_face, o, nearest);
+      const int coarse_i = select(inside, grid.at(qx, qy), here);
+      const float top_m = grid.overhang_m[coarse_i];
+      const bool is_face =
+          (coarse_i != here) & (top_m >= face.lowest_m) & (top_m <= face.highest_m);
+      nearest = select(is_face, coarse_i, nearest);
     }
     return nearest;
   }
@@ -241,11 +252,11 @@ struct ClassifyCell
     float depth_m = 0;
     for (int corridor = group.rank(); corridor < kFaceCorridors; corridor += group.size())
     {
-      const int o = face_in_corridor(corridors, corridor, face);
-      if (o < 0)
+      const int coarse_i = face_in_corridor(corridors, corridor, face);
+      if (coarse_i < 0)
         missing++;
       else
-        depth_m = max_of(depth_m, grid.overhang_depth_m[o]);
+        depth_m = max_of(depth_m, grid.overhang_depth_m[coarse_i]);
     }
     depth_m = group.max(depth_m);
     return group.sum(missing) <= kMissingCorridors ? depth_m : kNan;
@@ -259,9 +270,9 @@ struct ClassifyCell
     for (int y = py - 1; y <= py + 1; y++)
       for (int x = px - 1; x <= px + 1; x++)
       {
-        const int o = grid.at(x, y);
-        const bool stands = grid.lowest_m[o] <= grid.cone_m[o] + config->clearance_m;
-        column = max_of(column, select(stands, grid.column_m[o], -kInfinity));
+        const int coarse_i = grid.at(x, y);
+        const bool stands = grid.lowest_m[coarse_i] <= grid.cone_m[coarse_i] + config->clearance_m;
+        column = max_of(column, select(stands, grid.column_m[coarse_i], -kInfinity));
       }
     return column;
   }

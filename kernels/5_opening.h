@@ -67,17 +67,17 @@ struct PoolCells
   CoarseGrid grid;
 
   /** Of the cell stored at i. */
-  TALUS_HD CoarseCell item(int i) const
+  TALUS_HD CoarseCell item(int storage_i) const
   {
-    const float ground = store.ground_m[i], top = store.elevation_m[i];
-    const bool measured = store.state[i] == kMeasured;
+    const float ground = store.ground_m[storage_i], top = store.elevation_m[storage_i];
+    const bool measured = store.state[storage_i] == kMeasured;
     const bool upright = measured & (top - ground > kUpright_clearances * config->clearance_m);
-    const int extent = store.extent[i];
+    const int extent = store.extent[storage_i];
     const float underside = top - extent_of_code(code_below(extent));
     const float robot_m =
         ground + config->clearance_m + kFaceAboveRobot_steps * config->step_threshold_m;
     const bool low = (extent == kOpen) | (underside <= robot_m);
-    const bool overhangs = upright & low & (store.persistence[i] <= -kOverhangPersistence);
+    const bool overhangs = upright & low & (store.persistence[storage_i] <= -kOverhangPersistence);
     return {
         select(measured, ground, kInfinity), select(upright, top, -kInfinity),
         select(overhangs, top, -kInfinity),

@@ -123,11 +123,11 @@ struct FindPassingRays
   }
   TALUS_HD void put(int ix, int iy, const SeenThrough& seen) const
   {
-    const int o = iy * cells + ix;
-    passing.lowest_m[o] = seen.lowest_m;
-    passing.highest_m[o] = seen.highest_m;
+    const int window_i = iy * cells + ix;
+    passing.lowest_m[window_i] = seen.lowest_m;
+    passing.highest_m[window_i] = seen.highest_m;
     const bool in_open = (seen.in_open != 0) & seen.any();
-    passing.in_open[o] = static_cast<std::uint8_t>(select(in_open, 1, 0));
+    passing.in_open[window_i] = static_cast<std::uint8_t>(select(in_open, 1, 0));
   }
 
   TALUS_HD void operator()(int ix, int iy) const
@@ -139,7 +139,7 @@ struct FindPassingRays
   }
 };
 
-/** Stage 6 on cell (ix, iy), stored at i. */
+/** Stage 6 on cell (ix, iy), stored at storage_i. */
 struct CleanUpCell
 {
   int cells;
@@ -151,68 +151,77 @@ struct CleanUpCell
   std::uint8_t* surface_class;
 
   /** False where nothing changes. */
-  TALUS_HD bool applies(int ix, int iy, int i) const
+  TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
-    const int o = iy * cells + ix;
-    const bool any = passing.lowest_m[o] < kInfinity, traced = store.ray_evidence[i] >= kTraceOne;
-    return any & (store.state[i] != kUnknown) & (stands_above(o, i) | traced);
+    const int window_i = iy * cells + ix;
+    const bool any = passing.lowest_m[window_i] < kInfinity,
+               traced = store.ray_evidence[storage_i] >= kTraceOne;
+    return any & (store.state[storage_i] != kUnknown) &
+           (stands_above(window_i, storage_i) | traced);
   }
 
-  TALUS_HD void operator()(int ix, int iy, int i) const
+  TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    if (needs_inspection(ix, iy, i)) inspect(ix, iy, i, SerialGroup{});
-    finish(ix, iy, i);
+    if (needs_inspection(ix, iy, storage_i)) inspect(ix, iy, storage_i, SerialGroup{});
+    finish(ix, iy, storage_i);
   }
 
   /** Whether look() has to come before finish(): what stands there may overhang. */
-  TALUS_HD bool needs_inspection(int ix, int iy, int i) const
+  TALUS_HD bool needs_inspection(int ix, int iy, int storage_i) const
   {
-    const int o = iy * cells + ix;
-    return applies(ix, iy, i) && stands_above(o, i) && store.persistence[i] < 0 &&
-           store.extent[i] != kOpen;
+    const int window_i = iy * cells + ix;
+    return applies(ix, iy, storage_i) && stands_above(window_i, storage_i) &&
+           store.persistence[storage_i] < 0 && store.extent[storage_i] != kOpen;
   }
 
   /** Rays that pass below what overhangs do not tell that it left; rays that went on where it is
    * known to have been do. Where such rays go while it is hit, it is open, and they tell nothing.
    */
   template <class Group>
-  TALUS_HD void inspect(int ix, int iy, int i, const Group& group) const
+  TALUS_HD void inspect(int ix, int iy, int storage_i, const Group& group) const
   {
     const Config& k = *config;
-    const float top_m = top(i), hit_m = top_hit_m[i], limit_m = limit(iy * cells + ix);
+    const float top_m = top(storage_i), hit_m = top_hit_m[storage_i],
+                limit_m = limit(iy * cells + ix);
     const bool hit = hit_m > limit_m;
     const OverhangRays<Group> overhang{k, reach, footprint_of(k, *reach.frame, ix, iy), group};
-    const int before = store.extent[i];
+    const int before = store.extent[storage_i];
     const int extent = hit ? learn(before, overhang, top_m, hit_m, limit_m) : before;
     const float lowest_m = top_m - extent_of_code(code_below(extent));
     const float low_m = max_of(lowest_m + k.cleanup_margin_m, limit_m);
     const float high_m = top_m + extent_of_code(code_above(extent)) - k.cleanup_margin_m;
     const bool went = low_m < high_m && overhang.went_between(low_m, high_m);
     if (group.rank() != 0) return;
-    store.extent[i] = static_cast<std::uint8_t>(select(hit & went, kOpen, extent));
-    if (went & !hit) store.persistence[i] = 0;
+    store.extent[storage_i] = static_cast<std::uint8_t>(select(hit & went, kOpen, extent));
+    if (went & !hit) store.persistence[storage_i] = 0;
   }
 
-  TALUS_HD void finish(int ix, int iy, int i) const
+  TALUS_HD void finish(int ix, int iy, int storage_i) const
   {
-    const int o = iy * cells + ix;
-    Cell c = store.load(i);
-    const bool faded = fade_trace(c), stands = stands_above(o, i);
-    if (stands) clear_seen_through(c, surface_class[i], top_hit_m[i], top(i), limit(o), *config);
-    if (stands || faded) store.store(i, c);
+    const int window_i = iy * cells + ix;
+    Cell c = store.load(storage_i);
+    const bool faded = fade_trace(c), stands = stands_above(window_i, storage_i);
+    if (stands)
+      clear_seen_through(
+          c, surface_class[storage_i], top_hit_m[storage_i], top(storage_i), limit(window_i),
+          *config);
+    if (stands || faded) store.store(storage_i, c);
   }
 
  private:
-  TALUS_HD float top(int i) const
+  TALUS_HD float top(int storage_i) const
   {
-    const float elevation = store.elevation_m[i], ground = store.ground_m[i];
+    const float elevation = store.elevation_m[storage_i], ground = store.ground_m[storage_i];
     return select(is_known(elevation), elevation, ground);
   }
-  TALUS_HD float limit(int o) const { return passing.highest_m[o] + config->cleanup_margin_m; }
-  TALUS_HD bool stands_above(int o, int i) const
+  TALUS_HD float limit(int window_i) const
   {
-    const bool measured = store.state[i] == kMeasured;
-    return (top(i) > limit(o)) & (is_known(store.elevation_m[i]) | measured);
+    return passing.highest_m[window_i] + config->cleanup_margin_m;
+  }
+  TALUS_HD bool stands_above(int window_i, int storage_i) const
+  {
+    const bool measured = store.state[storage_i] == kMeasured;
+    return (top(storage_i) > limit(window_i)) & (is_known(store.elevation_m[storage_i]) | measured);
   }
 
   /** The extent of a cell that was hit: not lower than `limit_m`, where rays passed. The top may

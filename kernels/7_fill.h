@@ -291,15 +291,15 @@ struct Samples
 /** Height that rays have shown the ground of a cell of the window not to exceed [m]; infinity: not
  * shown. Of the directions in which rays passed the highest: a few rays of reflections do not
  * count. */
-TALUS_HD float ray_bound(const PassingRays& passing, int o)
+TALUS_HD float ray_bound(const PassingRays& passing, int window_i)
 {
-  return select(passing.lowest_m[o] < kInfinity, passing.highest_m[o], kInfinity);
+  return select(passing.lowest_m[window_i] < kInfinity, passing.highest_m[window_i], kInfinity);
 }
 
-/** Whether fills may build on the ground of the cell stored at i. */
-TALUS_HD bool is_sample(const CellStore& store, const std::uint8_t* surface_class, int i)
+/** Whether fills may build on the ground of the cell stored at storage_i. */
+TALUS_HD bool is_sample(const CellStore& store, const std::uint8_t* surface_class, int storage_i)
 {
-  return (store.state[i] == kMeasured) & (surface_class[i] == kKeep);
+  return (store.state[storage_i] == kMeasured) & (surface_class[storage_i] == kKeep);
 }
 
 // ---- The cell ----
@@ -347,19 +347,24 @@ struct DropHanging
     const int both = kPassedLow | kHitHighUp;
     return (ray_evidence & both) == both;
   }
-  TALUS_HD bool applies(int, int, int i) const { return hangs(store.ray_evidence[i]); }
-  TALUS_HD void operator()(int, int, int i) const
+  TALUS_HD bool applies(int, int, int storage_i) const
   {
-    store.elevation_m[i] = store.elevation_var_m2[i] = kNan;
+    return hangs(store.ray_evidence[storage_i]);
+  }
+  TALUS_HD void operator()(int, int, int storage_i) const
+  {
+    store.elevation_m[storage_i] = store.elevation_var_m2[storage_i] = kNan;
     // Persistence, extent and, of an underside, trace belong to what stood there.
-    store.persistence[i] = 0;
-    store.extent[i] = 0;
-    const int kept = store.state[i] == kUnknown ? 0 : store.ray_evidence[i] & ~kHitHighUp;
-    store.ray_evidence[i] = static_cast<std::uint8_t>(kept);
+    store.persistence[storage_i] = 0;
+    store.extent[storage_i] = 0;
+    const int kept =
+        store.state[storage_i] == kUnknown ? 0 : store.ray_evidence[storage_i] & ~kHitHighUp;
+    store.ray_evidence[storage_i] = static_cast<std::uint8_t>(kept);
   }
 };
 
-/** Stage 7 on cell (ix, iy), stored at i, from what the lines through it say. Returns its state. */
+/** Stage 7 on cell (ix, iy), stored at storage_i, from what the lines through it say. Returns its
+ * state. */
 struct FillCell
 {
   int cells;
@@ -372,15 +377,15 @@ struct FillCell
   Surfaces surfaces;
   SurfaceLayers out;
 
-  TALUS_HD bool wanted(int i) const { return surface_class[i] != kKeep; }
+  TALUS_HD bool wanted(int storage_i) const { return surface_class[storage_i] != kKeep; }
 
-  TALUS_HD int operator()(int ix, int iy, int i, const Inference& inferred) const
+  TALUS_HD int operator()(int ix, int iy, int storage_i, const Inference& inferred) const
   {
-    const int o = iy * cells + ix;
-    const int r = surface_class[i], state_before = store.state[i];
-    const int evidence_before = store.ray_evidence[i], in_open = passing.in_open[o];
-    const float before = store.ground_m[i], var_before = store.ground_var_m2[i];
-    const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound(passing, o));
+    const int window_i = iy * cells + ix;
+    const int r = surface_class[storage_i], state_before = store.state[storage_i];
+    const int evidence_before = store.ray_evidence[storage_i], in_open = passing.in_open[window_i];
+    const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
+    const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound(passing, window_i));
     const float by_lines_m = height_of_lines(inferred.lines, r >= kObject);
     const float expected_m = planes->floor.draw(by_lines_m, ix, iy);
     const Fill fill = infer_ground(inferred, expected_m, bound_m, *config);
@@ -399,7 +404,7 @@ struct FillCell
     // A fill may lie too high, so that it counts little above the lowest of its lines.
     const float low_m = inferred.lines.lowest_m + kAboveLowestLine_steps * config->step_threshold_m;
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
-    const bool drop_off = inferred.before_drop_off() & !is_known(store.elevation_m[i]);
+    const bool drop_off = inferred.before_drop_off() & !is_known(store.elevation_m[storage_i]);
     const bool undercut = filled & ((fill.height_m < fill.expected_m - kUndercut_m) | drop_off);
     const bool low = (bound_m < floor_m + proof_m) & !undercut;
     const float high_up_m = config->clearance_m *
@@ -410,11 +415,12 @@ struct FillCell
     const int kept = evidence_before & select(undercut, ~kPassedLow, ~0);
     const int ray_evidence =
         kept | select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0);
-    store.ground_m[i] = ground;
-    store.ground_var_m2[i] = variance;
-    store.state[i] = static_cast<std::uint8_t>(state);
-    store.ray_evidence[i] = static_cast<std::uint8_t>(ray_evidence);
-    const float elevation = select(DropHanging::hangs(ray_evidence), kNan, store.elevation_m[i]);
+    store.ground_m[storage_i] = ground;
+    store.ground_var_m2[storage_i] = variance;
+    store.state[storage_i] = static_cast<std::uint8_t>(state);
+    store.ray_evidence[storage_i] = static_cast<std::uint8_t>(ray_evidence);
+    const float elevation =
+        select(DropHanging::hangs(ray_evidence), kNan, store.elevation_m[storage_i]);
     put_surface(surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, ray_evidence);
     return state;
   }

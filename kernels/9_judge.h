@@ -13,10 +13,10 @@ struct FeatureLayers
   float *slope, *step, *roughness, *sparsity, *traversability;
   float* judged;  //!< traversability before CompleteObstacles, with a minus at low steps
 
-  TALUS_HD void put_traversability(int o, float value) const
+  TALUS_HD void put_traversability(int window_i, float value) const
   {
-    judged[o] = value;
-    traversability[o] = abs_of(value);
+    judged[window_i] = value;
+    traversability[window_i] = abs_of(value);
   }
 };
 
@@ -65,8 +65,8 @@ struct ComputeFeatures
   /** What only few cells need. */
   TALUS_HD void finish(int ix, int iy, const Moments& m) const
   {
-    const int o = iy * cells + ix;
-    out.put_traversability(o, settle(ix, iy, m, out.judged[o], true));
+    const int window_i = iy * cells + ix;
+    out.put_traversability(window_i, settle(ix, iy, m, out.judged[window_i], true));
   }
   /** All of that, for executors that go on with the result: returns the traversability before
    * CompleteObstacles, and puts only the parts, of cells that are the caller's `own`. */
@@ -86,11 +86,11 @@ struct ComputeFeatures
     if constexpr (kParts)
       if (own)
       {
-        const int o = iy * cells + ix;
-        out.slope[o] = select(known, f.slope, kNan);
-        out.step[o] = select(known, f.step, kNan);
-        out.roughness[o] = select(known, f.roughness, kNan);
-        out.sparsity[o] = kNan;
+        const int window_i = iy * cells + ix;
+        out.slope[window_i] = select(known, f.slope, kNan);
+        out.step[window_i] = select(known, f.step, kNan);
+        out.roughness[window_i] = select(known, f.roughness, kNan);
+        out.sparsity[window_i] = kNan;
       }
     // What no ray ever met, nor passed low over its ground, may be the inside of a thing.
     const bool judged = known & cell.is(kSurfaceSeen);
@@ -146,8 +146,8 @@ struct CompleteObstacles
   }
   TALUS_HD void operator()(int ix, int iy, int) const
   {
-    const int o = iy * cells + ix;
-    if (joins(ix, iy, judged + o, cells)) traversability[o] = 0.0f;
+    const int window_i = iy * cells + ix;
+    if (joins(ix, iy, judged + window_i, cells)) traversability[window_i] = 0.0f;
   }
   /** The same for executors that have the judgement elsewhere: that of the cell is at `at`, its
    * neighbour's in the next row `pitch` behind it. */

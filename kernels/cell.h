@@ -61,21 +61,22 @@ struct CellStore
   std::uint8_t* ray_evidence;
   std::uint8_t* extent;
 
-  TALUS_HD Cell load(int i) const
+  TALUS_HD Cell load(int storage_i) const
   {
-    return {ground_m[i], ground_var_m2[i], elevation_m[i],  elevation_var_m2[i],
-            state[i],    persistence[i],   ray_evidence[i], extent[i]};
+    return {ground_m[storage_i],         ground_var_m2[storage_i], elevation_m[storage_i],
+            elevation_var_m2[storage_i], state[storage_i],         persistence[storage_i],
+            ray_evidence[storage_i],     extent[storage_i]};
   }
-  TALUS_HD void store(int i, const Cell& c) const
+  TALUS_HD void store(int storage_i, const Cell& c) const
   {
-    ground_m[i] = c.ground_m;
-    ground_var_m2[i] = c.ground_var_m2;
-    elevation_m[i] = c.elevation_m;
-    elevation_var_m2[i] = c.elevation_var_m2;
-    state[i] = static_cast<std::uint8_t>(c.state);
-    persistence[i] = static_cast<std::int8_t>(c.persistence);
-    ray_evidence[i] = static_cast<std::uint8_t>(c.ray_evidence);
-    extent[i] = static_cast<std::uint8_t>(c.extent);
+    ground_m[storage_i] = c.ground_m;
+    ground_var_m2[storage_i] = c.ground_var_m2;
+    elevation_m[storage_i] = c.elevation_m;
+    elevation_var_m2[storage_i] = c.elevation_var_m2;
+    state[storage_i] = static_cast<std::uint8_t>(c.state);
+    persistence[storage_i] = static_cast<std::int8_t>(c.persistence);
+    ray_evidence[storage_i] = static_cast<std::uint8_t>(c.ray_evidence);
+    extent[storage_i] = static_cast<std::uint8_t>(c.extent);
   }
 };
 
@@ -135,12 +136,12 @@ struct SurfaceLayers
   float *elevation, *ground, *variance, *state;
 
   bool any() const { return elevation || ground || variance || state; }
-  TALUS_HD void put(int o, const CellStore& store, int i) const
+  TALUS_HD void put(int window_i, const CellStore& store, int storage_i) const
   {
-    if (elevation) elevation[o] = store.elevation_m[i];
-    if (ground) ground[o] = store.ground_m[i];
-    if (variance) variance[o] = store.ground_var_m2[i];
-    if (state) state[o] = static_cast<float>(store.state[i]);
+    if (elevation) elevation[window_i] = store.elevation_m[storage_i];
+    if (ground) ground[window_i] = store.ground_m[storage_i];
+    if (variance) variance[window_i] = store.ground_var_m2[storage_i];
+    if (state) state[window_i] = static_cast<float>(store.state[storage_i]);
   }
 };
 
@@ -151,9 +152,9 @@ struct PutSurface
   CellStore store;
   SurfaceLayers out;
 
-  TALUS_HD void operator()(int ix, int iy, int i) const
+  TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    out.put(iy * config->cells + ix, store, i);
+    out.put(iy * config->cells + ix, store, storage_i);
   }
 };
 
@@ -168,8 +169,8 @@ struct ExportCell
 
   TALUS_HD void operator()(int ix, int iy) const
   {
-    const int i = storage_index(*frame, config->cells, ix, iy);
-    out[iy * config->cells + ix] = state ? static_cast<float>(state[i]) : source[i];
+    const int storage_i = storage_index(*frame, config->cells, ix, iy);
+    out[iy * config->cells + ix] = state ? static_cast<float>(state[storage_i]) : source[storage_i];
   }
 };
 

@@ -11,10 +11,10 @@ struct NoteRayAndReach : NoteRay<Atomics>
 {
   NoteReach<Atomics> reach;
 
-  void operator()(int i) const
+  void operator()(int point_i) const
   {
-    NoteRay<Atomics>::operator()(i);
-    reach(i);
+    NoteRay<Atomics>::operator()(point_i);
+    reach(point_i);
   }
 };
 
@@ -36,20 +36,20 @@ struct BinPoint
     const int begin = storage_index(*frame, n, 0, first) - frame->storage_x;
     return {begin, begin + (end - first) * n};
   }
-  bool is_in(const Part& part, int i) const
+  bool is_in(const Part& part, int point_i) const
   {
-    const int n = config->cells, cell = points.cell[i];
+    const int n = config->cells, cell = points.cell[point_i];
     const int place = cell + select(cell < part.begin, n * n, 0);
     return (cell >= 0) & (place < part.end);
   }
-  void operator()(int i) const
+  void operator()(int point_i) const
   {
-    const int cell = points.cell[i];
+    const int cell = points.cell[point_i];
     if (cell < 0) return;
-    const int ray = points.ray[i];
-    const bool buried = ray >= 0 && points.slope[i] < lowest_slope[ray];
+    const int ray = points.ray[point_i];
+    const bool buried = ray >= 0 && points.slope[point_i] < lowest_slope[ray];
     if (buried) Atomics::count(rejected + kBuried);
-    points.rank[i] = buried ? kNoRank : cell_count[cell]++;
+    points.rank[point_i] = buried ? kNoRank : cell_count[cell]++;
   }
 };
 

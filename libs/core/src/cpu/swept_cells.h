@@ -14,15 +14,16 @@ struct TakeSample
   LineGrid grid;
   Samples samples;
 
-  TALUS_HD void operator()(int ix, int iy, int i) const
+  TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    const int o = grid.at(ix, iy), w = iy * config->cells + ix;
-    const bool sample = is_sample(store, surface_class, i);
-    const float ground_m = store.ground_m[i];
-    samples.height_m[o] = select(sample, ground_m, kNan);
-    samples.variance_or_bound[o] = select(
-        sample, sample_variance(ground_m, store.ground_var_m2[i], passing.lowest_m[w]),
-        ray_bound(passing, w));
+    const int line_i = grid.at(ix, iy), window_i = iy * config->cells + ix;
+    const bool sample = is_sample(store, surface_class, storage_i);
+    const float ground_m = store.ground_m[storage_i];
+    samples.height_m[line_i] = select(sample, ground_m, kNan);
+    samples.variance_or_bound[line_i] = select(
+        sample,
+        sample_variance(ground_m, store.ground_var_m2[storage_i], passing.lowest_m[window_i]),
+        ray_bound(passing, window_i));
   }
 };
 
@@ -41,9 +42,9 @@ struct FillWalkedCell
   LineGrid grid;
   InferenceGrid inferred;
 
-  TALUS_HD void operator()(int ix, int iy, int i) const
+  TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    fill(ix, iy, i, inferred.cells[grid.at(ix, iy)]);
+    fill(ix, iy, storage_i, inferred.cells[grid.at(ix, iy)]);
   }
 };
 

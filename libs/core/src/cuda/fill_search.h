@@ -339,17 +339,17 @@ struct SearchAndFillCell
 
   TALUS_HD void finish(int ix, int iy, const Inference& inferred) const
   {
-    const int n = k.cells, i = storage_index(*fill.frame, n, ix, iy);
-    const int state = fill(ix, iy, i, inferred);
+    const int n = k.cells, storage_i = storage_index(*fill.frame, n, ix, iy);
+    const int state = fill(ix, iy, storage_i, inferred);
     const DropHanging drop{fill.store};
-    if (drop.applies(ix, iy, i)) drop(ix, iy, i);
+    if (drop.applies(ix, iy, storage_i)) drop(ix, iy, storage_i);
     if (state == kFilledOneSided && on_line(ix, iy))
     {
       const LineSearch<Track> radial = radial_search(ix, iy);
       if (static_cast<float>(radial.place) * radial.track.step_m <= k.sparsity_range_m)
         across_m[grid.at(ix, iy)] = height_across(radial);
     }
-    fill.out.put(iy * n + ix, fill.store, i);
+    fill.out.put(iy * n + ix, fill.store, storage_i);
   }
 
   TALUS_HD LineSearch<Track> radial_search(int ix, int iy) const

@@ -16,14 +16,14 @@ struct AcceptAndCountPoint
   AcceptPoint<Atomics> accept;
   std::uint32_t* cell_count;  //!< by storage index, zero before
 
-  TALUS_HD Point early(int i) const { return accept.point(i); }
-  TALUS_HD void operator()(int i, const Point& sensed) const
+  TALUS_HD Point early(int point_i) const { return accept.point(point_i); }
+  TALUS_HD void operator()(int point_i, const Point& sensed) const
   {
-    if (i >= accept.frame->n_points) return;
-    accept.locate(i, sensed);
-    accept.note(i);
-    if (accept.out.cell[i] < 0) return;
-    accept.out.rank[i] = Atomics::add(cell_count + accept.out.cell[i], 1);
+    if (point_i >= accept.frame->n_points) return;
+    accept.locate(point_i, sensed);
+    accept.note(point_i);
+    if (accept.out.cell[point_i] < 0) return;
+    accept.out.rank[point_i] = Atomics::add(cell_count + accept.out.cell[point_i], 1);
   }
 };
 
@@ -50,10 +50,10 @@ struct ReserveStretch
   PointsOut points;
   Sorting sorting;
 
-  TALUS_HD void operator()(int i) const
+  TALUS_HD void operator()(int point_i) const
   {
-    if (i >= frame->n_points || points.cell[i] < 0 || points.rank[i] != 0) return;
-    const int cell = points.cell[i];
+    if (point_i >= frame->n_points || points.cell[point_i] < 0 || points.rank[point_i] != 0) return;
+    const int cell = points.cell[point_i];
     const std::uint64_t count = sorting.cell_count[cell];
     const bool crowded = count > sorting.crowd;
     const std::uint64_t at = Atomics::reserve(sorting.cursor, crowded ? count | 1ull << 32 : count);
@@ -74,19 +74,19 @@ struct SortUnburiedPoint
   std::uint32_t* kept_count;  //!< by storage index, zero before
   std::uint32_t* rejected;  //!< by RejectCode
 
-  TALUS_HD void operator()(int i) const
+  TALUS_HD void operator()(int point_i) const
   {
     const PointsOut& points = sort.points;
-    if (i >= sort.frame->n_points) return;
-    reach(i);
-    if (points.cell[i] < 0) return;
-    const int ray = points.ray[i];
-    if (ray >= 0 && points.slope[i] < lowest_slope[ray])
+    if (point_i >= sort.frame->n_points) return;
+    reach(point_i);
+    if (points.cell[point_i] < 0) return;
+    const int ray = points.ray[point_i];
+    if (ray >= 0 && points.slope[point_i] < lowest_slope[ray])
       Atomics::count(rejected + kBuried);
     else
       sort.put(
-          i, Atomics::add(kept_count + points.cell[i], 1), sort.overhangs(i),
-          find_rise(points.cell[i]));
+          point_i, Atomics::add(kept_count + points.cell[point_i], 1), sort.overhangs(point_i),
+          find_rise(points.cell[point_i]));
   }
 };
 

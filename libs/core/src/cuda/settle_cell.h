@@ -23,35 +23,36 @@ struct SettleCell
   /** First. Which look has to come next. */
   TALUS_HD int begin(int ix, int iy) const
   {
-    const int i = index(ix, iy);
-    choose.decide(ix, iy, i);
-    if (choose.needs_inspection(ix, iy, i)) return kFace;
-    return clean.needs_inspection(ix, iy, i) ? kOverhang : kNone;
+    const int storage_i = index(ix, iy);
+    choose.decide(ix, iy, storage_i);
+    if (choose.needs_inspection(ix, iy, storage_i)) return kFace;
+    return clean.needs_inspection(ix, iy, storage_i) ? kOverhang : kNone;
   }
   template <class Group>
   TALUS_HD void inspect(int ix, int iy, int which, const Group& group) const
   {
-    const int i = index(ix, iy);
+    const int storage_i = index(ix, iy);
     if (which == kFace)
     {
-      choose.inspect(ix, iy, i, group);
+      choose.inspect(ix, iy, storage_i, group);
       group.sync();
-      if (!clean.needs_inspection(ix, iy, i)) return;
+      if (!clean.needs_inspection(ix, iy, storage_i)) return;
     }
-    clean.inspect(ix, iy, i, group);
+    clean.inspect(ix, iy, storage_i, group);
   }
   /** Last. True for a sample. */
   TALUS_HD bool operator()(int ix, int iy) const
   {
-    const int i = index(ix, iy);
-    if (clean.applies(ix, iy, i)) clean.finish(ix, iy, i);
-    const bool sample = is_sample(clean.store, clean.surface_class, i);
-    const float ground_m = clean.store.ground_m[i];
-    const int o = grid.at(ix, iy);
-    samples.height_m[o] = sample ? ground_m : kNan;
+    const int storage_i = index(ix, iy);
+    if (clean.applies(ix, iy, storage_i)) clean.finish(ix, iy, storage_i);
+    const bool sample = is_sample(clean.store, clean.surface_class, storage_i);
+    const float ground_m = clean.store.ground_m[storage_i];
+    const int line_i = grid.at(ix, iy);
+    samples.height_m[line_i] = sample ? ground_m : kNan;
     if (sample)
-      samples.variance_or_bound[o] = sample_variance(
-          ground_m, clean.store.ground_var_m2[i], clean.passing.lowest_m[iy * clean.cells + ix]);
+      samples.variance_or_bound[line_i] = sample_variance(
+          ground_m, clean.store.ground_var_m2[storage_i],
+          clean.passing.lowest_m[iy * clean.cells + ix]);
     return sample;
   }
 
