@@ -149,8 +149,8 @@ struct CompleteObstacles
     const int window_i = iy * cells + ix;
     if (joins(ix, iy, judged + window_i, cells)) traversability[window_i] = 0.0f;
   }
-  /** The same for executors that have the judgement elsewhere: that of the cell is at `at`, its
-   * neighbour's in the next row `pitch` behind it. */
+  /** Joins the cell or puts its judgement, where that lies elsewhere: that of the cell is at `at`,
+   * its neighbour's in the next row `pitch` behind it. */
   TALUS_HD void complete(int ix, int iy, const float* at, int pitch) const
   {
     const bool joined = applies(ix, iy, at, pitch) && joins(ix, iy, at, pitch);

@@ -36,7 +36,7 @@ TALUS_HD int floor_div(int a, int b, float inverse)
   return q + (rest >= b) - (rest < 0);
 }
 
-/** The same. */
+/** Integer quotient rounded down; b > 0. */
 TALUS_HD int floor_div(int a, int b)
 {
 #if defined(__CUDA_ARCH__)

@@ -111,8 +111,8 @@ struct OverhangRays
     return height_of(group.max(farthest) * up, none, hit_m);
   }
 
-  /** The same downwards, where the ray below the last hit ended on something nearer; NaN: it went
-   * on in some direction, or there is none. */
+  /** The end of the hits below a height that was hit in the cell, where the ray below the last hit
+   * ended on something nearer; NaN: it went on in some direction, or there is none. */
   TALUS_HD float end_on_something(float hit_m) const
   {
     const int first = min_of(first_step(hit_m, -1), kSlopeSteps - 1), none = first + 1;

@@ -137,8 +137,8 @@ std::string nearest_parameter_name(const std::string& name);
  * Throws std::invalid_argument naming the parameter, the text, and what is allowed. */
 void set_parameter(Parameters& p, const std::string& name, const std::string& text);
 
-/** The same of a number that was read elsewhere. Throws std::invalid_argument that names the
- * parameter, the value and what is allowed. */
+/** Sets a parameter to a number that was read elsewhere. Throws std::invalid_argument that names
+ * the parameter, the value and what is allowed. */
 void set_parameter(Parameters& p, const ParameterInfo& info, double value);
 
 /** The value as set_parameter() reads it back. Of a choice that is none of the names, which code

@@ -233,7 +233,7 @@ class CpuExecutor : public CpuMemory
   {
     threads_.run(n, grain, body);
   }
-  /** The same, and `first`, which one of the threads runs meanwhile; it must not run loops. */
+  /** run(), and `first`, which one of the threads runs meanwhile; it must not run loops. */
   template <class First, class Body>
   void run_beside(const First& first, int n, int grain, const Body& body)
   {

@@ -95,7 +95,7 @@ class StoredRow
   {
     in_stretches([&](int begin, int end, int i) { over_row(f, begin, end, y_, i); });
   }
-  /** The same of those that f.concerns(x, y, i). */
+  /** f(x, y, i) of those cells of the row that f.applies(x, y, i). */
   template <class F>
   void each_applicable(const F& f) const
   {

@@ -5,7 +5,7 @@ namespace talus::kernels
 {
 // Stage 1 on cores: each thread has the points of its own part of the window, or of the directions.
 
-/** Both. */
+/** Notes the ray that a point ended, and how far it went. */
 template <class Atomics>
 struct NoteRayAndReach : NoteRay<Atomics>
 {

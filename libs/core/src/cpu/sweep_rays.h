@@ -3,8 +3,9 @@
 
 namespace talus::kernels
 {
-/** The same of some directions ring by ring, for executors that have few threads. No limits are
- * looked for in directions in which no ray could be buried, wherever known ground is. */
+/** Removes the buried rays of some directions ring by ring, and replaces each lowest hit by the
+ * lowest ray that went at least that far, as SettleRays does on a device. No limits are looked for
+ * in directions in which no ray could be buried, wherever known ground is. */
 struct SweepRays
 {
   FindGroundHits ground;

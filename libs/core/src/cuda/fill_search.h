@@ -87,7 +87,7 @@ struct Track
   {
     return begin + place * along + aside_at(place) * across;
   }
-  /** The same, from the sensor's cell. */
+  /** Cell at a place, from the sensor's cell. */
   TALUS_HD CellOffset offset(int place) const
   {
     const int ahead = along > 0 ? place : -place;

@@ -35,8 +35,9 @@ __device__ inline void wait_for_predecessor()
 #endif
 }
 
-/** The same for a kernel that may run beside its predecessor, since it needs nothing from it: that
- * one is waited for in the end, so that who waits for this kernel has waited for both. */
+/** wait_for_predecessor() of a kernel that may run beside its predecessor, since it needs nothing
+ * from it: that one is waited for in the end, so that who waits for this kernel has waited for
+ * both. */
 __device__ inline void start(bool beside_last)
 {
   if (!beside_last)

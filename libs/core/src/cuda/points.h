@@ -8,8 +8,8 @@ namespace talus::kernels
 // Stages 1, 3 and 4 on a device, a thread each point: points are counted in their cells before it
 // is known which of them are buried, and each cell reserves a stretch of the sorted ones.
 
-/** The same, and counts the point in its cell, also if it will turn out to be buried. The point
- * itself is there before the frame's context is. */
+/** Stages 1 and 2 on one point; counts it in its cell, also if it will turn out to be buried. The
+ * point itself is there before the frame's context is. */
 template <class Atomics>
 struct AcceptAndCountPoint
 {
@@ -27,7 +27,7 @@ struct AcceptAndCountPoint
   }
 };
 
-/** The same, and forgets the reach of the last frame's rays, see NoteReach. */
+/** Stage 3 on one cell; forgets the reach of the last frame's rays, see NoteReach. */
 struct RollCellAndReach
 {
   RollCell roll;
@@ -62,7 +62,7 @@ struct ReserveStretch
   }
 };
 
-/** The same where points were counted before it was known which are buried: leaves those out; and
+/** Sorts one point, unless it is buried, which was not known when points were counted; and
  * notes how far their rays went. */
 template <class Atomics>
 struct SortUnburiedPoint
