@@ -42,7 +42,7 @@ TALUS_CLONES void over_row(F f, int begin, int end, int y, int first)
   in_blocks(begin, end, [&](int x) { f(x, y, first + (x - begin)); });
 }
 
-/** f of those cells of a row that it concerns. */
+/** f of those cells of a row that it applies to. */
 template <class F>
 TALUS_CLONES void find_applicable(
     F f, int begin, int end, int y, int first, std::uint8_t* applicable)
@@ -372,7 +372,7 @@ void sort_points(const F& f, int begin, int end)
 
 /** Sums over the square neighbourhoods of the cells in a strip of columns, row by row: F::Row of
  * each row once, F::Window of those that slide along. F::kHasPlain: most cells are done by
- * f.plain(), some of them, which f.concerns(), by f.finish() after that. */
+ * f.plain(), some of them, which f.applies(), by f.finish() after that. */
 template <class F>
 class SlidingRows
 {
