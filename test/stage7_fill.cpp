@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include "kernels/7_fill_search.h"
+#include "cuda/fill_search.h"
 #include "scene.h"
 
 using namespace talus;
@@ -311,7 +311,7 @@ TEST(Stage7Fill, LinesWhoseSidesDisagreeBeyondHowTheGroundRisesCountForLess)
   const Parameters p;
   kernels::Config k{};
   k.step_threshold_m = static_cast<float>(p.step_threshold_m);
-  k.support_slope = 0.47f;
+  k.max_slope = 0.47f;
   const auto counts = [&](float rise_m, float rise_per_m)
   {
     kernels::LineFusion lines;
