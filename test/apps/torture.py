@@ -35,7 +35,7 @@ Case = collections.namedtuple("Case", "name call variants seal good in_vain else
 
 def cases(out):
     """Each with two variants that write files of the same names, and a call that fails once it has its output folder."""
-    log, world, nav = "drive/small.rawlog", "small.yaml", HERE + "/../datasets/worlds/nav_indoor.yaml"
+    log, world, nav = "drive/small.rawlog", "small.yaml", HERE + "/../../datasets/worlds/nav_indoor.yaml"
     to = ["--output", out, "--quiet"]
     copy, page = ["--rawlog-out", "elsewhere/copy.rawlog"], ["--markdown", "elsewhere/page.md"]
     goal, way = ["--goal", "15,0"], ["--timeout", "1", "--every", "4"]

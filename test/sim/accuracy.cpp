@@ -4,6 +4,7 @@
 #include <talus/sim/world.h>
 
 #include <cmath>
+#include <iostream>
 #include <set>
 
 namespace talus::baselines
@@ -42,7 +43,12 @@ void expect_budgets(const Evaluation& e, const Names& must_apply, const Names& n
     {
       EXPECT_NE(r.verdict, BudgetResult::Verdict::NotApplicable) << r.name;
     }
-    if (not_yet.count(r.name)) continue;
+    if (not_yet.count(r.name))
+    {
+      if (r.verdict == BudgetResult::Verdict::Fail)
+        std::cout << "known gap: " << r.name << " is " << r.value << ", budget " << r.limit << "\n";
+      continue;
+    }
     EXPECT_NE(r.verdict, BudgetResult::Verdict::Fail)
         << r.name << ": " << r.value << (r.at_most ? ", at most " : ", at least ") << r.limit;
   }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Calibrates seeded simulated drives with known errors and prints how far the answers are from the truth.
 
-  test/calibration_study.py BUILD_DIR [--seeds 40] [--world datasets/worlds/rolling.yaml] [--jobs 2]
+  test/apps/calibration_study.py BUILD_DIR [--seeds 40] [--world datasets/worlds/rolling.yaml] [--jobs 2]
 
 Each seed draws roll and pitch within 5 degrees, z within 0.1 m, the clock within 100 ms, c_beam in 5..30 mm and a_beam in
 1..3 mm/m. The table (Markdown) goes to stdout; exit code 1 when less than 95 % of the truths lie within 3 sigma.
@@ -50,7 +50,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build")
     parser.add_argument("--seeds", type=int, default=40)
-    parser.add_argument("--world", default=os.path.join(os.path.dirname(__file__), "../datasets/worlds/rolling.yaml"))
+    parser.add_argument("--world", default=os.path.join(os.path.dirname(__file__), "../../datasets/worlds/rolling.yaml"))
     parser.add_argument("--jobs", type=int, default=2)
     args = parser.parse_args()
     with ThreadPoolExecutor(args.jobs) as pool:

@@ -152,7 +152,7 @@ TEST(NavExample, is_the_text_of_the_page)
     const auto start = begin + from.size();
     return text.substr(start, text.find(to, start) - start);
   };
-  const auto source = talus::test::read_bytes(TALUS_SOURCE_DIR "/test/nav_example.cpp");
+  const auto source = talus::test::read_bytes(TALUS_SOURCE_DIR "/test/mrpt/nav_example.cpp");
   const auto page = talus::test::read_bytes(TALUS_SOURCE_DIR "/doc/mrpt.md");
   EXPECT_EQ(
       between(page, "```cpp\n", "```\n"), between(source, "\n// [example]\n", "// [example]\n"));

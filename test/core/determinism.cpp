@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include "sanitizer.h"
 #include "scene.h"
+#include "shuffle.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -10,7 +11,6 @@
 #include <fstream>
 #include <limits>
 #include <new>
-#include <numeric>
 
 using namespace talus;
 using namespace talus::test;
@@ -35,21 +35,6 @@ Scan drive_frame(int i, Random& random)
     if (random.bits() % 97 == 0) s.x_[k] = std::nanf("");
   }
   return s;
-}
-
-Scan shuffled(const Scan& s, Random& random)
-{
-  std::vector<std::size_t> order(s.x_.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  for (std::size_t i = order.size(); i > 1; i--) std::swap(order[i - 1], order[random.bits() % i]);
-  Scan out = s;
-  for (std::size_t i = 0; i < order.size(); i++)
-  {
-    out.x_[i] = s.x_[order[i]];
-    out.y_[i] = s.y_[order[i]];
-    out.z_[i] = s.z_[order[i]];
-  }
-  return out;
 }
 
 void expect_same_bits(const ElevationMapper& a, const ElevationMapper& b, int frame)
