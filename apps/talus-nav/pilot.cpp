@@ -204,8 +204,9 @@ void Pilot::step(
     const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last)
 {
   interface_.T_map_base = T_map_base;
-  const bool idle = navigator_->getCurrentState() != mrpt::nav::CAbstractNavigator::NAVIGATING;
-  if (navigator_->getCurrentState() == mrpt::nav::CAbstractNavigator::NAV_ERROR)
+  const bool idle =
+      navigator_->getCurrentState() != mrpt::nav::CAbstractNavigator::TState::NAVIGATING;
+  if (navigator_->getCurrentState() == mrpt::nav::CAbstractNavigator::TState::NAV_ERROR)
     navigator_->resetNavError();
   if (idle || (target - target_).norm() > kSameTarget_m)
   {

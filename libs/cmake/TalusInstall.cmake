@@ -7,4 +7,5 @@ configure_package_config_file(
 write_basic_package_version_file(
   "${PROJECT_BINARY_DIR}/talusConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/talusConfig.cmake" "${PROJECT_BINARY_DIR}/talusConfigVersion.cmake"
+  "${CMAKE_CURRENT_LIST_DIR}/TalusMrpt.cmake"
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/talus)

@@ -128,7 +128,9 @@ TEST(NavExample, drives_around_the_box_to_the_goal)
   goal.target.targetAllowedDistance = 0.2F;
   navigator.navigate(&goal);
   constexpr double kStep_s = 0.1;
-  for (int i = 1; i < 400 && navigator.getCurrentState() == navigator.NAVIGATING; i++)
+  for (int i = 1;
+       i < 400 && navigator.getCurrentState() == mrpt::nav::CAbstractNavigator::TState::NAVIGATING;
+       i++)
   {
     set_clock(kStep_s * i);
     navigator.navigationStep();
@@ -139,7 +141,7 @@ TEST(NavExample, drives_around_the_box_to_the_goal)
     ASSERT_FALSE(robot.pose.x() > 0.8 && robot.pose.x() < 1.85 && std::abs(robot.pose.y()) < 0.72)
         << "in the box at " << robot.pose.asString();
   }
-  EXPECT_EQ(navigator.getCurrentState(), navigator.IDLE);
+  EXPECT_EQ(navigator.getCurrentState(), mrpt::nav::CAbstractNavigator::TState::IDLE);
   EXPECT_LT(std::hypot(robot.pose.x() - 2.3, robot.pose.y() + 1.1), 0.4);
 }
 

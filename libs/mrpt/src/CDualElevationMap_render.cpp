@@ -103,7 +103,8 @@ class SurfacePainter
   {
     if (options_.colorByTraversability) return traversability_color(map_.traversability[cell]);
     if (std::isnan(z)) return {128, 128, 128};
-    return mrpt::img::colormap(options_.colormap, (z - span_.low) / (span_.high - span_.low));
+    return detail::color_of(
+        mrpt::img::colormap(options_.colormap, (z - span_.low) / (span_.high - span_.low)));
   }
 
   static TTriangle triangle(const Corner& a, const Corner& b, const Corner& c)

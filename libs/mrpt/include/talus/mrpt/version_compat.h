@@ -2,6 +2,7 @@
 // Every switch between versions of MRPT lives here, those of mrpt-nav in version_compat_nav.h.
 // Developed against 2.5.8 (Debian bookworm). MRPT_VERSION is 0xMmp up to 2.9 and 0xMMmmpp from 2.10
 // on, so only >= comparisons with the long form are safe.
+#include <mrpt/img/TColor.h>
 #include <mrpt/maps/CPointsMap.h>
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/version.h>
@@ -83,6 +84,10 @@ constexpr std::size_t kHolonomicFactors = 8;
 #else
 constexpr std::size_t kHolonomicFactors = 7;
 #endif
+
+/** What mrpt::img::colormap() gives, from 3.0 on in floats. */
+inline mrpt::img::TColor color_of(const mrpt::img::TColor& c) { return c; }
+inline mrpt::img::TColor color_of(const mrpt::img::TColorf& c) { return c.asTColor(); }
 
 /** One time a point [s, relative to the stamp], or nullptr when the cloud has none. */
 inline const mrpt::aligned_std_vector<float>* point_times(
