@@ -370,7 +370,8 @@ TEST(DualElevationMap, a_multi_map_that_holds_one_can_be_copied)
   EXPECT_TRUE(maps.insertObservation(scan_of_room({}), CPose3D()));
   const CMultiMetricMap copy(maps);
   ASSERT_EQ(copy.maps.size(), 2U);
-  const auto a = maps.mapByClass<CDualElevationMap>(), b = copy.mapByClass<CDualElevationMap>();
+  const auto a = maps.mapByClass<CDualElevationMap>();
+  const auto b = copy.mapByClass<CDualElevationMap>();
   ASSERT_TRUE(b);
   EXPECT_NE(a, b);
   EXPECT_EQ(b->threads(), 2);
