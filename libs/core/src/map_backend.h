@@ -63,7 +63,10 @@ class MapBackend final : public BackendInterface
   }
   FrameReport report();
   void complete_parts();
-  void export_surface(Layer layer, float* to);
+  void export_surface(Layer layer, float* to)
+  {
+    executor_.for_each_cell(map_.side(), map_.side(), map_.export_surface(layer, to));
+  }
   static Layer feature_layer(std::size_t i)
   {
     return static_cast<Layer>(static_cast<std::size_t>(Layer::Slope) + i);
@@ -109,18 +112,6 @@ std::array<bool, kLayerCount> MapBackend<Schedule>::set_outputs(
   executor_.allocate(now.traversability, n, kernels::kNan);
   if (map_.parts_wanted()) map_.allocate_parts(executor_);
   return delivered;
-}
-
-template <class Schedule>
-void MapBackend<Schedule>::export_surface(Layer layer, float* to)
-{
-  const float* source = layer == Layer::Elevation         ? map_.elevation.data()
-                        : layer == Layer::GroundElevation ? map_.ground.data()
-                                                          : map_.ground_var.data();
-  const std::uint8_t* state = layer == Layer::State ? map_.state.data() : nullptr;
-  executor_.for_each_cell(
-      map_.side(), map_.side(),
-      kernels::ExportCell{map_.config.data(), map_.context.data(), source, state, to});
 }
 
 /** What traversability is made of, if the last frame did not leave it: judges once more, with the
@@ -191,8 +182,9 @@ void MapBackend<Schedule>::write_all(const MapBytes& bytes, const kernels::Frame
   for (std::size_t i = 0; i < Map::kFeatureLayers; i++)
     executor_.upload(bytes.features.data() + i * n, n, map_.feature(feature_layer(i)));
   executor_.upload(&window, 1, map_.context.data());
-  for (const Layer l : {Layer::Elevation, Layer::GroundElevation, Layer::Variance, Layer::State})
-    if (map_.surface(l)) export_surface(l, map_.surface(l));
+  for (int i = Map::kFirstSurface; i < Map::kFirstFeature; i++)
+    if (float* const to = map_.surface(static_cast<Layer>(i)))
+      export_surface(static_cast<Layer>(i), to);
   map_.deliver_surfaces(executor_, 0, map_.side());
   map_.deliver_features(executor_, 0, map_.side());
   executor_.synchronize();

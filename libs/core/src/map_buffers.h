@@ -184,21 +184,32 @@ struct MapBuffers
     const auto l = static_cast<std::size_t>(layer);
     return now->wanted[l] && !now->outputs[l].direct;
   }
-  int copied_surfaces() const { return copied(Layer::Elevation, Layer::State); }
-  int copied_features() const { return copied(Layer::Slope, Layer::Traversability); }
+  int copied_surfaces() const { return copied(kFirstSurface, kFirstFeature); }
+  int copied_features() const { return copied(kFirstFeature, kLayerCount); }
   /** Copies the rows [first_row, end_row) of those that are. */
   void deliver_surfaces(Executor& executor, int first_row, int end_row)
   {
-    for (const Layer l : {Layer::Elevation, Layer::GroundElevation, Layer::Variance, Layer::State})
-      if (is_copied(l)) deliver(executor, l, surface(l), first_row, end_row);
+    for (int l = kFirstSurface; l < kFirstFeature; l++)
+      deliver(executor, static_cast<Layer>(l), surface(static_cast<Layer>(l)), first_row, end_row);
   }
   void deliver_features(Executor& executor, int first_row, int end_row)
   {
-    for (const Layer l :
-         {Layer::Slope, Layer::Step, Layer::Roughness, Layer::Sparsity, Layer::Traversability})
-      if (is_copied(l)) deliver(executor, l, feature(l), first_row, end_row);
+    for (int l = kFirstFeature; l < kLayerCount; l++)
+      deliver(executor, static_cast<Layer>(l), feature(static_cast<Layer>(l)), first_row, end_row);
+  }
+  /** Copies a surface from where the map keeps it to window order. */
+  kernels::ExportCell export_surface(Layer layer, float* to)
+  {
+    const float* source = layer == Layer::Elevation         ? elevation.data()
+                          : layer == Layer::GroundElevation ? ground.data()
+                                                            : ground_var.data();
+    const std::uint8_t* states = layer == Layer::State ? state.data() : nullptr;
+    return {config.data(), context.data(), source, states, to};
   }
 
+  /** Layers are surfaces first, then what stages 8 and 9 make of them. */
+  static constexpr int kFirstSurface = static_cast<int>(Layer::Elevation);
+  static constexpr int kFirstFeature = static_cast<int>(Layer::Slope);
   static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kCoarseArrays = 7;
 
   /** What a frame does not share with the one that is in flight beside it. */
@@ -246,16 +257,16 @@ struct MapBuffers
   Buffer<kernels::Surface> judged_surfaces;
 
  private:
-  /** How many of the layers [first, last] are copied. */
-  int copied(Layer first, Layer last) const
+  /** How many of the layers [first, end) are copied. */
+  int copied(int first, int end) const
   {
     int n = 0;
-    for (int l = static_cast<int>(first); l <= static_cast<int>(last); l++)
-      n += is_copied(static_cast<Layer>(l));
+    for (int l = first; l < end; l++) n += is_copied(static_cast<Layer>(l));
     return n;
   }
   void deliver(Executor& executor, Layer layer, const float* from, int first_row, int end_row)
   {
+    if (!is_copied(layer)) return;
     const auto first = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(side());
     const auto end = static_cast<std::size_t>(end_row) * static_cast<std::size_t>(side());
     executor.copy(now->wanted[static_cast<std::size_t>(layer)] + first, from + first, end - first);
