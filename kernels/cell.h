@@ -145,10 +145,11 @@ struct SurfaceLayers
   }
 };
 
-/** Copies the wanted layers to window order. */
+/** Copies the wanted layers of cell (ix, iy), stored at storage_i, to window order. */
 struct PutSurface
 {
   const Config* config;
+  const FrameContext* frame;
   CellStore store;
   SurfaceLayers out;
 
@@ -156,21 +157,9 @@ struct PutSurface
   {
     out.put(iy * config->cells + ix, store, storage_i);
   }
-};
-
-/** Copies one persistent layer to window order; `state` in place of `source` where it is given. */
-struct ExportCell
-{
-  const Config* config;
-  const FrameContext* frame;
-  const float* source;
-  const std::uint8_t* state;
-  float* out;
-
   TALUS_HD void operator()(int ix, int iy) const
   {
-    const int storage_i = storage_index(*frame, config->cells, ix, iy);
-    out[iy * config->cells + ix] = state ? static_cast<float>(state[storage_i]) : source[storage_i];
+    (*this)(ix, iy, storage_index(*frame, config->cells, ix, iy));
   }
 };
 

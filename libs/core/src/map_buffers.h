@@ -150,11 +150,24 @@ struct MapBuffers
     float* direct = now->outputs[l].direct;
     return direct ? direct : now->delivered.data() + l * static_cast<std::size_t>(cells());
   }
-  kernels::SurfaceLayers surface_layers()
+  /** where(layer) of the layers of stages 3 to 7, in the order of SurfaceLayers. */
+  template <class Where>
+  static kernels::SurfaceLayers surfaces_at(const Where& where)
   {
     return {
-        surface(Layer::Elevation), surface(Layer::GroundElevation), surface(Layer::Variance),
-        surface(Layer::State)};
+        where(Layer::Elevation), where(Layer::GroundElevation), where(Layer::Variance),
+        where(Layer::State)};
+  }
+  kernels::SurfaceLayers surface_layers()
+  {
+    return surfaces_at([this](Layer l) { return surface(l); });
+  }
+  /** Copies one of them, as the map has it, to window order. */
+  kernels::PutSurface export_surface(Layer layer, float* to)
+  {
+    return {
+        config.data(), context.data(), store(),
+        surfaces_at([=](Layer l) { return l == layer ? to : nullptr; })};
   }
   /** Whether each frame leaves what traversability is made of: slope, step, roughness, sparsity. */
   bool parts_wanted() const
@@ -197,16 +210,6 @@ struct MapBuffers
     for (int l = kFirstFeature; l < kLayerCount; l++)
       deliver(executor, static_cast<Layer>(l), feature(static_cast<Layer>(l)), first_row, end_row);
   }
-  /** Copies a surface from where the map keeps it to window order. */
-  kernels::ExportCell export_surface(Layer layer, float* to)
-  {
-    const float* source = layer == Layer::Elevation         ? elevation.data()
-                          : layer == Layer::GroundElevation ? ground.data()
-                                                            : ground_var.data();
-    const std::uint8_t* states = layer == Layer::State ? state.data() : nullptr;
-    return {config.data(), context.data(), source, states, to};
-  }
-
   /** Layers are surfaces first, then what stages 8 and 9 make of them. */
   static constexpr int kFirstSurface = static_cast<int>(Layer::Elevation);
   static constexpr int kFirstFeature = static_cast<int>(Layer::Slope);

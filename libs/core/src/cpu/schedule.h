@@ -166,7 +166,7 @@ class CpuSchedule
     const kernels::FillCell cell = map_.fill_cell();
     const kernels::FillWalkedCell fill{cell, map_.line_grid(), inferred()};
     const kernels::DropHanging drop{map_.store()};
-    const kernels::PutSurface put{map_.config.data(), map_.store(), cell.out};
+    const kernels::PutSurface put{map_.config.data(), map_.context.data(), map_.store(), cell.out};
     const auto fill_row = [&](const StoredRow& row)
     {
       row.each(fill);
