@@ -82,7 +82,7 @@ class ExactScene
       d[i] = row[0] * local[0] + row[1] * local[1] + row[2] * local[2];
     }
     double nearest = ground_hit(o, d);
-    for (const Box& box : boxes) nearest = std::min(nearest, hit(box, o, d));
+    for (const Box& box : boxes) nearest = std::min(nearest, Scan::hit(box, o, d));
     return nearest;
   }
 
@@ -104,19 +104,6 @@ class ExactScene
       if (x >= x0 && x <= x1) nearest = std::min(nearest, t);
     }
     return nearest;
-  }
-
-  /** A ray along a face divides zero by zero: it misses. */
-  static double hit(const Box& box, const double* o, const double* d)
-  {
-    double enter = 0, leave = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < 3; i++)
-    {
-      const double a = (box.min[i] - o[i]) / d[i], b = (box.max[i] - o[i]) / d[i];
-      enter = std::max(enter, std::min(a, b));
-      leave = std::min(leave, std::max(a, b));
-    }
-    return enter <= leave ? enter : std::numeric_limits<double>::infinity();
   }
 };
 

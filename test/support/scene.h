@@ -108,18 +108,7 @@ class Scan
   std::vector<float> x_, y_, z_;
   Pose pose_;
 
- private:
-  void cast_ray(const std::vector<Box>& boxes, double azimuth, double elevation)
-  {
-    const double d[3] = {
-        std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-        std::sin(elevation)};
-    const double o[3] = {pose_.x(), pose_.y(), pose_.z()};
-    double nearest = d[2] < 0 ? -o[2] / d[2] : std::numeric_limits<double>::infinity();
-    for (const Box& box : boxes) nearest = std::min(nearest, hit(box, o, d));
-    if (nearest < 30) add(o[0] + nearest * d[0], o[1] + nearest * d[1], o[2] + nearest * d[2]);
-  }
-
+  /** How far a ray from `o` along `d` goes to a box, in lengths of d; infinity: it misses. */
   static double hit(const Box& box, const double* o, const double* d)
   {
     double enter = 0, leave = std::numeric_limits<double>::infinity();
@@ -130,6 +119,18 @@ class Scan
       leave = std::min(leave, std::max(a, b));
     }
     return enter <= leave ? enter : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  void cast_ray(const std::vector<Box>& boxes, double azimuth, double elevation)
+  {
+    const double d[3] = {
+        std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+        std::sin(elevation)};
+    const double o[3] = {pose_.x(), pose_.y(), pose_.z()};
+    double nearest = d[2] < 0 ? -o[2] / d[2] : std::numeric_limits<double>::infinity();
+    for (const Box& box : boxes) nearest = std::min(nearest, hit(box, o, d));
+    if (nearest < 30) add(o[0] + nearest * d[0], o[1] + nearest * d[1], o[2] + nearest * d[2]);
   }
 };
 
