@@ -2,6 +2,8 @@
 #include "kernels/6_cleanup.h"
 #include "kernels/group.h"
 
+#include <initializer_list>
+
 namespace talus::kernels
 {
 // Stage 7, before the lines: what the samples of the whole window say of ground that was not

@@ -208,7 +208,7 @@ void Pilot::step(
       navigator_->getCurrentState() != mrpt::nav::CAbstractNavigator::TState::NAVIGATING;
   if (navigator_->getCurrentState() == mrpt::nav::CAbstractNavigator::TState::NAV_ERROR)
     navigator_->resetNavError();
-  if (idle || (target - target_).norm() > kSameTarget_m)
+  if (idle || std::hypot(target.x - target_.x, target.y - target_.y) > kSameTarget_m)
   {
     mrpt::nav::CAbstractPTGBasedReactive::TNavigationParamsPTG wanted;
     wanted.target.target_coords = mrpt::math::TPose2D(target.x, target.y, 0);

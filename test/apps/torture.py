@@ -221,6 +221,7 @@ class Torture:
             time.sleep(self.random.uniform(0, 0.1))
             process.kill()
             self.finish(process)
+            left = hidden(self.folder)  # it may have tidied up, and been killed after that
         self.finish(self.start(case.in_vain))
         self.expect(not left or "killed" in self.said(), f"tidied up without a word: {self.said()}")
         self.expect(not hidden(self.folder), f"left after the next run: {hidden(self.folder)}")

@@ -10,8 +10,8 @@
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/CObservationTraversability.h>
 
-#include "../log_files.h"
-#include "../room_for_maps.h"
+#include "../support/log_files.h"
+#include "../support/room_for_maps.h"
 
 namespace
 {
