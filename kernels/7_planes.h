@@ -109,10 +109,14 @@ struct FindPlanes
     std::int32_t n = 0, x = 0, y = 0, h = 0;
     std::int64_t xx = 0, xy = 0, yy = 0, xh = 0, yh = 0, hh = 0;
 
-    TALUS_HD void add(int dx, int dy, std::int32_t height)
+    /** Nothing where it does not count. Without a branch: of that GCC 14 made wrong vector code for
+     * AVX-512. */
+    TALUS_HD void add(bool counts, int offset_x, int offset_y, std::int32_t any_height)
     {
+      const std::int32_t dx = select(counts, offset_x, 0), dy = select(counts, offset_y, 0);
+      const std::int32_t height = select(counts, any_height, 0);
       const std::int64_t x_64 = dx, y_64 = dy, height_64 = height;
-      n += 1, x += dx, y += dy, h += height;
+      n += select(counts, 1, 0), x += dx, y += dy, h += height;
       xx += x_64 * dx, xy += x_64 * dy, yy += y_64 * dy;
       xh += dx * height_64, yh += dy * height_64, hh += height_64 * height_64;
     }
@@ -168,7 +172,7 @@ struct FindPlanes
       const int dx = cell(place % kPlaneSide) - middle, dy = cell(place / kPlaneSide) - middle;
       const std::int32_t height = own.height[i];
       const float off = static_cast<float>(height) - to.at(dx, dy);
-      if (height != kNone && abs_of(off) <= within_m * kSteps) sums.add(dx, dy, height);
+      sums.add((height != kNone) & (abs_of(off) <= within_m * kSteps), dx, dy, height);
     }
     sums.join(group);
     return sums.n < kFewestSamples ? Plane{} : solve(sums);

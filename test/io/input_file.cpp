@@ -73,19 +73,23 @@ TEST(InputFile, IsNoPipeDeviceSocketOrDirectoryForAnyReader)
   ASSERT_EQ(::mkfifo((dir / "pipe").c_str(), 0600), 0);
   make_socket(dir / "socket");
   const std::string no_file = "is a pipe or a device", folder = "is a directory";
-  for (const auto& [path, says] : std::vector<std::pair<std::string, std::string>>{
-           {dir / "pipe", no_file},
-           {dir / "socket", no_file},
-           {"/dev/zero", no_file},
-           {dir / "", folder},
-           {dir / "none", "no such file"}})
+  const std::vector<std::pair<std::string, std::string>> bad{
+      {dir / "pipe", no_file},
+      {dir / "socket", no_file},
+      {"/dev/zero", no_file},
+      {dir / "", folder},
+      {dir / "none", "no such file"}};
+  for (const auto& file : bad)
+  {
+    const std::string& path = file.first;
     for (const auto& error :
          {error_of([&] { talus::read_input_file(path, "text", 1000); }),
           error_of([&] { talus::io::Trajectory::load(path); }),
           error_of([&] { talus::io::read_geotiff(path); }),
           error_of([&] { talus::sim::load_world(path); }),
           error_of([&] { talus::sim::read_pgm(path); })})
-      EXPECT_NE(error.find(path + ": " + says), std::string::npos) << error;
+      EXPECT_NE(error.find(path + ": " + file.second), std::string::npos) << error;
+  }
 }
 
 TEST(InputFile, IsNotReadWhereItIsLargerThanAnyOfItsKind)
