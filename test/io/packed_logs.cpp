@@ -26,7 +26,10 @@ CObservationPointCloud::Ptr cloud(double time_s, int points)
   auto obs = observation_at<CObservationPointCloud>(time_s, "lidar");
   auto map = mrpt::maps::CSimplePointsMap::Create();
   for (int i = 0; i < points; ++i)
-    map->insertPoint(0.37F * static_cast<float>(i * i % 101), 0.5F, -0.01F * static_cast<float>(i));
+  {
+    const int uneven = i % 101 * (i % 101) % 101;
+    map->insertPoint(0.37F * static_cast<float>(uneven), 0.5F, -0.01F * static_cast<float>(i));
+  }
   obs->pointcloud = map;
   return obs;
 }
