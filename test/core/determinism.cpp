@@ -166,6 +166,9 @@ TEST(Determinism, DamagedSavedMapsAreRefused)
   refuses(header, INFINITY);  // the ground
   refuses(header + 4 * cells, -1.0f);  // its variance
   refuses(header + 16 * cells, std::uint8_t{4});  // a state
+  std::size_t unknown = header + 16 * cells;
+  while (sound[unknown] != 0) unknown++;
+  refuses(unknown, std::uint8_t{1});  // a measured cell without a height
   refuses(sound.size() - 4, INFINITY);  // traversability
   EXPECT_EQ(m.state(1, 1), CellState::Measured);
   EXPECT_NO_THROW(m.map.restore(sound));

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Runs one fuzz target for some seconds: run.sh PROGRAM NAME SEEDS...
+# The same inputs each time, unless TALUS_FUZZ_SEED says another number (0: a random one).
 # What it finds is put into out/fuzz/NAME/, and the command that shows it again is printed.
 set -uo pipefail
 program=$1 name=$2
@@ -15,7 +16,7 @@ export TMPDIR
 trap 'rm -rf "$TMPDIR"' EXIT
 
 # An input is small, so that what takes long or much memory is a fault: nothing that is read may cost more than its bytes.
-"$program" -max_total_time="${TALUS_FUZZ_SECONDS:-9}" -max_len=16384 -timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=256 \
+"$program" -seed="${TALUS_FUZZ_SEED:-1}" -max_total_time="${TALUS_FUZZ_SECONDS:-9}" -max_len=16384 -timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=256 \
   -artifact_prefix="$out/" -verbosity=0 -print_final_stats=1 "$out/corpus" "${seeds[@]}" >"$out/log.txt" 2>&1
 code=$?
 grep -E '^stat::(number_of_executed_units|read_units|peak_rss_mb)' "$out/log.txt"

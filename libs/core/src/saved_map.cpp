@@ -63,14 +63,23 @@ void check_cells(const MapBytes& map, std::size_t cells)
 {
   const std::uint8_t* const state = map.cells.data() + kCellFloats * sizeof(float) * cells;
   bool sound = true;
-  for (std::size_t array = 0; array < kCellFloats; array++)
+  enum Array : std::size_t
+  {
+    kGround,
+    kElevation = 2  // each with its variance behind it
+  };
+  for (const std::size_t array : {kGround, kElevation})
     for (std::size_t i = 0; i < cells; i++)
     {
-      float v;
-      std::memcpy(&v, map.cells.data() + (array * cells + i) * sizeof v, sizeof v);
-      const bool is_variance = array % 2 == 1;
-      sound &=
-          std::isnan(v) || (is_variance ? v >= 0 && std::isfinite(v) : is_within(v, kHighest_m));
+      float height_m, variance_m2;
+      std::memcpy(&height_m, map.cells.data() + (array * cells + i) * sizeof(float), sizeof(float));
+      std::memcpy(
+          &variance_m2, map.cells.data() + ((array + 1) * cells + i) * sizeof(float),
+          sizeof(float));
+      const bool known =
+          is_within(height_m, kHighest_m) && variance_m2 >= 0 && std::isfinite(variance_m2);
+      const bool is_none = std::isnan(height_m) && std::isnan(variance_m2);
+      sound &= known || (is_none && (array == kElevation || state[i] == kernels::kUnknown));
     }
   sound &= std::all_of(
       state, state + cells, [](std::uint8_t s) { return s <= kernels::kFilledOneSided; });
