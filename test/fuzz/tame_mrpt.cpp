@@ -12,6 +12,10 @@
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <mrpt/rtti/CObject.h>
 
+#include <malloc.h>
+
+#include <atomic>
+#include <cstdlib>
 #include <new>
 #include <string>
 
@@ -31,11 +35,23 @@ const mrpt::rtti::TRuntimeClassId* mrpt::rtti::findRegisteredClass(
   return nullptr;
 }
 
-/** The sanitizer's own would end the process. */
+namespace
+{
+constexpr std::size_t kMost = 64 << 20, kMostInAll = 512 << 20;
+std::atomic<std::size_t> in_use{0};
+}  // namespace
+
+/** The sanitizer's own would end the process. Many small pieces may be asked for as well. */
 void* operator new(std::size_t size)
 {
-  constexpr std::size_t kMost = 64 << 20;
-  void* const memory = size <= kMost ? operator new(size, std::nothrow) : nullptr;
+  void* const memory = size <= kMost && in_use < kMostInAll ? std::malloc(size) : nullptr;
   if (!memory) throw std::bad_alloc();
+  in_use += malloc_usable_size(memory);
   return memory;
 }
+void operator delete(void* memory) noexcept
+{
+  if (memory) in_use -= malloc_usable_size(memory);
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept { operator delete(memory); }
