@@ -37,6 +37,8 @@ void use(CDualElevationMap& map)
   mrpt::opengl::CSetOfObjects scene;
   map.getVisualizationInto(scene);
   fuzz::require(fuzz::keeps_its_bytes(map), "a map read twice is the same");
+  // A window that is wide, and may be, takes its memory with the next frame.
+  if (map.insertionOptions.cells() > 512) return;
   insert_a_scan(map);
   fuzz::require(fuzz::keeps_its_bytes(map), "a map that went on is one that can be read");
 }

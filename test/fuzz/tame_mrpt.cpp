@@ -42,11 +42,16 @@ std::atomic<std::size_t> in_use{0};
 }  // namespace
 
 /** The sanitizer's own would end the process. Many small pieces may be asked for as well. */
-void* operator new(std::size_t size)
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept
 {
   void* const memory = size <= kMost && in_use < kMostInAll ? std::malloc(size) : nullptr;
+  if (memory) in_use += malloc_usable_size(memory);
+  return memory;
+}
+void* operator new(std::size_t size)
+{
+  void* const memory = operator new(size, std::nothrow);
   if (!memory) throw std::bad_alloc();
-  in_use += malloc_usable_size(memory);
   return memory;
 }
 void operator delete(void* memory) noexcept
