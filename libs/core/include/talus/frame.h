@@ -1,8 +1,6 @@
 #pragma once
 #include <array>
 #include <cstddef>
-#include <cstdint>
-#include <optional>
 #include <vector>
 
 namespace talus
@@ -41,11 +39,6 @@ struct Frame
   const float* y_m = nullptr;
   const float* z_m = nullptr;
   std::size_t size = 0;
-  /** Where the sensor is on the robot, so that T_map_base = T_map_sensor * inverse(T_base_sensor).
-   * The base is on the ground that the robot stands on. Not given: the base is the sensor, and
-   * nothing is known of what the robot stands on. */
-  std::optional<Pose> T_base_sensor;
-  std::uint32_t sensor = 0;  //!< which of several sensors: each has a number of its own
   /** Optional time of each point [s] relative to stamp_s; nullptr when unknown. Used with `path`
    * only. */
   const float* time_s = nullptr;
