@@ -229,8 +229,11 @@ TEST(KilledRuns, take_their_children_along)
   const pid_t child = std::stoi(read_bytes((hidden / "child.txt").string()));
   const auto is_alive = [&]
   {
-    // Nobody may have waited for it yet: a zombie's command line is empty.
-    return !read_bytes("/proc/" + std::to_string(child) + "/cmdline").empty();
+    // Nobody may have waited for it yet. A process closes its files, and with them its lock, before
+    // it becomes a zombie, but only after its memory is gone.
+    const std::string stat = read_bytes("/proc/" + std::to_string(child) + "/stat");
+    const auto name_end = stat.rfind(") ");
+    return name_end != std::string::npos && stat[name_end + 2] != 'Z' && stat[name_end + 2] != 'X';
   };
   for (int i = 0; i < 1000 && is_alive(); ++i) ::usleep(10000);
   EXPECT_FALSE(is_alive());
