@@ -31,22 +31,46 @@ struct Verdict
   std::int32_t seen;
 };
 
-/** Stage 1 on one point of the sensor frame (III-A.1): range, the robot's body, the height band. Of
- * several reasons the first in this order counts. */
-TALUS_HD Verdict accept(const Point& p, const Config& k)
+/** Stage 1 on one point of the sensor frame that lies `rise_m` above the sensor, along the map's z
+ * (III-A.1): range and height band. Of several reasons the first in the order of the codes counts;
+ * kBody, see is_body(), comes before kHeight. */
+TALUS_HD Verdict accept(const Point& p, float rise_m, const Config& k)
 {
   const float range2 = p.x_m * p.x_m + p.y_m * p.y_m + p.z_m * p.z_m;
   const bool finite = is_finite(p.x_m) & is_finite(p.y_m) & is_finite(p.z_m);
   const bool in_range = (range2 >= k.min_range2_m2) & (range2 <= k.max_range2_m2);
-  const bool in_body = (k.has_body != 0) & (p.x_m >= k.body_min_m[0]) & (p.x_m <= k.body_max_m[0]) &
-                       (p.y_m >= k.body_min_m[1]) & (p.y_m <= k.body_max_m[1]) &
-                       (p.z_m >= k.body_min_m[2]) & (p.z_m <= k.body_max_m[2]);
-  const bool in_band = (p.z_m >= k.min_height_m) & (p.z_m <= k.max_height_m);
+  const bool in_band = (rise_m >= k.min_height_m) & (rise_m <= k.max_height_m);
   int code = select(in_band, kAccepted, kHeight);
-  code = select(in_body, kBody, code);
   code = select(in_range, code, kRange);
-  const std::int32_t seen = select(finite & in_range & !in_body, 1, 0);
+  const std::int32_t seen = select(finite & in_range, 1, 0);
   return {select(finite, code, kNotFinite), seen};
+}
+
+/** Whether a point of the sensor frame lies in one box of the body. */
+TALUS_HD bool is_in_box(const Point& p, const FrameContext& f, const Body& body, int box)
+{
+  const float* m = f.T_base_sensor;
+  const float x_m = m[0] * p.x_m + m[1] * p.y_m + m[2] * p.z_m + m[3];
+  const float y_m = m[4] * p.x_m + m[5] * p.y_m + m[6] * p.z_m + m[7];
+  const float z_m = m[8] * p.x_m + m[9] * p.y_m + m[10] * p.z_m + m[11];
+  const float *low = body.min_m[box], *high = body.max_m[box];
+  return (x_m >= low[0]) & (x_m <= high[0]) & (y_m >= low[1]) & (y_m <= high[1]) & (z_m >= low[2]) &
+         (z_m <= high[2]);
+}
+
+/** Whether a point of the sensor frame is one of the robot itself. */
+TALUS_HD bool is_body(const Point& p, const FrameContext& f, const Body& body)
+{
+  bool any = false;
+  for (int box = 0; box < body.boxes; box++) any |= is_in_box(p, f, body, box);
+  return any;
+}
+
+/** Height of a point of the sensor frame above the sensor. */
+TALUS_HD float rise_above_sensor(const WindowPose& pose, const Point& p)
+{
+  const float* m = pose.m;
+  return m[8] * p.x_m + m[9] * p.y_m + m[10] * p.z_m;
 }
 
 /** Eq. 1: sensor frame to window frame. */
@@ -75,6 +99,13 @@ TALUS_HD WindowPose pose_at(const FrameContext& f, float time_s)
     pose.m[i] = a + w * (b - a);
   }
   return pose;
+}
+
+/** The pose at the time of a point. */
+TALUS_HD WindowPose pose_of_point(const FrameContext& f, const float* time_s, int point_i)
+{
+  const bool moves = f.n_poses > 1 && f.has_times;
+  return moves ? pose_at(f, time_s[point_i]) : f.poses[0];
 }
 
 /** The points of a frame, sensor frame, one array a coordinate. */

@@ -16,6 +16,7 @@ struct FindGroundHits
   const Config* config;
   const FrameContext* frame;
   CellStore store;
+  const Datum* datum;
 
   /** Where the cell of a place of the table is stored, or -1: the map has no ground there. */
   TALUS_HD int cell_at(const BinDirection& d, int ring) const
@@ -33,10 +34,14 @@ struct FindGroundHits
   TALUS_HD float limit(int ring, std::int32_t hit, int state, float ground_m) const
   {
     const float slope = float_from_ordered(hit);
-    const float height = frame->sensor_z_m + slope * distance_m(ring);
-    const bool on_ground =
-        (state == kMeasured) & (abs_of(height - ground_m) < kOnGround_m) & (slope < 0.0f);
+    const bool on_ground = (state == kMeasured) & (slope < 0.0f) &
+                           (abs_of(height_m(ring, hit) - ground_m) < kOnGround_m);
     return select(on_ground, slope - margin(ring), -kInfinity);
+  }
+  /** Height of a hit above the datum that the last frame left. */
+  TALUS_HD float height_m(int ring, std::int32_t hit) const
+  {
+    return frame->sensor_z_map_m - datum->offset_m + float_from_ordered(hit) * distance_m(ring);
   }
   /** How much lower than a hit the limit is that it may set. */
   TALUS_HD float margin(int ring) const { return kBuried_m / distance_m(ring); }

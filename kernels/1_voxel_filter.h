@@ -30,6 +30,7 @@ struct EnterVoxel
 {
   const Config* config;
   const FrameContext* frame;
+  const Body* body;
   PointsIn in;
   VoxelTable table;
   std::uint32_t* slot;
@@ -38,7 +39,7 @@ struct EnterVoxel
   {
     if (point_i >= frame->n_points) return;
     const Point p{in.x_m[point_i], in.y_m[point_i], in.z_m[point_i]};
-    if (accept(p, *config).code != kAccepted) return;
+    if (!counts(p, point_i)) return;
     const std::uint64_t key = voxel_key(p);
     std::uint32_t s = static_cast<std::uint32_t>(mix_bits(key)) & table.mask;
     for (;;)
@@ -49,6 +50,13 @@ struct EnterVoxel
     }
     slot[point_i] = s;
     Atomics::min(table.winner + s, fingerprint(p));
+  }
+
+  /** Whether a point passes stage 1 but for this filter. */
+  TALUS_HD bool counts(const Point& p, int point_i) const
+  {
+    const float rise_m = rise_above_sensor(pose_of_point(*frame, in.time_s, point_i), p);
+    return accept(p, rise_m, *config).code == kAccepted && !is_body(p, *frame, *body);
   }
 
   /** 21 bits a coordinate, sensor frame. */
@@ -79,9 +87,8 @@ struct KeepVoxel
   {
     if (point_i >= entered.frame->n_points) return;
     const Point p{entered.in.x_m[point_i], entered.in.y_m[point_i], entered.in.z_m[point_i]};
-    kept[point_i] =
-        accept(p, *entered.config).code != kAccepted ||
-        entered.table.winner[entered.slot[point_i]] == EnterVoxel<Atomics>::fingerprint(p);
+    kept[point_i] = !entered.counts(p, point_i) || entered.table.winner[entered.slot[point_i]] ==
+                                                       EnterVoxel<Atomics>::fingerprint(p);
   }
 };
 

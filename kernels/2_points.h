@@ -97,6 +97,7 @@ struct AcceptPoint
 {
   const Config* config;
   const FrameContext* frame;
+  const Body* body;
   PointsIn in;
   PointsOut out;
   std::int32_t* rays;  //!< see NoteRay
@@ -107,23 +108,24 @@ struct AcceptPoint
   TALUS_HD void locate(int point_i) const { locate(point_i, point(point_i)); }
   TALUS_HD void locate(int point_i, const Point& sensed) const
   {
-    const bool moves = frame->n_poses > 1 && frame->has_times;
-    put(point_i, sensed,
-        moves ? transform(pose_at(*frame, in.time_s[point_i]), sensed)
-              : transform(frame->poses[0], sensed),
-        !voxel_kept || voxel_kept[point_i]);
+    const WindowPose pose = pose_of_point(*frame, in.time_s, point_i);
+    put(point_i, sensed, pose, !voxel_kept || voxel_kept[point_i]);
+    for (int box = 0; box < body->boxes; box++) drop_body(point_i, sensed, box);
   }
 
-  /** Whether locate_plain() is the same as locate(): no voxel filter, no motion during the scan. */
+  /** Whether locate_plain(), then drop_body() of all boxes, is the same as locate(): no voxel
+   * filter, no motion during the scan. */
   TALUS_HD bool is_plain() const
   {
     return !voxel_kept && !(frame->n_poses > 1 && frame->has_times);
   }
   TALUS_HD void locate_plain(int point_i) const
   {
-    const Point sensed = point(point_i);
-    put(point_i, sensed, transform(frame->poses[0], sensed), true);
+    put(point_i, point(point_i), frame->poses[0], true);
   }
+  /** Of a point that was located: if it is in that box of the body, neither it nor its ray counts.
+   */
+  TALUS_HD void drop_body(int point_i, int box) const { drop_body(point_i, point(point_i), box); }
 
   /** What it shares with other points. */
   TALUS_HD void note(int point_i) const
@@ -148,9 +150,21 @@ struct AcceptPoint
   }
 
  private:
-  TALUS_HD void put(int point_i, const Point& sensed, const Point& p, bool kept) const
+  TALUS_HD void drop_body(int point_i, const Point& sensed, int box) const
   {
-    const Verdict verdict = accept(sensed, *config);
+    const int code = static_cast<int>(out.rank[point_i]);
+    const bool drop =
+        is_in_box(sensed, *frame, *body, box) & (code != kNotFinite) & (code != kRange);
+    out.rank[point_i] = static_cast<std::uint32_t>(select(drop, static_cast<int>(kBody), code));
+    out.cell[point_i] = select(drop, -1, out.cell[point_i]);
+    out.ray[point_i] = select(drop, -1, out.ray[point_i]);
+    out.reach[point_i] = select(drop, -1, out.reach[point_i]);
+  }
+
+  TALUS_HD void put(int point_i, const Point& sensed, const WindowPose& pose, bool kept) const
+  {
+    const Point p = transform(pose, sensed);
+    const Verdict verdict = accept(sensed, rise_above_sensor(pose, sensed), *config);
     int code = select((verdict.seen != 0) & !kept, kVoxel, verdict.code);
     put_ray(point_i, p, (verdict.seen != 0) & kept);
     const float n = static_cast<float>(config->cells);
@@ -184,7 +198,7 @@ struct AcceptPoint
         direction_in_bins(select(aims, dx, 1.0f), select(aims, dy, 0.0f), bins_per_side(*config));
     const int bin = wrap_bin(floor_to_int(direction), bins);
     out.ray[point_i] = select(aims, row * bins + bin, -1);
-    const float slope = ray_slope(p.z_m - frame->sensor_z_m, chebyshev_m);
+    const float slope = ray_slope(p.z_m - frame->sensor_z_map_m, chebyshev_m);
     out.slope[point_i] = slope;
     const float step = slope_step(select(aims, slope, 0.0f));
     const bool counts = aims & (step >= 0.0f) & (step < static_cast<float>(kSlopeSteps));

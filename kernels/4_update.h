@@ -246,6 +246,12 @@ TALUS_HD FusionPlan plan_ground(const Cell& c, const HeightPoint& low, const Con
   return plan;
 }
 
+/** Whether the hits of a cell are of what the robot drove through there. */
+TALUS_HD bool is_driven_through(const Cell& c, float highest_m)
+{
+  return is_driven(c.footing) & (highest_m - c.ground_m <= driven_through_m(c.footing));
+}
+
 /** Here and below: where all hangs nothing changes. */
 TALUS_HD void put_ground(
     Cell& c, bool all_hang, const FusionPlan& plan, const Fusion& fusion, const Config& k)
@@ -283,7 +289,8 @@ plan_elevation(const Cell& c, const HeightPoint& high, float top_m, const Config
   plan.base_var_m2 = select(fused, c.elevation_var_m2, high.variance_m2);
   plan.limit_m = top_m;
   plan.base_is_prior = select(fused, 1, 0);
-  plan.wanted = select(has_elevation & !fused & (high.height_m < c.elevation_m), 0, 1);
+  const bool lower = has_elevation & !fused & (high.height_m < c.elevation_m);
+  plan.wanted = select(lower | is_driven_through(c, high.height_m), 0, 1);
   return plan;
 }
 
@@ -398,7 +405,7 @@ struct SortPoint
   TALUS_HD void put(int point_i, std::uint32_t rank, bool overhangs, const GroundRise& rise) const
   {
     sorting.sorted[sorting.cell_begin[points.cell[point_i]] + rank] = {
-        rise.level(points.height_m[point_i], in_cell(points.in_cell[point_i])),
+        rise.level(points.height_m[point_i] - frame->offset_m, in_cell(points.in_cell[point_i])),
         points.variance_m2[point_i], select(overhangs, 1, 0)};
   }
 

@@ -3,7 +3,7 @@
 
 namespace talus::kernels
 {
-// Stage 5, what a cell is: see 5_support.h for what ground is measured against.
+// Stage 5, what a cell is: see 5_opening.h for what ground is measured against.
 
 /** The decision for one cell. */
 struct ClassifyCell
@@ -207,8 +207,8 @@ struct ClassifyCell
   };
   TALUS_HD Corridors corridors_from(int x, int y) const
   {
-    const auto dx = static_cast<float>(config->cells / 2 - x);
-    const auto dy = static_cast<float>(config->cells / 2 - y);
+    const auto dx = static_cast<float>(frame->sensor_cell_x - x);
+    const auto dy = static_cast<float>(frame->sensor_cell_y - y);
     const float length = max_of(sqrtf(dx * dx + dy * dy), 1.0f);
     return {
         grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y), {dx / length, dy / length}};

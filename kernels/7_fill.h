@@ -312,8 +312,11 @@ enum SurfaceFlag : std::int32_t
   kSurfaceMeasured = 1,  //!< its ground is measured
   kSurfaceSeen = 2,  //!< a ray met it or passed low over its ground
   kSurfaceGuess = 4,  //!< its ground is filled from one side and nothing stands on it
-  kSurfaceTraced = 8  //!< it was hit lately while rays passed, see hit_lately()
+  kSurfaceTraced = 8,  //!< it was hit lately while rays passed, see hit_lately()
+  kSurfaceDriven = 16  //!< the robot drove over it, and nothing new stands there
 };
+
+constexpr int kSurfaceFlags = 5;
 
 /** The surfaces of one cell, quantised, for stage 8. */
 struct alignas(8) Surface
@@ -323,7 +326,7 @@ struct alignas(8) Surface
   std::int32_t height_and_flags;
 
   TALUS_HD bool known() const { return ground != kNoHeight; }
-  TALUS_HD std::int32_t height() const { return height_and_flags >> 4; }
+  TALUS_HD std::int32_t height() const { return height_and_flags >> kSurfaceFlags; }
   TALUS_HD bool is(SurfaceFlag flag) const { return (height_and_flags & flag) != 0; }
 };
 
@@ -364,7 +367,7 @@ struct DropHanging
 };
 
 /** Stage 7 on cell (ix, iy), stored at storage_i, from what the lines through it say. Returns its
- * state. */
+ * state. Once more changes nothing. */
 struct FillCell
 {
   int cells;
@@ -385,7 +388,8 @@ struct FillCell
     const int r = surface_class[storage_i], state_before = store.state[storage_i];
     const int evidence_before = store.ray_evidence[storage_i], in_open = passing.in_open[window_i];
     const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
-    const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound(passing, window_i));
+    const bool doubtful = (r != kKeep) & inferred.doubtful();  // what is kept is not asked for
+    const float bound_m = select(doubtful, kInfinity, ray_bound(passing, window_i));
     const float by_lines_m = height_of_lines(inferred.lines, r >= kObject);
     const float expected_m = planes->floor.draw(by_lines_m, ix, iy);
     const Fill fill = infer_ground(inferred, expected_m, bound_m, *config);
@@ -421,7 +425,9 @@ struct FillCell
     store.ray_evidence[storage_i] = static_cast<std::uint8_t>(ray_evidence);
     const float elevation =
         select(DropHanging::hangs(ray_evidence), kNan, store.elevation_m[storage_i]);
-    put_surface(surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, ray_evidence);
+    put_surface(
+        surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state,
+        (r != kKeep) & (state == kFilledOneSided), ray_evidence, store.footing[storage_i]);
     return state;
   }
 
@@ -440,19 +446,24 @@ struct FillCell
   }
 
   TALUS_HD void put_surface(
-      Surface& to, float ground, float elevation, int state, int ray_evidence) const
+      Surface& to, float ground, float elevation, int state, bool guessed, int ray_evidence,
+      int footing) const
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;
-    const bool guess = (state == kFilledOneSided) & !stands;
+    const bool guess = guessed & !stands;
     const bool met = measured | stands, known = is_known(ground);
+    const bool new_there = stands & (elevation - ground > driven_through_m(footing));
+    const bool driven = is_driven(footing) & !new_there;
     const std::int32_t passed_low = (ray_evidence & kPassedLow) * (kSurfaceSeen / kPassedLow);
     const std::int32_t flags =
         select(measured, kSurfaceMeasured, 0) | select(met, kSurfaceSeen, 0) | passed_low |
-        select(guess, kSurfaceGuess, 0) | select(hit_lately(ray_evidence), kSurfaceTraced, 0);
+        select(guess, kSurfaceGuess, 0) | select(hit_lately(ray_evidence), kSurfaceTraced, 0) |
+        select(driven, kSurfaceDriven, 0);
     const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
-    to.height_and_flags =
-        select(known, 16 * quantise_height(select(known, top, 0.0f), reference) + flags, 0);
+    to.height_and_flags = select(
+        known, (1 << kSurfaceFlags) * quantise_height(select(known, top, 0.0f), reference) + flags,
+        0);
   }
 };
 

@@ -94,7 +94,9 @@ struct ComputeFeatures
       }
     // What no ray ever met, nor passed low over its ground, may be the inside of a thing.
     const bool judged = known & cell.is(kSurfaceSeen);
-    return select(judged, fuse_features(f, *config), kNan);
+    const float score = fuse_features(f, *config);
+    const float driven = max_of(score, kDrivenScore);
+    return select(judged, select(cell.is(kSurfaceDriven), driven, score), kNan);
   }
   /** `judged`, unless stage 9 says otherwise, or it is the slope of a low step alone. */
   TALUS_HD float settle(int ix, int iy, const Moments& m, float judged, bool own) const
@@ -166,7 +168,9 @@ struct CompleteObstacles
   }
   TALUS_HD bool joins(int ix, int iy, const float* at, int pitch) const
   {
-    const bool traced = surfaces.cell[surfaces.at(ix, iy)].is(kSurfaceTraced);
+    const Surface& cell = surfaces.cell[surfaces.at(ix, iy)];
+    if (cell.is(kSurfaceDriven)) return false;
+    const bool traced = cell.is(kSurfaceTraced);
     return between(at, pitch) || (traced && beside(at, pitch)) ||
            (is_known(*at) && at_steep_edge(ix, iy, at, pitch));
   }

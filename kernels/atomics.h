@@ -28,6 +28,10 @@ struct SerialAtomics
   {
     if (value < *where) *where = value;
   }
+  static TALUS_HD void max(std::int32_t* where, std::int32_t value)
+  {
+    if (value > *where) *where = value;
+  }
   /** Stores `value` if `expected` is there; returns what was there. */
   static TALUS_HD std::uint64_t compare_exchange(
       std::uint64_t* where, std::uint64_t expected, std::uint64_t value)
@@ -50,6 +54,14 @@ struct ThreadAtomics
   {
     T seen = __atomic_load_n(where, __ATOMIC_RELAXED);
     while (value < seen && !__atomic_compare_exchange_n(
+                               where, &seen, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED))
+    {
+    }
+  }
+  static void max(std::int32_t* where, std::int32_t value)
+  {
+    std::int32_t seen = __atomic_load_n(where, __ATOMIC_RELAXED);
+    while (value > seen && !__atomic_compare_exchange_n(
                                where, &seen, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED))
     {
     }
@@ -91,6 +103,7 @@ struct DeviceAtomics
     return atomicAdd(where, value);
   }
   static __device__ void min(std::int32_t* where, std::int32_t value) { atomicMin(where, value); }
+  static __device__ void max(std::int32_t* where, std::int32_t value) { atomicMax(where, value); }
   static __device__ void min(std::uint64_t* where, std::uint64_t value)
   {
     atomicMin(reinterpret_cast<unsigned long long*>(where), static_cast<unsigned long long>(value));

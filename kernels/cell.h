@@ -27,7 +27,7 @@ enum RayEvidence : std::uint8_t
  * long ago. */
 TALUS_HD bool hit_lately(int ray_evidence) { return ray_evidence >= kTraceLately; }
 
-/** What the map remembers of a cell; stored it takes 20 bytes. */
+/** What the map remembers of a cell; stored it takes 21 bytes. */
 struct Cell
 {
   float ground_m = kNan;  //!< the lowest surface, map frame; known unless state is kUnknown
@@ -40,13 +40,25 @@ struct Cell
   std::int32_t ray_evidence =
       0;  //!< what rays said of its ground, see RayEvidence, and a trace of hits
   std::int32_t extent = 0;  //!< of what overhangs, below and above its top, see put_extent()
+  std::int32_t footing = 0;  //!< whether its ground still holds, see footing()
 
   static constexpr auto fields()
   {
     return std::make_tuple(
         &Cell::ground_m, &Cell::ground_var_m2, &Cell::elevation_m, &Cell::elevation_var_m2,
-        &Cell::state, &Cell::persistence, &Cell::ray_evidence, &Cell::extent);
+        &Cell::state, &Cell::persistence, &Cell::ray_evidence, &Cell::extent, &Cell::footing);
   }
+};
+
+/** Where the map's heights are counted from, from frame to frame, see 3_follow.h. */
+struct Datum
+{
+  float offset_m = 0;  //!< height in the map frame less height as it is kept
+  float settled_m = 0;  //!< where slow drift alone would have brought it
+  std::int32_t starts_anew = 0;  //!< all cells start empty in the next frame
+  /** How high above the ground stood what the robot drove into in the last frame, see
+   * Cell::footing. */
+  std::int32_t drove_through = 0;
 };
 
 /** The persistent layers as a torus: rolling moves no data. */
@@ -60,12 +72,13 @@ struct CellStore
   std::int8_t* persistence;
   std::uint8_t* ray_evidence;
   std::uint8_t* extent;
+  std::uint8_t* footing;
 
   TALUS_HD Cell load(int storage_i) const
   {
     return {ground_m[storage_i],         ground_var_m2[storage_i], elevation_m[storage_i],
             elevation_var_m2[storage_i], state[storage_i],         persistence[storage_i],
-            ray_evidence[storage_i],     extent[storage_i]};
+            ray_evidence[storage_i],     extent[storage_i],        footing[storage_i]};
   }
   TALUS_HD void store(int storage_i, const Cell& c) const
   {
@@ -77,6 +90,7 @@ struct CellStore
     persistence[storage_i] = static_cast<std::int8_t>(c.persistence);
     ray_evidence[storage_i] = static_cast<std::uint8_t>(c.ray_evidence);
     extent[storage_i] = static_cast<std::uint8_t>(c.extent);
+    footing[storage_i] = static_cast<std::uint8_t>(c.footing);
   }
 };
 
@@ -99,6 +113,25 @@ TALUS_HD int code_above(int extent) { return extent >> kExtentBits; }
 TALUS_HD int deeper(int extent, int below)
 {
   return extent_of_codes(max_of(code_below(extent), below), code_above(extent));
+}
+
+/** Cell::footing: whether stage 6 has had evidence of the cell since the scan began, see
+ * FrameContext::starts_scan; the higher bits tell what the robot drove through there: a code n for
+ * a height of 2 (n - 1) cm above the ground up to which hits are nothing new, 0: it was not there.
+ */
+constexpr int kSeenInScan = 1, kDrivenBits = 1, kMostDriven = 127;
+constexpr float kDrivenUnit_m = 0.02f;
+
+/** How high above the ground hits are nothing new, where the robot was. */
+TALUS_HD float driven_through_m(int footing)
+{
+  return static_cast<float>((footing >> kDrivenBits) - 1) * kDrivenUnit_m;
+}
+TALUS_HD bool is_driven(int footing) { return (footing >> kDrivenBits) != 0; }
+TALUS_HD int footing_driven_through(float height_m)
+{
+  const int code = floor_to_int(height_m / kDrivenUnit_m) + 1;
+  return min_of(max_of(code, 1), kMostDriven) << kDrivenBits;
 }
 
 /** Where cell (ix, iy) of the window is stored. */
@@ -136,10 +169,12 @@ struct SurfaceLayers
   float *elevation, *ground, *variance, *state;
 
   bool any() const { return elevation || ground || variance || state; }
-  TALUS_HD void put(int window_i, const CellStore& store, int storage_i) const
+  TALUS_HD void put(int window_i, const CellStore& store, int storage_i, float offset_m) const
   {
-    if (elevation) elevation[window_i] = store.elevation_m[storage_i];
-    if (ground) ground[window_i] = store.ground_m[storage_i];
+    // NaN stays the one that it is: sums make another of it on a device.
+    const float top_m = store.elevation_m[storage_i], ground_m = store.ground_m[storage_i];
+    if (elevation) elevation[window_i] = select(is_known(top_m), top_m + offset_m, kNan);
+    if (ground) ground[window_i] = select(is_known(ground_m), ground_m + offset_m, kNan);
     if (variance) variance[window_i] = store.ground_var_m2[storage_i];
     if (state) state[window_i] = static_cast<float>(store.state[storage_i]);
   }
@@ -155,7 +190,7 @@ struct PutSurface
 
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    out.put(iy * config->cells + ix, store, storage_i);
+    out.put(iy * config->cells + ix, store, storage_i, frame->offset_m);
   }
   TALUS_HD void operator()(int ix, int iy) const
   {

@@ -21,8 +21,6 @@ struct Config
   float resolution_m, inverse_resolution;
   // accept
   float min_range2_m2, max_range2_m2, min_height_m, max_height_m;
-  float body_min_m[3], body_max_m[3];
-  int has_body;
   float inverse_voxel;  //!< 0: no voxel filter
   // uncertainty
   float c_beam_m, a_beam;
@@ -43,6 +41,16 @@ struct Config
   float weight_slope, weight_step, weight_roughness;
   // sparsity
   float sparsity_range_m, sparsity_distance_m, sparsity_search_m;
+};
+
+constexpr int kMostBodyBoxes = 32;
+
+/** The robot's own body: boxes in the frame of its base [m], borders included. Constant, too. */
+struct Body
+{
+  int boxes;
+  float min_m[kMostBodyBoxes][3], max_m[kMostBodyBoxes][3];
+  float reach_m;  //!< the farthest corner from the base, seen from above
 };
 
 }  // namespace talus::kernels

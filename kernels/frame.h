@@ -22,8 +22,29 @@ struct FrameContext
   float path_start_s, path_rate_hz;
   /** (lambda_t * sin(theta / 2))^2 of eq. 4. */
   float pose_change2;
-  /** The sensor's origin in the window frame; its z is also the reference of quantised heights. */
-  float sensor_x_m, sensor_y_m, sensor_z_m;
+  /** The sensor's origin in the window frame. */
+  float sensor_x_m, sensor_y_m, sensor_z_map_m;
+  /** Its z above the map's datum, the reference of quantised heights, and the height of that datum
+   * in the map frame: once the frame is known to agree with the map, see FollowPoses. */
+  float sensor_z_m, offset_m;
+  float drove_through_m;  //!< height of what the robot drove into in the last frame
+  /** Frames that come soon after each other are parts of one scan: whether this is one of them, and
+   * whether it begins one. */
+  int is_part, starts_scan;
+  /** The cell of the window where the sensor is; beyond the window perhaps. */
+  int sensor_cell_x, sensor_cell_y;
+  /** From the sensor frame to that of the base, row-major 3x4 [m]; the identity where the base is
+   * not known. */
+  float T_base_sensor[12];
+  /** Whether the frame tells what the robot stands on: its base, at least 0.1 m below the sensor.
+   */
+  int has_base;
+  /** The base in the window frame, its z as in the map frame; the sensor where nothing is known. */
+  float base_x_m, base_y_m, base_z_m;
+  /** dz/dx and dz/dy of the base's xy plane in the map, limited to +-1. */
+  float base_slope_x, base_slope_y;
+  /** Time since the last frame of any sensor, limited to [0, 10] s; 0 for the first. */
+  float since_last_s;
   /** Column and row of storage where cell (0, 0) of the window lives. */
   int storage_x, storage_y;
   /** Whole cells that the window has moved by since the last frame, limited to +-n. */

@@ -43,13 +43,15 @@ TALUS_HD RayFootprint footprint_of(const Config& k, const FrameContext& f, int i
   const float ring = g.chebyshev_m * k.inverse_resolution;
   const bool under_sensor = ring < kUnderSensor_rings;
   const int bins = bin_count(k), per_side = bins_per_side(k);
-  g.row = min_of(floor_to_int(ring) + kBehindCell_rings, ring_count(k) - 1) * bins;
+  const int behind = floor_to_int(ring) + kBehindCell_rings, last_ring = ring_count(k) - 1;
+  const bool none = under_sensor | (behind > last_ring);
+  g.row = min_of(behind, last_ring) * bins;
   const float half_span = kFootprintHalfSpan * static_cast<float>(per_side) /
                           select(under_sensor, kUnderSensor_rings, ring);
   const float middle =
       direction_in_bins(select(under_sensor, 1.0f, dx), select(under_sensor, 0.0f, dy), per_side);
   g.first_bin = floor_to_int(middle - half_span);
-  g.last_bin = select(under_sensor, g.first_bin - 1, floor_to_int(middle + half_span));
+  g.last_bin = select(none, g.first_bin - 1, floor_to_int(middle + half_span));
   g.stride = (max_of(g.last_bin - g.first_bin, 0) >> kMaxBinsPerCellBits) + 1;
   return g;
 }

@@ -3,10 +3,10 @@
 
 namespace talus::kernels
 {
-// The window seen from the sensor in square polar coordinates: a "ring" is the Chebyshev distance
-// in cells, a direction is a place on the border of a square. All directions are alike, axes and
-// diagonals included, a row of the table is one ring, and a sweep along the rings visits each cell
-// O(1) times.
+// Square polar coordinates, of rays around the sensor, of lines around the middle of the window,
+// which is the robot's base: a "ring" is the Chebyshev distance in cells, a direction is a place on
+// the border of a square. All directions are alike, axes and diagonals included, a row of the table
+// is one ring, and a sweep along the rings visits each cell O(1) times.
 
 // ---- Seen rays: what the points of this frame say about the space before them ----
 
@@ -14,8 +14,9 @@ namespace talus::kernels
  */
 TALUS_HD int bins_per_side(const Config& k) { return k.cells; }
 TALUS_HD int bin_count(const Config& k) { return 4 * bins_per_side(k); }
-/** Rings of the table; the last one holds all that was hit beyond the window. */
-TALUS_HD int ring_count(const Config& k) { return k.cells / 2 + 3; }
+/** Rings of the table: those of a sensor that is up to a sixteenth of the window away from its
+ * middle. The last one holds all that was hit beyond. */
+TALUS_HD int ring_count(const Config& k) { return k.cells / 2 + k.cells / 16 + 3; }
 
 /** Direction of (dx, dy) != 0 along the border of the square, counter-clockwise, in bins: [0,
  * bin_count]. */
@@ -94,7 +95,7 @@ TALUS_HD float slope_of_step(int step)
 TALUS_HD int line_rings(const Config& k) { return k.cells / 2; }
 TALUS_HD int line_count(const Config& k) { return 8 * line_rings(k); }
 
-/** A line from the sensor's cell to a border cell; `minor` is that cell's place on its side, in
+/** A line from the central cell to a border cell; `minor` is that cell's place on its side, in
  * [-rings, rings). */
 struct Line
 {
@@ -122,7 +123,7 @@ TALUS_HD int line_aside(int minor, int ring, int rings, float inverse)
   return floor_div(2 * minor * ring + rings, 2 * rings, inverse);
 }
 
-/** Cell of a line at a ring, relative to the sensor's cell. */
+/** Cell of a line at a ring, relative to the central cell. */
 TALUS_HD CellOffset line_cell(const Line& l, int ring, int rings)
 {
   const int minor = line_aside(l.minor, ring, rings, 1.0f / static_cast<float>(2 * rings));
@@ -139,7 +140,7 @@ TALUS_HD CellOffset line_cell(const Line& l, int ring, int rings)
   }
 }
 
-/** The line that passes a cell other than the sensor's own: line_cell(line_through(c), ring of c)
+/** The line that passes a cell other than the central one: line_cell(line_through(c), ring of c)
  * == c. */
 TALUS_HD Line line_through(int dx, int dy, int ring, int rings)
 {

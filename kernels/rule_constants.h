@@ -13,6 +13,24 @@ constexpr float kOnGround_m = 0.1f;
 /** A ray is buried if it passes this far below known ground: twice that. */
 constexpr float kBuried_m = 0.2f;
 
+// ---- Stage 3: poses that are corrected, and other floors, see 3_follow.h ----
+
+/** Hits of the ground in each so many directions are looked at: some hundred of them are enough. */
+constexpr int kOffsetEvery_bins = 16;
+/** Of fewer hits nothing is said. */
+constexpr int kFewestGroundHits = 24;
+/** Ground is bare if nothing stands on it that is higher [steps]. */
+constexpr float kBare_steps = 0.5f;
+/** How finely heights are told apart at first: three bins hold what noise and slopes leave of one
+ * offset; all bins what corrections of poses reach. */
+constexpr float kOffsetBin_m = 0.04f;
+/** The map follows larger offsets than this: what fusing smooths out is left to that. */
+constexpr float kFollow_m = 0.02f;
+/** An offset that changes by so much is another floor, unless it took as long as drift takes. */
+constexpr float kOtherFloor_m = 1.28f, kDrift_mps = 0.05f;
+/** The floor is another one if one hit in so many lies beyond all bins. */
+constexpr int kOtherFloorOneIn = 3;
+
 // ---- Stage 4: update ----
 
 /** What is farther off the ground than this is no hit of it, and is not taken to the cell's middle.
@@ -46,6 +64,15 @@ constexpr int kPorousPersistence = 12, kMaxPersistence = 120;
 constexpr int kOverhangPersistence = kMaxPersistence / 2;
 
 // ---- Stage 5: what is ground, and what stands ----
+
+/** What lies so much above the plane on which the robot stands [steps] it drives through. */
+constexpr float kUnderFoot_steps = 0.75f;
+/** What it drove through is known to this height [steps]: blades stand up again. */
+constexpr float kStandsUp_steps = 0.5f;
+/** So far around its base the robot stands. */
+constexpr float kFootprint_m = 0.25f;
+/** How well the ground under the robot is known. */
+constexpr float kUnderFoot_var_m2 = 0.02f * 0.02f;
 
 /** What stands at least so high [clearances] is upright: a column that others may be joined to. */
 constexpr float kUpright_clearances = 0.5f;
@@ -153,6 +180,9 @@ constexpr float kLowStep_steps = 0.8f;
 /** A cell at the edge of what is impassable joins it if the surface rises this many times as
  * steeply as it may count: two cells alone tell a slope badly. */
 constexpr int kSteepEdge = 3;
+
+/** What the robot drove through is at least so traversable, whatever stands beside it. */
+constexpr float kDrivenScore = 0.5f;
 
 // ---- Stage 9 ----
 

@@ -7,6 +7,7 @@
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/observation_points.h>
 #include <talus/mrpt/pose_from.h>
+#include <talus/mrpt/sensor_numbers.h>
 
 #include <cmath>
 #include <filesystem>
@@ -51,11 +52,14 @@ void warn_of_skipped(const std::string& path, int scans)
                "than 100 km high; look for it in the trajectory\n";
 }
 
-ScanFrame frame_from(SensorPoints& points, const mrpt::poses::CPose3D& T_map_base)
+ScanFrame frame_from(
+    SensorPoints& points, const mrpt::poses::CPose3D& T_map_base, SensorNumbers& sensors)
 {
   ScanFrame f;
+  f.sensor = sensors.number_of(points.sensor_label);
   f.stamp_s = points.stamp_s;
   f.T_map_sensor = f.T_true = pose_from(T_map_base + points.T_base_sensor);
+  f.T_base_sensor = pose_from(points.T_base_sensor);
   f.x_m = std::move(points.x_m);
   f.y_m = std::move(points.y_m);
   f.z_m = std::move(points.z_m);
@@ -83,6 +87,7 @@ Sequence read_log(const std::string& path, const std::string& trajectory, const 
       app::guarded(path, app::kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(path); });
   Sequence sequence;
   sequence.name = app::name_of_log(path);
+  SensorNumbers sensors;
   int nowhere = 0;
   while (const auto obs = app::guarded(path, app::kLookAtLog, [&] { return reader->next(); }))
   {
@@ -93,7 +98,7 @@ Sequence read_log(const std::string& path, const std::string& trajectory, const 
     if (T && is_nowhere(*T))
       ++nowhere;
     else if (T)
-      sequence.frames.push_back(frame_from(points, *T));
+      sequence.frames.push_back(frame_from(points, *T, sensors));
   }
   warn_of_skipped(path, nowhere);
   if (sequence.frames.empty())

@@ -4,6 +4,7 @@
 
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/CObservationTraversability.h>
+#include <talus/point_filter.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -165,11 +166,11 @@ bool LogMapper::insert(const std::string& label)
   const auto T_map_base = poses_.base_at(scan_.stamp_s);
   if (!T_map_base) return skip("no_pose", "there is no pose within --max-gap");
   Frame frame = frame_from(scan_, *T_map_base);
-  const auto too_low = [&](float z) { return z < run_.parameters.min_height_m; };
-  const auto below = std::count_if(scan_.z_m.begin(), scan_.z_m.end(), too_low);
   frame.path = poses_.sensor_path(scan_);
+  const std::uint64_t below = points_below_band(frame);
   try
   {
+    frame.sensor = sensors_.number_of(label);
     run_.frames.push_back(map_.update(frame));
   }
   catch (const std::invalid_argument& e)
@@ -178,9 +179,18 @@ bool LogMapper::insert(const std::string& label)
   }
   if (!frame.path.empty()) ++run_.frames_deskewed;
   ++run_.sensors[label];
-  points_below_ += static_cast<std::uint64_t>(below);
+  points_below_ += below;
   last_T_map_base_ = *T_map_base;
   return true;
+}
+
+std::uint64_t LogMapper::points_below_band(const Frame& frame) const
+{
+  const PointFilter filter(run_.parameters, frame.T_map_sensor, frame.T_base_sensor);
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < frame.size; ++i)
+    below += filter.rise_m(frame.x_m[i], frame.y_m[i], frame.z_m[i]) < run_.parameters.min_height_m;
+  return below;
 }
 
 bool LogMapper::skip(const std::string& reason, const std::string& why)
@@ -230,7 +240,7 @@ void LogMapper::require_points() const
       text += percent(sum.rejected[i], sum.in) + " " + kRejectNames[i] + ", ";
   throw std::runtime_error(
       text +
-      "see min_height_m, max_height_m (in the sensor frame), min_range_m, max_range_m and "
+      "see min_height_m, max_height_m (from the sensor upwards), min_range_m, max_range_m and "
       "window_m, which -s NAME=VALUE sets");
 }
 
@@ -244,13 +254,7 @@ void LogMapper::add_warnings()
     warnings.push_back(
         percent(points_below_, sum.in) + " of all points are dropped because they lie below " +
         parameter_text(run_.parameters, *find_parameter("min_height_m")) +
-        " m in the sensor frame, perhaps the ground itself: set min_height_m below it");
-  if (run_.sensors.size() > 1)
-  {
-    std::set<std::string> labels;
-    for (const auto& entry : run_.sensors) labels.insert(entry.first);
-    warnings.push_back("mapped several sensors: " + quoted_list(labels) + "; --sensor chooses one");
-  }
+        " m from the sensor, perhaps the ground itself: set min_height_m below it");
   for (const auto& [reason, count] : run_.skipped)
     warnings.push_back(
         std::to_string(count) + (count == 1 ? " scan was" : " scans were") + " skipped (" + reason +

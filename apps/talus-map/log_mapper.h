@@ -5,6 +5,7 @@
 
 #include <talus/elevation_mapper.h>
 #include <talus/io/summary_json.h>
+#include <talus/mrpt/sensor_numbers.h>
 
 #include <mrpt/obs/CObservation.h>
 
@@ -60,6 +61,7 @@ class LogMapper
   bool take(const mrpt::obs::CObservation& obs);
   bool decode(const mrpt::obs::CObservation& obs);
   bool insert(const std::string& label);
+  std::uint64_t points_below_band(const Frame& frame) const;
   bool skip(const std::string& reason, const std::string& why);
   bool note_stamp(const mrpt::obs::CObservation& obs);
   [[noreturn]] void explain_no_frames() const;
@@ -72,6 +74,7 @@ class LogMapper
   ElevationMapper map_;
   io::RunSummary run_;
   SensorPoints scan_;
+  SensorNumbers sensors_;
   mrpt::poses::CPose3D last_T_map_base_;
   mrpt::system::TTimeStamp last_stamp_;
   std::string last_label_;

@@ -42,7 +42,8 @@ void print_parameters()
   std::printf("Parameters for -s NAME=VALUE and for --config, with their defaults:\n");
   for (const auto& info : parameter_table())
   {
-    const std::string value = parameter_text(defaults, info) + " " + info.unit;
+    const std::string value =
+        parameter_text(defaults, info) + " " + (info.is_text() ? "" : info.unit);
     std::printf("  %-22s %-12s %s\n", info.name, value.c_str(), info.description);
     if (info.choices.empty()) continue;
     std::string choices;

@@ -129,6 +129,7 @@ std::string console_summary(const LogMapper& mapper)
   text += "  poses   " + run.pose_source +
           (run.frames_deskewed ? mrpt::format(", %zu frames deskewed", run.frames_deskewed) : "") +
           "\n";
+  if (run.sensors.size() > 1) text += "  sensors " + counts(run.sensors) + "\n";
   text += "  points  " + points_line(run) + "\n";
   text += "  map     " + map_line(io::snapshot(mapper.map())) + "\n";
   if (!run.unsupported.empty()) text += "  unused  " + counts(run.unsupported) + "\n";

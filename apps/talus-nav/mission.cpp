@@ -48,7 +48,7 @@ class Mission
   Mission(
       const sim::World& world, SimulatedRobot& robot, MapSource& map, Pilot& pilot, Route& route,
       const MissionOptions& options)
-      : T_base_sensor_(to_mrpt(world.sensor.T_base_sensor)),
+      : T_base_sensor_(to_mrpt(world.sensors[0].T_base_sensor)),
         robot_(robot),
         map_(map),
         pilot_(pilot),

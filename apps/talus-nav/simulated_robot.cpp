@@ -20,15 +20,18 @@ double approach(double value, double wanted, double most_change)
 }  // namespace
 
 SimulatedRobot::SimulatedRobot(const sim::World& world, const Noise& noise, std::uint64_t seed)
-    : world_(world), noise_(noise), scanner_(*sim::find_scanner(world.sensor.scanner)), seed_(seed)
+    : world_(world),
+      noise_(noise),
+      scanner_(*sim::find_scanner(world.sensors[0].scanner)),
+      seed_(seed)
 {
   const auto& way = world.robot.waypoints;
   x_m_ = way[0].x;
   y_m_ = way[0].y;
   yaw_rad_ = way.size() > 1 ? std::atan2(way[1].y - y_m_, way[1].x - x_m_) : world.robot.yaw_rad;
   scanner_.noise_m = noise.range_m;
-  scanner_.max_range_m = world.sensor.max_range_m.value_or(scanner_.max_range_m);
-  scanner_.dropout = world.sensor.dropout.value_or(scanner_.dropout);
+  scanner_.max_range_m = world.sensors[0].max_range_m.value_or(scanner_.max_range_m);
+  scanner_.dropout = world.sensors[0].dropout.value_or(scanner_.dropout);
 }
 
 void SimulatedRobot::command(double v_mps, double w_radps)
@@ -54,7 +57,7 @@ void SimulatedRobot::drive(double seconds)
 
 double SimulatedRobot::support_m(const sim::Scene& scene, double x_m, double y_m) const
 {
-  double top = world_.ground.height_m(x_m, y_m);
+  double top = scene.ground().height_m(x_m, y_m);
   const double most = top + body_.climbs_m;
   std::vector<sim::Span> objects;
   scene.column(x_m, y_m, objects);
@@ -111,7 +114,7 @@ sim::Scan SimulatedRobot::scan() const
 {
   sim::Sweep sweep;
   sweep.time_s = time_s_;
-  const Pose T_map_sensor = sim::compose(T_map_base(), world_.sensor.T_base_sensor);
+  const Pose T_map_sensor = sim::compose(T_map_base(), world_.sensors[0].T_base_sensor);
   sweep.T_map_sensor = [T_map_sensor](double) { return T_map_sensor; };
   sweep.seed = sim::mix(seed_ ^ 0x5CA9, static_cast<std::uint64_t>(std::llround(time_s_ * 1e6)));
   return sim::take_scan(world_, scanner_, sweep);

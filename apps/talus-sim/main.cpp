@@ -52,6 +52,14 @@ void write_files(
       { bar.show(static_cast<double>(done) / drive.frames(), "frame " + std::to_string(done)); });
 }
 
+std::string names_of_scanners(const World& world, const Drive& drive)
+{
+  std::string names;
+  for (std::size_t s = 0; s < world.sensors.size(); ++s)
+    names += (s == 0 ? "" : " and ") + drive.scanner(s).name;
+  return names;
+}
+
 void simulate(const Options& o, const std::string& folder)
 {
   const World world = guarded(o.world, kSimplerWorld, [&] { return load_world(o.world); });
@@ -59,14 +67,15 @@ void simulate(const Options& o, const std::string& folder)
   const double end_s = drive.time_s(drive.frames() - 1);
   TruthOptions truth_options;
   truth_options.movers = !o.without_movers;
+  if (!world.decks.empty()) truth_options.level_m = drive.T_map_base(drive.frames() - 1).z();
   Truth last = truth(world, window_of(o, drive), end_s, truth_options);
   write_files(o, folder, world, drive, std::move(last));
   if (!o.quiet)
   {
     char way[40];
     std::snprintf(way, sizeof way, "%.1f m", drive.path().distance_m(end_s));
-    std::cout << world.name << ": " << drive.frames() << " frames of " << drive.scanner().name
-              << " over " << way << "\n";
+    std::cout << world.name << ": " << drive.frames() << " frames of "
+              << names_of_scanners(world, drive) << " over " << way << "\n";
   }
 }
 

@@ -44,6 +44,14 @@ void add_world(CLI::App& app, Options& o)
   add_optional(app, "--frames", o.drive.frames, "Write at most so many frames")
       ->check(CLI::Range(1, 100000))
       ->type_name("N");
+  app.add_option("--every", o.drive.every, "Of each sensor's sweeps, only the first of N")
+      ->check(CLI::Range(1, 100000))
+      ->type_name("N");
+  app.add_option(
+         "--cut-frames", o.drive.cut_frames,
+         "Write a sweep as N frames, each with its own stamp and pose")
+      ->check(CLI::Range(1, 100))
+      ->type_name("N");
 }
 
 void add_errors(CLI::App& app, Options& o)

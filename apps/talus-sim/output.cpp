@@ -35,9 +35,9 @@ mrpt::Clock::time_point stamp_of(const Drive& drive, int frame)
   return mrpt::Clock::fromDouble(kFirstStamp_s) + since_start;
 }
 
-mrpt::poses::CPose3D claimed_mounting(const World& world, const Claims& claims)
+mrpt::poses::CPose3D claimed_mounting(const SensorSetup& sensor, const Claims& claims)
 {
-  const auto T = to_mrpt(world.sensor.T_base_sensor);
+  const auto T = to_mrpt(sensor.T_base_sensor);
   const auto& e = claims.mounting_error;
   return {
       T.x() + e[0],
@@ -60,8 +60,9 @@ mrpt::obs::CObservationPointCloud observation(
   }
   mrpt::obs::CObservationPointCloud obs;
   obs.pointcloud = points;
-  obs.sensorLabel = "lidar";
-  obs.sensorPose = claimed_mounting(world, claims);
+  const SensorSetup& sensor = world.sensors[drive.sensor(frame)];
+  obs.sensorLabel = sensor.name;
+  obs.sensorPose = claimed_mounting(sensor, claims);
   obs.timestamp =
       stamp_of(drive, frame) + std::chrono::microseconds(std::llround(claims.clock_error_s * 1e6));
   return obs;
@@ -101,6 +102,7 @@ void write_tum(const std::string& path, const Drive& drive, bool noisy)
   std::string text = "# t[s] x[m] y[m] z[m] qx qy qz qw of the base in the map\n";
   for (int i = 0; i < drive.frames(); ++i)
   {
+    if (i > 0 && stamp_of(drive, i) == stamp_of(drive, i - 1)) continue;  // of another sensor
     const mrpt::poses::CPose3DQuat p(
         to_mrpt(noisy ? drive.T_map_base_noisy(i) : drive.T_map_base(i)));
     const auto& q = p.quat();

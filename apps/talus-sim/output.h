@@ -14,13 +14,13 @@ constexpr double kFirstStamp_s = 1700000000.0;
 /** What a log says wrongly. */
 struct Claims
 {
-  /** Added to x, y, z [m], roll, pitch, yaw [degrees] of the true mounting. */
+  /** Added to x, y, z [m], roll, pitch, yaw [degrees] of the true mounting of each sensor. */
   std::array<double, 6> mounting_error{};
   double clock_error_s = 0;  //!< added to the true stamps
 };
 
-/** Every frame as a CObservationPointCloud with label "lidar". `progress` gets the frames done.
- * Throws std::runtime_error naming the file, and what `progress` throws. */
+/** Every frame as a CObservationPointCloud whose label is the name of its sensor. `progress` gets
+ * the frames done. Throws std::runtime_error naming the file, and what `progress` throws. */
 void write_rawlog(
     const std::string& path, const World& world, const Drive& drive, const Claims& claims,
     const std::function<void(int)>& progress);

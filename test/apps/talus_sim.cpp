@@ -110,6 +110,34 @@ TEST_F(TalusSim, writes_a_log_a_trajectory_and_the_truth_that_agree)
   EXPECT_LT(worst_m, 0.03);
 }
 
+TEST_F(TalusSim, writes_scans_of_several_sensors_in_pieces_each_with_its_label_stamp_and_mounting)
+{
+  std::ofstream(folder_ / "two.yaml")
+      << "ground: [plane: {}]\n"
+         "robot: {path_m: [[0, 0], [1, 0]]}\n"
+         "sensors: [{name: front, at_m: [0.5, 0, 0.7]}, {name: rear, at_m: [-0.5, 0, 0.9]}]\n"
+         "poses: {jumps: [{time_s: 0.5, z_m: 0.3}]}\n";
+  const Outcome done =
+      run(path("two.yaml") + " --output " + path("out") + " --every 5 --cut-frames 3");
+  ASSERT_EQ(done.code, 0) << done.text;
+  const auto way = talus::io::Trajectory::load(path("out/two.tum"));
+  EXPECT_EQ(way.entries().size(), 9u) << "three sweeps in three pieces, of both at the same stamps";
+  EXPECT_EQ(talus::io::Trajectory::load(path("out/two_noisy.tum")).entries().size(), 9u);
+  talus::io::RawlogReader log(path("out/two.rawlog"));
+  int frames = 0;
+  while (const auto obs = log.next())
+  {
+    const bool front = frames % 2 == 0;
+    EXPECT_EQ(obs->sensorLabel, front ? "front" : "rear");
+    mrpt::poses::CPose3D mounting;
+    obs->getSensorPose(mounting);
+    EXPECT_NEAR(mounting.x(), front ? 0.5 : -0.5, 1e-9);
+    EXPECT_TRUE(way.at(mrpt::Clock::toDouble(obs->timestamp), 0.0)) << "at its very stamp";
+    ++frames;
+  }
+  EXPECT_EQ(frames, 18);
+}
+
 TEST_F(TalusSim, hides_no_file_of_a_world_whose_name_begins_with_dots)
 {
   fs::copy_file(path("small.yaml"), path("...yaml"));

@@ -112,6 +112,68 @@ TEST(Determinism, ARestoredMapGoesOnWithTheSameBits)
   }
 }
 
+namespace
+{
+constexpr std::size_t kHeaderBytes = 72, kSensorBytes = 32;
+
+/** Without some of the arrays of one byte a cell that stand before the derived layers. */
+void forget_arrays(std::vector<std::uint8_t>& bytes, std::size_t cells, std::size_t arrays)
+{
+  const auto end = bytes.end() - static_cast<std::ptrdiff_t>(5 * sizeof(float) * cells);
+  bytes.erase(end - static_cast<std::ptrdiff_t>(arrays * cells), end);
+}
+
+/** A state of one sensor as it was saved before there could be several. */
+std::vector<std::uint8_t> of_one_sensor(std::vector<std::uint8_t> bytes, std::size_t cells)
+{
+  forget_arrays(bytes, cells, 1);
+  bytes[7] = '4';
+  constexpr std::size_t axis_then = 32, axis_now = kHeaderBytes + 8, axis_bytes = 24;
+  std::memcpy(bytes.data() + axis_then, bytes.data() + axis_now, axis_bytes);
+  const auto layers = bytes.begin() + kHeaderBytes + kSensorBytes;
+  bytes.erase(bytes.begin() + kHeaderBytes, layers);
+  return bytes;
+}
+
+/** Each of two sensors, tilted differently, in turn. */
+Frame two_sensors_frame(const Scan& scan, int i)
+{
+  Frame f = scan.frame(100 + 0.1 * i);
+  const double tilt = i % 2 ? 0.3 + 0.01 * i : -0.2;
+  f.sensor = i % 2 ? 7 : 0;
+  f.T_map_sensor.m[0] = f.T_map_sensor.m[10] = std::cos(tilt);
+  f.T_map_sensor.m[2] = std::sin(tilt);
+  f.T_map_sensor.m[8] = -std::sin(tilt);
+  f.T_base_sensor = translation(i % 2 ? 0.3 : -0.3, 0, 0.7);
+  return f;
+}
+}  // namespace
+
+TEST(Determinism, ARestoredMapOfTwoSensorsGoesOnWithTheSameBits)
+{
+  TestMap a, b;
+  Random noise(9);
+  for (int i = 0; i < 9; i++) a.map.update(two_sensors_frame(drive_frame(i, noise), i));
+  b.map.restore(a.map.save());
+  for (int i = 9; i < 20; i++)
+  {
+    const Scan s = drive_frame(i, noise);
+    a.map.update(two_sensors_frame(s, i));
+    b.map.update(two_sensors_frame(s, i));
+    expect_same_bits(a.map, b.map, i);
+  }
+  EXPECT_EQ(a.map.save(), b.map.save());
+}
+
+TEST(Determinism, AStateOfBeforeThereWereSeveralSensorsIsRead)
+{
+  TestMap a, b;
+  Random noise(10);
+  for (int i = 0; i < 9; i++) a.update(drive_frame(i, noise));
+  b.map.restore(of_one_sensor(a.map.save(), a.map.layer(Layer::State).size()));
+  expect_same_bits(a.map, b.map, 9);
+}
+
 TEST(Determinism, AStateOfBeforeExtentsWereKeptIsReadAndKnowsNone)
 {
   const Box trailer{{1.8, -0.4, 0.2}, {2.4, 0.4, 0.55}};
@@ -119,10 +181,10 @@ TEST(Determinism, AStateOfBeforeExtentsWereKeptIsReadAndKnowsNone)
   for (int i = 0; i < 5; i++) a.update(Scan().cast({trailer}));
   auto bytes = a.map.save();
   b.map.restore(bytes);
-  bytes[7] = '2';
   const auto cells = a.map.layer(Layer::Elevation).size();
-  const auto features = static_cast<std::ptrdiff_t>(5 * sizeof(float) * cells);
-  bytes.erase(bytes.end() - features - static_cast<std::ptrdiff_t>(cells), bytes.end() - features);
+  bytes = of_one_sensor(bytes, cells);
+  bytes[7] = '2';
+  forget_arrays(bytes, cells, 1);
   older.map.restore(bytes);
   expect_same_bits(a.map, older.map, 5);
   for (int i = 0; i < 2; i++)
@@ -153,7 +215,8 @@ TEST(Determinism, DamagedSavedMapsAreRefused)
   TestMap m;
   m.update(Scan().add(1, 1, 0));
   const auto sound = m.map.save();
-  const std::size_t cells = m.map.layer(Layer::State).size(), header = 72;
+  const std::size_t cells = m.map.layer(Layer::State).size();
+  constexpr std::size_t layers = kHeaderBytes + kSensorBytes;
   const auto refuses = [&](std::size_t at, auto value)
   {
     auto bytes = sound;
@@ -161,12 +224,14 @@ TEST(Determinism, DamagedSavedMapsAreRefused)
     EXPECT_THROW(m.map.restore(bytes), std::invalid_argument) << at;
   };
   refuses(16, std::numeric_limits<std::int64_t>::min());  // where the window lies
-  refuses(32, std::nan(""));  // the axis of the sensor
+  refuses(kHeaderBytes + 8, std::nan(""));  // the axis of the sensor
+  refuses(68, std::uint32_t{0});  // how many sensors there are
+  refuses(68, std::uint32_t{65});
   refuses(64, INFINITY);  // its height
-  refuses(header, INFINITY);  // the ground
-  refuses(header + 4 * cells, -1.0f);  // its variance
-  refuses(header + 16 * cells, std::uint8_t{4});  // a state
-  std::size_t unknown = header + 16 * cells;
+  refuses(layers, INFINITY);  // the ground
+  refuses(layers + 4 * cells, -1.0f);  // its variance
+  refuses(layers + 16 * cells, std::uint8_t{4});  // a state
+  std::size_t unknown = layers + 16 * cells;
   while (sound[unknown] != 0) unknown++;
   refuses(unknown, std::uint8_t{1});  // a measured cell without a height
   refuses(sound.size() - 4, INFINITY);  // traversability

@@ -8,6 +8,7 @@
 #include <functional>
 #include <iostream>
 #include <map>
+#include <optional>
 #include <sstream>
 
 // Digests of whole maps, as golden_maps.txt has them: whoever changes a bit of any layer in any of
@@ -55,12 +56,16 @@ struct Step
   std::vector<float> time_s;
   std::vector<TimedPose> path;
   bool restores = false;  //!< before the frame the map is saved, and another goes on
+  std::optional<Pose> T_base_sensor{};
+  std::uint32_t sensor = 0;
 
   Frame frame(int i) const
   {
     Frame f = scan.frame(0.1 * i);
     if (!time_s.empty()) f.time_s = time_s.data();
     f.path = path;
+    f.T_base_sensor = T_base_sensor;
+    f.sensor = sensor;
     return f;
   }
 };
@@ -215,9 +220,7 @@ World tilting_with_voxels_and_a_body()
 {
   Parameters p;
   p.voxel_m = 0.05;
-  p.body_min_x_m = -0.4, p.body_max_x_m = 0.4;
-  p.body_min_y_m = -0.3, p.body_max_y_m = 0.3;
-  p.body_min_z_m = -0.8, p.body_max_z_m = 0.1;
+  p.body_boxes_m = {{-0.4, 0.4, -0.3, 0.3, -0.8, 0.1}};
   p.fill_rule = FillRule::InverseDistance;
   return {
       "tilting_with_voxels_and_a_body", p,
@@ -284,6 +287,30 @@ World saved_and_restored()
       }};
 }
 
+/** One looks down ahead of the robot, the other, beyond an eighth of the window behind its base, is
+ * level; both see a box that goes along with it. */
+World two_sensors_on_a_base()
+{
+  Parameters p;
+  p.body_boxes_m = {{-0.7, -0.3, -0.3, 0.3, 0.1, 0.5}, {0.3, 0.6, -0.2, 0.2, 0.0, 0.3}};
+  return {
+      "two_sensors_on_a_base", p,
+      [](int i, Random& r)
+      {
+        const bool ahead = i % 2 == 0;
+        const double x = 0.06 * i, along = ahead ? 0.5 : -1.25;
+        ExactScene scene = yard_scene();
+        scene.boxes.push_back({{x - 0.6, -0.2, 0.2}, {x - 0.4, 0.2, 0.4}});
+        const double height = ahead ? 0.8 : 1.1, pitch = ahead ? 0.35 : 0;
+        const Pose T = ExactScene::pose(x + along, 0.1, height, 0, pitch);
+        Step s{scene.scan(T, 360, 24, -1.2, 0.2, r, 0.01), {}, {}};
+        s.T_base_sensor = ExactScene::pose(along, 0.1, height, 0, pitch);
+        s.sensor = ahead ? 0 : 1;
+        s.restores = i % 11 == 4;
+        return s;
+      }};
+}
+
 std::vector<World> worlds()
 {
   return {
@@ -296,7 +323,8 @@ std::vector<World> worlds()
       tilting_with_voxels_and_a_body(),
       small_window_that_jumps(),
       wide_window_of_coarse_cells(),
-      saved_and_restored()};
+      saved_and_restored(),
+      two_sensors_on_a_base()};
 }
 
 /** After every tenth frame of a world. */

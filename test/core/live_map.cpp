@@ -125,6 +125,17 @@ TEST(FrameSequence, OneWrongStampInTheFutureCostsNothingButItself)
   EXPECT_EQ(sequence.next(100.2), FrameOrder::Newest);
 }
 
+TEST(FrameSequence, JudgesEachSensorByItself)
+{
+  FrameSequence sequence(1.0);
+  EXPECT_EQ(sequence.next(100.0, 0), FrameOrder::Newest);
+  EXPECT_EQ(sequence.next(99.95, 1), FrameOrder::Newest);
+  EXPECT_EQ(sequence.next(100.0, 1), FrameOrder::Newest);
+  EXPECT_EQ(sequence.next(100.0, 0), FrameOrder::Duplicate);
+  EXPECT_EQ(sequence.next(99.98, 1), FrameOrder::Late);
+  EXPECT_EQ(sequence.next(50.0, 2), FrameOrder::Newest);
+}
+
 TEST(FrameSequence, RefusesWhatIsNoTime)
 {
   FrameSequence sequence;
@@ -132,6 +143,23 @@ TEST(FrameSequence, RefusesWhatIsNoTime)
   EXPECT_THROW(sequence.next(std::numeric_limits<double>::infinity()), std::invalid_argument);
   EXPECT_THROW(FrameSequence(-1), std::invalid_argument);
   EXPECT_THROW(FrameSequence(std::nan("")), std::invalid_argument);
+}
+
+TEST(LiveMap, FramesOfTwoSensorsMayComeInterleaved)
+{
+  const Drive drive(6);
+  LiveMap live(small_window(), kLayers, tested_backend());
+  for (int i = 0; i < drive.size(); i++)
+    for (const std::uint32_t sensor : {0u, 1u})
+    {
+      Frame frame = drive[i];
+      frame.sensor = sensor;
+      frame.stamp_s -= 0.03 * sensor;  // it comes behind frames with a later stamp
+      EXPECT_EQ(live.ingest(frame), FrameOrder::Newest) << i;
+      EXPECT_EQ(live.ingest(frame), FrameOrder::Duplicate) << i;
+    }
+  EXPECT_EQ(live.counts().mapped, 12u);
+  EXPECT_EQ(live.counts().duplicate, 12u);
 }
 
 TEST(LiveMap, DuplicatesAndLateFramesLeaveNoTrace)

@@ -42,12 +42,13 @@ TEST(Parameters, EveryEntryOfTheTableReadsBackWhatWasSet)
     Parameters p;
     for (const double v : {info.min, info.max})
     {
+      if (info.is_text()) break;
       info.set(p, v);
       EXPECT_EQ(info.get(p), v) << info.name;
     }
     Parameters q;
     set_parameter(q, info.name, parameter_text(Parameters(), info));
-    EXPECT_EQ(info.get(q), info.get(Parameters())) << info.name;
+    EXPECT_TRUE(is_same_value(info, q, Parameters())) << info.name;
   }
 }
 
@@ -120,16 +121,69 @@ TEST(Parameters, AnObjectSizeThatTheCellsCannotCountIsRefusedWithWhatIsPossible)
   EXPECT_NE(message_of(p).find("from 2 to 65 m"), std::string::npos) << message_of(p);
 }
 
-TEST(Parameters, ABodyWithoutVolumeIsRefusedUnlessItIsNone)
+TEST(Parameters, BoxesOfTheBodyAreReadFromTextAndBackToTheLastBit)
+{
+  const ParameterInfo& info = *find_parameter("body_boxes_m");
+  Parameters p, q;
+  EXPECT_EQ(parameter_text(p, info), "none");
+  set_parameter(p, "body_boxes_m", "-0.5 0.5 -.3 0.3  0 1e0, 0.1 0.2 -1 1 0.30000000000000004 2");
+  ASSERT_EQ(p.body_boxes_m.size(), 2u);
+  EXPECT_EQ(p.body_boxes_m[0].min_y_m, -0.3);
+  EXPECT_EQ(p.body_boxes_m[1].min_z_m, 0.1 + 0.2);
+  EXPECT_EQ(parameter_text(p, info), "-0.5 0.5 -0.3 0.3 0 1, 0.1 0.2 -1 1 0.30000000000000004 2");
+  EXPECT_FALSE(is_same_value(info, p, q));
+  set_parameter(q, "body_boxes_m", parameter_text(p, info));
+  EXPECT_TRUE(is_same_value(info, p, q));
+  set_parameter(p, "body_boxes_m", "None");
+  EXPECT_TRUE(p.body_boxes_m.empty());
+  EXPECT_THROW(set_parameter(p, info, 1.0), std::invalid_argument);
+}
+
+TEST(Parameters, WhatIsNoBoxOfTheBodyIsRefusedWithAReason)
+{
+  const auto says = [](const std::string& text, const std::string& what)
+  {
+    Parameters p;
+    try
+    {
+      set_parameter(p, "body_boxes_m", text);
+    }
+    catch (const std::invalid_argument& e)
+    {
+      EXPECT_NE(std::string(e.what()).find(what), std::string::npos) << e.what();
+      EXPECT_TRUE(p.body_boxes_m.empty());
+      return;
+    }
+    FAIL() << "'" << text << "' is taken";
+  };
+  for (const char* text :
+       {"", "1 2 3", "0 1 0 1 0 1 0", "0 1 0 1 0 x", "0 1 0 1 0 1,", "0 1 0 1 0 1; 2 3 2 3 2 3"})
+    says(text, "must be six numbers");
+  says("0 1 0 0 0 1", "no extent in y");
+  says("0 1 0 1 1 0", "no extent in z");
+  says("0 1 0 1 0 nan", "must lie within");
+  says("0 1 0 1 0 1e7", "must lie within");
+  std::string many;
+  for (int i = 0; i < 33; i++) many += (i ? ", " : "") + std::string("0 1 0 1 0 1");
+  says(many, "33 boxes; 32 are supported");
+  Parameters p;
+  p.body_boxes_m = {{0, 1, 0, 1, 2, 1}};
+  EXPECT_NE(message_of(p).find("no extent in z"), std::string::npos) << message_of(p);
+}
+
+TEST(Parameters, TheNamesOfTheFormerBodyAreRefusedWithTheOneThatTookTheirPlace)
 {
   Parameters p;
-  p.body_min_x_m = -0.5, p.body_max_x_m = 0.5;
-  EXPECT_NE(message_of(p).find("no extent in y"), std::string::npos) << message_of(p);
-  p.body_min_y_m = -0.3, p.body_max_y_m = 0.3;
-  p.body_min_z_m = 0.1, p.body_max_z_m = -0.8;
-  EXPECT_NE(message_of(p).find("set body_min_z_m below"), std::string::npos) << message_of(p);
-  std::swap(p.body_min_z_m, p.body_max_z_m);
-  EXPECT_EQ(message_of(p), "");
+  for (const char* name : {"body_min_x_m", "body_max_z_m", "Body_Max_Y"}) try
+    {
+      set_parameter(p, name, "0.5");
+      FAIL() << name;
+    }
+    catch (const std::invalid_argument& e)
+    {
+      EXPECT_NE(std::string(e.what()).find("body_boxes_m takes"), std::string::npos) << e.what();
+    }
+  EXPECT_EQ(replacement_of_parameter("body_boxes_m"), "");
 }
 
 TEST(Parameters, VoxelsThatCannotBeCountedAreRefused)
@@ -198,7 +252,7 @@ TEST(Parameters, ANumberThatIsNotAllowedIsNotSet)
     {
       Parameters p;
       EXPECT_THROW(set_parameter(p, info, bad), std::invalid_argument) << info.name;
-      EXPECT_EQ(info.get(p), info.get(Parameters())) << info.name;
+      EXPECT_TRUE(is_same_value(info, p, Parameters())) << info.name;
     }
   Parameters p;
   EXPECT_THROW(set_parameter(p, *find_parameter("fill_rule"), 0.5), std::invalid_argument);

@@ -132,9 +132,7 @@ TEST(Parity, ATurningAndTiltingSensorWithABodyAndAVoxelFilter)
 {
   Parameters p;
   p.voxel_m = 0.05;
-  p.body_min_x_m = -0.4, p.body_max_x_m = 0.4;
-  p.body_min_y_m = -0.3, p.body_max_y_m = 0.3;
-  p.body_min_z_m = -0.8, p.body_max_z_m = 0.1;
+  p.body_boxes_m = {{-0.4, 0.4, -0.3, 0.3, -0.8, 0.1}};
   p.fill_rule = FillRule::InverseDistance;
   Pair maps(p);
   Random noise(3), order(4);
@@ -143,6 +141,40 @@ TEST(Parity, ATurningAndTiltingSensorWithABodyAndAVoxelFilter)
     Scan s = drive_frame(i, noise);
     rotate(s, 0.05 * i, 0.1 * std::sin(0.3 * i));
     ASSERT_NO_FATAL_FAILURE(maps.update(s.frame(), shuffled(s, order).frame()));
+  }
+}
+
+TEST(Parity, TwoTiltedSensorsFarFromTheBaseThatSeeTheRobot)
+{
+  for (const double voxel_m : {0.0, 0.05})
+  {
+    Parameters p;
+    p.voxel_m = voxel_m;
+    p.body_boxes_m = {{-0.4, 0.4, -0.3, 0.3, 0.1, 0.8}, {1.0, 1.6, -0.2, 0.2, 0.0, 0.3}};
+    Pair maps(p);
+    Random noise(13), order(14);
+    for (int i = 0; i < 40; i++)
+    {
+      Scan s = drive_frame(i, noise), mixed = shuffled(s, order);
+      const bool ahead = i % 2 == 0;
+      rotate(s, ahead ? 0.1 : 3.0, ahead ? 0.4 : -0.1);
+      Frame frame = s.frame(0.1 * i), other = mixed.frame(0.1 * i);
+      frame.T_base_sensor = s.pose_;  // the base is level, on the ground, and goes along
+      frame.T_base_sensor->m[3] = ahead ? 1.4 : -0.5;
+      frame.sensor = ahead ? 3 : 9;
+      other.T_map_sensor = frame.T_map_sensor;
+      other.T_base_sensor = frame.T_base_sensor;
+      other.sensor = frame.sensor;
+      if (i % 5 == 0)
+      {
+        std::vector<float> times(s.x_.size(), 0.03f);
+        frame.path = other.path = {{0, s.pose_}, {0.1, s.pose_}};
+        frame.time_s = other.time_s = times.data();
+        ASSERT_NO_FATAL_FAILURE(maps.update(frame, other));
+      }
+      else
+        ASSERT_NO_FATAL_FAILURE(maps.update(frame, other));
+    }
   }
 }
 

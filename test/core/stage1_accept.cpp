@@ -16,9 +16,7 @@ TEST(Stage1Accept, CountsEveryRejectedPointByItsReason)
 {
   const float nan = std::nanf(""), inf = INFINITY;
   Parameters p;
-  p.body_min_x_m = -0.4, p.body_max_x_m = 0.4;
-  p.body_min_y_m = -0.3, p.body_max_y_m = 0.3;
-  p.body_min_z_m = -0.6, p.body_max_z_m = 0.1;
+  p.body_boxes_m = {{-0.4, 0.4, -0.3, 0.3, -0.6, 0.1}};
   p.max_range_m = 20;
   Scan s(0, 0, 0.7);
   s.x_ = {1, nan, 1, 0, 30, 1, 1, 0.3f, 10, inf};
@@ -35,7 +33,7 @@ TEST(Stage1Accept, CountsEveryRejectedPointByItsReason)
   EXPECT_EQ(rejected(r, Reject::Outside), 1u);
 }
 
-TEST(Stage1Accept, TheHeightBandIsClosedAndMeasuredInTheSensorFrame)
+TEST(Stage1Accept, TheHeightBandIsClosedAndMeasuredFromTheSensor)
 {
   Scan s(0, 0, 10);
   s.x_ = {1, 1.5f};
@@ -44,6 +42,48 @@ TEST(Stage1Accept, TheHeightBandIsClosedAndMeasuredInTheSensorFrame)
   TestMap m;
   EXPECT_EQ(m.update(s).points_accepted, 2u);
   EXPECT_FLOAT_EQ(m.ground(1, 1), 9.0f);
+}
+
+TEST(Stage1Accept, TheHeightBandIsMeasuredAlongTheZAxisOfTheMap)
+{
+  // A camera that looks down by half a right angle: far along its axis is deep below it.
+  Scan s(0, 0, 5);
+  const double tilt = M_PI / 4, c = std::cos(tilt);
+  s.pose_.m = {c, 0, c, 0, 0, 1, 0, 0, -c, 0, c, 5};
+  s.x_ = {4.2f, 4.3f, 1, 1};
+  s.y_ = {0, 0, 0, 0};
+  s.z_ = {0, 0, 3.1f, 3.2f};  // 2.97 and 3.04 m below the sensor, 1.48 and 1.56 above
+  const FrameReport r = TestMap().update(s);
+  EXPECT_EQ(r.points_accepted, 2u);
+  EXPECT_EQ(rejected(r, Reject::Height), 2u);
+}
+
+TEST(Stage1Accept, BoxesOfTheBodyAreInTheFrameOfTheBaseForEverySensor)
+{
+  Parameters p;
+  p.min_range_m = 0.01;
+  p.body_boxes_m = {{-0.5, 0.5, -0.3, 0.3, 0.0, 0.6}, {0.4, 0.6, -0.1, 0.1, 0.6, 0.9}};
+  TestMap m(p);
+  // One looks ahead from the front, one to the rear from behind, 1 m above the ground.
+  Scan front(0.5, 0, 1.0), rear(-0.5, 0, 1.0);
+  rear.pose_.m = {-1, 0, 0, -0.5, 0, -1, 0, 0, 0, 0, 1, 1.0};
+  front.x_ = {-0.1f, -0.3f, 0.2f, 0.05f, -0.8f};  // of the base: 0.4, 0.2, 0.7, 0.55, -0.3
+  front.y_ = {0, 0, 0, 0, 0.31f};
+  front.z_ = {-0.5f, -0.3f, -0.5f, -0.2f, -0.9f};  // 0.5, 0.7 above the first box, 0.5, 0.8, 0.1
+  rear.x_ = {-0.1f, 0.2f, -0.2f};  // of the base: -0.4, -0.7, -0.3
+  rear.y_ = {0.1f, 0, -0.25f};
+  rear.z_ = {-0.6f, -0.6f, -0.45f};
+  Frame f = front.frame();
+  f.T_base_sensor = front.pose_;
+  FrameReport r = m.map.update(f);
+  EXPECT_EQ(rejected(r, Reject::Body), 2u);
+  EXPECT_EQ(r.points_accepted, 3u);
+  f = rear.frame();
+  f.sensor = 1;
+  f.T_base_sensor = rear.pose_;
+  r = m.map.update(f);
+  EXPECT_EQ(rejected(r, Reject::Body), 2u);
+  EXPECT_EQ(r.points_accepted, 1u);
 }
 
 TEST(Stage1Accept, PointsFallIntoTheCellBelowThemOnBothSidesOfZero)

@@ -51,3 +51,45 @@ TEST(Stage2Uncertainty, AYawBetweenFramesAddsNothing)
   m.update(turned);
   EXPECT_NEAR(m.at(Layer::Variance, -1.01, 2.01), 1e-4, 1e-9);
 }
+
+TEST(Stage2Uncertainty, EachSensorIsComparedWithItsOwnLastFrame)
+{
+  Parameters p;
+  p.c_beam_m = 0.01, p.a_beam = 0.0;
+  TestMap m(p);
+  const double theta = 0.5;
+  Scan level(0, 0, 0.7), tilted(0, 0, 0.7);
+  tilted.pose_.m = {std::cos(theta),  0, std::sin(theta), 0,  0, 1, 0, 0,
+                    -std::sin(theta), 0, std::cos(theta), 0.7};
+  level.x_ = {2.01f};
+  level.y_ = {1.01f};
+  level.z_ = {-0.7f};
+  for (int i = 0; i < 2; i++)
+  {
+    m.map.update(level.frame());
+    Frame other = tilted.frame();
+    other.sensor = 3;
+    m.map.update(other);
+  }
+  EXPECT_LT(m.at(Layer::Variance, 2.01, 1.01), 1.0001e-4);
+}
+
+TEST(Stage2Uncertainty, MoreSensorsThanAMapTellsApartAreRefused)
+{
+  TestMap m;
+  Frame f = Scan().frame();
+  for (f.sensor = 100; f.sensor < 164; f.sensor++) m.map.update(f);
+  const auto before = m.map.save();
+  try
+  {
+    m.map.update(f);
+    FAIL() << "a 65th sensor is taken";
+  }
+  catch (const std::invalid_argument& e)
+  {
+    EXPECT_NE(std::string(e.what()).find("more than 64 sensors"), std::string::npos) << e.what();
+  }
+  EXPECT_EQ(m.map.save(), before);
+  f.sensor = 120;
+  EXPECT_NO_THROW(m.map.update(f));
+}

@@ -138,3 +138,47 @@ TEST(Stage3Roll, OnADriveOf100KmNothingDriftsByABit)
   EXPECT_EQ(wrong, 0);
   EXPECT_GT(checked, 3 * n * (kSteps / 11 - 2));
 }
+
+TEST(Stage3Roll, TheWindowFollowsTheBaseWhereTheFrameTellsWhereTheSensorIs)
+{
+  TestMap m;
+  Scan s(3.0, -1.0, 0.9);  // turned to the left, 0.4 m before the middle of the robot
+  s.pose_.m = {0, -1, 0, 3.0, 1, 0, 0, -1.0, 0, 0, 1, 0.9};
+  Frame f = s.frame();
+  f.T_base_sensor = translation(0.4, 0.0, 0.9);
+  m.map.update(f);
+  const Window w = m.map.window();
+  EXPECT_NEAR(w.min_x_m() + w.cells / 2 * w.resolution_m, 3.0, 0.051);
+  EXPECT_NEAR(w.min_y_m() + w.cells / 2 * w.resolution_m, -1.4, 0.051);
+}
+
+TEST(Stage3Roll, ASensorFarFromTheBaseMapsWhatIsInTheWindow)
+{
+  // Beyond an eighth of the window, and beyond the window itself.
+  for (const double ahead_m : {0.0, 0.9, 2.0, 10.0})
+  {
+    TestMap m;
+    Scan s(ahead_m, 0, 0.7);
+    s.add_surface(1.0, -1.0, 3.0, 1.0, flat).add_surface(2.0, 0.0, 2.1, 0.1, level(0.4));
+    Frame f = s.frame();
+    f.T_base_sensor = translation(ahead_m, 0, 0.7);
+    for (int i = 0; i < 4; i++) m.map.update(f);
+    EXPECT_EQ(m.map.window().min_cell_x, -80) << ahead_m;
+    EXPECT_NEAR(m.ground(1.525, 0.525), 0.0, 1e-3) << ahead_m;
+    EXPECT_NEAR(m.elevation(2.025, 0.025), 0.4, 1e-3) << ahead_m;
+  }
+}
+
+TEST(Stage3Roll, WhereTheSensorIsOnTheRobotMustBeAPlaceOnARobot)
+{
+  TestMap m;
+  Frame f = Scan().frame();
+  Pose scaled = translation(0, 0, 0.7);
+  scaled.m[0] = 2;
+  for (const Pose& bad : {translation(std::nan(""), 0, 0), translation(2000, 0, 0), scaled})
+  {
+    f.T_base_sensor = bad;
+    EXPECT_THROW(m.map.update(f), std::invalid_argument);
+  }
+  EXPECT_TRUE(m.map.empty());
+}

@@ -26,7 +26,7 @@ void use(const CDualElevationMap::TMapDefinition& read)
   again.loadFromConfigFile(saved, "M");
   for (const auto& info : parameter_table())
     fuzz::require(
-        info.get(again.insertionOpts) == info.get(read.insertionOpts), "what is saved is read");
+        is_same_value(info, again.insertionOpts, read.insertionOpts), "what is saved is read");
 }
 }  // namespace
 

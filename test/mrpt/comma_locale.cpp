@@ -109,7 +109,7 @@ TEST_F(CommaLocale, options_go_through_an_ini_file_and_back)
 TEST_F(CommaLocale, a_map_and_a_snapshot_tell_numbers_with_points)
 {
   const auto map = talus_test::map_of_room(1);
-  EXPECT_TRUE(has(map.asString(), "6 x 6 m at 0.05 m from (-2.90,-3.00), 14400 of"))
+  EXPECT_TRUE(has(map.asString(), "6 x 6 m at 0.05 m from (-3.00,-3.00), 14400 of"))
       << map.asString();
   std::stringstream text;
   map.insertionOptions.dumpToTextStream(text);
@@ -162,7 +162,7 @@ TEST_F(CommaLocale, a_world_is_read)
   const auto same = sim::load_world(TALUS_SOURCE_DIR "/datasets/worlds/demo.yaml");
   EXPECT_EQ(world.robot.speed_mps, same.robot.speed_mps);
   EXPECT_EQ(world.robot.duration_s, same.robot.duration_s);
-  EXPECT_EQ(world.sensor.T_base_sensor.m, same.sensor.T_base_sensor.m);
-  EXPECT_NE(same.sensor.T_base_sensor.z(), std::floor(same.sensor.T_base_sensor.z()));
+  EXPECT_EQ(world.sensors[0].T_base_sensor.m, same.sensors[0].T_base_sensor.m);
+  EXPECT_NE(same.sensors[0].T_base_sensor.z(), std::floor(same.sensors[0].T_base_sensor.z()));
   EXPECT_EQ(world.ground.height_m(1.5, 2.5), same.ground.height_m(1.5, 2.5));
 }

@@ -364,8 +364,8 @@ TEST(DamagedMap, a_map_stays_as_it_was_when_nothing_sound_can_be_read)
   auto map = talus_test::map_of_room(1);
   const auto before = map.mapper().save();
   auto m = tiny_map();
-  m.state[74] = 0x80;
-  m.state[75] = 0x7F;  // the first height behind the header: infinite
+  m.state[106] = 0x80;
+  m.state[107] = 0x7F;  // the first height behind the header and the sensor: infinite
   EXPECT_TRUE(says(refusal(m.bytes(), map), "its cells are none of a map"));
   auto cut = tiny_map().bytes();
   cut.resize(cut.size() / 2);

@@ -185,7 +185,7 @@ TEST(DualElevationMap, every_option_survives_saving_and_loading_in_memory)
       {
         const auto i = saved_and_loaded(insertion);
         for (const auto& info : talus::parameter_table())
-          EXPECT_EQ(info.get(i), info.get(insertion)) << info.name;
+          EXPECT_TRUE(talus::is_same_value(info, i, insertion)) << info.name;
         const auto l = saved_and_loaded(likelihood);
         EXPECT_EQ(l.sigma_m, 0.2);
         EXPECT_EQ(l.outlierRatio, 0.25);
@@ -329,7 +329,8 @@ TEST(DualElevationMap, a_serialized_map_goes_on_with_the_same_bits)
   EXPECT_EQ(copy.renderOptions.maxCells, 77);
   EXPECT_FALSE(copy.genericMapParams.enableObservationLikelihood);
   for (const auto& info : talus::parameter_table())
-    EXPECT_EQ(info.get(copy.insertionOptions), info.get(map.insertionOptions)) << info.name;
+    EXPECT_TRUE(talus::is_same_value(info, copy.insertionOptions, map.insertionOptions))
+        << info.name;
   for (int i = 1; i < 5; i++)
   {
     const CPose3D pose(0.2 * i, 0.1 * i, 0.01 * i, 0.3, 0.02, 0);

@@ -47,9 +47,9 @@ TEST(DualElevationMapQueries, the_likelihood_counts_the_points_that_an_insertion
 {
   auto map = map_of_room(1);
   auto& p = map.insertionOptions;
-  p.body_min_x_m = p.body_min_y_m = p.body_min_z_m = -0.5;
-  p.body_max_x_m = 0.75;
-  p.body_max_y_m = p.body_max_z_m = 0.5;
+  const auto& s = kT_base_sensor;
+  p.body_boxes_m = {
+      {s.x() - 0.5, s.x() + 0.75, s.y() - 0.5, s.y() + 0.5, s.z() - 0.5, s.z() + 0.5}};
   p.max_range_m = 2.7;
   p.min_range_m = 0.6;
   p.max_height_m = 1.1;

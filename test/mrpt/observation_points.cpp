@@ -1,4 +1,6 @@
 #include <talus/mrpt/observation_points.h>
+#include <talus/mrpt/pose_from.h>
+#include <talus/mrpt/sensor_numbers.h>
 
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/maps/CSimplePointsMap.h>
@@ -89,6 +91,34 @@ TEST(PointsFromAPointCloud, StayInTheSensorFrameWithTheMountingBesideThem)
   EXPECT_TRUE(std::isnan(points.x_m[1]));
   EXPECT_EQ(points.T_base_sensor, kMounting);
   EXPECT_NEAR(points.stamp_s, 1300000000.25, 1e-6);
+}
+
+TEST(FrameFromPoints, TellsWhereTheSensorIsOnTheRobotAndInTheMap)
+{
+  mrpt::obs::CObservationPointCloud obs;
+  obs.sensorLabel = "rear";
+  obs.sensorPose = kMounting;
+  obs.pointcloud = mrpt::maps::CSimplePointsMap::Create();
+  obs.pointcloud->insertPointFast(1, 2, 3);
+  const SensorPoints points = points_of(obs);
+  EXPECT_EQ(points.sensor_label, "rear");
+  const CPose3D T_map_base(4, 5, 6, 0.7, 0, 0);
+  const talus::Frame frame = talus::frame_from(points, T_map_base);
+  ASSERT_TRUE(frame.T_base_sensor);
+  EXPECT_EQ(frame.T_base_sensor->m, talus::pose_from(kMounting).m);
+  EXPECT_EQ(frame.T_map_sensor.m, talus::pose_from(T_map_base + kMounting).m);
+}
+
+TEST(SensorNumbers, AreGivenInTheOrderOfTheLabels)
+{
+  talus::SensorNumbers sensors(std::vector<std::string>{"front"});
+  EXPECT_EQ(sensors.number_of("rear"), 1u);
+  EXPECT_EQ(sensors.number_of("front"), 0u);
+  EXPECT_EQ(sensors.number_of(""), 2u);
+  EXPECT_EQ(sensors.number_of("rear"), 1u);
+  for (int i = 3; i < 64; i++) sensors.number_of("sensor " + std::to_string(i));
+  EXPECT_THROW(sensors.number_of("one more"), std::invalid_argument);
+  EXPECT_EQ(sensors.number_of("sensor 63"), 63u);
 }
 
 TEST(PointsFromAPointCloud, AreRefusedWhenThereIsNoCloud)

@@ -236,7 +236,7 @@ TEST(Costmap, is_refused_where_its_borders_cannot_be_told_apart)
 {
   CDualElevationMap map(talus_test::small_window(), Backend::Cpu);
   ASSERT_TRUE(
-      map.insertObservation(talus_test::scan_of_room({}), CPose3D(300000.3, 0, 0, 0, 0, 0)));
+      map.insertObservation(talus_test::scan_of_room({}), CPose3D(300000.4, 0, 0, 0, 0, 0)));
   COccupancyGridMap2D grid;
   try
   {

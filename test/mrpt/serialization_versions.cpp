@@ -44,6 +44,17 @@ void write_map_v0(CArchive& out)
   out << mrpt::poses::CPose3D(1, 2, 3, 0, 0, 0) << true;  // where the robot was; empty
 }
 
+/** Version 0 of an empty map with a side of the robot's body, which was in the sensor frame then.
+ */
+void write_map_v0_with_body(CArchive& out, double body_max_x_m)
+{
+  out << mrpt::maps::TMapGenericParams() << std::string("cpu") << std::int32_t(3);
+  out << std::uint32_t(1) << std::string("body_max_x_m") << body_max_x_m;
+  out << 0.08 << 0.2 << std::int32_t(5);
+  out << true << false << true << std::int32_t(mrpt::img::cmHOT) << std::int32_t(99);
+  out << mrpt::poses::CPose3D() << true;
+}
+
 /** Version 0 of a snapshot without layers but one that no version had. */
 void write_snapshot_v0(CArchive& out)
 {
@@ -88,6 +99,54 @@ TEST(SerializationVersions, a_map_with_fewer_and_other_parameters_is_read)
   EXPECT_EQ(map.renderOptions.maxCells, 99);
   EXPECT_EQ(map.renderOptions.colormap, mrpt::img::cmHOT);
   EXPECT_TRUE(map.insertObservation(talus_test::scan_of_room({}))) << "and goes on";
+}
+
+TEST(SerializationVersions, a_map_with_a_body_in_the_sensor_frame_is_refused_with_a_reason)
+{
+  const auto read_with = [](double body_max_x_m)
+  {
+    mrpt::io::CMemoryStream stream;
+    auto out = mrpt::serialization::archiveFrom(stream);
+    write_object(
+        out, "talus::CDualElevationMap", 0,
+        [&](CArchive& to) { write_map_v0_with_body(to, body_max_x_m); });
+    CDualElevationMap map;
+    read(stream, map);
+  };
+  EXPECT_NO_THROW(read_with(0)) << "there was none";
+  try
+  {
+    read_with(0.5);
+    FAIL() << "nothing thrown";
+  }
+  catch (const std::exception& e)
+  {
+    EXPECT_NE(std::string(e.what()).find("body_boxes_m takes"), std::string::npos) << e.what();
+  }
+}
+
+TEST(SerializationVersions, a_map_of_two_sensors_with_a_body_goes_on_from_a_stream)
+{
+  const auto see = [](CDualElevationMap& map, int i)
+  {
+    const mrpt::poses::CPose3D pose(0.1 * i, 0, 0, 0.05 * i, 0.03 * i, 0);
+    auto scan = talus_test::scan_of_room(pose);
+    scan.sensorLabel = i % 2 ? "rear" : "front";
+    return map.insertObservation(scan, pose);
+  };
+  Parameters p = talus_test::small_window();
+  p.body_boxes_m = {{-0.5, 0.1 + 0.2, -0.3, 0.3, 0, 0.9}, {0.3, 0.6, -0.1, 0.1, 0.2, 1.1}};
+  CDualElevationMap map(p, Backend::Cpu), copy;
+  for (int i = 0; i < 3; i++) ASSERT_TRUE(see(map, i));
+  mrpt::io::CMemoryStream stream;
+  auto out = mrpt::serialization::archiveFrom(stream);
+  out << map;
+  read(stream, copy);
+  EXPECT_TRUE(
+      is_same_value(*find_parameter("body_boxes_m"), copy.insertionOptions, map.insertionOptions));
+  for (int i = 4; i > 2; i--)  // the other one first
+    for (CDualElevationMap* m : {&map, &copy}) ASSERT_TRUE(see(*m, i));
+  EXPECT_EQ(copy.mapper().save(), map.mapper().save());
 }
 
 TEST(SerializationVersions, a_snapshot_with_a_layer_of_another_version_is_read_without_it)

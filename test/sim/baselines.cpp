@@ -272,11 +272,14 @@ TEST(Methods, AllShowTheWindowThatTalusShows)
   Frame frame = scan.view();
   frame.T_map_sensor.m[3] = -0.31;
   frame.T_map_sensor.m[7] = 12.34;
+  frame.T_base_sensor = Pose();
+  frame.T_base_sensor->m[3] = 0.4;
   for (const MethodInfo& info : method_list())
   {
     const auto method = make_method(info.name, small_window());
     method->update(frame);
-    const Window expected = window_around(small_window(), frame.T_map_sensor);
+    const Window expected =
+        window_around(small_window(), pose_of_base(frame.T_map_sensor, frame.T_base_sensor));
     const Window shown = method->read().window;
     EXPECT_EQ(shown.min_cell_x, expected.min_cell_x) << info.name;
     EXPECT_EQ(shown.min_cell_y, expected.min_cell_y) << info.name;

@@ -42,7 +42,7 @@ WrongLog wrong_log(
   sim::DriveOptions options;
   options.frames = frames;
   const sim::Drive drive(world, options);
-  const Vector truth = vector_of(to_mrpt(world.sensor.T_base_sensor), -clock_s);
+  const Vector truth = vector_of(to_mrpt(world.sensors[0].T_base_sensor), -clock_s);
   Vector given = truth;
   given[kRoll] += roll_deg * kDegree;
   given[kPitch] += pitch_deg * kDegree;

@@ -107,7 +107,7 @@ TEST(Rays, find_the_same_object_in_the_tree_as_among_all)
     const Ray ray{{0, 0, 1}, normalized({random.normal(), random.normal(), 0.3 * random.normal()})};
     double nearest = 20;
     for (const Shape& s : shapes) nearest = std::min(nearest, first_hit(s, ray, 0).value_or(20));
-    const auto hit = tree.cast(ray, 20, 0);
+    const auto hit = tree.cast(ray, 20, 0, 0);
     EXPECT_EQ(hit ? hit->range_m : 20, nearest);
   }
 }

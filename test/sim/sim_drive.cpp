@@ -371,7 +371,7 @@ TEST(Drive, of_endless_many_or_no_number_of_frames_is_refused_with_what_it_would
         {std::nan(""), "nan frames"},
         {1e300, "1e+300 frames"}})
   {
-    w.sensor.rate_hz = rate_hz;
+    w.sensors[0].rate_hz = rate_hz;
     try
     {
       const Drive drive(w);
@@ -411,10 +411,10 @@ TEST(HeightImage, that_is_too_short_or_brighter_than_white_is_refused)
 
 TEST(RobotPath, finds_the_nearest_of_its_places)
 {
-  RobotSetup robot;
-  robot.waypoints = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {1, 1, 0}, {-20, 3, 0}};
-  const World w = world_of(kFlat);
-  const RobotPath path(robot, w.ground);
+  World w = world_of(kFlat);
+  w.robot = {};
+  w.robot.waypoints = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {1, 1, 0}, {-20, 3, 0}};
+  const RobotPath path(w);
   for (double x = -25; x < 15; x += 1.7)
     for (double y = -5; y < 15; y += 1.3)
     {

@@ -108,11 +108,13 @@ class DeviceOnHost : public CpuMemory
           by_lines(f, x, y);
   }
   /** Each direction in as many stretches as on a device. */
-  template <class F, class G>
-  void for_each_direction_beside(int directions, int rings, const F& f, int n, const G& g)
+  template <class F, class G, class H>
+  void for_each_direction_beside(
+      int directions, int rings, const F& f, int n, const G& g, const H& finally)
   {
     for_each(n, g);
     for (int d = directions; d-- > 0;) settle(f, d, rings);
+    finally(kernels::SerialGroup{});
   }
   template <class F, class G>
   void pack_bits(int lines, int bits, const F& f, std::uint32_t* words, const G& g)

@@ -7,7 +7,7 @@
 
 namespace talus
 {
-std::unique_ptr<BackendInterface> make_cpu_backend(const kernels::Config& config, int)
+std::unique_ptr<BackendInterface> make_cpu_backend(const MapConfig& config, int)
 {
   return std::make_unique<MapBackend<DeviceSchedule<test::DeviceOnHost>>>(
       config, test::DeviceOnHost{});

@@ -7,7 +7,7 @@
 
 namespace talus
 {
-std::unique_ptr<BackendInterface> make_cuda_backend(const kernels::Config& config)
+std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config)
 {
   return std::make_unique<MapBackend<DeviceSchedule<test::DeviceOnHost>>>(
       config, test::DeviceOnHost{});

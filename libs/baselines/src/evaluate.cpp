@@ -204,7 +204,8 @@ class Evaluator
   void start_snapshot(const ScanFrame& frame, const std::optional<WindowTruth>& here)
   {
     Snapshot& s = result_.snapshot;
-    s.window = window_around(options_.parameters, frame.T_map_sensor);
+    s.window =
+        window_around(options_.parameters, pose_of_base(frame.T_map_sensor, frame.T_base_sensor));
     s.T_map_sensor = frame.T_map_sensor;
     if (!here) return;
     for (std::size_t k = 0; k < here->at.size(); ++k)

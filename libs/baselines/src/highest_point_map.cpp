@@ -61,7 +61,8 @@ void HighestPointMap::fuse(Cell& c, const MapPoint& p, double stamp_s) const
 
 void HighestPointMap::update(const Frame& frame)
 {
-  const Window window = window_around(parameters_, frame.T_map_sensor);
+  const Window window =
+      window_around(parameters_, pose_of_base(frame.T_map_sensor, frame.T_base_sensor));
   if (window.min_cell_x != window_.min_cell_x || window.min_cell_y != window_.min_cell_y ||
       cells_.empty())
     move_to(window);
@@ -105,13 +106,19 @@ void HighestPointMap::clean_up(const Frame& frame, const std::vector<MapPoint>& 
 void HighestPointMap::lower_bounds_along(
     const Pose& from, int to_ix, int to_iy, float to_z_m, std::vector<float>& bound_m) const
 {
-  const int n = window_.cells, half = n / 2;
-  const int dx = to_ix - half, dy = to_iy - half, steps = std::max(std::abs(dx), std::abs(dy));
+  const int n = window_.cells;
+  const auto cell_of = [&](double at_m, std::int64_t min_cell)
+  { return std::floor(at_m / window_.resolution_m) - static_cast<double>(min_cell); };
+  const double from_x = cell_of(from.x(), window_.min_cell_x);
+  const double from_y = cell_of(from.y(), window_.min_cell_y);
+  const double dx = to_ix - from_x, dy = to_iy - from_y;
+  const int steps = static_cast<int>(std::max(std::abs(dx), std::abs(dy)));
   for (int s = 1; s < steps; ++s)
   {
     const double t = static_cast<double>(s) / steps;
-    const auto ix = static_cast<int>(std::lround(half + t * dx));
-    const auto iy = static_cast<int>(std::lround(half + t * dy));
+    const auto ix = static_cast<int>(std::lround(from_x + t * dx));
+    const auto iy = static_cast<int>(std::lround(from_y + t * dy));
+    if (ix < 0 || iy < 0 || ix >= n || iy >= n) continue;  // the sensor is outside
     float& bound = bound_m[static_cast<std::size_t>(iy * n + ix)];
     bound = std::fmin(bound, static_cast<float>(from.z() + t * (to_z_m - from.z())));
   }

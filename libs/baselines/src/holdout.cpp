@@ -83,6 +83,8 @@ SplitScan split(const ScanFrame& scan, const HoldOutOptions& o)
 {
   SplitScan out;
   out.kept.T_map_sensor = out.held.T_map_sensor = scan.T_map_sensor;
+  out.kept.T_base_sensor = out.held.T_base_sensor = scan.T_base_sensor;
+  out.kept.sensor = out.held.sensor = scan.sensor;
   out.kept.stamp_s = out.held.stamp_s = scan.stamp_s;
   const Bands bands(scan, o);
   for (std::size_t i = 0; i < scan.x_m.size(); ++i)

@@ -70,19 +70,19 @@ std::unique_ptr<Method> make_method(
   throw std::invalid_argument("unknown method '" + name + "'; known: " + known);
 }
 
-Window window_around(const Parameters& parameters, const Pose& T_map_sensor)
+Window window_around(const Parameters& parameters, const Pose& T_map_base)
 {
   const int n = parameters.cells();
   const auto first = [&](double center_m)
   { return static_cast<std::int64_t>(std::floor(center_m / parameters.resolution_m)) - n / 2; };
-  return {n, parameters.resolution_m, first(T_map_sensor.x()), first(T_map_sensor.y())};
+  return {n, parameters.resolution_m, first(T_map_base.x()), first(T_map_base.y())};
 }
 
 std::vector<MapPoint> accepted_points(const Frame& frame, const Parameters& p)
 {
   std::vector<MapPoint> points;
   points.reserve(frame.size);
-  const PointFilter filter(p);
+  const PointFilter filter(p, frame.T_map_sensor, frame.T_base_sensor);
   const auto& m = frame.T_map_sensor.m;
   for (std::size_t i = 0; i < frame.size; ++i)
   {

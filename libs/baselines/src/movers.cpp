@@ -172,7 +172,7 @@ void MoverTruth::advance(const ScanFrame& scan)
     else if (seen_through_frame[i] < 0 && touched[i] && sees_through(i))
       seen_through_frame[i] = frame;
   }
-  forget_outside(window_around(parameters_, scan.T_true));
+  forget_outside(window_around(parameters_, pose_of_base(scan.T_true, scan.T_base_sensor)));
 }
 
 bool MoverWatch::has_work(const MoverTruth& movers, const TruthMap& truth) const

@@ -66,7 +66,7 @@ void Observed::forget_outside(const Window& window)
 
 void Observed::add(const ScanFrame& frame)
 {
-  const Window w = window_around(parameters_, frame.T_true);
+  const Window w = window_around(parameters_, pose_of_base(frame.T_true, frame.T_base_sensor));
   const double res = truth_.truth.window.resolution_m;
   forget_outside(w);
   Frame view = frame.view();

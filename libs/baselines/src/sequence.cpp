@@ -12,6 +12,8 @@ Frame ScanFrame::view() const
   Frame f;
   f.stamp_s = stamp_s;
   f.T_map_sensor = T_map_sensor;
+  f.T_base_sensor = T_base_sensor;
+  f.sensor = sensor;
   f.x_m = x_m.data();
   f.y_m = y_m.data();
   f.z_m = z_m.data();
@@ -29,8 +31,10 @@ Sequence simulate(const sim::World& world, const sim::Drive& drive)
     ScanFrame f;
     f.time_s = drive.time_s(i);
     f.stamp_s = kFirstStamp_s + f.time_s;
-    f.T_map_sensor = sim::compose(drive.T_map_base_noisy(i), world.sensor.T_base_sensor);
-    f.T_true = sim::compose(drive.T_map_base(i), world.sensor.T_base_sensor);
+    f.T_base_sensor = drive.T_base_sensor(i);
+    f.sensor = static_cast<std::uint32_t>(drive.sensor(i));
+    f.T_map_sensor = sim::compose(drive.T_map_base_noisy(i), *f.T_base_sensor);
+    f.T_true = sim::compose(drive.T_map_base(i), *f.T_base_sensor);
     f.x_m = std::move(scan.x_m);
     f.y_m = std::move(scan.y_m);
     f.z_m = std::move(scan.z_m);

@@ -29,6 +29,7 @@ OctoMapMethod::OctoMapMethod(const Parameters& parameters)
 void OctoMapMethod::update(const Frame& frame)
 {
   T_map_sensor_ = frame.T_map_sensor;
+  T_map_base_ = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
   // OctoMap numbers its voxels with 16 bits, and prints a line for each point that is farther away.
   const double farthest_m = 32767 * parameters_.resolution_m;
   const auto is_inside = [&](double x_m, double y_m, double z_m) {
@@ -64,7 +65,7 @@ Column read_column(
 
 Surfaces OctoMapMethod::read()
 {
-  Surfaces s(window_around(parameters_, T_map_sensor_));
+  Surfaces s(window_around(parameters_, T_map_base_));
   const double res = parameters_.resolution_m;
   const auto low = static_cast<std::int64_t>(
       std::floor((T_map_sensor_.z() + parameters_.min_height_m) / res) - 10);
@@ -99,8 +100,8 @@ HeightGridMethod::HeightGridMethod(const Parameters& parameters) : parameters_(p
 void HeightGridMethod::update(const Frame& frame)
 {
   using Map = mrpt::maps::CHeightGridMap2D;
-  T_map_sensor_ = frame.T_map_sensor;
-  const Window w = window_around(parameters_, T_map_sensor_);
+  T_map_base_ = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
+  const Window w = window_around(parameters_, T_map_base_);
   const double x0 = w.min_x_m(), y0 = w.min_y_m(), side = w.cells * w.resolution_m;
   const auto cells_with = [&](double low_m, double high_m, double old_low_m, double old_high_m)
   { return (std::max(high_m, old_high_m) - std::min(low_m, old_low_m)) / w.resolution_m; };
@@ -117,7 +118,7 @@ void HeightGridMethod::update(const Frame& frame)
 
 Surfaces HeightGridMethod::read()
 {
-  Surfaces s(window_around(parameters_, T_map_sensor_));
+  Surfaces s(window_around(parameters_, T_map_base_));
   for (int iy = 0; iy < s.window.cells; ++iy)
     for (int ix = 0; ix < s.window.cells; ++ix)
     {

@@ -14,17 +14,19 @@ constexpr double kApart_m = 0.4;  //!< between sensor positions from which visib
 constexpr std::size_t kPositions = 12;
 constexpr double kHitTolerance_m = 0.03;
 
-/** Poses from which to ask what could be seen: the last one, and earlier ones some way apart. */
-std::vector<Pose> viewpoints(const std::vector<ScanFrame>& frames, std::size_t now)
+/** Frames from which to ask what could be seen: the last one, and earlier ones some way apart. */
+std::vector<const ScanFrame*> viewpoints(const std::vector<ScanFrame>& frames, std::size_t now)
 {
-  std::vector<Pose> poses{frames[now].T_true};
-  for (std::size_t i = now; i-- > 0 && poses.size() < kPositions;)
+  std::vector<const ScanFrame*> chosen{&frames[now]};
+  for (std::size_t i = now; i-- > 0 && chosen.size() < kPositions;)
   {
-    const Pose &a = frames[i].T_true, &b = poses.back();
-    if (std::hypot(a.x() - b.x(), a.y() - b.y()) >= kApart_m) poses.push_back(a);
+    const Pose &a = frames[i].T_true, &b = chosen.back()->T_true;
+    if (std::hypot(a.x() - b.x(), a.y() - b.y()) >= kApart_m) chosen.push_back(&frames[i]);
   }
-  return poses;
+  return chosen;
 }
+
+Pose true_base(const ScanFrame& frame) { return pose_of_base(frame.T_true, frame.T_base_sensor); }
 
 /** Whether a direction of the sensor frame is inside the field of view. */
 bool in_view(const sim::Scanner& scanner, const sim::Vec3& d)
@@ -37,23 +39,24 @@ bool in_view(const sim::Scanner& scanner, const sim::Vec3& d)
 }
 
 bool sees(
-    const Pose& from, const sim::Vec3& place, const Parameters& p, const sim::Scene& scene,
+    const ScanFrame& frame, const sim::Vec3& place, const Parameters& p, const sim::Scene& scene,
     const sim::Scanner& scanner)
 {
+  const Pose& from = frame.T_true;
   const sim::Vec3 origin{from.x(), from.y(), from.z()};
   const sim::Vec3 way = place - origin;
   const double distance = sim::norm(way);
   const sim::Vec3 in_sensor = sim::rotate_back(from, way);
-  if (cell_index(window_around(p, from), place.x, place.y) < 0) return false;
-  if (in_sensor.z < p.min_height_m || in_sensor.z > p.max_height_m) return false;
+  if (cell_index(window_around(p, true_base(frame)), place.x, place.y) < 0) return false;
+  if (way.z < p.min_height_m || way.z > p.max_height_m) return false;
   if (!in_view(scanner, in_sensor)) return false;
   const auto hit = scene.cast({origin, sim::normalized(way)}, distance);
   return !hit || hit->range_m > distance - kHitTolerance_m;
 }
 
 void mark_visible(
-    WindowTruth& here, const TruthMap& truth, const std::vector<Pose>& poses, const Parameters& p,
-    const sim::Scene& scene, const sim::Scanner& scanner)
+    WindowTruth& here, const TruthMap& truth, const std::vector<const ScanFrame*>& from,
+    const Parameters& p, const sim::Scene& scene, const sim::Scanner& scanner)
 {
   const Window& w = here.window;
   for (int k = 0; k < w.cells * w.cells; ++k)
@@ -65,8 +68,8 @@ void mark_visible(
         w.min_y_m() + (static_cast<double>(k / w.cells) + 0.5) * w.resolution_m,
         truth.truth.ground[static_cast<std::size_t>(here.at[i])] + 0.002};
     here.could_see[i] = std::any_of(
-        poses.begin(), poses.end(),
-        [&](const Pose& from) { return sees(from, place, p, scene, scanner); });
+        from.begin(), from.end(),
+        [&](const ScanFrame* frame) { return sees(*frame, place, p, scene, scanner); });
   }
 }
 
@@ -100,8 +103,9 @@ WindowTruth window_truth(
     const sim::Scene* scene, const sim::Scanner* scanner)
 {
   WindowTruth here;
-  const Pose& T_true = frames[now].T_true;
-  here.window = window_around(parameters, frames[now].T_map_sensor);
+  const Pose &T_true = frames[now].T_true, T_base = true_base(frames[now]);
+  here.window =
+      window_around(parameters, pose_of_base(frames[now].T_map_sensor, frames[now].T_base_sensor));
   here.highest_shown_m = T_true.z() + parameters.max_height_m;
   const int n = here.window.cells;
   const auto size = static_cast<std::size_t>(n) * static_cast<std::size_t>(n);
@@ -116,7 +120,7 @@ WindowTruth window_truth(
     const double x = here.window.min_x_m() + (k % n + 0.5) * here.window.resolution_m;
     const double y =
         here.window.min_y_m() + (static_cast<double>(k / n) + 0.5) * here.window.resolution_m;
-    here.start[i] = std::hypot(x - T_true.x(), y - T_true.y()) < kRobot_m;
+    here.start[i] = std::hypot(x - T_base.x(), y - T_base.y()) < kRobot_m;
     if (here.at[i] >= 0)
       fill_cell(here, i, static_cast<std::size_t>(here.at[i]), truth, observed, movers);
   }

@@ -1,5 +1,7 @@
 #pragma once
 #include <talus/elevation_mapper.h>
+#include "config.h"
+#include "kernels/cell.h"
 #include "kernels/frame.h"
 
 #include <functional>
@@ -7,12 +9,13 @@
 namespace talus
 {
 /** What kernels::CellStore holds of each cell. */
-constexpr std::size_t kBytesPerCell = 4 * sizeof(float) + 4;
+constexpr std::size_t kBytesPerCell = 4 * sizeof(float) + 5;
 
 /** The persistent state of a map and its derived layers, as bytes on the host. */
 struct MapBytes
 {
   std::vector<std::uint8_t> cells;  //!< the arrays of CellStore, storage order, one after the other
+  kernels::Datum datum;
   std::vector<float> features;  //!< the arrays of FeatureLayers, window order, one after the other
 };
 
@@ -60,9 +63,9 @@ class BackendInterface
   virtual std::string name() const = 0;
 };
 
-std::unique_ptr<BackendInterface> make_cpu_backend(const kernels::Config& config, int threads);
+std::unique_ptr<BackendInterface> make_cpu_backend(const MapConfig& config, int threads);
 
 /** Throws std::runtime_error that says why where there is no usable device. */
-std::unique_ptr<BackendInterface> make_cuda_backend(const kernels::Config& config);
+std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config);
 
 }  // namespace talus

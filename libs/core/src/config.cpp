@@ -9,9 +9,30 @@ namespace
 {
 /** At the end of the kernel's support samples weigh nothing: the prior alone says what is there. */
 constexpr double kLeastLambda = 1e-6;
-}  // namespace
 
-kernels::Config make_config(const Parameters& p)
+static_assert(kMostBodyBoxes == kernels::kMostBodyBoxes);
+
+kernels::Body body_of(const std::vector<BodyBox>& boxes)
+{
+  kernels::Body body{};
+  for (const BodyBox& b : boxes)
+  {
+    const double ends[3][2] = {
+        {b.min_x_m, b.max_x_m}, {b.min_y_m, b.max_y_m}, {b.min_z_m, b.max_z_m}};
+    for (int axis = 0; axis < 3; axis++)
+    {
+      body.min_m[body.boxes][axis] = static_cast<float>(ends[axis][0]);
+      body.max_m[body.boxes][axis] = static_cast<float>(ends[axis][1]);
+    }
+    body.boxes++;
+    for (const double x : {b.min_x_m, b.max_x_m})
+      for (const double y : {b.min_y_m, b.max_y_m})
+        body.reach_m = std::max(body.reach_m, static_cast<float>(std::hypot(x, y)));
+  }
+  return body;
+}
+
+kernels::Config stages_config(const Parameters& p)
 {
   const auto f = [](double v) { return static_cast<float>(v); };
   kernels::Config k{};
@@ -22,10 +43,6 @@ kernels::Config make_config(const Parameters& p)
   k.max_range2_m2 = f(p.max_range_m * p.max_range_m);
   k.min_height_m = f(p.min_height_m);
   k.max_height_m = f(p.max_height_m);
-  const double low[3] = {p.body_min_x_m, p.body_min_y_m, p.body_min_z_m};
-  const double high[3] = {p.body_max_x_m, p.body_max_y_m, p.body_max_z_m};
-  k.has_body = low[0] < high[0] && low[1] < high[1] && low[2] < high[2];
-  for (int i = 0; i < 3; i++) k.body_min_m[i] = f(low[i]), k.body_max_m[i] = f(high[i]);
   k.inverse_voxel = p.voxel_m > 0 ? f(1 / p.voxel_m) : 0;
   k.c_beam_m = f(p.c_beam_m);
   k.a_beam = f(p.a_beam);
@@ -57,5 +74,8 @@ kernels::Config make_config(const Parameters& p)
   k.sparsity_search_m = f(p.sparsity_search_m);
   return k;
 }
+}  // namespace
+
+MapConfig make_config(const Parameters& p) { return {stages_config(p), body_of(p.body_boxes_m)}; }
 
 }  // namespace talus

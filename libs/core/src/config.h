@@ -5,6 +5,11 @@
 namespace talus
 {
 /** talus::Parameters as the kernels want them. */
-kernels::Config make_config(const Parameters& p);
+struct MapConfig
+{
+  kernels::Config config;
+  kernels::Body body;
+};
+MapConfig make_config(const Parameters& p);
 
 }  // namespace talus

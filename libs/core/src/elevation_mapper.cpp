@@ -23,7 +23,7 @@ void say_once(const std::string& text)
 }
 
 std::unique_ptr<BackendInterface> make_backend(
-    const kernels::Config& config, Backend backend, int threads)
+    const MapConfig& config, Backend backend, int threads)
 {
   if (backend == Backend::Cpu) return make_cpu_backend(config, threads);
   try
@@ -72,7 +72,9 @@ struct ElevationMapper::Impl
     kernels::FrameContext window{};
     window.storage_x = WindowTracker::storage(finished.min_cell_x, parameters.cells());
     window.storage_y = WindowTracker::storage(finished.min_cell_y, parameters.cells());
-    window.sensor_z_m = reference_z_m;
+    window.sensor_z_map_m = reference_z_m;
+    window.offset_m = saved.map.datum.offset_m;
+    window.sensor_z_m = reference_z_m - window.offset_m;
     backend->write_all(saved.map, window);
     layer_read = shown_slot().delivered;
   }
@@ -196,7 +198,7 @@ FrameReport ElevationMapper::finish()
   m.oldest = 1 - m.oldest;
   m.in_flight--;
   m.finished = m.shown_slot().tracker;
-  m.reference_z_m = m.shown_slot().context.sensor_z_m;
+  m.reference_z_m = m.shown_slot().context.sensor_z_map_m;
   const FrameReport report = m.backend->finish(m.shown);
   m.layer_read = m.shown_slot().delivered;
   return report;

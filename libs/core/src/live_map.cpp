@@ -5,6 +5,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace talus
 {
@@ -79,7 +80,7 @@ struct LiveMap::Impl
   ElevationMapper mapper;
   std::vector<Layer> layers;
   double max_late_s;
-  FrameSequence sequence;
+  FrameSequence sequence, sequence_then;  //!< before the frame, and after it
   std::uint64_t frames = 0;
   std::vector<std::shared_ptr<Slot>> slots;
 
@@ -101,11 +102,11 @@ FrameOrder LiveMap::ingest(const Frame& frame)
 {
   Impl& m = *impl_;
   const std::lock_guard<std::mutex> lock(m.turn);
-  FrameSequence sequence = m.sequence;
-  const FrameOrder order = sequence.next(frame.stamp_s);
+  m.sequence_then = m.sequence;
+  const FrameOrder order = m.sequence_then.next(frame.stamp_s, frame.sensor);
   if (order == FrameOrder::Newest || order == FrameOrder::ClockSetBack)
     m.publish(frame, m.mapper.update(frame));
-  m.sequence = sequence;
+  std::swap(m.sequence, m.sequence_then);
   m.count(order);
   return order;
 }

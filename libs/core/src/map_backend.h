@@ -14,7 +14,7 @@ class MapBackend final : public BackendInterface
   using Map = MapBuffers<Executor>;
 
  public:
-  MapBackend(const kernels::Config& config, Executor executor)
+  MapBackend(const MapConfig& config, Executor executor)
       : map_(config), schedule_(map_, executor_), executor_(std::move(executor))
   {
     map_.allocate(executor_);
@@ -155,7 +155,9 @@ MapBytes MapBackend<Schedule>::read_all()
   }
   for (auto* b : {&map_.state, &map_.ray_evidence}) executor_.download(b->data(), n, to), to += n;
   executor_.download(map_.persistence.data(), n, reinterpret_cast<std::int8_t*>(to));
-  executor_.download(map_.extent.data(), n, to + n);
+  to += n;
+  for (auto* b : {&map_.extent, &map_.footing}) executor_.download(b->data(), n, to), to += n;
+  executor_.download(map_.datum.data(), 1, &bytes.datum);
   complete_parts();
   bytes.features.resize(Map::kFeatureLayers * n);
   for (std::size_t i = 0; i < Map::kFeatureLayers; i++)
@@ -176,7 +178,9 @@ void MapBackend<Schedule>::write_all(const MapBytes& bytes, const kernels::Frame
   }
   for (auto* b : {&map_.state, &map_.ray_evidence}) executor_.upload(from, n, b->data()), from += n;
   executor_.upload(reinterpret_cast<const std::int8_t*>(from), n, map_.persistence.data());
-  executor_.upload(from + n, n, map_.extent.data());
+  from += n;
+  for (auto* b : {&map_.extent, &map_.footing}) executor_.upload(from, n, b->data()), from += n;
+  executor_.upload(&bytes.datum, 1, map_.datum.data());
   map_.allocate_parts(executor_);
   map_.now->parts_known = true;
   for (std::size_t i = 0; i < Map::kFeatureLayers; i++)

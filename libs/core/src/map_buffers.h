@@ -3,9 +3,11 @@
 #include "kernels/1_buried_rays.h"
 #include "kernels/1_voxel_filter.h"
 #include "kernels/2_points.h"
+#include "kernels/3_follow.h"
 #include "kernels/3_roll.h"
 #include "kernels/4_update.h"
 #include "kernels/5_classify.h"
+#include "kernels/5_underfoot.h"
 #include "kernels/6_cleanup.h"
 #include "kernels/7_fill.h"
 #include "kernels/9_judge.h"
@@ -25,7 +27,7 @@ struct MapBuffers
   template <class T>
   using Buffer = typename Executor::template Buffer<T>;
 
-  explicit MapBuffers(const kernels::Config& c) : host_config(c) {}
+  explicit MapBuffers(const MapConfig& c) : host_config(c.config), host_body(c.body) {}
 
   // ---- memory: by the size of the map once, by that of its largest frame as it comes ----
   void allocate(Executor& executor);
@@ -57,8 +59,9 @@ struct MapBuffers
   // ---- views ----
   kernels::CellStore store()
   {
-    return {ground.data(), ground_var.data(),  elevation.data(),    elevation_var.data(),
-            state.data(),  persistence.data(), ray_evidence.data(), extent.data()};
+    return {ground.data(),        ground_var.data(), elevation.data(),
+            elevation_var.data(), state.data(),      persistence.data(),
+            ray_evidence.data(),  extent.data(),     footing.data()};
   }
   kernels::PointsOut points_out()
   {
@@ -67,11 +70,22 @@ struct MapBuffers
   }
   kernels::AcceptPoint<Atomics> accept(const std::uint8_t* kept)
   {
-    return {config.data(), context.data(),  now->in, points_out(),
-            rays.data(),   counters.data(), kept};
+    return {config.data(), context.data(), body.data(),     now->in,
+            points_out(),  rays.data(),    counters.data(), kept};
   }
-  kernels::RollCell roll() { return {config.data(), context.data(), store(), top_hit.data()}; }
-  kernels::FindGroundHits ground_hits() { return {config.data(), context.data(), store()}; }
+  kernels::RollCell roll()
+  {
+    return {config.data(), context.data(), store(), datum.data(), top_hit.data()};
+  }
+  kernels::FindGroundHits ground_hits()
+  {
+    return {config.data(), context.data(), store(), datum.data()};
+  }
+  kernels::CountOffsets<Atomics> count_offsets()
+  {
+    return {ground_hits(), rays.data(), offsets.data()};
+  }
+  kernels::FollowPoses follow() { return {context.data(), offsets.data(), datum.data()}; }
   kernels::FindRise find_rise() { return {config.data(), context.data(), store()}; }
   kernels::SortPoint sort_point(const kernels::Sorting& sorting)
   {
@@ -99,6 +113,10 @@ struct MapBuffers
             p + 5 * n, p + 6 * n};
   }
   kernels::RayReach ray_reach() { return {context.data(), reach.data()}; }
+  kernels::StandOnCell<Atomics> stand_on()
+  {
+    return {config.data(), context.data(), store(), datum.data(), body.data()};
+  }
   kernels::ClassifyCell classify_cell()
   {
     return {config.data(), context.data(),      store(), coarse_grid(), top_hit.data(),
@@ -229,15 +247,18 @@ struct MapBuffers
   };
 
   kernels::Config host_config;
+  kernels::Body host_body;
   std::array<Slot, kSlots> slots;
   Slot* now = slots.data();  //!< of the frame that is dealt with
 
   Buffer<kernels::Config> config;
   Buffer<kernels::FrameContext> context;
+  Buffer<kernels::Body> body;
   // persistent, storage order
   Buffer<float> ground, ground_var, elevation, elevation_var;
-  Buffer<std::uint8_t> state, ray_evidence, extent;
+  Buffer<std::uint8_t> state, ray_evidence, extent, footing;
   Buffer<std::int8_t> persistence;
+  Buffer<kernels::Datum> datum;
   // of one frame: points
   Buffer<std::int32_t> point_cell, point_ray, point_reach, point_in_cell;
   Buffer<std::uint32_t> point_rank, cell_count, cell_begin, counters;
@@ -249,6 +270,7 @@ struct MapBuffers
   // rays, by direction and ring
   Buffer<std::int32_t> rays, reach;
   Buffer<float> lowest_slope;
+  Buffer<kernels::OffsetHistogram> offsets;
   // cells, window order where not said otherwise
   Buffer<float> top_hit;  //!< storage order
   Buffer<std::uint8_t> surface_class;  //!< storage order
@@ -282,13 +304,15 @@ void MapBuffers<Executor>::allocate(Executor& executor)
   const auto n = static_cast<std::size_t>(cells());
   for (auto* b : {&ground, &ground_var, &elevation, &elevation_var})
     executor.allocate(*b, n, kernels::kNan);
-  for (auto* b : {&state, &ray_evidence, &extent, &surface_class, &in_open})
+  for (auto* b : {&state, &ray_evidence, &extent, &footing, &surface_class, &in_open})
     executor.allocate(*b, n, std::uint8_t{0});
   executor.allocate(persistence, n, std::int8_t{0});
   for (auto* b : {&cell_count, &cell_begin}) executor.allocate(*b, n, std::uint32_t{0});
   executor.allocate(passing_heights, 2 * n, 0.0f);
   executor.allocate(top_hit, n, 0.0f);
   executor.allocate(planes, 1, kernels::Planes{});
+  executor.allocate(datum, 1, kernels::Datum{});
+  executor.allocate(offsets, 1, kernels::OffsetHistogram{});
   const auto pooled = static_cast<std::size_t>(kernels::coarse_side(host_config));
   const std::size_t pad = 2 * static_cast<std::size_t>(kernels::dilation_radius(host_config));
   executor.allocate(coarse, kCoarseArrays * pooled * (pooled + pad), kernels::kInfinity);
@@ -305,6 +329,8 @@ void MapBuffers<Executor>::allocate(Executor& executor)
   executor.allocate(reach, bins * kernels::kSlopeSteps, std::int32_t{0});
   executor.allocate(lowest_slope, table, -kernels::kInfinity);
   executor.upload(&host_config, 1, config.data());
+  executor.allocate(body, 1, kernels::Body{});
+  executor.upload(&host_body, 1, body.data());
 }
 
 template <class Executor>

@@ -31,7 +31,110 @@ ParameterInfo entry(
       [](const Parameters& p) { return static_cast<double>(p.*member); },
       [](Parameters& p, double v) { p.*member = static_cast<Value>(v); },
       !std::is_same_v<Value, double>,
-      std::move(choices)};
+      std::move(choices),
+      nullptr,
+      nullptr};
+}
+
+std::string lower(std::string s)
+{
+  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return std::tolower(c); });
+  return s;
+}
+
+std::string number(double v) { return number_text(v); }
+
+/** In as few digits as give the same number again. */
+std::string exact_number(double v)
+{
+  for (int digits = 10; digits < 17; digits++)
+    if (const std::string text = number_text(v, digits); number_from(text) == v) return text;
+  return number_text(v, 17);
+}
+
+constexpr const char* kNoBoxes = "none";
+
+std::string box_text(const BodyBox& b)
+{
+  std::string text;
+  for (const double v : {b.min_x_m, b.max_x_m, b.min_y_m, b.max_y_m, b.min_z_m, b.max_z_m})
+    text += (text.empty() ? "" : " ") + exact_number(v);
+  return text;
+}
+
+std::string boxes_text(const std::vector<BodyBox>& boxes)
+{
+  std::string text;
+  for (const BodyBox& b : boxes) text += (text.empty() ? "" : ", ") + box_text(b);
+  return text.empty() ? kNoBoxes : text;
+}
+
+/** The pieces of a text between characters that separate them. */
+std::vector<std::string> pieces_of(const std::string& text, const char* separators)
+{
+  std::vector<std::string> pieces;
+  for (std::size_t begin = 0; begin <= text.size();)
+  {
+    const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
+    pieces.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return pieces;
+}
+
+BodyBox box_from(const std::string& text)
+{
+  std::vector<double> numbers;
+  bool sound = true;
+  for (const std::string& piece : pieces_of(text, " \t"))
+  {
+    if (piece.empty()) continue;
+    const auto value = number_from(piece);
+    sound = sound && value;
+    numbers.push_back(value.value_or(0));
+  }
+  if (!sound || numbers.size() != 6)
+    throw std::invalid_argument(
+        "body_boxes_m: '" + text +
+        "' is no box: must be six numbers in metres, x_min x_max y_min y_max z_min z_max in the "
+        "frame of the robot's base, with a comma before the next box, or none at all: none");
+  return {numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5]};
+}
+
+void validate_box(const BodyBox& box)
+{
+  const double ends[3][2] = {
+      {box.min_x_m, box.max_x_m}, {box.min_y_m, box.max_y_m}, {box.min_z_m, box.max_z_m}};
+  for (std::size_t axis = 0; axis < 3; axis++)
+  {
+    const auto [low, high] = ends[axis];
+    if (!(low >= -kHuge && high <= kHuge))  // not NaN
+      throw std::invalid_argument(
+          "body_boxes_m: the box '" + box_text(box) + "' must lie within " + number(-kHuge) +
+          " and " + number(kHuge) + " m");
+    if (!(low < high))
+      throw std::invalid_argument(
+          "body_boxes_m: the box '" + box_text(box) + "' has no extent in " + "xyz"[axis] +
+          ": the smaller of the two numbers of each axis goes first");
+  }
+}
+
+void validate_boxes(const std::vector<BodyBox>& boxes)
+{
+  if (boxes.size() > kMostBodyBoxes)
+    throw std::invalid_argument(
+        "body_boxes_m: " + std::to_string(boxes.size()) + " boxes; " +
+        std::to_string(kMostBodyBoxes) + " are supported at most");
+  for (const BodyBox& box : boxes) validate_box(box);
+}
+
+std::vector<BodyBox> boxes_from(const std::string& text)
+{
+  std::vector<BodyBox> boxes;
+  if (lower(text) == kNoBoxes) return boxes;
+  for (const std::string& piece : pieces_of(text, ",")) boxes.push_back(box_from(piece));
+  validate_boxes(boxes);
+  return boxes;
 }
 
 std::vector<ParameterInfo> make_table()
@@ -39,27 +142,30 @@ std::vector<ParameterInfo> make_table()
   return {
       entry<&Parameters::resolution_m>("resolution_m", "m", 1e-3, 100, "side of a cell"),
       entry<&Parameters::window_m>(
-          "window_m", "m", 1e-2, kHuge, "side of the square window around the sensor"),
+          "window_m", "m", 1e-2, kHuge, "side of the square window around the robot's base"),
       entry<&Parameters::min_range_m>(
           "min_range_m", "m", 1e-3, kHuge, "points nearer than this are dropped"),
       entry<&Parameters::max_range_m>(
           "max_range_m", "m", 1e-2, kHuge, "points farther than this are dropped"),
       entry<&Parameters::min_height_m>(
-          "min_height_m", "m", -kHuge, kHuge, "lowest accepted z in the sensor frame"),
+          "min_height_m", "m", -kHuge, kHuge,
+          "lowest accepted height above the sensor, along the map's z"),
       entry<&Parameters::max_height_m>(
-          "max_height_m", "m", -kHuge, kHuge, "highest accepted z in the sensor frame"),
-      entry<&Parameters::body_min_x_m>(
-          "body_min_x_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: smallest x"),
-      entry<&Parameters::body_max_x_m>(
-          "body_max_x_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: largest x"),
-      entry<&Parameters::body_min_y_m>(
-          "body_min_y_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: smallest y"),
-      entry<&Parameters::body_max_y_m>(
-          "body_max_y_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: largest y"),
-      entry<&Parameters::body_min_z_m>(
-          "body_min_z_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: smallest z"),
-      entry<&Parameters::body_max_z_m>(
-          "body_max_z_m", "m", -kHuge, kHuge, "robot's own body, sensor frame: largest z"),
+          "max_height_m", "m", -kHuge, kHuge,
+          "highest accepted height above the sensor, along the map's z"),
+      {"body_boxes_m",
+       "m",
+       0,
+       0,
+       "robot's own body in the frame of its base, whose points are dropped: none, or up to 32 "
+       "boxes "
+       "'x_min x_max y_min y_max z_min z_max', a comma between two",
+       nullptr,
+       nullptr,
+       false,
+       {},
+       [](const Parameters& p) { return boxes_text(p.body_boxes_m); },
+       [](Parameters& p, const std::string& text) { p.body_boxes_m = boxes_from(text); }},
       entry<&Parameters::voxel_m>(
           "voxel_m", "m", 0, 100, "keep one point a voxel of this size in each frame; 0 keeps all"),
       entry<&Parameters::c_beam_m>(
@@ -127,13 +233,6 @@ std::vector<ParameterInfo> make_table()
           "how far to look for ground on the other side (eq. 14)"),
   };
 }
-std::string lower(std::string s)
-{
-  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return std::tolower(c); });
-  return s;
-}
-
-std::string number(double v) { return number_text(v); }
 
 std::string allowed(const ParameterInfo& info)
 {
@@ -173,23 +272,6 @@ std::size_t distance_to_name(const std::string& wanted, const std::string& name)
       distance =
           std::min(distance, edit_distance(wanted, name.substr(0, name.size() - unit.size())));
   return distance;
-}
-
-/** A box without volume drops nothing: as it is by default, or because something was forgotten. */
-void validate_body(const Parameters& p)
-{
-  const double sizes_m[3] = {
-      p.body_max_x_m - p.body_min_x_m, p.body_max_y_m - p.body_min_y_m,
-      p.body_max_z_m - p.body_min_z_m};
-  const bool is_box = std::all_of(sizes_m, sizes_m + 3, [](double s) { return s > 0; });
-  const bool is_none = std::all_of(sizes_m, sizes_m + 3, [](double s) { return s == 0; });
-  if (is_box || is_none) return;
-  const std::size_t flat =
-      std::find_if(sizes_m, sizes_m + 3, [](double s) { return s <= 0; }) - sizes_m;
-  const std::string axis(1, "xyz"[flat]);
-  throw std::invalid_argument(
-      "the robot's body has no extent in " + axis + ": set body_min_" + axis +
-      "_m below body_max_" + axis + "_m, or all six of body_min_ and body_max_ to 0");
 }
 
 void validate_voxels(const Parameters& p)
@@ -244,7 +326,7 @@ void validate_combinations(const Parameters& p)
         "feature_radius_m = " + number(p.feature_radius_m) + " m is " +
         number(std::round(p.feature_radius_m / p.resolution_m)) +
         " cells; at most 15 are supported: choose a smaller radius or a coarser resolution");
-  validate_body(p);
+  validate_boxes(p.body_boxes_m);
   validate_voxels(p);
   validate_object_size(p);
   const double weights = p.weight_slope + p.weight_step + p.weight_roughness;
@@ -258,7 +340,8 @@ int Parameters::cells() const { return static_cast<int>(std::lround(window_m / r
 
 void Parameters::validate() const
 {
-  for (const auto& info : parameter_table()) require_allowed(info, info.get(*this));
+  for (const auto& info : parameter_table())
+    if (!info.is_text()) require_allowed(info, info.get(*this));
   validate_combinations(*this);
 }
 
@@ -273,6 +356,23 @@ const ParameterInfo* find_parameter(const std::string& name)
   for (const auto& info : parameter_table())
     if (lower(name) == info.name) return &info;
   return nullptr;
+}
+
+std::string replacement_of_parameter(const std::string& name)
+{
+  const auto wanted = lower(name);
+  for (const char* end : {"min_", "max_"})
+    for (const char* axis : {"x", "y", "z"})
+      if (const auto old = std::string("body_") + end + axis; wanted == old || wanted == old + "_m")
+        return "body_boxes_m takes the robot's body, as boxes 'x_min x_max y_min y_max z_min "
+               "z_max' "
+               "in the frame of its base (not of the sensor)";
+  return "";
+}
+
+bool is_same_value(const ParameterInfo& info, const Parameters& a, const Parameters& b)
+{
+  return info.is_text() ? info.get_text(a) == info.get_text(b) : info.get(a) == info.get(b);
 }
 
 std::string nearest_parameter_name(const std::string& name)
@@ -294,11 +394,15 @@ void set_parameter(Parameters& p, const std::string& name, const std::string& te
   const ParameterInfo* info = find_parameter(name);
   if (!info)
   {
+    const std::string replacement = replacement_of_parameter(name);
+    if (!replacement.empty())
+      throw std::invalid_argument(name + " is no parameter any longer: " + replacement);
     const std::string nearest = nearest_parameter_name(name);
     throw std::invalid_argument(
         "unknown parameter '" + name + "'; " +
         (nearest.empty() ? "doc/parameters.md lists them all" : "did you mean '" + nearest + "'?"));
   }
+  if (info->is_text()) return info->set_text(p, text);
   for (std::size_t i = 0; i < info->choices.size(); i++)
     if (lower(text) == info->choices[i]) return info->set(p, static_cast<double>(i));
 
@@ -311,12 +415,14 @@ void set_parameter(Parameters& p, const std::string& name, const std::string& te
 
 void set_parameter(Parameters& p, const ParameterInfo& info, double value)
 {
+  if (info.is_text()) throw std::invalid_argument(std::string(info.name) + " is no number");
   require_allowed(info, value);
   info.set(p, value);
 }
 
 std::string parameter_text(const Parameters& p, const ParameterInfo& info)
 {
+  if (info.is_text()) return info.get_text(p);
   const double v = info.get(p);
   if (info.choices.empty()) return number(v);
   if (!is_allowed(info, v)) return number(v) + " (must be " + allowed(info) + ")";

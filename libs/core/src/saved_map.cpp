@@ -11,21 +11,41 @@ namespace talus
 {
 namespace
 {
-constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '4'};
-/** Of states that were saved before: without the last array of the cells. */
+constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '5'};
+/** Of states that were saved before: of one sensor, and without the time of its last frame. */
+constexpr char kMagicOfOneSensor[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '4'};
+/** Of those before: without the last array of the cells, too. */
 constexpr char kMagicWithoutExtent[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '2'};
 
-/** What stands before the layers. */
+/** What stands before the sensors and the layers. */
 struct Header
 {
   char magic[8];
   std::int32_t cells;
   std::int32_t started;
   std::int64_t min_cell_x, min_cell_y;
-  double last_z_axis[3];
+  double last_stamp_s, scan_start_s;
+  float offset_m, settled_m;
   double resolution_m;
   float reference_z_m;
-  std::uint32_t reserved;
+  std::uint8_t sensors, flags, drove_through, reserved;
+};
+
+/** What stands between the header and the layers for each sensor. */
+struct SensorRecord
+{
+  std::uint64_t number;
+  double z_axis[3];
+};
+
+/** Header::flags, see kernels::Datum. */
+constexpr std::uint8_t kStartsAnew = 1;
+
+enum class Version
+{
+  Current,
+  OneSensor,
+  WithoutExtent
 };
 
 constexpr std::size_t kCellFloats = 4, kFeatures = 5;
@@ -42,20 +62,81 @@ std::size_t cell_count(const Parameters& p)
   return n * n;
 }
 
-/** Behind the header, of a map that has seen a frame. Older states are without one array. */
-std::size_t cell_bytes(std::size_t cells, bool older) { return cells * (kBytesPerCell - older); }
+/** Of a map that has seen a frame. The oldest states are without one array. */
+std::size_t cell_bytes(std::size_t cells, Version version)
+{
+  constexpr std::size_t kNewest = 1;  // arrays that only the current version has
+  switch (version)
+  {
+    case Version::Current:
+      return cells * kBytesPerCell;
+    case Version::OneSensor:
+      return cells * (kBytesPerCell - kNewest);
+    default:
+      return cells * (kBytesPerCell - kNewest - 1);
+  }
+}
 std::size_t feature_bytes(std::size_t cells) { return kFeatures * cells * sizeof(float); }
 
 bool is_within(double v, double limit) { return std::abs(v) <= limit; }  // not NaN
 
-void check_header(const Header& h)
+/** Between the header and the end, of a map that has seen a frame. */
+std::size_t bytes_behind_header(std::size_t cells, Version version, std::size_t sensors)
 {
-  const bool sound =
-      std::all_of(h.last_z_axis, h.last_z_axis + 3, [](double v) { return is_within(v, 2); }) &&
-      is_within(static_cast<double>(h.min_cell_x), kFarthestCell) &&
-      is_within(static_cast<double>(h.min_cell_y), kFarthestCell) &&
-      is_within(h.reference_z_m, kHighest_m);
+  const std::size_t of_sensors = version == Version::Current ? sensors * sizeof(SensorRecord) : 0;
+  return of_sensors + cell_bytes(cells, version) + feature_bytes(cells);
+}
+
+Version version_of(const Header& h)
+{
+  const auto is = [&](const char(&magic)[8])
+  { return std::memcmp(h.magic, magic, sizeof h.magic) == 0; };
+  if (is(kMagic)) return Version::Current;
+  if (is(kMagicOfOneSensor)) return Version::OneSensor;
+  if (is(kMagicWithoutExtent)) return Version::WithoutExtent;
+  fail("not a state of talus");
+}
+
+void check_place(const Header& h)
+{
+  const bool sound = is_within(static_cast<double>(h.min_cell_x), kFarthestCell) &&
+                     is_within(static_cast<double>(h.min_cell_y), kFarthestCell) &&
+                     is_within(h.reference_z_m, kHighest_m);
   if (!sound) fail("damaged, its place is none");
+}
+
+/** Of states that tell them. */
+void read_time_and_datum(const Header& h, SavedMap& saved)
+{
+  if (!is_within(h.offset_m, kHighest_m) || !is_within(h.settled_m, kHighest_m))
+    fail("damaged, its datum is none");
+  saved.tracker.last_stamp_s = h.last_stamp_s;
+  saved.tracker.scan_start_s = h.scan_start_s;
+  saved.map.datum = {h.offset_m, h.settled_m, (h.flags & kStartsAnew) != 0, h.drove_through};
+}
+
+/** The sensors of a state, and where they end in it. */
+const std::uint8_t* read_sensors(
+    const Header& h, Version version, const std::uint8_t* from, WindowTracker& tracker)
+{
+  if (version != Version::Current)
+  {
+    // The axis of the only sensor stands where stamps are now.
+    tracker.sensors.push_back({0, {}});
+    std::memcpy(tracker.sensors[0].z_axis.data(), &h.last_stamp_s, sizeof(double[3]));
+  }
+  const std::size_t behind = version == Version::Current ? h.sensors : 0;
+  for (std::size_t i = 0; i < behind; i++, from += sizeof(SensorRecord))
+  {
+    SensorRecord r;
+    std::memcpy(&r, from, sizeof r);
+    const double(&z)[3] = r.z_axis;
+    tracker.sensors.push_back({static_cast<std::uint32_t>(r.number), {z[0], z[1], z[2]}});
+  }
+  for (const auto& sensor : tracker.sensors)
+    for (const double v : sensor.z_axis)
+      if (!is_within(v, 2)) fail("damaged, the axes of its sensors are none");
+  return from;
 }
 
 /** What the stages count on. */
@@ -99,25 +180,44 @@ std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p)
   header.started = saved.tracker.started;
   header.min_cell_x = saved.tracker.min_cell_x;
   header.min_cell_y = saved.tracker.min_cell_y;
-  std::copy_n(saved.tracker.last_z_axis.begin(), 3, header.last_z_axis);
+  header.last_stamp_s = saved.tracker.last_stamp_s;
+  header.scan_start_s = saved.tracker.scan_start_s;
+  header.offset_m = saved.map.datum.offset_m;
+  header.settled_m = saved.map.datum.settled_m;
+  header.drove_through = static_cast<std::uint8_t>(saved.map.datum.drove_through);
+  header.flags = saved.map.datum.starts_anew ? kStartsAnew : 0;
   header.resolution_m = p.resolution_m;
   header.reference_z_m = saved.reference_z_m;
-  const auto* head = reinterpret_cast<const std::uint8_t*>(&header);
-  const auto* features = reinterpret_cast<const std::uint8_t*>(saved.map.features.data());
+  header.sensors = static_cast<std::uint8_t>(saved.tracker.sensors.size());
+  std::vector<std::uint8_t> bytes;
   const std::size_t of_features = saved.map.features.size() * sizeof(float);
-  std::vector<std::uint8_t> bytes(sizeof header + saved.map.cells.size() + of_features);
-  auto to = std::copy_n(head, sizeof header, bytes.begin());
-  to = std::copy(saved.map.cells.begin(), saved.map.cells.end(), to);
-  std::copy_n(features, of_features, to);
+  bytes.reserve(
+      sizeof header + header.sensors * sizeof(SensorRecord) + saved.map.cells.size() + of_features);
+  const auto append = [&](const void* from, std::size_t size)
+  {
+    const auto* first = static_cast<const std::uint8_t*>(from);
+    bytes.insert(bytes.end(), first, first + size);
+  };
+  append(&header, sizeof header);
+  for (const auto& sensor : saved.tracker.sensors)
+  {
+    const auto& z = sensor.z_axis;
+    const SensorRecord record{sensor.number, {z[0], z[1], z[2]}};
+    append(&record, sizeof record);
+  }
+  append(saved.map.cells.data(), saved.map.cells.size());
+  append(saved.map.features.data(), of_features);
   return bytes;
 }
 
 bool is_size_of_state(std::uint64_t bytes, const Parameters& p)
 {
   const std::size_t cells = cell_count(p);
-  for (const bool older : {false, true})
-    if (bytes == sizeof(Header) + cell_bytes(cells, older) + feature_bytes(cells)) return true;
-  return false;
+  const auto is = [&](Version version, std::size_t sensors)
+  { return bytes == sizeof(Header) + bytes_behind_header(cells, version, sensors); };
+  for (std::size_t sensors = 1; sensors <= kMostSensors; sensors++)
+    if (is(Version::Current, sensors)) return true;
+  return is(Version::OneSensor, 1) || is(Version::WithoutExtent, 1);
 }
 
 SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters& p)
@@ -125,23 +225,29 @@ SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters
   Header header;
   if (bytes.size() < sizeof header) fail("cut short");
   std::memcpy(&header, bytes.data(), sizeof header);
-  const bool older = std::memcmp(header.magic, kMagicWithoutExtent, sizeof kMagic) == 0;
-  if (!older && std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) fail("not a state of talus");
+  const Version version = version_of(header);
   if (header.cells != p.cells() || header.resolution_m != p.resolution_m)
     fail("another window size or resolution");
-  const std::size_t cells = cell_count(p), of_cells = cell_bytes(cells, older);
-  if (bytes.size() != sizeof header + (header.started ? of_cells + feature_bytes(cells) : 0))
+  const std::size_t cells = cell_count(p), of_cells = cell_bytes(cells, version);
+  if (header.started && version == Version::Current &&
+      (header.sensors < 1 || header.sensors > kMostSensors))
+    fail("damaged, it has no sensor or too many");
+  if (bytes.size() !=
+      sizeof header + (header.started ? bytes_behind_header(cells, version, header.sensors) : 0))
     fail("wrong length");
 
   SavedMap saved;
   if (!header.started) return saved;
-  check_header(header);
-  const double(&z)[3] = header.last_z_axis;
-  saved.tracker = {true, header.min_cell_x, header.min_cell_y, {z[0], z[1], z[2]}};
+  check_place(header);
+  saved.tracker.started = true;
+  saved.tracker.min_cell_x = header.min_cell_x;
+  saved.tracker.min_cell_y = header.min_cell_y;
   saved.reference_z_m = header.reference_z_m;
-  const std::uint8_t* const from = bytes.data() + sizeof header;
+  if (version == Version::Current) read_time_and_datum(header, saved);
+  const std::uint8_t* const from =
+      read_sensors(header, version, bytes.data() + sizeof header, saved.tracker);
   saved.map.cells.assign(from, from + of_cells);
-  saved.map.cells.resize(cells * kBytesPerCell);  // no extents are known
+  saved.map.cells.resize(cells * kBytesPerCell);  // of what is newer nothing is known
   saved.map.features.resize(kFeatures * cells);
   std::memcpy(saved.map.features.data(), from + of_cells, feature_bytes(cells));
   check_cells(saved.map, cells);

@@ -16,6 +16,7 @@ const std::uint8_t* filter_voxels(MapBuffers<Executor>& map, Executor& executor)
   const kernels::EnterVoxel<Atomics> enter{
       map.config.data(),
       map.context.data(),
+      map.body.data(),
       map.now->in,
       {map.voxel_key.data(), map.voxel_winner.data(), mask},
       map.voxel_slot.data()};

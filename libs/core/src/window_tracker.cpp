@@ -15,6 +15,11 @@ namespace
 constexpr double kMaxCellIndex = 1e9;
 constexpr double kMaxHeight_m = 1e5;  //!< floats lie 8 mm apart there
 constexpr double kNotRigid = 0.01;
+constexpr double kFarthestSensor_m = 1000;  //!< from the base
+constexpr double kLeastSensorHeight_m = 0.1;  //!< lower, the base is not on the ground
+constexpr double kLeastUpright = 1e-6;  //!< the z axis of a base that is upright points up
+constexpr double kLongestPause_s = 10;
+constexpr std::array<double, 3> kNotSeen{0, 0, 0};  //!< no axis
 
 kernels::WindowPose window_pose(const Pose& T_map_sensor, double min_x_m, double min_y_m)
 {
@@ -63,26 +68,65 @@ void resample_path(const Frame& frame, double min_x_m, double min_y_m, kernels::
   }
 }
 
+/** Where the robot stands and how the ground below it lies, as far as the frame tells. */
+void locate_base(
+    const Frame& frame, const Pose& T_map_base, double min_x_m, double min_y_m,
+    kernels::FrameContext& f)
+{
+  const Pose T_base_sensor = frame.T_base_sensor.value_or(Pose{});
+  for (std::size_t i = 0; i < 12; i++) f.T_base_sensor[i] = static_cast<float>(T_base_sensor.m[i]);
+  const kernels::WindowPose base = window_pose(T_map_base, min_x_m, min_y_m);
+  f.has_base = frame.T_base_sensor && frame.T_base_sensor->z() >= kLeastSensorHeight_m;
+  f.base_x_m = base.m[3];
+  f.base_y_m = base.m[7];
+  f.base_z_m = base.m[11];
+  const auto& m = T_map_base.m;
+  const auto slope = [&](double normal)
+  { return static_cast<float>(std::clamp(-normal / std::max(m[10], kLeastUpright), -1.0, 1.0)); };
+  f.base_slope_x = slope(m[2]);
+  f.base_slope_y = slope(m[6]);
+}
+
 bool is_rotation(const Eigen::Matrix3d& R)
 {
   return (R * R.transpose()).isApprox(Eigen::Matrix3d::Identity(), kNotRigid) &&
          R.determinant() > 0;
 }
 
-void check_pose(const Pose& p, double resolution_m)
+void check_transform(const Pose& p, const char* what)
 {
   for (double v : p.m)
-    if (!std::isfinite(v)) throw std::invalid_argument("the pose of the sensor is not finite");
+    if (!std::isfinite(v)) throw std::invalid_argument(std::string(what) + " is not finite");
   if (!is_rotation(to_eigen(p).linear()))
     throw std::invalid_argument(
-        "the pose of the sensor is no rigid transform: the left 3x3 of its matrix must be a "
-        "rotation");
+        std::string(what) +
+        " is no rigid transform: the left 3x3 of its matrix must be a rotation");
+}
+
+void check_place(const Pose& p, const char* who, double resolution_m)
+{
   if (std::max(std::abs(p.x()), std::abs(p.y())) / resolution_m > kMaxCellIndex)
     throw std::invalid_argument(
-        "the sensor is more than 1e9 cells away from the origin of the map: use a local origin");
+        std::string(who) +
+        " is more than 1e9 cells away from the origin of the map: use a local origin");
   if (std::abs(p.z()) > kMaxHeight_m)
     throw std::invalid_argument(
-        "the sensor is more than 100 km above or below the origin of the map: use a local origin");
+        std::string(who) +
+        " is more than 100 km above or below the origin of the map: use a local origin");
+}
+
+void check_pose(const Pose& p, double resolution_m)
+{
+  check_transform(p, "the pose of the sensor");
+  check_place(p, "the sensor", resolution_m);
+}
+
+void check_place_on_robot(const Pose& T_base_sensor)
+{
+  check_transform(T_base_sensor, "the pose of the sensor on the robot, T_base_sensor,");
+  if (std::hypot(T_base_sensor.x(), T_base_sensor.y(), T_base_sensor.z()) > kFarthestSensor_m)
+    throw std::invalid_argument(
+        "the sensor is more than 1 km away from the robot's base: T_base_sensor is in metres");
 }
 
 /** NaN does not ascend either. */
@@ -111,16 +155,55 @@ double pose_change_factor(
 
 }  // namespace
 
+/** Spelled out, since Eigen rounds as the vector instructions of the processor do. */
+Pose pose_of_base(const Pose& T_map_sensor, const std::optional<Pose>& T_base_sensor)
+{
+  if (!T_base_sensor) return T_map_sensor;
+  const auto &a = T_map_sensor.m, &b = T_base_sensor->m;
+  Pose T_map_base;
+  for (std::size_t row = 0; row < 12; row += 4)
+  {
+    double* const to = &T_map_base.m[row];
+    for (std::size_t i = 0; i < 3; i++)
+      to[i] = a[row] * b[4 * i] + a[row + 1] * b[4 * i + 1] + a[row + 2] * b[4 * i + 2];
+    to[3] = a[row + 3] - (to[0] * b[3] + to[1] * b[7] + to[2] * b[11]);
+  }
+  return T_map_base;
+}
+
+std::array<double, 3>& WindowTracker::z_axis_of(std::uint32_t sensor)
+{
+  const auto found = std::find_if(
+      sensors.begin(), sensors.end(), [&](const Sensor& s) { return s.number == sensor; });
+  if (found != sensors.end()) return found->z_axis;
+  if (sensors.size() == kMostSensors)
+    throw std::invalid_argument(
+        "frames of more than " + std::to_string(kMostSensors) +
+        " sensors: Frame::sensor is a number for each sensor, and not for each frame");
+  return sensors.emplace_back(Sensor{sensor, kNotSeen}).z_axis;
+}
+
+float WindowTracker::pause_until(double stamp_s)
+{
+  const double pause_s = stamp_s - last_stamp_s;
+  last_stamp_s = stamp_s;
+  return pause_s > 0 ? static_cast<float>(std::min(pause_s, kLongestPause_s)) : 0.0f;  // not NaN
+}
+
 kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameters& p)
 {
   check_pose(frame.T_map_sensor, p.resolution_m);
   check_path(frame.path, p.resolution_m);
+  if (frame.T_base_sensor) check_place_on_robot(*frame.T_base_sensor);
+  const Pose T_map_base = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
+  check_place(T_map_base, "the robot's base", p.resolution_m);
   const int n = p.cells();
-  const auto first_cell = [&](double v)
-  { return static_cast<std::int64_t>(std::floor(v / p.resolution_m)) - n / 2; };
-  const std::int64_t x = first_cell(frame.T_map_sensor.x()), y = first_cell(frame.T_map_sensor.y());
+  const auto cell_of = [&](double v)
+  { return static_cast<std::int64_t>(std::floor(v / p.resolution_m)); };
+  const std::int64_t x = cell_of(T_map_base.x()) - n / 2, y = cell_of(T_map_base.y()) - n / 2;
   const auto& m = frame.T_map_sensor.m;
   const std::array<double, 3> z_axis{m[2], m[6], m[10]};
+  std::array<double, 3>& last_z_axis = z_axis_of(frame.sensor);
 
   kernels::FrameContext f{};
   const auto moved = [&](std::int64_t now, std::int64_t before)
@@ -132,8 +215,11 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   f.odd_x = static_cast<int>(x & 1);
   f.odd_y = static_cast<int>(y & 1);
   f.n_points = static_cast<int>(frame.size);
-  f.pose_change2 =
-      started ? static_cast<float>(pose_change_factor(last_z_axis, z_axis, p.lambda_t)) : 0.0f;
+  f.pose_change2 = last_z_axis == kNotSeen
+                       ? 0.0f
+                       : static_cast<float>(pose_change_factor(last_z_axis, z_axis, p.lambda_t));
+  tell_scans_apart(frame.stamp_s, f);
+  f.since_last_s = pause_until(frame.stamp_s);
 
   const double min_x_m = static_cast<double>(x) * p.resolution_m;
   const double min_y_m = static_cast<double>(y) * p.resolution_m;
@@ -141,7 +227,10 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   f.poses[0] = window_pose(frame.T_map_sensor, min_x_m, min_y_m);
   f.sensor_x_m = f.poses[0].m[3];
   f.sensor_y_m = f.poses[0].m[7];
-  f.sensor_z_m = f.poses[0].m[11];
+  f.sensor_z_map_m = f.sensor_z_m = f.poses[0].m[11];
+  f.sensor_cell_x = static_cast<int>(cell_of(frame.T_map_sensor.x()) - x);
+  f.sensor_cell_y = static_cast<int>(cell_of(frame.T_map_sensor.y()) - y);
+  locate_base(frame, T_map_base, min_x_m, min_y_m, f);
   const bool moves = frame.path.size() >= 2 && frame.path.back().time_s > frame.path.front().time_s;
   f.has_times = frame.time_s && moves;
   if (f.has_times) resample_path(frame, min_x_m, min_y_m, f);
@@ -151,6 +240,16 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   min_cell_y = y;
   last_z_axis = z_axis;
   return f;
+}
+
+/** Frames that come within three quarters of the time of a usual scan belong to one. Without stamps
+ * that ascend each frame is a scan. */
+void WindowTracker::tell_scans_apart(double stamp_s, kernels::FrameContext& f)
+{
+  constexpr double kScan_s = 0.075;
+  f.is_part = stamp_s > last_stamp_s && stamp_s - last_stamp_s < kScan_s;
+  f.starts_scan = !f.is_part || stamp_s - scan_start_s >= kScan_s;
+  if (f.starts_scan) scan_start_s = stamp_s;
 }
 
 }  // namespace talus

@@ -46,13 +46,12 @@ Json parameters(const Parameters& p)
   Json all;
   for (const auto& info : parameter_table())
   {
-    const double value = info.get(p);
-    if (!info.choices.empty())
+    if (info.is_text() || !info.choices.empty())
       all[info.name] = parameter_text(p, info);
     else if (info.is_integer)
-      all[info.name] = static_cast<std::int64_t>(value);
+      all[info.name] = static_cast<std::int64_t>(info.get(p));
     else
-      all[info.name] = value;
+      all[info.name] = info.get(p);
   }
   return all;
 }

@@ -26,7 +26,7 @@ bool same_parameters(const Parameters& a, const Parameters& b)
 {
   const auto& table = parameter_table();
   return std::all_of(
-      table.begin(), table.end(), [&](const auto& info) { return info.get(a) == info.get(b); });
+      table.begin(), table.end(), [&](const auto& info) { return is_same_value(info, a, b); });
 }
 }  // namespace
 
@@ -48,6 +48,7 @@ Frame frame_from(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_b
   Frame frame;
   frame.stamp_s = points.stamp_s;
   frame.T_map_sensor = pose_from(T_map_base + points.T_base_sensor);
+  frame.T_base_sensor = pose_from(points.T_base_sensor);
   frame.x_m = points.x_m.data();
   frame.y_m = points.y_m.data();
   frame.z_m = points.z_m.data();
@@ -84,7 +85,9 @@ void CDualElevationMap::insertPoints(
     const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base)
 {
   applyOptions();
-  m_lastReport = mapper().update(frame_from(points, T_map_base));
+  Frame frame = frame_from(points, T_map_base);
+  frame.sensor = m_sensors.number_of(points.sensor_label);
+  m_lastReport = mapper().update(frame);
   m_T_map_base = T_map_base;
 }
 

@@ -207,6 +207,7 @@ CDualElevationMap& CDualElevationMap::operator=(const CDualElevationMap& o)
   m_backend = o.m_backend;
   m_threads = o.m_threads;
   m_T_map_base = o.m_T_map_base;
+  m_sensors = o.m_sensors;
   m_lastReport = o.m_lastReport;
   forgetDerived();
   m_mapper.reset();
@@ -244,6 +245,7 @@ void CDualElevationMap::internal_clear()
   if (m_mapper) m_mapper->clear();
   forgetDerived();
   m_T_map_base = {};
+  m_sensors = {};
   m_lastReport = {};
 }
 

@@ -4,6 +4,7 @@
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <talus/mrpt/CDualElevationMap.h>
+#include <talus/mrpt/pose_from.h>
 #include <talus/point_filter.h>
 
 #include <algorithm>
@@ -61,7 +62,8 @@ double CDualElevationMap::internal_computeObservationLikelihood(
   const SurfaceView map(mapper());
   const auto T_map_sensor = takenFrom + points.T_base_sensor;
   const auto step = static_cast<std::size_t>(likelihoodOptions.decimation);
-  const PointFilter filter(insertionOptions);
+  const PointFilter filter(
+      insertionOptions, pose_from(T_map_sensor), pose_from(points.T_base_sensor));
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < points.x_m.size(); i++)

@@ -17,16 +17,44 @@ using detail::StreamReader;
 
 constexpr std::uint32_t kMostParameters = 1000;  // of any version
 constexpr std::size_t kLongestName = 100;
+constexpr std::size_t kLongestText = 10000;  // of a parameter
+constexpr std::size_t kLongestLabel = 10000;  // of a sensor
 constexpr const char* kParameters = "parameters";
 
 /** By name, so that a table with more parameters reads what one with fewer wrote. */
 void write_parameters(mrpt::serialization::CArchive& out, const Parameters& p)
 {
   out << static_cast<std::uint32_t>(parameter_table().size());
-  for (const auto& info : parameter_table()) out << std::string(info.name) << info.get(p);
+  for (const auto& info : parameter_table())
+  {
+    out << std::string(info.name) << info.is_text();
+    if (info.is_text())
+      out << info.get_text(p);
+    else
+      out << info.get(p);
+  }
 }
 
-Parameters read_parameters(StreamReader& in)
+/** One of any version; another one than today's is skipped, unless it would be missed. */
+void read_number(StreamReader& in, const std::string& name, Parameters& p)
+{
+  const auto value = in.number<double>(kParameters);
+  if (const ParameterInfo* info = find_parameter(name)) return set_parameter(p, *info, value);
+  const std::string replacement = replacement_of_parameter(name);
+  if (!replacement.empty() && value != 0)  // as it was by default
+    in.fail(name + " of an earlier version, which is no parameter any longer: " + replacement);
+}
+
+void read_text(StreamReader& in, const std::string& name, Parameters& p)
+{
+  const auto text = in.text(kLongestText, kParameters);
+  const ParameterInfo* info = find_parameter(name);
+  if (info && !info->is_text()) in.fail(name);
+  if (info) info->set_text(p, text);
+}
+
+/** In version 0 all parameters were numbers. */
+Parameters read_parameters(StreamReader& in, int version)
 {
   Parameters p;
   const auto count = in.number<std::uint32_t>(kParameters);
@@ -34,8 +62,10 @@ Parameters read_parameters(StreamReader& in)
   for (std::uint32_t i = 0; i < count; i++)
   {
     const auto name = in.text(kLongestName, kParameters);
-    const auto value = in.number<double>(kParameters);
-    if (const ParameterInfo* info = find_parameter(name)) set_parameter(p, *info, value);
+    if (version > 0 && in.flag(kParameters))
+      read_text(in, name, p);
+    else
+      read_number(in, name, p);
   }
   p.validate();
   return p;
@@ -90,12 +120,23 @@ CDualElevationMap::TRenderOptions read_render_options(StreamReader& in)
   return o;
 }
 
+SensorNumbers read_sensors(StreamReader& in)
+{
+  constexpr const char* what = "labels of the sensors";
+  const auto count = in.number<std::uint32_t>(what);
+  if (count > kMostSensors) in.fail(what);
+  std::vector<std::string> labels;
+  for (std::uint32_t i = 0; i < count; i++) labels.push_back(in.text(kLongestLabel, what));
+  return SensorNumbers(std::move(labels));
+}
+
 /** The map behind it; none for an empty one. The state is looked at before memory is taken for the
  * window that the parameters say. */
-std::unique_ptr<ElevationMapper> read_mapper(StreamReader& in, Backend& backend, int threads)
+std::unique_ptr<ElevationMapper> read_mapper(
+    StreamReader& in, int version, Backend& backend, int threads)
 {
   if (in.flag("whether it is empty")) return nullptr;
-  const Parameters p = read_parameters(in);
+  const Parameters p = read_parameters(in, version);
   const auto size = in.number<std::uint64_t>("size of the state");
   if (!ElevationMapper::is_size_of_state(size, p))
     in.fail("size of the state: not that of " + std::to_string(p.cells()) + " cells a side");
@@ -115,7 +156,7 @@ std::unique_ptr<ElevationMapper> read_mapper(StreamReader& in, Backend& backend,
 
 }  // namespace
 
-std::uint8_t CDualElevationMap::serializeGetVersion() const { return 0; }
+std::uint8_t CDualElevationMap::serializeGetVersion() const { return 1; }
 
 void CDualElevationMap::serializeTo(mrpt::serialization::CArchive& out) const
 {
@@ -131,6 +172,8 @@ void CDualElevationMap::serializeTo(mrpt::serialization::CArchive& out) const
       << renderOptions.colorByTraversability << static_cast<std::int32_t>(renderOptions.colormap)
       << static_cast<std::int32_t>(renderOptions.maxCells);
   out << m_T_map_base;
+  out << static_cast<std::uint32_t>(m_sensors.labels().size());
+  for (const std::string& label : m_sensors.labels()) out << label;
   out << isEmpty();
   if (isEmpty()) return;
   write_parameters(out, m_mapper->parameters());  // may lag behind insertionOptions
@@ -142,7 +185,8 @@ void CDualElevationMap::serializeFrom(mrpt::serialization::CArchive& in, std::ui
   switch (version)
   {
     case 0:
-      readVersion0(in);
+    case 1:
+      readVersion(version, in);
       break;
     default:
       MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
@@ -150,7 +194,7 @@ void CDualElevationMap::serializeFrom(mrpt::serialization::CArchive& in, std::ui
 }
 
 /** Nothing changes before everything has been read. */
-void CDualElevationMap::readVersion0(mrpt::serialization::CArchive& archive)
+void CDualElevationMap::readVersion(int version, mrpt::serialization::CArchive& archive)
 {
   StreamReader in(archive, "talus::CDualElevationMap");
   CDualElevationMap read;
@@ -159,11 +203,12 @@ void CDualElevationMap::readVersion0(mrpt::serialization::CArchive& archive)
     read.genericMapParams = read_generic(archive, in);
     read.m_backend = backend_from_text(in.text(kLongestName, "backend"));
     read.m_threads = in.number<std::int32_t>("threads");
-    static_cast<Parameters&>(read.insertionOptions) = read_parameters(in);
+    static_cast<Parameters&>(read.insertionOptions) = read_parameters(in, version);
     read.likelihoodOptions = read_likelihood_options(in);
     read.renderOptions = read_render_options(in);
     read.m_T_map_base = in.pose("pose of the robot");
-    read.m_mapper = read_mapper(in, read.m_backend, read.m_threads);
+    if (version > 0) read.m_sensors = read_sensors(in);
+    read.m_mapper = read_mapper(in, version, read.m_backend, read.m_threads);
   }
   catch (const std::invalid_argument& e)
   {
@@ -176,6 +221,7 @@ void CDualElevationMap::readVersion0(mrpt::serialization::CArchive& archive)
   likelihoodOptions = read.likelihoodOptions;
   renderOptions = read.renderOptions;
   m_T_map_base = read.m_T_map_base;
+  m_sensors = read.m_sensors;
   m_mapper = std::move(read.m_mapper);
   m_lastReport = {};
   forgetDerived();

@@ -79,6 +79,7 @@ bool read_as(const CObservation& obs, SensorPoints& out)
   clear(out);
   out.stamp_s = mrpt::Clock::toDouble(obs.timestamp);
   out.T_base_sensor = known->sensorPose;
+  out.sensor_label = known->sensorLabel;
   try
   {
     known->load();

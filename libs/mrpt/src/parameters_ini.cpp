@@ -105,6 +105,8 @@ void load_parameter_section(
     if (contains_name(kOtherKeys, key)) continue;
     if (!find_parameter(name))
     {
+      if (const auto replacement = replacement_of_parameter(name); !replacement.empty())
+        throw std::runtime_error(key + " is no parameter any longer: " + replacement + place);
       const std::string nearest = nearest_parameter_name(key);
       warnings.push_back(
           "unknown key '" + key + "' in section [" + section + "]; " +
@@ -185,7 +187,9 @@ std::string parameters_as_markdown()
   {
     out << "| `" << info.name << "` | " << parameter_text(defaults, info) << " | " << info.unit
         << " | ";
-    if (info.choices.empty())
+    if (info.is_text())
+      out << "text";
+    else if (info.choices.empty())
       out << number_text(info.min, 6) << " to " << number_text(info.max, 6);
     else
       for (std::size_t i = 0; i < info.choices.size(); i++)

@@ -77,7 +77,11 @@ struct Placed
   {
     return std::any_of(
         bodies.begin(), bodies.end(),
-        [&](const Shape& body) { return overlap(body, thing, at.z() + kOver_m); });
+        [&](const Shape& body)
+        {
+          return body.is_there(time_s) && thing.is_there(time_s) &&
+                 overlap(body, thing, at.z() + kOver_m);
+        });
   }
   Collision collision() const { return {time_s, at.x(), at.y()}; }
 
@@ -86,19 +90,20 @@ struct Placed
   std::vector<Shape> bodies;
 };
 
-/** The robot: a box over its wheels, as high as its sensor. */
+/** The robot: a box over its wheels, as high as its highest sensor. */
 Shape body_of_robot(const World& world)
 {
   const RobotSetup& r = world.robot;
-  return make_box(
-      {0, 0, 0}, {r.wheelbase_m, r.track_m, std::max(world.sensor.T_base_sensor.z(), kOver_m)}, 0);
+  double height_m = kOver_m;
+  for (const SensorSetup& s : world.sensors) height_m = std::max(height_m, s.T_base_sensor.z());
+  return make_box({0, 0, 0}, {r.wheelbase_m, r.track_m, height_m}, 0);
 }
 
 /** Times during the drive at which robot or mover has gone one step after the other. */
 std::vector<double> times_of_drive(
     const RobotPath& path, const RobotSetup& robot, const Mover& mover)
 {
-  const double way_s = path.length_m() / robot.speed_mps;
+  const double way_s = path.way_s();
   const double end_s = path.duration_s();
   std::vector<double> times{0};
   for (double t : times_along(mover.path))
@@ -116,7 +121,7 @@ std::optional<Collision> first_collision(const Mover& mover, const World& world)
 {
   for (const double time_s : times_along(mover.path))
   {
-    const Placed placed(mover, time_s, world.ground);
+    const Placed placed(mover, time_s, world.ground_at(time_s));
     for (const Shape& thing : world.objects.shapes())
       if (thing.mean_free_path_m == 0 && placed.meets(thing)) return placed.collision();
   }
@@ -125,11 +130,11 @@ std::optional<Collision> first_collision(const Mover& mover, const World& world)
 
 std::optional<Collision> first_meeting(const Mover& mover, const World& world)
 {
-  const RobotPath path(world.robot, world.ground);
+  const RobotPath path(world);
   const Shape body = body_of_robot(world);
   for (const double time_s : times_of_drive(path, world.robot, mover))
   {
-    const Placed placed(mover, time_s, world.ground);
+    const Placed placed(mover, time_s, world.ground_at(time_s));
     Shape robot = body;
     robot.T_map_shape = compose(path.T_map_base(time_s), body.T_map_shape);
     if (placed.meets(robot)) return placed.collision();

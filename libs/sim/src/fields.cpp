@@ -79,6 +79,14 @@ void require_few(
         "has " + std::to_string(list.size()) + " entries, the limit is " + std::to_string(most));
 }
 
+void require_list(
+    const YAML::Node& list, const std::string& file, const std::string& where,
+    const std::string& example)
+{
+  if (!list.IsSequence()) fail_at(list, file, where, "must be a list, e.g. `- " + example + "`");
+  require_few(list, file, where, 1000);
+}
+
 std::string nearest_word(const std::string& word, const std::vector<std::string>& known)
 {
   return *std::min_element(

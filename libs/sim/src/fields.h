@@ -69,6 +69,11 @@ std::string only_key(
     const YAML::Node& node, const std::string& file, const std::string& where,
     const std::vector<std::string>& known);
 
+/** Throws for what is no list, with an example of its entries, and for one of more than 1000. */
+void require_list(
+    const YAML::Node& list, const std::string& file, const std::string& where,
+    const std::string& example);
+
 /** Throws for a list that is longer: each entry costs time in every ray, and short names can repeat
  * long ones. */
 void require_few(

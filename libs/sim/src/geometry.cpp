@@ -29,4 +29,11 @@ Pose compose(const Pose& T_a_b, const Pose& T_b_c)
       axis(0), axis(1), axis(2), transform(T_a_b, {T_b_c.x(), T_b_c.y(), T_b_c.z()}));
 }
 
+Pose inverse(const Pose& T_a_b)
+{
+  const auto& m = T_a_b.m;
+  const Vec3 t = rotate_back(T_a_b, {T_a_b.x(), T_a_b.y(), T_a_b.z()});
+  return pose_from_axes({m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, t * -1.0);
+}
+
 }  // namespace talus::sim

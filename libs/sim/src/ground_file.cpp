@@ -1,6 +1,9 @@
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
+#include <utility>
 
 #include "world_parts.h"
 
@@ -126,21 +129,33 @@ const std::map<std::string, Kind>& kinds()
 
 }  // namespace
 
-Ground parse_ground(const YAML::Node& list, const std::string& file)
+void parse_ground(const YAML::Node& list, const std::string& file, World& world)
 {
   if (!list.IsSequence() || list.size() == 0)
     fail_at(list, file, "ground", "must be a list of parts, e.g. `- plane: {z_m: 0}`");
   require_few(list, file, "ground", 1000);
   std::vector<std::string> names;
   for (const auto& k : kinds()) names.push_back(k.first);
-  Ground ground;
+  std::vector<std::pair<GroundPartPtr, Presence>> parts;
+  std::set<double> changes_s;
   for (const auto& entry : list)
   {
     const std::string name = only_key(entry, file, "ground", names);
     const Kind& kind = kinds().at(name);
-    ground.add(kind.make(Fields(entry[name], file, "ground." + name, kind.keys)));
+    const Fields f(entry[name], file, "ground." + name, with_presence(kind.keys));
+    parts.emplace_back(kind.make(f), Presence(f));
+    for (const double t : {parts.back().second.from_s, parts.back().second.until_s})
+      if (t > 0 && std::isfinite(t)) changes_s.insert(t);
   }
-  return ground;
+  const auto ground_at = [&](double time_s)
+  {
+    Ground ground;
+    for (const auto& [part, presence] : parts)
+      if (presence.holds(time_s)) ground.add(part);
+    return ground;
+  };
+  world.ground = ground_at(0);
+  for (const double t : changes_s) world.ground_changes.push_back({t, ground_at(t)});
 }
 
 }  // namespace talus::sim

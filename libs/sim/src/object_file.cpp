@@ -105,6 +105,38 @@ class Builder
     reflect(f, 1);
   }
 
+  void grass(const Fields& f)
+  {
+    const auto at = f.numbers("at_m", 2, kAny), size = f.numbers("size_m", 2, kPositive);
+    const double height = f.number("height_m", kPositive);
+    const double depth = 1 / f.number_or("density_per_m", 2, kPositive);
+    // In pieces, so that it follows the ground.
+    const double columns = std::ceil(size[0]), rows = std::ceil(size[1]);
+    limit_parts(f, "size_m", columns * rows);
+    const double length = size[0] / columns, width = size[1] / rows, turn = yaw(f);
+    for (double i = 0.5; i < columns; ++i)
+      for (double j = 0.5; j < rows; ++j)
+      {
+        const double dx = i * length - 0.5 * size[0], dy = j * width - 0.5 * size[1];
+        const double x = at[0] + dx * std::cos(turn) - dy * std::sin(turn);
+        const double y = at[1] + dx * std::sin(turn) + dy * std::cos(turn);
+        place_.box(x, y, {length, width, height}, turn, 0);
+        shapes.back().mean_free_path_m = depth;
+        shapes.back().grass = true;
+      }
+    reflect(f, static_cast<std::ptrdiff_t>(columns * rows));
+  }
+
+  void deck(const Fields& f)
+  {
+    const auto at = f.numbers("at_m", 2, kAny), size = f.numbers("size_m", 2, kPositive);
+    const double top = f.number("z_m", kAny),
+                 thickness = f.number_or("thickness_m", 0.2, kPositive);
+    shapes.push_back(
+        make_box({at[0], at[1], top - thickness}, {size[0], size[1], thickness}, yaw(f)));
+    reflect(f, 1);
+  }
+
   void tree(const Fields& f)
   {
     const auto at = f.numbers("at_m", 2, kAny);
@@ -251,6 +283,11 @@ const std::map<std::string, Kind>& kinds()
       {"foliage",
        {{"at_m", "size_m", "yaw_deg", "lift_m", "form", "mean_free_path_m", "reflectivity"},
         &Builder::foliage}},
+      {"grass",
+       {{"at_m", "size_m", "yaw_deg", "height_m", "density_per_m", "reflectivity"},
+        &Builder::grass}},
+      {"deck",
+       {{"at_m", "size_m", "yaw_deg", "z_m", "thickness_m", "reflectivity"}, &Builder::deck}},
       {"tree",
        {{"at_m", "height_m", "radius_m", "crown_m", "yaw_deg", "form", "mean_free_path_m",
          "reflectivity"},
@@ -269,27 +306,37 @@ const std::map<std::string, Kind>& kinds()
 
 }  // namespace
 
-std::vector<Shape> parse_objects(
-    const YAML::Node& list, const std::string& file, const Ground& ground, const RobotPath& path)
+void parse_objects(const YAML::Node& list, const std::string& file, World& world)
 {
   constexpr std::size_t kMostParts = 200000;  // hours of work, and 100 MB
   if (!list.IsSequence())
     fail_at(list, file, "objects", "must be a list of objects, e.g. `- box: {...}`");
   std::vector<std::string> names;
   for (const auto& k : kinds()) names.push_back(k.first);
-  Builder builder(ground, path);
+  const RobotPath path(world);
+  std::vector<Shape> shapes;
   for (const auto& entry : list)
   {
     const std::string name = only_key(entry, file, "objects", names);
     const Kind& kind = kinds().at(name);
-    (builder.*kind.make)(Fields(entry[name], file, "objects." + name, kind.keys));
-    if (builder.shapes.size() > kMostParts)
+    const Fields f(entry[name], file, "objects." + name, with_presence(kind.keys));
+    const Presence presence(f);
+    Builder builder(world.ground_at(presence.from_s), path);
+    (builder.*kind.make)(f);
+    for (Shape& s : builder.shapes)
+    {
+      s.from_s = presence.from_s;
+      s.until_s = presence.until_s;
+      shapes.push_back(s);
+      if (name == "deck") world.decks.push_back(s);
+    }
+    if (shapes.size() > kMostParts)
       fail_at(
           entry, file, "objects",
           "the parts of all objects up to this one are more than " + std::to_string(kMostParts) +
               ": leave some out");
   }
-  return std::move(builder.shapes);
+  world.objects = ShapeTree(std::move(shapes));
 }
 
 }  // namespace talus::sim

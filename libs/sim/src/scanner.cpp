@@ -51,9 +51,24 @@ std::string lower(std::string text)
   return text;
 }
 
+/** What a ray from the sensor meets first: the robot's own body hides what is behind it. */
+std::optional<Scene::Hit> first_of(
+    const Scene& scene, const std::vector<Shape>& body, const Ray& ray, const Vec3& in_sensor,
+    double max_m, std::uint64_t chance)
+{
+  auto best = scene.cast(ray, max_m, chance);
+  for (const Shape& s : body)
+  {
+    const auto range_m = first_hit(s, {{0, 0, 0}, in_sensor}, chance);
+    if (range_m && *range_m < (best ? best->range_m : max_m))
+      best = Scene::Hit{*range_m, s.reflectivity, &s};
+  }
+  return best;
+}
+
 void take_column(
-    const Scene& scene, const Scanner& scanner, const Sweep& sweep, int column, const Pose& T,
-    Scan& out)
+    const Scene& scene, const Scanner& scanner, const Sweep& sweep, int column,
+    double since_start_s, const Pose& T, Scan& out)
 {
   const int rings = static_cast<int>(scanner.elevations_rad.size());
   for (int ring = 0; ring < rings; ++ring)
@@ -65,7 +80,8 @@ void take_column(
     if (lost) continue;
     const Vec3 d = scanner.direction(ring, column);
     const Ray ray{{T.x(), T.y(), T.z()}, rotate(T, d)};
-    const auto hit = scene.cast(ray, scanner.max_range_m, mix(sweep.seed ^ 0x1EAF, index));
+    const auto hit =
+        first_of(scene, sweep.body, ray, d, scanner.max_range_m, mix(sweep.seed ^ 0x1EAF, index));
     if (!hit) continue;
     const double sigma = scanner.noise_m +
                          (scanner.noise_per_m + scanner.noise_per_m2 * hit->range_m) * hit->range_m;
@@ -77,8 +93,7 @@ void take_column(
     out.z_m.push_back(static_cast<float>(p.z));
     out.intensity.push_back(static_cast<float>(hit->reflectivity));
     out.ring.push_back(static_cast<std::uint16_t>(ring));
-    if (sweep.motion_distortion)
-      out.time_s.push_back(static_cast<float>(scanner.column_time_s(column)));
+    if (sweep.motion_distortion) out.time_s.push_back(static_cast<float>(since_start_s));
   }
 }
 
@@ -130,15 +145,18 @@ Scan take_scan(const World& world, const Scanner& scanner, const Sweep& sweep)
   const Scene start(world, sweep.time_s);
   const Pose T_start = sweep.T_map_sensor(sweep.time_s);
   Scan out;
-  for (int column = 0; column < scanner.columns; ++column)
+  const double first_s = scanner.column_time_s(sweep.first_column);
+  for (int column = sweep.first_column; column < std::min(sweep.end_column, scanner.columns);
+       ++column)
   {
+    const double since_start_s = scanner.column_time_s(column) - first_s;
     if (!sweep.motion_distortion)
     {
-      take_column(start, scanner, sweep, column, T_start, out);
+      take_column(start, scanner, sweep, column, since_start_s, T_start, out);
       continue;
     }
-    const double t = sweep.time_s + scanner.column_time_s(column);
-    take_column(Scene(world, t), scanner, sweep, column, sweep.T_map_sensor(t), out);
+    const double t = sweep.time_s + since_start_s;
+    take_column(Scene(world, t), scanner, sweep, column, since_start_s, sweep.T_map_sensor(t), out);
   }
   return out;
 }

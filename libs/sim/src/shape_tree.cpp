@@ -86,13 +86,14 @@ void ShapeTree::visit(const Ray& ray, const double& max_m, F f) const
 }
 
 std::optional<ShapeTree::Hit> ShapeTree::cast(
-    const Ray& ray, double max_m, std::uint64_t chance) const
+    const Ray& ray, double max_m, std::uint64_t chance, double time_s) const
 {
   Hit best{max_m, nullptr};
   visit(
       ray, best.range_m,
       [&](int i)
       {
+        if (!shapes_[i].is_there(time_s)) return;
         const auto range = first_hit(shapes_[i], ray, mix(chance, static_cast<std::uint64_t>(i)));
         if (range && *range < best.range_m) best = {*range, &shapes_[i]};
       });
@@ -100,13 +101,17 @@ std::optional<ShapeTree::Hit> ShapeTree::cast(
   return best;
 }
 
-void ShapeTree::column(double x_m, double y_m, std::vector<Span>& heights_m) const
+void ShapeTree::column(double x_m, double y_m, double time_s, std::vector<Span>& heights_m) const
 {
   constexpr double kDeep_m = 1e5;  // below every world
   const double reach = 2 * kDeep_m;
   visit(
       {{x_m, y_m, -kDeep_m}, {0, 0, 1}}, reach,
-      [&](int i) { sim::column(shapes_[i], x_m, y_m, heights_m); });
+      [&](int i)
+      {
+        if (shapes_[i].is_there(time_s) && !shapes_[i].grass)
+          sim::column(shapes_[i], x_m, y_m, heights_m);
+      });
 }
 
 }  // namespace talus::sim

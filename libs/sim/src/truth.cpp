@@ -39,9 +39,8 @@ void check_size(double cells_x, double cells_y, double resolution_m)
 class CellJudge
 {
  public:
-  CellJudge(const World& world, const Scene& scene, const TruthOptions& options)
-      : world_(world),
-        scene_(scene),
+  CellJudge(const Scene& scene, const TruthOptions& options)
+      : scene_(scene),
         options_(options),
         max_gradient_(std::tan(options.max_slope_rad)),
         n_(options.samples + 2)
@@ -52,8 +51,8 @@ class CellJudge
   void judge(double x_m, double y_m, double resolution_m, std::size_t index, Truth& out)
   {
     const double cx = x_m + 0.5 * resolution_m, cy = y_m + 0.5 * resolution_m;
-    if (!world_.ground.defined(cx, cy)) return;
-    out.ground[index] = static_cast<float>(world_.ground.height_m(cx, cy));
+    if (!scene_.ground().defined(cx, cy)) return;
+    out.ground[index] = static_cast<float>(floor_m(cx, cy));
     sample_ground(x_m, y_m, resolution_m);
     int standing = 0;
     solid_places_ = 0;
@@ -70,6 +69,12 @@ class CellJudge
   }
 
  private:
+  double floor_m(double x_m, double y_m) const
+  {
+    if (!options_.level_m) return scene_.ground().height_m(x_m, y_m);
+    return scene_.floor_m(x_m, y_m, *options_.level_m + options_.max_step_m);
+  }
+
   /** Samples 1 .. n-2 lie evenly inside the cell, 0 and n-1 just beyond its borders. */
   double offset(int i, double resolution_m) const
   {
@@ -87,7 +92,7 @@ class CellJudge
     for (int j = 0; j < n_; ++j)
       for (int i = 0; i < n_; ++i)
         heights_[static_cast<std::size_t>(j) * n_ + i] =
-            world_.ground.height_m(x_m + offset(i, resolution_m), y_m + offset(j, resolution_m));
+            floor_m(x_m + offset(i, resolution_m), y_m + offset(j, resolution_m));
   }
 
   /** What the ground does from one sample of the cell to the next. */
@@ -105,8 +110,8 @@ class CellJudge
     const auto height_m = [&](double along_m)
     {
       const double across_m = offset(j, resolution_m);
-      return axis == 0 ? world_.ground.height_m(corner_x_m_ + along_m, corner_y_m_ + across_m)
-                       : world_.ground.height_m(corner_x_m_ + across_m, corner_y_m_ + along_m);
+      return axis == 0 ? floor_m(corner_x_m_ + along_m, corner_y_m_ + across_m)
+                       : floor_m(corner_x_m_ + across_m, corner_y_m_ + along_m);
     };
     double from_m = offset(i, resolution_m), to_m = offset(i + 1, resolution_m);
     double low_m = sample_m(i), high_m = sample_m(i + 1);
@@ -159,8 +164,8 @@ class CellJudge
     const double cx = corner_x_m_ + 0.5 * resolution_m, cy = corner_y_m_ + 0.5 * resolution_m;
     double profile_m[2 * kAlong + 1];
     for (int k = 0; k <= 2 * kAlong; ++k)
-      profile_m[k] = world_.ground.height_m(
-          cx + (k - kAlong) * spacing_m * along_x, cy + (k - kAlong) * spacing_m * along_y);
+      profile_m[k] =
+          floor_m(cx + (k - kAlong) * spacing_m * along_x, cy + (k - kAlong) * spacing_m * along_y);
     for (int from = 0; from <= kAlong; ++from)
       for (int to = kAlong; to <= 2 * kAlong; ++to)
       {
@@ -211,7 +216,6 @@ class CellJudge
     return level - ground_m > options_.min_obstacle_m;
   }
 
-  const World& world_;
   const Scene& scene_;
   const TruthOptions& options_;
   double max_gradient_;  //!< of the ground
@@ -256,7 +260,7 @@ Truth truth(const World& world, const TruthWindow& w, double time_s, const Truth
        {&out.ground, &out.obstacle_top, &out.underside, &out.label, &out.covered, &out.solid})
     layer->assign(cells, kUnknown);
   const Scene scene(world, time_s, options.movers);
-  CellJudge judge(world, scene, options);
+  CellJudge judge(scene, options);
   for (int iy = 0; iy < w.cells_y; ++iy)
     for (int ix = 0; ix < w.cells_x; ++ix)
       judge.judge(

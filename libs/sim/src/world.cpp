@@ -38,11 +38,35 @@ std::vector<Shape> Mover::placed(const Pose& T_map_mover) const
   return in_map;
 }
 
-Scene::Scene(const World& world, double time_s, bool with_movers) : world_(world)
+const Ground& World::ground_at(double time_s) const
+{
+  const auto next = std::upper_bound(
+      ground_changes.begin(), ground_changes.end(), time_s,
+      [](double t, const GroundChange& c) { return t < c.time_s; });
+  return next == ground_changes.begin() ? ground : (next - 1)->ground;
+}
+
+double World::floor_m(double x_m, double y_m, double time_s, double highest_m) const
+{
+  double floor = ground_at(time_s).height_m(x_m, y_m);
+  std::vector<Span> spans;
+  for (const Shape& deck : decks)
+  {
+    if (!deck.is_there(time_s)) continue;
+    spans.clear();
+    column(deck, x_m, y_m, spans);
+    if (!spans.empty() && spans[0].exit_m <= highest_m) floor = std::max(floor, spans[0].exit_m);
+  }
+  return floor;
+}
+
+Scene::Scene(const World& world, double time_s, bool with_movers)
+    : world_(world), time_s_(time_s), ground_(world.ground_at(time_s))
 {
   if (!with_movers) return;
   for (const Mover& m : world.movers)
-    for (const Shape& s : m.placed(m.on_ground(time_s, world.ground))) movers_.push_back(s);
+    for (const Shape& s : m.placed(m.on_ground(time_s, ground_)))
+      if (s.is_there(time_s)) movers_.push_back(s);
 }
 
 std::optional<Scene::Hit> Scene::cast(const Ray& ray, double max_m, std::uint64_t chance) const
@@ -56,12 +80,12 @@ std::optional<Scene::Hit> Scene::cast(const Ray& ray, double max_m, std::uint64_
     best = {*range, s.reflectivity, &s};
     any = true;
   }
-  if (const auto hit = world_.objects.cast(ray, best.range_m, chance))
+  if (const auto hit = world_.objects.cast(ray, best.range_m, chance, time_s_))
   {
     best = {hit->range_m, hit->shape->reflectivity, hit->shape};
     any = true;
   }
-  if (const auto range = world_.ground.cast(ray, best.range_m))
+  if (const auto range = ground_.cast(ray, best.range_m))
   {
     best = {*range, kGroundReflectivity, nullptr};
     any = true;
@@ -73,7 +97,7 @@ std::optional<Scene::Hit> Scene::cast(const Ray& ray, double max_m, std::uint64_
 void Scene::column(double x_m, double y_m, std::vector<Span>& heights_m) const
 {
   heights_m.clear();
-  world_.objects.column(x_m, y_m, heights_m);
+  world_.objects.column(x_m, y_m, time_s_, heights_m);
   for (const Shape& s : movers_) sim::column(s, x_m, y_m, heights_m);
   std::sort(
       heights_m.begin(), heights_m.end(),

@@ -1,5 +1,4 @@
 #include <talus/input_file.h>
-#include <talus/sim/scanner.h>
 #include <yaml-cpp/depthguard.h>
 
 #include <algorithm>
@@ -16,58 +15,6 @@ namespace talus::sim
 {
 namespace
 {
-RobotSetup parse_robot(const Fields& f)
-{
-  constexpr double kLongest_m = 1e5;  // the curve is kept in pieces of 2 cm
-  RobotSetup r;
-  double way_m = 0;
-  for (const auto& p : f.rows("path_m", 2))
-  {
-    const Vec3 next{p[0], p[1], 0};
-    if (!r.waypoints.empty())
-    {
-      const double leg_m = norm(next - r.waypoints.back());
-      if (leg_m < 1e-3) f.fail("path_m", "holds the same place twice in a row");
-      way_m += leg_m;
-    }
-    r.waypoints.push_back(next);
-  }
-  if (way_m > kLongest_m) f.fail("path_m", "is longer than 100 km: shorten it");
-  r.yaw_rad = radians(f.number_or("yaw_deg", 0, kAny));
-  r.speed_mps = f.number_or("speed_mps", 1, kPositive);
-  r.duration_s = f.number_or("duration_s", 0, kPositive);
-  r.wheelbase_m = f.number_or("wheelbase_m", r.wheelbase_m, kPositive);
-  r.track_m = f.number_or("track_m", r.track_m, kPositive);
-  return r;
-}
-
-SensorSetup parse_sensor(const Fields& f)
-{
-  SensorSetup s;
-  s.scanner = f.text_or("scanner", s.scanner);
-  std::vector<std::string> names;
-  for (const Scanner& known : scanners()) names.push_back(known.name);
-  if (!find_scanner(s.scanner))
-  {
-    std::string list;
-    for (const auto& n : names) list += (list.empty() ? "" : ", ") + n;
-    f.fail(
-        "scanner", "'" + s.scanner + "' is not known, did you mean '" +
-                       nearest_word(s.scanner, names) + "'? Known: " + list);
-  }
-  const auto at = f.numbers_or("at_m", {0, 0, 0.68}, kAny);
-  const auto rpy = f.numbers_or("roll_pitch_yaw_deg", {0, 0, 0}, kAny);
-  s.T_base_sensor =
-      pose_from_rpy({at[0], at[1], at[2]}, radians(rpy[0]), radians(rpy[1]), radians(rpy[2]));
-  if (f.has("noise_m")) s.noise_m = f.number("noise_m", kNotNegative);
-  if (f.has("noise_per_m")) s.noise_per_m = f.number("noise_per_m", kNotNegative);
-  if (f.has("dropout")) s.dropout = f.number("dropout", kShare);
-  if (f.has("rate_hz")) s.rate_hz = f.number("rate_hz", kPositive);
-  if (f.has("max_range_m")) s.max_range_m = f.number("max_range_m", kPositive);
-  s.motion_distortion = f.flag_or("motion_distortion", false);
-  return s;
-}
-
 void check_way(const Fields& f, const Mover& mover, const World& world)
 {
   const auto fail = [&](const char* into, const Collision& c, const char* remedy)
@@ -107,12 +54,28 @@ Mover parse_mover(const Fields& f, bool person)
     m.shapes = {make_box({0, 0, bottom}, {size[0], size[1], size[2] + lift - bottom}, 0)};
   }
   m.shapes[0].reflectivity = f.number_or("reflectivity", 0.8, kShare);
+  const Presence presence(f);
+  m.shapes[0].from_s = presence.from_s;
+  m.shapes[0].until_s = presence.until_s;
   return m;
 }
 
 std::string stem(const std::string& file) { return std::filesystem::path(file).stem().string(); }
 
 }  // namespace
+
+Presence::Presence(const Fields& f)
+{
+  from_s = f.number_or("from_s", from_s, kAny);
+  until_s = f.number_or("until_s", until_s, kAny);
+  if (until_s <= from_s) f.fail("until_s", "must be later than from_s");
+}
+
+std::vector<std::string> with_presence(std::vector<std::string> keys)
+{
+  keys.insert(keys.end(), {"from_s", "until_s"});
+  return keys;
+}
 
 std::vector<Mover> parse_movers(const YAML::Node& list, const std::string& file, const World& world)
 {
@@ -124,9 +87,9 @@ std::vector<Mover> parse_movers(const YAML::Node& list, const std::string& file,
   {
     const std::string name = only_key(entry, file, "movers", {"person", "box"});
     const bool person = name == "person";
-    const std::vector<std::string> keys =
+    const std::vector<std::string> keys = with_presence(
         person ? std::vector<std::string>{"path", "height_m", "radius_m", "lift_m", "reflectivity"}
-               : std::vector<std::string>{"path", "size_m", "lift_m", "reflectivity"};
+               : std::vector<std::string>{"path", "size_m", "lift_m", "reflectivity"});
     const Fields fields(entry[name], file, "movers." + name, keys);
     movers.push_back(parse_mover(fields, person));
     check_way(fields, movers.back(), world);
@@ -145,25 +108,20 @@ World world_from(const YAML::Node& root, const std::string& file)
 {
   const Fields f(
       root, file, "world",
-      {"name", "description", "seed", "ground", "objects", "movers", "robot", "sensor"});
+      {"name", "description", "seed", "ground", "objects", "movers", "robot", "sensor", "sensors",
+       "poses"});
   World w;
   w.name = f.text_or("name", stem(file));
   w.description = f.text_or("description", "");
   w.seed = static_cast<std::uint64_t>(f.whole_or("seed", 1, 0, 2000000000));
-  w.ground = parse_ground(f.node("ground"), file);
-  w.robot = parse_robot(Fields(
-      f.node("robot"), file, "robot",
-      {"path_m", "yaw_deg", "speed_mps", "duration_s", "wheelbase_m", "track_m"}));
-  if (f.has("sensor"))
-    w.sensor = parse_sensor(Fields(
-        f.node("sensor"), file, "sensor",
-        {"scanner", "at_m", "roll_pitch_yaw_deg", "noise_m", "noise_per_m", "dropout", "rate_hz",
-         "max_range_m", "motion_distortion"}));
-  else
-    w.sensor.T_base_sensor = pose_from_rpy({0, 0, 0.68}, 0);
-  if (f.has("objects"))
-    w.objects =
-        ShapeTree(parse_objects(f.node("objects"), file, w.ground, RobotPath(w.robot, w.ground)));
+  parse_ground(f.node("ground"), file, w);
+  w.robot = parse_robot(f.node("robot"), file);
+  if (f.has("sensor") && f.has("sensors"))
+    f.fail("sensors", "and key 'sensor' exclude each other: list all of them in 'sensors'");
+  if (f.has("sensor")) w.sensors = {parse_sensor(f.node("sensor"), file)};
+  if (f.has("sensors")) w.sensors = parse_sensors(f.node("sensors"), file);
+  if (f.has("poses")) w.poses = parse_poses(f.node("poses"), file);
+  if (f.has("objects")) parse_objects(f.node("objects"), file, w);
   if (f.has("movers")) w.movers = parse_movers(f.node("movers"), file, w);
   return w;
 }

@@ -5,12 +5,29 @@
 
 namespace talus::sim
 {
+/** When a thing is there: the keys from_s and until_s of each part of the ground, object and mover.
+ */
+struct Presence
+{
+  explicit Presence(const Fields& f);
+  bool holds(double time_s) const { return from_s <= time_s && time_s < until_s; }
+
+  double from_s = -std::numeric_limits<double>::infinity();
+  double until_s = std::numeric_limits<double>::infinity();
+};
+/** The keys of a thing with those of its presence. */
+std::vector<std::string> with_presence(std::vector<std::string> keys);
+
 /** The sections of a world file. Each throws as load_world() does. */
-Ground parse_ground(const YAML::Node& list, const std::string& file);
-/** `path`: of the robot; scattered things keep clear of it. */
-std::vector<Shape> parse_objects(
-    const YAML::Node& list, const std::string& file, const Ground& ground, const RobotPath& path);
-/** Its ground, objects, robot and sensor are there already. */
+void parse_ground(const YAML::Node& list, const std::string& file, World& world);
+/** Objects and decks. Ground and robot are there already: scattered things keep clear of its way.
+ */
+void parse_objects(const YAML::Node& list, const std::string& file, World& world);
+RobotSetup parse_robot(const YAML::Node& node, const std::string& file);
+SensorSetup parse_sensor(const YAML::Node& node, const std::string& file);
+std::vector<SensorSetup> parse_sensors(const YAML::Node& list, const std::string& file);
+PoseErrors parse_poses(const YAML::Node& node, const std::string& file);
+/** Its ground, objects, robot and sensors are there already. */
 std::vector<Mover> parse_movers(
     const YAML::Node& list, const std::string& file, const World& world);
 

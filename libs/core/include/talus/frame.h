@@ -1,6 +1,8 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace talus
@@ -14,6 +16,9 @@ struct Pose
   double y() const { return m[7]; }
   double z() const { return m[11]; }
 };
+
+/** Most sensors that one map tells apart. */
+constexpr std::size_t kMostSensors = 64;
 
 /** A pose valid at a time [s], relative to the stamp of its frame. */
 struct TimedPose
@@ -39,6 +44,11 @@ struct Frame
   const float* y_m = nullptr;
   const float* z_m = nullptr;
   std::size_t size = 0;
+  /** Where the sensor is on the robot, so that T_map_base = T_map_sensor * inverse(T_base_sensor).
+   * The base is on the ground that the robot stands on. Not given: the base is the sensor, and
+   * nothing is known of what the robot stands on. */
+  std::optional<Pose> T_base_sensor;
+  std::uint32_t sensor = 0;  //!< which of several sensors: any number, each its own
   /** Optional time of each point [s] relative to stamp_s; nullptr when unknown. Used with `path`
    * only. */
   const float* time_s = nullptr;
@@ -47,5 +57,8 @@ struct Frame
    * outside take the first or last pose. */
   std::vector<TimedPose> path;
 };
+
+/** T_map_base of a frame, see Frame::T_base_sensor: what the window lies around. */
+Pose pose_of_base(const Pose& T_map_sensor, const std::optional<Pose>& T_base_sensor);
 
 }  // namespace talus

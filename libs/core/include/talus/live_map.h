@@ -42,8 +42,8 @@ struct LiveCounts
  * is that of two snapshots, and one more for each that is held while newer frames come. No heap per
  * frame once warm.
  *
- * Frames are those of one sensor, and reach the map in the order of their stamps: duplicates and
- * late frames are dropped and counted, since they would count a measurement twice, or roll the
+ * The frames of each sensor (Frame::sensor) reach the map in the order of their stamps: duplicates
+ * and late frames are dropped and counted, since they would count a measurement twice, or roll the
  * window back and show what moved where it was. See FrameOrder. */
 class LiveMap
 {

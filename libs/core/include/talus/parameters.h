@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,15 @@ enum class FillRule : int
   Lines = 4  //!< linear along the ray, the row and the column, weighed by what each has to bridge
 };
 
+/** Most boxes of the robot's body. */
+constexpr std::size_t kMostBodyBoxes = 32;
+
+/** A part of the robot's own body, in the frame of its base [m]; an extent along all three axes. */
+struct BodyBox
+{
+  double min_x_m, max_x_m, min_y_m, max_y_m, min_z_m, max_z_m;
+};
+
 /** Everything that can be tuned, in SI units. Defaults are those of the paper where it gives any,
  * unless doc/concepts.md says why not.
  *
@@ -29,20 +39,18 @@ struct Parameters
   /// @name Window
   /// @{
   double resolution_m = 0.05;  //!< side of a cell
-  double window_m = 8.0;  //!< side of the square window around the sensor
+  double window_m = 8.0;  //!< side of the square window around the robot's base
   /// @}
 
   /// @name Stage 1: which points are accepted
   /// @{
   double min_range_m = 0.2;
   double max_range_m = 100.0;
-  double min_height_m = -3.0;  //!< lowest accepted z, sensor frame
-  double max_height_m = 1.5;  //!< highest accepted z, sensor frame
-  /** The robot's own body: an axis-aligned box in the sensor frame whose points are dropped. None
-   * by default; one that is given has an extent along all three axes. */
-  double body_min_x_m = 0, body_max_x_m = 0;
-  double body_min_y_m = 0, body_max_y_m = 0;
-  double body_min_z_m = 0, body_max_z_m = 0;
+  double min_height_m = -3.0;  //!< lowest accepted height above the sensor, along the map's z
+  double max_height_m = 1.5;  //!< highest
+  /** The robot's own body, whose points are dropped: up to kMostBodyBoxes. Where a frame does not
+   * tell where the sensor is on the robot, the base is the sensor. */
+  std::vector<BodyBox> body_boxes_m{};
   double voxel_m = 0.0;  //!< keep one point a voxel of this size and frame; 0: keep all
   /// @}
 
@@ -108,7 +116,8 @@ struct Parameters
   void validate() const;
 };
 
-/** One entry of the parameter table: where it lives, what it means, what it may be. */
+/** One entry of the parameter table: where it lives, what it means, what it may be. A number,
+ * unless is_text(): then `min` and `max` are 0, `get` and `set` null. */
 struct ParameterInfo
 {
   const char* name;
@@ -120,6 +129,11 @@ struct ParameterInfo
   bool is_integer;
   /** Names of the values 0, 1, ... of an enumeration, else empty. */
   std::vector<const char*> choices;
+  std::string (*get_text)(const Parameters&) = nullptr;  //!< with all digits
+  /** Throws std::invalid_argument that says what is wrong with a text. */
+  void (*set_text)(Parameters&, const std::string&) = nullptr;
+
+  bool is_text() const { return get_text != nullptr; }
 };
 
 /** All parameters, in the order of the pipeline. */
@@ -128,17 +142,24 @@ const std::vector<ParameterInfo>& parameter_table();
 /** The parameter of that name (case ignored), or nullptr. */
 const ParameterInfo* find_parameter(const std::string& name);
 
+/** What stands in place of a parameter that there was in an earlier version, for error messages;
+ * empty for any other name. */
+std::string replacement_of_parameter(const std::string& name);
+
+/** Whether both have the same value of one parameter, to the last bit. */
+bool is_same_value(const ParameterInfo& info, const Parameters& a, const Parameters& b);
+
 /** The known name nearest to a misspelt one by edit distance, with or without the unit at its end;
  * empty when that is more than a third of what was written (more than 1 for a short word). For
  * error messages. */
 std::string nearest_parameter_name(const std::string& name);
 
-/** Parses the text of a value (a number, true/false, or the name of a choice) and sets it.
+/** Parses the text of a value (a number, true/false, the name of a choice, boxes) and sets it.
  * Throws std::invalid_argument naming the parameter, the text, and what is allowed. */
 void set_parameter(Parameters& p, const std::string& name, const std::string& text);
 
 /** Sets a parameter to a number that was read elsewhere. Throws std::invalid_argument that names
- * the parameter, the value and what is allowed. */
+ * the parameter, the value and what is allowed, also for one that is no number. */
 void set_parameter(Parameters& p, const ParameterInfo& info, double value);
 
 /** The value as set_parameter() reads it back. Of a choice that is none of the names, which code

@@ -11,7 +11,7 @@ namespace
 constexpr int kMostThreads = 1024;  //!< their pieces of a loop are counted in an int
 }
 
-std::unique_ptr<BackendInterface> make_cpu_backend(const kernels::Config& config, int threads)
+std::unique_ptr<BackendInterface> make_cpu_backend(const MapConfig& config, int threads)
 {
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   threads = std::min(threads, kMostThreads);

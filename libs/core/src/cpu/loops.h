@@ -101,6 +101,7 @@ class StoredRow
   {
     in_stretches([&](int begin, int end, int i) { over_applicable(f, begin, end, y_, i); });
   }
+  int y() const { return y_; }
   /** over(begin, end, i), i where the cell at `begin` is stored. */
   template <class Over>
   void in_stretches(const Over& over) const
@@ -304,6 +305,11 @@ TALUS_CLONES void locate_points(F f, int begin, int end)
   f.config = &config, f.frame = &frame;
   TALUS_INDEPENDENT
   for (int i = begin; i < end; i++) f.locate_plain(i);
+  for (int box = 0; box < f.body->boxes; box++)
+  {
+    TALUS_INDEPENDENT
+    for (int i = begin; i < end; i++) f.drop_body(i, box);
+  }
   f.count_rejected(begin, end);
 }
 template <class F>

@@ -78,12 +78,15 @@ class CpuSchedule
     for_each_row([&](const StoredRow& row) { row.each_applicable(roll); });
   }
 
+  /** And how far the map has to follow the poses. */
   void find_buried()
   {
     executor_.for_each_stretch(
         kernels::bin_count(map_.host_config),
-        kernels::SweepRays{
-            map_.ground_hits(), map_.rays.data(), map_.lowest_slope.data(), doubted_.data()});
+        kernels::SweepRays<Atomics>{
+            map_.ground_hits(), map_.count_offsets(), map_.rays.data(), map_.lowest_slope.data(),
+            doubted_.data()});
+    map_.follow()(kernels::SerialGroup{});
   }
 
   /** Bins the points that are not buried, sorts them into their cells, and updates these. */
@@ -143,6 +146,7 @@ class CpuSchedule
 
   void clean_up()
   {
+    const kernels::StandOnCell<Atomics> stand = map_.stand_on();
     const kernels::ClassifyCell choose = map_.classify_cell();
     const kernels::CleanUpCell clean = map_.clean_up();
     const kernels::TakeSample take{map_.config.data(), map_.store(),     map_.surface_class.data(),
@@ -150,6 +154,7 @@ class CpuSchedule
     for_each_row(
         [&](const StoredRow& row)
         {
+          if (!stand.leaves_out(row.y())) row.each_applicable(stand);
           row.each_applicable(choose);
           row.each_applicable(clean);
           row.each(take);

@@ -1,14 +1,16 @@
 #pragma once
-#include "kernels/1_buried_rays.h"
+#include "kernels/3_follow.h"
 
 namespace talus::kernels
 {
 /** Removes the buried rays of some directions ring by ring, and replaces each lowest hit by the
  * lowest ray that went at least that far, as SettleRays does on a device. No limits are looked for
  * in directions in which no ray could be buried, wherever known ground is. */
+template <class Atomics>
 struct SweepRays
 {
   FindGroundHits ground;
+  CountOffsets<Atomics> offsets;
   std::int32_t* rays;
   float* lowest_slope;  //!< as SettleRays leaves it; -infinity in directions without doubt
   std::uint8_t* doubted;  //!< by direction; the last frame's before
@@ -18,8 +20,11 @@ struct SweepRays
     // Copies that nothing else can write to, so that loops need not read them again.
     const Config config = *ground.config;
     const FrameContext frame = *ground.frame;
+    const Datum datum = *ground.datum;
     SweepRays here = *this;
-    here.ground.config = &config, here.ground.frame = &frame;
+    here.ground.config = &config, here.ground.frame = &frame, here.ground.datum = &datum;
+    for (int bin = first_bin; bin < last_bin; bin++)
+      if (offsets.counts(bin)) offsets(bin, 0, rings());
     for (int bin = first_bin; bin < last_bin; bin += kBlock)
       here.sweep(bin, min_of(kBlock, last_bin - bin));
   }

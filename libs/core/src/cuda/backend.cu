@@ -4,7 +4,7 @@
 
 namespace talus
 {
-std::unique_ptr<BackendInterface> make_cuda_backend(const kernels::Config& config)
+std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config)
 {
   return std::make_unique<MapBackend<DeviceSchedule<CudaExecutor>>>(config, CudaExecutor());
 }

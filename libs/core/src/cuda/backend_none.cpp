@@ -4,7 +4,7 @@
 
 namespace talus
 {
-std::unique_ptr<BackendInterface> make_cuda_backend(const kernels::Config&)
+std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig&)
 {
   throw std::runtime_error("talus was built without CUDA");
 }

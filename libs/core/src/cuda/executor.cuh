@@ -179,14 +179,16 @@ class CudaExecutor
         dim3(loops::kTileWidth, loops::kWindowThreads), size * sizeof(typename F::Row), nx, ny,
         first, end, radius, height, f, g, beside_last);
   }
-  /** The steps of kernels::SettleRays; beside them g(i) for i in [0, n). */
-  template <class F, class G>
-  void for_each_direction_beside(int directions, int rings, const F& f, int n, const G& g)
+  /** The steps of kernels::SettleRays; beside them g(i) for i in [0, n); after all of them
+   * finally(group), once. */
+  template <class F, class G, class H>
+  void for_each_direction_beside(
+      int directions, int rings, const F& f, int n, const G& g, const H& finally)
   {
     launch(
-        loops::over_directions_and_range<F, G>,
+        loops::over_directions_and_range<F, G, H>,
         dim3(blocks(directions, loops::kDirections) + blocks(n, loops::kThreads)),
-        dim3(loops::kThreads), 0, directions, rings, f, n, g);
+        dim3(loops::kThreads), 0, directions, rings, f, n, g, finally, blocks_done_.data());
   }
   /** Bit b of line l is f(l)(b). Layout [word][line]. Beside them g(group), once. */
   template <class F, class G>
@@ -353,6 +355,7 @@ class CudaExecutor
   bool can_chain_ = false;
   bool recording_ = false, beside_ = false, forked_ = false, joins_ = false;
   int stage_end_ = 0;
+  Buffer<unsigned> blocks_done_;  //!< of a loop that does something in its end
   std::array<int, kStageCount> end_of_stage_{};
   WorkQueue side_;  //!< of copies, where a frame is recorded
   std::array<CudaSlot, kSlots> slots_;

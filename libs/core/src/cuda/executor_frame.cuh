@@ -43,6 +43,7 @@ inline CudaExecutor::CudaExecutor()
   can_chain_ = device.major >= 9 && code.ptxVersion >= 90;
   side_ = make_queue();
   use(0);
+  allocate(blocks_done_, 1, 0u);
 }
 
 inline OutputMemory CudaExecutor::map_output(float* host, std::size_t size)

@@ -349,7 +349,7 @@ struct SearchAndFillCell
       if (static_cast<float>(radial.place) * radial.track.step_m <= k.sparsity_range_m)
         across_m[grid.at(ix, iy)] = height_across(radial);
     }
-    fill.out.put(iy * n + ix, fill.store, storage_i);
+    fill.out.put(iy * n + ix, fill.store, storage_i, fill.frame->offset_m);
   }
 
   TALUS_HD LineSearch<Track> radial_search(int ix, int iy) const

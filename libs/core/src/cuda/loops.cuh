@@ -353,10 +353,28 @@ __device__ void over_directions(int block, int directions, int rings, const F& f
   f.sweep(direction, begin, end, lowest);
 }
 
-/** First the directions, since theirs is the longer work. */
-template <class F, class G>
-__global__ void __launch_bounds__(kThreads)
-    over_directions_and_range(int directions, int rings, F f, int n, G g, std::uint64_t* done_ns)
+/** Whether this is the last of so many blocks to come here; it sees what the others wrote. The
+ * count starts and ends at zero. */
+__device__ inline bool is_last_of(int blocks, unsigned* blocks_done)
+{
+  __shared__ bool last;
+  __threadfence();
+  __syncthreads();
+  if (threadIdx.x == 0)
+  {
+    last = atomicAdd(blocks_done, 1u) == static_cast<unsigned>(blocks - 1);
+    if (last) *blocks_done = 0;
+  }
+  __syncthreads();
+  __threadfence();
+  return last;
+}
+
+/** First the directions, since theirs is the longer work; when they are done, finally(group). */
+template <class F, class G, class H>
+__global__ void __launch_bounds__(kThreads) over_directions_and_range(
+    int directions, int rings, F f, int n, G g, H finally, unsigned* blocks_done,
+    std::uint64_t* done_ns)
 {
   static_assert(kThreads == kStretches * kDirections);
   wait_for_predecessor();
@@ -367,6 +385,8 @@ __global__ void __launch_bounds__(kThreads)
     over_directions(block, directions, rings, f);
   else if (i < n)
     g(i);
+  if (block < first && is_last_of(first, blocks_done) && threadIdx.x < 32)
+    finally(kernels::WarpGroup{true});
   note_time(done_ns);
 }
 

@@ -76,13 +76,16 @@ class DeviceSchedule
             map_.roll(), map_.reach.data(), static_cast<int>(map_.reach.size())});
   }
 
+  /** And in the end how far the map has to follow the poses. */
   void find_buried()
   {
     executor_.for_each_direction_beside(
         kernels::bin_count(map_.host_config), kernels::ring_count(map_.host_config),
-        kernels::SettleRays{map_.ground_hits(), map_.rays.data(), map_.lowest_slope.data()},
+        kernels::SettleRays<Atomics>{
+            map_.ground_hits(), map_.count_offsets(), map_.rays.data(), map_.lowest_slope.data()},
         points(),
-        kernels::ReserveStretch<Atomics>{map_.context.data(), map_.points_out(), sorting()});
+        kernels::ReserveStretch<Atomics>{map_.context.data(), map_.points_out(), sorting()},
+        map_.follow());
   }
 
   void sort_points()
@@ -115,8 +118,9 @@ class DeviceSchedule
   {
     executor_.mark_cells(
         side(),
-        kernels::SettleCell{
-            map_.classify_cell(), map_.clean_up(), map_.line_grid(), map_.samples()},
+        kernels::SettleCell<Atomics>{
+            map_.stand_on(), map_.classify_cell(), map_.clean_up(), map_.line_grid(),
+            map_.samples()},
         unguarded(axis_marks_, 2 * side()));
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "kernels/5_classify.h"
+#include "kernels/5_underfoot.h"
 #include "kernels/6_cleanup.h"
 #include "kernels/7_fill.h"
 
@@ -7,8 +8,10 @@ namespace talus::kernels
 {
 /** The last steps before the search, on one cell: its class, the cleanup, and whether it is a
  * sample. */
+template <class Atomics>
 struct SettleCell
 {
+  StandOnCell<Atomics> stand;
   ClassifyCell choose;
   CleanUpCell clean;
   LineGrid grid;
@@ -24,6 +27,7 @@ struct SettleCell
   TALUS_HD int begin(int ix, int iy) const
   {
     const int storage_i = index(ix, iy);
+    if (stand.applies(ix, iy, storage_i)) stand(ix, iy, storage_i);
     choose.decide(ix, iy, storage_i);
     if (choose.needs_inspection(ix, iy, storage_i)) return kFace;
     return clean.needs_inspection(ix, iy, storage_i) ? kOverhang : kNone;

@@ -1,22 +1,25 @@
 #pragma once
-#include "kernels/1_buried_rays.h"
+#include "kernels/3_follow.h"
 
 namespace talus::kernels
 {
 /** The rays of one direction, for executors that cut it into stretches: removes the buried ones,
  * then replaces each ring's lowest hit by the lowest ray that went at least that far. Each step
  * takes a stretch and what the stretches before it, or behind it, have seen. */
+template <class Atomics>
 struct SettleRays
 {
   using Before = BuriedBelow;
   using Behind = LowestHit;
   FindGroundHits ground;
+  CountOffsets<Atomics> offsets;
   std::int32_t* rays;
   float* lowest_slope;  //!< of a ray that is not buried, where there is a hit; same layout as rays
 
   /** First step: of the rings [begin, end), outwards. */
   TALUS_HD void collect(int bin, int begin, int end, BuriedBelow& seen) const
   {
+    if (offsets.counts(bin)) offsets(bin, begin, end);
     for (int ring = begin; ring < end; ring += kBatch)
     {
       std::int32_t hits[kBatch];

@@ -59,15 +59,15 @@ const std::vector<MethodInfo>& method_list();
 std::unique_ptr<Method> make_method(
     const std::string& name, const Parameters& parameters, Backend backend = Backend::Cpu);
 
-/** The window that talus shows around a sensor. */
-Window window_around(const Parameters& parameters, const Pose& T_map_sensor);
+/** The window that talus shows around the base of a robot. */
+Window window_around(const Parameters& parameters, const Pose& T_map_base);
 
 /** A point in the map frame [m] and its range from the sensor [m]. */
 struct MapPoint
 {
   float x_m, y_m, z_m, range_m;
 };
-/** The points of a frame that pass range, height band and body box (stage 1 of talus), map frame;
+/** The points of a frame that pass range, height band and body boxes (stage 1 of talus), map frame;
  * those outside the window too. */
 std::vector<MapPoint> accepted_points(const Frame& frame, const Parameters& parameters);
 

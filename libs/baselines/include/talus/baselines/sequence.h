@@ -2,6 +2,8 @@
 #include <talus/frame.h>
 #include <talus/sim/drive.h>
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,8 @@ struct ScanFrame
   double stamp_s = 0;  //!< since the epoch
   double time_s = 0;  //!< since the first frame
   Pose T_map_sensor;  //!< as the maps are told
+  std::optional<Pose> T_base_sensor;  //!< where the sensor is on the robot, if that is known
+  std::uint32_t sensor = 0;  //!< which of several
   Pose T_true;  //!< where the sensor really was; the same where nobody knows better
   std::vector<float> x_m, y_m, z_m;  //!< sensor frame
 

@@ -22,7 +22,7 @@ class OctoMapMethod : public Method
  private:
   Parameters parameters_;
   mrpt::maps::COctoMap map_;
-  Pose T_map_sensor_;
+  Pose T_map_sensor_, T_map_base_;
 };
 
 /** What a column of voxels says. */
@@ -50,7 +50,7 @@ class HeightGridMethod : public Method
  private:
   Parameters parameters_;
   std::unique_ptr<mrpt::maps::CHeightGridMap2D> map_;
-  Pose T_map_sensor_;
+  Pose T_map_base_;
 };
 
 }  // namespace talus::baselines

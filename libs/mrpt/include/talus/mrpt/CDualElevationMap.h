@@ -8,6 +8,7 @@
 #include <talus/elevation_mapper.h>
 #include <talus/mrpt/observation_points.h>
 #include <talus/mrpt/obstacles.h>
+#include <talus/mrpt/sensor_numbers.h>
 #include <talus/mrpt/version_compat.h>
 
 #include <memory>
@@ -23,10 +24,11 @@ namespace talus
  *
  * Accepts the observations of points_from_observation(): mrpt::obs::CObservationPointCloud,
  * CObservationVelodyneScan, CObservationRotatingScan, CObservation3DRangeScan and
- * CObservation2DRangeScan. Points are placed at `robotPose (+) sensorPose`; any other class is
- * refused (insertObservation() returns false), and nothing throws. All heights are in the map
- * frame. A 2D scanner must be tilted: a level scan shows no terrain, and what it hits, walls too,
- * counts as ground that is flat and free (told once on stderr).
+ * CObservation2DRangeScan, of one sensor or several, told apart by their labels. Points are placed
+ * at `robotPose (+) sensorPose`, the window around `robotPose`; any other class is refused
+ * (insertObservation() returns false), and nothing throws. All heights are in the map frame. A 2D
+ * scanner must be tilted: a level scan shows no terrain, and what it hits, walls too, counts as
+ * ground that is flat and free (told once on stderr).
  *
  * Inside a CMultiMetricMap its name is `terrain`: `terrain_count = 1`, sections
  * `[<name>_terrain_00_creationOpts]` (resolution, window, backend, threads), `_insertOpts`,
@@ -163,7 +165,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   void applyOptions();
   void forgetDerived();
   void drawScene() const;
-  void readVersion0(mrpt::serialization::CArchive& archive);
+  void readVersion(int version, mrpt::serialization::CArchive& archive);
   void insertPoints(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base);
 
   Backend m_backend;
@@ -173,6 +175,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   mutable std::vector<std::shared_ptr<MrptSceneObject>> m_sceneCache;  //!< of the map as it is,
   mutable TRenderOptions m_sceneOptions;  //!< drawn with these options
   mrpt::poses::CPose3D m_T_map_base;  //!< of the last insertion
+  SensorNumbers m_sensors;  //!< of the labels of the observations
   FrameReport m_lastReport;
   SensorPoints m_scratch;  //!< reused: no allocation per observation once warm
 };

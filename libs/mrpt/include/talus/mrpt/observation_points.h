@@ -17,6 +17,7 @@ struct SensorPoints
       time_s;  //!< per point, relative to stamp_s; empty when the observation has none
   double stamp_s = 0;  //!< seconds since the epoch: that of the observation
   mrpt::poses::CPose3D T_base_sensor;  //!< where the sensor is mounted
+  std::string sensor_label;  //!< which of several sensors
 };
 
 /** Reads the points out of CObservationPointCloud, CObservationVelodyneScan (all returns of every
@@ -29,8 +30,8 @@ struct SensorPoints
  * reason). */
 bool points_from_observation(const mrpt::obs::CObservation& obs, SensorPoints& out);
 
-/** The points as a frame, its sensor at `T_map_base (+) T_base_sensor`; without a path. Valid as
- * long as `points` stays. */
+/** The points as a frame, its sensor at `T_map_base (+) T_base_sensor`; without a path, and as
+ * those of sensor 0: SensorNumbers gives each label its own. Valid as long as `points` stays. */
 Frame frame_from(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base);
 
 }  // namespace talus

@@ -43,6 +43,9 @@ Pose pose_from_rpy(const Vec3& t_m, double roll_rad, double pitch_rad = 0.0, dou
 /** T_a_c = T_a_b * T_b_c. */
 Pose compose(const Pose& T_a_b, const Pose& T_b_c);
 
+/** T_b_a of T_a_b. */
+Pose inverse(const Pose& T_a_b);
+
 /** R * v, without the translation. */
 inline Vec3 rotate(const Pose& T, const Vec3& v)
 {

@@ -2,6 +2,7 @@
 #include <talus/sim/world.h>
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -47,11 +48,14 @@ struct Scan
 /** When and from where a sweep is taken. */
 struct Sweep
 {
-  double time_s = 0;  //!< start, since the start of the drive
+  double time_s = 0;  //!< of its first column, since the start of the drive
+  /** Of the scanner's columns, those from the first up to, without, the end. */
+  int first_column = 0, end_column = std::numeric_limits<int>::max();
   std::function<Pose(double time_s)> T_map_sensor;
   /** False: all points are taken from the pose at the start, at that time. True: each from where
    * the sensor is by then, of a world that goes on moving. */
   bool motion_distortion = false;
+  std::vector<Shape> body;  //!< of the robot, in the frame of the sensor
   std::uint64_t seed = 1;  //!< the same seed, the same noise; take another one for each sweep
 };
 Scan take_scan(const World& world, const Scanner& scanner, const Sweep& sweep);

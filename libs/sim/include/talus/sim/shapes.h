@@ -2,6 +2,7 @@
 #include <talus/sim/geometry.h>
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -22,6 +23,13 @@ struct Shape
   /** Foliage: mean depth [m] that a ray goes in before it meets a leaf; 0: solid. */
   double mean_free_path_m = 0;
   double reflectivity = 0.5;  //!< [0,1], becomes the intensity of its points
+  /** Foliage that is no obstacle: rays meet it, a robot drives through it. */
+  bool grass = false;
+  /** It is there from one time until just before the other, since the start of the drive. */
+  double from_s = -std::numeric_limits<double>::infinity();
+  double until_s = std::numeric_limits<double>::infinity();
+
+  bool is_there(double time_s) const { return from_s <= time_s && time_s < until_s; }
 };
 
 /** Upright box, yawed, with its bottom at `bottom_m`. */
@@ -58,16 +66,17 @@ class ShapeTree
   ShapeTree() = default;
   explicit ShapeTree(std::vector<Shape> shapes);
 
-  /** The first shape that a ray meets within `max_m`, and where. */
+  /** The first of the shapes there at a time that a ray meets within `max_m`, and where. */
   struct Hit
   {
     double range_m = 0;
     const Shape* shape = nullptr;
   };
-  std::optional<Hit> cast(const Ray& ray, double max_m, std::uint64_t chance) const;
+  std::optional<Hit> cast(const Ray& ray, double max_m, std::uint64_t chance, double time_s) const;
 
-  /** Appends the heights [m] between which the vertical line at a place is inside a shape. */
-  void column(double x_m, double y_m, std::vector<Span>& heights_m) const;
+  /** Appends the heights [m] between which the vertical line at a place is inside a shape that is
+   * there at a time and no grass. */
+  void column(double x_m, double y_m, double time_s, std::vector<Span>& heights_m) const;
 
   const std::vector<Shape>& shapes() const { return shapes_; }
 

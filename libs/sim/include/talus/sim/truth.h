@@ -1,6 +1,7 @@
 #pragma once
 #include <talus/sim/world.h>
 
+#include <optional>
 #include <vector>
 
 namespace talus::sim
@@ -25,6 +26,9 @@ struct TruthOptions
   double min_obstacle_m = 0.1;  //!< what stands lower than this can be driven over
   double max_slope_rad = 0.6;  //!< of the ground
   double max_step_m = 0.2;  //!< of a vertical face of the ground, or of a steep stretch
+  /** Where floors are above each other, the ground of a cell is the highest of them that is no more
+   * than max_step_m above this height; not given: what is below all decks. */
+  std::optional<double> level_m;
   int samples = 5;  //!< a cell is judged from samples * samples places well inside it
 };
 
@@ -34,7 +38,7 @@ struct TruthOptions
  * what stands as long as its underside is no more than the clearance above the top of what is
  * below; at the first larger gap all that is above hangs.
  *
- * - `ground` [m]: the ground at the centre of the cell.
+ * - `ground` [m]: the ground, or the deck on it, at the centre of the cell.
  * - `obstacle_top` [m]: highest top of what stands or hangs too low, also of what is low enough to
  * be driven over; NaN where there is nothing.
  * - `underside` [m]: lowest underside with more than 1 cm of air below it; NaN where nothing hangs.

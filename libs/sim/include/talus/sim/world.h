@@ -30,6 +30,14 @@ struct Mover
   std::vector<Shape> placed(const Pose& T_map_mover) const;
 };
 
+/** The robot is raised on the spot, its attitude as it is; it drives on when that is done. */
+struct Lift
+{
+  double time_s = 0;  //!< when it begins, since the start of the drive
+  double duration_s = 0;  //!< 0: at once
+  double z_m = 0;  //!< negative: it is let down
+};
+
 /** The robot and its way, map frame. */
 struct RobotSetup
 {
@@ -38,15 +46,42 @@ struct RobotSetup
   double speed_mps = 1.0;  //!< along the curve seen from above
   double duration_s = 0;  //!< of the drive; the robot waits at the end of its way
   double wheelbase_m = 0.45, track_m = 0.45;  //!< between the wheels, lengthwise and sideways
+  std::vector<Lift> lifts;  //!< ascending in time, one after the other
+  std::vector<Shape> body;  //!< what its sensors see of the robot itself, in the frame of its base
 };
 
-/** The sensor and how it is mounted. What is not given is the scanner's own. */
+/** One sensor and how it is mounted. What is not given is the scanner's own. */
 struct SensorSetup
 {
+  std::string name = "lidar";  //!< the label of its scans in a log
   std::string scanner = "RS-LiDAR-16";
-  Pose T_base_sensor;  //!< the base is on the ground below the middle of the robot
+  /** The base is on the ground below the middle of the robot. */
+  Pose T_base_sensor = pose_from_rpy({0, 0, 0.68}, 0);
+  double phase_s = 0;  //!< when its first sweep begins, since the start of the drive
   std::optional<double> noise_m, noise_per_m, dropout, rate_hz, max_range_m;
   bool motion_distortion = false;  //!< points are taken while the robot moves
+};
+
+/** How a localisation errs. */
+struct PoseErrors
+{
+  /** From a time on the poses are shifted along the axes of the map, and turned about the place
+   * at which the robot was said to be. */
+  struct Jump
+  {
+    double time_s = 0;
+    Vec3 shift_m;
+    double roll_rad = 0, pitch_rad = 0, yaw_rad = 0;
+  };
+  std::vector<Jump> jumps;  //!< ascending in time
+  Vec3 drift_mps;  //!< along the axes of the map, from the start on
+};
+
+/** From a time on the ground is another. */
+struct GroundChange
+{
+  double time_s = 0;
+  Ground ground;
 };
 
 /** Everything that a world file says. */
@@ -54,11 +89,19 @@ struct World
 {
   std::string name, description;
   std::uint64_t seed = 1;
-  Ground ground;
+  Ground ground;  //!< at the start
+  std::vector<GroundChange> ground_changes;  //!< ascending in time
   ShapeTree objects;  //!< what stands still
+  std::vector<Shape> decks;  //!< those of the objects that a robot drives on
   std::vector<Mover> movers;
   RobotSetup robot;
-  SensorSetup sensor;
+  std::vector<SensorSetup> sensors{SensorSetup{}};  //!< one or more
+  PoseErrors poses;
+
+  const Ground& ground_at(double time_s) const;
+  /** The highest floor at a place and a time that is not above `highest_m`: the top of a deck, or
+   * the ground, below which there is no other. */
+  double floor_m(double x_m, double y_m, double time_s, double highest_m) const;
 };
 
 /** A world at one time. Keeps a reference to the world. */
@@ -79,11 +122,21 @@ class Scene
   std::optional<Hit> cast(const Ray& ray, double max_m, std::uint64_t chance = 0) const;
 
   /** Replaces `heights_m` by the heights between which the vertical line at a place is inside an
-   * object, one entry for each object, from the lowest up. Foliage counts as full. */
+   * object, one entry for each object, from the lowest up. Foliage counts as full, grass is
+   * nothing. */
   void column(double x_m, double y_m, std::vector<Span>& heights_m) const;
+
+  const Ground& ground() const { return ground_; }
+  /** World::floor_m() at the time of the scene. */
+  double floor_m(double x_m, double y_m, double highest_m) const
+  {
+    return world_.floor_m(x_m, y_m, time_s_, highest_m);
+  }
 
  private:
   const World& world_;
+  double time_s_;
+  const Ground& ground_;
   std::vector<Shape> movers_;
 };
 

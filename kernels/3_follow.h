@@ -1,0 +1,148 @@
+#pragma once
+#include "kernels/1_buried_rays.h"
+#include "kernels/atomics.h"
+
+namespace talus::kernels
+{
+// Poses are corrected and drift, and robots change floors. The heights of a map are kept above a
+// datum of its own. Each frame tells how far its hits of the ground lie above the map as a whole:
+// where most agree the datum follows the poses, and all cells with it; on another floor the map
+// starts anew with the next frame.
+
+/** How many hits of the ground lie how far above the ground that the map has there. */
+struct OffsetHistogram
+{
+  static constexpr int kBins = 64;
+  std::uint32_t count[kBins];
+  std::uint32_t sum[kBins];  //!< of heights in 1 / kHeightSteps m; wraps below zero
+  std::uint32_t far;  //!< hits beyond the bins
+};
+
+/** Puts the hits of some directions into the histogram, where the sensor looks down on bare ground
+ * that was measured. Before buried rays are removed. */
+template <class Atomics>
+struct CountOffsets
+{
+  FindGroundHits ground;
+  const std::int32_t* rays;
+  OffsetHistogram* histogram;
+
+  /** Whether this direction is one of them. */
+  TALUS_HD bool counts(int bin) const { return bin % kOffsetEvery_bins == 0; }
+  /** Of the rings [begin, end) of a direction. */
+  TALUS_HD void operator()(int bin, int begin, int end) const
+  {
+    const BinDirection d = direction_of_bin(bin, bins_per_side(*ground.config));
+    for (int ring = begin; ring < end; ring++)
+    {
+      const std::int32_t hit = rays[ring * bin_count(*ground.config) + bin];
+      const int storage_i = hit != kNoRay ? ground.cell_at(d, ring) : -1;
+      if (storage_i >= 0 && float_from_ordered(hit) < 0.0f && is_bare(storage_i))
+        add(ground.height_m(ring, hit) - ground.store.ground_m[storage_i]);
+    }
+  }
+
+ private:
+  TALUS_HD bool is_bare(int storage_i) const
+  {
+    const CellStore& s = ground.store;
+    const float stands_m = s.elevation_m[storage_i] - s.ground_m[storage_i];
+    return s.state[storage_i] == kMeasured &&
+           !(stands_m > kBare_steps * ground.config->step_threshold_m);
+  }
+  TALUS_HD void add(float above_m) const
+  {
+    const float half = 0.5f * static_cast<float>(OffsetHistogram::kBins);
+    const float bin = above_m / kOffsetBin_m + half;
+    if (!(bin >= 0.0f && bin < 2.0f * half))
+    {
+      Atomics::add(&histogram->far, 1);
+      return;
+    }
+    const int at = floor_to_int(bin);
+    Atomics::add(histogram->count + at, 1);
+    Atomics::add(
+        histogram->sum + at, static_cast<std::uint32_t>(floor_to_int(above_m * kHeightSteps)));
+  }
+};
+
+/** Decides from the histogram, empties it, and tells the frame where its heights are counted from.
+ * Once a frame, by a whole group. */
+struct FollowPoses
+{
+  FrameContext* frame;
+  OffsetHistogram* histogram;
+  Datum* datum;
+
+  template <class Group>
+  TALUS_HD void operator()(const Group& group) const
+  {
+    const Agreement most = agreement(group);
+    const int far = static_cast<int>(histogram->far);
+    group.sync();
+    for (int bin = group.rank(); bin < OffsetHistogram::kBins; bin += group.size())
+      histogram->count[bin] = histogram->sum[bin] = 0;
+    if (group.rank() != 0) return;
+    histogram->far = 0;
+    decide(most, far);
+    frame->drove_through_m = static_cast<float>(datum->drove_through) * kDrivenUnit_m;
+    datum->drove_through = 0;
+    frame->offset_m = datum->offset_m;
+    frame->sensor_z_m = frame->sensor_z_map_m - datum->offset_m;
+  }
+
+ private:
+  /** The three bins beside each other that hold the most hits. */
+  struct Agreement
+  {
+    int hits, sum, of;  //!< of all that are in bins
+  };
+
+  TALUS_HD int hits_around(int bin) const
+  {
+    std::uint32_t hits = histogram->count[bin];
+    if (bin > 0) hits += histogram->count[bin - 1];
+    if (bin + 1 < OffsetHistogram::kBins) hits += histogram->count[bin + 1];
+    return static_cast<int>(hits);
+  }
+  template <class Group>
+  TALUS_HD Agreement agreement(const Group& group) const
+  {
+    int all = 0, most = 0, where = -1;
+    for (int bin = group.rank(); bin < OffsetHistogram::kBins; bin += group.size())
+    {
+      all += static_cast<int>(histogram->count[bin]);
+      most = max_of(most, hits_around(bin));
+    }
+    most = group.max(most);
+    for (int bin = group.rank(); bin < OffsetHistogram::kBins; bin += group.size())
+      if (hits_around(bin) == most) where = max_of(where, bin);
+    where = group.max(where);
+    std::uint32_t sum = 0;
+    for (int bin = max_of(where - 1, 0); bin <= min_of(where + 1, OffsetHistogram::kBins - 1);
+         bin++)
+      sum += histogram->sum[bin];
+    return {most, static_cast<int>(sum), group.sum(all)};
+  }
+
+  TALUS_HD void decide(const Agreement& most, int far) const
+  {
+    Datum now = *datum;
+    if (now.starts_anew != 0)
+      now.offset_m = now.settled_m = 0.0f, now.starts_anew = 0;
+    else if (const int all = most.of + far; all >= kFewestGroundHits)
+    {
+      const float above_m =
+          static_cast<float>(most.sum) / (static_cast<float>(most.hits) * kHeightSteps);
+      if (2 * most.hits > all && abs_of(above_m) > kFollow_m) now.offset_m += above_m;
+      const float drift_m = kDrift_mps * frame->since_last_s;
+      const float left_m = now.offset_m - now.settled_m;
+      now.settled_m += max_of(min_of(left_m, drift_m), -drift_m);
+      const bool rose = abs_of(now.offset_m - now.settled_m) > kOtherFloor_m;
+      now.starts_anew = select(rose | (kOtherFloorOneIn * far > all), 1, 0);
+    }
+    *datum = now;
+  }
+};
+
+}  // namespace talus::kernels
