@@ -322,10 +322,11 @@ struct Overhang
   }
 };
 
-/** It earns all persistence, and Cell::extent reaches down to its lowest hit. */
+/** It earns all persistence, and Cell::extent reaches down to its lowest hit; what the robot drove
+ * through has no top that could overhang. */
 TALUS_HD void put_overhang(Cell& c, const Overhang& overhang)
 {
-  const bool any = overhang.lowest_m < kInfinity;
+  const bool any = (overhang.lowest_m < kInfinity) & is_known(c.elevation_m);
   const float down_m = select(any, c.elevation_m - overhang.lowest_m, 0.0f);
   c.persistence = select(any, -kMaxPersistence, c.persistence);
   c.extent = select(any, deeper(c.extent, code_of_extent(down_m)), c.extent);

@@ -388,8 +388,7 @@ struct FillCell
     const int r = surface_class[storage_i], state_before = store.state[storage_i];
     const int evidence_before = store.ray_evidence[storage_i], in_open = passing.in_open[window_i];
     const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
-    const bool doubtful = (r != kKeep) & inferred.doubtful();  // what is kept is not asked for
-    const float bound_m = select(doubtful, kInfinity, ray_bound(passing, window_i));
+    const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound(passing, window_i));
     const float by_lines_m = height_of_lines(inferred.lines, r >= kObject);
     const float expected_m = planes->floor.draw(by_lines_m, ix, iy);
     const Fill fill = infer_ground(inferred, expected_m, bound_m, *config);
@@ -426,8 +425,8 @@ struct FillCell
     const float elevation =
         select(DropHanging::hangs(ray_evidence), kNan, store.elevation_m[storage_i]);
     put_surface(
-        surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state,
-        (r != kKeep) & (state == kFilledOneSided), ray_evidence, store.footing[storage_i]);
+        surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, ray_evidence,
+        store.footing[storage_i]);
     return state;
   }
 
@@ -446,11 +445,10 @@ struct FillCell
   }
 
   TALUS_HD void put_surface(
-      Surface& to, float ground, float elevation, int state, bool guessed, int ray_evidence,
-      int footing) const
+      Surface& to, float ground, float elevation, int state, int ray_evidence, int footing) const
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;
-    const bool guess = guessed & !stands;
+    const bool guess = (state == kFilledOneSided) & !stands;
     const bool met = measured | stands, known = is_known(ground);
     const bool new_there = stands & (elevation - ground > driven_through_m(footing));
     const bool driven = is_driven(footing) & !new_there;

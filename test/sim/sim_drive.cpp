@@ -14,22 +14,6 @@
 
 using namespace talus::sim;
 
-namespace
-{
-std::string error_of(const std::string& text)
-{
-  try
-  {
-    parse_world(text, "bad.yaml");
-  }
-  catch (const std::runtime_error& e)
-  {
-    return e.what();
-  }
-  return "no error";
-}
-}  // namespace
-
 TEST(Scanner, has_range_noise_of_the_given_deviation_and_no_bias)
 {
   const World w =

@@ -12,19 +12,6 @@ using namespace talus::sim;
 
 namespace
 {
-std::string error_of(const std::string& text)
-{
-  try
-  {
-    parse_world(text, "bad.yaml");
-  }
-  catch (const std::runtime_error& e)
-  {
-    return e.what();
-  }
-  return "no error";
-}
-
 /** Heights above the map's zero of what a frame hit. */
 std::vector<double> heights_m(const Drive& drive, int frame)
 {

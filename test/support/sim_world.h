@@ -2,6 +2,7 @@
 #include <talus/sim/drive.h>
 #include <talus/sim/truth.h>
 
+#include <stdexcept>
 #include <string>
 
 /** Small worlds for tests of the simulator, and what is to be known of a place in them. */
@@ -16,6 +17,20 @@ inline World world_of(
     const std::string& robot = "{path_m: [[0, 0]], duration_s: 1}")
 {
   return parse_world("ground:\n" + ground + rest + "robot: " + robot + "\n", "test.yaml");
+}
+
+/** Why a world cannot be read. */
+inline std::string error_of(const std::string& text)
+{
+  try
+  {
+    parse_world(text, "bad.yaml");
+  }
+  catch (const std::runtime_error& e)
+  {
+    return e.what();
+  }
+  return "no error";
 }
 
 /** Range of the first hit from a place in a direction, -1 without. */
