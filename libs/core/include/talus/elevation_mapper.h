@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/cell_record.h>
 #include <talus/frame.h>
 #include <talus/frame_report.h>
 #include <talus/layers.h>
@@ -101,6 +102,18 @@ class ElevationMapper
    * size or resolution; then nothing has changed. */
   std::vector<std::uint8_t> save() const;
   void restore(const std::vector<std::uint8_t>& bytes);
+
+  /** Where the window will lie when update() has taken a frame. Throws as start() does. */
+  Window window_after(const Frame& frame) const;
+  /** Whether the last frame showed another floor: all cells will start empty in the next one. */
+  bool leaves_floor() const;
+  /** What the map remembers of cells that are all in the window, row by row: to be kept before they
+   * leave it. Throws std::invalid_argument where they are not, std::logic_error while a frame is in
+   * flight. */
+  std::vector<CellRecord> read_cells(const CellRect& cells) const;
+  /** And back: those of `records` that are not unknown replace what the map has there. Throws as
+   * read_cells(), and std::invalid_argument where the sizes differ. */
+  void write_cells(const CellRect& cells, const std::vector<CellRecord>& records);
 
   /** Whether save() gives so many bytes of a map with these parameters that has seen a frame, or
    * did so in an earlier version: to be asked before they are read from a file. Throws
