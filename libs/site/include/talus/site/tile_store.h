@@ -1,0 +1,84 @@
+#pragma once
+#include <talus/cell_record.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace talus::site
+{
+/** What a site keeps of a cell. */
+struct SiteCell
+{
+  CellRecord cell;
+  /** Whole seconds of the clock of the frames (Unix time where they have it), when the cell was in
+   * the window last; 0: unknown cell, or a clock that starts at 0. */
+  std::uint32_t seen_s = 0;
+
+  bool known() const { return cell.state != 0; }
+};
+
+constexpr int kTileCells = 128;  //!< along each side
+
+/** Which tile: its cells begin at (x, y) * kTileCells on the global grid of cells. Floors count
+ * from 0, in the order in which they were driven first. */
+struct TileKey
+{
+  std::int32_t floor = 0, x = 0, y = 0;
+
+  bool operator<(const TileKey& o) const
+  {
+    return std::tie(floor, y, x) < std::tie(o.floor, o.y, o.x);
+  }
+  bool operator==(const TileKey& o) const { return floor == o.floor && x == o.x && y == o.y; }
+};
+
+/** Row by row: index = y * kTileCells + x. Unknown at first. */
+struct Tile
+{
+  std::array<SiteCell, static_cast<std::size_t>(kTileCells) * kTileCells> cells;
+};
+
+/** The tiles of a site, as many as the budget allows in memory, the others on disk. */
+class TileStore
+{
+ public:
+  /** `folder`: where tiles go that find no room; made when the first does, removed with the store.
+   */
+  TileStore(std::size_t memory_bytes, std::string folder);
+  ~TileStore();
+  TileStore(const TileStore&) = delete;
+  TileStore& operator=(const TileStore&) = delete;
+
+  /** Null where there is none. Valid until the next call. Throws std::runtime_error where a tile on
+   * disk cannot be read. */
+  const Tile* find(const TileKey& key);
+  /** Made where there is none. Valid until the next call. Throws as find(), and where a tile cannot
+   * be written to disk. */
+  Tile& at(const TileKey& key);
+  /** In ascending order. */
+  std::vector<TileKey> keys() const;
+
+ private:
+  std::size_t memory_bytes_;
+  std::string folder_;
+  std::map<TileKey, std::unique_ptr<Tile>> tiles_;
+};
+
+/** The tile of a cell of the global grid, and where that stands in it. */
+inline std::int32_t tile_of(std::int64_t cell)
+{
+  return static_cast<std::int32_t>(
+      cell >= 0 ? cell / kTileCells : -((-cell + kTileCells - 1) / kTileCells));
+}
+inline int place_in_tile(std::int64_t cell)
+{
+  return static_cast<int>(cell - static_cast<std::int64_t>(tile_of(cell)) * kTileCells);
+}
+
+}  // namespace talus::site
