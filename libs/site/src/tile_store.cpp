@@ -71,10 +71,12 @@ class TileCodec
     File file(std::fopen(part.c_str(), "wb"));
     if (!file) fail_to_write(path, errno);
     const bool written = std::fwrite(bytes_.data(), 1, size, file.get()) == size;
+    const bool is_whole = written && std::fclose(file.release()) == 0;
+    if (is_whole && std::rename(part.c_str(), path.c_str()) == 0) return;
     const int error = errno;
-    const bool closed = std::fclose(file.release()) == 0;
-    if (!written || !closed) fail_to_write(path, written ? errno : error);
-    if (std::rename(part.c_str(), path.c_str()) != 0) fail_to_write(path, errno);
+    file.reset();
+    std::remove(part.c_str());
+    fail_to_write(path, error);
   }
 
   void read(const fs::path& path, Tile& tile)
