@@ -40,35 +40,26 @@ bool is_none(float height_m, float variance_m2)
 }
 }  // namespace
 
-float band_value(const SiteCell& cell, Band band, std::uint32_t newest_s)
+BandValues values_of(const SiteCell& cell, std::uint32_t newest_s)
 {
-  if (!cell.known()) return kNone;
+  BandValues values;
+  values.fill(kNone);
+  if (!cell.known()) return values;
   const CellRecord& c = cell.cell;
   const std::uint32_t age_s = newest_s - cell.seen_s, told_s = floor_to_float(age_s);
-  const auto packed = [](std::uint32_t low, std::uint32_t middle, std::uint32_t high)
+  const auto put = [&](Band b, float v) { values[static_cast<std::size_t>(b)] = v; };
+  const auto pack = [](std::uint32_t low, std::uint32_t middle, std::uint32_t high)
   { return static_cast<float>(low | middle << 8 | high << 16); };
-  switch (band)
-  {
-    case Band::Traversability:
-      return canonical(c.traversability);
-    case Band::GroundElevation:
-      return canonical(c.ground_m);
-    case Band::Elevation:
-      return canonical(c.elevation_m);
-    case Band::Variance:
-      return canonical(c.ground_variance_m2);
-    case Band::State:
-      return static_cast<float>(c.state);
-    case Band::Age:
-      return static_cast<float>(told_s);
-    case Band::ElevationVariance:
-      return canonical(c.elevation_variance_m2);
-    case Band::Evidence:
-      return packed(static_cast<std::uint32_t>(c.persistence + 128), c.ray_evidence, 0);
-    case Band::Shape:
-      return packed(c.extent, c.footing, age_s - told_s);
-  }
-  return kNone;
+  put(Band::Traversability, canonical(c.traversability));
+  put(Band::GroundElevation, canonical(c.ground_m));
+  put(Band::Elevation, canonical(c.elevation_m));
+  put(Band::Variance, canonical(c.ground_variance_m2));
+  put(Band::State, static_cast<float>(c.state));
+  put(Band::Age, static_cast<float>(told_s));
+  put(Band::ElevationVariance, canonical(c.elevation_variance_m2));
+  put(Band::Evidence, pack(static_cast<std::uint32_t>(c.persistence + 128), c.ray_evidence, 0));
+  put(Band::Shape, pack(c.extent, c.footing, age_s - told_s));
+  return values;
 }
 
 std::optional<SiteCell> cell_of(const BandValues& values, std::uint32_t newest_s)

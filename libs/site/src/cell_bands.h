@@ -26,8 +26,8 @@ constexpr std::array<const char*, kBandCount> kBandNames{
 
 using BandValues = std::array<float, kBandCount>;
 
-/** One band of a cell; `newest_s`: of all cells of the file. NaN has one bit pattern. */
-float band_value(const SiteCell& cell, Band band, std::uint32_t newest_s);
+/** `newest_s`: of all cells of the file. NaN has one bit pattern. */
+BandValues values_of(const SiteCell& cell, std::uint32_t newest_s);
 
 /** The cell that has these values: unknown where the state is NaN or 0. Nothing where they are none
  * of a site. */

@@ -66,8 +66,8 @@ class SiteBand : public GDALRasterBand
     for (int r = 0; tile && r < kTileCells; ++r)
     {
       const SiteCell* from = tile->cells.data() + TilePyramid::row_of(site_.level_, r) * kTileCells;
-      const std::uint32_t newest_s = site_.pyramid_.newest_s();
-      for (int c = 0; c < kTileCells; ++c) *to++ = band_value(from[c], band_, newest_s);
+      for (int c = 0; c < kTileCells; ++c)
+        *to++ = values_of(from[c], site_.pyramid_.newest_s())[static_cast<std::size_t>(band_)];
     }
   }
 
@@ -97,6 +97,63 @@ void SiteDataset::make_bands()
   for (std::size_t b = 0; b < kBandCount; ++b)
     SetBand(static_cast<int>(b) + 1, new SiteBand(*this, static_cast<Band>(b)));
   SetMetadataItem("INTERLEAVE", "PIXEL", "IMAGE_STRUCTURE");
+}
+
+CPLErr SiteDataset::IRasterIO(
+    GDALRWFlag flag, int x, int y, int width, int height, void* to, int to_width, int to_height,
+    GDALDataType type, int band_count, BANDMAP_TYPE bands, GSpacing pixel, GSpacing line,
+    GSpacing band, GDALRasterIOExtraArg* extra)
+{
+  constexpr GSpacing kBand = sizeof(float), kPixel = kBand * kBandCount;
+  bool all_bands = band_count == static_cast<int>(kBandCount);
+  for (int b = 0; all_bands && b < band_count; ++b) all_bands = bands[b] == b + 1;
+  const bool whole_cells = width == to_width && height == to_height;
+  if (flag != GF_Read || type != GDT_Float32 || !all_bands || !whole_cells || band != kBand ||
+      pixel != kPixel || line != kPixel * width)
+    return GDALDataset::IRasterIO(
+        flag, x, y, width, height, to, to_width, to_height, type, band_count, bands, pixel, line,
+        band, extra);
+  try
+  {
+    read_pixels(x, y, width, height, static_cast<float*>(to));
+    return CE_None;
+  }
+  catch (...)
+  {
+    whole_->failure_ = std::current_exception();
+    return CE_Failure;
+  }
+}
+
+void SiteDataset::read_pixels(int x, int y, int width, int height, float* to) const
+{
+  const int x1 = (x + width - 1) / kTileCells, y1 = (y + height - 1) / kTileCells;
+  const auto covered = pyramid_.coverage(level_, x / kTileCells, y / kTileCells, x1, y1);
+  if (!covered.all)
+    std::fill_n(
+        to, static_cast<std::size_t>(width) * height * kBandCount,
+        std::numeric_limits<float>::quiet_NaN());
+  for (int ty = y / kTileCells; covered.any && ty <= y1; ++ty)
+    for (int tx = x / kTileCells; tx <= x1; ++tx)
+    {
+      const Tile* tile = pyramid_.tile(level_, tx, ty);
+      if (!tile) continue;
+      const int left = std::max(x, tx * kTileCells), top = std::max(y, ty * kTileCells);
+      const int right = std::min(x + width, (tx + 1) * kTileCells);
+      const int bottom = std::min(y + height, (ty + 1) * kTileCells);
+      for (int row = top; row < bottom; ++row)
+      {
+        const SiteCell* from =
+            tile->cells.data() +
+            TilePyramid::row_of(level_, row - ty * kTileCells) * kTileCells - tx * kTileCells;
+        float* at = to + (static_cast<std::size_t>(row - y) * width + (left - x)) * kBandCount;
+        for (int column = left; column < right; ++column, at += kBandCount)
+        {
+          const BandValues values = values_of(from[column], pyramid_.newest_s());
+          std::copy(values.begin(), values.end(), at);
+        }
+      }
+    }
 }
 
 CPLErr SiteDataset::GetGeoTransform(double* to)

@@ -40,13 +40,14 @@ CPLStringList options_for(const TilePyramid& pyramid)
   const bool many = pyramid.width_cells(0) * pyramid.height_cells(0) > kManyCells;
   CPLStringList options;
   options.SetNameValue("COMPRESS", "DEFLATE");
+  options.SetNameValue("LEVEL", "1");  // the highest saves 2 % more and takes twice as long
   options.SetNameValue("PREDICTOR", "FLOATING_POINT");
   options.SetNameValue("BLOCKSIZE", many ? "512" : "256");
   options.SetNameValue("OVERVIEW_RESAMPLING", "NEAREST");
   options.SetNameValue("OVERVIEWS", "FORCE_USE_EXISTING");
   options.SetNameValue("SPARSE_OK", "YES");
   options.SetNameValue("BIGTIFF", "IF_SAFER");
-  options.SetNameValue("NUM_THREADS", "ALL_CPUS");
+  options.SetNameValue("NUM_THREADS", "ALL_CPUS");  // in the order of the blocks
   return options;
 }
 
