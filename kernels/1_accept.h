@@ -18,6 +18,9 @@ enum RejectCode : int
   kAccepted = kRejectCodes
 };
 
+/** What a frame counts: the points of each RejectCode, and 1 where it shows another floor. */
+constexpr int kLeavesFloor = kRejectCodes, kCounters = kRejectCodes + 1;
+
 struct Point
 {
   float x_m, y_m, z_m;

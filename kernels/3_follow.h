@@ -73,6 +73,7 @@ struct FollowPoses
   FrameContext* frame;
   OffsetHistogram* histogram;
   Datum* datum;
+  std::uint32_t* leaves_floor;
 
   template <class Group>
   TALUS_HD void operator()(const Group& group) const
@@ -142,6 +143,7 @@ struct FollowPoses
       now.starts_anew = select(rose | (kOtherFloorOneIn * far > all), 1, 0);
     }
     *datum = now;
+    *leaves_floor = static_cast<std::uint32_t>(now.starts_anew);
   }
 };
 

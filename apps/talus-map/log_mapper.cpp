@@ -47,6 +47,7 @@ std::vector<Layer> layers_of_every_frame(const Options& o)
   if (o.every == 0 && !o.rawlog_out.empty()) return CObservationTraversability::default_layers();
   if (o.every != 1) return {};
   std::vector<Layer> all;
+  all.reserve(kLayerCount);
   for (int l = 0; l < kLayerCount; ++l) all.push_back(static_cast<Layer>(l));
   return all;
 }

@@ -274,7 +274,7 @@ class DeviceOnHost : public CpuMemory
 
   bool copies_ = false;
   std::size_t slot_ = 0;
-  std::array<std::array<std::uint32_t, kernels::kRejectCodes>, kSlots> reported_{};
+  std::array<std::array<std::uint32_t, kernels::kCounters>, kSlots> reported_{};
 };
 
 }  // namespace talus::test

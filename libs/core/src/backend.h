@@ -27,6 +27,12 @@ struct OutputMemory
                   //!< copied
 };
 
+/** Cells of the window. */
+struct WindowRect
+{
+  int first_x, first_y, width, height;
+};
+
 /** By layer: the caller's n*n floats, or null. */
 using OutputPointers = std::array<float*, kLayerCount>;
 
@@ -56,6 +62,10 @@ class BackendInterface
   // ---- while no frame is in flight ----
   /** Copies a layer, window order, n*n floats. */
   virtual void read_layer(Layer layer, float* out) = 0;
+  /** Cells of rectangles, row by row, one after the other; see ElevationMapper::read_cells(). */
+  virtual void read_cells(const std::vector<WindowRect>& rects, std::vector<CellRecord>& to) = 0;
+  virtual void write_cells(
+      const std::vector<WindowRect>& rects, const std::vector<CellRecord>& from) = 0;
   virtual MapBytes read_all() = 0;
   /** Of a backend that has seen no frame. Sizes are checked by the caller. */
   virtual void write_all(const MapBytes& bytes, const kernels::FrameContext& window) = 0;

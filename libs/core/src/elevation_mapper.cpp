@@ -130,6 +130,27 @@ struct ElevationMapper::Impl
           std::string("ElevationMapper::") + call +
           ": a frame is in flight: finish() what was started before");
   }
+  /** Puts rectangles of the global grid into `rects_in_window`. Returns how many cells they have.
+   */
+  std::size_t find_in_window(const std::vector<CellRect>& rects)
+  {
+    std::size_t size = 0;
+    rects_in_window.clear();
+    for (const CellRect& r : rects)
+    {
+      const std::int64_t x = r.min_cell_x - finished.min_cell_x;
+      const std::int64_t y = r.min_cell_y - finished.min_cell_y;
+      const int n = parameters.cells();
+      const auto inside = [n](std::int64_t first, int length)
+      { return first >= 0 && length >= 0 && length <= n && first <= n - length; };
+      if (!finished.started || !inside(x, r.width_cells) || !inside(y, r.height_cells))
+        throw std::invalid_argument("ElevationMapper: cells that are not all in the window");
+      rects_in_window.push_back(
+          {static_cast<int>(x), static_cast<int>(y), r.width_cells, r.height_cells});
+      size += r.size();
+    }
+    return size;
+  }
   Slot& shown_slot() { return slots[static_cast<std::size_t>(shown)]; }
 
   Parameters parameters;
@@ -144,6 +165,7 @@ struct ElevationMapper::Impl
   std::array<bool, kLayerCount> outputs{};  //!< set_output_layers()
   std::array<std::vector<float>, kLayerCount> others;  //!< layers that are not delivered
   std::array<bool, kLayerCount> layer_read{};  //!< what is shown is up to date
+  std::vector<WindowRect> rects_in_window;  //!< of which cells are handed over
   std::unique_ptr<BackendInterface> backend;  //!< the last member: it refers to `slots`
 };
 
@@ -252,7 +274,7 @@ const std::vector<float>& ElevationMapper::layer(Layer l) const
         layer_name(l) +
         " can be read before the next start() if it is one of set_output_layers(), else when all "
         "frames are finished");
-  values.assign(m.cells(), unknown(l));
+  if (!m.shown_slot().delivered[i]) values.assign(m.cells(), unknown(l));  // else it is the map's
   if (!empty()) m.backend->read_layer(l, values.data());
   m.layer_read[i] = true;
   return values;
@@ -267,6 +289,34 @@ Window ElevationMapper::window() const
 
 const Parameters& ElevationMapper::parameters() const { return impl_->parameters; }
 std::string ElevationMapper::backend_name() const { return impl_->backend->name(); }
+
+Window ElevationMapper::window_after(const Frame& frame) const
+{
+  const Parameters& p = impl_->parameters;
+  const auto [x, y] = WindowTracker::min_cell(WindowTracker::checked_base(frame, p), p);
+  return {p.cells(), p.resolution_m, x, y};
+}
+
+void ElevationMapper::read_cells(
+    const std::vector<CellRect>& rects, std::vector<CellRecord>& records) const
+{
+  Impl& m = *impl_;
+  m.require_none_in_flight("read_cells");
+  records.resize(m.find_in_window(rects));
+  if (!records.empty()) m.backend->read_cells(m.rects_in_window, records);
+}
+
+void ElevationMapper::write_cells(
+    const std::vector<CellRect>& rects, const std::vector<CellRecord>& records)
+{
+  Impl& m = *impl_;
+  m.require_none_in_flight("write_cells");
+  if (m.find_in_window(rects) != records.size())
+    throw std::invalid_argument("ElevationMapper::write_cells: a record for each cell");
+  if (records.empty()) return;
+  m.backend->write_cells(m.rects_in_window, records);
+  m.layer_read = {};
+}
 
 std::vector<std::uint8_t> ElevationMapper::save() const
 {

@@ -46,6 +46,9 @@ class MapBackend final : public BackendInterface
   }
   std::array<bool, kLayerCount> set_outputs(int slot, const OutputPointers& host) override;
   void read_layer(Layer layer, float* out) override;
+  void read_cells(const std::vector<WindowRect>& rects, std::vector<CellRecord>& to) override;
+  void write_cells(
+      const std::vector<WindowRect>& rects, const std::vector<CellRecord>& from) override;
   MapBytes read_all() override;
   void write_all(const MapBytes& bytes, const kernels::FrameContext& window) override;
   std::string name() const override { return executor_.name(); }
@@ -67,6 +70,17 @@ class MapBackend final : public BackendInterface
   {
     executor_.for_each_cell(map_.side(), map_.side(), map_.export_surface(layer, to));
   }
+  /** Loops over the cells of rectangles, as `How` does with a HandOver. */
+  template <class How>
+  void hand_over(const std::vector<WindowRect>& rects)
+  {
+    CellRecord* records = records_.data();
+    for (const WindowRect& rect : rects)
+    {
+      executor_.for_each_cell(rect.width, rect.height, How{map_.hand_over(rect, records)});
+      records += rect.width * rect.height;
+    }
+  }
   static Layer feature_layer(std::size_t i)
   {
     return static_cast<Layer>(static_cast<std::size_t>(Layer::Slope) + i);
@@ -75,6 +89,7 @@ class MapBackend final : public BackendInterface
   Map map_;
   Schedule schedule_;
   int shown_ = 0;  //!< the slot of the frame that was finished last
+  typename Executor::template HostBuffer<CellRecord> records_;  //!< that are handed over
   Executor executor_;  //!< the last member: what it does ends before the memory goes
 };
 
@@ -85,6 +100,7 @@ FrameReport MapBackend<Schedule>::report()
   report.stamp_s = map_.now->stamp_s;
   report.points_in = static_cast<std::uint32_t>(map_.now->n_points);
   std::copy_n(executor_.reported(), kRejectCount, report.rejected.data());
+  report.leaves_floor = executor_.reported()[kernels::kLeavesFloor] != 0;
   report.points_accepted = report.points_in;
   for (const auto r : report.rejected) report.points_accepted -= r;
   report.stage_ms = executor_.stage_ms();
@@ -138,6 +154,28 @@ void MapBackend<Schedule>::read_layer(Layer layer, float* out)
     from = map_.feature(layer);
   }
   if (from != out) executor_.download(from, static_cast<std::size_t>(map_.cells()), out);
+}
+
+template <class Schedule>
+void MapBackend<Schedule>::read_cells(
+    const std::vector<WindowRect>& rects, std::vector<CellRecord>& to)
+{
+  use(shown_);
+  executor_.make_room(records_, to.size());
+  hand_over<ReadCell>(rects);
+  executor_.synchronize();
+  std::copy_n(records_.data(), to.size(), to.data());
+}
+
+template <class Schedule>
+void MapBackend<Schedule>::write_cells(
+    const std::vector<WindowRect>& rects, const std::vector<CellRecord>& from)
+{
+  use(shown_);
+  executor_.make_room(records_, from.size());
+  std::copy_n(from.data(), from.size(), records_.data());
+  hand_over<WriteCell>(rects);
+  executor_.synchronize();
 }
 
 template <class Schedule>

@@ -1,5 +1,6 @@
 #pragma once
 #include "backend.h"
+#include "hand_over.h"
 #include "kernels/1_buried_rays.h"
 #include "kernels/1_voxel_filter.h"
 #include "kernels/2_points.h"
@@ -85,7 +86,10 @@ struct MapBuffers
   {
     return {ground_hits(), rays.data(), offsets.data()};
   }
-  kernels::FollowPoses follow() { return {context.data(), offsets.data(), datum.data()}; }
+  kernels::FollowPoses follow()
+  {
+    return {context.data(), offsets.data(), datum.data(), counters.data() + kernels::kLeavesFloor};
+  }
   kernels::FindRise find_rise() { return {config.data(), context.data(), store()}; }
   kernels::SortPoint sort_point(const kernels::Sorting& sorting)
   {
@@ -186,6 +190,12 @@ struct MapBuffers
     return {
         config.data(), context.data(), store(),
         surfaces_at([=](Layer l) { return l == layer ? to : nullptr; })};
+  }
+  /** Of `rect`, which is in the window of the frame before, as `records`. */
+  HandOver hand_over(const WindowRect& rect, CellRecord* records)
+  {
+    return {config.data(), context.data(), store(),      feature(Layer::Traversability),
+            records,       rect.first_x,   rect.first_y, rect.width};
   }
   /** Whether each frame leaves what traversability is made of: slope, step, roughness, sparsity. */
   bool parts_wanted() const
@@ -320,7 +330,7 @@ void MapBuffers<Executor>::allocate(Executor& executor)
   executor.allocate(line_samples, 2 * grid_size(), kernels::kNan);
   executor.allocate(config, 1, kernels::Config{});
   executor.allocate(context, 1, kernels::FrameContext{});
-  executor.allocate(counters, kernels::kRejectCodes, std::uint32_t{0});
+  executor.allocate(counters, kernels::kCounters, std::uint32_t{0});
   const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
   executor.allocate(judged_surfaces, padded, kernels::Surface{kernels::kNoHeight, 0});
   const auto bins = static_cast<std::size_t>(kernels::bin_count(host_config));

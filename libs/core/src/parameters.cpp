@@ -48,7 +48,7 @@ std::string number(double v) { return number_text(v); }
 std::string exact_number(double v)
 {
   for (int digits = 10; digits < 17; digits++)
-    if (const std::string text = number_text(v, digits); number_from(text) == v) return text;
+    if (std::string text = number_text(v, digits); number_from(text) == v) return text;
   return number_text(v, 17);
 }
 
@@ -103,18 +103,23 @@ BodyBox box_from(const std::string& text)
 
 void validate_box(const BodyBox& box)
 {
-  const double ends[3][2] = {
-      {box.min_x_m, box.max_x_m}, {box.min_y_m, box.max_y_m}, {box.min_z_m, box.max_z_m}};
-  for (std::size_t axis = 0; axis < 3; axis++)
+  struct
   {
-    const auto [low, high] = ends[axis];
+    char axis;
+    double low_m, high_m;
+  } const sides[] = {
+      {'x', box.min_x_m, box.max_x_m},
+      {'y', box.min_y_m, box.max_y_m},
+      {'z', box.min_z_m, box.max_z_m}};
+  for (const auto& [axis, low, high] : sides)
+  {
     if (!(low >= -kHuge && high <= kHuge))  // not NaN
       throw std::invalid_argument(
           "body_boxes_m: the box '" + box_text(box) + "' must lie within " + number(-kHuge) +
           " and " + number(kHuge) + " m");
     if (!(low < high))
       throw std::invalid_argument(
-          "body_boxes_m: the box '" + box_text(box) + "' has no extent in " + "xyz"[axis] +
+          "body_boxes_m: the box '" + box_text(box) + "' has no extent in " + axis +
           ": the smaller of the two numbers of each axis goes first");
   }
 }

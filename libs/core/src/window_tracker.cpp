@@ -30,6 +30,11 @@ kernels::WindowPose window_pose(const Pose& T_map_sensor, double min_x_m, double
   return w;
 }
 
+std::int64_t cell_of(double place_m, double resolution_m)
+{
+  return static_cast<std::int64_t>(std::floor(place_m / resolution_m));
+}
+
 Eigen::Isometry3d to_eigen(const Pose& p)
 {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
@@ -190,17 +195,30 @@ float WindowTracker::pause_until(double stamp_s)
   return pause_s > 0 ? static_cast<float>(std::min(pause_s, kLongestPause_s)) : 0.0f;  // not NaN
 }
 
-kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameters& p)
+Pose WindowTracker::checked_base(const Frame& frame, const Parameters& p)
 {
   check_pose(frame.T_map_sensor, p.resolution_m);
   check_path(frame.path, p.resolution_m);
   if (frame.T_base_sensor) check_place_on_robot(*frame.T_base_sensor);
   const Pose T_map_base = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
   check_place(T_map_base, "the robot's base", p.resolution_m);
+  return T_map_base;
+}
+
+std::pair<std::int64_t, std::int64_t> WindowTracker::min_cell(
+    const Pose& T_map_base, const Parameters& p)
+{
+  const int half = p.cells() / 2;
+  return {
+      cell_of(T_map_base.x(), p.resolution_m) - half,
+      cell_of(T_map_base.y(), p.resolution_m) - half};
+}
+
+kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameters& p)
+{
+  const Pose T_map_base = checked_base(frame, p);
   const int n = p.cells();
-  const auto cell_of = [&](double v)
-  { return static_cast<std::int64_t>(std::floor(v / p.resolution_m)); };
-  const std::int64_t x = cell_of(T_map_base.x()) - n / 2, y = cell_of(T_map_base.y()) - n / 2;
+  const auto [x, y] = min_cell(T_map_base, p);
   const auto& m = frame.T_map_sensor.m;
   const std::array<double, 3> z_axis{m[2], m[6], m[10]};
   std::array<double, 3>& last_z_axis = z_axis_of(frame.sensor);
@@ -228,8 +246,8 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   f.sensor_x_m = f.poses[0].m[3];
   f.sensor_y_m = f.poses[0].m[7];
   f.sensor_z_map_m = f.sensor_z_m = f.poses[0].m[11];
-  f.sensor_cell_x = static_cast<int>(cell_of(frame.T_map_sensor.x()) - x);
-  f.sensor_cell_y = static_cast<int>(cell_of(frame.T_map_sensor.y()) - y);
+  f.sensor_cell_x = static_cast<int>(cell_of(frame.T_map_sensor.x(), p.resolution_m) - x);
+  f.sensor_cell_y = static_cast<int>(cell_of(frame.T_map_sensor.y(), p.resolution_m) - y);
   locate_base(frame, T_map_base, min_x_m, min_y_m, f);
   const bool moves = frame.path.size() >= 2 && frame.path.back().time_s > frame.path.front().time_s;
   f.has_times = frame.time_s && moves;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace talus
@@ -36,6 +37,11 @@ struct WindowTracker
    * leaves then is of no use. */
   kernels::FrameContext advance(const Frame& frame, const Parameters& p);
 
+  /** Where the base is. Throws as advance(). */
+  static Pose checked_base(const Frame& frame, const Parameters& p);
+  /** The first cell of the window of a robot that is there. */
+  static std::pair<std::int64_t, std::int64_t> min_cell(
+      const Pose& T_map_base, const Parameters& p);
   void tell_scans_apart(double stamp_s, kernels::FrameContext& f);
   /** Row or column where a cell, counted from the origin, is stored by a window of n x n. */
   static int storage(std::int64_t cell, int n) { return static_cast<int>(((cell % n) + n) % n); }

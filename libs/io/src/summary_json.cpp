@@ -18,6 +18,7 @@ template <typename Get>
 Json spread(const std::vector<FrameReport>& frames, Get get)
 {
   std::vector<double> values;
+  values.reserve(frames.size());
   for (const auto& f : frames) values.push_back(get(f));
   return {
       {"median", quantile(values, 0.5)},

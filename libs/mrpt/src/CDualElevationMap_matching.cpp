@@ -70,7 +70,8 @@ double CDualElevationMap::internal_computeObservationLikelihood(
   {
     const float x = points.x_m[i], y = points.y_m[i], z = points.z_m[i];
     if (!filter.accepts(x, y, z) || count++ % step != 0) continue;
-    const auto p_map = T_map_sensor.composePoint(mrpt::math::TPoint3D(x, y, z));
+    mrpt::math::TPoint3D p_map;
+    T_map_sensor.composePoint(x, y, z, p_map.x, p_map.y, p_map.z);
     sum += log_likelihood_of_point(map, p_map, likelihoodOptions);
   }
   return sum;

@@ -104,7 +104,7 @@ std::string only_key(
         node, file, where,
         "an entry must be one kind with its keys, e.g. `- " + known.front() +
             ": {...}`; known kinds: " + list_of(known));
-  const auto key = key_text(node.begin()->first, file, where);
+  auto key = key_text(node.begin()->first, file, where);
   if (std::find(known.begin(), known.end(), key) == known.end())
     fail_at(node.begin()->first, file, where, unknown_key(key, known));
   return key;
@@ -208,7 +208,7 @@ std::vector<double> Fields::numbers(const std::string& key, std::size_t count, R
   return to_numbers(node(key), key, count, range);
 }
 std::vector<double> Fields::numbers_or(
-    const std::string& key, std::vector<double> fallback, Range range) const
+    const std::string& key, const std::vector<double>& fallback, Range range) const
 {
   return has(key) ? numbers(key, fallback.size(), range) : fallback;
 }

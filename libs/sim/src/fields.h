@@ -41,7 +41,7 @@ class Fields
   /** A list of exactly `count` numbers. */
   std::vector<double> numbers(const std::string& key, std::size_t count, Range range) const;
   std::vector<double> numbers_or(
-      const std::string& key, std::vector<double> fallback, Range range) const;
+      const std::string& key, const std::vector<double>& fallback, Range range) const;
   /** A list of lists of exactly `count` numbers, one or more. */
   std::vector<std::vector<double>> rows(const std::string& key, std::size_t count) const;
 

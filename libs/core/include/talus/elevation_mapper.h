@@ -105,15 +105,14 @@ class ElevationMapper
 
   /** Where the window will lie when update() has taken a frame. Throws as start() does. */
   Window window_after(const Frame& frame) const;
-  /** Whether the last frame showed another floor: all cells will start empty in the next one. */
-  bool leaves_floor() const;
-  /** What the map remembers of cells that are all in the window, row by row: to be kept before they
-   * leave it. Throws std::invalid_argument where they are not, std::logic_error while a frame is in
-   * flight. */
-  std::vector<CellRecord> read_cells(const CellRect& cells) const;
-  /** And back: those of `records` that are not unknown replace what the map has there. Throws as
-   * read_cells(), and std::invalid_argument where the sizes differ. */
-  void write_cells(const CellRect& cells, const std::vector<CellRecord>& records);
+  /** What the map remembers of cells that are all in the window, row by row, one rectangle after
+   * the other: to be kept before they leave it. Throws std::invalid_argument where they are not,
+   * std::logic_error while a frame is in flight. */
+  void read_cells(const std::vector<CellRect>& rects, std::vector<CellRecord>& records) const;
+  /** And back: those of `records` that are not unknown replace what the map has there; layer()
+   * shows them at once, and what traversability is made of from the next frame on. Throws as
+   * read_cells(), and std::invalid_argument where there are not as many records as cells. */
+  void write_cells(const std::vector<CellRect>& rects, const std::vector<CellRecord>& records);
 
   /** Whether save() gives so many bytes of a map with these parameters that has seen a frame, or
    * did so in an earlier version: to be asked before they are read from a file. Throws

@@ -31,6 +31,8 @@ struct FrameReport
   std::uint32_t points_in = 0;
   std::uint32_t points_accepted = 0;
   std::array<std::uint32_t, kRejectCount> rejected{};  //!< indexed by Reject
+  /** It showed another floor than that of the map: all cells start empty in the next frame. */
+  bool leaves_floor = false;
   std::array<double, kStageCount>
       stage_ms{};  //!< indexed as kStageNames; stages that run fused report with the first
   /** From update() to its end; of a CUDA frame from start() to the end of finish(). */

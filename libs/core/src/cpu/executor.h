@@ -27,6 +27,14 @@ class CpuMemory
     buffer.assign(size, value);
   }
   template <class T>
+  using HostBuffer = std::vector<T>;
+  /** Of host memory that kernels reach, for at least so many; what was there is lost. */
+  template <class T>
+  void make_room(HostBuffer<T>& buffer, std::size_t size)
+  {
+    if (buffer.size() < size) buffer.resize(size);
+  }
+  template <class T>
   void upload(const T* from, std::size_t size, T* to)
   {
     copy(to, from, size);
@@ -116,7 +124,7 @@ class CpuMemory
   };
   std::array<Slot, kSlots> slots_;
   std::size_t now_ = 0;
-  std::array<std::uint32_t, kernels::kRejectCodes> counters_{};
+  std::array<std::uint32_t, kernels::kCounters> counters_{};
 };
 
 /** Runs the stages' loops. An executor supplies buffers, loops and the atomics that its threads

@@ -46,6 +46,14 @@ class CudaExecutor
     synchronize();
   }
   template <class T>
+  using HostBuffer = PinnedBuffer<T>;
+  /** Of host memory that kernels reach, for at least so many; what was there is lost. */
+  template <class T>
+  void make_room(HostBuffer<T>& buffer, std::size_t size)
+  {
+    if (buffer.size() < size) buffer = PinnedBuffer<T>(size + size / 2);
+  }
+  template <class T>
   void upload(const T* from, std::size_t size, T* to)
   {
     copy(to, from, size);

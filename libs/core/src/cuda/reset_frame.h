@@ -11,9 +11,9 @@ struct ResetFrame
   std::uint32_t* cell_count;
   std::uint32_t* kept_count;
   int n_cells, n_kept;
-  std::uint32_t* rejected;
+  std::uint32_t* counters;
   std::uint32_t* reported;
-  int n_reasons;
+  int n_counters;
   std::uint64_t* cursor;
   int workers;
 
@@ -21,7 +21,7 @@ struct ResetFrame
   {
     reset(worker, workers);
     if (worker != 0) return;
-    for (int i = 0; i < n_reasons; i++) reported[i] = rejected[i], rejected[i] = 0;
+    for (int i = 0; i < n_counters; i++) reported[i] = counters[i], counters[i] = 0;
     *cursor = 0;
   }
 

@@ -186,7 +186,7 @@ class DeviceSchedule
         static_cast<int>(kept_count_.size()),
         map_.counters.data(),
         executor_.reported(),
-        kernels::kRejectCodes,
+        kernels::kCounters,
         cursor_.data(),
         workers()};
   }

@@ -44,7 +44,7 @@ struct CudaSlot
   static CudaSlot make()
   {
     CudaSlot slot;
-    slot.counters = PinnedBuffer<std::uint32_t>(kernels::kRejectCodes);
+    slot.counters = PinnedBuffer<std::uint32_t>(kernels::kCounters);
     slot.stage_end_ns = PinnedBuffer<std::uint64_t>(kMaxStageEnds);
     slot.computed = make_event();
     slot.queue = make_queue();

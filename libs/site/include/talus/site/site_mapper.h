@@ -2,27 +2,96 @@
 #include <talus/elevation_mapper.h>
 #include <talus/site/site.h>
 
+#include <cstddef>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <vector>
+
 namespace talus::site
 {
-/** Keeps in a site what leaves the window of a map, and gives back what comes again. */
+struct Strip;
+
+/** Keeps in a site what leaves the window of a map, and gives back what comes again. One drive.
+ *
+ * Floors. Where rays show another floor, as after a lift, the map starts anew: its new ground then
+ * chooses the floor that agrees with it, else a new one. On ramps what leaves the window chooses:
+ * where more of it contradicts what is kept of the floor than agrees, the robot is on another one;
+ * and what comes back is restored only where it goes on the ground beside it. Heights contradict
+ * if they are a floor apart; then what was measured before stays. */
 class SiteMapper
 {
  public:
-  /** `restores`: cells that come back are restored; else what was kept stays until the cell leaves
-   * again. */
-  explicit SiteMapper(Site& site, bool restores = true) : site_(site), restores_(restores) {}
+  /** Begins a way in `site`. `restores`: cells that come back are restored; else what was kept stays
+   * until the cell leaves again. */
+  explicit SiteMapper(Site& site, bool restores = true);
 
-  /** map.update(frame), and before it what leaves is kept, after it what came back restored. */
+  /** map.update(frame), and before it what leaves is kept, after it what came back restored. Throws
+   * as update(), and std::runtime_error as TileStore. */
   FrameReport update(ElevationMapper& map, const Frame& frame);
   /** Keeps the cells of the window as they are: at the end of a drive, or between. */
   void keep_window(const ElevationMapper& map);
-  /** Where the robot is. */
+  /** Where the robot is; on ramps it changes when what the robot came from leaves the window. */
   int floor() const { return floor_; }
 
  private:
+  struct Place
+  {
+    double x_m = 0, y_m = 0, z_m = 0;
+  };
+  /** Why the floor has to be chosen. */
+  enum class Choice
+  {
+    None,
+    Appeared,  //!< the first frame, or none of the cells of before is in the window
+    LeftFloor
+  };
+  /** Where the ground of a cell should be for it to be of the same floor; NaN: anywhere. */
+  struct Reference
+  {
+    float ground_m, within_m;
+  };
+  struct Votes
+  {
+    int agree = 0, contradict = 0;
+  };
+
+  void begin(const Place& base);
+  void keep_before(const ElevationMapper& map, const Window& after, const Place& base);
+  void restore_entered(ElevationMapper& map, const Window& before, const Window& after);
+  void wait_for_floor(ElevationMapper& map);
+  bool choose_floor(const ElevationMapper& map);
+  void keep_all(const ElevationMapper& map);
+  void follow(const Place& base);
+  void add_to_way();
+
+  // Of what read() has read last: `cells` is one of its rectangles, its first record `first`.
+  void read(const ElevationMapper& map, std::initializer_list<CellRect> rects);
+  void keep(const CellRect& cells, std::size_t first);
+  void store(const CellRect& cells, std::size_t first);
+  void refer_to_beside(const Strip& strip, std::size_t first, std::size_t first_beside);
+  Votes votes(int floor, const CellRect& cells, std::size_t first);
+  std::optional<int> other_floor(const CellRect& cells, std::size_t first, int fewest_agree);
+  int references(const CellRect& cells, std::size_t first) const;
+  bool take_back(const CellRect& cells, std::size_t first);
+  bool take_back_from(int floor, const CellRect& cells, std::size_t first);
+
   Site& site_;
   bool restores_;
   int floor_ = 0;
+  int floors_ = 1;
+  Choice choice_ = Choice::None;
+  Place base_;  //!< in the last frame
+  Place calm_;  //!< where the base was lately, before it rose or sank
+  int frames_calm_ = 0;  //!< while the floor is to be chosen
+  double stamp_s_ = 0;  //!< of the last frame
+  double kept_s_ = -std::numeric_limits<double>::infinity();  //!< when the whole window was kept
+
+  // Kept so that nothing is allocated.
+  std::vector<CellRect> rects_;
+  std::vector<CellRecord> records_;
+  std::vector<Reference> references_;
+  std::vector<float> beside_m_;
 };
 
 }  // namespace talus::site

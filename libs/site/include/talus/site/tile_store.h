@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <tuple>
@@ -44,30 +43,34 @@ struct Tile
   std::array<SiteCell, static_cast<std::size_t>(kTileCells) * kTileCells> cells;
 };
 
-/** The tiles of a site, as many as the budget allows in memory, the others on disk. */
+/** The tiles of a site, as many as the budget allows in memory, the others on disk: those that were
+ * asked for last stay. Not thread safe. */
 class TileStore
 {
  public:
-  /** `folder`: where tiles go that find no room; made when the first does, removed with the store.
-   */
+  /** At least so many tiles stay in memory, whatever the budget. */
+  static constexpr std::size_t kFewestInMemory = 4;
+
+  /** `folder`: where a hidden folder is made for tiles that find no room, when the first does;
+   * removed with the store. */
   TileStore(std::size_t memory_bytes, std::string folder);
   ~TileStore();
   TileStore(const TileStore&) = delete;
   TileStore& operator=(const TileStore&) = delete;
 
   /** Null where there is none. Valid until the next call. Throws std::runtime_error where a tile on
-   * disk cannot be read. */
+   * disk cannot be read, or one cannot be written to make room. */
   const Tile* find(const TileKey& key);
-  /** Made where there is none. Valid until the next call. Throws as find(), and where a tile cannot
-   * be written to disk. */
+  /** To be changed; made where there is none. Valid until the next call. Throws as find(). */
   Tile& at(const TileKey& key);
-  /** In ascending order. */
+  /** In ascending order, wherever they are. */
   std::vector<TileKey> keys() const;
 
+  std::size_t tiles_in_memory() const;
+
  private:
-  std::size_t memory_bytes_;
-  std::string folder_;
-  std::map<TileKey, std::unique_ptr<Tile>> tiles_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /** The tile of a cell of the global grid, and where that stands in it. */

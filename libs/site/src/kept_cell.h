@@ -1,0 +1,61 @@
+#pragma once
+#include <talus/cell_record.h>
+#include "kernels/cell.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+// What is said of one cell that was kept, and what the map says of it now.
+namespace talus::site
+{
+inline bool is_known(const CellRecord& c) { return c.state != kernels::kUnknown; }
+inline bool is_measured(const CellRecord& c) { return c.state == kernels::kMeasured; }
+
+/** Heights of two floors. */
+inline bool contradict(float a_m, float b_m) { return std::abs(a_m - b_m) > kernels::kOtherFloor_m; }
+
+/** How much is guessed: what was hit comes before what was filled from two sides, and from one. */
+inline int guessed(const CellRecord& c)
+{
+  const int measured = kernels::kMeasured;
+  return std::isnan(c.elevation_m) ? c.state : measured;
+}
+
+/** Whether two measurements differ by noise alone. */
+inline bool agree(float a_m, float a_m2, float b_m, float b_m2)
+{
+  constexpr float kSigmas2 = 9;
+  return (a_m - b_m) * (a_m - b_m) <= kSigmas2 * (a_m2 + b_m2);
+}
+
+/** Whether what was kept of a cell is worth more than what its first frame says. */
+inline bool is_worth_more(const CellRecord& kept, const CellRecord& now)
+{
+  if (!is_known(kept)) return false;
+  if (!is_known(now)) return true;
+  if (guessed(kept) != guessed(now)) return guessed(kept) < guessed(now);
+  return is_measured(kept) && is_measured(now) && kept.ground_variance_m2 < now.ground_variance_m2 &&
+         agree(kept.ground_m, kept.ground_variance_m2, now.ground_m, now.ground_variance_m2) &&
+         agree(
+             kept.elevation_m, kept.elevation_variance_m2, now.elevation_m,
+             now.elevation_variance_m2);
+}
+
+/** Without what it says of the frames just before it was kept. */
+inline CellRecord without_latest(CellRecord c)
+{
+  c.persistence = std::min<std::int8_t>(c.persistence, 0);
+  c.ray_evidence &= static_cast<std::uint8_t>(kernels::kPassedLow | kernels::kHitHighUp);
+  c.footing &= static_cast<std::uint8_t>(~kernels::kSeenInScan);
+  return c;
+}
+
+inline std::uint32_t whole_seconds(double stamp_s)
+{
+  constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
+  return stamp_s > 0 ? static_cast<std::uint32_t>(std::min(stamp_s, kMost)) : 0;  // not NaN
+}
+
+}  // namespace talus::site

@@ -1,0 +1,343 @@
+#include <talus/site/site_mapper.h>
+
+#include "kept_cell.h"
+#include "kernels/rule_constants.h"
+#include "strips.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus::site
+{
+namespace
+{
+using kernels::kOtherFloor_m;
+
+/** Of fewer cells nothing is said about floors. */
+constexpr int kFewestVotes = 8;
+/** Away from the robot, where no ground is known beside a cell, it may rise or fall so much more
+ * [m/m]. */
+constexpr float kRise = 0.25f;
+/** A base that has risen or sunk by so much may be on another floor with its next frame. */
+constexpr float kRises_m = kOtherFloor_m / 2;
+/** A window that was kept so lately is not kept once more when the floor is left: the last frame
+ * has put what it saw of the other one into it. */
+constexpr double kLately_s = 10;
+/** The floor is chosen when the robot has not risen for so many frames, or drives. */
+constexpr int kFramesCalm = 3;
+constexpr double kCalm_m = 0.1, kDrives_m = 0.3;
+constexpr double kWayPoint_m = 1;
+
+/** The gaps of a line take what is nearest. */
+void fill_gaps(std::vector<float>& line)
+{
+  const std::size_t n = line.size();
+  std::size_t gap = 0;  // where the last known one ends
+  for (std::size_t i = 0; i <= n; ++i)
+  {
+    if (i < n && std::isnan(line[i])) continue;
+    const std::size_t begin = gap, middle = (begin + i) / 2;
+    const float before = begin > 0 ? line[begin - 1] : NAN, after = i < n ? line[i] : NAN;
+    for (; gap < i; ++gap)
+      line[gap] = std::isnan(after) || (gap < middle && !std::isnan(before)) ? before : after;
+    gap = i + 1;
+  }
+}
+}  // namespace
+
+SiteMapper::SiteMapper(Site& site, bool restores) : site_(site), restores_(restores)
+{
+  for (const TileKey& key : site.tiles.keys()) floors_ = std::max(floors_, key.floor + 1);
+  site.ways.emplace_back();
+}
+
+FrameReport SiteMapper::update(ElevationMapper& map, const Frame& frame)
+{
+  const Window before = map.window(), after = map.window_after(frame);
+  const Pose T_map_base = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
+  const Place base{T_map_base.x(), T_map_base.y(), T_map_base.z()};
+  const bool begins = map.empty();
+  if (begins)
+    begin(base);
+  else
+    keep_before(map, after, base);
+  const FrameReport report = map.update(frame);
+  stamp_s_ = frame.stamp_s;
+  follow(base);
+  if (choice_ != Choice::None)
+    wait_for_floor(map);
+  else if (restores_ && !begins && !same_place(before, after))
+    restore_entered(map, before, after);
+  if (!report.leaves_floor) return report;
+  if (choice_ == Choice::None && !(stamp_s_ - kept_s_ < kLately_s)) keep_all(map);
+  choice_ = Choice::LeftFloor;
+  calm_ = base;
+  frames_calm_ = 0;
+  return report;
+}
+
+void SiteMapper::begin(const Place& base)
+{
+  calm_ = base;
+  frames_calm_ = kFramesCalm;
+  choice_ = site_.tiles.keys().empty() ? Choice::None : Choice::Appeared;
+}
+
+/** What leaves with the next frame; all of it before a frame that may put what it sees of another
+ * floor on this one. */
+void SiteMapper::keep_before(const ElevationMapper& map, const Window& after, const Place& base)
+{
+  if (choice_ != Choice::None) return;
+  const Window now = map.window();
+  const bool rises = std::abs(base.z_m - calm_.z_m) > kRises_m;
+  const bool appears = !overlap(now, after);
+  if (rises || appears)
+  {
+    keep_all(map);
+    kept_s_ = stamp_s_;
+    calm_ = base;
+  }
+  else if (!same_place(now, after))
+  {
+    const Strip x = Strip::beside_x(now, after), y = Strip::beside_y(now, after);
+    read(map, {x.cells, y.cells});
+    keep(x.cells, 0);
+    keep(y.cells, x.cells.size());
+  }
+  if (!appears) return;
+  choice_ = Choice::Appeared;
+  frames_calm_ = kFramesCalm;
+}
+
+void SiteMapper::keep_window(const ElevationMapper& map)
+{
+  if (map.empty()) return;
+  if (choice_ != Choice::None && choose_floor(map)) choice_ = Choice::None;
+  keep_all(map);
+  auto& way = site_.ways.back();
+  if (way.empty() || std::hypot(base_.x_m - way.back().x_m, base_.y_m - way.back().y_m) > kCalm_m)
+    add_to_way();
+}
+
+void SiteMapper::keep_all(const ElevationMapper& map)
+{
+  const CellRect window = rect_of(map.window());
+  read(map, {window});
+  keep(window, 0);
+}
+
+/** Puts cells into the tiles of their floor. */
+void SiteMapper::keep(const CellRect& cells, std::size_t first)
+{
+  const Votes here = votes(floor_, cells, first);
+  if (here.contradict > here.agree && here.contradict >= kFewestVotes)
+    floor_ = other_floor(cells, first, kFewestVotes).value_or(floors_);
+  else if (here.agree + here.contradict == 0 && floors_ > 1)
+    floor_ = other_floor(cells, first, std::max(kFewestVotes, references(cells, first) / 2))
+                 .value_or(floor_);
+  floors_ = std::max(floors_, floor_ + 1);
+  store(cells, first);
+}
+
+void SiteMapper::store(const CellRect& cells, std::size_t first)
+{
+  const std::uint32_t seen_s = whole_seconds(stamp_s_);
+  const CellRecord* const now = records_.data() + first;
+  const auto put = [&](const TilePart& part)
+  {
+    bool any = false;
+    for_each_cell(cells, part, [&](std::size_t i, std::size_t) { any |= is_known(now[i]); });
+    if (!any) return;
+    Tile& tile = site_.tiles.at(part.key);
+    for_each_cell(
+        cells, part,
+        [&](std::size_t i, std::size_t at)
+        {
+          SiteCell& kept = tile.cells[at];
+          if (!is_known(now[i])) return;
+          if (is_measured(kept.cell) && contradict(kept.cell.ground_m, now[i].ground_m)) return;
+          kept.cell = now[i];
+          kept.seen_s = seen_s;
+        });
+  };
+  for_each_tile(cells, floor_, put);
+}
+
+/** Gives back what was kept of cells that have come into the window. */
+void SiteMapper::restore_entered(ElevationMapper& map, const Window& before, const Window& after)
+{
+  const Strip x = Strip::beside_x(after, before), y = Strip::beside_y(after, before);
+  const std::size_t cells = x.cells.size() + y.cells.size();
+  read(map, {x.cells, y.cells, x.beside, y.beside});
+  refer_to_beside(x, 0, cells);
+  refer_to_beside(y, x.cells.size(), cells + x.beside.size());
+  const bool any_x = take_back(x.cells, 0), any_y = take_back(y.cells, x.cells.size());
+  if (!any_x && !any_y) return;
+  rects_.resize(2);
+  records_.resize(cells);
+  map.write_cells(rects_, records_);
+}
+
+/** Puts what was kept of cells in the place of their records where it is worth more, and nothing
+ * elsewhere. Whether there is any. */
+bool SiteMapper::take_back(const CellRect& cells, std::size_t first)
+{
+  const Votes here = votes(floor_, cells, first);
+  if (here.agree > 0 && here.agree >= here.contradict) return take_back_from(floor_, cells, first);
+  return take_back_from(other_floor(cells, first, 1).value_or(floor_), cells, first);
+}
+
+bool SiteMapper::take_back_from(int floor, const CellRect& cells, std::size_t first)
+{
+  bool any = false;
+  const auto look_up = [&](const TilePart& part)
+  {
+    const Tile* tile = site_.tiles.find(part.key);
+    for_each_cell(
+        cells, part,
+        [&](std::size_t i, std::size_t at)
+        {
+          CellRecord& now = records_[first + i];
+          const CellRecord kept = tile ? tile->cells[at].cell : CellRecord{};
+          const Reference& r = references_[first + i];
+          const bool takes =
+              is_worth_more(kept, now) && !(std::abs(kept.ground_m - r.ground_m) > r.within_m);
+          now = takes ? without_latest(kept) : CellRecord{};
+          any |= takes;
+        });
+  };
+  for_each_tile(cells, floor, look_up);
+  return any;
+}
+
+/** After a frame on a floor that is not known yet. */
+void SiteMapper::wait_for_floor(ElevationMapper& map)
+{
+  const bool drives = std::hypot(base_.x_m - calm_.x_m, base_.y_m - calm_.y_m) > kDrives_m;
+  if (std::abs(base_.z_m - calm_.z_m) < kCalm_m)
+    ++frames_calm_;
+  else
+  {
+    frames_calm_ = 0;
+    calm_.z_m = base_.z_m;
+  }
+  if ((frames_calm_ < kFramesCalm && !drives) || !choose_floor(map)) return;
+  choice_ = Choice::None;
+  calm_ = base_;
+  if (restores_ && take_back_from(floor_, rects_.front(), 0)) map.write_cells(rects_, records_);
+}
+
+/** The one that agrees most with what the window measured. False: it measured too little. */
+bool SiteMapper::choose_floor(const ElevationMapper& map)
+{
+  const CellRect window = rect_of(map.window());
+  read(map, {window});
+  if (references(window, 0) < kFewestVotes) return false;
+  const Votes here = votes(floor_, window, 0);
+  const int agree = here.agree > here.contradict ? here.agree : 0;
+  if (const auto other = other_floor(window, 0, agree + 1))
+    floor_ = *other;
+  else if (agree == 0 && (choice_ == Choice::LeftFloor || here.contradict > 0))
+    floor_ = floors_++;
+  return true;
+}
+
+/** Cells are of the floor whose ground is where they were measured. */
+void SiteMapper::read(const ElevationMapper& map, std::initializer_list<CellRect> rects)
+{
+  rects_ = rects;
+  map.read_cells(rects_, records_);
+  references_.resize(records_.size());
+  for (std::size_t i = 0; i < records_.size(); ++i)
+    references_[i] = {is_measured(records_[i]) ? records_[i].ground_m : NAN, kOtherFloor_m};
+}
+
+/** Where nothing was measured, they go on from what is known beside them. */
+void SiteMapper::refer_to_beside(const Strip& strip, std::size_t first, std::size_t first_beside)
+{
+  beside_m_.resize(strip.beside.size());
+  for (std::size_t i = 0; i < beside_m_.size(); ++i)
+    beside_m_[i] = records_[first_beside + i].ground_m;
+  fill_gaps(beside_m_);
+  const int width = strip.cells.width_cells;
+  for (std::size_t i = 0; i < strip.cells.size(); ++i)
+  {
+    Reference& r = references_[first + i];
+    if (!std::isnan(r.ground_m)) continue;
+    const int x = static_cast<int>(i) % width, y = static_cast<int>(i) / width;
+    r.ground_m = beside_m_[static_cast<std::size_t>(strip.is_upright ? y : x)];
+    if (!std::isnan(r.ground_m)) continue;
+    const double x_m = site_.resolution_m * static_cast<double>(strip.cells.min_cell_x + x);
+    const double y_m = site_.resolution_m * static_cast<double>(strip.cells.min_cell_y + y);
+    r.ground_m = static_cast<float>(base_.z_m);
+    r.within_m += kRise * static_cast<float>(std::hypot(x_m - base_.x_m, y_m - base_.y_m));
+  }
+}
+
+/** What was measured there on a floor, against the references. */
+SiteMapper::Votes SiteMapper::votes(int floor, const CellRect& cells, std::size_t first)
+{
+  Votes sum;
+  const auto count = [&](const TilePart& part)
+  {
+    const Tile* tile = site_.tiles.find(part.key);
+    if (!tile) return;
+    for_each_cell(
+        cells, part,
+        [&](std::size_t i, std::size_t at)
+        {
+          const CellRecord& kept = tile->cells[at].cell;
+          const Reference& r = references_[first + i];
+          if (!is_measured(kept) || std::isnan(r.ground_m)) return;
+          ++(std::abs(kept.ground_m - r.ground_m) > r.within_m ? sum.contradict : sum.agree);
+        });
+  };
+  for_each_tile(cells, floor, count);
+  return sum;
+}
+
+/** The one with the most cells that agree: so many at least, and more than contradict. */
+std::optional<int> SiteMapper::other_floor(
+    const CellRect& cells, std::size_t first, int fewest_agree)
+{
+  std::optional<int> best;
+  for (int floor = 0; floor < floors_; ++floor)
+  {
+    if (floor == floor_) continue;
+    const Votes there = votes(floor, cells, first);
+    if (there.agree < fewest_agree || there.agree <= there.contradict) continue;
+    best = floor;
+    fewest_agree = there.agree + 1;
+  }
+  return best;
+}
+
+int SiteMapper::references(const CellRect& cells, std::size_t first) const
+{
+  const auto from = references_.begin() + static_cast<std::ptrdiff_t>(first);
+  return static_cast<int>(std::count_if(
+      from, from + static_cast<std::ptrdiff_t>(cells.size()),
+      [](const Reference& r) { return !std::isnan(r.ground_m); }));
+}
+
+void SiteMapper::follow(const Place& base)
+{
+  base_ = base;
+  if (choice_ == Choice::None &&
+      std::hypot(base.x_m - calm_.x_m, base.y_m - calm_.y_m) > kOtherFloor_m)
+    calm_ = base;
+  const auto& way = site_.ways.back();
+  if (way.empty() ||
+      std::hypot(base.x_m - way.back().x_m, base.y_m - way.back().y_m, base.z_m - way.back().z_m) >=
+          kWayPoint_m)
+    add_to_way();
+}
+
+void SiteMapper::add_to_way()
+{
+  site_.ways.back().push_back(
+      {static_cast<float>(base_.x_m), static_cast<float>(base_.y_m), static_cast<float>(base_.z_m),
+       floor_});
+}
+
+}  // namespace talus::site

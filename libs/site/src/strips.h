@@ -1,0 +1,98 @@
+#pragma once
+#include <talus/site/tile_store.h>
+#include <talus/window.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+
+// Rectangles of the global grid of cells: what enters and leaves a window, and which tiles it is
+// in.
+namespace talus::site
+{
+inline CellRect rect_of(const Window& w)
+{
+  return {w.min_cell_x, w.min_cell_y, w.cells, w.cells};
+}
+inline bool same_place(const Window& a, const Window& b)
+{
+  return a.min_cell_x == b.min_cell_x && a.min_cell_y == b.min_cell_y;
+}
+inline bool overlap(const Window& a, const Window& b)
+{
+  return std::abs(a.min_cell_x - b.min_cell_x) < a.cells &&
+         std::abs(a.min_cell_y - b.min_cell_y) < a.cells;
+}
+
+/** Cells of one window that are not in another, at one side of it: of two windows that overlap. */
+struct Strip
+{
+  CellRect cells;
+  CellRect beside;  //!< the column or row of both windows next to it
+  bool is_upright;
+
+  static Strip beside_x(const Window& of, const Window& but)
+  {
+    const std::int64_t moved = of.min_cell_x - but.min_cell_x;
+    const int width = static_cast<int>(std::abs(moved));
+    const std::int64_t min_x = moved > 0 ? of.min_cell_x + of.cells - width : of.min_cell_x;
+    return {
+        {min_x, of.min_cell_y, width, of.cells},
+        {moved > 0 ? min_x - 1 : min_x + width, of.min_cell_y, width > 0 ? 1 : 0, of.cells},
+        true};
+  }
+  /** Without what is beside_x(). */
+  static Strip beside_y(const Window& of, const Window& but)
+  {
+    const std::int64_t moved = of.min_cell_y - but.min_cell_y;
+    const int height = static_cast<int>(std::abs(moved));
+    const std::int64_t min_y = moved > 0 ? of.min_cell_y + of.cells - height : of.min_cell_y;
+    const std::int64_t min_x = std::max(of.min_cell_x, but.min_cell_x);
+    const int width = of.cells - static_cast<int>(std::abs(of.min_cell_x - but.min_cell_x));
+    return {
+        {min_x, min_y, width, height},
+        {min_x, moved > 0 ? min_y - 1 : min_y + height, width, height > 0 ? 1 : 0},
+        false};
+  }
+};
+
+/** The part of a rectangle in one tile; x and y count from the rectangle. */
+struct TilePart
+{
+  TileKey key;
+  int x, y, width, height;
+};
+
+/** Calls f(part) for each tile that a rectangle reaches into. */
+template <class F>
+void for_each_tile(const CellRect& r, int floor, const F& f)
+{
+  const auto length = [](std::int64_t first, int size, int from)
+  { return std::min(size - from, kTileCells - place_in_tile(first + from)); };
+  for (int y = 0, height = 0; y < r.height_cells; y += height)
+  {
+    height = length(r.min_cell_y, r.height_cells, y);
+    for (int x = 0, width = 0; x < r.width_cells; x += width)
+    {
+      width = length(r.min_cell_x, r.width_cells, x);
+      const TileKey key{floor, tile_of(r.min_cell_x + x), tile_of(r.min_cell_y + y)};
+      f(TilePart{key, x, y, width, height});
+    }
+  }
+}
+
+/** Calls f(index in the rectangle, index in the tile) for the cells of a part. */
+template <class F>
+void for_each_cell(const CellRect& r, const TilePart& part, const F& f)
+{
+  const int tile_x = place_in_tile(r.min_cell_x + part.x);
+  const int tile_y = place_in_tile(r.min_cell_y + part.y);
+  for (int row = 0; row < part.height; ++row)
+  {
+    const auto from = static_cast<std::size_t>((part.y + row) * r.width_cells + part.x);
+    const auto to = static_cast<std::size_t>((tile_y + row) * kTileCells + tile_x);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(part.width); ++i) f(from + i, to + i);
+  }
+}
+
+}  // namespace talus::site

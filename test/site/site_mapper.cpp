@@ -1,0 +1,365 @@
+// A whole drive is kept: what leaves the window comes back when the robot does, floor by floor.
+#include <gtest/gtest.h>
+#include <talus/baselines/sequence.h>
+#include <talus/site/site_mapper.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <string>
+
+namespace talus::site
+{
+namespace
+{
+using baselines::ScanFrame;
+
+constexpr double kNoNoise_m = 0;
+constexpr const char* kSensor = "sensor: {scanner: VLP-16, at_m: [0, 0, 0.7], rate_hz: 5}\n";
+
+std::vector<ScanFrame> drive(const std::string& world, double noise_m = kNoNoise_m)
+{
+  sim::DriveOptions options;
+  options.noise_m = noise_m;
+  options.noise_per_m = 0;
+  const sim::World w = sim::parse_world("seed: 5\n" + world + kSensor, "test.yaml");
+  const sim::Drive d(w, options);
+  return baselines::simulate(w, d).frames;
+}
+
+Parameters small_window(double window_m = 5)
+{
+  Parameters p;
+  p.window_m = window_m;
+  return p;
+}
+
+/** A map whose drive is kept. */
+struct KeptDrive
+{
+  explicit KeptDrive(const Parameters& p = small_window(), bool restores = true, int threads = 1)
+      : site(p.resolution_m, std::size_t{64} << 20, testing::TempDir()),
+        mapper(site, restores),
+        map(p, Backend::Cpu, threads)
+  {
+  }
+
+  using OnFrame = std::function<void(std::size_t)>;
+  KeptDrive& add(const std::vector<ScanFrame>& frames, const OnFrame& on_frame = {})
+  {
+    for (std::size_t i = 0; i < frames.size(); ++i)
+    {
+      mapper.update(map, frames[i].view());
+      if (on_frame) on_frame(i);
+    }
+    return *this;
+  }
+  KeptDrive& end()
+  {
+    mapper.keep_window(map);
+    return *this;
+  }
+
+  SiteCell cell(double x_m, double y_m, int floor = 0)
+  {
+    return at(
+        static_cast<std::int64_t>(std::floor(x_m / site.resolution_m)),
+        static_cast<std::int64_t>(std::floor(y_m / site.resolution_m)), floor);
+  }
+  SiteCell at(std::int64_t x, std::int64_t y, int floor = 0)
+  {
+    const Tile* tile = site.tiles.find({floor, tile_of(x), tile_of(y)});
+    return tile ? tile->cells[static_cast<std::size_t>(
+                      place_in_tile(y) * kTileCells + place_in_tile(x))]
+                : SiteCell{};
+  }
+  float in_window(Layer layer, double x_m, double y_m) const
+  {
+    const Window w = map.window();
+    const auto x = static_cast<std::int64_t>(std::floor(x_m / w.resolution_m)) - w.min_cell_x;
+    const auto y = static_cast<std::int64_t>(std::floor(y_m / w.resolution_m)) - w.min_cell_y;
+    EXPECT_TRUE(x >= 0 && y >= 0 && x < w.cells && y < w.cells) << x_m << " " << y_m;
+    return map.layer(layer)[static_cast<std::size_t>(y * w.cells + x)];
+  }
+
+  /** Calls f(cell, x of its middle, y) for the known cells of a floor. */
+  void for_each_known(
+      int floor, const std::function<void(const SiteCell&, double, double)>& f)
+  {
+    for (const TileKey& key : site.tiles.keys())
+    {
+      if (key.floor != floor) continue;
+      const Tile& tile = *site.tiles.find(key);
+      for (int i = 0; i < kTileCells * kTileCells; ++i)
+        if (const SiteCell& c = tile.cells[static_cast<std::size_t>(i)]; c.known())
+          f(c, (key.x * kTileCells + i % kTileCells + 0.5) * site.resolution_m,
+            (key.y * kTileCells + i / kTileCells + 0.5) * site.resolution_m);
+    }
+  }
+
+  Site site;
+  SiteMapper mapper;
+  ElevationMapper map;
+};
+
+bool is_measured(const SiteCell& c) { return c.cell.state == 1; }
+
+/** Of those measured on a floor within a rectangle: how many, and farthest off a height. */
+struct Off
+{
+  int cells = 0, far = 0;  //!< far: by more than 0.3 m
+  double most_m = 0;
+};
+Off off_ground(
+    KeptDrive& kept, int floor, double height_m, double x0 = -1e9, double x1 = 1e9,
+    double y0 = -1e9, double y1 = 1e9)
+{
+  Off off;
+  kept.for_each_known(
+      floor,
+      [&](const SiteCell& c, double x, double y)
+      {
+        if (!is_measured(c) || x < x0 || x > x1 || y < y0 || y > y1) return;
+        const double by = std::abs(c.cell.ground_m - height_m);
+        ++off.cells;
+        off.far += by > 0.3;
+        off.most_m = std::max(off.most_m, by);
+      });
+  return off;
+}
+
+const std::string kFlat = "ground: [plane: {}]\n";
+const std::string kStraight = kFlat + "robot: {path_m: [[0, 0], [16, 3]], speed_mps: 2}\n";
+
+std::string bytes_of(KeptDrive& kept)
+{
+  std::string bytes;
+  const auto put = [&](const auto& value)
+  { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (const TileKey& key : kept.site.tiles.keys())
+  {
+    put(key);
+    for (const SiteCell& c : kept.site.tiles.find(key)->cells)
+    {
+      put(c.seen_s), put(c.cell.state), put(c.cell.persistence), put(c.cell.ray_evidence);
+      put(c.cell.extent), put(c.cell.footing), put(c.cell.ground_m);
+      put(c.cell.ground_variance_m2), put(c.cell.elevation_m);
+      put(c.cell.elevation_variance_m2), put(c.cell.traversability);
+    }
+  }
+  return bytes;
+}
+}  // namespace
+
+TEST(SiteMapper, keeps_every_cell_of_a_straight_drive)
+{
+  const auto frames = drive(kStraight);
+  KeptDrive kept;
+  std::map<std::pair<std::int64_t, std::int64_t>, int> seen;
+  kept.add(
+      frames,
+      [&](std::size_t)
+      {
+        const Window w = kept.map.window();
+        const auto& state = kept.map.layer(Layer::State);
+        for (int i = 0; i < w.cells * w.cells; ++i)
+          if (state[static_cast<std::size_t>(i)] == 1)
+            seen[{w.min_cell_x + i % w.cells, w.min_cell_y + i / w.cells}] = 1;
+      });
+  kept.end();
+  ASSERT_GT(seen.size(), 20000u);
+  std::size_t lost = 0;
+  for (const auto& entry : seen) lost += !is_measured(kept.at(entry.first.first, entry.first.second));
+  EXPECT_EQ(lost, 0u);
+  const Off off = off_ground(kept, 0, 0);
+  EXPECT_LT(off.most_m, 0.005);
+  EXPECT_EQ(kept.cell(-2, 0).seen_s + 5, kept.cell(15, 3).seen_s) << "whole seconds";
+  EXPECT_EQ(kept.mapper.floor(), 0);
+}
+
+TEST(SiteMapper, writes_down_the_way_about_every_metre)
+{
+  const auto frames = drive(kStraight);
+  KeptDrive kept;
+  kept.add(frames).end();
+  ASSERT_EQ(kept.site.ways.size(), 1u);
+  const auto& way = kept.site.ways.front();
+  EXPECT_NEAR(static_cast<double>(way.size()), 14, 3);
+  EXPECT_NEAR(way.front().x_m, 0, 0.01);
+  EXPECT_NEAR(way.back().x_m, 16, 0.5);
+  EXPECT_NEAR(way.back().y_m, 3, 0.2);
+}
+
+TEST(SiteMapper, a_robot_that_turns_round_finds_the_map_that_it_made)
+{
+  const auto frames = drive(
+      kFlat +
+      "objects: [box: {at_m: [2, 1.5], size_m: [0.5, 0.5, 0.6]}]\n"
+      "robot: {path_m: [[0, 0], [9, 0], [9.6, 0.3], [9, 0.6], [0, 0.6]], speed_mps: 2}\n");
+  KeptDrive kept, forgets(small_window(), false);
+  int came_back = 0, forgotten = 0;
+  const auto count_measured = [](KeptDrive& k)
+  {
+    int n = 0;
+    for (const float s : k.map.layer(Layer::State)) n += s == 1;
+    return n;
+  };
+  for (std::size_t i = 0; i < frames.size(); ++i)
+  {
+    kept.mapper.update(kept.map, frames[i].view());
+    forgets.mapper.update(forgets.map, frames[i].view());
+    const auto &state = kept.map.layer(Layer::State), &ground = kept.map.layer(Layer::GroundElevation);
+    for (std::size_t k = 0; k < state.size(); ++k)
+      if (state[k] == 1) ASSERT_LT(std::abs(ground[k]), 0.005f) << "a seam in frame " << i;
+    if (frames[i].time_s < 7 || frames[i].time_s > 9) continue;
+    came_back += count_measured(kept);
+    forgotten += count_measured(forgets);
+  }
+  EXPECT_GT(came_back, forgotten + forgotten / 20);
+  EXPECT_NEAR(kept.in_window(Layer::Elevation, 2.1, 1.4), 0.6, 0.02) << "the box";
+}
+
+TEST(SiteMapper, without_restoring_cells_that_come_back_start_empty)
+{
+  const auto frames = drive(kStraight);
+  std::vector<ScanFrame> there_and_away{frames.front(), frames.back(), frames.front()};
+  there_and_away.back().x_m.clear();  // sees nothing
+  there_and_away.back().y_m.clear();
+  there_and_away.back().z_m.clear();
+  KeptDrive kept, forgets(small_window(), false);
+  kept.add(there_and_away);
+  forgets.add(there_and_away);
+  const auto known = [](const KeptDrive& k)
+  {
+    int n = 0;
+    for (const float s : k.map.layer(Layer::State)) n += s > 0;
+    return n;
+  };
+  EXPECT_EQ(known(forgets), 0);
+  forgets.end();
+  EXPECT_GT(off_ground(forgets, 0, 0, -2, 2).cells, 200) << "unknown cells erase nothing";
+  SUCCEED() << known(kept);
+}
+
+TEST(SiteMapper, a_second_round_changes_nothing_by_more_than_noise_and_a_box_that_went_is_gone)
+{
+  constexpr double kNoise_m = 0.01;
+  const std::string way = "[8, 0], [8, 6], [0, 6], [0, 0]";
+  const auto frames = drive(
+      kFlat +
+          "objects:\n- box: {at_m: [4, 1.6], size_m: [0.6, 0.6, 0.5], until_s: 14}\n"
+          "- box: {at_m: [4, 7.6], size_m: [0.6, 0.6, 0.5]}\n"
+          "robot: {path_m: [[0, 0], " +
+          way + ", " + way + "], speed_mps: 2}\n",
+      kNoise_m);
+  KeptDrive kept;
+  std::size_t half = 0;
+  while (frames[half].time_s < 14.2) ++half;
+  kept.add({frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(half)}).end();
+  EXPECT_GT(kept.cell(4, 1.35).cell.elevation_m, 0.4f);
+  std::map<std::pair<double, double>, SiteCell> first;
+  kept.for_each_known(
+      0, [&](const SiteCell& c, double x, double y) { first[{x, y}] = c; });
+  kept.add({frames.begin() + static_cast<std::ptrdiff_t>(half), frames.end()}).end();
+  int compared = 0, changed = 0;
+  double most_sigmas = 0;
+  kept.for_each_known(
+      0,
+      [&](const SiteCell& c, double x, double y)
+      {
+        const auto before = first.find({x, y});
+        if (before == first.end() || !is_measured(c) || !is_measured(before->second)) return;
+        if (std::abs(x - 4) < 0.5 && std::abs(y - 1.6) < 0.5) return;  // the box
+        const CellRecord &a = before->second.cell, &b = c.cell;
+        const double sigmas = std::abs(a.ground_m - b.ground_m) /
+                              std::sqrt(a.ground_variance_m2 + b.ground_variance_m2);
+        ++compared;
+        changed += sigmas > 3;
+        most_sigmas = std::max(most_sigmas, sigmas);
+      });
+  EXPECT_GT(compared, 20000);
+  EXPECT_EQ(changed, 0) << "by up to " << most_sigmas << " standard deviations";
+  EXPECT_FALSE(kept.cell(4, 1.35).cell.elevation_m > 0.1f) << "the box that was taken away";
+  EXPECT_GT(kept.cell(4, 7.35).cell.elevation_m, 0.4f) << "the box that stays";
+}
+
+TEST(SiteMapper, a_lift_to_another_floor_and_back_gives_two_floors)
+{
+  const auto frames = drive(
+      kFlat +
+      "objects:\n- deck: {at_m: [0, 0], size_m: [20, 16], z_m: 3.2}\n"
+      "- box: {at_m: [2.25, 1], size_m: [0.5, 0.5, 0.6]}\n"
+      "- box: {at_m: [-2.25, -1], size_m: [0.5, 0.5, 0.6], lift_m: 3.2}\n"
+      "robot: {path_m: [[-4, 0], [4, 0], [4, 0.5], [-4, 0.5], [-4, 0], [4, 0]], speed_mps: 2,\n"
+      "  lifts: [{time_s: 4.1, z_m: 3.2}, {time_s: 8.4, z_m: 0}]}\n");
+  KeptDrive kept;
+  std::vector<int> floors;
+  kept.add(
+      frames,
+      [&](std::size_t)
+      {
+        if (floors.empty() || floors.back() != kept.mapper.floor())
+          floors.push_back(kept.mapper.floor());
+      });
+  kept.end();
+  EXPECT_EQ(floors, (std::vector<int>{0, 1, 0}));
+  const Off lower = off_ground(kept, 0, 0), upper = off_ground(kept, 1, 3.2);
+  EXPECT_GT(lower.cells, 10000);
+  EXPECT_GT(upper.cells, 10000);
+  EXPECT_LT(lower.most_m, 0.05);
+  EXPECT_LT(upper.most_m, 0.05);
+  EXPECT_NEAR(kept.cell(2.05, 1, 0).cell.elevation_m, 0.6, 0.05);
+  EXPECT_NEAR(kept.cell(-2.05, -1, 1).cell.elevation_m, 3.8, 0.05);
+  EXPECT_FALSE(kept.cell(-2.05, -1, 0).cell.elevation_m > 0.1f);
+  EXPECT_FALSE(kept.cell(2.05, 1, 1).cell.elevation_m > 3.3f);
+}
+
+TEST(SiteMapper, decks_that_a_ramp_joins_do_not_overwrite_each_other)
+{
+  // Under the deck and out again, up the ramp beside it, over the deck; then once more.
+  const std::string round =
+      "[14, 0], [6, 0], [0, 0], [-2, 4], [0, 8], [4, 8], [14, 8], [17, 4], [14, 0], [10, 0]";
+  const auto frames = drive(
+      "ground:\n- plane: {}\n"
+      "- ramp: {at_m: [3, 8], length_m: 8, height_m: 2.2, width_m: 3.4, top_m: 0}\n"
+      "objects:\n- deck: {at_m: [16.4, 4], size_m: [10.8, 14], z_m: 2.2}\n"
+      "robot: {path_m: [[14, 0], [6, 0], [0, 0], [-2, 4], [0, 8], [4, 8], [14, 8], [17, 4], "
+      "[14, 0]], speed_mps: 2}\n");
+  KeptDrive kept(small_window(6));
+  kept.add(frames).end();
+  const Off lower = off_ground(kept, 0, 0, 12, 16, -2, 2);
+  const Off upper = off_ground(kept, 1, 2.2, 12, 16, -2, 2);
+  EXPECT_GT(lower.cells, 2000);
+  EXPECT_GT(upper.cells, 2000);
+  EXPECT_LT(lower.far, lower.cells / 200);
+  EXPECT_LT(upper.far, upper.cells / 200);
+  EXPECT_EQ(kept.site.tiles.keys().back().floor, 1);
+  EXPECT_EQ(kept.mapper.floor(), 1);
+}
+
+TEST(SiteMapper, goes_on_with_a_site_that_there_was_before)
+{
+  const auto frames = drive(kStraight);
+  const std::ptrdiff_t half = static_cast<std::ptrdiff_t>(frames.size() / 2);
+  KeptDrive kept;
+  kept.add({frames.begin(), frames.begin() + half}).end();
+  ElevationMapper map(small_window(), Backend::Cpu);
+  SiteMapper next_day(kept.site);
+  next_day.update(map, frames[static_cast<std::size_t>(half)].view());
+  int measured = 0;
+  for (const float s : map.layer(Layer::State)) measured += s == 1;
+  EXPECT_GT(measured, 4000) << "restored with the first frame";
+  EXPECT_EQ(next_day.floor(), 0);
+  EXPECT_EQ(kept.site.ways.size(), 2u);
+}
+
+TEST(SiteMapper, gives_the_same_bytes_with_any_number_of_threads)
+{
+  const auto frames = drive(kStraight, 0.02);
+  KeptDrive one, four(small_window(), true, 4);
+  one.add(frames).end();
+  four.add(frames).end();
+  EXPECT_TRUE(bytes_of(one) == bytes_of(four));
+}
+
+}  // namespace talus::site

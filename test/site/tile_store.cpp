@@ -1,0 +1,214 @@
+// The tiles of a site: as many in memory as the budget allows, the others on disk.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <talus/site/tile_store.h>
+
+#include <csignal>
+#include <cstring>
+
+#include "log_files.h"
+
+namespace fs = std::filesystem;
+using talus::test::expect_error;
+using talus::test::ScratchDir;
+using talus::test::write_bytes;
+
+namespace talus::site
+{
+namespace
+{
+constexpr std::size_t kEight = 8 * sizeof(Tile);
+
+/** Another one for each key, with unknown cells, NaN and numbers of all kinds. */
+void fill(Tile& tile, const TileKey& key)
+{
+  for (std::size_t i = 0; i < tile.cells.size(); ++i)
+  {
+    if (i % 3 == 0) continue;
+    SiteCell& c = tile.cells[i];
+    c.cell.ground_m = static_cast<float>(key.x) + 0.001f * static_cast<float>(i);
+    c.cell.ground_variance_m2 = 1e-4f;
+    if (i % 2) c.cell.elevation_m = static_cast<float>(key.y);
+    c.cell.state = static_cast<std::uint8_t>(1 + i % 3);
+    c.cell.persistence = static_cast<std::int8_t>(i % 200 - 100);
+    c.cell.footing = static_cast<std::uint8_t>(i);
+    c.seen_s = static_cast<std::uint32_t>(4000000000U + i);
+  }
+}
+
+bool is_same(const SiteCell& a, const SiteCell& b)
+{
+  const auto bits = [](float x)
+  {
+    std::uint32_t b32;
+    std::memcpy(&b32, &x, sizeof b32);
+    return b32;
+  };
+  return bits(a.cell.ground_m) == bits(b.cell.ground_m) &&
+         bits(a.cell.ground_variance_m2) == bits(b.cell.ground_variance_m2) &&
+         bits(a.cell.elevation_m) == bits(b.cell.elevation_m) &&
+         bits(a.cell.elevation_variance_m2) == bits(b.cell.elevation_variance_m2) &&
+         bits(a.cell.traversability) == bits(b.cell.traversability) &&
+         a.cell.state == b.cell.state && a.cell.persistence == b.cell.persistence &&
+         a.cell.ray_evidence == b.cell.ray_evidence && a.cell.extent == b.cell.extent &&
+         a.cell.footing == b.cell.footing && a.seen_s == b.seen_s;
+}
+
+void expect_filled(const Tile* tile, const TileKey& key)
+{
+  ASSERT_NE(tile, nullptr);
+  static Tile expected;
+  expected = Tile{};
+  fill(expected, key);
+  for (std::size_t i = 0; i < expected.cells.size(); ++i)
+    ASSERT_TRUE(is_same(tile->cells[i], expected.cells[i])) << "cell " << i;
+}
+
+TileKey nth(int i) { return {i % 3, i / 5 - 4, i % 5 - 2}; }
+
+/** So many tiles, which are too many for the store. */
+void fill(TileStore& store, int tiles)
+{
+  for (int i = 0; i < tiles; ++i) fill(store.at(nth(i)), nth(i));
+}
+
+std::vector<fs::path> files_below(const std::string& folder)
+{
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  return files;
+}
+}  // namespace
+
+TEST(TileStore, keeps_no_more_tiles_in_memory_than_the_budget_and_the_others_on_disk)
+{
+  const ScratchDir dir;
+  TileStore store(kEight, dir / "");
+  fill(store, 8);
+  EXPECT_EQ(store.tiles_in_memory(), 8u);
+  EXPECT_TRUE(files_below(dir / "").empty()) << "nothing is written before it must";
+  for (int i = 8; i < 40; ++i)
+  {
+    fill(store.at(nth(i)), nth(i));
+    EXPECT_EQ(store.tiles_in_memory(), 8u);
+  }
+  EXPECT_EQ(files_below(dir / "").size(), 32u);
+  EXPECT_EQ(store.keys().size(), 40u);
+}
+
+TEST(TileStore, gives_back_what_was_on_disk_byte_for_byte)
+{
+  const ScratchDir dir;
+  TileStore store(0, dir / "");
+  fill(store, 40);
+  EXPECT_EQ(store.tiles_in_memory(), TileStore::kFewestInMemory);
+  for (const int i : {0, 39, 7, 7, 21, 0}) expect_filled(store.find(nth(i)), nth(i));
+  store.at(nth(3)).cells[5].cell.ground_m = 42;
+  for (int i = 10; i < 30; ++i) expect_filled(store.find(nth(i)), nth(i));
+  EXPECT_EQ(store.find(nth(3))->cells[5].cell.ground_m, 42) << "a change of what had been on disk";
+  EXPECT_EQ(store.find({7, 7, 7}), nullptr);
+}
+
+TEST(TileStore, lists_all_tiles_by_floor_and_then_row_by_row)
+{
+  const ScratchDir dir;
+  TileStore store(0, dir / "");
+  fill(store, 20);
+  const auto keys = store.keys();
+  ASSERT_EQ(keys.size(), 20u);
+  for (std::size_t i = 1; i < keys.size(); ++i) EXPECT_TRUE(keys[i - 1] < keys[i]);
+  EXPECT_EQ(keys.front().floor, 0);
+  EXPECT_EQ(keys.back().floor, 2);
+}
+
+TEST(TileStore, keeps_the_tiles_that_were_asked_for_last)
+{
+  const ScratchDir dir;
+  TileStore store(0, dir / "");
+  fill(store, 10);
+  for (int i = 0; i < 3; ++i) store.find(nth(i));
+  for (const auto& file : files_below(dir / "")) fs::remove(file);
+  for (int i = 0; i < 3; ++i) expect_filled(store.find(nth(i)), nth(i));
+}
+
+TEST(TileStore, leaves_nothing_behind)
+{
+  const ScratchDir dir;
+  {
+    TileStore store(0, dir / "new/folder");
+    EXPECT_FALSE(fs::exists(dir / "new"));
+    fill(store, 10);
+    EXPECT_FALSE(fs::is_empty(dir / "new/folder"));
+  }
+  EXPECT_TRUE(fs::is_empty(dir / "new/folder"));
+}
+
+TEST(TileStore, two_in_one_folder_do_not_disturb_each_other)
+{
+  const ScratchDir dir;
+  TileStore a(0, dir / "");
+  fill(a, 10);
+  {
+    TileStore b(0, dir / "");
+    for (int i = 0; i < 10; ++i) b.at(nth(i));
+  }
+  for (int i = 0; i < 10; ++i) expect_filled(a.find(nth(i)), nth(i));
+}
+
+TEST(TileStore, names_a_tile_file_that_is_gone_or_damaged)
+{
+  const ScratchDir dir;
+  TileStore store(0, dir / "");
+  fill(store, 10);
+  const auto path_of = [&](const std::string& part)
+  {
+    for (const auto& file : files_below(dir / ""))
+      if (file.string().find(part) != std::string::npos) return file.string();
+    return std::string();
+  };
+  const std::string damaged = path_of("floor_0_x_-4_y_-2."), gone = path_of("floor_1_x_-4_y_-1.");
+  std::string bytes = talus::test::read_bytes(damaged);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  write_bytes(damaged, bytes);
+  fs::remove(gone);
+  expect_error([&] { store.find(nth(0)); }, {damaged, "damaged", "--memory"});
+  expect_error([&] { store.at(nth(1)); }, {gone, "No such file", "--memory"});
+  write_bytes(damaged, "");
+  expect_error([&] { store.find(nth(0)); }, {damaged, "damaged"});
+  expect_filled(store.find(nth(9)), nth(9));
+}
+
+TEST(TileStore, says_what_to_do_where_the_disk_is_full_and_loses_nothing)
+{
+  const ScratchDir dir;
+  TileStore store(kEight, dir / "");
+  fill(store, 8);
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  rlimit tight = before;
+  tight.rlim_cur = 100;
+  setrlimit(RLIMIT_FSIZE, &tight);
+  expect_error([&] { store.at(nth(8)); }, {dir / "", ".tile.zst", "free some space", "--memory"});
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(store.keys().size(), 8u);
+  for (int i = 0; i < 8; ++i) expect_filled(store.find(nth(i)), nth(i));
+  fill(store, 9);
+  for (int i = 0; i < 9; ++i) expect_filled(store.find(nth(i)), nth(i));
+}
+
+TEST(TileStore, counts_cells_on_both_sides_of_the_origin)
+{
+  EXPECT_EQ(tile_of(0), 0);
+  EXPECT_EQ(tile_of(127), 0);
+  EXPECT_EQ(tile_of(128), 1);
+  EXPECT_EQ(tile_of(-1), -1);
+  EXPECT_EQ(tile_of(-128), -1);
+  EXPECT_EQ(tile_of(-129), -2);
+  EXPECT_EQ(place_in_tile(-1), 127);
+  EXPECT_EQ(place_in_tile(-128), 0);
+  EXPECT_EQ(place_in_tile(130), 2);
+}
+
+}  // namespace talus::site
