@@ -1,79 +1,21 @@
 #include <talus/io/geotiff.h>
 
-#include <talus/input_file.h>
 #include <talus/io/atomic_file.h>
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
+#include "gdal_support.h"
+
 #include <cpl_string.h>
-#include <gdal_frmts.h>
-#include <gdal_priv.h>
-#include <ogr_spatialref.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <stdexcept>
 
 namespace talus::io
 {
 namespace
 {
-struct CloseDataset
-{
-  void operator()(GDALDataset* d) const { GDALClose(d); }
-};
-using DatasetPtr = std::unique_ptr<GDALDataset, CloseDataset>;
-
-/** Collects what GDAL reports while it lives, instead of letting it print. */
-class GdalErrors
-{
- public:
-  GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::handler, this); }
-  ~GdalErrors() { CPLPopErrorHandler(); }
-  GdalErrors(const GdalErrors&) = delete;
-  GdalErrors& operator=(const GdalErrors&) = delete;
-
-  bool any() const { return !first_.empty(); }
-  const std::string& text() const { return first_; }
-
- private:
-  static void CPL_STDCALL handler(CPLErr level, CPLErrorNum, const char* message)
-  {
-    auto* self = static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
-    if (level >= CE_Failure && self->first_.empty()) self->first_ = message;
-  }
-  std::string first_;
-};
-
-[[noreturn]] void fail(const std::string& path, const char* what, const GdalErrors& errors)
-{
-  throw std::runtime_error(path + ": " + what + (errors.any() ? ": " + errors.text() : ""));
-}
-
-constexpr const char* kNotWritten =
-    "cannot write this GeoTIFF; is the disk full? Free some space there";
-
-GDALDriver& geotiff_driver()
-{
-  static const bool once = (GDALRegister_GTiff(), true);
-  (void)once;
-  auto* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
-  if (!driver) throw std::runtime_error("this GDAL was built without its GeoTIFF driver");
-  return *driver;
-}
-
-/** Metres from the origin of the map: belongs nowhere on the globe. */
-OGRSpatialReference map_frame()
-{
-  OGRSpatialReference frame;
-  frame.SetLocalCS("talus map frame");
-  frame.SetLinearUnits(SRS_UL_METER, 1.0);
-  return frame;
-}
-
 void check_shape(const std::string& path, const LayerStack& stack)
 {
   try
@@ -180,12 +122,8 @@ void write_geotiff(
 
 LayerStack read_geotiff(const std::string& path)
 {
-  require_readable_file(path, "GeoTIFF");
-  geotiff_driver();
   GdalErrors errors;
-  const char* const only_geotiff[] = {"GTiff", nullptr};
-  DatasetPtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER, only_geotiff));
-  if (!dataset) fail(path, "cannot read this file as a GeoTIFF", errors);
+  const DatasetPtr dataset = open_geotiff(path, errors);
   LayerStack stack = place_of(*dataset, path, errors);
   for (auto* band : dataset->GetBands())
   {

@@ -1,16 +1,23 @@
 #pragma once
 #include <talus/site/site.h>
 
+#include <functional>
 #include <string>
 
 namespace talus::site
 {
-/** Writes one floor of a site as a Cloud Optimized GeoTIFF, whole or not at all. Throws
- * std::runtime_error that names the file. */
-void write_site(const std::string& path, Site& site, int floor);
+/** Told how much is done, 0..1. */
+using Progress = std::function<void(double)>;
 
-/** Reads such a file as a floor of `site`, whose resolution must be that of the file. Throws
- * std::runtime_error that names the file and what is wrong. */
+/** Writes one floor of a site as a Cloud Optimized GeoTIFF, whole or not at all: the same bytes for
+ * the same site. Throws std::runtime_error that names the file, also where the floor has no known
+ * cell. */
+void write_site(
+    const std::string& path, Site& site, int floor, const Progress& progress = Progress());
+
+/** Reads such a file as a floor of `site`, whose resolution must be that of the file. Its origin
+ * must be the same, too; a site without tiles takes it over. Throws std::runtime_error that names
+ * the file and what is wrong. */
 void read_site(const std::string& path, Site& site, int floor);
 
 /** The resolution of such a file, to make a site for it. Throws as read_site(). */

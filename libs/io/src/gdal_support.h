@@ -1,0 +1,49 @@
+#pragma once
+#include <gdal_priv.h>
+#include <ogr_spatialref.h>
+
+#include <memory>
+#include <string>
+
+namespace talus::io
+{
+struct CloseDataset
+{
+  void operator()(GDALDataset* d) const { GDALClose(d); }
+};
+using DatasetPtr = std::unique_ptr<GDALDataset, CloseDataset>;
+
+/** Collects what GDAL reports in this thread while it lives, instead of letting it print. */
+class GdalErrors
+{
+ public:
+  GdalErrors();
+  ~GdalErrors();
+  GdalErrors(const GdalErrors&) = delete;
+  GdalErrors& operator=(const GdalErrors&) = delete;
+
+  bool any() const { return !first_.empty(); }
+  const std::string& text() const { return first_; }
+
+ private:
+  static void CPL_STDCALL handler(CPLErr level, CPLErrorNum, const char* message);
+  std::string first_;
+};
+
+/** Throws std::runtime_error: "PATH: WHAT: what GDAL reported". */
+[[noreturn]] void fail(const std::string& path, const char* what, const GdalErrors& errors);
+
+constexpr const char* kNotWritten =
+    "cannot write this GeoTIFF; is the disk full? Free some space there";
+
+/** Of plain GeoTIFFs, and of cloud optimized ones. Throw std::runtime_error where GDAL has none. */
+GDALDriver& geotiff_driver();
+GDALDriver& cog_driver();
+
+/** Opens a GeoTIFF to read it. Throws std::runtime_error that names the file. */
+DatasetPtr open_geotiff(const std::string& path, const GdalErrors& errors);
+
+/** Metres from the origin of the map: belongs nowhere on the globe. */
+OGRSpatialReference map_frame();
+
+}  // namespace talus::io

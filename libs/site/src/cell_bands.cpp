@@ -1,0 +1,94 @@
+#include "cell_bands.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace talus::site
+{
+namespace
+{
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr double kHighest_m = 1e9;  //!< beyond what frames can lead to
+constexpr std::uint32_t kExact = 1U << 24;  //!< whole numbers up to it are float32
+
+/** The largest float32 that is not above a whole number. */
+std::uint32_t floor_to_float(std::uint32_t whole)
+{
+  std::uint32_t step = 1;
+  while (whole / step >= kExact) step *= 2;
+  return whole / step * step;
+}
+
+/** NaN of any bits becomes one. */
+float canonical(float v) { return std::isnan(v) ? kNone : v; }
+
+/** A whole number from 0 to `most`. */
+std::optional<std::uint32_t> whole(float v, std::uint32_t most)
+{
+  if (!(v >= 0 && static_cast<double>(v) <= most && v == std::floor(v))) return std::nullopt;
+  return static_cast<std::uint32_t>(v);
+}
+
+bool is_surface(float height_m, float variance_m2)
+{
+  return std::abs(height_m) <= kHighest_m && variance_m2 >= 0 && std::isfinite(variance_m2);
+}
+bool is_none(float height_m, float variance_m2)
+{
+  return std::isnan(height_m) && std::isnan(variance_m2);
+}
+}  // namespace
+
+BandValues values_of(const SiteCell& cell, std::uint32_t newest_s)
+{
+  BandValues values;
+  values.fill(kNone);
+  if (!cell.known()) return values;
+  const CellRecord& c = cell.cell;
+  const std::uint32_t age_s = newest_s - cell.seen_s, told_s = floor_to_float(age_s);
+  const auto put = [&](Band b, float v) { values[static_cast<std::size_t>(b)] = v; };
+  const auto pack = [](std::uint32_t low, std::uint32_t middle, std::uint32_t high)
+  { return static_cast<float>(low | middle << 8 | high << 16); };
+  put(Band::Traversability, canonical(c.traversability));
+  put(Band::GroundElevation, canonical(c.ground_m));
+  put(Band::Elevation, canonical(c.elevation_m));
+  put(Band::Variance, canonical(c.ground_variance_m2));
+  put(Band::State, static_cast<float>(c.state));
+  put(Band::Age, static_cast<float>(told_s));
+  put(Band::ElevationVariance, canonical(c.elevation_variance_m2));
+  put(Band::Evidence, pack(static_cast<std::uint32_t>(c.persistence + 128), c.ray_evidence, 0));
+  put(Band::Shape, pack(c.extent, c.footing, age_s - told_s));
+  return values;
+}
+
+std::optional<SiteCell> cell_of(const BandValues& values, std::uint32_t newest_s)
+{
+  const auto of = [&](Band b) { return values[static_cast<std::size_t>(b)]; };
+  SiteCell cell;
+  if (std::isnan(of(Band::State)) || of(Band::State) == 0) return cell;
+  const auto state = whole(of(Band::State), 3), age = whole(of(Band::Age), newest_s),
+             evidence = whole(of(Band::Evidence), 0xFFFF),
+             shape = whole(of(Band::Shape), kExact - 1);
+  if (!state || !age || !evidence || !shape || newest_s - *age < *shape >> 16) return std::nullopt;
+  CellRecord& c = cell.cell;
+  c.ground_m = of(Band::GroundElevation);
+  c.ground_variance_m2 = of(Band::Variance);
+  c.elevation_m = canonical(of(Band::Elevation));
+  c.elevation_variance_m2 = canonical(of(Band::ElevationVariance));
+  c.traversability = canonical(of(Band::Traversability));
+  c.state = static_cast<std::uint8_t>(*state);
+  c.persistence = static_cast<std::int8_t>(static_cast<int>(*evidence & 0xFF) - 128);
+  c.ray_evidence = static_cast<std::uint8_t>(*evidence >> 8);
+  c.extent = static_cast<std::uint8_t>(*shape & 0xFF);
+  c.footing = static_cast<std::uint8_t>(*shape >> 8 & 0xFF);
+  cell.seen_s = newest_s - *age - (*shape >> 16);
+  const bool sound =
+      is_surface(c.ground_m, c.ground_variance_m2) &&
+      (is_surface(c.elevation_m, c.elevation_variance_m2) ||
+       is_none(c.elevation_m, c.elevation_variance_m2)) &&
+      (std::isnan(c.traversability) || (c.traversability >= 0 && c.traversability <= 1));
+  return sound ? std::optional<SiteCell>(cell) : std::nullopt;
+}
+
+}  // namespace talus::site

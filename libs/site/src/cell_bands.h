@@ -1,0 +1,36 @@
+#pragma once
+#include <talus/site/tile_store.h>
+
+#include <array>
+#include <optional>
+
+// A cell of a site in the bands of its GeoTIFF, and back with the same bits.
+namespace talus::site
+{
+enum class Band : std::size_t
+{
+  Traversability = 0,
+  GroundElevation,
+  Elevation,
+  Variance,
+  State,  //!< NaN where the cell is unknown, as in all bands
+  Age,  //!< [s] whole, before the newest cell of the file, see Shape
+  ElevationVariance,
+  Evidence,  //!< persistence + 128 | ray_evidence << 8
+  Shape  //!< extent | footing << 8 | what a float32 cannot tell of an age above 194 days << 16
+};
+constexpr std::size_t kBandCount = 9;
+constexpr std::array<const char*, kBandCount> kBandNames{
+    "traversability",     "ground_elevation", "elevation", "variance", "state", "age",
+    "elevation_variance", "evidence",         "shape"};
+
+using BandValues = std::array<float, kBandCount>;
+
+/** `newest_s`: of all cells of the file. NaN has one bit pattern. */
+BandValues values_of(const SiteCell& cell, std::uint32_t newest_s);
+
+/** The cell that has these values: unknown where the state is NaN or 0. Nothing where they are none
+ * of a site. */
+std::optional<SiteCell> cell_of(const BandValues& values, std::uint32_t newest_s);
+
+}  // namespace talus::site

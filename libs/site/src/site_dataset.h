@@ -1,0 +1,55 @@
+#pragma once
+#include "cell_bands.h"
+#include "tile_pyramid.h"
+
+#include <gdal_priv.h>
+
+#include <array>
+#include <exception>
+#include <memory>
+#include <vector>
+
+#ifndef BANDMAP_TYPE  // of GDAL before 3.10
+#define BANDMAP_TYPE int*
+#endif
+
+namespace talus::site
+{
+/** What GDAL copies into a file: reads blocks from the tiles when it is asked for them. */
+class SiteDataset : public GDALDataset
+{
+ public:
+  using GeoTransform = std::array<double, 6>;
+
+  SiteDataset(TilePyramid& pyramid, const GeoTransform& transform, const OGRSpatialReference& crs);
+  ~SiteDataset() override = default;
+
+  CPLErr GetGeoTransform(double* to) override;
+  const OGRSpatialReference* GetSpatialRef() const override { return &crs_; }
+
+  /** Throws again what a tile threw while GDAL read. */
+  void rethrow() const;
+
+ protected:
+  /** All bands of a block at once, as the driver asks for them: much faster than one by one. */
+  CPLErr IRasterIO(
+      GDALRWFlag flag, int x, int y, int width, int height, void* to, int to_width, int to_height,
+      GDALDataType type, int band_count, BANDMAP_TYPE bands, GSpacing pixel, GSpacing line,
+      GSpacing band, GDALRasterIOExtraArg* extra) override;
+
+ private:
+  friend class SiteBand;
+  SiteDataset(SiteDataset& whole, int level);
+  void make_bands();
+  void read_pixels(int x, int y, int width, int height, float* to) const;
+
+  TilePyramid& pyramid_;
+  SiteDataset* whole_;  //!< this, or that of which this is an overview
+  int level_ = 0;
+  GeoTransform transform_;
+  OGRSpatialReference crs_;
+  std::vector<std::unique_ptr<SiteDataset>> overviews_;
+  std::exception_ptr failure_;
+};
+
+}  // namespace talus::site

@@ -1,0 +1,126 @@
+#include <talus/site/site_geotiff.h>
+
+#include "site_dataset.h"
+#include "site_reader.h"
+
+#include <talus/io/atomic_file.h>
+#include <talus/number_text.h>
+
+#include <cpl_string.h>
+
+#include <limits>
+#include <memory>
+#include <stdexcept>
+
+namespace talus::site
+{
+namespace
+{
+constexpr int kLargestOverview_cells = 512;
+constexpr std::int64_t kManyCells = std::int64_t{1} << 38;  //!< then blocks are larger
+constexpr std::int64_t kMostCells = std::int64_t{1} << 43;  //!< the file lists all its blocks
+
+void set_metadata(SiteDataset& dataset, const TilePyramid& pyramid, const Site& site, int floor)
+{
+  const auto set = [&](const char* name, const std::string& text)
+  { dataset.SetMetadataItem(name, text.c_str()); };
+  set(kFloorItem, std::to_string(floor));
+  set(kResolutionItem, number_text(site.resolution_m, std::numeric_limits<double>::max_digits10));
+  set(kMinCellXItem, std::to_string(pyramid.min_cell_x()));
+  set(kMinCellYItem, std::to_string(pyramid.min_cell_y()));
+  set(kSeenItem, std::to_string(pyramid.newest_s()));
+  const std::string ways = text_of_ways(site.ways, floor);
+  if (!ways.empty()) set(kWaysItem, ways);
+  if (site.origin) set(kOriginItem, text_of_origin(*site.origin));
+  dataset.SetMetadataItem("AREA_OR_POINT", "Area");
+}
+
+CPLStringList options_for(const TilePyramid& pyramid)
+{
+  const bool many = pyramid.width_cells(0) * pyramid.height_cells(0) > kManyCells;
+  CPLStringList options;
+  options.SetNameValue("COMPRESS", "DEFLATE");
+  options.SetNameValue("LEVEL", "1");  // the highest saves 2 % more and takes twice as long
+  options.SetNameValue("PREDICTOR", "FLOATING_POINT");
+  options.SetNameValue("BLOCKSIZE", many ? "512" : "256");
+  options.SetNameValue("OVERVIEW_RESAMPLING", "NEAREST");
+  options.SetNameValue("OVERVIEWS", "FORCE_USE_EXISTING");
+  options.SetNameValue("SPARSE_OK", "YES");
+  options.SetNameValue("BIGTIFF", "IF_SAFER");
+  options.SetNameValue("NUM_THREADS", "ALL_CPUS");  // in the order of the blocks
+  return options;
+}
+
+int CPL_STDCALL tell(double done, const char*, void* progress)
+{
+  const auto& p = *static_cast<const Progress*>(progress);
+  if (p) p(done);
+  return TRUE;
+}
+
+void check_extent(const std::string& path, const TilePyramid& pyramid, int floor)
+{
+  if (pyramid.empty())
+    throw std::runtime_error(
+        path + ": nothing to write: no cell of floor " + std::to_string(floor) + " is known");
+  constexpr std::int64_t kWidest = std::numeric_limits<int>::max();
+  const std::int64_t width = pyramid.width_cells(0), height = pyramid.height_cells(0);
+  if (width > kWidest || height > kWidest || width > kMostCells / height)
+    throw std::runtime_error(
+        path + ": the site spans " + std::to_string(width) + " x " + std::to_string(height) +
+        " cells, more than a GeoTIFF can hold: did a pose jump? Else divide the drive");
+}
+}  // namespace
+
+void write_site(const std::string& path, Site& site, int floor, const Progress& progress)
+{
+  io::AtomicFile file(path);
+  TilePyramid pyramid(
+      site.tiles, floor, kLargestOverview_cells,
+      (file.hidden_folder().path() / "overviews").string());
+  check_extent(path, pyramid, floor);
+  const GdalCacheLimit limit;
+  io::GdalErrors errors;
+  GDALDriver& cog = io::cog_driver();
+  SiteDataset dataset(
+      pyramid,
+      transform_of(
+          static_cast<double>(pyramid.min_cell_x()) * site.resolution_m,
+          static_cast<double>(pyramid.min_cell_y() + pyramid.height_cells(0)) * site.resolution_m,
+          site.resolution_m, site.origin),
+      crs_of(site.origin));
+  set_metadata(dataset, pyramid, site, floor);
+  io::DatasetPtr written(cog.CreateCopy(
+      file.temporary_path().c_str(), &dataset, FALSE, options_for(pyramid), tell,
+      const_cast<Progress*>(&progress)));
+  dataset.rethrow();
+  written.reset();  // what does not reach the disk is told here at the latest
+  if (errors.any()) io::fail(path, io::kNotWritten, errors);
+  file.commit();
+}
+
+void read_site(const std::string& path, Site& site, int floor)
+{
+  const GdalCacheLimit limit;
+  SiteReader reader(path);
+  if (reader.resolution_m() != site.resolution_m)
+    throw std::runtime_error(
+        path + ": its cells are " + number_text(reader.resolution_m()) + " m wide, not " +
+        number_text(site.resolution_m) + " m: give maps of one resolution");
+  const auto text = [](const std::optional<GeoOrigin>& o)
+  { return o ? text_of_origin(*o) : std::string("none"); };
+  if (site.tiles.keys().empty() && !site.origin) site.origin = reader.origin();
+  if (text(reader.origin()) != text(site.origin))
+    throw std::runtime_error(
+        path + ": its origin on Earth is another (" + text(reader.origin()) + ", not " +
+        text(site.origin) + "): give maps of one map frame");
+  auto ways = reader.ways(floor);
+  const auto tile = std::make_unique<Tile>();
+  for (const auto& place : reader.tiles())
+    if (reader.read(place, *tile)) site.tiles.at({floor, place.x, place.y}) = *tile;
+  for (auto& way : ways) site.ways.push_back(std::move(way));
+}
+
+double resolution_of_site(const std::string& path) { return SiteReader(path).resolution_m(); }
+
+}  // namespace talus::site

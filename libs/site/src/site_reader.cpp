@@ -1,0 +1,182 @@
+#include "site_reader.h"
+#include "cell_bands.h"
+
+#include <talus/number_text.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace talus::site
+{
+namespace
+{
+constexpr const char* kNotASite = "is not a site: give a site.tif of talus-map or talus-merge";
+constexpr const char* kDamaged = "damaged: copy it again, or make it anew";
+constexpr std::int64_t kFarthestCell = 2'000'000'000;  //!< beyond what frames can lead to
+constexpr std::int64_t kCacheBytes = 256LL << 20;
+}  // namespace
+
+GdalCacheLimit::GdalCacheLimit() : before_(GDALGetCacheMax64())
+{
+  if (before_ > kCacheBytes) GDALSetCacheMax64(kCacheBytes);
+}
+GdalCacheLimit::~GdalCacheLimit() { GDALSetCacheMax64(before_); }
+
+SiteReader::SiteReader(const std::string& path) : path_(path)
+{
+  dataset_ = io::open_geotiff(path, errors_);
+  check_bands();
+  read_metadata();
+  check_place();
+}
+
+void SiteReader::fail(const std::string& what) const
+{
+  throw std::runtime_error(path_ + ": " + what);
+}
+
+void SiteReader::check_bands()
+{
+  const auto number_of = [&](const std::string& name)
+  {
+    for (int i = 1; i <= dataset_->GetRasterCount(); ++i)
+      if (name == dataset_->GetRasterBand(i)->GetDescription()) return i;
+    return 0;
+  };
+  bands_.reserve(kBandCount);
+  for (const char* name : kBandNames) bands_.push_back(number_of(name));
+  if (std::find(bands_.begin(), bands_.end(), 0) == bands_.end()) return;
+  if (number_of("sparsity") != 0)
+    fail("is the map.tif of one window, not a site: give the site.tif that lies beside it");
+  fail(std::string("its bands are others, it ") + kNotASite);
+}
+
+std::string SiteReader::item(const char* name) const
+{
+  const char* text = dataset_->GetMetadataItem(name);
+  if (!text) fail(std::string("has no ") + name + ", it " + kNotASite);
+  return text;
+}
+
+std::int64_t SiteReader::whole_item(const char* name, std::int64_t least, std::int64_t most) const
+{
+  const auto v = number_from(item(name));
+  if (!v || *v != std::floor(*v) || *v < static_cast<double>(least) ||
+      *v > static_cast<double>(most))
+    fail(std::string("its ") + name + " is no whole number that fits; it is " + kDamaged);
+  return static_cast<std::int64_t>(*v);
+}
+
+void SiteReader::read_metadata()
+{
+  const auto resolution = number_from(item(kResolutionItem));
+  if (!resolution || !(*resolution > 0) || !std::isfinite(*resolution))
+    fail(std::string("its resolution is none; it is ") + kDamaged);
+  resolution_m_ = *resolution;
+  min_cell_x_ = whole_item(kMinCellXItem, -kFarthestCell, kFarthestCell);
+  min_cell_y_ = whole_item(kMinCellYItem, -kFarthestCell, kFarthestCell);
+  newest_s_ = static_cast<std::uint32_t>(
+      whole_item(kSeenItem, 0, std::numeric_limits<std::uint32_t>::max()));
+  floor_ = static_cast<int>(whole_item(kFloorItem, 0, std::numeric_limits<int>::max()));
+  if (const char* text = dataset_->GetMetadataItem(kOriginItem))
+  {
+    origin_ = origin_from(text);
+    if (!origin_) fail(std::string("its ") + kOriginItem + " is no place; it is " + kDamaged);
+  }
+}
+
+/** A program that cuts or resamples a file keeps the metadata of the whole. */
+void SiteReader::check_place()
+{
+  const int width = dataset_->GetRasterXSize(), height = dataset_->GetRasterYSize();
+  const auto expected = transform_of(
+      static_cast<double>(min_cell_x_) * resolution_m_,
+      static_cast<double>(min_cell_y_ + height) * resolution_m_, resolution_m_, origin_);
+  double t[6];
+  bool same = dataset_->GetGeoTransform(t) == CE_None;
+  for (std::size_t i = 0; i < 6; ++i)
+    same = same && std::abs(t[i] - expected[i]) <= resolution_m_ * (i % 3 == 0 ? 0.01 : 1e-6);
+  if (!same || width % kTileCells != 0 || height % kTileCells != 0 ||
+      min_cell_x_ % kTileCells != 0 || min_cell_y_ % kTileCells != 0)
+    fail("was cut, moved or resampled by another program: give the file as talus wrote it");
+  width_tiles_ = width / kTileCells;
+  height_tiles_ = height / kTileCells;
+}
+
+Ways SiteReader::ways(int floor) const
+{
+  const char* text = dataset_->GetMetadataItem(kWaysItem);
+  auto ways = ways_from(text ? text : "", floor);
+  if (!ways) fail(std::string("its ") + kWaysItem + " are no ways; it is " + kDamaged);
+  return std::move(*ways);
+}
+
+std::vector<SiteReader::Place> SiteReader::tiles() const
+{
+  int size = 1;
+  while (size < std::max(width_tiles_, height_tiles_)) size *= 2;
+  std::vector<Place> found;
+  add_covered({0, 0}, size, found);
+  return found;
+}
+
+/** `from` is counted from the upper left corner of the image here. */
+void SiteReader::add_covered(Place from, int size_tiles, std::vector<Place>& to) const
+{
+  if (from.x >= width_tiles_ || from.y >= height_tiles_) return;
+  const int width = std::min(size_tiles, width_tiles_ - from.x) * kTileCells;
+  const int height = std::min(size_tiles, height_tiles_ - from.y) * kTileCells;
+  auto* band = dataset_->GetRasterBand(bands_[static_cast<std::size_t>(Band::State)]);
+  const int status = band->GetDataCoverageStatus(
+      from.x * kTileCells, from.y * kTileCells, width, height, GDAL_DATA_COVERAGE_STATUS_DATA,
+      nullptr);
+  if (!(status & (GDAL_DATA_COVERAGE_STATUS_DATA | GDAL_DATA_COVERAGE_STATUS_UNIMPLEMENTED)))
+    return;
+  if (size_tiles == 1)
+  {
+    to.push_back(
+        {tile_of(min_cell_x_) + from.x, tile_of(min_cell_y_) + height_tiles_ - 1 - from.y});
+    return;
+  }
+  const int half = size_tiles / 2;
+  for (const int dy : {0, half})
+    for (const int dx : {0, half}) add_covered({from.x + dx, from.y + dy}, half, to);
+}
+
+bool SiteReader::covers(Place tile) const
+{
+  const std::int64_t x = std::int64_t{tile.x} - tile_of(min_cell_x_),
+                     y = std::int64_t{tile.y} - tile_of(min_cell_y_);
+  return x >= 0 && y >= 0 && x < width_tiles_ && y < height_tiles_;
+}
+
+bool SiteReader::read(Place tile, Tile& to)
+{
+  const int left = (tile.x - tile_of(min_cell_x_)) * kTileCells;
+  const int top = (height_tiles_ - 1 - (tile.y - tile_of(min_cell_y_))) * kTileCells;
+  constexpr int kBands = static_cast<int>(kBandCount);
+  constexpr GSpacing kPixel = sizeof(float) * kBands, kLine = kPixel * kTileCells;
+  values_.resize(to.cells.size() * kBandCount);
+  // The last row first: rows of tiles begin in the south.
+  auto* last = values_.data() + static_cast<std::size_t>(kTileCells - 1) * kTileCells * kBandCount;
+  if (dataset_->RasterIO(
+          GF_Read, left, top, kTileCells, kTileCells, last, kTileCells, kTileCells, GDT_Float32,
+          kBands, bands_.data(), kPixel, -kLine, sizeof(float), nullptr) != CE_None)
+    io::fail(path_, "cannot be read to its end; copy it again", errors_);
+  bool any = false;
+  for (std::size_t i = 0; i < to.cells.size(); ++i)
+  {
+    BandValues values;
+    std::copy_n(
+        values_.begin() + static_cast<std::ptrdiff_t>(i * kBandCount), kBandCount, values.begin());
+    const auto cell = cell_of(values, newest_s_);
+    if (!cell) fail(std::string("its cells are none of a site; it is ") + kDamaged);
+    to.cells[i] = *cell;
+    any |= cell->known();
+  }
+  return any;
+}
+
+}  // namespace talus::site

@@ -1,0 +1,75 @@
+#pragma once
+#include "site_metadata.h"
+
+#include <gdal_support.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace talus::site
+{
+/** A file that write_site() wrote, tile by tile. */
+class SiteReader
+{
+ public:
+  /** Throws std::runtime_error that names the file, what is wrong and what to do. */
+  explicit SiteReader(const std::string& path);
+
+  const std::string& path() const { return path_; }
+  double resolution_m() const { return resolution_m_; }
+  const std::optional<GeoOrigin>& origin() const { return origin_; }
+  std::uint32_t newest_s() const { return newest_s_; }
+  int floor() const { return floor_; }
+  /** As of floor `floor`. */
+  Ways ways(int floor) const;
+
+  struct Place
+  {
+    std::int32_t x, y;
+  };
+  /** The tiles that may have a known cell; neighbours are near each other. */
+  std::vector<Place> tiles() const;
+  /** Whether the tile lies in the file. */
+  bool covers(Place tile) const;
+  /** One of those that are covered, and whether it has a known cell. Throws as the constructor. */
+  bool read(Place tile, Tile& to);
+
+ private:
+  void check_bands();
+  void read_metadata();
+  void check_place();
+  std::string item(const char* name) const;
+  std::int64_t whole_item(const char* name, std::int64_t least, std::int64_t most) const;
+  void add_covered(Place from, int size_tiles, std::vector<Place>& to) const;
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::string path_;
+  io::GdalErrors errors_;
+  io::DatasetPtr dataset_;
+  double resolution_m_ = 0;
+  std::optional<GeoOrigin> origin_;
+  std::uint32_t newest_s_ = 0;
+  int floor_ = 0;
+  std::int64_t min_cell_x_ = 0, min_cell_y_ = 0;
+  int width_tiles_ = 0, height_tiles_ = 0;
+  std::vector<int> bands_;  //!< their numbers in the file, in our order
+  std::vector<float> values_;
+};
+
+/** While it lives, GDAL keeps at most so many blocks in memory. Of the whole process. */
+class GdalCacheLimit
+{
+ public:
+  GdalCacheLimit();
+  ~GdalCacheLimit();
+  GdalCacheLimit(const GdalCacheLimit&) = delete;
+  GdalCacheLimit& operator=(const GdalCacheLimit&) = delete;
+
+ private:
+  std::int64_t before_;
+};
+
+}  // namespace talus::site

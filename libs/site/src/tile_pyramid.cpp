@@ -1,0 +1,117 @@
+#include "tile_pyramid.h"
+
+#include <algorithm>
+
+namespace talus::site
+{
+namespace
+{
+constexpr std::size_t kOverviewBytes = std::size_t{64} << 20;
+
+/** The first of four cells that is known: as "nearest" does, but a line of cells stays a line. */
+const SiteCell& first_known(const SiteCell* upper, const SiteCell* lower)
+{
+  for (const SiteCell* c : {lower + 1, lower, upper + 1, upper})
+    if (c->known()) return *c;
+  return *lower;
+}
+}  // namespace
+
+TilePyramid::TilePyramid(TileStore& tiles, int floor, int largest_cells, const std::string& folder)
+    : tiles_(tiles), overviews_(kOverviewBytes, folder), floor_(floor)
+{
+  take_known_tiles();
+  while (!empty() && std::max(width_cells(levels() - 1), height_cells(levels() - 1)) >
+                         std::int64_t{largest_cells})
+    add_level();
+}
+
+void TilePyramid::take_known_tiles()
+{
+  std::vector<TileKey> known;
+  for (const TileKey& key : tiles_.keys())
+  {
+    if (key.floor != floor_) continue;
+    const Tile* tile = tiles_.find(key);
+    bool any = false;
+    for (const SiteCell& c : tile->cells)
+      if (c.known())
+      {
+        any = true;
+        newest_s_ = std::max(newest_s_, c.seen_s);
+      }
+    if (any) known.push_back(key);
+  }
+  if (known.empty()) return;
+  const auto [west, east] = std::minmax_element(
+      known.begin(), known.end(), [](const TileKey& a, const TileKey& b) { return a.x < b.x; });
+  const TileKey &south = known.front(), &north = known.back();
+  min_tile_x_ = west->x;
+  max_tile_y_ = north.y;
+  min_cell_x_ = std::int64_t{west->x} * kTileCells;
+  min_cell_y_ = std::int64_t{south.y} * kTileCells;
+  width_cells_ = (std::int64_t{east->x} - west->x + 1) * kTileCells;
+  height_cells_ = (std::int64_t{north.y} - south.y + 1) * kTileCells;
+  auto& places = levels_.emplace_back();
+  places.reserve(known.size());
+  for (const TileKey& key : known) places.push_back({max_tile_y_ - key.y, key.x - min_tile_x_});
+  std::sort(places.begin(), places.end());
+}
+
+void TilePyramid::add_level()
+{
+  constexpr int kHalf = kTileCells / 2;
+  const int from = levels() - 1, to = levels();
+  std::vector<Place> made;
+  made.reserve(levels_[from].size());
+  std::vector<SiteCell> quarter(kHalf * kHalf);  // a tile is valid until the next is asked for
+  for (const Place& p : levels_[from])
+  {
+    const SiteCell* cells = tile(from, p.x, p.y)->cells.data();
+    for (int r = 0; r < kHalf; ++r)
+      for (int c = 0; c < kHalf; ++c)
+        quarter[r * kHalf + c] = first_known(
+            cells + row_of(from, 2 * r) * kTileCells + 2 * c,
+            cells + row_of(from, 2 * r + 1) * kTileCells + 2 * c);
+    auto corner = overviews_.at({to, p.x / 2, p.y / 2}).cells.begin() +
+                  (p.y % 2 * kTileCells + p.x % 2) * kHalf;
+    for (int r = 0; r < kHalf; ++r)
+      std::copy_n(quarter.begin() + r * kHalf, kHalf, corner + r * kTileCells);
+    made.push_back({p.y / 2, p.x / 2});
+  }
+  std::sort(made.begin(), made.end());
+  made.erase(std::unique(made.begin(), made.end()), made.end());
+  levels_.push_back(std::move(made));
+}
+
+const Tile* TilePyramid::tile(int level, int x, int y)
+{
+  if (!coverage(level, x, y, x, y).any) return nullptr;
+  if (level > 0) return overviews_.find({level, x, y});
+  return tiles_.find({floor_, x + min_tile_x_, max_tile_y_ - y});
+}
+
+TilePyramid::Coverage TilePyramid::coverage(int level, int x0, int y0, int x1, int y1) const
+{
+  const auto& places = levels_[level];
+  Coverage c{false, true};
+  for (Place at{y0, x0}; at.y <= y1;)
+  {
+    const auto found = std::lower_bound(places.begin(), places.end(), at);
+    if (found == places.end() || found->y > y1) return {c.any, false};
+    if (found->y > at.y)
+    {
+      c.all = false;
+      at = {found->y, x0};
+      continue;
+    }
+    const auto behind = std::lower_bound(found, places.end(), Place{at.y, x1 + 1});
+    c.any |= behind != found;
+    c.all &= behind - found == x1 - x0 + 1;
+    if (c.any && !c.all) break;
+    at = {at.y + 1, x0};
+  }
+  return c;
+}
+
+}  // namespace talus::site

@@ -1,0 +1,352 @@
+// A site in a file: what GDAL and people see of it, and what comes back.
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+#include <talus/io/geotiff.h>
+#include <talus/site/site_geotiff.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "log_files.h"
+#include "sites.h"
+
+namespace fs = std::filesystem;
+using namespace talus;
+using namespace talus::site;
+using namespace talus::test;
+
+namespace
+{
+constexpr double kResolution_m = 0.05;
+constexpr std::uint32_t kNow_s = 1'760'000'000;
+
+std::unique_ptr<Site> empty_site(const std::string& folder, double resolution_m = kResolution_m)
+{
+  return std::make_unique<Site>(resolution_m, std::size_t{64} << 20, folder);
+}
+
+/** A way from below to above zero, with all kinds of cells at both ends. */
+void add_cells(Site& s)
+{
+  for (int i = -700; i <= 700; ++i)
+    for (int side = -3; side <= 3; ++side)
+    {
+      SiteCell& c = cell_at(s, i, i / 2 + side);
+      c = measured(0.01F * static_cast<float>(i), kNow_s - static_cast<std::uint32_t>(i + 700));
+      if (side == 3) c = with_obstacle(c, 0.5F);
+    }
+  SiteCell& odd = cell_at(s, -700, -352);
+  odd.cell.state = 3;
+  odd.cell.traversability = std::numeric_limits<float>::quiet_NaN();
+  odd.cell.persistence = -128;
+  odd.cell.ray_evidence = 255;
+  odd.cell.extent = 0xAB;
+  odd.cell.footing = 0xCD;
+  odd.seen_s = 0;  // of a clock that began at 0
+  SiteCell& old = cell_at(s, 700, 352);
+  old.cell.state = 2;
+  old.cell.persistence = 127;
+  old.cell.ground_m = -0.0F;
+  old.cell.ground_variance_m2 = std::numeric_limits<float>::denorm_min();
+  old.seen_s = kNow_s - 1'234'567'891;
+  s.ways = {{{-35, -17.5F, 0, 0}, {0, 0.25F, 0.125F, 0}, {35, 17.5F, 3, 1}}};
+}
+
+struct Open
+{
+  explicit Open(const std::string& path)
+  {
+    GDALAllRegister();
+    data = static_cast<GDALDataset*>(GDALOpen(path.c_str(), GA_ReadOnly));
+  }
+  ~Open() { GDALClose(data); }
+  const char* item(const char* name, const char* domain = "") const
+  {
+    const char* text = data->GetMetadataItem(name, domain);
+    return text ? text : "(none)";
+  }
+  GDALDataset* data;
+};
+}  // namespace
+
+TEST(SiteGeoTiff, comes_back_with_the_same_bits)
+{
+  const ScratchDir dir;
+  const auto out = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+  add_cells(*out);
+  write_site(dir / "site.tif", *out, 0);
+  read_site(dir / "site.tif", *in, 0);
+  EXPECT_EQ(different_cells(*out, *in), 0);
+  EXPECT_EQ(in->tiles.keys(), out->tiles.keys()) << "only known cells make tiles";
+  ASSERT_EQ(in->ways.size(), 1u);
+  ASSERT_EQ(in->ways[0].size(), 2u) << "the third point is on another floor";
+  EXPECT_EQ(in->ways[0][1].y_m, 0.25F);
+  EXPECT_EQ(resolution_of_site(dir / "site.tif"), kResolution_m);
+  write_site(dir / "again.tif", *in, 0);
+  EXPECT_EQ(read_bytes(dir / "again.tif"), read_bytes(dir / "site.tif"));
+}
+
+TEST(SiteGeoTiff, has_the_same_bytes_whatever_order_its_tiles_came_in_and_what_is_unknown_in_them)
+{
+  const ScratchDir dir;
+  const auto one = empty_site(dir / "tiles"), other = empty_site(dir / "tiles_2");
+  add_cells(*one);
+  other->tiles.at({0, 100, 100});  // nothing in it is known
+  const auto keys = one->tiles.keys();
+  for (auto key = keys.rbegin(); key != keys.rend(); ++key)
+    other->tiles.at(*key) = *one->tiles.find(*key);
+  other->ways = one->ways;
+  cell_at(*other, -640, -200).cell.ground_m = 7;  // of an unknown cell
+  write_site(dir / "one.tif", *one, 0);
+  write_site(dir / "other.tif", *other, 0);
+  EXPECT_EQ(read_bytes(dir / "one.tif"), read_bytes(dir / "other.tif"));
+}
+
+TEST(SiteGeoTiff, is_cloud_optimized_with_overviews_and_sparse_blocks)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  add_cells(*site);
+  cell_at(*site, 9000, 9000) = measured(1, kNow_s);
+  write_site(dir / "site.tif", *site, 0);
+  EXPECT_LT(fs::file_size(dir / "site.tif"), 400'000u)
+      << "blocks without a known cell cost nothing";
+  const Open tif(dir / "site.tif");
+  ASSERT_TRUE(tif.data);
+  EXPECT_STREQ(tif.item("LAYOUT", "IMAGE_STRUCTURE"), "COG");
+  EXPECT_STREQ(tif.item("COMPRESSION", "IMAGE_STRUCTURE"), "DEFLATE");
+  ASSERT_EQ(tif.data->GetRasterCount(), 9);
+  auto* band = tif.data->GetRasterBand(5);
+  EXPECT_STREQ(band->GetDescription(), "state");
+  EXPECT_STREQ(tif.data->GetRasterBand(1)->GetDescription(), "traversability");
+  int has_nodata = 0;
+  EXPECT_TRUE(std::isnan(band->GetNoDataValue(&has_nodata)) && has_nodata);
+  // As validate_cloud_optimized_geotiff: each overview smaller, its bytes before those of the
+  // larger, and the list of all images at the beginning.
+  const auto offset = [](GDALRasterBand* b, const char* what)
+  {
+    for (int y = 0; y * 256 < b->GetYSize(); ++y)
+      for (int x = 0; x * 256 < b->GetXSize(); ++x)
+        if (const char* text = b->GetMetadataItem(
+                (what + std::to_string(x) + "_" + std::to_string(y)).c_str(), "TIFF"))
+          return std::stoull(text);
+    return 0ULL;
+  };
+  ASSERT_EQ(band->GetOverviewCount(), 5);
+  EXPECT_LE(band->GetOverview(4)->GetXSize(), 512);
+  EXPECT_LT(std::stoull(band->GetMetadataItem("IFD_OFFSET", "TIFF")), 1000U);
+  for (int i = 0; i < 5; ++i)
+  {
+    auto* larger = i == 0 ? band : band->GetOverview(i - 1);
+    auto* overview = band->GetOverview(i);
+    EXPECT_EQ(overview->GetXSize(), (larger->GetXSize() + 1) / 2);
+    EXPECT_GT(offset(overview, "BLOCK_OFFSET_"), 0U);
+    EXPECT_LT(offset(overview, "BLOCK_OFFSET_"), offset(larger, "BLOCK_OFFSET_"));
+    EXPECT_GT(
+        std::stoull(overview->GetMetadataItem("IFD_OFFSET", "TIFF")),
+        std::stoull(larger->GetMetadataItem("IFD_OFFSET", "TIFF")));
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(dir / ""), fs::directory_iterator()), 1)
+      << "no companions";
+}
+
+TEST(SiteGeoTiff, shows_what_is_known_in_every_overview)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  add_cells(*site);
+  write_site(dir / "site.tif", *site, 0);
+  const Open tif(dir / "site.tif");
+  auto* ground = tif.data->GetRasterBand(2);
+  ASSERT_GT(ground->GetOverviewCount(), 0);
+  for (int i = 0; i < ground->GetOverviewCount(); ++i)
+  {
+    auto* o = ground->GetOverview(i);
+    std::vector<float> row(static_cast<std::size_t>(o->GetXSize()));
+    for (int y = 0; y < o->GetYSize(); ++y)
+    {
+      ASSERT_EQ(
+          o->RasterIO(
+              GF_Read, 0, y, o->GetXSize(), 1, row.data(), o->GetXSize(), 1, GDT_Float32, 0, 0,
+              nullptr),
+          CE_None);
+      const double y_m = 19.2 - (y + 0.5) * 0.05 * (2 << i);  // of the map
+      const bool driven = std::abs(y_m) < 17.3;
+      const bool known =
+          std::any_of(row.begin(), row.end(), [](float v) { return !std::isnan(v); });
+      EXPECT_TRUE(known || !driven) << "overview " << i << ", y = " << y_m;
+    }
+  }
+}
+
+TEST(SiteGeoTiff, lies_in_the_map_frame_where_it_has_no_origin)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  cell_at(*site, -1, 130) = measured(4, kNow_s);
+  write_site(dir / "site.tif", *site, 0);
+  const Open tif(dir / "site.tif");
+  double t[6];
+  ASSERT_EQ(tif.data->GetGeoTransform(t), CE_None);
+  EXPECT_DOUBLE_EQ(t[0], -6.4);
+  EXPECT_DOUBLE_EQ(t[3], 12.8);
+  EXPECT_TRUE(tif.data->GetSpatialRef()->IsLocal());
+  float height = 0;
+  ASSERT_EQ(
+      tif.data->GetRasterBand(2)->RasterIO(
+          GF_Read, 127, 125, 1, 1, &height, 1, 1, GDT_Float32, 0, 0, nullptr),
+      CE_None);
+  EXPECT_EQ(height, 4);
+  EXPECT_STREQ(tif.item("TALUS_MIN_CELL_X"), "-128");
+  EXPECT_STREQ(tif.item("TALUS_MIN_CELL_Y"), "128");
+  EXPECT_STREQ(tif.item("TALUS_SEEN_S"), "1760000000");
+}
+
+TEST(SiteGeoTiff, lies_on_earth_where_its_origin_is_known)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles", 1.0);
+  // The map's x axis points north: its y axis points west.
+  site->origin = GeoOrigin{48.0, 11.0, 500, 90};
+  cell_at(*site, 1000, 0) = measured(4);
+  cell_at(*site, 0, 0) = measured(4);
+  write_site(dir / "site.tif", *site, 0);
+  const Open tif(dir / "site.tif");
+  double t[6];
+  ASSERT_EQ(tif.data->GetGeoTransform(t), CE_None);
+  OGRSpatialReference wgs84;
+  wgs84.importFromEPSG(4326);
+  wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> to_earth(
+      OGRCreateCoordinateTransformation(tif.data->GetSpatialRef(), &wgs84));
+  ASSERT_TRUE(to_earth);
+  const auto place_of = [&](double column, double row)
+  {
+    double x = t[0] + column * t[1] + row * t[2], y = t[3] + column * t[4] + row * t[5];
+    EXPECT_TRUE(to_earth->Transform(1, &x, &y));
+    return std::make_pair(x, y);
+  };
+  const double rows = tif.data->GetRasterYSize();
+  const auto [longitude, latitude] = place_of(0, rows);
+  EXPECT_NEAR(longitude, 11, 1e-9);
+  EXPECT_NEAR(latitude, 48, 1e-9);
+  // One kilometre north: a minute of arc of the meridian is 1852.2 m there.
+  const auto [east, north] = place_of(1000, rows);
+  EXPECT_NEAR(east, 11, 1e-9);
+  EXPECT_NEAR(north, 48 + 1000 / 111'190.0, 1e-5);
+  const auto [west, same] = place_of(0, 0);
+  EXPECT_LT(west, 11);
+  EXPECT_NEAR(same, 48, 1e-6);
+
+  const auto in = empty_site(dir / "tiles_in", 1.0);
+  read_site(dir / "site.tif", *in, 0);
+  ASSERT_TRUE(in->origin);
+  EXPECT_EQ(in->origin->latitude_deg, 48);
+  EXPECT_EQ(in->origin->altitude_m, 500);
+  EXPECT_EQ(in->origin->heading_deg, 90);
+  EXPECT_EQ(different_cells(*site, *in), 0);
+  in->origin->longitude_deg = 12;
+  expect_error([&] { read_site(dir / "site.tif", *in, 0); }, {"site.tif", "origin"});
+}
+
+TEST(SiteGeoTiff, keeps_floors_apart)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+  cell_at(*site, 0, 0, 0) = measured(0);
+  cell_at(*site, 0, 0, 1) = measured(3);
+  write_site(dir / "site_floor_1.tif", *site, 1);
+  read_site(dir / "site_floor_1.tif", *in, 2);
+  ASSERT_EQ(in->tiles.keys().size(), 1u);
+  EXPECT_EQ(in->tiles.keys()[0], (TileKey{2, 0, 0}));
+  EXPECT_EQ(cell_at(*in, 0, 0, 2).cell.ground_m, 3);
+}
+
+TEST(SiteGeoTiff, thins_long_ways_evenly)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+  cell_at(*site, 0, 0) = measured(0);
+  std::vector<WayPoint> way;
+  for (int i = 0; i < 100'001; ++i) way.push_back({static_cast<float>(i), 0, 0, 0});
+  site->ways = {way, {{0, 0, 0, 0}, {5, 5, 0, 0}}};
+  write_site(dir / "site.tif", *site, 0);
+  read_site(dir / "site.tif", *in, 0);
+  ASSERT_EQ(in->ways.size(), 2u);
+  EXPECT_LE(in->ways[0].size(), 20'000u);
+  EXPECT_GE(in->ways[0].size(), 15'000u);
+  EXPECT_EQ(in->ways[0].front().x_m, 0);
+  EXPECT_EQ(in->ways[0].back().x_m, 100'000);
+  EXPECT_EQ(in->ways[1].back().x_m, 5);
+  write_site(dir / "again.tif", *in, 0);
+  EXPECT_EQ(read_bytes(dir / "again.tif"), read_bytes(dir / "site.tif"));
+}
+
+TEST(SiteGeoTiff, leaves_the_old_file_when_there_is_nothing_to_write)
+{
+  const ScratchDir dir;
+  write_bytes(dir / "site.tif", "precious");
+  const auto site = empty_site(dir / "tiles");
+  site->tiles.at({0, 0, 0});
+  expect_error([&] { write_site(dir / "site.tif", *site, 0); }, {"site.tif", "floor 0"});
+  cell_at(*site, -1'999'999'999, -1'999'999'999) = measured(0);
+  cell_at(*site, 1'999'999'999, 1'999'999'999) = measured(0);
+  expect_error([&] { write_site(dir / "site.tif", *site, 0); }, {"site.tif", "cells"});
+  EXPECT_EQ(read_bytes(dir / "site.tif"), "precious");
+}
+
+TEST(SiteGeoTiff, reading_says_what_is_wrong_with_a_file)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  const auto refused = [&](const std::string& name, const std::vector<std::string>& words)
+  { expect_error([&] { read_site(dir / name, *site, 0); }, words); };
+  refused("none.tif", {"none.tif", "no such file"});
+  write_bytes(dir / "text.tif", "hello");
+  refused("text.tif", {"text.tif", "GeoTIFF"});
+  io::write_geotiff(dir / "map.tif", io::snapshot(ElevationMapper()));
+  refused("map.tif", {"map.tif", "one window", "site.tif"});
+  const auto coarse = empty_site(dir / "tiles_coarse", 0.1);
+  cell_at(*coarse, 0, 0) = measured(0);
+  write_site(dir / "coarse.tif", *coarse, 0);
+  refused("coarse.tif", {"coarse.tif", "0.1 m", "0.05 m"});
+  EXPECT_TRUE(site->tiles.keys().empty());
+}
+
+TEST(SiteGeoTiff, reading_refuses_cells_that_are_none)
+{
+  const ScratchDir dir;
+  const auto refused = [&](const char* name, const auto& change)
+  {
+    const auto out = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+    change(cell_at(*out, 3, 3) = with_obstacle(measured(1, kNow_s), 1));
+    write_site(dir / name, *out, 0);
+    expect_error([&] { read_site(dir / name, *in, 0); }, {name, "cells", "damaged"});
+  };
+  refused("state.tif", [](SiteCell& c) { c.cell.state = 4; });
+  refused("ground.tif", [](SiteCell& c) { c.cell.ground_m = 2e9F; });
+  refused("variance.tif", [](SiteCell& c) { c.cell.ground_variance_m2 = -1; });
+  refused("elevation.tif", [](SiteCell& c) { c.cell.elevation_variance_m2 = NAN; });
+  refused("score.tif", [](SiteCell& c) { c.cell.traversability = 1.5F; });
+}
+
+TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_cut)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+  add_cells(*site);
+  write_site(dir / "site.tif", *site, 0);
+  {
+    const Open tif(dir / "site.tif");
+    auto* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+    GDALClose(driver->CreateCopy(
+        (dir / "moved.tif").c_str(), tif.data, FALSE, nullptr, nullptr, nullptr));
+    auto* moved = static_cast<GDALDataset*>(GDALOpen((dir / "moved.tif").c_str(), GA_Update));
+    double t[6] = {100, 0.05, 0, 100, 0, -0.05};
+    moved->SetGeoTransform(t);
+    GDALClose(moved);
+  }
+  expect_error([&] { read_site(dir / "moved.tif", *in, 0); }, {"moved.tif", "another program"});
+}
