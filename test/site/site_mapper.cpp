@@ -87,8 +87,7 @@ struct KeptDrive
   }
 
   /** Calls f(cell, x of its middle, y) for the known cells of a floor. */
-  void for_each_known(
-      int floor, const std::function<void(const SiteCell&, double, double)>& f)
+  void for_each_known(int floor, const std::function<void(const SiteCell&, double, double)>& f)
   {
     for (const TileKey& key : site.tiles.keys())
     {
@@ -189,7 +188,8 @@ TEST(SiteMapper, keeps_every_cell_of_a_straight_drive)
   kept.end();
   ASSERT_GT(seen.size(), 10000u);
   std::size_t lost = 0;
-  for (const auto& entry : seen) lost += !is_measured(kept.at(entry.first.first, entry.first.second));
+  for (const auto& entry : seen)
+    lost += !is_measured(kept.at(entry.first.first, entry.first.second));
   EXPECT_EQ(lost, 0u);
   const Off off = off_ground(kept, 0, 0);
   EXPECT_LT(off.most_m, 0.005);
@@ -236,7 +236,8 @@ TEST(SiteMapper, a_robot_that_turns_round_finds_the_map_that_it_made)
   {
     kept.mapper.update(kept.map, frames[i].view());
     forgets.mapper.update(forgets.map, frames[i].view());
-    const auto &state = kept.map.layer(Layer::State), &ground = kept.map.layer(Layer::GroundElevation);
+    const auto &state = kept.map.layer(Layer::State),
+               &ground = kept.map.layer(Layer::GroundElevation);
     for (std::size_t k = 0; k < state.size(); ++k)
       seams += state[k] == 1 && !(std::abs(ground[k]) < 0.005f) && !is_box(kept.map.window(), k);
     if (frames[i].time_s < 7 || frames[i].time_s > 9) continue;
@@ -286,8 +287,7 @@ TEST(SiteMapper, a_second_round_changes_nothing_by_more_than_noise_and_a_box_tha
   kept.add({frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(half)}).end();
   EXPECT_GT(highest(kept, 3.5, 4.5, 1, 2), 0.45);
   std::map<std::pair<double, double>, SiteCell> first;
-  kept.for_each_known(
-      0, [&](const SiteCell& c, double x, double y) { first[{x, y}] = c; });
+  kept.for_each_known(0, [&](const SiteCell& c, double x, double y) { first[{x, y}] = c; });
   kept.add({frames.begin() + static_cast<std::ptrdiff_t>(half), frames.end()}).end();
   const auto is_beside_box = [](double x, double y)
   {

@@ -14,7 +14,10 @@ inline bool is_known(const CellRecord& c) { return c.state != kernels::kUnknown;
 inline bool is_measured(const CellRecord& c) { return c.state == kernels::kMeasured; }
 
 /** Heights of two floors. */
-inline bool contradict(float a_m, float b_m) { return std::abs(a_m - b_m) > kernels::kOtherFloor_m; }
+inline bool contradict(float a_m, float b_m)
+{
+  return std::abs(a_m - b_m) > kernels::kOtherFloor_m;
+}
 
 /** How much is guessed: what was hit comes before what was filled from two sides, and from one. */
 inline int guessed(const CellRecord& c)
@@ -36,7 +39,8 @@ inline bool is_worth_more(const CellRecord& kept, const CellRecord& now)
   if (!is_known(kept)) return false;
   if (!is_known(now)) return true;
   if (guessed(kept) != guessed(now)) return guessed(kept) < guessed(now);
-  return is_measured(kept) && is_measured(now) && kept.ground_variance_m2 < now.ground_variance_m2 &&
+  return is_measured(kept) && is_measured(now) &&
+         kept.ground_variance_m2 < now.ground_variance_m2 &&
          agree(kept.ground_m, kept.ground_variance_m2, now.ground_m, now.ground_variance_m2) &&
          agree(
              kept.elevation_m, kept.elevation_variance_m2, now.elevation_m,

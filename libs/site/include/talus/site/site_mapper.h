@@ -22,8 +22,8 @@ struct Strip;
 class SiteMapper
 {
  public:
-  /** Begins a way in `site`. `restores`: cells that come back are restored; else what was kept stays
-   * until the cell leaves again. */
+  /** Begins a way in `site`. `restores`: cells that come back are restored; else what was kept
+   * stays until the cell leaves again. */
   explicit SiteMapper(Site& site, bool restores = true);
 
   /** map.update(frame), and before it what leaves is kept, after it what came back restored: its
