@@ -83,8 +83,7 @@ struct KeptDrive
   }
 
   /** Calls f(cell, x of its middle, y) for the known cells of a floor. */
-  void for_each_known(
-      int floor, const std::function<void(const SiteCell&, double, double)>& f)
+  void for_each_known(int floor, const std::function<void(const SiteCell&, double, double)>& f)
   {
     for (const TileKey& key : site.tiles.keys())
     {
@@ -169,7 +168,8 @@ TEST(SiteMapper, keeps_every_cell_of_a_straight_drive)
   kept.end();
   ASSERT_GT(seen.size(), 20000u);
   std::size_t lost = 0;
-  for (const auto& entry : seen) lost += !is_measured(kept.at(entry.first.first, entry.first.second));
+  for (const auto& entry : seen)
+    lost += !is_measured(kept.at(entry.first.first, entry.first.second));
   EXPECT_EQ(lost, 0u);
   const Off off = off_ground(kept, 0, 0);
   EXPECT_LT(off.most_m, 0.005);
@@ -208,7 +208,8 @@ TEST(SiteMapper, a_robot_that_turns_round_finds_the_map_that_it_made)
   {
     kept.mapper.update(kept.map, frames[i].view());
     forgets.mapper.update(forgets.map, frames[i].view());
-    const auto &state = kept.map.layer(Layer::State), &ground = kept.map.layer(Layer::GroundElevation);
+    const auto &state = kept.map.layer(Layer::State),
+               &ground = kept.map.layer(Layer::GroundElevation);
     for (std::size_t k = 0; k < state.size(); ++k)
       if (state[k] == 1) ASSERT_LT(std::abs(ground[k]), 0.005f) << "a seam in frame " << i;
     if (frames[i].time_s < 7 || frames[i].time_s > 9) continue;
@@ -258,8 +259,7 @@ TEST(SiteMapper, a_second_round_changes_nothing_by_more_than_noise_and_a_box_tha
   kept.add({frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(half)}).end();
   EXPECT_GT(kept.cell(4, 1.35).cell.elevation_m, 0.4f);
   std::map<std::pair<double, double>, SiteCell> first;
-  kept.for_each_known(
-      0, [&](const SiteCell& c, double x, double y) { first[{x, y}] = c; });
+  kept.for_each_known(0, [&](const SiteCell& c, double x, double y) { first[{x, y}] = c; });
   kept.add({frames.begin() + static_cast<std::ptrdiff_t>(half), frames.end()}).end();
   int compared = 0, changed = 0;
   double most_sigmas = 0;

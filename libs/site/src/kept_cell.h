@@ -13,8 +13,23 @@ namespace talus::site
 inline bool is_known(const CellRecord& c) { return c.state != kernels::kUnknown; }
 inline bool is_measured(const CellRecord& c) { return c.state == kernels::kMeasured; }
 
+/** Whether a known cell that was read from somewhere may be one of a map. */
+inline bool is_sound(const CellRecord& c)
+{
+  constexpr float kHighest_m = 1e9f;  // beyond what frames can lead to
+  const auto is_surface = [&](float height_m, float variance_m2)
+  { return std::abs(height_m) <= kHighest_m && variance_m2 >= 0 && std::isfinite(variance_m2); };
+  const bool has_no_top = std::isnan(c.elevation_m) && std::isnan(c.elevation_variance_m2);
+  return c.state <= kernels::kFilledOneSided && is_surface(c.ground_m, c.ground_variance_m2) &&
+         (has_no_top || is_surface(c.elevation_m, c.elevation_variance_m2)) &&
+         (std::isnan(c.traversability) || (c.traversability >= 0 && c.traversability <= 1));
+}
+
 /** Heights of two floors. */
-inline bool contradict(float a_m, float b_m) { return std::abs(a_m - b_m) > kernels::kOtherFloor_m; }
+inline bool contradict(float a_m, float b_m)
+{
+  return std::abs(a_m - b_m) > kernels::kOtherFloor_m;
+}
 
 /** How much is guessed: what was hit comes before what was filled from two sides, and from one. */
 inline int guessed(const CellRecord& c)
@@ -36,7 +51,8 @@ inline bool is_worth_more(const CellRecord& kept, const CellRecord& now)
   if (!is_known(kept)) return false;
   if (!is_known(now)) return true;
   if (guessed(kept) != guessed(now)) return guessed(kept) < guessed(now);
-  return is_measured(kept) && is_measured(now) && kept.ground_variance_m2 < now.ground_variance_m2 &&
+  return is_measured(kept) && is_measured(now) &&
+         kept.ground_variance_m2 < now.ground_variance_m2 &&
          agree(kept.ground_m, kept.ground_variance_m2, now.ground_m, now.ground_variance_m2) &&
          agree(
              kept.elevation_m, kept.elevation_variance_m2, now.elevation_m,

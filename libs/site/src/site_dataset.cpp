@@ -143,9 +143,9 @@ void SiteDataset::read_pixels(int x, int y, int width, int height, float* to) co
       const int bottom = std::min(y + height, (ty + 1) * kTileCells);
       for (int row = top; row < bottom; ++row)
       {
-        const SiteCell* from =
-            tile->cells.data() +
-            TilePyramid::row_of(level_, row - ty * kTileCells) * kTileCells - tx * kTileCells;
+        const SiteCell* from = tile->cells.data() +
+                               TilePyramid::row_of(level_, row - ty * kTileCells) * kTileCells -
+                               tx * kTileCells;
         float* at = to + (static_cast<std::size_t>(row - y) * width + (left - x)) * kBandCount;
         for (int column = left; column < right; ++column, at += kBandCount)
         {

@@ -10,10 +10,7 @@
 // in.
 namespace talus::site
 {
-inline CellRect rect_of(const Window& w)
-{
-  return {w.min_cell_x, w.min_cell_y, w.cells, w.cells};
-}
+inline CellRect rect_of(const Window& w) { return {w.min_cell_x, w.min_cell_y, w.cells, w.cells}; }
 inline bool same_place(const Window& a, const Window& b)
 {
   return a.min_cell_x == b.min_cell_x && a.min_cell_y == b.min_cell_y;

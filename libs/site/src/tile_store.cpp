@@ -63,8 +63,8 @@ class TileCodec
   /** Whole or not at all. */
   void write(const fs::path& path, const Tile& tile)
   {
-    const std::size_t size = ZSTD_compress2(
-        compressor_.get(), bytes_.data(), bytes_.size(), &tile, sizeof(Tile));
+    const std::size_t size =
+        ZSTD_compress2(compressor_.get(), bytes_.data(), bytes_.size(), &tile, sizeof(Tile));
     if (ZSTD_isError(size)) throw std::runtime_error(ZSTD_getErrorName(size));
     const fs::path part = path.string() + ".part";
     errno = 0;
