@@ -5,6 +5,7 @@
 #include "strips.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 namespace talus::site
@@ -53,6 +54,15 @@ SiteMapper::SiteMapper(Site& site, bool restores) : site_(site), restores_(resto
 }
 
 FrameReport SiteMapper::update(ElevationMapper& map, const Frame& frame)
+{
+  const auto start = std::chrono::steady_clock::now();
+  FrameReport report = update_kept(map, frame);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  report.total_ms = took.count();
+  return report;
+}
+
+FrameReport SiteMapper::update_kept(ElevationMapper& map, const Frame& frame)
 {
   const Window before = map.window(), after = map.window_after(frame);
   const Pose T_map_base = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);

@@ -50,8 +50,8 @@ class SiteMapper
    * stays until the cell leaves again. */
   explicit SiteMapper(Site& site, bool restores = true);
 
-  /** map.update(frame), and before it what leaves is kept, after it what came back restored. Throws
-   * as update(), and std::runtime_error as TileStore. */
+  /** map.update(frame), and before it what leaves is kept, after it what came back restored: its
+   * total_ms counts all. Throws as update(), and std::runtime_error as TileStore. */
   FrameReport update(ElevationMapper& map, const Frame& frame);
   /** Keeps the cells of the window as they are: at the end of a drive, or between. */
   void keep_window(const ElevationMapper& map);
@@ -72,6 +72,7 @@ class SiteMapper
     int agree = 0, contradict = 0;
   };
 
+  FrameReport update_kept(ElevationMapper& map, const Frame& frame);
   void begin(const Place& base);
   void keep_before(const ElevationMapper& map, const Window& after, const Place& base);
   void restore_entered(ElevationMapper& map, const Window& before, const Window& after);
