@@ -363,6 +363,29 @@ TEST(SiteMapper, decks_that_a_ramp_joins_do_not_overwrite_each_other)
   EXPECT_EQ(kept.mapper.floor(), 1);
 }
 
+TEST(SiteMapper, on_the_way_down_a_ramp_the_robot_comes_back_to_the_floor_that_it_left)
+{
+  const auto frames = drive(
+      "ground:\n- plane: {}\n"
+      "- ramp: {at_m: [3, 8], length_m: 8, height_m: 2.2, width_m: 3.4, top_m: 0}\n"
+      "objects:\n- deck: {at_m: [16.4, 4], size_m: [10.8, 14], z_m: 2.2}\n"
+      "robot: {path_m: [[14, 0], [6, 0], [0, 0], [-2, 4], [0, 8], [4, 8], [14, 8], [17, 4], "
+      "[14, 0], [17, 4], [14, 8], [4, 8], [0, 8], [-2, 4], [0, 0], [6, 0], [14, 0]], speed_mps: "
+      "2}\n");
+  KeptDrive kept(small_window());
+  int before = -1;
+  kept.add(frames, [&](std::size_t i) { if (kept.mapper.floor() != before) { before = kept.mapper.floor(); std::printf("t %g x %g y %g z %g floor %d\n", frames[i].time_s, frames[i].T_map_sensor.x(), frames[i].T_map_sensor.y(), frames[i].T_map_sensor.z(), before); } }).end();
+  const Off lower = off_ground(kept, 0, 0, 12, 16, -2, 2);
+  const Off upper = off_ground(kept, 1, 2.2, 12, 16, -2, 2);
+  std::printf("lower %d far %d upper %d far %d floors %d\n", lower.cells, lower.far, upper.cells, upper.far, kept.site.tiles.keys().back().floor);
+  EXPECT_GT(lower.cells, 2000);
+  EXPECT_GT(upper.cells, 2000);
+  EXPECT_LT(lower.far, lower.cells / 200);
+  EXPECT_LT(upper.far, upper.cells / 200);
+  EXPECT_EQ(kept.site.tiles.keys().back().floor, 1);
+  EXPECT_EQ(kept.mapper.floor(), 0);
+}
+
 TEST(SiteMapper, goes_on_with_a_site_that_there_was_before)
 {
   const auto frames = drive(kStraight);
