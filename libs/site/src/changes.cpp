@@ -120,6 +120,19 @@ ChangeSums write_geotiff(
   file.commit();
   return sums;
 }
+void require_one_frame(const std::string& path, const Site& from, const Site& to)
+{
+  const auto text = [](const Site& s)
+  {
+    return number_text(s.resolution_m, 17) + " " +
+           (s.origin ? text_of_origin(*s.origin) : std::string("none"));
+  };
+  if (text(from) != text(to))
+    throw std::runtime_error(
+        path + ": the two maps have other resolutions, or origins on Earth (" + text(from) +
+        " and " + text(to) + "): give maps of one map frame");
+}
+
 }  // namespace
 
 CellChange change_of(const SiteCell& from, const SiteCell& to, double step_m)
@@ -141,6 +154,7 @@ ChangeSums write_changes(
     const std::string& geotiff_path, const std::string& picture_path, Site& from, Site& to,
     int floor, double step_m)
 {
+  require_one_frame(geotiff_path, from, to);
   TileBox box;
   for_each_common_tile(
       from, to, floor, [&](const TileKey& key, const Tile&, const Tile&) { box.add(key); });
