@@ -11,6 +11,7 @@
 #include <talus/site/changes.h>
 #include <talus/site/site_picture.h>
 
+#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <filesystem>
@@ -43,6 +44,14 @@ double known_m2(Site& site)
   return static_cast<double>(known) * site.resolution_m * site.resolution_m;
 }
 
+/** Drives count their floors as they come to them. */
+int lowest_floor(const std::vector<std::string>& paths)
+{
+  int lowest = floor_of_site(paths.front());
+  for (const std::string& path : paths) lowest = std::min(lowest, floor_of_site(path));
+  return lowest;
+}
+
 void merge(const Options& o)
 {
   ProgressBar bar("talus-merge", !o.quiet);
@@ -50,11 +59,12 @@ void merge(const Options& o)
   Site site(
       resolution_of_site(o.inputs.front()), memory_bytes(o),
       (place.hidden_folder().path() / "tiles").string());
+  const int floor = lowest_floor(o.inputs);
   merge_sites(
-      o.inputs, site, 0, o.merge, [&](double done) { bar.show(kMerging * done, "merging"); });
-  if (!o.picture.empty()) write_site_picture(o.picture, site, 0);
+      o.inputs, site, floor, o.merge, [&](double done) { bar.show(kMerging * done, "merging"); });
+  if (!o.picture.empty()) write_site_picture(o.picture, site, floor);
   write_site(
-      o.output, site, 0,
+      o.output, site, floor,
       [&](double done) { bar.show(kMerging + (1 - kMerging) * done, "writing"); });
   if (o.quiet) return;
   std::cout << o.inputs.size() << (o.inputs.size() == 1 ? " map: " : " maps: ")

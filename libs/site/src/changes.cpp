@@ -1,5 +1,4 @@
 #include "changes.h"
-#include "cell_evidence.h"
 #include "site_metadata.h"
 #include "site_reader.h"
 
@@ -12,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 
@@ -20,8 +20,6 @@ namespace talus::site
 namespace
 {
 constexpr int kBands = 2;  //!< change_m and kind
-
-float top_m(const SiteCell& s) { return has_elevation(s) ? s.cell.elevation_m : s.cell.ground_m; }
 
 /** The tiles from the first to the last that both know. */
 struct TileBox
@@ -36,6 +34,18 @@ struct TileBox
     max_y = std::max(max_y, k.y);
   }
 };
+
+TileBox common_tiles(const Site& from, const Site& to, int floor)
+{
+  const auto before = from.tiles.keys(), after = to.tiles.keys();
+  std::vector<TileKey> both;
+  std::set_intersection(
+      before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(both));
+  TileBox box;
+  for (const TileKey& key : both)
+    if (key.floor == floor) box.add(key);
+  return box;
+}
 
 io::DatasetPtr create(const std::string& file, const TileBox& box, const Site& site)
 {
@@ -68,20 +78,18 @@ io::DatasetPtr create(const std::string& file, const TileBox& box, const Site& s
 
 /** Adds the changes of a tile to the sums; their pixels, north first. False where neither cell has
  * been seen by both. */
-bool compare_tile(
-    const Tile& from, const Tile& to, double step_m, std::vector<float>& pixels, ChangeSums& sums)
+bool add_tile(const std::vector<CellChange>& changes, std::vector<float>& pixels, ChangeSums& sums)
 {
   bool any = false;
   for (int i = 0; i < kTileCells * kTileCells; ++i)
   {
-    const auto cell = static_cast<std::size_t>(i);
+    const CellChange& c = changes[static_cast<std::size_t>(i)];
     const int row = kTileCells - 1 - i / kTileCells;
     float* pixel =
         pixels.data() + (static_cast<std::ptrdiff_t>(row) * kTileCells + i % kTileCells) * kBands;
     pixel[0] = pixel[1] = std::numeric_limits<float>::quiet_NaN();
-    if (!has_seen(from.cells[cell]) || !has_seen(to.cells[cell])) continue;
+    if (std::isnan(c.change_m)) continue;
     any = true;
-    const CellChange c = change_of(from.cells[cell], to.cells[cell], step_m);
     const auto kind = static_cast<std::size_t>(c.kind);
     pixel[0] = c.change_m;
     pixel[1] = static_cast<float>(kind);
@@ -103,11 +111,11 @@ ChangeSums write_geotiff(
   ChangeSums sums;
   sums.cell_m2 = to.resolution_m * to.resolution_m;
   std::vector<float> pixels(static_cast<std::size_t>(kTileCells) * kTileCells * kBands);
-  for_each_common_tile(
-      from, to, floor,
-      [&](const TileKey& key, const Tile& before, const Tile& after)
+  for_each_compared_tile(
+      from, to, floor, step_m,
+      [&](const TileKey& key, const std::vector<CellChange>& changes)
       {
-        if (!compare_tile(before, after, step_m, pixels, sums)) return;
+        if (!add_tile(changes, pixels, sums)) return;
         if (dataset->RasterIO(
                 GF_Write, (key.x - box.min_x) * kTileCells, (box.max_y - key.y) * kTileCells,
                 kTileCells, kTileCells, pixels.data(), kTileCells, kTileCells, GDT_Float32, kBands,
@@ -135,29 +143,12 @@ void require_one_frame(const std::string& path, const Site& from, const Site& to
 
 }  // namespace
 
-CellChange change_of(const SiteCell& from, const SiteCell& to, double step_m)
-{
-  CellChange c;
-  if (!has_seen(from) || !has_seen(to)) return c;
-  c.change_m = top_m(to) - top_m(from);
-  if (!(std::abs(c.change_m) > step_m)) return c;
-  const float ground_m = to.cell.ground_m - from.cell.ground_m;
-  const bool is_ground = is_measured(from) && is_measured(to) && std::abs(ground_m) > step_m;
-  if (is_ground || (!has_elevation(from) && !has_elevation(to)))
-    c.kind = ground_m > 0 ? Change::Built : Change::Dug;
-  else
-    c.kind = c.change_m > 0 ? Change::Appeared : Change::Gone;
-  return c;
-}
-
 ChangeSums write_changes(
     const std::string& geotiff_path, const std::string& picture_path, Site& from, Site& to,
     int floor, double step_m)
 {
   require_one_frame(geotiff_path, from, to);
-  TileBox box;
-  for_each_common_tile(
-      from, to, floor, [&](const TileKey& key, const Tile&, const Tile&) { box.add(key); });
+  const TileBox box = common_tiles(from, to, floor);
   if (box.min_x > box.max_x)
     throw std::runtime_error(
         geotiff_path + ": nothing to compare: the two sites have no place in common");

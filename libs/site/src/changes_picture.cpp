@@ -1,4 +1,3 @@
-#include "cell_evidence.h"
 #include "changes.h"
 #include "picture_sheet.h"
 
@@ -35,20 +34,19 @@ Marks marks_of(Site& from, Site& to, int floor, double step_m, const RasterPlace
       cv::Mat1b(place.height, place.width, uchar{0}),
       cv::Mat1b(place.height, place.width, uchar{0})};
   cv::Mat1f largest_m(place.height, place.width, 0.0F);
-  for_each_common_tile(
-      from, to, floor,
-      [&](const TileKey& key, const Tile& before, const Tile& after)
+  for_each_compared_tile(
+      from, to, floor, step_m,
+      [&](const TileKey& key, const std::vector<CellChange>& changes)
       {
         for (int i = 0; i < kTileCells * kTileCells; ++i)
         {
-          const SiteCell &a = before.cells[static_cast<std::size_t>(i)],
-                         &b = after.cells[static_cast<std::size_t>(i)];
-          if (!has_seen(a) || !has_seen(b)) continue;
+          const CellChange& c = changes[static_cast<std::size_t>(i)];
+          if (std::isnan(c.change_m)) continue;
           const cv::Point at(
               place.column_of(std::int64_t{key.x} * kTileCells + i % kTileCells),
               place.row_of(std::int64_t{key.y} * kTileCells + i / kTileCells));
+          if (!cv::Rect(0, 0, place.width, place.height).contains(at)) continue;
           m.common(at) = 1;
-          const CellChange c = change_of(a, b, step_m);
           if (c.kind == Change::None || std::abs(c.change_m) <= largest_m(at)) continue;
           largest_m(at) = std::abs(c.change_m);
           m.kind(at) = static_cast<uchar>(c.kind);

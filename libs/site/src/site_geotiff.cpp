@@ -113,5 +113,6 @@ void read_site(const std::string& path, Site& site, int floor)
 }
 
 double resolution_of_site(const std::string& path) { return SiteReader(path).resolution_m(); }
+int floor_of_site(const std::string& path) { return SiteReader(path).floor(); }
 
 }  // namespace talus::site

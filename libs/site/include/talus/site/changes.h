@@ -2,6 +2,7 @@
 #include <talus/site/site_geotiff.h>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -22,11 +23,11 @@ constexpr std::size_t kChangeCount = 5;
 struct CellChange
 {
   Change kind = Change::None;
-  float change_m = 0;  //!< of the top: what stands on the ground, else the ground
+  float change_m = NAN;  //!< of the top: what stands on the ground, else the ground
 };
 
-/** None unless both have seen the place, measured its ground or something on it, and their tops
- * differ by more than `step_m`. */
+/** NaN unless both have seen the place: measured its ground or something on it. None unless their
+ * tops differ by more than `step_m`. */
 CellChange change_of(const SiteCell& from, const SiteCell& to, double step_m);
 
 /** By kind. */
@@ -43,8 +44,9 @@ struct ChangeSums
 };
 
 /** Writes what changed on a floor from one site to another of the same map frame: a GeoTIFF with
- * the bands change_m and kind, NaN where either has not seen the place, and a picture. Each file
- * whole or not at all. Throws std::runtime_error that names the file. */
+ * the bands change_m and kind, NaN where either has not seen the place, and a picture. An edge that
+ * moved by one cell is no change. Each file whole or not at all. Throws std::runtime_error that
+ * names the file. */
 ChangeSums write_changes(
     const std::string& geotiff_path, const std::string& picture_path, Site& from, Site& to,
     int floor, double step_m);
