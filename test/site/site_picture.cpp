@@ -171,8 +171,7 @@ TEST(Changes, an_edge_that_moved_by_a_cell_is_none_also_between_tiles)
              farther = site_with_box(kTileCells - 17);
   const auto changed = [&](Site& to)
   {
-    const auto sums =
-        write_changes(dir / "changes.tif", dir / "changes.png", *before, to, 0, 0.2);
+    const auto sums = write_changes(dir / "changes.tif", dir / "changes.png", *before, to, 0, 0.2);
     return sums.cells[3] + sums.cells[4];
   };
   EXPECT_EQ(changed(*moved), 0u);

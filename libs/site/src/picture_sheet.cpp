@@ -115,8 +115,10 @@ void PictureSheet::draw_ways(const std::vector<std::vector<WayPoint>>& ways, int
     for (const WayPoint& p : way)
       if (p.floor == floor) line.push_back(fixed_point(place_.drawn(p.x_m, p.y_m)));
   }
-  for (const auto& line : lines) draw_line(map_, line, kHalo, 6);
-  for (const auto& line : lines) draw_line(map_, line, kWayColour, 3);
+  constexpr double kFarAway_m = 0.25;  // the robot is narrower than the line then
+  const int width = place_.pixel_m > kFarAway_m ? 2 : 3;
+  for (const auto& line : lines) draw_line(map_, line, kHalo, width + 2);
+  for (const auto& line : lines) draw_line(map_, line, kWayColour, width);
   for (const auto& line : lines)
     if (!line.empty())
     {
