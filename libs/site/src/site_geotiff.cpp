@@ -4,7 +4,6 @@
 #include "site_reader.h"
 
 #include <talus/io/atomic_file.h>
-#include <talus/number_text.h>
 
 #include <cpl_string.h>
 
@@ -25,7 +24,7 @@ void set_metadata(SiteDataset& dataset, const TilePyramid& pyramid, const Site& 
   const auto set = [&](const char* name, const std::string& text)
   { dataset.SetMetadataItem(name, text.c_str()); };
   set(kFloorItem, std::to_string(floor));
-  set(kResolutionItem, number_text(site.resolution_m, std::numeric_limits<double>::max_digits10));
+  set(kResolutionItem, exact_text(site.resolution_m));
   set(kMinCellXItem, std::to_string(pyramid.min_cell_x()));
   set(kMinCellYItem, std::to_string(pyramid.min_cell_y()));
   set(kSeenItem, std::to_string(pyramid.newest_s()));
@@ -113,5 +112,6 @@ void read_site(const std::string& path, Site& site, int floor)
 }
 
 double resolution_of_site(const std::string& path) { return SiteReader(path).resolution_m(); }
+int floor_of_site(const std::string& path) { return SiteReader(path).floor(); }
 
 }  // namespace talus::site

@@ -12,7 +12,6 @@ namespace talus::site
 namespace
 {
 constexpr std::size_t kMostPoints = 20000;
-constexpr int kExactDigits = 17;
 
 /** The runs of points on one floor. */
 Ways on_floor(const Ways& ways, int floor)
@@ -111,11 +110,18 @@ std::optional<Ways> ways_from(const std::string& text, int floor)
   return ways;
 }
 
+std::string exact_text(double value)
+{
+  constexpr int kMostDigits = 17;
+  for (int digits = 1; digits < kMostDigits; ++digits)
+    if (std::string text = number_text(value, digits); number_from(text) == value) return text;
+  return number_text(value, kMostDigits);
+}
+
 std::string text_of_origin(const GeoOrigin& o)
 {
-  const auto text = [](double v) { return number_text(v, kExactDigits); };
-  return text(o.latitude_deg) + " " + text(o.longitude_deg) + " " + text(o.altitude_m) + " " +
-         text(o.heading_deg);
+  return exact_text(o.latitude_deg) + " " + exact_text(o.longitude_deg) + " " +
+         exact_text(o.altitude_m) + " " + exact_text(o.heading_deg);
 }
 
 std::optional<GeoOrigin> origin_from(const std::string& text)
