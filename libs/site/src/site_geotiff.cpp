@@ -103,17 +103,8 @@ void read_site(const std::string& path, Site& site, int floor)
 {
   const GdalCacheLimit limit;
   SiteReader reader(path);
-  if (reader.resolution_m() != site.resolution_m)
-    throw std::runtime_error(
-        path + ": its cells are " + number_text(reader.resolution_m()) + " m wide, not " +
-        number_text(site.resolution_m) + " m: give maps of one resolution");
-  const auto text = [](const std::optional<GeoOrigin>& o)
-  { return o ? text_of_origin(*o) : std::string("none"); };
-  if (site.tiles.keys().empty() && !site.origin) site.origin = reader.origin();
-  if (text(reader.origin()) != text(site.origin))
-    throw std::runtime_error(
-        path + ": its origin on Earth is another (" + text(reader.origin()) + ", not " +
-        text(site.origin) + "): give maps of one map frame");
+  if (!site.origin && site.tiles.keys().empty()) site.origin = reader.origin();
+  reader.require_fits(site);
   auto ways = reader.ways(floor);
   const auto tile = std::make_unique<Tile>();
   for (const auto& place : reader.tiles())

@@ -175,10 +175,20 @@ void SiteMapper::store(const CellRect& cells, std::size_t first)
   for_each_tile(cells, state_.floor, put);
 }
 
+/** Whether anything was kept near some cells, on any floor. */
+bool SiteMapper::was_here(const CellRect& cells) const
+{
+  bool any = false;
+  for (int floor = 0; floor < state_.floors && !any; ++floor)
+    for_each_tile(cells, floor, [&](const TilePart& part) { any |= site_.tiles.has(part.key); });
+  return any;
+}
+
 /** Gives back what was kept of cells that have come into the window. */
 void SiteMapper::restore_entered(ElevationMapper& map, const Window& before, const Window& after)
 {
   const Strip x = Strip::beside_x(after, before), y = Strip::beside_y(after, before);
+  if (!was_here(x.cells) && !was_here(y.cells)) return;
   const std::size_t cells = x.cells.size() + y.cells.size();
   read(map, {x.cells, y.cells, x.beside, y.beside});
   refer_to_beside(x, 0, cells);

@@ -26,7 +26,8 @@ GdalCacheLimit::~GdalCacheLimit() { GDALSetCacheMax64(before_); }
 
 SiteReader::SiteReader(const std::string& path) : path_(path)
 {
-  dataset_ = io::open_geotiff(path, errors_);
+  const io::GdalErrors errors;
+  dataset_ = io::open_geotiff(path, errors);
   check_bands();
   read_metadata();
   check_place();
@@ -105,6 +106,20 @@ void SiteReader::check_place()
   height_tiles_ = height / kTileCells;
 }
 
+void SiteReader::require_fits(const Site& site) const
+{
+  if (resolution_m_ != site.resolution_m)
+    fail(
+        "its cells are " + number_text(resolution_m_) + " m wide, not " +
+        number_text(site.resolution_m) + " m: give maps of one resolution");
+  const auto text = [](const std::optional<GeoOrigin>& o)
+  { return o ? text_of_origin(*o) : std::string("none"); };
+  if (text(origin_) != text(site.origin))
+    fail(
+        "its origin on Earth is another (" + text(origin_) + ", not " + text(site.origin) +
+        "): give maps of one map frame");
+}
+
 Ways SiteReader::ways(int floor) const
 {
   const char* text = dataset_->GetMetadataItem(kWaysItem);
@@ -158,13 +173,14 @@ bool SiteReader::read(Place tile, Tile& to)
   const int top = (height_tiles_ - 1 - (tile.y - tile_of(min_cell_y_))) * kTileCells;
   constexpr int kBands = static_cast<int>(kBandCount);
   constexpr GSpacing kPixel = sizeof(float) * kBands, kLine = kPixel * kTileCells;
+  const io::GdalErrors errors;
   values_.resize(to.cells.size() * kBandCount);
   // The last row first: rows of tiles begin in the south.
   auto* last = values_.data() + static_cast<std::size_t>(kTileCells - 1) * kTileCells * kBandCount;
   if (dataset_->RasterIO(
           GF_Read, left, top, kTileCells, kTileCells, last, kTileCells, kTileCells, GDT_Float32,
           kBands, bands_.data(), kPixel, -kLine, sizeof(float), nullptr) != CE_None)
-    io::fail(path_, "cannot be read to its end; copy it again", errors_);
+    io::fail(path_, "cannot be read to its end; copy it again", errors);
   bool any = false;
   for (std::size_t i = 0; i < to.cells.size(); ++i)
   {

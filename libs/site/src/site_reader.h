@@ -23,6 +23,8 @@ class SiteReader
   const std::optional<GeoOrigin>& origin() const { return origin_; }
   std::uint32_t newest_s() const { return newest_s_; }
   int floor() const { return floor_; }
+  /** Throws where the site has another resolution or origin. */
+  void require_fits(const Site& site) const;
   /** As of floor `floor`. */
   Ways ways(int floor) const;
 
@@ -47,7 +49,6 @@ class SiteReader
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string path_;
-  io::GdalErrors errors_;
   io::DatasetPtr dataset_;
   double resolution_m_ = 0;
   std::optional<GeoOrigin> origin_;

@@ -202,6 +202,8 @@ TileStore::TileStore(std::size_t memory_bytes, std::string folder)
 }
 TileStore::~TileStore() = default;
 
+bool TileStore::has(const TileKey& key) const { return impl_->entries.count(key) > 0; }
+
 const Tile* TileStore::find(const TileKey& key)
 {
   const auto found = impl_->entries.find(key);

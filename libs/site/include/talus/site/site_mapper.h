@@ -76,6 +76,7 @@ class SiteMapper
   void begin(const Place& base);
   void keep_before(const ElevationMapper& map, const Window& after, const Place& base);
   void restore_entered(ElevationMapper& map, const Window& before, const Window& after);
+  bool was_here(const CellRect& cells) const;
   void wait_for_floor(ElevationMapper& map);
   bool choose_floor(const ElevationMapper& map);
   void keep_all(const ElevationMapper& map);

@@ -5,8 +5,12 @@
 
 namespace talus::site
 {
-/** Draws one floor of a site as a PNG for a report: hill-shaded ground, traversability over it, the
- * way driven, scale, north and legend. Throws std::runtime_error that names the file. */
-void write_site_picture(const std::string& path, Site& site, int floor);
+/** What a person puts into a report: the shaded ground of a floor in the colours of its
+ * traversability, what stands on it, the ways driven, axes, scale, north and a legend. A PNG of
+ * about 1600 pixels on its long side, whole or not at all; a pixel that stands for several cells
+ * has the worst of them. `title`: a line above, empty: one is made. Throws std::runtime_error that
+ * names the file. */
+void write_site_picture(
+    const std::string& path, Site& site, int floor, const std::string& title = "");
 
 }  // namespace talus::site

@@ -1,0 +1,30 @@
+#pragma once
+#include <talus/site/site_geotiff.h>
+
+#include <string>
+#include <vector>
+
+namespace talus::site
+{
+/** What several maps know of one cell; the order of the cells makes no difference to any bit.
+ *
+ * The ground is that of the best evidence: measured before filled from two sides before filled from
+ * one. Among equals the newest counts, and with it all that lie within `step_m` of it: their mean
+ * by information, which sums. What stands on the ground is told by the newest cell that has seen
+ * the place, measured its ground or something on it: a box that this does not show is gone. Scores
+ * and evidence are of that cell, too. Cells with the same bits are one observation. */
+SiteCell merge_cells(const SiteCell* cells, int count, double step_m);
+
+struct MergeOptions
+{
+  double step_m = 0.2;  //!< heights farther apart contradict each other
+  int threads = 0;  //!< 0: all cores
+};
+
+/** Fuses files of one map frame into a floor of an empty site, tile by tile, and their ways. The
+ * order of the paths and the number of threads make no difference. Throws as read_site(). */
+void merge_sites(
+    const std::vector<std::string>& paths, Site& site, int floor, const MergeOptions& options = {},
+    const Progress& progress = Progress());
+
+}  // namespace talus::site

@@ -1,0 +1,114 @@
+#include <talus/layers.h>
+#include <talus/site/merge.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <tuple>
+#include <vector>
+
+namespace talus::site
+{
+namespace
+{
+constexpr double kLeastVariance_m2 = 1e-12;  //!< a micrometre: no division by 0
+constexpr auto kMeasured = static_cast<std::uint8_t>(CellState::Measured);
+
+std::uint32_t bits(float v)
+{
+  std::uint32_t b;
+  std::memcpy(&b, &v, sizeof b);
+  return b;
+}
+
+/** All of a cell, the time first. */
+auto key(const SiteCell& s)
+{
+  const CellRecord& c = s.cell;
+  return std::make_tuple(
+      s.seen_s, bits(c.ground_m), bits(c.ground_variance_m2), bits(c.elevation_m),
+      bits(c.elevation_variance_m2), bits(c.traversability), c.state, c.persistence, c.ray_evidence,
+      c.extent, c.footing);
+}
+bool is_newer(const SiteCell& a, const SiteCell& b) { return key(a) > key(b); }
+bool is_same(const SiteCell& a, const SiteCell& b) { return key(a) == key(b); }
+
+bool has_elevation(const SiteCell& s) { return !std::isnan(s.cell.elevation_m); }
+/** Whether it tells if something stands there. */
+bool has_seen(const SiteCell& s) { return s.cell.state == kMeasured || has_elevation(s); }
+
+/** The mean of heights by information. */
+class Mean
+{
+ public:
+  void add(float height_m, float variance_m2)
+  {
+    const double information = 1 / std::max<double>(variance_m2, kLeastVariance_m2);
+    information_ += information;
+    sum_ += information * height_m;
+  }
+  float height_m() const { return static_cast<float>(sum_ / information_); }
+  float variance_m2() const { return static_cast<float>(1 / information_); }
+
+ private:
+  double information_ = 0, sum_ = 0;
+};
+
+void fuse_ground(
+    const std::vector<SiteCell>& cells, const SiteCell& base, double step_m, CellRecord& to)
+{
+  Mean mean;
+  int fused = 0;
+  for (const SiteCell& s : cells)
+    if (s.cell.state == base.cell.state &&
+        std::abs(static_cast<double>(s.cell.ground_m) - base.cell.ground_m) <= step_m)
+    {
+      mean.add(s.cell.ground_m, s.cell.ground_variance_m2);
+      ++fused;
+    }
+  to.state = base.cell.state;
+  to.ground_m = fused > 1 ? mean.height_m() : base.cell.ground_m;
+  to.ground_variance_m2 = fused > 1 ? mean.variance_m2() : base.cell.ground_variance_m2;
+}
+
+void fuse_elevation(
+    const std::vector<SiteCell>& cells, const SiteCell& base, double step_m, CellRecord& to)
+{
+  Mean mean;
+  int fused = 0;
+  for (const SiteCell& s : cells)
+    if (std::abs(static_cast<double>(s.cell.elevation_m) - base.cell.elevation_m) <= step_m)
+    {
+      mean.add(s.cell.elevation_m, s.cell.elevation_variance_m2);
+      ++fused;
+    }
+  to.elevation_m = fused > 1 ? mean.height_m() : base.cell.elevation_m;
+  to.elevation_variance_m2 = fused > 1 ? mean.variance_m2() : base.cell.elevation_variance_m2;
+}
+}  // namespace
+
+SiteCell merge_cells(const SiteCell* cells, int count, double step_m)
+{
+  std::vector<SiteCell> known;
+  known.reserve(static_cast<std::size_t>(count));
+  std::copy_if(
+      cells, cells + count, std::back_inserter(known), [](const SiteCell& s) { return s.known(); });
+  std::sort(known.begin(), known.end(), is_newer);
+  known.erase(std::unique(known.begin(), known.end(), is_same), known.end());
+  if (known.empty()) return {};
+  if (known.size() == 1) return known.front();
+
+  // The states are in the order of their evidence; the first of the best is the newest of them.
+  const SiteCell& ground = *std::min_element(
+      known.begin(), known.end(),
+      [](const SiteCell& a, const SiteCell& b) { return a.cell.state < b.cell.state; });
+  const auto seen = std::find_if(known.begin(), known.end(), has_seen);
+  const SiteCell& top = seen == known.end() ? ground : *seen;
+  SiteCell merged = top;
+  merged.seen_s = std::max(top.seen_s, ground.seen_s);
+  fuse_ground(known, ground, step_m, merged.cell);
+  if (has_elevation(top)) fuse_elevation(known, top, step_m, merged.cell);
+  return merged;
+}
+
+}  // namespace talus::site
