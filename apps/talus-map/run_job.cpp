@@ -130,7 +130,7 @@ bool settings_work(const Settings& settings)
   {
     try
     {
-      ElevationMapper(settings.parameters, settings.backend, settings.threads);
+      const ElevationMapper map(settings.parameters, settings.backend, settings.threads);
       return kDone;
     }
     catch (const std::exception& e)

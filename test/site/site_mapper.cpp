@@ -21,11 +21,13 @@ using baselines::ScanFrame;
 constexpr double kNoNoise_m = 0;
 constexpr const char* kSensor = "sensor: {at_m: [0, 0, 0.7], rate_hz: 10}\n";
 
-std::vector<ScanFrame> drive(const std::string& world, double noise_m = kNoNoise_m)
+std::vector<ScanFrame> drive(
+    const std::string& world, double noise_m = kNoNoise_m, double z_drift = 0)
 {
   sim::DriveOptions options;
   options.noise_m = noise_m;
   options.noise_per_m = 0;
+  options.z_drift = z_drift;
   const sim::World w = sim::parse_world("seed: 5\n" + world + kSensor, "test.yaml");
   const sim::Drive d(w, options);
   return baselines::simulate(w, d).frames;
@@ -346,6 +348,31 @@ TEST(SiteMapper, a_second_round_changes_nothing_by_more_than_noise_and_a_box_tha
   EXPECT_EQ(changed, 0) << "by up to " << most_sigmas << " standard deviations";
   EXPECT_LT(highest(kept, 3.5, 4.5, 1, 2), 0.1) << "the box that was taken away";
   EXPECT_GT(highest(kept, 3.5, 4.5, 7, 8), 0.45) << "the box that stays";
+}
+
+TEST(SiteMapper, where_poses_have_drifted_what_comes_back_is_no_wall)
+{
+  constexpr double kDrift = 0.01;
+  const std::string way = "[12, 0], [12, 10], [0, 10], [0, 0]";
+  const auto frames = drive(
+      kFlat + "robot: {path_m: [[0, 0], " + way + ", " + way + "], speed_mps: 2}\n", 0, kDrift);
+  KeptDrive kept, forgets(false);
+  const auto blocked = [](const KeptDrive& k)
+  {
+    const auto& layer = k.map.layer(Layer::Traversability);
+    return std::count(layer.begin(), layer.end(), 0.0f);
+  };
+  std::ptrdiff_t with = 0, without = 0;
+  for (const ScanFrame& f : frames)
+  {
+    kept.mapper.update(kept.map, f.view());
+    forgets.mapper.update(forgets.map, f.view());
+    with += blocked(kept);
+    without += blocked(forgets);
+  }
+  const auto cells = static_cast<std::ptrdiff_t>(frames.size()) * 160 * 160;
+  EXPECT_LT(with - without, cells / 2000) << "of " << cells;
+  EXPECT_EQ(without, 0);
 }
 
 TEST(SiteMapper, a_lift_to_another_floor_and_back_gives_two_floors)

@@ -28,6 +28,30 @@ constexpr double kLately_s = 10;
 constexpr int kFramesCalm = 3;
 constexpr double kCalm_m = 0.1, kDrives_m = 0.3;
 constexpr double kWayPoint_m = 1;
+/** What comes back is off by so much as a whole where the poses have drifted: then it is not
+ * restored. More where there is only what lies beside it to tell from: there may be a kerb between,
+ * or a slope [m/m]. */
+constexpr float kDrifted_m = 0.05f, kDriftedBeside_m = 0.15f, kSlope = 0.7f;
+/** Fewer cells that were measured then and now say nothing. */
+constexpr std::size_t kFewestSame = 3;
+/** So long are the stretches of a strip that are restored or not. */
+constexpr int kStretch_cells = 32;
+
+std::size_t stretch_of(const CellRect& cells, std::size_t i)
+{
+  const auto width = static_cast<std::size_t>(cells.width_cells);
+  const bool is_upright = cells.height_cells >= cells.width_cells;
+  return (is_upright ? i / width : i % width) / kStretch_cells;
+}
+
+/** NaN of none. */
+float median(std::vector<float>& values)
+{
+  if (values.empty()) return NAN;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 /** How far around it a cell's traversability is judged by. */
 int neighbourhood_cells(const Parameters& p)
@@ -248,9 +272,42 @@ bool SiteMapper::take_back(const CellRect& cells, std::size_t first)
   return take_back_from(other_floor(cells, first, 1).value_or(state_.floor), cells, first);
 }
 
+/** Finds the stretches of a strip where what was measured on a floor is off the ground of now as a
+ * whole: that of the same cells, or of those beside them, where it may lie on a slope. */
+void SiteMapper::find_drifted(int floor, const CellRect& cells, std::size_t first)
+{
+  stretches_.resize(static_cast<std::size_t>(
+      std::max(cells.width_cells, cells.height_cells) / kStretch_cells + 1));
+  for (Stretch& s : stretches_) s.off_m.clear(), s.off_beside_m.clear();
+  const auto compare = [&](const TilePart& part)
+  {
+    const Tile* tile = site_.tiles.find(part.key);
+    if (!tile) return;
+    for_each_cell(
+        cells, part,
+        [&](std::size_t i, std::size_t at)
+        {
+          const CellRecord& kept = tile->cells[at].cell;
+          const Reference& r = references_[first + i];
+          const float off_m = kept.ground_m - r.ground_m;
+          if (!is_measured(kept) || !(std::abs(off_m) <= r.within_m)) return;
+          Stretch& s = stretches_[stretch_of(cells, i)];
+          (is_measured(records_[first + i]) ? s.off_m : s.off_beside_m).push_back(off_m);
+        });
+  };
+  for_each_tile(cells, floor, compare);
+  const float width_m = static_cast<float>(site_.resolution_m) *
+                        static_cast<float>(std::min(cells.width_cells, cells.height_cells));
+  for (Stretch& s : stretches_)
+    s.has_drifted = s.off_m.size() >= kFewestSame
+                        ? std::abs(median(s.off_m)) > kDrifted_m
+                        : std::abs(median(s.off_beside_m)) > kDriftedBeside_m + kSlope * width_m;
+}
+
 bool SiteMapper::take_back_from(int floor, const CellRect& cells, std::size_t first)
 {
   bool any = false;
+  find_drifted(floor, cells, first);
   const auto look_up = [&](const TilePart& part)
   {
     const Tile* tile = site_.tiles.find(part.key);
@@ -261,8 +318,9 @@ bool SiteMapper::take_back_from(int floor, const CellRect& cells, std::size_t fi
           CellRecord& now = records_[first + i];
           const CellRecord kept = tile ? tile->cells[at].cell : CellRecord{};
           const Reference& r = references_[first + i];
-          const bool takes =
-              is_worth_more(kept, now) && !(std::abs(kept.ground_m - r.ground_m) > r.within_m);
+          const bool takes = is_worth_more(kept, now) &&
+                             !(std::abs(kept.ground_m - r.ground_m) > r.within_m) &&
+                             !stretches_[stretch_of(cells, i)].has_drifted;
           now = takes ? without_latest(kept) : CellRecord{};
           any |= takes;
         });

@@ -68,6 +68,12 @@ class SiteMapper
   {
     float ground_m, within_m;
   };
+  /** Of a strip that comes back. */
+  struct Stretch
+  {
+    std::vector<float> off_m, off_beside_m;  //!< what was kept above the same cells, and others
+    bool has_drifted;
+  };
   struct Votes
   {
     int agree = 0, contradict = 0;
@@ -94,6 +100,7 @@ class SiteMapper
   Votes votes(int floor, const CellRect& cells, std::size_t first);
   std::optional<int> other_floor(const CellRect& cells, std::size_t first, int fewest_agree);
   int references(const CellRect& cells, std::size_t first) const;
+  void find_drifted(int floor, const CellRect& cells, std::size_t first);
   bool take_back(const CellRect& cells, std::size_t first);
   bool take_back_from(int floor, const CellRect& cells, std::size_t first);
 
@@ -108,6 +115,7 @@ class SiteMapper
   std::vector<CellRecord> records_;
   std::vector<Reference> references_;
   std::vector<float> beside_m_;
+  std::vector<Stretch> stretches_;
 };
 
 }  // namespace talus::site
