@@ -276,9 +276,16 @@ bool SiteMapper::take_back(const CellRect& cells, std::size_t first)
  * whole: that of the same cells, or of those beside them, where it may lie on a slope. */
 void SiteMapper::find_drifted(int floor, const CellRect& cells, std::size_t first)
 {
-  stretches_.resize(static_cast<std::size_t>(
-      std::max(cells.width_cells, cells.height_cells) / kStretch_cells + 1));
-  for (Stretch& s : stretches_) s.off_m.clear(), s.off_beside_m.clear();
+  const int length = std::max(cells.width_cells, cells.height_cells);
+  const int width = std::min(cells.width_cells, cells.height_cells);
+  stretches_.resize(
+      std::max(stretches_.size(), static_cast<std::size_t>(length / kStretch_cells + 1)));
+  for (Stretch& s : stretches_)
+    for (auto* off_m : {&s.off_m, &s.off_beside_m})
+    {
+      off_m->clear();
+      off_m->reserve(static_cast<std::size_t>(kStretch_cells * width));
+    }
   const auto compare = [&](const TilePart& part)
   {
     const Tile* tile = site_.tiles.find(part.key);
@@ -296,8 +303,7 @@ void SiteMapper::find_drifted(int floor, const CellRect& cells, std::size_t firs
         });
   };
   for_each_tile(cells, floor, compare);
-  const float width_m = static_cast<float>(site_.resolution_m) *
-                        static_cast<float>(std::min(cells.width_cells, cells.height_cells));
+  const float width_m = static_cast<float>(site_.resolution_m) * static_cast<float>(width);
   for (Stretch& s : stretches_)
     s.has_drifted = s.off_m.size() >= kFewestSame
                         ? std::abs(median(s.off_m)) > kDrifted_m
