@@ -24,32 +24,21 @@ template <class Atomics>
 struct CountOffsets
 {
   FindGroundHits ground;
-  const std::int32_t* rays;
   OffsetHistogram* histogram;
 
   /** Whether this direction is one of them. */
   TALUS_HD bool counts(int bin) const { return bin % kOffsetEvery_bins == 0; }
-  /** Of the rings [begin, end) of a direction. */
-  TALUS_HD void operator()(int bin, int begin, int end) const
+  /** A hit in a ring of such a direction, and what the cell there holds. */
+  TALUS_HD void operator()(
+      int ring, std::int32_t hit, int state, float ground_m, float elevation_m) const
   {
-    const BinDirection d = direction_of_bin(bin, bins_per_side(*ground.config));
-    for (int ring = begin; ring < end; ring++)
-    {
-      const std::int32_t hit = rays[ring * bin_count(*ground.config) + bin];
-      const int storage_i = hit != kNoRay ? ground.cell_at(d, ring) : -1;
-      if (storage_i >= 0 && float_from_ordered(hit) < 0.0f && is_bare(storage_i))
-        add(ground.height_m(ring, hit) - ground.store.ground_m[storage_i]);
-    }
+    const bool bare = (state == kMeasured) &
+                      !(elevation_m - ground_m > kBare_steps * ground.config->step_threshold_m);
+    if (hit != kNoRay && float_from_ordered(hit) < 0.0f && bare)
+      add(ground.height_m(ring, hit) - ground_m);
   }
 
  private:
-  TALUS_HD bool is_bare(int storage_i) const
-  {
-    const CellStore& s = ground.store;
-    const float stands_m = s.elevation_m[storage_i] - s.ground_m[storage_i];
-    return s.state[storage_i] == kMeasured &&
-           !(stands_m > kBare_steps * ground.config->step_threshold_m);
-  }
   TALUS_HD void add(float above_m) const
   {
     const float half = 0.5f * static_cast<float>(OffsetHistogram::kBins);

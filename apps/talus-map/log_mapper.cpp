@@ -90,8 +90,9 @@ std::string class_of(const mrpt::obs::CObservation& obs)
 }
 }  // namespace
 
-LogMapper::LogMapper(const Job& job, const Options& options, const Settings& settings)
-    : options_(options), log_(job.log), map_(make_map(settings))
+LogMapper::LogMapper(
+    const Job& job, const Options& options, const Settings& settings, KeptSite* site)
+    : options_(options), log_(job.log), map_(make_map(settings)), site_(site)
 {
   map_.set_output_layers(layers_of_every_frame(options));
   run_.version = TALUS_VERSION;
@@ -112,6 +113,7 @@ void LogMapper::run(const OnFrame& on_frame)
     if (take(*obs)) on_frame(*this, reader->progress());
   if (run_.frames.empty()) explain_no_frames();
   require_points();
+  if (site_) site_->finish(map_, run_);
   add_warnings();
 }
 
@@ -136,7 +138,8 @@ bool LogMapper::decode(const mrpt::obs::CObservation& obs)
   try
   {
     if (points_from_observation(obs, scan_)) return true;
-    ++run_.unsupported[class_of(obs)];
+    const double stamp_s = mrpt::Clock::toDouble(obs.timestamp);
+    if (!site_ || !site_->take_fix(obs, poses_.base_at(stamp_s))) ++run_.unsupported[class_of(obs)];
     return false;
   }
   catch (const std::exception& e)
@@ -172,7 +175,7 @@ bool LogMapper::insert(const std::string& label)
   try
   {
     frame.sensor = sensors_.number_of(label);
-    run_.frames.push_back(map_.update(frame));
+    run_.frames.push_back(site_ ? site_->update(map_, frame) : map_.update(frame));
   }
   catch (const std::invalid_argument& e)
   {

@@ -1,5 +1,6 @@
 #pragma once
 #include "job.h"
+#include "kept_site.h"
 #include "pose_source.h"
 #include "settings.h"
 
@@ -25,8 +26,10 @@ class LogMapper
   /** Called after every frame that reached the map. */
   using OnFrame = std::function<void(const LogMapper&, double progress)>;
 
-  /** Throws what ElevationMapper throws. */
-  LogMapper(const Job& job, const Options& options, const Settings& settings);
+  /** `site` keeps what leaves the window; null: nothing does. Throws what ElevationMapper throws.
+   */
+  LogMapper(
+      const Job& job, const Options& options, const Settings& settings, KeptSite* site = nullptr);
 
   /** Reads the log to its end. Throws std::runtime_error when it cannot be read, has no poses, or
    * no scan of it is usable: the message says why and what to do. */
@@ -72,6 +75,7 @@ class LogMapper
   std::string log_;
   PoseSource poses_;
   ElevationMapper map_;
+  KeptSite* site_;
   io::RunSummary run_;
   SensorPoints scan_;
   SensorNumbers sensors_;

@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include "../common/command_line.h"
+#include "kept_site.h"
 
 #include <talus/mrpt/parameters_ini.h>
 
@@ -12,11 +13,14 @@ namespace talus::app
 namespace
 {
 constexpr const char* kFooter =
-    "Writes into DIR: map.tif (GeoTIFF, a band a layer), map.png (the layers side by side), "
-    "timing.csv (a\n"
-    "row a frame), summary.json. They appear together when a log is done, summary.json last; a log "
-    "that\n"
-    "fails writes nothing.\n"
+    "Writes into DIR: map.tif (GeoTIFF, a band a layer: the window after the last frame), map.png "
+    "(the layers\n"
+    "side by side), site.tif (Cloud Optimized GeoTIFF of all that the drive saw; other floors: "
+    "site_floor_1.tif\n"
+    "...), site.png (the same for a report), timing.csv (a row a frame), summary.json. They appear "
+    "together "
+    "when a log\n"
+    "is done, summary.json last; a log that fails writes nothing.\n"
     "\n"
     "Poses, the first of: --static, --trajectory, NAME.tum beside NAME.rawlog, those that the log "
     "holds.\n"
@@ -31,6 +35,10 @@ constexpr const char* kFooter =
     "      a sensor 1.9 m above the ground; --parameters lists everything that can be set\n"
     "  talus-map drive.rawlog --config robot.ini --every 10\n"
     "      also map and picture of each tenth frame: drive_map/frames/\n"
+    "  talus-map tuesday.rawlog --resume monday_map/site.tif\n"
+    "      goes on with the site map of an earlier drive in the same map frame\n"
+    "  talus-map drive.rawlog --origin 36.8383,-2.4045,52,30\n"
+    "      where the map is on Earth: site.tif has a CRS; without it the log's own GPS counts\n"
     "  talus-map drive.rawlog --rawlog-out terrain.rawlog\n"
     "      for rawlog-edit -p libtalus-mrpt.so --info -i terrain.rawlog\n"
     "\n"
@@ -98,6 +106,48 @@ void add_processing(CLI::App& app, Options& o)
       ->type_name("N");
 }
 
+void add_site(CLI::App& app, Options& o)
+{
+  auto* none = app.add_flag(
+      "--no-site", [&o](std::int64_t) { o.has_site = false; },
+      "Keep and write no site map: the window after the last frame is all");
+  constexpr double kLeast_mb = 4, kMost_mb = 1e7;
+  app.add_option(
+         "--memory", o.memory_mb,
+         "Memory of the site map [MB]; what finds no room waits in the output folder")
+      ->check(between(kLeast_mb, kMost_mb))
+      ->capture_default_str()
+      ->excludes(none)
+      ->type_name("MB");
+  app.add_flag("--keep-new", o.keep_new, "Cells that come back into the window start empty")
+      ->excludes(none);
+  app.add_option(
+         "--resume", o.resume,
+         "Site map of an earlier run to go on with, and those of its other floors beside it (one "
+         "log)")
+      ->check(not_empty())
+      ->excludes(none)
+      ->type_name("SITE.tif");
+  app.add_option_function<std::string>(
+         "--origin",
+         [&o](const std::string& text)
+         {
+           try
+           {
+             o.origin = origin_from_text(text);
+           }
+           catch (const std::invalid_argument& e)
+           {
+             throw CLI::ValidationError("--origin", e.what());
+           }
+         },
+         "Where the origin of the map is on Earth (WGS 84) [degrees, m], and the heading of its x "
+         "axis, counter-clockwise from east [degrees] (default: by the GPS of the log, if it has "
+         "any)")
+      ->excludes(none)
+      ->type_name("LAT,LON[,ALT[,HEADING]]");
+}
+
 void add_outputs(CLI::App& app, Options& o)
 {
   app.add_option(
@@ -125,6 +175,7 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
   add_inputs(app, options);
   add_processing(app, options);
   add_outputs(app, options);
+  add_site(app, options);
   app.add_flag_callback(
          "--parameters",
          []
@@ -141,6 +192,11 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
       {
         if (!options.rawlog_out.empty() && options.logs.size() > 1)
           throw CLI::ValidationError("--rawlog-out", "takes one log, not a batch");
+        if (!options.resume.empty() && options.logs.size() > 1)
+          throw CLI::ValidationError(
+              "--resume",
+              "takes one log, not a batch; map one log after the other, each with the "
+              "site map of the one before");
       });
   return parse_command_line(app, argc, argv);
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <talus/elevation_mapper.h>
+#include <talus/site/site.h>
 
 #include <optional>
 #include <string>
@@ -23,6 +24,11 @@ struct Options
 
   std::string output;  //!< empty: NAME_map for NAME.rawlog
   int every = 0;  //!< snapshots of every Nth frame, 0: none
+  bool has_site = true;  //!< all that the drive saw is kept and written
+  double memory_mb = 512;  //!< what of it stays in memory
+  bool keep_new = false;  //!< cells that come back start empty
+  std::string resume;  //!< site map of an earlier run, empty: none
+  std::optional<site::GeoOrigin> origin;
   std::string rawlog_out;  //!< the log with snapshots in it (each, or every Nth); empty: none
   bool quiet = false;
 };

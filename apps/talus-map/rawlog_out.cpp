@@ -95,10 +95,11 @@ bool is_same_file(const std::string& a, const fs::path& b)
          fs::weakly_canonical(fs::absolute(a), ec) == fs::weakly_canonical(fs::absolute(b), ec);
 }
 
-/** A file of write_results() or write_snapshot(). */
+/** A file of write_results(), write_snapshot() or KeptSite::write(). */
 bool is_result(const std::string& path, const fs::path& folder)
 {
-  for (const char* name : {"map.tif", "map.png", "timing.csv", "summary.json", "frames"})
+  for (const char* name :
+       {"map.tif", "map.png", "site.tif", "site.png", "timing.csv", "summary.json", "frames"})
     if (is_same_file(path, folder / name)) return true;
   const fs::path parent = fs::absolute(path).parent_path();
   return is_same_file(parent.string(), folder / "frames");
@@ -126,6 +127,8 @@ void require_file_of_its_own(const Job& job, const Options& options)
     what = "the file given to --trajectory";
   else if (!options.config.empty() && is_same_file(path, options.config))
     what = "the file given to --config";
+  else if (!options.resume.empty() && is_same_file(path, options.resume))
+    what = "the file given to --resume";
   else if (is_result(path, job.folder))
     what = "one of the results in " + job.folder;
   if (!what.empty())

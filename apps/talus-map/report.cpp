@@ -6,6 +6,7 @@
 #include <talus/io/quantile.h>
 #include <talus/io/timing_csv.h>
 
+#include <algorithm>
 #include <array>
 #include <ctime>
 #include <filesystem>
@@ -95,6 +96,19 @@ std::string map_line(const io::LayerStack& map)
       map.cells_x * map.resolution_m, map.cells_y * map.resolution_m, map.resolution_m,
       100 * c.measured, 100 * c.filled_two_sided, 100 * c.filled_one_sided, 100 * c.unknown);
 }
+
+std::string site_line(const io::SiteSummary& site)
+{
+  const auto& c = site.cells;
+  const double all = std::max(1.0, static_cast<double>(c[1] + c[2] + c[3]));
+  return mrpt::format(
+      "%.4g m2 along %.4g m of way%s: %.1f %% measured, %.1f %% filled from two sides, %.1f %% "
+      "from one",
+      site.area_m2, site.length_m,
+      site.floors > 1 ? mrpt::format(" on %d floors", site.floors).c_str() : "",
+      100 * static_cast<double>(c[1]) / all, 100 * static_cast<double>(c[2]) / all,
+      100 * static_cast<double>(c[3]) / all);
+}
 }  // namespace
 
 void write_results(const std::string& folder, const LogMapper& mapper)
@@ -132,6 +146,7 @@ std::string console_summary(const LogMapper& mapper)
   if (run.sensors.size() > 1) text += "  sensors " + counts(run.sensors) + "\n";
   text += "  points  " + points_line(run) + "\n";
   text += "  map     " + map_line(io::snapshot(mapper.map())) + "\n";
+  if (run.site) text += "  site    " + site_line(*run.site) + "\n";
   if (!run.unsupported.empty()) text += "  unused  " + counts(run.unsupported) + "\n";
   return text;
 }

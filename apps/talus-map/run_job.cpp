@@ -3,6 +3,7 @@
 #include "../common/child_process.h"
 #include "../common/output_folder.h"
 #include "../common/progress_bar.h"
+#include "kept_site.h"
 #include "log_mapper.h"
 #include "rawlog_out.h"
 #include "report.h"
@@ -13,9 +14,10 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <memory>
 #include <iostream>
+#include <memory>
 #include <new>
+#include <optional>
 
 namespace talus::app
 {
@@ -37,7 +39,9 @@ void map_log(
     const std::string& folder, RawlogOut* rawlog_out)
 {
   const auto start = std::chrono::steady_clock::now();
-  LogMapper mapper(job, options, settings);
+  std::optional<KeptSite> site;
+  if (options.has_site) site.emplace(options, settings.parameters.resolution_m, folder);
+  LogMapper mapper(job, options, settings, site ? &*site : nullptr);
   {
     ProgressBar bar(label, !options.quiet);
     mapper.run(
@@ -53,6 +57,7 @@ void map_log(
   }
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   mapper.summary().wall_s = wall.count();
+  if (site) site->write(folder);
   write_results(folder, mapper);
   if (rawlog_out) write_log(*rawlog_out);
   const auto& warnings = mapper.summary().warnings;  // those of the settings have been told

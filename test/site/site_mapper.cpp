@@ -3,10 +3,14 @@
 #include <talus/baselines/sequence.h>
 #include <talus/site/site_mapper.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace talus::site
 {
@@ -15,7 +19,7 @@ namespace
 using baselines::ScanFrame;
 
 constexpr double kNoNoise_m = 0;
-constexpr const char* kSensor = "sensor: {scanner: VLP-16, at_m: [0, 0, 0.7], rate_hz: 5}\n";
+constexpr const char* kSensor = "sensor: {at_m: [0, 0, 0.7], rate_hz: 10}\n";
 
 std::vector<ScanFrame> drive(const std::string& world, double noise_m = kNoNoise_m)
 {
@@ -27,20 +31,13 @@ std::vector<ScanFrame> drive(const std::string& world, double noise_m = kNoNoise
   return baselines::simulate(w, d).frames;
 }
 
-Parameters small_window(double window_m = 5)
-{
-  Parameters p;
-  p.window_m = window_m;
-  return p;
-}
-
 /** A map whose drive is kept. */
 struct KeptDrive
 {
-  explicit KeptDrive(const Parameters& p = small_window(), bool restores = true, int threads = 1)
-      : site(p.resolution_m, std::size_t{64} << 20, testing::TempDir()),
+  explicit KeptDrive(bool restores = true, int threads = 1)
+      : site(Parameters().resolution_m, std::size_t{64} << 20, testing::TempDir()),
         mapper(site, restores),
-        map(p, Backend::Cpu, threads)
+        map(Parameters(), Backend::Cpu, threads)
   {
   }
 
@@ -101,6 +98,12 @@ struct KeptDrive
   ElevationMapper map;
 };
 
+/** Adds the floor of the robot where it is another one than before. */
+void note_floor(const KeptDrive& kept, std::vector<int>& floors)
+{
+  if (floors.empty() || floors.back() != kept.mapper.floor()) floors.push_back(kept.mapper.floor());
+}
+
 bool is_measured(const SiteCell& c) { return c.cell.state == 1; }
 
 /** Of those measured on a floor within a rectangle: how many, and farthest off a height. */
@@ -125,6 +128,20 @@ Off off_ground(
         off.most_m = std::max(off.most_m, by);
       });
   return off;
+}
+
+/** What stands highest in a rectangle. */
+double highest(KeptDrive& kept, double x0, double x1, double y0, double y1, int floor = 0)
+{
+  double most_m = -1e9;
+  kept.for_each_known(
+      floor,
+      [&](const SiteCell& c, double x, double y)
+      {
+        if (x > x0 && x < x1 && y > y0 && y < y1 && c.cell.elevation_m > most_m)
+          most_m = c.cell.elevation_m;
+      });
+  return most_m;
 }
 
 const std::string kFlat = "ground: [plane: {}]\n";
@@ -166,14 +183,16 @@ TEST(SiteMapper, keeps_every_cell_of_a_straight_drive)
             seen[{w.min_cell_x + i % w.cells, w.min_cell_y + i / w.cells}] = 1;
       });
   kept.end();
-  ASSERT_GT(seen.size(), 20000u);
+  ASSERT_GT(seen.size(), 10000u);
   std::size_t lost = 0;
   for (const auto& entry : seen)
     lost += !is_measured(kept.at(entry.first.first, entry.first.second));
   EXPECT_EQ(lost, 0u);
   const Off off = off_ground(kept, 0, 0);
   EXPECT_LT(off.most_m, 0.005);
-  EXPECT_EQ(kept.cell(-2, 0).seen_s + 5, kept.cell(15, 3).seen_s) << "whole seconds";
+  EXPECT_EQ(kept.cell(15, 3).seen_s, static_cast<std::uint32_t>(frames.back().stamp_s));
+  const std::uint32_t left_s = kept.cell(-1, 0).seen_s;
+  EXPECT_NEAR(left_s - frames.front().stamp_s, 1.5, 1) << "when it left the window";
   EXPECT_EQ(kept.mapper.floor(), 0);
 }
 
@@ -196,8 +215,14 @@ TEST(SiteMapper, a_robot_that_turns_round_finds_the_map_that_it_made)
       kFlat +
       "objects: [box: {at_m: [2, 1.5], size_m: [0.5, 0.5, 0.6]}]\n"
       "robot: {path_m: [[0, 0], [9, 0], [9.6, 0.3], [9, 0.6], [0, 0.6]], speed_mps: 2}\n");
-  KeptDrive kept, forgets(small_window(), false);
-  int came_back = 0, forgotten = 0;
+  KeptDrive kept, forgets(false);
+  int came_back = 0, forgotten = 0, seams = 0;
+  const auto is_box = [](const Window& w, std::size_t k)
+  {
+    const double x = w.min_x_m() + static_cast<double>(k % 160) * 0.05 - 2;
+    const double y = w.min_y_m() + static_cast<double>(k / 160) * 0.05 - 1.5;
+    return std::abs(x) < 0.5 && std::abs(y) < 0.5;
+  };
   const auto count_measured = [](KeptDrive& k)
   {
     int n = 0;
@@ -211,11 +236,12 @@ TEST(SiteMapper, a_robot_that_turns_round_finds_the_map_that_it_made)
     const auto &state = kept.map.layer(Layer::State),
                &ground = kept.map.layer(Layer::GroundElevation);
     for (std::size_t k = 0; k < state.size(); ++k)
-      if (state[k] == 1) ASSERT_LT(std::abs(ground[k]), 0.005f) << "a seam in frame " << i;
+      seams += state[k] == 1 && !(std::abs(ground[k]) < 0.005f) && !is_box(kept.map.window(), k);
     if (frames[i].time_s < 7 || frames[i].time_s > 9) continue;
     came_back += count_measured(kept);
     forgotten += count_measured(forgets);
   }
+  EXPECT_EQ(seams, 0);
   EXPECT_GT(came_back, forgotten + forgotten / 20);
   EXPECT_NEAR(kept.in_window(Layer::Elevation, 2.1, 1.4), 0.6, 0.02) << "the box";
 }
@@ -223,23 +249,22 @@ TEST(SiteMapper, a_robot_that_turns_round_finds_the_map_that_it_made)
 TEST(SiteMapper, without_restoring_cells_that_come_back_start_empty)
 {
   const auto frames = drive(kStraight);
+  constexpr std::ptrdiff_t kHalf = 160 * 75;  // of the cells, on the other side
   std::vector<ScanFrame> there_and_away{frames.front(), frames.back(), frames.front()};
-  there_and_away.back().x_m.clear();  // sees nothing
-  there_and_away.back().y_m.clear();
-  there_and_away.back().z_m.clear();
-  KeptDrive kept, forgets(small_window(), false);
+  ScanFrame& again = there_and_away.back();  // sees one side only
+  for (std::size_t i = 0; i < again.y_m.size(); ++i)
+    if (again.y_m[i] < 0) again.x_m[i] = NAN;
+  KeptDrive kept, forgets(false);
   kept.add(there_and_away);
   forgets.add(there_and_away);
-  const auto known = [](const KeptDrive& k)
+  for (KeptDrive* k : {&kept, &forgets})
   {
-    int n = 0;
-    for (const float s : k.map.layer(Layer::State)) n += s > 0;
-    return n;
-  };
-  EXPECT_EQ(known(forgets), 0);
+    const auto& state = k->map.layer(Layer::State);
+    const auto measured = std::count(state.begin(), state.begin() + kHalf, 1.0f);
+    EXPECT_EQ(measured > 200, k == &kept) << measured;
+  }
   forgets.end();
-  EXPECT_GT(off_ground(forgets, 0, 0, -2, 2).cells, 200) << "unknown cells erase nothing";
-  SUCCEED() << known(kept);
+  EXPECT_GT(off_ground(forgets, 0, 0, -2, 2).cells, 100) << "unknown cells erase nothing";
 }
 
 TEST(SiteMapper, a_second_round_changes_nothing_by_more_than_noise_and_a_box_that_went_is_gone)
@@ -257,10 +282,12 @@ TEST(SiteMapper, a_second_round_changes_nothing_by_more_than_noise_and_a_box_tha
   std::size_t half = 0;
   while (frames[half].time_s < 14.2) ++half;
   kept.add({frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(half)}).end();
-  EXPECT_GT(kept.cell(4, 1.35).cell.elevation_m, 0.4f);
+  EXPECT_GT(highest(kept, 3.5, 4.5, 1, 2), 0.45);
   std::map<std::pair<double, double>, SiteCell> first;
   kept.for_each_known(0, [&](const SiteCell& c, double x, double y) { first[{x, y}] = c; });
   kept.add({frames.begin() + static_cast<std::ptrdiff_t>(half), frames.end()}).end();
+  const auto is_beside_box = [](double x, double y)
+  { return std::abs(x - 4) < 0.6 && (std::abs(y - 1.6) < 0.6 || std::abs(y - 7.6) < 0.6); };
   int compared = 0, changed = 0;
   double most_sigmas = 0;
   kept.for_each_known(
@@ -269,7 +296,7 @@ TEST(SiteMapper, a_second_round_changes_nothing_by_more_than_noise_and_a_box_tha
       {
         const auto before = first.find({x, y});
         if (before == first.end() || !is_measured(c) || !is_measured(before->second)) return;
-        if (std::abs(x - 4) < 0.5 && std::abs(y - 1.6) < 0.5) return;  // the box
+        if (is_beside_box(x, y)) return;
         const CellRecord &a = before->second.cell, &b = c.cell;
         const double sigmas = std::abs(a.ground_m - b.ground_m) /
                               std::sqrt(a.ground_variance_m2 + b.ground_variance_m2);
@@ -279,8 +306,8 @@ TEST(SiteMapper, a_second_round_changes_nothing_by_more_than_noise_and_a_box_tha
       });
   EXPECT_GT(compared, 20000);
   EXPECT_EQ(changed, 0) << "by up to " << most_sigmas << " standard deviations";
-  EXPECT_FALSE(kept.cell(4, 1.35).cell.elevation_m > 0.1f) << "the box that was taken away";
-  EXPECT_GT(kept.cell(4, 7.35).cell.elevation_m, 0.4f) << "the box that stays";
+  EXPECT_LT(highest(kept, 3.5, 4.5, 1, 2), 0.1) << "the box that was taken away";
+  EXPECT_GT(highest(kept, 3.5, 4.5, 7, 8), 0.45) << "the box that stays";
 }
 
 TEST(SiteMapper, a_lift_to_another_floor_and_back_gives_two_floors)
@@ -291,41 +318,32 @@ TEST(SiteMapper, a_lift_to_another_floor_and_back_gives_two_floors)
       "- box: {at_m: [2.25, 1], size_m: [0.5, 0.5, 0.6]}\n"
       "- box: {at_m: [-2.25, -1], size_m: [0.5, 0.5, 0.6], lift_m: 3.2}\n"
       "robot: {path_m: [[-4, 0], [4, 0], [4, 0.5], [-4, 0.5], [-4, 0], [4, 0]], speed_mps: 2,\n"
-      "  lifts: [{time_s: 4.1, z_m: 3.2}, {time_s: 8.4, z_m: 0}]}\n");
+      "  lifts: [{time_s: 4.1, z_m: 3.2}, {time_s: 8.4, z_m: -3.2}]}\n");
   KeptDrive kept;
   std::vector<int> floors;
-  kept.add(
-      frames,
-      [&](std::size_t)
-      {
-        if (floors.empty() || floors.back() != kept.mapper.floor())
-          floors.push_back(kept.mapper.floor());
-      });
+  kept.add(frames, [&](std::size_t) { note_floor(kept, floors); });
   kept.end();
   EXPECT_EQ(floors, (std::vector<int>{0, 1, 0}));
   const Off lower = off_ground(kept, 0, 0), upper = off_ground(kept, 1, 3.2);
   EXPECT_GT(lower.cells, 10000);
   EXPECT_GT(upper.cells, 10000);
-  EXPECT_LT(lower.most_m, 0.05);
-  EXPECT_LT(upper.most_m, 0.05);
-  EXPECT_NEAR(kept.cell(2.05, 1, 0).cell.elevation_m, 0.6, 0.05);
-  EXPECT_NEAR(kept.cell(-2.05, -1, 1).cell.elevation_m, 3.8, 0.05);
-  EXPECT_FALSE(kept.cell(-2.05, -1, 0).cell.elevation_m > 0.1f);
-  EXPECT_FALSE(kept.cell(2.05, 1, 1).cell.elevation_m > 3.3f);
+  EXPECT_EQ(lower.far, 0);
+  EXPECT_EQ(upper.far, 0);
+  EXPECT_NEAR(highest(kept, 2, 2.5, 0.7, 1.3, 0), 0.6, 0.05);
+  EXPECT_NEAR(highest(kept, -2.5, -2, -1.3, -0.7, 1), 3.8, 0.05);
+  EXPECT_LT(highest(kept, -2.5, -2, -1.3, -0.7, 0), 0.1);
+  EXPECT_LT(highest(kept, 2, 2.5, 0.7, 1.3, 1), 3.3);
 }
 
 TEST(SiteMapper, decks_that_a_ramp_joins_do_not_overwrite_each_other)
 {
-  // Under the deck and out again, up the ramp beside it, over the deck; then once more.
-  const std::string round =
-      "[14, 0], [6, 0], [0, 0], [-2, 4], [0, 8], [4, 8], [14, 8], [17, 4], [14, 0], [10, 0]";
   const auto frames = drive(
       "ground:\n- plane: {}\n"
       "- ramp: {at_m: [3, 8], length_m: 8, height_m: 2.2, width_m: 3.4, top_m: 0}\n"
       "objects:\n- deck: {at_m: [16.4, 4], size_m: [10.8, 14], z_m: 2.2}\n"
       "robot: {path_m: [[14, 0], [6, 0], [0, 0], [-2, 4], [0, 8], [4, 8], [14, 8], [17, 4], "
       "[14, 0]], speed_mps: 2}\n");
-  KeptDrive kept(small_window(6));
+  KeptDrive kept;
   kept.add(frames).end();
   const Off lower = off_ground(kept, 0, 0, 12, 16, -2, 2);
   const Off upper = off_ground(kept, 1, 2.2, 12, 16, -2, 2);
@@ -337,13 +355,35 @@ TEST(SiteMapper, decks_that_a_ramp_joins_do_not_overwrite_each_other)
   EXPECT_EQ(kept.mapper.floor(), 1);
 }
 
+TEST(SiteMapper, on_the_way_down_a_ramp_the_robot_comes_back_to_the_floor_that_it_left)
+{
+  const auto frames = drive(
+      "ground:\n- plane: {}\n"
+      "- ramp: {at_m: [3, 8], length_m: 8, height_m: 2.2, width_m: 3.4, top_m: 0}\n"
+      "objects:\n- deck: {at_m: [16.4, 4], size_m: [10.8, 14], z_m: 2.2}\n"
+      "robot: {path_m: [[14, 0], [6, 0], [0, 0], [-2, 4], [0, 8], [4, 8], [14, 8], [17, 4], "
+      "[14, 0], [17, 4], [14, 8], [4, 8], [0, 8], [-2, 4], [0, 0], [6, 0], [14, 0]], speed_mps: "
+      "2}\n");
+  KeptDrive kept;
+  std::vector<int> floors;
+  kept.add(frames, [&](std::size_t) { note_floor(kept, floors); }).end();
+  EXPECT_EQ(floors, (std::vector<int>{0, 1, 0}));
+  const Off lower = off_ground(kept, 0, 0, 12, 16, -2, 2);
+  const Off upper = off_ground(kept, 1, 2.2, 12, 16, -2, 2);
+  EXPECT_GT(lower.cells, 4000);
+  EXPECT_GT(upper.cells, 4000);
+  EXPECT_EQ(lower.far, 0);
+  EXPECT_EQ(upper.far, 0);
+  EXPECT_EQ(kept.site.tiles.keys().back().floor, 1) << "there is no third one";
+}
+
 TEST(SiteMapper, goes_on_with_a_site_that_there_was_before)
 {
   const auto frames = drive(kStraight);
   const std::ptrdiff_t half = static_cast<std::ptrdiff_t>(frames.size() / 2);
   KeptDrive kept;
   kept.add({frames.begin(), frames.begin() + half}).end();
-  ElevationMapper map(small_window(), Backend::Cpu);
+  ElevationMapper map(Parameters(), Backend::Cpu);
   SiteMapper next_day(kept.site);
   next_day.update(map, frames[static_cast<std::size_t>(half)].view());
   int measured = 0;
@@ -356,7 +396,7 @@ TEST(SiteMapper, goes_on_with_a_site_that_there_was_before)
 TEST(SiteMapper, gives_the_same_bytes_with_any_number_of_threads)
 {
   const auto frames = drive(kStraight, 0.02);
-  KeptDrive one, four(small_window(), true, 4);
+  KeptDrive one, four(true, 4);
   one.add(frames).end();
   four.add(frames).end();
   EXPECT_TRUE(bytes_of(one) == bytes_of(four));

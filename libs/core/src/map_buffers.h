@@ -84,7 +84,7 @@ struct MapBuffers
   }
   kernels::CountOffsets<Atomics> count_offsets()
   {
-    return {ground_hits(), rays.data(), offsets.data()};
+    return {ground_hits(), offsets.data()};
   }
   kernels::FollowPoses follow()
   {

@@ -66,6 +66,18 @@ Json window(const LayerStack& s)
       {"y_m", {s.min_y_m, s.min_y_m + s.cells_y * s.resolution_m}}};
 }
 
+Json site(const SiteSummary& s)
+{
+  return {
+      {"area_m2", s.area_m2},
+      {"length_m", s.length_m},
+      {"floors", s.floors},
+      {"cells",
+       {{"measured", s.cells[1]},
+        {"filled_two_sided", s.cells[2]},
+        {"filled_one_sided", s.cells[3]}}}};
+}
+
 Json counts(const std::map<std::string, std::size_t>& by_name)
 {
   Json object = Json::object();
@@ -138,6 +150,7 @@ std::string summary_json(const RunSummary& run, const LayerStack& stack)
       {"filled_one_sided", c.filled_one_sided},
       {"unknown", c.unknown}};
   j["window"] = window(stack);
+  if (run.site) j["site"] = site(*run.site);
   j["parameters"] = parameters(run.parameters);
   j["warnings"] = run.warnings;
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

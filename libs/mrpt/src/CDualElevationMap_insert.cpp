@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "warn_once.h"
+#include "whole_map.h"
 
 namespace talus
 {
@@ -87,7 +88,7 @@ void CDualElevationMap::insertPoints(
   applyOptions();
   Frame frame = frame_from(points, T_map_base);
   frame.sensor = m_sensors.number_of(points.sensor_label);
-  m_lastReport = mapper().update(frame);
+  m_lastReport = m_keep_whole ? whole().update(mapper(), frame) : mapper().update(frame);
   m_T_map_base = T_map_base;
 }
 
@@ -99,6 +100,8 @@ void CDualElevationMap::applyOptions()
   const Window before = m_mapper->window(), after = changed.window();
   const bool same_cells = before.cells == after.cells && before.resolution_m == after.resolution_m;
   if (same_cells && !m_mapper->empty()) changed.restore(m_mapper->save());
+  if (m_whole && before.resolution_m != after.resolution_m) m_whole.reset();
+  if (m_whole && !same_cells) m_whole->site(*m_mapper);  // keeps what is in the window
   *m_mapper = std::move(changed);
 }
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "warn_once.h"
+#include "whole_map.h"
 
 namespace talus
 {

@@ -17,6 +17,7 @@
 
 #include "ini_sections.h"
 #include "warn_once.h"
+#include "whole_map.h"
 
 namespace
 {
@@ -43,8 +44,8 @@ void warn_without_creation(const mrpt::config::CConfigFileBase& source, const st
   if (any && !source.sectionExists(prefix + "_creationOpts"))
     talus::detail::warn_once(
         "no section [" + prefix +
-        "_creationOpts]: what belongs there (resolution, window, backend, threads) keeps its "
-        "default");
+        "_creationOpts]: what belongs there (resolution, window, backend, threads, keep_whole) "
+        "keeps its default");
 }
 
 /** Sections `APP_NAME_07_...` where there are fewer maps of that name. */
@@ -109,6 +110,8 @@ void talus::CDualElevationMap::TMapDefinition::loadFromConfigFile_map_specific(
   resolution.reset();
   window.reset();
   load_execution(source, sectionNamePrefix, backend, threads);
+  keepWhole =
+      detail::ini_flag(source, sectionNamePrefix + "_creationOpts", "keep_whole", keepWhole);
   place = detail::in_section(source, sectionNamePrefix + "_creationOpts");
   likelihoodOpts.loadFromConfigFile(source, sectionNamePrefix + "_likelihoodOpts");
   renderOpts.loadFromConfigFile(source, sectionNamePrefix + "_renderOpts");
@@ -120,7 +123,8 @@ void talus::CDualElevationMap::TMapDefinition::dumpToTextStream_map_specific(
   out << "resolution = " << number_text(resolution.value_or(insertionOpts.resolution_m)) << " m\n"
       << "window     = " << number_text(window.value_or(insertionOpts.window_m)) << " m\n"
       << "backend    = " << backend_text(backend) << "\n"
-      << "threads    = " << std::to_string(threads) << "\n";
+      << "threads    = " << std::to_string(threads) << "\n"
+      << "keep_whole = " << (keepWhole ? "true" : "false") << "\n";
   insertionOpts.dumpToTextStream(out);
   likelihoodOpts.dumpToTextStream(out);
   renderOpts.dumpToTextStream(out);
@@ -152,7 +156,7 @@ talus::CDualElevationMap::internal_CreateFromMapDefinition(
   p.resolution_m = def.resolution.value_or(p.resolution_m);
   p.window_m = def.window.value_or(p.window_m);
 
-  auto map = std::make_unique<CDualElevationMap>(p, def.backend, def.threads);
+  auto map = std::make_unique<CDualElevationMap>(p, def.backend, def.threads, def.keepWhole);
   map->likelihoodOptions = def.likelihoodOpts;
   map->renderOptions = def.renderOpts;
   if (def.backend == Backend::Cuda) make_mapper_now(*map, def.place);
@@ -184,15 +188,16 @@ void register_mrpt_classes()
   mrpt::rtti::registerClass(CLASS_ID_NAMESPACE(CObservationTraversability, talus));
 }
 
-CDualElevationMap::CDualElevationMap(const Parameters& parameters, Backend backend, int threads)
-    : m_backend(backend), m_threads(threads)
+CDualElevationMap::CDualElevationMap(
+    const Parameters& parameters, Backend backend, int threads, bool keep_whole)
+    : m_backend(backend), m_threads(threads), m_keep_whole(keep_whole)
 {
   parameters.validate();
   static_cast<Parameters&>(insertionOptions) = parameters;
 }
 
 CDualElevationMap::CDualElevationMap(const CDualElevationMap& o)
-    : CMetricMap(o), m_backend(o.m_backend), m_threads(o.m_threads)
+    : CMetricMap(o), m_backend(o.m_backend), m_threads(o.m_threads), m_keep_whole(o.m_keep_whole)
 {
   *this = o;
 }
@@ -206,12 +211,14 @@ CDualElevationMap& CDualElevationMap::operator=(const CDualElevationMap& o)
   renderOptions = o.renderOptions;
   m_backend = o.m_backend;
   m_threads = o.m_threads;
+  m_keep_whole = o.m_keep_whole;
   m_T_map_base = o.m_T_map_base;
   m_sensors = o.m_sensors;
   m_lastReport = o.m_lastReport;
   forgetDerived();
   m_mapper.reset();
-  if (o.isEmpty()) return *this;
+  m_whole = o.m_whole ? std::make_unique<WholeMap>(*o.m_whole) : nullptr;
+  if (!o.m_mapper || o.isEmpty()) return *this;
   m_mapper = std::make_unique<ElevationMapper>(
       o.m_mapper->parameters(), o.m_mapper->save(), m_backend, m_threads);
   return *this;
@@ -232,17 +239,46 @@ const ElevationMapper& CDualElevationMap::mapper() const
   return *m_mapper;
 }
 
+WholeMap& CDualElevationMap::whole() const
+{
+  if (!m_whole) m_whole = std::make_unique<WholeMap>(mapper().parameters().resolution_m);
+  return *m_whole;
+}
+
+MapView CDualElevationMap::view() const
+{
+  if (!m_whole) return mapper();
+  const MapSnapshot& floor = whole().floor(mapper());
+  if (floor.window.cells == 0) return mapper();  // nothing was seen yet
+  return floor;
+}
+
+void CDualElevationMap::loadSite(const std::string& path)
+{
+  if (!m_keep_whole)
+    throw std::logic_error(
+        "CDualElevationMap::loadSite: this map keeps no more than its window: keep_whole = true");
+  if (!isEmpty())
+    throw std::logic_error("CDualElevationMap::loadSite: before the first observation");
+  whole().load(path);
+}
+
 void CDualElevationMap::forgetDerived()
 {
+  if (m_whole) m_whole->forget_floor();
   m_pointsCache.reset();
   m_sceneCache.clear();
 }
 
-bool CDualElevationMap::isEmpty() const { return !m_mapper || m_mapper->empty(); }
+bool CDualElevationMap::isEmpty() const
+{
+  return (!m_mapper || m_mapper->empty()) && !(m_whole && m_whole->is_loaded());
+}
 
 void CDualElevationMap::internal_clear()
 {
   if (m_mapper) m_mapper->clear();
+  m_whole.reset();
   forgetDerived();
   m_T_map_base = {};
   m_sensors = {};
@@ -255,10 +291,11 @@ std::string CDualElevationMap::asString() const
   const std::string side = number_text(p.window_m, 6) + " ";
   const std::string size = side + "x " + side + "m at " + number_text(p.resolution_m, 6) + " m";
   if (isEmpty()) return "talus::CDualElevationMap, " + size + ", empty";
-  const auto& ground = m_mapper->layer(Layer::GroundElevation);
+  const MapView shown = view();
+  const auto& ground = shown.layer(Layer::GroundElevation);
   const auto known = static_cast<std::size_t>(
       std::count_if(ground.begin(), ground.end(), [](float z) { return !std::isnan(z); }));
-  const Window w = m_mapper->window();
+  const Window w = shown.window();
   return mrpt::format(
       "talus::CDualElevationMap, %s from (%s,%s), %zu of %zu cells with ground, backend %s",
       size.c_str(), fixed_text(w.min_x_m(), 2).c_str(), fixed_text(w.min_y_m(), 2).c_str(), known,

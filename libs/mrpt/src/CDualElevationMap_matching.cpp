@@ -59,7 +59,7 @@ double CDualElevationMap::internal_computeObservationLikelihood(
         std::string("no likelihood: ") + obs.GetRuntimeClass()->className);
     return 0;
   }
-  const SurfaceView map(mapper());
+  const SurfaceView map(view());
   const auto T_map_sensor = takenFrom + points.T_base_sensor;
   const auto step = static_cast<std::size_t>(likelihoodOptions.decimation);
   const PointFilter filter(
@@ -83,7 +83,7 @@ float CDualElevationMap::compute3DMatchingRatio(
 {
   const auto* other = otherMap ? otherMap->getAsSimplePointsMap() : nullptr;
   if (isEmpty() || !other || other->size() == 0) return 0;
-  const SurfaceView map(mapper());
+  const SurfaceView map(view());
   std::size_t matched = 0;
   for (std::size_t i = 0; i < other->size(); i++)
   {
@@ -110,7 +110,7 @@ const mrpt::maps::CSimplePointsMap* CDualElevationMap::getAsSimplePointsMap() co
   if (m_pointsCache) return m_pointsCache.get();
   m_pointsCache = mrpt::maps::CSimplePointsMap::Create();
   if (isEmpty()) return m_pointsCache.get();
-  const SurfaceView map(mapper());
+  const SurfaceView map(view());
   const auto resolution = static_cast<float>(map.window.resolution_m);
   for (int iy = 0; iy < map.window.cells; iy++)
     for (int ix = 0; ix < map.window.cells; ix++)
@@ -130,7 +130,7 @@ mrpt::math::TBoundingBoxf CDualElevationMap::boundingBox() const
   mrpt::math::TBoundingBoxf box;
   if (isEmpty()) return box;
   box = mrpt::math::TBoundingBoxf::PlusMinusInfinity();
-  const SurfaceView map(mapper());
+  const SurfaceView map(view());
   const auto half = static_cast<float>(map.window.resolution_m / 2);
   bool any = false;
   for (int iy = 0; iy < map.window.cells; iy++)

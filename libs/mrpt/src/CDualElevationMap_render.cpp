@@ -145,7 +145,7 @@ void CDualElevationMap::drawScene() const
 {
   m_sceneCache.clear();
   m_sceneOptions = renderOptions;
-  const SurfaceView map(mapper());
+  const SurfaceView map(view());
   const auto add = [&](const char* name, const std::vector<float>& z, bool only_above)
   {
     auto mesh = SurfacePainter(map, z, renderOptions).draw(only_above);

@@ -8,6 +8,7 @@
 
 #include "stream_reader.h"
 #include "warn_once.h"
+#include "whole_map.h"
 
 namespace talus
 {
@@ -156,7 +157,7 @@ std::unique_ptr<ElevationMapper> read_mapper(
 
 }  // namespace
 
-std::uint8_t CDualElevationMap::serializeGetVersion() const { return 1; }
+std::uint8_t CDualElevationMap::serializeGetVersion() const { return 2; }
 
 void CDualElevationMap::serializeTo(mrpt::serialization::CArchive& out) const
 {
@@ -174,10 +175,11 @@ void CDualElevationMap::serializeTo(mrpt::serialization::CArchive& out) const
   out << m_T_map_base;
   out << static_cast<std::uint32_t>(m_sensors.labels().size());
   for (const std::string& label : m_sensors.labels()) out << label;
-  out << isEmpty();
+  out << m_keep_whole << isEmpty();
   if (isEmpty()) return;
   write_parameters(out, m_mapper->parameters());  // may lag behind insertionOptions
   write_bytes(out, m_mapper->save());
+  if (m_keep_whole) whole().write(*m_mapper, out);
 }
 
 void CDualElevationMap::serializeFrom(mrpt::serialization::CArchive& in, std::uint8_t version)
@@ -186,6 +188,7 @@ void CDualElevationMap::serializeFrom(mrpt::serialization::CArchive& in, std::ui
   {
     case 0:
     case 1:
+    case 2:
       readVersion(version, in);
       break;
     default:
@@ -208,7 +211,9 @@ void CDualElevationMap::readVersion(int version, mrpt::serialization::CArchive& 
     read.renderOptions = read_render_options(in);
     read.m_T_map_base = in.pose("pose of the robot");
     if (version > 0) read.m_sensors = read_sensors(in);
+    if (version > 1) read.m_keep_whole = in.flag("whether it keeps the whole");
     read.m_mapper = read_mapper(in, version, read.m_backend, read.m_threads);
+    if (read.m_mapper && read.m_keep_whole) read.whole().read(in);
   }
   catch (const std::invalid_argument& e)
   {
@@ -222,7 +227,9 @@ void CDualElevationMap::readVersion(int version, mrpt::serialization::CArchive& 
   renderOptions = read.renderOptions;
   m_T_map_base = read.m_T_map_base;
   m_sensors = read.m_sensors;
+  m_keep_whole = read.m_keep_whole;
   m_mapper = std::move(read.m_mapper);
+  m_whole = std::move(read.m_whole);
   m_lastReport = {};
   forgetDerived();
 }

@@ -84,7 +84,7 @@ void costmap_from_map(
 void CDualElevationMap::getAsOccupancyGrid(
     COccupancyGridMap2D& out, const ObstacleOptions& options) const
 {
-  costmap_from_map(mapper(), m_T_map_base, options, out);
+  costmap_from_map(view(), m_T_map_base, options, out);
 }
 
 }  // namespace talus

@@ -1,5 +1,7 @@
 #include "cell_bands.h"
 
+#include "kept_cell.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,7 +11,6 @@ namespace talus::site
 namespace
 {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr double kHighest_m = 1e9;  //!< beyond what frames can lead to
 constexpr std::uint32_t kExact = 1U << 24;  //!< whole numbers up to it are float32
 
 /** The largest float32 that is not above a whole number. */
@@ -28,15 +29,6 @@ std::optional<std::uint32_t> whole(float v, std::uint32_t most)
 {
   if (!(v >= 0 && static_cast<double>(v) <= most && v == std::floor(v))) return std::nullopt;
   return static_cast<std::uint32_t>(v);
-}
-
-bool is_surface(float height_m, float variance_m2)
-{
-  return std::abs(height_m) <= kHighest_m && variance_m2 >= 0 && std::isfinite(variance_m2);
-}
-bool is_none(float height_m, float variance_m2)
-{
-  return std::isnan(height_m) && std::isnan(variance_m2);
 }
 }  // namespace
 
@@ -83,12 +75,7 @@ std::optional<SiteCell> cell_of(const BandValues& values, std::uint32_t newest_s
   c.extent = static_cast<std::uint8_t>(*shape & 0xFF);
   c.footing = static_cast<std::uint8_t>(*shape >> 8 & 0xFF);
   cell.seen_s = newest_s - *age - (*shape >> 16);
-  const bool sound =
-      is_surface(c.ground_m, c.ground_variance_m2) &&
-      (is_surface(c.elevation_m, c.elevation_variance_m2) ||
-       is_none(c.elevation_m, c.elevation_variance_m2)) &&
-      (std::isnan(c.traversability) || (c.traversability >= 0 && c.traversability <= 1));
-  return sound ? std::optional<SiteCell>(cell) : std::nullopt;
+  return is_sound(c) ? std::optional<SiteCell>(cell) : std::nullopt;
 }
 
 }  // namespace talus::site

@@ -13,6 +13,18 @@ namespace talus::site
 inline bool is_known(const CellRecord& c) { return c.state != kernels::kUnknown; }
 inline bool is_measured(const CellRecord& c) { return c.state == kernels::kMeasured; }
 
+/** Whether a known cell that was read from somewhere may be one of a map. */
+inline bool is_sound(const CellRecord& c)
+{
+  constexpr float kHighest_m = 1e9f;  // beyond what frames can lead to
+  const auto is_surface = [&](float height_m, float variance_m2)
+  { return std::abs(height_m) <= kHighest_m && variance_m2 >= 0 && std::isfinite(variance_m2); };
+  const bool has_no_top = std::isnan(c.elevation_m) && std::isnan(c.elevation_variance_m2);
+  return c.state <= kernels::kFilledOneSided && is_surface(c.ground_m, c.ground_variance_m2) &&
+         (has_no_top || is_surface(c.elevation_m, c.elevation_variance_m2)) &&
+         (std::isnan(c.traversability) || (c.traversability >= 0 && c.traversability <= 1));
+}
+
 /** Heights of two floors. */
 inline bool contradict(float a_m, float b_m)
 {

@@ -5,6 +5,7 @@
 #include "strips.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 namespace talus::site
@@ -47,11 +48,21 @@ void fill_gaps(std::vector<float>& line)
 
 SiteMapper::SiteMapper(Site& site, bool restores) : site_(site), restores_(restores)
 {
-  for (const TileKey& key : site.tiles.keys()) floors_ = std::max(floors_, key.floor + 1);
+  for (const TileKey& key : site.tiles.keys())
+    state_.floors = std::max(state_.floors, key.floor + 1);
   site.ways.emplace_back();
 }
 
 FrameReport SiteMapper::update(ElevationMapper& map, const Frame& frame)
+{
+  const auto start = std::chrono::steady_clock::now();
+  FrameReport report = update_kept(map, frame);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  report.total_ms = took.count();
+  return report;
+}
+
+FrameReport SiteMapper::update_kept(ElevationMapper& map, const Frame& frame)
 {
   const Window before = map.window(), after = map.window_after(frame);
   const Pose T_map_base = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
@@ -62,40 +73,40 @@ FrameReport SiteMapper::update(ElevationMapper& map, const Frame& frame)
   else
     keep_before(map, after, base);
   const FrameReport report = map.update(frame);
-  stamp_s_ = frame.stamp_s;
+  state_.stamp_s = frame.stamp_s;
   follow(base);
-  if (choice_ != Choice::None)
+  if (state_.choice != Choice::None)
     wait_for_floor(map);
   else if (restores_ && !begins && !same_place(before, after))
     restore_entered(map, before, after);
   if (!report.leaves_floor) return report;
-  if (choice_ == Choice::None && !(stamp_s_ - kept_s_ < kLately_s)) keep_all(map);
-  choice_ = Choice::LeftFloor;
-  calm_ = base;
-  frames_calm_ = 0;
+  if (state_.choice == Choice::None && !(state_.stamp_s - state_.kept_s < kLately_s)) keep_all(map);
+  state_.choice = Choice::LeftFloor;
+  state_.calm = base;
+  state_.frames_calm = 0;
   return report;
 }
 
 void SiteMapper::begin(const Place& base)
 {
-  calm_ = base;
-  frames_calm_ = kFramesCalm;
-  choice_ = site_.tiles.keys().empty() ? Choice::None : Choice::Appeared;
+  state_.calm = base;
+  state_.frames_calm = kFramesCalm;
+  state_.choice = site_.tiles.keys().empty() ? Choice::None : Choice::Appeared;
 }
 
 /** What leaves with the next frame; all of it before a frame that may put what it sees of another
  * floor on this one. */
 void SiteMapper::keep_before(const ElevationMapper& map, const Window& after, const Place& base)
 {
-  if (choice_ != Choice::None) return;
+  if (state_.choice != Choice::None) return;
   const Window now = map.window();
-  const bool rises = std::abs(base.z_m - calm_.z_m) > kRises_m;
+  const bool rises = std::abs(base.z_m - state_.calm.z_m) > kRises_m;
   const bool appears = !overlap(now, after);
   if (rises || appears)
   {
     keep_all(map);
-    kept_s_ = stamp_s_;
-    calm_ = base;
+    state_.kept_s = state_.stamp_s;
+    state_.calm = base;
   }
   else if (!same_place(now, after))
   {
@@ -105,17 +116,18 @@ void SiteMapper::keep_before(const ElevationMapper& map, const Window& after, co
     keep(y.cells, x.cells.size());
   }
   if (!appears) return;
-  choice_ = Choice::Appeared;
-  frames_calm_ = kFramesCalm;
+  state_.choice = Choice::Appeared;
+  state_.frames_calm = kFramesCalm;
 }
 
 void SiteMapper::keep_window(const ElevationMapper& map)
 {
   if (map.empty()) return;
-  if (choice_ != Choice::None && choose_floor(map)) choice_ = Choice::None;
+  if (state_.choice != Choice::None && choose_floor(map)) state_.choice = Choice::None;
   keep_all(map);
   auto& way = site_.ways.back();
-  if (way.empty() || std::hypot(base_.x_m - way.back().x_m, base_.y_m - way.back().y_m) > kCalm_m)
+  if (way.empty() ||
+      std::hypot(state_.base.x_m - way.back().x_m, state_.base.y_m - way.back().y_m) > kCalm_m)
     add_to_way();
 }
 
@@ -129,19 +141,19 @@ void SiteMapper::keep_all(const ElevationMapper& map)
 /** Puts cells into the tiles of their floor. */
 void SiteMapper::keep(const CellRect& cells, std::size_t first)
 {
-  const Votes here = votes(floor_, cells, first);
+  const Votes here = votes(state_.floor, cells, first);
   if (here.contradict > here.agree && here.contradict >= kFewestVotes)
-    floor_ = other_floor(cells, first, kFewestVotes).value_or(floors_);
-  else if (here.agree + here.contradict == 0 && floors_ > 1)
-    floor_ = other_floor(cells, first, std::max(kFewestVotes, references(cells, first) / 2))
-                 .value_or(floor_);
-  floors_ = std::max(floors_, floor_ + 1);
+    state_.floor = other_floor(cells, first, kFewestVotes).value_or(state_.floors);
+  else if (here.agree + here.contradict == 0 && state_.floors > 1)
+    state_.floor = other_floor(cells, first, std::max(kFewestVotes, references(cells, first) / 2))
+                       .value_or(state_.floor);
+  state_.floors = std::max(state_.floors, state_.floor + 1);
   store(cells, first);
 }
 
 void SiteMapper::store(const CellRect& cells, std::size_t first)
 {
-  const std::uint32_t seen_s = whole_seconds(stamp_s_);
+  const std::uint32_t seen_s = whole_seconds(state_.stamp_s);
   const CellRecord* const now = records_.data() + first;
   const auto put = [&](const TilePart& part)
   {
@@ -160,13 +172,23 @@ void SiteMapper::store(const CellRect& cells, std::size_t first)
           kept.seen_s = seen_s;
         });
   };
-  for_each_tile(cells, floor_, put);
+  for_each_tile(cells, state_.floor, put);
+}
+
+/** Whether anything was kept near some cells, on any floor. */
+bool SiteMapper::was_here(const CellRect& cells) const
+{
+  bool any = false;
+  for (int floor = 0; floor < state_.floors && !any; ++floor)
+    for_each_tile(cells, floor, [&](const TilePart& part) { any |= site_.tiles.has(part.key); });
+  return any;
 }
 
 /** Gives back what was kept of cells that have come into the window. */
 void SiteMapper::restore_entered(ElevationMapper& map, const Window& before, const Window& after)
 {
   const Strip x = Strip::beside_x(after, before), y = Strip::beside_y(after, before);
+  if (!was_here(x.cells) && !was_here(y.cells)) return;
   const std::size_t cells = x.cells.size() + y.cells.size();
   read(map, {x.cells, y.cells, x.beside, y.beside});
   refer_to_beside(x, 0, cells);
@@ -182,9 +204,10 @@ void SiteMapper::restore_entered(ElevationMapper& map, const Window& before, con
  * elsewhere. Whether there is any. */
 bool SiteMapper::take_back(const CellRect& cells, std::size_t first)
 {
-  const Votes here = votes(floor_, cells, first);
-  if (here.agree > 0 && here.agree >= here.contradict) return take_back_from(floor_, cells, first);
-  return take_back_from(other_floor(cells, first, 1).value_or(floor_), cells, first);
+  const Votes here = votes(state_.floor, cells, first);
+  if (here.agree > 0 && here.agree >= here.contradict)
+    return take_back_from(state_.floor, cells, first);
+  return take_back_from(other_floor(cells, first, 1).value_or(state_.floor), cells, first);
 }
 
 bool SiteMapper::take_back_from(int floor, const CellRect& cells, std::size_t first)
@@ -213,18 +236,20 @@ bool SiteMapper::take_back_from(int floor, const CellRect& cells, std::size_t fi
 /** After a frame on a floor that is not known yet. */
 void SiteMapper::wait_for_floor(ElevationMapper& map)
 {
-  const bool drives = std::hypot(base_.x_m - calm_.x_m, base_.y_m - calm_.y_m) > kDrives_m;
-  if (std::abs(base_.z_m - calm_.z_m) < kCalm_m)
-    ++frames_calm_;
+  const bool drives =
+      std::hypot(state_.base.x_m - state_.calm.x_m, state_.base.y_m - state_.calm.y_m) > kDrives_m;
+  if (std::abs(state_.base.z_m - state_.calm.z_m) < kCalm_m)
+    ++state_.frames_calm;
   else
   {
-    frames_calm_ = 0;
-    calm_.z_m = base_.z_m;
+    state_.frames_calm = 0;
+    state_.calm.z_m = state_.base.z_m;
   }
-  if ((frames_calm_ < kFramesCalm && !drives) || !choose_floor(map)) return;
-  choice_ = Choice::None;
-  calm_ = base_;
-  if (restores_ && take_back_from(floor_, rects_.front(), 0)) map.write_cells(rects_, records_);
+  if ((state_.frames_calm < kFramesCalm && !drives) || !choose_floor(map)) return;
+  state_.choice = Choice::None;
+  state_.calm = state_.base;
+  if (restores_ && take_back_from(state_.floor, rects_.front(), 0))
+    map.write_cells(rects_, records_);
 }
 
 /** The one that agrees most with what the window measured. False: it measured too little. */
@@ -233,12 +258,12 @@ bool SiteMapper::choose_floor(const ElevationMapper& map)
   const CellRect window = rect_of(map.window());
   read(map, {window});
   if (references(window, 0) < kFewestVotes) return false;
-  const Votes here = votes(floor_, window, 0);
+  const Votes here = votes(state_.floor, window, 0);
   const int agree = here.agree > here.contradict ? here.agree : 0;
   if (const auto other = other_floor(window, 0, agree + 1))
-    floor_ = *other;
-  else if (agree == 0 && (choice_ == Choice::LeftFloor || here.contradict > 0))
-    floor_ = floors_++;
+    state_.floor = *other;
+  else if (agree == 0 && (state_.choice == Choice::LeftFloor || here.contradict > 0))
+    state_.floor = state_.floors++;
   return true;
 }
 
@@ -269,8 +294,9 @@ void SiteMapper::refer_to_beside(const Strip& strip, std::size_t first, std::siz
     if (!std::isnan(r.ground_m)) continue;
     const double x_m = site_.resolution_m * static_cast<double>(strip.cells.min_cell_x + x);
     const double y_m = site_.resolution_m * static_cast<double>(strip.cells.min_cell_y + y);
-    r.ground_m = static_cast<float>(base_.z_m);
-    r.within_m += kRise * static_cast<float>(std::hypot(x_m - base_.x_m, y_m - base_.y_m));
+    r.ground_m = static_cast<float>(state_.base.z_m);
+    r.within_m +=
+        kRise * static_cast<float>(std::hypot(x_m - state_.base.x_m, y_m - state_.base.y_m));
   }
 }
 
@@ -301,9 +327,9 @@ std::optional<int> SiteMapper::other_floor(
     const CellRect& cells, std::size_t first, int fewest_agree)
 {
   std::optional<int> best;
-  for (int floor = 0; floor < floors_; ++floor)
+  for (int floor = 0; floor < state_.floors; ++floor)
   {
-    if (floor == floor_) continue;
+    if (floor == state_.floor) continue;
     const Votes there = votes(floor, cells, first);
     if (there.agree < fewest_agree || there.agree <= there.contradict) continue;
     best = floor;
@@ -322,10 +348,10 @@ int SiteMapper::references(const CellRect& cells, std::size_t first) const
 
 void SiteMapper::follow(const Place& base)
 {
-  base_ = base;
-  if (choice_ == Choice::None &&
-      std::hypot(base.x_m - calm_.x_m, base.y_m - calm_.y_m) > kOtherFloor_m)
-    calm_ = base;
+  state_.base = base;
+  if (state_.choice == Choice::None &&
+      std::hypot(base.x_m - state_.calm.x_m, base.y_m - state_.calm.y_m) > kOtherFloor_m)
+    state_.calm = base;
   const auto& way = site_.ways.back();
   if (way.empty() ||
       std::hypot(base.x_m - way.back().x_m, base.y_m - way.back().y_m, base.z_m - way.back().z_m) >=
@@ -336,8 +362,8 @@ void SiteMapper::follow(const Place& base)
 void SiteMapper::add_to_way()
 {
   site_.ways.back().push_back(
-      {static_cast<float>(base_.x_m), static_cast<float>(base_.y_m), static_cast<float>(base_.z_m),
-       floor_});
+      {static_cast<float>(state_.base.x_m), static_cast<float>(state_.base.y_m),
+       static_cast<float>(state_.base.z_m), state_.floor});
 }
 
 }  // namespace talus::site

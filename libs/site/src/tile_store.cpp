@@ -121,10 +121,12 @@ struct TileStore::Impl
     else
     {
       std::unique_ptr<Tile> memory = room();
+      const bool is_new = !memory;
+      if (is_new) memory = std::make_unique<Tile>();
       if (entry.is_on_disk)
         codec().read(path_of(key), *memory);
-      else
-        *memory = Tile{};
+      else if (!is_new)
+        memory->cells.fill(SiteCell{});
       entry.tile = std::move(memory);
       ++in_memory;
     }
@@ -132,11 +134,10 @@ struct TileStore::Impl
     return *entry.tile;
   }
 
-  /** Memory of a tile: that of the one that was not asked for longest, where the budget is used up.
-   */
+  /** Memory of the tile that was not asked for longest, where the budget is used up, else null. */
   std::unique_ptr<Tile> room()
   {
-    if (in_memory < most_in_memory) return std::make_unique<Tile>();
+    if (in_memory < most_in_memory) return nullptr;
     Entry& last = *oldest;
     if (!last.is_on_disk) codec().write(path_of(*last.key), *last.tile);
     last.is_on_disk = true;
@@ -200,6 +201,8 @@ TileStore::TileStore(std::size_t memory_bytes, std::string folder)
 {
 }
 TileStore::~TileStore() = default;
+
+bool TileStore::has(const TileKey& key) const { return impl_->entries.count(key) > 0; }
 
 const Tile* TileStore::find(const TileKey& key)
 {

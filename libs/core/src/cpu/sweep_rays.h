@@ -23,8 +23,7 @@ struct SweepRays
     const Datum datum = *ground.datum;
     SweepRays here = *this;
     here.ground.config = &config, here.ground.frame = &frame, here.ground.datum = &datum;
-    for (int bin = first_bin; bin < last_bin; bin++)
-      if (offsets.counts(bin)) offsets(bin, 0, rings());
+    here.offsets.ground = here.ground;
     for (int bin = first_bin; bin < last_bin; bin += kBlock)
       here.sweep(bin, min_of(kBlock, last_bin - bin));
   }
@@ -44,6 +43,7 @@ struct SweepRays
 
   void sweep(int first_bin, int bins) const
   {
+    count_offsets(first_bin, bins);
     forget(first_bin, bins);
     if (find_doubted(first_bin, bins)) bury(first_bin, bins);
     for (int ring = rings() - 2; ring >= 0; ring--)
@@ -52,6 +52,28 @@ struct SweepRays
       const std::int32_t* const next = rays + place(ring + 1, first_bin);
       for (int b = 0; b < bins; b++) row[b] = min_of(row[b], next[b]);
     }
+  }
+  /** Ring by ring, as the table lies in memory. */
+  void count_offsets(int first_bin, int bins) const
+  {
+    int bin[kBlock];
+    BinDirection direction[kBlock];
+    int counted = 0;
+    for (int b = first_bin; b < first_bin + bins; b++)
+      if (offsets.counts(b))
+      {
+        direction[counted] = direction_of_bin(b, bins_per_side(*ground.config));
+        bin[counted++] = b;
+      }
+    for (int ring = 0; ring < rings(); ring++)
+      for (int c = 0; c < counted; c++)
+      {
+        const std::int32_t hit = rays[place(ring, bin[c])];
+        const int i = hit != kNoRay ? ground.cell_at(direction[c], ring) : -1;
+        if (i < 0) continue;
+        const CellStore& s = ground.store;
+        offsets(ring, hit, s.state[i], s.ground_m[i], s.elevation_m[i]);
+      }
   }
   void bury(int first_bin, int bins) const
   {

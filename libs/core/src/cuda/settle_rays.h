@@ -19,17 +19,17 @@ struct SettleRays
   /** First step: of the rings [begin, end), outwards. */
   TALUS_HD void collect(int bin, int begin, int end, BuriedBelow& seen) const
   {
-    if (offsets.counts(bin)) offsets(bin, begin, end);
     for (int ring = begin; ring < end; ring += kBatch)
     {
       std::int32_t hits[kBatch];
       load(bin, ring, end, hits);
-      float limits[kBatch];
-      find_limits(bin, ring, hits, limits);
+      const Cells cells = cells_at(bin, ring, hits);
+      if (offsets.counts(bin)) count_offsets(ring, hits, cells);
       for (int b = 0; b < kBatch; b++)
       {
-        if (hits[b] != kNoRay) lowest_slope[place(bin, ring + b)] = limits[b];
-        seen.add(limits[b]);
+        const float limit = ground.limit(ring + b, hits[b], cells.state[b], cells.ground_m[b]);
+        if (hits[b] != kNoRay) lowest_slope[place(bin, ring + b)] = limit;
+        seen.add(limit);
       }
     }
   }
@@ -75,19 +75,35 @@ struct SettleRays
 
   // Loads first, so that they do not wait for each other.
 
-  TALUS_HD void find_limits(int bin, int ring, const std::int32_t* hits, float* limits) const
+  /** Those under hits; unknown where there is no hit, or no cell. */
+  struct Cells
+  {
+    int storage_i[kBatch], state[kBatch];
+    float ground_m[kBatch];
+  };
+  TALUS_HD Cells cells_at(int bin, int ring, const std::int32_t* hits) const
   {
     const BinDirection d = direction_of_bin(bin, bins_per_side(*ground.config));
-    float ground_m[kBatch];
-    int state[kBatch];
+    Cells c;
     for (int b = 0; b < kBatch; b++)
     {
       const int i = hits[b] != kNoRay ? ground.cell_at(d, ring + b) : -1;
-      state[b] = i >= 0 ? static_cast<int>(ground.store.state[i]) : static_cast<int>(kUnknown);
-      ground_m[b] = i >= 0 ? ground.store.ground_m[i] : 0.0f;
+      c.storage_i[b] = i;
+      c.state[b] = i >= 0 ? static_cast<int>(ground.store.state[i]) : static_cast<int>(kUnknown);
+      c.ground_m[b] = i >= 0 ? ground.store.ground_m[i] : 0.0f;
+    }
+    return c;
+  }
+  TALUS_HD void count_offsets(int ring, const std::int32_t* hits, const Cells& c) const
+  {
+    float elevation_m[kBatch];
+    for (int b = 0; b < kBatch; b++)
+    {
+      const int i = c.storage_i[b];
+      elevation_m[b] = i >= 0 ? ground.store.elevation_m[i] : kNan;
     }
     for (int b = 0; b < kBatch; b++)
-      limits[b] = ground.limit(ring + b, hits[b], state[b], ground_m[b]);
+      offsets(ring + b, hits[b], c.state[b], c.ground_m[b], elevation_m[b]);
   }
   TALUS_HD void load(int bin, int ring, int end, std::int32_t* hits) const
   {

@@ -2,13 +2,24 @@
 #include <talus/elevation_mapper.h>
 #include <talus/io/layer_stack.h>
 
+#include <array>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace talus::io
 {
+/** The whole map of a run: all that its drive saw, and what it went on with. */
+struct SiteSummary
+{
+  double area_m2 = 0;  //!< of the known cells
+  double length_m = 0;  //!< of the ways driven
+  std::array<std::size_t, 4> cells{};  //!< by CellState; of the unknown ones none
+  int floors = 0;
+};
+
 /** Everything that summary.json tells about one run. */
 struct RunSummary
 {
@@ -27,6 +38,7 @@ struct RunSummary
   std::size_t frames_deskewed = 0;
   std::size_t snapshots = 0;
   std::vector<std::string> warnings;
+  std::optional<SiteSummary> site;  //!< where one was kept
 
   Parameters parameters;
 };

@@ -6,6 +6,7 @@
 #include <mrpt/math/TBoundingBox.h>
 #include <mrpt/poses/CPose3D.h>
 #include <talus/elevation_mapper.h>
+#include <talus/map_view.h>
 #include <talus/mrpt/observation_points.h>
 #include <talus/mrpt/obstacles.h>
 #include <talus/mrpt/sensor_numbers.h>
@@ -18,6 +19,8 @@
 
 namespace talus
 {
+class WholeMap;
+
 /** Robot-centric terrain map: two persistent surfaces, the elevation and the ground, with gaps in
  * the ground filled and each cell judged for driving (Xie et al., see doc/concepts.md). A thin MRPT
  * face of talus::ElevationMapper.
@@ -30,9 +33,14 @@ namespace talus
  * scanner must be tilted: a level scan shows no terrain, and what it hits, walls too, counts as
  * ground that is flat and free (told once on stderr).
  *
+ * With `keep_whole` it keeps what leaves its window, gives it back where the robot returns, and all
+ * queries are about the whole floor on which the robot is, however far away (of a floor that is
+ * wider than 8192 cells, about so many around the robot); see doc/site.md.
+ *
  * Inside a CMultiMetricMap its name is `terrain`: `terrain_count = 1`, sections
- * `[<name>_terrain_00_creationOpts]` (resolution, window, backend, threads), `_insertOpts`,
- * `_likelihoodOpts`, `_renderOpts`. Not thread safe. An empty map costs nothing to copy.
+ * `[<name>_terrain_00_creationOpts]` (resolution, window, backend, threads, keep_whole),
+ * `_insertOpts`, `_likelihoodOpts`, `_renderOpts`. Not thread safe. An empty map costs nothing to
+ * copy.
  *
  * Read from a stream that is damaged or made up, it throws and stays as it was; the memory that
  * this takes grows with the bytes that are there, whatever they say. Options that are out of range
@@ -44,7 +52,8 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
  public:
   /** Arguments and exceptions as of ElevationMapper; a missing device shows at the first use. */
   explicit CDualElevationMap(
-      const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = 1);
+      const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = 1,
+      bool keep_whole = false);
   CDualElevationMap(const CDualElevationMap& o);
   CDualElevationMap& operator=(const CDualElevationMap& o);
   ~CDualElevationMap() override;
@@ -60,6 +69,18 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   int threads() const { return m_threads; }
   /** @} */
 
+  /** @name All that was seen
+   *  @{ */
+  bool keepsWhole() const { return m_keep_whole; }
+  /** What queries are about: the window, or the whole floor. Valid until the map changes. */
+  MapView view() const;
+  /** Goes on with what saveMetricMapRepresentationToFile() wrote as PREFIX_site.tif, or talus-map as
+   * site.tif: to be called before the first observation. Other floors are read from the files
+   * beside it. Throws std::logic_error for a map that does not keep the whole or is not empty, and
+   * std::runtime_error naming the file. */
+  void loadSite(const std::string& path);
+  /** @} */
+
   /** @name Virtual methods of CMetricMap
    *  @{ */
   bool isEmpty() const override;
@@ -68,8 +89,9 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
    * each state of the map: scenes share the triangles. Throws std::invalid_argument for a
    * renderOptions that is out of range. */
   void getVisualizationInto(mrpt_scene::CSetOfObjects& outObj) const override;
-  /** Writes PREFIX.tif (all layers, GeoTIFF), PREFIX.png (picture) and PREFIX.3Dscene; nothing for
-   * an empty map. Throws std::runtime_error naming the file. */
+  /** Writes PREFIX.tif (all layers of the window, GeoTIFF), PREFIX.png (picture) and
+   * PREFIX.3Dscene; where the whole is kept also PREFIX_site.tif and PREFIX_site.png, and of other
+   * floors PREFIX_site_floor_1.tif and so on; nothing for an empty map. Throws std::runtime_error naming the file. */
   void saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const override;
   /** Fraction [0,1] of the other map's points (getAsSimplePointsMap()) within `maxDistForCorr` [m]
    * of a surface of their cell, the distance d of TLikelihoodOptions. 0 when there are none. */
@@ -146,6 +168,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   std::optional<double> window;  //!< side of the window [m]; set: goes before insertionOpts
   Backend backend{Backend::Auto};
   int threads{1};
+  bool keepWhole{false};
   std::string place;  //!< where a file has the backend, to end messages with; empty: made in code
   talus::CDualElevationMap::TInsertionOptions insertionOpts;
   talus::CDualElevationMap::TLikelihoodOptions likelihoodOpts;
@@ -167,10 +190,13 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   void drawScene() const;
   void readVersion(int version, mrpt::serialization::CArchive& archive);
   void insertPoints(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base);
+  WholeMap& whole() const;
 
   Backend m_backend;
   int m_threads;
+  bool m_keep_whole;
   mutable std::unique_ptr<ElevationMapper> m_mapper;  //!< made on first use
+  mutable std::unique_ptr<WholeMap> m_whole;  //!< the same, where it is kept
   mutable mrpt::maps::CSimplePointsMap::Ptr m_pointsCache;  //!< of getAsSimplePointsMap()
   mutable std::vector<std::shared_ptr<MrptSceneObject>> m_sceneCache;  //!< of the map as it is,
   mutable TRenderOptions m_sceneOptions;  //!< drawn with these options

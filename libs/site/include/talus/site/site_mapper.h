@@ -3,6 +3,7 @@
 #include <talus/site/site.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <limits>
 #include <optional>
@@ -22,30 +23,45 @@ struct Strip;
 class SiteMapper
 {
  public:
-  /** Begins a way in `site`. `restores`: cells that come back are restored; else what was kept
-   * stays until the cell leaves again. */
-  explicit SiteMapper(Site& site, bool restores = true);
-
-  /** map.update(frame), and before it what leaves is kept, after it what came back restored. Throws
-   * as update(), and std::runtime_error as TileStore. */
-  FrameReport update(ElevationMapper& map, const Frame& frame);
-  /** Keeps the cells of the window as they are: at the end of a drive, or between. */
-  void keep_window(const ElevationMapper& map);
-  /** Where the robot is; on ramps it changes when what the robot came from leaves the window. */
-  int floor() const { return floor_; }
-
- private:
   struct Place
   {
     double x_m = 0, y_m = 0, z_m = 0;
   };
   /** Why the floor has to be chosen. */
-  enum class Choice
+  enum class Choice : std::uint8_t
   {
     None,
     Appeared,  //!< the first frame, or none of the cells of before is in the window
     LeftFloor
   };
+  /** What it knows between two frames, beside the site. */
+  struct State
+  {
+    int floor = 0, floors = 1;
+    Choice choice = Choice::None;
+    Place base;  //!< in the last frame
+    Place calm;  //!< where the base was lately, before it rose or sank
+    int frames_calm = 0;  //!< while the floor is to be chosen
+    double stamp_s = 0;  //!< of the last frame
+    double kept_s = -std::numeric_limits<double>::infinity();  //!< when the whole window was kept
+  };
+
+  /** Begins a way in `site`. `restores`: cells that come back are restored; else what was kept
+   * stays until the cell leaves again. */
+  explicit SiteMapper(Site& site, bool restores = true);
+
+  /** map.update(frame), and before it what leaves is kept, after it what came back restored: its
+   * total_ms counts all. Throws as update(), and std::runtime_error as TileStore. */
+  FrameReport update(ElevationMapper& map, const Frame& frame);
+  /** Keeps the cells of the window as they are: at the end of a drive, or between. */
+  void keep_window(const ElevationMapper& map);
+  /** To go on later, with the site that it has now. */
+  const State& state() const { return state_; }
+  void go_on(const State& state) { state_ = state; }
+  /** Where the robot is; on ramps it changes when what the robot came from leaves the window. */
+  int floor() const { return state_.floor; }
+
+ private:
   /** Where the ground of a cell should be for it to be of the same floor; NaN: anywhere. */
   struct Reference
   {
@@ -56,9 +72,11 @@ class SiteMapper
     int agree = 0, contradict = 0;
   };
 
+  FrameReport update_kept(ElevationMapper& map, const Frame& frame);
   void begin(const Place& base);
   void keep_before(const ElevationMapper& map, const Window& after, const Place& base);
   void restore_entered(ElevationMapper& map, const Window& before, const Window& after);
+  bool was_here(const CellRect& cells) const;
   void wait_for_floor(ElevationMapper& map);
   bool choose_floor(const ElevationMapper& map);
   void keep_all(const ElevationMapper& map);
@@ -78,14 +96,7 @@ class SiteMapper
 
   Site& site_;
   bool restores_;
-  int floor_ = 0;
-  int floors_ = 1;
-  Choice choice_ = Choice::None;
-  Place base_;  //!< in the last frame
-  Place calm_;  //!< where the base was lately, before it rose or sank
-  int frames_calm_ = 0;  //!< while the floor is to be chosen
-  double stamp_s_ = 0;  //!< of the last frame
-  double kept_s_ = -std::numeric_limits<double>::infinity();  //!< when the whole window was kept
+  State state_;
 
   // Kept so that nothing is allocated.
   std::vector<CellRect> rects_;

@@ -58,6 +58,7 @@ class TileStore
   TileStore(const TileStore&) = delete;
   TileStore& operator=(const TileStore&) = delete;
 
+  bool has(const TileKey& key) const;
   /** Null where there is none. Valid until the next call. Throws std::runtime_error where a tile on
    * disk cannot be read, or one cannot be written to make room. */
   const Tile* find(const TileKey& key);

@@ -1,0 +1,169 @@
+#include "kept_site.h"
+
+#include "../common/suspect.h"
+
+#include <mrpt/obs/CObservationGPS.h>
+#include <talus/number_text.h>
+#include <talus/site/site_geotiff.h>
+#include <talus/site/site_picture.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <stdexcept>
+
+namespace fs = std::filesystem;
+
+namespace talus::app
+{
+namespace
+{
+/** "DIR/site_floor_2.tif" for "DIR/site.tif". */
+fs::path with_floor(const fs::path& file, int floor)
+{
+  if (floor == 0) return file;
+  const std::string name =
+      file.stem().string() + "_floor_" + std::to_string(floor) + file.extension().string();
+  return file.parent_path() / name;
+}
+
+/** The floors whose files are beside that of floor 0, which need not be all up to the last. */
+std::vector<int> floors_beside(const fs::path& file)
+{
+  constexpr int kMost = 1000;
+  std::vector<int> floors;
+  std::error_code ec;
+  for (int floor = 1; floor < kMost; ++floor)
+    if (fs::exists(with_floor(file, floor), ec)) floors.push_back(floor);
+  return floors;
+}
+
+std::size_t megabytes(double mb) { return static_cast<std::size_t>(mb * 1024 * 1024); }
+
+std::vector<double> numbers_of(const std::string& text)
+{
+  std::vector<double> numbers;
+  for (std::size_t from = 0, comma = 0; comma != std::string::npos; from = comma + 1)
+  {
+    comma = text.find(',', from);
+    const std::string part = text.substr(from, comma - from);
+    const auto number = number_from(part);
+    if (!number || !std::isfinite(*number))
+      throw std::invalid_argument("'" + part + "' is no number");
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+}  // namespace
+
+site::GeoOrigin origin_from_text(const std::string& text)
+{
+  struct Limit
+  {
+    const char* name;
+    double least, most;
+  };
+  static constexpr std::array<Limit, 4> kLimits{
+      {{"latitude", -90, 90},
+       {"longitude", -180, 180},
+       {"altitude", -12000, 100000},
+       {"heading", -360, 360}}};
+  std::vector<double> n = numbers_of(text);
+  if (n.size() < 2 || n.size() > kLimits.size())
+    throw std::invalid_argument(
+        "'" + text + "' must be LAT,LON[,ALT[,HEADING]], for example 36.8383,-2.4045,52,30");
+  for (std::size_t i = 0; i < n.size(); ++i)
+    if (n[i] < kLimits[i].least || n[i] > kLimits[i].most)
+      throw std::invalid_argument(
+          std::string("the ") + kLimits[i].name + " " + number_text(n[i]) + " is not in [" +
+          number_text(kLimits[i].least) + ", " + number_text(kLimits[i].most) + "]");
+  n.resize(kLimits.size());
+  return {n[0], n[1], n[2], n[3]};
+}
+
+KeptSite::KeptSite(const Options& options, double resolution_m, const std::string& folder)
+    : site_(resolution_m, megabytes(options.memory_mb), folder)
+{
+  if (!options.resume.empty()) resume(options.resume);
+  if (options.origin) site_.origin = options.origin;
+  mapper_.emplace(site_, !options.keep_new);
+}
+
+void KeptSite::resume(const std::string& path)
+{
+  const Suspect suspect(path, kCompareWithSource);
+  const double resolution_m = site::resolution_of_site(path);
+  if (resolution_m != site_.resolution_m)
+    throw std::runtime_error(
+        path + ": its cells are " + number_text(resolution_m) + " m wide, those of this map " +
+        number_text(site_.resolution_m) +
+        " m: go on with -s resolution_m=" + number_text(resolution_m));
+  site::read_site(path, site_, 0);
+  for (const int floor : floors_beside(path))
+    site::read_site(with_floor(path, floor).string(), site_, floor);
+}
+
+FrameReport KeptSite::update(ElevationMapper& map, const Frame& frame)
+{
+  return mapper_->update(map, frame);
+}
+
+bool KeptSite::take_fix(
+    const mrpt::obs::CObservation& obs, const std::optional<mrpt::poses::CPose3D>& T_map_base)
+{
+  const auto* gps = dynamic_cast<const mrpt::obs::CObservationGPS*>(&obs);
+  if (!gps) return false;
+  if (site_.origin || !T_map_base || !gps->has_GGA_datum()) return true;
+  const auto& fix = gps->getMsgByClass<mrpt::obs::gnss::Message_NMEA_GGA>().fields;
+  const mrpt::poses::CPose3D antenna = *T_map_base + gps->sensorPose;
+  const site::GpsFix f{fix.latitude_degrees, fix.longitude_degrees, fix.altitude_meters,
+                       antenna.x(),          antenna.y(),           antenna.z()};
+  const bool is_valid = fix.fix_quality > 0 && std::abs(f.latitude_deg) <= 90 &&
+                        std::abs(f.longitude_deg) <= 180 && std::isfinite(f.altitude_m);
+  if (is_valid) fixes_.push_back(f);
+  return true;
+}
+
+void KeptSite::finish(const ElevationMapper& map, io::RunSummary& run)
+{
+  mapper_->keep_window(map);
+  std::string warning;
+  if (!site_.origin) site_.origin = site::origin_from_fixes(fixes_, warning);
+  if (!warning.empty()) run.warnings.push_back(warning);
+  run.site = summary();
+}
+
+io::SiteSummary KeptSite::summary()
+{
+  io::SiteSummary s;
+  std::set<int> floors;
+  for (const auto& key : site_.tiles.keys())
+  {
+    floors.insert(key.floor);
+    for (const auto& c : site_.tiles.find(key)->cells)
+      if (c.known() && c.cell.state < s.cells.size()) ++s.cells[c.cell.state];
+  }
+  s.floors = static_cast<int>(floors.size());
+  s.area_m2 = static_cast<double>(s.cells[1] + s.cells[2] + s.cells[3]) * site_.resolution_m *
+              site_.resolution_m;
+  for (const auto& way : site_.ways)
+    for (std::size_t i = 1; i < way.size(); ++i)
+      s.length_m += std::hypot(
+          way[i].x_m - way[i - 1].x_m, way[i].y_m - way[i - 1].y_m, way[i].z_m - way[i - 1].z_m);
+  return s;
+}
+
+void KeptSite::write(const std::string& folder)
+{
+  std::set<int> floors;
+  for (const auto& key : site_.tiles.keys()) floors.insert(key.floor);
+  for (const int floor : floors)
+  {
+    const fs::path tif = with_floor(fs::path(folder) / "site.tif", floor);
+    site::write_site(tif.string(), site_, floor);
+    site::write_site_picture(fs::path(tif).replace_extension(".png").string(), site_, floor);
+  }
+}
+
+}  // namespace talus::app

@@ -1,0 +1,50 @@
+#pragma once
+#include "options.h"
+
+#include <mrpt/obs/CObservation.h>
+#include <talus/elevation_mapper.h>
+#include <talus/io/summary_json.h>
+#include <talus/site/gps_origin.h>
+#include <talus/site/site_mapper.h>
+
+#include <mrpt/poses/CPose3D.h>
+
+#include <string>
+#include <vector>
+
+namespace talus::app
+{
+/** The site map of a log: all that its drive saw, and what was known before with --resume. */
+class KeptSite
+{
+ public:
+  /** Reads what is resumed. `folder`: for tiles that find no room in memory. Throws
+   * std::runtime_error that names the file. */
+  KeptSite(const Options& options, double resolution_m, const std::string& folder);
+
+  /** As ElevationMapper::update(). */
+  FrameReport update(ElevationMapper& map, const Frame& frame);
+  /** Whether it is one of a satellite receiver; then its fix counts, where there is one. */
+  bool take_fix(
+      const mrpt::obs::CObservation& obs, const std::optional<mrpt::poses::CPose3D>& T_map_base);
+
+  /** After the last frame: what the window holds is kept, and where on Earth it is. Warnings go
+   * where the run keeps them. */
+  void finish(const ElevationMapper& map, io::RunSummary& run);
+  /** Writes site.tif, site_floor_1.tif ..., and a picture of each, into a folder. Throws
+   * std::runtime_error naming the file. */
+  void write(const std::string& folder);
+
+ private:
+  void resume(const std::string& path);
+  io::SiteSummary summary();
+
+  site::Site site_;
+  std::optional<site::SiteMapper> mapper_;  //!< begins when what is resumed has been read
+  std::vector<site::GpsFix> fixes_;
+};
+
+/** The place that --origin names. Throws std::invalid_argument that says what is wrong with it. */
+site::GeoOrigin origin_from_text(const std::string& text);
+
+}  // namespace talus::app

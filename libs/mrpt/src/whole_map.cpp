@@ -1,0 +1,152 @@
+#include "whole_map.h"
+
+#include <talus/site/floor_map.h>
+#include <talus/site/site_geotiff.h>
+#include <talus/site/tile_bytes.h>
+
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+namespace talus
+{
+namespace
+{
+constexpr std::size_t kMemory_bytes = 512U << 20;
+constexpr int kMostCells = 8192;  // along a side of what is shown and asked at once
+constexpr std::size_t kMostTileBytes = 1U << 20;
+constexpr const char* kWhole = "the whole map";
+
+void copy_tiles(site::TileStore& from, site::TileStore& to)
+{
+  for (const site::TileKey& key : from.keys()) to.at(key) = *from.find(key);
+}
+
+void write_state(mrpt::serialization::CArchive& out, const site::SiteMapper::State& s)
+{
+  out << static_cast<std::int32_t>(s.floor) << static_cast<std::int32_t>(s.floors)
+      << static_cast<std::uint8_t>(s.choice) << s.base.x_m << s.base.y_m << s.base.z_m << s.calm.x_m
+      << s.calm.y_m << s.calm.z_m << static_cast<std::int32_t>(s.frames_calm) << s.stamp_s
+      << s.kept_s;
+}
+
+site::SiteMapper::State read_state(detail::StreamReader& in)
+{
+  using Choice = site::SiteMapper::Choice;
+  const auto place = [&]
+  {
+    site::SiteMapper::Place p;
+    for (double* v : {&p.x_m, &p.y_m, &p.z_m}) *v = in.number<double>(kWhole);
+    return p;
+  };
+  site::SiteMapper::State s;
+  s.floor = in.number<std::int32_t>(kWhole);
+  s.floors = in.number<std::int32_t>(kWhole);
+  const auto choice = in.number<std::uint8_t>(kWhole);
+  if (choice > static_cast<std::uint8_t>(Choice::LeftFloor)) in.fail(kWhole);
+  s.choice = static_cast<Choice>(choice);
+  s.base = place();
+  s.calm = place();
+  s.frames_calm = in.number<std::int32_t>(kWhole);
+  s.stamp_s = in.number<double>(kWhole);
+  s.kept_s = in.number<double>(kWhole);
+  if (s.floor < 0 || s.floors <= s.floor || s.frames_calm < 0 || !std::isfinite(s.base.z_m))
+    in.fail(kWhole);
+  return s;
+}
+
+using Way = std::vector<site::WayPoint>;
+
+void write_way(mrpt::serialization::CArchive& out, const Way& way)
+{
+  out << static_cast<std::uint64_t>(way.size());
+  for (const auto& p : way) out << p.x_m << p.y_m << p.z_m << p.floor;
+}
+
+Way read_way(detail::StreamReader& in)
+{
+  Way way;
+  for (auto left = in.number<std::uint64_t>(kWhole); left > 0; left--)
+  {
+    site::WayPoint p{};
+    for (float* v : {&p.x_m, &p.y_m, &p.z_m}) *v = in.number<float>(kWhole);
+    p.floor = in.number<std::int32_t>(kWhole);
+    if (!std::isfinite(p.x_m) || !std::isfinite(p.y_m) || !std::isfinite(p.z_m)) in.fail(kWhole);
+    way.push_back(p);
+  }
+  return way;
+}
+}  // namespace
+
+WholeMap::WholeMap(double resolution_m)
+    : site_(resolution_m, kMemory_bytes, std::filesystem::temp_directory_path().string()),
+      mapper_(site_)
+{
+}
+
+WholeMap::WholeMap(const WholeMap& o) : WholeMap(o.site_.resolution_m)
+{
+  // A tile that is on disk comes into memory to be read: nothing that anybody sees changes.
+  copy_tiles(const_cast<WholeMap&>(o).site_.tiles, site_.tiles);
+  site_.origin = o.site_.origin;
+  site_.ways = o.site_.ways;
+  mapper_.go_on(o.mapper_.state());
+  loaded_ = o.loaded_;
+}
+
+FrameReport WholeMap::update(ElevationMapper& map, const Frame& frame)
+{
+  forget_floor();
+  return mapper_.update(map, frame);
+}
+
+site::Site& WholeMap::site(const ElevationMapper& map)
+{
+  mapper_.keep_window(map);
+  return site_;
+}
+
+const MapSnapshot& WholeMap::floor(const ElevationMapper& map)
+{
+  if (shown_) return *shown_;
+  const site::SiteMapper::Place base = mapper_.state().base;
+  shown_ = std::make_unique<MapSnapshot>(floor_map(
+      site(map), mapper_.floor(), map.parameters(), kMostCells, base.x_m, base.y_m));
+  return *shown_;
+}
+
+void WholeMap::write(const ElevationMapper& map, mrpt::serialization::CArchive& out)
+{
+  site::Site& all = site(map);
+  write_state(out, mapper_.state());
+  out << static_cast<std::uint64_t>(all.ways.size());
+  for (const Way& way : all.ways) write_way(out, way);
+  const auto keys = all.tiles.keys();
+  out << static_cast<std::uint64_t>(keys.size());
+  for (const auto& key : keys)
+  {
+    const auto bytes = bytes_of(*all.tiles.find(key));
+    out << key.floor << key.x << key.y << static_cast<std::uint64_t>(bytes.size());
+    out.WriteBuffer(bytes.data(), bytes.size());
+  }
+}
+
+void WholeMap::read(detail::StreamReader& in)
+{
+  const site::SiteMapper::State state = read_state(in);
+  site_.ways.clear();
+  for (auto left = in.number<std::uint64_t>(kWhole); left > 0; left--)
+    site_.ways.push_back(read_way(in));
+  if (site_.ways.empty()) in.fail(kWhole);
+  for (auto left = in.number<std::uint64_t>(kWhole); left > 0; left--)
+  {
+    site::TileKey key;
+    for (std::int32_t* v : {&key.floor, &key.x, &key.y}) *v = in.number<std::int32_t>(kWhole);
+    const auto size = in.number<std::uint64_t>(kWhole);
+    if (key.floor < 0 || key.floor >= state.floors || size > kMostTileBytes) in.fail(kWhole);
+    read_tile(in.bytes(size, kWhole), site_.tiles.at(key));
+  }
+  mapper_.go_on(state);
+  loaded_ = true;
+}
+}  // namespace talus

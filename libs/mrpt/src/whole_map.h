@@ -1,0 +1,47 @@
+#pragma once
+#include <mrpt/serialization/CArchive.h>
+#include <talus/site/site.h>
+#include <talus/site/site_mapper.h>
+#include <talus/live_map.h>
+
+#include <memory>
+#include <string>
+
+#include "stream_reader.h"
+
+namespace talus
+{
+/** All that a map has seen, beyond its window too, where it keeps the whole. */
+class WholeMap
+{
+ public:
+  explicit WholeMap(double resolution_m);
+  WholeMap(const WholeMap& o);
+  WholeMap& operator=(const WholeMap&) = delete;
+  ~WholeMap() = default;
+
+  /** Takes a frame into the map and keeps what leaves its window. */
+  FrameReport update(ElevationMapper& map, const Frame& frame);
+
+  /** The floor where the robot is, the window of `map` included. As it is until the next frame. */
+  const MapSnapshot& floor(const ElevationMapper& map);
+  void forget_floor() { shown_.reset(); }
+
+  /** The site, the window of `map` included. */
+  site::Site& site(const ElevationMapper& map);
+  /** Whether it began with a map of before. */
+  bool is_loaded() const { return loaded_; }
+  /** Reads what was kept before, a file of each floor. Throws std::runtime_error. */
+  void load(const std::string& path);
+
+  void write(const ElevationMapper& map, mrpt::serialization::CArchive& out);
+  /** Throws as StreamReader. */
+  void read(detail::StreamReader& in);
+
+ private:
+  site::Site site_;
+  site::SiteMapper mapper_;
+  bool loaded_ = false;
+  std::unique_ptr<MapSnapshot> shown_;
+};
+}  // namespace talus
