@@ -160,13 +160,6 @@ void SiteReader::add_covered(Place from, int size_tiles, std::vector<Place>& to)
     for (const int dx : {0, half}) add_covered({from.x + dx, from.y + dy}, half, to);
 }
 
-bool SiteReader::covers(Place tile) const
-{
-  const std::int64_t x = std::int64_t{tile.x} - tile_of(min_cell_x_),
-                     y = std::int64_t{tile.y} - tile_of(min_cell_y_);
-  return x >= 0 && y >= 0 && x < width_tiles_ && y < height_tiles_;
-}
-
 bool SiteReader::read(Place tile, Tile& to)
 {
   const int left = (tile.x - tile_of(min_cell_x_)) * kTileCells;
