@@ -4,13 +4,12 @@
 
 #include <mrpt/obs/CObservationGPS.h>
 #include <talus/number_text.h>
+#include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
-#include <talus/site/site_picture.h>
 
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <set>
 #include <stdexcept>
 
 namespace fs = std::filesystem;
@@ -19,26 +18,6 @@ namespace talus::app
 {
 namespace
 {
-/** "DIR/site_floor_2.tif" for "DIR/site.tif". */
-fs::path with_floor(const fs::path& file, int floor)
-{
-  if (floor == 0) return file;
-  const std::string name =
-      file.stem().string() + "_floor_" + std::to_string(floor) + file.extension().string();
-  return file.parent_path() / name;
-}
-
-/** The floors whose files are beside that of floor 0, which need not be all up to the last. */
-std::vector<int> floors_beside(const fs::path& file)
-{
-  constexpr int kMost = 1000;
-  std::vector<int> floors;
-  std::error_code ec;
-  for (int floor = 1; floor < kMost; ++floor)
-    if (fs::exists(with_floor(file, floor), ec)) floors.push_back(floor);
-  return floors;
-}
-
 std::size_t megabytes(double mb) { return static_cast<std::size_t>(mb * 1024 * 1024); }
 
 std::vector<double> numbers_of(const std::string& text)
@@ -99,9 +78,7 @@ void KeptSite::resume(const std::string& path)
         path + ": its cells are " + number_text(resolution_m) + " m wide, those of this map " +
         number_text(site_.resolution_m) +
         " m: go on with -s resolution_m=" + number_text(resolution_m));
-  site::read_site(path, site_, 0);
-  for (const int floor : floors_beside(path))
-    site::read_site(with_floor(path, floor).string(), site_, floor);
+  site::read_site_files(path, site_);
 }
 
 FrameReport KeptSite::update(ElevationMapper& map, const Frame& frame)
@@ -137,14 +114,10 @@ void KeptSite::finish(const ElevationMapper& map, io::RunSummary& run)
 io::SiteSummary KeptSite::summary()
 {
   io::SiteSummary s;
-  std::set<int> floors;
   for (const auto& key : site_.tiles.keys())
-  {
-    floors.insert(key.floor);
     for (const auto& c : site_.tiles.find(key)->cells)
       if (c.known() && c.cell.state < s.cells.size()) ++s.cells[c.cell.state];
-  }
-  s.floors = static_cast<int>(floors.size());
+  s.floors = static_cast<int>(site::floors_of(site_).size());
   s.area_m2 = static_cast<double>(s.cells[1] + s.cells[2] + s.cells[3]) * site_.resolution_m *
               site_.resolution_m;
   for (const auto& way : site_.ways)
@@ -156,14 +129,7 @@ io::SiteSummary KeptSite::summary()
 
 void KeptSite::write(const std::string& folder)
 {
-  std::set<int> floors;
-  for (const auto& key : site_.tiles.keys()) floors.insert(key.floor);
-  for (const int floor : floors)
-  {
-    const fs::path tif = with_floor(fs::path(folder) / "site.tif", floor);
-    site::write_site(tif.string(), site_, floor);
-    site::write_site_picture(fs::path(tif).replace_extension(".png").string(), site_, floor);
-  }
+  site::write_site_files((fs::path(folder) / "site.tif").string(), site_);
 }
 
 }  // namespace talus::app

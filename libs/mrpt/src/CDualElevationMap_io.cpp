@@ -3,9 +3,11 @@
 #include TALUS_SCENE_HEADER(CSetOfObjects.h)
 #include <talus/io/geotiff.h>
 #include <talus/io/map_picture.h>
+#include <talus/site/site_files.h>
 
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include "warn_once.h"
 #include "whole_map.h"
@@ -49,6 +51,9 @@ void CDualElevationMap::saveMetricMapRepresentationToFile(const std::string& fil
   picture.robot_yaw_rad = m_T_map_base.yaw();
   io::write_map_picture(filNamePrefix + ".png", stack, picture);
 
+  if (m_whole)
+    site::write_site_files(
+        filNamePrefix + "_site.tif", m_whole->site(std::as_const(*this).mapper()));
   if (genericMapParams.enableSaveAs3DObject)
     write_scene(filNamePrefix + ".3Dscene", getVisualization());
 }

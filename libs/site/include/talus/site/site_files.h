@@ -1,0 +1,20 @@
+#pragma once
+#include <talus/site/site.h>
+
+#include <string>
+#include <vector>
+
+namespace talus::site
+{
+/** Those of which something is known, in ascending order. */
+std::vector<int> floors_of(const Site& site);
+
+/** Writes write_site() and write_site_picture() of each floor: floor 0 as `path`, "DIR/site.tif"
+ * say, and as DIR/site.png, others as DIR/site_floor_1.tif and so on. Throws as they do. */
+void write_site_files(const std::string& path, Site& site);
+
+/** Reads such a file as floor 0, and the other floors from the files beside it. Throws as
+ * read_site(). */
+void read_site_files(const std::string& path, Site& site);
+
+}  // namespace talus::site

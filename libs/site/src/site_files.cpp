@@ -1,0 +1,60 @@
+#include <talus/site/site_files.h>
+
+#include <talus/site/site_geotiff.h>
+#include <talus/site/site_picture.h>
+
+#include <filesystem>
+#include <set>
+
+namespace fs = std::filesystem;
+
+namespace talus::site
+{
+namespace
+{
+/** "DIR/site_floor_2.tif" for "DIR/site.tif". */
+fs::path with_floor(const fs::path& file, int floor)
+{
+  if (floor == 0) return file;
+  const std::string name =
+      file.stem().string() + "_floor_" + std::to_string(floor) + file.extension().string();
+  return file.parent_path() / name;
+}
+
+/** The floors whose files are beside that of floor 0, which need not be all up to the last. */
+std::vector<int> floors_beside(const fs::path& file)
+{
+  constexpr int kMost = 1000;
+  std::vector<int> floors;
+  std::error_code ec;
+  for (int floor = 1; floor < kMost; ++floor)
+    if (fs::exists(with_floor(file, floor), ec)) floors.push_back(floor);
+  return floors;
+}
+}  // namespace
+
+std::vector<int> floors_of(const Site& site)
+{
+  std::set<int> floors;
+  for (const TileKey& key : site.tiles.keys()) floors.insert(key.floor);
+  return {floors.begin(), floors.end()};
+}
+
+void write_site_files(const std::string& path, Site& site)
+{
+  for (const int floor : floors_of(site))
+  {
+    const fs::path tif = with_floor(path, floor);
+    write_site(tif.string(), site, floor);
+    write_site_picture(fs::path(tif).replace_extension(".png").string(), site, floor);
+  }
+}
+
+void read_site_files(const std::string& path, Site& site)
+{
+  read_site(path, site, 0);
+  for (const int floor : floors_beside(path))
+    read_site(with_floor(path, floor).string(), site, floor);
+}
+
+}  // namespace talus::site
