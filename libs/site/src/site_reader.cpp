@@ -51,7 +51,7 @@ void SiteReader::check_bands()
   if (std::find(bands_.begin(), bands_.end(), 0) == bands_.end()) return;
   if (number_of("sparsity") != 0)
     fail("is the map.tif of one window, not a site: give the site.tif that lies beside it");
-  fail(std::string("its bands are others, it ") + kNotASite);
+  fail(std::string("has other bands, it ") + kNotASite);
 }
 
 std::string SiteReader::item(const char* name) const
