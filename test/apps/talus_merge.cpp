@@ -98,6 +98,23 @@ TEST_F(TalusMerge, may_write_over_one_of_its_inputs)
   EXPECT_EQ(read_bytes(dir_ / "a.tif"), read_bytes(dir_ / "ab.tif"));
 }
 
+TEST_F(TalusMerge, opens_no_more_files_at_once_than_it_may)
+{
+  std::string names;
+  for (std::uint32_t i = 0; i < 40; ++i)
+  {
+    const auto s = site();
+    for (int x = 0; x < 20; ++x) cell_at(*s, x, 0) = measured(1, 1000 + i);
+    const std::string name = std::to_string(i) + ".tif";
+    write_site(dir_ / name, *s, 0);
+    names += " " + name;
+  }
+  ASSERT_EQ(run(names + " --output all.tif").code, 0);
+  const Outcome few = run(names + " --output few.tif --threads 3", "ulimit -n 32;");
+  ASSERT_EQ(few.code, 0) << few.text;
+  EXPECT_EQ(read_bytes(dir_ / "all.tif"), read_bytes(dir_ / "few.tif"));
+}
+
 TEST_F(TalusMerge, tells_what_changed_between_two_days)
 {
   write("monday.tif", 1000, 0, 1.0F, 40);

@@ -82,10 +82,7 @@ struct MapBuffers
   {
     return {config.data(), context.data(), store(), datum.data()};
   }
-  kernels::CountOffsets<Atomics> count_offsets()
-  {
-    return {ground_hits(), offsets.data()};
-  }
+  kernels::CountOffsets<Atomics> count_offsets() { return {ground_hits(), offsets.data()}; }
   kernels::FollowPoses follow()
   {
     return {context.data(), offsets.data(), datum.data(), counters.data() + kernels::kLeavesFloor};

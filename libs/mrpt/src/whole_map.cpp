@@ -112,8 +112,8 @@ const MapSnapshot& WholeMap::floor(const ElevationMapper& map)
 {
   if (shown_) return *shown_;
   const site::SiteMapper::Place base = mapper_.state().base;
-  shown_ = std::make_unique<MapSnapshot>(floor_map(
-      site(map), mapper_.floor(), map.parameters(), kMostCells, base.x_m, base.y_m));
+  shown_ = std::make_unique<MapSnapshot>(
+      floor_map(site(map), mapper_.floor(), map.parameters(), kMostCells, base.x_m, base.y_m));
   return *shown_;
 }
 
