@@ -43,9 +43,11 @@ site::GeoOrigin origin_from_text(const std::string& text)
     const char* name;
     double least, most;
   };
-  static constexpr std::array<Limit, 4> kLimits{{
-      {"latitude", -90, 90}, {"longitude", -180, 180}, {"altitude", -12000, 100000},
-      {"heading", -360, 360}}};
+  static constexpr std::array<Limit, 4> kLimits{
+      {{"latitude", -90, 90},
+       {"longitude", -180, 180},
+       {"altitude", -12000, 100000},
+       {"heading", -360, 360}}};
   std::vector<double> n = numbers_of(text);
   if (n.size() < 2 || n.size() > kLimits.size())
     throw std::invalid_argument(
@@ -74,8 +76,8 @@ void KeptSite::resume(const std::string& path)
   if (resolution_m != site_.resolution_m)
     throw std::runtime_error(
         path + ": its cells are " + number_text(resolution_m) + " m wide, those of this map " +
-        number_text(site_.resolution_m) + " m: go on with -s resolution_m=" +
-        number_text(resolution_m));
+        number_text(site_.resolution_m) +
+        " m: go on with -s resolution_m=" + number_text(resolution_m));
   site::read_site_files(path, site_);
 }
 
@@ -92,9 +94,8 @@ bool KeptSite::take_fix(
   if (site_.origin || !T_map_base || !gps->has_GGA_datum()) return true;
   const auto& fix = gps->getMsgByClass<mrpt::obs::gnss::Message_NMEA_GGA>().fields;
   const mrpt::poses::CPose3D antenna = *T_map_base + gps->sensorPose;
-  const site::GpsFix f{
-      fix.latitude_degrees, fix.longitude_degrees, fix.altitude_meters, antenna.x(), antenna.y(),
-      antenna.z()};
+  const site::GpsFix f{fix.latitude_degrees, fix.longitude_degrees, fix.altitude_meters,
+                       antenna.x(),          antenna.y(),           antenna.z()};
   const bool is_valid = fix.fix_quality > 0 && std::abs(f.latitude_deg) <= 90 &&
                         std::abs(f.longitude_deg) <= 180 && std::isfinite(f.altitude_m);
   if (is_valid) fixes_.push_back(f);

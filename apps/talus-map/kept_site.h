@@ -25,7 +25,8 @@ class KeptSite
   /** As ElevationMapper::update(). */
   FrameReport update(ElevationMapper& map, const Frame& frame);
   /** Whether it is one of a satellite receiver; then its fix counts, where there is one. */
-  bool take_fix(const mrpt::obs::CObservation& obs, const std::optional<mrpt::poses::CPose3D>& T_map_base);
+  bool take_fix(
+      const mrpt::obs::CObservation& obs, const std::optional<mrpt::poses::CPose3D>& T_map_base);
 
   /** After the last frame: what the window holds is kept, and where on Earth it is. Warnings go
    * where the run keeps them. */

@@ -17,7 +17,8 @@ constexpr const char* kFooter =
     "(the layers\n"
     "side by side), site.tif (Cloud Optimized GeoTIFF of all that the drive saw; other floors: "
     "site_floor_1.tif\n"
-    "...), site.png (the same for a report), timing.csv (a row a frame), summary.json. They appear together "
+    "...), site.png (the same for a report), timing.csv (a row a frame), summary.json. They appear "
+    "together "
     "when a log\n"
     "is done, summary.json last; a log that fails writes nothing.\n"
     "\n"
@@ -193,8 +194,9 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
           throw CLI::ValidationError("--rawlog-out", "takes one log, not a batch");
         if (!options.resume.empty() && options.logs.size() > 1)
           throw CLI::ValidationError(
-              "--resume", "takes one log, not a batch; map one log after the other, each with the "
-                          "site map of the one before");
+              "--resume",
+              "takes one log, not a batch; map one log after the other, each with the "
+              "site map of the one before");
       });
   return parse_command_line(app, argc, argv);
 }

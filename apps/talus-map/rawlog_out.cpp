@@ -98,7 +98,8 @@ bool is_same_file(const std::string& a, const fs::path& b)
 /** A file of write_results(), write_snapshot() or KeptSite::write(). */
 bool is_result(const std::string& path, const fs::path& folder)
 {
-  for (const char* name : {"map.tif", "map.png", "site.tif", "site.png", "timing.csv", "summary.json", "frames"})
+  for (const char* name :
+       {"map.tif", "map.png", "site.tif", "site.png", "timing.csv", "summary.json", "frames"})
     if (is_same_file(path, folder / name)) return true;
   const fs::path parent = fs::absolute(path).parent_path();
   return is_same_file(parent.string(), folder / "frames");

@@ -25,8 +25,8 @@ TEST(GpsOrigin, is_where_the_way_of_the_fixes_lies_on_that_of_the_map)
   const double c = std::cos(M_PI / 6), s = std::sin(M_PI / 6);
   std::vector<GpsFix> fixes;
   for (const auto& p : {std::pair{0.0, 0.0}, {40.0, 0.0}, {40.0, 30.0}, {-10.0, 25.0}})
-    fixes.push_back(fix(
-        p.first, p.second, 100 + c * p.first - s * p.second, 50 + s * p.first + c * p.second));
+    fixes.push_back(
+        fix(p.first, p.second, 100 + c * p.first - s * p.second, 50 + s * p.first + c * p.second));
   std::string warning;
   const auto origin = origin_from_fixes(fixes, warning);
   ASSERT_TRUE(origin);

@@ -133,8 +133,7 @@ Off off_ground(
 }
 
 /** What stands highest in a rectangle. */
-double highest(
-    KeptDrive& kept, double x0, double x1, double y0, double y1, int floor = 0)
+double highest(KeptDrive& kept, double x0, double x1, double y0, double y1, int floor = 0)
 {
   double most_m = -1e9;
   kept.for_each_known(
@@ -290,9 +289,7 @@ TEST(SiteMapper, a_second_round_changes_nothing_by_more_than_noise_and_a_box_tha
   kept.for_each_known(0, [&](const SiteCell& c, double x, double y) { first[{x, y}] = c; });
   kept.add({frames.begin() + static_cast<std::ptrdiff_t>(half), frames.end()}).end();
   const auto is_beside_box = [](double x, double y)
-  {
-    return std::abs(x - 4) < 0.6 && (std::abs(y - 1.6) < 0.6 || std::abs(y - 7.6) < 0.6);
-  };
+  { return std::abs(x - 4) < 0.6 && (std::abs(y - 1.6) < 0.6 || std::abs(y - 7.6) < 0.6); };
   int compared = 0, changed = 0;
   double most_sigmas = 0;
   kept.for_each_known(

@@ -82,9 +82,9 @@ struct MapBuffers
   {
     return {config.data(), context.data(), store(), datum.data()};
   }
-  kernels::CountOffsets<Atomics> count_offsets()
+  kernels::CountOffset<Atomics> count_offset()
   {
-    return {ground_hits(), offsets.data()};
+    return {config.data(), store(), datum.data(), points_out(), offsets.data()};
   }
   kernels::FollowPoses follow()
   {

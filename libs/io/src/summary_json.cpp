@@ -72,7 +72,10 @@ Json site(const SiteSummary& s)
       {"area_m2", s.area_m2},
       {"length_m", s.length_m},
       {"floors", s.floors},
-      {"cells", {{"measured", s.cells[1]}, {"filled_two_sided", s.cells[2]}, {"filled_one_sided", s.cells[3]}}}};
+      {"cells",
+       {{"measured", s.cells[1]},
+        {"filled_two_sided", s.cells[2]},
+        {"filled_one_sided", s.cells[3]}}}};
 }
 
 Json counts(const std::map<std::string, std::size_t>& by_name)

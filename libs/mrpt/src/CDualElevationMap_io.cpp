@@ -52,7 +52,8 @@ void CDualElevationMap::saveMetricMapRepresentationToFile(const std::string& fil
   io::write_map_picture(filNamePrefix + ".png", stack, picture);
 
   if (m_whole)
-    site::write_site_files(filNamePrefix + "_site.tif", m_whole->site(std::as_const(*this).mapper()));
+    site::write_site_files(
+        filNamePrefix + "_site.tif", m_whole->site(std::as_const(*this).mapper()));
   if (genericMapParams.enableSaveAs3DObject)
     write_scene(filNamePrefix + ".3Dscene", getVisualization());
 }

@@ -24,8 +24,7 @@ Vec3 earth_centred(double latitude_deg, double longitude_deg, double altitude_m)
   const double lat = latitude_deg * kRad, lon = longitude_deg * kRad;
   const double n = kRadius_m / std::sqrt(1 - kE2 * std::sin(lat) * std::sin(lat));
   const double r = (n + altitude_m) * std::cos(lat);
-  return {
-      r * std::cos(lon), r * std::sin(lon), (n * (1 - kE2) + altitude_m) * std::sin(lat)};
+  return {r * std::cos(lon), r * std::sin(lon), (n * (1 - kE2) + altitude_m) * std::sin(lat)};
 }
 
 /** East, north, up at a place on Earth. */
@@ -84,8 +83,7 @@ struct Alignment
     std::vector<Vec3> places;
     places.reserve(fixes.size());
     for (const GpsFix& f : fixes)
-      places.push_back(
-          frame.local(earth_centred(f.latitude_deg, f.longitude_deg, f.altitude_m)));
+      places.push_back(frame.local(earth_centred(f.latitude_deg, f.longitude_deg, f.altitude_m)));
     const double share = 1.0 / static_cast<double>(fixes.size());
     for (std::size_t i = 0; i < fixes.size(); ++i)
     {
@@ -115,8 +113,7 @@ struct Alignment
 };
 }  // namespace
 
-std::optional<GeoOrigin> origin_from_fixes(
-    const std::vector<GpsFix>& fixes, std::string& warning)
+std::optional<GeoOrigin> origin_from_fixes(const std::vector<GpsFix>& fixes, std::string& warning)
 {
   if (fixes.empty()) return std::nullopt;
   const GpsFix& first = fixes.front();
@@ -141,8 +138,7 @@ std::optional<GeoOrigin> origin_from_fixes(
       a.local[0] - c * a.map[0] + s * a.map[1], a.local[1] - s * a.map[0] - c * a.map[1], 0};
   const auto [latitude_deg, longitude_deg] = geodetic(frame.earth(origin));
   return GeoOrigin{
-      latitude_deg, longitude_deg, first.altitude_m + a.local[2] - a.map[2],
-      a.heading_rad / kRad};
+      latitude_deg, longitude_deg, first.altitude_m + a.local[2] - a.map[2], a.heading_rad / kRad};
 }
 
 }  // namespace talus::site

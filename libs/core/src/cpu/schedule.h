@@ -81,11 +81,11 @@ class CpuSchedule
   /** And how far the map has to follow the poses. */
   void find_buried()
   {
+    executor_.one_by_one(map_.count_offset(), points());
     executor_.for_each_stretch(
         kernels::bin_count(map_.host_config),
-        kernels::SweepRays<Atomics>{
-            map_.ground_hits(), map_.count_offsets(), map_.rays.data(), map_.lowest_slope.data(),
-            doubted_.data()});
+        kernels::SweepRays{
+            map_.ground_hits(), map_.rays.data(), map_.lowest_slope.data(), doubted_.data()});
     map_.follow()(kernels::SerialGroup{});
   }
 

@@ -35,7 +35,7 @@ class WholeMap;
  *
  * With `keep_whole` it keeps what leaves its window, gives it back where the robot returns, and all
  * queries are about the whole floor on which the robot is, however far away (of a floor that is
- * wider than 8192 cells, about so many around the robot); see doc/site.md.
+ * wider than 4096 cells, about so many around the robot); see doc/site.md.
  *
  * Inside a CMultiMetricMap its name is `terrain`: `terrain_count = 1`, sections
  * `[<name>_terrain_00_creationOpts]` (resolution, window, backend, threads, keep_whole),
@@ -74,8 +74,8 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   bool keepsWhole() const { return m_keep_whole; }
   /** What queries are about: the window, or the whole floor. Valid until the map changes. */
   MapView view() const;
-  /** Goes on with what saveMetricMapRepresentationToFile() wrote as PREFIX_site.tif, or talus-map as
-   * site.tif: to be called before the first observation. Other floors are read from the files
+  /** Goes on with what saveMetricMapRepresentationToFile() wrote as PREFIX_site.tif, or talus-map
+   * as site.tif: to be called before the first observation. Other floors are read from the files
    * beside it. Throws std::logic_error for a map that does not keep the whole or is not empty, and
    * std::runtime_error naming the file. */
   void loadSite(const std::string& path);
@@ -91,7 +91,8 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   void getVisualizationInto(mrpt_scene::CSetOfObjects& outObj) const override;
   /** Writes PREFIX.tif (all layers of the window, GeoTIFF), PREFIX.png (picture) and
    * PREFIX.3Dscene; where the whole is kept also PREFIX_site.tif and PREFIX_site.png, and of other
-   * floors PREFIX_site_floor_1.tif and so on; nothing for an empty map. Throws std::runtime_error naming the file. */
+   * floors PREFIX_site_floor_1.tif and so on; nothing for an empty map. Throws std::runtime_error
+   * naming the file. */
   void saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const override;
   /** Fraction [0,1] of the other map's points (getAsSimplePointsMap()) within `maxDistForCorr` [m]
    * of a surface of their cell, the distance d of TLikelihoodOptions. 0 when there are none. */
