@@ -24,16 +24,18 @@ constexpr const char* kElsewhere = ".elsewhere";  // link to the hidden folder o
 
 bool is_hidden(const fs::path& path) { return path.filename().string().rfind('.', 0) == 0; }
 
-/** frame_NNNNNN.tif or .png */
-bool is_snapshot(const fs::path& file)
+/** A TIFF or PNG whose name is `start` and so many digits at least. */
+bool is_numbered(const fs::path& file, const std::string& start, std::size_t fewest_digits)
 {
-  const std::string stem = file.stem().string(), start = "frame_";
+  const std::string stem = file.stem().string();
   const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
   return (file.extension() == ".tif" || file.extension() == ".png") &&
-         stem.size() >= start.size() + 6 && stem.rfind(start, 0) == 0 &&
+         stem.size() >= start.size() + fewest_digits && stem.rfind(start, 0) == 0 &&
          std::all_of(
              stem.begin() + static_cast<std::ptrdiff_t>(start.size()), stem.end(), is_digit);
 }
+bool is_snapshot(const fs::path& file) { return is_numbered(file, "frame_", 6); }
+bool is_floor(const fs::path& file) { return is_numbered(file, "site_floor_", 1); }
 
 /** Everything below a folder that is neither hidden nor a folder, relative to it. */
 std::vector<fs::path> files_below(const fs::path& folder)
@@ -97,6 +99,16 @@ void set_aside_old_snapshots(const fs::path& hidden, Moves& done)
   for (const auto& file : old) set_aside(hidden, kSnapshots / file.filename(), done);
 }
 
+/** Floors of another run would be taken for those of this site map. */
+void set_aside_old_floors(const fs::path& hidden, Moves& done)
+{
+  if (!fs::exists(hidden / "site.tif")) return;
+  std::vector<fs::path> old;
+  for (const auto& entry : fs::directory_iterator(hidden.parent_path()))
+    if (entry.is_regular_file() && is_floor(entry.path())) old.push_back(entry.path());
+  for (const auto& file : old) set_aside(hidden, file.filename(), done);
+}
+
 /** Ends one that no other process holds. */
 void end(const fs::path& hidden, Swept& swept)
 {
@@ -154,6 +166,7 @@ void place(const fs::path& hidden, Moves& done)
   {
     set_aside(hidden, seal, done);
     set_aside_old_snapshots(hidden, done);
+    set_aside_old_floors(hidden, done);
     fs::create_directory(hidden / kCleared);
   }
   for (const auto& file : files_below(hidden))

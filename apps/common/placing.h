@@ -36,7 +36,7 @@ void link_elsewhere(const std::filesystem::path& hidden, const io::HiddenFolder&
 void begin_placing(const std::filesystem::path& hidden, const std::string& seal, Moves& done);
 
 /** Moves everything to its place; goes on where another process was killed. Files of the same name,
- * and snapshots where there are new ones, are set aside. Throws std::runtime_error. */
+ * and snapshots and floors where there are new ones, are set aside. Throws std::runtime_error. */
 void place(const std::filesystem::path& hidden, Moves& done);
 
 /** Where what is replaced waits until all is in place. */

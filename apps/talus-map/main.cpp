@@ -38,7 +38,7 @@ int run_batch(const std::vector<Job>& jobs, const Options& options, const Settin
       failed.push_back(jobs[i].log);
     else if (!options.quiet)
       std::cout << "  wrote   " << (std::filesystem::path(jobs[i].folder) / "map.png").string()
-                << "\n";
+                << (options.has_site ? ", site.png\n" : "\n");
     if (stop_signal()) return 128 + stop_signal();
   }
   if (jobs.size() > 1 && !options.quiet)

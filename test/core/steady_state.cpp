@@ -1,50 +1,13 @@
 #include <gtest/gtest.h>
 #include <talus/live_map.h>
+#include "count_allocations.h"
 #include "scene.h"
-
-#include <atomic>
-#include <cstdlib>
-#include <new>
 
 // A map that has seen its largest frame needs the heap no more. Every allocation of this executable
 // is counted, those of all threads.
 
 using namespace talus;
 using namespace talus::test;
-
-namespace
-{
-std::atomic<std::uint64_t> allocations{0}, allocated_bytes{0};
-
-void* counted(std::size_t size, std::size_t alignment = alignof(std::max_align_t))
-{
-  allocations++;
-  allocated_bytes += size;
-  const std::size_t whole = (size + alignment - 1) / alignment * alignment;
-  if (void* memory = std::aligned_alloc(alignment, whole ? whole : alignment)) return memory;
-  throw std::bad_alloc();
-}
-}  // namespace
-
-void* operator new(std::size_t size) { return counted(size); }
-void* operator new[](std::size_t size) { return counted(size); }
-void* operator new(std::size_t size, std::align_val_t a)
-{
-  return counted(size, static_cast<std::size_t>(a));
-}
-void* operator new[](std::size_t size, std::align_val_t a)
-{
-  return counted(size, static_cast<std::size_t>(a));
-}
-// One that is inlined looks to the compiler as if it freed what another had allocated.
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete[](void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
 namespace
 {

@@ -88,7 +88,7 @@ TEST(SiteGeoTiff, comes_back_with_the_same_bits)
   EXPECT_EQ(read_bytes(dir / "again.tif"), read_bytes(dir / "site.tif"));
 }
 
-TEST(SiteGeoTiff, has_the_same_bytes_whatever_order_its_tiles_came_in_and_what_is_unknown_in_them)
+TEST(SiteGeoTiff, has_the_same_bytes_whatever_order_its_tiles_and_ways_came_in)
 {
   const ScratchDir dir;
   const auto one = empty_site(dir / "tiles"), other = empty_site(dir / "tiles_2");
@@ -97,7 +97,8 @@ TEST(SiteGeoTiff, has_the_same_bytes_whatever_order_its_tiles_came_in_and_what_i
   const auto keys = one->tiles.keys();
   for (auto key = keys.rbegin(); key != keys.rend(); ++key)
     other->tiles.at(*key) = *one->tiles.find(*key);
-  other->ways = one->ways;
+  one->ways.push_back({{-1, -1, 0, 0}, {1, 1, 0, 0}});
+  other->ways = {one->ways[1], one->ways[0]};
   cell_at(*other, -640, -200).cell.ground_m = 7;  // of an unknown cell
   write_site(dir / "one.tif", *one, 0);
   write_site(dir / "other.tif", *other, 0);
@@ -275,11 +276,13 @@ TEST(SiteGeoTiff, thins_long_ways_evenly)
   write_site(dir / "site.tif", *site, 0);
   read_site(dir / "site.tif", *in, 0);
   ASSERT_EQ(in->ways.size(), 2u);
-  EXPECT_LE(in->ways[0].size(), 20'000u);
-  EXPECT_GE(in->ways[0].size(), 15'000u);
-  EXPECT_EQ(in->ways[0].front().x_m, 0);
-  EXPECT_EQ(in->ways[0].back().x_m, 100'000);
-  EXPECT_EQ(in->ways[1].back().x_m, 5);
+  const bool long_first = in->ways[0].size() > 2;
+  const auto &thinned = in->ways[long_first ? 0 : 1], &other = in->ways[long_first ? 1 : 0];
+  EXPECT_LE(thinned.size(), 20'000u);
+  EXPECT_GE(thinned.size(), 15'000u);
+  EXPECT_EQ(thinned.front().x_m, 0);
+  EXPECT_EQ(thinned.back().x_m, 100'000);
+  EXPECT_EQ(other.back().x_m, 5);
   write_site(dir / "again.tif", *in, 0);
   EXPECT_EQ(read_bytes(dir / "again.tif"), read_bytes(dir / "site.tif"));
 }

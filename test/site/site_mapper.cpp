@@ -31,20 +31,13 @@ std::vector<ScanFrame> drive(const std::string& world, double noise_m = kNoNoise
   return baselines::simulate(w, d).frames;
 }
 
-Parameters small_window(double window_m = 8)
-{
-  Parameters p;
-  p.window_m = window_m;
-  return p;
-}
-
 /** A map whose drive is kept. */
 struct KeptDrive
 {
-  explicit KeptDrive(const Parameters& p = small_window(), bool restores = true, int threads = 1)
-      : site(p.resolution_m, std::size_t{64} << 20, testing::TempDir()),
+  explicit KeptDrive(bool restores = true, int threads = 1)
+      : site(Parameters().resolution_m, std::size_t{64} << 20, testing::TempDir()),
         mapper(site, restores),
-        map(p, Backend::Cpu, threads)
+        map(Parameters(), Backend::Cpu, threads)
   {
   }
 
@@ -53,7 +46,7 @@ struct KeptDrive
   {
     for (std::size_t i = 0; i < frames.size(); ++i)
     {
-      report = mapper.update(map, frames[i].view());
+      mapper.update(map, frames[i].view());
       if (on_frame) on_frame(i);
     }
     return *this;
@@ -100,11 +93,16 @@ struct KeptDrive
     }
   }
 
-  FrameReport report;
   Site site;
   SiteMapper mapper;
   ElevationMapper map;
 };
+
+/** Adds the floor of the robot where it is another one than before. */
+void note_floor(const KeptDrive& kept, std::vector<int>& floors)
+{
+  if (floors.empty() || floors.back() != kept.mapper.floor()) floors.push_back(kept.mapper.floor());
+}
 
 bool is_measured(const SiteCell& c) { return c.cell.state == 1; }
 
@@ -217,7 +215,7 @@ TEST(SiteMapper, a_robot_that_turns_round_finds_the_map_that_it_made)
       kFlat +
       "objects: [box: {at_m: [2, 1.5], size_m: [0.5, 0.5, 0.6]}]\n"
       "robot: {path_m: [[0, 0], [9, 0], [9.6, 0.3], [9, 0.6], [0, 0.6]], speed_mps: 2}\n");
-  KeptDrive kept, forgets(small_window(), false);
+  KeptDrive kept, forgets(false);
   int came_back = 0, forgotten = 0, seams = 0;
   const auto is_box = [](const Window& w, std::size_t k)
   {
@@ -256,7 +254,7 @@ TEST(SiteMapper, without_restoring_cells_that_come_back_start_empty)
   ScanFrame& again = there_and_away.back();  // sees one side only
   for (std::size_t i = 0; i < again.y_m.size(); ++i)
     if (again.y_m[i] < 0) again.x_m[i] = NAN;
-  KeptDrive kept, forgets(small_window(), false);
+  KeptDrive kept, forgets(false);
   kept.add(there_and_away);
   forgets.add(there_and_away);
   for (KeptDrive* k : {&kept, &forgets})
@@ -323,13 +321,7 @@ TEST(SiteMapper, a_lift_to_another_floor_and_back_gives_two_floors)
       "  lifts: [{time_s: 4.1, z_m: 3.2}, {time_s: 8.4, z_m: -3.2}]}\n");
   KeptDrive kept;
   std::vector<int> floors;
-  kept.add(
-      frames,
-      [&](std::size_t)
-      {
-        if (floors.empty() || floors.back() != kept.mapper.floor())
-          floors.push_back(kept.mapper.floor());
-      });
+  kept.add(frames, [&](std::size_t) { note_floor(kept, floors); });
   kept.end();
   EXPECT_EQ(floors, (std::vector<int>{0, 1, 0}));
   const Off lower = off_ground(kept, 0, 0), upper = off_ground(kept, 1, 3.2);
@@ -351,7 +343,7 @@ TEST(SiteMapper, decks_that_a_ramp_joins_do_not_overwrite_each_other)
       "objects:\n- deck: {at_m: [16.4, 4], size_m: [10.8, 14], z_m: 2.2}\n"
       "robot: {path_m: [[14, 0], [6, 0], [0, 0], [-2, 4], [0, 8], [4, 8], [14, 8], [17, 4], "
       "[14, 0]], speed_mps: 2}\n");
-  KeptDrive kept(small_window());
+  KeptDrive kept;
   kept.add(frames).end();
   const Off lower = off_ground(kept, 0, 0, 12, 16, -2, 2);
   const Off upper = off_ground(kept, 1, 2.2, 12, 16, -2, 2);
@@ -363,13 +355,35 @@ TEST(SiteMapper, decks_that_a_ramp_joins_do_not_overwrite_each_other)
   EXPECT_EQ(kept.mapper.floor(), 1);
 }
 
+TEST(SiteMapper, on_the_way_down_a_ramp_the_robot_comes_back_to_the_floor_that_it_left)
+{
+  const auto frames = drive(
+      "ground:\n- plane: {}\n"
+      "- ramp: {at_m: [3, 8], length_m: 8, height_m: 2.2, width_m: 3.4, top_m: 0}\n"
+      "objects:\n- deck: {at_m: [16.4, 4], size_m: [10.8, 14], z_m: 2.2}\n"
+      "robot: {path_m: [[14, 0], [6, 0], [0, 0], [-2, 4], [0, 8], [4, 8], [14, 8], [17, 4], "
+      "[14, 0], [17, 4], [14, 8], [4, 8], [0, 8], [-2, 4], [0, 0], [6, 0], [14, 0]], speed_mps: "
+      "2}\n");
+  KeptDrive kept;
+  std::vector<int> floors;
+  kept.add(frames, [&](std::size_t) { note_floor(kept, floors); }).end();
+  EXPECT_EQ(floors, (std::vector<int>{0, 1, 0}));
+  const Off lower = off_ground(kept, 0, 0, 12, 16, -2, 2);
+  const Off upper = off_ground(kept, 1, 2.2, 12, 16, -2, 2);
+  EXPECT_GT(lower.cells, 4000);
+  EXPECT_GT(upper.cells, 4000);
+  EXPECT_EQ(lower.far, 0);
+  EXPECT_EQ(upper.far, 0);
+  EXPECT_EQ(kept.site.tiles.keys().back().floor, 1) << "there is no third one";
+}
+
 TEST(SiteMapper, goes_on_with_a_site_that_there_was_before)
 {
   const auto frames = drive(kStraight);
   const std::ptrdiff_t half = static_cast<std::ptrdiff_t>(frames.size() / 2);
   KeptDrive kept;
   kept.add({frames.begin(), frames.begin() + half}).end();
-  ElevationMapper map(small_window(), Backend::Cpu);
+  ElevationMapper map(Parameters(), Backend::Cpu);
   SiteMapper next_day(kept.site);
   next_day.update(map, frames[static_cast<std::size_t>(half)].view());
   int measured = 0;
@@ -382,7 +396,7 @@ TEST(SiteMapper, goes_on_with_a_site_that_there_was_before)
 TEST(SiteMapper, gives_the_same_bytes_with_any_number_of_threads)
 {
   const auto frames = drive(kStraight, 0.02);
-  KeptDrive one, four(small_window(), true, 4);
+  KeptDrive one, four(true, 4);
   one.add(frames).end();
   four.add(frames).end();
   EXPECT_TRUE(bytes_of(one) == bytes_of(four));

@@ -1,5 +1,6 @@
-#include <talus/layers.h>
 #include <talus/site/merge.h>
+
+#include "cell_evidence.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,6 @@ namespace talus::site
 namespace
 {
 constexpr double kLeastVariance_m2 = 1e-12;  //!< a micrometre: no division by 0
-constexpr auto kMeasured = static_cast<std::uint8_t>(CellState::Measured);
 
 std::uint32_t bits(float v)
 {
@@ -32,10 +32,6 @@ auto key(const SiteCell& s)
 }
 bool is_newer(const SiteCell& a, const SiteCell& b) { return key(a) > key(b); }
 bool is_same(const SiteCell& a, const SiteCell& b) { return key(a) == key(b); }
-
-bool has_elevation(const SiteCell& s) { return !std::isnan(s.cell.elevation_m); }
-/** Whether it tells if something stands there. */
-bool has_seen(const SiteCell& s) { return s.cell.state == kMeasured || has_elevation(s); }
 
 /** The mean of heights by information. */
 class Mean

@@ -2,6 +2,8 @@
 
 #include "site_reader.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -16,92 +18,157 @@ namespace
 {
 constexpr int kGroupTiles = 4;  //!< along each side: some blocks of the files, read together
 
-using Places = std::vector<SiteReader::Place>;
+/** A tile of one of the files. */
+struct Source
+{
+  SiteReader::Place place;
+  std::uint32_t file;
+};
 
 int group_of(int tile) { return tile >= 0 ? tile / kGroupTiles : (tile + 1) / kGroupTiles - 1; }
 
-auto order_of(const SiteReader::Place& p)
+auto order_of(const Source& s)
 {
-  return std::make_tuple(group_of(p.y), group_of(p.x), p.y, p.x);
+  const auto& p = s.place;
+  return std::make_tuple(group_of(p.y), group_of(p.x), p.y, p.x, s.file);
+}
+bool is_same_place(const Source& a, const Source& b)
+{
+  return a.place.x == b.place.x && a.place.y == b.place.y;
 }
 
-/** Of all files, in groups. */
-Places tiles_of(const std::vector<SiteReader>& readers)
+/** In an order of their own, each once. */
+void sort_ways(Ways& ways)
 {
-  Places all;
-  for (const SiteReader& reader : readers)
+  const auto of_point = [](const WayPoint& p) { return std::make_tuple(p.x_m, p.y_m, p.z_m); };
+  const auto less = [&](const auto& a, const auto& b)
   {
-    const Places some = reader.tiles();
-    all.insert(all.end(), some.begin(), some.end());
-  }
-  std::sort(
-      all.begin(), all.end(),
-      [](const auto& a, const auto& b) { return order_of(a) < order_of(b); });
-  all.erase(
-      std::unique(
-          all.begin(), all.end(),
-          [](const auto& a, const auto& b) { return a.x == b.x && a.y == b.y; }),
-      all.end());
-  return all;
+    return std::lexicographical_compare(
+        a.begin(), a.end(), b.begin(), b.end(),
+        [&](const WayPoint& p, const WayPoint& q) { return of_point(p) < of_point(q); });
+  };
+  std::sort(ways.begin(), ways.end(), less);
+  const auto same = [&](const auto& a, const auto& b) { return !less(a, b) && !less(b, a); };
+  ways.erase(std::unique(ways.begin(), ways.end(), same), ways.end());
 }
 
-/** One tile of the merged site, if a file knows a cell of it. */
+/** Takes over the ways and the origin of all files; their tiles, neighbours near each other, those
+ * of one place together. */
+std::vector<Source> open_all(const std::vector<std::string>& paths, Site& site, int floor)
+{
+  std::vector<Source> sources;
+  for (std::size_t i = 0; i < paths.size(); ++i)
+  {
+    const SiteReader reader(paths[i]);
+    if (i == 0 && !site.origin) site.origin = reader.origin();
+    reader.require_fits(site);
+    for (auto& way : reader.ways(floor)) site.ways.push_back(std::move(way));
+    for (const auto& place : reader.tiles())
+      sources.push_back({place, static_cast<std::uint32_t>(i)});
+  }
+  sort_ways(site.ways);
+  std::sort(
+      sources.begin(), sources.end(),
+      [](const Source& a, const Source& b) { return order_of(a) < order_of(b); });
+  return sources;
+}
+
+/** How many files may be open at once. */
+std::size_t most_open_files()
+{
+  constexpr std::size_t kEnough = 256;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return kEnough;
+  return std::min<std::size_t>(kEnough, limit.rlim_cur / 2);
+}
+
+/** Of one thread: files, and what it reads of them. */
 class TileMerger
 {
  public:
-  TileMerger(const std::vector<std::string>& paths, double step_m) : step_m_(step_m)
+  TileMerger(const std::vector<std::string>& paths, double step_m, std::size_t most_open)
+      : paths_(paths), step_m_(step_m), most_open_(std::max<std::size_t>(1, most_open))
   {
-    readers_.reserve(paths.size());
-    for (const std::string& path : paths) readers_.emplace_back(path);
-    tiles_.resize(paths.size());
   }
 
-  bool merge(SiteReader::Place place, Tile& to)
+  /** One tile of the merged site from those of one place; false where no cell is known. */
+  bool merge(const Source* sources, std::size_t count, Tile& to)
   {
     std::size_t found = 0;
-    for (SiteReader& reader : readers_)
-      if (reader.covers(place) && reader.read(place, tiles_[found])) ++found;
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      if (found == tiles_.size()) tiles_.push_back(std::make_unique<Tile>());
+      if (reader(sources[i].file).read(sources[i].place, *tiles_[found])) ++found;
+    }
     std::vector<SiteCell> of_all(found);
     for (std::size_t i = 0; found > 0 && i < to.cells.size(); ++i)
     {
-      for (std::size_t k = 0; k < found; ++k) of_all[k] = tiles_[k].cells[i];
+      for (std::size_t k = 0; k < found; ++k) of_all[k] = tiles_[k]->cells[i];
       to.cells[i] = merge_cells(of_all.data(), static_cast<int>(found), step_m_);
     }
     return found > 0;
   }
 
  private:
+  struct Open
+  {
+    std::uint32_t file;
+    std::unique_ptr<SiteReader> reader;
+  };
+
+  /** Those used last come first; the last is closed where there are too many. */
+  SiteReader& reader(std::uint32_t file)
+  {
+    const auto found =
+        std::find_if(open_.begin(), open_.end(), [&](const Open& o) { return o.file == file; });
+    if (found != open_.end())
+      std::rotate(open_.begin(), found, found + 1);
+    else
+    {
+      if (open_.size() >= most_open_) open_.pop_back();
+      open_.insert(open_.begin(), {file, std::make_unique<SiteReader>(paths_[file])});
+    }
+    return *open_.front().reader;
+  }
+
+  const std::vector<std::string>& paths_;
   double step_m_;
-  std::vector<SiteReader> readers_;
-  std::vector<Tile> tiles_;
+  std::size_t most_open_;
+  std::vector<Open> open_;
+  std::vector<std::unique_ptr<Tile>> tiles_;
 };
 
 /** Where the threads meet. */
 struct Shared
 {
   const std::vector<std::string>& paths;
-  const Places& places;
-  const MergeOptions& options;
+  const std::vector<Source>& sources;
+  const std::vector<std::size_t>& begins;  //!< of the sources of each place, and the end
   const Progress& progress;
   Site& site;
   int floor;
+  double step_m;
+  std::size_t most_open;  //!< by each
   std::atomic<std::size_t> next{0};
-  std::mutex mutex;
-  std::exception_ptr failure;
+  std::mutex mutex{};
+  std::exception_ptr failure{};
+
+  std::size_t places() const { return begins.size() - 1; }
 };
 
 void merge_some(Shared& s)
 {
-  TileMerger merger(s.paths, s.options.step_m);
+  TileMerger merger(s.paths, s.step_m, s.most_open);
   const auto tile = std::make_unique<Tile>();
-  constexpr std::size_t kAtOnce = kGroupTiles * kGroupTiles;
-  for (std::size_t first; (first = s.next.fetch_add(kAtOnce)) < s.places.size();)
-    for (std::size_t i = first; i < std::min(first + kAtOnce, s.places.size()); ++i)
+  constexpr std::size_t kAtOnce = std::size_t{kGroupTiles} * kGroupTiles;
+  for (std::size_t first; (first = s.next.fetch_add(kAtOnce)) < s.places();)
+    for (std::size_t i = first; i < std::min(first + kAtOnce, s.places()); ++i)
     {
-      if (!merger.merge(s.places[i], *tile)) continue;
+      const Source* sources = s.sources.data() + s.begins[i];
+      if (!merger.merge(sources, s.begins[i + 1] - s.begins[i], *tile)) continue;
       const std::lock_guard<std::mutex> lock(s.mutex);
-      s.site.tiles.at({s.floor, s.places[i].x, s.places[i].y}) = *tile;
-      if (s.progress) s.progress(static_cast<double>(i) / static_cast<double>(s.places.size()));
+      s.site.tiles.at({s.floor, sources->place.x, sources->place.y}) = *tile;
+      if (s.progress) s.progress(static_cast<double>(i) / static_cast<double>(s.places()));
     }
 }
 
@@ -113,28 +180,12 @@ void merge_or_keep_failure(Shared& s)
   }
   catch (...)
   {
-    s.next = s.places.size();  // the others need not go on
+    s.next = s.places();  // the others need not go on
     const std::lock_guard<std::mutex> lock(s.mutex);
     if (!s.failure) s.failure = std::current_exception();
   }
 }
 
-/** In an order of their own, each once. */
-void add_ways(const std::vector<SiteReader>& readers, Site& site, int floor)
-{
-  for (const SiteReader& reader : readers)
-    for (auto& way : reader.ways(floor)) site.ways.push_back(std::move(way));
-  const auto of_point = [](const WayPoint& p) { return std::make_tuple(p.x_m, p.y_m, p.z_m); };
-  const auto less = [&](const auto& a, const auto& b)
-  {
-    return std::lexicographical_compare(
-        a.begin(), a.end(), b.begin(), b.end(),
-        [&](const WayPoint& p, const WayPoint& q) { return of_point(p) < of_point(q); });
-  };
-  std::sort(site.ways.begin(), site.ways.end(), less);
-  const auto same = [&](const auto& a, const auto& b) { return !less(a, b) && !less(b, a); };
-  site.ways.erase(std::unique(site.ways.begin(), site.ways.end(), same), site.ways.end());
-}
 }  // namespace
 
 void merge_sites(
@@ -142,20 +193,16 @@ void merge_sites(
     const Progress& progress)
 {
   const GdalCacheLimit limit;
-  std::vector<SiteReader> readers;
-  readers.reserve(paths.size());
-  for (const std::string& path : paths)
-  {
-    readers.emplace_back(path);
-    if (!site.origin && readers.size() == 1) site.origin = readers.front().origin();
-    readers.back().require_fits(site);
-  }
-  add_ways(readers, site, floor);
-  const Places places = tiles_of(readers);
-  readers.clear();
-  Shared shared{paths, places, options, progress, site, floor, {}, {}, {}};
+  const std::vector<Source> sources = open_all(paths, site, floor);
+  std::vector<std::size_t> begins;
+  begins.reserve(sources.size() + 1);
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    if (i == 0 || !is_same_place(sources[i - 1], sources[i])) begins.push_back(i);
+  begins.push_back(sources.size());
   const auto cores = std::max(1U, std::thread::hardware_concurrency());
   const auto wanted = options.threads > 0 ? static_cast<unsigned>(options.threads) : cores;
+  Shared shared{paths, sources, begins,         progress,
+                site,  floor,   options.step_m, most_open_files() / wanted};
   std::vector<std::thread> others;
   others.reserve(wanted);
   for (unsigned i = 1; i < wanted; ++i) others.emplace_back([&] { merge_or_keep_failure(shared); });

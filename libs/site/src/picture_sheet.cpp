@@ -61,13 +61,29 @@ void draw_end(cv::Mat& on, const cv::Point& p)
 }
 }  // namespace
 
+cv::Vec3b mixed(const cv::Vec3b& a, const cv::Vec3b& b, float part_b)
+{
+  cv::Vec3b m;
+  for (int k = 0; k < 3; ++k) m[k] = cv::saturate_cast<uchar>((1 - part_b) * a[k] + part_b * b[k]);
+  return m;
+}
+
+cv::Vec3b lit(const cv::Vec3b& colour, float shade)
+{
+  constexpr float kDarkest = 0.4F, kLevel = 0.7071F;
+  cv::Vec3b c;
+  for (int k = 0; k < 3; ++k)
+    c[k] = cv::saturate_cast<uchar>(colour[k] * (kDarkest + (1 - kDarkest) * shade / kLevel));
+  return c;
+}
+
 PictureSheet::PictureSheet(const RasterPlace& place, int legend_px)
     : place_(place),
       plot_(cv::Point(kLeft, kTop), place.drawn_size()),
       canvas_(
           std::max(kLeft + plot_.width + kColumn + 2 * kEdge, kLeastWidth),
           kTop + std::max(plot_.height, legend_px) + kBottom),
-      map_(plot_.size(), cv::Vec3b(240, 238, 236)),
+      map_(plot_.size(), kNotSeen),
       next_y_(kTop)
 {
   const double x1 = place.min_x_m + place.width * place.pixel_m;
@@ -99,8 +115,10 @@ void PictureSheet::draw_ways(const std::vector<std::vector<WayPoint>>& ways, int
     for (const WayPoint& p : way)
       if (p.floor == floor) line.push_back(fixed_point(place_.drawn(p.x_m, p.y_m)));
   }
-  for (const auto& line : lines) draw_line(map_, line, kHalo, 6);
-  for (const auto& line : lines) draw_line(map_, line, kWayColour, 3);
+  constexpr double kFarAway_m = 0.25;  // the robot is narrower than the line then
+  const int width = place_.pixel_m > kFarAway_m ? 2 : 3;
+  for (const auto& line : lines) draw_line(map_, line, kHalo, width + 2);
+  for (const auto& line : lines) draw_line(map_, line, kWayColour, width);
   for (const auto& line : lines)
     if (!line.empty())
     {
@@ -157,11 +175,11 @@ void PictureSheet::add_heading(const std::string& text)
   next_y_ += kRow;
 }
 
-void PictureSheet::add_swatch(const cv::Scalar& colour, const std::string& words, bool framed)
+void PictureSheet::add_swatch(const cv::Vec3b& colour, const std::string& words)
 {
   const cv::Rect swatch(plot_.x + plot_.width + kEdge, next_y_, kSwatch, kSwatch);
-  canvas_.fill(swatch, colour);
-  if (framed) canvas_.frame(swatch, kFaintInk);
+  canvas_.fill(swatch, cv::Scalar(colour[0], colour[1], colour[2]));
+  canvas_.frame(swatch, kFaintInk);
   canvas_.text(words, swatch.x + kSwatch + 12, next_y_ + kSwatch / 2.0, kPlain);
   next_y_ += kRow;
 }
@@ -188,7 +206,7 @@ void PictureSheet::add_scores()
 void PictureSheet::add_ways()
 {
   const int x = plot_.x + plot_.width + kEdge;
-  cv::Mat3b symbol(kSwatch + 8, 3 * kSwatch + 4, cv::Vec3b(255, 255, 255));
+  cv::Mat3b symbol(kSwatch + 8, 3 * kSwatch + 4, kWhite);
   const int y = (kSwatch / 2 + 4) * 16;
   draw_line(symbol, {{14 * 16, y}, {54 * 16, y}}, kWayColour, 3);
   draw_start(symbol, {14 * 16, y});
@@ -250,9 +268,21 @@ const cv::Mat& PictureSheet::finish()
   return canvas_.image();
 }
 
+double length_m(const std::vector<std::vector<WayPoint>>& ways, int floor)
+{
+  double length = 0;
+  for (const auto& way : ways)
+    for (std::size_t i = 1; i < way.size(); ++i)
+      if (way[i].floor == floor && way[i - 1].floor == floor)
+        length += std::hypot(
+            static_cast<double>(way[i].x_m) - way[i - 1].x_m,
+            static_cast<double>(way[i].y_m) - way[i - 1].y_m);
+  return length;
+}
+
 std::string area_text(double area_m2)
 {
-  const int decimals = area_m2 < 10 ? 2 : area_m2 < 1000 ? 1 : 0;
+  const int decimals = area_m2 < 10 ? 2 : area_m2 < 100 ? 1 : 0;
   if (area_m2 >= 1e6) return fixed_text(area_m2 / 1e6, 3) + " km2";
   return fixed_text(area_m2, decimals) + " m2";
 }

@@ -11,6 +11,13 @@ namespace talus::site
 {
 constexpr int kMostPlotPixels = 1340;  //!< the long side of the map alone
 
+inline const cv::Vec3b kWhite(255, 255, 255), kNotSeen(236, 238, 240);  //!< BGR
+
+/** Of two colours. */
+cv::Vec3b mixed(const cv::Vec3b& a, const cv::Vec3b& b, float part_b);
+/** A colour in a light as hill_shade() tells it: level ground keeps its colour. */
+cv::Vec3b lit(const cv::Vec3b& colour, float shade);
+
 /** What is the same on all pictures of a site: paper, axes, title, and a column at the right. */
 class PictureSheet
 {
@@ -28,7 +35,7 @@ class PictureSheet
 
   /** @name The column, from its top downwards @{ */
   void add_heading(const std::string& text);
-  void add_swatch(const cv::Scalar& colour, const std::string& words, bool framed = true);
+  void add_swatch(const cv::Vec3b& colour, const std::string& words);
   void add_scores();  //!< the scale of traversability
   void add_ways();
   void add_scale_bar();
@@ -48,7 +55,9 @@ class PictureSheet
   int next_y_;
 };
 
-/** "1234.5 m2", with as many digits as matter. */
+/** Driven on a floor. */
+double length_m(const std::vector<std::vector<WayPoint>>& ways, int floor);
+/** "12.3 m2", with as many digits as matter. */
 std::string area_text(double area_m2);
 /** Day and minute in UTC where the clock is one since 1970, else empty. */
 std::string time_text(std::uint32_t seen_s);

@@ -4,7 +4,6 @@
 #include "site_reader.h"
 
 #include <talus/io/atomic_file.h>
-#include <talus/number_text.h>
 
 #include <cpl_string.h>
 
@@ -25,7 +24,7 @@ void set_metadata(SiteDataset& dataset, const TilePyramid& pyramid, const Site& 
   const auto set = [&](const char* name, const std::string& text)
   { dataset.SetMetadataItem(name, text.c_str()); };
   set(kFloorItem, std::to_string(floor));
-  set(kResolutionItem, number_text(site.resolution_m, std::numeric_limits<double>::max_digits10));
+  set(kResolutionItem, exact_text(site.resolution_m));
   set(kMinCellXItem, std::to_string(pyramid.min_cell_x()));
   set(kMinCellYItem, std::to_string(pyramid.min_cell_y()));
   set(kSeenItem, std::to_string(pyramid.newest_s()));
@@ -40,7 +39,7 @@ CPLStringList options_for(const TilePyramid& pyramid)
   const bool many = pyramid.width_cells(0) * pyramid.height_cells(0) > kManyCells;
   CPLStringList options;
   options.SetNameValue("COMPRESS", "DEFLATE");
-  options.SetNameValue("LEVEL", "1");  // the highest saves 2 % more and takes twice as long
+  options.SetNameValue("LEVEL", "1");  // 6 saves 5 % more and takes twice as long
   options.SetNameValue("PREDICTOR", "FLOATING_POINT");
   options.SetNameValue("BLOCKSIZE", many ? "512" : "256");
   options.SetNameValue("OVERVIEW_RESAMPLING", "NEAREST");
@@ -113,5 +112,6 @@ void read_site(const std::string& path, Site& site, int floor)
 }
 
 double resolution_of_site(const std::string& path) { return SiteReader(path).resolution_m(); }
+int floor_of_site(const std::string& path) { return SiteReader(path).floor(); }
 
 }  // namespace talus::site

@@ -3,6 +3,7 @@
 #include <gdal_support.h>
 #include <talus/number_text.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
@@ -12,7 +13,6 @@ namespace talus::site
 namespace
 {
 constexpr std::size_t kMostPoints = 20000;
-constexpr int kExactDigits = 17;
 
 /** The runs of points on one floor. */
 Ways on_floor(const Ways& ways, int floor)
@@ -82,15 +82,20 @@ std::string text_of_ways(const Ways& ways, int floor)
 {
   Ways runs = on_floor(ways, floor);
   thin(runs);
-  std::string text;
+  std::vector<std::string> texts;
+  texts.reserve(runs.size());
   for (const auto& run : runs)
-    for (std::size_t i = 0; i < run.size(); ++i)
-    {
-      if (!text.empty()) text += i == 0 ? "; " : ", ";
-      text += fixed_text(run[i].x_m, 2) + " " + fixed_text(run[i].y_m, 2) + " " +
-              fixed_text(run[i].z_m, 2);
-    }
-  return text;
+  {
+    std::string& text = texts.emplace_back();
+    for (const WayPoint& p : run)
+      text += (text.empty() ? "" : ", ") + fixed_text(p.x_m, 2) + " " + fixed_text(p.y_m, 2) + " " +
+              fixed_text(p.z_m, 2);
+  }
+  std::sort(texts.begin(), texts.end());
+  texts.erase(std::unique(texts.begin(), texts.end()), texts.end());
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : "; ") + text;
+  return all;
 }
 
 std::optional<Ways> ways_from(const std::string& text, int floor)
@@ -111,11 +116,18 @@ std::optional<Ways> ways_from(const std::string& text, int floor)
   return ways;
 }
 
+std::string exact_text(double value)
+{
+  constexpr int kMostDigits = 17;
+  for (int digits = 1; digits < kMostDigits; ++digits)
+    if (std::string text = number_text(value, digits); number_from(text) == value) return text;
+  return number_text(value, kMostDigits);
+}
+
 std::string text_of_origin(const GeoOrigin& o)
 {
-  const auto text = [](double v) { return number_text(v, kExactDigits); };
-  return text(o.latitude_deg) + " " + text(o.longitude_deg) + " " + text(o.altitude_m) + " " +
-         text(o.heading_deg);
+  return exact_text(o.latitude_deg) + " " + exact_text(o.longitude_deg) + " " +
+         exact_text(o.altitude_m) + " " + exact_text(o.heading_deg);
 }
 
 std::optional<GeoOrigin> origin_from(const std::string& text)

@@ -25,10 +25,14 @@ constexpr const char* kWaysItem = "TALUS_WAYS";  //!< none where there are no wa
 /// @}
 
 /** The points of one floor in whole centimetres, "x y z, x y z; x y z, ...", evenly thinned to
- * about 20,000. A way that leaves the floor and comes back becomes two. */
+ * about 20,000. A way that leaves the floor and comes back becomes two. In an order of their own,
+ * each once: whoever drove them first. */
 std::string text_of_ways(const Ways& ways, int floor);
 /** And back. Nothing where the text is none of ways. */
 std::optional<Ways> ways_from(const std::string& text, int floor);
+
+/** The shortest decimal number that is read as this one. */
+std::string exact_text(double value);
 
 std::string text_of_origin(const GeoOrigin& origin);
 std::optional<GeoOrigin> origin_from(const std::string& text);

@@ -21,21 +21,6 @@ const cv::Vec3b kObstacle(66, 48, 52), kNotJudged(190, 186, 182);
 constexpr float kMild = 0.22F, kPale = 0.62F;  //!< measured, and not
 /// @}
 
-cv::Vec3b mixed(const cv::Vec3b& a, const cv::Vec3b& b, float part_b)
-{
-  cv::Vec3b m;
-  for (int k = 0; k < 3; ++k) m[k] = cv::saturate_cast<uchar>((1 - part_b) * a[k] + part_b * b[k]);
-  return m;
-}
-
-cv::Vec3b lit(const cv::Vec3b& colour, float shade)
-{
-  cv::Vec3b c;
-  // As it is where level ground is lit, shade 0.71.
-  for (int k = 0; k < 3; ++k) c[k] = cv::saturate_cast<uchar>(colour[k] * (0.22F + 1.1F * shade));
-  return c;
-}
-
 cv::Mat3b colours_of_cells(const SiteRaster& r, double pixel_m)
 {
   const cv::Mat scale = io::colours_of(io::Palette::Scores);
@@ -49,22 +34,10 @@ cv::Mat3b colours_of_cells(const SiteRaster& r, double pixel_m)
       cv::Vec3b c = std::isnan(score)
                         ? kNotJudged
                         : scale.at<cv::Vec3b>(cvRound(255 * std::clamp(score, 0.0F, 1.0F)));
-      c = mixed(c, {255, 255, 255}, r.measured(y, x) == 1 ? kPale : kMild);
+      c = mixed(c, kWhite, r.measured(y, x) == 1 ? kPale : kMild);
       image(y, x) = r.obstacle(y, x) ? kObstacle : lit(c, shade(y, x));
     }
   return image;
-}
-
-double length_m(const std::vector<std::vector<WayPoint>>& ways, int floor)
-{
-  double length = 0;
-  for (const auto& way : ways)
-    for (std::size_t i = 1; i < way.size(); ++i)
-      if (way[i].floor == floor && way[i - 1].floor == floor)
-        length += std::hypot(
-            static_cast<double>(way[i].x_m) - way[i - 1].x_m,
-            static_cast<double>(way[i].y_m) - way[i - 1].y_m);
-  return length;
 }
 
 std::vector<std::string> subtitles(const Site& site, int floor, const SiteRaster& r)
@@ -100,10 +73,9 @@ void write_site_picture(const std::string& path, Site& site, int floor, const st
   sheet.draw_titles(title.empty() ? made : title, subtitles(site, floor, raster));
   sheet.draw_axes();
   sheet.add_scores();
-  const auto scalar = [](const cv::Vec3b& c) { return cv::Scalar(c[0], c[1], c[2]); };
-  sheet.add_swatch(scalar(kObstacle), "stands on the ground");
-  sheet.add_swatch(scalar(mixed({99, 189, 102}, {255, 255, 255}, kPale)), "pale: not measured");
-  sheet.add_swatch(cv::Scalar(240, 238, 236), "not seen");
+  sheet.add_swatch(kObstacle, "stands on the ground");
+  sheet.add_swatch(mixed({99, 189, 102}, kWhite, kPale), "pale: not measured");
+  sheet.add_swatch(kNotSeen, "not seen");
   if (!site.ways.empty()) sheet.add_ways();
   sheet.add_gap(14);
   sheet.add_scale_bar();

@@ -1,6 +1,6 @@
 #include "site_raster.h"
 
-#include <talus/layers.h>
+#include "cell_evidence.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -85,16 +85,16 @@ SiteRaster::SiteRaster(Site& site, int floor, const RasterPlace& place)
       {
         const CellRecord& c = s.cell;
         const cv::Point at(place.column_of(x), place.row_of(y));
-        const bool is_measured = c.state == static_cast<std::uint8_t>(CellState::Measured);
+        const bool measures = is_measured(s);
         ++known_cells;
-        measured_cells += is_measured;
+        measured_cells += measures ? 1 : 0;
         lowest_m = std::min(lowest_m, c.ground_m);
         highest_m = std::max(highest_m, c.ground_m);
         newest_s = std::max(newest_s, s.seen_s);
         count(at) += 1;
         ground_m(at) += (c.ground_m - ground_m(at)) / count(at);
         score(at) = std::fmin(score(at), c.traversability);
-        measured(at) = std::max(measured(at), static_cast<uchar>(is_measured ? 2 : 1));
+        measured(at) = std::max(measured(at), static_cast<uchar>(measures ? 2 : 1));
         if (c.elevation_m - c.ground_m > kLeastObstacle_m) obstacle(at) = 1;
       });
   ground_m.setTo(std::numeric_limits<float>::quiet_NaN(), measured == 0);

@@ -51,7 +51,7 @@ void SiteReader::check_bands()
   if (std::find(bands_.begin(), bands_.end(), 0) == bands_.end()) return;
   if (number_of("sparsity") != 0)
     fail("is the map.tif of one window, not a site: give the site.tif that lies beside it");
-  fail(std::string("its bands are others, it ") + kNotASite);
+  fail(std::string("has other bands, it ") + kNotASite);
 }
 
 std::string SiteReader::item(const char* name) const
@@ -158,13 +158,6 @@ void SiteReader::add_covered(Place from, int size_tiles, std::vector<Place>& to)
   const int half = size_tiles / 2;
   for (const int dy : {0, half})
     for (const int dx : {0, half}) add_covered({from.x + dx, from.y + dy}, half, to);
-}
-
-bool SiteReader::covers(Place tile) const
-{
-  const std::int64_t x = std::int64_t{tile.x} - tile_of(min_cell_x_),
-                     y = std::int64_t{tile.y} - tile_of(min_cell_y_);
-  return x >= 0 && y >= 0 && x < width_tiles_ && y < height_tiles_;
 }
 
 bool SiteReader::read(Place tile, Tile& to)

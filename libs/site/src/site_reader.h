@@ -34,9 +34,7 @@ class SiteReader
   };
   /** The tiles that may have a known cell; neighbours are near each other. */
   std::vector<Place> tiles() const;
-  /** Whether the tile lies in the file. */
-  bool covers(Place tile) const;
-  /** One of those that are covered, and whether it has a known cell. Throws as the constructor. */
+  /** One of those, and whether it has a known cell. Throws as the constructor. */
   bool read(Place tile, Tile& to);
 
  private:

@@ -22,5 +22,7 @@ void read_site(const std::string& path, Site& site, int floor);
 
 /** The resolution of such a file, to make a site for it. Throws as read_site(). */
 double resolution_of_site(const std::string& path);
+/** Which floor it was written as. Throws as read_site(). */
+int floor_of_site(const std::string& path);
 
 }  // namespace talus::site

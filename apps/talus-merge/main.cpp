@@ -1,0 +1,177 @@
+// talus-merge: maps of several drives in, the map of all or what changed out.
+#include "../common/child_process.h"
+#include "../common/output_folder.h"
+#include "../common/printable.h"
+#include "../common/progress_bar.h"
+#include "../common/suspect.h"
+#include "options.h"
+
+#include <talus/io/atomic_file.h>
+#include <talus/number_text.h>
+#include <talus/site/changes.h>
+#include <talus/site/site_picture.h>
+
+#include <algorithm>
+#include <csignal>
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+
+namespace fs = std::filesystem;
+using namespace talus::site;
+using talus::app::OutputFolder;
+using talus::app::ProgressBar;
+
+namespace
+{
+constexpr const char* kLessMemory = "Give less with --memory, or merge fewer maps at once";
+constexpr double kMerging = 0.4;  // share of the time
+
+void print_error(const std::string& text) { std::cerr << "talus-merge: " << text << "\n"; }
+
+std::size_t memory_bytes(const Options& o) { return o.memory_mb << 20; }
+
+std::string square_metres(double area_m2) { return talus::fixed_text(area_m2, 2) + " m2"; }
+
+double known_m2(Site& site)
+{
+  std::size_t known = 0;
+  for (const TileKey& key : site.tiles.keys())
+    for (const SiteCell& c : site.tiles.find(key)->cells) known += c.known() ? 1 : 0;
+  return static_cast<double>(known) * site.resolution_m * site.resolution_m;
+}
+
+/** Drives count their floors as they come to them. */
+int lowest_floor(const std::vector<std::string>& paths)
+{
+  int lowest = floor_of_site(paths.front());
+  for (const std::string& path : paths) lowest = std::min(lowest, floor_of_site(path));
+  return lowest;
+}
+
+void merge(const Options& o)
+{
+  ProgressBar bar("talus-merge", !o.quiet);
+  const talus::io::AtomicFile place(o.output);  // fails before the work; tiles find room beside it
+  Site site(
+      resolution_of_site(o.inputs.front()), memory_bytes(o),
+      (place.hidden_folder().path() / "tiles").string());
+  const int floor = lowest_floor(o.inputs);
+  merge_sites(
+      o.inputs, site, floor, o.merge, [&](double done) { bar.show(kMerging * done, "merging"); });
+  if (!o.picture.empty()) write_site_picture(o.picture, site, floor);
+  write_site(
+      o.output, site, floor,
+      [&](double done) { bar.show(kMerging + (1 - kMerging) * done, "writing"); });
+  if (o.quiet) return;
+  std::cout << o.inputs.size() << (o.inputs.size() == 1 ? " map: " : " maps: ")
+            << square_metres(known_m2(site)) << " known\n  wrote   " << o.output << "\n";
+}
+
+void tell(const ChangeSums& sums)
+{
+  const auto line = [&](const char* words, Change c)
+  {
+    std::cout << "  " << words << square_metres(sums.area_m2(c)) << ", "
+              << talus::fixed_text(sums.volume_m3[static_cast<std::size_t>(c)], 2) << " m3\n";
+  };
+  std::cout << "changed:\n";
+  line("built up     ", Change::Built);
+  line("dug away     ", Change::Dug);
+  line("object gone  ", Change::Gone);
+  line("object new   ", Change::Appeared);
+}
+
+void compare(const Options& o, const fs::path& to_folder)
+{
+  const auto site_of = [&](const std::string& path, const char* tiles)
+  {
+    auto site = std::make_unique<Site>(
+        resolution_of_site(o.inputs.front()), memory_bytes(o) / 2, (to_folder / tiles).string());
+    read_site(path, *site, 0);
+    return site;
+  };
+  ProgressBar bar("talus-merge", !o.quiet);
+  bar.show(0, "reading");
+  const auto from = site_of(o.inputs[0], "tiles_from"), to = site_of(o.inputs[1], "tiles_to");
+  const ChangeSums sums = write_changes(
+      (to_folder / "changes.tif").string(), (to_folder / "changes.png").string(), *from, *to, 0,
+      o.merge.step_m);
+  if (!o.quiet) tell(sums);
+}
+
+/** In a child: the exit code. */
+int work_or_tell(
+    const Options& o, const std::function<void()>& work, const OutputFolder* folder = nullptr)
+{
+  try
+  {
+    work();
+    return 0;
+  }
+  catch (const std::exception& e)
+  {
+    const std::string text = talus::app::failure_text(e, o.output, kLessMemory);
+    print_error(folder ? folder->told(text) : text);
+    return 1;
+  }
+}
+
+/** Works in a child, which a damaged file or a signal may end. The exit code. */
+int in_child(const Options& o, const std::function<int()>& work)
+{
+  const auto end = talus::app::run_in_child(work);
+  if (const int signal = talus::app::stop_signal())
+  {
+    print_error("stopped; nothing was written");
+    return 128 + signal;
+  }
+  if (end.signal) throw std::runtime_error(talus::app::crash_text(o.inputs.front(), end.signal));
+  return end.exit_code;
+}
+
+int run_merge(const Options& o)
+{
+  for (const int s : {SIGXFSZ, SIGPIPE}) std::signal(s, SIG_IGN);  // an error of write() instead
+  const auto work = [&] { return work_or_tell(o, [&] { merge(o); }); };
+  const int code = in_child(o, work);
+  if (code > 128) talus::io::remove_abandoned_files(o.output);
+  return code;
+}
+
+int run_changes(const Options& o)
+{
+  for (const char* name : {"changes.tif", "changes.png"})
+    talus::app::require_apart((fs::path(o.output) / name).string(), o.inputs);
+  OutputFolder folder(o.output);
+  const auto work = [&]
+  {
+    return work_or_tell(
+        o, [&] { compare(o, folder.staging()); }, &folder);
+  };
+  if (const int code = in_child(o, work)) return code;
+  folder.commit("changes.tif");
+  if (!o.quiet) std::cout << "  wrote   " << (fs::path(o.output) / "changes.png").string() << "\n";
+  return 0;
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  const talus::app::PrintableOutput printable;
+  Options options;
+  if (const auto code = parse_options(argc, argv, options)) return *code;
+  try
+  {
+    talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
+    return options.changes ? run_changes(options) : run_merge(options);
+  }
+  catch (const std::exception& e)
+  {
+    print_error(talus::app::failure_text(e, options.output, kLessMemory));
+    return 1;
+  }
+}

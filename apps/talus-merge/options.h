@@ -1,0 +1,26 @@
+#pragma once
+#include <talus/site/merge.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace talus::site
+{
+/** What the command line says. */
+struct Options
+{
+  std::vector<std::string> inputs;  //!< two with `changes`, the older first
+  std::string output;  //!< a file, or a folder with `changes`
+  std::string picture;  //!< of what was merged; empty: none
+  MergeOptions merge;
+  std::size_t memory_mb = 512;  //!< for tiles
+  bool changes = false, quiet = false;
+};
+
+/** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
+ * program, or nothing: go on. */
+std::optional<int> parse_options(int argc, char** argv, Options& options);
+
+}  // namespace talus::site

@@ -1,0 +1,159 @@
+#include "changes.h"
+#include "site_metadata.h"
+#include "site_reader.h"
+
+#include <gdal_support.h>
+#include <talus/io/atomic_file.h>
+
+#include <cpl_string.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <stdexcept>
+
+namespace talus::site
+{
+namespace
+{
+constexpr int kBands = 2;  //!< change_m and kind
+
+/** The tiles from the first to the last that both know. */
+struct TileBox
+{
+  std::int32_t min_x = INT32_MAX, min_y = INT32_MAX, max_x = INT32_MIN, max_y = INT32_MIN;
+
+  void add(const TileKey& k)
+  {
+    min_x = std::min(min_x, k.x);
+    max_x = std::max(max_x, k.x);
+    min_y = std::min(min_y, k.y);
+    max_y = std::max(max_y, k.y);
+  }
+};
+
+TileBox common_tiles(const Site& from, const Site& to, int floor)
+{
+  const auto before = from.tiles.keys(), after = to.tiles.keys();
+  std::vector<TileKey> both;
+  std::set_intersection(
+      before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(both));
+  TileBox box;
+  for (const TileKey& key : both)
+    if (key.floor == floor) box.add(key);
+  return box;
+}
+
+io::DatasetPtr create(const std::string& file, const TileBox& box, const Site& site)
+{
+  CPLStringList options;
+  for (const char* option :
+       {"COMPRESS=DEFLATE", "PREDICTOR=3", "TILED=YES", "BLOCKXSIZE=128", "BLOCKYSIZE=128",
+        "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER", "INTERLEAVE=PIXEL"})
+    options.AddString(option);
+  const int width = (box.max_x - box.min_x + 1) * kTileCells;
+  const int height = (box.max_y - box.min_y + 1) * kTileCells;
+  io::DatasetPtr dataset(
+      io::geotiff_driver().Create(file.c_str(), width, height, kBands, GDT_Float32, options));
+  if (!dataset) return dataset;
+  const double tile_m = kTileCells * site.resolution_m;
+  auto transform =
+      transform_of(box.min_x * tile_m, (box.max_y + 1.0) * tile_m, site.resolution_m, site.origin);
+  const OGRSpatialReference crs = crs_of(site.origin);
+  dataset->SetGeoTransform(transform.data());
+  dataset->SetSpatialRef(&crs);
+  const std::array<const char*, kBands> names{"change_m", "kind"};
+  for (int b = 0; b < kBands; ++b)
+  {
+    dataset->GetRasterBand(b + 1)->SetDescription(names[static_cast<std::size_t>(b)]);
+    dataset->GetRasterBand(b + 1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+  }
+  dataset->SetMetadataItem(
+      "TALUS_KINDS", "0 none, 1 built, 2 dug, 3 object gone, 4 object appeared");
+  return dataset;
+}
+
+/** Adds the changes of a tile to the sums; their pixels, north first. False where neither cell has
+ * been seen by both. */
+bool add_tile(const std::vector<CellChange>& changes, std::vector<float>& pixels, ChangeSums& sums)
+{
+  bool any = false;
+  for (int i = 0; i < kTileCells * kTileCells; ++i)
+  {
+    const CellChange& c = changes[static_cast<std::size_t>(i)];
+    const int row = kTileCells - 1 - i / kTileCells;
+    float* pixel =
+        pixels.data() + (static_cast<std::ptrdiff_t>(row) * kTileCells + i % kTileCells) * kBands;
+    pixel[0] = pixel[1] = std::numeric_limits<float>::quiet_NaN();
+    if (std::isnan(c.change_m)) continue;
+    any = true;
+    const auto kind = static_cast<std::size_t>(c.kind);
+    pixel[0] = c.change_m;
+    pixel[1] = static_cast<float>(kind);
+    ++sums.cells[kind];
+    if (c.kind != Change::None)
+      sums.volume_m3[kind] += std::abs(static_cast<double>(c.change_m)) * sums.cell_m2;
+  }
+  return any;
+}
+
+ChangeSums write_geotiff(
+    const std::string& path, Site& from, Site& to, int floor, double step_m, const TileBox& box)
+{
+  io::AtomicFile file(path);
+  const GdalCacheLimit limit;
+  const io::GdalErrors errors;
+  io::DatasetPtr dataset = create(file.temporary_path(), box, to);
+  if (!dataset) io::fail(path, "cannot write this GeoTIFF", errors);
+  ChangeSums sums;
+  sums.cell_m2 = to.resolution_m * to.resolution_m;
+  std::vector<float> pixels(static_cast<std::size_t>(kTileCells) * kTileCells * kBands);
+  for_each_compared_tile(
+      from, to, floor, step_m,
+      [&](const TileKey& key, const std::vector<CellChange>& changes)
+      {
+        if (!add_tile(changes, pixels, sums)) return;
+        if (dataset->RasterIO(
+                GF_Write, (key.x - box.min_x) * kTileCells, (box.max_y - key.y) * kTileCells,
+                kTileCells, kTileCells, pixels.data(), kTileCells, kTileCells, GDT_Float32, kBands,
+                nullptr, sizeof(float) * kBands, sizeof(float) * kBands * kTileCells, sizeof(float),
+                nullptr) != CE_None)
+          io::fail(path, io::kNotWritten, errors);
+      });
+  dataset.reset();
+  if (errors.any()) io::fail(path, io::kNotWritten, errors);
+  file.commit();
+  return sums;
+}
+void require_one_frame(const std::string& path, const Site& from, const Site& to)
+{
+  const auto text = [](const Site& s)
+  {
+    return exact_text(s.resolution_m) + " " +
+           (s.origin ? text_of_origin(*s.origin) : std::string("none"));
+  };
+  if (text(from) != text(to))
+    throw std::runtime_error(
+        path + ": the two maps have other resolutions, or origins on Earth (" + text(from) +
+        " and " + text(to) + "): give maps of one map frame");
+}
+
+}  // namespace
+
+ChangeSums write_changes(
+    const std::string& geotiff_path, const std::string& picture_path, Site& from, Site& to,
+    int floor, double step_m)
+{
+  require_one_frame(geotiff_path, from, to);
+  const TileBox box = common_tiles(from, to, floor);
+  if (box.min_x > box.max_x)
+    throw std::runtime_error(
+        geotiff_path + ": nothing to compare: the two sites have no place in common");
+  const ChangeSums sums = write_geotiff(geotiff_path, from, to, floor, step_m, box);
+  write_changes_picture(picture_path, from, to, floor, step_m, sums);
+  return sums;
+}
+
+}  // namespace talus::site

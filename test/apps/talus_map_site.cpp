@@ -1,0 +1,182 @@
+// The command talus-map keeps all that a drive saw: site.tif, its options, and what goes wrong.
+#include <mrpt/obs/CObservationGPS.h>
+#include <talus/site/site_geotiff.h>
+
+#include "talus_map_run.h"
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+class TalusMapSite : public TalusMap
+{
+ protected:
+  /** A drive along x at 1 m/s for so many tenths of a second, which begins at such a one. */
+  void write_drive(const std::string& name, int scans, int first = 0) const
+  {
+    Objects objects;
+    for (int i = first; i < first + scans; ++i)
+      objects.push_back(floor_scan(kFirstStamp_s + 0.1 * i));
+    write_log(path(name + ".rawlog"), objects, Packing::Gz);
+    write_bytes(path(name + ".tum"), straight_tum(first + scans));
+  }
+  /** A command line with it must be refused, and make nothing. */
+  void expect_refused(const std::string& arguments, int code, const std::string& word) const
+  {
+    const std::size_t before = entries();
+    const Outcome failed = run(arguments + " --output bad");
+    EXPECT_EQ(failed.code, code) << arguments << ": " << failed.err;
+    EXPECT_TRUE(failed.says(word)) << "'" << word << "' not in: " << failed.err;
+    EXPECT_EQ(entries(), before);
+  }
+  std::optional<site::GeoOrigin> origin_of(const std::string& file) const
+  {
+    site::Site site(0.05, 0, path("tiles"));
+    site::read_site(path(file), site, 0);
+    return site.origin;
+  }
+  double area_m2(const std::string& folder) const { return summary(folder)["site"]["area_m2"]; }
+};
+}  // namespace
+
+TEST_F(TalusMapSite, writes_all_that_the_drive_saw_and_says_how_much)
+{
+  write_drive("drive", 120);
+  const Outcome done = run("drive.rawlog --output out");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_NE(done.out.find("  site    "), std::string::npos) << done.out;
+  EXPECT_EQ(entries(), 2u + 7u) << "nothing hidden";
+  const auto j = summary("out")["site"];
+  EXPECT_NEAR(j["area_m2"].get<double>(), (12 + 8) * 8, 4);
+  EXPECT_NEAR(j["length_m"].get<double>(), 11.9, 0.2);
+  EXPECT_EQ(j["floors"], 1);
+  EXPECT_GT(j["cells"]["measured"].get<int>(), 5000);
+  site::Site site(0.05, 0, path("tiles"));
+  site::read_site(path("out/site.tif"), site, 0);
+  EXPECT_FALSE(site.tiles.keys().empty());
+  EXPECT_FALSE(site.origin);
+}
+
+TEST_F(TalusMapSite, no_site_leaves_the_rest_as_it_is)
+{
+  write_drive("drive", 30);
+  ASSERT_EQ(run("drive.rawlog --output with").code, 0);
+  ASSERT_EQ(run("drive.rawlog --output without --no-site").code, 0);
+  EXPECT_FALSE(exists("without/site.tif"));
+  EXPECT_FALSE(exists("without/site.png"));
+  EXPECT_FALSE(summary("without").contains("site"));
+  EXPECT_EQ(read_bytes(path("with/map.tif")), read_bytes(path("without/map.tif")));
+}
+
+TEST_F(TalusMapSite, has_the_same_bytes_with_little_memory_and_with_any_number_of_threads)
+{
+  write_drive("drive", 250);
+  ASSERT_EQ(run("drive.rawlog --output a --threads 1").code, 0);
+  ASSERT_EQ(run("drive.rawlog --output b --threads 3 --memory 4").code, 0);
+  EXPECT_TRUE(read_bytes(path("a/site.tif")) == read_bytes(path("b/site.tif")));
+}
+
+TEST_F(TalusMapSite, resume_goes_on_with_the_map_of_yesterday)
+{
+  write_drive("whole", 160);
+  write_drive("monday", 80);
+  write_drive("tuesday", 80, 80);
+  ASSERT_EQ(run("whole.rawlog").code, 0);
+  ASSERT_EQ(run("monday.rawlog").code, 0);
+  const Outcome done = run("tuesday.rawlog --resume monday_map/site.tif");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_NEAR(area_m2("tuesday_map"), area_m2("whole_map"), 0.5);
+  EXPECT_LT(area_m2("monday_map"), 0.75 * area_m2("whole_map"));
+  // ... and in its own folder.
+  ASSERT_EQ(run("tuesday.rawlog --resume tuesday_map/site.tif --output tuesday_map").code, 0);
+  EXPECT_NEAR(area_m2("tuesday_map"), area_m2("whole_map"), 0.5);
+}
+
+TEST_F(TalusMapSite, resume_refuses_what_it_cannot_go_on_with_and_touches_nothing)
+{
+  write_drive("drive", 10);
+  ASSERT_EQ(run("drive.rawlog --output before").code, 0);
+  write_bytes(path("text.tif"), "no picture at all");
+  expect_refused("drive.rawlog --resume none.tif", 1, "none.tif");
+  expect_refused("drive.rawlog --resume text.tif", 1, "text.tif");
+  expect_refused("drive.rawlog --resume before/map.tif", 1, "before/map.tif");
+  expect_refused(
+      "drive.rawlog -s resolution_m=0.1 --resume before/site.tif", 1, "resolution_m=0.05");
+  expect_refused("drive.rawlog drive.rawlog --resume before/site.tif", 2, "takes one log");
+  expect_refused("drive.rawlog --no-site --resume before/site.tif", 2, "--no-site");
+  expect_refused("drive.rawlog --memory 0", 2, "--memory");
+}
+
+TEST_F(TalusMapSite, floors_of_an_earlier_run_do_not_stay_beside_the_new_map)
+{
+  write_drive("drive", 10);
+  std::filesystem::create_directory(path("out"));
+  for (const char* name : {"site_floor_1.tif", "site_floor_12.png", "site_floor_plan.png"})
+    write_bytes(path(std::string("out/") + name), "old");
+  ASSERT_EQ(run("drive.rawlog --output out --no-site").code, 0);
+  EXPECT_TRUE(exists("out/site_floor_1.tif")) << "of the site map that is still there";
+  ASSERT_EQ(run("drive.rawlog --output out").code, 0);
+  EXPECT_FALSE(exists("out/site_floor_1.tif"));
+  EXPECT_FALSE(exists("out/site_floor_12.png"));
+  EXPECT_TRUE(exists("out/site_floor_plan.png")) << "somebody else's";
+}
+
+TEST_F(TalusMapSite, origin_says_where_on_earth_the_map_is)
+{
+  write_drive("drive", 10);
+  ASSERT_EQ(run("drive.rawlog --output a --origin 36.8383,-2.4045").code, 0);
+  ASSERT_EQ(run("drive.rawlog --output b --origin -33.5,151.25,52,-30").code, 0);
+  const auto a = origin_of("a/site.tif"), b = origin_of("b/site.tif");
+  ASSERT_TRUE(a && b);
+  EXPECT_NEAR(a->latitude_deg, 36.8383, 1e-9);
+  EXPECT_NEAR(a->longitude_deg, -2.4045, 1e-9);
+  EXPECT_EQ(a->altitude_m, 0);
+  EXPECT_NEAR(b->latitude_deg, -33.5, 1e-9);
+  EXPECT_NEAR(b->altitude_m, 52, 1e-6);
+  EXPECT_NEAR(std::remainder(b->heading_deg + 30, 360), 0, 1e-6);
+}
+
+TEST_F(TalusMapSite, origin_that_is_no_place_on_earth_is_refused)
+{
+  write_drive("drive", 10);
+  expect_refused("drive.rawlog --origin 91,0", 2, "the latitude 91 is not in [-90, 90]");
+  expect_refused("drive.rawlog --origin 0,181", 2, "the longitude 181 is not in");
+  expect_refused("drive.rawlog --origin 36.8", 2, "LAT,LON[,ALT[,HEADING]]");
+  expect_refused("drive.rawlog --origin 36.8,2,3,4,5", 2, "LAT,LON[,ALT[,HEADING]]");
+  expect_refused("drive.rawlog --origin 36.8,east", 2, "'east' is no number");
+  expect_refused("drive.rawlog --origin nan,0", 2, "'nan' is no number");
+  expect_refused("drive.rawlog --origin ''", 2, "--origin");
+}
+
+TEST_F(TalusMapSite, takes_the_origin_from_the_gps_of_the_log)
+{
+  // The robot drives along x, which points north; the antenna is 1 m ahead of its base.
+  constexpr double kNorth_m = 110968.7;  // of a degree of latitude there
+  Objects objects;
+  for (int i = 0; i < 150; ++i)
+  {
+    objects.push_back(floor_scan(kFirstStamp_s + 0.1 * i));
+    auto gps = observation_at<mrpt::obs::CObservationGPS>(kFirstStamp_s + 0.1 * i, "gps");
+    mrpt::obs::gnss::Message_NMEA_GGA gga;
+    gga.fields.latitude_degrees = 36.8383 + (0.1 * i + 1) / kNorth_m;
+    gga.fields.longitude_degrees = -2.4045;
+    gga.fields.altitude_meters = 52;
+    gga.fields.fix_quality = i < 5 ? 0 : 1;
+    if (i < 5) gga.fields.latitude_degrees = 0;
+    gps->setMsg(gga);
+    gps->sensorPose = mrpt::poses::CPose3D(1, 0, 2, 0, 0, 0);
+    objects.push_back(gps);
+  }
+  write_log(path("drive.rawlog"), objects, Packing::Gz);
+  write_bytes(path("drive.tum"), straight_tum(150));
+  const Outcome done = run("drive.rawlog --output out");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(done.err, "");
+  const auto origin = origin_of("out/site.tif");
+  ASSERT_TRUE(origin);
+  EXPECT_NEAR((origin->latitude_deg - 36.8383) * kNorth_m, 0, 0.05);
+  EXPECT_NEAR(origin->longitude_deg, -2.4045, 1e-7);
+  EXPECT_NEAR(origin->altitude_m, 50, 0.01);
+  EXPECT_NEAR(origin->heading_deg, 90, 0.1);
+}

@@ -1,0 +1,200 @@
+// The command talus-merge from end to end: its files, messages and exit codes.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <talus/io/geotiff.h>
+#include <talus/site/site_geotiff.h>
+
+#include <cstdlib>
+#include <memory>
+
+#include "log_files.h"
+#include "sites.h"
+
+namespace fs = std::filesystem;
+using namespace talus;
+using namespace talus::site;
+using namespace talus::test;
+
+namespace
+{
+struct Outcome
+{
+  int code;
+  std::string text;
+};
+
+class TalusMerge : public testing::Test
+{
+ protected:
+  std::unique_ptr<Site> site() const
+  {
+    return std::make_unique<Site>(0.05, std::size_t{64} << 20, dir_ / "tiles");
+  }
+  /** A square of ground at a height; `box`: from there on something stands on 20 x 20 cells. */
+  void write(
+      const std::string& name, std::uint32_t seen_s, int x, float ground_m, int box = -1) const
+  {
+    const auto s = site();
+    for (int i = x; i < x + 300; ++i)
+      for (int k = 0; k < 300; ++k)
+      {
+        SiteCell c = measured(ground_m, seen_s);
+        if (box >= 0 && i >= box && i < box + 20 && k >= 100 && k < 120) c = with_obstacle(c, 0.5F);
+        cell_at(*s, i, k) = c;
+      }
+    s->ways = {
+        {{static_cast<float>(x) * 0.05F, 5, 0, 0}, {static_cast<float>(x) * 0.05F + 10, 5, 0, 0}}};
+    write_site(dir_ / name, *s, 0);
+  }
+  Outcome run(const std::string& arguments, const std::string& before = "") const
+  {
+    const int status = std::system(("cd " + (dir_ / "") + " && " + before +
+                                    " " TALUS_MERGE_EXE " " + arguments + " >log.txt 2>&1")
+                                       .c_str());
+    return {WEXITSTATUS(status), read_bytes(dir_ / "log.txt")};
+  }
+  void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
+  {
+    const Outcome o = run(arguments);
+    EXPECT_EQ(o.code, code) << o.text;
+    for (const auto& word : words) EXPECT_NE(o.text.find(word), std::string::npos) << o.text;
+  }
+  /** What begins with a dot: left by a run. */
+  int hidden() const
+  {
+    int count = 0;
+    for (const auto& e : fs::directory_iterator(dir_ / ""))
+      count += e.path().filename().string()[0] == '.';
+    return count;
+  }
+  ScratchDir dir_;
+};
+}  // namespace
+
+TEST_F(TalusMerge, fuses_maps_in_any_order_into_the_same_bytes_and_draws_them)
+{
+  write("a.tif", 1000, 0, 1.0F);
+  write("b.tif", 2000, 200, 1.1F);
+  const Outcome o = run("a.tif b.tif --output ab.tif --picture ab.png");
+  ASSERT_EQ(o.code, 0) << o.text;
+  EXPECT_NE(o.text.find("2 maps: 375.00 m2 known"), std::string::npos) << o.text;
+  EXPECT_NE(o.text.find("ab.tif"), std::string::npos);
+  EXPECT_GT(fs::file_size(dir_ / "ab.png"), 1000u);
+  ASSERT_EQ(run("b.tif a.tif --output ba.tif --threads 3 --quiet").text, "");
+  EXPECT_EQ(read_bytes(dir_ / "ab.tif"), read_bytes(dir_ / "ba.tif"));
+  const auto merged = site();
+  read_site(dir_ / "ab.tif", *merged, 0);
+  EXPECT_NEAR(cell_at(*merged, 250, 50).cell.ground_m, 1.05, 1e-6);
+  EXPECT_EQ(merged->ways.size(), 2u);
+  EXPECT_EQ(hidden(), 0);
+}
+
+TEST_F(TalusMerge, may_write_over_one_of_its_inputs)
+{
+  write("a.tif", 1000, 0, 1.0F);
+  write("b.tif", 2000, 200, 1.1F);
+  ASSERT_EQ(run("a.tif b.tif --output ab.tif").code, 0);
+  ASSERT_EQ(run("a.tif b.tif --output a.tif").code, 0);
+  EXPECT_EQ(read_bytes(dir_ / "a.tif"), read_bytes(dir_ / "ab.tif"));
+}
+
+TEST_F(TalusMerge, opens_no_more_files_at_once_than_it_may)
+{
+  std::string names;
+  for (std::uint32_t i = 0; i < 40; ++i)
+  {
+    const auto s = site();
+    for (int x = 0; x < 20; ++x) cell_at(*s, x, 0) = measured(1, 1000 + i);
+    const std::string name = std::to_string(i) + ".tif";
+    write_site(dir_ / name, *s, 0);
+    names += " " + name;
+  }
+  ASSERT_EQ(run(names + " --output all.tif").code, 0);
+  const Outcome few = run(names + " --output few.tif --threads 3", "ulimit -n 32;");
+  ASSERT_EQ(few.code, 0) << few.text;
+  EXPECT_EQ(read_bytes(dir_ / "all.tif"), read_bytes(dir_ / "few.tif"));
+}
+
+TEST_F(TalusMerge, tells_what_changed_between_two_days)
+{
+  write("monday.tif", 1000, 0, 1.0F, 40);
+  write("friday.tif", 2000, 0, 1.0F, 200);
+  const auto dug = site();
+  read_site(dir_ / "friday.tif", *dug, 0);
+  for (int i = 0; i < 10; ++i) cell_at(*dug, 280, i).cell.ground_m = 0.5F;
+  write_site(dir_ / "friday.tif", *dug, 0);
+  const Outcome o = run("--changes monday.tif friday.tif --output out");
+  ASSERT_EQ(o.code, 0) << o.text;
+  for (const char* line :
+       {"built up     0.00 m2, 0.00 m3", "dug away     0.03 m2, 0.01 m3",
+        "object gone  1.00 m2, 0.50 m3", "object new   1.00 m2, 0.50 m3"})
+    EXPECT_NE(o.text.find(line), std::string::npos) << o.text;
+  EXPECT_GT(fs::file_size(dir_ / "out/changes.png"), 1000u);
+  const auto changes = io::read_geotiff(dir_ / "out/changes.tif");
+  ASSERT_EQ(changes.names, (std::vector<std::string>{"change_m", "kind"}));
+  const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * changes.cells_x + x; };
+  EXPECT_EQ(changes.layers[1][at(45, 105)], 3);
+  EXPECT_EQ(changes.layers[1][at(205, 105)], 4);
+  EXPECT_EQ(changes.layers[1][at(280, 5)], 2);
+  EXPECT_EQ(changes.layers[1][at(5, 5)], 0);
+  EXPECT_EQ(changes.layers[0][at(280, 5)], -0.5F);
+  EXPECT_TRUE(std::isnan(changes.layers[0][at(310, 5)]));
+  EXPECT_EQ(std::distance(fs::directory_iterator(dir_ / "out"), fs::directory_iterator()), 2);
+}
+
+TEST_F(TalusMerge, says_what_is_wrong_with_an_input_and_leaves_what_was_there)
+{
+  write("a.tif", 1000, 0, 1.0F);
+  write_bytes(dir_ / "site.tif", "precious");
+  write_bytes(dir_ / "text.tif", "hello");
+  io::write_geotiff(dir_ / "map.tif", io::snapshot(ElevationMapper()));
+  fails("a.tif none.tif --output site.tif", 1, {"none.tif", "no such file"});
+  fails("none.tif a.tif --output site.tif", 1, {"none.tif", "no such file"});
+  fails("a.tif text.tif --output site.tif", 1, {"text.tif", "GeoTIFF"});
+  fails("a.tif map.tif --output site.tif", 1, {"map.tif", "site.tif that lies beside it"});
+  fails("--changes a.tif text.tif --output out", 1, {"text.tif", "GeoTIFF"});
+  fails("a.tif --output none/site.tif", 1, {"none/site.tif"});
+  write("far.tif", 1000, 100'000, 1.0F);
+  fails("--changes a.tif far.tif --output out", 1, {"no place in common"});
+  EXPECT_FALSE(fs::exists(dir_ / "out"));
+  EXPECT_EQ(read_bytes(dir_ / "site.tif"), "precious");
+  EXPECT_EQ(hidden(), 0);
+}
+
+TEST_F(TalusMerge, says_when_a_map_is_damaged_or_cut_short)
+{
+  write("a.tif", 1000, 0, 1.0F);
+  const std::string bytes = read_bytes(dir_ / "a.tif");
+  write_bytes(dir_ / "short.tif", bytes.substr(0, bytes.size() * 3 / 4));
+  fails("a.tif short.tif --output site.tif", 1, {"short.tif"});
+  EXPECT_FALSE(fs::exists(dir_ / "site.tif"));
+  EXPECT_EQ(hidden(), 0);
+}
+
+TEST_F(TalusMerge, says_when_the_disk_is_full_and_leaves_what_was_there)
+{
+  write("a.tif", 1000, 0, 1.0F);
+  write("b.tif", 2000, 200, 1.1F);
+  write_bytes(dir_ / "site.tif", "precious");
+  const Outcome o = run("a.tif b.tif --output site.tif", "ulimit -f 8;");
+  EXPECT_EQ(o.code, 1) << o.text;
+  EXPECT_NE(o.text.find("site.tif"), std::string::npos) << o.text;
+  EXPECT_NE(o.text.find("disk full"), std::string::npos) << o.text;
+  EXPECT_EQ(read_bytes(dir_ / "site.tif"), "precious");
+  EXPECT_EQ(hidden(), 0);
+  const Outcome changes = run("--changes a.tif b.tif --output out", "ulimit -f 2;");
+  EXPECT_EQ(changes.code, 1) << changes.text;
+  EXPECT_FALSE(fs::exists(dir_ / "out"));
+}
+
+TEST_F(TalusMerge, explains_itself_and_refuses_wrong_usage)
+{
+  EXPECT_NE(run("--help").text.find("Examples:"), std::string::npos);
+  EXPECT_EQ(run("--version").code, 0);
+  fails("", 2, {"MAP"});
+  fails("a.tif", 2, {"--output"});
+  fails("--changes a.tif --output out", 2, {"--changes", "two maps"});
+  fails("--changes a.tif b.tif c.tif --output out", 2, {"there are 3"});
+  fails("a.tif --output '' ", 2, {"--output", "empty"});
+  fails("a.tif --output b.tif --step nan", 2, {"--step"});
+}
