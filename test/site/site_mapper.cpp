@@ -196,6 +196,44 @@ TEST(SiteMapper, keeps_every_cell_of_a_straight_drive)
   EXPECT_EQ(kept.mapper.floor(), 0);
 }
 
+TEST(SiteMapper, keeps_the_judgement_of_when_all_around_a_cell_was_in_the_window)
+{
+  // Kerbs across the way: at the edge of the window half of one is out of sight.
+  const auto frames = drive(
+      "ground: [plane: {}, step: {at_m: [4, 0], height_m: 0.22}, step: {at_m: [7, 0], height_m: "
+      "-0.22}]\n"
+      "objects: [posts: {from_m: [0, 2], to_m: [12, 2.5], count: 12, height_m: 0.8, radius_m: "
+      "0.1}]\n"
+      "robot: {path_m: [[0, 0], [16, 0]], speed_mps: 2}\n");
+  constexpr int kEdge = 3;
+  KeptDrive kept;
+  std::map<std::pair<std::int64_t, std::int64_t>, float> judged;
+  kept.add(
+      frames,
+      [&](std::size_t)
+      {
+        const Window w = kept.map.window();
+        const auto& layer = kept.map.layer(Layer::Traversability);
+        for (int y = kEdge; y < w.cells - kEdge; ++y)
+          for (int x = kEdge; x < w.cells - kEdge; ++x)
+            judged[{w.min_cell_x + x, w.min_cell_y + y}] =
+                layer[static_cast<std::size_t>(y * w.cells + x)];
+      });
+  int compared = 0, blocked = 0, other = 0;
+  for (const auto& [at, before] : judged)
+  {
+    if (at.first >= kept.map.window().min_cell_x) continue;
+    const SiteCell c = kept.at(at.first, at.second);
+    if (!is_measured(c)) continue;
+    ++compared;
+    blocked += before == 0;
+    other += (c.cell.traversability == 0) != (before == 0);
+  }
+  EXPECT_GT(compared, 10000);
+  EXPECT_GT(blocked, 300);
+  EXPECT_LT(other, blocked / 20) << "of " << blocked;
+}
+
 TEST(SiteMapper, writes_down_the_way_about_every_metre)
 {
   const auto frames = drive(kStraight);

@@ -29,6 +29,12 @@ constexpr int kFramesCalm = 3;
 constexpr double kCalm_m = 0.1, kDrives_m = 0.3;
 constexpr double kWayPoint_m = 1;
 
+/** How far around it a cell's traversability is judged by. */
+int neighbourhood_cells(const Parameters& p)
+{
+  return static_cast<int>(std::lround(p.feature_radius_m / p.resolution_m)) + 1;
+}
+
 /** The gaps of a line take what is nearest. */
 void fill_gaps(std::vector<float>& line)
 {
@@ -94,8 +100,8 @@ void SiteMapper::begin(const Place& base)
   state_.choice = site_.tiles.keys().empty() ? Choice::None : Choice::Appeared;
 }
 
-/** What leaves with the next frame; all of it before a frame that may put what it sees of another
- * floor on this one. */
+/** What leaves with the next frame; all of the window before a frame that may put what it sees of
+ * another floor on this one. */
 void SiteMapper::keep_before(const ElevationMapper& map, const Window& after, const Place& base)
 {
   if (state_.choice != Choice::None) return;
@@ -110,14 +116,33 @@ void SiteMapper::keep_before(const ElevationMapper& map, const Window& after, co
   }
   else if (!same_place(now, after))
   {
-    const Strip x = Strip::beside_x(now, after), y = Strip::beside_y(now, after);
-    read(map, {x.cells, y.cells});
-    keep(x.cells, 0);
-    keep(y.cells, x.cells.size());
+    const int edge = neighbourhood_cells(map.parameters());
+    keep_leaving(
+        map, Leaving(Strip::beside_x(now, after), now, edge),
+        Leaving(Strip::beside_y(now, after), now, edge));
   }
   if (!appears) return;
   state_.choice = Choice::Appeared;
   state_.frames_calm = kFramesCalm;
+}
+
+/** What comes to the edge is kept while all that it is judged by is in the window, and chooses the
+ * floor: at the edge it would agree with itself. */
+void SiteMapper::keep_leaving(const ElevationMapper& map, const Leaving& x, const Leaving& y)
+{
+  read(map, {x.coming, y.coming, x.edge, y.edge});
+  const int before = state_.floor;
+  std::size_t first = 0;
+  for (const CellRect& coming : {x.coming, y.coming})
+  {
+    keep(coming, first);
+    first += coming.size();
+  }
+  for (const CellRect& edge : {x.edge, y.edge})
+  {
+    if (state_.floor == before) store(edge, first);
+    first += edge.size();
+  }
 }
 
 void SiteMapper::keep_window(const ElevationMapper& map)
@@ -168,11 +193,24 @@ void SiteMapper::store(const CellRect& cells, std::size_t first)
           SiteCell& kept = tile.cells[at];
           if (!is_known(now[i])) return;
           if (is_measured(kept.cell) && contradict(kept.cell.ground_m, now[i].ground_m)) return;
+          const float judged_whole = kept.cell.traversability;
+          const bool keeps_judgement = is_known(kept.cell) && is_unchanged(kept.cell, now[i]) &&
+                                       is_at_edge_of_window(cells, i);
           kept.cell = now[i];
+          if (keeps_judgement) kept.cell.traversability = judged_whole;
           kept.seen_s = seen_s;
         });
   };
   for_each_tile(cells, state_.floor, put);
+}
+
+/** Where a cell is judged by the part of its neighbourhood that is left. */
+bool SiteMapper::is_at_edge_of_window(const CellRect& cells, std::size_t i) const
+{
+  const auto width = static_cast<std::size_t>(cells.width_cells);
+  return is_at_edge(
+      window_, cells.min_cell_x + static_cast<std::int64_t>(i % width),
+      cells.min_cell_y + static_cast<std::int64_t>(i / width), margin_cells_);
 }
 
 /** Whether anything was kept near some cells, on any floor. */
@@ -271,6 +309,8 @@ bool SiteMapper::choose_floor(const ElevationMapper& map)
 void SiteMapper::read(const ElevationMapper& map, std::initializer_list<CellRect> rects)
 {
   rects_ = rects;
+  window_ = map.window();
+  margin_cells_ = neighbourhood_cells(map.parameters());
   map.read_cells(rects_, records_);
   references_.resize(records_.size());
   for (std::size_t i = 0; i < records_.size(); ++i)

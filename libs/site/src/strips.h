@@ -53,6 +53,39 @@ struct Strip
   }
 };
 
+/** What is kept of a window when it moves: the cells at its edge, some of which leave, and as many
+ * next to them as leave, which come to the edge. */
+struct Leaving
+{
+  CellRect coming, edge;
+
+  Leaving(const Strip& strip, const Window& window, int edge_cells)
+      : coming(strip.cells), edge(strip.cells)
+  {
+    const bool upright = strip.is_upright;
+    const int leave = upright ? coming.width_cells : coming.height_cells;
+    const int width = leave > 0 ? std::min(edge_cells, window.cells - leave) : 0;
+    (upright ? edge.width_cells : edge.height_cells) = width;
+    const auto first = [upright](CellRect& r) -> std::int64_t&
+    { return upright ? r.min_cell_x : r.min_cell_y; };
+    CellRect beside = strip.beside;
+    if (first(beside) < first(edge))
+    {
+      first(edge) += leave - width;
+      first(coming) -= width;
+    }
+    else
+      first(coming) += width;
+  }
+};
+
+/** Whether a cell of the window is fewer than so many from its edge. */
+inline bool is_at_edge(const Window& w, std::int64_t cell_x, std::int64_t cell_y, int fewer_than)
+{
+  const std::int64_t x = cell_x - w.min_cell_x, y = cell_y - w.min_cell_y;
+  return std::min({x, y, w.cells - 1 - x, w.cells - 1 - y}) < fewer_than;
+}
+
 /** The part of a rectangle in one tile; x and y count from the rectangle. */
 struct TilePart
 {

@@ -6,13 +6,19 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <new>
 #include <stdexcept>
 #include <system_error>
 #include <type_traits>
 #include <utility>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 namespace fs = std::filesystem;
 
@@ -94,6 +100,43 @@ class TileCodec
   std::unique_ptr<ZSTD_CCtx, CompressorEnd> compressor_;
   std::vector<char> bytes_;
 };
+
+/** Memory of tiles, in large pages where there are such: a drive comes to a new tile every few
+ * metres, and small pages would cost more than to fill it. */
+class TileMemory
+{
+ public:
+  Tile* take()
+  {
+    if (free_.empty()) add_block();
+    Tile* const tile = free_.back();
+    free_.pop_back();
+    return tile;
+  }
+  void give_back(Tile* tile) { free_.push_back(tile); }
+
+ private:
+  static constexpr std::size_t kTiles = 4, kBlock = kTiles * sizeof(Tile);
+  struct BlockEnd
+  {
+    void operator()(void* block) const { std::free(block); }
+  };
+  void add_block()
+  {
+    blocks_.emplace_back(std::aligned_alloc(kBlock, kBlock));
+    if (!blocks_.back()) throw std::bad_alloc();
+#if defined(MADV_HUGEPAGE)
+    madvise(blocks_.back().get(), kBlock, MADV_HUGEPAGE);
+#endif
+    free_.reserve(kTiles * blocks_.size());
+    for (std::size_t i = 0; i < kTiles; ++i)
+      free_.push_back(static_cast<Tile*>(blocks_.back().get()) + i);
+  }
+
+  std::vector<std::unique_ptr<void, BlockEnd>> blocks_;
+  std::vector<Tile*> free_;
+};
+static_assert(std::is_trivially_destructible_v<Tile>);
 }  // namespace
 
 struct TileStore::Impl
@@ -101,7 +144,7 @@ struct TileStore::Impl
   /** Of a tile; those in memory stand in a list, the one that was asked for last in front. */
   struct Entry
   {
-    std::unique_ptr<Tile> tile;  //!< null: on disk
+    Tile* tile = nullptr;  //!< null: on disk
     bool is_on_disk = false;  //!< as it is in memory, if it is there
     Entry *newer = nullptr, *older = nullptr;
     const TileKey* key = nullptr;
@@ -120,30 +163,35 @@ struct TileStore::Impl
       unlink(entry);
     else
     {
-      std::unique_ptr<Tile> memory = room();
-      const bool is_new = !memory;
-      if (is_new) memory = std::make_unique<Tile>();
-      if (entry.is_on_disk)
-        codec().read(path_of(key), *memory);
-      else if (!is_new)
-        memory->cells.fill(SiteCell{});
-      entry.tile = std::move(memory);
+      Tile* const tile = in_memory < most_in_memory ? memory.take() : put_oldest_on_disk();
+      try
+      {
+        if (entry.is_on_disk)
+          codec().read(path_of(key), *tile);
+        else
+          new (tile) Tile;
+      }
+      catch (...)
+      {
+        memory.give_back(tile);
+        throw;
+      }
+      entry.tile = tile;
       ++in_memory;
     }
     link(entry);
     return *entry.tile;
   }
 
-  /** Memory of the tile that was not asked for longest, where the budget is used up, else null. */
-  std::unique_ptr<Tile> room()
+  /** Of what is in memory; that of its tile is free then. */
+  Tile* put_oldest_on_disk()
   {
-    if (in_memory < most_in_memory) return nullptr;
     Entry& last = *oldest;
     if (!last.is_on_disk) codec().write(path_of(*last.key), *last.tile);
     last.is_on_disk = true;
     unlink(last);
     --in_memory;
-    return std::move(last.tile);
+    return std::exchange(last.tile, nullptr);
   }
 
   void link(Entry& entry)
@@ -188,6 +236,7 @@ struct TileStore::Impl
 
   std::size_t most_in_memory, in_memory = 0;
   std::string folder;
+  TileMemory memory;
   std::unique_ptr<io::HiddenFolder> hidden;
   std::map<TileKey, Entry> entries;
   Entry *newest = nullptr, *oldest = nullptr;

@@ -11,6 +11,7 @@
 
 namespace talus::site
 {
+struct Leaving;
 struct Strip;
 
 /** Keeps in a site what leaves the window of a map, and gives back what comes again. One drive.
@@ -75,6 +76,7 @@ class SiteMapper
   FrameReport update_kept(ElevationMapper& map, const Frame& frame);
   void begin(const Place& base);
   void keep_before(const ElevationMapper& map, const Window& after, const Place& base);
+  void keep_leaving(const ElevationMapper& map, const Leaving& x, const Leaving& y);
   void restore_entered(ElevationMapper& map, const Window& before, const Window& after);
   bool was_here(const CellRect& cells) const;
   void wait_for_floor(ElevationMapper& map);
@@ -86,6 +88,7 @@ class SiteMapper
   // Of what read() has read last: `cells` is one of its rectangles, its first record `first`.
   void read(const ElevationMapper& map, std::initializer_list<CellRect> rects);
   void keep(const CellRect& cells, std::size_t first);
+  bool is_at_edge_of_window(const CellRect& cells, std::size_t i) const;
   void store(const CellRect& cells, std::size_t first);
   void refer_to_beside(const Strip& strip, std::size_t first, std::size_t first_beside);
   Votes votes(int floor, const CellRect& cells, std::size_t first);
@@ -100,6 +103,8 @@ class SiteMapper
 
   // Kept so that nothing is allocated.
   std::vector<CellRect> rects_;
+  Window window_;  //!< in which they are
+  int margin_cells_ = 0;
   std::vector<CellRecord> records_;
   std::vector<Reference> references_;
   std::vector<float> beside_m_;
