@@ -1,5 +1,6 @@
 #pragma once
-#include "kernels/1_buried_rays.h"
+#include "kernels/2_points.h"
+#include "kernels/cell.h"
 #include "kernels/atomics.h"
 
 namespace talus::kernels
@@ -18,24 +19,26 @@ struct OffsetHistogram
   std::uint32_t far;  //!< hits beyond the bins
 };
 
-/** Puts the hits of some directions into the histogram, where the sensor looks down on bare ground
- * that was measured. Before buried rays are removed. */
+/** Puts a point into the histogram, if it is one of those that are looked at and the sensor looks
+ * down there on bare ground that was measured. After stage 3; whatever is buried is far below. */
 template <class Atomics>
-struct CountOffsets
+struct CountOffset
 {
-  FindGroundHits ground;
+  const Config* config;
+  CellStore store;
+  const Datum* datum;
+  PointsOut points;
   OffsetHistogram* histogram;
 
-  /** Whether this direction is one of them. */
-  TALUS_HD bool counts(int bin) const { return bin % kOffsetEvery_bins == 0; }
-  /** A hit in a ring of such a direction, and what the cell there holds. */
-  TALUS_HD void operator()(
-      int ring, std::int32_t hit, int state, float ground_m, float elevation_m) const
+  TALUS_HD void operator()(int point_i) const
   {
-    const bool bare = (state == kMeasured) &
-                      !(elevation_m - ground_m > kBare_steps * ground.config->step_threshold_m);
-    if (hit != kNoRay && float_from_ordered(hit) < 0.0f && bare)
-      add(ground.height_m(ring, hit) - ground_m);
+    const int ray = points.ray[point_i], storage_i = points.cell[point_i];
+    if (ray < 0 || storage_i < 0 || ray % kOffsetOneIn != 0 || !(points.slope[point_i] < 0.0f))
+      return;
+    const float ground_m = store.ground_m[storage_i], top_m = store.elevation_m[storage_i];
+    const bool bare = (store.state[storage_i] == kMeasured) &
+                      !(top_m - ground_m > kBare_steps * config->step_threshold_m);
+    if (bare) add(points.height_m[point_i] - datum->offset_m - ground_m);
   }
 
  private:

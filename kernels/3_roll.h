@@ -18,15 +18,10 @@ struct RollCell
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
     top_hit_m[storage_i] = -kInfinity;
-    if (frame->starts_scan != 0) start_scan(store.footing[storage_i]);
     return entered_window(*frame, config->cells, ix, iy) | (datum->starts_anew != 0);
   }
   TALUS_HD void operator()(int, int, int storage_i) const { store.store(storage_i, Cell{}); }
 
-  static TALUS_HD void start_scan(std::uint8_t& footing)
-  {
-    footing = static_cast<std::uint8_t>(footing & ~kSeenInScan);
-  }
   TALUS_HD void operator()(int ix, int iy) const
   {
     const int storage_i = storage_index(*frame, config->cells, ix, iy);

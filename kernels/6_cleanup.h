@@ -57,6 +57,25 @@ TALUS_HD bool fade_trace(Cell& c)
   return any;
 }
 
+/** Before stage 6 of a frame that begins a scan: no cell has been seen in it yet. Of four cells at
+ * once, which have a byte each; of the last ones there may be fewer. */
+struct StartScan
+{
+  std::uint8_t* footing;
+  int cells;
+
+  TALUS_HD int size() const { return (cells + 3) / 4; }
+  TALUS_HD void operator()(int four) const
+  {
+    const int left = cells - 4 * four;
+    std::uint8_t* const at = footing + 4 * four;
+    if (left < 4)
+      for (int i = 0; i < left; i++) at[i] &= static_cast<std::uint8_t>(~kSeenInScan);
+    else
+      *reinterpret_cast<std::uint32_t*>(at) &= ~(0x01010101u * kSeenInScan);
+  }
+};
+
 TALUS_HD bool was_seen_in_scan(const Cell& c) { return (c.footing & kSeenInScan) != 0; }
 /** Whether this scan has counted for the cell already, and then a hit: frames that are parts of one
  * scan do not count each, and where the thing is hit in one of them, rays that pass it in the

@@ -15,8 +15,8 @@ constexpr float kBuried_m = 0.2f;
 
 // ---- Stage 3: poses that are corrected, and other floors, see 3_follow.h ----
 
-/** Hits of the ground in each so many directions are looked at: some hundred of them are enough. */
-constexpr int kOffsetEvery_bins = 16;
+/** One place in so many of the table of rays is looked at: some hundred hits are enough. */
+constexpr int kOffsetOneIn = 16;
 /** Of fewer hits nothing is said. */
 constexpr int kFewestGroundHits = 24;
 /** Ground is bare if nothing stands on it that is higher [steps]. */

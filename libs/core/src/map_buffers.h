@@ -82,7 +82,10 @@ struct MapBuffers
   {
     return {config.data(), context.data(), store(), datum.data()};
   }
-  kernels::CountOffsets<Atomics> count_offsets() { return {ground_hits(), offsets.data()}; }
+  kernels::CountOffset<Atomics> count_offset()
+  {
+    return {config.data(), store(), datum.data(), points_out(), offsets.data()};
+  }
   kernels::FollowPoses follow()
   {
     return {context.data(), offsets.data(), datum.data(), counters.data() + kernels::kLeavesFloor};
@@ -123,6 +126,7 @@ struct MapBuffers
     return {config.data(), context.data(),      store(), coarse_grid(), top_hit.data(),
             ray_reach(),   surface_class.data()};
   }
+  kernels::StartScan start_scan() { return {footing.data(), cells()}; }
   kernels::CleanUpCell clean_up()
   {
     return {side(),         config.data(),       store(), passing(), ray_reach(),

@@ -20,7 +20,11 @@ constexpr int kMaxThreads = 1024;
 
 /** Keys of the two sections that are not parameters of the pipeline; read elsewhere. */
 const std::vector<std::string> kOtherKeys{
-    "backend", "threads", "enableSaveAs3DObject", "enableObservationLikelihood",
+    "backend",
+    "threads",
+    "keep_whole",
+    "enableSaveAs3DObject",
+    "enableObservationLikelihood",
     "enableObservationInsertion"};
 
 bool contains_name(const std::vector<std::string>& names, const std::string& name)

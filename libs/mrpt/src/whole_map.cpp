@@ -15,7 +15,7 @@ namespace talus
 namespace
 {
 constexpr std::size_t kMemory_bytes = 512U << 20;
-constexpr int kMostCells = 8192;  // along a side of what is shown and asked at once
+constexpr int kMostCells = 4096;  // along a side of what is shown and asked at once
 constexpr std::size_t kMostTileBytes = 1U << 20;
 constexpr const char* kWhole = "the whole map";
 

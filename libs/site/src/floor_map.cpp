@@ -78,6 +78,7 @@ MapSnapshot floor_map(
   };
   map.window = {side, site.resolution_m, first(known.x, x_m), first(known.y, y_m)};
   const CellRect all = rect_of(map.window);
+  map.layers[static_cast<std::size_t>(Layer::Sparsity)].assign(all.size(), NAN);
   for (const Layer l : kLayers)
     map.layers[static_cast<std::size_t>(l)].assign(all.size(), l == Layer::State ? 0.0f : NAN);
   for_each_tile(

@@ -81,11 +81,11 @@ class CpuSchedule
   /** And how far the map has to follow the poses. */
   void find_buried()
   {
+    executor_.one_by_one(map_.count_offset(), points());
     executor_.for_each_stretch(
         kernels::bin_count(map_.host_config),
-        kernels::SweepRays<Atomics>{
-            map_.ground_hits(), map_.count_offsets(), map_.rays.data(), map_.lowest_slope.data(),
-            doubted_.data()});
+        kernels::SweepRays{
+            map_.ground_hits(), map_.rays.data(), map_.lowest_slope.data(), doubted_.data()});
     map_.follow()(kernels::SerialGroup{});
   }
 
@@ -149,6 +149,8 @@ class CpuSchedule
     const kernels::StandOnCell<Atomics> stand = map_.stand_on();
     const kernels::ClassifyCell choose = map_.classify_cell();
     const kernels::CleanUpCell clean = map_.clean_up();
+    const kernels::StartScan start = map_.start_scan();
+    if (map_.context.data()->starts_scan) executor_.one_by_one(start, start.size());
     const kernels::TakeSample take{map_.config.data(), map_.store(),     map_.surface_class.data(),
                                    map_.passing(),     map_.line_grid(), map_.samples()};
     for_each_row(

@@ -1,16 +1,14 @@
 #pragma once
-#include "kernels/3_follow.h"
+#include "kernels/1_buried_rays.h"
 
 namespace talus::kernels
 {
 /** Removes the buried rays of some directions ring by ring, and replaces each lowest hit by the
  * lowest ray that went at least that far, as SettleRays does on a device. No limits are looked for
  * in directions in which no ray could be buried, wherever known ground is. */
-template <class Atomics>
 struct SweepRays
 {
   FindGroundHits ground;
-  CountOffsets<Atomics> offsets;
   std::int32_t* rays;
   float* lowest_slope;  //!< as SettleRays leaves it; -infinity in directions without doubt
   std::uint8_t* doubted;  //!< by direction; the last frame's before
@@ -23,7 +21,6 @@ struct SweepRays
     const Datum datum = *ground.datum;
     SweepRays here = *this;
     here.ground.config = &config, here.ground.frame = &frame, here.ground.datum = &datum;
-    here.offsets.ground = here.ground;
     for (int bin = first_bin; bin < last_bin; bin += kBlock)
       here.sweep(bin, min_of(kBlock, last_bin - bin));
   }
@@ -43,7 +40,6 @@ struct SweepRays
 
   void sweep(int first_bin, int bins) const
   {
-    count_offsets(first_bin, bins);
     forget(first_bin, bins);
     if (find_doubted(first_bin, bins)) bury(first_bin, bins);
     for (int ring = rings() - 2; ring >= 0; ring--)
@@ -52,28 +48,6 @@ struct SweepRays
       const std::int32_t* const next = rays + place(ring + 1, first_bin);
       for (int b = 0; b < bins; b++) row[b] = min_of(row[b], next[b]);
     }
-  }
-  /** Ring by ring, as the table lies in memory. */
-  void count_offsets(int first_bin, int bins) const
-  {
-    int bin[kBlock];
-    BinDirection direction[kBlock];
-    int counted = 0;
-    for (int b = first_bin; b < first_bin + bins; b++)
-      if (offsets.counts(b))
-      {
-        direction[counted] = direction_of_bin(b, bins_per_side(*ground.config));
-        bin[counted++] = b;
-      }
-    for (int ring = 0; ring < rings(); ring++)
-      for (int c = 0; c < counted; c++)
-      {
-        const std::int32_t hit = rays[place(ring, bin[c])];
-        const int i = hit != kNoRay ? ground.cell_at(direction[c], ring) : -1;
-        if (i < 0) continue;
-        const CellStore& s = ground.store;
-        offsets(ring, hit, s.state[i], s.ground_m[i], s.elevation_m[i]);
-      }
   }
   void bury(int first_bin, int bins) const
   {

@@ -370,7 +370,7 @@ __device__ inline bool is_last_of(int blocks, unsigned* blocks_done)
   return last;
 }
 
-/** First the directions, since theirs is the longer work; when they are done, finally(group). */
+/** First the directions, since theirs is the longer work; when all is done, finally(group). */
 template <class F, class G, class H>
 __global__ void __launch_bounds__(kThreads) over_directions_and_range(
     int directions, int rings, F f, int n, G g, H finally, unsigned* blocks_done,
@@ -385,7 +385,7 @@ __global__ void __launch_bounds__(kThreads) over_directions_and_range(
     over_directions(block, directions, rings, f);
   else if (i < n)
     g(i);
-  if (block < first && is_last_of(first, blocks_done) && threadIdx.x < 32)
+  if (is_last_of(static_cast<int>(gridDim.x), blocks_done) && threadIdx.x < 32)
     finally(kernels::WarpGroup{true});
   note_time(done_ns);
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include "kernels/2_points.h"
+#include "kernels/3_follow.h"
 #include "kernels/3_roll.h"
 #include "kernels/4_update.h"
 
@@ -42,17 +43,21 @@ struct RollCellAndReach
   }
 };
 
-/** Reserves a stretch for the cell of a point, if it is the first there. */
+/** Reserves a stretch for the cell of a point, if it is the first there; and counts how far the
+ * point lies above the map. */
 template <class Atomics>
 struct ReserveStretch
 {
   const FrameContext* frame;
+  CountOffset<Atomics> count_offset;
   PointsOut points;
   Sorting sorting;
 
   TALUS_HD void operator()(int point_i) const
   {
-    if (point_i >= frame->n_points || points.cell[point_i] < 0 || points.rank[point_i] != 0) return;
+    if (point_i >= frame->n_points || points.cell[point_i] < 0) return;
+    count_offset(point_i);
+    if (points.rank[point_i] != 0) return;
     const int cell = points.cell[point_i];
     const std::uint64_t count = sorting.cell_count[cell];
     const bool crowded = count > sorting.crowd;

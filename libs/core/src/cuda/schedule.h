@@ -81,10 +81,10 @@ class DeviceSchedule
   {
     executor_.for_each_direction_beside(
         kernels::bin_count(map_.host_config), kernels::ring_count(map_.host_config),
-        kernels::SettleRays<Atomics>{
-            map_.ground_hits(), map_.count_offsets(), map_.rays.data(), map_.lowest_slope.data()},
+        kernels::SettleRays{map_.ground_hits(), map_.rays.data(), map_.lowest_slope.data()},
         points(),
-        kernels::ReserveStretch<Atomics>{map_.context.data(), map_.points_out(), sorting()},
+        kernels::ReserveStretch<Atomics>{
+            map_.context.data(), map_.count_offset(), map_.points_out(), sorting()},
         map_.follow());
   }
 
@@ -178,6 +178,8 @@ class DeviceSchedule
   kernels::ResetFrame reset_frame()
   {
     return {
+        map_.context.data(),
+        map_.start_scan(),
         map_.rays.data(),
         static_cast<int>(map_.rays.size()),
         map_.cell_count.data(),

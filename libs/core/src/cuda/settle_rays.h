@@ -1,18 +1,16 @@
 #pragma once
-#include "kernels/3_follow.h"
+#include "kernels/1_buried_rays.h"
 
 namespace talus::kernels
 {
 /** The rays of one direction, for executors that cut it into stretches: removes the buried ones,
  * then replaces each ring's lowest hit by the lowest ray that went at least that far. Each step
  * takes a stretch and what the stretches before it, or behind it, have seen. */
-template <class Atomics>
 struct SettleRays
 {
   using Before = BuriedBelow;
   using Behind = LowestHit;
   FindGroundHits ground;
-  CountOffsets<Atomics> offsets;
   std::int32_t* rays;
   float* lowest_slope;  //!< of a ray that is not buried, where there is a hit; same layout as rays
 
@@ -24,7 +22,6 @@ struct SettleRays
       std::int32_t hits[kBatch];
       load(bin, ring, end, hits);
       const Cells cells = cells_at(bin, ring, hits);
-      if (offsets.counts(bin)) count_offsets(ring, hits, cells);
       for (int b = 0; b < kBatch; b++)
       {
         const float limit = ground.limit(ring + b, hits[b], cells.state[b], cells.ground_m[b]);
@@ -78,7 +75,7 @@ struct SettleRays
   /** Those under hits; unknown where there is no hit, or no cell. */
   struct Cells
   {
-    int storage_i[kBatch], state[kBatch];
+    int state[kBatch];
     float ground_m[kBatch];
   };
   TALUS_HD Cells cells_at(int bin, int ring, const std::int32_t* hits) const
@@ -88,22 +85,10 @@ struct SettleRays
     for (int b = 0; b < kBatch; b++)
     {
       const int i = hits[b] != kNoRay ? ground.cell_at(d, ring + b) : -1;
-      c.storage_i[b] = i;
       c.state[b] = i >= 0 ? static_cast<int>(ground.store.state[i]) : static_cast<int>(kUnknown);
       c.ground_m[b] = i >= 0 ? ground.store.ground_m[i] : 0.0f;
     }
     return c;
-  }
-  TALUS_HD void count_offsets(int ring, const std::int32_t* hits, const Cells& c) const
-  {
-    float elevation_m[kBatch];
-    for (int b = 0; b < kBatch; b++)
-    {
-      const int i = c.storage_i[b];
-      elevation_m[b] = i >= 0 ? ground.store.elevation_m[i] : kNan;
-    }
-    for (int b = 0; b < kBatch; b++)
-      offsets(ring + b, hits[b], c.state[b], c.ground_m[b], elevation_m[b]);
   }
   TALUS_HD void load(int bin, int ring, int end, std::int32_t* hits) const
   {

@@ -35,7 +35,7 @@ class WholeMap;
  *
  * With `keep_whole` it keeps what leaves its window, gives it back where the robot returns, and all
  * queries are about the whole floor on which the robot is, however far away (of a floor that is
- * wider than 8192 cells, about so many around the robot); see doc/site.md.
+ * wider than 4096 cells, about so many around the robot); see doc/site.md.
  *
  * Inside a CMultiMetricMap its name is `terrain`: `terrain_count = 1`, sections
  * `[<name>_terrain_00_creationOpts]` (resolution, window, backend, threads, keep_whole),
