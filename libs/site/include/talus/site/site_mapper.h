@@ -20,7 +20,8 @@ struct Strip;
  * chooses the floor that agrees with it, else a new one. On ramps what leaves the window chooses:
  * where more of it contradicts what is kept of the floor than agrees, the robot is on another one;
  * and what comes back is restored only where it goes on the ground beside it. Heights contradict
- * if they are a floor apart; then what was measured before stays. */
+ * if they are a floor apart; then what was measured before stays. What
+ * has drifted away from the ground of now is not restored. */
 class SiteMapper
 {
  public:
