@@ -267,7 +267,7 @@ TEST_F(TalusMapBadInput, results_of_an_earlier_run_survive_one_that_fails)
   const std::size_t before = entries();
   const Outcome full = run("--static a.rawlog --output out", "ulimit -f 4;");
   EXPECT_EQ(full.code, 1);
-  EXPECT_TRUE(full.says("out/map.")) << full.err;
+  EXPECT_TRUE(full.says("out/")) << full.err;
   write_bytes(path("a.rawlog"), "nonsense");
   EXPECT_EQ(run("--static a.rawlog --output out").code, 1);
   EXPECT_TRUE(read_bytes(path("out/map.tif")) == map);
