@@ -26,7 +26,7 @@ struct FindGroundHits
     const int ix = floor_to_int((frame->sensor_x_m + d.x * chebyshev_m) * scale);
     const int iy = floor_to_int((frame->sensor_y_m + d.y * chebyshev_m) * scale);
     const bool inside =
-        (ring > 0) & (ring < ring_count(*config) - 1) & (ix >= 0) & (iy >= 0) & (ix < n) & (iy < n);
+        (ring > 0) & (ring < frame->rings - 1) & (ix >= 0) & (iy >= 0) & (ix < n) & (iy < n);
     const bool known = inside & !entered_window(*frame, n, ix, iy);
     return select(known, storage_index(*frame, n, ix, iy), -1);
   }

@@ -190,7 +190,7 @@ struct AcceptPoint
     const float chebyshev_m = chebyshev(dx, dy);
     const float ring = chebyshev_m * config->inverse_resolution;
     const bool aims = ring >= 1.0f;  // else straight above or below: no direction
-    const int last_ring = ring_count(*config) - 1;
+    const int last_ring = frame->rings - 1;
     const float farthest = static_cast<float>(last_ring);
     const int row = floor_to_int(select(ring > farthest, farthest, ring));
     const int bins = bin_count(*config);

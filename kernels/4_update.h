@@ -395,7 +395,7 @@ struct SortPoint
     const bool aims = (points.ray[point_i] >= 0) & (points.cell[point_i] >= 0);
     const int at = select(aims, points.ray[point_i], 0), bins = bin_count(*config);
     const int ring = floor_div(at, bins, 1.0f / static_cast<float>(bins)), bin = at - ring * bins;
-    const int behind = min_of(ring + rings_behind(), ring_count(*config) - 1);
+    const int behind = min_of(ring + rings_behind(), frame->rings - 1);
     const std::int32_t lowest = rays[behind * bins + wrap_bin(bin + beside, bins)];
     const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
     const float limit = points.slope[point_i] - config->cleanup_margin_m / chebyshev_m;

@@ -33,6 +33,8 @@ struct FrameContext
   int is_part, starts_scan;
   /** The cell of the window where the sensor is; beyond the window perhaps. */
   int sensor_cell_x, sensor_cell_y;
+  /** Rings of the table of rays that this frame uses, up to the farthest corner of the window. */
+  int rings;
   /** From the sensor frame to that of the base, row-major 3x4 [m]; the identity where the base is
    * not known. */
   float T_base_sensor[12];

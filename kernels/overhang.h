@@ -43,7 +43,7 @@ TALUS_HD RayFootprint footprint_of(const Config& k, const FrameContext& f, int i
   const float ring = g.chebyshev_m * k.inverse_resolution;
   const bool under_sensor = ring < kUnderSensor_rings;
   const int bins = bin_count(k), per_side = bins_per_side(k);
-  const int behind = floor_to_int(ring) + kBehindCell_rings, last_ring = ring_count(k) - 1;
+  const int behind = floor_to_int(ring) + kBehindCell_rings, last_ring = f.rings - 1;
   const bool none = under_sensor | (behind > last_ring);
   g.row = min_of(behind, last_ring) * bins;
   const float half_span = kFootprintHalfSpan * static_cast<float>(per_side) /

@@ -14,9 +14,9 @@ namespace talus::kernels
  */
 TALUS_HD int bins_per_side(const Config& k) { return k.cells; }
 TALUS_HD int bin_count(const Config& k) { return 4 * bins_per_side(k); }
-/** Rings of the table: those of a sensor that is up to a sixteenth of the window away from its
- * middle. The last one holds all that was hit beyond. */
-TALUS_HD int ring_count(const Config& k) { return k.cells / 2 + k.cells / 16 + 3; }
+/** Room for rings in the table: for a sensor that is up to a sixteenth of the window away from its
+ * middle. FrameContext has how many a frame uses; the last one holds all that was hit beyond. */
+TALUS_HD int most_rings(int cells) { return cells / 2 + cells / 16 + 3; }
 
 /** Direction of (dx, dy) != 0 along the border of the square, counter-clockwise, in bins: [0,
  * bin_count]. */

@@ -335,7 +335,7 @@ void MapBuffers<Executor>::allocate(Executor& executor)
   const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
   executor.allocate(judged_surfaces, padded, kernels::Surface{kernels::kNoHeight, 0});
   const auto bins = static_cast<std::size_t>(kernels::bin_count(host_config));
-  const std::size_t table = bins * static_cast<std::size_t>(kernels::ring_count(host_config));
+  const std::size_t table = bins * static_cast<std::size_t>(kernels::most_rings(side()));
   executor.allocate(rays, table, kernels::kNoRay);
   executor.allocate(reach, bins * kernels::kSlopeSteps, std::int32_t{0});
   executor.allocate(lowest_slope, table, -kernels::kInfinity);

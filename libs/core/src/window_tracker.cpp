@@ -1,4 +1,5 @@
 #include "window_tracker.h"
+#include "kernels/rays.h"
 #include <talus/number_text.h>
 
 #include <Eigen/Geometry>
@@ -54,6 +55,13 @@ Pose interpolate(const TimedPose& a, const TimedPose& b, double time_s)
   Pose p;
   Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(p.m.data()) = T.matrix().topRows<3>();
   return p;
+}
+
+/** From a cell to the farthest of a window of n x n, and one for all that is beyond. */
+int rings_around(int x, int y, int n)
+{
+  const int farthest = std::max({x, n - 1 - x, y, n - 1 - y});
+  return std::min(farthest + 2, kernels::most_rings(n));
 }
 
 /** The path of the sensor at equal steps of time. */
@@ -248,6 +256,7 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   f.sensor_z_map_m = f.sensor_z_m = f.poses[0].m[11];
   f.sensor_cell_x = static_cast<int>(cell_of(frame.T_map_sensor.x(), p.resolution_m) - x);
   f.sensor_cell_y = static_cast<int>(cell_of(frame.T_map_sensor.y(), p.resolution_m) - y);
+  f.rings = rings_around(f.sensor_cell_x, f.sensor_cell_y, n);
   locate_base(frame, T_map_base, min_x_m, min_y_m, f);
   const bool moves = frame.path.size() >= 2 && frame.path.back().time_s > frame.path.front().time_s;
   f.has_times = frame.time_s && moves;

@@ -35,7 +35,7 @@ struct SweepRays
     float x[kBlock], y[kBlock];
   };
 
-  int rings() const { return ring_count(*ground.config); }
+  int rings() const { return ground.frame->rings; }
   int place(int ring, int bin) const { return ring * bin_count(*ground.config) + bin; }
 
   void sweep(int first_bin, int bins) const

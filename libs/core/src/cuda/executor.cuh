@@ -190,13 +190,12 @@ class CudaExecutor
   /** The steps of kernels::SettleRays; beside them g(i) for i in [0, n); after all of them
    * finally(group), once. */
   template <class F, class G, class H>
-  void for_each_direction_beside(
-      int directions, int rings, const F& f, int n, const G& g, const H& finally)
+  void for_each_direction_beside(int directions, const F& f, int n, const G& g, const H& finally)
   {
     launch(
         loops::over_directions_and_range<F, G, H>,
         dim3(blocks(directions, loops::kDirections) + blocks(n, loops::kThreads)),
-        dim3(loops::kThreads), 0, directions, rings, f, n, g, finally, blocks_done_.data());
+        dim3(loops::kThreads), 0, directions, f, n, g, finally, blocks_done_.data());
   }
   /** Bit b of line l is f(l)(b). Layout [word][line]. Beside them g(group), once. */
   template <class F, class G>

@@ -333,7 +333,7 @@ __device__ T sum_before_stretch(const T& own, T (*shared)[kStretches + 1], int a
 
 /** The three steps of f on a block's directions, see kernels::SettleRays. */
 template <class F>
-__device__ void over_directions(int block, int directions, int rings, const F& f)
+__device__ void over_directions(int block, int directions, const F& f)
 {
   using Before = typename F::Before;
   using Behind = typename F::Behind;
@@ -342,6 +342,7 @@ __device__ void over_directions(int block, int directions, int rings, const F& f
   const int column = static_cast<int>(threadIdx.x) % kDirections;
   const int stretch = static_cast<int>(threadIdx.x) / kDirections;
   const int direction = block * kDirections + column;
+  const int rings = f.rings();
   const int length = direction < directions ? (rings + kStretches - 1) / kStretches : 0;
   const int begin = stretch * length, end = min(begin + length, rings);
   Before seen;
@@ -373,8 +374,7 @@ __device__ inline bool is_last_of(int blocks, unsigned* blocks_done)
 /** First the directions, since theirs is the longer work; when all is done, finally(group). */
 template <class F, class G, class H>
 __global__ void __launch_bounds__(kThreads) over_directions_and_range(
-    int directions, int rings, F f, int n, G g, H finally, unsigned* blocks_done,
-    std::uint64_t* done_ns)
+    int directions, F f, int n, G g, H finally, unsigned* blocks_done, std::uint64_t* done_ns)
 {
   static_assert(kThreads == kStretches * kDirections);
   wait_for_predecessor();
@@ -382,7 +382,7 @@ __global__ void __launch_bounds__(kThreads) over_directions_and_range(
   const int block = static_cast<int>(blockIdx.x);
   const int i = (block - first) * kThreads + static_cast<int>(threadIdx.x);
   if (block < first)
-    over_directions(block, directions, rings, f);
+    over_directions(block, directions, f);
   else if (i < n)
     g(i);
   if (is_last_of(static_cast<int>(gridDim.x), blocks_done) && threadIdx.x < 32)

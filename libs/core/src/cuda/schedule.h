@@ -80,7 +80,7 @@ class DeviceSchedule
   void find_buried()
   {
     executor_.for_each_direction_beside(
-        kernels::bin_count(map_.host_config), kernels::ring_count(map_.host_config),
+        kernels::bin_count(map_.host_config),
         kernels::SettleRays{map_.ground_hits(), map_.rays.data(), map_.lowest_slope.data()},
         points(),
         kernels::ReserveStretch<Atomics>{

@@ -14,6 +14,7 @@ struct SettleRays
   std::int32_t* rays;
   float* lowest_slope;  //!< of a ray that is not buried, where there is a hit; same layout as rays
 
+  TALUS_HD int rings() const { return ground.frame->rings; }
   /** First step: of the rings [begin, end), outwards. */
   TALUS_HD void collect(int bin, int begin, int end, BuriedBelow& seen) const
   {
