@@ -34,7 +34,7 @@ class Snapshots
   Snapshot::Ptr of(const CObservation& obs)
   {
     if (!next_ || obs.timestamp != next_->timestamp || obs.sensorLabel != label_) return nullptr;
-    const auto found = next_;
+    Snapshot::Ptr found = next_;
     advance();
     ++given_;
     return found;
