@@ -37,11 +37,13 @@ class KeptSite
 
  private:
   void resume(const std::string& path);
+  void place(const site::GeoOrigin& origin);
   io::SiteSummary summary();
 
   site::Site site_;
   std::optional<site::SiteMapper> mapper_;  //!< begins when what is resumed has been read
   std::vector<site::GpsFix> fixes_;
+  std::vector<std::string> warnings_;
 };
 
 /** The place that --origin names. Throws std::invalid_argument that says what is wrong with it. */
