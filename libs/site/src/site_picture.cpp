@@ -78,7 +78,7 @@ void write_site_picture(const std::string& path, Site& site, int floor, const st
   sheet.add_scores();
   sheet.add_swatch(kObstacle, "stands in the way");
   sheet.add_swatch(mixed({99, 189, 102}, kWhite, kPale), "pale: not measured");
-  sheet.add_swatch(mixed(kNotJudged, kWhite, kMild), "not judged");
+  sheet.add_swatch(mixed(kNotJudged, kWhite, kPale), "not judged");
   sheet.add_swatch(kNotSeen, "not seen");
   if (!site.ways.empty()) sheet.add_ways();
   sheet.add_gap(14);
