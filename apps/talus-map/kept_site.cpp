@@ -149,9 +149,9 @@ io::SiteSummary KeptSite::summary()
   return s;
 }
 
-void KeptSite::write(const std::string& folder)
+void KeptSite::write(const std::string& folder, const site::Progress& progress)
 {
-  site::write_site_files((fs::path(folder) / "site.tif").string(), site_);
+  site::write_site_files((fs::path(folder) / "site.tif").string(), site_, progress);
 }
 
 }  // namespace talus::app

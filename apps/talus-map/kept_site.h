@@ -5,6 +5,7 @@
 #include <talus/elevation_mapper.h>
 #include <talus/io/summary_json.h>
 #include <talus/site/gps_origin.h>
+#include <talus/site/site_geotiff.h>
 #include <talus/site/site_mapper.h>
 
 #include <mrpt/poses/CPose3D.h>
@@ -33,7 +34,7 @@ class KeptSite
   void finish(const ElevationMapper& map, io::RunSummary& run);
   /** Writes site.tif, site_floor_1.tif ..., and a picture of each, into a folder. Throws
    * std::runtime_error naming the file. */
-  void write(const std::string& folder);
+  void write(const std::string& folder, const site::Progress& progress);
 
  private:
   void resume(const std::string& path);
