@@ -122,7 +122,7 @@ std::string exact_text(double value)
   std::string shortest;
   for (int digits = 1; digits <= kMostDigits; ++digits)
   {
-    const std::string text = number_text(value, digits);
+    std::string text = number_text(value, digits);
     if (number_from(text) != value) continue;
     if (text.find('e') == text.npos) return text;  // 90, not 9e+01
     if (shortest.empty()) shortest = text;
