@@ -134,15 +134,19 @@ void OutputFolder::commit(const std::string& seal)
   }
 }
 
+bool is_same_file(const fs::path& a, const fs::path& b)
+{
+  std::error_code ec;
+  return fs::equivalent(a, b, ec) ||
+         fs::weakly_canonical(fs::absolute(a), ec) == fs::weakly_canonical(fs::absolute(b), ec);
+}
+
 void require_apart(const std::string& output, const std::vector<std::string>& inputs)
 {
   for (const std::string& input : inputs)
-  {
-    std::error_code none;
-    if (!input.empty() && fs::equivalent(output, input, none))
+    if (!input.empty() && is_same_file(output, input))
       throw std::runtime_error(
           "'" + output + "' would be overwritten, but it is an input; write elsewhere");
-  }
 }
 
 }  // namespace talus::app

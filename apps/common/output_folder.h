@@ -53,6 +53,9 @@ class OutputFolder
 /** Throws std::runtime_error when no OutputFolder could be made there; leaves nothing behind. */
 inline void require_writable(const std::string& folder) { const OutputFolder trial(folder); }
 
+/** Whether two paths, which need not exist, lead to one file. */
+bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
 /** Throws std::runtime_error when a file that is to be written is one of those that are read. */
 void require_apart(const std::string& output, const std::vector<std::string>& inputs);
 

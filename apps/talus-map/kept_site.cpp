@@ -18,6 +18,13 @@ namespace talus::app
 {
 namespace
 {
+/** In (-180, 180]: what is one place and heading has one text. */
+double same_turn(double angle_deg)
+{
+  const double turn_deg = std::remainder(angle_deg, 360);
+  return turn_deg == -180 ? 180 : turn_deg + 0.0;  // no -0
+}
+
 std::size_t megabytes(double mb) { return static_cast<std::size_t>(mb * 1024 * 1024); }
 
 std::vector<double> numbers_of(const std::string& text)
@@ -58,14 +65,14 @@ site::GeoOrigin origin_from_text(const std::string& text)
           std::string("the ") + kLimits[i].name + " " + number_text(n[i]) + " is not in [" +
           number_text(kLimits[i].least) + ", " + number_text(kLimits[i].most) + "]");
   n.resize(kLimits.size());
-  return {n[0], n[1], n[2], n[3]};
+  return {n[0], same_turn(n[1]), n[2], same_turn(n[3])};
 }
 
 KeptSite::KeptSite(const Options& options, double resolution_m, const std::string& folder)
     : site_(resolution_m, megabytes(options.memory_mb), folder)
 {
   if (!options.resume.empty()) resume(options.resume);
-  if (options.origin) site_.origin = options.origin;
+  if (options.origin) place(*options.origin);
   mapper_.emplace(site_, !options.keep_new);
 }
 
@@ -79,6 +86,20 @@ void KeptSite::resume(const std::string& path)
         number_text(site_.resolution_m) +
         " m: go on with -s resolution_m=" + number_text(resolution_m));
   site::read_site_files(path, site_);
+}
+
+void KeptSite::place(const site::GeoOrigin& origin)
+{
+  const auto text = [](const site::GeoOrigin& o)
+  {
+    return fixed_text(o.latitude_deg, 7) + "," + fixed_text(o.longitude_deg, 7) + "," +
+           fixed_text(o.altitude_m, 2) + "," + fixed_text(o.heading_deg, 3);
+  };
+  if (site_.origin && text(*site_.origin) != text(origin))
+    warnings_.push_back(
+        "the map that is resumed has another origin on Earth, " + text(*site_.origin) +
+        ": that of --origin replaces it");
+  site_.origin = origin;
 }
 
 FrameReport KeptSite::update(ElevationMapper& map, const Frame& frame)
@@ -107,7 +128,8 @@ void KeptSite::finish(const ElevationMapper& map, io::RunSummary& run)
   mapper_->keep_window(map);
   std::string warning;
   if (!site_.origin) site_.origin = site::origin_from_fixes(fixes_, warning);
-  if (!warning.empty()) run.warnings.push_back(warning);
+  if (!warning.empty()) warnings_.push_back(warning);
+  run.warnings.insert(run.warnings.end(), warnings_.begin(), warnings_.end());
   run.site = summary();
 }
 
@@ -127,9 +149,9 @@ io::SiteSummary KeptSite::summary()
   return s;
 }
 
-void KeptSite::write(const std::string& folder)
+void KeptSite::write(const std::string& folder, const site::Progress& progress)
 {
-  site::write_site_files((fs::path(folder) / "site.tif").string(), site_);
+  site::write_site_files((fs::path(folder) / "site.tif").string(), site_, progress);
 }
 
 }  // namespace talus::app

@@ -5,6 +5,7 @@
 #include <talus/elevation_mapper.h>
 #include <talus/io/summary_json.h>
 #include <talus/site/gps_origin.h>
+#include <talus/site/site_geotiff.h>
 #include <talus/site/site_mapper.h>
 
 #include <mrpt/poses/CPose3D.h>
@@ -33,15 +34,17 @@ class KeptSite
   void finish(const ElevationMapper& map, io::RunSummary& run);
   /** Writes site.tif, site_floor_1.tif ..., and a picture of each, into a folder. Throws
    * std::runtime_error naming the file. */
-  void write(const std::string& folder);
+  void write(const std::string& folder, const site::Progress& progress);
 
  private:
   void resume(const std::string& path);
+  void place(const site::GeoOrigin& origin);
   io::SiteSummary summary();
 
   site::Site site_;
   std::optional<site::SiteMapper> mapper_;  //!< begins when what is resumed has been read
   std::vector<site::GpsFix> fixes_;
+  std::vector<std::string> warnings_;
 };
 
 /** The place that --origin names. Throws std::invalid_argument that says what is wrong with it. */

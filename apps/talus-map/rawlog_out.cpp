@@ -1,6 +1,7 @@
 #include "rawlog_out.h"
 
 #include "../common/log_name.h"
+#include "../common/output_folder.h"
 
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/io/CFileInputStream.h>
@@ -86,13 +87,6 @@ void write_object(
   out << *object;
   if (const auto obs = std::dynamic_pointer_cast<CObservation>(object))
     if (const auto snapshot = snapshots.of(*obs)) out << *snapshot;
-}
-
-bool is_same_file(const std::string& a, const fs::path& b)
-{
-  std::error_code ec;
-  return fs::equivalent(a, b, ec) ||
-         fs::weakly_canonical(fs::absolute(a), ec) == fs::weakly_canonical(fs::absolute(b), ec);
 }
 
 /** A file of write_results(), write_snapshot() or KeptSite::write(). */

@@ -54,10 +54,11 @@ void map_log(
           if (rawlog_out && (is_snapshot || options.every == 0)) rawlog_out->add(m);
           bar.show(progress, "frame " + std::to_string(frames));
         });
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+    mapper.summary().wall_s = wall.count();
+    // Of a site of many kilometres it takes minutes.
+    if (site) site->write(folder, [&](double done) { bar.show(done, "writing site.tif"); });
   }
-  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-  mapper.summary().wall_s = wall.count();
-  if (site) site->write(folder);
   write_results(folder, mapper);
   if (rawlog_out) write_log(*rawlog_out);
   const auto& warnings = mapper.summary().warnings;  // those of the settings have been told

@@ -133,8 +133,18 @@ int in_child(const Options& o, const std::function<int()>& work)
   return end.exit_code;
 }
 
+void require_picture_apart(const Options& o)
+{
+  if (o.picture.empty()) return;
+  talus::app::require_apart(o.picture, o.inputs);
+  if (talus::app::is_same_file(o.picture, o.output))
+    throw std::runtime_error(
+        "'" + o.picture + "' is named for the map and for its picture; give two names");
+}
+
 int run_merge(const Options& o)
 {
+  require_picture_apart(o);
   for (const int s : {SIGXFSZ, SIGPIPE}) std::signal(s, SIG_IGN);  // an error of write() instead
   const auto work = [&] { return work_or_tell(o, [&] { merge(o); }); };
   const int code = in_child(o, work);

@@ -10,6 +10,7 @@
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <vector>
@@ -159,6 +160,42 @@ TEST_F(StockApps, observations2map_honours_the_options_of_the_file)
   expect_geotiff("out", "00", 60, 0.2);
   EXPECT_EQ(run("observations2map", kConfigs + "observations2map.ini " + map + " shipped"), 0);
   expect_geotiff("shipped", "01", 160, 0.1);
+}
+
+TEST_F(StockApps, observations2map_keeps_the_whole_drive_where_it_is_told_to)
+{
+  SKIP_WITHOUT("observations2map", kSimplemap);
+  const auto map = talus::test::stock_dataset(kSimplemap);
+  const auto site = [&](const std::string& prefix)
+  { return path(prefix + "_talus__CDualElevationMap_00_site.tif"); };
+  for (const std::string keep : {"true", "false"})
+  {
+    talus::test::write_bytes(
+        path(keep + ".ini"),
+        "[MappingApplication]\nterrain_count = 1\n"
+        "[MappingApplication_terrain_00_creationOpts]\nresolution = 0.2\nwindow = 4\n"
+        "keep_whole = " +
+            keep + "\n");
+    EXPECT_EQ(run("observations2map", keep + ".ini " + map + " " + keep), 0) << output;
+    expect_geotiff(keep, "00", 20, 0.2);
+  }
+  EXPECT_FALSE(fs::exists(site("false")));
+  GDALAllRegister();
+  GDALDataset* tif = GDALDataset::Open(site("true").c_str());
+  ASSERT_NE(tif, nullptr) << output;
+  EXPECT_EQ(tif->GetRasterBand(2)->GetDescription(), std::string("ground_elevation"));
+  std::vector<float> ground(
+      static_cast<std::size_t>(tif->GetRasterXSize()) *
+      static_cast<std::size_t>(tif->GetRasterYSize()));
+  EXPECT_EQ(
+      tif->GetRasterBand(2)->RasterIO(
+          GF_Read, 0, 0, tif->GetRasterXSize(), tif->GetRasterYSize(), ground.data(),
+          tif->GetRasterXSize(), tif->GetRasterYSize(), GDT_Float32, 0, 0),
+      CE_None);
+  GDALClose(tif);
+  EXPECT_GT(
+      std::count_if(ground.begin(), ground.end(), [](float z) { return !std::isnan(z); }), 4 * 400)
+      << "more than four windows";
 }
 
 TEST_F(StockApps, an_observation_that_no_map_understands_is_told_once_and_left_out)

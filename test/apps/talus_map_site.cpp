@@ -134,7 +134,17 @@ TEST_F(TalusMapSite, origin_says_where_on_earth_the_map_is)
   EXPECT_EQ(a->altitude_m, 0);
   EXPECT_NEAR(b->latitude_deg, -33.5, 1e-9);
   EXPECT_NEAR(b->altitude_m, 52, 1e-6);
-  EXPECT_NEAR(std::remainder(b->heading_deg + 30, 360), 0, 1e-6);
+  EXPECT_NEAR(b->heading_deg, -30, 1e-6);
+  // One place and heading in another text is no other origin.
+  const Outcome same =
+      run("drive.rawlog --output c --resume b/site.tif --origin -33.5,151.25,52,330");
+  EXPECT_EQ(same.code, 0);
+  EXPECT_EQ(same.err, "");
+  const Outcome moved = run("drive.rawlog --output d --resume b/site.tif --origin -90,-180");
+  EXPECT_EQ(moved.code, 0);
+  EXPECT_NE(moved.err.find("another origin on Earth, -33.5"), std::string::npos) << moved.err;
+  ASSERT_TRUE(origin_of("d/site.tif"));
+  EXPECT_EQ(origin_of("d/site.tif")->longitude_deg, 180);
 }
 
 TEST_F(TalusMapSite, origin_that_is_no_place_on_earth_is_refused)

@@ -154,6 +154,10 @@ TEST_F(TalusMerge, says_what_is_wrong_with_an_input_and_leaves_what_was_there)
   fails("a.tif map.tif --output site.tif", 1, {"map.tif", "site.tif that lies beside it"});
   fails("--changes a.tif text.tif --output out", 1, {"text.tif", "GeoTIFF"});
   fails("a.tif --output none/site.tif", 1, {"none/site.tif"});
+  const std::string a = read_bytes(dir_ / "a.tif");
+  fails("a.tif --output site.tif --picture a.tif", 1, {"a.tif", "is an input"});
+  fails("a.tif --output new.tif --picture ./new.tif", 1, {"new.tif", "two names"});
+  EXPECT_EQ(read_bytes(dir_ / "a.tif"), a);
   write("far.tif", 1000, 100'000, 1.0F);
   fails("--changes a.tif far.tif --output out", 1, {"no place in common"});
   EXPECT_FALSE(fs::exists(dir_ / "out"));

@@ -248,8 +248,10 @@ TEST(SiteGeoTiff, lies_on_earth_where_its_origin_is_known)
   EXPECT_EQ(in->origin->altitude_m, 500);
   EXPECT_EQ(in->origin->heading_deg, 90);
   EXPECT_EQ(different_cells(*site, *in), 0);
-  in->origin->longitude_deg = 12;
-  expect_error([&] { read_site(dir / "site.tif", *in, 0); }, {"site.tif", "origin"});
+  in->origin->longitude_deg = 120;
+  expect_error(
+      [&] { read_site(dir / "site.tif", *in, 0); },
+      {"site.tif", "origin", "48 11 500 90", "48 120 500 90"});
 }
 
 TEST(SiteGeoTiff, keeps_floors_apart)
@@ -316,6 +318,27 @@ TEST(SiteGeoTiff, reading_says_what_is_wrong_with_a_file)
   write_site(dir / "coarse.tif", *coarse, 0);
   refused("coarse.tif", {"coarse.tif", "0.1 m", "0.05 m"});
   EXPECT_TRUE(site->tiles.keys().empty());
+}
+
+TEST(SiteGeoTiff, reading_refuses_a_file_wherever_it_is_cut_short)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  add_cells(*site);
+  site->origin = GeoOrigin{48.0, 11.0, 500, 90};
+  write_site(dir / "site.tif", *site, 0);
+  const std::string bytes = read_bytes(dir / "site.tif");
+  constexpr std::size_t kHead = 4096, kTrailer = 4;  // of the last block, which nobody reads
+  ASSERT_GT(bytes.size(), kHead);
+  const auto refused = [&](std::size_t size)
+  {
+    write_bytes(dir / "cut.tif", bytes.substr(0, size));
+    const auto in = empty_site(dir / "tiles_in");
+    EXPECT_THROW(read_site(dir / "cut.tif", *in, 0), std::runtime_error) << size;
+  };
+  for (std::size_t size = 0; size < kHead; size += 7) refused(size);
+  for (std::size_t size = kHead; size < bytes.size() - kTrailer; size += bytes.size() / 40)
+    refused(size);
 }
 
 TEST(SiteGeoTiff, reading_refuses_cells_that_are_none)

@@ -66,6 +66,8 @@ TEST_F(SitePicture, shows_an_obstacle_of_one_cell_also_where_a_pixel_stands_for_
   EXPECT_EQ(count(picture(*s), kObstacle), kSwatch_px);
   cell_at(*s, 4001, 150) = with_obstacle(measured(0), 0.5F);
   EXPECT_EQ(count(picture(*s), kObstacle), kSwatch_px + 1);
+  cell_at(*s, 4001, 150).cell.traversability = 1;  // it hangs high
+  EXPECT_EQ(count(picture(*s), kObstacle), kSwatch_px);
 }
 
 TEST_F(SitePicture, shows_blocked_ground_in_another_colour_than_free_ground)

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
+#include <system_error>
 
 namespace talus
 {
@@ -78,11 +79,18 @@ Way read_way(detail::StreamReader& in)
   }
   return way;
 }
+
+/** For tiles that find no room in memory: a folder that is needed by few maps must not stop all. */
+std::string folder_of_tiles()
+{
+  std::error_code none;
+  const auto folder = std::filesystem::temp_directory_path(none);
+  return none ? "." : folder.string();
+}
 }  // namespace
 
 WholeMap::WholeMap(double resolution_m)
-    : site_(resolution_m, kMemory_bytes, std::filesystem::temp_directory_path().string()),
-      mapper_(site_)
+    : site_(resolution_m, kMemory_bytes, folder_of_tiles()), mapper_(site_)
 {
 }
 

@@ -1,6 +1,5 @@
 #include <talus/site/site_files.h>
 
-#include <talus/site/site_geotiff.h>
 #include <talus/site/site_picture.h>
 
 #include <filesystem>
@@ -40,12 +39,20 @@ std::vector<int> floors_of(const Site& site)
   return {floors.begin(), floors.end()};
 }
 
-void write_site_files(const std::string& path, Site& site)
+void write_site_files(const std::string& path, Site& site, const Progress& progress)
 {
-  for (const int floor : floors_of(site))
+  const std::vector<int> floors = floors_of(site);
+  double written = 0;
+  for (const int floor : floors)
   {
     const fs::path tif = with_floor(path, floor);
-    write_site(tif.string(), site, floor);
+    write_site(
+        tif.string(), site, floor,
+        [&](double done)
+        {
+          if (progress) progress((written + done) / static_cast<double>(floors.size()));
+        });
+    written += 1;
     write_site_picture(fs::path(tif).replace_extension(".png").string(), site, floor);
   }
 }

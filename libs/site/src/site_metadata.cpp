@@ -119,9 +119,15 @@ std::optional<Ways> ways_from(const std::string& text, int floor)
 std::string exact_text(double value)
 {
   constexpr int kMostDigits = 17;
-  for (int digits = 1; digits < kMostDigits; ++digits)
-    if (std::string text = number_text(value, digits); number_from(text) == value) return text;
-  return number_text(value, kMostDigits);
+  std::string shortest;
+  for (int digits = 1; digits <= kMostDigits; ++digits)
+  {
+    std::string text = number_text(value, digits);
+    if (number_from(text) != value) continue;
+    if (text.find('e') == text.npos) return text;  // 90, not 9e+01
+    if (shortest.empty()) shortest = text;
+  }
+  return shortest;
 }
 
 std::string text_of_origin(const GeoOrigin& o)

@@ -14,8 +14,9 @@ namespace talus::site
 {
 namespace
 {
-constexpr int kLegend_px = 560;
-const cv::Vec3b kObstacle(66, 48, 52), kNotJudged(190, 186, 182);
+constexpr int kLegend_px = 592;
+constexpr float kPassable = 0.5F;  //!< what is there does not block: it hangs high, or is low
+const cv::Vec3b kObstacle(66, 48, 52), kNotJudged(150, 146, 142);
 /// @name How much white is in the colours, of 1
 /// @{
 constexpr float kMild = 0.22F, kPale = 0.62F;  //!< measured, and not
@@ -35,7 +36,8 @@ cv::Mat3b colours_of_cells(const SiteRaster& r, double pixel_m)
                         ? kNotJudged
                         : scale.at<cv::Vec3b>(cvRound(255 * std::clamp(score, 0.0F, 1.0F)));
       c = mixed(c, kWhite, r.measured(y, x) == 1 ? kPale : kMild);
-      image(y, x) = r.obstacle(y, x) ? kObstacle : lit(c, shade(y, x));
+      const bool blocks = r.obstacle(y, x) != 0 && !(score > kPassable);
+      image(y, x) = blocks ? kObstacle : lit(c, shade(y, x));
     }
   return image;
 }
@@ -48,8 +50,9 @@ std::vector<std::string> subtitles(const Site& site, int floor, const SiteRaster
   if (driven_m > 0) extent = fixed_text(driven_m, 0) + " m driven, ";
   extent += area_text(static_cast<double>(r.known_cells) * cell_m2) + " known, " +
             area_text(static_cast<double>(r.measured_cells) * cell_m2) + " of it measured";
-  std::string more = "ground from " + fixed_text(r.lowest_m, 1) + " to " +
-                     fixed_text(r.highest_m, 1) + " m, cells of " +
+  const int decimals = r.highest_m - r.lowest_m < 1 ? 2 : 1;
+  std::string more = "ground from " + fixed_text(r.lowest_m, decimals) + " to " +
+                     fixed_text(r.highest_m, decimals) + " m, cells of " +
                      number_text(site.resolution_m, 3) + " m";
   const std::string time = time_text(r.newest_s);
   if (!time.empty()) more += ", seen until " + time;
@@ -73,8 +76,9 @@ void write_site_picture(const std::string& path, Site& site, int floor, const st
   sheet.draw_titles(title.empty() ? made : title, subtitles(site, floor, raster));
   sheet.draw_axes();
   sheet.add_scores();
-  sheet.add_swatch(kObstacle, "stands on the ground");
+  sheet.add_swatch(kObstacle, "stands in the way");
   sheet.add_swatch(mixed({99, 189, 102}, kWhite, kPale), "pale: not measured");
+  sheet.add_swatch(mixed(kNotJudged, kWhite, kPale), "not judged");
   sheet.add_swatch(kNotSeen, "not seen");
   if (!site.ways.empty()) sheet.add_ways();
   sheet.add_gap(14);

@@ -14,6 +14,7 @@ namespace
 {
 constexpr const char* kNotASite = "is not a site: give a site.tif of talus-map or talus-merge";
 constexpr const char* kDamaged = "damaged: copy it again, or make it anew";
+constexpr const char* kCutShort = "cannot be read to its end; copy it again";
 constexpr std::int64_t kFarthestCell = 2'000'000'000;  //!< beyond what frames can lead to
 constexpr std::int64_t kCacheBytes = 256LL << 20;
 }  // namespace
@@ -117,7 +118,7 @@ void SiteReader::require_fits(const Site& site) const
   if (text(origin_) != text(site.origin))
     fail(
         "its origin on Earth is another (" + text(origin_) + ", not " + text(site.origin) +
-        "): give maps of one map frame");
+        "): give maps of one map frame, made with one --origin");
 }
 
 Ways SiteReader::ways(int floor) const
@@ -133,7 +134,10 @@ std::vector<SiteReader::Place> SiteReader::tiles() const
   int size = 1;
   while (size < std::max(width_tiles_, height_tiles_)) size *= 2;
   std::vector<Place> found;
+  const io::GdalErrors errors;
   add_covered({0, 0}, size, found);
+  // A file that ends in its list of blocks seems to have none.
+  if (errors.any() || found.empty()) io::fail(path_, kCutShort, errors);
   return found;
 }
 
@@ -173,7 +177,7 @@ bool SiteReader::read(Place tile, Tile& to)
   if (dataset_->RasterIO(
           GF_Read, left, top, kTileCells, kTileCells, last, kTileCells, kTileCells, GDT_Float32,
           kBands, bands_.data(), kPixel, -kLine, sizeof(float), nullptr) != CE_None)
-    io::fail(path_, "cannot be read to its end; copy it again", errors);
+    io::fail(path_, kCutShort, errors);
   bool any = false;
   for (std::size_t i = 0; i < to.cells.size(); ++i)
   {

@@ -1,5 +1,6 @@
 #pragma once
 #include <talus/site/site.h>
+#include <talus/site/site_geotiff.h>
 
 #include <string>
 #include <vector>
@@ -11,7 +12,7 @@ std::vector<int> floors_of(const Site& site);
 
 /** Writes write_site() and write_site_picture() of each floor: floor 0 as `path`, "DIR/site.tif"
  * say, and as DIR/site.png, others as DIR/site_floor_1.tif and so on. Throws as they do. */
-void write_site_files(const std::string& path, Site& site);
+void write_site_files(const std::string& path, Site& site, const Progress& progress = Progress());
 
 /** Reads such a file as floor 0, and the other floors from the files beside it. Throws as
  * read_site(). */
