@@ -52,12 +52,12 @@ class ScratchFolder
   fs::path path_;
 };
 
-/** The scans, without what ends outside of talus's window: both maps know the same cells. */
-const std::vector<Scan>& road(const Parameters& p)
+std::vector<Scan> road() { return make_road(kPoints, kRoad_m / 2, kRoad_m, kStep_m); }
+
+/** Without what ends outside of talus's window. */
+std::vector<Scan> road_within_window(const Parameters& p)
 {
-  static std::vector<Scan> scans;
-  if (!scans.empty()) return scans;
-  scans = make_road(kPoints, kRoad_m / 2, kRoad_m, kStep_m);
+  std::vector<Scan> scans = road();
   const auto half_m = static_cast<float>(p.window_m / 2 - p.resolution_m);
   for (Scan& scan : scans)
     for (std::size_t i = 0; i < scan.x_m.size(); ++i)
@@ -67,9 +67,8 @@ const std::vector<Scan>& road(const Parameters& p)
 
 /** Calls update(frame) for the frames of the drive; mean processor time of a frame [s]. */
 template <class Update>
-double drive(const Parameters& p, const Update& update)
+double drive(const std::vector<Scan>& scans, const Update& update)
 {
-  const std::vector<Scan>& scans = road(p);
   const double before_s = process_cpu_s();
   for (int i = 0; i < kFrames; ++i)
   {
@@ -84,7 +83,7 @@ double drive(const Parameters& p, const Update& update)
 WholeCost talus_whole()
 {
   const Parameters p;
-  road(p);
+  const std::vector<Scan> scans = road();
   const ScratchFolder folder;
   WholeCost cost;
   const double before_MB = heap_MB();
@@ -92,7 +91,7 @@ WholeCost talus_whole()
   site::SiteMapper mapper(site);
   ElevationMapper map(p, Backend::Cpu, 1);
   map.set_output_layers({Layer::Traversability, Layer::Elevation});
-  cost.frame_s = drive(p, [&](const Frame& frame) { mapper.update(map, frame); });
+  cost.frame_s = drive(scans, [&](const Frame& frame) { mapper.update(map, frame); });
   cost.memory_MB = heap_MB() - before_MB;
   mapper.keep_window(map);
   const fs::path file = folder.path() / "site.tif";
@@ -101,15 +100,14 @@ WholeCost talus_whole()
   return cost;
 }
 
-WholeCost octomap_whole()
+WholeCost octomap_whole(const std::vector<Scan>& scans)
 {
   const Parameters p;
-  road(p);
   const ScratchFolder folder;
   WholeCost cost;
   const double before_MB = heap_MB();
   baselines::OctoMapMethod octomap(p);
-  cost.frame_s = drive(p, [&](const Frame& frame) { octomap.update(frame); });
+  cost.frame_s = drive(scans, [&](const Frame& frame) { octomap.update(frame); });
   cost.memory_MB = heap_MB() - before_MB;
   octomap.map().saveMetricMapRepresentationToFile((folder.path() / "map").string());
   for (const fs::directory_entry& file : fs::directory_iterator(folder.path()))
@@ -121,7 +119,10 @@ WholeCost octomap_whole()
 
 std::vector<WholeDrive> whole_drives()
 {
-  return {{"talus", talus_whole}, {"octomap", octomap_whole}};
+  return {
+      {"talus", talus_whole},
+      {"octomap", [] { return octomap_whole(road()); }},
+      {"octomap/within_the_window", [] { return octomap_whole(road_within_window({})); }}};
 }
 
 }  // namespace talus::bench
