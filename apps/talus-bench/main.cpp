@@ -8,8 +8,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iomanip>
 #include <iostream>
 #include <map>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
 
 // One line a setting and backend: the whole frame (host points in, layers back), its quantiles, the
@@ -161,6 +164,24 @@ void bench_baseline(benchmark::State& state, const Setting& s, const Baseline& b
   }
 }
 
+/** The first line is what the others are compared with. */
+void bench_whole_drive(benchmark::State& state, const WholeDrive& whole)
+{
+  static std::optional<WholeCost> first;
+  for (auto _ : state)
+  {
+    const WholeCost cost = whole.run();
+    if (!first) first = cost;
+    state.SetIterationTime(cost.frame_s);
+    state.counters["cpu_us"] = 1e6 * cost.frame_s;
+    std::ostringstream label;
+    label << std::setprecision(3) << cost.memory_MB << " MB in memory, " << cost.file_MB
+          << " MB in a file; time x" << cost.frame_s / first->frame_s << ", memory x"
+          << cost.memory_MB / first->memory_MB << ", file x" << cost.file_MB / first->file_MB;
+    state.SetLabel(label.str());
+  }
+}
+
 /** Enough for quantiles, within a second or two. */
 int iterations(const Setting& s, Backend backend)
 {
@@ -189,6 +210,16 @@ void add(const Setting& s, const Baseline& baseline)
       ->Unit(benchmark::kMicrosecond);
 }
 
+void add(const WholeDrive& whole)
+{
+  benchmark::RegisterBenchmark(
+      ("whole_drive/" + whole.name).c_str(),
+      [whole](benchmark::State& state) { bench_whole_drive(state, whole); })
+      ->UseManualTime()
+      ->Iterations(1)
+      ->Unit(benchmark::kMicrosecond);
+}
+
 bool has_cuda()
 {
   try
@@ -208,6 +239,7 @@ int main(int argc, char** argv)
 {
   for (const Setting& s : settings()) add(s, Backend::Cpu, "cpu");
   for (const Baseline& b : baselines()) add(settings().front(), b);
+  for (const WholeDrive& w : whole_drives()) add(w);
   if (has_cuda())
     for (const Setting& s : settings()) add(s, Backend::Cuda, "cuda");
   benchmark::Initialize(&argc, argv);

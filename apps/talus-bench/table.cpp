@@ -65,6 +65,7 @@ void Table::ReportRuns(const std::vector<Run>& runs)
     if (c.count("speedup"))
       std::printf("  %.2f x one thread", static_cast<double>(c.at("speedup")));
     if (c.count("x_talus")) std::printf("  %.1f x talus", static_cast<double>(c.at("x_talus")));
+    if (!run.report_label.empty()) std::printf("  %s", run.report_label.c_str());
     std::printf("\n");
     std::fflush(stdout);
   }

@@ -14,9 +14,9 @@ namespace talus::site
 {
 namespace
 {
-constexpr int kLegend_px = 592;
+constexpr int kLegend_px = 600;
 constexpr float kPassable = 0.5F;  //!< what is there does not block: it hangs high, or is low
-const cv::Vec3b kObstacle(66, 48, 52), kNotJudged(150, 146, 142);
+const cv::Vec3b kObstacle(66, 48, 52), kNotJudged(196, 164, 132);
 /// @name How much white is in the colours, of 1
 /// @{
 constexpr float kMild = 0.22F, kPale = 0.62F;  //!< measured, and not
@@ -78,7 +78,7 @@ void write_site_picture(const std::string& path, Site& site, int floor, const st
   sheet.add_scores();
   sheet.add_swatch(kObstacle, "stands in the way");
   sheet.add_swatch(mixed({99, 189, 102}, kWhite, kPale), "pale: not measured");
-  sheet.add_swatch(mixed(kNotJudged, kWhite, kPale), "not judged");
+  sheet.add_swatch(mixed(kNotJudged, kWhite, kPale), "known, not judged");
   sheet.add_swatch(kNotSeen, "not seen");
   if (!site.ways.empty()) sheet.add_ways();
   sheet.add_gap(14);
