@@ -8,7 +8,6 @@
 #include <cpl_string.h>
 
 #include <limits>
-#include <memory>
 #include <stdexcept>
 
 namespace talus::site
@@ -69,6 +68,21 @@ void check_extent(const std::string& path, const TilePyramid& pyramid, int floor
         path + ": the site spans " + std::to_string(width) + " x " + std::to_string(height) +
         " cells, more than a GeoTIFF can hold: did a pose jump? Else divide the drive");
 }
+
+/** To its end: not every version of GDAL tells where the disk was full. */
+bool can_be_read(const std::string& path)
+{
+  try
+  {
+    SiteReader reader(path);
+    for (const SiteReader::Place& place : reader.tiles()) reader.load(place);
+    return true;
+  }
+  catch (const std::runtime_error&)
+  {
+    return false;
+  }
+}
 }  // namespace
 
 void write_site(const std::string& path, Site& site, int floor, const Progress& progress)
@@ -94,7 +108,7 @@ void write_site(const std::string& path, Site& site, int floor, const Progress& 
       const_cast<Progress*>(&progress)));
   dataset.rethrow();
   written.reset();  // what does not reach the disk is told here at the latest
-  if (errors.any()) io::fail(path, io::kNotWritten, errors);
+  if (errors.any() || !can_be_read(file.temporary_path())) io::fail(path, io::kNotWritten, errors);
   file.commit();
 }
 

@@ -164,20 +164,25 @@ void SiteReader::add_covered(Place from, int size_tiles, std::vector<Place>& to)
     for (const int dx : {0, half}) add_covered({from.x + dx, from.y + dy}, half, to);
 }
 
-bool SiteReader::read(Place tile, Tile& to)
+void SiteReader::load(Place tile)
 {
   const int left = (tile.x - tile_of(min_cell_x_)) * kTileCells;
   const int top = (height_tiles_ - 1 - (tile.y - tile_of(min_cell_y_))) * kTileCells;
   constexpr int kBands = static_cast<int>(kBandCount);
   constexpr GSpacing kPixel = sizeof(float) * kBands, kLine = kPixel * kTileCells;
   const io::GdalErrors errors;
-  values_.resize(to.cells.size() * kBandCount);
+  values_.resize(static_cast<std::size_t>(kTileCells) * kTileCells * kBandCount);
   // The last row first: rows of tiles begin in the south.
   auto* last = values_.data() + static_cast<std::size_t>(kTileCells - 1) * kTileCells * kBandCount;
   if (dataset_->RasterIO(
           GF_Read, left, top, kTileCells, kTileCells, last, kTileCells, kTileCells, GDT_Float32,
           kBands, bands_.data(), kPixel, -kLine, sizeof(float), nullptr) != CE_None)
     io::fail(path_, kCutShort, errors);
+}
+
+bool SiteReader::read(Place tile, Tile& to)
+{
+  load(tile);
   bool any = false;
   for (std::size_t i = 0; i < to.cells.size(); ++i)
   {

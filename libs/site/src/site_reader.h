@@ -34,6 +34,8 @@ class SiteReader
   };
   /** The tiles that may have a known cell; neighbours are near each other. */
   std::vector<Place> tiles() const;
+  /** Throws where one of those is cut short; what its cells say is not looked at. */
+  void load(Place tile);
   /** One of those, and whether it has a known cell. Throws as the constructor. */
   bool read(Place tile, Tile& to);
 
