@@ -8,6 +8,7 @@
 #include <cpl_string.h>
 
 #include <limits>
+#include <memory>
 #include <stdexcept>
 
 namespace talus::site
