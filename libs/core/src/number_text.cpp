@@ -38,6 +38,14 @@ std::string number_text(double value, int digits)
   return text_of(value, std::chars_format::general, digits);
 }
 
+std::string exact_number_text(double value)
+{
+  constexpr int kAlwaysExact = 17;
+  for (int digits = 10; digits < kAlwaysExact; digits++)
+    if (std::string text = number_text(value, digits); number_from(text) == value) return text;
+  return number_text(value, kAlwaysExact);
+}
+
 std::string fixed_text(double value, int decimals)
 {
   return text_of(value, std::chars_format::fixed, decimals);

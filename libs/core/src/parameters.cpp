@@ -44,21 +44,13 @@ std::string lower(std::string s)
 
 std::string number(double v) { return number_text(v); }
 
-/** In as few digits as give the same number again. */
-std::string exact_number(double v)
-{
-  for (int digits = 10; digits < 17; digits++)
-    if (std::string text = number_text(v, digits); number_from(text) == v) return text;
-  return number_text(v, 17);
-}
-
 constexpr const char* kNoBoxes = "none";
 
 std::string box_text(const BodyBox& b)
 {
   std::string text;
   for (const double v : {b.min_x_m, b.max_x_m, b.min_y_m, b.max_y_m, b.min_z_m, b.max_z_m})
-    text += (text.empty() ? "" : " ") + exact_number(v);
+    text += (text.empty() ? "" : " ") + exact_number_text(v);
   return text;
 }
 

@@ -4,6 +4,7 @@
 
 #include <gdal_support.h>
 #include <talus/io/atomic_file.h>
+#include <talus/number_text.h>
 
 #include <cpl_string.h>
 
@@ -131,7 +132,7 @@ void require_one_frame(const std::string& path, const Site& from, const Site& to
 {
   const auto text = [](const Site& s)
   {
-    return exact_text(s.resolution_m) + " " +
+    return exact_number_text(s.resolution_m) + " " +
            (s.origin ? text_of_origin(*s.origin) : std::string("none"));
   };
   if (text(from) != text(to))

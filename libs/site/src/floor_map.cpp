@@ -1,53 +1,15 @@
 #include <talus/site/floor_map.h>
 
+#include "known_cells.h"
 #include "strips.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace talus::site
 {
 namespace
 {
-/** Bounds of cells along one axis. */
-struct Span
-{
-  std::int64_t min = std::numeric_limits<std::int64_t>::max();
-  std::int64_t max = std::numeric_limits<std::int64_t>::min();
-
-  void add(std::int64_t cell)
-  {
-    min = std::min(min, cell);
-    max = std::max(max, cell);
-  }
-  bool empty() const { return min > max; }
-  std::int64_t size() const { return max - min + 1; }
-};
-
-struct Bounds
-{
-  Span x, y;
-};
-
-Bounds bounds_of(Site& site, int floor)
-{
-  Bounds b;
-  for (const TileKey& key : site.tiles.keys())
-  {
-    if (key.floor != floor) continue;
-    const Tile& tile = *site.tiles.find(key);
-    for (std::size_t i = 0; i < tile.cells.size(); ++i)
-    {
-      if (!tile.cells[i].known()) continue;
-      const auto at = static_cast<int>(i);
-      b.x.add(static_cast<std::int64_t>(key.x) * kTileCells + at % kTileCells);
-      b.y.add(static_cast<std::int64_t>(key.y) * kTileCells + at / kTileCells);
-    }
-  }
-  return b;
-}
-
 constexpr Layer kLayers[] = {
     Layer::Elevation, Layer::GroundElevation, Layer::Variance, Layer::State, Layer::Traversability};
 
@@ -66,30 +28,25 @@ MapSnapshot floor_map(
 {
   MapSnapshot map;
   map.parameters = parameters;
-  const Bounds known = bounds_of(site, floor);
-  if (known.x.empty()) return map;
-  const std::int64_t wanted = std::max(known.x.size(), known.y.size());
+  const CellBox known = known_box(site, floor);
+  if (known.empty()) return map;
+  const std::int64_t wanted = std::max(known.max_x - known.min_x, known.max_y - known.min_y) + 1;
   const int side = static_cast<int>(std::min<std::int64_t>(wanted, most_cells));
-  const auto first = [&](const Span& span, double middle_m)
+  const auto first = [&](std::int64_t min, std::int64_t max, double middle_m)
   {
-    if (span.size() <= side) return span.min;
+    if (max - min < side) return min;
     const auto middle = static_cast<std::int64_t>(std::floor(middle_m / site.resolution_m));
-    return std::clamp(middle - side / 2, span.min, span.max - side + 1);
+    return std::clamp(middle - side / 2, min, max - side + 1);
   };
-  map.window = {side, site.resolution_m, first(known.x, x_m), first(known.y, y_m)};
+  map.window = {
+      side, site.resolution_m, first(known.min_x, known.max_x, x_m),
+      first(known.min_y, known.max_y, y_m)};
   const CellRect all = rect_of(map.window);
   map.layers[static_cast<std::size_t>(Layer::Sparsity)].assign(all.size(), NAN);
   for (const Layer l : kLayers)
     map.layers[static_cast<std::size_t>(l)].assign(all.size(), l == Layer::State ? 0.0f : NAN);
-  for_each_tile(
-      all, floor,
-      [&](const TilePart& part)
-      {
-        const Tile* tile = site.tiles.find(part.key);
-        if (!tile) return;
-        for_each_cell(
-            all, part, [&](std::size_t i, std::size_t at) { put(map, i, tile->cells[at].cell); });
-      });
+  for_each_kept_cell(
+      site.tiles, all, floor, [&](std::size_t i, const CellRecord& kept) { put(map, i, kept); });
   return map;
 }
 

@@ -4,6 +4,7 @@
 #include "site_reader.h"
 
 #include <talus/io/atomic_file.h>
+#include <talus/number_text.h>
 
 #include <cpl_string.h>
 
@@ -24,7 +25,7 @@ void set_metadata(SiteDataset& dataset, const TilePyramid& pyramid, const Site& 
   const auto set = [&](const char* name, const std::string& text)
   { dataset.SetMetadataItem(name, text.c_str()); };
   set(kFloorItem, std::to_string(floor));
-  set(kResolutionItem, exact_text(site.resolution_m));
+  set(kResolutionItem, exact_number_text(site.resolution_m));
   set(kMinCellXItem, std::to_string(pyramid.min_cell_x()));
   set(kMinCellYItem, std::to_string(pyramid.min_cell_y()));
   set(kSeenItem, std::to_string(pyramid.newest_s()));

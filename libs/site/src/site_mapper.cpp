@@ -244,21 +244,13 @@ void SiteMapper::read(const ElevationMapper& map, std::initializer_list<CellRect
 SiteMapper::Votes SiteMapper::votes(int floor, const CellRect& cells, std::size_t first)
 {
   Votes sum;
-  const auto count = [&](const TilePart& part)
+  const auto count = [&](std::size_t i, const CellRecord& kept)
   {
-    const Tile* tile = site_.tiles.find(part.key);
-    if (!tile) return;
-    for_each_cell(
-        cells, part,
-        [&](std::size_t i, std::size_t at)
-        {
-          const CellRecord& kept = tile->cells[at].cell;
-          const Reference& r = references_[first + i];
-          if (!is_measured(kept) || std::isnan(r.ground_m)) return;
-          ++(std::abs(kept.ground_m - r.ground_m) > r.within_m ? sum.contradict : sum.agree);
-        });
+    const Reference& r = references_[first + i];
+    if (!is_measured(kept) || std::isnan(r.ground_m)) return;
+    ++(std::abs(kept.ground_m - r.ground_m) > r.within_m ? sum.contradict : sum.agree);
   };
-  for_each_tile(cells, floor, count);
+  for_each_kept_cell(site_.tiles, cells, floor, count);
   return sum;
 }
 

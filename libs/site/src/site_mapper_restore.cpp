@@ -105,23 +105,15 @@ void SiteMapper::find_drifted(int floor, const CellRect& cells, std::size_t firs
       off_m->clear();
       off_m->reserve(static_cast<std::size_t>(kStretch_cells * width));
     }
-  const auto compare = [&](const TilePart& part)
+  const auto compare = [&](std::size_t i, const CellRecord& kept)
   {
-    const Tile* tile = site_.tiles.find(part.key);
-    if (!tile) return;
-    for_each_cell(
-        cells, part,
-        [&](std::size_t i, std::size_t at)
-        {
-          const CellRecord& kept = tile->cells[at].cell;
-          const Reference& r = references_[first + i];
-          const float off_m = kept.ground_m - r.ground_m;
-          if (!is_measured(kept) || !(std::abs(off_m) <= r.within_m)) return;
-          Stretch& s = stretches_[stretch_of(cells, i)];
-          (is_measured(records_[first + i]) ? s.off_m : s.off_beside_m).push_back(off_m);
-        });
+    const Reference& r = references_[first + i];
+    const float off_m = kept.ground_m - r.ground_m;
+    if (!is_measured(kept) || !(std::abs(off_m) <= r.within_m)) return;
+    Stretch& s = stretches_[stretch_of(cells, i)];
+    (is_measured(records_[first + i]) ? s.off_m : s.off_beside_m).push_back(off_m);
   };
-  for_each_tile(cells, floor, compare);
+  for_each_kept_cell(site_.tiles, cells, floor, compare);
   const float width_m = static_cast<float>(site_.resolution_m) * static_cast<float>(width);
   for (Stretch& s : stretches_)
     s.has_drifted = s.off_m.size() >= kFewestSame

@@ -116,24 +116,10 @@ std::optional<Ways> ways_from(const std::string& text, int floor)
   return ways;
 }
 
-std::string exact_text(double value)
-{
-  constexpr int kMostDigits = 17;
-  std::string shortest;
-  for (int digits = 1; digits <= kMostDigits; ++digits)
-  {
-    std::string text = number_text(value, digits);
-    if (number_from(text) != value) continue;
-    if (text.find('e') == text.npos) return text;  // 90, not 9e+01
-    if (shortest.empty()) shortest = text;
-  }
-  return shortest;
-}
-
 std::string text_of_origin(const GeoOrigin& o)
 {
-  return exact_text(o.latitude_deg) + " " + exact_text(o.longitude_deg) + " " +
-         exact_text(o.altitude_m) + " " + exact_text(o.heading_deg);
+  return exact_number_text(o.latitude_deg) + " " + exact_number_text(o.longitude_deg) + " " +
+         exact_number_text(o.altitude_m) + " " + exact_number_text(o.heading_deg);
 }
 
 std::optional<GeoOrigin> origin_from(const std::string& text)

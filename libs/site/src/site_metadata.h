@@ -31,9 +31,6 @@ std::string text_of_ways(const Ways& ways, int floor);
 /** And back. Nothing where the text is none of ways. */
 std::optional<Ways> ways_from(const std::string& text, int floor);
 
-/** The shortest decimal number that is read as this one, without exponent where that can be. */
-std::string exact_text(double value);
-
 std::string text_of_origin(const GeoOrigin& origin);
 std::optional<GeoOrigin> origin_from(const std::string& text);
 

@@ -24,22 +24,6 @@ int most_pixels_per_cell(std::int64_t cells, int most_pixels)
 }
 }  // namespace
 
-void CellBox::add(std::int64_t x, std::int64_t y)
-{
-  min_x = std::min(min_x, x);
-  max_x = std::max(max_x, x);
-  min_y = std::min(min_y, y);
-  max_y = std::max(max_y, y);
-}
-
-CellBox known_box(Site& site, int floor)
-{
-  CellBox box;
-  for_each_known(
-      site, floor, [&](std::int64_t x, std::int64_t y, const SiteCell&) { box.add(x, y); });
-  return box;
-}
-
 RasterPlace::RasterPlace(const CellBox& box, double resolution_m, int most_pixels)
 {
   const std::int64_t longest = std::max(box.max_x - box.min_x, box.max_y - box.min_y) + 1;

@@ -125,4 +125,18 @@ void for_each_cell(const CellRect& r, const TilePart& part, const F& f)
   }
 }
 
+/** Calls f(index in the rectangle, CellRecord) for the cells of a rectangle in those tiles of a
+ * floor that there are. */
+template <class F>
+void for_each_kept_cell(TileStore& tiles, const CellRect& r, int floor, const F& f)
+{
+  const auto look_up = [&](const TilePart& part)
+  {
+    const Tile* tile = tiles.find(part.key);
+    if (!tile) return;
+    for_each_cell(r, part, [&](std::size_t i, std::size_t at) { f(i, tile->cells[at].cell); });
+  };
+  for_each_tile(r, floor, look_up);
+}
+
 }  // namespace talus::site

@@ -15,6 +15,9 @@ std::optional<double> number_from(std::string_view text);
 /** As printf("%.*g") of the C locale: with at most so many digits that count. */
 std::string number_text(double value, int digits = 10);
 
+/** In as few digits from ten on as give the same number again. */
+std::string exact_number_text(double value);
+
 /** As printf("%.*f") of the C locale: with so many digits behind the point. */
 std::string fixed_text(double value, int decimals);
 
