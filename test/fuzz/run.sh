@@ -15,6 +15,8 @@ TMPDIR=$(mktemp -d) || exit 1
 export TMPDIR
 trap 'rm -rf "$TMPDIR"' EXIT
 
+# What was given back is held for a while only, so that memory that no input holds doesn't count against the limit.
+export ASAN_OPTIONS=${ASAN_OPTIONS:+$ASAN_OPTIONS:}quarantine_size_mb=16:allocator_release_to_os_interval_ms=500
 # An input is small, so that what takes long or much memory is a fault: nothing that is read may cost more than its bytes.
 "$program" -seed="${TALUS_FUZZ_SEED:-1}" -max_total_time="${TALUS_FUZZ_SECONDS:-9}" -max_len=16384 -timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=256 \
   -artifact_prefix="$out/" -verbosity=0 -print_final_stats=1 "$out/corpus" "${seeds[@]}" >"$out/log.txt" 2>&1

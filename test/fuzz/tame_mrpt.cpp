@@ -37,7 +37,9 @@ const mrpt::rtti::TRuntimeClassId* mrpt::rtti::findRegisteredClass(
 
 namespace
 {
-constexpr std::size_t kMost = 64 << 20, kMostInAll = 512 << 20;
+// The sanitizer takes room of its own around each piece: many small ones cost several times their
+// bytes.
+constexpr std::size_t kMost = 64 << 20, kMostInAll = 128 << 20, kAroundEach = 64;
 std::atomic<std::size_t> in_use{0};
 }  // namespace
 
@@ -45,7 +47,7 @@ std::atomic<std::size_t> in_use{0};
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept
 {
   void* const memory = size <= kMost && in_use < kMostInAll ? std::malloc(size) : nullptr;
-  if (memory) in_use += malloc_usable_size(memory);
+  if (memory) in_use += malloc_usable_size(memory) + kAroundEach;
   return memory;
 }
 void* operator new(std::size_t size)
@@ -56,7 +58,7 @@ void* operator new(std::size_t size)
 }
 void operator delete(void* memory) noexcept
 {
-  if (memory) in_use -= malloc_usable_size(memory);
+  if (memory) in_use -= malloc_usable_size(memory) + kAroundEach;
   std::free(memory);
 }
 void operator delete(void* memory, std::size_t) noexcept { operator delete(memory); }
