@@ -41,14 +41,21 @@ struct StandOnCell
     if (!is_under(x_m, y_m)) return;
     const float floor_m = plane_m(x_m, y_m);
     Cell c = store.load(storage_i);
-    const float top_m = max_of(
-        is_known(c.elevation_m) ? c.elevation_m : floor_m,
-        is_known(c.ground_m) ? c.ground_m : floor_m);
+    const float above_m = kUnderFoot_steps * config->step_threshold_m;
+    // A guess is nothing that the robot drove through: it was wrong.
+    const float top_m = is_known(c.elevation_m) ? max_of(c.elevation_m, c.ground_m) : floor_m;
     const float stood_m = max_of(min_of(top_m - floor_m, config->clearance_m), 0.0f);
     Atomics::max(&datum->drove_through, floor_to_int(stood_m / kDrivenUnit_m));
-    const bool sunk = abs_of(c.ground_m - floor_m) <= kUnderFoot_steps * config->step_threshold_m;
-    c.ground_m = c.elevation_m = select(sunk, c.ground_m, floor_m);
-    c.ground_var_m2 = c.elevation_var_m2 = select(sunk, c.ground_var_m2, kUnderFoot_var_m2);
+    const bool sunk = abs_of(c.ground_m - floor_m) <= above_m;
+    c.ground_m = select(sunk, c.ground_m, floor_m);
+    c.ground_var_m2 = select(sunk, c.ground_var_m2, kUnderFoot_var_m2);
+    if (!is_known(c.elevation_m) && frame->drove_through_m <= above_m)
+    {
+      store.store(storage_i, c);
+      return;
+    }
+    c.elevation_m = c.ground_m;
+    c.elevation_var_m2 = c.ground_var_m2;
     c.state = kMeasured;
     c.persistence = c.extent = 0;
     c.ray_evidence = kPassedLow;
