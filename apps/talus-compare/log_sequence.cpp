@@ -72,7 +72,8 @@ const std::vector<float>& band(
   const auto* layer = stack.find(name);
   if (!layer)
     throw std::runtime_error(
-        "'" + path + "' has no band '" + name + "'; give a truth.tif that talus-sim wrote");
+        "'" + path + "' has no band '" + name +
+        "'; give a truth.tif that talus-sim wrote, or labels: the bands ground and label");
   return *layer;
 }
 
@@ -110,10 +111,14 @@ Sequence read_log(const std::string& path, const std::string& trajectory, const 
   return sequence;
 }
 
-TruthMap read_truth(const std::string& path, const Parameters& parameters)
+io::LayerStack read_truth_file(const std::string& path)
 {
-  const io::LayerStack stack =
-      app::guarded(path, app::kCompareWithSource, [&] { return io::read_geotiff(path); });
+  return app::guarded(path, app::kCompareWithSource, [&] { return io::read_geotiff(path); });
+}
+
+TruthMap truth_from(
+    const io::LayerStack& stack, const std::string& path, const Parameters& parameters)
+{
   if (std::abs(stack.resolution_m - parameters.resolution_m) > 1e-6)
     throw std::runtime_error(
         "'" + path + "' has cells of " + std::to_string(stack.resolution_m) + " m, the maps of " +

@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/baselines/sequence.h>
+#include <talus/baselines/real_log.h>
 #include <talus/baselines/truth_map.h>
 
 #include <string>
@@ -13,8 +13,11 @@ namespace talus::baselines
 Sequence read_log(
     const std::string& path, const std::string& trajectory, const std::string& sensor);
 
+/** What --truth names. Throws std::runtime_error that names the file. */
+io::LayerStack read_truth_file(const std::string& path);
 /** Truth as talus-sim writes it (truth.tif). Throws std::runtime_error, also when its cells are not
  * those of a map with these parameters. */
-TruthMap read_truth(const std::string& path, const Parameters& parameters);
+TruthMap truth_from(
+    const io::LayerStack& stack, const std::string& path, const Parameters& parameters);
 
 }  // namespace talus::baselines

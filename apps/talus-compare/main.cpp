@@ -66,17 +66,23 @@ void compare_log(const std::string& path, const CommandOptions& o, Comparison& o
     const auto world = world_of(o.world);
     const TruthMap truth = truth_of(world, e);
     out.evaluations.push_back(evaluate_sequence(sequence, &truth, &world, e));
+    return;
   }
-  else if (!o.truth.empty())
+  LabelMap labels;
+  if (!o.truth.empty())
   {
-    const TruthMap truth = read_truth(o.truth, e.parameters);
-    out.evaluations.push_back(evaluate_sequence(sequence, &truth, nullptr, e));
+    labels.stack = read_truth_file(o.truth);
+    if (!LabelMap::is_one(labels.stack))
+    {
+      const TruthMap truth = truth_from(labels.stack, o.truth, e.parameters);
+      out.evaluations.push_back(evaluate_sequence(sequence, &truth, nullptr, e));
+      return;
+    }
   }
-  else
-  {
-    out.evaluations.push_back(evaluate_sequence(sequence, nullptr, nullptr, e));
-    out.holdouts.push_back(hold_out(sequence, e, o.holdout));
-  }
+  out.evaluations.push_back(evaluate_sequence(sequence, nullptr, nullptr, e));
+  out.holdouts.push_back(hold_out(sequence, e, o.holdout));
+  out.real_logs.push_back(
+      {sequence.name, score_real_log(sequence, o.truth.empty() ? nullptr : &labels, e)});
 }
 
 /** Compares one input; says what went wrong and returns false. */
@@ -106,7 +112,7 @@ bool compare_input(const std::string& path, const CommandOptions& o, Comparison&
 void require_outputs_apart(const CommandOptions& o)
 {
   std::vector<std::string> outputs;
-  for (const char* name : {"methods.csv", "fills.csv", kSeal, "maps.png", "fills.png"})
+  for (const char* name : {"methods.csv", "fills.csv", "real_logs.csv", kSeal, "maps.png", "fills.png"})
     outputs.push_back((fs::path(o.output) / name).string());
   if (!o.markdown.empty()) outputs.push_back(o.markdown);
   std::vector<std::string> inputs = o.inputs;
@@ -136,6 +142,7 @@ void write_results(const CommandOptions& o, const Comparison& c, const Outputs& 
   { talus::io::write_file((to / name).string(), text); };
   write("methods.csv", methods_csv(c));
   write("fills.csv", fills_csv(c));
+  write("real_logs.csv", real_logs_csv(c));
   write(kSeal, comparison_json(c));
   write_maps_picture((to / "maps.png").string(), c.evaluations);
   write_fills_picture((to / "fills.png").string(), c.evaluations);

@@ -31,6 +31,8 @@ std::string footer()
          "  talus-compare out/demo.rawlog --world datasets/worlds/demo.yaml --output out\n"
          "  talus-compare street.rawlog --config car.ini --output out\n"
          "      without truth: cost, coverage, and held-out points to measure the fills\n"
+         "  talus-compare city.rawlog --truth city_labels.tif --config car.ini --output out\n"
+         "      against labels of people: what is taken for ground, and what is blocked\n"
          "\nExit codes: 0 done, 1 an input failed (or, with --check, a budget), 2 wrong usage,\n"
          "128 + N stopped by signal N.";
 }
@@ -52,7 +54,7 @@ void add_inputs(CLI::App& app, CommandOptions& o)
   app.add_option("--world", o.world, "World that the rawlog was made from: truth of every frame")
       ->check(app::not_empty())
       ->type_name("FILE");
-  app.add_option("--truth", o.truth, "truth.tif of the rawlog: truth of what stands still")
+  app.add_option("--truth", o.truth, "truth.tif of the rawlog, as talus-sim writes it; or labels: bands ground and label")
       ->check(app::not_empty())
       ->type_name("FILE");
   app.add_option("--trajectory", o.trajectory, "Poses of the rawlog; default: LOG.tum beside it")

@@ -78,6 +78,33 @@ Table fill_table(const std::vector<FillScore>& fills)
   return table_of(columns, fills);
 }
 
+std::vector<std::pair<std::string, double>> real_figures(const RealLogScore& s)
+{
+  return {
+      {"precision", s.precision.value()},
+      {"recall", s.recall.value()},
+      {"f1", s.f1()},
+      {"obstacle_blocked", s.obstacle_blocked.value()},
+      {"low_blocked", s.low_blocked.value()},
+      {"ground_passable", s.ground_passable.value()},
+      {"left_blocked", s.left_blocked.value()},
+      {"unjudged", s.unjudged.value()},
+      {"two_sided_unjudged", s.two_sided_unjudged.value()}};
+}
+
+Table real_log_table(const std::vector<RealLogScore>& maps)
+{
+  Table t;
+  t.heading = {"method",       "precision", "recall", "F1",      "obst",
+               "low",          "free",      "left",   "unjudged", "fill2 unjudged"};
+  for (const RealLogScore& s : maps)
+  {
+    auto& row = t.rows.emplace_back(std::vector<std::string>{s.method});
+    for (const auto& [name, value] : real_figures(s)) row.push_back(percent(value));
+  }
+  return t;
+}
+
 bool fails(const BudgetResult& r) { return r.verdict == BudgetResult::Verdict::Fail; }
 
 bool is_rmse(const BudgetResult& r) { return r.name.find("rmse_m") != std::string::npos; }
@@ -229,6 +256,8 @@ std::string tables(const Comparison& c, Render render, const std::string& title)
   }
   for (const HoldOut& h : c.holdouts)
     add(h.name + ": fills, held-out ground points", fill_table(h.fills));
+  for (const RealLog& log : c.real_logs)
+    add(log.name + ": ground, obstacles and what is not judged, %", real_log_table(log.maps));
   return out;
 }
 
@@ -322,9 +351,17 @@ std::string fills_csv(const Comparison& c)
   return out;
 }
 
+std::string real_logs_csv(const Comparison& c)
+{
+  std::string out = csv_heading("method", real_figures(RealLogScore{}));
+  for (const RealLog& log : c.real_logs)
+    for (const RealLogScore& s : log.maps) out += csv_row(log.name, s.method, real_figures(s));
+  return out;
+}
+
 std::string comparison_json(const Comparison& c)
 {
-  nlohmann::json worlds = nlohmann::json::array(), holdouts = nlohmann::json::array();
+  nlohmann::json worlds = nlohmann::json::array(), holdouts = worlds, real_logs = worlds;
   for (const Evaluation& e : c.evaluations)
   {
     nlohmann::json w{{"name", e.name}, {"frames", e.frames}, {"truth", e.has_truth}};
@@ -340,7 +377,14 @@ std::string comparison_json(const Comparison& c)
     for (const FillScore& f : h.fills) j["fills"][f.fill] = as_json(figures(f));
     holdouts.push_back(j);
   }
-  const nlohmann::json all{{"command", c.command}, {"worlds", worlds}, {"held_out", holdouts}};
+  for (const RealLog& log : c.real_logs)
+  {
+    nlohmann::json j{{"name", log.name}};
+    for (const RealLogScore& s : log.maps) j["methods"][s.method] = as_json(real_figures(s));
+    real_logs.push_back(j);
+  }
+  const nlohmann::json all{
+      {"command", c.command}, {"worlds", worlds}, {"held_out", holdouts}, {"real_logs", real_logs}};
   // a file name may be no UTF-8
   return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }

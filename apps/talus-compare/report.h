@@ -1,17 +1,26 @@
 #pragma once
 #include <talus/baselines/budgets.h>
 #include <talus/baselines/holdout.h>
+#include <talus/baselines/real_log.h>
 
 #include <string>
 #include <vector>
 
 namespace talus::baselines
 {
+/** A log without the truth of a world. */
+struct RealLog
+{
+  std::string name;
+  std::vector<RealLogScore> maps;
+};
+
 /** All that one call compared. */
 struct Comparison
 {
   std::vector<Evaluation> evaluations;
   std::vector<HoldOut> holdouts;  //!< of logs without truth
+  std::vector<RealLog> real_logs;
   std::string command;  //!< that made it
 };
 
@@ -34,6 +43,7 @@ std::string accuracy_page(const std::string& old_page, const Comparison& c);
 /** One row a world and method (or fill), one column a figure. */
 std::string methods_csv(const Comparison& c);
 std::string fills_csv(const Comparison& c);
+std::string real_logs_csv(const Comparison& c);
 std::string comparison_json(const Comparison& c);
 
 }  // namespace talus::baselines

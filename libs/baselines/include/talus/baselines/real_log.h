@@ -1,0 +1,57 @@
+#pragma once
+#include <talus/baselines/evaluate.h>
+#include <talus/io/layer_stack.h>
+
+namespace talus::baselines
+{
+/** Labels of real scans, by the cell: a GeoTIFF with the bands `ground` (mean height of the points
+ * that people labelled as ground, map frame; NaN: none) and `label`. */
+struct LabelMap
+{
+  enum Label
+  {
+    kNotKnown = 0,
+    kGround = 1,  //!< ground points only
+    kObstacle = 2,  //!< a point of something 0.3 to 1.8 m above the ground beside it
+    kVegetation = 3,  //!< the same of vegetation only
+    kLow = 4  //!< a point of an obstacle 0.1 to 0.3 m up, and of none higher
+  };
+  io::LayerStack stack;
+
+  /** Whether a file holds such labels, and no truth of talus-sim. */
+  static bool is_one(const io::LayerStack& stack);
+  /** The cell of a place, or -1 outside. */
+  std::ptrdiff_t cell_at(double x_m, double y_m) const;
+  float ground_m(std::ptrdiff_t cell) const;
+  int label(std::ptrdiff_t cell) const;
+};
+
+/** How a map did on a real log, by its window after the last frame. Points are those that pass
+ * range and height band. */
+struct RealLogScore
+{
+  std::string method;
+
+  /// @name Against labels. A point is on the ground if it lies within 0.15 m of it
+  /// @{
+  Share precision;  //!< of points on the map's ground: on the ground that was labelled
+  Share recall;  //!< of points on the ground that was labelled: on the map's
+  Share obstacle_blocked, low_blocked;  //!< of cells labelled kObstacle, kLow
+  Share ground_passable;  //!< of cells labelled kGround that do not touch an obstacle
+  /// @}
+
+  /** Of cells that were hit 0.3 to 1.8 m up in 1 to 19 frames, and afterwards in 5 or more frames
+   * only near the ground: blocked all the same. */
+  Share left_blocked;
+  Share unjudged;  //!< of cells with a ground: without a traversability
+  Share two_sided_unjudged;  //!< the same of those filled from two sides
+
+  /** 2 P R / (P + R). */
+  double f1() const;
+};
+
+/** One score a method of the options. `labels` may be nullptr. */
+std::vector<RealLogScore> score_real_log(
+    const Sequence& sequence, const LabelMap* labels, const EvaluationOptions& options);
+
+}  // namespace talus::baselines

@@ -1,0 +1,188 @@
+#include <talus/baselines/real_log.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace talus::baselines
+{
+namespace
+{
+constexpr float kOnGround_m = 0.15f;
+/** What stands so high stops a robot, and what is higher hangs over it. */
+constexpr float kLowest_m = 0.3f, kHighest_m = 1.8f;
+constexpr int kMovesFrames = 20, kGroundFrames = 5;
+
+/** What the frames of a log hit in one cell. */
+struct Hits
+{
+  float lowest_m = std::numeric_limits<float>::infinity();
+  int up_frames = 0;  //!< in which something stood there
+  int ground_frames = 0;  //!< with ground alone, since
+};
+
+/** Of all frames, cell by cell: two passes, since what is up is told by the lowest of all. */
+class CellHits
+{
+ public:
+  CellHits(const Sequence& sequence, const Parameters& p) : resolution_m_(p.resolution_m)
+  {
+    for (const ScanFrame& frame : sequence.frames)
+      for (const MapPoint& point : accepted_points(frame.view(), p))
+      {
+        float& lowest_m = hits_[key(point)].lowest_m;
+        lowest_m = std::min(lowest_m, point.z_m);
+      }
+    for (const ScanFrame& frame : sequence.frames) add(accepted_points(frame.view(), p));
+  }
+  /** Whether what stood in a cell has left. */
+  bool has_left(std::int64_t x, std::int64_t y) const
+  {
+    const auto found = hits_.find({x, y});
+    if (found == hits_.end()) return false;
+    const Hits& h = found->second;
+    return h.up_frames > 0 && h.up_frames < kMovesFrames && h.ground_frames >= kGroundFrames;
+  }
+
+ private:
+  using Key = std::pair<std::int64_t, std::int64_t>;
+  Key key(const MapPoint& p) const
+  {
+    const auto cell = [&](float at_m)
+    { return static_cast<std::int64_t>(std::floor(static_cast<double>(at_m) / resolution_m_)); };
+    return {cell(p.x_m), cell(p.y_m)};
+  }
+  void add(const std::vector<MapPoint>& points)
+  {
+    std::map<Key, bool> up;
+    for (const MapPoint& p : points)
+    {
+      const float above_m = p.z_m - hits_[key(p)].lowest_m;
+      up[key(p)] |= above_m >= kLowest_m && above_m <= kHighest_m;
+    }
+    for (const auto& [cell, stands] : up)
+    {
+      Hits& h = hits_[cell];
+      h.up_frames += stands;
+      h.ground_frames = stands ? 0 : h.ground_frames + 1;
+    }
+  }
+
+  double resolution_m_;
+  std::map<Key, Hits> hits_;
+};
+
+void score_points(
+    const std::vector<MapPoint>& points, const LabelMap& labels, const Surfaces& map,
+    RealLogScore& score)
+{
+  for (const MapPoint& p : points)
+  {
+    const std::ptrdiff_t at = labels.cell_at(p.x_m, p.y_m);
+    const int k = cell_index(map.window, p.x_m, p.y_m);
+    if (at < 0 || k < 0 || labels.label(at) == LabelMap::kNotKnown) continue;
+    const bool is_ground = std::abs(p.z_m - labels.ground_m(at)) <= kOnGround_m;  // not NaN
+    const bool is_said = std::abs(p.z_m - map.ground_m[static_cast<std::size_t>(k)]) <= kOnGround_m;
+    if (is_said) score.precision.add(is_ground);
+    if (is_ground) score.recall.add(is_said);
+  }
+}
+
+bool touches_obstacle(const LabelMap& labels, double x_m, double y_m, double step_m)
+{
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx)
+    {
+      const std::ptrdiff_t at = labels.cell_at(x_m + dx * step_m, y_m + dy * step_m);
+      if (at >= 0 && labels.label(at) >= LabelMap::kObstacle) return true;
+    }
+  return false;
+}
+
+void score_labels(const LabelMap& labels, const Surfaces& map, RealLogScore& score)
+{
+  const Window& w = map.window;
+  for (std::size_t k = 0; k < map.size(); ++k)
+  {
+    const auto n = static_cast<std::size_t>(w.cells);
+    const auto middle_m = [&](std::int64_t first, std::size_t i)
+    { return (static_cast<double>(first) + static_cast<double>(i) + 0.5) * w.resolution_m; };
+    const double x_m = middle_m(w.min_cell_x, k % n), y_m = middle_m(w.min_cell_y, k / n);
+    const std::ptrdiff_t at = labels.cell_at(x_m, y_m);
+    const int label = at < 0 ? LabelMap::kNotKnown : labels.label(at);
+    if (label == LabelMap::kObstacle) score.obstacle_blocked.add(map.blocked(k));
+    if (label == LabelMap::kLow) score.low_blocked.add(map.blocked(k));
+    if (label == LabelMap::kGround && !touches_obstacle(labels, x_m, y_m, w.resolution_m))
+      score.ground_passable.add(map.passable(k));
+  }
+}
+
+void score_window(const CellHits& hits, const Surfaces& map, RealLogScore& score)
+{
+  const Window& w = map.window;
+  for (std::size_t k = 0; k < map.size(); ++k)
+  {
+    const auto i = static_cast<std::int64_t>(k);
+    const bool judged = map.blocked(k) || map.passable(k);
+    if (map.known(k)) score.unjudged.add(!judged);
+    if (static_cast<CellState>(map.state[k]) == CellState::FilledTwoSided)
+      score.two_sided_unjudged.add(!judged);
+    if (hits.has_left(w.min_cell_x + i % w.cells, w.min_cell_y + i / w.cells))
+      score.left_blocked.add(map.blocked(k));
+  }
+}
+
+}  // namespace
+
+bool LabelMap::is_one(const io::LayerStack& stack)
+{
+  return stack.find("ground") && stack.find("label") && !stack.find("obstacle_top");
+}
+
+std::ptrdiff_t LabelMap::cell_at(double x_m, double y_m) const
+{
+  const double x = std::floor((x_m - stack.min_x_m) / stack.resolution_m);
+  const double y = std::floor((y_m - stack.min_y_m) / stack.resolution_m);
+  if (!(x >= 0 && y >= 0 && x < stack.cells_x && y < stack.cells_y)) return -1;
+  return static_cast<std::ptrdiff_t>(y) * stack.cells_x + static_cast<std::ptrdiff_t>(x);
+}
+float LabelMap::ground_m(std::ptrdiff_t cell) const
+{
+  return (*stack.find("ground"))[static_cast<std::size_t>(cell)];
+}
+int LabelMap::label(std::ptrdiff_t cell) const
+{
+  const float label = (*stack.find("label"))[static_cast<std::size_t>(cell)];
+  return std::isnan(label) ? kNotKnown : static_cast<int>(std::lround(label));
+}
+
+double RealLogScore::f1() const
+{
+  const double p = precision.value(), r = recall.value();
+  return 2 * p * r / (p + r);
+}
+
+std::vector<RealLogScore> score_real_log(
+    const Sequence& sequence, const LabelMap* labels, const EvaluationOptions& options)
+{
+  const CellHits hits(sequence, options.parameters);
+  std::vector<RealLogScore> scores;
+  scores.reserve(options.methods.size());
+  for (const std::string& name : options.methods)
+  {
+    const auto method = make_method(name, options.parameters, options.backend);
+    for (const ScanFrame& frame : sequence.frames) method->update(frame.view());
+    const Surfaces map = method->read();
+    RealLogScore& score = scores.emplace_back();
+    score.method = name;
+    score_window(hits, map, score);
+    if (!labels) continue;
+    score_labels(*labels, map, score);
+    for (const ScanFrame& frame : sequence.frames)
+      score_points(accepted_points(frame.view(), options.parameters), *labels, map, score);
+  }
+  return scores;
+}
+
+}  // namespace talus::baselines
