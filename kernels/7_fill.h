@@ -313,10 +313,11 @@ enum SurfaceFlag : std::int32_t
   kSurfaceSeen = 2,  //!< a ray met it or passed low over its ground
   kSurfaceGuess = 4,  //!< its ground is filled from one side and nothing stands on it
   kSurfaceTraced = 8,  //!< it was hit lately while rays passed, see hit_lately()
-  kSurfaceDriven = 16  //!< the robot drove over it, and nothing new stands there
+  kSurfaceDriven = 16,  //!< the robot drove over it, and nothing new stands there
+  kSurfaceNear = 32  //!< its ground is filled from two sides and a ray passed near it
 };
 
-constexpr int kSurfaceFlags = 5;
+constexpr int kSurfaceFlags = 6;
 
 /** The surfaces of one cell, quantised, for stage 8. */
 struct alignas(8) Surface
@@ -410,6 +411,8 @@ struct FillCell
     const bool drop_off = inferred.before_drop_off() & !is_known(store.elevation_m[storage_i]);
     const bool undercut = filled & ((fill.height_m < fill.expected_m - kUndercut_m) | drop_off);
     const bool low = (bound_m < floor_m + proof_m) & !undercut;
+    const bool near =
+        (bound_m < floor_m + kPassedNear_steps * config->step_threshold_m) & !undercut;
     const float high_up_m = config->clearance_m *
                             select(r == kObject, kHangs_clearances, kHangsBesideColumn_clearances);
     const bool object = filled & ((r == kObject) | (r == kObjectBesideColumn)) &
@@ -418,15 +421,17 @@ struct FillCell
     const int kept = evidence_before & select(undercut, ~kPassedLow, ~0);
     const int ray_evidence =
         kept | select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0);
+    const int footing = (store.footing[storage_i] & select(undercut, ~kPassedNear, ~0)) |
+                        select(near, kPassedNear, 0);
     store.ground_m[storage_i] = ground;
     store.ground_var_m2[storage_i] = variance;
     store.state[storage_i] = static_cast<std::uint8_t>(state);
     store.ray_evidence[storage_i] = static_cast<std::uint8_t>(ray_evidence);
+    store.footing[storage_i] = static_cast<std::uint8_t>(footing);
     const float elevation =
         select(DropHanging::hangs(ray_evidence), kNan, store.elevation_m[storage_i]);
     put_surface(
-        surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, ray_evidence,
-        store.footing[storage_i]);
+        surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, ray_evidence, footing);
     return state;
   }
 
@@ -449,6 +454,7 @@ struct FillCell
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;
     const bool guess = (state == kFilledOneSided) & !stands;
+    const bool near = (state == kFilledTwoSided) & ((footing & kPassedNear) != 0);
     const bool met = measured | stands, known = is_known(ground);
     const bool new_there = stands & (elevation - ground > driven_through_m(footing));
     const bool driven = is_driven(footing) & !new_there;
@@ -456,7 +462,7 @@ struct FillCell
     const std::int32_t flags =
         select(measured, kSurfaceMeasured, 0) | select(met, kSurfaceSeen, 0) | passed_low |
         select(guess, kSurfaceGuess, 0) | select(hit_lately(ray_evidence), kSurfaceTraced, 0) |
-        select(driven, kSurfaceDriven, 0);
+        select(driven, kSurfaceDriven, 0) | select(near, kSurfaceNear, 0);
     const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
     to.height_and_flags = select(

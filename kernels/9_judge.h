@@ -93,8 +93,9 @@ struct ComputeFeatures
         out.sparsity[window_i] = kNan;
       }
     // What no ray ever met, nor passed low over its ground, may be the inside of a thing.
-    const bool judged = known & cell.is(kSurfaceSeen);
-    const float score = fuse_features(f, *config);
+    const bool seen = cell.is(kSurfaceSeen), judged = known & (seen | cell.is(kSurfaceNear));
+    const float features = fuse_features(f, *config);
+    const float score = select(seen, features, min_of(features, kPassedNearScore));
     const float driven = max_of(score, kDrivenScore);
     return select(judged, select(cell.is(kSurfaceDriven), driven, score), kNan);
   }

@@ -181,6 +181,9 @@ constexpr float kLowStep_steps = 0.8f;
  * steeply as it may count: two cells alone tell a slope badly. */
 constexpr int kSteepEdge = 3;
 
+/** Where a ray passed so far above a fill from two sides [steps] nothing higher stands: it is
+ * judged, but no better than this. */
+constexpr float kPassedNear_steps = 2.5f, kPassedNearScore = 0.5f;
 /** What the robot drove through is at least so traversable, whatever stands beside it. */
 constexpr float kDrivenScore = 0.5f;
 
