@@ -202,12 +202,12 @@ struct CleanUpCell
   {
     const int window_i = iy * cells + ix;
     return applies(ix, iy, storage_i) && stands_above(window_i, storage_i) &&
-           store.persistence[storage_i] < 0 && store.extent[storage_i] != kOpen;
+           store.persistence[storage_i] < 0;
   }
 
   /** Rays that pass below what overhangs do not tell that it left; rays that went on where it is
-   * known to have been do. Where such rays go while it is hit, it is open, and they tell nothing.
-   */
+   * known to have been do, and rays that comb the place. Where such rays go while it is hit it is
+   * open, and only combing tells something of it. */
   template <class Group>
   TALUS_HD void inspect(int ix, int iy, int storage_i, const Group& group) const
   {
@@ -217,17 +217,19 @@ struct CleanUpCell
     const bool hit = hit_m > limit_m;
     const OverhangRays<Group> overhang{k, reach, footprint_of(k, *reach.frame, ix, iy), group};
     const int before = store.extent[storage_i];
-    const int extent = hit ? learn(before, overhang, top_m, hit_m, limit_m) : before;
+    const bool open = before == kOpen;
+    const int extent = hit && !open ? learn(before, overhang, top_m, hit_m, limit_m) : before;
     const float lowest_m = top_m - extent_of_code(code_below(extent));
     const float low_m = max_of(lowest_m + k.cleanup_margin_m, limit_m);
     const float high_m = top_m + extent_of_code(code_above(extent)) - k.cleanup_margin_m;
-    const bool went = low_m < high_m && overhang.went_between(low_m, high_m);
+    const bool went = !open && low_m < high_m && overhang.went_between(low_m, high_m);
+    const bool gone = !hit && (went || overhang.combed(top_m));
     if (group.rank() != 0) return;
     store.extent[storage_i] = static_cast<std::uint8_t>(select(hit & went, kOpen, extent));
     // In a part of a scan other parts may hit it.
     const bool lately =
         (reach.frame->is_part != 0) & ((store.ray_evidence[storage_i] & kHitBefore) != 0);
-    if (went & !hit & !lately) store.persistence[storage_i] = 0;
+    if (gone & !lately) store.persistence[storage_i] = 0;
   }
 
   TALUS_HD void finish(int ix, int iy, int storage_i) const

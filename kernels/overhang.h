@@ -101,6 +101,23 @@ struct OverhangRays
     return group.max(most) == kWentOn;
   }
 
+  /** Whether the rays that aimed at the cell comb the place where it was hit: in the slope step of
+   * that height and in those next to it there are some, they went on as far behind the cell, and
+   * none ended before. Scanners of few beams leave gaps in which a thing may stand unseen. */
+  TALUS_HD bool combed(float height_m) const
+  {
+    const int at = floor_to_int(step_of(height_m));
+    bool all = at >= 1 && at + 1 < kSlopeSteps;
+    for (int step = at - 1; all && step <= at + 1; step++)
+    {
+      int most = kNoneAimed;
+      for (int which = group.rank(); which < footprint.rays(); which += group.size())
+        most = max_of(most, static_cast<int>(aimed(bin(which), step, step + 1)));
+      all = group.max(most) == kWentOn;
+    }
+    return all;
+  }
+
   /** From a height that was hit in the cell to the end of the hits below (`up` = -1) or above it
    * (1): in some direction they go on to there, without a ray that went on in between. Hits up to
    * two rings before the cell and one behind it count: what overhangs is seldom one cell wide. */
