@@ -112,7 +112,8 @@ bool compare_input(const std::string& path, const CommandOptions& o, Comparison&
 void require_outputs_apart(const CommandOptions& o)
 {
   std::vector<std::string> outputs;
-  for (const char* name : {"methods.csv", "fills.csv", "real_logs.csv", kSeal, "maps.png", "fills.png"})
+  for (const char* name :
+       {"methods.csv", "fills.csv", "real_logs.csv", kSeal, "maps.png", "fills.png"})
     outputs.push_back((fs::path(o.output) / name).string());
   if (!o.markdown.empty()) outputs.push_back(o.markdown);
   std::vector<std::string> inputs = o.inputs;

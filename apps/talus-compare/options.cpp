@@ -54,7 +54,9 @@ void add_inputs(CLI::App& app, CommandOptions& o)
   app.add_option("--world", o.world, "World that the rawlog was made from: truth of every frame")
       ->check(app::not_empty())
       ->type_name("FILE");
-  app.add_option("--truth", o.truth, "truth.tif of the rawlog, as talus-sim writes it; or labels: bands ground and label")
+  app.add_option(
+         "--truth", o.truth,
+         "truth.tif of the rawlog, as talus-sim writes it; or labels: bands ground and label")
       ->check(app::not_empty())
       ->type_name("FILE");
   app.add_option("--trajectory", o.trajectory, "Poses of the rawlog; default: LOG.tum beside it")

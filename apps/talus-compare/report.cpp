@@ -95,8 +95,8 @@ std::vector<std::pair<std::string, double>> real_figures(const RealLogScore& s)
 Table real_log_table(const std::vector<RealLogScore>& maps)
 {
   Table t;
-  t.heading = {"method",       "precision", "recall", "F1",      "obst",
-               "low",          "free",      "left",   "unjudged", "fill2 unjudged"};
+  t.heading = {"method", "precision", "recall", "F1",       "obst",
+               "low",    "free",      "left",   "unjudged", "fill2 unjudged"};
   for (const RealLogScore& s : maps)
   {
     auto& row = t.rows.emplace_back(std::vector<std::string>{s.method});

@@ -18,6 +18,7 @@ constexpr int kMovesFrames = 20, kGroundFrames = 5;
 struct Hits
 {
   float lowest_m = std::numeric_limits<float>::infinity();
+  float highest_m = -std::numeric_limits<float>::infinity();
   int up_frames = 0;  //!< in which something stood there
   int ground_frames = 0;  //!< with ground alone, since
 };
@@ -31,10 +32,17 @@ class CellHits
     for (const ScanFrame& frame : sequence.frames)
       for (const MapPoint& point : accepted_points(frame.view(), p))
       {
-        float& lowest_m = hits_[key(point)].lowest_m;
-        lowest_m = std::min(lowest_m, point.z_m);
+        Hits& h = hits_[key(point.x_m, point.y_m)];
+        h.lowest_m = std::min(h.lowest_m, point.z_m);
+        h.highest_m = std::max(h.highest_m, point.z_m);
       }
     for (const ScanFrame& frame : sequence.frames) add(accepted_points(frame.view(), p));
+  }
+  /** -infinity: nothing was hit. */
+  float highest_m(double x_m, double y_m) const
+  {
+    const auto found = hits_.find(key(x_m, y_m));
+    return found == hits_.end() ? Hits{}.highest_m : found->second.highest_m;
   }
   /** Whether what stood in a cell has left. */
   bool has_left(std::int64_t x, std::int64_t y) const
@@ -47,19 +55,19 @@ class CellHits
 
  private:
   using Key = std::pair<std::int64_t, std::int64_t>;
-  Key key(const MapPoint& p) const
+  Key key(double x_m, double y_m) const
   {
-    const auto cell = [&](float at_m)
-    { return static_cast<std::int64_t>(std::floor(static_cast<double>(at_m) / resolution_m_)); };
-    return {cell(p.x_m), cell(p.y_m)};
+    const auto cell = [&](double at_m)
+    { return static_cast<std::int64_t>(std::floor(at_m / resolution_m_)); };
+    return {cell(x_m), cell(y_m)};
   }
   void add(const std::vector<MapPoint>& points)
   {
     std::map<Key, bool> up;
     for (const MapPoint& p : points)
     {
-      const float above_m = p.z_m - hits_[key(p)].lowest_m;
-      up[key(p)] |= above_m >= kLowest_m && above_m <= kHighest_m;
+      const float above_m = p.z_m - hits_[key(p.x_m, p.y_m)].lowest_m;
+      up[key(p.x_m, p.y_m)] |= above_m >= kLowest_m && above_m <= kHighest_m;
     }
     for (const auto& [cell, stands] : up)
     {
@@ -100,7 +108,29 @@ bool touches_obstacle(const LabelMap& labels, double x_m, double y_m, double ste
   return false;
 }
 
-void score_labels(const LabelMap& labels, const Surfaces& map, RealLogScore& score)
+/** Mean height of the ground labelled nearest to a cell, NaN: none within a metre. */
+float local_ground_m(const LabelMap& labels, double x_m, double y_m)
+{
+  const int rings = static_cast<int>(1.0 / labels.stack.resolution_m);
+  for (int ring = 0; ring <= rings; ++ring)
+  {
+    Share ground;
+    for (int dy = -ring; dy <= ring; ++dy)
+      for (int dx = -ring; dx <= ring; ++dx)
+      {
+        const double step_m = labels.stack.resolution_m;
+        const std::ptrdiff_t at = labels.cell_at(x_m + dx * step_m, y_m + dy * step_m);
+        if (at < 0 || std::isnan(labels.ground_m(at))) continue;
+        ground.part += labels.ground_m(at), ground.of += 1;
+      }
+    if (ground.of > 0) return static_cast<float>(ground.value());
+  }
+  return std::numeric_limits<float>::quiet_NaN();
+}
+
+void score_labels(
+    const LabelMap& labels, const CellHits& hits, const Surfaces& map, double step_threshold_m,
+    RealLogScore& score)
 {
   const Window& w = map.window;
   for (std::size_t k = 0; k < map.size(); ++k)
@@ -112,7 +142,9 @@ void score_labels(const LabelMap& labels, const Surfaces& map, RealLogScore& sco
     const std::ptrdiff_t at = labels.cell_at(x_m, y_m);
     const int label = at < 0 ? LabelMap::kNotKnown : labels.label(at);
     if (label == LabelMap::kObstacle) score.obstacle_blocked.add(map.blocked(k));
-    if (label == LabelMap::kLow) score.low_blocked.add(map.blocked(k));
+    if (label == LabelMap::kLow &&
+        hits.highest_m(x_m, y_m) - local_ground_m(labels, x_m, y_m) > step_threshold_m)
+      score.low_blocked.add(map.blocked(k));
     if (label == LabelMap::kGround && !touches_obstacle(labels, x_m, y_m, w.resolution_m))
       score.ground_passable.add(map.passable(k));
   }
@@ -178,7 +210,7 @@ std::vector<RealLogScore> score_real_log(
     score.method = name;
     score_window(hits, map, score);
     if (!labels) continue;
-    score_labels(*labels, map, score);
+    score_labels(*labels, hits, map, options.parameters.step_threshold_m, score);
     for (const ScanFrame& frame : sequence.frames)
       score_points(accepted_points(frame.view(), options.parameters), *labels, map, score);
   }

@@ -36,7 +36,8 @@ struct RealLogScore
   /// @{
   Share precision;  //!< of points on the map's ground: on the ground that was labelled
   Share recall;  //!< of points on the ground that was labelled: on the map's
-  Share obstacle_blocked, low_blocked;  //!< of cells labelled kObstacle, kLow
+  Share obstacle_blocked;  //!< of cells labelled kObstacle
+  Share low_blocked;  //!< of cells labelled kLow that were hit higher up than the step threshold
   Share ground_passable;  //!< of cells labelled kGround that do not touch an obstacle
   /// @}
 
