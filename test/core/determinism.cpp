@@ -188,7 +188,7 @@ TEST(Determinism, AStateOfBeforeExtentsWereKeptIsReadAndKnowsNone)
   older.map.restore(bytes);
   expect_same_bits(a.map, older.map, 5);
   for (int i = 0; i < 2; i++)
-    for (TestMap* m : {&a, &b, &older}) m->update(Scan().cast({}));
+    for (TestMap* m : {&a, &b, &older}) m->update(Scan().cast({}, 720, -0.6, 0.1, 16));
   expect_same_bits(a.map, b.map, 7);
   EXPECT_LT(b.elevation(1.825, 0.025), 0.05f);
   EXPECT_GT(older.elevation(1.825, 0.025), 0.4f);

@@ -173,6 +173,23 @@ TEST(Stage6Cleanup, RaysBetweenTheBarsOfARailingDoNotTellThatItLeft)
   EXPECT_GT(m.elevation(1.525, 0.025), 0.5f);
 }
 
+TEST(Stage6Cleanup, WhatRaysCombAndDoNotHitHasLeftWhereFewBeamsTellNothing)
+{
+  // A handlebar: so thin that few rays tell that they go where it was.
+  const Box bar{{1.5, -0.4, 0.45}, {1.52, 0.4, 0.47}};
+  for (const int beams : {96, 6})
+  {
+    TestMap m;
+    for (int i = 0; i < 3; i++) m.update(Scan(0, 0, 0.7).cast({bar}, 720, -0.6, 0.0, 96));
+    ASSERT_GT(cells_above(m, 0.3), 6);
+    for (int i = 0; i < 5; i++) m.update(Scan(0, 0, 0.7).cast({}, 720, -0.6, 0.0, beams));
+    if (beams == 96)
+      EXPECT_EQ(cells_above(m, 0.1), 0);
+    else
+      EXPECT_GT(cells_above(m, 0.3), 6);
+  }
+}
+
 TEST(Stage6Cleanup, WhatHungInACellLendsNoTimeToWhatStandsThereLater)
 {
   // The branch is seen first, over floor that is only guessed; the robot fits below it. Later beams

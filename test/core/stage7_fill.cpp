@@ -390,6 +390,17 @@ TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
   EXPECT_TRUE(std::isnan(m.traversability(2.225, 0.025)));
 }
 
+TEST(Stage7Fill, AGapThatRaysPassedWithinHalfAMetreIsJudgedAtMostHalfFree)
+{
+  // Two rings on the floor, 1 and 1.6 m away: rays of the second pass 0.25 m above the floor behind
+  // the first, and lower the nearer they come to their own end.
+  TestMap m;
+  for (int i = 0; i < 2; i++) m.update(Scan(0, 0, 0.8).cast({}, 720, -0.675, -0.4636, 2));
+  for (const double x : {1.125, 1.475}) EXPECT_EQ(m.state(x, 0.025), CellState::FilledTwoSided);
+  EXPECT_FLOAT_EQ(m.traversability(1.125, 0.025), 0.5f);
+  EXPECT_GT(m.traversability(1.475, 0.025), 0.9f);
+}
+
 TEST(Stage7Fill, WhereRaysPassBelowAFillTheGroundDropsAndIsNotJudged)
 {
   // First a ray passes over what may be its surface; then rays go down behind its edge, no steeper
