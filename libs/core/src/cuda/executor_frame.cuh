@@ -50,10 +50,10 @@ inline OutputMemory CudaExecutor::map_output(float* host, std::size_t size)
 {
   auto& outputs = slot().outputs;
   outputs.emplace_back(host, size * sizeof(float));
-  auto* direct = static_cast<float*>(outputs.back().device());
-  const bool fits = direct && slot().direct_bytes + size * sizeof(float) <= kDirectBytes;
+  auto* mapped = static_cast<float*>(outputs.back().device());
+  const bool fits = mapped && slot().direct_bytes + size * sizeof(float) <= kDirectBytes;
   if (fits) slot().direct_bytes += size * sizeof(float);
-  return {direct != nullptr, fits ? direct : nullptr};
+  return {mapped, fits};
 }
 
 inline bool CudaExecutor::copies_points(std::size_t capacity)
