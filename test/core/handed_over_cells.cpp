@@ -187,8 +187,7 @@ TEST(HandedOverCells, ComeWithAFrameAsTheyAreBeforeAndAfterIt)
     const std::vector<CellRecord> before = read(apart, cells.before);
     apart.map.update(scan.frame());
     cells.after = i % 4 == 1 ? std::vector<CellRect>{} : stripes(apart.map.window());
-    together.map.update(scan.frame(), cells);
-    expect_same(cells.records_before, before);
+    together.map.update(scan.frame(), cells, [&] { expect_same(cells.records_before, before); });
     expect_same(cells.records_after, read(apart, cells.after));
     if (i != 6) continue;
     for (TestMap* m : {&apart, &together})  // so that the next frame has another place in memory
@@ -200,6 +199,24 @@ TEST(HandedOverCells, ComeWithAFrameAsTheyAreBeforeAndAfterIt)
     }
   }
   EXPECT_EQ(apart.map.save(), together.map.save());
+}
+
+TEST(HandedOverCells, ThatCannotBeKeptEndTheFrameFirst)
+{
+  TestMap m, same;
+  m.update(bumps(0, 0));
+  same.update(bumps(0, 0));
+  FrameCells cells;
+  cells.before = {all_of(m.map.window())};
+  const auto refuse = [&]
+  {
+    EXPECT_THROW(m.map.read_cells(cells.before), std::logic_error);  // the frame is in flight
+    throw std::runtime_error("no room");
+  };
+  EXPECT_THROW(m.map.update(bumps(0.3, 0).frame(), cells, refuse), std::runtime_error);
+  same.update(bumps(0.3, 0));
+  EXPECT_EQ(m.map.frames_in_flight(), 0);
+  EXPECT_EQ(m.map.save(), same.map.save());
 }
 
 TEST(HandedOverCells, ThatAreNotInTheWindowAreRefused)

@@ -48,9 +48,9 @@ class BackendInterface
   virtual ~BackendInterface() = default;
 
   /** Begins a frame in a slot that is free: the stages, after those of the frame before. `frame`
-   * gives the points, `context` all else; both stay where they are until it is finished. Of
-   * `cells`, none where another frame is in flight, the records are there when this one is
-   * finished, as read_cells() gives them. */
+   * gives the points, `context` all else; both stay where they are until it is finished. Returns
+   * the records of `cells`, none where another frame is in flight: those of before are there, those
+   * behind them when it is finished. */
   virtual CellRecord* start(
       int slot, const Frame& frame, const kernels::FrameContext& context,
       const FrameRects& cells) = 0;

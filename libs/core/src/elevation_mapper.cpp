@@ -232,7 +232,8 @@ FrameReport ElevationMapper::update(const Frame& frame)
   return impl_->finish({});
 }
 
-FrameReport ElevationMapper::update(const Frame& frame, FrameCells& cells)
+FrameReport ElevationMapper::update(
+    const Frame& frame, FrameCells& cells, const std::function<void()>& meanwhile)
 {
   Impl& m = *impl_;
   m.require_none_in_flight("update");
@@ -240,10 +241,18 @@ FrameReport ElevationMapper::update(const Frame& frame, FrameCells& cells)
   const std::size_t before = Impl::find_in_window(m.finished_window(), cells.before, rects.before);
   const std::size_t after = Impl::find_in_window(window_after(frame), cells.after, rects.after);
   CellRecord* const records = m.start(frame, rects);
-  const FrameReport report = m.finish(rects);
   cells.records_before = {records, before};
   cells.records_after = {records + before, after};
-  return report;
+  try
+  {
+    if (meanwhile) meanwhile();
+  }
+  catch (...)
+  {
+    m.finish(rects);
+    throw;
+  }
+  return m.finish(rects);
 }
 
 void ElevationMapper::start(const Frame& frame) { impl_->start(frame, {}); }

@@ -25,13 +25,15 @@ class MapBackend final : public BackendInterface
       int slot, const Frame& frame, const kernels::FrameContext& context,
       const FrameRects& cells) override
   {
-    if (!cells.before.empty() || !cells.after.empty()) read_before(slot, cells);
+    const bool hands_over = !cells.before.empty() || !cells.after.empty();
+    if (hands_over) read_before(slot, cells);
     use(slot);
     reserve_points(frame.size);
     map_.now->stamp_s = frame.stamp_s;
     map_.now->n_points = context.n_points;
     map_.now->in = executor_.stage(frame, context, map_.point_cell.size());
     executor_.start_frame([this] { schedule_.stages(); });
+    if (hands_over) executor_.wait_for_mark();
     return records_.data();
   }
   FrameReport finish(int slot, const FrameRects& cells) override
@@ -193,7 +195,7 @@ CellRecord* MapBackend<Schedule>::read_cells(const std::vector<WindowRect>& rect
   return records_.data();
 }
 
-/** Of what a frame in `slot` finds: it comes after this, and nothing waits. */
+/** Of what a frame in `slot` finds, which comes after them without waiting: up to a mark. */
 template <class Schedule>
 void MapBackend<Schedule>::read_before(int slot, const FrameRects& cells)
 {
@@ -202,6 +204,7 @@ void MapBackend<Schedule>::read_before(int slot, const FrameRects& cells)
   executor_.make_room(
       records_, static_cast<std::size_t>(size_of(cells.before) + size_of(cells.after)));
   read(cells.before, records_.data());
+  executor_.mark();
 }
 
 template <class Schedule>

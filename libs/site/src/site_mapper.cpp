@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 
 namespace talus::site
 {
@@ -63,8 +64,11 @@ FrameReport SiteMapper::update_kept(ElevationMapper& map, const Frame& frame)
     keep_before(map, after, base);
     ask_for_entered(before, after);
   }
-  const FrameReport report = map.update(frame, with_frame_);
-  if (!with_frame_.before.empty()) keep_leaving(map, before);
+  const auto meanwhile = [&]
+  {
+    if (!with_frame_.before.empty()) keep_leaving(map, before);
+  };
+  const FrameReport report = map.update(frame, with_frame_, std::ref(meanwhile));
   state_.stamp_s = frame.stamp_s;
   follow(base);
   if (state_.choice != Choice::None)

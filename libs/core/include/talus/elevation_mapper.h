@@ -7,6 +7,7 @@
 #include <talus/window.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -45,9 +46,11 @@ class ElevationMapper
    * std::logic_error while a frame is in flight. */
   FrameReport update(const Frame& frame);
   /** The same, and read_cells() of some as the frame finds them and of others as it leaves them: on
-   * a device they come with the frame, for hardly any time of their own. Throws also as
-   * read_cells(), then nothing has changed. */
-  FrameReport update(const Frame& frame, FrameCells& cells);
+   * a device they come with the frame, for hardly any time of their own. While it computes,
+   * `meanwhile` may work on those of before; it must leave the map alone. Throws also as
+   * read_cells(), then nothing has changed, and after the frame what `meanwhile` throws. */
+  FrameReport update(
+      const Frame& frame, FrameCells& cells, const std::function<void()>& meanwhile = {});
 
   /** @name Two frames in flight
    * To overlap frames: start() the next one, then finish() the one before and read its layers.

@@ -50,6 +50,8 @@ class CpuMemory
     std::copy_n(from, size, to);
   }
   void synchronize() {}
+  void mark() {}
+  void wait_for_mark() {}
 
   OutputMemory map_output(float* host, std::size_t) { return {host, true}; }
   void forget_outputs() {}

@@ -66,6 +66,9 @@ class CudaExecutor
     synchronize();
   }
   void synchronize() { TALUS_CUDA(cudaStreamSynchronize(slot().queue.stream.get())); }
+  /** To wait, later, for what was called up to here. */
+  void mark() { TALUS_CUDA(cudaEventRecord(marked_.get(), slot().queue.stream.get())); }
+  void wait_for_mark() { TALUS_CUDA(cudaEventSynchronize(marked_.get())); }
 
   // ---- outputs ----
   OutputMemory map_output(float* host, std::size_t size);
@@ -380,6 +383,7 @@ class CudaExecutor
   bool can_chain_ = false;
   bool recording_ = false, beside_ = false, forked_ = false, joins_ = false;
   int stage_end_ = 0;
+  Event marked_;
   Buffer<unsigned> blocks_done_;  //!< of a loop that does something in its end
   std::array<int, kStageCount> end_of_stage_{};
   WorkQueue side_;  //!< of copies, where a frame is recorded

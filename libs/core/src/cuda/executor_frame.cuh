@@ -41,6 +41,7 @@ inline CudaExecutor::CudaExecutor()
   }
   // Code of an older architecture does not wait for its predecessor by itself.
   can_chain_ = device.major >= 9 && code.ptxVersion >= 90;
+  marked_ = make_event();
   side_ = make_queue();
   use(0);
   allocate(blocks_done_, 1, 0u);
