@@ -134,6 +134,13 @@ TALUS_HD int footing_driven_through(float height_m)
   return min_of(max_of(code, 1), kMostDriven) << kDrivenBits;
 }
 
+/** A height that is counted from elsewhere. NaN stays the one that it is: sums make another of it
+ * on a device. */
+TALUS_HD float raised(float height_m, float by_m)
+{
+  return select(is_known(height_m), height_m + by_m, kNan);
+}
+
 /** Where cell (ix, iy) of the window is stored. */
 TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)
 {
@@ -171,10 +178,8 @@ struct SurfaceLayers
   bool any() const { return elevation || ground || variance || state; }
   TALUS_HD void put(int window_i, const CellStore& store, int storage_i, float offset_m) const
   {
-    // NaN stays the one that it is: sums make another of it on a device.
-    const float top_m = store.elevation_m[storage_i], ground_m = store.ground_m[storage_i];
-    if (elevation) elevation[window_i] = select(is_known(top_m), top_m + offset_m, kNan);
-    if (ground) ground[window_i] = select(is_known(ground_m), ground_m + offset_m, kNan);
+    if (elevation) elevation[window_i] = raised(store.elevation_m[storage_i], offset_m);
+    if (ground) ground[window_i] = raised(store.ground_m[storage_i], offset_m);
     if (variance) variance[window_i] = store.ground_var_m2[storage_i];
     if (state) state[window_i] = static_cast<float>(store.state[storage_i]);
   }

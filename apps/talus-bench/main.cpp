@@ -42,12 +42,38 @@ Frame frame_of(ElevationMapper& map, const Scan& scan, const Setting& s)
   return frame;
 }
 
+CellRect columns(const Window& w, int first, int width)
+{
+  return {w.min_cell_x + first, w.min_cell_y, width, w.cells};
+}
+
+/** update(), with cells of a window that moves along x: with those that leave it others by which
+ * they are judged, with those that come into it those beside them. */
+FrameReport hand_over(ElevationMapper& map, const Frame& frame, HandedOver handed_over)
+{
+  constexpr int kMargin = 4;
+  const Window before = map.window(), after = map.window_after(frame);
+  const auto moved = static_cast<int>(after.min_cell_x - before.min_cell_x);
+  const int n = before.cells, width = std::abs(moved), kept = width + kMargin;
+  const CellRect came = columns(after, moved > 0 ? n - width : 0, width);
+  FrameCells cells;
+  cells.before = {columns(before, moved > 0 ? 0 : n - kept, kept)};
+  cells.after = {came, columns(after, moved > 0 ? n - width - 1 : width, 1)};
+  const FrameReport report = map.update(frame, cells);
+  if (handed_over == HandedOver::ReadAndWritten)
+    map.write_cells({came}, cells.records_after.first, came.size());
+  return report;
+}
+
 /** Updates with a frame; where they overlap, starts it and finishes the one before. */
 FrameReport run_frame(ElevationMapper& map, const Frame& frame, const Setting& s)
 {
   if (s.overlapped && map.frames_in_flight() == 0) map.start(frame);
   if (s.overlapped) map.start(frame);
-  const FrameReport report = s.overlapped ? map.finish() : map.update(frame);
+  const bool hands_over = s.cells_handed_over != HandedOver::Nothing && !map.empty();
+  const FrameReport report = s.overlapped ? map.finish()
+                             : hands_over ? hand_over(map, frame, s.cells_handed_over)
+                                          : map.update(frame);
   for (const Layer l : s.layers) benchmark::DoNotOptimize(map.layer(l).data());
   return report;
 }

@@ -9,7 +9,7 @@ namespace talus::bench
 {
 namespace
 {
-constexpr double kSensorHeight_m = 0.7, kBoxEvery_m2 = 12, kStep_m = 0.07, kLane_m = 0.8;
+constexpr double kSensorHeight_m = 0.7, kBoxEvery_m2 = 12, kLane_m = 0.8;
 
 struct Box
 {
@@ -103,13 +103,13 @@ Frame Scan::frame() const
   return f;
 }
 
-std::vector<Scan> make_drive(std::size_t points, double radius_m, int scans)
+std::vector<Scan> make_drive(std::size_t points, double radius_m, int scans, double step_m)
 {
   std::mt19937_64 random(points);
   const std::vector<Box> boxes = make_boxes(radius_m, random);
   std::vector<Scan> drive;
   for (int i = 0; i < scans; i++)
-    drive.push_back(make_scan({boxes, radius_m, 0}, kStep_m * i, points, random));
+    drive.push_back(make_scan({boxes, radius_m, 0}, step_m * i, points, random));
   return drive;
 }
 

@@ -11,14 +11,16 @@ const std::vector<Layer> kTwoLayers{Layer::Traversability, Layer::Elevation};
 const std::vector<Layer> kSixLayers{Layer::Traversability, Layer::Elevation, Layer::GroundElevation,
                                     Layer::Variance,       Layer::State,     Layer::Slope};
 constexpr double kResolution_m = 0.05;
+constexpr double kRoll_m = 0.1004;  //!< two cells, and nowhere at the edge of one
 
 const std::vector<Scan>& drive(const Setting& s)
 {
   static std::map<std::string, std::vector<Scan>> made;
   const double radius_m = 0.55 * s.cells * kResolution_m;
-  const std::string key = std::to_string(s.points) + "/" + std::to_string(s.cells);
+  const std::string key =
+      std::to_string(s.points) + "/" + std::to_string(s.cells) + "/" + std::to_string(s.step_m);
   auto& scans = made[key];
-  if (scans.empty()) scans = make_drive(s.points, radius_m, s.points > 200000 ? 3 : 8);
+  if (scans.empty()) scans = make_drive(s.points, radius_m, s.points > 200000 ? 3 : 8, s.step_m);
   return scans;
 }
 }  // namespace
@@ -46,6 +48,18 @@ std::vector<Setting> settings()
     all.push_back({std::string("S2/") + name, 131072, 1000, layers});
     all.back().overlapped = true;
   }
+  for (const auto& [name, handed_over] :
+       {std::pair{"roll", HandedOver::Nothing},
+        {"roll/read", HandedOver::Read},
+        {"roll/read_and_written", HandedOver::ReadAndWritten}})
+    for (const std::size_t i : {0, 2})
+    {
+      Setting s = all[i];
+      s.name += std::string("/") + name;
+      s.step_m = kRoll_m;
+      s.cells_handed_over = handed_over;
+      all.push_back(s);
+    }
   for (const std::size_t points : {10240, 51200, 204800, 819200, 2048000})
     all.push_back({"points/" + std::to_string(points), points, 400, kTwoLayers});
   for (const int cells : {160, 400, 1000, 2000, 4000})

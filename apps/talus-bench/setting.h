@@ -7,6 +7,15 @@
 
 namespace talus::bench
 {
+/** Cells that a frame hands over, as for a map of a whole drive: those that leave the window, and
+ * those that come into it, which may be given back. */
+enum class HandedOver
+{
+  Nothing,
+  Read,
+  ReadAndWritten
+};
+
 /** What one line of the table measures. */
 struct Setting
 {
@@ -20,6 +29,8 @@ struct Setting
   /** The next frame is started before each is finished; what is measured is from finish to finish.
    * The CPU backend leaves these settings out. */
   bool overlapped = false;
+  double step_m = 0.07;  //!< between frames
+  HandedOver cells_handed_over = HandedOver::Nothing;
 
   double points_and_cells() const
   {
@@ -27,7 +38,8 @@ struct Setting
   }
 };
 
-/** S1, the paper's; S2; variants of both; sweeps over points and cells. */
+/** S1, the paper's; S2; variants of both, of which `roll` moves the window by two cells in each
+ * frame; sweeps over points and cells. */
 std::vector<Setting> settings();
 
 Parameters parameters(const Setting& s);

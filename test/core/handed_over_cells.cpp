@@ -31,6 +31,16 @@ bool same(const CellRecord& a, const CellRecord& b)
          a.persistence == b.persistence && a.ray_evidence == b.ray_evidence &&
          a.extent == b.extent && a.footing == b.footing;
 }
+
+std::vector<CellRecord> read(const TestMap& m, const std::vector<CellRect>& rects)
+{
+  const CellRecords records = m.map.read_cells(rects);
+  return {records.begin(), records.end()};
+}
+void write(TestMap& m, const std::vector<CellRect>& rects, const std::vector<CellRecord>& records)
+{
+  m.map.write_cells(rects, records.data(), records.size());
+}
 }  // namespace
 
 TEST(HandedOverCells, AreWhatTheLayersShow)
@@ -40,8 +50,7 @@ TEST(HandedOverCells, AreWhatTheLayersShow)
   const Window w = m.map.window();
   const CellRect right{w.min_cell_x + 150, w.min_cell_y, 10, 160};
   const CellRect top{w.min_cell_x, w.min_cell_y + 157, 150, 3};
-  std::vector<CellRecord> records;
-  m.map.read_cells({right, top}, records);
+  const std::vector<CellRecord> records = read(m, {right, top});
   ASSERT_EQ(records.size(), right.size() + top.size());
   std::size_t i = 0;
   for (const CellRect& r : {right, top})
@@ -62,13 +71,12 @@ TEST(HandedOverCells, PutBackMakeTheMapThatItWas)
 {
   TestMap m;
   m.update(bumps(0, 0));
-  std::vector<CellRecord> before, after;
   const Window w = m.map.window();
-  m.map.read_cells({all_of(w)}, before);
+  const std::vector<CellRecord> before = read(m, {all_of(w)});
   m.update(Scan(20, 0));
   m.update(Scan(0, 0));
-  m.map.write_cells({all_of(w)}, before);
-  m.map.read_cells({all_of(w)}, after);
+  write(m, {all_of(w)}, before);
+  const std::vector<CellRecord> after = read(m, {all_of(w)});
   ASSERT_EQ(before.size(), after.size());
   for (std::size_t i = 0; i < before.size(); i++)
     EXPECT_TRUE(before[i].state == 0 || same(before[i], after[i])) << "cell " << i;
@@ -78,10 +86,9 @@ TEST(HandedOverCells, ThatAreUnknownChangeNothing)
 {
   TestMap m;
   m.update(bumps(0, 0));
-  std::vector<CellRecord> before, after;
-  m.map.read_cells({all_of(m.map.window())}, before);
-  m.map.write_cells({all_of(m.map.window())}, std::vector<CellRecord>(before.size()));
-  m.map.read_cells({all_of(m.map.window())}, after);
+  const std::vector<CellRecord> before = read(m, {all_of(m.map.window())});
+  write(m, {all_of(m.map.window())}, std::vector<CellRecord>(before.size()));
+  const std::vector<CellRecord> after = read(m, {all_of(m.map.window())});
   for (std::size_t i = 0; i < before.size(); i++) EXPECT_TRUE(same(before[i], after[i]));
 }
 
@@ -93,18 +100,129 @@ TEST(HandedOverCells, AreShownByOutputLayersAtOnce)
   CellRecord r;
   r.ground_m = 0.25f, r.ground_variance_m2 = 0.01f, r.traversability = 0.5f, r.state = 1;
   const Window w = m.map.window();
-  m.map.write_cells({{w.min_cell_x + 3, w.min_cell_y + 2, 1, 1}}, {r});
+  write(m, {{w.min_cell_x + 3, w.min_cell_y + 2, 1, 1}}, {r});
   const auto at = static_cast<std::size_t>(2 * w.cells + 3);
   EXPECT_EQ(m.map.layer(Layer::GroundElevation)[at], 0.25f);
   EXPECT_EQ(m.map.layer(Layer::Traversability)[at], 0.5f);
   EXPECT_EQ(m.map.layer(Layer::State)[at], 1.0f);
 }
 
+namespace
+{
+const std::vector<Layer> kAllLayers = {
+    Layer::Elevation, Layer::GroundElevation, Layer::Variance, Layer::State,         Layer::Slope,
+    Layer::Step,      Layer::Roughness,       Layer::Sparsity, Layer::Traversability};
+void expect_same(const CellRecords& a, const std::vector<CellRecord>& b)
+{
+  ASSERT_EQ(a.size, b.size());
+  for (std::size_t i = 0; i < a.size; i++) EXPECT_TRUE(same(a[i], b[i])) << "cell " << i;
+}
+/** More rectangles than go at once, some of them empty. */
+std::vector<CellRect> stripes(const Window& w)
+{
+  std::vector<CellRect> rects;
+  for (int i = 0; i < 11; i++)
+    rects.push_back({w.min_cell_x + 3 * i, w.min_cell_y + 5 + i, i % 3, w.cells - 20});
+  return rects;
+}
+}  // namespace
+
+/** Of a small window kernels write layers where they are wanted, of a large one they are copied. */
+TEST(HandedOverCells, AreInDeliveredLayersAsTheyAreReadBack)
+{
+  for (const double window_m : {8.0, 20.0})
+  {
+    Parameters p;
+    p.window_m = window_m;
+    TestMap delivers(p), is_asked(p);
+    delivers.map.set_output_layers(kAllLayers);
+    std::vector<float> shown_before;
+    for (TestMap* m : {&delivers, &is_asked})
+    {
+      m->update(bumps(0, 0));
+      std::vector<CellRecord> records = read(*m, stripes(m->map.window()));
+      for (std::size_t i = 0; i < records.size(); i++)
+      {
+        records[i].state = static_cast<std::uint8_t>(i % 4);
+        records[i].ground_m = 0.001f * static_cast<float>(i) + 0.123f;
+        records[i].ground_variance_m2 = 0.01f;
+        if (i % 5 == 0) records[i].elevation_m = records[i].elevation_variance_m2 = NAN;
+        records[i].traversability = i % 7 == 0 ? NAN : 0.25f;
+      }
+      shown_before = m->map.layer(Layer::GroundElevation);
+      write(*m, stripes(m->map.window()), records);
+    }
+    EXPECT_NE(delivers.map.layer(Layer::GroundElevation), shown_before);
+    for (const Layer l : kAllLayers)
+    {
+      const auto &a = delivers.map.layer(l), &b = is_asked.map.layer(l);
+      ASSERT_EQ(a.size(), b.size());
+      EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0) << layer_name(l);
+    }
+    EXPECT_EQ(delivers.map.save(), is_asked.map.save());
+  }
+}
+
+TEST(HandedOverCells, KeepTheirTraversabilityWhenItsPartsAreAskedFor)
+{
+  TestMap m;
+  m.update(bumps(0, 0));
+  const std::vector<CellRect> one = {{m.map.window().min_cell_x, m.map.window().min_cell_y, 1, 1}};
+  CellRecord r;
+  r.ground_m = 0.25f, r.ground_variance_m2 = 0.01f, r.traversability = 0.5f, r.state = 1;
+  write(m, one, {r});
+  m.map.layer(Layer::Slope);
+  EXPECT_EQ(m.map.layer(Layer::Traversability)[0], 0.5f);
+  EXPECT_EQ(read(m, one)[0].traversability, 0.5f);
+}
+
+TEST(HandedOverCells, ComeWithAFrameAsTheyAreBeforeAndAfterIt)
+{
+  TestMap apart, together;
+  FrameCells cells;
+  for (int i = 0; i < 12; i++)
+  {
+    const Scan scan = bumps(0.11 * i, -0.07 * i);
+    cells.before = i == 0 ? std::vector<CellRect>{} : stripes(apart.map.window());
+    const std::vector<CellRecord> before = read(apart, cells.before);
+    apart.map.update(scan.frame());
+    cells.after = i % 4 == 1 ? std::vector<CellRect>{} : stripes(apart.map.window());
+    together.map.update(scan.frame(), cells, [&] { expect_same(cells.records_before, before); });
+    expect_same(cells.records_after, read(apart, cells.after));
+    if (i != 6) continue;
+    for (TestMap* m : {&apart, &together})  // so that the next frame has another place in memory
+    {
+      m->map.start(scan.frame());
+      m->map.start(scan.frame());
+      m->map.finish();
+      m->map.finish();
+    }
+  }
+  EXPECT_EQ(apart.map.save(), together.map.save());
+}
+
+TEST(HandedOverCells, ThatCannotBeKeptEndTheFrameFirst)
+{
+  TestMap m, same;
+  m.update(bumps(0, 0));
+  same.update(bumps(0, 0));
+  FrameCells cells;
+  cells.before = {all_of(m.map.window())};
+  const auto refuse = [&]
+  {
+    EXPECT_THROW(m.map.read_cells(cells.before), std::logic_error);  // the frame is in flight
+    throw std::runtime_error("no room");
+  };
+  EXPECT_THROW(m.map.update(bumps(0.3, 0).frame(), cells, refuse), std::runtime_error);
+  same.update(bumps(0.3, 0));
+  EXPECT_EQ(m.map.frames_in_flight(), 0);
+  EXPECT_EQ(m.map.save(), same.map.save());
+}
+
 TEST(HandedOverCells, ThatAreNotInTheWindowAreRefused)
 {
   TestMap m;
-  std::vector<CellRecord> records;
-  EXPECT_THROW(m.map.read_cells({{0, 0, 1, 1}}, records), std::invalid_argument);  // no window yet
+  EXPECT_THROW(m.map.read_cells({{0, 0, 1, 1}}), std::invalid_argument);  // no window yet
   m.update(bumps(0, 0));
   const Window w = m.map.window();
   const CellRect outside[] = {
@@ -113,10 +231,16 @@ TEST(HandedOverCells, ThatAreNotInTheWindowAreRefused)
       {w.min_cell_x, w.min_cell_y, -1, 1},
       {w.min_cell_x, w.min_cell_y, 1 << 30, 1 << 30}};
   for (const CellRect& r : outside)
-    EXPECT_THROW(m.map.read_cells({r}, records), std::invalid_argument);
-  m.map.read_cells({{w.min_cell_x, w.min_cell_y, 0, 160}}, records);
-  EXPECT_TRUE(records.empty());
-  EXPECT_THROW(m.map.write_cells({all_of(w)}, {CellRecord()}), std::invalid_argument);
+  {
+    FrameCells cells;
+    EXPECT_THROW(m.map.read_cells({r}), std::invalid_argument);
+    cells.before = {r};
+    EXPECT_THROW(m.map.update(bumps(0, 0).frame(), cells), std::invalid_argument);
+    cells.before.swap(cells.after);
+    EXPECT_THROW(m.map.update(bumps(0, 0).frame(), cells), std::invalid_argument);
+  }
+  EXPECT_EQ(m.map.read_cells({{w.min_cell_x, w.min_cell_y, 0, 160}}).size, 0u);
+  EXPECT_THROW(write(m, {all_of(w)}, {CellRecord()}), std::invalid_argument);
 }
 
 TEST(HandedOverCells, AreTheSameForTheWindowThatTheNextFrameWillHave)
@@ -140,10 +264,7 @@ TEST(HandedOverCells, OfAnotherFloorAreToldBeforeTheyGo)
   Scan higher(0, 0, 3.9);
   higher.add_surface(-4, -4, 4, 4, [](double, double) { return 3.2; });
   EXPECT_TRUE(m.update(higher).leaves_floor);
-  std::vector<CellRecord> old;
-  m.map.read_cells({all_of(m.map.window())}, old);
-  EXPECT_NEAR(old[80 * 160 + 40].ground_m, 0, 0.1);
+  EXPECT_NEAR(read(m, {all_of(m.map.window())})[80 * 160 + 40].ground_m, 0, 0.1);
   EXPECT_FALSE(m.update(higher).leaves_floor);
-  m.map.read_cells({all_of(m.map.window())}, old);
-  EXPECT_NEAR(old[80 * 160 + 40].ground_m, 3.2, 0.1);
+  EXPECT_NEAR(read(m, {all_of(m.map.window())})[80 * 160 + 40].ground_m, 3.2, 0.1);
 }

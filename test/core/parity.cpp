@@ -2,6 +2,7 @@
 #include "scene.h"
 #include "shuffle.h"
 
+#include <cstddef>
 #include <cstring>
 
 using namespace talus;
@@ -286,6 +287,47 @@ TEST(Parity, ADriveWithTwoFramesInFlightOnTheDevice)
       ASSERT_NO_FATAL_FAILURE(maps.expect_same_bits(layers));
     }
     ASSERT_NO_FATAL_FAILURE(maps.expect_same_bits());
+  }
+}
+
+TEST(Parity, CellsThatAreHandedOverWithFramesAndGivenBackOtherwise)
+{
+  constexpr std::size_t kBytes = offsetof(CellRecord, footing) + 1;  // without what pads it
+  for (const double window_m : {8.0, 20.5})  // layers written directly, and copied
+  {
+    Parameters p;
+    p.window_m = window_m;
+    Pair maps(p);
+    maps.cuda.set_output_layers({Layer::Elevation, Layer::State, Layer::Traversability});
+    Random noise(17);
+    for (int i = 0; i < 12; i++)
+    {
+      const Scan scan = street_scan(0.13 * i, -0.08 * i, 0.1 * i, 360, 32, noise);
+      const Window now = maps.cpu.window(), next = maps.cpu.window_after(scan.frame());
+      FrameCells cells[2];
+      for (FrameCells& c : cells)
+      {
+        if (i > 0)
+          c.before = {
+              {now.min_cell_x, now.min_cell_y, 7, now.cells},
+              {now.min_cell_x + 9, now.min_cell_y, now.cells - 9, 5}};
+        c.after = {{next.min_cell_x + next.cells - 3, next.min_cell_y, 3, next.cells}};
+      }
+      maps.cpu.update(scan.frame(), cells[0]);
+      maps.cuda.update(scan.frame(), cells[1]);
+      for (const auto records : {&FrameCells::records_before, &FrameCells::records_after})
+      {
+        ASSERT_EQ((cells[0].*records).size, (cells[1].*records).size);
+        for (std::size_t r = 0; r < (cells[0].*records).size; r++)
+          ASSERT_EQ(std::memcmp(&(cells[0].*records)[r], &(cells[1].*records)[r], kBytes), 0);
+      }
+      for (FrameCells& c : cells)
+        for (CellRecord& r : c.records_after) r.ground_m += 0.013f, r.traversability = 0.7f;
+      maps.cpu.write_cells(cells[0].after, cells[0].records_after.first, cells[0].after[0].size());
+      maps.cuda.write_cells(cells[1].after, cells[1].records_after.first, cells[1].after[0].size());
+      ASSERT_NO_FATAL_FAILURE(maps.expect_same_bits());
+    }
+    ASSERT_EQ(maps.cpu.save(), maps.cuda.save());
   }
 }
 

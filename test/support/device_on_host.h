@@ -34,7 +34,7 @@ class DeviceOnHost : public CpuMemory
   OutputMemory map_output(float* host, std::size_t)
   {
     copies_ = !copies_;
-    return {true, copies_ ? nullptr : host};
+    return {host, !copies_};
   }
 
   // ---- one frame, of the slot in use ----
@@ -63,9 +63,10 @@ class DeviceOnHost : public CpuMemory
     start_clock();
     body();
   }
-  template <class Body>
-  void finish_frame(const Body&)
+  template <class Body, class Then>
+  void finish_frame(const Body&, const Then& then)
   {
+    then();
   }
   std::uint32_t* reported() { return reported_[slot_].data(); }
 
@@ -74,6 +75,16 @@ class DeviceOnHost : public CpuMemory
   void for_each(int n, const F& f)
   {
     for (int i = n; i-- > 0;) run(f, i, 0);
+  }
+  template <class F, class T>
+  void for_each_to_host(int n, const F& f, T* to)
+  {
+    for_each(n, [&](int i) { to[i] = f(i); });
+  }
+  template <class F, class T>
+  void for_each_from_host(int n, const F& f, const T* from)
+  {
+    for_each(n, [&](int i) { f(i, from[i]); });
   }
   template <class F, class G>
   void for_each_beside(int n, const F& f, int, int nx, int ny, const G& g)

@@ -1,6 +1,7 @@
 #pragma once
 #include <talus/elevation_mapper.h>
 #include "config.h"
+#include "hand_over.h"
 #include "kernels/cell.h"
 #include "kernels/frame.h"
 
@@ -22,15 +23,16 @@ struct MapBytes
 /** Where a backend puts one layer for its caller. */
 struct OutputMemory
 {
-  bool reachable;  //!< false: the layer cannot be delivered with each frame, only read
-  float* direct;  //!< the caller's memory as kernels see it; null: they work elsewhere, and it is
-                  //!< copied
+  /** The caller's memory as kernels see it; null: the layer cannot be delivered with each frame,
+   * only read. */
+  float* mapped = nullptr;
+  bool direct = false;  //!< kernels put it there; false: they work elsewhere, and it is copied
 };
 
-/** Cells of the window. */
-struct WindowRect
+/** Cells that a frame hands over: of the window before it, and of its own. */
+struct FrameRects
 {
-  int first_x, first_y, width, height;
+  std::vector<WindowRect> before, after;
 };
 
 /** By layer: the caller's n*n floats, or null. */
@@ -46,10 +48,14 @@ class BackendInterface
   virtual ~BackendInterface() = default;
 
   /** Begins a frame in a slot that is free: the stages, after those of the frame before. `frame`
-   * gives the points, `context` all else; both stay where they are until it is finished. */
-  virtual void start(int slot, const Frame& frame, const kernels::FrameContext& context) = 0;
-  /** Ends the frame that was started first. */
-  virtual FrameReport finish(int slot) = 0;
+   * gives the points, `context` all else; both stay where they are until it is finished. Returns
+   * the records of `cells`, none where another frame is in flight: those of before are there, those
+   * behind them when it is finished. */
+  virtual CellRecord* start(
+      int slot, const Frame& frame, const kernels::FrameContext& context,
+      const FrameRects& cells) = 0;
+  /** Ends the frame that was started first, with the same cells. */
+  virtual FrameReport finish(int slot, const FrameRects& cells) = 0;
 
   /** Room for points that start() need not copy, in a slot that is free; valid until it grows. */
   virtual PointArrays point_arrays(int slot, std::size_t size) = 0;
@@ -63,9 +69,9 @@ class BackendInterface
   /** Copies a layer, window order, n*n floats. */
   virtual void read_layer(Layer layer, float* out) = 0;
   /** Cells of rectangles, row by row, one after the other; see ElevationMapper::read_cells(). */
-  virtual void read_cells(const std::vector<WindowRect>& rects, std::vector<CellRecord>& to) = 0;
-  virtual void write_cells(
-      const std::vector<WindowRect>& rects, const std::vector<CellRecord>& from) = 0;
+  virtual CellRecord* read_cells(const std::vector<WindowRect>& rects) = 0;
+  /** Also into the layers that are delivered. */
+  virtual void write_cells(const std::vector<WindowRect>& rects, const CellRecord* from) = 0;
   virtual MapBytes read_all() = 0;
   /** Of a backend that has seen no frame. Sizes are checked by the caller. */
   virtual void write_all(const MapBytes& bytes, const kernels::FrameContext& window) = 0;

@@ -130,27 +130,34 @@ struct ElevationMapper::Impl
           std::string("ElevationMapper::") + call +
           ": a frame is in flight: finish() what was started before");
   }
-  /** Puts rectangles of the global grid into `rects_in_window`. Returns how many cells they have.
-   */
-  std::size_t find_in_window(const std::vector<CellRect>& rects)
+  /** Of no cells before the first frame. */
+  Window finished_window() const
+  {
+    const int n = finished.started ? parameters.cells() : 0;
+    return {n, parameters.resolution_m, finished.min_cell_x, finished.min_cell_y};
+  }
+  /** Finds rectangles of the global grid in a window. Returns how many cells they have. */
+  static std::size_t find_in_window(
+      const Window& window, const std::vector<CellRect>& rects, std::vector<WindowRect>& in_window)
   {
     std::size_t size = 0;
-    rects_in_window.clear();
+    in_window.clear();
     for (const CellRect& r : rects)
     {
-      const std::int64_t x = r.min_cell_x - finished.min_cell_x;
-      const std::int64_t y = r.min_cell_y - finished.min_cell_y;
-      const int n = parameters.cells();
-      const auto inside = [n](std::int64_t first, int length)
+      const std::int64_t x = r.min_cell_x - window.min_cell_x;
+      const std::int64_t y = r.min_cell_y - window.min_cell_y;
+      const auto inside = [n = window.cells](std::int64_t first, int length)
       { return first >= 0 && length >= 0 && length <= n && first <= n - length; };
-      if (!finished.started || !inside(x, r.width_cells) || !inside(y, r.height_cells))
+      if (window.cells == 0 || !inside(x, r.width_cells) || !inside(y, r.height_cells))
         throw std::invalid_argument("ElevationMapper: cells that are not all in the window");
-      rects_in_window.push_back(
+      in_window.push_back(
           {static_cast<int>(x), static_cast<int>(y), r.width_cells, r.height_cells});
       size += r.size();
     }
     return size;
   }
+  CellRecord* start(const Frame& frame, const FrameRects& cells);
+  FrameReport finish(const FrameRects& cells);
   Slot& shown_slot() { return slots[static_cast<std::size_t>(shown)]; }
 
   Parameters parameters;
@@ -166,8 +173,39 @@ struct ElevationMapper::Impl
   std::array<std::vector<float>, kLayerCount> others;  //!< layers that are not delivered
   std::array<bool, kLayerCount> layer_read{};  //!< what is shown is up to date
   std::vector<WindowRect> rects_in_window;  //!< of which cells are handed over
+  FrameRects with_frame;  //!< the same, with a frame
   std::unique_ptr<BackendInterface> backend;  //!< the last member: it refers to `slots`
 };
+
+/** Returns where the records of `cells` will be. */
+CellRecord* ElevationMapper::Impl::start(const Frame& frame, const FrameRects& cells)
+{
+  if (frame.size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max() / 4))
+    throw std::invalid_argument("a frame of more than 536,870,911 points");
+  if (frame.size && !(frame.x_m && frame.y_m && frame.z_m))
+    throw std::invalid_argument("a frame with points has no x_m, y_m or z_m");
+  const int index = free_slot("start");
+  Slot& slot = slots[static_cast<std::size_t>(index)];
+  slot.tracker = started;
+  slot.context = slot.tracker.advance(frame, parameters);
+  CellRecord* const records = backend->start(index, frame, slot.context, cells);
+  layer_read = {};
+  started = slot.tracker;
+  if (in_flight++ == 0) oldest = index;
+  return records;
+}
+
+FrameReport ElevationMapper::Impl::finish(const FrameRects& cells)
+{
+  shown = oldest;
+  oldest = 1 - oldest;
+  in_flight--;
+  finished = shown_slot().tracker;
+  reference_z_m = shown_slot().context.sensor_z_map_m;
+  const FrameReport report = backend->finish(shown, cells);
+  layer_read = shown_slot().delivered;
+  return report;
+}
 
 ElevationMapper::ElevationMapper(const Parameters& parameters, Backend backend, int threads)
 {
@@ -190,40 +228,40 @@ ElevationMapper& ElevationMapper::operator=(ElevationMapper&&) noexcept = defaul
 FrameReport ElevationMapper::update(const Frame& frame)
 {
   impl_->require_none_in_flight("update");
-  start(frame);
-  return finish();
+  impl_->start(frame, {});
+  return impl_->finish({});
 }
 
-void ElevationMapper::start(const Frame& frame)
+FrameReport ElevationMapper::update(
+    const Frame& frame, FrameCells& cells, const std::function<void()>& meanwhile)
 {
-  if (frame.size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max() / 4))
-    throw std::invalid_argument("a frame of more than 536,870,911 points");
-  if (frame.size && !(frame.x_m && frame.y_m && frame.z_m))
-    throw std::invalid_argument("a frame with points has no x_m, y_m or z_m");
   Impl& m = *impl_;
-  const int index = m.free_slot("start");
-  auto& slot = m.slots[static_cast<std::size_t>(index)];
-  slot.tracker = m.started;
-  slot.context = slot.tracker.advance(frame, m.parameters);
-  m.backend->start(index, frame, slot.context);
-  m.layer_read = {};
-  m.started = slot.tracker;
-  if (m.in_flight++ == 0) m.oldest = index;
+  m.require_none_in_flight("update");
+  FrameRects& rects = m.with_frame;
+  const std::size_t before = Impl::find_in_window(m.finished_window(), cells.before, rects.before);
+  const std::size_t after = Impl::find_in_window(window_after(frame), cells.after, rects.after);
+  CellRecord* const records = m.start(frame, rects);
+  cells.records_before = {records, before};
+  cells.records_after = {records + before, after};
+  try
+  {
+    if (meanwhile) meanwhile();
+  }
+  catch (...)
+  {
+    m.finish(rects);
+    throw;
+  }
+  return m.finish(rects);
 }
+
+void ElevationMapper::start(const Frame& frame) { impl_->start(frame, {}); }
 
 FrameReport ElevationMapper::finish()
 {
-  Impl& m = *impl_;
-  if (!m.in_flight)
+  if (!impl_->in_flight)
     throw std::logic_error("ElevationMapper::finish: no frame is in flight: start() one before");
-  m.shown = m.oldest;
-  m.oldest = 1 - m.oldest;
-  m.in_flight--;
-  m.finished = m.shown_slot().tracker;
-  m.reference_z_m = m.shown_slot().context.sensor_z_map_m;
-  const FrameReport report = m.backend->finish(m.shown);
-  m.layer_read = m.shown_slot().delivered;
-  return report;
+  return impl_->finish({});
 }
 
 int ElevationMapper::frames_in_flight() const { return impl_->in_flight; }
@@ -297,25 +335,25 @@ Window ElevationMapper::window_after(const Frame& frame) const
   return {p.cells(), p.resolution_m, x, y};
 }
 
-void ElevationMapper::read_cells(
-    const std::vector<CellRect>& rects, std::vector<CellRecord>& records) const
+CellRecords ElevationMapper::read_cells(const std::vector<CellRect>& rects) const
 {
   Impl& m = *impl_;
   m.require_none_in_flight("read_cells");
-  records.resize(m.find_in_window(rects));
-  if (!records.empty()) m.backend->read_cells(m.rects_in_window, records);
+  const std::size_t size = Impl::find_in_window(m.finished_window(), rects, m.rects_in_window);
+  if (size == 0) return {};
+  return {m.backend->read_cells(m.rects_in_window), size};
 }
 
 void ElevationMapper::write_cells(
-    const std::vector<CellRect>& rects, const std::vector<CellRecord>& records)
+    const std::vector<CellRect>& rects, const CellRecord* records, std::size_t size)
 {
   Impl& m = *impl_;
   m.require_none_in_flight("write_cells");
-  if (m.find_in_window(rects) != records.size())
+  if (Impl::find_in_window(m.finished_window(), rects, m.rects_in_window) != size)
     throw std::invalid_argument("ElevationMapper::write_cells: a record for each cell");
-  if (records.empty()) return;
+  if (size == 0) return;
   m.backend->write_cells(m.rects_in_window, records);
-  m.layer_read = {};
+  m.layer_read = m.shown_slot().delivered;
 }
 
 std::vector<std::uint8_t> ElevationMapper::save() const

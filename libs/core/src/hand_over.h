@@ -4,61 +4,90 @@
 
 namespace talus
 {
-/** Cells of a rectangle of the window, as records on the host. */
+/** Cells of the window. */
+struct WindowRect
+{
+  int first_x, first_y, width, height;
+
+  TALUS_HD int size() const { return width * height; }
+};
+
+/** As many rectangles as one loop takes. */
+struct WindowRects
+{
+  static constexpr int kMost = 8;
+  WindowRect rects[kMost];
+
+  /** Cell i of them: row by row, one rectangle after the other. */
+  TALUS_HD void find(int i, int& x, int& y) const
+  {
+    const WindowRect* in = rects;
+    for (; i >= in->size(); in++) i -= in->size();
+    x = in->first_x + i % in->width;
+    y = in->first_y + i / in->width;
+  }
+};
+
+/** Cells of the window, to be handed over as records on the host. */
 struct HandOver
 {
   const kernels::Config* config;
   const kernels::FrameContext* frame;
   kernels::CellStore store;
   float* traversability;  //!< window order
-  CellRecord* records;  //!< row by row
-  int first_x, first_y, width;  //!< the rectangle, in cells of the window
+  WindowRects cells;
 
-  TALUS_HD CellRecord& record(int x, int y) const { return records[y * width + x]; }
-  TALUS_HD int window_i(int x, int y) const { return (first_y + y) * config->cells + first_x + x; }
-  TALUS_HD int storage_i(int x, int y) const
+  struct Place
   {
-    return kernels::storage_index(*frame, config->cells, first_x + x, first_y + y);
-  }
-  /** NaN stays the one that it is. */
-  static TALUS_HD float raised(float height_m, float by_m)
+    int window_i, storage_i;
+  };
+  TALUS_HD Place place(int i) const
   {
-    return kernels::select(kernels::is_known(height_m), height_m + by_m, kernels::kNan);
+    int x, y;
+    cells.find(i, x, y);
+    const int n = config->cells;
+    return {y * n + x, kernels::storage_index(*frame, n, x, y)};
   }
 };
 
 struct ReadCell : HandOver
 {
-  TALUS_HD void operator()(int x, int y) const
+  TALUS_HD CellRecord operator()(int i) const
   {
-    const kernels::Cell c = store.load(storage_i(x, y));
+    const Place at = place(i);
+    const kernels::Cell c = store.load(at.storage_i);
     CellRecord r;
-    r.ground_m = raised(c.ground_m, frame->offset_m);
+    r.ground_m = kernels::raised(c.ground_m, frame->offset_m);
     r.ground_variance_m2 = c.ground_var_m2;
-    r.elevation_m = raised(c.elevation_m, frame->offset_m);
+    r.elevation_m = kernels::raised(c.elevation_m, frame->offset_m);
     r.elevation_variance_m2 = c.elevation_var_m2;
-    r.traversability = traversability[window_i(x, y)];
+    r.traversability = traversability[at.window_i];
     r.state = static_cast<std::uint8_t>(c.state);
     r.persistence = static_cast<std::int8_t>(c.persistence);
     r.ray_evidence = static_cast<std::uint8_t>(c.ray_evidence);
     r.extent = static_cast<std::uint8_t>(c.extent);
     r.footing = static_cast<std::uint8_t>(c.footing);
-    record(x, y) = r;
+    return r;
   }
 };
 
-/** Of those that are not unknown. */
+/** Of those that are not unknown; and shows them. */
 struct WriteCell : HandOver
 {
-  TALUS_HD void operator()(int x, int y) const
+  kernels::SurfaceLayers shown;  //!< the layers that each frame delivers, where the caller has them
+  float* shown_traversability;  //!< the same; null: not delivered
+
+  TALUS_HD void operator()(int i, const CellRecord& r) const
   {
-    const CellRecord& r = record(x, y);
     if (r.state == kernels::kUnknown) return;
+    const Place at = place(i);
     store.store(
-        storage_i(x, y), {raised(r.ground_m, -frame->offset_m), r.ground_variance_m2,
-                          raised(r.elevation_m, -frame->offset_m), r.elevation_variance_m2, r.state,
-                          r.persistence, r.ray_evidence, r.extent, r.footing});
-    traversability[window_i(x, y)] = r.traversability;
+        at.storage_i, {kernels::raised(r.ground_m, -frame->offset_m), r.ground_variance_m2,
+                       kernels::raised(r.elevation_m, -frame->offset_m), r.elevation_variance_m2,
+                       r.state, r.persistence, r.ray_evidence, r.extent, r.footing});
+    traversability[at.window_i] = r.traversability;
+    shown.put(at.window_i, store, at.storage_i, frame->offset_m);
+    if (shown_traversability) shown_traversability[at.window_i] = r.traversability;
   }
 };
 

@@ -21,19 +21,27 @@ class MapBackend final : public BackendInterface
     schedule_.allocate();
   }
 
-  void start(int slot, const Frame& frame, const kernels::FrameContext& context) override
+  CellRecord* start(
+      int slot, const Frame& frame, const kernels::FrameContext& context,
+      const FrameRects& cells) override
   {
+    const bool hands_over = !cells.before.empty() || !cells.after.empty();
+    if (hands_over) read_before(slot, cells);
     use(slot);
     reserve_points(frame.size);
     map_.now->stamp_s = frame.stamp_s;
     map_.now->n_points = context.n_points;
     map_.now->in = executor_.stage(frame, context, map_.point_cell.size());
     executor_.start_frame([this] { schedule_.stages(); });
+    if (hands_over) executor_.wait_for_mark();
+    return records_.data();
   }
-  FrameReport finish(int slot) override
+  FrameReport finish(int slot, const FrameRects& cells) override
   {
     use(shown_ = slot);
-    executor_.finish_frame([this] { schedule_.stages(); });
+    executor_.finish_frame(
+        [this] { schedule_.stages(); },
+        [&] { read(cells.after, records_.data() + size_of(cells.before)); });
     map_.now->parts_known = map_.parts_wanted();
     return report();
   }
@@ -46,9 +54,8 @@ class MapBackend final : public BackendInterface
   }
   std::array<bool, kLayerCount> set_outputs(int slot, const OutputPointers& host) override;
   void read_layer(Layer layer, float* out) override;
-  void read_cells(const std::vector<WindowRect>& rects, std::vector<CellRecord>& to) override;
-  void write_cells(
-      const std::vector<WindowRect>& rects, const std::vector<CellRecord>& from) override;
+  CellRecord* read_cells(const std::vector<WindowRect>& rects) override;
+  void write_cells(const std::vector<WindowRect>& rects, const CellRecord* from) override;
   MapBytes read_all() override;
   void write_all(const MapBytes& bytes, const kernels::FrameContext& window) override;
   std::string name() const override { return executor_.name(); }
@@ -70,17 +77,35 @@ class MapBackend final : public BackendInterface
   {
     executor_.for_each_cell(map_.side(), map_.side(), map_.export_surface(layer, to));
   }
-  /** Loops over the cells of rectangles, as `How` does with a HandOver. */
-  template <class How>
-  void hand_over(const std::vector<WindowRect>& rects)
+  static int size_of(const std::vector<WindowRect>& rects)
   {
-    CellRecord* records = records_.data();
-    for (const WindowRect& rect : rects)
+    int size = 0;
+    for (const WindowRect& rect : rects) size += rect.size();
+    return size;
+  }
+  /** loop(cells, how many, the first of their records) of all rectangles: as a rule one. */
+  template <class Record, class Loop>
+  static void hand_over(const std::vector<WindowRect>& rects, Record* records, const Loop& loop)
+  {
+    for (std::size_t first = 0; first < rects.size(); first += WindowRects::kMost)
     {
-      executor_.for_each_cell(rect.width, rect.height, How{map_.hand_over(rect, records)});
-      records += rect.width * rect.height;
+      WindowRects some{};
+      int size = 0;
+      for (std::size_t r = first; r < std::min(first + WindowRects::kMost, rects.size()); r++)
+        size += (some.rects[r - first] = rects[r]).size();
+      loop(some, size, records);
+      records += size;
     }
   }
+  void read(const std::vector<WindowRect>& rects, CellRecord* to)
+  {
+    hand_over(
+        rects, to,
+        [this](const WindowRects& some, int size, CellRecord* records)
+        { executor_.for_each_to_host(size, map_.read_cell(some), records); });
+  }
+  void read_before(int slot, const FrameRects& cells);
+  const CellRecord* within_reach(const CellRecord* from, std::size_t size);
   static Layer feature_layer(std::size_t i)
   {
     return static_cast<Layer>(static_cast<std::size_t>(Layer::Slope) + i);
@@ -119,8 +144,8 @@ std::array<bool, kLayerCount> MapBackend<Schedule>::set_outputs(
   const auto n = static_cast<std::size_t>(map_.cells());
   for (std::size_t l = 0; l < host.size(); l++)
   {
-    now.outputs[l] = host[l] ? executor_.map_output(host[l], n) : OutputMemory{false, nullptr};
-    delivered[l] = now.outputs[l].reachable;
+    now.outputs[l] = host[l] ? executor_.map_output(host[l], n) : OutputMemory{};
+    delivered[l] = now.outputs[l].mapped;
     now.wanted[l] = delivered[l] ? host[l] : nullptr;
   }
   constexpr auto surfaces = static_cast<std::size_t>(Layer::Slope);
@@ -131,13 +156,17 @@ std::array<bool, kLayerCount> MapBackend<Schedule>::set_outputs(
 }
 
 /** What traversability is made of, if the last frame did not leave it: judges once more, with the
- * same result. */
+ * same result, but for cells that were written since. */
 template <class Schedule>
 void MapBackend<Schedule>::complete_parts()
 {
   if (map_.now->parts_known) return;
   map_.allocate_parts(executor_);
+  float* const judged = map_.feature(Layer::Traversability);
+  float* const kept = map_.top_hit.data();  // free between frames
+  executor_.copy(kept, judged, static_cast<std::size_t>(map_.cells()));
   schedule_.judge_parts();
+  executor_.copy(judged, kept, static_cast<std::size_t>(map_.cells()));
   map_.now->parts_known = true;
 }
 
@@ -157,25 +186,48 @@ void MapBackend<Schedule>::read_layer(Layer layer, float* out)
 }
 
 template <class Schedule>
-void MapBackend<Schedule>::read_cells(
-    const std::vector<WindowRect>& rects, std::vector<CellRecord>& to)
+CellRecord* MapBackend<Schedule>::read_cells(const std::vector<WindowRect>& rects)
 {
   use(shown_);
-  executor_.make_room(records_, to.size());
-  hand_over<ReadCell>(rects);
+  executor_.make_room(records_, static_cast<std::size_t>(size_of(rects)));
+  read(rects, records_.data());
   executor_.synchronize();
-  std::copy_n(records_.data(), to.size(), to.data());
+  return records_.data();
+}
+
+/** Of what a frame in `slot` finds, which comes after them without waiting: up to a mark. */
+template <class Schedule>
+void MapBackend<Schedule>::read_before(int slot, const FrameRects& cells)
+{
+  use(shown_);
+  executor_.use(slot);
+  executor_.make_room(
+      records_, static_cast<std::size_t>(size_of(cells.before) + size_of(cells.after)));
+  read(cells.before, records_.data());
+  executor_.mark();
 }
 
 template <class Schedule>
-void MapBackend<Schedule>::write_cells(
-    const std::vector<WindowRect>& rects, const std::vector<CellRecord>& from)
+void MapBackend<Schedule>::write_cells(const std::vector<WindowRect>& rects, const CellRecord* from)
 {
   use(shown_);
-  executor_.make_room(records_, from.size());
-  std::copy_n(from.data(), from.size(), records_.data());
-  hand_over<WriteCell>(rects);
+  hand_over(
+      rects, within_reach(from, static_cast<std::size_t>(size_of(rects))),
+      [this](const WindowRects& some, int size, const CellRecord* records)
+      { executor_.for_each_from_host(size, map_.write_cell(some), records); });
   executor_.synchronize();
+}
+
+/** Where kernels reach them: those that read_cells() gave are there. */
+template <class Schedule>
+const CellRecord* MapBackend<Schedule>::within_reach(const CellRecord* from, std::size_t size)
+{
+  const CellRecord* const own = records_.data();
+  const std::less_equal<> is_not_behind;
+  if (is_not_behind(own, from) && is_not_behind(from + size, own + records_.size())) return from;
+  executor_.make_room(records_, size);
+  std::copy_n(from, size, records_.data());
+  return records_.data();
 }
 
 template <class Schedule>

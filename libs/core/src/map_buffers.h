@@ -170,8 +170,9 @@ struct MapBuffers
   {
     const auto l = static_cast<std::size_t>(layer);
     if (!now->wanted[l]) return nullptr;
-    float* direct = now->outputs[l].direct;
-    return direct ? direct : now->delivered.data() + l * static_cast<std::size_t>(cells());
+    const OutputMemory& output = now->outputs[l];
+    return output.direct ? output.mapped
+                         : now->delivered.data() + l * static_cast<std::size_t>(cells());
   }
   /** where(layer) of the layers of stages 3 to 7, in the order of SurfaceLayers. */
   template <class Where>
@@ -192,11 +193,12 @@ struct MapBuffers
         config.data(), context.data(), store(),
         surfaces_at([=](Layer l) { return l == layer ? to : nullptr; })};
   }
-  /** Of `rect`, which is in the window of the frame before, as `records`. */
-  HandOver hand_over(const WindowRect& rect, CellRecord* records)
+  /** Of cells of the window of the frame before. */
+  ReadCell read_cell(const WindowRects& rects) { return ReadCell{hand_over(rects)}; }
+  WriteCell write_cell(const WindowRects& rects)
   {
-    return {config.data(), context.data(), store(),      feature(Layer::Traversability),
-            records,       rect.first_x,   rect.first_y, rect.width};
+    const auto shown = [this](Layer l) { return now->outputs[static_cast<std::size_t>(l)].mapped; };
+    return {hand_over(rects), surfaces_at(shown), shown(Layer::Traversability)};
   }
   /** Whether each frame leaves what traversability is made of: slope, step, roughness, sparsity. */
   bool parts_wanted() const
@@ -209,7 +211,7 @@ struct MapBuffers
   float* feature(Layer layer)
   {
     const auto l = static_cast<std::size_t>(layer);
-    if (float* direct = now->outputs[l].direct) return direct;
+    if (now->outputs[l].direct) return now->outputs[l].mapped;
     if (layer == Layer::Traversability) return now->traversability.data();
     const std::size_t index = l - static_cast<std::size_t>(Layer::Slope);
     float* const parts = now->parts.data();
@@ -293,6 +295,10 @@ struct MapBuffers
   Buffer<kernels::Surface> judged_surfaces;
 
  private:
+  HandOver hand_over(const WindowRects& rects)
+  {
+    return {config.data(), context.data(), store(), feature(Layer::Traversability), rects};
+  }
   /** How many of the layers [first, end) are copied. */
   int copied(int first, int end) const
   {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 
 namespace talus::site
 {
@@ -54,17 +55,25 @@ FrameReport SiteMapper::update_kept(ElevationMapper& map, const Frame& frame)
   const Window before = map.window(), after = map.window_after(frame);
   const Pose T_map_base = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
   const Place base{T_map_base.x(), T_map_base.y(), T_map_base.z()};
-  const bool begins = map.empty();
-  if (begins)
+  with_frame_.before.clear();
+  with_frame_.after.clear();
+  if (map.empty())
     begin(base);
   else
+  {
     keep_before(map, after, base);
-  const FrameReport report = map.update(frame);
+    ask_for_entered(before, after);
+  }
+  const auto meanwhile = [&]
+  {
+    if (!with_frame_.before.empty()) keep_leaving(map, before);
+  };
+  const FrameReport report = map.update(frame, with_frame_, std::ref(meanwhile));
   state_.stamp_s = frame.stamp_s;
   follow(base);
   if (state_.choice != Choice::None)
     wait_for_floor(map);
-  else if (restores_ && !begins && !same_place(before, after))
+  else if (!with_frame_.after.empty())
     restore_entered(map, before, after);
   if (!report.leaves_floor) return report;
   if (state_.choice == Choice::None && !(state_.stamp_s - state_.kept_s < kLately_s)) keep_all(map);
@@ -81,8 +90,8 @@ void SiteMapper::begin(const Place& base)
   state_.choice = site_.tiles.keys().empty() ? Choice::None : Choice::Appeared;
 }
 
-/** What leaves with the next frame; all of the window before a frame that may put what it sees of
- * another floor on this one. */
+/** Asks for what leaves with the next frame; keeps all of the window before a frame that may put
+ * what it sees of another floor on this one. */
 void SiteMapper::keep_before(const ElevationMapper& map, const Window& after, const Place& base)
 {
   if (state_.choice != Choice::None) return;
@@ -98,31 +107,32 @@ void SiteMapper::keep_before(const ElevationMapper& map, const Window& after, co
   else if (!same_place(now, after))
   {
     const int edge = neighbourhood_cells(map.parameters());
-    keep_leaving(
-        map, Leaving(Strip::beside_x(now, after), now, edge),
-        Leaving(Strip::beside_y(now, after), now, edge));
+    const Leaving x(Strip::beside_x(now, after), now, edge);
+    const Leaving y(Strip::beside_y(now, after), now, edge);
+    with_frame_.before = {x.coming, y.coming, x.edge, y.edge};
   }
   if (!appears) return;
   state_.choice = Choice::Appeared;
   state_.frames_calm = kFramesCalm;
 }
 
-/** What comes to the edge is kept while all that it is judged by is in the window, and chooses the
- * floor: at the edge it would agree with itself. */
-void SiteMapper::keep_leaving(const ElevationMapper& map, const Leaving& x, const Leaving& y)
+/** What comes to the edge is kept as it was while all that it is judged by was in the window, and
+ * chooses the floor: at the edge it would agree with itself. */
+void SiteMapper::keep_leaving(const ElevationMapper& map, const Window& before)
 {
-  read(map, {x.coming, y.coming, x.edge, y.edge});
-  const int before = state_.floor;
+  take_up(map, with_frame_.records_before, before);
+  const int floor_before = state_.floor;
+  const CellRect *const coming = with_frame_.before.data(), *const edge = coming + 2;
   std::size_t first = 0;
-  for (const CellRect& coming : {x.coming, y.coming})
+  for (int i = 0; i < 2; ++i)
   {
-    keep(coming, first);
-    first += coming.size();
+    keep(coming[i], first);
+    first += coming[i].size();
   }
-  for (const CellRect& edge : {x.edge, y.edge})
+  for (int i = 0; i < 2; ++i)
   {
-    if (state_.floor == before) store(edge, first);
-    first += edge.size();
+    if (state_.floor == floor_before) store(edge[i], first);
+    first += edge[i].size();
   }
 }
 
@@ -140,7 +150,7 @@ void SiteMapper::keep_window(const ElevationMapper& map)
 void SiteMapper::keep_all(const ElevationMapper& map)
 {
   const CellRect window = rect_of(map.window());
-  read(map, {window});
+  read(map, window);
   keep(window, 0);
 }
 
@@ -160,7 +170,7 @@ void SiteMapper::keep(const CellRect& cells, std::size_t first)
 void SiteMapper::store(const CellRect& cells, std::size_t first)
 {
   const std::uint32_t seen_s = whole_seconds(state_.stamp_s);
-  const CellRecord* const now = records_.data() + first;
+  const CellRecord* const now = records_.first + first;
   const auto put = [&](const TilePart& part)
   {
     bool any = false;
@@ -210,14 +220,14 @@ void SiteMapper::wait_for_floor(ElevationMapper& map)
   state_.choice = Choice::None;
   state_.calm = state_.base;
   if (restores_ && take_back_from(state_.floor, rects_.front(), 0))
-    map.write_cells(rects_, records_);
+    map.write_cells(rects_, records_.first, records_.size);
 }
 
 /** The one that agrees most with what the window measured. False: it measured too little. */
 bool SiteMapper::choose_floor(const ElevationMapper& map)
 {
   const CellRect window = rect_of(map.window());
-  read(map, {window});
+  read(map, window);
   if (references(window, 0) < kFewestVotes) return false;
   const Votes here = votes(state_.floor, window, 0);
   const int agree = here.agree > here.contradict ? here.agree : 0;
@@ -228,15 +238,21 @@ bool SiteMapper::choose_floor(const ElevationMapper& map)
   return true;
 }
 
-/** Cells are of the floor whose ground is where they were measured. */
-void SiteMapper::read(const ElevationMapper& map, std::initializer_list<CellRect> rects)
+void SiteMapper::read(const ElevationMapper& map, const CellRect& rect)
 {
-  rects_ = rects;
-  window_ = map.window();
+  rects_ = {rect};
+  take_up(map, map.read_cells(rects_), map.window());
+}
+
+/** Cells are of the floor whose ground is where they were measured. */
+void SiteMapper::take_up(
+    const ElevationMapper& map, const CellRecords& records, const Window& window)
+{
+  window_ = window;
   margin_cells_ = neighbourhood_cells(map.parameters());
-  map.read_cells(rects_, records_);
-  references_.resize(records_.size());
-  for (std::size_t i = 0; i < records_.size(); ++i)
+  records_ = records;
+  references_.resize(records_.size);
+  for (std::size_t i = 0; i < records_.size; ++i)
     references_[i] = {is_measured(records_[i]) ? records_[i].ground_m : NAN, kOtherFloor_m};
 }
 

@@ -65,20 +65,27 @@ bool SiteMapper::was_here(const CellRect& cells) const
   return any;
 }
 
+/** Asks for cells that come into the window with the next frame, where any may be given back. */
+void SiteMapper::ask_for_entered(const Window& before, const Window& after)
+{
+  if (!restores_ || state_.choice != Choice::None || same_place(before, after)) return;
+  const Strip x = Strip::beside_x(after, before), y = Strip::beside_y(after, before);
+  if (was_here(x.cells) || was_here(y.cells))
+    with_frame_.after = {x.cells, y.cells, x.beside, y.beside};
+}
+
 /** Gives back what was kept of cells that have come into the window. */
 void SiteMapper::restore_entered(ElevationMapper& map, const Window& before, const Window& after)
 {
   const Strip x = Strip::beside_x(after, before), y = Strip::beside_y(after, before);
-  if (!was_here(x.cells) && !was_here(y.cells)) return;
   const std::size_t cells = x.cells.size() + y.cells.size();
-  read(map, {x.cells, y.cells, x.beside, y.beside});
+  take_up(map, with_frame_.records_after, after);
   refer_to_beside(x, 0, cells);
   refer_to_beside(y, x.cells.size(), cells + x.beside.size());
   const bool any_x = take_back(x.cells, 0), any_y = take_back(y.cells, x.cells.size());
   if (!any_x && !any_y) return;
-  rects_.resize(2);
-  records_.resize(cells);
-  map.write_cells(rects_, records_);
+  rects_ = {x.cells, y.cells};
+  map.write_cells(rects_, records_.first, cells);
 }
 
 /** Puts what was kept of cells in the place of their records where it is worth more, and nothing

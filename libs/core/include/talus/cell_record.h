@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace talus
 {
@@ -28,6 +29,24 @@ struct CellRect
   {
     return static_cast<std::size_t>(width_cells) * static_cast<std::size_t>(height_cells);
   }
+};
+
+/** Records in the memory of a map. They may be changed, and given back from there. */
+struct CellRecords
+{
+  CellRecord* first = nullptr;
+  std::size_t size = 0;
+
+  CellRecord& operator[](std::size_t i) const { return first[i]; }
+  CellRecord* begin() const { return first; }
+  CellRecord* end() const { return first + size; }
+};
+
+/** Cells that a frame hands over, see ElevationMapper::update(). */
+struct FrameCells
+{
+  std::vector<CellRect> before, after;  //!< which: in the window before the frame, and in its own
+  CellRecords records_before, records_after;  //!< what update() puts here
 };
 
 }  // namespace talus

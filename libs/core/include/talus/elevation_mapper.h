@@ -7,6 +7,7 @@
 #include <talus/window.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,6 +45,12 @@ class ElevationMapper
   /** Runs the nine stages on one frame: start() and finish(). Throws as they do, and
    * std::logic_error while a frame is in flight. */
   FrameReport update(const Frame& frame);
+  /** The same, and read_cells() of some as the frame finds them and of others as it leaves them: on
+   * a device they come with the frame, for hardly any time of their own. While it computes,
+   * `meanwhile` may work on those of before; it must leave the map alone. Throws also as
+   * read_cells(), then nothing has changed, and after the frame what `meanwhile` throws. */
+  FrameReport update(
+      const Frame& frame, FrameCells& cells, const std::function<void()>& meanwhile = {});
 
   /** @name Two frames in flight
    * To overlap frames: start() the next one, then finish() the one before and read its layers.
@@ -106,13 +113,16 @@ class ElevationMapper
   /** Where the window will lie when update() has taken a frame. Throws as start() does. */
   Window window_after(const Frame& frame) const;
   /** What the map remembers of cells that are all in the window, row by row, one rectangle after
-   * the other: to be kept before they leave it. Throws std::invalid_argument where they are not,
-   * std::logic_error while a frame is in flight. */
-  void read_cells(const std::vector<CellRect>& rects, std::vector<CellRecord>& records) const;
-  /** And back: those of `records` that are not unknown replace what the map has there; layer()
-   * shows them at once, and what traversability is made of from the next frame on. Throws as
-   * read_cells(), and std::invalid_argument where there are not as many records as cells. */
-  void write_cells(const std::vector<CellRect>& rects, const std::vector<CellRecord>& records);
+   * the other: to be kept before they leave it. Valid until cells are read or written again or the
+   * map changes. Throws std::invalid_argument where they are not, std::logic_error while a frame is
+   * in flight. */
+  CellRecords read_cells(const std::vector<CellRect>& rects) const;
+  /** And back: those of `size` records, from anywhere, that are not unknown replace what the map
+   * has there; layer() shows them at once, and what traversability is made of from the next frame
+   * on. Throws as read_cells(), and std::invalid_argument where there are not as many records as
+   * cells.
+   */
+  void write_cells(const std::vector<CellRect>& rects, const CellRecord* records, std::size_t size);
 
   /** Whether save() gives so many bytes of a map with these parameters that has seen a frame, or
    * did so in an earlier version: to be asked before they are read from a file. Throws

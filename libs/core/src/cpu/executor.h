@@ -50,8 +50,10 @@ class CpuMemory
     std::copy_n(from, size, to);
   }
   void synchronize() {}
+  void mark() {}
+  void wait_for_mark() {}
 
-  OutputMemory map_output(float* host, std::size_t) { return {true, host}; }
+  OutputMemory map_output(float* host, std::size_t) { return {host, true}; }
   void forget_outputs() {}
 
   std::string name() const { return "cpu"; }
@@ -136,11 +138,12 @@ class CpuExecutor : public CpuMemory
   using Atomics = typename Threads::Atomics;
   explicit CpuExecutor(Threads threads) : threads_(std::move(threads)) {}
 
-  template <class Body>
-  void finish_frame(const Body& body)
+  template <class Body, class Then>
+  void finish_frame(const Body& body, const Then& then)
   {
     start_clock();
     threads_.run_frame(body);
+    then();
   }
 
   /** f(i) for i in [0, n) */
@@ -152,6 +155,19 @@ class CpuExecutor : public CpuMemory
         {
           for (int i = begin; i < end; i++) f(i);
         });
+  }
+
+  /** to[i] = f(i) for i in [0, n) */
+  template <class F, class T>
+  void for_each_to_host(int n, const F& f, T* to)
+  {
+    for_each(n, [&f, to](int i) { to[i] = f(i); });
+  }
+  /** f(i, from[i]) for i in [0, n) */
+  template <class F, class T>
+  void for_each_from_host(int n, const F& f, const T* from)
+  {
+    for_each(n, [&f, from](int i) { f(i, from[i]); });
   }
 
   /** f(x, y) for x in [0, nx), y in [0, ny) */

@@ -66,6 +66,9 @@ class CudaExecutor
     synchronize();
   }
   void synchronize() { TALUS_CUDA(cudaStreamSynchronize(slot().queue.stream.get())); }
+  /** To wait, later, for what was called up to here. */
+  void mark() { TALUS_CUDA(cudaEventRecord(marked_.get(), slot().queue.stream.get())); }
+  void wait_for_mark() { TALUS_CUDA(cudaEventSynchronize(marked_.get())); }
 
   // ---- outputs ----
   OutputMemory map_output(float* host, std::size_t size);
@@ -92,9 +95,11 @@ class CudaExecutor
     TALUS_CUDA(cudaGraphLaunch(slot().graph.get(), slot().queue.stream.get()));
     slot().in_flight = true;
   }
-  template <class Body>
-  void finish_frame(const Body&)
+  /** `then`: what comes after it, and is waited for with it. */
+  template <class Body, class Then>
+  void finish_frame(const Body&, const Then& then)
   {
+    then();
     slot().in_flight = false;
     synchronize();
   }
@@ -116,6 +121,22 @@ class CudaExecutor
     // Few elements in small blocks, so that they spread over the device.
     const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
     launch(loops::over_range<F>, dim3(blocks(n, size)), dim3(size), 0, n, f);
+  }
+  /** to[i] = f(i) for i in [0, n), in host memory that kernels reach. */
+  template <class F, class T>
+  void for_each_to_host(int n, const F& f, T* to)
+  {
+    launch(
+        loops::to_host<F, T>, dim3(blocks(n, loops::kHandedOver)), dim3(loops::kHandedOver), 0, n,
+        f, to);
+  }
+  /** f(i, from[i]), the same. */
+  template <class F, class T>
+  void for_each_from_host(int n, const F& f, const T* from)
+  {
+    launch(
+        loops::from_host<F, T>, dim3(blocks(n, loops::kHandedOver)), dim3(loops::kHandedOver), 0, n,
+        f, from);
   }
   template <class F, class G>
   void for_each_beside(int n, const F& f, int, int nx, int ny, const G& g)
@@ -362,6 +383,7 @@ class CudaExecutor
   bool can_chain_ = false;
   bool recording_ = false, beside_ = false, forked_ = false, joins_ = false;
   int stage_end_ = 0;
+  Event marked_;
   Buffer<unsigned> blocks_done_;  //!< of a loop that does something in its end
   std::array<int, kStageCount> end_of_stage_{};
   WorkQueue side_;  //!< of copies, where a frame is recorded

@@ -41,6 +41,7 @@ inline CudaExecutor::CudaExecutor()
   }
   // Code of an older architecture does not wait for its predecessor by itself.
   can_chain_ = device.major >= 9 && code.ptxVersion >= 90;
+  marked_ = make_event();
   side_ = make_queue();
   use(0);
   allocate(blocks_done_, 1, 0u);
@@ -50,10 +51,10 @@ inline OutputMemory CudaExecutor::map_output(float* host, std::size_t size)
 {
   auto& outputs = slot().outputs;
   outputs.emplace_back(host, size * sizeof(float));
-  auto* direct = static_cast<float*>(outputs.back().device());
-  const bool fits = direct && slot().direct_bytes + size * sizeof(float) <= kDirectBytes;
+  auto* mapped = static_cast<float*>(outputs.back().device());
+  const bool fits = mapped && slot().direct_bytes + size * sizeof(float) <= kDirectBytes;
   if (fits) slot().direct_bytes += size * sizeof(float);
-  return {direct != nullptr, fits ? direct : nullptr};
+  return {mapped, fits};
 }
 
 inline bool CudaExecutor::copies_points(std::size_t capacity)

@@ -3,6 +3,7 @@
 #include "kernels/group.h"
 
 #include <cstdint>
+#include <cstring>
 #include <type_traits>
 #include <utility>
 
@@ -21,6 +22,7 @@ constexpr int kTilesAtOnce = 4, kBitBlocksAtOnce = 4;
 constexpr int kTilesAtOnce = 5, kBitBlocksAtOnce = 6;
 #endif
 constexpr int kOpeningThreads = 1024;
+constexpr int kHandedOver = 64;  //!< threads of a block that hands over records
 constexpr int kWindowThreads = 16;  //!< rows of threads of a block with neighbourhoods
 constexpr int kJudgedRows = 2 * kWindowThreads;  //!< of a tile that overlaps with others, at most
 constexpr int kMostRows = 43;  //!< that such a tile sums: what fits into shared memory beside them
@@ -70,6 +72,52 @@ __global__ void __launch_bounds__(kThreads) over_range(int n, F f, std::uint64_t
   wait_for_predecessor();
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (i < n) f(i);
+  note_time(done_ns);
+}
+
+/** to[i] = f(i), in host memory: a block sends what it has, word after word, as the bus carries it
+ * best. */
+template <class F, class T>
+__global__ void __launch_bounds__(kHandedOver) to_host(int n, F f, T* to, std::uint64_t* done_ns)
+{
+  constexpr int kWords = sizeof(T) / sizeof(std::uint32_t);
+  static_assert(sizeof(T) == kWords * sizeof(std::uint32_t));
+  __shared__ std::uint32_t words[kHandedOver * kWords];
+  wait_for_predecessor();
+  const int thread = static_cast<int>(threadIdx.x);
+  const int first = static_cast<int>(blockIdx.x) * kHandedOver;
+  if (first + thread < n)
+  {
+    const T value = f(first + thread);
+    std::memcpy(words + thread * kWords, &value, sizeof value);
+  }
+  __syncthreads();
+  auto* const out = reinterpret_cast<std::uint32_t*>(to + first);
+  for (int w = thread; w < min(n - first, kHandedOver) * kWords; w += kHandedOver)
+    out[w] = words[w];
+  note_time(done_ns);
+}
+
+/** f(i, from[i]), the same. */
+template <class F, class T>
+__global__ void __launch_bounds__(kHandedOver)
+    from_host(int n, F f, const T* from, std::uint64_t* done_ns)
+{
+  constexpr int kWords = sizeof(T) / sizeof(std::uint32_t);
+  static_assert(sizeof(T) == kWords * sizeof(std::uint32_t));
+  __shared__ std::uint32_t words[kHandedOver * kWords];
+  wait_for_predecessor();
+  const int thread = static_cast<int>(threadIdx.x);
+  const int first = static_cast<int>(blockIdx.x) * kHandedOver;
+  const auto* const in = reinterpret_cast<const std::uint32_t*>(from + first);
+  for (int w = thread; w < min(n - first, kHandedOver) * kWords; w += kHandedOver) words[w] = in[w];
+  __syncthreads();
+  if (first + thread < n)
+  {
+    T value;
+    std::memcpy(&value, words + thread * kWords, sizeof value);
+    f(first + thread, value);
+  }
   note_time(done_ns);
 }
 

@@ -4,14 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <vector>
 
 namespace talus::site
 {
-struct Leaving;
 struct Strip;
 
 /** Keeps in a site what leaves the window of a map, and gives back what comes again. One drive.
@@ -52,8 +50,8 @@ class SiteMapper
    * stays until the cell leaves again. */
   explicit SiteMapper(Site& site, bool restores = true);
 
-  /** map.update(frame), and before it what leaves is kept, after it what came back restored: its
-   * total_ms counts all. Throws as update(), and std::runtime_error as TileStore. */
+  /** map.update(frame), and what leaves with it is kept, what came back restored: its total_ms
+   * counts all. Throws as update(), and std::runtime_error as TileStore. */
   FrameReport update(ElevationMapper& map, const Frame& frame);
   /** Keeps the cells of the window as they are: at the end of a drive, or between. */
   void keep_window(const ElevationMapper& map);
@@ -83,7 +81,8 @@ class SiteMapper
   FrameReport update_kept(ElevationMapper& map, const Frame& frame);
   void begin(const Place& base);
   void keep_before(const ElevationMapper& map, const Window& after, const Place& base);
-  void keep_leaving(const ElevationMapper& map, const Leaving& x, const Leaving& y);
+  void ask_for_entered(const Window& before, const Window& after);
+  void keep_leaving(const ElevationMapper& map, const Window& before);
   void restore_entered(ElevationMapper& map, const Window& before, const Window& after);
   bool was_here(const CellRect& cells) const;
   void wait_for_floor(ElevationMapper& map);
@@ -92,8 +91,10 @@ class SiteMapper
   void follow(const Place& base);
   void add_to_way();
 
-  // Of what read() has read last: `cells` is one of its rectangles, its first record `first`.
-  void read(const ElevationMapper& map, std::initializer_list<CellRect> rects);
+  void read(const ElevationMapper& map, const CellRect& rect);
+  void take_up(const ElevationMapper& map, const CellRecords& records, const Window& window);
+  // Of what take_up() has taken up last: `cells` is one of its rectangles, its first record
+  // `first`.
   void keep(const CellRect& cells, std::size_t first);
   bool is_at_edge_of_window(const CellRect& cells, std::size_t i) const;
   void store(const CellRect& cells, std::size_t first);
@@ -111,9 +112,10 @@ class SiteMapper
 
   // Kept so that nothing is allocated.
   std::vector<CellRect> rects_;
-  Window window_;  //!< in which they are
+  FrameCells with_frame_;  //!< what leaves, see keep_before(), and what has come into the window
+  Window window_;  //!< in which the records are
   int margin_cells_ = 0;
-  std::vector<CellRecord> records_;
+  CellRecords records_;  //!< in the memory of the map
   std::vector<Reference> references_;
   std::vector<float> beside_m_;
   std::vector<Stretch> stretches_;
