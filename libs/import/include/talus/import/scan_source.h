@@ -37,6 +37,10 @@ class ScanSource
   /** Poses of the base in the map frame that the source itself has; complete once next() gave
    * false. Empty when it has none. */
   virtual io::Trajectory poses() = 0;
+
+  /** What the user should know, a sentence each: what was taken of several, what is missing, how
+   * many scans were left out and why. Complete once next() gave false. */
+  virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 /** What only some kinds of source ask for; each names its option in its errors. */
