@@ -2,7 +2,9 @@
 #include <mrpt/poses/CPose3D.h>
 #include <talus/io/trajectory.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,6 +21,7 @@ struct ImportedScan
   std::vector<float> intensity;  //!< as the file has it; empty, or one a point
   std::vector<float> point_time_s;  //!< relative to time_s; empty, or one a point
   std::vector<std::uint16_t> ring;  //!< the beam; empty, or one a point
+  std::size_t not_finite = 0;  //!< points that were left out
 };
 
 /** Scans in the order of time [of one sensor], one at a time: a source holds one in memory. */
@@ -38,9 +41,9 @@ class ScanSource
    * false. Empty when it has none. */
   virtual io::Trajectory poses() = 0;
 
-  /** What the user should know, a sentence each: what was taken of several, what is missing, how
-   * many scans were left out and why. Complete once next() gave false. */
-  virtual std::vector<std::string> warnings() const { return {}; }
+  /** What a person should know of how it was read, a sentence each without its full stop; complete
+   * once next() gave false. */
+  virtual std::vector<std::string> remarks() const { return {}; }
 };
 
 /** What only some kinds of source ask for; each names its option in its errors. */
@@ -53,6 +56,7 @@ struct SourceOptions
                            //!< of odometry
   std::string map_frame;  //!< --map-frame NAME, of TF; "": map, else odom
   double rate_hz = 10;  //!< --rate, of folders without times
+  std::map<std::string, mrpt::poses::CPose3D> mountings;  //!< --mount, by label: T_base_sensor
 };
 
 /** By what is in it, and by its ending where that does not tell. Throws std::runtime_error for what
