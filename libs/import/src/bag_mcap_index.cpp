@@ -40,6 +40,9 @@ McapIndex::McapIndex(const std::string& path, FileBytes& file) : path_(path), fi
         chunk.channels.begin(), chunk.channels.end(),
         [this](std::uint16_t channel) { return channels_.count(channel) > 0; });
     if (!is_known || (!chunk.is_indexed && !has_summary_)) look_into(chunk);
+    for (const auto channel : chunk.channels)
+      if (channels_.count(channel) == 0)
+        fail(chunk.begin, "has a message of channel " + std::to_string(channel) + ", which is nowhere declared");
   }
   packed_ = {};
 }

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <stdexcept>
 
 #include "cdr_reader.h"
 
@@ -57,7 +56,7 @@ NumberType type_of(std::uint8_t number, const std::string& field)
       NumberType::Int32,  NumberType::UInt32,  NumberType::Float32, NumberType::Float64,
       NumberType::Int64,  NumberType::UInt64,  NumberType::UInt8};  // the last: a truth
   if (number < 1 || number > kTypes.size())
-    throw std::runtime_error(
+    throw CdrError(
         "has a field '" + field.substr(0, 24) + "' of type " + std::to_string(number) +
         ", which is not known");
   return kTypes[number - 1U];
@@ -88,9 +87,9 @@ void require_sizes(const CloudMessage& cloud)
   const std::string size = std::to_string(cloud.width) + " x " + std::to_string(cloud.height) +
                            " points of " + std::to_string(cloud.point_step) + " bytes";
   if (points > kMostPoints)
-    throw std::runtime_error("says it has " + size + ", more than any scan has");
+    throw CdrError("says it has " + size + ", more than any scan has");
   if (step < row || row + (cloud.height - 1) * step > cloud.data.size())
-    throw std::runtime_error(
+    throw CdrError(
         "says it has " + size + " in rows of " + std::to_string(step) + ", but has " +
         std::to_string(cloud.data.size()) + " bytes of them");
 }
@@ -146,17 +145,17 @@ CloudMessage read_cloud(std::string_view message)
   return cloud;
 }
 
-void collect_points(const CloudMessage& cloud, ScanFile& out)
+void collect_points(const CloudMessage& cloud, const std::string& place, ScanFile& out)
 {
   out = ScanFile();
   const std::size_t points = std::size_t{cloud.width} * cloud.height;
   if (points == 0) return;
   require_sizes(cloud);
-  PointCollector collector({cloud.fields.begin(), cloud.fields.end()}, points, "the cloud", out);
+  PointCollector collector({cloud.fields.begin(), cloud.fields.end()}, points, place, out);
   const auto& wanted = collector.wanted();
   for (const auto i : wanted)
     if (std::uint64_t{cloud.fields[i].offset} + bytes_of(cloud.fields[i].type) > cloud.point_step)
-      throw std::runtime_error("has a field '" + cloud.fields[i].name + "' outside of its points");
+      throw CdrError("has a field '" + cloud.fields[i].name + "' outside of its points");
   std::vector<double> values(wanted.size());
   for (std::size_t row = 0; row < cloud.height; ++row)
   {

@@ -11,8 +11,8 @@
 
 namespace talus::import
 {
-// Of messages of ROS 2 what is needed of them. Each throws std::runtime_error, with what is wrong
-// only, where the message is damaged.
+// Of messages of ROS 2 what is needed of them. Each throws CdrError where the message is
+// damaged.
 
 struct MessageHeader
 {
@@ -54,7 +54,8 @@ FrameTransform read_pose(std::string_view message);
 
 CloudMessage read_cloud(std::string_view message);
 
-/** The points of a cloud; those that are not finite are left out. Throws as read_cloud() does. */
-void collect_points(const CloudMessage& cloud, ScanFile& out);
+/** The points of a cloud; those that are not finite are left out. Throws CdrError, and as
+ * PointCollector does. */
+void collect_points(const CloudMessage& cloud, const std::string& place, ScanFile& out);
 
 }  // namespace talus::import

@@ -1,6 +1,9 @@
 #include "bag_motion.h"
 
+#include <mrpt/poses/CPose3DQuat.h>
+
 #include <algorithm>
+#include "cdr_reader.h"
 #include <stdexcept>
 
 using mrpt::poses::CPose3D;
@@ -41,16 +44,13 @@ BagMotion::BagMotion(
   for (auto& topic : pose_topics_) topic.history.sort();
   choose_base(options, path);
   choose_map(options, path);
-  if (options.poses.empty())
-    choose_poses(reader, roles, options);
-  else
-    poses_ = io::Trajectory::load(options.poses);
+  if (options.poses.empty()) choose_poses(reader, options);
   if (bad_poses_ > 0)
-    warn(
+    remark(
         std::to_string(bad_poses_) + " transforms or poses are not used: they are not finite, or "
         "their quaternion is none");
   if (!tree_.conflicts().empty())
-    warn(
+    remark(
         "TF has two parents for " + listed(tree_.conflicts()) +
         ": the one that comes first in the bag is used");
 }
@@ -193,12 +193,12 @@ std::optional<CPose3D> BagMotion::T_base_sensor(
 {
   if (sensor_frame == base_) return CPose3D();
   if (tree_.connects(base_, sensor_frame)) return tree_.T_between(base_, sensor_frame, stamp_ns);
-  if (warned_frames_.insert(sensor_frame).second)
-    warn(
+  if (told_frames_.insert(sensor_frame).second)
+    remark(
         "TF does not tell how '" + sensor_frame.substr(0, 60) + "' is mounted on " +
         (base_.empty() ? "the base" : "'" + base_.substr(0, 60) + "'") +
         " (it has: " + listed(tree_.frames()) +
-        "): the sensor is taken to be at the base. --base-frame names another base");
+        "): the sensor is taken to be at the base. --base-frame names another base, --mount the place");
   return CPose3D();
 }
 
@@ -221,7 +221,7 @@ const BagMotion::PoseTopic* BagMotion::named_topic(
 }
 
 void BagMotion::choose_poses(
-    BagReader& reader, const std::vector<BagRole>& roles, const SourceOptions& options)
+    BagReader& reader, const SourceOptions& options)
 {
   const auto* named = named_topic(reader, options);
   if (named) return take_from(*named);
@@ -230,17 +230,16 @@ void BagMotion::choose_poses(
       pose_topics_.begin(), pose_topics_.end(),
       [](const PoseTopic& a, const PoseTopic& b) { return a.count < b.count; });
   if (most == pose_topics_.end())
-    return warn(
+    return remark(
         "the bag has no poses of the base: no chain in TF that moves from map or odom to " +
         (base_.empty() ? "a base" : "'" + base_.substr(0, 60) + "'") +
         ", no Odometry, no PoseStamped. --poses FILE gives them, --base-frame and --map-frame name "
         "frames");
   take_from(*most);
   if (pose_topics_.size() > 1)
-    warn(
+    remark(
         "poses are taken from " + reader.topics()[most->topic].name +
         ", which has the most; there are: " + topics_text(reader) + ". --topic takes another");
-  (void)roles;
 }
 
 bool BagMotion::take_from_tf()
@@ -262,7 +261,7 @@ void BagMotion::take_from(const PoseTopic& topic)
   const bool is_base = topic.child.empty() || topic.child == base_;
   const bool is_connected = !is_base && tree_.connects(topic.child, base_);
   if (!is_base && !is_connected)
-    warn(
+    remark(
         "poses of '" + topic.child.substr(0, 60) + "' are taken for those of '" +
         base_.substr(0, 60) + "': TF does not connect them");
   for (const auto& pose : topic.history.all())

@@ -24,13 +24,13 @@ class BagMotion
       BagReader& reader, const std::vector<BagRole>& roles, const SourceOptions& options,
       const std::string& path);
 
-  /** Nothing where the chain of frames is not known at that time. Identity, and a warning, where
+  /** Nothing where the chain of frames is not known at that time. Identity, and a remark, where
    * there is none. */
   std::optional<mrpt::poses::CPose3D> T_base_sensor(
       const std::string& sensor_frame, std::int64_t stamp_ns);
 
   const io::Trajectory& poses() const { return poses_; }
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  const std::vector<std::string>& remarks() const { return remarks_; }
 
  private:
   struct PoseTopic
@@ -47,7 +47,7 @@ class BagMotion
   void prune();
   void choose_base(const SourceOptions& options, const std::string& path);
   void choose_map(const SourceOptions& options, const std::string& path);
-  void choose_poses(BagReader& reader, const std::vector<BagRole>& roles, const SourceOptions& options);
+  void choose_poses(BagReader& reader, const SourceOptions& options);
   bool take_from_tf();
   void take_from(const PoseTopic& topic);
   const PoseTopic* named_topic(BagReader& reader, const SourceOptions& options) const;
@@ -55,7 +55,7 @@ class BagMotion
   std::string known_frame(const std::vector<std::string>& names) const;
   [[noreturn]] void fail_without(
       const std::string& frame, const std::string& option, const std::string& path) const;
-  void warn(const std::string& text) { warnings_.push_back(text); }
+  void remark(const std::string& text) { remarks_.push_back(text); }
 
   FrameTree tree_;
   std::vector<PoseTopic> pose_topics_;
@@ -65,8 +65,8 @@ class BagMotion
   std::size_t bad_poses_ = 0;
   std::string base_, map_;
   io::Trajectory poses_;
-  std::vector<std::string> warnings_;
-  std::set<std::string> warned_frames_;
+  std::vector<std::string> remarks_;
+  std::set<std::string> told_frames_;
 };
 
 }  // namespace talus::import

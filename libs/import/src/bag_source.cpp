@@ -1,14 +1,15 @@
 #include "bag_source.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
+#include <map>
+#include <optional>
 #include <stdexcept>
 
 #include "bag_messages.h"
 #include "bag_motion.h"
 #include "bag_reader.h"
 #include "bag_topics.h"
+#include "cdr_reader.h"
 
 namespace talus::import
 {
@@ -22,25 +23,6 @@ struct Sensor
   std::optional<double> time_unit_s;  //!< of its points
 };
 
-/** Seconds since the stamp: the drivers write times since it, or since the epoch. False: neither
- * makes a scan of less than two seconds. */
-bool set_point_times(const ScanFile& file, double unit_s, double stamp_s, std::vector<float>& out)
-{
-  constexpr double kLongest_s = 2;
-  out.clear();
-  if (file.time.empty()) return true;
-  const auto [least, most] = std::minmax_element(file.time.begin(), file.time.end());
-  for (const double since_s : {0.0, stamp_s})
-  {
-    if (std::abs(*least * unit_s - since_s) > kLongest_s) continue;
-    if (std::abs(*most * unit_s - since_s) > kLongest_s) continue;
-    out.reserve(file.time.size());
-    for (const double time : file.time) out.push_back(static_cast<float>(time * unit_s - since_s));
-    return true;
-  }
-  return false;
-}
-
 class BagSource : public ScanSource
 {
  public:
@@ -48,6 +30,7 @@ class BagSource : public ScanSource
       : reader_(path),
         roles_(roles_of(reader_.topics(), options.topics, path)),
         motion_(reader_, roles_, options, path),
+        mountings_(options.mountings),
         sensors_(roles_.size())
   {
     std::vector<bool> wanted;
@@ -65,7 +48,7 @@ class BagSource : public ScanSource
   }
   double progress() const override { return reader_.progress(); }
   io::Trajectory poses() override { return motion_.poses(); }
-  std::vector<std::string> warnings() const override;
+  std::vector<std::string> remarks() const override;
 
  private:
   bool read_scan(const BagMessage& message, ImportedScan& scan);
@@ -74,6 +57,7 @@ class BagSource : public ScanSource
   BagReader reader_;
   std::vector<BagRole> roles_;
   BagMotion motion_;
+  std::map<std::string, mrpt::poses::CPose3D> mountings_;  //!< given ones, by topic
   std::vector<Sensor> sensors_;  //!< one a topic
   ScanFile file_;
 };
@@ -86,7 +70,7 @@ bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
   try
   {
     cloud = read_cloud(reader_.payload());
-    collect_points(cloud, file_);
+    collect_points(cloud, reader_.place(), file_);
   }
   catch (const CdrError& e)
   {
@@ -96,11 +80,15 @@ bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
   const auto stamp_ns =
       cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
   if (stamp_ns < sensor.last_ns) return ++sensor.late, false;
-  const auto T_base_sensor = motion_.T_base_sensor(cloud.header.frame, stamp_ns);
+  const auto& topic = reader_.topics()[message.topic].name;
+  const auto given = mountings_.find(topic);
+  const auto T_base_sensor = given == mountings_.end()
+                                 ? motion_.T_base_sensor(cloud.header.frame, stamp_ns)
+                                 : std::optional<mrpt::poses::CPose3D>(given->second);
   if (!T_base_sensor) return ++sensor.not_mounted, false;
   sensor.last_ns = stamp_ns;
   ++sensor.scans;
-  scan.sensor_label = reader_.topics()[message.topic].name;
+  scan.sensor_label = topic;
   scan.T_base_sensor = *T_base_sensor;
   fill(scan, sensor, stamp_ns);
   return true;
@@ -110,19 +98,19 @@ void BagSource::fill(ImportedScan& scan, Sensor& sensor, std::int64_t stamp_ns)
 {
   scan.time_s = static_cast<double>(stamp_ns) * 1e-9;
   if (!sensor.time_unit_s && !file_.time.empty()) sensor.time_unit_s = time_unit_s(file_);
-  const bool is_timed =
-      set_point_times(file_, sensor.time_unit_s.value_or(1), scan.time_s, scan.point_time_s);
-  sensor.not_timed += is_timed ? 0 : 1;
+  scan.point_time_s = times_since(scan.time_s, file_, sensor.time_unit_s.value_or(1));
+  sensor.not_timed += scan.point_time_s.size() == file_.time.size() ? 0 : 1;
   scan.x_m.swap(file_.x_m);
   scan.y_m.swap(file_.y_m);
   scan.z_m.swap(file_.z_m);
   scan.intensity.swap(file_.intensity);
   scan.ring.swap(file_.ring);
+  scan.not_finite = file_.not_finite;
 }
 
-std::vector<std::string> BagSource::warnings() const
+std::vector<std::string> BagSource::remarks() const
 {
-  auto all = motion_.warnings();
+  auto all = motion_.remarks();
   const auto count = [&all](std::size_t scans, const std::string& topic, const char* what)
   {
     if (scans > 0) all.push_back(topic + ": " + std::to_string(scans) + " scans " + what);

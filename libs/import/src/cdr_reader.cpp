@@ -5,8 +5,6 @@
 #include <fastcdr/config.h>
 #include <fastcdr/exceptions/Exception.h>
 
-#include <stdexcept>
-
 namespace talus::import
 {
 namespace
@@ -18,9 +16,9 @@ constexpr std::size_t kEncapsulation = 4;
 std::string_view body_of(std::string_view message)
 {
   if (message.size() < kEncapsulation)
-    throw std::runtime_error("has only " + std::to_string(message.size()) + " bytes");
+    throw CdrError("has only " + std::to_string(message.size()) + " bytes");
   if (message[0] != 0 || (message[1] != 0 && message[1] != 1))
-    throw std::runtime_error(
+    throw CdrError(
         "is not serialized as plain CDR (it begins with " +
         std::to_string(static_cast<unsigned char>(message[0])) + " " +
         std::to_string(static_cast<unsigned char>(message[1])) + " instead of 0 0 or 0 1)");
@@ -75,7 +73,7 @@ T CdrReader::number()
   }
   catch (const eprosima::fastcdr::exception::Exception&)
   {
-    throw std::runtime_error("is cut short or damaged");
+    throw CdrError("is cut short or damaged");
   }
   return value;
 }
@@ -91,7 +89,7 @@ std::uint32_t CdrReader::count(std::size_t least_bytes)
 {
   const std::uint32_t n = u32();
   if (n > impl_->left() / least_bytes)
-    throw std::runtime_error(
+    throw CdrError(
         "holds " + std::to_string(n) + " elements by its count, but only " +
         std::to_string(impl_->left()) + " bytes");
   return n;

@@ -2,13 +2,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
 namespace talus::import
 {
-/** The fields of one serialized ROS 2 message, in their order. All throw std::runtime_error, with
- * what is wrong only, where the message is too short. */
+/** What is wrong with a message, for a sentence that begins with its place. */
+class CdrError : public std::runtime_error
+{
+  using std::runtime_error::runtime_error;
+};
+
+/** The fields of one serialized ROS 2 message, in their order. All throw CdrError where the message
+ * is too short. */
 class CdrReader
 {
  public:

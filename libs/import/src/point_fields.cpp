@@ -183,9 +183,14 @@ double time_unit_s(const ScanFile& scan)
 std::vector<float> times_since(double time_s, const ScanFile& scan, double unit_s)
 {
   if (scan.time.empty()) return {};
-  constexpr double kLongest_s = 60, kSinceEpoch_s = 1e9;
-  const double least_s = unit_s * *std::min_element(scan.time.begin(), scan.time.end());
-  const double origin_s = least_s >= kSinceEpoch_s ? time_s : 0;
+  constexpr double kLongest_s = 60, kLongestScan_s = 2;
+  const auto [least, most] = std::minmax_element(scan.time.begin(), scan.time.end());
+  const double least_s = unit_s * *least;
+  // Of a simulation, or since the start of a robot, also absolute times are small.
+  const bool is_absolute =
+      least_s > kLongestScan_s && std::abs(least_s - time_s) < std::abs(least_s);
+  if (is_absolute && scan.time.size() > 1 && *least == *most) return {};  // too few digits
+  const double origin_s = is_absolute ? time_s : 0;
   std::vector<float> times_s;
   times_s.reserve(scan.time.size());
   for (const double time : scan.time)
