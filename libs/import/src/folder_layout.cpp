@@ -1,9 +1,12 @@
 #include "folder_layout.h"
 
+#include <talus/number_text.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -48,6 +51,27 @@ bool is_before(std::string_view a, std::string_view b)
   }
   if (a.empty() != b.empty()) return a.empty();
   return whole_a < whole_b;
+}
+
+std::string name_of(const std::string& scan) { return fs::path(scan).stem().string(); }
+
+/** The number that a name is: of digits and a point, as times are. */
+std::optional<double> number_of(const std::string& scan)
+{
+  const std::string name = name_of(scan);
+  const bool is_plain = name.find_first_not_of("0123456789.") == std::string::npos;
+  return is_plain ? number_from(name) : std::nullopt;
+}
+
+void sort(std::vector<std::string>& scans)
+{
+  std::sort(
+      scans.begin(), scans.end(),
+      [](const std::string& a, const std::string& b) { return is_before(name_of(a), name_of(b)); });
+  if (std::all_of(scans.begin(), scans.end(), [](const auto& s) { return number_of(s); }))
+    std::stable_sort(
+        scans.begin(), scans.end(), [](const std::string& a, const std::string& b)
+        { return number_of(a).value_or(0) < number_of(b).value_or(0); });
 }
 
 bool is_scan(ForeignScans kind) { return kind >= ForeignScans::Bin && kind <= ForeignScans::Las; }
@@ -139,10 +163,7 @@ FolderLayout layout_of_folder(const std::string& path)
   FolderLayout layout;
   layout.kind = scans.begin()->first;
   layout.scans = std::move(scans.begin()->second);
-  std::sort(
-      layout.scans.begin(), layout.scans.end(),
-      [](const std::string& a, const std::string& b)
-      { return is_before(fs::path(a).filename().string(), fs::path(b).filename().string()); });
+  sort(layout.scans);
   layout.label = label_of(folder);
   find_what_belongs_to_it(folder, layout);
   return layout;
