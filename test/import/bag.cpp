@@ -10,10 +10,9 @@ using namespace talus::import;
 using namespace talus::test;
 using mrpt::poses::CPose3D;
 
-#define MAKE_BAGS(names)                                  \
-  if (const auto why = why_no_bags(); !why.empty())       \
-    GTEST_SKIP() << why;                                  \
-  const ScratchDir dir;                                   \
+#define MAKE_BAGS(names)                                                 \
+  if (const auto why = why_no_bags(); !why.empty()) GTEST_SKIP() << why; \
+  const ScratchDir dir;                                                  \
   ASSERT_TRUE(make_bags(dir, names))
 
 namespace
@@ -70,7 +69,9 @@ void expect_front(const ImportedScan& scan, int i)
   EXPECT_EQ(scan.x_m, (std::vector<float>{first, first + 0.25f, first + 0.5f, first + 1}));
   EXPECT_EQ(scan.y_m, (std::vector<float>{0, -1, -2, -4}));
   EXPECT_EQ(scan.z_m, std::vector<float>(4, 0.5f));
-  EXPECT_EQ(scan.intensity, (std::vector<float>{10 * first, 10 * first + 1, 10 * first + 2, 10 * first + 4}));
+  EXPECT_EQ(
+      scan.intensity,
+      (std::vector<float>{10 * first, 10 * first + 1, 10 * first + 2, 10 * first + 4}));
   EXPECT_EQ(scan.ring, (std::vector<std::uint16_t>{0, 1, 2, 4}));
   EXPECT_EQ(scan.point_time_s, (std::vector<float>{0, 0.001f, 0.002f, 0.004f}));
   EXPECT_EQ(scan.not_finite, 1u);
@@ -144,7 +145,8 @@ TEST_P(BagPacking, GivesScansMountingsAndPosesPointForPoint)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Db3, BagPacking, testing::Values("log.db3 no_index.db3 messages_zstd.db3"));
+INSTANTIATE_TEST_SUITE_P(
+    Db3, BagPacking, testing::Values("log.db3 no_index.db3 messages_zstd.db3"));
 INSTANTIATE_TEST_SUITE_P(Mcap, BagPacking, testing::Values("none.mcap zstd.mcap lz4.mcap"));
 INSTANTIATE_TEST_SUITE_P(
     OddMcap, BagPacking,
@@ -203,7 +205,10 @@ TEST(Bag, APackedFileIsRefusedWithTheCommandThatUnpacksIt)
   MAKE_BAGS("mode_file");
   const auto error = error_of(dir / "mode_file");
   EXPECT_TRUE(holds(error, "zstd -d part_0.db3.zstd -o part_0.db3")) << error;
-  ASSERT_EQ(std::system(("cd " + (dir / "mode_file") + " && zstd -q -d part_0.db3.zstd -o part_0.db3").c_str()), 0);
+  ASSERT_EQ(
+      std::system(
+          ("cd " + (dir / "mode_file") + " && zstd -q -d part_0.db3.zstd -o part_0.db3").c_str()),
+      0);
   expect_log(dir / "mode_file");
 }
 
@@ -257,7 +262,8 @@ TEST(Bag, OfSeveralTopicsWithPosesTheLongestIsTakenOrTheNamed)
   const auto path = dir / "two_pose_topics.mcap";
   EXPECT_EQ(open_bag(path, {})->poses().entries().size(), 21u);
   const auto remarks = remarks_of(path);
-  EXPECT_TRUE(holds(remarks, "/odom") && holds(remarks, "/slam_pose (6)") && holds(remarks, "--topic"))
+  EXPECT_TRUE(
+      holds(remarks, "/odom") && holds(remarks, "/slam_pose (6)") && holds(remarks, "--topic"))
       << remarks;
   SourceOptions options;
   options.topics = {"/slam_pose"};

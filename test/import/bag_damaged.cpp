@@ -42,7 +42,8 @@ bool is_read(const std::string& path)
   }
 }
 
-const char* const kBags[] = {"log.db3", "none.mcap", "zstd.mcap", "lz4.mcap", "loose_no_summary.mcap"};
+const char* const kBags[] = {
+    "log.db3", "none.mcap", "zstd.mcap", "lz4.mcap", "loose_no_summary.mcap"};
 }  // namespace
 
 TEST(BagDamaged, WhatIsCutShortIsRefused)
@@ -78,7 +79,8 @@ TEST(BagDamaged, ChangedBytesAreRefusedOrRead)
       for (std::uint32_t n = 1 + random() % 4; n > 0; --n)
       {
         const char values[] = {0, 1, static_cast<char>(0xff), static_cast<char>(random())};
-        for (std::size_t at = random() % bytes.size(), length = 1 + random() % 8; length > 0; --length)
+        for (std::size_t at = random() % bytes.size(), length = 1 + random() % 8; length > 0;
+             --length)
           bytes[std::min(at++, bytes.size() - 1)] = values[random() % 4];
       }
       write(dir / name, bytes);

@@ -42,8 +42,7 @@ std::string_view FileBytes::look(std::uint64_t begin, std::size_t most)
   most = std::min(most, kWindow);
   if (begin >= size_) return {};
   most = static_cast<std::size_t>(std::min<std::uint64_t>(most, size_ - begin));
-  const bool is_there =
-      begin >= window_begin_ && begin + most <= window_begin_ + window_.size();
+  const bool is_there = begin >= window_begin_ && begin + most <= window_begin_ + window_.size();
   if (!is_there)
   {
     const auto wanted = std::min<std::uint64_t>(std::max(most, kStep), size_ - begin);

@@ -37,8 +37,8 @@ class FileBytes
 
   std::uint64_t size() const { return size_; }
 
-  /** Bytes from `begin` on: up to `most` (at most 64 KiB), fewer at the end of the file; valid until
-   * the next call. */
+  /** Bytes from `begin` on: up to `most` (at most 64 KiB), fewer at the end of the file; valid
+   * until the next call. */
   std::string_view look(std::uint64_t begin, std::size_t most);
 
   /** Throws std::runtime_error where the file cannot be read or ends before. */

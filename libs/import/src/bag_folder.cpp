@@ -66,8 +66,10 @@ void require_unpacked(const fs::path& file)
   if (file.extension() != ".zstd") return;
   const auto name = file.filename().string(), unpacked = file.stem().string();
   throw std::runtime_error(
-      file.string() + ": is packed as a whole (rosbag2's compression mode FILE). Unpack it beside: "
-                      "zstd -d " + name + " -o " + unpacked);
+      file.string() +
+      ": is packed as a whole (rosbag2's compression mode FILE). Unpack it beside: "
+      "zstd -d " +
+      name + " -o " + unpacked);
 }
 }  // namespace
 
@@ -84,8 +86,7 @@ std::vector<std::string> files_of_bag(const std::string& path)
       files.push_back(file_named(folder, name).string());
   else
     files = files_in(folder);
-  if (files.empty())
-    throw std::runtime_error(path + ": holds no file of a bag (.db3 or .mcap).");
+  if (files.empty()) throw std::runtime_error(path + ": holds no file of a bag (.db3 or .mcap).");
   for (const auto& file : files) require_unpacked(file);
   return files;
 }

@@ -28,8 +28,7 @@ CPose3D between(const StampedPose& a, const StampedPose& b, std::int64_t stamp_n
   mrpt::math::slerp(rotation_of(a.pose), rotation_of(b.pose), t, q);
   q.normalize();
   const auto mix = [t](double from, double to) { return from + t * (to - from); };
-  return CPose3D(
-      q, mix(a.pose.x, b.pose.x), mix(a.pose.y, b.pose.y), mix(a.pose.z, b.pose.z));
+  return CPose3D(q, mix(a.pose.x, b.pose.x), mix(a.pose.y, b.pose.y), mix(a.pose.z, b.pose.z));
 }
 }  // namespace
 

@@ -42,7 +42,9 @@ McapIndex::McapIndex(const std::string& path, FileBytes& file) : path_(path), fi
     if (!is_known || (!chunk.is_indexed && !has_summary_)) look_into(chunk);
     for (const auto channel : chunk.channels)
       if (channels_.count(channel) == 0)
-        fail(chunk.begin, "has a message of channel " + std::to_string(channel) + ", which is nowhere declared");
+        fail(
+            chunk.begin,
+            "has a message of channel " + std::to_string(channel) + ", which is nowhere declared");
   }
   packed_ = {};
 }
@@ -81,17 +83,31 @@ void McapIndex::check_end(std::uint64_t at)
 
 void McapIndex::add_record(McapRecord op, std::uint64_t begin, std::uint64_t bytes)
 {
-  const auto looked = [&] { return RecordReader(file_.look(begin, std::min<std::uint64_t>(bytes, 1 << 16))); };
+  const auto looked = [&]
+  { return RecordReader(file_.look(begin, std::min<std::uint64_t>(bytes, 1 << 16))); };
   is_loose_ = is_loose_ && op == McapRecord::Message;
   switch (op)
   {
-    case McapRecord::Footer: has_summary_ = looked().u64() != 0; break;
-    case McapRecord::Schema: add_schema(looked()); break;
-    case McapRecord::Channel: add_channel(looked()); break;
-    case McapRecord::Message: add_message(begin, bytes); break;
-    case McapRecord::Chunk: add_chunk(begin, bytes); break;
-    case McapRecord::MessageIndex: add_message_index(begin, bytes); break;
-    default: break;
+    case McapRecord::Footer:
+      has_summary_ = looked().u64() != 0;
+      break;
+    case McapRecord::Schema:
+      add_schema(looked());
+      break;
+    case McapRecord::Channel:
+      add_channel(looked());
+      break;
+    case McapRecord::Message:
+      add_message(begin, bytes);
+      break;
+    case McapRecord::Chunk:
+      add_chunk(begin, bytes);
+      break;
+    case McapRecord::MessageIndex:
+      add_message_index(begin, bytes);
+      break;
+    default:
+      break;
   }
 }
 
@@ -214,8 +230,8 @@ void McapIndex::read_chunk(const McapChunk& chunk, std::vector<char>& records)
   {
     fail(chunk.begin, std::string("has a chunk that ") + e.what());
   }
-  const auto crc = crc32(
-      0, reinterpret_cast<const Bytef*>(records.data()), static_cast<uInt>(records.size()));
+  const auto crc =
+      crc32(0, reinterpret_cast<const Bytef*>(records.data()), static_cast<uInt>(records.size()));
   if (chunk.crc != 0 && crc != chunk.crc)
     fail(chunk.begin, "has a chunk whose checksum does not agree");
 }
@@ -224,7 +240,8 @@ std::size_t McapIndex::topic_of(std::uint16_t channel) const
 {
   const auto known = channels_.find(channel);
   if (known == channels_.end())
-    throw std::runtime_error("is of channel " + std::to_string(channel) + ", which is nowhere declared");
+    throw std::runtime_error(
+        "is of channel " + std::to_string(channel) + ", which is nowhere declared");
   return known->second;
 }
 

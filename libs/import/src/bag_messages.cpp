@@ -51,10 +51,10 @@ FrameTransform transform_of(CdrReader& in)
 /** By the numbers of sensor_msgs/msg/PointField. */
 NumberType type_of(std::uint8_t number, const std::string& field)
 {
-  constexpr std::array kTypes = {
-      NumberType::Int8,   NumberType::UInt8,   NumberType::Int16,   NumberType::UInt16,
-      NumberType::Int32,  NumberType::UInt32,  NumberType::Float32, NumberType::Float64,
-      NumberType::Int64,  NumberType::UInt64,  NumberType::UInt8};  // the last: a truth
+  constexpr std::array kTypes = {NumberType::Int8,    NumberType::UInt8,   NumberType::Int16,
+                                 NumberType::UInt16,  NumberType::Int32,   NumberType::UInt32,
+                                 NumberType::Float32, NumberType::Float64, NumberType::Int64,
+                                 NumberType::UInt64,  NumberType::UInt8};  // the last: a truth
   if (number < 1 || number > kTypes.size())
     throw CdrError(
         "has a field '" + field.substr(0, 24) + "' of type " + std::to_string(number) +
@@ -83,11 +83,11 @@ void require_sizes(const CloudMessage& cloud)
 {
   constexpr std::uint64_t kMostPoints = std::uint64_t{1} << 24;
   const std::uint64_t points = std::uint64_t{cloud.width} * cloud.height;
-  const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step, step = row_step_of(cloud);
+  const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step,
+                      step = row_step_of(cloud);
   const std::string size = std::to_string(cloud.width) + " x " + std::to_string(cloud.height) +
                            " points of " + std::to_string(cloud.point_step) + " bytes";
-  if (points > kMostPoints)
-    throw CdrError("says it has " + size + ", more than any scan has");
+  if (points > kMostPoints) throw CdrError("says it has " + size + ", more than any scan has");
   if (step < row || row + (cloud.height - 1) * step > cloud.data.size())
     throw CdrError(
         "says it has " + size + " in rows of " + std::to_string(step) + ", but has " +

@@ -47,7 +47,8 @@ BagMotion::BagMotion(
   if (options.poses.empty()) choose_poses(reader, options);
   if (bad_poses_ > 0)
     remark(
-        std::to_string(bad_poses_) + " transforms or poses are not used: they are not finite, or "
+        std::to_string(bad_poses_) +
+        " transforms or poses are not used: they are not finite, or "
         "their quaternion is none");
   if (!tree_.conflicts().empty())
     remark(
@@ -60,8 +61,7 @@ void BagMotion::read(BagReader& reader, const std::vector<BagRole>& roles)
   std::vector<bool> wanted;
   wanted.reserve(roles.size());
   for (const auto role : roles) wanted.push_back(role != BagRole::None);
-  clouds_left_ =
-      static_cast<std::size_t>(std::count(roles.begin(), roles.end(), BagRole::Cloud));
+  clouds_left_ = static_cast<std::size_t>(std::count(roles.begin(), roles.end(), BagRole::Cloud));
   reader.start(std::move(wanted));
   BagMessage message;
   while (reader.next(message))
@@ -96,9 +96,14 @@ void BagMotion::read_message(BagReader& reader, const BagMessage& message, BagRo
         tree_.add(transform, role == BagRole::TfStatic);
       }
       break;
-    case BagRole::Odometry: add_pose(message.topic, read_odometry(payload)); break;
-    case BagRole::Pose: add_pose(message.topic, read_pose(payload)); break;
-    case BagRole::None: break;
+    case BagRole::Odometry:
+      add_pose(message.topic, read_odometry(payload));
+      break;
+    case BagRole::Pose:
+      add_pose(message.topic, read_pose(payload));
+      break;
+    case BagRole::None:
+      break;
   }
 }
 
@@ -198,7 +203,8 @@ std::optional<CPose3D> BagMotion::T_base_sensor(
         "TF does not tell how '" + sensor_frame.substr(0, 60) + "' is mounted on " +
         (base_.empty() ? "the base" : "'" + base_.substr(0, 60) + "'") +
         " (it has: " + listed(tree_.frames()) +
-        "): the sensor is taken to be at the base. --base-frame names another base, --mount the place");
+        "): the sensor is taken to be at the base. --base-frame names another base, --mount the "
+        "place");
   return CPose3D();
 }
 
@@ -220,8 +226,7 @@ const BagMotion::PoseTopic* BagMotion::named_topic(
   return nullptr;
 }
 
-void BagMotion::choose_poses(
-    BagReader& reader, const SourceOptions& options)
+void BagMotion::choose_poses(BagReader& reader, const SourceOptions& options)
 {
   const auto* named = named_topic(reader, options);
   if (named) return take_from(*named);

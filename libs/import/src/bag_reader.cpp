@@ -68,7 +68,7 @@ void BagReader::ignore(std::size_t topic)
 
 bool BagReader::next(BagMessage& message)
 {
-  for (; at_ < files_.size(); )
+  for (; at_ < files_.size();)
   {
     auto& file = files_[at_];
     if (file.file->next(message))

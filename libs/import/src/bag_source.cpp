@@ -77,8 +77,7 @@ bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
     throw std::runtime_error(reader_.place() + " " + e.what() + ". Copy the bag again.");
   }
   sensor.not_stamped += cloud.header.stamp_ns == 0 ? 1 : 0;
-  const auto stamp_ns =
-      cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
+  const auto stamp_ns = cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
   if (stamp_ns < sensor.last_ns) return ++sensor.late, false;
   const auto& topic = reader_.topics()[message.topic].name;
   const auto given = mountings_.find(topic);

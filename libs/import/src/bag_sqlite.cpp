@@ -152,9 +152,9 @@ void SqliteFile::rewind()
   for (const auto& [id, place] : places_)
     if (is_wanted(place)) wanted += (wanted.empty() ? "" : ",") + std::to_string(id);
   // Without the payloads, so that to put them in order takes no memory where there is no index.
-  ids_ = ask(
-      "SELECT rowid, topic_id, timestamp FROM messages WHERE topic_id IN (" + wanted +
-      ") ORDER BY timestamp, rowid");
+  ids_ =
+      ask("SELECT rowid, topic_id, timestamp FROM messages WHERE topic_id IN (" + wanted +
+          ") ORDER BY timestamp, rowid");
   data_ = ask("SELECT data FROM messages WHERE rowid=?");
 }
 

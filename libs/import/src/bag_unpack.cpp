@@ -16,8 +16,7 @@ namespace
 {
 using Stream = std::unique_ptr<ZSTD_DStream, std::size_t (*)(ZSTD_DStream*)>;
 
-void unpack_zstd(
-    std::string_view packed, std::optional<std::size_t> size, std::vector<char>& out)
+void unpack_zstd(std::string_view packed, std::optional<std::size_t> size, std::vector<char>& out)
 {
   const Stream stream(ZSTD_createDStream(), ZSTD_freeDStream);
   if (!stream) throw std::bad_alloc();

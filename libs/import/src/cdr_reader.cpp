@@ -53,7 +53,10 @@ struct CdrReader::Impl
         cdr(cdr_of(buffer, message[1] == 1))
   {
   }
-  std::size_t left() { return static_cast<std::size_t>(body.data() + body.size() - position_of(cdr)); }
+  std::size_t left()
+  {
+    return static_cast<std::size_t>(body.data() + body.size() - position_of(cdr));
+  }
 
   std::string_view body;
   eprosima::fastcdr::FastBuffer buffer;
