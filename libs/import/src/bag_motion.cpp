@@ -229,7 +229,7 @@ const BagMotion::PoseTopic* BagMotion::named_topic(
 void BagMotion::choose_poses(BagReader& reader, const SourceOptions& options)
 {
   const auto* named = named_topic(reader, options);
-  if (named) return take_from(*named);
+  if (named) return take_from(*named, reader);
   if (take_from_tf()) return;
   const auto most = std::max_element(
       pose_topics_.begin(), pose_topics_.end(),
@@ -240,11 +240,9 @@ void BagMotion::choose_poses(BagReader& reader, const SourceOptions& options)
         (base_.empty() ? "a base" : "'" + base_.substr(0, 60) + "'") +
         ", no Odometry, no PoseStamped. --poses FILE gives them, --base-frame and --map-frame name "
         "frames");
-  take_from(*most);
+  take_from(*most, reader);
   if (pose_topics_.size() > 1)
-    remark(
-        "poses are taken from " + reader.topics()[most->topic].name +
-        ", which has the most; there are: " + topics_text(reader) + ". --topic takes another");
+    remark("these are the most of: " + topics_text(reader) + "; --topic takes those of another");
 }
 
 bool BagMotion::take_from_tf()
@@ -255,12 +253,14 @@ bool BagMotion::take_from_tf()
     if (const auto T_map_base = tree_.T_between(map_, base_, stamp_ns))
       entries.push_back({seconds(stamp_ns), *T_map_base});
   if (entries.empty()) return false;
+  remark("poses are those of '" + base_ + "' in '" + map_ + "' in TF");
   poses_ = io::Trajectory(std::move(entries));
   return true;
 }
 
-void BagMotion::take_from(const PoseTopic& topic)
+void BagMotion::take_from(const PoseTopic& topic, const BagReader& reader)
 {
+  remark("poses are those of topic " + reader.topics()[topic.topic].name);
   std::vector<io::Trajectory::Entry> entries;
   entries.reserve(topic.history.all().size());
   const bool is_base = topic.child.empty() || topic.child == base_;

@@ -49,7 +49,7 @@ class BagMotion
   void choose_map(const SourceOptions& options, const std::string& path);
   void choose_poses(BagReader& reader, const SourceOptions& options);
   bool take_from_tf();
-  void take_from(const PoseTopic& topic);
+  void take_from(const PoseTopic& topic, const BagReader& reader);
   const PoseTopic* named_topic(BagReader& reader, const SourceOptions& options) const;
   std::string topics_text(BagReader& reader) const;
   std::string known_frame(const std::vector<std::string>& names) const;
