@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/rawlog_reader.h>
+#include <talus/io/trajectory.h>
 #include <talus/mrpt/observation_points.h>
 
 #include <cmath>
@@ -378,4 +379,36 @@ TEST_F(TalusImport, runs_the_commands_of_its_page)
   EXPECT_TRUE(fs::exists(dir_ / "00/site.png"));
   EXPECT_TRUE(fs::exists(dir_ / "drive/site.png"));
   EXPECT_EQ(scans_of("both.rawlog").size(), 6u);
+}
+
+TEST_F(TalusImport, is_not_needed_for_ros_1_bags_by_the_recipe_of_the_page_on_mrpt)
+{
+  for (const char* tool : {"rosbag2rawlog --version", "rawlog-edit --version"})
+    if (run(tool).code == 127) GTEST_SKIP() << tool << " is not installed (Debian: mrpt-apps)";
+  if (run("/usr/bin/python3 -c 'import rosbag, genpy'").code != 0)
+    GTEST_SKIP() << "rosbag is not installed for /usr/bin/python3 (Debian 12: python3-rosbag)";
+  done("/usr/bin/python3 " TALUS_SOURCE_DIR "/test/apps/ros1_bag.py .");
+
+  const std::string page = read_bytes(TALUS_SOURCE_DIR "/doc/mrpt.md");
+  auto at = page.find("## ROS 1 bags");
+  ASSERT_NE(at, std::string::npos);
+  const auto next_block = [&]
+  {
+    at = page.find("```", at);
+    const auto begin = page.find('\n', at) + 1, end = page.find("```", begin);
+    at = end + 3;
+    return page.substr(begin, end - begin);
+  };
+  for (const char* file : {"bag.yml", "mount.ini", "poses.py"}) write(file, next_block());
+  std::istringstream lines(next_block());
+  for (std::string line; std::getline(lines, line);)
+    done("sh -c '" + line + (line.rfind("talus-map", 0) == 0 ? " --backend cpu'" : "'"));
+  const auto scans = scans_of("drive.rawlog");
+  ASSERT_EQ(scans.size(), 12u);
+  EXPECT_EQ(scans[3].x_m.size(), 3721u);
+  EXPECT_NEAR(scans[3].T_base_sensor.z(), 0.5, 1e-9);
+  const auto poses = io::Trajectory::load(dir_ / "drive.tum").entries();
+  ASSERT_EQ(poses.size(), 12u);
+  EXPECT_NEAR(poses[11].T_map_base.x(), 1.1, 1e-6);
+  EXPECT_TRUE(fs::exists(dir_ / "drive_map/site.png"));
 }
