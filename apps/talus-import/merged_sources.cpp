@@ -39,13 +39,18 @@ void MergedSources::require_one_source(const Source& source)
 {
   LastOfLabel& last = last_[source.pending.sensor_label];
   const double time_s = source.pending.time_s;
-  if (last.source && last.source != &source && !(time_s > last.time_s))
-    throw std::runtime_error(
-        source.path + ": its sensor is called '" + source.pending.sensor_label + "', as that of " +
-        last.source->path + ", and has a scan at " + number_text(time_s, 16) +
-        " s, when that goes on. Rename one of the folders if they are two sensors; give the folder, "
-        "not its files, if they are one.");
-  last = {&source, time_s};
+  if (last.source && last.source != &source)
+  {
+    last.ended.insert(last.source);
+    if (last.ended.count(&source) || time_s <= last.time_s)
+      throw std::runtime_error(
+          source.path + " and " + last.source->path + ": both have scans of '" +
+          source.pending.sensor_label + "' at the same time (" + number_text(time_s, 16) +
+          " s). Rename one of the folders if they are two sensors; give the folder, not its files, "
+          "if they are one.");
+  }
+  last.source = &source;
+  last.time_s = time_s;
 }
 
 bool MergedSources::next(ImportedScan& scan)

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,7 @@ class MergedSources
   {
     const Source* source = nullptr;
     double time_s = 0;
+    std::set<const Source*> ended;  //!< sources that another took over from
   };
 
   void read(Source& source);

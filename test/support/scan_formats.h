@@ -1,7 +1,5 @@
 #pragma once
 // Scans in the formats of other programs, written from what the formats' own documents say.
-#include <talus/import/scan_source.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
