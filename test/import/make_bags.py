@@ -146,6 +146,7 @@ def packed(data, program):
 
 def write_db3(path, rows, pack="", index=True):
     base = sqlite3.connect(path)
+    base.execute("PRAGMA page_size=512")
     base.execute("PRAGMA synchronous=OFF")
     base.execute("PRAGMA journal_mode=OFF")
     base.execute("CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL)")
@@ -333,12 +334,25 @@ def numbers_that_lie():
     return {"huge": huge, "wide": wide, "fields": fields, "cut": good[:-40], "tiny": good[:2], "xml": b"<cloud/>"}
 
 
+def small():
+    """A bit of everything, for what has to be small."""
+    rows = {}
+    for row in log():
+        rows.setdefault(row[1], []).append(row)
+    return sorted((row for some in rows.values() for row in some[:3]), key=lambda row: row[0])
+
+
 def bags(folder):
     p = lambda name: os.path.join(folder, name)
     names = {
         "log.db3": lambda n: write_db3(n, log()),
         "no_index.db3": lambda n: write_db3(n, log()[::-1], index=False),
         "messages_zstd.db3": lambda n: write_db3(n, log(), "zstd"),
+        "small.db3": lambda n: write_db3(n, small()),
+        "small_none.mcap": lambda n: write_mcap(n, in_groups(small())),
+        "small_zstd.mcap": lambda n: write_mcap(n, in_groups(small()), "zstd"),
+        "small_lz4.mcap": lambda n: write_mcap(n, in_groups(small()), "lz4"),
+        "small_loose.mcap": lambda n: write_mcap(n, in_groups(small()), chunked=False, indexed=False),
         "none.mcap": lambda n: write_mcap(n, in_groups(log())),
         "zstd.mcap": lambda n: write_mcap(n, in_groups(log()), "zstd"),
         "lz4.mcap": lambda n: write_mcap(n, in_groups(log()), "lz4"),
@@ -374,4 +388,6 @@ if __name__ == "__main__":
     known = bags(sys.argv[1])
     for wanted in sys.argv[2:]:
         path = os.path.join(sys.argv[1], wanted)
+        if os.path.isfile(path):
+            os.remove(path)
         known[path](path)
