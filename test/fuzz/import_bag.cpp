@@ -34,7 +34,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
         ImportedScan scan;
         while (source->next(scan)) check(scan);
         fuzz::require(source->progress() <= 1, "no more than all is read");
-        for (const auto& pose : source->poses().entries())
+        const auto poses = source->poses();
+        for (const auto& pose : poses.entries())
           fuzz::require(std::isfinite(pose.T_map_base.norm()), "poses are finite");
         source->remarks();
       });
