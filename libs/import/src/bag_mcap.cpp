@@ -106,10 +106,9 @@ void McapFile::rewind()
 
 bool McapFile::has_wanted(const McapChunk& chunk) const
 {
-  return !chunk.is_indexed ||
-         std::any_of(
-             chunk.channels.begin(), chunk.channels.end(),
-             [this](std::uint16_t channel) { return is_wanted(index_.topic_of(channel)); });
+  return std::any_of(
+      chunk.channels.begin(), chunk.channels.end(),
+      [this](std::uint16_t channel) { return is_wanted(index_.topic_of(channel)); });
 }
 
 /** Chunks that begin before the next message of those that are open. */

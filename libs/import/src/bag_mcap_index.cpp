@@ -33,13 +33,13 @@ void insert(std::vector<std::uint16_t>& channels, std::uint16_t channel)
 McapIndex::McapIndex(const std::string& path, FileBytes& file) : path_(path), file_(file)
 {
   walk();
-  // Without a summary the channels may be declared inside of chunks only.
+  // Channels may be declared inside of chunks only, and an index may be left out.
   for (auto& chunk : chunks_)
   {
     const bool is_known = std::all_of(
         chunk.channels.begin(), chunk.channels.end(),
         [this](std::uint16_t channel) { return channels_.count(channel) > 0; });
-    if (!is_known || (!chunk.is_indexed && !has_summary_)) look_into(chunk);
+    if (!is_known || !chunk.is_indexed) look_into(chunk);
     for (const auto channel : chunk.channels)
       if (channels_.count(channel) == 0)
         fail(
@@ -88,9 +88,6 @@ void McapIndex::add_record(McapRecord op, std::uint64_t begin, std::uint64_t byt
   is_loose_ = is_loose_ && op == McapRecord::Message;
   switch (op)
   {
-    case McapRecord::Footer:
-      has_summary_ = looked().u64() != 0;
-      break;
     case McapRecord::Schema:
       add_schema(looked());
       break;

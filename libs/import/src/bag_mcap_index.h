@@ -70,7 +70,7 @@ class McapIndex
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, std::size_t> channels_;  //!< places in topics_
   std::vector<char> packed_;
-  bool has_summary_ = false, is_loose_ = false;  //!< the last of chunks_ may take further messages
+  bool is_loose_ = false;  //!< the last of chunks_ may take further messages
 };
 
 /** Calls `take(op, content, begin of the content)` for each record. Throws std::runtime_error, with
