@@ -30,7 +30,7 @@ struct OpenChunk
   bool is_done() const { return at == entries.size(); }
 };
 
-class McapFile : public BagFile
+class McapFile final : public BagFile
 {
  public:
   explicit McapFile(const std::string& path) : path_(path), file_(path), index_(path, file_)

@@ -38,7 +38,7 @@ std::string text_of(sqlite3_stmt* row, int column)
 }
 
 /** A bag of rosbag2's plugin sqlite3: tables topics and messages. */
-class SqliteFile : public BagFile
+class SqliteFile final : public BagFile
 {
  public:
   explicit SqliteFile(const std::string& path) : path_(path)
