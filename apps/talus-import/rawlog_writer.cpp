@@ -55,8 +55,8 @@ std::vector<std::uint8_t> intensity_in_bytes(const ImportedScan& scan)
   const float most = *std::max_element(scan.intensity.begin(), scan.intensity.end());
   const float scale = most <= 1 ? 255.0F : 1.0F;
   for (std::size_t i = 0; i < bytes.size(); ++i)
-    bytes[i] = static_cast<std::uint8_t>(
-        std::lround(std::clamp(scan.intensity[i] * scale, 0.0F, 255.0F)));
+    bytes[i] =
+        static_cast<std::uint8_t>(std::lround(std::clamp(scan.intensity[i] * scale, 0.0F, 255.0F)));
   return bytes;
 }
 
