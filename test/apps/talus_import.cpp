@@ -225,6 +225,7 @@ TEST_F(TalusImport, keeps_stamps_labels_mountings_and_the_times_of_points)
   ASSERT_TRUE(obs);
   EXPECT_EQ(obs->point_cloud.intensity[0], 128);  // of 255
   EXPECT_EQ(obs->point_cloud.laser_id[0], 7);
+  EXPECT_EQ(obs->point_cloud.laser_id.size(), p.size());
 }
 
 TEST_F(TalusImport, gives_scans_that_are_deskewed)
@@ -280,6 +281,15 @@ TEST_F(TalusImport, merges_sensors_in_the_order_of_time)
     EXPECT_NEAR(scans[i].T_base_sensor.x(), i % 2 ? -0.3 : 0.3, 1e-12);
     EXPECT_NEAR(scans[i].stamp_s, kFirst_s + 0.05 * static_cast<double>(i), 1e-6);
   }
+  // Poses of KITTI's camera: of the first source.
+  write("kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n1 0 0 0 0 1 0 0 0 0 1 2\n");
+  write("front/calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  done("talus-import front rear --poses kitti.txt --output kitti.rawlog");
+  const auto poses = io::Trajectory::load(dir_ / "kitti.tum").entries();
+  ASSERT_EQ(poses.size(), 3u);
+  EXPECT_NEAR(poses[2].T_map_base.x(), 2, 1e-9);
+  fails("rear front --poses kitti.txt --output kitti.rawlog", 1, {"calib.txt", "'Tr:'"});
+
   fs::rename(dir_ / "rear", dir_ / "back");
   fs::create_directories(dir_ / "b");
   fs::rename(dir_ / "back", dir_ / "b/front");

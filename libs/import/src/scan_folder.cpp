@@ -91,7 +91,7 @@ ScanFolder::ScanFolder(const std::string& path, const SourceOptions& options)
   set_mounting(options);
   read_scan(layout_.scans.front(), layout_.kind, file_);  // what is no scan shows at once
   set_times();
-  set_poses(options.poses);
+  if (options.own_poses) set_poses(options.poses);
 }
 
 void ScanFolder::set_mounting(const SourceOptions& options)
