@@ -99,8 +99,8 @@ void require_poses_in_time(const Sums& sums, const WrittenPoses& poses)
   const auto span = [](double first_s, double last_s)
   { return talus::number_text(first_s, 13) + " to " + talus::number_text(last_s, 13) + " s"; };
   throw std::runtime_error(
-      poses.source + ": its poses are of " + span(poses.first_s, poses.last_s) +
-      ", the scans of " + span(sums.first_s, sums.last_s) +
+      poses.source + ": its poses are of " + span(poses.first_s, poses.last_s) + ", the scans of " +
+      span(sums.first_s, sums.last_s) +
       ". Give both the same clock: a folder of scans takes its times from a times.txt in it.");
 }
 
@@ -109,8 +109,9 @@ void require_no_old_poses(const std::string& tum)
 {
   if (fs::exists(tum))
     throw std::runtime_error(
-        tum + ": lies there already, but these scans have no poses, and talus-map would take those. "
-              "Remove it, pass --poses, or give the log another name.");
+        tum +
+        ": lies there already, but these scans have no poses, and talus-map would take those. "
+        "Remove it, pass --poses, or give the log another name.");
 }
 
 void tell(const Options& o, const Sums& sums, const WrittenPoses& poses, const MergedSources& all)
@@ -177,8 +178,7 @@ int run(const Options& o)
     print_error("stopped; nothing was written");
     return 128 + signal;
   }
-  if (end.signal)
-    throw std::runtime_error(talus::app::crash_text(o.sources.front(), end.signal));
+  if (end.signal) throw std::runtime_error(talus::app::crash_text(o.sources.front(), end.signal));
   if (end.exit_code != 0) return end.exit_code;
   const std::string tum = talus::app::trajectory_beside(o.output);
   const bool has_poses = fs::exists(fs::path(folder.staging()) / fs::path(tum).filename());

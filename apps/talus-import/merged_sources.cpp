@@ -2,6 +2,7 @@
 
 #include "../common/suspect.h"
 
+#include <talus/import/kitti_poses.h>
 #include <talus/number_text.h>
 
 #include <stdexcept>
@@ -21,11 +22,15 @@ auto watched(const std::string& path, const F& work)
 
 MergedSources::MergedSources(const std::vector<std::string>& paths, const SourceOptions& options)
 {
+  // Those of KITTI's camera are turned by the first source.
+  SourceOptions of_rest = options;
+  of_rest.own_poses = options.poses.empty() || !is_kitti_poses(options.poses);
   sources_.resize(paths.size());
   for (std::size_t i = 0; i < paths.size(); ++i)
   {
     sources_[i].path = paths[i];
-    sources_[i].scans = watched(paths[i], [&] { return open_scan_source(paths[i], options); });
+    sources_[i].scans =
+        watched(paths[i], [&] { return open_scan_source(paths[i], i == 0 ? options : of_rest); });
     read(sources_[i]);
   }
 }

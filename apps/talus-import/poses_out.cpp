@@ -67,8 +67,9 @@ WrittenPoses write_poses(const std::string& tum, const std::string& poses, Merge
   if (!poses.empty()) source = poses;
   if (trajectory.empty() && !poses.empty())
     throw std::runtime_error(
-        poses + ": has poses of KITTI's camera; they go with a folder of scans that has a "
-                "calib.txt. Pass poses of the base, as TUM text.");
+        poses +
+        ": has poses of KITTI's camera; they go with a folder of scans that has a "
+        "calib.txt. Pass poses of the base, as TUM text.");
   if (!trajectory.empty()) io::write_file(tum, text_of(trajectory));
   return measured(trajectory, source);
 }

@@ -55,8 +55,8 @@ std::vector<std::uint8_t> intensity_in_bytes(const ImportedScan& scan)
   const float most = *std::max_element(scan.intensity.begin(), scan.intensity.end());
   const float scale = most <= 1 ? 255.0F : 1.0F;
   for (std::size_t i = 0; i < bytes.size(); ++i)
-    bytes[i] = static_cast<std::uint8_t>(
-        std::lround(std::clamp(scan.intensity[i] * scale, 0.0F, 255.0F)));
+    bytes[i] =
+        static_cast<std::uint8_t>(std::lround(std::clamp(scan.intensity[i] * scale, 0.0F, 255.0F)));
   return bytes;
 }
 
@@ -71,7 +71,8 @@ mrpt::obs::CObservationVelodyneScan timed_observation(const ImportedScan& scan)
   points.y.assign(scan.y_m.begin(), scan.y_m.end());
   points.z.assign(scan.z_m.begin(), scan.z_m.end());
   points.intensity = intensity_in_bytes(scan);
-  points.laser_id.assign(scan.ring.begin(), scan.ring.end());
+  points.laser_id.assign(scan.x_m.size(), 0);  // programs of MRPT count on them
+  std::copy(scan.ring.begin(), scan.ring.end(), points.laser_id.begin());
   points.timestamp.reserve(scan.point_time_s.size());
   for (const float time_s : scan.point_time_s)
     points.timestamp.push_back(

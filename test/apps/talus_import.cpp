@@ -39,8 +39,8 @@ class TalusImport : public testing::Test
   Outcome run(const std::string& command) const
   {
     const std::string path = std::string("PATH=") + TALUS_BIN + ":$PATH ";
-    const int status = std::system(
-        ("cd '" + (dir_ / "") + "' && " + path + command + " >log.txt 2>&1").c_str());
+    const int status =
+        std::system(("cd '" + (dir_ / "") + "' && " + path + command + " >log.txt 2>&1").c_str());
     return {WEXITSTATUS(status), read_bytes(dir_ / "log.txt")};
   }
   Outcome import(const std::string& arguments) const { return run("talus-import " + arguments); }
@@ -165,8 +165,7 @@ TEST_F(TalusImport, gives_the_map_of_the_log_that_the_scans_came_from_bit_by_bit
   const auto& T = scans[0].T_base_sensor;
   ASSERT_EQ(T.yaw(), 0);
   ASSERT_EQ(T.pitch(), 0);
-  const std::string mounting =
-      number(T.x()) + "," + number(T.y()) + "," + number(T.z()) + ",0,0,0";
+  const std::string mounting = number(T.x()) + "," + number(T.y()) + "," + number(T.z()) + ",0,0,0";
 
   struct Format
   {
@@ -222,11 +221,11 @@ TEST_F(TalusImport, keeps_stamps_labels_mountings_and_the_times_of_points)
   ASSERT_EQ(s.time_s.size(), p.time.size());
   for (std::size_t i = 0; i < p.size(); ++i) ASSERT_NEAR(s.time_s[i], p.time[i], 1e-6);
   io::RawlogReader reader(dir_ / "log.rawlog");
-  const auto obs =
-      std::dynamic_pointer_cast<mrpt::obs::CObservationVelodyneScan>(reader.next());
+  const auto obs = std::dynamic_pointer_cast<mrpt::obs::CObservationVelodyneScan>(reader.next());
   ASSERT_TRUE(obs);
   EXPECT_EQ(obs->point_cloud.intensity[0], 128);  // of 255
   EXPECT_EQ(obs->point_cloud.laser_id[0], 7);
+  EXPECT_EQ(obs->point_cloud.laser_id.size(), p.size());
 }
 
 TEST_F(TalusImport, gives_scans_that_are_deskewed)
@@ -282,10 +281,21 @@ TEST_F(TalusImport, merges_sensors_in_the_order_of_time)
     EXPECT_NEAR(scans[i].T_base_sensor.x(), i % 2 ? -0.3 : 0.3, 1e-12);
     EXPECT_NEAR(scans[i].stamp_s, kFirst_s + 0.05 * static_cast<double>(i), 1e-6);
   }
+  // Poses of KITTI's camera: of the first source.
+  write("kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n1 0 0 0 0 1 0 0 0 0 1 2\n");
+  write("front/calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  done("talus-import front rear --poses kitti.txt --output kitti.rawlog");
+  const auto poses = io::Trajectory::load(dir_ / "kitti.tum").entries();
+  ASSERT_EQ(poses.size(), 3u);
+  EXPECT_NEAR(poses[2].T_map_base.x(), 2, 1e-9);
+  fails("rear front --poses kitti.txt --output kitti.rawlog", 1, {"calib.txt", "'Tr:'"});
+
   fs::rename(dir_ / "rear", dir_ / "back");
   fs::create_directories(dir_ / "b");
   fs::rename(dir_ / "back", dir_ / "b/front");
-  fails("front b/front --output x.rawlog", 1, {"front and b/front: both have scans of 'front'", "Rename"});
+  fails(
+      "front b/front --output x.rawlog", 1,
+      {"front and b/front: both have scans of 'front'", "Rename"});
   fails("front/0.pcd front/1.pcd --output x.rawlog", 1, {"give the folder"});
 }
 
@@ -303,7 +313,8 @@ TEST_F(TalusImport, leaves_everything_as_it_was_when_it_fails)
   fails("lidar --poses poses.tum --output log.rawlog", 1, {"its poses are of 5 to", "same clock"});
   write("kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   fails("lidar --poses kitti.txt --output log.rawlog", 1, {"calib.txt", "'Tr:'"});
-  fails("lidar --mount lidr=0,0,1,0,0,0 --output x.rawlog", 1, {"--mount lidr", "there are: lidar"});
+  fails(
+      "lidar --mount lidr=0,0,1,0,0,0 --output x.rawlog", 1, {"--mount lidr", "there are: lidar"});
   fails("lidar --poses lidar --output x.rawlog", 1, {"is a directory"});
   write("empty/0.pcd", pcd_header(Points(), "ascii"));
   fails("empty --output x.rawlog", 1, {"not a single point"});
@@ -333,7 +344,8 @@ TEST_F(TalusImport, is_what_talus_map_names_for_scans_of_other_programs)
   write("a.ply", ply_big(floor()));
   write("drive.bag", "#ROSBAG V2.0\n");
   write("bag/metadata.yaml", "rosbag2_bagfile_information:\n");
-  for (const char* source : {"lidar", "lidar/0.pcd", "sequence", "sequence/velodyne/0.bin", "a.ply", "bag"})
+  for (const char* source :
+       {"lidar", "lidar/0.pcd", "sequence", "sequence/velodyne/0.bin", "a.ply", "bag"})
   {
     const Outcome o = run(std::string("talus-map ") + source);
     EXPECT_EQ(o.code, 1);

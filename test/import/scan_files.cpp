@@ -242,8 +242,9 @@ TEST_F(ScanFiles, that_are_cut_name_the_place)
 TEST_F(ScanFiles, with_more_points_than_bytes_are_refused_at_once)
 {
   const Points p = spiral(10);
-  const auto pcd = [&](const std::string& bytes, const std::string& count)
-  { return replaced(replaced(bytes, "WIDTH 10", "WIDTH " + count), "POINTS 10", "POINTS " + count); };
+  const auto pcd = [&](const std::string& bytes, const std::string& count) {
+    return replaced(replaced(bytes, "WIDTH 10", "WIDTH " + count), "POINTS 10", "POINTS " + count);
+  };
   refuses("binary.pcd", pcd(pcd_binary(p), "4000000000"), {"4000000000 points", "is cut"});
   refuses("binary.pcd", pcd(pcd_binary(p), "1000000000000"), {":7:", "whole number up to"});
   refuses("ascii.pcd", pcd(pcd_ascii(p), "4000000000"), {"10 of 4000000000 points"});
@@ -325,13 +326,40 @@ TEST_F(ScanFiles, of_the_point_cloud_library_are_read)
 TEST_F(ScanFiles, unpack_pieces_that_are_said_twice)
 {
   std::string out;
-  EXPECT_TRUE(unpack_lzf(std::string("\x02" "abc\x20\x02\x20\x00", 8), 9, out));
+  EXPECT_TRUE(unpack_lzf(
+      std::string(
+          "\x02"
+          "abc\x20\x02\x20\x00",
+          8),
+      9, out));
   EXPECT_EQ(out, "abcabcccc");
-  EXPECT_TRUE(unpack_lzf(std::string("\x00" "a\xe0\x14\x00", 5), 30, out));
+  EXPECT_TRUE(unpack_lzf(
+      std::string(
+          "\x00"
+          "a\xe0\x14\x00",
+          5),
+      30, out));
   EXPECT_EQ(out, std::string(30, 'a'));
-  EXPECT_FALSE(unpack_lzf(std::string("\x00" "a\xe0\x14\x00", 5), 29, out));
-  EXPECT_FALSE(unpack_lzf(std::string("\x00" "a\x20\x01", 4), 4, out)) << "before the beginning";
-  for (const char* cut : {"\x05" "ab", "\x00" "a\xe0", "\x00" "a\x20"})
+  EXPECT_FALSE(unpack_lzf(
+      std::string(
+          "\x00"
+          "a\xe0\x14\x00",
+          5),
+      29, out));
+  EXPECT_FALSE(unpack_lzf(
+      std::string(
+          "\x00"
+          "a\x20\x01",
+          4),
+      4, out))
+      << "before the beginning";
+  for (const char* cut :
+       {"\x05"
+        "ab",
+        "\x00"
+        "a\xe0",
+        "\x00"
+        "a\x20"})
     EXPECT_FALSE(unpack_lzf(cut, 30, out));
 }
 
@@ -350,11 +378,21 @@ TEST_F(ScanFiles, that_are_damaged_in_a_thousand_ways_are_read_or_refused)
       const auto at = [&] { return random() % bytes.size(); };
       for (std::uint32_t hits = random() % 4; hits < 4; ++hits) switch (random() % 5)
         {
-          case 0: bytes[at()] = static_cast<char>(random()); break;
-          case 1: bytes[at()] = "0129 -e\n"[random() % 8]; break;
-          case 2: bytes.resize(at() + 1); break;
-          case 3: bytes.insert(at(), bytes.substr(at(), random() % 40)); break;
-          default: bytes.insert(at(), "9999999999"); break;
+          case 0:
+            bytes[at()] = static_cast<char>(random());
+            break;
+          case 1:
+            bytes[at()] = "0129 -e\n"[random() % 8];
+            break;
+          case 2:
+            bytes.resize(at() + 1);
+            break;
+          case 3:
+            bytes.insert(at(), bytes.substr(at(), random() % 40));
+            break;
+          default:
+            bytes.insert(at(), "9999999999");
+            break;
         }
       try
       {

@@ -47,8 +47,7 @@ class ScanFolder : public testing::Test
     write("sequences/07/calib.txt", kCalibration);
     write("poses/07.txt", kPoses);
   }
-  std::unique_ptr<ScanSource> open(
-      const std::string& name, const SourceOptions& options = {}) const
+  std::unique_ptr<ScanSource> open(const std::string& name, const SourceOptions& options = {}) const
   {
     return open_scan_source(dir_ / name, options);
   }
@@ -176,9 +175,7 @@ TEST_F(ScanFolder, takes_poses_and_a_mounting_that_are_given)
 {
   write_sequence(3);
   write("sequences/07/poses.txt", kPoses);
-  write(
-      "slam.txt",
-      "1 0 0 5 0 1 0 0 0 0 1 0\n1 0 0 5 0 1 0 0 0 0 1 2\n1 0 0 5 0 1 0 0 0 0 1 3\n");
+  write("slam.txt", "1 0 0 5 0 1 0 0 0 0 1 0\n1 0 0 5 0 1 0 0 0 0 1 2\n1 0 0 5 0 1 0 0 0 0 1 3\n");
   SourceOptions options;
   options.poses = dir_ / "slam.txt";
   options.mountings["velodyne"] = CPose3D(1, 0, 2, 0, 0, 0);

@@ -70,7 +70,8 @@ void sort(std::vector<std::string>& scans)
       [](const std::string& a, const std::string& b) { return is_before(name_of(a), name_of(b)); });
   if (std::all_of(scans.begin(), scans.end(), [](const auto& s) { return number_of(s); }))
     std::stable_sort(
-        scans.begin(), scans.end(), [](const std::string& a, const std::string& b)
+        scans.begin(), scans.end(),
+        [](const std::string& a, const std::string& b)
         { return number_of(a).value_or(0) < number_of(b).value_or(0); });
 }
 

@@ -17,8 +17,8 @@ struct FolderLayout
 
 /** Looks into a folder, or beside a single file. KITTI's layouts: a sequence of the odometry data
  * (velodyne/, times.txt, calib.txt; poses.txt in it or poses/NN.txt beside sequences/), a drive of
- * the raw data (velodyne_points/). Throws std::runtime_error that names the folder, what is wrong and
- * what to do. */
+ * the raw data (velodyne_points/). Throws std::runtime_error that names the folder, what is wrong
+ * and what to do. */
 FolderLayout find_layout(const std::string& path);
 
 }  // namespace talus::import

@@ -21,8 +21,9 @@ void require_kitti(const std::string& path, std::size_t bytes)
 {
   if (ends_with(path, ".pcd.bin"))
     throw std::runtime_error(
-        path + ": is a scan of nuScenes, of five floats a point. Write the first four of each "
-               "(x y z intensity) into .bin files.");
+        path +
+        ": is a scan of nuScenes, of five floats a point. Write the first four of each "
+        "(x y z intensity) into .bin files.");
   if (bytes % kPoint_bytes != 0)
     throw std::runtime_error(
         path + ": has " + std::to_string(bytes) + " bytes, no multiple of " +

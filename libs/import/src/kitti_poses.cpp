@@ -49,9 +49,8 @@ CPose3D read_pose(const std::string& path, TextLines& lines)
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) R(r, c) = v[static_cast<std::size_t>(4 * r + c)];
   constexpr double kRounded = 0.01;  // two digits a number are enough
-  const double error = (R.asEigen() * R.asEigen().transpose() - Eigen::Matrix3d::Identity())
-                           .cwiseAbs()
-                           .maxCoeff();
+  const double error =
+      (R.asEigen() * R.asEigen().transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kRounded) || !(R.asEigen().determinant() > 0))
     fail(path, lines.line_number(), "has no rotation matrix");
   return CPose3D(R, mrpt::math::CMatrixDouble31({v[3], v[7], v[11]}));
@@ -99,8 +98,9 @@ CPose3D read_kitti_calibration(const std::string& path)
       if (key == known) return read_pose(path, lines);
   }
   throw std::runtime_error(
-      path + ": has no line 'Tr:' with the place of the scanner before the camera. Take the "
-             "calib.txt that comes with KITTI's velodyne scans.");
+      path +
+      ": has no line 'Tr:' with the place of the scanner before the camera. Take the "
+      "calib.txt that comes with KITTI's velodyne scans.");
 }
 
 }  // namespace talus::import

@@ -166,14 +166,16 @@ NumberType type_of(const Field& f)
   const bool is_unsigned = f.type == 'U';
   switch (f.size)
   {
-    case 1: return is_unsigned ? NumberType::UInt8 : NumberType::Int8;
-    case 2: return is_unsigned ? NumberType::UInt16 : NumberType::Int16;
+    case 1:
+      return is_unsigned ? NumberType::UInt8 : NumberType::Int8;
+    case 2:
+      return is_unsigned ? NumberType::UInt16 : NumberType::Int16;
     case 4:
-      return f.type == 'F'  ? NumberType::Float32
+      return f.type == 'F' ? NumberType::Float32
              : is_unsigned ? NumberType::UInt32
                            : NumberType::Int32;
     default:
-      return f.type == 'F'  ? NumberType::Float64
+      return f.type == 'F' ? NumberType::Float64
              : is_unsigned ? NumberType::UInt64
                            : NumberType::Int64;
   }
@@ -199,8 +201,8 @@ void HeaderReader::check()
   const std::uint64_t by_size = header_.width * header_.height;  // of 32 bits each
   if (!header_.has_points) header_.points = by_size;
   require(
-      header_.points == by_size, "POINTS is " + std::to_string(header_.points) + ", WIDTH x HEIGHT " +
-                                     std::to_string(by_size));
+      header_.points == by_size, "POINTS is " + std::to_string(header_.points) +
+                                     ", WIDTH x HEIGHT " + std::to_string(by_size));
 }
 
 std::vector<PointField> named(const Header& header)
@@ -238,8 +240,8 @@ void require_points(const std::string& path, const Header& header, std::size_t b
   if (header.points <= bytes / header.point_bytes) return;
   fail(
       path, "is cut after byte " + std::to_string(header.begin + bytes) + ": its " +
-                std::to_string(header.points) + " points of " +
-                std::to_string(header.point_bytes) + " bytes need " +
+                std::to_string(header.points) + " points of " + std::to_string(header.point_bytes) +
+                " bytes need " +
                 number_text(
                     static_cast<double>(header.points) * static_cast<double>(header.point_bytes)) +
                 " bytes, " + std::to_string(bytes) + " are there");
@@ -247,8 +249,7 @@ void require_points(const std::string& path, const Header& header, std::size_t b
 
 std::size_t number_of_4_bytes(std::string_view data)
 {
-  return static_cast<std::size_t>(
-      number_at(data.data(), NumberType::UInt32, is_big_endian_host()));
+  return static_cast<std::size_t>(number_at(data.data(), NumberType::UInt32, is_big_endian_host()));
 }
 
 void read_compressed(
@@ -271,8 +272,7 @@ void read_compressed(
   std::string unpacked;
   if (!unpack_lzf(data.substr(0, packed), size, unpacked))
     fail(
-        path,
-        "its compressed points behind byte " + std::to_string(header.begin) + " are damaged");
+        path, "its compressed points behind byte " + std::to_string(header.begin) + " are damaged");
   read_binary(path, header, unpacked, true, out);
 }
 
@@ -303,8 +303,8 @@ class AsciiPoint
       const auto word = lines.next_word();
       if (word.empty())
         fail(
-            path, line, "has " + std::to_string(column) + " numbers of " +
-                            std::to_string(columns_));
+            path, line,
+            "has " + std::to_string(column) + " numbers of " + std::to_string(columns_));
       for (std::size_t k = 0; k < at_.size(); ++k)
         if (at_[k] == column)
         {
@@ -322,8 +322,7 @@ class AsciiPoint
   std::vector<double> values_;
 };
 
-void read_ascii(
-    const std::string& path, const Header& header, std::string_view data, ScanFile& out)
+void read_ascii(const std::string& path, const Header& header, std::string_view data, ScanFile& out)
 {
   // A number and a blank need two bytes.
   const auto at_most = static_cast<std::size_t>(

@@ -60,10 +60,10 @@ std::optional<NumberType> type_named(std::string_view name)
     NumberType type;
   };
   constexpr Named kTypes[] = {
-      {"char", "int8", NumberType::Int8},       {"uchar", "uint8", NumberType::UInt8},
-      {"short", "int16", NumberType::Int16},    {"ushort", "uint16", NumberType::UInt16},
-      {"int", "int32", NumberType::Int32},      {"uint", "uint32", NumberType::UInt32},
-      {"int64", "long", NumberType::Int64},     {"uint64", "ulong", NumberType::UInt64},
+      {"char", "int8", NumberType::Int8},        {"uchar", "uint8", NumberType::UInt8},
+      {"short", "int16", NumberType::Int16},     {"ushort", "uint16", NumberType::UInt16},
+      {"int", "int32", NumberType::Int32},       {"uint", "uint32", NumberType::UInt32},
+      {"int64", "long", NumberType::Int64},      {"uint64", "ulong", NumberType::UInt64},
       {"float", "float32", NumberType::Float32}, {"double", "float64", NumberType::Float64}};
   for (const Named& t : kTypes)
     if (name == t.name || name == t.long_name) return t.type;
@@ -288,10 +288,7 @@ class AsciiReader
   void read(const Element& vertices, std::size_t bytes, ScanFile& out);
 
  private:
-  std::string place() const
-  {
-    return path_ + ":" + std::to_string(before_ + lines_.line_number());
-  }
+  std::string place() const { return path_ + ":" + std::to_string(before_ + lines_.line_number()); }
   void next_line(std::uint64_t there, const Element& element)
   {
     if (!lines_.next_line()) fail(place(), there_of(there, element));
@@ -317,9 +314,7 @@ void AsciiReader::read(const Element& vertices, std::size_t bytes, ScanFile& out
       const auto word = lines_.next_word();
       const auto value = number_from(word);
       if (word.empty())
-        fail(
-            place(),
-            "has " + std::to_string(k) + " numbers of " + std::to_string(all.size()));
+        fail(place(), "has " + std::to_string(k) + " numbers of " + std::to_string(all.size()));
       if (!value) fail(place(), shown(word) + " is not a number");
       all[k] = *value;
     }

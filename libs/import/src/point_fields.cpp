@@ -40,9 +40,8 @@ std::string plain_name(const std::string& name)
 
 using Names = std::vector<std::string_view>;
 const Names kIntensity = {"intensity", "i", "reflectivity", "reflectance", "remission"};
-const Names kTime = {
-    "t",           "time",     "timestamp",   "time_stamp", "stamp", "point_time",
-    "offset_time", "gps_time", "gpstime"};
+const Names kTime = {"t",          "time",        "timestamp", "time_stamp", "stamp",
+                     "point_time", "offset_time", "gps_time",  "gpstime"};
 const Names kRing = {"ring", "channel", "laser_id", "laserid", "line"};
 
 /** The place of the first of the names that there is, or -1. */
@@ -54,7 +53,10 @@ int find(const std::vector<PointField>& fields, const Names& names)
   return -1;
 }
 
-bool is_whole(NumberType type) { return type != NumberType::Float32 && type != NumberType::Float64; }
+bool is_whole(NumberType type)
+{
+  return type != NumberType::Float32 && type != NumberType::Float64;
+}
 
 /** Finite, also as a float. */
 bool is_float(double value) { return std::abs(value) <= std::numeric_limits<float>::max(); }
@@ -73,13 +75,17 @@ std::size_t bytes_of(NumberType type)
   switch (type)
   {
     case NumberType::Int8:
-    case NumberType::UInt8: return 1;
+    case NumberType::UInt8:
+      return 1;
     case NumberType::Int16:
-    case NumberType::UInt16: return 2;
+    case NumberType::UInt16:
+      return 2;
     case NumberType::Int32:
     case NumberType::UInt32:
-    case NumberType::Float32: return 4;
-    default: return 8;
+    case NumberType::Float32:
+      return 4;
+    default:
+      return 8;
   }
 }
 
@@ -95,16 +101,26 @@ double number_at(const char* bytes, NumberType type, bool swapped)
 {
   switch (type)
   {
-    case NumberType::Int8: return as<std::int8_t>(bytes, swapped);
-    case NumberType::UInt8: return as<std::uint8_t>(bytes, swapped);
-    case NumberType::Int16: return as<std::int16_t>(bytes, swapped);
-    case NumberType::UInt16: return as<std::uint16_t>(bytes, swapped);
-    case NumberType::Int32: return as<std::int32_t>(bytes, swapped);
-    case NumberType::UInt32: return as<std::uint32_t>(bytes, swapped);
-    case NumberType::Int64: return as<std::int64_t>(bytes, swapped);
-    case NumberType::UInt64: return as<std::uint64_t>(bytes, swapped);
-    case NumberType::Float32: return as<float>(bytes, swapped);
-    default: return as<double>(bytes, swapped);
+    case NumberType::Int8:
+      return as<std::int8_t>(bytes, swapped);
+    case NumberType::UInt8:
+      return as<std::uint8_t>(bytes, swapped);
+    case NumberType::Int16:
+      return as<std::int16_t>(bytes, swapped);
+    case NumberType::UInt16:
+      return as<std::uint16_t>(bytes, swapped);
+    case NumberType::Int32:
+      return as<std::int32_t>(bytes, swapped);
+    case NumberType::UInt32:
+      return as<std::uint32_t>(bytes, swapped);
+    case NumberType::Int64:
+      return as<std::int64_t>(bytes, swapped);
+    case NumberType::UInt64:
+      return as<std::uint64_t>(bytes, swapped);
+    case NumberType::Float32:
+      return as<float>(bytes, swapped);
+    default:
+      return as<double>(bytes, swapped);
   }
 }
 

@@ -26,10 +26,14 @@ void read_scan(const std::string& path, ForeignScans kind, ScanFile& out)
 {
   switch (kind)
   {
-    case ForeignScans::Bin: return read_kitti_bin(path, out);
-    case ForeignScans::Pcd: return read_pcd(path, out);
-    case ForeignScans::Ply: return read_ply(path, out);
-    default: throw std::runtime_error(path + ": " + io::how_to_import(path, kind));
+    case ForeignScans::Bin:
+      return read_kitti_bin(path, out);
+    case ForeignScans::Pcd:
+      return read_pcd(path, out);
+    case ForeignScans::Ply:
+      return read_ply(path, out);
+    default:
+      throw std::runtime_error(path + ": " + io::how_to_import(path, kind));
   }
 }
 
@@ -87,7 +91,7 @@ ScanFolder::ScanFolder(const std::string& path, const SourceOptions& options)
   set_mounting(options);
   read_scan(layout_.scans.front(), layout_.kind, file_);  // what is no scan shows at once
   set_times();
-  set_poses(options.poses);
+  if (options.own_poses) set_poses(options.poses);
 }
 
 void ScanFolder::set_mounting(const SourceOptions& options)
@@ -132,9 +136,11 @@ void ScanFolder::set_poses(const std::string& given)
   }
   if (layout_.calibration.empty())
     throw std::runtime_error(
-        path + ": has poses of KITTI's camera; to turn them into those of the scanner, calib.txt "
-               "with its line 'Tr:' belongs beside the scans in " +
-        layout_.label + ". Copy it there (poses of the scanner itself: Tr: 1 0 0 0 0 1 0 0 0 0 1 0).");
+        path +
+        ": has poses of KITTI's camera; to turn them into those of the scanner, calib.txt "
+        "with its line 'Tr:' belongs beside the scans in " +
+        layout_.label +
+        ". Copy it there (poses of the scanner itself: Tr: 1 0 0 0 0 1 0 0 0 0 1 0).");
   const auto T_camera_scanner = read_kitti_calibration(layout_.calibration);
   const auto poses = read_kitti_poses(path);
   const auto lines = lines_of_scans(layout_.scans, poses.size(), path);
@@ -148,13 +154,12 @@ double ScanFolder::time_of_scan(std::size_t number, double unit_s)
   if (!times_s_.empty()) return times_s_[number];
   constexpr double kSinceEpoch_s = 1e9;
   if (!file_.time.empty())
-    if (const double first_s =
-            unit_s * *std::min_element(file_.time.begin(), file_.time.end());
+    if (const double first_s = unit_s * *std::min_element(file_.time.begin(), file_.time.end());
         first_s >= kSinceEpoch_s)
       return first_s;
   tell_once(
-      told_rate_, "nothing says when the scans of " + layout_.label + " were taken: " +
-                      number_text(rate_hz_) + " a second (--rate)");
+      told_rate_, "nothing says when the scans of " + layout_.label +
+                      " were taken: " + number_text(rate_hz_) + " a second (--rate)");
   return static_cast<double>(number) / rate_hz_;
 }
 
@@ -189,12 +194,12 @@ bool ScanFolder::next(ImportedScan& scan)
   scan.point_time_s = times_since(time_s, file_, unit_s);
   if (scan.point_time_s.empty() && !file_.time.empty())
     tell_once(
-        told_times_, "the times of the points are left out: they lie more than a minute from those "
-                     "of the scans, first in " +
-                         layout_.scans[number]);
+        told_times_,
+        "the times of the points are left out: they lie more than a minute from those "
+        "of the scans, first in " +
+            layout_.scans[number]);
   read_times_s_.push_back(time_s);
-  if (file_.viewpoint)
-    viewpoints_.push_back({time_s, *file_.viewpoint + (-T_base_sensor_)});
+  if (file_.viewpoint) viewpoints_.push_back({time_s, *file_.viewpoint + (-T_base_sensor_)});
   return true;
 }
 

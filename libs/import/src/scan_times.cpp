@@ -37,7 +37,8 @@ std::optional<double> time_of_date(std::string_view date, std::string_view clock
   const std::array<double, 6> parts = {number(date.substr(0, 4)),  number(date.substr(5, 2)),
                                        number(date.substr(8, 2)),  number(clock.substr(0, 2)),
                                        number(clock.substr(3, 2)), number(clock.substr(6))};
-  constexpr std::array<double, 6> kLeast = {1970, 1, 1, 0, 0, 0}, kMost = {9999, 12, 31, 23, 59, 61};
+  constexpr std::array<double, 6> kLeast = {1970, 1, 1, 0, 0, 0},
+                                  kMost = {9999, 12, 31, 23, 59, 61};
   for (std::size_t i = 0; i < parts.size(); ++i)
     if (!(parts[i] >= kLeast[i] && parts[i] <= kMost[i])) return std::nullopt;
   const double days = days_since_epoch(

@@ -30,10 +30,14 @@ struct Mark
   ForeignScans kind;
 };
 constexpr Mark kMarks[] = {
-    {"# .PCD", ForeignScans::Pcd},          {"VERSION .7\n", ForeignScans::Pcd},
-    {"VERSION 0.7\n", ForeignScans::Pcd},   {"ply\n", ForeignScans::Ply},
-    {"ply\r", ForeignScans::Ply},           {"LASF", ForeignScans::Las},
-    {"#ROSBAG V2", ForeignScans::Ros1Bag},  {"SQLite format 3", ForeignScans::Ros2Bag},
+    {"# .PCD", ForeignScans::Pcd},
+    {"VERSION .7\n", ForeignScans::Pcd},
+    {"VERSION 0.7\n", ForeignScans::Pcd},
+    {"ply\n", ForeignScans::Ply},
+    {"ply\r", ForeignScans::Ply},
+    {"LASF", ForeignScans::Las},
+    {"#ROSBAG V2", ForeignScans::Ros1Bag},
+    {"SQLite format 3", ForeignScans::Ros2Bag},
     {"\x89MCAP0\r\n", ForeignScans::Ros2Bag}};
 
 struct Ending
@@ -41,10 +45,10 @@ struct Ending
   std::string_view text;
   ForeignScans kind;
 };
-constexpr Ending kEndings[] = {
-    {".bin", ForeignScans::Bin},     {".pcd", ForeignScans::Pcd},     {".ply", ForeignScans::Ply},
-    {".las", ForeignScans::Las},     {".laz", ForeignScans::Las},     {".bag", ForeignScans::Ros1Bag},
-    {".db3", ForeignScans::Ros2Bag}, {".mcap", ForeignScans::Ros2Bag}};
+constexpr Ending kEndings[] = {{".bin", ForeignScans::Bin},     {".pcd", ForeignScans::Pcd},
+                               {".ply", ForeignScans::Ply},     {".las", ForeignScans::Las},
+                               {".laz", ForeignScans::Las},     {".bag", ForeignScans::Ros1Bag},
+                               {".db3", ForeignScans::Ros2Bag}, {".mcap", ForeignScans::Ros2Bag}};
 
 ForeignScans kind_of_file(const std::string& path)
 {
@@ -121,7 +125,8 @@ std::string how_to_import(const std::string& path, ForeignScans kind)
       return "is a LAS or LAZ file, which no library of Debian's reads. "
              "'pdal translate FILE.laz FILE.ply' (pdal.io) makes a .ply of it, which "
              "talus-import reads.";
-    case ForeignScans::None: break;
+    case ForeignScans::None:
+      break;
   }
   return "";
 }

@@ -51,6 +51,7 @@ struct SourceOptions
 {
   std::string poses;  //!< --poses FILE: TUM, KITTI (12 numbers a line) or .simplemap; "": those of
                       //!< the source
+  bool own_poses = true;  //!< false: a folder need not look for poses, another source has them
   std::vector<std::string> topics;  //!< --topic NAME, of bags; empty: all with PointCloud2
   std::string base_frame;  //!< --base-frame NAME, of TF; "": base_link, base_footprint or the child
                            //!< of odometry
