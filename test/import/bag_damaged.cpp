@@ -91,3 +91,15 @@ TEST(BagDamaged, ChangedBytesAreRefusedOrRead)
   EXPECT_GT(read, 50);  // else nothing behind the first check was looked at
   EXPECT_GT(refused, 50);
 }
+
+TEST(BagDamaged, WhatIsMadeToTakeForeverOrAllMemoryIsRefused)
+{
+  if (const auto why = why_no_bags(); !why.empty()) GTEST_SKIP() << why;
+  const ScratchDir dir;
+  for (const std::string name :
+       {"endless_view.db3", "generated.db3", "bomb.mcap", "large_claim.mcap"})
+  {
+    ASSERT_TRUE(make_bags(dir, name));
+    EXPECT_FALSE(is_read(dir / name)) << name;
+  }
+}

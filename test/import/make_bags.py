@@ -334,6 +334,41 @@ def numbers_that_lie():
     return {"huge": huge, "wide": wide, "fields": fields, "cut": good[:-40], "tiny": good[:2], "xml": b"<cloud/>"}
 
 
+def write_endless_view(path):
+    """The table of messages is one that never ends."""
+    write_db3(path, small())
+    base = sqlite3.connect(path)
+    base.execute("ALTER TABLE messages RENAME TO real_messages")
+    base.execute("CREATE VIEW messages AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) "
+                 "SELECT i AS id, 1 AS topic_id, i AS timestamp, zeroblob(9) AS data FROM n")
+    base.commit()
+
+
+def write_generated(path):
+    """Each message takes eight bytes in the file, and 100 MB when asked for."""
+    base = sqlite3.connect(path)
+    base.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT)")
+    base.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, "
+                 "data BLOB AS (zeroblob(100000000)))")
+    base.execute("INSERT INTO topics VALUES (1, '/points', ?, 'cdr')", (CLOUD,))
+    base.executemany("INSERT INTO messages(topic_id, timestamp) VALUES (1, ?)", [(i,) for i in range(1000)])
+    base.commit()
+
+
+def write_bomb(path):
+    """A message of some KB that unpacks to 200 MB."""
+    write_mcap(path, [[(stamp(0), "/points", CLOUD, packed(b"\0" * 200_000_000, "zstd"))]])
+
+
+def write_large_claim(path):
+    """A chunk that says it unpacks to 1 TiB."""
+    write_mcap(path, [small()], "zstd")
+    data = bytearray(open(path, "rb").read())
+    at = data.index(b"\x06", 8 + 9 + 20)
+    struct.pack_into("<Q", data, at + 9 + 16, 1 << 40)
+    open(path, "wb").write(data)
+
+
 def small():
     """A bit of everything, for what has to be small."""
     rows = {}
@@ -375,6 +410,10 @@ def bags(folder):
         "empty.mcap": lambda n: write_mcap(n, []),
         "times": write_times,
         "few_digits.mcap": lambda n: write_mcap(n, [timed(FLOAT32, 1, "epoch", "time")]),
+        "endless_view.db3": write_endless_view,
+        "generated.db3": write_generated,
+        "bomb.mcap": write_bomb,
+        "large_claim.mcap": write_large_claim,
         "two_clocks.mcap": lambda n: write_mcap(n, [[(stamp(i), "/points", CLOUD, front_cloud(9 - i)) for i in range(3)]]),
         "unknown_type.mcap": lambda n: write_mcap(n, [[(stamp(0), "/points", CLOUD, cloud(
             stamp(0), "lidar", [("x", 0, 99)], 4, []))]]),
