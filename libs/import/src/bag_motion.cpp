@@ -196,7 +196,7 @@ void BagMotion::choose_map(const SourceOptions& options, const std::string& path
 std::optional<CPose3D> BagMotion::T_base_sensor(
     const std::string& sensor_frame, std::int64_t stamp_ns)
 {
-  if (sensor_frame == base_) return CPose3D();
+  if (!base_.empty() && sensor_frame == base_) return CPose3D();
   if (tree_.connects(base_, sensor_frame)) return tree_.T_between(base_, sensor_frame, stamp_ns);
   if (told_frames_.insert(sensor_frame).second)
     remark(
