@@ -305,6 +305,12 @@ TEST_F(ScanFolder, that_is_wrong_says_what_and_where)
   refuses("times", {"times.txt:1", "no time"});
   write("times/times.txt", "2011-13-26 13:02:25.9\n");
   refuses("times", {"no time"});
+  if (geteuid() != 0)  // who may list everything
+  {
+    fs::permissions(dir_ / "empty", fs::perms::none);
+    refuses("empty", {"cannot be listed", "permissions"});
+    fs::permissions(dir_ / "empty", fs::perms::owner_all);
+  }
   ASSERT_EQ(mkfifo((dir_ / "pipe.bin").c_str(), 0600), 0);
   refuses("pipe.bin", {"is a pipe or a device"});
 }
