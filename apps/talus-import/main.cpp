@@ -101,7 +101,9 @@ void require_poses_in_time(const Sums& sums, const WrittenPoses& poses)
   throw std::runtime_error(
       poses.source + ": its poses are of " + span(poses.first_s, poses.last_s) + ", the scans of " +
       span(sums.first_s, sums.last_s) +
-      ". Give both the same clock: a folder of scans takes its times from a times.txt in it.");
+      ". Give both the same clock: put a times.txt (seconds, a line a scan) into a folder of "
+      "scans, "
+      "or pass as many poses as there are scans.");
 }
 
 /** What lies beside a log counts as its poses. */

@@ -1,26 +1,23 @@
-// Scans of other programs: the first byte says of which kind, the rest is the file.
+// Scans of other programs, and the texts beside them: the first byte says of which kind, the rest
+// is the file.
+#include <talus/import/kitti_poses.h>
+
 #include <cmath>
 #include <cstddef>
 
 #include "fuzz.h"
 #include "scan_files.h"
+#include "scan_times.h"
 
 using namespace talus;
 using namespace talus::import;
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+namespace
 {
-  struct Kind
-  {
-    const char* ending;
-    void (*read)(const std::string&, ScanFile&);
-  };
-  constexpr Kind kKinds[] = {{".pcd", read_pcd}, {".ply", read_ply}, {".bin", read_kitti_bin}};
-  if (size == 0) return 0;
-  const Kind& kind = kKinds[data[0] % 3];
-  const fuzz::InputFile file(data + 1, size - 1, kind.ending);
+void look_at_scan(const std::string& path, void (*read)(const std::string&, ScanFile&))
+{
   ScanFile scan;
-  if (!fuzz::is_read([&] { kind.read(file.path(), scan); })) return 0;
+  if (!fuzz::is_read([&] { read(path, scan); })) return;
   const std::size_t points = scan.x_m.size();
   fuzz::require(scan.y_m.size() == points && scan.z_m.size() == points, "each point has x, y, z");
   for (const std::size_t count : {scan.intensity.size(), scan.time.size(), scan.ring.size()})
@@ -29,5 +26,58 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
     for (const float number : *axis) fuzz::require(std::isfinite(number), "points are finite");
   for (const float time_s : times_since(1.7e9, scan, time_unit_s(scan)))
     fuzz::require(std::isfinite(time_s), "times are finite");
+}
+
+void look_at_times(const std::string& path)
+{
+  std::vector<double> times_s;
+  if (!fuzz::is_read([&] { times_s = read_times(path); })) return;
+  double before_s = -INFINITY;
+  for (const double time_s : times_s)
+  {
+    fuzz::require(before_s < time_s && std::isfinite(time_s), "times ascend");
+    before_s = time_s;
+  }
+}
+
+void look_at_poses(const std::string& path)
+{
+  std::vector<mrpt::poses::CPose3D> poses;
+  fuzz::is_read([&] { poses.push_back(read_kitti_calibration(path)); });
+  fuzz::is_read(
+      [&]
+      {
+        is_kitti_poses(path);
+        const auto read = read_kitti_poses(path);
+        poses.insert(poses.end(), read.begin(), read.end());
+      });
+  for (const auto& pose : poses)
+    fuzz::require(std::isfinite(pose.yaw()) && std::isfinite(pose.norm()), "poses are finite");
+}
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+  if (size == 0) return 0;
+  const int kind = data[0] % 5;
+  const fuzz::InputFile file(data + 1, size - 1, ".scan");
+  switch (kind)
+  {
+    case 0:
+      look_at_scan(file.path(), read_pcd);
+      break;
+    case 1:
+      look_at_scan(file.path(), read_ply);
+      break;
+    case 2:
+      look_at_scan(file.path(), read_kitti_bin);
+      break;
+    case 3:
+      look_at_times(file.path());
+      break;
+    default:
+      look_at_poses(file.path());
+      break;
+  }
   return 0;
 }

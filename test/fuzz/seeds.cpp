@@ -107,6 +107,18 @@ void write_scans(const fs::path& folder)
   write_bytes(folder / "ply_little", ply + ply_little(p));
   write_bytes(folder / "ply_big", ply + ply_big(p));
   write_bytes(folder / "kitti", bin + kitti_bin(p));
+  write_bytes(
+      folder / "times",
+      "\3"
+      "1.5\n2011-09-26 13:02:25.951199337\n");
+  write_bytes(
+      folder / "calib",
+      "\4"
+      "P0: 1 2\nTr: 0 -1 0 0 0 0 -1 -0.08 1 0 0 -0.27\n");
+  write_bytes(
+      folder / "poses",
+      "\4"
+      "1 0 0 0 0 1 0 0 0 0 1 0\n0 0 -1 0 0 1 0 0 1 0 0 2\n");
 }
 }  // namespace
 

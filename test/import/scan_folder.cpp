@@ -97,8 +97,9 @@ TEST_F(ScanFolder, of_kitti_has_times_poses_and_the_height_of_its_car)
     EXPECT_EQ(scans[1].time_s, 0.103725);
     EXPECT_EQ(scans[2].x_m, std::vector<float>{2});
     EXPECT_EQ(scans[0].T_base_sensor.z(), 1.73);
-    ASSERT_EQ(source->remarks().size(), 1u);
+    ASSERT_EQ(source->remarks().size(), 2u);
     EXPECT_NE(source->remarks()[0].find("1.73 m above the road"), std::string::npos);
+    EXPECT_NE(source->remarks()[1].find("poses/07.txt"), std::string::npos);
 
     const auto poses = source->poses().entries();
     ASSERT_EQ(poses.size(), 3u);
@@ -203,9 +204,10 @@ TEST_F(ScanFolder, of_other_formats_may_bring_poses_of_the_base)
   EXPECT_EQ(scans[10].time_s, 1.0);  // at 10 Hz
   EXPECT_EQ(scans[0].sensor_label, "lidar");
   EXPECT_EQ(source->poses().entries()[1].T_map_base.y(), 5);
-  ASSERT_EQ(source->remarks().size(), 2u);
+  ASSERT_EQ(source->remarks().size(), 3u);
   EXPECT_NE(source->remarks()[0].find("--mount lidar="), std::string::npos);
-  EXPECT_NE(source->remarks()[1].find("10 a second (--rate)"), std::string::npos);
+  EXPECT_NE(source->remarks()[1].find("lidar/poses.tum"), std::string::npos);
+  EXPECT_NE(source->remarks()[2].find("10 a second (--rate)"), std::string::npos);
 }
 
 TEST_F(ScanFolder, takes_times_out_of_names_or_points_where_no_file_has_them)
@@ -235,6 +237,19 @@ TEST_F(ScanFolder, takes_times_out_of_names_or_points_where_no_file_has_them)
   EXPECT_NEAR(scans[1].point_time_s[2], 0.02, 1e-6);
   fs::rename(dir_ / "inside/0.pcd", dir_ / "inside/7.pcd");
   refuses("inside", {"7.pcd: its points are no later than those of", "1.pcd"});
+}
+
+TEST_F(ScanFolder, of_as_many_scans_as_poses_takes_their_times)
+{
+  for (int i = 0; i < 2; ++i) write("ply/" + std::to_string(i) + ".ply", ply_ascii(scan_number(i)));
+  write("slam.tum", "1700000003 1 2 3 0 0 0 1\n1700000007.5 4 5 6 0 0 0 1\n");
+  SourceOptions options;
+  options.poses = dir_ / "slam.tum";
+  const auto source = open("ply", options);
+  const auto scans = read(*source);
+  EXPECT_EQ(scans[0].time_s, 1700000003);
+  EXPECT_EQ(scans[1].time_s, 1700000007.5);
+  EXPECT_NE(source->remarks().back().find("one at each of the poses"), std::string::npos);
 }
 
 TEST_F(ScanFolder, leaves_out_times_of_points_that_make_no_sense)
@@ -290,6 +305,12 @@ TEST_F(ScanFolder, that_is_wrong_says_what_and_where)
   refuses("times", {"times.txt:1", "no time"});
   write("times/times.txt", "2011-13-26 13:02:25.9\n");
   refuses("times", {"no time"});
+  if (geteuid() != 0)  // who may list everything
+  {
+    fs::permissions(dir_ / "empty", fs::perms::none);
+    refuses("empty", {"cannot be listed", "permissions"});
+    fs::permissions(dir_ / "empty", fs::perms::owner_all);
+  }
   ASSERT_EQ(mkfifo((dir_ / "pipe.bin").c_str(), 0600), 0);
   refuses("pipe.bin", {"is a pipe or a device"});
 }

@@ -150,6 +150,10 @@ std::string label_of(const std::string& scans)
 
 FolderLayout layout_of_folder(const std::string& path)
 {
+  std::error_code error;
+  if (fs::directory_iterator(path, error); error)
+    throw std::runtime_error(
+        path + ": its files cannot be listed (" + error.message() + "). Check its permissions.");
   const std::string folder = io::folder_with_scans(path);
   if (folder.empty())
     throw std::runtime_error(

@@ -75,6 +75,7 @@ class ScanFolder : public ScanSource
   double rate_hz_;
   std::vector<double> times_s_;  //!< a scan each; empty: those in the files, else by the rate
   std::string tum_;  //!< poses of the base
+  std::vector<double> pose_times_s_;  //!< of those in tum_, where there is one a scan
   std::vector<CPose3D> T_map_sensor_;  //!< a scan each; empty: the viewpoints in the files
   std::vector<double> read_times_s_;  //!< of what was read
   std::vector<io::Trajectory::Entry> viewpoints_;
@@ -129,9 +130,14 @@ void ScanFolder::set_poses(const std::string& given)
 {
   const std::string path = given.empty() ? layout_.poses : given;
   if (path.empty()) return;
+  if (given.empty()) remarks_.push_back("the poses are those of " + path);
   if (!is_kitti_poses(path))
   {
     tum_ = path;
+    const auto entries = io::Trajectory::load(path).entries();
+    if (entries.size() != layout_.scans.size()) return;
+    pose_times_s_.reserve(entries.size());
+    for (const auto& entry : entries) pose_times_s_.push_back(entry.time_s);
     return;
   }
   if (layout_.calibration.empty())
@@ -157,6 +163,13 @@ double ScanFolder::time_of_scan(std::size_t number, double unit_s)
     if (const double first_s = unit_s * *std::min_element(file_.time.begin(), file_.time.end());
         first_s >= kSinceEpoch_s)
       return first_s;
+  if (!pose_times_s_.empty())
+  {
+    tell_once(
+        told_rate_, "nothing says when the scans of " + layout_.label +
+                        " were taken: one at each of the poses, of which there are as many");
+    return pose_times_s_[number];
+  }
   tell_once(
       told_rate_, "nothing says when the scans of " + layout_.label +
                       " were taken: " + number_text(rate_hz_) + " a second (--rate)");
