@@ -16,6 +16,7 @@ import os
 import random
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -55,7 +56,22 @@ def cases(out):
         Case("nav", ["talus-nav", nav] + goal + way + to, [["--seed", "1"], ["--seed", "2"]],
              "summary.json", [0, 5], ["talus-nav", "none.yaml"] + goal + to, False,
              ["out/log.reactivenavlog", "out/path.csv", "out/summary.json"]),
+        Case("import", ["talus-import", "scans", "--poses", "poses.tum", "--output", out + "/small.rawlog", "--quiet"],
+             [["--mount", "scans=0,0,1,0,0,0"], ["--mount", "scans=0,0,2,0,0,0"]],
+             "small.rawlog", [0], ["talus-import", "none", "--output", out + "/small.rawlog"], False, []),
     ]
+
+
+def write_scans(folder):
+    """20 scans of KITTI's, of 20,000 points each."""
+    rng = random.Random(1)
+    points = struct.pack("<80000f", *(rng.uniform(-20, 20) for _ in range(80000)))
+    os.mkdir(os.path.join(folder, "scans"))
+    for number in range(20):
+        with open(os.path.join(folder, "scans", f"{number:06}.bin"), "wb") as file:
+            file.write(points[16 * number:] + points[:16 * number])
+    with open(os.path.join(folder, "poses.tum"), "w") as file:
+        file.write("0 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n")
 
 
 def files_below(folder):
@@ -129,6 +145,7 @@ class Torture:
     def prepare(self, chosen):
         with open(self.path("small.yaml"), "w") as file:
             file.write(WORLD)
+        write_scans(self.folder)
         os.mkdir(self.path("elsewhere"))
         self.what = "drive"
         made = self.finish(self.start(["talus-sim", "small.yaml", "--output", "drive", "--frames", "30"]))
@@ -309,7 +326,7 @@ def main():
     parser.add_argument("bin_dir")
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--seed", type=int, default=random.SystemRandom().randrange(1 << 31))
-    parser.add_argument("--only", default="map,sim,compare,calibrate,nav")
+    parser.add_argument("--only", default="map,sim,compare,calibrate,nav,import")
     o = parser.parse_args()
     print(f"seed {o.seed}", flush=True)
     chosen = [case for case in cases("out") if case.name in o.only.split(",")]

@@ -12,6 +12,7 @@
 
 #include "../support/log_files.h"
 #include "../support/room_for_maps.h"
+#include "../support/scan_formats.h"
 
 namespace
 {
@@ -86,6 +87,39 @@ void write_simplemaps(const fs::path& folder)
   map.saveToFile((folder / "gz").string());
   write_object(folder / "plain", map);
 }
+
+/** The first byte says of which kind: see import_files.cpp. */
+void write_scans(const fs::path& folder)
+{
+  fs::create_directories(folder);
+  Points p;
+  for (int i = 0; i < 3; i++)
+  {
+    for (auto* numbers : {&p.x, &p.y, &p.z, &p.intensity, &p.time})
+      numbers->push_back(0.5F * static_cast<float>(i));
+    p.ring.push_back(static_cast<std::uint16_t>(i));
+  }
+  const std::string pcd(1, '\0'), ply(1, '\1'), bin(1, '\2');
+  write_bytes(folder / "pcd_ascii", pcd + pcd_ascii(p));
+  write_bytes(folder / "pcd_binary", pcd + pcd_binary(p, "1 2 3 1 0 0 0"));
+  write_bytes(folder / "pcd_compressed", pcd + pcd_compressed(p));
+  write_bytes(folder / "ply_ascii", ply + ply_ascii(p));
+  write_bytes(folder / "ply_little", ply + ply_little(p));
+  write_bytes(folder / "ply_big", ply + ply_big(p));
+  write_bytes(folder / "kitti", bin + kitti_bin(p));
+  write_bytes(
+      folder / "times",
+      "\3"
+      "1.5\n2011-09-26 13:02:25.951199337\n");
+  write_bytes(
+      folder / "calib",
+      "\4"
+      "P0: 1 2\nTr: 0 -1 0 0 0 0 -1 -0.08 1 0 0 -0.27\n");
+  write_bytes(
+      folder / "poses",
+      "\4"
+      "1 0 0 0 0 1 0 0 0 0 1 0\n0 0 -1 0 0 1 0 0 1 0 0 2\n");
+}
 }  // namespace
 
 int main(int, char** arguments)
@@ -94,4 +128,5 @@ int main(int, char** arguments)
   write_maps(folder);
   write_logs(folder / "rawlog");
   write_simplemaps(folder / "simplemap");
+  write_scans(folder / "import_files");
 }

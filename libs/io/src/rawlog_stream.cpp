@@ -4,11 +4,14 @@
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/obs/registerAllClasses.h>
 #include <talus/input_file.h>
+#include <talus/io/foreign_scans.h>
 #include <talus/io/mrpt_error.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <new>
 #include <stdexcept>
+#include <system_error>
 
 #include "archive.h"
 
@@ -23,9 +26,18 @@ bool lacks_an_observation(const mrpt::serialization::CSerializable& object)
   return frame && std::any_of(frame->begin(), frame->end(), [](const auto& obs) { return !obs; });
 }
 
+/** Says how a log is made of the scans of another program, where it is that. */
+void refuse_foreign_scans(const std::string& path)
+{
+  if (const auto how = how_to_import(path, kind_of_scans(path)); !how.empty())
+    throw std::runtime_error(path + ": " + how);
+}
+
 /** The size after unpacking of a file that is whole. */
 std::uint64_t size_of_whole(const std::string& path)
 {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) refuse_foreign_scans(path);
   require_readable_file(path, "rawlog");
   const auto size = verified_size(path);
   if (size == 0) throw std::runtime_error(path + ": holds no data once unpacked. Record it again.");
@@ -64,10 +76,12 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
   }
   catch (const std::bad_alloc&)
   {
+    if (impl_->object_begin == 0) refuse_foreign_scans(impl_->path);
     fail("needs more memory than there is. Most likely the log is damaged there");
   }
   catch (const std::exception& e)
   {
+    if (impl_->object_begin == 0) refuse_foreign_scans(impl_->path);
     const std::string reason = reason_of(e);
     if (reason.find("unknown serialization version") != std::string::npos)
       fail(

@@ -1,0 +1,77 @@
+#include "poses_out.h"
+
+#include "rawlog_writer.h"
+
+#include <mrpt/poses/CPose3DQuat.h>
+#include <talus/import/kitti_poses.h>
+#include <talus/input_file.h>
+#include <talus/io/atomic_file.h>
+#include <talus/number_text.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+
+namespace talus::import
+{
+namespace
+{
+bool is_simplemap(const std::string& path)
+{
+  return path.find(".simplemap", path.rfind('/') + 1) != std::string::npos;
+}
+
+std::string text_of(const io::Trajectory& trajectory)
+{
+  std::string text = "# t[s] x[m] y[m] z[m] qx qy qz qw of the base in the map\n";
+  for (const auto& entry : trajectory.entries())
+  {
+    const mrpt::poses::CPose3DQuat p(entry.T_map_base);
+    const auto& q = p.quat();
+    text += exact_number_text(stamp_in_log_s(entry.time_s));
+    for (const double number : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.r()})
+      text += " " + exact_number_text(number);
+    text += "\n";
+  }
+  return text;
+}
+
+WrittenPoses measured(const io::Trajectory& trajectory, const std::string& source)
+{
+  WrittenPoses written;
+  const auto& entries = trajectory.entries();
+  written.count = entries.size();
+  written.source = source;
+  if (entries.empty()) return written;
+  written.first_s = entries.front().time_s;
+  written.last_s = entries.back().time_s;
+  for (std::size_t i = 1; i < entries.size(); ++i)
+    written.length_m += entries[i].T_map_base.distanceTo(entries[i - 1].T_map_base);
+  return written;
+}
+}  // namespace
+
+WrittenPoses write_poses(const std::string& tum, const std::string& poses, MergedSources& sources)
+{
+  constexpr std::uint64_t kMost_bytes = std::uint64_t{1} << 30;
+  if (!poses.empty() && !is_kitti_poses(poses))
+  {
+    const auto trajectory = io::Trajectory::load(poses);
+    io::write_file(
+        tum, is_simplemap(poses) ? text_of(trajectory)
+                                 : read_input_file(poses, "trajectory", kMost_bytes));
+    return measured(trajectory, poses);
+  }
+  std::string source;
+  const auto trajectory = sources.poses(source);
+  if (!poses.empty()) source = poses;
+  if (trajectory.empty() && !poses.empty())
+    throw std::runtime_error(
+        poses +
+        ": has poses of KITTI's camera; they go with a folder of scans that has a "
+        "calib.txt. Pass poses of the base, as TUM text.");
+  if (!trajectory.empty()) io::write_file(tum, text_of(trajectory));
+  return measured(trajectory, source);
+}
+
+}  // namespace talus::import

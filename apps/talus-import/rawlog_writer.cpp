@@ -1,0 +1,137 @@
+#include "rawlog_writer.h"
+
+#include <mrpt/core/Clock.h>
+#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+#include <mrpt/serialization/CArchive.h>
+#include <talus/io/mrpt_error.h>
+#include <talus/io/written_file.h>
+#include <talus/mrpt/version_compat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+
+namespace talus::import
+{
+namespace
+{
+mrpt::maps::CPointsMap::Ptr cloud_of(const ImportedScan& scan)
+{
+  const std::size_t count = scan.x_m.size();
+  if (scan.intensity.empty())
+  {
+    auto points = mrpt::maps::CSimplePointsMap::Create();
+    points->resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+      points->setPointFast(i, scan.x_m[i], scan.y_m[i], scan.z_m[i]);
+    return points;
+  }
+  const auto points = talus::detail::make_cloud_with_intensity(count);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    points->setPointFast(i, scan.x_m[i], scan.y_m[i], scan.z_m[i]);
+    talus::detail::set_intensity(*points, i, scan.intensity[i]);
+  }
+  return points;
+}
+
+mrpt::obs::CObservationPointCloud cloud_observation(const ImportedScan& scan)
+{
+  mrpt::obs::CObservationPointCloud obs;
+  obs.pointcloud = cloud_of(scan);
+  return obs;
+}
+
+/** In steps of 1/255 where a file has them from 0 to 1. */
+std::vector<std::uint8_t> intensity_in_bytes(const ImportedScan& scan)
+{
+  std::vector<std::uint8_t> bytes(scan.x_m.size(), 0);
+  if (scan.intensity.empty()) return bytes;
+  const float most = *std::max_element(scan.intensity.begin(), scan.intensity.end());
+  const float scale = most <= 1 ? 255.0F : 1.0F;
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    bytes[i] =
+        static_cast<std::uint8_t>(std::lround(std::clamp(scan.intensity[i] * scale, 0.0F, 255.0F)));
+  return bytes;
+}
+
+mrpt::obs::CObservationVelodyneScan timed_observation(const ImportedScan& scan)
+{
+  using Duration = mrpt::Clock::duration;
+  mrpt::obs::CObservationVelodyneScan obs;
+  obs.timestamp = mrpt::Clock::fromDouble(scan.time_s);
+  obs.minRange = 0;
+  auto& points = obs.point_cloud;
+  points.x.assign(scan.x_m.begin(), scan.x_m.end());
+  points.y.assign(scan.y_m.begin(), scan.y_m.end());
+  points.z.assign(scan.z_m.begin(), scan.z_m.end());
+  points.intensity = intensity_in_bytes(scan);
+  points.laser_id.assign(scan.x_m.size(), 0);  // programs of MRPT count on them
+  std::copy(scan.ring.begin(), scan.ring.end(), points.laser_id.begin());
+  points.timestamp.reserve(scan.point_time_s.size());
+  for (const float time_s : scan.point_time_s)
+    points.timestamp.push_back(
+        obs.timestamp +
+        std::chrono::duration_cast<Duration>(std::chrono::duration<double>(time_s)));
+  return obs;
+}
+}  // namespace
+
+double stamp_in_log_s(double time_s)
+{
+  return mrpt::Clock::toDouble(mrpt::Clock::fromDouble(time_s));
+}
+
+struct RawlogWriter::Impl
+{
+  template <class Observation>
+  void put(Observation obs, const ImportedScan& scan)
+  {
+    obs.timestamp = mrpt::Clock::fromDouble(scan.time_s);
+    obs.sensorLabel = scan.sensor_label;
+    obs.sensorPose = scan.T_base_sensor;
+    try
+    {
+      auto archive = mrpt::serialization::archiveFrom(file);
+      archive << obs;
+    }
+    catch (const std::exception& e)
+    {
+      throw std::runtime_error(
+          path + ": could not be written (" + io::reason_of(e) +
+          "); is the disk full? Free some space there");
+    }
+  }
+
+  std::string path;
+  mrpt::io::CFileGZOutputStream file;
+};
+
+RawlogWriter::RawlogWriter(const std::string& path) : impl_(std::make_unique<Impl>())
+{
+  impl_->path = path;
+  if (!impl_->file.open(path, 1))
+    throw std::runtime_error(path + ": cannot be written; is the disk full? Free some space there");
+}
+RawlogWriter::~RawlogWriter() = default;
+
+void RawlogWriter::write(const ImportedScan& scan)
+{
+  if (scan.point_time_s.empty())
+    impl_->put(cloud_observation(scan), scan);
+  else
+    impl_->put(timed_observation(scan), scan);
+}
+
+void RawlogWriter::close()
+{
+  impl_->file.close();
+  io::require_complete_packed(impl_->path);
+}
+
+}  // namespace talus::import

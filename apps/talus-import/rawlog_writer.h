@@ -1,0 +1,35 @@
+#pragma once
+#include <talus/import/scan_source.h>
+
+#include <memory>
+#include <string>
+
+namespace talus::import
+{
+/** The stamp of a scan as a log keeps it: in steps of 100 ns [s since the epoch]. */
+double stamp_in_log_s(double time_s);
+
+/** Writes scans as observations, gz-packed as what talus-sim writes: a CObservationPointCloud, or,
+ * where points have times, a decoded CObservationVelodyneScan: the one class that keeps them in
+ * every version of MRPT. */
+class RawlogWriter
+{
+ public:
+  /** Throws std::runtime_error naming the file. */
+  explicit RawlogWriter(const std::string& path);
+  ~RawlogWriter();
+  RawlogWriter(const RawlogWriter&) = delete;
+  RawlogWriter& operator=(const RawlogWriter&) = delete;
+
+  /** Throws std::runtime_error naming the file. */
+  void write(const ImportedScan& scan);
+
+  /** Ends the file, and reads it again to see that it is whole. Throws std::runtime_error. */
+  void close();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace talus::import

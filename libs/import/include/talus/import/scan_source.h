@@ -1,0 +1,67 @@
+#pragma once
+#include <mrpt/poses/CPose3D.h>
+#include <talus/io/trajectory.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace talus::import
+{
+/** One scan of one sensor, as a file of another program holds it. */
+struct ImportedScan
+{
+  std::string sensor_label;  //!< ROS topic or folder name; one a sensor
+  double time_s = 0;  //!< seconds since the epoch
+  mrpt::poses::CPose3D T_base_sensor;  //!< the mounting
+  std::vector<float> x_m, y_m, z_m;  //!< in the frame of the sensor; finite
+  std::vector<float> intensity;  //!< as the file has it; empty, or one a point
+  std::vector<float> point_time_s;  //!< relative to time_s; empty, or one a point
+  std::vector<std::uint16_t> ring;  //!< the beam; empty, or one a point
+  std::size_t not_finite = 0;  //!< points that were left out
+};
+
+/** Scans in the order of time [of one sensor], one at a time: a source holds one in memory. */
+class ScanSource
+{
+ public:
+  virtual ~ScanSource() = default;
+
+  /** False at the end; `scan` is then left as it is. Throws std::runtime_error that names the file,
+   * the place (byte, line or message) and what is wrong. */
+  virtual bool next(ImportedScan& scan) = 0;
+
+  /** Fraction read so far, 0..1. */
+  virtual double progress() const = 0;
+
+  /** Poses of the base in the map frame that the source itself has; complete once next() gave
+   * false. Empty when it has none. */
+  virtual io::Trajectory poses() = 0;
+
+  /** What a person should know of how it was read, a sentence each without its full stop; complete
+   * once next() gave false. */
+  virtual std::vector<std::string> remarks() const { return {}; }
+};
+
+/** What only some kinds of source ask for; each names its option in its errors. */
+struct SourceOptions
+{
+  std::string poses;  //!< --poses FILE: TUM, KITTI (12 numbers a line) or .simplemap; "": those of
+                      //!< the source
+  bool own_poses = true;  //!< false: a folder need not look for poses, another source has them
+  std::vector<std::string> topics;  //!< --topic NAME, of bags; empty: all with PointCloud2
+  std::string base_frame;  //!< --base-frame NAME, of TF; "": base_link, base_footprint or the child
+                           //!< of odometry
+  std::string map_frame;  //!< --map-frame NAME, of TF; "": map, else odom
+  double rate_hz = 10;  //!< --rate, of folders without times
+  std::map<std::string, mrpt::poses::CPose3D> mountings;  //!< --mount, by label: T_base_sensor
+};
+
+/** By what is in it, and by its ending where that does not tell. Throws std::runtime_error for what
+ * no source reads. */
+std::unique_ptr<ScanSource> open_scan_source(const std::string& path, const SourceOptions& options);
+
+}  // namespace talus::import

@@ -1,0 +1,188 @@
+#include "bag_frames.h"
+
+#include <mrpt/math/slerp.h>
+#include <mrpt/poses/CPose3DQuat.h>
+
+#include <algorithm>
+#include <set>
+
+using mrpt::math::TPose3DQuat;
+using mrpt::poses::CPose3D;
+
+namespace talus::import
+{
+namespace
+{
+constexpr std::int64_t kLeastStep_ns = 5000000;  //!< 200 Hz; between them a robot goes straight
+constexpr std::int64_t kHold_ns = 100000000;
+
+CPose3D pose_of(const TPose3DQuat& pose) { return CPose3D(mrpt::poses::CPose3DQuat(pose)); }
+
+mrpt::math::CQuaternionDouble rotation_of(const TPose3DQuat& p) { return {p.qr, p.qx, p.qy, p.qz}; }
+
+CPose3D between(const StampedPose& a, const StampedPose& b, std::int64_t stamp_ns)
+{
+  const double t =
+      static_cast<double>(stamp_ns - a.stamp_ns) / static_cast<double>(b.stamp_ns - a.stamp_ns);
+  mrpt::math::CQuaternionDouble q;
+  mrpt::math::slerp(rotation_of(a.pose), rotation_of(b.pose), t, q);
+  q.normalize();
+  const auto mix = [t](double from, double to) { return from + t * (to - from); };
+  return CPose3D(q, mix(a.pose.x, b.pose.x), mix(a.pose.y, b.pose.y), mix(a.pose.z, b.pose.z));
+}
+}  // namespace
+
+void PoseHistory::add(std::int64_t stamp_ns, const TPose3DQuat& pose)
+{
+  if (!all_.empty())
+  {
+    const auto step_ns = stamp_ns - all_.back().stamp_ns;
+    if (step_ns >= 0 && step_ns < kLeastStep_ns) return;
+  }
+  all_.push_back({stamp_ns, pose});
+}
+
+void PoseHistory::sort()
+{
+  std::stable_sort(
+      all_.begin(), all_.end(),
+      [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns < b.stamp_ns; });
+}
+
+std::optional<CPose3D> PoseHistory::at(std::int64_t stamp_ns) const
+{
+  const auto after = std::lower_bound(
+      all_.begin(), all_.end(), stamp_ns,
+      [](const StampedPose& p, std::int64_t t) { return p.stamp_ns < t; });
+  const bool has_after = after != all_.end(), has_before = after != all_.begin();
+  if (has_after && after->stamp_ns == stamp_ns) return pose_of(after->pose);
+  if (has_after && has_before) return between(*(after - 1), *after, stamp_ns);
+  if (has_after && after->stamp_ns - stamp_ns <= kHold_ns) return pose_of(after->pose);
+  if (has_before && stamp_ns - (after - 1)->stamp_ns <= kHold_ns) return pose_of((after - 1)->pose);
+  return std::nullopt;
+}
+
+void FrameTree::add(const FrameTransform& transform, bool is_static)
+{
+  if (!transform.T_parent_child || transform.child == transform.parent.frame) return;
+  const auto [at, is_new] = links_.try_emplace(transform.child);
+  Link& link = at->second;
+  if (is_new) link.parent = transform.parent.frame;
+  if (link.parent != transform.parent.frame)
+  {
+    if (std::find(conflicts_.begin(), conflicts_.end(), transform.child) == conflicts_.end())
+      conflicts_.push_back(transform.child);
+    return;
+  }
+  if (is_static)
+    link.fixed = pose_of(*transform.T_parent_child);
+  else if (!link.fixed)
+  {
+    link.moving.add(transform.parent.stamp_ns, *transform.T_parent_child);
+    ++size_;
+  }
+}
+
+void FrameTree::sort()
+{
+  for (auto& [child, link] : links_) link.moving.sort();
+}
+
+void FrameTree::keep_ways_of(const std::vector<std::string>& frames)
+{
+  constexpr std::size_t kLong = 10000;
+  std::set<const Link*> kept;
+  for (const auto& frame : frames)
+    for (const auto* link : way_to_root(frame)) kept.insert(link);
+  size_ = 0;
+  for (auto& [child, link] : links_)
+  {
+    if (kept.count(&link) == 0 && link.moving.all().size() > kLong) link.moving.clear();
+    size_ += link.moving.all().size();
+  }
+}
+
+bool FrameTree::has(const std::string& frame) const
+{
+  return links_.count(frame) > 0 ||
+         std::any_of(
+             links_.begin(), links_.end(), [&](const auto& l) { return l.second.parent == frame; });
+}
+
+std::vector<std::string> FrameTree::frames() const
+{
+  std::set<std::string> all;
+  for (const auto& [child, link] : links_) all.insert({child, link.parent});
+  return {all.begin(), all.end()};
+}
+
+FrameTree::Way FrameTree::way_to_root(const std::string& frame) const
+{
+  Way way;
+  auto at = links_.find(frame);
+  for (; at != links_.end() && way.size() <= links_.size(); at = links_.find(at->second.parent))
+    way.push_back(&at->second);
+  return way.size() > links_.size() ? Way() : way;  // frames in a circle have no root
+}
+
+std::optional<std::pair<FrameTree::Way, FrameTree::Way>> FrameTree::ways(
+    const std::string& a, const std::string& b) const
+{
+  auto from_a = way_to_root(a), from_b = way_to_root(b);
+  const auto& root_a = from_a.empty() ? a : from_a.back()->parent;
+  const auto& root_b = from_b.empty() ? b : from_b.back()->parent;
+  if (root_a != root_b) return std::nullopt;
+  while (!from_a.empty() && !from_b.empty() && from_a.back() == from_b.back())
+  {
+    from_a.pop_back();
+    from_b.pop_back();
+  }
+  return std::make_pair(std::move(from_a), std::move(from_b));
+}
+
+bool FrameTree::connects(const std::string& a, const std::string& b) const
+{
+  return ways(a, b).has_value();
+}
+
+std::optional<CPose3D> FrameTree::T_along(const Way& way, std::int64_t stamp_ns)
+{
+  CPose3D T;
+  for (const auto* link : way)
+  {
+    const auto T_parent_child = link->fixed ? link->fixed : link->moving.at(stamp_ns);
+    if (!T_parent_child) return std::nullopt;
+    T = *T_parent_child + T;
+  }
+  return T;
+}
+
+std::optional<CPose3D> FrameTree::T_between(
+    const std::string& from, const std::string& to, std::int64_t stamp_ns) const
+{
+  const auto both = ways(from, to);
+  if (!both) return std::nullopt;
+  const auto T_common_from = T_along(both->first, stamp_ns);
+  const auto T_common_to = T_along(both->second, stamp_ns);
+  if (!T_common_from || !T_common_to) return std::nullopt;
+  return *T_common_to - *T_common_from;
+}
+
+std::vector<std::int64_t> FrameTree::times_between(
+    const std::string& from, const std::string& to) const
+{
+  const auto both = ways(from, to);
+  std::vector<std::int64_t> times;
+  if (!both) return times;
+  const PoseHistory* most = nullptr;
+  for (const auto* way : {&both->first, &both->second})
+    for (const auto* link : *way)
+      if (!link->fixed && (!most || link->moving.all().size() > most->all().size()))
+        most = &link->moving;
+  if (!most) return times;
+  times.reserve(most->all().size());
+  for (const auto& pose : most->all()) times.push_back(pose.stamp_ns);
+  return times;
+}
+
+}  // namespace talus::import

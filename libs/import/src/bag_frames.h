@@ -1,0 +1,82 @@
+#pragma once
+#include <mrpt/math/TPose3DQuat.h>
+#include <mrpt/poses/CPose3D.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bag_messages.h"
+
+namespace talus::import
+{
+struct StampedPose
+{
+  std::int64_t stamp_ns = 0;
+  mrpt::math::TPose3DQuat pose;
+};
+
+/** Poses over time, little memory each; of those that come faster than 200 Hz not all. */
+class PoseHistory
+{
+ public:
+  void add(std::int64_t stamp_ns, const mrpt::math::TPose3DQuat& pose);
+  /** In order of time; before the next two are asked for. */
+  void sort();
+  /** Interpolated; nothing more than 0.1 s outside of the history. */
+  std::optional<mrpt::poses::CPose3D> at(std::int64_t stamp_ns) const;
+  const std::vector<StampedPose>& all() const { return all_; }
+  void clear() { all_ = {}; }
+
+ private:
+  std::vector<StampedPose> all_;
+};
+
+/** The frames of TF: each below one parent, at a place that is fixed or moves. */
+class FrameTree
+{
+ public:
+  /** Of a frame with two parents the first counts; which ones: conflicts(). */
+  void add(const FrameTransform& transform, bool is_static);
+  void sort();
+
+  /** Drops the histories of long ones that lie on no way from these frames to the root. */
+  void keep_ways_of(const std::vector<std::string>& frames);
+  /** Poses in all histories. */
+  std::size_t size() const { return size_; }
+
+  bool has(const std::string& frame) const;
+  std::vector<std::string> frames() const;
+  bool connects(const std::string& a, const std::string& b) const;
+
+  /** Nothing where no chain connects them, or one of its links is not known at that time. */
+  std::optional<mrpt::poses::CPose3D> T_between(
+      const std::string& from, const std::string& to, std::int64_t stamp_ns) const;
+
+  /** The times at which the chain moves: those of the link that is told most often. */
+  std::vector<std::int64_t> times_between(const std::string& from, const std::string& to) const;
+
+  /** Frames with two parents. */
+  const std::vector<std::string>& conflicts() const { return conflicts_; }
+
+ private:
+  struct Link
+  {
+    std::string parent;
+    std::optional<mrpt::poses::CPose3D> fixed;
+    PoseHistory moving;
+  };
+  using Way = std::vector<const Link*>;
+  Way way_to_root(const std::string& frame) const;
+  /** Without what both have in common at the root's end; nothing where they are not connected. */
+  std::optional<std::pair<Way, Way>> ways(const std::string& a, const std::string& b) const;
+  static std::optional<mrpt::poses::CPose3D> T_along(const Way& way, std::int64_t stamp_ns);
+
+  std::map<std::string, Link> links_;  //!< by the child
+  std::vector<std::string> conflicts_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace talus::import

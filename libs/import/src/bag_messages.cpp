@@ -1,0 +1,174 @@
+#include "bag_messages.h"
+
+#include <array>
+#include <cmath>
+
+#include "cdr_reader.h"
+
+namespace talus::import
+{
+namespace
+{
+/** Frames of ROS 1 began with a slash. */
+std::string frame_name(std::string name)
+{
+  if (!name.empty() && name[0] == '/') name.erase(0, 1);
+  return name;
+}
+
+MessageHeader header_of(CdrReader& in)
+{
+  constexpr std::int64_t kSecond_ns = 1000000000;
+  MessageHeader header;
+  const std::int64_t seconds = in.i32();
+  header.stamp_ns = seconds * kSecond_ns + in.u32();
+  header.frame = frame_name(in.string());
+  return header;
+}
+
+std::optional<mrpt::math::TPose3DQuat> pose_of(CdrReader& in)
+{
+  constexpr double kFarthest_m = 1e9, kLeastNorm = 0.9, kMostNorm = 1.1;
+  std::array<double, 7> v{};  // x y z, qx qy qz qw
+  for (double& number : v) number = in.f64();
+  const double norm = std::sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6]);
+  bool is_good = norm >= kLeastNorm && norm <= kMostNorm;
+  for (std::size_t i = 0; i < 3; ++i) is_good = is_good && std::abs(v[i]) <= kFarthest_m;
+  if (!is_good) return std::nullopt;
+  return mrpt::math::TPose3DQuat(
+      v[0], v[1], v[2], v[6] / norm, v[3] / norm, v[4] / norm, v[5] / norm);
+}
+
+FrameTransform transform_of(CdrReader& in)
+{
+  FrameTransform transform;
+  transform.parent = header_of(in);
+  transform.child = frame_name(in.string());
+  transform.T_parent_child = pose_of(in);
+  return transform;
+}
+
+/** By the numbers of sensor_msgs/msg/PointField. */
+NumberType type_of(std::uint8_t number, const std::string& field)
+{
+  constexpr std::array kTypes = {NumberType::Int8,    NumberType::UInt8,   NumberType::Int16,
+                                 NumberType::UInt16,  NumberType::Int32,   NumberType::UInt32,
+                                 NumberType::Float32, NumberType::Float64, NumberType::Int64,
+                                 NumberType::UInt64,  NumberType::UInt8};  // the last: a truth
+  if (number < 1 || number > kTypes.size())
+    throw CdrError(
+        "has a field '" + field.substr(0, 24) + "' of type " + std::to_string(number) +
+        ", which is not known");
+  return kTypes[number - 1U];
+}
+
+CloudMessage::Field field_of(CdrReader& in)
+{
+  CloudMessage::Field field;
+  field.name = in.string();
+  field.offset = in.u32();
+  field.type = type_of(in.u8(), field.name);
+  in.u32();  // how many of them: of those that are wanted, one
+  return field;
+}
+
+/** Bytes from one row to the next. Drivers fill it in where there are several. */
+std::uint64_t row_step_of(const CloudMessage& cloud)
+{
+  const std::uint64_t least = std::uint64_t{cloud.width} * cloud.point_step;
+  return cloud.height <= 1 || cloud.row_step == 0 ? least : cloud.row_step;
+}
+
+void require_sizes(const CloudMessage& cloud)
+{
+  constexpr std::uint64_t kMostPoints = std::uint64_t{1} << 24;
+  const std::uint64_t points = std::uint64_t{cloud.width} * cloud.height;
+  const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step,
+                      step = row_step_of(cloud);
+  const std::string size = std::to_string(cloud.width) + " x " + std::to_string(cloud.height) +
+                           " points of " + std::to_string(cloud.point_step) + " bytes";
+  if (points > kMostPoints) throw CdrError("says it has " + size + ", more than any scan has");
+  if (step < row || row + (cloud.height - 1) * step > cloud.data.size())
+    throw CdrError(
+        "says it has " + size + " in rows of " + std::to_string(step) + ", but has " +
+        std::to_string(cloud.data.size()) + " bytes of them");
+}
+}  // namespace
+
+MessageHeader read_header(std::string_view message)
+{
+  CdrReader in(message);
+  return header_of(in);
+}
+
+std::vector<FrameTransform> read_tf(std::string_view message)
+{
+  constexpr std::size_t kLeastBytes = 64;  // numbers alone
+  CdrReader in(message);
+  std::vector<FrameTransform> transforms;
+  const auto count = in.count(kLeastBytes);
+  transforms.reserve(count);
+  for (std::uint32_t i = 0; i < count; ++i) transforms.push_back(transform_of(in));
+  return transforms;
+}
+
+FrameTransform read_odometry(std::string_view message)
+{
+  CdrReader in(message);
+  return transform_of(in);
+}
+
+FrameTransform read_pose(std::string_view message)
+{
+  CdrReader in(message);
+  FrameTransform transform;
+  transform.parent = header_of(in);
+  transform.T_parent_child = pose_of(in);
+  return transform;
+}
+
+CloudMessage read_cloud(std::string_view message)
+{
+  constexpr std::size_t kLeastFieldBytes = 12;
+  CdrReader in(message);
+  CloudMessage cloud;
+  cloud.header = header_of(in);
+  cloud.height = in.u32();
+  cloud.width = in.u32();
+  const auto count = in.count(kLeastFieldBytes);
+  cloud.fields.reserve(count);
+  for (std::uint32_t i = 0; i < count; ++i) cloud.fields.push_back(field_of(in));
+  cloud.is_big_endian = in.flag();
+  cloud.point_step = in.u32();
+  cloud.row_step = in.u32();
+  cloud.data = in.bytes();
+  return cloud;
+}
+
+void collect_points(const CloudMessage& cloud, const std::string& place, ScanFile& out)
+{
+  out = ScanFile();
+  const std::size_t points = std::size_t{cloud.width} * cloud.height;
+  if (points == 0) return;
+  require_sizes(cloud);
+  PointCollector collector({cloud.fields.begin(), cloud.fields.end()}, points, place, out);
+  const auto& wanted = collector.wanted();
+  for (const auto i : wanted)
+    if (std::uint64_t{cloud.fields[i].offset} + bytes_of(cloud.fields[i].type) > cloud.point_step)
+      throw CdrError("has a field '" + cloud.fields[i].name + "' outside of its points");
+  std::vector<double> values(wanted.size());
+  for (std::size_t row = 0; row < cloud.height; ++row)
+  {
+    const char* point = cloud.data.data() + row * row_step_of(cloud);
+    for (std::size_t column = 0; column < cloud.width; ++column, point += cloud.point_step)
+    {
+      for (std::size_t i = 0; i < wanted.size(); ++i)
+        values[i] = number_at(
+            point + cloud.fields[wanted[i]].offset, cloud.fields[wanted[i]].type,
+            cloud.is_big_endian);
+      collector.add(values.data());
+    }
+  }
+}
+
+}  // namespace talus::import

@@ -1,0 +1,282 @@
+#include "bag_motion.h"
+
+#include <mrpt/poses/CPose3DQuat.h>
+
+#include <algorithm>
+#include "cdr_reader.h"
+#include <stdexcept>
+
+using mrpt::poses::CPose3D;
+
+namespace talus::import
+{
+namespace
+{
+/** Poses in histories before those that are not needed are dropped. */
+constexpr std::size_t kPruneAt = 200000;
+
+double seconds(std::int64_t stamp_ns) { return static_cast<double>(stamp_ns) * 1e-9; }
+
+/** Whether `frame` is `name`, or `name` of some robot: "robot1/base_link". */
+bool is_of_robot(const std::string& frame, const std::string& name)
+{
+  const auto slash = frame.rfind('/');
+  return slash != std::string::npos && frame.substr(slash + 1) == name;
+}
+
+std::string listed(const std::vector<std::string>& names)
+{
+  constexpr std::size_t kMost = 40, kMostText = 60;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
+    list += (list.empty() ? "" : ", ") + names[i].substr(0, kMostText);
+  return names.empty() ? "none" : list + (names.size() > kMost ? ", ..." : "");
+}
+}  // namespace
+
+BagMotion::BagMotion(
+    BagReader& reader, const std::vector<BagRole>& roles, const SourceOptions& options,
+    const std::string& path)
+    : prune_at_(kPruneAt)
+{
+  read(reader, roles);
+  tree_.sort();
+  for (auto& topic : pose_topics_) topic.history.sort();
+  choose_base(options, path);
+  choose_map(options, path);
+  if (options.poses.empty()) choose_poses(reader, options);
+  if (bad_poses_ > 0)
+    remark(
+        std::to_string(bad_poses_) +
+        " transforms or poses are not used: they are not finite, or "
+        "their quaternion is none");
+  if (!tree_.conflicts().empty())
+    remark(
+        "TF has two parents for " + listed(tree_.conflicts()) +
+        ": the one that comes first in the bag is used");
+}
+
+void BagMotion::read(BagReader& reader, const std::vector<BagRole>& roles)
+{
+  std::vector<bool> wanted;
+  wanted.reserve(roles.size());
+  for (const auto role : roles) wanted.push_back(role != BagRole::None);
+  clouds_left_ = static_cast<std::size_t>(std::count(roles.begin(), roles.end(), BagRole::Cloud));
+  reader.start(std::move(wanted));
+  BagMessage message;
+  while (reader.next(message))
+  {
+    try
+    {
+      read_message(reader, message, roles[message.topic]);
+    }
+    catch (const CdrError& e)
+    {
+      throw std::runtime_error(reader.place() + " " + e.what() + ". Copy the bag again.");
+    }
+    if (tree_.size() > prune_at_) prune();
+  }
+}
+
+void BagMotion::read_message(BagReader& reader, const BagMessage& message, BagRole role)
+{
+  const auto payload = reader.payload();
+  switch (role)
+  {
+    case BagRole::Cloud:  // only how it is mounted
+      cloud_frames_.push_back(read_header(payload).frame);
+      reader.ignore(message.topic);
+      --clouds_left_;
+      break;
+    case BagRole::Tf:
+    case BagRole::TfStatic:
+      for (const auto& transform : read_tf(payload))
+      {
+        bad_poses_ += transform.T_parent_child ? 0 : 1;
+        tree_.add(transform, role == BagRole::TfStatic);
+      }
+      break;
+    case BagRole::Odometry:
+      add_pose(message.topic, read_odometry(payload));
+      break;
+    case BagRole::Pose:
+      add_pose(message.topic, read_pose(payload));
+      break;
+    case BagRole::None:
+      break;
+  }
+}
+
+void BagMotion::add_pose(std::size_t topic, const FrameTransform& pose)
+{
+  if (!pose.T_parent_child)
+  {
+    ++bad_poses_;
+    return;
+  }
+  auto known = std::find_if(
+      pose_topics_.begin(), pose_topics_.end(),
+      [topic](const PoseTopic& t) { return t.topic == topic; });
+  if (known == pose_topics_.end())
+    known = pose_topics_.insert(known, {topic, pose.parent.frame, pose.child, {}, 0});
+  known->history.add(pose.parent.stamp_ns, *pose.T_parent_child);
+  ++known->count;
+}
+
+void BagMotion::prune()
+{
+  if (clouds_left_ == 0)
+  {
+    auto ends = cloud_frames_;
+    for (const auto& frame : tree_.frames())
+      for (const char* base : {"base_link", "base_footprint"})
+        if (frame == base || is_of_robot(frame, base)) ends.push_back(frame);
+    for (const auto& topic : pose_topics_) ends.push_back(topic.child);
+    ends.push_back(base_);
+    tree_.keep_ways_of(ends);
+  }
+  prune_at_ = std::max(kPruneAt, 2 * tree_.size());
+}
+
+/** Of frames in TF the first that has one of the names; else the only one of some robot's. */
+std::string BagMotion::known_frame(const std::vector<std::string>& names) const
+{
+  for (const auto& name : names)
+    if (tree_.has(name)) return name;
+  for (const auto& name : names)
+  {
+    std::vector<std::string> found;
+    for (const auto& frame : tree_.frames())
+      if (is_of_robot(frame, name)) found.push_back(frame);
+    if (found.size() == 1) return found[0];
+  }
+  return "";
+}
+
+void BagMotion::fail_without(
+    const std::string& frame, const std::string& option, const std::string& path) const
+{
+  throw std::runtime_error(
+      path + ": no frame " + frame + " (" + option + "). TF has: " + listed(tree_.frames()));
+}
+
+void BagMotion::choose_base(const SourceOptions& options, const std::string& path)
+{
+  const auto is_child = [&](const std::string& frame)
+  {
+    return std::any_of(
+        pose_topics_.begin(), pose_topics_.end(),
+        [&](const PoseTopic& t) { return t.child == frame; });
+  };
+  base_ = options.base_frame;
+  if (!base_.empty() && !tree_.has(base_) && !is_child(base_))
+    fail_without(base_, "--base-frame", path);
+  if (base_.empty()) base_ = known_frame({"base_link", "base_footprint"});
+  for (const auto& topic : pose_topics_)
+    if (base_.empty()) base_ = topic.child;
+}
+
+void BagMotion::choose_map(const SourceOptions& options, const std::string& path)
+{
+  const auto is_map = [&](const std::string& frame)
+  {
+    return std::any_of(
+        pose_topics_.begin(), pose_topics_.end(),
+        [&](const PoseTopic& t) { return t.map == frame; });
+  };
+  map_ = options.map_frame;
+  if (!map_.empty() && !tree_.has(map_) && !is_map(map_)) fail_without(map_, "--map-frame", path);
+  if (!map_.empty()) return;
+  for (const char* name : {"map", "odom"})
+    if (const auto frame = known_frame({name});
+        map_.empty() && !frame.empty() && !tree_.times_between(frame, base_).empty())
+      map_ = frame;
+}
+
+std::optional<CPose3D> BagMotion::T_base_sensor(
+    const std::string& sensor_frame, std::int64_t stamp_ns)
+{
+  if (!base_.empty() && sensor_frame == base_) return CPose3D();
+  if (tree_.connects(base_, sensor_frame)) return tree_.T_between(base_, sensor_frame, stamp_ns);
+  if (told_frames_.insert(sensor_frame).second)
+    remark(
+        "TF does not tell how '" + sensor_frame.substr(0, 60) + "' is mounted on " +
+        (base_.empty() ? "the base" : "'" + base_.substr(0, 60) + "'") +
+        " (it has: " + listed(tree_.frames()) +
+        "): the sensor is taken to be at the base. --base-frame names another base, --mount the "
+        "place");
+  return CPose3D();
+}
+
+std::string BagMotion::topics_text(BagReader& reader) const
+{
+  std::string text;
+  for (const auto& topic : pose_topics_)
+    text += (text.empty() ? "" : ", ") + reader.topics()[topic.topic].name.substr(0, 100) + " (" +
+            std::to_string(topic.count) + ")";
+  return text;
+}
+
+const BagMotion::PoseTopic* BagMotion::named_topic(
+    BagReader& reader, const SourceOptions& options) const
+{
+  for (const auto& topic : pose_topics_)
+    for (const auto& name : options.topics)
+      if (reader.topics()[topic.topic].name == name) return &topic;
+  return nullptr;
+}
+
+void BagMotion::choose_poses(BagReader& reader, const SourceOptions& options)
+{
+  const auto* named = named_topic(reader, options);
+  if (named) return take_from(*named, reader);
+  if (take_from_tf()) return;
+  const auto most = std::max_element(
+      pose_topics_.begin(), pose_topics_.end(),
+      [](const PoseTopic& a, const PoseTopic& b) { return a.count < b.count; });
+  if (most == pose_topics_.end())
+    return remark(
+        "the bag has no poses of the base: no chain in TF that moves from map or odom to " +
+        (base_.empty() ? "a base" : "'" + base_.substr(0, 60) + "'") +
+        ", no Odometry, no PoseStamped. --poses FILE gives them, --base-frame and --map-frame name "
+        "frames");
+  take_from(*most, reader);
+  if (pose_topics_.size() > 1)
+    remark("these are the most of: " + topics_text(reader) + "; --topic takes those of another");
+}
+
+bool BagMotion::take_from_tf()
+{
+  if (map_.empty() || base_.empty()) return false;
+  std::vector<io::Trajectory::Entry> entries;
+  for (const auto stamp_ns : tree_.times_between(map_, base_))
+    if (const auto T_map_base = tree_.T_between(map_, base_, stamp_ns))
+      entries.push_back({seconds(stamp_ns), *T_map_base});
+  if (entries.empty()) return false;
+  remark("poses are those of '" + base_ + "' in '" + map_ + "' in TF");
+  poses_ = io::Trajectory(std::move(entries));
+  return true;
+}
+
+void BagMotion::take_from(const PoseTopic& topic, const BagReader& reader)
+{
+  remark("poses are those of topic " + reader.topics()[topic.topic].name);
+  std::vector<io::Trajectory::Entry> entries;
+  entries.reserve(topic.history.all().size());
+  const bool is_base = topic.child.empty() || topic.child == base_;
+  const bool is_connected = !is_base && tree_.connects(topic.child, base_);
+  if (!is_base && !is_connected)
+    remark(
+        "poses of '" + topic.child.substr(0, 60) + "' are taken for those of '" +
+        base_.substr(0, 60) + "': TF does not connect them");
+  for (const auto& pose : topic.history.all())
+  {
+    const CPose3D T_map_child{mrpt::poses::CPose3DQuat(pose.pose)};
+    const auto T_child_base = is_connected ? tree_.T_between(topic.child, base_, pose.stamp_ns)
+                                           : std::optional<CPose3D>(CPose3D());
+    if (T_child_base) entries.push_back({seconds(pose.stamp_ns), T_map_child + *T_child_base});
+  }
+  poses_ = io::Trajectory(std::move(entries));
+}
+
+}  // namespace talus::import

@@ -1,0 +1,72 @@
+#pragma once
+#include <talus/import/scan_source.h>
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bag_frames.h"
+#include "bag_reader.h"
+#include "bag_topics.h"
+
+namespace talus::import
+{
+/** Where sensors are mounted and where the base was: all that a bag says of frames and poses, read
+ * ahead of the scans, as it may come after them. */
+class BagMotion
+{
+ public:
+  /** Reads the bag once, without the points. Throws std::runtime_error that names the file and what
+   * is wrong; for a frame in `options` that is not there: those that are. */
+  BagMotion(
+      BagReader& reader, const std::vector<BagRole>& roles, const SourceOptions& options,
+      const std::string& path);
+
+  /** Nothing where the chain of frames is not known at that time. Identity, and a remark, where
+   * there is none. */
+  std::optional<mrpt::poses::CPose3D> T_base_sensor(
+      const std::string& sensor_frame, std::int64_t stamp_ns);
+
+  const io::Trajectory& poses() const { return poses_; }
+  const std::vector<std::string>& remarks() const { return remarks_; }
+
+ private:
+  struct PoseTopic
+  {
+    std::size_t topic = 0;
+    std::string map, child;  //!< frames
+    PoseHistory history;
+    std::size_t count = 0;
+  };
+
+  void read(BagReader& reader, const std::vector<BagRole>& roles);
+  void read_message(BagReader& reader, const BagMessage& message, BagRole role);
+  void add_pose(std::size_t topic, const FrameTransform& pose);
+  void prune();
+  void choose_base(const SourceOptions& options, const std::string& path);
+  void choose_map(const SourceOptions& options, const std::string& path);
+  void choose_poses(BagReader& reader, const SourceOptions& options);
+  bool take_from_tf();
+  void take_from(const PoseTopic& topic, const BagReader& reader);
+  const PoseTopic* named_topic(BagReader& reader, const SourceOptions& options) const;
+  std::string topics_text(BagReader& reader) const;
+  std::string known_frame(const std::vector<std::string>& names) const;
+  [[noreturn]] void fail_without(
+      const std::string& frame, const std::string& option, const std::string& path) const;
+  void remark(const std::string& text) { remarks_.push_back(text); }
+
+  FrameTree tree_;
+  std::vector<PoseTopic> pose_topics_;
+  std::vector<std::string> cloud_frames_;
+  std::size_t clouds_left_ = 0;  //!< topics whose frame is not known yet
+  std::size_t prune_at_ = 0;
+  std::size_t bad_poses_ = 0;
+  std::string base_, map_;
+  io::Trajectory poses_;
+  std::vector<std::string> remarks_;
+  std::set<std::string> told_frames_;
+};
+
+}  // namespace talus::import

@@ -1,0 +1,86 @@
+#include "bag_topics.h"
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+namespace talus::import
+{
+namespace
+{
+bool ends_with(const std::string& text, const std::string& ending)
+{
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+BagRole role_of(const BagTopic& topic)
+{
+  static const std::map<std::string, BagRole> kRoles = {
+      {"sensor_msgs/msg/PointCloud2", BagRole::Cloud},
+      {"tf2_msgs/msg/TFMessage", BagRole::Tf},
+      {"nav_msgs/msg/Odometry", BagRole::Odometry},
+      {"geometry_msgs/msg/PoseStamped", BagRole::Pose},
+      {"geometry_msgs/msg/PoseWithCovarianceStamped", BagRole::Pose}};
+  const auto known = kRoles.find(topic.type);
+  if (known == kRoles.end() || topic.encoding != "cdr") return BagRole::None;
+  const bool is_static = known->second == BagRole::Tf && ends_with(topic.name, "tf_static");
+  return is_static ? BagRole::TfStatic : known->second;
+}
+
+bool is_in(const std::vector<std::string>& names, const std::string& name)
+{
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string list_of(const std::vector<BagTopic>& topics)
+{
+  constexpr std::size_t kMostLines = 40, kMostText = 100;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(topics.size(), kMostLines); ++i)
+  {
+    const auto& topic = topics[i];
+    list += "\n  " + topic.name.substr(0, kMostText) + "  " + topic.type.substr(0, kMostText);
+    if (topic.encoding != "cdr") list += " (serialized as '" + topic.encoding.substr(0, 24) + "')";
+  }
+  if (topics.size() > kMostLines)
+    list += "\n  and " + std::to_string(topics.size() - kMostLines) + " more";
+  return topics.empty() ? " It holds no topics at all." : " It holds:" + list;
+}
+}  // namespace
+
+std::vector<BagRole> roles_of(
+    const std::vector<BagTopic>& topics, const std::vector<std::string>& wanted,
+    const std::string& path)
+{
+  std::vector<BagRole> roles;
+  roles.reserve(topics.size());
+  std::transform(topics.begin(), topics.end(), std::back_inserter(roles), role_of);
+
+  std::vector<bool> is_named;
+  is_named.reserve(topics.size());
+  for (const auto& topic : topics) is_named.push_back(is_in(wanted, topic.name));
+  for (const auto& name : wanted)
+  {
+    bool is_read = false;
+    for (std::size_t i = 0; i < topics.size(); ++i)
+      is_read = is_read || (topics[i].name == name && roles[i] != BagRole::None);
+    if (!is_read)
+      throw std::runtime_error(
+          path + ": has no topic " + name + " that is read (--topic)." + list_of(topics));
+  }
+  bool names_clouds = false, has_clouds = false;
+  for (std::size_t i = 0; i < topics.size(); ++i)
+    names_clouds = names_clouds || (is_named[i] && roles[i] == BagRole::Cloud);
+  for (std::size_t i = 0; i < topics.size(); ++i)
+  {
+    if (names_clouds && roles[i] == BagRole::Cloud && !is_named[i]) roles[i] = BagRole::None;
+    has_clouds = has_clouds || roles[i] == BagRole::Cloud;
+  }
+  if (!has_clouds)
+    throw std::runtime_error(
+        path + ": has no topic with sensor_msgs/msg/PointCloud2 in CDR." + list_of(topics));
+  return roles;
+}
+
+}  // namespace talus::import

@@ -1,0 +1,27 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "bag_file.h"
+
+namespace talus::import
+{
+/** What a topic of a bag is read for. */
+enum class BagRole
+{
+  None,
+  Cloud,
+  Tf,
+  TfStatic,
+  Odometry,
+  Pose  //!< with or without covariance
+};
+
+/** One role a topic. `wanted` (all, where none is named): the clouds of these topics, and the poses
+ * of one of them. Throws std::runtime_error that names `path` where there are no such clouds, and
+ * lists what there is. */
+std::vector<BagRole> roles_of(
+    const std::vector<BagTopic>& topics, const std::vector<std::string>& wanted,
+    const std::string& path);
+
+}  // namespace talus::import

@@ -1,0 +1,188 @@
+#include "folder_layout.h"
+
+#include <talus/number_text.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
+namespace fs = std::filesystem;
+
+namespace talus::import
+{
+namespace
+{
+using io::ForeignScans;
+
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+/** Takes the digits that a text begins with, without zeros before them. */
+std::string_view take_number(std::string_view& text)
+{
+  std::size_t end = 0;
+  while (end < text.size() && is_digit(text[end])) ++end;
+  std::string_view number = text.substr(0, end);
+  text.remove_prefix(end);
+  number.remove_prefix(std::min(number.find_first_not_of('0'), number.size()));
+  return number;
+}
+
+/** As people count: scan_9 before scan_10. */
+bool is_before(std::string_view a, std::string_view b)
+{
+  const std::string_view whole_a = a, whole_b = b;
+  while (!a.empty() && !b.empty())
+  {
+    if (is_digit(a[0]) && is_digit(b[0]))
+    {
+      const auto number_a = take_number(a), number_b = take_number(b);
+      if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
+      if (number_a != number_b) return number_a < number_b;
+      continue;
+    }
+    if (a[0] != b[0]) return a[0] < b[0];
+    a.remove_prefix(1);
+    b.remove_prefix(1);
+  }
+  if (a.empty() != b.empty()) return a.empty();
+  return whole_a < whole_b;
+}
+
+std::string name_of(const std::string& scan) { return fs::path(scan).stem().string(); }
+
+/** The number that a name is: of digits and a point, as times are. */
+std::optional<double> number_of(const std::string& scan)
+{
+  const std::string name = name_of(scan);
+  const bool is_plain = name.find_first_not_of("0123456789.") == std::string::npos;
+  return is_plain ? number_from(name) : std::nullopt;
+}
+
+void sort(std::vector<std::string>& scans)
+{
+  std::sort(
+      scans.begin(), scans.end(),
+      [](const std::string& a, const std::string& b) { return is_before(name_of(a), name_of(b)); });
+  if (std::all_of(scans.begin(), scans.end(), [](const auto& s) { return number_of(s); }))
+    std::stable_sort(
+        scans.begin(), scans.end(),
+        [](const std::string& a, const std::string& b)
+        { return number_of(a).value_or(0) < number_of(b).value_or(0); });
+}
+
+bool is_scan(ForeignScans kind) { return kind >= ForeignScans::Bin && kind <= ForeignScans::Las; }
+
+/** The scans in a folder, by kind; those that are hidden are none. */
+std::map<ForeignScans, std::vector<std::string>> scans_in(const fs::path& folder)
+{
+  std::map<ForeignScans, std::vector<std::string>> scans;
+  for (const auto& entry : fs::directory_iterator(folder))
+  {
+    if (entry.path().filename().string()[0] == '.' || !entry.is_regular_file()) continue;
+    const auto kind = io::kind_by_ending(entry.path().string());
+    if (is_scan(kind)) scans[kind].push_back(entry.path().string());
+  }
+  return scans;
+}
+
+/** The first of the files that is there, or "". */
+std::string first_of(const std::vector<fs::path>& files)
+{
+  std::error_code ignored;
+  for (const auto& file : files)
+    if (fs::is_regular_file(file, ignored)) return file.string();
+  return "";
+}
+
+/** Without a slash at its end, and with a name even where it is `.`. */
+fs::path full(const fs::path& path)
+{
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+
+bool is_name_of_kitti(const fs::path& folder)
+{
+  const auto name = folder.filename();
+  return name == "velodyne" || name == "data" || name == "velodyne_points";
+}
+
+/** The folder of the scans, and those around it that belong to the same drive. */
+std::vector<fs::path> folders_of_drive(const std::string& scans)
+{
+  std::vector<fs::path> folders{scans};
+  for (fs::path folder = full(scans); is_name_of_kitti(folder) && folders.size() < 3;
+       folder = folder.parent_path())
+    folders.push_back(folder.parent_path());
+  return folders;
+}
+
+void find_what_belongs_to_it(const std::string& scans, FolderLayout& layout)
+{
+  std::vector<fs::path> times, calibrations, poses;
+  for (const auto& folder : folders_of_drive(scans))
+  {
+    times.insert(times.end(), {folder / "times.txt", folder / "timestamps.txt"});
+    calibrations.push_back(folder / "calib.txt");
+    poses.insert(poses.end(), {folder / "poses.txt", folder / "poses.tum"});
+  }
+  const fs::path sequence = full(folders_of_drive(scans).back());
+  if (sequence.parent_path().filename() == "sequences")
+    poses.push_back(
+        sequence.parent_path().parent_path() / "poses" / (sequence.filename().string() + ".txt"));
+  layout.times = first_of(times);
+  layout.calibration = first_of(calibrations);
+  layout.poses = first_of(poses);
+}
+
+std::string label_of(const std::string& scans)
+{
+  const fs::path folder = full(scans);
+  const fs::path named = folder.filename() == "data" ? folder.parent_path() : folder;
+  const std::string label = named.filename().string();
+  return label.empty() ? "lidar" : label;
+}
+
+FolderLayout layout_of_folder(const std::string& path)
+{
+  std::error_code error;
+  if (fs::directory_iterator(path, error); error)
+    throw std::runtime_error(
+        path + ": its files cannot be listed (" + error.message() + "). Check its permissions.");
+  const std::string folder = io::folder_with_scans(path);
+  if (folder.empty())
+    throw std::runtime_error(
+        path + ": holds no scans: no .bin, .pcd or .ply files, no bag. Name the folder with them.");
+  auto scans = scans_in(folder);
+  if (scans.size() != 1)
+    throw std::runtime_error(
+        folder + ": holds scans of several kinds, such as '" +
+        fs::path(scans.begin()->second.front()).filename().string() + "' and '" +
+        fs::path(scans.rbegin()->second.front()).filename().string() +
+        "'. Give each kind a folder of its own.");
+  FolderLayout layout;
+  layout.kind = scans.begin()->first;
+  layout.scans = std::move(scans.begin()->second);
+  sort(layout.scans);
+  layout.label = label_of(folder);
+  find_what_belongs_to_it(folder, layout);
+  return layout;
+}
+}  // namespace
+
+FolderLayout find_layout(const std::string& path)
+{
+  if (fs::is_directory(path)) return layout_of_folder(path);
+  FolderLayout layout;
+  layout.scans = {path};
+  layout.kind = io::kind_of_scans(path);
+  layout.label = label_of(fs::path(path).has_parent_path() ? fs::path(path).parent_path() : ".");
+  return layout;
+}
+
+}  // namespace talus::import

@@ -1,0 +1,24 @@
+#pragma once
+#include <talus/io/foreign_scans.h>
+
+#include <string>
+#include <vector>
+
+namespace talus::import
+{
+/** The files of a folder of scans; those that are not there are empty. */
+struct FolderLayout
+{
+  std::vector<std::string> scans;  //!< in the order of their names; one at least
+  io::ForeignScans kind = io::ForeignScans::None;  //!< of all of them
+  std::string label;  //!< of the sensor: the name of the folder
+  std::string times, calibration, poses;
+};
+
+/** Looks into a folder, or beside a single file. KITTI's layouts: a sequence of the odometry data
+ * (velodyne/, times.txt, calib.txt; poses.txt in it or poses/NN.txt beside sequences/), a drive of
+ * the raw data (velodyne_points/). Throws std::runtime_error that names the folder, what is wrong
+ * and what to do. */
+FolderLayout find_layout(const std::string& path);
+
+}  // namespace talus::import

@@ -1,0 +1,221 @@
+#include "point_fields.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <string_view>
+
+namespace talus::import
+{
+namespace
+{
+template <class T>
+double as(const char* bytes, bool swapped)
+{
+  std::array<char, sizeof(T)> own{};
+  std::memcpy(own.data(), bytes, sizeof(T));
+  if (swapped) std::reverse(own.begin(), own.end());
+  T value{};
+  std::memcpy(&value, own.data(), sizeof(T));
+  return static_cast<double>(value);
+}
+
+/** In small letters, and without what CloudCompare puts before the names of its own fields. */
+std::string plain_name(const std::string& name)
+{
+  std::string plain = name;
+  std::transform(
+      plain.begin(), plain.end(), plain.begin(),
+      [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  constexpr std::string_view kCloudCompare = "scalar_";
+  if (plain.compare(0, kCloudCompare.size(), kCloudCompare) == 0)
+    plain.erase(0, kCloudCompare.size());
+  return plain;
+}
+
+using Names = std::vector<std::string_view>;
+const Names kIntensity = {"intensity", "i", "reflectivity", "reflectance", "remission"};
+const Names kTime = {"t",          "time",        "timestamp", "time_stamp", "stamp",
+                     "point_time", "offset_time", "gps_time",  "gpstime"};
+const Names kRing = {"ring", "channel", "laser_id", "laserid", "line"};
+
+/** The place of the first of the names that there is, or -1. */
+int find(const std::vector<PointField>& fields, const Names& names)
+{
+  for (const auto& name : names)
+    for (std::size_t i = 0; i < fields.size(); ++i)
+      if (plain_name(fields[i].name) == name) return static_cast<int>(i);
+  return -1;
+}
+
+bool is_whole(NumberType type)
+{
+  return type != NumberType::Float32 && type != NumberType::Float64;
+}
+
+/** Finite, also as a float. */
+bool is_float(double value) { return std::abs(value) <= std::numeric_limits<float>::max(); }
+
+std::string names_of(const std::vector<PointField>& fields)
+{
+  std::string names;
+  for (std::size_t i = 0; i < std::min<std::size_t>(fields.size(), 12); ++i)
+    names += (names.empty() ? "" : " ") + fields[i].name.substr(0, 24);
+  return names.empty() ? "none" : names;
+}
+}  // namespace
+
+std::size_t bytes_of(NumberType type)
+{
+  switch (type)
+  {
+    case NumberType::Int8:
+    case NumberType::UInt8:
+      return 1;
+    case NumberType::Int16:
+    case NumberType::UInt16:
+      return 2;
+    case NumberType::Int32:
+    case NumberType::UInt32:
+    case NumberType::Float32:
+      return 4;
+    default:
+      return 8;
+  }
+}
+
+bool is_big_endian_host()
+{
+  const std::uint16_t one = 1;
+  char first = 0;
+  std::memcpy(&first, &one, 1);
+  return first == 0;
+}
+
+double number_at(const char* bytes, NumberType type, bool swapped)
+{
+  switch (type)
+  {
+    case NumberType::Int8:
+      return as<std::int8_t>(bytes, swapped);
+    case NumberType::UInt8:
+      return as<std::uint8_t>(bytes, swapped);
+    case NumberType::Int16:
+      return as<std::int16_t>(bytes, swapped);
+    case NumberType::UInt16:
+      return as<std::uint16_t>(bytes, swapped);
+    case NumberType::Int32:
+      return as<std::int32_t>(bytes, swapped);
+    case NumberType::UInt32:
+      return as<std::uint32_t>(bytes, swapped);
+    case NumberType::Int64:
+      return as<std::int64_t>(bytes, swapped);
+    case NumberType::UInt64:
+      return as<std::uint64_t>(bytes, swapped);
+    case NumberType::Float32:
+      return as<float>(bytes, swapped);
+    default:
+      return as<double>(bytes, swapped);
+  }
+}
+
+PointCollector::PointCollector(
+    const std::vector<PointField>& fields, std::size_t points, const std::string& place,
+    ScanFile& out)
+    : out_(&out)
+{
+  for (const char* axis : {"x", "y", "z"})
+  {
+    const int at = find(fields, {axis});
+    if (at < 0)
+      throw std::runtime_error(
+          place + ": its points have no " + axis + " (they have: " + names_of(fields) +
+          "). Is it a cloud of points?");
+    wanted_.push_back(static_cast<std::size_t>(at));
+  }
+  const auto want = [&](const Names& names)
+  {
+    const int at = find(fields, names);
+    if (at < 0) return -1;
+    wanted_.push_back(static_cast<std::size_t>(at));
+    return static_cast<int>(wanted_.size() - 1);
+  };
+  intensity_ = want(kIntensity);
+  time_ = want(kTime);
+  ring_ = want(kRing);
+  out = ScanFile();
+  if (time_ >= 0) out.whole_times = is_whole(fields[wanted_[static_cast<std::size_t>(time_)]].type);
+  for (auto* axis : {&out.x_m, &out.y_m, &out.z_m}) axis->reserve(points);
+  if (intensity_ >= 0) out.intensity.reserve(points);
+  if (time_ >= 0) out.time.reserve(points);
+  if (ring_ >= 0) out.ring.reserve(points);
+}
+
+void PointCollector::add(const double* values)
+{
+  const bool has_time = time_ < 0 || std::isfinite(values[time_]);
+  if (!is_float(values[0]) || !is_float(values[1]) || !is_float(values[2]) || !has_time)
+  {
+    ++out_->not_finite;
+    return;
+  }
+  out_->x_m.push_back(static_cast<float>(values[0]));
+  out_->y_m.push_back(static_cast<float>(values[1]));
+  out_->z_m.push_back(static_cast<float>(values[2]));
+  if (time_ >= 0) out_->time.push_back(values[time_]);
+  if (intensity_ >= 0)
+  {
+    const double intensity = values[intensity_];
+    out_->intensity.push_back(is_float(intensity) ? static_cast<float>(intensity) : 0.0F);
+  }
+  if (ring_ >= 0)
+  {
+    constexpr double kMost = std::numeric_limits<std::uint16_t>::max();
+    const double ring = values[ring_];  // NaN is none
+    out_->ring.push_back(ring >= 0 && ring <= kMost ? static_cast<std::uint16_t>(ring) : 0);
+  }
+}
+
+double time_unit_s(const ScanFile& scan)
+{
+  if (scan.time.empty()) return 1;
+  const auto [least, most] = std::minmax_element(scan.time.begin(), scan.time.end());
+  // Those of now in seconds since 1970 are 1.8e9, and no scan takes 100 s.
+  constexpr double kSinceEpoch = 1e9;
+  if (*least >= kSinceEpoch)
+    return *least >= 1e17 ? 1e-9 : *least >= 1e14 ? 1e-6 : *least >= 1e11 ? 1e-3 : 1;
+  if (scan.whole_times) return 1e-9;
+  constexpr double kLongestScan_s = 2;
+  for (const double unit_s : {1.0, 1e-3, 1e-6})
+    if ((*most - *least) * unit_s <= kLongestScan_s) return unit_s;
+  return 1e-9;
+}
+
+std::vector<float> times_since(double time_s, const ScanFile& scan, double unit_s)
+{
+  if (scan.time.empty()) return {};
+  constexpr double kLongest_s = 60, kLongestScan_s = 2;
+  const auto [least, most] = std::minmax_element(scan.time.begin(), scan.time.end());
+  const double least_s = unit_s * *least;
+  // Of a simulation, or since the start of a robot, also absolute times are small.
+  const bool is_absolute =
+      least_s > kLongestScan_s && std::abs(least_s - time_s) < std::abs(least_s);
+  if (is_absolute && scan.time.size() > 1 && *least == *most) return {};  // too few digits
+  const double origin_s = is_absolute ? time_s : 0;
+  std::vector<float> times_s;
+  times_s.reserve(scan.time.size());
+  for (const double time : scan.time)
+  {
+    const double since_s = time * unit_s - origin_s;
+    if (!(std::abs(since_s) <= kLongest_s)) return {};
+    times_s.push_back(static_cast<float>(since_s));
+  }
+  return times_s;
+}
+
+}  // namespace talus::import

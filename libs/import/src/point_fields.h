@@ -1,0 +1,82 @@
+#pragma once
+#include <talus/import/scan_source.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace talus::import
+{
+/** A number in a file. */
+enum class NumberType
+{
+  Int8,
+  UInt8,
+  Int16,
+  UInt16,
+  Int32,
+  UInt32,
+  Int64,
+  UInt64,
+  Float32,
+  Float64
+};
+
+std::size_t bytes_of(NumberType type);
+
+/** Files are little-endian unless they say otherwise. */
+bool is_big_endian_host();
+
+/** The number at `bytes`, which may lie anywhere; `swapped`: of the other byte order. */
+double number_at(const char* bytes, NumberType type, bool swapped);
+
+/** What a file says of its points, by its order: x, y and z, and what else is known by its name. */
+struct PointField
+{
+  std::string name;
+  NumberType type = NumberType::Float32;
+};
+
+/** A scan as its file has it. */
+struct ScanFile
+{
+  std::vector<float> x_m, y_m, z_m;  //!< finite
+  std::vector<float> intensity;  //!< empty, or one a point; so the next ones
+  std::vector<double> time;  //!< in the unit and since the moment that the file means
+  std::vector<std::uint16_t> ring;
+  bool whole_times = false;  //!< they are integers
+  std::size_t not_finite = 0;  //!< points that are left out
+  std::optional<mrpt::poses::CPose3D> viewpoint;  //!< the sensor in the map, where it says so
+};
+
+/** Takes the points of one file, field by field. */
+class PointCollector
+{
+ public:
+  /** Throws std::runtime_error, `place` and what is wrong, without x, y or z. `points`: how many
+   * there will be at most. */
+  PointCollector(
+      const std::vector<PointField>& fields, std::size_t points, const std::string& place,
+      ScanFile& out);
+
+  /** Of the fields, those that are needed. */
+  const std::vector<std::size_t>& wanted() const { return wanted_; }
+
+  /** One point: a number for each of wanted(). */
+  void add(const double* values);
+
+ private:
+  std::vector<std::size_t> wanted_;
+  int intensity_ = -1, time_ = -1, ring_ = -1;  //!< places in wanted_
+  ScanFile* out_;
+};
+
+/** Seconds of one unit of the times of points. */
+double time_unit_s(const ScanFile& scan);
+
+/** The times of points relative to that of the scan [s]; empty where they make no sense: whoever
+ * wrote them did not keep enough digits, or meant another clock. */
+std::vector<float> times_since(double time_s, const ScanFile& scan, double unit_s);
+
+}  // namespace talus::import

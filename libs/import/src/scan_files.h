@@ -1,0 +1,25 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "point_fields.h"
+
+namespace talus::import
+{
+/** No scan has more bytes: a larger file is a map, or no scan at all. */
+constexpr std::uint64_t kLargestScan_bytes = std::uint64_t{1} << 30;
+
+// Each reads one file of a scan. Throws std::runtime_error that names the file, the line or byte,
+// what is wrong and what to do. Takes no more memory than some times the bytes of the file (a
+// compressed one: of what it unpacks to, which kLargestScan_bytes bounds).
+
+/** KITTI: x, y, z and reflectance, a float each. */
+void read_kitti_bin(const std::string& path, ScanFile& out);
+
+/** The Point Cloud Library's: ascii, binary and binary_compressed, version 0.6 and 0.7. */
+void read_pcd(const std::string& path, ScanFile& out);
+
+/** The vertices of a PLY: ascii, and binary of either byte order. */
+void read_ply(const std::string& path, ScanFile& out);
+
+}  // namespace talus::import

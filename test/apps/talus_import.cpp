@@ -1,0 +1,426 @@
+// The command talus-import from end to end: the same map as of the log that the scans came from,
+// its messages and exit codes, and the commands of doc/import.md.
+#include <gtest/gtest.h>
+#include <mrpt/maps/CPointsMap.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+#include <sys/wait.h>
+#include <talus/io/geotiff.h>
+#include <talus/io/rawlog_reader.h>
+#include <talus/io/trajectory.h>
+#include <talus/mrpt/observation_points.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+
+#include "log_files.h"
+#include "scan_formats.h"
+
+namespace fs = std::filesystem;
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+constexpr double kFirst_s = 1700000000.0;
+
+struct Outcome
+{
+  int code = 0;
+  std::string text;
+};
+
+class TalusImport : public testing::Test
+{
+ protected:
+  Outcome run(const std::string& command) const
+  {
+    const std::string path = std::string("PATH=") + TALUS_BIN + ":$PATH ";
+    const int status =
+        std::system(("cd '" + (dir_ / "") + "' && " + path + command + " >log.txt 2>&1").c_str());
+    return {WEXITSTATUS(status), read_bytes(dir_ / "log.txt")};
+  }
+  Outcome import(const std::string& arguments) const { return run("talus-import " + arguments); }
+  void done(const std::string& command) const
+  {
+    const Outcome o = run(command);
+    ASSERT_EQ(o.code, 0) << command << "\n" << o.text;
+  }
+  void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
+  {
+    const Outcome o = import(arguments);
+    EXPECT_EQ(o.code, code) << o.text;
+    for (const auto& word : words)
+      EXPECT_NE(o.text.find(word), std::string::npos) << word << " not in " << o.text;
+  }
+  void write(const std::string& name, const std::string& bytes) const
+  {
+    fs::create_directories(fs::path(dir_ / name).parent_path());
+    write_bytes(dir_ / name, bytes);
+  }
+  std::vector<SensorPoints> scans_of(const std::string& log) const
+  {
+    io::RawlogReader reader(dir_ / log);
+    std::vector<SensorPoints> all;
+    SensorPoints points;
+    while (const auto obs = reader.next())
+      if (points_from_observation(*obs, points)) all.push_back(points);
+    return all;
+  }
+  /** What begins with a dot: left by a run. */
+  int hidden() const
+  {
+    int count = 0;
+    for (const auto& e : fs::directory_iterator(dir_ / ""))
+      count += e.path().filename().string()[0] == '.';
+    return count;
+  }
+  /** A floor 0.5 m below the scanner. `timed`: each point has its time, of a turn of 0.1 s. */
+  static Points floor(bool timed = false)
+  {
+    Points p;
+    for (int i = -20; i <= 20; ++i)
+      for (int k = -20; k <= 20; ++k)
+      {
+        p.x.push_back(0.1F * static_cast<float>(i) + 0.02F);
+        p.y.push_back(0.1F * static_cast<float>(k) + 0.02F);
+        p.z.push_back(-0.5F);
+        if (timed) p.time.push_back(1e-3F * static_cast<float>(i + 20));
+      }
+    return p;
+  }
+  static std::string tum(int count, double first_s = kFirst_s)
+  {
+    std::string text;
+    for (int i = 0; i < count; ++i)
+    {
+      char line[80];
+      std::snprintf(line, sizeof line, "%.1f %.1f 0 0 0 0 0 1\n", first_s + 0.1 * i, 0.2 * i);
+      text += line;
+    }
+    return text;
+  }
+  /** A folder of floors with times and poses. */
+  void write_floors(const std::string& folder, int count, double first_s = kFirst_s) const
+  {
+    std::string times;
+    for (int i = 0; i < count; ++i)
+    {
+      write(folder + "/" + std::to_string(i) + ".pcd", pcd_binary(floor()));
+      char line[40];
+      std::snprintf(line, sizeof line, "%.2f\n", first_s + 0.1 * i);
+      times += line;
+    }
+    write(folder + "/times.txt", times);
+  }
+  ScratchDir dir_;
+};
+
+Points points_of(const SensorPoints& scan)
+{
+  Points p;
+  p.x = scan.x_m;
+  p.y = scan.y_m;
+  p.z = scan.z_m;
+  p.intensity.assign(scan.x_m.size(), 0.5F);
+  return p;
+}
+
+std::string number(double value)
+{
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+void expect_same_map(const std::string& a, const std::string& b, const std::string& what)
+{
+  for (const char* file : {"/map.tif", "/site.tif"})
+  {
+    const auto one = io::read_geotiff(a + file), other = io::read_geotiff(b + file);
+    ASSERT_EQ(one.names, other.names) << what;
+    ASSERT_EQ(one.layers.size(), other.layers.size());
+    for (std::size_t i = 0; i < one.layers.size(); ++i)
+    {
+      ASSERT_EQ(one.layers[i].size(), other.layers[i].size()) << what;
+      EXPECT_EQ(
+          std::memcmp(
+              one.layers[i].data(), other.layers[i].data(), one.layers[i].size() * sizeof(float)),
+          0)
+          << what << file << " " << one.names[i];
+    }
+  }
+}
+}  // namespace
+
+TEST_F(TalusImport, gives_the_map_of_the_log_that_the_scans_came_from_bit_by_bit)
+{
+  done("talus-sim " TALUS_SOURCE_DIR "/datasets/worlds/demo.yaml --output sim --frames 4 --quiet");
+  done("talus-map sim/demo.rawlog --backend cpu --output sim/map --quiet");
+  const auto scans = scans_of("sim/demo.rawlog");
+  ASSERT_EQ(scans.size(), 4u);
+  const auto& T = scans[0].T_base_sensor;
+  ASSERT_EQ(T.yaw(), 0);
+  ASSERT_EQ(T.pitch(), 0);
+  const std::string mounting = number(T.x()) + "," + number(T.y()) + "," + number(T.z()) + ",0,0,0";
+
+  struct Format
+  {
+    const char* name;
+    const char* ending;
+    std::string (*write)(const Points&);
+  };
+  const Format formats[] = {
+      {"kitti", ".bin", kitti_bin},
+      {"pcd_ascii", ".pcd", pcd_ascii},
+      {"pcd_binary", ".pcd", [](const Points& p) { return pcd_binary(p); }},
+      {"pcd_compressed", ".pcd", pcd_compressed},
+      {"ply_ascii", ".ply", ply_ascii},
+      {"ply_little", ".ply", ply_little},
+      {"ply_big", ".ply", ply_big}};
+  for (const Format& f : formats)
+  {
+    const std::string folder = f.name, log = folder + "_log.rawlog";
+    std::string times;
+    for (std::size_t i = 0; i < scans.size(); ++i)
+    {
+      write(folder + "/00000" + std::to_string(i) + f.ending, f.write(points_of(scans[i])));
+      times += number(scans[i].stamp_s) + "\n";
+    }
+    write(folder + "/times.txt", times);
+    done(
+        "talus-import " + folder + " --poses sim/demo.tum --mount " + folder + "=" + mounting +
+        " --output " + log);
+    EXPECT_EQ(read_bytes(dir_ / (folder + "_log.tum")), read_bytes(dir_ / "sim/demo.tum"));
+    done("talus-map " + log + " --backend cpu --output " + folder + "_map --quiet");
+    expect_same_map(dir_ / "sim/map", dir_ / (folder + "_map"), f.name);
+  }
+  EXPECT_EQ(hidden(), 0);
+}
+
+TEST_F(TalusImport, keeps_stamps_labels_mountings_and_the_times_of_points)
+{
+  Points p = floor(true);
+  p.intensity.assign(p.size(), 0.5F);
+  p.ring.assign(p.size(), 7);
+  write("front/1700000000.5.pcd", pcd_binary(p));
+  done("talus-import front --mount front=0.3,-0.2,0.6,90,0,-5 --output log.rawlog");
+  const auto scans = scans_of("log.rawlog");
+  ASSERT_EQ(scans.size(), 1u);
+  const SensorPoints& s = scans[0];
+  EXPECT_EQ(s.stamp_s, 1700000000.5);
+  EXPECT_EQ(s.sensor_label, "front");
+  EXPECT_NEAR(s.T_base_sensor.y(), -0.2, 1e-12);
+  EXPECT_NEAR(s.T_base_sensor.yaw(), M_PI / 2, 1e-12);
+  EXPECT_NEAR(s.T_base_sensor.roll(), -5 * M_PI / 180, 1e-12);
+  EXPECT_EQ(s.x_m, p.x);
+  EXPECT_EQ(s.z_m, p.z);
+  ASSERT_EQ(s.time_s.size(), p.time.size());
+  for (std::size_t i = 0; i < p.size(); ++i) ASSERT_NEAR(s.time_s[i], p.time[i], 1e-6);
+  io::RawlogReader reader(dir_ / "log.rawlog");
+  const auto obs = std::dynamic_pointer_cast<mrpt::obs::CObservationVelodyneScan>(reader.next());
+  ASSERT_TRUE(obs);
+  EXPECT_EQ(obs->point_cloud.intensity[0], 128);  // of 255
+  EXPECT_EQ(obs->point_cloud.laser_id[0], 7);
+  EXPECT_EQ(obs->point_cloud.laser_id.size(), p.size());
+}
+
+TEST_F(TalusImport, gives_scans_that_are_deskewed)
+{
+  for (int i = 0; i < 5; ++i)
+    write("lidar/" + std::to_string(i) + ".pcd", pcd_binary(floor(i < 4)));
+  write("lidar/times.txt", "1\n1.1\n1.2\n1.3\n1.4\n");
+  write("lidar/poses.tum", tum(6, 1));
+  done("talus-import lidar --mount lidar=0,0,0.5,0,0,0 --output log.rawlog");
+  const Outcome o = run("talus-map log.rawlog --backend cpu --output map");
+  EXPECT_EQ(o.code, 0) << o.text;
+  for (const char* words : {"5 frames, 0 skipped", "4 frames deskewed"})
+    EXPECT_NE(o.text.find(words), std::string::npos) << o.text;
+}
+
+TEST_F(TalusImport, tells_what_it_read_and_what_is_missing)
+{
+  Points p = floor();
+  p.x[3] = std::nanf("");
+  write("lidar/0.ply", ply_little(p));
+  write("lidar/1.ply", ply_little(floor()));
+  Outcome o = import("lidar --rate 5 --output out/new/log.rawlog");
+  EXPECT_EQ(o.code, 0);
+  for (const char* words :
+       {"out/new/log.rawlog: 2 scans of lidar, 3361 points (1 more are not finite: left out)",
+        "poses   none: talus-map needs --trajectory FILE, or --static", "5 a second (--rate)",
+        "--mount lidar=", "wrote   out/new/log.rawlog\n"})
+    EXPECT_NE(o.text.find(words), std::string::npos) << o.text;
+  EXPECT_FALSE(fs::exists(dir_ / "out/new/log.tum"));
+  EXPECT_NEAR(scans_of("out/new/log.rawlog")[1].stamp_s, 0.2, 1e-6);
+  done("talus-map out/new/log.rawlog --backend cpu --static --output map --quiet");
+
+  write("poses.tum", tum(4, 0));
+  o = import("lidar --poses poses.tum --output log.rawlog");
+  EXPECT_NE(o.text.find("poses   4 of poses.tum, over 0.6 m"), std::string::npos) << o.text;
+  EXPECT_NE(o.text.find("wrote   log.rawlog and log.tum"), std::string::npos) << o.text;
+  EXPECT_EQ(import("lidar --output log2.rawlog --quiet").text, "");
+}
+
+TEST_F(TalusImport, merges_sensors_in_the_order_of_time)
+{
+  write_floors("front", 3);
+  write_floors("rear", 3, kFirst_s + 0.05);
+  write("poses.tum", tum(4));
+  done(
+      "talus-import front rear --poses poses.tum --mount rear=-0.3,0,0.5,180,0,0 "
+      "--mount front=0.3,0,0.5,0,0,0 --output log.rawlog");
+  const auto scans = scans_of("log.rawlog");
+  ASSERT_EQ(scans.size(), 6u);
+  for (std::size_t i = 0; i < scans.size(); ++i)
+  {
+    EXPECT_EQ(scans[i].sensor_label, i % 2 ? "rear" : "front");
+    EXPECT_NEAR(scans[i].T_base_sensor.x(), i % 2 ? -0.3 : 0.3, 1e-12);
+    EXPECT_NEAR(scans[i].stamp_s, kFirst_s + 0.05 * static_cast<double>(i), 1e-6);
+  }
+  // Poses of KITTI's camera: of the first source.
+  write("kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n1 0 0 0 0 1 0 0 0 0 1 2\n");
+  write("front/calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  done("talus-import front rear --poses kitti.txt --output kitti.rawlog");
+  const auto poses = io::Trajectory::load(dir_ / "kitti.tum").entries();
+  ASSERT_EQ(poses.size(), 3u);
+  EXPECT_NEAR(poses[2].T_map_base.x(), 2, 1e-9);
+  fails("rear front --poses kitti.txt --output kitti.rawlog", 1, {"calib.txt", "'Tr:'"});
+
+  fs::rename(dir_ / "rear", dir_ / "back");
+  fs::create_directories(dir_ / "b");
+  fs::rename(dir_ / "back", dir_ / "b/front");
+  fails(
+      "front b/front --output x.rawlog", 1,
+      {"front and b/front: both have scans of 'front'", "Rename"});
+  fails("front/0.pcd front/1.pcd --output x.rawlog", 1, {"give the folder"});
+}
+
+TEST_F(TalusImport, leaves_everything_as_it_was_when_it_fails)
+{
+  write("log.rawlog", "precious");
+  write("log.tum", "precious too");
+  write_floors("cut", 3);
+  fs::resize_file(dir_ / "cut/2.pcd", 1000);
+  fails("cut --output log.rawlog", 1, {"cut/2.pcd", "is cut"});
+  fails("none --output log.rawlog", 1, {"none: no such file"});
+  write_floors("lidar", 3);
+  fails("lidar --output log.rawlog", 1, {"log.tum: lies there already", "--poses"});
+  write("poses.tum", tum(3, 5));
+  fails("lidar --poses poses.tum --output log.rawlog", 1, {"its poses are of 5 to", "same clock"});
+  write("kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  fails("lidar --poses kitti.txt --output log.rawlog", 1, {"calib.txt", "'Tr:'"});
+  fails(
+      "lidar --mount lidr=0,0,1,0,0,0 --output x.rawlog", 1, {"--mount lidr", "there are: lidar"});
+  fails("lidar --poses lidar --output x.rawlog", 1, {"is a directory"});
+  write("empty/0.pcd", pcd_header(Points(), "ascii"));
+  fails("empty --output x.rawlog", 1, {"not a single point"});
+  EXPECT_EQ(read_bytes(dir_ / "log.rawlog"), "precious");
+  EXPECT_EQ(read_bytes(dir_ / "log.tum"), "precious too");
+  EXPECT_FALSE(fs::exists(dir_ / "x.rawlog"));
+  EXPECT_EQ(hidden(), 0);
+}
+
+TEST_F(TalusImport, names_mistakes_of_its_command_line)
+{
+  write_floors("lidar", 1);
+  fails("lidar", 2, {"--output is required"});
+  fails("lidar --output log", 2, {"ends in .rawlog"});
+  fails("lidar --output log.rawlog --mount lidar=1,2,3", 2, {"fewer than six numbers"});
+  fails("lidar --output log.rawlog --mount 1,2,3,4,5,6", 2, {"LABEL=x,y,z"});
+  fails("lidar --output log.rawlog --mount l=1,2,3,4,5,nan", 2, {"'nan'"});
+  fails("lidar --output log.rawlog --rate 0", 2, {"--rate"});
+  fails("--help", 0, {"Examples:", "sequences/00", "Exit codes"});
+  fails("--version", 0, {"talus-import 0."});
+}
+
+TEST_F(TalusImport, is_what_talus_map_names_for_scans_of_other_programs)
+{
+  write_floors("lidar", 2);
+  write("sequence/velodyne/0.bin", kitti_bin(floor()));
+  write("a.ply", ply_big(floor()));
+  write("drive.bag", "#ROSBAG V2.0\n");
+  write("bag/metadata.yaml", "rosbag2_bagfile_information:\n");
+  for (const char* source :
+       {"lidar", "lidar/0.pcd", "sequence", "sequence/velodyne/0.bin", "a.ply", "bag"})
+  {
+    const Outcome o = run(std::string("talus-map ") + source);
+    EXPECT_EQ(o.code, 1);
+    EXPECT_NE(
+        o.text.find(std::string("talus-import ") + source + " --output LOG.rawlog"),
+        std::string::npos)
+        << o.text;
+  }
+  EXPECT_NE(run("talus-map drive.bag").text.find("rosbag2rawlog drive.bag"), std::string::npos);
+  fails("drive.bag --output log.rawlog", 1, {"rosbag2rawlog drive.bag", "doc/mrpt.md"});
+}
+
+TEST_F(TalusImport, runs_the_commands_of_its_page)
+{
+  const std::string page = read_bytes(TALUS_SOURCE_DIR "/doc/import.md");
+  std::string commands;
+  for (auto begin = page.find("```sh\n"); begin != std::string::npos;
+       begin = page.find("```sh\n", begin + 1))
+    commands += page.substr(begin + 6, page.find("```", begin + 6) - begin - 6);
+  ASSERT_NE(commands.find("talus-import dataset/sequences/00"), std::string::npos);
+
+  fs::create_directories(dir_ / "build");
+  fs::create_directory_symlink(TALUS_BIN, dir_ / "build/bin");
+  fs::create_directory_symlink(TALUS_SOURCE_DIR "/datasets", dir_ / "datasets");
+  const std::string sequence = "dataset/sequences/00/", identity = "1 0 0 0 0 1 0 0 0 0 1 ";
+  Points road = floor();
+  for (float& z : road.z) z = -1.73F;
+  write(sequence + "velodyne/000000.bin", kitti_bin(road));
+  write(sequence + "velodyne/000001.bin", kitti_bin(road));
+  write(sequence + "times.txt", "0\n0.1\n");
+  write(sequence + "calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  write("dataset/poses/00.txt", identity + "0\n" + identity + "0.5\n");
+  for (const char* folder : {"lidar", "front", "rear"}) write_floors(folder, 3);
+  write("poses.tum", tum(3));
+
+  std::istringstream lines(commands);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("./dev", 0) != 0)
+    {
+      const bool maps = line.find("talus-map") != std::string::npos;
+      done(line + (maps ? " --backend cpu" : ""));
+    }
+  EXPECT_TRUE(fs::exists(dir_ / "00/site.png"));
+  EXPECT_TRUE(fs::exists(dir_ / "drive/site.png"));
+  EXPECT_EQ(scans_of("both.rawlog").size(), 6u);
+}
+
+TEST_F(TalusImport, is_not_needed_for_ros_1_bags_by_the_recipe_of_the_page_on_mrpt)
+{
+  for (const char* tool : {"rosbag2rawlog --version", "rawlog-edit --version"})
+    if (run(tool).code == 127) GTEST_SKIP() << tool << " is not installed (Debian: mrpt-apps)";
+  if (run("/usr/bin/python3 -c 'import rosbag, genpy'").code != 0)
+    GTEST_SKIP() << "rosbag is not installed for /usr/bin/python3 (Debian 12: python3-rosbag)";
+  done("/usr/bin/python3 " TALUS_SOURCE_DIR "/test/apps/ros1_bag.py .");
+
+  const std::string page = read_bytes(TALUS_SOURCE_DIR "/doc/mrpt.md");
+  auto at = page.find("## ROS 1 bags");
+  ASSERT_NE(at, std::string::npos);
+  const auto next_block = [&]
+  {
+    at = page.find("```", at);
+    const auto begin = page.find('\n', at) + 1, end = page.find("```", begin);
+    at = end + 3;
+    return page.substr(begin, end - begin);
+  };
+  for (const char* file : {"bag.yml", "mount.ini", "poses.py"}) write(file, next_block());
+  std::istringstream lines(next_block());
+  for (std::string line; std::getline(lines, line);)
+    done("sh -c '" + line + (line.rfind("talus-map", 0) == 0 ? " --backend cpu'" : "'"));
+  const auto scans = scans_of("drive.rawlog");
+  ASSERT_EQ(scans.size(), 12u);
+  EXPECT_EQ(scans[3].x_m.size(), 3721u);
+  EXPECT_NEAR(scans[3].T_base_sensor.z(), 0.5, 1e-9);
+  const auto poses = io::Trajectory::load(dir_ / "drive.tum").entries();
+  ASSERT_EQ(poses.size(), 12u);
+  EXPECT_NEAR(poses[11].T_map_base.x(), 1.1, 1e-6);
+  EXPECT_TRUE(fs::exists(dir_ / "drive_map/site.png"));
+}

@@ -1,0 +1,83 @@
+// Scans of other programs, and the texts beside them: the first byte says of which kind, the rest
+// is the file.
+#include <talus/import/kitti_poses.h>
+
+#include <cmath>
+#include <cstddef>
+
+#include "fuzz.h"
+#include "scan_files.h"
+#include "scan_times.h"
+
+using namespace talus;
+using namespace talus::import;
+
+namespace
+{
+void look_at_scan(const std::string& path, void (*read)(const std::string&, ScanFile&))
+{
+  ScanFile scan;
+  if (!fuzz::is_read([&] { read(path, scan); })) return;
+  const std::size_t points = scan.x_m.size();
+  fuzz::require(scan.y_m.size() == points && scan.z_m.size() == points, "each point has x, y, z");
+  for (const std::size_t count : {scan.intensity.size(), scan.time.size(), scan.ring.size()})
+    fuzz::require(count == 0 || count == points, "all points have it, or none");
+  for (const auto* axis : {&scan.x_m, &scan.y_m, &scan.z_m})
+    for (const float number : *axis) fuzz::require(std::isfinite(number), "points are finite");
+  for (const float time_s : times_since(1.7e9, scan, time_unit_s(scan)))
+    fuzz::require(std::isfinite(time_s), "times are finite");
+}
+
+void look_at_times(const std::string& path)
+{
+  std::vector<double> times_s;
+  if (!fuzz::is_read([&] { times_s = read_times(path); })) return;
+  double before_s = -INFINITY;
+  for (const double time_s : times_s)
+  {
+    fuzz::require(before_s < time_s && std::isfinite(time_s), "times ascend");
+    before_s = time_s;
+  }
+}
+
+void look_at_poses(const std::string& path)
+{
+  std::vector<mrpt::poses::CPose3D> poses;
+  fuzz::is_read([&] { poses.push_back(read_kitti_calibration(path)); });
+  fuzz::is_read(
+      [&]
+      {
+        is_kitti_poses(path);
+        const auto read = read_kitti_poses(path);
+        poses.insert(poses.end(), read.begin(), read.end());
+      });
+  for (const auto& pose : poses)
+    fuzz::require(std::isfinite(pose.yaw()) && std::isfinite(pose.norm()), "poses are finite");
+}
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+  if (size == 0) return 0;
+  const int kind = data[0] % 5;
+  const fuzz::InputFile file(data + 1, size - 1, ".scan");
+  switch (kind)
+  {
+    case 0:
+      look_at_scan(file.path(), read_pcd);
+      break;
+    case 1:
+      look_at_scan(file.path(), read_ply);
+      break;
+    case 2:
+      look_at_scan(file.path(), read_kitti_bin);
+      break;
+    case 3:
+      look_at_times(file.path());
+      break;
+    default:
+      look_at_poses(file.path());
+      break;
+  }
+  return 0;
+}

@@ -1,0 +1,44 @@
+#pragma once
+// Bags of ROS 2 that make_bags.py writes, and what is in them.
+#include <talus/import/scan_source.h>
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "log_files.h"
+
+namespace talus::test
+{
+inline bool has_program(const std::string& name)
+{
+  return std::system(("command -v " + name + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+/** Why no bags can be made here; empty: they can. */
+inline std::string why_no_bags()
+{
+  for (const char* program : {"python3", "zstd", "lz4"})
+    if (!has_program(program)) return std::string("there is no ") + program + " that makes bags";
+  return "";
+}
+
+/** Writes bags of these names, separated by blanks, into a folder. */
+inline bool make_bags(const ScratchDir& dir, const std::string& names)
+{
+  const std::string script = TALUS_SOURCE_DIR "/test/import/make_bags.py";
+  return std::system(("python3 -S '" + script + "' '" + (dir / "") + "' " + names).c_str()) == 0;
+}
+
+constexpr double kBagStart_s = 1.7e9;
+
+/** All scans of a source. */
+inline std::vector<import::ImportedScan> all_of(import::ScanSource& source)
+{
+  std::vector<import::ImportedScan> scans;
+  import::ImportedScan scan;
+  while (source.next(scan)) scans.push_back(scan);
+  return scans;
+}
+
+}  // namespace talus::test

@@ -1,0 +1,419 @@
+// Files of one scan: what is read of them, and what is said of those that are wrong.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <random>
+
+#include "apps/common/memory_limit.h"
+#include "log_files.h"
+#include "lzf.h"
+#include "scan_files.h"
+#include "scan_formats.h"
+
+using namespace talus::import;
+using namespace talus::test;
+
+namespace
+{
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+/** A spiral, all fields in it. */
+Points spiral(std::size_t count)
+{
+  Points p;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const float angle = 0.1F * static_cast<float>(i);
+    p.x.push_back(angle * std::cos(angle));
+    p.y.push_back(angle * std::sin(angle));
+    p.z.push_back(0.01F * angle - 0.5F);
+    p.intensity.push_back(static_cast<float>(i % 256));
+    p.time.push_back(1e-4F * static_cast<float>(i));
+    p.ring.push_back(static_cast<std::uint16_t>(i % 16));
+  }
+  return p;
+}
+
+struct Format
+{
+  const char* ending;
+  void (*read)(const std::string&, ScanFile&);
+  std::string (*write)(const Points&);
+};
+const Format kFormats[] = {
+    {"kitti.bin", read_kitti_bin, kitti_bin},
+    {"ascii.pcd", read_pcd, pcd_ascii},
+    {"binary.pcd", read_pcd, [](const Points& p) { return pcd_binary(p); }},
+    {"compressed.pcd", read_pcd, pcd_compressed},
+    {"ascii.ply", read_ply, ply_ascii},
+    {"little.ply", read_ply, ply_little},
+    {"big.ply", read_ply, ply_big}};
+
+class ScanFiles : public testing::Test
+{
+ protected:
+  ScanFile read(const Format& format, const std::string& bytes) const
+  {
+    const std::string path = dir_ / format.ending;
+    write_bytes(path, bytes);
+    ScanFile scan;
+    format.read(path, scan);
+    return scan;
+  }
+  ScanFile read_as(const std::string& ending, const std::string& bytes) const
+  {
+    for (const Format& f : kFormats)
+      if (f.ending == ending) return read(f, bytes);
+    throw std::logic_error(ending);
+  }
+  void refuses(
+      const std::string& ending, const std::string& bytes, std::vector<std::string> words) const
+  {
+    words.push_back(dir_ / ending);
+    expect_error([&] { read_as(ending, bytes); }, words);
+  }
+  ScratchDir dir_;
+};
+
+std::string replaced(std::string text, const std::string& from, const std::string& to)
+{
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+}  // namespace
+
+TEST_F(ScanFiles, of_each_format_give_every_number_back)
+{
+  const Points p = spiral(1000);
+  for (const Format& f : kFormats)
+  {
+    const ScanFile scan = read(f, f.write(p));
+    EXPECT_EQ(scan.x_m, p.x) << f.ending;
+    EXPECT_EQ(scan.y_m, p.y) << f.ending;
+    EXPECT_EQ(scan.z_m, p.z) << f.ending;
+    EXPECT_EQ(scan.intensity, p.intensity) << f.ending;
+    EXPECT_EQ(scan.not_finite, 0u) << f.ending;
+    if (std::string(f.ending) == "kitti.bin") continue;
+    EXPECT_EQ(std::vector<float>(scan.time.begin(), scan.time.end()), p.time) << f.ending;
+    EXPECT_EQ(scan.ring, p.ring) << f.ending;
+  }
+}
+
+TEST_F(ScanFiles, lose_the_points_that_are_not_finite_and_count_them)
+{
+  Points p = spiral(10);
+  p.x[2] = kNaN;
+  p.z[7] = std::numeric_limits<float>::infinity();
+  for (const Format& f : kFormats)
+  {
+    const ScanFile scan = read(f, f.write(p));
+    ASSERT_EQ(scan.x_m.size(), 8u) << f.ending;
+    EXPECT_EQ(scan.intensity.size(), 8u) << f.ending;
+    EXPECT_EQ(scan.not_finite, 2u) << f.ending;
+    EXPECT_EQ(scan.x_m[2], p.x[3]) << f.ending;
+  }
+}
+
+TEST_F(ScanFiles, of_points_alone_have_neither_times_nor_intensities)
+{
+  Points p = spiral(5);
+  p.intensity.clear();
+  p.time.clear();
+  p.ring.clear();
+  for (const Format& f : kFormats)
+  {
+    const ScanFile scan = read(f, f.write(p));
+    EXPECT_EQ(scan.x_m.size(), 5u) << f.ending;
+    EXPECT_TRUE(scan.time.empty() && scan.ring.empty()) << f.ending;
+    EXPECT_EQ(scan.intensity.empty(), std::string(f.ending) != "kitti.bin") << f.ending;
+  }
+}
+
+TEST_F(ScanFiles, may_have_other_fields_in_any_order_and_of_any_type)
+{
+  std::string data;
+  for (int i = 0; i < 3; ++i)
+  {
+    put(data, static_cast<std::uint64_t>(1700000000000000000 + i * 1000000));
+    for (int k = 0; k < 5; ++k) put(data, static_cast<std::int16_t>(-1));  // normals, say
+    put(data, 1.5 * i);
+    put(data, 0.25);
+    put(data, static_cast<std::int8_t>(-i));
+  }
+  const ScanFile pcd = read_as(
+      "binary.pcd",
+      "VERSION .7\nFIELDS timestamp other z x y\nSIZE 8 2 8 8 1\nTYPE U I F F I\n"
+      "COUNT 1 5 1 1 1\nWIDTH 3\nHEIGHT 1\nPOINTS 3\nDATA binary\n" +
+          data);
+  EXPECT_EQ(pcd.z_m, (std::vector<float>{0, 1.5F, 3}));
+  EXPECT_EQ(pcd.x_m, (std::vector<float>{0.25F, 0.25F, 0.25F}));
+  EXPECT_EQ(pcd.y_m, (std::vector<float>{0, -1, -2}));
+  ASSERT_EQ(pcd.time.size(), 3u);
+  EXPECT_DOUBLE_EQ(time_unit_s(pcd), 1e-9);
+  const auto since = times_since(1.7e9, pcd, 1e-9);
+  ASSERT_EQ(since.size(), 3u);
+  EXPECT_NEAR(since[2], 0.002, 1e-6);
+
+  const ScanFile ply = read_as(
+      "ascii.ply",
+      "ply\r\nformat ascii 1.0\r\nobj_info by hand\r\nelement camera 1\r\nproperty int a\r\n"
+      "property list uchar float b\r\nelement vertex 2\r\nproperty double Z\r\nproperty uchar y\r\n"
+      "property float x\r\nproperty float scalar_Intensity\r\nproperty double scalar_GpsTime\r\n"
+      "end_header\r\n7 2 1.5 2.5\r\n1.25 2 -3 40 100.5\r\n-1 255 1e2 50 100.6\r\n");
+  EXPECT_EQ(ply.x_m, (std::vector<float>{-3, 100}));
+  EXPECT_EQ(ply.y_m, (std::vector<float>{2, 255}));
+  EXPECT_EQ(ply.z_m, (std::vector<float>{1.25F, -1}));
+  EXPECT_EQ(ply.intensity, (std::vector<float>{40, 50}));
+  EXPECT_EQ(ply.time, (std::vector<double>{100.5, 100.6}));
+}
+
+TEST_F(ScanFiles, of_ply_may_have_lists_before_their_vertices)
+{
+  std::string bytes =
+      "ply\nformat binary_big_endian 1.0\nelement strip 2\nproperty list ushort int of\n"
+      "property uchar tag\nelement nothing 1000000000000\nelement vertex 1\nproperty float x\n"
+      "property float y\nproperty float z\nend_header\n";
+  for (const std::uint16_t count : {3, 0})
+  {
+    put(bytes, count, true);
+    for (int i = 0; i < count; ++i) put(bytes, i, true);
+    bytes += '\x07';
+  }
+  for (const float number : {1.0F, 2.0F, 3.0F}) put(bytes, number, true);
+  EXPECT_EQ(read_as("big.ply", bytes).z_m, std::vector<float>{3});
+}
+
+TEST_F(ScanFiles, say_how_their_points_are_timed)
+{
+  const auto unit_s = [](std::vector<double> times, bool whole)
+  {
+    ScanFile scan;
+    scan.time = std::move(times);
+    scan.whole_times = whole;
+    return time_unit_s(scan);
+  };
+  EXPECT_EQ(unit_s({0, 0.0999}, false), 1);
+  EXPECT_EQ(unit_s({-0.1, 0}, false), 1);
+  EXPECT_EQ(unit_s({0, 99.9}, false), 1e-3);
+  EXPECT_EQ(unit_s({0, 99900}, false), 1e-6);
+  EXPECT_EQ(unit_s({0, 99.9e6}, false), 1e-9);
+  EXPECT_EQ(unit_s({0, 99.9e6}, true), 1e-9);
+  EXPECT_EQ(unit_s({1.7e9, 1.7e9 + 0.1}, false), 1);
+  EXPECT_EQ(unit_s({1.7e12, 1.7e12 + 100}, true), 1e-3);
+  EXPECT_EQ(unit_s({1.7e15, 1.7e15 + 1e5}, true), 1e-6);
+  EXPECT_EQ(unit_s({1.7e18, 1.7e18 + 1e8}, true), 1e-9);
+}
+
+TEST_F(ScanFiles, of_pcd_say_where_the_scanner_was)
+{
+  const Points p = spiral(3);
+  EXPECT_FALSE(read_as("binary.pcd", pcd_binary(p)).viewpoint);
+  const auto scan = read_as("binary.pcd", pcd_binary(p, "1 2 3 0.70710678 0 0 0.70710678"));
+  ASSERT_TRUE(scan.viewpoint);
+  EXPECT_NEAR(scan.viewpoint->y(), 2, 1e-9);
+  EXPECT_NEAR(scan.viewpoint->yaw(), M_PI / 2, 1e-6);
+  refuses("binary.pcd", pcd_binary(p, "1 2 3 0 0 0 0"), {"VIEWPOINT", "norm 0"});
+  refuses("binary.pcd", pcd_binary(p, "1 2 3 0 0 0"), {"VIEWPOINT", ":9:"});
+}
+
+TEST_F(ScanFiles, that_are_cut_name_the_place)
+{
+  const Points p = spiral(100);
+  const auto cut = [](const std::string& bytes) { return bytes.substr(0, bytes.size() - 21); };
+  refuses("kitti.bin", cut(kitti_bin(p)), {"1579 bytes", "cut at byte 1568"});
+  refuses("ascii.pcd", cut(pcd_ascii(p)), {":111:", "numbers of 6"});
+  refuses("binary.pcd", cut(pcd_binary(p)), {"100 points of 22 bytes", "cut after byte"});
+  refuses("compressed.pcd", cut(pcd_compressed(p)), {"is cut", "compressed bytes"});
+  refuses("ascii.ply", cut(ply_ascii(p)), {"numbers of 6"});
+  refuses("little.ply", cut(ply_little(p)), {"99 of 100 'vertex'"});
+  refuses("big.ply", cut(ply_big(p)), {"99 of 100 'vertex'"});
+  for (const Format& f : kFormats) refuses(f.ending, "", {"is empty"});
+  const auto before = [](const std::string& text, const std::string& word)
+  { return text.substr(0, text.find(word)); };
+  refuses("ascii.pcd", before(pcd_ascii(p), "DATA"), {"no line DATA", "cut in its header"});
+  refuses("ascii.pcd", before(pcd_ascii(p), " 4 4 2"), {":4:", "SIZE has fewer words"});
+  refuses("ascii.ply", before(ply_ascii(p), "end_h"), {"no line 'end_header'"});
+}
+
+TEST_F(ScanFiles, with_more_points_than_bytes_are_refused_at_once)
+{
+  const Points p = spiral(10);
+  const auto pcd = [&](const std::string& bytes, const std::string& count) {
+    return replaced(replaced(bytes, "WIDTH 10", "WIDTH " + count), "POINTS 10", "POINTS " + count);
+  };
+  refuses("binary.pcd", pcd(pcd_binary(p), "4000000000"), {"4000000000 points", "is cut"});
+  refuses("binary.pcd", pcd(pcd_binary(p), "1000000000000"), {":7:", "whole number up to"});
+  refuses("ascii.pcd", pcd(pcd_ascii(p), "4000000000"), {"10 of 4000000000 points"});
+  refuses("compressed.pcd", pcd(pcd_compressed(p), "4000000000"), {"4000000000 points"});
+  refuses("binary.pcd", pcd(pcd_binary(p), "-3"), {"'-3' is not a whole number"});
+  for (const char* format : {"little.ply", "big.ply", "ascii.ply"})
+    for (const Format& f : kFormats)
+      if (f.ending == std::string(format))
+        refuses(
+            format, replaced(f.write(p), "vertex 10", "vertex 1000000000000"),
+            {"10 of 1000000000000 'vertex'"});
+
+  std::string bomb = pcd_header(p, "binary_compressed");
+  put(bomb, std::uint32_t{4});
+  put(bomb, std::uint32_t{0xfffffff0});
+  refuses("compressed.pcd", bomb + "abcd", {"4294967280", "cannot be"});
+}
+
+TEST_F(ScanFiles, of_a_wrong_kind_say_what_is_missing)
+{
+  const Points p = spiral(4);
+  refuses("ascii.pcd", replaced(pcd_ascii(p), "x y z", "u v w"), {"no x", "u v w intensity"});
+  refuses("ascii.ply", replaced(ply_ascii(p), "float y", "float why"), {"no y"});
+  refuses("ascii.ply", replaced(ply_ascii(p), "element vertex", "element point"), {"'vertex'"});
+  refuses("ascii.ply", replaced(ply_ascii(p), "float x", "quaternion x"), {":5:", "'quaternion'"});
+  refuses("ascii.ply", replaced(ply_ascii(p), "float x", "list uchar float x"), {"a list, 'x'"});
+  refuses("ascii.ply", replaced(ply_ascii(p), "ascii", "morse"), {":2:", "'morse'"});
+  refuses("ascii.pcd", replaced(pcd_ascii(p), "DATA ascii", "DATA morse"), {":11:", "'morse'"});
+  refuses("ascii.pcd", replaced(pcd_ascii(p), "SIZE 4", "SIZE 3"), {"SIZE 3"});
+  refuses("ascii.pcd", replaced(pcd_ascii(p), "WIDTH 4", "WIDTH 5"), {"WIDTH x HEIGHT 5"});
+  refuses("ascii.pcd", replaced(pcd_ascii(p), "-0.5 0 0 0", "-0.5 \x1b[2J 0 0"), {"'?[2J'"});
+  std::string far = kitti_bin(p);
+  const float far_m = 1e20F;
+  std::memcpy(&far[32], &far_m, sizeof far_m);
+  refuses("kitti.bin", far, {"point 2", "100 km"});
+}
+
+TEST_F(ScanFiles, of_the_point_cloud_library_are_read)
+{
+  if (std::system("command -v pcl_convert_pcd_ascii_binary >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "pcl_convert_pcd_ascii_binary is not installed (Debian: pcl-tools)";
+  Points p = spiral(5000);
+  p.time.clear();
+  write_bytes(dir_ / "in.pcd", pcd_ascii(p));
+  const auto run = [&](const std::string& command)
+  {
+    ASSERT_EQ(std::system(("cd " + (dir_ / "") + " && " + command + " >log.txt 2>&1").c_str()), 0)
+        << command << ": " << read_bytes(dir_ / "log.txt");
+  };
+  run("pcl_convert_pcd_ascii_binary in.pcd ascii.pcd 0");
+  run("pcl_convert_pcd_ascii_binary in.pcd binary.pcd 1");
+  run("pcl_convert_pcd_ascii_binary in.pcd compressed.pcd 2");
+  for (const char* name : {"ascii.pcd", "binary.pcd", "compressed.pcd"})
+  {
+    ScanFile scan;
+    read_pcd(dir_ / name, scan);
+    ASSERT_EQ(scan.x_m.size(), p.size()) << name;
+    EXPECT_EQ(scan.ring, p.ring) << name;
+    for (std::size_t i = 0; i < p.size(); ++i) ASSERT_NEAR(scan.x_m[i], p.x[i], 1e-4) << name;
+    if (name != std::string("ascii.pcd"))
+    {
+      EXPECT_EQ(scan.x_m, p.x) << name;
+      EXPECT_EQ(scan.intensity, p.intensity) << name;
+    }
+  }
+  EXPECT_LT(
+      std::filesystem::file_size(dir_ / "compressed.pcd"),
+      std::filesystem::file_size(dir_ / "binary.pcd"));
+  for (const int binary : {0, 1})
+  {
+    run("pcl_pcd2ply -format " + std::to_string(binary) + " binary.pcd out.ply");
+    ScanFile scan;
+    read_ply(dir_ / "out.ply", scan);
+    ASSERT_EQ(scan.x_m.size(), p.size()) << binary;
+    for (std::size_t i = 0; i < p.size(); ++i) ASSERT_NEAR(scan.y_m[i], p.y[i], 1e-4) << binary;
+  }
+}
+
+TEST_F(ScanFiles, unpack_pieces_that_are_said_twice)
+{
+  std::string out;
+  EXPECT_TRUE(unpack_lzf(
+      std::string(
+          "\x02"
+          "abc\x20\x02\x20\x00",
+          8),
+      9, out));
+  EXPECT_EQ(out, "abcabcccc");
+  EXPECT_TRUE(unpack_lzf(
+      std::string(
+          "\x00"
+          "a\xe0\x14\x00",
+          5),
+      30, out));
+  EXPECT_EQ(out, std::string(30, 'a'));
+  EXPECT_FALSE(unpack_lzf(
+      std::string(
+          "\x00"
+          "a\xe0\x14\x00",
+          5),
+      29, out));
+  EXPECT_FALSE(unpack_lzf(
+      std::string(
+          "\x00"
+          "a\x20\x01",
+          4),
+      4, out))
+      << "before the beginning";
+  for (const char* cut :
+       {"\x05"
+        "ab",
+        "\x00"
+        "a\xe0",
+        "\x00"
+        "a\x20"})
+    EXPECT_FALSE(unpack_lzf(cut, 30, out));
+}
+
+TEST_F(ScanFiles, that_are_damaged_in_a_thousand_ways_are_read_or_refused)
+{
+  std::mt19937 random(7);
+  const Points p = spiral(20);
+  std::size_t read_count = 0, refused = 0;
+#ifndef TALUS_SANITIZER
+  const talus::app::MemoryLimit limit(std::size_t{64} << 20);
+#endif
+  for (const Format& f : kFormats)
+    for (int round = 0; round < 150; ++round)
+    {
+      std::string bytes = f.write(p);
+      const auto at = [&] { return random() % bytes.size(); };
+      for (std::uint32_t hits = random() % 4; hits < 4; ++hits) switch (random() % 5)
+        {
+          case 0:
+            bytes[at()] = static_cast<char>(random());
+            break;
+          case 1:
+            bytes[at()] = "0129 -e\n"[random() % 8];
+            break;
+          case 2:
+            bytes.resize(at() + 1);
+            break;
+          case 3:
+            bytes.insert(at(), bytes.substr(at(), random() % 40));
+            break;
+          default:
+            bytes.insert(at(), "9999999999");
+            break;
+        }
+      try
+      {
+        const ScanFile scan = read(f, bytes);
+        ASSERT_EQ(scan.y_m.size(), scan.x_m.size());
+        ASSERT_EQ(scan.z_m.size(), scan.x_m.size());
+        ASSERT_LE(scan.x_m.size(), bytes.size());
+        for (const float x : scan.x_m) ASSERT_TRUE(std::isfinite(x));
+        times_since(1, scan, time_unit_s(scan));
+        ++read_count;
+      }
+      catch (const std::bad_alloc&)
+      {
+        ADD_FAILURE() << f.ending << ", round " << round << ": asks for memory that no byte holds";
+      }
+      catch (const std::runtime_error& e)
+      {
+        ASSERT_NE(std::string(e.what()).find(f.ending), std::string::npos) << e.what();
+        ++refused;
+      }
+    }
+  EXPECT_GT(read_count, 100u);
+  EXPECT_GT(refused, 300u);
+}
