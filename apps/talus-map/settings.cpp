@@ -78,7 +78,10 @@ void load_file(const std::string& path, Settings& s)
   const std::string prefix = find_prefix(path, cfg);
   for (const auto& warning : load_parameters(cfg, prefix, s.parameters))
     s.warnings.push_back(path + ": " + warning);
-  load_execution(cfg, prefix, s.backend, s.threads);
+  constexpr int kAny = -1;
+  int device = kAny;
+  load_execution(cfg, prefix, s.backend, s.threads, device);
+  if (device != kAny) s.device = device;
 }
 
 void apply_override(const std::string& text, Parameters& p)

@@ -16,12 +16,13 @@ namespace
 {
 using mrpt::system::lowerCase;
 
-constexpr int kMaxThreads = 1024;
+constexpr int kMaxThreads = 1024, kMaxDevice = 1023;
 
 /** Keys of the two sections that are not parameters of the pipeline; read elsewhere. */
 const std::vector<std::string> kOtherKeys{
     "backend",
     "threads",
+    "device",
     "keep_whole",
     "enableSaveAs3DObject",
     "enableObservationLikelihood",
@@ -142,7 +143,7 @@ std::vector<std::string> load_parameters(
 
 void load_execution(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section_prefix, Backend& backend,
-    int& threads)
+    int& threads, int& device)
 {
   const std::string section = section_prefix + "_creationOpts";
   with_place(
@@ -153,6 +154,7 @@ void load_execution(
           backend = backend_from_text(ini_value(cfg, section, "backend"));
       });
   threads = detail::ini_whole_number(cfg, section, "threads", threads, 0, kMaxThreads);
+  device = detail::ini_whole_number(cfg, section, "device", device, 0, kMaxDevice);
 }
 
 void save_parameters(
