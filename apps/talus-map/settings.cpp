@@ -89,8 +89,7 @@ void apply_override(const std::string& text, Parameters& p)
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     throw std::runtime_error("--set " + text + ": must be NAME=VALUE, for example window_m=20");
-  std::string name = text.substr(0, equals);
-  if (!find_parameter(name) && find_parameter(name + "_m")) name += "_m";
+  const std::string name = parameter_of_key(text.substr(0, equals));
   try
   {
     set_parameter(p, name, text.substr(equals + 1));

@@ -127,7 +127,7 @@ TEST_F(TalusCalibrate, RefusesASensorOnItsSide)
 
 TEST_F(TalusCalibrate, WritesNoFitThatMakesTheHeldOutFramesWorse)
 {
-  simulate(kWaves, kWay, "--frames 50");
+  simulate(kWaves, kWay, "");
   // Only the frames that are fitted nod: every fifth, which is held out, is right as given.
   talus::io::RawlogReader drive(path("drive.rawlog"));
   talus::test::Objects scans;

@@ -94,6 +94,17 @@ TEST(ParametersIni, an_unknown_key_is_warned_with_section_and_nearest_known_name
   EXPECT_TRUE(contains(warnings[0], "'clearance_m'")) << warnings[0];
 }
 
+TEST(ParametersIni, an_unknown_key_is_warned_with_the_nearest_that_is_no_parameter)
+{
+  Parameters p;
+  for (const std::string known : {"backend", "threads", "device", "keep_whole"})
+  {
+    const auto warnings = load("[Map_creationOpts]\n" + known + "x = 1\n", p);
+    ASSERT_EQ(warnings.size(), 1U) << known;
+    EXPECT_TRUE(contains(warnings[0], "nearest known name is '" + known + "'")) << warnings[0];
+  }
+}
+
 TEST(ParametersIni, sections_that_nothing_reads_are_warned)
 {
   Parameters p;
