@@ -138,6 +138,10 @@ void add_site(CLI::App& app, Options& o)
       ->type_name("MB");
   app.add_flag("--keep-new", o.keep_new, "Cells that come back into the window start empty")
       ->excludes(none);
+  app.add_flag(
+         "--keep-far", o.keep_far,
+         "Also write the few tiles of the site map that lie kilometres from all others")
+      ->excludes(none);
   app.add_option(
          "--resume", o.resume,
          "Site map of an earlier run to go on with, and those of its other floors beside it (one "
