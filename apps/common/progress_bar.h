@@ -11,7 +11,7 @@ namespace talus::app
 class ProgressBar
 {
  public:
-  ProgressBar(std::string label, bool wanted);
+  ProgressBar(const std::string& label, bool wanted);
   /** Removes the line. */
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;

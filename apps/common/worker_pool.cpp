@@ -15,6 +15,7 @@
 #include <cstring>
 #include <map>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace talus::app
@@ -81,7 +82,7 @@ struct Worker
   }
   void read(std::size_t stream)
   {
-    std::array<char, 65536> bytes;
+    std::array<char, 65536> bytes{};
     const ssize_t got = ::read(from[stream].number(), bytes.data(), bytes.size());
     if (got > 0)
       text[stream].append(bytes.data(), static_cast<std::size_t>(got));

@@ -26,7 +26,9 @@ class Batch
       : jobs_(std::move(jobs)), options_(options), settings_(settings)
   {
     const auto cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    const Sharing shared = share(options, settings, jobs_.size(), cores);
+    if (jobs_.size() > 1 && settings.backend != Backend::Cpu)
+      devices_ = settings.device ? 1 : count_devices();
+    const Sharing shared = share(options, settings, jobs_.size(), cores, devices_);
     at_once_ = shared.at_once;
     options_.memory_mb = shared.memory_mb;
     for (Job& job : jobs_)
@@ -67,14 +69,13 @@ class Batch
     // Of the jobs none can tell whether it is the last that leaves this folder empty.
     std::optional<OutputFolder> all;
     if (!options_.output.empty()) all.emplace(options_.output);
-    const int devices = settings_.backend == Backend::Cpu || settings_.device ? 0 : count_devices();
     WorkPlan plan;
     plan.jobs = jobs_.size();
     plan.at_once = at_once_;
     plan.shows_progress = !options_.quiet;
     plan.work = [&](std::size_t i, std::size_t seat)
     {
-      if (devices > 0) jobs_[i].device = static_cast<int>(seat) % devices;
+      if (devices_ > 1) jobs_[i].device = static_cast<int>(seat) % devices_;
       const bool done = map_log(i);
       return stop_signal() ? kSignalCode + stop_signal() : done ? kDone : kSomeFailed;
     };
@@ -104,6 +105,7 @@ class Batch
   std::vector<Job> jobs_;
   Options options_;
   const Settings& settings_;
+  int devices_ = 0;  //!< that the logs are dealt out over
   std::size_t at_once_ = 1;
   std::vector<std::string> failed_;
 };

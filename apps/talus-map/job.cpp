@@ -28,14 +28,17 @@ std::vector<Job> plan_jobs(const Options& options)
   return jobs;
 }
 
-Sharing share(const Options& options, const Settings& settings, std::size_t logs, int cores)
+Sharing share(
+    const Options& options, const Settings& settings, std::size_t logs, int cores, int devices)
 {
+  constexpr int kOnADevice = 2;  // one reads its log while the other's frame is computed
   constexpr double kEnough_mb = 64;  // with less a site map goes to disk and back
   const int each = std::max(1, settings.threads);
   int at_once = options.jobs;
   if (at_once == 0) at_once = cores / each;
   if (options.jobs == 0 && options.has_site)
     at_once = std::min(at_once, static_cast<int>(options.memory_mb / kEnough_mb));
+  if (options.jobs == 0 && devices > 0) at_once = std::min(at_once, kOnADevice * devices);
   Sharing s;
   s.at_once = std::clamp<std::size_t>(static_cast<std::size_t>(std::max(at_once, 1)), 1, logs);
   s.threads = settings.threads;

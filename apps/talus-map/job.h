@@ -24,8 +24,9 @@ struct Sharing
   double memory_mb = 0;  //!< of the site map of each
 };
 
-/** By what was asked for and what the machine has: `cores` of them. */
-Sharing share(const Options& options, const Settings& settings, std::size_t logs, int cores);
+/** By what was asked for and what there is to work with. */
+Sharing share(
+    const Options& options, const Settings& settings, std::size_t logs, int cores, int devices);
 
 /** One job a log. Several logs of the same name get folders NAME, NAME_2, ... */
 std::vector<Job> plan_jobs(const Options& options);

@@ -115,8 +115,8 @@ void add_processing(CLI::App& app, Options& o)
       ->type_name("N");
   app.add_option(
          "--jobs", o.jobs,
-         "Logs to map at once, which share --memory (default: the cores over --threads, and 64 MB "
-         "each)")
+         "Logs to map at once, which share --memory (default: the cores over --threads, 64 MB "
+         "each, two a GPU)")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
 }
