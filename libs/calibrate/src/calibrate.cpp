@@ -141,6 +141,7 @@ void Calibration::finish(Result& result)
         fixed_text(options_.max_time_offset_s, 3) +
         " s looked for: put the stamps right first (rawlog-edit --remap-timestamps) or raise "
         "--max-offset");
+  if (options_.use_contact) require_level_ground(scans_, v_);
   options_.progress(0.95, "held-out frames");
   judge(result);
 }

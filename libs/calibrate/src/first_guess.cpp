@@ -97,6 +97,21 @@ bool is_upside_down(const ScanSet& scans, const ScanSet& rolled_scans, const Vec
   return off_m > kMayBeOff_m && 2 * ground_off_m(rolled_scans, rolled_over(given)) < off_m;
 }
 
+void require_level_ground(const ScanSet& scans, const Vector& v)
+{
+  constexpr double kMost_rad = 10 * kHalfTurn / 180;
+  const auto plane = median_plane(scans, v);
+  if (!plane) return;
+  const double lean_rad = std::acos(std::clamp(normal_of(*plane).z(), -1.0, 1.0));
+  if (lean_rad <= kMost_rad) return;
+  throw std::runtime_error(
+      "does not tell how the sensor is tilted: as it is given, the ground under the robot leans "
+      "by " +
+      fixed_text(lean_rad * 180 / kHalfTurn, 0) +
+      " degrees. Give the mounting to about 5 degrees (--mounting), or a drive with turns; if the "
+      "robot's base is not parallel to the ground, say --no-contact");
+}
+
 Vector level_mounting(const ScanSet& scans, const Vector& given)
 {
   const auto plane = median_plane(scans, given);

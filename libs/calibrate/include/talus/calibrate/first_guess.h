@@ -10,6 +10,10 @@ namespace talus::calibrate
  * what to do where the ground is above the sensor. */
 Vector level_mounting(const ScanSet& scans, const Vector& given);
 
+/** Throws std::runtime_error that says what to do where the ground leans by more than 10 degrees
+ * under the robot in the median frame: what the log does not tell was given wrong. */
+void require_level_ground(const ScanSet& scans, const Vector& v);
+
 /** The same mounting with half a turn of roll more. */
 Vector rolled_over(Vector v);
 
