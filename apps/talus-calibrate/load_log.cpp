@@ -49,9 +49,9 @@ io::Trajectory load_poses(const AppOptions& o, std::string& source)
 mrpt::poses::CPose3D given_mounting(const AppOptions& o, const SensorPoints& first)
 {
   const auto& m = o.mounting;
-  const auto T = m.empty() ? first.T_base_sensor
-                           : mrpt::poses::CPose3D(
-                                 m[0], m[1], m[2], m[3] * kDegree, m[4] * kDegree, m[5] * kDegree);
+  auto T = m.empty() ? first.T_base_sensor
+                     : mrpt::poses::CPose3D(
+                           m[0], m[1], m[2], m[3] * kDegree, m[4] * kDegree, m[5] * kDegree);
   if (std::abs(T.pitch()) > kMostPitch)
     throw std::runtime_error(
         o.log + ": the sensor is mounted with a pitch of " + std::to_string(T.pitch() / kDegree) +

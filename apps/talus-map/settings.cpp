@@ -27,7 +27,7 @@ std::string prefix_of(const std::string& section)
   {
     const std::string s = lowerCase(section), e = ending;
     if (s.size() <= e.size() || s.compare(s.size() - e.size(), e.size(), e) != 0) continue;
-    const std::string prefix = section.substr(0, section.size() - e.size());
+    std::string prefix = section.substr(0, section.size() - e.size());
     if (lowerCase(prefix).find(lowerCase(kPrefix)) != std::string::npos) return prefix;
   }
   return {};

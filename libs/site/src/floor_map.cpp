@@ -91,7 +91,7 @@ void FloorMap::put(Site& site, const TileKey& key)
   const Window& w = map_.window;
   const std::int64_t left = std::int64_t{key.x} * kTileCells - w.min_cell_x;
   const std::int64_t low = std::int64_t{key.y} * kTileCells - w.min_cell_y;
-  const auto inside = [&w](std::int64_t at, std::int64_t from)
+  const auto inside = [](std::int64_t at, std::int64_t from)
   { return std::clamp<std::int64_t>(at, from, from + kTileCells); };
   const std::int64_t end_x = inside(w.cells, left), end_y = inside(w.cells, low);
   for (std::int64_t y = inside(0, low); tile && y < end_y; ++y)
