@@ -105,8 +105,9 @@ TEST_F(TalusMapJobs, end_with_the_signal_that_stops_the_command_and_leave_nothin
     write_bytes(path(name + std::string(".tum")), straight_tum(2000));
   }
   const std::size_t before = entries();
-  const Outcome stopped = run(
-      "a.rawlog b.rawlog c.rawlog --jobs 2 --output out", "timeout --preserve-status -s TERM 1");
+  const Outcome stopped =
+      run("a.rawlog b.rawlog c.rawlog --jobs 2 -s window_m=30 --output out",
+          "timeout --preserve-status -s TERM 1");
   EXPECT_EQ(stopped.code, 128 + 15) << stopped.err;
   EXPECT_TRUE(stopped.says("a.rawlog: stopped; nothing was written")) << stopped.err;
   EXPECT_TRUE(stopped.says("b.rawlog: stopped; nothing was written")) << stopped.err;
