@@ -33,8 +33,6 @@ void on_signal(int signal)
 
 [[noreturn]] void be_the_child(const std::function<int()>& work, pid_t parent) noexcept
 {
-  for (const int s : kForwarded)  // as before forward_signals()
-    if (std::signal(s, SIG_DFL) == SIG_IGN) std::signal(s, SIG_IGN);
   // A parent that is killed cannot tidy up after its child: the child goes with it.
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);  // it was killed before
@@ -45,16 +43,27 @@ void on_signal(int signal)
 }
 }  // namespace
 
-ChildEnd run_in_child(const std::function<int()>& work)
+int start_child(const std::function<int()>& work)
 {
-  Suspect::forget();
   std::cout.flush();
   std::fflush(nullptr);
   const pid_t parent = ::getpid(), child = ::fork();
   if (child < 0)
     throw std::runtime_error(std::string("cannot start a process: ") + std::strerror(errno));
   if (child == 0) be_the_child(work, parent);
+  return child;
+}
 
+ChildEnd run_in_child(const std::function<int()>& work)
+{
+  Suspect::forget();
+  const pid_t child = start_child(
+      [&]
+      {
+        for (const int s : kForwarded)  // as before forward_signals()
+          if (std::signal(s, SIG_DFL) == SIG_IGN) std::signal(s, SIG_IGN);
+        return work();
+      });
   running_child = child;
   if (asked_to_stop) ::kill(child, SIGKILL);
   siginfo_t ended;
@@ -62,8 +71,15 @@ ChildEnd run_in_child(const std::function<int()>& work)
   {
   }
   running_child = 0;  // before its number can become that of another process
+  return wait_for_child(child);
+}
+
+ChildEnd wait_for_child(int child)
+{
   int status = 0;
-  ::waitpid(child, &status, 0);
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR)
+  {
+  }
   ChildEnd end;
   if (WIFSIGNALED(status))
     end.signal = WTERMSIG(status);

@@ -16,6 +16,12 @@ struct ChildEnd
  * started. */
 ChildEnd run_in_child(const std::function<int()>& work);
 
+/** Starts such a process and does not wait for it: what signals do is as here. Its number. */
+int start_child(const std::function<int()>& work);
+
+/** Waits for it. */
+ChildEnd wait_for_child(int child);
+
 /** From now on SIGINT, SIGTERM and SIGHUP end the running child instead of this process. */
 void forward_signals();
 

@@ -13,28 +13,48 @@ namespace talus::app
 {
 namespace
 {
-int terminal_columns()
+constexpr auto kLeastBetween = std::chrono::milliseconds(100);
+
+int receiver = -1;  //!< of the lines of this process; -1: its terminal
+
+struct Room
+{
+  std::size_t columns = 80, rows = 24;
+};
+/** Of the terminal. */
+Room terminal_room()
 {
   winsize size{};
-  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+  if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row == 0)
+    return {};
+  return {size.ws_col, size.ws_row};
+}
+
+std::string cut(const std::string& line, std::size_t columns)
+{
+  return line.substr(0, std::max<std::size_t>(columns, 2) - 1);
+}
+
+void send(const std::string& line)
+{
+  if (::write(receiver, line.data(), line.size()) < 0) return;  // nobody reads it, nor needs it
 }
 }  // namespace
 
-ProgressBar::ProgressBar(std::string label, bool wanted)
-    : label_(printable(label)), on_(wanted && ::isatty(STDERR_FILENO))
+ProgressBar::ProgressBar(const std::string& label, bool wanted)
+    : label_(printable(label)), on_(wanted && (receiver >= 0 || ::isatty(STDERR_FILENO)))
 {
 }
 
 ProgressBar::~ProgressBar()
 {
-  if (on_) std::fprintf(stderr, "\r\033[K");
+  if (on_ && receiver < 0) std::fprintf(stderr, "\r\033[K");
 }
 
 void ProgressBar::show(double fraction, const std::string& words)
 {
-  using namespace std::chrono;
-  const auto now = steady_clock::now();
-  if (!on_ || now - last_ < milliseconds(100)) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (!on_ || now - last_ < kLeastBetween) return;
   last_ = now;
   constexpr int kWidth = 30;
   fraction = std::clamp(fraction, 0.0, 1.0);
@@ -42,9 +62,37 @@ void ProgressBar::show(double fraction, const std::string& words)
   std::string line = label_ + " [" + std::string(filled, '#') + std::string(kWidth - filled, '.') +
                      "] " + std::to_string(static_cast<int>(100 * fraction)) + " %  " +
                      printable(words);
-  line.resize(std::min(line.size(), static_cast<std::size_t>(std::max(1, terminal_columns() - 1))));
-  std::fprintf(stderr, "\r%s\033[K", line.c_str());
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  if (receiver >= 0) return send(line + "\n");
+  std::fprintf(stderr, "\r%s\033[K", cut(line, terminal_room().columns).c_str());
   std::fflush(stderr);
+}
+
+void ProgressBar::send_to(int file) { receiver = file; }
+
+ProgressLines::ProgressLines(bool wanted) : on_(wanted && ::isatty(STDERR_FILENO)) {}
+
+void ProgressLines::show(const std::vector<std::string>& lines)
+{
+  const auto now = std::chrono::steady_clock::now();
+  if (!on_ || now - last_ < kLeastBetween) return;
+  last_ = now;
+  remove();
+  const Room room = terminal_room();
+  for (const std::string& line : lines)
+    if (drawn_ + 1 < room.rows)
+    {
+      std::fprintf(stderr, "%s\n", cut(line, room.columns).c_str());
+      ++drawn_;
+    }
+  std::fflush(stderr);
+}
+
+void ProgressLines::remove()
+{
+  if (drawn_ > 0) std::fprintf(stderr, "\r\033[%zuA\033[J", drawn_);
+  std::fflush(stderr);
+  drawn_ = 0;
 }
 
 }  // namespace talus::app

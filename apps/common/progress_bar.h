@@ -1,14 +1,17 @@
 #pragma once
 #include <chrono>
+#include <cstddef>
 #include <string>
+#include <vector>
 
 namespace talus::app
 {
-/** A line on the terminal that is drawn again and again; silent where stderr is not a terminal. */
+/** A line on the terminal that is drawn again and again; silent where stderr is not a terminal. Or
+ * lines that are sent to another process, which draws them beside those of others. */
 class ProgressBar
 {
  public:
-  ProgressBar(std::string label, bool wanted);
+  ProgressBar(const std::string& label, bool wanted);
   /** Removes the line. */
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
@@ -17,9 +20,32 @@ class ProgressBar
   /** `fraction` 0..1; drawn at most ten times a second. */
   void show(double fraction, const std::string& words);
 
+  /** From now on the bars of this process are lines of this file. */
+  static void send_to(int file);
+
  private:
   std::string label_;
   bool on_;
+  std::chrono::steady_clock::time_point last_{};
+};
+
+/** The bars of several processes, one below the other; silent where stderr is not a terminal. */
+class ProgressLines
+{
+ public:
+  explicit ProgressLines(bool wanted);
+  ~ProgressLines() { remove(); }
+  ProgressLines(const ProgressLines&) = delete;
+  ProgressLines& operator=(const ProgressLines&) = delete;
+
+  /** Drawn at most ten times a second, and no more of them than find room. */
+  void show(const std::vector<std::string>& lines);
+  /** Before something else is printed. */
+  void remove();
+
+ private:
+  bool on_;
+  std::size_t drawn_ = 0;
   std::chrono::steady_clock::time_point last_{};
 };
 

@@ -18,17 +18,20 @@ struct Shared
   char file[4096], advice[256];  // paths are no longer
 };
 
-Shared& shared()
+Shared* new_shared()
 {
-  static Shared* const memory = []
-  {
-    void* const page =
-        ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (page == MAP_FAILED) throw std::bad_alloc();
-    return static_cast<Shared*>(page);  // of zeros, and for as long as the process lives
-  }();
-  return *memory;
+  void* const page =
+      ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (page == MAP_FAILED) throw std::bad_alloc();
+  return static_cast<Shared*>(page);  // of zeros, and for as long as the process lives
 }
+
+Shared*& place_of_shared()
+{
+  static Shared* place = new_shared();
+  return place;
+}
+Shared& shared() { return *place_of_shared(); }
 
 /** Cut where it is too long; its end is there at any moment. */
 template <std::size_t N>
@@ -57,6 +60,8 @@ Suspect::Suspect(const std::string& file, const std::string& advice) : before_(n
 Suspect::~Suspect() { note(before_.file, before_.advice); }
 
 Suspect::Named Suspect::newest() { return {shared().file, shared().advice}; }
+
+void Suspect::be_alone() { place_of_shared() = new_shared(); }
 
 void Suspect::forget() { note({}, {}); }
 

@@ -25,6 +25,8 @@ class Suspect
   };
   /** The newest that lives, here or in the child that ran last, or that lived when it crashed. */
   static Named newest();
+  /** In a child that runs beside others: from now on this is of itself and its own children. */
+  static void be_alone();
   /** Before a child is started: forgets that of a child before. */
   static void forget();
 

@@ -3,6 +3,7 @@
 #include "../common/log_name.h"
 #include "../common/suspect.h"
 
+#include <talus/calibrate/first_guess.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/observation_points.h>
 
@@ -48,9 +49,9 @@ io::Trajectory load_poses(const AppOptions& o, std::string& source)
 mrpt::poses::CPose3D given_mounting(const AppOptions& o, const SensorPoints& first)
 {
   const auto& m = o.mounting;
-  const auto T = m.empty() ? first.T_base_sensor
-                           : mrpt::poses::CPose3D(
-                                 m[0], m[1], m[2], m[3] * kDegree, m[4] * kDegree, m[5] * kDegree);
+  auto T = m.empty() ? first.T_base_sensor
+                     : mrpt::poses::CPose3D(
+                           m[0], m[1], m[2], m[3] * kDegree, m[4] * kDegree, m[5] * kDegree);
   if (std::abs(T.pitch()) > kMostPitch)
     throw std::runtime_error(
         o.log + ": the sensor is mounted with a pitch of " + std::to_string(T.pitch() / kDegree) +
@@ -86,14 +87,27 @@ class Loader
       throw std::runtime_error(
           options_.log + ": the mounting of '" + label_ +
           "' changes within the log; say the one to start from with --mounting");
-    scans_->add(
-        scan_.stamp_s, scan_.x_m.data(), scan_.y_m.data(), scan_.z_m.data(),
-        scan_.time_s.empty() ? nullptr : scan_.time_s.data(), scan_.x_m.size());
+    for (ScanSet* set : {&*scans_, &*rolled_})
+      set->add(
+          scan_.stamp_s, scan_.x_m.data(), scan_.y_m.data(), scan_.z_m.data(),
+          scan_.time_s.empty() ? nullptr : scan_.time_s.data(), scan_.x_m.size());
   }
 
   LoadedLog finish(PoseTrack track, std::string source)
   {
-    if (scans_) return {*scans_, std::move(track), mounting_, label_, std::move(source), skipped};
+    if (scans_)
+    {
+      const Vector given = vector_of(mounting_);
+      const bool is_rolled = is_upside_down(*scans_, *rolled_, given);
+      return {
+          std::move(is_rolled ? *rolled_ : *scans_),
+          std::move(track),
+          is_rolled ? pose_of(rolled_over(given)) : mounting_,
+          is_rolled,
+          label_,
+          std::move(source),
+          skipped};
+    }
     std::string known;
     for (const auto& name : others_) known += (known.empty() ? "'" : ", '") + name + "'";
     throw std::runtime_error(
@@ -110,10 +124,12 @@ class Loader
     logged_ = scan_.T_base_sensor;
     mounting_ = given_mounting(options_, scan_);
     scans_.emplace(options_.thinning, mounting_, options_.base_height_m);
+    rolled_.emplace(
+        options_.thinning, pose_of(rolled_over(vector_of(mounting_))), options_.base_height_m);
   }
 
   const AppOptions& options_;
-  std::optional<ScanSet> scans_;
+  std::optional<ScanSet> scans_, rolled_;  //!< as given, and upside down
   SensorPoints scan_;
   mrpt::poses::CPose3D mounting_, logged_;
   std::string label_;

@@ -11,7 +11,8 @@ struct LoadedLog
 {
   ScanSet scans;
   PoseTrack track;
-  mrpt::poses::CPose3D T_base_sensor;  //!< as given
+  mrpt::poses::CPose3D T_base_sensor;  //!< as given; where it is upside down, rolled over
+  bool is_rolled_over = false;
   std::string label, pose_source;
   std::size_t skipped = 0;  //!< scans without points or a stamp
 };

@@ -12,6 +12,7 @@
 
 #include <talus/io/atomic_file.h>
 #include <talus/io/mrpt_error.h>
+#include <talus/number_text.h>
 
 #include <cmath>
 #include <cstdio>
@@ -57,6 +58,23 @@ void warn_of_base_height(const AppOptions& o, const LoadedLog& log, Result& r)
   r.warnings.emplace_back(text);
 }
 
+/** What to say of a fit that is not worth writing. */
+std::string refusal(const Result& r)
+{
+  const auto millimetres = [](double m) { return talus::fixed_text(1000 * m, 1) + " mm"; };
+  const auto &before = r.held_out.before, &after = r.held_out.after;
+  const std::string why =
+      after.points == 0
+          ? "shows no ground in the frames held out from the fit"
+          : "was fitted, but the frames held out from the fit lie better on the ground with the "
+            "mounting as given (" +
+                millimetres(before.thickness_m) + " thick) than as fitted (" +
+                millimetres(after.thickness_m) + ")";
+  return why +
+         ": nothing was written. Are the poses those of this drive, and good to a few "
+         "centimetres? Else take a longer drive with bends and slopes";
+}
+
 void calibrate_log(const AppOptions& options, const std::string& folder)
 {
   talus::app::ProgressBar bar("talus-calibrate", !options.quiet);
@@ -75,6 +93,12 @@ void calibrate_log(const AppOptions& options, const std::string& folder)
   {
     throw std::runtime_error(options.log + ": " + e.what());
   }
+  if (result.gains_nothing) throw std::runtime_error(options.log + ": " + refusal(result));
+  if (log.is_rolled_over)
+    result.warnings.emplace_back(
+        "the sensor is mounted upside down: its roll was looked for near " +
+        talus::fixed_text(fit.given[kRoll] / parameter_infos()[kRoll].per_unit, 1) +
+        " degrees, half a turn from what was given");
   warn_of_base_height(options, log, result);
   write_results(folder, options, log, result);
   bar.show(1, "done");

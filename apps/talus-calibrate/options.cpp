@@ -10,8 +10,8 @@ namespace
 constexpr const char* kFooter =
     "Writes into DIR: calibration.ini (lines for the map's INI file), sensors-pose.ini (for\n"
     "'rawlog-edit --sensors-pose'), calibration.json (everything), calibration.png (before and\n"
-    "after). They appear together; a log that cannot be used writes nothing and says what it "
-    "lacks.\n"
+    "after). They appear together. A log that cannot be used, or a fit that makes the frames held\n"
+    "out from it worse, writes nothing and says why.\n"
     "\n"
     "Examples:\n"
     "  talus-calibrate drive.rawlog --trajectory drive.tum --output calibration\n"

@@ -151,7 +151,6 @@ std::string calibration_json(const AppOptions& options, const LoadedLog& log, co
       {"noise", noise_json(r.noise)},
       {"held_out",
        {{"before", figures_json(r.held_out.before)}, {"after", figures_json(r.held_out.after)}}},
-      {"kept_given", r.kept_given},
       {"rounds", r.rounds},
       {"patches", r.patches},
       {"residuals", r.samples},

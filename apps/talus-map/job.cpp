@@ -2,6 +2,7 @@
 
 #include "../common/log_name.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
@@ -25,6 +26,25 @@ std::vector<Job> plan_jobs(const Options& options)
     jobs.push_back({log, folder.string()});
   }
   return jobs;
+}
+
+Sharing share(
+    const Options& options, const Settings& settings, std::size_t logs, int cores, int devices)
+{
+  constexpr int kOnADevice = 2;  // one reads its log while the other's frame is computed
+  constexpr double kEnough_mb = 64;  // with less a site map goes to disk and back
+  const int each = std::max(1, settings.threads);
+  int at_once = options.jobs;
+  if (at_once == 0) at_once = cores / each;
+  if (options.jobs == 0 && options.has_site)
+    at_once = std::min(at_once, static_cast<int>(options.memory_mb / kEnough_mb));
+  if (options.jobs == 0 && devices > 0) at_once = std::min(at_once, kOnADevice * devices);
+  Sharing s;
+  s.at_once = std::clamp<std::size_t>(static_cast<std::size_t>(std::max(at_once, 1)), 1, logs);
+  s.threads = settings.threads;
+  if (s.threads == 0 && s.at_once > 1) s.threads = std::max(1, cores / static_cast<int>(s.at_once));
+  s.memory_mb = options.memory_mb / static_cast<double>(s.at_once);
+  return s;
 }
 
 }  // namespace talus::app

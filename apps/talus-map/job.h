@@ -1,6 +1,8 @@
 #pragma once
 #include "options.h"
+#include "settings.h"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -10,7 +12,21 @@ namespace talus::app
 struct Job
 {
   std::string log, folder;
+  int threads = 0;  //!< of the CPU backend, 0: all cores
+  int device = 0;  //!< of the CUDA backend
 };
+
+/** What the logs of a batch share. */
+struct Sharing
+{
+  std::size_t at_once = 1;  //!< logs
+  int threads = 0;  //!< of each, 0: all cores
+  double memory_mb = 0;  //!< of the site map of each
+};
+
+/** By what was asked for and what there is to work with. */
+Sharing share(
+    const Options& options, const Settings& settings, std::size_t logs, int cores, int devices);
 
 /** One job a log. Several logs of the same name get folders NAME, NAME_2, ... */
 std::vector<Job> plan_jobs(const Options& options);

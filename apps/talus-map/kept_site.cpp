@@ -4,6 +4,7 @@
 
 #include <mrpt/obs/CObservationGPS.h>
 #include <talus/number_text.h>
+#include <talus/site/islands.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
@@ -69,7 +70,7 @@ site::GeoOrigin origin_from_text(const std::string& text)
 }
 
 KeptSite::KeptSite(const Options& options, double resolution_m, const std::string& folder)
-    : site_(resolution_m, megabytes(options.memory_mb), folder)
+    : site_(resolution_m, megabytes(options.memory_mb), folder), keeps_far_(options.keep_far)
 {
   if (!options.resume.empty()) resume(options.resume);
   if (options.origin) place(*options.origin);
@@ -79,12 +80,6 @@ KeptSite::KeptSite(const Options& options, double resolution_m, const std::strin
 void KeptSite::resume(const std::string& path)
 {
   const Suspect suspect(path, kCompareWithSource);
-  const double resolution_m = site::resolution_of_site(path);
-  if (resolution_m != site_.resolution_m)
-    throw std::runtime_error(
-        path + ": its cells are " + number_text(resolution_m) + " m wide, those of this map " +
-        number_text(site_.resolution_m) +
-        " m: go on with -s resolution_m=" + number_text(resolution_m));
   site::read_site_files(path, site_);
 }
 
@@ -126,11 +121,22 @@ bool KeptSite::take_fix(
 void KeptSite::finish(const ElevationMapper& map, io::RunSummary& run)
 {
   mapper_->keep_window(map);
+  if (!keeps_far_) leave_out_islands();
   std::string warning;
   if (!site_.origin) site_.origin = site::origin_from_fixes(fixes_, warning);
   if (!warning.empty()) warnings_.push_back(warning);
   run.warnings.insert(run.warnings.end(), warnings_.begin(), warnings_.end());
   run.site = summary();
+}
+
+void KeptSite::leave_out_islands()
+{
+  for (const int floor : site::floors_of(site_))
+    for (const site::Island& island : site::far_islands(site_, floor))
+    {
+      site::leave_out(island, site_);
+      warnings_.push_back(site::text_of_left_out(island));
+    }
 }
 
 io::SiteSummary KeptSite::summary()

@@ -38,10 +38,12 @@ class KeptSite
 
  private:
   void resume(const std::string& path);
+  void leave_out_islands();
   void place(const site::GeoOrigin& origin);
   io::SiteSummary summary();
 
   site::Site site_;
+  bool keeps_far_;
   std::optional<site::SiteMapper> mapper_;  //!< begins when what is resumed has been read
   std::vector<site::GpsFix> fixes_;
   std::vector<std::string> warnings_;

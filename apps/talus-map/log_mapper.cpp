@@ -34,10 +34,10 @@ class QuietLog
   std::streambuf* before_;
 };
 
-ElevationMapper make_map(const Settings& s)
+ElevationMapper make_map(const Job& job, const Settings& s)
 {
   const QuietLog quiet;
-  return ElevationMapper(s.parameters, s.backend, s.threads);
+  return ElevationMapper(s.parameters, s.backend, job.threads, job.device);
 }
 
 /** What is written of every frame; all else is read at the end, and nothing is made for it before.
@@ -92,7 +92,7 @@ std::string class_of(const mrpt::obs::CObservation& obs)
 
 LogMapper::LogMapper(
     const Job& job, const Options& options, const Settings& settings, KeptSite* site)
-    : options_(options), log_(job.log), map_(make_map(settings)), site_(site)
+    : options_(options), log_(job.log), map_(make_map(job, settings)), site_(site)
 {
   map_.set_output_layers(layers_of_every_frame(options));
   run_.version = TALUS_VERSION;

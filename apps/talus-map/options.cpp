@@ -31,6 +31,8 @@ constexpr const char* kFooter =
     "  talus-map drive.rawlog --trajectory drive.tum --output out\n"
     "  talus-map logs/*.rawlog --output out\n"
     "      one folder a log: out/NAME/; logs/NAME.tum is found by itself\n"
+    "  talus-map logs/*.rawlog --jobs 4 --memory 2000\n"
+    "      four logs at a time, each with 500 MB for its site map\n"
     "  talus-map car.rawlog -s window_m=40 -s resolution_m=0.2\n"
     "      a sensor 1.9 m above the ground; --parameters lists everything that can be set\n"
     "  talus-map drive.rawlog --config robot.ini --every 10\n"
@@ -101,8 +103,21 @@ void add_processing(CLI::App& app, Options& o)
       ->type_name("NAME");
   app.add_option_function<int>(
          "--threads", [&o](int n) { o.threads = n; },
-         "Threads of the CPU backend, 0: all cores (default: 0)")
+         "Threads of the CPU backend for each log, 0: all cores, which several logs share "
+         "(default: "
+         "0)")
       ->check(CLI::Range(0, 1024))
+      ->type_name("N");
+  app.add_option_function<int>(
+         "--device", [&o](int n) { o.device = n; },
+         "Number of the GPU of the CUDA backend, from 0 (default: a batch is dealt out over all)")
+      ->check(CLI::Range(0, 1023))
+      ->type_name("N");
+  app.add_option(
+         "--jobs", o.jobs,
+         "Logs to map at once, which share --memory (default: the cores over --threads, 64 MB "
+         "each, two a GPU)")
+      ->check(CLI::Range(1, 1024))
       ->type_name("N");
 }
 
@@ -114,12 +129,18 @@ void add_site(CLI::App& app, Options& o)
   constexpr double kLeast_mb = 4, kMost_mb = 1e7;
   app.add_option(
          "--memory", o.memory_mb,
-         "Memory of the site map [MB]; what finds no room waits in the output folder")
+         "Memory of the site map [MB], of all logs that are mapped at once; what finds no room "
+         "waits "
+         "in the output folder")
       ->check(between(kLeast_mb, kMost_mb))
       ->capture_default_str()
       ->excludes(none)
       ->type_name("MB");
   app.add_flag("--keep-new", o.keep_new, "Cells that come back into the window start empty")
+      ->excludes(none);
+  app.add_flag(
+         "--keep-far", o.keep_far,
+         "Also write the few tiles of the site map that lie kilometres from all others")
       ->excludes(none);
   app.add_option(
          "--resume", o.resume,

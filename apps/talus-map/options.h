@@ -21,12 +21,15 @@ struct Options
   std::vector<std::string> overrides;  //!< name=value
   std::optional<Backend> backend;
   std::optional<int> threads;
+  std::optional<int> device;
+  int jobs = 0;  //!< logs at once, 0: as many as find a core for each of their threads
 
   std::string output;  //!< empty: NAME_map for NAME.rawlog
   int every = 0;  //!< snapshots of every Nth frame, 0: none
   bool has_site = true;  //!< all that the drive saw is kept and written
-  double memory_mb = 512;  //!< what of it stays in memory
+  double memory_mb = 512;  //!< what of it stays in memory, of all jobs
   bool keep_new = false;  //!< cells that come back start empty
+  bool keep_far = false;  //!< what lies kilometres from all else is written, too
   std::string resume;  //!< site map of an earlier run, empty: none
   std::optional<site::GeoOrigin> origin;
   std::string rawlog_out;  //!< the log with snapshots in it (each, or every Nth); empty: none

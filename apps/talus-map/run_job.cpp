@@ -10,6 +10,7 @@
 
 #include <talus/mrpt/parameters_ini.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -131,7 +132,8 @@ bool settings_work(const Settings& settings)
   {
     try
     {
-      const ElevationMapper map(settings.parameters, settings.backend, settings.threads);
+      const ElevationMapper map(
+          settings.parameters, settings.backend, settings.threads, settings.device.value_or(0));
       return kDone;
     }
     catch (const std::exception& e)
@@ -145,6 +147,12 @@ bool settings_work(const Settings& settings)
   const ChildEnd end = run_in_child(make);
   if (end.signal) print_error("the backend crashed: " + signal_text(end.signal));
   return end.signal == 0 && end.exit_code == kDone;
+}
+
+int count_devices()
+{
+  constexpr int kMost = 255;  // that an exit code can tell
+  return run_in_child([=] { return std::min(cuda_devices(), kMost); }).exit_code;
 }
 
 }  // namespace talus::app

@@ -16,6 +16,10 @@ bool run_job(
  * reason has been printed. */
 bool settings_work(const Settings& settings);
 
+/** How many devices the CUDA backend has; asked in a child process, as CUDA does not survive
+ * fork(). */
+int count_devices();
+
 /** Prints "talus-map: ..." to stderr. */
 void print_error(const std::string& text);
 

@@ -27,7 +27,7 @@ std::string prefix_of(const std::string& section)
   {
     const std::string s = lowerCase(section), e = ending;
     if (s.size() <= e.size() || s.compare(s.size() - e.size(), e.size(), e) != 0) continue;
-    const std::string prefix = section.substr(0, section.size() - e.size());
+    std::string prefix = section.substr(0, section.size() - e.size());
     if (lowerCase(prefix).find(lowerCase(kPrefix)) != std::string::npos) return prefix;
   }
   return {};
@@ -78,7 +78,10 @@ void load_file(const std::string& path, Settings& s)
   const std::string prefix = find_prefix(path, cfg);
   for (const auto& warning : load_parameters(cfg, prefix, s.parameters))
     s.warnings.push_back(path + ": " + warning);
-  load_execution(cfg, prefix, s.backend, s.threads);
+  constexpr int kAny = -1;
+  int device = kAny;
+  load_execution(cfg, prefix, s.backend, s.threads, device);
+  if (device != kAny) s.device = device;
 }
 
 void apply_override(const std::string& text, Parameters& p)
@@ -86,8 +89,7 @@ void apply_override(const std::string& text, Parameters& p)
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     throw std::runtime_error("--set " + text + ": must be NAME=VALUE, for example window_m=20");
-  std::string name = text.substr(0, equals);
-  if (!find_parameter(name) && find_parameter(name + "_m")) name += "_m";
+  const std::string name = parameter_of_key(text.substr(0, equals));
   try
   {
     set_parameter(p, name, text.substr(equals + 1));

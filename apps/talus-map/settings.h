@@ -2,6 +2,7 @@
 #include <talus/elevation_mapper.h>
 #include <talus/parameters.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ struct Settings
   Parameters parameters;
   Backend backend = Backend::Auto;
   int threads = 0;  //!< of the CPU backend, 0: all cores
+  std::optional<int> device;  //!< of the CUDA backend; nothing: a batch is dealt out over all
   std::vector<std::string> warnings;
 };
 

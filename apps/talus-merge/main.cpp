@@ -9,10 +9,13 @@
 #include <talus/io/atomic_file.h>
 #include <talus/number_text.h>
 #include <talus/site/changes.h>
+#include <talus/site/islands.h>
+#include <talus/site/site_geotiff.h>
 #include <talus/site/site_picture.h>
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <functional>
@@ -52,6 +55,15 @@ int lowest_floor(const std::vector<std::string>& paths)
   return lowest;
 }
 
+void leave_out_islands(Site& site, int floor)
+{
+  for (const Island& island : far_islands(site, floor))
+  {
+    leave_out(island, site);
+    print_error("warning: " + text_of_left_out(island));
+  }
+}
+
 void merge(const Options& o)
 {
   ProgressBar bar("talus-merge", !o.quiet);
@@ -62,6 +74,7 @@ void merge(const Options& o)
   const int floor = lowest_floor(o.inputs);
   merge_sites(
       o.inputs, site, floor, o.merge, [&](double done) { bar.show(kMerging * done, "merging"); });
+  if (!o.keep_far) leave_out_islands(site, floor);
   if (!o.picture.empty()) write_site_picture(o.picture, site, floor);
   write_site(
       o.output, site, floor,
@@ -85,6 +98,17 @@ void tell(const ChangeSums& sums)
   line("object new   ", Change::Appeared);
 }
 
+/** What is new would be told as gone. */
+void warn_of_order(const std::string& from, const std::string& to)
+{
+  const std::uint32_t from_s = newest_of_site(from), to_s = newest_of_site(to);
+  if (from_s > to_s)
+    print_error(
+        "warning: " + from + " was seen " + std::to_string(from_s - to_s) + " s after " + to +
+        ": --changes tells what changed from the first map to the second; give the older one "
+        "first");
+}
+
 void compare(const Options& o, const fs::path& to_folder)
 {
   const auto site_of = [&](const std::string& path, const char* tiles)
@@ -94,6 +118,7 @@ void compare(const Options& o, const fs::path& to_folder)
     read_site(path, *site, 0);
     return site;
   };
+  warn_of_order(o.inputs[0], o.inputs[1]);
   ProgressBar bar("talus-merge", !o.quiet);
   bar.show(0, "reading");
   const auto from = site_of(o.inputs[0], "tiles_from"), to = site_of(o.inputs[1], "tiles_to");

@@ -50,7 +50,9 @@ void add_options(CLI::App& app, Options& o)
       ->check(CLI::Range(16, 1'000'000))
       ->capture_default_str()
       ->type_name("MB");
-  app.add_flag("--quiet", o.quiet, "Print errors only");
+  app.add_flag(
+      "--keep-far", o.keep_far, "Also write the few tiles that lie kilometres from all others");
+  app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
 }
 
 /** What no single option tells; empty: all is well. */

@@ -17,6 +17,7 @@ struct Options
   MergeOptions merge;
   std::size_t memory_mb = 512;  //!< for tiles
   bool changes = false, quiet = false;
+  bool keep_far = false;  //!< tiles that lie kilometres from all others, too
 };
 
 /** Reads the command line; answers --help, --version and mistakes itself. The exit code of the

@@ -1,6 +1,7 @@
 // The command talus-calibrate from end to end: its files, messages and exit codes.
 #include <gtest/gtest.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/poses/CPose3D.h>
 #include <sys/wait.h>
 #include <talus/io/rawlog_reader.h>
@@ -99,6 +100,51 @@ TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
   EXPECT_NEAR(mounting.z(), estimate("z"), 1e-5);
   EXPECT_NEAR(mounting.pitch() * 57.29578, estimate("pitch"), 1e-4);
   EXPECT_NEAR(mounting.roll() * 57.29578, estimate("roll"), 1e-4);
+}
+
+TEST_F(TalusCalibrate, FindsASensorThatIsMountedUpsideDown)
+{
+  simulate(kWaves, kWay, "--mounting-error 0 0 0.05 178 -3 0 --frames 50");
+  const auto done = calibrate("drive.rawlog --max-range 8 --output out");
+  ASSERT_EQ(done.code, 0) << done.text;
+  EXPECT_TRUE(done.says("mounted upside down")) << done.text;
+  const auto json = nlohmann::json::parse(bytes_of(path("out/calibration.json")));
+  const auto estimate = [&](const char* name)
+  { return json["parameters"][name]["estimate"].get<double>(); };
+  EXPECT_NEAR(estimate("roll"), 0, 0.05);
+  EXPECT_NEAR(estimate("pitch"), 0, 0.05);
+  EXPECT_NEAR(estimate("z"), 0.68, 0.005);
+}
+
+TEST_F(TalusCalibrate, RefusesASensorOnItsSide)
+{
+  simulate(kWaves, kWay, "--mounting-error 0 0 0 90 0 0");
+  const auto refused = calibrate("drive.rawlog --output out");
+  EXPECT_EQ(refused.code, 1) << refused.text;
+  EXPECT_TRUE(refused.says("drive.rawlog: ")) << refused.text;
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+TEST_F(TalusCalibrate, WritesNoFitThatMakesTheHeldOutFramesWorse)
+{
+  simulate(kWaves, kWay, "");
+  // Only the frames that are fitted nod: every fifth, which is held out, is right as given.
+  talus::io::RawlogReader drive(path("drive.rawlog"));
+  talus::test::Objects scans;
+  const mrpt::poses::CPose3D nod(0, 0, 0, 0, 3 / 57.29578, 0);
+  for (int i = 0; const auto obs = drive.next(); ++i)
+  {
+    auto scan = std::dynamic_pointer_cast<mrpt::obs::CObservationPointCloud>(obs);
+    ASSERT_TRUE(scan);
+    if (i % 5 != 2) scan->pointcloud->changeCoordinatesReference(nod);
+    scans.push_back(scan);
+  }
+  talus::test::write_log(path("drive.rawlog"), scans, talus::test::Packing::Plain);
+  const auto refused = calibrate("drive.rawlog --max-range 8 --output out");
+  EXPECT_EQ(refused.code, 1) << refused.text;
+  EXPECT_TRUE(refused.says("nothing was written")) << refused.text;
+  EXPECT_TRUE(refused.says("held out")) << refused.text;
+  EXPECT_FALSE(fs::exists(path("out")));
 }
 
 TEST_F(TalusCalibrate, StatesNoCertaintyOfANoiseThatIsNotTold)

@@ -142,6 +142,19 @@ TEST_F(TalusMerge, tells_what_changed_between_two_days)
   EXPECT_EQ(std::distance(fs::directory_iterator(dir_ / "out"), fs::directory_iterator()), 2);
 }
 
+TEST_F(TalusMerge, warns_where_the_newer_map_is_given_first)
+{
+  write("monday.tif", 1000, 0, 1.0F);
+  write("friday.tif", 2000, 0, 1.0F);
+  const Outcome swapped = run("--changes friday.tif monday.tif --output out");
+  EXPECT_EQ(swapped.code, 0) << swapped.text;
+  EXPECT_NE(
+      swapped.text.find("warning: friday.tif was seen 1000 s after monday.tif"), std::string::npos)
+      << swapped.text;
+  const Outcome right = run("--changes monday.tif friday.tif --output out");
+  EXPECT_EQ(right.text.find("warning"), std::string::npos) << right.text;
+}
+
 TEST_F(TalusMerge, says_what_is_wrong_with_an_input_and_leaves_what_was_there)
 {
   write("a.tif", 1000, 0, 1.0F);

@@ -94,6 +94,17 @@ TEST(ParametersIni, an_unknown_key_is_warned_with_section_and_nearest_known_name
   EXPECT_TRUE(contains(warnings[0], "'clearance_m'")) << warnings[0];
 }
 
+TEST(ParametersIni, an_unknown_key_is_warned_with_the_nearest_that_is_no_parameter)
+{
+  Parameters p;
+  for (const std::string known : {"backend", "threads", "device", "keep_whole"})
+  {
+    const auto warnings = load("[Map_creationOpts]\n" + known + "x = 1\n", p);
+    ASSERT_EQ(warnings.size(), 1U) << known;
+    EXPECT_TRUE(contains(warnings[0], "nearest known name is '" + known + "'")) << warnings[0];
+  }
+}
+
 TEST(ParametersIni, sections_that_nothing_reads_are_warned)
 {
   Parameters p;
@@ -125,9 +136,9 @@ TEST(ParametersIni, what_mrpt_prints_of_an_error_is_the_whole_of_it)
       const CConfigFileMemory cfg(text);
       Parameters p;
       talus::Backend backend = talus::Backend::Auto;
-      int threads = 1;
+      int threads = 1, device = 0;
       talus::load_parameters(cfg, "Map", p);
-      talus::load_execution(cfg, "Map", backend, threads);
+      talus::load_execution(cfg, "Map", backend, threads, device);
       ADD_FAILURE() << "nothing thrown for " << text;
     }
     catch (const std::runtime_error& e)
@@ -257,18 +268,22 @@ TEST(ParametersIni, a_window_of_a_hundred_thousand_cells_is_refused_with_the_sec
   EXPECT_TRUE(contains(message, "100000")) << message;
 }
 
-TEST(ParametersIni, backend_and_threads_are_read_and_checked)
+TEST(ParametersIni, backend_threads_and_device_are_read_and_checked)
 {
   talus::Backend backend = talus::Backend::Auto;
-  int threads = 1;
-  CConfigFileMemory good(std::string("[Map_creationOpts]\nbackend = CPU // here\nthreads = 4\n"));
-  talus::load_execution(good, "Map", backend, threads);
+  int threads = 1, device = 0;
+  CConfigFileMemory good(
+      std::string("[Map_creationOpts]\nbackend = CPU // here\nthreads = 4\ndevice = 1\n"));
+  talus::load_execution(good, "Map", backend, threads, device);
   EXPECT_EQ(backend, talus::Backend::Cpu);
   EXPECT_EQ(threads, 4);
-  for (const std::string bad : {"backend = gpu", "threads = -1", "threads = many"})
+  EXPECT_EQ(device, 1);
+  for (const std::string bad :
+       {"backend = gpu", "threads = -1", "threads = many", "device = -1", "device = first"})
   {
     CConfigFileMemory cfg("[Map_creationOpts]\n" + bad + "\n");
-    EXPECT_THROW(talus::load_execution(cfg, "Map", backend, threads), std::runtime_error) << bad;
+    EXPECT_THROW(talus::load_execution(cfg, "Map", backend, threads, device), std::runtime_error)
+        << bad;
   }
 }
 

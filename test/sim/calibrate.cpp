@@ -154,6 +154,14 @@ TEST(CalibrateFirstGuess, IsRightToADegreeWhereTheGroundIsLevelOnAverage)
   EXPECT_NEAR(v[kZ], log.truth[kZ], 0.04);
 }
 
+TEST(CalibrateFirstGuess, RefusesAGroundThatLeansUnderTheRobot)
+{
+  const WrongLog log = wrong_log(
+      "  - sine: {amplitude_m: 0.04, wavelength_m: 3}\n", "[[0, 0], [4, 2]]", 20, 0, 0, 0, 40);
+  EXPECT_NO_THROW(require_level_ground(log.scans, log.truth));
+  EXPECT_THROW(require_level_ground(log.scans, log.given), std::runtime_error);
+}
+
 TEST(Calibrate, FindsMountingClockAndNoiseOnRollingGround)
 {
   const WrongLog log =

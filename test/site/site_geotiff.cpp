@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <ogr_spatialref.h>
 #include <talus/io/geotiff.h>
+#include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
 #include <cmath>
@@ -265,6 +266,27 @@ TEST(SiteGeoTiff, keeps_floors_apart)
   ASSERT_EQ(in->tiles.keys().size(), 1u);
   EXPECT_EQ(in->tiles.keys()[0], (TileKey{2, 0, 0}));
   EXPECT_EQ(cell_at(*in, 0, 0, 2).cell.ground_m, 3);
+}
+
+TEST(SiteGeoTiff, names_its_floors_and_is_not_read_where_one_is_missing)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+  cell_at(*site, 0, 0, 0) = measured(0);
+  write_site_files(dir / "one.tif", *site);
+  EXPECT_STREQ(Open(dir / "one.tif").item("TALUS_FLOORS"), "(none)");
+  for (const int floor : {1, 3}) cell_at(*site, 0, 0, floor) = measured(3);
+  write_site_files(dir / "site.tif", *site);
+  EXPECT_STREQ(Open(dir / "site.tif").item("TALUS_FLOORS"), "0 1 3");
+  EXPECT_EQ(floors_of_site(dir / "site_floor_3.tif"), std::vector<int>());
+  read_site_files(dir / "site.tif", *in);
+  EXPECT_EQ(floors_of(*in), (std::vector<int>{0, 1, 3}));
+  fs::remove(dir / "site_floor_3.tif");
+  const auto none = empty_site(dir / "tiles_none");
+  expect_error(
+      [&] { read_site_files(dir / "site.tif", *none); },
+      {"site_floor_3.tif: no such file", "site.tif", "3 floors"});
+  EXPECT_TRUE(none->tiles.keys().empty());
 }
 
 TEST(SiteGeoTiff, thins_long_ways_evenly)

@@ -198,6 +198,21 @@ TEST(TileStore, says_what_to_do_where_the_disk_is_full_and_loses_nothing)
   for (int i = 0; i < 9; ++i) expect_filled(store.find(nth(i)), nth(i));
 }
 
+TEST(TileStore, forgets_tiles_in_memory_and_on_disk_and_goes_on)
+{
+  const ScratchDir dir;
+  TileStore store(kEight, dir / "");
+  fill(store, 12);
+  store.erase(nth(0));  // the oldest: on disk
+  store.erase(nth(11));
+  store.erase(nth(11));
+  EXPECT_EQ(store.keys().size(), 10U);
+  EXPECT_EQ(store.find(nth(0)), nullptr);
+  EXPECT_EQ(store.find(nth(11)), nullptr);
+  for (int i = 1; i < 11; ++i) expect_filled(store.find(nth(i)), nth(i));
+  EXPECT_FALSE(store.at(nth(0)).cells[1].known()) << "anew";
+}
+
 TEST(TileStore, counts_cells_on_both_sides_of_the_origin)
 {
   EXPECT_EQ(tile_of(0), 0);

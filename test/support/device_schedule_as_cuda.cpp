@@ -7,9 +7,11 @@
 
 namespace talus
 {
-std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config)
+std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config, int)
 {
   return std::make_unique<MapBackend<DeviceSchedule<test::DeviceOnHost>>>(
       config, test::DeviceOnHost{});
 }
+
+int cuda_devices() { return 1; }
 }  // namespace talus

@@ -141,12 +141,13 @@ void Calibration::finish(Result& result)
         fixed_text(options_.max_time_offset_s, 3) +
         " s looked for: put the stamps right first (rawlog-edit --remap-timestamps) or raise "
         "--max-offset");
+  if (options_.use_contact) require_level_ground(scans_, v_);
   options_.progress(0.95, "held-out frames");
   judge(result);
 }
 
 /** What the held-out frames say of the estimate. Where they show no gain, changes within chance are
- * not made; where they show a loss, none is. */
+ * not made. */
 void Calibration::judge(Result& result) const
 {
   const auto compare = [&]
@@ -154,17 +155,21 @@ void Calibration::judge(Result& result) const
   const auto loss = [&](double factor)
   { return result.held_out.after.thickness_m > factor * result.held_out.before.thickness_m; };
   compare();
-  if (result.held_out.before.points == 0 || !loss(1)) return;
+  if (result.held_out.before.points == 0)
+  {
+    // Nothing that both show; with the estimate alone there may be ground.
+    result.held_out.after =
+        held_out_figures(scans_, track_, result.estimate, result.estimate).after;
+    result.gains_nothing =
+        scans_.thinning().hold_out_every > 0 && result.held_out.after.points == 0;
+    return;
+  }
+  if (!loss(1)) return;
   for (int i = 0; i < kParameters; ++i)
     if (std::abs(result.estimate[i] - options_.given[i]) < kSignificant * result.sigma[i])
       result.estimate[i] = options_.given[i];
   compare();
-  if (!loss(kWorse)) return;
-  result.kept_given = true;
-  result.estimate = options_.given;
-  result.held_out.after = result.held_out.before;
-  result.warnings.push_back(
-      "the estimated mounting fits the held-out frames worse than the given one: kept as given");
+  result.gains_nothing = loss(kWorse);
 }
 
 Result Calibration::run()

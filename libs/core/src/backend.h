@@ -81,7 +81,8 @@ class BackendInterface
 
 std::unique_ptr<BackendInterface> make_cpu_backend(const MapConfig& config, int threads);
 
-/** Throws std::runtime_error that says why where there is no usable device. */
-std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config);
+/** On the device of that number, which is below cuda_devices() or 0. Throws std::runtime_error that
+ * says why where there is no usable device. */
+std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config, int device);
 
 }  // namespace talus

@@ -22,13 +22,23 @@ void say_once(const std::string& text)
   static_cast<void>(said);
 }
 
+void require_device(int device)
+{
+  const int devices = device == 0 ? 1 : cuda_devices();  // of the first its backend says what fails
+  if (device < 0 || device >= devices)
+    throw std::runtime_error(
+        "device " + std::to_string(device) + ": there are only " + std::to_string(devices) +
+        " devices" + (devices > 0 ? ", numbered from 0" : ""));
+}
+
 std::unique_ptr<BackendInterface> make_backend(
-    const MapConfig& config, Backend backend, int threads)
+    const MapConfig& config, Backend backend, int threads, int device)
 {
   if (backend == Backend::Cpu) return make_cpu_backend(config, threads);
   try
   {
-    auto cuda = make_cuda_backend(config);
+    require_device(device);
+    auto cuda = make_cuda_backend(config, device);
     if (backend == Backend::Auto) say_once(cuda->name() + " (it answers, so not the cpu)");
     return cuda;
   }
@@ -50,11 +60,15 @@ float unknown(Layer l) { return l == Layer::State ? 0.0f : kernels::kNan; }
 
 struct ElevationMapper::Impl
 {
-  Impl(const Parameters& p, Backend b, int t) : parameters(p), wanted(b), threads(t) { reset(); }
+  Impl(const Parameters& p, Backend b, int t, int d)
+      : parameters(p), wanted(b), threads(t), device(d)
+  {
+    reset();
+  }
 
   void reset()
   {
-    backend = make_backend(make_config(parameters), wanted, threads);
+    backend = make_backend(make_config(parameters), wanted, threads, device);
     slots = {};
     started = finished = {};
     reference_z_m = 0;
@@ -162,7 +176,7 @@ struct ElevationMapper::Impl
 
   Parameters parameters;
   Backend wanted;
-  int threads;
+  int threads, device;
   std::array<Slot, kSlots> slots;
   int in_flight = 0;  //!< frames that were started and not finished
   int oldest = 0;  //!< the slot of the first of them
@@ -207,18 +221,19 @@ FrameReport ElevationMapper::Impl::finish(const FrameRects& cells)
   return report;
 }
 
-ElevationMapper::ElevationMapper(const Parameters& parameters, Backend backend, int threads)
+ElevationMapper::ElevationMapper(
+    const Parameters& parameters, Backend backend, int threads, int device)
 {
   parameters.validate();
-  impl_ = std::make_unique<Impl>(parameters, backend, threads);
+  impl_ = std::make_unique<Impl>(parameters, backend, threads, device);
 }
 ElevationMapper::ElevationMapper(
     const Parameters& parameters, const std::vector<std::uint8_t>& state, Backend backend,
-    int threads)
+    int threads, int device)
 {
   parameters.validate();
   const SavedMap saved = saved_map_from(state, parameters);
-  impl_ = std::make_unique<Impl>(parameters, backend, threads);
+  impl_ = std::make_unique<Impl>(parameters, backend, threads, device);
   impl_->take(saved);
 }
 ElevationMapper::~ElevationMapper() = default;

@@ -34,8 +34,11 @@ struct LiveMap::Impl
 {
   Impl(
       const Parameters& parameters, const std::vector<Layer>& wanted, Backend backend, int threads,
-      double late_s)
-      : mapper(parameters, backend, threads), layers(wanted), max_late_s(late_s), sequence(late_s)
+      double late_s, int device)
+      : mapper(parameters, backend, threads, device),
+        layers(wanted),
+        max_late_s(late_s),
+        sequence(late_s)
   {
     mapper.set_output_layers(layers);
   }
@@ -92,8 +95,8 @@ struct LiveMap::Impl
 
 LiveMap::LiveMap(
     const Parameters& parameters, const std::vector<Layer>& layers, Backend backend, int threads,
-    double max_late_s)
-    : impl_(std::make_unique<Impl>(parameters, layers, backend, threads, max_late_s))
+    double max_late_s, int device)
+    : impl_(std::make_unique<Impl>(parameters, layers, backend, threads, max_late_s, device))
 {
 }
 LiveMap::~LiveMap() = default;

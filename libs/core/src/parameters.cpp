@@ -372,18 +372,26 @@ bool is_same_value(const ParameterInfo& info, const Parameters& a, const Paramet
   return info.is_text() ? info.get_text(a) == info.get_text(b) : info.get(a) == info.get(b);
 }
 
-std::string nearest_parameter_name(const std::string& name)
+std::string nearest_name(const std::string& name, const std::vector<std::string>& names)
 {
   const auto wanted = lower(name);
   std::size_t least = std::max<std::size_t>(1, wanted.size() / 3) + 1;
   std::string nearest;
-  for (const auto& info : parameter_table())
-    if (const auto distance = distance_to_name(wanted, info.name); distance < least)
+  for (const auto& known : names)
+    if (const auto distance = distance_to_name(wanted, lower(known)); distance < least)
     {
       least = distance;
-      nearest = info.name;
+      nearest = known;
     }
   return nearest;
+}
+
+std::string nearest_parameter_name(const std::string& name)
+{
+  std::vector<std::string> names;
+  names.reserve(parameter_table().size());
+  for (const auto& info : parameter_table()) names.emplace_back(info.name);
+  return nearest_name(name, names);
 }
 
 void set_parameter(Parameters& p, const std::string& name, const std::string& text)

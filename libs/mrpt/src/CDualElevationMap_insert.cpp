@@ -95,7 +95,7 @@ void CDualElevationMap::insertPoints(
 void CDualElevationMap::applyOptions()
 {
   if (!m_mapper || same_parameters(insertionOptions, m_mapper->parameters())) return;
-  ElevationMapper changed(insertionOptions, m_backend, m_threads);
+  ElevationMapper changed(insertionOptions, m_backend, m_threads, m_device);
   changed.set_output_layers(m_mapper->output_layers());
   const Window before = m_mapper->window(), after = changed.window();
   const bool same_cells = before.cells == after.cells && before.resolution_m == after.resolution_m;

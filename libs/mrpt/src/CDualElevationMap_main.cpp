@@ -44,7 +44,8 @@ void warn_without_creation(const mrpt::config::CConfigFileBase& source, const st
   if (any && !source.sectionExists(prefix + "_creationOpts"))
     talus::detail::warn_once(
         "no section [" + prefix +
-        "_creationOpts]: what belongs there (resolution, window, backend, threads, keep_whole) "
+        "_creationOpts]: what belongs there (resolution, window, backend, threads, device, "
+        "keep_whole) "
         "keeps its default");
 }
 
@@ -109,7 +110,7 @@ void talus::CDualElevationMap::TMapDefinition::loadFromConfigFile_map_specific(
     detail::warn_once(w);
   resolution.reset();
   window.reset();
-  load_execution(source, sectionNamePrefix, backend, threads);
+  load_execution(source, sectionNamePrefix, backend, threads, device);
   keepWhole =
       detail::ini_flag(source, sectionNamePrefix + "_creationOpts", "keep_whole", keepWhole);
   place = detail::in_section(source, sectionNamePrefix + "_creationOpts");
@@ -124,6 +125,7 @@ void talus::CDualElevationMap::TMapDefinition::dumpToTextStream_map_specific(
       << "window     = " << number_text(window.value_or(insertionOpts.window_m)) << " m\n"
       << "backend    = " << backend_text(backend) << "\n"
       << "threads    = " << std::to_string(threads) << "\n"
+      << "device     = " << std::to_string(device) << "\n"
       << "keep_whole = " << (keepWhole ? "true" : "false") << "\n";
   insertionOpts.dumpToTextStream(out);
   likelihoodOpts.dumpToTextStream(out);
@@ -156,7 +158,8 @@ talus::CDualElevationMap::internal_CreateFromMapDefinition(
   p.resolution_m = def.resolution.value_or(p.resolution_m);
   p.window_m = def.window.value_or(p.window_m);
 
-  auto map = std::make_unique<CDualElevationMap>(p, def.backend, def.threads, def.keepWhole);
+  auto map =
+      std::make_unique<CDualElevationMap>(p, def.backend, def.threads, def.keepWhole, def.device);
   map->likelihoodOptions = def.likelihoodOpts;
   map->renderOptions = def.renderOpts;
   if (def.backend == Backend::Cuda) make_mapper_now(*map, def.place);
@@ -189,15 +192,19 @@ void register_mrpt_classes()
 }
 
 CDualElevationMap::CDualElevationMap(
-    const Parameters& parameters, Backend backend, int threads, bool keep_whole)
-    : m_backend(backend), m_threads(threads), m_keep_whole(keep_whole)
+    const Parameters& parameters, Backend backend, int threads, bool keep_whole, int device)
+    : m_backend(backend), m_threads(threads), m_device(device), m_keep_whole(keep_whole)
 {
   parameters.validate();
   static_cast<Parameters&>(insertionOptions) = parameters;
 }
 
 CDualElevationMap::CDualElevationMap(const CDualElevationMap& o)
-    : CMetricMap(o), m_backend(o.m_backend), m_threads(o.m_threads), m_keep_whole(o.m_keep_whole)
+    : CMetricMap(o),
+      m_backend(o.m_backend),
+      m_threads(o.m_threads),
+      m_device(o.m_device),
+      m_keep_whole(o.m_keep_whole)
 {
   *this = o;
 }
@@ -211,6 +218,7 @@ CDualElevationMap& CDualElevationMap::operator=(const CDualElevationMap& o)
   renderOptions = o.renderOptions;
   m_backend = o.m_backend;
   m_threads = o.m_threads;
+  m_device = o.m_device;
   m_keep_whole = o.m_keep_whole;
   m_T_map_base = o.m_T_map_base;
   m_sensors = o.m_sensors;
@@ -220,7 +228,7 @@ CDualElevationMap& CDualElevationMap::operator=(const CDualElevationMap& o)
   m_whole = o.m_whole ? std::make_unique<WholeMap>(*o.m_whole) : nullptr;
   if (!o.m_mapper || o.isEmpty()) return *this;
   m_mapper = std::make_unique<ElevationMapper>(
-      o.m_mapper->parameters(), o.m_mapper->save(), m_backend, m_threads);
+      o.m_mapper->parameters(), o.m_mapper->save(), m_backend, m_threads, m_device);
   return *this;
 }
 
@@ -235,7 +243,7 @@ ElevationMapper& CDualElevationMap::mapper()
 const ElevationMapper& CDualElevationMap::mapper() const
 {
   if (!m_mapper)
-    m_mapper = std::make_unique<ElevationMapper>(insertionOptions, m_backend, m_threads);
+    m_mapper = std::make_unique<ElevationMapper>(insertionOptions, m_backend, m_threads, m_device);
   return *m_mapper;
 }
 

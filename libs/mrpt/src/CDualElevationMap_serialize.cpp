@@ -134,7 +134,7 @@ SensorNumbers read_sensors(StreamReader& in)
 /** The map behind it; none for an empty one. The state is looked at before memory is taken for the
  * window that the parameters say. */
 std::unique_ptr<ElevationMapper> read_mapper(
-    StreamReader& in, int version, Backend& backend, int threads)
+    StreamReader& in, int version, Backend& backend, int threads, int device)
 {
   if (in.flag("whether it is empty")) return nullptr;
   const Parameters p = read_parameters(in, version);
@@ -144,14 +144,14 @@ std::unique_ptr<ElevationMapper> read_mapper(
   const auto state = in.bytes(size, "state");
   try
   {
-    return std::make_unique<ElevationMapper>(p, state, backend, threads);
+    return std::make_unique<ElevationMapper>(p, state, backend, threads, device);
   }
   catch (const std::runtime_error& e)
   {
     // A map written on a machine with a GPU: every backend goes on with the same bits.
     detail::warn_once(std::string(e.what()) + "; the map read goes on with backend auto");
     backend = Backend::Auto;
-    return std::make_unique<ElevationMapper>(p, state, backend, threads);
+    return std::make_unique<ElevationMapper>(p, state, backend, threads, device);
   }
 }
 
@@ -212,7 +212,7 @@ void CDualElevationMap::readVersion(int version, mrpt::serialization::CArchive& 
     read.m_T_map_base = in.pose("pose of the robot");
     if (version > 0) read.m_sensors = read_sensors(in);
     if (version > 1) read.m_keep_whole = in.flag("whether it keeps the whole");
-    read.m_mapper = read_mapper(in, version, read.m_backend, read.m_threads);
+    read.m_mapper = read_mapper(in, version, read.m_backend, read.m_threads, m_device);
     if (read.m_mapper && read.m_keep_whole) read.whole().read(in);
   }
   catch (const std::invalid_argument& e)

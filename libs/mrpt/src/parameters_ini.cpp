@@ -16,12 +16,13 @@ namespace
 {
 using mrpt::system::lowerCase;
 
-constexpr int kMaxThreads = 1024;
+constexpr int kMaxThreads = 1024, kMaxDevice = 1023;
 
 /** Keys of the two sections that are not parameters of the pipeline; read elsewhere. */
 const std::vector<std::string> kOtherKeys{
     "backend",
     "threads",
+    "device",
     "keep_whole",
     "enableSaveAs3DObject",
     "enableObservationLikelihood",
@@ -33,11 +34,13 @@ bool contains_name(const std::vector<std::string>& names, const std::string& nam
       names.begin(), names.end(), [&](const auto& n) { return lowerCase(n) == lowerCase(name); });
 }
 
-/** The parameter that a key of an INI file stands for. */
-std::string parameter_of_key(const std::string& key)
+/** What is meant by a key that is neither a parameter nor another key; may be empty. */
+std::string nearest_key(const std::string& key)
 {
-  const std::string k = lowerCase(key);
-  return k == "resolution" || k == "window" ? k + "_m" : k;
+  std::vector<std::string> names = kOtherKeys;
+  names.reserve(names.size() + parameter_table().size());
+  for (const auto& info : parameter_table()) names.emplace_back(info.name);
+  return nearest_name(key, names);
 }
 
 std::string joined(const std::vector<std::string>& names)
@@ -86,14 +89,25 @@ void with_place(const std::string& place, Function&& f)
 
 }  // namespace
 
+std::string parameter_of_key(const std::string& key)
+{
+  const std::string k = lowerCase(key);
+  return k == "resolution" || k == "window" ? k + "_m" : k;
+}
+
 void warn_unknown_keys(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section,
     const std::vector<std::string>& known, std::vector<std::string>& warnings)
 {
   for (const auto& key : detail::keys_of(cfg, section))
     if (!contains_name(known, key))
+    {
+      const std::string nearest = nearest_name(key, known);
       warnings.push_back(
-          "unknown key '" + key + "' in section [" + section + "]; known are " + joined(known));
+          "unknown key '" + key + "' in section [" + section + "]; " +
+          (nearest.empty() ? "" : "the nearest known name is '" + nearest + "'; ") + "known are " +
+          joined(known));
+    }
 }
 
 void load_parameter_section(
@@ -111,7 +125,7 @@ void load_parameter_section(
     {
       if (const auto replacement = replacement_of_parameter(name); !replacement.empty())
         throw std::runtime_error(key + " is no parameter any longer: " + replacement + place);
-      const std::string nearest = nearest_parameter_name(key);
+      const std::string nearest = nearest_key(key);
       warnings.push_back(
           "unknown key '" + key + "' in section [" + section + "]; " +
           (nearest.empty() ? "doc/parameters.md lists the known ones"
@@ -142,7 +156,7 @@ std::vector<std::string> load_parameters(
 
 void load_execution(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section_prefix, Backend& backend,
-    int& threads)
+    int& threads, int& device)
 {
   const std::string section = section_prefix + "_creationOpts";
   with_place(
@@ -153,6 +167,7 @@ void load_execution(
           backend = backend_from_text(ini_value(cfg, section, "backend"));
       });
   threads = detail::ini_whole_number(cfg, section, "threads", threads, 0, kMaxThreads);
+  device = detail::ini_whole_number(cfg, section, "device", device, 0, kMaxDevice);
 }
 
 void save_parameters(
@@ -185,7 +200,9 @@ std::string parameters_as_markdown()
   out << "# Parameters\n\n"
          "Made from the table in `libs/core/src/parameters.cpp`; do not edit by hand.\n"
          "Write them as `name = value` into `[<prefix>_creationOpts]` or "
-         "`[<prefix>_insertOpts]`.\n\n"
+         "`[<prefix>_insertOpts]`.\n"
+         "`resolution` and `window` stand for `resolution_m` and `window_m`, also in `-s "
+         "window=20`; all other names are whole.\n\n"
          "| name | default | unit | allowed | meaning |\n|---|---|---|---|---|\n";
   for (const auto& info : parameter_table())
   {

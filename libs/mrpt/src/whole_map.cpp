@@ -1,7 +1,5 @@
 #include "whole_map.h"
 
-#include <talus/number_text.h>
-#include <talus/site/floor_map.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 #include <talus/site/tile_bytes.h>
@@ -120,18 +118,13 @@ const MapSnapshot& WholeMap::floor(const ElevationMapper& map)
 {
   if (shown_) return *shown_;
   const site::SiteMapper::Place base = mapper_.state().base;
-  shown_ = std::make_unique<MapSnapshot>(
-      floor_map(site(map), mapper_.floor(), map.parameters(), kMostCells, base.x_m, base.y_m));
+  shown_ = &floor_map_.update(
+      site(map), mapper_.floor(), map.parameters(), kMostCells, base.x_m, base.y_m);
   return *shown_;
 }
 
 void WholeMap::load(const std::string& path)
 {
-  const double resolution_m = site::resolution_of_site(path);
-  if (resolution_m != site_.resolution_m)
-    throw std::runtime_error(
-        path + ": its cells are " + number_text(resolution_m) + " m wide, those of this map " +
-        number_text(site_.resolution_m) + " m: set resolution_m = " + number_text(resolution_m));
   site::read_site_files(path, site_);
   // The mapper counts the floors that there are, and begins a way of its own.
   mapper_.go_on(site::SiteMapper(site_).state());

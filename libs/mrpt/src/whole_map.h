@@ -1,10 +1,10 @@
 #pragma once
 #include <mrpt/serialization/CArchive.h>
+#include <talus/site/floor_map.h>
 #include <talus/site/site.h>
 #include <talus/site/site_mapper.h>
 #include <talus/live_map.h>
 
-#include <memory>
 #include <string>
 
 #include "stream_reader.h"
@@ -25,7 +25,7 @@ class WholeMap
 
   /** The floor where the robot is, the window of `map` included. As it is until the next frame. */
   const MapSnapshot& floor(const ElevationMapper& map);
-  void forget_floor() { shown_.reset(); }
+  void forget_floor() { shown_ = nullptr; }
 
   /** The site, the window of `map` included. */
   site::Site& site(const ElevationMapper& map);
@@ -42,6 +42,7 @@ class WholeMap
   site::Site site_;
   site::SiteMapper mapper_;
   bool loaded_ = false;
-  std::unique_ptr<MapSnapshot> shown_;
+  site::FloorMap floor_map_;
+  const MapSnapshot* shown_ = nullptr;  //!< null: the map has changed since
 };
 }  // namespace talus

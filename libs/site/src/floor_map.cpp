@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace talus::site
 {
@@ -13,7 +14,7 @@ namespace
 constexpr Layer kLayers[] = {
     Layer::Elevation, Layer::GroundElevation, Layer::Variance, Layer::State, Layer::Traversability};
 
-void put(MapSnapshot& map, std::size_t at, const CellRecord& c)
+void put_cell(MapSnapshot& map, std::size_t at, const CellRecord& c)
 {
   const float values[] = {
       c.elevation_m, c.ground_m, c.ground_variance_m2, static_cast<float>(c.state),
@@ -21,33 +22,83 @@ void put(MapSnapshot& map, std::size_t at, const CellRecord& c)
   for (std::size_t i = 0; i < std::size(kLayers); ++i)
     map.layers[static_cast<std::size_t>(kLayers[i])][at] = values[i];
 }
-}  // namespace
 
-MapSnapshot floor_map(
-    Site& site, int floor, const Parameters& parameters, int most_cells, double x_m, double y_m)
+Window window_around(
+    const CellBox& known, double resolution_m, int most_cells, double x_m, double y_m)
 {
-  MapSnapshot map;
-  map.parameters = parameters;
-  const CellBox known = known_box(site, floor);
-  if (known.empty()) return map;
   const std::int64_t wanted = std::max(known.max_x - known.min_x, known.max_y - known.min_y) + 1;
   const int side = static_cast<int>(std::min<std::int64_t>(wanted, most_cells));
   const auto first = [&](std::int64_t min, std::int64_t max, double middle_m)
   {
     if (max - min < side) return min;
-    const auto middle = static_cast<std::int64_t>(std::floor(middle_m / site.resolution_m));
+    const auto middle = static_cast<std::int64_t>(std::floor(middle_m / resolution_m));
     return std::clamp(middle - side / 2, min, max - side + 1);
   };
-  map.window = {
-      side, site.resolution_m, first(known.min_x, known.max_x, x_m),
+  return {
+      side, resolution_m, first(known.min_x, known.max_x, x_m),
       first(known.min_y, known.max_y, y_m)};
-  const CellRect all = rect_of(map.window);
-  map.layers[static_cast<std::size_t>(Layer::Sparsity)].assign(all.size(), NAN);
+}
+}  // namespace
+
+const MapSnapshot& FloorMap::update(
+    Site& site, int floor, const Parameters& parameters, int most_cells, double x_m, double y_m)
+{
+  std::vector<TileKey> changed = site.tiles.take_changed();
+  look_at_changed(site, changed);
+  CellBox known;
+  for (const auto& [key, box] : known_)
+    if (key.floor == floor) known.add(box);
+  map_.parameters = parameters;
+  const Window window =
+      known.empty() ? Window{} : window_around(known, site.resolution_m, most_cells, x_m, y_m);
+  if (floor != floor_ || window.cells != map_.window.cells || !same_place(window, map_.window))
+  {
+    begin(window);
+    changed.clear();
+    for (const auto& entry : known_) changed.push_back(entry.first);
+  }
+  floor_ = floor;
+  for (const TileKey& key : changed)
+    if (key.floor == floor) put(site, key);
+  return map_;
+}
+
+void FloorMap::look_at_changed(Site& site, std::vector<TileKey>& changed)
+{
+  if (floor_ < 0) changed = site.tiles.keys();
+  for (const TileKey& key : changed)
+  {
+    CellBox box;
+    for_each_known_of_tile(
+        site, key, [&](std::int64_t x, std::int64_t y, const SiteCell&) { box.add(x, y); });
+    known_[key] = box;
+  }
+}
+
+void FloorMap::begin(const Window& window)
+{
+  const CellRect all = rect_of(window);
+  map_.window = window;
+  map_.layers[static_cast<std::size_t>(Layer::Sparsity)].assign(all.size(), NAN);
   for (const Layer l : kLayers)
-    map.layers[static_cast<std::size_t>(l)].assign(all.size(), l == Layer::State ? 0.0f : NAN);
-  for_each_kept_cell(
-      site.tiles, all, floor, [&](std::size_t i, const CellRecord& kept) { put(map, i, kept); });
-  return map;
+    map_.layers[static_cast<std::size_t>(l)].assign(all.size(), l == Layer::State ? 0.0F : NAN);
+}
+
+/** The cells of a tile that are in the window. */
+void FloorMap::put(Site& site, const TileKey& key)
+{
+  const Tile* tile = site.tiles.find(key);
+  const Window& w = map_.window;
+  const std::int64_t left = std::int64_t{key.x} * kTileCells - w.min_cell_x;
+  const std::int64_t low = std::int64_t{key.y} * kTileCells - w.min_cell_y;
+  const auto inside = [](std::int64_t at, std::int64_t from)
+  { return std::clamp<std::int64_t>(at, from, from + kTileCells); };
+  const std::int64_t end_x = inside(w.cells, left), end_y = inside(w.cells, low);
+  for (std::int64_t y = inside(0, low); tile && y < end_y; ++y)
+    for (std::int64_t x = inside(0, left); x < end_x; ++x)
+      put_cell(
+          map_, static_cast<std::size_t>(y * w.cells + x),
+          tile->cells[static_cast<std::size_t>((y - low) * kTileCells + (x - left))].cell);
 }
 
 }  // namespace talus::site

@@ -12,6 +12,14 @@ void CellBox::add(std::int64_t x, std::int64_t y)
   max_y = std::max(max_y, y);
 }
 
+void CellBox::add(const CellBox& other)
+{
+  min_x = std::min(min_x, other.min_x);
+  max_x = std::max(max_x, other.max_x);
+  min_y = std::min(min_y, other.min_y);
+  max_y = std::max(max_y, other.max_y);
+}
+
 CellBox known_box(Site& site, int floor)
 {
   CellBox box;

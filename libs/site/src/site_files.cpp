@@ -4,6 +4,9 @@
 
 #include <filesystem>
 #include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace fs = std::filesystem;
 
@@ -29,6 +32,18 @@ std::vector<int> floors_beside(const fs::path& file)
   for (int floor = 1; floor < kMost; ++floor)
     if (fs::exists(with_floor(file, floor), ec)) floors.push_back(floor);
   return floors;
+}
+
+/** Those that the file names must be there. */
+void require_floors(const std::string& path)
+{
+  const std::vector<int> floors = floors_of_site(path);
+  std::error_code ec;
+  for (const int floor : floors)
+    if (const fs::path file = with_floor(path, floor); floor > 0 && !fs::exists(file, ec))
+      throw std::runtime_error(
+          file.string() + ": no such file, but " + path + " is the first of " +
+          std::to_string(floors.size()) + " floors: put those of the others beside it");
 }
 }  // namespace
 
@@ -59,6 +74,7 @@ void write_site_files(const std::string& path, Site& site, const Progress& progr
 
 void read_site_files(const std::string& path, Site& site)
 {
+  require_floors(path);
   read_site(path, site, 0);
   for (const int floor : floors_beside(path))
     read_site(with_floor(path, floor).string(), site, floor);

@@ -1,3 +1,4 @@
+#include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
 #include "site_dataset.h"
@@ -25,6 +26,8 @@ void set_metadata(SiteDataset& dataset, const TilePyramid& pyramid, const Site& 
   const auto set = [&](const char* name, const std::string& text)
   { dataset.SetMetadataItem(name, text.c_str()); };
   set(kFloorItem, std::to_string(floor));
+  if (const auto floors = floors_of(site); floor == floors.front() && floors.size() > 1)
+    set(kFloorsItem, text_of_floors(floors));
   set(kResolutionItem, exact_number_text(site.resolution_m));
   set(kMinCellXItem, std::to_string(pyramid.min_cell_x()));
   set(kMinCellYItem, std::to_string(pyramid.min_cell_y()));
@@ -129,5 +132,7 @@ void read_site(const std::string& path, Site& site, int floor)
 
 double resolution_of_site(const std::string& path) { return SiteReader(path).resolution_m(); }
 int floor_of_site(const std::string& path) { return SiteReader(path).floor(); }
+std::vector<int> floors_of_site(const std::string& path) { return SiteReader(path).floors(); }
+std::uint32_t newest_of_site(const std::string& path) { return SiteReader(path).newest_s(); }
 
 }  // namespace talus::site

@@ -13,6 +13,7 @@ namespace talus::site
 namespace
 {
 constexpr std::size_t kMostPoints = 20000;
+constexpr double kHighestFloor = 1e6;
 
 /** The runs of points on one floor. */
 Ways on_floor(const Ways& ways, int floor)
@@ -63,7 +64,7 @@ std::vector<std::string_view> split(std::string_view text, char separator)
 }
 
 /** Finite numbers with blanks between. */
-std::optional<std::vector<double>> numbers(std::string_view text, std::size_t count)
+std::optional<std::vector<double>> numbers(std::string_view text)
 {
   std::vector<double> values;
   for (const auto part : split(text, ' '))
@@ -73,8 +74,14 @@ std::optional<std::vector<double>> numbers(std::string_view text, std::size_t co
     if (!v || !std::isfinite(*v)) return std::nullopt;
     values.push_back(*v);
   }
-  if (values.size() != count) return std::nullopt;
   return values;
+}
+
+/** The same of so many. */
+std::optional<std::vector<double>> numbers(std::string_view text, std::size_t count)
+{
+  auto values = numbers(text);
+  return values && values->size() == count ? values : std::nullopt;
 }
 }  // namespace
 
@@ -114,6 +121,27 @@ std::optional<Ways> ways_from(const std::string& text, int floor)
     }
   }
   return ways;
+}
+
+std::string text_of_floors(const std::vector<int>& floors)
+{
+  std::string text;
+  for (const int floor : floors) text += (text.empty() ? "" : " ") + std::to_string(floor);
+  return text;
+}
+
+std::optional<std::vector<int>> floors_from(const std::string& text)
+{
+  const auto values = numbers(text);
+  if (!values) return std::nullopt;
+  std::vector<int> floors;
+  floors.reserve(values->size());
+  for (const double v : *values)
+  {
+    if (v != std::floor(v) || v < 0 || v > kHighestFloor) return std::nullopt;
+    floors.push_back(static_cast<int>(v));
+  }
+  return floors;
 }
 
 std::string text_of_origin(const GeoOrigin& o)

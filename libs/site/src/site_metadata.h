@@ -16,6 +16,7 @@ using Ways = std::vector<std::vector<WayPoint>>;
 /// @name Items of the metadata
 /// @{
 constexpr const char* kFloorItem = "TALUS_FLOOR";
+constexpr const char* kFloorsItem = "TALUS_FLOORS";  //!< all of the site; none where it is the only
 constexpr const char* kResolutionItem = "TALUS_RESOLUTION_M";
 constexpr const char* kMinCellXItem = "TALUS_MIN_CELL_X";  //!< of the lower left cell
 constexpr const char* kMinCellYItem = "TALUS_MIN_CELL_Y";
@@ -30,6 +31,11 @@ constexpr const char* kWaysItem = "TALUS_WAYS";  //!< none where there are no wa
 std::string text_of_ways(const Ways& ways, int floor);
 /** And back. Nothing where the text is none of ways. */
 std::optional<Ways> ways_from(const std::string& text, int floor);
+
+/** "0 1 2" */
+std::string text_of_floors(const std::vector<int>& floors);
+/** And back. Nothing where the text is none of floors. */
+std::optional<std::vector<int>> floors_from(const std::string& text);
 
 std::string text_of_origin(const GeoOrigin& origin);
 std::optional<GeoOrigin> origin_from(const std::string& text);

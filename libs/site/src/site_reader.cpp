@@ -82,6 +82,12 @@ void SiteReader::read_metadata()
   newest_s_ = static_cast<std::uint32_t>(
       whole_item(kSeenItem, 0, std::numeric_limits<std::uint32_t>::max()));
   floor_ = static_cast<int>(whole_item(kFloorItem, 0, std::numeric_limits<int>::max()));
+  if (const char* text = dataset_->GetMetadataItem(kFloorsItem))
+  {
+    const auto floors = floors_from(text);
+    if (!floors) fail(std::string("its ") + kFloorsItem + " are no floors; it is " + kDamaged);
+    floors_ = *floors;
+  }
   if (const char* text = dataset_->GetMetadataItem(kOriginItem))
   {
     origin_ = origin_from(text);
@@ -112,7 +118,9 @@ void SiteReader::require_fits(const Site& site) const
   if (resolution_m_ != site.resolution_m)
     fail(
         "its cells are " + number_text(resolution_m_) + " m wide, not " +
-        number_text(site.resolution_m) + " m: give maps of one resolution");
+        number_text(site.resolution_m) +
+        " m: give maps of one resolution, or go on with resolution_m=" +
+        number_text(resolution_m_));
   const auto text = [](const std::optional<GeoOrigin>& o)
   { return o ? text_of_origin(*o) : std::string("none"); };
   if (text(origin_) != text(site.origin))

@@ -23,6 +23,8 @@ class SiteReader
   const std::optional<GeoOrigin>& origin() const { return origin_; }
   std::uint32_t newest_s() const { return newest_s_; }
   int floor() const { return floor_; }
+  /** All that were written with it, as far as the file tells. */
+  const std::vector<int>& floors() const { return floors_; }
   /** Throws where the site has another resolution or origin. */
   void require_fits(const Site& site) const;
   /** As of floor `floor`. */
@@ -54,6 +56,7 @@ class SiteReader
   std::optional<GeoOrigin> origin_;
   std::uint32_t newest_s_ = 0;
   int floor_ = 0;
+  std::vector<int> floors_;
   std::int64_t min_cell_x_ = 0, min_cell_y_ = 0;
   int width_tiles_ = 0, height_tiles_ = 0;
   std::vector<int> bands_;  //!< their numbers in the file, in our order

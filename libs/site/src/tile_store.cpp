@@ -146,6 +146,7 @@ struct TileStore::Impl
   {
     Tile* tile = nullptr;  //!< null: on disk
     bool is_on_disk = false;  //!< as it is in memory, if it is there
+    bool is_changed = false;  //!< since it was asked
     Entry *newer = nullptr, *older = nullptr;
     const TileKey* key = nullptr;
   };
@@ -192,6 +193,20 @@ struct TileStore::Impl
     unlink(last);
     --in_memory;
     return std::exchange(last.tile, nullptr);
+  }
+
+  void erase(std::map<TileKey, Entry>::iterator it)
+  {
+    Entry& entry = it->second;
+    if (entry.tile)
+    {
+      unlink(entry);
+      memory.give_back(entry.tile);
+      --in_memory;
+    }
+    std::error_code gone;
+    if (entry.is_on_disk) fs::remove(path_of(it->first), gone);
+    entries.erase(it);
   }
 
   void link(Entry& entry)
@@ -267,6 +282,7 @@ Tile& TileStore::at(const TileKey& key)
   {
     Tile& tile = impl_->load(found->first, found->second);
     found->second.is_on_disk = false;
+    found->second.is_changed = true;
     return tile;
   }
   catch (...)
@@ -274,6 +290,20 @@ Tile& TileStore::at(const TileKey& key)
     if (is_new) impl_->entries.erase(found);
     throw;
   }
+}
+
+std::vector<TileKey> TileStore::take_changed()
+{
+  std::vector<TileKey> changed;
+  for (auto& [key, entry] : impl_->entries)
+    if (std::exchange(entry.is_changed, false)) changed.push_back(key);
+  return changed;
+}
+
+void TileStore::erase(const TileKey& key)
+{
+  const auto found = impl_->entries.find(key);
+  if (found != impl_->entries.end()) impl_->erase(found);
 }
 
 std::vector<TileKey> TileStore::keys() const

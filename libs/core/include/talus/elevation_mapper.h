@@ -21,6 +21,10 @@ enum class Backend
   Cuda
 };
 
+/** How many devices there are for the CUDA backend; 0 also in a build without it. Starts CUDA in
+ * this process, whose fork() cannot use it then. */
+int cuda_devices();
+
 /** The map: feed it frames, read its layers. Not thread safe.
  *
  * The same frames give the same bits in every layer, whatever the backend, the number of threads or
@@ -30,14 +34,15 @@ class ElevationMapper
  public:
   /** Throws std::invalid_argument if a parameter is out of range, std::runtime_error if `backend`
    * is Cuda and there is no usable device. `threads`: of the CPU backend, 0 = all cores; at most
-   * 1024 are taken. */
+   * 1024 are taken. `device`: of the CUDA backend, below cuda_devices(); any thread may call. */
   explicit ElevationMapper(
-      const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = 1);
+      const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = 1,
+      int device = 0);
   /** The map of which save() gave `state`. Throws as above and as restore(), before it takes memory
    * for a window that the state is none of. */
   ElevationMapper(
       const Parameters& parameters, const std::vector<std::uint8_t>& state,
-      Backend backend = Backend::Auto, int threads = 1);
+      Backend backend = Backend::Auto, int threads = 1, int device = 0);
   ~ElevationMapper();
   ElevationMapper(ElevationMapper&&) noexcept;
   ElevationMapper& operator=(ElevationMapper&&) noexcept;
@@ -101,7 +106,7 @@ class ElevationMapper
 
   Window window() const;
   const Parameters& parameters() const;
-  /** "cpu" or "cuda: NAME OF THE DEVICE" */
+  /** "cpu" or "cuda: NAME OF THE DEVICE", where there are several with " (device 1 of 2)" */
   std::string backend_name() const;
 
   /** The whole persistent state, and back: a restored map goes on with the same bits. restore()

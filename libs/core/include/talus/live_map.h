@@ -52,7 +52,7 @@ class LiveMap
    * FrameSequence. */
   LiveMap(
       const Parameters& parameters, const std::vector<Layer>& layers,
-      Backend backend = Backend::Auto, int threads = 1, double max_late_s = 1.0);
+      Backend backend = Backend::Auto, int threads = 1, double max_late_s = 1.0, int device = 0);
   ~LiveMap();
 
   /** Maps a frame, unless it is a Duplicate or Late, and publishes the result. From any thread;

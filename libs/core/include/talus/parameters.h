@@ -149,9 +149,11 @@ std::string replacement_of_parameter(const std::string& name);
 /** Whether both have the same value of one parameter, to the last bit. */
 bool is_same_value(const ParameterInfo& info, const Parameters& a, const Parameters& b);
 
-/** The known name nearest to a misspelt one by edit distance, with or without the unit at its end;
- * empty when that is more than a third of what was written (more than 1 for a short word). For
- * error messages. */
+/** Of some names the one nearest to a misspelt one by edit distance, with or without the unit at
+ * its end; empty when that is more than a third of what was written (more than 1 for a short
+ * word). For error messages. */
+std::string nearest_name(const std::string& name, const std::vector<std::string>& names);
+/** The same of all parameters. */
 std::string nearest_parameter_name(const std::string& name);
 
 /** Parses the text of a value (a number, true/false, the name of a choice, boxes) and sets it.

@@ -4,9 +4,17 @@
 
 namespace talus
 {
-std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config)
+std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config, int device)
 {
-  return std::make_unique<MapBackend<DeviceSchedule<CudaExecutor>>>(config, CudaExecutor());
+  return std::make_unique<MapBackend<DeviceSchedule<CudaExecutor>>>(config, CudaExecutor(device));
+}
+
+int cuda_devices()
+{
+  int devices = 0;
+  const cudaError_t answer = cudaGetDeviceCount(&devices);
+  static_cast<void>(cudaGetLastError());
+  return answer == cudaSuccess ? devices : 0;
 }
 
 }  // namespace talus

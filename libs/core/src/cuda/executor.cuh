@@ -18,18 +18,19 @@ class CudaExecutor
   using Buffer = DeviceBuffer<T>;
   using Atomics = kernels::DeviceAtomics;
 
-  /** Takes the first device. Throws std::runtime_error that says why where there is none, or none
-   * that this build has code for. */
-  CudaExecutor();
+  /** On the device of that number. Throws std::runtime_error that says why where there is none, or
+   * none that this build has code for. */
+  explicit CudaExecutor(int device);
 
   std::string name() const { return name_; }
 
   /** Cells of more points are updated by a warp. */
   static constexpr int kCrowd = 4;
 
-  /** Of what follows, up to the next use(). */
+  /** Of what follows, up to the next use(), on the thread that calls it. */
   void use(int index)
   {
+    TALUS_CUDA(cudaSetDevice(device_.number));  // which CUDA keeps for each thread
     now_ = static_cast<std::size_t>(index);
     if (!slot().queue.stream) slot() = CudaSlot::make();
   }
@@ -389,6 +390,7 @@ class CudaExecutor
   WorkQueue side_;  //!< of copies, where a frame is recorded
   std::array<CudaSlot, kSlots> slots_;
   std::size_t now_ = 0;
+  OwnDevice device_;  //!< the last member: what goes before it is given back to that device
 };
 
 }  // namespace talus

@@ -18,7 +18,7 @@ constexpr std::size_t kReadBytes = 512 * 1024;
 constexpr std::size_t kDirectBytes = 1024 * 1024;
 }  // namespace
 
-inline CudaExecutor::CudaExecutor()
+inline CudaExecutor::CudaExecutor(int number) : device_{number}
 {
   int devices = 0;
   const cudaError_t answer = cudaGetDeviceCount(&devices);
@@ -27,10 +27,12 @@ inline CudaExecutor::CudaExecutor()
     throw std::runtime_error(
         std::string("no CUDA device answers") +
         (answer == cudaSuccess ? "" : std::string(": ") + cudaGetErrorString(answer)));
-  TALUS_CUDA(cudaSetDevice(0));
+  TALUS_CUDA(cudaSetDevice(number));
   cudaDeviceProp device;
-  TALUS_CUDA(cudaGetDeviceProperties(&device, 0));
+  TALUS_CUDA(cudaGetDeviceProperties(&device, number));
   name_ = std::string("cuda: ") + device.name;
+  if (devices > 1)
+    name_ += " (device " + std::to_string(number) + " of " + std::to_string(devices) + ")";
   cudaFuncAttributes code;
   if (cudaFuncGetAttributes(&code, loops::over_range<loops::FetchContext>) != cudaSuccess)
   {

@@ -20,6 +20,17 @@ inline void check_cuda(cudaError_t error, const char* call, const char* file, in
 }
 #define TALUS_CUDA(call) ::talus::check_cuda((call), #call, __FILE__, __LINE__)
 
+/** The device of a map. The thread that ends the map may have worked with another one. */
+struct OwnDevice
+{
+  int number = 0;
+
+  ~OwnDevice()
+  {
+    if (cudaSetDevice(number) != cudaSuccess) static_cast<void>(cudaGetLastError());
+  }
+};
+
 /** Memory of the device. */
 template <class T>
 class DeviceBuffer

@@ -32,7 +32,8 @@ struct Result
   ContactScatter contact;
   std::size_t patches = 0, samples = 0;
   int rounds = 0;  //!< of association and solution
-  bool kept_given = false;  //!< the estimate was no better on the held-out frames
+  /** The held-out frames fit the given mounting better, or show no ground: not to be used. */
+  bool gains_nothing = false;
   std::vector<std::string> warnings;
 };
 

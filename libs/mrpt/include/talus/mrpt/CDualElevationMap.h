@@ -38,7 +38,7 @@ class WholeMap;
  * wider than 4096 cells, about so many around the robot); see doc/site.md.
  *
  * Inside a CMultiMetricMap its name is `terrain`: `terrain_count = 1`, sections
- * `[<name>_terrain_00_creationOpts]` (resolution, window, backend, threads, keep_whole),
+ * `[<name>_terrain_00_creationOpts]` (resolution, window, backend, threads, device, keep_whole),
  * `_insertOpts`, `_likelihoodOpts`, `_renderOpts`. Not thread safe. An empty map costs nothing to
  * copy.
  *
@@ -53,7 +53,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   /** Arguments and exceptions as of ElevationMapper; a missing device shows at the first use. */
   explicit CDualElevationMap(
       const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = 1,
-      bool keep_whole = false);
+      bool keep_whole = false, int device = 0);
   CDualElevationMap(const CDualElevationMap& o);
   CDualElevationMap& operator=(const CDualElevationMap& o);
   ~CDualElevationMap() override;
@@ -67,6 +67,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   const FrameReport& lastReport() const { return m_lastReport; }
   Backend backend() const { return m_backend; }
   int threads() const { return m_threads; }
+  int device() const { return m_device; }
   /** @} */
 
   /** @name All that was seen
@@ -169,6 +170,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   std::optional<double> window;  //!< side of the window [m]; set: goes before insertionOpts
   Backend backend{Backend::Auto};
   int threads{1};
+  int device{0};  //!< of the CUDA backend
   bool keepWhole{false};
   std::string place;  //!< where a file has the backend, to end messages with; empty: made in code
   talus::CDualElevationMap::TInsertionOptions insertionOpts;
@@ -195,6 +197,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
 
   Backend m_backend;
   int m_threads;
+  int m_device;  //!< of this machine: not written into streams
   bool m_keep_whole;
   mutable std::unique_ptr<ElevationMapper> m_mapper;  //!< made on first use
   mutable std::unique_ptr<WholeMap> m_whole;  //!< the same, where it is kept

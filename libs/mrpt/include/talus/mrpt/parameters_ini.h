@@ -35,12 +35,16 @@ void require_sound_ini(
 void require_sound_ini(
     const mrpt::config::CConfigFileBase& cfg, const std::vector<std::string>& sections);
 
-/** Reads the keys `backend` (auto, cpu, cuda) and `threads` (of the CPU backend, 0: all cores) of
- * `[<section_prefix>_creationOpts]`; a key that is absent leaves its argument alone. Throws as
- * load_parameters(). */
+/** The name of the parameter that a key stands for: `resolution_m` for `resolution`, `window_m` for
+ * `window`, else the key itself, in lower case. */
+std::string parameter_of_key(const std::string& key);
+
+/** Reads the keys `backend` (auto, cpu, cuda), `threads` (of the CPU backend, 0: all cores) and
+ * `device` (of the CUDA backend, from 0) of `[<section_prefix>_creationOpts]`; a key that is absent
+ * leaves its argument alone. Throws as load_parameters(). */
 void load_execution(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section_prefix, Backend& backend,
-    int& threads);
+    int& threads, int& device);
 
 /** Writes every parameter with unit and meaning as comment; load_parameter_section() reads them
  * back. */

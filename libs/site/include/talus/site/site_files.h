@@ -15,7 +15,7 @@ std::vector<int> floors_of(const Site& site);
 void write_site_files(const std::string& path, Site& site, const Progress& progress = Progress());
 
 /** Reads such a file as floor 0, and the other floors from the files beside it. Throws as
- * read_site(). */
+ * read_site(), also where one is missing that was written with it. */
 void read_site_files(const std::string& path, Site& site);
 
 }  // namespace talus::site

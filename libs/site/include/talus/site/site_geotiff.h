@@ -1,8 +1,10 @@
 #pragma once
 #include <talus/site/site.h>
 
+#include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace talus::site
 {
@@ -24,5 +26,9 @@ void read_site(const std::string& path, Site& site, int floor);
 double resolution_of_site(const std::string& path);
 /** Which floor it was written as. Throws as read_site(). */
 int floor_of_site(const std::string& path);
+/** All floors that were written with it; empty where it is the only one. Throws as read_site(). */
+std::vector<int> floors_of_site(const std::string& path);
+/** When its newest cell was seen, whole seconds since 1970. Throws as read_site(). */
+std::uint32_t newest_of_site(const std::string& path);
 
 }  // namespace talus::site

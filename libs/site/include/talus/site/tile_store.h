@@ -64,6 +64,10 @@ class TileStore
   const Tile* find(const TileKey& key);
   /** To be changed; made where there is none. Valid until the next call. Throws as find(). */
   Tile& at(const TileKey& key);
+  /** Those that at() gave out since the last call, ascending. For one user of a store alone. */
+  std::vector<TileKey> take_changed();
+  /** Forgets one, if there is such. */
+  void erase(const TileKey& key);
   /** In ascending order, wherever they are. */
   std::vector<TileKey> keys() const;
 
