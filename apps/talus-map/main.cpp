@@ -63,7 +63,7 @@ int run(const Options& options)
     if (options.backend) settings.backend = *options.backend;
     if (options.threads) settings.threads = *options.threads;
     forward_signals();  // before any folder is made: a signal must not leave it behind
-    require_writable(options.output.empty() ? "." : options.output);
+    if (!options.suggest) require_writable(options.output.empty() ? "." : options.output);
   }
   catch (const std::exception& e)
   {
@@ -72,7 +72,13 @@ int run(const Options& options)
   }
   for (const auto& warning : settings.warnings) print_error("warning: " + warning);
   if (settings.backend == talus::Backend::Cuda && !settings_work(settings)) return kUsage;
-  return run_batch(plan_jobs(options), options, settings);
+  const auto jobs = plan_jobs(options);
+  if (options.suggest)
+  {
+    const bool done = suggest_settings(jobs.front(), options, settings);
+    return stop_signal() ? 128 + stop_signal() : done ? kDone : kSomeFailed;
+  }
+  return run_batch(jobs, options, settings);
 }
 }  // namespace
 
