@@ -79,7 +79,7 @@ class TalusMapHints : public TalusMap
   {
     const sim::World world = sim::parse_world(world_text + sensors, "test.yaml");
     sim::DriveOptions options;
-    options.every = 4;
+    options.every = 2;
     const sim::Drive drive(world, options);
     Objects objects;
     std::string tum;

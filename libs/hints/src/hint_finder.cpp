@@ -15,7 +15,8 @@ namespace
 /** The first frames, then fewer and fewer: what is wrong shows soon. */
 bool is_due(std::size_t frame)
 {
-  return frame < kAllFrames || frame % (frame < kMostlyFrames ? 4 : 16) == 0;
+  const std::size_t step = frame < kManyFrames ? 4 : frame < kSomeFrames ? 8 : 32;
+  return frame < kAllFrames || frame % step == 0;
 }
 
 bool is_identity(const Pose& T)
@@ -53,6 +54,14 @@ void note_reach(SensorFigures& s, const std::vector<Vec3>& points, const NearPla
       distances.add(std::hypot(p.x - s.sensor.x, p.y - s.sensor.y));
   if (distances.size() > 0) s.reach_m.add(distances.quantile(0.9));
 }
+/** Keeps every n-th of too many. */
+void thin_out(std::vector<Vec3>& points, std::size_t most)
+{
+  const std::size_t step = points.size() / most + 1;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); i += step) points[kept++] = points[i];
+  points.resize(kept);
+}
 }  // namespace
 
 struct HintFinder::Scratch
@@ -60,8 +69,9 @@ struct HintFinder::Scratch
   std::vector<Vec3> points, near;
 };
 
-HintFinder::HintFinder(const Parameters& parameters)
+HintFinder::HintFinder(const Parameters& parameters, Effort effort)
     : parameters_(parameters),
+      effort_(effort),
       figures_(std::make_unique<Figures>()),
       scratch_(std::make_unique<Scratch>())
 {
@@ -94,7 +104,8 @@ void HintFinder::add(const Frame& frame, const std::string& sensor, const FrameR
   f.poses.add(frame.stamp_s, T_map_base);
   const std::size_t number = number_of(sensor);
   SensorFigures& s = f.sensors[number];
-  if (is_due(s.frames++)) look_at(frame, number);
+  const bool due = is_due(s.frames++);
+  if (due || effort_ == Effort::Much) look_at(frame, number);
 }
 
 void HintFinder::look_at(const Frame& frame, std::size_t sensor)
@@ -106,7 +117,9 @@ void HintFinder::look_at(const Frame& frame, std::size_t sensor)
   s.has_mounting = !is_identity(T_base_sensor);
   s.sensor = origin_of(T_base_sensor);
   auto& points = scratch_->points;
-  sample_in_base(frame, parameters_, kMostPoints, s.frames, points);
+  const bool thorough = effort_ == Effort::Much;
+  sample_in_base(
+      frame, parameters_, thorough ? kManyPoints : kFewPoints, s.frames, points);
   if (is_flat_scan(points, s.sensor)) return;
   ++s.analysed;
   f.base_up.add(T_map_base.m[10]);
@@ -133,28 +146,33 @@ void HintFinder::look_at(const Frame& frame, std::size_t sensor)
     s.above_far_ground_m.add(farther.distance_m(s.sensor));
     note_reach(s, points, farther);
   }
-  watch_body(frame, sensor, T_map_base);
-  if (lowest.found && s.analysed <= kNoiseFrames)
+  watch_body(frame, sensor, lowest, T_map_base);
+  if (thorough && lowest.found && s.analysed <= kNoiseFrames)
   {
     near_in_base(frame, parameters_, kFar_m, scratch_->near);
     note_spreads(scratch_->near, lowest, s.spread_m);
   }
 }
 
-void HintFinder::watch_body(const Frame& frame, std::size_t sensor, const Pose& T_map_base)
+void HintFinder::watch_body(
+    const Frame& frame, std::size_t sensor, const NearPlane& lowest, const Pose& T_map_base)
 {
   BodyWatch& body = figures_->sensors[sensor].body;
   if (!body.wants(T_map_base)) return;
-  near_in_base(frame, parameters_, kBodyReach_m, scratch_->near);
-  body.add(scratch_->near, scratch_->points, T_map_base);
+  auto& near = scratch_->near;
+  near_in_base(frame, parameters_, kBodyReach_m, near);
+  const NearPlane ground = lowest.found ? lowest : NearPlane{};  // else level, at the base
+  near.erase(
+      std::remove_if(
+          near.begin(), near.end(), [&](const Vec3& p)
+          { return ground.distance_m(p) < kBodyAbove_m / 2; }),
+      near.end());
+  if (effort_ == Effort::Little) thin_out(near, kMostNearPoints);
+  body.add(near, scratch_->points, T_map_base);
 }
 
 std::vector<Hint> HintFinder::find(double known_share) const
 {
-//TMP
-  if(getenv("HD")){ const Figures&f=*figures_; for(auto&s:f.sensors){ auto g=s.ground(); fprintf(stderr,"FIG %s an %zu gnd %.2f ceil %.2f steep %.2f | nx %.3f ny %.3f z0 %.3f above %.3f claim %.2f rms %.3f lean %.1f reach %.1f ceilh %.2f\n",s.label.c_str(),s.analysed,s.share(s.ground_m),s.share(s.ceiling_above_m),s.share(s.steep_rad),g.normal.x,g.normal.y,s.ground_m.median(),s.sensor_above_m.median(),s.sensor.z,s.rms_m.median(),s.lean_in_map_rad.median()*57.3,s.reach_m.median(),s.ceiling_above_m.median());}
-  double o=f.rejected[4]; fprintf(stderr,"FIG2 up %.2f pairs %zu diff %.3f spread %.3f jumps %zu below %.2f above %.2f outside %.3f known %.3f\n",f.base_up.median(),f.ground.pairs(),f.ground.difference_m(),f.ground.spread_m(),f.poses.jumps(),double(f.below_band)/f.sampled,double(f.above_band)/f.sampled,o/(o+f.accepted),known_share);}
-//TMPEND
   return judge(*figures_, parameters_, known_share);
 }
 

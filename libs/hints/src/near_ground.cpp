@@ -204,13 +204,14 @@ NearPlane lowest_plane(
 
 bool is_flat_scan(const std::vector<Vec3>& points, const Vec3& sensor)
 {
-  constexpr double kFlat = 0.01;  // sine of the widest angle to the plane
+  constexpr double kFlat = 1e-4;  // sine of the widest angle to the plane; real ground scatters by more
+  constexpr std::size_t kTried = 64;  // points, for the plane
   Vec3 normal;
   double most = 0;
   const Vec3 a = points.empty() ? Vec3{} : points.front() - sensor;
-  for (const Vec3& p : points)
+  for (std::size_t i = 0; i < points.size(); i += points.size() / kTried + 1)
   {
-    const Vec3 n = cross(a, p - sensor);
+    const Vec3 n = cross(a, points[i] - sensor);
     if (length(n) <= most) continue;
     most = length(n);
     normal = {n.x / most, n.y / most, n.z / most};

@@ -47,9 +47,10 @@ void PoseWatch::judge(const Step& step, double stamp_s)
       step.moved_m.z - ratio * step_.moved_m.z};
   const double off_m = length(off);
   const double off_deg = std::abs(step.turned_rad - ratio * step_.turned_rad) * 180 / M_PI;
-  const bool leaps =
-      (off_m > kJump_m && off_m > kJump_mps2 * step.duration_s * step.duration_s) ||
-      off_deg > kJump_deg;
+  const double square_s2 = step.duration_s * step.duration_s;
+  const bool leaps = off_m > std::max(kJump_m, kJump_mps2 * square_s2) ||
+                     std::abs(off.z) > std::max(kJump_m, kJumpUp_mps2 * square_s2) ||
+                     (off_deg > kTurn_deg && step.duration_s <= kTurnGap_s);
   const bool is_its_end = leaps && has_jumped_;  // the speed drops again
   has_jumped_ = leaps && !is_its_end;
   if (!has_jumped_) return;

@@ -12,15 +12,22 @@
 namespace talus::hints
 {
 struct Figures;
+struct NearPlane;
 
-/** Watches the frames of a map for what a wrong configuration shows of itself. Looks at a sample of
- * the points of some frames: it costs less than 2 % of the map. The same frames give the same
- * hints. */
+/** How much a finder may look at. */
+enum class Effort
+{
+  Little,  //!< beside a map: less than 2 % of its time
+  Much  //!< every frame, for suggestions
+};
+
+/** Watches the frames of a map for what a wrong configuration shows of itself. The same frames
+ * give the same hints. */
 class HintFinder
 {
  public:
   /** Of a map with these parameters. */
-  explicit HintFinder(const Parameters& parameters);
+  explicit HintFinder(const Parameters& parameters, Effort effort = Effort::Little);
   ~HintFinder();
   HintFinder(HintFinder&&) noexcept;
   HintFinder& operator=(HintFinder&&) noexcept;
@@ -43,10 +50,12 @@ class HintFinder
  private:
   struct Scratch;
   void look_at(const Frame& frame, std::size_t sensor);
-  void watch_body(const Frame& frame, std::size_t sensor, const Pose& T_map_base);
+  void watch_body(
+      const Frame& frame, std::size_t sensor, const NearPlane& lowest, const Pose& T_map_base);
   std::size_t number_of(const std::string& label);
 
   Parameters parameters_;
+  Effort effort_;
   std::unique_ptr<Figures> figures_;
   std::unique_ptr<Scratch> scratch_;
 };
