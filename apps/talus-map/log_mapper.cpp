@@ -91,7 +91,10 @@ std::string class_of(const mrpt::obs::CObservation& obs)
 
 LogMapper::LogMapper(
     const Job& job, const Options& options, const Settings& settings, KeptSite* site)
-    : options_(options), log_(job.log), map_(make_map(settings)), site_(site),
+    : options_(options),
+      log_(job.log),
+      map_(make_map(settings)),
+      site_(site),
       hints_(settings.parameters, options.suggest ? hints::Effort::Much : hints::Effort::Little)
 {
   map_.set_output_layers(layers_of_every_frame(options));

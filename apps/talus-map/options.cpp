@@ -44,7 +44,8 @@ constexpr const char* kFooter =
     "  talus-map drive.rawlog --rawlog-out terrain.rawlog\n"
     "      for rawlog-edit -p libtalus-mrpt.so --info -i terrain.rawlog\n"
     "\n"
-    "Hints: what looks wrongly set (band, window, mounting, poses, the robot's own body ...) is told "
+    "Hints: what looks wrongly set (band, window, mounting, poses, the robot's own body ...) is "
+    "told "
     "in a line each,\n"
     "'hint: ...', with the setting that mends it (doc/hints.md); --strict makes them errors.\n"
     "\n"
@@ -175,7 +176,8 @@ void add_outputs(CLI::App& app, Options& o)
       "--strict", o.strict, "Hints are errors: exit code 1, and nothing is written of that log");
   app.add_flag(
       "--suggest", o.suggest,
-      "Map nothing: print a configuration (--config) that suits the log, with reasons (of one log)");
+      "Map nothing: print a configuration (--config) that suits the log, with reasons (of one "
+      "log)");
 }
 }  // namespace
 

@@ -162,11 +162,12 @@ std::string suggestion_ini(const LogMapper& mapper)
     (is_window ? creation : insertion) += s.name + " = " + s.value + "  // " + s.reason + "\n";
   }
   const std::string ground =
-      creation.empty() ? "# No ground was seen in it: window and heights are left as they are.\n" : "";
+      creation.empty() ? "# No ground was seen in it: window and heights are left as they are.\n"
+                       : "";
   return "# Made from " + std::to_string(run.frames.size()) + " scans of " + log +
          " by talus-map --suggest; see doc/parameters.md\n" + ground +
-         "\n[CDualElevationMap_creationOpts]\n" + creation +
-         "\n[CDualElevationMap_insertOpts]\n" + insertion;
+         "\n[CDualElevationMap_creationOpts]\n" + creation + "\n[CDualElevationMap_insertOpts]\n" +
+         insertion;
 }
 
 }  // namespace talus::app

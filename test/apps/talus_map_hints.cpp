@@ -1,5 +1,5 @@
-// The command talus-map tells what looks wrongly set: of each wrong configuration its cause and nothing else, of sound
-// ones nothing.
+// The command talus-map tells what looks wrongly set: of each wrong configuration its cause and
+// nothing else, of sound ones nothing.
 #include <mrpt/poses/CPose3DQuat.h>
 #include <talus/sim/drive.h>
 
@@ -61,12 +61,13 @@ struct Mistakes
 /** What each hint says of its cause, in its own words. */
 const std::set<std::string>& all_causes()
 {
-  static const std::set<std::string> causes{
-      "upside down",     "tilted against the base",   "is tilted in the map",
-      "height of the sensor itself", "two grounds", "mounting contradicts",
-      "the poses jump",  "contradict each other",     "min_height_m =",
-      "max_height_m =",  "outside of the window",     "was seen",
-      "move with the robot"};
+  static const std::set<std::string> causes{"upside down",           "tilted against the base",
+                                            "is tilted in the map",  "height of the sensor itself",
+                                            "two grounds",           "mounting contradicts",
+                                            "the poses jump",        "contradict each other",
+                                            "min_height_m =",        "max_height_m =",
+                                            "outside of the window", "was seen",
+                                            "move with the robot"};
   return causes;
 }
 
@@ -146,9 +147,9 @@ class TalusMapHints : public TalusMap
     if (wrong.pose) T = wrong.pose(T, time_s);
     const mrpt::poses::CPose3DQuat p(T);
     const auto& q = p.quat();
-    const std::array<double, 4> order =
-        wrong.quaternion_begins_with_w ? std::array<double, 4>{q.r(), q.x(), q.y(), q.z()}
-                                       : std::array<double, 4>{q.x(), q.y(), q.z(), q.r()};
+    const std::array<double, 4> order = wrong.quaternion_begins_with_w
+                                            ? std::array<double, 4>{q.r(), q.x(), q.y(), q.z()}
+                                            : std::array<double, 4>{q.x(), q.y(), q.z(), q.r()};
     return mrpt::format(
         "%.6f %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", kFirstStamp_s + time_s, p.x(), p.y(),
         p.z(), order[0], order[1], order[2], order[3]);
@@ -288,15 +289,15 @@ TEST_F(TalusMapHints, a_clock_that_is_late)
 
 TEST_F(TalusMapHints, the_body_of_the_robot_with_the_box_to_paste)
 {
-  const std::string body =
-      "  body: [{box: {at_m: [-0.4, 0.2, 0.5], size_m: [0.2, 0.3, 0.5]}}]\n";
+  const std::string body = "  body: [{box: {at_m: [-0.4, 0.2, 0.5], size_m: [0.2, 0.3, 0.5]}}]\n";
   write_drive(kOneSensor, {}, kWorld + body);
   const Outcome done = run("drive.rawlog --no-site --output out");
   EXPECT_EQ(causes_in(done.err), only("move with the robot"));
   const std::string begin = "body_boxes_m = ";
   const auto at = done.err.find(begin);
   ASSERT_NE(at, std::string::npos) << done.err;
-  const std::string boxes = done.err.substr(at + begin.size(), done.err.find('\n', at) - at - begin.size());
+  const std::string boxes =
+      done.err.substr(at + begin.size(), done.err.find('\n', at) - at - begin.size());
   EXPECT_EQ(causes("-s 'body_boxes_m=" + boxes + "'"), (std::map<std::string, int>{})) << boxes;
 }
 
@@ -337,7 +338,8 @@ TEST_F(TalusMapHints, real_logs_have_none)
 {
   const std::string street = real_data("street.rawlog"), parked = real_data("parked.rawlog");
   TALUS_SKIP_WITHOUT(street);
-  const std::string car = std::string(" --no-site --output out --config ") + TALUS_SOURCE_DIR + "/datasets/configs/car.ini";
+  const std::string car = std::string(" --no-site --output out --config ") + TALUS_SOURCE_DIR +
+                          "/datasets/configs/car.ini";
   EXPECT_EQ(run(street + car).err, "");
   EXPECT_EQ(run(parked + " --no-site --output out").err, "");
 }

@@ -26,8 +26,7 @@ mrpt::obs::CObservationPointCloud floor_scan(int frame, double below_m)
           static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle)),
           static_cast<float>(-below_m));
     }
-  for (int i = 0; i < 10; ++i)
-    points->insertPoint(3, 1, static_cast<float>(0.1 * i - below_m));
+  for (int i = 0; i < 10; ++i) points->insertPoint(3, 1, static_cast<float>(0.1 * i - below_m));
   mrpt::obs::CObservationPointCloud obs;
   obs.pointcloud = points;
   obs.sensorLabel = "lidar";

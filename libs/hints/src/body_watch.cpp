@@ -29,7 +29,8 @@ std::int64_t index_of(double v, double size_m)
 
 std::uint64_t packed(std::int64_t x, std::int64_t y, std::int64_t z)
 {
-  const auto part = [](std::int64_t i) { return static_cast<std::uint64_t>(i + kBias) & 0x1fffffU; };
+  const auto part = [](std::int64_t i)
+  { return static_cast<std::uint64_t>(i + kBias) & 0x1fffffU; };
   return part(x) << 42 | part(y) << 21 | part(z);
 }
 
@@ -88,8 +89,8 @@ BodyBox box_of(const std::vector<std::uint64_t>& voxels)
 /** Goes on beyond what is looked at: no part of a robot. */
 bool is_cut(const BodyBox& b)
 {
-  const double far_m = std::max(
-      {-b.min_x_m, b.max_x_m, -b.min_y_m, b.max_y_m, -b.min_z_m, b.max_z_m});
+  const double far_m =
+      std::max({-b.min_x_m, b.max_x_m, -b.min_y_m, b.max_y_m, -b.min_z_m, b.max_z_m});
   return far_m > kBodyReach_m;
 }
 
@@ -102,8 +103,7 @@ double extent_m(const BodyBox& b)
 bool BodyWatch::wants(const Pose& T_map_base) const
 {
   if (poses_.size() >= kBodyFrames) return false;
-  return poses_.empty() ||
-         length(origin_of(T_map_base) - origin_of(poses_.back())) >= kBodyStep_m;
+  return poses_.empty() || length(origin_of(T_map_base) - origin_of(poses_.back())) >= kBodyStep_m;
 }
 
 void BodyWatch::add(
@@ -143,15 +143,15 @@ std::vector<BodyBox> BodyWatch::boxes(const NearPlane& ground) const
   return boxes;
 }
 
-std::vector<BodyBox> BodyWatch::boxes_of_one_scan(
-    const NearPlane& ground, const Vec3& sensor) const
+std::vector<BodyBox> BodyWatch::boxes_of_one_scan(const NearPlane& ground, const Vec3& sensor) const
 {
   std::vector<BodyBox> boxes;
   for (const Part& part : parts(ground))
   {
     const BodyBox box = box_of(part);
-    const auto off = [](double at, double low, double high)
-    { return std::max({low - at, at - high, 0.0}); };
+    const auto off = [](double at, double low, double high) {
+      return std::max({low - at, at - high, 0.0});
+    };
     const double away_m = std::hypot(
         off(sensor.x, box.min_x_m, box.max_x_m), off(sensor.y, box.min_y_m, box.max_y_m));
     if (!is_cut(box) && away_m < kSureReach_m * ground.distance_m(sensor)) boxes.push_back(box);

@@ -25,8 +25,8 @@ class BodyWatch
    * none where the robot has not moved enough to tell. `ground`: where it lies in that frame. */
   std::vector<BodyBox> boxes(const NearPlane& ground) const;
 
-  /** Of a single scan: what stands nearer to the sensor than anything but the robot could, as far as
-   * nothing else begins. */
+  /** Of a single scan: what stands nearer to the sensor than anything but the robot could, as far
+   * as nothing else begins. */
   std::vector<BodyBox> boxes_of_one_scan(const NearPlane& ground, const Vec3& sensor) const;
 
   std::size_t frames() const { return poses_.size(); }

@@ -31,7 +31,8 @@ void ContradictionWatch::add(
     hits_.push_back({cell_of(at.x, at.y), at.z});
   }
   std::sort(
-      hits_.begin(), hits_.end(), [](const Hit& a, const Hit& b)
+      hits_.begin(), hits_.end(),
+      [](const Hit& a, const Hit& b)
       { return a.cell != b.cell ? a.cell < b.cell : a.z_m < b.z_m; });
   for (std::size_t from = 0, to = 0; from < hits_.size(); from = to)
   {
@@ -45,8 +46,7 @@ void ContradictionWatch::compare(std::size_t from, std::size_t to, const Pose& T
   double sum = 0, squares = 0;
   for (std::size_t i = from; i < to; ++i) sum += hits_[i].z_m;
   const double n = static_cast<double>(to - from), mean = sum / n;
-  for (std::size_t i = from; i < to; ++i)
-    squares += (hits_[i].z_m - mean) * (hits_[i].z_m - mean);
+  for (std::size_t i = from; i < to; ++i) squares += (hits_[i].z_m - mean) * (hits_[i].z_m - mean);
   const Seen now{mean, T_map_base.x(), T_map_base.y()};
   const auto found = seen_.find(hits_[from].cell);
   if (found == seen_.end())

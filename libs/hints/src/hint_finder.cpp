@@ -85,8 +85,8 @@ std::size_t HintFinder::frames() const { return figures_->frames; }
 std::size_t HintFinder::number_of(const std::string& label)
 {
   auto& sensors = figures_->sensors;
-  const auto known = std::find_if(
-      sensors.begin(), sensors.end(), [&](const auto& s) { return s.label == label; });
+  const auto known =
+      std::find_if(sensors.begin(), sensors.end(), [&](const auto& s) { return s.label == label; });
   if (known != sensors.end()) return static_cast<std::size_t>(known - sensors.begin());
   sensors.emplace_back();
   sensors.back().label = label;
@@ -118,8 +118,7 @@ void HintFinder::look_at(const Frame& frame, std::size_t sensor)
   s.sensor = origin_of(T_base_sensor);
   auto& points = scratch_->points;
   const bool thorough = effort_ == Effort::Much;
-  sample_in_base(
-      frame, parameters_, thorough ? kManyPoints : kFewPoints, s.frames, points);
+  sample_in_base(frame, parameters_, thorough ? kManyPoints : kFewPoints, s.frames, points);
   if (is_flat_scan(points, s.sensor)) return;
   ++s.analysed;
   f.base_up.add(T_map_base.m[10]);
@@ -139,8 +138,7 @@ void HintFinder::look_at(const Frame& frame, std::size_t sensor)
     note_reach(s, points, lowest);
     f.ground.add(points, lowest, T_map_base);
   }
-  else if (const NearPlane farther =
-               lowest_plane(points, s.sensor, 1, kFarther_m, kFartherShare);
+  else if (const NearPlane farther = lowest_plane(points, s.sensor, 1, kFarther_m, kFartherShare);
            farther.found)
   {
     s.above_far_ground_m.add(farther.distance_m(s.sensor));
@@ -164,8 +162,8 @@ void HintFinder::watch_body(
   const NearPlane ground = lowest.found ? lowest : NearPlane{};  // else level, at the base
   near.erase(
       std::remove_if(
-          near.begin(), near.end(), [&](const Vec3& p)
-          { return ground.distance_m(p) < kBodyAbove_m / 2; }),
+          near.begin(), near.end(),
+          [&](const Vec3& p) { return ground.distance_m(p) < kBodyAbove_m / 2; }),
       near.end());
   if (effort_ == Effort::Little) thin_out(near, kMostNearPoints);
   body.add(near, scratch_->points, T_map_base);

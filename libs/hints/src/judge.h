@@ -9,8 +9,7 @@
 namespace talus::hints
 {
 /** See HintFinder::find(). */
-std::vector<Hint> judge(
-    const Figures& figures, const Parameters& parameters, double known_share);
+std::vector<Hint> judge(const Figures& figures, const Parameters& parameters, double known_share);
 
 /// @name One cause each; nothing where it is not certain
 /// @{

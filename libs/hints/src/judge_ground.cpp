@@ -72,10 +72,10 @@ std::optional<Hint> upside_down(const Figures& f)
 {
   if (f.base_up.size() > 0 && f.base_up.median() < kUpsideDown)
     return Hint{
-        Kind::UpsideDown,
-        "the poses turn the robot upside down (z of the base points down, " +
-            fixed_text(f.base_up.median(), 2) +
-            " along the map's z): a TUM line is t x y z qx qy qz qw, and z of base and map point up"};
+        Kind::UpsideDown, "the poses turn the robot upside down (z of the base points down, " +
+                              fixed_text(f.base_up.median(), 2) +
+                              " along the map's z): a TUM line is t x y z qx qy qz qw, and z of "
+                              "base and map point up"};
   for (const SensorFigures& s : f.sensors)
     if (is_mirrored(s))
       return Hint{
@@ -146,7 +146,8 @@ std::optional<Hint> two_grounds(const Figures& f)
   if (!lowest) return {};
   const double apart_m = highest->ground_m.median() - lowest->ground_m.median();
   if (apart_m < kTwoGrounds_m && lean_deg < kTwoGrounds_deg) return {};
-  const std::string a = lowest->label, b = highest == lowest ? f.sensors.back().label : highest->label;
+  const std::string a = lowest->label,
+                    b = highest == lowest ? f.sensors.back().label : highest->label;
   return Hint{
       Kind::TwoGrounds,
       "two sensors see two grounds: '" + b + "' " + metres(apart_m) + " above that of '" + a +
@@ -162,12 +163,12 @@ std::optional<Hint> wrong_mounting(const Figures& f)
     if (!is_wrong_height(s) && !is_wrong_tilt(s)) continue;
     const double lean_deg = lean_rad(s.ground()) * 180 / M_PI;
     return Hint{
-        Kind::Mounting,
-        "the mounting" + of_sensor(f, s) + " contradicts the ground: seen at " +
-            metres(s.ground_m.median()) + " of the base, where it should be at 0, and tilted by " +
-            fixed_text(lean_deg, 0) + " degrees; the sensor is " +
-            metres(s.sensor_above_m.median()) + " above it, sensorPose says " +
-            metres(s.sensor.z) + ": talus-calibrate finds the mounting"};
+        Kind::Mounting, "the mounting" + of_sensor(f, s) + " contradicts the ground: seen at " +
+                            metres(s.ground_m.median()) +
+                            " of the base, where it should be at 0, and tilted by " +
+                            fixed_text(lean_deg, 0) + " degrees; the sensor is " +
+                            metres(s.sensor_above_m.median()) + " above it, sensorPose says " +
+                            metres(s.sensor.z) + ": talus-calibrate finds the mounting"};
   }
   return {};
 }

@@ -34,15 +34,15 @@ std::optional<Hint> height_band(const Figures& f, const Parameters& p)
   if (ground_above || (above > kMost && p.max_height_m < p.clearance_m - height_m))
     return Hint{
         Kind::HeightBand,
-        percent(above) + " of the points lie above max_height_m = " +
-            number_text(p.max_height_m) + " (from the sensor, which is " +
-            fixed_text(height_m, 2) + " m above the ground): set max_height_m to " +
+        percent(above) + " of the points lie above max_height_m = " + number_text(p.max_height_m) +
+            " (from the sensor, which is " + fixed_text(height_m, 2) +
+            " m above the ground): set max_height_m to " +
             fixed_text(std::max(0.5, p.clearance_m - height_m + 0.5), 1) + " or more"};
   if (below > kMost || (cuts_ground && below > 0.1))
     return Hint{
         Kind::HeightBand,
-        percent(below) + " of the points lie below min_height_m = " +
-            number_text(p.min_height_m) + " (from the sensor" +
+        percent(below) + " of the points lie below min_height_m = " + number_text(p.min_height_m) +
+            " (from the sensor" +
             (height_m > 0 ? ", which is " + fixed_text(height_m, 2) + " m above the ground"
                           : std::string()) +
             "): set min_height_m to " +
@@ -59,15 +59,16 @@ std::optional<Hint> window_too_small(const Figures& f, const Parameters& p, doub
   const bool is_blind_spot = p.window_m / 2 < kLeastHeights * height_m;
   const bool is_empty = known_share < kKnownInside;
   if (share < kOutside && !(share > kMost && (is_blind_spot || is_empty))) return {};
-  const double enough_m = height_m > 0 ? std::min(reach_m, kMostHeights * height_m) : reach_m;
+  const double far_height_m = height_m > 0 || !s ? height_m : s->above_far_ground_m.median();
+  const double enough_m =
+      far_height_m > 0 ? std::min(reach_m, kMostHeights * far_height_m) : reach_m;
   return Hint{
       Kind::Window,
       percent(share) + " of the points lie outside of the window of " + number_text(p.window_m) +
           " m" +
           (reach_m > 0 ? " (the ground is seen up to " + fixed_text(reach_m, 0) + " m away)"
                        : std::string()) +
-          ": set window_m to " +
-          fixed_text(2 * std::ceil(std::max(enough_m, p.window_m)), 0)};
+          ": set window_m to " + fixed_text(2 * std::ceil(std::max(enough_m, p.window_m)), 0)};
 }
 
 std::optional<Hint> little_seen(const Figures&, const Parameters& p, double known_share)

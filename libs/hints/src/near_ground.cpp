@@ -204,7 +204,8 @@ NearPlane lowest_plane(
 
 bool is_flat_scan(const std::vector<Vec3>& points, const Vec3& sensor)
 {
-  constexpr double kFlat = 1e-4;  // sine of the widest angle to the plane; real ground scatters by more
+  constexpr double kFlat =
+      1e-4;  // sine of the widest angle to the plane; real ground scatters by more
   constexpr std::size_t kTried = 64;  // points, for the plane
   Vec3 normal;
   double most = 0;
@@ -217,7 +218,8 @@ bool is_flat_scan(const std::vector<Vec3>& points, const Vec3& sensor)
     normal = {n.x / most, n.y / most, n.z / most};
   }
   return std::all_of(
-      points.begin(), points.end(), [&](const Vec3& p)
+      points.begin(), points.end(),
+      [&](const Vec3& p)
       { return std::abs(dot(normal, p - sensor)) <= kFlat * length(p - sensor); });
 }
 

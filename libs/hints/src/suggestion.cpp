@@ -15,7 +15,7 @@ namespace
 {
 constexpr double kLeastHalfWindow_m = 4, kMostHalfWindow_m = 12;
 constexpr double kBeyondReach = 1.2;  // of what 9 of 10 points on the ground are nearer than
-constexpr double kMostCells = 260;  // along a side: what a core maps in a few milliseconds
+constexpr double kMostCells = 360;  // along a side; coarser cells miss and widen what is small
 constexpr double kBelowGround_m = 1.2;  // ditches and slopes down
 constexpr double kHeightError_m = 0.03;  // of the sensor's height as the ground tells it
 constexpr double kAboveGround_m = 2.2;  // what a robot could meet
@@ -56,13 +56,13 @@ void suggest_window(const Basis& b, Suggestions& out)
   const double window_m = 2 * b.half_window_m;
   out.push_back(
       {"resolution_m", number_text(b.resolution_m),
-       number_text(window_m / b.resolution_m) +
-           " cells along a side, of no more than " + number_text(kMostCells)});
+       number_text(window_m / b.resolution_m) + " cells along a side, of no more than " +
+           number_text(kMostCells)});
   out.push_back(
       {"window_m", number_text(window_m),
        "to 7 times the height of the sensor (" + metres(b.height_m) +
-           "), beyond which beams graze the ground, not beyond what is seen (" +
-           metres(b.reach_m) + ") nor " + number_text(2 * kMostHalfWindow_m) + " m"});
+           "), beyond which beams graze the ground, not beyond what is seen (" + metres(b.reach_m) +
+           ") nor " + number_text(2 * kMostHalfWindow_m) + " m"});
 }
 
 void suggest_heights(const Basis& b, Suggestions& out)
@@ -70,7 +70,8 @@ void suggest_heights(const Basis& b, Suggestions& out)
   const Parameters defaults;
   const double low_m = std::max(-defaults.min_height_m, round_up(b.height_m + kBelowGround_m, 0.5));
   const double high_m = std::max(0.5, round_up(kAboveGround_m - b.height_m, 0.1));
-  const double clearance_m = std::max(defaults.clearance_m, round_up(b.height_m - kHeightError_m, 0.1));
+  const double clearance_m =
+      std::max(defaults.clearance_m, round_up(b.height_m - kHeightError_m, 0.1));
   const std::string ground = "the ground lies " + metres(b.height_m) + " below the sensor";
   out.push_back({"min_height_m", number_text(-low_m), ground + ", ditches deeper"});
   out.push_back(
@@ -122,8 +123,7 @@ void suggest_noise(const SensorFigures& s, Suggestions& out)
          "the default: no piece of ground was hit often enough to tell"});
   else
     out.push_back(
-        {"c_beam_m",
-         number_text(std::clamp(to_step(seen_m, 0.001), kLeastNoise_m, kMostNoise_m)),
+        {"c_beam_m", number_text(std::clamp(to_step(seen_m, 0.001), kLeastNoise_m, kMostNoise_m)),
          "heights of calm ground scatter by " + fixed_text(seen_m, 3) + " m within a scan; " +
              number_text(kLeastNoise_m) + " at least"});
 }

@@ -97,7 +97,8 @@ void CDualElevationMap::insertPoints(
   watch(frame, points.sensor_label);
 }
 
-/** Looks for hints when it has seen 32, 64, 128 ... frames; ends when there is any, or after 1024. */
+/** Looks for hints when it has seen 32, 64, 128 ... frames; ends when there is any, or after 1024.
+ */
 void CDualElevationMap::watch(const Frame& frame, const std::string& sensor)
 {
   if (m_hintsTold) return;
@@ -107,9 +108,9 @@ void CDualElevationMap::watch(const Frame& frame, const std::string& sensor)
   if (frames < kFirstLook || (frames & (frames - 1)) != 0) return;
   const auto& state = m_mapper->layer(Layer::State);
   const auto known = std::count_if(state.begin(), state.end(), [](float s) { return s > 0; });
-  const double known_share = frames < kFramesToFill ? std::nan("")
-                                                    : static_cast<double>(known) /
-                                                          static_cast<double>(state.size());
+  const double known_share = frames < kFramesToFill
+                                 ? std::nan("")
+                                 : static_cast<double>(known) / static_cast<double>(state.size());
   const auto found = m_hints->find(known_share);
   for (const auto& hint : found)
     detail::warn_once("hint: " + hint.text, "hint " + std::to_string(static_cast<int>(hint.kind)));
