@@ -189,7 +189,7 @@ TEST_F(TalusMapHints, a_band_that_ends_below_what_the_robot_meets)
 TEST_F(TalusMapHints, a_window_that_is_too_small)
 {
   write_drive();
-  EXPECT_EQ(causes("-s window_m=4"), only("outside of the window"));
+  EXPECT_EQ(causes("-s window_m=3"), only("outside of the window"));
 }
 
 TEST_F(TalusMapHints, a_window_of_which_little_is_seen)
@@ -304,7 +304,7 @@ TEST_F(TalusMapHints, the_body_of_the_robot_with_the_box_to_paste)
 TEST_F(TalusMapHints, are_errors_with_strict_and_nothing_is_written)
 {
   write_drive();
-  const Outcome failed = run("drive.rawlog --strict --output out -s window_m=4");
+  const Outcome failed = run("drive.rawlog --strict --output out -s window_m=3");
   EXPECT_EQ(failed.code, 1);
   EXPECT_EQ(causes_in(failed.err), only("outside of the window"));
   EXPECT_TRUE(failed.says("--strict")) << failed.err;

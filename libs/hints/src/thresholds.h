@@ -74,8 +74,9 @@ constexpr double kMostPersisting = 0.2;  // of the places of a part where someth
 constexpr double kMost = 0.5;  // "most points"
 constexpr double kOutside =
     0.9;  // of the points in the band: far walls and fields are beyond any window, up to 0.8
-constexpr double kLeastHeights =
-    3;  // of the sensor, from the robot to the border: nearer is the blind spot below it
+// From the robot to the border, in heights of the sensor: nearer is little but the blind spot below
+// it.
+constexpr double kLeastHeights = 2.5;
 constexpr double kMostHeights = 7;  // beyond it beams graze the ground at less than 8 degrees
 constexpr double kKnownInside = 0.3;  // of a window large enough, at least
 constexpr double kSeen = 0.1;  // of the window, at least
