@@ -87,6 +87,7 @@ std::optional<Hint> own_body(const Figures& f, const Parameters& p)
   const std::size_t known = boxes.size();
   for (const SensorFigures& s : f.sensors)
   {
+    if (s.share(s.ground_m) <= kGroundShare) continue;  // nothing tells the body from the ground
     const auto more = s.body.boxes(s.ground());
     boxes.insert(boxes.end(), more.begin(), more.end());
   }
