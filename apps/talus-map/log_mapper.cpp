@@ -4,7 +4,6 @@
 
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/CObservationTraversability.h>
-#include <talus/point_filter.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -92,7 +91,11 @@ std::string class_of(const mrpt::obs::CObservation& obs)
 
 LogMapper::LogMapper(
     const Job& job, const Options& options, const Settings& settings, KeptSite* site)
-    : options_(options), log_(job.log), map_(make_map(job, settings)), site_(site)
+    : options_(options),
+      log_(job.log),
+      map_(make_map(job, settings)),
+      site_(site),
+      hints_(settings.parameters, options.suggest ? hints::Effort::Much : hints::Effort::Little)
 {
   map_.set_output_layers(layers_of_every_frame(options));
   run_.version = TALUS_VERSION;
@@ -112,6 +115,8 @@ void LogMapper::run(const OnFrame& on_frame)
   while (const auto obs = guarded(log_, kLookAtLog, [&] { return reader->next(); }))
     if (take(*obs)) on_frame(*this, reader->progress());
   if (run_.frames.empty()) explain_no_frames();
+  if (options_.suggest) return;
+  add_hints();
   require_points();
   if (site_) site_->finish(map_, run_);
   add_warnings();
@@ -171,11 +176,10 @@ bool LogMapper::insert(const std::string& label)
   if (!T_map_base) return skip("no_pose", "there is no pose within --max-gap");
   Frame frame = frame_from(scan_, *T_map_base);
   frame.path = poses_.sensor_path(scan_);
-  const std::uint64_t below = points_below_band(frame);
   try
   {
     frame.sensor = sensors_.number_of(label);
-    run_.frames.push_back(site_ ? site_->update(map_, frame) : map_.update(frame));
+    run_.frames.push_back(map_frame(frame));
   }
   catch (const std::invalid_argument& e)
   {
@@ -183,18 +187,24 @@ bool LogMapper::insert(const std::string& label)
   }
   if (!frame.path.empty()) ++run_.frames_deskewed;
   ++run_.sensors[label];
-  points_below_ += below;
+  hints_.add(frame, label, run_.frames.back());
   last_T_map_base_ = *T_map_base;
   return true;
 }
 
-std::uint64_t LogMapper::points_below_band(const Frame& frame) const
+FrameReport LogMapper::map_frame(const Frame& frame)
 {
-  const PointFilter filter(run_.parameters, frame.T_map_sensor, frame.T_base_sensor);
-  std::uint64_t below = 0;
-  for (std::size_t i = 0; i < frame.size; ++i)
-    below += filter.rise_m(frame.x_m[i], frame.y_m[i], frame.z_m[i]) < run_.parameters.min_height_m;
-  return below;
+  if (!options_.suggest) return site_ ? site_->update(map_, frame) : map_.update(frame);
+  map_.window_after(frame);  // throws for a pose that is none
+  return {};
+}
+
+void LogMapper::add_hints()
+{
+  const auto& state = map_.layer(Layer::State);
+  const auto known = std::count_if(state.begin(), state.end(), [](float s) { return s > 0; });
+  for (auto& hint : hints_.find(static_cast<double>(known) / static_cast<double>(state.size())))
+    run_.hints.push_back(std::move(hint.text));
 }
 
 bool LogMapper::skip(const std::string& reason, const std::string& why)
@@ -242,6 +252,7 @@ void LogMapper::require_points() const
   for (int i = 0; i < kRejectCount; ++i)
     if (sum.rejected[i] > 0)
       text += percent(sum.rejected[i], sum.in) + " " + kRejectNames[i] + ", ";
+  if (!run_.hints.empty()) throw std::runtime_error(text + "hint: " + run_.hints.front());
   throw std::runtime_error(
       text +
       "see min_height_m, max_height_m (from the sensor upwards), min_range_m, max_range_m and "
@@ -250,15 +261,7 @@ void LogMapper::require_points() const
 
 void LogMapper::add_warnings()
 {
-  constexpr double kMany = 0.1;  // of all points
   auto& warnings = run_.warnings;
-  const auto sum = io::totals_of(run_.frames);
-  if (points_below_ > sum.accepted &&
-      static_cast<double>(points_below_) > kMany * static_cast<double>(sum.in))
-    warnings.push_back(
-        percent(points_below_, sum.in) + " of all points are dropped because they lie below " +
-        parameter_text(run_.parameters, *find_parameter("min_height_m")) +
-        " m from the sensor, perhaps the ground itself: set min_height_m below it");
   for (const auto& [reason, count] : run_.skipped)
     warnings.push_back(
         std::to_string(count) + (count == 1 ? " scan was" : " scans were") + " skipped (" + reason +

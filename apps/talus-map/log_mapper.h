@@ -5,6 +5,7 @@
 #include "settings.h"
 
 #include <talus/elevation_mapper.h>
+#include <talus/hints/hint_finder.h>
 #include <talus/io/summary_json.h>
 #include <talus/mrpt/sensor_numbers.h>
 
@@ -16,6 +17,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace talus::app
 {
@@ -44,6 +46,8 @@ class LogMapper
   const std::string& last_label() const { return last_label_; }
   /// @}
   const io::RunSummary& summary() const { return run_; }
+  /** Parameters that suit the log, once it was read. */
+  std::vector<hints::Suggestion> suggest() const { return hints_.suggest(); }
   io::RunSummary& summary() { return run_; }
 
  private:
@@ -64,12 +68,13 @@ class LogMapper
   bool take(const mrpt::obs::CObservation& obs);
   bool decode(const mrpt::obs::CObservation& obs);
   bool insert(const std::string& label);
-  std::uint64_t points_below_band(const Frame& frame) const;
   bool skip(const std::string& reason, const std::string& why);
   bool note_stamp(const mrpt::obs::CObservation& obs);
   [[noreturn]] void explain_no_frames() const;
   void require_points() const;
+  FrameReport map_frame(const Frame& frame);
   void add_warnings();
+  void add_hints();
 
   const Options& options_;
   std::string log_;
@@ -79,13 +84,13 @@ class LogMapper
   io::RunSummary run_;
   SensorPoints scan_;
   SensorNumbers sensors_;
+  hints::HintFinder hints_;
   mrpt::poses::CPose3D last_T_map_base_;
   mrpt::system::TTimeStamp last_stamp_;
   std::string last_label_;
   std::map<std::string, LastScan> last_scans_;  //!< by sensor label
   std::map<std::string, std::string> first_skip_;  //!< what was wrong first, by reason
   std::set<std::string> other_labels_;  //!< of sensors that were not asked for
-  std::uint64_t points_below_ = 0;  //!< under the height band
   double first_stamp_s_ = HUGE_VAL, final_stamp_s_ = -HUGE_VAL;  //!< of all scans
 };
 

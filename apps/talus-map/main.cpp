@@ -40,7 +40,7 @@ int run(const Options& options)
     if (options.threads) settings.threads = *options.threads;
     if (options.device) settings.device = options.device;
     forward_signals();  // before any folder is made: a signal must not leave it behind
-    require_writable(options.output.empty() ? "." : options.output);
+    if (!options.suggest) require_writable(options.output.empty() ? "." : options.output);
   }
   catch (const std::exception& e)
   {
@@ -49,7 +49,10 @@ int run(const Options& options)
   }
   for (const auto& warning : settings.warnings) print_error("warning: " + warning);
   if (!has_device(settings)) return kUsage;
-  return run_batch(plan_jobs(options), options, settings);
+  const auto jobs = plan_jobs(options);
+  if (!options.suggest) return run_batch(jobs, options, settings);
+  const bool done = suggest_settings(jobs.front(), options, settings);
+  return stop_signal() ? 128 + stop_signal() : done ? kDone : kSomeFailed;
 }
 }  // namespace
 

@@ -37,12 +37,19 @@ constexpr const char* kFooter =
     "      a sensor 1.9 m above the ground; --parameters lists everything that can be set\n"
     "  talus-map drive.rawlog --config robot.ini --every 10\n"
     "      also map and picture of each tenth frame: drive_map/frames/\n"
+    "  talus-map drive.rawlog --suggest > robot.ini\n"
+    "      a configuration to begin with: window, heights, body, noise, each with its reason\n"
     "  talus-map tuesday.rawlog --resume monday_map/site.tif\n"
     "      goes on with the site map of an earlier drive in the same map frame\n"
     "  talus-map drive.rawlog --origin 36.8383,-2.4045,52,30\n"
     "      where the map is on Earth: site.tif has a CRS; without it the log's own GPS counts\n"
     "  talus-map drive.rawlog --rawlog-out terrain.rawlog\n"
     "      for rawlog-edit -p libtalus-mrpt.so --info -i terrain.rawlog\n"
+    "\n"
+    "Hints: what looks wrongly set (band, window, mounting, poses, the robot's own body ...) is "
+    "told "
+    "in a line each,\n"
+    "'hint: ...', with the setting that mends it (doc/hints.md); --strict makes them errors.\n"
     "\n"
     "Exit codes: 0 done, 1 a log failed, 2 wrong usage, 128 + N stopped by signal N.";
 
@@ -185,7 +192,13 @@ void add_outputs(CLI::App& app, Options& o)
          "(of one log)")
       ->check(not_empty())
       ->type_name("FILE.rawlog");
-  app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
+  app.add_flag("--quiet", o.quiet, "Print warnings, hints and errors only");
+  app.add_flag(
+      "--strict", o.strict, "Hints are errors: exit code 1, and nothing is written of that log");
+  app.add_flag(
+      "--suggest", o.suggest,
+      "Map nothing: print a configuration (--config) that suits the log, with reasons (of one "
+      "log)");
 }
 }  // namespace
 
@@ -213,6 +226,8 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
       {
         if (!options.rawlog_out.empty() && options.logs.size() > 1)
           throw CLI::ValidationError("--rawlog-out", "takes one log, not a batch");
+        if (options.suggest && options.logs.size() > 1)
+          throw CLI::ValidationError("--suggest", "takes one log, not a batch");
         if (!options.resume.empty() && options.logs.size() > 1)
           throw CLI::ValidationError(
               "--resume",

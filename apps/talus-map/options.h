@@ -34,6 +34,8 @@ struct Options
   std::optional<site::GeoOrigin> origin;
   std::string rawlog_out;  //!< the log with snapshots in it (each, or every Nth); empty: none
   bool quiet = false;
+  bool strict = false;  //!< hints are errors
+  bool suggest = false;  //!< print a configuration, write nothing
 };
 
 /** Reads the command line; answers --help, --version and mistakes itself. The exit code of the

@@ -151,4 +151,23 @@ std::string console_summary(const LogMapper& mapper)
   return text;
 }
 
+std::string suggestion_ini(const LogMapper& mapper)
+{
+  const auto& run = mapper.summary();
+  const std::string log = fs::path(run.log).filename().string();
+  std::string creation, insertion;
+  for (const auto& s : mapper.suggest())
+  {
+    const bool is_window = s.name == "resolution_m" || s.name == "window_m";
+    (is_window ? creation : insertion) += s.name + " = " + s.value + "  // " + s.reason + "\n";
+  }
+  const std::string ground =
+      creation.empty() ? "# No ground was seen in it: window and heights are left as they are.\n"
+                       : "";
+  return "# Made from " + std::to_string(run.frames.size()) + " scans of " + log +
+         " by talus-map --suggest; see doc/parameters.md\n" + ground +
+         "\n[CDualElevationMap_creationOpts]\n" + creation + "\n[CDualElevationMap_insertOpts]\n" +
+         insertion;
+}
+
 }  // namespace talus::app

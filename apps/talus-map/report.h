@@ -15,4 +15,8 @@ void write_snapshot(const std::string& folder, const LogMapper& mapper);
 /** A few lines for the terminal about what was done. */
 std::string console_summary(const LogMapper& mapper);
 
+/** The text of an INI file (--config) that suits the log that was read, a line a parameter, each
+ * with its reason. */
+std::string suggestion_ini(const LogMapper& mapper);
+
 }  // namespace talus::app

@@ -1,8 +1,10 @@
 #include "run_job.h"
 
 #include "../common/child_process.h"
+#include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/progress_bar.h"
+#include "../common/suspect.h"
 #include "kept_site.h"
 #include "log_mapper.h"
 #include "rawlog_out.h"
@@ -19,6 +21,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <stdexcept>
 
 namespace talus::app
 {
@@ -33,6 +36,22 @@ void write_log(RawlogOut& out)
     print_error(
         "warning: the log keeps data in " + out.externals() + "; its copy needs them as " +
         out.externals_of_copy());
+}
+
+void tell_hints(const Job& job, const LogMapper& mapper)
+{
+  for (const auto& hint : mapper.summary().hints) print_error("hint: " + job.log + ": " + hint);
+}
+
+/** For --strict. */
+void require_no_hints(const Job& job, const LogMapper& mapper)
+{
+  const std::size_t count = mapper.summary().hints.size();
+  if (count == 0) return;
+  tell_hints(job, mapper);
+  throw std::runtime_error(
+      job.log + ": nothing was written because of " + std::to_string(count) +
+      (count == 1 ? " hint" : " hints") + " (--strict): mend that, or leave --strict out");
 }
 
 void map_log(
@@ -55,6 +74,7 @@ void map_log(
           if (rawlog_out && (is_snapshot || options.every == 0)) rawlog_out->add(m);
           bar.show(progress, "frame " + std::to_string(frames));
         });
+    if (options.strict) require_no_hints(job, mapper);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     mapper.summary().wall_s = wall.count();
     // Of a site of many kilometres it takes minutes.
@@ -65,6 +85,7 @@ void map_log(
   const auto& warnings = mapper.summary().warnings;  // those of the settings have been told
   for (std::size_t i = settings.warnings.size(); i < warnings.size(); ++i)
     print_error("warning: " + job.log + ": " + warnings[i]);
+  tell_hints(job, mapper);
   if (!options.quiet) std::cout << console_summary(mapper);
 }
 
@@ -124,6 +145,32 @@ bool run_job(
     print_error(job.log + ": " + e.what());
   }
   return false;
+}
+
+bool suggest_settings(const Job& job, const Options& options, const Settings& settings)
+{
+  const auto work = [&]
+  {
+    try
+    {
+      LogMapper mapper(job, options, settings);
+      {
+        ProgressBar bar(name_of_log(job.log), !options.quiet);
+        mapper.run([&](const LogMapper& m, double progress)
+                   { bar.show(progress, "frame " + std::to_string(m.summary().frames.size())); });
+      }
+      std::cout << suggestion_ini(mapper) << std::flush;
+      return kDone;
+    }
+    catch (const std::exception& e)
+    {
+      print_error(failure_text(e, job.log, kLookAtLog));
+    }
+    return kFailed;
+  };
+  const ChildEnd end = run_in_child(work);
+  if (end.signal) print_error(crash_text(job.log, end.signal));
+  return end.signal == 0 && end.exit_code == kDone;
 }
 
 bool settings_work(const Settings& settings)

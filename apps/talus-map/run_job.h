@@ -12,6 +12,9 @@ namespace talus::app
 bool run_job(
     const Job& job, const Options& options, const Settings& settings, const std::string& label);
 
+/** Reads one log, likewise, and prints a configuration that suits it. */
+bool suggest_settings(const Job& job, const Options& options, const Settings& settings);
+
 /** Checks, in a child process, that the map can be made with these settings. False when not: the
  * reason has been printed. */
 bool settings_work(const Settings& settings);

@@ -153,6 +153,7 @@ std::string summary_json(const RunSummary& run, const LayerStack& stack)
   if (run.site) j["site"] = site(*run.site);
   j["parameters"] = parameters(run.parameters);
   j["warnings"] = run.warnings;
+  j["hints"] = run.hints;
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

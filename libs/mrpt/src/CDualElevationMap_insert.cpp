@@ -1,4 +1,5 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <talus/hints/hint_finder.h>
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/pose_from.h>
 
@@ -13,6 +14,9 @@ namespace talus
 {
 namespace
 {
+constexpr std::size_t kFirstLook = 32, kLastLook = 1024;  // frames, for hints
+constexpr std::size_t kFramesToFill = 256;  // before a window that was hardly seen is strange
+
 constexpr double kLevel_rad = 5 * M_PI / 180;
 
 /** A scanner that nods during the scan, or is tilted, sees heights. */
@@ -90,6 +94,28 @@ void CDualElevationMap::insertPoints(
   frame.sensor = m_sensors.number_of(points.sensor_label);
   m_lastReport = m_keep_whole ? whole().update(mapper(), frame) : mapper().update(frame);
   m_T_map_base = T_map_base;
+  watch(frame, points.sensor_label);
+}
+
+/** Looks for hints when it has seen 32, 64, 128 ... frames; ends when there is any, or after 1024.
+ */
+void CDualElevationMap::watch(const Frame& frame, const std::string& sensor)
+{
+  if (m_hintsTold) return;
+  if (!m_hints) m_hints = std::make_unique<hints::HintFinder>(mapper().parameters());
+  m_hints->add(frame, sensor, m_lastReport);
+  const std::size_t frames = m_hints->frames();
+  if (frames < kFirstLook || (frames & (frames - 1)) != 0) return;
+  const auto& state = m_mapper->layer(Layer::State);
+  const auto known = std::count_if(state.begin(), state.end(), [](float s) { return s > 0; });
+  const double known_share = frames < kFramesToFill
+                                 ? std::nan("")
+                                 : static_cast<double>(known) / static_cast<double>(state.size());
+  const auto found = m_hints->find(known_share);
+  for (const auto& hint : found)
+    detail::warn_once("hint: " + hint.text, "hint " + std::to_string(static_cast<int>(hint.kind)));
+  m_hintsTold = !found.empty() || frames >= kLastLook;
+  if (m_hintsTold) m_hints.reset();
 }
 
 void CDualElevationMap::applyOptions()
@@ -103,6 +129,7 @@ void CDualElevationMap::applyOptions()
   if (m_whole && before.resolution_m != after.resolution_m) m_whole.reset();
   if (m_whole && !same_cells) m_whole->site(*m_mapper);  // keeps what is in the window
   *m_mapper = std::move(changed);
+  m_hints.reset();  // what it has seen may be right by now
 }
 
 }  // namespace talus

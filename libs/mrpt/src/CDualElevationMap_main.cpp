@@ -2,6 +2,7 @@
 #include <mrpt/maps/TMetricMapTypesRegistry.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/system/string_utils.h>
+#include <talus/hints/hint_finder.h>
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/CObservationTraversability.h>
 #include <talus/mrpt/parameters_ini.h>
@@ -223,6 +224,7 @@ CDualElevationMap& CDualElevationMap::operator=(const CDualElevationMap& o)
   m_T_map_base = o.m_T_map_base;
   m_sensors = o.m_sensors;
   m_lastReport = o.m_lastReport;
+  m_hints.reset();
   forgetDerived();
   m_mapper.reset();
   m_whole = o.m_whole ? std::make_unique<WholeMap>(*o.m_whole) : nullptr;
@@ -291,6 +293,7 @@ void CDualElevationMap::internal_clear()
   m_T_map_base = {};
   m_sensors = {};
   m_lastReport = {};
+  m_hints.reset();
 }
 
 std::string CDualElevationMap::asString() const

@@ -38,6 +38,7 @@ struct RunSummary
   std::size_t frames_deskewed = 0;
   std::size_t snapshots = 0;
   std::vector<std::string> warnings;
+  std::vector<std::string> hints;  //!< what looks wrongly set, a line each
   std::optional<SiteSummary> site;  //!< where one was kept
 
   Parameters parameters;

@@ -20,6 +20,10 @@
 namespace talus
 {
 class WholeMap;
+namespace hints
+{
+class HintFinder;
+}
 
 /** Robot-centric terrain map: two persistent surfaces, the elevation and the ground, with gaps in
  * the ground filled and each cell judged for driving (Xie et al., see doc/concepts.md). A thin MRPT
@@ -36,6 +40,9 @@ class WholeMap;
  * With `keep_whole` it keeps what leaves its window, gives it back where the robot returns, and all
  * queries are about the whole floor on which the robot is, however far away (of a floor that is
  * wider than 4096 cells, about so many around the robot); see doc/site.md.
+ *
+ * What looks wrongly set (mounting, poses, height band, the robot's own body ...) is told once on
+ * stderr, as soon as it is certain; see doc/hints.md.
  *
  * Inside a CMultiMetricMap its name is `terrain`: `terrain_count = 1`, sections
  * `[<name>_terrain_00_creationOpts]` (resolution, window, backend, threads, device, keep_whole),
@@ -193,6 +200,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   void drawScene() const;
   void readVersion(int version, mrpt::serialization::CArchive& archive);
   void insertPoints(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base);
+  void watch(const Frame& frame, const std::string& sensor);
   WholeMap& whole() const;
 
   Backend m_backend;
@@ -207,6 +215,8 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   mrpt::poses::CPose3D m_T_map_base;  //!< of the last insertion
   SensorNumbers m_sensors;  //!< of the labels of the observations
   FrameReport m_lastReport;
+  std::unique_ptr<hints::HintFinder> m_hints;  //!< made with the first observation
+  bool m_hintsTold = false;
   SensorPoints m_scratch;  //!< reused: no allocation per observation once warm
 };
 

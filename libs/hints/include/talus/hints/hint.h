@@ -1,0 +1,29 @@
+#pragma once
+#include <string>
+
+namespace talus::hints
+{
+/** What is wrong with a log or its settings; causes before what they cause. */
+enum class Kind
+{
+  UpsideDown,  //!< the robot, or its sensor, stands on its head
+  TiltedGround,  //!< the ground that is seen leans by more than any ground does
+  PointsInBase,  //!< the ground lies at the height of the sensor itself
+  TwoGrounds,  //!< two sensors see the ground at two heights, or leaning otherwise
+  Mounting,  //!< the ground is not where the mounting says that the robot stands
+  PoseJumps,  //!< the poses leap
+  Contradiction,  //!< scans see one place at several heights
+  HeightBand,  //!< the points lie outside of min_height_m .. max_height_m
+  Window,  //!< the points lie outside of the window
+  LittleSeen,  //!< most of the window was not seen
+  OwnBody,  //!< points move with the robot
+};
+
+/** One line for a person: what was seen, with its figures, and the setting that mends it. */
+struct Hint
+{
+  Kind kind;
+  std::string text;
+};
+
+}  // namespace talus::hints

@@ -1,0 +1,243 @@
+#include "body_watch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "thresholds.h"
+
+namespace talus::hints
+{
+namespace
+{
+constexpr std::size_t kMostMapVoxels = 300000;
+constexpr double kMapReach_m = 10;  // of the points that tell whether something stays
+constexpr double kLeastFar_m = 2, kMostFar_m = 8;  // from where a place is looked at again
+constexpr std::size_t kMostTried = 40;  // voxels of a part, against kTriedFrames frames
+constexpr std::size_t kTriedFrames = 16;
+constexpr double kMostExtent_m = 3;  // of a part; a longer one cannot be told from what is passed
+constexpr double kBoxMargin_m = 0.05;
+constexpr std::size_t kMostBoxes = 8;
+constexpr double kSureReach_m = 1;  // heights of the sensor: nearer is only its robot
+constexpr int kBias = 1 << 20;
+
+std::int64_t index_of(double v, double size_m)
+{
+  return static_cast<std::int64_t>(std::floor(v / size_m));
+}
+
+std::uint64_t packed(std::int64_t x, std::int64_t y, std::int64_t z)
+{
+  const auto part = [](std::int64_t i)
+  { return static_cast<std::uint64_t>(i + kBias) & 0x1fffffU; };
+  return part(x) << 42 | part(y) << 21 | part(z);
+}
+
+std::uint64_t key_of(const Vec3& p, double size_m)
+{
+  return packed(index_of(p.x, size_m), index_of(p.y, size_m), index_of(p.z, size_m));
+}
+
+/** The middle of a voxel. */
+Vec3 middle_of(std::uint64_t key, double size_m)
+{
+  const auto part = [&](int shift)
+  { return (static_cast<double>((key >> shift) & 0x1fffffU) - kBias + 0.5) * size_m; };
+  return {part(42), part(21), part(0)};
+}
+
+int count_bits(std::uint64_t v)
+{
+  int n = 0;
+  for (; v; v &= v - 1) ++n;
+  return n;
+}
+
+/** Of two voxels that touch, be it at a corner, or with one between them. */
+template <class F>
+void for_neighbours(std::uint64_t key, int reach, const F& f)
+{
+  const auto part = [&](int shift)
+  { return static_cast<std::int64_t>((key >> shift) & 0x1fffffU) - kBias; };
+  for (int dx = -reach; dx <= reach; ++dx)
+    for (int dy = -reach; dy <= reach; ++dy)
+      for (int dz = -reach; dz <= reach; ++dz)
+        f(packed(part(42) + dx, part(21) + dy, part(0) + dz));
+}
+
+BodyBox box_of(const std::vector<std::uint64_t>& voxels)
+{
+  BodyBox box{HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL};
+  const double margin_m = kBodyVoxel_m / 2 + kBoxMargin_m;
+  for (const auto key : voxels)
+  {
+    const Vec3 p = middle_of(key, kBodyVoxel_m);
+    box.min_x_m = std::min(box.min_x_m, p.x - margin_m);
+    box.max_x_m = std::max(box.max_x_m, p.x + margin_m);
+    box.min_y_m = std::min(box.min_y_m, p.y - margin_m);
+    box.max_y_m = std::max(box.max_y_m, p.y + margin_m);
+    box.min_z_m = std::min(box.min_z_m, p.z - margin_m);
+    box.max_z_m = std::max(box.max_z_m, p.z + margin_m);
+  }
+  for (double* limit :
+       {&box.min_x_m, &box.max_x_m, &box.min_y_m, &box.max_y_m, &box.min_z_m, &box.max_z_m})
+    *limit = std::round(*limit * 100) / 100;  // to be read by people
+  return box;
+}
+
+/** Goes on beyond what is looked at: no part of a robot. */
+bool is_cut(const BodyBox& b)
+{
+  const double far_m =
+      std::max({-b.min_x_m, b.max_x_m, -b.min_y_m, b.max_y_m, -b.min_z_m, b.max_z_m});
+  return far_m > kBodyReach_m;
+}
+
+double extent_m(const BodyBox& b)
+{
+  return std::hypot(b.max_x_m - b.min_x_m, b.max_y_m - b.min_y_m);
+}
+}  // namespace
+
+bool BodyWatch::wants(const Pose& T_map_base) const
+{
+  if (poses_.size() >= kBodyFrames) return false;
+  return poses_.empty() || length(origin_of(T_map_base) - origin_of(poses_.back())) >= kBodyStep_m;
+}
+
+void BodyWatch::add(
+    const std::vector<Vec3>& near, const std::vector<Vec3>& all, const Pose& T_map_base)
+{
+  const std::uint64_t bit = std::uint64_t{1} << poses_.size();
+  if (!poses_.empty()) way_m_ += length(origin_of(T_map_base) - origin_of(poses_.back()));
+  poses_.push_back(T_map_base);
+  for (const Vec3& p : near)
+  {
+    Voxel& voxel = body_[key_of(p, kBodyVoxel_m)];
+    voxel.frames |= bit;
+    ++voxel.points;
+  }
+  for (const Vec3& p : all)
+    if (dot(p, p) < kMapReach_m * kMapReach_m && map_.size() < kMostMapVoxels)
+      map_[key_of(moved(T_map_base, p), kMapVoxel_m)] |= bit;
+}
+
+std::vector<BodyBox> BodyWatch::boxes(const NearPlane& ground) const
+{
+  if (poses_.size() < kLeastBodyFrames || way_m_ < kLeastBodyWay_m) return {};
+  std::vector<std::pair<std::uint64_t, BodyBox>> found;
+  for (const Part& part : parts(ground))
+  {
+    if (!is_hit_always(part) || !moves_along(part)) continue;
+    std::uint64_t points = 0;
+    for (const Key key : part) points += body_.at(key).points;
+    found.emplace_back(points, box_of(part));
+  }
+  std::sort(
+      found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  if (found.size() > kMostBoxes) found.resize(kMostBoxes);
+  std::vector<BodyBox> boxes;
+  boxes.reserve(found.size());
+  for (const auto& [points, box] : found) boxes.push_back(box);
+  return boxes;
+}
+
+std::vector<BodyBox> BodyWatch::boxes_of_one_scan(const NearPlane& ground, const Vec3& sensor) const
+{
+  std::vector<BodyBox> boxes;
+  for (const Part& part : parts(ground))
+  {
+    const BodyBox box = box_of(part);
+    const auto off = [](double at, double low, double high) {
+      return std::max({low - at, at - high, 0.0});
+    };
+    const double away_m = std::hypot(
+        off(sensor.x, box.min_x_m, box.max_x_m), off(sensor.y, box.min_y_m, box.max_y_m));
+    if (!is_cut(box) && away_m < kSureReach_m * ground.distance_m(sensor)) boxes.push_back(box);
+  }
+  if (boxes.size() > kMostBodyBoxes) boxes.resize(kMostBodyBoxes);
+  return boxes;
+}
+
+/** What is hit in many frames and is not the ground, in pieces that hang together. */
+std::vector<BodyWatch::Part> BodyWatch::parts(const NearPlane& ground) const
+{
+  const double least = kVoxelShare * static_cast<double>(poses_.size());
+  std::set<Key> left;
+  for (const auto& [key, voxel] : body_)
+    if (count_bits(voxel.frames) >= least &&
+        ground.distance_m(middle_of(key, kBodyVoxel_m)) > kBodyAbove_m)
+      left.insert(key);
+  std::vector<Part> parts;
+  while (!left.empty())
+  {
+    Part part{*left.begin()};
+    left.erase(left.begin());
+    for (std::size_t next = 0; next < part.size(); ++next)
+      for_neighbours(
+          part[next], 2,
+          [&](Key key)
+          {
+            if (left.erase(key)) part.push_back(key);
+          });
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+bool BodyWatch::is_hit_always(const Part& part) const
+{
+  std::uint64_t frames = 0;
+  for (const Key key : part) frames |= body_.at(key).frames;
+  return count_bits(frames) >= kPartShare * static_cast<double>(poses_.size());
+}
+
+/** Whether the map keeps nothing where it was. */
+bool BodyWatch::moves_along(const Part& part) const
+{
+  const BodyBox box = box_of(part);
+  if (is_cut(box) || extent_m(box) > kMostExtent_m) return false;
+  const double least_m = std::max(kLeastFar_m, 1.5 * extent_m(box));
+  std::size_t tried = 0, stayed = 0;
+  const std::size_t frame_step = poses_.size() / kTriedFrames + 1;
+  const std::size_t voxel_step = part.size() / kMostTried + 1;
+  for (std::size_t f = 0; f < poses_.size(); f += frame_step)
+  {
+    const std::uint64_t others = far_frames(f, least_m);
+    if (!others) continue;
+    for (std::size_t v = 0; v < part.size(); v += voxel_step)
+    {
+      ++tried;
+      stayed += stays(moved(poses_[f], middle_of(part[v], kBodyVoxel_m)), others);
+    }
+  }
+  return tried > 0 && static_cast<double>(stayed) <= kMostPersisting * static_cast<double>(tried);
+}
+
+/** Those that saw the surroundings of one frame's robot from elsewhere. */
+std::uint64_t BodyWatch::far_frames(std::size_t frame, double least_m) const
+{
+  std::uint64_t far = 0;
+  for (std::size_t i = 0; i < poses_.size(); ++i)
+  {
+    const double apart_m = length(origin_of(poses_[i]) - origin_of(poses_[frame]));
+    if (apart_m >= least_m && apart_m <= kMostFar_m) far |= std::uint64_t{1} << i;
+  }
+  return far;
+}
+
+bool BodyWatch::stays(const Vec3& at_map, std::uint64_t frames) const
+{
+  bool hit = false;
+  for_neighbours(
+      key_of(at_map, kMapVoxel_m), 1,
+      [&](Key key)
+      {
+        const auto found = map_.find(key);
+        hit = hit || (found != map_.end() && (found->second & frames));
+      });
+  return hit;
+}
+
+}  // namespace talus::hints

@@ -1,0 +1,56 @@
+#pragma once
+#include <talus/parameters.h>
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "near_ground.h"
+
+namespace talus::hints
+{
+/** Looks for what moves with the robot: it is at the same place of the base frame wherever the
+ * robot is, and leaves nothing behind in the map. What stands along the way (walls of a corridor)
+ * can be at the same place of the base too, but stays in the map when the robot has gone on. */
+class BodyWatch
+{
+ public:
+  /** Whether a frame with this pose would be looked at: the robot has moved on. */
+  bool wants(const Pose& T_map_base) const;
+
+  /** `near`: all points in reach; `all`: a sample of the frame; both in the frame of the base. */
+  void add(const std::vector<Vec3>& near, const std::vector<Vec3>& all, const Pose& T_map_base);
+
+  /** Boxes around what moves with the robot, frame of the base [m], the one with most points first;
+   * none where the robot has not moved enough to tell. `ground`: where it lies in that frame. */
+  std::vector<BodyBox> boxes(const NearPlane& ground) const;
+
+  /** Of a single scan: what stands nearer to the sensor than anything but the robot could, as far
+   * as nothing else begins. */
+  std::vector<BodyBox> boxes_of_one_scan(const NearPlane& ground, const Vec3& sensor) const;
+
+  std::size_t frames() const { return poses_.size(); }
+  /** Driven while it looked [m]; it looks at the first frames only. */
+  double way_m() const { return way_m_; }
+
+ private:
+  struct Voxel
+  {
+    std::uint64_t frames = 0;  //!< a bit for each that hit it
+    std::uint32_t points = 0;
+  };
+  using Key = std::uint64_t;
+  using Part = std::vector<Key>;  //!< voxels that touch
+  std::vector<Part> parts(const NearPlane& ground) const;
+  bool moves_along(const Part& part) const;
+  bool is_hit_always(const Part& part) const;
+  std::uint64_t far_frames(std::size_t frame, double least_m) const;
+  bool stays(const Vec3& at_map, std::uint64_t frames) const;
+
+  std::vector<Pose> poses_;
+  double way_m_ = 0;
+  std::unordered_map<Key, Voxel> body_;  //!< by place in the base frame
+  std::unordered_map<Key, std::uint64_t> map_;  //!< by place in the map: frames that hit it
+};
+
+}  // namespace talus::hints

@@ -1,0 +1,29 @@
+#pragma once
+#include <talus/hints/hint.h>
+
+#include <optional>
+#include <vector>
+
+#include "figures.h"
+
+namespace talus::hints
+{
+/** See HintFinder::find(). */
+std::vector<Hint> judge(const Figures& figures, const Parameters& parameters, double known_share);
+
+/// @name One cause each; nothing where it is not certain
+/// @{
+std::optional<Hint> pose_jumps(const Figures& f);
+std::optional<Hint> upside_down(const Figures& f);
+std::optional<Hint> tilted_ground(const Figures& f);
+std::optional<Hint> points_in_base(const Figures& f);
+std::optional<Hint> two_grounds(const Figures& f);
+std::optional<Hint> wrong_mounting(const Figures& f);
+std::optional<Hint> contradiction(const Figures& f);
+std::optional<Hint> height_band(const Figures& f, const Parameters& p);
+std::optional<Hint> window_too_small(const Figures& f, const Parameters& p, double known_share);
+std::optional<Hint> little_seen(const Figures& f, const Parameters& p, double known_share);
+std::optional<Hint> own_body(const Figures& f, const Parameters& p);
+/// @}
+
+}  // namespace talus::hints

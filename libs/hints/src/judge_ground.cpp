@@ -1,0 +1,190 @@
+// Hints about frames: what the ground tells of poses and mountings.
+#include <talus/number_text.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "judge.h"
+#include "thresholds.h"
+
+namespace talus::hints
+{
+namespace
+{
+std::string degrees(double rad) { return fixed_text(rad * 180 / M_PI, 0) + " degrees"; }
+std::string metres(double m) { return fixed_text(m, 2) + " m"; }
+
+double lean_rad(const NearPlane& plane) { return std::acos(std::clamp(plane.normal.z, -1.0, 1.0)); }
+
+bool shows_ground(const SensorFigures& s) { return s.share(s.ground_m) > kGroundShare; }
+
+/** Names a sensor where there are several. */
+std::string of_sensor(const Figures& f, const SensorFigures& s)
+{
+  return f.sensors.size() > 1 ? " of '" + s.label + "'" : std::string();
+}
+
+/** Whether the robot has been to enough places to tell its mounting from where it stands. */
+bool was_around(const SensorFigures& s)
+{
+  return s.ground_m.size() >= kLeastGrounds && s.body.way_m() >= kLeastBodyWay_m;
+}
+
+/** The ground, which a mounting puts at the base, lies above or below it nearly everywhere. */
+bool is_wrong_height(const SensorFigures& s)
+{
+  const double least_m = was_around(s) ? kWrongHeight_m : kWrongHeightOnce_m;
+  const double limit_m = std::max(least_m, kWrongHeightShare * std::abs(s.sensor.z));
+  const double low_m = s.ground_m.quantile(0.25), high_m = s.ground_m.quantile(0.75);
+  return std::abs(s.ground_m.median()) > limit_m &&
+         std::max(low_m, -high_m) > kSteadyHeight * limit_m;
+}
+
+/** The ground leans against base and map alike; against the base alone, the robot stood askew. */
+bool is_wrong_tilt(const SensorFigures& s)
+{
+  constexpr double kWrong_rad = kWrongTilt_deg * M_PI / 180;
+  return was_around(s) && lean_rad(s.ground()) > kWrong_rad &&
+         s.lean_in_map_rad.median() > kWrong_rad;
+}
+
+/** As high above the sensor as the ground should be below it. */
+bool is_mirrored(const SensorFigures& s)
+{
+  return s.sensor.z > kLeastMounting_m && s.share(s.ceiling_above_m) > kGroundShare &&
+         std::abs(s.ceiling_above_m.median() - s.sensor.z) < kAtSensor_m;
+}
+}  // namespace
+
+std::optional<Hint> pose_jumps(const Figures& f)
+{
+  const PoseWatch& p = f.poses;
+  if (p.jumps() == 0) return {};
+  const std::string times = std::to_string(p.jumps()) + (p.jumps() == 1 ? " time" : " times");
+  return Hint{
+      Kind::PoseJumps, "the poses jump " + times + ", the farthest by " + metres(p.jump_m()) +
+                           " and " + fixed_text(p.jump_deg(), 0) + " degrees at " +
+                           fixed_text(p.jump_stamp_s(), 3) +
+                           " s: smooth the trajectory (--trajectory), or cut the log there"};
+}
+
+std::optional<Hint> upside_down(const Figures& f)
+{
+  if (f.base_up.size() > 0 && f.base_up.median() < kUpsideDown)
+    return Hint{
+        Kind::UpsideDown, "the poses turn the robot upside down (z of the base points down, " +
+                              fixed_text(f.base_up.median(), 2) +
+                              " along the map's z): a TUM line is t x y z qx qy qz qw, and z of "
+                              "base and map point up"};
+  for (const SensorFigures& s : f.sensors)
+    if (is_mirrored(s))
+      return Hint{
+          Kind::UpsideDown,
+          "the sensor" + of_sensor(f, s) + " is upside down: the ground lies " +
+              metres(s.ceiling_above_m.median()) +
+              " above it, and should as far below: turn its sensorPose by 180 degrees of roll "
+              "(rawlog-edit --sensors-pose)"};
+  return {};
+}
+
+std::optional<Hint> tilted_ground(const Figures& f)
+{
+  constexpr double kTilted_rad = kTilted_deg * M_PI / 180;
+  for (const SensorFigures& s : f.sensors)
+  {
+    const bool only_steep = s.share(s.steep_rad) > kGroundShare;
+    const double in_base_rad = only_steep ? s.steep_rad.median() : lean_rad(s.ground());
+    if (!only_steep && !shows_ground(s)) continue;
+    if (s.has_mounting && in_base_rad > kTilted_rad)
+      return Hint{
+          Kind::TiltedGround,
+          "the ground" + of_sensor(f, s) + " is tilted against the base by " +
+              degrees(in_base_rad) +
+              ": the rotation of sensorPose is wrong (yaw pitch roll; x ahead, z up): see "
+              "rawlog-edit --sensors-pose"};
+    const double in_map_rad = s.lean_in_map_rad.median();
+    if (!only_steep && in_map_rad > kTilted_rad)
+      return Hint{
+          Kind::TiltedGround,
+          "the ground is tilted in the map by " + degrees(in_map_rad) +
+              ": check the order of the quaternion (a TUM line is t x y z qx qy qz qw) and that "
+              "the map's z points up"};
+  }
+  return {};
+}
+
+std::optional<Hint> points_in_base(const Figures& f)
+{
+  for (const SensorFigures& s : f.sensors)
+    if (shows_ground(s) && s.sensor.z > kLeastMounting_m &&
+        std::abs(s.sensor_above_m.median()) < std::min(kAtSensor_m, 0.4 * s.sensor.z))
+      return Hint{
+          Kind::PointsInBase,
+          "the ground" + of_sensor(f, s) + " lies at the height of the sensor itself (" +
+              metres(s.sensor_above_m.median()) + " below it, mounted at " + metres(s.sensor.z) +
+              "): the points are given in the frame of the base: set sensorPose to 0 (rawlog-edit "
+              "--sensors-pose)"};
+  return {};
+}
+
+std::optional<Hint> two_grounds(const Figures& f)
+{
+  const SensorFigures* lowest = nullptr;
+  const SensorFigures* highest = nullptr;
+  double lean_deg = 0;
+  for (const SensorFigures& s : f.sensors)
+  {
+    if (!shows_ground(s)) continue;
+    if (!lowest || s.ground_m.median() < lowest->ground_m.median()) lowest = &s;
+    if (!highest || s.ground_m.median() > highest->ground_m.median()) highest = &s;
+    for (const SensorFigures& o : f.sensors)
+      if (shows_ground(o))
+        lean_deg = std::max(
+            lean_deg, std::acos(std::clamp(dot(s.ground().normal, o.ground().normal), -1.0, 1.0)) *
+                          180 / M_PI);
+  }
+  if (!lowest) return {};
+  const double apart_m = highest->ground_m.median() - lowest->ground_m.median();
+  if (apart_m < kTwoGrounds_m && lean_deg < kTwoGrounds_deg) return {};
+  const std::string a = lowest->label,
+                    b = highest == lowest ? f.sensors.back().label : highest->label;
+  return Hint{
+      Kind::TwoGrounds,
+      "two sensors see two grounds: '" + b + "' " + metres(apart_m) + " above that of '" + a +
+          "', and tilted by up to " + fixed_text(lean_deg, 0) +
+          " degrees: one sensorPose is wrong: talus-calibrate --sensor LABEL finds it"};
+}
+
+std::optional<Hint> wrong_mounting(const Figures& f)
+{
+  for (const SensorFigures& s : f.sensors)
+  {
+    if (!s.has_mounting || !shows_ground(s)) continue;
+    if (!is_wrong_height(s) && !is_wrong_tilt(s)) continue;
+    const double lean_deg = lean_rad(s.ground()) * 180 / M_PI;
+    return Hint{
+        Kind::Mounting, "the mounting" + of_sensor(f, s) + " contradicts the ground: seen at " +
+                            metres(s.ground_m.median()) +
+                            " of the base, where it should be at 0, and tilted by " +
+                            fixed_text(lean_deg, 0) + " degrees; the sensor is " +
+                            metres(s.sensor_above_m.median()) + " above it, sensorPose says " +
+                            metres(s.sensor.z) + ": talus-calibrate finds the mounting"};
+  }
+  return {};
+}
+
+std::optional<Hint> contradiction(const Figures& f)
+{
+  const ContradictionWatch& g = f.ground;
+  if (g.pairs() < kLeastPairs || g.difference_m() < kContradiction_m ||
+      g.difference_m() < kContradictionRatio * g.spread_m())
+    return {};
+  return Hint{
+      Kind::Contradiction,
+      "scans contradict each other: frames see the same ground " + metres(g.difference_m()) +
+          " apart (median of " + std::to_string(g.pairs()) + "), each within " +
+          metres(g.spread_m()) +
+          ": time offset, mounting or poses are wrong: talus-calibrate finds the first two"};
+}
+
+}  // namespace talus::hints

@@ -1,0 +1,85 @@
+#pragma once
+// Every number that decides whether there is a hint. No hint is better than a false one: each lies
+// well beyond what sound logs show (doc/hints.md has the figures).
+
+namespace talus::hints
+{
+/// @name What is looked at
+/// @{
+constexpr std::size_t kFewPoints = 1024,
+                      kManyPoints = 4096;  // of a frame, with little effort and with much
+constexpr std::size_t kMostNearPoints = 2048;  // that may be of the body, of a frame
+constexpr double kNear_m = 1.5, kFar_m = 8;  // ground around the sensor, beyond the robot itself
+constexpr double kFarther_m = 25;  // where a sensor high up sees none nearer: for suggestions only,
+constexpr double kFartherShare = 0.3;  // with that part of the places in view on it
+constexpr std::size_t kAllFrames = 4, kManyFrames = 64,
+                      kSomeFrames = 512;  // then every 4th, 8th, 32nd
+constexpr std::size_t kNoiseFrames = 3;  // whose every point is looked at
+/// @}
+
+/// @name The ground in the frame of the base
+/// @{
+constexpr double kGroundShare = 0.5;  // of the frames must show the plane that is judged
+constexpr double kLeastMounting_m =
+    0.25;  // a sensor lower than this does not tell base from sensor
+constexpr double kAtSensor_m = 0.15;  // "at the height of the sensor"
+constexpr double kWrongHeight_m = 0.25;  // swells and kerbs around a robot: up to 0.22
+constexpr double kWrongHeightOnce_m =
+    0.5;  // of a log too short to tell where the robot stands from how it is mounted
+constexpr double kSteadyHeight = 0.7;  // of it that three of four frames must show
+constexpr double kWrongHeightShare = 0.15;  // of the height of the sensor: the same for cars
+constexpr double kWrongTilt_deg = 7;  // against base and map: drives along a bank up to 4.1
+constexpr std::size_t kLeastGrounds =
+    8;  // frames, and kLeastBodyWay_m, before a tilt is the mounting's
+constexpr double kTwoGrounds_m = 0.15, kTwoGrounds_deg = 6;  // both sensors look at the same places
+constexpr double kTilted_deg = 20;  // what no robot drives on for half a log
+constexpr double kUpsideDown = -0.5;  // z of the base's z axis in the map: turned by 120 degrees
+/// @}
+
+/// @name Poses
+/// @{
+constexpr double kJump_m = 0.3;  // off from where the speed so far leads
+constexpr double kJump_mps2 = 15, kJumpUp_mps2 = 8;  // beyond what tyres and springs can do
+constexpr double kJumpGap_s = 1;  // between frames farther apart speeds say little
+constexpr double kTurn_deg = 20, kTurnGap_s = 0.3;  // the same of a turn
+/// @}
+
+/// @name Scans that contradict each other
+/// @{
+constexpr double kCell_m = 0.5;
+constexpr int kLeastHits = 3;  // of a cell in a frame: a mean and a spread
+constexpr double kGroundBand_m = 0.3;  // of a frame's own ground plane: what is compared
+constexpr double kContradictionReach_m = 10;
+constexpr double kLeastApart_m = 0.5;  // a robot that stood still repeats its errors
+constexpr std::size_t kLeastPairs = 100;
+constexpr double kContradiction_m =
+    0.03;  // median difference of two frames' means: sound logs up to 0.022
+constexpr double kContradictionRatio = 3;  // of that to the spread within a frame and cell
+/// @}
+
+/// @name The robot's own body
+/// @{
+constexpr double kBodyReach_m = 3;  // a car seen from its roof
+constexpr double kBodyVoxel_m = 0.1, kMapVoxel_m = 0.2;
+constexpr double kBodyStep_m = 0.25;  // driven between two frames that count
+constexpr int kBodyFrames = 64, kLeastBodyFrames = 10;
+constexpr double kLeastBodyWay_m = 3;
+constexpr double kBodyAbove_m = 0.2;  // lower points may be ground
+constexpr double kVoxelShare = 0.5, kPartShare = 0.9;  // of the frames that hit a voxel, a part
+constexpr double kMostPersisting = 0.2;  // of the places of a part where something stays
+/// @}
+
+/// @name What reaches the map
+/// @{
+constexpr double kMost = 0.5;  // "most points"
+constexpr double kOutside =
+    0.9;  // of the points in the band: far walls and fields are beyond any window, up to 0.8
+// From the robot to the border, in heights of the sensor: nearer is little but the blind spot below
+// it.
+constexpr double kLeastHeights = 2.5;
+constexpr double kMostHeights = 7;  // beyond it beams graze the ground at less than 8 degrees
+constexpr double kKnownInside = 0.3;  // of a window large enough, at least
+constexpr double kSeen = 0.1;  // of the window, at least
+/// @}
+
+}  // namespace talus::hints
