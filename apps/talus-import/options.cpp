@@ -92,7 +92,9 @@ void add_options(CLI::App& app, Options& o)
 
 void add_options_of_bags(CLI::App& app, Options& o)
 {
-  app.add_option("--topic", o.source.topics, "Of a bag: only this PointCloud2; again for each")
+  app.add_option(
+         "--topic", o.source.topics,
+         "Of a bag: only this PointCloud2 topic, or poses of this topic; again for each")
       ->allow_extra_args(false)
       ->check(app::not_empty())
       ->type_name("NAME");
