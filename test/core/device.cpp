@@ -49,8 +49,9 @@ TEST(Device, OneThatIsNotThereIsRefusedAndToldHowManyThereAre)
 
 TEST(Device, AutoGoesOnWithTheCpuWhereTheDeviceIsNotThere)
 {
-  EXPECT_EQ(ElevationMapper({}, Backend::Auto, 1, kNoDevice).backend_name(), "cpu");
-  EXPECT_EQ(ElevationMapper({}, Backend::Cpu, 1, kNoDevice).backend_name(), "cpu");
+  const std::string cpu = ElevationMapper({}, Backend::Cpu).backend_name();
+  EXPECT_EQ(ElevationMapper({}, Backend::Auto, 1, kNoDevice).backend_name(), cpu);
+  EXPECT_EQ(ElevationMapper({}, Backend::Cpu, 1, kNoDevice).backend_name(), cpu);
 }
 
 TEST(Device, EachGivesTheSameBitsToWhateverThreadAsks)
