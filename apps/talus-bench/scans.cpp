@@ -108,6 +108,7 @@ std::vector<Scan> make_drive(std::size_t points, double radius_m, int scans, dou
   std::mt19937_64 random(points);
   const std::vector<Box> boxes = make_boxes(radius_m, random);
   std::vector<Scan> drive;
+  drive.reserve(static_cast<std::size_t>(scans));
   for (int i = 0; i < scans; i++)
     drive.push_back(make_scan({boxes, radius_m, 0}, step_m * i, points, random));
   return drive;

@@ -3,6 +3,7 @@
 #include <talus/baselines/features.h>
 #include <talus/baselines/fills.h>
 #include <talus/baselines/highest_point_map.h>
+#include <talus/baselines/real_log.h>
 #include <talus/baselines/stock_maps.h>
 #include <talus/baselines/window_truth.h>
 
@@ -285,6 +286,72 @@ TEST(Methods, AllShowTheWindowThatTalusShows)
     EXPECT_EQ(shown.min_cell_y, expected.min_cell_y) << info.name;
     EXPECT_EQ(shown.cells, expected.cells) << info.name;
   }
+}
+
+/** Floor at z = 0 in cells of 0.1 m, and a thing of half a metre in the cell around (0.55, 0.05),
+ * as long as it stands. */
+ScanFrame floor_with_thing(double time_s, bool stands)
+{
+  ScanFrame f;
+  f.stamp_s = f.time_s = time_s;
+  f.T_map_sensor.m[11] = 0.5;
+  f.T_true = f.T_map_sensor;
+  const auto add = [&](double x, double y, double z)
+  {
+    f.x_m.push_back(static_cast<float>(x));
+    f.y_m.push_back(static_cast<float>(y));
+    f.z_m.push_back(static_cast<float>(z - 0.5));
+  };
+  for (int iy = -10; iy < 10; ++iy)
+    for (int ix = -10; ix < 10; ++ix)
+      if (ix != 5 || iy != 0 || !stands) add(0.1 * ix + 0.05, 0.1 * iy + 0.05, 0);
+  for (const double z : {0.02, 0.25, 0.45})
+    if (stands) add(0.55, 0.05, z);
+  return f;
+}
+
+/** Labels of that place, whose ground lies at a height. */
+LabelMap labels_at(float ground_m)
+{
+  LabelMap labels;
+  labels.stack = {20, 20, 0.1, -1, -1, {"ground", "label"}, {}};
+  labels.stack.layers = {
+      std::vector<float>(400, ground_m), std::vector<float>(400, LabelMap::kGround)};
+  labels.stack.layers[0][10 * 20 + 15] = kNan;
+  labels.stack.layers[1][10 * 20 + 15] = LabelMap::kObstacle;
+  return labels;
+}
+
+RealLogScore score_of(const Sequence& sequence, const LabelMap* labels)
+{
+  EvaluationOptions options;
+  options.parameters = small_window();
+  options.methods = {"highest"};
+  return score_real_log(sequence, labels, options).front();
+}
+
+TEST(RealLog, LabelsSayWhatIsGroundAndWhatIsBlocked)
+{
+  const Sequence still{"still", {floor_with_thing(0, true), floor_with_thing(0.1, true)}};
+  const LabelMap right = labels_at(0), lower = labels_at(-0.5F);
+  const RealLogScore score = score_of(still, &right);
+  EXPECT_EQ(score.recall.of, 2 * 399);
+  EXPECT_EQ(score.recall.value(), 1);
+  EXPECT_GT(score.precision.value(), 0.99);  // the thing's foot is none
+  EXPECT_EQ(score.obstacle_blocked.of, 1);
+  EXPECT_EQ(score.obstacle_blocked.value(), 1);
+  EXPECT_GT(score.ground_passable.of, 300);
+  EXPECT_EQ(score.low_blocked.of, 0);
+  EXPECT_EQ(score_of(still, &lower).precision.value(), 0);
+}
+
+TEST(RealLog, WhatWasHitInAFewFramesAndThenWasGroundHasLeft)
+{
+  Sequence passes{"passes", {}};
+  for (int i = 0; i < 8; ++i) passes.frames.push_back(floor_with_thing(0.1 * i, i < 2));
+  EXPECT_EQ(score_of(passes, nullptr).left_blocked.of, 1);
+  passes.frames.resize(6);  // four frames of ground are too few to say so
+  EXPECT_EQ(score_of(passes, nullptr).left_blocked.of, 0);
 }
 
 }  // namespace
