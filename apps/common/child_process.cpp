@@ -74,6 +74,20 @@ ChildEnd run_in_child(const std::function<int()>& work)
   return wait_for_child(child);
 }
 
+int run_command_in_child(
+    const std::string& file, const std::function<int()>& work,
+    const std::function<void(const std::string&)>& tell)
+{
+  const ChildEnd end = run_in_child(work);
+  if (stop_signal())
+  {
+    tell("stopped; nothing was written");
+    return 128 + stop_signal();
+  }
+  if (end.signal) throw std::runtime_error(crash_text(file, end.signal));
+  return end.exit_code;
+}
+
 ChildEnd wait_for_child(int child)
 {
   int status = 0;

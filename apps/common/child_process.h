@@ -16,6 +16,13 @@ struct ChildEnd
  * started. */
 ChildEnd run_in_child(const std::function<int()>& work);
 
+/** The same for all that a command does. Its exit code; where a signal asked to stop, 128 + its
+ * number, once `tell` was told so. Throws std::runtime_error, crash_text() of `file`, where it
+ * crashed. */
+int run_command_in_child(
+    const std::string& file, const std::function<int()>& work,
+    const std::function<void(const std::string&)>& tell);
+
 /** Starts such a process and does not wait for it: what signals do is as here. Its number. */
 int start_child(const std::function<int()>& work);
 

@@ -130,14 +130,9 @@ int run(const AppOptions& options)
   talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
   OutputFolder output(options.output);
   // A damaged log can crash MRPT.
-  const auto end = talus::app::run_in_child([&] { return calibrate_or_tell(options, output); });
-  if (const int signal = talus::app::stop_signal())
-  {
-    print_error("stopped; nothing was written");
-    return 128 + signal;
-  }
-  if (end.signal) throw std::runtime_error(talus::app::crash_text(options.log, end.signal));
-  if (end.exit_code != 0) return end.exit_code;
+  const auto work = [&] { return calibrate_or_tell(options, output); };
+  if (const int code = talus::app::run_command_in_child(options.log, work, print_error))
+    return code;
   output.commit("calibration.json");
   if (!options.quiet)
     std::cout << "  wrote   " << (fs::path(options.output) / "calibration.ini").string() << "\n";

@@ -174,14 +174,9 @@ int run(const Options& o)
   require_all_apart(o);
   const fs::path output(o.output);
   OutputFolder folder(output.has_parent_path() ? output.parent_path().string() : ".");
-  const auto end = talus::app::run_in_child([&] { return import_or_tell(o, folder); });
-  if (const int signal = talus::app::stop_signal())
-  {
-    print_error("stopped; nothing was written");
-    return 128 + signal;
-  }
-  if (end.signal) throw std::runtime_error(talus::app::crash_text(o.sources.front(), end.signal));
-  if (end.exit_code != 0) return end.exit_code;
+  const auto work = [&] { return import_or_tell(o, folder); };
+  if (const int code = talus::app::run_command_in_child(o.sources.front(), work, print_error))
+    return code;
   const std::string tum = talus::app::trajectory_beside(o.output);
   const bool has_poses = fs::exists(fs::path(folder.staging()) / fs::path(tum).filename());
   folder.commit(output.filename().string());

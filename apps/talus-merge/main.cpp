@@ -148,14 +148,7 @@ int work_or_tell(
 /** Works in a child, which a damaged file or a signal may end. The exit code. */
 int in_child(const Options& o, const std::function<int()>& work)
 {
-  const auto end = talus::app::run_in_child(work);
-  if (const int signal = talus::app::stop_signal())
-  {
-    print_error("stopped; nothing was written");
-    return 128 + signal;
-  }
-  if (end.signal) throw std::runtime_error(talus::app::crash_text(o.inputs.front(), end.signal));
-  return end.exit_code;
+  return talus::app::run_command_in_child(o.inputs.front(), work, print_error);
 }
 
 void require_picture_apart(const Options& o)

@@ -156,17 +156,12 @@ int run(const Options& o, const Settings& settings)
   talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
   talus::app::OutputFolder output(o.output);
   // Numbers that make no sense can crash MRPT's navigators.
-  const auto end = talus::app::run_in_child([&] { return drive_or_tell(o, settings, output); });
-  if (const int signal = talus::app::stop_signal())
-  {
-    print_error("stopped; nothing was written");
-    return 128 + signal;
-  }
-  if (end.signal) throw std::runtime_error(talus::app::crash_text(o.world, end.signal));
-  if (end.exit_code == kFailed || end.exit_code == kUsage) return end.exit_code;
+  const int code = talus::app::run_command_in_child(
+      o.world, [&] { return drive_or_tell(o, settings, output); }, print_error);
+  if (code == kFailed || code == kUsage || talus::app::stop_signal()) return code;
   output.commit("summary.json");
   if (!o.quiet) std::cout << "  wrote " << (fs::path(o.output) / "navigation.png").string() << "\n";
-  return end.exit_code;
+  return code;
 }
 }  // namespace
 

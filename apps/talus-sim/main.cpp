@@ -101,14 +101,8 @@ int run(const Options& o)
 {
   forward_signals();  // before any folder is made: a signal must not leave it behind
   OutputFolder output(o.output);
-  const ChildEnd end = run_in_child([&] { return simulate_or_tell(o, output); });
-  if (stop_signal())
-  {
-    print_error("stopped; nothing was written");
-    return 128 + stop_signal();
-  }
-  if (end.signal) throw std::runtime_error(crash_text(o.world, end.signal));
-  if (end.exit_code != 0) return end.exit_code;
+  const auto work = [&] { return simulate_or_tell(o, output); };
+  if (const int code = run_command_in_child(o.world, work, print_error)) return code;
   const std::string log = name_of_world(o.world) + ".rawlog";
   output.commit(log);
   if (!o.quiet) std::cout << "  wrote   " << (fs::path(o.output) / log).string() << "\n";
