@@ -99,12 +99,7 @@ void BagSource::fill(ImportedScan& scan, Sensor& sensor, std::int64_t stamp_ns)
   if (!sensor.time_unit_s && !file_.time.empty()) sensor.time_unit_s = time_unit_s(file_);
   scan.point_time_s = times_since(scan.time_s, file_, sensor.time_unit_s.value_or(1));
   sensor.not_timed += scan.point_time_s.size() == file_.time.size() ? 0 : 1;
-  scan.x_m.swap(file_.x_m);
-  scan.y_m.swap(file_.y_m);
-  scan.z_m.swap(file_.z_m);
-  scan.intensity.swap(file_.intensity);
-  scan.ring.swap(file_.ring);
-  scan.not_finite = file_.not_finite;
+  take_points(file_, scan);
 }
 
 std::vector<std::string> BagSource::remarks() const

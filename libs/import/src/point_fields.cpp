@@ -181,6 +181,16 @@ void PointCollector::add(const double* values)
   }
 }
 
+void take_points(ScanFile& file, ImportedScan& scan)
+{
+  scan.x_m.swap(file.x_m);
+  scan.y_m.swap(file.y_m);
+  scan.z_m.swap(file.z_m);
+  scan.intensity.swap(file.intensity);
+  scan.ring.swap(file.ring);
+  scan.not_finite = file.not_finite;
+}
+
 double time_unit_s(const ScanFile& scan)
 {
   if (scan.time.empty()) return 1;

@@ -72,6 +72,10 @@ class PointCollector
   ScanFile* out_;
 };
 
+/** Moves what is the same in both into `scan`: all but times and viewpoint. The vectors of `file`
+ * are then those that `scan` had, to be filled again. */
+void take_points(ScanFile& file, ImportedScan& scan);
+
 /** Seconds of one unit of the times of points. */
 double time_unit_s(const ScanFile& scan);
 

@@ -198,12 +198,7 @@ bool ScanFolder::next(ImportedScan& scan)
   scan.sensor_label = layout_.label;
   scan.time_s = time_s;
   scan.T_base_sensor = T_base_sensor_;
-  scan.x_m.swap(file_.x_m);
-  scan.y_m.swap(file_.y_m);
-  scan.z_m.swap(file_.z_m);
-  scan.intensity.swap(file_.intensity);
-  scan.ring.swap(file_.ring);
-  scan.not_finite = file_.not_finite;
+  take_points(file_, scan);
   scan.point_time_s = times_since(time_s, file_, unit_s);
   if (scan.point_time_s.empty() && !file_.time.empty())
     tell_once(
