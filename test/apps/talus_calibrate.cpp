@@ -74,6 +74,19 @@ const char* const kWaves =
     "{sine: {amplitude_m: 0.06, wavelength_m: 4.5, yaw_deg: 100}}";
 const char* const kWay = "[[0, 0], [4, 1.5], [8, -1]]";
 
+double estimate_of(const nlohmann::json& calibration, const char* name)
+{
+  return calibration["parameters"][name]["estimate"].get<double>();
+}
+
+/** As talus-sim mounts it. */
+void expect_true_mounting(const nlohmann::json& calibration)
+{
+  EXPECT_NEAR(estimate_of(calibration, "roll"), 0, 0.05);
+  EXPECT_NEAR(estimate_of(calibration, "pitch"), 0, 0.05);
+  EXPECT_NEAR(estimate_of(calibration, "z"), 0.68, 0.005);
+}
+
 TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
 {
   simulate(kWaves, kWay, "--mounting-error 0 0 0.05 2 -3 0 --clock-error 0.05");
@@ -82,12 +95,8 @@ TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
   ASSERT_EQ(done.code, 0) << done.text;
   EXPECT_TRUE(done.says("held-out ground thickness")) << done.text;
   const auto json = nlohmann::json::parse(bytes_of(path("out/calibration.json")));
-  const auto estimate = [&](const char* name)
-  { return json["parameters"][name]["estimate"].get<double>(); };
-  EXPECT_NEAR(estimate("roll"), 0, 0.05);
-  EXPECT_NEAR(estimate("pitch"), 0, 0.05);
-  EXPECT_NEAR(estimate("z"), 0.68, 0.005);
-  EXPECT_NEAR(estimate("time_offset"), -0.05, 0.005);
+  expect_true_mounting(json);
+  EXPECT_NEAR(estimate_of(json, "time_offset"), -0.05, 0.005);
   EXPECT_LT(json["held_out"]["after"]["thickness_m"], json["held_out"]["before"]["thickness_m"]);
   EXPECT_NE(bytes_of(path("out/calibration.ini")).find("c_beam_m = "), std::string::npos);
   EXPECT_EQ(bytes_of(path("out/calibration.png")).substr(1, 3), "PNG");
@@ -97,9 +106,9 @@ TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
   ASSERT_EQ(edited.code, 0) << edited.text;
   talus::io::RawlogReader fixed(path("fixed.rawlog"));
   const mrpt::poses::CPose3D mounting(fixed.next()->sensorPose());
-  EXPECT_NEAR(mounting.z(), estimate("z"), 1e-5);
-  EXPECT_NEAR(mounting.pitch() * 57.29578, estimate("pitch"), 1e-4);
-  EXPECT_NEAR(mounting.roll() * 57.29578, estimate("roll"), 1e-4);
+  EXPECT_NEAR(mounting.z(), estimate_of(json, "z"), 1e-5);
+  EXPECT_NEAR(mounting.pitch() * 57.29578, estimate_of(json, "pitch"), 1e-4);
+  EXPECT_NEAR(mounting.roll() * 57.29578, estimate_of(json, "roll"), 1e-4);
 }
 
 TEST_F(TalusCalibrate, FindsASensorThatIsMountedUpsideDown)
@@ -109,11 +118,7 @@ TEST_F(TalusCalibrate, FindsASensorThatIsMountedUpsideDown)
   ASSERT_EQ(done.code, 0) << done.text;
   EXPECT_TRUE(done.says("mounted upside down")) << done.text;
   const auto json = nlohmann::json::parse(bytes_of(path("out/calibration.json")));
-  const auto estimate = [&](const char* name)
-  { return json["parameters"][name]["estimate"].get<double>(); };
-  EXPECT_NEAR(estimate("roll"), 0, 0.05);
-  EXPECT_NEAR(estimate("pitch"), 0, 0.05);
-  EXPECT_NEAR(estimate("z"), 0.68, 0.005);
+  expect_true_mounting(json);
 }
 
 TEST_F(TalusCalibrate, RefusesASensorOnItsSide)
