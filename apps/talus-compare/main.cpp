@@ -82,7 +82,9 @@ void compare_log(const std::string& path, const CommandOptions& o, Comparison& o
   out.evaluations.push_back(evaluate_sequence(sequence, nullptr, nullptr, e));
   out.holdouts.push_back(hold_out(sequence, e, o.holdout));
   out.real_logs.push_back(
-      {sequence.name, score_real_log(sequence, o.truth.empty() ? nullptr : &labels, e)});
+      {sequence.name,
+       score_real_log(
+           sequence, out.evaluations.back(), o.truth.empty() ? nullptr : &labels, e.parameters)});
 }
 
 /** Compares one input; says what went wrong and returns false. */
@@ -196,16 +198,12 @@ int run(CommandOptions& o, const std::string& command)
   load_parameters_into(o);
   talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
   Outputs outputs(o);
-  const auto end = talus::app::run_in_child([&] { return compare_or_tell(o, command, outputs); });
-  if (const int signal = talus::app::stop_signal())
-  {
-    print_error("stopped; nothing was written");
-    return 128 + signal;
-  }
-  if (end.signal) throw std::runtime_error(talus::app::crash_text(o.inputs.front(), end.signal));
-  if (end.exit_code == kFailed) return 1;
+  const int code = talus::app::run_command_in_child(
+      o.inputs.front(), [&] { return compare_or_tell(o, command, outputs); }, print_error);
+  if (talus::app::stop_signal()) return code;
+  if (code == kFailed) return 1;
   outputs.folder.commit(kSeal);
-  return end.exit_code;
+  return code;
 }
 
 /** The command line as a person would type it. */

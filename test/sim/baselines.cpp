@@ -327,7 +327,8 @@ RealLogScore score_of(const Sequence& sequence, const LabelMap* labels)
   EvaluationOptions options;
   options.parameters = small_window();
   options.methods = {"highest"};
-  return score_real_log(sequence, labels, options).front();
+  const Evaluation evaluation = evaluate_sequence(sequence, nullptr, nullptr, options);
+  return score_real_log(sequence, evaluation, labels, options.parameters).front();
 }
 
 TEST(RealLog, LabelsSayWhatIsGroundAndWhatIsBlocked)

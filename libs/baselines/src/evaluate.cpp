@@ -137,6 +137,7 @@ class Evaluator
       score_coverage(map, e.score);
     if (e.score.method == "talus") compare_fills(map, i, here);
     if (i == picture_frame_) result_.snapshot.maps.emplace_back(e.score.method, map);
+    if (!truth_ && i + 1 == sequence_.frames.size()) result_.last.push_back(std::move(map));
   }
 
   void compare_fills(const Surfaces& map, std::size_t i, const std::optional<WindowTruth>& here)

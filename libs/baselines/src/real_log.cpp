@@ -196,23 +196,24 @@ double RealLogScore::f1() const
 }
 
 std::vector<RealLogScore> score_real_log(
-    const Sequence& sequence, const LabelMap* labels, const EvaluationOptions& options)
+    const Sequence& sequence, const Evaluation& evaluation, const LabelMap* labels,
+    const Parameters& parameters)
 {
-  const CellHits hits(sequence, options.parameters);
-  std::vector<RealLogScore> scores;
-  scores.reserve(options.methods.size());
-  for (const std::string& name : options.methods)
+  const CellHits hits(sequence, parameters);
+  std::vector<RealLogScore> scores(evaluation.last.size());
+  for (std::size_t i = 0; i < scores.size(); ++i)
   {
-    const auto method = make_method(name, options.parameters, options.backend);
-    for (const ScanFrame& frame : sequence.frames) method->update(frame.view());
-    const Surfaces map = method->read();
-    RealLogScore& score = scores.emplace_back();
-    score.method = name;
-    score_window(hits, map, score);
-    if (!labels) continue;
-    score_labels(*labels, hits, map, options.parameters.step_threshold_m, score);
-    for (const ScanFrame& frame : sequence.frames)
-      score_points(accepted_points(frame.view(), options.parameters), *labels, map, score);
+    scores[i].method = evaluation.maps[i].method;
+    score_window(hits, evaluation.last[i], scores[i]);
+    if (labels)
+      score_labels(*labels, hits, evaluation.last[i], parameters.step_threshold_m, scores[i]);
+  }
+  if (!labels) return scores;
+  for (const ScanFrame& frame : sequence.frames)
+  {
+    const auto points = accepted_points(frame.view(), parameters);
+    for (std::size_t i = 0; i < scores.size(); ++i)
+      score_points(points, *labels, evaluation.last[i], scores[i]);
   }
   return scores;
 }

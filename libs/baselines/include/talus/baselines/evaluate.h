@@ -39,6 +39,7 @@ struct Evaluation
   std::vector<Score> maps;  //!< as EvaluationOptions::methods
   std::vector<FillScore> fills;  //!< talus's first; empty when talus is not among the methods
   Snapshot snapshot;
+  std::vector<Surfaces> last;  //!< after the last frame, as `maps`; only without truth
 };
 
 /** The truth about all that the windows of a drive cover. */

@@ -51,8 +51,10 @@ struct RealLogScore
   double f1() const;
 };
 
-/** One score a method of the options. `labels` may be nullptr. */
+/** One score a method of `evaluation`, which is that of this log without truth. `labels` may be
+ * nullptr. */
 std::vector<RealLogScore> score_real_log(
-    const Sequence& sequence, const LabelMap* labels, const EvaluationOptions& options);
+    const Sequence& sequence, const Evaluation& evaluation, const LabelMap* labels,
+    const Parameters& parameters);
 
 }  // namespace talus::baselines
