@@ -381,6 +381,9 @@ TEST_F(TalusImport, runs_the_commands_of_its_page)
   for (const char* folder : {"lidar", "front", "rear"}) write_floors(folder, 3);
   write("poses.tum", tum(3));
 
+  const std::string more = "\\\n";
+  for (auto at = commands.find(more); at != std::string::npos; at = commands.find(more))
+    commands.erase(at, more.size());
   std::istringstream lines(commands);
   for (std::string line; std::getline(lines, line);)
     if (line.rfind("./dev", 0) != 0)
