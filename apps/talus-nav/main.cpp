@@ -109,7 +109,7 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
       talus::io::write_png(
           frame_path(folder, m.steps.size()), painter.draw(m, route, pilot, title(o, m, false)));
   };
-  const auto result = run_mission(world, robot, *map, pilot, route, mission_options, on_step);
+  auto result = run_mission(world, robot, *map, pilot, route, mission_options, on_step);
   write_results(folder, o, result, painter.draw(result, route, pilot, title(o, result, true)));
   if (map->terrain())
     talus::io::write_geotiff(
