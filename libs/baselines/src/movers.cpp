@@ -124,8 +124,8 @@ void MoverTruth::enter_rays(const ScanFrame& scan)
 
 void MoverTruth::enter_ray(std::size_t cell, float height_m)
 {
-  lowest_ray_m[cell] = std::fmin(lowest_ray_m[cell], height_m);
   if (!touched[cell]) return;
+  lowest_ray_m[cell] = std::fmin(lowest_ray_m[cell], height_m);
   const float top_m = hit_top_m[cell], underside = underside_m[cell];
   const float below_m = std::fmax(top_m - kSeenThrough_m, 0.5f * (underside + top_m));
   went_through[cell] |= height_m >= underside && height_m < below_m;

@@ -88,7 +88,10 @@ sim::TruthOptions TruthMap::truth_options(const Parameters& p, bool movers)
   return o;
 }
 
-TruthMap::TruthMap(sim::Truth t, const Parameters& parameters) : truth(std::move(t))
+TruthMap::TruthMap(sim::Truth t, const Parameters& parameters)
+    : truth(std::move(t)),
+      first_cell_x_(std::llround(truth.window.min_x_m / truth.window.resolution_m)),
+      first_cell_y_(std::llround(truth.window.min_y_m / truth.window.resolution_m))
 {
   classify_cells(parameters);
   classify_terrain();
@@ -97,15 +100,6 @@ TruthMap::TruthMap(sim::Truth t, const Parameters& parameters) : truth(std::move
   measure_distances();
   find_ditches();
   find_posts();
-}
-
-int TruthMap::index(std::int64_t cell_x, std::int64_t cell_y) const
-{
-  const sim::TruthWindow& w = truth.window;
-  const std::int64_t ix = cell_x - std::llround(w.min_x_m / w.resolution_m);
-  const std::int64_t iy = cell_y - std::llround(w.min_y_m / w.resolution_m);
-  if (ix < 0 || iy < 0 || ix >= w.cells_x || iy >= w.cells_y) return -1;
-  return static_cast<int>(iy * w.cells_x + ix);
 }
 
 float TruthMap::standing_m(std::size_t i) const

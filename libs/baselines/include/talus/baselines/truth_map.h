@@ -35,7 +35,13 @@ class TruthMap
   static sim::TruthOptions truth_options(const Parameters& parameters, bool movers);
 
   /** Index of a cell counted from the origin of the map frame, or -1 outside. */
-  int index(std::int64_t cell_x, std::int64_t cell_y) const;
+  int index(std::int64_t cell_x, std::int64_t cell_y) const
+  {
+    const std::int64_t ix = cell_x - first_cell_x_, iy = cell_y - first_cell_y_;
+    const bool inside =
+        ix >= 0 && iy >= 0 && ix < truth.window.cells_x && iy < truth.window.cells_y;
+    return inside ? static_cast<int>(iy * truth.window.cells_x + ix) : -1;
+  }
   std::size_t size() const { return truth.ground.size(); }
 
   bool known(std::size_t i) const { return truth.label[i] == truth.label[i]; }
@@ -84,6 +90,8 @@ class TruthMap
   void measure_distances();
   void find_ditches();
   void find_posts();
+
+  std::int64_t first_cell_x_, first_cell_y_;
 };
 
 }  // namespace talus::baselines

@@ -51,7 +51,7 @@ class MoverTruth
    * none. */
   std::vector<float> underside_m;
   std::vector<float> hit_top_m;  //!< highest hit on a mover there; NaN: none
-  std::vector<float> lowest_ray_m;  //!< of this frame, over the cell; NaN: no ray
+  std::vector<float> lowest_ray_m;  //!< of this frame, over a touched cell; NaN: no ray
   /** A ray of this frame went on between the bottom of the mover and its highest hit there. */
   std::vector<std::uint8_t> went_through;
   std::vector<int> seen_through_frame;  //!< the first, after the mover left; -1: not yet
