@@ -228,13 +228,10 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
 }
 
 /** The ground keeps the lowest: what is inside the gate is fused, what is lower replaces, what is
- * higher is no ground. Ground that was only filled gives way to any measurement, except that what
- * stands more than a step above a reliable fill is an object on it. */
+ * higher is no ground. Ground that was only filled gives way to any measurement. */
 TALUS_HD FusionPlan plan_ground(const Cell& c, const HeightPoint& low, const Config& k)
 {
   const bool measured = c.state == kMeasured;
-  const bool object =
-      (c.state == kFilledTwoSided) & (low.height_m > c.ground_m + k.step_threshold_m);
   const bool fused =
       measured & ((low.height_m >= c.ground_m) |
                   inside_gate(low.height_m, low.variance_m2, c.ground_m, c.ground_var_m2, k));
@@ -242,7 +239,7 @@ TALUS_HD FusionPlan plan_ground(const Cell& c, const HeightPoint& low, const Con
   plan.base_m = select(fused, c.ground_m, low.height_m);
   plan.base_var_m2 = select(fused, c.ground_var_m2, low.variance_m2);
   plan.base_is_prior = select(fused, 1, 0);
-  plan.wanted = select(object, 0, 1);
+  plan.wanted = 1;
   return plan;
 }
 

@@ -24,8 +24,7 @@ struct ClassifyCell
     const bool stays = may_be_ground(
         grid.at(grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y)), ground);
     surface_class[storage_i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
-    const bool stands_anew = may_join(storage_i, ground) | may_be_bank(storage_i, ground);
-    return select(measured, !stays, stands_anew) | may_be_top(storage_i, ground);
+    return select(measured, !stays, may_join(storage_i, ground)) | may_be_top(storage_i, ground);
   }
   TALUS_HD void operator()(int x, int y, int storage_i) const
   {
@@ -40,11 +39,7 @@ struct ClassifyCell
     const bool measured = store.state[storage_i] == kMeasured;
     surface_class[storage_i] =
         measured ? class_of_measured(px, py, store.ground_m[storage_i]) : kInfer;
-    if (!measured)
-    {
-      join_column(storage_i, px, py);
-      take_bank(storage_i, grid.at(px, py));
-    }
+    if (!measured) join_column(storage_i);
   }
 
   /** Whether look() has to come next: something that overhangs is before what was hit. */
@@ -102,29 +97,6 @@ struct ClassifyCell
     const bool guess = store.state[storage_i] == kFilledOneSided;  // there join_column() decides
     return hit_above(storage_i, ground_m) & !stands & !guess;
   }
-  TALUS_HD bool may_be_bank(int storage_i, float ground_m) const
-  {
-    const float step_m = config->step_threshold_m, top = store.elevation_m[storage_i];
-    const bool stands = top > ground_m + step_m;
-    const bool hit = abs_of(top_hit_m[storage_i] - top) <= kSameTop_steps * step_m;
-    const bool seen_below =
-        (store.persistence[storage_i] < 0) | ((store.ray_evidence[storage_i] & kHitHighUp) != 0);
-    return stands & hit & !seen_below;
-  }
-  /** What stood over a guess is ground where its top is hit again and is no higher than ground
-   * beside it that is wide: of a bank the drop-off is seen first, a narrow strip with lower ground
-   * before it. Below ground no rays pass. */
-  TALUS_HD void take_bank(int storage_i, int coarse_i) const
-  {
-    const float top = store.elevation_m[storage_i],
-                by_cone_m = cone_limit_m(*config, grid.cone_m[coarse_i]);
-    if (!may_be_bank(storage_i, store.ground_m[storage_i]) || !may_be_ground(coarse_i, top)) return;
-    if (grid.limit_m[coarse_i] <= by_cone_m) return;  // no wider than it was
-    store.state[storage_i] = kMeasured;
-    store.ground_m[storage_i] = top;
-    store.ground_var_m2[storage_i] = store.elevation_var_m2[storage_i];
-    surface_class[storage_i] = kKeep;
-  }
   TALUS_HD void put_overhang(int storage_i, float depth_m) const
   {
     put_top(storage_i);
@@ -132,17 +104,13 @@ struct ClassifyCell
     store.extent[storage_i] =
         static_cast<std::uint8_t>(extent_of_codes(code_of_extent(depth_m), 0));
   }
-  /** What was hit far above guessed ground hangs there, unless it is joined to something upright: a
-   * wall of which this cell was hit high up only. What is seen from above stands until a ray passes
-   * low over the guess. */
-  TALUS_HD void join_column(int storage_i, int px, int py) const
+  /** What was hit far above guessed ground hangs there. What is seen from above stands until a ray
+   * passes low over the guess. */
+  TALUS_HD void join_column(int storage_i) const
   {
     if (!may_join(storage_i, store.ground_m[storage_i])) return;
-    if (!between_columns(px, py, top_hit_m[storage_i] - config->clearance_m))
-    {
-      if ((store.ray_evidence[storage_i] & kPassedLow) != 0 || !seen_from_above(storage_i)) return;
-      store.ray_evidence[storage_i] |= kHitHighUp;
-    }
+    if ((store.ray_evidence[storage_i] & kPassedLow) != 0 || !seen_from_above(storage_i)) return;
+    store.ray_evidence[storage_i] |= kHitHighUp;
     put_top(storage_i);
   }
   TALUS_HD void put_top(int storage_i) const
@@ -158,16 +126,6 @@ struct ClassifyCell
     if (column_m + config->clearance_m < ground_m) return kObject;
     const bool past = column_m > ground_m + kPastObject_steps * config->step_threshold_m;
     return past ? kObjectBesideColumn : kObjectOnColumn;
-  }
-
-  /** Whether something upright stands at least so high on two opposite sides of the coarse cell. */
-  TALUS_HD bool between_columns(int px, int py, float height_m) const
-  {
-    const float* at = grid.column_m + grid.at(px, py);
-    const int pitch = grid.side + 2 * grid.pad, steps[] = {1, pitch, pitch + 1, pitch - 1};
-    for (const int step : steps)
-      if (at[-step] >= height_m && at[step] >= height_m) return true;
-    return false;
   }
 
   /** What overhangs and has its top between two heights, at most so many pairs of cells away. */
@@ -203,7 +161,7 @@ struct ClassifyCell
   struct Corridors
   {
     int px, py;
-    Direction to_sensor;
+    float x, y;  //!< to the sensor, of length 1
   };
   TALUS_HD Corridors corridors_from(int x, int y) const
   {
@@ -211,20 +169,19 @@ struct ClassifyCell
     const auto dy = static_cast<float>(frame->sensor_cell_y - y);
     const float length = max_of(sqrtf(dx * dx + dy * dy), 1.0f);
     return {
-        grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y), {dx / length, dy / length}};
+        grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y), dx / length, dy / length};
   }
   /** The coarse cell nearest in a corridor that holds the face; -1: none. */
   TALUS_HD int face_in_corridor(const Corridors& corridors, int corridor, const Face& face) const
   {
-    const Direction d = corridors.to_sensor;
     const auto beside = static_cast<float>(corridor - kFaceCorridors / 2);
     const int here = grid.at(corridors.px, corridors.py);  // of no use: what overhangs is before it
     int nearest = -1;
     for (int r = face.most_pairs; r >= 1; r--)  // to the end, so that a device reads ahead
     {
       const float ahead = static_cast<float>(r);
-      const int qx = corridors.px + floor_to_int(ahead * d.x - beside * d.y + 0.5f);
-      const int qy = corridors.py + floor_to_int(ahead * d.y + beside * d.x + 0.5f);
+      const int qx = corridors.px + floor_to_int(ahead * corridors.x - beside * corridors.y + 0.5f);
+      const int qy = corridors.py + floor_to_int(ahead * corridors.y + beside * corridors.x + 0.5f);
       const bool inside = (qx >= 0) & (qy >= 0) & (qx < grid.side) & (qy < grid.side);
       const int coarse_i = select(inside, grid.at(qx, qy), here);
       const float top_m = grid.overhang_m[coarse_i];

@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/7_planes.h"
+#include "kernels/6_cleanup.h"
 
 namespace talus::kernels
 {
@@ -8,6 +8,24 @@ namespace talus::kernels
 // is fast on a device is slow on a core. A device searches for each cell
 // (libs/core/src/cuda/fill_search.h). A core sweeps along many lines at once
 // (libs/core/src/cpu/lines.h). What is made of them is the same.
+
+/** Places of the window on a grid with the sensor's cell in its very middle: one more row and
+ * column than the window where its cells are even in number. */
+struct LineGrid
+{
+  int half, side, pitch;
+
+  TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix; }
+  TALUS_HD int middle() const { return at(half, half); }
+};
+
+/** The pitch is an odd number of cache lines, so that the places of a column do not fight for the
+ * same part of a cache. */
+TALUS_HD LineGrid line_grid(const Config& k)
+{
+  const int half = k.cells / 2, side = 2 * half + 1;
+  return {half, side, (side + 31) / 32 * 32 + 16};
+}
 
 /** The samples of one side and what eq. 8 makes of them. */
 struct SideEstimate
@@ -90,9 +108,9 @@ TALUS_HD float sample_variance(float ground_m, float variance_m2, float ray_boun
 }
 
 /** Whether rays undercut the ground that goes on from a sample. */
-TALUS_HD bool undercuts(float ray_bound_m, float sample_m, float distance_m, float rise_per_m)
+TALUS_HD bool undercuts(float ray_bound_m, float sample_m)
 {
-  return ray_bound_m < sample_m + rise_per_m * distance_m - kUndercutAhead_m;
+  return ray_bound_m < sample_m - kUndercutAhead_m;
 }
 
 /** Fills before such a place, as far as fills look, say so by this variance, or a larger one; the
@@ -128,19 +146,15 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b, int r
   return ((n_share + n_other) * low.height_m + n_share * high.height_m) / total;
 }
 
-/** Height to which the ground goes on beside samples that lie on one side: from their mean as the
- * ground around the robot rises, and as far again past the nearest as that is off the mean. (So it
- * is steeper or flatter than around the robot.) A nearest sample that is farther off is the foot of
- * something: it counts for a quarter of a step. */
-TALUS_HD float goes_on(
-    float nearest_m, float distance_m, float mean_m, float mean_distance_m, float rise_per_m,
-    const Config& k)
+/** Height to which the ground goes on beside samples that lie on one side: as far again past the
+ * nearest as that is off their mean, as it begins to rise or fall. A nearest sample that is farther
+ * off is the foot of something: it counts for a quarter of a step. */
+TALUS_HD float goes_on(float nearest_m, float mean_m, const Config& k)
 {
-  const float by_mean_m = mean_m + rise_per_m * mean_distance_m;
-  const float off_m = nearest_m + rise_per_m * distance_m - by_mean_m;
+  const float off_m = nearest_m - mean_m;
   const float noise_m = max_of(min_of(off_m, kHeightNoise_m), -kHeightNoise_m);
   const float most_m = kGoesOnMost_steps * k.step_threshold_m;
-  return by_mean_m + max_of(min_of(kGoesOn * (off_m - noise_m), most_m), -most_m);
+  return mean_m + max_of(min_of(kGoesOn * (off_m - noise_m), most_m), -most_m);
 }
 
 /** Heights of several lines, each weighed by how far it has to bridge. */
@@ -152,15 +166,12 @@ struct LineFusion
   {
     return std::make_tuple(&LineFusion::information, &LineFusion::weighted, &LineFusion::lowest_m);
   }
-  /** Between samples of both sides linearly, beside one side as goes_on() says: the ground around
-   * the robot rises by `rise_per_m` from side a to side b. The error grows with the distances, and
-   * with what the sides differ by beyond that: nobody knows where between them it rises. A gap
-   * holds a face if its sides are steeper apart than a robot can drive, or if the ground beyond it
-   * is a step lower. Then along a ray the lower side counts, which is what lies before a front and
-   * in the shadow of an edge; rows and columns do not tell where it stands. */
-  TALUS_HD void add(
-      const SideEstimate& a, const SideEstimate& b, bool along_ray, float rise_per_m,
-      const Config& k)
+  /** Between samples of both sides linearly, beside one side as goes_on() says. The error grows
+   * with the distances, and with what the sides differ by: nobody knows where between them it
+   * rises. A gap holds a face if its sides are steeper apart than a robot can drive, or if the
+   * ground beyond it is a step lower. Then along a ray the lower side counts, which is what lies
+   * before a front and in the shadow of an edge; rows and columns do not tell where it stands. */
+  TALUS_HD void add(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
   {
     const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
     const float gap_m = a.distance_m + b.distance_m, rise = b.nearest_m - a.nearest_m;
@@ -170,12 +181,10 @@ struct LineFusion
     const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
     const float linear = a.mean_m + (b.mean_m - a.mean_m) * part;
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
-    const float error = kBetweenDeviation * a.distance_m * b.distance_m / gap_m +
-                        kRiseDeviation * abs_of(rise - rise_per_m * gap_m);
-    const float beyond = goes_on(
-        select(has_a, a.nearest_m, b.nearest_m), select(has_a, a.distance_m, b.distance_m),
-        select(has_a, a.mean_m, b.mean_m), select(has_a, a.mean_distance_m, b.mean_distance_m),
-        select(has_a, rise_per_m, -rise_per_m), k);
+    const float error =
+        kBetweenDeviation * a.distance_m * b.distance_m / gap_m + kRiseDeviation * abs_of(rise);
+    const float beyond =
+        goes_on(select(has_a, a.nearest_m, b.nearest_m), select(has_a, a.mean_m, b.mean_m), k);
     const float height = select(both, between, beyond);
     const float deviation =
         select(both, error, kBeyondDeviation * select(has_a, a.distance_m, b.distance_m));
@@ -232,11 +241,11 @@ TALUS_HD float mark_before_drop_off(float fused_m2, bool is_before)
   return fused_m2 - select(is_before, kBeforeDropOff_m2, 0.0f);
 }
 
-TALUS_HD LineFusion fuse_lines(
-    const SideEstimate& a, const SideEstimate& b, bool along_ray, float rise_per_m, const Config& k)
+TALUS_HD LineFusion
+fuse_lines(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
 {
   LineFusion lines;
-  lines.add(a, b, along_ray, rise_per_m, k);
+  lines.add(a, b, along_ray, k);
   return lines;
 }
 
@@ -259,7 +268,7 @@ struct Fill
   float height_m;
   float variance_m2;
   std::int32_t state;
-  float expected_m;  //!< by lines and floor; where rays do not pass below it the height
+  float expected_m;  //!< by the lines; where rays do not pass below it the height
 };
 
 TALUS_HD float height_of_lines(const LineFusion& lines, bool under_object)
@@ -377,7 +386,6 @@ struct FillCell
   CellStore store;
   const std::uint8_t* surface_class;
   PassingRays passing;
-  const Planes* planes;
   Surfaces surfaces;
   SurfaceLayers out;
 
@@ -390,8 +398,7 @@ struct FillCell
     const int evidence_before = store.ray_evidence[storage_i], in_open = passing.in_open[window_i];
     const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
     const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound(passing, window_i));
-    const float by_lines_m = height_of_lines(inferred.lines, r >= kObject);
-    const float expected_m = planes->floor.draw(by_lines_m, ix, iy);
+    const float expected_m = height_of_lines(inferred.lines, r >= kObject);
     const Fill fill = infer_ground(inferred, expected_m, bound_m, *config);
     const bool lifts = (state_before == kFilledTwoSided) & !inferred.two_sided() &
                        (fill.height_m > before + kLift_m);
@@ -409,7 +416,7 @@ struct FillCell
     const float low_m = inferred.lines.lowest_m + kAboveLowestLine_steps * config->step_threshold_m;
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
     const bool drop_off = inferred.before_drop_off() & !is_known(store.elevation_m[storage_i]);
-    const bool undercut = filled & ((fill.height_m < fill.expected_m - kUndercut_m) | drop_off);
+    const bool undercut = filled & drop_off;
     const bool low = (bound_m < floor_m + proof_m) & !undercut;
     const bool near =
         (bound_m < floor_m + kPassedNear_steps * config->step_threshold_m) & !undercut;

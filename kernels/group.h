@@ -11,8 +11,6 @@ namespace talus::kernels
 
 struct SerialGroup
 {
-  static constexpr int kMembers = 1;
-
   TALUS_HD int rank() const { return 0; }
   TALUS_HD int size() const { return 1; }
   TALUS_HD void sync() const {}
@@ -37,7 +35,6 @@ struct SerialGroup
 /** A warp, or each of its threads for itself: one code for both is less to fetch. */
 struct WarpGroup
 {
-  static constexpr int kMembers = 32;  //!< of a warp
   bool is_warp;
 
   __device__ int rank() const { return is_warp ? static_cast<int>(threadIdx.x % 32) : 0; }

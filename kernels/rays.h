@@ -154,25 +154,11 @@ TALUS_HD Line line_through(int dx, int dy, int ring, int rings)
   return {side, floor_div(2 * minor * rings + ring, 2 * ring)};
 }
 
-/** A unit vector. */
-struct Direction
-{
-  float x = 1.0f, y = 0.0f;
-};
-
 /** Length of a line per ring, in cells. */
 TALUS_HD float line_stretch(const Line& l, int rings)
 {
   const float u = static_cast<float>(l.minor) / static_cast<float>(rings);
   return sqrtf(1.0f + u * u);
-}
-
-TALUS_HD Direction direction_of_line(const Line& l, int rings)
-{
-  const float ahead = (l.side < 2 ? 1.0f : -1.0f) / line_stretch(l, rings);
-  const float aside = ahead * (static_cast<float>(l.minor) / static_cast<float>(rings));
-  const bool along_x = l.side % 2 == 0;
-  return {select(along_x, ahead, -aside), select(along_x, aside, ahead)};
 }
 
 }  // namespace talus::kernels

@@ -89,8 +89,6 @@ constexpr float kSteepestBank = 1.0f;
 /** What stands higher than this [clearances] over its ground is no roof that was hit for the first
  * time. */
 constexpr float kStandsAlready_clearances = 0.5f;
-/** The top of a bank is hit again if a hit is so near to it [steps]. */
-constexpr float kSameTop_steps = 0.5f;
 /** What stands beside an object goes on past it if it is so much higher [steps]. */
 constexpr float kPastObject_steps = 0.5f;
 /** Tops belong to one thing if they differ by at most so much [steps]. */
@@ -119,33 +117,15 @@ constexpr int kBesideCell_bins = 2;
  * wide. */
 constexpr int kBeforeCell_rings = 2;
 
-// ---- Stage 7: planes ----
-
-/** The floor is fitted to the samples so near to the last plane: coarsely, then closely. */
-constexpr float kFloorWithin_m = 0.1f, kFloorCloselyWithin_m = 0.03f;
-/** A fill that is so far off the floor is drawn half as much: what is farther off is no floor. */
-constexpr float kNearFloor_m = 0.05f;
-/** Samples are looked for in so many rows and columns; of fewer nothing is said. */
-constexpr int kPlaneSide = 16, kFewestSamples = 16;
-/** A plane that samples are off by this share of a step is half believed to be the trend. */
-constexpr float kBelieved_steps = 0.25f;
-/** A floor off which its samples are so far is half trusted: twice what noise leaves of one. */
-constexpr float kFloorRest_m = 0.004f;
-/** Samples whose area is smaller than this share of that of their extents lie nearly in a line. */
-constexpr float kInALine = 0.05f;
-
 // ---- Stage 7: lines ----
 
 /** Where a ray seems to have passed this far below a sample, one of the two is wrong: the thing is
  * gone, or the ray is that of a reflection. Until it is known which, fills beside the sample do not
  * believe their rays. */
 constexpr float kContradicted_m = 0.1f;
-/** Rays that pass this far below a fill tell that the ground drops somewhere before it, and not
- * where nor how steeply: the fill is as high as the rays, but no ray has shown that ground. */
-constexpr float kUndercut_m = 0.03f;
-/** Where rays undercut by this the ground that goes on from a sample as that around the robot does,
- * a drop-off lies somewhere between, and the cells before that place are not judged either. Lines
- * from the sensor are asked at each so many places. */
+/** Where rays undercut by this the ground that goes on level from a sample a drop-off lies
+ * somewhere between, and the cells before that place are not judged either. Lines from the sensor
+ * are asked at each so many places. */
 constexpr float kUndercutAhead_m = 0.05f;
 constexpr int kUndercutPlaces = 4;
 /** Wider gaps may hold a face: the front of something, or the edge of a drop. */

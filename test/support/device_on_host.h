@@ -126,10 +126,9 @@ class DeviceOnHost : public CpuMemory
     for (int d = directions; d-- > 0;) settle(f, d, f.rings());
     finally(kernels::SerialGroup{});
   }
-  template <class F, class G>
-  void pack_bits(int lines, int bits, const F& f, std::uint32_t* words, const G& g)
+  template <class F>
+  void pack_bits(int lines, int bits, const F& f, std::uint32_t* words)
   {
-    g(kernels::SerialGroup{});
     std::fill_n(words, (bits + 31) / 32 * lines, 0u);
     for (int line = lines; line-- > 0;)
     {
@@ -227,7 +226,7 @@ class DeviceOnHost : public CpuMemory
     for (int part = 0; part < 2 * F::kLines; part++)
       sides[static_cast<std::size_t>(part)] = f.side(part / 2, part % 2 == 1, x, y);
     for (std::size_t l = 0; l < lines.size(); l++)
-      lines[l] = f.line(static_cast<int>(l), x, y, sides[2 * l], sides[2 * l + 1]);
+      lines[l] = f.line(static_cast<int>(l), sides[2 * l], sides[2 * l + 1]);
     f(x, y, sides[0], sides[1], lines.data(), 1);
   }
 

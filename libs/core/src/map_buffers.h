@@ -138,15 +138,11 @@ struct MapBuffers
         passing_heights.data(), passing_heights.data() + static_cast<std::size_t>(cells()),
         in_open.data()};
   }
-  kernels::FindPlanes find_planes()
-  {
-    return {config.data(), context.data(), line_grid(), samples().height_m, planes.data()};
-  }
   kernels::Samples samples() { return {line_samples.data(), line_samples.data() + grid_size()}; }
   kernels::FillCell fill_cell()
   {
-    return {side(),    config.data(), context.data(), store(),         surface_class.data(),
-            passing(), planes.data(), surfaces(),     surface_layers()};
+    return {side(),    config.data(), context.data(),  store(), surface_class.data(),
+            passing(), surfaces(),    surface_layers()};
   }
   kernels::Surfaces surfaces()
   {
@@ -291,7 +287,6 @@ struct MapBuffers
   Buffer<float> passing_heights;
   Buffer<float> coarse;  //!< coarse grid
   Buffer<float> line_samples, across;  //!< grid of lines
-  Buffer<kernels::Planes> planes;
   Buffer<kernels::Surface> judged_surfaces;
 
  private:
@@ -327,7 +322,6 @@ void MapBuffers<Executor>::allocate(Executor& executor)
   for (auto* b : {&cell_count, &cell_begin}) executor.allocate(*b, n, std::uint32_t{0});
   executor.allocate(passing_heights, 2 * n, 0.0f);
   executor.allocate(top_hit, n, 0.0f);
-  executor.allocate(planes, 1, kernels::Planes{});
   executor.allocate(datum, 1, kernels::Datum{});
   executor.allocate(offsets, 1, kernels::OffsetHistogram{});
   const auto pooled = static_cast<std::size_t>(kernels::coarse_side(host_config));

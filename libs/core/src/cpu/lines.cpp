@@ -40,7 +40,6 @@ struct Strip
   int first, along, across;  //!< cell of a line at a place: first + place * along + minor * across
   const Crossing* crossings;  //!< by place; all the same on parallel lines
   float step_m[kLanes] = {};  //!< length of a line per place
-  float rise_per_m[kLanes] = {};  //!< trend of the ground along a line
   int fill_places[kLanes] = {},
       sparsity_places[kLanes] = {};  //!< places that fills and stage 9 look
   int suspect = 0;  //!< no place behind it is near enough for stage 9
@@ -50,10 +49,9 @@ struct Strip
   bool columns() const { return across == 1 && lines == kLanes; }
   /** Whether they lie close together, and those of the next place in another row. */
   bool leaps() const { return across == 1 || across == -1; }
-  void measure(int line, float length_m, float rise, const kernels::Config& k)
+  void measure(int line, float length_m, const kernels::Config& k)
   {
     step_m[line] = length_m;
-    rise_per_m[line] = rise;
     fill_places[line] = kernels::places_in(k.fill_search_m, length_m, places - 1);
     sparsity_places[line] = kernels::places_in(k.sparsity_search_m, length_m, places - 1);
     suspect = std::max(suspect, kernels::places_in(k.sparsity_range_m, length_m, places - 1) + 1);
@@ -218,10 +216,8 @@ class Sweep
     for (int l = 0; l < kLanes; l++)
     {
       const float bound_m = samples.variance_or_bound[first + minor[l] * strip.across];
-      const float distance_m = static_cast<float>(here.distance(l, place)) * strip.step_m[l];
-      const bool under =
-          (here.place[0][l] >= 0) & (here.place[0][l] < place) &
-          kernels::undercuts(bound_m, here.height_m[0][l], distance_m, strip.rise_per_m[l]);
+      const bool under = (here.place[0][l] >= 0) & (here.place[0][l] < place) &
+                         kernels::undercuts(bound_m, here.height_m[0][l]);
       undercut.place[l] = kernels::select(under, place, undercut.place[l]);
     }
   }
@@ -287,8 +283,7 @@ class Sweep
     {
       const SideEstimate a = inner.load(l), b = outer.load(l);
       found.lines.store(
-          l, kAlongLines ? kernels::fuse_lines(a, b, kRays, strip.rise_per_m[l], k)
-                         : kernels::apply_rule(a, b, k));
+          l, kAlongLines ? kernels::fuse_lines(a, b, kRays, k) : kernels::apply_rule(a, b, k));
       if (kRays)
       {
         const float fused_m2 =
@@ -401,7 +396,7 @@ void sweep(const Walk& walk, const Strip& strip)
     sweep<kMaxSamples, kRays, kAlongLines>(walk, strip);
 }
 
-void sweep_axis(const Walk& walk, int part, int along, int across, float rise_per_m)
+void sweep_axis(const Walk& walk, int part, int along, int across)
 {
   const kernels::Config& k = walk.k;
   const int first = walk.first_of(part), lines = walk.first_of(part + 1) - first;
@@ -412,7 +407,7 @@ void sweep_axis(const Walk& walk, int part, int along, int across, float rise_pe
     parallel.own[l] = l < lines ? bit_of(l) : 0;
   }
   Strip strip{lines, k.cells, first * across, along, across, &parallel};
-  for (int l = 0; l < kLanes; l++) strip.measure(l, k.resolution_m, rise_per_m, k);
+  for (int l = 0; l < kLanes; l++) strip.measure(l, k.resolution_m, k);
   sweep<false, true>(walk, strip);
 }
 }  // namespace
@@ -430,16 +425,14 @@ void Walk::rays(int part) const
   for (int l = 0; l < kLanes; l++)
   {
     const kernels::Line line{side, std::min(first + l, rings - 1)};
-    strip.measure(
-        l, kernels::line_stretch(line, rings) * k.resolution_m,
-        planes->trend.along(kernels::direction_of_line(line, rings)), k);
+    strip.measure(l, kernels::line_stretch(line, rings) * k.resolution_m, k);
   }
   if (k.fill_rule == kernels::kFillLines)
     sweep<true, true>(*this, strip);
   else
     sweep<true, false>(*this, strip);
 }
-void Walk::rows(int part) const { sweep_axis(*this, part, 1, grid.pitch, planes->trend.x); }
-void Walk::columns(int part) const { sweep_axis(*this, part, grid.pitch, 1, planes->trend.y); }
+void Walk::rows(int part) const { sweep_axis(*this, part, 1, grid.pitch); }
+void Walk::columns(int part) const { sweep_axis(*this, part, grid.pitch, 1); }
 
 }  // namespace talus::lines

@@ -19,7 +19,6 @@ struct Walk
 {
   const kernels::Config& k;
   kernels::LineGrid grid;
-  const kernels::Planes* planes;
   kernels::Samples samples;
   kernels::InferenceGrid to;
 

@@ -169,7 +169,6 @@ class CpuSchedule
 
   void fill()
   {
-    map_.find_planes()(kernels::SerialGroup{});
     const kernels::FillCell cell = map_.fill_cell();
     const kernels::FillWalkedCell fill{cell, map_.line_grid(), inferred()};
     const kernels::DropHanging drop{map_.store()};
@@ -180,8 +179,7 @@ class CpuSchedule
       row.each_applicable(drop);
       if (cell.out.any()) row.each(put);
     };
-    const lines::Walk walk{
-        map_.host_config, map_.line_grid(), map_.planes.data(), map_.samples(), inferred()};
+    const lines::Walk walk{map_.host_config, map_.line_grid(), map_.samples(), inferred()};
     executor_.for_each_part(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
     if (map_.host_config.fill_rule != kernels::kFillLines)
     {

@@ -219,15 +219,14 @@ class CudaExecutor
         dim3(blocks(directions, loops::kDirections) + blocks(n, loops::kThreads)),
         dim3(loops::kThreads), 0, directions, f, n, g, finally, blocks_done_.data());
   }
-  /** Bit b of line l is f(l)(b). Layout [word][line]. Beside them g(group), once. */
-  template <class F, class G>
-  void pack_bits(int lines, int bits, const F& f, std::uint32_t* words, const G& g)
+  /** Bit b of line l is f(l)(b). Layout [word][line]. */
+  template <class F>
+  void pack_bits(int lines, int bits, const F& f, std::uint32_t* words)
   {
     const int per_warp = lines * bits < kManyThreads ? 1 : kWordsPerWarp;
     launch(
-        loops::over_bits<F, G>,
-        dim3(blocks(32 * (lines + 1), loops::kThreads), blocks(bits, 32 * per_warp)),
-        dim3(loops::kThreads), 0, lines, bits, f, words, g);
+        loops::over_bits<F>, dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32 * per_warp)),
+        dim3(loops::kThreads), 0, lines, bits, f, words);
   }
   /** f(x, y) of side * side cells, which says whether it marks one. Marks: bits of the rows, then
    * of the columns, layout [word][line]. */

@@ -81,7 +81,6 @@ struct Track
   float inverse;  //!< 1 / (2 rings)
   float step_m;  //!< length per place
   int fill_places, sparsity_places;  //!< places
-  Direction direction;
 
   TALUS_HD int operator()(int place) const
   {
@@ -123,8 +122,7 @@ TALUS_HD Track radial_track(const Line& l, const LineGrid& grid, const Config& k
       1.0f / static_cast<float>(2 * rings),
       step_m,
       places_in(k.fill_search_m, step_m, rings),
-      places_in(k.sparsity_search_m, step_m, rings),
-      direction_of_line(l, rings)};
+      places_in(k.sparsity_search_m, step_m, rings)};
 }
 
 /** What never changes of the lines from the sensor. */
@@ -264,7 +262,6 @@ struct SearchAndFillCell
   const std::uint32_t* marks;
   const std::uint32_t* axis_marks;
   LineTables tables;
-  const Planes* planes;
   float* across_m;  //!< see InferenceGrid
   LineGrid grid;
   int axis_places;  //!< places that fills look along rows and columns
@@ -275,11 +272,9 @@ struct SearchAndFillCell
     return line == 0 ? radial_search(ix, iy).infer_side(outwards)
                      : axis_search(ix, iy, line == 2).infer_side(outwards);
   }
-  TALUS_HD LineFusion
-  line(int line, int ix, int iy, const SideEstimate& inner, const SideEstimate& outer) const
+  TALUS_HD LineFusion line(int line, const SideEstimate& inner, const SideEstimate& outer) const
   {
-    if constexpr (kAlongLines)
-      return fuse_lines(inner, outer, line == 0, rise_per_m(line, ix, iy), k);
+    if constexpr (kAlongLines) return fuse_lines(inner, outer, line == 0, k);
     return apply_rule(inner, outer, k);
   }
   /** From what the sides of the first line and all lines say. */
@@ -303,11 +298,6 @@ struct SearchAndFillCell
   }
 
  private:
-  TALUS_HD float rise_per_m(int line, int ix, int iy) const
-  {
-    if (line != 0) return line == 2 ? planes->trend.x : planes->trend.y;
-    return planes->trend.along(tables.track[tables.line[grid.at(ix, iy)]].direction);
-  }
   /** The sensor's own cell lies on no line. */
   TALUS_HD bool on_line(int ix, int iy) const { return ix != grid.half || iy != grid.half; }
 
@@ -328,11 +318,11 @@ struct SearchAndFillCell
     const LineSearch<Track> radial = radial_search(ix, iy);
     const SideEstimate inner = radial.infer_side(false), outer = radial.infer_side(true);
     if (!inner.any() && !outer.any()) return nothing();
-    Inference inferred{line(0, ix, iy, inner, outer), variance(radial, inner, outer)};
+    Inference inferred{line(0, inner, outer), variance(radial, inner, outer)};
     for (int l = 1; l < kLines; l++)
     {
       const LineSearch<AxisTrack> axis = axis_search(ix, iy, l == 2);
-      inferred.lines.add(line(l, ix, iy, axis.infer_side(false), axis.infer_side(true)));
+      inferred.lines.add(line(l, axis.infer_side(false), axis.infer_side(true)));
     }
     return inferred;
   }
@@ -382,7 +372,6 @@ struct SearchAndFillCell
   /** Of what has samples towards the sensor only. */
   TALUS_HD bool is_before_drop_off(const LineSearch<Track>& radial, const SideEstimate& inner) const
   {
-    const float step_m = radial.track.step_m, rise = planes->trend.along(radial.track.direction);
     const int last = radial.place + radial.places_to_end(true, radial.track.fill_places);
     const int first = (radial.place + kUndercutPlaces - 1) / kUndercutPlaces * kUndercutPlaces;
     bool any = false;
@@ -391,9 +380,8 @@ struct SearchAndFillCell
       const CellOffset at = radial.track.offset(place);
       const int ix = grid.half + at.dx, iy = grid.half + at.dy;
       if (ix >= k.cells || iy >= k.cells) break;  // lines end one cell beyond an even window
-      const float distance_m = static_cast<float>(place - radial.place + inner.places) * step_m;
       const float bound_m = ray_bound(fill.passing, iy * k.cells + ix);
-      any |= undercuts(bound_m, inner.nearest_m, distance_m, rise);
+      any |= undercuts(bound_m, inner.nearest_m);
     }
     return any;
   }

@@ -438,11 +438,11 @@ __global__ void __launch_bounds__(kThreads) over_directions_and_range(
   note_time(done_ns);
 }
 
-/** f(line)(bit) of all bits as words, layout [word][line]. A warp makes several words of a line;
- * one more warp does g. */
-template <class F, class G>
+/** f(line)(bit) of all bits as words, layout [word][line]. A warp makes several words of a line.
+ */
+template <class F>
 __global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce)
-    over_bits(int lines, int bits, F f, std::uint32_t* words, G g, std::uint64_t* done_ns)
+    over_bits(int lines, int bits, F f, std::uint32_t* words, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   const int line = static_cast<int>(blockIdx.x * kThreads + threadIdx.x) / 32;
@@ -458,8 +458,6 @@ __global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce)
       if (lane == 0) words[word * lines + line] = packed;
     }
   }
-  else if (line == lines && blockIdx.y == 0)
-    g(kernels::WarpGroup{true});
   note_time(done_ns);
 }
 
@@ -518,7 +516,7 @@ __global__ void __launch_bounds__(2 * F::kLines * 32)
   if (x < nx) sides[part][lane] = f.side(part / 2, part % 2 == 1, x, y);
   __syncthreads();
   if (x < nx && part < F::kLines)
-    lines[part][lane] = f.line(part, x, y, sides[2 * part][lane], sides[2 * part + 1][lane]);
+    lines[part][lane] = f.line(part, sides[2 * part][lane], sides[2 * part + 1][lane]);
   __syncthreads();
   if (x < nx && part == 0) f(x, y, sides[0][lane], sides[1][lane], &lines[0][lane], 32);
   note_time(done_ns);

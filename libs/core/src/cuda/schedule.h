@@ -132,7 +132,7 @@ class DeviceSchedule
     executor_.pack_bits(
         lines, kernels::line_rings(k) + 1,
         kernels::FindSamples{unguarded(axis_marks_, axes), side(), tracks_.data()},
-        unguarded(marks_, lines), map_.find_planes());
+        unguarded(marks_, lines));
     const kernels::SearchAndFillCell<kAlongLines> search{
         map_.fill_cell(),
         k,
@@ -140,7 +140,6 @@ class DeviceSchedule
         unguarded(marks_, lines),
         unguarded(axis_marks_, axes),
         line_tables(),
-        map_.planes.data(),
         map_.across.data(),
         map_.line_grid(),
         kernels::places_in(k.fill_search_m, k.resolution_m, side() - 1)};
