@@ -288,7 +288,7 @@ class Sweep
       const SideEstimate a = inner.load(l), b = outer.load(l);
       found.lines.store(
           l, kAlongLines ? kernels::fuse_lines(a, b, kRays, strip.rise_per_m[l], k)
-                         : kernels::apply_rule(a, b, k));
+                         : kernels::apply_printed_rule(a, b));
       if (kRays)
       {
         const float fused_m2 =

@@ -280,7 +280,7 @@ struct SearchAndFillCell
   {
     if constexpr (kAlongLines)
       return fuse_lines(inner, outer, line == 0, rise_per_m(line, ix, iy), k);
-    return apply_rule(inner, outer, k);
+    return apply_printed_rule(inner, outer);
   }
   /** From what the sides of the first line and all lines say. */
   TALUS_HD void operator()(
