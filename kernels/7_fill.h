@@ -124,26 +124,18 @@ TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const
   return sample_variance_m2 + spread * spread;
 }
 
-/** Eq. 9 and its alternatives: one height from two sides. */
-TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b, int rule)
+/** Eq. 9 as printed: one height from two sides. The high side's share grows with the gap to it, up
+ * to a half. */
+TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b)
 {
   const bool a_lower = a.height_m <= b.height_m;
   const SideEstimate& low = a_lower ? a : b;
   const SideEstimate& high = a_lower ? b : a;
-  if (rule == kFillMinimum) return low.height_m;
-  if (rule == kFillInverseDistance)
-  {
-    const float t = low.distance_m / (low.distance_m + high.distance_m);
-    return low.nearest_m + t * (high.nearest_m - low.nearest_m);
-  }
-  // The high side's share grows with the gap to the low side (exchanged) or to the high side
-  // (printed), up to a half.
-  const bool printed = rule == kFillPrinted;
-  const float n_share = static_cast<float>(printed ? high.gap_cells() : low.gap_cells());
-  const float n_other = static_cast<float>(printed ? low.gap_cells() : high.gap_cells());
-  const float total = n_other + 2.0f * n_share;
+  const float n_low = static_cast<float>(low.gap_cells());
+  const float n_high = static_cast<float>(high.gap_cells());
+  const float total = n_low + 2.0f * n_high;
   if (total == 0.0f) return 0.5f * (low.height_m + high.height_m);  // a gap of one cell
-  return ((n_share + n_other) * low.height_m + n_share * high.height_m) / total;
+  return ((n_high + n_low) * low.height_m + n_high * high.height_m) / total;
 }
 
 /** Height to which the ground goes on beside samples that lie on one side: as far again past the
@@ -212,7 +204,7 @@ struct LineFusion
 /** What the lines through a cell say of its ground. */
 struct alignas(16) Inference
 {
-  LineFusion lines;  //!< for other rules than kFillLines: what the rule says, as one line
+  LineFusion lines;  //!< for kFillPrinted: what eq. 9 says, as one line
   float variance_m2 = kNan;  //!< NaN: no samples; with a minus: on one side only
 
   TALUS_HD bool any() const { return is_known(variance_m2); }
@@ -249,16 +241,15 @@ fuse_lines(const SideEstimate& a, const SideEstimate& b, bool along_ray, const C
   return lines;
 }
 
-/** What the other rules say, as one line. */
-TALUS_HD LineFusion
-apply_rule(const SideEstimate& inner, const SideEstimate& outer, const Config& k)
+/** What eq. 9 says, as one line. */
+TALUS_HD LineFusion apply_printed_rule(const SideEstimate& inner, const SideEstimate& outer)
 {
   const bool both = inner.any() && outer.any();
   const float one = inner.any() ? inner.height_m : outer.height_m;
   LineFusion lines;
   lines.information = 1.0f;
-  lines.weighted = both ? combine_sides(inner, outer, k.fill_rule) : one;
-  lines.lowest_m = both ? combine_sides(inner, outer, kFillMinimum) : one;
+  lines.weighted = both ? combine_sides(inner, outer) : one;
+  lines.lowest_m = both ? min_of(inner.height_m, outer.height_m) : one;
   return lines;
 }
 

@@ -7,9 +7,6 @@ namespace talus::kernels
 enum FillRuleCode : int
 {
   kFillPrinted = 0,
-  kFillExchanged = 1,
-  kFillInverseDistance = 2,
-  kFillMinimum = 3,
   kFillLines = 4
 };
 

@@ -38,8 +38,8 @@ std::vector<Setting> settings()
       {"S1/in_place", 14400, 160, kTwoLayers, true},
       {"S2/in_place", 131072, 1000, kTwoLayers, true},
       {"S2/6_layers/in_place", 131072, 1000, kSixLayers, true},
-      {"S1/exchanged", 14400, 160, kTwoLayers, false, FillRule::Exchanged},
-      {"S2/exchanged", 131072, 1000, kTwoLayers, false, FillRule::Exchanged}};
+      {"S1/printed", 14400, 160, kTwoLayers, false, FillRule::Printed},
+      {"S2/printed", 131072, 1000, kTwoLayers, false, FillRule::Printed}};
   for (const auto& [name, layers] :
        {std::pair{"two_in_flight", kTwoLayers}, {"6_layers/two_in_flight", kSixLayers}})
   {

@@ -64,7 +64,7 @@ void print_parameters()
     std::printf("  %-22s %-12s %s\n", info.name, value.c_str(), info.description);
     if (info.choices.empty()) continue;
     std::string choices;
-    for (const char* c : info.choices) choices += std::string(choices.empty() ? "" : ", ") + c;
+    for (const auto& c : info.choices) choices += std::string(choices.empty() ? "" : ", ") + c.name;
     std::printf("  %-35s one of: %s\n", "", choices.c_str());
   }
 }

@@ -181,7 +181,7 @@ World hanging()
 World ramps_and_a_ditch()
 {
   Parameters p;
-  p.fill_rule = FillRule::Exchanged;
+  p.fill_rule = FillRule::Printed;
   p.fill_samples = 4;
   return {
       "ramps_and_a_ditch", p,
@@ -221,7 +221,6 @@ World tilting_with_voxels_and_a_body()
   Parameters p;
   p.voxel_m = 0.05;
   p.body_boxes_m = {{-0.4, 0.4, -0.3, 0.3, -0.8, 0.1}};
-  p.fill_rule = FillRule::InverseDistance;
   return {
       "tilting_with_voxels_and_a_body", p,
       [](int i, Random& r)
@@ -236,7 +235,7 @@ World small_window_that_jumps()
 {
   Parameters p;
   p.window_m = 2.55;
-  p.fill_rule = FillRule::Minimum;
+  p.fill_rule = FillRule::Printed;
   p.fill_use_ray_bound = false;
   return {
       "small_window_that_jumps", p,

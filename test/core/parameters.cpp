@@ -78,8 +78,8 @@ TEST(Parameters, ValuesOutOfRangeAreNamedWithTheirRange)
 TEST(Parameters, TextIsParsedWholeOrRefused)
 {
   Parameters p;
-  set_parameter(p, "Fill_Rule", "inverse_distance");
-  EXPECT_EQ(p.fill_rule, FillRule::InverseDistance);
+  set_parameter(p, "Fill_Rule", "Printed");
+  EXPECT_EQ(p.fill_rule, FillRule::Printed);
   set_parameter(p, "fill_use_ray_bound", "false");
   EXPECT_FALSE(p.fill_use_ray_bound);
   for (const char* bad : {"", "abc", "0.05m", "1e9", "nan"})
@@ -236,7 +236,7 @@ TEST(NumberText, is_what_people_and_programs_write)
 TEST(Parameters, AChoiceThatIsNoneIsShownAsItsNumberAndRefused)
 {
   Parameters p;
-  for (const int rule : {-1, 5, 77, 1000000, std::numeric_limits<int>::min()})
+  for (const int rule : {-1, 1, 3, 5, 77, 1000000, std::numeric_limits<int>::min()})
   {
     p.fill_rule = static_cast<FillRule>(rule);
     const auto text = parameter_text(p, *find_parameter("fill_rule"));

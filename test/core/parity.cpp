@@ -134,7 +134,6 @@ TEST(Parity, ATurningAndTiltingSensorWithABodyAndAVoxelFilter)
   Parameters p;
   p.voxel_m = 0.05;
   p.body_boxes_m = {{-0.4, 0.4, -0.3, 0.3, -0.8, 0.1}};
-  p.fill_rule = FillRule::InverseDistance;
   Pair maps(p);
   Random noise(3), order(4);
   for (int i = 0; i < 60; i++)
@@ -248,7 +247,7 @@ TEST(Parity, SmallWindowsJumpsAndOutputsThatChange)
 {
   Parameters p;
   p.window_m = 2.55;
-  p.fill_rule = FillRule::Minimum;
+  p.fill_rule = FillRule::Printed;
   p.fill_use_ray_bound = false;
   Pair maps(p);
   Random noise(7);

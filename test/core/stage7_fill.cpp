@@ -99,27 +99,19 @@ TEST(Stage7Fill, PlacesOfALineAreItsCellsOnTheGrid)
   }
 }
 
-TEST(Stage7Fill, Equation9InItsFormsByNumbersWorkedOutByHand)
+TEST(Stage7Fill, Equation9ByNumbersWorkedOutByHand)
 {
   // Lower side 1.0 m after a gap of 1 cell, higher side 2.0 m after a gap of 3 cells; distances 2
   // and 4 cells.
   const auto low = side(1.0f, 1, 0.10f), high = side(2.0f, 3, 0.20f);
-  EXPECT_FLOAT_EQ(kernels::combine_sides(low, high, kernels::kFillPrinted), (4 * 1 + 3 * 2) / 7.0f);
-  EXPECT_FLOAT_EQ(
-      kernels::combine_sides(low, high, kernels::kFillExchanged), (4 * 1 + 1 * 2) / 5.0f);
-  EXPECT_FLOAT_EQ(
-      kernels::combine_sides(low, high, kernels::kFillInverseDistance), 1 + 0.1f / 0.3f);
-  EXPECT_FLOAT_EQ(kernels::combine_sides(low, high, kernels::kFillMinimum), 1.0f);
-  for (int rule = 0; rule < 4; rule++)
-    EXPECT_EQ(kernels::combine_sides(low, high, rule), kernels::combine_sides(high, low, rule));
+  EXPECT_FLOAT_EQ(kernels::combine_sides(low, high), (4 * 1 + 3 * 2) / 7.0f);
+  EXPECT_EQ(kernels::combine_sides(low, high), kernels::combine_sides(high, low));
 }
 
-TEST(Stage7Fill, TheExchangedFormIsTheLowSideNextToItAndTheAverageNextToTheHighSide)
+TEST(Stage7Fill, Equation9AsPrintedIsTheAverageNextToTheLowSideAndTheLowSideNextToTheHighOne)
 {
-  EXPECT_FLOAT_EQ(
-      kernels::combine_sides(side(1, 0, 0.05f), side(2, 4, 0.25f), kernels::kFillExchanged), 1.0f);
-  EXPECT_FLOAT_EQ(
-      kernels::combine_sides(side(1, 4, 0.25f), side(2, 0, 0.05f), kernels::kFillExchanged), 1.5f);
+  EXPECT_FLOAT_EQ(kernels::combine_sides(side(1, 0, 0.05f), side(2, 4, 0.25f)), 1.5f);
+  EXPECT_FLOAT_EQ(kernels::combine_sides(side(1, 4, 0.25f), side(2, 0, 0.05f)), 1.0f);
 }
 
 TEST(Stage7Fill, Equation8WeighsSamplesBySparseKernelAndPrior)
@@ -127,7 +119,7 @@ TEST(Stage7Fill, Equation8WeighsSamplesBySparseKernelAndPrior)
   Parameters p;
   p.fill_samples = 2, p.fill_search_m = 1.0, p.fill_kernel_m = 1.0, p.fill_lambda = 1.0;
   p.fill_use_ray_bound = false;
-  p.fill_rule = FillRule::Exchanged;
+  p.fill_rule = FillRule::Printed;
   TestMap m(p);
   m.update(Scan().add(1.025, 0.025, 0.10).add(0.975, 0.025, 0.04));
   const auto k = [](double d)
@@ -142,7 +134,7 @@ TEST(Stage7Fill, WithoutPriorWhatIsFilledHasAHeightAlsoWhereTheKernelEnds)
 {
   Parameters p;
   p.fill_search_m = 2.0, p.fill_kernel_m = 0.5, p.fill_lambda = 0;
-  p.fill_rule = FillRule::Exchanged;
+  p.fill_rule = FillRule::Printed;
   TestMap m(p);
   m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat));
   EXPECT_EQ(m.state(2.775, 0.025), CellState::FilledOneSided);

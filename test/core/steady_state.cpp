@@ -80,7 +80,7 @@ TEST(SteadyState, NeitherDoTheyWithAVoxelFilterAndAnotherFill)
 {
   Parameters p;
   p.voxel_m = 0.05;
-  p.fill_rule = FillRule::Exchanged;
+  p.fill_rule = FillRule::Printed;
   EXPECT_EQ(allocations_when_warm(p, 1), 0u);
 }
 

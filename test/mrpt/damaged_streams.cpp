@@ -404,7 +404,7 @@ TEST(OptionsSetInCode, are_shown_as_they_are_and_refused_where_they_are_used)
   std::stringstream text;
   map.insertionOptions.dumpToTextStream(text);
   map.renderOptions.dumpToTextStream(text);
-  EXPECT_TRUE(says(text.str(), "= 77 (must be one of printed exchanged")) << text.str();
+  EXPECT_TRUE(says(text.str(), "= 77 (must be one of printed lines")) << text.str();
   EXPECT_TRUE(says(text.str(), "colormap =  -1")) << text.str();
   EXPECT_FALSE(map.insertObservation(talus_test::scan_of_room({})));
   mrpt_scene::CSetOfObjects scene;

@@ -166,7 +166,7 @@ TEST(DualElevationMap, every_option_survives_saving_and_loading_in_memory)
 {
   CDualElevationMap::TInsertionOptions insertion;
   insertion.clearance_m = 0.75;
-  insertion.fill_rule = talus::FillRule::Minimum;
+  insertion.fill_rule = talus::FillRule::Printed;
   CDualElevationMap::TLikelihoodOptions likelihood;
   likelihood.sigma_m = 0.2;
   likelihood.outlierRatio = 0.25;

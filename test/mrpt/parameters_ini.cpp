@@ -63,13 +63,13 @@ TEST(ParametersIni, every_parameter_is_accepted_in_either_section)
   Parameters p;
   const auto warnings = load(
       "[Map_creationOpts]\nresolution = 0.1\nwindow_m = 12\nstep_threshold_m = 0.3\n"
-      "[Map_insertOpts]\nFILL_RULE = minimum\nfill_samples = 6\n",
+      "[Map_insertOpts]\nFILL_RULE = printed\nfill_samples = 6\n",
       p);
   EXPECT_TRUE(warnings.empty()) << warnings.front();
   EXPECT_EQ(p.resolution_m, 0.1);
   EXPECT_EQ(p.window_m, 12);
   EXPECT_EQ(p.step_threshold_m, 0.3);
-  EXPECT_EQ(p.fill_rule, talus::FillRule::Minimum);
+  EXPECT_EQ(p.fill_rule, talus::FillRule::Printed);
   EXPECT_EQ(p.fill_samples, 6);
 }
 
@@ -252,7 +252,10 @@ TEST(ParametersIni, a_bad_value_names_section_key_value_and_range_and_changes_no
     EXPECT_TRUE(contains(message, "resolution_m = '" + value + "'")) << message;
     EXPECT_TRUE(contains(message, "0.001 to 100 m")) << message;
   }
-  EXPECT_TRUE(contains(error_of("[Map_insertOpts]\nfill_rule = best\n"), "exchanged"));
+  for (const std::string gone : {"exchanged", "inverse_distance", "minimum", "2"})
+    EXPECT_TRUE(contains(
+        error_of("[Map_insertOpts]\nfill_rule = " + gone + "\n"),
+        "fill_rule = '" + gone + "': must be one of printed lines"));
   EXPECT_TRUE(contains(error_of("[Map_insertOpts]\nfill_samples = 2.5\n"), "fill_samples"));
 
   Parameters p;
@@ -325,6 +328,7 @@ TEST(ParametersIni, the_shipped_files_load_without_a_warning)
   for (const auto& [file, prefix] :
        {std::pair{"talus-map.ini", "CDualElevationMap"},
         {"car.ini", "CDualElevationMap"},
+        {"paper.ini", "CDualElevationMap"},
         {"reactive2d_config.ini", "CDualElevationMap"},
         {"reactive3d_config.ini", "CDualElevationMap"},
         {"observations2map.ini", "MappingApplication_terrain_00"},

@@ -10,54 +10,13 @@
 #include <cmath>
 #include <limits>
 
+#include "small_window.h"
+
 namespace talus::baselines
 {
 namespace
 {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kFloat_m = 1e-6f;  //!< rounding of heights of some metres in float
-
-Parameters small_window()
-{
-  Parameters p;
-  p.window_m = 2.0;
-  p.resolution_m = 0.1;
-  p.feature_radius_m = 0.2;
-  return p;
-}
-
-/** Points of the map frame, seen from 0.5 m above its origin. */
-class Scan
-{
- public:
-  explicit Scan(std::vector<std::array<float, 3>> points, double stamp_s = 0)
-  {
-    frame_.stamp_s = stamp_s;
-    frame_.T_map_sensor.m[11] = kSensor_m;
-    for (const auto& p : points)
-    {
-      x_.push_back(p[0]);
-      y_.push_back(p[1]);
-      z_.push_back(p[2] - static_cast<float>(kSensor_m));
-    }
-  }
-  Frame view()
-  {
-    frame_.x_m = x_.data(), frame_.y_m = y_.data(), frame_.z_m = z_.data();
-    frame_.size = x_.size();
-    return frame_;
-  }
-
- private:
-  static constexpr double kSensor_m = 0.5;
-  Frame frame_;
-  std::vector<float> x_, y_, z_;
-};
-
-float at(const Surfaces& s, const std::vector<float>& layer, double x_m, double y_m)
-{
-  return layer[static_cast<std::size_t>(cell_index(s.window, x_m, y_m))];
-}
 
 /** A window of n x n cells of 0.1 m without anything known. */
 SparseGround nothing_known(int n)
@@ -263,7 +222,7 @@ TEST(Methods, SayWhichOnesThereAreWhenTheNameIsUnknown)
   }
   catch (const std::invalid_argument& e)
   {
-    EXPECT_NE(std::string(e.what()).find("talus, octomap, heightgrid, highest"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("talus, paper, octomap, heightgrid"), std::string::npos);
   }
 }
 

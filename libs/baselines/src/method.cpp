@@ -1,5 +1,7 @@
+#include <talus/baselines/cupy_map.h>
 #include <talus/baselines/highest_point_map.h>
 #include <talus/baselines/method.h>
+#include <talus/baselines/paper_map.h>
 #include <talus/baselines/stock_maps.h>
 #include <talus/point_filter.h>
 
@@ -52,9 +54,12 @@ const std::vector<MethodInfo>& method_list()
 {
   static const std::vector<MethodInfo> list{
       {"talus", "two surfaces, cleanup, filling (ElevationMapper)"},
+      {"paper", "the paper's method as printed: eq. 1 to 14, its fill, cleanup and hanging rule"},
       {"octomap", "mrpt::maps::COctoMap, its columns read out with the same clearance"},
       {"heightgrid", "mrpt::maps::CHeightGridMap2D, the mean height of a cell"},
-      {"highest", "highest-point elevation map with Kalman fusion, 7 x 7 window features"}};
+      {"highest", "highest-point elevation map with Kalman fusion, 7 x 7 window features"},
+      {"cucpp", "the same with cleanup in every frame, judged half by slope, half by roughness"},
+      {"cupy", "one surface, drift compensation, min filter and inpainting, window features"}};
   return list;
 }
 
@@ -62,9 +67,12 @@ std::unique_ptr<Method> make_method(
     const std::string& name, const Parameters& parameters, Backend backend)
 {
   if (name == "talus") return std::make_unique<TalusMethod>(parameters, backend);
+  if (name == "paper") return std::make_unique<PaperMap>(parameters);
   if (name == "octomap") return std::make_unique<OctoMapMethod>(parameters);
   if (name == "heightgrid") return std::make_unique<HeightGridMethod>(parameters);
   if (name == "highest") return std::make_unique<HighestPointMap>(parameters);
+  if (name == "cucpp") return std::make_unique<CuCppMap>(parameters);
+  if (name == "cupy") return std::make_unique<CuPyMap>(parameters);
   std::string known;
   for (const auto& m : method_list()) known += (known.empty() ? "" : ", ") + std::string(m.name);
   throw std::invalid_argument("unknown method '" + name + "'; known: " + known);

@@ -19,7 +19,7 @@ constexpr double kHuge = 1e6;
 template <auto member>
 ParameterInfo entry(
     const char* name, const char* unit, double min, double max, const char* description,
-    std::vector<const char*> choices = {})
+    std::vector<ParameterChoice> choices = {})
 {
   using Value = std::decay_t<decltype(std::declval<Parameters>().*member)>;
   return {
@@ -196,18 +196,21 @@ std::vector<ParameterInfo> make_table()
       entry<&Parameters::fill_kernel_m>(
           "fill_kernel_m", "m", 1e-3, 1000, "support of the sparse kernel (eq. 8)"),
       entry<&Parameters::fill_lambda>(
-          "fill_lambda", "", 0, 1000, "weight of the prior, the lowest sample (eq. 8)"),
+          "fill_lambda", "", 0, 1000,
+          "weight of the prior, the lowest sample (eq. 8); of fill_rule = printed alone"),
       entry<&Parameters::fill_samples>(
           "fill_samples", "", 1, 16, "measured cells taken on each side"),
       entry<&Parameters::fill_rule>(
-          "fill_rule", "", 0, 4, "how the two sides are combined (eq. 9)",
-          {"printed", "exchanged", "inverse_distance", "minimum", "lines"}),
+          "fill_rule", "", 0, 4,
+          "how the two sides are combined: by eq. 8 and 9 as printed, or along lines",
+          {{0, "printed"}, {4, "lines"}}),
       entry<&Parameters::fill_variance_per_m>(
           "fill_variance_per_m", "m/m", 0, 10,
           "growth of a fill's standard deviation with the distance to its sample"),
       entry<&Parameters::fill_use_ray_bound>(
           "fill_use_ray_bound", "", 0, 1,
-          "unseen ground cannot stand above the ray that passed over it", {"false", "true"}),
+          "unseen ground cannot stand above the ray that passed over it",
+          {{0, "false"}, {1, "true"}}),
       entry<&Parameters::feature_radius_m>(
           "feature_radius_m", "m", 1e-3, 100,
           "half side of the neighbourhood of slope, step and roughness; at most 15 cells"),
@@ -237,7 +240,7 @@ std::string allowed(const ParameterInfo& info)
     return "a number from " + number(info.min) + " to " + number(info.max) +
            (*info.unit ? std::string(" ") + info.unit : std::string());
   std::string list = "one of";
-  for (const char* c : info.choices) list += std::string(" ") + c;
+  for (const auto& c : info.choices) list += std::string(" ") + c.name;
   return list;
 }
 
@@ -293,8 +296,17 @@ void validate_object_size(const Parameters& p)
       number(65 * p.resolution_m) + " m or another resolution");
 }
 
+/** nullptr: the value is none of them. */
+const char* name_of_choice(const ParameterInfo& info, double v)
+{
+  for (const auto& c : info.choices)
+    if (v == c.value) return c.name;
+  return nullptr;
+}
+
 bool is_allowed(const ParameterInfo& info, double v)
 {
+  if (!info.choices.empty()) return name_of_choice(info, v) != nullptr;
   const bool in_range = v >= info.min && v <= info.max;  // not NaN
   return in_range && (!info.is_integer || v == std::floor(v));
 }
@@ -408,8 +420,8 @@ void set_parameter(Parameters& p, const std::string& name, const std::string& te
         (nearest.empty() ? "doc/parameters.md lists them all" : "did you mean '" + nearest + "'?"));
   }
   if (info->is_text()) return info->set_text(p, text);
-  for (std::size_t i = 0; i < info->choices.size(); i++)
-    if (lower(text) == info->choices[i]) return info->set(p, static_cast<double>(i));
+  for (const auto& c : info->choices)
+    if (lower(text) == c.name) return info->set(p, c.value);
 
   const auto value = number_from(text);
   if (!value || !is_allowed(*info, *value))
@@ -430,8 +442,8 @@ std::string parameter_text(const Parameters& p, const ParameterInfo& info)
   if (info.is_text()) return info.get_text(p);
   const double v = info.get(p);
   if (info.choices.empty()) return number(v);
-  if (!is_allowed(info, v)) return number(v) + " (must be " + allowed(info) + ")";
-  return info.choices[static_cast<std::size_t>(v)];
+  if (const char* name = name_of_choice(info, v)) return name;
+  return number(v) + " (must be " + allowed(info) + ")";
 }
 
 }  // namespace talus

@@ -214,7 +214,7 @@ std::string parameters_as_markdown()
       out << number_text(info.min, 6) << " to " << number_text(info.max, 6);
     else
       for (std::size_t i = 0; i < info.choices.size(); i++)
-        out << (i ? ", " : "") << info.choices[i];
+        out << (i ? ", " : "") << info.choices[i].name;
     out << " | " << info.description << " |\n";
   }
   return out.str();

@@ -10,13 +10,10 @@ namespace talus
 constexpr int kMostCellsASide = 16384;
 
 /** How the two one-sided estimates of a filled cell are combined (paper eq. 9, see
- * doc/concepts.md). */
+ * doc/concepts.md). The numbers are kept in files: 1 to 3 were rules of earlier versions. */
 enum class FillRule : int
 {
   Printed = 0,  //!< eq. 9 as printed
-  Exchanged = 1,  //!< eq. 9 with n1 and n2 exchanged, which is what its text describes
-  InverseDistance = 2,  //!< linear interpolation between the nearest samples of both sides
-  Minimum = 3,  //!< the lower of both sides
   Lines = 4  //!< linear along the ray, the row and the column, weighed by what each has to bridge
 };
 
@@ -83,7 +80,7 @@ struct Parameters
                                //!< object; 2 to 65 cells, counted in steps of four
   double fill_search_m = 2.0;  //!< how far to look for measured ground, each way along the ray
   double fill_kernel_m = 2.0;  //!< support of the sparse kernel of eq. 8
-  double fill_lambda = 1.0;  //!< weight of the prior of eq. 8, the lowest sample
+  double fill_lambda = 1.0;  //!< weight of the prior of eq. 8, the lowest sample; of Printed alone
   int fill_samples = 2;  //!< measured cells taken on each side
   FillRule fill_rule = FillRule::Lines;
   double fill_variance_per_m =
@@ -116,6 +113,13 @@ struct Parameters
   void validate() const;
 };
 
+/** A value of an enumeration. */
+struct ParameterChoice
+{
+  int value;
+  const char* name;
+};
+
 /** One entry of the parameter table: where it lives, what it means, what it may be. A number,
  * unless is_text(): then `min` and `max` are 0, `get` and `set` null. */
 struct ParameterInfo
@@ -127,8 +131,8 @@ struct ParameterInfo
   double (*get)(const Parameters&);
   void (*set)(Parameters&, double);  //!< of a value that is allowed; set_parameter() looks
   bool is_integer;
-  /** Names of the values 0, 1, ... of an enumeration, else empty. */
-  std::vector<const char*> choices;
+  /** The values of an enumeration, in ascending order; else empty. */
+  std::vector<ParameterChoice> choices;
   std::string (*get_text)(const Parameters&) = nullptr;  //!< with all digits
   /** Throws std::invalid_argument that says what is wrong with a text. */
   void (*set_text)(Parameters&, const std::string&) = nullptr;

@@ -283,7 +283,7 @@ class Sweep
     {
       const SideEstimate a = inner.load(l), b = outer.load(l);
       found.lines.store(
-          l, kAlongLines ? kernels::fuse_lines(a, b, kRays, k) : kernels::apply_rule(a, b, k));
+          l, kAlongLines ? kernels::fuse_lines(a, b, kRays, k) : kernels::apply_printed_rule(a, b));
       if (kRays)
       {
         const float fused_m2 =

@@ -275,7 +275,7 @@ struct SearchAndFillCell
   TALUS_HD LineFusion line(int line, const SideEstimate& inner, const SideEstimate& outer) const
   {
     if constexpr (kAlongLines) return fuse_lines(inner, outer, line == 0, k);
-    return apply_rule(inner, outer, k);
+    return apply_printed_rule(inner, outer);
   }
   /** From what the sides of the first line and all lines say. */
   TALUS_HD void operator()(

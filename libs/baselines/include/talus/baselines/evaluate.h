@@ -10,7 +10,8 @@ namespace talus::baselines
 struct EvaluationOptions
 {
   Parameters parameters;
-  std::vector<std::string> methods{"talus", "octomap", "heightgrid", "highest"};
+  std::vector<std::string> methods{"talus",   "paper", "octomap", "heightgrid",
+                                   "highest", "cucpp", "cupy"};
   Backend backend = Backend::Cpu;  //!< of talus
   int evaluated_frames = 6;  //!< evenly over the drive, the last one included
   double evaluate_from = 0.3;  //!< share of the drive before the first evaluated frame

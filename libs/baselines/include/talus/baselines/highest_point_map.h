@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/baselines/method.h>
+#include <talus/baselines/one_surface_map.h>
 
 namespace talus::baselines
 {
@@ -7,30 +7,33 @@ namespace talus::baselines
  * inside a Mahalanobis gate of 2.5; above it the point replaces the height, below it is ignored;
  * once a second a visibility cleanup walks the line to each cell and erases what stands above.
  * Traversability by judge_one_surface(). */
-class HighestPointMap : public Method
+class HighestPointMap : public OneSurfaceMap
 {
  public:
-  explicit HighestPointMap(const Parameters& parameters);
+  explicit HighestPointMap(const Parameters& parameters) : OneSurfaceMap(parameters) {}
   std::string name() const override { return "highest"; }
   void update(const Frame& frame) override;
   Surfaces read() override;
 
- private:
-  struct Cell
-  {
-    float height_m, variance_m2;
-    double stamp_s;
-  };
-  void move_to(const Window& window);
-  void fuse(Cell& cell, const MapPoint& p, double stamp_s) const;
-  void clean_up(const Frame& frame, const std::vector<MapPoint>& points);
-  void lower_bounds_along(
-      const Pose& from, int to_ix, int to_iy, float to_z_m, std::vector<float>& bound_m) const;
+ protected:
+  /** Points of the frame, without the cleanup. Returns them. */
+  std::vector<MapPoint> insert(const Frame& frame);
 
-  Parameters parameters_;
-  Window window_;
-  std::vector<Cell> cells_;
+ private:
+  void fuse(Cell& cell, const MapPoint& p, double stamp_s) const;
+
   double last_cleanup_s_ = 0;
+};
+
+/** The same kind of map on a GPU, after Pan et al. 2019 (the paper's CuCpp): cleanup in every
+ * frame; traversability half slope, half roughness, no step. */
+class CuCppMap : public HighestPointMap
+{
+ public:
+  explicit CuCppMap(const Parameters& parameters) : HighestPointMap(parameters) {}
+  std::string name() const override { return "cucpp"; }
+  void update(const Frame& frame) override;
+  Surfaces read() override;
 };
 
 }  // namespace talus::baselines
