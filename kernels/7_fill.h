@@ -31,17 +31,16 @@ TALUS_HD LineGrid line_grid(const Config& k)
 struct SideEstimate
 {
   int places = 0;  //!< to the nearest sample
-  float height_m = kNan;  //!< mu*
-  float distance_m = 0;  //!< to the nearest sample
+  float distance_m = 0;
   float nearest_m = kNan;  //!< height of the nearest sample; NaN: no samples
-  float mean_m = kNan;  //!< kernel-weighted mean of the samples ...
-  float mean_distance_m = 0;  //!< ... and where it lies
+  float height_m = kNan;  //!< mu*: without a prior the kernel-weighted mean of the samples ...
+  float mean_distance_m = 0;  //!< ... and where that lies
 
   static constexpr auto fields()
   {
     return std::make_tuple(
-        &SideEstimate::places, &SideEstimate::height_m, &SideEstimate::distance_m,
-        &SideEstimate::nearest_m, &SideEstimate::mean_m, &SideEstimate::mean_distance_m);
+        &SideEstimate::places, &SideEstimate::distance_m, &SideEstimate::nearest_m,
+        &SideEstimate::height_m, &SideEstimate::mean_distance_m);
   }
   TALUS_HD bool any() const { return is_known(nearest_m); }
   /** Empty cells before the first sample: n1, n2 of eq. 9. */
@@ -84,10 +83,9 @@ struct SideSum
     side.places = places;
     side.distance_m = static_cast<float>(places) * step_m;
     side.nearest_m = nearest;
-    side.height_m = (k.fill_lambda * lowest + weighted) / (k.fill_lambda + weights);
-    const bool weighs = weights > 0.0f;
-    const float share = 1.0f / weights;
-    side.mean_m = select(weighs, weighted * share, nearest);
+    const float all = k.fill_lambda + weights, share = 1.0f / all;
+    const bool weighs = all > 0.0f;
+    side.height_m = select(weighs, (k.fill_lambda * lowest + weighted) * share, nearest);
     side.mean_distance_m = select(weighs, lengths * share, side.distance_m);
     return side;
   }
@@ -171,12 +169,12 @@ struct LineFusion
     const bool face = both & (gap_m > kFaceGap_m) &
                       ((abs_of(rise) > k.max_slope * gap_m) | (drop > k.step_threshold_m));
     const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
-    const float linear = a.mean_m + (b.mean_m - a.mean_m) * part;
+    const float linear = a.height_m + (b.height_m - a.height_m) * part;
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
     const float error =
         kBetweenDeviation * a.distance_m * b.distance_m / gap_m + kRiseDeviation * abs_of(rise);
     const float beyond =
-        goes_on(select(has_a, a.nearest_m, b.nearest_m), select(has_a, a.mean_m, b.mean_m), k);
+        goes_on(select(has_a, a.nearest_m, b.nearest_m), select(has_a, a.height_m, b.height_m), k);
     const float height = select(both, between, beyond);
     const float deviation =
         select(both, error, kBeyondDeviation * select(has_a, a.distance_m, b.distance_m));

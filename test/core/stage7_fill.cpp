@@ -12,7 +12,7 @@ namespace
 kernels::SideEstimate side(float height, int gap, float distance)
 {
   kernels::SideEstimate s;
-  s.height_m = s.nearest_m = s.mean_m = height;
+  s.height_m = s.nearest_m = height;
   s.places = gap + 1;
   s.distance_m = s.mean_distance_m = distance;
   return s;
