@@ -76,16 +76,18 @@ struct SideSum
     lowest = min_of(lowest, select(distance < kOutOfReach_m, height, kInfinity));
   }
 
-  /** `nearest` and `places` are those of the first sample. */
+  /** `nearest` and `places` are those of the first sample. Without a prior (lines) the mean. */
+  template <bool kPrior>
   TALUS_HD SideEstimate estimate(float nearest, int places, float step_m, const Config& k) const
   {
     SideEstimate side;
     side.places = places;
     side.distance_m = static_cast<float>(places) * step_m;
     side.nearest_m = nearest;
-    const float all = k.fill_lambda + weights, share = 1.0f / all;
+    const float prior = kPrior ? k.fill_lambda : 0.0f, all = prior + weights, share = 1.0f / all;
     const bool weighs = all > 0.0f;
-    side.height_m = select(weighs, (k.fill_lambda * lowest + weighted) * share, nearest);
+    const float by_prior = kPrior ? prior * lowest : 0.0f;
+    side.height_m = select(weighs, (by_prior + weighted) * share, nearest);
     side.mean_distance_m = select(weighs, lengths * share, side.distance_m);
     return side;
   }

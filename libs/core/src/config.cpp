@@ -54,8 +54,7 @@ kernels::Config stages_config(const Parameters& p)
   k.object_radius = static_cast<int>(std::lround(p.object_size_m / (4 * p.resolution_m)));
   k.max_slope = f(std::tan(p.slope_threshold_rad));
   k.fill_search_m = f(p.fill_search_m);
-  const bool prior = p.fill_rule == FillRule::Printed;  // which would pull every slope down
-  k.fill_lambda = prior ? f(std::max(p.fill_lambda, kLeastLambda)) : 0.0f;
+  k.fill_lambda = f(std::max(p.fill_lambda, kLeastLambda));
   k.inverse_fill_kernel = f(1 / p.fill_kernel_m);
   k.fill_variance_per_m = f(p.fill_variance_per_m);
   k.fill_samples = p.fill_samples;

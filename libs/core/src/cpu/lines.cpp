@@ -88,6 +88,7 @@ struct alignas(64) Met
 
   int distance(int l, int here) const { return kernels::abs_of(here - place[0][l]); }
 
+  template <bool kPrior>
   SideEstimate infer(int l, int here, const Strip& strip, const kernels::Config& k) const
   {
     const float step_m = strip.step_m[l];
@@ -100,7 +101,7 @@ struct alignas(64) Met
       sum.add(height_m[s][l], kernels::select(inside, distance_m, kernels::kOutOfReach_m), k);
     }
     const bool any = distance(l, here) <= strip.fill_places[l];
-    return sum.estimate(
+    return sum.estimate<kPrior>(
         kernels::select(any, height_m[0][l], kernels::kNan),
         kernels::select(any, distance(l, here), 0), step_m, k);
   }
@@ -275,9 +276,11 @@ class Sweep
   {
     SideBySide<SideEstimate, kLanes> inner, outer;
     TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++) inner.store(l, before.infer(l, place, strip, k));
+    for (int l = 0; l < kLanes; l++)
+      inner.store(l, before.template infer<!kAlongLines>(l, place, strip, k));
     TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++) outer.store(l, behind.infer(l, place, strip, k));
+    for (int l = 0; l < kLanes; l++)
+      outer.store(l, behind.template infer<!kAlongLines>(l, place, strip, k));
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {

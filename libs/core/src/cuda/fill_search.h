@@ -201,6 +201,7 @@ struct LineSearch
     return marks.nearest(place, outwards, places_to_end(outwards, places));
   }
 
+  template <bool kPrior>
   TALUS_HD SideEstimate infer_side(bool outwards) const
   {
     const int limit = places_to_end(outwards, track.fill_places);
@@ -232,7 +233,8 @@ struct LineSearch
         }
       } while (found[kBatch - 1] && wanted > 0);
     }
-    return nearest_places ? sum.estimate(nearest, nearest_places, track.step_m, k) : none();
+    return nearest_places ? sum.template estimate<kPrior>(nearest, nearest_places, track.step_m, k)
+                          : none();
   }
 
  private:
@@ -269,8 +271,8 @@ struct SearchAndFillCell
   TALUS_HD SideEstimate side(int line, bool outwards, int ix, int iy) const
   {
     if (!wanted(ix, iy)) return {};
-    return line == 0 ? radial_search(ix, iy).infer_side(outwards)
-                     : axis_search(ix, iy, line == 2).infer_side(outwards);
+    return line == 0 ? radial_search(ix, iy).template infer_side<!kAlongLines>(outwards)
+                     : axis_search(ix, iy, line == 2).template infer_side<!kAlongLines>(outwards);
   }
   TALUS_HD LineFusion line(int line, const SideEstimate& inner, const SideEstimate& outer) const
   {
@@ -316,13 +318,16 @@ struct SearchAndFillCell
   TALUS_HD Inference infer(int ix, int iy) const
   {
     const LineSearch<Track> radial = radial_search(ix, iy);
-    const SideEstimate inner = radial.infer_side(false), outer = radial.infer_side(true);
+    const SideEstimate inner = radial.template infer_side<!kAlongLines>(false),
+                       outer = radial.template infer_side<!kAlongLines>(true);
     if (!inner.any() && !outer.any()) return nothing();
     Inference inferred{line(0, inner, outer), variance(radial, inner, outer)};
     for (int l = 1; l < kLines; l++)
     {
       const LineSearch<AxisTrack> axis = axis_search(ix, iy, l == 2);
-      inferred.lines.add(line(l, axis.infer_side(false), axis.infer_side(true)));
+      inferred.lines.add(line(
+          l, axis.template infer_side<!kAlongLines>(false),
+          axis.template infer_side<!kAlongLines>(true)));
     }
     return inferred;
   }
