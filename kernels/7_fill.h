@@ -84,10 +84,11 @@ struct SideSum
     side.places = places;
     side.distance_m = static_cast<float>(places) * step_m;
     side.nearest_m = nearest;
-    const float prior = kPrior ? k.fill_lambda : 0.0f, all = prior + weights, share = 1.0f / all;
+    float all = weights, sum = weighted;
+    if constexpr (kPrior) all += k.fill_lambda, sum += k.fill_lambda * lowest;
     const bool weighs = all > 0.0f;
-    const float by_prior = kPrior ? prior * lowest : 0.0f;
-    side.height_m = select(weighs, (by_prior + weighted) * share, nearest);
+    const float share = 1.0f / all;
+    side.height_m = select(weighs, sum * share, nearest);
     side.mean_distance_m = select(weighs, lengths * share, side.distance_m);
     return side;
   }
