@@ -115,41 +115,25 @@ void require_outputs_apart(const CommandOptions& o)
 {
   std::vector<std::string> outputs;
   for (const char* name :
-       {"methods.csv", "fills.csv", "real_logs.csv", kSeal, "maps.png", "fills.png"})
+       {"methods.csv", "fills.csv", "real_logs.csv", "tables.md", kSeal, "maps.png", "fills.png"})
     outputs.push_back((fs::path(o.output) / name).string());
-  if (!o.markdown.empty()) outputs.push_back(o.markdown);
   std::vector<std::string> inputs = o.inputs;
   for (const std::string& more : {o.world, o.truth, o.trajectory, o.config}) inputs.push_back(more);
   for (const std::string& output : outputs) talus::app::require_apart(output, inputs);
 }
 
-/** Where everything is written until it is complete: made before hours of work. */
-struct Outputs
+void write_results(const Comparison& c, const talus::app::OutputFolder& folder)
 {
-  explicit Outputs(const CommandOptions& o) : folder(o.output)
-  {
-    require_outputs_apart(o);
-    if (o.markdown.empty()) return;
-    accuracy_page(o.markdown, {});  // throws when something else stands there
-    page = &folder.elsewhere(o.markdown);
-  }
-
-  talus::app::OutputFolder folder;
-  talus::io::AtomicFile* page = nullptr;  //!< of --markdown
-};
-
-void write_results(const CommandOptions& o, const Comparison& c, const Outputs& outputs)
-{
-  const fs::path to(outputs.folder.staging());
+  const fs::path to(folder.staging());
   const auto write = [&](const char* name, const std::string& text)
   { talus::io::write_file((to / name).string(), text); };
   write("methods.csv", methods_csv(c));
   write("fills.csv", fills_csv(c));
   write("real_logs.csv", real_logs_csv(c));
+  write("tables.md", tables_markdown(c));
   write(kSeal, comparison_json(c));
   write_maps_picture((to / "maps.png").string(), c.evaluations);
   write_fills_picture((to / "fills.png").string(), c.evaluations);
-  if (outputs.page) outputs.page->write(accuracy_page(o.markdown, c));
 }
 
 void print_error(const std::string& text) { std::cerr << "talus-compare: " << text << "\n"; }
@@ -162,7 +146,8 @@ enum Ending
   kFailed = 2
 };
 
-Ending compare(const CommandOptions& o, const std::string& command, const Outputs& outputs)
+Ending compare(
+    const CommandOptions& o, const std::string& command, const talus::app::OutputFolder& folder)
 {
   for (const std::string& name : o.evaluation.methods) make_method(name, o.evaluation.parameters);
   Comparison c;
@@ -170,7 +155,7 @@ Ending compare(const CommandOptions& o, const std::string& command, const Output
   bool all_read = true;
   for (const std::string& input : o.inputs) all_read &= compare_input(input, o, c);
   if (c.evaluations.empty()) return kFailed;
-  write_results(o, c, outputs);
+  write_results(c, folder);
   const int failed = failed_budgets(c);
   if (!o.quiet)
     std::cout << tables_text(c) << budget_text(c) << failed << " budgets do not hold -> "
@@ -179,15 +164,16 @@ Ending compare(const CommandOptions& o, const std::string& command, const Output
 }
 
 /** In the child. */
-Ending compare_or_tell(const CommandOptions& o, const std::string& command, const Outputs& outputs)
+Ending compare_or_tell(
+    const CommandOptions& o, const std::string& command, const talus::app::OutputFolder& folder)
 {
   try
   {
-    return compare(o, command, outputs);
+    return compare(o, command, folder);
   }
   catch (const std::exception& e)
   {
-    print_error(outputs.folder.told(talus::app::failure_text(e, o.output, kLessToCompare)));
+    print_error(folder.told(talus::app::failure_text(e, o.output, kLessToCompare)));
     return kFailed;
   }
 }
@@ -197,12 +183,13 @@ int run(CommandOptions& o, const std::string& command)
 {
   load_parameters_into(o);
   talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
-  Outputs outputs(o);
+  require_outputs_apart(o);
+  talus::app::OutputFolder folder(o.output);  // made before hours of work
   const int code = talus::app::run_command_in_child(
-      o.inputs.front(), [&] { return compare_or_tell(o, command, outputs); }, print_error);
+      o.inputs.front(), [&] { return compare_or_tell(o, command, folder); }, print_error);
   if (talus::app::stop_signal()) return code;
   if (code == kFailed) return 1;
-  outputs.folder.commit(kSeal);
+  folder.commit(kSeal);
   return code;
 }
 

@@ -46,11 +46,6 @@ void add_inputs(CLI::App& app, CommandOptions& o)
       ->required()
       ->check(app::not_empty())
       ->type_name("DIR");
-  app.add_option(
-         "--markdown", o.markdown,
-         "Also write all tables as Markdown: a new page, or below the marker of such a page")
-      ->check(app::not_empty())
-      ->type_name("FILE");
   app.add_option("--world", o.world, "World that the rawlog was made from: truth of every frame")
       ->check(app::not_empty())
       ->type_name("FILE");

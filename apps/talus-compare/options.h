@@ -11,7 +11,7 @@ namespace talus::baselines
 struct CommandOptions
 {
   std::vector<std::string> inputs;  //!< .yaml worlds and rawlogs
-  std::string output, world, truth, trajectory, sensor, config, markdown;
+  std::string output, world, truth, trajectory, sensor, config;
   std::vector<std::string> settings;  //!< NAME=VALUE
   EvaluationOptions evaluation;
   HoldOutOptions holdout;

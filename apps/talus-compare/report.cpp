@@ -312,7 +312,8 @@ std::string tables_text(const Comparison& c) { return tables(c, &Table::text, ""
 
 std::string tables_markdown(const Comparison& c)
 {
-  std::string out;
+  std::string out = "Made by `" + c.command + "`. " + std::to_string(failed_budgets(c)) +
+                    " budgets do not hold (marked `!`).\n\n";
   for (const Table& t : budget_tables(c)) out += t.markdown() + "\n";
   return out + tables(c, &Table::markdown, "## ");
 }

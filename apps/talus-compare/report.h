@@ -33,12 +33,8 @@ std::string budget_text(const Comparison& c);
 /** How many budgets fail. */
 int failed_budgets(const Comparison& c);
 
-/** The same as Markdown, for doc/accuracy.md. */
+/** The same as a page of Markdown. */
 std::string tables_markdown(const Comparison& c);
-
-/** A page with the tables below its marker; what stands above the marker in the old page stays.
- * Throws std::runtime_error when there is another file of this name. */
-std::string accuracy_page(const std::string& old_page, const Comparison& c);
 
 /** One row a world and method (or fill), one column a figure. */
 std::string methods_csv(const Comparison& c);

@@ -133,11 +133,9 @@ TEST_F(TalusCompare, ShowsInEachColumnOfTheFillsWhatItsHeadingSays)
       << "ground: [roughness: {amplitude_m: 0.05, wavelength_m: 0.6, seed: 1}]\n"
          "objects: [box: {at_m: [3, 1], size_m: [0.5, 0.5, 0.5]}]\n"
          "robot: {path_m: [[0, 0], [1, 0]]}\n";
-  const Outcome o =
-      run(path("rough.yaml") + " --methods talus --output " + path("out") + " --markdown " +
-          path("page.md"));
+  const Outcome o = run(path("rough.yaml") + " --methods talus --output " + path("out"));
   ASSERT_EQ(o.code, 0) << o.text;
-  const std::string page = read("page.md");
+  const std::string page = read("out/tables.md");
   const auto cells_of = [&](std::size_t from)
   {
     std::istringstream line(page.substr(from, page.find('\n', from) - from));
@@ -231,21 +229,6 @@ TEST_F(TalusCompare, HoldsPointsOutOfALogWithoutTruth)
   EXPECT_LT(json["held_out"][0]["fills"]["talus"]["all_median_m"], 0.03);
 }
 
-TEST_F(TalusCompare, KeepsWhatPeopleWroteAboveTheMarkerOfThePage)
-{
-  std::ofstream(path("page.md"))
-      << "# By hand\n\n<!-- below: written by talus-compare --markdown -->\nolder\n";
-  const std::string call = path("small.yaml") + " --methods talus --output " + path("out") +
-                           " --markdown " + path("page.md");
-  ASSERT_EQ(run(call).code, 0);
-  ASSERT_EQ(run(call).code, 0);
-  const std::string page = read("page.md");
-  EXPECT_EQ(page.rfind("# By hand\n", 0), 0);
-  EXPECT_NE(page.find("| talus |"), std::string::npos);
-  EXPECT_EQ(page.find("Made by"), page.rfind("Made by"));
-  EXPECT_EQ(page.find("older"), std::string::npos);
-}
-
 TEST_F(TalusCompare, RefusesToWriteOverOtherFilesBeforeItDoesAnything)
 {
   const auto fails = [&](const std::string& arguments, const std::string& because)
@@ -256,12 +239,6 @@ TEST_F(TalusCompare, RefusesToWriteOverOtherFilesBeforeItDoesAnything)
     EXPECT_EQ(o.text.find("budgets"), std::string::npos) << "compared first: " << o.text;
   };
   const std::string to = " --output " + path("out"), world = read("small.yaml");
-  std::ofstream(path("notes.md")) << "# My notes\n";
-  fails(path("small.yaml") + to + " --markdown " + path("notes.md"), "is no page of talus-compare");
-  EXPECT_EQ(read("notes.md"), "# My notes\n");
-  fails(path("small.yaml") + to + " --markdown " + path("small.yaml"), "is an input");
-  EXPECT_EQ(read("small.yaml"), world);
-  fails(path("small.yaml") + to + " --markdown " + path("none/page.md"), "none/page.md");
   std::ofstream(path("fills.csv.yaml")) << world;
   fs::create_directories(path("out"));
   fs::create_symlink(path("fills.csv.yaml"), path("out/fills.csv"));
@@ -271,12 +248,9 @@ TEST_F(TalusCompare, RefusesToWriteOverOtherFilesBeforeItDoesAnything)
 TEST_F(TalusCompare, WritesAllFilesOrNone)
 {
   fs::create_directories(path("out/maps.png"));  // a folder where a file should go
-  const Outcome o =
-      run(path("small.yaml") + " --methods talus --output " + path("out") + " --markdown " +
-          path("page.md"));
+  const Outcome o = run(path("small.yaml") + " --methods talus --output " + path("out"));
   EXPECT_EQ(o.code, 1);
   EXPECT_FALSE(fs::exists(path("out/methods.csv")));
-  EXPECT_FALSE(fs::exists(path("page.md")));
   EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1) << "hidden files are left";
 }
 
@@ -290,14 +264,12 @@ TEST_F(TalusCompare, LeavesNothingBehindWhenItIsStopped)
     if (command == 0)
     {
       if (::chdir(path("").c_str()) != 0 || !std::freopen("log.txt", "w", stderr)) ::_exit(99);
-      ::execl(
-          TALUS_COMPARE_EXE, TALUS_COMPARE_EXE, "long.yaml", "--output", "out", "--markdown",
-          "page.md", nullptr);
+      ::execl(TALUS_COMPARE_EXE, TALUS_COMPARE_EXE, "long.yaml", "--output", "out", nullptr);
       ::_exit(99);
     }
-    // Stopped once both of its hidden folders are there.
-    for (int i = 0; i < 3000 && hidden_in(path("")) == 0; ++i) ::usleep(10000);
-    EXPECT_EQ(hidden_in(path("")), 1);
+    // Stopped once its hidden folder is there.
+    const auto begun = [&] { return fs::exists(path("out")) && hidden_in(path("out")) > 0; };
+    for (int i = 0; i < 3000 && !begun(); ++i) ::usleep(10000);
     EXPECT_EQ(hidden_in(path("out")), 1);
     ::kill(command, signal);
     int status = 0;
