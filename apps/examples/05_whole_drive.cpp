@@ -33,7 +33,7 @@ int main(int argc, char** argv)
   constexpr int kMostCells = 4096;  // along a side of the map of a floor
   talus::site::FloorMap floor;
   const talus::MapView whole = floor.update(site, mapper.floor(), parameters, kMostCells, x_m, 0);
-  for (const double back_m : {27.15, 26.0})
+  for (const double back_m : {27.2, 26.0})
     std::printf(
         "%.1f m back: window %.1f, whole drive %.1f\n", back_m,
         talus::MapView(map).at(talus::Layer::Traversability, x_m - back_m, 0.5),

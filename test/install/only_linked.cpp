@@ -4,6 +4,7 @@
 #include <mrpt/rtti/CObject.h>
 
 #include <cstdio>
+#include <string>
 
 int main()
 {
