@@ -2,6 +2,7 @@
 
 #include "../common/command_line.h"
 #include "../common/log_name.h"
+#include "../common/version.h"
 
 namespace talus::calibrate
 {
@@ -106,7 +107,7 @@ std::optional<int> parse_options(int argc, char** argv, AppOptions& options)
       ->check(app::not_empty())
       ->type_name("DIR");
   app.add_flag("--quiet", options.quiet, "Print warnings and errors only");
-  app.set_version_flag("--version", std::string("talus-calibrate ") + TALUS_VERSION);
+  app.set_version_flag("--version", version_line("talus-calibrate"));
   app.footer(kFooter);
   if (const auto exit_code = app::parse_command_line(app, argc, argv)) return exit_code;
   if (options.output.empty()) options.output = app::name_of_log(options.log) + "_calibration";

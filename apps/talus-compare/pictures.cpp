@@ -1,6 +1,7 @@
 #include "pictures.h"
 
 #include <talus/io/map_picture.h>
+#include <talus/io/score_colour.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,15 +17,12 @@ constexpr int kFewRows = 4, kLargeTile_px = 320, kSmallTile_px = 160;
 const cv::Scalar kPaper(255, 255, 255), kInk(40, 40, 40);
 const cv::Vec3b kUnknownColor(205, 205, 205);
 
-/** Red: blocked, over yellow to green: free. BGR. */
+/** BGR. */
 cv::Vec3b traversability_color(float v)
 {
   if (v != v) return kUnknownColor;
-  if (v == 0.0f) return {40, 30, 200};
-  const double t = std::clamp((v - 0.3) / 0.7, 0.0, 1.0);
-  const auto mix = [t](double from, double to)
-  { return static_cast<std::uint8_t>(std::lround(from + t * (to - from))); };
-  return {mix(50, 80), mix(150, 170), mix(245, 60)};
+  const auto c = io::score_colour(v);
+  return {c[2], c[1], c[0]};
 }
 
 /** Purple is low, red is high. */

@@ -12,7 +12,7 @@ namespace talus::app
 struct Job
 {
   std::string log, folder;
-  int threads = 0;  //!< of the CPU backend, 0: all cores
+  int threads = kAllCores;  //!< of the CPU backend
   int device = 0;  //!< of the CUDA backend
 };
 

@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include "../common/command_line.h"
+#include "../common/version.h"
 #include "kept_site.h"
 
 #include <talus/mrpt/parameters_ini.h>
@@ -33,8 +34,9 @@ constexpr const char* kFooter =
     "      one folder a log: out/NAME/; logs/NAME.tum is found by itself\n"
     "  talus-map logs/*.rawlog --jobs 4 --memory 2000\n"
     "      four logs at a time, each with 500 MB for its site map\n"
-    "  talus-map car.rawlog -s window_m=40 -s resolution_m=0.2\n"
-    "      a sensor 1.9 m above the ground; --parameters lists everything that can be set\n"
+    "  talus-map car.rawlog -s window_m=24 -s resolution_m=0.1 -s clearance_m=2\n"
+    "      a car, its sensor 1.9 m above the ground; --parameters lists everything that can be "
+    "set\n"
     "  talus-map drive.rawlog --config robot.ini --every 10\n"
     "      also map and picture of each tenth frame: drive_map/frames/\n"
     "  talus-map drive.rawlog --suggest > robot.ini\n"
@@ -219,7 +221,7 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
          },
          "List all parameters with defaults and meaning")
       ->trigger_on_parse();  // before anything is missed
-  app.set_version_flag("--version", std::string("talus-map ") + TALUS_VERSION);
+  app.set_version_flag("--version", version_line("talus-map"));
   app.footer(kFooter);
   app.final_callback(
       [&]

@@ -13,7 +13,7 @@ struct Settings
 {
   Parameters parameters;
   Backend backend = Backend::Auto;
-  int threads = 0;  //!< of the CPU backend, 0: all cores
+  int threads = kAllCores;  //!< of the CPU backend
   std::optional<int> device;  //!< of the CUDA backend; nothing: a batch is dealt out over all
   std::vector<std::string> warnings;
 };

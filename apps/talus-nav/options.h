@@ -19,7 +19,7 @@ struct Options
   std::uint64_t seed = 1;
   Noise noise;
   Backend backend = Backend::Auto;
-  int threads = 1;
+  int threads = kAllCores;
   double timeout_s = 180;
   int every = 10;  //!< a frame of the animation each so many steps; 0: none
   bool quiet = false;

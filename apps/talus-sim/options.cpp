@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include "../common/command_line.h"
+#include "../common/version.h"
 
 namespace talus::sim
 {
@@ -101,7 +102,7 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
   add_world(app, options);
   add_errors(app, options);
   add_outputs(app, options);
-  app.set_version_flag("--version", std::string("talus-sim ") + TALUS_VERSION);
+  app.set_version_flag("--version", version_line("talus-sim"));
   app.footer(footer());
   return parse_command_line(app, argc, argv);
 }

@@ -27,9 +27,9 @@ function(talus_add_library name)
   set_target_properties(talus_${name} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(talus_${name}
     PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  install(TARGETS talus_${name} EXPORT talusTargets_${name})
-  install(EXPORT talusTargets_${name} NAMESPACE talus:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/talus)
-  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install(TARGETS talus_${name} EXPORT talusTargets_${name} ARCHIVE COMPONENT dev)
+  install(EXPORT talusTargets_${name} NAMESPACE talus:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/talus COMPONENT dev)
+  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
   set_property(GLOBAL APPEND PROPERTY TALUS_COMPONENTS ${name})
 endfunction()
 
@@ -38,10 +38,26 @@ function(talus_reads_options)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# talus_add_app(NAME SOURCES...): a command; options.cpp reads its command line.
+# talus_add_manual(NAME PROGRAM): a page of section 1, where Debian's help2man is there.
+function(talus_add_manual name program)
+  if(NOT TALUS_HELP2MAN)
+    return()
+  endif()
+  set(page "${PROJECT_BINARY_DIR}/man/${name}.1")
+  file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/man")
+  add_custom_command(OUTPUT "${page}" DEPENDS ${program} VERBATIM
+    COMMAND "${TALUS_HELP2MAN}" --no-info --version-string=${PROJECT_VERSION} "--name=terrain mapping for ground robots"
+      "--output=${page}" "${program}")
+  add_custom_target(${name}.1 ALL DEPENDS "${page}")
+  install(FILES "${page}" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT commands)
+endfunction()
+
+# talus_add_app(NAME SOURCES...): a command; options.cpp reads its command line. Its manual is what --help says.
+find_program(TALUS_HELP2MAN help2man)
 function(talus_add_app name)
   add_executable(${name} ${ARGN})
   talus_target_defaults(${name})
   talus_reads_options(options.cpp)
-  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT commands)
+  talus_add_manual(${name} $<TARGET_FILE:${name}>)
 endfunction()

@@ -404,6 +404,8 @@ TEST_F(TalusImport, is_not_needed_for_ros_1_bags_by_the_recipe_of_the_page_on_mr
     GTEST_SKIP() << "rosbag is not installed for /usr/bin/python3 (Debian 12: python3-rosbag)";
   done("/usr/bin/python3 " TALUS_SOURCE_DIR "/test/apps/ros1_bag.py .");
 
+  fs::create_directories(dir_ / "build");
+  fs::create_directory_symlink(TALUS_BIN, dir_ / "build/bin");
   const std::string page = read_bytes(TALUS_SOURCE_DIR "/doc/mrpt.md");
   auto at = page.find("## ROS 1 bags");
   ASSERT_NE(at, std::string::npos);
@@ -417,7 +419,7 @@ TEST_F(TalusImport, is_not_needed_for_ros_1_bags_by_the_recipe_of_the_page_on_mr
   for (const char* file : {"bag.yml", "mount.ini", "poses.py"}) write(file, next_block());
   std::istringstream lines(next_block());
   for (std::string line; std::getline(lines, line);)
-    done("sh -c '" + line + (line.rfind("talus-map", 0) == 0 ? " --backend cpu'" : "'"));
+    done("sh -c '" + line + (line.rfind("build/bin/talus-map", 0) == 0 ? " --backend cpu'" : "'"));
   const auto scans = scans_of("drive.rawlog");
   ASSERT_EQ(scans.size(), 12u);
   EXPECT_EQ(scans[3].x_m.size(), 3721u);

@@ -288,7 +288,8 @@ TEST_F(TalusMap, answers_help_with_examples_version_and_the_list_of_parameters)
     EXPECT_NE(help.out.find(text), std::string::npos) << text;
   const Outcome version = run("--version");
   EXPECT_EQ(version.code, 0);
-  EXPECT_EQ(version.out.rfind("talus-map ", 0), 0u) << version.out;
+  EXPECT_EQ(version.out.rfind("talus-map 0.1.0 (", 0), 0u) << version.out;
+  EXPECT_NE(version.out.find("backend"), std::string::npos) << version.out;
   const Outcome list = run("--parameters");
   EXPECT_EQ(list.code, 0);
   EXPECT_NE(list.out.find("clearance_m"), std::string::npos);

@@ -87,7 +87,7 @@ TEST(SteadyState, NeitherDoTheyWithAVoxelFilterAndAnotherFill)
 TEST(SteadyState, NeitherDoFramesOfWhichTwoAreInFlight)
 {
   const Drive drive;
-  ElevationMapper map({}, Backend::Cpu);
+  ElevationMapper map({}, Backend::Cpu, 1);
   map.set_output_layers({std::begin(kDelivered), std::end(kDelivered)});
   map.start(drive[0]);
   std::uint64_t before = 0;
@@ -104,7 +104,7 @@ TEST(SteadyState, NeitherDoFramesOfWhichTwoAreInFlight)
 TEST(SteadyState, AThousandFramesIntoALiveMapThatIsReadAllocateNothing)
 {
   const Drive drive;
-  LiveMap map({}, {Layer::Traversability, Layer::Elevation}, Backend::Cpu);
+  LiveMap map({}, {Layer::Traversability, Layer::Elevation}, Backend::Cpu, 1);
   std::uint64_t of_ingestion = 0;
   for (int i = 0; i < kWarm + kFrames; i++)
   {

@@ -1,10 +1,14 @@
 #include <gtest/gtest.h>
 #include <talus/io/map_picture.h>
+#include <talus/io/score_colour.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "log_files.h"
@@ -62,7 +66,8 @@ Patch patch_of(const cv::Mat& picture, const cv::Vec3b& bgr)
   return p;
 }
 
-const cv::Vec3b kRed(38, 0, 165), kGreen(55, 104, 0), kUnknown(224, 221, 219);
+const cv::Vec3b kBlocked(6, 44, 130), kFree(190, 126, 30), kUnknown(224, 221, 219),
+    kNotJudged(178, 146, 178);
 
 bool same(const cv::Mat& a, const cv::Mat& b)
 {
@@ -74,7 +79,7 @@ TEST(MapPicture, shows_north_above_south_and_east_right_of_west)
 {
   const auto south_west = [](int ix, int iy) { return ix < 20 && iy < 20 ? 0.0F : 1.0F; };
   const cv::Mat picture = draw_map(stack_of({"traversability"}, south_west));
-  const Patch blocked = patch_of(picture, kRed), free = patch_of(picture, kGreen);
+  const Patch blocked = patch_of(picture, kBlocked), free = patch_of(picture, kFree);
   EXPECT_GT(blocked.count, 240 * 240 / 2);
   EXPECT_NEAR(static_cast<double>(free.count) / blocked.count, 3.0, 0.1)
       << "three quarters are free";
@@ -86,7 +91,50 @@ TEST(MapPicture, paints_cells_without_a_value_in_a_neutral_colour)
 {
   const auto half = [](int ix, int) { return ix < 20 ? kNan : 1.0F; };
   const cv::Mat picture = draw_map(stack_of({"traversability"}, half));
-  EXPECT_NEAR(patch_of(picture, kUnknown).count, patch_of(picture, kGreen).count, 2000);
+  EXPECT_NEAR(patch_of(picture, kUnknown).count, patch_of(picture, kFree).count, 2000);
+}
+
+TEST(MapPicture, shows_ground_that_was_not_judged_in_another_colour_than_what_is_unknown)
+{
+  LayerStack stack = stack_of({"state", "traversability"}, [](int, int) { return kNan; });
+  for (std::size_t i = 0; i < stack.layers[0].size(); ++i)  // the southern half has ground
+    stack.layers[0][i] = i < stack.layers[0].size() / 2 ? 1.0F : 0.0F;
+  stack.layers[1].back() = 1;
+  const cv::Mat picture = draw_map(stack);
+  const Patch not_judged = patch_of(picture, kNotJudged), unknown = patch_of(picture, kUnknown);
+  EXPECT_GT(not_judged.count, 100'000);
+  EXPECT_NEAR(unknown.count, 2 * not_judged.count, 4000) << "in both panels";
+  EXPECT_GT(not_judged.y, unknown.y);
+}
+
+TEST(ScoreColour, tells_blocked_from_free_by_lightness_too)
+{
+  const auto lightness = [](float score)
+  {
+    const auto c = score_colour(score);
+    const cv::Mat3b rgb(1, 1, cv::Vec3b(c[0], c[1], c[2]));
+    cv::Mat3b lab;
+    cv::cvtColor(rgb, lab, cv::COLOR_RGB2Lab);
+    return 100.0 / 255 * lab(0, 0)[0];
+  };
+  EXPECT_LT(lightness(0), 36);
+  EXPECT_GT(lightness(1), lightness(0) + 14);
+  EXPECT_GT(lightness(0.5F), 85);
+  for (int tenth = 1; tenth <= 5; ++tenth)
+  {
+    const float step = 0.1F * static_cast<float>(tenth);
+    EXPECT_GT(lightness(step), lightness(step - 0.1F)) << step;
+    EXPECT_GT(lightness(1 - step), lightness(1.1F - step)) << step;
+  }
+}
+
+TEST(ScoreColour, is_blue_where_free_and_orange_where_blocked)
+{
+  const auto free = score_colour(1), blocked = score_colour(0), beyond = score_colour(7);
+  EXPECT_GT(free[2], free[0] + 100);
+  EXPECT_GT(blocked[0], blocked[2] + 100);
+  EXPECT_EQ(beyond, free);
+  EXPECT_EQ(score_colour(kNan), (std::array<std::uint8_t, 3>{178, 146, 178}));
 }
 
 TEST(MapPicture, has_a_panel_for_each_layer)

@@ -67,12 +67,7 @@ CDualElevationMap keeper() { return CDualElevationMap(small_window(), Backend::C
 /** Of the place of a point; NaN: unknown, or not in the map. */
 float at(const CDualElevationMap& map, Layer layer, double x_m, double y_m)
 {
-  const MapView view = map.view();
-  const Window w = view.window();
-  const auto ix = static_cast<std::int64_t>(std::floor(x_m / w.resolution_m)) - w.min_cell_x;
-  const auto iy = static_cast<std::int64_t>(std::floor(y_m / w.resolution_m)) - w.min_cell_y;
-  if (ix < 0 || iy < 0 || ix >= w.cells || iy >= w.cells) return NAN;
-  return view.layer(layer)[static_cast<std::size_t>(iy * w.cells + ix)];
+  return map.view().at(layer, x_m, y_m);
 }
 
 std::vector<std::uint8_t> bytes_of(const CDualElevationMap& map)

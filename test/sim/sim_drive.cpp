@@ -161,6 +161,7 @@ TEST(WorldFile, errors_name_file_line_key_and_the_nearest_known_key)
       "ground:\n- plane: {z_m: 0}\n- step: {at_m: [0, 0],\n   heigth_m: 1}\n" + robot,
       "bad.yaml:4: ground.step: unknown key 'heigth_m', did you mean 'height_m'? Known: at_m");
   expect("ground: [plane: {z_m: low}]\n" + robot, "bad.yaml:1: ground.plane: key 'z_m': 'low'");
+  expect("ground: [plane: {}]\ngoal_m: [1, 0]\n" + robot, "--goal X,Y");
   expect("ground: [sine: {amplitude_m: 1}]\n" + robot, "key 'wavelength_m' is missing");
   expect("ground: [plain: {}]\n" + robot, "did you mean 'plane'?");
   expect(

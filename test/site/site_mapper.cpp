@@ -74,11 +74,8 @@ struct KeptDrive
   }
   float in_window(Layer layer, double x_m, double y_m) const
   {
-    const Window w = map.window();
-    const auto x = static_cast<std::int64_t>(std::floor(x_m / w.resolution_m)) - w.min_cell_x;
-    const auto y = static_cast<std::int64_t>(std::floor(y_m / w.resolution_m)) - w.min_cell_y;
-    EXPECT_TRUE(x >= 0 && y >= 0 && x < w.cells && y < w.cells) << x_m << " " << y_m;
-    return map.layer(layer)[static_cast<std::size_t>(y * w.cells + x)];
+    EXPECT_TRUE(map.window().index_at(x_m, y_m)) << x_m << " " << y_m;
+    return MapView(map).at(layer, x_m, y_m);
   }
 
   /** Calls f(cell, x of its middle, y) for the known cells of a floor. */

@@ -76,14 +76,14 @@ TEST_F(SitePicture, shows_blocked_ground_in_another_colour_than_free_ground)
   for (int x = 50; x < 100; ++x)
     for (int y = 0; y < 100; ++y) cell_at(*s, x, y).cell.traversability = 0;
   const cv::Mat3b image = picture(*s);
-  int green = 0, red = 0;
+  int blue = 0, orange = 0;
   for (const Colour& c : image)
   {
-    green += c[1] > c[2] + 60;
-    red += c[2] > c[1] + 60;
+    blue += c[0] > c[2] + 60;
+    orange += c[2] > c[0] + 60;
   }
-  EXPECT_GT(green, 100'000);
-  EXPECT_NEAR(red, green, green / 5);
+  EXPECT_GT(blue, 100'000);
+  EXPECT_NEAR(orange, blue, blue / 5);
 }
 
 TEST_F(SitePicture, light_comes_from_the_north_west)

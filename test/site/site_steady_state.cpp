@@ -29,7 +29,7 @@ TEST(SteadyState, ADriveOverGroundThatIsKeptAllocatesNothing)
   site::Site site(0.05, std::size_t{64} << 20, testing::TempDir());
   site::SiteMapper mapper(site);
   site.ways.back().reserve(1000);
-  ElevationMapper map({}, Backend::Cpu);
+  ElevationMapper map({}, Backend::Cpu, 1);
   const auto to_and_fro = [&]
   {
     for (int i = 0; i < 2 * kPlaces; i++)

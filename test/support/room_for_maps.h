@@ -96,14 +96,10 @@ inline CDualElevationMap map_of_room(int frames = 3)
   return map;
 }
 
-/** Value of a layer at a point of the map frame; NaN outside of the window. */
+/** Of the window, also where the whole is kept. */
 inline float at(const CDualElevationMap& map, Layer layer, double x, double y)
 {
-  const auto w = map.mapper().window();
-  const int ix = static_cast<int>(std::floor((x - w.min_x_m()) / w.resolution_m));
-  const int iy = static_cast<int>(std::floor((y - w.min_y_m()) / w.resolution_m));
-  if (ix < 0 || iy < 0 || ix >= w.cells || iy >= w.cells) return NAN;
-  return map.mapper().layer(layer)[static_cast<std::size_t>(iy * w.cells + ix)];
+  return talus::MapView(map.mapper()).at(layer, x, y);
 }
 
 }  // namespace talus_test

@@ -145,12 +145,8 @@ class TestMap
   /** Value of a layer in the cell that holds (x, y) of the map frame. */
   float at(Layer layer, double x_m, double y_m) const
   {
-    const Window w = map.window();
-    const auto ix = static_cast<long>(std::floor(x_m / w.resolution_m)) - w.min_cell_x;
-    const auto iy = static_cast<long>(std::floor(y_m / w.resolution_m)) - w.min_cell_y;
-    if (ix < 0 || iy < 0 || ix >= w.cells || iy >= w.cells)
-      return -std::numeric_limits<float>::infinity();
-    return map.layer(layer)[static_cast<std::size_t>(iy * w.cells + ix)];
+    const auto i = map.window().index_at(x_m, y_m);
+    return i ? map.layer(layer)[*i] : -std::numeric_limits<float>::infinity();
   }
   float ground(double x, double y) const { return at(Layer::GroundElevation, x, y); }
   float elevation(double x, double y) const { return at(Layer::Elevation, x, y); }

@@ -18,7 +18,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 class TalusMethod : public Method
 {
  public:
-  TalusMethod(const Parameters& parameters, Backend backend) : map_(parameters, backend) {}
+  TalusMethod(const Parameters& parameters, Backend backend) : map_(parameters, backend, 1) {}
   std::string name() const override { return "talus"; }
   void update(const Frame& frame) override { map_.update(frame); }
   Surfaces read() override
@@ -105,10 +105,8 @@ std::vector<MapPoint> accepted_points(const Frame& frame, const Parameters& p)
 
 int cell_index(const Window& w, double x_m, double y_m)
 {
-  const double ix = std::floor(x_m / w.resolution_m) - static_cast<double>(w.min_cell_x);
-  const double iy = std::floor(y_m / w.resolution_m) - static_cast<double>(w.min_cell_y);
-  if (!(ix >= 0 && iy >= 0 && ix < w.cells && iy < w.cells)) return -1;
-  return static_cast<int>(iy) * w.cells + static_cast<int>(ix);
+  const auto i = w.index_at(x_m, y_m);
+  return i ? static_cast<int>(*i) : -1;
 }
 
 }  // namespace talus::baselines

@@ -11,7 +11,7 @@ namespace talus::io
 namespace
 {
 constexpr int kTick = 5;  // length
-constexpr int kBarGap = 16, kBarWidth = 18;
+constexpr int kBarGap = 16, kBarWidth = 18, kSwatchRow = 26;
 
 const TextStyle kTickText{10, kInk, false, Anchor::Middle, Anchor::Start, false};
 const TextStyle kTitleText{13, kInk, true, Anchor::Start, Anchor::End, false};
@@ -91,8 +91,9 @@ void draw_colour_scale(
     Canvas& canvas, const cv::Rect& plot, const LayerStyle& style, const ColourRange& range)
 {
   const int spare = 12;  // for the tips
+  const int below = style.palette == Palette::Scores ? 2 * kSwatchRow : 0;  // for what has none
   const cv::Rect bar(
-      plot.x + plot.width + kBarGap, plot.y + spare, kBarWidth, plot.height - 2 * spare);
+      plot.x + plot.width + kBarGap, plot.y + spare, kBarWidth, plot.height - 2 * spare - below);
   const cv::Mat colours = colours_of(style.palette);
   cv::Mat scale;
   cv::flip(colours, scale, 0);
@@ -116,25 +117,42 @@ void draw_colour_scale(
   }
 }
 
+void draw_swatch(
+    Canvas& canvas, const cv::Point& corner, const cv::Vec3b& colour, const std::string& words)
+{
+  const cv::Rect swatch(corner, cv::Size(kBarWidth, kBarWidth));
+  canvas.fill(swatch, cv::Scalar(colour[0], colour[1], colour[2]));
+  canvas.frame(swatch, kInk);
+  TextStyle word = kTickText;
+  word.across = Anchor::Start;
+  word.down = Anchor::Middle;
+  canvas.text(words, swatch.x + kBarWidth + kTick + 4, corner.y + kBarWidth / 2.0, word);
+}
+
+/** Cells without a score: of two kinds. */
+void draw_no_score_legend(Canvas& canvas, const cv::Rect& plot)
+{
+  const cv::Point below(plot.x + plot.width + kBarGap, plot.y + plot.height - kBarWidth);
+  draw_swatch(canvas, below, state_styles()[0].colour, state_styles()[0].word);
+  draw_swatch(canvas, below - cv::Point(0, kSwatchRow), not_judged_colour(), "not judged");
+}
+
 void draw_state_legend(Canvas& canvas, const cv::Rect& plot, const std::vector<float>& states)
 {
   std::array<std::size_t, 4> count{};
   for (const float s : states)
     ++count[s >= 1 && s <= 3 ? static_cast<std::size_t>(s) : std::size_t{0}];
-  TextStyle word = kTickText, percent = kTickText;
-  word.across = percent.across = Anchor::Start;
-  word.down = percent.down = Anchor::Middle;
+  TextStyle percent = kTickText;
+  percent.across = Anchor::Start;
+  percent.down = Anchor::Middle;
   percent.colour = kFaintInk;
   int y = plot.y + 1;
   for (const std::size_t i : {1, 2, 3, 0})
   {
     const auto& style = state_styles()[i];
-    const cv::Rect swatch(plot.x + plot.width + kBarGap, y, kBarWidth, kBarWidth);
-    canvas.fill(swatch, cv::Scalar(style.colour[0], style.colour[1], style.colour[2]));
-    canvas.frame(swatch, kInk);
+    const int left = plot.x + plot.width + kBarGap, x = left + kBarWidth + kTick + 4;
+    draw_swatch(canvas, {left, y}, style.colour, style.word);
     const double part = static_cast<double>(count[i]) / static_cast<double>(states.size());
-    const int x = swatch.x + kBarWidth + kTick + 4;
-    canvas.text(style.word, x, y + kBarWidth / 2.0, word);
     canvas.text(fixed_text(100 * part, 1) + " %", x, y + kBarWidth / 2.0 + 20, percent);
     y += 54;
   }
@@ -204,6 +222,9 @@ void draw_panel(
   const PanelMargins margins;
   const cv::Rect plot(corner + cv::Point(margins.left, margins.top), plot_size(stack));
   cv::Mat cells = paint_cells(values, stack.cells_x, stack.cells_y, style.palette, range);
+  const bool has_scores = style.palette == Palette::Scores;
+  const auto* states = stack.find(layer_name(Layer::State));
+  if (has_scores && states) paint_not_judged(cells, values, *states);
   cv::resize(cells, cells, plot.size(), 0, 0, cv::INTER_NEAREST);
   canvas.paste(cells, plot.x, plot.y);
   canvas.frame(plot, kInk);
@@ -215,6 +236,7 @@ void draw_panel(
     draw_state_legend(canvas, plot, values);
   else
     draw_colour_scale(canvas, plot, style, range);
+  if (has_scores) draw_no_score_legend(canvas, plot);
 
   // Not the same both ways where a long and narrow map is drawn wider.
   const double px_per_m_x = plot.width / (stack.cells_x * stack.resolution_m);

@@ -3,11 +3,13 @@
 #include "picture_canvas.h"
 
 #include <talus/io/quantile.h>
+#include <talus/io/score_colour.h>
 
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace talus::io
 {
@@ -29,23 +31,16 @@ const std::vector<LayerStyle>& known_styles()
   return styles;
 }
 
-/** Red over yellow to green, evenly light on both sides (ColorBrewer RdYlGn), BGR. */
-cv::Mat red_to_green()
+cv::Vec3b score_bgr(float score)
 {
-  const std::vector<cv::Vec3b> stops{{38, 0, 165},    {39, 48, 215},   {67, 109, 244},
-                                     {97, 174, 253},  {139, 224, 254}, {191, 255, 255},
-                                     {139, 239, 217}, {106, 217, 166}, {99, 189, 102},
-                                     {80, 152, 26},   {55, 104, 0}};
+  const auto c = score_colour(score);
+  return {c[2], c[1], c[0]};
+}
+
+cv::Mat score_colours()
+{
   cv::Mat colours(256, 1, CV_8UC3);
-  for (int i = 0; i < 256; ++i)
-  {
-    const double at = i / 255.0 * static_cast<double>(stops.size() - 1);
-    const auto below = std::min(static_cast<std::size_t>(at), stops.size() - 2);
-    const double part = at - static_cast<double>(below);
-    for (int k = 0; k < 3; ++k)
-      colours.at<cv::Vec3b>(i)[k] =
-          cv::saturate_cast<uchar>((1 - part) * stops[below][k] + part * stops[below + 1][k]);
-  }
+  for (int i = 0; i < 256; ++i) colours.at<cv::Vec3b>(i) = score_bgr(static_cast<float>(i) / 255);
   return colours;
 }
 
@@ -64,6 +59,26 @@ cv::Vec3b unknown_colour()
       static_cast<uchar>(kUnknownColour[2])};
 }
 }  // namespace
+
+std::array<std::uint8_t, 3> score_colour(float score)
+{
+  using Colour = std::array<std::uint8_t, 3>;
+  constexpr Colour kNotJudged{178, 146, 178};
+  // Lightness (CIE L*) 33, 51, 70, 91, 78, 65, 51.
+  static const std::vector<Colour> stops{{130, 44, 6},    {197, 82, 12},   {246, 142, 56},
+                                         {250, 226, 190}, {160, 200, 228}, {96, 165, 215},
+                                         {30, 126, 190}};
+  if (std::isnan(score)) return kNotJudged;
+  const double at =
+      std::clamp(static_cast<double>(score), 0.0, 1.0) * static_cast<double>(stops.size() - 1);
+  const auto below = std::min(static_cast<std::size_t>(at), stops.size() - 2);
+  const double part = at - static_cast<double>(below);
+  Colour colour{};
+  for (std::size_t k = 0; k < 3; ++k)
+    colour[k] = static_cast<std::uint8_t>(
+        std::lround((1 - part) * stops[below][k] + part * stops[below + 1][k]));
+  return colour;
+}
 
 const std::array<StateStyle, 4>& state_styles()
 {
@@ -136,7 +151,7 @@ cv::Mat colours_of(Palette palette)
     case Palette::Heights:
       return opencv_colours(cv::COLORMAP_TURBO);
     case Palette::Scores:
-      return red_to_green();
+      return score_colours();
     default:
       return opencv_colours(cv::COLORMAP_VIRIDIS);
   }
@@ -165,5 +180,15 @@ cv::Mat paint_cells(
     }
   return image;
 }
+
+void paint_not_judged(
+    cv::Mat& image, const std::vector<float>& values, const std::vector<float>& states)
+{
+  for (int i = 0; i < image.rows * image.cols; ++i)
+    if (const auto k = static_cast<std::size_t>(i); std::isnan(values[k]) && states[k] >= 1)
+      image.at<cv::Vec3b>(image.rows - 1 - i / image.cols, i % image.cols) = not_judged_colour();
+}
+
+cv::Vec3b not_judged_colour() { return score_bgr(std::numeric_limits<float>::quiet_NaN()); }
 
 }  // namespace talus::io

@@ -13,7 +13,7 @@ enum class Palette
 {
   Heights,  //!< turbo: every decimetre of a slope gets a colour of its own
   Amounts,  //!< viridis: more is lighter
-  Scores,  //!< 0 red (bad) over yellow to 1 green (good)
+  Scores,  //!< score_colour()
   States  //!< one colour for each CellState
 };
 
@@ -63,5 +63,11 @@ cv::Mat colours_of(Palette palette);
 cv::Mat paint_cells(
     const std::vector<float>& values, int cells_x, int cells_y, Palette palette,
     const ColourRange& range);
+
+/** Of a cell whose ground is known, but not how it drives. */
+cv::Vec3b not_judged_colour();
+/** Gives it to those cells of paint_cells() that have a state and no score. */
+void paint_not_judged(
+    cv::Mat& image, const std::vector<float>& values, const std::vector<float>& states);
 
 }  // namespace talus::io

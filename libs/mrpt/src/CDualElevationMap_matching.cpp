@@ -24,7 +24,7 @@ double log_likelihood_of_point(
     const SurfaceView& map, const mrpt::math::TPoint3D& p_map,
     const CDualElevationMap::TLikelihoodOptions& o)
 {
-  const auto cell = map.cell_at(p_map.x, p_map.y);
+  const auto cell = map.window.index_at(p_map.x, p_map.y);
   const double d = cell ? map.distance(*cell, p_map.z) : NAN;
   if (std::isnan(d)) return std::log(o.outlierRatio);
   const double cell_variance = map.variance[*cell] > 0 ? map.variance[*cell] : 0;
@@ -90,7 +90,7 @@ float CDualElevationMap::compute3DMatchingRatio(
     mrpt::math::TPoint3D p;
     other->getPoint(i, p.x, p.y, p.z);
     p = otherMapPose.composePoint(p);
-    const auto cell = map.cell_at(p.x, p.y);
+    const auto cell = map.window.index_at(p.x, p.y);
     if (cell && map.distance(*cell, p.z) <= params.maxDistForCorr) matched++;
   }
   return static_cast<float>(matched) / static_cast<float>(other->size());

@@ -1,3 +1,4 @@
+#include <talus/io/score_colour.h>
 #include <talus/mrpt/CDualElevationMap.h>
 #include TALUS_SCENE_HEADER(CSetOfObjects.h)
 #include TALUS_SCENE_HEADER(CSetOfTriangles.h)
@@ -38,13 +39,10 @@ struct HeightSpan
   }
 };
 
-/** Red at 0, yellow at a half, green at 1, grey where unknown. */
 TColor traversability_color(float t)
 {
-  if (std::isnan(t)) return {128, 128, 128};
-  const auto byte = [](float v)
-  { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0F, 1.0F))); };
-  return {byte(2 * (1 - t)), byte(2 * t), 0};
+  const auto c = io::score_colour(t);
+  return {c[0], c[1], c[2]};
 }
 
 /** Draws one surface as two triangles between each four neighbouring known cells. */

@@ -197,13 +197,7 @@ std::string parameters_as_markdown()
 {
   const Parameters defaults;
   std::ostringstream out;
-  out << "# Parameters\n\n"
-         "Made from the table in `libs/core/src/parameters.cpp`; do not edit by hand.\n"
-         "Write them as `name = value` into `[<prefix>_creationOpts]` or "
-         "`[<prefix>_insertOpts]`.\n"
-         "`resolution` and `window` stand for `resolution_m` and `window_m`, also in `-s "
-         "window=20`; all other names are whole.\n\n"
-         "| name | default | unit | allowed | meaning |\n|---|---|---|---|---|\n";
+  out << "| name | default | unit | allowed | meaning |\n|---|---|---|---|---|\n";
   for (const auto& info : parameter_table())
   {
     out << "| `" << info.name << "` | " << parameter_text(defaults, info) << " | " << info.unit

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <optional>
 
 namespace talus::detail
 {
@@ -31,15 +30,6 @@ struct SurfaceView
   /** Centre of a column or row of cells, map frame [m]. */
   double x_m(int ix) const { return window.min_x_m() + (ix + 0.5) * window.resolution_m; }
   double y_m(int iy) const { return window.min_y_m() + (iy + 0.5) * window.resolution_m; }
-
-  /** Index of the cell below a point; nothing outside of the window. */
-  std::optional<std::size_t> cell_at(double x, double y) const
-  {
-    const double ix = std::floor(x / window.resolution_m) - static_cast<double>(window.min_cell_x);
-    const double iy = std::floor(y / window.resolution_m) - static_cast<double>(window.min_cell_y);
-    if (!(ix >= 0 && iy >= 0 && ix < window.cells && iy < window.cells)) return std::nullopt;
-    return index(static_cast<int>(ix), static_cast<int>(iy));
-  }
 
   /** The highest known surface of a cell [m]; NaN where nothing is known. */
   double top(std::size_t cell) const

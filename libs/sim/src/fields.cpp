@@ -39,6 +39,10 @@ int edit_distance(const std::string& a, const std::string& b)
 
 std::string unknown_key(const std::string& key, const std::vector<std::string>& known)
 {
+  if (key.rfind("goal", 0) == 0)
+    return "unknown key '" + key +
+           "': a world has no goal; where a robot shall drive says `talus-nav WORLD.yaml --goal "
+           "X,Y`, and where a recorded drive leads says `path_m` of `robot`";
   return "unknown key '" + key + "', did you mean '" + nearest_word(key, known) +
          "'? Known: " + list_of(known);
 }

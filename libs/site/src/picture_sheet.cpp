@@ -22,7 +22,7 @@ using io::TextStyle;
 
 constexpr int kLeft = 96, kTop = 124, kLeastWidth = 800, kBottom = 72, kColumn = 212, kEdge = 28;
 constexpr int kTick = 6, kSwatch = 20, kRow = 32;
-const cv::Scalar kWayColour(150, 60, 10), kHalo(255, 255, 255), kGrid(208, 204, 202);
+const cv::Scalar kWayColour(96, 0, 128), kHalo(255, 255, 255), kGrid(208, 204, 202);
 
 const TextStyle kPlain{12, kInk, false, Anchor::Start, Anchor::Middle, false};
 const TextStyle kBold{12, kInk, true, Anchor::Start, Anchor::Middle, false};

@@ -16,7 +16,7 @@ namespace
 {
 constexpr int kLegend_px = 600;
 constexpr float kPassable = 0.5F;  //!< what is there does not block: it hangs high, or is low
-const cv::Vec3b kObstacle(66, 48, 52), kNotJudged(196, 164, 132);
+const cv::Vec3b kObstacle(66, 48, 52);
 /// @name How much white is in the colours, of 1
 /// @{
 constexpr float kMild = 0.22F, kPale = 0.62F;  //!< measured, and not
@@ -33,7 +33,7 @@ cv::Mat3b colours_of_cells(const SiteRaster& r, double pixel_m)
       if (r.measured(y, x) == 0) continue;
       const float score = r.score(y, x);
       cv::Vec3b c = std::isnan(score)
-                        ? kNotJudged
+                        ? io::not_judged_colour()
                         : scale.at<cv::Vec3b>(cvRound(255 * std::clamp(score, 0.0F, 1.0F)));
       c = mixed(c, kWhite, r.measured(y, x) == 1 ? kPale : kMild);
       const bool blocks = r.obstacle(y, x) != 0 && !(score > kPassable);
@@ -77,8 +77,9 @@ void write_site_picture(const std::string& path, Site& site, int floor, const st
   sheet.draw_axes();
   sheet.add_scores();
   sheet.add_swatch(kObstacle, "stands in the way");
-  sheet.add_swatch(mixed({99, 189, 102}, kWhite, kPale), "pale: not measured");
-  sheet.add_swatch(mixed(kNotJudged, kWhite, kPale), "known, not judged");
+  const cv::Vec3b free = io::colours_of(io::Palette::Scores).at<cv::Vec3b>(255);
+  sheet.add_swatch(mixed(free, kWhite, kPale), "pale: not measured");
+  sheet.add_swatch(mixed(io::not_judged_colour(), kWhite, kPale), "known, not judged");
   sheet.add_swatch(kNotSeen, "not seen");
   if (!site.ways.empty()) sheet.add_ways();
   sheet.add_gap(14);

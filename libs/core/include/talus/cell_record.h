@@ -10,11 +10,16 @@ namespace talus
  * NaN: unknown. What is not a height is for the map alone, see kernels/cell.h. */
 struct CellRecord
 {
+  /** Height of the ground, and its variance. */
   float ground_m = NAN, ground_variance_m2 = NAN;
+  /** Height of the top of what stands on it, and its variance. */
   float elevation_m = NAN, elevation_variance_m2 = NAN;
   float traversability = NAN;  //!< [0, 1]; NaN: not judged
-  std::uint8_t state = 0;  //!< a CellState
+  /** a CellState */
+  std::uint8_t state = 0;
+  /** For the map alone. */
   std::int8_t persistence = 0;
+  /** For the map alone. */
   std::uint8_t ray_evidence = 0, extent = 0, footing = 0;
 };
 
@@ -22,9 +27,12 @@ struct CellRecord
  * frame. */
 struct CellRect
 {
+  /** The first cell along x and y. */
   std::int64_t min_cell_x = 0, min_cell_y = 0;
+  /** Cells along x and y. */
   int width_cells = 0, height_cells = 0;
 
+  /** Cells in all. */
   std::size_t size() const
   {
     return static_cast<std::size_t>(width_cells) * static_cast<std::size_t>(height_cells);
@@ -34,19 +42,26 @@ struct CellRect
 /** Records in the memory of a map. They may be changed, and given back from there. */
 struct CellRecords
 {
+  /** nullptr: none. */
   CellRecord* first = nullptr;
+  /** How many. */
   std::size_t size = 0;
 
+  /** The i-th, below size. */
   CellRecord& operator[](std::size_t i) const { return first[i]; }
+  /** For range-based loops. */
   CellRecord* begin() const { return first; }
+  /** For range-based loops. */
   CellRecord* end() const { return first + size; }
 };
 
 /** Cells that a frame hands over, see ElevationMapper::update(). */
 struct FrameCells
 {
-  std::vector<CellRect> before, after;  //!< which: in the window before the frame, and in its own
-  CellRecords records_before, records_after;  //!< what update() puts here
+  /** Which: in the window before the frame, and in its own. */
+  std::vector<CellRect> before, after;
+  /** What update() puts here. */
+  CellRecords records_before, records_after;
 };
 
 }  // namespace talus

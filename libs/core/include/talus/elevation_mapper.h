@@ -21,6 +21,10 @@ enum class Backend
   Cuda
 };
 
+/** The default number of threads, everywhere: as many as the machine has cores. The bits are those
+ * of one thread. */
+constexpr int kAllCores = 0;
+
 /** How many devices there are for the CUDA backend; 0 also in a build without it. Starts CUDA in
  * this process, whose fork() cannot use it then. */
 int cuda_devices();
@@ -33,18 +37,21 @@ class ElevationMapper
 {
  public:
   /** Throws std::invalid_argument if a parameter is out of range, std::runtime_error if `backend`
-   * is Cuda and there is no usable device. `threads`: of the CPU backend, 0 = all cores; at most
-   * 1024 are taken. `device`: of the CUDA backend, below cuda_devices(); any thread may call. */
+   * is Cuda and there is no usable device. `threads`: of the CPU backend, 1 to 1024 (more count as
+   * 1024) or kAllCores; a program whose other threads need the cores says 1. `device`: of the CUDA
+   * backend, below cuda_devices(); any thread may call. */
   explicit ElevationMapper(
-      const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = 1,
+      const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = kAllCores,
       int device = 0);
   /** The map of which save() gave `state`. Throws as above and as restore(), before it takes memory
    * for a window that the state is none of. */
   ElevationMapper(
       const Parameters& parameters, const std::vector<std::uint8_t>& state,
-      Backend backend = Backend::Auto, int threads = 1, int device = 0);
+      Backend backend = Backend::Auto, int threads = kAllCores, int device = 0);
   ~ElevationMapper();
+  /** What was moved from can only be assigned to or destroyed. */
   ElevationMapper(ElevationMapper&&) noexcept;
+  /** As the constructor. */
   ElevationMapper& operator=(ElevationMapper&&) noexcept;
 
   /** Runs the nine stages on one frame: start() and finish(). Throws as they do, and
@@ -90,6 +97,7 @@ class ElevationMapper
   /** Layers that each frame delivers: layer() of them costs nothing afterwards. The others are made
    * when layer() asks for them. None at first. Best set before the first frame. */
   void set_output_layers(const std::vector<Layer>& layers);
+  /** Those that set_output_layers() named. */
   std::vector<Layer> output_layers() const;
 
   /** Forgets everything. */
@@ -98,21 +106,24 @@ class ElevationMapper
   /** True until the first frame. */
   bool empty() const;
 
-  /** One layer, window().cells^2 floats, row by row: index = iy * cells + ix. Valid until the next
-   * start() or other call that changes the map. Made on first use where set_output_layers() does
-   * not name it. Throws std::logic_error for what cannot be read while a frame is in flight: those
-   * that it does not name, and all between start() and the next finish(). */
+  /** One layer, window().cells^2 floats, row by row: index = iy * cells + ix; MapView::at() finds
+   * the value at a place. Unknown, and of scores not judged, is NaN. Valid until the next start()
+   * or other call that changes the map. Made on first use where set_output_layers() does not name
+   * it. Throws std::logic_error for what cannot be read while a frame is in flight: those that it
+   * does not name, and all between start() and the next finish(). */
   const std::vector<float>& layer(Layer l) const;
 
+  /** Where the cells of layer() lie; before the first frame around the origin. */
   Window window() const;
+  /** Those that it was made with. */
   const Parameters& parameters() const;
   /** "cpu" or "cuda: NAME OF THE DEVICE", where there are several with " (device 1 of 2)" */
   std::string backend_name() const;
 
-  /** The whole persistent state, and back: a restored map goes on with the same bits. restore()
-   * throws std::invalid_argument when the bytes are not such a state or belong to another window
-   * size or resolution; then nothing has changed. */
+  /** The whole persistent state: a map restored from it goes on with the same bits. */
   std::vector<std::uint8_t> save() const;
+  /** What save() gave, of this map or another. Throws std::invalid_argument when the bytes are not
+   * such a state or belong to another window size or resolution; then nothing has changed. */
   void restore(const std::vector<std::uint8_t>& bytes);
 
   /** Where the window will lie when update() has taken a frame. Throws as start() does. */

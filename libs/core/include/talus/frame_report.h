@@ -27,8 +27,11 @@ constexpr std::array<const char*, kStageCount> kStageNames{"accept", "uncertaint
 /** What became of one frame. */
 struct FrameReport
 {
+  /** Of the frame. */
   double stamp_s = 0;
+  /** All that it had. */
   std::uint32_t points_in = 0;
+  /** Those that reached the map: points_in less all that are rejected. */
   std::uint32_t points_accepted = 0;
   std::array<std::uint32_t, kRejectCount> rejected{};  //!< indexed by Reject
   /** It showed another floor than that of the map: all cells start empty in the next frame. */

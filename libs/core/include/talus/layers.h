@@ -4,8 +4,12 @@
 
 namespace talus
 {
-/** The layers of the map, in the order in which files list them. float32, unknown is NaN, heights
- * in the map frame. */
+/** The layers of the map, in the order in which files list them. float32, heights in the map frame.
+ *
+ * NaN: nothing is known. A height or variance that the cell has not; a score or traversability that
+ * was not judged, since fewer than three cells of the neighbourhood have ground. That is not 0,
+ * impassable: whoever drives decides what it means (see ObstacleOptions::unknown of talus::mrpt).
+ * NaN > 0 and NaN <= 0 are both false. State is never NaN. */
 enum class Layer : int
 {
   Elevation = 0,  //!< [m] top of what stands on the ground

@@ -17,7 +17,9 @@ struct MapSnapshot
   std::uint64_t frame = 0;
   Pose T_map_sensor;  //!< of that frame
   FrameReport report;  //!< of that frame; has its stamp
+  /** Where the cells of the layers lie. */
   Window window;
+  /** Of the live map. */
   Parameters parameters;
   std::array<std::vector<float>, kLayerCount> layers;  //!< empty: not asked for
 
@@ -30,7 +32,8 @@ struct MapSnapshot
 struct LiveCounts
 {
   std::uint64_t mapped = 0;  //!< those after a step of the clock included
-  std::uint64_t duplicate = 0, late = 0;  //!< not mapped
+  /** Not mapped. */
+  std::uint64_t duplicate = 0, late = 0;
   std::uint64_t clock_set_back = 0;  //!< mapped, the first after the step
 };
 
@@ -52,7 +55,8 @@ class LiveMap
    * FrameSequence. */
   LiveMap(
       const Parameters& parameters, const std::vector<Layer>& layers,
-      Backend backend = Backend::Auto, int threads = 1, double max_late_s = 1.0, int device = 0);
+      Backend backend = Backend::Auto, int threads = kAllCores, double max_late_s = 1.0,
+      int device = 0);
   ~LiveMap();
 
   /** Maps a frame, unless it is a Duplicate or Late, and publishes the result. From any thread;
@@ -63,6 +67,7 @@ class LiveMap
   /** The map after the newest frame; nullptr before the first. From any thread, at any time. */
   std::shared_ptr<const MapSnapshot> snapshot() const;
 
+  /** From any thread, at any time. */
   LiveCounts counts() const;
 
   /** Forgets the map and the time of its last frame; snapshot() is nullptr again. Snapshots that

@@ -1,6 +1,8 @@
 #pragma once
 #include <talus/live_map.h>
 
+#include <limits>
+
 namespace talus
 {
 /** What a map says, be it an ElevationMapper or a MapSnapshot, to those who only read. Converts
@@ -8,16 +10,30 @@ namespace talus
 class MapView
 {
  public:
+  /** Of a map as it is whenever something is asked. */
   MapView(const ElevationMapper& map) : map_(&map) {}
+  /** Of a snapshot. */
   MapView(const MapSnapshot& snapshot) : snapshot_(&snapshot) {}
 
+  /** True for a map without a frame; never of a snapshot. */
   bool empty() const { return map_ && map_->empty(); }
+  /** Where the cells of layer() lie. */
   Window window() const { return map_ ? map_->window() : snapshot_->window; }
+  /** Those that the map was made with. */
   const Parameters& parameters() const { return map_ ? map_->parameters() : snapshot_->parameters; }
   /** Throws as MapSnapshot::layer() does. */
   const std::vector<float>& layer(Layer l) const
   {
     return map_ ? map_->layer(l) : snapshot_->layer(l);
+  }
+
+  /** Value of a layer at a place of the map frame [m]. NaN outside of the window and where the map
+   * knows nothing. Throws as layer(). */
+  float at(Layer l, double x_m, double y_m) const
+  {
+    const std::vector<float>& values = layer(l);
+    const auto i = window().index_at(x_m, y_m);
+    return i && *i < values.size() ? values[*i] : std::numeric_limits<float>::quiet_NaN();
   }
 
  private:

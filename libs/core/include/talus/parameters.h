@@ -23,6 +23,7 @@ constexpr std::size_t kMostBodyBoxes = 32;
 /** A part of the robot's own body, in the frame of its base [m]; an extent along all three axes. */
 struct BodyBox
 {
+  /** From and to, x ahead, y left, z up, from the ground that the robot stands on. */
   double min_x_m, max_x_m, min_y_m, max_y_m, min_z_m, max_z_m;
 };
 
@@ -41,7 +42,9 @@ struct Parameters
 
   /// @name Stage 1: which points are accepted
   /// @{
+  /** Nearer points are dropped, zero-range returns among them [m]. */
   double min_range_m = 0.2;
+  /** Farther points are dropped [m]. */
   double max_range_m = 100.0;
   double min_height_m = -3.0;  //!< lowest accepted height above the sensor, along the map's z
   double max_height_m = 1.5;  //!< highest
@@ -82,6 +85,7 @@ struct Parameters
   double fill_kernel_m = 2.0;  //!< support of the sparse kernel of eq. 8
   double fill_lambda = 1.0;  //!< weight of the prior of eq. 8, the lowest sample; of Printed alone
   int fill_samples = 2;  //!< measured cells taken on each side
+  /** How both sides of a gap are combined. */
   FillRule fill_rule = FillRule::Lines;
   double fill_variance_per_m =
       0.1;  //!< growth of the standard deviation of a fill with the distance to its sample
@@ -91,9 +95,13 @@ struct Parameters
   /// @name Stage 8: traversability (eq. 10-13)
   /// @{
   double feature_radius_m = 0.1;  //!< half side of the square neighbourhood
+  /** A steeper plane through the neighbourhood is impassable. */
   double slope_threshold_rad = 0.6;
+  /** Ground that stands higher above the mean of its neighbourhood is impassable. */
   double step_threshold_m = 0.2;
+  /** Elevation that does so. */
   double roughness_threshold_m = 0.2;
+  /** Of eq. 13: shares of the three in traversability. */
   double weight_slope = 0.4, weight_step = 0.3, weight_roughness = 0.3;
   /// @}
 
@@ -124,12 +132,17 @@ struct ParameterChoice
  * unless is_text(): then `min` and `max` are 0, `get` and `set` null. */
 struct ParameterInfo
 {
+  /** As in files and on command lines. */
   const char* name;
   const char* unit;  //!< "m", "rad", "m^2", "" for pure numbers
+  /** What is allowed, both ends included. */
   double min, max;
+  /** A few words, for help and pages. */
   const char* description;
+  /** Reads it; null of a text. */
   double (*get)(const Parameters&);
   void (*set)(Parameters&, double);  //!< of a value that is allowed; set_parameter() looks
+  /** Whole numbers, or names of choices. */
   bool is_integer;
   /** The values of an enumeration, in ascending order; else empty. */
   std::vector<ParameterChoice> choices;
@@ -137,6 +150,7 @@ struct ParameterInfo
   /** Throws std::invalid_argument that says what is wrong with a text. */
   void (*set_text)(Parameters&, const std::string&) = nullptr;
 
+  /** Not a number: get_text and set_text stand for it. */
   bool is_text() const { return get_text != nullptr; }
 };
 

@@ -22,7 +22,9 @@ enum class Kind
 /** One line for a person: what was seen, with its figures, and the setting that mends it. */
 struct Hint
 {
+  /** What it is about. */
   Kind kind;
+  /** The line. */
   std::string text;
 };
 

@@ -29,13 +29,16 @@ class HintFinder
   /** Of a map with these parameters. */
   explicit HintFinder(const Parameters& parameters, Effort effort = Effort::Little);
   ~HintFinder();
+  /** What was moved from can only be assigned to or destroyed. */
   HintFinder(HintFinder&&) noexcept;
+  /** As the constructor. */
   HintFinder& operator=(HintFinder&&) noexcept;
 
   /** A frame that the map has taken, in the order in which it did, with what became of it. `sensor`
    * is the label of its sensor. Its poses must be finite. */
   void add(const Frame& frame, const std::string& sensor, const FrameReport& report);
 
+  /** That were added. */
   std::size_t frames() const;
 
   /** What is certain by now, causes only: what follows from another hint is not among them.

@@ -7,6 +7,7 @@ namespace talus::hints
  * the figures. */
 struct Suggestion
 {
+  /** Of the parameter; text of the value; a few words. */
   std::string name, value, reason;
 };
 

@@ -17,7 +17,8 @@ struct ImportedScan
   std::string sensor_label;  //!< ROS topic or folder name; one a sensor
   double time_s = 0;  //!< seconds since the epoch
   mrpt::poses::CPose3D T_base_sensor;  //!< the mounting
-  std::vector<float> x_m, y_m, z_m;  //!< in the frame of the sensor; finite
+  /** In the frame of the sensor [m]; finite. */
+  std::vector<float> x_m, y_m, z_m;
   std::vector<float> intensity;  //!< as the file has it; empty, or one a point
   std::vector<float> point_time_s;  //!< relative to time_s; empty, or one a point
   std::vector<std::uint16_t> ring;  //!< the beam; empty, or one a point

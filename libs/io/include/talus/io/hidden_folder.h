@@ -11,11 +11,15 @@ namespace talus::io
 class FolderLock
 {
  public:
+  /** What to do where another has the lock. */
   enum class IfTaken
   {
+    /** Until it is given up. */
     Wait,
+    /** is_held() is false then. */
     GiveUp
   };
+  /** Of an existing folder. Throws nothing: see is_held(). */
   FolderLock(const std::filesystem::path& folder, IfTaken if_taken);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
@@ -51,6 +55,7 @@ class HiddenFolder
   HiddenFolder(const HiddenFolder&) = delete;
   HiddenFolder& operator=(const HiddenFolder&) = delete;
 
+  /** Where it is. */
   const std::filesystem::path& path() const { return path_; }
 
   /** remove_if_abandoned() leaves it alone as long as there is something at `path`. Throws

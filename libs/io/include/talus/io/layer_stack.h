@@ -10,9 +10,13 @@ namespace talus::io
  * data. */
 struct LayerStack
 {
+  /** Cells along x and y. */
   int cells_x = 0, cells_y = 0;
+  /** Side of a cell [m]. */
   double resolution_m = 0;
-  double min_x_m = 0, min_y_m = 0;  //!< outer corner of cell (0,0), map frame
+  /** outer corner of cell (0,0), map frame */
+  double min_x_m = 0, min_y_m = 0;
+  /** Of the layers. */
   std::vector<std::string> names;
   /** One entry a name; each cells_x*cells_y floats, index = iy*cells_x + ix, iy grows with y
    * (north). NaN: unknown. */

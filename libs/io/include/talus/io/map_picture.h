@@ -5,11 +5,13 @@
 
 namespace talus::io
 {
+/** What is written and drawn beside the layers. */
 struct PictureOptions
 {
   std::string title;  //!< e.g. the name of the log and the time
   /** The robot in the map frame; drawn as an arrow when has_robot. */
   bool has_robot = false;
+  /** Where it is [m], and its heading counter-clockwise from x [rad]. */
   double robot_x_m = 0, robot_y_m = 0, robot_yaw_rad = 0;
 };
 

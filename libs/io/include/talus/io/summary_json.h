@@ -17,6 +17,7 @@ struct SiteSummary
   double area_m2 = 0;  //!< of the known cells
   double length_m = 0;  //!< of the ways driven
   std::array<std::size_t, 4> cells{};  //!< by CellState; of the unknown ones none
+  /** Of which something is known. */
   int floors = 0;
 };
 
@@ -35,18 +36,23 @@ struct RunSummary
   std::map<std::string, std::size_t> sensors;  //!< frames by sensor label
   std::map<std::string, std::size_t> unsupported;  //!< other observations, by class name
   std::size_t stamps_backwards = 0;  //!< frames older than the one before of the same sensor
+  /** Frames whose points had times, and a path to place them on. */
   std::size_t frames_deskewed = 0;
+  /** Written into a rawlog. */
   std::size_t snapshots = 0;
+  /** What was odd in the log, a line each. */
   std::vector<std::string> warnings;
   std::vector<std::string> hints;  //!< what looks wrongly set, a line each
   std::optional<SiteSummary> site;  //!< where one was kept
 
+  /** Of the map. */
   Parameters parameters;
 };
 
 /** Cells by where their ground height comes from, as fractions of the window (0..1). */
 struct Coverage
 {
+  /** They sum to 1. */
   double measured = 0, filled_two_sided = 0, filled_one_sided = 0, unknown = 1;
 };
 
@@ -56,10 +62,12 @@ Coverage coverage_of(const LayerStack& stack);
 /** Points over all frames. */
 struct PointTotals
 {
+  /** All, and those that reached the map. */
   std::uint64_t in = 0, accepted = 0;
   std::array<std::uint64_t, kRejectCount> rejected{};  //!< indexed by Reject
 };
 
+/** Sums of the reports. */
 PointTotals totals_of(const std::vector<FrameReport>& frames);
 
 /** The JSON text. `stack` is the map after the last frame. */

@@ -11,9 +11,11 @@ namespace talus::io
 class Trajectory
 {
  public:
+  /** A pose at a time. */
   struct Entry
   {
     double time_s = 0;  //!< seconds since the epoch
+    /** Of the base in the map frame. */
     mrpt::poses::CPose3D T_map_base;
   };
 
@@ -32,7 +34,9 @@ class Trajectory
    * than 1 ms away (stamps may have been rounded), else nothing. */
   std::optional<mrpt::poses::CPose3D> at(double time_s, double max_gap_s) const;
 
+  /** Whether it has no poses. */
   bool empty() const { return entries_.empty(); }
+  /** In ascending order of time. */
   const std::vector<Entry>& entries() const { return entries_; }
 
  private:

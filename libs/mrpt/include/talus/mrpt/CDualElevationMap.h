@@ -59,26 +59,34 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
  public:
   /** Arguments and exceptions as of ElevationMapper; a missing device shows at the first use. */
   explicit CDualElevationMap(
-      const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = 1,
+      const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = kAllCores,
       bool keep_whole = false, int device = 0);
+  /** A copy has its own cells; it goes on with the same bits. */
   CDualElevationMap(const CDualElevationMap& o);
+  /** As the constructor. */
   CDualElevationMap& operator=(const CDualElevationMap& o);
   ~CDualElevationMap() override;
 
   /** @name The pipeline behind the map. Layers are made when somebody reads them; name those that
    * are read after every observation with mapper().set_output_layers().
    *  @{ */
+  /** Made with the first call or observation. Throws as its constructor. */
   ElevationMapper& mapper();
+  /** The same. */
   const ElevationMapper& mapper() const;
   /** Of the last accepted observation. */
   const FrameReport& lastReport() const { return m_lastReport; }
+  /** As asked for; mapper().backend_name() says which runs. */
   Backend backend() const { return m_backend; }
+  /** As asked for. */
   int threads() const { return m_threads; }
+  /** As asked for. */
   int device() const { return m_device; }
   /** @} */
 
   /** @name All that was seen
    *  @{ */
+  /** Whether what leaves the window is kept. */
   bool keepsWhole() const { return m_keep_whole; }
   /** What queries are about: the window, or the whole floor. Valid until the map changes. */
   MapView view() const;
@@ -91,7 +99,9 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
 
   /** @name Virtual methods of CMetricMap
    *  @{ */
+  /** True until the first observation was inserted. */
   bool isEmpty() const override;
+  /** A line for people: size, place, how much is known. */
   std::string asString() const override;
   /** Both surfaces as triangles named "ground" and "elevation", see TRenderOptions. Made once for
    * each state of the map: scenes share the triangles. Throws std::invalid_argument for a
@@ -127,12 +137,17 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
    * insertion on; a new resolution_m or window_m starts an empty map. */
   struct TInsertionOptions : public mrpt::config::CLoadableOptions, public Parameters
   {
+    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section.
+     * */
     void loadFromConfigFile(
         const mrpt::config::CConfigFileBase& source, const std::string& section) override;
+    /** Writes each with its meaning as comment. */
     void saveToConfigFile(
         mrpt::config::CConfigFileBase& target, const std::string& section) const override;
+    /** A line each. */
     void dumpToTextStream(std::ostream& out) const override;
   };
+  /** What the next observation is inserted with. */
   TInsertionOptions insertionOptions;
 
   /** The log-likelihood of an observation is the sum, over every `decimation`-th accepted point, of
@@ -143,8 +158,11 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
    * window is an outlier. 0 for an empty map. */
   struct TLikelihoodOptions : public mrpt::config::CLoadableOptions
   {
+    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section.
+     * */
     void loadFromConfigFile(
         const mrpt::config::CConfigFileBase& source, const std::string& section) override;
+    /** Writes each with its meaning as comment. */
     void saveToConfigFile(
         mrpt::config::CConfigFileBase& target, const std::string& section) const override;
     /** Throws std::invalid_argument that names the first value out of its range. */
@@ -153,39 +171,54 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
     double outlierRatio{0.1};  //!< (0, 1)
     int decimation{10};  //!< takes one point of this many, 1 to 1000000
   };
+  /** Of observation likelihoods. */
   TLikelihoodOptions likelihoodOptions;
 
+  /** How getVisualizationInto() draws the map. */
   struct TRenderOptions : public mrpt::config::CLoadableOptions
   {
+    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section.
+     * */
     void loadFromConfigFile(
         const mrpt::config::CConfigFileBase& source, const std::string& section) override;
+    /** Writes each with its meaning as comment. */
     void saveToConfigFile(
         mrpt::config::CConfigFileBase& target, const std::string& section) const override;
     /** Throws std::invalid_argument that names the first value out of its range. */
     void validate() const;
+    /** Draw the ground, with a hole where nothing is known. */
     bool showGround{true};
     bool showElevation{true};  //!< with the ground shown: only where it stands above the ground
-    bool colorByTraversability{true};  //!< red 0 to green 1, grey unknown; false: by height
+    bool colorByTraversability{true};  //!< io::score_colour(); false: by height
     mrpt::img::TColormap colormap{mrpt::img::cmJET};  //!< of heights
     int maxCells{
         512};  //!< along a side, 2 to 1000000; larger windows are drawn with every n-th cell
   };
+  /** Of getVisualizationInto(). */
   TRenderOptions renderOptions;
 
   MAP_DEFINITION_START(CDualElevationMap)
   std::optional<double> resolution;  //!< side of a cell [m]; set: goes before insertionOpts
   std::optional<double> window;  //!< side of the window [m]; set: goes before insertionOpts
+  /** Where it runs. */
   Backend backend{Backend::Auto};
-  int threads{1};
+  /** Of the CPU backend. */
+  int threads{kAllCores};
   int device{0};  //!< of the CUDA backend
+  /** All that was seen is kept, not the window alone. */
   bool keepWhole{false};
   std::string place;  //!< where a file has the backend, to end messages with; empty: made in code
+  /** As insertionOptions. */
   talus::CDualElevationMap::TInsertionOptions insertionOpts;
+  /** As likelihoodOptions. */
   talus::CDualElevationMap::TLikelihoodOptions likelihoodOpts;
+  /** As renderOptions. */
   talus::CDualElevationMap::TRenderOptions renderOpts;
   MAP_DEFINITION_END(CDualElevationMap)
 
  protected:
+  // What CMetricMap calls of clear(), insertObservation() and the likelihoods.
+  /// @cond
   void internal_clear() override;
   bool internal_insertObservation(
       const mrpt::obs::CObservation& obs,
@@ -193,6 +226,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   double internal_computeObservationLikelihood(
       const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& takenFrom) const override;
   bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
+  /// @endcond
 
  private:
   void applyOptions();

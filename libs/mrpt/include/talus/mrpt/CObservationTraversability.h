@@ -52,6 +52,7 @@ class CObservationTraversability : public mrpt::obs::CObservation
   mrpt::poses::CPose3D T_base_sensor;  //!< the sensor on the robot, of getSensorPose()
   Window window;  //!< where the cells lie; no cells: an empty snapshot
 
+  /** Whether it was stored. */
   bool has_layer(Layer l) const;
   /** window.cells^2 values, index = iy * cells + ix, NaN: unknown; or empty. */
   const std::vector<float>& layer(Layer l) const;
@@ -63,26 +64,37 @@ class CObservationTraversability : public mrpt::obs::CObservation
    * where a layer has not as many values as the window has cells. */
   struct Summary
   {
-    double measured = 0, filled_two_sided = 0, filled_one_sided = 0;  //!< by `state`
-    double free = 0, blocked = 0, unknown = 0;  //!< traversability above 0, 0, none
+    /** By `state`. */
+    double measured = 0, filled_two_sided = 0, filled_one_sided = 0;
+    /** Traversability above 0, 0, none. */
+    double free = 0, blocked = 0, unknown = 0;
     /** Middle of the nearest blocked cell: distance from the base [m] and direction from its x axis
      * [rad], seen from above. NaN when there is none. */
     double nearest_m = 0, nearest_rad = 0;
     /** The same along the heading, within half a corridor to either side. NaN: none. */
     double ahead_m = 0;
-    double min_ground_m = 0, max_ground_m = 0;  //!< map frame; NaN: no ground known
+    /** Map frame [m]; NaN: no ground known. */
+    double min_ground_m = 0, max_ground_m = 0;
+    /** Of the cells with ground. */
     double coverage() const { return measured + filled_two_sided + filled_one_sided; }
   };
+  /** Of Summary::ahead_m. */
   static constexpr double kHalfCorridor_m = 0.35;
+  /** Made anew by each call. */
   Summary summary() const;
 
   /** @name Virtual methods of CObservation
    *  @{ */
   TALUS_GET_SENSOR_POSE(T_base_sensor)
+  /** Sets T_base_sensor. */
   void setSensorPose(const mrpt::poses::CPose3D& pose) override { T_base_sensor = pose; }
+  /** For `rawlog-edit --describe`. Throws as layer(). */
   void getDescriptionAsText(std::ostream& o) const override;
+  /** For `rawlog-edit --export-txt`. */
   bool exportTxtSupported() const override { return true; }
+  /** Names of the columns. */
   std::string exportTxtHeader() const override;
+  /** One row of them. Throws as summary(). */
   std::string exportTxtDataRow() const override;
   /** @} */
 

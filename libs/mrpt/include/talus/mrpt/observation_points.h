@@ -11,8 +11,8 @@ namespace talus
 /** The points of one observation, in the frame of its sensor (x forward, y left, z up). */
 struct SensorPoints
 {
-  std::vector<float> x_m, y_m,
-      z_m;  //!< may hold NaN or zero-range returns: the map counts and drops them
+  /** May hold NaN or zero-range returns: the map counts and drops them. */
+  std::vector<float> x_m, y_m, z_m;
   std::vector<float>
       time_s;  //!< per point, relative to stamp_s; empty when the observation has none
   double stamp_s = 0;  //!< seconds since the epoch: that of the observation

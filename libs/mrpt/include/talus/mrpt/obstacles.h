@@ -21,8 +21,10 @@ enum class CellPolicy
 /** How the map becomes obstacles. Obstacles are not inflated: planners know the robot's shape. */
 struct ObstacleOptions : public mrpt::config::CLoadableOptions
 {
+  /** Reads those keys that are there. Throws std::runtime_error naming key, value and section. */
   void loadFromConfigFile(
       const mrpt::config::CConfigFileBase& source, const std::string& section) override;
+  /** Writes each with its meaning as comment. */
   void saveToConfigFile(
       mrpt::config::CConfigFileBase& target, const std::string& section) const override;
 

@@ -64,7 +64,8 @@ std::string ini_value(
 std::string backend_text(Backend backend);
 Backend backend_from_text(const std::string& text);
 
-/** The table of all parameters as a page of Markdown: name, default, unit, range, meaning. */
+/** The table of all parameters in Markdown, that of doc/parameters.md: name, default, unit, range,
+ * meaning. */
 std::string parameters_as_markdown();
 
 }  // namespace talus

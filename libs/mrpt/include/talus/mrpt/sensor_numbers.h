@@ -16,6 +16,7 @@ class SensorNumbers
   /** Throws std::invalid_argument for one sensor more than a map tells apart, kMostSensors. */
   std::uint32_t number_of(const std::string& label);
 
+  /** The place of each is its number. */
   const std::vector<std::string>& labels() const { return labels_; }
 
  private:

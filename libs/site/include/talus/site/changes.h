@@ -20,8 +20,10 @@ enum class Change : std::uint8_t
 };
 constexpr std::size_t kChangeCount = 5;
 
+/** What became of a cell. */
 struct CellChange
 {
+  /** None also where change_m is NaN. */
   Change kind = Change::None;
   float change_m = NAN;  //!< of the top: what stands on the ground, else the ground
 };
@@ -33,10 +35,13 @@ CellChange change_of(const SiteCell& from, const SiteCell& to, double step_m);
 /** By kind. */
 struct ChangeSums
 {
+  /** How many cells. */
   std::array<std::size_t, kChangeCount> cells{};
   std::array<double, kChangeCount> volume_m3{};  //!< between the tops, of either sign
+  /** Area of a cell. */
   double cell_m2 = 0;
 
+  /** Of all cells of a kind. */
   double area_m2(Change c) const
   {
     return cell_m2 * static_cast<double>(cells[static_cast<std::size_t>(c)]);

@@ -10,10 +10,14 @@ namespace talus::site
 /** From the first to the last known cell. */
 struct CellBox
 {
+  /** Of the global grid; min above max: none. */
   std::int64_t min_x = INT64_MAX, min_y = INT64_MAX, max_x = INT64_MIN, max_y = INT64_MIN;
 
+  /** Whether it holds no cell. */
   bool empty() const { return min_x > max_x; }
+  /** Grows to hold the cell. */
   void add(std::int64_t x, std::int64_t y);
+  /** Grows to hold the other. */
   void add(const CellBox& other);
 };
 

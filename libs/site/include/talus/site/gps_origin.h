@@ -10,7 +10,9 @@ namespace talus::site
 /** A fix of a satellite receiver and where its antenna then was in the map frame. */
 struct GpsFix
 {
+  /** WGS 84; the height above its ellipsoid. */
   double latitude_deg, longitude_deg, altitude_m;
+  /** Of the antenna, map frame. */
   double x_m, y_m, z_m;
 };
 

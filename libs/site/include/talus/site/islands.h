@@ -9,8 +9,10 @@ namespace talus::site
 /** Tiles that lie far from all that a floor has else: a pose jumped, and came back. */
 struct Island
 {
+  /** All of it. */
   std::vector<TileKey> tiles;
-  double x_m = 0, y_m = 0;  //!< the middle of one of them, map frame
+  /** the middle of one of them, map frame */
+  double x_m = 0, y_m = 0;
 };
 
 /** Distance from all other tiles that makes an island [m]. */

@@ -15,6 +15,7 @@ namespace talus::site
  * and evidence are of that cell, too. Cells with the same bits are one observation. */
 SiteCell merge_cells(const SiteCell* cells, int count, double step_m);
 
+/** How maps are fused. */
 struct MergeOptions
 {
   double step_m = 0.2;  //!< heights farther apart contradict each other

@@ -12,6 +12,7 @@ namespace talus::site
 /** Where the origin of a map frame is on Earth (WGS 84). */
 struct GeoOrigin
 {
+  /** WGS 84; the height above its ellipsoid. */
   double latitude_deg = 0, longitude_deg = 0, altitude_m = 0;
   /** Of the map's x axis, counter-clockwise from east: 0 where x points east, 90 where it points
    * north. */
@@ -21,20 +22,26 @@ struct GeoOrigin
 /** A place of the way that was driven, map frame. */
 struct WayPoint
 {
+  /** Of the base [m]. */
   float x_m, y_m, z_m;
+  /** See TileKey. */
   std::int32_t floor;
 };
 
 /** All that was seen, of any size: one map of a drive, or of several. */
 struct Site
 {
+  /** An empty one. The other arguments as of TileStore. */
   Site(double resolution, std::size_t memory_bytes, std::string folder)
       : resolution_m(resolution), tiles(memory_bytes, std::move(folder))
   {
   }
 
+  /** Side of a cell [m]. */
   double resolution_m;
+  /** Nothing where it is not known. */
   std::optional<GeoOrigin> origin;
+  /** The cells. */
   TileStore tiles;
   /** Each drive's way, about a point per metre. */
   std::vector<std::vector<WayPoint>> ways;

@@ -23,8 +23,10 @@ struct Strip;
 class SiteMapper
 {
  public:
+  /** Of the base, map frame. */
   struct Place
   {
+    /** [m] */
     double x_m = 0, y_m = 0, z_m = 0;
   };
   /** Why the floor has to be chosen. */
@@ -37,7 +39,9 @@ class SiteMapper
   /** What it knows between two frames, beside the site. */
   struct State
   {
+    /** On which the robot is, and how many there are. */
     int floor = 0, floors = 1;
+    /** Why the floor has to be chosen, if it has to. */
     Choice choice = Choice::None;
     Place base;  //!< in the last frame
     Place calm;  //!< where the base was lately, before it rose or sank
@@ -57,6 +61,7 @@ class SiteMapper
   void keep_window(const ElevationMapper& map);
   /** To go on later, with the site that it has now. */
   const State& state() const { return state_; }
+  /** With what state() gave. */
   void go_on(const State& state) { state_ = state; }
   /** Where the robot is; on ramps it changes when what the robot came from leaves the window. */
   int floor() const { return state_.floor; }

@@ -14,11 +14,13 @@ namespace talus::site
 /** What a site keeps of a cell. */
 struct SiteCell
 {
+  /** As the map had it last. */
   CellRecord cell;
   /** Whole seconds of the clock of the frames (Unix time where they have it), when the cell was in
    * the window last; 0: unknown cell, or a clock that starts at 0. */
   std::uint32_t seen_s = 0;
 
+  /** Whether anything is. */
   bool known() const { return cell.state != 0; }
 };
 
@@ -28,18 +30,22 @@ constexpr int kTileCells = 128;  //!< along each side
  * from 0, in the order in which they were driven first. */
 struct TileKey
 {
+  /** Floor, column and row of the tile. */
   std::int32_t floor = 0, x = 0, y = 0;
 
+  /** By floor, then row, then column. */
   bool operator<(const TileKey& o) const
   {
     return std::tie(floor, y, x) < std::tie(o.floor, o.y, o.x);
   }
+  /** The same tile. */
   bool operator==(const TileKey& o) const { return floor == o.floor && x == o.x && y == o.y; }
 };
 
 /** Row by row: index = y * kTileCells + x. Unknown at first. */
 struct Tile
 {
+  /** All, unknown or not. */
   std::array<SiteCell, static_cast<std::size_t>(kTileCells) * kTileCells> cells;
 };
 
@@ -58,6 +64,7 @@ class TileStore
   TileStore(const TileStore&) = delete;
   TileStore& operator=(const TileStore&) = delete;
 
+  /** Whether there is such a tile, wherever it is. */
   bool has(const TileKey& key) const;
   /** Null where there is none. Valid until the next call. Throws std::runtime_error where a tile on
    * disk cannot be read, or one cannot be written to make room. */
@@ -71,6 +78,7 @@ class TileStore
   /** In ascending order, wherever they are. */
   std::vector<TileKey> keys() const;
 
+  /** The others are on disk. */
   std::size_t tiles_in_memory() const;
 
  private:

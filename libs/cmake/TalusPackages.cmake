@@ -1,0 +1,43 @@
+# Debian packages of what install() copies, by `cpack -G DEB` in the build (./dev package):
+#   talus               commands with their manuals, and the configurations in /usr/share/talus
+#   talus-mrpt-plugin   libtalus-mrpt.so, where loadPluginModules("libtalus-mrpt.so") finds it
+#   libtalus-dev        static libraries, headers, what find_package(talus) reads, examples
+# For the Debian they are made on: its libraries are what they need.
+set(codename)
+if(EXISTS /etc/os-release)
+  file(STRINGS /etc/os-release codename REGEX "^VERSION_CODENAME=")
+  string(REPLACE "VERSION_CODENAME=" "" codename "${codename}")
+endif()
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME talus)
+set(CPACK_PACKAGE_CONTACT "The talus authors <talus@localhost>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_OUTPUT_FILE_PREFIX packages)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE "1~${codename}")
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL commands plugin dev)
+if(NOT TALUS_WITH_MRPT)
+  set(CPACK_COMPONENTS_ALL dev)
+endif()
+
+set(CPACK_DEBIAN_COMMANDS_PACKAGE_NAME talus)
+set(CPACK_DEBIAN_COMMANDS_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_COMMANDS_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_COMMANDS_PACKAGE_SUGGESTS "talus-mrpt-plugin, snakemake")
+set(CPACK_COMPONENT_COMMANDS_DESCRIPTION "Maps of the terrain around ground robots, from rawlogs of MRPT: commands")
+set(CPACK_DEBIAN_PLUGIN_PACKAGE_NAME talus-mrpt-plugin)
+set(CPACK_DEBIAN_PLUGIN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PLUGIN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PLUGIN_PACKAGE_SUGGESTS mrpt-apps)
+set(CPACK_COMPONENT_PLUGIN_DESCRIPTION "Terrain map of talus for programs of MRPT")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libtalus-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libtbb-dev")
+if(TALUS_WITH_MRPT)
+  string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libmrpt-dev | libmrpt-maps-dev, libgdal-dev, libopencv-dev, zlib1g-dev, "
+    "libzstd-dev, libyaml-cpp-dev, libceres-dev, libfastcdr-dev, libsqlite3-dev, liblz4-dev")
+endif()
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Terrain maps for ground robots: libraries for C++")
+include(CPack)

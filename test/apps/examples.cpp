@@ -1,0 +1,79 @@
+// The programs of apps/examples: each prints what it says.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "log_files.h"
+
+namespace
+{
+class Examples : public testing::Test
+{
+ protected:
+  /** What an example prints, run in the scratch folder. */
+  std::string run(const std::string& name, const std::string& arguments = "")
+  {
+    const std::string line = "cd '" + (dir / "") +
+                             "' && timeout 100 " TALUS_EXAMPLES_DIR "/example_" + name + " " +
+                             arguments + " >out.txt 2>err.txt";
+    const int status = std::system(line.c_str());
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        << name << "\n"
+        << talus::test::read_bytes(dir / "err.txt");
+    return talus::test::read_bytes(dir / "out.txt");
+  }
+  talus::test::ScratchDir dir;
+};
+}  // namespace
+
+TEST_F(Examples, a_map_of_a_cloud_knows_ground_block_and_what_it_has_not_seen)
+{
+  EXPECT_EQ(
+      run("01_map_of_a_cloud"),
+      "x =  1.0 m: ground 0.00 m, top 0.00 m, traversability 1.0\n"
+      "x =  1.8 m: ground 0.00 m, top 0.40 m, traversability 0.0\n"
+      "x = 50.0 m: ground nan m, top nan m, traversability nan\n");
+}
+
+TEST_F(Examples, a_live_map_is_read_by_the_thread_of_a_planner)
+{
+  EXPECT_EQ(run("02_live_map"), "after frame 20:\n  on the road  1.0\n  at the block 0.0\n");
+}
+
+TEST_F(Examples, a_multi_metric_map_holds_the_terrain_and_gives_a_costmap)
+{
+  EXPECT_EQ(
+      run("03_multi_metric_map"),
+      "2 maps\n"
+      "costmap 120 x 120 cells\n"
+      "free at (2.8, -1.0): 0.95\n"
+      "free at (2.8,  0.5): 0.05\n");
+}
+
+TEST_F(Examples, obstacles_for_a_reactive_navigator_are_in_the_frame_of_the_robot)
+{
+  EXPECT_EQ(
+      run("04_reactive_obstacles"),
+      "some obstacles\nnearest 1.9 m away, 1.8 m ahead, 0.3 m to the left\n");
+}
+
+TEST_F(Examples, a_whole_drive_is_asked_far_back_and_written)
+{
+  EXPECT_EQ(
+      run("05_whole_drive", "site.tif"),
+      "27.2 m back: window nan, whole drive 0.0\n"
+      "26.0 m back: window nan, whole drive 1.0\n");
+  for (const char* name : {"site.tif", "site.png"})
+    EXPECT_GT(talus::test::read_bytes(dir / name).size(), 2000U) << name;
+}
+
+TEST(ExamplesOnPages, the_page_on_mrpt_shows_the_program_as_it_is)
+{
+  const std::string page = talus::test::read_bytes(TALUS_SOURCE_DIR "/doc/mrpt.md");
+  const std::string program =
+      talus::test::read_bytes(TALUS_SOURCE_DIR "/apps/examples/03_multi_metric_map.cpp");
+  EXPECT_NE(page.find("```cpp\n" + program + "```"), std::string::npos);
+}
