@@ -18,23 +18,6 @@ struct Part
 /** Of a point that is in a cell and does not count. */
 constexpr std::uint32_t kNoRank = ~0u;
 
-/** Where a point is in its cell, from the middle: in cells, [-0.5, 0.5). */
-struct InCell
-{
-  float x, y;
-};
-/** In two bytes each; x and y from the lower corner of the cell, in cells, [0, 1). */
-TALUS_HD std::int32_t code_in_cell(float x, float y)
-{
-  return floor_to_int(x * 65536.0f) | floor_to_int(y * 32768.0f) << 16;
-}
-TALUS_HD InCell in_cell(std::int32_t code)
-{
-  return {
-      static_cast<float>(code & 0xffff) / 65536.0f - 0.5f,
-      static_cast<float>(code >> 16) / 32768.0f - 0.5f};
-}
-
 /** What stages 1 and 2 leave of each point. */
 struct PointsOut
 {
@@ -43,7 +26,6 @@ struct PointsOut
   float* slope;  //!< of that ray
   std::int32_t* reach;  //!< place in the table of how far rays went, see NoteReach, or -1
   std::uint32_t* rank;  //!< place among the points of its cell, in any order; or kNoRank
-  std::int32_t* in_cell;  //!< see in_cell()
   float* height_m;  //!< map frame
   float* variance_m2;
 };
@@ -176,9 +158,6 @@ struct AcceptPoint
     const int cell = storage_index(*frame, config->cells, ix, iy);
     out.cell[point_i] = select(code == kAccepted, cell, -1);
     out.rank[point_i] = static_cast<std::uint32_t>(code);
-    out.in_cell[point_i] = code_in_cell(
-        select(inside, cx - static_cast<float>(ix), 0.0f),
-        select(inside, cy - static_cast<float>(iy), 0.0f));
     out.height_m[point_i] = p.z_m;
     out.variance_m2[point_i] = point_variance(sensed.x_m, sensed.y_m, sensed.z_m, *config, *frame);
   }

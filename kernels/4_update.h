@@ -1,5 +1,6 @@
 #pragma once
-#include "kernels/4_level.h"
+#include "kernels/2_points.h"
+#include "kernels/cell.h"
 #include "kernels/group.h"
 
 #include <tuple>
@@ -358,13 +359,12 @@ struct Sorting
   std::uint32_t* kept_count;  //!< of points that are in it
   std::uint32_t* cell_begin;
   HeightPoint* sorted;
-  GroundRise* rise;  //!< on the CPU: through the cell whose stretch begins at a place
   std::int32_t* crowded;  //!< cells that a group updates; on the CPU room for all cells, twice
   std::uint64_t* cursor;  //!< of `sorted`, and in the upper half of `crowded`; zero before
   std::uint32_t crowd;  //!< cells of more points are crowded
 };
 
-/** Moves one point to the stretch of its cell, at its height in the middle of that. */
+/** Moves one point to the stretch of its cell. */
 struct SortPoint
 {
   const Config* config;
@@ -400,19 +400,18 @@ struct SortPoint
   }
 
   /** As the point of that rank. */
-  TALUS_HD void put(int point_i, std::uint32_t rank, bool overhangs, const GroundRise& rise) const
+  TALUS_HD void put(int point_i, std::uint32_t rank, bool overhangs) const
   {
     sorting.sorted[sorting.cell_begin[points.cell[point_i]] + rank] = {
-        rise.level(points.height_m[point_i] - frame->offset_m, in_cell(points.in_cell[point_i])),
-        points.variance_m2[point_i], select(overhangs, 1, 0)};
+        points.height_m[point_i] - frame->offset_m, points.variance_m2[point_i],
+        select(overhangs, 1, 0)};
   }
 
-  /** As the point of the rank that it has, where the rises of all cells are known. */
+  /** As the point of the rank that it has. */
   TALUS_HD void put(int point_i, bool overhangs) const
   {
     if (points.cell[point_i] >= 0 && points.rank[point_i] != kNoRank)
-      put(point_i, points.rank[point_i], overhangs,
-          sorting.rise[sorting.cell_begin[points.cell[point_i]]]);
+      put(point_i, points.rank[point_i], overhangs);
   }
 };
 

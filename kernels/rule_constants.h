@@ -33,12 +33,6 @@ constexpr int kOtherFloorOneIn = 3;
 
 // ---- Stage 4: update ----
 
-/** What is farther off the ground than this is no hit of it, and is not taken to the cell's middle.
- */
-constexpr float kNearGround_m = 0.05f;
-/** So many cells away ground is looked for on each side of a point's cell: rings seldom meet every
- * cell. */
-constexpr int kBesidePoint_cells = 2;
 /** What is hit at most so far above a guess [steps] is the floor itself. */
 constexpr float kFloorHit_steps = 0.5f;
 /** How far behind a point that overhangs the rays below it ended at least: farther than range noise

@@ -66,8 +66,8 @@ struct MapBuffers
   }
   kernels::PointsOut points_out()
   {
-    return {point_cell.data(), point_ray.data(),     point_slope.data(),  point_reach.data(),
-            point_rank.data(), point_in_cell.data(), point_height.data(), point_variance.data()};
+    return {point_cell.data(), point_ray.data(),    point_slope.data(),   point_reach.data(),
+            point_rank.data(), point_height.data(), point_variance.data()};
   }
   kernels::AcceptPoint<Atomics> accept(const std::uint8_t* kept)
   {
@@ -90,7 +90,6 @@ struct MapBuffers
   {
     return {context.data(), offsets.data(), datum.data(), counters.data() + kernels::kLeavesFloor};
   }
-  kernels::FindRise find_rise() { return {config.data(), context.data(), store()}; }
   kernels::SortPoint sort_point(const kernels::Sorting& sorting)
   {
     return {config.data(), context.data(), points_out(), rays.data(), sorting};
@@ -269,7 +268,7 @@ struct MapBuffers
   Buffer<std::int8_t> persistence;
   Buffer<kernels::Datum> datum;
   // of one frame: points
-  Buffer<std::int32_t> point_cell, point_ray, point_reach, point_in_cell;
+  Buffer<std::int32_t> point_cell, point_ray, point_reach;
   Buffer<std::uint32_t> point_rank, cell_count, cell_begin, counters;
   Buffer<float> point_slope, point_height, point_variance;
   Buffer<kernels::HeightPoint> sorted;
@@ -357,7 +356,6 @@ void MapBuffers<Executor>::reserve_points(Executor& executor, std::size_t points
   for (auto* b : {&point_ray, &point_reach}) executor.allocate(*b, capacity, std::int32_t{-1});
   executor.allocate(point_slope, capacity, 0.0f);
   executor.allocate(point_rank, capacity, std::uint32_t{0});
-  executor.allocate(point_in_cell, capacity, std::int32_t{0});
   executor.allocate(point_height, capacity, 0.0f);
   executor.allocate(point_variance, capacity, 0.0f);
   executor.allocate(sorted, capacity, kernels::HeightPoint{0, 0});

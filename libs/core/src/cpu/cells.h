@@ -214,13 +214,6 @@ class Order
   }
 
   int batches() const { return cuts_[parts_].batch; }
-  int cells() const { return cuts_[parts_].cell; }
-  /** How the ground rises through the cells [begin, end). */
-  void find_rises(const kernels::FindRise& find, int begin, int end) const
-  {
-    for (int c = begin; c < end; c++)
-      update_.sorting.rise[update_.sorting.cell_begin[cells_[c]]] = find(cells_[c]);
-  }
   /** Of the batches [begin, end); their counts of points become zero, for the next frame. */
   void update(int begin, int end) const
   {

@@ -32,7 +32,6 @@ class CpuSchedule
   void reserve_points(std::size_t capacity)
   {
     executor_.allocate(hit_cells_, 2 * capacity + 1, std::int32_t{0});
-    executor_.allocate(rise_, capacity, kernels::GroundRise{});
   }
 
   void stages()
@@ -96,7 +95,6 @@ class CpuSchedule
     const kernels::BinPoint<Atomics> bin{map_.config.data(),     map_.context.data(),
                                          map_.points_out(),      map_.lowest_slope.data(),
                                          map_.cell_count.data(), map_.counters.data()};
-    const kernels::FindRise rise = map_.find_rise();
     const kernels::SortPoint sort = map_.sort_point(sorting());
     const kernels::UpdateCell update = map_.update_cell(sorting());
     const kernels::FindPassingRays passing = map_.find_passing_rays();
@@ -111,7 +109,6 @@ class CpuSchedule
           {
             executor_.one_by_one(bin, n);
             order.find(n);
-            order.find_rises(rise, 0, order.cells());
             sort_points(sort, 0, n);
           },
           side(), executor_.rows_at_once(side()), over_rows);
@@ -121,8 +118,6 @@ class CpuSchedule
       executor_.for_another_stage(
           5, [&] { executor_.run(side(), executor_.rows_at_once(side()), over_rows); });
       order.find(n);
-      executor_.run(
-          order.cells(), 256, [&](int begin, int end) { order.find_rises(rise, begin, end); });
       executor_.run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
     }
     executor_.run(order.batches(), 8, [&order](int begin, int end) { order.update(begin, end); });
@@ -223,7 +218,6 @@ class CpuSchedule
         map_.cell_count.data(),
         map_.cell_begin.data(),
         map_.sorted.data(),
-        rise_.data(),
         hit_cells_.data(),
         nullptr,
         0};
@@ -237,7 +231,6 @@ class CpuSchedule
   MapBuffers<Executor>& map_;
   Executor& executor_;
   Buffer<std::int32_t> hit_cells_;  //!< as they are found, then in order
-  Buffer<kernels::GroundRise> rise_;
   Buffer<std::uint8_t> doubted_;
   Buffer<kernels::Inference> inferred_;
   Buffer<float> judged_;

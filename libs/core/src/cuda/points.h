@@ -73,7 +73,6 @@ template <class Atomics>
 struct SortUnburiedPoint
 {
   SortPoint sort;
-  FindRise find_rise;
   NoteReach<Atomics> reach;
   const float* lowest_slope;  //!< of a ray that is not buried
   std::uint32_t* kept_count;  //!< by storage index, zero before
@@ -90,8 +89,7 @@ struct SortUnburiedPoint
       Atomics::count(rejected + kBuried);
     else
       sort.put(
-          point_i, Atomics::add(kept_count + points.cell[point_i], 1), sort.overhangs(point_i),
-          find_rise(points.cell[point_i]));
+          point_i, Atomics::add(kept_count + points.cell[point_i], 1), sort.overhangs(point_i));
   }
 };
 

@@ -91,8 +91,11 @@ class DeviceSchedule
   void sort_points()
   {
     const kernels::SortUnburiedPoint<Atomics> sort{
-        map_.sort_point(sorting()), map_.find_rise(),   {map_.points_out(), map_.reach.data()},
-        map_.lowest_slope.data(),   kept_count_.data(), map_.counters.data()};
+        map_.sort_point(sorting()),
+        {map_.points_out(), map_.reach.data()},
+        map_.lowest_slope.data(),
+        kept_count_.data(),
+        map_.counters.data()};
     executor_.for_each_beside(points(), sort, 5, side(), side(), map_.find_passing_rays());
   }
 
@@ -194,14 +197,8 @@ class DeviceSchedule
 
   kernels::Sorting sorting()
   {
-    return {map_.cell_count.data(),
-            kept_count_.data(),
-            map_.cell_begin.data(),
-            map_.sorted.data(),
-            nullptr,
-            crowded_.data(),
-            cursor_.data(),
-            Executor::kCrowd};
+    return {map_.cell_count.data(), kept_count_.data(), map_.cell_begin.data(), map_.sorted.data(),
+            crowded_.data(),        cursor_.data(),     Executor::kCrowd};
   }
   kernels::LineTables line_tables() { return {line_of_cell_.data(), tracks_.data()}; }
   /** The first word of marks of so many lines, see kernels::LineMarks. */
