@@ -2,7 +2,8 @@
 #include <talus/baselines/fills.h>
 #include <talus/baselines/paper_map.h>
 
-#include <cmath>
+#include <algorithm>
+#include <limits>
 
 namespace talus::baselines
 {

@@ -2,7 +2,9 @@
 #include <talus/baselines/paper_map.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 
 namespace talus::baselines

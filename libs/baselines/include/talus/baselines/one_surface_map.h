@@ -1,6 +1,8 @@
 #pragma once
 #include <talus/baselines/rolling_cells.h>
 
+#include <limits>
+
 namespace talus::baselines
 {
 /** What robot-centric elevation maps with one surface have in common: heights with a variance in a

@@ -1,6 +1,7 @@
 #pragma once
 #include <talus/baselines/rolling_cells.h>
 
+#include <limits>
 #include <map>
 
 namespace talus::baselines
@@ -23,10 +24,12 @@ using PaperCells = RollingCells<PaperCell>;
 /** The method of Xie et al., "Real-time elevation mapping with Bayesian ground filling and
  * traversability analysis for UGV navigation", section III as it is printed: plain code on one
  * thread, points in the order of the frame, to see what talus gained where. Where the text is open:
- * - a fill has no variance; the first point in its cell lends it its own;
+ * - a fill has no variance; the first point in its cell lends it its own. What is hit higher than
+ * its gate stands on it, even where the fill was too low (Fig. 3, middle);
  * - the gap of Fig. 3, right, is looked for among the frame's points and the stored elevation;
- * - an elevation with no ground to fall back to cannot be; rays to the sensor's own cell are none;
- * - dense (eq. 14) is a quarter of the neighbourhood measured, near is sparsity_range_m.
+ * - the line search goes on behind the sensor; the cell under the sensor lies on no line;
+ * - dense (eq. 14) is a quarter of the neighbourhood measured, near is sparsity_range_m;
+ * - the variance has a floor, min_variance_m2, as in the other maps.
  * Parameters that the paper has no word for (object_size_m, cleanup_*, ...) do nothing here. */
 class PaperMap : public Method
 {
