@@ -56,5 +56,6 @@ int main()
   std::printf("%zu maps\n", maps.maps.size());
   std::printf("costmap %u x %u cells\n", costmap.getSizeX(), costmap.getSizeY());
   for (const double y_m : {-1.0, 0.5})
-    std::printf("free at (2.8, %4.1f): %.2f\n", y_m, costmap.getPos(2.8F, static_cast<float>(y_m)));
+    std::printf(
+        "free at (2.75, %4.1f): %.2f\n", y_m, costmap.getPos(2.75F, static_cast<float>(y_m)));
 }

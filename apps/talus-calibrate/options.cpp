@@ -107,7 +107,7 @@ std::optional<int> parse_options(int argc, char** argv, AppOptions& options)
       ->check(app::not_empty())
       ->type_name("DIR");
   app.add_flag("--quiet", options.quiet, "Print warnings and errors only");
-  app.set_version_flag("--version", version_line("talus-calibrate"));
+  app.set_version_flag("--version", app::version_line("talus-calibrate"));
   app.footer(kFooter);
   if (const auto exit_code = app::parse_command_line(app, argc, argv)) return exit_code;
   if (options.output.empty()) options.output = app::name_of_log(options.log) + "_calibration";

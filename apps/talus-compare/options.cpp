@@ -130,7 +130,7 @@ std::optional<int> parse_options(int argc, char** argv, CommandOptions& options)
   add_drive(app, options.evaluation.drive);
   app.add_flag("--check", options.check, "Exit code 1 when a budget fails");
   app.add_flag("--quiet", options.quiet, "Print errors only");
-  app.set_version_flag("--version", version_line("talus-compare"));
+  app.set_version_flag("--version", app::version_line("talus-compare"));
   app.footer(footer());
   return app::parse_command_line(app, argc, argv);
 }

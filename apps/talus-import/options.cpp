@@ -123,7 +123,7 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
   CLI::App app{"Makes a log for talus-map of scans of other programs.", "talus-import"};
   add_options(app, options);
   add_options_of_bags(app, options);
-  app.set_version_flag("--version", version_line("talus-import"));
+  app.set_version_flag("--version", app::version_line("talus-import"));
   app.footer(kFooter);
   if (const auto code = app::parse_command_line(app, argc, argv)) return code;
   const std::string wrong = mistake(options);

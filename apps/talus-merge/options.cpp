@@ -73,7 +73,7 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
   CLI::App app{
       "Fuses the maps of several drives, days or robots, or tells what changed.", "talus-merge"};
   add_options(app, options);
-  app.set_version_flag("--version", version_line("talus-merge"));
+  app.set_version_flag("--version", app::version_line("talus-merge"));
   app.footer(kFooter);
   if (const auto code = app::parse_command_line(app, argc, argv)) return code;
   const std::string wrong = mistake(options);

@@ -122,7 +122,7 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
   add_mission(app, options);
   add_noise(app, options);
   add_processing(app, options);
-  app.set_version_flag("--version", version_line("talus-nav"));
+  app.set_version_flag("--version", app::version_line("talus-nav"));
   app.footer(kFooter);
   return app::parse_command_line(app, argc, argv);
 }

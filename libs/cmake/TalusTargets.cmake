@@ -38,9 +38,12 @@ function(talus_reads_options)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# talus_add_manual(NAME PROGRAM): a page of section 1, where Debian's help2man is there.
+set(TALUS_APP_COMPONENT commands)  # the package that commands are in, see TalusPackages.cmake
+find_program(TALUS_HELP2MAN help2man)
+
+# talus_add_manual(NAME PROGRAM): a page of section 1 for a command of the package, where Debian's help2man is there.
 function(talus_add_manual name program)
-  if(NOT TALUS_HELP2MAN)
+  if(NOT TALUS_HELP2MAN OR CMAKE_CROSSCOMPILING OR TALUS_SANITIZER OR NOT TALUS_APP_COMPONENT STREQUAL "commands")
     return()
   endif()
   set(page "${PROJECT_BINARY_DIR}/man/${name}.1")
@@ -49,15 +52,14 @@ function(talus_add_manual name program)
     COMMAND "${TALUS_HELP2MAN}" --no-info --version-string=${PROJECT_VERSION} "--name=terrain mapping for ground robots"
       "--output=${page}" "${program}")
   add_custom_target(${name}.1 ALL DEPENDS "${page}")
-  install(FILES "${page}" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT commands)
+  install(FILES "${page}" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT commands OPTIONAL)
 endfunction()
 
 # talus_add_app(NAME SOURCES...): a command; options.cpp reads its command line. Its manual is what --help says.
-find_program(TALUS_HELP2MAN help2man)
 function(talus_add_app name)
   add_executable(${name} ${ARGN})
   talus_target_defaults(${name})
   talus_reads_options(options.cpp)
-  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT commands)
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${TALUS_APP_COMPONENT})
   talus_add_manual(${name} $<TARGET_FILE:${name}>)
 endfunction()

@@ -49,15 +49,15 @@ TEST_F(Examples, a_multi_metric_map_holds_the_terrain_and_gives_a_costmap)
       run("03_multi_metric_map"),
       "2 maps\n"
       "costmap 120 x 120 cells\n"
-      "free at (2.8, -1.0): 0.95\n"
-      "free at (2.8,  0.5): 0.05\n");
+      "free at (2.75, -1.0): 0.94\n"
+      "free at (2.75,  0.5): 0.05\n");
 }
 
 TEST_F(Examples, obstacles_for_a_reactive_navigator_are_in_the_frame_of_the_robot)
 {
   EXPECT_EQ(
       run("04_reactive_obstacles"),
-      "some obstacles\nnearest 1.9 m away, 1.8 m ahead, 0.3 m to the left\n");
+      "some obstacles\nnearest 1.9 m away, 1.9 m ahead, 0.3 m to the left\n");
 }
 
 TEST_F(Examples, a_whole_drive_is_asked_far_back_and_written)

@@ -46,13 +46,13 @@ talus-map drive/flat.rawlog --backend cpu --config "$root/share/talus/configs/ta
   --rawlog-out terrain.rawlog --quiet
 [ -s map/site.tif ] && [ -s map/map.png ] || stop "no map"
 talus-map --version
-if [ -e "$build/man/talus-map.1" ]; then grep -q -- '--resume' "$root/share/man/man1/talus-map.1" || stop "no manual"; fi
+if [ -e "$build/man/talus-map.1" ]; then grep -q resume "$root/share/man/man1/talus-map.1" || stop "no manual"; fi
 [ -x "$root/bin/talus-batch" ] || stop "no talus-batch"
 
 say "the plugin in rawlog-edit"
 plugin=$(find "$root" -name libtalus-mrpt.so)
 LD_LIBRARY_PATH=$(dirname "$plugin") rawlog-edit -p libtalus-mrpt.so --info -i terrain.rawlog >info.txt 2>&1
-grep -q "terrain.*CObservationTraversability" info.txt || { cat info.txt; stop "rawlog-edit"; }
+grep -q "terrain / *11 " info.txt || { cat info.txt; stop "rawlog-edit"; }
 
 say "a program of one's own"
 cmake -S "$here" -B consumer -DCMAKE_PREFIX_PATH="$root" -DCMAKE_BUILD_TYPE=Release "$@" >/dev/null

@@ -133,7 +133,7 @@ void draw_swatch(
 void draw_no_score_legend(Canvas& canvas, const cv::Rect& plot)
 {
   const cv::Point below(plot.x + plot.width + kBarGap, plot.y + plot.height - kBarWidth);
-  draw_swatch(canvas, below, state_styles()[0].colour, state_styles()[0].word);
+  draw_swatch(canvas, below, state_styles()[0].colour, "no data");
   draw_swatch(canvas, below - cv::Point(0, kSwatchRow), not_judged_colour(), "not judged");
 }
 
