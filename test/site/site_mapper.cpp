@@ -1,6 +1,7 @@
 // A whole drive is kept: what leaves the window comes back when the robot does, floor by floor.
 #include <gtest/gtest.h>
 #include <talus/baselines/sequence.h>
+#include <talus/map_view.h>
 #include <talus/site/site_mapper.h>
 
 #include <algorithm>
