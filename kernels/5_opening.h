@@ -31,6 +31,18 @@ struct CoarseGrid
   float* limit_m;  //!< how high ground stands there at most
 
   TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
+  /** Whether something upright stands in a pair of cells or beside it. */
+  TALUS_HD bool is_near_upright(int px, int py) const
+  {
+    float column = -kInfinity;
+    for (int dy = -1; dy <= 1; dy++)
+      for (int dx = -1; dx <= 1; dx++)
+      {
+        const float beside_m = column_m[at(px + dx, min_of(max_of(py + dy, 0), side - 1))];
+        column = max_of(column, select(beside_m < kInfinity, beside_m, -kInfinity));
+      }
+    return column > -kInfinity;
+  }
   /** Along one axis: where a cell of the window is found. */
   TALUS_HD int place_of(int cell, int odd) const { return ((cell + odd) >> 1) + margin; }
   /** The other way: the pair of cells whose ground a place has, its own or that at the border. */
@@ -71,7 +83,7 @@ struct PoolCells
   {
     const float ground = store.ground_m[storage_i], top = store.elevation_m[storage_i];
     const bool measured = store.state[storage_i] == kMeasured;
-    const bool upright = measured & (top - ground > kUpright_clearances * config->clearance_m);
+    const bool upright = measured & (top - ground > kUpright_steps * config->step_threshold_m);
     const int extent = store.extent[storage_i];
     const float underside = top - extent_of_code(code_below(extent));
     const float robot_m =
@@ -146,8 +158,9 @@ struct LowestGround
   }
 };
 
-/** Erosion: along rows first, then across them. Only ground that is known can be as wide as an
- * object may be: behind the face of a wall nothing is known, and does not make it wide. */
+/** Erosion: along rows first, then across them. Only ground that is known, and bare, can be as wide
+ * as an object may be: behind the face of a wall nothing is known, and does not make it wide, nor
+ * do the face itself and its edges. */
 struct ErodeGround
 {
   using Row = LowestGround;
@@ -179,7 +192,8 @@ struct ErodeGround
   TALUS_HD float erode(int px, int py, const LowestGround& lowest, bool own) const
   {
     if (own) grid.cone_m[grid.at(px, py)] = lowest.cone_m;
-    return grid.lowest_m[grid.at(px, py)] < kInfinity ? lowest.plain_m : kInfinity;
+    const bool known = grid.lowest_m[grid.at(px, py)] < kInfinity;
+    return select(known & !grid.is_near_upright(px, py), lowest.plain_m, kInfinity);
   }
 };
 
@@ -201,7 +215,9 @@ TALUS_HD float cone_limit_m(const Config& k, float cone_m)
   return cone_m + kAboveCone_steps * k.step_threshold_m;
 }
 
-/** Dilation of what was eroded, and what follows: ground is what is not both narrow and steep. */
+/** Dilation of what was eroded, and what follows: ground is what is not both narrow and steep. What
+ * is upright is steep, and so are its edges: its lowest hit is its foot only where bare ground goes
+ * on from there. */
 struct OpenGround
 {
   using Row = HighestGround;
@@ -226,9 +242,11 @@ struct OpenGround
 
   TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
   {
-    const float by_cone_m = cone_limit_m(*config, grid.cone_m[grid.at(px, py)]);
+    const int coarse_i = grid.at(px, py);
+    const float by_cone_m = cone_limit_m(*config, grid.cone_m[coarse_i]);
     const float by_width_m = opened.height_m + kAboveOpening_steps * config->step_threshold_m;
-    grid.limit_m[grid.at(px, py)] = max_of(by_cone_m, by_width_m);
+    const float steep_m = select(grid.is_near_upright(px, py), -kInfinity, by_cone_m);
+    grid.limit_m[coarse_i] = max_of(steep_m, by_width_m);
   }
 };
 

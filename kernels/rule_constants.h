@@ -68,8 +68,9 @@ constexpr float kFootprint_m = 0.25f;
 /** How well the ground under the robot is known. */
 constexpr float kUnderFoot_var_m2 = 0.02f * 0.02f;
 
-/** What stands at least so high [clearances] is upright: a column that others may be joined to. */
-constexpr float kUpright_clearances = 0.5f;
+/** What stands at least so high [steps] is upright: a column that others may be joined to, and a
+ * face whose lowest hit need not be its foot. */
+constexpr float kUpright_steps = 1.5f;
 /** The underside of what overhangs may be so much above the robot [steps] and still be a face. */
 constexpr float kFaceAboveRobot_steps = 0.5f;
 /** Ground may be so much higher than the cone of the steepest slope over ground close by [steps]

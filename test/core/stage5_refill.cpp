@@ -53,6 +53,34 @@ TEST(Stage5Refill, AWallWhoseFootWasNeverSeenGetsTheGroundBesideIt)
   EXPECT_GT(m.traversability(1.975, 0.025), 0.99f);  // the floor beside it stays free
 }
 
+TEST(Stage5Refill, TheLowestHitOnAFaceIsNoGroundHoweverFarBeforeItTheFloorWasSeen)
+{
+  // A slope of 45 degrees would lead up to it.
+  for (const double floor_ends_m : {1.2, 1.6, 1.8})
+  {
+    TestMap m;
+    Scan s;
+    s.add_surface(0.5, -1, floor_ends_m, 1, flat);
+    for (const double hit_m : {0.25, 0.5, 0.8}) s.add_surface(2.0, -1, 2.1, 1, level(hit_m));
+    m.update(s);
+    EXPECT_EQ(m.state(2.025, 0.025), CellState::FilledOneSided) << floor_ends_m;
+    EXPECT_NEAR(m.ground(2.025, 0.025), 0.0, 1e-3) << floor_ends_m;
+    EXPECT_EQ(m.traversability(2.025, 0.025), 0.0f) << floor_ends_m;
+  }
+}
+
+TEST(Stage5Refill, WhatStandsOnTheEdgeOfAPlatformStandsOnThePlatform)
+{
+  TestMap m;
+  Scan s;
+  s.add_surface(0.5, -1, 2.0, 1, flat).add_surface(2.0, -1, 3.5, 1, level(0.4));
+  s.add_surface(2.0, -1, 2.1, 1, level(0.8)).add_surface(2.0, -1, 2.1, 1, level(1.2));
+  m.update(s);
+  EXPECT_EQ(m.state(2.025, 0.025), CellState::Measured);
+  EXPECT_NEAR(m.ground(2.025, 0.025), 0.4, 1e-5);
+  EXPECT_NEAR(m.elevation(2.025, 0.025), 1.2, 1e-5);
+}
+
 TEST(Stage5Refill, UnknownGroundBehindAWallDoesNotMakeItWide)
 {
   // Of a wall all around the foot is hidden, and all that is behind it.

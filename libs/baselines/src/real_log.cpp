@@ -92,7 +92,8 @@ void score_points(
     if (at < 0 || k < 0 || labels.label(at) == LabelMap::kNotKnown) continue;
     const bool is_ground = std::abs(p.z_m - labels.ground_m(at)) <= kOnGround_m;  // not NaN
     const bool is_said = std::abs(p.z_m - map.ground_m[static_cast<std::size_t>(k)]) <= kOnGround_m;
-    if (is_said) score.precision.add(is_ground);
+    const bool may_be_lawn = labels.label(at) == LabelMap::kVegetation && !is_ground;
+    if (is_said && !may_be_lawn) score.precision.add(is_ground);
     if (is_ground) score.recall.add(is_said);
   }
 }

@@ -34,7 +34,8 @@ struct RealLogScore
 
   /// @name Against labels. A point is on the ground if it lies within 0.15 m of it
   /// @{
-  Share precision;  //!< of points on the map's ground: on the ground that was labelled
+  Share precision;  //!< of points on the map's ground: on the ground that was labelled; those of
+                    //!< vegetation, which may be a lawn, do not count
   Share recall;  //!< of points on the ground that was labelled: on the map's
   Share obstacle_blocked;  //!< of cells labelled kObstacle
   Share low_blocked;  //!< of cells labelled kLow that were hit higher up than the step threshold
