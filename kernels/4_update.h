@@ -438,6 +438,24 @@ struct UpdateCell
     return slot < static_cast<int>(*sorting.cursor >> 32) ? sorting.crowded[slot] : -1;
   }
 
+  /** Puts what update_cell() made of a cell, unless that rests on a hit that stands alone. */
+  TALUS_HD void put(int storage_i, const Cell& updated, const Extremes& ends) const
+  {
+    Cell c = updated;
+    const Cell before = store.load(storage_i);
+    const float bare_m = before.ground_m + kBare_steps * config->step_threshold_m;
+    const bool seen = (before.state == kMeasured) | ((before.ray_evidence & kPassedLow) != 0);
+    const bool was_bare = seen & !(before.elevation_m > bare_m);
+    float top_m = ends.highest().height_m;
+    if (was_bare && top_m > bare_m && is_alone(storage_i, top_m, bare_m))
+    {
+      c.persistence = before.persistence;
+      if (trace_of(before) == 0) top_m = refuse(c, before, ends.lowest().height_m, bare_m);
+    }
+    store.store(storage_i, c);
+    top_hit_m[storage_i] = top_m;
+  }
+
   template <class Group>
   TALUS_HD void update(int storage_i, const Group& group) const
   {
@@ -448,9 +466,42 @@ struct UpdateCell
     Cell c = store.load(storage_i);
     const Extremes ends = here.reduce(Extremes{}, UpTo{}, *config);
     update_cell(c, ends, here, *config);
-    if (group.rank() != 0) return;
-    store.store(storage_i, c);
-    top_hit_m[storage_i] = ends.highest().height_m;
+    if (group.rank() == 0) put(storage_i, c, ends);
+  }
+
+ private:
+  /** Whether fewer than kOthersBesideHit other points of the frame above the ground are near to the
+   * top of a cell. */
+  TALUS_HD bool is_alone(int storage_i, float top_m, float bare_m) const
+  {
+    const int n = config->cells, y = floor_div(storage_i, n), x = storage_i - y * n;
+    int near = 0;
+    for (int dy = -kBesideHit_cells; dy <= kBesideHit_cells; dy++)
+      for (int dx = -kBesideHit_cells; dx <= kBesideHit_cells; dx++)
+      {
+        const int i = wrap_bin(y + dy, n) * n + wrap_bin(x + dx, n);
+        const int points_there = static_cast<int>(sorting.kept_count[i]);
+        const HeightPoint* const at = sorting.sorted + sorting.cell_begin[i];
+        for (int p = 0; p < points_there; p++)
+        {
+          const float height_m = at[p].height_m, away_m = abs_of(height_m - top_m);
+          const bool beside = away_m <= kBesideHit_steps * config->step_threshold_m;
+          near += select((height_m > bare_m) & beside, 1, 0);
+          if (near > kOthersBesideHit) return false;
+        }
+      }
+    return true;
+  }
+  /** Leaves a cell bare, of which the ground may have been hit, too. Returns the top of that. */
+  TALUS_HD float refuse(Cell& c, const Cell& before, float lowest_m, float bare_m) const
+  {
+    const bool floor = lowest_m <= bare_m;
+    if (!floor) c = before;
+    c.elevation_m = select(c.state == kMeasured, c.ground_m, before.elevation_m);
+    c.elevation_var_m2 = select(c.state == kMeasured, c.ground_var_m2, before.elevation_var_m2);
+    c.extent = before.extent;
+    c.ray_evidence = before.ray_evidence + kTraceHit;
+    return select(floor, lowest_m, -kInfinity);
   }
 };
 

@@ -44,7 +44,6 @@ TALUS_HD void add_ray(
   seen.highest_m = max_of(seen.highest_m, select(is_ray, height, -kInfinity));
 }
 
-TALUS_HD int trace_of(const Cell& c) { return c.ray_evidence & kTraceFull; }
 TALUS_HD void leave_trace(Cell& c)
 {
   c.ray_evidence += min_of(kTraceHit, kTraceFull - trace_of(c));

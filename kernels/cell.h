@@ -50,6 +50,9 @@ struct Cell
   }
 };
 
+/** See kTraceOne. */
+TALUS_HD int trace_of(const Cell& c) { return c.ray_evidence & kTraceFull; }
+
 /** Where the map's heights are counted from, from frame to frame, see 3_follow.h. */
 struct Datum
 {

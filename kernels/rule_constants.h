@@ -48,6 +48,11 @@ constexpr int kBehindOverhang_rings = 2;
 constexpr int kTraceOne = 8, kTraceHit = 9 * kTraceOne, kTraceFull = 31 * kTraceOne;
 /** Two hits within five frames, and not long ago. */
 constexpr int kTraceLately = kTraceHit + 5 * kTraceOne;
+/** A hit over bare ground counts by itself if so many others of its frame are so near to it and
+ * above the ground: snow, rain and dust are single points. Else it leaves a trace, and counts where
+ * there is one. */
+constexpr int kOthersBesideHit = 2, kBesideHit_cells = 2;
+constexpr float kBesideHit_steps = 2.0f;
 /** What is hit while rays pass below it, a hedge, a railing, a branch, a bench, is no more gone
  * when rays pass there: it stays for so many frames without a hit. What is hit in one frame after
  * the other earns less: the long side of a thing that drives past is. */

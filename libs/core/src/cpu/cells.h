@@ -27,8 +27,7 @@ class alignas(64) Batch
     run(*this, *update.config);
     for (int l = 0; l < lanes; l++)
     {
-      update.store.store(cells[l], cells_.load(l));
-      update.top_hit_m[cells[l]] = ends_.load(l).highest().height_m;
+      update.put(cells[l], cells_.load(l), ends_.load(l));
     }
   }
 
@@ -214,7 +213,8 @@ class Order
   }
 
   int batches() const { return cuts_[parts_].batch; }
-  /** Of the batches [begin, end); their counts of points become zero, for the next frame. */
+  int cells() const { return cuts_[parts_].cell; }
+  /** Of the batches [begin, end). */
   void update(int begin, int end) const
   {
     Batch side_by_side{};
@@ -230,8 +230,12 @@ class Order
         update_.update(cells_[first], kernels::SerialGroup{});
       else
         side_by_side.update(update_, cells_ + first, lanes);
-      for (int l = 0; l < lanes; l++) update_.sorting.kept_count[cells_[first + l]] = 0;
     }
+  }
+  /** The counts of points of the cells [begin, end) become zero, for the next frame. */
+  void forget_points(int begin, int end) const
+  {
+    for (int c = begin; c < end; c++) update_.sorting.kept_count[cells_[c]] = 0;
   }
 
  private:

@@ -121,6 +121,8 @@ class CpuSchedule
       executor_.run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
     }
     executor_.run(order.batches(), 8, [&order](int begin, int end) { order.update(begin, end); });
+    executor_.run(
+        order.cells(), 4096, [&order](int begin, int end) { order.forget_points(begin, end); });
   }
 
   void open_ground()
