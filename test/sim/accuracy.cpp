@@ -78,7 +78,7 @@ TEST(Accuracy, OnRoughGroundItStaysBelowEightMillimetres)
       "[[0, 0], [3, 0.4]]");
   expect_budgets(
       e, {"measured_ground_rough_rmse_m", "two_sided_seen_rmse_m", "free_passable", "reach"},
-      kFills + Names{"measured_ground_slope_rmse_m"});
+      kFills + Names{"measured_ground_slope_rmse_m", "measured_ground_slope_hit_rmse_m"});
 }
 
 TEST(Accuracy, UnderATableTheFloorStaysTheFloorAndPassable)
