@@ -470,27 +470,34 @@ struct UpdateCell
   }
 
  private:
-  /** Whether fewer than kOthersBesideHit other points of the frame above the ground are near to the
-   * top of a cell. */
+  /** Points of the frame in a cell that are above the ground and near to that height. */
+  TALUS_HD int points_beside(int storage_i, float top_m, float bare_m) const
+  {
+    const HeightPoint* const at = sorting.sorted + sorting.cell_begin[storage_i];
+    const int points_there = static_cast<int>(sorting.kept_count[storage_i]);
+    int beside = 0;
+    for (int p = 0; p < points_there; p++)
+    {
+      const float away_m = abs_of(at[p].height_m - top_m);
+      const bool near = away_m <= kBesideHit_steps * config->step_threshold_m;
+      beside += select((at[p].height_m > bare_m) & near, 1, 0);
+    }
+    return beside;
+  }
+  /** Whether fewer than kOthersBesideHit others are near to the top of a cell. Most things fill the
+   * cell itself with hits. */
   TALUS_HD bool is_alone(int storage_i, float top_m, float bare_m) const
   {
     const int n = config->cells, y = floor_div(storage_i, n), x = storage_i - y * n;
-    int near = 0;
+    int beside = points_beside(storage_i, top_m, bare_m);
     for (int dy = -kBesideHit_cells; dy <= kBesideHit_cells; dy++)
       for (int dx = -kBesideHit_cells; dx <= kBesideHit_cells; dx++)
       {
+        if (beside > kOthersBesideHit) return false;
         const int i = wrap_bin(y + dy, n) * n + wrap_bin(x + dx, n);
-        const int points_there = static_cast<int>(sorting.kept_count[i]);
-        const HeightPoint* const at = sorting.sorted + sorting.cell_begin[i];
-        for (int p = 0; p < points_there; p++)
-        {
-          const float height_m = at[p].height_m, away_m = abs_of(height_m - top_m);
-          const bool beside = away_m <= kBesideHit_steps * config->step_threshold_m;
-          near += select((height_m > bare_m) & beside, 1, 0);
-          if (near > kOthersBesideHit) return false;
-        }
+        beside += i == storage_i ? 0 : points_beside(i, top_m, bare_m);
       }
-    return true;
+    return beside <= kOthersBesideHit;
   }
   /** Leaves a cell bare, of which the ground may have been hit, too. Returns the top of that. */
   TALUS_HD float refuse(Cell& c, const Cell& before, float lowest_m, float bare_m) const
