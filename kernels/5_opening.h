@@ -217,7 +217,7 @@ TALUS_HD float cone_limit_m(const Config& k, float cone_m)
 
 /** Dilation of what was eroded, and what follows: ground is what is not both narrow and steep. What
  * is upright is steep, and so are its edges: its lowest hit is its foot only where bare ground goes
- * on from there. */
+ * on from there, if there is any in reach. (In high grass there is none.) */
 struct OpenGround
 {
   using Row = HighestGround;
@@ -245,7 +245,8 @@ struct OpenGround
     const int coarse_i = grid.at(px, py);
     const float by_cone_m = cone_limit_m(*config, grid.cone_m[coarse_i]);
     const float by_width_m = opened.height_m + kAboveOpening_steps * config->step_threshold_m;
-    const float steep_m = select(grid.is_near_upright(px, py), -kInfinity, by_cone_m);
+    const bool told = grid.is_near_upright(px, py) & (opened.height_m > -kInfinity);
+    const float steep_m = select(told, -kInfinity, by_cone_m);
     grid.limit_m[coarse_i] = max_of(steep_m, by_width_m);
   }
 };
