@@ -124,8 +124,8 @@ struct Parameters
 /** A value of an enumeration. */
 struct ParameterChoice
 {
-  int value;
-  const char* name;
+  int value;  //!< as in the enumeration, and in saved maps
+  const char* name;  //!< as in files and on command lines
 };
 
 /** One entry of the parameter table: where it lives, what it means, what it may be. A number,
