@@ -115,7 +115,7 @@ struct FusionPlan
   float base_m, base_var_m2;
   float limit_m = kInfinity;
   std::int32_t base_is_prior = 0;  //!< it takes part; else it is one of the points
-  std::int32_t wanted = 0;  //!< the surface changes at all
+  std::int32_t wanted = 0;  //!< of an elevation: it changes at all
 
   static constexpr auto fields()
   {
@@ -240,7 +240,6 @@ TALUS_HD FusionPlan plan_ground(const Cell& c, const HeightPoint& low, const Con
   plan.base_m = select(fused, c.ground_m, low.height_m);
   plan.base_var_m2 = select(fused, c.ground_var_m2, low.variance_m2);
   plan.base_is_prior = select(fused, 1, 0);
-  plan.wanted = 1;
   return plan;
 }
 
@@ -254,7 +253,7 @@ TALUS_HD bool is_driven_through(const Cell& c, float highest_m)
 TALUS_HD void put_ground(
     Cell& c, bool all_hang, const FusionPlan& plan, const Fusion& fusion, const Config& k)
 {
-  const bool wanted = !all_hang & (plan.wanted != 0);
+  const bool wanted = !all_hang;
   const Estimate ground = fusion.result(plan, k);
   // What stood on the old ground stands on the new one only if the robot does not fit between.
   const bool hangs =
@@ -339,7 +338,7 @@ TALUS_HD void update_cell(
   if (!all_hang(c, ends, k))
   {
     const FusionPlan ground = plan_ground(c, ends.lowest(), k);
-    if (ground.wanted) put_ground(c, false, ground, points.reduce(Fusion{}, ground, k), k);
+    put_ground(c, false, ground, points.reduce(Fusion{}, ground, k), k);
     HeightPoint high = ends.highest();
     ClearanceScan last{}, next = start_of_scan(c);
     if (next.top_m < high.height_m) do

@@ -32,7 +32,7 @@ struct ClassifyCell
     if (needs_inspection(x, y, storage_i)) inspect(x, y, storage_i, SerialGroup{});
   }
 
-  /** All but what look() does. */
+  /** All but what inspect() does. */
   TALUS_HD void decide(int x, int y, int storage_i) const
   {
     const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
@@ -42,7 +42,7 @@ struct ClassifyCell
     if (!measured) join_column(storage_i);
   }
 
-  /** Whether look() has to come next: something that overhangs is before what was hit. */
+  /** Whether inspect() has to come next: something that overhangs is before what was hit. */
   TALUS_HD bool needs_inspection(int x, int y, int storage_i) const
   {
     return may_be_top(storage_i, store.ground_m[storage_i]) &&

@@ -196,7 +196,7 @@ struct CleanUpCell
     finish(ix, iy, storage_i);
   }
 
-  /** Whether look() has to come before finish(): what stands there may overhang. */
+  /** Whether inspect() has to come before finish(): what stands there may overhang. */
   TALUS_HD bool needs_inspection(int ix, int iy, int storage_i) const
   {
     const int window_i = iy * cells + ix;

@@ -438,8 +438,7 @@ __global__ void __launch_bounds__(kThreads) over_directions_and_range(
   note_time(done_ns);
 }
 
-/** f(line)(bit) of all bits as words, layout [word][line]. A warp makes several words of a line.
- */
+/** f(line)(bit) of all bits as words, layout [word][line]. A warp makes several words of a line. */
 template <class F>
 __global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce)
     over_bits(int lines, int bits, F f, std::uint32_t* words, std::uint64_t* done_ns)
