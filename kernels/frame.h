@@ -28,9 +28,6 @@ struct FrameContext
    * in the map frame: once the frame is known to agree with the map, see FollowPoses. */
   float sensor_z_m, offset_m;
   float drove_through_m;  //!< height of what the robot drove into in the last frame
-  /** Frames that come soon after each other are parts of one scan: whether this is one of them, and
-   * whether it begins one. */
-  int is_part, starts_scan;
   /** The cell of the window where the sensor is; beyond the window perhaps. */
   int sensor_cell_x, sensor_cell_y;
   /** Rings of the table of rays that this frame uses, up to the farthest corner of the window. */

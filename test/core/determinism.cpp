@@ -165,6 +165,21 @@ TEST(Determinism, ARestoredMapOfTwoSensorsGoesOnWithTheSameBits)
   EXPECT_EQ(a.map.save(), b.map.save());
 }
 
+TEST(Determinism, AStateThatToldOfScansIsReadWithoutThat)
+{
+  TestMap a, b;
+  a.update(Scan().cast({}));
+  const auto bytes = a.map.save();
+  const auto cells = a.map.layer(Layer::State).size();
+  auto older = bytes;
+  older[7] = '5';
+  const auto layers = older.end() - static_cast<std::ptrdiff_t>(5 * sizeof(float) * cells);
+  for (auto footing = layers - static_cast<std::ptrdiff_t>(cells); footing != layers; ++footing)
+    *footing |= 1;
+  b.map.restore(older);
+  EXPECT_TRUE(b.map.save() == bytes);
+}
+
 TEST(Determinism, AStateOfBeforeThereWereSeveralSensorsIsRead)
 {
   TestMap a, b;

@@ -11,8 +11,10 @@ namespace talus
 {
 namespace
 {
-constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '5'};
-/** Of states that were saved before: of one sensor, and without the time of its last frame. */
+constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '6'};
+/** Of states that were saved before: the lowest bit of Cell::footing told something else. */
+constexpr char kMagicOfScans[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '5'};
+/** Of those before: of one sensor, and without the time of its last frame. */
 constexpr char kMagicOfOneSensor[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '4'};
 /** Of those before: without the last array of the cells, too. */
 constexpr char kMagicWithoutExtent[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '2'};
@@ -24,7 +26,7 @@ struct Header
   std::int32_t cells;
   std::int32_t started;
   std::int64_t min_cell_x, min_cell_y;
-  double last_stamp_s, scan_start_s;
+  double last_stamp_s, reserved_s;
   float offset_m, settled_m;
   double resolution_m;
   float reference_z_m;
@@ -44,6 +46,7 @@ constexpr std::uint8_t kStartsAnew = 1;
 enum class Version
 {
   Current,
+  OfScans,
   OneSensor,
   WithoutExtent
 };
@@ -65,10 +68,11 @@ std::size_t cell_count(const Parameters& p)
 /** Of a map that has seen a frame. The oldest states are without one array. */
 std::size_t cell_bytes(std::size_t cells, Version version)
 {
-  constexpr std::size_t kNewest = 1;  // arrays that only the current version has
+  constexpr std::size_t kNewest = 1;  // arrays that came with several sensors
   switch (version)
   {
     case Version::Current:
+    case Version::OfScans:
       return cells * kBytesPerCell;
     case Version::OneSensor:
       return cells * (kBytesPerCell - kNewest);
@@ -78,12 +82,14 @@ std::size_t cell_bytes(std::size_t cells, Version version)
 }
 std::size_t feature_bytes(std::size_t cells) { return kFeatures * cells * sizeof(float); }
 
+bool tells_sensors(Version v) { return v == Version::Current || v == Version::OfScans; }
+
 bool is_within(double v, double limit) { return std::abs(v) <= limit; }  // not NaN
 
 /** Between the header and the end, of a map that has seen a frame. */
 std::size_t bytes_behind_header(std::size_t cells, Version version, std::size_t sensors)
 {
-  const std::size_t of_sensors = version == Version::Current ? sensors * sizeof(SensorRecord) : 0;
+  const std::size_t of_sensors = tells_sensors(version) ? sensors * sizeof(SensorRecord) : 0;
   return of_sensors + cell_bytes(cells, version) + feature_bytes(cells);
 }
 
@@ -92,6 +98,7 @@ Version version_of(const Header& h)
   const auto is = [&](const char(&magic)[8])
   { return std::memcmp(h.magic, magic, sizeof h.magic) == 0; };
   if (is(kMagic)) return Version::Current;
+  if (is(kMagicOfScans)) return Version::OfScans;
   if (is(kMagicOfOneSensor)) return Version::OneSensor;
   if (is(kMagicWithoutExtent)) return Version::WithoutExtent;
   fail("not a state of talus");
@@ -111,7 +118,6 @@ void read_time_and_datum(const Header& h, SavedMap& saved)
   if (!is_within(h.offset_m, kHighest_m) || !is_within(h.settled_m, kHighest_m))
     fail("damaged, its datum is none");
   saved.tracker.last_stamp_s = h.last_stamp_s;
-  saved.tracker.scan_start_s = h.scan_start_s;
   saved.map.datum = {h.offset_m, h.settled_m, (h.flags & kStartsAnew) != 0, h.drove_through};
 }
 
@@ -119,13 +125,13 @@ void read_time_and_datum(const Header& h, SavedMap& saved)
 const std::uint8_t* read_sensors(
     const Header& h, Version version, const std::uint8_t* from, WindowTracker& tracker)
 {
-  if (version != Version::Current)
+  if (!tells_sensors(version))
   {
     // The axis of the only sensor stands where stamps are now.
     tracker.sensors.push_back({0, {}});
     std::memcpy(tracker.sensors[0].z_axis.data(), &h.last_stamp_s, sizeof(double[3]));
   }
-  const std::size_t behind = version == Version::Current ? h.sensors : 0;
+  const std::size_t behind = tells_sensors(version) ? h.sensors : 0;
   for (std::size_t i = 0; i < behind; i++, from += sizeof(SensorRecord))
   {
     SensorRecord r;
@@ -181,7 +187,6 @@ std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p)
   header.min_cell_x = saved.tracker.min_cell_x;
   header.min_cell_y = saved.tracker.min_cell_y;
   header.last_stamp_s = saved.tracker.last_stamp_s;
-  header.scan_start_s = saved.tracker.scan_start_s;
   header.offset_m = saved.map.datum.offset_m;
   header.settled_m = saved.map.datum.settled_m;
   header.drove_through = static_cast<std::uint8_t>(saved.map.datum.drove_through);
@@ -229,7 +234,7 @@ SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters
   if (header.cells != p.cells() || header.resolution_m != p.resolution_m)
     fail("another window size or resolution");
   const std::size_t cells = cell_count(p), of_cells = cell_bytes(cells, version);
-  if (header.started && version == Version::Current &&
+  if (header.started && tells_sensors(version) &&
       (header.sensors < 1 || header.sensors > kMostSensors))
     fail("damaged, it has no sensor or too many");
   if (bytes.size() !=
@@ -243,11 +248,15 @@ SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters
   saved.tracker.min_cell_x = header.min_cell_x;
   saved.tracker.min_cell_y = header.min_cell_y;
   saved.reference_z_m = header.reference_z_m;
-  if (version == Version::Current) read_time_and_datum(header, saved);
+  if (tells_sensors(version)) read_time_and_datum(header, saved);
   const std::uint8_t* const from =
       read_sensors(header, version, bytes.data() + sizeof header, saved.tracker);
   saved.map.cells.assign(from, from + of_cells);
   saved.map.cells.resize(cells * kBytesPerCell);  // of what is newer nothing is known
+  if (version == Version::OfScans)
+    std::for_each(
+        saved.map.cells.end() - static_cast<std::ptrdiff_t>(cells), saved.map.cells.end(),
+        [](std::uint8_t& footing) { footing &= 0xFE; });
   saved.map.features.resize(kFeatures * cells);
   std::memcpy(saved.map.features.data(), from + of_cells, feature_bytes(cells));
   check_cells(saved.map, cells);

@@ -244,7 +244,6 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   f.pose_change2 = last_z_axis == kNotSeen
                        ? 0.0f
                        : static_cast<float>(pose_change_factor(last_z_axis, z_axis, p.lambda_t));
-  tell_scans_apart(frame.stamp_s, f);
   f.since_last_s = pause_until(frame.stamp_s);
 
   const double min_x_m = static_cast<double>(x) * p.resolution_m;
@@ -267,16 +266,6 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   min_cell_y = y;
   last_z_axis = z_axis;
   return f;
-}
-
-/** Frames that come within three quarters of the time of a usual scan belong to one. Without stamps
- * that ascend each frame is a scan. */
-void WindowTracker::tell_scans_apart(double stamp_s, kernels::FrameContext& f)
-{
-  constexpr double kScan_s = 0.075;
-  f.is_part = stamp_s > last_stamp_s && stamp_s - last_stamp_s < kScan_s;
-  f.starts_scan = !f.is_part || stamp_s - scan_start_s >= kScan_s;
-  if (f.starts_scan) scan_start_s = stamp_s;
 }
 
 }  // namespace talus

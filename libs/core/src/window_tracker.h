@@ -27,7 +27,6 @@ struct WindowTracker
   std::vector<Sensor> sensors;  //!< those that frames came from
   /** Of the last frame of any sensor; NaN: not known. */
   double last_stamp_s = std::numeric_limits<double>::quiet_NaN();
-  double scan_start_s = 0;  //!< stamp of the first frame of a scan, see kernels::FrameContext
 
   /** Moves the window to the robot's base, which is the sensor where the frame does not tell where
    * the sensor is on the robot, and returns what the kernels need to know of the frame.
@@ -42,7 +41,6 @@ struct WindowTracker
   /** The first cell of the window of a robot that is there. */
   static std::pair<std::int64_t, std::int64_t> min_cell(
       const Pose& T_map_base, const Parameters& p);
-  void tell_scans_apart(double stamp_s, kernels::FrameContext& f);
   /** Row or column where a cell, counted from the origin, is stored by a window of n x n. */
   static int storage(std::int64_t cell, int n) { return static_cast<int>(((cell % n) + n) % n); }
 

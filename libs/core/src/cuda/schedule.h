@@ -180,8 +180,6 @@ class DeviceSchedule
   kernels::ResetFrame reset_frame()
   {
     return {
-        map_.context.data(),
-        map_.start_scan(),
         map_.rays.data(),
         static_cast<int>(map_.rays.size()),
         map_.cell_count.data(),
