@@ -26,23 +26,12 @@ struct CoarseGrid
   float* column_m;  //!< highest top of something upright, -infinity: none
   float* overhang_m;  //!< the same of what rays pass below, but not the robot ...
   float* overhang_depth_m;  //!< ... and how far down from it that is known to reach
-  float* eroded_m;  //!< lowest ground of the neighbourhood
+  float* eroded_m;  //!< lowest ground of the neighbourhood; infinity: near what is upright, or
+                    //!< nothing is known there
   float* cone_m;  //!< lowest ground of the neighbourhood, raised with distance
   float* limit_m;  //!< how high ground stands there at most
 
   TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
-  /** Whether something upright stands in a pair of cells or beside it. */
-  TALUS_HD bool is_near_upright(int px, int py) const
-  {
-    float column = -kInfinity;
-    for (int dy = -1; dy <= 1; dy++)
-      for (int dx = -1; dx <= 1; dx++)
-      {
-        const float beside_m = column_m[at(px + dx, min_of(max_of(py + dy, 0), side - 1))];
-        column = max_of(column, select(beside_m < kInfinity, beside_m, -kInfinity));
-      }
-    return column > -kInfinity;
-  }
   /** Along one axis: where a cell of the window is found. */
   TALUS_HD int place_of(int cell, int odd) const { return ((cell + odd) >> 1) + margin; }
   /** The other way: the pair of cells whose ground a place has, its own or that at the border. */
@@ -184,16 +173,32 @@ struct ErodeGround
 
   TALUS_HD void operator()(int px, int py, const LowestGround& lowest) const
   {
-    grid.eroded_m[grid.at(px, py)] = erode(px, py, lowest, true);
+    erode(px, py, lowest, true);
   }
-  /** For executors that go on with the result: puts the rest, of places that are the caller's
-   * `own`.
+  /** For executors that go on with the result: puts only what is of places of the caller's `own`.
    */
   TALUS_HD float erode(int px, int py, const LowestGround& lowest, bool own) const
   {
-    if (own) grid.cone_m[grid.at(px, py)] = lowest.cone_m;
-    const bool known = grid.lowest_m[grid.at(px, py)] < kInfinity;
-    return select(known & !grid.is_near_upright(px, py), lowest.plain_m, kInfinity);
+    const int coarse_i = grid.at(px, py);
+    const bool known = grid.lowest_m[coarse_i] < kInfinity;
+    const float eroded_m = select(known & !is_near_upright(px, py), lowest.plain_m, kInfinity);
+    if (own) grid.cone_m[coarse_i] = lowest.cone_m, grid.eroded_m[coarse_i] = eroded_m;
+    return eroded_m;
+  }
+
+ private:
+  /** Whether something upright stands in a pair of cells or beside it. */
+  TALUS_HD bool is_near_upright(int px, int py) const
+  {
+    bool any = false;
+    for (int dy = -1; dy <= 1; dy++)
+      for (int dx = -1; dx <= 1; dx++)
+      {
+        const int y = min_of(max_of(py + dy, 0), grid.side - 1);
+        const float column_m = grid.column_m[grid.at(px + dx, y)];
+        any |= (column_m > -kInfinity) & (column_m < kInfinity);
+      }
+    return any;
   }
 };
 
@@ -245,7 +250,7 @@ struct OpenGround
     const int coarse_i = grid.at(px, py);
     const float by_cone_m = cone_limit_m(*config, grid.cone_m[coarse_i]);
     const float by_width_m = opened.height_m + kAboveOpening_steps * config->step_threshold_m;
-    const bool told = grid.is_near_upright(px, py) & (opened.height_m > -kInfinity);
+    const bool told = (grid.eroded_m[coarse_i] == kInfinity) & (opened.height_m > -kInfinity);
     const float steep_m = select(told, -kInfinity, by_cone_m);
     grid.limit_m[coarse_i] = max_of(steep_m, by_width_m);
   }
