@@ -31,6 +31,9 @@ struct FrameContext
   /** Frames that come soon after each other are parts of one scan: whether this is one of them, and
    * whether it begins one. */
   int is_part, starts_scan;
+  /** Whether all cells were empty before it: the first frame, or the first on another floor, see
+   * FollowPoses. */
+  int starts_map;
   /** The cell of the window where the sensor is; beyond the window perhaps. */
   int sensor_cell_x, sensor_cell_y;
   /** Rings of the table of rays that this frame uses, up to the farthest corner of the window. */

@@ -163,7 +163,7 @@ void check_cells(const MapBytes& map, std::size_t cells)
       sound &= known || (is_none && (array == kElevation || state[i] == kernels::kUnknown));
     }
   sound &= std::all_of(
-      state, state + cells, [](std::uint8_t s) { return s <= kernels::kFilledOneSided; });
+      state, state + cells, [](std::uint8_t s) { return s <= kernels::kPresumed; });
   sound &= std::all_of(
       map.features.begin(), map.features.end(),
       [](float v) { return std::isnan(v) || is_within(v, 2); });
