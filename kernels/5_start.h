@@ -47,29 +47,49 @@ struct PresumeStart
         *frame, from_base_m(*config, ix, frame->base_x_m),
         from_base_m(*config, iy, frame->base_y_m));
   }
-  /** Whether the scanner looks over the cell: nothing was hit before it, and where the lowest ray
-   * above it would be below the plane, as far as the window goes, there is none. */
+  TALUS_HD float from_sensor_m(int cell, float sensor_m) const
+  {
+    return (static_cast<float>(cell) + 0.5f) * config->resolution_m - sensor_m;
+  }
+  TALUS_HD int cell_at(float m) const { return floor_to_int(m * config->inverse_resolution); }
+
+  /** Whether the scanner looks over the cell: its lowest rays there ended no nearer, and not below
+   * the ground. Cells tell only of rays that ended some rings behind them. */
   TALUS_HD bool is_blind(int ix, int iy) const
   {
-    const int n = config->cells, window_i = iy * n + ix;
-    const float x_m = (static_cast<float>(ix) + 0.5f) * config->resolution_m - frame->sensor_x_m;
-    const float y_m = (static_cast<float>(iy) + 0.5f) * config->resolution_m - frame->sensor_y_m;
+    const float x_m = from_sensor_m(ix, frame->sensor_x_m);
+    const float y_m = from_sensor_m(iy, frame->sensor_y_m);
     const float away_m = chebyshev(x_m, y_m);
-    if (away_m < kUnderSensor_rings * config->resolution_m) return true;
+    const float nearer_m = away_m - static_cast<float>(kBehindCell_rings) * config->resolution_m;
+    if (nearer_m < (kUnderSensor_rings + 1.0f) * config->resolution_m) return true;
+    const float share = nearer_m / away_m;
+    return is_passed(
+        cell_at(frame->sensor_x_m + share * x_m), cell_at(frame->sensor_y_m + share * y_m));
+  }
+  /** Whether the lowest rays of the directions of a cell ended behind it, and where the lowest
+   * would be below the plane, as far as the window goes, none is. */
+  TALUS_HD bool is_passed(int ix, int iy) const
+  {
+    const int n = config->cells;
+    if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return true;  // of a sensor that is outside
+    const int window_i = iy * n + ix;
     if (passing.in_open[window_i] == 0) return false;
+    const float x_m = from_sensor_m(ix, frame->sensor_x_m);
+    const float y_m = from_sensor_m(iy, frame->sensor_y_m);
     // Heights of rays and of the plane, by chebyshev distance; rays as add_ray() takes them.
+    const float away_m = chebyshev(x_m, y_m);
+    const float rises_m = frame->base_slope_x * x_m + frame->base_slope_y * y_m;
+    const float above_m = frame->sensor_z_m - plane_at(ix, iy) + rises_m;
+    const float slope =
+        (passing.lowest_m[window_i] - frame->sensor_z_m) / (away_m - 0.5f * config->resolution_m);
     const float below_m = kStartUndercut_steps * config->step_threshold_m;
-    const float here_m = plane_at(ix, iy);
-    const float under_sensor_m = here_m - frame->base_slope_x * x_m - frame->base_slope_y * y_m;
-    const float rise = (here_m - under_sensor_m) / away_m;
-    const float slope = (passing.lowest_m[window_i] - frame->sensor_z_m) /
-                        (away_m - 0.5f * config->resolution_m);
-    const float meets_m = (frame->sensor_z_m - under_sensor_m + below_m) / (rise - slope);
-    const bool meets = (slope < rise) & (meets_m < static_cast<float>(n) * config->resolution_m);
-    const float share = select(meets, meets_m / away_m, 0.0f);
-    const int x = floor_to_int((frame->sensor_x_m + x_m * share) * config->inverse_resolution);
-    const int y = floor_to_int((frame->sensor_y_m + y_m * share) * config->inverse_resolution);
-    if (!meets | (x < 0) | (y < 0) | (x >= n) | (y >= n)) return true;
+    const float falls = rises_m / away_m - slope;
+    const float meets_m = (above_m + below_m) / falls;
+    if (!((falls > 0.0f) & (meets_m < static_cast<float>(n) * config->resolution_m))) return true;
+    const float share = meets_m / away_m;
+    const int x = cell_at(frame->sensor_x_m + share * x_m);
+    const int y = cell_at(frame->sensor_y_m + share * y_m);
+    if ((x < 0) | (y < 0) | (x >= n) | (y >= n)) return true;
     return !(passing.lowest_m[y * n + x] < plane_at(x, y) - 0.5f * below_m);
   }
 };

@@ -54,8 +54,8 @@ struct StandOnCell
                       (store.elevation_m[storage_i] > floor_m + above_m) |
                       ((through_m > above_m) & !is_driven(store.footing[storage_i]));
     const int state = store.state[storage_i];
-    const bool guessed = (state != kMeasured) & (state != kPresumed) &
-                         !is_known(store.elevation_m[storage_i]);
+    const bool guessed =
+        (state != kMeasured) & (state != kPresumed) & !is_known(store.elevation_m[storage_i]);
     return (frame->has_base != 0) & near & (high | guessed);
   }
   TALUS_HD void operator()(int ix, int iy, int storage_i) const

@@ -94,7 +94,8 @@ std::string map_line(const io::LayerStack& map)
       "from "
       "one, %.1f %% presumed, %.1f %% unknown",
       map.cells_x * map.resolution_m, map.cells_y * map.resolution_m, map.resolution_m,
-      100 * c.measured, 100 * c.filled_two_sided, 100 * c.filled_one_sided, 100 * c.presumed, 100 * c.unknown);
+      100 * c.measured, 100 * c.filled_two_sided, 100 * c.filled_one_sided, 100 * c.presumed,
+      100 * c.unknown);
 }
 
 std::string site_line(const io::SiteSummary& site)

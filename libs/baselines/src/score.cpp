@@ -78,11 +78,26 @@ void Score::add(const Score& o)
         &Score::one_sided, &Score::presumed_ground, &Score::residue_frames})
     (this->*e).add(o.*e);
   for (Share Score::*s :
-       {&Score::measured, &Score::filled_two_sided, &Score::filled_one_sided, &Score::presumed, &Score::unknown,
-        &Score::hanging_wrong, &Score::hanging_wrong_seen, &Score::hanging_passable,
-        &Score::obstacle_blocked, &Score::obstacle_blocked_whole, &Score::free_passable,
-        &Score::free_passable_all, &Score::posts, &Score::ditch_found, &Score::leak,
-        &Score::leak_hit, &Score::reach, &Score::reach_seen, &Score::beyond, &Score::mover_freed})
+       {&Score::measured,
+        &Score::filled_two_sided,
+        &Score::filled_one_sided,
+        &Score::presumed,
+        &Score::unknown,
+        &Score::hanging_wrong,
+        &Score::hanging_wrong_seen,
+        &Score::hanging_passable,
+        &Score::obstacle_blocked,
+        &Score::obstacle_blocked_whole,
+        &Score::free_passable,
+        &Score::free_passable_all,
+        &Score::posts,
+        &Score::ditch_found,
+        &Score::leak,
+        &Score::leak_hit,
+        &Score::reach,
+        &Score::reach_seen,
+        &Score::beyond,
+        &Score::mover_freed})
     (this->*s).add(o.*s);
   update_ms.insert(update_ms.end(), o.update_ms.begin(), o.update_ms.end());
   read_ms.insert(read_ms.end(), o.read_ms.begin(), o.read_ms.end());
