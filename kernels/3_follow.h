@@ -122,7 +122,7 @@ struct FollowPoses
   {
     Datum now = *datum;
     if (now.starts_anew != 0)
-      now.offset_m = now.settled_m = 0.0f, now.starts_anew = 0;
+      now.offset_m = now.settled_m = 0.0f, now.starts_anew = 0, frame->starts_map = 1;
     else if (const int all = most.of + far; all >= kFewestGroundHits)
     {
       const float above_m =

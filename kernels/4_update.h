@@ -213,7 +213,8 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
   const bool hit_high_up = (c.ray_evidence & kHitHighUp) != 0;
   const bool stands = is_known(c.elevation_m) & !hit_high_up;
   const bool hangs = (c.state != kUnknown) & (low.height_m - standing_m(c, stands) > k.clearance_m);
-  const bool guess = !stands & (c.state == kFilledOneSided) & ((c.ray_evidence & kPassedLow) == 0);
+  const bool unseen = (c.state == kFilledOneSided) | (c.state == kPresumed);
+  const bool guess = !stands & unseen & ((c.ray_evidence & kPassedLow) == 0);
   const bool higher = hangs & guess & !(hit_high_up & (c.elevation_m >= high.height_m));
   c.elevation_m = select(higher, high.height_m, c.elevation_m);
   c.elevation_var_m2 = select(higher, high.variance_m2, c.elevation_var_m2);

@@ -23,7 +23,8 @@ struct ClassifyCell
     const bool measured = store.state[storage_i] == kMeasured;
     const bool stays = may_be_ground(
         grid.at(grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y)), ground);
-    surface_class[storage_i] = static_cast<std::uint8_t>(select(measured, kKeep, kInfer));
+    const bool keep = measured | (store.state[storage_i] == kPresumed);
+    surface_class[storage_i] = static_cast<std::uint8_t>(select(keep, kKeep, kInfer));
     return select(measured, !stays, may_join(storage_i, ground)) | may_be_top(storage_i, ground);
   }
   TALUS_HD void operator()(int x, int y, int storage_i) const
@@ -37,8 +38,9 @@ struct ClassifyCell
   {
     const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
     const bool measured = store.state[storage_i] == kMeasured;
+    const SurfaceClass other = store.state[storage_i] == kPresumed ? kKeep : kInfer;
     surface_class[storage_i] =
-        measured ? class_of_measured(px, py, store.ground_m[storage_i]) : kInfer;
+        measured ? class_of_measured(px, py, store.ground_m[storage_i]) : other;
     if (!measured) join_column(storage_i);
   }
 

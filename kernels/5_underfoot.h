@@ -4,8 +4,27 @@
 
 namespace talus::kernels
 {
+/** From the base to the middle of a column or row of the window. */
+TALUS_HD float from_base_m(const Config& k, int cell, float base_m)
+{
+  return (static_cast<float>(cell) + 0.5f) * k.resolution_m - base_m;
+}
+/** The ground on which the base stands, so far from it, above the map's datum. */
+TALUS_HD float plane_of_base_m(const FrameContext& f, float x_m, float y_m)
+{
+  return f.base_z_m - f.offset_m + f.base_slope_x * x_m + f.base_slope_y * y_m;
+}
+/** Of a cell that was not measured. What stands on it stays. */
+TALUS_HD void presume_ground(Cell& c, float ground_m)
+{
+  c.ground_m = ground_m;
+  c.ground_var_m2 = kUnderFoot_var_m2;
+  c.state = kPresumed;
+}
+
 /** What stands where the robot stands is nothing that stops it: grass, or what has left. There the
- * ground is that under its base, and hits up to the height that it drove through are nothing new.
+ * ground is that under its base, also where none was measured, and hits up to the height that it
+ * drove through are nothing new.
  * The robot stands below a disc around its base and below the boxes of its body. */
 template <class Atomics>
 struct StandOnCell
@@ -20,26 +39,31 @@ struct StandOnCell
   TALUS_HD bool leaves_out(int iy) const
   {
     const float reach_m = max_of(kFootprint_m, body->reach_m);
-    return frame->has_base == 0 || abs_of(from_base(iy, frame->base_y_m)) > reach_m;
+    return frame->has_base == 0 || abs_of(from_base_m(*config, iy, frame->base_y_m)) > reach_m;
   }
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
-    const float x_m = from_base(ix, frame->base_x_m), y_m = from_base(iy, frame->base_y_m);
+    const float x_m = from_base_m(*config, ix, frame->base_x_m);
+    const float y_m = from_base_m(*config, iy, frame->base_y_m);
     const float reach_m = max_of(kFootprint_m, body->reach_m);
     const bool near = x_m * x_m + y_m * y_m <= reach_m * reach_m;
     const float above_m = kUnderFoot_steps * config->step_threshold_m;
-    const float floor_m = plane_m(x_m, y_m), through_m = frame->drove_through_m;
+    const float floor_m = plane_of_base_m(*frame, x_m, y_m), through_m = frame->drove_through_m;
     const float ground_m = store.ground_m[storage_i];
     const bool high = (ground_m > floor_m + above_m) |
                       (store.elevation_m[storage_i] > floor_m + above_m) |
                       ((through_m > above_m) & !is_driven(store.footing[storage_i]));
-    return (frame->has_base != 0) & near & high;
+    const int state = store.state[storage_i];
+    const bool guessed =
+        (state != kMeasured) & (state != kPresumed) & !is_known(store.elevation_m[storage_i]);
+    return (frame->has_base != 0) & near & (high | guessed);
   }
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    const float x_m = from_base(ix, frame->base_x_m), y_m = from_base(iy, frame->base_y_m);
+    const float x_m = from_base_m(*config, ix, frame->base_x_m);
+    const float y_m = from_base_m(*config, iy, frame->base_y_m);
     if (!is_under(x_m, y_m)) return;
-    const float floor_m = plane_m(x_m, y_m);
+    const float floor_m = plane_of_base_m(*frame, x_m, y_m);
     Cell c = store.load(storage_i);
     const float above_m = kUnderFoot_steps * config->step_threshold_m;
     // A guess is nothing that the robot drove through: it was wrong.
@@ -51,6 +75,7 @@ struct StandOnCell
     c.ground_var_m2 = select(sunk, c.ground_var_m2, kUnderFoot_var_m2);
     if (!is_known(c.elevation_m) && frame->drove_through_m <= above_m)
     {
+      if (c.state != kMeasured) presume_ground(c, floor_m), c.ray_evidence |= kPassedLow;
       store.store(storage_i, c);
       return;
     }
@@ -83,16 +108,6 @@ struct StandOnCell
           left_m >= body->min_m[box][1] && left_m <= body->max_m[box][1])
         return true;
     return false;
-  }
-  TALUS_HD float from_base(int cell, float base_m) const
-  {
-    return (static_cast<float>(cell) + 0.5f) * config->resolution_m - base_m;
-  }
-  /** The ground under the base, above the map's datum. */
-  TALUS_HD float plane_m(float x_m, float y_m) const
-  {
-    return frame->base_z_m - frame->offset_m + frame->base_slope_x * x_m +
-           frame->base_slope_y * y_m;
   }
 };
 

@@ -223,8 +223,9 @@ struct CleanUpCell
   }
   TALUS_HD bool stands_above(int window_i, int storage_i) const
   {
-    const bool measured = store.state[storage_i] == kMeasured;
-    return (top(storage_i) > limit(window_i)) & (is_known(store.elevation_m[storage_i]) | measured);
+    const int state = store.state[storage_i];
+    const bool kept = (state == kMeasured) | (state == kPresumed);
+    return (top(storage_i) > limit(window_i)) & (is_known(store.elevation_m[storage_i]) | kept);
   }
 
   /** The extent of a cell that was hit: not lower than `limit_m`, where rays passed. The top may

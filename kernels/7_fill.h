@@ -311,7 +311,7 @@ constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
 enum SurfaceFlag : std::int32_t
 {
   kSurfaceMeasured = 1,  //!< its ground is measured
-  kSurfaceSeen = 2,  //!< a ray met it or passed low over its ground
+  kSurfaceSeen = 2,  //!< a ray met it or passed low over its ground, or the robot stood there
   kSurfaceGuess = 4,  //!< its ground is filled from one side and nothing stands on it
   kSurfaceTraced = 8,  //!< it was hit lately while rays passed, see hit_lately()
   kSurfaceDriven = 16,  //!< the robot drove over it, and nothing new stands there
@@ -454,7 +454,7 @@ struct FillCell
     const bool stands = is_known(elevation), measured = state == kMeasured;
     const bool guess = (state == kFilledOneSided) & !stands;
     const bool near = (state == kFilledTwoSided) & ((footing & kPassedNear) != 0);
-    const bool met = measured | stands, known = is_known(ground);
+    const bool met = measured | stands | (state == kPresumed), known = is_known(ground);
     const bool new_there = stands & (elevation - ground > driven_through_m(footing));
     const bool driven = is_driven(footing) & !new_there;
     const std::int32_t passed_low = (ray_evidence & kPassedLow) * (kSurfaceSeen / kPassedLow);

@@ -12,7 +12,8 @@ enum State : std::uint8_t
   kUnknown = 0,
   kMeasured = 1,
   kFilledTwoSided = 2,
-  kFilledOneSided = 3
+  kFilledOneSided = 3,
+  kPresumed = 4  //!< the ground on which the robot stood, not measured, see 5_underfoot.h
 };
 
 /** Bits: how well rays that passed over a cell show that nothing stands on unmeasured ground there.

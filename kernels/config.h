@@ -26,6 +26,9 @@ struct Config
   // cleanup
   float cleanup_margin_m;
   int cleanup_frames;
+  // start
+  float start_radius_m;  //!< where it is automatic the largest
+  int start_automatic;
   // refill and fill
   int object_radius;  //!< half of object_size_m, in pairs of cells
   float max_slope;  //!< tangent of the slope threshold

@@ -28,6 +28,9 @@ struct FrameContext
    * in the map frame: once the frame is known to agree with the map, see FollowPoses. */
   float sensor_z_m, offset_m;
   float drove_through_m;  //!< height of what the robot drove into in the last frame
+  /** Whether all cells were empty before it: the first frame, or the first on another floor, see
+   * FollowPoses. */
+  int starts_map;
   /** The cell of the window where the sensor is; beyond the window perhaps. */
   int sensor_cell_x, sensor_cell_y;
   /** Rings of the table of rays that this frame uses, up to the farthest corner of the window. */

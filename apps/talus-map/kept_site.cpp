@@ -146,8 +146,8 @@ io::SiteSummary KeptSite::summary()
     for (const auto& c : site_.tiles.find(key)->cells)
       if (c.known() && c.cell.state < s.cells.size()) ++s.cells[c.cell.state];
   s.floors = static_cast<int>(site::floors_of(site_).size());
-  s.area_m2 = static_cast<double>(s.cells[1] + s.cells[2] + s.cells[3]) * site_.resolution_m *
-              site_.resolution_m;
+  s.area_m2 = static_cast<double>(s.cells[1] + s.cells[2] + s.cells[3] + s.cells[4]) *
+              site_.resolution_m * site_.resolution_m;
   for (const auto& way : site_.ways)
     for (std::size_t i = 1; i < way.size(); ++i)
       s.length_m += std::hypot(

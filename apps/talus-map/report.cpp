@@ -92,22 +92,23 @@ std::string map_line(const io::LayerStack& map)
   return mrpt::format(
       "%.4g x %.4g m of %.3g m cells: %.1f %% measured, %.1f %% filled from two sides, %.1f %% "
       "from "
-      "one, %.1f %% unknown",
+      "one, %.1f %% presumed, %.1f %% unknown",
       map.cells_x * map.resolution_m, map.cells_y * map.resolution_m, map.resolution_m,
-      100 * c.measured, 100 * c.filled_two_sided, 100 * c.filled_one_sided, 100 * c.unknown);
+      100 * c.measured, 100 * c.filled_two_sided, 100 * c.filled_one_sided, 100 * c.presumed,
+      100 * c.unknown);
 }
 
 std::string site_line(const io::SiteSummary& site)
 {
   const auto& c = site.cells;
-  const double all = std::max(1.0, static_cast<double>(c[1] + c[2] + c[3]));
+  const double all = std::max(1.0, static_cast<double>(c[1] + c[2] + c[3] + c[4]));
   return mrpt::format(
       "%.4g m2 along %.4g m of way%s: %.1f %% measured, %.1f %% filled from two sides, %.1f %% "
-      "from one",
+      "from one, %.1f %% presumed",
       site.area_m2, site.length_m,
       site.floors > 1 ? mrpt::format(" on %d floors", site.floors).c_str() : "",
       100 * static_cast<double>(c[1]) / all, 100 * static_cast<double>(c[2]) / all,
-      100 * static_cast<double>(c[3]) / all);
+      100 * static_cast<double>(c[3]) / all, 100 * static_cast<double>(c[4]) / all);
 }
 }  // namespace
 

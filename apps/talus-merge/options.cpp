@@ -11,7 +11,8 @@ namespace
 {
 constexpr const char* kFooter =
     "Each cell of the result is told by the best evidence: measured before filled from two sides\n"
-    "before filled from one. Heights of equal evidence that agree within --step become their "
+    "before presumed before filled from one. Heights of equal evidence that agree within --step "
+    "become their "
     "mean,\n"
     "weighed by their information, which sums; where they contradict, the newest counts. The "
     "order\n"

@@ -143,7 +143,7 @@ TEST(HandedOverCells, AreInDeliveredLayersAsTheyAreReadBack)
       std::vector<CellRecord> records = read(*m, stripes(m->map.window()));
       for (std::size_t i = 0; i < records.size(); i++)
       {
-        records[i].state = static_cast<std::uint8_t>(i % 4);
+        records[i].state = static_cast<std::uint8_t>(i % kCellStates);
         records[i].ground_m = 0.001f * static_cast<float>(i) + 0.123f;
         records[i].ground_variance_m2 = 0.01f;
         if (i % 5 == 0) records[i].elevation_m = records[i].elevation_variance_m2 = NAN;

@@ -602,6 +602,56 @@ TEST(Sweeps, InPiecesOrFewShowObstaclesAsWholeOnes)
 
 // ---------------------------------------------------------------------------------------------
 
+/** Where a robot starts whose scanner looks over the ground around it. */
+struct Start
+{
+  const Stage stage{
+      "ground: [plane: {}]\nobjects:\n"
+      "- box: {at_m: [1.25, 0], size_m: [0.5, 0.5, 0.8]}\n"
+      "sensor: {scanner: VLP-16, at_m: [0, 0, 0.68]}\n"
+      "robot: {path_m: [[0, 0]], duration_s: 0.5}\n"};
+
+  /** Of the cells within 2.3 m that are beside and before the box, the share that is passable. */
+  static double passable(const Map& map)
+  {
+    return share_of(
+               map,
+               [&](std::size_t k)
+               {
+                 const double x = map.x_m(k), y = map.y_m(k);
+                 return std::hypot(x, y) < 2.3 && (x < 0.85 || std::abs(y) > 0.35 + 0.3 * x);
+               },
+               [&](std::size_t k) { return map.passable(k); })
+        .value();
+  }
+};
+
+TEST(Start, IsFreeAroundTheRobotAfterTheFirstFrameAndABoxBlocks)
+{
+  const Start start;
+  Map map, later;
+  map.add(start.stage.frames, 0, 1);
+  later.add(start.stage.frames, 0, start.stage.frames.size());
+  for (const Map* m : {&map, &later})
+  {
+    expect_at_least("passable", Start::passable(*m), 0.999);
+    expect_at_least("face_cells_not_passable", not_passable(*m, 1, 1.05, -0.25, 0.25), 10);
+  }
+}
+
+TEST(Start, IsUnknownWhereNothingIsToBePresumed)
+{
+  const Start start;
+  Parameters p;
+  p.start_radius_m = 0;
+  Map map(p);
+  map.add(start.stage.frames, 0, 1);
+  expect_at_most("passable", Start::passable(map), 0.97);
+  EXPECT_FALSE(map.known(map.cell(-0.375, 0.025)));
+}
+
+// ---------------------------------------------------------------------------------------------
+
 TEST(Body, WhoseBoxesAreKnownLeavesNothingInTheMap)
 {
   const Stage stage(

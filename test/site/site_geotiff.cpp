@@ -373,7 +373,7 @@ TEST(SiteGeoTiff, reading_refuses_cells_that_are_none)
     write_site(dir / name, *out, 0);
     expect_error([&] { read_site(dir / name, *in, 0); }, {name, "cells", "damaged"});
   };
-  refused("state.tif", [](SiteCell& c) { c.cell.state = 4; });
+  refused("state.tif", [](SiteCell& c) { c.cell.state = 5; });
   refused("ground.tif", [](SiteCell& c) { c.cell.ground_m = 2e9F; });
   refused("variance.tif", [](SiteCell& c) { c.cell.ground_variance_m2 = -1; });
   refused("elevation.tif", [](SiteCell& c) { c.cell.elevation_variance_m2 = NAN; });

@@ -198,6 +198,7 @@ class Evaluator
       score.measured.add(static_cast<CellState>(s) == CellState::Measured);
       score.filled_two_sided.add(static_cast<CellState>(s) == CellState::FilledTwoSided);
       score.filled_one_sided.add(static_cast<CellState>(s) == CellState::FilledOneSided);
+      score.presumed.add(static_cast<CellState>(s) == CellState::Presumed);
       score.unknown.add(static_cast<CellState>(s) == CellState::Unknown);
     }
   }

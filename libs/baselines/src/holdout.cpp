@@ -229,6 +229,7 @@ HoldOut hold_out(
     for (std::size_t k = 0; k < held.size(); ++k)
       if (!std::isnan(held[k]) &&
           static_cast<CellState>(surfaces.state[k]) != CellState::Measured &&
+          static_cast<CellState>(surfaces.state[k]) != CellState::Presumed &&
           may_be_ground(all, surfaces.window, k, held[k], slope))
         score_cell(out, fills, surfaces, k, held[k]);
   }

@@ -75,14 +75,29 @@ void Score::add(const Score& o)
   for (std::size_t k = 0; k < kRings; ++k) ring_blocked[k].add(o.ring_blocked[k]);
   for (Errors Score::*e :
        {&Score::measured_elevation, &Score::two_sided_seen, &Score::two_sided_unseen,
-        &Score::one_sided, &Score::residue_frames})
+        &Score::one_sided, &Score::presumed_ground, &Score::residue_frames})
     (this->*e).add(o.*e);
   for (Share Score::*s :
-       {&Score::measured, &Score::filled_two_sided, &Score::filled_one_sided, &Score::unknown,
-        &Score::hanging_wrong, &Score::hanging_wrong_seen, &Score::hanging_passable,
-        &Score::obstacle_blocked, &Score::obstacle_blocked_whole, &Score::free_passable,
-        &Score::free_passable_all, &Score::posts, &Score::ditch_found, &Score::leak,
-        &Score::leak_hit, &Score::reach, &Score::reach_seen, &Score::beyond, &Score::mover_freed})
+       {&Score::measured,
+        &Score::filled_two_sided,
+        &Score::filled_one_sided,
+        &Score::presumed,
+        &Score::unknown,
+        &Score::hanging_wrong,
+        &Score::hanging_wrong_seen,
+        &Score::hanging_passable,
+        &Score::obstacle_blocked,
+        &Score::obstacle_blocked_whole,
+        &Score::free_passable,
+        &Score::free_passable_all,
+        &Score::posts,
+        &Score::ditch_found,
+        &Score::leak,
+        &Score::leak_hit,
+        &Score::reach,
+        &Score::reach_seen,
+        &Score::beyond,
+        &Score::mover_freed})
     (this->*s).add(o.*s);
   update_ms.insert(update_ms.end(), o.update_ms.begin(), o.update_ms.end());
   read_ms.insert(read_ms.end(), o.read_ms.begin(), o.read_ms.end());
@@ -108,6 +123,7 @@ Figures figures(const Score& s)
            {"coverage_measured", s.measured},
            {"coverage_two_sided", s.filled_two_sided},
            {"coverage_one_sided", s.filled_one_sided},
+           {"coverage_presumed", s.presumed},
            {"coverage_unknown", s.unknown}})
     out.emplace_back(name, share.value());
   add_errors(out, "measured_ground", s.all_measured_ground());
@@ -121,6 +137,7 @@ Figures figures(const Score& s)
   add_errors(out, "two_sided_seen", s.two_sided_seen);
   add_errors(out, "two_sided_unseen", s.two_sided_unseen);
   add_errors(out, "one_sided", s.one_sided);
+  add_errors(out, "presumed", s.presumed_ground);
   for (const auto& [name, share] : std::initializer_list<std::pair<const char*, Share>>{
            {"hanging_wrong", s.hanging_wrong},
            {"hanging_wrong_seen", s.hanging_wrong_seen},

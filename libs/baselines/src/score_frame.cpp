@@ -69,6 +69,7 @@ class FrameScorer
     score_.measured.add(state(k) == CellState::Measured);
     score_.filled_two_sided.add(state(k) == CellState::FilledTwoSided);
     score_.filled_one_sided.add(state(k) == CellState::FilledOneSided);
+    score_.presumed.add(state(k) == CellState::Presumed);
     score_.unknown.add(state(k) == CellState::Unknown);
   }
 
@@ -79,6 +80,7 @@ class FrameScorer
     if (state(k) == CellState::FilledTwoSided)
       (here_.could_see[k] ? score_.two_sided_seen : score_.two_sided_unseen).add(error);
     if (state(k) == CellState::FilledOneSided) score_.one_sided.add(error);
+    if (state(k) == CellState::Presumed) score_.presumed_ground.add(error);
     if (state(k) != CellState::Measured || !truth_.clear(at)) return;
     const auto terrain = static_cast<std::size_t>(truth_.terrain[at]);
     score_.measured_ground[terrain].add(error);

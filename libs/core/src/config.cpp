@@ -1,4 +1,5 @@
 #include "config.h"
+#include "kernels/rule_constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,6 +52,8 @@ kernels::Config stages_config(const Parameters& p)
   k.clearance_m = f(p.clearance_m);
   k.cleanup_margin_m = f(p.cleanup_margin_m);
   k.cleanup_frames = p.cleanup_frames;
+  k.start_automatic = p.start_radius_m < 0;
+  k.start_radius_m = k.start_automatic ? kernels::kStartsWithin_m : f(p.start_radius_m);
   k.object_radius = static_cast<int>(std::lround(p.object_size_m / (4 * p.resolution_m)));
   k.max_slope = f(std::tan(p.slope_threshold_rad));
   k.fill_search_m = f(p.fill_search_m);

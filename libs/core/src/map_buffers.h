@@ -8,6 +8,7 @@
 #include "kernels/3_roll.h"
 #include "kernels/4_update.h"
 #include "kernels/5_classify.h"
+#include "kernels/5_start.h"
 #include "kernels/5_underfoot.h"
 #include "kernels/6_cleanup.h"
 #include "kernels/7_fill.h"
@@ -119,6 +120,10 @@ struct MapBuffers
   kernels::StandOnCell<Atomics> stand_on()
   {
     return {config.data(), context.data(), store(), datum.data(), body.data()};
+  }
+  kernels::PresumeStart presume_start()
+  {
+    return {config.data(), context.data(), store(), passing()};
   }
   kernels::ClassifyCell classify_cell()
   {

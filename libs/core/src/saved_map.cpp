@@ -168,8 +168,8 @@ void check_cells(const MapBytes& map, std::size_t cells)
       const bool is_none = std::isnan(height_m) && std::isnan(variance_m2);
       sound &= known || (is_none && (array == kElevation || state[i] == kernels::kUnknown));
     }
-  sound &= std::all_of(
-      state, state + cells, [](std::uint8_t s) { return s <= kernels::kFilledOneSided; });
+  sound &=
+      std::all_of(state, state + cells, [](std::uint8_t s) { return s <= kernels::kPresumed; });
   sound &= std::all_of(
       map.features.begin(), map.features.end(),
       [](float v) { return std::isnan(v) || is_within(v, 2); });

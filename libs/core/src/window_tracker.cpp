@@ -234,6 +234,7 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   kernels::FrameContext f{};
   const auto moved = [&](std::int64_t now, std::int64_t before)
   { return started ? static_cast<int>(std::clamp<std::int64_t>(now - before, -n, n)) : n; };
+  f.starts_map = !started;
   f.moved_x = moved(x, min_cell_x);
   f.moved_y = moved(y, min_cell_y);
   f.storage_x = storage(x, n);

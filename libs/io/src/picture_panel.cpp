@@ -139,15 +139,15 @@ void draw_no_score_legend(Canvas& canvas, const cv::Rect& plot)
 
 void draw_state_legend(Canvas& canvas, const cv::Rect& plot, const std::vector<float>& states)
 {
-  std::array<std::size_t, 4> count{};
+  std::array<std::size_t, kCellStates> count{};
   for (const float s : states)
-    ++count[s >= 1 && s <= 3 ? static_cast<std::size_t>(s) : std::size_t{0}];
+    ++count[s >= 1 && s < kCellStates ? static_cast<std::size_t>(s) : std::size_t{0}];
   TextStyle percent = kTickText;
   percent.across = Anchor::Start;
   percent.down = Anchor::Middle;
   percent.colour = kFaintInk;
   int y = plot.y + 1;
-  for (const std::size_t i : {1, 2, 3, 0})
+  for (const std::size_t i : {1, 2, 3, 4, 0})
   {
     const auto& style = state_styles()[i];
     const int left = plot.x + plot.width + kBarGap, x = left + kBarWidth + kTick + 4;

@@ -80,13 +80,14 @@ std::array<std::uint8_t, 3> score_colour(float score)
   return colour;
 }
 
-const std::array<StateStyle, 4>& state_styles()
+const std::array<StateStyle, kCellStates>& state_styles()
 {
-  static const std::array<StateStyle, 4> styles{
+  static const std::array<StateStyle, kCellStates> styles{
       {{"unknown", unknown_colour()},
        {"measured", {150, 82, 20}},
        {"filled, 2 sides", {226, 178, 96}},
-       {"filled, 1 side", {20, 150, 236}}}};
+       {"filled, 1 side", {20, 150, 236}},
+       {"presumed", {170, 190, 90}}}};
   return styles;
 }
 
@@ -171,7 +172,7 @@ cv::Mat paint_cells(
       auto& pixel = image.at<cv::Vec3b>(cells_y - 1 - iy, ix);
       if (palette == Palette::States)
       {
-        pixel = state_styles()[v >= 1 && v <= 3 ? static_cast<std::size_t>(v) : 0].colour;
+        pixel = state_styles()[v >= 1 && v < kCellStates ? static_cast<std::size_t>(v) : 0].colour;
         continue;
       }
       const float part = (v - range.low) / (range.high - range.low);

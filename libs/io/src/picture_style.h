@@ -41,7 +41,7 @@ struct StateStyle
   const char* word;
   cv::Vec3b colour;
 };
-const std::array<StateStyle, 4>& state_styles();
+const std::array<StateStyle, kCellStates>& state_styles();
 
 /** The layers of a stack in the order in which they are shown. */
 std::vector<LayerStyle> styles_of(const LayerStack& stack);

@@ -75,7 +75,8 @@ Json site(const SiteSummary& s)
       {"cells",
        {{"measured", s.cells[1]},
         {"filled_two_sided", s.cells[2]},
-        {"filled_one_sided", s.cells[3]}}}};
+        {"filled_one_sided", s.cells[3]},
+        {"presumed", s.cells[4]}}}};
 }
 
 Json counts(const std::map<std::string, std::size_t>& by_name)
@@ -97,9 +98,9 @@ Coverage coverage_of(const LayerStack& stack)
 {
   const auto* state = stack.find(layer_name(Layer::State));
   if (!state || state->empty()) return {};
-  std::array<std::size_t, 4> count{};
+  std::array<std::size_t, kCellStates> count{};
   for (const float s : *state)
-    ++count[s >= 1 && s <= 3 ? static_cast<std::size_t>(s) : std::size_t{0}];
+    ++count[s >= 1 && s < kCellStates ? static_cast<std::size_t>(s) : std::size_t{0}];
   const auto part = [&](CellState s)
   {
     return static_cast<double>(count[static_cast<std::size_t>(s)]) /
@@ -107,7 +108,7 @@ Coverage coverage_of(const LayerStack& stack)
   };
   return {
       part(CellState::Measured), part(CellState::FilledTwoSided), part(CellState::FilledOneSided),
-      part(CellState::Unknown)};
+      part(CellState::Presumed), part(CellState::Unknown)};
 }
 
 PointTotals totals_of(const std::vector<FrameReport>& frames)
@@ -148,6 +149,7 @@ std::string summary_json(const RunSummary& run, const LayerStack& stack)
       {"measured", c.measured},
       {"filled_two_sided", c.filled_two_sided},
       {"filled_one_sided", c.filled_one_sided},
+      {"presumed", c.presumed},
       {"unknown", c.unknown}};
   j["window"] = window(stack);
   if (run.site) j["site"] = site(*run.site);

@@ -23,6 +23,7 @@ void count_states(const float* state, std::size_t count, Summary& s)
     s.measured += state[i] == static_cast<float>(CellState::Measured);
     s.filled_two_sided += state[i] == static_cast<float>(CellState::FilledTwoSided);
     s.filled_one_sided += state[i] == static_cast<float>(CellState::FilledOneSided);
+    s.presumed += state[i] == static_cast<float>(CellState::Presumed);
   }
 }
 
@@ -102,7 +103,8 @@ Summary CObservationTraversability::summary() const
         }
       });
   const double all = std::max(1.0, static_cast<double>(window.cells) * window.cells);
-  for (double* part : {&s.measured, &s.filled_two_sided, &s.filled_one_sided, &s.free, &s.blocked})
+  for (double* part :
+       {&s.measured, &s.filled_two_sided, &s.filled_one_sided, &s.presumed, &s.free, &s.blocked})
     *part /= all;
   s.unknown = 1 - s.free - s.blocked;
   return s;
@@ -124,8 +126,8 @@ void CObservationTraversability::getDescriptionAsText(std::ostream& o) const
     << "Layers                : " << names << "\n"
     << "Ground                : " << percent(s.measured) << " measured, "
     << percent(s.filled_two_sided) << " filled from two sides, " << percent(s.filled_one_sided)
-    << " from one; " << fixed_text(s.min_ground_m, 2) << " to " << fixed_text(s.max_ground_m, 2)
-    << " m\n"
+    << " from one, " << percent(s.presumed) << " presumed; " << fixed_text(s.min_ground_m, 2)
+    << " to " << fixed_text(s.max_ground_m, 2) << " m\n"
     << "Traversability        : " << percent(s.free) << " free, " << percent(s.blocked)
     << " blocked, " << percent(s.unknown) << " unknown\n"
     << "Nearest blocked cell  : " << fixed_text(s.nearest_m, 2) << " m at "
@@ -138,8 +140,8 @@ std::string CObservationTraversability::exportTxtHeader() const
   std::string text;
   for (const char* column :
        {"x_m", "y_m", "z_m", "yaw_rad", "pitch_rad", "roll_rad", "coverage", "measured",
-        "two_sided", "one_sided", "free", "blocked", "unknown", "nearest_m", "nearest_rad",
-        "ahead_m", "ground_min_m", "ground_max_m"})
+        "two_sided", "one_sided", "presumed", "free", "blocked", "unknown", "nearest_m",
+        "nearest_rad", "ahead_m", "ground_min_m", "ground_max_m"})
     text += mrpt::format("%13s ", column);
   return text;
 }
@@ -150,9 +152,9 @@ std::string CObservationTraversability::exportTxtDataRow() const
   std::string text;
   for (const double v :
        {T_map_base.x(), T_map_base.y(), T_map_base.z(), T_map_base.yaw(), T_map_base.pitch(),
-        T_map_base.roll(), s.coverage(), s.measured, s.filled_two_sided, s.filled_one_sided, s.free,
-        s.blocked, s.unknown, s.nearest_m, s.nearest_rad, s.ahead_m, s.min_ground_m,
-        s.max_ground_m})
+        T_map_base.roll(), s.coverage(), s.measured, s.filled_two_sided, s.filled_one_sided,
+        s.presumed, s.free, s.blocked, s.unknown, s.nearest_m, s.nearest_rad, s.ahead_m,
+        s.min_ground_m, s.max_ground_m})
     text += mrpt::format("%13s ", fixed_text(v, 6).c_str());
   return text;
 }

@@ -56,7 +56,7 @@ std::uint16_t steps_of(Layer layer, float value, const PackedLayer& p)
 /** Steps of the greatest value that a cell can have. */
 double most_steps(Layer l, const PackedLayer& p)
 {
-  if (l == Layer::State) return static_cast<double>(CellState::FilledOneSided);
+  if (l == Layer::State) return static_cast<double>(CellState::Presumed);
   return is_height(l) || l == Layer::Variance ? kMostSteps : std::round(1 / p.step);
 }
 

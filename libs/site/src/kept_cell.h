@@ -20,7 +20,7 @@ inline bool is_sound(const CellRecord& c)
   const auto is_surface = [&](float height_m, float variance_m2)
   { return std::abs(height_m) <= kHighest_m && variance_m2 >= 0 && std::isfinite(variance_m2); };
   const bool has_no_top = std::isnan(c.elevation_m) && std::isnan(c.elevation_variance_m2);
-  return c.state <= kernels::kFilledOneSided && is_surface(c.ground_m, c.ground_variance_m2) &&
+  return c.state <= kernels::kPresumed && is_surface(c.ground_m, c.ground_variance_m2) &&
          (has_no_top || is_surface(c.elevation_m, c.elevation_variance_m2)) &&
          (std::isnan(c.traversability) || (c.traversability >= 0 && c.traversability <= 1));
 }
@@ -31,11 +31,16 @@ inline bool contradict(float a_m, float b_m)
   return std::abs(a_m - b_m) > kernels::kOtherFloor_m;
 }
 
-/** How much is guessed: what was hit comes before what was filled from two sides, and from one. */
+/** How much is guessed of the ground: what was measured comes before what was filled from two
+ * sides, what the robot stood on, and what was filled from one. */
+inline int guessed_ground(const CellRecord& c)
+{
+  return c.state == kernels::kFilledOneSided ? kernels::kPresumed + 1 : c.state;
+}
+/** The same of all: what was hit comes first. */
 inline int guessed(const CellRecord& c)
 {
-  const int measured = kernels::kMeasured;
-  return std::isnan(c.elevation_m) ? c.state : measured;
+  return std::isnan(c.elevation_m) ? guessed_ground(c) : kernels::kMeasured;
 }
 
 /** Whether two measurements differ by noise alone. */

@@ -1,6 +1,7 @@
 #include <talus/site/merge.h>
 
 #include "cell_evidence.h"
+#include "kept_cell.h"
 
 #include <algorithm>
 #include <cmath>
@@ -94,10 +95,11 @@ SiteCell merge_cells(const SiteCell* cells, int count, double step_m)
   if (known.empty()) return {};
   if (known.size() == 1) return known.front();
 
-  // The states are in the order of their evidence; the first of the best is the newest of them.
+  // The first of the best is the newest of them.
   const SiteCell& ground = *std::min_element(
       known.begin(), known.end(),
-      [](const SiteCell& a, const SiteCell& b) { return a.cell.state < b.cell.state; });
+      [](const SiteCell& a, const SiteCell& b)
+      { return guessed_ground(a.cell) < guessed_ground(b.cell); });
   const auto seen = std::find_if(known.begin(), known.end(), has_seen);
   const SiteCell& top = seen == known.end() ? ground : *seen;
   SiteCell merged = top;

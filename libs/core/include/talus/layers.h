@@ -37,7 +37,10 @@ enum class CellState : std::uint8_t
   Unknown = 0,
   Measured = 1,
   FilledTwoSided = 2,  //!< reliable
-  FilledOneSided = 3  //!< a guess, refilled as soon as better data arrives
+  FilledOneSided = 3,  //!< a guess, refilled as soon as better data arrives
+  Presumed = 4  //!< not measured: the ground on which the robot stood, or started
 };
+
+constexpr int kCellStates = 5;
 
 }  // namespace talus

@@ -77,6 +77,14 @@ struct Parameters
   int cleanup_frames = 2;  //!< consecutive frames that must see through a cell before it is cleared
   /// @}
 
+  /// @name Stage 5: the start
+  /// @{
+  /** Ground within this radius around the base in the first frame is presumed to go on as it stands
+   * there [m]; negative: what the rays of that frame leave blind before they meet it, up to 4 m;
+   * 0: none. */
+  double start_radius_m = -1;
+  /// @}
+
   /// @name Stages 5 and 7: filling
   /// @{
   double object_size_m = 1.0;  //!< measured ground narrower than this that stands out steeply is an

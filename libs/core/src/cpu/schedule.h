@@ -144,6 +144,8 @@ class CpuSchedule
   void clean_up()
   {
     const kernels::StandOnCell<Atomics> stand = map_.stand_on();
+    const kernels::PresumeStart presume = map_.presume_start();
+    const bool starts = presume.applies_to_frame();
     const kernels::ClassifyCell choose = map_.classify_cell();
     const kernels::CleanUpCell clean = map_.clean_up();
     const kernels::TakeSample take{map_.config.data(), map_.store(),     map_.surface_class.data(),
@@ -152,6 +154,7 @@ class CpuSchedule
         [&](const StoredRow& row)
         {
           if (!stand.leaves_out(row.y())) row.each_applicable(stand);
+          if (starts) row.each_applicable(presume);
           row.each_applicable(choose);
           row.each_applicable(clean);
           row.each(take);

@@ -122,8 +122,8 @@ class DeviceSchedule
     executor_.mark_cells(
         side(),
         kernels::SettleCell<Atomics>{
-            map_.stand_on(), map_.classify_cell(), map_.clean_up(), map_.line_grid(),
-            map_.samples()},
+            map_.stand_on(), map_.presume_start(), map_.classify_cell(), map_.clean_up(),
+            map_.line_grid(), map_.samples()},
         unguarded(axis_marks_, 2 * side()));
   }
 

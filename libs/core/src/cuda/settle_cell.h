@@ -1,5 +1,6 @@
 #pragma once
 #include "kernels/5_classify.h"
+#include "kernels/5_start.h"
 #include "kernels/5_underfoot.h"
 #include "kernels/6_cleanup.h"
 #include "kernels/7_fill.h"
@@ -12,6 +13,7 @@ template <class Atomics>
 struct SettleCell
 {
   StandOnCell<Atomics> stand;
+  PresumeStart presume;
   ClassifyCell choose;
   CleanUpCell clean;
   LineGrid grid;
@@ -28,6 +30,8 @@ struct SettleCell
   {
     const int storage_i = index(ix, iy);
     if (stand.applies(ix, iy, storage_i)) stand(ix, iy, storage_i);
+    if (presume.applies_to_frame() && presume.applies(ix, iy, storage_i))
+      presume(ix, iy, storage_i);
     choose.decide(ix, iy, storage_i);
     if (choose.needs_inspection(ix, iy, storage_i)) return kFace;
     return clean.needs_inspection(ix, iy, storage_i) ? kOverhang : kNone;

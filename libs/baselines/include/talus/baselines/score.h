@@ -55,11 +55,12 @@ struct Score
   Errors two_sided_seen;  //!< fills from two sides, where a ray of the scanner could have met the
                           //!< ground in some frame so far
   Errors two_sided_unseen, one_sided;
+  Errors presumed_ground;  //!< where the robot stood, or started
   /// @}
 
   /// @name Coverage, of all cells of the window
   /// @{
-  Share measured, filled_two_sided, filled_one_sided, unknown;
+  Share measured, filled_two_sided, filled_one_sided, presumed, unknown;
   /// @}
 
   /// @name Hanging objects: free cells below something that leaves more than the clearance, two or

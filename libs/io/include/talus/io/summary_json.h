@@ -16,7 +16,7 @@ struct SiteSummary
 {
   double area_m2 = 0;  //!< of the known cells
   double length_m = 0;  //!< of the ways driven
-  std::array<std::size_t, 4> cells{};  //!< by CellState; of the unknown ones none
+  std::array<std::size_t, kCellStates> cells{};  //!< by CellState; of the unknown ones none
   /** Of which something is known. */
   int floors = 0;
 };
@@ -53,7 +53,7 @@ struct RunSummary
 struct Coverage
 {
   /** They sum to 1. */
-  double measured = 0, filled_two_sided = 0, filled_one_sided = 0, unknown = 1;
+  double measured = 0, filled_two_sided = 0, filled_one_sided = 0, presumed = 0, unknown = 1;
 };
 
 /** Counts the layer `state`; all unknown when the stack has none. */

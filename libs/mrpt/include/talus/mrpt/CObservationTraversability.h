@@ -65,7 +65,7 @@ class CObservationTraversability : public mrpt::obs::CObservation
   struct Summary
   {
     /** By `state`. */
-    double measured = 0, filled_two_sided = 0, filled_one_sided = 0;
+    double measured = 0, filled_two_sided = 0, filled_one_sided = 0, presumed = 0;
     /** Traversability above 0, 0, none. */
     double free = 0, blocked = 0, unknown = 0;
     /** Middle of the nearest blocked cell: distance from the base [m] and direction from its x axis
@@ -76,7 +76,7 @@ class CObservationTraversability : public mrpt::obs::CObservation
     /** Map frame [m]; NaN: no ground known. */
     double min_ground_m = 0, max_ground_m = 0;
     /** Of the cells with ground. */
-    double coverage() const { return measured + filled_two_sided + filled_one_sided; }
+    double coverage() const { return measured + filled_two_sided + filled_one_sided + presumed; }
   };
   /** Of Summary::ahead_m. */
   static constexpr double kHalfCorridor_m = 0.35;

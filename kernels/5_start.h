@@ -1,0 +1,97 @@
+#pragma once
+#include "kernels/5_underfoot.h"
+#include "kernels/6_cleanup.h"
+
+namespace talus::kernels
+{
+/** A robot that starts stands on ground that its map does not know: its scanner looks over it. What
+ * was not measured around it is presumed to be the plane of its base, until it is measured, or rays
+ * pass below it, see stage 6. In a frame that starts a map. */
+struct PresumeStart
+{
+  const Config* config;
+  const FrameContext* frame;
+  CellStore store;
+  PassingRays passing;
+
+  TALUS_HD bool applies_to_frame() const
+  {
+    return (frame->starts_map != 0) & (frame->has_base != 0);
+  }
+  TALUS_HD bool applies(int ix, int iy, int storage_i) const
+  {
+    const float x_m = from_base_m(*config, ix, frame->base_x_m);
+    const float y_m = from_base_m(*config, iy, frame->base_y_m);
+    const float radius_m = config->start_radius_m;
+    const bool near = x_m * x_m + y_m * y_m <= radius_m * radius_m;
+    const int state = store.state[storage_i];
+    return near & (state != kMeasured) & (state != kPresumed);
+  }
+  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  {
+    const int window_i = iy * config->cells + ix;
+    const float plane_m = plane_at(ix, iy);
+    const float bound_m = select(
+        passing.lowest_m[window_i] < kInfinity,
+        passing.highest_m[window_i] + config->cleanup_margin_m, kInfinity);
+    if (plane_m > bound_m || (config->start_automatic != 0 && !is_blind(ix, iy))) return;
+    Cell c = store.load(storage_i);
+    presume_ground(c, plane_m);
+    store.store(storage_i, c);
+  }
+
+ private:
+  TALUS_HD float plane_at(int ix, int iy) const
+  {
+    return plane_of_base_m(
+        *frame, from_base_m(*config, ix, frame->base_x_m),
+        from_base_m(*config, iy, frame->base_y_m));
+  }
+  TALUS_HD float from_sensor_m(int cell, float sensor_m) const
+  {
+    return (static_cast<float>(cell) + 0.5f) * config->resolution_m - sensor_m;
+  }
+  TALUS_HD int cell_at(float m) const { return floor_to_int(m * config->inverse_resolution); }
+
+  /** Whether the scanner looks over the cell: its lowest rays there ended no nearer, and not below
+   * the ground. Cells tell only of rays that ended some rings behind them. */
+  TALUS_HD bool is_blind(int ix, int iy) const
+  {
+    const float x_m = from_sensor_m(ix, frame->sensor_x_m);
+    const float y_m = from_sensor_m(iy, frame->sensor_y_m);
+    const float away_m = chebyshev(x_m, y_m);
+    const float nearer_m = away_m - static_cast<float>(kBehindCell_rings) * config->resolution_m;
+    if (nearer_m < (kUnderSensor_rings + 1.0f) * config->resolution_m) return true;
+    const float share = nearer_m / away_m;
+    return is_passed(
+        cell_at(frame->sensor_x_m + share * x_m), cell_at(frame->sensor_y_m + share * y_m));
+  }
+  /** Whether the lowest rays of the directions of a cell ended behind it, and where the lowest
+   * would be below the plane, as far as the window goes, none is. */
+  TALUS_HD bool is_passed(int ix, int iy) const
+  {
+    const int n = config->cells;
+    if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return true;  // of a sensor that is outside
+    const int window_i = iy * n + ix;
+    if (passing.in_open[window_i] == 0) return false;
+    const float x_m = from_sensor_m(ix, frame->sensor_x_m);
+    const float y_m = from_sensor_m(iy, frame->sensor_y_m);
+    // Heights of rays and of the plane, by chebyshev distance; rays as add_ray() takes them.
+    const float away_m = chebyshev(x_m, y_m);
+    const float rises_m = frame->base_slope_x * x_m + frame->base_slope_y * y_m;
+    const float above_m = frame->sensor_z_m - plane_at(ix, iy) + rises_m;
+    const float slope =
+        (passing.lowest_m[window_i] - frame->sensor_z_m) / (away_m - 0.5f * config->resolution_m);
+    const float below_m = kStartUndercut_steps * config->step_threshold_m;
+    const float falls = rises_m / away_m - slope;
+    const float meets_m = (above_m + below_m) / falls;
+    if (!((falls > 0.0f) & (meets_m < static_cast<float>(n) * config->resolution_m))) return true;
+    const float share = meets_m / away_m;
+    const int x = cell_at(frame->sensor_x_m + share * x_m);
+    const int y = cell_at(frame->sensor_y_m + share * y_m);
+    if ((x < 0) | (y < 0) | (x >= n) | (y >= n)) return true;
+    return !(passing.lowest_m[y * n + x] < plane_at(x, y) - 0.5f * below_m);
+  }
+};
+
+}  // namespace talus::kernels

@@ -1,0 +1,190 @@
+// What the map knows where its scanner is blind, in the first frame and where the robot drives.
+#include <gtest/gtest.h>
+#include "scene.h"
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+constexpr double kSensor_m = 0.68, kLowest_rad = 15 * M_PI / 180;
+constexpr double kFirstRing_m = kSensor_m / 0.268;  // of the lowest of 16 beams, on level floor
+
+/** What 16 beams see from a robot that stands on z = `floor_m` at (x, 0); the rest of the ground is
+ * at z = 0. */
+Scan sixteen_beams(const std::vector<Box>& boxes = {}, double x_m = 0, double floor_m = 0)
+{
+  return Scan(x_m, 0, floor_m + kSensor_m).cast(boxes, 1800, -kLowest_rad, kLowest_rad, 16);
+}
+
+Frame with_base(const Scan& scan)
+{
+  Frame f = scan.frame();
+  f.T_base_sensor = translation(0, 0, kSensor_m);
+  return f;
+}
+
+Parameters with_radius(double radius_m)
+{
+  Parameters p;
+  p.start_radius_m = radius_m;
+  return p;
+}
+
+const Box kBox{{1.0, -0.25, 0}, {1.5, 0.25, 0.8}};
+
+/** f(x, y) of the middles of all cells within a radius. */
+template <class F>
+void around(double radius_m, const F& f)
+{
+  for (int iy = -60; iy < 60; iy++)
+    for (int ix = -60; ix < 60; ix++)
+      if (const double x = (ix + 0.5) * 0.05, y = (iy + 0.5) * 0.05; std::hypot(x, y) < radius_m)
+        f(x, y);
+}
+
+long unknown_within(const TestMap& m, double radius_m)
+{
+  long n = 0;
+  around(radius_m, [&](double x, double y) { n += m.state(x, y) == CellState::Unknown; });
+  return n;
+}
+}  // namespace
+
+TEST(Stage5Start, WhatTheScannerLooksOverIsKnownAndFreeAfterTheFirstFrame)
+{
+  TestMap m;
+  m.map.update(with_base(sixteen_beams()));
+  around(
+      kFirstRing_m - 0.15,
+      [&](double x, double y)
+      {
+        EXPECT_EQ(m.state(x, y), CellState::Presumed) << x << " " << y;
+        EXPECT_NEAR(m.ground(x, y), 0, 1e-5) << x << " " << y;
+        EXPECT_TRUE(std::isnan(m.elevation(x, y))) << x << " " << y;
+        EXPECT_GT(m.traversability(x, y), 0.99f) << x << " " << y;
+      });
+  EXPECT_NE(m.state(kFirstRing_m + 0.3, 0.025), CellState::Presumed);
+}
+
+TEST(Stage5Start, WhatIsHitThereStandsAndNothingIsPresumedBehindIt)
+{
+  TestMap m;
+  m.map.update(with_base(sixteen_beams({kBox})));
+  for (const double y : {-0.175, 0.025, 0.175})
+  {
+    EXPECT_EQ(m.traversability(1.025, y), 0.0f) << y;
+    EXPECT_NE(m.state(1.025, y), CellState::Presumed) << y;
+    EXPECT_NE(m.state(1.775, y), CellState::Presumed) << y;
+    EXPECT_EQ(m.state(0.775, y), CellState::Presumed) << y;
+  }
+  EXPECT_EQ(m.state(-1.775, 0.025), CellState::Presumed);
+}
+
+TEST(Stage5Start, OfRadiusZeroOnlyWhatTheRobotStandsOnIsKnown)
+{
+  TestMap m(with_radius(0));
+  m.map.update(with_base(sixteen_beams()));
+  EXPECT_EQ(m.state(0.175, 0.025), CellState::Presumed);
+  EXPECT_EQ(m.state(0.375, 0.025), CellState::Unknown);
+  EXPECT_EQ(m.state(1.525, 0.025), CellState::FilledOneSided);
+}
+
+TEST(Stage5Start, ARadiusThatIsToldIsADiscInEachDirection)
+{
+  TestMap m(with_radius(1.7));
+  m.map.update(with_base(sixteen_beams({kBox})));
+  for (const double x : {1.625, -1.625}) EXPECT_EQ(m.state(x, 0.025), CellState::Presumed) << x;
+  for (const double x : {1.775, -1.775}) EXPECT_NE(m.state(x, 0.025), CellState::Presumed) << x;
+  EXPECT_EQ(m.traversability(1.025, 0.025), 0.0f);
+}
+
+TEST(Stage5Start, AFrameThatDoesNotTellWhereTheBaseIsPresumesNothing)
+{
+  TestMap m;
+  m.update(sixteen_beams());
+  EXPECT_GT(unknown_within(m, 0.4), 100);
+  m.map.update(with_base(sixteen_beams()));  // that is not the first frame
+  EXPECT_NE(m.state(1.525, 0.025), CellState::Presumed);
+}
+
+TEST(Stage5Start, ThePlaneIsInclinedAsTheBaseIs)
+{
+  constexpr double pitch = 0.1;
+  const double c = std::cos(pitch), s = std::sin(pitch);
+  TestMap m(with_radius(1));
+  const Scan scan = sixteen_beams();
+  Frame f = scan.frame();
+  f.T_base_sensor = Pose{};
+  f.T_base_sensor->m = {c, 0, -s, -s * kSensor_m, 0, 1, 0, 0, s, 0, c, c * kSensor_m};
+  m.map.update(f);
+  for (const double x : {-0.775, 0.775})
+  {
+    EXPECT_EQ(m.state(x, 0.025), CellState::Presumed) << x;
+    EXPECT_NEAR(m.ground(x, 0.025), -x * std::tan(pitch), 1e-5) << x;
+  }
+}
+
+TEST(Stage5Start, NothingIsPresumedTowardsADropOff)
+{
+  const Box platform{{-5, -5, 0}, {1, 5, 1}};
+  TestMap m;
+  m.map.update(with_base(sixteen_beams({platform}, 0, 1)));
+  for (const double x : {1.225, 1.775, 2.325})
+    EXPECT_NE(m.state(x, 0.025), CellState::Presumed) << x;
+  EXPECT_EQ(m.state(-1.775, 0.025), CellState::Presumed);
+}
+
+TEST(Stage5Start, PresumedGroundGivesWayToMeasurementsAndToRaysBelowIt)
+{
+  TestMap m;
+  m.map.update(with_base(sixteen_beams()));
+  m.update(Scan().add(1.525, 0.025, -0.04));
+  EXPECT_EQ(m.state(1.525, 0.025), CellState::Measured);
+  EXPECT_NEAR(m.ground(1.525, 0.025), -0.04, 1e-5);
+  EXPECT_EQ(m.state(1.425, 1.025), CellState::Presumed);
+  EXPECT_NEAR(m.ground(1.425, 1.025), 0, 1e-5);
+  for (int frame = 0; frame < 2; frame++)
+    m.update(Scan().add_surface(-2.2, -0.3, -2.0, 0.3, level(-0.6)));
+  EXPECT_NE(m.state(-1.525, 0.025), CellState::Presumed);
+}
+
+TEST(Stage5Start, ASavedMapKeepsWhatWasPresumedAndStartsNoOther)
+{
+  TestMap m, restored;
+  m.map.update(with_base(sixteen_beams()));
+  restored.map.restore(m.map.save());
+  EXPECT_EQ(restored.state(1.525, 0.025), CellState::Presumed);
+  EXPECT_EQ(restored.map.save(), m.map.save());
+  TestMap none, restored_none;
+  none.update(sixteen_beams());
+  restored_none.map.restore(none.map.save());
+  restored_none.map.update(with_base(sixteen_beams()));
+  EXPECT_NE(restored_none.state(1.525, 0.025), CellState::Presumed);
+}
+
+TEST(Stage5Start, AnotherFloorStartsAnew)
+{
+  const Box upper{{-20, -20, 2.9}, {20, 20, 3}};
+  TestMap m;
+  m.map.update(with_base(sixteen_beams()));
+  ASSERT_NEAR(m.ground(1.525, 0.025), 0, 1e-5);
+  for (int frame = 0; frame < 2; frame++) m.map.update(with_base(sixteen_beams({upper}, 0, 3)));
+  EXPECT_EQ(m.state(1.525, 0.025), CellState::Presumed);
+  EXPECT_NEAR(m.ground(1.525, 0.025), 3, 1e-4);
+  EXPECT_GT(m.traversability(1.525, 0.025), 0.99f);
+}
+
+TEST(Stage5Underfoot, WhatTheRobotDrivesOverIsKnownAlsoWhereNothingMeasuredIt)
+{
+  TestMap m(with_radius(0));
+  for (const double x : {0.0, 0.2, 0.4}) m.map.update(with_base(sixteen_beams({}, x)));
+  for (const double x : {-0.175, 0.025, 0.375, 0.575})
+  {
+    EXPECT_EQ(m.state(x, 0.025), CellState::Presumed) << x;
+    EXPECT_GT(m.traversability(x, 0.025), 0.99f) << x;
+  }
+  m.update(Scan(0.4).add(0.375, 0.025, 0.03));
+  m.map.update(with_base(sixteen_beams({}, 0.4)));
+  EXPECT_EQ(m.state(0.375, 0.025), CellState::Measured);
+}
