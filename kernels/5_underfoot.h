@@ -60,7 +60,7 @@ struct StandOnCell
     c.persistence = c.extent = 0;
     c.ray_evidence = kPassedLow;
     c.footing =
-        (c.footing & (kSeenInScan | kPassedNear)) |
+        (c.footing & kPassedNear) |
         footing_driven_through(
             max_of(stood_m, frame->drove_through_m) + kStandsUp_steps * config->step_threshold_m);
     store.store(storage_i, c);

@@ -56,39 +56,9 @@ TALUS_HD bool fade_trace(Cell& c)
   return any;
 }
 
-/** Before stage 6 of a frame that begins a scan: no cell has been seen in it yet. Of four cells at
- * once, which have a byte each; of the last ones there may be fewer. */
-struct StartScan
-{
-  std::uint8_t* footing;
-  int cells;
-
-  TALUS_HD int size() const { return (cells + 3) / 4; }
-  TALUS_HD void operator()(int four) const
-  {
-    const int left = cells - 4 * four;
-    std::uint8_t* const at = footing + 4 * four;
-    if (left < 4)
-      for (int i = 0; i < left; i++) at[i] &= static_cast<std::uint8_t>(~kSeenInScan);
-    else
-      *reinterpret_cast<std::uint32_t*>(at) &= ~(0x01010101u * kSeenInScan);
-  }
-};
-
-TALUS_HD bool was_seen_in_scan(const Cell& c) { return (c.footing & kSeenInScan) != 0; }
-/** Whether this scan has counted for the cell already, and then a hit: frames that are parts of one
- * scan do not count each, and where the thing is hit in one of them, rays that pass it in the
- * others tell nothing. */
-TALUS_HD bool was_hit_in_scan(const Cell& c)
-{
-  return was_seen_in_scan(c) & ((c.ray_evidence & kHitBefore) != 0);
-}
-
 /** Counts the evidence of one frame; true when the cell must be cleared. */
 TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
 {
-  if (was_hit_in_scan(c) || (!hit && was_seen_in_scan(c))) return false;
-  c.footing |= kSeenInScan;
   const int before = c.persistence;
   const int earned = (c.ray_evidence & kHitBefore) != 0 ? kHeldHitEarns : kPorousHitEarns;
   c.ray_evidence = hit ? c.ray_evidence | kHitBefore : c.ray_evidence & ~kHitBefore;
@@ -108,7 +78,7 @@ TALUS_HD void clear_seen_through(
   if (c.state == kMeasured && surface_class == kKeep && c.ground_m > limit) surface_class = kObject;
   const bool hit = top_hit_m > limit;
   const bool leaves_trace = hit && top_hit_m <= top + k.cleanup_margin_m;  // not what hangs above
-  if (leaves_trace && !was_hit_in_scan(c)) leave_trace(c);
+  if (leaves_trace) leave_trace(c);
   if (!count_evidence(c, hit, k)) return;
 
   c.elevation_m = c.elevation_var_m2 = kNan;
@@ -235,7 +205,7 @@ struct CleanUpCell
   {
     const int window_i = iy * cells + ix;
     Cell c = store.load(storage_i);
-    const bool faded = !was_seen_in_scan(c) && fade_trace(c);
+    const bool faded = fade_trace(c);
     const bool stands = stands_above(window_i, storage_i);
     if (stands)
       clear_seen_through(

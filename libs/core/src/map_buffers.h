@@ -125,7 +125,6 @@ struct MapBuffers
     return {config.data(), context.data(),      store(), coarse_grid(), top_hit.data(),
             ray_reach(),   surface_class.data()};
   }
-  kernels::StartScan start_scan() { return {footing.data(), cells()}; }
   kernels::CleanUpCell clean_up()
   {
     return {side(),         config.data(),       store(), passing(), ray_reach(),

@@ -73,7 +73,6 @@ inline CellRecord without_latest(CellRecord c)
 {
   c.persistence = std::min<std::int8_t>(c.persistence, 0);
   c.ray_evidence &= static_cast<std::uint8_t>(kernels::kPassedLow | kernels::kHitHighUp);
-  c.footing &= static_cast<std::uint8_t>(~kernels::kSeenInScan);
   return c;
 }
 

@@ -146,8 +146,6 @@ class CpuSchedule
     const kernels::StandOnCell<Atomics> stand = map_.stand_on();
     const kernels::ClassifyCell choose = map_.classify_cell();
     const kernels::CleanUpCell clean = map_.clean_up();
-    const kernels::StartScan start = map_.start_scan();
-    if (map_.context.data()->starts_scan) executor_.one_by_one(start, start.size());
     const kernels::TakeSample take{map_.config.data(), map_.store(),     map_.surface_class.data(),
                                    map_.passing(),     map_.line_grid(), map_.samples()};
     for_each_row(

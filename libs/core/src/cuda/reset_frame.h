@@ -4,12 +4,11 @@
 
 namespace talus::kernels
 {
-/** Hands the counters out, leaves what the next frame expects to find, and begins a scan: as one of
+/** Hands the counters out, leaves what the next frame expects to find: as one of
  * `workers`. */
 struct ResetFrame
 {
   const FrameContext* frame;
-  StartScan start_scan;
   std::int32_t* rays;
   int n_rays;
   std::uint32_t* cell_count;
@@ -35,8 +34,6 @@ struct ResetFrame
     for (int i = first; i < n_rays; i += step) rays[i] = kNoRay;
     for (int i = first; i < n_cells; i += step) cell_count[i] = 0;
     for (int i = first; i < n_kept; i += step) kept_count[i] = 0;
-    if (frame->starts_scan != 0)
-      for (int i = first; i < start_scan.size(); i += step) start_scan(i);
   }
 };
 

@@ -181,7 +181,6 @@ class DeviceSchedule
   {
     return {
         map_.context.data(),
-        map_.start_scan(),
         map_.rays.data(),
         static_cast<int>(map_.rays.size()),
         map_.cell_count.data(),
