@@ -103,26 +103,36 @@ TALUS_HD int places_in(float distance_m, float step_m, int rings)
 /** Samples that rays contradict, and fills beside them, say so by this variance; the map is told
  * the other one. */
 constexpr float kDoubtful_m2 = 1e12f, kToldDoubtful_m2 = 1.0f;
-TALUS_HD float sample_variance(float ground_m, float variance_m2, float ray_bound_m)
+/** Whether a rise is steeper than a robot can drive, noise aside. */
+TALUS_HD bool is_steep(float rise_m, float length_m, const Config& k)
 {
-  return select(ray_bound_m < ground_m - kContradicted_m, kDoubtful_m2, variance_m2);
+  return rise_m > k.max_slope * length_m + kWallNoise_m;
+}
+/** Of ground that rises so within its cell, but is nothing upright, the variance has a minus. */
+TALUS_HD float sample_variance(
+    float ground_m, float variance_m2, float top_m, float ray_bound_m, const Config& k)
+{
+  const float rise_m = top_m - ground_m;  // NaN: nothing stands there
+  const bool wall =
+      is_steep(rise_m, k.resolution_m, k) & (rise_m < kUpright_steps * k.step_threshold_m);
+  const float told_m2 = select(wall, -variance_m2, variance_m2);
+  return select(ray_bound_m < ground_m - kContradicted_m, kDoubtful_m2, told_m2);
 }
 
-/** Whether rays undercut the ground that goes on from a sample. */
-TALUS_HD bool undercuts(float ray_bound_m, float sample_m)
+/** Whether rays undercut the ground that goes on from a sample, so far away. */
+TALUS_HD bool undercuts(float ray_bound_m, float sample_m, float away_m)
 {
-  return ray_bound_m < sample_m - kUndercutAhead_m;
+  return ray_bound_m < sample_m - kUndercutAhead_m - kGentle * away_m;
 }
 
-/** Fills before such a place, as far as fills look, say so by this variance, or a larger one; the
- * map is told kToldDoubtful_m2. */
-constexpr float kBeforeDropOff_m2 = 1e6f;
+/** Fills of ground that may drop say so by this variance, or a larger one below kDoubtful_m2. */
+constexpr float kMayDrop_m2 = 1e9f;
 
 /** Variance of ground inferred from a sample [m^2]. */
 TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const Config& k)
 {
   const float spread = k.fill_variance_per_m * distance_m;
-  return sample_variance_m2 + spread * spread;
+  return abs_of(sample_variance_m2) + spread * spread;
 }
 
 /** Eq. 9 as printed: one height from two sides. The high side's share grows with the gap to it, up
@@ -211,10 +221,7 @@ struct alignas(16) Inference
   TALUS_HD bool any() const { return is_known(variance_m2); }
   TALUS_HD bool two_sided() const { return bits_of(variance_m2) >> 31 == 0; }
   TALUS_HD bool doubtful() const { return abs_of(variance_m2) >= kDoubtful_m2; }
-  TALUS_HD bool before_drop_off() const
-  {
-    return (abs_of(variance_m2) >= kBeforeDropOff_m2) & !doubtful();
-  }
+  TALUS_HD bool may_drop() const { return (abs_of(variance_m2) >= kMayDrop_m2) & !doubtful(); }
 };
 
 /** Inference::variance_m2 from the variances of the two sides of the line to the sensor, NaN where
@@ -228,10 +235,10 @@ TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
   return select(both, two, -select(has_inner, inner_m2, outer_m2));
 }
 
-/** Of what has samples towards the sensor only. */
-TALUS_HD float mark_before_drop_off(float fused_m2, bool is_before)
+TALUS_HD float mark_may_drop(float fused_m2, bool may_drop)
 {
-  return fused_m2 - select(is_before, kBeforeDropOff_m2, 0.0f);
+  const float mark_m2 = select(fused_m2 < 0.0f, -kMayDrop_m2, kMayDrop_m2);
+  return fused_m2 + select(may_drop, mark_m2, 0.0f);
 }
 
 TALUS_HD LineFusion
@@ -274,7 +281,7 @@ infer_ground(const Inference& inferred, float expected_m, float bound_m, const C
   return {
       min_of(expected_m, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
       select(
-          abs_of(inferred.variance_m2) >= kBeforeDropOff_m2, kToldDoubtful_m2,
+          abs_of(inferred.variance_m2) >= kMayDrop_m2, kToldDoubtful_m2,
           abs_of(inferred.variance_m2)),
       select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided), expected_m};
 }
@@ -312,7 +319,7 @@ enum SurfaceFlag : std::int32_t
 {
   kSurfaceMeasured = 1,  //!< its ground is measured
   kSurfaceSeen = 2,  //!< a ray met it or passed low over its ground, or the robot stood there
-  kSurfaceGuess = 4,  //!< its ground is filled from one side and nothing stands on it
+  kSurfaceMayDrop = 4,  //!< nobody saw its ground, which may lie far below that around it
   kSurfaceTraced = 8,  //!< it was hit lately while rays passed, see hit_lately()
   kSurfaceDriven = 16,  //!< the robot drove over it, and nothing new stands there
   kSurfaceNear = 32  //!< its ground is filled from two sides and a ray passed near it
@@ -407,25 +414,22 @@ struct FillCell
     // A fill may lie too high, so that it counts little above the lowest of its lines.
     const float low_m = inferred.lines.lowest_m + kAboveLowestLine_steps * config->step_threshold_m;
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
-    const bool drop_off = inferred.before_drop_off() & !is_known(store.elevation_m[storage_i]);
-    const bool undercut = filled & drop_off;
-    const bool low = (bound_m < floor_m + proof_m) & !undercut;
-    const bool near =
-        (bound_m < floor_m + kPassedNear_steps * config->step_threshold_m) & !undercut;
+    const bool low = bound_m < floor_m + proof_m;
+    const bool near = bound_m < floor_m + kPassedNear_steps * config->step_threshold_m;
     const float high_up_m = config->clearance_m *
                             select(r == kObject, kHangs_clearances, kHangsBesideColumn_clearances);
     const bool object = filled & ((r == kObject) | (r == kObjectBesideColumn)) &
                         (before - fill.height_m > high_up_m);
     // What floats is dropped as what hangs.
-    const int kept = evidence_before & select(undercut, ~kPassedLow, ~0);
     const int ray_evidence =
-        kept | select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0);
-    const int footing = (store.footing[storage_i] & select(undercut, ~kPassedNear, ~0)) |
-                        select(near, kPassedNear, 0);
+        evidence_before | select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0);
+    const int stands_on = store.footing[storage_i] | select(near, kPassedNear, 0);
+    const bool drops = filled & inferred.may_drop() & !is_known(store.elevation_m[storage_i]);
     store.ground_m[storage_i] = ground;
     store.ground_var_m2[storage_i] = variance;
     store.state[storage_i] = static_cast<std::uint8_t>(state);
     store.ray_evidence[storage_i] = static_cast<std::uint8_t>(ray_evidence);
+    const int footing = select(r == kKeep, stands_on & ~kMayDrop, stands_on | select(drops, kMayDrop, 0));
     store.footing[storage_i] = static_cast<std::uint8_t>(footing);
     const float elevation =
         select(DropHanging::hangs(ray_evidence), kNan, store.elevation_m[storage_i]);
@@ -452,7 +456,7 @@ struct FillCell
       Surface& to, float ground, float elevation, int state, int ray_evidence, int footing) const
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;
-    const bool guess = (state == kFilledOneSided) & !stands;
+    const bool drops = !stands & ((footing & kMayDrop) != 0);
     const bool near = (state == kFilledTwoSided) & ((footing & kPassedNear) != 0);
     const bool met = measured | stands | (state == kPresumed), known = is_known(ground);
     const bool new_there = stands & (elevation - ground > driven_through_m(footing));
@@ -460,7 +464,7 @@ struct FillCell
     const std::int32_t passed_low = (ray_evidence & kPassedLow) * (kSurfaceSeen / kPassedLow);
     const std::int32_t flags =
         select(measured, kSurfaceMeasured, 0) | select(met, kSurfaceSeen, 0) | passed_low |
-        select(guess, kSurfaceGuess, 0) | select(hit_lately(ray_evidence), kSurfaceTraced, 0) |
+        select(drops, kSurfaceMayDrop, 0) | select(hit_lately(ray_evidence), kSurfaceTraced, 0) |
         select(driven, kSurfaceDriven, 0) | select(near, kSurfaceNear, 0);
     const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);

@@ -14,14 +14,13 @@ namespace talus::kernels
  * quantised steps. */
 struct alignas(16) RowSums
 {
-  std::int32_t n = 0, x = 0, xx = 0, ground = 0, x_ground = 0, height = 0, lowest = 0x7fffffff,
-               measured = 0;
+  std::int32_t n = 0, x = 0, xx = 0, ground = 0, x_ground = 0, height = 0, lowest = 0x7fffffff;
 
   static constexpr auto fields()
   {
     return std::make_tuple(
         &RowSums::n, &RowSums::x, &RowSums::xx, &RowSums::ground, &RowSums::x_ground,
-        &RowSums::height, &RowSums::lowest, &RowSums::measured);
+        &RowSums::height, &RowSums::lowest);
   }
 
   /** Adds the cell at x = d. */
@@ -36,7 +35,6 @@ struct alignas(16) RowSums
     x_ground += d * here;
     height += cell.height();
     lowest = min_of(lowest, select(known, cell.ground, 0x7fffffff));
-    measured += cell.height_and_flags & kSurfaceMeasured;
   }
 };
 
@@ -51,7 +49,7 @@ struct Moments
     return std::make_tuple(
         &Moments::n, &Moments::x, &Moments::y, &Moments::xx, &Moments::xy, &Moments::yy,
         &Moments::ground, &Moments::x_ground, &Moments::y_ground, &Moments::height,
-        &Moments::lowest, &Moments::measured);
+        &Moments::lowest);
   }
 
   /** Adds the row at y = d. */
@@ -68,7 +66,6 @@ struct Moments
     y_ground += d * row.ground;
     height += row.height;
     lowest = min_of(lowest, row.lowest);
-    measured += row.measured;
   }
 };
 

@@ -32,7 +32,7 @@ struct ComputeFeatures
   const Config* config;
   Surfaces surfaces;
   LineGrid grid;
-  const float* across_m;
+  const float* fall_m;
   FeatureLayers out;
 
   TALUS_HD const Surface& neighbour(int ix, int iy) const
@@ -58,21 +58,21 @@ struct ComputeFeatures
     out.put_traversability(iy * cells + ix, judge_most<true>(ix, iy, m, true));
   }
   /** Whether finish() may change the cell, after one of these. */
-  TALUS_HD bool applies(int ix, int iy, const Moments& m) const
+  TALUS_HD bool applies(int ix, int iy, const Moments&) const
   {
-    return may_be_sparse(ix, iy, m) | (out.judged[iy * cells + ix] < 0.0f);
+    return neighbour(ix, iy).is(kSurfaceMayDrop) | (out.judged[iy * cells + ix] < 0.0f);
   }
   /** What only few cells need. */
-  TALUS_HD void finish(int ix, int iy, const Moments& m) const
+  TALUS_HD void finish(int ix, int iy, const Moments&) const
   {
     const int window_i = iy * cells + ix;
-    out.put_traversability(window_i, settle(ix, iy, m, out.judged[window_i], true));
+    out.put_traversability(window_i, settle(ix, iy, out.judged[window_i], true));
   }
   /** All of that, for executors that go on with the result: returns the traversability before
    * CompleteObstacles, and puts only the parts, of cells that are the caller's `own`. */
   TALUS_HD float judge(int ix, int iy, const Moments& m, bool own) const
   {
-    return settle(ix, iy, m, judge_most<false>(ix, iy, m, own), own);
+    return settle(ix, iy, judge_most<false>(ix, iy, m, own), own);
   }
 
  private:
@@ -100,20 +100,15 @@ struct ComputeFeatures
     return select(judged, select(cell.is(kSurfaceDriven), driven, score), kNan);
   }
   /** `judged`, unless stage 9 says otherwise, or it is the slope of a low step alone. */
-  TALUS_HD float settle(int ix, int iy, const Moments& m, float judged, bool own) const
+  TALUS_HD float settle(int ix, int iy, float judged, bool own) const
   {
-    if (may_be_sparse(ix, iy, m) && is_near(ix, iy))
+    if (neighbour(ix, iy).is(kSurfaceMayDrop))
     {
-      judged = suspicion_of(ix, iy);
+      judged = 0.0f;
       if constexpr (kParts)
-        if (own) out.sparsity[iy * cells + ix] = judged;
+        if (own) out.sparsity[iy * cells + ix] = suspicion_of(ix, iy);
     }
     return judged < 0.0f && !LowStep{*config, surfaces}.is_at(ix, iy) ? 0.0f : judged;
-  }
-  TALUS_HD bool may_be_sparse(int ix, int iy, const Moments& m) const
-  {
-    return neighbour(ix, iy).is(kSurfaceGuess) &
-           dense_around(m.measured, config->feature_radius_cells);
   }
   /** Whether stage 9 looks there. The sensor's own cell lies on no line. */
   TALUS_HD bool is_near(int ix, int iy) const
@@ -121,9 +116,12 @@ struct ComputeFeatures
     const bool on_line = ix != cells / 2 || iy != cells / 2;
     return on_line && robot_m(ix, iy) <= config->sparsity_range_m;
   }
+  /** 0 where it is remembered only. */
   TALUS_HD float suspicion_of(int ix, int iy) const
   {
-    return sparsity(across_m[grid.at(ix, iy)], robot_m(ix, iy), *config);
+    if (!is_near(ix, iy)) return 0.0f;
+    const float told = sparsity(fall_m[grid.at(ix, iy)], robot_m(ix, iy), *config);
+    return select(told < kSparse, told, 0.0f);
   }
   TALUS_HD float robot_m(int ix, int iy) const
   {

@@ -3,14 +3,6 @@
 
 namespace talus::kernels
 {
-/** Stage 9 (III-C.5) speaks of one-sided fills with dense data around them: at least a quarter of
- * the cells in the neighbourhood of stage 8 are measured. */
-TALUS_HD bool dense_around(int measured, int radius_cells)
-{
-  const int side = 2 * radius_cells + 1;
-  return kDenseOneIn * measured >= side * side;
-}
-
 /** From the sensor along its line to the cell at (dx, dy) != 0 [m]. */
 TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
 {
@@ -19,22 +11,44 @@ TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
   return static_cast<float>(ring) * step_m;
 }
 
-/** Height difference of the ground on both sides of a gap, less what a slope half as steep as is
- * allowed explains: a floor that is seen far behind the crest of a ramp does not make it a cliff.
- */
-TALUS_HD float drop_across(float inner_m, float outer_m, float gap_m, const Config& k)
+/** Ground that was not measured, along a line from the sensor. */
+struct Gap
 {
-  return max_of(abs_of(inner_m - outer_m) - kExplainedSlope * k.max_slope * gap_m, 0.0f);
+  float length_m;
+  float near_m, far_m;  //!< heights of the ground before and behind it
+  bool wall;  //!< the ground behind it rises within a cell, see is_wall() ...
+  float behind_m, behind_length_m;  //!< ... or to the next height, and how far behind that is
+};
+
+/** h_s of eq. 14: how much lower than the ground before it the ground in a gap may lie. A drivable
+ * slope explains a part of what it falls by. Where the far side begins lower and rises as no robot
+ * can drive, that is the far wall of a ditch, of which rays see what they see over the near edge:
+ * it may be twice as deep. */
+TALUS_HD float fall_in(const Gap& g, const Config& k)
+{
+  const float fall_m = g.near_m - g.far_m;
+  const float explained_m = min_of(
+      kExplainedSlope * k.max_slope * g.length_m, kExplained_steps * k.step_threshold_m);
+  const bool wall = (g.wall | is_steep(g.behind_m - g.far_m, g.behind_length_m, k)) &
+                    (g.length_m < kWidestDitch_m);
+  const float hollow_m = 2.0f * (fall_m - kGentle * g.length_m);
+  return max_of(max_of(fall_m - explained_m, select(wall, hollow_m, 0.0f)), 0.0f);
 }
 
 /** Eq. 14 from the height difference h_s of the ground found on both sides, searched farther than a
  * fill does, and the distance d_s to the robot. NaN (unknown) where one side has none. */
 TALUS_HD float sparsity(float h_s, float robot_m, const Config& k)
 {
-  if (!is_known(h_s)) return kNan;
   const float ratio = h_s * k.inverse_step_threshold;
-  if (h_s < k.step_threshold_m) return clamp01(1.0f - ratio);
-  return clamp01(1.0f - ratio * k.sparsity_distance_m / robot_m);
+  const float weight = select(h_s < k.step_threshold_m, 1.0f, k.sparsity_distance_m / robot_m);
+  return select(is_known(h_s), clamp01(1.0f - ratio * weight), kNan);
+}
+
+/** Whether eq. 14 says so: the ground may drop. */
+constexpr float kSparse = 0.5f;
+TALUS_HD bool is_sparse(float h_s, float robot_m, const Config& k)
+{
+  return (robot_m <= k.sparsity_range_m) & (sparsity(h_s, robot_m, k) < kSparse);
 }
 
 }  // namespace talus::kernels

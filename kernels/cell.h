@@ -119,10 +119,11 @@ TALUS_HD int deeper(int extent, int below)
   return extent_of_codes(max_of(code_below(extent), below), code_above(extent));
 }
 
-/** Cell::footing: whether a ray passed near its ground, see kPassedNear_steps; the higher bits tell
- * what the robot drove through there: a code n for a height of 4 (n - 1) cm above the ground up to
- * which hits are nothing new, 0: it was not there. The lowest bit is free. */
-constexpr int kPassedNear = 2, kDrivenBits = 2, kMostDriven = 63;
+/** Cell::footing: whether its ground may lie far below that around it, until it is measured, see
+ * fall_in(); whether a ray passed near its ground, see kPassedNear_steps; the
+ * higher bits tell what the robot drove through there: a code n for a height of 4 (n - 1) cm above
+ * the ground up to which hits are nothing new, 0: it was not there. */
+constexpr int kMayDrop = 1, kPassedNear = 2, kDrivenBits = 2, kMostDriven = 63;
 constexpr float kDrivenUnit_m = 0.04f;
 
 /** How high above the ground hits are nothing new, where the robot was. */

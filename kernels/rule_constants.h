@@ -131,7 +131,7 @@ constexpr float kContradicted_m = 0.1f;
 /** Where rays undercut by this the ground that goes on level from a sample a drop-off lies
  * somewhere between, and the cells before that place are not judged either. Lines from the sensor
  * are asked at each so many places. */
-constexpr float kUndercutAhead_m = 0.05f;
+constexpr float kUndercutAhead_m = 0.1f;
 constexpr int kUndercutPlaces = 4;
 /** Wider gaps may hold a face: the front of something, or the edge of a drop. */
 constexpr float kFaceGap_m = 0.3f;
@@ -174,10 +174,12 @@ constexpr float kDrivenScore = 0.5f;
 
 // ---- Stage 9 ----
 
-/** Data are dense around a cell if one in so many of the cells in its neighbourhood is measured. */
-constexpr int kDenseOneIn = 4;
-/** A slope of this share of what is allowed explains a height difference on both sides of a gap: a
- * floor that is seen far behind the crest of a ramp does not make it a cliff. */
-constexpr float kExplainedSlope = 0.5f;
+/** A slope of this share of what is allowed explains what ground falls by in a gap, but no more than
+ * so many steps: the floor behind the crest of a ramp, not that below a dock. */
+constexpr float kExplainedSlope = 0.5f, kExplained_steps = 2.0f;
+/** The far wall of a ditch rises by so much more than a robot can drive; a ditch is not wider. */
+constexpr float kWallNoise_m = 0.01f, kWidestDitch_m = 3.0f;
+/** Ground that falls so little [m/m] is level. */
+constexpr float kGentle = 0.05f;
 
 }  // namespace talus::kernels

@@ -126,7 +126,7 @@ struct alignas(64) Undercut
 struct Found
 {
   SideBySide<kernels::LineFusion, kLanes> lines;
-  float variance_m2[kLanes], across_m[kLanes];
+  float variance_m2[kLanes], fall_m[kLanes];
 };
 
 /** `kRays`: lines from the sensor, else rows or columns. */
@@ -218,7 +218,9 @@ class Sweep
     {
       const float bound_m = samples.variance_or_bound[first + minor[l] * strip.across];
       const bool under = (here.place[0][l] >= 0) & (here.place[0][l] < place) &
-                         kernels::undercuts(bound_m, here.height_m[0][l]);
+                         kernels::undercuts(
+                             bound_m, here.height_m[0][l],
+                             static_cast<float>(here.distance(l, place)) * strip.step_m[l]);
       undercut.place[l] = kernels::select(under, place, undercut.place[l]);
     }
   }
@@ -265,7 +267,13 @@ class Sweep
     {
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
-        found.across_m[l] = across(k, strip, before, behind, l, place);
+      {
+        const float fall_m = fall(k, strip, before, behind, l, place);
+        const float robot_m = static_cast<float>(place) * strip.step_m[l];
+        found.fall_m[l] = fall_m;
+        found.variance_m2[l] =
+            kernels::mark_may_drop(found.variance_m2[l], kernels::is_sparse(fall_m, robot_m, k));
+      }
     }
     put(strip, found, static_cast<std::uint32_t>(wanted), place, to);
   }
@@ -291,25 +299,31 @@ class Sweep
       {
         const float fused_m2 =
             kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
-        const bool near_drop_off = undercut.place[l] - place <= strip.fill_places[l];
-        found.variance_m2[l] =
-            kernels::mark_before_drop_off(fused_m2, a.any() & !b.any() & near_drop_off);
+        const bool undercut_ahead = (undercut.place[l] - place <= strip.fill_places[l]) &
+                                    (behind.distance(l, place) > strip.sparsity_places[l]);
+        found.variance_m2[l] = kernels::mark_may_drop(fused_m2, a.any() & undercut_ahead);
       }
     }
   }
 
-  /** Height difference between the samples on both sides, NaN if one is too far for stage 9. */
-  static float across(
+  /** What the ground may fall by between the samples on both sides, NaN if one is too far for
+   * stage 9. */
+  static float fall(
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind, int l,
       int place)
   {
     const bool both = (before.distance(l, place) <= strip.sparsity_places[l]) &
                       (behind.distance(l, place) <= strip.sparsity_places[l]);
-    const int places = kernels::select(both, behind.place[0][l] - before.place[0][l], 0);
-    const float across_m = kernels::drop_across(
-        before.height_m[0][l], behind.height_m[0][l], static_cast<float>(places) * strip.step_m[l],
-        k);
-    return kernels::select(both, across_m, kernels::kNan);
+    const auto length_m = [&](int from, int to)
+    {
+      const int places = kernels::select(both, kernels::abs_of(to - from), 0);
+      return static_cast<float>(places) * strip.step_m[l];
+    };
+    const kernels::Gap gap{
+        length_m(before.place[0][l], behind.place[0][l]), before.height_m[0][l],
+        behind.height_m[0][l], behind.variance_m2[l] < 0.0f, behind.height_m[1][l],
+        length_m(behind.place[0][l], behind.place[1][l])};
+    return kernels::select(both, kernels::fall_in(gap, k), kernels::kNan);
   }
 
   static void put(
@@ -326,7 +340,7 @@ class Sweep
         const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
         to.cells[i] = {found.lines.load(l), found.variance_m2[l]};
         __builtin_prefetch(to.cells + i + ahead, 1);
-        if (suspect) to.across_m[i] = found.across_m[l];
+        if (suspect) to.fall_m[i] = found.fall_m[l];
       }
     }
     else if (strip.columns())

@@ -22,7 +22,9 @@ struct TakeSample
     samples.height_m[line_i] = select(sample, ground_m, kNan);
     samples.variance_or_bound[line_i] = select(
         sample,
-        sample_variance(ground_m, store.ground_var_m2[storage_i], passing.lowest_m[window_i]),
+        sample_variance(
+            ground_m, store.ground_var_m2[storage_i], store.elevation_m[storage_i],
+            passing.lowest_m[window_i], *config),
         ray_bound(passing, window_i));
   }
 };
@@ -31,8 +33,7 @@ struct TakeSample
 struct InferenceGrid
 {
   Inference* cells;
-  float* across_m;  //!< where it is guessed from one side, near enough for stage 9: height
-                    //!< difference of the ground on both
+  float* fall_m;  //!< near enough for stage 9: what its ground may fall by, see fall_in()
 };
 
 /** Fills cell (ix, iy) from what was found when the lines were walked. */

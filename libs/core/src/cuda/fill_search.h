@@ -264,7 +264,7 @@ struct SearchAndFillCell
   const std::uint32_t* marks;
   const std::uint32_t* axis_marks;
   LineTables tables;
-  float* across_m;  //!< see InferenceGrid
+  float* fall_m;  //!< see InferenceGrid
   LineGrid grid;
   int axis_places;  //!< places that fills look along rows and columns
 
@@ -287,7 +287,7 @@ struct SearchAndFillCell
     Inference inferred = nothing();
     if (inner.any() || outer.any())
     {
-      inferred = {lines[0], variance(radial_search(ix, iy), inner, outer)};
+      inferred = {lines[0], variance(radial_search(ix, iy), ix, iy, inner, outer)};
       for (int l = 1; l < kLines; l++) inferred.lines.add(lines[l * stride]);
     }
     finish(ix, iy, inferred);
@@ -321,7 +321,7 @@ struct SearchAndFillCell
     const SideEstimate inner = radial.template infer_side<!kAlongLines>(false),
                        outer = radial.template infer_side<!kAlongLines>(true);
     if (!inner.any() && !outer.any()) return nothing();
-    Inference inferred{line(0, inner, outer), variance(radial, inner, outer)};
+    Inference inferred{line(0, inner, outer), variance(radial, ix, iy, inner, outer)};
     for (int l = 1; l < kLines; l++)
     {
       const LineSearch<AxisTrack> axis = axis_search(ix, iy, l == 2);
@@ -335,15 +335,9 @@ struct SearchAndFillCell
   TALUS_HD void finish(int ix, int iy, const Inference& inferred) const
   {
     const int n = k.cells, storage_i = storage_index(*fill.frame, n, ix, iy);
-    const int state = fill(ix, iy, storage_i, inferred);
+    fill(ix, iy, storage_i, inferred);
     const DropHanging drop{fill.store};
     if (drop.applies(ix, iy, storage_i)) drop(ix, iy, storage_i);
-    if (state == kFilledOneSided && on_line(ix, iy))
-    {
-      const LineSearch<Track> radial = radial_search(ix, iy);
-      if (static_cast<float>(radial.place) * radial.track.step_m <= k.sparsity_range_m)
-        across_m[grid.at(ix, iy)] = height_across(radial);
-    }
     fill.out.put(iy * n + ix, fill.store, storage_i, fill.frame->offset_m);
   }
 
@@ -367,18 +361,28 @@ struct SearchAndFillCell
 
   /** Of what is inferred from both sides of the line from the sensor, see Inference. */
   TALUS_HD float variance(
-      const LineSearch<Track>& radial, const SideEstimate& inner, const SideEstimate& outer) const
+      const LineSearch<Track>& radial, int ix, int iy, const SideEstimate& inner,
+      const SideEstimate& outer) const
   {
     const float fused_m2 =
         fuse_variances(variance(radial, false, inner), variance(radial, true, outer));
-    return mark_before_drop_off(
-        fused_m2, inner.any() && !outer.any() && is_before_drop_off(radial, inner));
+    const int behind = radial.nearest(true, radial.track.sparsity_places);
+    const float robot_m = static_cast<float>(radial.place) * radial.track.step_m;
+    bool may_drop = inner.any() && !behind && is_undercut_ahead(radial, inner);
+    if (robot_m <= k.sparsity_range_m)
+    {
+      const float fall = fall_to(radial, behind);
+      fall_m[grid.at(ix, iy)] = fall;
+      may_drop |= is_sparse(fall, robot_m, k);
+    }
+    return mark_may_drop(fused_m2, may_drop);
   }
-  /** Of what has samples towards the sensor only. */
-  TALUS_HD bool is_before_drop_off(const LineSearch<Track>& radial, const SideEstimate& inner) const
+  /** What has samples towards the sensor only. */
+  TALUS_HD bool is_undercut_ahead(const LineSearch<Track>& radial, const SideEstimate& inner) const
   {
     const int last = radial.place + radial.places_to_end(true, radial.track.fill_places);
     const int first = (radial.place + kUndercutPlaces - 1) / kUndercutPlaces * kUndercutPlaces;
+    const int sample = radial.place - inner.places;
     bool any = false;
     for (int place = first; place <= last; place += kUndercutPlaces)
     {
@@ -386,7 +390,8 @@ struct SearchAndFillCell
       const int ix = grid.half + at.dx, iy = grid.half + at.dy;
       if (ix >= k.cells || iy >= k.cells) break;  // lines end one cell beyond an even window
       const float bound_m = ray_bound(fill.passing, iy * k.cells + ix);
-      any |= undercuts(bound_m, inner.nearest_m);
+      any |= undercuts(
+          bound_m, inner.nearest_m, static_cast<float>(place - sample) * radial.track.step_m);
     }
     return any;
   }
@@ -398,14 +403,19 @@ struct SearchAndFillCell
         samples.variance_or_bound[radial.at(outwards, side.places)], side.distance_m, k);
   }
 
-  TALUS_HD float height_across(const LineSearch<Track>& radial) const
+  /** What the ground may fall by to the sample so many places behind; NaN: one side has none. */
+  TALUS_HD float fall_to(const LineSearch<Track>& radial, int behind) const
   {
-    const int inner = radial.nearest(false, radial.track.sparsity_places);
-    const int outer = radial.nearest(true, radial.track.sparsity_places);
-    if (!inner || !outer) return kNan;
-    const float gap_m = static_cast<float>(inner + outer) * radial.track.step_m;
-    return drop_across(
-        samples.height_m[radial.at(false, inner)], samples.height_m[radial.at(true, outer)], gap_m,
+    const int before = radial.nearest(false, radial.track.sparsity_places);
+    if (!before || !behind) return kNan;
+    const LineSearch<Track> far{k, samples.height_m, radial.marks, radial.track, radial.place + behind};
+    const int next = far.nearest(true, radial.track.last());
+    const int far_i = radial.at(true, behind);
+    return fall_in(
+        {static_cast<float>(before + behind) * radial.track.step_m,
+         samples.height_m[radial.at(false, before)], samples.height_m[far_i],
+         samples.variance_or_bound[far_i] < 0.0f, next ? samples.height_m[far.at(true, next)] : kNan,
+         static_cast<float>(next) * radial.track.step_m},
         k);
   }
 };

@@ -59,8 +59,8 @@ struct SettleCell
     samples.height_m[line_i] = sample ? ground_m : kNan;
     if (sample)
       samples.variance_or_bound[line_i] = sample_variance(
-          ground_m, clean.store.ground_var_m2[storage_i],
-          clean.passing.lowest_m[iy * clean.cells + ix]);
+          ground_m, clean.store.ground_var_m2[storage_i], clean.store.elevation_m[storage_i],
+          clean.passing.lowest_m[iy * clean.cells + ix], *clean.config);
     return sample;
   }
 
