@@ -21,6 +21,7 @@ class TerrainSource : public MapSource
     Frame frame;
     frame.stamp_s = stamp_s;
     frame.T_map_sensor = pose_from(T_map_base + T_base_sensor);
+    frame.T_base_sensor = pose_from(T_base_sensor);
     frame.x_m = scan.x_m.data();
     frame.y_m = scan.y_m.data();
     frame.z_m = scan.z_m.data();
