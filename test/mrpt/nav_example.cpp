@@ -11,6 +11,7 @@
 #include <talus/mrpt/parameters_ini.h>
 #include <talus/mrpt/planner_ini.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 
@@ -47,14 +48,14 @@ struct MyRobot : mrpt::nav::CRobot2NavInterface
   }
   bool changeSpeeds(const Cmd& cmd) override
   {
-    auto c = dynamic_cast<const mrpt::kinematics::CVehicleVelCmd_DiffDriven&>(cmd);
-    // As fast as it can still stop before what is not known; 0.3 m from its middle to its front.
+    const auto& c = dynamic_cast<const mrpt::kinematics::CVehicleVelCmd_DiffDriven&>(cmd);
+    // As fast as it can still stop before what is not known; its front is 0.3 m before its middle.
     const double known_m =
         talus::known_ahead_m(map.mapper(), pose, c.lin_vel, c.ang_vel, 0.6, options);
     const double most = talus::stopping_speed_mps(known_m - 0.3, 0.4, 1.0);
-    if (std::abs(c.lin_vel) > most) c.cmdVel_scale(most / std::abs(c.lin_vel));
-    v = c.lin_vel;
-    w = c.ang_vel;
+    const double share = std::min(1.0, most / std::max(std::abs(c.lin_vel), 1e-9));
+    v = share * c.lin_vel;
+    w = share * c.ang_vel;
     return true;
   }
   bool stop(bool) override
