@@ -28,7 +28,7 @@ int main()
 
   // What CRobot2NavInterface::senseObstacles() does:
   talus::ObstacleOptions options;
-  options.unknown = talus::CellPolicy::Free;  // else what was not seen near by is an obstacle
+  options.unseen = talus::Unseen::Free;  // else what was not seen near by is an obstacle
   mrpt::maps::CSimplePointsMap obstacles;  // frame of the robot, x ahead
   talus::obstacles_2d(map, T_map_base, options, obstacles);
 

@@ -43,6 +43,8 @@ int exit_code(Ending ending)
       return 3;
     case Ending::Collision:
       return 4;
+    case Ending::Fall:
+      return 6;
     default:
       return 5;
   }
@@ -55,7 +57,7 @@ std::string title(const Options& o, const MissionResult& m, bool ended)
   std::snprintf(
       text, sizeof text, "%s, %s planner, %s, seed %llu: %.1f s%s%s",
       talus::app::name_of_world(o.world).c_str(), o.in_3d ? "3D" : "2D",
-      o.octomap ? "octomap" : "talus", static_cast<unsigned long long>(o.seed),
+      o.map.c_str(), static_cast<unsigned long long>(o.seed),
       ended ? m.time_s : m.steps.back().time_s, ended ? ", " : "",
       ended ? ending_name(m.ending).c_str() : "");
   return text;
@@ -85,11 +87,12 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
 {
   const talus::app::Suspect suspect(o.world, kSimplerWorld);
   talus::app::limit_computing(kLongestStep_s);
-  const auto world =
+  auto world =
       talus::app::guarded(o.world, kSimplerWorld, [&] { return talus::sim::load_world(o.world); });
+  fit_sensor(world.sensors[0], o);
   SimulatedRobot robot(world, o.noise, o.seed);
-  if (robot.collides())
-    throw std::runtime_error(o.world + ": the robot starts in an obstacle; move path_m");
+  if (robot.contact() != Contact::None)
+    throw std::runtime_error(o.world + ": the robot starts in an obstacle or over an edge; move path_m");
   MissionOptions mission_options;
   mission_options.goal = {o.goal[0], o.goal[1]};
   mission_options.timeout_s = o.timeout_s;

@@ -5,6 +5,7 @@
 #include <talus/mrpt/obstacles.h>
 #include <talus/sim/scanner.h>
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,6 +29,15 @@ class MapSource
   /** Writes what is known around the robot into the costmap. */
   virtual void update_costmap(
       const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) = 0;
+  /** Blocks what must have been seen by now and was not: not for good, it may be seen yet. */
+  virtual void block_unseen(const mrpt::poses::CPose3D&, mrpt::maps::COccupancyGridMap2D&) {}
+  /** How far the ground is known on the way of a command, from the base on, in a corridor of this
+   * width. */
+  virtual double known_ahead_m(
+      const mrpt::poses::CPose3D&, double /*v_mps*/, double /*w_radps*/, double /*width_m*/)
+  {
+    return HUGE_VAL;
+  }
   /** The map behind it, or nullptr. */
   virtual const ElevationMapper* terrain() const { return nullptr; }
 };
@@ -46,5 +56,15 @@ struct OctomapOptions
   int decimation = 2;  //!< takes one point of this many
 };
 std::unique_ptr<MapSource> make_octomap_source(const OctomapOptions& options);
+
+/** Baseline: an elevation map with one surface (libs/baselines, "highest"); what it does not know
+ * is no obstacle. */
+std::unique_ptr<MapSource> make_onesurface_source(
+    const Parameters& parameters, const ObstacleOptions& options);
+
+/** Obstacles of a robot made of these prisms, or of one in the plane where there are none. */
+void make_obstacles(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& options,
+    const std::vector<double>& prism_heights_m, mrpt::maps::CSimplePointsMap& out);
 
 }  // namespace talus::nav

@@ -104,7 +104,9 @@ class Mission
   void plan(const CPose3D& T)
   {
     map_.update_costmap(T, route_.costmap());
-    has_way_ = route_.plan({T.x(), T.y(), T.yaw()});
+    auto now = route_.costmap();
+    map_.block_unseen(T, now);
+    has_way_ = route_.plan({T.x(), T.y(), T.yaw()}, now);
     plans_without_way_ = has_way_ ? 0 : plans_without_way_ + 1;
   }
 
@@ -127,8 +129,9 @@ class Mission
     for (int i = 0; i < kChecksPerStep; i++)
     {
       robot_.drive(kStep_s / kChecksPerStep);
-      if (!robot_.collides()) continue;
-      return end(result, Ending::Collision, "hit an obstacle");
+      const Contact contact = robot_.contact();
+      if (contact == Contact::Drop) return end(result, Ending::Fall, "went over an edge");
+      if (contact == Contact::Obstacle) return end(result, Ending::Collision, "hit an obstacle");
     }
     return false;
   }
@@ -179,6 +182,8 @@ std::string ending_name(Ending ending)
       return "blocked";
     case Ending::Collision:
       return "collision";
+    case Ending::Fall:
+      return "fall";
     default:
       return "timeout";
   }

@@ -15,6 +15,7 @@ enum class Ending
   Arrived,
   Blocked,  //!< no way to the goal, again and again
   Collision,
+  Fall,  //!< over an edge below which it is deeper than it climbs
   Timeout
 };
 std::string ending_name(Ending ending);

@@ -24,10 +24,12 @@ constexpr const char* kFooter =
     "  talus-nav datasets/worlds/nav_indoor.yaml --goal 15,0 --output out\n"
     "  talus-nav datasets/worlds/nav_woods.yaml --goal 16,0 --planner 3d --seed 7 --output out\n"
     "  talus-nav datasets/worlds/nav_indoor.yaml --goal 15,0 --map octomap --output out\n"
+    "  talus-nav datasets/worlds/nav/nav_shaft.yaml --goal 9,0 --scanner OS0-128 \\\n"
+    "      --mount 0,0,0.68,0,15,0 --output out\n"
     "\n"
     "Exit codes: 0 arrived, 1 failed, 2 wrong usage, 3 blocked (there is no way), 4 collision, 5 "
     "timeout,\n"
-    "128 + N stopped by signal N.";
+    "6 fall (over an edge), 128 + N stopped by signal N.";
 
 std::string what_arrived_means()
 {
@@ -58,10 +60,11 @@ void add_mission(CLI::App& app, Options& o)
          "2d: CReactiveNavigationSystem, 3d: CReactiveNavigationSystem3D (default: 2d)")
       ->check(CLI::IsMember({"2d", "3d"}))
       ->type_name("NAME");
-  app.add_option_function<std::string>(
-         "--map", [&o](const std::string& text) { o.octomap = text == "octomap"; },
-         "Where obstacles come from: talus, or octomap to compare (default: talus)")
-      ->check(CLI::IsMember({"talus", "octomap"}))
+  app.add_option(
+         "--map", o.map,
+         "Where obstacles come from: talus; octomap or onesurface (an elevation map) to compare")
+      ->check(CLI::IsMember({"talus", "octomap", "onesurface"}))
+      ->capture_default_str()
       ->type_name("NAME");
   app.add_option(
          "--planner-config", o.config,
@@ -73,6 +76,23 @@ void add_mission(CLI::App& app, Options& o)
       ->check(app::between(1.0, 1e5))
       ->capture_default_str()
       ->type_name("S");
+}
+
+void add_sensor(CLI::App& app, Options& o)
+{
+  std::vector<std::string> names;
+  for (const auto& s : sim::scanners()) names.push_back(s.name);
+  app.add_option("--scanner", o.scanner, "Instead of the world's: " + CLI::detail::join(names, ", "))
+      ->check(CLI::IsMember(names, CLI::ignore_case))
+      ->type_name("NAME");
+  app::check_mounting(
+      app.add_option(
+             "--mount", o.mount,
+             "Where and how, instead of the world's: metres from the ground below the robot's "
+             "middle, degrees (a positive pitch looks down)")
+          ->delimiter(',')
+          ->expected(6)
+          ->type_name("X,Y,Z,YAW,PITCH,ROLL"));
 }
 
 void add_noise(CLI::App& app, Options& o)
@@ -114,12 +134,22 @@ void add_processing(CLI::App& app, Options& o)
 }
 }  // namespace
 
+void fit_sensor(sim::SensorSetup& sensor, const Options& o)
+{
+  if (!o.scanner.empty()) sensor.scanner = o.scanner;
+  if (o.mount.empty()) return;
+  const auto& m = o.mount;
+  sensor.T_base_sensor = sim::pose_from_rpy(
+      {m[0], m[1], m[2]}, sim::radians(m[5]), sim::radians(m[4]), sim::radians(m[3]));
+}
+
 std::optional<int> parse_options(int argc, char** argv, Options& options)
 {
   CLI::App app{
       "Drives a simulated robot to a goal: LiDAR -> terrain map -> MRPT's planners, no display.",
       "talus-nav"};
   add_mission(app, options);
+  add_sensor(app, options);
   add_noise(app, options);
   add_processing(app, options);
   app.set_version_flag("--version", app::version_line("talus-nav"));

@@ -14,7 +14,9 @@ struct Options
   std::string world, output;
   std::vector<double> goal;  //!< x, y
   bool in_3d = false;
-  bool octomap = false;
+  std::string map = "talus";  //!< or octomap, onesurface
+  std::string scanner;  //!< empty: as the world says
+  std::vector<double> mount;  //!< x, y, z [m], yaw, pitch, roll [degrees]; empty: as the world says
   std::string config;  //!< INI file of the planner, empty: the built-in one
   std::uint64_t seed = 1;
   Noise noise;
@@ -24,6 +26,9 @@ struct Options
   int every = 10;  //!< a frame of the animation each so many steps; 0: none
   bool quiet = false;
 };
+
+/** Makes the sensor of a world what the options say. */
+void fit_sensor(sim::SensorSetup& sensor, const Options& options);
 
 /** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
  * program, or nothing: go on. */

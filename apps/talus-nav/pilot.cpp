@@ -12,6 +12,7 @@
 #include <talus/io/mrpt_error.h>
 #include <talus/mrpt/planner_ini.h>
 
+#include <algorithm>
 #include <cmath>
 #include <new>
 #include <stdexcept>
@@ -114,7 +115,12 @@ mrpt::math::TTwist2D RobotInterface::velocity_in_map()
 bool RobotInterface::changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command)
 {
   const auto& c = dynamic_cast<const mrpt::kinematics::CVehicleVelCmd_DiffDriven&>(command);
-  robot_.command(c.lin_vel, c.ang_vel);
+  const RobotBody& body = robot_.body();
+  const double known_m = map_.known_ahead_m(T_map_base, c.lin_vel, c.ang_vel, body.width_m);
+  const double most_mps =
+      stopping_speed_mps(known_m - 0.5 * body.length_m, body.reacts_s, body.brakes_mps2);
+  const double share = std::min(1.0, most_mps / std::max(std::abs(c.lin_vel), 1e-9));
+  robot_.command(share * c.lin_vel, share * c.ang_vel);
   return true;
 }
 

@@ -31,6 +31,7 @@ class RobotInterface : public detail::RobotToNavigate
 
   mrpt::math::TPose2D pose_in_map() override;
   mrpt::math::TTwist2D velocity_in_map() override;
+  /** Slower where the ground ahead is not known far enough to stop. */
   bool changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command) override;
   void stand() override { robot_.command(0, 0); }
   mrpt::kinematics::CVehicleVelCmd::Ptr getEmergencyStopCmd() override;

@@ -79,13 +79,14 @@ Route::Route(
       static_cast<float>(resolution_m), kHopeful);
 }
 
-bool Route::plan(const mrpt::math::TPose2D& robot)
+bool Route::plan(
+    const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap)
 {
   way_.clear();
   // A robot that came too near to an obstacle must find away from it.
   for (const double share : {1.0, 0.8, 0.65})
-    if (plan_with(costmap_, robot, share * robot_radius_m_)) return true;
-  auto around_cleared = costmap_;
+    if (plan_with(costmap, robot, share * robot_radius_m_)) return true;
+  auto around_cleared = costmap;
   clear_around(around_cleared, robot, 0.85 * robot_radius_m_);
   return plan_with(around_cleared, robot, 0.65 * robot_radius_m_);
 }

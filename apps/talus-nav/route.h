@@ -28,8 +28,9 @@ class Route
   mrpt::maps::COccupancyGridMap2D& costmap() { return costmap_; }
   const mrpt::maps::COccupancyGridMap2D& costmap() const { return costmap_; }
 
-  /** Plans anew. False when there is no way; the old one is then gone. */
-  bool plan(const mrpt::math::TPose2D& robot);
+  /** Plans anew on costmap(), or on it with more blocked for now. False when there is no way; the
+   * old one is then gone. */
+  bool plan(const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap);
 
   /** The place on the way that lies `ahead_m` along it from the place nearest to the robot; the
    * goal when it is nearer. Only after plan() found a way. */

@@ -56,15 +56,13 @@ void require_navigator(const mrpt::config::CConfigFileBase& ini, const Options& 
       " needs one such as in " + shipped_ini(o.in_3d));
 }
 
-/** Without the section the policies are other ones than in the shipped files, and the robot may
- * stand where those let it go. */
+/** A file with the map and without its obstacles may be one for something else. */
 void warn_of_missing_obstacles(
     const mrpt::config::CConfigFileBase& ini, const std::string& name, const Options& o)
 {
-  if (o.octomap || ini.sectionExists(kObstacles)) return;
+  if (o.map != "talus" || ini.sectionExists(kObstacles)) return;
   std::cerr << "talus-nav: warning: " << name << ": has no section [" << kObstacles
-            << "]; obstacles are made with its defaults (unknown, risky and inferred = near), see "
-               "doc/navigation.md\n";
+            << "]; obstacles are made with its defaults, see doc/navigation.md\n";
 }
 }  // namespace
 
@@ -81,7 +79,7 @@ Settings load_settings(const Options& o)
     require_navigator(ini, o);
     for (const auto& w : load_parameters(ini, "CDualElevationMap", s.parameters))
       std::cerr << "talus-nav: warning: " << s.name << ": " << w << "\n";
-    if (!o.octomap && s.parameters.resolution_m != kCostmapCell_m)
+    if (o.map != "octomap" && s.parameters.resolution_m != kCostmapCell_m)
       throw std::runtime_error(mrpt::format(
           "resolution = %g m: must be %g m, as the costmap of the route has",
           s.parameters.resolution_m, kCostmapCell_m));
@@ -98,7 +96,8 @@ Settings load_settings(const Options& o)
 
 std::unique_ptr<MapSource> make_source(const Options& o, const Settings& s)
 {
-  if (o.octomap) return make_octomap_source({});
+  if (o.map == "octomap") return make_octomap_source({});
+  if (o.map == "onesurface") return make_onesurface_source(s.parameters, s.obstacles);
   return make_terrain_source(s.parameters, o.backend, o.threads, s.obstacles);
 }
 

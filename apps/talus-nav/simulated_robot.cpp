@@ -120,11 +120,32 @@ sim::Scan SimulatedRobot::scan() const
   return sim::take_scan(world_, scanner_, sweep);
 }
 
-bool SimulatedRobot::collides() const
+/** Whether the ground around a place, where nothing stands, is farther below the plane of the
+ * wheels than above it. */
+bool SimulatedRobot::is_drop(double x_m, double y_m) const
+{
+  constexpr double kAround_m = 0.25;
+  const sim::Scene scene(world_, time_s_);
+  const Pose T = T_map_base();
+  double lowest_m = 0, highest_m = 0;
+  for (int i = 0; i < 8; i++)
+  {
+    const double x = x_m + kAround_m * std::cos(i * sim::kPi / 4);
+    const double y = y_m + kAround_m * std::sin(i * sim::kPi / 4);
+    const double plane_m = T.z() - (T.m[2] * (x - T.x()) + T.m[6] * (y - T.y())) / T.m[10];
+    const double above_m = scene.floor_m(x, y, plane_m + body_.steps_m) - plane_m;
+    lowest_m = std::min(lowest_m, above_m);
+    highest_m = std::max(highest_m, above_m);
+  }
+  return -lowest_m > highest_m;
+}
+
+Contact SimulatedRobot::contact() const
 {
   sim::TruthOptions options;
   options.clearance_m = body_.height_m;
   options.min_obstacle_m = body_.climbs_m;
+  options.max_step_m = body_.steps_m;
   options.samples = 3;
   const sim::Bounds here{{x_m_, y_m_, 0}, {x_m_, y_m_, 0}};
   const double reach = 0.5 * std::hypot(body_.length_m, body_.width_m);
@@ -138,11 +159,13 @@ bool SimulatedRobot::collides() const
       if (truth.label[cell] != 0) continue;
       const double dx = truth.window.min_x_m + (ix + 0.5) * kTruthCell_m - x_m_;
       const double dy = truth.window.min_y_m + (iy + 0.5) * kTruthCell_m - y_m_;
-      if (std::abs(c * dx + s * dy) <= 0.5 * body_.length_m &&
-          std::abs(-s * dx + c * dy) <= 0.5 * body_.width_m)
-        return true;
+      if (std::abs(c * dx + s * dy) > 0.5 * body_.length_m ||
+          std::abs(-s * dx + c * dy) > 0.5 * body_.width_m)
+        continue;
+      const bool stands = truth.obstacle_top[cell] - truth.ground[cell] > body_.climbs_m;
+      return !stands && is_drop(x_m_ + dx, y_m_ + dy) ? Contact::Drop : Contact::Obstacle;
     }
-  return false;
+  return Contact::None;
 }
 
 }  // namespace talus::nav

@@ -12,6 +12,16 @@ struct RobotBody
   double height_m = 0.8;  //!< with the sensor: the clearance that it needs
   double climbs_m = 0.1;  //!< what stands lower is driven over
   double wheel_radius_m = 0.15;
+  double steps_m = 0.2;  //!< the highest step of the ground that it takes, up or down
+  double reacts_s = 0.4, brakes_mps2 = 1.0;  //!< on what its driver counts to stop it
+};
+
+/** What a robot has run into. */
+enum class Contact
+{
+  None,
+  Obstacle,  //!< something that stands or hangs too low, a step or slope that goes up
+  Drop  //!< an edge below which it is deeper than a step
 };
 
 /** Errors of what the robot knows about itself and its surroundings, standard deviations. */
@@ -48,11 +58,11 @@ class SimulatedRobot
   /** What its sensor sees now, sensor frame. */
   sim::Scan scan() const;
 
-  /** Whether its body is where the truth says blocked: in something that stands or hangs too low,
-   * on too steep ground, over a step. */
-  bool collides() const;
+  /** Whether its body is where the truth says blocked. */
+  Contact contact() const;
 
  private:
+  bool is_drop(double x_m, double y_m) const;
   double support_m(const sim::Scene& scene, double x_m, double y_m) const;
   double wheel_m(const sim::Scene& scene, double forward_m, double left_m) const;
 

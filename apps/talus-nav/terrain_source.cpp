@@ -21,6 +21,7 @@ class TerrainSource : public MapSource
     Frame frame;
     frame.stamp_s = stamp_s;
     frame.T_map_sensor = pose_from(T_map_base + T_base_sensor);
+    frame.T_base_sensor = pose_from(T_base_sensor);
     frame.x_m = scan.x_m.data();
     frame.y_m = scan.y_m.data();
     frame.z_m = scan.z_m.data();
@@ -32,18 +33,27 @@ class TerrainSource : public MapSource
       const mrpt::poses::CPose3D& T_map_base, const std::vector<double>& prism_heights_m,
       mrpt::maps::CSimplePointsMap& out) override
   {
-    if (prism_heights_m.empty())
-      obstacles_2d(map_, T_map_base, options_, out);
-    else
-      obstacles_3d(map_, T_map_base, options_, prism_heights_m, out);
+    make_obstacles(map_, T_map_base, options_, prism_heights_m, out);
   }
 
   void update_costmap(
       const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
   {
     ObstacleOptions o = options_;
-    o.unknown = CellPolicy::Free;  // where nothing is known a way may be hoped for
+    o.unseen = Unseen::Free;
     talus::update_costmap(map_, T_map_base, o, grid);
+  }
+
+  void block_unseen(
+      const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
+  {
+    talus::update_costmap(map_, T_map_base, options_, grid);
+  }
+
+  double known_ahead_m(
+      const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps, double width_m) override
+  {
+    return talus::known_ahead_m(map_, T_map_base, v_mps, w_radps, width_m, options_);
   }
 
   const ElevationMapper* terrain() const override { return &map_; }
@@ -53,6 +63,16 @@ class TerrainSource : public MapSource
   ObstacleOptions options_;
 };
 }  // namespace
+
+void make_obstacles(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& options,
+    const std::vector<double>& prism_heights_m, mrpt::maps::CSimplePointsMap& out)
+{
+  if (prism_heights_m.empty())
+    obstacles_2d(map, T_map_base, options, out);
+  else
+    obstacles_3d(map, T_map_base, options, prism_heights_m, out);
+}
 
 std::unique_ptr<MapSource> make_terrain_source(
     const Parameters& parameters, Backend backend, int threads, const ObstacleOptions& options)

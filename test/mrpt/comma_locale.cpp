@@ -96,12 +96,12 @@ TEST_F(CommaLocale, options_go_through_an_ini_file_and_back)
   CDualElevationMap::TRenderOptions render;
   render.maxCells = 12345;
   ObstacleOptions obstacles;
-  obstacles.near_m = 1.25;
+  obstacles.seen_within_m = 1.25;
   std::string text;
   EXPECT_EQ(saved_and_loaded(insertion, text).clearance_m, 0.75);
   EXPECT_EQ(saved_and_loaded(likelihood, text).sigma_m, 0.125);
   EXPECT_EQ(saved_and_loaded(render, text).maxCells, 12345);
-  EXPECT_EQ(saved_and_loaded(obstacles, text).near_m, 1.25);
+  EXPECT_EQ(saved_and_loaded(obstacles, text).seen_within_m, 1.25);
   EXPECT_FALSE(has_comma_number(text)) << text;
   EXPECT_TRUE(has(parameters_as_markdown(), "| 0.05 | m | 0.001 to 100 |"));
 }

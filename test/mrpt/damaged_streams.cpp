@@ -418,7 +418,7 @@ TEST(OptionsSetInCode, are_shown_as_they_are_and_refused_where_they_are_used)
   auto out = mrpt::serialization::archiveFrom(stream);
   EXPECT_ANY_THROW(out << map) << "it could not be read";
   ObstacleOptions obstacles;
-  obstacles.unknown = static_cast<CellPolicy>(7);
+  obstacles.unseen = static_cast<Unseen>(7);
   obstacles.dumpToTextStream(text);
   EXPECT_THROW(classify_cells(map.mapper(), {}, obstacles), std::invalid_argument);
 }

@@ -178,7 +178,7 @@ TEST(DualElevationMap, every_option_survives_saving_and_loading_in_memory)
   talus::ObstacleOptions obstacles;
   obstacles.blocked_at = 0.125;
   obstacles.range_m = 7.5;
-  obstacles.unknown = talus::CellPolicy::Obstacle;
+  obstacles.unseen = talus::Unseen::Free;
   obstacles.boundary_only = !obstacles.boundary_only;
   const std::string text = told(
       [&]
@@ -197,7 +197,7 @@ TEST(DualElevationMap, every_option_survives_saving_and_loading_in_memory)
         const auto o = saved_and_loaded(obstacles);
         EXPECT_EQ(o.blocked_at, 0.125);
         EXPECT_EQ(o.range_m, 7.5);
-        EXPECT_EQ(o.unknown, talus::CellPolicy::Obstacle);
+        EXPECT_EQ(o.unseen, talus::Unseen::Free);
         EXPECT_EQ(o.boundary_only, obstacles.boundary_only);
       });
   EXPECT_EQ(text, "") << "no key is unknown";

@@ -11,6 +11,7 @@
 #include <talus/mrpt/parameters_ini.h>
 #include <talus/mrpt/planner_ini.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 
@@ -18,7 +19,7 @@ struct MyRobot : mrpt::nav::CRobot2NavInterface
 {
   using Cmd = mrpt::kinematics::CVehicleVelCmd;
   talus::CDualElevationMap map;  // map.insertObservation(scan, pose) for each scan
-  talus::ObstacleOptions options;  // range_m, spacing_m, what unknown cells are ...
+  talus::ObstacleOptions options;  // range_m, spacing_m, seen_within_m ...
   mrpt::poses::CPose3D pose;  // of the base in the map, from localisation
   double v = 0, w = 0;  // m/s, rad/s: goes to the motors
 
@@ -48,8 +49,13 @@ struct MyRobot : mrpt::nav::CRobot2NavInterface
   bool changeSpeeds(const Cmd& cmd) override
   {
     const auto& c = dynamic_cast<const mrpt::kinematics::CVehicleVelCmd_DiffDriven&>(cmd);
-    v = c.lin_vel;
-    w = c.ang_vel;
+    // As fast as it can still stop before what is not known; its front is 0.3 m before its middle.
+    const double known_m =
+        talus::known_ahead_m(map.mapper(), pose, c.lin_vel, c.ang_vel, 0.6, options);
+    const double most = talus::stopping_speed_mps(known_m - 0.3, 0.4, 1.0);
+    const double share = std::min(1.0, most / std::max(std::abs(c.lin_vel), 1e-9));
+    v = share * c.lin_vel;
+    w = share * c.ang_vel;
     return true;
   }
   bool stop(bool) override
@@ -102,8 +108,8 @@ void see_the_room(talus::CDualElevationMap& map)
 TEST(NavExample, reads_map_and_obstacles_from_the_file_of_the_navigator)
 {
   const RobotInSimulatedTime robot{mrpt::config::CConfigFile(kIni)};
-  EXPECT_EQ(robot.options.unknown, talus::CellPolicy::Free);
-  EXPECT_EQ(robot.options.inferred, talus::CellPolicy::Free);
+  EXPECT_EQ(robot.options.unseen, talus::Unseen::Obstacle);
+  EXPECT_EQ(robot.options.seen_within_m, 1.5);
   EXPECT_EQ(robot.map.insertionOptions.clearance_m, 0.8);
   EXPECT_EQ(robot.map.insertionOptions.window_m, 8.0);
 }

@@ -20,11 +20,11 @@ using talus_test::CSimplePointsMap;
 
 namespace
 {
-/** Everything but measured obstacles is free. */
-ObstacleOptions only_measured()
+/** What is not known is left to the planner. */
+ObstacleOptions only_known()
 {
   ObstacleOptions o;
-  o.unknown = o.one_sided = o.risky = o.inferred = CellPolicy::Free;
+  o.unseen = Unseen::Free;
   return o;
 }
 
@@ -54,7 +54,7 @@ std::size_t count_at(const CSimplePointsMap& points, float z)
 /** One box of the room, x in [1.02, 1.63], |y| <= 0.52, 0.45 m high; the other one is cut off. */
 ObstacleOptions near_box()
 {
-  ObstacleOptions o = only_measured();
+  ObstacleOptions o = only_known();
   o.range_m = 1.75;
   return o;
 }
@@ -149,26 +149,81 @@ TEST(Obstacles, of_a_snapshot_are_those_of_the_map)
   EXPECT_EQ(of_map.getPointsBufferRef_y(), of_snapshot.getPointsBufferRef_y());
 }
 
-TEST(Obstacles, of_unknown_cells_follow_the_policy)
+TEST(Obstacles, are_what_is_not_known_near_the_robot_unless_it_is_free)
 {
   const auto map = seen_room();
-  const CPose3D far_away(0.5, -2.6, 0, 0, 0, 0);  // beside the edge of what was seen
-  ObstacleOptions o = only_measured();
-  o.range_m = 1.0;
-  o.own_radius_m = 0.2;
+  const CPose3D beside(0.5, -2.6, 0, 0, 0, 0);  // the edge of what was seen
+  ObstacleOptions o;
+  o.range_m = 1.2;
+  o.seen_within_m = 0.8;
+  const auto nearest_and_farthest_m = [&]
+  {
+    CSimplePointsMap points;
+    obstacles_2d(map.mapper(), beside, o, points);
+    double nearest = 1e9, farthest = 0;
+    for (std::size_t i = 0; i < points.size(); i++)
+    {
+      float x = 0, y = 0;
+      points.getPoint(i, x, y);
+      nearest = std::min<double>(nearest, std::hypot(x, y));
+      farthest = std::max<double>(farthest, std::hypot(x, y));
+    }
+    return std::pair{nearest, farthest};
+  };
+  EXPECT_GT(nearest_and_farthest_m().second, 0.6);
+  EXPECT_LE(nearest_and_farthest_m().second, 0.8) << "farther away it is left to the planner";
+  EXPECT_GE(nearest_and_farthest_m().first, o.body_radius_m);
+  o.unseen = Unseen::Free;
+  EXPECT_EQ(nearest_and_farthest_m().second, 0) << "none";
+}
+
+TEST(Obstacles, are_all_cells_that_are_blocked_also_beside_the_robot)
+{
+  const auto map = seen_room();
+  const CPose3D touching(0.7, 0, 0, 0, 0, 0);  // 0.32 m before the box
+  ObstacleOptions o = only_known();
+  o.range_m = 0.6;
   CSimplePointsMap points;
-  obstacles_2d(map.mapper(), far_away, o, points);
-  EXPECT_EQ(points.size(), 0U);
-  o.unknown = CellPolicy::Obstacle;
-  o.one_sided = CellPolicy::Obstacle;
-  obstacles_2d(map.mapper(), far_away, o, points);
-  const auto all = points.size();
-  EXPECT_GT(all, 0U);
-  o.unknown = CellPolicy::Near;
-  o.one_sided = CellPolicy::Near;
-  o.near_m = 0.1;
-  obstacles_2d(map.mapper(), far_away, o, points);
-  EXPECT_EQ(points.size(), 0U) << "what is near is under the robot";
+  obstacles_2d(map.mapper(), touching, o, points);
+  EXPECT_NEAR(extent_of(points).min_x, 0.32, kFeature_m + kCell_m);
+}
+
+TEST(KnownAhead, ends_at_the_first_cell_that_is_not_known_on_the_way)
+{
+  MapSnapshot map = snapshot_of_room();
+  auto& traversability = map.layers[static_cast<std::size_t>(Layer::Traversability)];
+  std::fill(traversability.begin(), traversability.end(), 1.0F);
+  const auto forget = [&](double x_m, double y_m)
+  { traversability[*map.window.index_at(x_m, y_m)] = NAN; };
+  const CPose3D base(0.5, 0, 0, M_PI / 2, 0, 0);  // looks to +y
+  const ObstacleOptions o = only_known();
+  const auto known_m = [&](double v_mps, double w_radps)
+  { return known_ahead_m(map, base, v_mps, w_radps, 0.6, o); };
+  const double to_border_m = known_m(1, 0);
+  EXPECT_GT(to_border_m, 1.5);
+  forget(0.51, 1.01);
+  EXPECT_NEAR(known_m(1, 0), 1.0, kCell_m);
+  EXPECT_NEAR(known_m(-1, 0), to_border_m, 1e-9) << "it lies ahead";
+  forget(0.51, -0.79);
+  EXPECT_NEAR(known_m(-1, 0), 0.8, kCell_m);
+  EXPECT_NEAR(known_m(1, 1), to_border_m, 1e-9) << "they lie in the middle of a circle, or beside";
+  forget(-0.49, 1.01);
+  EXPECT_NEAR(known_m(1, 1), M_PI / 2, kCell_m) << "a quarter of that circle";
+  EXPECT_NEAR(known_m(1, -1), to_border_m, 1e-9) << "that to the right";
+  EXPECT_EQ(known_m(0, 1), o.range_m);
+  const ElevationMapper empty({}, Backend::Cpu);
+  EXPECT_EQ(known_ahead_m(empty, base, 1, 0, 0.6, o), 0);
+}
+
+TEST(KnownAhead, is_enough_to_stop_from_the_speed_that_goes_with_it)
+{
+  for (const double distance_m : {0.05, 0.5, 3.0})
+  {
+    const double v = stopping_speed_mps(distance_m, 0.4, 1.5);
+    EXPECT_NEAR(v * 0.4 + v * v / (2 * 1.5), distance_m, 1e-9);
+  }
+  EXPECT_EQ(stopping_speed_mps(-0.1, 0.4, 1.5), 0);
+  EXPECT_EQ(stopping_speed_mps(NAN, 0.4, 1.5), 0);
 }
 
 TEST(Obstacles, of_an_empty_map_are_none)
@@ -184,7 +239,7 @@ TEST(Costmap, tells_free_from_blocked_and_unknown)
 {
   const auto map = seen_room();
   COccupancyGridMap2D grid;
-  map.getAsOccupancyGrid(grid, only_measured());
+  map.getAsOccupancyGrid(grid, only_known());
   EXPECT_LT(grid.getPos(1.3F, 0.5F), 0.1F) << "the box";
   EXPECT_GT(grid.getPos(0.5F, -1.5F), 0.9F) << "the floor";
   EXPECT_NEAR(grid.getPos(2.95F, 2.95F), 0.5F, 0.01F) << "the corner that was not seen";
@@ -195,7 +250,7 @@ TEST(Costmap, leads_the_grid_planner_around_the_box)
 {
   const auto map = seen_room();
   COccupancyGridMap2D grid;
-  map.getAsOccupancyGrid(grid, only_measured());
+  map.getAsOccupancyGrid(grid, only_known());
   mrpt::nav::PlannerSimple2D planner;
   planner.robotRadius = 0.2F;
   std::deque<mrpt::math::TPoint2D> path;
@@ -212,7 +267,7 @@ TEST(Costmap, of_the_world_keeps_what_left_the_window)
   COccupancyGridMap2D world;
   world.setSize(-10, 10, -10, 10, 0.05F, 0.6F);
   world.setPos(8, 8, 0.05F);
-  update_costmap(map.mapper(), {}, only_measured(), world);
+  update_costmap(map.mapper(), {}, only_known(), world);
   EXPECT_LT(world.getPos(8, 8), 0.1F);
   EXPECT_LT(world.getPos(1.3F, 0.5F), 0.1F);
   EXPECT_NEAR(world.getPos(2.95F, 2.95F), 0.6F, 0.01F) << "unknown in the window stays too";
@@ -227,7 +282,7 @@ TEST(Costmap, stays_as_it_is_where_the_window_lies_far_outside_of_it)
   far_away.window.min_cell_x -= std::int64_t{1} << 32;  // an int would wrap back into the costmap
   COccupancyGridMap2D world;
   world.setSize(-10, 10, -10, 10, 0.05F, 0.6F);
-  update_costmap(far_away, {}, only_measured(), world);
+  update_costmap(far_away, {}, only_known(), world);
   EXPECT_NEAR(world.getPos(1.3F, 0.5F), 0.6F, 0.01F) << "the box";
   EXPECT_NEAR(world.getPos(0.5F, -1.5F), 0.6F, 0.01F) << "the floor";
 }
@@ -240,7 +295,7 @@ TEST(Costmap, is_refused_where_its_borders_cannot_be_told_apart)
   COccupancyGridMap2D grid;
   try
   {
-    map.getAsOccupancyGrid(grid, only_measured());
+    map.getAsOccupancyGrid(grid, only_known());
     ADD_FAILURE() << "accepted";
   }
   catch (const std::invalid_argument& e)
@@ -271,32 +326,42 @@ TEST(Obstacles, are_not_made_of_numbers_that_are_none)
 TEST(ObstacleOptions, come_back_from_an_ini_file)
 {
   ObstacleOptions o, back;
-  o.near_m = 3.5;
-  o.unknown = CellPolicy::Obstacle;
+  o.seen_within_m = 3.5;
+  o.unseen = Unseen::Free;
   o.boundary_only = false;
   mrpt::config::CConfigFileMemory ini;
   o.saveToConfigFile(ini, "obstacles");
   back.loadFromConfigFile(ini, "obstacles");
-  EXPECT_EQ(back.near_m, 3.5);
-  EXPECT_EQ(back.unknown, CellPolicy::Obstacle);
+  EXPECT_EQ(back.seen_within_m, 3.5);
+  EXPECT_EQ(back.unseen, Unseen::Free);
   EXPECT_FALSE(back.boundary_only);
 }
 
 TEST(ObstacleOptions, refuse_what_makes_no_sense_and_say_what_is_allowed)
 {
-  mrpt::config::CConfigFileMemory ini;
-  ini.setContent(std::string("[obstacles]\nunknown = maybe\n"));
-  ObstacleOptions o;
-  try
+  const auto message_of = [](const std::string& line)
   {
-    o.loadFromConfigFile(ini, "obstacles");
-    ADD_FAILURE() << "accepted";
-  }
-  catch (const std::exception& e)
-  {
-    EXPECT_STREQ(
-        e.what(), "unknown = 'maybe': must be free, near or obstacle (in section obstacles)");
-  }
+    mrpt::config::CConfigFileMemory ini;
+    ini.setContent("[obstacles]\n" + line + "\n");
+    try
+    {
+      ObstacleOptions().loadFromConfigFile(ini, "obstacles");
+    }
+    catch (const std::exception& e)
+    {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(
+      message_of("unseen = maybe"),
+      "unseen = 'maybe': must be obstacle or free (in section obstacles)");
+  for (const std::string key :
+       {"unknown", "one_sided", "risky", "inferred", "risky_below", "near_m", "own_radius_m"})
+    EXPECT_EQ(
+        message_of(key + " = 1").rfind(key + ": is replaced by seen_within_m = 1.5 and unseen", 0),
+        0U)
+        << message_of(key + " = 1");
 }
 
 TEST(Obstacles, all_stay_however_small_the_squares_of_the_spacing_are)

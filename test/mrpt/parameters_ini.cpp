@@ -231,8 +231,8 @@ TEST(ParametersIni, options_refuse_what_mrpt_would_read_as_some_other_value)
       {&likelihood, "sigma_m = 0.05m"},  {&likelihood, "outlierRatio = "},
       {&likelihood, "decimation = 2.7"}, {&likelihood, "decimation = 1e12"},
       {&render, "showGround = maybe"},   {&render, "maxCells = many"},
-      {&obstacles, "near_m = far"},      {&obstacles, "z_m = nan"},
-      {&obstacles, "unknown = "},        {&obstacles, "boundary_only = 2"}};
+      {&obstacles, "seen_within_m = far"}, {&obstacles, "z_m = nan"},
+      {&obstacles, "unseen = "},        {&obstacles, "boundary_only = 2"}};
   for (const auto& [options, line] : wrong)
   {
     const std::string key = line.substr(0, line.find(' ')), value = line.substr(key.size() + 3);

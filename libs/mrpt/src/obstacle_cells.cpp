@@ -13,96 +13,65 @@ namespace
 {
 using detail::SurfaceView;
 
-constexpr double kObject_m = 0.1;  // lower than this nothing stands in the way
-
-/** The questions that classify_cells() asks of a cell. */
-class Judge
-{
- public:
-  Judge(const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
-      : view_(map),
-        sparsity_(map.layer(Layer::Sparsity)),
-        base_(T_map_base),
-        o_(o),
-        reach_(static_cast<int>(
-            std::lround(map.parameters().feature_radius_m / map.parameters().resolution_m)))
-  {
-  }
-
-  Passage operator()(int ix, int iy) const
-  {
-    const std::size_t cell = view_.index(ix, iy);
-    const double distance_m = std::hypot(view_.x_m(ix) - base_.x(), view_.y_m(iy) - base_.y());
-    const float traversability = view_.traversability[cell];
-    if (distance_m < o_.body_radius_m) return Passage::Free;
-    if (std::isnan(traversability))
-      return counts(o_.unknown, distance_m) ? Passage::Obstacle : Passage::Unknown;
-    if (traversability <= o_.blocked_at &&
-        (stands(cell) || !rests_on_fills(ix, iy) || counts(o_.inferred, distance_m)))
-      return Passage::Obstacle;
-    if (!is_guess(cell)) return Passage::Free;
-    const bool risky = sparsity_[cell] < o_.risky_below;  // false for NaN
-    return counts(risky ? o_.risky : o_.one_sided, distance_m) ? Passage::Obstacle : Passage::Free;
-  }
-
- private:
-  bool counts(CellPolicy policy, double distance_m) const
-  {
-    if (distance_m < o_.own_radius_m) return false;
-    return policy == CellPolicy::Obstacle ||
-           (policy == CellPolicy::Near && distance_m <= o_.near_m);
-  }
-
-  /** Inferred ground, and nothing seen on it. */
-  bool is_filled(std::size_t cell) const
-  {
-    return view_.state[cell] != static_cast<float>(CellState::Measured) &&
-           std::isnan(view_.elevation[cell]);
-  }
-
-  /** The same, inferred from one side. */
-  bool is_guess(std::size_t cell) const
-  {
-    return is_filled(cell) && view_.state[cell] == static_cast<float>(CellState::FilledOneSided);
-  }
-
-  /** Something measured stands on the ground of the cell. */
-  bool stands(std::size_t cell) const
-  {
-    return view_.elevation[cell] - view_.ground[cell] > kObject_m;  // false for NaN
-  }
-
-  /** Slope and step of the cell were made from inferred ground too. */
-  bool rests_on_fills(int ix, int iy) const
-  {
-    const int last = view_.window.cells - 1;
-    for (int y = std::max(0, iy - reach_); y <= std::min(last, iy + reach_); y++)
-      for (int x = std::max(0, ix - reach_); x <= std::min(last, ix + reach_); x++)
-        if (is_filled(view_.index(x, y))) return true;
-    return false;
-  }
-
-  SurfaceView view_;
-  const std::vector<float>& sparsity_;
-  const mrpt::poses::CPose3D& base_;
-  const ObstacleOptions& o_;
-  int reach_;  //!< of the neighbourhood of slope and step, in cells
-};
-
-/** A comparison with NaN, or a policy that is none, makes nothing an obstacle. */
+/** A comparison with NaN, or a choice that is none, makes nothing an obstacle. */
 void require_sound(const mrpt::poses::CPose3D& T, const ObstacleOptions& o)
 {
   if (!std::isfinite(T.x() + T.y() + T.z() + T.yaw() + T.pitch() + T.roll()))
     throw std::invalid_argument("the pose of the robot among the obstacles is not finite");
   if (std::isnan(
-          o.blocked_at + o.risky_below + o.near_m + o.body_radius_m + o.own_radius_m + o.range_m +
-          o.spacing_m + o.z_m))
+          o.blocked_at + o.seen_within_m + o.body_radius_m + o.range_m + o.spacing_m + o.z_m))
     throw std::invalid_argument("a number of the ObstacleOptions is NaN");
-  for (const CellPolicy policy : {o.unknown, o.one_sided, o.risky, o.inferred})
-    if (policy != CellPolicy::Free && policy != CellPolicy::Near && policy != CellPolicy::Obstacle)
-      throw std::invalid_argument(
-          "a policy of the ObstacleOptions is " + std::to_string(static_cast<int>(policy)) +
-          ", none of CellPolicy");
+  if (o.unseen != Unseen::Obstacle && o.unseen != Unseen::Free)
+    throw std::invalid_argument(
+        "unseen of the ObstacleOptions is " + std::to_string(static_cast<int>(o.unseen)) +
+        ", none of Unseen");
+}
+
+Passage judge(float traversability, double distance_m, const ObstacleOptions& o)
+{
+  if (distance_m < o.body_radius_m) return Passage::Free;
+  if (traversability <= o.blocked_at) return Passage::Obstacle;
+  if (!std::isnan(traversability)) return Passage::Free;
+  const bool must_be_seen = o.unseen == Unseen::Obstacle && distance_m <= o.seen_within_m;
+  return must_be_seen ? Passage::Obstacle : Passage::Unknown;
+}
+
+/** An arc from the base on, robot frame seen from above. */
+class Arc
+{
+ public:
+  Arc(double v_mps, double w_radps)
+      : sign_(v_mps < 0 ? -1 : 1),
+        straight_(std::abs(w_radps) < 1e-3 * std::abs(v_mps)),
+        radius_m_(straight_ ? 0 : v_mps / w_radps)
+  {
+  }
+
+  /** Where a place lies along it; negative: behind. */
+  double along_m(double x_m, double y_m) const
+  {
+    const double ahead_m = sign_ * x_m;
+    if (straight_) return ahead_m;
+    const double to_middle_m = std::copysign(1.0, radius_m_) * (radius_m_ - y_m);
+    return std::abs(radius_m_) * std::atan2(ahead_m, to_middle_m);
+  }
+  double beside_m(double x_m, double y_m) const
+  {
+    if (straight_) return std::abs(y_m);
+    return std::abs(std::hypot(x_m, y_m - radius_m_) - std::abs(radius_m_));
+  }
+
+ private:
+  double sign_;
+  bool straight_;
+  double radius_m_;  //!< its centre is there to the left
+};
+
+double to_border_m(const Window& w, const mrpt::poses::CPose3D& T)
+{
+  const double side_m = w.cells * w.resolution_m;
+  const double x = T.x() - w.min_x_m(), y = T.y() - w.min_y_m();
+  return std::max(0.0, std::min({x, y, side_m - x, side_m - y}));
 }
 }  // namespace
 
@@ -110,13 +79,49 @@ std::vector<Passage> classify_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
 {
   require_sound(T_map_base, o);
-  const Judge judge(map, T_map_base, o);
-  const int cells = map.window().cells;
+  const SurfaceView view(map);
+  const int cells = view.window.cells;
   std::vector<Passage> out;
   out.reserve(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
   for (int iy = 0; iy < cells; iy++)
-    for (int ix = 0; ix < cells; ix++) out.push_back(judge(ix, iy));
+    for (int ix = 0; ix < cells; ix++)
+    {
+      const double distance_m =
+          std::hypot(view.x_m(ix) - T_map_base.x(), view.y_m(iy) - T_map_base.y());
+      out.push_back(judge(view.traversability[view.index(ix, iy)], distance_m, o));
+    }
   return out;
+}
+
+double known_ahead_m(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps,
+    double width_m, const ObstacleOptions& o)
+{
+  if (map.empty()) return 0;
+  require_sound(T_map_base, o);
+  if (v_mps == 0) return o.range_m;
+  const SurfaceView view(map);
+  const Arc arc(v_mps, w_radps);
+  const double c = std::cos(T_map_base.yaw()), s = std::sin(T_map_base.yaw());
+  double known_m = std::min(o.range_m, to_border_m(view.window, T_map_base));
+  for (int iy = 0; iy < view.window.cells; iy++)
+    for (int ix = 0; ix < view.window.cells; ix++)
+    {
+      if (!std::isnan(view.traversability[view.index(ix, iy)])) continue;
+      const double dx = view.x_m(ix) - T_map_base.x(), dy = view.y_m(iy) - T_map_base.y();
+      if (std::hypot(dx, dy) < o.body_radius_m) continue;
+      const double x = c * dx + s * dy, y = -s * dx + c * dy;
+      const double along_m = arc.along_m(x, y);
+      if (along_m >= 0 && along_m < known_m && arc.beside_m(x, y) <= width_m / 2) known_m = along_m;
+    }
+  return known_m;
+}
+
+double stopping_speed_mps(double distance_m, double reaction_s, double deceleration_mps2)
+{
+  if (!(distance_m > 0)) return 0;
+  const double lost_mps = deceleration_mps2 * reaction_s;
+  return std::sqrt(lost_mps * lost_mps + 2 * deceleration_mps2 * distance_m) - lost_mps;
 }
 
 }  // namespace talus

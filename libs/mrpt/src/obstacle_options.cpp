@@ -5,6 +5,7 @@
 
 #include <array>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace talus
 {
 namespace
 {
-constexpr std::array<const char*, 3> kPolicyNames{"free", "near", "obstacle"};
+constexpr std::array<const char*, 2> kUnseenNames{"obstacle", "free"};
 
 struct Number
 {
@@ -25,47 +26,46 @@ struct Number
   const char* meaning;
 };
 constexpr double kAny = std::numeric_limits<double>::max();
-constexpr std::array<Number, 8> kNumbers{{
+constexpr std::array<Number, 6> kNumbers{{
     {"blocked_at", &ObstacleOptions::blocked_at, 0, 1,
      "cells whose traversability is this or less are obstacles"},
-    {"risky_below", &ObstacleOptions::risky_below, 0, 1, "sparsity below which a guess is risky"},
-    {"near_m", &ObstacleOptions::near_m, 0, kAny, "[m] what 'near' means"},
+    {"seen_within_m", &ObstacleOptions::seen_within_m, 0, kAny,
+     "[m] this near to the base, ground must be known and judged"},
     {"body_radius_m", &ObstacleOptions::body_radius_m, 0, kAny,
      "[m] around the base nothing is an obstacle"},
-    {"own_radius_m", &ObstacleOptions::own_radius_m, 0, kAny,
-     "[m] around the base the policies count nothing"},
     {"range_m", &ObstacleOptions::range_m, 1e-3, kAny, "[m] farther obstacles are left out"},
     {"spacing_m", &ObstacleOptions::spacing_m, 0, kAny, "[m] one point a square; 0: all"},
     {"z_m", &ObstacleOptions::z_m, -kAny, kAny, "[m] height of 2D obstacles, robot frame"},
 }};
 
-struct Choice
-{
-  const char* name;
-  CellPolicy ObstacleOptions::*value;
-  const char* meaning;
-};
-constexpr std::array<Choice, 4> kChoices{{
-    {"unknown", &ObstacleOptions::unknown, "free, near, obstacle: cells without ground"},
-    {"one_sided", &ObstacleOptions::one_sided, "the same: ground that is a guess"},
-    {"risky", &ObstacleOptions::risky, "the same: a guess that may be a ditch"},
-    {"inferred", &ObstacleOptions::inferred, "the same: blocked only by comparison with a fill"},
-}};
+/** Keys of earlier versions. A robot would drive otherwise than its file says if they were passed
+ * over. */
+constexpr std::array<const char*, 7> kReplaced{"unknown", "one_sided", "risky", "inferred",
+                                               "risky_below", "near_m", "own_radius_m"};
 
-CellPolicy policy_from(
-    const mrpt::config::CConfigFileBase& c, const std::string& section, const std::string& key)
+void refuse_replaced(const mrpt::config::CConfigFileBase& c, const std::string& section)
 {
-  const std::string text = ini_value(c, section, key);
-  for (std::size_t i = 0; i < kPolicyNames.size(); i++)
-    if (text == kPolicyNames[i]) return static_cast<CellPolicy>(i);
-  detail::refuse_value(c, section, key, "free, near or obstacle");
+  for (const char* key : kReplaced)
+    if (c.keyExists(section, key))
+      throw std::runtime_error(
+          std::string(key) + ": is replaced by seen_within_m = 1.5 and unseen = obstacle or free "
+          "(what is not known within that distance); what may be a ditch is blocked in the map "
+          "itself; delete it" + detail::in_section(c, section));
+}
+
+Unseen unseen_from(const mrpt::config::CConfigFileBase& c, const std::string& section)
+{
+  const std::string text = ini_value(c, section, "unseen");
+  for (std::size_t i = 0; i < kUnseenNames.size(); i++)
+    if (text == kUnseenNames[i]) return static_cast<Unseen>(i);
+  detail::refuse_value(c, section, "unseen", "obstacle or free");
 }
 
 /** The name, or the number where there is none. */
-std::string text_of(CellPolicy policy)
+std::string text_of(Unseen unseen)
 {
-  const auto i = static_cast<std::size_t>(policy);
-  return i < kPolicyNames.size() ? kPolicyNames[i] : std::to_string(static_cast<int>(policy));
+  const auto i = static_cast<std::size_t>(unseen);
+  return i < kUnseenNames.size() ? kUnseenNames[i] : std::to_string(static_cast<int>(unseen));
 }
 
 std::string allowed(const Number& n)
@@ -76,9 +76,9 @@ std::string allowed(const Number& n)
 
 std::vector<std::string> known_keys()
 {
-  std::vector<std::string> keys{"boundary_only"};
-  for (const auto& n : kNumbers) keys.push_back(n.name);
-  for (const auto& c : kChoices) keys.push_back(c.name);
+  std::vector<std::string> keys{"boundary_only", "unseen"};
+  keys.reserve(keys.size() + kNumbers.size());
+  for (const auto& n : kNumbers) keys.emplace_back(n.name);
   return keys;
 }
 }  // namespace
@@ -87,6 +87,7 @@ void ObstacleOptions::loadFromConfigFile(
     const mrpt::config::CConfigFileBase& c, const std::string& s)
 {
   require_sound_ini(c, {s});
+  refuse_replaced(c, s);
   std::vector<std::string> warnings;
   warn_unknown_keys(c, s, known_keys(), warnings);
   for (const auto& w : warnings) detail::warn_once(w);
@@ -96,16 +97,14 @@ void ObstacleOptions::loadFromConfigFile(
     if (!(v >= n.min && v <= n.max)) detail::refuse_value(c, s, n.name, allowed(n));
     this->*n.value = v;
   }
-  for (const auto& choice : kChoices)
-    if (c.keyExists(s, choice.name)) this->*choice.value = policy_from(c, s, choice.name);
+  if (c.keyExists(s, "unseen")) unseen = unseen_from(c, s);
   boundary_only = detail::ini_flag(c, s, "boundary_only", boundary_only);
 }
 
 void ObstacleOptions::saveToConfigFile(mrpt::config::CConfigFileBase& c, const std::string& s) const
 {
   for (const auto& n : kNumbers) c.write(s, n.name, number_text(this->*n.value), -1, 12, n.meaning);
-  for (const auto& choice : kChoices)
-    c.write(s, choice.name, text_of(this->*choice.value), -1, 12, choice.meaning);
+  c.write(s, "unseen", text_of(unseen), -1, 12, "obstacle or free: what is not known there");
   c.write(s, "boundary_only", boundary_only, -1, 12, "leave out the inside of obstacles");
 }
 

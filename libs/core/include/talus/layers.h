@@ -8,7 +8,7 @@ namespace talus
  *
  * NaN: nothing is known. A height or variance that the cell has not; a score or traversability that
  * was not judged, since fewer than three cells of the neighbourhood have ground. That is not 0,
- * impassable: whoever drives decides what it means (see ObstacleOptions::unknown of talus::mrpt).
+ * impassable: whoever drives decides what it means (see ObstacleOptions::unseen of talus::mrpt).
  * NaN > 0 and NaN <= 0 are both false. State is never NaN. */
 enum class Layer : int
 {

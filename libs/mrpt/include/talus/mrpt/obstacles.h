@@ -10,18 +10,18 @@
 
 namespace talus
 {
-/** What a planner shall think of cells that are not simply free or blocked. */
-enum class CellPolicy
+/** What a cell near the robot is of which nothing is known. */
+enum class Unseen
 {
-  Free,
-  Near,  //!< an obstacle within `near_m` of the robot, free beyond: it may look better from nearby
-  Obstacle
+  Obstacle,
+  Free  //!< what is not known is left to the planner everywhere
 };
 
 /** How the map becomes obstacles. Obstacles are not inflated: planners know the robot's shape. */
 struct ObstacleOptions : public mrpt::config::CLoadableOptions
 {
-  /** Reads those keys that are there. Throws std::runtime_error naming key, value and section. */
+  /** Reads those keys that are there. Throws std::runtime_error naming key, value and section; for
+   * a key of earlier versions too, saying what is in its place. */
   void loadFromConfigFile(
       const mrpt::config::CConfigFileBase& source, const std::string& section) override;
   /** Writes each with its meaning as comment. */
@@ -29,16 +29,11 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
       mrpt::config::CConfigFileBase& target, const std::string& section) const override;
 
   double blocked_at = 0.0;  //!< cells whose traversability is this or less are obstacles, [0,1]
-  CellPolicy unknown = CellPolicy::Near;  //!< cells without ground
-  CellPolicy one_sided = CellPolicy::Free;  //!< inferred from one side, with nothing seen on it
-  CellPolicy risky = CellPolicy::Near;  //!< of these, those whose sparsity says: perhaps a ditch
-  /** Cells that look blocked only beside or on inferred ground, with nothing measured standing on
-   * them: the far side of a crest, ground behind a box. */
-  CellPolicy inferred = CellPolicy::Near;
-  double risky_below = 0.5;  //!< of the sparsity, [0,1]
-  double near_m = 1.2;  //!< from the base, >= 0
+  /** This near to the base, what is driven on must have been seen: a cell whose ground is unknown
+   * or was not judged is what `unseen` says. Farther away it is left to the planner as unknown. */
+  double seen_within_m = 1.5;
+  Unseen unseen = Unseen::Obstacle;
   double body_radius_m = 0.25;  //!< around the base nothing is an obstacle: it is in the robot
-  double own_radius_m = 0.7;  //!< around the base the policies count nothing: it stands there
   double range_m = 5.0;  //!< obstacles farther from the base are left out, > 0
   double spacing_m = 0.1;  //!< one point a square of this side, that nearest to the base; 0: all
   bool boundary_only = true;  //!< only cells with a neighbour that is no obstacle
@@ -49,13 +44,13 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
 enum class Passage : std::uint8_t
 {
   Free,
-  Unknown,  //!< no ground is known, and no policy makes it an obstacle here
+  Unknown,  //!< ground unknown or not judged, and no obstacle for it
   Obstacle
 };
 
 /** What each cell of the window is, in the order of its layers. Throws std::invalid_argument for a
- * pose that is not finite and for an option that is NaN or no CellPolicy; so do all functions
- * below, of a map that is not empty. */
+ * pose that is not finite and for an option that is NaN or no Unseen; so do all functions below
+ * that take them, of a map that is not empty. */
 std::vector<Passage> classify_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
 
@@ -90,5 +85,17 @@ void costmap_from_map(
 void update_costmap(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& grid);
+
+/** How far [m] the ground is known along the arc on which a command leads the base: up to the first
+ * cell that is unknown or not judged in a corridor of this width, the end of the window or range_m.
+ * What lies within body_radius_m does not count, nor what is known to be an obstacle: that is given
+ * to the planner. range_m for a robot that turns on the spot or stands, and of an empty map 0. */
+double known_ahead_m(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps,
+    double width_m, const ObstacleOptions& o);
+
+/** The speed [m/s] from which a robot that reacts after `reaction_s` and brakes with
+ * `deceleration_mps2` (> 0) stops within a distance; 0 where that is not positive. */
+double stopping_speed_mps(double distance_m, double reaction_s, double deceleration_mps2);
 
 }  // namespace talus
