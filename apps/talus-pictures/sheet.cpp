@@ -123,7 +123,7 @@ cv::Mat layer_image(
   const cv::Rect seen = all & placed;
   cells(seen - placed.tl()).copyTo(square(seen));
   cv::resize(square, tile, {tile_px, tile_px}, 0, 0, cv::INTER_NEAREST);
-  return in_few_colours(std::move(tile));
+  return style.palette == Palette::States ? tile : in_few_colours(std::move(tile));
 }
 
 cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together)
