@@ -200,7 +200,7 @@ TEST_F(TalusNav, shows_at_the_end_which_obstacles_the_navigator_was_given)
   EXPECT_EQ(drive("nav_indoor.yaml", "--goal 15,0 --timeout 1 --every 0 --output out"), 5);
   const cv::Mat picture = cv::imread(path_of("out/navigation.png"));
   const auto pixels =
-      std::count(picture.begin<cv::Vec3b>(), picture.end<cv::Vec3b>(), cv::Vec3b(230, 200, 0));
+      std::count(picture.begin<cv::Vec3b>(), picture.end<cv::Vec3b>(), cv::Vec3b(66, 228, 240));
   EXPECT_GT(pixels, 500) << "the legend alone has some ten";
 }
 

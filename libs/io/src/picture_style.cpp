@@ -149,8 +149,6 @@ cv::Mat colours_of(Palette palette)
 {
   switch (palette)
   {
-    case Palette::Heights:
-      return opencv_colours(cv::COLORMAP_TURBO);
     case Palette::Scores:
       return score_colours();
     default:

@@ -11,7 +11,7 @@ namespace talus::io
 {
 enum class Palette
 {
-  Heights,  //!< turbo: every decimetre of a slope gets a colour of its own
+  Heights,  //!< viridis, one scale for all heights: higher is lighter, also for the colour-blind
   Amounts,  //!< viridis: more is lighter
   Scores,  //!< score_colour()
   States  //!< one colour for each CellState
