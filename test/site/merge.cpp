@@ -51,7 +51,7 @@ class MergeSites : public testing::Test
       {
         if (random() % 8 == 0) continue;
         SiteCell c = measured(height(random), 1000 + seed, 1e-4F + height(random));
-        if (random() % 4 == 0) c = filled(c, static_cast<std::uint8_t>(2 + random() % 2));
+        if (random() % 4 == 0) c = filled(c, static_cast<std::uint8_t>(2 + random() % 3));
         if (random() % 5 == 0) c = with_obstacle(c, height(random));
         cell_at(*s, i, k) = c;
       }
@@ -71,6 +71,19 @@ class MergeSites : public testing::Test
   ScratchDir dir_;
 };
 }  // namespace
+
+TEST(MergeCells, ground_is_told_by_the_state_with_the_best_evidence)
+{
+  constexpr std::uint8_t kBestFirst[] = {1, 2, 4, 3};
+  for (std::size_t i = 0; i + 1 < std::size(kBestFirst); ++i)
+  {
+    SiteCell best = filled(measured(0.5F, 1000), kBestFirst[i]);
+    SiteCell next = filled(measured(1, 2000), kBestFirst[i + 1]);
+    const SiteCell m = merged({best, next});
+    EXPECT_EQ(m.cell.state, kBestFirst[i]);
+    EXPECT_EQ(m.cell.ground_m, 0.5F);
+  }
+}
 
 TEST(MergeCells, what_only_one_map_knows_stays_as_it_is)
 {

@@ -2,6 +2,8 @@
 
 #include "kept_cell.h"
 
+#include <talus/layers.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -59,7 +61,7 @@ std::optional<SiteCell> cell_of(const BandValues& values, std::uint32_t newest_s
   const auto of = [&](Band b) { return values[static_cast<std::size_t>(b)]; };
   SiteCell cell;
   if (std::isnan(of(Band::State)) || of(Band::State) == 0) return cell;
-  const auto state = whole(of(Band::State), 3), age = whole(of(Band::Age), newest_s),
+  const auto state = whole(of(Band::State), kCellStates - 1), age = whole(of(Band::Age), newest_s),
              evidence = whole(of(Band::Evidence), 0xFFFF),
              shape = whole(of(Band::Shape), kExact - 1);
   if (!state || !age || !evidence || !shape || newest_s - *age < *shape >> 16) return std::nullopt;
