@@ -27,11 +27,18 @@ void require_sound(const mrpt::poses::CPose3D& T, const ObstacleOptions& o)
         ", none of Unseen");
 }
 
-Passage judge(float traversability, double distance_m, const ObstacleOptions& o)
+constexpr float kMayDrop = 0.5F;  // sparsity of what a map blocks for a drop that nobody has seen
+
+bool is_unseen(float traversability, float sparsity)
+{
+  return std::isnan(traversability) || sparsity < kMayDrop;  // false for a sparsity of NaN
+}
+
+Passage judge(float traversability, float sparsity, double distance_m, const ObstacleOptions& o)
 {
   if (distance_m < o.body_radius_m) return Passage::Free;
-  if (traversability <= o.blocked_at) return Passage::Obstacle;
-  if (!std::isnan(traversability)) return Passage::Free;
+  if (!is_unseen(traversability, sparsity))
+    return traversability <= o.blocked_at ? Passage::Obstacle : Passage::Free;
   const bool must_be_seen = o.unseen == Unseen::Obstacle && distance_m <= o.seen_within_m;
   return must_be_seen ? Passage::Obstacle : Passage::Unknown;
 }
@@ -80,6 +87,7 @@ std::vector<Passage> classify_cells(
 {
   require_sound(T_map_base, o);
   const SurfaceView view(map);
+  const auto& sparsity = map.layer(Layer::Sparsity);
   const int cells = view.window.cells;
   std::vector<Passage> out;
   out.reserve(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
@@ -88,7 +96,8 @@ std::vector<Passage> classify_cells(
     {
       const double distance_m =
           std::hypot(view.x_m(ix) - T_map_base.x(), view.y_m(iy) - T_map_base.y());
-      out.push_back(judge(view.traversability[view.index(ix, iy)], distance_m, o));
+      const std::size_t cell = view.index(ix, iy);
+      out.push_back(judge(view.traversability[cell], sparsity[cell], distance_m, o));
     }
   return out;
 }
@@ -101,13 +110,15 @@ double known_ahead_m(
   require_sound(T_map_base, o);
   if (v_mps == 0) return o.range_m;
   const SurfaceView view(map);
+  const auto& sparsity = map.layer(Layer::Sparsity);
   const Arc arc(v_mps, w_radps);
   const double c = std::cos(T_map_base.yaw()), s = std::sin(T_map_base.yaw());
   double known_m = std::min(o.range_m, to_border_m(view.window, T_map_base));
   for (int iy = 0; iy < view.window.cells; iy++)
     for (int ix = 0; ix < view.window.cells; ix++)
     {
-      if (!std::isnan(view.traversability[view.index(ix, iy)])) continue;
+      const std::size_t cell = view.index(ix, iy);
+      if (!is_unseen(view.traversability[cell], sparsity[cell])) continue;
       const double dx = view.x_m(ix) - T_map_base.x(), dy = view.y_m(iy) - T_map_base.y();
       if (std::hypot(dx, dy) < o.body_radius_m) continue;
       const double x = c * dx + s * dy, y = -s * dx + c * dy;
