@@ -1,25 +1,34 @@
 #!/usr/bin/env python3
-"""Links of the pages lead to files and headings that exist.
+"""Pages are true: links lead to files and headings that exist, commands and their long options to those that there are.
 
-  test/pages.py SOURCE_DIR
+  test/pages.py SOURCE_DIR [BIN_DIR]
 
-Exit code 1 with a line for each link that leads nowhere.
+Without BIN_DIR (where the commands of talus were built) commands are not looked at. Exit code 1 with a line for each that
+is wrong.
 """
 import glob
 import os
 import re
+import shlex
+import subprocess
 import sys
+
+
+def lines_of(page):
+    """(number, line, language) of each line; language: None outside of a block of code, '' where none is named."""
+    language = None
+    with open(page, encoding="utf-8") as lines:
+        for number, line in enumerate(lines, 1):
+            fence = re.match(r"\s*```(\w*)", line)
+            if fence:
+                language = fence[1] if language is None else None
+            else:
+                yield number, line.rstrip("\n"), language
 
 
 def outside_of_code(page):
     """(number, line) of what is not a block of code."""
-    in_code = False
-    with open(page, encoding="utf-8") as lines:
-        for number, line in enumerate(lines, 1):
-            if line.lstrip().startswith("```"):
-                in_code = not in_code
-            elif not in_code:
-                yield number, line
+    return ((number, line) for number, line, language in lines_of(page) if language is None)
 
 
 def anchors(page):
@@ -48,11 +57,80 @@ def wrong_links(page):
                 yield f"{page}:{number}: there is no heading for {link}"
 
 
+def commands(page):
+    """(number, words) of each command of talus and ./dev: in blocks of sh or of no language, and in `code` of the text."""
+    whole = ""
+    for number, line, language in lines_of(page):
+        if language is None:
+            texts = re.findall(r"`([^`]+)`", line) + ([line] if re.match(r" {4}\S", line) else [])
+        elif language in ("", "sh"):
+            whole += line
+            if whole.endswith("\\"):
+                whole = whole[:-1]
+                continue
+            texts, whole = [whole], ""
+        else:
+            continue
+        for text in texts:
+            for command in re.split(r"&&|\||;|>", re.sub(r"(^|\s)#.*", "", text)):
+                try:
+                    words = [word for word in shlex.split(command) if not re.match(r"[A-Z_]+=", word)]
+                except ValueError:  # prose
+                    continue
+                if words and re.fullmatch(r"\./dev|([\w./]+/)?talus-[a-z]+", words[0]):
+                    yield number, words
+
+
+class Helps:
+    """What --help of each command says."""
+
+    def __init__(self, bin_dir):
+        self.bin_dir, self.known = bin_dir, {}
+
+    def of(self, program):
+        """None where there is no such command."""
+        if program not in self.known:
+            paths = [p for p in (f"{self.bin_dir}/{program}", f"apps/{program}/{program}") if os.path.isfile(p)]
+            self.known[program] = subprocess.run([paths[0], "--help"], capture_output=True, text=True, check=True,
+                                                 timeout=60).stdout if paths else None
+        return self.known[program]
+
+
+def wrong_commands(page, helps):
+    not_built = ("talus-bench", "talus-soak")  # by every build
+    with open("dev", encoding="utf-8") as dev:
+        dev_says = dev.read()
+    for number, words in commands(page):
+        program = os.path.basename(words[0])
+        if program == "dev":
+            if len(words) > 1 and not re.search(rf"^  {re.escape(words[1])} ", dev_says, re.M):
+                yield f"{page}:{number}: ./dev knows no {words[1]}"
+            continue
+        said = helps.of(program)
+        if said is None:
+            if program not in not_built:
+                yield f"{page}:{number}: there is no command {program}"
+            continue
+        for word in words[1:words.index("--") if "--" in words else None]:
+            option = re.match(r"--[a-z][\w-]*", word)
+            if option and not re.search(re.escape(option[0]) + r"(?![\w-])", said):
+                yield f"{page}:{number}: {program} has no {option[0]}"
+            if re.match(r"(datasets|apps|doc|test)/(?!.*[A-Z]{2})", word) and not glob.glob(word):  # NAME: of your own
+                yield f"{page}:{number}: there is no file {word}"
+
+
 def main():
     os.chdir(sys.argv[1])
-    pages = glob.glob("*.md") + glob.glob("doc/*.md") + glob.glob("datasets/*.md")
-    wrong = [line for page in sorted(pages) for line in wrong_links(page)]
-    print("\n".join(wrong) or f"{len(pages)} pages, all links lead somewhere")
+    pages = sorted(glob.glob("*.md") + glob.glob("doc/*.md") + glob.glob("datasets/*.md"))
+    wrong = [line for page in pages for line in wrong_links(page)]
+    if len(sys.argv) > 2:
+        helps = Helps(sys.argv[2])
+        wrong += [line for page in pages for line in wrong_commands(page, helps)]
+        count = sum(1 for page in pages for _ in commands(page))
+        print(f"{count} commands")
+        if count < 20:
+            wrong.append("hardly any commands were found on the pages")
+    print("\n".join(wrong) or f"{len(pages)} pages, nothing wrong")
     return 1 if wrong or "README.md" not in pages else 0
 
 

@@ -1,5 +1,4 @@
-// Obstacles for MRPT's reactive navigators. A whole robot between map and navigator is in
-// doc/mrpt.md, "Obstacles for the reactive navigators".
+// Obstacles for MRPT's reactive navigators. A whole robot between map and navigator: my_robot.h.
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <talus/interleaved_points.h>
 #include <talus/mrpt/obstacles.h>

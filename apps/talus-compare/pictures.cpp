@@ -1,70 +1,80 @@
 #include "pictures.h"
 
 #include <talus/io/map_picture.h>
-#include <talus/io/score_colour.h>
+
+#include <picture_canvas.h>
+#include <picture_panel.h>
+#include <picture_style.h>
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
 
 namespace talus::baselines
 {
 namespace
 {
-constexpr int kGap_px = 8, kHeading_px = 30, kName_px = 160, kLegend_px = 40;
+using io::Anchor;
+using io::Canvas;
+using io::ColourRange;
+using io::Palette;
+using io::TextStyle;
+
+constexpr int kEdge_px = 16, kGap_px = 8, kHeading_px = 26, kLegend_px = 46, kSwatch_px = 18;
 constexpr int kFewRows = 4, kLargeTile_px = 320, kSmallTile_px = 160;
-const cv::Scalar kPaper(255, 255, 255), kInk(40, 40, 40);
-const cv::Vec3b kUnknownColor(205, 205, 205);
+const TextStyle kHeading{12, io::kInk, true, Anchor::Start, Anchor::Middle, false};
+const TextStyle kPlain{11, io::kInk, false, Anchor::Start, Anchor::Middle, false};
 
-/** BGR. */
-cv::Vec3b traversability_color(float v)
+/** One row of tiles with the name of its world. */
+struct Row
 {
-  if (v != v) return kUnknownColor;
-  const auto c = io::score_colour(v);
-  return {c[2], c[1], c[0]};
+  std::string name;
+  std::vector<cv::Mat> tiles;
+};
+
+/** Where the sensor is and where it looks, drawn on cells that were made as large as the tile. */
+cv::Mat with_robot(const cv::Mat& tile, const Snapshot& s)
+{
+  const double scale = static_cast<double>(tile.cols) / (s.window.cells * s.window.resolution_m);
+  const Pose& T = s.T_map_sensor;
+  Canvas canvas(tile.cols, tile.rows);
+  canvas.paste(tile, 0, 0);
+  const cv::Point2d at(
+      (T.x() - s.window.min_x_m()) * scale, tile.rows - (T.y() - s.window.min_y_m()) * scale);
+  io::draw_robot(canvas, at, std::atan2(T.m[4], T.m[0]), 18);
+  return canvas.image();
 }
 
-/** Purple is low, red is high. */
-cv::Vec3b height_color(float v, float low, float high)
+cv::Mat tile_of(const cv::Mat& cells, const Snapshot& s, int tile_px)
 {
-  if (v != v) return kUnknownColor;
-  const float t = std::clamp((v - low) / std::max(high - low, 1e-3f), 0.0f, 1.0f);
-  cv::Mat3b hsv(1, 1, cv::Vec3b(static_cast<std::uint8_t>(std::lround(140 * (1 - t))), 200, 235));
-  cv::Mat3b bgr;
-  cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
-  return bgr(0, 0);
+  cv::Mat tile;
+  const int how = cells.cols < tile_px ? cv::INTER_NEAREST : cv::INTER_AREA;
+  cv::resize(cells, tile, {tile_px, tile_px}, 0, 0, how);
+  if (tile_px == kSmallTile_px) io::hide_noise(tile);
+  return with_robot(tile, s);
 }
 
-/** Where the sensor is and where it looks. */
-void draw_robot(cv::Mat& tile, const Window& w, const Pose& T)
-{
-  const double scale = static_cast<double>(tile.cols) / (w.cells * w.resolution_m);
-  const auto pixel = [&](double x_m, double y_m)
-  {
-    return cv::Point(
-        static_cast<int>(std::lround((x_m - w.min_x_m()) * scale)),
-        tile.rows - 1 - static_cast<int>(std::lround((y_m - w.min_y_m()) * scale)));
-  };
-  const double length_m = 0.6;
-  const cv::Point tip = pixel(T.x() + length_m * T.m[0], T.y() + length_m * T.m[4]);
-  cv::arrowedLine(tile, pixel(T.x(), T.y()), tip, {255, 255, 255}, 4, cv::LINE_AA, 0, 0.4);
-  cv::arrowedLine(tile, pixel(T.x(), T.y()), tip, {0, 0, 0}, 2, cv::LINE_AA, 0, 0.4);
-}
-
-template <typename Color>
-cv::Mat draw_layer(const std::vector<float>& layer, const Snapshot& s, int tile_px, Color color)
+/** A layer that a method does not have is unknown everywhere. */
+cv::Mat paint(
+    const std::vector<float>& layer, const Snapshot& s, Palette palette, const ColourRange& range)
 {
   const int n = s.window.cells;
-  cv::Mat small(n, n, CV_8UC3, kUnknownColor), tile;
-  if (!layer.empty())
-    for (int k = 0; k < n * n; ++k)
-      small.at<cv::Vec3b>(n - 1 - k / n, k % n) = color(layer[static_cast<std::size_t>(k)]);
-  cv::resize(
-      small, tile, {tile_px, tile_px}, 0, 0, n < tile_px ? cv::INTER_NEAREST : cv::INTER_AREA);
-  draw_robot(tile, s.window, s.T_map_sensor);
-  cv::rectangle(tile, {0, 0}, {tile_px - 1, tile_px - 1}, {120, 120, 120}, 1);
-  return tile;
+  if (layer.empty()) return {n, n, CV_8UC3, io::kUnknownColour};
+  return io::paint_cells(layer, n, n, palette, range);
+}
+
+cv::Mat traversability_tile(const Surfaces& map, const Snapshot& s, int tile_px)
+{
+  cv::Mat cells = paint(map.traversability, s, Palette::Scores, {});
+  if (!map.traversability.empty() && !map.ground_m.empty())
+  {
+    std::vector<float> known(map.ground_m.size());
+    std::transform(
+        map.ground_m.begin(), map.ground_m.end(), known.begin(),
+        [](float z) { return std::isnan(z) ? 0.0F : 1.0F; });
+    io::paint_not_judged(cells, map.traversability, known);
+  }
+  return tile_of(cells, s, tile_px);
 }
 
 bool any_truth(const std::vector<Evaluation>& evaluations)
@@ -75,80 +85,75 @@ bool any_truth(const std::vector<Evaluation>& evaluations)
 
 int tile_size_px(std::size_t rows) { return rows <= kFewRows ? kLargeTile_px : kSmallTile_px; }
 
-void write_text(cv::Mat& canvas, const std::string& text, cv::Point at, double size = 0.5)
+/** Rows of tiles below their headings, and room for a legend. */
+Canvas assemble(const std::vector<std::string>& headings, const std::vector<Row>& rows, int tile_px)
 {
-  cv::putText(canvas, text, at, cv::FONT_HERSHEY_SIMPLEX, size, kInk, 1, cv::LINE_AA);
-}
-
-/** One row of tiles with the name of its world. */
-struct Row
-{
-  std::string name;
-  std::vector<cv::Mat> tiles;
-};
-
-cv::Mat assemble(
-    const std::vector<std::string>& headings, const std::vector<Row>& rows, int tile_px)
-{
-  const int columns = static_cast<int>(headings.size()), count = static_cast<int>(rows.size());
-  cv::Mat canvas(
-      kHeading_px + count * (tile_px + kGap_px) + kLegend_px,
-      kName_px + columns * (tile_px + kGap_px), CV_8UC3, kPaper);
-  for (int c = 0; c < columns; ++c)
-    write_text(
-        canvas, headings[static_cast<std::size_t>(c)],
-        {kName_px + c * (tile_px + kGap_px), kHeading_px - 9}, 0.55);
-  for (int r = 0; r < count; ++r)
+  double names_px = 0;
+  for (const Row& row : rows) names_px = std::max(names_px, Canvas::text_width(row.name, kPlain));
+  const int left = kEdge_px + static_cast<int>(names_px) + kEdge_px, step = tile_px + kGap_px;
+  Canvas canvas(
+      std::max(left + static_cast<int>(headings.size()) * step + kGap_px, 700),
+      kEdge_px + kHeading_px + static_cast<int>(rows.size()) * step + kLegend_px);
+  for (std::size_t c = 0; c < headings.size(); ++c)
+    canvas.text(headings[c], left + static_cast<int>(c) * step, kEdge_px + 6, kHeading);
+  int y = kEdge_px + kHeading_px;
+  for (const Row& row : rows)
   {
-    const Row& row = rows[static_cast<std::size_t>(r)];
-    const int y = kHeading_px + r * (tile_px + kGap_px);
-    write_text(canvas, row.name, {6, y + tile_px / 2}, 0.45);
-    for (std::size_t c = 0; c < row.tiles.size(); ++c)
-      row.tiles[c].copyTo(canvas(
-          cv::Rect(kName_px + static_cast<int>(c) * (tile_px + kGap_px), y, tile_px, tile_px)));
+    canvas.text(row.name, kEdge_px, y + tile_px / 2.0, kPlain);
+    int x = left;
+    for (const cv::Mat& tile : row.tiles)
+    {
+      canvas.paste(tile, x, y);
+      canvas.frame({x, y, tile_px, tile_px}, io::kFaintInk);
+      x += step;
+    }
+    y += step;
   }
   return canvas;
 }
 
-/** A strip of colours with words at its ends, at the foot of the picture. */
-template <typename Color>
-int draw_strip(
-    cv::Mat& canvas, int x, const std::string& left, const std::string& right, Color color)
+/** What the colours mean, from left to right at the foot of the picture. */
+class Legend
 {
-  const int y = canvas.rows - kLegend_px + 12, width = 160, height = 16;
-  const auto text_px = [](const std::string& s)
-  { return cv::getTextSize(s, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, nullptr).width; };
-  write_text(canvas, left, {x, y + 13});
-  x += text_px(left) + 8;
-  for (int i = 0; i < width; ++i)
-    cv::line(
-        canvas, {x + i, y}, {x + i, y + height},
-        cv::Scalar(color(static_cast<float>(i) / (width - 1))), 1);
-  write_text(canvas, right, {x + width + 8, y + 13});
-  return x + width + 8 + text_px(right) + 40;
-}
+ public:
+  explicit Legend(Canvas& canvas) : canvas_(canvas), y_(canvas.image().rows - kLegend_px / 2 - 9) {}
 
-void draw_patch(cv::Mat& canvas, int x, const std::string& text, const cv::Vec3b& color)
+  void scale(const std::string& low, Palette palette, const std::string& high)
+  {
+    word(low);
+    cv::Mat strip;
+    cv::resize(io::colours_of(palette).t(), strip, {160, kSwatch_px}, 0, 0, cv::INTER_LINEAR);
+    canvas_.paste(strip, x_, y_);
+    canvas_.frame({x_, y_, strip.cols, strip.rows}, io::kInk);
+    x_ += strip.cols + 8;
+    word(high);
+    x_ += 20;
+  }
+  void swatch(const cv::Scalar& colour, const std::string& meaning)
+  {
+    canvas_.fill({x_, y_, kSwatch_px, kSwatch_px}, colour);
+    canvas_.frame({x_, y_, kSwatch_px, kSwatch_px}, io::kInk);
+    x_ += kSwatch_px + 8;
+    word(meaning);
+    x_ += 20;
+  }
+
+ private:
+  void word(const std::string& text)
+  {
+    canvas_.text(text, x_, y_ + kSwatch_px / 2.0, kPlain);
+    x_ += static_cast<int>(Canvas::text_width(text, kPlain)) + 8;
+  }
+
+  Canvas& canvas_;
+  int x_ = kEdge_px, y_;
+};
+
+/** Colours of one world: of the true ground, or of what was measured. */
+ColourRange height_range(const Snapshot& s)
 {
-  const int y = canvas.rows - kLegend_px + 12;
-  cv::rectangle(canvas, {x, y}, {x + 24, y + 16}, cv::Scalar(color), cv::FILLED);
-  write_text(canvas, text, {x + 32, y + 13});
+  return io::robust_range(s.true_ground_m.empty() ? s.sparse.ground_m : s.true_ground_m, 0.3F);
 }
-
-/** Range of colours of one world: that of the true ground, or of what was measured. */
-std::pair<float, float> height_range(const Snapshot& s)
-{
-  std::vector<float> heights;
-  for (float h : s.true_ground_m.empty() ? s.sparse.ground_m : s.true_ground_m)
-    if (h == h) heights.push_back(h);
-  if (heights.empty()) return {0, 1};
-  std::sort(heights.begin(), heights.end());
-  const float low = heights[heights.size() / 50],
-              high = heights[heights.size() - 1 - heights.size() / 50];
-  const float margin = std::max(0.1f * (high - low), 0.1f);
-  return {low - margin, high + margin};
-}
-
 }  // namespace
 
 void write_maps_picture(const std::string& path, const std::vector<Evaluation>& evaluations)
@@ -162,21 +167,21 @@ void write_maps_picture(const std::string& path, const std::vector<Evaluation>& 
   {
     const Snapshot& s = e.snapshot;
     Row row{e.name, {}};
-    if (truth) row.tiles.push_back(draw_layer(s.true_label, s, tile_px, traversability_color));
+    if (truth)
+      row.tiles.push_back(tile_of(paint(s.true_label, s, Palette::Scores, {}), s, tile_px));
     for (const auto& [name, map] : s.maps)
     {
       if (rows.empty()) headings.push_back(name);
-      row.tiles.push_back(draw_layer(map.traversability, s, tile_px, traversability_color));
+      row.tiles.push_back(traversability_tile(map, s, tile_px));
     }
     rows.push_back(std::move(row));
   }
-  cv::Mat canvas = assemble(headings, rows, tile_px);
-  const int x = draw_strip(
-      canvas, kName_px, "risky", "free",
-      [](float t) { return traversability_color(0.01f + 0.99f * t); });
-  draw_patch(canvas, x, "impassable", traversability_color(0));
-  draw_patch(canvas, x + 150, "unknown", kUnknownColor);
-  io::write_png(path, canvas);
+  Canvas canvas = assemble(headings, rows, tile_px);
+  Legend legend(canvas);
+  legend.scale("blocked", Palette::Scores, "free");
+  legend.swatch(cv::Scalar(io::not_judged_colour()), "not judged");
+  legend.swatch(io::kUnknownColour, "no data");
+  io::write_png(path, canvas.image());
 }
 
 void write_fills_picture(const std::string& path, const std::vector<Evaluation>& evaluations)
@@ -190,24 +195,24 @@ void write_fills_picture(const std::string& path, const std::vector<Evaluation>&
   {
     const Snapshot& s = e.snapshot;
     if (s.fills.empty()) continue;
-    const auto [low, high] = height_range(s);
-    const auto color = [low = low, high = high](float v) { return height_color(v, low, high); };
-    Row row{e.name, {draw_layer(s.sparse.ground_m, s, tile_px, color)}};
-    if (truth) row.tiles.push_back(draw_layer(s.true_ground_m, s, tile_px, color));
+    const ColourRange range = height_range(s);
+    const auto tile = [&](const std::vector<float>& heights)
+    { return tile_of(paint(heights, s, Palette::Heights, range), s, tile_px); };
+    Row row{e.name, {tile(s.sparse.ground_m)}};
+    if (truth) row.tiles.push_back(tile(s.true_ground_m));
     for (const auto& [name, fill] : s.fills)
     {
       if (rows.empty()) headings.push_back(name);
-      row.tiles.push_back(draw_layer(fill, s, tile_px, color));
+      row.tiles.push_back(tile(fill));
     }
     rows.push_back(std::move(row));
   }
   if (rows.empty()) return;
-  cv::Mat canvas = assemble(headings, rows, tile_px);
-  const int x = draw_strip(
-      canvas, kName_px, "lowest ground of the world", "highest",
-      [](float t) { return height_color(t, 0, 1); });
-  draw_patch(canvas, x, "unknown", kUnknownColor);
-  io::write_png(path, canvas);
+  Canvas canvas = assemble(headings, rows, tile_px);
+  Legend legend(canvas);
+  legend.scale("lowest ground of the world", Palette::Heights, "highest");
+  legend.swatch(io::kUnknownColour, "no data");
+  io::write_png(path, canvas.image());
 }
 
 }  // namespace talus::baselines

@@ -60,7 +60,8 @@ std::string drop_table(const std::vector<double>& mount)
   const double up_m = sim::SensorSetup().T_base_sensor.z();
   const std::vector<std::vector<double>> usual{{0, 0, up_m, 0, 0, 0}, {0, 0, up_m, 0, 20, 0}};
   std::string text =
-      "| scanner | mounting | ground from [m] | narrowest hole [m] at 0.35 m/s | 0.7 m/s | 1.4 m/s | "
+      "| scanner | mounting | ground from [m] | narrowest hole [m] at 0.35 m/s | 0.7 m/s | 1.4 m/s "
+      "| "
       "fastest [m/s] at 0.5 m | 1 m | 2 m |\n|---|---|---|---|---|---|---|---|---|\n";
   for (const auto& scanner : sim::scanners())
     for (const auto& m : mount.empty() ? usual : std::vector<std::vector<double>>{mount})

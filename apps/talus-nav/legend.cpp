@@ -8,67 +8,66 @@ namespace talus::nav
 {
 namespace
 {
-constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-constexpr double kScale = 0.45, kTitleScale = 0.5;
-constexpr int kEdge_px = 6, kTitle_px = 26, kRow_px = 22, kGap_px = 18, kHalf_px = 6;
-const cv::Scalar kInk(30, 30, 30), kPaper(255, 255, 255);
+using io::Anchor;
+using io::Canvas;
+using io::TextStyle;
 
-int text_px(const std::string& text, double scale)
+constexpr int kEdge_px = 12, kTitle_px = 40, kRow_px = 28, kGap_px = 24, kMark_px = 30;
+constexpr int kHalf_px = 8;
+const TextStyle kPlain{11, io::kInk, false, Anchor::Start, Anchor::Middle, false};
+const TextStyle kHead{11, io::kInk, true, Anchor::Start, Anchor::Middle, false};
+
+const TextStyle& style_of(const LegendItem& item)
 {
-  return cv::getTextSize(text, kFont, scale, 1, nullptr).width;
+  return item.mark == Mark::None ? kHead : kPlain;
 }
 
-int mark_px(const LegendItem& item) { return item.mark == Mark::None ? 0 : item.length_px + 6; }
+int mark_px(const LegendItem& item) { return item.mark == Mark::None ? 0 : kMark_px + 8; }
 
-int item_px(const LegendItem& item) { return mark_px(item) + text_px(item.word, kScale); }
-
-void draw_ramp(cv::Mat& image, const cv::Rect& area, const LegendItem& item)
+int item_px(const LegendItem& item)
 {
-  for (int i = 0; i < area.width; i++)
-  {
-    const double part = static_cast<double>(i) / (area.width - 1);
-    image(cv::Rect(area.x + i, area.y, 1, area.height))
-        .setTo((1 - part) * item.colour + part * item.colour_to);
-  }
+  return mark_px(item) + static_cast<int>(Canvas::text_width(item.word, style_of(item)));
 }
 
-void draw_bar(cv::Mat& image, const cv::Point& left, const LegendItem& item)
+cv::Mat swatch(const LegendItem& item)
 {
-  const cv::Point right(left.x + item.length_px, left.y), up(0, 4);
-  cv::line(image, left, right, kInk, 2);
-  cv::line(image, left - up, left + up, kInk, 1);
-  cv::line(image, right - up, right + up, kInk, 1);
+  cv::Mat image(2 * kHalf_px, kMark_px, CV_8UC3, item.colour);
+  if (item.mark == Mark::Ramp)
+    cv::resize(item.ramp.t(), image, image.size(), 0, 0, cv::INTER_LINEAR);
+  if (item.mark == Mark::Hatching)
+    for (int y = 0; y < image.rows; y++)
+      for (int x = 0; x < image.cols; x++)
+        if (is_hatched(x, y)) image.at<cv::Vec3b>(y, x) *= 0.6;
+  return image;
 }
 
 /** `left` is the middle of the left edge. */
-void draw_mark(cv::Mat& image, const cv::Point& left, const LegendItem& item)
+void draw_mark(Canvas& canvas, const cv::Point& left, const LegendItem& item)
 {
-  const cv::Rect area(left.x, left.y - kHalf_px, item.length_px, 2 * kHalf_px);
-  const cv::Point right(area.br().x, left.y), middle(left.x + item.length_px / 2, left.y);
+  const double x = left.x, y = left.y, right = x + kMark_px, middle = x + kMark_px / 2.0;
   switch (item.mark)
   {
     case Mark::Area:
-      return cv::rectangle(image, area, item.colour, cv::FILLED);
     case Mark::Ramp:
-      return draw_ramp(image, area, item);
+    case Mark::Hatching:
+      canvas.paste(swatch(item), left.x, left.y - kHalf_px);
+      canvas.frame({left.x, left.y - kHalf_px, kMark_px, 2 * kHalf_px}, io::kFaintInk);
+      return;
     case Mark::Line:
-      return cv::line(image, left, right, item.colour, 2, cv::LINE_AA);
+    {
+      const bool dark = item.colour == io::kInk;
+      return draw_way(canvas, {{x, y}, {right, y}}, item.colour, dark ? io::kPaper : io::kInk);
+    }
     case Mark::Dot:
-      return cv::circle(image, middle, 2, item.colour, cv::FILLED);
+      return canvas.polygon(
+          {{middle - 3, y - 3}, {middle + 3, y - 3}, {middle + 3, y + 3}, {middle - 3, y + 3}},
+          item.colour, io::kInk, 0.5);
     case Mark::Cross:
-      return cv::drawMarker(image, middle, item.colour, cv::MARKER_TILTED_CROSS, 12, 3);
+      return draw_cross(canvas, {middle, y});
     case Mark::Robot:
-      return cv::fillPoly(
-          image,
-          std::vector<std::vector<cv::Point>>{
-              {area.tl(),
-               {right.x - 6, area.y},
-               right,
-               {right.x - 6, area.br().y},
-               {area.x, area.br().y}}},
-          item.colour, cv::LINE_AA);
-    case Mark::Bar:
-      return draw_bar(image, left, item);
+      return canvas.polygon(
+          {{x + 2, y - 7}, {right - 8, y - 7}, {right, y}, {right - 8, y + 7}, {x + 2, y + 7}},
+          io::kPaper, io::kInk, 1.5);
     case Mark::None:
       return;
   }
@@ -100,29 +99,63 @@ std::vector<Placed> place(
   height_px = at.y + kRow_px / 2 + kEdge_px;
   return placed;
 }
+
+/** A line of this width as one polygon a piece. */
+void draw_line(
+    Canvas& canvas, const std::vector<cv::Point2d>& way, const cv::Scalar& colour, double width_px)
+{
+  const double half = width_px / 2;
+  for (std::size_t i = 1; i < way.size(); i++)
+  {
+    const cv::Point2d along = way[i] - way[i - 1];
+    const double length = cv::norm(along);
+    if (length == 0) continue;
+    const cv::Point2d ahead = along * (half / length), side(-ahead.y, ahead.x);
+    const auto from = way[i - 1] - ahead * 0.5, to = way[i] + ahead * 0.5;
+    canvas.polygon({from + side, to + side, to - side, from - side}, colour, colour, 0);
+  }
+}
 }  // namespace
+
+bool is_hatched(int x, int y) { return (x + y) % 9 < 2; }
+
+void draw_way(
+    Canvas& canvas, const std::vector<cv::Point2d>& way, const cv::Scalar& colour,
+    const cv::Scalar& edge)
+{
+  draw_line(canvas, way, edge, 6);
+  draw_line(canvas, way, colour, 3);
+}
+
+void draw_cross(Canvas& canvas, const cv::Point2d& middle)
+{
+  const cv::Point2d d(9, 9), u(9, -9);
+  for (const auto& [colour, width_px] : {std::pair{io::kPaper, 8.0}, {io::kInk, 4.0}})
+    for (const auto& arm : {d, u})
+      draw_line(canvas, {middle - arm, middle + arm}, colour, width_px);
+}
 
 cv::Mat draw_legend(int width_px, const std::vector<std::vector<LegendItem>>& groups)
 {
   int height_px = 0;
   const auto placed = place(width_px, groups, height_px);
-  cv::Mat strip(height_px, width_px, CV_8UC3, kPaper);
+  Canvas strip(width_px, height_px);
   for (const auto& [item, left] : placed)
   {
     draw_mark(strip, left, *item);
-    const cv::Point text(left.x + mark_px(*item), left.y + 5);
-    cv::putText(strip, item->word, text, kFont, kScale, kInk, 1, cv::LINE_AA);
+    strip.text(item->word, left.x + mark_px(*item), left.y, style_of(*item));
   }
-  return strip;
+  return strip.image();
 }
 
 cv::Mat draw_title(int width_px, const std::string& text)
 {
+  TextStyle style{13, io::kInk, true, Anchor::Start, Anchor::Middle, false};
   const double room_px = width_px - 2 * kEdge_px;
-  const double scale = kTitleScale * std::min(1.0, room_px / text_px(text, kTitleScale));
-  cv::Mat strip(kTitle_px, width_px, CV_8UC3, kPaper);
-  cv::putText(strip, text, {kEdge_px, 18}, kFont, scale, kInk, 1, cv::LINE_AA);
-  return strip;
+  style.cap_height_px *= std::min(1.0, room_px / Canvas::text_width(text, style));
+  Canvas strip(width_px, kTitle_px);
+  strip.text(text, kEdge_px, kTitle_px / 2.0, style);
+  return strip.image();
 }
 
 }  // namespace talus::nav

@@ -1,5 +1,5 @@
 #pragma once
-#include <opencv2/core.hpp>
+#include <picture_canvas.h>
 
 #include <string>
 #include <vector>
@@ -11,21 +11,32 @@ enum class Mark
 {
   None,  //!< a word that heads a row
   Area,
-  Ramp,  //!< from one colour to another
+  Ramp,
   Line,
+  Hatching,
   Dot,
   Cross,
-  Robot,
-  Bar  //!< of a length, as dark as the words
+  Robot
 };
 
 struct LegendItem
 {
   Mark mark;
   std::string word;
-  cv::Scalar colour = {}, colour_to = {};  //!< the second of Mark::Ramp
-  int length_px = 26;
+  cv::Scalar colour = {};
+  cv::Mat ramp = {};  //!< of Mark::Ramp: its colours from low to high, a column of one pixel each
 };
+
+/** A way: a line with an edge, so that it shows on every ground. */
+void draw_way(
+    io::Canvas& canvas, const std::vector<cv::Point2d>& way, const cv::Scalar& colour,
+    const cv::Scalar& edge);
+
+/** A cross with an edge. */
+void draw_cross(io::Canvas& canvas, const cv::Point2d& middle);
+
+/** Every fourth diagonal of the pixels, which are then darker. */
+bool is_hatched(int x, int y);
 
 /** A white strip of this width with swatches and words: each group begins a row, and goes on in the
  * next where the width ends. */

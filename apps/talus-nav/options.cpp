@@ -83,7 +83,8 @@ void add_sensor(CLI::App& app, Options& o)
 {
   std::vector<std::string> names;
   for (const auto& s : sim::scanners()) names.push_back(s.name);
-  app.add_option("--scanner", o.scanner, "Instead of the world's: " + CLI::detail::join(names, ", "))
+  app.add_option(
+         "--scanner", o.scanner, "Instead of the world's: " + CLI::detail::join(names, ", "))
       ->check(CLI::IsMember(names, CLI::ignore_case))
       ->type_name("NAME");
   app::check_mounting(

@@ -2,9 +2,11 @@
 
 #include "legend.h"
 
+#include <talus/io/score_colour.h>
 #include <talus/sim/truth.h>
 
 #include <opencv2/imgproc.hpp>
+#include <picture_style.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,21 +17,21 @@ namespace
 {
 constexpr double kCell_m = 0.05;
 constexpr int kPixelsPerCell = 3;
-constexpr int kLeastWidth_px = 600;  // of the picture, for its words
+constexpr int kLeastWidth_px = 760;  // of the picture, for its words
 
-const cv::Scalar kRoute(220, 110, 20), kDriven(20, 20, 20), kRobot(60, 150, 30),
-    kGoal(160, 20, 160), kPoints(230, 200, 0);
-const cv::Scalar kCostmap(70, 70, 230), kJudgedFree(40, 150, 255), kHardly(110, 215, 255),
-    kTraversable(110, 215, 105), kUnknown(225, 225, 225);
+const cv::Scalar kPoints(66, 228, 240), kKnownBlocked(56, 142, 246);
 const cv::Vec3b kBlocked(70, 62, 58);
 constexpr int kLowGrey = 150, kHighGrey = 245;
 
-cv::Vec3b below_something(int grey)
+cv::Scalar score_bgr(double score)
 {
-  return {
-      static_cast<unsigned char>(grey), static_cast<unsigned char>(grey - 20),
-      static_cast<unsigned char>(grey - 60)};
+  const auto c = io::score_colour(static_cast<float>(score));
+  return {static_cast<double>(c[2]), static_cast<double>(c[1]), static_cast<double>(c[0])};
 }
+
+/** How well a cell drives that is no obstacle: the better half of the scores. */
+cv::Scalar drivable_colour(double traversability) { return score_bgr(0.5 + 0.5 * traversability); }
+const cv::Scalar kCostmap = score_bgr(0), kJudgedFree = score_bgr(1.0 / 3);
 
 sim::Truth truth_around(
     const sim::World& world, const mrpt::maps::COccupancyGridMap2D& grid, const RobotBody& body,
@@ -46,39 +48,61 @@ sim::Truth truth_around(
 std::optional<cv::Scalar> costmap_colour(float p)
 {
   if (p <= Route::kBlocked) return kCostmap;
-  if (p < 0.525F) return kUnknown;  // Route::kHopeful
+  if (p < 0.525F) return io::kUnknownColour;  // Route::kHopeful
   if (p < 0.555F) return kJudgedFree;  // traversability 0, and yet no obstacle
-  const double t = std::clamp((p - 0.55) / 0.4, 0.0, 1.0);
-  return (1 - t) * kHardly + t * kTraversable;
+  return drivable_colour(std::clamp((p - 0.55) / 0.4, 0.0, 1.0));
 }
 
 std::optional<cv::Scalar> obstacle_colour(float p)
 {
-  return p <= Route::kBlocked ? std::optional(kCostmap) : std::nullopt;
+  return p <= Route::kBlocked ? std::optional(kKnownBlocked) : std::nullopt;
+}
+
+cv::Mat ramp(const std::function<cv::Scalar(double)>& colour_of)
+{
+  cv::Mat column(64, 1, CV_8UC3);
+  for (int i = 0; i < column.rows; i++)
+    column.row(i).setTo(colour_of(static_cast<double>(i) / (column.rows - 1)));
+  return column;
 }
 
 std::vector<std::vector<LegendItem>> legend()
 {
-  const cv::Scalar hangs(below_something((kLowGrey + kHighGrey) / 2));
-  const auto metre_px = static_cast<int>(std::lround(kPixelsPerCell / kCell_m));
+  const auto grey = [](double part)
+  { return cv::Scalar::all(kLowGrey + (kHighGrey - kLowGrey) * part); };
   return {
-      {{Mark::None, "Above, the truth:"},
-       {Mark::Ramp, "ground, low to high", cv::Scalar::all(kLowGrey), cv::Scalar::all(kHighGrey)},
-       {Mark::Area, "ground below something", hangs},
+      {{Mark::None, "The truth:"},
+       {Mark::Ramp, "ground, low to high", {}, ramp(grey)},
+       {Mark::Hatching, "something hangs above", grey(0.5)},
        {Mark::Area, "blocked", cv::Scalar(kBlocked)},
-       {Mark::Dot, "blocked, as the robot knows", kCostmap}},
-      {{Mark::None, "Below, what the robot knows:"},
-       {Mark::Ramp, "hardly to well traversable", kHardly, kTraversable},
+       {Mark::Dot, "blocked, as the robot knows", kKnownBlocked}},
+      {{Mark::None, "What the robot knows:"},
+       {Mark::Ramp, "hardly to well traversable", {}, ramp(drivable_colour)},
        {Mark::Area, "blocked", kCostmap},
-       {Mark::Area, "looks blocked or is below the robot, taken as free", kJudgedFree},
-       {Mark::Area, "unknown", kUnknown}},
+       {Mark::Area, "in doubt, taken as free", kJudgedFree},
+       {Mark::Area, "unknown", io::kUnknownColour}},
       {{Mark::None, "Both:"},
-       {Mark::Robot, "robot", kRobot},
-       {Mark::Line, "way driven", kDriven},
-       {Mark::Line, "route", kRoute},
+       {Mark::Robot, "robot"},
+       {Mark::Line, "way driven", io::kInk},
+       {Mark::Line, "route", io::kPaper},
        {Mark::Dot, "obstacles given to the navigator", kPoints},
-       {Mark::Cross, "goal", kGoal},
-       {Mark::Bar, "1 m", {}, {}, metre_px}}};
+       {Mark::Cross, "goal"}}};
+}
+
+/** How long a metre, or a few, are, in the lower left corner. */
+void draw_scale_bar(io::Canvas& canvas)
+{
+  const int length_m = canvas.image().cols > 1500 ? 5 : 2;
+  const int length_px = static_cast<int>(std::lround(length_m * kPixelsPerCell / kCell_m));
+  const cv::Rect paper(10, canvas.image().rows - 44, length_px + 24, 34);
+  const int left = paper.x + 12, y = paper.y + 25;
+  canvas.fill(paper, io::kPaper);
+  canvas.frame(paper, io::kFaintInk);
+  canvas.fill({left, y - 2, length_px, 4}, io::kInk);
+  for (const int x : {left, left + length_px - 2}) canvas.fill({x, y - 6, 2, 8}, io::kInk);
+  canvas.text(
+      std::to_string(length_m) + " m", left + length_px / 2.0, paper.y + 11,
+      {10, io::kInk, false, io::Anchor::Middle, io::Anchor::Middle, false});
 }
 
 /** With paper to its right where it is narrower. */
@@ -97,10 +121,10 @@ Painter::Painter(const sim::World& world, const RobotBody& body, const MissionOp
 {
 }
 
-cv::Point Painter::pixel(double x_m, double y_m) const
+cv::Point2d Painter::pixel(double x_m, double y_m) const
 {
   const double scale = kPixelsPerCell / kCell_m;
-  return {static_cast<int>((x_m - min_x_m_) * scale), static_cast<int>((max_y_m_ - y_m) * scale)};
+  return {(x_m - min_x_m_) * scale, (max_y_m_ - y_m) * scale};
 }
 
 void Painter::paint_truth(const Route& route, double time_s)
@@ -116,23 +140,37 @@ void Painter::paint_truth(const Route& route, double time_s)
       const auto i = static_cast<std::size_t>(iy * w.cells_x + ix);
       const auto grey = static_cast<unsigned char>(
           kLowGrey + (kHighGrey - kLowGrey) * (truth.ground[i] - *low) / span);
-      const bool hangs = !std::isnan(truth.underside[i]);
-      const cv::Vec3b colour = hangs ? below_something(grey) : cv::Vec3b(grey, grey, grey);
-      cells.at<cv::Vec3b>(w.cells_y - 1 - iy, ix) = truth.label[i] == 0 ? kBlocked : colour;
+      cells.at<cv::Vec3b>(w.cells_y - 1 - iy, ix) =
+          truth.label[i] == 0 ? kBlocked : cv::Vec3b(grey, grey, grey);
     }
   min_x_m_ = w.min_x_m;
   max_y_m_ = w.min_y_m + w.cells_y * w.resolution_m;
   cv::resize(cells, background_, {}, kPixelsPerCell, kPixelsPerCell, cv::INTER_NEAREST);
+  hatch_below(truth);
 }
 
-void Painter::paint_robot(cv::Mat& image, const Step& at) const
+/** Where something hangs above ground that is free. */
+void Painter::hatch_below(const sim::Truth& truth)
+{
+  const auto& w = truth.window;
+  for (int y = 0; y < background_.rows; y++)
+    for (int x = 0; x < background_.cols; x++)
+    {
+      const int row = w.cells_y - 1 - y / kPixelsPerCell;
+      const auto i = static_cast<std::size_t>(row * w.cells_x + x / kPixelsPerCell);
+      if (is_hatched(x, y) && truth.label[i] != 0 && !std::isnan(truth.underside[i]))
+        background_.at<cv::Vec3b>(y, x) *= 0.6;
+    }
+}
+
+void Painter::paint_robot(io::Canvas& canvas, const Step& at) const
 {
   const double c = std::cos(at.yaw_rad), s = std::sin(at.yaw_rad);
   const double f = 0.5 * body_.length_m, l = 0.5 * body_.width_m;
-  std::vector<cv::Point> outline;
+  std::vector<cv::Point2d> outline;
   for (const auto& [x, y] : {std::pair{f, l}, {f + 0.12, 0.0}, {f, -l}, {-f, -l}, {-f, l}})
     outline.push_back(pixel(at.x_m + c * x - s * y, at.y_m + s * x + c * y));
-  cv::fillPoly(image, std::vector<std::vector<cv::Point>>{outline}, kRobot, cv::LINE_AA);
+  canvas.polygon(outline, io::kPaper, io::kInk, 1.5);
 }
 
 /** Fills a square of this side for each cell of the costmap that has a colour. */
@@ -145,33 +183,38 @@ void Painter::paint_cells(
     {
       const auto colour = colour_of(grid.getCell(static_cast<int>(ix), static_cast<int>(iy)));
       if (!colour) continue;
-      const auto at = pixel(grid.idx2x(ix), grid.idx2y(iy));
+      const auto middle = pixel(grid.idx2x(ix), grid.idx2y(iy));
+      const cv::Point at(static_cast<int>(middle.x), static_cast<int>(middle.y));
       const cv::Rect square =
           cv::Rect(at.x - 1, at.y - 1, side_px, side_px) & cv::Rect(0, 0, image.cols, image.rows);
       image(square).setTo(*colour);
     }
 }
 
-void Painter::paint_mission(
-    cv::Mat& image, const MissionResult& mission, const Route& route, const Pilot& pilot) const
+cv::Mat Painter::with_mission(
+    const cv::Mat& image, const MissionResult& mission, const Route& route,
+    const Pilot& pilot) const
 {
+  io::Canvas canvas(image.cols, image.rows);
+  canvas.paste(image, 0, 0);
   const Step& at = mission.steps.back();
-  std::vector<cv::Point> way, driven;
+  std::vector<cv::Point2d> way, driven;
   for (const auto& p : route.way()) way.push_back(pixel(p.x, p.y));
   for (const auto& s : mission.steps) driven.push_back(pixel(s.x_m, s.y_m));
-  cv::polylines(image, way, false, kRoute, 2, cv::LINE_AA);
-  cv::polylines(image, driven, false, kDriven, 2, cv::LINE_AA);
-  paint_robot(image, at);
+  draw_way(canvas, way, io::kPaper, io::kInk);
+  draw_way(canvas, driven, io::kInk, io::kPaper);
+  paint_robot(canvas, at);
   const double c = std::cos(at.yaw_rad), s = std::sin(at.yaw_rad);
   for (std::size_t i = 0; i < pilot.obstacles().size(); i++)
   {
     float x = 0, y = 0;
     pilot.obstacles().getPoint(i, x, y);
-    cv::circle(
-        image, pixel(at.x_m + c * x - s * y, at.y_m + s * x + c * y), 2, kPoints, cv::FILLED);
+    const cv::Point middle(pixel(at.x_m + c * x - s * y, at.y_m + s * x + c * y));
+    canvas.fill({middle - cv::Point(2, 2), cv::Size(5, 5)}, kPoints);
   }
-  cv::drawMarker(
-      image, pixel(options_.goal.x, options_.goal.y), kGoal, cv::MARKER_TILTED_CROSS, 18, 3);
+  draw_cross(canvas, pixel(options_.goal.x, options_.goal.y));
+  draw_scale_bar(canvas);
+  return canvas.image();
 }
 
 cv::Mat Painter::draw(
@@ -181,14 +224,14 @@ cv::Mat Painter::draw(
     paint_truth(route, mission.steps.back().time_s);
   cv::Mat truth = background_.clone();
   paint_cells(truth, route, 2, obstacle_colour);
-  cv::Mat known(truth.size(), truth.type(), kUnknown);
+  cv::Mat known(truth.size(), truth.type(), io::kUnknownColour);
   paint_cells(known, route, kPixelsPerCell, costmap_colour);
-  for (cv::Mat* image : {&truth, &known}) paint_mission(*image, mission, route, pilot);
+  for (cv::Mat* image : {&truth, &known}) *image = with_mission(*image, mission, route, pilot);
   const int width_px = std::max(truth.cols, kLeastWidth_px);
   cv::Mat all;
   cv::vconcat(
       std::vector<cv::Mat>{
-          draw_title(width_px, title), widened(truth, width_px),
+          draw_title(width_px, title + "; the truth"), widened(truth, width_px),
           draw_title(width_px, "what the robot knows"), widened(known, width_px),
           draw_legend(width_px, legend())},
       all);

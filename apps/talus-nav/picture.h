@@ -1,7 +1,10 @@
 #pragma once
 #include "mission.h"
 
+#include <talus/sim/truth.h>
+
 #include <opencv2/core.hpp>
+#include <picture_canvas.h>
 
 #include <functional>
 #include <optional>
@@ -22,14 +25,16 @@ class Painter
       const std::string& title);
 
  private:
-  cv::Point pixel(double x_m, double y_m) const;
+  cv::Point2d pixel(double x_m, double y_m) const;
   void paint_truth(const Route& route, double time_s);
+  void hatch_below(const sim::Truth& truth);
   using CellColour = std::function<std::optional<cv::Scalar>(float)>;  //!< none: leave it
   void paint_cells(
       cv::Mat& image, const Route& route, int side_px, const CellColour& colour_of) const;
-  void paint_mission(
-      cv::Mat& image, const MissionResult& mission, const Route& route, const Pilot& pilot) const;
-  void paint_robot(cv::Mat& image, const Step& at) const;
+  cv::Mat with_mission(
+      const cv::Mat& image, const MissionResult& mission, const Route& route,
+      const Pilot& pilot) const;
+  void paint_robot(io::Canvas& canvas, const Step& at) const;
 
   const sim::World& world_;
   RobotBody body_;

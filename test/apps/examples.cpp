@@ -69,11 +69,3 @@ TEST_F(Examples, a_whole_drive_is_asked_far_back_and_written)
   for (const char* name : {"site.tif", "site.png"})
     EXPECT_GT(talus::test::read_bytes(dir / name).size(), 2000U) << name;
 }
-
-TEST(ExamplesOnPages, the_page_on_mrpt_shows_the_program_as_it_is)
-{
-  const std::string page = talus::test::read_bytes(TALUS_SOURCE_DIR "/doc/mrpt.md");
-  const std::string program =
-      talus::test::read_bytes(TALUS_SOURCE_DIR "/apps/examples/03_multi_metric_map.cpp");
-  EXPECT_NE(page.find("```cpp\n" + program + "```"), std::string::npos);
-}

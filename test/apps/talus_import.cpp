@@ -355,7 +355,7 @@ TEST_F(TalusImport, is_what_talus_map_names_for_scans_of_other_programs)
         << o.text;
   }
   EXPECT_NE(run("talus-map drive.bag").text.find("rosbag2rawlog drive.bag"), std::string::npos);
-  fails("drive.bag --output log.rawlog", 1, {"rosbag2rawlog drive.bag", "doc/mrpt.md"});
+  fails("drive.bag --output log.rawlog", 1, {"rosbag2rawlog drive.bag", "doc/import_bags.md"});
 }
 
 TEST_F(TalusImport, runs_the_commands_of_its_page)
@@ -396,7 +396,7 @@ TEST_F(TalusImport, runs_the_commands_of_its_page)
   EXPECT_EQ(scans_of("both.rawlog").size(), 6u);
 }
 
-TEST_F(TalusImport, is_not_needed_for_ros_1_bags_by_the_recipe_of_the_page_on_mrpt)
+TEST_F(TalusImport, is_not_needed_for_ros_1_bags_by_the_recipe_of_its_page)
 {
   for (const char* tool : {"rosbag2rawlog --version", "rawlog-edit --version"})
     if (run(tool).code == 127) GTEST_SKIP() << tool << " is not installed (Debian: mrpt-apps)";
@@ -406,7 +406,7 @@ TEST_F(TalusImport, is_not_needed_for_ros_1_bags_by_the_recipe_of_the_page_on_mr
 
   fs::create_directories(dir_ / "build");
   fs::create_directory_symlink(TALUS_BIN, dir_ / "build/bin");
-  const std::string page = read_bytes(TALUS_SOURCE_DIR "/doc/mrpt.md");
+  const std::string page = read_bytes(TALUS_SOURCE_DIR "/doc/import_bags.md");
   auto at = page.find("## ROS 1 bags");
   ASSERT_NE(at, std::string::npos);
   const auto next_block = [&]

@@ -196,9 +196,8 @@ TEST(Obstacles, are_drops_that_nobody_has_seen_once_the_robot_is_near)
   const std::size_t cell = *map.window.index_at(-1.0, -1.0);
   layer(Layer::Traversability)[cell] = 0;
   layer(Layer::Sparsity)[cell] = 0.2F;
-  const auto passage_from = [&](double x_m) {
-    return classify_cells(map, CPose3D(x_m, -1.0, 0, 0, 0, 0), {})[cell];
-  };
+  const auto passage_from = [&](double x_m)
+  { return classify_cells(map, CPose3D(x_m, -1.0, 0, 0, 0, 0), {})[cell]; };
   EXPECT_EQ(passage_from(0.2), Passage::Obstacle);
   EXPECT_EQ(passage_from(0.7), Passage::Unknown) << "from nearby it may look better";
   layer(Layer::Sparsity)[cell] = NAN;

@@ -119,8 +119,8 @@ std::string how_to_import(const std::string& path, ForeignScans kind)
       return "is a ROS 2 bag. " + command + "it.";
     case ForeignScans::Ros1Bag:
       return "is a ROS 1 bag. MRPT's 'rosbag2rawlog " + path +
-             " --config bag.yml --frame map --output LOG.rawlog' makes a log of it; doc/mrpt.md "
-             "has a bag.yml.";
+             " --config bag.yml --frame base_link --output LOG.rawlog' makes a log of it; "
+             "doc/import_bags.md has a bag.yml.";
     case ForeignScans::Las:
       return "is a LAS or LAZ file, which no library of Debian's reads. "
              "'pdal translate FILE.laz FILE.ply' (pdal.io) makes a .ply of it, which "

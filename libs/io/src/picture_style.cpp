@@ -148,8 +148,6 @@ cv::Mat colours_of(Palette palette)
 {
   switch (palette)
   {
-    case Palette::Heights:
-      return opencv_colours(cv::COLORMAP_TURBO);
     case Palette::Scores:
       return score_colours();
     default:
@@ -179,6 +177,17 @@ cv::Mat paint_cells(
           static_cast<int>(std::lround(255 * std::min(1.0F, std::max(0.0F, part)))));
     }
   return image;
+}
+
+void hide_noise(cv::Mat& image)
+{
+  constexpr int kStep = 32;
+  image.forEach<cv::Vec3b>(
+      [](cv::Vec3b& pixel, const int*)
+      {
+        for (int k = 0; k < 3; ++k)
+          pixel[k] = cv::saturate_cast<uchar>((pixel[k] + kStep / 2) / kStep * kStep);
+      });
 }
 
 void paint_not_judged(

@@ -11,7 +11,7 @@ namespace talus::io
 {
 enum class Palette
 {
-  Heights,  //!< turbo: every decimetre of a slope gets a colour of its own
+  Heights,  //!< viridis, one scale for all heights: higher is lighter, also for the colour-blind
   Amounts,  //!< viridis: more is lighter
   Scores,  //!< score_colour()
   States  //!< one colour for each CellState
@@ -63,6 +63,10 @@ cv::Mat colours_of(Palette palette);
 cv::Mat paint_cells(
     const std::vector<float>& values, int cells_x, int cells_y, Palette palette,
     const ColourRange& range);
+
+/** Colours in coarse steps, for sheets of many small maps: noise of a millimetre shows no more, and
+ * the file is a third as large. */
+void hide_noise(cv::Mat& image);
 
 /** Of a cell whose ground is known, but not how it drives. */
 cv::Vec3b not_judged_colour();

@@ -54,8 +54,7 @@ double fastest_before_hole_mps(
   while (fast - slow > 1)
   {
     const int middle = (slow + fast) / 2;
-    const bool found =
-        narrowest_hole_m(scanner, T_base_sensor, 0.01 * middle, stopping) <= width_m;
+    const bool found = narrowest_hole_m(scanner, T_base_sensor, 0.01 * middle, stopping) <= width_m;
     (found ? slow : fast) = middle;
   }
   return 0.01 * slow;

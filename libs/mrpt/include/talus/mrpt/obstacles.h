@@ -88,9 +88,10 @@ void update_costmap(
     mrpt::maps::COccupancyGridMap2D& grid);
 
 /** How far [m] the ground is known along the arc on which a command leads the base: up to the first
- * cell that was not seen (see seen_within_m) in a corridor of this width, the end of the window or range_m.
- * What lies within body_radius_m does not count, nor what is known to be an obstacle: that is given
- * to the planner. range_m for a robot that turns on the spot or stands, and of an empty map 0. */
+ * cell that was not seen (see seen_within_m) in a corridor of this width, the end of the window or
+ * range_m. What lies within body_radius_m does not count, nor what is known to be an obstacle: that
+ * is given to the planner. range_m for a robot that turns on the spot or stands, and of an empty
+ * map 0. */
 double known_ahead_m(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps,
     double width_m, const ObstacleOptions& o);

@@ -1,0 +1,176 @@
+// Makes the sheets of the pages: what each stage makes of a frame, what a parameter changes.
+//   talus-pictures WORLDS FOLDER       writes FOLDER/stages.png and FOLDER/parameters.png
+#include "sheet.h"
+
+#include <talus/baselines/sequence.h>
+#include <talus/io/map_picture.h>
+#include <talus/sim/world.h>
+
+#include <picture_style.h>
+
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+namespace talus::pictures
+{
+namespace
+{
+constexpr double kSide_m = 8;
+constexpr int kStage_px = 240, kParameter_px = 160;
+
+/** The scans of a world up to the place of a picture. */
+class Worlds
+{
+ public:
+  explicit Worlds(std::string folder) : folder_(std::move(folder)) {}
+
+  const std::vector<baselines::ScanFrame>& frames(const std::string& name)
+  {
+    if (const auto known = frames_.find(name); known != frames_.end()) return known->second;
+    const auto world = sim::load_world(folder_ + "/" + name + ".yaml");
+    return frames_[name] = baselines::simulate(world, sim::Drive(world)).frames;
+  }
+
+ private:
+  std::string folder_;
+  std::map<std::string, std::vector<baselines::ScanFrame>> frames_;
+};
+
+/** The map after this share of the frames. */
+io::LayerStack map_of(
+    const std::vector<baselines::ScanFrame>& frames, double share, const Parameters& parameters)
+{
+  ElevationMapper map(parameters);
+  const auto count = static_cast<std::size_t>(share * static_cast<double>(frames.size()));
+  for (std::size_t i = 0; i < count; ++i) map.update(frames[i].view());
+  return io::snapshot(map);
+}
+
+Parameters with(const std::string& name, const std::string& value)
+{
+  Parameters p;
+  if (!name.empty()) set_parameter(p, name, value);
+  p.validate();
+  return p;
+}
+
+/** Keeps the values of a layer where the state is one of these. */
+void keep_where(io::LayerStack& stack, std::vector<float>& values, float least, float most)
+{
+  const auto& states = *stack.find("state");
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!(states[i] >= least && states[i] <= most))
+      values[i] = std::numeric_limits<float>::quiet_NaN();
+}
+
+std::vector<float>& layer(io::LayerStack& stack, const std::string& name)
+{
+  for (std::size_t i = 0; i < stack.names.size(); ++i)
+    if (stack.names[i] == name) return stack.layers[i];
+  throw std::invalid_argument("there is no layer " + name);
+}
+
+/** The window after one scan alone: what it has points of. */
+io::LayerStack one_scan(const std::vector<baselines::ScanFrame>& frames, double share)
+{
+  const auto i = static_cast<std::size_t>(share * static_cast<double>(frames.size())) - 1;
+  return map_of({frames[i]}, 1, Parameters());
+}
+
+std::vector<Tile> stages(Worlds& worlds)
+{
+  const auto& frames = worlds.frames("demo");
+  constexpr double kShare = 0.75;
+  const auto scan = one_scan(frames, kShare), map = map_of(frames, kShare, Parameters());
+  const auto people = map_of(worlds.frames("person"), kShare, Parameters());
+  io::LayerStack measured = map, refill = map;
+  keep_where(measured, layer(measured, "ground_elevation"), 1, 1);
+  keep_where(refill, layer(refill, "state"), 1, 1);
+  const auto tile = [&](const char* title, const char* words, const io::LayerStack& s,
+                        const char* name) {
+    return Tile{title, words, layer_image(s, name, kSide_m, kStage_px)};
+  };
+  return {
+      tile("1  Accept", "one scan: tops of what it hit", scan, "elevation"),
+      tile("3, 4  Roll, update", "all scans so far: tops", map, "elevation"),
+      tile("4  Update", "measured ground", measured, "ground_elevation"),
+      tile("2  Uncertainty", "of the ground", map, "variance"),
+      tile("5  Refill", "what is to be inferred: grey", refill, "state"),
+      tile("6  Cleanup", "people walked here: no trail", people, "traversability"),
+      tile("7  Fill", "where the ground comes from", map, "state"),
+      tile("7  Fill", "measured and filled ground", map, "ground_elevation"),
+      tile("8, 9  Traversability", "slope, step, roughness; ditches", map, "traversability")};
+}
+
+/** Two tiles of a sheet: a map with the defaults, and one with this parameter. */
+struct Effect
+{
+  const char *world, *name, *value, *layer;
+  double share = 0.75;
+};
+
+const Effect kEffects[]{
+    {"demo", "window_m", "5", "traversability"},
+    {"demo", "resolution_m", "0.2", "traversability"},
+    {"demo", "min_range_m", "3", "state"},
+    {"demo", "max_range_m", "3", "state"},
+    {"demo", "max_height_m", "-0.5", "elevation"},
+    {"demo", "voxel_m", "0.4", "state"},
+    {"demo", "c_beam_m", "0.05", "variance"},
+    {"branches", "clearance_m", "1.8", "traversability"},
+    {"person", "cleanup_frames", "100", "traversability"},
+    {"demo", "fill_search_m", "0.3", "state"},
+    {"demo", "fill_rule", "printed", "ground_elevation"},
+    {"demo", "feature_radius_m", "0.4", "traversability"},
+    {"slope", "slope_threshold_rad", "0.25", "traversability"},
+    {"demo", "step_threshold_m", "0.05", "traversability"},
+    {"rocks", "roughness_threshold_m", "0.02", "traversability"}};
+
+std::vector<Tile> effects(Worlds& worlds)
+{
+  std::vector<Tile> tiles;
+  for (const Effect& e : kEffects)
+  {
+    const auto& frames = worlds.frames(e.world);
+    const std::string value = parameter_text(Parameters(), *find_parameter(e.name));
+    for (const auto& [name, shown] :
+         {std::pair<std::string, std::string>{"", value}, {e.name, e.value}})
+    {
+      const auto map = map_of(frames, e.share, with(name, shown));
+      tiles.push_back(
+          {name.empty() ? e.name + (std::string(": ") + e.layer) : "", shown,
+           layer_image(map, e.layer, kSide_m, kParameter_px)});
+    }
+  }
+  return tiles;
+}
+}  // namespace
+}  // namespace talus::pictures
+
+int main(int argc, char** argv)
+{
+  using namespace talus;
+  if (argc != 3)
+  {
+    std::fprintf(stderr, "usage: talus-pictures WORLDS FOLDER\n");
+    return 2;
+  }
+  try
+  {
+    pictures::Worlds worlds(argv[1]);
+    const std::string folder = argv[2];
+    io::write_png(folder + "/stages.png", pictures::draw_sheet(pictures::stages(worlds), 3, 3));
+    io::write_png(
+        folder + "/parameters.png", pictures::draw_sheet(pictures::effects(worlds), 6, 2));
+  }
+  catch (const std::exception& e)
+  {
+    std::fprintf(stderr, "talus-pictures: %s\n", e.what());
+    return 1;
+  }
+  return 0;
+}

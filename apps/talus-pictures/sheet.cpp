@@ -1,0 +1,142 @@
+#include "sheet.h"
+
+#include <opencv2/imgproc.hpp>
+#include <picture_canvas.h>
+#include <picture_panel.h>
+#include <picture_style.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace talus::pictures
+{
+namespace
+{
+using io::Anchor;
+using io::Canvas;
+using io::Palette;
+using io::TextStyle;
+
+constexpr int kEdge_px = 12, kTitle_px = 40, kGap_px = 10, kWideGap_px = 28, kLegendRow_px = 26;
+constexpr float kHeightSpan_m = 0.6F;  // of the colours: small steps shall show
+const TextStyle kTitle{9, io::kInk, true, Anchor::Start, Anchor::Middle, false};
+const TextStyle kWords{8, io::kFaintInk, false, Anchor::Start, Anchor::Middle, false};
+
+io::LayerStyle style_of(const io::LayerStack& stack, const std::string& layer)
+{
+  for (auto& style : io::styles_of(stack))
+    if (style.layer == layer) return style;
+  throw std::invalid_argument("there is no layer " + layer);
+}
+
+/** Heights from the median of the ground on, so that all tiles of a world have one scale. */
+io::ColourRange range_of(const io::LayerStack& stack, const io::LayerStyle& style)
+{
+  if (style.palette == Palette::Scores || style.palette == Palette::States) return {};
+  if (style.palette == Palette::Amounts)
+    return {0, 0.05F, false, false, 0, 0};  // a standard deviation [m]
+  std::vector<float> ground = *stack.find(layer_name(Layer::GroundElevation));
+  ground.erase(
+      std::remove_if(ground.begin(), ground.end(), [](float z) { return std::isnan(z); }),
+      ground.end());
+  if (ground.empty()) return {};
+  const auto middle = ground.begin() + static_cast<std::ptrdiff_t>(ground.size() / 2);
+  std::nth_element(ground.begin(), middle, ground.end());
+  return {*middle - kHeightSpan_m / 2, *middle + kHeightSpan_m / 2, false, false, 0, 0};
+}
+
+/** What the colours mean, a row of the foot of the sheet. */
+class Legend
+{
+ public:
+  Legend(Canvas& canvas, int y) : canvas_(canvas), y_(y) {}
+
+  void scale(const std::string& low, Palette palette, const std::string& high)
+  {
+    word(low);
+    cv::Mat strip;
+    cv::resize(io::colours_of(palette).t(), strip, {90, 14}, 0, 0, cv::INTER_LINEAR);
+    canvas_.paste(strip, x_, y_ - 7);
+    x_ += strip.cols + 6;
+    word(high);
+    x_ += 18;
+  }
+  void swatch(const cv::Scalar& colour, const std::string& meaning)
+  {
+    canvas_.fill({x_, y_ - 7, 14, 14}, colour);
+    x_ += 20;
+    word(meaning);
+    x_ += 12;
+  }
+
+ private:
+  void word(const std::string& text)
+  {
+    canvas_.text(text, x_, y_, {8, io::kInk, false, Anchor::Start, Anchor::Middle, false});
+    x_ += static_cast<int>(Canvas::text_width(text, kWords)) + 6;
+  }
+
+  Canvas& canvas_;
+  int x_ = kEdge_px, y_;
+};
+
+void draw_legend(Canvas& canvas, int top)
+{
+  Legend first(canvas, top + kLegendRow_px / 2), second(canvas, top + 3 * kLegendRow_px / 2);
+  first.scale("blocked", Palette::Scores, "free");
+  first.swatch(cv::Scalar(io::not_judged_colour()), "not judged");
+  first.swatch(io::kUnknownColour, "no data");
+  first.scale("low", Palette::Heights, "high, over 0.6 m");
+  for (const std::size_t i : {1, 2, 3})
+    second.swatch(cv::Scalar(io::state_styles()[i].colour), io::state_styles()[i].word);
+  second.scale("standard deviation 0", Palette::Amounts, "0.05 m");
+}
+}  // namespace
+
+cv::Mat layer_image(
+    const io::LayerStack& stack, const std::string& layer, double side_m, int tile_px)
+{
+  const auto style = style_of(stack, layer);
+  const auto values = io::shown_values(stack, style);
+  cv::Mat cells =
+      io::paint_cells(values, stack.cells_x, stack.cells_y, style.palette, range_of(stack, style));
+  if (layer == layer_name(Layer::Traversability))
+    io::paint_not_judged(cells, values, *stack.find(layer_name(Layer::State)));
+  const int side = static_cast<int>(std::lround(side_m / stack.resolution_m));
+  cv::Mat square(side, side, CV_8UC3, io::kUnknownColour), tile;
+  const int shift = (side - cells.cols) / 2;  // the same to all sides: the robot is in the middle
+  const cv::Rect all(0, 0, side, side), placed(shift, shift, cells.cols, cells.rows);
+  const cv::Rect seen = all & placed;
+  cells(seen - placed.tl()).copyTo(square(seen));
+  cv::resize(square, tile, {tile_px, tile_px}, 0, 0, cv::INTER_NEAREST);
+  if (style.palette != Palette::States) io::hide_noise(tile);
+  return tile;
+}
+
+cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together)
+{
+  const int tile_px = tiles.front().image.cols, count = static_cast<int>(tiles.size());
+  const int rows = (count + columns - 1) / columns;
+  const auto left_of = [&](int column)
+  { return kEdge_px + column * (tile_px + kGap_px) + column / together * (kWideGap_px - kGap_px); };
+  Canvas canvas(
+      left_of(columns - 1) + tile_px + kEdge_px,
+      kEdge_px + rows * (kTitle_px + tile_px + kGap_px) + 2 * kLegendRow_px + kEdge_px);
+  for (int i = 0; i < count; ++i)
+  {
+    const Tile& tile = tiles[static_cast<std::size_t>(i)];
+    const int x = left_of(i % columns);
+    const int y = kEdge_px + i / columns * (kTitle_px + tile_px + kGap_px);
+    canvas.text(tile.title, x, y + 8, kTitle);
+    canvas.text(tile.words, x, y + 26, kWords);
+    canvas.paste(tile.image, x, y + kTitle_px);
+    canvas.frame({x, y + kTitle_px, tile_px, tile_px}, io::kFaintInk);
+    const double middle = tile_px / 2.0;
+    io::draw_robot(canvas, {x + middle, y + kTitle_px + middle}, 0, 12);
+  }
+  draw_legend(canvas, canvas.image().rows - kEdge_px - 2 * kLegendRow_px);
+  return canvas.image();
+}
+
+}  // namespace talus::pictures

@@ -1,0 +1,28 @@
+#pragma once
+#include <talus/io/layer_stack.h>
+
+#include <opencv2/core.hpp>
+
+#include <string>
+#include <vector>
+
+namespace talus::pictures
+{
+/** A tile of a sheet. */
+struct Tile
+{
+  std::string title;  //!< bold
+  std::string words;  //!< below it, faint
+  cv::Mat image;  //!< 8-bit BGR, tile_px wide and high
+};
+
+/** A square around the middle of the map: `side_m` of it, north up, as map.png shows a layer.
+ * Throws std::invalid_argument for a layer that the stack does not have. */
+cv::Mat layer_image(
+    const io::LayerStack& stack, const std::string& layer, double side_m, int tile_px);
+
+/** All tiles, `columns` in a row, with what the colours mean below; a wider gap after every
+ * `together` tiles. */
+cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together);
+
+}  // namespace talus::pictures
