@@ -3,8 +3,6 @@
 #include <talus/baselines/method.h>
 #include <talus/mrpt/pose_from.h>
 
-#include <cmath>
-
 namespace talus::nav
 {
 namespace
@@ -21,7 +19,6 @@ MapSnapshot snapshot_of(const baselines::Surfaces& s, const Parameters& p)
   layer(Layer::Elevation) = s.elevation_m;
   layer(Layer::Traversability) = s.traversability;
   layer(Layer::Variance).assign(s.size(), 0);
-  layer(Layer::Sparsity).assign(s.size(), NAN);
   layer(Layer::State).assign(s.state.begin(), s.state.end());
   return out;
 }

@@ -195,12 +195,14 @@ TEST(Obstacles, are_drops_that_nobody_has_seen_once_the_robot_is_near)
   { return map.layers[static_cast<std::size_t>(l)]; };
   const std::size_t cell = *map.window.index_at(-1.0, -1.0);
   layer(Layer::Traversability)[cell] = 0;
-  layer(Layer::Sparsity)[cell] = 0.2F;
+  layer(Layer::State)[cell + 1] = static_cast<float>(CellState::FilledOneSided);
   const auto passage_from = [&](double x_m)
   { return classify_cells(map, CPose3D(x_m, -1.0, 0, 0, 0, 0), {})[cell]; };
   EXPECT_EQ(passage_from(0.2), Passage::Obstacle);
   EXPECT_EQ(passage_from(0.7), Passage::Unknown) << "from nearby it may look better";
-  layer(Layer::Sparsity)[cell] = NAN;
+  std::fill(
+      layer(Layer::State).begin(), layer(Layer::State).end(),
+      static_cast<float>(CellState::Measured));
   EXPECT_EQ(passage_from(0.7), Passage::Obstacle) << "that was seen";
 }
 

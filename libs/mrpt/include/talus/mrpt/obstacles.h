@@ -29,9 +29,10 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
       mrpt::config::CConfigFileBase& target, const std::string& section) const override;
 
   double blocked_at = 0.0;  //!< cells whose traversability is this or less are obstacles, [0,1]
-  /** This near to the base, what is driven on must have been seen: a cell whose ground is unknown,
-   * was not judged, or may be a drop (sparsity below 0.5) is what `unseen` says. Farther away it is
-   * left to the planner as unknown: from nearby it may look better. */
+  /** This near to the base, what is driven on must have been seen. A cell whose ground is unknown
+   * or was not judged, or that is blocked by comparison with filled ground and has nothing on it (a
+   * drop perhaps, the far side of a crest), is what `unseen` says. Farther away it is left to the
+   * planner as unknown: from nearby it may look better. */
   double seen_within_m = 1.5;
   Unseen unseen = Unseen::Obstacle;
   double body_radius_m = 0.25;  //!< around the base nothing is an obstacle: it is in the robot
@@ -45,7 +46,7 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
 enum class Passage : std::uint8_t
 {
   Free,
-  Unknown,  //!< ground unknown, not judged or perhaps a drop, and no obstacle for it
+  Unknown,  //!< not seen, and no obstacle for it
   Obstacle
 };
 
