@@ -50,6 +50,7 @@ cv::Mat tile_of(const cv::Mat& cells, const Snapshot& s, int tile_px)
   cv::Mat tile;
   const int how = cells.cols < tile_px ? cv::INTER_NEAREST : cv::INTER_AREA;
   cv::resize(cells, tile, {tile_px, tile_px}, 0, 0, how);
+  if (tile_px == kSmallTile_px) io::hide_noise(tile);
   return with_robot(tile, s);
 }
 

@@ -56,10 +56,9 @@ std::string title(const Options& o, const MissionResult& m, bool ended)
   char text[200];
   std::snprintf(
       text, sizeof text, "%s, %s planner, %s, seed %llu: %.1f s%s%s",
-      talus::app::name_of_world(o.world).c_str(), o.in_3d ? "3D" : "2D",
-      o.map.c_str(), static_cast<unsigned long long>(o.seed),
-      ended ? m.time_s : m.steps.back().time_s, ended ? ", " : "",
-      ended ? ending_name(m.ending).c_str() : "");
+      talus::app::name_of_world(o.world).c_str(), o.in_3d ? "3D" : "2D", o.map.c_str(),
+      static_cast<unsigned long long>(o.seed), ended ? m.time_s : m.steps.back().time_s,
+      ended ? ", " : "", ended ? ending_name(m.ending).c_str() : "");
   return text;
 }
 
@@ -92,7 +91,8 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
   fit_sensor(world.sensors[0], o);
   SimulatedRobot robot(world, o.noise, o.seed);
   if (robot.contact() != Contact::None)
-    throw std::runtime_error(o.world + ": the robot starts in an obstacle or over an edge; move path_m");
+    throw std::runtime_error(
+        o.world + ": the robot starts in an obstacle or over an edge; move path_m");
   MissionOptions mission_options;
   mission_options.goal = {o.goal[0], o.goal[1]};
   mission_options.timeout_s = o.timeout_s;

@@ -2,6 +2,7 @@
 
 #include "../common/command_line.h"
 #include "../common/version.h"
+#include "drop_table.h"
 
 #include <talus/mrpt/parameters_ini.h>
 
@@ -82,7 +83,8 @@ void add_sensor(CLI::App& app, Options& o)
 {
   std::vector<std::string> names;
   for (const auto& s : sim::scanners()) names.push_back(s.name);
-  app.add_option("--scanner", o.scanner, "Instead of the world's: " + CLI::detail::join(names, ", "))
+  app.add_option(
+         "--scanner", o.scanner, "Instead of the world's: " + CLI::detail::join(names, ", "))
       ->check(CLI::IsMember(names, CLI::ignore_case))
       ->type_name("NAME");
   app::check_mounting(
@@ -93,6 +95,9 @@ void add_sensor(CLI::App& app, Options& o)
           ->delimiter(',')
           ->expected(6)
           ->type_name("X,Y,Z,YAW,PITCH,ROLL"));
+  app.add_flag_callback(
+      "--drop-table", [&o] { throw CLI::CallForVersion(drop_table(o.mount), 0); },
+      "Print which holes each scanner finds in time, at which speed, and exit");
 }
 
 void add_noise(CLI::App& app, Options& o)

@@ -79,8 +79,7 @@ Route::Route(
       static_cast<float>(resolution_m), kHopeful);
 }
 
-bool Route::plan(
-    const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap)
+bool Route::plan(const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap)
 {
   way_.clear();
   // A robot that came too near to an obstacle must find away from it.

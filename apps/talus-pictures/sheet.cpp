@@ -46,19 +46,6 @@ io::ColourRange range_of(const io::LayerStack& stack, const io::LayerStyle& styl
   return {*middle - kHeightSpan_m / 2, *middle + kHeightSpan_m / 2, false, false, 0, 0};
 }
 
-/** Steps that hide noise of a millimetre: the file is half as large. */
-cv::Mat in_few_colours(cv::Mat image)
-{
-  constexpr int kStep = 32;
-  image.forEach<cv::Vec3b>(
-      [](cv::Vec3b& pixel, const int*)
-      {
-        for (int k = 0; k < 3; ++k)
-          pixel[k] = cv::saturate_cast<uchar>((pixel[k] + kStep / 2) / kStep * kStep);
-      });
-  return image;
-}
-
 /** What the colours mean, a row of the foot of the sheet. */
 class Legend
 {
@@ -123,7 +110,8 @@ cv::Mat layer_image(
   const cv::Rect seen = all & placed;
   cells(seen - placed.tl()).copyTo(square(seen));
   cv::resize(square, tile, {tile_px, tile_px}, 0, 0, cv::INTER_NEAREST);
-  return style.palette == Palette::States ? tile : in_few_colours(std::move(tile));
+  if (style.palette != Palette::States) io::hide_noise(tile);
+  return tile;
 }
 
 cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together)

@@ -173,13 +173,68 @@ TEST_F(TalusNav, arrives_at_goals_that_are_near)
 
 TEST_F(TalusNav, judges_collisions_by_the_truth_and_not_by_the_map)
 {
-  // What a sensor without returns does not see is not in the map.
+  // What a sensor without returns does not see is not in this map.
   const std::string world =
       "name: blind\nground: [plane: {z_m: 0}]\nobjects: [box: {at_m: [2, 0], size_m: [1, 2, 1]}]\n"
       "robot: {path_m: [[0, 0], [1, 0]]}\nsensor: {at_m: [0, 0, 0.68], dropout: 1}\n";
   talus::test::write_bytes(path_of("blind.yaml"), world);
-  EXPECT_EQ(run("blind.yaml --goal 4,0 --timeout 20 --every 0 --output out"), 4) << text("err.txt");
+  EXPECT_EQ(run("blind.yaml --goal 4,0 --timeout 20 --every 0 --output out --map octomap"), 4)
+      << text("err.txt");
   EXPECT_EQ(summary("out")["ending"], "collision");
+}
+
+TEST_F(TalusNav, tells_a_fall_from_a_hit)
+{
+  // What a sensor without returns does not see is in no map; this one takes all for free.
+  const std::string world =
+      "ground: [step: {at_m: [2, 0], height_m: -0.5}]\nrobot: {path_m: [[0, 0], [1, 0]]}\n"
+      "sensor: {dropout: 1}\n";
+  talus::test::write_bytes(path_of("edge.yaml"), world);
+  const std::string arguments = " --goal 4,0 --timeout 20 --every 0 --output out --map octomap";
+  EXPECT_EQ(run("edge.yaml" + arguments), 6) << text("err.txt");
+  EXPECT_EQ(summary("out")["ending"], "fall");
+  talus::test::write_bytes(
+      path_of("up.yaml"), std::string(world).replace(world.find("-0.5"), 4, "0.5"));
+  EXPECT_EQ(run("up.yaml" + arguments), 4) << text("err.txt");
+}
+
+TEST_F(TalusNav, takes_another_scanner_and_mounting_than_the_world_has)
+{
+  EXPECT_EQ(
+      drive(
+          "nav_blocked.yaml",
+          "--goal 7,0 --timeout 2 --every 0 --output out --scanner os0-128 --mount "
+          "0.1,0,0.7,0,20,0"),
+      5)
+      << text("err.txt");
+  EXPECT_EQ(summary("out")["mount"][4], 20);
+  EXPECT_EQ(summary("out")["scanner"], "os0-128");
+  EXPECT_EQ(drive("nav_blocked.yaml", "--goal 7,0 --output out --mount 0,0,0.7 --timeout 1"), 2);
+  EXPECT_EQ(drive("nav_blocked.yaml", "--goal 7,0 --output out --scanner none"), 2);
+}
+
+TEST_F(TalusNav, does_not_fall_where_the_table_of_drops_says_that_it_stops_in_time)
+{
+  EXPECT_EQ(run("--drop-table --mount 0,0,0.68,0,0,0"), 0);
+  std::istringstream lines(text("out.txt"));
+  std::string line;
+  while (std::getline(lines, line) && line.rfind("| OS0-128", 0) != 0)
+  {
+  }
+  double ground_m = 0, at_slow_m = 0, at_usual_m = 9, at_fast_m = 0;
+  ASSERT_EQ(
+      std::sscanf(
+          line.c_str(), "| OS0-128 | 0.00 m ahead, 0.68 m up, pitch 0 | %lf | %lf | %lf | %lf",
+          &ground_m, &at_slow_m, &at_usual_m, &at_fast_m),
+      4)
+      << line;
+  EXPECT_LT(at_usual_m, 0.5) << "so that a hole of half a metre is found at 0.7 m/s";
+  const std::string world =
+      "ground: [ditch: {at_m: [4, 0], yaw_deg: 90, width_m: 0.5, depth_m: 1}]\n"
+      "robot: {path_m: [[0, 0], [1, 0]]}\n";
+  talus::test::write_bytes(path_of("hole.yaml"), world);
+  EXPECT_EQ(run("hole.yaml --goal 8,0 --every 0 --output out --scanner OS0-128"), 3)
+      << text("out.txt");
 }
 
 TEST_F(TalusNav, warns_when_the_file_does_not_say_how_the_map_becomes_obstacles)
@@ -291,10 +346,12 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
             "RobotModel_shape2D_ys =", "must be as many numbers as RobotModel_shape2D_xs"},
            {"3d", "LEVEL2_HEIGHT = 0.25", "LEVEL2_HEIGHT = -0.25",
             "LEVEL2_HEIGHT = '-0.25': must be from 0.01 to 10"},
-           {"2d", "\nnear_m        = 1.2", "\nnear_m = abc", "near_m = 'abc': must be"},
+           {"2d", "\nseen_within_m = 1.5", "\nseen_within_m = abc",
+            "seen_within_m = 'abc': must be"},
+           {"2d", "\nunseen ", "\nnear_m = 1.2\nunseen ", "near_m: is replaced by seen_within_m"},
            {"2d", "\nresolution = 0.05", "\nresolution = 0.1",
             "resolution = 0.1 m: must be 0.05 m"},
-           {"2d", "\nnear_m ", "\nfree\nnear_m ", "own.ini:228: 'free' has no '='"}})
+           {"2d", "\nunseen ", "\nfree\nunseen ", "own.ini:223: 'free' has no '='"}})
   {
     auto ini = read_bytes(
         std::string(TALUS_SOURCE_DIR "/datasets/configs/reactive") + w.planner + "_config.ini");

@@ -188,6 +188,24 @@ TEST(Obstacles, are_all_cells_that_are_blocked_also_beside_the_robot)
   EXPECT_NEAR(extent_of(points).min_x, 0.32, kFeature_m + kCell_m);
 }
 
+TEST(Obstacles, are_drops_that_nobody_has_seen_once_the_robot_is_near)
+{
+  MapSnapshot map = snapshot_of_room();
+  const auto layer = [&](Layer l) -> std::vector<float>&
+  { return map.layers[static_cast<std::size_t>(l)]; };
+  const std::size_t cell = *map.window.index_at(-1.0, -1.0);
+  layer(Layer::Traversability)[cell] = 0;
+  layer(Layer::State)[cell + 1] = static_cast<float>(CellState::FilledOneSided);
+  const auto passage_from = [&](double x_m)
+  { return classify_cells(map, CPose3D(x_m, -1.0, 0, 0, 0, 0), {})[cell]; };
+  EXPECT_EQ(passage_from(0.2), Passage::Obstacle);
+  EXPECT_EQ(passage_from(0.7), Passage::Unknown) << "from nearby it may look better";
+  std::fill(
+      layer(Layer::State).begin(), layer(Layer::State).end(),
+      static_cast<float>(CellState::Measured));
+  EXPECT_EQ(passage_from(0.7), Passage::Obstacle) << "that was seen";
+}
+
 TEST(KnownAhead, ends_at_the_first_cell_that_is_not_known_on_the_way)
 {
   MapSnapshot map = snapshot_of_room();

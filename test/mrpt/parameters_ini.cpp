@@ -228,11 +228,11 @@ TEST(ParametersIni, options_refuse_what_mrpt_would_read_as_some_other_value)
   talus::CDualElevationMap::TRenderOptions render;
   talus::ObstacleOptions obstacles;
   const std::vector<std::pair<mrpt::config::CLoadableOptions*, std::string>> wrong{
-      {&likelihood, "sigma_m = 0.05m"},  {&likelihood, "outlierRatio = "},
-      {&likelihood, "decimation = 2.7"}, {&likelihood, "decimation = 1e12"},
-      {&render, "showGround = maybe"},   {&render, "maxCells = many"},
+      {&likelihood, "sigma_m = 0.05m"},    {&likelihood, "outlierRatio = "},
+      {&likelihood, "decimation = 2.7"},   {&likelihood, "decimation = 1e12"},
+      {&render, "showGround = maybe"},     {&render, "maxCells = many"},
       {&obstacles, "seen_within_m = far"}, {&obstacles, "z_m = nan"},
-      {&obstacles, "unseen = "},        {&obstacles, "boundary_only = 2"}};
+      {&obstacles, "unseen = "},           {&obstacles, "boundary_only = 2"}};
   for (const auto& [options, line] : wrong)
   {
     const std::string key = line.substr(0, line.find(' ')), value = line.substr(key.size() + 3);

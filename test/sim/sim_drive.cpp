@@ -1,5 +1,6 @@
 // The simulator's scanners, its robot and its world files.
 #include <gtest/gtest.h>
+#include <talus/sim/drop_reach.h>
 
 #include <algorithm>
 #include <array>
@@ -427,6 +428,49 @@ TEST(WorldFile, takes_the_ground_from_a_height_image_and_knows_nothing_beyond_it
   EXPECT_NEAR(cast_m(w, {0.5, 0.5, 3}, {0, 0, -1}), 2.75, 1e-6);
   EXPECT_FALSE(std::isnan(cell_at(w, 1, 0.5).label));
   EXPECT_TRUE(std::isnan(cell_at(w, 2.5, 0.5).label) && std::isnan(cell_at(w, 2.5, 0.5).ground));
+}
+
+TEST(DropReach, is_what_one_ray_sees_of_a_hole)
+{
+  Scanner one;
+  one.elevations_rad = {-std::atan(0.25)};  // meets the ground 4 m ahead of a sensor at 1 m
+  one.rate_hz = 10;
+  const talus::Pose up = pose_from_rpy({0.5, 0, 1}, 0);
+  Stopping stopping;
+  EXPECT_NEAR(nearest_ground_m(one, up), 4.5, 1e-9);
+  EXPECT_NEAR(stopping.way_m(2), 0.4 * 2 + 2, 1e-9);
+  EXPECT_NEAR(narrowest_hole_m(one, up, 1, stopping), 0.05 / 0.25 + 0.1, 1e-9)
+      << "5 cm down over its width, and on as it drives in a tenth of a second";
+  const double fastest = fastest_before_hole_mps(one, up, 1, stopping);
+  EXPECT_NEAR(stopping.way_m(fastest) + 0.1 * fastest + 0.3, 4.5, 0.04);
+  EXPECT_EQ(narrowest_hole_m(one, up, fastest + 0.02, stopping), INFINITY);
+  EXPECT_NEAR(fastest_before_hole_mps(one, up, 0.3, stopping), 1, 0.011);
+  EXPECT_EQ(fastest_before_hole_mps(one, up, 0.19, stopping), 0) << "narrower than it can see";
+  one.elevations_rad = {0.1};
+  EXPECT_EQ(nearest_ground_m(one, up), INFINITY);
+  EXPECT_EQ(fastest_before_hole_mps(one, up, 5, stopping), 0);
+}
+
+TEST(DropReach, says_what_a_simulated_sweep_shows)
+{
+  const Scanner& scanner = *find_scanner("RS-LiDAR-16");
+  const double at_m = nearest_ground_m(scanner, pose_from_rpy({0, 0, 0.68}, 0));
+  const auto depth_m = [&](double width_m)
+  {
+    const World w = world_of(
+        "  - ditch: {at_m: [" + std::to_string(at_m - 0.01 + width_m / 2) +
+            ", 0], yaw_deg: 90, depth_m: 3, width_m: " + std::to_string(width_m) + "}\n",
+        "sensor: {noise_m: 0}\n");
+    const Scan scan = Drive(w).scan(0);
+    double lowest = 0;
+    for (std::size_t i = 0; i < scan.size(); ++i)
+      if (scan.x_m[i] > 0 && std::abs(scan.y_m[i]) < 0.05)
+        lowest = std::min(lowest, 0.68 + scan.z_m[i]);
+    return -lowest;
+  };
+  const double narrowest_m = narrowest_hole_m(scanner, pose_from_rpy({0, 0, 0.68}, 0), 0.01, {});
+  EXPECT_GT(depth_m(narrowest_m + 0.02), kFound_m);
+  EXPECT_LT(depth_m(narrowest_m - 0.02), kFound_m);
 }
 
 TEST(WorldFile, of_every_world_of_the_project_has_a_free_way_of_60_to_250_frames)

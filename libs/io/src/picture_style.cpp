@@ -180,6 +180,17 @@ cv::Mat paint_cells(
   return image;
 }
 
+void hide_noise(cv::Mat& image)
+{
+  constexpr int kStep = 32;
+  image.forEach<cv::Vec3b>(
+      [](cv::Vec3b& pixel, const int*)
+      {
+        for (int k = 0; k < 3; ++k)
+          pixel[k] = cv::saturate_cast<uchar>((pixel[k] + kStep / 2) / kStep * kStep);
+      });
+}
+
 void paint_not_judged(
     cv::Mat& image, const std::vector<float>& values, const std::vector<float>& states)
 {

@@ -64,6 +64,10 @@ cv::Mat paint_cells(
     const std::vector<float>& values, int cells_x, int cells_y, Palette palette,
     const ColourRange& range);
 
+/** Colours in coarse steps, for sheets of many small maps: noise of a millimetre shows no more, and
+ * the file is a third as large. */
+void hide_noise(cv::Mat& image);
+
 /** Of a cell whose ground is known, but not how it drives. */
 cv::Vec3b not_judged_colour();
 /** Gives it to those cells of paint_cells() that have a state and no score. */

@@ -27,14 +27,67 @@ void require_sound(const mrpt::poses::CPose3D& T, const ObstacleOptions& o)
         ", none of Unseen");
 }
 
-Passage judge(float traversability, double distance_m, const ObstacleOptions& o)
+constexpr float kObject_m = 0.1F;  // lower than this nothing stands in the way
+
+/** The questions that are asked of a cell. */
+class Judge
 {
-  if (distance_m < o.body_radius_m) return Passage::Free;
-  if (traversability <= o.blocked_at) return Passage::Obstacle;
-  if (!std::isnan(traversability)) return Passage::Free;
-  const bool must_be_seen = o.unseen == Unseen::Obstacle && distance_m <= o.seen_within_m;
-  return must_be_seen ? Passage::Obstacle : Passage::Unknown;
-}
+ public:
+  Judge(const MapView& map, const ObstacleOptions& o)
+      : view_(map),
+        o_(o),
+        reach_(static_cast<int>(
+            std::lround(map.parameters().feature_radius_m / map.parameters().resolution_m)))
+  {
+  }
+
+  const SurfaceView& view() const { return view_; }
+
+  /** Ground unknown or not judged, or blocked only by comparison with ground that nobody saw. */
+  bool is_unseen(int ix, int iy) const
+  {
+    const std::size_t cell = view_.index(ix, iy);
+    const float traversability = view_.traversability[cell];
+    if (std::isnan(traversability)) return true;
+    return traversability <= o_.blocked_at && !stands(cell) && rests_on_fills(ix, iy);
+  }
+
+  Passage operator()(int ix, int iy, double distance_m) const
+  {
+    if (distance_m < o_.body_radius_m) return Passage::Free;
+    if (!is_unseen(ix, iy))
+      return view_.traversability[view_.index(ix, iy)] <= o_.blocked_at ? Passage::Obstacle
+                                                                        : Passage::Free;
+    const bool must_be_seen = o_.unseen == Unseen::Obstacle && distance_m <= o_.seen_within_m;
+    return must_be_seen ? Passage::Obstacle : Passage::Unknown;
+  }
+
+ private:
+  /** Something measured stands on the ground of the cell. */
+  bool stands(std::size_t cell) const
+  {
+    return view_.elevation[cell] - view_.ground[cell] > kObject_m;  // false for NaN
+  }
+
+  /** Slope and step of the cell were made from inferred ground too. */
+  bool rests_on_fills(int ix, int iy) const
+  {
+    const int last = view_.window.cells - 1;
+    for (int y = std::max(0, iy - reach_); y <= std::min(last, iy + reach_); y++)
+      for (int x = std::max(0, ix - reach_); x <= std::min(last, ix + reach_); x++)
+      {
+        const float state = view_.state[view_.index(x, y)];
+        if (state == static_cast<float>(CellState::FilledOneSided) ||
+            state == static_cast<float>(CellState::FilledTwoSided))
+          return true;
+      }
+    return false;
+  }
+
+  SurfaceView view_;
+  const ObstacleOptions& o_;
+  int reach_;  //!< of the neighbourhood of slope and step, in cells
+};
 
 /** An arc from the base on, robot frame seen from above. */
 class Arc
@@ -79,7 +132,8 @@ std::vector<Passage> classify_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
 {
   require_sound(T_map_base, o);
-  const SurfaceView view(map);
+  const Judge judge(map, o);
+  const SurfaceView& view = judge.view();
   const int cells = view.window.cells;
   std::vector<Passage> out;
   out.reserve(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
@@ -88,7 +142,7 @@ std::vector<Passage> classify_cells(
     {
       const double distance_m =
           std::hypot(view.x_m(ix) - T_map_base.x(), view.y_m(iy) - T_map_base.y());
-      out.push_back(judge(view.traversability[view.index(ix, iy)], distance_m, o));
+      out.push_back(judge(ix, iy, distance_m));
     }
   return out;
 }
@@ -100,19 +154,21 @@ double known_ahead_m(
   if (map.empty()) return 0;
   require_sound(T_map_base, o);
   if (v_mps == 0) return o.range_m;
-  const SurfaceView view(map);
+  const Judge judge(map, o);
+  const SurfaceView& view = judge.view();
   const Arc arc(v_mps, w_radps);
   const double c = std::cos(T_map_base.yaw()), s = std::sin(T_map_base.yaw());
   double known_m = std::min(o.range_m, to_border_m(view.window, T_map_base));
   for (int iy = 0; iy < view.window.cells; iy++)
     for (int ix = 0; ix < view.window.cells; ix++)
     {
-      if (!std::isnan(view.traversability[view.index(ix, iy)])) continue;
       const double dx = view.x_m(ix) - T_map_base.x(), dy = view.y_m(iy) - T_map_base.y();
       if (std::hypot(dx, dy) < o.body_radius_m) continue;
       const double x = c * dx + s * dy, y = -s * dx + c * dy;
       const double along_m = arc.along_m(x, y);
-      if (along_m >= 0 && along_m < known_m && arc.beside_m(x, y) <= width_m / 2) known_m = along_m;
+      if (along_m >= 0 && along_m < known_m && arc.beside_m(x, y) <= width_m / 2 &&
+          judge.is_unseen(ix, iy))
+        known_m = along_m;
     }
   return known_m;
 }

@@ -40,17 +40,19 @@ constexpr std::array<Number, 6> kNumbers{{
 
 /** Keys of earlier versions. A robot would drive otherwise than its file says if they were passed
  * over. */
-constexpr std::array<const char*, 7> kReplaced{"unknown", "one_sided", "risky", "inferred",
-                                               "risky_below", "near_m", "own_radius_m"};
+constexpr std::array<const char*, 7> kReplaced{
+    "unknown", "one_sided", "risky", "inferred", "risky_below", "near_m", "own_radius_m"};
 
 void refuse_replaced(const mrpt::config::CConfigFileBase& c, const std::string& section)
 {
   for (const char* key : kReplaced)
     if (c.keyExists(section, key))
       throw std::runtime_error(
-          std::string(key) + ": is replaced by seen_within_m = 1.5 and unseen = obstacle or free "
+          std::string(key) +
+          ": is replaced by seen_within_m = 1.5 and unseen = obstacle or free "
           "(what is not known within that distance); what may be a ditch is blocked in the map "
-          "itself; delete it" + detail::in_section(c, section));
+          "itself; delete it" +
+          detail::in_section(c, section));
 }
 
 Unseen unseen_from(const mrpt::config::CConfigFileBase& c, const std::string& section)

@@ -29,8 +29,10 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
       mrpt::config::CConfigFileBase& target, const std::string& section) const override;
 
   double blocked_at = 0.0;  //!< cells whose traversability is this or less are obstacles, [0,1]
-  /** This near to the base, what is driven on must have been seen: a cell whose ground is unknown
-   * or was not judged is what `unseen` says. Farther away it is left to the planner as unknown. */
+  /** This near to the base, what is driven on must have been seen. A cell whose ground is unknown
+   * or was not judged, or that is blocked by comparison with filled ground and has nothing on it (a
+   * drop perhaps, the far side of a crest), is what `unseen` says. Farther away it is left to the
+   * planner as unknown: from nearby it may look better. */
   double seen_within_m = 1.5;
   Unseen unseen = Unseen::Obstacle;
   double body_radius_m = 0.25;  //!< around the base nothing is an obstacle: it is in the robot
@@ -44,7 +46,7 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
 enum class Passage : std::uint8_t
 {
   Free,
-  Unknown,  //!< ground unknown or not judged, and no obstacle for it
+  Unknown,  //!< not seen, and no obstacle for it
   Obstacle
 };
 
@@ -87,9 +89,10 @@ void update_costmap(
     mrpt::maps::COccupancyGridMap2D& grid);
 
 /** How far [m] the ground is known along the arc on which a command leads the base: up to the first
- * cell that is unknown or not judged in a corridor of this width, the end of the window or range_m.
- * What lies within body_radius_m does not count, nor what is known to be an obstacle: that is given
- * to the planner. range_m for a robot that turns on the spot or stands, and of an empty map 0. */
+ * cell that was not seen (see seen_within_m) in a corridor of this width, the end of the window or
+ * range_m. What lies within body_radius_m does not count, nor what is known to be an obstacle: that
+ * is given to the planner. range_m for a robot that turns on the spot or stands, and of an empty
+ * map 0. */
 double known_ahead_m(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps,
     double width_m, const ObstacleOptions& o);
