@@ -261,11 +261,12 @@ void PictureSheet::add_north(double heading_deg, const std::string& words)
   next_y_ += 96;
 }
 
-const cv::Mat& PictureSheet::finish()
+cv::Mat PictureSheet::finish()
 {
   canvas_.paste(map_, plot_.x, plot_.y);
   canvas_.frame(plot_, kInk);
-  return canvas_.image();
+  const int used_px = std::max(plot_.y + plot_.height + kBottom, next_y_ + kEdge);
+  return canvas_.image().rowRange(0, std::min(used_px, canvas_.image().rows)).clone();
 }
 
 double length_m(const std::vector<std::vector<WayPoint>>& ways, int floor)

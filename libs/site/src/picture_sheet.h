@@ -44,8 +44,8 @@ class PictureSheet
   void add_gap(int pixels) { next_y_ += pixels; }
   /** @} */
 
-  /** Puts the map onto the paper and gives all. */
-  const cv::Mat& finish();
+  /** Puts the map onto the paper and gives all, as high as map and column need. */
+  cv::Mat finish();
 
  private:
   RasterPlace place_;
