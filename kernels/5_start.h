@@ -34,13 +34,21 @@ struct PresumeStart
     const float bound_m = select(
         passing.lowest_m[window_i] < kInfinity,
         passing.highest_m[window_i] + config->cleanup_margin_m, kInfinity);
-    if (plane_m > bound_m || (config->start_automatic != 0 && !is_blind(ix, iy))) return;
+    if (plane_m > bound_m) return;
+    if (config->start_automatic != 0 && !is_beside(ix, iy) && !is_blind(ix, iy)) return;
     Cell c = store.load(storage_i);
     presume_ground(c, plane_m);
     store.store(storage_i, c);
   }
 
  private:
+  /** Where it starts there is room for the robot to move off. */
+  TALUS_HD bool is_beside(int ix, int iy) const
+  {
+    const float x_m = from_base_m(*config, ix, frame->base_x_m);
+    const float y_m = from_base_m(*config, iy, frame->base_y_m);
+    return x_m * x_m + y_m * y_m <= kStartsOn_m * kStartsOn_m;
+  }
   TALUS_HD float plane_at(int ix, int iy) const
   {
     return plane_of_base_m(

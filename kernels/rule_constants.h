@@ -72,9 +72,11 @@ constexpr float kStandsUp_steps = 0.5f;
 constexpr float kFootprint_m = 0.25f;
 /** The ground on which it starts is presumed so far around it at most, unless a user says so. */
 constexpr float kStartsWithin_m = 4.0f;
+/** Somebody put it there, with room to move off: so far the scanner need not look over. */
+constexpr float kStartsOn_m = 0.7f;
 /** It ends where the ray that leaves it blind would meet it, if that goes on to so far below it
  * [steps]: there is a drop-off somewhere. */
-constexpr float kStartUndercut_steps = 0.5f;
+constexpr float kStartUndercut_steps = 1.0f;
 /** How well the ground under the robot is known. */
 constexpr float kUnderFoot_var_m2 = 0.02f * 0.02f;
 

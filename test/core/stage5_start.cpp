@@ -133,6 +133,7 @@ TEST(Stage5Start, NothingIsPresumedTowardsADropOff)
   for (const double x : {1.225, 1.775, 2.325})
     EXPECT_NE(m.state(x, 0.025), CellState::Presumed) << x;
   EXPECT_EQ(m.state(-1.775, 0.025), CellState::Presumed);
+  EXPECT_EQ(m.state(0.575, 0.025), CellState::Presumed) << "there it stands, with room to move off";
 }
 
 TEST(Stage5Start, PresumedGroundGivesWayToMeasurementsAndToRaysBelowIt)
