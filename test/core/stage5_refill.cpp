@@ -137,22 +137,6 @@ void add_face(Scan& s, double x0, double x1, double y0, double y1, double low_m,
   for (double z = low_m; z < high_m; z += 0.1) s.add_surface(x0, y0, x1, y1, level(z));
 }
 
-TEST(Stage5Refill, WhatHangsBesideACellOfTheFloorIsNoColumn)
-{
-  // In a pair of cells a crown is met in one and the floor in the other: the next cell of the crown
-  // is joined to nothing that stands.
-  TestMap m;
-  Scan s;
-  s.add_surface(1.0, -1, 2.05, 1, flat).add_surface(2.3, -1, 3.0, 1, flat);
-  add_face(s, 2.05, 2.2, -0.3, 0.3, 0.9, 1.35);
-  for (int i = 0; i < 2; i++) m.update(s);
-  for (const double x : {2.075, 2.125, 2.175})
-  {
-    EXPECT_NEAR(m.ground(x, 0.025), 0.0, 0.01) << x;
-    EXPECT_GT(m.traversability(x, 0.025), 0.99f) << x;
-  }
-}
-
 TEST(Stage5Refill, ASignHangsBesideItsPostAndACabStandsOnItsBody)
 {
   Scan floor;
