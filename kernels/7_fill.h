@@ -139,6 +139,17 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b)
   return ((n_high + n_low) * low.height_m + n_high * high.height_m) / total;
 }
 
+/** Height to which the ground goes on beside samples that lie on one side: as far again past the
+ * nearest as that is off their mean, as it begins to rise or fall. A nearest sample that is farther
+ * off is the foot of something: it counts for a quarter of a step. */
+TALUS_HD float goes_on(float nearest_m, float mean_m, const Config& k)
+{
+  const float off_m = nearest_m - mean_m;
+  const float noise_m = max_of(min_of(off_m, kHeightNoise_m), -kHeightNoise_m);
+  const float most_m = kGoesOnMost_steps * k.step_threshold_m;
+  return mean_m + max_of(min_of(kGoesOn * (off_m - noise_m), most_m), -most_m);
+}
+
 /** Heights of several lines, each weighed by how far it has to bridge. */
 struct LineFusion
 {
@@ -148,7 +159,7 @@ struct LineFusion
   {
     return std::make_tuple(&LineFusion::information, &LineFusion::weighted, &LineFusion::lowest_m);
   }
-  /** Between samples of both sides linearly, beside one side their mean. The error grows
+  /** Between samples of both sides linearly, beside one side as goes_on() says. The error grows
    * with the distances, and with what the sides differ by: nobody knows where between them it
    * rises. A gap holds a face if its sides are steeper apart than a robot can drive, or if the
    * ground beyond it is a step lower. Then along a ray the lower side counts, which is what lies
@@ -165,7 +176,8 @@ struct LineFusion
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
     const float error =
         kBetweenDeviation * a.distance_m * b.distance_m / gap_m + kRiseDeviation * abs_of(rise);
-    const float beyond = select(has_a, a.height_m, b.height_m);
+    const float beyond =
+        goes_on(select(has_a, a.nearest_m, b.nearest_m), select(has_a, a.height_m, b.height_m), k);
     const float height = select(both, between, beyond);
     const float deviation =
         select(both, error, kBeyondDeviation * select(has_a, a.distance_m, b.distance_m));

@@ -135,6 +135,11 @@ constexpr float kRiseDeviation = 0.289f;
 /** What lies between two samples is off by this share of their reduced distance, a b / (a + b)
  * [m/m]; beside one by this share of its distance. */
 constexpr float kBetweenDeviation = 0.1f, kBeyondDeviation = 0.3f;
+/** Heights of neighbouring cells differ by so much for noise alone. */
+constexpr float kHeightNoise_m = 0.002f;
+/** Ground goes on so many times as far off the mean as the nearest sample is, but at most by this
+ * share of a step: a nearest sample that is farther off is the foot of something. */
+constexpr float kGoesOn = 2.0f, kGoesOnMost_steps = 0.25f;
 /** A guess from one side does not lift by more than this what was filled from two: it would forget
  * what lies behind an edge once the ground beyond is on no line any more. */
 constexpr float kLift_m = 0.1f;

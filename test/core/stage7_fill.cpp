@@ -210,6 +210,29 @@ TEST(Stage7Fill, ASlopeIsFilledAlongRayRowAndColumnWithoutBias)
     EXPECT_NEAR(m.ground(x, 0.025), plane(x, 0.025), 0.004) << x;
 }
 
+TEST(Stage7Fill, BesideOneSideTheNearestSampleTellsHowTheGroundTurns)
+{
+  const Parameters p;
+  kernels::Config k{};
+  k.step_threshold_m = static_cast<float>(p.step_threshold_m);
+  const auto level = [&](float nearest_m, float mean_m)
+  { return kernels::goes_on(nearest_m, mean_m, k); };
+  EXPECT_FLOAT_EQ(level(0.022f, 0.015f), 0.025f);  // 2 mm of the 7 are noise
+  EXPECT_FLOAT_EQ(level(0.008f, 0.015f), 0.005f);
+  EXPECT_FLOAT_EQ(level(0.0165f, 0.015f), 0.015f);
+  EXPECT_FLOAT_EQ(level(0.100f, 0.020f), 0.070f);  // the foot of a box
+  EXPECT_FLOAT_EQ(level(-0.100f, 0.020f), -0.030f);
+
+  TestMap m;  // rolling ground that begins to rise where it is last seen
+  const auto ground = [](double x, double y)
+  { return 0.6 * std::max(0.0, x - 1.9) + 0.04 * std::cos(2 * y); };
+  m.update(Scan().add_surface(-2.5, -2.5, 2.0, 2.5, ground));
+  const float last_m = m.ground(1.975, 0.025), before_m = m.ground(1.925, 0.025);
+  EXPECT_GT(last_m, before_m + 0.02f);
+  for (double x = 2.025; x < 2.4; x += 0.05)
+    EXPECT_NEAR(m.ground(x, 0.025), 1.5f * last_m - 0.5f * before_m - 0.004f, 0.002) << x;
+}
+
 TEST(Stage7Fill, ABankBesideAFloorSaysNothingOfHowTheFloorGoesOn)
 {
   TestMap m;
