@@ -13,7 +13,6 @@ struct ClassifyCell
   CellStore store;
   CoarseGrid grid;
   const float* top_hit_m;  //!< of this frame, by storage index
-  RayReach reach;
   std::uint8_t* surface_class;  //!< by storage index
 
   /** Decides for cell (x, y), stored at storage_i, as most are; false where that is all. */
@@ -48,29 +47,17 @@ struct ClassifyCell
   TALUS_HD bool needs_inspection(int x, int y, int storage_i) const
   {
     return may_be_top(storage_i, store.ground_m[storage_i]) &&
-           is_before(x, y, face_below(storage_i));
+           is_before(x, y, top_hit_m[storage_i]);
   }
 
   /** What was hit too high to stand on the ground may belong to a thing whose face overhangs before
    * it. Seen from above it is the top of that thing, a trailer or a car: the robot fits as little
-   * below its middle as below its face. Hit above the sensor, right behind the face and without a
-   * ray that went on between the two, it stands on that: the cab on a loader, the windows above a
-   * car's doors. It has the least persistence that such a face may have, and reaches down as far,
-   * or to the end of what is hit of it. */
+   * below its middle as below its face. It has the least persistence that such a face may have, and
+   * reaches down as far. */
   template <class Group>
   TALUS_HD void inspect(int x, int y, int storage_i, const Group& group) const
   {
-    const float top_m = top_hit_m[storage_i];
-    float depth_m = kNan;
-    if (seen_from_above(storage_i))
-      depth_m = depth_before(x, y, face_below(storage_i), group);
-    else
-    {
-      const OverhangRays<Group> rays{*config, reach, footprint_of(*config, *frame, x, y), group};
-      const float low_m = rays.end_on_something(top_m);
-      const Face face = on_which_stands(low_m, low_m);
-      if (is_known(low_m) && is_known(depth_before(x, y, face, group))) depth_m = top_m - low_m;
-    }
+    const float depth_m = depth_before(x, y, top_hit_m[storage_i], group);
     if (group.rank() == 0 && is_known(depth_m)) put_overhang(storage_i, depth_m);
   }
 
@@ -97,7 +84,7 @@ struct ClassifyCell
     const bool stands =
         store.elevation_m[storage_i] > ground_m + kStandsAlready_clearances * config->clearance_m;
     const bool guess = store.state[storage_i] == kFilledOneSided;  // there join_column() decides
-    return hit_above(storage_i, ground_m) & !stands & !guess;
+    return hit_above(storage_i, ground_m) & seen_from_above(storage_i) & !stands & !guess;
   }
   TALUS_HD void put_overhang(int storage_i, float depth_m) const
   {
@@ -130,35 +117,6 @@ struct ClassifyCell
     return past ? kObjectBesideColumn : kObjectOnColumn;
   }
 
-  /** What overhangs and has its top between two heights, at most so many pairs of cells away. */
-  struct Face
-  {
-    float lowest_m, highest_m;
-    int most_pairs;
-  };
-  /** The face of a thing whose top is that high: no farther than a thing reaches that is narrower
-   * than ground. */
-  TALUS_HD Face whose_top_is_at(float top_m) const
-  {
-    const float tolerance_m = kSameThing_steps * config->step_threshold_m;
-    return {top_m - tolerance_m, top_m + tolerance_m, 2 * dilation_radius(*config)};
-  }
-  /** The face above which something begins between two heights. */
-  TALUS_HD Face on_which_stands(float lowest_m, float highest_m) const
-  {
-    const float step_m = config->step_threshold_m;
-    return {
-        lowest_m - kBelowFaceTop_steps * step_m, highest_m + kAboveFaceTop_steps * step_m,
-        floor_to_int(0.5f * kBehindFace_m * config->inverse_resolution + 0.5f)};
-  }
-
-  /** The face of what a hit may belong to. */
-  TALUS_HD Face face_below(int storage_i) const
-  {
-    const float top_m = top_hit_m[storage_i];
-    return seen_from_above(storage_i) ? whose_top_is_at(top_m) : on_which_stands(-kInfinity, top_m);
-  }
-
   /** Corridors from a cell to the sensor, a pair of cells wide each. */
   struct Corridors
   {
@@ -173,13 +131,17 @@ struct ClassifyCell
     return {
         grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y), dx / length, dy / length};
   }
-  /** The coarse cell nearest in a corridor that holds the face; -1: none. */
-  TALUS_HD int face_in_corridor(const Corridors& corridors, int corridor, const Face& face) const
+  /** The coarse cell nearest in a corridor that holds the face of a thing whose top is that high;
+   * -1: none. It is no farther than a thing reaches that is narrower than ground. */
+  TALUS_HD int face_in_corridor(const Corridors& corridors, int corridor, float of_top_m) const
   {
     const auto beside = static_cast<float>(corridor - kFaceCorridors / 2);
+    const float tolerance_m = kSameThing_steps * config->step_threshold_m;
+    const float lowest_m = of_top_m - tolerance_m, highest_m = of_top_m + tolerance_m;
     const int here = grid.at(corridors.px, corridors.py);  // of no use: what overhangs is before it
     int nearest = -1;
-    for (int r = face.most_pairs; r >= 1; r--)  // to the end, so that a device reads ahead
+    for (int r = 2 * dilation_radius(*config); r >= 1;
+         r--)  // to the end, so that a device reads ahead
     {
       const float ahead = static_cast<float>(r);
       const int qx = corridors.px + floor_to_int(ahead * corridors.x - beside * corridors.y + 0.5f);
@@ -187,31 +149,30 @@ struct ClassifyCell
       const bool inside = (qx >= 0) & (qy >= 0) & (qx < grid.side) & (qy < grid.side);
       const int coarse_i = select(inside, grid.at(qx, qy), here);
       const float top_m = grid.overhang_m[coarse_i];
-      const bool is_face =
-          (coarse_i != here) & (top_m >= face.lowest_m) & (top_m <= face.highest_m);
+      const bool is_face = (coarse_i != here) & (top_m >= lowest_m) & (top_m <= highest_m);
       nearest = select(is_face, coarse_i, nearest);
     }
     return nearest;
   }
   /** Whether depth_before() may find the face: it is in one of two corridors. */
-  TALUS_HD bool is_before(int x, int y, const Face& face) const
+  TALUS_HD bool is_before(int x, int y, float of_top_m) const
   {
     const Corridors corridors = corridors_from(x, y);
     const int middle = kFaceCorridors / 2;
-    return face_in_corridor(corridors, middle, face) >= 0 ||
-           face_in_corridor(corridors, middle + 1, face) >= 0;
+    return face_in_corridor(corridors, middle, of_top_m) >= 0 ||
+           face_in_corridor(corridors, middle + 1, of_top_m) >= 0;
   }
   /** How far down reaches what overhangs between a cell and the sensor, in all corridors but one:
    * wider than the leg of a table. NaN: nothing does. */
   template <class Group>
-  TALUS_HD float depth_before(int x, int y, const Face& face, const Group& group) const
+  TALUS_HD float depth_before(int x, int y, float of_top_m, const Group& group) const
   {
     const Corridors corridors = corridors_from(x, y);
     int missing = 0;
     float depth_m = 0;
     for (int corridor = group.rank(); corridor < kFaceCorridors; corridor += group.size())
     {
-      const int coarse_i = face_in_corridor(corridors, corridor, face);
+      const int coarse_i = face_in_corridor(corridors, corridor, of_top_m);
       if (coarse_i < 0)
         missing++;
       else

@@ -84,17 +84,11 @@ struct PoolCells
         select(overhangs, top, -kInfinity),
         select(overhangs & (extent != kOpen), code_below(extent), 0)};
   }
-  /** What two cells hold together, one above the other, or then two such pairs. What stands counts
-   * where it stands: a cell that was hit high up only, beside the floor of the other, may hang. */
+  /** What two cells hold together, one above the other, or then two such pairs. */
   TALUS_HD CoarseCell pool(const CoarseCell& a, const CoarseCell& b) const
   {
-    const float lowest_m = min_of(a.lowest_m, b.lowest_m);
-    const float limit_m = lowest_m + config->clearance_m;
     return {
-        lowest_m,
-        max_of(
-            select(a.lowest_m <= limit_m, a.column_m, -kInfinity),
-            select(b.lowest_m <= limit_m, b.column_m, -kInfinity)),
+        min_of(a.lowest_m, b.lowest_m), max_of(a.column_m, b.column_m),
         max_of(a.overhang_m, b.overhang_m), max_of(a.overhang_below, b.overhang_below)};
   }
   /** What goes on beyond the window: bare ground. What is as high as the sensor is not seen from

@@ -126,29 +126,11 @@ struct OverhangRays
     const int first = first_step(hit_m, up), none = first - up;
     int farthest = none * up;
     for (int which = group.rank(); which < footprint.rays(); which += group.size())
-      farthest = max_of(farthest, follow(bin(which), first, up).last * up);
+      farthest = max_of(farthest, follow(bin(which), first, up) * up);
     return height_of(group.max(farthest) * up, none, hit_m);
   }
 
-  /** The end of the hits below a height that was hit in the cell, where the ray below the last hit
-   * ended on something nearer; NaN: it went on in some direction, or there is none. */
-  TALUS_HD float end_on_something(float hit_m) const
-  {
-    const int first = min_of(first_step(hit_m, -1), kSlopeSteps - 1), none = first + 1;
-    int lowest = none, most = kNoneAimed;
-    for (int which = group.rank(); which < footprint.rays(); which += group.size())
-    {
-      const EndOfHits end = follow(bin(which), first, -1);
-      lowest = min_of(lowest, select(end.next == kWentOn, kWentOnBelow, end.last));
-      most = max_of(most, static_cast<int>(end.next));
-    }
-    lowest = group.min(lowest);
-    const bool on_something = (group.max(most) == kEndedBefore) & (lowest != kWentOnBelow);
-    return on_something ? height_of(lowest, none, hit_m) : kNan;
-  }
-
  private:
-  static constexpr int kWentOnBelow = -1;  //!< no step
   enum Aimed
   {
     kNoneAimed,
@@ -193,17 +175,11 @@ struct OverhangRays
     return reach.frame->sensor_z_m + slope_of_step(last) * footprint.chebyshev_m;
   }
 
-  /** The last step of those from `first` on that were hit, or the one before `first`, and what
-   * became of the next ray. */
-  struct EndOfHits
-  {
-    int last;
-    Aimed next;
-  };
-  TALUS_HD EndOfHits follow(int bin, int first, int up) const
+  /** The last step of those from `first` on that were hit, or the one before `first`. */
+  TALUS_HD int follow(int bin, int first, int up) const
   {
     const int nearest = footprint.row - (kBehindCell_rings + kBeforeCell_rings) * bin_count(k);
-    EndOfHits end{first - up, kNoneAimed};
+    int last = first - up;
     bool more = first >= 0 && first < kSlopeSteps;
     for (int quad = first / RayReach::Steps::kSize;
          more && quad >= 0 && quad < kSlopeSteps / RayReach::Steps::kSize; quad += up)
@@ -215,12 +191,11 @@ struct OverhangRays
         const int step = quad * RayReach::Steps::kSize + s;
         const bool is_ray = more & ((step - first) * up >= 0) & (ray > 0);
         const bool before = ray < nearest, behind = ray >= footprint.row;
-        end.last = is_ray & !before & !behind ? step : end.last;
-        end.next = is_ray & before ? kEndedBefore : is_ray & behind ? kWentOn : end.next;
-        more = end.next == kNoneAimed;
+        last = select(is_ray & !before & !behind, step, last);
+        more &= !(is_ray & (before | behind));
       }
     }
-    return end;
+    return last;
   }
 };
 

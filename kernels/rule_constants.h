@@ -100,10 +100,6 @@ constexpr float kStandsAlready_clearances = 0.5f;
 constexpr float kPastObject_steps = 0.5f;
 /** Tops belong to one thing if they differ by at most so much [steps]. */
 constexpr float kSameThing_steps = 0.5f;
-/** What begins so much below the top of a face, or above it [steps], stands on it. */
-constexpr float kBelowFaceTop_steps = 0.75f, kAboveFaceTop_steps = 0.5f;
-/** How far behind the face of what it stands on something is hit at most. */
-constexpr float kBehindFace_m = 0.4f;
 /** A face is looked for in so many corridors towards the sensor, a pair of cells wide each, of
  * which so many may be without it: wider than the leg of a table. */
 constexpr int kFaceCorridors = 5, kMissingCorridors = 1;

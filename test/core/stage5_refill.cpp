@@ -137,37 +137,17 @@ void add_face(Scan& s, double x0, double x1, double y0, double y1, double low_m,
   for (double z = low_m; z < high_m; z += 0.1) s.add_surface(x0, y0, x1, y1, level(z));
 }
 
-TEST(Stage5Refill, WhatHangsBesideACellOfTheFloorIsNoColumn)
-{
-  // In a pair of cells a crown is met in one and the floor in the other: the next cell of the crown
-  // is joined to nothing that stands.
-  TestMap m;
-  Scan s;
-  s.add_surface(1.0, -1, 2.05, 1, flat).add_surface(2.3, -1, 3.0, 1, flat);
-  add_face(s, 2.05, 2.2, -0.3, 0.3, 0.9, 1.35);
-  for (int i = 0; i < 2; i++) m.update(s);
-  for (const double x : {2.075, 2.125, 2.175})
-  {
-    EXPECT_NEAR(m.ground(x, 0.025), 0.0, 0.01) << x;
-    EXPECT_GT(m.traversability(x, 0.025), 0.99f) << x;
-  }
-}
-
-TEST(Stage5Refill, ASignHangsBesideItsPostAndACabStandsOnItsBody)
+TEST(Stage5Refill, ASignHangsBesideItsPost)
 {
   Scan floor;
   floor.add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.3, -1, 3.0, 1, flat);
-  TestMap sign, cab;
-  Scan with_sign = floor, with_cab = floor;
+  TestMap sign;
+  Scan with_sign = floor;
   add_face(with_sign, 2.0, 2.1, 0, 0.1, 0.0, 2.05);
   add_face(with_sign, 2.0, 2.1, 0.1, 0.4, 1.4, 1.85);
-  add_face(with_cab, 2.0, 2.1, -0.4, 0.4, 0.3, 1.45);
-  add_face(with_cab, 2.1, 2.2, -0.4, 0.4, 1.4, 1.85);
-  for (int i = 0; i < 2; i++) sign.update(with_sign), cab.update(with_cab);
+  for (int i = 0; i < 2; i++) sign.update(with_sign);
   EXPECT_NEAR(sign.elevation(2.025, 0.025), 2.0, 0.01);
   EXPECT_FALSE(sign.elevation(2.025, 0.175) > 0.1f);
-  EXPECT_EQ(cab.traversability(2.125, 0.025), 0.0f);
-  EXPECT_NEAR(cab.elevation(2.125, 0.025), 1.8, 0.01);
 }
 
 TEST(Stage5Refill, ASteepButSmoothSlopeIsGroundEverywhere)
@@ -276,32 +256,6 @@ TEST(Stage5Refill, WhatHadAirBelowItIsForgottenWhenItHasGone)
   ASSERT_GT(share_inside(m, kTrailer, blocked), 0.9);
   for (int i = 0; i < 3; i++) m.update(Scan(2.5, 0, 1.0).cast({}, 720, -0.6, 0.1, 96));
   EXPECT_EQ(share_inside(m, kTrailer, passable), 1.0);
-}
-
-/** A car that lets rays through below its doors, and what is above its doors, seen from a sensor
- * that is lower than they are high. */
-TestMap map_of_car(const Box& windows)
-{
-  const Box doors{{1.0, 1.0, 0.2}, {2.6, 2.4, 0.8}};
-  TestMap m;
-  for (double x = 0; x < 2.5; x += 0.1)
-    m.update(Scan(x, 0, 0.7).cast({doors, windows}, 720, -0.6, 0.5, 128));
-  return m;
-}
-
-TEST(Stage5Refill, WhatBeginsWhereAFaceEndsStandsOnIt)
-{
-  const TestMap car = map_of_car({{1.2, 1.15, 0.8}, {2.4, 2.3, 1.4}});
-  for (double x = 1.425; x < 2.2; x += 0.05)
-    EXPECT_TRUE(blocked(car.traversability(x, 1.175))) << "side of the windows at " << x;
-}
-
-TEST(Stage5Refill, WhatRaysPassBelowDoesNotStandOnTheFaceBeforeIt)
-{
-  // The same, 0.4 m above the doors.
-  const TestMap canopy = map_of_car({{1.2, 1.15, 1.2}, {2.4, 2.3, 1.5}});
-  for (double x = 1.425; x < 1.9; x += 0.05)
-    EXPECT_TRUE(passable(canopy.traversability(x, 1.175))) << "edge of the canopy at " << x;
 }
 
 TEST(Stage5Refill, AStripOfAPlatformAtTheWindowsBorderIsGround)

@@ -127,8 +127,8 @@ struct MapBuffers
   }
   kernels::ClassifyCell classify_cell()
   {
-    return {config.data(), context.data(),      store(), coarse_grid(), top_hit.data(),
-            ray_reach(),   surface_class.data()};
+    return {config.data(), context.data(), store(),
+            coarse_grid(), top_hit.data(), surface_class.data()};
   }
   kernels::CleanUpCell clean_up()
   {
