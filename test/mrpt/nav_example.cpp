@@ -52,6 +52,7 @@ TEST(NavExample, drives_around_the_box_to_the_goal)
   ini.discardSavingChanges();
   RobotInSimulatedTime robot(ini);
   see_the_room(robot.map);
+  robot.options.unseen = talus::Unseen::Free;  // it sees no more of the room while it drives
   robot.pose = mrpt::poses::CPose3D(-1.2, 0.2, 0, 0, 0, 0);
   set_clock(0);
   mrpt::nav::CReactiveNavigationSystem navigator(robot, false);
@@ -60,7 +61,7 @@ TEST(NavExample, drives_around_the_box_to_the_goal)
   navigator.params_abstract_ptg_navigator.ptg_cache_files_directory = caches / "";
   navigator.initialize();
   mrpt::nav::CReactiveNavigationSystem::TNavigationParams goal;
-  goal.target.target_coords = {2.3, -1.8, 0};  // on ground that was seen
+  goal.target.target_coords = {2.3, -1.1, 0};
   goal.target.targetAllowedDistance = 0.2F;
   navigator.navigate(&goal);
   constexpr double kStep_s = 0.1;
@@ -78,5 +79,5 @@ TEST(NavExample, drives_around_the_box_to_the_goal)
         << "in the box at " << robot.pose.asString();
   }
   EXPECT_EQ(navigator.getCurrentState(), mrpt::nav::CAbstractNavigator::TState::IDLE);
-  EXPECT_LT(std::hypot(robot.pose.x() - 2.3, robot.pose.y() + 1.8), 0.4);
+  EXPECT_LT(std::hypot(robot.pose.x() - 2.3, robot.pose.y() + 1.1), 0.4);
 }
