@@ -50,7 +50,6 @@ cv::Mat tile_of(const cv::Mat& cells, const Snapshot& s, int tile_px)
   cv::Mat tile;
   const int how = cells.cols < tile_px ? cv::INTER_NEAREST : cv::INTER_AREA;
   cv::resize(cells, tile, {tile_px, tile_px}, 0, 0, how);
-  if (tile_px == kSmallTile_px) io::hide_noise(tile);
   return with_robot(tile, s);
 }
 
@@ -60,7 +59,8 @@ cv::Mat paint(
 {
   const int n = s.window.cells;
   if (layer.empty()) return {n, n, CV_8UC3, io::kUnknownColour};
-  return io::paint_cells(layer, n, n, palette, range);
+  const int colours = palette == Palette::Scores ? io::kFewColours : 256;
+  return io::paint_cells(layer, n, n, palette, range, colours);
 }
 
 cv::Mat traversability_tile(const Surfaces& map, const Snapshot& s, int tile_px)

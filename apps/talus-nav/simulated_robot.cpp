@@ -120,20 +120,19 @@ sim::Scan SimulatedRobot::scan() const
   return sim::take_scan(world_, scanner_, sweep);
 }
 
-/** Whether the ground around a place, where nothing stands, is farther below the plane of the
- * wheels than above it. */
+/** Whether the ground around a place, where nothing stands, is farther below that under the middle
+ * of the robot than above it. Its wheels are no measure: they have climbed what it hit. */
 bool SimulatedRobot::is_drop(double x_m, double y_m) const
 {
   constexpr double kAround_m = 0.25;
   const sim::Scene scene(world_, time_s_);
-  const Pose T = T_map_base();
+  const double here_m = support_m(scene, x_m_, y_m_);
   double lowest_m = 0, highest_m = 0;
   for (int i = 0; i < 8; i++)
   {
     const double x = x_m + kAround_m * std::cos(i * sim::kPi / 4);
     const double y = y_m + kAround_m * std::sin(i * sim::kPi / 4);
-    const double plane_m = T.z() - (T.m[2] * (x - T.x()) + T.m[6] * (y - T.y())) / T.m[10];
-    const double above_m = scene.floor_m(x, y, plane_m + body_.steps_m) - plane_m;
+    const double above_m = scene.floor_m(x, y, here_m + body_.steps_m) - here_m;
     lowest_m = std::min(lowest_m, above_m);
     highest_m = std::max(highest_m, above_m);
   }

@@ -99,8 +99,8 @@ cv::Mat layer_image(
 {
   const auto style = style_of(stack, layer);
   const auto values = io::shown_values(stack, style);
-  cv::Mat cells =
-      io::paint_cells(values, stack.cells_x, stack.cells_y, style.palette, range_of(stack, style));
+  cv::Mat cells = io::paint_cells(
+      values, stack.cells_x, stack.cells_y, style.palette, range_of(stack, style), io::kFewColours);
   if (layer == layer_name(Layer::Traversability))
     io::paint_not_judged(cells, values, *stack.find(layer_name(Layer::State)));
   const int side = static_cast<int>(std::lround(side_m / stack.resolution_m));
@@ -110,7 +110,6 @@ cv::Mat layer_image(
   const cv::Rect seen = all & placed;
   cells(seen - placed.tl()).copyTo(square(seen));
   cv::resize(square, tile, {tile_px, tile_px}, 0, 0, cv::INTER_NEAREST);
-  if (style.palette != Palette::States) io::hide_noise(tile);
   return tile;
 }
 

@@ -52,6 +52,7 @@ TEST(NavExample, drives_around_the_box_to_the_goal)
   ini.discardSavingChanges();
   RobotInSimulatedTime robot(ini);
   see_the_room(robot.map);
+  robot.options.unseen = talus::Unseen::Free;  // it sees no more of the room while it drives
   robot.pose = mrpt::poses::CPose3D(-1.2, 0.2, 0, 0, 0, 0);
   set_clock(0);
   mrpt::nav::CReactiveNavigationSystem navigator(robot, false);

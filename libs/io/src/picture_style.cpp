@@ -158,9 +158,10 @@ cv::Mat colours_of(Palette palette)
 
 cv::Mat paint_cells(
     const std::vector<float>& values, int cells_x, int cells_y, Palette palette,
-    const ColourRange& range)
+    const ColourRange& range, int colour_count)
 {
   const cv::Mat colours = colours_of(palette);
+  const float last = static_cast<float>(colour_count - 1);
   cv::Mat image(cells_y, cells_x, CV_8UC3, kUnknownColour);
   for (int iy = 0; iy < cells_y; ++iy)
     for (int ix = 0; ix < cells_x; ++ix)
@@ -174,21 +175,10 @@ cv::Mat paint_cells(
         continue;
       }
       const float part = (v - range.low) / (range.high - range.low);
-      pixel = colours.at<cv::Vec3b>(
-          static_cast<int>(std::lround(255 * std::min(1.0F, std::max(0.0F, part)))));
+      const float step = std::round(last * std::min(1.0F, std::max(0.0F, part)));
+      pixel = colours.at<cv::Vec3b>(static_cast<int>(std::lround(255 * (step / last))));
     }
   return image;
-}
-
-void hide_noise(cv::Mat& image)
-{
-  constexpr int kStep = 32;
-  image.forEach<cv::Vec3b>(
-      [](cv::Vec3b& pixel, const int*)
-      {
-        for (int k = 0; k < 3; ++k)
-          pixel[k] = cv::saturate_cast<uchar>((pixel[k] + kStep / 2) / kStep * kStep);
-      });
 }
 
 void paint_not_judged(

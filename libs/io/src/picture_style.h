@@ -59,14 +59,14 @@ ColourRange range_for(ColourRange range, const std::vector<float>& values);
 /** 256 colours from low to high, a column of one pixel each (256 x 1, BGR). */
 cv::Mat colours_of(Palette palette);
 
+/** Colours of a scale in sheets of many small maps: noise of a millimetre shows no more, and the
+ * file is a third as large. */
+inline constexpr int kFewColours = 12;
+
 /** One pixel a cell, north up, cells without a value in kUnknownColour. */
 cv::Mat paint_cells(
     const std::vector<float>& values, int cells_x, int cells_y, Palette palette,
-    const ColourRange& range);
-
-/** Colours in coarse steps, for sheets of many small maps: noise of a millimetre shows no more, and
- * the file is a third as large. */
-void hide_noise(cv::Mat& image);
+    const ColourRange& range, int colour_count = 256);
 
 /** Of a cell whose ground is known, but not how it drives. */
 cv::Vec3b not_judged_colour();
