@@ -59,10 +59,9 @@ struct StandOnCell
     c.state = kMeasured;
     c.persistence = c.extent = 0;
     c.ray_evidence = kPassedLow;
-    c.footing =
-        (c.footing & kPassedNear) |
-        footing_driven_through(
-            max_of(stood_m, frame->drove_through_m) + kStandsUp_steps * config->step_threshold_m);
+    c.footing = (c.footing & kPassedNear) | footing_driven_through(
+                                                max_of(stood_m, frame->drove_through_m) +
+                                                kStandsUp_steps * config->step_threshold_m);
     store.store(storage_i, c);
   }
 
