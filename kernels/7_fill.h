@@ -125,8 +125,9 @@ TALUS_HD bool undercuts(float ray_bound_m, float sample_m, float away_m)
   return ray_bound_m < sample_m - kUndercutAhead_m - kGentle * away_m;
 }
 
-/** Fills of ground that may drop say so by this variance, or a larger one below kDoubtful_m2. */
-constexpr float kMayDrop_m2 = 1e9f;
+/** Fills of ground that may drop say so by this variance, or a larger one below kDoubtful_m2; where
+ * a slope explains what it falls by, by the other. */
+constexpr float kMayDrop_m2 = 1e9f, kSlopes_m2 = 1e6f;
 
 /** Variance of ground inferred from a sample [m^2]. */
 TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const Config& k)
@@ -178,9 +179,7 @@ struct LineFusion
   {
     const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
     const float gap_m = a.distance_m + b.distance_m, rise = b.nearest_m - a.nearest_m;
-    const float drop = select(along_ray, -rise, abs_of(rise));
-    const bool face = both & (gap_m > kFaceGap_m) &
-                      ((abs_of(rise) > k.max_slope * gap_m) | (drop > k.step_threshold_m));
+    const bool face = both & (gap_m > kFaceGap_m) & (abs_of(rise) > k.max_slope * gap_m);
     const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
     const float linear = a.height_m + (b.height_m - a.height_m) * part;
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
@@ -221,6 +220,10 @@ struct alignas(16) Inference
   TALUS_HD bool any() const { return is_known(variance_m2); }
   TALUS_HD bool two_sided() const { return bits_of(variance_m2) >> 31 == 0; }
   TALUS_HD bool doubtful() const { return abs_of(variance_m2) >= kDoubtful_m2; }
+  TALUS_HD bool slopes() const
+  {
+    return (abs_of(variance_m2) >= kSlopes_m2) & (abs_of(variance_m2) < kMayDrop_m2);
+  }
   TALUS_HD bool may_drop() const { return (abs_of(variance_m2) >= kMayDrop_m2) & !doubtful(); }
 };
 
@@ -235,10 +238,10 @@ TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
   return select(both, two, -select(has_inner, inner_m2, outer_m2));
 }
 
-TALUS_HD float mark_may_drop(float fused_m2, bool may_drop)
+TALUS_HD float mark_fall(float fused_m2, bool may_drop, bool slopes)
 {
-  const float mark_m2 = select(fused_m2 < 0.0f, -kMayDrop_m2, kMayDrop_m2);
-  return fused_m2 + select(may_drop, mark_m2, 0.0f);
+  const float mark_m2 = select(may_drop, kMayDrop_m2, select(slopes, kSlopes_m2, 0.0f));
+  return fused_m2 + select(fused_m2 < 0.0f, -mark_m2, mark_m2);
 }
 
 TALUS_HD LineFusion
@@ -281,7 +284,7 @@ infer_ground(const Inference& inferred, float expected_m, float bound_m, const C
   return {
       min_of(expected_m, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
       select(
-          abs_of(inferred.variance_m2) >= kMayDrop_m2, kToldDoubtful_m2,
+          abs_of(inferred.variance_m2) >= kSlopes_m2, kToldDoubtful_m2,
           abs_of(inferred.variance_m2)),
       select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided), expected_m};
 }
@@ -421,15 +424,16 @@ struct FillCell
     const bool object = filled & ((r == kObject) | (r == kObjectBesideColumn)) &
                         (before - fill.height_m > high_up_m);
     // What floats is dropped as what hangs.
-    const int ray_evidence =
-        evidence_before | select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0);
+    const int ray_evidence = evidence_before | select(low | floats, kPassedLow, 0) |
+                             select(object | floats, kHitHighUp, 0);
     const int stands_on = store.footing[storage_i] | select(near, kPassedNear, 0);
     const bool drops = filled & inferred.may_drop() & !is_known(store.elevation_m[storage_i]);
     store.ground_m[storage_i] = ground;
     store.ground_var_m2[storage_i] = variance;
     store.state[storage_i] = static_cast<std::uint8_t>(state);
     store.ray_evidence[storage_i] = static_cast<std::uint8_t>(ray_evidence);
-    const int footing = select(r == kKeep, stands_on & ~kMayDrop, stands_on | select(drops, kMayDrop, 0));
+    const int fallen = select((r == kKeep) | inferred.slopes(), stands_on & ~kMayDrop, stands_on);
+    const int footing = fallen | select(drops, kMayDrop, 0);
     store.footing[storage_i] = static_cast<std::uint8_t>(footing);
     const float elevation =
         select(DropHanging::hangs(ray_evidence), kNan, store.elevation_m[storage_i]);

@@ -23,16 +23,18 @@ struct Gap
 /** h_s of eq. 14: how much lower than the ground before it the ground in a gap may lie. A drivable
  * slope explains a part of what it falls by. Where the far side begins lower and rises as no robot
  * can drive, that is the far wall of a ditch, of which rays see what they see over the near edge:
- * it may be twice as deep. */
+ * it may be twice as deep. Negative: it falls by a step over more than a
+ * ditch is wide, as a slope does. */
 TALUS_HD float fall_in(const Gap& g, const Config& k)
 {
   const float fall_m = g.near_m - g.far_m;
-  const float explained_m = min_of(
-      kExplainedSlope * k.max_slope * g.length_m, kExplained_steps * k.step_threshold_m);
-  const bool wall = (g.wall | is_steep(g.behind_m - g.far_m, g.behind_length_m, k)) &
-                    (g.length_m < kWidestDitch_m);
+  const float explained_m =
+      min_of(kExplainedSlope * k.max_slope * g.length_m, kExplained_steps * k.step_threshold_m);
+  const bool wide = g.length_m >= kWidestDitch_m;
+  const bool wall = (g.wall | is_steep(g.behind_m - g.far_m, g.behind_length_m, k)) & !wide;
   const float hollow_m = 2.0f * (fall_m - kGentle * g.length_m);
-  return max_of(max_of(fall_m - explained_m, select(wall, hollow_m, 0.0f)), 0.0f);
+  const float told_m = max_of(max_of(fall_m - explained_m, select(wall, hollow_m, 0.0f)), 0.0f);
+  return select((told_m == 0.0f) & wide & (fall_m > k.step_threshold_m), -fall_m, told_m);
 }
 
 /** Eq. 14 from the height difference h_s of the ground found on both sides, searched farther than a
@@ -48,7 +50,7 @@ TALUS_HD float sparsity(float h_s, float robot_m, const Config& k)
 constexpr float kSparse = 0.5f;
 TALUS_HD bool is_sparse(float h_s, float robot_m, const Config& k)
 {
-  return (robot_m <= k.sparsity_range_m) & (sparsity(h_s, robot_m, k) < kSparse);
+  return sparsity(h_s, robot_m, k) < kSparse;
 }
 
 }  // namespace talus::kernels

@@ -698,6 +698,71 @@ TEST(Grass, IsPassableWhereTheRobotHasDrivenThroughIt)
 
 // ---------------------------------------------------------------------------------------------
 
+/** What a map shows of a place after a drive on level ground with a 16-beam scanner 0.68 m up,
+ * which sees no floor within 2.5 m. */
+class Drops
+{
+ public:
+  Drops(const std::string& ground, const std::string& path_m, const std::string& scanner)
+      : stage_(
+            "ground:\n  - plane: {z_m: 0}\n" + ground + "robot: {path_m: " + path_m +
+            "}\nsensor: {scanner: " + scanner + ", at_m: [0, 0, 0.68]}\n")
+  {
+    map_.add(stage_.frames, 0, stage_.frames.size());
+  }
+  /** Share of the cells of a rectangle. */
+  double passable(double x0_m, double y0_m, double x1_m, double y1_m) const
+  {
+    double of = 0, all = 0;
+    for (double x = x0_m + 0.025; x < x1_m; x += 0.05)
+      for (double y = y0_m + 0.025; y < y1_m; y += 0.05, ++all)
+        of += map_.passable(map_.cell(x, y));
+    return of / all;
+  }
+
+ private:
+  Stage stage_;
+  Map map_;
+};
+
+TEST(Drops, ADitchBesideTheWayStaysImpassableInTheBlindZone)
+{
+  const std::string ditch =
+      "  - ditch: {at_m: [5, -1.4], width_m: 0.8, depth_m: 0.45, bank_m: 0.2, length_m: 9}\n";
+  for (const char* const scanner : {"RS-LiDAR-16", "VLP-16", "OS1-64"})
+  {
+    const Drops drive(ditch, "[[0, 0], [6, 0]]", scanner);
+    expect_at_most("passable", drive.passable(4.5, -1.6, 8.5, -1.2), 0.05);
+    expect_at_least("beside_it", drive.passable(4.5, -0.6, 8.5, 0.6), 0.99);
+  }
+}
+
+TEST(Drops, AShaftAndTheEdgeOfADockStayImpassable)
+{
+  const Drops shaft(
+      "  - ditch: {at_m: [6, 0], width_m: 2.2, depth_m: 4.5, length_m: 2.2}\n",
+      "[[0, 0], [3.5, 0]]", "VLP-16");
+  expect_at_most("shaft", shaft.passable(5.0, -0.9, 6.9, 0.9), 0.05);
+  const Drops dock(
+      "  - step: {at_m: [5, 0], height_m: -1.2}\n", "[[0, 0], [3.5, 0]]", "RS-LiDAR-16");
+  expect_at_most("dock", dock.passable(5.1, -1, 6.5, 1), 0.05);
+}
+
+TEST(Drops, TheFarSideOfARampAKerbAndAShallowHollowStayPassable)
+{
+  const Drops ramp(
+      "  - ramp: {at_m: [4, 0], length_m: 1.4, height_m: 0.375, top_m: 1, down_m: 1.4, width_m: "
+      "2.4}\n",
+      "[[0, 0], [5.9, 0]]", "RS-LiDAR-16");
+  expect_at_least("ramp", ramp.passable(5.6, -0.8, 7.6, 0.8), 0.95);
+  const Drops kerb("  - step: {at_m: [4, 0], height_m: -0.12}\n", "[[0, 0], [2, 0]]", "OS1-64");
+  expect_at_least("kerb", kerb.passable(4.2, -1, 6, 1), 0.95);
+  const Drops hollow(
+      "  - ditch: {at_m: [4, 0], yaw_deg: 90, width_m: 1.2, depth_m: 0.12, bank_m: 0.3}\n",
+      "[[0, 0], [2, 0]]", "OS1-64");
+  expect_at_least("hollow", hollow.passable(3.5, -1, 4.5, 1), 0.95);
+}
+
 // A known gap: in a shadow nothing tells who left from what stands there, see doc/concepts.md.
 TEST(Movers, DISABLED_WhoFollowsTheRobotLeavesNothingInTheirOwnShadow)
 {

@@ -230,7 +230,7 @@ std::vector<ParameterInfo> make_table()
       entry<&Parameters::weight_roughness>(
           "weight_roughness", "", 0, 1, "weight of the roughness (eq. 13)"),
       entry<&Parameters::sparsity_range_m>(
-          "sparsity_range_m", "m", 0, kHuge, "one-sided fills nearer than this are suspicious"),
+          "sparsity_range_m", "m", 0, kHuge, "fills nearer than this may drop"),
       entry<&Parameters::sparsity_distance_m>(
           "sparsity_distance_m", "m", 1e-2, kHuge, "distance threshold d_c (eq. 14)"),
       entry<&Parameters::sparsity_search_m>(

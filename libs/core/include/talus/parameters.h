@@ -115,7 +115,7 @@ struct Parameters
 
   /// @name Stage 9: sparsity (eq. 14)
   /// @{
-  double sparsity_range_m = 4.0;  //!< one-sided fills nearer than this are suspicious
+  double sparsity_range_m = 4.0;  //!< fills nearer than this may drop
   double sparsity_distance_m =
       2.0;  //!< d_c: a height difference counts the more the nearer it is than this
   double sparsity_search_m = 4.0;  //!< how far to look for ground on the other side

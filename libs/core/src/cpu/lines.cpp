@@ -268,11 +268,14 @@ class Sweep
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
       {
-        const float fall_m = fall(k, strip, before, behind, l, place);
         const float robot_m = static_cast<float>(place) * strip.step_m[l];
+        const float told_m = fall(k, strip, before, behind, l, place);
+        const bool near_robot = robot_m <= k.sparsity_range_m;
+        const float fall_m = kernels::select(
+            near_robot & kernels::is_known(found.variance_m2[l]), told_m, kernels::kNan);
         found.fall_m[l] = fall_m;
-        found.variance_m2[l] =
-            kernels::mark_may_drop(found.variance_m2[l], kernels::is_sparse(fall_m, robot_m, k));
+        found.variance_m2[l] = kernels::mark_fall(
+            found.variance_m2[l], kernels::is_sparse(fall_m, robot_m, k), fall_m < 0.0f);
       }
     }
     put(strip, found, static_cast<std::uint32_t>(wanted), place, to);
@@ -301,7 +304,7 @@ class Sweep
             kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
         const bool undercut_ahead = (undercut.place[l] - place <= strip.fill_places[l]) &
                                     (behind.distance(l, place) > strip.sparsity_places[l]);
-        found.variance_m2[l] = kernels::mark_may_drop(fused_m2, a.any() & undercut_ahead);
+        found.variance_m2[l] = kernels::mark_fall(fused_m2, a.any() & undercut_ahead, false);
       }
     }
   }
@@ -320,8 +323,11 @@ class Sweep
       return static_cast<float>(places) * strip.step_m[l];
     };
     const kernels::Gap gap{
-        length_m(before.place[0][l], behind.place[0][l]), before.height_m[0][l],
-        behind.height_m[0][l], behind.variance_m2[l] < 0.0f, behind.height_m[1][l],
+        length_m(before.place[0][l], behind.place[0][l]),
+        before.height_m[0][l],
+        behind.height_m[0][l],
+        behind.variance_m2[l] < 0.0f,
+        behind.height_m[1][l],
         length_m(behind.place[0][l], behind.place[1][l])};
     return kernels::select(both, kernels::fall_in(gap, k), kernels::kNan);
   }

@@ -335,7 +335,8 @@ struct SearchAndFillCell
   TALUS_HD void finish(int ix, int iy, const Inference& inferred) const
   {
     const int n = k.cells, storage_i = storage_index(*fill.frame, n, ix, iy);
-    fill(ix, iy, storage_i, inferred);
+    const int state = fill(ix, iy, storage_i, inferred);
+    if (state != kMeasured && !inferred.any()) fall_m[grid.at(ix, iy)] = kNan;
     const DropHanging drop{fill.store};
     if (drop.applies(ix, iy, storage_i)) drop(ix, iy, storage_i);
     fill.out.put(iy * n + ix, fill.store, storage_i, fill.frame->offset_m);
@@ -368,14 +369,15 @@ struct SearchAndFillCell
         fuse_variances(variance(radial, false, inner), variance(radial, true, outer));
     const int behind = radial.nearest(true, radial.track.sparsity_places);
     const float robot_m = static_cast<float>(radial.place) * radial.track.step_m;
-    bool may_drop = inner.any() && !behind && is_undercut_ahead(radial, inner);
+    bool may_drop = inner.any() && !behind && is_undercut_ahead(radial, inner), slopes = false;
     if (robot_m <= k.sparsity_range_m)
     {
       const float fall = fall_to(radial, behind);
       fall_m[grid.at(ix, iy)] = fall;
       may_drop |= is_sparse(fall, robot_m, k);
+      slopes = fall < 0.0f;
     }
-    return mark_may_drop(fused_m2, may_drop);
+    return mark_fall(fused_m2, may_drop, slopes);
   }
   /** What has samples towards the sensor only. */
   TALUS_HD bool is_undercut_ahead(const LineSearch<Track>& radial, const SideEstimate& inner) const
@@ -408,13 +410,15 @@ struct SearchAndFillCell
   {
     const int before = radial.nearest(false, radial.track.sparsity_places);
     if (!before || !behind) return kNan;
-    const LineSearch<Track> far{k, samples.height_m, radial.marks, radial.track, radial.place + behind};
+    const LineSearch<Track> far{
+        k, samples.height_m, radial.marks, radial.track, radial.place + behind};
     const int next = far.nearest(true, radial.track.last());
     const int far_i = radial.at(true, behind);
     return fall_in(
         {static_cast<float>(before + behind) * radial.track.step_m,
          samples.height_m[radial.at(false, before)], samples.height_m[far_i],
-         samples.variance_or_bound[far_i] < 0.0f, next ? samples.height_m[far.at(true, next)] : kNan,
+         samples.variance_or_bound[far_i] < 0.0f,
+         next ? samples.height_m[far.at(true, next)] : kNan,
          static_cast<float>(next) * radial.track.step_m},
         k);
   }
