@@ -174,7 +174,7 @@ constexpr float kDrivenScore = 0.5f;
 
 /** A slope of this share of what is allowed explains what ground falls by in a gap, but no more
  * than so many steps: the floor behind the crest of a ramp, not that below a dock. */
-constexpr float kExplainedSlope = 0.5f, kExplained_steps = 2.0f;
+constexpr float kExplainedSlope = 0.5f, kExplained_steps = 2.5f;
 /** The far wall of a ditch rises by so much more than a robot can drive; a ditch is not wider. */
 constexpr float kWallNoise_m = 0.01f, kWidestDitch_m = 2.8f;
 /** Ground that falls so little [m/m] is level. */

@@ -106,11 +106,13 @@ class Mission
     map_.update_costmap(T, route_.costmap());
     auto now = route_.costmap();
     map_.block_unseen(T, now);
-    // What is in doubt may look better from nearby: the way leads there where there is no other.
-    auto certain = now;
-    map_.block_doubtful(certain);
     const mrpt::math::TPose2D here(T.x(), T.y(), T.yaw());
-    has_way_ = route_.plan(here, certain) || route_.plan(here, now);
+    has_way_ = route_.plan(here, now);
+    if (!has_way_)
+    {
+      map_.admit_doubtful(T, now);  // to go and look
+      has_way_ = route_.plan(here, now);
+    }
     plans_without_way_ = has_way_ ? 0 : plans_without_way_ + 1;
   }
 

@@ -50,16 +50,10 @@ class TerrainSource : public MapSource
     talus::update_costmap(map_, T_map_base, options_, grid);
   }
 
-  void block_doubtful(mrpt::maps::COccupancyGridMap2D& grid) override
+  void admit_doubtful(
+      const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
   {
-    const Window w = map_.window();
-    const auto& traversability = map_.layer(Layer::Traversability);
-    for (int iy = 0; iy < w.cells; iy++)
-      for (int ix = 0; ix < w.cells; ix++)
-        if (traversability[static_cast<std::size_t>(iy * w.cells + ix)] <= options_.blocked_at)  // false for NaN
-          grid.setPos(
-              static_cast<float>(w.min_x_m() + (ix + 0.5) * w.resolution_m),
-              static_cast<float>(w.min_y_m() + (iy + 0.5) * w.resolution_m), 0);
+    talus::admit_doubtful(map_, T_map_base, options_, grid);
   }
 
   double known_ahead_m(

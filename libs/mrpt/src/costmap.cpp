@@ -27,6 +27,39 @@ bool overlap(double first, int cells, std::size_t grid_cells)
   return first > -cells && first < static_cast<double>(grid_cells);
 }
 
+/** Cell (0, 0) of the window in a costmap; it may be far away. */
+struct Place
+{
+  double x, y;
+};
+
+/** Throws std::invalid_argument where the cells of both do not match. */
+Place place_in(const COccupancyGridMap2D& grid, const Window& w)
+{
+  const Place first{
+      (w.min_x_m() - grid.getXMin()) / w.resolution_m,
+      (w.min_y_m() - grid.getYMin()) / w.resolution_m};
+  const bool same_size = std::abs(grid.getResolution() - w.resolution_m) < 1e-6;
+  if (!same_size || !is_whole(first.x) || !is_whole(first.y))
+    throw std::invalid_argument(
+        "the costmap must have the cells of the map: the same resolution, and borders at whole "
+        "multiples of it");
+  return first;
+}
+
+/** f(cell of the window, its column and row in the costmap); what lies outside of the costmap is
+ * ignored by MRPT. */
+template <class F>
+void for_each_shared(const Window& w, const Place& first, const COccupancyGridMap2D& grid, F f)
+{
+  if (!overlap(first.x, w.cells, grid.getSizeX()) || !overlap(first.y, w.cells, grid.getSizeY()))
+    return;
+  const int x0 = static_cast<int>(std::lround(first.x)), y0 = static_cast<int>(std::lround(first.y));
+  for (int iy = 0; iy < w.cells; iy++)
+    for (int ix = 0; ix < w.cells; ix++)
+      f(static_cast<std::size_t>(iy * w.cells + ix), x0 + ix, y0 + iy);
+}
+
 /** MRPT keeps the borders of a grid as floats. */
 void require_exact_borders(const Window& w)
 {
@@ -44,27 +77,31 @@ void update_costmap(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     COccupancyGridMap2D& grid)
 {
-  const Window w = map.window();
-  const double first_x = (w.min_x_m() - grid.getXMin()) / w.resolution_m;
-  const double first_y = (w.min_y_m() - grid.getYMin()) / w.resolution_m;
-  const bool same_size = std::abs(grid.getResolution() - w.resolution_m) < 1e-6;
-  if (!same_size || !is_whole(first_x) || !is_whole(first_y))
-    throw std::invalid_argument(
-        "the costmap must have the cells of the map: the same resolution, and borders at whole "
-        "multiples of it");
+  const Place first = place_in(grid, map.window());
   const auto cells = classify_cells(map, T_map_base, o);
-  if (!overlap(first_x, w.cells, grid.getSizeX()) || !overlap(first_y, w.cells, grid.getSizeY()))
-    return;
   const auto& traversability = map.layer(Layer::Traversability);
-  const int x0 = static_cast<int>(std::lround(first_x));
-  const int y0 = static_cast<int>(std::lround(first_y));
-  for (std::size_t i = 0; i < cells.size(); i++)
-  {
-    if (cells[i] == Passage::Unknown) continue;
-    const int x = x0 + static_cast<int>(i) % w.cells, y = y0 + static_cast<int>(i) / w.cells;
-    const float p = cells[i] == Passage::Obstacle ? kObstacle : free_probability(traversability[i]);
-    grid.setCell(x, y, p);  // nothing happens outside of the grid
-  }
+  for_each_shared(
+      map.window(), first, grid,
+      [&](std::size_t i, int x, int y)
+      {
+        if (cells[i] == Passage::Unknown) return;
+        const bool obstacle = cells[i] == Passage::Obstacle;
+        grid.setCell(x, y, obstacle ? kObstacle : free_probability(traversability[i]));
+      });
+}
+
+void admit_doubtful(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    COccupancyGridMap2D& grid)
+{
+  const Place first = place_in(grid, map.window());
+  const auto doubtful = find_doubtful(map, T_map_base, o);
+  for_each_shared(
+      map.window(), first, grid,
+      [&](std::size_t i, int x, int y)
+      {
+        if (doubtful[i]) grid.setCell(x, y, free_probability(0));
+      });
 }
 
 void costmap_from_map(

@@ -43,19 +43,22 @@ class Judge
 
   const SurfaceView& view() const { return view_; }
 
-  /** Ground unknown or not judged, or blocked only by comparison with ground that nobody saw. */
-  bool is_unseen(int ix, int iy) const
+  bool is_unknown(int ix, int iy) const
+  {
+    return std::isnan(view_.traversability[view_.index(ix, iy)]);
+  }
+
+  /** Blocked only by comparison with ground that nobody saw, which may look better from nearby. */
+  bool is_doubtful(int ix, int iy) const
   {
     const std::size_t cell = view_.index(ix, iy);
-    const float traversability = view_.traversability[cell];
-    if (std::isnan(traversability)) return true;
-    return traversability <= o_.blocked_at && !stands(cell) && rests_on_fills(ix, iy);
+    return view_.traversability[cell] <= o_.blocked_at && !stands(cell) && rests_on_fills(ix, iy);
   }
 
   Passage operator()(int ix, int iy, double distance_m) const
   {
     if (distance_m < o_.body_radius_m) return Passage::Free;
-    if (!is_unseen(ix, iy))
+    if (!is_unknown(ix, iy))
       return view_.traversability[view_.index(ix, iy)] <= o_.blocked_at ? Passage::Obstacle
                                                                         : Passage::Free;
     const bool must_be_seen = o_.unseen == Unseen::Obstacle && distance_m <= o_.seen_within_m;
@@ -147,6 +150,24 @@ std::vector<Passage> classify_cells(
   return out;
 }
 
+std::vector<bool> find_doubtful(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
+{
+  require_sound(T_map_base, o);
+  const Judge judge(map, o);
+  const SurfaceView& view = judge.view();
+  const int cells = view.window.cells;
+  std::vector<bool> out;
+  out.reserve(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
+  for (int iy = 0; iy < cells; iy++)
+    for (int ix = 0; ix < cells; ix++)
+    {
+      const double dx = view.x_m(ix) - T_map_base.x(), dy = view.y_m(iy) - T_map_base.y();
+      out.push_back(std::hypot(dx, dy) > o.seen_within_m && judge.is_doubtful(ix, iy));
+    }
+  return out;
+}
+
 double known_ahead_m(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps,
     double width_m, const ObstacleOptions& o)
@@ -167,7 +188,7 @@ double known_ahead_m(
       const double x = c * dx + s * dy, y = -s * dx + c * dy;
       const double along_m = arc.along_m(x, y);
       if (along_m >= 0 && along_m < known_m && arc.beside_m(x, y) <= width_m / 2 &&
-          judge.is_unseen(ix, iy))
+          (judge.is_unknown(ix, iy) || judge.is_doubtful(ix, iy)))
         known_m = along_m;
     }
   return known_m;
