@@ -238,6 +238,11 @@ TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
   return select(both, two, -select(has_inner, inner_m2, outer_m2));
 }
 
+/** Of what has samples towards the sensor only. */
+TALUS_HD float mark_edge(float fused_m2, bool may_drop)
+{
+  return fused_m2 - select(may_drop, kMayDrop_m2, 0.0f);
+}
 TALUS_HD float mark_fall(float fused_m2, bool may_drop, bool slopes)
 {
   const float mark_m2 = select(may_drop, kMayDrop_m2, select(slopes, kSlopes_m2, 0.0f));

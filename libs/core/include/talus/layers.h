@@ -19,7 +19,8 @@ enum class Layer : int
   Slope,  //!< [0,1] eq. 10, 1: flat
   Step,  //!< [0,1] eq. 11, 1: no step
   Roughness,  //!< [0,1] eq. 12, 1: smooth
-  Sparsity,  //!< [0,1] eq. 14, only at fills that may drop: below 0.5; 0: likely a ditch, or remembered
+  Sparsity,  //!< [0,1] eq. 14, only at fills that may drop: below 0.5; 0: likely a ditch, or
+             //!< remembered
   Traversability,  //!< [0,1] eq. 13, 1: free, 0: impassable
 };
 constexpr int kLayerCount = 9;

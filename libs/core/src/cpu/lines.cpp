@@ -304,7 +304,7 @@ class Sweep
             kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
         const bool undercut_ahead = (undercut.place[l] - place <= strip.fill_places[l]) &
                                     (behind.distance(l, place) > strip.sparsity_places[l]);
-        found.variance_m2[l] = kernels::mark_fall(fused_m2, a.any() & undercut_ahead, false);
+        found.variance_m2[l] = kernels::mark_edge(fused_m2, a.any() & !b.any() & undercut_ahead);
       }
     }
   }

@@ -369,7 +369,8 @@ struct SearchAndFillCell
         fuse_variances(variance(radial, false, inner), variance(radial, true, outer));
     const int behind = radial.nearest(true, radial.track.sparsity_places);
     const float robot_m = static_cast<float>(radial.place) * radial.track.step_m;
-    bool may_drop = inner.any() && !behind && is_undercut_ahead(radial, inner), slopes = false;
+    bool may_drop = inner.any() && !outer.any() && !behind && is_undercut_ahead(radial, inner),
+         slopes = false;
     if (robot_m <= k.sparsity_range_m)
     {
       const float fall = fall_to(radial, behind);
