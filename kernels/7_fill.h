@@ -431,14 +431,16 @@ struct FillCell
     // What floats is dropped as what hangs.
     const int ray_evidence = evidence_before | select(low | floats, kPassedLow, 0) |
                              select(object | floats, kHitHighUp, 0);
-    const int stands_on = store.footing[storage_i] | select(near, kPassedNear, 0);
+    // Before any store: what could overlap with `inferred` would be read again, and not at once.
+    const bool slopes = filled & inferred.slopes();
     const bool drops = filled & inferred.may_drop() & !is_known(store.elevation_m[storage_i]);
+    const int kept = store.footing[storage_i] & select(slopes, ~kMayDrop, ~0) &
+                     select(r == kKeep, ~kMayDrop, ~0);
+    const int footing = kept | select(near, kPassedNear, 0) | select(drops, kMayDrop, 0);
     store.ground_m[storage_i] = ground;
     store.ground_var_m2[storage_i] = variance;
     store.state[storage_i] = static_cast<std::uint8_t>(state);
     store.ray_evidence[storage_i] = static_cast<std::uint8_t>(ray_evidence);
-    const int fallen = select((r == kKeep) | inferred.slopes(), stands_on & ~kMayDrop, stands_on);
-    const int footing = fallen | select(drops, kMayDrop, 0);
     store.footing[storage_i] = static_cast<std::uint8_t>(footing);
     const float elevation =
         select(DropHanging::hangs(ray_evidence), kNan, store.elevation_m[storage_i]);
@@ -465,15 +467,15 @@ struct FillCell
       Surface& to, float ground, float elevation, int state, int ray_evidence, int footing) const
   {
     const bool stands = is_known(elevation), measured = state == kMeasured;
-    const bool drops = !stands & ((footing & kMayDrop) != 0);
     const bool near = (state == kFilledTwoSided) & ((footing & kPassedNear) != 0);
     const bool met = measured | stands | (state == kPresumed), known = is_known(ground);
     const bool new_there = stands & (elevation - ground > driven_through_m(footing));
     const bool driven = is_driven(footing) & !new_there;
     const std::int32_t passed_low = (ray_evidence & kPassedLow) * (kSurfaceSeen / kPassedLow);
+    const std::int32_t may_drop = (footing & kMayDrop) * (kSurfaceMayDrop / kMayDrop);
     const std::int32_t flags =
         select(measured, kSurfaceMeasured, 0) | select(met, kSurfaceSeen, 0) | passed_low |
-        select(drops, kSurfaceMayDrop, 0) | select(hit_lately(ray_evidence), kSurfaceTraced, 0) |
+        select(stands, 0, may_drop) | select(hit_lately(ray_evidence), kSurfaceTraced, 0) |
         select(driven, kSurfaceDriven, 0) | select(near, kSurfaceNear, 0);
     const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);

@@ -170,8 +170,17 @@ struct CompleteObstacles
     const Surface& cell = surfaces.cell[surfaces.at(ix, iy)];
     if (cell.is(kSurfaceDriven)) return false;
     const bool traced = cell.is(kSurfaceTraced);
-    return between(at, pitch) || (traced && beside(at, pitch)) ||
+    return between(at, pitch) || (traced && beside(at, pitch)) || beside_drop(ix, iy) ||
            (is_known(*at) && at_steep_edge(ix, iy, at, pitch));
+  }
+  /** Nobody knows to a cell where the ground ends. */
+  TALUS_HD bool beside_drop(int ix, int iy) const
+  {
+    const Surface* at = surfaces.cell + surfaces.at(ix, iy);
+    bool any = false;
+    for (int dy = -1; dy <= 1; dy++)
+      for (int dx = -1; dx <= 1; dx++) any |= at[dy * surfaces.pitch + dx].is(kSurfaceMayDrop);
+    return any;
   }
 
   static TALUS_HD bool blocks(const float* at) { return *at == 0.0f; }

@@ -54,7 +54,8 @@ void for_each_shared(const Window& w, const Place& first, const COccupancyGridMa
 {
   if (!overlap(first.x, w.cells, grid.getSizeX()) || !overlap(first.y, w.cells, grid.getSizeY()))
     return;
-  const int x0 = static_cast<int>(std::lround(first.x)), y0 = static_cast<int>(std::lround(first.y));
+  const int x0 = static_cast<int>(std::lround(first.x)),
+            y0 = static_cast<int>(std::lround(first.y));
   for (int iy = 0; iy < w.cells; iy++)
     for (int ix = 0; ix < w.cells; ix++)
       f(static_cast<std::size_t>(iy * w.cells + ix), x0 + ix, y0 + iy);

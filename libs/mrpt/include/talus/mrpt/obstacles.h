@@ -57,8 +57,8 @@ std::vector<Passage> classify_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
 
 /** Of the cells of the window, in the order of its layers: those farther than `seen_within_m` that
- * are blocked only by comparison with filled ground, with nothing on it: perhaps a drop, perhaps the
- * far side of a crest. From nearby they may look better. */
+ * are blocked only by comparison with filled ground, with nothing on it: perhaps a drop, perhaps
+ * the far side of a crest. From nearby they may look better. */
 std::vector<bool> find_doubtful(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
 
@@ -94,17 +94,17 @@ void update_costmap(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& grid);
 
-/** Makes doubtful cells (find_doubtful()) of a costmap passable, with 0.55: for a robot that finds no
- * way without them, to go and look. Throws as update_costmap() does. */
+/** Makes doubtful cells (find_doubtful()) of a costmap passable, with 0.55: for a robot that finds
+ * no way without them, to go and look. Throws as update_costmap() does. */
 void admit_doubtful(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& grid);
 
 /** How far [m] the ground is known along the arc on which a command leads the base: up to the first
- * cell that is unknown, not judged or doubtful in a corridor of this width, the end of the window or
- * range_m. What lies within body_radius_m does not count, nor what is known to be an obstacle: that
- * is given to the planner. range_m for a robot that turns on the spot or stands, and of an empty
- * map 0. */
+ * cell that is unknown, not judged or doubtful in a corridor of this width, the end of the window
+ * or range_m. What lies within body_radius_m does not count, nor what is known to be an obstacle:
+ * that is given to the planner. range_m for a robot that turns on the spot or stands, and of an
+ * empty map 0. */
 double known_ahead_m(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps,
     double width_m, const ObstacleOptions& o);
