@@ -2,6 +2,9 @@
 
 #include <talus/mrpt/pose_from.h>
 
+#include <set>
+#include <utility>
+
 namespace talus::nav
 {
 namespace
@@ -42,6 +45,7 @@ class TerrainSource : public MapSource
     ObstacleOptions o = options_;
     o.unseen = Unseen::Free;
     talus::update_costmap(map_, T_map_base, o, grid);
+    look_at_doubtful(T_map_base, grid);
   }
 
   void block_unseen(
@@ -53,7 +57,9 @@ class TerrainSource : public MapSource
   void admit_doubtful(
       const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
   {
+    const auto strict = grid;
     talus::admit_doubtful(map_, T_map_base, options_, grid);
+    for (const auto& [x, y] : looked_at_) grid.setCell(x, y, strict.getCell(x, y));
   }
 
   double known_ahead_m(
@@ -65,8 +71,26 @@ class TerrainSource : public MapSource
   const ElevationMapper* terrain() const override { return &map_; }
 
  private:
+  /** Remembers what stays in doubt from nearby, so that the robot does not come back for it. */
+  void look_at_doubtful(
+      const mrpt::poses::CPose3D& T_map_base, const mrpt::maps::COccupancyGridMap2D& grid)
+  {
+    const auto doubtful = find_doubtful(map_, options_);
+    const Window w = map_.window();
+    for (std::size_t i = 0; i < doubtful.size(); i++)
+    {
+      const auto n = static_cast<std::size_t>(w.cells);
+      const double x_m = w.min_x_m() + (static_cast<double>(i % n) + 0.5) * w.resolution_m;
+      const double y_m = w.min_y_m() + (static_cast<double>(i / n) + 0.5) * w.resolution_m;
+      if (doubtful[i] &&
+          std::hypot(x_m - T_map_base.x(), y_m - T_map_base.y()) <= options_.seen_within_m)
+        looked_at_.emplace(grid.x2idx(x_m), grid.y2idx(y_m));
+    }
+  }
+
   ElevationMapper map_;
   ObstacleOptions options_;
+  std::set<std::pair<int, int>> looked_at_;  //!< column and row in the costmap
 };
 }  // namespace
 
