@@ -72,7 +72,8 @@ class TalusNav : public testing::Test
 
 TEST_F(TalusNav, drives_over_the_ramp_and_the_low_boxes_of_the_indoor_world)
 {
-  ASSERT_EQ(drive("nav_indoor.yaml", "--goal 15,0 --every 0 --output out"), 0) << text("err.txt");
+  ASSERT_EQ(drive("nav_indoor.yaml", "--goal 15,0 --scanner OS0-128 --every 0 --output out"), 0)
+      << text("err.txt");
   EXPECT_EQ(summary("out")["ending"], "arrived");
   const auto rows = path("out");
   const auto height = [&](double x0, double x1)
@@ -162,7 +163,7 @@ TEST_F(TalusNav, arrives_at_goals_that_are_near)
   // there.
   const std::string world =
       "ground: [plane: {z_m: 0}]\nrobot: {path_m: [[0, 0], [1, 0.5]]}\n"
-      "sensor: {scanner: depth-camera, at_m: [0, 0, 0.68]}\n";
+      "sensor: {scanner: OS0-128, at_m: [0, 0, 0.68]}\n";
   talus::test::write_bytes(path_of("near.yaml"), world);
   for (const std::string mission :
        {"0.05,0 --planner 2d", "0.5,0 --planner 2d", "0.5,0 --planner 3d", "0,0.5 --planner 2d"})
