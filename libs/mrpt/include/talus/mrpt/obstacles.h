@@ -34,7 +34,7 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
    * what is blocked only by comparison with filled ground may be opened for it by admit_doubtful().
    */
   double seen_within_m = 1.5;
-  Unseen unseen = Unseen::Obstacle;
+  Unseen unseen = Unseen::Obstacle;  //!< what it is there without that
   double body_radius_m = 0.25;  //!< around the base nothing is an obstacle: it is in the robot
   double range_m = 5.0;  //!< obstacles farther from the base are left out, > 0
   double spacing_m = 0.1;  //!< one point a square of this side, that nearest to the base; 0: all
