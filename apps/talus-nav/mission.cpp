@@ -110,7 +110,7 @@ class Mission
     has_way_ = route_.plan(here, now);
     if (!has_way_)
     {
-      map_.admit_doubtful(T, now);  // to go and look
+      map_.admit_doubtful(now);  // to go and look
       has_way_ = route_.plan(here, now);
     }
     plans_without_way_ = has_way_ ? 0 : plans_without_way_ + 1;

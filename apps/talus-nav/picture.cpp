@@ -79,7 +79,7 @@ std::vector<std::vector<LegendItem>> legend()
       {{Mark::None, "What the robot knows:"},
        {Mark::Ramp, "hardly to well traversable", {}, ramp(drivable_colour)},
        {Mark::Area, "blocked", kCostmap},
-       {Mark::Area, "in doubt, taken as free", kJudgedFree},
+       {Mark::Area, "below the robot, taken as free", kJudgedFree},
        {Mark::Area, "unknown", io::kUnknownColour}},
       {{Mark::None, "Both:"},
        {Mark::Robot, "robot"},

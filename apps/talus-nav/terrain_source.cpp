@@ -2,10 +2,23 @@
 
 #include <talus/mrpt/pose_from.h>
 
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
 namespace talus::nav
 {
 namespace
 {
+/** Where a cell was in doubt: blocked only by comparison with filled ground. */
+enum class Doubt : std::uint8_t
+{
+  None,
+  FromAfar,
+  FromNearby
+};
+constexpr float kAdmitted = 0.55F;  // as costmap_from_map() makes what is hardly traversable
+
 class TerrainSource : public MapSource
 {
  public:
@@ -42,6 +55,7 @@ class TerrainSource : public MapSource
     ObstacleOptions o = options_;
     o.unseen = Unseen::Free;
     talus::update_costmap(map_, T_map_base, o, grid);
+    note_doubts(T_map_base, grid);
   }
 
   void block_unseen(
@@ -50,10 +64,12 @@ class TerrainSource : public MapSource
     talus::update_costmap(map_, T_map_base, options_, grid);
   }
 
-  void admit_doubtful(
-      const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
+  void admit_doubtful(mrpt::maps::COccupancyGridMap2D& grid) override
   {
-    talus::admit_doubtful(map_, T_map_base, options_, grid);
+    const auto columns = grid.getSizeX();
+    for (std::size_t i = 0; i < doubts_.size(); i++)
+      if (doubts_[i] == Doubt::FromAfar)
+        grid.setCell(static_cast<int>(i % columns), static_cast<int>(i / columns), kAdmitted);
   }
 
   double known_ahead_m(
@@ -65,8 +81,37 @@ class TerrainSource : public MapSource
   const ElevationMapper* terrain() const override { return &map_; }
 
  private:
+  /** Remembers what is in doubt, also where the window has left; and for good what stays so from
+   * nearby, so that the robot does not come back for it. */
+  void note_doubts(
+      const mrpt::poses::CPose3D& T_map_base, const mrpt::maps::COccupancyGridMap2D& grid)
+  {
+    doubts_.resize(grid.getSizeX() * grid.getSizeY(), Doubt::None);
+    const auto doubtful = find_doubtful(map_, options_);
+    const Window w = map_.window();
+    const auto n = static_cast<std::size_t>(w.cells);
+    for (std::size_t i = 0; i < doubtful.size(); i++)
+    {
+      const double x_m = w.min_x_m() + (static_cast<double>(i % n) + 0.5) * w.resolution_m;
+      const double y_m = w.min_y_m() + (static_cast<double>(i / n) + 0.5) * w.resolution_m;
+      const int x = grid.x2idx(x_m), y = grid.y2idx(y_m);
+      if (x < 0 || y < 0 || x >= static_cast<int>(grid.getSizeX()) ||
+          y >= static_cast<int>(grid.getSizeY()))
+        continue;
+      Doubt& doubt =
+          doubts_[static_cast<std::size_t>(y) * grid.getSizeX() + static_cast<std::size_t>(x)];
+      const double distance_m = std::hypot(x_m - T_map_base.x(), y_m - T_map_base.y());
+      if (doubt == Doubt::FromNearby) continue;
+      if (!doubtful[i])
+        doubt = Doubt::None;
+      else
+        doubt = distance_m > options_.seen_within_m ? Doubt::FromAfar : Doubt::FromNearby;
+    }
+  }
+
   ElevationMapper map_;
   ObstacleOptions options_;
+  std::vector<Doubt> doubts_;  //!< of the cells of the costmap, row by row
 };
 }  // namespace
 

@@ -72,7 +72,8 @@ class TalusNav : public testing::Test
 
 TEST_F(TalusNav, drives_over_the_ramp_and_the_low_boxes_of_the_indoor_world)
 {
-  ASSERT_EQ(drive("nav_indoor.yaml", "--goal 15,0 --every 0 --output out"), 0) << text("err.txt");
+  ASSERT_EQ(drive("nav_indoor.yaml", "--goal 15,0 --scanner OS0-128 --every 0 --output out"), 0)
+      << text("err.txt");
   EXPECT_EQ(summary("out")["ending"], "arrived");
   const auto rows = path("out");
   const auto height = [&](double x0, double x1)
@@ -162,7 +163,7 @@ TEST_F(TalusNav, arrives_at_goals_that_are_near)
   // there.
   const std::string world =
       "ground: [plane: {z_m: 0}]\nrobot: {path_m: [[0, 0], [1, 0.5]]}\n"
-      "sensor: {scanner: depth-camera, at_m: [0, 0, 0.68]}\n";
+      "sensor: {scanner: OS0-128, at_m: [0, 0, 0.68]}\n";
   talus::test::write_bytes(path_of("near.yaml"), world);
   for (const std::string mission :
        {"0.05,0 --planner 2d", "0.5,0 --planner 2d", "0.5,0 --planner 3d", "0,0.5 --planner 2d"})
@@ -332,7 +333,7 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
            {"2d", "NAV_MAX_REF_DIST   4.0", "NAV_MAX_REF_DIST   50.0",
             "must be 0.1 or more, or PTG0_refDistance less: its grid would have"},
            {"2d", "PTG0_K = 1.0", "PTG0_K = 0.5", "PTG0_K = '0.5': must be 1 or -1"},
-           {"2d", "RobotModel_shape2D_xs = -0.35", "RobotModel_shape2D_xs = -1e300",
+           {"2d", "RobotModel_shape2D_xs = -0.40", "RobotModel_shape2D_xs = -1e300",
             "must be from -5 to 5"},
            {"2d", "PTG2_K = -1.0",
             "PTG2_K =", "PTG2_K = '': must be a number (in section CReactiveNavigationSystem)"},
@@ -342,7 +343,7 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
             "CAbstractPTGBasedReactive)"},
            {"2d", "[0.25 , 0.1 ,", "[0.25 , x ,", "1  , 0.05 , 0.5, 1, 1, 0 ]': must be numbers"},
            {"2d", "\nPTG_COUNT", "\n# PTG_COUNT", "PTG_COUNT is missing: must be a whole number"},
-           {"2d", "RobotModel_shape2D_ys = 0.30",
+           {"2d", "RobotModel_shape2D_ys = 0.35",
             "RobotModel_shape2D_ys =", "must be as many numbers as RobotModel_shape2D_xs"},
            {"3d", "LEVEL2_HEIGHT = 0.25", "LEVEL2_HEIGHT = -0.25",
             "LEVEL2_HEIGHT = '-0.25': must be from 0.01 to 10"},

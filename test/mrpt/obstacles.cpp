@@ -188,22 +188,77 @@ TEST(Obstacles, are_all_cells_that_are_blocked_also_beside_the_robot)
   EXPECT_NEAR(extent_of(points).min_x, 0.32, kFeature_m + kCell_m);
 }
 
-TEST(Obstacles, are_drops_that_nobody_has_seen_once_the_robot_is_near)
+namespace
 {
+/** A room that is free but for one cell, which is blocked beside a fill: `cell`, at (-1, -1). */
+struct RoomWithDoubt
+{
+  RoomWithDoubt()
+  {
+    std::fill(layer(Layer::Traversability).begin(), layer(Layer::Traversability).end(), 1.0F);
+    fill_state(CellState::Measured);
+    layer(Layer::Elevation)[cell] = layer(Layer::GroundElevation)[cell];
+    layer(Layer::Traversability)[cell] = 0;
+    layer(Layer::State)[cell + 1] = static_cast<float>(CellState::FilledOneSided);
+  }
+  std::vector<float>& layer(Layer l) { return map.layers[static_cast<std::size_t>(l)]; }
+  void fill_state(CellState state)
+  {
+    std::fill(layer(Layer::State).begin(), layer(Layer::State).end(), static_cast<float>(state));
+  }
+
   MapSnapshot map = snapshot_of_room();
-  const auto layer = [&](Layer l) -> std::vector<float>&
-  { return map.layers[static_cast<std::size_t>(l)]; };
-  const std::size_t cell = *map.window.index_at(-1.0, -1.0);
-  layer(Layer::Traversability)[cell] = 0;
-  layer(Layer::State)[cell + 1] = static_cast<float>(CellState::FilledOneSided);
+  std::size_t cell = *map.window.index_at(-1.0, -1.0);
+};
+}  // namespace
+
+TEST(Obstacles, are_blocked_cells_at_any_distance_and_unknown_ones_near_the_robot)
+{
+  RoomWithDoubt room;
   const auto passage_from = [&](double x_m)
-  { return classify_cells(map, CPose3D(x_m, -1.0, 0, 0, 0, 0), {})[cell]; };
+  { return classify_cells(room.map, CPose3D(x_m, -1.0, 0, 0, 0, 0), {})[room.cell]; };
   EXPECT_EQ(passage_from(0.2), Passage::Obstacle);
-  EXPECT_EQ(passage_from(0.7), Passage::Unknown) << "from nearby it may look better";
-  std::fill(
-      layer(Layer::State).begin(), layer(Layer::State).end(),
-      static_cast<float>(CellState::Measured));
-  EXPECT_EQ(passage_from(0.7), Passage::Obstacle) << "that was seen";
+  EXPECT_EQ(passage_from(0.7), Passage::Obstacle) << "a drop that nobody has seen is one from afar";
+  room.layer(Layer::Traversability)[room.cell] = NAN;
+  EXPECT_EQ(passage_from(0.2), Passage::Obstacle);
+  EXPECT_EQ(passage_from(0.7), Passage::Unknown);
+}
+
+TEST(Obstacles, are_in_doubt_where_only_a_comparison_with_fills_blocks)
+{
+  RoomWithDoubt room;
+  std::vector<bool> only_that(room.layer(Layer::State).size());
+  only_that[room.cell] = true;
+  EXPECT_EQ(find_doubtful(room.map, {}), only_that);
+  room.layer(Layer::Elevation)[room.cell] += 0.2F;
+  EXPECT_FALSE(find_doubtful(room.map, {})[room.cell]) << "something stands there";
+  room.layer(Layer::Elevation)[room.cell] -= 0.2F;
+  room.fill_state(CellState::Measured);
+  EXPECT_FALSE(find_doubtful(room.map, {})[room.cell]) << "that was seen";
+}
+
+TEST(Costmap, opens_what_is_in_doubt_from_afar_for_a_second_try)
+{
+  RoomWithDoubt room;
+  const auto free_from = [&](double x_m)
+  {
+    const CPose3D T_map_base(x_m, -1.0, 0, 0, 0, 0);
+    COccupancyGridMap2D grid;
+    costmap_from_map(room.map, T_map_base, {}, grid);
+    const int x = static_cast<int>(room.cell) % room.map.window.cells;
+    const int y = static_cast<int>(room.cell) / room.map.window.cells;
+    EXPECT_NEAR(grid.getCell(x, y), 0.05F, 0.01F);
+    admit_doubtful(room.map, T_map_base, {}, grid);
+    return grid.getCell(x, y);
+  };
+  EXPECT_NEAR(free_from(0.7), 0.55F, 0.01F);
+  EXPECT_NEAR(free_from(0.2), 0.05F, 0.01F) << "nearer than it is to be seen";
+  room.fill_state(CellState::Measured);
+  EXPECT_NEAR(free_from(0.7), 0.05F, 0.01F) << "that was seen";
+  COccupancyGridMap2D grid;
+  costmap_from_map(room.map, {}, {}, grid);
+  EXPECT_THROW(
+      admit_doubtful(room.map, CPose3D(NAN, 0, 0, 0, 0, 0), {}, grid), std::invalid_argument);
 }
 
 TEST(KnownAhead, ends_at_the_first_cell_that_is_not_known_on_the_way)

@@ -96,12 +96,15 @@ void admit_doubtful(
     COccupancyGridMap2D& grid)
 {
   const Place first = place_in(grid, map.window());
-  const auto doubtful = find_doubtful(map, T_map_base, o);
+  const auto cells = classify_cells(map, T_map_base, o);
+  const auto doubtful = find_doubtful(map, o);
   for_each_shared(
       map.window(), first, grid,
       [&](std::size_t i, int x, int y)
       {
-        if (doubtful[i]) grid.setCell(x, y, free_probability(0));
+        const double dx = grid.idx2x(x) - T_map_base.x(), dy = grid.idx2y(y) - T_map_base.y();
+        if (cells[i] == Passage::Obstacle && doubtful[i] && std::hypot(dx, dy) > o.seen_within_m)
+          grid.setCell(x, y, free_probability(0));
       });
 }
 

@@ -150,21 +150,15 @@ std::vector<Passage> classify_cells(
   return out;
 }
 
-std::vector<bool> find_doubtful(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
+std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o)
 {
-  require_sound(T_map_base, o);
+  require_sound({}, o);
   const Judge judge(map, o);
-  const SurfaceView& view = judge.view();
-  const int cells = view.window.cells;
+  const int cells = judge.view().window.cells;
   std::vector<bool> out;
   out.reserve(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
   for (int iy = 0; iy < cells; iy++)
-    for (int ix = 0; ix < cells; ix++)
-    {
-      const double dx = view.x_m(ix) - T_map_base.x(), dy = view.y_m(iy) - T_map_base.y();
-      out.push_back(std::hypot(dx, dy) > o.seen_within_m && judge.is_doubtful(ix, iy));
-    }
+    for (int ix = 0; ix < cells; ix++) out.push_back(judge.is_doubtful(ix, iy));
   return out;
 }
 

@@ -29,12 +29,12 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
       mrpt::config::CConfigFileBase& target, const std::string& section) const override;
 
   double blocked_at = 0.0;  //!< cells whose traversability is this or less are obstacles, [0,1]
-  /** This near to the base, what is driven on must have been seen. A cell whose ground is unknown
-   * or was not judged, or that is blocked by comparison with filled ground and has nothing on it (a
-   * drop perhaps, the far side of a crest), is what `unseen` says. Farther away it is left to the
-   * planner as unknown: from nearby it may look better. */
+  /** This near to the base, what is driven on must have been seen: a cell whose ground is unknown
+   * or was not judged is what `unseen` says. Farther away it is left to the planner as unknown, and
+   * what is blocked only by comparison with filled ground may be opened for it by admit_doubtful().
+   */
   double seen_within_m = 1.5;
-  Unseen unseen = Unseen::Obstacle;
+  Unseen unseen = Unseen::Obstacle;  //!< what it is there without that
   double body_radius_m = 0.25;  //!< around the base nothing is an obstacle: it is in the robot
   double range_m = 5.0;  //!< obstacles farther from the base are left out, > 0
   double spacing_m = 0.1;  //!< one point a square of this side, that nearest to the base; 0: all
@@ -56,11 +56,10 @@ enum class Passage : std::uint8_t
 std::vector<Passage> classify_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
 
-/** Of the cells of the window, in the order of its layers: those farther than `seen_within_m` that
- * are blocked only by comparison with filled ground, with nothing on it: perhaps a drop, perhaps
- * the far side of a crest. From nearby they may look better. */
-std::vector<bool> find_doubtful(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
+/** Of the cells of the window, in the order of its layers: those that are blocked only by
+ * comparison with filled ground, with nothing on it: perhaps a drop, perhaps the far side of a
+ * crest. Seen from nearby they may look better. */
+std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o);
 
 /** Replaces `out` by the obstacles of the map for CReactiveNavigationSystem: in the frame of the
  * robot seen from above (x forward, y left, only the yaw of the base counts), all at the height
@@ -94,8 +93,9 @@ void update_costmap(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& grid);
 
-/** Makes doubtful cells (find_doubtful()) of a costmap passable, with 0.55: for a robot that finds
- * no way without them, to go and look. Throws as update_costmap() does. */
+/** Makes doubtful cells (find_doubtful()) farther than `seen_within_m` passable in a costmap, with
+ * 0.55: for a robot that finds no way without them, to go and look. One that must not go twice
+ * blocks those again that it found doubtful from nearby. Throws as update_costmap() does. */
 void admit_doubtful(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& grid);
