@@ -475,7 +475,7 @@ struct FillCell
     const std::int32_t may_drop = (footing & kMayDrop) * (kSurfaceMayDrop / kMayDrop);
     const std::int32_t flags =
         select(measured, kSurfaceMeasured, 0) | select(met, kSurfaceSeen, 0) | passed_low |
-        select(stands, 0, may_drop) | select(hit_lately(ray_evidence), kSurfaceTraced, 0) |
+        select(stands | driven, 0, may_drop) | select(hit_lately(ray_evidence), kSurfaceTraced, 0) |
         select(driven, kSurfaceDriven, 0) | select(near, kSurfaceNear, 0);
     const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
