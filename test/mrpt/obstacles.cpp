@@ -212,15 +212,17 @@ struct RoomWithDoubt
 };
 }  // namespace
 
-TEST(Obstacles, are_blocked_cells_at_any_distance_and_unknown_ones_near_the_robot)
+TEST(Obstacles, are_blocked_cells_and_near_the_robot_those_in_doubt_or_unknown)
 {
   RoomWithDoubt room;
   const auto passage_from = [&](double x_m)
   { return classify_cells(room.map, CPose3D(x_m, -1.0, 0, 0, 0, 0), {})[room.cell]; };
-  EXPECT_EQ(passage_from(0.2), Passage::Obstacle);
-  EXPECT_EQ(passage_from(0.7), Passage::Obstacle) << "a drop that nobody has seen is one from afar";
+  EXPECT_EQ(passage_from(-0.2), Passage::Obstacle);
+  EXPECT_EQ(passage_from(0.7), Passage::Unknown) << "from nearby it may look better";
+  room.fill_state(CellState::Measured);
+  EXPECT_EQ(passage_from(0.7), Passage::Obstacle);
   room.layer(Layer::Traversability)[room.cell] = NAN;
-  EXPECT_EQ(passage_from(0.2), Passage::Obstacle);
+  EXPECT_EQ(passage_from(-0.2), Passage::Obstacle);
   EXPECT_EQ(passage_from(0.7), Passage::Unknown);
 }
 
@@ -252,7 +254,7 @@ TEST(Costmap, opens_what_is_in_doubt_from_afar_for_a_second_try)
     return grid.getCell(x, y);
   };
   EXPECT_NEAR(free_from(0.7), 0.55F, 0.01F);
-  EXPECT_NEAR(free_from(0.2), 0.05F, 0.01F) << "nearer than it is to be seen";
+  EXPECT_NEAR(free_from(-0.2), 0.05F, 0.01F) << "nearer than it is to be seen";
   room.fill_state(CellState::Measured);
   EXPECT_NEAR(free_from(0.7), 0.05F, 0.01F) << "that was seen";
   COccupancyGridMap2D grid;

@@ -80,13 +80,15 @@ void update_costmap(
 {
   const Place first = place_in(grid, map.window());
   const auto cells = classify_cells(map, T_map_base, o);
+  const auto doubtful = find_doubtful(map, o);
   const auto& traversability = map.layer(Layer::Traversability);
   for_each_shared(
       map.window(), first, grid,
       [&](std::size_t i, int x, int y)
       {
-        if (cells[i] == Passage::Unknown) return;
-        const bool obstacle = cells[i] == Passage::Obstacle;
+        const bool unknown = cells[i] == Passage::Unknown;
+        if (unknown && !doubtful[i]) return;
+        const bool obstacle = unknown || cells[i] == Passage::Obstacle;
         grid.setCell(x, y, obstacle ? kObstacle : free_probability(traversability[i]));
       });
 }
@@ -103,7 +105,7 @@ void admit_doubtful(
       [&](std::size_t i, int x, int y)
       {
         const double dx = grid.idx2x(x) - T_map_base.x(), dy = grid.idx2y(y) - T_map_base.y();
-        if (cells[i] == Passage::Obstacle && doubtful[i] && std::hypot(dx, dy) > o.seen_within_m)
+        if (doubtful[i] && std::hypot(dx, dy) > o.seen_within_m)
           grid.setCell(x, y, free_probability(0));
       });
 }

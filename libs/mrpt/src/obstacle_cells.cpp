@@ -58,11 +58,11 @@ class Judge
   Passage operator()(int ix, int iy, double distance_m) const
   {
     if (distance_m < o_.body_radius_m) return Passage::Free;
-    if (!is_unknown(ix, iy))
-      return view_.traversability[view_.index(ix, iy)] <= o_.blocked_at ? Passage::Obstacle
-                                                                        : Passage::Free;
-    const bool must_be_seen = o_.unseen == Unseen::Obstacle && distance_m <= o_.seen_within_m;
-    return must_be_seen ? Passage::Obstacle : Passage::Unknown;
+    const bool near = distance_m <= o_.seen_within_m;
+    if (is_unknown(ix, iy))
+      return near && o_.unseen == Unseen::Obstacle ? Passage::Obstacle : Passage::Unknown;
+    if (view_.traversability[view_.index(ix, iy)] > o_.blocked_at) return Passage::Free;
+    return near || !is_doubtful(ix, iy) ? Passage::Obstacle : Passage::Unknown;
   }
 
  private:

@@ -49,7 +49,7 @@ void refuse_replaced(const mrpt::config::CConfigFileBase& c, const std::string& 
     if (c.keyExists(section, key))
       throw std::runtime_error(
           std::string(key) +
-          ": is replaced by seen_within_m = 1.5 and unseen = obstacle or free "
+          ": is replaced by seen_within_m = 1.0 and unseen = obstacle or free "
           "(what is not known within that distance); what may be a ditch is blocked in the map "
           "itself; delete it" +
           detail::in_section(c, section));

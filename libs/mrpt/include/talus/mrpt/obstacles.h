@@ -31,9 +31,8 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
   double blocked_at = 0.0;  //!< cells whose traversability is this or less are obstacles, [0,1]
   /** This near to the base, what is driven on must have been seen: a cell whose ground is unknown
    * or was not judged is what `unseen` says. Farther away it is left to the planner as unknown, and
-   * what is blocked only by comparison with filled ground may be opened for it by admit_doubtful().
-   */
-  double seen_within_m = 1.5;
+   * so is what is in doubt, see find_doubtful(): from nearby it may look better. */
+  double seen_within_m = 1.0;
   Unseen unseen = Unseen::Obstacle;  //!< what it is there without that
   double body_radius_m = 0.25;  //!< around the base nothing is an obstacle: it is in the robot
   double range_m = 5.0;  //!< obstacles farther from the base are left out, > 0
@@ -46,7 +45,7 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
 enum class Passage : std::uint8_t
 {
   Free,
-  Unknown,  //!< not seen, and no obstacle for it
+  Unknown,  //!< not seen or in doubt, and not near
   Obstacle
 };
 
@@ -78,10 +77,10 @@ void obstacles_3d(
     const std::vector<double>& prism_heights_m, mrpt::maps::CSimplePointsMap& out);
 
 /** Makes `out` a costmap of the window in the map frame, for mrpt::nav::PlannerSimple2D: the
- * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles, 0.5 where unknown
- * (which that planner takes for an obstacle). `range_m` does not count. Throws
- * std::invalid_argument where the window lies so far from the origin (8 km for cells of 0.05 m)
- * that the borders of a costmap, which are floats, cannot be those of its cells. */
+ * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles and of what is in
+ * doubt, 0.5 where unknown (which that planner takes for an obstacle). `range_m` does not count.
+ * Throws std::invalid_argument where the window lies so far from the origin (8 km for cells of 0.05
+ * m) that the borders of a costmap, which are floats, cannot be those of its cells. */
 void costmap_from_map(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& out);
