@@ -347,7 +347,7 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
             "RobotModel_shape2D_ys =", "must be as many numbers as RobotModel_shape2D_xs"},
            {"3d", "LEVEL2_HEIGHT = 0.25", "LEVEL2_HEIGHT = -0.25",
             "LEVEL2_HEIGHT = '-0.25': must be from 0.01 to 10"},
-           {"2d", "\nseen_within_m = 1.5", "\nseen_within_m = abc",
+           {"2d", "\nseen_within_m = 1.0", "\nseen_within_m = abc",
             "seen_within_m = 'abc': must be"},
            {"2d", "\nunseen ", "\nnear_m = 1.2\nunseen ", "near_m: is replaced by seen_within_m"},
            {"2d", "\nresolution = 0.05", "\nresolution = 0.1",

@@ -39,7 +39,7 @@ TEST(NavExample, reads_map_and_obstacles_from_the_file_of_the_navigator)
 {
   const RobotInSimulatedTime robot{mrpt::config::CConfigFile(kIni)};
   EXPECT_EQ(robot.options.unseen, talus::Unseen::Obstacle);
-  EXPECT_EQ(robot.options.seen_within_m, 1.5);
+  EXPECT_EQ(robot.options.seen_within_m, 1.0);
   EXPECT_EQ(robot.map.insertionOptions.clearance_m, 0.8);
   EXPECT_EQ(robot.map.insertionOptions.window_m, 8.0);
 }

@@ -434,7 +434,7 @@ TEST(ObstacleOptions, refuse_what_makes_no_sense_and_say_what_is_allowed)
   for (const std::string key :
        {"unknown", "one_sided", "risky", "inferred", "risky_below", "near_m", "own_radius_m"})
     EXPECT_EQ(
-        message_of(key + " = 1").rfind(key + ": is replaced by seen_within_m = 1.5 and unseen", 0),
+        message_of(key + " = 1").rfind(key + ": is replaced by seen_within_m = 1.0 and unseen", 0),
         0U)
         << message_of(key + " = 1");
 }
