@@ -22,7 +22,7 @@ constexpr const char* kFooter =
     "summary.json.\n"
     "\n"
     "Examples:\n"
-    "  talus-nav datasets/worlds/nav_indoor.yaml --goal 15,0 --output out\n"
+    "  talus-nav datasets/worlds/nav_indoor.yaml --goal 15,0 --scanner OS0-128 --output out\n"
     "  talus-nav datasets/worlds/nav_woods.yaml --goal 16,0 --planner 3d --seed 7 --output out\n"
     "  talus-nav datasets/worlds/nav_indoor.yaml --goal 15,0 --map octomap --output out\n"
     "  talus-nav datasets/worlds/nav/nav_shaft.yaml --goal 9,0 --scanner OS0-128 \\\n"
