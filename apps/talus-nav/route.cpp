@@ -112,15 +112,16 @@ bool Route::plan_with(
 
 TPoint2D Route::target(const mrpt::math::TPose2D& robot, double ahead_m) const
 {
-  const TPoint2D here(robot.x, robot.y);
+  const auto away_m = [&robot](const TPoint2D& p)
+  { return std::hypot(p.x - robot.x, p.y - robot.y); };
   std::size_t nearest = 0;
   for (std::size_t i = 0; i < way_.size(); i++)
-    if ((way_[i] - here).norm() < (way_[nearest] - here).norm()) nearest = i;
-  double left = ahead_m;
+    if (away_m(way_[i]) < away_m(way_[nearest])) nearest = i;
+  double left_m = ahead_m;
   for (std::size_t i = nearest; i + 1 < way_.size(); i++)
   {
-    left -= (way_[i + 1] - way_[i]).norm();
-    if (left <= 0) return way_[i + 1];
+    left_m -= std::hypot(way_[i + 1].x - way_[i].x, way_[i + 1].y - way_[i].y);
+    if (left_m <= 0) return way_[i + 1];
   }
   return goal_;
 }
