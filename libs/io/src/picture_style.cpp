@@ -25,7 +25,7 @@ const std::vector<LayerStyle>& known_styles()
       {"slope", "Slope score", Palette::Scores, "too steep", "level", false},
       {"step", "Step score", Palette::Scores, "too high", "no step", false},
       {"roughness", "Roughness score", Palette::Scores, "too rough", "smooth", false},
-      {"sparsity", "Sparsity score (near one-sided fills)", Palette::Scores, "ditch?", "harmless",
+      {"sparsity", "Sparsity score (where ground may drop)", Palette::Scores, "ditch?", "harmless",
        false},
       {"variance", "Ground height, standard deviation [m]", Palette::Amounts, "", "", true}};
   return styles;
