@@ -16,7 +16,7 @@ struct Gap
 {
   float length_m;
   float near_m, far_m;  //!< heights of the ground before and behind it
-  bool wall;  //!< the ground behind it rises within a cell, see is_wall() ...
+  bool wall;  //!< the ground behind it rises within a cell, see sample_variance() ...
   float behind_m, behind_length_m;  //!< ... or to the next height, and how far behind that is
 };
 

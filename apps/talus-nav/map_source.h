@@ -46,6 +46,12 @@ class MapSource
   virtual const ElevationMapper* terrain() const { return nullptr; }
 };
 
+/** Of talus and of its baselines: a scan, which stays the caller's, with its points in the sensor
+ * frame. */
+Frame frame_of(
+    const sim::Scan& scan, const mrpt::poses::CPose3D& T_map_base,
+    const mrpt::poses::CPose3D& T_base_sensor, double stamp_s);
+
 /** talus: the map of this project. */
 std::unique_ptr<MapSource> make_terrain_source(
     const Parameters& parameters, Backend backend, int threads, const ObstacleOptions& options);

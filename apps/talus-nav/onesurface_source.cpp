@@ -1,7 +1,6 @@
 #include "map_source.h"
 
 #include <talus/baselines/method.h>
-#include <talus/mrpt/pose_from.h>
 
 namespace talus::nav
 {
@@ -36,15 +35,7 @@ class OneSurfaceSource : public MapSource
       const sim::Scan& scan, const mrpt::poses::CPose3D& T_map_base,
       const mrpt::poses::CPose3D& T_base_sensor, double stamp_s) override
   {
-    Frame frame;
-    frame.stamp_s = stamp_s;
-    frame.T_map_sensor = pose_from(T_map_base + T_base_sensor);
-    frame.T_base_sensor = pose_from(T_base_sensor);
-    frame.x_m = scan.x_m.data();
-    frame.y_m = scan.y_m.data();
-    frame.z_m = scan.z_m.data();
-    frame.size = scan.size();
-    map_->update(frame);
+    map_->update(frame_of(scan, T_map_base, T_base_sensor, stamp_s));
     now_ = snapshot_of(map_->read(), parameters_);
   }
 

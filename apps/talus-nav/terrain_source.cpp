@@ -31,15 +31,7 @@ class TerrainSource : public MapSource
       const sim::Scan& scan, const mrpt::poses::CPose3D& T_map_base,
       const mrpt::poses::CPose3D& T_base_sensor, double stamp_s) override
   {
-    Frame frame;
-    frame.stamp_s = stamp_s;
-    frame.T_map_sensor = pose_from(T_map_base + T_base_sensor);
-    frame.T_base_sensor = pose_from(T_base_sensor);
-    frame.x_m = scan.x_m.data();
-    frame.y_m = scan.y_m.data();
-    frame.z_m = scan.z_m.data();
-    frame.size = scan.size();
-    map_.update(frame);
+    map_.update(frame_of(scan, T_map_base, T_base_sensor, stamp_s));
   }
 
   void obstacles(
@@ -114,6 +106,21 @@ class TerrainSource : public MapSource
   std::vector<Doubt> doubts_;  //!< of the cells of the costmap, row by row
 };
 }  // namespace
+
+Frame frame_of(
+    const sim::Scan& scan, const mrpt::poses::CPose3D& T_map_base,
+    const mrpt::poses::CPose3D& T_base_sensor, double stamp_s)
+{
+  Frame frame;
+  frame.stamp_s = stamp_s;
+  frame.T_map_sensor = pose_from(T_map_base + T_base_sensor);
+  frame.T_base_sensor = pose_from(T_base_sensor);
+  frame.x_m = scan.x_m.data();
+  frame.y_m = scan.y_m.data();
+  frame.z_m = scan.z_m.data();
+  frame.size = scan.size();
+  return frame;
+}
 
 void make_obstacles(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& options,

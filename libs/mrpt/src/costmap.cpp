@@ -104,9 +104,8 @@ void admit_doubtful(
       map.window(), first, grid,
       [&](std::size_t i, int x, int y)
       {
-        const double dx = grid.idx2x(x) - T_map_base.x(), dy = grid.idx2y(y) - T_map_base.y();
-        if (doubtful[i] && std::hypot(dx, dy) > o.seen_within_m)
-          grid.setCell(x, y, free_probability(0));
+        const bool from_afar = cells[i] == Passage::Unknown;
+        if (doubtful[i] && from_afar) grid.setCell(x, y, free_probability(0));
       });
 }
 
