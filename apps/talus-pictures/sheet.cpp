@@ -88,7 +88,7 @@ void draw_legend(Canvas& canvas, int top)
   first.swatch(cv::Scalar(io::not_judged_colour()), "not judged");
   first.swatch(io::kUnknownColour, "no data");
   first.scale("low", Palette::Heights, "high, over 0.6 m");
-  for (const std::size_t i : {1, 2, 3})
+  for (const std::size_t i : {1, 2, 3, 4})
     second.swatch(cv::Scalar(io::state_styles()[i].colour), io::state_styles()[i].word);
   second.scale("standard deviation 0", Palette::Amounts, "0.05 m");
 }
