@@ -1,6 +1,6 @@
 #pragma once
 #include "cpu/clones.h"
-#include "cpu/lanes.h"
+#include "cpu/side_by_side.h"
 #include "kernels/4_update.h"
 
 #include <algorithm>

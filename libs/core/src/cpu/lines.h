@@ -1,5 +1,5 @@
 #pragma once
-#include "cpu/lanes.h"
+#include "cpu/side_by_side.h"
 #include "cpu/swept_cells.h"
 
 #include <algorithm>

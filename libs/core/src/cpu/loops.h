@@ -1,12 +1,12 @@
 #pragma once
 #include "cpu/buffer.h"
 #include "cpu/clones.h"
+#include "cpu/side_by_side.h"
 #include "kernels/cell.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -114,47 +114,6 @@ class StoredRow
   int cells_, y_, turn_, row_;
 };
 
-/** Structures of 32-bit fields in a row, an array each field, so that loops over them vectorise. */
-template <class T>
-class SoaView
-{
-  static constexpr std::size_t kFields = std::tuple_size<decltype(T::fields())>::value;
-
- public:
-  static constexpr int words(int lanes) { return static_cast<int>(kFields) * lanes; }
-  SoaView(std::uint32_t* memory, int lanes) : data_(memory), lanes_(lanes) {}
-
-  T load(int lane) const
-  {
-    T t;
-    each([&](auto field, int k) { get(t.*field, data_[k * lanes_ + lane]); });
-    return t;
-  }
-  void store(int lane, const T& t) const
-  {
-    each([&](auto field, int k) { data_[k * lanes_ + lane] = bits(t.*field); });
-  }
-
- private:
-  template <class G>
-  static void each(const G& g)
-  {
-    std::apply(
-        [&](auto... field)
-        {
-          int k = 0;
-          (g(field, k++), ...);
-        },
-        T::fields());
-  }
-  static std::uint32_t bits(float v) { return kernels::bits_of(v); }
-  static std::uint32_t bits(std::int32_t v) { return static_cast<std::uint32_t>(v); }
-  static void get(float& to, std::uint32_t bits) { to = kernels::float_of_bits(bits); }
-  static void get(std::int32_t& to, std::uint32_t bits) { to = static_cast<std::int32_t>(bits); }
-  std::uint32_t* data_;
-  int lanes_;
-};
-
 /** Cells of a row that need different numbers of steps: the same step of some neighbours at once.
  */
 template <class F>
@@ -163,6 +122,8 @@ class SteppedRow
   using Item = typename F::Item;
   using Result = typename F::Result;
   static constexpr int kLanes = 128, kGroup = 32;
+  using Items = SideBySide<Item, kLanes>;
+  using Results = SideBySide<Result, kLanes>;
 
  public:
   explicit SteppedRow(const F& f) : f_(f) {}
@@ -178,8 +139,7 @@ class SteppedRow
 
  private:
   /** Of the cells from x on, in whole groups, some of which may lie beyond the row. */
-  TALUS_CLONES static void step(
-      F f, SoaView<Item> items, SoaView<Result> results, int x, int y, int blocks)
+  TALUS_CLONES static void step(F f, Items& items, Results& results, int x, int y, int blocks)
   {
     const Result none;
     TALUS_INDEPENDENT
@@ -204,16 +164,14 @@ class SteppedRow
       }
     }
   }
-  TALUS_CLONES static void put(F f, SoaView<Result> results, int x0, int x1, int y)
+  TALUS_CLONES static void put(F f, const Results& results, int x0, int x1, int y)
   {
     in_blocks(x0, x1, [&](int x) { f.put(x, y, results.load(x - x0)); });
   }
 
-  static constexpr int kWords = SoaView<Item>::words(kLanes) + SoaView<Result>::words(kLanes);
   const F& f_;
-  alignas(64) std::uint32_t words_[static_cast<std::size_t>(kWords)];
-  const SoaView<Item> items_{words_, kLanes};
-  const SoaView<Result> results_{words_ + SoaView<Item>::words(kLanes), kLanes};
+  Items items_;
+  Results results_;
 };
 
 /** Cells pooled two by two, by the parity of their place in the map: f.item(i) of each. */
@@ -221,53 +179,56 @@ template <class F>
 class PairOfRows
 {
   using Item = typename F::Item;
+  static constexpr int kLanes = 512;
+  using Items = SideBySide<Item, kLanes>;
 
  public:
-  explicit PairOfRows(const F& f) : f_(f)
-  {
-    static thread_local std::vector<std::uint32_t, CellMemory<std::uint32_t>> words;
-    const auto size = static_cast<std::size_t>(SoaView<Item>::words(2 * f.grid.side));
-    if (words.size() < size) words.resize(size);
-    words_ = words.data();
-  }
+  explicit PairOfRows(const F& f) : f_(f) {}
 
   /** Row py of the grid. */
-  void pool(int py, int cells, const kernels::FrameContext& frame) const
+  void pool(int py, int cells, const kernels::FrameContext& frame)
   {
-    const int side = f_.grid.side, margin = f_.grid.margin, odd_x = frame.odd_x;
-    const SoaView<Item> items(words_, 2 * side);
-    clear(items, 2 * side);
-    const int qy = f_.grid.pair_at(py, frame.odd_y, cells), first = 2 * qy - frame.odd_y;
-    for (int y = std::max(first, 0); y < std::min(first + 2, cells); y++)
-      StoredRow(cells, frame, y)
-          .in_stretches([this, items, odd_x](int begin, int end, int i)
-                        { add(f_, items, begin + odd_x, end + odd_x, i); });
-    const int pairs = f_.grid.place_of(cells - 1, odd_x) - margin + 1;
-    if (qy + margin == py)
-      put(f_, items, pairs, py, AsPooled{});
-    else
-      put(f_, items, pairs, py, Beyond{});
-    for (int px = 0; px < margin; px++) f_.put(px, py, f_.beyond(pair(f_, items, 0)));
-    for (int px = margin + pairs; px < side; px++)
-      f_.put(px, py, f_.beyond(pair(f_, items, pairs - 1)));
+    const int margin = f_.grid.margin, qy = f_.grid.pair_at(py, frame.odd_y, cells);
+    const int pairs = f_.grid.place_of(cells - 1, frame.odd_x) - margin + 1;
+    for (int q0 = 0; q0 < pairs; q0 += kLanes / 2)
+    {
+      const int here = std::min(pairs - q0, kLanes / 2), first = 2 * qy - frame.odd_y;
+      clear(items_);
+      for (int y = std::max(first, 0); y < std::min(first + 2, cells); y++)
+        add(StoredRow(cells, frame, y), 2 * q0 - frame.odd_x);
+      if (qy + margin == py)
+        put(f_, items_, here, margin + q0, py, AsPooled{});
+      else
+        put(f_, items_, here, margin + q0, py, Beyond{});
+      for (int px = 0; q0 == 0 && px < margin; px++) put_beyond(px, py, 0);
+      for (int px = margin + pairs; q0 + here == pairs && px < f_.grid.side; px++)
+        put_beyond(px, py, here - 1);
+    }
   }
 
  private:
-  TALUS_CLONES static void clear(SoaView<Item> items, int n)
+  /** The cells of a row from x0 on. */
+  void add(const StoredRow& row, int x0)
   {
-    const Item none;
-    for (int l = 0; l < n; l++) items.store(l, none);
+    row.in_stretches(
+        [this, x0](int begin, int end, int i)
+        {
+          const int from = std::max(begin, x0), to = std::min(end, x0 + kLanes);
+          if (from < to) add(f_, items_, from - x0, to - x0, i + from - begin);
+        });
   }
-  TALUS_CLONES static void add(F f, SoaView<Item> items, int begin, int end, int first)
+  TALUS_CLONES static void clear(Items& items) { items.fill({}); }
+  TALUS_CLONES static void add(F f, Items& items, int begin, int end, int first)
   {
     in_blocks(
         begin, end,
         [&](int l) { items.store(l, f.pool(items.load(l), f.item(first + (l - begin)))); });
   }
-  static Item pair(const F& f, const SoaView<Item>& items, int q)
+  static Item pair(const F& f, const Items& items, int q)
   {
     return f.pool(items.load(2 * q), items.load(2 * q + 1));
   }
+  void put_beyond(int px, int py, int q) const { f_.put(px, py, f_.beyond(pair(f_, items_, q))); }
   // With names: g++ 14 crashes where clones are made for a lambda.
   struct AsPooled
   {
@@ -278,14 +239,14 @@ class PairOfRows
     Item operator()(const F& f, const Item& pooled) const { return f.beyond(pooled); }
   };
   template <class AsShown>
-  TALUS_CLONES static void put(F f, SoaView<Item> items, int pairs, int py, AsShown as_shown)
+  TALUS_CLONES static void put(F f, const Items& items, int pairs, int px, int py, AsShown as_shown)
   {
     TALUS_INDEPENDENT
-    for (int q = 0; q < pairs; q++) f.put(q + f.grid.margin, py, as_shown(f, pair(f, items, q)));
+    for (int q = 0; q < pairs; q++) f.put(px + q, py, as_shown(f, pair(f, items, q)));
   }
 
   const F& f_;
-  std::uint32_t* words_;
+  Items items_;
 };
 
 /** f(first, last) of a stretch. */
@@ -385,6 +346,8 @@ class SlidingRows
   using Row = typename F::Row;
   using Window = typename F::Window;
   static constexpr int kLanes = 128;
+  using Rows = SideBySide<Row, kLanes>;
+  using Windows = SideBySide<Window, kLanes>;
   static constexpr int kAtOnce = 5;  //!< neighbours that are added in one pass
   static constexpr int kGroup = 32;  //!< cells that are finished together
   static constexpr int kAhead = 8;  //!< rows that are fetched before they are added
@@ -395,10 +358,11 @@ class SlidingRows
   SlidingRows(int nx, int ny, int radius, const F& f) : nx_(nx), ny_(ny), radius_(radius), f_(f)
   {
     while (mask_ < 2 * radius) mask_ = 2 * mask_ + 1;
-    auto& words = memory();
-    const auto size = static_cast<std::size_t>(window_at() + SoaView<Window>::words(kLanes));
-    if (words.size() < size) words.resize(size);
-    words_ = words.data();
+    // Of this thread, kept from frame to frame.
+    static thread_local std::vector<Rows, CellMemory<Rows>> rows;
+    const auto size = static_cast<std::size_t>(mask_ + 1);
+    if (rows.size() < size) rows.resize(size);
+    rows_ = rows.data();
   }
 
   /** f of the cells of rows [begin, end). */
@@ -428,7 +392,7 @@ class SlidingRows
     constexpr auto kStep = static_cast<int>(64 / sizeof(f_.neighbour(0, 0)));
     for (int x = x0; x < x1; x += kStep) __builtin_prefetch(&f_.neighbour(x, y));
   }
-  static void sum_row(const F& f, SoaView<Row> rows, int x0, int x1, int y, int radius)
+  static void sum_row(const F& f, Rows& rows, int x0, int x1, int y, int radius)
   {
     int d = -radius;
     if (2 * radius + 1 < kAtOnce)
@@ -443,7 +407,7 @@ class SlidingRows
   /** Adds the neighbours at distances from d on; the first there are. */
   template <bool kFirst, int... k>
   TALUS_CLONES static void add_columns(
-      F f, SoaView<Row> rows, int x0, int x1, int y, int d, std::integer_sequence<int, k...>)
+      F f, Rows& rows, int x0, int x1, int y, int d, std::integer_sequence<int, k...>)
   {
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++)
@@ -456,7 +420,7 @@ class SlidingRows
 
   void window(int y, int x0, int x1) const
   {
-    const SoaView<Window> sums(words_ + window_at(), kLanes);
+    Windows sums;
     const int last = std::min(y + radius_, ny_ - 1), lanes = x1 - x0;
     int row = std::max(y - radius_, 0);
     if (last - row + 1 < kAtOnce)
@@ -477,8 +441,8 @@ class SlidingRows
     }
   }
   /** Adds rows at distances from d on; the first there are. */
-  template <bool kFirst, class... Rows>
-  TALUS_CLONES static void add_rows(F f, SoaView<Window> sums, int lanes, int d, Rows... rows)
+  template <bool kFirst, class... Each>
+  TALUS_CLONES static void add_rows(F f, Windows& sums, int lanes, int d, const Each&... rows)
   {
     TALUS_INDEPENDENT
     for (int l = 0; l < lanes; l++)
@@ -490,7 +454,7 @@ class SlidingRows
     }
   }
   /** f of the cells. */
-  TALUS_CLONES static void finish(F f, SoaView<Window> sums, int x0, int x1, int y)
+  TALUS_CLONES static void finish(F f, const Windows& sums, int x0, int x1, int y)
   {
     if constexpr (F::kHasPlain)
       for (int first = x0; first < x1; first += kGroup)
@@ -503,13 +467,13 @@ class SlidingRows
   }
   /** Which of them f.finish() may change after that. */
   TALUS_CLONES static void find_applicable(
-      F f, SoaView<Window> sums, int x0, int x1, int y, std::uint8_t* applicable)
+      F f, const Windows& sums, int x0, int x1, int y, std::uint8_t* applicable)
   {
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++) applicable[x - x0] = f.applies(x, y, sums.load(x - x0));
   }
   /** In the plain way if that will do for all of them. */
-  static void finish_block(const F& f, SoaView<Window> sums, int x0, int begin, int end, int y)
+  static void finish_block(const F& f, const Windows& sums, int x0, int begin, int end, int y)
   {
     int other = 0;
     TALUS_INDEPENDENT
@@ -526,21 +490,11 @@ class SlidingRows
     }
   }
 
-  int window_at() const { return (mask_ + 1) * SoaView<Row>::words(kLanes); }
-  SoaView<Row> at(int y) const
-  {
-    return {words_ + (y & mask_) * SoaView<Row>::words(kLanes), kLanes};
-  }
-  /** Of this thread, kept from frame to frame. */
-  static std::vector<std::uint32_t, CellMemory<std::uint32_t>>& memory()
-  {
-    static thread_local std::vector<std::uint32_t, CellMemory<std::uint32_t>> words;
-    return words;
-  }
+  Rows& at(int y) const { return rows_[y & mask_]; }
 
   int nx_, ny_, radius_, mask_ = 1;
   const F& f_;
-  std::uint32_t* words_;
+  Rows* rows_;
 };
 
 }  // namespace talus

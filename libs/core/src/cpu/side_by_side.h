@@ -1,12 +1,17 @@
 #pragma once
+#include "kernels/math.h"
+
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 namespace talus
 {
-/** Structures side by side, for vector code, an array each field. */
+/** Structures side by side, an array each field, so that loops over them vectorise. Floats are kept
+ * as bits: no float that a loop writes elsewhere can then be one of them. */
 template <class T, int kLanes, class Fields = decltype(T::fields())>
 class SideBySide;
 template <class T, int kLanes, class... Field>
@@ -27,17 +32,29 @@ class SideBySide<T, kLanes, std::tuple<Field T::*...>>
   T load(int l, std::index_sequence<i...>) const
   {
     T t{};
-    ((t.*std::get<i>(T::fields()) = std::get<i>(arrays_)[static_cast<std::size_t>(l)]), ...);
+    (get(std::get<i>(arrays_)[static_cast<std::size_t>(l)], t.*std::get<i>(T::fields())), ...);
     return t;
   }
   template <std::size_t... i>
   void store(int l, const T& t, std::index_sequence<i...>)
   {
-    ((std::get<i>(arrays_)[static_cast<std::size_t>(l)] = t.*std::get<i>(T::fields())), ...);
+    (put(t.*std::get<i>(T::fields()), std::get<i>(arrays_)[static_cast<std::size_t>(l)]), ...);
   }
+  template <class F>
+  static void get(F from, F& to)
+  {
+    to = from;
+  }
+  static void get(std::uint32_t from, float& to) { to = kernels::float_of_bits(from); }
+  template <class F>
+  static void put(F from, F& to)
+  {
+    to = from;
+  }
+  static void put(float from, std::uint32_t& to) { to = kernels::bits_of(from); }
   /** As memory came: a tuple would clear a plain array each time. */
   template <class F>
-  struct Array : std::array<F, kLanes>
+  struct Array : std::array<std::conditional_t<std::is_same_v<F, float>, std::uint32_t, F>, kLanes>
   {
     Array() {}
   };
