@@ -1,6 +1,6 @@
 #pragma once
 #include "kernels/5_underfoot.h"
-#include "kernels/6_cleanup.h"
+#include "kernels/rays.h"
 
 namespace talus::kernels
 {

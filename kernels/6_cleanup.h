@@ -96,14 +96,6 @@ TALUS_HD void clear_seen_through(
   }
 }
 
-/** Where the rays of this frame passed the cells, window order. */
-struct PassingRays
-{
-  float* lowest_m;  //!< infinity: no ray
-  float* highest_m;  //!< bounds unseen ground from above
-  std::uint8_t* in_open;  //!< 1: nothing was hit between the sensor and the cell
-};
-
 /** What the rays say of cell (ix, iy); needs nothing but the rays. */
 struct FindPassingRays
 {

@@ -1,6 +1,7 @@
 #pragma once
 #include "kernels/7_fill.h"
 
+#include <initializer_list>
 #include <tuple>
 
 namespace talus::kernels

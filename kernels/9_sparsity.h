@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/rays.h"
+#include "kernels/7_fill.h"
 
 namespace talus::kernels
 {
@@ -46,8 +46,7 @@ TALUS_HD float sparsity(float h_s, float robot_m, const Config& k)
   return select(is_known(h_s), clamp01(1.0f - ratio * weight), kNan);
 }
 
-/** Whether eq. 14 says so: the ground may drop. */
-constexpr float kSparse = 0.5f;
+/** Whether the ground may drop. */
 TALUS_HD bool is_sparse(float h_s, float robot_m, const Config& k)
 {
   return sparsity(h_s, robot_m, k) < kSparse;

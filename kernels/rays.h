@@ -161,4 +161,12 @@ TALUS_HD float line_stretch(const Line& l, int rings)
   return sqrtf(1.0f + u * u);
 }
 
+/** Where the rays of this frame passed the cells, window order. */
+struct PassingRays
+{
+  float* lowest_m;  //!< infinity: no ray
+  float* highest_m;  //!< bounds unseen ground from above
+  std::uint8_t* in_open;  //!< 1: nothing was hit between the sensor and the cell
+};
+
 }  // namespace talus::kernels

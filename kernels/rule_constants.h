@@ -179,5 +179,8 @@ constexpr float kExplainedSlope = 0.5f, kExplained_steps = 2.5f;
 constexpr float kWallNoise_m = 0.01f, kWidestDitch_m = 2.8f;
 /** Ground that falls so little [m/m] is level. */
 constexpr float kGentle = 0.05f;
+/** Ground may drop where eq. 14 says less than this: halfway between sure and out of the question.
+ */
+constexpr float kSparse = 0.5f;
 
 }  // namespace talus::kernels
