@@ -168,9 +168,7 @@ bool suggest_settings(const Job& job, const Options& options, const Settings& se
     }
     return kFailed;
   };
-  const ChildEnd end = run_in_child(work);
-  if (end.signal) print_error(crash_text(job.log, end.signal));
-  return end.signal == 0 && end.exit_code == kDone;
+  return run_command_in_child(job.log, work, print_error) == kDone;
 }
 
 bool settings_work(const Settings& settings)
