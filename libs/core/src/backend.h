@@ -5,8 +5,6 @@
 #include "kernels/cell.h"
 #include "kernels/frame.h"
 
-#include <functional>
-
 namespace talus
 {
 /** What kernels::CellStore holds of each cell. */

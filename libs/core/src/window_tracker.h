@@ -4,7 +4,6 @@
 #include "kernels/frame.h"
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <utility>

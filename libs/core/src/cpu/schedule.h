@@ -8,8 +8,6 @@
 #include "map_buffers.h"
 #include "voxel_filter.h"
 
-#include <algorithm>
-
 namespace talus
 {
 /** The nine stages on cores, in their order. Rows of the window are done while their cells are in

@@ -2,8 +2,6 @@
 #include "cuda/copy_large.h"
 #include "cuda/executor.cuh"
 
-#include <functional>
-
 namespace talus
 {
 namespace
