@@ -61,27 +61,49 @@ struct PresumeStart
   }
   TALUS_HD int cell_at(float m) const { return floor_to_int(m * config->inverse_resolution); }
 
-  /** Whether the scanner looks over the cell: its lowest rays there ended no nearer, and not below
-   * the ground. Cells tell only of rays that ended some rings behind them. */
+  /** What the lowest rays of a direction say of the cells that they pass. */
+  enum Told
+  {
+    kNothing,  //!< they ended there, or met no ground within the radius behind
+    kLevel,
+    kDrop  //!< they went on to below the ground
+  };
+
+  /** Whether the scanner looks over the cell to ground that goes on: its lowest rays there ended no
+   * nearer, and not below the ground, nor do those a little to its sides, as a drop goes on beside
+   * where it is seen. */
   TALUS_HD bool is_blind(int ix, int iy) const
   {
     const float x_m = from_sensor_m(ix, frame->sensor_x_m);
     const float y_m = from_sensor_m(iy, frame->sensor_y_m);
+    const float aside_x_m = kDropBeside * y_m, aside_y_m = kDropBeside * x_m;
+    return told_of(x_m, y_m) == kLevel && told_of(x_m - aside_x_m, y_m + aside_y_m) != kDrop &&
+           told_of(x_m + aside_x_m, y_m - aside_y_m) != kDrop;
+  }
+  /** Of a place seen from the sensor. Cells tell only of rays that ended some rings behind them. */
+  TALUS_HD Told told_of(float x_m, float y_m) const
+  {
     const float away_m = chebyshev(x_m, y_m);
     const float nearer_m = away_m - static_cast<float>(kBehindCell_rings) * config->resolution_m;
-    if (nearer_m < (kUnderSensor_rings + 1.0f) * config->resolution_m) return true;
+    if (nearer_m < (kUnderSensor_rings + 1.0f) * config->resolution_m) return kLevel;
     const float share = nearer_m / away_m;
-    return is_passed(
+    return told_at(
         cell_at(frame->sensor_x_m + share * x_m), cell_at(frame->sensor_y_m + share * y_m));
   }
-  /** Whether the lowest rays of the directions of a cell ended behind it, and where the lowest
-   * would be below the plane, as far as the window goes, none is. */
-  TALUS_HD bool is_passed(int ix, int iy) const
+  /** By how much the plane through the scanner rises to a place: behind a scanner that is tilted
+   * forward its rays look up, but the robot turns before it drives there. */
+  TALUS_HD float untilted_m(float x_m, float y_m) const
+  {
+    const float* const m = frame->poses[0].m;
+    const bool upright = m[10] > 0.5f;
+    return select(upright, -(m[2] * x_m + m[6] * y_m) / select(upright, m[10], 1.0f), -kInfinity);
+  }
+  TALUS_HD Told told_at(int ix, int iy) const
   {
     const int n = config->cells;
-    if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return true;  // of a sensor that is outside
+    if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return kLevel;  // of a sensor that is outside
     const int window_i = iy * n + ix;
-    if (passing.in_open[window_i] == 0) return false;
+    if (passing.in_open[window_i] == 0) return kNothing;
     const float x_m = from_sensor_m(ix, frame->sensor_x_m);
     const float y_m = from_sensor_m(iy, frame->sensor_y_m);
     // Heights of rays and of the plane, by chebyshev distance; rays as add_ray() takes them.
@@ -92,13 +114,15 @@ struct PresumeStart
         (passing.lowest_m[window_i] - frame->sensor_z_m) / (away_m - 0.5f * config->resolution_m);
     const float below_m = kStartUndercut_steps * config->step_threshold_m;
     const float falls = rises_m / away_m - slope;
-    const float meets_m = (above_m + below_m) / falls;
-    if (!((falls > 0.0f) & (meets_m < static_cast<float>(n) * config->resolution_m))) return true;
-    const float share = meets_m / away_m;
+    const float radius_m = config->start_radius_m * away_m / sqrtf(x_m * x_m + y_m * y_m);
+    if (!(max_of(falls, untilted_m(x_m, y_m) / away_m - slope) * radius_m > above_m))
+      return kNothing;
+    if (!(falls * static_cast<float>(n) * config->resolution_m > above_m + below_m)) return kLevel;
+    const float share = (above_m + below_m) / (falls * away_m);
     const int x = cell_at(frame->sensor_x_m + share * x_m);
     const int y = cell_at(frame->sensor_y_m + share * y_m);
-    if ((x < 0) | (y < 0) | (x >= n) | (y >= n)) return true;
-    return !(passing.lowest_m[y * n + x] < plane_at(x, y) - 0.5f * below_m);
+    if ((x < 0) | (y < 0) | (x >= n) | (y >= n)) return kLevel;
+    return passing.lowest_m[y * n + x] < plane_at(x, y) - 0.5f * below_m ? kDrop : kLevel;
   }
 };
 

@@ -70,13 +70,16 @@ constexpr float kUnderFoot_steps = 0.75f;
 constexpr float kStandsUp_steps = 0.5f;
 /** So far around its base the robot stands. */
 constexpr float kFootprint_m = 0.25f;
-/** The ground on which it starts is presumed so far around it at most, unless a user says so. */
-constexpr float kStartsWithin_m = 4.0f;
+/** The ground on which it starts is presumed so far around it at most, unless a user says so, and
+ * only where ground is seen within that: what a beam 15 degrees down, 0.8 m high, leaves blind. */
+constexpr float kStartsWithin_m = 3.0f;
 /** Somebody put it there, with room to move off: so far the scanner need not look over. */
 constexpr float kStartsOn_m = 0.7f;
 /** It ends where the ray that leaves it blind would meet it, if that goes on to so far below it
  * [steps]: there is a drop-off somewhere. */
 constexpr float kStartUndercut_steps = 1.0f;
+/** And so far beside that, as a share of the distance. */
+constexpr float kDropBeside = 0.2f;
 /** How well the ground under the robot is known. */
 constexpr float kUnderFoot_var_m2 = 0.02f * 0.02f;
 

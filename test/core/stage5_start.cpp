@@ -136,6 +136,26 @@ TEST(Stage5Start, NothingIsPresumedTowardsADropOff)
   EXPECT_EQ(m.state(0.575, 0.025), CellState::Presumed) << "there it stands, with room to move off";
 }
 
+TEST(Stage5Start, ADropOffGoesOnBesideWhereItIsSeen)
+{
+  const Box behind{{-5, -5, 0}, {1.2, 5, 1}}, left{{1.2, 0.4, 0}, {8, 5, 1}};
+  TestMap m;
+  m.map.update(with_base(sixteen_beams({behind, left}, 0, 1)));
+  EXPECT_NE(m.state(1.525, 0.425), CellState::Presumed);
+  EXPECT_EQ(m.state(1.525, 1.525), CellState::Presumed);
+}
+
+TEST(Stage5Start, NothingIsPresumedWhereGroundIsSeenTooFarAway)
+{
+  constexpr double height_m = 1.2;  // its lowest beam meets the floor after 4.5 m
+  Frame f = Scan(0, 0, height_m).cast({}, 1800, -kLowest_rad, kLowest_rad, 16).frame();
+  f.T_base_sensor = translation(0, 0, height_m);
+  TestMap m;
+  m.map.update(f);
+  EXPECT_NE(m.state(1.525, 0.025), CellState::Presumed);
+  EXPECT_EQ(m.state(0.575, 0.025), CellState::Presumed);
+}
+
 TEST(Stage5Start, PresumedGroundGivesWayToMeasurementsAndToRaysBelowIt)
 {
   TestMap m;

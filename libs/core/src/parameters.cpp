@@ -189,7 +189,7 @@ std::vector<ParameterInfo> make_table()
       entry<&Parameters::start_radius_m>(
           "start_radius_m", "m", -1, 1000,
           "ground so far around where the robot starts is presumed to be that under its base; "
-          "below 0: what the first frame leaves blind, up to 4 m; 0: none"),
+          "below 0: what the first frame leaves blind, up to 3 m; 0: none"),
       entry<&Parameters::object_size_m>(
           "object_size_m", "m", 2e-3, 6500,
           "measured ground narrower than this that stands out steeply is an object; 2 to 65 "

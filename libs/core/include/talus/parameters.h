@@ -80,7 +80,7 @@ struct Parameters
   /// @name Stage 5: the start
   /// @{
   /** Ground within this radius around the base in the first frame is presumed to go on as it stands
-   * there [m]; negative: what the rays of that frame leave blind before they meet it, up to 4 m;
+   * there [m]; negative: what the rays of that frame leave blind before they meet it, up to 3 m;
    * 0: none. */
   double start_radius_m = -1;
   /// @}
