@@ -142,12 +142,10 @@ void KeptSite::leave_out_islands()
 io::SiteSummary KeptSite::summary()
 {
   io::SiteSummary s;
-  for (const auto& key : site_.tiles.keys())
-    for (const auto& c : site_.tiles.find(key)->cells)
-      if (c.known() && c.cell.state < s.cells.size()) ++s.cells[c.cell.state];
+  const site::KnownCells known = site::known_cells(site_);
+  s.cells = known.by_state;
   s.floors = static_cast<int>(site::floors_of(site_).size());
-  s.area_m2 = static_cast<double>(s.cells[1] + s.cells[2] + s.cells[3] + s.cells[4]) *
-              site_.resolution_m * site_.resolution_m;
+  s.area_m2 = known.area_m2;
   for (const auto& way : site_.ways)
     for (std::size_t i = 1; i < way.size(); ++i)
       s.length_m += std::hypot(

@@ -10,6 +10,7 @@
 #include <talus/number_text.h>
 #include <talus/site/changes.h>
 #include <talus/site/islands.h>
+#include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 #include <talus/site/site_picture.h>
 
@@ -38,14 +39,6 @@ void print_error(const std::string& text) { std::cerr << "talus-merge: " << text
 std::size_t memory_bytes(const Options& o) { return o.memory_mb << 20; }
 
 std::string square_metres(double area_m2) { return talus::fixed_text(area_m2, 2) + " m2"; }
-
-double known_m2(Site& site)
-{
-  std::size_t known = 0;
-  for (const TileKey& key : site.tiles.keys())
-    for (const SiteCell& c : site.tiles.find(key)->cells) known += c.known() ? 1 : 0;
-  return static_cast<double>(known) * site.resolution_m * site.resolution_m;
-}
 
 /** Drives count their floors as they come to them. */
 int lowest_floor(const std::vector<std::string>& paths)
@@ -81,7 +74,7 @@ void merge(const Options& o)
       [&](double done) { bar.show(kMerging + (1 - kMerging) * done, "writing"); });
   if (o.quiet) return;
   std::cout << o.inputs.size() << (o.inputs.size() == 1 ? " map: " : " maps: ")
-            << square_metres(known_m2(site)) << " known\n  wrote   " << o.output << "\n";
+            << square_metres(known_cells(site).area_m2) << " known\n  wrote   " << o.output << "\n";
 }
 
 void tell(const ChangeSums& sums)

@@ -54,6 +54,21 @@ std::vector<int> floors_of(const Site& site)
   return {floors.begin(), floors.end()};
 }
 
+KnownCells known_cells(Site& site)
+{
+  KnownCells known;
+  std::size_t count = 0;
+  for (const TileKey& key : site.tiles.keys())
+    for (const SiteCell& c : site.tiles.find(key)->cells)
+      if (c.known() && c.cell.state < known.by_state.size())
+      {
+        ++known.by_state[c.cell.state];
+        ++count;
+      }
+  known.area_m2 = static_cast<double>(count) * site.resolution_m * site.resolution_m;
+  return known;
+}
+
 void write_site_files(const std::string& path, Site& site, const Progress& progress)
 {
   const std::vector<int> floors = floors_of(site);

@@ -1,7 +1,10 @@
 #pragma once
+#include <talus/layers.h>
 #include <talus/site/site.h>
 #include <talus/site/site_geotiff.h>
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -9,6 +12,15 @@ namespace talus::site
 {
 /** Those of which something is known, in ascending order. */
 std::vector<int> floors_of(const Site& site);
+
+/** What is known of all floors. */
+struct KnownCells
+{
+  std::array<std::size_t, kCellStates> by_state{};  //!< by CellState; of the unknown ones none
+  double area_m2 = 0;
+};
+
+KnownCells known_cells(Site& site);
 
 /** Writes write_site() and write_site_picture() of each floor: floor 0 as `path`, "DIR/site.tif"
  * say, and as DIR/site.png, others as DIR/site_floor_1.tif and so on. Throws as they do. */
