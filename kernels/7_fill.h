@@ -407,10 +407,8 @@ struct FillCell
     const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound(passing, window_i));
     const float expected_m = height_of_lines(inferred.lines, r >= kObject);
     const Fill fill = infer_ground(inferred, expected_m, bound_m, *config);
-    const bool lifts = (state_before == kFilledTwoSided) & !inferred.two_sided() &
-                       (fill.height_m > before + kLift_m);
     // Else an older fill, or the object, stays.
-    const bool filled = (r != kKeep) & inferred.any() & !lifts;
+    const bool filled = (r != kKeep) & inferred.any();
     const bool floats = is_underside(r, state_before, before, bound_m, inferred, fill);
     const float ground = select(floats, kNan, select(filled, fill.height_m, before));
     const float variance = select(floats, kNan, select(filled, fill.variance_m2, var_before));

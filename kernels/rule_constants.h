@@ -150,9 +150,6 @@ constexpr float kHeightNoise_m = 0.002f;
 /** Ground goes on so many times as far off the mean as the nearest sample is, but at most by this
  * share of a step: a nearest sample that is farther off is the foot of something. */
 constexpr float kGoesOn = 2.0f, kGoesOnMost_steps = 0.25f;
-/** A guess from one side does not lift by more than this what was filled from two: it would forget
- * what lies behind an edge once the ground beyond is on no line any more. */
-constexpr float kLift_m = 0.1f;
 /** A fill may lie too high, so that it counts so much above the lowest of its lines [steps]. */
 constexpr float kAboveLowestLine_steps = 0.25f;
 /** An object hangs if it is so high above what is filled below it [clearances]: on nothing, or
