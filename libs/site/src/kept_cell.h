@@ -64,13 +64,12 @@ inline bool is_worth_more(const CellRecord& kept, const CellRecord& now)
              now.elevation_variance_m2);
 }
 
-/** Whether a cell is as it was, but for noise. */
+/** Whether a cell's ground is as it was, but for noise, and something stands on it if it did. */
 inline bool is_unchanged(const CellRecord& kept, const CellRecord& now)
 {
   constexpr float kSame_m = 0.01f;
-  const bool bare = std::isnan(kept.elevation_m) && std::isnan(now.elevation_m);
   return kept.state == now.state && std::abs(kept.ground_m - now.ground_m) < kSame_m &&
-         (bare || std::abs(kept.elevation_m - now.elevation_m) < kSame_m);
+         std::isnan(kept.elevation_m) == std::isnan(now.elevation_m);
 }
 
 /** Without what it says of the frames just before it was kept. */
