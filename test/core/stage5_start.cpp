@@ -148,7 +148,8 @@ TEST(Stage5Start, ADropOffGoesOnBesideWhereItIsSeen)
 TEST(Stage5Start, NothingIsPresumedWhereGroundIsSeenTooFarAway)
 {
   constexpr double height_m = 1.2;  // its lowest beam meets the floor after 4.5 m
-  Frame f = Scan(0, 0, height_m).cast({}, 1800, -kLowest_rad, kLowest_rad, 16).frame();
+  const Scan scan = Scan(0, 0, height_m).cast({}, 1800, -kLowest_rad, kLowest_rad, 16);
+  Frame f = scan.frame();
   f.T_base_sensor = translation(0, 0, height_m);
   TestMap m;
   m.map.update(f);
