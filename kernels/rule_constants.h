@@ -78,7 +78,8 @@ constexpr float kStartsOn_m = 0.7f;
 /** It ends where the ray that leaves it blind would meet it, if that goes on to so far below it
  * [steps]: there is a drop-off somewhere. */
 constexpr float kStartUndercut_steps = 1.0f;
-/** And so far beside that, as a share of the distance. */
+/** Nor is ground presumed so far beside a direction in which there is a drop-off, as a share of the
+ * distance. */
 constexpr float kDropBeside = 0.2f;
 /** How well the ground under the robot is known. */
 constexpr float kUnderFoot_var_m2 = 0.02f * 0.02f;

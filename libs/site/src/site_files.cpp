@@ -1,8 +1,12 @@
 #include <talus/site/site_files.h>
 
+#include "known_cells.h"
+
 #include <talus/site/site_picture.h>
 
+#include <cstdint>
 #include <filesystem>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -57,14 +61,14 @@ std::vector<int> floors_of(const Site& site)
 KnownCells known_cells(Site& site)
 {
   KnownCells known;
-  std::size_t count = 0;
   for (const TileKey& key : site.tiles.keys())
-    for (const SiteCell& c : site.tiles.find(key)->cells)
-      if (c.known() && c.cell.state < known.by_state.size())
-      {
-        ++known.by_state[c.cell.state];
-        ++count;
-      }
+    for_each_known_of_tile(
+        site, key,
+        [&](std::int64_t, std::int64_t, const SiteCell& c)
+        {
+          if (c.cell.state < known.by_state.size()) ++known.by_state[c.cell.state];
+        });
+  const auto count = std::accumulate(known.by_state.begin(), known.by_state.end(), std::size_t{0});
   known.area_m2 = static_cast<double>(count) * site.resolution_m * site.resolution_m;
   return known;
 }
