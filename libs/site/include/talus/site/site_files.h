@@ -17,9 +17,10 @@ std::vector<int> floors_of(const Site& site);
 struct KnownCells
 {
   std::array<std::size_t, kCellStates> by_state{};  //!< by CellState; of the unknown ones none
-  double area_m2 = 0;
+  double area_m2 = 0;  //!< of all of them, of all floors
 };
 
+/** Goes through all tiles, of which those on disk are read. */
 KnownCells known_cells(Site& site);
 
 /** Writes write_site() and write_site_picture() of each floor: floor 0 as `path`, "DIR/site.tif"
