@@ -110,11 +110,41 @@ struct ClassifyCell
 
   TALUS_HD SurfaceClass class_of_measured(int px, int py, float ground_m) const
   {
-    if (may_be_ground(grid.at(px, py), ground_m)) return kKeep;
+    if (may_be_ground(grid.at(px, py), ground_m) || continues_wide_ground(px, py, ground_m))
+      return kKeep;
     const float column_m = column_beside(px, py);
     if (column_m + config->clearance_m < ground_m) return kObject;
     const bool past = column_m > ground_m + kPastObject_steps * config->step_threshold_m;
     return past ? kObjectBesideColumn : kObjectOnColumn;
+  }
+
+  /** Whether ground goes on from there, level and bare, to ground that is wide: a bridge, a dam,
+   * the end of a jetty. Narrow and steep as they are, they are no objects. */
+  TALUS_HD bool continues_wide_ground(int px, int py, float ground_m) const
+  {
+    for (int d = 0; d < 4; d++)
+    {
+      const int dx = d == 0 ? 1 : d - 2, dy = d > 0;  // along rows, columns and diagonals
+      if (reaches_wide_ground(px, py, dx, dy, ground_m) ||
+          reaches_wide_ground(px, py, -dx, -dy, ground_m))
+        return true;
+    }
+    return false;
+  }
+  TALUS_HD bool reaches_wide_ground(int px, int py, int dx, int dy, float ground_m) const
+  {
+    const float tolerance_m = kAboveCone_steps * config->step_threshold_m;
+    for (int r = 1; r <= 2 * dilation_radius(*config); r++)
+    {
+      const int qx = px + r * dx, qy = py + r * dy;
+      if (qx < 0 || qy < 0 || qx >= grid.side || qy >= grid.side) return false;
+      const int coarse_i = grid.at(qx, qy);
+      const float lowest_m = grid.lowest_m[coarse_i], eroded_m = grid.eroded_m[coarse_i];
+      const bool level = abs_of(lowest_m - ground_m) <= tolerance_m;  // false where unknown
+      if (!level || grid.column_m[coarse_i] > -kInfinity) return false;
+      if (eroded_m < kInfinity && eroded_m >= lowest_m - tolerance_m) return true;
+    }
+    return false;
   }
 
   /** Corridors from a cell to the sensor, a pair of cells wide each. */

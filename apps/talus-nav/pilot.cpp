@@ -24,6 +24,9 @@ namespace
 {
 constexpr double kSameTarget_m = 0.3;
 constexpr double kCreep_mps = 0.2, kCreepClear_m = 0.2;
+constexpr double kTurn_radps = 0.8, kTurnClear_m = 0.05;
+constexpr double kTurnFrom_rad = 1.4, kTurnTo_rad = 0.1;  // off the target
+constexpr double kStuck_s = 1, kStill_mps = 0.02, kStill_radps = 0.02;
 
 /** MRPT compiles the formulas of scores with the symbols of the first movement that it rates, and
  * one that does not lead to the target (a near one, or one behind the robot) has hardly any. */
@@ -98,6 +101,24 @@ std::vector<double> prism_heights(const mrpt::config::CConfigFileBase& ini)
   for (int i = 1; i <= count; i++)
     heights.push_back(ini.read_double(section, "LEVEL" + std::to_string(i) + "_HEIGHT", 0, true));
   return heights;
+}
+
+mrpt::math::TPoint2D in_base(
+    const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& place)
+{
+  return mrpt::math::TPose2D(T_map_base.x(), T_map_base.y(), T_map_base.yaw())
+      .inverseComposePoint(place);
+}
+
+/** Whether f(x, y) holds of a point. */
+template <class F>
+bool any_point(const mrpt::maps::CSimplePointsMap& points, F f)
+{
+  const auto& x = points.getPointsBufferRef_x();
+  const auto& y = points.getPointsBufferRef_y();
+  for (std::size_t i = 0; i < x.size(); i++)
+    if (f(x[i], y[i])) return true;
+  return false;
 }
 }  // namespace
 
@@ -209,6 +230,7 @@ Pilot::~Pilot() = default;
 void Pilot::step(
     const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last)
 {
+  if (turn(T_map_base, target)) return;
   interface_.T_map_base = T_map_base;
   const bool idle =
       navigator_->getCurrentState() != mrpt::nav::CAbstractNavigator::TState::NAVIGATING;
@@ -227,12 +249,33 @@ void Pilot::step(
   try_to([&] { navigator_->navigationStep(); });
 }
 
+bool Pilot::turn(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target)
+{
+  const mrpt::math::TPoint2D to = in_base(T_map_base, target);
+  const double off_rad = std::atan2(to.y, to.x);
+  turns_ = std::abs(off_rad) > (turns_ || is_stuck() ? kTurnTo_rad : kTurnFrom_rad);
+  if (!turns_) return false;
+  interface_.look(T_map_base);
+  turns_ = has_room_to_turn();
+  if (!turns_) return false;
+  navigator_->cancel();
+  robot_.command(0, std::copysign(kTurn_radps, off_rad));
+  return true;
+}
+
+bool Pilot::is_stuck()
+{
+  const bool still =
+      std::abs(robot_.v_mps()) < kStill_mps && std::abs(robot_.w_radps()) < kStill_radps;
+  if (!still) moved_s_ = robot_.time_s();
+  return robot_.time_s() - moved_s_ > kStuck_s;
+}
+
 void Pilot::creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& place)
 {
   halt();
   interface_.look(T_map_base);
-  const mrpt::math::TPose2D base(T_map_base.x(), T_map_base.y(), T_map_base.yaw());
-  const mrpt::math::TPoint2D to = base.inverseComposePoint(place);
+  const mrpt::math::TPoint2D to = in_base(T_map_base, place);
   const double v_mps = is_clear(to.x > 0) ? std::copysign(kCreep_mps, to.x) : 0;
   robot_.command(v_mps, v_mps * 2 * to.y / (to.x * to.x + to.y * to.y));
 }
@@ -240,18 +283,26 @@ void Pilot::creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoi
 bool Pilot::is_clear(bool forwards) const
 {
   const double end_m = robot_.body().length_m / 2, side_m = robot_.body().width_m / 2;
-  for (std::size_t i = 0; i < interface_.seen.size(); i++)
-  {
-    float x, y;
-    interface_.seen.getPoint(i, x, y);
-    const double ahead_m = (forwards ? x : -x) - end_m;
-    if (ahead_m > 0 && ahead_m < kCreepClear_m && std::abs(y) < side_m) return false;
-  }
-  return true;
+  return !any_point(
+      interface_.seen,
+      [&](double x, double y)
+      {
+        const double ahead_m = (forwards ? x : -x) - end_m;
+        return ahead_m > 0 && ahead_m < kCreepClear_m && std::abs(y) < side_m;
+      });
+}
+
+bool Pilot::has_room_to_turn() const
+{
+  const RobotBody& body = robot_.body();
+  const double radius_m = std::hypot(body.length_m, body.width_m) / 2 + kTurnClear_m;
+  return !any_point(
+      interface_.seen, [&](double x, double y) { return std::hypot(x, y) < radius_m; });
 }
 
 void Pilot::halt()
 {
+  turns_ = false;
   navigator_->cancel();
   interface_.stand();
   interface_.seen.clear();

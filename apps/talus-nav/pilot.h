@@ -73,6 +73,12 @@ class Pilot
   const mrpt::maps::CSimplePointsMap& obstacles() const { return interface_.seen; }
 
  private:
+  /** Turns on the spot to a target that lies beside or behind the robot, or to which the navigator
+   * finds no movement: through what is narrow it must look straight. False where it need not, or
+   * something is in its way. */
+  bool turn(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target);
+  bool is_stuck();
+  bool has_room_to_turn() const;
   bool is_clear(bool forwards) const;
   void try_to(const std::function<void()>& work);
 
@@ -84,6 +90,8 @@ class Pilot
   std::string error_;  //!< that MRPT logged
   std::unique_ptr<mrpt::nav::CAbstractPTGBasedReactive> navigator_;
   mrpt::math::TPoint2D target_{1e9, 1e9};
+  bool turns_ = false;  //!< on the spot
+  double moved_s_ = 0;  //!< when it did last
 };
 
 }  // namespace talus::nav

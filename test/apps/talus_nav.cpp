@@ -335,8 +335,8 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
            {"2d", "PTG0_K = 1.0", "PTG0_K = 0.5", "PTG0_K = '0.5': must be 1 or -1"},
            {"2d", "RobotModel_shape2D_xs = -0.40", "RobotModel_shape2D_xs = -1e300",
             "must be from -5 to 5"},
-           {"2d", "PTG2_K = -1.0",
-            "PTG2_K =", "PTG2_K = '': must be a number (in section CReactiveNavigationSystem)"},
+           {"2d", "PTG0_K = 1.0",
+            "PTG0_K =", "PTG0_K = '': must be a number (in section CReactiveNavigationSystem)"},
            {"2d", "enable_obstacle_filtering                         = false",
             "enable_obstacle_filtering = maybe",
             "enable_obstacle_filtering = 'maybe': must be true or false (in section "

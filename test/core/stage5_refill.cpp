@@ -190,6 +190,27 @@ TEST(Stage5Refill, TheEdgeOfAPlatformIsGround)
   }
 }
 
+TEST(Stage5Refill, ABridgeIsGroundAndABlockInADitchIsNot)
+{
+  const auto low = level(-0.6);
+  for (const double gap_m : {0.0, 0.2})
+  {
+    TestMap m;
+    Scan s;
+    s.add_surface(-2, -2.5, 1, 2.5, flat).add_surface(2.2, -2.5, 4, 2.5, flat);
+    s.add_surface(1, -2.5, 2.2, -0.5, low).add_surface(1, 0.5, 2.2, 2.5, low);
+    s.add_surface(1 + gap_m, -0.5, 2.2 - gap_m, 0.5, flat);
+    if (gap_m > 0)
+      s.add_surface(1, -0.5, 1 + gap_m, 0.5, low).add_surface(2.2 - gap_m, -0.5, 2.2, 0.5, low);
+    m.update(s);
+    for (double y = -0.375; y < 0.4; y += 0.05)
+    {
+      EXPECT_EQ(m.state(1.625, y) == CellState::Measured, gap_m == 0) << y;
+      EXPECT_NEAR(m.ground(1.625, y), gap_m == 0 ? 0.0 : -0.6, 1e-5) << y;
+    }
+  }
+}
+
 TEST(Stage5Refill, ABankOfWhichOnlyTheBrinkWasSeenIsGroundWhenItTurnsOutWide)
 {
   // The ground beyond it is low again, so that what is guessed below it is told from two sides.
