@@ -142,7 +142,7 @@ struct ClassifyCell
       const float lowest_m = grid.lowest_m[coarse_i], eroded_m = grid.eroded_m[coarse_i];
       const bool level = abs_of(lowest_m - ground_m) <= tolerance_m;  // false where unknown
       if (!level || grid.column_m[coarse_i] > -kInfinity) return false;
-      if (eroded_m < kInfinity && eroded_m >= lowest_m - tolerance_m) return true;
+      if (eroded_m >= lowest_m - tolerance_m && eroded_m < kInfinity) return true;
     }
     return false;
   }
