@@ -122,13 +122,9 @@ struct ClassifyCell
    * the end of a jetty. Narrow and steep as they are, they are no objects. */
   TALUS_HD bool continues_wide_ground(int px, int py, float ground_m) const
   {
-    for (int d = 0; d < 4; d++)
-    {
-      const int dx = d == 0 ? 1 : d - 2, dy = d > 0;  // along rows, columns and diagonals
-      if (reaches_wide_ground(px, py, dx, dy, ground_m) ||
-          reaches_wide_ground(px, py, -dx, -dy, ground_m))
-        return true;
-    }
+    for (int dy = -1; dy <= 1; dy++)
+      for (int dx = -1; dx <= 1; dx++)
+        if ((dx != 0 || dy != 0) && reaches_wide_ground(px, py, dx, dy, ground_m)) return true;
     return false;
   }
   TALUS_HD bool reaches_wide_ground(int px, int py, int dx, int dy, float ground_m) const

@@ -12,7 +12,7 @@ namespace talus::kernels
 // opening of the measured ground (nothing as wide as object_size_m fits below its top: a wall, a
 // rock, a branch; but not the edge of a platform or a kerb), and above a cone of the steepest slope
 // that ground has over ground close by (so that a ridge or a bank is no object). Both work on pairs
-// of cells, and in passes along rows and columns.
+// of cells, and in passes along rows and columns. A bridge is both, and no object: 5_classify.h.
 
 /** Cells of the map pooled two by two, by the parity of their place in the map, so that rolling
  * does not change the pairs. In a margin around the window the ground goes on as at its border, or

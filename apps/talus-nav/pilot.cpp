@@ -103,13 +103,6 @@ std::vector<double> prism_heights(const mrpt::config::CConfigFileBase& ini)
   return heights;
 }
 
-mrpt::math::TPoint2D in_base(
-    const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& place)
-{
-  return mrpt::math::TPose2D(T_map_base.x(), T_map_base.y(), T_map_base.yaw())
-      .inverseComposePoint(place);
-}
-
 /** Whether f(x, y) holds of a point. */
 template <class F>
 bool any_point(const mrpt::maps::CSimplePointsMap& points, F f)
@@ -230,8 +223,8 @@ Pilot::~Pilot() = default;
 void Pilot::step(
     const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last)
 {
-  if (turn(T_map_base, target)) return;
   interface_.T_map_base = T_map_base;
+  if (turn(target)) return;
   const bool idle =
       navigator_->getCurrentState() != mrpt::nav::CAbstractNavigator::TState::NAVIGATING;
   if (navigator_->getCurrentState() == mrpt::nav::CAbstractNavigator::TState::NAV_ERROR)
@@ -249,14 +242,12 @@ void Pilot::step(
   try_to([&] { navigator_->navigationStep(); });
 }
 
-bool Pilot::turn(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target)
+bool Pilot::turn(const mrpt::math::TPoint2D& target)
 {
-  const mrpt::math::TPoint2D to = in_base(T_map_base, target);
+  const mrpt::math::TPoint2D to = interface_.pose_in_map().inverseComposePoint(target);
   const double off_rad = std::atan2(to.y, to.x);
-  turns_ = std::abs(off_rad) > (turns_ || is_stuck() ? kTurnTo_rad : kTurnFrom_rad);
-  if (!turns_) return false;
-  interface_.look(T_map_base);
-  turns_ = has_room_to_turn();
+  turns_ = std::abs(off_rad) > (turns_ || is_stuck() ? kTurnTo_rad : kTurnFrom_rad) &&
+           has_room_to_turn();
   if (!turns_) return false;
   navigator_->cancel();
   robot_.command(0, std::copysign(kTurn_radps, off_rad));
@@ -275,7 +266,7 @@ void Pilot::creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoi
 {
   halt();
   interface_.look(T_map_base);
-  const mrpt::math::TPoint2D to = in_base(T_map_base, place);
+  const mrpt::math::TPoint2D to = interface_.pose_in_map().inverseComposePoint(place);
   const double v_mps = is_clear(to.x > 0) ? std::copysign(kCreep_mps, to.x) : 0;
   robot_.command(v_mps, v_mps * 2 * to.y / (to.x * to.x + to.y * to.y));
 }
@@ -292,8 +283,9 @@ bool Pilot::is_clear(bool forwards) const
       });
 }
 
-bool Pilot::has_room_to_turn() const
+bool Pilot::has_room_to_turn()
 {
+  interface_.look(interface_.T_map_base);
   const RobotBody& body = robot_.body();
   const double radius_m = std::hypot(body.length_m, body.width_m) / 2 + kTurnClear_m;
   return !any_point(

@@ -76,9 +76,9 @@ class Pilot
   /** Turns on the spot to a target that lies beside or behind the robot, or to which the navigator
    * finds no movement: through what is narrow it must look straight. False where it need not, or
    * something is in its way. */
-  bool turn(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target);
+  bool turn(const mrpt::math::TPoint2D& target);
   bool is_stuck();
-  bool has_room_to_turn() const;
+  bool has_room_to_turn();
   bool is_clear(bool forwards) const;
   void try_to(const std::function<void()>& work);
 
