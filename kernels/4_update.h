@@ -450,7 +450,8 @@ struct UpdateCell
     if (was_bare && top_m > bare_m && is_alone(storage_i, top_m, bare_m))
     {
       c.persistence = before.persistence;
-      if (trace_of(before) == 0) top_m = refuse(c, before, ends.lowest().height_m, bare_m);
+      if (!hit_lately(before.ray_evidence))
+        top_m = refuse(c, before, ends.lowest().height_m, bare_m);
     }
     store.store(storage_i, c);
     top_hit_m[storage_i] = top_m;

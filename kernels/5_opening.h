@@ -14,6 +14,15 @@ namespace talus::kernels
 // that ground has over ground close by (so that a ridge or a bank is no object). Both work on pairs
 // of cells, and in passes along rows and columns. A bridge is both, and no object: 5_classify.h.
 
+/** What is known of things in a pair of cells: of its cells, the last of these. What left a trace
+ * where nothing stands has left. */
+enum Presence
+{
+  kEmpty,
+  kLeft,  //!< something stood in one of them lately, nothing stands in any
+  kStands
+};
+
 /** Cells of the map pooled two by two, by the parity of their place in the map, so that rolling
  * does not change the pairs. In a margin around the window the ground goes on as at its border, or
  * the edge of a platform of which only a strip is inside would be an object. */
@@ -26,6 +35,7 @@ struct CoarseGrid
   float* column_m;  //!< highest top of something upright, -infinity: none
   float* overhang_m;  //!< the same of what rays pass below, but not the robot ...
   float* overhang_depth_m;  //!< ... and how far down from it that is known to reach
+  float* presence;  //!< a Presence
   float* eroded_m;  //!< lowest ground of the neighbourhood; infinity: near what is upright, or
                     //!< nothing is known there
   float* cone_m;  //!< lowest ground of the neighbourhood, raised with distance
@@ -50,12 +60,13 @@ struct CoarseCell
   float lowest_m = kInfinity, column_m = -kInfinity;
   float overhang_m = -kInfinity;
   std::int32_t overhang_below = 0;  //!< code of how far it reaches down, see Cell::extent
+  std::int32_t presence = kEmpty;  //!< the highest, see Presence
 
   static constexpr auto fields()
   {
     return std::make_tuple(
         &CoarseCell::lowest_m, &CoarseCell::column_m, &CoarseCell::overhang_m,
-        &CoarseCell::overhang_below);
+        &CoarseCell::overhang_below, &CoarseCell::presence);
   }
 };
 
@@ -79,24 +90,28 @@ struct PoolCells
         ground + config->clearance_m + kFaceAboveRobot_steps * config->step_threshold_m;
     const bool low = (extent == kOpen) | (underside <= robot_m);
     const bool overhangs = upright & low & (store.persistence[storage_i] <= -kOverhangPersistence);
+    const bool stands = top > ground + kBare_steps * config->step_threshold_m;
+    const int bare = select(store.ray_evidence[storage_i] >= kTraceOne, kLeft, kEmpty);
     return {
         select(measured, ground, kInfinity), select(upright, top, -kInfinity),
         select(overhangs, top, -kInfinity),
-        select(overhangs & (extent != kOpen), code_below(extent), 0)};
+        select(overhangs & (extent != kOpen), code_below(extent), 0),
+        select(stands, kStands, bare)};
   }
   /** What two cells hold together, one above the other, or then two such pairs. */
   TALUS_HD CoarseCell pool(const CoarseCell& a, const CoarseCell& b) const
   {
     return {
         min_of(a.lowest_m, b.lowest_m), max_of(a.column_m, b.column_m),
-        max_of(a.overhang_m, b.overhang_m), max_of(a.overhang_below, b.overhang_below)};
+        max_of(a.overhang_m, b.overhang_m), max_of(a.overhang_below, b.overhang_below),
+        max_of(a.presence, b.presence)};
   }
   /** What goes on beyond the window: bare ground. What is as high as the sensor is not seen from
    * above: it is a face. */
   TALUS_HD CoarseCell beyond(const CoarseCell& border) const
   {
     const bool bare = border.column_m == -kInfinity, low = border.lowest_m <= frame->sensor_z_m;
-    return {select(bare & low, border.lowest_m, kInfinity), -kInfinity, -kInfinity, 0};
+    return {select(bare & low, border.lowest_m, kInfinity), -kInfinity, -kInfinity, 0, kEmpty};
   }
   TALUS_HD void put(int px, int py, const CoarseCell& pooled) const
   {
@@ -104,6 +119,7 @@ struct PoolCells
     grid.column_m[grid.at(px, py)] = pooled.column_m;
     grid.overhang_m[grid.at(px, py)] = pooled.overhang_m;
     grid.overhang_depth_m[grid.at(px, py)] = extent_of_code(pooled.overhang_below);
+    grid.presence[grid.at(px, py)] = static_cast<float>(pooled.presence);
   }
 
   TALUS_HD void operator()(int px, int py) const

@@ -47,16 +47,9 @@ struct StandOnCell
     const float y_m = from_base_m(*config, iy, frame->base_y_m);
     const float reach_m = max_of(kFootprint_m, body->reach_m);
     const bool near = x_m * x_m + y_m * y_m <= reach_m * reach_m;
-    const float above_m = kUnderFoot_steps * config->step_threshold_m;
-    const float floor_m = plane_of_base_m(*frame, x_m, y_m), through_m = frame->drove_through_m;
-    const float ground_m = store.ground_m[storage_i];
-    const bool high = (ground_m > floor_m + above_m) |
-                      (store.elevation_m[storage_i] > floor_m + above_m) |
-                      ((through_m > above_m) & !is_driven(store.footing[storage_i]));
-    const int state = store.state[storage_i];
-    const bool guessed =
-        (state != kMeasured) & (state != kPresumed) & !is_known(store.elevation_m[storage_i]);
-    return (frame->has_base != 0) & near & (high | guessed);
+    const bool changes = drives_through(storage_i, plane_of_base_m(*frame, x_m, y_m)) |
+                         !was_robot_there(store.footing[storage_i]);
+    return (frame->has_base != 0) & near & changes;
   }
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
@@ -64,6 +57,11 @@ struct StandOnCell
     const float y_m = from_base_m(*config, iy, frame->base_y_m);
     if (!is_under(x_m, y_m)) return;
     const float floor_m = plane_of_base_m(*frame, x_m, y_m);
+    if (!drives_through(storage_i, floor_m))
+    {
+      store.footing[storage_i] |= 1 << kDrivenBits;
+      return;
+    }
     Cell c = store.load(storage_i);
     const float above_m = kUnderFoot_steps * config->step_threshold_m;
     // A guess is nothing that the robot drove through: it was wrong.
@@ -76,6 +74,7 @@ struct StandOnCell
     if (!is_known(c.elevation_m) && frame->drove_through_m <= above_m)
     {
       if (c.state != kMeasured) presume_ground(c, floor_m), c.ray_evidence |= kPassedLow;
+      if (!was_robot_there(c.footing)) c.footing |= 1 << kDrivenBits;
       store.store(storage_i, c);
       return;
     }
@@ -91,6 +90,18 @@ struct StandOnCell
   }
 
  private:
+  /** Whether something is there that the map did not know to be passable ground. */
+  TALUS_HD bool drives_through(int storage_i, float floor_m) const
+  {
+    const float above_m = kUnderFoot_steps * config->step_threshold_m;
+    const bool high = (store.ground_m[storage_i] > floor_m + above_m) |
+                      (store.elevation_m[storage_i] > floor_m + above_m) |
+                      ((frame->drove_through_m > above_m) & !is_driven(store.footing[storage_i]));
+    const int state = store.state[storage_i];
+    const bool guessed =
+        (state != kMeasured) & (state != kPresumed) & !is_known(store.elevation_m[storage_i]);
+    return high | guessed;
+  }
   TALUS_HD bool is_under(float x_m, float y_m) const
   {
     if (x_m * x_m + y_m * y_m <= kFootprint_m * kFootprint_m) return true;

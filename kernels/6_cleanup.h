@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/overhang.h"
+#include "kernels/5_opening.h"
 
 #include <tuple>
 
@@ -8,7 +8,8 @@ namespace talus::kernels
 // Stage 6 (III-B.2): cells whose surface stands above all rays that went on behind it, and is not
 // supported by points of this frame, are cleared down to their ground. Stage 1 has turned the hits
 // of each ring into the lowest ray that passed it: each cell is a look-up. The same table bounds
-// unseen ground from above.
+// unseen ground from above. Where rays tell nothing, two things do: what around a cell has left,
+// and that the robot drove there before.
 
 /** What the rays of this frame say of one cell. */
 struct SeenThrough
@@ -69,18 +70,10 @@ TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
   return clear;
 }
 
-/** Clears what no longer stands above `limit`, where rays passed. A cell that was only hit below
- * the passing rays is no exception: a box that left shows the floor in the very cells that it stood
- * in. */
-TALUS_HD void clear_seen_through(
-    Cell& c, std::uint8_t& surface_class, float top_hit_m, float top, float limit, const Config& k)
+/** Of what stands in a cell, and of ground above `limit`. */
+TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
 {
-  if (c.state == kMeasured && surface_class == kKeep && c.ground_m > limit) surface_class = kObject;
-  const bool hit = top_hit_m > limit;
-  const bool leaves_trace = hit && top_hit_m <= top + k.cleanup_margin_m;  // not what hangs above
-  if (leaves_trace) leave_trace(c);
-  if (!count_evidence(c, hit, k)) return;
-
+  c.ray_evidence += max_of(kTraceHit - trace_of(c), 0);  // it has left: kLeft
   c.elevation_m = c.elevation_var_m2 = kNan;
   c.extent = 0;
   if (surface_class >= kObject || c.ground_m > limit)
@@ -94,6 +87,19 @@ TALUS_HD void clear_seen_through(
     c.elevation_m = c.ground_m;
     c.elevation_var_m2 = c.ground_var_m2;
   }
+}
+
+/** Clears what no longer stands above `limit`, where rays passed. A cell that was only hit below
+ * the passing rays is no exception: a box that left shows the floor in the very cells that it stood
+ * in. */
+TALUS_HD void clear_seen_through(
+    Cell& c, std::uint8_t& surface_class, float top_hit_m, float top, float limit, const Config& k)
+{
+  if (c.state == kMeasured && surface_class == kKeep && c.ground_m > limit) surface_class = kObject;
+  const bool hit = top_hit_m > limit;
+  const bool leaves_trace = hit && top_hit_m <= top + k.cleanup_margin_m;  // not what hangs above
+  if (leaves_trace) leave_trace(c);
+  if (count_evidence(c, hit, k)) clear(c, surface_class, limit);
 }
 
 /** What the rays say of cell (ix, iy); needs nothing but the rays. */
@@ -139,6 +145,7 @@ struct CleanUpCell
   CellStore store;
   PassingRays passing;
   RayReach reach;
+  CoarseGrid grid;
   const float* top_hit_m;
   std::uint8_t* surface_class;
 
@@ -146,10 +153,10 @@ struct CleanUpCell
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
     const int window_i = iy * cells + ix;
-    const bool any = passing.lowest_m[window_i] < kInfinity,
-               traced = store.ray_evidence[storage_i] >= kTraceOne;
-    return any & (store.state[storage_i] != kUnknown) &
-           (stands_above(window_i, storage_i) | traced);
+    const bool any = passed(window_i), traced = store.ray_evidence[storage_i] >= kTraceOne;
+    return (any & (store.state[storage_i] != kUnknown) &
+            (stands_above(window_i, storage_i) | traced)) |
+           came_later(storage_i);
   }
 
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
@@ -162,7 +169,7 @@ struct CleanUpCell
   TALUS_HD bool needs_inspection(int ix, int iy, int storage_i) const
   {
     const int window_i = iy * cells + ix;
-    return applies(ix, iy, storage_i) && stands_above(window_i, storage_i) &&
+    return passed(window_i) && applies(ix, iy, storage_i) && stands_above(window_i, storage_i) &&
            store.persistence[storage_i] < 0;
   }
 
@@ -184,7 +191,7 @@ struct CleanUpCell
     const float low_m = max_of(lowest_m + k.cleanup_margin_m, limit_m);
     const float high_m = top_m + extent_of_code(code_above(extent)) - k.cleanup_margin_m;
     const bool went = !open && low_m < high_m && overhang.went_between(low_m, high_m);
-    const bool gone = !hit && (went || overhang.combed(top_m));
+    const bool gone = !hit && (went || overhang.combed(top_m) || leaves_with_others(ix, iy));
     if (group.rank() != 0) return;
     store.extent[storage_i] = static_cast<std::uint8_t>(select(hit & went, kOpen, extent));
     if (gone) store.persistence[storage_i] = 0;
@@ -194,16 +201,35 @@ struct CleanUpCell
   {
     const int window_i = iy * cells + ix;
     Cell c = store.load(storage_i);
-    const bool faded = fade_trace(c);
-    const bool stands = stands_above(window_i, storage_i);
+    const bool later = came_later(storage_i), seen = passed(window_i);
+    const bool stands = seen && stands_above(window_i, storage_i);
+    if (later) follow(c, surface_class[storage_i], top_hit_m[storage_i], !stands);
+    const bool faded = seen && fade_trace(c);
     if (stands)
       clear_seen_through(
           c, surface_class[storage_i], top_hit_m[storage_i], top(storage_i), limit(window_i),
           *config);
-    if (stands || faded) store.store(storage_i, c);
+    if (stands || faded || later) store.store(storage_i, c);
   }
 
  private:
+  TALUS_HD bool passed(int window_i) const { return passing.lowest_m[window_i] < kInfinity; }
+  /** Whether something stands where the robot drove. */
+  TALUS_HD bool came_later(int storage_i) const
+  {
+    const float bare_m = store.ground_m[storage_i] + kBare_steps * config->step_threshold_m;
+    return was_robot_there(store.footing[storage_i]) & (store.elevation_m[storage_i] > bare_m);
+  }
+  /** What came later moves. It leaves where rays pass, as edges of things do not, and in its own
+   * shadow. */
+  TALUS_HD void follow(Cell& c, std::uint8_t& its_class, float hit_m, bool in_shadow) const
+  {
+    const bool hit = hit_m > c.ground_m + kBare_steps * config->step_threshold_m;
+    c.persistence = hit ? min_of(c.persistence, 0) : max_of(c.persistence, 0);
+    if (hit || !in_shadow || ++c.persistence < kFollowerLeaves_frames) return;
+    c.persistence = 0;
+    clear(c, its_class, kInfinity);
+  }
   TALUS_HD float top(int storage_i) const
   {
     const float elevation = store.elevation_m[storage_i], ground = store.ground_m[storage_i];
@@ -220,6 +246,21 @@ struct CleanUpCell
     return (top(storage_i) > limit(window_i)) & (is_known(store.elevation_m[storage_i]) | kept);
   }
 
+  /** Whether in more of the pairs around a cell something has left lately than still stands. */
+  TALUS_HD bool leaves_with_others(int ix, int iy) const
+  {
+    const int px = grid.place_of(ix, reach.frame->odd_x);
+    const int py = grid.place_of(iy, reach.frame->odd_y);
+    int left = 0, stands = 0;
+    for (int y = py - 1; y <= py + 1; y++)
+      for (int x = px - 1; x <= px + 1; x++)
+      {
+        const auto presence = static_cast<int>(grid.presence[grid.at(x, y)]);
+        left += select(presence == kLeft, 1, 0);
+        stands += select(presence == kStands, 1, 0);
+      }
+    return left > stands;
+  }
   /** The extent of a cell that was hit: not lower than `limit_m`, where rays passed. The top may
    * have risen to this hit, so that what was known above it holds no more. */
   template <class Group>

@@ -122,7 +122,7 @@ TALUS_HD int deeper(int extent, int below)
 /** Cell::footing: whether its ground may lie far below that around it, until it is measured, see
  * fall_in(); whether a ray passed near its ground, see kPassedNear_steps; the
  * higher bits tell what the robot drove through there: a code n for a height of 4 (n - 1) cm above
- * the ground up to which hits are nothing new, 0: it was not there. */
+ * the ground up to which hits are nothing new, 1: nothing, 0: it was not there. */
 constexpr int kMayDrop = 1, kPassedNear = 2, kDrivenBits = 2, kMostDriven = 63;
 constexpr float kDrivenUnit_m = 0.04f;
 
@@ -131,11 +131,12 @@ TALUS_HD float driven_through_m(int footing)
 {
   return static_cast<float>((footing >> kDrivenBits) - 1) * kDrivenUnit_m;
 }
-TALUS_HD bool is_driven(int footing) { return (footing >> kDrivenBits) != 0; }
+TALUS_HD bool was_robot_there(int footing) { return (footing >> kDrivenBits) != 0; }
+TALUS_HD bool is_driven(int footing) { return (footing >> kDrivenBits) > 1; }
 TALUS_HD int footing_driven_through(float height_m)
 {
   const int code = floor_to_int(height_m / kDrivenUnit_m) + 1;
-  return min_of(max_of(code, 1), kMostDriven) << kDrivenBits;
+  return min_of(max_of(code, 2), kMostDriven) << kDrivenBits;
 }
 
 /** A height that is counted from elsewhere. NaN stays the one that it is: sums make another of it

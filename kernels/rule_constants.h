@@ -48,9 +48,12 @@ constexpr int kBehindOverhang_rings = 2;
 constexpr int kTraceOne = 8, kTraceHit = 9 * kTraceOne, kTraceFull = 31 * kTraceOne;
 /** Two hits within five frames, and not long ago. */
 constexpr int kTraceLately = kTraceHit + 5 * kTraceOne;
+/** What stands where the robot drove came there later: it moves, and has left in its own shadow,
+ * too, when it was not hit for so many frames. */
+constexpr int kFollowerLeaves_frames = 5;
 /** A hit over bare ground counts by itself if so many others of its frame are so near to it and
- * above the ground: snow, rain and dust are single points. Else it leaves a trace, and counts where
- * there is one. */
+ * above the ground: snow, rain and dust are single points. Else it leaves a trace, and counts after
+ * two that were left lately. */
 constexpr int kOthersBesideHit = 2, kBesideHit_cells = 2;
 constexpr float kBesideHit_steps = 2.0f;
 /** What is hit while rays pass below it, a hedge, a railing, a branch, a bench, is no more gone

@@ -161,6 +161,46 @@ TEST(Stage6Cleanup, RaysBelowAnUndersideDoNotTellThatItLeft)
   EXPECT_GT(m.elevation(1.825, 0.025), 0.4f);
 }
 
+TEST(Stage6Cleanup, WhatHasLeftTakesAlongItsPartsOfWhichRaysTellNothing)
+{
+  // A piece without a foot, alone or between two with one, as between the wheels of a car. When it
+  // has left no beam aims above its underside.
+  const Box piece{{1.8, -0.05, 0.3}, {2.4, 0.05, 0.6}};
+  const Box left{{1.8, 0.05, 0}, {2.4, 0.4, 0.6}}, right{{1.8, -0.4, 0}, {2.4, -0.05, 0.6}};
+  for (const bool alone : {true, false})
+  {
+    TestMap m;
+    const auto whole = alone ? std::vector<Box>{piece} : std::vector<Box>{piece, left, right};
+    for (int i = 0; i < 5; i++) m.update(Scan().cast(whole));
+    ASSERT_GT(m.elevation(1.825, 0.025), 0.4f);
+    for (int i = 0; i < 6; i++) m.update(Scan().cast({}, 720, -0.6, -0.24));
+    for (const double y : {-0.025, 0.025}) EXPECT_EQ(m.elevation(1.825, y) > 0.4f, alone) << y;
+  }
+}
+
+TEST(Stage6Cleanup, WhatStandsWhereTheRobotDroveLeavesInItsOwnShadowAndAWallBesideItsWayStays)
+{
+  const Box follower{{-0.2, -0.15, 0}, {0.19, 0.15, 0.6}}, wall{{-0.2, 0.6, 0}, {0.19, 0.7, 0.6}};
+  const Box nearer{{0.6, -0.6, 0}, {0.7, 1.4, 0.6}};  // hides both
+  TestMap m;
+  const auto drive = [&m](double x_m, const std::vector<Box>& boxes)
+  {
+    const Scan scan = Scan(x_m, 0, 0.7).cast(boxes);
+    Frame f = scan.frame();
+    f.T_base_sensor = translation(0, 0, 0.7);
+    m.map.update(f);
+  };
+  drive(0, {wall});
+  for (int i = 0; i < 5; i++) drive(1.5, {wall, follower});
+  ASSERT_GT(m.elevation(0.175, 0.025), 0.3f);
+  ASSERT_GT(m.elevation(0.175, 0.625), 0.3f);
+  for (int i = 0; i < 4; i++) drive(1.5, {nearer});
+  EXPECT_GT(m.elevation(0.175, 0.025), 0.3f);
+  for (int i = 0; i < 2; i++) drive(1.5, {nearer});
+  EXPECT_LT(m.elevation(0.175, 0.025), 0.05f);
+  EXPECT_GT(m.elevation(0.175, 0.625), 0.3f);
+}
+
 TEST(Stage6Cleanup, RaysBetweenTheBarsOfARailingDoNotTellThatItLeft)
 {
   const std::vector<Box> bars{

@@ -772,8 +772,48 @@ TEST(Drops, TheFarSideOfARampAKerbAndAShallowHollowStayPassable)
   expect_at_least("hollow", hollow.passable(3.5, -1, 4.5, 1), 0.95);
 }
 
-// A known gap: in a shadow nothing tells who left from what stands there, see doc/concepts.md.
-TEST(Movers, DISABLED_WhoFollowsTheRobotLeavesNothingInTheirOwnShadow)
+/** What a sensor of that range returns. */
+ScanFrame within_m(const ScanFrame& frame, float range_m)
+{
+  ScanFrame near = frame;
+  for (auto* v : {&near.x_m, &near.y_m, &near.z_m}) v->clear();
+  for (std::size_t i = 0; i < frame.x_m.size(); ++i)
+  {
+    if (std::hypot(frame.x_m[i], frame.y_m[i], frame.z_m[i]) > range_m) continue;
+    near.x_m.push_back(frame.x_m[i]), near.y_m.push_back(frame.y_m[i]);
+    near.z_m.push_back(frame.z_m[i]);
+  }
+  return near;
+}
+
+TEST(Movers, ACarBehindWhichNoRayReturnsLeavesNothingAndAFenceBesideItsWayStays)
+{
+  const Stage stage(
+      "ground: [plane: {}]\n"
+      "objects:\n"
+      "- railing: {from_m: [-3, 3.4], to_m: [4, 3.4], height_m: 1}\n"
+      "movers:\n"
+      "- box: {path: [[0.5, -4, 2.4], [4.5, 8, 2.4]], size_m: [2, 1, 0.8], lift_m: 0.2}\n"
+      "robot: {path_m: [[0, 0], [1, 0]], duration_s: 6}\n"
+      "sensor: {scanner: OS1-64}\n");
+  Map map;
+  for (const ScanFrame& frame : stage.frames) map.add(within_m(frame, 9));
+  const TruthOf truth(map, stage.world, stage.frames.back().time_s);
+  const auto on_way = [&](std::size_t k)
+  { return std::abs(map.y_m(k) - 2.4) < 0.6 && std::abs(map.x_m(k)) < 3 && truth.free(k, 1); };
+  const Share way = share_of(map, on_way, [&](std::size_t k) { return map.blocked(k); });
+  EXPECT_GT(way.of, 1000);
+  expect_at_most("way_blocked", way.value(), 0.005);
+  const Share fence = share_of(
+      map,
+      [&](std::size_t k)
+      { return truth.blocked(k) && map.y_m(k) > 3.3 && std::abs(map.x_m(k)) < 2; },
+      [&](std::size_t k) { return map.blocked(k); });
+  EXPECT_GT(fence.of, 20);
+  expect_at_least("fence_blocked", fence.value(), 0.9);
+}
+
+TEST(Movers, WhoFollowsTheRobotLeavesNothingInTheirOwnShadow)
 {
   const Stage stage(
       "ground: [plane: {}]\n"
@@ -795,7 +835,7 @@ TEST(Movers, DISABLED_WhoFollowsTheRobotLeavesNothingInTheirOwnShadow)
       map, [&](std::size_t k) { return truth.blocked(k) && map.y_m(k) < -1.4; },
       [&](std::size_t k) { return map.blocked(k); });
   EXPECT_GT(posts.of, 10);
-  record("posts_blocked", posts.value());
+  expect_at_least("posts_blocked", posts.value(), 0.98);
 }
 
 /** Single points in the air, in place of what their rays would have met. */
@@ -840,14 +880,14 @@ TEST(Weather, SnowBlocksNothingAndPostsAndRailingsStay)
     calm.add(stage.frames[i]);
     mean += free_blocked_now() / static_cast<double>(end);
   }
-  expect_at_most("free_blocked_while_it_snows", mean, 0.016);
+  expect_at_most("free_blocked_while_it_snows", mean, 0.008);
   const Share kept = share_of(
       map, [&](std::size_t k) { return calm.blocked(k); },
       [&](std::size_t k) { return map.blocked(k); });
   EXPECT_GT(kept.of, 150);
   expect_at_least("blocked_as_without_snow", kept.value(), 0.98);
   for (std::size_t i = end; i < end + 2; ++i) map.add(stage.frames[i]), calm.add(stage.frames[i]);
-  expect_at_most("free_blocked_two_frames_later", free_blocked_now(), 0.018);
+  expect_at_most("free_blocked_two_frames_later", free_blocked_now(), 0.01);
 }
 
 }  // namespace

@@ -114,7 +114,8 @@ struct MapBuffers
             pad,       p,
             p + n,     p + 2 * n,
             p + 3 * n, p + 4 * n,
-            p + 5 * n, p + 6 * n};
+            p + 5 * n, p + 6 * n,
+            p + 7 * n};
   }
   kernels::RayReach ray_reach() { return {context.data(), reach.data()}; }
   kernels::StandOnCell<Atomics> stand_on()
@@ -132,8 +133,8 @@ struct MapBuffers
   }
   kernels::CleanUpCell clean_up()
   {
-    return {side(),         config.data(),       store(), passing(), ray_reach(),
-            top_hit.data(), surface_class.data()};
+    return {side(),      config.data(), store(),        passing(),
+            ray_reach(), coarse_grid(), top_hit.data(), surface_class.data()};
   }
   kernels::PassingRays passing()
   {
@@ -243,7 +244,7 @@ struct MapBuffers
   /** Layers are surfaces first, then what stages 8 and 9 make of them. */
   static constexpr int kFirstSurface = static_cast<int>(Layer::Elevation);
   static constexpr int kFirstFeature = static_cast<int>(Layer::Slope);
-  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kCoarseArrays = 7;
+  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kCoarseArrays = 8;
 
   /** What a frame does not share with the one that is in flight beside it. */
   struct Slot
