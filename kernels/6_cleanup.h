@@ -89,17 +89,17 @@ TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
   }
 }
 
-/** Clears what no longer stands above `limit`, where rays passed. A cell that was only hit below
+/** Whether what stood above `limit`, where rays passed, has left. A cell that was only hit below
  * the passing rays is no exception: a box that left shows the floor in the very cells that it stood
  * in. */
-TALUS_HD void clear_seen_through(
+TALUS_HD bool is_seen_through(
     Cell& c, std::uint8_t& surface_class, float top_hit_m, float top, float limit, const Config& k)
 {
   if (c.state == kMeasured && surface_class == kKeep && c.ground_m > limit) surface_class = kObject;
   const bool hit = top_hit_m > limit;
   const bool leaves_trace = hit && top_hit_m <= top + k.cleanup_margin_m;  // not what hangs above
   if (leaves_trace) leave_trace(c);
-  if (count_evidence(c, hit, k)) clear(c, surface_class, limit);
+  return count_evidence(c, hit, k);
 }
 
 /** What the rays say of cell (ix, iy); needs nothing but the rays. */
@@ -203,12 +203,12 @@ struct CleanUpCell
     Cell c = store.load(storage_i);
     const bool later = came_later(storage_i), seen = passed(window_i);
     const bool stands = seen && stands_above(window_i, storage_i);
-    if (later) follow(c, surface_class[storage_i], top_hit_m[storage_i], !stands);
+    const float hit_m = top_hit_m[storage_i], limit_m = select(stands, limit(window_i), kInfinity);
+    bool left = later && has_followed(c, hit_m, !stands);
     const bool faded = seen && fade_trace(c);
     if (stands)
-      clear_seen_through(
-          c, surface_class[storage_i], top_hit_m[storage_i], top(storage_i), limit(window_i),
-          *config);
+      left = is_seen_through(c, surface_class[storage_i], hit_m, top(storage_i), limit_m, *config);
+    if (left) clear(c, surface_class[storage_i], limit_m);
     if (stands || faded || later) store.store(storage_i, c);
   }
 
@@ -220,15 +220,15 @@ struct CleanUpCell
     const float bare_m = store.ground_m[storage_i] + kBare_steps * config->step_threshold_m;
     return was_robot_there(store.footing[storage_i]) & (store.elevation_m[storage_i] > bare_m);
   }
-  /** What came later moves. It leaves where rays pass, as edges of things do not, and in its own
-   * shadow. */
-  TALUS_HD void follow(Cell& c, std::uint8_t& its_class, float hit_m, bool in_shadow) const
+  /** Whether what came later has left: where rays pass it is as good as anything that moves, unlike
+   * the edges of what stands; in its own shadow frames without a hit count. */
+  TALUS_HD bool has_followed(Cell& c, float hit_m, bool in_shadow) const
   {
     const bool hit = hit_m > c.ground_m + kBare_steps * config->step_threshold_m;
     c.persistence = hit ? min_of(c.persistence, 0) : max_of(c.persistence, 0);
-    if (hit || !in_shadow || ++c.persistence < kFollowerLeaves_frames) return;
+    if (hit || !in_shadow || ++c.persistence < kFollowerLeaves_frames) return false;
     c.persistence = 0;
-    clear(c, its_class, kInfinity);
+    return true;
   }
   TALUS_HD float top(int storage_i) const
   {
