@@ -443,7 +443,7 @@ struct UpdateCell
   {
     Cell c = updated;
     const Cell before = store.load(storage_i);
-    const float bare_m = before.ground_m + kBare_steps * config->step_threshold_m;
+    const float bare_m = bare_up_to_m(before.ground_m, *config);
     const bool seen = (before.state == kMeasured) | ((before.ray_evidence & kPassedLow) != 0);
     const bool was_bare = seen & !(before.elevation_m > bare_m);
     float top_m = ends.highest().height_m;

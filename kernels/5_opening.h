@@ -90,7 +90,7 @@ struct PoolCells
         ground + config->clearance_m + kFaceAboveRobot_steps * config->step_threshold_m;
     const bool low = (extent == kOpen) | (underside <= robot_m);
     const bool overhangs = upright & low & (store.persistence[storage_i] <= -kOverhangPersistence);
-    const bool stands = top > ground + kBare_steps * config->step_threshold_m;
+    const bool stands = top > bare_up_to_m(ground, *config);
     const int bare = select(store.ray_evidence[storage_i] >= kTraceOne, kLeft, kEmpty);
     return {
         select(measured, ground, kInfinity), select(upright, top, -kInfinity),

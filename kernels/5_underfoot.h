@@ -59,7 +59,8 @@ struct StandOnCell
     const float floor_m = plane_of_base_m(*frame, x_m, y_m);
     if (!drives_through(storage_i, floor_m))
     {
-      store.footing[storage_i] |= 1 << kDrivenBits;
+      store.footing[storage_i] =
+          static_cast<std::uint8_t>(footing_driven_over(store.footing[storage_i]));
       return;
     }
     Cell c = store.load(storage_i);
@@ -74,7 +75,7 @@ struct StandOnCell
     if (!is_known(c.elevation_m) && frame->drove_through_m <= above_m)
     {
       if (c.state != kMeasured) presume_ground(c, floor_m), c.ray_evidence |= kPassedLow;
-      if (!was_robot_there(c.footing)) c.footing |= 1 << kDrivenBits;
+      c.footing = footing_driven_over(c.footing);
       store.store(storage_i, c);
       return;
     }

@@ -70,7 +70,7 @@ TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
   return clear;
 }
 
-/** Of what stands in a cell, and of ground above `limit`. */
+/** Clears a cell of what stands there, and of ground above `limit`. */
 TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
 {
   c.ray_evidence += max_of(kTraceHit - trace_of(c), 0);  // it has left: kLeft
@@ -89,10 +89,10 @@ TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
   }
 }
 
-/** Whether what stood above `limit`, where rays passed, has left. A cell that was only hit below
- * the passing rays is no exception: a box that left shows the floor in the very cells that it stood
- * in. */
-TALUS_HD bool is_seen_through(
+/** Counts the evidence for what stands above `limit`, where rays passed; true when it has left. A
+ * cell that was only hit below the passing rays is no exception: a box that left shows the floor in
+ * the very cells that it stood in. */
+TALUS_HD bool count_seen_through(
     Cell& c, std::uint8_t& surface_class, float top_hit_m, float top, float limit, const Config& k)
 {
   if (c.state == kMeasured && surface_class == kKeep && c.ground_m > limit) surface_class = kObject;
@@ -169,8 +169,8 @@ struct CleanUpCell
   TALUS_HD bool needs_inspection(int ix, int iy, int storage_i) const
   {
     const int window_i = iy * cells + ix;
-    return passed(window_i) && applies(ix, iy, storage_i) && stands_above(window_i, storage_i) &&
-           store.persistence[storage_i] < 0;
+    return passed(window_i) && store.state[storage_i] != kUnknown &&
+           stands_above(window_i, storage_i) && store.persistence[storage_i] < 0;
   }
 
   /** Rays that pass below what overhangs do not tell that it left; rays that went on where it is
@@ -204,10 +204,11 @@ struct CleanUpCell
     const bool later = came_later(storage_i), seen = passed(window_i);
     const bool stands = seen && stands_above(window_i, storage_i);
     const float hit_m = top_hit_m[storage_i], limit_m = select(stands, limit(window_i), kInfinity);
-    bool left = later && has_followed(c, hit_m, !stands);
+    bool left = later && count_unhit(c, hit_m, !stands);
     const bool faded = seen && fade_trace(c);
     if (stands)
-      left = is_seen_through(c, surface_class[storage_i], hit_m, top(storage_i), limit_m, *config);
+      left =
+          count_seen_through(c, surface_class[storage_i], hit_m, top(storage_i), limit_m, *config);
     if (left) clear(c, surface_class[storage_i], limit_m);
     if (stands || faded || later) store.store(storage_i, c);
   }
@@ -217,14 +218,14 @@ struct CleanUpCell
   /** Whether something stands where the robot drove. */
   TALUS_HD bool came_later(int storage_i) const
   {
-    const float bare_m = store.ground_m[storage_i] + kBare_steps * config->step_threshold_m;
+    const float bare_m = bare_up_to_m(store.ground_m[storage_i], *config);
     return was_robot_there(store.footing[storage_i]) & (store.elevation_m[storage_i] > bare_m);
   }
-  /** Whether what came later has left: where rays pass it is as good as anything that moves, unlike
-   * the edges of what stands; in its own shadow frames without a hit count. */
-  TALUS_HD bool has_followed(Cell& c, float hit_m, bool in_shadow) const
+  /** Of what came later: where rays pass it has earned no time, unlike the edges of what stands; in
+   * its own shadow frames without a hit count, and true when it has left. */
+  TALUS_HD bool count_unhit(Cell& c, float hit_m, bool in_shadow) const
   {
-    const bool hit = hit_m > c.ground_m + kBare_steps * config->step_threshold_m;
+    const bool hit = hit_m > bare_up_to_m(c.ground_m, *config);
     c.persistence = hit ? min_of(c.persistence, 0) : max_of(c.persistence, 0);
     if (hit || !in_shadow || ++c.persistence < kFollowerLeaves_frames) return false;
     c.persistence = 0;

@@ -51,6 +51,12 @@ struct Cell
   }
 };
 
+/** Above the ground up to there a cell is bare. */
+TALUS_HD float bare_up_to_m(float ground_m, const Config& k)
+{
+  return ground_m + kBare_steps * k.step_threshold_m;
+}
+
 /** See kTraceOne. */
 TALUS_HD int trace_of(const Cell& c) { return c.ray_evidence & kTraceFull; }
 
@@ -132,7 +138,13 @@ TALUS_HD float driven_through_m(int footing)
   return static_cast<float>((footing >> kDrivenBits) - 1) * kDrivenUnit_m;
 }
 TALUS_HD bool was_robot_there(int footing) { return (footing >> kDrivenBits) != 0; }
+/** Whether it drove through something there. */
 TALUS_HD bool is_driven(int footing) { return (footing >> kDrivenBits) > 1; }
+/** That of a cell on which it stands, where there is nothing new. */
+TALUS_HD int footing_driven_over(int footing)
+{
+  return was_robot_there(footing) ? footing : footing | 1 << kDrivenBits;
+}
 TALUS_HD int footing_driven_through(float height_m)
 {
   const int code = floor_to_int(height_m / kDrivenUnit_m) + 1;

@@ -44,7 +44,8 @@ constexpr int kBehindOverhang_rings = 2;
 
 /** Rays that passed: each frame in which the cell was hit while rays passed lower adds kTraceHit,
  * each in which rays passed takes kTraceOne. The edges of things cover their cells in part, so that
- * rays pass most of the time. What moves on seldom leaves two hits close by. */
+ * rays pass most of the time. What moves on seldom leaves two hits close by. What
+ * is cleared leaves one hit's worth: something was there. */
 constexpr int kTraceOne = 8, kTraceHit = 9 * kTraceOne, kTraceFull = 31 * kTraceOne;
 /** Two hits within five frames, and not long ago. */
 constexpr int kTraceLately = kTraceHit + 5 * kTraceOne;
