@@ -1,23 +1,20 @@
 // talus-import: scans of other programs in, a log for talus-map out.
 #include "../common/child_process.h"
+#include "../common/import/import_log.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/printable.h"
 #include "../common/progress_bar.h"
 #include "../common/suspect.h"
-#include "merged_sources.h"
 #include "options.h"
-#include "poses_out.h"
-#include "rawlog_writer.h"
 
 #include <talus/number_text.h>
 
-#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <stdexcept>
+#include <string>
 
 namespace fs = std::filesystem;
 using namespace talus::import;
@@ -30,82 +27,6 @@ constexpr const char* kLessAtOnce = "Import fewer sources at once";
 
 void print_error(const std::string& text) { std::cerr << "talus-import: " << text << "\n"; }
 
-/** What was read. */
-struct Sums
-{
-  std::map<std::string, std::size_t> scans;  //!< by label
-  std::size_t points = 0, not_finite = 0;
-  double first_s = 0, last_s = 0;
-  bool any = false;
-
-  void add(const ImportedScan& scan)
-  {
-    first_s = any ? std::min(first_s, scan.time_s) : scan.time_s;
-    last_s = any ? std::max(last_s, scan.time_s) : scan.time_s;
-    any = true;
-    ++scans[scan.sensor_label];
-    points += scan.x_m.size();
-    not_finite += scan.not_finite;
-  }
-};
-
-std::string counted(std::size_t count, const std::string& what)
-{
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
-/** A mounting for a sensor that there is not is a misspelt one. */
-void require_sensors(const Options& o, const Sums& sums)
-{
-  std::string names;
-  for (const auto& [label, count] : sums.scans) names += (names.empty() ? "" : ", ") + label;
-  for (const auto& [label, mounting] : o.source.mountings)
-    if (!sums.scans.count(label))
-      throw std::runtime_error(
-          "--mount " + label + ": no sensor is called that; there are: " + names + ".");
-}
-
-Sums write_scans(const Options& o, const std::string& path, MergedSources& sources)
-{
-  ProgressBar bar("talus-import", !o.quiet);
-  RawlogWriter log(path);
-  Sums sums;
-  ImportedScan scan;
-  while (sources.next(scan))
-  {
-    if (const auto m = o.source.mountings.find(scan.sensor_label); m != o.source.mountings.end())
-      scan.T_base_sensor = m->second;
-    log.write(scan);
-    sums.add(scan);
-    bar.show(sources.progress(), counted(sums.points, "point"));
-  }
-  if (sums.points == 0)
-    throw std::runtime_error(
-        o.sources.front() + ": " + counted(sums.scans.size(), "sensor") + " and " +
-        (sums.not_finite ? counted(sums.not_finite, "point") + ", of which none is finite"
-                         : "not a single point") +
-        ": there is nothing to map. Compare it with its source.");
-  require_sensors(o, sums);
-  log.close();
-  return sums;
-}
-
-/** Poses of another time are none. */
-void require_poses_in_time(const Sums& sums, const WrittenPoses& poses)
-{
-  constexpr double kNear_s = 1;
-  if (poses.count == 0) return;
-  if (poses.first_s <= sums.last_s + kNear_s && poses.last_s >= sums.first_s - kNear_s) return;
-  const auto span = [](double first_s, double last_s)
-  { return talus::number_text(first_s, 13) + " to " + talus::number_text(last_s, 13) + " s"; };
-  throw std::runtime_error(
-      poses.source + ": its poses are of " + span(poses.first_s, poses.last_s) + ", the scans of " +
-      span(sums.first_s, sums.last_s) +
-      ". Give both the same clock: put a times.txt (seconds, a line a scan) into a folder of "
-      "scans, "
-      "or pass as many poses as there are scans.");
-}
-
 /** What lies beside a log counts as its poses. */
 void require_no_old_poses(const std::string& tum)
 {
@@ -116,33 +37,33 @@ void require_no_old_poses(const std::string& tum)
         "Remove it, pass --poses, or give the log another name.");
 }
 
-void tell(const Options& o, const Sums& sums, const WrittenPoses& poses, const MergedSources& all)
+void tell(const Options& o, const ImportedLog& log)
 {
-  std::string sensors;
-  for (const auto& [label, count] : sums.scans)
-    sensors += (sensors.empty() ? "" : ", ") + counted(count, "scan") + " of " + label;
-  std::cout << o.output << ": " << sensors << ", " << counted(sums.points, "point");
-  if (sums.not_finite) std::cout << " (" << sums.not_finite << " more are not finite: left out)";
-  std::cout << "\n";
-  if (poses.count)
-    std::cout << "  poses   " << poses.count << " of " << poses.source << ", over "
-              << talus::fixed_text(poses.length_m, 1) << " m\n";
+  std::cout << o.output << ": " << contents_text(log) << "\n";
+  if (log.poses.count)
+    std::cout << "  poses   " << log.poses.count << " of " << log.poses.source << ", over "
+              << talus::fixed_text(log.poses.length_m, 1) << " m\n";
   else
     std::cout << "  poses   none: talus-map needs --trajectory FILE, or --static\n";
-  for (const auto& remark : all.remarks()) std::cout << "  note    " << remark << "\n";
+  for (const auto& remark : log.remarks) std::cout << "  note    " << remark << "\n";
+}
+
+ImportedLog import_into(const Options& o, const fs::path& folder)
+{
+  const std::string log = (folder / fs::path(o.output).filename()).string();
+  const std::string tum =
+      (folder / fs::path(talus::app::trajectory_beside(o.output)).filename()).string();
+  ProgressBar bar("talus-import", !o.quiet);
+  return import_log(
+      o.sources, o.import, log, tum,
+      [&](double done, const std::string& points) { bar.show(done, points); });
 }
 
 void import_all(const Options& o, const fs::path& folder)
 {
-  const fs::path output(o.output);
-  MergedSources sources(o.sources, o.source);
-  const Sums sums = write_scans(o, (folder / output.filename()).string(), sources);
-  const std::string tum = talus::app::trajectory_beside(o.output);
-  const auto poses =
-      write_poses((folder / fs::path(tum).filename()).string(), o.source.poses, sources);
-  require_poses_in_time(sums, poses);
-  if (poses.count == 0) require_no_old_poses(tum);
-  if (!o.quiet) tell(o, sums, poses, sources);
+  const ImportedLog log = import_into(o, folder);
+  if (log.poses.count == 0) require_no_old_poses(talus::app::trajectory_beside(o.output));
+  if (!o.quiet) tell(o, log);
 }
 
 /** In a child: the exit code. */
@@ -163,7 +84,7 @@ int import_or_tell(const Options& o, const OutputFolder& folder)
 void require_all_apart(const Options& o)
 {
   auto inputs = o.sources;
-  if (!o.source.poses.empty()) inputs.push_back(o.source.poses);
+  if (!o.import.source.poses.empty()) inputs.push_back(o.import.source.poses);
   talus::app::require_apart(o.output, inputs);
   talus::app::require_apart(talus::app::trajectory_beside(o.output), inputs);
 }

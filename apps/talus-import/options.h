@@ -1,9 +1,9 @@
 #pragma once
-#include <talus/import/scan_source.h>
-
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "../common/import/import_options.h"
 
 namespace talus::import
 {
@@ -12,7 +12,7 @@ struct Options
 {
   std::vector<std::string> sources;
   std::string output;  //!< ends in .rawlog
-  SourceOptions source;
+  ImportOptions import;
   bool quiet = false;
 };
 

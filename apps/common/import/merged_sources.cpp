@@ -1,6 +1,6 @@
 #include "merged_sources.h"
 
-#include "../common/suspect.h"
+#include "../suspect.h"
 
 #include <talus/import/kitti_poses.h>
 #include <talus/number_text.h>

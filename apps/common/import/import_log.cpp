@@ -1,0 +1,113 @@
+#include "import_log.h"
+
+#include "merged_sources.h"
+#include "rawlog_writer.h"
+
+#include <talus/number_text.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace talus::import
+{
+namespace
+{
+void add(const ImportedScan& scan, ImportedLog& log)
+{
+  const bool is_first = log.scans.empty();
+  log.first_s = is_first ? scan.time_s : std::min(log.first_s, scan.time_s);
+  log.last_s = is_first ? scan.time_s : std::max(log.last_s, scan.time_s);
+  ++log.scans[scan.sensor_label];
+  log.points += scan.x_m.size();
+  log.not_finite += scan.not_finite;
+}
+
+std::string counted(std::size_t count, const std::string& what)
+{
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+/** A mounting for a sensor that there is not is a misspelt one. */
+void require_sensors(const SourceOptions& o, const ImportedLog& log)
+{
+  std::string names;
+  for (const auto& [label, count] : log.scans) names += (names.empty() ? "" : ", ") + label;
+  for (const auto& [label, mounting] : o.mountings)
+    if (!log.scans.count(label))
+      throw std::runtime_error(
+          "--mount " + label + ": no sensor is called that; there are: " + names + ".");
+}
+
+void require_points(const std::string& source, const ImportedLog& log)
+{
+  if (log.points > 0) return;
+  throw std::runtime_error(
+      source + ": " + counted(log.scans.size(), "sensor") + " and " +
+      (log.not_finite ? counted(log.not_finite, "point") + ", of which none is finite"
+                      : "not a single point") +
+      ": there is nothing to map. Compare it with its source.");
+}
+
+/** Poses of another time are none. */
+void require_poses_in_time(const ImportedLog& log)
+{
+  constexpr double kNear_s = 1;
+  const WrittenPoses& poses = log.poses;
+  if (poses.count == 0) return;
+  if (poses.first_s <= log.last_s + kNear_s && poses.last_s >= log.first_s - kNear_s) return;
+  const auto span = [](double first_s, double last_s)
+  { return number_text(first_s, 13) + " to " + number_text(last_s, 13) + " s"; };
+  throw std::runtime_error(
+      poses.source + ": its poses are of " + span(poses.first_s, poses.last_s) + ", the scans of " +
+      span(log.first_s, log.last_s) +
+      ". Give both the same clock: put a times.txt (seconds, a line a scan) into a folder of "
+      "scans, "
+      "or pass as many poses as there are scans.");
+}
+
+ImportedLog write_scans(
+    const SourceOptions& o, const std::string& path, MergedSources& sources,
+    const ImportProgress& progress)
+{
+  RawlogWriter writer(path);
+  ImportedLog log;
+  ImportedScan scan;
+  while (sources.next(scan))
+  {
+    if (const auto m = o.mountings.find(scan.sensor_label); m != o.mountings.end())
+      scan.T_base_sensor = m->second;
+    writer.write(scan);
+    add(scan, log);
+    progress(sources.progress(), counted(log.points, "point"));
+  }
+  writer.close();
+  return log;
+}
+}  // namespace
+
+ImportedLog import_log(
+    const std::vector<std::string>& sources, const ImportOptions& options, const std::string& log,
+    const std::string& tum, const ImportProgress& progress)
+{
+  MergedSources merged(sources, options.source);
+  ImportedLog made = write_scans(options.source, log, merged, progress);
+  require_points(sources.front(), made);
+  require_sensors(options.source, made);
+  made.poses = write_poses(tum, options.source.poses, merged);
+  require_poses_in_time(made);
+  made.remarks = merged.remarks();
+  return made;
+}
+
+std::string contents_text(const ImportedLog& log)
+{
+  std::string text;
+  for (const auto& [label, count] : log.scans)
+    text += (text.empty() ? "" : ", ") + counted(count, "scan") + " of " + label;
+  text += ", " + counted(log.points, "point");
+  if (log.not_finite)
+    text += " (" + std::to_string(log.not_finite) + " more are not finite: left out)";
+  return text;
+}
+
+}  // namespace talus::import

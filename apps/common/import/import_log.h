@@ -1,0 +1,35 @@
+#pragma once
+#include "import_options.h"
+#include "poses_out.h"
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace talus::import
+{
+/** What a log was made of. */
+struct ImportedLog
+{
+  std::map<std::string, std::size_t> scans;  //!< by label
+  std::size_t points = 0, not_finite = 0;  //!< that were kept, and left out
+  double first_s = 0, last_s = 0;  //!< stamps of the first and the last scan
+  WrittenPoses poses;
+  std::vector<std::string> remarks;  //!< of the sources, a sentence each without its full stop
+};
+
+/** Called after each scan: the fraction done, and how many points there are so far. */
+using ImportProgress = std::function<void(double done, const std::string& points)>;
+
+/** Writes the scans of all sources, in the order of time, as a log, and their poses as TUM text
+ * (where there are any). Throws std::runtime_error that names the file and what is wrong. */
+ImportedLog import_log(
+    const std::vector<std::string>& sources, const ImportOptions& options, const std::string& log,
+    const std::string& tum, const ImportProgress& progress);
+
+/** "2 scans of front, 1 scan of rear, 12 points (3 more are not finite: left out)". */
+std::string contents_text(const ImportedLog& log);
+
+}  // namespace talus::import

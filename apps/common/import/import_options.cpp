@@ -1,0 +1,90 @@
+#include "import_options.h"
+
+#include "../command_line.h"
+
+#include <talus/number_text.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace talus::import
+{
+namespace
+{
+/** "LABEL=x,y,z,yaw,pitch,roll", in metres and degrees. What is wrong, or "". */
+std::string read_mounting(const std::string& text, SourceOptions& options)
+{
+  const auto sign = text.rfind('=');
+  if (sign == std::string::npos || sign == 0)
+    return "'" + text + "' is not LABEL=x,y,z,yaw,pitch,roll";
+  std::array<double, 6> v{};
+  std::size_t begin = sign + 1;
+  for (std::size_t i = 0; i < v.size(); ++i)
+  {
+    const std::size_t end = i + 1 < v.size() ? text.find(',', begin) : text.size();
+    if (end == std::string::npos) return "'" + text + "' has fewer than six numbers";
+    const double limit = i < 3 ? 100 : 360;  // [m], [degrees]
+    const auto value = number_from(std::string_view(text).substr(begin, end - begin));
+    if (!value || !(std::abs(*value) <= limit))
+      return "'" + text.substr(begin, end - begin) + "' in '" + text + "' is not a number in [-" +
+             number_text(limit) + " - " + number_text(limit) + "]";
+    v[i] = *value;
+    begin = end + 1;
+  }
+  const auto radians = [](double degrees) { return degrees * M_PI / 180; };
+  options.mountings[text.substr(0, sign)] =
+      mrpt::poses::CPose3D(v[0], v[1], v[2], radians(v[3]), radians(v[4]), radians(v[5]));
+  return "";
+}
+
+void add_options_of_all(CLI::App& app, SourceOptions& o)
+{
+  app.add_option(
+         "--poses", o.poses,
+         "Of the base: TUM text or an MRPT .simplemap; of KITTI's camera: 12 numbers a line")
+      ->check(app::not_empty())
+      ->type_name("FILE");
+  app.add_option_function<std::vector<std::string>>(
+         "--mount",
+         [&o](const std::vector<std::string>& all)
+         {
+           for (const auto& text : all)
+             if (const auto wrong = read_mounting(text, o); !wrong.empty())
+               throw CLI::ValidationError("--mount", wrong);
+         },
+         "Where a sensor is on the base [m, degrees]; again for each")
+      ->allow_extra_args(false)
+      ->type_name("LABEL=x,y,z,yaw,pitch,roll");
+  app.add_option("--rate", o.rate_hz, "Scans a second, where nothing says their times")
+      ->check(app::between(0.001, 1e6))
+      ->capture_default_str()
+      ->type_name("HZ");
+}
+
+void add_options_of_bags(CLI::App& app, SourceOptions& o)
+{
+  app.add_option(
+         "--topic", o.topics,
+         "Of a bag: only this PointCloud2 topic, or poses of this topic; again for each")
+      ->allow_extra_args(false)
+      ->check(app::not_empty())
+      ->type_name("NAME");
+  app.add_option(
+         "--base-frame", o.base_frame,
+         "Of a bag: the base in TF (else base_link, base_footprint or the child of odometry)")
+      ->type_name("NAME");
+  app.add_option("--map-frame", o.map_frame, "Of a bag: the map in TF (else map, or odom)")
+      ->type_name("NAME");
+}
+}  // namespace
+
+void add_import_options(CLI::App& app, ImportOptions& options)
+{
+  add_options_of_all(app, options.source);
+  add_options_of_bags(app, options.source);
+}
+
+}  // namespace talus::import
