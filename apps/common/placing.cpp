@@ -46,7 +46,7 @@ std::vector<fs::path> files_below(const fs::path& folder)
        it != fs::recursive_directory_iterator(); ++it)
     if (is_hidden(it->path()))
       it.disable_recursion_pending();
-    else if (!it->is_directory())
+    else if (std::error_code no_folder; !it->is_directory(no_folder))
       files.push_back(it->path().lexically_relative(folder));
   return files;
 }
@@ -94,8 +94,9 @@ void set_aside_old_snapshots(const fs::path& hidden, Moves& done)
   const fs::path snapshots = hidden.parent_path() / kSnapshots;
   if (!fs::is_directory(snapshots) || !fs::is_directory(hidden / kSnapshots)) return;
   std::vector<fs::path> old;
+  std::error_code no_file;  // such as a link to itself
   for (const auto& entry : fs::directory_iterator(snapshots))
-    if (entry.is_regular_file() && is_snapshot(entry.path())) old.push_back(entry.path());
+    if (is_snapshot(entry.path()) && entry.is_regular_file(no_file)) old.push_back(entry.path());
   for (const auto& file : old) set_aside(hidden, kSnapshots / file.filename(), done);
 }
 
@@ -104,8 +105,9 @@ void set_aside_old_floors(const fs::path& hidden, Moves& done)
 {
   if (!fs::exists(hidden / "site.tif")) return;
   std::vector<fs::path> old;
+  std::error_code no_file;  // such as a link to itself
   for (const auto& entry : fs::directory_iterator(hidden.parent_path()))
-    if (entry.is_regular_file() && is_floor(entry.path())) old.push_back(entry.path());
+    if (is_floor(entry.path()) && entry.is_regular_file(no_file)) old.push_back(entry.path());
   for (const auto& file : old) set_aside(hidden, file.filename(), done);
 }
 

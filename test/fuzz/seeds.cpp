@@ -103,6 +103,11 @@ void write_scans(const fs::path& folder)
   write_bytes(folder / "pcd_ascii", pcd + pcd_ascii(p));
   write_bytes(folder / "pcd_binary", pcd + pcd_binary(p, "1 2 3 1 0 0 0"));
   write_bytes(folder / "pcd_compressed", pcd + pcd_compressed(p));
+  const auto no_z = [](std::string bytes)
+  { return bytes.replace(bytes.find("COUNT 1 1 1"), 11, "COUNT 1 1 0"); };
+  write_bytes(folder / "pcd_ascii_count", pcd + no_z(pcd_ascii(p)));
+  write_bytes(folder / "pcd_binary_count", pcd + no_z(pcd_binary(p)));
+  write_bytes(folder / "pcd_compressed_count", pcd + no_z(pcd_compressed(p)));
   write_bytes(folder / "ply_ascii", ply + ply_ascii(p));
   write_bytes(folder / "ply_little", ply + ply_little(p));
   write_bytes(folder / "ply_big", ply + ply_big(p));

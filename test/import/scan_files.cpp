@@ -263,6 +263,37 @@ TEST_F(ScanFiles, with_more_points_than_bytes_are_refused_at_once)
   refuses("compressed.pcd", bomb + "abcd", {"4294967280", "cannot be"});
 }
 
+TEST_F(ScanFiles, of_pcd_have_one_number_a_point_for_each_field_that_is_read)
+{
+  const Points p = spiral(100);
+  struct Coding
+  {
+    const char* ending;
+    std::string bytes;
+  };
+  for (const auto& [ending, bytes] :
+       {Coding{"ascii.pcd", pcd_ascii(p)}, Coding{"binary.pcd", pcd_binary(p)},
+        Coding{"compressed.pcd", pcd_compressed(p)}})
+  {
+    const auto counts = [&bytes = bytes](const std::string& with)
+    { return replaced(bytes, "COUNT 1 1 1 1 1 1", "COUNT " + with); };
+    refuses(ending, counts("1 1 0 1 1 1"), {":6:", "'z'", "COUNT 0"});
+    refuses(ending, counts("1 1 1 1 1 0"), {":6:", "'ring'", "COUNT 0"});
+    // The points of a compressed file are then no longer as many as its bytes.
+    const std::vector<std::string> words =
+        ending == std::string("ascii.pcd") ? std::vector<std::string>{"'y' has 2 numbers a point"}
+                                           : std::vector<std::string>{"of 26 bytes need"};
+    refuses(ending, counts("1 2 1 1 1 1"), words);
+  }
+  Points fewer = p;
+  fewer.x.resize(1);
+  fewer.ring.clear();
+  refuses(
+      "binary.pcd",
+      replaced(pcd_header(fewer, "binary"), "COUNT 1 1 1", "COUNT 1 1 2") + std::string(64, 'a'),
+      {"'z' has 2 numbers a point"});
+}
+
 TEST_F(ScanFiles, of_a_wrong_kind_say_what_is_missing)
 {
   const Points p = spiral(4);

@@ -239,6 +239,19 @@ TEST_F(ScanFolder, takes_times_out_of_names_or_points_where_no_file_has_them)
   refuses("inside", {"7.pcd: its points are no later than those of", "1.pcd"});
 }
 
+TEST_F(ScanFolder, goes_on_where_a_file_links_to_itself_or_to_nothing)
+{
+  fs::create_directories(dir_ / "linked");
+  for (const char* name : {"0.pcd", "9.ply", "times.txt"})
+    fs::create_symlink(name, dir_ / (std::string("linked/") + name));
+  fs::create_symlink("nowhere", dir_ / "linked/5.pcd");
+  write("linked/1.pcd", pcd_ascii(scan_number(1)));
+  EXPECT_EQ(talus::io::kind_of_scans(dir_ / "linked"), talus::io::ForeignScans::Folder);
+  const auto scans = read("linked");
+  ASSERT_EQ(scans.size(), 1u);
+  EXPECT_EQ(scans[0].x_m, std::vector<float>{1});
+}
+
 TEST_F(ScanFolder, of_as_many_scans_as_poses_takes_their_times)
 {
   for (int i = 0; i < 2; ++i) write("ply/" + std::to_string(i) + ".ply", ply_ascii(scan_number(i)));

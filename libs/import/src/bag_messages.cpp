@@ -68,7 +68,8 @@ CloudMessage::Field field_of(CdrReader& in)
   field.name = in.string();
   field.offset = in.u32();
   field.type = type_of(in.u8(), field.name);
-  in.u32();  // how many of them: of those that are wanted, one
+  const std::uint32_t count = in.u32();
+  field.count = count == 0 ? 1 : count;  // writers in Python leave it 0, and PCL takes that for 1
   return field;
 }
 
@@ -92,6 +93,24 @@ void require_sizes(const CloudMessage& cloud)
     throw CdrError(
         "says it has " + size + " in rows of " + std::to_string(step) + ", but has " +
         std::to_string(cloud.data.size()) + " bytes of them");
+}
+/** Each of the fields has bytes of its own in a point. */
+void require_places(const CloudMessage& cloud, const std::vector<std::size_t>& wanted)
+{
+  const auto end_of = [](const CloudMessage::Field& f)
+  { return std::uint64_t{f.offset} + bytes_of(f.type); };
+  for (const auto i : wanted)
+  {
+    const auto& field = cloud.fields[i];
+    const std::string name = "'" + field.name.substr(0, 24) + "'";
+    if (end_of(field) > cloud.point_step)
+      throw CdrError("has a field " + name + " outside of its points");
+    for (const auto k : wanted)
+      if (const auto& other = cloud.fields[k];
+          k != i && other.offset < end_of(field) && field.offset < end_of(other))
+        throw CdrError(
+            "has a field " + name + " in the same bytes as '" + other.name.substr(0, 24) + "'");
+  }
 }
 }  // namespace
 
@@ -153,9 +172,7 @@ void collect_points(const CloudMessage& cloud, const std::string& place, ScanFil
   require_sizes(cloud);
   PointCollector collector({cloud.fields.begin(), cloud.fields.end()}, points, place, out);
   const auto& wanted = collector.wanted();
-  for (const auto i : wanted)
-    if (std::uint64_t{cloud.fields[i].offset} + bytes_of(cloud.fields[i].type) > cloud.point_step)
-      throw CdrError("has a field '" + cloud.fields[i].name + "' outside of its points");
+  require_places(cloud, wanted);
   std::vector<double> values(wanted.size());
   for (std::size_t row = 0; row < cloud.height; ++row)
   {

@@ -81,9 +81,10 @@ bool is_scan(ForeignScans kind) { return kind >= ForeignScans::Bin && kind <= Fo
 std::map<ForeignScans, std::vector<std::string>> scans_in(const fs::path& folder)
 {
   std::map<ForeignScans, std::vector<std::string>> scans;
+  std::error_code no_file;  // such as a link to itself
   for (const auto& entry : fs::directory_iterator(folder))
   {
-    if (entry.path().filename().string()[0] == '.' || !entry.is_regular_file()) continue;
+    if (entry.path().filename().string()[0] == '.' || !entry.is_regular_file(no_file)) continue;
     const auto kind = io::kind_by_ending(entry.path().string());
     if (is_scan(kind)) scans[kind].push_back(entry.path().string());
   }

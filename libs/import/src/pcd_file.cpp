@@ -64,6 +64,7 @@ class HeaderReader
   void read_fields();
   void read_viewpoint();
   std::uint64_t whole(std::string_view word, std::uint64_t most) const;
+  std::size_t count(const Field& field, std::string_view word) const;
   /** One a field. */
   template <class Set>
   void each_field(const char* name, const Set& set);
@@ -86,6 +87,13 @@ std::uint64_t HeaderReader::whole(std::string_view word, std::uint64_t most) con
       error == std::errc() && end == word.data() + word.size() && value <= most,
       shown(word) + " is not a whole number up to " + std::to_string(most));
   return value;
+}
+
+std::size_t HeaderReader::count(const Field& field, std::string_view word) const
+{
+  const std::size_t count = whole(word, 65536);
+  require(count > 0, "field " + shown(field.name) + " has COUNT 0: it has no number in any point");
+  return count;
 }
 
 void HeaderReader::read_fields()
@@ -137,7 +145,7 @@ Header HeaderReader::read()
     else if (key == "TYPE")
       each_field("TYPE", [&](Field& f, std::string_view word) { f.type = word[0]; });
     else if (key == "COUNT")
-      each_field("COUNT", [&](Field& f, std::string_view word) { f.count = whole(word, 65536); });
+      each_field("COUNT", [&](Field& f, std::string_view word) { f.count = count(f, word); });
     else if (key == "WIDTH")
       header_.width = whole(lines_.next_word(), kMost);
     else if (key == "HEIGHT")
@@ -209,7 +217,7 @@ std::vector<PointField> named(const Header& header)
 {
   std::vector<PointField> fields;
   fields.reserve(header.fields.size());
-  for (const Field& f : header.fields) fields.push_back({f.name, type_of(f)});
+  for (const Field& f : header.fields) fields.push_back({f.name, type_of(f), f.count});
   return fields;
 }
 

@@ -148,6 +148,12 @@ PointCollector::PointCollector(
   intensity_ = want(kIntensity);
   time_ = want(kTime);
   ring_ = want(kRing);
+  for (const std::size_t at : wanted_)
+    if (fields[at].count != 1)
+      throw std::runtime_error(
+          place + ": its field '" + fields[at].name.substr(0, 24) + "' has " +
+          std::to_string(fields[at].count) +
+          " numbers a point instead of one. Write the cloud again, each number as a field.");
   out = ScanFile();
   if (time_ >= 0) out.whole_times = is_whole(fields[wanted_[static_cast<std::size_t>(time_)]].type);
   for (auto* axis : {&out.x_m, &out.y_m, &out.z_m}) axis->reserve(points);

@@ -36,6 +36,7 @@ struct PointField
 {
   std::string name;
   NumberType type = NumberType::Float32;
+  std::size_t count = 1;  //!< numbers a point
 };
 
 /** A scan as its file has it. */
@@ -54,8 +55,8 @@ struct ScanFile
 class PointCollector
 {
  public:
-  /** Throws std::runtime_error, `place` and what is wrong, without x, y or z. `points`: how many
-   * there will be at most. */
+  /** Throws std::runtime_error, `place` and what is wrong, without x, y or z, and where one of the
+   * fields that are needed is not one number a point. `points`: how many there will be at most. */
   PointCollector(
       const std::vector<PointField>& fields, std::size_t points, const std::string& place,
       ScanFile& out);

@@ -63,11 +63,11 @@ ForeignScans kind_of_file(const std::string& path)
 
 bool has_scans(const fs::path& folder)
 {
-  std::error_code error;
+  std::error_code error, no_file;  // a link to itself is no file, and no error of the folder
   for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error))
   {
     const ForeignScans kind = kind_by_ending(i->path().string());
-    if (kind >= ForeignScans::Bin && kind <= ForeignScans::Las && i->is_regular_file(error))
+    if (kind >= ForeignScans::Bin && kind <= ForeignScans::Las && i->is_regular_file(no_file))
       return true;
   }
   return false;
