@@ -153,9 +153,19 @@ void require_picture_apart(const Options& o)
         "'" + o.picture + "' is named for the map and for its picture; give two names");
 }
 
+/** Makes the folder of a file where there is none; it goes again while it is empty. */
+std::unique_ptr<OutputFolder> folder_for(const std::string& file)
+{
+  const fs::path folder = fs::path(file).parent_path();
+  std::error_code none;
+  if (folder.empty() || fs::is_directory(folder, none)) return nullptr;
+  return std::make_unique<OutputFolder>(folder.string());
+}
+
 int run_merge(const Options& o)
 {
   require_picture_apart(o);
+  const auto folder = folder_for(o.output), picture_folder = folder_for(o.picture);
   for (const int s : {SIGXFSZ, SIGPIPE}) std::signal(s, SIG_IGN);  // an error of write() instead
   const auto work = [&] { return work_or_tell(o, [&] { merge(o); }); };
   const int code = in_child(o, work);

@@ -166,7 +166,6 @@ TEST_F(TalusMerge, says_what_is_wrong_with_an_input_and_leaves_what_was_there)
   fails("a.tif text.tif --output site.tif", 1, {"text.tif", "GeoTIFF"});
   fails("a.tif map.tif --output site.tif", 1, {"map.tif", "site.tif that lies beside it"});
   fails("--changes a.tif text.tif --output out", 1, {"text.tif", "GeoTIFF"});
-  fails("a.tif --output none/site.tif", 1, {"none/site.tif"});
   const std::string a = read_bytes(dir_ / "a.tif");
   fails("a.tif --output site.tif --picture a.tif", 1, {"a.tif", "is an input"});
   fails("a.tif --output new.tif --picture ./new.tif", 1, {"new.tif", "two names"});
@@ -176,6 +175,18 @@ TEST_F(TalusMerge, says_what_is_wrong_with_an_input_and_leaves_what_was_there)
   EXPECT_FALSE(fs::exists(dir_ / "out"));
   EXPECT_EQ(read_bytes(dir_ / "site.tif"), "precious");
   EXPECT_EQ(hidden(), 0);
+}
+
+TEST_F(TalusMerge, makes_the_folders_of_its_files_and_leaves_none_where_it_fails)
+{
+  write("a.tif", 1000, 0, 1.0F);
+  fails("a.tif none.tif --output new/deep/site.tif", 1, {"none.tif", "no such file"});
+  EXPECT_FALSE(fs::exists(dir_ / "new"));
+  const Outcome o = run("a.tif --output new/deep/site.tif --picture pictures/site.png");
+  ASSERT_EQ(o.code, 0) << o.text;
+  EXPECT_EQ(read_bytes(dir_ / "new/deep/site.tif"), read_bytes(dir_ / "a.tif"));
+  EXPECT_GT(fs::file_size(dir_ / "pictures/site.png"), 1000u);
+  fails("a.tif --output a.tif/site.tif", 1, {"a.tif", "folder"});
 }
 
 TEST_F(TalusMerge, says_when_a_map_is_damaged_or_cut_short)

@@ -136,6 +136,27 @@ TEST(GeoTiff, reading_says_what_is_wrong_with_a_file)
   expect_error([&] { read_geotiff(dir / ""); }, {"GeoTIFF"});
 }
 
+TEST(GeoTiff, reading_refuses_bands_that_another_program_has_converted)
+{
+  const ScratchDir dir;
+  GDALAllRegister();
+  const auto refused = [&](GDALDataType type, double scale, const std::string& word)
+  {
+    auto* tif = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+        (dir / "other.tif").c_str(), 4, 4, 1, type, nullptr);
+    ASSERT_TRUE(tif);
+    double t[6] = {0, 0.5, 0, 10, 0, -0.5};
+    tif->SetGeoTransform(t);
+    tif->GetRasterBand(1)->SetDescription("ground");
+    if (scale != 1) tif->GetRasterBand(1)->SetScale(scale);
+    GDALClose(tif);
+    expect_error([&] { read_geotiff(dir / "other.tif"); }, {"other.tif", "'ground'", word});
+  };
+  refused(GDT_Byte, 1, "holds Byte, not Float32");
+  refused(GDT_Float64, 1, "holds Float64");
+  refused(GDT_Float32, 0.5, "has a scale");
+}
+
 TEST(GeoTiff, reading_refuses_a_place_that_is_none_and_more_cells_than_fit)
 {
   const ScratchDir dir;

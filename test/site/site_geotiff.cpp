@@ -1,5 +1,6 @@
 // A site in a file: what GDAL and people see of it, and what comes back.
 #include <gdal_priv.h>
+#include <gdal_utils.h>
 #include <gtest/gtest.h>
 #include <ogr_spatialref.h>
 #include <talus/io/geotiff.h>
@@ -378,6 +379,41 @@ TEST(SiteGeoTiff, reading_refuses_cells_that_are_none)
   refused("variance.tif", [](SiteCell& c) { c.cell.ground_variance_m2 = -1; });
   refused("elevation.tif", [](SiteCell& c) { c.cell.elevation_variance_m2 = NAN; });
   refused("score.tif", [](SiteCell& c) { c.cell.traversability = 1.5F; });
+}
+
+TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_converted)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+  add_cells(*site);
+  write_site(dir / "site.tif", *site, 0);
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& word)
+  {
+    CPLStringList list;
+    for (const std::string& a : arguments) list.AddString(a.c_str());
+    auto* options = GDALTranslateOptionsNew(list.List(), nullptr);
+    {
+      const Open tif(dir / "site.tif");
+      GDALClose(GDALTranslate((dir / "other.tif").c_str(), tif.data, options, nullptr));
+    }
+    GDALTranslateOptionsFree(options);
+    expect_error(
+        [&] { read_site(dir / "other.tif", *in, 0); },
+        {"other.tif", word, "give", "as talus wrote it"});
+    expect_error([&] { resolution_of_site(dir / "other.tif"); }, {"other.tif", word});
+  };
+  refused({"-ot", "Byte"}, "'traversability' holds Byte, not Float32");
+  refused({"-ot", "Float64"}, "holds Float64");
+  refused({"-ot", "Int16", "-a_nodata", "-1"}, "holds Int16");
+  refused({"-a_scale", "2"}, "has a scale or an offset (2, 0)");
+  refused({"-a_offset", "-1.5"}, "has a scale or an offset (1, -1.5)");
+  refused({"-co", "NBITS=16"}, "rounded to 16 bits");
+  refused({"-a_nodata", "-9999"}, "does not mark unknown cells with NaN");
+  std::vector<std::string> ten;
+  for (const char* b : {"1", "2", "3", "4", "5", "6", "7", "8", "9", "2"})
+    ten.insert(ten.end(), {"-b", b});
+  refused(ten, "has 10 bands, a site has 9");
+  EXPECT_TRUE(in->tiles.keys().empty());
 }
 
 TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_cut)

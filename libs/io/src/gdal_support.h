@@ -43,6 +43,11 @@ GDALDriver& cog_driver();
 /** Opens a GeoTIFF to read it. Throws std::runtime_error that names the file. */
 DatasetPtr open_geotiff(const std::string& path, const GdalErrors& errors);
 
+/** Throws std::runtime_error that names the file and the band unless each band holds float32 as
+ * they are: no other type, no scale or offset, no rounding when it was compressed. A program that
+ * converts a file keeps its metadata, so that nothing else tells. */
+void require_plain_floats(GDALDataset& dataset, const std::string& path);
+
 /** Metres from the origin of the map: belongs nowhere on the globe. */
 OGRSpatialReference map_frame();
 

@@ -124,6 +124,7 @@ LayerStack read_geotiff(const std::string& path)
 {
   GdalErrors errors;
   const DatasetPtr dataset = open_geotiff(path, errors);
+  require_plain_floats(*dataset, path);
   LayerStack stack = place_of(*dataset, path, errors);
   for (auto* band : dataset->GetBands())
   {

@@ -49,10 +49,31 @@ void SiteReader::check_bands()
   };
   bands_.reserve(kBandCount);
   for (const char* name : kBandNames) bands_.push_back(number_of(name));
-  if (std::find(bands_.begin(), bands_.end(), 0) == bands_.end()) return;
+  if (std::find(bands_.begin(), bands_.end(), 0) == bands_.end())
+  {
+    check_values();
+    return;
+  }
   if (number_of("sparsity") != 0)
     fail("is the map.tif of one window, not a site: give the site.tif that lies beside it");
   fail(std::string("has other bands, it ") + kNotASite);
+}
+
+/** Cells of other types or scales pass for heights, too. */
+void SiteReader::check_values() const
+{
+  const int count = dataset_->GetRasterCount();
+  if (count != static_cast<int>(kBandCount))
+    fail(
+        "has " + std::to_string(count) + " bands, a site has " + std::to_string(kBandCount) +
+        ": another program has added some; give the file as talus wrote it");
+  io::require_plain_floats(*dataset_, path_);
+  for (auto* band : dataset_->GetBands())
+    if (int has = 0; !std::isnan(band->GetNoDataValue(&has)) || !has)
+      fail(
+          std::string("its band '") + band->GetDescription() +
+          "' does not mark unknown cells with NaN: another program has converted this file; give "
+          "it as talus wrote it");
 }
 
 std::string SiteReader::item(const char* name) const

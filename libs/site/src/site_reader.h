@@ -43,6 +43,7 @@ class SiteReader
 
  private:
   void check_bands();
+  void check_values() const;
   void read_metadata();
   void check_place();
   std::string item(const char* name) const;

@@ -12,8 +12,8 @@ void write_geotiff(
     const std::string& path, const LayerStack& stack,
     const std::map<std::string, std::string>& metadata = {});
 
-/** Reads what write_geotiff() wrote (any GeoTIFF without rotation, any band type). Throws
- * std::runtime_error. */
+/** Reads what write_geotiff() wrote: any GeoTIFF without rotation whose bands hold float32 as they
+ * are. Throws std::runtime_error, also where another program has converted the bands. */
 LayerStack read_geotiff(const std::string& path);
 
 }  // namespace talus::io
