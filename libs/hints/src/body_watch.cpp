@@ -5,7 +5,9 @@
 #include <cmath>
 #include <set>
 
+#include "heading_splits.h"
 #include "thresholds.h"
+#include "voxels.h"
 
 namespace talus::hints
 {
@@ -20,50 +22,12 @@ constexpr double kMostExtent_m = 3;  // of a part; a longer one cannot be told f
 constexpr double kBoxMargin_m = 0.05;
 constexpr std::size_t kMostBoxes = 8;
 constexpr double kSureReach_m = 1;  // heights of the sensor: nearer is only its robot
-constexpr int kBias = 1 << 20;
-
-std::int64_t index_of(double v, double size_m)
-{
-  return static_cast<std::int64_t>(std::floor(v / size_m));
-}
-
-std::uint64_t packed(std::int64_t x, std::int64_t y, std::int64_t z)
-{
-  const auto part = [](std::int64_t i)
-  { return static_cast<std::uint64_t>(i + kBias) & 0x1fffffU; };
-  return part(x) << 42 | part(y) << 21 | part(z);
-}
-
-std::uint64_t key_of(const Vec3& p, double size_m)
-{
-  return packed(index_of(p.x, size_m), index_of(p.y, size_m), index_of(p.z, size_m));
-}
-
-/** The middle of a voxel. */
-Vec3 middle_of(std::uint64_t key, double size_m)
-{
-  const auto part = [&](int shift)
-  { return (static_cast<double>((key >> shift) & 0x1fffffU) - kBias + 0.5) * size_m; };
-  return {part(42), part(21), part(0)};
-}
 
 int count_bits(std::uint64_t v)
 {
   int n = 0;
   for (; v; v &= v - 1) ++n;
   return n;
-}
-
-/** Of two voxels that touch, be it at a corner, or with one between them. */
-template <class F>
-void for_neighbours(std::uint64_t key, int reach, const F& f)
-{
-  const auto part = [&](int shift)
-  { return static_cast<std::int64_t>((key >> shift) & 0x1fffffU) - kBias; };
-  for (int dx = -reach; dx <= reach; ++dx)
-    for (int dy = -reach; dy <= reach; ++dy)
-      for (int dz = -reach; dz <= reach; ++dz)
-        f(packed(part(42) + dx, part(21) + dy, part(0) + dz));
 }
 
 BodyBox box_of(const std::vector<std::uint64_t>& voxels)
@@ -114,22 +78,25 @@ void BodyWatch::add(
   poses_.push_back(T_map_base);
   for (const Vec3& p : near)
   {
-    Voxel& voxel = body_[key_of(p, kBodyVoxel_m)];
+    Voxel& voxel = body_[voxel_of(p, kBodyVoxel_m)];
     voxel.frames |= bit;
     ++voxel.points;
   }
   for (const Vec3& p : all)
     if (dot(p, p) < kMapReach_m * kMapReach_m && map_.size() < kMostMapVoxels)
-      map_[key_of(moved(T_map_base, p), kMapVoxel_m)] |= bit;
+      map_[voxel_of(moved(T_map_base, p), kMapVoxel_m)] |= bit;
 }
 
-std::vector<BodyBox> BodyWatch::boxes(const NearPlane& ground) const
+std::vector<BodyBox> BodyWatch::boxes(const NearPlane& ground, const Vec3& sensor) const
 {
   if (poses_.size() < kLeastBodyFrames || way_m_ < kLeastBodyWay_m) return {};
+  if (heading_span_rad(poses_) < kLeastBodyTurn_deg * M_PI / 180) return {};
+  const double height_m = ground.distance_m(sensor);
   std::vector<std::pair<std::uint64_t, BodyBox>> found;
   for (const Part& part : parts(ground))
   {
-    if (!is_hit_always(part) || !moves_along(part)) continue;
+    if (!is_hit_always(part) || !is_in_reach(part, sensor, height_m)) continue;
+    if (stands_apart(part, sensor) || !keeps_its_place(part) || !moves_along(part)) continue;
     std::uint64_t points = 0;
     for (const Key key : part) points += body_.at(key).points;
     found.emplace_back(points, box_of(part));
@@ -154,7 +121,8 @@ std::vector<BodyBox> BodyWatch::boxes_of_one_scan(const NearPlane& ground, const
     };
     const double away_m = std::hypot(
         off(sensor.x, box.min_x_m, box.max_x_m), off(sensor.y, box.min_y_m, box.max_y_m));
-    if (!is_cut(box) && away_m < kSureReach_m * ground.distance_m(sensor)) boxes.push_back(box);
+    const bool is_near = away_m < kSureReach_m * ground.distance_m(sensor);
+    if (!is_cut(box) && is_near && !stands_apart(part, sensor)) boxes.push_back(box);
   }
   if (boxes.size() > kMostBodyBoxes) boxes.resize(kMostBodyBoxes);
   return boxes;
@@ -191,6 +159,59 @@ bool BodyWatch::is_hit_always(const Part& part) const
   std::uint64_t frames = 0;
   for (const Key key : part) frames |= body_.at(key).frames;
   return count_bits(frames) >= kPartShare * static_cast<double>(poses_.size());
+}
+
+/** No robot is much wider than its sensor is high. */
+bool BodyWatch::is_in_reach(const Part& part, const Vec3& sensor, double height_m) const
+{
+  const double reach_m = std::max(kLeastReach_m, kReachHeights * height_m);
+  return std::all_of(
+      part.begin(), part.end(),
+      [&](Key key)
+      {
+        const Vec3 p = middle_of(key, kBodyVoxel_m) - sensor;
+        return std::hypot(p.x, p.y) <= reach_m;
+      });
+}
+
+/** Whether ground is seen between the sensor and a part. */
+bool BodyWatch::stands_apart(const Part& part, const Vec3& sensor) const
+{
+  double shares = 0;
+  for (const Key key : part) shares += before_.share_before(middle_of(key, kBodyVoxel_m), sensor);
+  return shares > kMostGroundBefore * static_cast<double>(part.size());
+}
+
+/** The mean place in the base frame of what is hit in and around a part in some of the frames. */
+Vec3 BodyWatch::mean_place(const std::set<Key>& around, std::uint64_t frames) const
+{
+  Vec3 sum;
+  double n = 0;
+  for (const Key key : around)
+  {
+    const auto found = body_.find(key);
+    if (found == body_.end()) continue;
+    const double hits = count_bits(found->second.frames & frames);
+    const Vec3 p = middle_of(key, kBodyVoxel_m);
+    sum = {sum.x + hits * p.x, sum.y + hits * p.y, sum.z + hits * p.z};
+    n += hits;
+  }
+  return n > 0 ? Vec3{sum.x / n, sum.y / n, sum.z / n} : Vec3{HUGE_VAL, 0, 0};
+}
+
+/** Whether it is hit at the same place whichever way the robot heads and turns. */
+bool BodyWatch::keeps_its_place(const Part& part) const
+{
+  std::set<Key> around;
+  for (const Key key : part) for_neighbours(key, 2, [&](Key near) { around.insert(near); });
+  const auto splits = splits_by_heading(poses_);
+  return std::all_of(
+      splits.begin(), splits.end(),
+      [&](const FrameSplit& split)
+      {
+        const Vec3 one = mean_place(around, split.one), other = mean_place(around, split.other);
+        return std::hypot(one.x - other.x, one.y - other.y) <= kMostShift_m;
+      });
 }
 
 /** Whether the map keeps nothing where it was. */
@@ -231,7 +252,7 @@ bool BodyWatch::stays(const Vec3& at_map, std::uint64_t frames) const
 {
   bool hit = false;
   for_neighbours(
-      key_of(at_map, kMapVoxel_m), 1,
+      voxel_of(at_map, kMapVoxel_m), 1,
       [&](Key key)
       {
         const auto found = map_.find(key);

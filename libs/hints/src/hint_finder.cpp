@@ -160,6 +160,7 @@ void HintFinder::watch_body(
   auto& near = scratch_->near;
   near_in_base(frame, parameters_, kBodyReach_m, near);
   const NearPlane ground = lowest.found ? lowest : NearPlane{};  // else level, at the base
+  body.add_ground(near, ground, figures_->sensors[sensor].sensor);
   near.erase(
       std::remove_if(
           near.begin(), near.end(),

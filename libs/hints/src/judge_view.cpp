@@ -88,7 +88,7 @@ std::optional<Hint> own_body(const Figures& f, const Parameters& p)
   for (const SensorFigures& s : f.sensors)
   {
     if (s.share(s.ground_m) <= kGroundShare) continue;  // nothing tells the body from the ground
-    const auto more = s.body.boxes(s.ground());
+    const auto more = s.body.boxes(s.ground(), s.sensor);
     boxes.insert(boxes.end(), more.begin(), more.end());
   }
   if (boxes.size() == known) return {};

@@ -101,7 +101,7 @@ void suggest_body(const Figures& f, const Parameters& p, Suggestions& out)
   {
     std::vector<BodyBox> boxes;
     if (s.body.frames() > 1)
-      boxes = s.body.boxes(s.ground());
+      boxes = s.body.boxes(s.ground(), s.sensor);
     else if (s.ground_m.size() > 0)
       boxes = s.body.boxes_of_one_scan(s.ground(), s.sensor);
     with.body_boxes_m.insert(with.body_boxes_m.end(), boxes.begin(), boxes.end());

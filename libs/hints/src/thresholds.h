@@ -67,6 +67,12 @@ constexpr double kLeastBodyWay_m = 3;
 constexpr double kBodyAbove_m = 0.2;  // lower points may be ground
 constexpr double kVoxelShare = 0.5, kPartShare = 0.9;  // of the frames that hit a voxel, a part
 constexpr double kMostPersisting = 0.2;  // of the places of a part where something stays
+constexpr double kReachHeights = 1.25;  // of the sensor, from it: cars up to 1.15
+constexpr double kLeastReach_m = 0.8;  // of a robot whose sensor is low
+constexpr double kMostGroundBefore = 0.2;  // of the frames that see ground before a part
+constexpr double kLeastBodyTurn_deg = 15;  // between the headings of a drive
+constexpr double kMostShift_m =
+    0.07;  // of a part between two directions of travel: cars up to 0.063
 /// @}
 
 /// @name What reaches the map

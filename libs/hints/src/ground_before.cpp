@@ -1,0 +1,48 @@
+#include "ground_before.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus::hints
+{
+namespace
+{
+constexpr double kOnGround_m = 0.08;  // of the plane; rough ground and noise
+constexpr double kBefore_m = 0.15;  // nearer by that than the thing: its foot is ground, too
+
+double away_m(const Vec3& p, const Vec3& sensor)
+{
+  return std::hypot(p.x - sensor.x, p.y - sensor.y);
+}
+}  // namespace
+
+std::size_t GroundBefore::direction_of(const Vec3& p, const Vec3& sensor)
+{
+  const double turn = std::atan2(p.y - sensor.y, p.x - sensor.x) / (2 * M_PI) + 0.5;
+  return std::min(static_cast<std::size_t>(turn * kDirections), kDirections - 1);
+}
+
+void GroundBefore::add(const std::vector<Vec3>& points, const NearPlane& ground, const Vec3& sensor)
+{
+  auto& nearest_m = nearest_m_.emplace_back();
+  nearest_m.fill(HUGE_VALF);
+  for (const Vec3& p : points)
+  {
+    if (std::abs(ground.distance_m(p)) > kOnGround_m) continue;
+    float& least_m = nearest_m[direction_of(p, sensor)];
+    least_m = std::min(least_m, static_cast<float>(away_m(p, sensor)));
+  }
+}
+
+double GroundBefore::share_before(const Vec3& p, const Vec3& sensor) const
+{
+  if (nearest_m_.empty()) return 0;
+  const std::size_t direction = direction_of(p, sensor);
+  const double least_m = away_m(p, sensor) - kBefore_m;
+  const auto seen = std::count_if(
+      nearest_m_.begin(), nearest_m_.end(),
+      [&](const auto& nearest_m) { return static_cast<double>(nearest_m[direction]) < least_m; });
+  return static_cast<double>(seen) / static_cast<double>(nearest_m_.size());
+}
+
+}  // namespace talus::hints
