@@ -7,6 +7,8 @@ using namespace talus::test;
 
 namespace
 {
+const std::map<std::string, int> kNone;
+
 class TalusMapHints : public HintDrive
 {
 };
@@ -15,7 +17,7 @@ class TalusMapHints : public HintDrive
 TEST_F(TalusMapHints, a_sound_drive_has_none)
 {
   write_drive();
-  EXPECT_EQ(causes(), (std::map<std::string, int>{}));
+  EXPECT_EQ(causes(), kNone);
   EXPECT_TRUE(summary("out")["hints"].empty());
   EXPECT_EQ(run("drive.rawlog --no-site --strict --output strict").code, 0);
 }
@@ -36,6 +38,28 @@ TEST_F(TalusMapHints, a_window_that_is_too_small)
 {
   write_drive();
   EXPECT_EQ(causes("-s window_m=3"), only("outside of the window"));
+}
+
+TEST_F(TalusMapHints, a_window_that_ends_before_the_ground_begins)
+{
+  // Beams down to 15 degrees from 1.2 m meet the floor 4.5 m away. Walls are near, so that most
+  // points are inside of the window.
+  const std::string corridor = R"(
+ground: [plane: {}]
+objects:
+  - box: {at_m: [3, 1.2], size_m: [0.6, 0.6, 0.5]}
+  - wall: {from_m: [-5, 2.2], to_m: [20, 2.2], height_m: 2}
+  - wall: {from_m: [-5, -2.2], to_m: [20, -2.2], height_m: 2}
+robot: {path_m: [[0, 0], [5, 0]], speed_mps: 1}
+)";
+  write_drive("sensor: {scanner: VLP-16, at_m: [0, 0, 1.2]}\n", {}, corridor);
+  const Outcome done = run("drive.rawlog --no-site --output out");
+  EXPECT_EQ(causes_in(done.err), only("outside of the window"));
+  EXPECT_TRUE(done.says("the ground begins 4.5 m from the sensor")) << done.err;
+  EXPECT_EQ(causes("-s window_m=18"), kNone);
+  write_bytes(path("robot.ini"), run("drive.rawlog --suggest").out);
+  EXPECT_EQ(causes("--config robot.ini"), kNone);
+  EXPECT_GE(summary("out")["parameters"]["window_m"], 12);
 }
 
 TEST_F(TalusMapHints, a_window_of_which_little_is_seen)
@@ -113,7 +137,7 @@ TEST_F(TalusMapHints, two_sensors_that_see_two_grounds)
 TEST_F(TalusMapHints, two_sensors_that_see_one_ground)
 {
   write_drive(kTwoSensors);
-  EXPECT_EQ(causes(), (std::map<std::string, int>{}));
+  EXPECT_EQ(causes(), kNone);
 }
 
 TEST_F(TalusMapHints, a_jump_of_the_poses)
@@ -144,7 +168,7 @@ TEST_F(TalusMapHints, the_body_of_the_robot_with_the_box_to_paste)
   ASSERT_NE(at, std::string::npos) << done.err;
   const std::string boxes =
       done.err.substr(at + begin.size(), done.err.find('\n', at) - at - begin.size());
-  EXPECT_EQ(causes("-s 'body_boxes_m=" + boxes + "'"), (std::map<std::string, int>{})) << boxes;
+  EXPECT_EQ(causes("-s 'body_boxes_m=" + boxes + "'"), kNone) << boxes;
 }
 
 TEST_F(TalusMapHints, are_errors_with_strict_and_nothing_is_written)

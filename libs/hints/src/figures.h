@@ -42,6 +42,7 @@ struct SensorFigures
   Values rms_m;  //!< of its points
   Values lean_in_map_rad;
   Values reach_m;  //!< 9 of 10 points on it are nearer
+  Values nearest_m;  //!< hardly any point on it is nearer to the sensor
   Values spread_m;  //!< of heights within small cells of the first frames
   /// @}
   Values above_far_ground_m;  //!< of the sensor, of frames that show ground farther away only

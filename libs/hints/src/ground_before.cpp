@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thresholds.h"
+
 namespace talus::hints
 {
 namespace
 {
-constexpr double kOnGround_m = 0.08;  // of the plane; rough ground and noise
 constexpr double kBefore_m = 0.15;  // nearer by that than the thing: its foot is ground, too
 
 double away_m(const Vec3& p, const Vec3& sensor)

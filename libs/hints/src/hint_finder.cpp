@@ -45,15 +45,21 @@ void note_plane(SensorFigures& s, const std::vector<Vec3>& points, const NearPla
   if (steep.found) s.steep_rad.add(std::acos(std::clamp(std::abs(steep.normal.z), 0.0, 1.0)));
 }
 
-/** How far from the sensor the ground is seen. */
+/** How far from the sensor the ground is seen, and how near. */
 void note_reach(SensorFigures& s, const std::vector<Vec3>& points, const NearPlane& ground)
 {
-  Values distances;
+  Values distances, on_it;
   for (const Vec3& p : points)
-    if (std::abs(ground.distance_m(p)) < kGroundBand_m)
-      distances.add(std::hypot(p.x - s.sensor.x, p.y - s.sensor.y));
+  {
+    const double off_m = std::abs(ground.distance_m(p));
+    const double away_m = std::hypot(p.x - s.sensor.x, p.y - s.sensor.y);
+    if (off_m < kGroundBand_m) distances.add(away_m);
+    if (off_m < kOnGround_m) on_it.add(away_m);
+  }
+  if (on_it.size() > 0) s.nearest_m.add(on_it.quantile(kHardlyAny));
   if (distances.size() > 0) s.reach_m.add(distances.quantile(0.9));
 }
+
 /** Keeps every n-th of too many. */
 void thin_out(std::vector<Vec3>& points, std::size_t most)
 {

@@ -50,25 +50,49 @@ std::optional<Hint> height_band(const Figures& f, const Parameters& p)
   return {};
 }
 
+namespace
+{
+/** The window that shows the ground, no smaller than it is. */
+std::string enough_window(const SensorFigures* s, const Parameters& p)
+{
+  if (!s) return fixed_text(2 * std::ceil(p.window_m), 0);
+  const double height_m = height_of(s) > 0 ? height_of(s) : s->above_far_ground_m.median();
+  const double reach_m = s->reach_m.median();
+  const double enough_m = height_m > 0 ? std::min(reach_m, kMostHeights * height_m) : reach_m;
+  const double least_m = kBeyondNearest * s->nearest_m.median();
+  return fixed_text(2 * std::ceil(std::max({enough_m, least_m, p.window_m})), 0);
+}
+
+/** The ground begins where the window ends. */
+std::optional<Hint> ground_outside(const SensorFigures* s, const Parameters& p)
+{
+  if (!s || s->share(s->nearest_m) <= kGroundShare) return {};
+  const double nearest_m = s->nearest_m.median();
+  if (nearest_m < kGroundAtBorder * p.window_m / 2) return {};
+  return Hint{
+      Kind::Window, "the ground begins " + fixed_text(nearest_m, 1) +
+                        " m from the sensor, outside of the window of " + number_text(p.window_m) +
+                        " m: set window_m to " + enough_window(s, p)};
+}
+}  // namespace
+
 std::optional<Hint> window_too_small(const Figures& f, const Parameters& p, double known_share)
 {
+  const SensorFigures* s = f.sensor_with_most_frames();
+  if (auto hint = ground_outside(s, p)) return hint;
   const auto outside = f.rejected[static_cast<std::size_t>(Reject::Outside)];
   const double share = share_of(outside, outside + f.accepted);
-  const SensorFigures* s = f.sensor_with_most_frames();
-  const double height_m = height_of(s), reach_m = s ? s->reach_m.median() : 0;
-  const bool is_blind_spot = p.window_m / 2 < kLeastHeights * height_m;
+  const double reach_m = s ? s->reach_m.median() : 0;
+  const bool is_blind_spot = p.window_m / 2 < kLeastHeights * height_of(s);
   const bool is_empty = known_share < kKnownInside;
   if (share < kOutside && !(share > kMost && (is_blind_spot || is_empty))) return {};
-  const double far_height_m = height_m > 0 || !s ? height_m : s->above_far_ground_m.median();
-  const double enough_m =
-      far_height_m > 0 ? std::min(reach_m, kMostHeights * far_height_m) : reach_m;
   return Hint{
       Kind::Window,
       percent(share) + " of the points lie outside of the window of " + number_text(p.window_m) +
           " m" +
           (reach_m > 0 ? " (the ground is seen up to " + fixed_text(reach_m, 0) + " m away)"
                        : std::string()) +
-          ": set window_m to " + fixed_text(2 * std::ceil(std::max(enough_m, p.window_m)), 0)};
+          ": set window_m to " + enough_window(s, p)};
 }
 
 std::optional<Hint> little_seen(const Figures&, const Parameters& p, double known_share)

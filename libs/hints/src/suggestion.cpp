@@ -43,7 +43,9 @@ Basis basis_of(const SensorFigures& s)
     b.height_m = s.above_far_ground_m.median();
   b.height_m = std::max(0.0, b.height_m);
   b.reach_m = s.reach_m.median();
-  const double far_m = std::min(kMostHeights * b.height_m, kBeyondReach * b.reach_m);
+  const double far_m = std::max(
+      std::min(kMostHeights * b.height_m, kBeyondReach * b.reach_m),
+      kBeyondNearest * s.nearest_m.median());
   b.half_window_m = std::clamp(std::round(far_m), kLeastHalfWindow_m, kMostHalfWindow_m);
   b.resolution_m = 2 * b.half_window_m / 0.05 <= kMostCells ? 0.05 : 0.1;
   return b;

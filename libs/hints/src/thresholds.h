@@ -84,6 +84,10 @@ constexpr double kOutside =
 // it.
 constexpr double kLeastHeights = 2.5;
 constexpr double kMostHeights = 7;  // beyond it beams graze the ground at less than 8 degrees
+constexpr double kOnGround_m = 0.1;  // of the plane: what is ground and not the foot of a wall
+constexpr double kHardlyAny = 0.02;  // of the points on it
+constexpr double kGroundAtBorder = 1;  // of half the window
+constexpr double kBeyondNearest = 1.5;  // of the nearest ground: a window that shows some of it
 constexpr double kKnownInside = 0.3;  // of a window large enough, at least
 constexpr double kSeen = 0.1;  // of the window, at least
 /// @}
