@@ -156,6 +156,16 @@ bool LogMapper::decode(const mrpt::obs::CObservation& obs)
 /** Frames are taken in the order of the log, each with the pose of its own time; where a clock
  * jumps back, or a scan was logged late, that is counted. False when the log repeats a scan: one
  * without a stamp may be like the one before because nothing moved. */
+void LogMapper::note_way()
+{
+  constexpr double kApart_m = 0.1;
+  constexpr std::size_t kMost = 5000;
+  const cv::Point2d at(last_T_map_base_.x(), last_T_map_base_.y());
+  if (!last_way_.empty() && cv::norm(at - last_way_.back()) < kApart_m) return;
+  last_way_.push_back(at);
+  if (last_way_.size() > kMost) last_way_.pop_front();
+}
+
 bool LogMapper::note_stamp(const mrpt::obs::CObservation& obs)
 {
   if (obs.timestamp == INVALID_TIMESTAMP) return true;
@@ -189,6 +199,7 @@ bool LogMapper::insert(const std::string& label)
   ++run_.sensors[label];
   hints_.add(frame, label, run_.frames.back());
   last_T_map_base_ = *T_map_base;
+  note_way();
   return true;
 }
 

@@ -11,8 +11,11 @@
 
 #include <mrpt/obs/CObservation.h>
 
+#include <opencv2/core.hpp>
+
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <set>
@@ -39,6 +42,8 @@ class LogMapper
 
   const ElevationMapper& map() const { return map_; }
   const mrpt::poses::CPose3D& last_base() const { return last_T_map_base_; }
+  /** The last part of the way of the base, map frame [m], for pictures. */
+  const std::deque<cv::Point2d>& last_way() const { return last_way_; }
   /// @name Of the scan that reached the map last
   /// @{
   const mrpt::poses::CPose3D& last_sensor() const { return scan_.T_base_sensor; }
@@ -69,6 +74,7 @@ class LogMapper
   bool decode(const mrpt::obs::CObservation& obs);
   bool insert(const std::string& label);
   bool skip(const std::string& reason, const std::string& why);
+  void note_way();
   bool note_stamp(const mrpt::obs::CObservation& obs);
   [[noreturn]] void explain_no_frames() const;
   void require_points() const;
@@ -86,6 +92,7 @@ class LogMapper
   SensorNumbers sensors_;
   hints::HintFinder hints_;
   mrpt::poses::CPose3D last_T_map_base_;
+  std::deque<cv::Point2d> last_way_;
   mrpt::system::TTimeStamp last_stamp_;
   std::string last_label_;
   std::map<std::string, LastScan> last_scans_;  //!< by sensor label

@@ -55,6 +55,7 @@ void write_map(
   picture.robot_x_m = robot.x();
   picture.robot_y_m = robot.y();
   picture.robot_yaw_rad = robot.yaw();
+  picture.way.assign(mapper.last_way().begin(), mapper.last_way().end());
   io::write_map_picture(png, map, picture);
 }
 

@@ -66,8 +66,12 @@ Patch patch_of(const cv::Mat& picture, const cv::Vec3b& bgr)
   return p;
 }
 
-const cv::Vec3b kBlocked(6, 44, 130), kFree(190, 126, 30), kUnknown(224, 221, 219),
-    kNotJudged(178, 146, 178);
+/// @name Colours of the large map, BGR
+/// @{
+const cv::Vec3b kBlocked(43, 76, 149), kFree(200, 145, 64), kUnknown(224, 221, 219),
+    kNotJudged(190, 162, 190), kStands(66, 48, 52), kWay(96, 0, 128);
+/// @}
+constexpr int kLarge_px = 960 * 960, kSmall_px = 200 * 200;
 
 bool same(const cv::Mat& a, const cv::Mat& b)
 {
@@ -80,7 +84,7 @@ TEST(MapPicture, shows_north_above_south_and_east_right_of_west)
   const auto south_west = [](int ix, int iy) { return ix < 20 && iy < 20 ? 0.0F : 1.0F; };
   const cv::Mat picture = draw_map(stack_of({"traversability"}, south_west));
   const Patch blocked = patch_of(picture, kBlocked), free = patch_of(picture, kFree);
-  EXPECT_GT(blocked.count, 240 * 240 / 2);
+  EXPECT_NEAR(blocked.count, kLarge_px / 4, 100);
   EXPECT_NEAR(static_cast<double>(free.count) / blocked.count, 3.0, 0.1)
       << "three quarters are free";
   EXPECT_GT(blocked.y, free.y) << "south is below";
@@ -91,7 +95,8 @@ TEST(MapPicture, paints_cells_without_a_value_in_a_neutral_colour)
 {
   const auto half = [](int ix, int) { return ix < 20 ? kNan : 1.0F; };
   const cv::Mat picture = draw_map(stack_of({"traversability"}, half));
-  EXPECT_NEAR(patch_of(picture, kUnknown).count, patch_of(picture, kFree).count, 2000);
+  EXPECT_NEAR(patch_of(picture, kUnknown).count, kLarge_px / 2, 1000);
+  EXPECT_NEAR(patch_of(picture, kFree).count, kLarge_px / 2, 1000);
 }
 
 TEST(MapPicture, shows_ground_that_was_not_judged_in_another_colour_than_what_is_unknown)
@@ -102,8 +107,8 @@ TEST(MapPicture, shows_ground_that_was_not_judged_in_another_colour_than_what_is
   stack.layers[1].back() = 1;
   const cv::Mat picture = draw_map(stack);
   const Patch not_judged = patch_of(picture, kNotJudged), unknown = patch_of(picture, kUnknown);
-  EXPECT_GT(not_judged.count, 100'000);
-  EXPECT_NEAR(unknown.count, 2 * not_judged.count, 4000) << "in both panels";
+  EXPECT_NEAR(not_judged.count, kLarge_px / 2, 1000);
+  EXPECT_NEAR(unknown.count, kLarge_px / 2 + kSmall_px / 2, 4000) << "in both panels";
   EXPECT_GT(not_judged.y, unknown.y);
 }
 
@@ -137,15 +142,60 @@ TEST(ScoreColour, is_blue_where_free_and_orange_where_blocked)
   EXPECT_EQ(score_colour(kNan), (std::array<std::uint8_t, 3>{178, 146, 178}));
 }
 
-TEST(MapPicture, has_a_panel_for_each_layer)
+TEST(MapPicture, shows_the_traversability_large_and_every_other_layer_small_beside_it)
 {
-  const auto ramp = [](int ix, int) { return 0.01F * static_cast<float>(ix); };
-  const cv::Mat one = draw_map(stack_of({"elevation"}, ramp));
-  const cv::Mat nine = draw_map(stack_of(all_names(), ramp));
-  EXPECT_GT(nine.cols, 2.5 * one.cols - 200);
-  EXPECT_GT(nine.rows, 2.5 * one.rows - 400);
-  const cv::Mat other = draw_map(stack_of({"ground", "label"}, ramp));
+  const auto free = [](int, int) { return 1.0F; };
+  const cv::Mat one = draw_map(stack_of({"traversability"}, free));
+  const cv::Mat nine = draw_map(stack_of(all_names(), free));
+  EXPECT_NEAR(patch_of(one, kFree).count, kLarge_px, 1000);
+  EXPECT_NEAR(nine.rows, one.rows, 60) << "the others have room beside it";
+  EXPECT_GT(nine.cols, one.cols + 2 * 200);
+  LayerStack late = stack_of({"elevation", "traversability"}, free);
+  EXPECT_GT(patch_of(draw_map(late), kFree).count, 0.9 * kLarge_px) << "whatever their order";
+  const cv::Mat other = draw_map(stack_of({"ground", "label"}, free));
   EXPECT_GT(other.cols, one.cols) << "layers of other files are drawn too";
+}
+
+TEST(MapPicture, shades_the_ground_under_the_traversability)
+{
+  LayerStack stack = stack_of({"ground_elevation", "traversability"}, [](int, int) { return 1; });
+  const auto shaded_px = [&](float rise)
+  {
+    for (int i = 0; i < kCells * kCells; ++i)  // a ramp that falls to the east in its middle
+      stack.layers[0][static_cast<std::size_t>(i)] =
+          i % kCells < 15 || i % kCells > 25 ? 0 : rise * static_cast<float>(25 - i % kCells);
+    return kLarge_px - patch_of(draw_map(stack), kFree).count;
+  };
+  EXPECT_LT(shaded_px(0), 1000);
+  EXPECT_GT(shaded_px(0.03F), kLarge_px / 8);
+}
+
+TEST(MapPicture, shows_in_dark_what_stands_in_the_way_and_not_what_hangs)
+{
+  LayerStack stack =
+      stack_of({"elevation", "ground_elevation", "traversability"}, [](int, int) { return 0; });
+  const auto dark = [&](float top_m, float score)
+  {
+    stack.layers[0][0] = top_m;
+    stack.layers[2][0] = score;
+    return patch_of(draw_map(stack), kStands).count;
+  };
+  const int legend = dark(0, 0);
+  EXPECT_EQ(dark(0.5F, 0), legend + 24 * 24) << "a cell";
+  EXPECT_EQ(dark(0.5F, 1), legend) << "passable";
+}
+
+TEST(MapPicture, draws_the_way_of_the_robot_inside_of_the_map_only)
+{
+  const LayerStack stack = stack_of({"traversability"}, [](int, int) { return 1.0F; });
+  PictureOptions options;
+  options.way = {{-1.5, -1.0}, {1.0, -1.0}, {1.0, -30.0}};
+  const cv::Mat picture = draw_map(stack, options);
+  const Patch way = patch_of(picture, kWay);
+  EXPECT_GT(way.count, (2.5 + 1.0) * 240 * 2) << "240 pixels a metre, 3 wide";
+  for (int y = 28 + 88 + 960 + 2; y < picture.rows - 70; ++y)
+    for (int x = 0; x < picture.cols; ++x)
+      ASSERT_NE(picture.at<cv::Vec3b>(y, x), kWay) << "below the map";
 }
 
 TEST(MapPicture, has_no_panel_for_a_layer_without_a_value)
@@ -203,7 +253,7 @@ TEST(MapPicture, stays_of_a_size_for_a_screen_whatever_the_number_of_cells)
     s.layers = {std::vector<float>(static_cast<std::size_t>(cells) * cells, 0.5F)};
     const cv::Mat picture = draw_map(s);
     EXPECT_GT(picture.rows, 400) << cells;
-    EXPECT_LT(picture.rows, 1000) << cells;
+    EXPECT_LT(picture.rows, 1300) << cells;
   }
 }
 

@@ -42,8 +42,19 @@ class SitePicture : public testing::Test
   }
   ScratchDir dir_;
 };
-/** Of the swatch in the legend, and a little more. */
-constexpr int kSwatch_px = 20 * 20;
+constexpr int kSwatch_px = 18 * 18;  //!< in the legend of a small page
+const Colour kNotSeen(236, 238, 240), kPaper(255, 255, 255);
+
+/** A strip of ground along a line from the origin. */
+void drive(Site& s, double length_m, double width_m, double angle_rad)
+{
+  const double c = std::cos(angle_rad), n = std::sin(angle_rad), step_m = 0.03;
+  for (double along = 0; along < length_m; along += step_m)
+    for (double across = -width_m / 2; across < width_m / 2; across += step_m)
+      cell_at(
+          s, static_cast<std::int64_t>(std::floor((c * along - n * across) / 0.05)),
+          static_cast<std::int64_t>(std::floor((n * along + c * across) / 0.05))) = measured(0);
+}
 }  // namespace
 
 TEST_F(SitePicture, is_about_as_large_as_a_page_for_any_site)
@@ -51,23 +62,51 @@ TEST_F(SitePicture, is_about_as_large_as_a_page_for_any_site)
   for (const int cells : {20, 300, 1500, 5000})
   {
     const cv::Mat3b image = picture(*ground(cells, cells / 10 + 1));
-    EXPECT_GE(image.cols, 800) << cells;
-    EXPECT_LE(image.cols, 1700) << cells;
+    EXPECT_GE(image.cols, 700) << cells;
+    EXPECT_LE(image.cols, 3300) << cells;
     EXPECT_LE(image.rows, 1000) << cells;
   }
   const cv::Mat3b narrow = picture(*ground(200, 3000));
-  EXPECT_LE(narrow.rows, 1700);
-  EXPECT_GE(narrow.cols, 800);
+  EXPECT_LE(narrow.rows, 1900);
+  EXPECT_GE(narrow.cols, 700);
+}
+
+TEST_F(SitePicture, has_a_pixel_for_every_cell_up_to_a_large_page)
+{
+  const auto s = ground(2800, 100);
+  const int legend = count(picture(*s), kObstacle);
+  for (int x = 0; x < 10; ++x) cell_at(*s, 2000 + x, 50) = with_obstacle(measured(0), 0.5F);
+  EXPECT_EQ(count(picture(*s), kObstacle), legend + 10);
+}
+
+TEST_F(SitePicture, turns_the_page_to_a_drive_that_would_leave_most_of_it_empty)
+{
+  for (const double angle_rad : {0.0, 0.7, 1.5707963, 2.3, -0.6})
+  {
+    auto s = ground(0, 0);
+    drive(*s, 40, 4, angle_rad);
+    const cv::Mat3b image = picture(*s);
+    const int empty = count(image, kNotSeen), paper = count(image, kPaper);
+    const int map = static_cast<int>(image.total()) - empty - paper;
+    EXPECT_LT(empty, 0.45 * map) << angle_rad;
+  }
+}
+
+TEST_F(SitePicture, keeps_north_up_where_turning_wins_little)
+{
+  const auto yard = ground(0, 0);
+  drive(*yard, 20, 20, 0.5);
+  EXPECT_GT(count(picture(*yard), kNotSeen), 300'000) << "the corners stay empty";
 }
 
 TEST_F(SitePicture, shows_an_obstacle_of_one_cell_also_where_a_pixel_stands_for_many)
 {
   const auto s = ground(8000, 300);
-  EXPECT_EQ(count(picture(*s), kObstacle), kSwatch_px);
+  const int legend = count(picture(*s), kObstacle);
   cell_at(*s, 4001, 150) = with_obstacle(measured(0), 0.5F);
-  EXPECT_EQ(count(picture(*s), kObstacle), kSwatch_px + 1);
+  EXPECT_EQ(count(picture(*s), kObstacle), legend + 1);
   cell_at(*s, 4001, 150).cell.traversability = 1;  // it hangs high
-  EXPECT_EQ(count(picture(*s), kObstacle), kSwatch_px);
+  EXPECT_EQ(count(picture(*s), kObstacle), legend);
 }
 
 TEST_F(SitePicture, shows_blocked_ground_in_another_colour_than_free_ground)

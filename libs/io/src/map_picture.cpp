@@ -4,13 +4,16 @@
 #include <talus/number_text.h>
 
 #include "picture_canvas.h"
+#include "picture_legend.h"
 #include "picture_panel.h"
+#include "picture_relief.h"
 #include "picture_style.h"
 
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string_view>
 
@@ -18,9 +21,14 @@ namespace talus::io
 {
 namespace
 {
-constexpr int kColumns = 3;
-constexpr int kEdge = 24;  // paper around everything
-constexpr int kHeader = 84;
+/// @name Pixels
+/// @{
+constexpr int kEdge = 28;  //!< paper around everything
+constexpr int kHeader = 88, kTitle = 28, kGap = 16;
+constexpr int kLeft = 56, kBelow = 52;  //!< for the axes of the large map
+constexpr double kLarge = 960, kSmall = 200;  //!< long sides of the maps
+constexpr int kBetween = 44;  //!< the large map and the small ones
+/// @}
 
 /** Both heights share one scale, so that the same colour is the same height. */
 ColourRange height_range(const LayerStack& stack)
@@ -75,9 +83,10 @@ std::string take_out_empty(const LayerStack& stack, std::vector<LayerStyle>& sty
 
 std::string subtitle_of(const LayerStack& s)
 {
-  return number_text(s.cells_x * s.resolution_m, 4) + " x " +
-         number_text(s.cells_y * s.resolution_m, 4) + " m, " + std::to_string(s.cells_x) + " x " +
-         std::to_string(s.cells_y) + " cells of " + number_text(s.resolution_m, 3) + " m, north up";
+  return number_text(s.cells_x * s.resolution_m, 4) + " \u00d7 " +
+         number_text(s.cells_y * s.resolution_m, 4) + " m, " + std::to_string(s.cells_x) +
+         " \u00d7 " + std::to_string(s.cells_y) + " cells of " + number_text(s.resolution_m, 3) +
+         " m, north up";
 }
 
 /** The text, cut in its middle where it is wider than the room for it. */
@@ -92,46 +101,106 @@ std::string fitted(const std::string& text, const TextStyle& style, double room_
   return shown;
 }
 
-/** The Latin letters that the picture can draw; '?' for any other. */
-std::string drawable(std::string text)
+/** What paint_terrain() takes; what a stack has no layer of is as on level, measured ground. */
+Terrain terrain_of(const LayerStack& s)
 {
-  for (char& c : text)
-    if (c < ' ' || c > '~') c = '?';
-  return text;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const cv::Size size(s.cells_x, s.cells_y);
+  Terrain t{
+      cv::Mat1f(size, nan), cv::Mat1f(size, nan), cv::Mat1b(size, uchar{0}),
+      cv::Mat1b(size, uchar{0})};
+  const auto* ground = s.find(layer_name(Layer::GroundElevation));
+  const auto* top = s.find(layer_name(Layer::Elevation));
+  const auto* score = s.find(layer_name(Layer::Traversability));
+  const auto* state = s.find(layer_name(Layer::State));
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x)
+    {
+      const auto i = static_cast<std::size_t>(size.height - 1 - y) * size.width + x;
+      t.score(y, x) = (*score)[i];
+      if (ground) t.ground_m(y, x) = (*ground)[i];
+      const bool known = state ? (*state)[i] >= 1 : std::isfinite(t.score(y, x));
+      const bool measured = !state || (*state)[i] == 1;
+      t.measured(y, x) = static_cast<uchar>(!known ? 0 : measured ? 2 : 1);
+      t.obstacle(y, x) = ground && top && (*top)[i] - (*ground)[i] > kLeastObstacle_m ? 1 : 0;
+    }
+  return t;
 }
 
-/** Title, what the window is, what has no panel, and what arrow and grey mean. */
+/** The traversability over the shaded ground, the way and the robot. */
+void draw_terrain(
+    Canvas& canvas, const Plot& plot, const LayerStack& stack, const PictureOptions& options)
+{
+  constexpr double kRobot_px = 44, kWay_px = 3;
+  const cv::Vec3b unknown(
+      static_cast<uchar>(kUnknownColour[0]), static_cast<uchar>(kUnknownColour[1]),
+      static_cast<uchar>(kUnknownColour[2]));
+  draw_cells(canvas, plot, paint_terrain(terrain_of(stack), stack.resolution_m, unknown));
+  Canvas inside(plot.area.width, plot.area.height);
+  inside.paste(canvas.image()(plot.area), 0, 0);
+  std::vector<cv::Point2d> way;
+  for (const auto& p : options.way)
+    way.push_back(plot.pixel(p.x, p.y) - cv::Point2d(plot.area.tl()));
+  if (way.size() > 1) draw_way_line(inside, way, kWay_px);
+  canvas.paste(inside.image(), plot.area.x, plot.area.y);
+  draw_robot_on(canvas, plot, options, kRobot_px);
+}
+
+Legend terrain_legend(const Plot& plot, const PictureOptions& options)
+{
+  Legend legend;
+  legend.heading("Traversability");
+  legend.colours("blocked", terrain_colours(), "free");
+  legend.swatch(kStandsInTheWay, "stands in the way");
+  legend.swatch(pale_free_colour(), "pale: not measured");
+  legend.swatch(pale_not_judged_colour(), "not judged");
+  legend.swatch(state_styles()[0].colour, "no data");
+  if (options.has_robot) legend.robot("robot");
+  if (options.way.size() > 1) legend.way_line("its way");
+  legend.scale_bar(plot.area.width / plot.width_m);
+  return legend;
+}
+
 void draw_header(
     Canvas& canvas, const LayerStack& stack, const std::string& empty_layers,
-    const PictureOptions& options, int left, int right)
+    const PictureOptions& options)
 {
-  const TextStyle title{18, kInk, true, Anchor::Start, Anchor::Middle, false};
-  const TextStyle plain{12, kFaintInk, false, Anchor::Start, Anchor::Middle, false};
-  const std::string text = options.title.empty() ? "Terrain map" : drawable(options.title);
-  double x = right;
-  const int y = kEdge + 14;
-  const auto legend = [&](const std::string& word)
-  {
-    x -= Canvas::text_width(word, plain);
-    canvas.text(word, x, y, plain);
-    x -= 26;
-  };
-  legend("no data");
-  const cv::Rect swatch(static_cast<int>(x), y - 9, 18, 18);
-  canvas.fill(swatch, kUnknownColour);
-  canvas.frame(swatch, kInk);
-  x -= 28;
-  if (options.has_robot)
-  {
-    legend("robot");
-    draw_robot(canvas, {x + 8, static_cast<double>(y)}, 0, 20);
-    x -= 28;
-  }
-  canvas.text(fitted(text, title, x - left), left, y, title);
+  const TextStyle title{17, kInk, true, Anchor::Start, Anchor::Middle, false};
+  const TextStyle plain{11, kFaintInk, false, Anchor::Start, Anchor::Middle, false};
+  const int left = kEdge + kLeft - 1, room = canvas.image().cols - kEdge - left;
+  const std::string text = options.title.empty() ? "Terrain map" : options.title;
+  canvas.text(fitted(text, title, room), left, kEdge + 12, title);
   std::string subtitle = subtitle_of(stack);
-  if (!empty_layers.empty()) subtitle += "; no cell has a value: " + drawable(empty_layers);
-  canvas.text(fitted(subtitle, plain, right - left), left, y + 34, plain);
+  if (!empty_layers.empty()) subtitle += "; no cell has a value: " + empty_layers;
+  canvas.text(fitted(subtitle, plain, room), left, kEdge + 42, plain);
 }
+
+/** Where everything goes. */
+struct Layout
+{
+  cv::Rect large;
+  cv::Size small;
+  int rows, columns, width;
+
+  Layout(const LayerStack& stack, int small_count)
+      : large({kEdge + kLeft, kEdge + kHeader}, plot_size(stack, kLarge)),
+        small(plot_size(stack, kSmall))
+  {
+    rows = std::max(1, (large.height + kGap) / (small.height + kTitle + kGap));
+    columns = (small_count + rows - 1) / rows;
+    width = large.br().x + (columns > 0 ? kBetween + columns * step_x() : 0) + kEdge;
+  }
+
+  int step_x() const { return small.width + kScaleRoom_px; }
+  cv::Rect small_area(int i) const
+  {
+    const int spare = rows > 1 ? (large.height - rows * (small.height + kTitle)) / (rows - 1) : 0;
+    return {
+        {large.br().x + kBetween + i / rows * step_x(),
+         large.y + kTitle + i % rows * (small.height + kTitle + spare)},
+        small};
+  }
+};
 }  // namespace
 
 cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options)
@@ -139,24 +208,36 @@ cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options)
   stack.require_sound();
   auto styles = styles_of(stack);
   const std::string empty_layers = take_out_empty(stack, styles);
-  const PanelMargins m;
-  const cv::Size plot = plot_size(stack);
-  const cv::Size panel(plot.width + m.left + m.right, plot.height + m.top + m.bottom);
-  const int count = static_cast<int>(styles.size());
-  const int columns = std::min(kColumns, count), rows = (count + columns - 1) / columns;
-  Canvas canvas(columns * panel.width + 2 * kEdge, rows * panel.height + kHeader + 2 * kEdge);
+  // The traversability is the large one; where there is none, the first layer.
+  const auto is_score = [](const LayerStyle& s)
+  { return s.layer == layer_name(Layer::Traversability); };
+  const auto first = std::find_if(styles.begin(), styles.end(), is_score);
+  const bool has_terrain = first != styles.end();
+  if (has_terrain) std::rotate(styles.begin(), first, first + 1);
 
-  draw_header(
-      canvas, stack, empty_layers, options, kEdge + m.left - 1, canvas.image().cols - kEdge - 40);
+  const Layout layout(stack, static_cast<int>(styles.size()) - 1);
+  const Plot large(layout.large, stack);
+  const Legend legend = terrain_legend(large, options);
+  const int room = std::max(layout.large.width, layout.width - 2 * kEdge - kLeft);
+  const int foot = has_terrain ? legend.height_px(room) + kGap : 0;
+  Canvas canvas(
+      std::max(layout.width, layout.large.br().x + (has_terrain ? 0 : kScaleRoom_px) + kEdge),
+      layout.large.br().y + kBelow + foot + kEdge);
+  draw_header(canvas, stack, empty_layers, options);
   const ColourRange heights = height_range(stack);
-  for (int i = 0; i < count; ++i)
+  for (std::size_t i = 0; i < styles.size(); ++i)
   {
-    const cv::Point corner(
-        kEdge + (i % columns) * panel.width, kEdge + kHeader + (i / columns) * panel.height);
+    const bool is_large = i == 0;
+    const Plot plot(is_large ? layout.large : layout.small_area(static_cast<int>(i) - 1), stack);
     const auto values = shown_values(stack, styles[i]);
-    draw_panel(
-        canvas, corner, stack, styles[i], values, range_of(styles[i], values, heights), options);
+    if (is_large && has_terrain)
+      draw_terrain(canvas, plot, stack, options);
+    else
+      draw_panel(
+          canvas, plot, stack, styles[i], values, range_of(styles[i], values, heights), options);
   }
+  draw_axes(canvas, large);
+  if (has_terrain) legend.draw(canvas, {layout.large.x, layout.large.br().y + kBelow + kGap}, room);
   return canvas.image();
 }
 

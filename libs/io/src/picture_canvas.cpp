@@ -1,5 +1,7 @@
 #include "picture_canvas.h"
 
+#include "lettering.h"
+
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
@@ -9,45 +11,13 @@ namespace talus::io
 {
 namespace
 {
-constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-constexpr double kFontCapHeight = 21;  // of a capital letter at scale 1
-constexpr int kOversampling = 8;  // strokes are drawn this much larger, then averaged down
 constexpr int kFractionBits = 4;
 
-struct Glyphs
-{
-  double scale;
-  int thickness;
-};
-
-/** Font scale and stroke of the oversampled text. */
-Glyphs oversampled(const TextStyle& style)
-{
-  const double stroke_px = style.cap_height_px * (style.bold ? 0.19 : 0.125);
-  return {
-      style.cap_height_px * kOversampling / kFontCapHeight,
-      std::max(1, static_cast<int>(std::lround(stroke_px * kOversampling)))};
-}
+LetterSize size_of(const TextStyle& style) { return {style.cap_height_px, style.bold}; }
 
 double shift(Anchor anchor, double size)
 {
   return anchor == Anchor::Start ? 0 : anchor == Anchor::Middle ? -size / 2 : -size;
-}
-
-/** Coverage of the text, 0..255, with `border` pixels around the box of its capitals. */
-cv::Mat text_mask(const std::string& text, const TextStyle& style, int border, cv::Size box)
-{
-  const Glyphs g = oversampled(style);
-  cv::Mat large(
-      (box.height + 2 * border) * kOversampling, (box.width + 2 * border) * kOversampling, CV_8U,
-      cv::Scalar(0));
-  const cv::Point origin(
-      border * kOversampling, static_cast<int>((border + style.cap_height_px) * kOversampling));
-  cv::putText(large, text, origin, kFont, g.scale, cv::Scalar(255), g.thickness, cv::LINE_8);
-  cv::Mat mask;
-  cv::resize(large, mask, cv::Size(), 1.0 / kOversampling, 1.0 / kOversampling, cv::INTER_AREA);
-  if (style.upwards) cv::rotate(mask, mask, cv::ROTATE_90_COUNTERCLOCKWISE);
-  return mask;
 }
 
 std::vector<cv::Point> fixed_point(const std::vector<cv::Point2d>& corners)
@@ -99,11 +69,26 @@ void Canvas::polygon(
   cv::fillPoly(image_, outline, inside, cv::LINE_AA, kFractionBits);
 }
 
+void Canvas::line(const std::vector<cv::Point2d>& points, const cv::Scalar& colour, double width_px)
+{
+  const std::vector<std::vector<cv::Point>> lines{fixed_point(points)};
+  cv::polylines(
+      image_, lines, false, colour, std::max(1, static_cast<int>(std::lround(width_px))),
+      cv::LINE_AA, kFractionBits);
+}
+
+void Canvas::ring(
+    const cv::Point2d& middle, double radius_px, const cv::Scalar& colour, double width_px)
+{
+  cv::circle(
+      image_, fixed_point({middle}).front(),
+      static_cast<int>(std::lround(radius_px * (1 << kFractionBits))), colour,
+      std::max(1, static_cast<int>(std::lround(width_px))), cv::LINE_AA, kFractionBits);
+}
+
 double Canvas::text_width(const std::string& text, const TextStyle& style)
 {
-  const Glyphs g = oversampled(style);
-  return static_cast<double>(cv::getTextSize(text, kFont, g.scale, g.thickness, nullptr).width) /
-         kOversampling;
+  return lettering().width_px(text, size_of(style));
 }
 
 void Canvas::text(const std::string& text, double x, double y, const TextStyle& style)
@@ -111,8 +96,8 @@ void Canvas::text(const std::string& text, double x, double y, const TextStyle& 
   if (text.empty()) return;
   const double width = text_width(text, style), height = style.cap_height_px;
   const int border = static_cast<int>(std::ceil(height));
-  const cv::Size box(static_cast<int>(std::ceil(width)), static_cast<int>(std::ceil(height)));
-  const cv::Mat mask = text_mask(text, style, border, box);
+  cv::Mat1b mask = lettering().coverage(text, size_of(style), border);
+  if (style.upwards) cv::rotate(mask, mask, cv::ROTATE_90_COUNTERCLOCKWISE);
   // Upwards, the text runs against y, and its capitals rise against x.
   const double left = x + (style.upwards ? shift(style.down, height) : shift(style.across, width));
   const double top = y + (style.upwards ? shift(style.across, width) : shift(style.down, height));

@@ -48,6 +48,10 @@ class Canvas
   void polygon(
       const std::vector<cv::Point2d>& corners, const cv::Scalar& inside, const cv::Scalar& edge,
       double edge_px);
+  /** An open line through the points. */
+  void line(const std::vector<cv::Point2d>& points, const cv::Scalar& colour, double width_px);
+  void ring(const cv::Point2d& middle, double radius_px, const cv::Scalar& colour, double width_px);
+  /** In UTF-8. */
   void text(const std::string& text, double x, double y, const TextStyle& style);
   static double text_width(const std::string& text, const TextStyle& style);
 

@@ -2,6 +2,7 @@
 #include <talus/io/map_picture.h>
 
 #include "picture_canvas.h"
+#include "picture_marks.h"
 #include "picture_style.h"
 
 #include <string>
@@ -9,24 +10,35 @@
 
 namespace talus::io
 {
-/** Room around the cells of a panel, pixels. */
-struct PanelMargins
+/** The area of a map on a picture. */
+struct Plot
 {
-  int left = 84, right = 176, top = 44, bottom = 60;
+  cv::Rect area;
+  double min_x_m = 0, min_y_m = 0, width_m = 0, height_m = 0;
+
+  Plot(const cv::Rect& area_, const LayerStack& stack);
+  /** Of a place of the map frame. */
+  cv::Point2d pixel(double x_m, double y_m) const;
 };
 
-/** How large the cells of every panel are drawn, pixels. */
-cv::Size plot_size(const LayerStack& stack);
+/** How large the cells of a stack are drawn so that their longer side has about `wanted_px`. */
+cv::Size plot_size(const LayerStack& stack, double wanted_px);
 
-/** One layer with its title, axes, robot and colour scale; `corner` is the upper left corner of the
- * margins. `values` as shown_values(). */
+/** Cells (a pixel each) in the size of the plot, with a frame. */
+void draw_cells(Canvas& canvas, const Plot& plot, const cv::Mat& cells);
+/** Ticks in metres, left and below. */
+void draw_axes(Canvas& canvas, const Plot& plot);
+/** The robot as `length_px` if it is on the plot. */
+void draw_robot_on(
+    Canvas& canvas, const Plot& plot, const PictureOptions& options, double length_px);
+void say_when_empty(Canvas& canvas, const Plot& plot, const std::vector<float>& values);
+
+constexpr int kScaleRoom_px = 134;  //!< right of a small panel, for what its colours mean
+
+/** One layer with its title, robot and colour scale, small. `values` as shown_values(). */
 void draw_panel(
-    Canvas& canvas, cv::Point corner, const LayerStack& stack, const LayerStyle& style,
+    Canvas& canvas, const Plot& plot, const LayerStack& stack, const LayerStyle& style,
     const std::vector<float>& values, const ColourRange& range, const PictureOptions& options);
-
-/** The arrow that stands for the robot, `length_px` long, with its middle at a point; `yaw_rad`
- * counter-clockwise from the right. */
-void draw_robot(Canvas& canvas, cv::Point2d middle, double yaw_rad, double length_px);
 
 /** Round numbers (1, 2 or 5 times a power of ten apart) from low to high, at most `most` + 1. */
 std::vector<double> ticks_between(double low, double high, int most);

@@ -14,7 +14,6 @@ namespace talus::site
 {
 namespace
 {
-constexpr int kLegend_px = 620;
 const cv::Vec3b kGround(214, 212, 210), kOnlyOne(238, 234, 230), kStands(128, 122, 120);
 /** BGR, by Change. */
 const std::array<cv::Vec3b, kChangeCount> kColours{
@@ -45,7 +44,7 @@ Marks marks_of(Site& from, Site& to, int floor, double step_m, const RasterPlace
           const cv::Point at(
               place.column_of(std::int64_t{key.x} * kTileCells + i % kTileCells),
               place.row_of(std::int64_t{key.y} * kTileCells + i / kTileCells));
-          if (!cv::Rect(0, 0, place.width, place.height).contains(at)) continue;
+          if (!place.contains(at)) continue;
           m.common(at) = 1;
           if (c.kind == Change::None || std::abs(c.change_m) <= largest_m(at)) continue;
           largest_m(at) = std::abs(c.change_m);
@@ -59,7 +58,7 @@ Marks marks_of(Site& from, Site& to, int floor, double step_m, const RasterPlace
 
 cv::Mat3b colours_of_cells(const SiteRaster& r, const Marks& marks, double pixel_m)
 {
-  const cv::Mat1f shade = hill_shade(r.ground_m, pixel_m);
+  const cv::Mat1f shade = io::hill_shade(r.ground_m, pixel_m);
   cv::Mat3b image(r.ground_m.size(), kNotSeen);
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
@@ -68,23 +67,22 @@ cv::Mat3b colours_of_cells(const SiteRaster& r, const Marks& marks, double pixel
       else if (r.obstacle(y, x) != 0)
         image(y, x) = kStands;
       else
-        image(y, x) = lit(marks.common(y, x) != 0 ? kGround : kOnlyOne, shade(y, x));
+        image(y, x) = io::lit(marks.common(y, x) != 0 ? kGround : kOnlyOne, shade(y, x));
   return image;
 }
 
-void add_kinds(PictureSheet& sheet, const ChangeSums& sums)
+void add_kinds(io::Legend& legend, const ChangeSums& sums)
 {
-  sheet.add_heading("Changed");
   for (const Change c : {Change::Built, Change::Dug, Change::Gone, Change::Appeared})
   {
     const auto i = static_cast<std::size_t>(c);
-    sheet.add_swatch(kColours[i], std::string(kWords[i]) + ": " + area_text(sums.area_m2(c)));
+    legend.swatch(kColours[i], std::string(kWords[i]) + ": " + area_text(sums.area_m2(c)));
   }
-  sheet.add_gap(10);
-  sheet.add_swatch(kGround, "as before");
-  sheet.add_swatch(kStands, "stands on the ground");
-  sheet.add_swatch(kOnlyOne, "not seen both times");
-  sheet.add_swatch(kNotSeen, "not seen");
+  legend.new_row();
+  legend.swatch(kGround, "as before");
+  legend.swatch(kStands, "stands on the ground");
+  legend.swatch(kOnlyOne, "not seen both times");
+  legend.swatch(kNotSeen, "not seen");
 }
 
 std::vector<std::string> subtitles(
@@ -104,7 +102,7 @@ std::vector<std::string> subtitles(
 void write_changes_picture(
     const std::string& path, Site& from, Site& to, int floor, double step_m, const ChangeSums& sums)
 {
-  const RasterPlace place(known_box(to, floor), to.resolution_m, kMostPlotPixels);
+  const RasterPlace place(known_box(to, floor), page_turn(to, floor), to.resolution_m);
   const SiteRaster raster(to, floor, place);
   std::uint32_t before_s = 0;
   for_each_known(
@@ -112,15 +110,12 @@ void write_changes_picture(
       [&](std::int64_t, std::int64_t, const SiteCell& s)
       { before_s = std::max(before_s, s.seen_s); });
   const Marks marks = marks_of(from, to, floor, step_m, place);
-  PictureSheet sheet(place, kLegend_px);
+  PictureSheet sheet(place);
   sheet.paint(colours_of_cells(raster, marks, place.pixel_m), raster.measured);
-  sheet.draw_titles("What changed", subtitles(before_s, raster.newest_s, sums, step_m));
-  sheet.draw_axes();
-  add_kinds(sheet, sums);
-  sheet.add_gap(14);
-  sheet.add_scale_bar();
-  sheet.add_north(to.origin ? to.origin->heading_deg : 0, to.origin ? "" : "y of the map");
-  io::write_png(path, sheet.finish());
+  add_kinds(sheet.legend(), sums);
+  sheet.add_scale_and_north(to.origin);
+  io::write_png(
+      path, sheet.finish("What changed", subtitles(before_s, raster.newest_s, sums, step_m)));
 }
 
 }  // namespace talus::site

@@ -1,7 +1,7 @@
 #include "picture_sheet.h"
 
+#include <picture_marks.h>
 #include <picture_panel.h>
-#include <picture_style.h>
 #include <talus/number_text.h>
 
 #include <opencv2/imgproc.hpp>
@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
 
 namespace talus::site
 {
@@ -20,253 +21,178 @@ using io::kFaintInk;
 using io::kInk;
 using io::TextStyle;
 
-constexpr int kLeft = 96, kTop = 124, kLeastWidth = 800, kBottom = 72, kColumn = 212, kEdge = 28;
-constexpr int kTick = 6, kSwatch = 20, kRow = 32;
-const cv::Scalar kWayColour(96, 0, 128), kHalo(255, 255, 255), kGrid(208, 204, 202);
+/// @name Pixels of a small page
+/// @{
+constexpr double kEdge = 28, kLeft = 84, kTop = 112, kBelow = 62, kColumn = 230;
+constexpr double kTick = 6, kText = 10;
+constexpr int kLeastWidth = 760;
+/// @}
+constexpr double kSmallPage_px = 1500;  //!< the long side of one that needs no larger text
+const cv::Scalar kGrid(214, 210, 208);
 
-const TextStyle kPlain{12, kInk, false, Anchor::Start, Anchor::Middle, false};
-const TextStyle kBold{12, kInk, true, Anchor::Start, Anchor::Middle, false};
+double scale_of(const cv::Size& page)
+{
+  return std::clamp(std::max(page.width, page.height) / kSmallPage_px, 1.0, 2.0);
+}
 
 /** Whole metres. */
-std::vector<double> ticks(double low, double high, int pixels)
+std::vector<double> ticks(double low, double high, double most_ticks)
 {
-  const int most = std::max(1, std::min(pixels / 90, static_cast<int>(high - low)));
+  const int most =
+      std::max(1, std::min(static_cast<int>(most_ticks), static_cast<int>(high - low)));
   return io::ticks_between(low, high, most);
-}
-
-void draw_line(cv::Mat& on, const std::vector<cv::Point>& points, const cv::Scalar& c, int width)
-{
-  cv::polylines(on, points, false, c, width, cv::LINE_AA, 4);
-}
-
-cv::Point fixed_point(const cv::Point2d& p)
-{
-  return {static_cast<int>(std::lround(p.x * 16)), static_cast<int>(std::lround(p.y * 16))};
-}
-
-void draw_start(cv::Mat& on, const cv::Point& p)
-{
-  cv::circle(on, p, 10 * 16, kHalo, 7, cv::LINE_AA, 4);  // the end may lie in it
-  cv::circle(on, p, 10 * 16, kWayColour, 3, cv::LINE_AA, 4);
-}
-void draw_end(cv::Mat& on, const cv::Point& p)
-{
-  const auto square = [&](int half, const cv::Scalar& c)
-  {
-    const cv::Point d(half * 16, half * 16);
-    cv::rectangle(on, p - d, p + d, c, cv::FILLED, cv::LINE_AA, 4);
-  };
-  square(7, kHalo);
-  square(5, kWayColour);
 }
 }  // namespace
 
-cv::Vec3b mixed(const cv::Vec3b& a, const cv::Vec3b& b, float part_b)
-{
-  cv::Vec3b m;
-  for (int k = 0; k < 3; ++k) m[k] = cv::saturate_cast<uchar>((1 - part_b) * a[k] + part_b * b[k]);
-  return m;
-}
-
-cv::Vec3b lit(const cv::Vec3b& colour, float shade)
-{
-  constexpr float kDarkest = 0.4F, kLevel = 0.7071F;
-  cv::Vec3b c;
-  for (int k = 0; k < 3; ++k)
-    c[k] = cv::saturate_cast<uchar>(colour[k] * (kDarkest + (1 - kDarkest) * shade / kLevel));
-  return c;
-}
-
-PictureSheet::PictureSheet(const RasterPlace& place, int legend_px)
+PictureSheet::PictureSheet(const RasterPlace& place)
     : place_(place),
-      plot_(cv::Point(kLeft, kTop), place.drawn_size()),
-      canvas_(
-          std::max(kLeft + plot_.width + kColumn + 2 * kEdge, kLeastWidth),
-          kTop + std::max(plot_.height, legend_px) + kBottom),
-      map_(plot_.size(), kNotSeen),
-      next_y_(kTop)
+      scale_(scale_of(place.page)),
+      map_(place.page.width, place.page.height),
+      legend_(scale_),
+      least_x_m_(std::numeric_limits<double>::infinity()),
+      most_x_m_(-least_x_m_),
+      least_y_m_(least_x_m_),
+      most_y_m_(-least_x_m_)
 {
-  const double x1 = place.min_x_m + place.width * place.pixel_m;
-  const double y0 = place.max_y_m - place.height * place.pixel_m;
-  for (const double t : ticks(place.min_x_m, x1, plot_.width))
-    cv::line(
-        map_, cv::Point(cvRound(place.drawn(t, 0).x), 0),
-        cv::Point(cvRound(place.drawn(t, 0).x), plot_.height), kGrid);
-  for (const double t : ticks(y0, place.max_y_m, plot_.height))
-    cv::line(
-        map_, cv::Point(0, cvRound(place.drawn(0, t).y)),
-        cv::Point(plot_.width, cvRound(place.drawn(0, t).y)), kGrid);
+  const double w = place.page.width, h = place.page.height;
+  for (const cv::Point2d& corner : {cv::Point2d(0, 0), {w, 0}, {0, h}, {w, h}})
+  {
+    const cv::Point2d p = place.place_of(corner);
+    least_x_m_ = std::min(least_x_m_, p.x);
+    most_x_m_ = std::max(most_x_m_, p.x);
+    least_y_m_ = std::min(least_y_m_, p.y);
+    most_y_m_ = std::max(most_y_m_, p.y);
+  }
+  map_.fill({{0, 0}, place.page}, cv::Scalar(kNotSeen));
+  draw_grid();
+}
+
+int PictureSheet::px(double unscaled) const { return cvRound(unscaled * scale_); }
+
+std::vector<double> PictureSheet::x_ticks() const
+{
+  const double px_of_all = (most_x_m_ - least_x_m_) * place_.page_px_per_m();
+  return ticks(least_x_m_, most_x_m_, px_of_all / (80 * scale_));
+}
+
+std::vector<double> PictureSheet::y_ticks() const
+{
+  const double px_of_all = (most_y_m_ - least_y_m_) * place_.page_px_per_m();
+  return ticks(least_y_m_, most_y_m_, px_of_all / (45 * scale_));
+}
+
+void PictureSheet::draw_grid()
+{
+  for (const double t : x_ticks())
+    map_.line({place_.drawn(t, least_y_m_), place_.drawn(t, most_y_m_)}, kGrid, 1);
+  for (const double t : y_ticks())
+    map_.line({place_.drawn(least_x_m_, t), place_.drawn(most_x_m_, t)}, kGrid, 1);
 }
 
 void PictureSheet::paint(const cv::Mat3b& cells, const cv::Mat1b& known)
 {
-  cv::Mat large, mask;
-  cv::resize(cells, large, plot_.size(), 0, 0, cv::INTER_NEAREST);
-  cv::resize(known, mask, plot_.size(), 0, 0, cv::INTER_NEAREST);
-  large.copyTo(map_, mask);
+  const cv::Mat1b whole = known > 0;
+  const cv::Mat image = place_.on_page(cells, cv::INTER_LINEAR);
+  const cv::Mat mask = place_.on_page(whole, cv::INTER_NEAREST);
+  cv::Mat map = map_.image().clone();
+  image.copyTo(map, mask);
+  map_.paste(map, 0, 0);
 }
 
 void PictureSheet::draw_ways(const std::vector<std::vector<WayPoint>>& ways, int floor)
 {
-  std::vector<std::vector<cv::Point>> lines;
+  std::vector<std::vector<cv::Point2d>> lines;
   for (const auto& way : ways)
   {
     auto& line = lines.emplace_back();
     for (const WayPoint& p : way)
-      if (p.floor == floor) line.push_back(fixed_point(place_.drawn(p.x_m, p.y_m)));
+      if (p.floor == floor) line.push_back(place_.drawn(p.x_m, p.y_m));
   }
-  constexpr double kFarAway_m = 0.25;  // the robot is narrower than the line then
-  const int width = place_.pixel_m > kFarAway_m ? 2 : 3;
-  for (const auto& line : lines) draw_line(map_, line, kHalo, width + 2);
-  for (const auto& line : lines) draw_line(map_, line, kWayColour, width);
-  for (const auto& line : lines)
-    if (!line.empty())
-    {
-      draw_end(map_, line.back());
-      draw_start(map_, line.front());
-    }
+  io::draw_ways(map_, lines, 3 * scale_, 9 * scale_);
 }
 
-void PictureSheet::draw_titles(const std::string& title, const std::vector<std::string>& lines)
+double PictureSheet::on_edge(bool is_x, double t) const
 {
-  const TextStyle large{19, kInk, true, Anchor::Start, Anchor::Middle, false};
-  const TextStyle small{12.5, kFaintInk, false, Anchor::Start, Anchor::Middle, false};
-  canvas_.text(title, kLeft - 1, 36, large);
-  int y = 68;
-  for (const std::string& line : lines)
-  {
-    canvas_.text(line, kLeft - 1, y, small);
-    y += 24;
-  }
+  // Two points of the line on the page, and where it goes through the edge.
+  const cv::Point2d a = is_x ? place_.drawn(t, least_y_m_) : place_.drawn(least_x_m_, t);
+  const cv::Point2d b = is_x ? place_.drawn(t, most_y_m_) : place_.drawn(most_x_m_, t);
+  const double w = place_.page.width, h = place_.page.height;
+  const double part = is_x ? (h - a.y) / (b.y - a.y) : (0 - a.x) / (b.x - a.x);
+  const double at = is_x ? a.x + part * (b.x - a.x) : a.y + part * (b.y - a.y);
+  return at >= 0 && at <= (is_x ? w : h) ? at : std::numeric_limits<double>::quiet_NaN();
 }
 
-void PictureSheet::draw_axes()
+void PictureSheet::draw_axes(Canvas& page, const cv::Rect& plot) const
 {
-  const double x1 = place_.min_x_m + place_.width * place_.pixel_m;
-  const double y0 = place_.max_y_m - place_.height * place_.pixel_m;
-  TextStyle style = kPlain;
-  style.across = Anchor::Middle;
-  style.down = Anchor::Start;
-  const int bottom = plot_.y + plot_.height;
-  for (const double t : ticks(place_.min_x_m, x1, plot_.width))
+  TextStyle style{kText * scale_, kInk, false, Anchor::Middle, Anchor::Start, false};
+  const int bottom = plot.br().y, tick = px(kTick);
+  for (const double t : x_ticks())
   {
-    const int x = plot_.x + cvRound(place_.drawn(t, 0).x);
-    canvas_.vertical(x, bottom, bottom + kTick, kInk);
-    canvas_.text(io::tick_text(t, 1), x, bottom + kTick + 7, style);
+    const double at = on_edge(true, t);
+    if (std::isnan(at)) continue;
+    page.vertical(plot.x + cvRound(at), bottom, bottom + tick, kInk);
+    page.text(io::tick_text(t, 1), plot.x + at, bottom + tick + px(7), style);
   }
   TextStyle label = style;
   label.colour = kFaintInk;
-  canvas_.text("x [m]", plot_.x + plot_.width / 2.0, bottom + kTick + 34, label);
+  page.text("x [m]", plot.x + plot.width / 2.0, bottom + tick + px(30), label);
   style.across = Anchor::End;
   style.down = Anchor::Middle;
-  for (const double t : ticks(y0, place_.max_y_m, plot_.height))
+  for (const double t : y_ticks())
   {
-    const int y = plot_.y + cvRound(place_.drawn(0, t).y);
-    canvas_.horizontal(plot_.x - 1 - kTick, plot_.x - 1, y, kInk);
-    canvas_.text(io::tick_text(t, 1), plot_.x - kTick - 7, y, style);
+    const double at = on_edge(false, t);
+    if (std::isnan(at)) continue;
+    page.horizontal(plot.x - 1 - tick, plot.x - 1, plot.y + cvRound(at), kInk);
+    page.text(io::tick_text(t, 1), plot.x - tick - px(7), plot.y + at, style);
   }
   label.upwards = true;
-  canvas_.text("y [m]", 14, plot_.y + plot_.height / 2.0, label);
+  page.text("y [m]", px(14), plot.y + plot.height / 2.0, label);
 }
 
-void PictureSheet::add_heading(const std::string& text)
+void PictureSheet::draw_titles(
+    Canvas& page, const std::string& title, const std::vector<std::string>& lines) const
 {
-  canvas_.text(text, plot_.x + plot_.width + kEdge, next_y_ + 8, kBold);
-  next_y_ += kRow;
-}
-
-void PictureSheet::add_swatch(const cv::Vec3b& colour, const std::string& words)
-{
-  const cv::Rect swatch(plot_.x + plot_.width + kEdge, next_y_, kSwatch, kSwatch);
-  canvas_.fill(swatch, cv::Scalar(colour[0], colour[1], colour[2]));
-  canvas_.frame(swatch, kFaintInk);
-  canvas_.text(words, swatch.x + kSwatch + 12, next_y_ + kSwatch / 2.0, kPlain);
-  next_y_ += kRow;
-}
-
-void PictureSheet::add_scores()
-{
-  add_heading("Traversability");
-  const cv::Rect bar(plot_.x + plot_.width + kEdge, next_y_, kSwatch, 150);
-  cv::Mat scale;
-  cv::flip(io::colours_of(io::Palette::Scores), scale, 0);
-  cv::resize(scale, scale, bar.size(), 0, 0, cv::INTER_LINEAR);
-  canvas_.paste(scale, bar.x, bar.y);
-  canvas_.frame(bar, kFaintInk);
-  const std::vector<std::string> words{"1 free", "0.5", "0 blocked"};
-  for (std::size_t i = 0; i < words.size(); ++i)
+  const TextStyle large{17 * scale_, kInk, true, Anchor::Start, Anchor::Middle, false};
+  const TextStyle small{11 * scale_, kFaintInk, false, Anchor::Start, Anchor::Middle, false};
+  page.text(title, px(kLeft) - 1, px(34), large);
+  int y = px(62);
+  for (const std::string& line : lines)
   {
-    const int y = bar.y + static_cast<int>(i) * (bar.height - 1) / 2;
-    canvas_.horizontal(bar.x + bar.width, bar.x + bar.width + kTick, y, kInk);
-    canvas_.text(words[i], bar.x + kSwatch + 12, y, kPlain);
+    page.text(line, px(kLeft) - 1, y, small);
+    y += px(22);
   }
-  next_y_ += bar.height + 22;
 }
 
-void PictureSheet::add_ways()
+void PictureSheet::add_scale_and_north(const std::optional<GeoOrigin>& origin)
 {
-  const int x = plot_.x + plot_.width + kEdge;
-  cv::Mat3b symbol(kSwatch + 8, 3 * kSwatch + 4, kWhite);
-  const int y = (kSwatch / 2 + 4) * 16;
-  draw_line(symbol, {{14 * 16, y}, {54 * 16, y}}, kWayColour, 3);
-  draw_start(symbol, {14 * 16, y});
-  draw_end(symbol, {54 * 16, y});
-  canvas_.paste(symbol, x - 2, next_y_ - 4);
-  canvas_.text("way: start, end", x + 3 * kSwatch + 8, next_y_ + kSwatch / 2.0, kPlain);
-  next_y_ += kRow;
+  constexpr double kDegree = 3.14159265358979323846 / 180;
+  legend_.scale_bar(place_.page_px_per_m());
+  if (!origin && place_.turn_rad == 0) return;  // the axes say it all
+  // Of a map that nobody placed on Earth the y axis is all that can be shown.
+  const double heading_rad = origin ? origin->heading_deg * kDegree : 0;
+  legend_.north(
+      place_.turn_rad - heading_rad, origin ? "N" : "y", origin ? "" : "y axis of the map");
 }
 
-void PictureSheet::add_scale_bar()
+cv::Mat PictureSheet::finish(const std::string& title, const std::vector<std::string>& lines)
 {
-  constexpr double kWidest = 170;
-  const double px_per_m = place_.pixels_per_cell / place_.pixel_m;
-  const auto steps = io::ticks_between(0, kWidest / px_per_m, 1);
-  double length_m = steps.size() > 1 ? steps[1] : kWidest / px_per_m;
-  for (const double part : {5.0, 2.0, 1.0})
-  {
-    const double ten = std::pow(10.0, std::floor(std::log10(kWidest / px_per_m)));
-    if (part * ten * px_per_m > kWidest) continue;
-    length_m = part * ten;
-    break;
-  }
-  const int x = plot_.x + plot_.width + kEdge, width = cvRound(length_m * px_per_m);
-  for (int i = 0; i < 4; ++i)
-  {
-    const int from = x + i * width / 4, to = x + (i + 1) * width / 4;
-    canvas_.fill({from, next_y_, to - from, 8}, i % 2 == 0 ? kInk : io::kPaper);
-  }
-  canvas_.frame({x, next_y_, width, 8}, kInk);
-  const int decimals = length_m < 1 ? 1 : 0;
-  const bool far = length_m >= 1000;
-  canvas_.text(
-      far ? fixed_text(length_m / 1000, 0) + " km" : fixed_text(length_m, decimals) + " m", x,
-      next_y_ + 24, kPlain);
-  next_y_ += 54;
-}
-
-void PictureSheet::add_north(double heading_deg, const std::string& words)
-{
-  constexpr double kPi = 3.14159265358979323846;
-  const double heading_rad = heading_deg * kPi / 180;
-  const cv::Point2d middle(plot_.x + plot_.width + kEdge + 34, next_y_ + 42);
-  const cv::Point2d north(std::sin(heading_rad), -std::cos(heading_rad)), east(-north.y, north.x);
-  const cv::Point2d tip = middle + north * 30, notch = middle - north * 12;
-  canvas_.polygon({tip, middle - north * 24 + east * 15, notch}, kInk, kInk, 0.5);
-  canvas_.polygon({tip, middle - north * 24 - east * 15, notch}, io::kPaper, kInk, 0.5);
-  const TextStyle letter{14, kInk, true, Anchor::Middle, Anchor::Middle, false};
-  const cv::Point2d at = middle + north * 44;
-  canvas_.text("N", at.x, at.y, letter);
-  const TextStyle small{11, kFaintInk, false, Anchor::Start, Anchor::Middle, false};
-  canvas_.text(words, middle.x + 36, middle.y, small);
-  next_y_ += 96;
-}
-
-cv::Mat PictureSheet::finish()
-{
-  canvas_.paste(map_, plot_.x, plot_.y);
-  canvas_.frame(plot_, kInk);
-  const int used_px = std::max(plot_.y + plot_.height + kBottom, next_y_ + kEdge);
-  return canvas_.image().rowRange(0, std::min(used_px, canvas_.image().rows)).clone();
+  const cv::Rect plot({px(kLeft), px(kTop)}, map_.image().size());
+  const bool is_wide = plot.width >= px(kLeastWidth) && plot.width > 1.3 * plot.height;
+  const int column = px(kColumn);
+  const int room = is_wide ? plot.width : column, legend_px = legend_.height_px(room);
+  const int width =
+      std::max(plot.br().x + px(kEdge) + (is_wide ? 0 : column + px(kEdge)), px(kLeastWidth));
+  const int below = plot.br().y + px(kBelow);
+  Canvas page(
+      width,
+      is_wide ? below + legend_px + px(kEdge) : std::max(below, plot.y + legend_px + px(kEdge)));
+  page.paste(map_.image(), plot.x, plot.y);
+  page.frame(plot, kInk);
+  draw_titles(page, title, lines);
+  draw_axes(page, plot);
+  legend_.draw(
+      page, is_wide ? cv::Point(plot.x, below) : cv::Point(plot.br().x + px(kEdge), plot.y), room);
+  return page.image();
 }
 
 double length_m(const std::vector<std::vector<WayPoint>>& ways, int floor)
@@ -284,8 +210,8 @@ double length_m(const std::vector<std::vector<WayPoint>>& ways, int floor)
 std::string area_text(double area_m2)
 {
   const int decimals = area_m2 < 10 ? 2 : area_m2 < 100 ? 1 : 0;
-  if (area_m2 >= 1e6) return fixed_text(area_m2 / 1e6, 3) + " km2";
-  return fixed_text(area_m2, decimals) + " m2";
+  if (area_m2 >= 1e6) return fixed_text(area_m2 / 1e6, 3) + " km\u00b2";
+  return fixed_text(area_m2, decimals) + " m\u00b2";
 }
 
 std::string time_text(std::uint32_t seen_s)

@@ -12,33 +12,52 @@ namespace talus::site
 {
 namespace
 {
-constexpr double kRoom = 0.03;  //!< around the box, of its longer side
+constexpr double kRoom = 0.015;  //!< around what is seen, of its longer side
 constexpr double kLeastRoom_m = 0.3;
-constexpr double kLeastObstacle_m = 0.05;  //!< lower than that it is a rough ground
-constexpr double kSmoothed_m = 0.15;  //!< standard deviation, against the noise of single cells
-constexpr float kSteepness = 3;  //!< heights are shown so many times as high
+/// @name Pixels of a page
+/// @{
+constexpr double kMostLong_px = 3000, kMostArea_px = 6e6;
+constexpr double kWanted_px = 1200;  //!< its long side, where there are few cells
+constexpr int kMostPerCell_px = 8;
+/// @}
 
-int most_pixels_per_cell(std::int64_t cells, int most_pixels)
+int cells_per_pixel_of(double width_cells, double height_cells)
 {
-  return static_cast<int>(std::clamp<std::int64_t>(most_pixels / cells, 1, 8));
+  const double by_length = std::max(width_cells, height_cells) / kMostLong_px;
+  const double by_area = std::sqrt(width_cells * height_cells / kMostArea_px);
+  return std::max(1, static_cast<int>(std::ceil(std::max(by_length, by_area))));
+}
+
+cv::Matx22d turning(double rad)
+{
+  return {std::cos(rad), -std::sin(rad), std::sin(rad), std::cos(rad)};
 }
 }  // namespace
 
-RasterPlace::RasterPlace(const CellBox& box, double resolution_m, int most_pixels)
+RasterPlace::RasterPlace(const CellBox& box, const PageTurn& turn, double resolution_m)
+    : turn_rad(turn.turn_rad)
 {
-  const std::int64_t longest = std::max(box.max_x - box.min_x, box.max_y - box.min_y) + 1;
-  const auto room = static_cast<std::int64_t>(
-      std::ceil(std::max(kRoom * static_cast<double>(longest), kLeastRoom_m / resolution_m)));
-  const std::int64_t cells = longest + 2 * room;
-  cells_per_pixel = static_cast<int>((cells + most_pixels - 1) / most_pixels);
-  pixels_per_cell = most_pixels_per_cell(cells, most_pixels);
+  const double longest = std::max(turn.max_x - turn.min_x, turn.max_y - turn.min_y);
+  const double room = std::ceil(std::max(kRoom * longest, kLeastRoom_m / resolution_m));
+  const double wide = turn.max_x - turn.min_x + 2 * room;
+  const double high = turn.max_y - turn.min_y + 2 * room;
+  cells_per_pixel = cells_per_pixel_of(wide, high);
+  if (cells_per_pixel == 1)
+    pixels_per_cell =
+        std::clamp(static_cast<int>(kWanted_px / std::max(wide, high)), 1, kMostPerCell_px);
   pixel_m = cells_per_pixel * resolution_m;
-  left_cell_ = box.min_x - room;
-  top_cell_ = box.max_y + room;
-  width = column_of(box.max_x + room) + 1;
-  height = row_of(box.min_y - room) + 1;
-  min_x_m = static_cast<double>(left_cell_) * resolution_m;
-  max_y_m = static_cast<double>(top_cell_ + 1) * resolution_m;
+  // Not turned, the raster is the page, and cells fall on whole pixels.
+  const bool is_turned = turn_rad != 0;
+  const auto margin = is_turned ? std::int64_t{2} : static_cast<std::int64_t>(room);
+  left_cell_ = box.min_x - margin;
+  top_cell_ = box.max_y + margin;
+  width = column_of(box.max_x + margin) + 1;
+  height = row_of(box.min_y - margin) + 1;
+  page_left_m_ = (is_turned ? turn.min_x - room : static_cast<double>(left_cell_)) * resolution_m;
+  page_top_m_ = (is_turned ? turn.max_y + room : static_cast<double>(top_cell_ + 1)) * resolution_m;
+  const double px_per_cell = static_cast<double>(pixels_per_cell) / cells_per_pixel;
+  page = is_turned ? cv::Size(cvCeil(wide * px_per_cell), cvCeil(high * px_per_cell))
+                   : cv::Size(width * pixels_per_cell, height * pixels_per_cell);
 }
 
 int RasterPlace::column_of(std::int64_t cell_x) const
@@ -52,15 +71,47 @@ int RasterPlace::row_of(std::int64_t cell_y) const
 
 cv::Point2d RasterPlace::drawn(double x_m, double y_m) const
 {
-  const double scale = pixels_per_cell / pixel_m;
-  return {(x_m - min_x_m) * scale, (max_y_m - y_m) * scale};
+  const cv::Vec2d turned = turning(turn_rad) * cv::Vec2d(x_m, y_m);
+  return cv::Point2d(turned[0] - page_left_m_, page_top_m_ - turned[1]) * page_px_per_m();
+}
+
+cv::Point2d RasterPlace::place_of(const cv::Point2d& drawn) const
+{
+  const cv::Point2d turned_m(
+      page_left_m_ + drawn.x / page_px_per_m(), page_top_m_ - drawn.y / page_px_per_m());
+  return cv::Point2d(turning(-turn_rad) * cv::Vec2d(turned_m.x, turned_m.y));
+}
+
+cv::Mat RasterPlace::on_page(const cv::Mat& raster, int interpolation) const
+{
+  cv::Mat image;
+  cv::resize(raster, image, {}, pixels_per_cell, pixels_per_cell, cv::INTER_NEAREST);
+  if (turn_rad == 0) return image;
+  // From where the corners of the raster lie on the page.
+  const double resolution_m = pixel_m / cells_per_pixel;
+  const double left_m = static_cast<double>(left_cell_) * resolution_m;
+  const double top_m = static_cast<double>(top_cell_ + 1) * resolution_m;
+  const cv::Point2f raster_corners[3]{
+      {-0.5F, -0.5F},
+      {static_cast<float>(image.cols) - 0.5F, -0.5F},
+      {-0.5F, static_cast<float>(image.rows) - 0.5F}};
+  const cv::Point2d half(0.5, 0.5);
+  const cv::Point2f page_corners[3]{
+      drawn(left_m, top_m) - half, drawn(left_m + width * pixel_m, top_m) - half,
+      drawn(left_m, top_m - height * pixel_m) - half};
+  cv::Mat turned;
+  cv::warpAffine(
+      image, turned, cv::getAffineTransform(raster_corners, page_corners), page, interpolation,
+      cv::BORDER_CONSTANT, cv::Scalar::all(0));
+  return turned;
 }
 
 SiteRaster::SiteRaster(Site& site, int floor, const RasterPlace& place)
-    : ground_m(place.height, place.width, 0.0F),
-      score(place.height, place.width, std::numeric_limits<float>::quiet_NaN()),
-      obstacle(place.height, place.width, uchar{0}),
-      measured(place.height, place.width, uchar{0})
+    : io::Terrain{
+          cv::Mat1f(place.height, place.width, 0.0F),
+          cv::Mat1f(place.height, place.width, std::numeric_limits<float>::quiet_NaN()),
+          cv::Mat1b(place.height, place.width, uchar{0}),
+          cv::Mat1b(place.height, place.width, uchar{0})}
 {
   cv::Mat1f count(place.height, place.width, 0.0F);
   for_each_known(
@@ -76,46 +127,12 @@ SiteRaster::SiteRaster(Site& site, int floor, const RasterPlace& place)
         highest_m = std::max(highest_m, c.ground_m);
         newest_s = std::max(newest_s, s.seen_s);
         count(at) += 1;
-        ground_m(at) += (c.ground_m - ground_m(at)) / count(at);
-        score(at) = std::fmin(score(at), c.traversability);
+        ground_m(at) += (c.ground_m - ground_m(at)) / count(at);  // the mean
+        score(at) = std::fmin(score(at), c.traversability);  // the worst
         measured(at) = std::max(measured(at), static_cast<uchar>(measures ? 2 : 1));
-        if (c.elevation_m - c.ground_m > kLeastObstacle_m) obstacle(at) = 1;
+        if (c.elevation_m - c.ground_m > io::kLeastObstacle_m) obstacle(at) = 1;
       });
   ground_m.setTo(std::numeric_limits<float>::quiet_NaN(), measured == 0);
-}
-
-cv::Mat1f hill_shade(const cv::Mat1f& ground_m, double pixel_m)
-{
-  cv::Mat1f weight(ground_m.size()), height(ground_m.size());
-  for (int y = 0; y < ground_m.rows; ++y)
-    for (int x = 0; x < ground_m.cols; ++x)
-    {
-      weight(y, x) = std::isnan(ground_m(y, x)) ? 0.0F : 1.0F;
-      height(y, x) = std::isnan(ground_m(y, x)) ? 0.0F : ground_m(y, x);
-    }
-  const double sigma = std::max(0.8, kSmoothed_m / pixel_m);
-  cv::GaussianBlur(height, height, {}, sigma);
-  cv::GaussianBlur(weight, weight, {}, sigma);
-  cv::Mat1f smooth(ground_m.size());
-  for (int y = 0; y < ground_m.rows; ++y)
-    for (int x = 0; x < ground_m.cols; ++x)
-      smooth(y, x) = weight(y, x) > 1e-3F ? height(y, x) / weight(y, x) : 0.0F;
-  cv::Mat1f shade(ground_m.size(), 0.7F);
-  const auto step = static_cast<float>(2 * pixel_m);
-  for (int y = 1; y + 1 < ground_m.rows; ++y)
-    for (int x = 1; x + 1 < ground_m.cols; ++x)
-    {
-      if (!(weight(y, x - 1) > 1e-3F && weight(y, x + 1) > 1e-3F && weight(y - 1, x) > 1e-3F &&
-            weight(y + 1, x) > 1e-3F))
-        continue;
-      const float east = kSteepness * (smooth(y, x + 1) - smooth(y, x - 1)) / step;
-      const float north = kSteepness * (smooth(y - 1, x) - smooth(y + 1, x)) / step;
-      // The light stands 45 degrees high in the north-west.
-      const float cosine =
-          (0.5F * east - 0.5F * north + 0.7071F) / std::sqrt(1 + east * east + north * north);
-      shade(y, x) = std::clamp(cosine, 0.0F, 1.0F);
-    }
-  return shade;
 }
 
 }  // namespace talus::site

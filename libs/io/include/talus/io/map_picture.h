@@ -3,20 +3,26 @@
 
 #include <opencv2/core.hpp>
 
+#include <string>
+#include <vector>
+
 namespace talus::io
 {
 /** What is written and drawn beside the layers. */
 struct PictureOptions
 {
-  std::string title;  //!< e.g. the name of the log and the time
+  std::string title;  //!< in UTF-8, e.g. the name of the log and the time
   /** The robot in the map frame; drawn as an arrow when has_robot. */
   bool has_robot = false;
   /** Where it is [m], and its heading counter-clockwise from x [rad]. */
   double robot_x_m = 0, robot_y_m = 0, robot_yaw_rad = 0;
+  /** Where it came along, map frame [m]; what lies outside of the map is not drawn. */
+  std::vector<cv::Point2d> way;
 };
 
-/** The picture a person looks at: the layers side by side (those without any value only named),
- * colour scales with units, axes in metres, the robot and a legend of the cell states. 8-bit BGR.
+/** The picture a person looks at: large, the traversability over the shaded ground with the robot,
+ * its way and axes in metres; small beside it, the other layers with their colour scales (those
+ * without any value are only named). Without traversability the first layer is large. 8-bit BGR.
  * Throws std::runtime_error as LayerStack::require_sound() does. */
 cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options = {});
 

@@ -1,0 +1,124 @@
+#include "picture_relief.h"
+
+#include "picture_style.h"
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus::io
+{
+namespace
+{
+constexpr double kSmoothed_m = 0.15;  //!< standard deviation, against the noise of single cells
+constexpr float kSteepness = 3;  //!< heights are shown so many times as high
+constexpr float kLevel = 0.7071F;  //!< light on level ground
+constexpr float kPassable = 0.5F;  //!< what is there does not block: it hangs high, or is low
+constexpr float kLeastWeight = 1e-3F;
+/// @name How much white is in the colours, of 1
+/// @{
+constexpr float kMild = 0.15F, kPale = 0.5F;  //!< measured, and not
+/// @}
+
+/** Means of the known ground around each pixel; 0 where none is near, as `weight` is there. */
+cv::Mat1f smoothed(const cv::Mat1f& ground_m, double pixel_m, cv::Mat1f& weight)
+{
+  cv::Mat1f height(ground_m.size());
+  weight.create(ground_m.size());
+  for (int y = 0; y < ground_m.rows; ++y)
+    for (int x = 0; x < ground_m.cols; ++x)
+    {
+      const float z = ground_m(y, x);
+      weight(y, x) = std::isfinite(z) ? 1.0F : 0.0F;
+      height(y, x) = std::isfinite(z) ? z : 0.0F;
+    }
+  const double sigma = std::max(0.8, kSmoothed_m / pixel_m);
+  cv::GaussianBlur(height, height, {}, sigma);
+  cv::GaussianBlur(weight, weight, {}, sigma);
+  for (int y = 0; y < ground_m.rows; ++y)
+    for (int x = 0; x < ground_m.cols; ++x)
+      height(y, x) = weight(y, x) > kLeastWeight ? height(y, x) / weight(y, x) : 0.0F;
+  return height;
+}
+
+cv::Vec3b score_bgr(const cv::Mat& scale, float score)
+{
+  return std::isnan(score) ? not_judged_colour()
+                           : scale.at<cv::Vec3b>(cvRound(255 * std::clamp(score, 0.0F, 1.0F)));
+}
+}  // namespace
+
+cv::Vec3b mixed(const cv::Vec3b& a, const cv::Vec3b& b, float part_b)
+{
+  cv::Vec3b m;
+  for (int k = 0; k < 3; ++k) m[k] = cv::saturate_cast<uchar>((1 - part_b) * a[k] + part_b * b[k]);
+  return m;
+}
+
+cv::Vec3b lit(const cv::Vec3b& colour, float shade)
+{
+  constexpr float kDarkest = 0.4F;
+  cv::Vec3b c;
+  for (int k = 0; k < 3; ++k)
+    c[k] = cv::saturate_cast<uchar>(colour[k] * (kDarkest + (1 - kDarkest) * shade / kLevel));
+  return c;
+}
+
+cv::Mat1f hill_shade(const cv::Mat1f& ground_m, double pixel_m)
+{
+  cv::Mat1f weight;
+  const cv::Mat1f smooth = smoothed(ground_m, pixel_m, weight);
+  cv::Mat1f shade(ground_m.size(), kLevel);
+  const auto step = static_cast<float>(2 * pixel_m);
+  for (int y = 1; y + 1 < ground_m.rows; ++y)
+    for (int x = 1; x + 1 < ground_m.cols; ++x)
+    {
+      if (!(weight(y, x - 1) > kLeastWeight && weight(y, x + 1) > kLeastWeight &&
+            weight(y - 1, x) > kLeastWeight && weight(y + 1, x) > kLeastWeight))
+        continue;
+      const float east = kSteepness * (smooth(y, x + 1) - smooth(y, x - 1)) / step;
+      const float north = kSteepness * (smooth(y - 1, x) - smooth(y + 1, x)) / step;
+      // The light stands 45 degrees high in the upper left.
+      const float cosine =
+          (0.5F * east - 0.5F * north + kLevel) / std::sqrt(1 + east * east + north * north);
+      shade(y, x) = std::clamp(cosine, 0.0F, 1.0F);
+    }
+  return shade;
+}
+
+cv::Mat3b paint_terrain(const Terrain& t, double pixel_m, const cv::Vec3b& unknown)
+{
+  const cv::Mat scale = colours_of(Palette::Scores);
+  const cv::Mat1f shade = hill_shade(t.ground_m, pixel_m);
+  cv::Mat3b image(t.score.size(), unknown);
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x)
+    {
+      if (t.measured(y, x) == 0) continue;
+      const float score = t.score(y, x);
+      const bool blocks = t.obstacle(y, x) != 0 && !(score > kPassable);
+      const bool is_filled = t.measured(y, x) == 1;
+      // The relief of a guess is not worth much contrast.
+      const float light = is_filled ? (shade(y, x) + kLevel) / 2 : shade(y, x);
+      const cv::Vec3b colour = mixed(score_bgr(scale, score), kWhite, is_filled ? kPale : kMild);
+      image(y, x) = blocks ? kStandsInTheWay : lit(colour, light);
+    }
+  return image;
+}
+
+cv::Vec3b pale_free_colour()
+{
+  return mixed(score_bgr(colours_of(Palette::Scores), 1), kWhite, kPale);
+}
+cv::Vec3b pale_not_judged_colour() { return mixed(not_judged_colour(), kWhite, kPale); }
+
+cv::Mat terrain_colours()
+{
+  cv::Mat colours = colours_of(Palette::Scores);
+  for (int i = 0; i < colours.rows; ++i)
+    colours.at<cv::Vec3b>(i) = mixed(colours.at<cv::Vec3b>(i), kWhite, kMild);
+  return colours;
+}
+
+}  // namespace talus::io

@@ -1,0 +1,41 @@
+#pragma once
+#include "picture_canvas.h"
+
+namespace talus::io
+{
+inline const cv::Vec3b kWhite(255, 255, 255);
+inline const cv::Vec3b kStandsInTheWay(66, 48, 52);  //!< BGR
+
+/** Of two colours. */
+cv::Vec3b mixed(const cv::Vec3b& a, const cv::Vec3b& b, float part_b);
+/** A colour in a light as hill_shade() tells it: level ground keeps its colour. */
+cv::Vec3b lit(const cv::Vec3b& colour, float shade);
+
+/** Light from the upper left on a ground, 0..1, as a level ground has it where the ground is
+ * unknown. Small roughness is smoothed away. */
+cv::Mat1f hill_shade(const cv::Mat1f& ground_m, double pixel_m);
+
+/** A piece of ground as pictures show it; row 0 is its north. Unknown is NaN and 0. */
+struct Terrain
+{
+  cv::Mat1f ground_m;
+  cv::Mat1f score;  //!< traversability
+  cv::Mat1b obstacle;  //!< whether something stands there
+  cv::Mat1b measured;  //!< 0: unknown, 1: only filled, 2: measured
+};
+
+constexpr double kLeastObstacle_m = 0.05;  //!< lower than that it is a rough ground
+
+/** The shaded ground in the colours of its traversability, pale where it was not measured, dark
+ * where something stands in the way. */
+cv::Mat3b paint_terrain(const Terrain& terrain, double pixel_m, const cv::Vec3b& unknown);
+
+/// @name Colours of it for a legend, BGR
+/// @{
+cv::Vec3b pale_free_colour();
+cv::Vec3b pale_not_judged_colour();
+/// @}
+/** The scale of paint_terrain() where it is measured and level: 256 x 1. */
+cv::Mat terrain_colours();
+
+}  // namespace talus::io
