@@ -17,12 +17,11 @@ namespace
 constexpr const char* kSnapshots = "frames";
 
 // In the hidden folder:
-constexpr const char* kSeal = ".seal";  // folder; the seal is in it from begin_placing() on
-constexpr const char* kCleared = ".cleared";  // what would mislead has been set aside
-constexpr const char* kReplaced = ".replaced";  // folder; what was there before
-constexpr const char* kElsewhere = ".elsewhere";  // link to the hidden folder of a file elsewhere
-
-bool is_hidden(const fs::path& path) { return path.filename().string().rfind('.', 0) == 0; }
+constexpr const char* kSeal = ".talus-seal";  // folder; the seal is in it from begin_placing() on
+constexpr const char* kCleared = ".talus-cleared";  // what would mislead has been set aside
+constexpr const char* kReplaced = ".talus-replaced";  // folder; what was there before
+constexpr const char* kElsewhere =
+    ".talus-elsewhere";  // link to the hidden folder of a file elsewhere
 
 /** A TIFF or PNG whose name is `start` and so many digits at least. */
 bool is_numbered(const fs::path& file, const std::string& start, std::size_t fewest_digits)
@@ -37,14 +36,14 @@ bool is_numbered(const fs::path& file, const std::string& start, std::size_t few
 bool is_snapshot(const fs::path& file) { return is_numbered(file, "frame_", 6); }
 bool is_floor(const fs::path& file) { return is_numbered(file, "site_floor_", 1); }
 
-/** Everything below a folder that is neither hidden nor a folder, relative to it. */
+/** Everything below a folder that is neither internal nor a folder, relative to it. */
 std::vector<fs::path> files_below(const fs::path& folder)
 {
   std::vector<fs::path> files;
   std::error_code gone;
   for (auto it = fs::recursive_directory_iterator(folder, gone);
        it != fs::recursive_directory_iterator(); ++it)
-    if (is_hidden(it->path()))
+    if (is_internal(it->path()))
       it.disable_recursion_pending();
     else if (std::error_code no_folder; !it->is_directory(no_folder))
       files.push_back(it->path().lexically_relative(folder));
@@ -131,6 +130,16 @@ void end(const fs::path& hidden, Swept& swept)
     ++swept.removed;
 }
 }  // namespace
+
+bool is_internal(const fs::path& path)
+{
+  return path.filename().string().rfind(".talus-", 0) == 0;  // other results may begin with a dot
+}
+
+bool is_site_file(const fs::path& name)
+{
+  return name == "site.tif" || name == "site.png" || is_floor(name);
+}
 
 void Moves::move(const fs::path& from, const fs::path& to)
 {

@@ -16,6 +16,9 @@ namespace talus::app
 /** Of the hidden folders that hold results until they are complete. */
 constexpr const char* kRunPrefix = ".talus-run.";
 
+/** Whether a name is of those that a run keeps for itself while it works: never put in place. */
+bool is_internal(const std::filesystem::path& path);
+
 /** What has been moved, so that it can be moved back. */
 class Moves
 {
@@ -38,6 +41,10 @@ void begin_placing(const std::filesystem::path& hidden, const std::string& seal,
 /** Moves everything to its place; goes on where another process was killed. Files of the same name,
  * and snapshots and floors where there are new ones, are set aside. Throws std::runtime_error. */
 void place(const std::filesystem::path& hidden, Moves& done);
+
+/** Whether a file of this name belongs to a site map: site.tif, a picture, another floor or island.
+ */
+bool is_site_file(const std::filesystem::path& name);
 
 /** Where what is replaced waits until all is in place. */
 std::filesystem::path replaced_in(const std::filesystem::path& hidden);

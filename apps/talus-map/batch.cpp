@@ -54,7 +54,7 @@ class Batch
   bool map_log(std::size_t i) const
   {
     const Job& job = jobs_[i];
-    std::string label = name_of_log(job.log);
+    std::string label = name_of_source(job.log);
     if (jobs_.size() > 1)
       label = std::to_string(i + 1) + "/" + std::to_string(jobs_.size()) + " " + label;
     if (!run_job(job, options_, settings_, label)) return false;

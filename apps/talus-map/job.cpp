@@ -2,6 +2,8 @@
 
 #include "../common/log_name.h"
 
+#include <talus/io/foreign_scans.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -10,20 +12,70 @@ namespace fs = std::filesystem;
 
 namespace talus::app
 {
+namespace
+{
+/** As a shell's *.rawlog sees it: what is hidden is none. */
+bool is_rawlog(const fs::path& path)
+{
+  if (path.filename().string().front() == '.') return false;
+  const fs::path name = path.extension() == ".gz" ? path.stem() : path.filename();
+  return name.extension() == ".rawlog";
+}
+
+std::vector<std::string> rawlogs_in(const std::string& folder)
+{
+  std::vector<std::string> logs;
+  std::error_code ec;
+  for (fs::directory_iterator i(folder, ec), end; !ec && i != end; i.increment(ec))
+    if (is_rawlog(i->path()) && i->is_regular_file(ec)) logs.push_back(i->path().string());
+  std::sort(logs.begin(), logs.end());
+  return logs;
+}
+
+/** A folder always: what it lacks is told by who looks into it. */
+bool is_importable(const std::string& path)
+{
+  using io::ForeignScans;
+  std::error_code ec;
+  if (fs::is_directory(path, ec)) return true;
+  const ForeignScans kind = io::kind_of_scans(path);
+  return kind != ForeignScans::None && kind != ForeignScans::Ros1Bag && kind != ForeignScans::Las;
+}
+}  // namespace
+
+std::vector<std::string> logs_in(const std::vector<std::string>& named)
+{
+  std::vector<std::string> logs;
+  for (std::string name : named)
+  {
+    while (name.size() > 1 && name.back() == '/') name.pop_back();
+    const auto inside = rawlogs_in(name);
+    logs.insert(logs.end(), inside.begin(), inside.end());
+    if (inside.empty()) logs.push_back(name);
+  }
+  return logs;
+}
+
+std::string name_of_source(const std::string& log)
+{
+  const bool is_file = io::kind_by_ending(log) != io::ForeignScans::None;
+  return name_of_log(is_file ? fs::path(log).stem().string() : log);
+}
+
 std::vector<Job> plan_jobs(const Options& options)
 {
   if (options.logs.size() == 1 && !options.output.empty())
-    return {{options.logs.front(), options.output}};
+    return {{options.logs.front(), options.output, is_importable(options.logs.front())}};
   std::vector<Job> jobs;
   std::set<std::string> taken;
   for (const auto& log : options.logs)
   {
-    const std::string name = name_of_log(log);
+    const std::string name = name_of_source(log);
     std::string unique = name;
     for (int i = 2; !taken.insert(unique).second; ++i) unique = name + "_" + std::to_string(i);
     const fs::path folder =
         options.output.empty() ? fs::path(unique + "_map") : fs::path(options.output) / unique;
-    jobs.push_back({log, folder.string()});
+    jobs.push_back({log, folder.string(), is_importable(log)});
   }
   return jobs;
 }

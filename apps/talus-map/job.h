@@ -12,6 +12,7 @@ namespace talus::app
 struct Job
 {
   std::string log, folder;
+  bool needs_import = false;  //!< the log is to be made of scans of another program
   int threads = kAllCores;  //!< of the CPU backend
   int device = 0;  //!< of the CUDA backend
 };
@@ -27,6 +28,14 @@ struct Sharing
 /** By what was asked for and what there is to work with. */
 Sharing share(
     const Options& options, const Settings& settings, std::size_t logs, int cores, int devices);
+
+/** The files and folders that a command line names, the rawlogs of each folder in its place; a
+ * folder of scans and a bag are one. */
+std::vector<std::string> logs_in(const std::vector<std::string>& named);
+
+/** What the results of a log, a bag, a folder or a file of scans are called: name_of_log(), without
+ * the ending of a file of another program. */
+std::string name_of_source(const std::string& log);
 
 /** One job a log. Several logs of the same name get folders NAME, NAME_2, ... */
 std::vector<Job> plan_jobs(const Options& options);

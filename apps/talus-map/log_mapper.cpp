@@ -90,9 +90,11 @@ std::string class_of(const mrpt::obs::CObservation& obs)
 }  // namespace
 
 LogMapper::LogMapper(
-    const Job& job, const Options& options, const Settings& settings, KeptSite* site)
+    const Job& job, const SourceLog& log, const Options& options, const Settings& settings,
+    KeptSite* site)
     : options_(options),
       log_(job.log),
+      source_(log),
       map_(make_map(job, settings)),
       site_(site),
       hints_(settings.parameters, options.suggest ? hints::Effort::Much : hints::Effort::Little)
@@ -100,6 +102,7 @@ LogMapper::LogMapper(
   map_.set_output_layers(layers_of_every_frame(options));
   run_.version = TALUS_VERSION;
   run_.log = job.log;
+  run_.imported = log.notes;
   run_.backend = map_.backend_name();
   run_.threads = settings.threads;
   run_.parameters = settings.parameters;
@@ -109,8 +112,8 @@ LogMapper::LogMapper(
 void LogMapper::run(const OnFrame& on_frame)
 {
   const auto reader =
-      guarded(log_, kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(log_); });
-  poses_ = PoseSource::of_log(log_, options_);
+      guarded(log_, kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(source_.path); });
+  poses_ = PoseSource::of_log(source_, log_, options_);
   run_.pose_source = poses_.description();
   while (const auto obs = guarded(log_, kLookAtLog, [&] { return reader->next(); }))
     if (take(*obs)) on_frame(*this, reader->progress());

@@ -3,6 +3,7 @@
 #include "kept_site.h"
 #include "pose_source.h"
 #include "settings.h"
+#include "source_log.h"
 
 #include <talus/elevation_mapper.h>
 #include <talus/hints/hint_finder.h>
@@ -31,10 +32,11 @@ class LogMapper
   /** Called after every frame that reached the map. */
   using OnFrame = std::function<void(const LogMapper&, double progress)>;
 
-  /** `site` keeps what leaves the window; null: nothing does. Throws what ElevationMapper throws.
-   */
+  /** `log` is what is read for the job. `site` keeps what leaves the window; null: nothing does.
+   * Throws what ElevationMapper throws. */
   LogMapper(
-      const Job& job, const Options& options, const Settings& settings, KeptSite* site = nullptr);
+      const Job& job, const SourceLog& log, const Options& options, const Settings& settings,
+      KeptSite* site = nullptr);
 
   /** Reads the log to its end. Throws std::runtime_error when it cannot be read, has no poses, or
    * no scan of it is usable: the message says why and what to do. */
@@ -83,7 +85,8 @@ class LogMapper
   void add_hints();
 
   const Options& options_;
-  std::string log_;
+  std::string log_;  //!< as messages call it
+  const SourceLog& source_;
   PoseSource poses_;
   ElevationMapper map_;
   KeptSite* site_;

@@ -8,8 +8,10 @@
 #include "run_job.h"
 #include "settings.h"
 
+#include <algorithm>
 #include <exception>
 #include <string>
+#include <vector>
 
 using namespace talus::app;
 
@@ -26,6 +28,20 @@ bool has_device(Settings& settings)
       "warning: device " + std::to_string(*settings.device) + ": there are only " +
       std::to_string(devices) + " devices; the cpu makes the same map");
   settings.backend = talus::Backend::Cpu;
+  return true;
+}
+
+/** Whether switches of an import were given, and nothing is to be imported: they would be ignored.
+ */
+bool has_idle_switches(const std::vector<Job>& jobs, const Options& options)
+{
+  const auto is_import = [](const Job& job) { return job.needs_import; };
+  if (options.import_switches.empty() || std::any_of(jobs.begin(), jobs.end(), is_import))
+    return false;
+  print_error(
+      options.import_switches.front() +
+      ": is for scans of other programs, and there are only rawlogs, which say all that "
+      "themselves");
   return true;
 }
 
@@ -50,6 +66,7 @@ int run(const Options& options)
   for (const auto& warning : settings.warnings) print_error("warning: " + warning);
   if (!has_device(settings)) return kUsage;
   const auto jobs = plan_jobs(options);
+  if (has_idle_switches(jobs, options)) return kUsage;
   if (!options.suggest) return run_batch(jobs, options, settings);
   const bool done = suggest_settings(jobs.front(), options, settings);
   return stop_signal() ? 128 + stop_signal() : done ? kDone : kSomeFailed;

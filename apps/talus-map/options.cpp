@@ -2,12 +2,16 @@
 
 #include "../common/command_line.h"
 #include "../common/version.h"
+#include "job.h"
 #include "kept_site.h"
 
 #include <talus/mrpt/parameters_ini.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <string>
+#include <vector>
 
 namespace talus::app
 {
@@ -25,10 +29,20 @@ constexpr const char* kFooter =
     "\n"
     "Poses, the first of: --static, --trajectory, NAME.tum beside NAME.rawlog, those that the log "
     "holds.\n"
+    "Scans of other programs become a log first, which is removed at the end; it looks for poses "
+    "as "
+    "talus-import\n"
+    "does (KITTI's, those of TF ...). Sensors in several folders go into one map by talus-import.\n"
     "\n"
     "Examples:\n"
     "  talus-map --static scan.rawlog\n"
     "      a single scan, or a robot that stood still: scan_map/map.png\n"
+    "  talus-map dataset/sequences/00 --config datasets/configs/car.ini\n"
+    "      KITTI's odometry data: 00_map/site.png; --keep-log keeps 00_map/00.rawlog, too\n"
+    "  talus-map scans/ --poses poses.tum --mount scans=0,0,0.6,0,0,0\n"
+    "      a folder of .pcd, .ply or .bin files of a scanner 0.6 m above the ground\n"
+    "  talus-map bag/ --topic /points --output out\n"
+    "      one PointCloud2 topic of a ROS 2 bag, with the poses of its TF\n"
     "  talus-map drive.rawlog --trajectory drive.tum --output out\n"
     "  talus-map logs/*.rawlog --output out\n"
     "      one folder a log: out/NAME/; logs/NAME.tum is found by itself\n"
@@ -55,6 +69,9 @@ constexpr const char* kFooter =
     "\n"
     "Exit codes: 0 done, 1 a log failed, 2 wrong usage, 128 + N stopped by signal N.";
 
+constexpr const char* kImportGroup =
+    "Scans of other programs (folders, files, ROS 2 bags), as talus-import reads them";
+
 void print_parameters()
 {
   const Parameters defaults;
@@ -73,7 +90,10 @@ void print_parameters()
 
 void add_inputs(CLI::App& app, Options& o)
 {
-  app.add_option("LOG", o.logs, "Rawlogs (plain, gz or zstd); several are a batch")
+  app.add_option(
+         "LOG", o.logs,
+         "Rawlogs (plain, gz or zstd) or folders of them; folders or files of scans (KITTI, .bin, "
+         ".pcd, .ply) and ROS 2 bags, each of which becomes a log first; several are a batch")
       ->required()
       ->check(not_empty())
       ->type_name("");
@@ -93,6 +113,19 @@ void add_inputs(CLI::App& app, Options& o)
   app.add_option("--sensor", o.sensor, "Only the sensor of this label (default: every sensor)")
       ->check(not_empty())
       ->type_name("LABEL");
+}
+
+/** What talus-import has, under a heading of its own. */
+void add_import(CLI::App& app, Options& o)
+{
+  const std::vector<CLI::Option*> before = app.get_options();
+  import::add_import_options(app, o.import);
+  app.add_flag(
+      "--keep-log", o.keep_log, "Keep the log that is made, and its poses, beside the map");
+  for (CLI::Option* option : app.get_options())
+    if (std::find(before.begin(), before.end(), option) == before.end())
+      option->group(kImportGroup);
+  app.get_option("--poses")->excludes("--trajectory")->excludes("--static");
 }
 
 void add_processing(CLI::App& app, Options& o)
@@ -202,16 +235,44 @@ void add_outputs(CLI::App& app, Options& o)
       "Map nothing: print a configuration (--config) that suits the log, with reasons (of one "
       "log)");
 }
+/** Switches that only an import heeds, of those that were given. */
+std::vector<std::string> import_switches(const CLI::App& app)
+{
+  std::vector<std::string> given;
+  for (const CLI::Option* option : app.get_options())
+    if (option->get_group() == kImportGroup && option->count() > 0 &&
+        option->get_name() != "--poses")
+      given.push_back(option->get_name());
+  return given;
+}
+
+/** What all options together mean. */
+void finish(const CLI::App& app, Options& o)
+{
+  o.logs = logs_in(o.logs);
+  o.import_switches = import_switches(app);
+  if (o.trajectory.empty()) o.trajectory = o.import.source.poses;
+  o.import.source.poses = o.trajectory;
+  if (o.logs.size() < 2) return;
+  const auto refuse = [](const std::string& option, const std::string& what_else)
+  { throw CLI::ValidationError(option, "takes one log, not a batch" + what_else); };
+  if (!o.rawlog_out.empty()) refuse("--rawlog-out", "");
+  if (o.suggest) refuse("--suggest", "");
+  if (!o.resume.empty())
+    refuse("--resume", "; map one log after the other, each with the site map of the one before");
+}
 }  // namespace
 
 std::optional<int> parse_options(int argc, char** argv, Options& options)
 {
   CLI::App app{
-      "Maps the terrain around a robot from the LiDAR scans of MRPT rawlogs.", "talus-map"};
+      "Maps the terrain around a robot from LiDAR scans: of MRPT rawlogs, folders and ROS 2 bags.",
+      "talus-map"};
   add_inputs(app, options);
   add_processing(app, options);
   add_outputs(app, options);
   add_site(app, options);
+  add_import(app, options);
   app.add_flag_callback(
          "--parameters",
          []
@@ -223,19 +284,7 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
       ->trigger_on_parse();  // before anything is missed
   app.set_version_flag("--version", version_line("talus-map"));
   app.footer(kFooter);
-  app.final_callback(
-      [&]
-      {
-        if (!options.rawlog_out.empty() && options.logs.size() > 1)
-          throw CLI::ValidationError("--rawlog-out", "takes one log, not a batch");
-        if (options.suggest && options.logs.size() > 1)
-          throw CLI::ValidationError("--suggest", "takes one log, not a batch");
-        if (!options.resume.empty() && options.logs.size() > 1)
-          throw CLI::ValidationError(
-              "--resume",
-              "takes one log, not a batch; map one log after the other, each with the "
-              "site map of the one before");
-      });
+  app.final_callback([&] { finish(app, options); });
   return parse_command_line(app, argc, argv);
 }
 

@@ -6,13 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "../common/import/import_options.h"
+
 namespace talus::app
 {
 /** What the command line says. */
 struct Options
 {
-  std::vector<std::string> logs;
-  std::string trajectory;  //!< empty: beside the log, or within it
+  std::vector<std::string> logs;  //!< rawlogs, and folders, files and bags to import
+  std::string trajectory;  //!< empty: beside the log, or within it; of an import, too
   bool robot_is_static = false;
   double max_gap_s = 0.5;  //!< longest time between two poses that is interpolated
   std::string sensor;  //!< label, empty: every sensor
@@ -33,6 +35,9 @@ struct Options
   std::string resume;  //!< site map of an earlier run, empty: none
   std::optional<site::GeoOrigin> origin;
   std::string rawlog_out;  //!< the log with snapshots in it (each, or every Nth); empty: none
+  import::ImportOptions import;
+  std::vector<std::string> import_switches;  //!< given, though only an import heeds them
+  bool keep_log = false;  //!< the log that an import makes is a result
   bool quiet = false;
   bool strict = false;  //!< hints are errors
   bool suggest = false;  //!< print a configuration, write nothing

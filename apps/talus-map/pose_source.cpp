@@ -30,40 +30,61 @@ std::string seconds(double s)
 
 }  // namespace
 
-PoseSource PoseSource::of_log(const std::string& log, const Options& options)
+PoseSource PoseSource::of_log(const SourceLog& log, const std::string& name, const Options& options)
 {
   PoseSource source;
   source.max_gap_s_ = options.max_gap_s;
-  const std::string beside = trajectory_beside(log);
-  std::error_code ec;
+  source.robot_is_static_ = options.robot_is_static;
   if (options.robot_is_static)
-  {
-    source.robot_is_static_ = true;
     source.description_ = "static";
-  }
-  else if (!options.trajectory.empty() || fs::exists(beside, ec))
-  {
-    source.description_ = options.trajectory.empty() ? beside : options.trajectory;
-    source.trajectory_ = guarded(
-        source.description_, kCompareWithSource,
-        [&] { return io::Trajectory::load(source.description_); });
-    if (source.trajectory_.empty())
-      throw std::runtime_error(
-          source.description_ + ": holds no poses; a trajectory has lines 't x y z qx qy qz qw'");
-  }
+  else if (log.is_imported)
+    source.take_imported(log, name);
   else
-  {
-    source.trajectory_ = guarded(
-        log, kLookAtLog, [&] { return io::trajectory_from_rawlog(log, &source.description_); });
-    source.description_ += " of the log";
-    if (source.trajectory_.empty())
-      throw std::runtime_error(
-          log +
-          ": holds no poses of the robot (robot poses, odometry or actions). Pass "
-          "--trajectory FILE, put them into " +
-          beside + ", or say --static if the robot did not move");
-  }
+    source.take_logged(log, name, options);
   return source;
+}
+
+/** `path` may lie in a hidden folder: the description says where its poses come from. */
+void PoseSource::load(const std::string& path)
+{
+  trajectory_ =
+      guarded(description_, kCompareWithSource, [&] { return io::Trajectory::load(path); });
+  if (trajectory_.empty())
+    throw std::runtime_error(
+        description_ + ": holds no poses; a trajectory has lines 't x y z qx qy qz qw'");
+}
+
+void PoseSource::take_imported(const SourceLog& log, const std::string& name)
+{
+  description_ = log.poses;
+  if (!log.poses.empty()) return load(trajectory_beside(log.path));
+  if (log.scans != 1)
+    throw std::runtime_error(
+        name +
+        ": has no poses of the robot. Pass --trajectory FILE, or say --static if the robot did not "
+        "move");
+  robot_is_static_ = true;
+  description_ = "static, as a single scan without a pose";
+}
+
+void PoseSource::take_logged(const SourceLog& log, const std::string& name, const Options& options)
+{
+  const std::string beside = trajectory_beside(log.path);
+  std::error_code ec;
+  if (!options.trajectory.empty() || fs::exists(beside, ec))
+  {
+    description_ = options.trajectory.empty() ? beside : options.trajectory;
+    return load(description_);
+  }
+  trajectory_ = guarded(
+      name, kLookAtLog, [&] { return io::trajectory_from_rawlog(log.path, &description_); });
+  description_ += " of the log";
+  if (trajectory_.empty())
+    throw std::runtime_error(
+        name +
+        ": holds no poses of the robot (robot poses, odometry or actions). Pass "
+        "--trajectory FILE, put them into " +
+        beside + ", or say --static if the robot did not move");
 }
 
 std::optional<mrpt::poses::CPose3D> PoseSource::base_at(double stamp_s) const

@@ -1,5 +1,6 @@
 #pragma once
 #include "options.h"
+#include "source_log.h"
 
 #include <talus/frame.h>
 #include <talus/io/trajectory.h>
@@ -15,9 +16,10 @@ namespace talus::app
 class PoseSource
 {
  public:
-  /** Of one log, as the options say: none needed, a file, the file beside the log, or the log
-   * itself. Throws std::runtime_error that says what is missing and what to pass. */
-  static PoseSource of_log(const std::string& log, const Options& options);
+  /** Of one log, which messages call `name`, as the options say: none needed, a file, the file
+   * beside the log, or the log itself; of an import those that it found. Throws std::runtime_error
+   * that says what is missing and what to pass. */
+  static PoseSource of_log(const SourceLog& log, const std::string& name, const Options& options);
 
   /** The base in the map frame, or nothing where the poses have a gap. */
   std::optional<mrpt::poses::CPose3D> base_at(double stamp_s) const;
@@ -33,6 +35,10 @@ class PoseSource
   std::string why_no_pose(double first_stamp_s, double last_stamp_s) const;
 
  private:
+  void load(const std::string& path);
+  void take_imported(const SourceLog& log, const std::string& name);
+  void take_logged(const SourceLog& log, const std::string& name, const Options& options);
+
   bool robot_is_static_ = false;
   double max_gap_s_ = 0;
   io::Trajectory trajectory_;

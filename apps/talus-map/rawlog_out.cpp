@@ -1,8 +1,5 @@
 #include "rawlog_out.h"
 
-#include "../common/log_name.h"
-#include "../common/output_folder.h"
-
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/io/CFileInputStream.h>
 #include <mrpt/obs/CSensoryFrame.h>
@@ -89,16 +86,6 @@ void write_object(
     if (const auto snapshot = snapshots.of(*obs)) out << *snapshot;
 }
 
-/** A file of write_results(), write_snapshot() or KeptSite::write(). */
-bool is_result(const std::string& path, const fs::path& folder)
-{
-  for (const char* name :
-       {"map.tif", "map.png", "site.tif", "site.png", "timing.csv", "summary.json", "frames"})
-    if (is_same_file(path, folder / name)) return true;
-  const fs::path parent = fs::absolute(path).parent_path();
-  return is_same_file(parent.string(), folder / "frames");
-}
-
 fs::path without_endings(const std::string& log)
 {
   fs::path path(log);
@@ -108,32 +95,11 @@ fs::path without_endings(const std::string& log)
 }
 }  // namespace
 
-void require_file_of_its_own(const Job& job, const Options& options)
-{
-  const std::string& path = options.rawlog_out;
-  if (path.empty()) return;
-  std::string what;
-  if (is_same_file(path, job.log))
-    what = "the log itself";
-  else if (is_same_file(path, trajectory_beside(job.log)))
-    what = "the trajectory beside the log";
-  else if (!options.trajectory.empty() && is_same_file(path, options.trajectory))
-    what = "the file given to --trajectory";
-  else if (!options.config.empty() && is_same_file(path, options.config))
-    what = "the file given to --config";
-  else if (!options.resume.empty() && is_same_file(path, options.resume))
-    what = "the file given to --resume";
-  else if (is_result(path, job.folder))
-    what = "one of the results in " + job.folder;
-  if (!what.empty())
-    throw std::runtime_error("--rawlog-out " + path + ": is " + what + "; give another name");
-}
-
 RawlogOut::RawlogOut(const io::AtomicFile& file, const std::string& path, const std::string& log)
     : file_(file),
       path_(path),
       log_(log),
-      snapshots_path_((file.hidden_folder().path() / ".snapshots").string())
+      snapshots_path_((file.hidden_folder().path() / ".talus-snapshots").string())
 {
   if (!snapshots_.open(snapshots_path_)) throw std::runtime_error(path_ + ": cannot be written");
 }

@@ -44,8 +44,4 @@ class RawlogOut
   std::size_t snapshots_added_ = 0;
 };
 
-/** Throws std::runtime_error when --rawlog-out names a file that the run reads or another that it
- * writes. */
-void require_file_of_its_own(const Job& job, const Options& options);
-
 }  // namespace talus::app

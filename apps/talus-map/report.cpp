@@ -142,6 +142,8 @@ std::string console_summary(const LogMapper& mapper)
       "%s: %zu %s, %zu skipped, %.2f ms a frame (median; p99 %.2f) on %s\n", run.log.c_str(),
       run.frames.size(), run.frames.size() == 1 ? "frame" : "frames", skipped,
       io::quantile(ms, 0.5), io::quantile(ms, 0.99), run.backend.c_str());
+  for (std::size_t i = 0; i < run.imported.size(); ++i)
+    text += (i == 0 ? "  import  " : "  note    ") + run.imported[i] + "\n";
   text += "  poses   " + run.pose_source +
           (run.frames_deskewed ? mrpt::format(", %zu frames deskewed", run.frames_deskewed) : "") +
           "\n";

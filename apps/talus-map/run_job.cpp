@@ -5,10 +5,12 @@
 #include "../common/output_folder.h"
 #include "../common/progress_bar.h"
 #include "../common/suspect.h"
+#include "files_apart.h"
 #include "kept_site.h"
 #include "log_mapper.h"
 #include "rawlog_out.h"
 #include "report.h"
+#include "source_log.h"
 
 #include <talus/mrpt/parameters_ini.h>
 
@@ -54,6 +56,16 @@ void require_no_hints(const Job& job, const LogMapper& mapper)
       (count == 1 ? " hint" : " hints") + " (--strict): mend that, or leave --strict out");
 }
 
+/** Makes the log that is read, where the job names scans of another program. */
+SourceLog import_first(
+    const Job& job, const Options& options, const std::string& folder, const std::string& label)
+{
+  ProgressBar bar(label, !options.quiet);
+  return source_log(
+      job, options, folder,
+      [&](double done, const std::string& points) { bar.show(done, "importing, " + points); });
+}
+
 void map_log(
     const Job& job, const Options& options, const Settings& settings, const std::string& label,
     const std::string& folder, RawlogOut* rawlog_out)
@@ -61,7 +73,8 @@ void map_log(
   const auto start = std::chrono::steady_clock::now();
   std::optional<KeptSite> site;
   if (options.has_site) site.emplace(options, settings.parameters.resolution_m, folder);
-  LogMapper mapper(job, options, settings, site ? &*site : nullptr);
+  const SourceLog log = import_first(job, options, folder, label);
+  LogMapper mapper(job, log, options, settings, site ? &*site : nullptr);
   {
     ProgressBar bar(label, !options.quiet);
     mapper.run(
@@ -119,12 +132,13 @@ bool run_job(
 {
   try
   {
-    require_file_of_its_own(job, options);
+    require_files_apart(job, options);
     OutputFolder output(job.folder);
     std::unique_ptr<RawlogOut> rawlog_out;
     if (!options.rawlog_out.empty())
       rawlog_out = std::make_unique<RawlogOut>(
-          output.elsewhere(options.rawlog_out), options.rawlog_out, job.log);
+          output.elsewhere(options.rawlog_out), options.rawlog_out,
+          path_of_log(job, options, output.staging()));
     const auto work = [&]
     { return map_or_tell(job, options, settings, label, output, rawlog_out.get()); };
     const ChildEnd end = run_in_child(work);
@@ -149,13 +163,17 @@ bool run_job(
 
 bool suggest_settings(const Job& job, const Options& options, const Settings& settings)
 {
+  std::optional<OutputFolder> hidden;
+  if (job.needs_import) hidden.emplace(options.output.empty() ? "." : options.output);
   const auto work = [&]
   {
     try
     {
-      LogMapper mapper(job, options, settings);
+      const std::string name = name_of_source(job.log);
+      const SourceLog log = import_first(job, options, hidden ? hidden->staging() : "", name);
+      LogMapper mapper(job, log, options, settings);
       {
-        ProgressBar bar(name_of_log(job.log), !options.quiet);
+        ProgressBar bar(name, !options.quiet);
         mapper.run([&](const LogMapper& m, double progress)
                    { bar.show(progress, "frame " + std::to_string(m.summary().frames.size())); });
       }
@@ -164,7 +182,8 @@ bool suggest_settings(const Job& job, const Options& options, const Settings& se
     }
     catch (const std::exception& e)
     {
-      print_error(failure_text(e, job.log, kLookAtLog));
+      const std::string text = failure_text(e, job.log, kLookAtLog);
+      print_error(hidden ? hidden->told(text) : text);
     }
     return kFailed;
   };

@@ -324,11 +324,25 @@ TEST_F(TalusImport, leaves_everything_as_it_was_when_it_fails)
   EXPECT_EQ(hidden(), 0);
 }
 
+TEST_F(TalusImport, writes_a_log_whose_name_begins_with_a_dot)
+{
+  write_floors("lidar", 2);
+  write("poses.tum", tum(2));
+  done("talus-import lidar --poses poses.tum --output .hidden.rawlog");
+  EXPECT_EQ(scans_of(".hidden.rawlog").size(), 2U);
+  EXPECT_EQ(read_bytes(dir_ / ".hidden.tum"), tum(2));
+  EXPECT_EQ(hidden(), 2);
+  done("talus-map .hidden.rawlog --rawlog-out .copy.rawlog --quiet --backend cpu");
+  EXPECT_GT(scans_of(".copy.rawlog").size(), 1U);
+  EXPECT_EQ(hidden(), 3);
+}
+
 TEST_F(TalusImport, names_mistakes_of_its_command_line)
 {
   write_floors("lidar", 1);
   fails("lidar", 2, {"--output is required"});
   fails("lidar --output log", 2, {"ends in .rawlog"});
+  fails("lidar --output .talus-x.rawlog", 2, {"that a run removes"});
   fails("lidar --output log.rawlog --mount lidar=1,2,3", 2, {"fewer than six numbers"});
   fails("lidar --output log.rawlog --mount 1,2,3,4,5,6", 2, {"LABEL=x,y,z"});
   fails("lidar --output log.rawlog --mount l=1,2,3,4,5,nan", 2, {"'nan'"});
@@ -337,7 +351,7 @@ TEST_F(TalusImport, names_mistakes_of_its_command_line)
   fails("--version", 0, {"talus-import 0."});
 }
 
-TEST_F(TalusImport, is_what_talus_map_names_for_scans_of_other_programs)
+TEST_F(TalusImport, is_what_commands_of_rawlogs_name_for_scans_of_other_programs)
 {
   write_floors("lidar", 2);
   write("sequence/velodyne/0.bin", kitti_bin(floor()));
@@ -347,14 +361,15 @@ TEST_F(TalusImport, is_what_talus_map_names_for_scans_of_other_programs)
   for (const char* source :
        {"lidar", "lidar/0.pcd", "sequence", "sequence/velodyne/0.bin", "a.ply", "bag"})
   {
-    const Outcome o = run(std::string("talus-map ") + source);
+    const Outcome o = run(std::string("talus-calibrate ") + source);
     EXPECT_EQ(o.code, 1);
     EXPECT_NE(
         o.text.find(std::string("talus-import ") + source + " --output LOG.rawlog"),
         std::string::npos)
         << o.text;
   }
-  EXPECT_NE(run("talus-map drive.bag").text.find("rosbag2rawlog drive.bag"), std::string::npos);
+  for (const char* command : {"talus-map drive.bag", "talus-calibrate drive.bag"})
+    EXPECT_NE(run(command).text.find("rosbag2rawlog drive.bag"), std::string::npos) << command;
   fails("drive.bag --output log.rawlog", 1, {"rosbag2rawlog drive.bag", "doc/import_bags.md"});
 }
 

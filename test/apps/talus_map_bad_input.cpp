@@ -41,7 +41,7 @@ TEST_F(TalusMapBadInput, a_missing_file_a_directory_an_empty_file_and_a_text_fil
   write_bytes(path("empty.rawlog"), "");
   write_bytes(path("text.rawlog"), "this is not a log at all, only some lines of text\n");
   expect_failure("--static none.rawlog", 1, {"none.rawlog", "no such file"});
-  expect_failure("--static folder.rawlog", 1, {"folder.rawlog", "directory"});
+  expect_failure("--static folder.rawlog", 1, {"folder.rawlog", "no scans"});
   expect_failure("--static empty.rawlog", 1, {"empty.rawlog", "empty"});
   expect_failure("--static text.rawlog", 1, {"text.rawlog", "rawlog"});
 }

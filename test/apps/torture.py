@@ -206,7 +206,7 @@ class Torture:
         self.what += f"{', to the group' if group else ''}{', twice' if twice else ''}"
         if at_end:
             self.what += ", as results are moved"
-            while process.poll() is None and not glob.glob(self.path("out/.talus-run.*/.seal")):
+            while process.poll() is None and not glob.glob(self.path("out/.talus-run.*/.talus-seal")):
                 pass
             wait_s, begin = after_s, time.time()
         while process.poll() is None and time.time() < begin + wait_s:

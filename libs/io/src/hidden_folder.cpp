@@ -15,7 +15,7 @@ namespace talus::io
 {
 namespace
 {
-constexpr const char* kKeptFor = ".kept-for";  // a link in it to what it waits for
+constexpr const char* kKeptFor = ".talus-kept-for";  // a link in it to what it waits for
 constexpr const char* kRandom = "XXXXXX";
 
 /** Whether what was opened is still at its path. */

@@ -130,6 +130,7 @@ std::string summary_json(const RunSummary& run, const LayerStack& stack)
   j["program"] = "talus-map";
   j["version"] = run.version;
   j["log"] = run.log;
+  if (!run.imported.empty()) j["imported"] = run.imported;
   j["backend"] = run.backend;
   j["threads"] = run.threads;
   j["poses"] = run.pose_source;

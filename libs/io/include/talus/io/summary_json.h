@@ -25,7 +25,9 @@ struct SiteSummary
 struct RunSummary
 {
   std::string version;  //!< of talus
-  std::string log;  //!< the rawlog
+  std::string log;  //!< the rawlog, or what it was made of
+  /** How scans of another program were read, a line each; empty for a rawlog. */
+  std::vector<std::string> imported;
   std::string backend;  //!< as ElevationMapper::backend_name()
   int threads = 0;  //!< as asked for, 0: all cores
   std::string pose_source;  //!< where the poses came from, in words

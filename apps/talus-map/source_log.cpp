@@ -1,0 +1,57 @@
+#include "source_log.h"
+
+#include "../common/log_name.h"
+
+#include <talus/number_text.h>
+
+#include <filesystem>
+#include <numeric>
+
+namespace fs = std::filesystem;
+
+namespace talus::app
+{
+namespace
+{
+constexpr const char* kHidden = ".talus-import";  // is_internal(): never a result
+
+std::string poses_text(const import::WrittenPoses& poses)
+{
+  if (poses.count == 0) return "no poses";
+  return std::to_string(poses.count) + (poses.count == 1 ? " pose" : " poses") + " of " +
+         poses.source + " over " + fixed_text(poses.length_m, 1) + " m";
+}
+}  // namespace
+
+std::vector<std::string> kept_logs(const Job& job, const Options& options)
+{
+  if (!job.needs_import || !options.keep_log) return {};
+  return {name_of_source(job.log) + ".rawlog", name_of_source(job.log) + ".tum"};
+}
+
+std::string path_of_log(const Job& job, const Options& options, const std::string& folder)
+{
+  if (!job.needs_import) return job.log;
+  const fs::path where = options.keep_log ? fs::path(folder) : fs::path(folder) / kHidden;
+  return (where / (name_of_source(job.log) + ".rawlog")).string();
+}
+
+SourceLog source_log(
+    const Job& job, const Options& options, const std::string& folder,
+    const import::ImportProgress& progress)
+{
+  SourceLog log;
+  log.path = path_of_log(job, options, folder);
+  log.is_imported = job.needs_import;
+  if (!job.needs_import) return log;
+  fs::create_directories(fs::path(log.path).parent_path());
+  const auto made =
+      import_log({job.log}, options.import, log.path, trajectory_beside(log.path), progress);
+  for (const auto& [label, count] : made.scans) log.scans += count;
+  log.poses = made.poses.count ? made.poses.source : "";
+  log.notes = made.remarks;
+  log.notes.insert(log.notes.begin(), contents_text(made) + "; " + poses_text(made.poses));
+  return log;
+}
+
+}  // namespace talus::app

@@ -1,0 +1,224 @@
+// talus-map of what is no rawlog: folders and files of scans, bags, folders of rawlogs.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scan_formats.h"
+#include "talus_map_run.h"
+
+namespace fs = std::filesystem;
+using namespace talus::test;
+
+namespace
+{
+class TalusMapSources : public TalusMap
+{
+ protected:
+  /** A level floor that a scanner sees from kSensorHeight_m above it. */
+  static Points floor()
+  {
+    Points p;
+    for (int i = -30; i <= 30; ++i)
+      for (int k = -30; k <= 30; ++k)
+      {
+        p.x.push_back(0.1F * static_cast<float>(i) + 0.02F);
+        p.y.push_back(0.1F * static_cast<float>(k) + 0.02F);
+        p.z.push_back(-static_cast<float>(kSensorHeight_m));
+      }
+    return p;
+  }
+
+  void write_scans(const std::string& folder, int count) const
+  {
+    fs::create_directories(path(folder));
+    std::string times;
+    for (int i = 0; i < count; ++i)
+    {
+      write_bytes(path(folder + "/" + std::to_string(i) + ".pcd"), pcd_binary(floor()));
+      times += std::to_string(kFirstStamp_s + 0.1 * i) + "\n";
+    }
+    write_bytes(path(folder + "/times.txt"), times);
+  }
+
+  /** What talus-import makes of the same arguments, mapped. */
+  void map_in_two_steps(const std::string& arguments, const std::string& output) const
+  {
+    const std::string import = fs::path(TALUS_MAP_EXE).replace_filename("talus-import").string();
+    const std::string command = "cd '" + path("") + "' && '" + import + "' " + arguments +
+                                " --output two_steps.rawlog --quiet";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    ASSERT_EQ(run("two_steps.rawlog --quiet --output " + output).code, 0);
+  }
+
+  std::vector<std::string> names_in(const std::string& folder) const
+  {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(path(folder)))
+      names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  const std::vector<std::string> results_{"map.png",  "map.tif",      "site.png",
+                                          "site.tif", "summary.json", "timing.csv"};
+};
+}  // namespace
+
+TEST_F(TalusMapSources, are_mapped_as_the_log_that_talus_import_makes_of_them)
+{
+  write_scans("front", 5);
+  write_bytes(path("poses.tum"), straight_tum(5));
+  const std::string arguments = "front --poses poses.tum --mount front=0.1,0,0.5,10,0,0";
+  const Outcome one = run(arguments + " --output one");
+  ASSERT_EQ(one.code, 0) << one.err;
+  map_in_two_steps(arguments, "two");
+  EXPECT_TRUE(read_bytes(path("one/site.tif")) == read_bytes(path("two/site.tif")));
+  EXPECT_EQ(summary("one")["frames"], 5);
+  EXPECT_EQ(names_in("one"), results_);
+  EXPECT_NE(one.out.find("import  5 scans of front"), std::string::npos) << one.out;
+  EXPECT_NE(one.out.find("5 poses of poses.tum"), std::string::npos) << one.out;
+  EXPECT_EQ(summary("one")["poses"], "poses.tum");
+  EXPECT_EQ(summary("one")["log"], "front");
+}
+
+TEST_F(TalusMapSources, leave_the_log_beside_the_map_where_it_is_asked_for)
+{
+  write_scans("front", 4);
+  write_bytes(path("poses.tum"), straight_tum(4));
+  // A trajectory is one, whichever command the name of its switch comes from.
+  const Outcome kept = run("front/ --trajectory poses.tum --mount front=0,0,0.5,0,0,0 --keep-log");
+  ASSERT_EQ(kept.code, 0) << kept.err;
+  std::vector<std::string> names = results_;
+  names.insert(names.begin(), {"front.rawlog", "front.tum"});
+  EXPECT_EQ(names_in("front_map"), names);
+  ASSERT_EQ(run("front_map/front.rawlog --output again").code, 0);
+  EXPECT_TRUE(read_bytes(path("front_map/map.tif")).size() > 0);
+  EXPECT_TRUE(read_bytes(path("front_map/site.tif")) == read_bytes(path("again/site.tif")));
+}
+
+TEST_F(TalusMapSources, of_a_single_scan_need_no_pose)
+{
+  write_bytes(path("yard.pcd"), pcd_binary(floor()));
+  const Outcome done = run("yard.pcd");
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(summary("yard_map")["poses"], "static, as a single scan without a pose") << done.err;
+}
+
+TEST_F(TalusMapSources, without_poses_are_refused_with_what_to_pass)
+{
+  write_scans("front", 3);
+  const std::size_t before = entries();
+  const Outcome refused = run("front");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_TRUE(refused.says("front: has no poses of the robot. Pass --trajectory FILE"))
+      << refused.err;
+  EXPECT_EQ(entries(), before);
+  EXPECT_EQ(run("front --static --quiet").code, 0);
+}
+
+TEST_F(TalusMapSources, that_are_a_folder_of_rawlogs_are_a_batch)
+{
+  fs::create_directories(path("logs"));
+  for (const char* name : {"logs/b", "logs/a"})
+  {
+    write_log(path(name + std::string(".rawlog")), floor_scans(3), Packing::Gz);
+    write_bytes(path(name + std::string(".tum")), straight_tum(3));
+  }
+  const Outcome done = run("logs --output out");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(names_in("out"), (std::vector<std::string>{"a", "b"}));
+  EXPECT_NE(done.out.find("2 logs: 2 done, 0 failed"), std::string::npos) << done.out;
+  EXPECT_EQ(run("logs --rawlog-out x.rawlog").code, 2);
+}
+
+TEST_F(TalusMapSources, do_not_stop_each_other_when_one_fails)
+{
+  write_scans("good", 2);
+  fs::create_directories(path("empty"));
+  fs::create_directories(path("bad"));
+  write_bytes(path("bad/0.pcd"), "# .PCD v0.7\nVERSION 0.7\nFIELDS x y\n");
+  write_log(path("log.rawlog"), floor_scans(2), Packing::Gz);
+  const Outcome some = run("bad empty good log.rawlog --static --output out");
+  EXPECT_EQ(some.code, 1);
+  EXPECT_EQ(names_in("out"), (std::vector<std::string>{"good", "log"}));
+  EXPECT_TRUE(some.says("2 of the logs failed:\n  bad\n  empty")) << some.err;
+  EXPECT_TRUE(some.says("bad/0.pcd")) << some.err;
+}
+
+TEST_F(TalusMapSources, leave_nothing_when_they_are_stopped)
+{
+  write_scans("front", 300);
+  const std::size_t before = entries();
+  const Outcome stopped =
+      run("front --static --output out", "timeout --preserve-status -s TERM 0.2");
+  EXPECT_EQ(stopped.code, 128 + 15) << stopped.err;
+  EXPECT_EQ(entries(), before);
+}
+
+TEST_F(TalusMapSources, get_a_configuration_suggested)
+{
+  write_scans("front", 3);
+  const std::size_t before = entries();
+  const Outcome done = run("front --static --mount front=0,0,0.5,0,0,0 --suggest");
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_NE(done.out.find("Made from 3 scans of front"), std::string::npos) << done.out;
+  EXPECT_EQ(entries(), before);
+}
+
+TEST_F(TalusMapSources, have_switches_that_are_refused_where_nothing_is_imported)
+{
+  write_log(path("log.rawlog"), floor_scans(2), Packing::Gz);
+  for (const char* option : {"--mount lidar=0,0,1,0,0,0", "--keep-log", "--topic /points"})
+  {
+    const Outcome refused = run(std::string("log.rawlog --static ") + option);
+    EXPECT_EQ(refused.code, 2) << option;
+    const std::string name = std::string(option).substr(0, std::string(option).find(' '));
+    EXPECT_TRUE(refused.says(name + ": is for scans of other programs")) << refused.err;
+  }
+}
+
+TEST_F(TalusMapSources, may_be_bags_of_which_one_topic_is_mapped)
+{
+  const std::string make = std::string("python3 -S '") + TALUS_SOURCE_DIR +
+                           "/test/import/make_bags.py' '" + path("") + "' parts 2>/dev/null";
+  if (std::system(make.c_str()) != 0) GTEST_SKIP() << "no bags can be made here: python3?";
+  const Outcome done = run("parts --topic /front/points --output out");
+  if (done.says("was built without")) GTEST_SKIP() << done.err;
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(summary("out")["sensors"], nlohmann::json({{"/front/points", 10}}));
+  EXPECT_NE(done.out.find("poses are those of 'base_link' in 'map' in TF"), std::string::npos);
+}
+
+TEST_F(TalusMapSources, keep_the_snapshots_in_a_log_of_their_own)
+{
+  write_scans("front", 3);
+  const Outcome done =
+      run("front --static --mount front=0,0,0.5,0,0,0 --rawlog-out terrain.rawlog --output out");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_TRUE(exists("terrain.rawlog"));
+  const Outcome clash = run("front --static --keep-log --rawlog-out out/front.rawlog --output out");
+  EXPECT_EQ(clash.code, 1);
+  EXPECT_TRUE(clash.says("is one of the results in out")) << clash.err;
+}
+
+TEST_F(TalusMapSources, that_a_result_would_replace_are_refused)
+{
+  write_log(path("site.tif"), floor_scans(2), Packing::Plain);
+  write_log(path("map.tif"), floor_scans(2), Packing::Plain);
+  write_log(path("site_floor_1.tif"), floor_scans(2), Packing::Plain);
+  for (const std::string log : {"site.tif", "map.tif", "site_floor_1.tif"})
+  {
+    const std::string bytes = read_bytes(path(log));
+    const Outcome refused = run(log + " --static --output .");
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_TRUE(refused.says("would replace " + log)) << refused.err;
+    EXPECT_TRUE(read_bytes(path(log)) == bytes) << log;
+  }
+  write_log(path("log.rawlog"), floor_scans(2), Packing::Plain);
+  write_bytes(path("timing.csv"), straight_tum(2));
+  EXPECT_TRUE(
+      run("log.rawlog --trajectory timing.csv --output .").says("would replace timing.csv"));
+  EXPECT_EQ(run("site.tif --static --output elsewhere").code, 0);
+}
