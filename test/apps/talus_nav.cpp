@@ -349,7 +349,6 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
             "LEVEL2_HEIGHT = '-0.25': must be from 0.01 to 10"},
            {"2d", "\nseen_within_m = 1.0", "\nseen_within_m = abc",
             "seen_within_m = 'abc': must be"},
-           {"2d", "\nunseen ", "\nnear_m = 1.2\nunseen ", "near_m: is replaced by seen_within_m"},
            {"2d", "\nresolution = 0.05", "\nresolution = 0.1",
             "resolution = 0.1 m: must be 0.05 m"},
            {"2d", "\nunseen ", "\nfree\nunseen ", "own.ini:214: 'free' has no '='"}})

@@ -431,12 +431,6 @@ TEST(ObstacleOptions, refuse_what_makes_no_sense_and_say_what_is_allowed)
   EXPECT_EQ(
       message_of("unseen = maybe"),
       "unseen = 'maybe': must be obstacle or free (in section obstacles)");
-  for (const std::string key :
-       {"unknown", "one_sided", "risky", "inferred", "risky_below", "near_m", "own_radius_m"})
-    EXPECT_EQ(
-        message_of(key + " = 1").rfind(key + ": is replaced by seen_within_m = 1.0 and unseen", 0),
-        0U)
-        << message_of(key + " = 1");
 }
 
 TEST(Obstacles, all_stay_however_small_the_squares_of_the_spacing_are)

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <limits>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -37,23 +36,6 @@ constexpr std::array<Number, 6> kNumbers{{
     {"spacing_m", &ObstacleOptions::spacing_m, 0, kAny, "[m] one point a square; 0: all"},
     {"z_m", &ObstacleOptions::z_m, -kAny, kAny, "[m] height of 2D obstacles, robot frame"},
 }};
-
-/** Keys of earlier versions. A robot would drive otherwise than its file says if they were passed
- * over. */
-constexpr std::array<const char*, 7> kReplaced{
-    "unknown", "one_sided", "risky", "inferred", "risky_below", "near_m", "own_radius_m"};
-
-void refuse_replaced(const mrpt::config::CConfigFileBase& c, const std::string& section)
-{
-  for (const char* key : kReplaced)
-    if (c.keyExists(section, key))
-      throw std::runtime_error(
-          std::string(key) +
-          ": is replaced by seen_within_m = 1.0 and unseen = obstacle or free "
-          "(what is not known within that distance); what may be a ditch is blocked in the map "
-          "itself; delete it" +
-          detail::in_section(c, section));
-}
 
 Unseen unseen_from(const mrpt::config::CConfigFileBase& c, const std::string& section)
 {
@@ -89,7 +71,6 @@ void ObstacleOptions::loadFromConfigFile(
     const mrpt::config::CConfigFileBase& c, const std::string& s)
 {
   require_sound_ini(c, {s});
-  refuse_replaced(c, s);
   std::vector<std::string> warnings;
   warn_unknown_keys(c, s, known_keys(), warnings);
   for (const auto& w : warnings) detail::warn_once(w);

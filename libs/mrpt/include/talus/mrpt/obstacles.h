@@ -20,8 +20,7 @@ enum class Unseen
 /** How the map becomes obstacles. Obstacles are not inflated: planners know the robot's shape. */
 struct ObstacleOptions : public mrpt::config::CLoadableOptions
 {
-  /** Reads those keys that are there. Throws std::runtime_error naming key, value and section; for
-   * a key of earlier versions too, saying what is in its place. */
+  /** Reads those keys that are there. Throws std::runtime_error naming key, value and section. */
   void loadFromConfigFile(
       const mrpt::config::CConfigFileBase& source, const std::string& section) override;
   /** Writes each with its meaning as comment. */
