@@ -67,7 +67,7 @@ TEST(FrameTree, StandsFramesInACircleAndWithTwoParents)
   EXPECT_FALSE(tree.connects("a", "d"));
   tree.add(link("d", "b", 7), true);
   tree.add(link("d", "b", 7), true);
-  EXPECT_EQ(tree.conflicts(), std::vector<std::string>{"b"});
+  EXPECT_EQ(tree.conflicts(), std::set<std::string>{"b"});
 }
 
 TEST(FrameTree, ForgetsLongHistoriesThatNobodyAsksForAndFastOnesInPart)

@@ -78,6 +78,11 @@ void add_options_of_bags(CLI::App& app, SourceOptions& o)
       ->type_name("NAME");
   app.add_option("--map-frame", o.map_frame, "Of a bag: the map in TF (else map, or odom)")
       ->type_name("NAME");
+  app.add_flag(
+      "--recorded-times", o.recorded_times,
+      "Of a bag: scans have the time at which they were recorded, not that of the sensor's clock");
+  app.add_flag(
+      "--partial", o.partial, "Of a bag that is cut or damaged: read what is whole in it");
 }
 }  // namespace
 

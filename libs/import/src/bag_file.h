@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -34,6 +35,12 @@ class BagFile
 
   const std::vector<BagTopic>& topics() const { return topics_; }
 
+  /** Of the file. */
+  virtual std::uint64_t bytes() const = 0;
+
+  /** When its first message was recorded; nothing where there is none. */
+  virtual std::optional<std::int64_t> first_ns() = 0;
+
   /** From the beginning, with one flag a topic. */
   void start(std::vector<bool> wanted)
   {
@@ -49,6 +56,9 @@ class BagFile
   /** Of the last message; valid until next(). May be packed. */
   virtual std::string_view payload() = 0;
 
+  /** Bytes of the file that hold the last message, be they packed. */
+  virtual std::uint64_t stored_bytes() const = 0;
+
   /** Where the last message is, for errors: "FILE: message 7". */
   virtual std::string place() const = 0;
 
@@ -57,6 +67,9 @@ class BagFile
 
   /** Frees memory and closes the file until the next start(). */
   virtual void stop() = 0;
+
+  /** What a person should know of how it was read, a sentence each without its full stop. */
+  virtual std::vector<std::string> remarks() const = 0;
 
  protected:
   bool is_wanted(std::size_t topic) const { return wanted_[topic]; }
@@ -67,10 +80,10 @@ class BagFile
   std::vector<bool> wanted_;
 };
 
-/** By the first bytes of the file. */
-std::unique_ptr<BagFile> open_bag_file(const std::string& path);
+/** By the first bytes of the file. `partial`: of one that is cut, what is before the cut. */
+std::unique_ptr<BagFile> open_bag_file(const std::string& path, bool partial);
 
-std::unique_ptr<BagFile> open_sqlite_bag(const std::string& path);
-std::unique_ptr<BagFile> open_mcap_bag(const std::string& path);
+std::unique_ptr<BagFile> open_sqlite_bag(const std::string& path, bool partial);
+std::unique_ptr<BagFile> open_mcap_bag(const std::string& path, bool partial);
 
 }  // namespace talus::import

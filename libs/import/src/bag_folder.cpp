@@ -1,12 +1,13 @@
 #include "bag_folder.h"
 
 #include <talus/input_file.h>
+#include <talus/io/foreign_scans.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
-#include <tuple>
+#include <system_error>
 
 namespace fs = std::filesystem;
 
@@ -26,39 +27,89 @@ fs::path file_named(const fs::path& folder, const std::string& name)
   return path.extension() == ".zstd" && fs::exists(unpacked) ? unpacked : path;
 }
 
+/** Throws YAML::Exception where it names none. */
 std::vector<std::string> names_in(const fs::path& metadata)
 {
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 24;
   const auto text = read_input_file(metadata.string(), "description of a bag", kMostBytes);
-  try
-  {
-    const auto info = YAML::Load(text)["rosbag2_bagfile_information"];
-    return info["relative_file_paths"].as<std::vector<std::string>>();
-  }
-  catch (const YAML::Exception& e)
-  {
-    throw std::runtime_error(
-        metadata.string() + ": names no files of a bag (" + e.what() +
-        "). Let `ros2 bag reindex` write it again, or delete it.");
-  }
+  const auto info = YAML::Load(text)["rosbag2_bagfile_information"];
+  return info["relative_file_paths"].as<std::vector<std::string>>();
 }
 
-/** rosbag2 counts its files without leading zeros: 2 comes before 10. */
+bool is_of_bag(const fs::path& file)
+{
+  const fs::path unpacked = file.extension() == ".zstd" ? file.stem() : file;
+  return io::kind_by_ending(unpacked.string()) == io::ForeignScans::Ros2Bag;
+}
+
+/** By name, so that the order does not depend on the file system. */
 std::vector<std::string> files_in(const fs::path& folder)
 {
   std::vector<std::string> files;
   for (const auto& entry : fs::directory_iterator(folder))
   {
-    const auto ending = entry.path().extension();
-    if (ending == ".db3" || ending == ".mcap" || ending == ".zstd")
-      files.push_back(file_named(folder, entry.path().filename().string()).string());
+    std::error_code no_file;  // a link to itself is none
+    const auto name = entry.path().filename();
+    if (name.string()[0] != '.' && is_of_bag(name) && entry.is_regular_file(no_file))
+      files.push_back(file_named(folder, name.string()).string());
   }
-  std::sort(
-      files.begin(), files.end(),
-      [](const std::string& a, const std::string& b)
-      { return std::make_tuple(a.size(), a) < std::make_tuple(b.size(), b); });
+  std::sort(files.begin(), files.end());
   files.erase(std::unique(files.begin(), files.end()), files.end());
   return files;
+}
+
+std::string listed(const std::vector<std::string>& files)
+{
+  constexpr std::size_t kMost = 5;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(files.size(), kMost); ++i)
+    list += (list.empty() ? "" : ", ") + fs::path(files[i]).filename().string();
+  return files.size() > kMost ? list + " and " + std::to_string(files.size() - kMost) + " more"
+                              : list;
+}
+
+/** `why`: a clause on metadata.yaml. */
+FilesOfBag all_files_in(const fs::path& folder, const std::string& why)
+{
+  FilesOfBag bag;
+  bag.files = files_in(folder);
+  if (bag.files.size() > 1)
+    bag.remarks.push_back(
+        folder.string() + ": " + why + ": its " + std::to_string(bag.files.size()) +
+        " files are read as one bag, in the order of recording");
+  return bag;
+}
+
+/** A description that was broken off while it was written counts as none. */
+FilesOfBag described_files(const fs::path& folder)
+{
+  const fs::path metadata = folder / kMetadata;
+  FilesOfBag bag;
+  if (fs::is_regular_file(metadata) && fs::file_size(metadata) == 0)
+    return all_files_in(folder, "its metadata.yaml is empty");
+  try
+  {
+    for (const auto& name : names_in(metadata))
+      bag.files.push_back(file_named(folder, name).string());
+  }
+  catch (const YAML::Exception&)
+  {
+    bag.files.clear();
+  }
+  if (bag.files.empty()) return all_files_in(folder, "its metadata.yaml names no files");
+  auto others = files_in(folder);
+  const auto is_named = [&](const std::string& file)
+  {
+    return std::any_of(
+        bag.files.begin(), bag.files.end(),
+        [&](const std::string& f) { return fs::path(f).filename() == fs::path(file).filename(); });
+  };
+  others.erase(std::remove_if(others.begin(), others.end(), is_named), others.end());
+  if (!others.empty())
+    bag.remarks.push_back(
+        folder.string() + ": its metadata.yaml does not name " + listed(others) +
+        ", which is not read; without metadata.yaml all files of the folder are");
+  return bag;
 }
 
 void require_unpacked(const fs::path& file)
@@ -73,22 +124,24 @@ void require_unpacked(const fs::path& file)
 }
 }  // namespace
 
-std::vector<std::string> files_of_bag(const std::string& path)
+FilesOfBag files_of_bag(const std::string& path)
 {
   const fs::path given(path);
   const bool is_metadata = given.filename() == kMetadata;
-  const fs::path folder = is_metadata ? given.parent_path() : given;
-  std::vector<std::string> files;
+  FilesOfBag bag;
   if (!is_metadata && !fs::is_directory(given))
-    files = {path};
-  else if (is_metadata || fs::exists(folder / kMetadata))
-    for (const auto& name : names_in(folder / kMetadata))
-      files.push_back(file_named(folder, name).string());
+    bag.files = {path};
   else
-    files = files_in(folder);
-  if (files.empty()) throw std::runtime_error(path + ": holds no file of a bag (.db3 or .mcap).");
-  for (const auto& file : files) require_unpacked(file);
-  return files;
+  {
+    const fs::path folder = is_metadata ? given.parent_path() : given;
+    bag = is_metadata || fs::exists(folder / kMetadata)
+              ? described_files(folder.empty() ? "." : folder)
+              : all_files_in(folder, "has no metadata.yaml");
+  }
+  if (bag.files.empty())
+    throw std::runtime_error(path + ": holds no file of a bag (.db3 or .mcap).");
+  for (const auto& file : bag.files) require_unpacked(file);
+  return bag;
 }
 
 }  // namespace talus::import

@@ -4,7 +4,8 @@
 #include <mrpt/poses/CPose3DQuat.h>
 
 #include <algorithm>
-#include <set>
+
+#include "cdr_reader.h"
 
 using mrpt::math::TPose3DQuat;
 using mrpt::poses::CPose3D;
@@ -15,6 +16,7 @@ namespace
 {
 constexpr std::int64_t kLeastStep_ns = 5000000;  //!< 200 Hz; between them a robot goes straight
 constexpr std::int64_t kHold_ns = 100000000;
+constexpr std::size_t kMostFrames = 10000;
 
 CPose3D pose_of(const TPose3DQuat& pose) { return CPose3D(mrpt::poses::CPose3DQuat(pose)); }
 
@@ -32,14 +34,15 @@ CPose3D between(const StampedPose& a, const StampedPose& b, std::int64_t stamp_n
 }
 }  // namespace
 
-void PoseHistory::add(std::int64_t stamp_ns, const TPose3DQuat& pose)
+bool PoseHistory::add(std::int64_t stamp_ns, const TPose3DQuat& pose)
 {
   if (!all_.empty())
   {
     const auto step_ns = stamp_ns - all_.back().stamp_ns;
-    if (step_ns >= 0 && step_ns < kLeastStep_ns) return;
+    if (step_ns >= 0 && step_ns < kLeastStep_ns) return false;
   }
   all_.push_back({stamp_ns, pose});
+  return true;
 }
 
 void PoseHistory::sort()
@@ -67,20 +70,18 @@ void FrameTree::add(const FrameTransform& transform, bool is_static)
   if (!transform.T_parent_child || transform.child == transform.parent.frame) return;
   const auto [at, is_new] = links_.try_emplace(transform.child);
   Link& link = at->second;
+  if (links_.size() > kMostFrames)
+    throw CdrError("names one frame more than " + std::to_string(kMostFrames) + " of TF");
   if (is_new) link.parent = transform.parent.frame;
   if (link.parent != transform.parent.frame)
   {
-    if (std::find(conflicts_.begin(), conflicts_.end(), transform.child) == conflicts_.end())
-      conflicts_.push_back(transform.child);
+    conflicts_.insert(transform.child);
     return;
   }
   if (is_static)
     link.fixed = pose_of(*transform.T_parent_child);
-  else if (!link.fixed)
-  {
-    link.moving.add(transform.parent.stamp_ns, *transform.T_parent_child);
+  else if (!link.fixed && link.moving.add(transform.parent.stamp_ns, *transform.T_parent_child))
     ++size_;
-  }
 }
 
 void FrameTree::sort()

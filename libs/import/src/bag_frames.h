@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,8 @@ struct StampedPose
 class PoseHistory
 {
  public:
-  void add(std::int64_t stamp_ns, const mrpt::math::TPose3DQuat& pose);
+  /** False: it is not kept. */
+  bool add(std::int64_t stamp_ns, const mrpt::math::TPose3DQuat& pose);
   /** In order of time; before the next two are asked for. */
   void sort();
   /** Interpolated; nothing more than 0.1 s outside of the history. */
@@ -38,7 +40,8 @@ class PoseHistory
 class FrameTree
 {
  public:
-  /** Of a frame with two parents the first counts; which ones: conflicts(). */
+  /** Of a frame with two parents the first counts; which ones: conflicts(). Throws CdrError where
+   * there are more frames than any robot has. */
   void add(const FrameTransform& transform, bool is_static);
   void sort();
 
@@ -59,7 +62,7 @@ class FrameTree
   std::vector<std::int64_t> times_between(const std::string& from, const std::string& to) const;
 
   /** Frames with two parents. */
-  const std::vector<std::string>& conflicts() const { return conflicts_; }
+  const std::set<std::string>& conflicts() const { return conflicts_; }
 
  private:
   struct Link
@@ -75,7 +78,7 @@ class FrameTree
   static std::optional<mrpt::poses::CPose3D> T_along(const Way& way, std::int64_t stamp_ns);
 
   std::map<std::string, Link> links_;  //!< by the child
-  std::vector<std::string> conflicts_;
+  std::set<std::string> conflicts_;
   std::size_t size_ = 0;
 };
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <list>
+#include <optional>
 #include <stdexcept>
 
 #include "bag_file.h"
@@ -11,6 +12,8 @@ namespace
 {
 /** Of chunks that overlap in time, so many bytes may be in memory at once. */
 constexpr std::uint64_t kMostOpenBytes = std::uint64_t{1} << 28;
+/** And so many also where the file holds far fewer for them. */
+constexpr std::uint64_t kFewOpenBytes = std::uint64_t{1} << 25;
 
 struct Entry
 {
@@ -21,7 +24,7 @@ struct Entry
 
 struct OpenChunk
 {
-  const McapChunk* chunk = nullptr;
+  McapChunk* chunk = nullptr;
   std::vector<char> records;
   std::vector<Entry> entries;  //!< in order of time
   std::size_t at = 0;  //!< the next of entries
@@ -33,11 +36,16 @@ struct OpenChunk
 class McapFile final : public BagFile
 {
  public:
-  explicit McapFile(const std::string& path) : path_(path), file_(path), index_(path, file_)
+  McapFile(const std::string& path, bool partial)
+      : path_(path), file_(path), index_(path, file_, partial)
   {
     topics_ = index_.topics();
     file_.close();
   }
+
+  std::uint64_t bytes() const override { return file_.size(); }
+  std::optional<std::int64_t> first_ns() override;
+  std::vector<std::string> remarks() const override { return index_.remarks(); }
 
   bool next(BagMessage& message) override
   {
@@ -57,6 +65,12 @@ class McapFile final : public BagFile
   {
     const auto& entry = last_->entries[last_->at - 1];
     return {last_->records.data() + entry.begin, entry.bytes};
+  }
+
+  std::uint64_t stored_bytes() const override
+  {
+    const auto& entry = last_->entries[last_->at - 1];
+    return std::min<std::uint64_t>(entry.bytes, last_->chunk->packed_bytes);
   }
 
   std::string place() const override
@@ -81,13 +95,13 @@ class McapFile final : public BagFile
  private:
   void rewind() override;
   void open_what_is_due();
-  void open(const McapChunk& chunk);
+  void open(McapChunk& chunk);
   bool has_wanted(const McapChunk& chunk) const;
 
   std::string path_;
   FileBytes file_;
   McapIndex index_;
-  std::vector<const McapChunk*> order_;
+  std::vector<McapChunk*> order_;
   std::size_t due_ = 0;  //!< the next of order_
   std::list<OpenChunk> open_;
   OpenChunk* last_ = nullptr;  //!< the chunk of the last message
@@ -97,7 +111,7 @@ void McapFile::rewind()
 {
   stop();
   due_ = 0;
-  for (const auto& chunk : index_.chunks())
+  for (auto& chunk : index_.chunks())
     if (has_wanted(chunk)) order_.push_back(&chunk);
   std::stable_sort(
       order_.begin(), order_.end(),
@@ -106,30 +120,46 @@ void McapFile::rewind()
 
 bool McapFile::has_wanted(const McapChunk& chunk) const
 {
-  return std::any_of(
-      chunk.channels.begin(), chunk.channels.end(),
-      [this](std::uint16_t channel) { return is_wanted(index_.topic_of(channel)); });
+  return !chunk.is_known ||
+         std::any_of(
+             chunk.channels.begin(), chunk.channels.end(),
+             [this](std::uint16_t channel) { return is_wanted(index_.topic_of(channel)); });
+}
+
+std::optional<std::int64_t> McapFile::first_ns()
+{
+  std::optional<std::int64_t> first_ns;
+  for (const auto& chunk : index_.chunks())
+    if (const auto start_ns = static_cast<std::int64_t>(chunk.start_ns);
+        chunk.bytes > 0 && (!first_ns || start_ns < *first_ns))
+      first_ns = start_ns;
+  return first_ns;
 }
 
 /** Chunks that begin before the next message of those that are open. */
 void McapFile::open_what_is_due()
 {
-  std::uint64_t bytes = 0;
-  for (const auto& chunk : open_) bytes += chunk.records.size();
+  std::uint64_t bytes = 0, packed_bytes = 0;
+  for (const auto& open : open_)
+  {
+    bytes += open.records.size();
+    packed_bytes += open.chunk->packed_bytes;
+  }
   for (; due_ < order_.size(); ++due_)
   {
-    const auto& chunk = *order_[due_];
+    auto& chunk = *order_[due_];
     const bool is_due = std::all_of(
         open_.begin(), open_.end(),
         [&](const OpenChunk& other) { return chunk.start_ns <= other.next_ns(); });
-    if (!open_.empty() && (!is_due || bytes + chunk.bytes > kMostOpenBytes)) return;
-    if (!has_wanted(chunk)) continue;
-    open(chunk);
     bytes += chunk.bytes;
+    packed_bytes += chunk.packed_bytes;
+    const auto most = std::min(kMostOpenBytes, std::max(kFewOpenBytes, 4 * packed_bytes));
+    if (!open_.empty() && (!is_due || bytes > most)) return;
+    if (has_wanted(chunk)) open(chunk);
   }
 }
 
-void McapFile::open(const McapChunk& chunk)
+void McapFile::open(McapChunk& chunk)
 {
   OpenChunk opened;
   opened.chunk = &chunk;
@@ -165,9 +195,9 @@ void McapFile::open(const McapChunk& chunk)
 }
 }  // namespace
 
-std::unique_ptr<BagFile> open_mcap_bag(const std::string& path)
+std::unique_ptr<BagFile> open_mcap_bag(const std::string& path, bool partial)
 {
-  return std::make_unique<McapFile>(path);
+  return std::make_unique<McapFile>(path, partial);
 }
 
 }  // namespace talus::import

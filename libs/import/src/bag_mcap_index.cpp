@@ -1,16 +1,15 @@
 #include "bag_mcap_index.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <stdexcept>
+
+#include "bag_topics.h"
 
 namespace talus::import
 {
 namespace
 {
 constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
-constexpr std::size_t kRecordHead = 9;  //!< opcode and length
 constexpr std::size_t kMessageHead = 22;  //!< channel, sequence, log_time, publish_time
 constexpr std::uint64_t kMostLoose = std::uint64_t{1} << 22;  //!< bytes of a row in no chunk
 
@@ -30,88 +29,120 @@ void insert(std::vector<std::uint16_t>& channels, std::uint16_t channel)
 }
 }  // namespace
 
-McapIndex::McapIndex(const std::string& path, FileBytes& file) : path_(path), file_(file)
+McapIndex::McapIndex(const std::string& path, FileBytes& file, bool partial)
+    : path_(path), file_(file), partial_(partial)
 {
   walk();
-  // Channels may be declared inside of chunks only, and an index may be left out.
-  for (auto& chunk : chunks_)
-  {
-    const bool is_known = std::all_of(
-        chunk.channels.begin(), chunk.channels.end(),
-        [this](std::uint16_t channel) { return channels_.count(channel) > 0; });
-    if (!is_known || !chunk.is_indexed) look_into(chunk);
+  unknown_ = static_cast<std::size_t>(std::count_if(
+      chunks_.begin(), chunks_.end(), [](const McapChunk& chunk) { return !chunk.is_known; }));
+  if (!tells_topics()) look_into_all();
+  for (const auto& chunk : chunks_)
     for (const auto channel : chunk.channels)
       if (channels_.count(channel) == 0)
         fail(
             chunk.begin,
             "has a message of channel " + std::to_string(channel) + ", which is nowhere declared");
-  }
-  packed_ = {};
+  if (unknown_ == 0) check_counts();
+  is_open_ = true;
 }
 
 void McapIndex::walk()
 {
   if (file_.look(0, kMagic.size()) != kMagic) fail(0, "is no MCAP file");
   std::uint64_t at = kMagic.size();
-  for (bool is_end = false; !is_end;)
+  try
   {
-    const auto head = file_.look(at, kRecordHead);
-    RecordReader reader(head);
-    if (head.size() < kRecordHead) fail(at, "ends in the middle of its records");
-    const auto op = static_cast<McapRecord>(reader.u8());
-    const std::uint64_t bytes = reader.u64(), begin = at + kRecordHead;
-    if (bytes > file_.size() - begin)
-      fail(at, "ends before its record of " + std::to_string(bytes) + " bytes does");
-    try
-    {
-      add_record(op, begin, bytes);
-    }
-    catch (const std::runtime_error& e)
-    {
-      fail(at, std::string("has a record that ") + e.what());
-    }
-    is_end = op == McapRecord::Footer;
-    at = begin + bytes;
+    while (summary_.footer == 0) at = walk_record(at);
+    if (file_.look(at, kMagic.size()) != kMagic) fail(at, "does not end as an MCAP file does");
+    if (at + kMagic.size() != file_.size())
+      fail(at + kMagic.size(), "goes on behind its end: is it two files in one");
+    check_whole();
   }
-  check_end(at);
+  catch (const std::runtime_error& e)
+  {
+    if (!partial_) throw;
+    cut_ = e.what();
+    if (summary_.footer == 0) take_cut_chunk(at);
+  }
 }
 
-void McapIndex::check_end(std::uint64_t at)
+/** Gives the byte of the next one. */
+std::uint64_t McapIndex::walk_record(std::uint64_t at)
 {
-  if (file_.look(at, kMagic.size()) != kMagic) fail(at, "does not end as an MCAP file does");
+  const auto head = file_.look(at, kMcapRecordHead);
+  if (head.size() < kMcapRecordHead)
+    fail(at, "ends without its end: it was cut, or its recording broken off");
+  RecordReader reader(head);
+  const auto op = static_cast<McapRecord>(reader.u8());
+  const std::uint64_t bytes = reader.u64(), begin = at + kMcapRecordHead;
+  if (bytes > file_.size() - begin)
+    fail(at, "is cut: it ends before its record of " + std::to_string(bytes) + " bytes does");
+  if (op == McapRecord::None) fail(at, "has a record of no kind");
+  try
+  {
+    add_record(op, begin, bytes);
+  }
+  catch (const std::runtime_error& e)
+  {
+    fail(at, std::string("has a record that ") + e.what());
+  }
+  return begin + bytes;
+}
+
+/** Of a chunk in which the file ends, what is before; nothing of other records. */
+void McapIndex::take_cut_chunk(std::uint64_t at)
+{
+  const std::uint64_t begin = at + kMcapRecordHead;
+  const auto head = file_.look(at, kMcapRecordHead);
+  const bool is_chunk = !head.empty() && static_cast<McapRecord>(head[0]) == McapRecord::Chunk;
+  if (!is_chunk || begin >= file_.size()) return;
+  try
+  {
+    is_loose_ = false;
+    add_chunk(begin, file_.size() - begin);
+  }
+  catch (const std::runtime_error&)
+  {
+    // not even its head is whole
+  }
 }
 
 void McapIndex::add_record(McapRecord op, std::uint64_t begin, std::uint64_t bytes)
 {
-  const auto looked = [&]
-  { return RecordReader(file_.look(begin, std::min<std::uint64_t>(bytes, 1 << 16))); };
+  constexpr std::uint64_t kMostHead = 1 << 16, kMostStatistics = 1 << 20;
   is_loose_ = is_loose_ && op == McapRecord::Message;
-  switch (op)
+  if (op == McapRecord::Message) return add_message(begin, bytes);
+  if (op == McapRecord::Chunk) return add_chunk(begin, bytes);
+  if (op == McapRecord::Statistics)
   {
-    case McapRecord::Schema:
-      add_schema(looked());
-      break;
-    case McapRecord::Channel:
-      add_channel(looked());
-      break;
-    case McapRecord::Message:
-      add_message(begin, bytes);
-      break;
-    case McapRecord::Chunk:
-      add_chunk(begin, bytes);
-      break;
-    case McapRecord::MessageIndex:
-      add_message_index(begin, bytes);
-      break;
-    default:
-      break;
+    std::vector<char> whole;
+    file_.read(begin, static_cast<std::size_t>(std::min(bytes, kMostStatistics)), whole);
+    return summary_.take(op, begin, RecordReader({whole.data(), whole.size()}));
   }
+  const RecordReader record(file_.look(begin, std::min(bytes, kMostHead)));
+  declare(op, record);
+  summary_.take(op, begin - kMcapRecordHead, record);
+}
+
+void McapIndex::declare(McapRecord op, RecordReader record)
+{
+  if (op == McapRecord::Schema) add_schema(record);
+  if (op == McapRecord::Channel) add_channel(record);
+}
+
+void McapIndex::take_name(std::string_view name)
+{
+  name_bytes_ += name.size();
+  const auto wrong = too_long_names(name_bytes_, topics_.size());
+  if (!wrong.empty()) throw std::runtime_error("is one of too many: " + wrong);
 }
 
 void McapIndex::add_schema(RecordReader record)
 {
   const auto id = record.u16();
-  schemas_[id] = std::string(record.text());
+  const auto name = record.text();
+  if (schemas_.count(id) == 0) take_name(name);
+  schemas_[id] = std::string(name);
 }
 
 void McapIndex::add_channel(RecordReader record)
@@ -128,7 +159,12 @@ void McapIndex::add_channel(RecordReader record)
   const auto [known, is_new] = channels_.emplace(id, place);
   if (!is_new && known->second != place)
     throw std::runtime_error("declares channel " + std::to_string(id) + " a second time");
-  if (same == topics_.end()) topics_.push_back(std::move(topic));
+  if (same != topics_.end()) return;
+  if (is_open_)
+    throw std::runtime_error(
+        "declares a topic '" + topic.name.substr(0, 100) + "' that the summary lacks");
+  for (const auto& name : {topic.name, topic.type, topic.encoding}) take_name(name);
+  topics_.push_back(std::move(topic));
 }
 
 void McapIndex::add_chunk(std::uint64_t begin, std::uint64_t bytes)
@@ -144,8 +180,11 @@ void McapIndex::add_chunk(std::uint64_t begin, std::uint64_t bytes)
   chunk.packing = packing_of(reader.text());
   chunk.packed_bytes = reader.u64();
   chunk.begin = begin + head.size() - reader.left();
-  if (chunk.packed_bytes > begin + bytes - chunk.begin) throw std::runtime_error("is cut short");
-  if (chunk.bytes > kMostBagBytes || chunk.packed_bytes > kMostBagBytes)
+  const std::uint64_t there = begin + bytes - chunk.begin;
+  chunk.is_cut = chunk.packed_bytes > there;
+  if (chunk.is_cut && !partial_) throw std::runtime_error("is cut short");
+  chunk.packed_bytes = std::min(chunk.packed_bytes, there);
+  if (std::max(chunk.bytes, chunk.packed_bytes) > kMostBagBytes)
     throw std::runtime_error(
         "is a chunk of " + std::to_string(std::max(chunk.bytes, chunk.packed_bytes)) +
         " bytes, and no more than " + std::to_string(kMostBagBytes) +
@@ -160,15 +199,16 @@ void McapIndex::add_message(std::uint64_t begin, std::uint64_t bytes)
   const auto channel = head.u16();
   head.u32();
   const auto log_time_ns = head.u64();
+  head.u64();  // when it was published
   if (bytes > kMostBagBytes)
     throw std::runtime_error("is a message of " + std::to_string(bytes) + " bytes");
-  const std::uint64_t whole = bytes + kRecordHead;
+  const std::uint64_t whole = bytes + kMcapRecordHead;
   if (!is_loose_ || chunks_.back().bytes + whole > kMostLoose)
   {
     McapChunk row;
-    row.begin = begin - kRecordHead;
+    row.begin = begin - kMcapRecordHead;
     row.start_ns = log_time_ns;
-    row.is_indexed = true;
+    row.is_known = true;
     chunks_.push_back(std::move(row));
     is_loose_ = true;
   }
@@ -177,60 +217,7 @@ void McapIndex::add_message(std::uint64_t begin, std::uint64_t bytes)
   row.packed_bytes += whole;
   row.start_ns = std::min(row.start_ns, log_time_ns);
   insert(row.channels, channel);
-}
-
-void McapIndex::add_message_index(std::uint64_t begin, std::uint64_t bytes)
-{
-  RecordReader head(file_.look(begin, std::min<std::uint64_t>(bytes, 6)));
-  if (chunks_.empty()) throw std::runtime_error("indexes a chunk that is not there");
-  const auto channel = head.u16();
-  chunks_.back().is_indexed = true;
-  if (head.u32() > 0) insert(chunks_.back().channels, channel);
-}
-
-void McapIndex::look_into(McapChunk& chunk)
-{
-  std::vector<char> records;
-  read_chunk(chunk, records);
-  try
-  {
-    for_each_record(
-        {records.data(), records.size()},
-        [&](McapRecord op, std::string_view content, std::size_t)
-        {
-          RecordReader record(content);
-          if (op == McapRecord::Schema) add_schema(record);
-          if (op == McapRecord::Channel) add_channel(record);
-          if (op == McapRecord::Message) insert(chunk.channels, record.u16());
-        });
-  }
-  catch (const std::runtime_error& e)
-  {
-    fail(chunk.begin, std::string("has a record that ") + e.what());
-  }
-  chunk.is_indexed = true;
-}
-
-void McapIndex::read_chunk(const McapChunk& chunk, std::vector<char>& records)
-{
-  if (chunk.packing == BagPacking::None && chunk.packed_bytes != chunk.bytes)
-    fail(chunk.begin, "has a chunk whose sizes do not agree");
-  file_.read(
-      chunk.begin, static_cast<std::size_t>(chunk.packed_bytes),
-      chunk.packing == BagPacking::None ? records : packed_);
-  try
-  {
-    if (chunk.packing != BagPacking::None)
-      unpack_bag_data(chunk.packing, {packed_.data(), packed_.size()}, chunk.bytes, records);
-  }
-  catch (const std::runtime_error& e)
-  {
-    fail(chunk.begin, std::string("has a chunk that ") + e.what());
-  }
-  const auto crc =
-      crc32(0, reinterpret_cast<const Bytef*>(records.data()), static_cast<uInt>(records.size()));
-  if (chunk.crc != 0 && crc != chunk.crc)
-    fail(chunk.begin, "has a chunk whose checksum does not agree");
+  ++counts_[channel];
 }
 
 std::size_t McapIndex::topic_of(std::uint16_t channel) const
@@ -246,7 +233,10 @@ void McapIndex::fail(std::uint64_t at, const std::string& what) const
 {
   throw std::runtime_error(
       path_ + ": " + what + ", at its byte " + std::to_string(at) +
-      ". Copy it again; of a recording that was broken off, `mcap recover` keeps what is whole.");
+      (partial_
+           ? ""
+           : ". Copy it again; where there is no better copy, --partial reads what is whole in "
+             "it."));
 }
 
 }  // namespace talus::import

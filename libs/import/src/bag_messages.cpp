@@ -12,6 +12,11 @@ namespace
 /** Frames of ROS 1 began with a slash. */
 std::string frame_name(std::string name)
 {
+  constexpr std::size_t kLongest = 256;
+  if (name.size() > kLongest)
+    throw CdrError(
+        "names a frame with " + std::to_string(name.size()) + " letters: '" + name.substr(0, 24) +
+        "...'");
   if (!name.empty() && name[0] == '/') name.erase(0, 1);
   return name;
 }
@@ -120,15 +125,11 @@ MessageHeader read_header(std::string_view message)
   return header_of(in);
 }
 
-std::vector<FrameTransform> read_tf(std::string_view message)
+void for_each_link(std::string_view message, const std::function<void(FrameTransform)>& take)
 {
   constexpr std::size_t kLeastBytes = 64;  // numbers alone
   CdrReader in(message);
-  std::vector<FrameTransform> transforms;
-  const auto count = in.count(kLeastBytes);
-  transforms.reserve(count);
-  for (std::uint32_t i = 0; i < count; ++i) transforms.push_back(transform_of(in));
-  return transforms;
+  for (auto left = in.count(kLeastBytes); left > 0; --left) take(transform_of(in));
 }
 
 FrameTransform read_odometry(std::string_view message)
@@ -148,13 +149,15 @@ FrameTransform read_pose(std::string_view message)
 
 CloudMessage read_cloud(std::string_view message)
 {
-  constexpr std::size_t kLeastFieldBytes = 12;
+  constexpr std::size_t kLeastFieldBytes = 12, kMostFields = 1000;
   CdrReader in(message);
   CloudMessage cloud;
   cloud.header = header_of(in);
   cloud.height = in.u32();
   cloud.width = in.u32();
   const auto count = in.count(kLeastFieldBytes);
+  if (count > kMostFields)
+    throw CdrError("says its points have " + std::to_string(count) + " fields");
   cloud.fields.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) cloud.fields.push_back(field_of(in));
   cloud.is_big_endian = in.flag();

@@ -2,6 +2,7 @@
 #include <mrpt/math/TPose3DQuat.h>
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -46,7 +47,9 @@ struct CloudMessage
 /** Of any message that begins with one. */
 MessageHeader read_header(std::string_view message);
 
-std::vector<FrameTransform> read_tf(std::string_view message);
+/** The links one after the other: a message that unpacks to millions of them holds one in memory.
+ */
+void for_each_link(std::string_view message, const std::function<void(FrameTransform)>& take);
 FrameTransform read_odometry(std::string_view message);
 
 /** PoseStamped and PoseWithCovarianceStamped. */

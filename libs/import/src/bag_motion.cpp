@@ -3,8 +3,10 @@
 #include <mrpt/poses/CPose3DQuat.h>
 
 #include <algorithm>
-#include "cdr_reader.h"
+#include <cstdlib>
 #include <stdexcept>
+
+#include "cdr_reader.h"
 
 using mrpt::poses::CPose3D;
 
@@ -13,7 +15,7 @@ namespace talus::import
 namespace
 {
 /** Poses in histories before those that are not needed are dropped. */
-constexpr std::size_t kPruneAt = 200000;
+constexpr std::size_t kPruneAt = 100000;
 
 double seconds(std::int64_t stamp_ns) { return static_cast<double>(stamp_ns) * 1e-9; }
 
@@ -37,7 +39,7 @@ std::string listed(const std::vector<std::string>& names)
 BagMotion::BagMotion(
     BagReader& reader, const std::vector<BagRole>& roles, const SourceOptions& options,
     const std::string& path)
-    : prune_at_(kPruneAt)
+    : prune_at_(kPruneAt), recorded_times_(options.recorded_times)
 {
   read(reader, roles);
   tree_.sort();
@@ -52,7 +54,7 @@ BagMotion::BagMotion(
         "their quaternion is none");
   if (!tree_.conflicts().empty())
     remark(
-        "TF has two parents for " + listed(tree_.conflicts()) +
+        "TF has two parents for " + listed({tree_.conflicts().begin(), tree_.conflicts().end()}) +
         ": the one that comes first in the bag is used");
 }
 
@@ -74,8 +76,22 @@ void BagMotion::read(BagReader& reader, const std::vector<BagRole>& roles)
     {
       throw std::runtime_error(reader.place() + " " + e.what() + ". Copy the bag again.");
     }
-    if (tree_.size() > prune_at_) prune();
+    require_room(reader);
   }
+}
+
+/** Drops what is not needed. TF that packs very well must not take the memory of the machine. */
+void BagMotion::require_room(const BagReader& reader)
+{
+  constexpr std::size_t kFew = 150000, kLeastBytes = 32;
+  const std::size_t most = kFew + reader.bytes() / kLeastBytes;
+  const bool is_full = tree_.size() + poses_held_ > most;
+  if (tree_.size() > prune_at_ || is_full) prune();
+  if (is_full && tree_.size() + poses_held_ > most)
+    throw std::runtime_error(
+        reader.place() + ": is one of more than " + std::to_string(most) +
+        " transforms and poses in a bag of " + std::to_string(reader.bytes()) +
+        " bytes, which hold no more. --topic names the topic of the poses, --poses a file");
 }
 
 void BagMotion::read_message(BagReader& reader, const BagMessage& message, BagRole role)
@@ -90,25 +106,43 @@ void BagMotion::read_message(BagReader& reader, const BagMessage& message, BagRo
       break;
     case BagRole::Tf:
     case BagRole::TfStatic:
-      for (const auto& transform : read_tf(payload))
-      {
-        bad_poses_ += transform.T_parent_child ? 0 : 1;
-        tree_.add(transform, role == BagRole::TfStatic);
-      }
+      add_links(payload, message, role == BagRole::TfStatic);
       break;
     case BagRole::Odometry:
-      add_pose(message.topic, read_odometry(payload));
+      add_pose(message, read_odometry(payload));
       break;
     case BagRole::Pose:
-      add_pose(message.topic, read_pose(payload));
+      add_pose(message, read_pose(payload));
       break;
     case BagRole::None:
       break;
   }
 }
 
-void BagMotion::add_pose(std::size_t topic, const FrameTransform& pose)
+/** Stamps of another clock than that of the recorder are of no use among those of scans. */
+void BagMotion::set_time(MessageHeader& header, const BagMessage& message) const
 {
+  constexpr std::int64_t kOtherClock_ns = 10000000000;
+  if (recorded_times_ && std::abs(header.stamp_ns - message.log_time_ns) > kOtherClock_ns)
+    header.stamp_ns = message.log_time_ns;
+}
+
+void BagMotion::add_links(std::string_view payload, const BagMessage& message, bool is_static)
+{
+  for_each_link(
+      payload,
+      [&](FrameTransform link)
+      {
+        set_time(link.parent, message);
+        bad_poses_ += link.T_parent_child ? 0 : 1;
+        tree_.add(link, is_static);
+      });
+}
+
+void BagMotion::add_pose(const BagMessage& message, FrameTransform pose)
+{
+  const auto topic = message.topic;
+  set_time(pose.parent, message);
   if (!pose.T_parent_child)
   {
     ++bad_poses_;
@@ -119,7 +153,7 @@ void BagMotion::add_pose(std::size_t topic, const FrameTransform& pose)
       [topic](const PoseTopic& t) { return t.topic == topic; });
   if (known == pose_topics_.end())
     known = pose_topics_.insert(known, {topic, pose.parent.frame, pose.child, {}, 0});
-  known->history.add(pose.parent.stamp_ns, *pose.T_parent_child);
+  poses_held_ += known->history.add(pose.parent.stamp_ns, *pose.T_parent_child) ? 1 : 0;
   ++known->count;
 }
 

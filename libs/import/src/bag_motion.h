@@ -43,7 +43,10 @@ class BagMotion
 
   void read(BagReader& reader, const std::vector<BagRole>& roles);
   void read_message(BagReader& reader, const BagMessage& message, BagRole role);
-  void add_pose(std::size_t topic, const FrameTransform& pose);
+  void add_links(std::string_view payload, const BagMessage& message, bool is_static);
+  void add_pose(const BagMessage& message, FrameTransform pose);
+  void set_time(MessageHeader& header, const BagMessage& message) const;
+  void require_room(const BagReader& reader);
   void prune();
   void choose_base(const SourceOptions& options, const std::string& path);
   void choose_map(const SourceOptions& options, const std::string& path);
@@ -62,6 +65,8 @@ class BagMotion
   std::vector<std::string> cloud_frames_;
   std::size_t clouds_left_ = 0;  //!< topics whose frame is not known yet
   std::size_t prune_at_ = 0;
+  std::size_t poses_held_ = 0;  //!< in the histories of pose_topics_
+  bool recorded_times_ = false;
   std::size_t bad_poses_ = 0;
   std::string base_, map_;
   io::Trajectory poses_;

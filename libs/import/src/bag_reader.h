@@ -1,5 +1,7 @@
 #pragma once
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,16 +10,21 @@
 
 namespace talus::import
 {
-/** The messages of a bag of one or more files, one file after the other; where messages are packed,
- * unpacked. All throw std::runtime_error that names the file and the place. */
+/** The messages of a bag of one or more files in the order of recording, also where files overlap;
+ * where messages are packed, unpacked. All throw std::runtime_error that names the file and the
+ * place. */
 class BagReader
 {
  public:
-  /** A folder, its metadata.yaml, or one file. */
-  explicit BagReader(const std::string& path);
+  /** A folder, its metadata.yaml, or one file. `partial`: of files that are cut, what is before
+   * the cut. */
+  BagReader(const std::string& path, bool partial);
 
   /** Of all files; a topic that is in several is there once. */
   const std::vector<BagTopic>& topics() const { return topics_; }
+
+  /** Of all files together. */
+  std::uint64_t bytes() const;
 
   /** From the beginning, with one flag a topic. */
   void start(std::vector<bool> wanted);
@@ -26,24 +33,35 @@ class BagReader
 
   bool next(BagMessage& message);
   std::string_view payload();
+  /** Bytes of its file that hold the last message, be they packed. */
+  std::uint64_t stored_bytes() const { return last_->file->stored_bytes(); }
   /** Where the last message is, for errors, with its topic. */
   std::string place() const;
   double progress() const;
+
+  /** What a person should know of how it was read; complete once next() gave false. */
+  std::vector<std::string> remarks() const;
 
  private:
   struct File
   {
     std::unique_ptr<BagFile> file;
     std::vector<std::size_t> topics;  //!< places in topics_ of its own
+    std::int64_t first_ns = 0;
+    std::optional<BagMessage> pending;  //!< its next one; topic is a place in topics_
   };
   void add(std::unique_ptr<BagFile> file);
-  void start_file();
+  void start_file(File& file);
+  void take_next(File& file);
+  File* earliest() const;
 
-  std::vector<File> files_;
+  std::vector<File> files_;  //!< in the order of their first messages
+  std::vector<std::string> remarks_;
   std::vector<BagTopic> topics_;
   std::vector<bool> wanted_;
-  std::size_t at_ = 0;  //!< the file that is being read
-  std::size_t last_topic_ = 0;
+  std::size_t due_ = 0;  //!< the next of files_ to be started
+  std::vector<File*> open_;  //!< begun and not at their end
+  File* last_ = nullptr;  //!< that of the last message
   std::vector<char> unpacked_;
 };
 

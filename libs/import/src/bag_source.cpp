@@ -1,5 +1,8 @@
 #include "bag_source.h"
 
+#include <talus/number_text.h>
+
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <optional>
@@ -15,11 +18,15 @@ namespace talus::import
 {
 namespace
 {
+double seconds(std::int64_t time_ns) { return static_cast<double>(time_ns) * 1e-9; }
+
 /** What is known of one topic with clouds. */
 struct Sensor
 {
   std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
   std::size_t scans = 0, late = 0, not_mounted = 0, not_timed = 0, not_stamped = 0;
+  std::int64_t not_mounted_ns = 0;  //!< the first of those
+  double off_s = 0;  //!< the time of recording of the first scan, after its stamp
   std::optional<double> time_unit_s;  //!< of its points
 };
 
@@ -27,7 +34,9 @@ class BagSource : public ScanSource
 {
  public:
   BagSource(const std::string& path, const SourceOptions& options)
-      : reader_(path),
+      : path_(path),
+        recorded_times_(options.recorded_times),
+        reader_(path, options.partial),
         roles_(roles_of(reader_.topics(), options.topics, path)),
         motion_(reader_, roles_, options, path),
         mountings_(options.mountings),
@@ -44,6 +53,7 @@ class BagSource : public ScanSource
     BagMessage message;
     while (reader_.next(message))
       if (read_scan(message, scan)) return true;
+    require_mounted();
     return false;
   }
   double progress() const override { return reader_.progress(); }
@@ -52,8 +62,12 @@ class BagSource : public ScanSource
 
  private:
   bool read_scan(const BagMessage& message, ImportedScan& scan);
-  void fill(ImportedScan& scan, Sensor& sensor, std::int64_t stamp_ns);
+  bool place(const CloudMessage& cloud, const BagMessage& message, ImportedScan& scan);
+  void fill(ImportedScan& scan, Sensor& sensor, std::int64_t told_ns);
+  void require_mounted() const;
 
+  std::string path_;
+  bool recorded_times_;
   BagReader reader_;
   std::vector<BagRole> roles_;
   BagMotion motion_;
@@ -65,58 +79,105 @@ class BagSource : public ScanSource
 /** False: it is left out. */
 bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
 {
-  auto& sensor = sensors_[message.topic];
-  CloudMessage cloud;
+  constexpr std::uint64_t kFewPoints = std::uint64_t{1} << 20;
   try
   {
-    cloud = read_cloud(reader_.payload());
+    const auto cloud = read_cloud(reader_.payload());
     collect_points(cloud, reader_.place(), file_);
+    if (file_.x_m.size() > std::max(kFewPoints, reader_.stored_bytes()))
+      throw CdrError(
+          "unpacks to " + std::to_string(file_.x_m.size()) + " points from " +
+          std::to_string(reader_.stored_bytes()) +
+          " bytes, which hold no more than there are bytes");
+    return place(cloud, message, scan);
   }
   catch (const CdrError& e)
   {
     throw std::runtime_error(reader_.place() + " " + e.what() + ". Copy the bag again.");
   }
+}
+
+/** Its time and mounting. */
+bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, ImportedScan& scan)
+{
+  auto& sensor = sensors_[message.topic];
+  const auto told_ns = cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
+  const auto stamp_ns = recorded_times_ ? message.log_time_ns : told_ns;
   sensor.not_stamped += cloud.header.stamp_ns == 0 ? 1 : 0;
-  const auto stamp_ns = cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
   if (stamp_ns < sensor.last_ns) return ++sensor.late, false;
   const auto& topic = reader_.topics()[message.topic].name;
   const auto given = mountings_.find(topic);
   const auto T_base_sensor = given == mountings_.end()
                                  ? motion_.T_base_sensor(cloud.header.frame, stamp_ns)
                                  : std::optional<mrpt::poses::CPose3D>(given->second);
-  if (!T_base_sensor) return ++sensor.not_mounted, false;
+  if (!T_base_sensor)
+  {
+    if (sensor.not_mounted++ == 0) sensor.not_mounted_ns = stamp_ns;
+    return false;
+  }
+  if (sensor.scans++ == 0) sensor.off_s = seconds(message.log_time_ns - told_ns);
   sensor.last_ns = stamp_ns;
-  ++sensor.scans;
   scan.sensor_label = topic;
   scan.T_base_sensor = *T_base_sensor;
-  fill(scan, sensor, stamp_ns);
+  scan.time_s = seconds(stamp_ns);
+  fill(scan, sensor, told_ns);
   return true;
 }
 
-void BagSource::fill(ImportedScan& scan, Sensor& sensor, std::int64_t stamp_ns)
+/** The times of points are told since the stamp of the sensor, or by its clock. */
+void BagSource::fill(ImportedScan& scan, Sensor& sensor, std::int64_t told_ns)
 {
-  scan.time_s = static_cast<double>(stamp_ns) * 1e-9;
   if (!sensor.time_unit_s && !file_.time.empty()) sensor.time_unit_s = time_unit_s(file_);
-  scan.point_time_s = times_since(scan.time_s, file_, sensor.time_unit_s.value_or(1));
+  scan.point_time_s = times_since(seconds(told_ns), file_, sensor.time_unit_s.value_or(1));
   sensor.not_timed += scan.point_time_s.size() == file_.time.size() ? 0 : 1;
   take_points(file_, scan);
 }
 
+/** Without a single scan there is more to say than how many are left out. */
+void BagSource::require_mounted() const
+{
+  for (std::size_t i = 0; i < sensors_.size(); ++i)
+  {
+    const auto& sensor = sensors_[i];
+    if (sensor.scans > 0 || sensor.not_mounted == 0) continue;
+    const auto& topic = reader_.topics()[i].name;
+    throw std::runtime_error(
+        path_ + ": TF tells the mounting of " + topic + " at the time of none of its " +
+        std::to_string(sensor.not_mounted) + " scans, of which the first is of " +
+        number_text(seconds(sensor.not_mounted_ns), 13) +
+        " s. If its sensor has a clock of its own, pass --recorded-times: scans then have the time "
+        "of recording; --mount " +
+        topic + "=x,y,z,yaw,pitch,roll gives the mounting without TF.");
+  }
+}
+
 std::vector<std::string> BagSource::remarks() const
 {
-  auto all = motion_.remarks();
+  auto all = reader_.remarks();
+  const auto of_motion = motion_.remarks();
+  all.insert(all.end(), of_motion.begin(), of_motion.end());
   const auto count = [&all](std::size_t scans, const std::string& topic, const char* what)
   {
     if (scans > 0) all.push_back(topic + ": " + std::to_string(scans) + " scans " + what);
   };
   for (std::size_t i = 0; i < sensors_.size(); ++i)
   {
-    const auto& [last_ns, scans, late, not_mounted, not_timed, not_stamped, unit_s] = sensors_[i];
+    const auto& sensor = sensors_[i];
     const auto& topic = reader_.topics()[i].name;
-    count(late, topic, "are left out: their stamps are before those of the scans before them");
-    count(not_mounted, topic, "are left out: TF does not tell the mounting at their time");
-    count(not_timed, topic, "are read without times of points: these fit no unit and no beginning");
-    count(not_stamped, topic, "have no stamp: they have the time at which they were recorded");
+    count(
+        sensor.late, topic, "are left out: their stamps are before those of the scans before them");
+    count(sensor.not_mounted, topic, "are left out: TF does not tell the mounting at their time");
+    count(
+        sensor.not_timed, topic,
+        "are read without times of points: these fit no unit and no beginning");
+    count(
+        sensor.not_stamped, topic, "have no stamp: they have the time at which they were recorded");
+    if (recorded_times_)
+      count(
+          sensor.scans, topic,
+          ("have the time of recording, " + number_text(sensor.off_s, 6) +
+           " s after the stamp of the first")
+              .c_str());
   }
   return all;
 }

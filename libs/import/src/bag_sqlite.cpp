@@ -1,35 +1,16 @@
-#include <sqlite3.h>
-#include <talus/input_file.h>
-
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <stdexcept>
 
 #include "bag_file.h"
+#include "bag_sqlite_database.h"
+#include "bag_sqlite_pages.h"
+#include "bag_topics.h"
 
 namespace talus::import
 {
 namespace
 {
-using Database = std::unique_ptr<sqlite3, int (*)(sqlite3*)>;
-using Statement = std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)>;
-
-/** What a database is asked for may not take more steps than this, however it is damaged. */
-struct Budget
-{
-  static constexpr int kStepsACall = 100000;
-  std::int64_t calls_left = 0;
-
-  void reset(std::uint64_t file_bytes)
-  {
-    constexpr std::uint64_t kStepsAByte = 10, kStepsAtLeast = 10000000;
-    calls_left =
-        static_cast<std::int64_t>((kStepsAtLeast + kStepsAByte * file_bytes) / kStepsACall);
-  }
-  static int spend(void* budget) { return --static_cast<Budget*>(budget)->calls_left < 0 ? 1 : 0; }
-};
-
 std::string text_of(sqlite3_stmt* row, int column)
 {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(row, column));
@@ -37,130 +18,195 @@ std::string text_of(sqlite3_stmt* row, int column)
               : std::string();
 }
 
+SqlitePages pages_of(const std::string& path, FileBytes& file)
+{
+  try
+  {
+    return SqlitePages(file);
+  }
+  catch (const std::runtime_error& e)
+  {
+    throw std::runtime_error(path + ": " + e.what() + ". Copy the bag again.");
+  }
+}
+
 /** A bag of rosbag2's plugin sqlite3: tables topics and messages. */
 class SqliteFile final : public BagFile
 {
  public:
-  explicit SqliteFile(const std::string& path) : path_(path)
-  {
-    require_readable_file(path, "bag");
-    bytes_ = std::filesystem::file_size(path);
-    open();
-    require_table("topics");
-    require_table("messages");
-    read_topics();
-    stop();
-  }
+  SqliteFile(const std::string& path, bool partial);
 
+  std::uint64_t bytes() const override { return base_.bytes(); }
+  std::optional<std::int64_t> first_ns() override { return first_ns_; }
+  std::uint64_t stored_bytes() const override { return message_bytes_; }
+  std::vector<std::string> remarks() const override { return remarks_; }
   bool next(BagMessage& message) override;
   std::string_view payload() override;
   std::string place() const override { return path_ + ": message " + std::to_string(id_); }
   double progress() const override
   {
-    return std::min(1.0, static_cast<double>(read_bytes_) / static_cast<double>(bytes_));
+    return std::min(1.0, static_cast<double>(read_bytes_) / static_cast<double>(base_.bytes()));
   }
-  void stop() override
-  {
-    ids_.reset();
-    data_.reset();
-    db_.reset();
-  }
+  void stop() override;
 
  private:
-  void open();
+  bool is_short() const;
+  bool is_sound();
+  void require_whole() const;
   void require_table(const std::string& name);
   void read_topics();
+  void read_first_time();
+  void take_pages();
   void rewind() override;
-  Statement ask(const std::string& sql);
-  bool step(sqlite3_stmt* statement);
-  [[noreturn]] void fail(const std::string& what) const;
+  bool next_row(BagMessage& message);
+  bool next_stored(BagMessage& message);
+  std::string_view payload_of_row();
 
   std::string path_;
-  std::uint64_t bytes_ = 0, read_bytes_ = 0;
-  Budget budget_;
-  Database db_{nullptr, sqlite3_close};
-  Statement ids_{nullptr, sqlite3_finalize}, data_{nullptr, sqlite3_finalize};
+  FileBytes file_;
+  SqlitePages pages_;
+  SqliteDatabase base_;
+  std::uint64_t read_bytes_ = 0;
+  SqliteStatement ids_{nullptr, sqlite3_finalize}, data_{nullptr, sqlite3_finalize};
   std::map<std::int64_t, std::size_t> places_;  //!< in topics_, by the id in the table
+  std::optional<std::int64_t> first_ns_;
   std::int64_t id_ = 0;  //!< of the last message
+  std::optional<std::vector<StoredMessage>> stored_;  //!< all that are whole in a bag that is cut
+  std::size_t at_ = 0;  //!< the next of stored_
+  std::vector<char> data_of_pages_;
+  std::uint64_t message_bytes_ = 0;  //!< of the last payload
+  std::vector<std::string> remarks_;
 };
 
-void SqliteFile::open()
+SqliteFile::SqliteFile(const std::string& path, bool partial)
+    : path_(path),
+      file_(path),
+      pages_(pages_of(path, file_)),
+      base_(path, partial ? pages_.told_bytes() : 0)
 {
-  sqlite3* raw = nullptr;
-  const int code = sqlite3_open_v2(path_.c_str(), &raw, SQLITE_OPEN_READONLY, nullptr);
-  db_.reset(raw);
-  if (code != SQLITE_OK) fail(raw ? sqlite3_errmsg(raw) : "no memory");
-  // What the schema of a database asks for may run, so that one of a stranger may do little.
-  sqlite3_db_config(raw, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-  sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-  sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, static_cast<int>(kMostBagBytes));
-  sqlite3_progress_handler(raw, Budget::kStepsACall, Budget::spend, &budget_);
-  budget_.reset(bytes_);
+  if (!partial) require_whole();
+  base_.open();
+  require_table("topics");
+  require_table("messages");
+  read_topics();
+  if (partial && !is_sound())
+    take_pages();
+  else
+    read_first_time();
+  stop();
 }
 
-Statement SqliteFile::ask(const std::string& sql)
-{
-  sqlite3_stmt* raw = nullptr;
-  if (sqlite3_prepare_v2(db_.get(), sql.c_str(), -1, &raw, nullptr) != SQLITE_OK)
-    fail(sqlite3_errmsg(db_.get()));
-  return {raw, sqlite3_finalize};
-}
+/** Of pages that are still in a log the header may tell before they are there. */
+bool SqliteFile::is_short() const { return !base_.has_log() && file_.size() < pages_.told_bytes(); }
 
-bool SqliteFile::step(sqlite3_stmt* statement)
+void SqliteFile::require_whole() const
 {
-  const int code = sqlite3_step(statement);
-  if (code == SQLITE_INTERRUPT) fail("it goes round in circles");
-  if (code != SQLITE_ROW && code != SQLITE_DONE) fail(sqlite3_errmsg(db_.get()));
-  return code == SQLITE_ROW;
-}
-
-void SqliteFile::fail(const std::string& what) const
-{
-  throw std::runtime_error(
-      path_ + ": cannot be read as a bag in SQLite (" + what + ")" +
-      (id_ != 0 ? ", after message " + std::to_string(id_) : "") +
-      ". Copy it again; what is whole of a damaged one is kept by: sqlite3 BROKEN.db3 .recover | "
-      "sqlite3 NEW.db3");
+  if (is_short())
+    throw std::runtime_error(
+        path_ + ": is cut: it has " + std::to_string(file_.size()) + " of " +
+        std::to_string(pages_.told_bytes()) +
+        " bytes. Copy it again; where there is no better copy, --partial reads what is whole.");
 }
 
 void SqliteFile::require_table(const std::string& name)
 {
-  const auto found =
-      ask("SELECT 1 FROM sqlite_master WHERE type='table' AND rootpage>0 AND name='" + name + "'");
-  if (!step(found.get())) fail("it has no table '" + name + "'");
+  const auto found = base_.ask(
+      "SELECT 1 FROM sqlite_master WHERE type='table' AND rootpage>0 AND name='" + name + "'");
+  if (base_.step(found.get())) return;
+  const bool is_wal = pages_.is_wal() && !base_.has_log();
+  base_.fail(
+      "it has no table '" + name + "'" +
+      (is_wal ? "; what was recorded last is in " + path_ + "-wal, which is missing beside it"
+              : ""));
 }
 
 void SqliteFile::read_topics()
 {
-  const auto rows = ask("SELECT id, name, type, serialization_format FROM topics ORDER BY id");
-  while (step(rows.get()))
+  std::size_t name_bytes = 0;
+  const auto rows =
+      base_.ask("SELECT id, name, type, serialization_format FROM topics ORDER BY id");
+  while (base_.step(rows.get()))
   {
-    if (sqlite3_column_type(rows.get(), 0) != SQLITE_INTEGER) fail("a topic has no number");
+    if (sqlite3_column_type(rows.get(), 0) != SQLITE_INTEGER) base_.fail("a topic has no number");
     if (!places_.emplace(sqlite3_column_int64(rows.get(), 0), topics_.size()).second)
-      fail("two topics have one number");
+      base_.fail("two topics have one number");
     topics_.push_back({text_of(rows.get(), 1), text_of(rows.get(), 2), text_of(rows.get(), 3)});
+    const auto& topic = topics_.back();
+    name_bytes += topic.name.size() + topic.type.size() + topic.encoding.size();
+    if (const auto wrong = too_long_names(name_bytes, topics_.size()); !wrong.empty())
+      base_.fail(wrong);
   }
+}
+
+/** Whether SQLite finds all pages, and nothing wrong in them. */
+bool SqliteFile::is_sound()
+{
+  try
+  {
+    const auto told = base_.ask("PRAGMA quick_check(1)");
+    return !is_short() && base_.step(told.get()) && text_of(told.get(), 0) == "ok";
+  }
+  catch (const SqliteDamaged&)
+  {
+    return false;
+  }
+}
+
+void SqliteFile::read_first_time()
+{
+  const auto row = base_.ask("SELECT min(timestamp) FROM messages NOT INDEXED");
+  if (base_.step(row.get()) && sqlite3_column_type(row.get(), 0) == SQLITE_INTEGER)
+    first_ns_ = sqlite3_column_int64(row.get(), 0);
+}
+
+void SqliteFile::take_pages()
+{
+  std::size_t cut = 0;
+  stored_ = pages_.messages(cut);
+  if (!stored_->empty()) first_ns_ = stored_->front().time_ns;
+  remarks_.push_back(
+      path_ + ": is cut or damaged; " + std::to_string(stored_->size()) +
+      " messages are whole and read, " + std::to_string(cut) +
+      " are there in part and left out, those behind the cut are missing");
+}
+
+void SqliteFile::stop()
+{
+  ids_.reset();
+  data_.reset();
+  base_.close();
+  file_.close();
 }
 
 void SqliteFile::rewind()
 {
   stop();
-  open();
   read_bytes_ = 0;
   id_ = 0;
+  at_ = 0;
+  if (stored_) return;
+  base_.open();
   std::string wanted;
   for (const auto& [id, place] : places_)
     if (is_wanted(place)) wanted += (wanted.empty() ? "" : ",") + std::to_string(id);
-  // Without the payloads, so that to put them in order takes no memory where there is no index.
-  ids_ =
-      ask("SELECT rowid, topic_id, timestamp FROM messages WHERE topic_id IN (" + wanted +
-          ") ORDER BY timestamp, rowid");
-  data_ = ask("SELECT data FROM messages WHERE rowid=?");
+  // Without the payloads, so that to put them in order takes little memory; and without the index
+  // of the bag, as a message is there also where that one lost it.
+  ids_ = base_.ask(
+      "SELECT rowid, topic_id, timestamp FROM messages NOT INDEXED WHERE topic_id IN (" + wanted +
+      ") ORDER BY timestamp, rowid");
+  data_ = base_.ask("SELECT data FROM messages WHERE rowid=?");
 }
 
 bool SqliteFile::next(BagMessage& message)
 {
-  while (step(ids_.get()))
+  const bool is_there = stored_ ? next_stored(message) : next_row(message);
+  if (!is_there) base_.require_unchanged();
+  return is_there;
+}
+
+bool SqliteFile::next_row(BagMessage& message)
+{
+  while (base_.step(ids_.get()))
   {
     const auto place = places_.find(sqlite3_column_int64(ids_.get(), 1));
     if (place == places_.end() || !is_wanted(place->second)) continue;
@@ -172,22 +218,48 @@ bool SqliteFile::next(BagMessage& message)
   return false;
 }
 
+bool SqliteFile::next_stored(BagMessage& message)
+{
+  for (; at_ < stored_->size(); ++at_)
+  {
+    const auto& stored = (*stored_)[at_];
+    const auto place = places_.find(stored.topic);
+    if (place == places_.end() || !is_wanted(place->second)) continue;
+    ++at_;
+    id_ = stored.id;
+    message.topic = place->second;
+    message.log_time_ns = stored.time_ns;
+    return true;
+  }
+  return false;
+}
+
 std::string_view SqliteFile::payload()
+{
+  if (!stored_) return payload_of_row();
+  pages_.read((*stored_)[at_ - 1], data_of_pages_);
+  message_bytes_ = data_of_pages_.size();
+  read_bytes_ += message_bytes_;
+  return {data_of_pages_.data(), data_of_pages_.size()};
+}
+
+std::string_view SqliteFile::payload_of_row()
 {
   sqlite3_reset(data_.get());
   sqlite3_bind_int64(data_.get(), 1, id_);
-  if (!step(data_.get())) fail("a message is not where its index says");
+  if (!base_.step(data_.get())) base_.fail("a message is gone");
   const auto* data = static_cast<const char*>(sqlite3_column_blob(data_.get(), 0));
   const auto size = static_cast<std::size_t>(sqlite3_column_bytes(data_.get(), 0));
+  message_bytes_ = size;
   read_bytes_ += size;
-  if (read_bytes_ > bytes_) fail("its messages have more bytes than the file");
+  if (read_bytes_ > base_.bytes()) base_.fail("its messages have more bytes than the file");
   return {data, data ? size : 0};
 }
 }  // namespace
 
-std::unique_ptr<BagFile> open_sqlite_bag(const std::string& path)
+std::unique_ptr<BagFile> open_sqlite_bag(const std::string& path, bool partial)
 {
-  return std::make_unique<SqliteFile>(path);
+  return std::make_unique<SqliteFile>(path, partial);
 }
 
 }  // namespace talus::import

@@ -4,7 +4,7 @@
 
 namespace talus::import
 {
-std::unique_ptr<BagFile> open_sqlite_bag(const std::string& path)
+std::unique_ptr<BagFile> open_sqlite_bag(const std::string& path, bool)
 {
   throw std::runtime_error(
       path +

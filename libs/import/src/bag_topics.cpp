@@ -83,4 +83,12 @@ std::vector<BagRole> roles_of(
   return roles;
 }
 
+std::string too_long_names(std::size_t bytes, std::size_t topics)
+{
+  constexpr std::size_t kMostBytes = std::size_t{1} << 22, kMostTopics = 10000;
+  if (topics <= kMostTopics && bytes <= kMostBytes) return "";
+  return "no bag has " + std::to_string(topics) + " topics with " + std::to_string(bytes) +
+         " bytes of names";
+}
+
 }  // namespace talus::import

@@ -24,4 +24,8 @@ std::vector<BagRole> roles_of(
     const std::vector<BagTopic>& topics, const std::vector<std::string>& wanted,
     const std::string& path);
 
+/** What is wrong with so many topics, whose names, types and encodings have so many bytes: a small
+ * bag can unpack to more than memory holds. Empty: nothing. */
+std::string too_long_names(std::size_t bytes, std::size_t topics);
+
 }  // namespace talus::import

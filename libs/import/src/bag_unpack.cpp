@@ -16,26 +16,25 @@ namespace
 {
 using Stream = std::unique_ptr<ZSTD_DStream, std::size_t (*)(ZSTD_DStream*)>;
 
-void unpack_zstd(std::string_view packed, std::optional<std::size_t> size, std::vector<char>& out)
+void unpack_zstd(std::string_view packed, std::size_t most, bool is_cut, std::vector<char>& out)
 {
   const Stream stream(ZSTD_createDStream(), ZSTD_freeDStream);
   if (!stream) throw std::bad_alloc();
-  const std::size_t most = size.value_or(kMostBagBytes);
   ZSTD_inBuffer in{packed.data(), packed.size(), 0};
   std::size_t done = 0;
-  for (bool is_whole = false; !is_whole && !(size && done == *size);)
+  for (bool is_whole = false; !is_whole && done < most;)
   {
     if (done == out.size()) grow(out, most);
     ZSTD_outBuffer room{out.data(), out.size(), done};
     const std::size_t before = in.pos, wants = ZSTD_decompressStream(stream.get(), &room, &in);
+    if (ZSTD_isError(wants) && is_cut) break;
     if (ZSTD_isError(wants))
       throw std::runtime_error(std::string("zstd data is damaged: ") + ZSTD_getErrorName(wants));
     is_whole = wants == 0;
-    if (!is_whole && done == room.pos && before == in.pos)
-      throw std::runtime_error(
-          done == most ? "zstd data unpacks to more than " + std::to_string(most) + " bytes"
-                       : "zstd data is cut short");
+    const bool is_stuck = !is_whole && done == room.pos && before == in.pos;
     done = room.pos;
+    if (is_stuck && is_cut) break;
+    if (is_stuck) throw std::runtime_error("zstd data is cut short");
   }
   out.resize(done);
 }
@@ -49,24 +48,36 @@ void grow(std::vector<char>& out, std::size_t most)
   out.resize(std::min(most, std::max(2 * out.size(), kLeast)));
 }
 
-void unpack_bag_data(
-    BagPacking packing, std::string_view packed, std::optional<std::size_t> size,
-    std::vector<char>& out)
+std::size_t most_unpacked(std::uint64_t packed_bytes)
 {
-  if (size.value_or(0) > kMostBagBytes)
-    throw std::runtime_error(
-        "unpacks to " + std::to_string(*size) + " bytes, and no more than " +
-        std::to_string(kMostBagBytes) + " are read at once");
+  constexpr std::uint64_t kFew = std::uint64_t{1} << 24, kMostTimes = 64;
+  return std::min<std::uint64_t>(kMostBagBytes, std::max(kFew, kMostTimes * packed_bytes));
+}
+
+void unpack_bag_data(
+    BagPacking packing, std::string_view packed, const UnpackedSize& size, std::vector<char>& out)
+{
+  const auto too_much = [&](const std::string& bytes)
+  {
+    return std::runtime_error(
+        "unpacks to " + bytes + " bytes, and from " + std::to_string(packed.size()) +
+        " packed ones no more than " + std::to_string(size.most) + " are taken");
+  };
+  if (size.told.value_or(0) > size.most) throw too_much(std::to_string(*size.told));
+  // One more than may come out shows that there is more.
+  const std::size_t most = size.told.value_or(size.most + 1);
   out.clear();
   if (packing == BagPacking::None)
     out.assign(packed.begin(), packed.end());
   else if (packing == BagPacking::Lz4)
-    unpack_lz4(packed, size.value_or(kMostBagBytes), out);
+    unpack_lz4(packed, most, size.is_cut, out);
   else
-    unpack_zstd(packed, size, out);
-  if (size && out.size() != *size)
+    unpack_zstd(packed, most, size.is_cut, out);
+  if (!size.told && out.size() > size.most) throw too_much("more");
+  if (size.told && !size.is_cut && out.size() != *size.told)
     throw std::runtime_error(
-        "unpacks to " + std::to_string(out.size()) + " bytes instead of " + std::to_string(*size));
+        "unpacks to " + std::to_string(out.size()) + " bytes instead of " +
+        std::to_string(*size.told));
 }
 
 }  // namespace talus::import

@@ -77,7 +77,7 @@ void sort(std::vector<std::string>& scans)
 
 bool is_scan(ForeignScans kind) { return kind >= ForeignScans::Bin && kind <= ForeignScans::Las; }
 
-/** The scans in a folder, by kind; those that are hidden are none. */
+/** The scans in a folder, by kind, bags among them; those that are hidden are none. */
 std::map<ForeignScans, std::vector<std::string>> scans_in(const fs::path& folder)
 {
   std::map<ForeignScans, std::vector<std::string>> scans;
@@ -86,7 +86,8 @@ std::map<ForeignScans, std::vector<std::string>> scans_in(const fs::path& folder
   {
     if (entry.path().filename().string()[0] == '.' || !entry.is_regular_file(no_file)) continue;
     const auto kind = io::kind_by_ending(entry.path().string());
-    if (is_scan(kind)) scans[kind].push_back(entry.path().string());
+    if (is_scan(kind) || kind == ForeignScans::Ros2Bag)
+      scans[kind].push_back(entry.path().string());
   }
   return scans;
 }

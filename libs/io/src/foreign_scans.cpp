@@ -61,16 +61,39 @@ ForeignScans kind_of_file(const std::string& path)
   return kind_by_ending(path);
 }
 
-bool has_scans(const fs::path& folder)
+/** Whether one of the files of a folder that are not hidden has such an ending. */
+template <class Wanted>
+bool holds(const fs::path& folder, const Wanted& is_wanted)
 {
   std::error_code error, no_file;  // a link to itself is no file, and no error of the folder
   for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error))
-  {
-    const ForeignScans kind = kind_by_ending(i->path().string());
-    if (kind >= ForeignScans::Bin && kind <= ForeignScans::Las && i->is_regular_file(no_file))
+    if (i->path().filename().string()[0] != '.' && is_wanted(i->path()) &&
+        i->is_regular_file(no_file))
       return true;
-  }
   return false;
+}
+
+bool has_scans(const fs::path& folder)
+{
+  return holds(
+      folder,
+      [](const fs::path& file)
+      {
+        const ForeignScans kind = kind_by_ending(file.string());
+        return kind >= ForeignScans::Bin && kind <= ForeignScans::Las;
+      });
+}
+
+/** Also those that rosbag2 packed as a whole. */
+bool has_bag_files(const fs::path& folder)
+{
+  return holds(
+      folder,
+      [](const fs::path& file)
+      {
+        const fs::path unpacked = ending_of(file) == ".zstd" ? file.stem() : file;
+        return kind_by_ending(unpacked.string()) == ForeignScans::Ros2Bag;
+      });
 }
 }  // namespace
 
@@ -98,7 +121,10 @@ ForeignScans kind_of_scans(const std::string& path)
   const auto status = fs::status(path, error);
   if (fs::is_directory(status))
   {
-    if (fs::exists(fs::path(path) / "metadata.yaml", error)) return ForeignScans::Ros2Bag;
+    // A recorder that was killed leaves no metadata.yaml.
+    if (fs::exists(fs::path(path) / "metadata.yaml", error) ||
+        (has_bag_files(path) && !has_scans(path)))
+      return ForeignScans::Ros2Bag;
     return folder_with_scans(path).empty() ? ForeignScans::None : ForeignScans::Folder;
   }
   return fs::is_regular_file(status) ? kind_of_file(path) : ForeignScans::None;

@@ -57,6 +57,9 @@ struct SourceOptions
   std::string base_frame;  //!< --base-frame NAME, of TF; "": base_link, base_footprint or the child
                            //!< of odometry
   std::string map_frame;  //!< --map-frame NAME, of TF; "": map, else odom
+  bool recorded_times = false;  //!< --recorded-times, of bags: scans have the time of recording,
+                                //!< not the stamp of their sensor
+  bool partial = false;  //!< --partial, of bags that are cut: what is before the cut
   double rate_hz = 10;  //!< --rate, of folders without times
   std::map<std::string, mrpt::poses::CPose3D> mountings;  //!< --mount, by label: T_base_sensor
 };
