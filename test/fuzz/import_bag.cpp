@@ -27,17 +27,20 @@ void check(const ImportedScan& scan)
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
   const fuzz::InputFile file(data, size, ".bag");
-  fuzz::is_read(
-      [&]
-      {
-        const auto source = open_bag(file.path(), {});
-        ImportedScan scan;
-        while (source->next(scan)) check(scan);
-        fuzz::require(source->progress() <= 1, "no more than all is read");
-        const auto poses = source->poses();
-        for (const auto& pose : poses.entries())
-          fuzz::require(std::isfinite(pose.T_map_base.norm()), "poses are finite");
-        source->remarks();
-      });
+  for (const bool partial : {false, true})
+    fuzz::is_read(
+        [&]
+        {
+          SourceOptions options;
+          options.partial = partial;
+          const auto source = open_bag(file.path(), options);
+          ImportedScan scan;
+          while (source->next(scan)) check(scan);
+          fuzz::require(source->progress() <= 1, "no more than all is read");
+          const auto poses = source->poses();
+          for (const auto& pose : poses.entries())
+            fuzz::require(std::isfinite(pose.T_map_base.norm()), "poses are finite");
+          source->remarks();
+        });
   return 0;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bag_source.h"
 #include "log_files.h"
 
 namespace talus::test
@@ -23,6 +24,12 @@ inline std::string why_no_bags()
   return "";
 }
 
+/** What a test begins with: a folder `dir` with bags of these names. */
+#define MAKE_BAGS(names)                                                              \
+  if (const auto why = talus::test::why_no_bags(); !why.empty()) GTEST_SKIP() << why; \
+  const talus::test::ScratchDir dir;                                                  \
+  ASSERT_TRUE(talus::test::make_bags(dir, names))
+
 /** Writes bags of these names, separated by blanks, into a folder. */
 inline bool make_bags(const ScratchDir& dir, const std::string& names)
 {
@@ -39,6 +46,44 @@ inline std::vector<import::ImportedScan> all_of(import::ScanSource& source)
   import::ImportedScan scan;
   while (source.next(scan)) scans.push_back(scan);
   return scans;
+}
+
+inline std::vector<import::ImportedScan> scans_of(
+    const std::string& path, const std::string& topic, const import::SourceOptions& options = {})
+{
+  const auto source = import::open_bag(path, options);
+  std::vector<import::ImportedScan> scans;
+  for (const auto& scan : all_of(*source))
+    if (scan.sensor_label == topic) scans.push_back(scan);
+  return scans;
+}
+
+inline std::string error_of(const std::string& path, const import::SourceOptions& options = {})
+{
+  try
+  {
+    const auto source = import::open_bag(path, options);
+    all_of(*source);
+  }
+  catch (const std::runtime_error& e)
+  {
+    return e.what();
+  }
+  return "";
+}
+
+inline std::string remarks_of(const std::string& path, const import::SourceOptions& options = {})
+{
+  const auto source = import::open_bag(path, options);
+  all_of(*source);
+  std::string all;
+  for (const auto& remark : source->remarks()) all += remark + "\n";
+  return all;
+}
+
+inline bool holds(const std::string& text, const std::string& part)
+{
+  return text.find(part) != std::string::npos;
 }
 
 }  // namespace talus::test

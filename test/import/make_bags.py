@@ -140,7 +140,7 @@ def log():
 def packed(data, program):
     if not program:
         return data
-    extra = ["--content-size"] if program == "lz4" else []
+    extra = ["--content-size", "-B4"] if program == "lz4" else []  # blocks of 64 KiB, as MCAP's writer
     return subprocess.run([program, "-q", "-c", *extra, "-"], input=data, stdout=subprocess.PIPE, check=True).stdout
 
 
@@ -216,8 +216,21 @@ def chunk(rows, channels, known, program):
     return whole, len(record(6, head + struct.pack("<Q", len(data)) + data))
 
 
-def write_mcap(path, groups, program="", chunked=True, indexed=True):
-    """`groups`: rows of one chunk each. Not chunked: no chunks at all; not indexed: no index, no summary."""
+def statistics(groups, channels, chunks):
+    """Of all messages and those of each channel."""
+    rows = [row for group in groups for row in group]
+    counts = {}
+    for _, topic, kind, _ in rows:
+        counts[channels.ids[topic, kind]] = counts.get(channels.ids[topic, kind], 0) + 1
+    times = [row[0] for row in rows] or [0]
+    told = b"".join(struct.pack("<HQ", *item) for item in counts.items())
+    return record(11, struct.pack("<QHIIIIQQI", len(rows), len(channels.ids), len(channels.ids), 0, 0, chunks, min(times),
+                                  max(times), len(told)) + told)
+
+
+def write_mcap(path, groups, program="", chunked=True, indexed=True, checked=False):
+    """`groups`: rows of one chunk each. Not chunked: no chunks at all; not indexed: no index, no summary; checked: with the
+    checksums of data and summary."""
     channels, known, out = Channels(), set(), b"\x89MCAP0\r\n" + record(1, text("ros2") + text("make_bags"))
     for rows in groups:
         if chunked:
@@ -229,10 +242,12 @@ def write_mcap(path, groups, program="", chunked=True, indexed=True):
             out += b"" if channel in known else records
             known.add(channel)
             out += message(channel, number, at, payload)
-    out += record(15, struct.pack("<I", 0))
-    summary = len(out) if indexed else 0
-    out += channels.all() if indexed else b""
-    out += record(2, struct.pack("<QQI", summary, 0, 0)) + b"\x89MCAP0\r\n"
+    out += record(15, struct.pack("<I", zlib.crc32(out) if checked else 0))
+    begin = len(out)
+    if indexed:
+        out += channels.all() + statistics(groups, channels, len(groups) if chunked else 0)
+    out += struct.pack("<BQQQ", 2, 20, begin if indexed else 0, 0)
+    out += struct.pack("<I", zlib.crc32(out[begin:]) if checked else 0) + b"\x89MCAP0\r\n"
     with open(path, "wb") as file:
         file.write(out)
 
@@ -388,6 +403,7 @@ def bags(folder):
         "small_zstd.mcap": lambda n: write_mcap(n, in_groups(small()), "zstd"),
         "small_lz4.mcap": lambda n: write_mcap(n, in_groups(small()), "lz4"),
         "small_loose.mcap": lambda n: write_mcap(n, in_groups(small()), chunked=False, indexed=False),
+        "checked.mcap": lambda n: write_mcap(n, in_groups(log()), "zstd", checked=True),
         "none.mcap": lambda n: write_mcap(n, in_groups(log())),
         "zstd.mcap": lambda n: write_mcap(n, in_groups(log()), "zstd"),
         "lz4.mcap": lambda n: write_mcap(n, in_groups(log()), "lz4"),
@@ -424,7 +440,9 @@ def bags(folder):
 
 
 if __name__ == "__main__":
-    known = bags(sys.argv[1])
+    import odd_bags
+
+    known = {**bags(sys.argv[1]), **odd_bags.bags(sys.argv[1])}
     for wanted in sys.argv[2:]:
         path = os.path.join(sys.argv[1], wanted)
         if os.path.isfile(path):

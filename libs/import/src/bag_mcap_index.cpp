@@ -55,7 +55,7 @@ void McapIndex::walk()
     while (summary_.footer == 0) at = walk_record(at);
     if (file_.look(at, kMagic.size()) != kMagic) fail(at, "does not end as an MCAP file does");
     if (at + kMagic.size() != file_.size())
-      fail(at + kMagic.size(), "goes on behind its end: is it two files in one");
+      fail(at + kMagic.size(), "goes on behind its end (two files in one?)");
     check_whole();
   }
   catch (const std::runtime_error& e)

@@ -53,7 +53,7 @@ class BagSource : public ScanSource
     BagMessage message;
     while (reader_.next(message))
       if (read_scan(message, scan)) return true;
-    require_mounted();
+    require_scans();
     return false;
   }
   double progress() const override { return reader_.progress(); }
@@ -64,7 +64,7 @@ class BagSource : public ScanSource
   bool read_scan(const BagMessage& message, ImportedScan& scan);
   bool place(const CloudMessage& cloud, const BagMessage& message, ImportedScan& scan);
   void fill(ImportedScan& scan, Sensor& sensor, std::int64_t told_ns);
-  void require_mounted() const;
+  void require_scans() const;
 
   std::string path_;
   bool recorded_times_;
@@ -134,13 +134,17 @@ void BagSource::fill(ImportedScan& scan, Sensor& sensor, std::int64_t told_ns)
 }
 
 /** Without a single scan there is more to say than how many are left out. */
-void BagSource::require_mounted() const
+void BagSource::require_scans() const
 {
+  std::string names;
+  bool is_any = false;
   for (std::size_t i = 0; i < sensors_.size(); ++i)
   {
     const auto& sensor = sensors_[i];
-    if (sensor.scans > 0 || sensor.not_mounted == 0) continue;
     const auto& topic = reader_.topics()[i].name;
+    is_any = is_any || sensor.scans + sensor.not_mounted > 0;
+    if (roles_[i] == BagRole::Cloud) names += (names.empty() ? "" : ", ") + topic.substr(0, 100);
+    if (sensor.scans > 0 || sensor.not_mounted == 0) continue;
     throw std::runtime_error(
         path_ + ": TF tells the mounting of " + topic + " at the time of none of its " +
         std::to_string(sensor.not_mounted) + " scans, of which the first is of " +
@@ -149,6 +153,10 @@ void BagSource::require_mounted() const
         "of recording; --mount " +
         topic + "=x,y,z,yaw,pitch,roll gives the mounting without TF.");
   }
+  if (is_any) return;
+  std::string why;
+  for (const auto& remark : reader_.remarks()) why += "; " + remark;
+  throw std::runtime_error(path_ + ": holds not a single message of " + names + why + ".");
 }
 
 std::vector<std::string> BagSource::remarks() const
@@ -175,7 +183,7 @@ std::vector<std::string> BagSource::remarks() const
     if (recorded_times_)
       count(
           sensor.scans, topic,
-          ("have the time of recording, " + number_text(sensor.off_s, 6) +
+          ("have the time of recording, " + fixed_text(sensor.off_s, 3) +
            " s after the stamp of the first")
               .c_str());
   }

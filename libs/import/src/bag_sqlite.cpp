@@ -53,6 +53,7 @@ class SqliteFile final : public BagFile
   bool is_short() const;
   bool is_sound();
   void require_whole() const;
+  std::string missing_log() const;
   void require_table(const std::string& name);
   void read_topics();
   void read_first_time();
@@ -113,11 +114,15 @@ void SqliteFile::require_table(const std::string& name)
   const auto found = base_.ask(
       "SELECT 1 FROM sqlite_master WHERE type='table' AND rootpage>0 AND name='" + name + "'");
   if (base_.step(found.get())) return;
-  const bool is_wal = pages_.is_wal() && !base_.has_log();
-  base_.fail(
-      "it has no table '" + name + "'" +
-      (is_wal ? "; what was recorded last is in " + path_ + "-wal, which is missing beside it"
-              : ""));
+  const auto missing = missing_log();
+  base_.fail("it has no table '" + name + "'" + (missing.empty() ? "" : "; " + missing));
+}
+
+/** A recorder that keeps a WAL was killed, and its file was copied without it. */
+std::string SqliteFile::missing_log() const
+{
+  if (!pages_.is_wal() || base_.has_log()) return "";
+  return "what a killed recorder wrote last is in " + path_ + "-wal, which is not beside it";
 }
 
 void SqliteFile::read_topics()
@@ -157,6 +162,8 @@ void SqliteFile::read_first_time()
   const auto row = base_.ask("SELECT min(timestamp) FROM messages NOT INDEXED");
   if (base_.step(row.get()) && sqlite3_column_type(row.get(), 0) == SQLITE_INTEGER)
     first_ns_ = sqlite3_column_int64(row.get(), 0);
+  else if (const auto missing = missing_log(); !missing.empty())
+    remarks_.push_back(path_ + ": holds no messages; " + missing);
 }
 
 void SqliteFile::take_pages()

@@ -219,6 +219,7 @@ int open_file(sqlite3_vfs* vfs, const char* path, sqlite3_file* file, int flags,
     return state.host->xOpen(state.host, path, file, flags, out_flags);
   file->pMethods = nullptr;
   const bool is_main = (flags & SQLITE_OPEN_MAIN_DB) != 0;
+  if (is_main) state.removed.clear();  // a new connection sees what is on disk
   std::unique_ptr<CoveredFile> opened;
   if (state.removed.count(path) == 0) opened = open_on_disk(path, is_main ? state.least_bytes : 0);
   if (!opened)

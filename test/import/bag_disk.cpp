@@ -1,0 +1,169 @@
+// Bags as they lie on a disk: recorders that were killed, databases that others hold, folders that
+// nobody may write, parts without a description. They are read, and nothing is left beside them.
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "bag_log.h"
+
+using namespace talus;
+using namespace talus::import;
+using namespace talus::test;
+namespace fs = std::filesystem;
+
+namespace
+{
+/** Names, sizes and times of change of all in a folder. */
+std::string state_of(const std::string& folder)
+{
+  std::set<std::string> lines;
+  for (const auto& entry : fs::directory_iterator(folder))
+    lines.insert(
+        entry.path().string() + " " + std::to_string(entry.file_size()) + " " +
+        std::to_string(entry.last_write_time().time_since_epoch().count()));
+  std::string all;
+  for (const auto& line : lines) all += line + "\n";
+  return all;
+}
+
+/** Holds a lock on all of a file, in another process, as a recorder does that writes. */
+class LockOfAnother
+{
+ public:
+  explicit LockOfAnother(const std::string& path)
+  {
+    int ready[2] = {-1, -1};
+    if (pipe(ready) != 0) return;
+    child_ = fork();
+    if (child_ == 0)
+    {
+      struct flock all{};
+      all.l_type = F_WRLCK;
+      const int file = open(path.c_str(), O_RDWR);
+      const char is_locked = fcntl(file, F_SETLK, &all) == 0 ? '1' : '0';
+      if (write(ready[1], &is_locked, 1) == 1) pause();
+      _exit(0);
+    }
+    char is_locked = '0';
+    is_locked_ = read(ready[0], &is_locked, 1) == 1 && is_locked == '1';
+    close(ready[0]);
+    close(ready[1]);
+  }
+  ~LockOfAnother()
+  {
+    if (child_ <= 0) return;
+    kill(child_, SIGKILL);
+    waitpid(child_, nullptr, 0);
+  }
+  bool is_locked() const { return is_locked_; }
+
+ private:
+  pid_t child_ = -1;
+  bool is_locked_ = false;
+};
+}  // namespace
+
+TEST(BagDisk, WhatAKilledRecorderLeftInItsWalOrJournalIsReadAndTheFolderIsAsBefore)
+{
+  MAKE_BAGS("wal_killed.db3 wal_closed.db3 journal.db3");
+  const auto before = state_of(dir / "");
+  for (const std::string name : {"wal_killed.db3", "wal_closed.db3", "journal.db3"})
+  {
+    SCOPED_TRACE(name);
+    expect_log(dir / name);
+    EXPECT_EQ(state_of(dir / ""), before);
+  }
+}
+
+TEST(BagDisk, AFolderThatNobodyMayWriteIsRead)
+{
+  MAKE_BAGS("wal_killed.db3 wal_closed.db3 journal.db3 zstd.mcap");
+  fs::permissions(dir / "", fs::perms::owner_read | fs::perms::owner_exec);
+  for (const std::string name : {"wal_killed.db3", "wal_closed.db3", "journal.db3", "zstd.mcap"})
+  {
+    SCOPED_TRACE(name);
+    expect_log(dir / name);
+  }
+  fs::permissions(dir / "", fs::perms::owner_all);
+}
+
+TEST(BagDisk, ADatabaseThatAnotherHoldsLockedIsRead)
+{
+  MAKE_BAGS("log.db3 wal_killed.db3 journal.db3");
+  for (const std::string name : {"log.db3", "wal_killed.db3", "journal.db3"})
+  {
+    SCOPED_TRACE(name);
+    const LockOfAnother lock(dir / name);
+    ASSERT_TRUE(lock.is_locked());
+    expect_log(dir / name);
+  }
+}
+
+TEST(BagDisk, ADatabaseThatIsWrittenMeanwhileIsRefused)
+{
+  MAKE_BAGS("log.db3");
+  const auto source = open_bag(dir / "log.db3", {});
+  std::ofstream(dir / "log.db3-wal") << "the first of what comes";
+  std::string error;
+  try
+  {
+    all_of(*source);
+  }
+  catch (const std::runtime_error& e)
+  {
+    error = e.what();
+  }
+  EXPECT_TRUE(holds(error, "log.db3: was changed while it was read")) << error;
+}
+
+TEST(BagDisk, ACopyWithoutItsWalSaysWhatIsMissing)
+{
+  MAKE_BAGS("wal_lost.db3 wal_lost_early.db3");
+  for (const std::string name : {"wal_lost.db3", "wal_lost_early.db3"})
+  {
+    const auto error = error_of(dir / name);
+    EXPECT_TRUE(holds(error, name + "-wal, which is not beside it")) << error;
+  }
+}
+
+TEST(BagDisk, PartsWithoutADescriptionAreOneBagInTheOrderOfRecording)
+{
+  MAKE_BAGS(
+      "parts_without_metadata split_names_lie split_empty_metadata split_bad_metadata "
+      "two_recorders");
+  const auto one_bag = [&](const std::string& name, const std::string& why, int files)
+  {
+    SCOPED_TRACE(name);
+    expect_log(
+        dir / name, {(dir / name) + ": " + why + ": its " + std::to_string(files) +
+                     " files are read as one bag, in the order of recording"});
+  };
+  one_bag("parts_without_metadata", "has no metadata.yaml", 13);
+  one_bag("split_names_lie", "has no metadata.yaml", 5);
+  one_bag("split_empty_metadata", "its metadata.yaml is empty", 5);
+  one_bag("split_bad_metadata", "its metadata.yaml names no files", 5);
+  one_bag("two_recorders", "has no metadata.yaml", 2);
+}
+
+TEST(BagDisk, PartsThatTheDescriptionDoesNotNameAreTold)
+{
+  MAKE_BAGS("split_metadata_ends");
+  const auto remarks = remarks_of(dir / "split_metadata_ends");
+  EXPECT_TRUE(holds(remarks, "does not name them: part_2.db3, part_3.db3, part_4.db3")) << remarks;
+}
+
+TEST(BagDisk, AFolderWithScansAndABagIsRefused)
+{
+  MAKE_BAGS("log.db3");
+  std::ofstream(dir / "1.pcd") << "VERSION 0.7\n";
+  std::string error;
+  try
+  {
+    open_scan_source(dir / "", {});
+  }
+  catch (const std::runtime_error& e)
+  {
+    error = e.what();
+  }
+  EXPECT_TRUE(holds(error, "scans of several kinds")) << error;
+}
