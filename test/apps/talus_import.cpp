@@ -411,6 +411,22 @@ TEST_F(TalusImport, runs_the_commands_of_its_page)
   EXPECT_EQ(scans_of("both.rawlog").size(), 6u);
 }
 
+TEST_F(TalusImport, names_the_switches_that_read_bags_which_are_cut_or_have_two_clocks)
+{
+  if (run("python3 -S " TALUS_SOURCE_DIR "/test/import/make_bags.py . boot_clouds.mcap log.db3")
+          .code != 0)
+    GTEST_SKIP() << "no bags can be made here: python3, zstd, lz4?";
+  fails("boot_clouds.mcap --output log.rawlog", 1, {"--recorded-times"});
+  done("talus-import boot_clouds.mcap --recorded-times --output boot.rawlog");
+  EXPECT_EQ(scans_of("boot.rawlog").size(), 10u);
+  fs::resize_file(dir_ / "log.db3", fs::file_size(dir_ / "log.db3") / 2);
+  fails("log.db3 --output log.rawlog", 1, {"log.db3: is cut", "--partial"});
+  const Outcome o = import("log.db3 --partial --output log.rawlog");
+  EXPECT_EQ(o.code, 0) << o.text;
+  EXPECT_NE(o.text.find("note    log.db3: is cut"), std::string::npos) << o.text;
+  EXPECT_GE(scans_of("log.rawlog").size(), 5u);
+}
+
 TEST_F(TalusImport, is_not_needed_for_ros_1_bags_by_the_recipe_of_its_page)
 {
   for (const char* tool : {"rosbag2rawlog --version", "rawlog-edit --version"})

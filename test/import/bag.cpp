@@ -25,7 +25,8 @@ TEST_P(BagPacking, GivesScansMountingsAndPosesPointForPoint)
 
 INSTANTIATE_TEST_SUITE_P(
     Db3, BagPacking, testing::Values("log.db3 no_index.db3 messages_zstd.db3"));
-INSTANTIATE_TEST_SUITE_P(Mcap, BagPacking, testing::Values("none.mcap zstd.mcap lz4.mcap checked.mcap"));
+INSTANTIATE_TEST_SUITE_P(
+    Mcap, BagPacking, testing::Values("none.mcap zstd.mcap lz4.mcap checked.mcap"));
 INSTANTIATE_TEST_SUITE_P(
     OddMcap, BagPacking,
     testing::Values("loose.mcap loose_no_summary.mcap no_summary.mcap overlapping.mcap"));

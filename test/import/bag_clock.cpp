@@ -50,6 +50,7 @@ TEST(BagClock, MountingsOfAnotherTimeNameTheSwitch)
 {
   MAKE_BAGS("boot_moving.mcap");
   const auto error = error_of(dir / "boot_moving.mcap");
-  for (const char* part : {"none of its 10 scans", "614.66 s", "--recorded-times", "--mount /points"})
+  for (const char* part :
+       {"none of its 10 scans", "614.66 s", "--recorded-times", "--mount /points"})
     EXPECT_TRUE(holds(error, part)) << part << " is not in: " << error;
 }

@@ -37,7 +37,9 @@ class LockOfAnother
     child_ = fork();
     if (child_ == 0)
     {
-      struct flock all{};
+      struct flock all
+      {
+      };
       all.l_type = F_WRLCK;
       const int file = open(path.c_str(), O_RDWR);
       const char is_locked = fcntl(file, F_SETLK, &all) == 0 ? '1' : '0';

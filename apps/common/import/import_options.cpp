@@ -81,8 +81,7 @@ void add_options_of_bags(CLI::App& app, SourceOptions& o)
   app.add_flag(
       "--recorded-times", o.recorded_times,
       "Of a bag: scans have the time at which they were recorded, not that of the sensor's clock");
-  app.add_flag(
-      "--partial", o.partial, "Of a bag that is cut or damaged: read what is whole in it");
+  app.add_flag("--partial", o.partial, "Of a bag that is cut or damaged: read what is whole in it");
 }
 }  // namespace
 

@@ -107,8 +107,8 @@ FilesOfBag described_files(const fs::path& folder)
   others.erase(std::remove_if(others.begin(), others.end(), is_named), others.end());
   if (!others.empty())
     bag.remarks.push_back(
-        folder.string() + ": not read, as its metadata.yaml does not name them: " +
-        listed(others) + "; without metadata.yaml all files of the folder are read");
+        folder.string() + ": not read, as its metadata.yaml does not name them: " + listed(others) +
+        "; without metadata.yaml all files of the folder are read");
   return bag;
 }
 
