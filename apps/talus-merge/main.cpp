@@ -4,6 +4,7 @@
 #include "../common/printable.h"
 #include "../common/progress_bar.h"
 #include "../common/suspect.h"
+#include "fit_report.h"
 #include "options.h"
 
 #include <talus/io/atomic_file.h>
@@ -23,16 +24,19 @@
 #include <iostream>
 #include <memory>
 #include <stdexcept>
+#include <vector>
 
 namespace fs = std::filesystem;
 using namespace talus::site;
+using talus::align::Alignment;
 using talus::app::OutputFolder;
 using talus::app::ProgressBar;
 
 namespace
 {
 constexpr const char* kLessMemory = "Give less with --memory, or merge fewer maps at once";
-constexpr double kMerging = 0.4;  // share of the time
+constexpr int kMostLookedAt = 8;  // pairs of maps, which takes as long as to merge them
+constexpr double kAligning = 0.2, kMerging = 0.5;  // done, of the time
 
 void print_error(const std::string& text) { std::cerr << "talus-merge: " << text << "\n"; }
 
@@ -48,6 +52,45 @@ int lowest_floor(const std::vector<std::string>& paths)
   return lowest;
 }
 
+/** What --align finds; nothing moves without it. */
+std::vector<Alignment> aligned(const Options& o)
+{
+  if (!o.align) return std::vector<Alignment>(o.inputs.size());
+  ProgressBar bar("talus-merge", !o.quiet);
+  return talus::align::align_sites(
+      o.inputs, [&](double done) { bar.show(kAligning * done, "aligning"); });
+}
+
+void warn(const std::string& warning)
+{
+  if (!warning.empty()) print_error(warning);
+}
+
+/** Looks closer at those that lie aside or have changed. */
+void warn_of_doubtful(const std::vector<MapFit>& fits, const Options& o)
+{
+  int looked_at = 0;
+  for (const MapFit& fit : fits)
+  {
+    if (!is_doubtful(fit) || ++looked_at > kMostLookedAt) continue;
+    const auto both = talus::align::align_sites({o.inputs[fit.first], o.inputs[fit.second]});
+    warn(warning_of_alignment(fit, o.inputs, both.back()));
+  }
+}
+
+void tell_fits(
+    const std::vector<Alignment>& alignments, const std::vector<MapFit>& fits, const Options& o)
+{
+  for (std::size_t i = 1; i < alignments.size() && o.align && !o.quiet; ++i)
+    std::cout << "  aligned " << text_of_alignment(alignments[i], o.inputs[i]) << "\n";
+  for (const MapFit& fit : fits)
+  {
+    if (!o.quiet) std::cout << "  fit     " << text_of_fit(fit, o.inputs) << "\n";
+    warn(warning_of_fit(fit, o.inputs, o.align));
+  }
+  if (!o.align) warn_of_doubtful(fits, o);
+}
+
 void leave_out_islands(Site& site, int floor)
 {
   for (const Island& island : far_islands(site, floor))
@@ -57,7 +100,9 @@ void leave_out_islands(Site& site, int floor)
   }
 }
 
-void merge(const Options& o)
+/** Merges and writes. How the maps fit, and what is known. */
+std::vector<MapFit> merge(
+    const Options& o, const std::vector<Alignment>& alignments, double& known_m2)
 {
   ProgressBar bar("talus-merge", !o.quiet);
   const talus::io::AtomicFile place(o.output);  // fails before the work; tiles find room beside it
@@ -65,16 +110,30 @@ void merge(const Options& o)
       resolution_of_site(o.inputs.front()), memory_bytes(o),
       (place.hidden_folder().path() / "tiles").string());
   const int floor = lowest_floor(o.inputs);
-  merge_sites(
-      o.inputs, site, floor, o.merge, [&](double done) { bar.show(kMerging * done, "merging"); });
+  MergeOptions options = o.merge;
+  for (const Alignment& a : alignments) options.shifts.push_back(a.shift);
+  auto fits = merge_sites(
+      o.inputs, site, floor, options,
+      [&](double done) { bar.show(kAligning + (kMerging - kAligning) * done, "merging"); });
   if (!o.keep_far) leave_out_islands(site, floor);
   if (!o.picture.empty()) write_site_picture(o.picture, site, floor);
   write_site(
       o.output, site, floor,
       [&](double done) { bar.show(kMerging + (1 - kMerging) * done, "writing"); });
-  if (o.quiet) return;
-  std::cout << o.inputs.size() << (o.inputs.size() == 1 ? " map: " : " maps: ")
-            << square_metres(known_cells(site).area_m2) << " known\n  wrote   " << o.output << "\n";
+  known_m2 = known_cells(site).area_m2;
+  return fits;
+}
+
+void merge(const Options& o)
+{
+  const std::vector<Alignment> alignments = aligned(o);
+  double known_m2 = 0;
+  const std::vector<MapFit> fits = merge(o, alignments, known_m2);
+  if (!o.quiet)
+    std::cout << o.inputs.size() << (o.inputs.size() == 1 ? " map: " : " maps: ")
+              << square_metres(known_m2) << " known\n";
+  tell_fits(alignments, fits, o);
+  if (!o.quiet) std::cout << "  wrote   " << o.output << "\n";
 }
 
 void tell(const ChangeSums& sums)
@@ -104,21 +163,22 @@ void warn_of_order(const std::string& from, const std::string& to)
 
 void compare(const Options& o, const fs::path& to_folder)
 {
-  const auto site_of = [&](const std::string& path, const char* tiles)
+  const auto site_of = [&](const std::string& path, const Alignment& a, const char* tiles)
   {
     auto site = std::make_unique<Site>(
         resolution_of_site(o.inputs.front()), memory_bytes(o) / 2, (to_folder / tiles).string());
-    read_site(path, *site, 0);
+    read_site(path, *site, 0, a.shift);
     return site;
   };
   warn_of_order(o.inputs[0], o.inputs[1]);
-  ProgressBar bar("talus-merge", !o.quiet);
-  bar.show(0, "reading");
-  const auto from = site_of(o.inputs[0], "tiles_from"), to = site_of(o.inputs[1], "tiles_to");
+  const std::vector<Alignment> alignments = aligned(o);
+  const auto from = site_of(o.inputs[0], alignments[0], "tiles_from");
+  const auto to = site_of(o.inputs[1], alignments[1], "tiles_to");
   const ChangeSums sums = write_changes(
       (to_folder / "changes.tif").string(), (to_folder / "changes.png").string(), *from, *to, 0,
       o.merge.step_m);
   if (!o.quiet) tell(sums);
+  tell_fits(alignments, {fit_of(*from, *to, 0)}, o);
 }
 
 /** In a child: the exit code. */

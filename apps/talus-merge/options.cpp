@@ -16,13 +16,16 @@ constexpr const char* kFooter =
     "mean,\n"
     "weighed by their information, which sums; where they contradict, the newest counts. The "
     "order\n"
-    "of the maps makes no difference to any byte.\n"
+    "of the maps makes no difference to any byte, but with --align: the first is the frame of "
+    "all.\n"
     "\nExamples:\n"
     "  talus-merge monday/site.tif tuesday/site.tif --output site.tif --picture site.png\n"
     "  talus-merge site.tif today/site.tif --output site.tif\n"
     "      adds a drive to the map of all; the old one stays until the new one is complete\n"
     "  talus-merge --changes monday/site.tif friday/site.tif --output changes\n"
     "      changes/changes.tif and changes/changes.png: what was built, dug, removed, placed\n"
+    "  talus-merge --align monday/site.tif friday/site.tif --output site.tif\n"
+    "      poses of the drives lie in frames that differ by up to 1.5 m, 7 degrees and any height\n"
     "\nExit codes: 0 done, 1 an input or the output failed, 2 wrong usage, 128 + N stopped by "
     "signal "
     "N.";
@@ -37,6 +40,9 @@ void add_options(CLI::App& app, Options& o)
       ->check(app::not_empty())
       ->type_name("FILE");
   app.add_flag("--changes", o.changes, "Of two maps, the older first: write what changed instead");
+  app.add_flag(
+      "--align", o.align,
+      "Bring all maps into the frame of the first (x, y, z, yaw), where the ground tells it");
   app.add_option("--picture", o.picture, "Also draw the map of all, a PNG")
       ->check(app::not_empty())
       ->type_name("FILE");

@@ -16,7 +16,7 @@ struct Options
   std::string picture;  //!< of what was merged; empty: none
   MergeOptions merge;
   std::size_t memory_mb = 512;  //!< for tiles
-  bool changes = false, quiet = false;
+  bool changes = false, align = false, quiet = false;
   bool keep_far = false;  //!< tiles that lie kilometres from all others, too
 };
 

@@ -74,7 +74,7 @@ class TalusMerge : public testing::Test
 TEST_F(TalusMerge, fuses_maps_in_any_order_into_the_same_bytes_and_draws_them)
 {
   write("a.tif", 1000, 0, 1.0F);
-  write("b.tif", 2000, 200, 1.1F);
+  write("b.tif", 2000, 200, 1.02F);
   const Outcome o = run("a.tif b.tif --output ab.tif --picture ab.png");
   ASSERT_EQ(o.code, 0) << o.text;
   EXPECT_NE(o.text.find("2 maps: 375.00 m2 known"), std::string::npos) << o.text;
@@ -84,7 +84,7 @@ TEST_F(TalusMerge, fuses_maps_in_any_order_into_the_same_bytes_and_draws_them)
   EXPECT_EQ(read_bytes(dir_ / "ab.tif"), read_bytes(dir_ / "ba.tif"));
   const auto merged = site();
   read_site(dir_ / "ab.tif", *merged, 0);
-  EXPECT_NEAR(cell_at(*merged, 250, 50).cell.ground_m, 1.05, 1e-6);
+  EXPECT_NEAR(cell_at(*merged, 250, 50).cell.ground_m, 1.01, 1e-6);
   EXPECT_EQ(merged->ways.size(), 2u);
   EXPECT_EQ(hidden(), 0);
 }
@@ -175,6 +175,67 @@ TEST_F(TalusMerge, says_what_is_wrong_with_an_input_and_leaves_what_was_there)
   EXPECT_FALSE(fs::exists(dir_ / "out"));
   EXPECT_EQ(read_bytes(dir_ / "site.tif"), "precious");
   EXPECT_EQ(hidden(), 0);
+}
+
+TEST_F(TalusMerge, tells_how_maps_fit_and_warns_where_they_do_not)
+{
+  write("a.tif", 1000, 0, 1.0F, 100);
+  write("b.tif", 2000, 0, 1.15F, 100);
+  const Outcome bad = run("a.tif b.tif --output ab.tif");
+  EXPECT_EQ(bad.code, 0);
+  for (const char* words :
+       {"fit     a.tif and b.tif: overlap 225.00 m2, the second lies +0.1500 m in z (median), "
+        "100.0 "
+        "% of the ground disagrees, 0.0 % of what stands",
+        "warning: a.tif and b.tif do not fit: offset in z +0.150 m", "--align brings them"})
+    EXPECT_NE(bad.text.find(words), std::string::npos) << bad.text;
+  EXPECT_NE(run("a.tif b.tif --output ab.tif --quiet").text.find("warning"), std::string::npos);
+  const auto merged = site();
+  read_site(dir_ / "ab.tif", *merged, 0);
+  EXPECT_NEAR(std::sqrt(cell_at(*merged, 5, 5).cell.ground_variance_m2), 0.075, 0.001)
+      << "the mean is 75 mm wrong, and says so";
+  write("c.tif", 2000, 0, 1.0F, 100);
+  EXPECT_EQ(run("a.tif c.tif --output ac.tif").text.find("warning"), std::string::npos);
+  const Outcome changed = run("--changes a.tif b.tif --output out");
+  EXPECT_NE(changed.text.find("warning: a.tif and b.tif do not fit"), std::string::npos);
+}
+
+TEST_F(TalusMerge, align_brings_maps_into_the_frame_of_the_first)
+{
+  write("a.tif", 1000, 0, 1.0F, 100);
+  write("b.tif", 2000, 3, 1.6F, 103);  // the same box, 0.15 m farther along x
+  const Outcome o = run("--align a.tif b.tif --output ab.tif");
+  EXPECT_EQ(o.code, 0) << o.text;
+  EXPECT_NE(
+      o.text.find("aligned b.tif: moved by x -0.150 m, y +0.000 m, z -0.6000 m, yaw +0.00 degrees"),
+      std::string::npos)
+      << o.text;
+  EXPECT_EQ(o.text.find("warning"), std::string::npos) << o.text;
+  const auto a = site(), merged = site();
+  read_site(dir_ / "a.tif", *a, 0);
+  read_site(dir_ / "ab.tif", *merged, 0);
+  for (const int x : {0, 99, 100, 119, 120, 299})
+  {
+    const CellRecord is = cell_at(*merged, x, 110).cell, expected = cell_at(*a, x, 110).cell;
+    EXPECT_NEAR(is.ground_m, 1, 1e-6);
+    EXPECT_EQ(std::isnan(is.elevation_m), std::isnan(expected.elevation_m)) << x;
+    EXPECT_LT(is.ground_variance_m2, expected.ground_variance_m2);
+  }
+  EXPECT_FALSE(cell_at(*merged, 300, 110).known());
+  const Outcome changes = run("--changes --align a.tif b.tif --output out");
+  for (const char* line :
+       {"built up     0.00 m2", "dug away     0.00 m2", "object gone  0.00 m2",
+        "object new   0.00 m2", "moved by x -0.150 m"})
+    EXPECT_NE(changes.text.find(line), std::string::npos) << changes.text;
+}
+
+TEST_F(TalusMerge, warns_where_a_map_lies_aside_and_most_of_it_hides_that)
+{
+  write("a.tif", 1000, 0, 1.0F, 100);
+  write("b.tif", 2000, 0, 1.0F, 103);
+  const Outcome o = run("a.tif b.tif --output ab.tif");
+  EXPECT_NE(o.text.find("fit better where the second is moved by x -0.150 m"), std::string::npos)
+      << o.text;
 }
 
 TEST_F(TalusMerge, makes_the_folders_of_its_files_and_leaves_none_where_it_fails)

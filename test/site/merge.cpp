@@ -100,10 +100,26 @@ TEST(MergeCells, the_same_observation_counts_once)
 
 TEST(MergeCells, grounds_that_agree_are_weighed_by_their_information)
 {
-  const SiteCell m = merged({measured(1.0F, 1, 4e-4F), measured(1.1F, 2, 1e-4F)});
-  EXPECT_NEAR(m.cell.ground_m, 1.08, 1e-6);
+  const SiteCell m = merged({measured(1.0F, 1, 4e-4F), measured(1.01F, 2, 1e-4F)});
+  EXPECT_NEAR(m.cell.ground_m, 1.008, 1e-6);
   EXPECT_NEAR(m.cell.ground_variance_m2, 0.8e-4, 1e-9);
   EXPECT_EQ(m.seen_s, 2u);
+}
+
+TEST(MergeCells, the_deviation_of_a_mean_tells_how_far_its_maps_disagree)
+{
+  // 2.5 mm each, 150 mm apart: either may be right, the mean is 75 mm wrong.
+  const SiteCell two = merged({measured(1.0F, 1, 6.25e-6F), measured(1.15F, 2, 6.25e-6F)});
+  EXPECT_NEAR(two.cell.ground_m, 1.075, 1e-6);
+  EXPECT_NEAR(std::sqrt(two.cell.ground_variance_m2), 0.075, 1e-5);
+  // One that claims to be much better is not believed where they disagree.
+  const SiteCell sure = merged({measured(1.0F, 1, 1e-8F), measured(1.15F, 2, 1e-4F)});
+  EXPECT_NEAR(sure.cell.ground_m, 1.075, 1e-3);
+  EXPECT_GT(std::sqrt(sure.cell.ground_variance_m2), 0.07);
+  const SiteCell tops = merged(
+      {with_obstacle(measured(1, 1, 1e-6F), 0.5F), with_obstacle(measured(1, 2, 1e-6F), 0.6F)});
+  EXPECT_NEAR(tops.cell.elevation_m, 1.55, 1e-6);
+  EXPECT_NEAR(std::sqrt(tops.cell.elevation_variance_m2), 0.05, 1e-4);
 }
 
 TEST(MergeCells, the_newest_wins_where_they_contradict)
@@ -152,8 +168,8 @@ TEST(MergeCells, a_box_stays_where_a_newer_drive_did_not_see_the_place)
 TEST(MergeCells, tops_that_agree_are_weighed_too)
 {
   const SiteCell m =
-      merged({with_obstacle(measured(1, 1), 0.5F), with_obstacle(measured(1, 2), 0.6F)});
-  EXPECT_NEAR(m.cell.elevation_m, 1.55, 1e-6);
+      merged({with_obstacle(measured(1, 1), 0.5F), with_obstacle(measured(1, 2), 0.51F)});
+  EXPECT_NEAR(m.cell.elevation_m, 1.505, 1e-6);
   EXPECT_NEAR(m.cell.elevation_variance_m2, 1e-4, 1e-9);
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace talus::site
@@ -34,53 +35,81 @@ auto key(const SiteCell& s)
 bool is_newer(const SiteCell& a, const SiteCell& b) { return key(a) > key(b); }
 bool is_same(const SiteCell& a, const SiteCell& b) { return key(a) == key(b); }
 
-/** The mean of heights by information. */
+/** The mean of heights by information. Where they lie farther apart than their variances tell, one
+ * more variance is added to each, by the method of moments of DerSimonian and Laird: the mean then
+ * tells how wrong it may be. */
 class Mean
 {
  public:
   void add(float height_m, float variance_m2)
   {
-    const double information = 1 / std::max<double>(variance_m2, kLeastVariance_m2);
-    information_ += information;
-    sum_ += information * height_m;
+    heights_.emplace_back(height_m, std::max<double>(variance_m2, kLeastVariance_m2));
   }
-  float height_m() const { return static_cast<float>(sum_ / information_); }
-  float variance_m2() const { return static_cast<float>(1 / information_); }
+  std::size_t count() const { return heights_.size(); }
+  /** Of more than one. */
+  void put(float& height_m, float& variance_m2) const
+  {
+    Sums s = sums(0);
+    s = sums(between_m2(s));
+    height_m = static_cast<float>(s.height / s.information);
+    variance_m2 = static_cast<float>(1 / s.information);
+  }
 
  private:
-  double information_ = 0, sum_ = 0;
+  struct Sums
+  {
+    double information = 0, squared = 0, height = 0;
+  };
+  Sums sums(double between) const
+  {
+    Sums s;
+    for (const auto& [height_m, variance_m2] : heights_)
+    {
+      const double information = 1 / (variance_m2 + between);
+      s.information += information;
+      s.squared += information * information;
+      s.height += information * height_m;
+    }
+    return s;
+  }
+  /** The variance between the maps, beyond that of each. */
+  double between_m2(const Sums& s) const
+  {
+    const double mean_m = s.height / s.information;
+    double spread = 0;
+    for (const auto& [height_m, variance_m2] : heights_)
+      spread += (height_m - mean_m) * (height_m - mean_m) / variance_m2;
+    const double excess = spread - static_cast<double>(heights_.size() - 1);
+    return excess > 0 ? excess / (s.information - s.squared / s.information) : 0;
+  }
+
+  std::vector<std::pair<double, double>> heights_;  //!< with the variance of each
 };
 
 void fuse_ground(
     const std::vector<SiteCell>& cells, const SiteCell& base, double step_m, CellRecord& to)
 {
   Mean mean;
-  int fused = 0;
   for (const SiteCell& s : cells)
     if (s.cell.state == base.cell.state &&
         std::abs(static_cast<double>(s.cell.ground_m) - base.cell.ground_m) <= step_m)
-    {
       mean.add(s.cell.ground_m, s.cell.ground_variance_m2);
-      ++fused;
-    }
   to.state = base.cell.state;
-  to.ground_m = fused > 1 ? mean.height_m() : base.cell.ground_m;
-  to.ground_variance_m2 = fused > 1 ? mean.variance_m2() : base.cell.ground_variance_m2;
+  to.ground_m = base.cell.ground_m;
+  to.ground_variance_m2 = base.cell.ground_variance_m2;
+  if (mean.count() > 1) mean.put(to.ground_m, to.ground_variance_m2);
 }
 
 void fuse_elevation(
     const std::vector<SiteCell>& cells, const SiteCell& base, double step_m, CellRecord& to)
 {
   Mean mean;
-  int fused = 0;
   for (const SiteCell& s : cells)
     if (std::abs(static_cast<double>(s.cell.elevation_m) - base.cell.elevation_m) <= step_m)
-    {
       mean.add(s.cell.elevation_m, s.cell.elevation_variance_m2);
-      ++fused;
-    }
-  to.elevation_m = fused > 1 ? mean.height_m() : base.cell.elevation_m;
-  to.elevation_variance_m2 = fused > 1 ? mean.variance_m2() : base.cell.elevation_variance_m2;
+  to.elevation_m = base.cell.elevation_m;
+  to.elevation_variance_m2 = base.cell.elevation_variance_m2;
+  if (mean.count() > 1) mean.put(to.elevation_m, to.elevation_variance_m2);
 }
 }  // namespace
 

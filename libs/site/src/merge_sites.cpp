@@ -1,6 +1,7 @@
 #include <talus/site/merge.h>
 
-#include "site_reader.h"
+#include "fit_sums.h"
+#include "moved_reader.h"
 
 #include <sys/resource.h>
 
@@ -16,7 +17,15 @@ namespace talus::site
 {
 namespace
 {
+constexpr std::size_t kComparedWith = 4;  //!< maps of a place, each
 constexpr int kGroupTiles = 4;  //!< along each side: some blocks of the files, read together
+
+/** A file, and how it is moved. */
+struct Input
+{
+  std::string path;
+  MapShift shift;
+};
 
 /** A tile of one of the files. */
 struct Source
@@ -54,14 +63,14 @@ void sort_ways(Ways& ways)
 
 /** Takes over the ways and the origin of all files; their tiles, neighbours near each other, those
  * of one place together. */
-std::vector<Source> open_all(const std::vector<std::string>& paths, Site& site, int floor)
+std::vector<Source> open_all(const std::vector<Input>& inputs, Site& site, int floor)
 {
   std::vector<Source> sources;
-  for (std::size_t i = 0; i < paths.size(); ++i)
+  for (std::size_t i = 0; i < inputs.size(); ++i)
   {
-    const SiteReader reader(paths[i]);
-    if (i == 0 && !site.origin) site.origin = reader.origin();
-    reader.require_fits(site);
+    const MovedReader reader(inputs[i].path, inputs[i].shift);
+    if (i == 0 && !site.origin) site.origin = reader.file().origin();
+    reader.file().require_fits(site);
     for (auto& way : reader.ways(floor)) site.ways.push_back(std::move(way));
     for (const auto& place : reader.tiles())
       sources.push_back({place, static_cast<std::uint32_t>(i)});
@@ -86,8 +95,8 @@ std::size_t most_open_files()
 class TileMerger
 {
  public:
-  TileMerger(const std::vector<std::string>& paths, double step_m, std::size_t most_open)
-      : paths_(paths), step_m_(step_m), most_open_(std::max<std::size_t>(1, most_open))
+  TileMerger(const std::vector<Input>& inputs, double step_m, std::size_t most_open)
+      : inputs_(inputs), step_m_(step_m), most_open_(std::max<std::size_t>(1, most_open))
   {
   }
 
@@ -95,10 +104,14 @@ class TileMerger
   bool merge(const Source* sources, std::size_t count, Tile& to)
   {
     std::size_t found = 0;
+    files_.clear();
     for (std::size_t i = 0; i < count; ++i)
     {
       if (found == tiles_.size()) tiles_.push_back(std::make_unique<Tile>());
-      if (reader(sources[i].file).read(sources[i].place, *tiles_[found])) ++found;
+      if (!reader(sources[i].file).read(sources[i].place, *tiles_[found])) continue;
+      files_.push_back(sources[i].file);
+      compare_last();
+      ++found;
     }
     std::vector<SiteCell> of_all(found);
     for (std::size_t i = 0; found > 0 && i < to.cells.size(); ++i)
@@ -109,15 +122,25 @@ class TileMerger
     return found > 0;
   }
 
+  const FitsOfPairs& fits() const { return fits_; }
+
  private:
   struct Open
   {
     std::uint32_t file;
-    std::unique_ptr<SiteReader> reader;
+    std::unique_ptr<MovedReader> reader;
   };
 
+  /** The tile that was read last with those before it. */
+  void compare_last()
+  {
+    const std::size_t last = files_.size() - 1;
+    for (std::size_t i = last > kComparedWith ? last - kComparedWith : 0; i < last; ++i)
+      fits_[{files_[i], files_[last]}].add(*tiles_[i], *tiles_[last]);
+  }
+
   /** Those used last come first; the last is closed where there are too many. */
-  SiteReader& reader(std::uint32_t file)
+  MovedReader& reader(std::uint32_t file)
   {
     const auto found =
         std::find_if(open_.begin(), open_.end(), [&](const Open& o) { return o.file == file; });
@@ -126,22 +149,25 @@ class TileMerger
     else
     {
       if (open_.size() >= most_open_) open_.pop_back();
-      open_.insert(open_.begin(), {file, std::make_unique<SiteReader>(paths_[file])});
+      const Input& input = inputs_[file];
+      open_.insert(open_.begin(), {file, std::make_unique<MovedReader>(input.path, input.shift)});
     }
     return *open_.front().reader;
   }
 
-  const std::vector<std::string>& paths_;
+  const std::vector<Input>& inputs_;
   double step_m_;
   std::size_t most_open_;
   std::vector<Open> open_;
+  std::vector<std::uint32_t> files_;  //!< of the tiles
+  FitsOfPairs fits_;
   std::vector<std::unique_ptr<Tile>> tiles_;
 };
 
 /** Where the threads meet. */
 struct Shared
 {
-  const std::vector<std::string>& paths;
+  const std::vector<Input>& inputs;
   const std::vector<Source>& sources;
   const std::vector<std::size_t>& begins;  //!< of the sources of each place, and the end
   const Progress& progress;
@@ -152,13 +178,14 @@ struct Shared
   std::atomic<std::size_t> next{0};
   std::mutex mutex{};
   std::exception_ptr failure{};
+  FitsOfPairs fits{};
 
   std::size_t places() const { return begins.size() - 1; }
 };
 
 void merge_some(Shared& s)
 {
-  TileMerger merger(s.paths, s.step_m, s.most_open);
+  TileMerger merger(s.inputs, s.step_m, s.most_open);
   const auto tile = std::make_unique<Tile>();
   constexpr std::size_t kAtOnce = std::size_t{kGroupTiles} * kGroupTiles;
   for (std::size_t first; (first = s.next.fetch_add(kAtOnce)) < s.places();)
@@ -170,6 +197,8 @@ void merge_some(Shared& s)
       s.site.tiles.at({s.floor, sources->place.x, sources->place.y}) = *tile;
       if (s.progress) s.progress(static_cast<double>(i) / static_cast<double>(s.places()));
     }
+  const std::lock_guard<std::mutex> lock(s.mutex);
+  for (const auto& [pair, sums] : merger.fits()) s.fits[pair].add(sums);
 }
 
 void merge_or_keep_failure(Shared& s)
@@ -186,14 +215,36 @@ void merge_or_keep_failure(Shared& s)
   }
 }
 
+std::vector<Input> inputs_of(const std::vector<std::string>& paths, const MergeOptions& options)
+{
+  std::vector<Input> inputs;
+  inputs.reserve(paths.size());
+  for (std::size_t i = 0; i < paths.size(); ++i)
+    inputs.push_back({paths[i], options.shifts.empty() ? MapShift{} : options.shifts.at(i)});
+  return inputs;
+}
+
+/** Of the pairs that overlap. */
+std::vector<MapFit> fits_of(const FitsOfPairs& pairs, double resolution_m)
+{
+  std::vector<MapFit> fits;
+  for (const auto& [pair, sums] : pairs)
+  {
+    MapFit fit = sums.fit(resolution_m);
+    std::tie(fit.first, fit.second) = pair;
+    if (fit.overlap_m2 > 0) fits.push_back(fit);
+  }
+  return fits;
+}
 }  // namespace
 
-void merge_sites(
+std::vector<MapFit> merge_sites(
     const std::vector<std::string>& paths, Site& site, int floor, const MergeOptions& options,
     const Progress& progress)
 {
   const GdalCacheLimit limit;
-  const std::vector<Source> sources = open_all(paths, site, floor);
+  const std::vector<Input> inputs = inputs_of(paths, options);
+  const std::vector<Source> sources = open_all(inputs, site, floor);
   std::vector<std::size_t> begins;
   begins.reserve(sources.size() + 1);
   for (std::size_t i = 0; i < sources.size(); ++i)
@@ -201,14 +252,15 @@ void merge_sites(
   begins.push_back(sources.size());
   const auto cores = std::max(1U, std::thread::hardware_concurrency());
   const auto wanted = options.threads > 0 ? static_cast<unsigned>(options.threads) : cores;
-  Shared shared{paths, sources, begins,         progress,
-                site,  floor,   options.step_m, most_open_files() / wanted};
+  Shared shared{inputs, sources, begins,         progress,
+                site,   floor,   options.step_m, most_open_files() / wanted};
   std::vector<std::thread> others;
   others.reserve(wanted);
   for (unsigned i = 1; i < wanted; ++i) others.emplace_back([&] { merge_or_keep_failure(shared); });
   merge_or_keep_failure(shared);
   for (std::thread& t : others) t.join();
   if (shared.failure) std::rethrow_exception(shared.failure);
+  return fits_of(shared.fits, site.resolution_m);
 }
 
 }  // namespace talus::site

@@ -1,8 +1,8 @@
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
+#include "moved_reader.h"
 #include "site_dataset.h"
-#include "site_reader.h"
 
 #include <talus/io/atomic_file.h>
 #include <talus/number_text.h>
@@ -117,12 +117,12 @@ void write_site(const std::string& path, Site& site, int floor, const Progress& 
   file.commit();
 }
 
-void read_site(const std::string& path, Site& site, int floor)
+void read_site(const std::string& path, Site& site, int floor, const MapShift& shift)
 {
   const GdalCacheLimit limit;
-  SiteReader reader(path);
-  if (!site.origin && site.tiles.keys().empty()) site.origin = reader.origin();
-  reader.require_fits(site);
+  MovedReader reader(path, shift);
+  if (!site.origin && site.tiles.keys().empty()) site.origin = reader.file().origin();
+  reader.file().require_fits(site);
   auto ways = reader.ways(floor);
   const auto tile = std::make_unique<Tile>();
   for (const auto& place : reader.tiles())

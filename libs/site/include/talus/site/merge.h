@@ -1,4 +1,6 @@
 #pragma once
+#include <talus/site/map_fit.h>
+#include <talus/site/map_shift.h>
 #include <talus/site/site_geotiff.h>
 
 #include <string>
@@ -10,9 +12,12 @@ namespace talus::site
  *
  * The ground is that of the best evidence: measured before filled from two sides before filled from
  * one. Among equals the newest counts, and with it all that lie within `step_m` of it: their mean
- * by information, which sums. What stands on the ground is told by the newest cell that has seen
- * the place, measured its ground or something on it: a box that this does not show is gone. Scores
- * and evidence are of that cell, too. Cells with the same bits are one observation. */
+ * by information, which sums, as far as they agree: where they lie farther apart than their
+ * variances tell, all of these grow by the same amount until they agree, and so does that of the
+ * mean (the random effects of DerSimonian and Laird). What stands on the ground is told by the
+ * newest cell that has seen the place, measured its ground or something on it: a box that this does
+ * not show is gone. Scores and evidence are of that cell, too. Cells with the same bits are one
+ * observation. */
 SiteCell merge_cells(const SiteCell* cells, int count, double step_m);
 
 /** How maps are fused. */
@@ -20,11 +25,14 @@ struct MergeOptions
 {
   double step_m = 0.2;  //!< heights farther apart contradict each other
   int threads = 0;  //!< 0: all cores
+  /** How each map is moved first, in the order of the paths; empty: not at all. */
+  std::vector<MapShift> shifts{};
 };
 
 /** Fuses files of one map frame into a floor of an empty site, tile by tile, and their ways. The
- * order of the paths and the number of threads make no difference. Throws as read_site(). */
-void merge_sites(
+ * order of the paths and the number of threads make no difference. Throws as read_site(). Tells how
+ * the maps fit that overlap: at each place each with up to four of those given before it. */
+std::vector<MapFit> merge_sites(
     const std::vector<std::string>& paths, Site& site, int floor, const MergeOptions& options = {},
     const Progress& progress = Progress());
 

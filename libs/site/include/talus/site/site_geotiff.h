@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/site/map_shift.h>
 #include <talus/site/site.h>
 
 #include <cstdint>
@@ -18,9 +19,9 @@ void write_site(
     const std::string& path, Site& site, int floor, const Progress& progress = Progress());
 
 /** Reads such a file as a floor of `site`, whose resolution must be that of the file. Its origin
- * must be the same, too; a site without tiles takes it over. Throws std::runtime_error that names
- * the file and what is wrong. */
-void read_site(const std::string& path, Site& site, int floor);
+ * must be the same, too; a site without tiles takes it over. The map is moved by `shift` first.
+ * Throws std::runtime_error that names the file and what is wrong. */
+void read_site(const std::string& path, Site& site, int floor, const MapShift& shift = MapShift());
 
 /** The resolution of such a file, to make a site for it. Throws as read_site(). */
 double resolution_of_site(const std::string& path);

@@ -1,0 +1,39 @@
+#pragma once
+#include "sketch.h"
+
+#include <Eigen/Core>
+
+namespace talus::align
+{
+/** A value on a grid between the middles of its pixels, and its slope. */
+struct FieldValue
+{
+  double value = NAN;
+  Eigen::Vector2d slope{0, 0};  //!< a metre
+};
+
+/** Bilinear; NaN beside unknown pixels and outside of the grid. */
+FieldValue value_at(const cv::Mat1f& field, const Grid& grid, const Eigen::Vector2d& at_m);
+
+/** How far something stands; inside of it negative, to 0.15 m. */
+cv::Mat1f signed_distances_m(const cv::Mat1b& stands, double pixel_m);
+
+/** What the maps that lie already tell. */
+class Reference
+{
+ public:
+  explicit Reference(const Sketch& sketch);
+
+  /** Height of the ground, smoothed against its noise; where it is level its slope is 0. */
+  FieldValue ground(const Eigen::Vector2d& at_m) const;
+  /** As it was measured, of the nearest pixel. */
+  double ground_as_measured(const Eigen::Vector2d& at_m) const;
+  /** As signed_distances_m(); NaN outside of the grid. */
+  FieldValue distance_m(const Eigen::Vector2d& at_m) const;
+
+ private:
+  Grid grid_;
+  cv::Mat1f measured_m_, smooth_m_, distance_m_;
+};
+
+}  // namespace talus::align

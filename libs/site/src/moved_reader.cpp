@@ -1,0 +1,117 @@
+#include "moved_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace talus::site
+{
+namespace
+{
+void raise(SiteCell& s, double by_m)
+{
+  if (by_m == 0 || !s.known()) return;
+  const auto raised = [&](float height_m) { return static_cast<float>(height_m + by_m); };
+  s.cell.ground_m = raised(s.cell.ground_m);
+  s.cell.elevation_m = raised(s.cell.elevation_m);
+}
+}  // namespace
+
+MovedReader::MovedReader(const std::string& path, const MapShift& shift)
+    : file_(path), shift_(shift)
+{
+}
+
+Ways MovedReader::ways(int floor) const
+{
+  Ways ways = file_.ways(floor);
+  if (!shift_.moves()) return ways;
+  for (auto& way : ways)
+    for (WayPoint& p : way)
+    {
+      double x_m = p.x_m, y_m = p.y_m;
+      shift_.apply(x_m, y_m);
+      p.x_m = static_cast<float>(x_m);
+      p.y_m = static_cast<float>(y_m);
+      p.z_m = static_cast<float>(p.z_m + shift_.z_m);
+    }
+  return ways;
+}
+
+std::set<MovedReader::Key> MovedReader::below(SiteReader::Place tile, bool of_file) const
+{
+  const double side_m = kTileCells * file_.resolution_m();
+  double min_x = INFINITY, min_y = INFINITY, max_x = -INFINITY, max_y = -INFINITY;
+  for (const int dx : {0, 1})
+    for (const int dy : {0, 1})
+    {
+      double x_m = (tile.x + dx) * side_m, y_m = (tile.y + dy) * side_m;
+      of_file ? shift_.undo(x_m, y_m) : shift_.apply(x_m, y_m);
+      min_x = std::min(min_x, x_m);
+      max_x = std::max(max_x, x_m);
+      min_y = std::min(min_y, y_m);
+      max_y = std::max(max_y, y_m);
+    }
+  const auto index = [&](double at_m)
+  { return static_cast<std::int32_t>(std::floor(at_m / side_m)); };
+  std::set<Key> tiles;
+  for (std::int32_t x = index(min_x); x <= index(max_x); ++x)
+    for (std::int32_t y = index(min_y); y <= index(max_y); ++y) tiles.insert({x, y});
+  return tiles;
+}
+
+std::vector<SiteReader::Place> MovedReader::tiles() const
+{
+  const auto of_file = file_.tiles();
+  if (!shift_.moves_cells()) return of_file;
+  std::set<Key> all;
+  for (const auto& tile : of_file) all.merge(below(tile, false));
+  std::vector<SiteReader::Place> places;
+  places.reserve(all.size());
+  for (const auto& [x, y] : all) places.push_back({x, y});
+  return places;
+}
+
+void MovedReader::list_tiles()
+{
+  if (!there_.empty()) return;
+  for (const auto& tile : file_.tiles()) there_.insert({tile.x, tile.y});
+}
+
+bool MovedReader::read(SiteReader::Place tile, Tile& to)
+{
+  if (shift_.moves_cells()) return read_moved(tile, to);
+  const bool any = file_.read(tile, to);
+  if (shift_.z_m != 0)
+    for (SiteCell& s : to.cells) raise(s, shift_.z_m);
+  return any;
+}
+
+bool MovedReader::read_moved(SiteReader::Place tile, Tile& to)
+{
+  list_tiles();
+  std::map<Key, std::unique_ptr<Tile>> from;
+  for (const Key& key : below(tile, true))
+    if (there_.count(key) > 0)
+      file_.read({key.first, key.second}, *(from[key] = std::make_unique<Tile>()));
+  const double resolution_m = file_.resolution_m();
+  bool any = false;
+  for (int i = 0; i < kTileCells * kTileCells; ++i)
+  {
+    double x_m = (std::int64_t{tile.x} * kTileCells + i % kTileCells + 0.5) * resolution_m;
+    double y_m = (std::int64_t{tile.y} * kTileCells + i / kTileCells + 0.5) * resolution_m;
+    shift_.undo(x_m, y_m);
+    const auto x = static_cast<std::int64_t>(std::floor(x_m / resolution_m));
+    const auto y = static_cast<std::int64_t>(std::floor(y_m / resolution_m));
+    const auto found = from.find({tile_of(x), tile_of(y)});
+    SiteCell& cell = to.cells[static_cast<std::size_t>(i)];
+    cell = found == from.end() ? SiteCell{}
+                               : found->second->cells[static_cast<std::size_t>(
+                                     place_in_tile(y) * kTileCells + place_in_tile(x))];
+    raise(cell, shift_.z_m);
+    any |= cell.known();
+  }
+  return any;
+}
+
+}  // namespace talus::site
