@@ -1,5 +1,11 @@
-// Makes the sheets of the pages: what each stage makes of a frame, what a parameter changes.
-//   talus-pictures WORLDS FOLDER       writes FOLDER/stages.png and FOLDER/parameters.png
+// Makes pictures of the pages.
+//   talus-pictures sheets WORLDS FOLDER             what each stage makes of a frame, what a
+//   parameter changes:
+//                                                   FOLDER/stages.png and FOLDER/parameters.png
+//   talus-pictures drive EYE TARGET FOLDER MAPS...  maps of talus-map --every as a drive that is
+//   seen from EYE (x,y,z in
+//                                                   m): FOLDER/drive_000.png ...
+#include "drive.h"
 #include "sheet.h"
 
 #include <talus/baselines/sequence.h>
@@ -14,6 +20,8 @@
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace talus::pictures
 {
@@ -148,29 +156,51 @@ std::vector<Tile> effects(Worlds& worlds)
   }
   return tiles;
 }
+void write_sheets(const std::string& world_folder, const std::string& folder)
+{
+  Worlds worlds(world_folder);
+  io::write_png(folder + "/stages.png", draw_sheet(stages(worlds), 3, 3));
+  io::write_png(folder + "/parameters.png", draw_sheet(effects(worlds), 6, 2));
+}
+
+cv::Vec3d place_from(const std::string& text)
+{
+  cv::Vec3d p;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf", &p[0], &p[1], &p[2]) != 3)
+    throw std::invalid_argument("'" + text + "' must be x,y,z in metres");
+  return p;
+}
+
+int run(const std::vector<std::string>& args)
+{
+  if (args.size() == 3 && args[0] == "sheets")
+    write_sheets(args[1], args[2]);
+  else if (args.size() > 4 && args[0] == "drive")
+    write_drive(
+        {args.begin() + 4, args.end()},
+        {place_from(args[1]), place_from(args[2]), 900, {1200, 500}}, args[3]);
+  else
+  {
+    std::fprintf(
+        stderr,
+        "usage: talus-pictures sheets WORLDS FOLDER\n"
+        "       talus-pictures drive EYE TARGET FOLDER MAPS...\n");
+    return 2;
+  }
+  return 0;
+}
 }  // namespace
 }  // namespace talus::pictures
 
 int main(int argc, char** argv)
 {
-  using namespace talus;
-  if (argc != 3)
-  {
-    std::fprintf(stderr, "usage: talus-pictures WORLDS FOLDER\n");
-    return 2;
-  }
   try
   {
-    pictures::Worlds worlds(argv[1]);
-    const std::string folder = argv[2];
-    io::write_png(folder + "/stages.png", pictures::draw_sheet(pictures::stages(worlds), 3, 3));
-    io::write_png(
-        folder + "/parameters.png", pictures::draw_sheet(pictures::effects(worlds), 6, 2));
+    return talus::pictures::run({argv + 1, argv + argc});
   }
   catch (const std::exception& e)
   {
     std::fprintf(stderr, "talus-pictures: %s\n", e.what());
     return 1;
   }
-  return 0;
 }

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string_view>
 
@@ -99,32 +98,6 @@ std::string fitted(const std::string& text, const TextStyle& style, double room_
     shown = text.substr(0, keep / 2) + "..." + text.substr(text.size() - (keep - keep / 2));
   }
   return shown;
-}
-
-/** What paint_terrain() takes; what a stack has no layer of is as on level, measured ground. */
-Terrain terrain_of(const LayerStack& s)
-{
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  const cv::Size size(s.cells_x, s.cells_y);
-  Terrain t{
-      cv::Mat1f(size, nan), cv::Mat1f(size, nan), cv::Mat1b(size, uchar{0}),
-      cv::Mat1b(size, uchar{0})};
-  const auto* ground = s.find(layer_name(Layer::GroundElevation));
-  const auto* top = s.find(layer_name(Layer::Elevation));
-  const auto* score = s.find(layer_name(Layer::Traversability));
-  const auto* state = s.find(layer_name(Layer::State));
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x)
-    {
-      const auto i = static_cast<std::size_t>(size.height - 1 - y) * size.width + x;
-      t.score(y, x) = (*score)[i];
-      if (ground) t.ground_m(y, x) = (*ground)[i];
-      const bool known = state ? (*state)[i] >= 1 : std::isfinite(t.score(y, x));
-      const bool measured = !state || (*state)[i] == 1;
-      t.measured(y, x) = static_cast<uchar>(!known ? 0 : measured ? 2 : 1);
-      t.obstacle(y, x) = ground && top && (*top)[i] - (*ground)[i] > kLeastObstacle_m ? 1 : 0;
-    }
-  return t;
 }
 
 /** The traversability over the shaded ground, the way and the robot. */

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace talus::io
 {
@@ -85,6 +86,31 @@ cv::Mat1f hill_shade(const cv::Mat1f& ground_m, double pixel_m)
       shade(y, x) = std::clamp(cosine, 0.0F, 1.0F);
     }
   return shade;
+}
+
+Terrain terrain_of(const LayerStack& s)
+{
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const cv::Size size(s.cells_x, s.cells_y);
+  Terrain t{
+      cv::Mat1f(size, nan), cv::Mat1f(size, nan), cv::Mat1b(size, uchar{0}),
+      cv::Mat1b(size, uchar{0})};
+  const auto* ground = s.find(layer_name(Layer::GroundElevation));
+  const auto* top = s.find(layer_name(Layer::Elevation));
+  const auto* score = s.find(layer_name(Layer::Traversability));
+  const auto* state = s.find(layer_name(Layer::State));
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x)
+    {
+      const auto i = static_cast<std::size_t>(size.height - 1 - y) * size.width + x;
+      t.score(y, x) = (*score)[i];
+      if (ground) t.ground_m(y, x) = (*ground)[i];
+      const bool known = state ? (*state)[i] >= 1 : std::isfinite(t.score(y, x));
+      const bool measured = !state || (*state)[i] == 1;
+      t.measured(y, x) = static_cast<uchar>(!known ? 0 : measured ? 2 : 1);
+      t.obstacle(y, x) = ground && top && (*top)[i] - (*ground)[i] > kLeastObstacle_m ? 1 : 0;
+    }
+  return t;
 }
 
 cv::Mat3b paint_terrain(const Terrain& t, double pixel_m, const cv::Vec3b& unknown)

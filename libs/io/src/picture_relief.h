@@ -1,4 +1,6 @@
 #pragma once
+#include <talus/io/layer_stack.h>
+
 #include "picture_canvas.h"
 
 namespace talus::io
@@ -23,6 +25,10 @@ struct Terrain
   cv::Mat1b obstacle;  //!< whether something stands there
   cv::Mat1b measured;  //!< 0: unknown, 1: only filled, 2: measured
 };
+
+/** Of a map with a traversability; without one of the other layers, as on level, measured ground
+ * without objects. */
+Terrain terrain_of(const LayerStack& stack);
 
 constexpr double kLeastObstacle_m = 0.05;  //!< lower than that it is a rough ground
 
