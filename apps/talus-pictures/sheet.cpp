@@ -2,7 +2,8 @@
 
 #include <opencv2/imgproc.hpp>
 #include <picture_canvas.h>
-#include <picture_panel.h>
+#include <picture_legend.h>
+#include <picture_marks.h>
 #include <picture_style.h>
 
 #include <algorithm>
@@ -46,51 +47,20 @@ io::ColourRange range_of(const io::LayerStack& stack, const io::LayerStyle& styl
   return {*middle - kHeightSpan_m / 2, *middle + kHeightSpan_m / 2, false, false, 0, 0};
 }
 
-/** What the colours mean, a row of the foot of the sheet. */
-class Legend
+/** What the colours mean, in two rows. */
+io::Legend legend()
 {
- public:
-  Legend(Canvas& canvas, int y) : canvas_(canvas), y_(y) {}
-
-  void scale(const std::string& low, Palette palette, const std::string& high)
-  {
-    word(low);
-    cv::Mat strip;
-    cv::resize(io::colours_of(palette).t(), strip, {90, 14}, 0, 0, cv::INTER_LINEAR);
-    canvas_.paste(strip, x_, y_ - 7);
-    x_ += strip.cols + 6;
-    word(high);
-    x_ += 18;
-  }
-  void swatch(const cv::Scalar& colour, const std::string& meaning)
-  {
-    canvas_.fill({x_, y_ - 7, 14, 14}, colour);
-    x_ += 20;
-    word(meaning);
-    x_ += 12;
-  }
-
- private:
-  void word(const std::string& text)
-  {
-    canvas_.text(text, x_, y_, {8, io::kInk, false, Anchor::Start, Anchor::Middle, false});
-    x_ += static_cast<int>(Canvas::text_width(text, kWords)) + 6;
-  }
-
-  Canvas& canvas_;
-  int x_ = kEdge_px, y_;
-};
-
-void draw_legend(Canvas& canvas, int top)
-{
-  Legend first(canvas, top + kLegendRow_px / 2), second(canvas, top + 3 * kLegendRow_px / 2);
-  first.scale("blocked", Palette::Scores, "free");
-  first.swatch(cv::Scalar(io::not_judged_colour()), "not judged");
-  first.swatch(io::kUnknownColour, "no data");
-  first.scale("low", Palette::Heights, "high, over 0.6 m");
+  constexpr double kSmall = 0.8;
+  io::Legend legend(kSmall);
+  legend.colours("blocked", io::colours_of(Palette::Scores), "free");
+  legend.swatch(io::not_judged_colour(), "not judged");
+  legend.swatch(io::state_styles()[0].colour, "no data");
+  legend.colours("low", io::colours_of(Palette::Heights), "high, over 0.6 m");
+  legend.new_row();
   for (const std::size_t i : {1, 2, 3, 4})
-    second.swatch(cv::Scalar(io::state_styles()[i].colour), io::state_styles()[i].word);
-  second.scale("standard deviation 0", Palette::Amounts, "0.05 m");
+    legend.swatch(io::state_styles()[i].colour, io::state_styles()[i].word);
+  legend.colours("standard deviation 0", io::colours_of(Palette::Amounts), "0.05 m");
+  return legend;
 }
 }  // namespace
 
@@ -134,7 +104,9 @@ cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together)
     const double middle = tile_px / 2.0;
     io::draw_robot(canvas, {x + middle, y + kTitle_px + middle}, 0, 12);
   }
-  draw_legend(canvas, canvas.image().rows - kEdge_px - 2 * kLegendRow_px);
+  legend().draw(
+      canvas, {kEdge_px, canvas.image().rows - kEdge_px - 2 * kLegendRow_px},
+      canvas.image().cols - 2 * kEdge_px);
   return canvas.image();
 }
 
