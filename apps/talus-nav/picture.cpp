@@ -232,7 +232,7 @@ cv::Mat Painter::draw(
   cv::vconcat(
       std::vector<cv::Mat>{
           draw_title(width_px, title + "; the truth"), widened(truth, width_px),
-          draw_title(width_px, "what the robot knows"), widened(known, width_px),
+          draw_title(width_px, "What the robot knows"), widened(known, width_px),
           draw_legend(width_px, legend())},
       all);
   return all;

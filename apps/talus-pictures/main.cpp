@@ -174,20 +174,21 @@ cv::Vec3d place_from(const std::string& text)
 int run(const std::vector<std::string>& args)
 {
   if (args.size() == 3 && args[0] == "sheets")
-    write_sheets(args[1], args[2]);
-  else if (args.size() > 4 && args[0] == "drive")
-    write_drive(
-        {args.begin() + 4, args.end()},
-        {place_from(args[1]), place_from(args[2]), 900, {1200, 500}}, args[3]);
-  else
   {
-    std::fprintf(
-        stderr,
-        "usage: talus-pictures sheets WORLDS FOLDER\n"
-        "       talus-pictures drive EYE TARGET FOLDER MAPS...\n");
-    return 2;
+    write_sheets(args[1], args[2]);
+    return 0;
   }
-  return 0;
+  if (args.size() > 4 && args[0] == "drive")
+  {
+    const Camera camera{place_from(args[1]), place_from(args[2]), 900, {1200, 500}};
+    write_drive({args.begin() + 4, args.end()}, camera, args[3]);
+    return 0;
+  }
+  std::fprintf(
+      stderr,
+      "usage: talus-pictures sheets WORLDS FOLDER\n"
+      "       talus-pictures drive EYE TARGET FOLDER MAPS...\n");
+  return 2;
 }
 }  // namespace
 }  // namespace talus::pictures
