@@ -147,6 +147,59 @@ TEST(BagDisk, PartsWithoutADescriptionAreOneBagInTheOrderOfRecording)
   one_bag("two_recorders", "has no metadata.yaml", 2);
 }
 
+TEST(BagDisk, PartsThatAreNamedOneByOneAreOneBag)
+{
+  MAKE_BAGS("parts_without_metadata");
+  std::vector<std::string> parts;
+  for (int i = 0; i < 13; ++i)
+    parts.push_back((dir / "parts_without_metadata/part_") + std::to_string(i) + ".db3");
+  parts.push_back(parts.front());  // twice is once
+  const auto source = open_bags(parts, {});
+  EXPECT_EQ(all_of(*source).size(), 20u);
+  EXPECT_EQ(source->poses().entries().size(), 21u);
+  EXPECT_EQ(source->remarks().size(), 1u);
+}
+
+TEST(BagDisk, APartAloneTellsThatThereAreMore)
+{
+  MAKE_BAGS("parts_without_metadata");
+  const auto remarks = remarks_of(dir / "parts_without_metadata/part_3.db3");
+  EXPECT_TRUE(holds(remarks, "part_3.db3: is one of 13 parts of a bag; its folder reads them all"))
+      << remarks;
+}
+
+TEST(BagDisk, APartThatIsEmptyIsLeftOut)
+{
+  MAKE_BAGS("split_names_lie");
+  std::ofstream(dir / "split_names_lie/last.db3");
+  EXPECT_EQ(scans_of(dir / "split_names_lie", "/front/points").size(), 10u);
+  const auto remarks = remarks_of(dir / "split_names_lie");
+  EXPECT_TRUE(holds(remarks, "left out, as they are empty: last.db3")) << remarks;
+}
+
+TEST(BagDisk, ATopicThatTwoFilesHaveAtTheSameTimeIsRefused)
+{
+  MAKE_BAGS("log.db3 zstd.mcap");
+  std::string error;
+  try
+  {
+    all_of(*open_bags({dir / "log.db3", dir / "zstd.mcap"}, {}));
+  }
+  catch (const std::runtime_error& e)
+  {
+    error = e.what();
+  }
+  EXPECT_TRUE(holds(error, "log.db3") && holds(error, "zstd.mcap") && holds(error, "/front/points"))
+      << error;
+}
+
+TEST(BagDisk, TheDescriptionMayBeNamedItself)
+{
+  MAKE_BAGS("parts");
+  const auto source = open_scan_source(dir / "parts/metadata.yaml", {});
+  EXPECT_EQ(all_of(*source).size(), 20u);
+}
+
 TEST(BagDisk, PartsThatTheDescriptionDoesNotNameAreTold)
 {
   MAKE_BAGS("split_metadata_ends");

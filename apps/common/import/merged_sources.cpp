@@ -3,8 +3,10 @@
 #include "../suspect.h"
 
 #include <talus/import/kitti_poses.h>
+#include <talus/io/foreign_scans.h>
 #include <talus/number_text.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -18,6 +20,15 @@ auto watched(const std::string& path, const F& work)
 {
   return app::guarded(path, app::kCompareWithSource, work);
 }
+/** Bags that are given together belong together, as the parts of one do: the links of TF in one are
+ * of use to all. */
+std::vector<std::string> bags_among(const std::vector<std::string>& paths)
+{
+  std::vector<std::string> bags;
+  for (const auto& path : paths)
+    if (io::kind_of_scans(path) == io::ForeignScans::Ros2Bag) bags.push_back(path);
+  return bags;
+}
 }  // namespace
 
 MergedSources::MergedSources(const std::vector<std::string>& paths, const SourceOptions& options)
@@ -25,13 +36,22 @@ MergedSources::MergedSources(const std::vector<std::string>& paths, const Source
   // Those of KITTI's camera are turned by the first source.
   SourceOptions of_rest = options;
   of_rest.own_poses = options.poses.empty() || !is_kitti_poses(options.poses);
-  sources_.resize(paths.size());
-  for (std::size_t i = 0; i < paths.size(); ++i)
+  const auto bags = bags_among(paths);
+  bool has_bags = false;
+  sources_.reserve(paths.size());
+  for (const auto& path : paths)
   {
-    sources_[i].path = paths[i];
-    sources_[i].scans =
-        watched(paths[i], [&] { return open_scan_source(paths[i], i == 0 ? options : of_rest); });
-    read(sources_[i]);
+    const bool is_bag = std::find(bags.begin(), bags.end(), path) != bags.end();
+    if (is_bag && has_bags) continue;
+    has_bags = has_bags || is_bag;
+    Source source;
+    source.path = path;
+    const auto& its_options = sources_.empty() ? options : of_rest;
+    source.scans = watched(
+        path, [&]
+        { return is_bag ? open_bags(bags, its_options) : open_scan_source(path, its_options); });
+    sources_.push_back(std::move(source));
+    read(sources_.back());
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <stdexcept>
 #include <system_error>
 
@@ -122,26 +123,83 @@ void require_unpacked(const fs::path& file)
       "zstd -d " +
       name + " -o " + unpacked);
 }
-}  // namespace
+/** "my_bag_7" begins with "my_bag_", as all parts of that bag do; else empty. */
+std::string beginning_of_parts(const fs::path& file)
+{
+  const auto name = file.stem().string();
+  const auto end = name.find_last_not_of("0123456789");
+  const bool is_part = end != std::string::npos && end + 1 < name.size() && name[end] == '_';
+  return is_part ? name.substr(0, end + 1) : "";
+}
+
+/** A part of a bag alone lacks what was recorded once, such as static links of TF. */
+FilesOfBag file_alone(const fs::path& file)
+{
+  FilesOfBag bag;
+  bag.files = {file.string()};
+  const auto begin = beginning_of_parts(file);
+  const auto folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (begin.empty() || !fs::is_directory(folder)) return bag;
+  const auto others = files_in(folder);
+  const auto parts = std::count_if(
+      others.begin(), others.end(),
+      [&](const std::string& other) { return beginning_of_parts(other) == begin; });
+  if (parts > 1)
+    bag.remarks.push_back(
+        file.string() + ": is one of " + std::to_string(parts) +
+        " parts of a bag; its folder reads them all");
+  return bag;
+}
 
 FilesOfBag files_of_bag(const std::string& path)
 {
   const fs::path given(path);
   const bool is_metadata = given.filename() == kMetadata;
-  FilesOfBag bag;
-  if (!is_metadata && !fs::is_directory(given))
-    bag.files = {path};
-  else
-  {
-    const fs::path folder = is_metadata ? given.parent_path() : given;
-    bag = is_metadata || fs::exists(folder / kMetadata)
-              ? described_files(folder.empty() ? "." : folder)
-              : all_files_in(folder, "has no metadata.yaml");
-  }
+  if (!is_metadata && !fs::is_directory(given)) return file_alone(given);
+  const fs::path folder = is_metadata ? given.parent_path() : given;
+  auto bag = is_metadata || fs::exists(folder / kMetadata)
+                 ? described_files(folder.empty() ? "." : folder)
+                 : all_files_in(folder, "has no metadata.yaml");
   if (bag.files.empty())
     throw std::runtime_error(path + ": holds no file of a bag (.db3 or .mcap).");
-  for (const auto& file : bag.files) require_unpacked(file);
   return bag;
+}
+
+/** A recorder that was killed may just have begun its next file. */
+void leave_out_empty(FilesOfBag& bag)
+{
+  std::vector<std::string> filled, empty;
+  for (const auto& file : bag.files)
+  {
+    std::error_code unknown;
+    const bool is_empty = fs::is_regular_file(file, unknown) && fs::file_size(file, unknown) == 0;
+    (is_empty ? empty : filled).push_back(file);
+  }
+  if (filled.empty() || empty.empty()) return;
+  bag.files = std::move(filled);
+  bag.remarks.push_back("left out, as they are empty: " + listed(empty));
+}
+}  // namespace
+
+FilesOfBag files_of_bags(const std::vector<std::string>& paths)
+{
+  FilesOfBag all;
+  std::set<fs::path> known;
+  for (const auto& path : paths)
+  {
+    auto bag = files_of_bag(path);
+    for (auto& file : bag.files)
+    {
+      std::error_code unknown;
+      if (known.insert(fs::weakly_canonical(file, unknown)).second)
+        all.files.push_back(std::move(file));
+    }
+    if (paths.size() == 1 || bag.files.size() > 1)
+      for (auto& remark : bag.remarks) all.remarks.push_back(std::move(remark));
+  }
+  for (const auto& file : all.files) require_unpacked(file);
+  leave_out_empty(all);
+  return all;
 }
 
 }  // namespace talus::import

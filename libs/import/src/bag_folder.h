@@ -10,8 +10,9 @@ struct FilesOfBag
   std::vector<std::string> remarks;  //!< what a person should know, a sentence each
 };
 
-/** What metadata.yaml names, or all .db3 and .mcap of a folder where it names none; `path` itself
- * where it is a file. Throws std::runtime_error where one is missing or packed as a whole. */
-FilesOfBag files_of_bag(const std::string& path);
+/** Of each path what metadata.yaml names, or all .db3 and .mcap of a folder where it names none;
+ * the path itself where it is a file. Each file is there once. Those without a byte are left out
+ * where there are others. Throws std::runtime_error where one is missing or packed as a whole. */
+FilesOfBag files_of_bags(const std::vector<std::string>& paths);
 
 }  // namespace talus::import

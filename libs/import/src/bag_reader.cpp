@@ -22,19 +22,21 @@ std::unique_ptr<BagFile> open_bag_file(const std::string& path, bool partial)
       path + ": does not begin as a bag of ROS 2 does (SQLite or MCAP). Copy it again.");
 }
 
-BagReader::BagReader(const std::string& path, bool partial)
+BagReader::BagReader(const std::vector<std::string>& paths, bool partial)
 {
-  auto bag = files_of_bag(path);
-  for (const auto& file : bag.files) add(open_bag_file(file, partial));
+  auto bag = files_of_bags(paths);
+  for (const auto& file : bag.files) add(file, partial);
   remarks_ = std::move(bag.remarks);
   std::stable_sort(
       files_.begin(), files_.end(),
       [](const File& a, const File& b) { return a.first_ns < b.first_ns; });
 }
 
-void BagReader::add(std::unique_ptr<BagFile> file)
+void BagReader::add(const std::string& path, bool partial)
 {
+  auto file = open_bag_file(path, partial);
   File added;
+  added.path = path;
   for (const auto& topic : file->topics())
   {
     const auto same = std::find_if(

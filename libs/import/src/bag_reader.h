@@ -16,9 +16,9 @@ namespace talus::import
 class BagReader
 {
  public:
-  /** A folder, its metadata.yaml, or one file. `partial`: of files that are cut, what is before
-   * the cut. */
-  BagReader(const std::string& path, bool partial);
+  /** Folders, their metadata.yaml, or files. `partial`: of files that are cut, what is before the
+   * cut. */
+  BagReader(const std::vector<std::string>& paths, bool partial);
 
   /** Of all files; a topic that is in several is there once. */
   const std::vector<BagTopic>& topics() const { return topics_; }
@@ -33,6 +33,9 @@ class BagReader
 
   bool next(BagMessage& message);
   std::string_view payload();
+  /** That of the last message. */
+  std::size_t file() const { return static_cast<std::size_t>(last_ - files_.data()); }
+  const std::string& path_of(std::size_t file) const { return files_[file].path; }
   /** Bytes of its file that hold the last message, be they packed. */
   std::uint64_t stored_bytes() const { return last_->file->stored_bytes(); }
   /** Where the last message is, for errors, with its topic. */
@@ -45,12 +48,13 @@ class BagReader
  private:
   struct File
   {
+    std::string path;
     std::unique_ptr<BagFile> file;
     std::vector<std::size_t> topics;  //!< places in topics_ of its own
     std::int64_t first_ns = 0;
     std::optional<BagMessage> pending;  //!< its next one; topic is a place in topics_
   };
-  void add(std::unique_ptr<BagFile> file);
+  void add(const std::string& path, bool partial);
   void start_file(File& file);
   void take_next(File& file);
   File* earliest() const;

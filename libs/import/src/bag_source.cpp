@@ -1,5 +1,4 @@
-#include "bag_source.h"
-
+#include <talus/import/scan_source.h>
 #include <talus/number_text.h>
 
 #include <algorithm>
@@ -20,9 +19,17 @@ namespace
 {
 double seconds(std::int64_t time_ns) { return static_cast<double>(time_ns) * 1e-9; }
 
+/** For errors. */
+std::string name_of(const std::vector<std::string>& paths)
+{
+  return paths.front() +
+         (paths.size() > 1 ? " and " + std::to_string(paths.size() - 1) + " more" : "");
+}
+
 /** What is known of one topic with clouds. */
 struct Sensor
 {
+  std::vector<std::size_t> files;  //!< of the reader, that have scans of it, in their order
   std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
   std::size_t scans = 0, late = 0, not_mounted = 0, not_timed = 0, not_stamped = 0;
   std::int64_t not_mounted_ns = 0;  //!< the first of those
@@ -33,12 +40,12 @@ struct Sensor
 class BagSource : public ScanSource
 {
  public:
-  BagSource(const std::string& path, const SourceOptions& options)
-      : path_(path),
+  BagSource(const std::vector<std::string>& paths, const SourceOptions& options)
+      : path_(name_of(paths)),
         recorded_times_(options.recorded_times),
-        reader_(path, options.partial),
-        roles_(roles_of(reader_.topics(), options.topics, path)),
-        motion_(reader_, roles_, options, path),
+        reader_(paths, options.partial),
+        roles_(roles_of(reader_.topics(), options.topics, path_)),
+        motion_(reader_, roles_, options, path_),
         mountings_(options.mountings),
         sensors_(roles_.size())
   {
@@ -64,6 +71,7 @@ class BagSource : public ScanSource
   bool read_scan(const BagMessage& message, ImportedScan& scan);
   bool place(const CloudMessage& cloud, const BagMessage& message, ImportedScan& scan);
   void fill(ImportedScan& scan, Sensor& sensor, std::int64_t told_ns);
+  void require_one_file(Sensor& sensor, const BagMessage& message) const;
   void require_scans() const;
 
   std::string path_;
@@ -101,6 +109,7 @@ bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
 bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, ImportedScan& scan)
 {
   auto& sensor = sensors_[message.topic];
+  require_one_file(sensor, message);
   const auto told_ns = cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
   const auto stamp_ns = recorded_times_ ? message.log_time_ns : told_ns;
   sensor.not_stamped += cloud.header.stamp_ns == 0 ? 1 : 0;
@@ -122,6 +131,21 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
   scan.time_s = seconds(stamp_ns);
   fill(scan, sensor, told_ns);
   return true;
+}
+
+/** Parts of a recording follow each other. What two sensors see must not get mixed up. */
+void BagSource::require_one_file(Sensor& sensor, const BagMessage& message) const
+{
+  const auto file = reader_.file();
+  auto& files = sensor.files;
+  if (!files.empty() && files.back() == file) return;
+  if (std::find(files.begin(), files.end(), file) != files.end())
+    throw std::runtime_error(
+        reader_.path_of(files.back()) + " and " + reader_.path_of(file) + ": both have scans of " +
+        reader_.topics()[message.topic].name +
+        " at the same time. Import them one by one if they are of two robots; take one of them "
+        "away if it is a copy.");
+  files.push_back(file);
 }
 
 /** The times of points are told since the stamp of the sensor, or by its clock. */
@@ -191,9 +215,10 @@ std::vector<std::string> BagSource::remarks() const
 }
 }  // namespace
 
-std::unique_ptr<ScanSource> open_bag(const std::string& path, const SourceOptions& options)
+std::unique_ptr<ScanSource> open_bags(
+    const std::vector<std::string>& paths, const SourceOptions& options)
 {
-  return std::make_unique<BagSource>(path, options);
+  return std::make_unique<BagSource>(paths, options);
 }
 
 }  // namespace talus::import

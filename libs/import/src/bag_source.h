@@ -6,9 +6,10 @@
 
 namespace talus::import
 {
-/** A ROS 2 bag: a folder with metadata.yaml, or one of its files (.db3, .mcap). Throws
- * std::runtime_error that names the file, what is wrong and what to do; where this build lacks what
- * reads it: the package to install. */
-std::unique_ptr<ScanSource> open_bag(const std::string& path, const SourceOptions& options);
+/** A ROS 2 bag alone: a folder, its metadata.yaml, or one of its files (.db3, .mcap). */
+inline std::unique_ptr<ScanSource> open_bag(const std::string& path, const SourceOptions& options)
+{
+  return open_bags({path}, options);
+}
 
 }  // namespace talus::import

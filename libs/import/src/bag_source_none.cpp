@@ -1,13 +1,13 @@
-#include <stdexcept>
+#include <talus/import/scan_source.h>
 
-#include "bag_source.h"
+#include <stdexcept>
 
 namespace talus::import
 {
-std::unique_ptr<ScanSource> open_bag(const std::string& path, const SourceOptions&)
+std::unique_ptr<ScanSource> open_bags(const std::vector<std::string>& paths, const SourceOptions&)
 {
   throw std::runtime_error(
-      path +
+      paths.front() +
       ": is a ROS 2 bag, and this program was built without Fast-CDR, which reads its "
       "messages: install libfastcdr-dev and build again.");
 }

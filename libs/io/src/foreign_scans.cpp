@@ -24,6 +24,8 @@ std::string ending_of(const fs::path& path)
   return ending;
 }
 
+constexpr const char* kDescriptionOfBag = "metadata.yaml";
+
 struct Mark
 {
   std::string_view bytes;
@@ -52,6 +54,7 @@ constexpr Ending kEndings[] = {{".bin", ForeignScans::Bin},     {".pcd", Foreign
 
 ForeignScans kind_of_file(const std::string& path)
 {
+  if (fs::path(path).filename() == kDescriptionOfBag) return ForeignScans::Ros2Bag;
   std::array<char, 16> head{};
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), head.size());
@@ -122,7 +125,7 @@ ForeignScans kind_of_scans(const std::string& path)
   if (fs::is_directory(status))
   {
     // A recorder that was killed leaves no metadata.yaml.
-    if (fs::exists(fs::path(path) / "metadata.yaml", error) ||
+    if (fs::exists(fs::path(path) / kDescriptionOfBag, error) ||
         (has_bag_files(path) && !has_scans(path)))
       return ForeignScans::Ros2Bag;
     return folder_with_scans(path).empty() ? ForeignScans::None : ForeignScans::Folder;

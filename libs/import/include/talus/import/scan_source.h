@@ -68,4 +68,10 @@ struct SourceOptions
  * no source reads. */
 std::unique_ptr<ScanSource> open_scan_source(const std::string& path, const SourceOptions& options);
 
+/** ROS 2 bags (folders, or their .db3 and .mcap) that belong together, as one: parts of a
+ * recording, or files of several recorders. Throws std::runtime_error that names the file, what is
+ * wrong and what to do; where this build lacks what reads them: the package to install. */
+std::unique_ptr<ScanSource> open_bags(
+    const std::vector<std::string>& paths, const SourceOptions& options);
+
 }  // namespace talus::import
