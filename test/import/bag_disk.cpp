@@ -118,6 +118,16 @@ TEST(BagDisk, ADatabaseThatIsWrittenMeanwhileIsRefused)
   EXPECT_TRUE(holds(error, "log.db3: was changed while it was read")) << error;
 }
 
+TEST(BagDisk, AWalThatIsCutIsToldOf)
+{
+  MAKE_BAGS("wal_killed.db3");
+  EXPECT_FALSE(holds(remarks_of(dir / "wal_killed.db3"), "-wal"));
+  std::ofstream(dir / "wal_killed.db3-wal", std::ios::app) << "the head of a frame";
+  expect_log(
+      dir / "wal_killed.db3",
+      {(dir / "wal_killed.db3-wal") + ": is cut: of what it has, the whole transactions are read"});
+}
+
 TEST(BagDisk, ACopyWithoutItsWalSaysWhatIsMissing)
 {
   MAKE_BAGS("wal_lost.db3 wal_lost_early.db3");

@@ -13,6 +13,9 @@
 
 namespace talus::import
 {
+/** Whether `frame` is `name` of some robot: "robot1/base_link". */
+bool is_of_robot(const std::string& frame, const std::string& name);
+
 /** Where sensors are mounted and where the base was: all that a bag says of frames and poses, read
  * ahead of the scans, as it may come after them. */
 class BagMotion
@@ -33,6 +36,9 @@ class BagMotion
   const std::vector<std::string>& remarks() const { return remarks_; }
 
  private:
+  /** Poses in histories before those that are not needed are dropped. */
+  static constexpr std::size_t kPruneAt = 100000;
+
   struct PoseTopic
   {
     std::size_t topic = 0;
@@ -64,7 +70,7 @@ class BagMotion
   std::vector<PoseTopic> pose_topics_;
   std::vector<std::string> cloud_frames_;
   std::size_t clouds_left_ = 0;  //!< topics whose frame is not known yet
-  std::size_t prune_at_ = 0;
+  std::size_t prune_at_ = kPruneAt;
   std::size_t poses_held_ = 0;  //!< in the histories of pose_topics_
   bool recorded_times_ = false;
   std::size_t bad_poses_ = 0;

@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <stdexcept>
+#include <string_view>
+#include <system_error>
 
 #include "bag_file.h"
 #include "bag_sqlite_database.h"
@@ -16,6 +19,13 @@ std::string text_of(sqlite3_stmt* row, int column)
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(row, column));
   return text ? std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(row, column)))
               : std::string();
+}
+
+std::uint64_t big_endian(std::string_view bytes)
+{
+  std::uint64_t value = 0;
+  for (const char byte : bytes) value = value << 8 | static_cast<unsigned char>(byte);
+  return value;
 }
 
 SqlitePages pages_of(const std::string& path, FileBytes& file)
@@ -54,6 +64,7 @@ class SqliteFile final : public BagFile
   bool is_sound();
   void require_whole() const;
   std::string missing_log() const;
+  void tell_of_cut_log();
   void require_table(const std::string& name);
   void read_topics();
   void read_first_time();
@@ -90,6 +101,7 @@ SqliteFile::SqliteFile(const std::string& path, bool partial)
   require_table("topics");
   require_table("messages");
   read_topics();
+  tell_of_cut_log();
   if (partial && !is_sound())
     take_pages();
   else
@@ -123,6 +135,20 @@ std::string SqliteFile::missing_log() const
 {
   if (!pages_.is_wal() || base_.has_log()) return "";
   return "what a killed recorder wrote last is in " + path_ + "-wal, which is not beside it";
+}
+
+/** What SQLite itself leaves out without a word. */
+void SqliteFile::tell_of_cut_log()
+{
+  constexpr std::size_t kHeader = 32, kFrameHead = 24;
+  const auto wal = path_ + "-wal";
+  std::error_code none;
+  const auto bytes = std::filesystem::file_size(wal, none);
+  if (none || bytes <= kHeader) return;
+  FileBytes file(wal);
+  const auto page_bytes = big_endian(file.look(8, 4));
+  if ((bytes - kHeader) % (kFrameHead + page_bytes) != 0)
+    remarks_.push_back(wal + ": is cut: of what it has, the whole transactions are read");
 }
 
 void SqliteFile::read_topics()

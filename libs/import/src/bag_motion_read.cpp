@@ -1,0 +1,131 @@
+// What a bag says of frames and poses, read message by message.
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+
+#include "bag_motion.h"
+#include "cdr_reader.h"
+
+namespace talus::import
+{
+bool is_of_robot(const std::string& frame, const std::string& name)
+{
+  const auto slash = frame.rfind('/');
+  return slash != std::string::npos && frame.substr(slash + 1) == name;
+}
+
+void BagMotion::read(BagReader& reader, const std::vector<BagRole>& roles)
+{
+  std::vector<bool> wanted;
+  wanted.reserve(roles.size());
+  for (const auto role : roles) wanted.push_back(role != BagRole::None);
+  clouds_left_ = static_cast<std::size_t>(std::count(roles.begin(), roles.end(), BagRole::Cloud));
+  reader.start(std::move(wanted));
+  BagMessage message;
+  while (reader.next(message))
+  {
+    try
+    {
+      read_message(reader, message, roles[message.topic]);
+    }
+    catch (const CdrError& e)
+    {
+      throw std::runtime_error(reader.place() + " " + e.what() + ". Copy the bag again.");
+    }
+    require_room(reader);
+  }
+}
+
+/** Drops what is not needed. TF that packs very well must not take the memory of the machine. */
+void BagMotion::require_room(const BagReader& reader)
+{
+  constexpr std::size_t kFew = 150000, kLeastBytes = 32;
+  const std::size_t most = kFew + reader.bytes() / kLeastBytes;
+  const bool is_full = tree_.size() + poses_held_ > most;
+  if (tree_.size() > prune_at_ || is_full) prune();
+  if (is_full && tree_.size() + poses_held_ > most)
+    throw std::runtime_error(
+        reader.place() + ": is one of more than " + std::to_string(most) +
+        " transforms and poses in a bag of " + std::to_string(reader.bytes()) +
+        " bytes, which hold no more. --topic names the topic of the poses, --poses a file");
+}
+
+void BagMotion::read_message(BagReader& reader, const BagMessage& message, BagRole role)
+{
+  const auto payload = reader.payload();
+  switch (role)
+  {
+    case BagRole::Cloud:  // only how it is mounted
+      cloud_frames_.push_back(read_header(payload).frame);
+      reader.ignore(message.topic);
+      --clouds_left_;
+      break;
+    case BagRole::Tf:
+    case BagRole::TfStatic:
+      add_links(payload, message, role == BagRole::TfStatic);
+      break;
+    case BagRole::Odometry:
+      add_pose(message, read_odometry(payload));
+      break;
+    case BagRole::Pose:
+      add_pose(message, read_pose(payload));
+      break;
+    case BagRole::None:
+      break;
+  }
+}
+
+/** Stamps of another clock than that of the recorder are of no use among those of scans. */
+void BagMotion::set_time(MessageHeader& header, const BagMessage& message) const
+{
+  constexpr std::int64_t kOtherClock_ns = 10000000000;
+  if (recorded_times_ && std::abs(header.stamp_ns - message.log_time_ns) > kOtherClock_ns)
+    header.stamp_ns = message.log_time_ns;
+}
+
+void BagMotion::add_links(std::string_view payload, const BagMessage& message, bool is_static)
+{
+  for_each_link(
+      payload,
+      [&](FrameTransform link)
+      {
+        set_time(link.parent, message);
+        bad_poses_ += link.T_parent_child ? 0 : 1;
+        tree_.add(link, is_static);
+      });
+}
+
+void BagMotion::add_pose(const BagMessage& message, FrameTransform pose)
+{
+  const auto topic = message.topic;
+  set_time(pose.parent, message);
+  if (!pose.T_parent_child)
+  {
+    ++bad_poses_;
+    return;
+  }
+  auto known = std::find_if(
+      pose_topics_.begin(), pose_topics_.end(),
+      [topic](const PoseTopic& t) { return t.topic == topic; });
+  if (known == pose_topics_.end())
+    known = pose_topics_.insert(known, {topic, pose.parent.frame, pose.child, {}, 0});
+  poses_held_ += known->history.add(pose.parent.stamp_ns, *pose.T_parent_child) ? 1 : 0;
+  ++known->count;
+}
+
+void BagMotion::prune()
+{
+  if (clouds_left_ == 0)
+  {
+    auto ends = cloud_frames_;
+    for (const auto& frame : tree_.frames())
+      for (const char* base : {"base_link", "base_footprint"})
+        if (frame == base || is_of_robot(frame, base)) ends.push_back(frame);
+    for (const auto& topic : pose_topics_) ends.push_back(topic.child);
+    ends.push_back(base_);
+    tree_.keep_ways_of(ends);
+  }
+  prune_at_ = std::max(kPruneAt, 2 * tree_.size());
+}
+
+}  // namespace talus::import
