@@ -3,7 +3,8 @@
 #include <talus/io/map_picture.h>
 
 #include <picture_canvas.h>
-#include <picture_panel.h>
+#include <picture_legend.h>
+#include <picture_marks.h>
 #include <picture_style.h>
 
 #include <algorithm>
@@ -20,7 +21,7 @@ using io::ColourRange;
 using io::Palette;
 using io::TextStyle;
 
-constexpr int kEdge_px = 16, kGap_px = 8, kHeading_px = 26, kLegend_px = 46, kSwatch_px = 18;
+constexpr int kEdge_px = 16, kGap_px = 8, kHeading_px = 26, kLegend_px = 46;
 constexpr int kFewRows = 4, kLargeTile_px = 320, kSmallTile_px = 160;
 const TextStyle kHeading{12, io::kInk, true, Anchor::Start, Anchor::Middle, false};
 const TextStyle kPlain{11, io::kInk, false, Anchor::Start, Anchor::Middle, false};
@@ -112,42 +113,13 @@ Canvas assemble(const std::vector<std::string>& headings, const std::vector<Row>
   return canvas;
 }
 
-/** What the colours mean, from left to right at the foot of the picture. */
-class Legend
+/** At the foot of a picture. */
+void draw_legend(Canvas& canvas, const io::Legend& legend)
 {
- public:
-  explicit Legend(Canvas& canvas) : canvas_(canvas), y_(canvas.image().rows - kLegend_px / 2 - 9) {}
-
-  void scale(const std::string& low, Palette palette, const std::string& high)
-  {
-    word(low);
-    cv::Mat strip;
-    cv::resize(io::colours_of(palette).t(), strip, {160, kSwatch_px}, 0, 0, cv::INTER_LINEAR);
-    canvas_.paste(strip, x_, y_);
-    canvas_.frame({x_, y_, strip.cols, strip.rows}, io::kInk);
-    x_ += strip.cols + 8;
-    word(high);
-    x_ += 20;
-  }
-  void swatch(const cv::Scalar& colour, const std::string& meaning)
-  {
-    canvas_.fill({x_, y_, kSwatch_px, kSwatch_px}, colour);
-    canvas_.frame({x_, y_, kSwatch_px, kSwatch_px}, io::kInk);
-    x_ += kSwatch_px + 8;
-    word(meaning);
-    x_ += 20;
-  }
-
- private:
-  void word(const std::string& text)
-  {
-    canvas_.text(text, x_, y_ + kSwatch_px / 2.0, kPlain);
-    x_ += static_cast<int>(Canvas::text_width(text, kPlain)) + 8;
-  }
-
-  Canvas& canvas_;
-  int x_ = kEdge_px, y_;
-};
+  const int room = canvas.image().cols - 2 * kEdge_px;
+  const int spare = (kLegend_px - legend.height_px(room)) / 2;
+  legend.draw(canvas, {kEdge_px, canvas.image().rows - kLegend_px + spare}, room);
+}
 
 /** Colours of one world: of the true ground, or of what was measured. */
 ColourRange height_range(const Snapshot& s)
@@ -177,10 +149,11 @@ void write_maps_picture(const std::string& path, const std::vector<Evaluation>& 
     rows.push_back(std::move(row));
   }
   Canvas canvas = assemble(headings, rows, tile_px);
-  Legend legend(canvas);
-  legend.scale("blocked", Palette::Scores, "free");
-  legend.swatch(cv::Scalar(io::not_judged_colour()), "not judged");
-  legend.swatch(io::kUnknownColour, "no data");
+  io::Legend legend;
+  legend.colours("blocked", io::colours_of(Palette::Scores), "free");
+  legend.swatch(io::not_judged_colour(), "not judged");
+  legend.swatch(io::state_styles()[0].colour, "no data");
+  draw_legend(canvas, legend);
   io::write_png(path, canvas.image());
 }
 
@@ -209,9 +182,10 @@ void write_fills_picture(const std::string& path, const std::vector<Evaluation>&
   }
   if (rows.empty()) return;
   Canvas canvas = assemble(headings, rows, tile_px);
-  Legend legend(canvas);
-  legend.scale("lowest ground of the world", Palette::Heights, "highest");
-  legend.swatch(io::kUnknownColour, "no data");
+  io::Legend legend;
+  legend.colours("lowest ground of the world", io::colours_of(Palette::Heights), "highest");
+  legend.swatch(io::state_styles()[0].colour, "no data");
+  draw_legend(canvas, legend);
   io::write_png(path, canvas.image());
 }
 

@@ -90,7 +90,7 @@ std::unique_ptr<Lettering> strokes() { return std::make_unique<Strokes>(); }
 
 Lettering& lettering()
 {
-  thread_local const std::unique_ptr<Lettering> letters = installed();
+  thread_local const std::shared_ptr<Lettering> letters = installed();
   return *letters;
 }
 

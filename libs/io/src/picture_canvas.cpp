@@ -23,6 +23,7 @@ double shift(Anchor anchor, double size)
 std::vector<cv::Point> fixed_point(const std::vector<cv::Point2d>& corners)
 {
   std::vector<cv::Point> fixed;
+  fixed.reserve(corners.size());
   for (const auto& c : corners)
     fixed.emplace_back(
         static_cast<int>(std::lround(c.x * (1 << kFractionBits))),
