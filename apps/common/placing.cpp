@@ -34,7 +34,18 @@ bool is_numbered(const fs::path& file, const std::string& start, std::size_t few
              stem.begin() + static_cast<std::ptrdiff_t>(start.size()), stem.end(), is_digit);
 }
 bool is_snapshot(const fs::path& file) { return is_numbered(file, "frame_", 6); }
-bool is_floor(const fs::path& file) { return is_numbered(file, "site_floor_", 1); }
+/** A floor or an island: site_floor_1.tif, site_island_2.png, site_floor_1_island_2.tif. */
+bool is_site_part(const fs::path& file)
+{
+  fs::path first = file;
+  if (const auto at = file.stem().string().rfind("_island_"); at != std::string::npos)
+  {
+    if (!is_numbered(file, file.stem().string().substr(0, at) + "_island_", 1)) return false;
+    first.replace_filename(file.stem().string().substr(0, at) + file.extension().string());
+    if (first.stem() == "site") return true;
+  }
+  return is_numbered(first, "site_floor_", 1);
+}
 
 /** Everything below a folder that is neither internal nor a folder, relative to it. */
 std::vector<fs::path> files_below(const fs::path& folder)
@@ -99,14 +110,14 @@ void set_aside_old_snapshots(const fs::path& hidden, Moves& done)
   for (const auto& file : old) set_aside(hidden, kSnapshots / file.filename(), done);
 }
 
-/** Floors of another run would be taken for those of this site map. */
-void set_aside_old_floors(const fs::path& hidden, Moves& done)
+/** Floors and islands of another run would be taken for those of this site map. */
+void set_aside_old_parts(const fs::path& hidden, Moves& done)
 {
   if (!fs::exists(hidden / "site.tif")) return;
   std::vector<fs::path> old;
   std::error_code no_file;  // such as a link to itself
   for (const auto& entry : fs::directory_iterator(hidden.parent_path()))
-    if (is_floor(entry.path()) && entry.is_regular_file(no_file)) old.push_back(entry.path());
+    if (is_site_part(entry.path()) && entry.is_regular_file(no_file)) old.push_back(entry.path());
   for (const auto& file : old) set_aside(hidden, file.filename(), done);
 }
 
@@ -138,7 +149,7 @@ bool is_internal(const fs::path& path)
 
 bool is_site_file(const fs::path& name)
 {
-  return name == "site.tif" || name == "site.png" || is_floor(name);
+  return name == "site.tif" || name == "site.png" || is_site_part(name);
 }
 
 void Moves::move(const fs::path& from, const fs::path& to)
@@ -177,7 +188,7 @@ void place(const fs::path& hidden, Moves& done)
   {
     set_aside(hidden, seal, done);
     set_aside_old_snapshots(hidden, done);
-    set_aside_old_floors(hidden, done);
+    set_aside_old_parts(hidden, done);
     fs::create_directory(hidden / kCleared);
   }
   for (const auto& file : files_below(hidden))

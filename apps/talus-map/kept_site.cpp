@@ -19,6 +19,8 @@ namespace talus::app
 {
 namespace
 {
+constexpr double kJump_m = 200;  // between two points of a way, of which each metre has one
+
 /** In (-180, 180]: what is one place and heading has one text. */
 double same_turn(double angle_deg)
 {
@@ -70,7 +72,8 @@ site::GeoOrigin origin_from_text(const std::string& text)
 }
 
 KeptSite::KeptSite(const Options& options, double resolution_m, const std::string& folder)
-    : site_(resolution_m, megabytes(options.memory_mb), folder), keeps_far_(options.keep_far)
+    : site_(resolution_m, megabytes(options.memory_mb), folder),
+      far_(options.keep_far ? site::Far::Together : site::Far::Apart)
 {
   if (!options.resume.empty()) resume(options.resume);
   if (options.origin) place(*options.origin);
@@ -121,7 +124,7 @@ bool KeptSite::take_fix(
 void KeptSite::finish(const ElevationMapper& map, io::RunSummary& run)
 {
   mapper_->keep_window(map);
-  if (!keeps_far_) leave_out_islands();
+  warn_of_islands();
   std::string warning;
   if (!site_.origin) site_.origin = site::origin_from_fixes(fixes_, warning);
   if (!warning.empty()) warnings_.push_back(warning);
@@ -129,14 +132,17 @@ void KeptSite::finish(const ElevationMapper& map, io::RunSummary& run)
   run.site = summary();
 }
 
-void KeptSite::leave_out_islands()
+void KeptSite::warn_of_islands()
 {
+  if (far_ == site::Far::Together) return;
   for (const int floor : site::floors_of(site_))
-    for (const site::Island& island : site::far_islands(site_, floor))
-    {
-      site::leave_out(island, site_);
-      warnings_.push_back(site::text_of_left_out(island));
-    }
+  {
+    const auto islands = site::islands_of(site_, floor);
+    const std::string file = site::with_floor("site.tif", floor);
+    for (std::size_t i = 1; i < islands.size(); ++i)
+      warnings_.push_back(site::text_of_island(islands[i], site::with_island(file, i)));
+    islands_ += islands.empty() ? 0 : static_cast<int>(islands.size()) - 1;
+  }
 }
 
 io::SiteSummary KeptSite::summary()
@@ -145,17 +151,21 @@ io::SiteSummary KeptSite::summary()
   const site::KnownCells known = site::known_cells(site_);
   s.cells = known.by_state;
   s.floors = static_cast<int>(site::floors_of(site_).size());
+  s.islands = islands_;
   s.area_m2 = known.area_m2;
   for (const auto& way : site_.ways)
     for (std::size_t i = 1; i < way.size(); ++i)
-      s.length_m += std::hypot(
+    {
+      const double step_m = std::hypot(
           way[i].x_m - way[i - 1].x_m, way[i].y_m - way[i - 1].y_m, way[i].z_m - way[i - 1].z_m);
+      if (step_m < kJump_m) s.length_m += step_m;
+    }
   return s;
 }
 
 void KeptSite::write(const std::string& folder, const site::Progress& progress)
 {
-  site::write_site_files((fs::path(folder) / "site.tif").string(), site_, progress);
+  site::write_site_files((fs::path(folder) / "site.tif").string(), site_, progress, far_);
 }
 
 }  // namespace talus::app

@@ -5,6 +5,7 @@
 #include <talus/elevation_mapper.h>
 #include <talus/io/summary_json.h>
 #include <talus/site/gps_origin.h>
+#include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 #include <talus/site/site_mapper.h>
 
@@ -32,21 +33,22 @@ class KeptSite
   /** After the last frame: what the window holds is kept, and where on Earth it is. Warnings go
    * where the run keeps them. */
   void finish(const ElevationMapper& map, io::RunSummary& run);
-  /** Writes site.tif, site_floor_1.tif ..., and a picture of each, into a folder. Throws
-   * std::runtime_error naming the file. */
+  /** Writes site.tif, site_island_1.tif, site_floor_1.tif ..., and a picture of each, into a
+   * folder. Throws std::runtime_error naming the file. */
   void write(const std::string& folder, const site::Progress& progress);
 
  private:
   void resume(const std::string& path);
-  void leave_out_islands();
+  void warn_of_islands();
   void place(const site::GeoOrigin& origin);
   io::SiteSummary summary();
 
   site::Site site_;
-  bool keeps_far_;
+  site::Far far_;
   std::optional<site::SiteMapper> mapper_;  //!< begins when what is resumed has been read
   std::vector<site::GpsFix> fixes_;
   std::vector<std::string> warnings_;
+  int islands_ = 0;  //!< beside the first of each floor
 };
 
 /** The place that --origin names. Throws std::invalid_argument that says what is wrong with it. */

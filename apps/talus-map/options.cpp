@@ -182,7 +182,9 @@ void add_site(CLI::App& app, Options& o)
       ->excludes(none);
   app.add_flag(
          "--keep-far", o.keep_far,
-         "Also write the few tiles of the site map that lie kilometres from all others")
+         "Write a floor as one file, however far its parts lie from each other: takes long "
+         "(default: "
+         "what is far has a file of its own)")
       ->excludes(none);
   app.add_option(
          "--resume", o.resume,

@@ -103,13 +103,15 @@ std::string site_line(const io::SiteSummary& site)
 {
   const auto& c = site.cells;
   const double all = std::max(1.0, static_cast<double>(c[1] + c[2] + c[3] + c[4]));
+  std::string where;
+  if (site.floors > 1) where += mrpt::format(" on %d floors", site.floors);
+  if (site.islands > 0) where += mrpt::format(" in %d places far apart", site.islands + 1);
   return mrpt::format(
       "%.4g m2 along %.4g m of way%s: %.1f %% measured, %.1f %% filled from two sides, %.1f %% "
       "from one, %.1f %% presumed",
-      site.area_m2, site.length_m,
-      site.floors > 1 ? mrpt::format(" on %d floors", site.floors).c_str() : "",
-      100 * static_cast<double>(c[1]) / all, 100 * static_cast<double>(c[2]) / all,
-      100 * static_cast<double>(c[3]) / all, 100 * static_cast<double>(c[4]) / all);
+      site.area_m2, site.length_m, where.c_str(), 100 * static_cast<double>(c[1]) / all,
+      100 * static_cast<double>(c[2]) / all, 100 * static_cast<double>(c[3]) / all,
+      100 * static_cast<double>(c[4]) / all);
 }
 }  // namespace
 

@@ -3,6 +3,7 @@
 #include "../common/child_process.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
+#include "../common/placing.h"
 #include "../common/progress_bar.h"
 #include "../common/suspect.h"
 #include "files_apart.h"
@@ -19,17 +20,22 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <new>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace fs = std::filesystem;
 
 namespace talus::app
 {
 namespace
 {
-constexpr int kDone = 0, kFailed = 1;
+constexpr int kDone = 0, kFailed = 1, kWithoutSite = 3;
 
 void write_log(RawlogOut& out)
 {
@@ -66,15 +72,39 @@ SourceLog import_first(
       [&](double done, const std::string& points) { bar.show(done, "importing, " + points); });
 }
 
-void map_log(
-    const Job& job, const Options& options, const Settings& settings, const std::string& label,
-    const std::string& folder, RawlogOut* rawlog_out)
+/** Of a site of many kilometres it takes minutes. False where it cannot be written: the map of the
+ * window is not lost with it. */
+bool write_site(KeptSite& site, const OutputFolder& output, io::RunSummary& run, ProgressBar& bar)
 {
+  try
+  {
+    site.write(output.staging(), [&](double done) { bar.show(done, "writing site.tif"); });
+    return true;
+  }
+  catch (const std::exception& e)
+  {
+    run.warnings.push_back("the site map is not written: " + output.told(e.what()));
+  }
+  std::vector<fs::path> parts;
+  for (const auto& file : fs::directory_iterator(output.staging()))
+    if (is_site_file(file.path().filename())) parts.push_back(file.path());
+  for (const auto& part : parts) fs::remove(part);
+  run.site.reset();
+  return false;
+}
+
+/** True when all is written, false when the site map is not. */
+bool map_log(
+    const Job& job, const Options& options, const Settings& settings, const std::string& label,
+    const OutputFolder& output, RawlogOut* rawlog_out)
+{
+  const std::string folder = output.staging();
   const auto start = std::chrono::steady_clock::now();
   std::optional<KeptSite> site;
   if (options.has_site) site.emplace(options, settings.parameters.resolution_m, folder);
   const SourceLog log = import_first(job, options, folder, label);
   LogMapper mapper(job, log, options, settings, site ? &*site : nullptr);
+  bool is_whole = true;
   {
     ProgressBar bar(label, !options.quiet);
     mapper.run(
@@ -90,8 +120,7 @@ void map_log(
     if (options.strict) require_no_hints(job, mapper);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     mapper.summary().wall_s = wall.count();
-    // Of a site of many kilometres it takes minutes.
-    if (site) site->write(folder, [&](double done) { bar.show(done, "writing site.tif"); });
+    if (site) is_whole = write_site(*site, output, mapper.summary(), bar);
   }
   write_results(folder, mapper);
   if (rawlog_out) write_log(*rawlog_out);
@@ -100,6 +129,7 @@ void map_log(
     print_error("warning: " + job.log + ": " + warnings[i]);
   tell_hints(job, mapper);
   if (!options.quiet) std::cout << console_summary(mapper);
+  return is_whole;
 }
 
 /** In the child: the exit code. */
@@ -109,8 +139,7 @@ int map_or_tell(
 {
   try
   {
-    map_log(job, options, settings, label, output.staging(), rawlog_out);
-    return kDone;
+    return map_log(job, options, settings, label, output, rawlog_out) ? kDone : kWithoutSite;
   }
   catch (const std::bad_alloc&)
   {
@@ -148,10 +177,11 @@ bool run_job(
       print_error(
           crash_text(job.log, end.signal) +
           (end.signal == SIGKILL ? ". Try a smaller window_m or a larger resolution_m" : ""));
-    else if (end.exit_code == kDone)
+    else if (end.exit_code != kFailed)
     {
       output.commit("summary.json");
-      return true;
+      if (end.exit_code == kDone) return true;
+      print_error(job.log + ": everything but its site map is in " + job.folder);
     }
   }
   catch (const std::exception& e)

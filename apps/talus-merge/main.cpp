@@ -13,9 +13,9 @@
 #include <talus/site/islands.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
-#include <talus/site/site_picture.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <csignal>
 #include <cstdint>
 #include <exception>
@@ -91,13 +91,11 @@ void tell_fits(
   if (!o.align) warn_of_doubtful(fits, o);
 }
 
-void leave_out_islands(Site& site, int floor)
+void warn_of_islands(const std::string& output, Site& site, int floor)
 {
-  for (const Island& island : far_islands(site, floor))
-  {
-    leave_out(island, site);
-    print_error("warning: " + text_of_left_out(island));
-  }
+  const auto islands = islands_of(site, floor);
+  for (std::size_t i = 1; i < islands.size(); ++i)
+    print_error("warning: " + text_of_island(islands[i], with_island(output, i)));
 }
 
 /** Merges and writes. How the maps fit, and what is known. */
@@ -115,10 +113,9 @@ std::vector<MapFit> merge(
   auto fits = merge_sites(
       o.inputs, site, floor, options,
       [&](double done) { bar.show(kAligning + (kMerging - kAligning) * done, "merging"); });
-  if (!o.keep_far) leave_out_islands(site, floor);
-  if (!o.picture.empty()) write_site_picture(o.picture, site, floor);
-  write_site(
-      o.output, site, floor,
+  if (!o.keep_far) warn_of_islands(o.output, site, floor);
+  write_floor_files(
+      o.output, o.picture, site, floor, o.keep_far ? Far::Together : Far::Apart,
       [&](double done) { bar.show(kMerging + (1 - kMerging) * done, "writing"); });
   known_m2 = known_cells(site).area_m2;
   return fits;

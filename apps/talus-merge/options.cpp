@@ -59,7 +59,9 @@ void add_options(CLI::App& app, Options& o)
       ->capture_default_str()
       ->type_name("MB");
   app.add_flag(
-      "--keep-far", o.keep_far, "Also write the few tiles that lie kilometres from all others");
+      "--keep-far", o.keep_far,
+      "Write one file, however far its parts lie from each other: takes long (default: "
+      "what is far has a file of its own)");
   app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
 }
 

@@ -122,6 +122,51 @@ TEST_F(TalusMapSite, floors_of_an_earlier_run_do_not_stay_beside_the_new_map)
   EXPECT_TRUE(exists("out/site_floor_plan.png")) << "somebody else's";
 }
 
+TEST_F(TalusMapSite, of_a_drive_in_two_halves_far_apart_is_a_file_for_each)
+{
+  write_drive("drive", 20);
+  std::string tum;
+  for (int i = 0; i < 20; ++i)
+  {
+    const double away_m = i < 12 ? 0.1 * i : 1e6 + 0.1 * i;
+    char line[120];
+    std::snprintf(
+        line, sizeof line, "%.1f %.1f %.1f 0 0 0 0 1\n", kFirstStamp_s + 0.1 * i, away_m,
+        i < 12 ? 0.0 : -1e6);
+    tum += line;
+  }
+  write_bytes(path("far.tum"), tum);
+  std::filesystem::create_directory(path("out"));
+  write_bytes(path("out/site_floor_1_island_7.tif"), "old");
+  const Outcome done = run("drive.rawlog --trajectory far.tum --output out");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_FALSE(exists("out/site_floor_1_island_7.tif"));
+  EXPECT_TRUE(exists("out/site_island_1.tif") && exists("out/site_island_1.png"));
+  EXPECT_TRUE(done.says("the site map goes on far away: site_island_1.tif has ")) << done.err;
+  EXPECT_EQ(summary("out")["site"]["islands"], 1);
+  EXPECT_LT(summary("out")["site"]["length_m"], 3) << "the jump is not driven";
+  const double area_of_both_m2 = area_m2("out");
+  // It goes on with both.
+  ASSERT_EQ(run("drive.rawlog --resume out/site.tif --output on").code, 0);
+  EXPECT_GE(area_m2("on"), area_of_both_m2);
+  EXPECT_EQ(summary("on")["site"]["islands"], 1);
+}
+
+TEST_F(TalusMapSite, that_cannot_be_written_takes_no_other_result_along)
+{
+  write_drive("drive", 10);
+  std::string tum = straight_tum(9);
+  tum += std::to_string(kFirstStamp_s + 0.9) + " 1000000 1000000 0 0 0 0 1\n";
+  write_bytes(path("far.tum"), tum);
+  const Outcome done = run("drive.rawlog --trajectory far.tum --keep-far --output out");
+  EXPECT_EQ(done.code, 1);
+  EXPECT_TRUE(done.says("the site map is not written: out/site.tif: the site spans")) << done.err;
+  EXPECT_TRUE(done.says("everything but its site map is in out")) << done.err;
+  EXPECT_TRUE(exists("out/map.tif") && exists("out/map.png") && exists("out/timing.csv"));
+  EXPECT_FALSE(exists("out/site.tif"));
+  EXPECT_EQ(summary("out")["site"], nullptr);
+}
+
 TEST_F(TalusMapSite, origin_says_where_on_earth_the_map_is)
 {
   write_drive("drive", 10);

@@ -1,7 +1,11 @@
-// Tiles far from all others, where a pose jumped: they would make the file of a site enormous.
+// Tiles far from all others, where a pose jumped or a drive went on: one file of all would be
+// enormous.
 #include <gtest/gtest.h>
 #include <talus/site/islands.h>
+#include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
+
+#include <filesystem>
 
 #include "log_files.h"
 #include "sites.h"
@@ -37,48 +41,96 @@ class Islands : public testing::Test
 };
 }  // namespace
 
-TEST_F(Islands, what_a_pose_that_jumped_has_left_is_found_and_left_out)
+TEST_F(Islands, what_a_pose_that_jumped_has_left_gets_a_file_of_its_own)
 {
-  drive(site_, -50, 100);
+  drive(site_, -10, 20);
   drive(site_, 9000, 4, -9000);  // 58 km off in both directions
-  const auto islands = far_islands(site_, 0);
-  ASSERT_EQ(islands.size(), 1U);
-  EXPECT_EQ(islands[0].tiles.size(), 4U);
-  EXPECT_NEAR(islands[0].x_m, 9000 * kTile_m, 4 * kTile_m);
-  EXPECT_NEAR(islands[0].y_m, -9000 * kTile_m, kTile_m);
-  leave_out(islands[0], site_);
-  EXPECT_EQ(site_.tiles.keys().size(), 100U);
-  ASSERT_EQ(site_.ways.size(), 1U) << "the way there is gone";
-  EXPECT_EQ(site_.ways[0].size(), 100U);
-  EXPECT_TRUE(far_islands(site_, 0).empty());
-  write_site(dir_ / "site.tif", site_, 0);
+  const auto islands = islands_of(site_, 0);
+  ASSERT_EQ(islands.size(), 2U);
+  EXPECT_EQ(islands[0].tiles.size(), 20U) << "the largest is the first";
+  EXPECT_EQ(islands[1].tiles.size(), 4U);
+  EXPECT_NEAR(islands[1].x_m, 9000 * kTile_m, 4 * kTile_m);
+  EXPECT_NEAR(islands[1].y_m, -9000 * kTile_m, kTile_m);
+  write_site_files(dir_ / "site.tif", site_);
   EXPECT_LT(std::filesystem::file_size(dir_ / "site.tif"), 1'000'000U);
+  EXPECT_TRUE(std::filesystem::exists(dir_ / "site_island_1.png"));
+  EXPECT_FALSE(std::filesystem::exists(dir_ / "site_island_2.tif"));
+  EXPECT_EQ(islands_of_site(dir_ / "site.tif"), 1U);
+  EXPECT_EQ(islands_of_site(dir_ / "site_island_1.tif"), 0U);
 }
 
-TEST_F(Islands, long_drives_and_sites_of_many_parts_stay_whole)
+TEST_F(Islands, come_back_with_the_same_bits_and_with_their_ways)
 {
-  drive(site_, 0, 400);
-  for (int i = 0; i < 40; ++i) drive(site_, 400 + 250 * i, 4, 250 * i);  // gaps of 1.6 km
-  EXPECT_TRUE(far_islands(site_, 0).empty());
+  drive(site_, 0, 12);
+  drive(site_, 200000, 8, 200000);
+  drive(site_, -100, 5, 70000);
+  site_.ways = {site_.ways[0], site_.ways[1]};
+  site_.ways[0].insert(site_.ways[0].end(), site_.ways[1].begin(), site_.ways[1].end());
+  site_.ways.resize(1);  // one way through two of them
+  write_floor_files(dir_ / "site.tif", "", site_, 0, Far::Apart);
+  Site back(kResolution_m, std::size_t{64} << 20, dir_ / "back");
+  read_site_files(dir_ / "site.tif", back);
+  EXPECT_EQ(talus::test::different_cells(site_, back), 0);
+  ASSERT_EQ(back.ways.size(), 2U) << "the jump is no way";
+  EXPECT_EQ(back.ways[0].size() + back.ways[1].size(), 20U);
+  std::filesystem::remove(dir_ / "site_island_2.tif");
+  Site none(kResolution_m, std::size_t{64} << 20, dir_ / "none");
+  talus::test::expect_error(
+      [&] { read_site_files(dir_ / "site.tif", none); },
+      {"site_island_2.tif: no such file", "first of 3 islands"});
+  EXPECT_TRUE(none.tiles.keys().empty());
 }
 
-TEST_F(Islands, two_places_that_were_both_driven_stay)
+TEST_F(Islands, belong_to_their_floor)
 {
-  drive(site_, 0, 60);
-  drive(site_, 20000, 20, 20000);
-  EXPECT_TRUE(far_islands(site_, 0).empty());
+  drive(site_, 0, 30);
+  drive(site_, 90000, 4, 90000);
+  for (const int x : {0, 90000}) cell_at(site_, std::int64_t{x} * kTileCells, 0, 2) = measured(9);
+  cell_at(site_, 1, 1, 1) = measured(4);
+  write_site_files(dir_ / "site.tif", site_);
+  for (const char* name :
+       {"site_island_1.tif", "site_floor_1.tif", "site_floor_2.tif", "site_floor_2_island_1.tif"})
+    EXPECT_TRUE(std::filesystem::exists(dir_ / name)) << name;
+  EXPECT_FALSE(std::filesystem::exists(dir_ / "site_floor_1_island_1.tif"));
+  Site back(kResolution_m, std::size_t{64} << 20, dir_ / "back");
+  read_site_files(dir_ / "site.tif", back);
+  EXPECT_EQ(talus::test::different_cells(site_, back), 0);
 }
 
-TEST_F(Islands, what_is_far_stays_where_the_file_is_not_enormous)
+TEST_F(Islands, of_the_same_size_come_in_one_order)
 {
-  drive(site_, 0, 100);
+  drive(site_, 5000, 3, 5000);
+  drive(site_, 0, 3);
+  const auto islands = islands_of(site_, 0);
+  ASSERT_EQ(islands.size(), 2U);
+  EXPECT_EQ(islands[0].tiles.front().x, 0);
+}
+
+TEST_F(Islands, of_tiles_in_which_nothing_is_known_are_none)
+{
+  drive(site_, 0, 30);
+  site_.tiles.at({0, 90000, 90000});
+  EXPECT_EQ(islands_of(site_, 0).size(), 1U);
+  write_floor_files(dir_ / "site.tif", "", site_, 0, Far::Apart);
+  EXPECT_EQ(islands_of_site(dir_ / "site.tif"), 0U);
+}
+
+TEST_F(Islands, long_drives_stay_whole)
+{
+  for (int i = 0; i < 250; ++i) drive(site_, i, 1, i);  // 1.6 km in both directions
+  EXPECT_TRUE(islands_of(site_, 0).empty());
+}
+
+TEST_F(Islands, what_is_far_stays_where_one_file_takes_seconds)
+{
+  drive(site_, 0, 50);
   drive(site_, 1000, 2);
-  EXPECT_TRUE(far_islands(site_, 0).empty());
+  drive(site_, 1000, 2, 4);
+  EXPECT_TRUE(islands_of(site_, 0).empty());
 }
 
-TEST_F(Islands, are_of_one_floor)
+TEST_F(Islands, many_parts_that_are_not_so_far_from_each_other_are_divided_too)
 {
-  drive(site_, -50, 100);
-  drive(site_, 9000, 4, 9000);
-  EXPECT_TRUE(far_islands(site_, 1).empty());
+  for (int i = 0; i < 20; ++i) drive(site_, 250 * i, 4, 250 * i);  // gaps of 1.6 km
+  EXPECT_GT(islands_of(site_, 0).size(), 5U);
 }

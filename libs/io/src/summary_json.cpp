@@ -72,6 +72,7 @@ Json site(const SiteSummary& s)
       {"area_m2", s.area_m2},
       {"length_m", s.length_m},
       {"floors", s.floors},
+      {"islands", s.islands},
       {"cells",
        {{"measured", s.cells[1]},
         {"filled_two_sided", s.cells[2]},

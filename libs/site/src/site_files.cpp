@@ -1,7 +1,9 @@
 #include <talus/site/site_files.h>
 
 #include "known_cells.h"
+#include "site_file.h"
 
+#include <talus/site/islands.h>
 #include <talus/site/site_picture.h>
 
 #include <cstdint>
@@ -18,17 +20,19 @@ namespace talus::site
 {
 namespace
 {
-/** "DIR/site_floor_2.tif" for "DIR/site.tif". */
-fs::path with_floor(const fs::path& file, int floor)
+constexpr std::size_t kMemoryOfPart_bytes = std::size_t{64} << 20;
+
+/** "DIR/site_NAME_2.tif" for "DIR/site.tif". */
+std::string with_number(const fs::path& file, const std::string& name, std::size_t number)
 {
-  if (floor == 0) return file;
-  const std::string name =
-      file.stem().string() + "_floor_" + std::to_string(floor) + file.extension().string();
-  return file.parent_path() / name;
+  if (number == 0) return file.string();
+  const std::string named =
+      file.stem().string() + "_" + name + "_" + std::to_string(number) + file.extension().string();
+  return (file.parent_path() / named).string();
 }
 
 /** The floors whose files are beside that of floor 0, which need not be all up to the last. */
-std::vector<int> floors_beside(const fs::path& file)
+std::vector<int> floors_beside(const std::string& file)
 {
   constexpr int kMost = 1000;
   std::vector<int> floors;
@@ -38,18 +42,59 @@ std::vector<int> floors_beside(const fs::path& file)
   return floors;
 }
 
-/** Those that the file names must be there. */
-void require_floors(const std::string& path)
+/** A file that another one names must be there. */
+void require_part(const std::string& part, const std::string& of, const std::string& what)
+{
+  std::error_code ec;
+  if (!fs::exists(part, ec))
+    throw std::runtime_error(
+        part + ": no such file, but " + of + " is the first of " + what +
+        ": put those of the others beside it");
+}
+
+void require_parts(const std::string& path)
 {
   const std::vector<int> floors = floors_of_site(path);
-  std::error_code ec;
   for (const int floor : floors)
-    if (const fs::path file = with_floor(path, floor); floor > 0 && !fs::exists(file, ec))
-      throw std::runtime_error(
-          file.string() + ": no such file, but " + path + " is the first of " +
-          std::to_string(floors.size()) + " floors: put those of the others beside it");
+    require_part(with_floor(path, floor), path, std::to_string(floors.size()) + " floors");
+  const std::size_t islands = islands_of_site(path);
+  for (std::size_t i = 1; i <= islands; ++i)
+    require_part(with_island(path, i), path, std::to_string(islands + 1) + " islands");
+}
+
+void read_floor_files(const std::string& path, Site& site, int floor)
+{
+  require_parts(path);
+  read_site(path, site, floor);
+  for (std::size_t i = islands_of_site(path); i > 0; --i)
+    read_site(with_island(path, i), site, floor);
+}
+
+/** Copies an island into a site of its own. */
+void copy(const Island& island, Site& from, Site& to)
+{
+  to.origin = from.origin;
+  to.ways = ways_on(island, from);
+  for (const TileKey& key : island.tiles) to.tiles.at(key) = *from.tiles.find(key);
+}
+
+std::string title_of(int floor, std::size_t island)
+{
+  if (island == 0) return "";
+  return (floor > 0 ? "Site map, floor " + std::to_string(floor) : "Site map") + ", island " +
+         std::to_string(island);
 }
 }  // namespace
+
+std::string with_floor(const std::string& path, int floor)
+{
+  return with_number(path, "floor", static_cast<std::size_t>(floor));
+}
+
+std::string with_island(const std::string& path, std::size_t island)
+{
+  return with_number(path, "island", island);
+}
 
 std::vector<int> floors_of(const Site& site)
 {
@@ -73,30 +118,56 @@ KnownCells known_cells(Site& site)
   return known;
 }
 
-void write_site_files(const std::string& path, Site& site, const Progress& progress)
+void write_floor_files(
+    const std::string& path, const std::string& picture, Site& site, int floor, Far far,
+    const Progress& progress)
+{
+  const auto islands = far == Far::Apart ? islands_of(site, floor) : std::vector<Island>();
+  if (islands.empty())
+  {
+    write_site(path, site, floor, progress);
+    if (!picture.empty()) write_site_picture(picture, site, floor);
+    return;
+  }
+  const FileOfFloor first{floor, floors_of(site), islands.size() - 1};
+  for (std::size_t i = 0; i < islands.size(); ++i)
+  {
+    Site part(site.resolution_m, kMemoryOfPart_bytes, fs::absolute(path).parent_path().string());
+    copy(islands[i], site, part);
+    write_site_file(
+        with_island(path, i), part, i == 0 ? first : FileOfFloor{floor, {}, 0},
+        [&](double done)
+        {
+          const auto before = static_cast<double>(i), all = static_cast<double>(islands.size());
+          if (progress) progress((before + done) / all);
+        });
+    if (!picture.empty())
+      write_site_picture(with_island(picture, i), part, floor, title_of(floor, i));
+  }
+}
+
+void write_site_files(const std::string& path, Site& site, const Progress& progress, Far far)
 {
   const std::vector<int> floors = floors_of(site);
   double written = 0;
   for (const int floor : floors)
   {
-    const fs::path tif = with_floor(path, floor);
-    write_site(
-        tif.string(), site, floor,
+    const std::string tif = with_floor(path, floor);
+    write_floor_files(
+        tif, fs::path(tif).replace_extension(".png").string(), site, floor, far,
         [&](double done)
         {
           if (progress) progress((written + done) / static_cast<double>(floors.size()));
         });
     written += 1;
-    write_site_picture(fs::path(tif).replace_extension(".png").string(), site, floor);
   }
 }
 
 void read_site_files(const std::string& path, Site& site)
 {
-  require_floors(path);
-  read_site(path, site, 0);
+  read_floor_files(path, site, 0);
   for (const int floor : floors_beside(path))
-    read_site(with_floor(path, floor).string(), site, floor);
+    read_floor_files(with_floor(path, floor), site, floor);
 }
 
 }  // namespace talus::site

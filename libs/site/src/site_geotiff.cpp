@@ -3,6 +3,8 @@
 
 #include "moved_reader.h"
 #include "site_dataset.h"
+#include "site_file.h"
+#include "site_reader.h"
 
 #include <talus/io/atomic_file.h>
 #include <talus/number_text.h>
@@ -21,18 +23,20 @@ constexpr int kLargestOverview_cells = 512;
 constexpr std::int64_t kManyCells = std::int64_t{1} << 38;  //!< then blocks are larger
 constexpr std::int64_t kMostCells = std::int64_t{1} << 43;  //!< the file lists all its blocks
 
-void set_metadata(SiteDataset& dataset, const TilePyramid& pyramid, const Site& site, int floor)
+void set_metadata(
+    SiteDataset& dataset, const TilePyramid& pyramid, const Site& site, const FileOfFloor& file)
 {
   const auto set = [&](const char* name, const std::string& text)
   { dataset.SetMetadataItem(name, text.c_str()); };
-  set(kFloorItem, std::to_string(floor));
-  if (const auto floors = floors_of(site); floor == floors.front() && floors.size() > 1)
-    set(kFloorsItem, text_of_floors(floors));
+  set(kFloorItem, std::to_string(file.floor));
+  if (file.floors.size() > 1 && file.floor == file.floors.front())
+    set(kFloorsItem, text_of_floors(file.floors));
+  if (file.islands > 0) set(kIslandsItem, std::to_string(file.islands));
   set(kResolutionItem, exact_number_text(site.resolution_m));
   set(kMinCellXItem, std::to_string(pyramid.min_cell_x()));
   set(kMinCellYItem, std::to_string(pyramid.min_cell_y()));
   set(kSeenItem, std::to_string(pyramid.newest_s()));
-  const std::string ways = text_of_ways(site.ways, floor);
+  const std::string ways = text_of_ways(site.ways, file.floor);
   if (!ways.empty()) set(kWaysItem, ways);
   if (site.origin) set(kOriginItem, text_of_origin(*site.origin));
   dataset.SetMetadataItem("AREA_OR_POINT", "Area");
@@ -92,6 +96,13 @@ bool can_be_read(const std::string& path)
 
 void write_site(const std::string& path, Site& site, int floor, const Progress& progress)
 {
+  write_site_file(path, site, {floor, floors_of(site), 0}, progress);
+}
+
+void write_site_file(
+    const std::string& path, Site& site, const FileOfFloor& of, const Progress& progress)
+{
+  const int floor = of.floor;
   io::AtomicFile file(path);
   TilePyramid pyramid(
       site.tiles, floor, kLargestOverview_cells,
@@ -107,7 +118,7 @@ void write_site(const std::string& path, Site& site, int floor, const Progress& 
           static_cast<double>(pyramid.min_cell_y() + pyramid.height_cells(0)) * site.resolution_m,
           site.resolution_m, site.origin),
       crs_of(site.origin));
-  set_metadata(dataset, pyramid, site, floor);
+  set_metadata(dataset, pyramid, site, of);
   io::DatasetPtr written(cog.CreateCopy(
       file.temporary_path().c_str(), &dataset, FALSE, options_for(pyramid), tell,
       const_cast<Progress*>(&progress)));
@@ -133,6 +144,7 @@ void read_site(const std::string& path, Site& site, int floor, const MapShift& s
 double resolution_of_site(const std::string& path) { return SiteReader(path).resolution_m(); }
 int floor_of_site(const std::string& path) { return SiteReader(path).floor(); }
 std::vector<int> floors_of_site(const std::string& path) { return SiteReader(path).floors(); }
+std::size_t islands_of_site(const std::string& path) { return SiteReader(path).islands(); }
 std::uint32_t newest_of_site(const std::string& path) { return SiteReader(path).newest_s(); }
 
 }  // namespace talus::site

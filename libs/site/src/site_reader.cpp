@@ -15,6 +15,7 @@ namespace
 constexpr const char* kNotASite = "is not a site: give a site.tif of talus-map or talus-merge";
 constexpr const char* kDamaged = "damaged: copy it again, or make it anew";
 constexpr const char* kCutShort = "cannot be read to its end; copy it again";
+constexpr std::int64_t kMostIslands = 1000000;
 constexpr std::int64_t kFarthestCell = 2'000'000'000;  //!< beyond what frames can lead to
 constexpr std::int64_t kCacheBytes = 256LL << 20;
 }  // namespace
@@ -109,6 +110,8 @@ void SiteReader::read_metadata()
     if (!floors) fail(std::string("its ") + kFloorsItem + " are no floors; it is " + kDamaged);
     floors_ = *floors;
   }
+  if (dataset_->GetMetadataItem(kIslandsItem))
+    islands_ = static_cast<std::size_t>(whole_item(kIslandsItem, 1, kMostIslands));
   if (const char* text = dataset_->GetMetadataItem(kOriginItem))
   {
     origin_ = origin_from(text);

@@ -3,6 +3,7 @@
 
 #include <gdal_support.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -25,6 +26,8 @@ class SiteReader
   int floor() const { return floor_; }
   /** All that were written with it, as far as the file tells. */
   const std::vector<int>& floors() const { return floors_; }
+  /** How many islands were written with it. */
+  std::size_t islands() const { return islands_; }
   /** Throws where the site has another resolution or origin. */
   void require_fits(const Site& site) const;
   /** As of floor `floor`. */
@@ -58,6 +61,7 @@ class SiteReader
   std::uint32_t newest_s_ = 0;
   int floor_ = 0;
   std::vector<int> floors_;
+  std::size_t islands_ = 0;
   std::int64_t min_cell_x_ = 0, min_cell_y_ = 0;
   int width_tiles_ = 0, height_tiles_ = 0;
   std::vector<int> bands_;  //!< their numbers in the file, in our order

@@ -19,6 +19,8 @@ struct SiteSummary
   std::array<std::size_t, kCellStates> cells{};  //!< by CellState; of the unknown ones none
   /** Of which something is known. */
   int floors = 0;
+  /** Far from all else of their floor, each in a file of its own. */
+  int islands = 0;
 };
 
 /** Everything that summary.json tells about one run. */

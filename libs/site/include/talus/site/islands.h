@@ -6,27 +6,25 @@
 
 namespace talus::site
 {
-/** Tiles that lie far from all that a floor has else: a pose jumped, and came back. */
+/** Tiles of a floor that lie far from all others of it. */
 struct Island
 {
-  /** All of it. */
+  /** All that have a known cell, ascending. */
   std::vector<TileKey> tiles;
-  /** the middle of one of them, map frame */
+  /** The middle of one of them, map frame [m]. */
   double x_m = 0, y_m = 0;
 };
 
-/** Distance from all other tiles that makes an island [m]. */
-constexpr double kFar_m = 2000;
+/** What a floor falls into where one file of it would take long to write, because the rectangle
+ * around all tiles is large and nearly empty: the island with the most tiles first. Empty: the
+ * floor is written as one file. Reads tiles that are on disk where there are islands. Throws as
+ * TileStore. */
+std::vector<Island> islands_of(Site& site, int floor);
 
-/** Those of a floor that would make its file enormous: the rectangle around all tiles has more than
- * 500,000 blocks of 256 x 256 cells, which take some minutes to write, and an island has less than
- * a tenth of the tiles that the largest has. */
-std::vector<Island> far_islands(const Site& site, int floor);
+/** The runs of points of all ways on an island, or near it. */
+std::vector<std::vector<WayPoint>> ways_on(const Island& island, const Site& site);
 
-/** What to tell of one that is left out. */
-std::string text_of_left_out(const Island& island);
-
-/** Takes the tiles of an island out of a site, and the points of its ways there. */
-void leave_out(const Island& island, Site& site);
+/** What to tell of an island that gets a file of its own. */
+std::string text_of_island(const Island& island, const std::string& file);
 
 }  // namespace talus::site

@@ -2,6 +2,7 @@
 #include <talus/site/map_shift.h>
 #include <talus/site/site.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -29,6 +30,8 @@ double resolution_of_site(const std::string& path);
 int floor_of_site(const std::string& path);
 /** All floors that were written with it; empty where it is the only one. Throws as read_site(). */
 std::vector<int> floors_of_site(const std::string& path);
+/** How many islands of its floor were written beside it. Throws as read_site(). */
+std::size_t islands_of_site(const std::string& path);
 /** When its newest cell was seen, whole seconds since 1970. Throws as read_site(). */
 std::uint32_t newest_of_site(const std::string& path);
 
