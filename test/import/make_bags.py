@@ -256,19 +256,26 @@ def in_groups(rows, size=12):
     return [rows[i : i + size] for i in range(0, len(rows), size)]
 
 
-def write_metadata(folder, names, mode=""):
+def write_metadata(folder, names, mode="", rows=(), more=0):
+    """`more`: messages of each topic that it tells of, and that are not there."""
+    counts = {}
+    for row in rows:
+        counts[row[1]] = counts.get(row[1], more) + 1
     with open(os.path.join(folder, "metadata.yaml"), "w") as file:
         file.write("rosbag2_bagfile_information:\n  version: 5\n  compression_format: zstd\n"
                    f"  compression_mode: \"{mode}\"\n  relative_file_paths:\n" + "".join(f"    - {n}\n" for n in names))
+        file.write("  topics_with_message_count:\n" if counts else "")
+        for topic, count in counts.items():
+            file.write(f"    - topic_metadata:\n        name: {topic}\n      message_count: {count}\n")
 
 
-def write_folder(folder, groups, mode="", metadata=True, pack=""):
+def write_folder(folder, groups, mode="", metadata=True, pack="", more=0):
     os.mkdir(folder)
     names = [f"part_{i}.db3" for i in range(len(groups))]
     for name, rows in zip(names, groups):
         write_db3(os.path.join(folder, name), rows, pack)
     if metadata:
-        write_metadata(folder, names, mode)
+        write_metadata(folder, names, mode, [row for rows in groups for row in rows], more)
 
 
 def write_file_mode(folder):
@@ -412,6 +419,7 @@ def bags(folder):
         "no_summary.mcap": lambda n: write_mcap(n, in_groups(log()), "zstd", indexed=False),
         "overlapping.mcap": lambda n: write_mcap(n, interleaved(), "lz4"),
         "parts": lambda n: write_folder(n, in_groups(log(), 10)),
+        "parts_with_loss": lambda n: write_folder(n, in_groups(without("/imu"), 10), more=3),
         "parts_without_metadata": lambda n: write_folder(n, in_groups(log(), 7), metadata=False),
         "mode_message": lambda n: write_folder(n, [log()], "MESSAGE", pack="zstd"),
         "mode_file": write_file_mode,

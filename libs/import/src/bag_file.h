@@ -41,6 +41,9 @@ class BagFile
   /** When its first message was recorded; nothing where there is none. */
   virtual std::optional<std::int64_t> first_ns() = 0;
 
+  /** Messages, one number a topic; complete once all were read. */
+  virtual std::vector<std::uint64_t> counts() const = 0;
+
   /** From the beginning, with one flag a topic. */
   void start(std::vector<bool> wanted)
   {

@@ -28,13 +28,20 @@ fs::path file_named(const fs::path& folder, const std::string& name)
   return path.extension() == ".zstd" && fs::exists(unpacked) ? unpacked : path;
 }
 
-/** Throws YAML::Exception where it names none. */
-std::vector<std::string> names_in(const fs::path& metadata)
+/** What metadata.yaml tells. Throws YAML::Exception where it names no files. */
+FilesOfBag description_in(const fs::path& folder)
 {
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 24;
-  const auto text = read_input_file(metadata.string(), "description of a bag", kMostBytes);
+  const auto metadata = (folder / kMetadata).string();
+  const auto text = read_input_file(metadata, "description of a bag", kMostBytes);
   const auto info = YAML::Load(text)["rosbag2_bagfile_information"];
-  return info["relative_file_paths"].as<std::vector<std::string>>();
+  FilesOfBag bag;
+  for (const auto& name : info["relative_file_paths"].as<std::vector<std::string>>())
+    bag.files.push_back(file_named(folder, name).string());
+  for (const auto& topic : info["topics_with_message_count"])
+    bag.told[topic["topic_metadata"]["name"].as<std::string>()] +=
+        topic["message_count"].as<std::uint64_t>();
+  return bag;
 }
 
 bool is_of_bag(const fs::path& file)
@@ -90,8 +97,7 @@ FilesOfBag described_files(const fs::path& folder)
     return all_files_in(folder, "its metadata.yaml is empty");
   try
   {
-    for (const auto& name : names_in(metadata))
-      bag.files.push_back(file_named(folder, name).string());
+    bag = description_in(folder);
   }
   catch (const YAML::Exception&)
   {
@@ -188,6 +194,7 @@ FilesOfBag files_of_bags(const std::vector<std::string>& paths)
   for (const auto& path : paths)
   {
     auto bag = files_of_bag(path);
+    if (paths.size() == 1) all.told = std::move(bag.told);  // of all that are read
     for (auto& file : bag.files)
     {
       std::error_code unknown;

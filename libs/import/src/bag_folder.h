@@ -1,4 +1,6 @@
 #pragma once
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -7,6 +9,7 @@ namespace talus::import
 struct FilesOfBag
 {
   std::vector<std::string> files;
+  std::map<std::string, std::uint64_t> told;  //!< messages by topic; empty: nobody tells
   std::vector<std::string> remarks;  //!< what a person should know, a sentence each
 };
 

@@ -44,6 +44,7 @@ class McapFile final : public BagFile
   }
 
   std::uint64_t bytes() const override { return file_.size(); }
+  std::vector<std::uint64_t> counts() const override { return index_.counts(); }
   std::optional<std::int64_t> first_ns() override;
   std::vector<std::string> remarks() const override { return index_.remarks(); }
 

@@ -178,6 +178,13 @@ void McapIndex::check_counts()
   cut_ = path_ + ": " + wrong;
 }
 
+std::vector<std::uint64_t> McapIndex::counts() const
+{
+  std::vector<std::uint64_t> of_topics(topics_.size(), 0);
+  for (const auto& [channel, count] : counts_) of_topics[topic_of(channel)] += count;
+  return of_topics;
+}
+
 std::vector<std::string> McapIndex::remarks() const
 {
   constexpr std::size_t kMost = 5;

@@ -38,6 +38,9 @@ class McapIndex
   const std::vector<BagTopic>& topics() const { return topics_; }
   std::vector<McapChunk>& chunks() { return chunks_; }
 
+  /** Messages in chunks that were looked into, and in none, one number a topic. */
+  std::vector<std::uint64_t> counts() const;
+
   /** Throws for one that no record declares. */
   std::size_t topic_of(std::uint16_t channel) const;
 

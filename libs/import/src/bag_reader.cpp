@@ -27,6 +27,7 @@ BagReader::BagReader(const std::vector<std::string>& paths, bool partial)
   auto bag = files_of_bags(paths);
   for (const auto& file : bag.files) add(file, partial);
   remarks_ = std::move(bag.remarks);
+  told_ = std::move(bag.told);
   std::stable_sort(
       files_.begin(), files_.end(),
       [](const File& a, const File& b) { return a.first_ns < b.first_ns; });
@@ -163,11 +164,28 @@ std::uint64_t BagReader::bytes() const
   return sum;
 }
 
+/** metadata.yaml is written last: where messages were lost since, it is what tells. */
+void BagReader::compare_counts(std::vector<std::string>& remarks) const
+{
+  std::map<std::string, std::uint64_t> are;
+  for (const auto& file : files_)
+  {
+    const auto counts = file.file->counts();
+    for (std::size_t i = 0; i < counts.size(); ++i) are[topics_[file.topics[i]].name] += counts[i];
+  }
+  for (const auto& [topic, count] : told_)
+    if (are[topic] != count)
+      remarks.push_back(
+          topic.substr(0, 100) + ": the messages that are there are " + std::to_string(are[topic]) +
+          ", those that metadata.yaml tells of " + std::to_string(count));
+}
+
 std::vector<std::string> BagReader::remarks() const
 {
   auto all = remarks_;
   for (const auto& file : files_)
     for (auto& remark : file.file->remarks()) all.push_back(std::move(remark));
+  compare_counts(all);
   return all;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -58,9 +59,11 @@ class BagReader
   void start_file(File& file);
   void take_next(File& file);
   File* earliest() const;
+  void compare_counts(std::vector<std::string>& remarks) const;
 
   std::vector<File> files_;  //!< in the order of their first messages
   std::vector<std::string> remarks_;
+  std::map<std::string, std::uint64_t> told_;  //!< messages by topic, by metadata.yaml
   std::vector<BagTopic> topics_;
   std::vector<bool> wanted_;
   std::size_t due_ = 0;  //!< the next of files_ to be started

@@ -1,9 +1,6 @@
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <stdexcept>
-#include <string_view>
-#include <system_error>
 
 #include "bag_file.h"
 #include "bag_sqlite_database.h"
@@ -19,13 +16,6 @@ std::string text_of(sqlite3_stmt* row, int column)
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(row, column));
   return text ? std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(row, column)))
               : std::string();
-}
-
-std::uint64_t big_endian(std::string_view bytes)
-{
-  std::uint64_t value = 0;
-  for (const char byte : bytes) value = value << 8 | static_cast<unsigned char>(byte);
-  return value;
 }
 
 SqlitePages pages_of(const std::string& path, FileBytes& file)
@@ -47,6 +37,7 @@ class SqliteFile final : public BagFile
   SqliteFile(const std::string& path, bool partial);
 
   std::uint64_t bytes() const override { return base_.bytes(); }
+  std::vector<std::uint64_t> counts() const override { return counts_; }
   std::optional<std::int64_t> first_ns() override { return first_ns_; }
   std::uint64_t stored_bytes() const override { return message_bytes_; }
   std::vector<std::string> remarks() const override { return remarks_; }
@@ -64,10 +55,10 @@ class SqliteFile final : public BagFile
   bool is_sound();
   void require_whole() const;
   std::string missing_log() const;
-  void tell_of_cut_log();
   void require_table(const std::string& name);
   void read_topics();
-  void read_first_time();
+  void count_messages();
+  void count(std::int64_t topic, std::int64_t time_ns);
   void take_pages();
   void rewind() override;
   bool next_row(BagMessage& message);
@@ -81,6 +72,7 @@ class SqliteFile final : public BagFile
   std::uint64_t read_bytes_ = 0;
   SqliteStatement ids_{nullptr, sqlite3_finalize}, data_{nullptr, sqlite3_finalize};
   std::map<std::int64_t, std::size_t> places_;  //!< in topics_, by the id in the table
+  std::vector<std::uint64_t> counts_;  //!< of messages, one a topic
   std::optional<std::int64_t> first_ns_;
   std::int64_t id_ = 0;  //!< of the last message
   std::optional<std::vector<StoredMessage>> stored_;  //!< all that are whole in a bag that is cut
@@ -101,11 +93,12 @@ SqliteFile::SqliteFile(const std::string& path, bool partial)
   require_table("topics");
   require_table("messages");
   read_topics();
-  tell_of_cut_log();
+  if (base_.has_cut_wal())
+    remarks_.push_back(path_ + "-wal: is cut: of what it has, the whole transactions are read");
   if (partial && !is_sound())
     take_pages();
   else
-    read_first_time();
+    count_messages();
   stop();
 }
 
@@ -137,20 +130,6 @@ std::string SqliteFile::missing_log() const
   return "what a killed recorder wrote last is in " + path_ + "-wal, which is not beside it";
 }
 
-/** What SQLite itself leaves out without a word. */
-void SqliteFile::tell_of_cut_log()
-{
-  constexpr std::size_t kHeader = 32, kFrameHead = 24;
-  const auto wal = path_ + "-wal";
-  std::error_code none;
-  const auto bytes = std::filesystem::file_size(wal, none);
-  if (none || bytes <= kHeader) return;
-  FileBytes file(wal);
-  const auto page_bytes = big_endian(file.look(8, 4));
-  if ((bytes - kHeader) % (kFrameHead + page_bytes) != 0)
-    remarks_.push_back(wal + ": is cut: of what it has, the whole transactions are read");
-}
-
 void SqliteFile::read_topics()
 {
   std::size_t name_bytes = 0;
@@ -167,6 +146,7 @@ void SqliteFile::read_topics()
     if (const auto wrong = too_long_names(name_bytes, topics_.size()); !wrong.empty())
       base_.fail(wrong);
   }
+  counts_.resize(topics_.size(), 0);
 }
 
 /** Whether SQLite finds all pages, and nothing wrong in them. */
@@ -183,20 +163,27 @@ bool SqliteFile::is_sound()
   }
 }
 
-void SqliteFile::read_first_time()
+/** Looks at all rows: what damaged the tree of messages is found here. */
+void SqliteFile::count_messages()
 {
-  const auto row = base_.ask("SELECT min(timestamp) FROM messages NOT INDEXED");
-  if (base_.step(row.get()) && sqlite3_column_type(row.get(), 0) == SQLITE_INTEGER)
-    first_ns_ = sqlite3_column_int64(row.get(), 0);
-  else if (const auto missing = missing_log(); !missing.empty())
+  const auto rows = base_.ask("SELECT topic_id, timestamp FROM messages NOT INDEXED");
+  while (base_.step(rows.get()))
+    count(sqlite3_column_int64(rows.get(), 0), sqlite3_column_int64(rows.get(), 1));
+  if (const auto missing = missing_log(); !first_ns_ && !missing.empty())
     remarks_.push_back(path_ + ": holds no messages; " + missing);
+}
+
+void SqliteFile::count(std::int64_t topic, std::int64_t time_ns)
+{
+  first_ns_ = std::min(time_ns, first_ns_.value_or(time_ns));
+  if (const auto place = places_.find(topic); place != places_.end()) ++counts_[place->second];
 }
 
 void SqliteFile::take_pages()
 {
   std::size_t cut = 0;
   stored_ = pages_.messages(cut);
-  if (!stored_->empty()) first_ns_ = stored_->front().time_ns;
+  for (const auto& message : *stored_) count(message.topic, message.time_ns);
   remarks_.push_back(
       path_ + ": is cut or damaged; " + std::to_string(stored_->size()) +
       " messages are whole and read, " + std::to_string(cut) +

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 
+#include "bag_bytes.h"
 #include "bag_file.h"
+#include "bag_sqlite_pages.h"
 
 namespace talus::import
 {
@@ -40,6 +42,14 @@ FilesOfDatabase::States FilesOfDatabase::look() const
 std::uint64_t FilesOfDatabase::bytes() const
 {
   return states_[0].bytes + states_[1].bytes + states_[2].bytes;
+}
+
+bool FilesOfDatabase::has_cut_wal() const
+{
+  constexpr std::uint64_t kHeader = 32, kFrameHead = 24;
+  if (states_[1].bytes <= kHeader) return false;
+  const auto page_bytes = big_endian(FileBytes(path_ + kEndings[1]).look(8, 4));
+  return (states_[1].bytes - kHeader) % (kFrameHead + page_bytes) != 0;
 }
 
 bool FilesOfDatabase::have_changed() const

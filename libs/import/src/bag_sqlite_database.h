@@ -29,6 +29,8 @@ class FilesOfDatabase
   std::uint64_t bytes() const;
   /** Whether a WAL or a journal lies beside it. */
   bool has_log() const { return states_[1].bytes + states_[2].bytes > 0; }
+  /** Whether a WAL ends in the middle of a page, of which SQLite says nothing. */
+  bool has_cut_wal() const;
   bool have_changed() const;
 
  private:
@@ -62,6 +64,7 @@ class SqliteDatabase
 
   std::uint64_t bytes() const { return files_.bytes(); }
   bool has_log() const { return files_.has_log(); }
+  bool has_cut_wal() const { return files_.has_cut_wal(); }
   /** Throws where somebody wrote to it since it was first looked at. */
   void require_unchanged() const;
 

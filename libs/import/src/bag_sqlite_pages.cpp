@@ -13,13 +13,10 @@ namespace
 constexpr std::size_t kHeader = 100;  //!< bytes of the file before the tree of page 1
 constexpr std::size_t kMostHead = 64;  //!< bytes of a record before its data: four small numbers
 
-/** Big endian, as all of SQLite's. */
 std::uint64_t number(std::string_view bytes, std::size_t at, std::size_t count)
 {
-  std::uint64_t value = 0;
-  for (std::size_t i = at; i < at + count; ++i)
-    value = value << 8 | static_cast<unsigned char>(bytes.at(i));
-  return value;
+  if (at + count > bytes.size()) throw std::out_of_range("number");
+  return big_endian(bytes.substr(at, count));
 }
 
 /** Takes one from the front. Throws std::out_of_range behind the end. */
@@ -52,6 +49,13 @@ std::int64_t integer(std::string_view bytes, std::size_t& at, std::uint64_t type
   return static_cast<std::int64_t>(value) >> unused;  // with its sign
 }
 }  // namespace
+
+std::uint64_t big_endian(std::string_view bytes)
+{
+  std::uint64_t value = 0;
+  for (const char byte : bytes) value = value << 8 | static_cast<unsigned char>(byte);
+  return value;
+}
 
 struct SqlitePages::Payload
 {

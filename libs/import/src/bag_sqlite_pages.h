@@ -8,6 +8,9 @@
 
 namespace talus::import
 {
+/** A number as SQLite writes it. */
+std::uint64_t big_endian(std::string_view bytes);
+
 /** A row of the table of messages, and where it lies in the file. */
 struct StoredMessage
 {
