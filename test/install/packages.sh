@@ -29,6 +29,10 @@ for deb in "${debs[@]}"; do
   dpkg-deb --field "$deb" Package Version Depends | cut -c 1-110
 done
 dpkg-deb --field "$(find "$scratch/made" -name 'talus_*.deb')" Depends | grep -q libmrpt || stop "talus needs no MRPT?"
+for name in talus talus-mrpt-plugin; do  # both write pictures
+  dpkg-deb --field "$(find "$scratch/made" -name "${name}_*.deb")" Depends | grep -q fonts-dejavu-core ||
+    stop "$name needs no letters?"
+done
 
 say "installing"
 into --install "${debs[@]}"
