@@ -27,7 +27,7 @@ constexpr double kEdge = 28, kLeft = 84, kTop = 112, kBelow = 62, kColumn = 230;
 constexpr double kTick = 6, kText = 10;
 constexpr int kLeastWidth = 760;
 /// @}
-constexpr double kSmallPage_px = 1500;  //!< the long side of one that needs no larger text
+constexpr double kSmallPage_px = 1250;  //!< the long side of one that needs no larger text
 const cv::Scalar kGrid(214, 210, 208);
 
 double scale_of(const cv::Size& page)
