@@ -421,6 +421,9 @@ TEST_F(TalusImport, names_the_switches_that_read_bags_which_are_cut_or_have_two_
   EXPECT_EQ(scans_of("boot.rawlog").size(), 10u);
   fs::resize_file(dir_ / "log.db3", fs::file_size(dir_ / "log.db3") / 2);
   fails("log.db3 --output log.rawlog", 1, {"log.db3: is cut", "--partial"});
+  write("lidar/0.bin", std::string(16, '\0'));
+  fails("lidar --partial --output log.rawlog", 1, {"lidar: is no ROS 2 bag, and --partial is for"});
+  fails("none.db3 --partial --output log.rawlog", 1, {"none.db3: no such file"});
   const Outcome o = import("log.db3 --partial --output log.rawlog");
   EXPECT_EQ(o.code, 0) << o.text;
   EXPECT_NE(o.text.find("note    log.db3: is cut"), std::string::npos) << o.text;

@@ -29,6 +29,19 @@ std::vector<std::string> bags_among(const std::vector<std::string>& paths)
     if (io::kind_of_scans(path) == io::ForeignScans::Ros2Bag) bags.push_back(path);
   return bags;
 }
+/** A switch that does nothing is a mistake. */
+void require_no_switch_of_bags(const SourceOptions& o, const std::string& path)
+{
+  std::string name;
+  if (!o.topics.empty()) name = "--topic";
+  if (!o.base_frame.empty()) name = "--base-frame";
+  if (!o.map_frame.empty()) name = "--map-frame";
+  if (o.recorded_times) name = "--recorded-times";
+  if (o.partial) name = "--partial";
+  if (!name.empty())
+    throw std::runtime_error(
+        path + ": is no ROS 2 bag, and " + name + " is for bags. Leave it away.");
+}
 }  // namespace
 
 MergedSources::MergedSources(const std::vector<std::string>& paths, const SourceOptions& options)
@@ -53,6 +66,7 @@ MergedSources::MergedSources(const std::vector<std::string>& paths, const Source
     sources_.push_back(std::move(source));
     read(sources_.back());
   }
+  if (!has_bags) require_no_switch_of_bags(options, paths.front());
 }
 
 void MergedSources::read(Source& source)

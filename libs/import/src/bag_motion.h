@@ -53,7 +53,7 @@ class BagMotion
   void add_pose(const BagMessage& message, FrameTransform pose);
   void set_time(MessageHeader& header, const BagMessage& message) const;
   void require_room(const BagReader& reader);
-  void prune();
+  void prune(bool is_full);
   void choose_base(const SourceOptions& options, const std::string& path);
   void choose_map(const SourceOptions& options, const std::string& path);
   void choose_poses(BagReader& reader, const SourceOptions& options);

@@ -42,7 +42,7 @@ void BagMotion::require_room(const BagReader& reader)
   constexpr std::size_t kFew = 150000, kLeastBytes = 32;
   const std::size_t most = kFew + reader.bytes() / kLeastBytes;
   const bool is_full = tree_.size() + poses_held_ > most;
-  if (tree_.size() > prune_at_ || is_full) prune();
+  if (tree_.size() > prune_at_ || is_full) prune(is_full);
   if (is_full && tree_.size() + poses_held_ > most)
     throw std::runtime_error(
         reader.place() + ": is one of more than " + std::to_string(most) +
@@ -113,9 +113,10 @@ void BagMotion::add_pose(const BagMessage& message, FrameTransform pose)
   ++known->count;
 }
 
-void BagMotion::prune()
+/** A topic of clouds without a single message must not keep what nobody needs. */
+void BagMotion::prune(bool is_full)
 {
-  if (clouds_left_ == 0)
+  if (clouds_left_ == 0 || is_full)
   {
     auto ends = cloud_frames_;
     for (const auto& frame : tree_.frames())
