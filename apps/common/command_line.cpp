@@ -1,18 +1,44 @@
 #include "command_line.h"
 
+#include <talus/parameters.h>
+
 #include <cerrno>
 #include <cstdlib>
 #include <sstream>
+#include <stdexcept>
+#include <vector>
 
 namespace talus::app
 {
+namespace
+{
+/** What is said of the first option that the program does not have; empty: it has them all. */
+std::string unknown_option(const CLI::App& app)
+{
+  std::vector<std::string> known;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back(name);
+  for (const std::string& word : app.remaining())
+  {
+    const auto begin = word.find_first_not_of('-');
+    if (begin == 0 || begin == std::string::npos) continue;
+    const std::string name = word.substr(begin, word.find('=') - begin);
+    const std::string nearest = nearest_name(name, known);
+    return "there is no option " + word.substr(0, word.find('=')) +
+           (nearest.empty() ? "" : ", did you mean --" + nearest + "?");
+  }
+  return "";
+}
+}  // namespace
+
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv)
 {
   app.failure_message(
       [](const CLI::App* a, const CLI::Error& e)
       {
-        const std::string name = a->get_name();
-        return name + ": " + e.what() + "\nRun '" + name + " --help' for usage.\n";
+        const std::string name = a->get_name(), unknown = unknown_option(*a);
+        return name + ": " + (unknown.empty() ? e.what() : unknown) + "\nRun '" + name +
+               " --help' for usage.\n";
       });
   try
   {
@@ -62,15 +88,22 @@ CLI::Validator not_empty()
       [](std::string& text) { return text.empty() ? "is empty: an unset variable?" : ""; }, "");
 }
 
-CLI::Option* check_mounting(CLI::Option* option)
+CLI::Option* add_mounting(
+    CLI::App& app, const std::string& name, std::optional<Mounting>& value, const std::string& help)
 {
-  constexpr double kFarthest_m = 100, kFullTurn_deg = 360;
-  for (int i = 0; i < 6; ++i)
+  const auto read = [&value, name](const std::string& text)
   {
-    const double limit = i < 3 ? kFarthest_m : kFullTurn_deg;
-    option->check(between(-limit, limit).description("").application_index(i));
-  }
-  return option;
+    try
+    {
+      value = mounting_from_text(text);
+    }
+    catch (const std::invalid_argument& wrong)
+    {
+      throw CLI::ValidationError(name, wrong.what());
+    }
+  };
+  return app.add_option_function<std::string>(name, read, help + " [m, degrees]")
+      ->type_name(kMountingForm);
 }
 
 }  // namespace talus::app

@@ -1,4 +1,6 @@
 #pragma once
+#include "mounting.h"
+
 #include <CLI/CLI.hpp>
 
 #include <optional>
@@ -6,8 +8,8 @@
 
 namespace talus::app
 {
-/** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
- * program, or nothing: go on. */
+/** Reads the command line; answers --help, --version and mistakes itself, a misspelt option by the
+ * one that is nearest. The exit code of the program, or nothing: go on. */
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
 
 /** Adds an option whose value stays empty when it is not given. */
@@ -30,7 +32,9 @@ CLI::Validator whole_of_64_bits();
  */
 CLI::Validator not_empty();
 
-/** Checks an option of six numbers: x, y, z [m], then three angles [degrees]. */
-CLI::Option* check_mounting(CLI::Option* option);
+/** Adds an option that takes a mounting; empty while it is not given. */
+CLI::Option* add_mounting(
+    CLI::App& app, const std::string& name, std::optional<Mounting>& value,
+    const std::string& help);
 
 }  // namespace talus::app

@@ -41,6 +41,23 @@ void send(const std::string& line)
 }
 }  // namespace
 
+std::string TimeLeft::text(double fraction, double now_s)
+{
+  constexpr double kLeastWatched_s = 3, kLeastDone = 0.01;
+  if (fraction < last_)
+  {
+    first_ = fraction;
+    begin_s_ = now_s;
+  }
+  last_ = fraction;
+  const double watched_s = now_s - begin_s_, done = fraction - first_;
+  if (watched_s < kLeastWatched_s || done < kLeastDone) return "";
+  const auto left_s = std::lround(watched_s * (1 - fraction) / done);
+  if (left_s < 100) return std::to_string(left_s) + " s left";
+  if (left_s < 6000) return std::to_string((left_s + 30) / 60) + " min left";
+  return std::to_string((left_s + 1800) / 3600) + " h left";
+}
+
 ProgressBar::ProgressBar(const std::string& label, bool wanted)
     : label_(printable(label)), on_(wanted && (receiver >= 0 || ::isatty(STDERR_FILENO)))
 {
@@ -59,9 +76,11 @@ void ProgressBar::show(double fraction, const std::string& words)
   constexpr int kWidth = 30;
   fraction = std::clamp(fraction, 0.0, 1.0);
   const int filled = static_cast<int>(std::lround(fraction * kWidth));
+  const double now_s = std::chrono::duration<double>(now.time_since_epoch()).count();
+  const std::string left = left_.text(fraction, now_s);
   std::string line = label_ + " [" + std::string(filled, '#') + std::string(kWidth - filled, '.') +
                      "] " + std::to_string(static_cast<int>(100 * fraction)) + " %  " +
-                     printable(words);
+                     printable(words) + (left.empty() ? "" : ", " + left);
   std::replace(line.begin(), line.end(), '\n', ' ');
   if (receiver >= 0) return send(line + "\n");
   std::fprintf(stderr, "\r%s\033[K", cut(line, terminal_room().columns).c_str());

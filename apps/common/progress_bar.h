@@ -6,6 +6,17 @@
 
 namespace talus::app
 {
+/** Tells from fractions of a job and the times [s] of a clock how long it still takes. */
+class TimeLeft
+{
+ public:
+  /** "40 s left", or "" while nothing can be told. A fraction that falls begins another job. */
+  std::string text(double fraction, double now_s);
+
+ private:
+  double first_ = 0, last_ = 2, begin_s_ = 0;
+};
+
 /** A line on the terminal that is drawn again and again; silent where stderr is not a terminal. Or
  * lines that are sent to another process, which draws them beside those of others. */
 class ProgressBar
@@ -27,6 +38,7 @@ class ProgressBar
   std::string label_;
   bool on_;
   std::chrono::steady_clock::time_point last_{};
+  TimeLeft left_;
 };
 
 /** The bars of several processes, one below the other; silent where stderr is not a terminal. */

@@ -48,10 +48,12 @@ io::Trajectory load_poses(const AppOptions& o, std::string& source)
 
 mrpt::poses::CPose3D given_mounting(const AppOptions& o, const SensorPoints& first)
 {
-  const auto& m = o.mounting;
-  auto T = m.empty() ? first.T_base_sensor
-                     : mrpt::poses::CPose3D(
-                           m[0], m[1], m[2], m[3] * kDegree, m[4] * kDegree, m[5] * kDegree);
+  mrpt::poses::CPose3D T = first.T_base_sensor;
+  if (o.mounting)
+  {
+    const app::Mounting& m = *o.mounting;
+    T = {m[0], m[1], m[2], m[3] * kDegree, m[4] * kDegree, m[5] * kDegree};
+  }
   if (std::abs(T.pitch()) > kMostPitch)
     throw std::runtime_error(
         o.log + ": the sensor is mounted with a pitch of " + std::to_string(T.pitch() / kDegree) +
@@ -83,10 +85,10 @@ class Loader
       throw std::runtime_error(
           options_.log + ": holds scans of several sensors, '" + label_ + "' and '" +
           obs.sensorLabel + "': choose one with --sensor");
-    if (options_.mounting.empty() && scan_.T_base_sensor.distanceTo(logged_) > 1e-3)
+    if (!options_.mounting && scan_.T_base_sensor.distanceTo(logged_) > 1e-3)
       throw std::runtime_error(
           options_.log + ": the mounting of '" + label_ +
-          "' changes within the log; say the one to start from with --mounting");
+          "' changes within the log; say the one to start from with --mount");
     for (ScanSet* set : {&*scans_, &*rolled_})
       set->add(
           scan_.stamp_s, scan_.x_m.data(), scan_.y_m.data(), scan_.z_m.data(),

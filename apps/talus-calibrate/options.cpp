@@ -20,8 +20,8 @@ constexpr const char* kFooter =
     "      and the same for all other logs of this robot\n"
     "  talus-calibrate drive.rawlog --base-height 0.12\n"
     "      the trajectory (drive.tum) is that of a point 12 cm above the ground\n"
-    "  talus-calibrate drive.rawlog --mounting 0.2 0 0.68 0 0 0\n"
-    "      the log does not know where the sensor is mounted: x y z [m] yaw pitch roll [degrees]\n"
+    "  talus-calibrate drive.rawlog --mount 0.2,0,0.68,0,0,0\n"
+    "      the log does not know where the sensor is mounted\n"
     "\n"
     "Exit codes: 0 done, 1 failed, 2 wrong usage, 128 + N stopped by signal N.";
 
@@ -43,10 +43,8 @@ void add_inputs(CLI::App& app, AppOptions& o)
   app.add_option("--sensor", o.sensor, "Label of the sensor (default: the only one)")
       ->check(app::not_empty())
       ->type_name("LABEL");
-  app::check_mounting(
-      app.add_option("--mounting", o.mounting, "Mounting to start from (default: as the log says)"))
-      ->expected(6)
-      ->type_name("X Y Z YAW PITCH ROLL");
+  app::add_mounting(
+      app, "--mount", o.mounting, "Mounting to start from (default: as the log says)");
   app.add_option(
          "--time-offset", o.time_offset_s,
          "To start from: added to the log's stamps, gives the trajectory's time [s]")

@@ -1,4 +1,6 @@
 #pragma once
+#include "../common/mounting.h"
+
 #include <talus/calibrate/calibrate.h>
 
 #include <optional>
@@ -13,7 +15,7 @@ struct AppOptions
   std::string log, trajectory, sensor, output;
   double max_gap_s = 0.5;
   double base_height_m = 0;
-  std::vector<double> mounting;  //!< x y z [m] yaw pitch roll [degrees]; empty: the log's
+  std::optional<app::Mounting> mounting;  //!< empty: the log's
   double time_offset_s = 0;  //!< as it is believed to be
   Thinning thinning;
   Options fit;

@@ -114,6 +114,14 @@ std::string calibration_ini(const AppOptions& options, const LoadedLog& log, con
   return text;
 }
 
+std::string mounting_text(const Result& r)
+{
+  app::Mounting m{};
+  for (const int i : {kX, kY, kZ, kYaw, kPitch, kRoll})
+    m[static_cast<std::size_t>(i - kX)] = shown(r.estimate, i);
+  return app::text_of_mounting(m);
+}
+
 std::string sensors_pose_ini(const LoadedLog& log, const Result& r)
 {
   std::string text = "# rawlog-edit --sensors-pose THIS -i LOG.rawlog -o FIXED.rawlog\n";
@@ -147,6 +155,7 @@ std::string calibration_json(const AppOptions& options, const LoadedLog& log, co
         {"patches", r.contact.patches},
         {"height_scatter_m", r.contact.height_m},
         {"slope_scatter", r.contact.slope}}},
+      {"mount", mounting_text(r)},
       {"parameters", parameters_json(r)},
       {"noise", noise_json(r.noise)},
       {"held_out",

@@ -47,7 +47,7 @@ std::string row(const sim::Scanner& scanner, const Pose& T_base_sensor, const st
   return line + "\n";
 }
 
-std::string mount_text(const std::vector<double>& m)
+std::string mount_text(const app::Mounting& m)
 {
   char text[80];
   std::snprintf(text, sizeof text, "%.2f m ahead, %.2f m up, pitch %.0f", m[0], m[2], m[4]);
@@ -55,16 +55,16 @@ std::string mount_text(const std::vector<double>& m)
 }
 }  // namespace
 
-std::string drop_table(const std::vector<double>& mount)
+std::string drop_table(const std::optional<app::Mounting>& mount)
 {
   const double up_m = sim::SensorSetup().T_base_sensor.z();
-  const std::vector<std::vector<double>> usual{{0, 0, up_m, 0, 0, 0}, {0, 0, up_m, 0, 20, 0}};
+  const std::vector<app::Mounting> usual{{0, 0, up_m, 0, 0, 0}, {0, 0, up_m, 0, 20, 0}};
   std::string text =
       "| scanner | mounting | ground from [m] | narrowest hole [m] at 0.35 m/s | 0.7 m/s | 1.4 m/s "
       "| "
       "fastest [m/s] at 0.5 m | 1 m | 2 m |\n|---|---|---|---|---|---|---|---|---|\n";
   for (const auto& scanner : sim::scanners())
-    for (const auto& m : mount.empty() ? usual : std::vector<std::vector<double>>{mount})
+    for (const auto& m : mount ? std::vector<app::Mounting>{*mount} : usual)
     {
       Options o;
       o.mount = m;

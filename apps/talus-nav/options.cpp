@@ -87,14 +87,10 @@ void add_sensor(CLI::App& app, Options& o)
          "--scanner", o.scanner, "Instead of the world's: " + CLI::detail::join(names, ", "))
       ->check(CLI::IsMember(names, CLI::ignore_case))
       ->type_name("NAME");
-  app::check_mounting(
-      app.add_option(
-             "--mount", o.mount,
-             "Where and how, instead of the world's: metres from the ground below the robot's "
-             "middle, degrees (a positive pitch looks down)")
-          ->delimiter(',')
-          ->expected(6)
-          ->type_name("X,Y,Z,YAW,PITCH,ROLL"));
+  app::add_mounting(
+      app, "--mount", o.mount,
+      "Where and how, instead of the world's, from the ground below the robot's middle (a positive "
+      "pitch looks down)");
   app.add_flag_callback(
       "--drop-table", [&o] { throw CLI::CallForVersion(drop_table(o.mount), 0); },
       "Print which holes each scanner finds in time, at which speed, and exit");
@@ -142,8 +138,8 @@ void add_processing(CLI::App& app, Options& o)
 void fit_sensor(sim::SensorSetup& sensor, const Options& o)
 {
   if (!o.scanner.empty()) sensor.scanner = o.scanner;
-  if (o.mount.empty()) return;
-  const auto& m = o.mount;
+  if (!o.mount) return;
+  const app::Mounting& m = *o.mount;
   sensor.T_base_sensor = sim::pose_from_rpy(
       {m[0], m[1], m[2]}, sim::radians(m[5]), sim::radians(m[4]), sim::radians(m[3]));
 }

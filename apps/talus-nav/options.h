@@ -1,4 +1,5 @@
 #pragma once
+#include "../common/mounting.h"
 #include "mission.h"
 
 #include <talus/elevation_mapper.h>
@@ -16,7 +17,7 @@ struct Options
   bool in_3d = false;
   std::string map = "talus";  //!< or octomap, onesurface
   std::string scanner;  //!< empty: as the world says
-  std::vector<double> mount;  //!< x, y, z [m], yaw, pitch, roll [degrees]; empty: as the world says
+  std::optional<app::Mounting> mount;  //!< empty: as the world says
   std::string config;  //!< INI file of the planner, empty: the built-in one
   std::uint64_t seed = 1;
   Noise noise;

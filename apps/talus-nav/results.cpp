@@ -52,7 +52,7 @@ nlohmann::json summary(const Options& o, const MissionResult& mission)
       {"planner", o.in_3d ? "3d" : "2d"},
       {"map", o.map},
       {"scanner", o.scanner},
-      {"mount", o.mount},
+      {"mount", o.mount ? nlohmann::ordered_json(*o.mount) : nlohmann::ordered_json::array()},
       {"seed", o.seed},
       {"noise",
        {{"range_m", o.noise.range_m},

@@ -22,7 +22,7 @@ std::string footer()
          "  talus-sim demo.yaml --output out --pose-noise 0.02 --z-drift 0.01\n"
          "      also out/demo_noisy.tum; then: talus-map out/demo.rawlog --trajectory "
          "out/demo_noisy.tum\n"
-         "  talus-sim demo.yaml --output out --mounting-error 0 0 0.05 2 -3 0 --clock-error 0.05\n"
+         "  talus-sim demo.yaml --output out --mounting-error 0,0,0.05,0,-3,2 --clock-error 0.05\n"
          "      a log for talus-calibrate to put right\n"
          "\nExit codes: 0 done, 1 failed, 2 wrong usage, 128 + N stopped by signal N.";
 }
@@ -69,10 +69,8 @@ void add_errors(CLI::App& app, Options& o)
          "--z-drift", o.drive.z_drift, "The same: climb of the noisy pose, metres a metre driven")
       ->check(between(-1.0, 1.0))
       ->type_name("M/M");
-  check_mounting(app.add_option(
-                     "--mounting-error", o.claims.mounting_error,
-                     "The log states a mounting that is off by x y z roll pitch yaw [m, degrees]"))
-      ->type_name("...");
+  add_mounting(
+      app, "--mounting-error", o.claims.mounting_error, "The log states a mounting that is off");
   app.add_option(
          "--clock-error", o.claims.clock_error_s,
          "The stamps of the log are late by this against the trajectory [s]")

@@ -38,14 +38,14 @@ mrpt::Clock::time_point stamp_of(const Drive& drive, int frame)
 mrpt::poses::CPose3D claimed_mounting(const SensorSetup& sensor, const Claims& claims)
 {
   const auto T = to_mrpt(sensor.T_base_sensor);
-  const auto& e = claims.mounting_error;
+  const app::Mounting e = claims.mounting_error.value_or(app::Mounting{});
   return {
       T.x() + e[0],
       T.y() + e[1],
       T.z() + e[2],
-      T.yaw() + radians(e[5]),
+      T.yaw() + radians(e[3]),
       T.pitch() + radians(e[4]),
-      T.roll() + radians(e[3])};
+      T.roll() + radians(e[5])};
 }
 
 mrpt::obs::CObservationPointCloud observation(

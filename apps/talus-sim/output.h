@@ -1,9 +1,11 @@
 #pragma once
+#include "../common/mounting.h"
+
 #include <talus/sim/drive.h>
 #include <talus/sim/truth.h>
 
-#include <array>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace talus::sim
@@ -14,8 +16,8 @@ constexpr double kFirstStamp_s = 1700000000.0;
 /** What a log says wrongly. */
 struct Claims
 {
-  /** Added to x, y, z [m], roll, pitch, yaw [degrees] of the true mounting of each sensor. */
-  std::array<double, 6> mounting_error{};
+  /** Added to the true mounting of each sensor. */
+  std::optional<app::Mounting> mounting_error;
   double clock_error_s = 0;  //!< added to the true stamps
 };
 

@@ -41,15 +41,30 @@ endfunction()
 set(TALUS_APP_COMPONENT commands)  # the package that commands are in, see TalusPackages.cmake
 find_program(TALUS_HELP2MAN help2man)
 
-# talus_add_manual(NAME PROGRAM): a page of section 1 for a command of the package, where Debian's help2man is there.
+# What `whatis` says of each command of the package.
+set(whatis_talus-batch "map a folder of logs on all cores or on Slurm")
+set(whatis_talus-calibrate "find mounting, clock and noise of a LiDAR from the log of a drive")
+set(whatis_talus-compare "judge terrain maps against truth and against each other")
+set(whatis_talus-import "make a rawlog of scan files and ROS 2 bags")
+set(whatis_talus-map "map the terrain of a drive and where a robot can drive there")
+set(whatis_talus-merge "make one terrain map of several, or tell what changed")
+set(whatis_talus-nav "drive a simulated robot to a goal by its terrain map")
+set(whatis_talus-sim "simulate the LiDAR of a robot that drives through a world")
+
+# talus_add_manual(NAME PROGRAM): a page of section 1 for a command of the package, where Debian's help2man is there; and
+# the completion of its options.
 function(talus_add_manual name program)
+  if(TALUS_APP_COMPONENT STREQUAL "commands")
+    install(FILES "${PROJECT_SOURCE_DIR}/apps/common/completion.bash" RENAME ${name}
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT commands)
+  endif()
   if(NOT TALUS_HELP2MAN OR CMAKE_CROSSCOMPILING OR TALUS_SANITIZER OR NOT TALUS_APP_COMPONENT STREQUAL "commands")
     return()
   endif()
   set(page "${PROJECT_BINARY_DIR}/man/${name}.1")
   file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/man")
   add_custom_command(OUTPUT "${page}" DEPENDS ${program} VERBATIM
-    COMMAND "${TALUS_HELP2MAN}" --no-info --version-string=${PROJECT_VERSION} "--name=terrain mapping for ground robots"
+    COMMAND "${TALUS_HELP2MAN}" --no-info --version-string=${PROJECT_VERSION} "--name=${whatis_${name}}"
       "--output=${page}" "${program}")
   add_custom_target(${name}.1 ALL DEPENDS "${page}")
   install(FILES "${page}" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT commands OPTIONAL)

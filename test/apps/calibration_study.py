@@ -29,7 +29,7 @@ def one(seed, bin_dir, world):
     with tempfile.TemporaryDirectory() as folder:
         run([f"{bin_dir}/talus-sim", world, "--output", folder, "--quiet", "--seed", str(seed),
              "--noise", str(c_beam), "--noise-per-m", str(a_beam), f"--clock-error={clock}",
-             "--mounting-error", "0", "0", str(z), str(roll), str(pitch), "0"])
+             "--mounting-error", f"0,0,{z},0,{pitch},{roll}"])
         run([f"{bin_dir}/talus-calibrate", f"{folder}/{name}.rawlog", "--output", folder, "--quiet"])
         with open(f"{folder}/calibration.json") as file:
             got = json.load(file)

@@ -89,7 +89,7 @@ void expect_true_mounting(const nlohmann::json& calibration)
 
 TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
 {
-  simulate(kWaves, kWay, "--mounting-error 0 0 0.05 2 -3 0 --clock-error 0.05");
+  simulate(kWaves, kWay, "--mounting-error 0,0,0.05,0,-3,2 --clock-error 0.05");
   fs::create_symlink(".", path("m\xfcll"));  // a name that is not UTF-8 costs no results
   const auto done = calibrate("m\xfcll/drive.rawlog --output out");
   ASSERT_EQ(done.code, 0) << done.text;
@@ -113,7 +113,7 @@ TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
 
 TEST_F(TalusCalibrate, FindsASensorThatIsMountedUpsideDown)
 {
-  simulate(kWaves, kWay, "--mounting-error 0 0 0.05 178 -3 0 --frames 50");
+  simulate(kWaves, kWay, "--mounting-error 0,0,0.05,0,-3,178 --frames 50");
   const auto done = calibrate("drive.rawlog --max-range 8 --output out");
   ASSERT_EQ(done.code, 0) << done.text;
   EXPECT_TRUE(done.says("mounted upside down")) << done.text;
@@ -123,7 +123,7 @@ TEST_F(TalusCalibrate, FindsASensorThatIsMountedUpsideDown)
 
 TEST_F(TalusCalibrate, RefusesASensorOnItsSide)
 {
-  simulate(kWaves, kWay, "--mounting-error 0 0 0 90 0 0");
+  simulate(kWaves, kWay, "--mounting-error 0,0,0,0,0,90");
   const auto refused = calibrate("drive.rawlog --output out");
   EXPECT_EQ(refused.code, 1) << refused.text;
   EXPECT_TRUE(refused.says("drive.rawlog: ")) << refused.text;
@@ -215,8 +215,9 @@ TEST_F(TalusCalibrate, TellsWrongUseAndWrongFiles)
   EXPECT_EQ(calibrate("a.rawlog --noise loud").code, 2);
   for (const char* wrong :
        {"--max-gap nan", "--max-offset nan", "--base-height nan", "--max-range nan",
-        "--time-offset nan", "--mounting nan 0 0 0 0 0", "--mounting 0 0 1e300 0 0 0",
-        "--mounting 0 0 0 361 0 0", "--trajectory ''", "--output ''"})
+        "--time-offset nan", "--mount nan,0,0,0,0,0", "--mount 0,0,1e300,0,0,0",
+        "--mount 0,0,0,361,0,0", "--mount 0,0,0,0,0", "--mount 0,0,0,0,0,0,0",
+        "--mount '0 0 0 0 0 0'", "--trajectory ''", "--output ''"})
     EXPECT_EQ(calibrate(std::string("a.rawlog ") + wrong).code, 2) << wrong;
   EXPECT_EQ(calibrate("--help").code, 0);
   EXPECT_TRUE(calibrate("--version").says("talus-calibrate "));

@@ -2,37 +2,29 @@
 
 #include "../command_line.h"
 
-#include <talus/number_text.h>
-
-#include <array>
 #include <cmath>
+#include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace talus::import
 {
 namespace
 {
-/** "LABEL=x,y,z,yaw,pitch,roll", in metres and degrees. What is wrong, or "". */
+/** "LABEL=" and a mounting. What is wrong, or "". */
 std::string read_mounting(const std::string& text, SourceOptions& options)
 {
   const auto sign = text.rfind('=');
   if (sign == std::string::npos || sign == 0)
-    return "'" + text + "' is not LABEL=x,y,z,yaw,pitch,roll";
-  std::array<double, 6> v{};
-  std::size_t begin = sign + 1;
-  for (std::size_t i = 0; i < v.size(); ++i)
+    return "'" + text + "' is not LABEL=" + app::kMountingForm + " [m, degrees]";
+  app::Mounting v{};
+  try
   {
-    const std::size_t end = i + 1 < v.size() ? text.find(',', begin) : text.size();
-    if (end == std::string::npos) return "'" + text + "' has fewer than six numbers";
-    const double limit = i < 3 ? 100 : 360;  // [m], [degrees]
-    const auto value = number_from(std::string_view(text).substr(begin, end - begin));
-    if (!value || !(std::abs(*value) <= limit))
-      return "'" + text.substr(begin, end - begin) + "' in '" + text + "' is not a number in [-" +
-             number_text(limit) + " - " + number_text(limit) + "]";
-    v[i] = *value;
-    begin = end + 1;
+    v = app::mounting_from_text(text.substr(sign + 1));
+  }
+  catch (const std::invalid_argument& wrong)
+  {
+    return text.substr(0, sign) + ": " + wrong.what();
   }
   const auto radians = [](double degrees) { return degrees * M_PI / 180; };
   options.mountings[text.substr(0, sign)] =
@@ -57,7 +49,7 @@ void add_options_of_all(CLI::App& app, SourceOptions& o)
          },
          "Where a sensor is on the base [m, degrees]; again for each")
       ->allow_extra_args(false)
-      ->type_name("LABEL=x,y,z,yaw,pitch,roll");
+      ->type_name(std::string("LABEL=") + app::kMountingForm);
   app.add_option("--rate", o.rate_hz, "Scans a second, where nothing says their times")
       ->check(app::between(0.001, 1e6))
       ->capture_default_str()

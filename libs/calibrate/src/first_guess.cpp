@@ -108,7 +108,7 @@ void require_level_ground(const ScanSet& scans, const Vector& v)
       "does not tell how the sensor is tilted: as it is given, the ground under the robot leans "
       "by " +
       fixed_text(lean_rad * 180 / kHalfTurn, 0) +
-      " degrees. Give the mounting to about 5 degrees (--mounting), or a drive with turns; if the "
+      " degrees. Give the mounting to about 5 degrees (--mount), or a drive with turns; if the "
       "robot's base is not parallel to the ground, say --no-contact");
 }
 
@@ -121,7 +121,7 @@ Vector level_mounting(const ScanSet& scans, const Vector& given)
     throw std::runtime_error(
         "shows the ground above the sensor, by " + fixed_text(-seen_below, 2) +
         " m: is the sensor mounted upside down or on its side, other than was said? Give its "
-        "mounting to about 5 degrees (--mounting), and --base-height");
+        "mounting to about 5 degrees (--mount), and --base-height");
   // The rotation that brings the seen normal upright, and the lift that is left then.
   const Eigen::Vector3d normal = normal_of(*plane);
   const Eigen::Matrix3d turn =
