@@ -78,10 +78,10 @@ INSTANTIATE_TEST_SUITE_P(
         std::make_pair("cloud_bomb_zstd.mcap", "unpacks to 5000000 points"),
         std::make_pair("cloud_bomb_lz4.mcap", "unpacks to 5000000 points"),
         std::make_pair("cloud_bomb_message.mcap", "unpacks to 5000000 points"),
-        std::make_pair("chunk_bomb_zstd.mcap", "packed ones no more than"),
-        std::make_pair("chunk_bomb_lz4.mcap", "packed ones no more than"),
+        std::make_pair("chunk_bomb_zstd.mcap", "packed bytes no more than"),
+        std::make_pair("chunk_bomb_lz4.mcap", "packed bytes no more than"),
         std::make_pair("topic_bomb_zstd.mcap", "no bag has"),
         std::make_pair("topic_bomb_lz4.mcap", "no bag has"),
         std::make_pair("overlapping_bomb_zstd.mcap", "points from"),
-        std::make_pair("bomb.mcap", "packed ones no more than"),
+        std::make_pair("bomb.mcap", "packed bytes no more than"),
         std::make_pair("generated.db3", "string or blob too big")));

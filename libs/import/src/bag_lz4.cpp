@@ -24,11 +24,11 @@ void unpack_lz4(std::string_view packed, std::size_t most, bool is_cut, std::vec
         LZ4F_decompress(stream.get(), out.data() + done, &got, packed.data() + at, &took, nullptr);
     if (LZ4F_isError(wants) && is_cut) break;
     if (LZ4F_isError(wants))
-      throw std::runtime_error(std::string("lz4 data is damaged: ") + LZ4F_getErrorName(wants));
+      throw std::runtime_error(std::string("is damaged lz4 data: ") + LZ4F_getErrorName(wants));
     is_whole = wants == 0;
     const bool is_stuck = !is_whole && got == 0 && took == 0;
     if (is_stuck && is_cut) break;
-    if (is_stuck) throw std::runtime_error("lz4 data is cut short");
+    if (is_stuck) throw std::runtime_error("is lz4 data that is cut short");
     done += got;
     at += took;
   }

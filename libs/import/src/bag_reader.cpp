@@ -140,7 +140,7 @@ std::string_view BagReader::payload()
   }
   catch (const std::runtime_error& e)
   {
-    throw std::runtime_error(place() + ": its " + e.what() + ". Copy the bag again.");
+    throw std::runtime_error(place() + ": " + e.what() + ". Copy the bag again.");
   }
   return {unpacked_.data(), unpacked_.size()};
 }

@@ -42,7 +42,7 @@ std::size_t bytes_of_integer(std::uint64_t type)
 std::int64_t integer(std::string_view bytes, std::size_t& at, std::uint64_t type)
 {
   const std::size_t count = bytes_of_integer(type);
-  if (count == 0) return type == 9 ? 1 : 0;
+  if (count == 0 || count > 8) return type == 9 ? 1 : 0;
   const std::size_t unused = 8 * (8 - count);
   const std::uint64_t value = number(bytes, at, count) << unused;
   at += count;

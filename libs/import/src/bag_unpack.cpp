@@ -29,12 +29,12 @@ void unpack_zstd(std::string_view packed, std::size_t most, bool is_cut, std::ve
     const std::size_t before = in.pos, wants = ZSTD_decompressStream(stream.get(), &room, &in);
     if (ZSTD_isError(wants) && is_cut) break;
     if (ZSTD_isError(wants))
-      throw std::runtime_error(std::string("zstd data is damaged: ") + ZSTD_getErrorName(wants));
+      throw std::runtime_error(std::string("is damaged zstd data: ") + ZSTD_getErrorName(wants));
     is_whole = wants == 0;
     const bool is_stuck = !is_whole && done == room.pos && before == in.pos;
     done = room.pos;
     if (is_stuck && is_cut) break;
-    if (is_stuck) throw std::runtime_error("zstd data is cut short");
+    if (is_stuck) throw std::runtime_error("is zstd data that is cut short");
   }
   out.resize(done);
 }
@@ -57,13 +57,14 @@ std::size_t most_unpacked(std::uint64_t packed_bytes)
 void unpack_bag_data(
     BagPacking packing, std::string_view packed, const UnpackedSize& size, std::vector<char>& out)
 {
-  const auto too_much = [&](const std::string& bytes)
+  const auto too_much = [&](std::size_t bytes)
   {
     return std::runtime_error(
-        "unpacks to " + bytes + " bytes, and from " + std::to_string(packed.size()) +
-        " packed ones no more than " + std::to_string(size.most) + " are taken");
+        "unpacks to " + std::to_string(bytes) + " bytes or more, and from " +
+        std::to_string(packed.size()) + " packed bytes no more than " + std::to_string(size.most) +
+        " are taken");
   };
-  if (size.told.value_or(0) > size.most) throw too_much(std::to_string(*size.told));
+  if (size.told.value_or(0) > size.most) throw too_much(*size.told);
   // One more than may come out shows that there is more.
   const std::size_t most = size.told.value_or(size.most + 1);
   out.clear();
@@ -73,7 +74,7 @@ void unpack_bag_data(
     unpack_lz4(packed, most, size.is_cut, out);
   else
     unpack_zstd(packed, most, size.is_cut, out);
-  if (!size.told && out.size() > size.most) throw too_much("more");
+  if (!size.told && out.size() > size.most) throw too_much(out.size());
   if (size.told && !size.is_cut && out.size() != *size.told)
     throw std::runtime_error(
         "unpacks to " + std::to_string(out.size()) + " bytes instead of " +
