@@ -59,13 +59,23 @@ struct Mistakes
 /** What each hint says of its cause, in its own words. */
 inline const std::set<std::string>& all_causes()
 {
-  static const std::set<std::string> causes{"upside down",           "tilted against the base",
-                                            "is tilted in the map",  "height of the sensor itself",
-                                            "two grounds",           "mounting contradicts",
-                                            "the poses jump",        "contradict each other",
-                                            "min_height_m =",        "max_height_m =",
-                                            "outside of the window", "was seen",
-                                            "move with the robot"};
+  static const std::set<std::string> causes{
+      "upside down",
+      "tilted against the base",
+      "is tilted in the map",
+      "height of the sensor itself",
+      "two grounds",
+      "mounting contradicts",
+      "the poses jump",
+      "contradict each other",
+      "min_height_m =",
+      "max_height_m =",
+      "outside of the window",
+      "was seen",
+      "move with the robot",
+      "poses have no pitch",
+      "the clock of the scans",
+      "scans are not deskewed"};
   return causes;
 }
 

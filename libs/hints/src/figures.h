@@ -9,6 +9,8 @@
 
 #include "body_watch.h"
 #include "contradiction_watch.h"
+#include "lag_watch.h"
+#include "level_watch.h"
 #include "pose_watch.h"
 
 namespace talus::hints
@@ -49,6 +51,7 @@ struct SensorFigures
   Values ceiling_above_m;  //!< of frames that show ground above the sensor, and none below
   Values steep_rad;  //!< lean of the plane of frames where only one leans more than ground does
   BodyWatch body;
+  LagWatch lag;
 
   /** The median plane; level and at the base where no frame shows one. */
   NearPlane ground() const;
@@ -62,6 +65,7 @@ struct Figures
   std::vector<SensorFigures> sensors;
   ContradictionWatch ground;
   PoseWatch poses;
+  LevelWatch level;
   Values base_up;  //!< z of the base's z axis in the map
   std::size_t frames = 0;
   std::uint64_t points_in = 0, accepted = 0;

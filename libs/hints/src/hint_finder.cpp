@@ -108,8 +108,11 @@ void HintFinder::add(const Frame& frame, const std::string& sensor, const FrameR
   for (std::size_t i = 0; i < f.rejected.size(); ++i) f.rejected[i] += report.rejected[i];
   const Pose T_map_base = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
   f.poses.add(frame.stamp_s, T_map_base);
+  f.level.add(T_map_base);
   const std::size_t number = number_of(sensor);
   SensorFigures& s = f.sensors[number];
+  // What the map deskews itself is told with the times of its points: these are judged there.
+  if (frame.path.empty() && s.lag.wants(frame.stamp_s, T_map_base)) look_at_walls(frame, number);
   const bool due = is_due(s.frames++);
   if (due || effort_ == Effort::Much) look_at(frame, number);
 }
@@ -139,8 +142,9 @@ void HintFinder::look_at(const Frame& frame, std::size_t sensor)
   note_plane(s, points, lowest);
   if (lowest.found)
   {
-    const double up = std::clamp(turned(T_map_base, lowest.normal).z, -1.0, 1.0);
-    s.lean_in_map_rad.add(std::acos(up));
+    const Vec3 normal_map = turned(T_map_base, lowest.normal);
+    s.lean_in_map_rad.add(std::acos(std::clamp(normal_map.z, -1.0, 1.0)));
+    f.level.add_ground(normal_map);
     note_reach(s, points, lowest);
     f.ground.add(points, lowest, T_map_base);
   }
@@ -156,6 +160,16 @@ void HintFinder::look_at(const Frame& frame, std::size_t sensor)
     near_in_base(frame, parameters_, kFar_m, scratch_->near);
     note_spreads(scratch_->near, lowest, s.spread_m);
   }
+}
+
+void HintFinder::look_at_walls(const Frame& frame, std::size_t sensor)
+{
+  SensorFigures& s = figures_->sensors[sensor];
+  const Vec3 at = origin_of(frame.T_base_sensor.value_or(Pose{}));
+  const NearPlane level;  // the base is on the ground
+  sample_in_base(frame, parameters_, kWallPoints, s.frames, scratch_->points);
+  s.lag.add(facets_of(
+      scratch_->points, level, at, pose_of_base(frame.T_map_sensor, frame.T_base_sensor), kFacets));
 }
 
 void HintFinder::watch_body(

@@ -19,6 +19,8 @@ std::optional<Hint> tilted_ground(const Figures& f);
 std::optional<Hint> points_in_base(const Figures& f);
 std::optional<Hint> two_grounds(const Figures& f);
 std::optional<Hint> wrong_mounting(const Figures& f);
+std::optional<Hint> level_poses(const Figures& f);
+std::optional<Hint> wrong_times(const Figures& f);
 std::optional<Hint> contradiction(const Figures& f);
 std::optional<Hint> height_band(const Figures& f, const Parameters& p);
 std::optional<Hint> window_too_small(const Figures& f, const Parameters& p, double known_share);

@@ -56,18 +56,6 @@ bool is_mirrored(const SensorFigures& s)
 }
 }  // namespace
 
-std::optional<Hint> pose_jumps(const Figures& f)
-{
-  const PoseWatch& p = f.poses;
-  if (p.jumps() == 0) return {};
-  const std::string times = std::to_string(p.jumps()) + (p.jumps() == 1 ? " time" : " times");
-  return Hint{
-      Kind::PoseJumps, "the poses jump " + times + ", the farthest by " + metres(p.jump_m()) +
-                           " and " + fixed_text(p.jump_deg(), 0) + " degrees at " +
-                           fixed_text(p.jump_stamp_s(), 3) +
-                           " s: smooth the trajectory (--trajectory), or cut the log there"};
-}
-
 std::optional<Hint> upside_down(const Figures& f)
 {
   if (f.base_up.size() > 0 && f.base_up.median() < kUpsideDown)
@@ -171,20 +159,6 @@ std::optional<Hint> wrong_mounting(const Figures& f)
                             metres(s.sensor.z) + ": talus-calibrate finds the mounting"};
   }
   return {};
-}
-
-std::optional<Hint> contradiction(const Figures& f)
-{
-  const ContradictionWatch& g = f.ground;
-  if (g.pairs() < kLeastPairs || g.difference_m() < kContradiction_m ||
-      g.difference_m() < kContradictionRatio * g.spread_m())
-    return {};
-  return Hint{
-      Kind::Contradiction,
-      "scans contradict each other: frames see the same ground " + metres(g.difference_m()) +
-          " apart (median of " + std::to_string(g.pairs()) + "), each within " +
-          metres(g.spread_m()) +
-          ": time offset, mounting or poses are wrong: talus-calibrate finds the first two"};
 }
 
 }  // namespace talus::hints

@@ -136,7 +136,8 @@ std::vector<Hint> judge(const Figures& f, const Parameters& p, double known_shar
   if (take(upside_down(f)) || take(tilted_ground(f)) || take(points_in_base(f)) ||
       take(two_grounds(f)) || take(wrong_mounting(f)))
     return hints;
-  if (!take(pose_jumps(f))) take(contradiction(f));
+  if (!take(pose_jumps(f)) && !take(level_poses(f)) && !take(wrong_times(f)))
+    take(contradiction(f));
   const std::size_t frames_wrong = hints.size();
   take(height_band(f, p));
   if (hints.size() == frames_wrong) take(window_too_small(f, p, known_share));

@@ -44,6 +44,29 @@ constexpr double kJumpGap_s = 1;  // between frames farther apart speeds say lit
 constexpr double kTurn_deg = 20, kTurnGap_s = 0.3;  // the same of a turn
 /// @}
 
+/// @name Poses that climb and stay level
+/// @{
+constexpr double kSlopePiece_m = 1;  // of way, whose slope is compared with that of the poses
+constexpr std::size_t kLeastPieces = 5;
+constexpr double kLeastWaySlope_deg = 2.5;  // root mean square: less does not matter to the map
+constexpr double kSlopeOverNoise = 3;
+constexpr double kLevelPoses = 0.3;  // of the way's slope: sound poses lean by 0.8 or more of it
+constexpr double kLevelGround = 0.5;  // a robot that levels its body sees ground that leans
+constexpr double kFlat_m = 0.02, kFlat_deg = 0.1;  // poses of a plane
+/// @}
+
+/// @name Times of scans, told by walls that are seen while the robot turns
+/// @{
+constexpr std::size_t kWallPoints = 6000, kFacets = 60;  // of a frame
+constexpr double kLeastTurn_rps = 0.2;
+constexpr double kCalmStep_s = 2, kKeptStep_s = 0.5;  // between calm frames before turns, after
+constexpr double kLeastCompared = 100;  // pieces of walls, each with one of another frame
+constexpr double kLeastWallsApart_m = 0.04;  // mean: sound drives up to 0.02
+constexpr double kSweepFits = 0.6, kClockFits = 0.5;  // of that distance, with the lag taken off
+constexpr double kLeastSkew_deg = 4;  // turned during a sweep
+constexpr double kLeastLate_s = 0.03;
+/// @}
+
 /// @name Scans that contradict each other
 /// @{
 constexpr double kCell_m = 0.5;

@@ -12,6 +12,9 @@ enum class Kind
   TwoGrounds,  //!< two sensors see the ground at two heights, or leaning otherwise
   Mounting,  //!< the ground is not where the mounting says that the robot stands
   PoseJumps,  //!< the poses leap
+  LevelPoses,  //!< the way climbs, and the poses stay level
+  NotDeskewed,  //!< scans that are sweeps of a robot that turns fast
+  LateClock,  //!< the stamps of the scans do not fit those of the poses
   Contradiction,  //!< scans see one place at several heights
   HeightBand,  //!< the points lie outside of min_height_m .. max_height_m
   Window,  //!< the points lie outside of the window

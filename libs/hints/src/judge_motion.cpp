@@ -1,0 +1,100 @@
+// Hints about motion: what frames from different places, and in turns, tell of poses and clocks.
+#include <talus/number_text.h>
+
+#include <cmath>
+
+#include "judge.h"
+#include "thresholds.h"
+
+namespace talus::hints
+{
+namespace
+{
+std::string degrees(double rad) { return fixed_text(rad * 180 / M_PI, 0) + " degrees"; }
+std::string metres(double m) { return fixed_text(m, 2) + " m"; }
+
+/** What walls tell of the times of one sensor's scans. */
+std::optional<Hint> wrong_times_of(const SensorFigures& s)
+{
+  const double now_m = s.lag.apart_m({});
+  if (!(now_m > kLeastWallsApart_m)) return {};
+  const Lag clock = s.lag.best_clock(), sweep = s.lag.best_sweep();
+  const double clock_m = s.lag.apart_m(clock), sweep_m = s.lag.apart_m(sweep);
+  const std::string seen =
+      "walls that are seen in different turns lie " + metres(now_m) + " apart, and ";
+  if (sweep_m < kSweepFits * std::min(now_m, clock_m))
+  {
+    const double turned_rad = s.lag.fastest_rps() * std::abs(sweep.sweep_s);
+    if (turned_rad < kLeastSkew_deg * M_PI / 180) return {};
+    return Hint{
+        Kind::NotDeskewed, "the scans are not deskewed: the robot turns by up to " +
+                               degrees(turned_rad) + " during a sweep; " + seen + metres(sweep_m) +
+                               " where each point has its own time: record the times of the "
+                               "points (talus-map deskews scans that have them), or turn slower"};
+  }
+  if (clock_m > kClockFits * now_m || std::abs(clock.late_s) < kLeastLate_s) return {};
+  return Hint{
+      Kind::LateClock, "the clock of the scans is " + fixed_text(std::abs(clock.late_s), 2) +
+                           " s " + (clock.late_s > 0 ? "late" : "early") +
+                           " against that of the poses: " + seen + metres(clock_m) +
+                           " without it: talus-calibrate says how to shift the stamps"};
+}
+}  // namespace
+
+std::optional<Hint> pose_jumps(const Figures& f)
+{
+  const PoseWatch& p = f.poses;
+  if (p.jumps() == 0) return {};
+  const std::string times = std::to_string(p.jumps()) + (p.jumps() == 1 ? " time" : " times");
+  return Hint{
+      Kind::PoseJumps, "the poses jump " + times + ", the farthest by " + metres(p.jump_m()) +
+                           " and " + fixed_text(p.jump_deg(), 0) + " degrees at " +
+                           fixed_text(p.jump_stamp_s(), 3) +
+                           " s: smooth the trajectory (--trajectory), or cut the log there"};
+}
+
+std::optional<Hint> level_poses(const Figures& f)
+{
+  const LevelWatch& w = f.level;
+  const std::string mend =
+      ": the poses have no pitch and roll: give a trajectory with the full attitude (--trajectory)";
+  const double slope_rad = w.way_slope_rad();
+  const bool climbs = slope_rad > kLeastWaySlope_deg * M_PI / 180 &&
+                      slope_rad > kSlopeOverNoise * w.noise_slope_rad();
+  if (w.pieces() >= kLeastPieces && climbs && w.pose_share() < kLevelPoses &&
+      w.ground_share() < kLevelGround)
+    return Hint{
+        Kind::LevelPoses, "the way climbs and falls by " + fixed_text(slope_rad * 180 / M_PI, 0) +
+                              " degrees (root mean square), and the poses lean by " +
+                              fixed_text(100 * w.pose_share(), 0) + " % of that" + mend};
+  const bool is_flat = w.climb_m() < kFlat_m && w.most_lean_rad() < kFlat_deg * M_PI / 180;
+  if (is_flat && contradiction(f))
+    return Hint{
+        Kind::LevelPoses,
+        "the poses stay level and at one height, and frames see the same ground " +
+            metres(f.ground.difference_m()) + " apart: the ground is not level" + mend};
+  return {};
+}
+
+std::optional<Hint> wrong_times(const Figures& f)
+{
+  for (const SensorFigures& s : f.sensors)
+    if (auto hint = wrong_times_of(s)) return hint;
+  return {};
+}
+
+std::optional<Hint> contradiction(const Figures& f)
+{
+  const ContradictionWatch& g = f.ground;
+  if (g.pairs() < kLeastPairs || g.difference_m() < kContradiction_m ||
+      g.difference_m() < kContradictionRatio * g.spread_m())
+    return {};
+  return Hint{
+      Kind::Contradiction,
+      "scans contradict each other: frames see the same ground " + metres(g.difference_m()) +
+          " apart (median of " + std::to_string(g.pairs()) + "), each within " +
+          metres(g.spread_m()) +
+          ": time offset, mounting or poses are wrong: talus-calibrate finds the first two"};
+}
+
+}  // namespace talus::hints

@@ -1,0 +1,181 @@
+#include "lag_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "thresholds.h"
+
+namespace talus::hints
+{
+namespace
+{
+constexpr std::size_t kMostPlaces = 100000;
+constexpr std::size_t kMostTurning = 12, kMostOfTurn = 4, kMostCalm = 6;  // frames
+constexpr std::size_t kPartners = 3;  // of each frame
+constexpr double kPartnerReach_m = 4, kPartnerTime_s = 20;
+constexpr double kSameWay = 0.9;  // cosine between the normals of two pieces of one wall
+constexpr double kAlong_m = 0.6;  // from the middle of one to that of the other
+constexpr double kMostApart_m = 0.3;  // what is farther apart counts as that
+constexpr double kMostLate_s = 0.4, kLateStep_s = 0.1;
+constexpr double kGap_s = 0.5;  // of a turn rate
+
+double wrapped(double angle) { return std::remainder(angle, 2 * M_PI); }
+}  // namespace
+
+bool LagWatch::wants(double stamp_s, const Pose& T_map_base)
+{
+  double heading = std::atan2(T_map_base.m[4], T_map_base.m[0]);
+  double turn_rps = 0;
+  bool has_rate = false;
+  if (!way_.empty())
+  {
+    const Place& last = way_.back();
+    const double passed_s = stamp_s - last.stamp_s;
+    if (passed_s <= 0 || way_.size() >= kMostPlaces) return false;
+    heading = last.heading_rad + wrapped(heading - last.heading_rad);
+    has_rate = passed_s < kGap_s;
+    turn_rps = (heading - last.heading_rad) / passed_s;
+  }
+  way_.push_back({stamp_s, T_map_base.x(), T_map_base.y(), heading});
+  return has_rate && keeps(stamp_s, turn_rps);
+}
+
+/** Some frames of each turn, and calm ones between turns. */
+bool LagWatch::keeps(double stamp_s, double turn_rps)
+{
+  const bool turns = std::abs(turn_rps) > kLeastTurn_rps;
+  of_turn_ = turns && turn_rps * last_rps_ > 0 ? of_turn_ + 1 : 1;
+  last_rps_ = turns ? turn_rps : 0;
+  const std::size_t calm = kept_.size() - turning_;
+  if (turns && (turning_ >= kMostTurning || of_turn_ > kMostOfTurn)) return false;
+  const double step_s = turning_ == 0 ? kCalmStep_s : kKeptStep_s;
+  const bool is_soon = !kept_.empty() && stamp_s - kept_.back().stamp_s < step_s;
+  if (!turns && (calm >= kMostCalm || is_soon)) return false;
+  if (!turns && turning_ == 0) kept_.clear();  // the last before the first turn is enough
+  turning_ += turns;
+  kept_.push_back({stamp_s, turn_rps, {}});
+  return true;
+}
+
+void LagWatch::add(std::vector<Facet> facets) { kept_.back().facets = std::move(facets); }
+
+double LagWatch::fastest_rps() const
+{
+  double fastest = 0;
+  for (const Kept& k : kept_) fastest = std::max(fastest, std::abs(k.turn_rps));
+  return fastest;
+}
+
+LagWatch::Place LagWatch::place_at(double stamp_s) const
+{
+  const auto after = std::lower_bound(
+      way_.begin(), way_.end(), stamp_s, [](const Place& p, double t) { return p.stamp_s < t; });
+  if (after == way_.begin()) return way_.front();
+  if (after == way_.end()) return way_.back();
+  const Place &a = *(after - 1), &b = *after;
+  const double f = (stamp_s - a.stamp_s) / (b.stamp_s - a.stamp_s);
+  const auto between = [f](double from, double to) { return from + f * (to - from); };
+  return {
+      stamp_s, between(a.x_m, b.x_m), between(a.y_m, b.y_m), between(a.heading_rad, b.heading_rad)};
+}
+
+std::vector<LagWatch::Line> LagWatch::lines_of(const Kept& kept, const Lag& lag) const
+{
+  std::vector<Line> lines;
+  lines.reserve(kept.facets.size());
+  for (const Facet& f : kept.facets)
+  {
+    const double turn =
+        lag.sweep_s < 0 ? lag.first_rad - f.bearing_rad : f.bearing_rad - lag.first_rad;
+    const double share = turn / (2 * M_PI) - std::floor(turn / (2 * M_PI));
+    const Place at = place_at(kept.stamp_s - lag.late_s + share * std::abs(lag.sweep_s));
+    const double c = std::cos(at.heading_rad), s = std::sin(at.heading_rad);
+    lines.push_back(
+        {at.x_m + c * f.x_m - s * f.y_m, at.y_m + s * f.x_m + c * f.y_m,
+         c * f.normal_x - s * f.normal_y, s * f.normal_x + c * f.normal_y});
+  }
+  return lines;
+}
+
+/** Those near by that turned most differently. */
+std::vector<std::size_t> LagWatch::partners_of(std::size_t kept) const
+{
+  const Kept& one = kept_[kept];
+  const Place at = place_at(one.stamp_s);
+  std::vector<std::pair<double, std::size_t>> found;
+  for (std::size_t i = 0; i < kept_.size(); ++i)
+  {
+    const Place other = place_at(kept_[i].stamp_s);
+    const double apart_rps = std::abs(kept_[i].turn_rps - one.turn_rps);
+    if (apart_rps > kLeastTurn_rps && std::abs(other.stamp_s - at.stamp_s) < kPartnerTime_s &&
+        std::hypot(other.x_m - at.x_m, other.y_m - at.y_m) < kPartnerReach_m)
+      found.emplace_back(-apart_rps, i);
+  }
+  std::sort(found.begin(), found.end());
+  if (found.size() > kPartners) found.resize(kPartners);
+  std::vector<std::size_t> partners;
+  for (const auto& [rate, i] : found) partners.push_back(i);
+  return partners;
+}
+
+double LagWatch::apart_m(const Lag& lag) const
+{
+  std::vector<std::vector<Line>> lines;
+  for (const Kept& k : kept_) lines.push_back(lines_of(k, lag));
+  double sum = 0, n = 0;
+  for (std::size_t i = 0; i < kept_.size(); ++i)
+    for (const std::size_t other : partners_of(i))
+      for (const Line& a : lines[i])
+      {
+        double least_m = kMostApart_m;
+        for (const Line& b : lines[other])
+        {
+          if (std::abs(a.normal_x * b.normal_x + a.normal_y * b.normal_y) < kSameWay) continue;
+          const double x = a.x_m - b.x_m, y = a.y_m - b.y_m;
+          if (std::abs(x * b.normal_y - y * b.normal_x) < kAlong_m)
+            least_m = std::min(least_m, std::abs(x * b.normal_x + y * b.normal_y));
+        }
+        sum += least_m;
+        n += 1;
+      }
+  return n < kLeastCompared ? std::numeric_limits<double>::quiet_NaN() : sum / n;
+}
+
+Lag LagWatch::refined(Lag lag, double step_s) const
+{
+  for (double step = step_s / 2; step > 0.004; step /= 2)
+  {
+    Lag best = lag;
+    for (const double change : {-step, step})
+    {
+      Lag tried = lag;
+      tried.late_s += change;
+      if (apart_m(tried) < apart_m(best)) best = tried;
+    }
+    lag = best;
+  }
+  return lag;
+}
+
+Lag LagWatch::best_clock() const
+{
+  Lag best;
+  for (double late_s = -kMostLate_s; late_s <= kMostLate_s + 1e-9; late_s += kLateStep_s)
+    if (apart_m({late_s}) < apart_m(best)) best = {late_s};
+  return refined(best, kLateStep_s);
+}
+
+Lag LagWatch::best_sweep() const
+{
+  Lag best;
+  for (const double sweep_s : {-0.1, -0.05, 0.05, 0.1})
+    for (const double first_rad : {0.0, M_PI / 2, M_PI, -M_PI / 2})
+      for (const double late : {0.0, 0.5, 1.0})  // stamped at its beginning, middle, end
+        if (const Lag lag{late * std::abs(sweep_s), sweep_s, first_rad};
+            apart_m(lag) < apart_m(best))
+          best = lag;
+  return refined(best, 0.05);
+}
+
+}  // namespace talus::hints

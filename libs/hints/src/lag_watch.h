@@ -1,0 +1,64 @@
+#pragma once
+#include <vector>
+
+#include "facets.h"
+
+namespace talus::hints
+{
+/** When the points of a scan were really taken: so much before its stamp, and by their direction.
+ */
+struct Lag
+{
+  double late_s = 0;  //!< the stamp is later than the first point
+  double sweep_s = 0;  //!< from the first point to the last; negative: turns clockwise; 0: at once
+  double first_rad = 0;  //!< direction of the first point
+};
+
+/** Looks for scans whose times are wrong while the robot turns: walls that frames see while it
+ * turns this way and that way then lie in different places. Which lag brings them together says
+ * whether the clock is late, or each scan is a sweep that was taken for one moment. */
+class LagWatch
+{
+ public:
+  /** Each pose, in the order of time; true: the frame is one to look at. */
+  bool wants(double stamp_s, const Pose& T_map_base);
+  /** The frame that was asked for. */
+  void add(std::vector<Facet> facets);
+
+  /** Fastest turn of the frames that were kept [rad/s]. */
+  double fastest_rps() const;
+  /** How far walls lie apart if the scans lag by so much: mean of what counts [m]. NaN: there is
+   * nothing to compare. */
+  double apart_m(const Lag& lag) const;
+  /** The lag of one clock that brings walls together best. */
+  Lag best_clock() const;
+  /** The same of sweeps. */
+  Lag best_sweep() const;
+
+ private:
+  struct Place
+  {
+    double stamp_s, x_m, y_m, heading_rad;
+  };
+  struct Kept
+  {
+    double stamp_s, turn_rps;
+    std::vector<Facet> facets;
+  };
+  struct Line
+  {
+    double x_m, y_m, normal_x, normal_y;  //!< frame of the map
+  };
+  bool keeps(double stamp_s, double turn_rps);
+  Place place_at(double stamp_s) const;
+  std::vector<Line> lines_of(const Kept& kept, const Lag& lag) const;
+  std::vector<std::size_t> partners_of(std::size_t kept) const;
+  Lag refined(Lag lag, double step_s) const;
+
+  std::vector<Place> way_;
+  std::vector<Kept> kept_;
+  std::size_t turning_ = 0, of_turn_ = 0;
+  double last_rps_ = 0;
+};
+
+}  // namespace talus::hints

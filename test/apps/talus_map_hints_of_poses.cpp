@@ -1,0 +1,127 @@
+// What poses and clocks do wrong is told by its name: no pitch, a late clock, scans that are sweeps
+// of a robot that turns fast.
+#include "hint_scene.h"
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+const std::map<std::string, int> kNone;
+
+class TalusMapHintsOfPoses : public HintScenes
+{
+};
+
+constexpr const char* kHills = R"(
+seed: 5
+ground:
+  - sine: {amplitude_m: 0.3, wavelength_m: 10}
+  - roughness: {amplitude_m: 0.01, wavelength_m: 0.4, seed: 3}
+objects:
+  - wall: {from_m: [-4, 5], to_m: [14, 5], height_m: 2.5}
+  - box: {at_m: [6, -3], size_m: [1, 1, 1]}
+robot: {path_m: [[0, 0], [5, 0.5], [10, 0]], speed_mps: 1.2}
+)";
+constexpr const char* kSlope = R"(
+ground: [plane: {slope_x_deg: 7}]
+objects: [box: {at_m: [6, -3], size_m: [1, 1, 1]}]
+robot: {path_m: [[0, 0], [8, 0]], speed_mps: 1.2}
+)";
+
+/** Drives 2 m, turns on the spot to the left and back to the right at that rate, drives on. */
+std::function<Place(double)> turning_at(double rate_rps, double back_rps)
+{
+  return [=](double time_s) -> Place
+  {
+    const double to_left_s = 2, turn_s = 1.2 / rate_rps, back_s = 2.4 / back_rps;
+    const double left = std::clamp((time_s - to_left_s) / turn_s, 0.0, 1.0);
+    const double right = std::clamp((time_s - to_left_s - turn_s - 0.5) / back_s, 0.0, 1.0);
+    return {std::min(time_s, to_left_s), 0, 1.2 * left - 2.4 * right};
+  };
+}
+
+/** A room, 10 Hz. */
+Scene room_with(const std::function<Place(double)>& robot)
+{
+  Scene scene;
+  scene.robot = robot;
+  scene.duration_s = 7;
+  scene.step_s = 0.1;
+  return scene;
+}
+}  // namespace
+
+TEST_F(TalusMapHintsOfPoses, without_pitch_on_hills)
+{
+  Mistakes level;
+  level.pose = [](const CPose3D& T, double)
+  { return CPose3D(T.x(), T.y(), T.z(), T.yaw(), 0, T.roll()); };
+  for (const char* world : {kHills, kSlope})
+  {
+    write_drive(kOneSensor, {}, world);
+    EXPECT_EQ(causes(), kNone) << world;
+    write_drive(kOneSensor, level, world);
+    EXPECT_EQ(causes(), only("poses have no pitch")) << world;
+  }
+}
+
+TEST_F(TalusMapHintsOfPoses, of_a_plane_on_hills)
+{
+  Mistakes flat;
+  flat.pose = [](const CPose3D& T, double) { return CPose3D(T.x(), T.y(), 0, T.yaw(), 0, 0); };
+  write_drive(kOneSensor, flat, kHills);
+  EXPECT_EQ(causes(), only("poses have no pitch"));
+}
+
+TEST_F(TalusMapHintsOfPoses, of_a_plane_on_level_ground_are_right)
+{
+  write_scene(room_with(turning_at(1, 1)));
+  EXPECT_EQ(causes(), kNone);
+}
+
+TEST_F(TalusMapHintsOfPoses, whose_heights_are_noisy_on_level_ground_are_no_hills)
+{
+  Mistakes noisy;
+  noisy.pose = [](const CPose3D& T, double time_s)
+  { return CPose3D(T.x(), T.y(), 0.04 * std::sin(1e4 * time_s), T.yaw(), 0, 0); };
+  write_drive(kOneSensor, noisy, "ground: [plane: {}]\nrobot: {path_m: [[0, 0], [9, 0]]}\n");
+  const auto told = causes();
+  EXPECT_EQ(told.count("poses have no pitch"), 0U);
+}
+
+TEST_F(TalusMapHintsOfPoses, against_which_the_clock_of_the_scans_is_late_or_early)
+{
+  for (const double late_s : {0.12, -0.08})
+  {
+    Scene scene = room_with(turning_at(0.8, 0.8));
+    scene.late_s = late_s;
+    write_scene(scene);
+    const Outcome done = run("drive.rawlog --no-site --output out");
+    EXPECT_EQ(causes_in(done.err), only("the clock of the scans")) << done.err;
+    const std::string seconds = late_s > 0 ? "0.12 s late" : "0.08 s early";
+    EXPECT_TRUE(done.says("the clock of the scans is " + seconds)) << done.err;
+  }
+}
+
+TEST_F(TalusMapHintsOfPoses, that_turn_fast_while_a_scan_is_taken)
+{
+  for (const double rate_rps : {1.5, 2.5})
+  {
+    Scene scene = room_with(turning_at(rate_rps, rate_rps));
+    write_scene(scene);
+    EXPECT_EQ(causes(), kNone) << "a scan of one moment";
+    scene.sweep_s = 0.1;
+    write_scene(scene);
+    const Outcome done = run("drive.rawlog --no-site --output out");
+    EXPECT_EQ(causes_in(done.err), only("scans are not deskewed")) << rate_rps;
+  }
+}
+
+TEST_F(TalusMapHintsOfPoses, that_turn_slowly_while_a_scan_is_taken_are_right)
+{
+  Scene scene = room_with(turning_at(0.4, 0.4));
+  scene.sweep_s = 0.1;
+  write_scene(scene);
+  EXPECT_EQ(causes(), kNone);
+}
