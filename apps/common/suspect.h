@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -39,21 +40,27 @@ constexpr const char* kCompareWithSource = "It is probably damaged: compare it w
 constexpr const char* kLookAtLog =
     "It is probably damaged: compare it with its source, or look at it with rawlog-edit --info";
 
-/** Does what a wrong file may lead astray: with at most 2 GB more memory than now, which is more
- * than any file needs, under suspicion of that file, and so that want of memory is told by its
+/** More than any file needs. */
+constexpr std::size_t kMostMemory_bytes = std::size_t{2} << 30;
+
+/** Does what a wrong file may lead astray: with at most so much more memory than now, under
+ * suspicion of that file, and so that want of memory is told by its
  * name. Throws std::runtime_error for that, and what `work` throws. */
 template <class F>
-auto guarded(const std::string& file, const std::string& advice, const F& work)
+auto guarded(
+    const std::string& file, const std::string& advice, const F& work,
+    std::size_t most_bytes = kMostMemory_bytes)
 {
   const Suspect suspect(file, advice);
-  const MemoryLimit limit(std::size_t{2} << 30);
+  const MemoryLimit limit(most_bytes);
   try
   {
     return work();
   }
   catch (const std::bad_alloc&)
   {
-    throw std::runtime_error(file + ": needs more memory than there is (or 2 GB). " + advice);
+    throw std::runtime_error(
+        file + ": needs more memory than there is, or than a file of its size can need. " + advice);
   }
 }
 

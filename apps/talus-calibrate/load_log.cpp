@@ -1,5 +1,6 @@
 #include "load_log.h"
 
+#include "../common/log_memory.h"
 #include "../common/log_name.h"
 #include "../common/suspect.h"
 
@@ -29,7 +30,8 @@ io::Trajectory load_poses(const AppOptions& o, std::string& source)
   if (o.trajectory.empty() && !fs::exists(beside, ec))
   {
     auto trajectory = app::guarded(
-        o.log, app::kLookAtLog, [&] { return io::trajectory_from_rawlog(o.log, &source); });
+        o.log, app::kLookAtLog, [&] { return io::trajectory_from_rawlog(o.log, &source); },
+        app::memory_for_log(o.log));
     source += " of the log";
     if (trajectory.entries().size() >= 2) return trajectory;
     throw std::runtime_error(
@@ -37,8 +39,9 @@ io::Trajectory load_poses(const AppOptions& o, std::string& source)
         beside);
   }
   source = o.trajectory.empty() ? beside : o.trajectory;
-  auto trajectory =
-      app::guarded(source, app::kCompareWithSource, [&] { return io::Trajectory::load(source); });
+  auto trajectory = app::guarded(
+      source, app::kCompareWithSource, [&] { return io::Trajectory::load(source); },
+      app::memory_for_log(source));
   if (trajectory.entries().size() < 2)
     throw std::runtime_error(
         source + ": number of poses: " + std::to_string(trajectory.entries().size()) +
@@ -142,14 +145,15 @@ class Loader
 
 LoadedLog load_log(const AppOptions& options, const std::function<void(double)>& progress)
 {
+  const std::size_t memory_bytes = app::memory_for_log(options.log);
   const auto reader = app::guarded(
-      options.log, app::kLookAtLog,
-      [&] { return std::make_unique<io::RawlogReader>(options.log); });
+      options.log, app::kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(options.log); },
+      memory_bytes);
   std::string source;
   PoseTrack track(load_poses(options, source), options.max_gap_s);
   Loader loader(options);
-  while (const auto obs =
-             app::guarded(options.log, app::kLookAtLog, [&] { return reader->next(); }))
+  while (const auto obs = app::guarded(
+             options.log, app::kLookAtLog, [&] { return reader->next(); }, memory_bytes))
   {
     loader.take(*obs);
     progress(reader->progress());

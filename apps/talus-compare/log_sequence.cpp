@@ -1,5 +1,6 @@
 #include "log_sequence.h"
 
+#include "../common/log_memory.h"
 #include "../common/log_name.h"
 #include "../common/suspect.h"
 
@@ -31,8 +32,12 @@ io::Trajectory poses_of(const std::string& path, const std::string& trajectory)
                            : fs::exists(beside, none) ? beside
                                                       : std::string();
   if (file.empty())
-    return app::guarded(path, app::kLookAtLog, [&] { return io::trajectory_from_rawlog(path); });
-  return app::guarded(file, app::kCompareWithSource, [&] { return io::Trajectory::load(file); });
+    return app::guarded(
+        path, app::kLookAtLog, [&] { return io::trajectory_from_rawlog(path); },
+        app::memory_for_log(path));
+  return app::guarded(
+      file, app::kCompareWithSource, [&] { return io::Trajectory::load(file); },
+      app::memory_for_log(file));
 }
 
 /** Where no map is: MRPT's have coordinates of 32 bits, which would be half a metre apart there. */
@@ -84,13 +89,16 @@ Sequence read_log(const std::string& path, const std::string& trajectory, const 
   const io::Trajectory poses = poses_of(path, trajectory);
   if (poses.empty())
     throw std::runtime_error("'" + path + "' holds no poses; pass --trajectory FILE");
-  const auto reader =
-      app::guarded(path, app::kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(path); });
+  const std::size_t memory_bytes = app::memory_for_log(path);
+  const auto reader = app::guarded(
+      path, app::kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(path); },
+      memory_bytes);
   Sequence sequence;
   sequence.name = app::name_of_log(path);
   SensorNumbers sensors;
   int nowhere = 0;
-  while (const auto obs = app::guarded(path, app::kLookAtLog, [&] { return reader->next(); }))
+  while (const auto obs = app::guarded(
+             path, app::kLookAtLog, [&] { return reader->next(); }, memory_bytes))
   {
     if (!sensor.empty() && obs->sensorLabel != sensor) continue;
     SensorPoints points;

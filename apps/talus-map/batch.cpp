@@ -1,6 +1,7 @@
 #include "batch.h"
 
 #include "../common/child_process.h"
+#include "../common/log_memory.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/worker_pool.h"
@@ -30,6 +31,7 @@ class Batch
       devices_ = settings.device ? 1 : count_devices();
     const Sharing shared = share(options, settings, jobs_.size(), cores, devices_);
     at_once_ = shared.at_once;
+    share_log_memory(at_once_);
     options_.memory_mb = shared.memory_mb;
     for (Job& job : jobs_)
     {

@@ -1,5 +1,6 @@
 #include "log_mapper.h"
 
+#include "../common/log_memory.h"
 #include "../common/suspect.h"
 
 #include <talus/io/rawlog_reader.h>
@@ -111,11 +112,14 @@ LogMapper::LogMapper(
 
 void LogMapper::run(const OnFrame& on_frame)
 {
-  const auto reader =
-      guarded(log_, kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(source_.path); });
+  const std::size_t memory_bytes = memory_for_log(source_.path);
+  const auto reader = guarded(
+      log_, kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(source_.path); },
+      memory_bytes);
   poses_ = PoseSource::of_log(source_, log_, options_);
   run_.pose_source = poses_.description();
-  while (const auto obs = guarded(log_, kLookAtLog, [&] { return reader->next(); }))
+  while (const auto obs = guarded(
+             log_, kLookAtLog, [&] { return reader->next(); }, memory_bytes))
     if (take(*obs)) on_frame(*this, reader->progress());
   if (run_.frames.empty()) explain_no_frames();
   if (options_.suggest) return;

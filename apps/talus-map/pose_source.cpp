@@ -1,5 +1,6 @@
 #include "pose_source.h"
 
+#include "../common/log_memory.h"
 #include "../common/log_name.h"
 #include "../common/suspect.h"
 
@@ -47,8 +48,9 @@ PoseSource PoseSource::of_log(const SourceLog& log, const std::string& name, con
 /** `path` may lie in a hidden folder: the description says where its poses come from. */
 void PoseSource::load(const std::string& path)
 {
-  trajectory_ =
-      guarded(description_, kCompareWithSource, [&] { return io::Trajectory::load(path); });
+  trajectory_ = guarded(
+      description_, kCompareWithSource, [&] { return io::Trajectory::load(path); },
+      memory_for_log(path));
   if (trajectory_.empty())
     throw std::runtime_error(
         description_ + ": holds no poses; a trajectory has lines 't x y z qx qy qz qw'");
@@ -77,7 +79,8 @@ void PoseSource::take_logged(const SourceLog& log, const std::string& name, cons
     return load(description_);
   }
   trajectory_ = guarded(
-      name, kLookAtLog, [&] { return io::trajectory_from_rawlog(log.path, &description_); });
+      name, kLookAtLog, [&] { return io::trajectory_from_rawlog(log.path, &description_); },
+      memory_for_log(log.path));
   description_ += " of the log";
   if (trajectory_.empty())
     throw std::runtime_error(

@@ -1,7 +1,13 @@
 // What the logs of a batch of talus-map share when several are mapped at once.
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <fstream>
+#include <string>
+
+#include "apps/common/log_memory.h"
 #include "apps/talus-map/job.h"
+#include "sanitizer.h"
 
 using namespace talus::app;
 
@@ -51,4 +57,23 @@ TEST(Sharing, jobs_that_are_asked_for_get_equal_parts)
   EXPECT_EQ(of(options, 3, 5).at_once, 5U);
   EXPECT_EQ(of(options, 3, 5).threads, 3) << "as asked for";
   EXPECT_EQ(of(options, 3, 5).memory_mb, 128);
+}
+
+TEST(Sharing, reading_a_log_takes_what_its_bytes_can_hold_and_a_part_of_100_mb)
+{
+  TALUS_SKIP_UNDER_SANITIZER("it takes memory of its own");
+  constexpr std::size_t kMegabyte = 1U << 20, kSize = 5000;
+  const std::string plain = testing::TempDir() + "/talus_sharing.rawlog";
+  std::ofstream(plain, std::ios::binary) << std::string(kSize, 'x');
+  EXPECT_EQ(memory_for_log(plain), 100 * kMegabyte + 64 * kSize);
+  share_log_memory(4);
+  EXPECT_EQ(memory_for_log(plain), 25 * kMegabyte + 64 * kSize);
+  share_log_memory(1000);
+  EXPECT_EQ(memory_for_log(plain), 8 * kMegabyte + 64 * kSize) << "the least that works";
+  share_log_memory(1);
+  std::ofstream(plain, std::ios::binary) << "\x1f\x8b" << std::string(kSize - 2, 'x');
+  EXPECT_EQ(memory_for_log(plain), 100 * kMegabyte + 64 * 250 * kSize);
+  std::ofstream(plain, std::ios::binary | std::ios::app) << std::string(kMegabyte, 'x');
+  EXPECT_EQ(memory_for_log(plain), 2048 * kMegabyte);
+  std::remove(plain.c_str());
 }

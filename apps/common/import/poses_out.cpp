@@ -1,5 +1,7 @@
 #include "poses_out.h"
 
+#include "../log_memory.h"
+#include "../suspect.h"
 #include "rawlog_writer.h"
 
 #include <mrpt/poses/CPose3DQuat.h>
@@ -56,7 +58,9 @@ WrittenPoses write_poses(const std::string& tum, const std::string& poses, Merge
   constexpr std::uint64_t kMost_bytes = std::uint64_t{1} << 30;
   if (!poses.empty() && !is_kitti_poses(poses))
   {
-    const auto trajectory = io::Trajectory::load(poses);
+    const auto trajectory = app::guarded(
+        poses, app::kCompareWithSource, [&] { return io::Trajectory::load(poses); },
+        app::memory_for_log(poses));
     io::write_file(
         tum, is_simplemap(poses) ? text_of(trajectory)
                                  : read_input_file(poses, "trajectory", kMost_bytes));

@@ -12,9 +12,7 @@ namespace
 constexpr std::size_t kChunk = 1 << 18;
 constexpr std::size_t kLongestBegin = 4;
 
-// Logs of sensors hardly reach 20 bytes for each that is packed; files that are made to fill a disk
-// or a memory reach 1,000 (gz) and 30,000 (zstd).
-constexpr std::uint64_t kMostPerByte = 250, kNotWorthACheck = std::uint64_t{1} << 30;
+constexpr std::uint64_t kNotWorthACheck = std::uint64_t{1} << 30;
 }  // namespace
 
 PackedFile::PackedFile(const std::string& path)

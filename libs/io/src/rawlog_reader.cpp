@@ -12,6 +12,8 @@
 #include <talus/io/mrpt_error.h>
 #include <talus/io/rawlog_stream.h>
 
+#include "packed_file.h"
+
 #include <deque>
 #include <filesystem>
 #include <string>
@@ -127,6 +129,23 @@ CObservation::Ptr RawlogReader::next()
   impl_->pending.pop_front();
   impl_->load(*obs);
   return obs;
+}
+
+std::uint64_t bytes_of_log(const std::string& path)
+{
+  std::error_code none;
+  const std::uintmax_t own = fs::file_size(path, none);
+  if (none) return 0;
+  std::uint64_t bytes = own;
+  if (own > 0 && PackedFile(path).is_packed()) bytes *= kMostPerByte;
+  for (fs::directory_iterator i(externals_directory(path), none), end; !none && i != end;
+       i.increment(none))
+  {
+    std::error_code is_no_file;
+    const std::uintmax_t size = fs::file_size(i->path(), is_no_file);
+    if (!is_no_file) bytes += size;
+  }
+  return bytes;
 }
 
 double RawlogReader::progress() const { return impl_->stream.progress(); }

@@ -2,6 +2,7 @@
 #include <mrpt/obs/CObservation.h>
 #include <talus/io/trajectory.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -32,6 +33,11 @@ class RawlogReader
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/** How many bytes there are of which the objects of a log, or another file of MRPT, can be made:
+ * its own, 250 for each where it is packed, and those of the folder with its external files. 0
+ * where there is no such file. */
+std::uint64_t bytes_of_log(const std::string& path);
 
 /** The poses that a log holds itself: CObservationRobotPose, else CObservationOdometry, else its
  * action pairs (odometry integrated from the origin), in that order of preference; of several

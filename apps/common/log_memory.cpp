@@ -1,0 +1,38 @@
+#include "log_memory.h"
+
+#include <talus/io/rawlog_reader.h>
+
+#include <algorithm>
+#include <cstdint>
+
+namespace talus::app
+{
+namespace
+{
+constexpr std::uint64_t kMegabyte = 1U << 20;
+constexpr std::uint64_t kMost_bytes = 2048 * kMegabyte, kLeastOfMost_bytes = 256 * kMegabyte;
+constexpr std::uint64_t kMore_bytes = 100 * kMegabyte, kLeastOfMore_bytes = 8 * kMegabyte;
+constexpr std::uint64_t kHeldByAByte = 64;  // of a picture or a line of poses; points take 1 to 3
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kIsSanitized = true;  // takes memory of its own
+#elif defined(__has_feature)
+constexpr bool kIsSanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#else
+constexpr bool kIsSanitized = false;
+#endif
+
+std::uint64_t processes = 1;
+}  // namespace
+
+std::size_t memory_for_log(const std::string& path)
+{
+  const std::uint64_t most = std::max(kMost_bytes / processes, kLeastOfMost_bytes);
+  const std::uint64_t more = std::max(kMore_bytes / processes, kLeastOfMore_bytes);
+  const std::uint64_t bytes = std::min(io::bytes_of_log(path), kMost_bytes);
+  return kIsSanitized ? kMost_bytes : std::min(most, more + kHeldByAByte * bytes);
+}
+
+void share_log_memory(std::size_t at_once) { processes = std::max<std::uint64_t>(at_once, 1); }
+
+}  // namespace talus::app
