@@ -23,7 +23,8 @@ void look_at_scan(const std::string& path, void (*read)(const std::string&, Scan
   for (const std::size_t count : {scan.intensity.size(), scan.time.size(), scan.ring.size()})
     fuzz::require(count == 0 || count == points, "all points have it, or none");
   for (const auto* axis : {&scan.x_m, &scan.y_m, &scan.z_m})
-    for (const float number : *axis) fuzz::require(std::isfinite(number), "points are finite");
+    for (const double number : *axis)
+      fuzz::require(std::isfinite(static_cast<float>(number)), "points are finite");
   for (const float time_s : times_since(1.7e9, scan, time_unit_s(scan)))
     fuzz::require(std::isfinite(time_s), "times are finite");
 }
@@ -49,7 +50,10 @@ void look_at_poses(const std::string& path)
       {
         is_kitti_poses(path);
         const auto read = read_kitti_poses(path);
-        poses.insert(poses.end(), read.begin(), read.end());
+        poses.insert(poses.end(), read.poses.begin(), read.poses.end());
+        fuzz::require(
+            read.frames.empty() || read.frames.size() == read.poses.size(),
+            "all poses have a frame, or none");
       });
   for (const auto& pose : poses)
     fuzz::require(std::isfinite(pose.yaw()) && std::isfinite(pose.norm()), "poses are finite");
@@ -70,7 +74,12 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
       look_at_scan(file.path(), read_ply);
       break;
     case 2:
-      look_at_scan(file.path(), read_kitti_bin);
+      look_at_scan(file.path(), [](const auto& path, ScanFile& scan) { read_bin(path, {}, scan); });
+      look_at_scan(
+          file.path(),
+          [](const auto& path, ScanFile& scan) {
+            read_bin(path, {"x", "y", "z", "intensity", "ring"}, scan);
+          });
       break;
     case 3:
       look_at_times(file.path());

@@ -204,7 +204,9 @@ TEST_F(ScanFolder, of_other_formats_may_bring_poses_of_the_base)
   EXPECT_EQ(scans[10].time_s, 1.0);  // at 10 Hz
   EXPECT_EQ(scans[0].sensor_label, "lidar");
   EXPECT_EQ(source->poses().entries()[1].T_map_base.y(), 5);
-  ASSERT_EQ(source->remarks().size(), 3u);
+  ASSERT_EQ(source->remarks().size(), 4u);
+  EXPECT_EQ(
+      source->remarks()[3], "10 of 12 scans have no pose at their time: talus-map skips them");
   EXPECT_NE(source->remarks()[0].find("--mount lidar="), std::string::npos);
   EXPECT_NE(source->remarks()[1].find("lidar/poses.tum"), std::string::npos);
   EXPECT_NE(source->remarks()[2].find("10 a second (--rate)"), std::string::npos);

@@ -93,7 +93,7 @@ ImportedLog import_log(
   ImportedLog made = write_scans(options.source, log, merged, progress);
   require_points(sources.front(), made);
   require_sensors(options.source, made);
-  made.poses = write_poses(tum, options.source.poses, merged);
+  made.poses = write_poses(tum, options.source, merged);
   require_poses_in_time(made);
   made.remarks = merged.remarks();
   return made;

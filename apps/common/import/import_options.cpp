@@ -2,6 +2,8 @@
 
 #include "../command_line.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -32,6 +34,46 @@ std::string read_mounting(const std::string& text, SourceOptions& options)
   return "";
 }
 
+/** An option with two words; `value` is whether it is the second. */
+void add_choice(
+    CLI::App& app, const char* name, const std::array<std::string, 2>& words, bool& value,
+    const std::string& help)
+{
+  app.add_option_function<std::string>(
+         name, [&value, second = words[1]](const std::string& word) { value = word == second; },
+         help)
+      ->check(CLI::IsMember({words[0], words[1]}).description(""))
+      ->type_name(words[0] + "|" + words[1]);
+}
+
+/** What is wrong with the names of fields, or "". */
+std::string mistake_in_fields(const std::vector<std::string>& fields)
+{
+  for (const char* axis : {"x", "y", "z"})
+    if (std::count(fields.begin(), fields.end(), axis) != 1)
+      return std::string("they have no ") + axis + ", or more than one";
+  constexpr std::size_t kMost = 64;
+  if (fields.size() > kMost) return "more than 64";
+  if (std::find(fields.begin(), fields.end(), "") != fields.end()) return "one has no name";
+  return "";
+}
+
+void add_fields(CLI::App& app, SourceOptions& o)
+{
+  app.add_option_function<std::vector<std::string>>(
+         "--fields",
+         [&o](const std::vector<std::string>& fields)
+         {
+           if (const auto wrong = mistake_in_fields(fields); !wrong.empty())
+             throw CLI::ValidationError("--fields", wrong);
+           o.fields = fields;
+         },
+         "The floats of a point in .bin files, such as x,y,z,intensity,ring (else KITTI's four)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NAMES");
+}
+
 void add_options_of_all(CLI::App& app, SourceOptions& o)
 {
   app.add_option(
@@ -39,6 +81,16 @@ void add_options_of_all(CLI::App& app, SourceOptions& o)
          "Of the base: TUM text or an MRPT .simplemap; of KITTI's camera: 12 numbers a line")
       ->check(app::not_empty())
       ->type_name("FILE");
+  add_choice(
+      app, "--poses-of", {"base", "sensor"}, o.poses_of_sensor,
+      "Whose poses they are: SLAM programs often write those of the (first) sensor");
+  add_choice(
+      app, "--clouds-in", {"sensor", "map"}, o.clouds_in_map,
+      "The frame of the points; those in the map are brought back by the poses");
+  app.add_flag(
+      "--partial", o.partial,
+      "Read what is whole: of a bag that is cut or damaged, of a folder with fewer poses than "
+      "scans");
   app.add_option_function<std::vector<std::string>>(
          "--mount",
          [&o](const std::vector<std::string>& all)
@@ -73,13 +125,13 @@ void add_options_of_bags(CLI::App& app, SourceOptions& o)
   app.add_flag(
       "--recorded-times", o.recorded_times,
       "Of a bag: scans have the time at which they were recorded, not that of the sensor's clock");
-  app.add_flag("--partial", o.partial, "Of a bag that is cut or damaged: read what is whole in it");
 }
 }  // namespace
 
 void add_import_options(CLI::App& app, ImportOptions& options)
 {
   add_options_of_all(app, options.source);
+  add_fields(app, options.source);
   add_options_of_bags(app, options.source);
 }
 

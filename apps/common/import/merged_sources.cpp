@@ -49,6 +49,8 @@ MergedSources::MergedSources(const std::vector<std::string>& paths, const Source
   // Those of KITTI's camera are turned by the first source.
   SourceOptions of_rest = options;
   of_rest.own_poses = options.poses.empty() || !is_kitti_poses(options.poses);
+  SourceOptions of_first = options;
+  of_first.is_only_source = of_rest.is_only_source = paths.size() == 1;
   const auto bags = bags_among(paths);
   bool has_bags = false;
   sources_.reserve(paths.size());
@@ -59,7 +61,7 @@ MergedSources::MergedSources(const std::vector<std::string>& paths, const Source
     has_bags = has_bags || is_bag;
     Source source;
     source.path = path;
-    const auto& its_options = sources_.empty() ? options : of_rest;
+    const auto& its_options = sources_.empty() ? of_first : of_rest;
     source.scans = watched(
         path, [&]
         { return is_bag ? open_bags(bags, its_options) : open_scan_source(path, its_options); });

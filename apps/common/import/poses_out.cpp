@@ -53,10 +53,12 @@ WrittenPoses measured(const io::Trajectory& trajectory, const std::string& sourc
 }
 }  // namespace
 
-WrittenPoses write_poses(const std::string& tum, const std::string& poses, MergedSources& sources)
+WrittenPoses write_poses(
+    const std::string& tum, const SourceOptions& options, MergedSources& sources)
 {
+  const std::string& poses = options.poses;
   constexpr std::uint64_t kMost_bytes = std::uint64_t{1} << 30;
-  if (!poses.empty() && !is_kitti_poses(poses))
+  if (!poses.empty() && !options.poses_of_sensor && !is_kitti_poses(poses))
   {
     const auto trajectory = app::guarded(
         poses, app::kCompareWithSource, [&] { return io::Trajectory::load(poses); },

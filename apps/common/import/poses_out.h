@@ -14,9 +14,10 @@ struct WrittenPoses
   std::string source;  //!< file or folder that they come from
 };
 
-/** Writes the poses of a log, whose scans were all read, as TUM text: those of the file `poses`, a
- * TUM file as it is, else those that the sources have. Throws std::runtime_error that names the
- * file and what is wrong. */
-WrittenPoses write_poses(const std::string& tum, const std::string& poses, MergedSources& sources);
+/** Writes the poses of a log, whose scans were all read, as TUM text: those of the file that the
+ * options name, a TUM file with poses of the base as it is, else those that the sources have.
+ * Throws std::runtime_error that names the file and what is wrong. */
+WrittenPoses write_poses(
+    const std::string& tum, const SourceOptions& options, MergedSources& sources);
 
 }  // namespace talus::import

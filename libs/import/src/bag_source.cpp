@@ -215,7 +215,7 @@ std::vector<std::string> BagSource::remarks() const
 }
 }  // namespace
 
-std::unique_ptr<ScanSource> open_bags(
+std::unique_ptr<ScanSource> open_bag_source(
     const std::vector<std::string>& paths, const SourceOptions& options)
 {
   return std::make_unique<BagSource>(paths, options);

@@ -1,10 +1,11 @@
-#include <talus/import/scan_source.h>
+#include "bag_source.h"
 
 #include <stdexcept>
 
 namespace talus::import
 {
-std::unique_ptr<ScanSource> open_bags(const std::vector<std::string>& paths, const SourceOptions&)
+std::unique_ptr<ScanSource> open_bag_source(
+    const std::vector<std::string>& paths, const SourceOptions&)
 {
   throw std::runtime_error(
       paths.front() +

@@ -137,6 +137,13 @@ void find_what_belongs_to_it(const std::string& scans, FolderLayout& layout)
   if (sequence.parent_path().filename() == "sequences")
     poses.push_back(
         sequence.parent_path().parent_path() / "poses" / (sequence.filename().string() + ".txt"));
+  if (sequence.parent_path().filename() == "data_3d_raw")
+  {
+    const fs::path kitti_360 = sequence.parent_path().parent_path();
+    poses.push_back(kitti_360 / "data_poses" / sequence.filename() / "poses.txt");
+    layout.kitti_360 =
+        fs::path(first_of({kitti_360 / "calibration" / "calib_cam_to_velo.txt"})).parent_path();
+  }
   layout.times = first_of(times);
   layout.calibration = first_of(calibrations);
   layout.poses = first_of(poses);

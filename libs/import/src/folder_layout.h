@@ -13,12 +13,13 @@ struct FolderLayout
   io::ForeignScans kind = io::ForeignScans::None;  //!< of all of them
   std::string label;  //!< of the sensor: the name of the folder
   std::string times, calibration, poses;
+  std::string kitti_360;  //!< its folder `calibration`
 };
 
 /** Looks into a folder, or beside a single file. KITTI's layouts: a sequence of the odometry data
  * (velodyne/, times.txt, calib.txt; poses.txt in it or poses/NN.txt beside sequences/), a drive of
- * the raw data (velodyne_points/). Throws std::runtime_error that names the folder, what is wrong
- * and what to do. */
+ * the raw data (velodyne_points/), one of KITTI-360 (below data_3d_raw/). Throws std::runtime_error
+ * that names the folder, what is wrong and what to do. */
 FolderLayout find_layout(const std::string& path);
 
 }  // namespace talus::import

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -55,6 +56,24 @@ CPose3D read_pose(const std::string& path, TextLines& lines)
     fail(path, lines.line_number(), "has no rotation matrix");
   return CPose3D(R, mrpt::math::CMatrixDouble31({v[3], v[7], v[11]}));
 }
+
+std::size_t count_words(TextLines lines)
+{
+  std::size_t words = 0;
+  while (!lines.next_word().empty()) ++words;
+  return words;
+}
+
+/** The number of the frame at the beginning of a line of KITTI-360. */
+std::size_t read_frame(const std::string& path, TextLines& lines)
+{
+  const auto word = lines.next_word();
+  std::size_t frame = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), frame);
+  if (error != std::errc() || end != word.data() + word.size())
+    fail(path, lines.line_number(), shown(word) + " is not the number of a frame");
+  return frame;
+}
 }  // namespace
 
 bool is_kitti_poses(const std::string& path)
@@ -71,20 +90,25 @@ bool is_kitti_poses(const std::string& path)
     for (auto word = lines.next_word(); !word.empty(); word = lines.next_word(), ++words)
       if (!number_from(word)) break;
     if (lines.line().find_first_not_of(" \t\r") == std::string_view::npos) continue;
-    if (lines.line()[0] != '#') return words == kNumbers;
+    if (lines.line()[0] != '#') return words == kNumbers || words == kNumbers + 1;
   }
   return false;
 }
 
-std::vector<CPose3D> read_kitti_poses(const std::string& path)
+KittiPoses read_kitti_poses(const std::string& path)
 {
   const std::string text = read_input_file(path, "list of poses", kMost_bytes);
   TextLines lines(text);
-  std::vector<CPose3D> poses;
+  KittiPoses all;
   while (lines.next_line())
-    if (lines.line().find_first_not_of(" \t\r") != std::string_view::npos && lines.line()[0] != '#')
-      poses.push_back(read_pose(path, lines));
-  return poses;
+  {
+    if (lines.line().find_first_not_of(" \t\r") == std::string_view::npos || lines.line()[0] == '#')
+      continue;
+    if (all.poses.empty() ? count_words(lines) == kNumbers + 1 : !all.frames.empty())
+      all.frames.push_back(read_frame(path, lines));
+    all.poses.push_back(read_pose(path, lines));
+  }
+  return all;
 }
 
 CPose3D read_kitti_calibration(const std::string& path)
@@ -101,6 +125,28 @@ CPose3D read_kitti_calibration(const std::string& path)
       path +
       ": has no line 'Tr:' with the place of the scanner before the camera. Take the "
       "calib.txt that comes with KITTI's velodyne scans.");
+}
+
+CPose3D read_kitti_360_calibration(const std::string& folder)
+{
+  const auto pose_in = [&folder](const char* name, const char* key)
+  {
+    const std::string path = folder + "/" + name;
+    const std::string text = read_input_file(path, "calibration", kMost_bytes);
+    TextLines lines(text);
+    while (lines.next_line())
+    {
+      TextLines line = lines;
+      if (key && line.next_word() != key) continue;
+      return read_pose(path, line);
+    }
+    throw std::runtime_error(
+        path + ": has no line '" + (key ? key : "R t") +
+        "'. Take the one that comes with KITTI-360.");
+  };
+  const CPose3D T_pose_camera = pose_in("calib_cam_to_pose.txt", "image_00:"),
+                T_scanner_camera = pose_in("calib_cam_to_velo.txt", nullptr);
+  return T_pose_camera + (-T_scanner_camera);
 }
 
 }  // namespace talus::import

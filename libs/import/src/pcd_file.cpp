@@ -221,6 +221,15 @@ std::vector<PointField> named(const Header& header)
   return fields;
 }
 
+/** Text has all digits, whatever the type is called. */
+std::vector<PointField> named_in_text(const Header& header)
+{
+  auto fields = named(header);
+  for (PointField& f : fields)
+    if (f.type == NumberType::Float32) f.type = NumberType::Float64;
+  return fields;
+}
+
 /** Points of which all numbers of a field follow each other, or all of a point. */
 void read_binary(
     const std::string& path, const Header& header, std::string_view data, bool by_field,
@@ -335,7 +344,7 @@ void read_ascii(const std::string& path, const Header& header, std::string_view 
   // A number and a blank need two bytes.
   const auto at_most = static_cast<std::size_t>(
       std::min<std::uint64_t>(header.points, data.size() / (2 * header.fields.size()) + 1));
-  PointCollector points(named(header), at_most, path, out);
+  PointCollector points(named_in_text(header), at_most, path, out);
   AsciiPoint point(header, points.wanted());
   TextLines lines(data);
   std::uint64_t read = 0;

@@ -301,7 +301,9 @@ class AsciiReader
 
 void AsciiReader::read(const Element& vertices, std::size_t bytes, ScanFile& out)
 {
-  const auto fields = named(path_, vertices);
+  auto fields = named(path_, vertices);
+  for (PointField& f : fields)  // text has all digits, whatever the type is called
+    if (f.type == NumberType::Float32) f.type = NumberType::Float64;
   const std::uint64_t at_most = bytes / (2 * std::max<std::size_t>(fields.size(), 1)) + 1;
   PointCollector points(
       fields, static_cast<std::size_t>(std::min(vertices.count, at_most)), path_, out);

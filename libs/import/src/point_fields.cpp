@@ -1,5 +1,8 @@
 #include "point_fields.h"
 
+#include <talus/io/quantile.h>
+#include <talus/number_text.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -67,6 +70,44 @@ std::string names_of(const std::vector<PointField>& fields)
   for (std::size_t i = 0; i < std::min<std::size_t>(fields.size(), 12); ++i)
     names += (names.empty() ? "" : " ") + fields[i].name.substr(0, 24);
   return names.empty() ? "none" : names;
+}
+
+/** No sensor sees its points so far away: these are world coordinates. Floats count 1 mm here. */
+constexpr double kWorld_m = 1e4;
+
+using Axis = std::vector<double> ScanFile::*;
+constexpr Axis kAxes[] = {&ScanFile::x_m, &ScanFile::y_m, &ScanFile::z_m};
+
+bool has_far_points(const ScanFile& file)
+{
+  for (const Axis axis : kAxes)
+    for (const double value : file.*axis)
+      if (std::abs(value) > kWorld_m) return true;
+  return false;
+}
+
+/** Whole metres in the middle of points in world coordinates; else 0. */
+std::array<double, 3> origin_of(const ScanFile& file)
+{
+  std::array<double, 3> middle_m{};
+  if (!has_far_points(file)) return middle_m;
+  for (std::size_t i = 0; i < 3; ++i) middle_m[i] = std::round(io::quantile(file.*kAxes[i], 0.5));
+  const double far_m = std::hypot(middle_m[0], middle_m[1], middle_m[2]);
+  return far_m > kWorld_m ? middle_m : std::array<double, 3>{};
+}
+
+/** What floats lose so far away. */
+void require_exact(const ScanFile& file, const std::array<double, 3>& origin_m)
+{
+  constexpr double kMost_m = 0.01;
+  float far_m = 0;
+  for (const double value : origin_m) far_m = std::max(far_m, static_cast<float>(std::abs(value)));
+  const double step_m = std::nextafter(far_m, std::numeric_limits<float>::infinity()) - far_m;
+  if (!file.float_coordinates || step_m <= kMost_m) return;
+  throw std::runtime_error(
+      file.place + ": its points lie " + number_text(std::round(far_m / 1000)) +
+      " km from their origin and are floats, which count in steps of " + number_text(step_m, 2) +
+      " m there. Write them as doubles, or take an offset off before they are written.");
 }
 }  // namespace
 
@@ -155,6 +196,9 @@ PointCollector::PointCollector(
           std::to_string(fields[at].count) +
           " numbers a point instead of one. Write the cloud again, each number as a field.");
   out = ScanFile();
+  out.place = place;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    out.float_coordinates |= fields[wanted_[axis]].type == NumberType::Float32;
   if (time_ >= 0) out.whole_times = is_whole(fields[wanted_[static_cast<std::size_t>(time_)]].type);
   for (auto* axis : {&out.x_m, &out.y_m, &out.z_m}) axis->reserve(points);
   if (intensity_ >= 0) out.intensity.reserve(points);
@@ -170,9 +214,9 @@ void PointCollector::add(const double* values)
     ++out_->not_finite;
     return;
   }
-  out_->x_m.push_back(static_cast<float>(values[0]));
-  out_->y_m.push_back(static_cast<float>(values[1]));
-  out_->z_m.push_back(static_cast<float>(values[2]));
+  out_->x_m.push_back(values[0]);
+  out_->y_m.push_back(values[1]);
+  out_->z_m.push_back(values[2]);
   if (time_ >= 0) out_->time.push_back(values[time_]);
   if (intensity_ >= 0)
   {
@@ -189,9 +233,16 @@ void PointCollector::add(const double* values)
 
 void take_points(ScanFile& file, ImportedScan& scan)
 {
-  scan.x_m.swap(file.x_m);
-  scan.y_m.swap(file.y_m);
-  scan.z_m.swap(file.z_m);
+  scan.origin_m = origin_of(file);
+  require_exact(file, scan.origin_m);
+  std::vector<float>* const axes[] = {&scan.x_m, &scan.y_m, &scan.z_m};
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    axes[i]->clear();
+    axes[i]->reserve((file.*kAxes[i]).size());
+    for (const double value : file.*kAxes[i])
+      axes[i]->push_back(static_cast<float>(value - scan.origin_m[i]));
+  }
   scan.intensity.swap(file.intensity);
   scan.ring.swap(file.ring);
   scan.not_finite = file.not_finite;

@@ -42,7 +42,9 @@ struct PointField
 /** A scan as its file has it. */
 struct ScanFile
 {
-  std::vector<float> x_m, y_m, z_m;  //!< finite
+  std::string place;  //!< file, or message of a bag
+  std::vector<double> x_m, y_m, z_m;  //!< finite, also as floats
+  bool float_coordinates = false;  //!< the file has them as floats
   std::vector<float> intensity;  //!< empty, or one a point; so the next ones
   std::vector<double> time;  //!< in the unit and since the moment that the file means
   std::vector<std::uint16_t> ring;
@@ -73,8 +75,9 @@ class PointCollector
   ScanFile* out_;
 };
 
-/** Moves what is the same in both into `scan`: all but times and viewpoint. The vectors of `file`
- * are then those that `scan` had, to be filled again. */
+/** Moves what is the same in both into `scan`: all but times and viewpoint. Points that lie farther
+ * away than floats count millimetres get an origin_m beside them. Throws std::runtime_error that
+ * names the place where the file has such points as floats: they are rounded already. */
 void take_points(ScanFile& file, ImportedScan& scan);
 
 /** Seconds of one unit of the times of points. */

@@ -13,8 +13,10 @@ constexpr std::uint64_t kLargestScan_bytes = std::uint64_t{1} << 30;
 // what is wrong and what to do. Takes no more memory than some times the bytes of the file (a
 // compressed one: of what it unpacks to, which kLargestScan_bytes bounds).
 
-/** KITTI: x, y, z and reflectance, a float each. */
-void read_kitti_bin(const std::string& path, ScanFile& out);
+/** Floats without a header. `fields`: their names in the order of a point; empty: those of KITTI
+ * (x, y, z, reflectance), or of nuScenes (x, y, z, intensity, ring) for its `.pcd.bin`. Refused
+ * where the numbers tell that a point has another count of them. */
+void read_bin(const std::string& path, const std::vector<std::string>& fields, ScanFile& out);
 
 /** The Point Cloud Library's: ascii, binary and binary_compressed, version 0.6 and 0.7. */
 void read_pcd(const std::string& path, ScanFile& out);

@@ -1,6 +1,5 @@
 #include "scan_folder.h"
 
-#include <talus/import/kitti_poses.h>
 #include <talus/number_text.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "folder_layout.h"
+#include "folder_poses.h"
 #include "scan_files.h"
 #include "scan_times.h"
 
@@ -22,12 +22,17 @@ namespace
 {
 using io::ForeignScans;
 
-void read_scan(const std::string& path, ForeignScans kind, ScanFile& out)
+void read_scan(
+    const std::string& path, ForeignScans kind, const std::vector<std::string>& fields,
+    ScanFile& out)
 {
+  if (!fields.empty() && kind != ForeignScans::Bin)
+    throw std::runtime_error(
+        path + ": names its fields itself: leave out --fields, which is for .bin files.");
   switch (kind)
   {
     case ForeignScans::Bin:
-      return read_kitti_bin(path, out);
+      return read_bin(path, fields, out);
     case ForeignScans::Pcd:
       return read_pcd(path, out);
     case ForeignScans::Ply:
@@ -35,6 +40,13 @@ void read_scan(const std::string& path, ForeignScans kind, ScanFile& out)
     default:
       throw std::runtime_error(path + ": " + io::how_to_import(path, kind));
   }
+}
+
+constexpr double kSinceEpoch_s = 1e9;  //!< times that are not since a start of something
+
+double first_time_s(const ScanFile& scan, double unit_s)
+{
+  return unit_s * *std::min_element(scan.time.begin(), scan.time.end());
 }
 
 /** KITTI's scanner above the road, as its page on the car says. */
@@ -56,11 +68,13 @@ class ScanFolder : public ScanSource
  private:
   bool is_of_kitti() const
   {
-    return layout_.kind == ForeignScans::Bin && !layout_.calibration.empty();
+    return layout_.kind == ForeignScans::Bin &&
+           !(layout_.calibration.empty() && layout_.kitti_360.empty());
   }
   void set_mounting(const SourceOptions& options);
   void set_times();
-  void set_poses(const std::string& given);
+  void set_poses(const SourceOptions& options);
+  bool has_times_of_points() const;
   /** The time of the scan that was just read: a file's own where nothing beside it says one. */
   double time_of_scan(std::size_t number, double unit_s);
   void tell_once(bool& told, const std::string& remark)
@@ -72,13 +86,12 @@ class ScanFolder : public ScanSource
 
   FolderLayout layout_;
   CPose3D T_base_sensor_;
+  std::vector<std::string> fields_;  //!< of .bin files
   double rate_hz_;
   std::vector<double> times_s_;  //!< a scan each; empty: those in the files, else by the rate
-  std::string tum_;  //!< poses of the base
-  std::vector<double> pose_times_s_;  //!< of those in tum_, where there is one a scan
-  std::vector<CPose3D> T_map_sensor_;  //!< a scan each; empty: the viewpoints in the files
-  std::vector<double> read_times_s_;  //!< of what was read
-  std::vector<io::Trajectory::Entry> viewpoints_;
+  FolderPoses poses_;
+  double last_s_ = 0;  //!< of what was read
+  std::vector<io::Trajectory::Entry> read_poses_;  //!< one a scan, of poses_ or the viewpoints
   std::optional<double> unit_s_;  //!< of the times of points, as the first scan has it
   ScanFile file_;
   std::size_t next_ = 0;
@@ -87,12 +100,19 @@ class ScanFolder : public ScanSource
 };
 
 ScanFolder::ScanFolder(const std::string& path, const SourceOptions& options)
-    : layout_(find_layout(path)), rate_hz_(options.rate_hz)
+    : layout_(find_layout(path)), fields_(options.fields), rate_hz_(options.rate_hz)
 {
   set_mounting(options);
-  read_scan(layout_.scans.front(), layout_.kind, file_);  // what is no scan shows at once
+  read_scan(layout_.scans.front(), layout_.kind, fields_, file_);  // what is no scan shows at once
   set_times();
-  if (options.own_poses) set_poses(options.poses);
+  if (options.own_poses) set_poses(options);
+  const bool has_poses = !poses_.tum.empty() || !poses_.T_map_sensor.empty() || file_.viewpoint;
+  if (options.clouds_in_map && !has_poses)
+    throw std::runtime_error(
+        path + ": --clouds-in map takes the poses of the sensor from a trajectory, and " +
+        (options.own_poses ? "there is none: pass --poses FILE."
+                           : "poses of KITTI's camera are those of the first folder: pass poses "
+                             "as TUM text."));
 }
 
 void ScanFolder::set_mounting(const SourceOptions& options)
@@ -126,49 +146,39 @@ void ScanFolder::set_times()
   for (const std::size_t line : lines) times_s_.push_back(times_s[line]);
 }
 
-void ScanFolder::set_poses(const std::string& given)
+void ScanFolder::set_poses(const SourceOptions& options)
 {
-  const std::string path = given.empty() ? layout_.poses : given;
+  const std::string path = options.poses.empty() ? layout_.poses : options.poses;
   if (path.empty()) return;
-  if (given.empty()) remarks_.push_back("the poses are those of " + path);
-  if (!is_kitti_poses(path))
-  {
-    tum_ = path;
-    const auto entries = io::Trajectory::load(path).entries();
-    if (entries.size() != layout_.scans.size()) return;
-    pose_times_s_.reserve(entries.size());
-    for (const auto& entry : entries) pose_times_s_.push_back(entry.time_s);
-    return;
-  }
-  if (layout_.calibration.empty())
-    throw std::runtime_error(
-        path +
-        ": has poses of KITTI's camera; to turn them into those of the scanner, calib.txt "
-        "with its line 'Tr:' belongs beside the scans in " +
-        layout_.label +
-        ". Copy it there (poses of the scanner itself: Tr: 1 0 0 0 0 1 0 0 0 0 1 0).");
-  const auto T_camera_scanner = read_kitti_calibration(layout_.calibration);
-  const auto poses = read_kitti_poses(path);
-  const auto lines = lines_of_scans(layout_.scans, poses.size(), path);
-  T_map_sensor_.reserve(lines.size());
-  for (const std::size_t line : lines)
-    T_map_sensor_.push_back((-T_camera_scanner) + poses[line] + T_camera_scanner);
+  if (options.poses.empty()) remarks_.push_back("the poses are those of " + path);
+  poses_ = read_folder_poses(path, layout_, options, !times_s_.empty() || has_times_of_points());
+  const auto count = layout_.scans.size();
+  if (poses_.scans == count) return;
+  layout_.scans.resize(poses_.scans);
+  if (layout_.scans.empty()) throw std::runtime_error(path + ": has no poses.");
+  remarks_.push_back(
+      "the last " + std::to_string(count - poses_.scans) + " of " + std::to_string(count) +
+      " scans of " + layout_.label + " are left out: " + path + " has no poses for them");
+}
+
+/** Whether the points of the first scan say when since 1970 they were taken. */
+bool ScanFolder::has_times_of_points() const
+{
+  return !file_.time.empty() && first_time_s(file_, time_unit_s(file_)) >= kSinceEpoch_s;
 }
 
 double ScanFolder::time_of_scan(std::size_t number, double unit_s)
 {
   if (!times_s_.empty()) return times_s_[number];
-  constexpr double kSinceEpoch_s = 1e9;
   if (!file_.time.empty())
-    if (const double first_s = unit_s * *std::min_element(file_.time.begin(), file_.time.end());
-        first_s >= kSinceEpoch_s)
+    if (const double first_s = first_time_s(file_, unit_s); first_s >= kSinceEpoch_s)
       return first_s;
-  if (!pose_times_s_.empty())
+  if (!poses_.times_s.empty())
   {
     tell_once(
         told_rate_, "nothing says when the scans of " + layout_.label +
                         " were taken: one at each of the poses, of which there are as many");
-    return pose_times_s_[number];
+    return poses_.times_s[number];
   }
   tell_once(
       told_rate_, "nothing says when the scans of " + layout_.label +
@@ -178,7 +188,7 @@ double ScanFolder::time_of_scan(std::size_t number, double unit_s)
 
 void ScanFolder::require_order(std::size_t number, double time_s) const
 {
-  if (number == 0 || time_s > read_times_s_.back()) return;
+  if (number == 0 || time_s > last_s_) return;
   throw std::runtime_error(
       layout_.scans[number] + ": its points are no later than those of " +
       layout_.scans[number - 1] + ", though its name is. Rename the files into the order of time.");
@@ -188,7 +198,7 @@ bool ScanFolder::next(ImportedScan& scan)
 {
   if (next_ == layout_.scans.size()) return false;
   const std::size_t number = next_;
-  if (number > 0) read_scan(layout_.scans[number], layout_.kind, file_);
+  if (number > 0) read_scan(layout_.scans[number], layout_.kind, fields_, file_);
   if (!unit_s_ && !file_.time.empty()) unit_s_ = time_unit_s(file_);
   const double unit_s = unit_s_.value_or(1);
   const double time_s = time_of_scan(number, unit_s);
@@ -206,20 +216,16 @@ bool ScanFolder::next(ImportedScan& scan)
         "the times of the points are left out: they lie more than a minute from those "
         "of the scans, first in " +
             layout_.scans[number]);
-  read_times_s_.push_back(time_s);
-  if (file_.viewpoint) viewpoints_.push_back({time_s, *file_.viewpoint + (-T_base_sensor_)});
+  last_s_ = time_s;
+  scan.T_map_sensor = poses_.T_map_sensor.empty() ? file_.viewpoint : poses_.T_map_sensor[number];
+  if (!poses_.tum.empty()) scan.T_map_sensor.reset();
+  if (scan.T_map_sensor) read_poses_.push_back({time_s, *scan.T_map_sensor + (-T_base_sensor_)});
   return true;
 }
 
 io::Trajectory ScanFolder::poses()
 {
-  if (!tum_.empty()) return io::Trajectory::load(tum_);
-  if (T_map_sensor_.empty()) return io::Trajectory(viewpoints_);
-  std::vector<io::Trajectory::Entry> entries;
-  entries.reserve(read_times_s_.size());
-  for (std::size_t i = 0; i < read_times_s_.size(); ++i)
-    entries.push_back({read_times_s_[i], T_map_sensor_[i] + (-T_base_sensor_)});
-  return io::Trajectory(entries);
+  return poses_.tum.empty() ? io::Trajectory(read_poses_) : io::Trajectory::load(poses_.tum);
 }
 }  // namespace
 

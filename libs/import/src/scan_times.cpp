@@ -61,8 +61,9 @@ std::string name_of(const std::string& scan)
 {
   return std::filesystem::path(scan).filename().stem().string();
 }
+}  // namespace
 
-std::optional<std::size_t> number_of(const std::string& scan)
+std::optional<std::size_t> number_of_scan(const std::string& scan)
 {
   const std::string name = name_of(scan);
   std::size_t number = 0;
@@ -71,7 +72,13 @@ std::optional<std::size_t> number_of(const std::string& scan)
   if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
   return number;
 }
-}  // namespace
+
+bool have_lines_by_number(const std::vector<std::string>& scans, std::size_t lines)
+{
+  return std::all_of(
+      scans.begin(), scans.end(),
+      [=](const std::string& scan) { return number_of_scan(scan).value_or(lines) < lines; });
+}
 
 std::vector<double> read_times(const std::string& path)
 {
@@ -107,7 +114,8 @@ std::vector<std::size_t> lines_of_scans(
   in_order.reserve(scans.size());
   for (const auto& scan : scans)
   {
-    if (const auto number = number_of(scan); number && *number < lines) numbers.push_back(*number);
+    if (const auto number = number_of_scan(scan); number && *number < lines)
+      numbers.push_back(*number);
     in_order.push_back(in_order.size());
   }
   if (numbers.size() == scans.size()) return numbers;

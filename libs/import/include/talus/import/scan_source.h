@@ -2,10 +2,12 @@
 #include <mrpt/poses/CPose3D.h>
 #include <talus/io/trajectory.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,11 @@ struct ImportedScan
   mrpt::poses::CPose3D T_base_sensor;  //!< the mounting
   /** In the frame of the sensor [m]; finite. */
   std::vector<float> x_m, y_m, z_m;
+  /** Where x_m, y_m and z_m count from [m]: 0, but for points in world coordinates, which are more
+   * than a float can hold. Those that open_scan_source() gives are always 0. */
+  std::array<double, 3> origin_m{};
+  /** The pose of the sensor, where its source has one for each scan; else its poses() tell. */
+  std::optional<mrpt::poses::CPose3D> T_map_sensor;
   std::vector<float> intensity;  //!< as the file has it; empty, or one a point
   std::vector<float> point_time_s;  //!< relative to time_s; empty, or one a point
   std::vector<std::uint16_t> ring;  //!< the beam; empty, or one a point
@@ -39,7 +46,7 @@ class ScanSource
   virtual double progress() const = 0;
 
   /** Poses of the base in the map frame that the source itself has; complete once next() gave
-   * false. Empty when it has none. */
+   * false. Empty when it has none. Those that lie beside the scans are there from the beginning. */
   virtual io::Trajectory poses() = 0;
 
   /** What a person should know of how it was read, a sentence each without its full stop; complete
@@ -50,8 +57,8 @@ class ScanSource
 /** What only some kinds of source ask for; each names its option in its errors. */
 struct SourceOptions
 {
-  std::string poses;  //!< --poses FILE: TUM, KITTI (12 numbers a line) or .simplemap; "": those of
-                      //!< the source
+  std::string poses;  //!< --poses FILE: TUM, KITTI (12 or 13 numbers a line) or .simplemap; "":
+                      //!< those of the source
   bool own_poses = true;  //!< false: a folder need not look for poses, another source has them
   std::vector<std::string> topics;  //!< --topic NAME, of bags; empty: all with PointCloud2
   std::string base_frame;  //!< --base-frame NAME, of TF; "": base_link, base_footprint or the child
@@ -59,7 +66,12 @@ struct SourceOptions
   std::string map_frame;  //!< --map-frame NAME, of TF; "": map, else odom
   bool recorded_times = false;  //!< --recorded-times, of bags: scans have the time of recording,
                                 //!< not the stamp of their sensor
-  bool partial = false;  //!< --partial, of bags that are cut: what is before the cut
+  bool partial = false;  //!< --partial: of bags that are cut what is before the cut, of folders
+                         //!< with fewer poses than scans as many of the first scans
+  bool poses_of_sensor = false;  //!< --poses-of sensor: of the first one, not of the base
+  bool clouds_in_map = false;  //!< --clouds-in map: points lie in the frame of the poses
+  bool is_only_source = true;  //!< false: there are others, which have to agree on one map
+  std::vector<std::string> fields;  //!< --fields: of a point in .bin files; empty: KITTI's four
   double rate_hz = 10;  //!< --rate, of folders without times
   std::map<std::string, mrpt::poses::CPose3D> mountings;  //!< --mount, by label: T_base_sensor
 };

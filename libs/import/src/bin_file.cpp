@@ -1,0 +1,107 @@
+#include <talus/input_file.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "bin_columns.h"
+#include "scan_files.h"
+
+namespace talus::import
+{
+namespace
+{
+constexpr std::size_t kFloat_bytes = 4;
+
+bool ends_with(const std::string& text, const std::string& ending)
+{
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+/** The fields that are given, else those of the data set that the name tells. */
+std::vector<PointField> fields_of(const std::string& path, const std::vector<std::string>& given)
+{
+  const std::vector<std::string> kitti = {"x", "y", "z", "reflectance"},
+                                 nuscenes = {"x", "y", "z", "intensity", "ring"};
+  const auto& names = !given.empty() ? given : ends_with(path, ".pcd.bin") ? nuscenes : kitti;
+  std::vector<PointField> fields;
+  fields.reserve(names.size());
+  for (const auto& name : names) fields.push_back({name, NumberType::Float32});
+  return fields;
+}
+
+std::string listed(const std::vector<PointField>& fields)
+{
+  std::string list;
+  for (const auto& field : fields) list += (list.empty() ? "" : " ") + field.name;
+  return list;
+}
+
+/** What --fields may say of so many floats a point. */
+std::string example_of(std::size_t floats)
+{
+  std::string fields = "x,y,z";
+  for (const char* more : {"intensity", "ring", "time", "other", "another"})
+    if (floats > 3)
+    {
+      fields += std::string(",") + more;
+      --floats;
+    }
+  return "--fields " + fields;
+}
+
+void require_count(
+    const std::string& path, const std::string& bytes, const std::vector<PointField>& fields)
+{
+  const std::size_t point_bytes = kFloat_bytes * fields.size();
+  std::size_t floats = floats_a_point(bytes, fields.size());
+  const bool is_whole = bytes.size() % point_bytes == 0;
+  if (floats != fields.size())
+    throw std::runtime_error(
+        path + ": has " + std::to_string(floats) + " floats a point, as its numbers tell, not " +
+        std::to_string(fields.size()) + " (" + listed(fields) +
+        "). Name them in their order, for example " + example_of(floats) + ".");
+  if (is_whole) return;
+  throw std::runtime_error(
+      path + ": has " + std::to_string(bytes.size()) + " bytes, no multiple of " +
+      std::to_string(point_bytes) + ": it is cut at byte " +
+      std::to_string(bytes.size() - bytes.size() % point_bytes) + ", or its points are not (" +
+      listed(fields) + "), a float each. Copy it again, or name the fields that it has: " +
+      example_of(fields.size() == 5 ? 6 : 5) + ".");
+}
+
+/** Other data read as floats has all sizes. */
+void require_distances(const std::string& path, const ScanFile& scan)
+{
+  constexpr float kFarthest_m = 1e5F;
+  for (const auto* axis : {&scan.x_m, &scan.y_m, &scan.z_m})
+    for (std::size_t i = 0; i < axis->size(); ++i)
+      if (!((*axis)[i] >= -kFarthest_m && (*axis)[i] <= kFarthest_m))
+        throw std::runtime_error(
+            path + ": point " + std::to_string(i) +
+            " is more than 100 km away: its points are not floats in the order that is expected "
+            "(KITTI's x y z reflectance, or --fields), or it is damaged. Compare it with its "
+            "source.");
+}
+}  // namespace
+
+void read_bin(const std::string& path, const std::vector<std::string>& names, ScanFile& out)
+{
+  const std::string bytes = read_input_file(path, "scan", kLargestScan_bytes);
+  const auto fields = fields_of(path, names);
+  require_count(path, bytes, fields);
+  const std::size_t point_bytes = kFloat_bytes * fields.size();
+  PointCollector points(fields, bytes.size() / point_bytes, path, out);
+  const bool swapped = is_big_endian_host();
+  std::vector<double> values(points.wanted().size());
+  for (std::size_t at = 0; at < bytes.size(); at += point_bytes)
+  {
+    for (std::size_t k = 0; k < values.size(); ++k)
+      values[k] = number_at(
+          bytes.data() + at + kFloat_bytes * points.wanted()[k], NumberType::Float32, swapped);
+    points.add(values.data());
+  }
+  require_distances(path, out);
+}
+
+}  // namespace talus::import
