@@ -6,8 +6,11 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <map>
+#include <memory>
 
 #include "log_files.h"
+#include "placed_scans.h"
 #include "scan_formats.h"
 
 using namespace talus::import;
@@ -166,6 +169,41 @@ class PlacedScans : public testing::Test
     return text.find(words) != std::string::npos;
   }
   ScratchDir dir_;
+};
+
+/** A bag whose clouds are in the frame of the map: TF mounts the map, not the sensor, on the base.
+ */
+class CloudsInMap : public ScanSource
+{
+ public:
+  bool next(ImportedScan& scan) override
+  {
+    if (number_ == 5) return false;
+    const CPose3D T_map_base(5.0 * number_, 0, 0, 0, 0, 0);
+    scan = ImportedScan();
+    scan.sensor_label = "/cloud_registered";
+    scan.time_s = number_++;
+    scan.T_base_sensor =
+        mountings.count(scan.sensor_label) ? mountings[scan.sensor_label] : CPose3D(-T_map_base);
+    for (const Point& p : moved(T_map_base, around_sensor()))
+    {
+      scan.x_m.push_back(static_cast<float>(p.x));
+      scan.y_m.push_back(static_cast<float>(p.y));
+      scan.z_m.push_back(static_cast<float>(p.z));
+    }
+    return true;
+  }
+  double progress() const override { return 0; }
+  talus::io::Trajectory poses() override
+  {
+    std::vector<talus::io::Trajectory::Entry> entries;
+    for (int i = 0; i < 5; ++i) entries.push_back({1.0 * i, CPose3D(5.0 * i, 0, 0, 0, 0, 0)});
+    return talus::io::Trajectory(entries);
+  }
+  std::map<std::string, CPose3D> mountings;
+
+ private:
+  int number_ = 0;
 };
 
 const CPose3D kWorld(kEast_m, kNorth_m, kUp_m, 1, 0, 0);
@@ -380,4 +418,35 @@ TEST_F(PlacedScans, with_fewer_poses_name_the_switch_that_reads_them)
   }
   write("many.tum", read_bytes(dir_ / "poses.tum") + tum_line(200, T_map_base(9)));
   refuses("drive", with_poses("many.tum"), {"6 poses for 5 scans", "times.txt"});
+}
+
+TEST_F(PlacedScans, of_a_bag_in_the_frame_of_the_map_are_told_and_need_a_mounting)
+{
+  const auto read_bag = [](SourceOptions options)
+  {
+    auto bag = std::make_unique<CloudsInMap>();
+    bag->mountings = options.mountings;
+    const auto placed = place_scans(std::move(bag), "bag", options, true);
+    Read all;
+    ImportedScan scan;
+    while (placed->next(scan)) all.scans.push_back(scan);
+    all.poses = placed->poses().entries();
+    for (const auto& remark : placed->remarks()) all.remarks += remark + "\n";
+    return all;
+  };
+  SourceOptions options;
+  EXPECT_TRUE(has(read_bag(options).remarks, "pass --clouds-in map"));
+  options.clouds_in_map = true;
+  expect_error(
+      [&] { read_bag(options); },
+      {"bag: --clouds-in map", "--mount /cloud_registered=x,y,z,yaw,pitch,roll"});
+  // As FAST-LIO has it: poses of the sensor, which is 0.5 m above the ground.
+  options.poses_of_sensor = true;
+  options.mountings["/cloud_registered"] = CPose3D(0, 0, 0.5, 0, 0, 0);
+  const auto bag = read_bag(options);
+  ASSERT_EQ(bag.scans.size(), 5u);
+  for (const auto& scan : bag.scans) expect_near(scan, around_sensor(), 1e-5);
+  EXPECT_NEAR(bag.poses.at(4).T_map_base.x(), 20, 1e-9);
+  EXPECT_NEAR(bag.poses.at(4).T_map_base.z(), -0.5, 1e-9);
+  EXPECT_EQ(bag.remarks, "");
 }

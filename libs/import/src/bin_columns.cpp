@@ -66,8 +66,8 @@ double explained(const std::vector<Features>& all, std::size_t columns)
 
 std::size_t floats_a_point(std::string_view bytes, std::size_t expected)
 {
-  constexpr std::size_t kFewest = 3, kMost = 8, kLeastPoints = 200;
-  constexpr double kClearly = 0.1;  // that much better; chance gives 0.01
+  constexpr std::size_t kFewest = 3, kMost = 8, kLeastPoints = 500;
+  constexpr double kClearly = 0.05;  // that much better; chance gives 0.01 with the fewest
   if (bytes.size() < kLeastPoints * kMost * kFloat_bytes) return expected;
   const auto all = features_of(bytes);
   std::size_t best = expected;

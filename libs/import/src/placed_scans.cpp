@@ -35,19 +35,31 @@ class FrameVotes
  public:
   void look_at(const ImportedScan& scan, const CPose3D& T_map_sensor)
   {
-    constexpr double kFar_m = 10, kClearly = 0.5;
+    constexpr double kClearly = 0.5;
     const auto sensor_m = place_of(T_map_sensor);
-    if (std::hypot(sensor_m[0], sensor_m[1], sensor_m[2]) < kFar_m || scan.x_m.empty()) return;
+    if (is_left_behind(T_map_sensor, scan.T_base_sensor)) return vote(true, false);
+    if (T_map_sensor.norm() < kFar_m || scan.x_m.empty()) return;
     const double from_origin_m = median_range_m(scan, {}),
                  from_sensor_m = median_range_m(scan, sensor_m);
-    ++all_;
-    in_map_ += from_sensor_m < kClearly * from_origin_m ? 1 : 0;
-    in_sensor_ += from_origin_m < kClearly * from_sensor_m ? 1 : 0;
+    vote(from_sensor_m < kClearly * from_origin_m, from_origin_m < kClearly * from_sensor_m);
   }
   bool are_in_map() const { return is_most(in_map_); }
   bool are_in_sensor() const { return is_most(in_sensor_); }
 
  private:
+  static constexpr double kFar_m = 10;
+  /** TF has clouds in the map mounted at the origin of the map, wherever the base is. */
+  static bool is_left_behind(const CPose3D& T_map_sensor, const CPose3D& T_base_sensor)
+  {
+    constexpr double kSame_m = 1e-3;
+    return T_map_sensor.norm() < kSame_m && T_base_sensor.norm() >= kFar_m;
+  }
+  void vote(bool in_map, bool in_sensor)
+  {
+    ++all_;
+    in_map_ += in_map ? 1 : 0;
+    in_sensor_ += in_sensor ? 1 : 0;
+  }
   bool is_most(std::size_t votes) const
   {
     constexpr std::size_t kFewest = 3;
@@ -60,7 +72,8 @@ class PlacedScans : public ScanSource
 {
  public:
   PlacedScans(
-      std::unique_ptr<ScanSource> source, const std::string& path, const SourceOptions& options);
+      std::unique_ptr<ScanSource> source, const std::string& path, const SourceOptions& options,
+      bool mounted_by_tf);
 
   bool next(ImportedScan& scan) override;
   double progress() const override { return source_->progress(); }
@@ -79,6 +92,14 @@ class PlacedScans : public ScanSource
   }
   bool has_poses() const { return has_own_ || !trajectory_.empty(); }
   void require_placed() const;
+  /** Of a bag TF only tells how the map is mounted, in which the points are. */
+  void require_mounting(const ImportedScan& scan) const
+  {
+    if (mounted_by_tf_ && !options_.mountings.count(scan.sensor_label))
+      fail(
+          "--clouds-in map needs the place of the sensor on the base: --mount " +
+          scan.sensor_label + "=x,y,z,yaw,pitch,roll");
+  }
   [[noreturn]] void fail(const std::string& what) const
   {
     throw std::runtime_error(path_ + ": " + what + ".");
@@ -88,6 +109,7 @@ class PlacedScans : public ScanSource
   std::string path_;
   SourceOptions options_;
   io::Trajectory trajectory_;  //!< poses that are there from the beginning
+  bool mounted_by_tf_;
   bool has_own_ = false;  //!< scans bring poses of their own
   CPose3D T_sensor_base_;  //!< of the first scan
   std::string first_label_;
@@ -99,8 +121,9 @@ class PlacedScans : public ScanSource
 };
 
 PlacedScans::PlacedScans(
-    std::unique_ptr<ScanSource> source, const std::string& path, const SourceOptions& options)
-    : source_(std::move(source)), path_(path), options_(options)
+    std::unique_ptr<ScanSource> source, const std::string& path, const SourceOptions& options,
+    bool mounted_by_tf)
+    : source_(std::move(source)), path_(path), options_(options), mounted_by_tf_(mounted_by_tf)
 {
   const bool is_given = !options.poses.empty() && !is_kitti_poses(options.poses);
   trajectory_ = is_given ? io::Trajectory::load(options.poses) : source_->poses();
@@ -142,6 +165,7 @@ bool PlacedScans::place(ImportedScan& scan)
   posed_ += T_map_sensor ? 1 : 0;
   if (options_.clouds_in_map)
   {
+    require_mounting(scan);
     if (!T_map_sensor) return false;
     bring_from_map(scan, *T_map_sensor);
   }
@@ -227,9 +251,10 @@ std::vector<std::string> PlacedScans::remarks() const
 }  // namespace
 
 std::unique_ptr<ScanSource> place_scans(
-    std::unique_ptr<ScanSource> source, const std::string& path, const SourceOptions& options)
+    std::unique_ptr<ScanSource> source, const std::string& path, const SourceOptions& options,
+    bool mounted_by_tf)
 {
-  return std::make_unique<PlacedScans>(std::move(source), path, options);
+  return std::make_unique<PlacedScans>(std::move(source), path, options, mounted_by_tf);
 }
 
 }  // namespace talus::import

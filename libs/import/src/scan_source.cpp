@@ -17,7 +17,7 @@ std::unique_ptr<ScanSource> open_bags(
   if (!options.fields.empty())
     throw std::runtime_error(
         paths.front() + ": names its fields itself: leave out --fields, which is for .bin files.");
-  return place_scans(open_bag_source(paths, options), paths.front(), options);
+  return place_scans(open_bag_source(paths, options), paths.front(), options, true);
 }
 
 std::unique_ptr<ScanSource> open_scan_source(const std::string& path, const SourceOptions& options)
@@ -30,7 +30,7 @@ std::unique_ptr<ScanSource> open_scan_source(const std::string& path, const Sour
   if (kind == ForeignScans::Ros1Bag || kind == ForeignScans::Las)
     throw std::runtime_error(path + ": " + io::how_to_import(path, kind));
   if (kind != ForeignScans::None || is_folder)
-    return place_scans(open_scan_folder(path, options), path, options);
+    return place_scans(open_scan_folder(path, options), path, options, false);
   throw std::runtime_error(
       path +
       ": is no .bin, .pcd or .ply scan and no bag. A rawlog needs no import: talus-map reads it.");
