@@ -28,6 +28,12 @@ constexpr const char* kFooter =
     "  talus-import front/ rear/ --poses poses.tum --mount front=0.3,0,0.6,0,0,0 \\\n"
     "      --mount rear=-0.3,0,0.6,180,0,0 --output drive.rawlog\n"
     "  talus-import bag/ --topic /points --output drive.rawlog\n"
+    "  talus-import lidar/ --poses kiss_poses.txt --poses-of sensor --mount lidar=0,0,0.6,0,0,0 "
+    "\\\n"
+    "      --output drive.rawlog\n"
+    "      poses of KISS-ICP, FAST-LIO or MOLA are those of the sensor\n"
+    "  talus-import registered/ --poses poses.tum --clouds-in map --output drive.rawlog\n"
+    "  talus-import nuscenes/ --fields x,y,z,intensity,ring --output drive.rawlog\n"
     "\nExit codes: 0 done, 1 an input or the output failed, 2 wrong usage, 128 + N stopped by "
     "signal N.";
 

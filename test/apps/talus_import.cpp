@@ -10,6 +10,7 @@
 #include <talus/io/trajectory.h>
 #include <talus/mrpt/observation_points.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -116,8 +117,58 @@ class TalusImport : public testing::Test
     }
     write(folder + "/times.txt", times);
   }
+  void write_inputs_of_page() const;
   ScratchDir dir_;
 };
+
+/** `bytes` of doubles: the floor, moved by (east, north, up). */
+std::string floor_in_world(const Points& floor, double east_m, double north_m, double up_m)
+{
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                      std::to_string(floor.size()) +
+                      "\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
+  for (std::size_t i = 0; i < floor.size(); ++i)
+    for (const double number : {east_m + floor.x[i], north_m + floor.y[i], up_m + floor.z[i]})
+      put(bytes, number);
+  return bytes;
+}
+
+void TalusImport::write_inputs_of_page() const
+{
+  fs::create_directories(dir_ / "build");
+  fs::create_directory_symlink(TALUS_BIN, dir_ / "build/bin");
+  fs::create_directory_symlink(TALUS_SOURCE_DIR "/datasets", dir_ / "datasets");
+  const std::string sequence = "dataset/sequences/00/", identity = "1 0 0 0 0 1 0 0 0 0 1 ",
+                    drive = "2013_05_28_drive_0000_sync", kitti_360 = "KITTI-360/";
+  Points road = floor();
+  for (float& z : road.z) z = -1.73F;
+  write(sequence + "velodyne/000000.bin", kitti_bin(road));
+  write(sequence + "velodyne/000001.bin", kitti_bin(road));
+  write(sequence + "times.txt", "0\n0.1\n");
+  write(sequence + "calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  write("dataset/poses/00.txt", identity + "0\n" + identity + "0.5\n");
+  write(
+      kitti_360 + "data_3d_raw/" + drive + "/velodyne_points/data/0000000001.bin", kitti_bin(road));
+  write(kitti_360 + "data_poses/" + drive + "/poses.txt", "1 " + identity + "115\n");
+  write(kitti_360 + "calibration/calib_cam_to_pose.txt", "image_00: " + identity + "0\n");
+  write(kitti_360 + "calibration/calib_cam_to_velo.txt", identity + "0\n");
+  for (const char* folder : {"lidar", "front", "rear", "registered"}) write_floors(folder, 3);
+  write("poses.tum", tum(3));
+  write("slam.tum", tum(3));
+  const std::string row = identity + "0.1\n";
+  write("results/latest/lidar_poses_kitti.txt", row + row + row);
+  for (int i = 0; i < 3; ++i)  // the base is 0.2 m farther each time, and 0.6 m below the sensor
+    write(
+        "registered/" + std::to_string(i) + ".pcd",
+        [i]
+        {
+          Points p = floor();
+          for (float& x : p.x) x += 0.2F * static_cast<float>(i);
+          for (float& z : p.z) z += 0.6F;
+          return pcd_binary(p);
+        }());
+  write("utm.ply", floor_in_world(floor(), 585146, 4076825, 152.5));
+}
 
 Points points_of(const SensorPoints& scan)
 {
@@ -381,20 +432,7 @@ TEST_F(TalusImport, runs_the_commands_of_its_page)
        begin = page.find("```sh\n", begin + 1))
     commands += page.substr(begin + 6, page.find("```", begin + 6) - begin - 6);
   ASSERT_NE(commands.find("talus-import dataset/sequences/00"), std::string::npos);
-
-  fs::create_directories(dir_ / "build");
-  fs::create_directory_symlink(TALUS_BIN, dir_ / "build/bin");
-  fs::create_directory_symlink(TALUS_SOURCE_DIR "/datasets", dir_ / "datasets");
-  const std::string sequence = "dataset/sequences/00/", identity = "1 0 0 0 0 1 0 0 0 0 1 ";
-  Points road = floor();
-  for (float& z : road.z) z = -1.73F;
-  write(sequence + "velodyne/000000.bin", kitti_bin(road));
-  write(sequence + "velodyne/000001.bin", kitti_bin(road));
-  write(sequence + "times.txt", "0\n0.1\n");
-  write(sequence + "calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
-  write("dataset/poses/00.txt", identity + "0\n" + identity + "0.5\n");
-  for (const char* folder : {"lidar", "front", "rear"}) write_floors(folder, 3);
-  write("poses.tum", tum(3));
+  write_inputs_of_page();
 
   const std::string more = "\\\n";
   for (auto at = commands.find(more); at != std::string::npos; at = commands.find(more))
@@ -409,6 +447,94 @@ TEST_F(TalusImport, runs_the_commands_of_its_page)
   EXPECT_TRUE(fs::exists(dir_ / "00/site.png"));
   EXPECT_TRUE(fs::exists(dir_ / "drive/site.png"));
   EXPECT_EQ(scans_of("both.rawlog").size(), 6u);
+  const auto z_m = [this](const char* tum)
+  { return io::Trajectory::load(dir_ / tum).entries().back().T_map_base.z(); };
+  EXPECT_NEAR(z_m("kiss.tum"), 0.1 - 0.6, 1e-9);
+  EXPECT_NEAR(z_m("mola.tum"), -0.6, 1e-9);
+  EXPECT_NEAR(z_m("360.tum"), 115 - 1.73, 1e-9);
+  EXPECT_NEAR(z_m("utm.tum"), 152, 0.02);
+  EXPECT_EQ(scans_of("map.rawlog").at(2).x_m.at(0), floor().x[0]);
+}
+
+TEST_F(TalusImport, keeps_world_coordinates_in_the_map)
+{
+  write("utm.ply", floor_in_world(floor(), 585146, 4076825, 152.5));
+  const Outcome o = run("talus-map utm.ply --backend cpu --output map");
+  EXPECT_EQ(o.code, 0) << o.text;
+  EXPECT_NE(o.text.find("585146, 4076825, 152 m is taken off"), std::string::npos) << o.text;
+  const auto map = io::read_geotiff(dir_ / "map/map.tif");
+  EXPECT_NEAR(map.min_x_m + 4, 585146, 0.1);
+  EXPECT_NEAR(map.min_y_m + 4, 4076825, 0.1);
+  const auto ground = std::find(map.names.begin(), map.names.end(), "ground_elevation");
+  ASSERT_NE(ground, map.names.end());
+  const auto& heights_m = map.layers[static_cast<std::size_t>(ground - map.names.begin())];
+  for (const float height_m : heights_m)
+    ASSERT_TRUE(std::isnan(height_m) || std::abs(height_m - 152) < 0.02) << height_m;
+
+  write("two/0.ply", floor_in_world(floor(), 585146, 4076825, 152.5));
+  write("two/1.ply", floor_in_world(floor(), 585150, 4076825, 152.5));
+  fails("two --output two.rawlog", 1, {"two: its points lie 4119 km", "--clouds-in map"});
+  fails("utm.ply two/0.ply --output two.rawlog", 1, {"--clouds-in map"});
+  write("far.tum", "0 585146 4076825 152 0 0 0 1\n0.1 585150 4076825 152 0 0 0 1\n");
+  done(
+      "talus-import two --poses far.tum --clouds-in map --mount two=0,0,0.5,0,0,0 "
+      "--output two.rawlog");
+  EXPECT_EQ(scans_of("two.rawlog").at(1).x_m, floor().x);
+}
+
+TEST_F(TalusImport, reads_bin_files_whose_fields_are_named)
+{
+  Points p = floor();
+  p.intensity.assign(p.size(), 7);
+  std::string bytes;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    for (const float number : {p.x[i], p.y[i], p.z[i], p.intensity[i], static_cast<float>(i % 16)})
+      put(bytes, number);
+  write("five/0.bin", bytes);
+  fails(
+      "five --output log.rawlog", 1, {"five/0.bin: has 5 floats", "--fields x,y,z,intensity,ring"});
+  done("talus-import five --fields x,y,z,intensity,ring --output log.rawlog");
+  EXPECT_EQ(scans_of("log.rawlog").at(0).y_m, p.y);
+  write("five/0.bin", kitti_bin(p));
+  fails("five --fields x,y,z,i,ring --output log.rawlog", 1, {"has 4 floats"});
+  write("pcd/0.pcd", pcd_binary(p));
+  fails("pcd --fields x,y,z --output log.rawlog", 1, {"pcd/0.pcd", "leave out --fields"});
+  fails("five --fields x,y --output log.rawlog", 2, {"--fields", "no z"});
+  fails("five --clouds-in space --output log.rawlog", 2, {"--clouds-in"});
+  fails("five --poses-of robot --output log.rawlog", 2, {"--poses-of"});
+}
+
+TEST_F(TalusImport, tells_nothing_false_of_real_scans)
+{
+  for (const char* name : {"street", "mover", "offroad_a"})
+  {
+    const std::string data = TALUS_TEST_DATA + std::string("/") + name;
+    if (!fs::exists(data + ".rawlog")) GTEST_SKIP() << data << ".rawlog is not there";
+    io::RawlogReader reader(data + ".rawlog");
+    SensorPoints points;
+    std::string times;
+    const std::string folder = name;
+    int count = 0;
+    for (auto obs = reader.next(); obs && count < 12; obs = reader.next())
+    {
+      if (!points_from_observation(*obs, points)) continue;
+      Points p = points_of(points);
+      for (std::size_t i = 0; i < p.size(); ++i) p.intensity[i] = std::fmod(p.x[i] * p.x[i], 1.0F);
+      write(folder + "/" + std::to_string(count++) + ".bin", kitti_bin(p));
+      times += number(points.stamp_s) + "\n";
+    }
+    write(folder + "/times.txt", times);
+    const auto& T = points.T_base_sensor;
+    std::string mounting;
+    for (const double n :
+         {T.x(), T.y(), T.z(), T.yaw() * 180 / M_PI, T.pitch() * 180 / M_PI, T.roll() * 180 / M_PI})
+      mounting += (mounting.empty() ? "" : ",") + number(n);
+    const Outcome o = import(
+        folder + " --poses " + data + ".tum --mount " + folder + "=" + mounting + " --output " +
+        folder + ".rawlog");
+    EXPECT_EQ(o.code, 0) << o.text;
+    EXPECT_EQ(o.text.find("  note"), std::string::npos) << o.text;
+  }
 }
 
 TEST_F(TalusImport, names_the_switches_that_read_bags_which_are_cut_or_have_two_clocks)
