@@ -1,7 +1,7 @@
 #pragma once
 // A robot of one's own between the map and MRPT's reactive navigator, for MRPT 2. A test drives it.
-// To build it, add find_package(mrpt-nav REQUIRED) and link talus::mrpt and mrpt::nav; what calls
-// it is in doc/mrpt.md.
+// To build it, add find_package(mrpt-nav REQUIRED) and link talus::mrpt and mrpt::nav;
+// 06_my_robot.cpp calls it.
 #include <mrpt/config/CConfigFile.h>
 #include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
@@ -25,6 +25,7 @@ struct MyRobot : mrpt::nav::CRobot2NavInterface
   // One file: the navigator's sections, the map's, and [talus_obstacles].
   explicit MyRobot(const mrpt::config::CConfigFileBase& ini)
   {
+    setMinLoggingLevel(mrpt::system::LVL_WARN);  // MRPT tells of each event else
     for (const auto& warning :
          talus::load_parameters(ini, "CDualElevationMap", map.insertionOptions))
       std::cerr << warning << "\n";
@@ -69,4 +70,14 @@ struct MyRobot : mrpt::nav::CRobot2NavInterface
     return cmd;
   }
   Cmd::Ptr getEmergencyStopCmd() override { return getStopCmd(); }
+};
+
+/** MRPT's navigator, which else prints how long its steps took. */
+struct QuietNavigator : mrpt::nav::CReactiveNavigationSystem
+{
+  explicit QuietNavigator(MyRobot& robot) : CReactiveNavigationSystem(robot, false)
+  {
+    setMinLoggingLevel(mrpt::system::LVL_ERROR);
+    m_timlog_delays.enable(false);
+  }
 };

@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import time
+import urllib.parse
 
 FILE_NAMES = ("site.tif", "site_floor_")  # of the maps that are merged
 
@@ -149,8 +150,8 @@ td:first-child, th:first-child, td:last-child, th:last-child {{ text-align: left
 <p>{files}</p>
 {pictures}
 <table>
-<tr><th>log</th><th>frames</th><th>km</th><th>m<sup>2</sup></th><th>seconds</th><th>state</th></tr>
-{rows}<tr><th>all that were mapped</th>{numbers(total)}<th></th></tr>
+<tr><th>log</th><th>frames</th><th>km</th><th>m<sup>2</sup></th><th>seconds</th><th>map</th><th>state</th></tr>
+{rows}<tr><th>all that were mapped</th>{numbers(total)}<th></th><th></th></tr>
 </table></body></html>
 """
 
@@ -160,9 +161,15 @@ def numbers(told):
     return "".join(f"<td>{cell}</td>" for cell in cells + [f"{told['seconds']:.1f}"])
 
 
+def links(told):
+    """To the maps of a log, and their pictures."""
+    files = [file for path in told["maps"].values() for file in (picture_of(path), path) if os.path.exists(file)]
+    return " ".join(f'<a href="{urllib.parse.quote(file)}">{html.escape(os.path.basename(file))}</a>' for file in files)
+
+
 def row(told):
     state = told["state"] + (f": {told['error']}" if "error" in told else "")
-    return f'<tr class="{told["state"]}"><td>{html.escape(told["log"])}</td>{numbers(told)}<td>{html.escape(state)}</td></tr>\n'
+    return f'<tr class="{told["state"]}"><td>{html.escape(told["log"])}</td>{numbers(told)}<td>{links(told)}</td><td>{html.escape(state)}</td></tr>\n'
 
 
 def verdict(batch):

@@ -11,7 +11,7 @@ install(FILES "${PROJECT_BINARY_DIR}/talusConfig.cmake" "${PROJECT_BINARY_DIR}/t
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/talus COMPONENT dev)
 if(TALUS_WITH_MRPT)
   set(batch "${CMAKE_INSTALL_DATADIR}/talus/batch")
-  install(DIRECTORY "${PROJECT_SOURCE_DIR}/datasets/configs" DESTINATION ${CMAKE_INSTALL_DATADIR}/talus COMPONENT commands)
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/datasets/configs" "${PROJECT_SOURCE_DIR}/datasets/worlds" DESTINATION ${CMAKE_INSTALL_DATADIR}/talus COMPONENT commands)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/apps/talus-batch/" DESTINATION ${batch} COMPONENT commands USE_SOURCE_PERMISSIONS
     PATTERN __pycache__ EXCLUDE)
   file(RELATIVE_PATH from_bin "/${CMAKE_INSTALL_BINDIR}" "/${batch}/talus-batch")

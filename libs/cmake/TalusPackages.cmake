@@ -1,5 +1,5 @@
 # Debian packages of what install() copies, by `cpack -G DEB` in the build (./dev package):
-#   talus               commands with their manuals, and the configurations in /usr/share/talus
+#   talus               commands with their manuals, and the configurations and worlds in /usr/share/talus
 #   talus-mrpt-plugin   libtalus-mrpt.so, where loadPluginModules("libtalus-mrpt.so") finds it
 #   libtalus-dev        static libraries, headers, what find_package(talus) reads, examples
 # For the Debian they are made on: its libraries are what they need.
@@ -10,7 +10,16 @@ if(EXISTS /etc/os-release)
 endif()
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME talus)
-set(CPACK_PACKAGE_CONTACT "The talus authors <talus@localhost>")
+# Whom a package names as its maintainer: who makes it, as Debian's own tools ask for it, else as git does.
+set(maintainer "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
+if(NOT maintainer MATCHES "^[^<]+ <[^>]+@[^>]+>$")
+  execute_process(COMMAND git log -1 "--format=%an <%ae>" WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}"
+    OUTPUT_VARIABLE maintainer OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+endif()
+if(NOT maintainer MATCHES "^[^<]+ <[^>]+@[^>]+>$")
+  set(maintainer "The talus authors <talus@localhost>")
+endif()
+set(CPACK_PACKAGE_CONTACT "${maintainer}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_OUTPUT_FILE_PREFIX packages)
 set(CPACK_STRIP_FILES ON)
@@ -18,14 +27,16 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE "1~${codename}")
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL commands plugin dev)
+set(TALUS_PACKAGES talus talus-mrpt-plugin libtalus-dev)
 if(NOT TALUS_WITH_MRPT)
   set(CPACK_COMPONENTS_ALL dev)
+  set(TALUS_PACKAGES libtalus-dev)
 endif()
 
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_NAME talus)
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_COMMANDS_PACKAGE_DEPENDS "fonts-dejavu-core")  # the letters of pictures
+set(CPACK_DEBIAN_COMMANDS_PACKAGE_DEPENDS "fonts-dejavu-core, python3:any")  # the letters of pictures
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_SUGGESTS "talus-mrpt-plugin, snakemake")
 set(CPACK_COMPONENT_COMMANDS_DESCRIPTION "Maps of the terrain around ground robots, from rawlogs of MRPT: commands")
 set(CPACK_DEBIAN_PLUGIN_PACKAGE_NAME talus-mrpt-plugin)
@@ -43,4 +54,36 @@ if(TALUS_WITH_MRPT)
 endif()
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "libmrpt-nav-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Terrain maps for ground robots: libraries for C++")
+# What Debian asks of each package: a licence, a changelog of the package and that of the project, compressed.
+file(STRINGS "${PROJECT_SOURCE_DIR}/CHANGELOG.md" released LIMIT_COUNT 1 REGEX "^## \\[${PROJECT_VERSION}\\]")
+string(REGEX REPLACE ".* - " "" released "${released}")
+file(READ "${PROJECT_SOURCE_DIR}/LICENSE" licence)
+string(REGEX REPLACE "^[^\n]*\n\n[^\n]*\n\n" "" licence "${licence}")
+string(REGEX REPLACE "\n\n" "\n.\n" licence "${licence}")
+string(REGEX REPLACE "\n$" "" licence "${licence}")
+string(REPLACE "\n" "\n " licence "${licence}")
+set(debian "${PROJECT_BINARY_DIR}/debian")
+file(WRITE "${debian}/copyright" "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
+Upstream-Name: talus\n\nFiles: *\nCopyright: 2026, the talus authors\nLicense: BSD-3-Clause\n ${licence}\n")
+execute_process(COMMAND date -R -u -d "${released}" OUTPUT_VARIABLE date OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+file(WRITE "${debian}/changelog.Debian" "talus (${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) ${codename}; urgency=medium
+
+  * Version ${PROJECT_VERSION}: changelog.gz says what it can do.\n\n -- ${maintainer}  ${date}\n")
+configure_file("${PROJECT_SOURCE_DIR}/CHANGELOG.md" "${debian}/changelog" COPYONLY)
+execute_process(COMMAND gzip -9nkf "${debian}/changelog.Debian" "${debian}/changelog" ERROR_QUIET)
+foreach(component package IN ZIP_LISTS CPACK_COMPONENTS_ALL TALUS_PACKAGES)
+  install(FILES "${debian}/copyright" "${debian}/changelog.Debian.gz" "${debian}/changelog.gz"
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package} COMPONENT ${component})
+endforeach()
+file(WRITE "${debian}/triggers" "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_PLUGIN_PACKAGE_CONTROL_EXTRA "${debian}/triggers")
+file(WRITE "${debian}/overrides" "# CPack always adds this call.
+talus-mrpt-plugin: maintscript-calls-ldconfig
+# A plugin that programs load by its name; nothing is linked with it, so it has no version.
+talus-mrpt-plugin: package-name-doesnt-match-sonames libtalus-mrpt
+talus-mrpt-plugin: shared-library-lacks-version *\n")
+if(TALUS_WITH_MRPT)
+  install(FILES "${debian}/overrides" DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME talus-mrpt-plugin
+    COMPONENT plugin)
+endif()
 include(CPack)

@@ -61,11 +61,12 @@ function(talus_add_manual name program)
   if(NOT TALUS_HELP2MAN OR CMAKE_CROSSCOMPILING OR TALUS_SANITIZER OR NOT TALUS_APP_COMPONENT STREQUAL "commands")
     return()
   endif()
-  set(page "${PROJECT_BINARY_DIR}/man/${name}.1")
+  set(page "${PROJECT_BINARY_DIR}/man/${name}.1.gz")
   file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/man")
   add_custom_command(OUTPUT "${page}" DEPENDS ${program} VERBATIM
     COMMAND "${TALUS_HELP2MAN}" --no-info --version-string=${PROJECT_VERSION} "--name=${whatis_${name}}"
-      "--output=${page}" "${program}")
+      "--output=${PROJECT_BINARY_DIR}/man/${name}.1" "${program}"
+    COMMAND gzip -9nf "${PROJECT_BINARY_DIR}/man/${name}.1")
   add_custom_target(${name}.1 ALL DEPENDS "${page}")
   install(FILES "${page}" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT commands OPTIONAL)
 endfunction()

@@ -69,3 +69,12 @@ TEST_F(Examples, a_whole_drive_is_asked_far_back_and_written)
   for (const char* name : {"site.tif", "site.png"})
     EXPECT_GT(talus::test::read_bytes(dir / name).size(), 2000U) << name;
 }
+
+#ifdef TALUS_EXAMPLES_DRIVE
+TEST_F(Examples, a_robot_drives_around_a_block_and_says_no_more)
+{
+  EXPECT_EQ(
+      run("06_my_robot", "'" TALUS_SOURCE_DIR "/datasets/configs/reactive2d_config.ini'"),
+      "arrived; drove by on the right side of the block: yes\n");
+}
+#endif

@@ -103,6 +103,9 @@ class Test:
             return
         self.expect("no poses" in told.get("error", ""), f"{output}: does not tell why: {told}")
         self.expect(f"{DRIVES} of {DRIVES + 1} logs mapped" in page and "no poses" in page, f"{output}: the report: {page}")
+        self.expect('href="maps/near_drive/site.png"' in page, f"{output}: the report has no link to the map of a log: {page}")
+        said = self.said(output)
+        self.expect(said.count("no poses") == 1 and "Error in rule" not in said, f"{output}: a bad log is one line: {said}")
         self.expect(os.path.exists(self.path(output, "site.png")), f"{output}: there is no picture")
         self.expect(not glob.glob(self.path(output, "**/*.new"), recursive=True), f"{output}: files are left behind")
 

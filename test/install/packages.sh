@@ -34,6 +34,12 @@ for name in talus talus-mrpt-plugin; do  # both write pictures
     stop "$name needs no letters?"
 done
 
+if command -v lintian >/dev/null; then
+  say "lintian"
+  (cd "$scratch/made" && lintian --allow-root --fail-on error,warning "${debs[@]}") >"$scratch/lintian.txt" 2>&1 ||
+    { cat "$scratch/lintian.txt"; stop "lintian"; }
+fi
+
 say "installing"
 into --install "${debs[@]}"
 root=$scratch/root/usr
@@ -50,7 +56,17 @@ talus-map drive/flat.rawlog --backend cpu --config "$root/share/talus/configs/ta
   --rawlog-out terrain.rawlog --quiet
 [ -s map/site.tif ] && [ -s map/map.png ] || stop "no map"
 talus-map --version
-if [ -e "$build/man/talus-map.1" ]; then grep -q resume "$root/share/man/man1/talus-map.1" || stop "no manual"; fi
+if [ -e "$build/man/talus-map.1.gz" ]; then
+  zgrep -q resume "$root/share/man/man1/talus-map.1.gz" || stop "no manual"
+  for command in "$root"/bin/*; do
+    zgrep -q "^$(basename "$command" | sed 's/-/\\\\-/g') .* [a-z]" "$root/share/man/man1/$(basename "$command").1.gz" ||
+      stop "the manual of $(basename "$command") does not say what it does"
+  done
+fi
+for command in "$root"/bin/*; do
+  [ -e "$root/share/bash-completion/completions/$(basename "$command")" ] || stop "no completion of $(basename "$command")"
+done
+talus-sim "$root/share/talus/worlds/demo.yaml" --output demo --frames 2 --quiet || stop "no worlds"
 [ -x "$root/bin/talus-batch" ] || stop "no talus-batch"
 
 say "the plugin in rawlog-edit"

@@ -55,8 +55,7 @@ TEST(NavExample, drives_around_the_box_to_the_goal)
   robot.options.unseen = talus::Unseen::Free;  // it sees no more of the room while it drives
   robot.pose = mrpt::poses::CPose3D(-1.2, 0.2, 0, 0, 0, 0);
   set_clock(0);
-  mrpt::nav::CReactiveNavigationSystem navigator(robot, false);
-  navigator.setMinLoggingLevel(mrpt::system::LVL_ERROR);
+  QuietNavigator navigator(robot);
   navigator.loadConfigFile(ini);
   navigator.params_abstract_ptg_navigator.ptg_cache_files_directory = caches / "";
   navigator.initialize();
