@@ -43,6 +43,37 @@ bool is_control(std::string_view character)
          (first == 0x7F || (first < 0x20 && first != '\n' && first != '\t'));
 }
 
+/** Whether a character of UTF-8 goes on with this byte. */
+bool goes_on(std::string_view text, std::size_t i)
+{
+  return i < text.size() && (byte_at(text, i) & 0xC0) == 0x80;
+}
+
+/** Without its middle where it is longer than `most`. */
+std::string without_middle(std::string_view part, std::size_t most)
+{
+  if (part.size() <= most) return std::string(part);
+  std::size_t first = most / 2, last = part.size() - most / 4;
+  while (first > 0 && goes_on(part, first)) --first;
+  while (goes_on(part, last)) ++last;
+  return std::string(part.substr(0, first)) + "...(" + std::to_string(last - first) + " more)..." +
+         std::string(part.substr(last));
+}
+
+/** The same for each part between separators. */
+std::string each_without_middle(
+    std::string_view text, std::string_view separators, std::size_t most)
+{
+  std::string all;
+  while (!text.empty())
+  {
+    const std::size_t end = std::min(text.find_first_of(separators), text.size());
+    all += without_middle(text.substr(0, end), most) + std::string(text.substr(end, 1));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return all;
+}
+
 /** Passes each piece of text that is written on to another buffer. */
 class PrintableBuffer : public std::streambuf
 {
@@ -52,7 +83,7 @@ class PrintableBuffer : public std::streambuf
  protected:
   std::streamsize xsputn(const char* text, std::streamsize size) override
   {
-    const std::string shown = printable({text, static_cast<std::size_t>(size)});
+    const std::string shown = printable(shortened({text, static_cast<std::size_t>(size)}));
     const auto length = static_cast<std::streamsize>(shown.size());
     return to_->sputn(shown.data(), length) == length ? size : 0;
   }
@@ -68,6 +99,12 @@ class PrintableBuffer : public std::streambuf
   std::streambuf* to_;
 };
 }  // namespace
+
+std::string shortened(std::string_view text)
+{
+  constexpr std::size_t kLongestWord = 400, kLongestLine = 2000;
+  return each_without_middle(each_without_middle(text, " \t\n", kLongestWord), "\n", kLongestLine);
+}
 
 std::string printable(std::string_view text)
 {

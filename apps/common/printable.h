@@ -11,8 +11,13 @@ namespace talus::app
  * line and a tab, and bytes that are no UTF-8, become `\xNN`. */
 std::string printable(std::string_view text);
 
-/** While one lives, all that goes to std::cout, std::cerr and std::clog passes printable(): names
- * of files, sensors and classes come from whoever made the file. Make it first in main(). */
+/** A text whose words of more than 400 bytes, and then lines of more than 2,000, have lost their
+ * middle: what was wrong in a file or on a command line is shown, and may be of any length. */
+std::string shortened(std::string_view text);
+
+/** While one lives, all that goes to std::cout, std::cerr and std::clog passes shortened() and
+ * printable(): names of files, sensors and classes, and values, come from whoever made the file.
+ * Make it first in main(). */
 class PrintableOutput
 {
  public:

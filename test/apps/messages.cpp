@@ -37,6 +37,22 @@ TEST(Printable, BytesThatAreNoUtf8BecomeCodes)
   EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80") << "beyond Unicode";
 }
 
+TEST(Printable, WhatIsLongLosesItsMiddle)
+{
+  const std::string path(300, 'p');
+  EXPECT_EQ(shortened("a " + path + "\n"), "a " + path + "\n");
+  EXPECT_EQ(
+      shortened("window_m = '" + std::string(5000, 'a') + "' is no number"),
+      "window_m = '" + std::string(199, 'a') + "...(4702 more)..." + std::string(99, 'a') +
+          "' is no number");
+  std::string values, wide;
+  for (int i = 0; i < 3000; ++i) values += "1 ";
+  for (int i = 0; i < 500; ++i) wide += "\u20ac";
+  EXPECT_LT(shortened(values).size(), 2000U);
+  EXPECT_EQ(printable(shortened(wide)), shortened(wide)) << "no character is cut";
+  EXPECT_EQ(shortened("one\n" + values + "\ntwo\n").rfind("\ntwo\n"), shortened(values).size() + 4);
+}
+
 TEST(PrintableOutput, HoldsForAllThatIsPrintedWhileItLives)
 {
   std::ostringstream shown;
