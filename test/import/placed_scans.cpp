@@ -439,7 +439,7 @@ TEST_F(PlacedScans, of_a_bag_in_the_frame_of_the_map_are_told_and_need_a_mountin
   options.clouds_in_map = true;
   expect_error(
       [&] { read_bag(options); },
-      {"bag: --clouds-in map", "--mount /cloud_registered=x,y,z,yaw,pitch,roll"});
+      {"bag: --clouds-in map", "--mount /cloud_registered=X,Y,Z,YAW,PITCH,ROLL"});
   // As FAST-LIO has it: poses of the sensor, which is 0.5 m above the ground.
   options.poses_of_sensor = true;
   options.mountings["/cloud_registered"] = CPose3D(0, 0, 0.5, 0, 0, 0);

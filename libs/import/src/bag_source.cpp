@@ -175,7 +175,7 @@ void BagSource::require_scans() const
         number_text(seconds(sensor.not_mounted_ns), 13) +
         " s. If its sensor has a clock of its own, pass --recorded-times: scans then have the time "
         "of recording; --mount " +
-        topic + "=x,y,z,yaw,pitch,roll gives the mounting without TF.");
+        topic + "=X,Y,Z,YAW,PITCH,ROLL gives the mounting without TF.");
   }
   if (is_any) return;
   std::string why;

@@ -98,7 +98,7 @@ class PlacedScans : public ScanSource
     if (mounted_by_tf_ && !options_.mountings.count(scan.sensor_label))
       fail(
           "--clouds-in map needs the place of the sensor on the base: --mount " +
-          scan.sensor_label + "=x,y,z,yaw,pitch,roll");
+          scan.sensor_label + "=X,Y,Z,YAW,PITCH,ROLL");
   }
   [[noreturn]] void fail(const std::string& what) const
   {

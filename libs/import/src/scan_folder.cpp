@@ -125,12 +125,12 @@ void ScanFolder::set_mounting(const SourceOptions& options)
     T_base_sensor_ = kMountingOnKittisCar;
     remarks_.push_back(
         layout_.label + " is taken to be 1.73 m above the road, as on KITTI's car (else: --mount " +
-        layout_.label + "=x,y,z,yaw,pitch,roll)");
+        layout_.label + "=X,Y,Z,YAW,PITCH,ROLL)");
   }
   else
     remarks_.push_back(
         "nothing says where " + layout_.label + " is mounted above the ground: --mount " +
-        layout_.label + "=x,y,z,yaw,pitch,roll [m, degrees]");
+        layout_.label + "=X,Y,Z,YAW,PITCH,ROLL [m, degrees]");
 }
 
 void ScanFolder::set_times()
