@@ -431,7 +431,7 @@ TEST_F(TalusImport, runs_the_commands_of_its_page)
   for (auto begin = page.find("```sh\n"); begin != std::string::npos;
        begin = page.find("```sh\n", begin + 1))
     commands += page.substr(begin + 6, page.find("```", begin + 6) - begin - 6);
-  ASSERT_NE(commands.find("talus-import dataset/sequences/00"), std::string::npos);
+  ASSERT_NE(commands.find("talus-map dataset/sequences/00"), std::string::npos);
   write_inputs_of_page();
 
   const std::string more = "\\\n";
