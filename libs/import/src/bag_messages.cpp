@@ -167,7 +167,8 @@ CloudMessage read_cloud(std::string_view message)
   return cloud;
 }
 
-void collect_points(const CloudMessage& cloud, const std::string& place, ScanFile& out)
+void collect_points(
+    const CloudMessage& cloud, const std::string& place, ScanFile& out, std::uint64_t most_points)
 {
   out = ScanFile();
   const std::size_t points = std::size_t{cloud.width} * cloud.height;
@@ -187,6 +188,10 @@ void collect_points(const CloudMessage& cloud, const std::string& place, ScanFil
             point + cloud.fields[wanted[i]].offset, cloud.fields[wanted[i]].type,
             cloud.is_big_endian);
       collector.add(values.data());
+      if (out.x_m.size() > most_points)
+        throw CdrError(
+            "unpacks to more than " + std::to_string(most_points) +
+            " points, and the bytes of it in the file hold no more");
     }
   }
 }

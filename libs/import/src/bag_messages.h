@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -57,8 +58,10 @@ FrameTransform read_pose(std::string_view message);
 
 CloudMessage read_cloud(std::string_view message);
 
-/** The points of a cloud; those that are not finite are left out. Throws CdrError, and as
- * PointCollector does. */
-void collect_points(const CloudMessage& cloud, const std::string& place, ScanFile& out);
+/** The points of a cloud, no more than may be; those that are not finite are left out. Throws
+ * CdrError, and as PointCollector does. */
+void collect_points(
+    const CloudMessage& cloud, const std::string& place, ScanFile& out,
+    std::uint64_t most_points = std::numeric_limits<std::uint64_t>::max());
 
 }  // namespace talus::import

@@ -91,12 +91,8 @@ bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
   try
   {
     const auto cloud = read_cloud(reader_.payload());
-    collect_points(cloud, reader_.place(), file_);
-    if (file_.x_m.size() > std::max(kFewPoints, reader_.stored_bytes()))
-      throw CdrError(
-          "unpacks to " + std::to_string(file_.x_m.size()) + " points from " +
-          std::to_string(reader_.stored_bytes()) +
-          " bytes, which hold no more than there are bytes");
+    const auto most_points = std::max(kFewPoints, reader_.stored_bytes());
+    collect_points(cloud, reader_.place(), file_, most_points);
     return place(cloud, message, scan);
   }
   catch (const CdrError& e)
