@@ -149,4 +149,11 @@ void require_apart(const std::string& output, const std::vector<std::string>& in
           "'" + output + "' would be overwritten, but it is an input; write elsewhere");
 }
 
+void require_results_apart(
+    const std::string& folder, const std::vector<std::string>& names,
+    const std::vector<std::string>& inputs)
+{
+  for (const std::string& name : names) require_apart((fs::path(folder) / name).string(), inputs);
+}
+
 }  // namespace talus::app

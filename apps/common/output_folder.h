@@ -59,4 +59,9 @@ bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b
 /** Throws std::runtime_error when a file that is to be written is one of those that are read. */
 void require_apart(const std::string& output, const std::vector<std::string>& inputs);
 
+/** The same for the results of these names in a folder. */
+void require_results_apart(
+    const std::string& folder, const std::vector<std::string>& names,
+    const std::vector<std::string>& inputs);
+
 }  // namespace talus::app

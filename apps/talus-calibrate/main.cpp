@@ -128,6 +128,10 @@ int calibrate_or_tell(const AppOptions& options, const OutputFolder& output)
 int run(const AppOptions& options)
 {
   talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
+  talus::app::require_results_apart(
+      options.output,
+      {"calibration.ini", "sensors-pose.ini", "calibration.json", "calibration.png"},
+      {options.log, options.trajectory});
   OutputFolder output(options.output);
   // A damaged log can crash MRPT.
   const auto work = [&] { return calibrate_or_tell(options, output); };

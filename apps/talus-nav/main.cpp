@@ -157,6 +157,8 @@ int drive_or_tell(
 int run(const Options& o, const Settings& settings)
 {
   talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
+  talus::app::require_results_apart(
+      o.output, {"navigation.png", "path.csv", "summary.json", "map.tif"}, {o.world, o.config});
   talus::app::OutputFolder output(o.output);
   // Numbers that make no sense can crash MRPT's navigators.
   const int code = talus::app::run_command_in_child(

@@ -175,6 +175,19 @@ TEST(HiddenFolder, that_a_process_left_is_removed_and_no_link_or_folder_of_anoth
   EXPECT_EQ(names_in(dir / "mine"), Names{"in it"});
 }
 
+TEST(OutputFolder, has_no_result_that_is_an_input)
+{
+  const ScratchDir dir;
+  write_bytes(dir / "path.csv", "input");
+  using talus::app::require_results_apart;
+  require_results_apart(dir / "", {"map.tif"}, {dir / "path.csv", ""});
+  talus::test::expect_error(
+      [&] {
+        require_results_apart(dir / "", {"map.tif", "path.csv"}, {dir / "path.csv"});
+      },
+      {"path.csv", "is an input; write elsewhere"});
+}
+
 TEST(ChildProcess, goes_on_ignoring_what_the_program_ignores)
 {
   const auto before = std::signal(SIGHUP, SIG_IGN);

@@ -191,6 +191,15 @@ TEST_F(TalusCalibrate, SaysWhatIsMissingAndWritesNothing)
   EXPECT_FALSE(fs::exists(path("out")));
 }
 
+TEST_F(TalusCalibrate, RefusesALogThatAResultWouldReplace)
+{
+  simulate("{plane: {z_m: 0}}", "[[0, 0], [1, 0]]", "--frames 2");
+  fs::rename(path("drive.rawlog"), path("calibration.json"));
+  const auto refused = calibrate("calibration.json --trajectory drive.tum --output .");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_TRUE(refused.says("would be overwritten, but it is an input")) << refused.text;
+}
+
 TEST_F(TalusCalibrate, SurvivesADamagedLogThatCrashesMrpt)
 {
   auto obs = talus::test::observation_at<mrpt::obs::CObservation3DRangeScan>(1700000000.0);
