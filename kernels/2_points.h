@@ -25,7 +25,8 @@ struct PointsOut
   std::int32_t* ray;  //!< place in the table of rays, or -1: no direction
   float* slope;  //!< of that ray
   std::int32_t* reach;  //!< place in the table of how far rays went, see NoteReach, or -1
-  std::uint32_t* rank;  //!< place among the points of its cell, in any order; or kNoRank
+  std::uint32_t* reject;  //!< a RejectCode
+  std::uint32_t* rank;  //!< of points in a cell: place among its points, in any order; or kNoRank
   float* height_m;  //!< map frame
   float* variance_m2;
 };
@@ -86,7 +87,7 @@ struct AcceptPoint
   std::uint32_t* rejected;  //!< by RejectCode
   const std::uint8_t* voxel_kept;  //!< null: no voxel filter
 
-  /** What depends on this point alone. PointsOut::rank holds its RejectCode until note(). */
+  /** What depends on this point alone. */
   TALUS_HD void locate(int point_i) const { locate(point_i, point(point_i)); }
   TALUS_HD void locate(int point_i, const Point& sensed) const
   {
@@ -113,7 +114,7 @@ struct AcceptPoint
   TALUS_HD void note(int point_i) const
   {
     NoteRay<Atomics>{config, out, rays}(point_i);
-    if (out.rank[point_i] != kAccepted) Atomics::count(rejected + out.rank[point_i]);
+    if (out.reject[point_i] != kAccepted) Atomics::count(rejected + out.reject[point_i]);
   }
   /** Counts the rejected among the points [begin, end), after locate(). */
   void count_rejected(int begin, int end) const
@@ -121,7 +122,7 @@ struct AcceptPoint
     for (std::uint32_t code = 0; code < kRejectCodes; code++)
     {
       std::uint32_t n = 0;
-      for (int point_i = begin; point_i < end; point_i++) n += out.rank[point_i] == code;
+      for (int point_i = begin; point_i < end; point_i++) n += out.reject[point_i] == code;
       if (n) Atomics::add(rejected + code, n);
     }
   }
@@ -134,10 +135,10 @@ struct AcceptPoint
  private:
   TALUS_HD void drop_body(int point_i, const Point& sensed, int box) const
   {
-    const int code = static_cast<int>(out.rank[point_i]);
+    const int code = static_cast<int>(out.reject[point_i]);
     const bool drop =
         is_in_box(sensed, *frame, *body, box) & (code != kNotFinite) & (code != kRange);
-    out.rank[point_i] = static_cast<std::uint32_t>(select(drop, static_cast<int>(kBody), code));
+    out.reject[point_i] = static_cast<std::uint32_t>(select(drop, static_cast<int>(kBody), code));
     out.cell[point_i] = select(drop, -1, out.cell[point_i]);
     out.ray[point_i] = select(drop, -1, out.ray[point_i]);
     out.reach[point_i] = select(drop, -1, out.reach[point_i]);
@@ -157,7 +158,7 @@ struct AcceptPoint
     const int iy = floor_to_int(select(inside, cy, 0.0f));
     const int cell = storage_index(*frame, config->cells, ix, iy);
     out.cell[point_i] = select(code == kAccepted, cell, -1);
-    out.rank[point_i] = static_cast<std::uint32_t>(code);
+    out.reject[point_i] = static_cast<std::uint32_t>(code);
     out.height_m[point_i] = p.z_m;
     out.variance_m2[point_i] = point_variance(sensed.x_m, sensed.y_m, sensed.z_m, *config, *frame);
   }

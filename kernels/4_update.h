@@ -210,11 +210,11 @@ TALUS_HD float standing_m(const Cell& c, bool stands)
 TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
 {
   const HeightPoint low = ends.lowest(), high = ends.highest();
-  const bool hit_high_up = (c.ray_evidence & kHitHighUp) != 0;
+  const bool hit_high_up = c.is(kHitHighUp);
   const bool stands = is_known(c.elevation_m) & !hit_high_up;
   const bool hangs = (c.state != kUnknown) & (low.height_m - standing_m(c, stands) > k.clearance_m);
   const bool unseen = (c.state == kFilledOneSided) | (c.state == kPresumed);
-  const bool guess = !stands & unseen & ((c.ray_evidence & kPassedLow) == 0);
+  const bool guess = !stands & unseen & !c.is(kPassedLow);
   const bool higher = hangs & guess & !(hit_high_up & (c.elevation_m >= high.height_m));
   c.elevation_m = select(higher, high.height_m, c.elevation_m);
   c.elevation_var_m2 = select(higher, high.variance_m2, c.elevation_var_m2);
@@ -222,10 +222,13 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
   const bool dropped = hit_high_up & !hangs & floor;
   c.elevation_m = select(dropped, kNan, c.elevation_m);
   c.elevation_var_m2 = select(dropped, kNan, c.elevation_var_m2);
-  c.persistence = select(dropped, 0, c.persistence);  // that goes with it
-  c.extent = select(dropped, 0, c.extent);
-  c.ray_evidence = select(hangs, c.ray_evidence, c.ray_evidence & ~kHitHighUp);
-  c.ray_evidence = select(higher, c.ray_evidence | kHitHighUp, c.ray_evidence);
+  // Its evidence goes with it.
+  c.stay_frames = select(dropped, 0, c.stay_frames);
+  c.passed_frames = select(dropped, 0, c.passed_frames);
+  c.overhang_below = select(dropped, 0, c.overhang_below);
+  c.overhang_above = select(dropped, 0, c.overhang_above);
+  c.flags &= select(dropped, ~kOpen, ~0) & select(hangs, ~0, ~kHitHighUp);
+  c.flags |= select(higher, kHitHighUp, 0);
   return hangs;
 }
 
@@ -247,7 +250,7 @@ TALUS_HD FusionPlan plan_ground(const Cell& c, const HeightPoint& low, const Con
 /** Whether the hits of a cell are of what the robot drove through there. */
 TALUS_HD bool is_driven_through(const Cell& c, float highest_m)
 {
-  return is_driven(c.footing) & (highest_m - c.ground_m <= driven_through_m(c.footing));
+  return (c.driven_height > 0) & (highest_m - c.ground_m <= driven_height_m(c.driven_height));
 }
 
 /** Here and below: where all hangs nothing changes. */
@@ -320,14 +323,15 @@ struct Overhang
   }
 };
 
-/** It earns all persistence, and Cell::extent reaches down to its lowest hit; what the robot drove
+/** It stays as long as anything may, and reaches down to its lowest hit; what the robot drove
  * through has no top that could overhang. */
 TALUS_HD void put_overhang(Cell& c, const Overhang& overhang)
 {
   const bool any = (overhang.lowest_m < kInfinity) & is_known(c.elevation_m);
   const float down_m = select(any, c.elevation_m - overhang.lowest_m, 0.0f);
-  c.persistence = select(any, -kMaxPersistence, c.persistence);
-  c.extent = select(any, deeper(c.extent, code_of_extent(down_m)), c.extent);
+  c.stay_frames = select(any, kMostStay, c.stay_frames);
+  c.passed_frames = select(any, 0, c.passed_frames);
+  c.overhang_below = max_of(c.overhang_below, select(any, overhang_units(down_m), 0));
 }
 
 /** Stage 4 on one cell that received points; for many cells at once see
@@ -444,13 +448,13 @@ struct UpdateCell
     Cell c = updated;
     const Cell before = store.load(storage_i);
     const float bare_m = bare_up_to_m(before.ground_m, *config);
-    const bool seen = (before.state == kMeasured) | ((before.ray_evidence & kPassedLow) != 0);
+    const bool seen = (before.state == kMeasured) | before.is(kPassedLow);
     const bool was_bare = seen & !(before.elevation_m > bare_m);
     float top_m = ends.highest().height_m;
     if (was_bare && top_m > bare_m && is_alone(storage_i, top_m, bare_m))
     {
-      c.persistence = before.persistence;
-      if (!hit_lately(before.ray_evidence))
+      c.stay_frames = before.stay_frames, c.passed_frames = before.passed_frames;
+      if (!hit_lately(before.recent_hits))
         top_m = refuse(c, before, ends.lowest().height_m, bare_m);
     }
     store.store(storage_i, c);
@@ -507,8 +511,9 @@ struct UpdateCell
     if (!floor) c = before;
     c.elevation_m = select(c.state == kMeasured, c.ground_m, before.elevation_m);
     c.elevation_var_m2 = select(c.state == kMeasured, c.ground_var_m2, before.elevation_var_m2);
-    c.extent = before.extent;
-    c.ray_evidence = before.ray_evidence + kTraceHit;
+    c.overhang_below = before.overhang_below, c.overhang_above = before.overhang_above;
+    c.flags = before.flags;
+    c.recent_hits = before.recent_hits + kHitAdds;
     return select(floor, lowest_m, -kInfinity);
   }
 };

@@ -52,7 +52,7 @@ struct ClassifyCell
 
   /** What was hit too high to stand on the ground may belong to a thing whose face overhangs before
    * it. Seen from above it is the top of that thing, a trailer or a car: the robot fits as little
-   * below its middle as below its face. It has the least persistence that such a face may have, and
+   * below its middle as below its face. It stays as long as such a face does at least, and
    * reaches down as far. */
   template <class Group>
   TALUS_HD void inspect(int x, int y, int storage_i, const Group& group) const
@@ -89,17 +89,19 @@ struct ClassifyCell
   TALUS_HD void put_overhang(int storage_i, float depth_m) const
   {
     put_top(storage_i);
-    store.persistence[storage_i] = static_cast<std::int8_t>(-kOverhangPersistence);
-    store.extent[storage_i] =
-        static_cast<std::uint8_t>(extent_of_codes(code_of_extent(depth_m), 0));
+    store.stay_frames[storage_i] = kOverhangStay;
+    store.passed_frames[storage_i] = 0;
+    store.overhang_below[storage_i] = static_cast<std::uint8_t>(overhang_units(depth_m));
+    store.overhang_above[storage_i] = 0;
+    store.flags[storage_i] &= static_cast<std::uint8_t>(~kOpen);
   }
   /** What was hit far above guessed ground hangs there. What is seen from above stands until a ray
    * passes low over the guess. */
   TALUS_HD void join_column(int storage_i) const
   {
     if (!may_join(storage_i, store.ground_m[storage_i])) return;
-    if ((store.ray_evidence[storage_i] & kPassedLow) != 0 || !seen_from_above(storage_i)) return;
-    store.ray_evidence[storage_i] |= kHitHighUp;
+    if (store.is(kPassedLow, storage_i) || !seen_from_above(storage_i)) return;
+    store.flags[storage_i] |= kHitHighUp;
     put_top(storage_i);
   }
   TALUS_HD void put_top(int storage_i) const

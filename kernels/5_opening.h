@@ -14,8 +14,8 @@ namespace talus::kernels
 // that ground has over ground close by (so that a ridge or a bank is no object). Both work on pairs
 // of cells, and in passes along rows and columns. A bridge is both, and no object: 5_classify.h.
 
-/** What is known of things in a pair of cells: of its cells, the last of these. What left a trace
- * where nothing stands has left. */
+/** What is known of things in a pair of cells: of its cells, the last of these. Where something was
+ * hit lately and nothing stands it has left. */
 enum Presence
 {
   kEmpty,
@@ -59,7 +59,7 @@ struct CoarseCell
 {
   float lowest_m = kInfinity, column_m = -kInfinity;
   float overhang_m = -kInfinity;
-  std::int32_t overhang_below = 0;  //!< code of how far it reaches down, see Cell::extent
+  std::int32_t overhang_below = 0;  //!< how far it reaches down, see Cell
   std::int32_t presence = kEmpty;  //!< the highest, see Presence
 
   static constexpr auto fields()
@@ -84,18 +84,17 @@ struct PoolCells
     const float ground = store.ground_m[storage_i], top = store.elevation_m[storage_i];
     const bool measured = store.state[storage_i] == kMeasured;
     const bool upright = measured & (top - ground > kUpright_steps * config->step_threshold_m);
-    const int extent = store.extent[storage_i];
-    const float underside = top - extent_of_code(code_below(extent));
+    const int below = store.overhang_below[storage_i];
+    const float underside = top - overhang_m(below);
     const float robot_m =
         ground + config->clearance_m + kFaceAboveRobot_steps * config->step_threshold_m;
-    const bool low = (extent == kOpen) | (underside <= robot_m);
-    const bool overhangs = upright & low & (store.persistence[storage_i] <= -kOverhangPersistence);
+    const bool open = store.is(kOpen, storage_i), low = open | (underside <= robot_m);
+    const bool overhangs = upright & low & (store.stay_frames[storage_i] >= kOverhangStay);
     const bool stands = top > bare_up_to_m(ground, *config);
-    const int bare = select(store.ray_evidence[storage_i] >= kTraceOne, kLeft, kEmpty);
+    const int bare = select(store.recent_hits[storage_i] > 0, kLeft, kEmpty);
     return {
         select(measured, ground, kInfinity), select(upright, top, -kInfinity),
-        select(overhangs, top, -kInfinity),
-        select(overhangs & (extent != kOpen), code_below(extent), 0),
+        select(overhangs, top, -kInfinity), select(overhangs & !open, below, 0),
         select(stands, kStands, bare)};
   }
   /** What two cells hold together, one above the other, or then two such pairs. */
@@ -118,7 +117,7 @@ struct PoolCells
     grid.lowest_m[grid.at(px, py)] = pooled.lowest_m;
     grid.column_m[grid.at(px, py)] = pooled.column_m;
     grid.overhang_m[grid.at(px, py)] = pooled.overhang_m;
-    grid.overhang_depth_m[grid.at(px, py)] = extent_of_code(pooled.overhang_below);
+    grid.overhang_depth_m[grid.at(px, py)] = overhang_m(pooled.overhang_below);
     grid.presence[grid.at(px, py)] = static_cast<float>(pooled.presence);
   }
 

@@ -48,7 +48,7 @@ struct StandOnCell
     const float reach_m = max_of(kFootprint_m, body->reach_m);
     const bool near = x_m * x_m + y_m * y_m <= reach_m * reach_m;
     const bool changes = drives_through(storage_i, plane_of_base_m(*frame, x_m, y_m)) |
-                         !was_robot_there(store.footing[storage_i]);
+                         !store.is(kRobotWasThere, storage_i);
     return (frame->has_base != 0) & near & changes;
   }
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
@@ -59,8 +59,7 @@ struct StandOnCell
     const float floor_m = plane_of_base_m(*frame, x_m, y_m);
     if (!drives_through(storage_i, floor_m))
     {
-      store.footing[storage_i] =
-          static_cast<std::uint8_t>(footing_driven_over(store.footing[storage_i]));
+      store.flags[storage_i] |= kRobotWasThere;
       return;
     }
     Cell c = store.load(storage_i);
@@ -74,19 +73,20 @@ struct StandOnCell
     c.ground_var_m2 = select(sunk, c.ground_var_m2, kUnderFoot_var_m2);
     if (!is_known(c.elevation_m) && frame->drove_through_m <= above_m)
     {
-      if (c.state != kMeasured) presume_ground(c, floor_m), c.ray_evidence |= kPassedLow;
-      c.footing = footing_driven_over(c.footing);
+      if (c.state != kMeasured) presume_ground(c, floor_m), c.flags |= kPassedLow;
+      c.flags |= kRobotWasThere;
       store.store(storage_i, c);
       return;
     }
     c.elevation_m = c.ground_m;
     c.elevation_var_m2 = c.ground_var_m2;
     c.state = kMeasured;
-    c.persistence = c.extent = 0;
-    c.ray_evidence = kPassedLow;
-    c.footing = (c.footing & kPassedNear) | footing_driven_through(
-                                                max_of(stood_m, frame->drove_through_m) +
-                                                kStandsUp_steps * config->step_threshold_m);
+    forget_persistence(c);
+    forget_overhang(c);
+    c.recent_hits = 0;
+    c.flags = (c.flags & kPassedNear) | kPassedLow | kRobotWasThere;
+    c.driven_height = driven_units(
+        max_of(stood_m, frame->drove_through_m) + kStandsUp_steps * config->step_threshold_m);
     store.store(storage_i, c);
   }
 
@@ -97,7 +97,7 @@ struct StandOnCell
     const float above_m = kUnderFoot_steps * config->step_threshold_m;
     const bool high = (store.ground_m[storage_i] > floor_m + above_m) |
                       (store.elevation_m[storage_i] > floor_m + above_m) |
-                      ((frame->drove_through_m > above_m) & !is_driven(store.footing[storage_i]));
+                      ((frame->drove_through_m > above_m) & (store.driven_height[storage_i] == 0));
     const int state = store.state[storage_i];
     const bool guessed =
         (state != kMeasured) & (state != kPresumed) & !is_known(store.elevation_m[storage_i]);

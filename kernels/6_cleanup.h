@@ -45,37 +45,29 @@ TALUS_HD void add_ray(
   seen.highest_m = max_of(seen.highest_m, select(is_ray, height, -kInfinity));
 }
 
-TALUS_HD void leave_trace(Cell& c)
-{
-  c.ray_evidence += min_of(kTraceHit, kTraceFull - trace_of(c));
-}
-/** Of a frame in which rays passed. False where there is none. */
-TALUS_HD bool fade_trace(Cell& c)
-{
-  const bool any = trace_of(c) != 0;
-  if (any) c.ray_evidence -= kTraceOne;
-  return any;
-}
-
 /** Counts the evidence of one frame; true when the cell must be cleared. */
 TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
 {
-  const int before = c.persistence;
-  const int earned = (c.ray_evidence & kHitBefore) != 0 ? kHeldHitEarns : kPorousHitEarns;
-  c.ray_evidence = hit ? c.ray_evidence | kHitBefore : c.ray_evidence & ~kHitBefore;
-  const int after = hit ? max_of(min_of(before, 0) - earned, -kMaxPersistence)
-                        : (before <= -kPorousPersistence ? before + 1 : max_of(before, 0) + 1);
-  const bool clear = after >= k.cleanup_frames;
-  c.persistence = clear ? 0 : after;
-  return clear;
+  const int earned = c.is(kHitBefore) ? kHeldHitEarns : kPorousHitEarns;
+  const bool porous = c.stay_frames >= kPorousStay;
+  c.flags = hit ? c.flags | kHitBefore : c.flags & ~kHitBefore;
+  if (hit)
+    c.stay_frames = min_of(c.stay_frames + earned, kMostStay), c.passed_frames = 0;
+  else if (porous)
+    c.stay_frames--;
+  else
+    c.stay_frames = 0, c.passed_frames++;
+  if (c.passed_frames < k.cleanup_frames) return false;
+  c.passed_frames = 0;
+  return true;
 }
 
 /** Clears a cell of what stands there, and of ground above `limit`. */
 TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
 {
-  c.ray_evidence += max_of(kTraceHit - trace_of(c), 0);  // it has left: kLeft
+  c.recent_hits = max_of(c.recent_hits, kHitAdds);  // it has left: kLeft
   c.elevation_m = c.elevation_var_m2 = kNan;
-  c.extent = 0;
+  forget_overhang(c);
   if (surface_class >= kObject || c.ground_m > limit)
   {
     c.ground_m = c.ground_var_m2 = kNan;
@@ -97,8 +89,8 @@ TALUS_HD bool count_seen_through(
 {
   if (c.state == kMeasured && surface_class == kKeep && c.ground_m > limit) surface_class = kObject;
   const bool hit = top_hit_m > limit;
-  const bool leaves_trace = hit && top_hit_m <= top + k.cleanup_margin_m;  // not what hangs above
-  if (leaves_trace) leave_trace(c);
+  const bool counts = hit && top_hit_m <= top + k.cleanup_margin_m;  // not what hangs above
+  if (counts) c.recent_hits = min_of(c.recent_hits + kHitAdds, kMostRecentHits);
   return count_evidence(c, hit, k);
 }
 
@@ -153,9 +145,9 @@ struct CleanUpCell
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
     const int window_i = iy * cells + ix;
-    const bool any = passed(window_i), traced = store.ray_evidence[storage_i] >= kTraceOne;
+    const bool any = passed(window_i), hit_before = store.recent_hits[storage_i] > 0;
     return (any & (store.state[storage_i] != kUnknown) &
-            (stands_above(window_i, storage_i) | traced)) |
+            (stands_above(window_i, storage_i) | hit_before)) |
            came_later(storage_i);
   }
 
@@ -170,7 +162,7 @@ struct CleanUpCell
   {
     const int window_i = iy * cells + ix;
     return passed(window_i) && store.state[storage_i] != kUnknown &&
-           stands_above(window_i, storage_i) && store.persistence[storage_i] < 0;
+           stands_above(window_i, storage_i) && store.stay_frames[storage_i] > 0;
   }
 
   /** Rays that pass below what overhangs do not tell that it left; rays that went on where it is
@@ -184,17 +176,18 @@ struct CleanUpCell
                 limit_m = limit(iy * cells + ix);
     const bool hit = hit_m > limit_m;
     const OverhangRays<Group> overhang{k, reach, footprint_of(k, *reach.frame, ix, iy), group};
-    const int before = store.extent[storage_i];
-    const bool open = before == kOpen;
-    const int extent = hit && !open ? learn(before, overhang, top_m, hit_m, limit_m) : before;
-    const float lowest_m = top_m - extent_of_code(code_below(extent));
-    const float low_m = max_of(lowest_m + k.cleanup_margin_m, limit_m);
-    const float high_m = top_m + extent_of_code(code_above(extent)) - k.cleanup_margin_m;
+    const bool open = store.is(kOpen, storage_i);
+    Reach extent{store.overhang_below[storage_i], store.overhang_above[storage_i]};
+    if (hit && !open) extent = learn(extent, overhang, top_m, hit_m, limit_m);
+    const float low_m = max_of(top_m - overhang_m(extent.below) + k.cleanup_margin_m, limit_m);
+    const float high_m = top_m + overhang_m(extent.above) - k.cleanup_margin_m;
     const bool went = !open && low_m < high_m && overhang.went_between(low_m, high_m);
     const bool gone = !hit && (went || overhang.combed(top_m) || leaves_with_others(ix, iy));
     if (group.rank() != 0) return;
-    store.extent[storage_i] = static_cast<std::uint8_t>(select(hit & went, kOpen, extent));
-    if (gone) store.persistence[storage_i] = 0;
+    store.overhang_below[storage_i] = static_cast<std::uint8_t>(extent.below);
+    store.overhang_above[storage_i] = static_cast<std::uint8_t>(extent.above);
+    if (hit && went) store.flags[storage_i] |= kOpen;
+    if (gone) store.stay_frames[storage_i] = 0;
   }
 
   TALUS_HD void finish(int ix, int iy, int storage_i) const
@@ -205,7 +198,8 @@ struct CleanUpCell
     const bool stands = seen && stands_above(window_i, storage_i);
     const float hit_m = top_hit_m[storage_i], limit_m = select(stands, limit(window_i), kInfinity);
     bool left = later && count_unhit(c, hit_m, !stands);
-    const bool faded = seen && fade_trace(c);
+    const bool faded = seen && c.recent_hits > 0;  // rays passed
+    if (faded) c.recent_hits--;
     if (stands)
       left =
           count_seen_through(c, surface_class[storage_i], hit_m, top(storage_i), limit_m, *config);
@@ -219,16 +213,19 @@ struct CleanUpCell
   TALUS_HD bool came_later(int storage_i) const
   {
     const float bare_m = bare_up_to_m(store.ground_m[storage_i], *config);
-    return was_robot_there(store.footing[storage_i]) & (store.elevation_m[storage_i] > bare_m);
+    return store.is(kRobotWasThere, storage_i) & (store.elevation_m[storage_i] > bare_m);
   }
   /** Of what came later: where rays pass it has earned no time, unlike the edges of what stands; in
    * its own shadow frames without a hit count, and true when it has left. */
   TALUS_HD bool count_unhit(Cell& c, float hit_m, bool in_shadow) const
   {
     const bool hit = hit_m > bare_up_to_m(c.ground_m, *config);
-    c.persistence = hit ? min_of(c.persistence, 0) : max_of(c.persistence, 0);
-    if (hit || !in_shadow || ++c.persistence < kFollowerLeaves_frames) return false;
-    c.persistence = 0;
+    if (hit)
+      c.passed_frames = 0;
+    else
+      c.stay_frames = 0;
+    if (hit || !in_shadow || ++c.passed_frames < kFollowerLeaves_frames) return false;
+    c.passed_frames = 0;
     return true;
   }
   TALUS_HD float top(int storage_i) const
@@ -262,20 +259,24 @@ struct CleanUpCell
       }
     return left > stands;
   }
-  /** The extent of a cell that was hit: not lower than `limit_m`, where rays passed. The top may
-   * have risen to this hit, so that what was known above it holds no more. */
+  /** How far what overhangs in a cell reaches from its top [kOverhangUnit_m]. */
+  struct Reach
+  {
+    int below, above;
+  };
+  /** That of a cell that was hit: not lower than `limit_m`, where rays passed. The top may have
+   * risen to this hit, so that what was known above it holds no more. */
   template <class Group>
-  TALUS_HD int learn(
-      int extent, const OverhangRays<Group>& overhang, float top_m, float hit_m,
+  TALUS_HD Reach learn(
+      const Reach& before, const OverhangRays<Group>& overhang, float top_m, float hit_m,
       float limit_m) const
   {
     const float low_m = min_of(hit_m, overhang.end_of_hits(hit_m, -1));
     const float high_m = max_of(hit_m, overhang.end_of_hits(hit_m, 1));
     const bool at_top = hit_m >= top_m - config->cleanup_margin_m;
-    const int above_before = select(at_top, 0, code_above(extent));
-    const int above = max_of(above_before, code_of_extent(high_m - top_m));
-    const int below = code_of_extent(top_m - max_of(low_m, limit_m));
-    return extent_of_codes(max_of(code_below(extent), below), above);
+    return {
+        max_of(before.below, overhang_units(top_m - max_of(low_m, limit_m))),
+        max_of(select(at_top, 0, before.above), overhang_units(high_m - top_m))};
   }
 };
 

@@ -100,23 +100,35 @@ TALUS_HD int places_in(float distance_m, float step_m, int rings)
   return floor_to_int(min_of(distance_m / step_m, static_cast<float>(rings)));
 }
 
-/** Samples that rays contradict, and fills beside them, say so by this variance; the map is told
- * the other one. */
-constexpr float kDoubtful_m2 = 1e12f, kToldDoubtful_m2 = 1.0f;
+/** What is known of a sample: bits of Samples::marks. */
+enum SampleMark : std::int32_t
+{
+  kWall = 1,  //!< its ground rises more steeply than a robot drives, and is nothing upright
+  kContradicted = 2  //!< a ray seems to have passed below it, see kContradicted_m
+};
+/** What is known of a fill beside its height and variance: bits of Inference::marks. */
+enum FillMark : std::int32_t
+{
+  kTwoSided = 1,
+  kDoubtful = 2,  //!< it builds on a sample that is contradicted
+  kSlopes = 4,  //!< the ground falls in it by a step, as a slope does
+  kDrops = 8  //!< the ground may drop in it
+};
+/** Variance of fills that are doubtful, or in which ground falls. */
+constexpr float kDoubtful_m2 = 1.0f;
+
 /** Whether a rise is steeper than a robot can drive, noise aside. */
 TALUS_HD bool is_steep(float rise_m, float length_m, const Config& k)
 {
   return rise_m > k.max_slope * length_m + kWallNoise_m;
 }
-/** Of ground that rises so within its cell, but is nothing upright, the variance has a minus. */
-TALUS_HD float sample_variance(
-    float ground_m, float variance_m2, float top_m, float ray_bound_m, const Config& k)
+TALUS_HD std::int32_t sample_marks(float ground_m, float top_m, float ray_bound_m, const Config& k)
 {
   const float rise_m = top_m - ground_m;  // NaN: nothing stands there
   const bool wall =
       is_steep(rise_m, k.resolution_m, k) & (rise_m < kUpright_steps * k.step_threshold_m);
-  const float told_m2 = select(wall, -variance_m2, variance_m2);
-  return select(ray_bound_m < ground_m - kContradicted_m, kDoubtful_m2, told_m2);
+  const bool contradicted = ray_bound_m < ground_m - kContradicted_m;
+  return select(wall, kWall, 0) | select(contradicted, kContradicted, 0);
 }
 
 /** Whether rays undercut the ground that goes on from a sample, so far away. */
@@ -125,15 +137,11 @@ TALUS_HD bool undercuts(float ray_bound_m, float sample_m, float away_m)
   return ray_bound_m < sample_m - kUndercutAhead_m - kGentle * away_m;
 }
 
-/** Fills of ground that may drop say so by this variance, or a larger one below kDoubtful_m2; where
- * a slope explains what it falls by, by the other. */
-constexpr float kMayDrop_m2 = 1e9f, kSlopes_m2 = 1e6f;
-
 /** Variance of ground inferred from a sample [m^2]. */
 TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const Config& k)
 {
   const float spread = k.fill_variance_per_m * distance_m;
-  return abs_of(sample_variance_m2) + spread * spread;
+  return sample_variance_m2 + spread * spread;
 }
 
 /** Eq. 9 as printed: one height from two sides. The high side's share grows with the gap to it, up
@@ -215,38 +223,32 @@ struct LineFusion
 struct alignas(16) Inference
 {
   LineFusion lines;  //!< for kFillPrinted: what eq. 9 says, as one line
-  float variance_m2 = kNan;  //!< NaN: no samples; with a minus: on one side only
+  float variance_m2 = kNan;  //!< NaN: no samples
 
   TALUS_HD bool any() const { return is_known(variance_m2); }
-  TALUS_HD bool two_sided() const { return bits_of(variance_m2) >> 31 == 0; }
-  TALUS_HD bool doubtful() const { return abs_of(variance_m2) >= kDoubtful_m2; }
-  TALUS_HD bool slopes() const
-  {
-    return (abs_of(variance_m2) >= kSlopes_m2) & (abs_of(variance_m2) < kMayDrop_m2);
-  }
-  TALUS_HD bool may_drop() const { return (abs_of(variance_m2) >= kMayDrop_m2) & !doubtful(); }
 };
 
-/** Inference::variance_m2 from the variances of the two sides of the line to the sensor, NaN where
- * one has no samples. */
-TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
+/** What one side of the line to the sensor says of the variance: NaN: no samples. */
+struct SideVariance
 {
-  const bool has_inner = is_known(inner_m2), both = has_inner & is_known(outer_m2);
-  const float fused = inner_m2 * outer_m2 / (inner_m2 + outer_m2);
-  const float larger = max_of(inner_m2, outer_m2);
-  const float two = select(larger >= kDoubtful_m2, larger, fused);
-  return select(both, two, -select(has_inner, inner_m2, outer_m2));
-}
+  float m2;
+  std::int32_t marks;  //!< of its nearest sample
+};
 
-/** Of what has samples towards the sensor only. */
-TALUS_HD float mark_edge(float fused_m2, bool may_drop)
+TALUS_HD float fuse_variances(const SideVariance& inner, const SideVariance& outer)
 {
-  return fused_m2 - select(may_drop, kMayDrop_m2, 0.0f);
+  const bool has_inner = is_known(inner.m2), both = has_inner & is_known(outer.m2);
+  const float fused = inner.m2 * outer.m2 / (inner.m2 + outer.m2);
+  return select(both, fused, select(has_inner, inner.m2, outer.m2));
 }
-TALUS_HD float mark_fall(float fused_m2, bool may_drop, bool slopes)
+/** Those that follow from the samples of both sides, bits of FillMark. */
+TALUS_HD std::int32_t fuse_marks(const SideVariance& inner, const SideVariance& outer)
 {
-  const float mark_m2 = select(may_drop, kMayDrop_m2, select(slopes, kSlopes_m2, 0.0f));
-  return fused_m2 + select(fused_m2 < 0.0f, -mark_m2, mark_m2);
+  const bool has_inner = is_known(inner.m2), has_outer = is_known(outer.m2);
+  const std::int32_t of_samples =
+      select(has_inner, inner.marks, 0) | select(has_outer, outer.marks, 0);
+  return select(has_inner & has_outer, kTwoSided, 0) |
+         select((of_samples & kContradicted) != 0, kDoubtful, 0);
 }
 
 TALUS_HD LineFusion
@@ -284,14 +286,13 @@ TALUS_HD float height_of_lines(const LineFusion& lines, bool under_object)
 }
 
 TALUS_HD Fill
-infer_ground(const Inference& inferred, float expected_m, float bound_m, const Config& k)
+infer_ground(float variance_m2, int marks, float expected_m, float bound_m, const Config& k)
 {
+  const bool far_off = (marks & (kDoubtful | kSlopes | kDrops)) != 0;
+  const int state = select((marks & kTwoSided) != 0, kFilledTwoSided, kFilledOneSided);
   return {
       min_of(expected_m, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
-      select(
-          abs_of(inferred.variance_m2) >= kSlopes_m2, kToldDoubtful_m2,
-          abs_of(inferred.variance_m2)),
-      select(inferred.two_sided(), kFilledTwoSided, kFilledOneSided), expected_m};
+      select(far_off, kDoubtful_m2, variance_m2), state, expected_m};
 }
 
 // ---- Where samples are kept ----
@@ -300,8 +301,9 @@ infer_ground(const Inference& inferred, float expected_m, float bound_m, const C
 struct Samples
 {
   float* height_m;  //!< NaN: none
-  float* variance_or_bound;  //!< of samples their variance [m^2]; where lines are swept, elsewhere
-                             //!< the ray bound [m]
+  float* variance_m2;
+  std::int32_t* marks;  //!< bits of SampleMark
+  float* ray_bound_m;  //!< of all places, see ray_bound(): where lines are swept
 };
 
 /** Height that rays have shown the ground of a cell of the window not to exceed [m]; infinity: not
@@ -328,7 +330,7 @@ enum SurfaceFlag : std::int32_t
   kSurfaceMeasured = 1,  //!< its ground is measured
   kSurfaceSeen = 2,  //!< a ray met it or passed low over its ground, or the robot stood there
   kSurfaceMayDrop = 4,  //!< nobody saw its ground, which may lie far below that around it
-  kSurfaceTraced = 8,  //!< it was hit lately while rays passed, see hit_lately()
+  kSurfaceHitLately = 8,  //!< it was hit lately while rays passed, see hit_lately()
   kSurfaceDriven = 16,  //!< the robot drove over it, and nothing new stands there
   kSurfaceNear = 32  //!< its ground is filled from two sides and a ray passed near it
 };
@@ -362,24 +364,22 @@ struct DropHanging
 {
   CellStore store;
 
-  static TALUS_HD bool hangs(int ray_evidence)
+  static TALUS_HD bool hangs(int flags)
   {
     const int both = kPassedLow | kHitHighUp;
-    return (ray_evidence & both) == both;
+    return (flags & both) == both;
   }
-  TALUS_HD bool applies(int, int, int storage_i) const
-  {
-    return hangs(store.ray_evidence[storage_i]);
-  }
+  TALUS_HD bool applies(int, int, int storage_i) const { return hangs(store.flags[storage_i]); }
   TALUS_HD void operator()(int, int, int storage_i) const
   {
-    store.elevation_m[storage_i] = store.elevation_var_m2[storage_i] = kNan;
-    // Persistence, extent and, of an underside, trace belong to what stood there.
-    store.persistence[storage_i] = 0;
-    store.extent[storage_i] = 0;
-    const int kept =
-        store.state[storage_i] == kUnknown ? 0 : store.ray_evidence[storage_i] & ~kHitHighUp;
-    store.ray_evidence[storage_i] = static_cast<std::uint8_t>(kept);
+    Cell c = store.load(storage_i);
+    c.elevation_m = c.elevation_var_m2 = kNan;
+    forget_persistence(c);
+    forget_overhang(c);
+    const bool underside = c.state == kUnknown;  // of which hits tell nothing any more
+    c.flags &= ~select(underside, kHitFlags, kHitHighUp);
+    c.recent_hits = select(underside, 0, c.recent_hits);
+    store.store(storage_i, c);
   }
 };
 
@@ -398,17 +398,21 @@ struct FillCell
 
   TALUS_HD bool wanted(int storage_i) const { return surface_class[storage_i] != kKeep; }
 
-  TALUS_HD int operator()(int ix, int iy, int storage_i, const Inference& inferred) const
+  /** `marks`: bits of FillMark. */
+  TALUS_HD int operator()(int ix, int iy, int storage_i, const Inference& inferred, int marks) const
   {
     const int window_i = iy * cells + ix;
     const int r = surface_class[storage_i], state_before = store.state[storage_i];
-    const int evidence_before = store.ray_evidence[storage_i], in_open = passing.in_open[window_i];
+    const int flags_before = store.flags[storage_i], in_open = passing.in_open[window_i];
+    const int driven_height = store.driven_height[storage_i];
+    const int recent_hits = store.recent_hits[storage_i];
     const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
-    const float bound_m = select(inferred.doubtful(), kInfinity, ray_bound(passing, window_i));
-    const float expected_m = height_of_lines(inferred.lines, r >= kObject);
-    const Fill fill = infer_ground(inferred, expected_m, bound_m, *config);
     // Else an older fill, or the object, stays.
     const bool filled = (r != kKeep) & inferred.any();
+    const bool doubtful = filled & ((marks & kDoubtful) != 0);
+    const float bound_m = select(doubtful, kInfinity, ray_bound(passing, window_i));
+    const float expected_m = height_of_lines(inferred.lines, r >= kObject);
+    const Fill fill = infer_ground(inferred.variance_m2, marks, expected_m, bound_m, *config);
     const bool floats = is_underside(r, state_before, before, bound_m, inferred, fill);
     const float ground = select(floats, kNan, select(filled, fill.height_m, before));
     const float variance = select(floats, kNan, select(filled, fill.variance_m2, var_before));
@@ -426,24 +430,22 @@ struct FillCell
                             select(r == kObject, kHangs_clearances, kHangsBesideColumn_clearances);
     const bool object = filled & ((r == kObject) | (r == kObjectBesideColumn)) &
                         (before - fill.height_m > high_up_m);
+    const float stands_m = store.elevation_m[storage_i];
+    const int fall = select(filled & !doubtful, marks & (kSlopes | kDrops), 0);
+    const bool drops = ((fall & kDrops) != 0) & !is_known(stands_m);
     // What floats is dropped as what hangs.
-    const int ray_evidence = evidence_before | select(low | floats, kPassedLow, 0) |
-                             select(object | floats, kHitHighUp, 0);
-    // Before any store: what could overlap with `inferred` would be read again, and not at once.
-    const bool slopes = filled & inferred.slopes();
-    const bool drops = filled & inferred.may_drop() & !is_known(store.elevation_m[storage_i]);
-    const int kept = store.footing[storage_i] & select(slopes, ~kMayDrop, ~0) &
-                     select(r == kKeep, ~kMayDrop, ~0);
-    const int footing = kept | select(near, kPassedNear, 0) | select(drops, kMayDrop, 0);
+    const int flags = (flags_before & select((fall == kSlopes) | (r == kKeep), ~kMayDrop, ~0)) |
+                      select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0) |
+                      select(near, kPassedNear, 0) | select(drops, kMayDrop, 0);
+    // All is read before any store: what could overlap would be read again, and not at once.
     store.ground_m[storage_i] = ground;
     store.ground_var_m2[storage_i] = variance;
     store.state[storage_i] = static_cast<std::uint8_t>(state);
-    store.ray_evidence[storage_i] = static_cast<std::uint8_t>(ray_evidence);
-    store.footing[storage_i] = static_cast<std::uint8_t>(footing);
-    const float elevation =
-        select(DropHanging::hangs(ray_evidence), kNan, store.elevation_m[storage_i]);
+    store.flags[storage_i] = static_cast<std::uint8_t>(flags);
+    const float elevation = select(DropHanging::hangs(flags), kNan, stands_m);
     put_surface(
-        surfaces.cell[surfaces.at(ix, iy)], ground, elevation, state, ray_evidence, footing);
+        surfaces.cell[surfaces.at(ix, iy)],
+        {ground, elevation, state, flags, driven_height, recent_hits});
     return state;
   }
 
@@ -461,21 +463,28 @@ struct FillCell
     return (of_class == kObject) & (above | (state_before == kUnknown));
   }
 
-  TALUS_HD void put_surface(
-      Surface& to, float ground, float elevation, int state, int ray_evidence, int footing) const
+  /** What stage 8 is told of, from a cell as it is now. */
+  struct Filled
   {
-    const bool stands = is_known(elevation), measured = state == kMeasured;
-    const bool near = (state == kFilledTwoSided) & ((footing & kPassedNear) != 0);
-    const bool met = measured | stands | (state == kPresumed), known = is_known(ground);
-    const bool new_there = stands & (elevation - ground > driven_through_m(footing));
-    const bool driven = is_driven(footing) & !new_there;
-    const std::int32_t passed_low = (ray_evidence & kPassedLow) * (kSurfaceSeen / kPassedLow);
-    const std::int32_t may_drop = (footing & kMayDrop) * (kSurfaceMayDrop / kMayDrop);
-    const std::int32_t flags =
-        select(measured, kSurfaceMeasured, 0) | select(met, kSurfaceSeen, 0) | passed_low |
-        select(stands | driven, 0, may_drop) | select(hit_lately(ray_evidence), kSurfaceTraced, 0) |
-        select(driven, kSurfaceDriven, 0) | select(near, kSurfaceNear, 0);
-    const float reference = frame->sensor_z_m, top = select(stands, elevation, ground);
+    float ground_m, elevation_m;
+    int state, flags, driven_height, recent_hits;
+  };
+  TALUS_HD void put_surface(Surface& to, const Filled& c) const
+  {
+    const float ground = c.ground_m;
+    const bool stands = is_known(c.elevation_m), measured = c.state == kMeasured;
+    const bool near = (c.state == kFilledTwoSided) & ((c.flags & kPassedNear) != 0);
+    const bool met = measured | stands | (c.state == kPresumed), known = is_known(ground);
+    const bool new_there = stands & (c.elevation_m - ground > driven_height_m(c.driven_height));
+    const bool driven = (c.driven_height > 0) & !new_there;
+    const bool seen = met | ((c.flags & kPassedLow) != 0);
+    const bool may_drop = ((c.flags & kMayDrop) != 0) & !(stands | driven);
+    const std::int32_t flags = select(measured, kSurfaceMeasured, 0) |
+                               select(seen, kSurfaceSeen, 0) |
+                               select(may_drop, kSurfaceMayDrop, 0) |
+                               select(hit_lately(c.recent_hits), kSurfaceHitLately, 0) |
+                               select(driven, kSurfaceDriven, 0) | select(near, kSurfaceNear, 0);
+    const float reference = frame->sensor_z_m, top = select(stands, c.elevation_m, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
     to.height_and_flags = select(
         known, (1 << kSurfaceFlags) * quantise_height(select(known, top, 0.0f), reference) + flags,

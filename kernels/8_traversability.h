@@ -139,15 +139,23 @@ TALUS_HD Features features_of(const Moments& m, std::int32_t height, const Confi
       clamp01(1.0f - (own - mean_height) * k.inverse_roughness_threshold)};
 }
 
-/** Eq. 13: the weighted sum; zero, impassable, where any feature is, and with a minus where only
- * the slope is too steep, which takes another look: see LowStep. */
-TALUS_HD float fuse_features(const Features& f, const Config& k)
+/** How a cell is judged, before its neighbours are looked at. */
+struct Judgement
+{
+  float score;  //!< traversability
+  std::int32_t steep_only;  //!< impassable for its slope alone, unless that is a low step's
+};
+
+/** Eq. 13: the weighted sum; zero, impassable, where step or roughness is. Where only the slope is
+ * too steep that takes another look: see LowStep. */
+TALUS_HD Judgement fuse_features(const Features& f, const Config& k)
 {
   const bool impassable = (f.step == 0.0f) | (f.roughness == 0.0f);
   const float sum =
       k.weight_step * f.step + k.weight_slope * f.slope + k.weight_roughness * f.roughness;
-  const float judged = select(f.slope == 0.0f, 0.0f - sum, select(is_known(f.slope), sum, kNan));
-  return select(impassable, 0.0f, judged);
+  return {
+      select(impassable, 0.0f, select(is_known(f.slope), sum, kNan)),
+      select(!impassable & (f.slope == 0.0f), 1, 0)};
 }
 
 /** Whether a rise within a cell is steeper than the slope threshold; in quantised steps. */

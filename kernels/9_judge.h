@@ -11,13 +11,26 @@ namespace talus::kernels
 struct FeatureLayers
 {
   float *slope, *step, *roughness, *sparsity, *traversability;
-  float* judged;  //!< traversability before CompleteObstacles, with a minus at low steps
+};
 
-  TALUS_HD void put_traversability(int window_i, float value) const
-  {
-    judged[window_i] = value;
-    traversability[window_i] = abs_of(value);
-  }
+/** What is judged of the cells before CompleteObstacles, window order. */
+struct JudgedArrays
+{
+  float* score;  //!< with a row and a cell more on both ends
+  std::uint8_t* steep_only;  //!< the same; once LowStep was asked: at a low step
+};
+
+/** What was judged around a cell: arrays from that cell on, its neighbour in the next row `pitch`
+ * behind it. */
+struct JudgedAround
+{
+  const float* score;
+  const std::uint8_t* low_step;
+  int pitch;
+
+  TALUS_HD bool blocks(int to) const { return score[to] == 0.0f; }
+  /** Impassable already, or at a low step. */
+  TALUS_HD bool is_settled(int to) const { return (score[to] == 0.0f) | (low_step[to] != 0); }
 };
 
 /** Stages 8 and 9 on cell (ix, iy): first along rows, then across them. `kParts`: what
@@ -34,6 +47,7 @@ struct ComputeFeatures
   LineGrid grid;
   const float* fall_m;
   FeatureLayers out;
+  JudgedArrays judged;
 
   TALUS_HD const Surface& neighbour(int ix, int iy) const
   {
@@ -49,36 +63,43 @@ struct ComputeFeatures
 
   TALUS_HD void operator()(int ix, int iy, const Moments& m) const
   {
-    out.put_traversability(iy * cells + ix, judge_most<false>(ix, iy, m, true));
+    put(ix, iy, judge_most<false>(ix, iy, m, true));
   }
   /** Whether plain() does the same, in less time. */
   TALUS_HD bool is_plain(const Moments& m) const { return is_whole(m, *config); }
   TALUS_HD void plain(int ix, int iy, const Moments& m) const
   {
-    out.put_traversability(iy * cells + ix, judge_most<true>(ix, iy, m, true));
+    put(ix, iy, judge_most<true>(ix, iy, m, true));
   }
   /** Whether finish() may change the cell, after one of these. */
   TALUS_HD bool applies(int ix, int iy, const Moments&) const
   {
-    return neighbour(ix, iy).is(kSurfaceMayDrop) | (out.judged[iy * cells + ix] < 0.0f);
+    return neighbour(ix, iy).is(kSurfaceMayDrop) | (judged.steep_only[iy * cells + ix] != 0);
   }
   /** What only few cells need. */
   TALUS_HD void finish(int ix, int iy, const Moments&) const
   {
     const int window_i = iy * cells + ix;
-    out.put_traversability(window_i, settle(ix, iy, out.judged[window_i], true));
+    const Judgement most{judged.score[window_i], judged.steep_only[window_i]};
+    put(ix, iy, settle(ix, iy, most, true));
   }
-  /** All of that, for executors that go on with the result: returns the traversability before
-   * CompleteObstacles, and puts only the parts, of cells that are the caller's `own`. */
-  TALUS_HD float judge(int ix, int iy, const Moments& m, bool own) const
+  /** All of that, for executors that go on with the result: puts only the parts, of cells that are
+   * the caller's `own`. */
+  TALUS_HD Judgement judge(int ix, int iy, const Moments& m, bool own) const
   {
     return settle(ix, iy, judge_most<false>(ix, iy, m, own), own);
   }
 
  private:
+  TALUS_HD void put(int ix, int iy, const Judgement& j) const
+  {
+    const int window_i = iy * cells + ix;
+    judged.score[window_i] = out.traversability[window_i] = j.score;
+    judged.steep_only[window_i] = static_cast<std::uint8_t>(j.steep_only);
+  }
   /** As most cells are judged. */
   template <bool kWhole>
-  TALUS_HD float judge_most(int ix, int iy, const Moments& m, bool own) const
+  TALUS_HD Judgement judge_most(int ix, int iy, const Moments& m, bool own) const
   {
     const Surface& cell = surfaces.cell[surfaces.at(ix, iy)];
     const bool known = cell.known();
@@ -93,22 +114,27 @@ struct ComputeFeatures
         out.sparsity[window_i] = kNan;
       }
     // What no ray ever met, nor passed low over its ground, may be the inside of a thing.
-    const bool seen = cell.is(kSurfaceSeen), judged = known & (seen | cell.is(kSurfaceNear));
-    const float features = fuse_features(f, *config);
-    const float score = select(seen, features, min_of(features, kPassedNearScore));
-    const float driven = max_of(score, kDrivenScore);
-    return select(judged, select(cell.is(kSurfaceDriven), driven, score), kNan);
+    const bool seen = cell.is(kSurfaceSeen), told = known & (seen | cell.is(kSurfaceNear));
+    const Judgement features = fuse_features(f, *config);
+    const bool driven = cell.is(kSurfaceDriven), steep = features.steep_only != 0;
+    const float least = select(driven, kDrivenScore, 0.0f);
+    const float most = select(steep & driven, kDrivenScore, kInfinity);
+    const float of_seen = select(seen | steep, most, kPassedNearScore);
+    const float score = max_of(min_of(features.score, of_seen), least);
+    return {select(told, score, kNan), select(told & steep & !driven, 1, 0)};
   }
-  /** `judged`, unless stage 9 says otherwise, or it is the slope of a low step alone. */
-  TALUS_HD float settle(int ix, int iy, float judged, bool own) const
+  /** `most`, unless stage 9 says otherwise, or its slope is not that of a low step. */
+  TALUS_HD Judgement settle(int ix, int iy, const Judgement& most, bool own) const
   {
+    const Judgement impassable{0.0f, 0};
     if (neighbour(ix, iy).is(kSurfaceMayDrop))
     {
-      judged = 0.0f;
       if constexpr (kParts)
         if (own) out.sparsity[iy * cells + ix] = suspicion_of(ix, iy);
+      return impassable;
     }
-    return judged < 0.0f && !LowStep{*config, surfaces}.is_at(ix, iy) ? 0.0f : judged;
+    const bool steep = most.steep_only != 0 && !LowStep{*config, surfaces}.is_at(ix, iy);
+    return steep ? impassable : most;
   }
   /** Whether stage 9 looks there. The sensor's own cell lies on no line. */
   TALUS_HD bool is_near(int ix, int iy) const
@@ -138,40 +164,41 @@ struct CompleteObstacles
   int cells;
   const Config* config;
   Surfaces surfaces;
-  const float* judged;  //!< window order, with a row and a cell more on both ends
+  JudgedArrays judged;
   float* traversability;
 
-  TALUS_HD bool applies(int ix, int iy, int) const
-  {
-    return applies(ix, iy, judged + iy * cells + ix, cells);
-  }
+  TALUS_HD bool applies(int ix, int iy, int) const { return applies(ix, iy, around(ix, iy)); }
   TALUS_HD void operator()(int ix, int iy, int) const
   {
-    const int window_i = iy * cells + ix;
-    if (joins(ix, iy, judged + window_i, cells)) traversability[window_i] = 0.0f;
+    if (joins(ix, iy, around(ix, iy))) traversability[iy * cells + ix] = 0.0f;
   }
-  /** Joins the cell or puts its judgement, where that lies elsewhere: that of the cell is at `at`,
-   * its neighbour's in the next row `pitch` behind it. */
-  TALUS_HD void complete(int ix, int iy, const float* at, int pitch) const
+  /** Joins the cell or puts its judgement, where that lies elsewhere. */
+  TALUS_HD void complete(int ix, int iy, const JudgedAround& at) const
   {
-    const bool joined = applies(ix, iy, at, pitch) && joins(ix, iy, at, pitch);
-    traversability[iy * cells + ix] = joined ? 0.0f : abs_of(*at);
+    const bool joined = applies(ix, iy, at) && joins(ix, iy, at);
+    traversability[iy * cells + ix] = joined ? 0.0f : *at.score;
   }
 
  private:
-  TALUS_HD bool applies(int ix, int iy, const float* at, int pitch) const
+  TALUS_HD JudgedAround around(int ix, int iy) const
+  {
+    const int i = iy * cells + ix;
+    return {judged.score + i, judged.steep_only + i, cells};
+  }
+  TALUS_HD bool applies(int ix, int iy, const JudgedAround& at) const
   {
     const int n = cells;
     const bool inside = (ix > 0) & (iy > 0) & (ix < n - 1) & (iy < n - 1);
-    return inside & !is_settled(at) & (around(at - pitch) | around(at) | around(at + pitch));
+    return inside & !at.is_settled(0) &
+           (settled_in_row(at, -at.pitch) | settled_in_row(at, 0) | settled_in_row(at, at.pitch));
   }
-  TALUS_HD bool joins(int ix, int iy, const float* at, int pitch) const
+  TALUS_HD bool joins(int ix, int iy, const JudgedAround& at) const
   {
     const Surface& cell = surfaces.cell[surfaces.at(ix, iy)];
     if (cell.is(kSurfaceDriven)) return false;
-    const bool traced = cell.is(kSurfaceTraced);
-    return between(at, pitch) || (traced && beside(at, pitch)) || beside_drop(ix, iy) ||
-           (is_known(*at) && at_steep_edge(ix, iy, at, pitch));
+    const bool hit_lately = cell.is(kSurfaceHitLately);
+    return between(at) || (hit_lately && beside(at)) || beside_drop(ix, iy) ||
+           (is_known(*at.score) && at_steep_edge(ix, iy, at));
   }
   /** Nobody knows to a cell where the ground ends. */
   TALUS_HD bool beside_drop(int ix, int iy) const
@@ -183,31 +210,28 @@ struct CompleteObstacles
     return any;
   }
 
-  static TALUS_HD bool blocks(const float* at) { return *at == 0.0f; }
-  /** Impassable already, or at a low step. */
-  static TALUS_HD bool is_settled(const float* at) { return *at <= 0.0f; }
-  static TALUS_HD bool around(const float* at)
+  static TALUS_HD bool settled_in_row(const JudgedAround& at, int row)
   {
-    return is_settled(at - 1) | is_settled(at) | is_settled(at + 1);
+    return at.is_settled(row - 1) | at.is_settled(row) | at.is_settled(row + 1);
   }
 
   /** Shares a side with an impassable cell. */
-  static TALUS_HD bool beside(const float* at, int pitch)
+  static TALUS_HD bool beside(const JudgedAround& at)
   {
-    return blocks(at - 1) || blocks(at + 1) || blocks(at - pitch) || blocks(at + pitch);
+    return at.blocks(-1) || at.blocks(1) || at.blocks(-at.pitch) || at.blocks(at.pitch);
   }
 
   /** Between two impassable cells on opposite sides: no robot fits through one cell. */
-  static TALUS_HD bool between(const float* at, int pitch)
+  static TALUS_HD bool between(const JudgedAround& at)
   {
-    const auto both = [at](int to) { return blocks(at - to) && blocks(at + to); };
-    return both(1) || both(pitch) || both(pitch + 1) || both(pitch - 1);
+    const auto both = [&at](int to) { return at.blocks(-to) && at.blocks(to); };
+    return both(1) || both(at.pitch) || both(at.pitch + 1) || both(at.pitch - 1);
   }
 
   /** Of measured cells: the surface rises or falls at least a third as steeply as it may to an
    * impassable neighbour on which nothing stands (two cells alone tell a slope that badly), or a
    * face begins in the cell that is higher, with the neighbours, than a step. */
-  TALUS_HD bool at_steep_edge(int ix, int iy, const float* judgement, int pitch) const
+  TALUS_HD bool at_steep_edge(int ix, int iy, const JudgedAround& judgement) const
   {
     const Surface* at = surfaces.cell + surfaces.at(ix, iy);
     if (!at->is(kSurfaceMeasured)) return false;
@@ -224,7 +248,7 @@ struct CompleteObstacles
         const int rise =
             max_of(abs_of(next.ground - at->ground), abs_of(next.height() - at->height()));
         if (beside && bare && is_steep(kSteepEdge * rise, *config) &&
-            blocks(judgement + dy * pitch + dx))
+            judgement.blocks(dy * judgement.pitch + dx))
           return true;
       }
     return is_steep(at->height() - at->ground, *config) && static_cast<float>(high - low) > step;

@@ -20,12 +20,18 @@ struct Gap
   float behind_m, behind_length_m;  //!< ... or to the next height, and how far behind that is
 };
 
+/** By how much ground falls in a gap. */
+struct Fall
+{
+  float m = kNan;  //!< h_s of eq. 14; NaN: the ground on one side is too far
+  std::int32_t slopes = 0;  //!< it falls by a step over more than a ditch is wide, as a slope does
+};
+
 /** h_s of eq. 14: how much lower than the ground before it the ground in a gap may lie. A drivable
  * slope explains a part of what it falls by. Where the far side begins lower and rises as no robot
  * can drive, that is the far wall of a ditch, of which rays see what they see over the near edge:
- * it may be twice as deep. Negative: it falls by a step over more than a
- * ditch is wide, as a slope does. */
-TALUS_HD float fall_in(const Gap& g, const Config& k)
+ * it may be twice as deep. */
+TALUS_HD Fall fall_in(const Gap& g, const Config& k)
 {
   const float fall_m = g.near_m - g.far_m;
   const float explained_m =
@@ -34,7 +40,7 @@ TALUS_HD float fall_in(const Gap& g, const Config& k)
   const bool wall = (g.wall | is_steep(g.behind_m - g.far_m, g.behind_length_m, k)) & !wide;
   const float hollow_m = 2.0f * (fall_m - kGentle * g.length_m);
   const float told_m = max_of(max_of(fall_m - explained_m, select(wall, hollow_m, 0.0f)), 0.0f);
-  return select((told_m == 0.0f) & wide & (fall_m > k.step_threshold_m), -fall_m, told_m);
+  return {told_m, select((told_m == 0.0f) & wide & (fall_m > k.step_threshold_m), 1, 0)};
 }
 
 /** Eq. 14 from the height difference h_s of the ground found on both sides, searched farther than a
@@ -46,10 +52,11 @@ TALUS_HD float sparsity(float h_s, float robot_m, const Config& k)
   return select(is_known(h_s), clamp01(1.0f - ratio * weight), kNan);
 }
 
-/** Whether the ground may drop. */
-TALUS_HD bool is_sparse(float h_s, float robot_m, const Config& k)
+/** What a fall says of a fill so far from the robot: bits of FillMark. */
+TALUS_HD std::int32_t marks_of_fall(const Fall& fall, float robot_m, const Config& k)
 {
-  return sparsity(h_s, robot_m, k) < kSparse;
+  return select(sparsity(fall.m, robot_m, k) < kSparse, kDrops, 0) |
+         select(fall.slopes != 0, kSlopes, 0);
 }
 
 }  // namespace talus::kernels

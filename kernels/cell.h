@@ -3,7 +3,9 @@
 #include "kernels/math.h"
 #include "kernels/rule_constants.h"
 
+#include <cstddef>
 #include <tuple>
+#include <type_traits>
 
 namespace talus::kernels
 {
@@ -16,49 +18,108 @@ enum State : std::uint8_t
   kPresumed = 4  //!< the ground on which the robot stood, not measured, see 5_underfoot.h
 };
 
-/** Bits: how well rays that passed over a cell show that nothing stands on unmeasured ground there.
- */
-enum RayEvidence : std::uint8_t
+/** What rays, hits and the robot have shown of a cell: the bits of Cell::flags. */
+enum CellFlag : std::uint8_t
 {
   kPassedLow = 1,  //!< in some frame a ray passed so low that nothing above a step can stand there
-  kHitBefore = 2,  //!< when rays passed last, it was hit, too
-  kHitHighUp = 4  //!< what was hit there may hang: high above a guess below which no ray passed
+  kPassedNear = 2,  //!< a ray passed near its ground, see kPassedNear_steps
+  kHitHighUp = 4,  //!< what was hit there may hang: high above a guess below which no ray passed
+  kHitBefore = 8,  //!< when rays passed last, it was hit, too
+  kMayDrop = 16,  //!< its ground may lie far below the ground around it, see fall_in()
+  kOpen = 32,  //!< what overhangs there lets rays through: a railing
+  kRobotWasThere = 64
 };
-/** The bits above them hold a trace, see kTraceOne. True: two hits within a few frames, and not
- * long ago. */
-TALUS_HD bool hit_lately(int ray_evidence) { return ray_evidence >= kTraceLately; }
+/** Flags that are forgotten with what stood in a cell. */
+constexpr int kHitFlags = kPassedLow | kHitHighUp | kHitBefore;
 
-/** What the map remembers of a cell; stored it takes 21 bytes. */
+// The fields of a cell, one line each: FIELD(type, name, value where nothing is known). This list
+// is all that the store, the buffers, saved maps, records and tiles know of a cell. Heights count
+// from the map's datum; what is measured is fused into ground and elevation, the rest is evidence,
+// small numbers of eight bits.
+
+#define TALUS_CELL_SURFACES(FIELD)                                                           \
+  FIELD(float, ground_m, kernels::kNan) /* the lowest surface; known but in kUnknown */      \
+  FIELD(float, ground_var_m2, kernels::kNan)                                                 \
+  FIELD(float, elevation_m, kernels::kNan) /* top of what stands there; NaN: not measured */ \
+  FIELD(float, elevation_var_m2, kernels::kNan)                                              \
+  FIELD(std::uint8_t, state, kernels::kUnknown) /* a State */
+
+// Evidence that lasts, then evidence of the latest frames, which nobody keeps for longer, see
+// kLatestFields and forget_latest().
+#define TALUS_CELL_EVIDENCE(FIELD)                                                         \
+  FIELD(std::uint8_t, flags, 0) /* CellFlag */                                             \
+  FIELD(std::uint8_t, stay_frames, 0) /* frames of passing rays that it outlasts unhit */  \
+  FIELD(std::uint8_t, overhang_below, 0) /* what overhangs reaches so far below its top */ \
+  FIELD(std::uint8_t, overhang_above, 0) /* and above it [kOverhangUnit_m] */              \
+  FIELD(std::uint8_t, driven_height, 0) /* what the robot drove through [kDrivenUnit_m] */ \
+  FIELD(std::uint8_t, passed_frames, 0) /* frames in a row whose rays passed through it */ \
+  FIELD(std::uint8_t, recent_hits, 0) /* hits lately that rays passed below, see kHitAdds */
+
+#define TALUS_CELL_FIELDS(FIELD) TALUS_CELL_SURFACES(FIELD) TALUS_CELL_EVIDENCE(FIELD)
+
+/** How many bytes of evidence a cell has, and how many of them, the last, tell of the latest frames
+ * only. */
+#define TALUS_COUNT(type, name, unknown) +1
+constexpr int kEvidenceFields = TALUS_CELL_EVIDENCE(TALUS_COUNT), kLatestFields = 2;
+constexpr int kFlagsByte = 0;  //!< which of them are the flags
+#undef TALUS_COUNT
+#define TALUS_SIZE(type, name, unknown) +sizeof(type)
+constexpr std::size_t kBytesPerCell = TALUS_CELL_FIELDS(TALUS_SIZE);
+#undef TALUS_SIZE
+
+/** In registers small numbers are as wide as all others. */
+template <class Stored>
+using InRegister = std::conditional_t<std::is_same_v<Stored, float>, float, std::int32_t>;
+
+/** What the map remembers of a cell. */
 struct Cell
 {
-  float ground_m = kNan;  //!< the lowest surface, map frame; known unless state is kUnknown
-  float ground_var_m2 = kNan;
-  float elevation_m = kNan;  //!< top of what stands on the ground; NaN where nothing was measured
-  float elevation_var_m2 = kNan;
-  std::int32_t state = kUnknown;
-  std::int32_t persistence =
-      0;  //!< consecutive frames that saw through it; negative: see kMaxPersistence
-  std::int32_t ray_evidence =
-      0;  //!< what rays said of its ground, see RayEvidence, and a trace of hits
-  std::int32_t extent = 0;  //!< of what overhangs, below and above its top, see put_extent()
-  std::int32_t footing = 0;  //!< whether its ground still holds, see footing()
+#define TALUS_MEMBER(type, name, unknown) InRegister<type> name = unknown;
+  TALUS_CELL_FIELDS(TALUS_MEMBER)
+#undef TALUS_MEMBER
 
+  TALUS_HD bool is(CellFlag flag) const { return (flags & flag) != 0; }
   static constexpr auto fields()
   {
-    return std::make_tuple(
-        &Cell::ground_m, &Cell::ground_var_m2, &Cell::elevation_m, &Cell::elevation_var_m2,
-        &Cell::state, &Cell::persistence, &Cell::ray_evidence, &Cell::extent, &Cell::footing);
+#define TALUS_POINTER(type, name, unknown) std::make_tuple(&Cell::name),
+    return std::tuple_cat(TALUS_CELL_FIELDS(TALUS_POINTER) std::tuple<>{});
+#undef TALUS_POINTER
   }
 };
+
+/** Where the map keeps its cells: an array each field. As a torus, so that rolling moves no data.
+ */
+struct CellStore
+{
+#define TALUS_ARRAY(type, name, unknown) type* name;
+  TALUS_CELL_FIELDS(TALUS_ARRAY)
+#undef TALUS_ARRAY
+
+  TALUS_HD bool is(CellFlag flag, int storage_i) const { return (flags[storage_i] & flag) != 0; }
+  TALUS_HD Cell load(int storage_i) const
+  {
+    Cell c;
+#define TALUS_LOAD(type, name, unknown) c.name = name[storage_i];
+    TALUS_CELL_FIELDS(TALUS_LOAD)
+#undef TALUS_LOAD
+    return c;
+  }
+  TALUS_HD void store(int storage_i, const Cell& c) const
+  {
+#define TALUS_STORE(type, name, unknown) name[storage_i] = static_cast<type>(c.name);
+    TALUS_CELL_FIELDS(TALUS_STORE)
+#undef TALUS_STORE
+  }
+};
+
+/** Two hits within a few frames, and not long ago. */
+TALUS_HD bool hit_lately(int recent_hits) { return recent_hits >= kHitLately; }
 
 /** Above the ground up to there a cell is bare. */
 TALUS_HD float bare_up_to_m(float ground_m, const Config& k)
 {
   return ground_m + kBare_steps * k.step_threshold_m;
 }
-
-/** See kTraceOne. */
-TALUS_HD int trace_of(const Cell& c) { return c.ray_evidence & kTraceFull; }
 
 /** Where the map's heights are counted from, from frame to frame, see 3_follow.h. */
 struct Datum
@@ -67,88 +128,42 @@ struct Datum
   float settled_m = 0;  //!< where slow drift alone would have brought it
   std::int32_t starts_anew = 0;  //!< all cells start empty in the next frame
   /** How high above the ground stood what the robot drove into in the last frame, see
-   * Cell::footing. */
+   * Cell::driven_height. */
   std::int32_t drove_through = 0;
 };
 
-/** The persistent layers as a torus: rolling moves no data. */
-struct CellStore
+/** Lengths of what overhangs are kept in this unit, as a square number of it: finer where they are
+ * short. */
+constexpr float kOverhangUnit_m = 0.0125f;
+constexpr int kMostOverhang = 14;  //!< squared
+
+TALUS_HD int overhang_units(float length_m)
 {
-  float* ground_m;
-  float* ground_var_m2;
-  float* elevation_m;
-  float* elevation_var_m2;
-  std::uint8_t* state;
-  std::int8_t* persistence;
-  std::uint8_t* ray_evidence;
-  std::uint8_t* extent;
-  std::uint8_t* footing;
-
-  TALUS_HD Cell load(int storage_i) const
-  {
-    return {ground_m[storage_i],         ground_var_m2[storage_i], elevation_m[storage_i],
-            elevation_var_m2[storage_i], state[storage_i],         persistence[storage_i],
-            ray_evidence[storage_i],     extent[storage_i],        footing[storage_i]};
-  }
-  TALUS_HD void store(int storage_i, const Cell& c) const
-  {
-    ground_m[storage_i] = c.ground_m;
-    ground_var_m2[storage_i] = c.ground_var_m2;
-    elevation_m[storage_i] = c.elevation_m;
-    elevation_var_m2[storage_i] = c.elevation_var_m2;
-    state[storage_i] = static_cast<std::uint8_t>(c.state);
-    persistence[storage_i] = static_cast<std::int8_t>(c.persistence);
-    ray_evidence[storage_i] = static_cast<std::uint8_t>(c.ray_evidence);
-    extent[storage_i] = static_cast<std::uint8_t>(c.extent);
-    footing[storage_i] = static_cast<std::uint8_t>(c.footing);
-  }
-};
-
-/** Cell::extent: the low four bits tell how far what overhangs reaches down from the top of its
- * cell, the others how far up, each a code n for about n^2 such units. kOpen, which no two codes
- * give: it lets rays through, a railing. */
-constexpr float kExtentUnit_m = 0.0125f;
-constexpr int kExtentBits = 4, kMostExtent = 14, kOpen = 255;
-
-TALUS_HD int code_of_extent(float extent_m)
-{
-  const float units = max_of(extent_m, 0.0f) / kExtentUnit_m;
-  return min_of(floor_to_int(sqrtf(units) + 0.5f), kMostExtent);
+  const float units = max_of(length_m, 0.0f) / kOverhangUnit_m;
+  const int root = min_of(floor_to_int(sqrtf(units) + 0.5f), kMostOverhang);
+  return root * root;
 }
-TALUS_HD float extent_of_code(int code) { return static_cast<float>(code * code) * kExtentUnit_m; }
-TALUS_HD int extent_of_codes(int below, int above) { return below | above << kExtentBits; }
-TALUS_HD int code_below(int extent) { return extent & ((1 << kExtentBits) - 1); }
-TALUS_HD int code_above(int extent) { return extent >> kExtentBits; }
-/** Reaching down at least so far; kOpen stays. */
-TALUS_HD int deeper(int extent, int below)
+TALUS_HD float overhang_m(int units) { return static_cast<float>(units) * kOverhangUnit_m; }
+/** What overhung is gone, and with it what is known of it. */
+TALUS_HD void forget_overhang(Cell& c)
 {
-  return extent_of_codes(max_of(code_below(extent), below), code_above(extent));
+  c.overhang_below = c.overhang_above = 0;
+  c.flags &= ~kOpen;
 }
+TALUS_HD void forget_persistence(Cell& c) { c.stay_frames = c.passed_frames = 0; }
 
-/** Cell::footing: whether its ground may lie far below that around it, until it is measured, see
- * fall_in(); whether a ray passed near its ground, see kPassedNear_steps; the
- * higher bits tell what the robot drove through there: a code n for a height of 4 (n - 1) cm above
- * the ground up to which hits are nothing new, 1: nothing, 0: it was not there. */
-constexpr int kMayDrop = 1, kPassedNear = 2, kDrivenBits = 2, kMostDriven = 63;
+/** What the robot drove through: hits of a cell up to that height above its ground are nothing new.
+ */
 constexpr float kDrivenUnit_m = 0.04f;
+constexpr int kMostDriven = 62;
 
-/** How high above the ground hits are nothing new, where the robot was. */
-TALUS_HD float driven_through_m(int footing)
+TALUS_HD float driven_height_m(int driven_height)
 {
-  return static_cast<float>((footing >> kDrivenBits) - 1) * kDrivenUnit_m;
+  return static_cast<float>(driven_height) * kDrivenUnit_m;
 }
-TALUS_HD bool was_robot_there(int footing) { return (footing >> kDrivenBits) != 0; }
-/** Whether it drove through something there. */
-TALUS_HD bool is_driven(int footing) { return (footing >> kDrivenBits) > 1; }
-/** That of a cell on which it stands, where there is nothing new. */
-TALUS_HD int footing_driven_over(int footing)
+TALUS_HD int driven_units(float height_m)
 {
-  return was_robot_there(footing) ? footing : footing | 1 << kDrivenBits;
-}
-TALUS_HD int footing_driven_through(float height_m)
-{
-  const int code = floor_to_int(height_m / kDrivenUnit_m) + 1;
-  return min_of(max_of(code, 2), kMostDriven) << kDrivenBits;
+  return min_of(max_of(floor_to_int(height_m / kDrivenUnit_m), 1), kMostDriven);
 }
 
 /** A height that is counted from elsewhere. NaN stays the one that it is: sums make another of it

@@ -42,29 +42,30 @@ constexpr int kBehindOverhang_rings = 2;
 
 // ---- Persistence: what is hit while rays pass ----
 
-/** Rays that passed: each frame in which the cell was hit while rays passed lower adds kTraceHit,
- * each in which rays passed takes kTraceOne. The edges of things cover their cells in part, so that
- * rays pass most of the time. What moves on seldom leaves two hits close by. What
- * is cleared leaves one hit's worth: something was there. */
-constexpr int kTraceOne = 8, kTraceHit = 9 * kTraceOne, kTraceFull = 31 * kTraceOne;
+/** The hit count of Cell::recent_hits: each frame in which the cell was hit while rays passed lower
+ * adds kHitAdds, each in which rays passed takes one. The edges of things cover their cells in
+ * part, so that rays pass most of the time. What moves on seldom leaves two hits close by. What is
+ * cleared leaves one hit's worth: something was there. */
+constexpr int kHitAdds = 9, kMostRecentHits = 31;
 /** Two hits within five frames, and not long ago. */
-constexpr int kTraceLately = kTraceHit + 5 * kTraceOne;
+constexpr int kHitLately = kHitAdds + 5;
 /** What stands where the robot drove came there later: it moves, and has left in its own shadow,
  * too, when it was not hit for so many frames. */
 constexpr int kFollowerLeaves_frames = 5;
 /** A hit over bare ground counts by itself if so many others of its frame are so near to it and
- * above the ground: snow, rain and dust are single points. Else it leaves a trace, and counts after
- * two that were left lately. */
+ * above the ground: snow, rain and dust are single points. Else it counts after two such hits
+ * lately. */
 constexpr int kOthersBesideHit = 2, kBesideHit_cells = 2;
 constexpr float kBesideHit_steps = 2.0f;
 /** What is hit while rays pass below it, a hedge, a railing, a branch, a bench, is no more gone
  * when rays pass there: it stays for so many frames without a hit. What is hit in one frame after
  * the other earns less: the long side of a thing that drives past is. */
 constexpr int kPorousHitEarns = 3, kHeldHitEarns = 1;
-/** With so much it is porous, and one ray takes one; it cannot earn more than kMaxPersistence. */
-constexpr int kPorousPersistence = 12, kMaxPersistence = 120;
+/** From so many frames on it is porous, and a frame without a hit takes one; it cannot earn more
+ * than kMostStay. */
+constexpr int kPorousStay = 12, kMostStay = 120;
 /** That little but what overhangs earns, and hedges and railings in time. */
-constexpr int kOverhangPersistence = kMaxPersistence / 2;
+constexpr int kOverhangStay = kMostStay / 2;
 
 // ---- Stage 5: what is ground, and what stands ----
 

@@ -116,25 +116,6 @@ namespace
 {
 constexpr std::size_t kHeaderBytes = 72, kSensorBytes = 32;
 
-/** Without some of the arrays of one byte a cell that stand before the derived layers. */
-void forget_arrays(std::vector<std::uint8_t>& bytes, std::size_t cells, std::size_t arrays)
-{
-  const auto end = bytes.end() - static_cast<std::ptrdiff_t>(5 * sizeof(float) * cells);
-  bytes.erase(end - static_cast<std::ptrdiff_t>(arrays * cells), end);
-}
-
-/** A state of one sensor as it was saved before there could be several. */
-std::vector<std::uint8_t> of_one_sensor(std::vector<std::uint8_t> bytes, std::size_t cells)
-{
-  forget_arrays(bytes, cells, 1);
-  bytes[7] = '4';
-  constexpr std::size_t axis_then = 32, axis_now = kHeaderBytes + 8, axis_bytes = 24;
-  std::memcpy(bytes.data() + axis_then, bytes.data() + axis_now, axis_bytes);
-  const auto layers = bytes.begin() + kHeaderBytes + kSensorBytes;
-  bytes.erase(bytes.begin() + kHeaderBytes, layers);
-  return bytes;
-}
-
 /** Each of two sensors, tilted differently, in turn. */
 Frame two_sensors_frame(const Scan& scan, int i)
 {
@@ -163,50 +144,6 @@ TEST(Determinism, ARestoredMapOfTwoSensorsGoesOnWithTheSameBits)
     expect_same_bits(a.map, b.map, i);
   }
   EXPECT_EQ(a.map.save(), b.map.save());
-}
-
-TEST(Determinism, AStateThatToldOfScansIsReadWithoutThat)
-{
-  TestMap a, b;
-  a.update(Scan().cast({}));
-  const auto bytes = a.map.save();
-  const auto cells = a.map.layer(Layer::State).size();
-  auto older = bytes;
-  older[7] = '5';
-  const auto layers = older.end() - static_cast<std::ptrdiff_t>(5 * sizeof(float) * cells);
-  for (auto footing = layers - static_cast<std::ptrdiff_t>(cells); footing != layers; ++footing)
-    *footing |= 1;
-  b.map.restore(older);
-  EXPECT_TRUE(b.map.save() == bytes);
-}
-
-TEST(Determinism, AStateOfBeforeThereWereSeveralSensorsIsRead)
-{
-  TestMap a, b;
-  Random noise(10);
-  for (int i = 0; i < 9; i++) a.update(drive_frame(i, noise));
-  b.map.restore(of_one_sensor(a.map.save(), a.map.layer(Layer::State).size()));
-  expect_same_bits(a.map, b.map, 9);
-}
-
-TEST(Determinism, AStateOfBeforeExtentsWereKeptIsReadAndKnowsNone)
-{
-  const Box trailer{{1.8, -0.4, 0.2}, {2.4, 0.4, 0.55}};
-  TestMap a, b, older;
-  for (int i = 0; i < 5; i++) a.update(Scan().cast({trailer}));
-  auto bytes = a.map.save();
-  b.map.restore(bytes);
-  const auto cells = a.map.layer(Layer::Elevation).size();
-  bytes = of_one_sensor(bytes, cells);
-  bytes[7] = '2';
-  forget_arrays(bytes, cells, 1);
-  older.map.restore(bytes);
-  expect_same_bits(a.map, older.map, 5);
-  for (int i = 0; i < 2; i++)
-    for (TestMap* m : {&a, &b, &older}) m->update(Scan().cast({}, 720, -0.6, 0.1, 16));
-  expect_same_bits(a.map, b.map, 7);
-  EXPECT_LT(b.elevation(1.825, 0.025), 0.05f);
-  EXPECT_GT(older.elevation(1.825, 0.025), 0.4f);
 }
 
 TEST(Determinism, BytesThatAreNoSavedMapAreRefused)

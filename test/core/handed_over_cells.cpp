@@ -28,8 +28,7 @@ bool same(const CellRecord& a, const CellRecord& b)
          same(a.elevation_m, b.elevation_m) &&
          same(a.elevation_variance_m2, b.elevation_variance_m2) &&
          same(a.traversability, b.traversability) && a.state == b.state &&
-         a.persistence == b.persistence && a.ray_evidence == b.ray_evidence &&
-         a.extent == b.extent && a.footing == b.footing;
+         std::equal(std::begin(a.evidence), std::end(a.evidence), b.evidence);
 }
 
 std::vector<CellRecord> read(const TestMap& m, const std::vector<CellRect>& rects)

@@ -291,7 +291,8 @@ TEST(Parity, ADriveWithTwoFramesInFlightOnTheDevice)
 
 TEST(Parity, CellsThatAreHandedOverWithFramesAndGivenBackOtherwise)
 {
-  constexpr std::size_t kBytes = offsetof(CellRecord, footing) + 1;  // without what pads it
+  constexpr std::size_t kBytes =
+      offsetof(CellRecord, evidence) + CellRecord::kEvidenceBytes;  // without what pads it
   for (const double window_m : {8.0, 20.5})  // layers written directly, and copied
   {
     Parameters p;

@@ -145,7 +145,7 @@ TEST(MergeCells, a_box_that_was_taken_away_is_gone)
   const SiteCell m = merged({with_obstacle(measured(1, 1), 0.5F), measured(1, 2)});
   EXPECT_TRUE(std::isnan(m.cell.elevation_m));
   EXPECT_EQ(m.cell.traversability, 1);
-  EXPECT_EQ(m.cell.persistence, 0);
+  EXPECT_EQ(m.cell.evidence[1], 0);
 }
 
 TEST(MergeCells, a_new_box_on_ground_that_it_hides_is_there)

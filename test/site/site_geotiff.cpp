@@ -42,14 +42,12 @@ void add_cells(Site& s)
   SiteCell& odd = cell_at(s, -700, -352);
   odd.cell.state = 3;
   odd.cell.traversability = std::numeric_limits<float>::quiet_NaN();
-  odd.cell.persistence = -128;
-  odd.cell.ray_evidence = 255;
-  odd.cell.extent = 0xAB;
-  odd.cell.footing = 0xCD;
+  for (int i = 0; i < CellRecord::kLastingBytes; i++)
+    odd.cell.evidence[i] = static_cast<std::uint8_t>(0xFF - 0x1D * i);
   odd.seen_s = 0;  // of a clock that began at 0
   SiteCell& old = cell_at(s, 700, 352);
   old.cell.state = 2;
-  old.cell.persistence = 127;
+  old.cell.evidence[1] = 127;
   old.cell.ground_m = -0.0F;
   old.cell.ground_variance_m2 = std::numeric_limits<float>::denorm_min();
   old.seen_s = kNow_s - 1'234'567'891;

@@ -157,8 +157,7 @@ std::string bytes_of(KeptDrive& kept)
     put(key);
     for (const SiteCell& c : kept.site.tiles.find(key)->cells)
     {
-      put(c.seen_s), put(c.cell.state), put(c.cell.persistence), put(c.cell.ray_evidence);
-      put(c.cell.extent), put(c.cell.footing), put(c.cell.ground_m);
+      put(c.seen_s), put(c.cell.state), put(c.cell.evidence), put(c.cell.ground_m);
       put(c.cell.ground_variance_m2), put(c.cell.elevation_m);
       put(c.cell.elevation_variance_m2), put(c.cell.traversability);
     }

@@ -30,8 +30,8 @@ void fill(Tile& tile, const TileKey& key)
     c.cell.ground_variance_m2 = 1e-4f;
     if (i % 2) c.cell.elevation_m = static_cast<float>(key.y);
     c.cell.state = static_cast<std::uint8_t>(1 + i % 3);
-    c.cell.persistence = static_cast<std::int8_t>(i % 200 - 100);
-    c.cell.footing = static_cast<std::uint8_t>(i);
+    c.cell.evidence[0] = static_cast<std::uint8_t>(i % 200);
+    c.cell.evidence[CellRecord::kEvidenceBytes - 1] = static_cast<std::uint8_t>(i);
     c.seen_s = static_cast<std::uint32_t>(4000000000U + i);
   }
 }
@@ -49,9 +49,8 @@ bool is_same(const SiteCell& a, const SiteCell& b)
          bits(a.cell.elevation_m) == bits(b.cell.elevation_m) &&
          bits(a.cell.elevation_variance_m2) == bits(b.cell.elevation_variance_m2) &&
          bits(a.cell.traversability) == bits(b.cell.traversability) &&
-         a.cell.state == b.cell.state && a.cell.persistence == b.cell.persistence &&
-         a.cell.ray_evidence == b.cell.ray_evidence && a.cell.extent == b.cell.extent &&
-         a.cell.footing == b.cell.footing && a.seen_s == b.seen_s;
+         a.cell.state == b.cell.state && a.seen_s == b.seen_s &&
+         std::equal(std::begin(a.cell.evidence), std::end(a.cell.evidence), b.cell.evidence);
 }
 
 void expect_filled(const Tile* tile, const TileKey& key)

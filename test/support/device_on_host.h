@@ -175,14 +175,20 @@ class DeviceOnHost : public CpuMemory
   {
     const int from = std::max(first - 1, 0), to = std::min(end + 1, ny), pitch = nx + 2;
     std::vector<float> judged(static_cast<std::size_t>(pitch * (to - from + 2)), kernels::kNan);
-    const auto at = [&](int x, int y) { return judged.data() + (y - from + 1) * pitch + x + 1; };
+    std::vector<std::uint8_t> low_step(judged.size(), 0);
+    const auto at = [&](int x, int y) { return (y - from + 1) * pitch + x + 1; };
     windows<F>(
         nx, ny, radius, from, to, [&](auto& row, int x, int y, int d) { f.add(row, x, y, d); },
         [&](auto& sum, const auto& row, int d) { f.add(sum, row, d); },
         [&](int x, int y, const auto& sum)
-        { *at(x, y) = f.judge(x, y, sum, y >= first && y < end); });
+        {
+          const kernels::Judgement j = f.judge(x, y, sum, y >= first && y < end);
+          judged[static_cast<std::size_t>(at(x, y))] = j.score;
+          low_step[static_cast<std::size_t>(at(x, y))] = static_cast<std::uint8_t>(j.steep_only);
+        });
     for (int y = end; y-- > first;)
-      for (int x = nx; x-- > 0;) g.complete(x, y, at(x, y), pitch);
+      for (int x = nx; x-- > 0;)
+        g.complete(x, y, {judged.data() + at(x, y), low_step.data() + at(x, y), pitch});
   }
   template <class T>
   void fill(Buffer<T>& buffer, T value)

@@ -26,7 +26,7 @@ inline site::SiteCell with_obstacle(site::SiteCell c, float height_m)
   c.cell.elevation_m = c.cell.ground_m + height_m;
   c.cell.elevation_variance_m2 = 2e-4F;
   c.cell.traversability = 0;
-  c.cell.persistence = 5;
+  c.cell.evidence[1] = 5;
   return c;
 }
 
@@ -46,8 +46,7 @@ inline std::string bytes_of(const site::SiteCell& s)
   const auto add = [&](const auto& v)
   { bytes.append(reinterpret_cast<const char*>(&v), sizeof v); };
   add(c.ground_m), add(c.ground_variance_m2), add(c.elevation_m), add(c.elevation_variance_m2);
-  add(c.traversability), add(c.state), add(c.persistence), add(c.ray_evidence), add(c.extent);
-  add(c.footing), add(s.seen_s);
+  add(c.traversability), add(c.state), add(c.evidence), add(s.seen_s);
   return bytes;
 }
 

@@ -7,9 +7,6 @@
 
 namespace talus
 {
-/** What kernels::CellStore holds of each cell. */
-constexpr std::size_t kBytesPerCell = 4 * sizeof(float) + 5;
-
 /** The persistent state of a map and its derived layers, as bytes on the host. */
 struct MapBytes
 {

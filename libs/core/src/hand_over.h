@@ -4,6 +4,9 @@
 
 namespace talus
 {
+static_assert(CellRecord::kEvidenceBytes == kernels::kEvidenceFields);
+static_assert(CellRecord::kLastingBytes == kernels::kEvidenceFields - kernels::kLatestFields);
+
 /** Cells of the window. */
 struct WindowRect
 {
@@ -63,10 +66,10 @@ struct ReadCell : HandOver
     r.elevation_variance_m2 = c.elevation_var_m2;
     r.traversability = traversability[at.window_i];
     r.state = static_cast<std::uint8_t>(c.state);
-    r.persistence = static_cast<std::int8_t>(c.persistence);
-    r.ray_evidence = static_cast<std::uint8_t>(c.ray_evidence);
-    r.extent = static_cast<std::uint8_t>(c.extent);
-    r.footing = static_cast<std::uint8_t>(c.footing);
+    std::uint8_t* to = r.evidence;
+#define TALUS_READ(type, name, unknown) *to++ = static_cast<std::uint8_t>(c.name);
+    TALUS_CELL_EVIDENCE(TALUS_READ)
+#undef TALUS_READ
     return r;
   }
 };
@@ -81,10 +84,17 @@ struct WriteCell : HandOver
   {
     if (r.state == kernels::kUnknown) return;
     const Place at = place(i);
-    store.store(
-        at.storage_i, {kernels::raised(r.ground_m, -frame->offset_m), r.ground_variance_m2,
-                       kernels::raised(r.elevation_m, -frame->offset_m), r.elevation_variance_m2,
-                       r.state, r.persistence, r.ray_evidence, r.extent, r.footing});
+    kernels::Cell c;
+    c.ground_m = kernels::raised(r.ground_m, -frame->offset_m);
+    c.ground_var_m2 = r.ground_variance_m2;
+    c.elevation_m = kernels::raised(r.elevation_m, -frame->offset_m);
+    c.elevation_var_m2 = r.elevation_variance_m2;
+    c.state = r.state;
+    const std::uint8_t* from = r.evidence;
+#define TALUS_WRITE(type, name, unknown) c.name = *from++;
+    TALUS_CELL_EVIDENCE(TALUS_WRITE)
+#undef TALUS_WRITE
+    store.store(at.storage_i, c);
     traversability[at.window_i] = r.traversability;
     shown.put(at.window_i, store, at.storage_i, frame->offset_m);
     if (shown_traversability) shown_traversability[at.window_i] = r.traversability;

@@ -236,17 +236,14 @@ MapBytes MapBackend<Schedule>::read_all()
   const auto n = static_cast<std::size_t>(map_.cells());
   use(shown_);
   MapBytes bytes;
-  bytes.cells.resize(n * kBytesPerCell);
+  bytes.cells.resize(n * kernels::kBytesPerCell);
   std::uint8_t* to = bytes.cells.data();
-  for (auto* b : {&map_.ground, &map_.ground_var, &map_.elevation, &map_.elevation_var})
-  {
-    executor_.download(b->data(), n, reinterpret_cast<float*>(to));
-    to += n * sizeof(float);
-  }
-  for (auto* b : {&map_.state, &map_.ray_evidence}) executor_.download(b->data(), n, to), to += n;
-  executor_.download(map_.persistence.data(), n, reinterpret_cast<std::int8_t*>(to));
-  to += n;
-  for (auto* b : {&map_.extent, &map_.footing}) executor_.download(b->data(), n, to), to += n;
+  map_.for_each_field(
+      [&](auto& array, auto unknown)
+      {
+        executor_.download(array.data(), n, reinterpret_cast<decltype(unknown)*>(to));
+        to += n * sizeof unknown;
+      });
   executor_.download(map_.datum.data(), 1, &bytes.datum);
   complete_parts();
   bytes.features.resize(Map::kFeatureLayers * n);
@@ -261,15 +258,12 @@ void MapBackend<Schedule>::write_all(const MapBytes& bytes, const kernels::Frame
   use(shown_);
   const auto n = static_cast<std::size_t>(map_.cells());
   const std::uint8_t* from = bytes.cells.data();
-  for (auto* b : {&map_.ground, &map_.ground_var, &map_.elevation, &map_.elevation_var})
-  {
-    executor_.upload(reinterpret_cast<const float*>(from), n, b->data());
-    from += n * sizeof(float);
-  }
-  for (auto* b : {&map_.state, &map_.ray_evidence}) executor_.upload(from, n, b->data()), from += n;
-  executor_.upload(reinterpret_cast<const std::int8_t*>(from), n, map_.persistence.data());
-  from += n;
-  for (auto* b : {&map_.extent, &map_.footing}) executor_.upload(from, n, b->data()), from += n;
+  map_.for_each_field(
+      [&](auto& array, auto unknown)
+      {
+        executor_.upload(reinterpret_cast<const decltype(unknown)*>(from), n, array.data());
+        from += n * sizeof unknown;
+      });
   executor_.upload(&bytes.datum, 1, map_.datum.data());
   map_.allocate_parts(executor_);
   map_.now->parts_known = true;

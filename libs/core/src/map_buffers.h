@@ -59,29 +59,51 @@ struct MapBuffers
   }
 
   // ---- views ----
+  // Each member by its name: two arrays of one type that change places would compile.
   kernels::CellStore store()
   {
-    return {ground.data(),        ground_var.data(), elevation.data(),
-            elevation_var.data(), state.data(),      persistence.data(),
-            ray_evidence.data(),  extent.data(),     footing.data()};
+    kernels::CellStore v{};
+#define TALUS_VIEW(type, name, unknown) v.name = cell.name.data();
+    TALUS_CELL_FIELDS(TALUS_VIEW)
+#undef TALUS_VIEW
+    return v;
   }
   kernels::PointsOut points_out()
   {
-    return {point_cell.data(), point_ray.data(),    point_slope.data(),   point_reach.data(),
-            point_rank.data(), point_height.data(), point_variance.data()};
+    kernels::PointsOut v{};
+    v.cell = point_cell.data();
+    v.ray = point_ray.data();
+    v.slope = point_slope.data();
+    v.reach = point_reach.data();
+    v.reject = point_reject.data();
+    v.rank = point_rank.data();
+    v.height_m = point_height.data();
+    v.variance_m2 = point_variance.data();
+    return v;
   }
   kernels::AcceptPoint<Atomics> accept(const std::uint8_t* kept)
   {
-    return {config.data(), context.data(), body.data(),     now->in,
-            points_out(),  rays.data(),    counters.data(), kept};
+    auto v = in_frame<kernels::AcceptPoint<Atomics>>();
+    v.body = body.data();
+    v.in = now->in;
+    v.out = points_out();
+    v.rays = rays.data();
+    v.rejected = counters.data();
+    v.voxel_kept = kept;
+    return v;
   }
   kernels::RollCell roll()
   {
-    return {config.data(), context.data(), store(), datum.data(), top_hit.data()};
+    auto v = on_cells<kernels::RollCell>();
+    v.datum = datum.data();
+    v.top_hit_m = top_hit.data();
+    return v;
   }
   kernels::FindGroundHits ground_hits()
   {
-    return {config.data(), context.data(), store(), datum.data()};
+    auto v = on_cells<kernels::FindGroundHits>();
+    v.datum = datum.data();
+    return v;
   }
   kernels::CountOffset<Atomics> count_offset()
   {
@@ -105,61 +127,96 @@ struct MapBuffers
   }
   kernels::CoarseGrid coarse_grid()
   {
-    const int grid_side = kernels::coarse_side(host_config);
-    const int pad = kernels::dilation_radius(host_config);
-    const auto n =
-        static_cast<std::size_t>(grid_side) * static_cast<std::size_t>(grid_side + 2 * pad);
-    float* p = coarse.data();
-    return {grid_side, kernels::coarse_margin(host_config),
-            pad,       p,
-            p + n,     p + 2 * n,
-            p + 3 * n, p + 4 * n,
-            p + 5 * n, p + 6 * n,
-            p + 7 * n};
+    kernels::CoarseGrid v{};
+    v.side = kernels::coarse_side(host_config);
+    v.margin = kernels::coarse_margin(host_config);
+    v.pad = kernels::dilation_radius(host_config);
+    const auto n = static_cast<std::size_t>(v.side) * static_cast<std::size_t>(v.side + 2 * v.pad);
+    float* next = coarse.data();
+    for (float** array :
+         {&v.lowest_m, &v.column_m, &v.overhang_m, &v.overhang_depth_m, &v.presence, &v.eroded_m,
+          &v.cone_m, &v.limit_m})
+      *array = next, next += n;
+    return v;
   }
   kernels::RayReach ray_reach() { return {context.data(), reach.data()}; }
   kernels::StandOnCell<Atomics> stand_on()
   {
-    return {config.data(), context.data(), store(), datum.data(), body.data()};
+    auto v = on_cells<kernels::StandOnCell<Atomics>>();
+    v.datum = datum.data();
+    v.body = body.data();
+    return v;
   }
   kernels::PresumeStart presume_start()
   {
-    return {config.data(), context.data(), store(), passing()};
+    auto v = on_cells<kernels::PresumeStart>();
+    v.passing = passing();
+    return v;
   }
   kernels::ClassifyCell classify_cell()
   {
-    return {config.data(), context.data(), store(),
-            coarse_grid(), top_hit.data(), surface_class.data()};
+    auto v = on_cells<kernels::ClassifyCell>();
+    v.grid = coarse_grid();
+    v.top_hit_m = top_hit.data();
+    v.surface_class = surface_class.data();
+    return v;
   }
   kernels::CleanUpCell clean_up()
   {
-    return {side(),      config.data(), store(),        passing(),
-            ray_reach(), coarse_grid(), top_hit.data(), surface_class.data()};
+    kernels::CleanUpCell v{};
+    v.cells = side();
+    v.config = config.data();
+    v.store = store();
+    v.passing = passing();
+    v.reach = ray_reach();
+    v.grid = coarse_grid();
+    v.top_hit_m = top_hit.data();
+    v.surface_class = surface_class.data();
+    return v;
   }
   kernels::PassingRays passing()
   {
-    return {
-        passing_heights.data(), passing_heights.data() + static_cast<std::size_t>(cells()),
-        in_open.data()};
+    return {passing_lowest.data(), passing_highest.data(), in_open.data()};
   }
-  kernels::Samples samples() { return {line_samples.data(), line_samples.data() + grid_size()}; }
+  kernels::Samples samples()
+  {
+    kernels::Samples v{};
+    v.height_m = sample_height.data();
+    v.variance_m2 = sample_variance.data();
+    v.marks = sample_marks.data();
+    v.ray_bound_m = ray_bound.data();
+    return v;
+  }
   kernels::FillCell fill_cell()
   {
-    return {side(),    config.data(), context.data(),  store(), surface_class.data(),
-            passing(), surfaces(),    surface_layers()};
+    auto v = on_cells<kernels::FillCell>();
+    v.cells = side();
+    v.surface_class = surface_class.data();
+    v.passing = passing();
+    v.surfaces = surfaces();
+    v.out = surface_layers();
+    return v;
   }
   kernels::Surfaces surfaces()
   {
     const int pad = host_config.feature_radius_cells;
     return {judged_surfaces.data(), side() + 2 * pad, pad};
   }
-  /** `judged`: see kernels::FeatureLayers. */
+  /** `judged`: where the schedule keeps it; nothing in it where judge() is asked. */
   template <bool kParts>
-  kernels::ComputeFeatures<kParts> compute_features(float* judged)
+  kernels::ComputeFeatures<kParts> compute_features(const kernels::JudgedArrays& judged)
   {
-    return {side(), config.data(), surfaces(), line_grid(), across.data(), feature_layers(judged)};
+    kernels::ComputeFeatures<kParts> v{};
+    v.cells = side();
+    v.config = config.data();
+    v.surfaces = surfaces();
+    v.grid = line_grid();
+    v.fall_m = fall.data();
+    v.out = feature_layers();
+    v.judged = judged;
+    return v;
   }
-  kernels::CompleteObstacles complete_obstacles(const float* judged)
+  kernels::CompleteObstacles complete_obstacles(const kernels::JudgedArrays& judged)
   {
     return {side(), config.data(), surfaces(), judged, feature(Layer::Traversability)};
   }
@@ -217,10 +274,15 @@ struct MapBuffers
     float* const parts = now->parts.data();
     return now->parts.size() ? parts + index * static_cast<std::size_t>(cells()) : nullptr;
   }
-  kernels::FeatureLayers feature_layers(float* judged)
+  kernels::FeatureLayers feature_layers()
   {
-    return {feature(Layer::Slope),    feature(Layer::Step),           feature(Layer::Roughness),
-            feature(Layer::Sparsity), feature(Layer::Traversability), judged};
+    kernels::FeatureLayers v{};
+    v.slope = feature(Layer::Slope);
+    v.step = feature(Layer::Step);
+    v.roughness = feature(Layer::Roughness);
+    v.sparsity = feature(Layer::Sparsity);
+    v.traversability = feature(Layer::Traversability);
+    return v;
   }
   /** Whether a layer is wanted, and not yet where it is wanted when it is computed. */
   bool is_copied(Layer layer) const
@@ -267,14 +329,26 @@ struct MapBuffers
   Buffer<kernels::Config> config;
   Buffer<kernels::FrameContext> context;
   Buffer<kernels::Body> body;
-  // persistent, storage order
-  Buffer<float> ground, ground_var, elevation, elevation_var;
-  Buffer<std::uint8_t> state, ray_evidence, extent, footing;
-  Buffer<std::int8_t> persistence;
+  // persistent, storage order: an array each field
+  struct CellBuffers
+  {
+#define TALUS_BUFFER(type, name, unknown) Buffer<type> name;
+    TALUS_CELL_FIELDS(TALUS_BUFFER)
+#undef TALUS_BUFFER
+  };
+  /** f(buffer, value where nothing is known) of each field. */
+  template <class F>
+  void for_each_field(const F& f)
+  {
+#define TALUS_EACH(type, name, unknown) f(cell.name, static_cast<type>(unknown));
+    TALUS_CELL_FIELDS(TALUS_EACH)
+#undef TALUS_EACH
+  }
+  CellBuffers cell;
   Buffer<kernels::Datum> datum;
   // of one frame: points
   Buffer<std::int32_t> point_cell, point_ray, point_reach;
-  Buffer<std::uint32_t> point_rank, cell_count, cell_begin, counters;
+  Buffer<std::uint32_t> point_reject, point_rank, cell_count, cell_begin, counters;
   Buffer<float> point_slope, point_height, point_variance;
   Buffer<kernels::HeightPoint> sorted;
   Buffer<std::uint64_t> voxel_key, voxel_winner;
@@ -288,12 +362,30 @@ struct MapBuffers
   Buffer<float> top_hit;  //!< storage order
   Buffer<std::uint8_t> surface_class;  //!< storage order
   Buffer<std::uint8_t> in_open;
-  Buffer<float> passing_heights;
+  Buffer<float> passing_lowest, passing_highest;
   Buffer<float> coarse;  //!< coarse grid
-  Buffer<float> line_samples, across;  //!< grid of lines
+  Buffer<float> sample_height, sample_variance, fall;  //!< grid of lines
+  Buffer<std::int32_t> sample_marks;  //!< grid of lines
+  Buffer<float> ray_bound;  //!< the same, of schedules that sweep along lines
   Buffer<kernels::Surface> judged_surfaces;
 
  private:
+  /** Views that begin with what all stages read. */
+  template <class View>
+  View in_frame()
+  {
+    View v{};
+    v.config = config.data();
+    v.frame = context.data();
+    return v;
+  }
+  template <class View>
+  View on_cells()
+  {
+    View v = in_frame<View>();
+    v.store = store();
+    return v;
+  }
   HandOver hand_over(const WindowRects& rects)
   {
     return {config.data(), context.data(), store(), feature(Layer::Traversability), rects};
@@ -318,21 +410,18 @@ template <class Executor>
 void MapBuffers<Executor>::allocate(Executor& executor)
 {
   const auto n = static_cast<std::size_t>(cells());
-  for (auto* b : {&ground, &ground_var, &elevation, &elevation_var})
-    executor.allocate(*b, n, kernels::kNan);
-  for (auto* b : {&state, &ray_evidence, &extent, &footing, &surface_class, &in_open})
-    executor.allocate(*b, n, std::uint8_t{0});
-  executor.allocate(persistence, n, std::int8_t{0});
+  for_each_field([&](auto& array, auto unknown) { executor.allocate(array, n, unknown); });
+  for (auto* b : {&surface_class, &in_open}) executor.allocate(*b, n, std::uint8_t{0});
   for (auto* b : {&cell_count, &cell_begin}) executor.allocate(*b, n, std::uint32_t{0});
-  executor.allocate(passing_heights, 2 * n, 0.0f);
-  executor.allocate(top_hit, n, 0.0f);
+  for (auto* b : {&passing_lowest, &passing_highest, &top_hit}) executor.allocate(*b, n, 0.0f);
   executor.allocate(datum, 1, kernels::Datum{});
   executor.allocate(offsets, 1, kernels::OffsetHistogram{});
   const auto pooled = static_cast<std::size_t>(kernels::coarse_side(host_config));
   const std::size_t pad = 2 * static_cast<std::size_t>(kernels::dilation_radius(host_config));
   executor.allocate(coarse, kCoarseArrays * pooled * (pooled + pad), kernels::kInfinity);
-  executor.allocate(across, grid_size(), kernels::kNan);
-  executor.allocate(line_samples, 2 * grid_size(), kernels::kNan);
+  for (auto* b : {&sample_height, &sample_variance, &fall})
+    executor.allocate(*b, grid_size(), kernels::kNan);
+  executor.allocate(sample_marks, grid_size(), std::int32_t{0});
   executor.allocate(config, 1, kernels::Config{});
   executor.allocate(context, 1, kernels::FrameContext{});
   executor.allocate(counters, kernels::kCounters, std::uint32_t{0});
@@ -360,7 +449,7 @@ void MapBuffers<Executor>::reserve_points(Executor& executor, std::size_t points
   executor.allocate(point_cell, 0, std::int32_t{-1});
   for (auto* b : {&point_ray, &point_reach}) executor.allocate(*b, capacity, std::int32_t{-1});
   executor.allocate(point_slope, capacity, 0.0f);
-  executor.allocate(point_rank, capacity, std::uint32_t{0});
+  for (auto* b : {&point_reject, &point_rank}) executor.allocate(*b, capacity, std::uint32_t{0});
   executor.allocate(point_height, capacity, 0.0f);
   executor.allocate(point_variance, capacity, 0.0f);
   executor.allocate(sorted, capacity, kernels::HeightPoint{0, 0});

@@ -11,13 +11,7 @@ namespace talus
 {
 namespace
 {
-constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '6'};
-/** Of states that were saved before: the lowest bit of Cell::footing told something else. */
-constexpr char kMagicOfScans[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '5'};
-/** Of those before: of one sensor, and without the time of its last frame. */
-constexpr char kMagicOfOneSensor[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '4'};
-/** Of those before: without the last array of the cells, too. */
-constexpr char kMagicWithoutExtent[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '2'};
+constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '7'};
 
 /** What stands before the sensors and the layers. */
 struct Header
@@ -43,15 +37,7 @@ struct SensorRecord
 /** Header::flags, see kernels::Datum. */
 constexpr std::uint8_t kStartsAnew = 1;
 
-enum class Version
-{
-  Current,
-  OfScans,
-  OneSensor,
-  WithoutExtent
-};
-
-constexpr std::size_t kCellFloats = 4, kFeatures = 5;
+constexpr std::size_t kFeatures = 5;
 constexpr double kFarthestCell = 2e9, kHighest_m = 1e9;  //!< beyond what frames can lead to
 
 [[noreturn]] void fail(const std::string& what)
@@ -65,43 +51,14 @@ std::size_t cell_count(const Parameters& p)
   return n * n;
 }
 
-/** Of a map that has seen a frame. The oldest states are without one array. */
-std::size_t cell_bytes(std::size_t cells, Version version)
-{
-  constexpr std::size_t kNewest = 1;  // arrays that came with several sensors
-  switch (version)
-  {
-    case Version::Current:
-    case Version::OfScans:
-      return cells * kBytesPerCell;
-    case Version::OneSensor:
-      return cells * (kBytesPerCell - kNewest);
-    default:
-      return cells * (kBytesPerCell - kNewest - 1);
-  }
-}
 std::size_t feature_bytes(std::size_t cells) { return kFeatures * cells * sizeof(float); }
-
-bool tells_sensors(Version v) { return v == Version::Current || v == Version::OfScans; }
 
 bool is_within(double v, double limit) { return std::abs(v) <= limit; }  // not NaN
 
 /** Between the header and the end, of a map that has seen a frame. */
-std::size_t bytes_behind_header(std::size_t cells, Version version, std::size_t sensors)
+std::size_t bytes_behind_header(std::size_t cells, std::size_t sensors)
 {
-  const std::size_t of_sensors = tells_sensors(version) ? sensors * sizeof(SensorRecord) : 0;
-  return of_sensors + cell_bytes(cells, version) + feature_bytes(cells);
-}
-
-Version version_of(const Header& h)
-{
-  const auto is = [&](const char(&magic)[8])
-  { return std::memcmp(h.magic, magic, sizeof h.magic) == 0; };
-  if (is(kMagic)) return Version::Current;
-  if (is(kMagicOfScans)) return Version::OfScans;
-  if (is(kMagicOfOneSensor)) return Version::OneSensor;
-  if (is(kMagicWithoutExtent)) return Version::WithoutExtent;
-  fail("not a state of talus");
+  return sensors * sizeof(SensorRecord) + cells * kernels::kBytesPerCell + feature_bytes(cells);
 }
 
 void check_place(const Header& h)
@@ -112,7 +69,6 @@ void check_place(const Header& h)
   if (!sound) fail("damaged, its place is none");
 }
 
-/** Of states that tell them. */
 void read_time_and_datum(const Header& h, SavedMap& saved)
 {
   if (!is_within(h.offset_m, kHighest_m) || !is_within(h.settled_m, kHighest_m))
@@ -122,54 +78,50 @@ void read_time_and_datum(const Header& h, SavedMap& saved)
 }
 
 /** The sensors of a state, and where they end in it. */
-const std::uint8_t* read_sensors(
-    const Header& h, Version version, const std::uint8_t* from, WindowTracker& tracker)
+const std::uint8_t* read_sensors(const Header& h, const std::uint8_t* from, WindowTracker& tracker)
 {
-  if (!tells_sensors(version))
-  {
-    // The axis of the only sensor stands where stamps are now.
-    tracker.sensors.push_back({0, {}});
-    std::memcpy(tracker.sensors[0].z_axis.data(), &h.last_stamp_s, sizeof(double[3]));
-  }
-  const std::size_t behind = tells_sensors(version) ? h.sensors : 0;
-  for (std::size_t i = 0; i < behind; i++, from += sizeof(SensorRecord))
+  for (std::size_t i = 0; i < h.sensors; i++, from += sizeof(SensorRecord))
   {
     SensorRecord r;
     std::memcpy(&r, from, sizeof r);
     const double(&z)[3] = r.z_axis;
+    for (const double v : z)
+      if (!is_within(v, 2)) fail("damaged, the axes of its sensors are none");
     tracker.sensors.push_back({static_cast<std::uint32_t>(r.number), {z[0], z[1], z[2]}});
   }
-  for (const auto& sensor : tracker.sensors)
-    for (const double v : sensor.z_axis)
-      if (!is_within(v, 2)) fail("damaged, the axes of its sensors are none");
   return from;
 }
 
-/** What the stages count on. */
-void check_cells(const MapBytes& map, std::size_t cells)
+/** The cells of a state, to be read as a map has them. */
+kernels::CellStore cells_in(std::vector<std::uint8_t>& bytes, std::size_t cells)
 {
-  const std::uint8_t* const state = map.cells.data() + kCellFloats * sizeof(float) * cells;
+  kernels::CellStore store{};
+  std::uint8_t* at = bytes.data();
+#define TALUS_IN_BYTES(type, name, unknown) \
+  store.name = reinterpret_cast<type*>(at), at += cells * sizeof(type);
+  TALUS_CELL_FIELDS(TALUS_IN_BYTES)
+#undef TALUS_IN_BYTES
+  return store;
+}
+
+/** What the stages count on. */
+void check_cells(MapBytes& map, std::size_t cells)
+{
+  const auto is_surface = [](float height_m, float variance_m2)
+  { return is_within(height_m, kHighest_m) && variance_m2 >= 0 && std::isfinite(variance_m2); };
+  const auto is_none = [](float height_m, float variance_m2)
+  { return std::isnan(height_m) && std::isnan(variance_m2); };
+  const kernels::CellStore store = cells_in(map.cells, cells);
   bool sound = true;
-  enum Array : std::size_t
+  for (int i = 0; i < static_cast<int>(cells); i++)
   {
-    kGround,
-    kElevation = 2  // each with its variance behind it
-  };
-  for (const std::size_t array : {kGround, kElevation})
-    for (std::size_t i = 0; i < cells; i++)
-    {
-      float height_m, variance_m2;
-      std::memcpy(&height_m, map.cells.data() + (array * cells + i) * sizeof(float), sizeof(float));
-      std::memcpy(
-          &variance_m2, map.cells.data() + ((array + 1) * cells + i) * sizeof(float),
-          sizeof(float));
-      const bool known =
-          is_within(height_m, kHighest_m) && variance_m2 >= 0 && std::isfinite(variance_m2);
-      const bool is_none = std::isnan(height_m) && std::isnan(variance_m2);
-      sound &= known || (is_none && (array == kElevation || state[i] == kernels::kUnknown));
-    }
-  sound &=
-      std::all_of(state, state + cells, [](std::uint8_t s) { return s <= kernels::kPresumed; });
+    const kernels::Cell c = store.load(i);
+    const bool no_ground = c.state == kernels::kUnknown && is_none(c.ground_m, c.ground_var_m2);
+    const bool no_top = is_none(c.elevation_m, c.elevation_var_m2);
+    sound &= c.state <= kernels::kPresumed &&
+             (no_ground || is_surface(c.ground_m, c.ground_var_m2)) &&
+             (no_top || is_surface(c.elevation_m, c.elevation_var_m2));
+  }
   sound &= std::all_of(
       map.features.begin(), map.features.end(),
       [](float v) { return std::isnan(v) || is_within(v, 2); });
@@ -217,12 +169,9 @@ std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p)
 
 bool is_size_of_state(std::uint64_t bytes, const Parameters& p)
 {
-  const std::size_t cells = cell_count(p);
-  const auto is = [&](Version version, std::size_t sensors)
-  { return bytes == sizeof(Header) + bytes_behind_header(cells, version, sensors); };
   for (std::size_t sensors = 1; sensors <= kMostSensors; sensors++)
-    if (is(Version::Current, sensors)) return true;
-  return is(Version::OneSensor, 1) || is(Version::WithoutExtent, 1);
+    if (bytes == sizeof(Header) + bytes_behind_header(cell_count(p), sensors)) return true;
+  return false;
 }
 
 SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters& p)
@@ -230,15 +179,14 @@ SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters
   Header header;
   if (bytes.size() < sizeof header) fail("cut short");
   std::memcpy(&header, bytes.data(), sizeof header);
-  const Version version = version_of(header);
+  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) fail("not a state of talus");
   if (header.cells != p.cells() || header.resolution_m != p.resolution_m)
     fail("another window size or resolution");
-  const std::size_t cells = cell_count(p), of_cells = cell_bytes(cells, version);
-  if (header.started && tells_sensors(version) &&
-      (header.sensors < 1 || header.sensors > kMostSensors))
+  const std::size_t cells = cell_count(p), of_cells = cells * kernels::kBytesPerCell;
+  if (header.started && (header.sensors < 1 || header.sensors > kMostSensors))
     fail("damaged, it has no sensor or too many");
   if (bytes.size() !=
-      sizeof header + (header.started ? bytes_behind_header(cells, version, header.sensors) : 0))
+      sizeof header + (header.started ? bytes_behind_header(cells, header.sensors) : 0))
     fail("wrong length");
 
   SavedMap saved;
@@ -248,15 +196,10 @@ SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters
   saved.tracker.min_cell_x = header.min_cell_x;
   saved.tracker.min_cell_y = header.min_cell_y;
   saved.reference_z_m = header.reference_z_m;
-  if (tells_sensors(version)) read_time_and_datum(header, saved);
+  read_time_and_datum(header, saved);
   const std::uint8_t* const from =
-      read_sensors(header, version, bytes.data() + sizeof header, saved.tracker);
+      read_sensors(header, bytes.data() + sizeof header, saved.tracker);
   saved.map.cells.assign(from, from + of_cells);
-  saved.map.cells.resize(cells * kBytesPerCell);  // of what is newer nothing is known
-  if (version == Version::OfScans)
-    std::for_each(
-        saved.map.cells.end() - static_cast<std::ptrdiff_t>(cells), saved.map.cells.end(),
-        [](std::uint8_t& footing) { footing &= 0xFE; });
   saved.map.features.resize(kFeatures * cells);
   std::memcpy(saved.map.features.data(), from + of_cells, feature_bytes(cells));
   check_cells(saved.map, cells);

@@ -51,8 +51,9 @@ BandValues values_of(const SiteCell& cell, std::uint32_t newest_s)
   put(Band::State, static_cast<float>(c.state));
   put(Band::Age, static_cast<float>(told_s));
   put(Band::ElevationVariance, canonical(c.elevation_variance_m2));
-  put(Band::Evidence, pack(static_cast<std::uint32_t>(c.persistence + 128), c.ray_evidence, 0));
-  put(Band::Shape, pack(c.extent, c.footing, age_s - told_s));
+  static_assert(CellRecord::kLastingBytes == 5);
+  put(Band::Evidence, pack(c.evidence[0], c.evidence[1], c.evidence[2]));
+  put(Band::Shape, pack(c.evidence[3], c.evidence[4], age_s - told_s));
   return values;
 }
 
@@ -62,7 +63,7 @@ std::optional<SiteCell> cell_of(const BandValues& values, std::uint32_t newest_s
   SiteCell cell;
   if (std::isnan(of(Band::State)) || of(Band::State) == 0) return cell;
   const auto state = whole(of(Band::State), kCellStates - 1), age = whole(of(Band::Age), newest_s),
-             evidence = whole(of(Band::Evidence), 0xFFFF),
+             evidence = whole(of(Band::Evidence), kExact - 1),
              shape = whole(of(Band::Shape), kExact - 1);
   if (!state || !age || !evidence || !shape || newest_s - *age < *shape >> 16) return std::nullopt;
   CellRecord& c = cell.cell;
@@ -72,10 +73,11 @@ std::optional<SiteCell> cell_of(const BandValues& values, std::uint32_t newest_s
   c.elevation_variance_m2 = canonical(of(Band::ElevationVariance));
   c.traversability = canonical(of(Band::Traversability));
   c.state = static_cast<std::uint8_t>(*state);
-  c.persistence = static_cast<std::int8_t>(static_cast<int>(*evidence & 0xFF) - 128);
-  c.ray_evidence = static_cast<std::uint8_t>(*evidence >> 8);
-  c.extent = static_cast<std::uint8_t>(*shape & 0xFF);
-  c.footing = static_cast<std::uint8_t>(*shape >> 8 & 0xFF);
+  for (int byte = 0; byte < CellRecord::kLastingBytes; byte++)
+  {
+    const std::uint32_t from = byte < 3 ? *evidence >> 8 * byte : *shape >> 8 * (byte - 3);
+    c.evidence[byte] = static_cast<std::uint8_t>(from);
+  }
   cell.seen_s = newest_s - *age - (*shape >> 16);
   return is_sound(c) ? std::optional<SiteCell>(cell) : std::nullopt;
 }

@@ -16,8 +16,8 @@ enum class Band : std::size_t
   State,  //!< NaN where the cell is unknown, as in all bands
   Age,  //!< [s] whole, before the newest cell of the file, see Shape
   ElevationVariance,
-  Evidence,  //!< persistence + 128 | ray_evidence << 8
-  Shape  //!< extent | footing << 8 | what a float32 cannot tell of an age above 194 days << 16
+  Evidence,  //!< the first three bytes of CellRecord::evidence, the first the lowest
+  Shape  //!< the next two, then what a float32 cannot tell of an age above 194 days
 };
 constexpr std::size_t kBandCount = 9;
 constexpr std::array<const char*, kBandCount> kBandNames{

@@ -1,6 +1,6 @@
 #pragma once
 #include <talus/cell_record.h>
-#include "kernels/cell.h"
+#include <talus/layers.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,9 @@
 // What is said of one cell that was kept, and what the map says of it now.
 namespace talus::site
 {
-inline bool is_known(const CellRecord& c) { return c.state != kernels::kUnknown; }
-inline bool is_measured(const CellRecord& c) { return c.state == kernels::kMeasured; }
+inline CellState state_of(const CellRecord& c) { return static_cast<CellState>(c.state); }
+inline bool is_known(const CellRecord& c) { return state_of(c) != CellState::Unknown; }
+inline bool is_measured(const CellRecord& c) { return state_of(c) == CellState::Measured; }
 
 /** Whether a known cell that was read from somewhere may be one of a map. */
 inline bool is_sound(const CellRecord& c)
@@ -20,27 +21,24 @@ inline bool is_sound(const CellRecord& c)
   const auto is_surface = [&](float height_m, float variance_m2)
   { return std::abs(height_m) <= kHighest_m && variance_m2 >= 0 && std::isfinite(variance_m2); };
   const bool has_no_top = std::isnan(c.elevation_m) && std::isnan(c.elevation_variance_m2);
-  return c.state <= kernels::kPresumed && is_surface(c.ground_m, c.ground_variance_m2) &&
+  return c.state < kCellStates && is_surface(c.ground_m, c.ground_variance_m2) &&
          (has_no_top || is_surface(c.elevation_m, c.elevation_variance_m2)) &&
          (std::isnan(c.traversability) || (c.traversability >= 0 && c.traversability <= 1));
 }
 
 /** Heights of two floors. */
-inline bool contradict(float a_m, float b_m)
-{
-  return std::abs(a_m - b_m) > kernels::kOtherFloor_m;
-}
+inline bool contradict(float a_m, float b_m) { return std::abs(a_m - b_m) > kOtherFloor_m; }
 
 /** How much is guessed of the ground: what was measured comes before what was filled from two
  * sides, what the robot stood on, and what was filled from one. */
 inline int guessed_ground(const CellRecord& c)
 {
-  return c.state == kernels::kFilledOneSided ? kernels::kPresumed + 1 : c.state;
+  return state_of(c) == CellState::FilledOneSided ? kCellStates : c.state;
 }
 /** The same of all: what was hit comes first. */
 inline int guessed(const CellRecord& c)
 {
-  return std::isnan(c.elevation_m) ? guessed_ground(c) : kernels::kMeasured;
+  return std::isnan(c.elevation_m) ? guessed_ground(c) : static_cast<int>(CellState::Measured);
 }
 
 /** Whether two measurements differ by noise alone. */
@@ -70,14 +68,6 @@ inline bool is_unchanged(const CellRecord& kept, const CellRecord& now)
   constexpr float kSame_m = 0.01f;
   return kept.state == now.state && std::abs(kept.ground_m - now.ground_m) < kSame_m &&
          std::isnan(kept.elevation_m) == std::isnan(now.elevation_m);
-}
-
-/** Without what it says of the frames just before it was kept. */
-inline CellRecord without_latest(CellRecord c)
-{
-  c.persistence = std::min<std::int8_t>(c.persistence, 0);
-  c.ray_evidence &= static_cast<std::uint8_t>(kernels::kPassedLow | kernels::kHitHighUp);
-  return c;
 }
 
 inline std::uint32_t whole_seconds(double stamp_s)

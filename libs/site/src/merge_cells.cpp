@@ -27,10 +27,11 @@ std::uint32_t bits(float v)
 auto key(const SiteCell& s)
 {
   const CellRecord& c = s.cell;
+  std::array<std::uint8_t, CellRecord::kEvidenceBytes> evidence;
+  std::copy_n(c.evidence, evidence.size(), evidence.begin());
   return std::make_tuple(
       s.seen_s, bits(c.ground_m), bits(c.ground_variance_m2), bits(c.elevation_m),
-      bits(c.elevation_variance_m2), bits(c.traversability), c.state, c.persistence, c.ray_evidence,
-      c.extent, c.footing);
+      bits(c.elevation_variance_m2), bits(c.traversability), c.state, evidence);
 }
 bool is_newer(const SiteCell& a, const SiteCell& b) { return key(a) > key(b); }
 bool is_same(const SiteCell& a, const SiteCell& b) { return key(a) == key(b); }

@@ -1,7 +1,6 @@
 #include <talus/site/site_mapper.h>
 
 #include "kept_cell.h"
-#include "kernels/rule_constants.h"
 #include "strips.h"
 
 #include <algorithm>
@@ -13,8 +12,6 @@ namespace talus::site
 {
 namespace
 {
-using kernels::kOtherFloor_m;
-
 /** Of fewer cells nothing is said about floors. */
 constexpr int kFewestVotes = 8;
 /** A base that has risen or sunk by so much may be on another floor with its next frame. */
@@ -188,6 +185,7 @@ void SiteMapper::store(const CellRect& cells, std::size_t first)
           const bool keeps_judgement = is_known(kept.cell) && is_unchanged(kept.cell, now[i]) &&
                                        is_at_edge_of_window(cells, i);
           kept.cell = now[i];
+          forget_latest(kept.cell);
           if (keeps_judgement) kept.cell.traversability = judged_whole;
           kept.seen_s = seen_s;
         });

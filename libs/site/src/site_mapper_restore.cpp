@@ -145,7 +145,7 @@ bool SiteMapper::take_back_from(int floor, const CellRect& cells, std::size_t fi
           const bool takes = is_worth_more(kept, now) &&
                              !(std::abs(kept.ground_m - r.ground_m) > r.within_m) &&
                              !stretches_[stretch_of(cells, i)].has_drifted;
-          now = takes ? without_latest(kept) : CellRecord{};
+          now = takes ? kept : CellRecord{};
           any |= takes;
         });
   };

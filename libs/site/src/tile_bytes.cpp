@@ -24,12 +24,12 @@ void for_each_value(Cell& cell, Index& index, const F& f)
        {&c.ground_m, &c.ground_variance_m2, &c.elevation_m, &c.elevation_variance_m2,
         &c.traversability})
     f(v, sizeof *v);
-  f(&c.persistence, sizeof c.persistence);
-  for (auto* v : {&c.state, &c.ray_evidence, &c.extent, &c.footing}) f(v, sizeof *v);
+  f(&c.state, sizeof c.state);
+  f(&c.evidence, sizeof c.evidence);
   f(&cell.seen_s, sizeof cell.seen_s);
 }
-constexpr std::size_t kCellBytes =
-    sizeof(std::uint16_t) + 5 * sizeof(float) + 5 + sizeof(std::uint32_t);
+constexpr std::size_t kCellBytes = sizeof(std::uint16_t) + 5 * sizeof(float) + 1 +
+                                   CellRecord::kEvidenceBytes + sizeof(std::uint32_t);
 
 [[noreturn]] void fail() { throw std::invalid_argument("a tile of the whole map is damaged"); }
 }  // namespace

@@ -7,9 +7,13 @@
 namespace talus
 {
 /** All that the map remembers of a cell, and how it was judged last. Heights are in the map frame;
- * NaN: unknown. What is not a height is for the map alone, see kernels/cell.h. */
+ * NaN: unknown. */
 struct CellRecord
 {
+  /** Bytes of `evidence`, and how many of them, the first, stay true when a cell is kept for longer
+   * than a few frames, see forget_latest(). */
+  static constexpr int kEvidenceBytes = 7, kLastingBytes = 5;
+
   /** Height of the ground, and its variance. */
   float ground_m = NAN, ground_variance_m2 = NAN;
   /** Height of the top of what stands on it, and its variance. */
@@ -17,11 +21,15 @@ struct CellRecord
   float traversability = NAN;  //!< [0, 1]; NaN: not judged
   /** a CellState */
   std::uint8_t state = 0;
-  /** For the map alone. */
-  std::int8_t persistence = 0;
-  /** For the map alone. */
-  std::uint8_t ray_evidence = 0, extent = 0, footing = 0;
+  /** For the map alone: what hits, rays and the robot have shown. */
+  std::uint8_t evidence[kEvidenceBytes] = {};
 };
+
+/** Ground heights that differ by more than this are those of two floors [m]. */
+constexpr float kOtherFloor_m = 1.28f;
+
+/** A cell is kept for later: what it says of the frames just before is forgotten. */
+void forget_latest(CellRecord& record);
 
 /** Cells of the global grid: cell (x, y) covers [x * resolution_m, ...) along x and y of the map
  * frame. */

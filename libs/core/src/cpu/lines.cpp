@@ -58,6 +58,12 @@ struct Strip
   }
 };
 
+struct MetSample
+{
+  float height_m, variance_m2;
+  std::int32_t marks;
+};
+
 /** The samples that lines met last, the nearest first. */
 template <int kSamples>
 struct alignas(64) Met
@@ -65,6 +71,7 @@ struct alignas(64) Met
   float height_m[kSamples][kLanes];
   int place[kSamples][kLanes];
   float variance_m2[kLanes];  //!< of the nearest
+  std::int32_t marks[kLanes];
 
   static Met nothing()
   {
@@ -74,16 +81,17 @@ struct alignas(64) Met
   }
 
   /** Becomes what line `l` met `before`, and here if there is a sample. */
-  void meet(const Met& before, int l, bool known, float height, float variance, int here)
+  void meet(const Met& before, int l, bool known, const MetSample& sample, int here)
   {
     for (int s = kSamples - 1; s > 0; s--)
     {
       height_m[s][l] = kernels::select(known, before.height_m[s - 1][l], before.height_m[s][l]);
       place[s][l] = kernels::select(known, before.place[s - 1][l], before.place[s][l]);
     }
-    height_m[0][l] = kernels::select(known, height, before.height_m[0][l]);
+    height_m[0][l] = kernels::select(known, sample.height_m, before.height_m[0][l]);
     place[0][l] = kernels::select(known, here, before.place[0][l]);
-    variance_m2[l] = kernels::select(known, variance, before.variance_m2[l]);
+    variance_m2[l] = kernels::select(known, sample.variance_m2, before.variance_m2[l]);
+    marks[l] = kernels::select(known, sample.marks, before.marks[l]);
   }
 
   int distance(int l, int here) const { return kernels::abs_of(here - place[0][l]); }
@@ -106,10 +114,10 @@ struct alignas(64) Met
         kernels::select(any, distance(l, here), 0), step_m, k);
   }
 
-  float variance(const SideEstimate& side, int l, const kernels::Config& k) const
+  kernels::SideVariance variance(const SideEstimate& side, int l, const kernels::Config& k) const
   {
     const float spread_m2 = kernels::spread_variance(variance_m2[l], side.distance_m, k);
-    return kernels::select(side.any(), spread_m2, kernels::kNan);
+    return {kernels::select(side.any(), spread_m2, kernels::kNan), marks[l]};
   }
 };
 
@@ -127,6 +135,7 @@ struct Found
 {
   SideBySide<kernels::LineFusion, kLanes> lines;
   float variance_m2[kLanes], fall_m[kLanes];
+  std::int32_t marks[kLanes];
 };
 
 /** `kRays`: lines from the sensor, else rows or columns. */
@@ -159,7 +168,8 @@ class Sweep
       for (int l = 0; l < kLanes; l++)
       {
         const bool known = here.place[0][l] == place;
-        behind.meet(behind, l, known, here.height_m[0][l], here.variance_m2[l], place);
+        behind.meet(
+            behind, l, known, {here.height_m[0][l], here.variance_m2[l], here.marks[l]}, place);
         if (kRays) undercut.place[l] = kernels::select(known, -kNowhere, undercut.place[l]);
       }
     }
@@ -176,6 +186,7 @@ class Sweep
       const int* const minor = strip.at(place, !kRays).minor;
       if (strip.leaps()) fetch(strip, samples, std::min(place + kAhead, strip.places - 1));
       float height_m[kLanes], variance_m2[kLanes];
+      std::int32_t marks[kLanes];
       if (!kRays && strip.columns())
         std::copy_n(samples.height_m + first, kLanes, height_m);
       else
@@ -196,13 +207,16 @@ class Sweep
       {
         TALUS_INDEPENDENT
         for (int l = 0; l < kLanes; l++)
-          variance_m2[l] = samples.variance_or_bound[first + minor[l] * strip.across];
+        {
+          variance_m2[l] = samples.variance_m2[first + minor[l] * strip.across];
+          marks[l] = samples.marks[first + minor[l] * strip.across];
+        }
       }
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
         met[place + 1].meet(
-            met[place], l, kernels::is_known(height_m[l]), height_m[l],
-            kRays ? variance_m2[l] : 0.0f, place);
+            met[place], l, kernels::is_known(height_m[l]),
+            {height_m[l], kRays ? variance_m2[l] : 0.0f, kRays ? marks[l] : 0}, place);
     }
   }
 
@@ -216,7 +230,7 @@ class Sweep
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      const float bound_m = samples.variance_or_bound[first + minor[l] * strip.across];
+      const float bound_m = samples.ray_bound_m[first + minor[l] * strip.across];
       const bool under = (here.place[0][l] >= 0) & (here.place[0][l] < place) &
                          kernels::undercuts(
                              bound_m, here.height_m[0][l],
@@ -235,7 +249,9 @@ class Sweep
       const int lane = std::min(l, kLanes - 1);
       const int i = strip.first + place * strip.along + minor[lane] * strip.across;
       __builtin_prefetch(samples.height_m + i);
-      if (kRays) __builtin_prefetch(samples.variance_or_bound + i);
+      if (!kRays) continue;
+      __builtin_prefetch(samples.variance_m2 + i);
+      __builtin_prefetch(samples.marks + i);
     }
   }
 
@@ -262,6 +278,7 @@ class Sweep
     {
       found.lines.fill({});
       std::fill_n(found.variance_m2, kLanes, kernels::kNan);
+      std::fill_n(found.marks, kLanes, 0);
     }
     if (kRays && place <= strip.suspect)
     {
@@ -269,13 +286,12 @@ class Sweep
       for (int l = 0; l < kLanes; l++)
       {
         const float robot_m = static_cast<float>(place) * strip.step_m[l];
-        const float told_m = fall(k, strip, before, behind, l, place);
-        const bool near_robot = robot_m <= k.sparsity_range_m;
-        const float fall_m = kernels::select(
-            near_robot & kernels::is_known(found.variance_m2[l]), told_m, kernels::kNan);
-        found.fall_m[l] = fall_m;
-        found.variance_m2[l] = kernels::mark_fall(
-            found.variance_m2[l], kernels::is_sparse(fall_m, robot_m, k), fall_m < 0.0f);
+        const kernels::Fall told = fall(k, strip, before, behind, l, place);
+        const bool asked =
+            (robot_m <= k.sparsity_range_m) & kernels::is_known(found.variance_m2[l]);
+        const std::int32_t marks = kernels::marks_of_fall(told, robot_m, k);
+        found.fall_m[l] = kernels::select(asked, told.m, kernels::kNan);
+        found.marks[l] |= kernels::select(asked, marks, 0);
       }
     }
     put(strip, found, static_cast<std::uint32_t>(wanted), place, to);
@@ -300,18 +316,21 @@ class Sweep
           l, kAlongLines ? kernels::fuse_lines(a, b, kRays, k) : kernels::apply_printed_rule(a, b));
       if (kRays)
       {
-        const float fused_m2 =
-            kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
+        const kernels::SideVariance inner_m2 = before.variance(a, l, k),
+                                    outer_m2 = behind.variance(b, l, k);
         const bool undercut_ahead = (undercut.place[l] - place <= strip.fill_places[l]) &
                                     (behind.distance(l, place) > strip.sparsity_places[l]);
-        found.variance_m2[l] = kernels::mark_edge(fused_m2, a.any() & !b.any() & undercut_ahead);
+        const bool drops = a.any() & !b.any() & undercut_ahead;
+        found.variance_m2[l] = kernels::fuse_variances(inner_m2, outer_m2);
+        found.marks[l] = kernels::fuse_marks(inner_m2, outer_m2) |
+                         kernels::select(drops, static_cast<std::int32_t>(kernels::kDrops), 0);
       }
     }
   }
 
   /** What the ground may fall by between the samples on both sides, NaN if one is too far for
    * stage 9. */
-  static float fall(
+  static kernels::Fall fall(
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind, int l,
       int place)
   {
@@ -326,10 +345,11 @@ class Sweep
         length_m(before.place[0][l], behind.place[0][l]),
         before.height_m[0][l],
         behind.height_m[0][l],
-        behind.variance_m2[l] < 0.0f,
+        (behind.marks[l] & kernels::kWall) != 0,
         behind.height_m[1][l],
         length_m(behind.place[0][l], behind.place[1][l])};
-    return kernels::select(both, kernels::fall_in(gap, k), kernels::kNan);
+    const kernels::Fall told = kernels::fall_in(gap, k);
+    return {kernels::select(both, told.m, kernels::kNan), kernels::select(both, told.slopes, 0)};
   }
 
   static void put(
@@ -345,6 +365,7 @@ class Sweep
       {
         const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
         to.cells[i] = {found.lines.load(l), found.variance_m2[l]};
+        to.marks[i] = static_cast<std::uint8_t>(found.marks[l]);
         __builtin_prefetch(to.cells + i + ahead, 1);
         if (suspect) to.fall_m[i] = found.fall_m[l];
       }

@@ -23,7 +23,11 @@ class CpuSchedule
   {
     const auto n = static_cast<std::size_t>(map_.cells());
     executor_.allocate(inferred_, map_.grid_size(), kernels::Inference{});
-    executor_.allocate(judged_, n + 2 * static_cast<std::size_t>(map_.side() + 1), kernels::kNan);
+    executor_.allocate(fill_marks_, map_.grid_size(), std::uint8_t{0});
+    executor_.allocate(map_.ray_bound, map_.grid_size(), kernels::kNan);
+    const std::size_t judged = n + 2 * static_cast<std::size_t>(map_.side() + 1);
+    executor_.allocate(judged_, judged, kernels::kNan);
+    executor_.allocate(steep_only_, judged, std::uint8_t{0});
     const int directions = kernels::bin_count(map_.host_config);
     executor_.allocate(doubted_, static_cast<std::size_t>(directions), std::uint8_t{0});
   }
@@ -90,9 +94,13 @@ class CpuSchedule
   void update()
   {
     const int n = points();
-    const kernels::BinPoint<Atomics> bin{map_.config.data(),     map_.context.data(),
-                                         map_.points_out(),      map_.lowest_slope.data(),
-                                         map_.cell_count.data(), map_.counters.data()};
+    kernels::BinPoint<Atomics> bin{};
+    bin.config = map_.config.data();
+    bin.frame = map_.context.data();
+    bin.points = map_.points_out();
+    bin.lowest_slope = map_.lowest_slope.data();
+    bin.cell_count = map_.cell_count.data();
+    bin.rejected = map_.counters.data();
     const kernels::SortPoint sort = map_.sort_point(sorting());
     const kernels::UpdateCell update = map_.update_cell(sorting());
     const kernels::FindPassingRays passing = map_.find_passing_rays();
@@ -196,7 +204,8 @@ class CpuSchedule
   template <bool kParts>
   void judge()
   {
-    float* const judged = judged_.data() + side() + 1;
+    const int first = side() + 1;
+    const kernels::JudgedArrays judged{judged_.data() + first, steep_only_.data() + first};
     executor_.for_each_window(
         side(), side(), map_.host_config.feature_radius_cells,
         map_.template compute_features<kParts>(judged));
@@ -214,16 +223,17 @@ class CpuSchedule
 
   kernels::Sorting sorting()
   {
-    return {
-        map_.cell_count.data(),
-        map_.cell_count.data(),
-        map_.cell_begin.data(),
-        map_.sorted.data(),
-        hit_cells_.data(),
-        nullptr,
-        0};
+    kernels::Sorting v{};
+    v.cell_count = v.kept_count = map_.cell_count.data();
+    v.cell_begin = map_.cell_begin.data();
+    v.sorted = map_.sorted.data();
+    v.crowded = hit_cells_.data();
+    return v;
   }
-  kernels::InferenceGrid inferred() { return {inferred_.data(), map_.across.data()}; }
+  kernels::InferenceGrid inferred()
+  {
+    return {inferred_.data(), fill_marks_.data(), map_.fall.data()};
+  }
 
   using Atomics = typename Executor::Atomics;
   template <class T>
@@ -234,6 +244,7 @@ class CpuSchedule
   Buffer<std::int32_t> hit_cells_;  //!< as they are found, then in order
   Buffer<std::uint8_t> doubted_;
   Buffer<kernels::Inference> inferred_;
+  Buffer<std::uint8_t> fill_marks_, steep_only_;
   Buffer<float> judged_;
 };
 

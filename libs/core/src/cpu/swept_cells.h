@@ -20,12 +20,10 @@ struct TakeSample
     const bool sample = is_sample(store, surface_class, storage_i);
     const float ground_m = store.ground_m[storage_i];
     samples.height_m[line_i] = select(sample, ground_m, kNan);
-    samples.variance_or_bound[line_i] = select(
-        sample,
-        sample_variance(
-            ground_m, store.ground_var_m2[storage_i], store.elevation_m[storage_i],
-            passing.lowest_m[window_i], *config),
-        ray_bound(passing, window_i));
+    samples.variance_m2[line_i] = store.ground_var_m2[storage_i];
+    samples.marks[line_i] =
+        sample_marks(ground_m, store.elevation_m[storage_i], passing.lowest_m[window_i], *config);
+    samples.ray_bound_m[line_i] = ray_bound(passing, window_i);
   }
 };
 
@@ -33,6 +31,7 @@ struct TakeSample
 struct InferenceGrid
 {
   Inference* cells;
+  std::uint8_t* marks;  //!< bits of FillMark
   float* fall_m;  //!< near enough for stage 9: what its ground may fall by, see fall_in()
 };
 
@@ -45,7 +44,8 @@ struct FillWalkedCell
 
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    fill(ix, iy, storage_i, inferred.cells[grid.at(ix, iy)]);
+    const int line_i = grid.at(ix, iy);
+    fill(ix, iy, storage_i, inferred.cells[line_i], inferred.marks[line_i]);
   }
 };
 

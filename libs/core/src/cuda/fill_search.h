@@ -284,13 +284,13 @@ struct SearchAndFillCell
       int ix, int iy, const SideEstimate& inner, const SideEstimate& outer, const LineFusion* lines,
       int stride) const
   {
-    Inference inferred = nothing();
+    Inferred found = nothing();
     if (inner.any() || outer.any())
     {
-      inferred = {lines[0], variance(radial_search(ix, iy), ix, iy, inner, outer)};
-      for (int l = 1; l < kLines; l++) inferred.lines.add(lines[l * stride]);
+      found = beside_sensor(radial_search(ix, iy), ix, iy, inner, outer, lines[0]);
+      for (int l = 1; l < kLines; l++) found.ground.lines.add(lines[l * stride]);
     }
-    finish(ix, iy, inferred);
+    finish(ix, iy, found);
   }
 
   /** One after the other: where the first line says nothing, the others are not asked. */
@@ -308,35 +308,40 @@ struct SearchAndFillCell
     return on_line(ix, iy) && fill.wanted(storage_index(*fill.frame, k.cells, ix, iy));
   }
 
-  static TALUS_HD Inference nothing()
+  struct Inferred
   {
-    Inference none;
-    none.lines.information = 1.0f;  // nor is this divided by zero
+    Inference ground;
+    std::int32_t marks = 0;  //!< bits of FillMark
+  };
+  static TALUS_HD Inferred nothing()
+  {
+    Inferred none;
+    none.ground.lines.information = 1.0f;  // nor is this divided by zero
     return none;
   }
 
-  TALUS_HD Inference infer(int ix, int iy) const
+  TALUS_HD Inferred infer(int ix, int iy) const
   {
     const LineSearch<Track> radial = radial_search(ix, iy);
     const SideEstimate inner = radial.template infer_side<!kAlongLines>(false),
                        outer = radial.template infer_side<!kAlongLines>(true);
     if (!inner.any() && !outer.any()) return nothing();
-    Inference inferred{line(0, inner, outer), variance(radial, ix, iy, inner, outer)};
+    Inferred found = beside_sensor(radial, ix, iy, inner, outer, line(0, inner, outer));
     for (int l = 1; l < kLines; l++)
     {
       const LineSearch<AxisTrack> axis = axis_search(ix, iy, l == 2);
-      inferred.lines.add(line(
+      found.ground.lines.add(line(
           l, axis.template infer_side<!kAlongLines>(false),
           axis.template infer_side<!kAlongLines>(true)));
     }
-    return inferred;
+    return found;
   }
 
-  TALUS_HD void finish(int ix, int iy, const Inference& inferred) const
+  TALUS_HD void finish(int ix, int iy, const Inferred& found) const
   {
     const int n = k.cells, storage_i = storage_index(*fill.frame, n, ix, iy);
-    const int state = fill(ix, iy, storage_i, inferred);
-    if (state != kMeasured && !inferred.any()) fall_m[grid.at(ix, iy)] = kNan;
+    const int state = fill(ix, iy, storage_i, found.ground, found.marks);
+    if (state != kMeasured && !found.ground.any()) fall_m[grid.at(ix, iy)] = kNan;
     const DropHanging drop{fill.store};
     if (drop.applies(ix, iy, storage_i)) drop(ix, iy, storage_i);
     fill.out.put(iy * n + ix, fill.store, storage_i, fill.frame->offset_m);
@@ -360,25 +365,25 @@ struct SearchAndFillCell
         along_x ? ix : iy};
   }
 
-  /** Of what is inferred from both sides of the line from the sensor, see Inference. */
-  TALUS_HD float variance(
+  /** What the line from the sensor says, of which the lines are known. */
+  TALUS_HD Inferred beside_sensor(
       const LineSearch<Track>& radial, int ix, int iy, const SideEstimate& inner,
-      const SideEstimate& outer) const
+      const SideEstimate& outer, const LineFusion& lines) const
   {
-    const float fused_m2 =
-        fuse_variances(variance(radial, false, inner), variance(radial, true, outer));
+    const SideVariance inner_m2 = variance(radial, false, inner),
+                       outer_m2 = variance(radial, true, outer);
+    Inferred found{{lines, fuse_variances(inner_m2, outer_m2)}, fuse_marks(inner_m2, outer_m2)};
     const int behind = radial.nearest(true, radial.track.sparsity_places);
     const float robot_m = static_cast<float>(radial.place) * radial.track.step_m;
-    bool may_drop = inner.any() && !outer.any() && !behind && is_undercut_ahead(radial, inner),
-         slopes = false;
+    if (inner.any() && !outer.any() && !behind && is_undercut_ahead(radial, inner))
+      found.marks |= kDrops;
     if (robot_m <= k.sparsity_range_m)
     {
-      const float fall = fall_to(radial, behind);
-      fall_m[grid.at(ix, iy)] = fall;
-      may_drop |= is_sparse(fall, robot_m, k);
-      slopes = fall < 0.0f;
+      const Fall fall = fall_to(radial, behind);
+      fall_m[grid.at(ix, iy)] = fall.m;
+      found.marks |= marks_of_fall(fall, robot_m, k);
     }
-    return mark_fall(fused_m2, may_drop, slopes);
+    return found;
   }
   /** What has samples towards the sensor only. */
   TALUS_HD bool is_undercut_ahead(const LineSearch<Track>& radial, const SideEstimate& inner) const
@@ -398,19 +403,21 @@ struct SearchAndFillCell
     }
     return any;
   }
-  TALUS_HD float variance(
-      const LineSearch<Track>& radial, bool outwards, const SideEstimate& side) const
+  TALUS_HD SideVariance
+  variance(const LineSearch<Track>& radial, bool outwards, const SideEstimate& side) const
   {
-    if (!side.any()) return kNan;
-    return spread_variance(
-        samples.variance_or_bound[radial.at(outwards, side.places)], side.distance_m, k);
+    if (!side.any()) return {kNan, 0};
+    const int sample_i = radial.at(outwards, side.places);
+    return {
+        spread_variance(samples.variance_m2[sample_i], side.distance_m, k),
+        samples.marks[sample_i]};
   }
 
   /** What the ground may fall by to the sample so many places behind; NaN: one side has none. */
-  TALUS_HD float fall_to(const LineSearch<Track>& radial, int behind) const
+  TALUS_HD Fall fall_to(const LineSearch<Track>& radial, int behind) const
   {
     const int before = radial.nearest(false, radial.track.sparsity_places);
-    if (!before || !behind) return kNan;
+    if (!before || !behind) return {};
     const LineSearch<Track> far{
         k, samples.height_m, radial.marks, radial.track, radial.place + behind};
     const int next = far.nearest(true, radial.track.last());
@@ -418,8 +425,7 @@ struct SearchAndFillCell
     return fall_in(
         {static_cast<float>(before + behind) * radial.track.step_m,
          samples.height_m[radial.at(false, before)], samples.height_m[far_i],
-         samples.variance_or_bound[far_i] < 0.0f,
-         next ? samples.height_m[far.at(true, next)] : kNan,
+         (samples.marks[far_i] & kWall) != 0, next ? samples.height_m[far.at(true, next)] : kNan,
          static_cast<float>(next) * radial.track.step_m},
         k);
   }

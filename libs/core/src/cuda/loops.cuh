@@ -266,6 +266,7 @@ __global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows_and_n
 {
   extern __shared__ __align__(16) unsigned char shared[];
   __shared__ float judged[kJudgedRows][kTileWidth];
+  __shared__ std::uint8_t low_step[kJudgedRows][kTileWidth];
   auto* const rows = reinterpret_cast<typename F::Row*>(shared) + threadIdx.x;
   start(beside_last);
   const int lane = static_cast<int>(threadIdx.x), line = static_cast<int>(threadIdx.y);
@@ -277,12 +278,16 @@ __global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows_and_n
   __syncthreads();
   if (exists)
     for (int y = max(y0 - 1, 0) + line; y < min(y1 + 1, ny); y += kWindowThreads)
-      judged[y - y0 + 1][lane] =
+    {
+      const kernels::Judgement j =
           f.judge(x, y, sum_window(f, y, first, last, radius, rows), own && y >= y0 && y < y1);
+      judged[y - y0 + 1][lane] = j.score;
+      low_step[y - y0 + 1][lane] = static_cast<std::uint8_t>(j.steep_only);
+    }
   __syncthreads();
   if (own)
     for (int y = y0 + line; y < y1; y += kWindowThreads)
-      g.complete(x, y, &judged[y - y0 + 1][lane], kTileWidth);
+      g.complete(x, y, {&judged[y - y0 + 1][lane], &low_step[y - y0 + 1][lane], kTileWidth});
   finish(beside_last);
   note_time(done_ns);
 }

@@ -136,16 +136,16 @@ class DeviceSchedule
         lines, kernels::line_rings(k) + 1,
         kernels::FindSamples{unguarded(axis_marks_, axes), side(), tracks_.data()},
         unguarded(marks_, lines));
-    const kernels::SearchAndFillCell<kAlongLines> search{
-        map_.fill_cell(),
-        k,
-        map_.samples(),
-        unguarded(marks_, lines),
-        unguarded(axis_marks_, axes),
-        line_tables(),
-        map_.across.data(),
-        map_.line_grid(),
-        kernels::places_in(k.fill_search_m, k.resolution_m, side() - 1)};
+    kernels::SearchAndFillCell<kAlongLines> search{};
+    search.fill = map_.fill_cell();
+    search.k = k;
+    search.samples = map_.samples();
+    search.marks = unguarded(marks_, lines);
+    search.axis_marks = unguarded(axis_marks_, axes);
+    search.tables = line_tables();
+    search.fall_m = map_.fall.data();
+    search.grid = map_.line_grid();
+    search.axis_places = kernels::places_in(k.fill_search_m, k.resolution_m, side() - 1);
     executor_.in_bands(
         side(), map_.copied_surfaces(), 0,
         [&](int first, int end, bool beside_last)
@@ -172,31 +172,38 @@ class DeviceSchedule
   {
     executor_.for_each_judged_cell_of_rows(
         side(), side(), first, end, map_.host_config.feature_radius_cells,
-        map_.template compute_features<kParts>(nullptr), map_.complete_obstacles(nullptr),
-        beside_last);
+        map_.template compute_features<kParts>({}), map_.complete_obstacles({}), beside_last);
   }
 
   int workers() const { return executor_.workers(map_.cells()); }
   kernels::ResetFrame reset_frame()
   {
-    return {
-        map_.rays.data(),
-        static_cast<int>(map_.rays.size()),
-        map_.cell_count.data(),
-        kept_count_.data(),
-        map_.cells(),
-        static_cast<int>(kept_count_.size()),
-        map_.counters.data(),
-        executor_.reported(),
-        kernels::kCounters,
-        cursor_.data(),
-        workers()};
+    kernels::ResetFrame v{};
+    v.rays = map_.rays.data();
+    v.n_rays = static_cast<int>(map_.rays.size());
+    v.cell_count = map_.cell_count.data();
+    v.n_cells = map_.cells();
+    v.kept_count = kept_count_.data();
+    v.n_kept = static_cast<int>(kept_count_.size());
+    v.counters = map_.counters.data();
+    v.n_counters = kernels::kCounters;
+    v.reported = executor_.reported();
+    v.cursor = cursor_.data();
+    v.workers = workers();
+    return v;
   }
 
   kernels::Sorting sorting()
   {
-    return {map_.cell_count.data(), kept_count_.data(), map_.cell_begin.data(), map_.sorted.data(),
-            crowded_.data(),        cursor_.data(),     Executor::kCrowd};
+    kernels::Sorting v{};
+    v.cell_count = map_.cell_count.data();
+    v.kept_count = kept_count_.data();
+    v.cell_begin = map_.cell_begin.data();
+    v.sorted = map_.sorted.data();
+    v.crowded = crowded_.data();
+    v.cursor = cursor_.data();
+    v.crowd = Executor::kCrowd;
+    return v;
   }
   kernels::LineTables line_tables() { return {line_of_cell_.data(), tracks_.data()}; }
   /** The first word of marks of so many lines, see kernels::LineMarks. */

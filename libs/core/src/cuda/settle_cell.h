@@ -57,11 +57,12 @@ struct SettleCell
     const float ground_m = clean.store.ground_m[storage_i];
     const int line_i = grid.at(ix, iy);
     samples.height_m[line_i] = sample ? ground_m : kNan;
-    if (sample)
-      samples.variance_or_bound[line_i] = sample_variance(
-          ground_m, clean.store.ground_var_m2[storage_i], clean.store.elevation_m[storage_i],
-          clean.passing.lowest_m[iy * clean.cells + ix], *clean.config);
-    return sample;
+    if (!sample) return false;
+    samples.variance_m2[line_i] = clean.store.ground_var_m2[storage_i];
+    samples.marks[line_i] = sample_marks(
+        ground_m, clean.store.elevation_m[storage_i], clean.passing.lowest_m[iy * clean.cells + ix],
+        *clean.config);
+    return true;
   }
 
  private:
