@@ -1,4 +1,5 @@
 #pragma once
+#include "kernels/config.h"
 #include "kernels/frame.h"
 #include "kernels/math.h"
 

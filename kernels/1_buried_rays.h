@@ -1,6 +1,10 @@
 #pragma once
 #include "kernels/cell.h"
+#include "kernels/config.h"
+#include "kernels/frame.h"
+#include "kernels/math.h"
 #include "kernels/rays.h"
+#include "kernels/rule_constants.h"
 
 namespace talus::kernels
 {

@@ -3,6 +3,9 @@
 #include "kernels/2_uncertainty.h"
 #include "kernels/atomics.h"
 #include "kernels/cell.h"
+#include "kernels/config.h"
+#include "kernels/frame.h"
+#include "kernels/math.h"
 #include "kernels/rays.h"
 
 namespace talus::kernels

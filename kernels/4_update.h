@@ -1,7 +1,11 @@
 #pragma once
 #include "kernels/2_points.h"
 #include "kernels/cell.h"
-#include "kernels/group.h"
+#include "kernels/config.h"
+#include "kernels/frame.h"
+#include "kernels/math.h"
+#include "kernels/rays.h"
+#include "kernels/rule_constants.h"
 
 #include <tuple>
 

@@ -1,11 +1,31 @@
 #pragma once
-#include "kernels/5_opening.h"
+#include "kernels/cell.h"
+#include "kernels/coarse_grid.h"
+#include "kernels/config.h"
+#include "kernels/frame.h"
+#include "kernels/group.h"
+#include "kernels/math.h"
+#include "kernels/rule_constants.h"
 
 namespace talus::kernels
 {
 // Stage 5, what a cell is: see 5_opening.h for what ground is measured against.
 
-/** The decision for one cell. */
+/** The class of a cell as most are, from its state alone. */
+struct ClassifyByState
+{
+  CellStore store;
+  std::uint8_t* surface_class;  //!< by storage index
+
+  TALUS_HD void operator()(int, int, int storage_i) const
+  {
+    const int state = store.state[storage_i];
+    const bool keep = (state == kMeasured) | (state == kPresumed);
+    surface_class[storage_i] = static_cast<std::uint8_t>(select(keep, kKeep, kInfer));
+  }
+};
+
+/** The decision for the other cells. */
 struct ClassifyCell
 {
   const Config* config;
@@ -15,15 +35,12 @@ struct ClassifyCell
   const float* top_hit_m;  //!< of this frame, by storage index
   std::uint8_t* surface_class;  //!< by storage index
 
-  /** Decides for cell (x, y), stored at storage_i, as most are; false where that is all. */
   TALUS_HD bool applies(int x, int y, int storage_i) const
   {
     const float ground = store.ground_m[storage_i];
     const bool measured = store.state[storage_i] == kMeasured;
     const bool stays = may_be_ground(
         grid.at(grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y)), ground);
-    const bool keep = measured | (store.state[storage_i] == kPresumed);
-    surface_class[storage_i] = static_cast<std::uint8_t>(select(keep, kKeep, kInfer));
     return select(measured, !stays, may_join(storage_i, ground)) | may_be_top(storage_i, ground);
   }
   TALUS_HD void operator()(int x, int y, int storage_i) const
@@ -36,11 +53,10 @@ struct ClassifyCell
   TALUS_HD void decide(int x, int y, int storage_i) const
   {
     const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
-    const bool measured = store.state[storage_i] == kMeasured;
-    const SurfaceClass other = store.state[storage_i] == kPresumed ? kKeep : kInfer;
-    surface_class[storage_i] =
-        measured ? class_of_measured(px, py, store.ground_m[storage_i]) : other;
-    if (!measured) join_column(storage_i);
+    if (store.state[storage_i] == kMeasured)
+      surface_class[storage_i] = class_of_measured(px, py, store.ground_m[storage_i]);
+    else
+      join_column(storage_i);
   }
 
   /** Whether inspect() has to come next: something that overhangs is before what was hit. */
@@ -132,7 +148,7 @@ struct ClassifyCell
   TALUS_HD bool reaches_wide_ground(int px, int py, int dx, int dy, float ground_m) const
   {
     const float tolerance_m = kAboveCone_steps * config->step_threshold_m;
-    for (int r = 1; r <= 2 * dilation_radius(*config); r++)
+    for (int r = 1; r <= widest_thing(*config); r++)
     {
       const int qx = px + r * dx, qy = py + r * dy;
       if (qx < 0 || qy < 0 || qx >= grid.side || qy >= grid.side) return false;
@@ -168,8 +184,7 @@ struct ClassifyCell
     const float lowest_m = of_top_m - tolerance_m, highest_m = of_top_m + tolerance_m;
     const int here = grid.at(corridors.px, corridors.py);  // of no use: what overhangs is before it
     int nearest = -1;
-    for (int r = 2 * dilation_radius(*config); r >= 1;
-         r--)  // to the end, so that a device reads ahead
+    for (int r = widest_thing(*config); r >= 1; r--)  // to the end, so that a device reads ahead
     {
       const float ahead = static_cast<float>(r);
       const int qx = corridors.px + floor_to_int(ahead * corridors.x - beside * corridors.y + 0.5f);

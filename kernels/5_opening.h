@@ -1,5 +1,10 @@
 #pragma once
-#include "kernels/overhang.h"
+#include "kernels/cell.h"
+#include "kernels/coarse_grid.h"
+#include "kernels/config.h"
+#include "kernels/frame.h"
+#include "kernels/math.h"
+#include "kernels/rule_constants.h"
 
 #include <tuple>
 
@@ -13,46 +18,6 @@ namespace talus::kernels
 // rock, a branch; but not the edge of a platform or a kerb), and above a cone of the steepest slope
 // that ground has over ground close by (so that a ridge or a bank is no object). Both work on pairs
 // of cells, and in passes along rows and columns. A bridge is both, and no object: 5_classify.h.
-
-/** What is known of things in a pair of cells: of its cells, the last of these. Where something was
- * hit lately and nothing stands it has left. */
-enum Presence
-{
-  kEmpty,
-  kLeft,  //!< something stood in one of them lately, nothing stands in any
-  kStands
-};
-
-/** Cells of the map pooled two by two, by the parity of their place in the map, so that rolling
- * does not change the pairs. In a margin around the window the ground goes on as at its border, or
- * the edge of a platform of which only a strip is inside would be an object. */
-struct CoarseGrid
-{
-  int side;  //!< coarse cells along each side, with both margins
-  int margin;  //!< in coarse cells
-  int pad;  //!< places beside each row that hold infinity
-  float* lowest_m;  //!< lowest measured ground, infinity: none
-  float* column_m;  //!< highest top of something upright, -infinity: none
-  float* overhang_m;  //!< the same of what rays pass below, but not the robot ...
-  float* overhang_depth_m;  //!< ... and how far down from it that is known to reach
-  float* presence;  //!< a Presence
-  float* eroded_m;  //!< lowest ground of the neighbourhood; infinity: near what is upright, or
-                    //!< nothing is known there
-  float* cone_m;  //!< lowest ground of the neighbourhood, raised with distance
-  float* limit_m;  //!< how high ground stands there at most
-
-  TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
-  /** Along one axis: where a cell of the window is found. */
-  TALUS_HD int place_of(int cell, int odd) const { return ((cell + odd) >> 1) + margin; }
-  /** The other way: the pair of cells whose ground a place has, its own or that at the border. */
-  TALUS_HD int pair_at(int place, int odd, int cells) const
-  {
-    return min_of(max_of(place - margin, 0), place_of(cells - 1, odd) - margin);
-  }
-};
-
-TALUS_HD int coarse_margin(const Config& k) { return k.object_radius; }
-TALUS_HD int coarse_side(const Config& k) { return k.cells / 2 + 1 + 2 * coarse_margin(k); }
 
 /** What coarse cells hold. */
 struct CoarseCell
@@ -211,10 +176,6 @@ struct ErodeGround
   }
 };
 
-/** Dilation goes one pair of cells farther than erosion: a pair that holds an edge and the ground
- * below it belongs to what it is the edge of. */
-TALUS_HD int dilation_radius(const Config& k) { return k.object_radius + 1; }
-
 /** Highest eroded ground of a neighbourhood; places without any ground do not count. */
 struct HighestGround
 {
@@ -222,12 +183,6 @@ struct HighestGround
 
   static constexpr auto fields() { return std::make_tuple(&HighestGround::height_m); }
 };
-
-/** How high ground may be that is no steeper than ground. */
-TALUS_HD float cone_limit_m(const Config& k, float cone_m)
-{
-  return cone_m + kAboveCone_steps * k.step_threshold_m;
-}
 
 /** Dilation of what was eroded, and what follows: ground is what is not both narrow and steep. What
  * is upright is steep, and so are its edges: its lowest hit is its foot only where bare ground goes
@@ -257,7 +212,7 @@ struct OpenGround
   TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
   {
     const int coarse_i = grid.at(px, py);
-    const float by_cone_m = cone_limit_m(*config, grid.cone_m[coarse_i]);
+    const float by_cone_m = grid.cone_m[coarse_i] + kAboveCone_steps * config->step_threshold_m;
     const float by_width_m = opened.height_m + kAboveOpening_steps * config->step_threshold_m;
     const bool told = (grid.eroded_m[coarse_i] == kInfinity) & (opened.height_m > -kInfinity);
     const float steep_m = select(told, -kInfinity, by_cone_m);

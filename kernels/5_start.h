@@ -1,6 +1,11 @@
 #pragma once
 #include "kernels/5_underfoot.h"
+#include "kernels/cell.h"
+#include "kernels/config.h"
+#include "kernels/frame.h"
+#include "kernels/math.h"
 #include "kernels/rays.h"
+#include "kernels/rule_constants.h"
 
 namespace talus::kernels
 {
@@ -95,7 +100,7 @@ struct PresumeStart
   TALUS_HD float untilted_m(float x_m, float y_m) const
   {
     const float* const m = frame->poses[0].m;
-    const bool upright = m[10] > 0.5f;
+    const bool upright = m[10] > kUprightScanner;
     return select(upright, -(m[2] * x_m + m[6] * y_m) / select(upright, m[10], 1.0f), -kInfinity);
   }
   TALUS_HD Told told_at(int ix, int iy) const
@@ -122,7 +127,7 @@ struct PresumeStart
     const int x = cell_at(frame->sensor_x_m + share * x_m);
     const int y = cell_at(frame->sensor_y_m + share * y_m);
     if ((x < 0) | (y < 0) | (x >= n) | (y >= n)) return kLevel;
-    return passing.lowest_m[y * n + x] < plane_at(x, y) - 0.5f * below_m ? kDrop : kLevel;
+    return passing.lowest_m[y * n + x] < plane_at(x, y) - kStartDropSeen * below_m ? kDrop : kLevel;
   }
 };
 

@@ -1,5 +1,13 @@
 #pragma once
-#include "kernels/5_opening.h"
+#include "kernels/cell.h"
+#include "kernels/coarse_grid.h"
+#include "kernels/config.h"
+#include "kernels/frame.h"
+#include "kernels/group.h"
+#include "kernels/math.h"
+#include "kernels/overhang.h"
+#include "kernels/rays.h"
+#include "kernels/rule_constants.h"
 
 #include <tuple>
 

@@ -1,5 +1,12 @@
 #pragma once
-#include "kernels/6_cleanup.h"
+#include "kernels/cell.h"
+#include "kernels/config.h"
+#include "kernels/frame.h"
+#include "kernels/lines.h"
+#include "kernels/math.h"
+#include "kernels/rays.h"
+#include "kernels/rule_constants.h"
+#include "kernels/surface.h"
 
 namespace talus::kernels
 {
@@ -8,24 +15,6 @@ namespace talus::kernels
 // is fast on a device is slow on a core. A device searches for each cell
 // (libs/core/src/cuda/fill_search.h). A core sweeps along many lines at once
 // (libs/core/src/cpu/lines.h). What is made of them is the same.
-
-/** Places of the window on a grid with the sensor's cell in its very middle: one more row and
- * column than the window where its cells are even in number. */
-struct LineGrid
-{
-  int half, side, pitch;
-
-  TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix; }
-  TALUS_HD int middle() const { return at(half, half); }
-};
-
-/** The pitch is an odd number of cache lines, so that the places of a column do not fight for the
- * same part of a cache. */
-TALUS_HD LineGrid line_grid(const Config& k)
-{
-  const int half = k.cells / 2, side = 2 * half + 1;
-  return {half, side, (side + 31) / 32 * 32 + 16};
-}
 
 /** The samples of one side and what eq. 8 makes of them. */
 struct SideEstimate
@@ -103,16 +92,16 @@ TALUS_HD int places_in(float distance_m, float step_m, int rings)
 /** What is known of a sample: bits of Samples::marks. */
 enum SampleMark : std::int32_t
 {
-  kWall = 1,  //!< its ground rises more steeply than a robot drives, and is nothing upright
-  kContradicted = 2  //!< a ray seems to have passed below it, see kContradicted_m
+  kWall = 2,  //!< its ground rises more steeply than a robot drives, and is nothing upright
+  kContradicted = 4  //!< a ray seems to have passed below it, see kContradicted_m
 };
 /** What is known of a fill beside its height and variance: bits of Inference::marks. */
 enum FillMark : std::int32_t
 {
-  kTwoSided = 1,
-  kDoubtful = 2,  //!< it builds on a sample that is contradicted
-  kSlopes = 4,  //!< the ground falls in it by a step, as a slope does
-  kDrops = 8  //!< the ground may drop in it
+  kTwoSided = 2,
+  kDoubtful = 4,  //!< it builds on a sample that is contradicted
+  kSlopes = 8,  //!< the ground falls in it by a step, as a slope does
+  kDrops = 16  //!< the ground may drop in it
 };
 /** Variance of fills that are doubtful, or in which ground falls. */
 constexpr float kDoubtful_m2 = 1.0f;
@@ -321,42 +310,6 @@ TALUS_HD bool is_sample(const CellStore& store, const std::uint8_t* surface_clas
 }
 
 // ---- The cell ----
-
-constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
-
-/** What else stage 8 wants to know of a cell. */
-enum SurfaceFlag : std::int32_t
-{
-  kSurfaceMeasured = 1,  //!< its ground is measured
-  kSurfaceSeen = 2,  //!< a ray met it or passed low over its ground, or the robot stood there
-  kSurfaceMayDrop = 4,  //!< nobody saw its ground, which may lie far below that around it
-  kSurfaceHitLately = 8,  //!< it was hit lately while rays passed, see hit_lately()
-  kSurfaceDriven = 16,  //!< the robot drove over it, and nothing new stands there
-  kSurfaceNear = 32  //!< its ground is filled from two sides and a ray passed near it
-};
-
-constexpr int kSurfaceFlags = 6;
-
-/** The surfaces of one cell, quantised, for stage 8. */
-struct alignas(8) Surface
-{
-  std::int32_t ground;  //!< kNoHeight: unknown
-  /** Sixteen times the elevation, or the ground where nothing stands. */
-  std::int32_t height_and_flags;
-
-  TALUS_HD bool known() const { return ground != kNoHeight; }
-  TALUS_HD std::int32_t height() const { return height_and_flags >> kSurfaceFlags; }
-  TALUS_HD bool is(SurfaceFlag flag) const { return (height_and_flags & flag) != 0; }
-};
-
-/** Window order; columns padded by the feature radius. */
-struct Surfaces
-{
-  Surface* cell;
-  int pitch, pad;
-
-  TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix + pad; }
-};
 
 /** What stands so high that the robot fits below it hangs, once rays passed there. They are few:
  * FillCell leaves them to this. */

@@ -1,5 +1,8 @@
 #pragma once
-#include "kernels/7_fill.h"
+#include "kernels/config.h"
+#include "kernels/math.h"
+#include "kernels/rule_constants.h"
+#include "kernels/surface.h"
 
 #include <initializer_list>
 #include <tuple>

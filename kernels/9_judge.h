@@ -1,6 +1,11 @@
 #pragma once
 #include "kernels/8_traversability.h"
 #include "kernels/9_sparsity.h"
+#include "kernels/config.h"
+#include "kernels/lines.h"
+#include "kernels/math.h"
+#include "kernels/rule_constants.h"
+#include "kernels/surface.h"
 
 namespace talus::kernels
 {
@@ -244,7 +249,8 @@ struct CompleteObstacles
         if (!next.is(kSurfaceMeasured)) continue;
         low = min_of(low, next.ground);
         high = max_of(high, next.height());
-        const bool beside = (dx == 0) != (dy == 0), bare = 2 * (next.height() - next.ground) < step;
+        const bool beside = (dx == 0) != (dy == 0),
+                   bare = static_cast<float>(next.height() - next.ground) < kBare_steps * step;
         const int rise =
             max_of(abs_of(next.ground - at->ground), abs_of(next.height() - at->height()));
         if (beside && bare && is_steep(kSteepEdge * rise, *config) &&

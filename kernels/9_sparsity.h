@@ -1,22 +1,17 @@
 #pragma once
 #include "kernels/7_fill.h"
+#include "kernels/config.h"
+#include "kernels/math.h"
+#include "kernels/rule_constants.h"
 
 namespace talus::kernels
 {
-/** From the sensor along its line to the cell at (dx, dy) != 0 [m]. */
-TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
-{
-  const int rings = line_rings(k), ring = max_of(abs_of(dx), abs_of(dy));
-  const float step_m = line_stretch(line_through(dx, dy, ring, rings), rings) * k.resolution_m;
-  return static_cast<float>(ring) * step_m;
-}
-
 /** Ground that was not measured, along a line from the sensor. */
 struct Gap
 {
   float length_m;
   float near_m, far_m;  //!< heights of the ground before and behind it
-  bool wall;  //!< the ground behind it rises within a cell, see sample_variance() ...
+  bool wall;  //!< the ground behind it rises within a cell, see SampleMark ...
   float behind_m, behind_length_m;  //!< ... or to the next height, and how far behind that is
 };
 
@@ -38,7 +33,7 @@ TALUS_HD Fall fall_in(const Gap& g, const Config& k)
       min_of(kExplainedSlope * k.max_slope * g.length_m, kExplained_steps * k.step_threshold_m);
   const bool wide = g.length_m >= kWidestDitch_m;
   const bool wall = (g.wall | is_steep(g.behind_m - g.far_m, g.behind_length_m, k)) & !wide;
-  const float hollow_m = 2.0f * (fall_m - kGentle * g.length_m);
+  const float hollow_m = kHollow * (fall_m - kGentle * g.length_m);
   const float told_m = max_of(max_of(fall_m - explained_m, select(wall, hollow_m, 0.0f)), 0.0f);
   return {told_m, select((told_m == 0.0f) & wide & (fall_m > k.step_threshold_m), 1, 0)};
 }

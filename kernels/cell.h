@@ -18,16 +18,17 @@ enum State : std::uint8_t
   kPresumed = 4  //!< the ground on which the robot stood, not measured, see 5_underfoot.h
 };
 
-/** What rays, hits and the robot have shown of a cell: the bits of Cell::flags. */
+/** What rays, hits and the robot have shown of a cell: the bits of Cell::flags. (Here and in other
+ * flags the lowest bit is free: compilers make no vector code of a test of that one.) */
 enum CellFlag : std::uint8_t
 {
-  kPassedLow = 1,  //!< in some frame a ray passed so low that nothing above a step can stand there
-  kPassedNear = 2,  //!< a ray passed near its ground, see kPassedNear_steps
-  kHitHighUp = 4,  //!< what was hit there may hang: high above a guess below which no ray passed
-  kHitBefore = 8,  //!< when rays passed last, it was hit, too
-  kMayDrop = 16,  //!< its ground may lie far below the ground around it, see fall_in()
-  kOpen = 32,  //!< what overhangs there lets rays through: a railing
-  kRobotWasThere = 64
+  kPassedLow = 2,  //!< in some frame a ray passed so low that nothing above a step can stand there
+  kPassedNear = 4,  //!< a ray passed near its ground, see kPassedNear_steps
+  kHitHighUp = 8,  //!< what was hit there may hang: high above a guess below which no ray passed
+  kHitBefore = 16,  //!< when rays passed last, it was hit, too
+  kMayDrop = 32,  //!< its ground may lie far below the ground around it, see fall_in()
+  kOpen = 64,  //!< what overhangs there lets rays through: a railing
+  kRobotWasThere = 128
 };
 /** Flags that are forgotten with what stood in a cell. */
 constexpr int kHitFlags = kPassedLow | kHitHighUp | kHitBefore;

@@ -1,14 +1,13 @@
 #pragma once
-#include "kernels/cell.h"
+#include "kernels/config.h"
+#include "kernels/math.h"
 
 namespace talus::kernels
 {
-// Square polar coordinates, of rays around the sensor, of lines around the middle of the window,
-// which is the robot's base: a "ring" is the Chebyshev distance in cells, a direction is a place on
-// the border of a square. All directions are alike, axes and diagonals included, a row of the table
-// is one ring, and a sweep along the rings visits each cell O(1) times.
-
-// ---- Seen rays: what the points of this frame say about the space before them ----
+// Seen rays: what the points of this frame say about the space before them. In square polar
+// coordinates around the sensor: a "ring" is the Chebyshev distance in cells, a direction is a
+// place on the border of a square. All directions are alike, axes and diagonals included, a row of
+// the table is one ring, and a sweep along the rings visits each cell O(1) times.
 
 /** Bins along one side of the square; 4 sides. One bin is as wide as a cell at the window's border.
  */
@@ -87,78 +86,6 @@ TALUS_HD float slope_of_step(int step)
   const float middle = static_cast<float>(step) + 0.5f;
   const float bent = kLowestBent + middle * (kBentRange / static_cast<float>(kSlopeSteps));
   return bent / (1.0f - abs_of(bent));
-}
-
-// ---- Lines: the cells that the line search of one cell visits ----
-
-/** Rings that a window of n cells needs around its central cell. */
-TALUS_HD int line_rings(const Config& k) { return k.cells / 2; }
-TALUS_HD int line_count(const Config& k) { return 8 * line_rings(k); }
-
-/** A line from the central cell to a border cell; `minor` is that cell's place on its side, in
- * [-rings, rings). */
-struct Line
-{
-  int side;
-  int minor;
-};
-
-struct CellOffset
-{
-  int dx, dy;
-};
-
-TALUS_HD Line line_from_index(int index, int rings)
-{
-  const int side = floor_div(index, 2 * rings);
-  return {side, index - (2 * side + 1) * rings};
-}
-
-TALUS_HD int line_index(const Line& l, int rings) { return l.side * 2 * rings + l.minor + rings; }
-
-/** How far aside of its axis a line to border cell `minor` is at a ring, in cells, rounded.
- * `inverse` = 1 / (2 rings). */
-TALUS_HD int line_aside(int minor, int ring, int rings, float inverse)
-{
-  return floor_div(2 * minor * ring + rings, 2 * rings, inverse);
-}
-
-/** Cell of a line at a ring, relative to the central cell. */
-TALUS_HD CellOffset line_cell(const Line& l, int ring, int rings)
-{
-  const int minor = line_aside(l.minor, ring, rings, 1.0f / static_cast<float>(2 * rings));
-  switch (l.side)
-  {
-    case 0:
-      return {ring, minor};
-    case 1:
-      return {-minor, ring};
-    case 2:
-      return {-ring, -minor};
-    default:
-      return {minor, -ring};
-  }
-}
-
-/** The line that passes a cell other than the central one: line_cell(line_through(c), ring of c)
- * == c. */
-TALUS_HD Line line_through(int dx, int dy, int ring, int rings)
-{
-  int side = 3, minor = dx;
-  if (dx == ring && dy < ring)
-    side = 0, minor = dy;
-  else if (dy == ring && dx > -ring)
-    side = 1, minor = -dx;
-  else if (dx == -ring && dy > -ring)
-    side = 2, minor = -dy;
-  return {side, floor_div(2 * minor * rings + ring, 2 * ring)};
-}
-
-/** Length of a line per ring, in cells. */
-TALUS_HD float line_stretch(const Line& l, int rings)
-{
-  const float u = static_cast<float>(l.minor) / static_cast<float>(rings);
-  return sqrtf(1.0f + u * u);
 }
 
 /** Where the rays of this frame passed the cells, window order. */

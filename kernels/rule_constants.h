@@ -83,6 +83,10 @@ constexpr float kStartsOn_m = 0.7f;
 /** It ends where the ray that leaves it blind would meet it, if that goes on to so far below it
  * [steps]: there is a drop-off somewhere. */
 constexpr float kStartUndercut_steps = 1.0f;
+/** A drop-off is where the lowest ray there passed by so large a share of that below the ground. */
+constexpr float kStartDropSeen = 0.5f;
+/** The z axis of a scanner that is upright points up by this at least: it leans by 60 degrees. */
+constexpr float kUprightScanner = 0.5f;
 /** Nor is ground presumed so far beside a direction in which there is a drop-off, as a share of the
  * distance. */
 constexpr float kDropBeside = 0.2f;
@@ -185,6 +189,8 @@ constexpr float kExplainedSlope = 0.5f, kExplained_steps = 2.5f;
 constexpr float kWallNoise_m = 0.01f, kWidestDitch_m = 2.8f;
 /** Ground that falls so little [m/m] is level. */
 constexpr float kGentle = 0.05f;
+/** A ditch may be so many times as deep as its far wall begins below the near edge. */
+constexpr float kHollow = 2.0f;
 /** Ground may drop where eq. 14 says less than this: halfway between sure and out of the question.
  */
 constexpr float kSparse = 0.5f;

@@ -1,6 +1,6 @@
 #pragma once
 #include <talus/elevation_mapper.h>
-#include "config.h"
+#include "map_config.h"
 #include "hand_over.h"
 #include "kernels/cell.h"
 #include "kernels/frame.h"

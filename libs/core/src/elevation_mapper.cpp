@@ -1,5 +1,5 @@
 #include <talus/elevation_mapper.h>
-#include "config.h"
+#include "map_config.h"
 #include "kernels/math.h"
 #include "saved_map.h"
 

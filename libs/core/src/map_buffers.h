@@ -8,6 +8,7 @@
 #include "kernels/3_roll.h"
 #include "kernels/4_update.h"
 #include "kernels/5_classify.h"
+#include "kernels/5_opening.h"
 #include "kernels/5_start.h"
 #include "kernels/5_underfoot.h"
 #include "kernels/6_cleanup.h"
@@ -96,9 +97,9 @@ struct MapBuffers
   {
     auto v = on_cells<kernels::RollCell>();
     v.datum = datum.data();
-    v.top_hit_m = top_hit.data();
     return v;
   }
+  kernels::ForgetHits forget_hits() { return {top_hit.data()}; }
   kernels::FindGroundHits ground_hits()
   {
     auto v = on_cells<kernels::FindGroundHits>();
@@ -153,6 +154,7 @@ struct MapBuffers
     v.passing = passing();
     return v;
   }
+  kernels::ClassifyByState classify_by_state() { return {store(), surface_class.data()}; }
   kernels::ClassifyCell classify_cell()
   {
     auto v = on_cells<kernels::ClassifyCell>();

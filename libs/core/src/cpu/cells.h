@@ -2,6 +2,7 @@
 #include "cpu/clones.h"
 #include "cpu/side_by_side.h"
 #include "kernels/4_update.h"
+#include "kernels/group.h"
 
 #include <algorithm>
 

@@ -75,8 +75,14 @@ class CpuSchedule
 
   void roll()
   {
+    const kernels::ForgetHits forget = map_.forget_hits();
     const kernels::RollCell roll = map_.roll();
-    for_each_row([&](const StoredRow& row) { row.each_applicable(roll); });
+    for_each_row(
+        [&](const StoredRow& row)
+        {
+          row.each(forget);
+          row.each_applicable(roll);
+        });
   }
 
   /** And how far the map has to follow the poses. */
@@ -152,6 +158,7 @@ class CpuSchedule
     const kernels::StandOnCell<Atomics> stand = map_.stand_on();
     const kernels::PresumeStart presume = map_.presume_start();
     const bool starts = presume.applies_to_frame();
+    const kernels::ClassifyByState by_state = map_.classify_by_state();
     const kernels::ClassifyCell choose = map_.classify_cell();
     const kernels::CleanUpCell clean = map_.clean_up();
     const kernels::TakeSample take{map_.config.data(), map_.store(),     map_.surface_class.data(),
@@ -161,6 +168,7 @@ class CpuSchedule
         {
           if (!stand.leaves_out(row.y())) row.each_applicable(stand);
           if (starts) row.each_applicable(presume);
+          row.each(by_state);
           row.each_applicable(choose);
           row.each_applicable(clean);
           row.each(take);

@@ -31,14 +31,16 @@ struct AcceptAndCountPoint
 /** Stage 3 on one cell; forgets the reach of the last frame's rays, see NoteReach. */
 struct RollCellAndReach
 {
+  ForgetHits forget;
   RollCell roll;
   std::int32_t* reach;
   int size;
 
   TALUS_HD void operator()(int ix, int iy) const
   {
-    roll(ix, iy);
-    const int cells = roll.config->cells;
+    const int cells = roll.config->cells, i = storage_index(*roll.frame, cells, ix, iy);
+    forget(ix, iy, i);
+    if (roll.applies(ix, iy, i)) roll(ix, iy, i);
     for (int at = iy * cells + ix; at < size; at += cells * cells) reach[at] = 0;
   }
 };

@@ -73,7 +73,8 @@ class DeviceSchedule
             map_.accept(filter_voxels(map_, executor_)), map_.cell_count.data()},
         2, side(), side(),
         kernels::RollCellAndReach{
-            map_.roll(), map_.reach.data(), static_cast<int>(map_.reach.size())});
+            map_.forget_hits(), map_.roll(), map_.reach.data(),
+            static_cast<int>(map_.reach.size())});
   }
 
   /** And in the end how far the map has to follow the poses. */
@@ -122,8 +123,8 @@ class DeviceSchedule
     executor_.mark_cells(
         side(),
         kernels::SettleCell<Atomics>{
-            map_.stand_on(), map_.presume_start(), map_.classify_cell(), map_.clean_up(),
-            map_.line_grid(), map_.samples()},
+            map_.stand_on(), map_.presume_start(), map_.classify_by_state(), map_.classify_cell(),
+            map_.clean_up(), map_.line_grid(), map_.samples()},
         unguarded(axis_marks_, 2 * side()));
   }
 

@@ -14,6 +14,7 @@ struct SettleCell
 {
   StandOnCell<Atomics> stand;
   PresumeStart presume;
+  ClassifyByState by_state;
   ClassifyCell choose;
   CleanUpCell clean;
   LineGrid grid;
@@ -32,8 +33,12 @@ struct SettleCell
     if (stand.applies(ix, iy, storage_i)) stand(ix, iy, storage_i);
     if (presume.applies_to_frame() && presume.applies(ix, iy, storage_i))
       presume(ix, iy, storage_i);
-    choose.decide(ix, iy, storage_i);
-    if (choose.needs_inspection(ix, iy, storage_i)) return kFace;
+    by_state(ix, iy, storage_i);
+    if (choose.applies(ix, iy, storage_i))
+    {
+      choose.decide(ix, iy, storage_i);
+      if (choose.needs_inspection(ix, iy, storage_i)) return kFace;
+    }
     return clean.needs_inspection(ix, iy, storage_i) ? kOverhang : kNone;
   }
   template <class Group>

@@ -1,4 +1,4 @@
-#include "config.h"
+#include "map_config.h"
 #include "kernels/rule_constants.h"
 
 #include <algorithm>

@@ -1,0 +1,107 @@
+#pragma once
+#include "kernels/config.h"
+#include "kernels/math.h"
+
+namespace talus::kernels
+{
+// Lines from the middle of the window, which is the robot's base, to its border: the cells that the
+// line search of one cell visits. A ring is the Chebyshev distance in cells, so that all directions
+// are alike, axes and diagonals included.
+
+/** Rings that a window of n cells needs around its central cell. */
+TALUS_HD int line_rings(const Config& k) { return k.cells / 2; }
+TALUS_HD int line_count(const Config& k) { return 8 * line_rings(k); }
+
+/** A line from the central cell to a border cell; `minor` is that cell's place on its side, in
+ * [-rings, rings). */
+struct Line
+{
+  int side;
+  int minor;
+};
+
+struct CellOffset
+{
+  int dx, dy;
+};
+
+TALUS_HD Line line_from_index(int index, int rings)
+{
+  const int side = floor_div(index, 2 * rings);
+  return {side, index - (2 * side + 1) * rings};
+}
+
+TALUS_HD int line_index(const Line& l, int rings) { return l.side * 2 * rings + l.minor + rings; }
+
+/** How far aside of its axis a line to border cell `minor` is at a ring, in cells, rounded.
+ * `inverse` = 1 / (2 rings). */
+TALUS_HD int line_aside(int minor, int ring, int rings, float inverse)
+{
+  return floor_div(2 * minor * ring + rings, 2 * rings, inverse);
+}
+
+/** Cell of a line at a ring, relative to the central cell. */
+TALUS_HD CellOffset line_cell(const Line& l, int ring, int rings)
+{
+  const int minor = line_aside(l.minor, ring, rings, 1.0f / static_cast<float>(2 * rings));
+  switch (l.side)
+  {
+    case 0:
+      return {ring, minor};
+    case 1:
+      return {-minor, ring};
+    case 2:
+      return {-ring, -minor};
+    default:
+      return {minor, -ring};
+  }
+}
+
+/** The line that passes a cell other than the central one: line_cell(line_through(c), ring of c)
+ * == c. */
+TALUS_HD Line line_through(int dx, int dy, int ring, int rings)
+{
+  int side = 3, minor = dx;
+  if (dx == ring && dy < ring)
+    side = 0, minor = dy;
+  else if (dy == ring && dx > -ring)
+    side = 1, minor = -dx;
+  else if (dx == -ring && dy > -ring)
+    side = 2, minor = -dy;
+  return {side, floor_div(2 * minor * rings + ring, 2 * ring)};
+}
+
+/** Length of a line per ring, in cells. */
+TALUS_HD float line_stretch(const Line& l, int rings)
+{
+  const float u = static_cast<float>(l.minor) / static_cast<float>(rings);
+  return sqrtf(1.0f + u * u);
+}
+
+/** From the sensor along its line to the cell at (dx, dy) != 0 [m]. */
+TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
+{
+  const int rings = line_rings(k), ring = max_of(abs_of(dx), abs_of(dy));
+  const float step_m = line_stretch(line_through(dx, dy, ring, rings), rings) * k.resolution_m;
+  return static_cast<float>(ring) * step_m;
+}
+
+/** Places of the window on a grid with the sensor's cell in its very middle: one more row and
+ * column than the window where its cells are even in number. */
+struct LineGrid
+{
+  int half, side, pitch;
+
+  TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix; }
+  TALUS_HD int middle() const { return at(half, half); }
+};
+
+/** The pitch is an odd number of cache lines, so that the places of a column do not fight for the
+ * same part of a cache. */
+TALUS_HD LineGrid line_grid(const Config& k)
+{
+  const int half = k.cells / 2, side = 2 * half + 1;
+  return {half, side, (side + 31) / 32 * 32 + 16};
+}
+
+}  // namespace talus::kernels
