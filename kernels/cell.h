@@ -15,7 +15,7 @@ enum State : std::uint8_t
   kMeasured = 1,
   kFilledTwoSided = 2,
   kFilledOneSided = 3,
-  kPresumed = 4  //!< the ground on which the robot stood, not measured, see 5_underfoot.h
+  kPresumed = 4  //!< the ground on which the robot stood, not measured, see 4_underfoot.h
 };
 
 /** What rays, hits and the robot have shown of a cell: the bits of Cell::flags. (Here and in other
@@ -122,7 +122,7 @@ TALUS_HD float bare_up_to_m(float ground_m, const Config& k)
   return ground_m + kBare_steps * k.step_threshold_m;
 }
 
-/** Where the map's heights are counted from, from frame to frame, see 3_follow.h. */
+/** Where the map's heights are counted from, from frame to frame, see 2_follow.h. */
 struct Datum
 {
   float offset_m = 0;  //!< height in the map frame less height as it is kept
@@ -190,7 +190,7 @@ TALUS_HD bool entered_window(const FrameContext& f, int cells, int ix, int iy)
   return (old_x < 0) | (old_x >= cells) | (old_y < 0) | (old_y >= cells);
 }
 
-/** What stage 5 decides about a cell for the rest of the frame. */
+/** What stage 4 decides about a cell for the rest of the frame. */
 enum SurfaceClass : std::uint8_t
 {
   kKeep = 0,  //!< its ground stays
@@ -203,7 +203,7 @@ enum SurfaceClass : std::uint8_t
                            //!< post of a sign: it hangs if it is high up
 };
 
-/** Where the layers of stages 3 to 7 are wanted, window order; null: not wanted. */
+/** Where the layers of stages 2 to 6 are wanted, window order; null: not wanted. */
 struct SurfaceLayers
 {
   float *elevation, *ground, *variance, *state;

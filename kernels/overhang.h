@@ -11,7 +11,7 @@
 namespace talus::kernels
 {
 // What the rays of a frame tell of one cell beyond the lowest that passed it: how far those of each
-// direction and slope went. Stage 5 asks whether something stands on what is before it, stage 6 how
+// direction and slope went. Stage 4 asks whether something stands on what is before it, stage 5 how
 // far what overhangs reaches, and whether it left.
 
 constexpr int kMaxBinsPerCellBits = 3;  //!< of a cell near the sensor eight are looked at

@@ -13,7 +13,7 @@ constexpr float kOnGround_m = 0.1f;
 /** A ray is buried if it passes this far below known ground: twice that. */
 constexpr float kBuried_m = 0.2f;
 
-// ---- Stage 3: poses that are corrected, and other floors, see 3_follow.h ----
+// ---- Stage 2: poses that are corrected, and other floors, see 2_follow.h ----
 
 /** One place in so many of the table of rays is looked at: some hundred hits are enough. */
 constexpr int kOffsetOneIn = 16;
@@ -31,7 +31,7 @@ constexpr float kOtherFloor_m = 1.28f, kDrift_mps = 0.05f;
 /** The floor is another one if one hit in so many lies beyond all bins. */
 constexpr int kOtherFloorOneIn = 3;
 
-// ---- Stage 4: update ----
+// ---- Stage 3: update ----
 
 /** What is hit at most so far above a guess [steps] is the floor itself. */
 constexpr float kFloorHit_steps = 0.5f;
@@ -67,7 +67,7 @@ constexpr int kPorousStay = 12, kMostStay = 120;
 /** That little but what overhangs earns, and hedges and railings in time. */
 constexpr int kOverhangStay = kMostStay / 2;
 
-// ---- Stage 5: what is ground, and what stands ----
+// ---- Stage 4: what is ground, and what stands ----
 
 /** What lies so much above the plane on which the robot stands [steps] it drives through. */
 constexpr float kUnderFoot_steps = 0.75f;
@@ -117,7 +117,7 @@ constexpr float kSameThing_steps = 0.5f;
  * which so many may be without it: wider than the leg of a table. */
 constexpr int kFaceCorridors = 5, kMissingCorridors = 1;
 
-// ---- Stages 5 and 6: rays of one cell ----
+// ---- Stages 4 and 5: rays of one cell ----
 
 /** Of the angle under which the sensor sees a cell its middle half is looked at: an eighth of a
  * side of the square in either direction, over the ring. */
@@ -133,7 +133,7 @@ constexpr int kBesideCell_bins = 2;
  * wide. */
 constexpr int kBeforeCell_rings = 2;
 
-// ---- Stage 7: lines ----
+// ---- Stage 6: lines ----
 
 /** Where a ray seems to have passed this far below a sample, one of the two is wrong: the thing is
  * gone, or the ray is that of a reflection. Until it is known which, fills beside the sample do not
@@ -166,7 +166,7 @@ constexpr float kAboveLowestLine_steps = 0.25f;
  * beside a column, which may hold it. */
 constexpr float kHangs_clearances = 1.0f, kHangsBesideColumn_clearances = 2.0f;
 
-// ---- Stage 8 ----
+// ---- Stage 7 ----
 
 /** A step that the robot takes for sure, within two cells [steps]. */
 constexpr float kLowStep_steps = 0.8f;
@@ -180,7 +180,7 @@ constexpr float kPassedNear_steps = 2.5f, kPassedNearScore = 0.5f;
 /** What the robot drove through is at least so traversable, whatever stands beside it. */
 constexpr float kDrivenScore = 0.5f;
 
-// ---- Stage 9 ----
+// ---- Stage 7 ----
 
 /** A slope of this share of what is allowed explains what ground falls by in a gap, but no more
  * than so many steps: the floor behind the crest of a ramp, not that below a dock. */

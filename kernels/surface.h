@@ -3,11 +3,11 @@
 
 namespace talus::kernels
 {
-// What stage 7 tells stage 8 of a cell.
+// What stage 6 tells stage 7 of a cell.
 
 constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
 
-/** What else stage 8 wants to know of a cell. */
+/** What else stage 7 wants to know of a cell. */
 enum SurfaceFlag : std::int32_t
 {
   kSurfaceMeasured = 1,  //!< its ground is measured

@@ -153,13 +153,12 @@ TEST(TimingCsv, has_a_column_for_each_reason_and_stage_and_a_row_a_frame)
   EXPECT_EQ(
       header,
       "stamp_s,points_in,points_accepted,rejected_not_finite,rejected_range,rejected_height,"
-      "rejected_body,rejected_outside,rejected_voxel,rejected_buried,accept_ms,uncertainty_ms,roll_"
-      "ms,update_ms,"
-      "refill_ms,cleanup_ms,fill_ms,traversability_ms,sparsity_ms,total_ms");
+      "rejected_body,rejected_outside,rejected_voxel,rejected_buried,accept_ms,roll_ms,update_ms,"
+      "classify_ms,cleanup_ms,fill_ms,traversability_ms,total_ms");
   EXPECT_EQ(
       row,
       "1700000000.250000,100,90,0,0,10,0,0,0,0,0.5000,0.0000,0.0000,0.0000,0.0000,0.0000,0.0000,"
-      "0.0000,0.0000,2.0000");
+      "2.0000");
 }
 
 TEST(SummaryJson, counts_frames_points_and_cells_and_lists_every_parameter)

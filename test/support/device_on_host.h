@@ -87,7 +87,7 @@ class DeviceOnHost : public CpuMemory
     for_each(n, [&](int i) { f(i, from[i]); });
   }
   template <class F, class G>
-  void for_each_beside(int n, const F& f, int, int nx, int ny, const G& g)
+  void for_each_beside(int n, const F& f, int nx, int ny, const G& g)
   {
     for_each_cell(nx, ny, g);
     for_each(n, f);
@@ -175,7 +175,7 @@ class DeviceOnHost : public CpuMemory
   {
     const int from = std::max(first - 1, 0), to = std::min(end + 1, ny), pitch = nx + 2;
     std::vector<float> judged(static_cast<std::size_t>(pitch * (to - from + 2)), kernels::kNan);
-    std::vector<std::uint8_t> low_step(judged.size(), 0);
+    std::vector<std::uint8_t> passability(judged.size(), 0);
     const auto at = [&](int x, int y) { return (y - from + 1) * pitch + x + 1; };
     windows<F>(
         nx, ny, radius, from, to, [&](auto& row, int x, int y, int d) { f.add(row, x, y, d); },
@@ -184,11 +184,14 @@ class DeviceOnHost : public CpuMemory
         {
           const kernels::Judgement j = f.judge(x, y, sum, y >= first && y < end);
           judged[static_cast<std::size_t>(at(x, y))] = j.score;
-          low_step[static_cast<std::size_t>(at(x, y))] = static_cast<std::uint8_t>(j.steep_only);
+          passability[static_cast<std::size_t>(at(x, y))] =
+              static_cast<std::uint8_t>(j.passability);
         });
     for (int y = end; y-- > first;)
       for (int x = nx; x-- > 0;)
-        g.complete(x, y, {judged.data() + at(x, y), low_step.data() + at(x, y), pitch});
+        g.complete(
+            x, y, {passability.data() + at(x, y), pitch},
+            judged[static_cast<std::size_t>(at(x, y))]);
   }
   template <class T>
   void fill(Buffer<T>& buffer, T value)

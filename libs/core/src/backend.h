@@ -36,7 +36,7 @@ using OutputPointers = std::array<float*, kLayerCount>;
 /** Frames that may be in flight: each has a slot, with what it does not share with the other. */
 constexpr int kSlots = 2;
 
-/** One map on one kind of device: the nine stages on its own memory. */
+/** One map on one kind of device: the seven stages on its own memory. */
 class BackendInterface
 {
  public:

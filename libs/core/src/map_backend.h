@@ -5,7 +5,7 @@
 
 namespace talus
 {
-/** A map whose frames run through a schedule of the nine stages: what is around them. How frames
+/** A map whose frames run through a schedule of the seven stages: what is around them. How frames
  * come and go, and how layers leave and come back. */
 template <class Schedule>
 class MapBackend final : public BackendInterface

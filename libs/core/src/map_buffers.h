@@ -3,17 +3,17 @@
 #include "hand_over.h"
 #include "kernels/1_buried_rays.h"
 #include "kernels/1_voxel_filter.h"
-#include "kernels/2_points.h"
-#include "kernels/3_follow.h"
-#include "kernels/3_roll.h"
-#include "kernels/4_update.h"
-#include "kernels/5_classify.h"
-#include "kernels/5_opening.h"
-#include "kernels/5_start.h"
-#include "kernels/5_underfoot.h"
-#include "kernels/6_cleanup.h"
-#include "kernels/7_fill.h"
-#include "kernels/9_judge.h"
+#include "kernels/1_points.h"
+#include "kernels/2_follow.h"
+#include "kernels/2_roll.h"
+#include "kernels/3_update.h"
+#include "kernels/4_classify.h"
+#include "kernels/4_opening.h"
+#include "kernels/4_start.h"
+#include "kernels/4_underfoot.h"
+#include "kernels/5_cleanup.h"
+#include "kernels/6_fill.h"
+#include "kernels/7_judge.h"
 
 #include <algorithm>
 #include <array>
@@ -204,9 +204,9 @@ struct MapBuffers
     const int pad = host_config.feature_radius_cells;
     return {judged_surfaces.data(), side() + 2 * pad, pad};
   }
-  /** `judged`: where the schedule keeps it; nothing in it where judge() is asked. */
+  /** `passability`: where the schedule keeps it; null where judge() is asked. */
   template <bool kParts>
-  kernels::ComputeFeatures<kParts> compute_features(const kernels::JudgedArrays& judged)
+  kernels::ComputeFeatures<kParts> compute_features(std::uint8_t* passability)
   {
     kernels::ComputeFeatures<kParts> v{};
     v.cells = side();
@@ -215,16 +215,16 @@ struct MapBuffers
     v.grid = line_grid();
     v.fall_m = fall.data();
     v.out = feature_layers();
-    v.judged = judged;
+    v.passability = passability;
     return v;
   }
-  kernels::CompleteObstacles complete_obstacles(const kernels::JudgedArrays& judged)
+  kernels::CompleteObstacles complete_obstacles(const std::uint8_t* passability)
   {
-    return {side(), config.data(), surfaces(), judged, feature(Layer::Traversability)};
+    return {side(), config.data(), surfaces(), passability, feature(Layer::Traversability)};
   }
 
   // ---- layers ----
-  /** Where stage 7 puts a layer that is wanted: into the caller's memory if kernels reach it. */
+  /** Where stage 6 puts a layer that is wanted: into the caller's memory if kernels reach it. */
   float* surface(Layer layer)
   {
     const auto l = static_cast<std::size_t>(layer);
@@ -233,7 +233,7 @@ struct MapBuffers
     return output.direct ? output.mapped
                          : now->delivered.data() + l * static_cast<std::size_t>(cells());
   }
-  /** where(layer) of the layers of stages 3 to 7, in the order of SurfaceLayers. */
+  /** where(layer) of the layers of stages 2 to 6, in the order of SurfaceLayers. */
   template <class Where>
   static kernels::SurfaceLayers surfaces_at(const Where& where)
   {
@@ -265,7 +265,7 @@ struct MapBuffers
     const auto first = now->wanted.begin() + static_cast<int>(Layer::Slope);
     return std::any_of(first, first + kParts, [](const float* to) { return to; });
   }
-  /** Where a layer of stages 8 and 9 lives: in the caller's memory if kernels reach it. Null:
+  /** Where a layer of stage 7 lives: in the caller's memory if kernels reach it. Null:
    * nobody wants it. */
   float* feature(Layer layer)
   {
@@ -305,7 +305,7 @@ struct MapBuffers
     for (int l = kFirstFeature; l < kLayerCount; l++)
       deliver(executor, static_cast<Layer>(l), feature(static_cast<Layer>(l)), first_row, end_row);
   }
-  /** Layers are surfaces first, then what stages 8 and 9 make of them. */
+  /** Layers are surfaces first, then what stage 7 makes of them. */
   static constexpr int kFirstSurface = static_cast<int>(Layer::Elevation);
   static constexpr int kFirstFeature = static_cast<int>(Layer::Slope);
   static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kCoarseArrays = 8;

@@ -54,7 +54,7 @@ class ElevationMapper
   /** As the constructor. */
   ElevationMapper& operator=(ElevationMapper&&) noexcept;
 
-  /** Runs the nine stages on one frame: start() and finish(). Throws as they do, and
+  /** Runs the seven stages on one frame: start() and finish(). Throws as they do, and
    * std::logic_error while a frame is in flight. */
   FrameReport update(const Frame& frame);
   /** The same, and read_cells() of some as the frame finds them and of others as it leaves them: on

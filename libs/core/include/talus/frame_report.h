@@ -19,10 +19,20 @@ constexpr int kRejectCount = 7;
 constexpr std::array<const char*, kRejectCount> kRejectNames{
     "not_finite", "range", "height", "body", "outside", "voxel", "buried"};
 
-constexpr int kStageCount = 9;
-constexpr std::array<const char*, kStageCount> kStageNames{"accept", "uncertainty",    "roll",
-                                                           "update", "refill",         "cleanup",
-                                                           "fill",   "traversability", "sparsity"};
+/** The stages of a frame, in their order. */
+enum class Stage : int
+{
+  Accept = 0,  //!< points to the map frame; which of them count, and how much
+  Roll,  //!< the window follows the robot
+  Update,  //!< points into their cells
+  Classify,  //!< what is ground, what is an object, what has to be filled
+  CleanUp,  //!< what has left
+  Fill,  //!< ground that was not measured
+  Traversability,
+};
+constexpr int kStageCount = 7;
+constexpr std::array<const char*, kStageCount> kStageNames{
+    "accept", "roll", "update", "classify", "cleanup", "fill", "traversability"};
 
 /** What became of one frame. */
 struct FrameReport
@@ -36,8 +46,8 @@ struct FrameReport
   std::array<std::uint32_t, kRejectCount> rejected{};  //!< indexed by Reject
   /** It showed another floor than that of the map: all cells start empty in the next frame. */
   bool leaves_floor = false;
-  std::array<double, kStageCount>
-      stage_ms{};  //!< indexed as kStageNames; stages that run fused report with the first
+  /** Indexed by Stage. On a device Roll runs within Accept, and is a part of its time. */
+  std::array<double, kStageCount> stage_ms{};
   /** From update() to its end; of a CUDA frame from start() to the end of finish(). */
   double total_ms = 0;
 };

@@ -54,14 +54,14 @@ struct Parameters
   double voxel_m = 0.0;  //!< keep one point a voxel of this size and frame; 0: keep all
   /// @}
 
-  /// @name Stage 2: uncertainty of a point (eq. 2-4)
+  /// @name Stage 1: uncertainty of a point (eq. 2-4)
   /// @{
   double c_beam_m = 0.01;  //!< constant part of the sensor's standard deviation
   double a_beam = 0.001;  //!< its growth with range [m/m]
   double lambda_t = 1.0;  //!< weight of the pose change
   /// @}
 
-  /// @name Stage 4: update
+  /// @name Stage 3: update
   /// @{
   double mahalanobis_gate =
       3.0;  //!< a point farther than this many standard deviations is not fused
@@ -70,14 +70,14 @@ struct Parameters
       0.6;  //!< height that the robot needs: what hangs higher above the ground is passable
   /// @}
 
-  /// @name Stage 6: visibility cleanup
+  /// @name Stage 5: visibility cleanup
   /// @{
   double cleanup_margin_m =
       0.05;  //!< a surface is seen through when a ray passed this far below it
   int cleanup_frames = 2;  //!< consecutive frames that must see through a cell before it is cleared
   /// @}
 
-  /// @name Stage 5: the start
+  /// @name Stage 4: the start
   /// @{
   /** Ground within this radius around the base in the first frame is presumed to go on as it stands
    * there [m]; negative: what the rays of that frame leave blind before they meet it, up to 3 m;
@@ -85,7 +85,7 @@ struct Parameters
   double start_radius_m = -1;
   /// @}
 
-  /// @name Stages 5 and 7: filling
+  /// @name Stages 4 and 6: filling
   /// @{
   double object_size_m = 1.0;  //!< measured ground narrower than this that stands out steeply is an
                                //!< object; 2 to 65 cells, counted in steps of four
@@ -100,7 +100,7 @@ struct Parameters
   bool fill_use_ray_bound = true;  //!< unseen ground cannot stand above the ray that passed over it
   /// @}
 
-  /// @name Stage 8: traversability (eq. 10-13)
+  /// @name Stage 7: traversability (eq. 10-13)
   /// @{
   double feature_radius_m = 0.1;  //!< half side of the square neighbourhood
   /** A steeper plane through the neighbourhood is impassable. */
@@ -113,7 +113,7 @@ struct Parameters
   double weight_slope = 0.4, weight_step = 0.3, weight_roughness = 0.3;
   /// @}
 
-  /// @name Stage 9: sparsity (eq. 14)
+  /// @name Stage 7: sparsity (eq. 14)
   /// @{
   double sparsity_range_m = 4.0;  //!< fills nearer than this may drop
   double sparsity_distance_m =

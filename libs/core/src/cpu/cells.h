@@ -1,12 +1,12 @@
 #pragma once
 #include "cpu/clones.h"
 #include "cpu/side_by_side.h"
-#include "kernels/4_update.h"
+#include "kernels/3_update.h"
 #include "kernels/group.h"
 
 #include <algorithm>
 
-// Stage 4 on the CPU. Most cells have few points: thirty-two cells of about as many are updated
+// Stage 3 on the CPU. Most cells have few points: thirty-two cells of about as many are updated
 // side by side, in vector code without branches that nobody could predict.
 
 namespace talus::cells

@@ -3,7 +3,7 @@
 #include "cpu/buffer.h"
 #include "cpu/loops.h"
 #include "cpu/threads.h"
-#include "kernels/2_points.h"
+#include "kernels/1_points.h"
 
 #include <algorithm>
 #include <chrono>
@@ -92,14 +92,14 @@ class CpuMemory
     std::fill(counters.begin(), counters.end(), 0u);
   }
   /** The time since the last lap belongs to a stage. */
-  void end_stage(int stage)
+  void end_stage(Stage stage)
   {
     const auto now = Clock::now();
     stage_ms_[static_cast<std::size_t>(stage)] += milliseconds(std::exchange(last_, now), now);
   }
   /** The time that `body` takes belongs to a stage other than the current one. */
   template <class Body>
-  void for_another_stage(int stage, const Body& body)
+  void for_another_stage(Stage stage, const Body& body)
   {
     const auto before = Clock::now();
     body();

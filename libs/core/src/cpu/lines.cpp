@@ -1,7 +1,7 @@
 #include "cpu/lines.h"
 
 #include "cpu/clones.h"
-#include "kernels/9_sparsity.h"
+#include "kernels/7_sparsity.h"
 
 #include <algorithm>
 #include <vector>
@@ -41,8 +41,8 @@ struct Strip
   const Crossing* crossings;  //!< by place; all the same on parallel lines
   float step_m[kLanes] = {};  //!< length of a line per place
   int fill_places[kLanes] = {},
-      sparsity_places[kLanes] = {};  //!< places that fills and stage 9 look
-  int suspect = 0;  //!< no place behind it is near enough for stage 9
+      sparsity_places[kLanes] = {};  //!< places that fills and stage 7 look
+  int suspect = 0;  //!< no place behind it is near enough for stage 7
 
   const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
   /** Whether the cells of a place are neighbours in memory: lines are columns. */

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-// Stage 7's lines on the CPU. Sixteen lines, side by side, are swept from end to end, place
+// Stage 6's lines on the CPU. Sixteen lines, side by side, are swept from end to end, place
 // by place, and carry the samples that they met last along; then back, and what a cell has on both
 // sides is known. So a cell costs the same however far its samples are, neighbours are read
 // together, and everything is vector code.

@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/2_points.h"
+#include "kernels/1_points.h"
 
 namespace talus::kernels
 {

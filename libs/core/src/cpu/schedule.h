@@ -10,7 +10,7 @@
 
 namespace talus
 {
-/** The nine stages on cores, in their order. Rows of the window are done while their cells are in
+/** The seven stages on cores, in their order. Rows of the window are done while their cells are in
  * the cache; fills sweep along lines and carry samples with them. */
 template <class Threads>
 class CpuSchedule
@@ -25,9 +25,8 @@ class CpuSchedule
     executor_.allocate(inferred_, map_.grid_size(), kernels::Inference{});
     executor_.allocate(fill_marks_, map_.grid_size(), std::uint8_t{0});
     executor_.allocate(map_.ray_bound, map_.grid_size(), kernels::kNan);
-    const std::size_t judged = n + 2 * static_cast<std::size_t>(map_.side() + 1);
-    executor_.allocate(judged_, judged, kernels::kNan);
-    executor_.allocate(steep_only_, judged, std::uint8_t{0});
+    executor_.allocate(
+        passability_, n + 2 * static_cast<std::size_t>(map_.side() + 1), std::uint8_t{0});
     const int directions = kernels::bin_count(map_.host_config);
     executor_.allocate(doubted_, static_cast<std::size_t>(directions), std::uint8_t{0});
   }
@@ -39,25 +38,25 @@ class CpuSchedule
   void stages()
   {
     executor_.fetch(map_.context);
-    accept_and_weigh();  // stages 1 and 2
-    executor_.for_another_stage(2, [this] { roll(); });
+    accept_and_weigh();  // stage 1
+    executor_.for_another_stage(Stage::Roll, [this] { roll(); });
     find_buried();  // for stage 1
-    executor_.end_stage(0);
-    update();  // stage 4, before it the end of stage 1, beside it the rays of stage 6
-    executor_.end_stage(3);
-    open_ground();  // stage 5
-    executor_.end_stage(4);
-    clean_up();  // stage 6, and what stage 5 decides for each cell
-    executor_.end_stage(5);
-    fill();  // stage 7
-    executor_.end_stage(6);
-    if (map_.parts_wanted())  // stages 8 and 9
+    executor_.end_stage(Stage::Accept);
+    update();  // stage 3, before it the end of stage 1, beside it the rays of stage 5
+    executor_.end_stage(Stage::Update);
+    open_ground();  // stage 4
+    executor_.end_stage(Stage::Classify);
+    clean_up();  // stage 5, and what stage 4 decides for each cell
+    executor_.end_stage(Stage::CleanUp);
+    fill();  // stage 6
+    executor_.end_stage(Stage::Fill);
+    if (map_.parts_wanted())  // stage 7
       judge<true>();
     else
       judge<false>();
-    executor_.end_stage(7);
+    executor_.end_stage(Stage::Traversability);
   }
-  /** Stages 8 and 9 once more, for what traversability is made of. */
+  /** Stage 7 once more, for what traversability is made of. */
   void judge_parts() { judge<true>(); }
 
  private:
@@ -126,9 +125,11 @@ class CpuSchedule
           side(), executor_.rows_at_once(side()), over_rows);
     else
     {
-      executor_.for_another_stage(0, [&] { executor_.for_each_point_by_parts(n, bin); });
       executor_.for_another_stage(
-          5, [&] { executor_.run(side(), executor_.rows_at_once(side()), over_rows); });
+          Stage::Accept, [&] { executor_.for_each_point_by_parts(n, bin); });
+      executor_.for_another_stage(
+          Stage::CleanUp,
+          [&] { executor_.run(side(), executor_.rows_at_once(side()), over_rows); });
       order.find(n);
       executor_.run(n, 1024, [&sort](int begin, int end) { sort_points(sort, begin, end); });
     }
@@ -212,12 +213,11 @@ class CpuSchedule
   template <bool kParts>
   void judge()
   {
-    const int first = side() + 1;
-    const kernels::JudgedArrays judged{judged_.data() + first, steep_only_.data() + first};
+    std::uint8_t* const passability = passability_.data() + side() + 1;
     executor_.for_each_window(
         side(), side(), map_.host_config.feature_radius_cells,
-        map_.template compute_features<kParts>(judged));
-    const kernels::CompleteObstacles complete = map_.complete_obstacles(judged);
+        map_.template compute_features<kParts>(passability));
+    const kernels::CompleteObstacles complete = map_.complete_obstacles(passability);
     for_each_row([&](const StoredRow& row) { row.each_applicable(complete); });
   }
 
@@ -252,8 +252,7 @@ class CpuSchedule
   Buffer<std::int32_t> hit_cells_;  //!< as they are found, then in order
   Buffer<std::uint8_t> doubted_;
   Buffer<kernels::Inference> inferred_;
-  Buffer<std::uint8_t> fill_marks_, steep_only_;
-  Buffer<float> judged_;
+  Buffer<std::uint8_t> fill_marks_, passability_;
 };
 
 }  // namespace talus

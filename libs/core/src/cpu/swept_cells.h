@@ -1,9 +1,9 @@
 #pragma once
-#include "kernels/7_fill.h"
+#include "kernels/6_fill.h"
 
 namespace talus::kernels
 {
-// Before and after the lines of stage 7 are swept, see cpu/lines.h.
+// Before and after the lines of stage 6 are swept, see cpu/lines.h.
 
 struct TakeSample
 {
@@ -35,7 +35,7 @@ struct InferenceGrid
 {
   Inference* cells;
   std::uint8_t* marks;  //!< bits of FillMark
-  float* fall_m;  //!< near enough for stage 9: what its ground may fall by, see fall_in()
+  float* fall_m;  //!< near enough for stage 7: what its ground may fall by, see fall_in()
 };
 
 /** Fills cell (ix, iy) from what was found when the lines were walked. */

@@ -108,7 +108,7 @@ class CudaExecutor
   /** Where a frame leaves its counters for the host. */
   std::uint32_t* reported() { return slot().counters.data(); }
   /** Kernels that were recorded since the last stage belong to a stage. */
-  void end_stage(int stage) { end_of_stage_[static_cast<std::size_t>(stage)] = stage_end_++; }
+  void end_stage(Stage stage) { end_of_stage_[static_cast<std::size_t>(stage)] = stage_end_++; }
   std::array<double, kStageCount> stage_ms() const;
   double total_ms() const
   {
@@ -140,7 +140,7 @@ class CudaExecutor
         f, from);
   }
   template <class F, class G>
-  void for_each_beside(int n, const F& f, int, int nx, int ny, const G& g)
+  void for_each_beside(int n, const F& f, int nx, int ny, const G& g)
   {
     const int size = std::max(n, nx * ny) < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
     const dim3 cells = tiles(nx, ny, size / loops::kTileWidth);

@@ -1,6 +1,6 @@
 #pragma once
-#include "kernels/7_fill.h"
-#include "kernels/9_sparsity.h"
+#include "kernels/6_fill.h"
+#include "kernels/7_sparsity.h"
 
 namespace talus::kernels
 {

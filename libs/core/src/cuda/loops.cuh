@@ -266,7 +266,7 @@ __global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows_and_n
 {
   extern __shared__ __align__(16) unsigned char shared[];
   __shared__ float judged[kJudgedRows][kTileWidth];
-  __shared__ std::uint8_t low_step[kJudgedRows][kTileWidth];
+  __shared__ std::uint8_t passability[kJudgedRows][kTileWidth];
   auto* const rows = reinterpret_cast<typename F::Row*>(shared) + threadIdx.x;
   start(beside_last);
   const int lane = static_cast<int>(threadIdx.x), line = static_cast<int>(threadIdx.y);
@@ -282,12 +282,12 @@ __global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows_and_n
       const kernels::Judgement j =
           f.judge(x, y, sum_window(f, y, first, last, radius, rows), own && y >= y0 && y < y1);
       judged[y - y0 + 1][lane] = j.score;
-      low_step[y - y0 + 1][lane] = static_cast<std::uint8_t>(j.steep_only);
+      passability[y - y0 + 1][lane] = static_cast<std::uint8_t>(j.passability);
     }
   __syncthreads();
   if (own)
     for (int y = y0 + line; y < y1; y += kWindowThreads)
-      g.complete(x, y, {&judged[y - y0 + 1][lane], &low_step[y - y0 + 1][lane], kTileWidth});
+      g.complete(x, y, {&passability[y - y0 + 1][lane], kTileWidth}, judged[y - y0 + 1][lane]);
   finish(beside_last);
   note_time(done_ns);
 }

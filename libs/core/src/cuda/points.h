@@ -1,15 +1,15 @@
 #pragma once
-#include "kernels/2_points.h"
-#include "kernels/3_follow.h"
-#include "kernels/3_roll.h"
-#include "kernels/4_update.h"
+#include "kernels/1_points.h"
+#include "kernels/2_follow.h"
+#include "kernels/2_roll.h"
+#include "kernels/3_update.h"
 
 namespace talus::kernels
 {
-// Stages 1, 3 and 4 on a device, a thread each point: points are counted in their cells before it
+// Stages 1 to 3 on a device, a thread each point: points are counted in their cells before it
 // is known which of them are buried, and each cell reserves a stretch of the sorted ones.
 
-/** Stages 1 and 2 on one point; counts it in its cell, also if it will turn out to be buried. The
+/** Stage 1 on one point; counts it in its cell, also if it will turn out to be buried. The
  * point itself is there before the frame's context is. */
 template <class Atomics>
 struct AcceptAndCountPoint
@@ -28,7 +28,7 @@ struct AcceptAndCountPoint
   }
 };
 
-/** Stage 3 on one cell; forgets the reach of the last frame's rays, see NoteReach. */
+/** Stage 2 on one cell; forgets the reach of the last frame's rays, see NoteReach. */
 struct RollCellAndReach
 {
   ForgetHits forget;

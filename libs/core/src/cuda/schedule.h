@@ -9,7 +9,7 @@
 
 namespace talus
 {
-/** The nine stages on a device, in their order: few launches, each thread a point, a cell or a
+/** The seven stages on a device, in their order: few launches, each thread a point, a cell or a
  * direction; each cell searches the lines through it. What does not need each other runs in one
  * launch. `Executor`: of a device, or a stand-in for one. */
 template <class ExecutorType>
@@ -30,29 +30,29 @@ class DeviceSchedule
   void stages()
   {
     executor_.fetch(map_.context);
-    accept_and_weigh();  // stages 1 and 2, and beside them 3
+    accept_and_weigh();  // stage 1, and beside it 2
     find_buried();  // for stage 1, and beside it where points will be sorted to
-    executor_.end_stage(0);
-    sort_points();  // stage 4, before it the end of stage 1, beside it the rays of stage 6
+    executor_.end_stage(Stage::Accept);
+    sort_points();  // stage 3, before it the end of stage 1, beside it the rays of stage 5
     update();
-    executor_.end_stage(3);
-    open_ground();  // stage 5
-    executor_.end_stage(4);
-    clean_up();  // stage 6, and what stage 5 decides for each cell
-    executor_.end_stage(5);
-    if (map_.host_config.fill_rule == kernels::kFillLines)  // stage 7
+    executor_.end_stage(Stage::Update);
+    open_ground();  // stage 4
+    executor_.end_stage(Stage::Classify);
+    clean_up();  // stage 5, and what stage 4 decides for each cell
+    executor_.end_stage(Stage::CleanUp);
+    if (map_.host_config.fill_rule == kernels::kFillLines)  // stage 6
       fill<true>();
     else
       fill<false>();
-    executor_.end_stage(6);
-    if (map_.parts_wanted())  // stages 8 and 9
+    executor_.end_stage(Stage::Fill);
+    if (map_.parts_wanted())  // stage 7
       judge<true>();
     else
       judge<false>();
-    executor_.end_stage(7);
+    executor_.end_stage(Stage::Traversability);
     executor_.join();  // with the layers that are copied
   }
-  /** Stages 8 and 9 once more, for what traversability is made of. */
+  /** Stage 7 once more, for what traversability is made of. */
   void judge_parts() { judge_rows<true>(0, side(), false); }
 
  private:
@@ -71,7 +71,7 @@ class DeviceSchedule
         points(),
         kernels::AcceptAndCountPoint<Atomics>{
             map_.accept(filter_voxels(map_, executor_)), map_.cell_count.data()},
-        2, side(), side(),
+        side(), side(),
         kernels::RollCellAndReach{
             map_.forget_hits(), map_.roll(), map_.reach.data(),
             static_cast<int>(map_.reach.size())});
@@ -97,7 +97,7 @@ class DeviceSchedule
         map_.lowest_slope.data(),
         kept_count_.data(),
         map_.counters.data()};
-    executor_.for_each_beside(points(), sort, 5, side(), side(), map_.find_passing_rays());
+    executor_.for_each_beside(points(), sort, side(), side(), map_.find_passing_rays());
   }
 
   void update()
@@ -110,7 +110,7 @@ class DeviceSchedule
     const kernels::CoarseGrid grid = map_.coarse_grid();
     // The rays and the counts have been used.
     executor_.for_each_beside(
-        workers(), reset_frame(), 5, grid.side, grid.side,
+        workers(), reset_frame(), grid.side, grid.side,
         kernels::PoolCells{map_.config.data(), map_.context.data(), map_.store(), grid});
     executor_.for_each_opening(
         grid.side, grid.side, map_.host_config.object_radius,
@@ -173,7 +173,8 @@ class DeviceSchedule
   {
     executor_.for_each_judged_cell_of_rows(
         side(), side(), first, end, map_.host_config.feature_radius_cells,
-        map_.template compute_features<kParts>({}), map_.complete_obstacles({}), beside_last);
+        map_.template compute_features<kParts>(nullptr), map_.complete_obstacles(nullptr),
+        beside_last);
   }
 
   int workers() const { return executor_.workers(map_.cells()); }

@@ -1,9 +1,9 @@
 #pragma once
-#include "kernels/5_classify.h"
-#include "kernels/5_start.h"
-#include "kernels/5_underfoot.h"
-#include "kernels/6_cleanup.h"
-#include "kernels/7_fill.h"
+#include "kernels/4_classify.h"
+#include "kernels/4_start.h"
+#include "kernels/4_underfoot.h"
+#include "kernels/5_cleanup.h"
+#include "kernels/6_fill.h"
 
 namespace talus::kernels
 {

@@ -1,7 +1,7 @@
 #pragma once
 #include "backend.h"
 #include "cuda/graph.h"
-#include "kernels/2_points.h"
+#include "kernels/1_points.h"
 
 #include <chrono>
 #include <vector>

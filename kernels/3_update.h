@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/2_points.h"
+#include "kernels/1_points.h"
 #include "kernels/cell.h"
 #include "kernels/config.h"
 #include "kernels/frame.h"
@@ -11,7 +11,7 @@
 
 namespace talus::kernels
 {
-// Stage 4 (III-B.1). The points of a cell in one frame are a set: every step below is a minimum, a
+// Stage 3 (III-B.1). The points of a cell in one frame are a set: every step below is a minimum, a
 // maximum or an exact integer sum over them, so that their order cannot matter. What is done with
 // one point, and with one cell between two looks at its points, has no branches: a group of threads
 // looks through the points of one cell, or one thread through those of many cells side by side.
@@ -338,7 +338,7 @@ TALUS_HD void put_overhang(Cell& c, const Overhang& overhang)
   c.overhang_below = max_of(c.overhang_below, select(any, overhang_units(down_m), 0));
 }
 
-/** Stage 4 on one cell that received points; for many cells at once see
+/** Stage 3 on one cell that received points; for many cells at once see
  * libs/core/src/cpu/cells.h. */
 template <class Group>
 TALUS_HD void update_cell(
@@ -423,7 +423,7 @@ struct SortPoint
   }
 };
 
-/** Stage 4 on the cell of a point, if it is the first there, or on a crowded cell. */
+/** Stage 3 on the cell of a point, if it is the first there, or on a crowded cell. */
 struct UpdateCell
 {
   const Config* config;

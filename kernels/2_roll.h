@@ -14,7 +14,7 @@ struct ForgetHits
   TALUS_HD void operator()(int, int, int storage_i) const { top_hit_m[storage_i] = -kInfinity; }
 };
 
-/** Stage 3 on cell (ix, iy) of the window, which follows the robot by whole cells. Storage is a
+/** Stage 2 on cell (ix, iy) of the window, which follows the robot by whole cells. Storage is a
  * torus, so what stays is not touched; a cell that was outside the last window starts empty, and
  * all do on another floor. */
 struct RollCell

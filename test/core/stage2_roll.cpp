@@ -43,7 +43,7 @@ int expect_common_cells_equal(
 }
 }  // namespace
 
-TEST(Stage3Roll, AnyWholeNumberOfCellsKeepsWhatStays)
+TEST(Stage2Roll, AnyWholeNumberOfCellsKeepsWhatStays)
 {
   const int moves[][2] = {{1, 0}, {-1, 0}, {0, 3}, {5, -7}, {-80, 40}, {159, 159}, {-159, 0}};
   for (const auto& move : moves)
@@ -62,7 +62,7 @@ TEST(Stage3Roll, AnyWholeNumberOfCellsKeepsWhatStays)
   }
 }
 
-TEST(Stage3Roll, WhatEntersIsEmptyEvenWhenItWasSeenLongAgo)
+TEST(Stage2Roll, WhatEntersIsEmptyEvenWhenItWasSeenLongAgo)
 {
   TestMap m;
   m.update(textured(0, 0));
@@ -72,7 +72,7 @@ TEST(Stage3Roll, WhatEntersIsEmptyEvenWhenItWasSeenLongAgo)
   for (float v : m.map.layer(Layer::Elevation)) EXPECT_TRUE(std::isnan(v));
 }
 
-TEST(Stage3Roll, TheWindowFollowsFarFromTheOriginWithoutDrift)
+TEST(Stage2Roll, TheWindowFollowsFarFromTheOriginWithoutDrift)
 {
   // 100 km out, in both directions, a point still falls into the cell that holds it.
   for (const double x : {1e5, -1e5})
@@ -107,7 +107,7 @@ Scan column(std::int64_t at, std::int64_t cell_x, int cells)
 }
 }  // namespace
 
-TEST(Stage3Roll, OnADriveOf100KmNothingDriftsByABit)
+TEST(Stage2Roll, OnADriveOf100KmNothingDriftsByABit)
 {
   // In each step a column of cells at the front is measured, once. While the window rolls over it,
   // it must stay where it is and what it is.
@@ -139,7 +139,7 @@ TEST(Stage3Roll, OnADriveOf100KmNothingDriftsByABit)
   EXPECT_GT(checked, 3 * n * (kSteps / 11 - 2));
 }
 
-TEST(Stage3Roll, TheWindowFollowsTheBaseWhereTheFrameTellsWhereTheSensorIs)
+TEST(Stage2Roll, TheWindowFollowsTheBaseWhereTheFrameTellsWhereTheSensorIs)
 {
   TestMap m;
   Scan s(3.0, -1.0, 0.9);  // turned to the left, 0.4 m before the middle of the robot
@@ -152,7 +152,7 @@ TEST(Stage3Roll, TheWindowFollowsTheBaseWhereTheFrameTellsWhereTheSensorIs)
   EXPECT_NEAR(w.min_y_m() + w.cells / 2 * w.resolution_m, -1.4, 0.051);
 }
 
-TEST(Stage3Roll, ASensorFarFromTheBaseMapsWhatIsInTheWindow)
+TEST(Stage2Roll, ASensorFarFromTheBaseMapsWhatIsInTheWindow)
 {
   // Beyond an eighth of the window, and beyond the window itself.
   for (const double ahead_m : {0.0, 0.9, 2.0, 10.0})
@@ -169,7 +169,7 @@ TEST(Stage3Roll, ASensorFarFromTheBaseMapsWhatIsInTheWindow)
   }
 }
 
-TEST(Stage3Roll, WhereTheSensorIsOnTheRobotMustBeAPlaceOnARobot)
+TEST(Stage2Roll, WhereTheSensorIsOnTheRobotMustBeAPlaceOnARobot)
 {
   TestMap m;
   Frame f = Scan().frame();

@@ -51,7 +51,7 @@ long unknown_within(const TestMap& m, double radius_m)
 }
 }  // namespace
 
-TEST(Stage5Start, WhatTheScannerLooksOverIsKnownAndFreeAfterTheFirstFrame)
+TEST(Stage4Start, WhatTheScannerLooksOverIsKnownAndFreeAfterTheFirstFrame)
 {
   TestMap m;
   m.map.update(with_base(sixteen_beams()));
@@ -67,7 +67,7 @@ TEST(Stage5Start, WhatTheScannerLooksOverIsKnownAndFreeAfterTheFirstFrame)
   EXPECT_NE(m.state(kFirstRing_m + 0.3, 0.025), CellState::Presumed);
 }
 
-TEST(Stage5Start, WhatIsHitThereStandsAndNothingIsPresumedBehindIt)
+TEST(Stage4Start, WhatIsHitThereStandsAndNothingIsPresumedBehindIt)
 {
   TestMap m;
   m.map.update(with_base(sixteen_beams({kBox})));
@@ -81,7 +81,7 @@ TEST(Stage5Start, WhatIsHitThereStandsAndNothingIsPresumedBehindIt)
   EXPECT_EQ(m.state(-1.775, 0.025), CellState::Presumed);
 }
 
-TEST(Stage5Start, OfRadiusZeroOnlyWhatTheRobotStandsOnIsKnown)
+TEST(Stage4Start, OfRadiusZeroOnlyWhatTheRobotStandsOnIsKnown)
 {
   TestMap m(with_radius(0));
   m.map.update(with_base(sixteen_beams()));
@@ -90,7 +90,7 @@ TEST(Stage5Start, OfRadiusZeroOnlyWhatTheRobotStandsOnIsKnown)
   EXPECT_EQ(m.state(1.525, 0.025), CellState::FilledOneSided);
 }
 
-TEST(Stage5Start, ARadiusThatIsToldIsADiscInEachDirection)
+TEST(Stage4Start, ARadiusThatIsToldIsADiscInEachDirection)
 {
   TestMap m(with_radius(1.7));
   m.map.update(with_base(sixteen_beams({kBox})));
@@ -99,7 +99,7 @@ TEST(Stage5Start, ARadiusThatIsToldIsADiscInEachDirection)
   EXPECT_EQ(m.traversability(1.025, 0.025), 0.0f);
 }
 
-TEST(Stage5Start, AFrameThatDoesNotTellWhereTheBaseIsPresumesNothing)
+TEST(Stage4Start, AFrameThatDoesNotTellWhereTheBaseIsPresumesNothing)
 {
   TestMap m;
   m.update(sixteen_beams());
@@ -108,7 +108,7 @@ TEST(Stage5Start, AFrameThatDoesNotTellWhereTheBaseIsPresumesNothing)
   EXPECT_NE(m.state(1.525, 0.025), CellState::Presumed);
 }
 
-TEST(Stage5Start, ThePlaneIsInclinedAsTheBaseIs)
+TEST(Stage4Start, ThePlaneIsInclinedAsTheBaseIs)
 {
   constexpr double pitch = 0.1;
   const double c = std::cos(pitch), s = std::sin(pitch);
@@ -125,7 +125,7 @@ TEST(Stage5Start, ThePlaneIsInclinedAsTheBaseIs)
   }
 }
 
-TEST(Stage5Start, NothingIsPresumedTowardsADropOff)
+TEST(Stage4Start, NothingIsPresumedTowardsADropOff)
 {
   const Box platform{{-5, -5, 0}, {1, 5, 1}};
   TestMap m;
@@ -136,7 +136,7 @@ TEST(Stage5Start, NothingIsPresumedTowardsADropOff)
   EXPECT_EQ(m.state(0.575, 0.025), CellState::Presumed) << "there it stands, with room to move off";
 }
 
-TEST(Stage5Start, ADropOffGoesOnBesideWhereItIsSeen)
+TEST(Stage4Start, ADropOffGoesOnBesideWhereItIsSeen)
 {
   const Box behind{{-5, -5, 0}, {1.2, 5, 1}}, left{{1.2, 0.4, 0}, {8, 5, 1}};
   TestMap m;
@@ -145,7 +145,7 @@ TEST(Stage5Start, ADropOffGoesOnBesideWhereItIsSeen)
   EXPECT_EQ(m.state(1.525, 1.525), CellState::Presumed);
 }
 
-TEST(Stage5Start, NothingIsPresumedWhereGroundIsSeenTooFarAway)
+TEST(Stage4Start, NothingIsPresumedWhereGroundIsSeenTooFarAway)
 {
   constexpr double height_m = 1.2;  // its lowest beam meets the floor after 4.5 m
   const Scan scan = Scan(0, 0, height_m).cast({}, 1800, -kLowest_rad, kLowest_rad, 16);
@@ -157,7 +157,7 @@ TEST(Stage5Start, NothingIsPresumedWhereGroundIsSeenTooFarAway)
   EXPECT_EQ(m.state(0.575, 0.025), CellState::Presumed);
 }
 
-TEST(Stage5Start, PresumedGroundGivesWayToMeasurementsAndToRaysBelowIt)
+TEST(Stage4Start, PresumedGroundGivesWayToMeasurementsAndToRaysBelowIt)
 {
   TestMap m;
   m.map.update(with_base(sixteen_beams()));
@@ -171,7 +171,7 @@ TEST(Stage5Start, PresumedGroundGivesWayToMeasurementsAndToRaysBelowIt)
   EXPECT_NE(m.state(-1.525, 0.025), CellState::Presumed);
 }
 
-TEST(Stage5Start, ASavedMapKeepsWhatWasPresumedAndStartsNoOther)
+TEST(Stage4Start, ASavedMapKeepsWhatWasPresumedAndStartsNoOther)
 {
   TestMap m, restored;
   m.map.update(with_base(sixteen_beams()));
@@ -185,7 +185,7 @@ TEST(Stage5Start, ASavedMapKeepsWhatWasPresumedAndStartsNoOther)
   EXPECT_NE(restored_none.state(1.525, 0.025), CellState::Presumed);
 }
 
-TEST(Stage5Start, AnotherFloorStartsAnew)
+TEST(Stage4Start, AnotherFloorStartsAnew)
 {
   const Box upper{{-20, -20, 2.9}, {20, 20, 3}};
   TestMap m;
@@ -197,7 +197,7 @@ TEST(Stage5Start, AnotherFloorStartsAnew)
   EXPECT_GT(m.traversability(1.525, 0.025), 0.99f);
 }
 
-TEST(Stage5Underfoot, WhatTheRobotDrivesOverIsKnownAlsoWhereNothingMeasuredIt)
+TEST(Stage4Underfoot, WhatTheRobotDrivesOverIsKnownAlsoWhereNothingMeasuredIt)
 {
   TestMap m(with_radius(0));
   for (const double x : {0.0, 0.2, 0.4}) m.map.update(with_base(sixteen_beams({}, x)));

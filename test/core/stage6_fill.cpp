@@ -29,7 +29,7 @@ Scan over_the_edge_of_a_shelf(double far_z_m)
 }
 }  // namespace
 
-TEST(Stage7Fill, EveryCellLiesOnTheLineThatIsSaidToPassThroughIt)
+TEST(Stage6Fill, EveryCellLiesOnTheLineThatIsSaidToPassThroughIt)
 {
   for (const int rings : {2, 3, 7, 80, 500})
     for (int dx = -rings; dx <= rings; dx++)
@@ -47,7 +47,7 @@ TEST(Stage7Fill, EveryCellLiesOnTheLineThatIsSaidToPassThroughIt)
       }
 }
 
-TEST(Stage7Fill, MarksAreFoundAcrossWordsAndWithinReachNearestFirst)
+TEST(Stage6Fill, MarksAreFoundAcrossWordsAndWithinReachNearestFirst)
 {
   const std::uint32_t words[7] = {0, 0, 1u << 5 | 1u << 31, 0, 1u << 10, 0, 0};
   const kernels::LineMarks marks{words + kernels::LineMarks::kGuardWords, 1};
@@ -77,7 +77,7 @@ TEST(Stage7Fill, MarksAreFoundAcrossWordsAndWithinReachNearestFirst)
   EXPECT_EQ(found(80, true, 0), Distances{});
 }
 
-TEST(Stage7Fill, PlacesOfALineAreItsCellsOnTheGrid)
+TEST(Stage6Fill, PlacesOfALineAreItsCellsOnTheGrid)
 {
   for (const int rings : {2, 25, 80})
   {
@@ -99,7 +99,7 @@ TEST(Stage7Fill, PlacesOfALineAreItsCellsOnTheGrid)
   }
 }
 
-TEST(Stage7Fill, Equation9ByNumbersWorkedOutByHand)
+TEST(Stage6Fill, Equation9ByNumbersWorkedOutByHand)
 {
   // Lower side 1.0 m after a gap of 1 cell, higher side 2.0 m after a gap of 3 cells; distances 2
   // and 4 cells.
@@ -108,13 +108,13 @@ TEST(Stage7Fill, Equation9ByNumbersWorkedOutByHand)
   EXPECT_EQ(kernels::combine_sides(low, high), kernels::combine_sides(high, low));
 }
 
-TEST(Stage7Fill, Equation9AsPrintedIsTheAverageNextToTheLowSideAndTheLowSideNextToTheHighOne)
+TEST(Stage6Fill, Equation9AsPrintedIsTheAverageNextToTheLowSideAndTheLowSideNextToTheHighOne)
 {
   EXPECT_FLOAT_EQ(kernels::combine_sides(side(1, 0, 0.05f), side(2, 4, 0.25f)), 1.5f);
   EXPECT_FLOAT_EQ(kernels::combine_sides(side(1, 4, 0.25f), side(2, 0, 0.05f)), 1.0f);
 }
 
-TEST(Stage7Fill, Equation8WeighsSamplesBySparseKernelAndPrior)
+TEST(Stage6Fill, Equation8WeighsSamplesBySparseKernelAndPrior)
 {
   Parameters p;
   p.fill_samples = 2, p.fill_search_m = 1.0, p.fill_kernel_m = 1.0, p.fill_lambda = 1.0;
@@ -130,7 +130,7 @@ TEST(Stage7Fill, Equation8WeighsSamplesBySparseKernelAndPrior)
   EXPECT_NEAR(m.ground(1.225, 0.025), expected, 1e-4);  // the kernel is tabulated in 1024 steps
 }
 
-TEST(Stage7Fill, WithoutPriorWhatIsFilledHasAHeightAlsoWhereTheKernelEnds)
+TEST(Stage6Fill, WithoutPriorWhatIsFilledHasAHeightAlsoWhereTheKernelEnds)
 {
   Parameters p;
   p.fill_search_m = 2.0, p.fill_kernel_m = 0.5, p.fill_lambda = 0;
@@ -141,7 +141,7 @@ TEST(Stage7Fill, WithoutPriorWhatIsFilledHasAHeightAlsoWhereTheKernelEnds)
   EXPECT_NEAR(m.ground(2.775, 0.025), 0.0, 1e-5);
 }
 
-TEST(Stage7Fill, AGapWithGroundOnBothSidesIsReliableAndOneWithOneSideIsNot)
+TEST(Stage6Fill, AGapWithGroundOnBothSidesIsReliableAndOneWithOneSideIsNot)
 {
   TestMap m;
   m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
@@ -152,7 +152,7 @@ TEST(Stage7Fill, AGapWithGroundOnBothSidesIsReliableAndOneWithOneSideIsNot)
   EXPECT_TRUE(std::isnan(m.elevation(1.775, 0.025)));
 }
 
-TEST(Stage7Fill, NothingIsFilledBeyondTheSearchLength)
+TEST(Stage6Fill, NothingIsFilledBeyondTheSearchLength)
 {
   Parameters p;
   p.fill_search_m = 0.3;
@@ -162,7 +162,7 @@ TEST(Stage7Fill, NothingIsFilledBeyondTheSearchLength)
   EXPECT_EQ(m.state(1.825, 0.025), CellState::Unknown);
 }
 
-TEST(Stage7Fill, AFillIsTheLessCertainTheFartherItsSample)
+TEST(Stage6Fill, AFillIsTheLessCertainTheFartherItsSample)
 {
   TestMap m;
   m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat));
@@ -174,7 +174,7 @@ TEST(Stage7Fill, AFillIsTheLessCertainTheFartherItsSample)
   }
 }
 
-TEST(Stage7Fill, UnseenGroundStandsBelowTheRayThatPassedOverIt)
+TEST(Stage6Fill, UnseenGroundStandsBelowTheRayThatPassedOverIt)
 {
   // A guess from the near side alone would go on level, above the rays.
   Parameters p;
@@ -187,7 +187,7 @@ TEST(Stage7Fill, UnseenGroundStandsBelowTheRayThatPassedOverIt)
       with.ground(2.525, 0.025), 0.3 - 0.2 * 2.525, 0.01);  // on the ray, at the cell's near edge
 }
 
-TEST(Stage7Fill, APlaneIsFilledWithoutBiasAcrossASmallGap)
+TEST(Stage6Fill, APlaneIsFilledWithoutBiasAcrossASmallGap)
 {
   TestMap m;
   Scan s;
@@ -197,7 +197,7 @@ TEST(Stage7Fill, APlaneIsFilledWithoutBiasAcrossASmallGap)
   for (double x = 1.075; x < 2.9; x += 0.1) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 1e-5);
 }
 
-TEST(Stage7Fill, ASlopeIsFilledAlongRayRowAndColumnWithoutBias)
+TEST(Stage6Fill, ASlopeIsFilledAlongRayRowAndColumnWithoutBias)
 {
   // Stripes of ground on a plane that tilts both ways, 0.2 m of 0.25 m unseen.
   TestMap m;
@@ -210,7 +210,7 @@ TEST(Stage7Fill, ASlopeIsFilledAlongRayRowAndColumnWithoutBias)
     EXPECT_NEAR(m.ground(x, 0.025), plane(x, 0.025), 0.004) << x;
 }
 
-TEST(Stage7Fill, BesideOneSideTheNearestSampleTellsHowTheGroundTurns)
+TEST(Stage6Fill, BesideOneSideTheNearestSampleTellsHowTheGroundTurns)
 {
   const Parameters p;
   kernels::Config k{};
@@ -233,7 +233,7 @@ TEST(Stage7Fill, BesideOneSideTheNearestSampleTellsHowTheGroundTurns)
     EXPECT_NEAR(m.ground(x, 0.025), 1.5f * last_m - 0.5f * before_m - 0.004f, 0.002) << x;
 }
 
-TEST(Stage7Fill, ABankBesideAFloorSaysNothingOfHowTheFloorGoesOn)
+TEST(Stage6Fill, ABankBesideAFloorSaysNothingOfHowTheFloorGoesOn)
 {
   TestMap m;
   const auto bank = [](double x, double) { return std::max(0.0, -0.7 * (x + 1)); };
@@ -241,7 +241,7 @@ TEST(Stage7Fill, ABankBesideAFloorSaysNothingOfHowTheFloorGoesOn)
   for (double x = 2.025; x < 2.8; x += 0.1) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 0.02) << x;
 }
 
-TEST(Stage7Fill, LinesWhoseSidesDisagreeCountForLess)
+TEST(Stage6Fill, LinesWhoseSidesDisagreeCountForLess)
 {
   const Parameters p;
   kernels::Config k{};
@@ -259,7 +259,7 @@ TEST(Stage7Fill, LinesWhoseSidesDisagreeCountForLess)
   EXPECT_FLOAT_EQ(counts(-0.15f), counts(0.15f));
 }
 
-TEST(Stage7Fill, FloorReachesUpToAWallThatWasHitHighUpOnly)
+TEST(Stage6Fill, FloorReachesUpToAWallThatWasHitHighUpOnly)
 {
   TestMap m;
   Scan s;
@@ -270,7 +270,7 @@ TEST(Stage7Fill, FloorReachesUpToAWallThatWasHitHighUpOnly)
     for (double y = -0.375; y < 0.4; y += 0.05) EXPECT_NEAR(m.ground(x, y), 0.0, 0.01) << x;
 }
 
-TEST(Stage7Fill, WhatLiesBehindAnEdgeIsAsLowAsWhatIsSeenBeyondIt)
+TEST(Stage6Fill, WhatLiesBehindAnEdgeIsAsLowAsWhatIsSeenBeyondIt)
 {
   Parameters p;
   p.min_height_m = -2;
@@ -282,7 +282,7 @@ TEST(Stage7Fill, WhatLiesBehindAnEdgeIsAsLowAsWhatIsSeenBeyondIt)
   for (double x = 0.625; x < 1.15; x += 0.05) EXPECT_NEAR(m.ground(x, 0.025), -0.6, 0.01) << x;
 }
 
-TEST(Stage7Fill, AShadowAcrossAnEdgeIsAsHighAsTheGroundBesideIt)
+TEST(Stage6Fill, AShadowAcrossAnEdgeIsAsHighAsTheGroundBesideIt)
 {
   // A platform ends at x = 1.6. A shadow begins on it and ends far beyond: the ray does not know
   // where in between the edge stands, the columns do.
@@ -296,7 +296,7 @@ TEST(Stage7Fill, AShadowAcrossAnEdgeIsAsHighAsTheGroundBesideIt)
   for (double x = 1.025; x < 1.55; x += 0.05) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 0.12) << x;
 }
 
-TEST(Stage7Fill, ADitchIsImpassableUpToItsFarWall)
+TEST(Stage6Fill, ADitchIsImpassableUpToItsFarWall)
 {
   TestMap m;
   Scan s;
@@ -308,7 +308,7 @@ TEST(Stage7Fill, ADitchIsImpassableUpToItsFarWall)
   EXPECT_GT(m.traversability(1.275, 0.025), 0.9f);
 }
 
-TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
+TEST(Stage6Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
 {
   // Behind the wall the ground is a guess that no ray ever passed; before it rays came by.
   TestMap m;
@@ -321,7 +321,7 @@ TEST(Stage7Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
   EXPECT_TRUE(std::isnan(m.traversability(2.225, 0.025)));
 }
 
-TEST(Stage7Fill, AGapThatRaysPassedWithinHalfAMetreIsJudgedAtMostHalfFree)
+TEST(Stage6Fill, AGapThatRaysPassedWithinHalfAMetreIsJudgedAtMostHalfFree)
 {
   // Two rings on the floor, 1 and 1.6 m away: rays of the second pass 0.25 m above the floor behind
   // the first, and lower the nearer they come to their own end.
@@ -332,7 +332,7 @@ TEST(Stage7Fill, AGapThatRaysPassedWithinHalfAMetreIsJudgedAtMostHalfFree)
   EXPECT_GT(m.traversability(1.475, 0.025), 0.9f);
 }
 
-TEST(Stage7Fill, WhereRaysPassFarBelowAFillTheGroundMayDropUntilItIsMeasured)
+TEST(Stage6Fill, WhereRaysPassFarBelowAFillTheGroundMayDropUntilItIsMeasured)
 {
   // First a ray passes over what may be its surface; then rays go down behind its edge, no steeper
   // than a ramp that the robot could take.
@@ -350,7 +350,7 @@ TEST(Stage7Fill, WhereRaysPassFarBelowAFillTheGroundMayDropUntilItIsMeasured)
   EXPECT_GT(m.traversability(2.025, 0.025), 0.9f);
 }
 
-TEST(Stage7Fill, GroundThatWouldGoOnToWhereRaysPassBelowItMayDrop)
+TEST(Stage6Fill, GroundThatWouldGoOnToWhereRaysPassBelowItMayDrop)
 {
   // Rays pass low over what may be its surface, which lies far above them from 3.1 m on: somewhere
   // before it drops.
@@ -373,7 +373,7 @@ TEST(Stage7Fill, GroundThatWouldGoOnToWhereRaysPassBelowItMayDrop)
   EXPECT_GT(drops.traversability(1.375, 0.025), 0.9f);  // the shelf itself
 }
 
-TEST(Stage7Fill, TheUndersideOfSomethingWideIsNoGround)
+TEST(Stage6Fill, TheUndersideOfSomethingWideIsNoGround)
 {
   // A bridge above the sensor, of which only the underside is seen: rays to its far parts pass
   // below its near parts. A bank that is as high faces the sensor.
@@ -399,7 +399,7 @@ TEST(Stage7Fill, TheUndersideOfSomethingWideIsNoGround)
   EXPECT_GT(below.traversability(2.525, 0.025), 0.9f);
 }
 
-TEST(Stage7Fill, ARailAcrossAHillsideAboveTheSensorIsAnObstacle)
+TEST(Stage6Fill, ARailAcrossAHillsideAboveTheSensorIsAnObstacle)
 {
   // The hill on both sides of it tells the ground below it.
   const auto hill = [](double x, double) { return 0.35 * x; };
@@ -412,7 +412,7 @@ TEST(Stage7Fill, ARailAcrossAHillsideAboveTheSensorIsAnObstacle)
   EXPECT_EQ(m.traversability(3.025, 0.025), 0.0f);
 }
 
-TEST(Stage7Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
+TEST(Stage6Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
 {
   TestMap m;
   const auto column = [](Scan s)
@@ -433,7 +433,7 @@ TEST(Stage7Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
   EXPECT_GT(m.traversability(2.525, 0.025), 0.9f);
 }
 
-TEST(Stage7Fill, ARoofSeenFromAboveStandsUntilARayPassesBelowIt)
+TEST(Stage6Fill, ARoofSeenFromAboveStandsUntilARayPassesBelowIt)
 {
   // Its floor is a guess between what is seen on both sides; what hangs above the sensor may be a
   // canopy.
@@ -461,7 +461,7 @@ TEST(Stage7Fill, ARoofSeenFromAboveStandsUntilARayPassesBelowIt)
   EXPECT_GT(m.traversability(2.225, 0.025), 0.9f);
 }
 
-TEST(Stage7Fill, ARayThatSeemsToPassBelowMeasuredGroundBoundsNothing)
+TEST(Stage6Fill, ARayThatSeemsToPassBelowMeasuredGroundBoundsNothing)
 {
   // A reflection from 1 m below the ground; the hits beside its ray are of other directions.
   for (const bool ground_behind : {true, false})

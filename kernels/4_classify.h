@@ -9,7 +9,7 @@
 
 namespace talus::kernels
 {
-// Stage 5, what a cell is: see 5_opening.h for what ground is measured against.
+// Stage 4, what a cell is: see 4_opening.h for what ground is measured against.
 
 /** The class of a cell as most are, from its state alone. */
 struct ClassifyByState

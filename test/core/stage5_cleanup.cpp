@@ -24,11 +24,11 @@ int cells_above(const TestMap& m, double height_m)
 }
 }  // namespace
 
-class Stage6CleanupDirections : public ::testing::TestWithParam<int>
+class Stage5CleanupDirections : public ::testing::TestWithParam<int>
 {
 };
 
-TEST_P(Stage6CleanupDirections, ABoxThatMovesAwayIsGoneWithinTwoFramesAndLeavesGround)
+TEST_P(Stage5CleanupDirections, ABoxThatMovesAwayIsGoneWithinTwoFramesAndLeavesGround)
 {
   TestMap m;
   const Box box = box_at(2.2, GetParam());
@@ -47,10 +47,10 @@ TEST_P(Stage6CleanupDirections, ABoxThatMovesAwayIsGoneWithinTwoFramesAndLeavesG
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    AxesDiagonalsAndBetween, Stage6CleanupDirections,
+    AxesDiagonalsAndBetween, Stage5CleanupDirections,
     ::testing::Values(0, 45, 90, 135, 180, 225, 270, 315, 20, 70, 110, 200, 340));
 
-TEST(Stage6Cleanup, APostThatStaysIsNotEatenInTwoHundredFrames)
+TEST(Stage5Cleanup, APostThatStaysIsNotEatenInTwoHundredFrames)
 {
   TestMap m;
   const Box post{{2.03, 0.41, 0}, {2.07, 0.44, 0.6}};
@@ -63,7 +63,7 @@ TEST(Stage6Cleanup, APostThatStaysIsNotEatenInTwoHundredFrames)
   }
 }
 
-TEST(Stage6Cleanup, AWallSeenAtAGrazingAngleStays)
+TEST(Stage5Cleanup, AWallSeenAtAGrazingAngleStays)
 {
   TestMap m;
   const Box wall{{0.5, 0.80, 0}, {3.5, 0.85, 0.9}};
@@ -73,7 +73,7 @@ TEST(Stage6Cleanup, AWallSeenAtAGrazingAngleStays)
   EXPECT_EQ(standing, all);
 }
 
-TEST(Stage6Cleanup, ACellThatNoRayPassedKeepsItsObstacle)
+TEST(Stage5Cleanup, ACellThatNoRayPassedKeepsItsObstacle)
 {
   TestMap m;
   const Box near_box = box_at(1.5, 10), far_box = box_at(2.6, 10);
@@ -84,7 +84,7 @@ TEST(Stage6Cleanup, ACellThatNoRayPassedKeepsItsObstacle)
   EXPECT_GE(m.elevation(2.44, 0.451), before - 0.05f);
 }
 
-TEST(Stage6Cleanup, TheNumberOfFramesThatMustSeeThroughIsAParameter)
+TEST(Stage5Cleanup, TheNumberOfFramesThatMustSeeThroughIsAParameter)
 {
   for (const int frames : {1, 2, 4})
   {
@@ -102,7 +102,7 @@ TEST(Stage6Cleanup, TheNumberOfFramesThatMustSeeThroughIsAParameter)
   }
 }
 
-TEST(Stage6Cleanup, ARailingThatIsHitAndSeenThroughIsNotEaten)
+TEST(Stage5Cleanup, ARailingThatIsHitAndSeenThroughIsNotEaten)
 {
   // Three bars of 4 cm with air between; the drive makes the beams meet them now and then.
   std::vector<Box> bars;
@@ -114,7 +114,7 @@ TEST(Stage6Cleanup, ARailingThatIsHitAndSeenThroughIsNotEaten)
   EXPECT_GE(standing, all * 3 / 4) << "of " << all;
 }
 
-TEST(Stage6Cleanup, ABenchIsNotClearedByTheRaysThatPassBelowIt)
+TEST(Stage5Cleanup, ABenchIsNotClearedByTheRaysThatPassBelowIt)
 {
   const Box bench{{1.5, -0.4, 0.36}, {1.9, 0.4, 0.41}};
   TestMap m;
@@ -126,7 +126,7 @@ TEST(Stage6Cleanup, ABenchIsNotClearedByTheRaysThatPassBelowIt)
   EXPECT_EQ(m.traversability(1.525, 0.025), 0.0f);
 }
 
-TEST(Stage6Cleanup, WhatHasAirBelowItIsGoneWhenRaysGoOnAboveItsUnderside)
+TEST(Stage5Cleanup, WhatHasAirBelowItIsGoneWhenRaysGoOnAboveItsUnderside)
 {
   const Box trailer{{1.8, -0.4, 0.2}, {2.4, 0.4, 0.55}};
   TestMap m;
@@ -137,7 +137,7 @@ TEST(Stage6Cleanup, WhatHasAirBelowItIsGoneWhenRaysGoOnAboveItsUnderside)
   for (double y = -0.375; y < 0.4; y += 0.05) EXPECT_LT(m.elevation(1.825, y), 0.05f) << y;
 }
 
-TEST(Stage6Cleanup, HitsBeforeAndBehindACellTellHowFarWhatOverhangsThereReaches)
+TEST(Stage5Cleanup, HitsBeforeAndBehindACellTellHowFarWhatOverhangsThereReaches)
 {
   // A face that leans back: a cell is hit by one beam at most, and in other frames by none.
   std::vector<Box> face;
@@ -151,7 +151,7 @@ TEST(Stage6Cleanup, HitsBeforeAndBehindACellTellHowFarWhatOverhangsThereReaches)
   for (double x = 1.875; x < 2.05; x += 0.05) EXPECT_LT(m.elevation(x, 0.025), 0.05f) << x;
 }
 
-TEST(Stage6Cleanup, RaysBelowAnUndersideDoNotTellThatItLeft)
+TEST(Stage5Cleanup, RaysBelowAnUndersideDoNotTellThatItLeft)
 {
   // From now on no beam aims above the underside.
   const Box trailer{{1.8, -0.4, 0.3}, {2.4, 0.4, 0.6}};
@@ -161,7 +161,7 @@ TEST(Stage6Cleanup, RaysBelowAnUndersideDoNotTellThatItLeft)
   EXPECT_GT(m.elevation(1.825, 0.025), 0.4f);
 }
 
-TEST(Stage6Cleanup, WhatHasLeftTakesAlongItsPartsOfWhichRaysTellNothing)
+TEST(Stage5Cleanup, WhatHasLeftTakesAlongItsPartsOfWhichRaysTellNothing)
 {
   // A piece without a foot, alone or between two with one, as between the wheels of a car. When it
   // has left no beam aims above its underside.
@@ -178,7 +178,7 @@ TEST(Stage6Cleanup, WhatHasLeftTakesAlongItsPartsOfWhichRaysTellNothing)
   }
 }
 
-TEST(Stage6Cleanup, WhatStandsWhereTheRobotDroveLeavesInItsOwnShadowAndAWallBesideItsWayStays)
+TEST(Stage5Cleanup, WhatStandsWhereTheRobotDroveLeavesInItsOwnShadowAndAWallBesideItsWayStays)
 {
   const Box follower{{-0.2, -0.15, 0}, {0.19, 0.15, 0.6}}, wall{{-0.2, 0.6, 0}, {0.19, 0.7, 0.6}};
   const Box nearer{{0.6, -0.6, 0}, {0.7, 1.4, 0.6}};  // hides both
@@ -201,7 +201,7 @@ TEST(Stage6Cleanup, WhatStandsWhereTheRobotDroveLeavesInItsOwnShadowAndAWallBesi
   EXPECT_GT(m.elevation(0.175, 0.625), 0.3f);
 }
 
-TEST(Stage6Cleanup, RaysBetweenTheBarsOfARailingDoNotTellThatItLeft)
+TEST(Stage5Cleanup, RaysBetweenTheBarsOfARailingDoNotTellThatItLeft)
 {
   const std::vector<Box> bars{
       {{1.5, -0.4, 0.25}, {1.54, 0.4, 0.29}}, {{1.5, -0.4, 0.55}, {1.54, 0.4, 0.59}}};
@@ -213,7 +213,7 @@ TEST(Stage6Cleanup, RaysBetweenTheBarsOfARailingDoNotTellThatItLeft)
   EXPECT_GT(m.elevation(1.525, 0.025), 0.5f);
 }
 
-TEST(Stage6Cleanup, WhatRaysCombAndDoNotHitHasLeftWhereFewBeamsTellNothing)
+TEST(Stage5Cleanup, WhatRaysCombAndDoNotHitHasLeftWhereFewBeamsTellNothing)
 {
   // A handlebar: so thin that few rays tell that they go where it was.
   const Box bar{{1.5, -0.4, 0.45}, {1.52, 0.4, 0.47}};
@@ -230,7 +230,7 @@ TEST(Stage6Cleanup, WhatRaysCombAndDoNotHitHasLeftWhereFewBeamsTellNothing)
   }
 }
 
-TEST(Stage6Cleanup, WhatHungInACellLendsNoTimeToWhatStandsThereLater)
+TEST(Stage5Cleanup, WhatHungInACellLendsNoTimeToWhatStandsThereLater)
 {
   // The branch is seen first, over floor that is only guessed; the robot fits below it. Later beams
   // pass below it only.
@@ -244,7 +244,7 @@ TEST(Stage6Cleanup, WhatHungInACellLendsNoTimeToWhatStandsThereLater)
   EXPECT_EQ(cells_above(m, 0.05), 0);
 }
 
-TEST(Stage6Cleanup, RangeNoiseDoesNotMakeABoxOverhang)
+TEST(Stage5Cleanup, RangeNoiseDoesNotMakeABoxOverhang)
 {
   // Every fifth hit on it lies 0.1 m before its face: other rays end below and behind those hits,
   // but on the box.
@@ -264,7 +264,7 @@ TEST(Stage6Cleanup, RangeNoiseDoesNotMakeABoxOverhang)
   EXPECT_EQ(cells_above(m, 0.05), 0);
 }
 
-TEST(Stage6Cleanup, WhatIsHitForEightFramesOnEndIsNoHedge)
+TEST(Stage5Cleanup, WhatIsHitForEightFramesOnEndIsNoHedge)
 {
   // It covers a cell in part: rays pass beside it, none in its own direction.
   const Scan floor = Scan().cast({}, 1440);

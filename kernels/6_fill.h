@@ -10,7 +10,7 @@
 
 namespace talus::kernels
 {
-// Stage 7 (III-B.3): ground of cells that were not measured, from samples found along the line to
+// Stage 6 (III-B.3): ground of cells that were not measured, from samples found along the line to
 // the sensor: towards it and away from it. How samples are found is the executor's choice, for what
 // is fast on a device is slow on a core. A device searches for each cell
 // (libs/core/src/cuda/fill_search.h). A core sweeps along many lines at once
@@ -336,7 +336,7 @@ struct DropHanging
   }
 };
 
-/** Stage 7 on cell (ix, iy), stored at storage_i, from what the lines through it say. Returns its
+/** Stage 6 on cell (ix, iy), stored at storage_i, from what the lines through it say. Returns its
  * state. Once more changes nothing. */
 struct FillCell
 {
@@ -416,7 +416,7 @@ struct FillCell
     return (of_class == kObject) & (above | (state_before == kUnknown));
   }
 
-  /** What stage 8 is told of, from a cell as it is now. */
+  /** What stage 7 is told of, from a cell as it is now. */
   struct Filled
   {
     float ground_m, elevation_m;

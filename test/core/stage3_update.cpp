@@ -21,7 +21,7 @@ double variance_at(double z, const Parameters& p)
 constexpr double kX = 2.025, kY = 0.025;
 }  // namespace
 
-TEST(Stage4Update, PointsInsideTheGateFuseAsTheKalmanClosedForm)
+TEST(Stage3Update, PointsInsideTheGateFuseAsTheKalmanClosedForm)
 {
   const Parameters p;
   TestMap m(p);
@@ -38,7 +38,7 @@ TEST(Stage4Update, PointsInsideTheGateFuseAsTheKalmanClosedForm)
   EXPECT_NEAR(m.at(Layer::Variance, kX, kY), 1 / information, 1e-4 / information);
 }
 
-TEST(Stage4Update, ElevationKeepsTheHighestAndGroundTheLowest)
+TEST(Stage3Update, ElevationKeepsTheHighestAndGroundTheLowest)
 {
   TestMap m;
   m.update(column({0.0, 0.3, 0.5}));
@@ -50,7 +50,7 @@ TEST(Stage4Update, ElevationKeepsTheHighestAndGroundTheLowest)
   EXPECT_NEAR(m.elevation(kX, kY), 0.5, 1e-6);
 }
 
-TEST(Stage4Update, ALowerPointLeavesElevationAndItsVarianceAsTheyAre)
+TEST(Stage3Update, ALowerPointLeavesElevationAndItsVarianceAsTheyAre)
 {
   TestMap once, twice;
   once.update(column({0.0, 0.5}));
@@ -67,7 +67,7 @@ TEST(Stage4Update, ALowerPointLeavesElevationAndItsVarianceAsTheyAre)
   EXPECT_EQ(heights_and_variances(once), heights_and_variances(twice));
 }
 
-TEST(Stage4Update, TheVarianceHasAFloor)
+TEST(Stage3Update, TheVarianceHasAFloor)
 {
   Parameters p;
   p.min_variance_m2 = 1e-5;
@@ -76,7 +76,7 @@ TEST(Stage4Update, TheVarianceHasAFloor)
   EXPECT_FLOAT_EQ(m.at(Layer::Variance, kX, kY), 1e-5f);
 }
 
-TEST(Stage4Update, ATableTopAboveSeenGroundIsPassableAndALowBeamIsNot)
+TEST(Stage3Update, ATableTopAboveSeenGroundIsPassableAndALowBeamIsNot)
 {
   TestMap table, beam;
   Scan ground(0, 0, 0.7);
@@ -94,14 +94,14 @@ TEST(Stage4Update, ATableTopAboveSeenGroundIsPassableAndALowBeamIsNot)
   }
 }
 
-TEST(Stage4Update, OneFrameWithGroundAndTableTopGivesTheSameAsTwo)
+TEST(Stage3Update, OneFrameWithGroundAndTableTopGivesTheSameAsTwo)
 {
   TestMap m;
   m.update(column({0.0, 0.72}));
   EXPECT_NEAR(m.elevation(kX, kY), 0.0, 1e-6);
 }
 
-TEST(Stage4Update, TheClimbStopsAtTheFirstGapLargerThanTheClearance)
+TEST(Stage3Update, TheClimbStopsAtTheFirstGapLargerThanTheClearance)
 {
   TestMap joined, hanging;
   joined.update(column({0.0, 0.55, 1.1, 1.65}));  // no gap above 0.6 m: one standing thing
@@ -110,7 +110,7 @@ TEST(Stage4Update, TheClimbStopsAtTheFirstGapLargerThanTheClearance)
   EXPECT_NEAR(hanging.elevation(kX, kY), 0.3, 1e-6);
 }
 
-TEST(Stage4Update, AnObjectSeenBeforeTheGroundUnderItHangsOnceTheGroundIsSeen)
+TEST(Stage3Update, AnObjectSeenBeforeTheGroundUnderItHangsOnceTheGroundIsSeen)
 {
   TestMap m;
   m.update(column({0.75, 0.85}));
@@ -120,7 +120,7 @@ TEST(Stage4Update, AnObjectSeenBeforeTheGroundUnderItHangsOnceTheGroundIsSeen)
   EXPECT_NEAR(m.elevation(kX, kY), 0.0, 1e-6);
 }
 
-TEST(Stage4Update, WhatStoodOverAGuessHangsOnceTheFloorBelowItIsHit)
+TEST(Stage3Update, WhatStoodOverAGuessHangsOnceTheFloorBelowItIsHit)
 {
   // The floor is known on one side, so that the ground below the sign is a guess from there, and
   // what was hit high above it may be a wall. In the next frame a cell shows floor and sign.
@@ -137,7 +137,7 @@ TEST(Stage4Update, WhatStoodOverAGuessHangsOnceTheFloorBelowItIsHit)
   EXPECT_GT(m.traversability(2.075, 0.025), 0.99f);
 }
 
-TEST(Stage4Update, GroundFoundLessThanTheClearanceBelowAnObjectMakesItAnObstacle)
+TEST(Stage3Update, GroundFoundLessThanTheClearanceBelowAnObjectMakesItAnObstacle)
 {
   TestMap m;
   m.update(column({0.4, 0.5}));
@@ -146,7 +146,7 @@ TEST(Stage4Update, GroundFoundLessThanTheClearanceBelowAnObjectMakesItAnObstacle
   EXPECT_NEAR(m.elevation(kX, kY), 0.5, 1e-6);
 }
 
-TEST(Stage4Update, AStandingPostSeenOnlyAtItsTopStillStands)
+TEST(Stage3Update, AStandingPostSeenOnlyAtItsTopStillStands)
 {
   TestMap m;
   m.update(column({0.0, 0.3, 0.6, 0.9, 1.2, 1.5}));
@@ -154,7 +154,7 @@ TEST(Stage4Update, AStandingPostSeenOnlyAtItsTopStillStands)
   EXPECT_NEAR(m.elevation(kX, kY), 1.5, 1e-6);
 }
 
-TEST(Stage4Update, AHitThatStandsAloneOverBareGroundCountsAfterTwoWithinAFewScans)
+TEST(Stage3Update, AHitThatStandsAloneOverBareGroundCountsAfterTwoWithinAFewScans)
 {
   const auto flat_ground = Scan().add_surface(1.5, -0.5, 2.5, 0.5, flat);
   for (const int between : {0, 2, 4})

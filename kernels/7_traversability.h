@@ -9,7 +9,7 @@
 
 namespace talus::kernels
 {
-// Stage 8 (III-C): slope and step of the ground, roughness of the elevation, in a square
+// Stage 7 (III-C): slope and step of the ground, roughness of the elevation, in a square
 // neighbourhood. Sums over the neighbourhood are exact integers, so the order in which they are
 // formed does not matter: here first along rows, then along columns. Signs are as printed in eq. 11
 // and 12: a floor cell beside a wall lies below its neighbours and must not become rough for it.
@@ -142,11 +142,17 @@ TALUS_HD Features features_of(const Moments& m, std::int32_t height, const Confi
       clamp01(1.0f - (own - mean_height) * k.inverse_roughness_threshold)};
 }
 
-/** How a cell is judged, before its neighbours are looked at. */
+/** What is said of a cell before its neighbours are looked at. */
+enum Passability : std::uint8_t
+{
+  kPassable = 0,  //!< or not judged: its neighbours may make it impassable
+  kImpassable = 1,
+  kSteep = 2  //!< only its slope says that it is impassable; once LowStep was asked: a low step
+};
 struct Judgement
 {
-  float score;  //!< traversability
-  std::int32_t steep_only;  //!< impassable for its slope alone, unless that is a low step's
+  float score;  //!< traversability; of kSteep that of a cell without a slope
+  std::int32_t passability;
 };
 
 /** Eq. 13: the weighted sum; zero, impassable, where step or roughness is. Where only the slope is
@@ -158,7 +164,7 @@ TALUS_HD Judgement fuse_features(const Features& f, const Config& k)
       k.weight_step * f.step + k.weight_slope * f.slope + k.weight_roughness * f.roughness;
   return {
       select(impassable, 0.0f, select(is_known(f.slope), sum, kNan)),
-      select(!impassable & (f.slope == 0.0f), 1, 0)};
+      select(!impassable & (f.slope == 0.0f), kSteep, kPassable)};
 }
 
 /** Whether a rise within a cell is steeper than the slope threshold; in quantised steps. */

@@ -1,6 +1,6 @@
 #pragma once
-#include "kernels/8_traversability.h"
-#include "kernels/9_sparsity.h"
+#include "kernels/7_traversability.h"
+#include "kernels/7_sparsity.h"
 #include "kernels/config.h"
 #include "kernels/lines.h"
 #include "kernels/math.h"
@@ -9,36 +9,28 @@
 
 namespace talus::kernels
 {
-// Stages 8 and 9 on the cells, and what follows from their neighbours.
+// Stage 7 on the cells, and what follows from their neighbours.
 
-/** The layers of stages 8 and 9, window order. The first four may be null for those who want
+/** The layers of stage 7, window order. The first four may be null for those who want
  * traversability alone. */
 struct FeatureLayers
 {
   float *slope, *step, *roughness, *sparsity, *traversability;
 };
 
-/** What is judged of the cells before CompleteObstacles, window order. */
-struct JudgedArrays
+/** What was judged around a cell: each a Passability, from that cell on, its neighbour in the next
+ * row `pitch` behind it. */
+struct PassabilityAround
 {
-  float* score;  //!< with a row and a cell more on both ends
-  std::uint8_t* steep_only;  //!< the same; once LowStep was asked: at a low step
-};
-
-/** What was judged around a cell: arrays from that cell on, its neighbour in the next row `pitch`
- * behind it. */
-struct JudgedAround
-{
-  const float* score;
-  const std::uint8_t* low_step;
+  const std::uint8_t* at;
   int pitch;
 
-  TALUS_HD bool blocks(int to) const { return score[to] == 0.0f; }
-  /** Impassable already, or at a low step. */
-  TALUS_HD bool is_settled(int to) const { return (score[to] == 0.0f) | (low_step[to] != 0); }
+  TALUS_HD bool blocks(int to) const { return at[to] == kImpassable; }
+  /** Nothing changes it any more. */
+  TALUS_HD bool is_settled(int to) const { return at[to] != kPassable; }
 };
 
-/** Stages 8 and 9 on cell (ix, iy): first along rows, then across them. `kParts`: what
+/** Stage 7 on cell (ix, iy): first along rows, then across them. `kParts`: what
  * traversability is made of is wanted too, not it alone. */
 template <bool kParts>
 struct ComputeFeatures
@@ -52,7 +44,8 @@ struct ComputeFeatures
   LineGrid grid;
   const float* fall_m;
   FeatureLayers out;
-  JudgedArrays judged;
+  std::uint8_t*
+      passability;  //!< window order, a row and a cell more on both ends; null: see judge()
 
   TALUS_HD const Surface& neighbour(int ix, int iy) const
   {
@@ -79,13 +72,13 @@ struct ComputeFeatures
   /** Whether finish() may change the cell, after one of these. */
   TALUS_HD bool applies(int ix, int iy, const Moments&) const
   {
-    return neighbour(ix, iy).is(kSurfaceMayDrop) | (judged.steep_only[iy * cells + ix] != 0);
+    return neighbour(ix, iy).is(kSurfaceMayDrop) | (passability[iy * cells + ix] == kSteep);
   }
   /** What only few cells need. */
   TALUS_HD void finish(int ix, int iy, const Moments&) const
   {
     const int window_i = iy * cells + ix;
-    const Judgement most{judged.score[window_i], judged.steep_only[window_i]};
+    const Judgement most{out.traversability[window_i], passability[window_i]};
     put(ix, iy, settle(ix, iy, most, true));
   }
   /** All of that, for executors that go on with the result: puts only the parts, of cells that are
@@ -99,8 +92,8 @@ struct ComputeFeatures
   TALUS_HD void put(int ix, int iy, const Judgement& j) const
   {
     const int window_i = iy * cells + ix;
-    judged.score[window_i] = out.traversability[window_i] = j.score;
-    judged.steep_only[window_i] = static_cast<std::uint8_t>(j.steep_only);
+    out.traversability[window_i] = j.score;
+    passability[window_i] = static_cast<std::uint8_t>(j.passability);
   }
   /** As most cells are judged. */
   template <bool kWhole>
@@ -121,27 +114,29 @@ struct ComputeFeatures
     // What no ray ever met, nor passed low over its ground, may be the inside of a thing.
     const bool seen = cell.is(kSurfaceSeen), told = known & (seen | cell.is(kSurfaceNear));
     const Judgement features = fuse_features(f, *config);
-    const bool driven = cell.is(kSurfaceDriven), steep = features.steep_only != 0;
+    const bool driven = cell.is(kSurfaceDriven), steep = features.passability == kSteep;
     const float least = select(driven, kDrivenScore, 0.0f);
     const float most = select(steep & driven, kDrivenScore, kInfinity);
     const float of_seen = select(seen | steep, most, kPassedNearScore);
     const float score = max_of(min_of(features.score, of_seen), least);
-    return {select(told, score, kNan), select(told & steep & !driven, 1, 0)};
+    const int of_low = select(steep & !driven, kSteep, kPassable);
+    const int of_judged = select(score == 0.0f, kImpassable, of_low);
+    return {select(told, score, kNan), select(told, of_judged, static_cast<int>(kPassable))};
   }
-  /** `most`, unless stage 9 says otherwise, or its slope is not that of a low step. */
+  /** `most`, unless stage 7 says otherwise, or its slope is not that of a low step. */
   TALUS_HD Judgement settle(int ix, int iy, const Judgement& most, bool own) const
   {
-    const Judgement impassable{0.0f, 0};
+    const Judgement impassable{0.0f, kImpassable};
     if (neighbour(ix, iy).is(kSurfaceMayDrop))
     {
       if constexpr (kParts)
         if (own) out.sparsity[iy * cells + ix] = suspicion_of(ix, iy);
       return impassable;
     }
-    const bool steep = most.steep_only != 0 && !LowStep{*config, surfaces}.is_at(ix, iy);
+    const bool steep = most.passability == kSteep && !LowStep{*config, surfaces}.is_at(ix, iy);
     return steep ? impassable : most;
   }
-  /** Whether stage 9 looks there. The sensor's own cell lies on no line. */
+  /** Whether stage 7 looks there. The sensor's own cell lies on no line. */
   TALUS_HD bool is_near(int ix, int iy) const
   {
     const bool on_line = ix != cells / 2 || iy != cells / 2;
@@ -160,7 +155,7 @@ struct ComputeFeatures
   }
 };
 
-/** The last step of stage 8: cells at the edge of what is impassable join it, but for those at a
+/** The last step of stage 7: cells at the edge of what is impassable join it, but for those at a
  * low step. What a neighbourhood says of its middle ends before the edge of what is steep, things
  * that rays pass through are hit in some of their cells only, and what covers a cell in part is hit
  * now and then. */
@@ -169,41 +164,41 @@ struct CompleteObstacles
   int cells;
   const Config* config;
   Surfaces surfaces;
-  JudgedArrays judged;
+  const std::uint8_t* passability;  //!< see ComputeFeatures
   float* traversability;
 
   TALUS_HD bool applies(int ix, int iy, int) const { return applies(ix, iy, around(ix, iy)); }
   TALUS_HD void operator()(int ix, int iy, int) const
   {
-    if (joins(ix, iy, around(ix, iy))) traversability[iy * cells + ix] = 0.0f;
+    float& score = traversability[iy * cells + ix];
+    if (joins(ix, iy, around(ix, iy), score)) score = 0.0f;
   }
-  /** Joins the cell or puts its judgement, where that lies elsewhere. */
-  TALUS_HD void complete(int ix, int iy, const JudgedAround& at) const
+  /** Joins the cell or puts what it was judged, where that lies elsewhere. */
+  TALUS_HD void complete(int ix, int iy, const PassabilityAround& at, float score) const
   {
-    const bool joined = applies(ix, iy, at) && joins(ix, iy, at);
-    traversability[iy * cells + ix] = joined ? 0.0f : *at.score;
+    const bool joined = applies(ix, iy, at) && joins(ix, iy, at, score);
+    traversability[iy * cells + ix] = joined ? 0.0f : score;
   }
 
  private:
-  TALUS_HD JudgedAround around(int ix, int iy) const
+  TALUS_HD PassabilityAround around(int ix, int iy) const
   {
-    const int i = iy * cells + ix;
-    return {judged.score + i, judged.steep_only + i, cells};
+    return {passability + iy * cells + ix, cells};
   }
-  TALUS_HD bool applies(int ix, int iy, const JudgedAround& at) const
+  TALUS_HD bool applies(int ix, int iy, const PassabilityAround& at) const
   {
     const int n = cells;
     const bool inside = (ix > 0) & (iy > 0) & (ix < n - 1) & (iy < n - 1);
     return inside & !at.is_settled(0) &
            (settled_in_row(at, -at.pitch) | settled_in_row(at, 0) | settled_in_row(at, at.pitch));
   }
-  TALUS_HD bool joins(int ix, int iy, const JudgedAround& at) const
+  TALUS_HD bool joins(int ix, int iy, const PassabilityAround& at, float score) const
   {
     const Surface& cell = surfaces.cell[surfaces.at(ix, iy)];
     if (cell.is(kSurfaceDriven)) return false;
     const bool hit_lately = cell.is(kSurfaceHitLately);
     return between(at) || (hit_lately && beside(at)) || beside_drop(ix, iy) ||
-           (is_known(*at.score) && at_steep_edge(ix, iy, at));
+           (is_known(score) && at_steep_edge(ix, iy, at));
   }
   /** Nobody knows to a cell where the ground ends. */
   TALUS_HD bool beside_drop(int ix, int iy) const
@@ -215,19 +210,19 @@ struct CompleteObstacles
     return any;
   }
 
-  static TALUS_HD bool settled_in_row(const JudgedAround& at, int row)
+  static TALUS_HD bool settled_in_row(const PassabilityAround& at, int row)
   {
     return at.is_settled(row - 1) | at.is_settled(row) | at.is_settled(row + 1);
   }
 
   /** Shares a side with an impassable cell. */
-  static TALUS_HD bool beside(const JudgedAround& at)
+  static TALUS_HD bool beside(const PassabilityAround& at)
   {
     return at.blocks(-1) || at.blocks(1) || at.blocks(-at.pitch) || at.blocks(at.pitch);
   }
 
   /** Between two impassable cells on opposite sides: no robot fits through one cell. */
-  static TALUS_HD bool between(const JudgedAround& at)
+  static TALUS_HD bool between(const PassabilityAround& at)
   {
     const auto both = [&at](int to) { return at.blocks(-to) && at.blocks(to); };
     return both(1) || both(at.pitch) || both(at.pitch + 1) || both(at.pitch - 1);
@@ -236,7 +231,7 @@ struct CompleteObstacles
   /** Of measured cells: the surface rises or falls at least a third as steeply as it may to an
    * impassable neighbour on which nothing stands (two cells alone tell a slope that badly), or a
    * face begins in the cell that is higher, with the neighbours, than a step. */
-  TALUS_HD bool at_steep_edge(int ix, int iy, const JudgedAround& judgement) const
+  TALUS_HD bool at_steep_edge(int ix, int iy, const PassabilityAround& judgement) const
   {
     const Surface* at = surfaces.cell + surfaces.at(ix, iy);
     if (!at->is(kSurfaceMeasured)) return false;

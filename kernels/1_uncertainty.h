@@ -4,7 +4,7 @@
 
 namespace talus::kernels
 {
-/** Stage 2 (III-A.2): variance of a point's height, sensor noise plus pose change,
+/** Stage 1 (III-A.2): variance of a point's height, sensor noise plus pose change,
  * (c_beam + a_beam l)^2 + (lambda_t l sin(theta/2))^2 with l the range of the point in the sensor
  * frame [m^2]. */
 TALUS_HD float point_variance(

@@ -38,7 +38,7 @@ const double kSlope_m = 0.5 * std::tan(Parameters().slope_threshold_rad) * 1.05;
 constexpr double kHigh_m = 0.9;
 }  // namespace
 
-TEST(Stage9Sparsity, Equation14ByNumbersWorkedOutByHand)
+TEST(Stage7Sparsity, Equation14ByNumbersWorkedOutByHand)
 {
   // h_s = 0.12 m < h_c = 0.2 m: 1 - 0.12 / 0.2.
   TestMap shallow(short_search());
@@ -51,7 +51,7 @@ TEST(Stage9Sparsity, Equation14ByNumbersWorkedOutByHand)
   EXPECT_EQ(deep.traversability(kX, kY), 0.0f);
 }
 
-TEST(Stage9Sparsity, FarAwayTheSameHeightDifferenceWeighsLess)
+TEST(Stage7Sparsity, FarAwayTheSameHeightDifferenceWeighsLess)
 {
   // h_s = 0.3 m >= h_c, 1.5 m away (30 cells) with d_c = 0.6 m: 1 - 0.3 * 0.6 / (0.2 * 1.5) =
   // 0.4.
@@ -62,7 +62,7 @@ TEST(Stage9Sparsity, FarAwayTheSameHeightDifferenceWeighsLess)
   EXPECT_NEAR(m.at(Layer::Sparsity, kX, kY), 0.4, 1e-4);
 }
 
-TEST(Stage9Sparsity, WhatADrivableSlopeExplainsIsNoDitch)
+TEST(Stage7Sparsity, WhatADrivableSlopeExplainsIsNoDitch)
 {
   // The crest of a ramp: the floor behind it is 0.3 m lower, a metre away.
   TestMap m(short_search());
@@ -71,7 +71,7 @@ TEST(Stage9Sparsity, WhatADrivableSlopeExplainsIsNoDitch)
   EXPECT_GT(m.traversability(kX, kY), 0.0f);
 }
 
-TEST(Stage9Sparsity, OneHeightOrNoneLeavesTheCellUnknown)
+TEST(Stage7Sparsity, OneHeightOrNoneLeavesTheCellUnknown)
 {
   TestMap m(short_search());
   m.update(gap(2));  // nothing on the far side
@@ -80,7 +80,7 @@ TEST(Stage9Sparsity, OneHeightOrNoneLeavesTheCellUnknown)
   EXPECT_TRUE(std::isnan(m.traversability(kX, kY)));
 }
 
-TEST(Stage9Sparsity, FarFromTheRobotAGuessIsJudgedByItsGeometry)
+TEST(Stage7Sparsity, FarFromTheRobotAGuessIsJudgedByItsGeometry)
 {
   Parameters p = short_search();
   p.sparsity_range_m = 1.0;

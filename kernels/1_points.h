@@ -1,6 +1,6 @@
 #pragma once
 #include "kernels/1_accept.h"
-#include "kernels/2_uncertainty.h"
+#include "kernels/1_uncertainty.h"
 #include "kernels/atomics.h"
 #include "kernels/cell.h"
 #include "kernels/config.h"
@@ -10,7 +10,7 @@
 
 namespace talus::kernels
 {
-// Stages 1 and 2 on the points of a frame, and what their rays say of the space before them.
+// Stage 1 on the points of a frame, and what their rays say of the space before them.
 
 /** A stretch of places, for one of several threads. */
 struct Part
@@ -21,7 +21,7 @@ struct Part
 /** Of a point that is in a cell and does not count. */
 constexpr std::uint32_t kNoRank = ~0u;
 
-/** What stages 1 and 2 leave of each point. */
+/** What stage 1 leaves of each point. */
 struct PointsOut
 {
   std::int32_t* cell;  //!< storage index, or -1: not in the map
@@ -77,7 +77,7 @@ struct NoteReach
   }
 };
 
-/** Stages 1 and 2: transforms, accepts and weighs one point, and notes the ray that it ended. */
+/** Stage 1: transforms, accepts and weighs one point, and notes the ray that it ended. */
 template <class Atomics>
 struct AcceptPoint
 {

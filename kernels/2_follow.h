@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/2_points.h"
+#include "kernels/1_points.h"
 #include "kernels/atomics.h"
 #include "kernels/cell.h"
 #include "kernels/config.h"
@@ -24,7 +24,7 @@ struct OffsetHistogram
 };
 
 /** Puts a point into the histogram, if it is one of those that are looked at and the sensor looks
- * down there on bare ground that was measured. After stage 3; whatever is buried is far below. */
+ * down there on bare ground that was measured. After stage 2; whatever is buried is far below. */
 template <class Atomics>
 struct CountOffset
 {

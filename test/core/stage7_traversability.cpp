@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include "kernels/8_traversability.h"
+#include "kernels/7_traversability.h"
 #include "scene.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ double slope_deg(const TestMap& m, double x, double y)
 }
 }  // namespace
 
-TEST(Stage8Traversability, APlaneTiltedByTenDegreesHasThatSlopeEverywhere)
+TEST(Stage7Traversability, APlaneTiltedByTenDegreesHasThatSlopeEverywhere)
 {
   for (const double azimuth_deg : {0.0, 30.0, 45.0, 90.0, 200.0})
   {
@@ -41,7 +41,7 @@ TEST(Stage8Traversability, APlaneTiltedByTenDegreesHasThatSlopeEverywhere)
   }
 }
 
-TEST(Stage8Traversability, FlatGroundIsFreeToTheEdgeOfTheWindow)
+TEST(Stage7Traversability, FlatGroundIsFreeToTheEdgeOfTheWindow)
 {
   TestMap m;
   m.update(Scan().add_surface(-4, -4, 4, 4, flat));
@@ -55,7 +55,7 @@ TEST(Stage8Traversability, FlatGroundIsFreeToTheEdgeOfTheWindow)
   EXPECT_NEAR(m.traversability(-3.975, 3.975), 1.0, 1e-6);
 }
 
-TEST(Stage8Traversability, AWallOneCellThickBlocksAtMostItsOwnCellsAndTheirNeighbours)
+TEST(Stage7Traversability, AWallOneCellThickBlocksAtMostItsOwnCellsAndTheirNeighbours)
 {
   TestMap m;
   const Box wall{{1.51, -2, 0}, {1.54, 2, 1.2}};
@@ -73,7 +73,7 @@ TEST(Stage8Traversability, AWallOneCellThickBlocksAtMostItsOwnCellsAndTheirNeigh
   }
 }
 
-TEST(Stage8Traversability, ASlopeOfFortyDegreesIsImpassable)
+TEST(Stage7Traversability, ASlopeOfFortyDegreesIsImpassable)
 {
   TestMap m;
   const double t = std::tan(40 * M_PI / 180);
@@ -81,7 +81,7 @@ TEST(Stage8Traversability, ASlopeOfFortyDegreesIsImpassable)
   EXPECT_EQ(m.traversability(0.525, 0.525), 0.0f);
 }
 
-TEST(Stage8Traversability, Equations10To13ByNumbersWorkedOutByHand)
+TEST(Stage7Traversability, Equations10To13ByNumbersWorkedOutByHand)
 {
   // One cell 0.04 m above 48 flat neighbours. Mean of the 49: 0.04 / 49.
   Parameters p;
@@ -102,7 +102,7 @@ TEST(Stage8Traversability, Equations10To13ByNumbersWorkedOutByHand)
   EXPECT_NEAR(m.traversability(2.025, 0.025), 0.4 * 1.0 + 0.3 * step + 0.3 * roughness, 2e-3);
 }
 
-TEST(Stage8Traversability, AFloorCellBesideAnObstacleIsNeitherRoughNorAStep)
+TEST(Stage7Traversability, AFloorCellBesideAnObstacleIsNeitherRoughNorAStep)
 {
   TestMap m;
   Scan s;
@@ -114,7 +114,7 @@ TEST(Stage8Traversability, AFloorCellBesideAnObstacleIsNeitherRoughNorAStep)
   EXPECT_EQ(m.at(Layer::Step, 2.025, 0.025), 0.0f);
 }
 
-TEST(Stage8Traversability, TooFewNeighboursLeaveTheSlopeAndWithItTheCellUnknown)
+TEST(Stage7Traversability, TooFewNeighboursLeaveTheSlopeAndWithItTheCellUnknown)
 {
   Parameters p;
   p.fill_search_m = 0;
@@ -124,7 +124,7 @@ TEST(Stage8Traversability, TooFewNeighboursLeaveTheSlopeAndWithItTheCellUnknown)
   EXPECT_TRUE(std::isnan(m.traversability(2.025, 0.025)));
 }
 
-TEST(Stage8Traversability, UnknownCellsHaveNoFeatures)
+TEST(Stage7Traversability, UnknownCellsHaveNoFeatures)
 {
   TestMap m;
   m.update(Scan());
@@ -132,7 +132,7 @@ TEST(Stage8Traversability, UnknownCellsHaveNoFeatures)
     for (float v : m.map.layer(static_cast<Layer>(l))) ASSERT_TRUE(std::isnan(v));
 }
 
-TEST(Stage8Traversability, BehindABoxThatRaysPassOverNothingIsKnownToBeFree)
+TEST(Stage7Traversability, BehindABoxThatRaysPassOverNothingIsKnownToBeFree)
 {
   TestMap m;
   const Box box{{1.5, -0.5, 0}, {2.3, 0.5, 0.4}};
@@ -142,7 +142,7 @@ TEST(Stage8Traversability, BehindABoxThatRaysPassOverNothingIsKnownToBeFree)
   EXPECT_GT(m.traversability(0.5, 0.025), 0.8f);  // blind zone
 }
 
-TEST(Stage8Traversability, AGapOfOneCellBetweenImpassableCellsIsImpassable)
+TEST(Stage7Traversability, AGapOfOneCellBetweenImpassableCellsIsImpassable)
 {
   for (const int gap_cells : {1, 3})
   {
@@ -157,7 +157,7 @@ TEST(Stage8Traversability, AGapOfOneCellBetweenImpassableCellsIsImpassable)
   }
 }
 
-TEST(Stage8Traversability, ASteepFaceIsImpassableUpToItsEdge)
+TEST(Stage7Traversability, ASteepFaceIsImpassableUpToItsEdge)
 {
   for (const double degrees : {45.0, 25.0})
   {
@@ -175,7 +175,7 @@ TEST(Stage8Traversability, ASteepFaceIsImpassableUpToItsEdge)
   }
 }
 
-TEST(Stage8Traversability, AKerbLowerThanAStepIsPassableAHigherOneIsNot)
+TEST(Stage7Traversability, AKerbLowerThanAStepIsPassableAHigherOneIsNot)
 {
   for (const double height_m : {0.14, 0.3})
   {
@@ -191,7 +191,7 @@ TEST(Stage8Traversability, AKerbLowerThanAStepIsPassableAHigherOneIsNot)
   }
 }
 
-TEST(Stage8Traversability, AKerbOfWhichTheFaceWasHitBetweenRoughGroundIsPassable)
+TEST(Stage7Traversability, AKerbOfWhichTheFaceWasHitBetweenRoughGroundIsPassable)
 {
   // The lowest hits of its cells lie anywhere on the face.
   Random random(14);
@@ -214,7 +214,7 @@ TEST(Stage8Traversability, AKerbOfWhichTheFaceWasHitBetweenRoughGroundIsPassable
       EXPECT_GT(m.traversability(x, y), 0.0f) << x << "," << y;
 }
 
-TEST(Stage8Traversability, AWallBesideAKerbIsNoStepThatTheRobotTakes)
+TEST(Stage7Traversability, AWallBesideAKerbIsNoStepThatTheRobotTakes)
 {
   TestMap m;
   Scan s(2, 0, 0.7);
@@ -226,7 +226,7 @@ TEST(Stage8Traversability, AWallBesideAKerbIsNoStepThatTheRobotTakes)
   for (double y = -0.775; y < 0.8; y += 0.05) EXPECT_EQ(m.traversability(2.225, y), 0.0f) << y;
 }
 
-TEST(Stage8Traversability, TheEdgeOfABarThatIsHitNowAndThenIsImpassable)
+TEST(Stage7Traversability, TheEdgeOfABarThatIsHitNowAndThenIsImpassable)
 {
   // A bar covers one row of cells and a sliver of the next, which is hit in some frames only; in
   // all frames rays pass below both.
@@ -248,7 +248,7 @@ TEST(Stage8Traversability, TheEdgeOfABarThatIsHitNowAndThenIsImpassable)
   }
 }
 
-TEST(Stage8Traversability, WholeNeighbourhoodsHaveTheSlopeThatAllHave)
+TEST(Stage7Traversability, WholeNeighbourhoodsHaveTheSlopeThatAllHave)
 {
   // The short way to it gives the same bits as the long one.
   std::mt19937 random(8);

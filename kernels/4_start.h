@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/5_underfoot.h"
+#include "kernels/4_underfoot.h"
 #include "kernels/cell.h"
 #include "kernels/config.h"
 #include "kernels/frame.h"

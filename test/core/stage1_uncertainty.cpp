@@ -4,7 +4,7 @@
 using namespace talus;
 using namespace talus::test;
 
-TEST(Stage2Uncertainty, AStillSensorGivesTheBeamModelOfEquation3)
+TEST(Stage1Uncertainty, AStillSensorGivesTheBeamModelOfEquation3)
 {
   Parameters p;
   p.c_beam_m = 0.01, p.a_beam = 0.002;
@@ -17,7 +17,7 @@ TEST(Stage2Uncertainty, AStillSensorGivesTheBeamModelOfEquation3)
   EXPECT_NEAR(m.at(Layer::Variance, 2.02, 1.01), expected, 1e-5 * expected);
 }
 
-TEST(Stage2Uncertainty, ATiltBetweenFramesAddsEquation4)
+TEST(Stage1Uncertainty, ATiltBetweenFramesAddsEquation4)
 {
   Parameters p;
   p.c_beam_m = 0.01, p.a_beam = 0.0, p.lambda_t = 1.5;
@@ -37,7 +37,7 @@ TEST(Stage2Uncertainty, ATiltBetweenFramesAddsEquation4)
   EXPECT_NEAR(m.at(Layer::Variance, x, 1.001), expected, 1e-4 * expected);
 }
 
-TEST(Stage2Uncertainty, AYawBetweenFramesAddsNothing)
+TEST(Stage1Uncertainty, AYawBetweenFramesAddsNothing)
 {
   Parameters p;
   p.c_beam_m = 0.01, p.a_beam = 0.0;
@@ -52,7 +52,7 @@ TEST(Stage2Uncertainty, AYawBetweenFramesAddsNothing)
   EXPECT_NEAR(m.at(Layer::Variance, -1.01, 2.01), 1e-4, 1e-9);
 }
 
-TEST(Stage2Uncertainty, EachSensorIsComparedWithItsOwnLastFrame)
+TEST(Stage1Uncertainty, EachSensorIsComparedWithItsOwnLastFrame)
 {
   Parameters p;
   p.c_beam_m = 0.01, p.a_beam = 0.0;
@@ -74,7 +74,7 @@ TEST(Stage2Uncertainty, EachSensorIsComparedWithItsOwnLastFrame)
   EXPECT_LT(m.at(Layer::Variance, 2.01, 1.01), 1.0001e-4);
 }
 
-TEST(Stage2Uncertainty, MoreSensorsThanAMapTellsApartAreRefused)
+TEST(Stage1Uncertainty, MoreSensorsThanAMapTellsApartAreRefused)
 {
   TestMap m;
   Frame f = Scan().frame();

@@ -10,14 +10,14 @@
 
 namespace talus::kernels
 {
-// Stage 5 (III-B.4): which cells are inferred (again) from the updated map. Those are the unknown,
+// Stage 4 (III-B.4): which cells are inferred (again) from the updated map. Those are the unknown,
 // the guesses, and measured "ground" that turns out to be an object whose ground was never seen.
 //
 // A measured ground is an object if it is both narrow and steep: it stands above the morphological
 // opening of the measured ground (nothing as wide as object_size_m fits below its top: a wall, a
 // rock, a branch; but not the edge of a platform or a kerb), and above a cone of the steepest slope
 // that ground has over ground close by (so that a ridge or a bank is no object). Both work on pairs
-// of cells, and in passes along rows and columns. A bridge is both, and no object: 5_classify.h.
+// of cells, and in passes along rows and columns. A bridge is both, and no object: 4_classify.h.
 
 /** What coarse cells hold. */
 struct CoarseCell

@@ -4,7 +4,7 @@
 using namespace talus;
 using namespace talus::test;
 
-TEST(Stage5Refill, AOneSidedGuessIsRefilledWhenTheOtherSideIsSeen)
+TEST(Stage4Classify, AOneSidedGuessIsRefilledWhenTheOtherSideIsSeen)
 {
   TestMap m;
   const auto slope = [](double x, double) { return 0.1 * (x - 1); };
@@ -16,7 +16,7 @@ TEST(Stage5Refill, AOneSidedGuessIsRefilledWhenTheOtherSideIsSeen)
   EXPECT_GT(m.ground(1.775, 0.025), 0.05);
 }
 
-TEST(Stage5Refill, AFillFollowsNearerDataAndKeepsItsStateWithoutAny)
+TEST(Stage4Classify, AFillFollowsNearerDataAndKeepsItsStateWithoutAny)
 {
   TestMap m;
   m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
@@ -29,7 +29,7 @@ TEST(Stage5Refill, AFillFollowsNearerDataAndKeepsItsStateWithoutAny)
   EXPECT_EQ(m.state(1.775, 0.025), CellState::FilledTwoSided);
 }
 
-TEST(Stage5Refill, AReliableFillGivesWayToAMeasurement)
+TEST(Stage4Classify, AReliableFillGivesWayToAMeasurement)
 {
   TestMap m;
   m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
@@ -38,7 +38,7 @@ TEST(Stage5Refill, AReliableFillGivesWayToAMeasurement)
   EXPECT_NEAR(m.ground(1.775, 0.025), 0.04, 1e-6);
 }
 
-TEST(Stage5Refill, AWallWhoseFootWasNeverSeenGetsTheGroundBesideIt)
+TEST(Stage4Classify, AWallWhoseFootWasNeverSeenGetsTheGroundBesideIt)
 {
   TestMap m;
   Scan s;
@@ -53,7 +53,7 @@ TEST(Stage5Refill, AWallWhoseFootWasNeverSeenGetsTheGroundBesideIt)
   EXPECT_GT(m.traversability(1.975, 0.025), 0.99f);  // the floor beside it stays free
 }
 
-TEST(Stage5Refill, TheLowestHitOnAFaceIsNoGroundWhereBareFloorIsInReach)
+TEST(Stage4Classify, TheLowestHitOnAFaceIsNoGroundWhereBareFloorIsInReach)
 {
   // A slope of 45 degrees would lead up to it.
   for (const double floor_ends_m : {1.6, 1.8})
@@ -69,7 +69,7 @@ TEST(Stage5Refill, TheLowestHitOnAFaceIsNoGroundWhereBareFloorIsInReach)
   }
 }
 
-TEST(Stage5Refill, WhatStandsOnTheEdgeOfAPlatformStandsOnThePlatform)
+TEST(Stage4Classify, WhatStandsOnTheEdgeOfAPlatformStandsOnThePlatform)
 {
   TestMap m;
   Scan s;
@@ -81,7 +81,7 @@ TEST(Stage5Refill, WhatStandsOnTheEdgeOfAPlatformStandsOnThePlatform)
   EXPECT_NEAR(m.elevation(2.025, 0.025), 1.2, 1e-5);
 }
 
-TEST(Stage5Refill, UnknownGroundBehindAWallDoesNotMakeItWide)
+TEST(Stage4Classify, UnknownGroundBehindAWallDoesNotMakeItWide)
 {
   // Of a wall all around the foot is hidden, and all that is behind it.
   TestMap m;
@@ -95,7 +95,7 @@ TEST(Stage5Refill, UnknownGroundBehindAWallDoesNotMakeItWide)
   EXPECT_EQ(m.traversability(1.775, 0.025), 0.0f);
 }
 
-TEST(Stage5Refill, ABranchSeenBeforeTheGroundAroundItEndsPassable)
+TEST(Stage4Classify, ABranchSeenBeforeTheGroundAroundItEndsPassable)
 {
   TestMap m;
   const auto branch = level(0.9);
@@ -111,7 +111,7 @@ TEST(Stage5Refill, ABranchSeenBeforeTheGroundAroundItEndsPassable)
   EXPECT_GT(m.traversability(2.025, 0.025), 0.99f);
 }
 
-TEST(Stage5Refill, ASignIsNotJoinedToItself)
+TEST(Stage4Classify, ASignIsNotJoinedToItself)
 {
   // It is met, over its whole height, before the floor below it; the robot fits below. The same on
   // legs of a hand's height stands.
@@ -137,7 +137,7 @@ void add_face(Scan& s, double x0, double x1, double y0, double y1, double low_m,
   for (double z = low_m; z < high_m; z += 0.1) s.add_surface(x0, y0, x1, y1, level(z));
 }
 
-TEST(Stage5Refill, ASignHangsBesideItsPost)
+TEST(Stage4Classify, ASignHangsBesideItsPost)
 {
   Scan floor;
   floor.add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.3, -1, 3.0, 1, flat);
@@ -150,7 +150,7 @@ TEST(Stage5Refill, ASignHangsBesideItsPost)
   EXPECT_FALSE(sign.elevation(2.025, 0.175) > 0.1f);
 }
 
-TEST(Stage5Refill, ASteepButSmoothSlopeIsGroundEverywhere)
+TEST(Stage4Classify, ASteepButSmoothSlopeIsGroundEverywhere)
 {
   TestMap m;
   const double tangent = std::tan(30 * M_PI / 180);
@@ -160,7 +160,7 @@ TEST(Stage5Refill, ASteepButSmoothSlopeIsGroundEverywhere)
   for (double x = -0.975; x < 1; x += 0.05) EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << x;
 }
 
-TEST(Stage5Refill, ABankSteeperThanTheRobotClimbsIsGroundToo)
+TEST(Stage4Classify, ABankSteeperThanTheRobotClimbsIsGroundToo)
 {
   TestMap m;
   const double tangent = std::tan(42 * M_PI / 180);
@@ -172,7 +172,7 @@ TEST(Stage5Refill, ABankSteeperThanTheRobotClimbsIsGroundToo)
   for (double x = 2.025; x < 2.95; x += 0.05) EXPECT_EQ(m.traversability(x, 0.525), 0.0f) << x;
 }
 
-TEST(Stage5Refill, TheEdgeOfAPlatformIsGround)
+TEST(Stage4Classify, TheEdgeOfAPlatformIsGround)
 {
   // In pairs of cells the edge may share one with the floor, or not.
   for (const double edge_m : {2.0, 2.05})
@@ -190,7 +190,7 @@ TEST(Stage5Refill, TheEdgeOfAPlatformIsGround)
   }
 }
 
-TEST(Stage5Refill, ABridgeIsGroundAndABlockInADitchIsNot)
+TEST(Stage4Classify, ABridgeIsGroundAndABlockInADitchIsNot)
 {
   const auto low = level(-0.6);
   for (const double gap_m : {0.0, 0.2})
@@ -211,7 +211,7 @@ TEST(Stage5Refill, ABridgeIsGroundAndABlockInADitchIsNot)
   }
 }
 
-TEST(Stage5Refill, ABankOfWhichOnlyTheBrinkWasSeenIsGroundWhenItTurnsOutWide)
+TEST(Stage4Classify, ABankOfWhichOnlyTheBrinkWasSeenIsGroundWhenItTurnsOutWide)
 {
   // The ground beyond it is low again, so that what is guessed below it is told from two sides.
   const auto low = level(-0.5);
@@ -254,7 +254,7 @@ bool passable(float traversability) { return traversability > 0.0f; }
  * seen from above. */
 const Box kTrailer{{1.0, 1.0, 0.4}, {2.6, 2.4, 0.8}};
 
-TEST(Stage5Refill, WhatHasAirBelowItIsBlockedInItsMiddleToo)
+TEST(Stage4Classify, WhatHasAirBelowItIsBlockedInItsMiddleToo)
 {
   TestMap trailer, table;
   drive_past(trailer, {kTrailer});
@@ -269,7 +269,7 @@ TEST(Stage5Refill, WhatHasAirBelowItIsBlockedInItsMiddleToo)
   EXPECT_EQ(share_inside(table, plate, passable), 1.0);
 }
 
-TEST(Stage5Refill, WhatHadAirBelowItIsForgottenWhenItHasGone)
+TEST(Stage4Classify, WhatHadAirBelowItIsForgottenWhenItHasGone)
 {
   // Rays that go on where it was tell it of its top as of its faces.
   TestMap m;
@@ -279,7 +279,7 @@ TEST(Stage5Refill, WhatHadAirBelowItIsForgottenWhenItHasGone)
   EXPECT_EQ(share_inside(m, kTrailer, passable), 1.0);
 }
 
-TEST(Stage5Refill, AStripOfAPlatformAtTheWindowsBorderIsGround)
+TEST(Stage4Classify, AStripOfAPlatformAtTheWindowsBorderIsGround)
 {
   // 0.3 and 0.25 m of it are inside, on each side in turn; the window ends 4 m from the sensor.
   for (const double inside_m : {0.3, 0.25})
@@ -297,7 +297,7 @@ TEST(Stage5Refill, AStripOfAPlatformAtTheWindowsBorderIsGround)
     }
 }
 
-TEST(Stage5Refill, AWallAtTheWindowsBorderIsNoGround)
+TEST(Stage4Classify, AWallAtTheWindowsBorderIsNoGround)
 {
   // What is seen of it stands upright, or is higher than the sensor.
   const double seen_m[2][2] = {{0.4, 0.9}, {0.8, 1.0}};

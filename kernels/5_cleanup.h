@@ -13,7 +13,7 @@
 
 namespace talus::kernels
 {
-// Stage 6 (III-B.2): cells whose surface stands above all rays that went on behind it, and is not
+// Stage 5 (III-B.2): cells whose surface stands above all rays that went on behind it, and is not
 // supported by points of this frame, are cleared down to their ground. Stage 1 has turned the hits
 // of each ring into the lowest ray that passed it: each cell is a look-up. The same table bounds
 // unseen ground from above. Where rays tell nothing, two things do: what around a cell has left,
@@ -137,7 +137,7 @@ struct FindPassingRays
   }
 };
 
-/** Stage 6 on cell (ix, iy), stored at storage_i. */
+/** Stage 5 on cell (ix, iy), stored at storage_i. */
 struct CleanUpCell
 {
   int cells;
