@@ -95,23 +95,23 @@ std::vector<Tile> stages(Worlds& worlds)
   constexpr double kShare = 0.75;
   const auto scan = one_scan(frames, kShare), map = map_of(frames, kShare, Parameters());
   const auto people = map_of(worlds.frames("person"), kShare, Parameters());
-  io::LayerStack measured = map, refill = map;
+  io::LayerStack measured = map, inferred = map;
   keep_where(measured, layer(measured, "ground_elevation"), 1, 1);
-  keep_where(refill, layer(refill, "state"), 1, 1);
+  keep_where(inferred, layer(inferred, "state"), 1, 1);
   const auto tile = [&](const char* title, const char* words, const io::LayerStack& s,
                         const char* name) {
     return Tile{title, words, layer_image(s, name, kSide_m, kStage_px)};
   };
   return {
       tile("1  Accept", "one scan: tops of what it hit", scan, "elevation"),
-      tile("3, 4  Roll, update", "all scans so far: tops", map, "elevation"),
-      tile("4  Update", "measured ground", measured, "ground_elevation"),
-      tile("2  Uncertainty", "of the ground", map, "variance"),
-      tile("5  Refill", "what is to be inferred: grey", refill, "state"),
-      tile("6  Cleanup", "people walked here: no trail", people, "traversability"),
-      tile("7  Fill", "where the ground comes from", map, "state"),
-      tile("7  Fill", "measured and filled ground", map, "ground_elevation"),
-      tile("8, 9  Traversability", "slope, step, roughness; ditches", map, "traversability")};
+      tile("2, 3  Roll, update", "all scans so far: tops", map, "elevation"),
+      tile("3  Update", "measured ground", measured, "ground_elevation"),
+      tile("1  Accept", "variance of the ground", map, "variance"),
+      tile("4  Classify", "what is to be inferred: grey", inferred, "state"),
+      tile("5  Cleanup", "people walked here: no trail", people, "traversability"),
+      tile("6  Fill", "where the ground comes from", map, "state"),
+      tile("6  Fill", "measured and filled ground", map, "ground_elevation"),
+      tile("7  Traversability", "slope, step, roughness; ditches", map, "traversability")};
 }
 
 /** Two tiles of a sheet: a map with the defaults, and one with this parameter. */

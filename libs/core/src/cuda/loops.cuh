@@ -1,4 +1,5 @@
 #pragma once
+#include "kernels/7_traversability.h"
 #include "kernels/cell.h"
 #include "kernels/group.h"
 
