@@ -99,7 +99,12 @@ struct MapBuffers
     v.datum = datum.data();
     return v;
   }
-  kernels::ForgetHits forget_hits() { return {top_hit.data()}; }
+  kernels::ForgetHits forget_hits()
+  {
+    kernels::ForgetHits v{};
+    v.top_hit_m = top_hit.data();
+    return v;
+  }
   kernels::FindGroundHits ground_hits()
   {
     auto v = on_cells<kernels::FindGroundHits>();
