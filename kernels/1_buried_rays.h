@@ -5,6 +5,7 @@
 #include "kernels/math.h"
 #include "kernels/rays.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -38,7 +39,7 @@ struct FindGroundHits
   TALUS_HD float limit(int ring, std::int32_t hit, int state, float ground_m) const
   {
     const float slope = float_from_ordered(hit);
-    const bool on_ground = (state == kMeasured) & (slope < 0.0f) &
+    const bool on_ground = on(kBuriedRays, *config) & (state == kMeasured) & (slope < 0.0f) &
                            (abs_of(height_m(ring, hit) - ground_m) < kOnGround_m);
     return select(on_ground, slope - margin(ring), -kInfinity);
   }

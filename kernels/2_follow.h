@@ -6,6 +6,7 @@
 #include "kernels/frame.h"
 #include "kernels/math.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -66,6 +67,7 @@ struct CountOffset
  * Once a frame, by a whole group. */
 struct FollowPoses
 {
+  const Config* config;
   FrameContext* frame;
   OffsetHistogram* histogram;
   Datum* datum;
@@ -131,12 +133,14 @@ struct FollowPoses
     {
       const float above_m =
           static_cast<float>(most.sum) / (static_cast<float>(most.hits) * kHeightSteps);
-      if (2 * most.hits > all && abs_of(above_m) > kFollow_m) now.offset_m += above_m;
+      const bool agree = 2 * most.hits > all && abs_of(above_m) > kFollow_m;
+      if (agree && on(kFollowsPoses, *config)) now.offset_m += above_m;
       const float drift_m = kDrift_mps * frame->since_last_s;
       const float left_m = now.offset_m - now.settled_m;
       now.settled_m += max_of(min_of(left_m, drift_m), -drift_m);
       const bool rose = abs_of(now.offset_m - now.settled_m) > kOtherFloor_m;
-      now.starts_anew = select(rose | (kOtherFloorOneIn * far > all), 1, 0);
+      const bool other = (rose | (kOtherFloorOneIn * far > all)) & on(kNoticesFloors, *config);
+      now.starts_anew = select(other, 1, 0);
     }
     *datum = now;
     *leaves_floor = static_cast<std::uint32_t>(now.starts_anew);

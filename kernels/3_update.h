@@ -6,6 +6,7 @@
 #include "kernels/math.h"
 #include "kernels/rays.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 
 #include <tuple>
 
@@ -47,12 +48,12 @@ struct CellPoints
   }
 };
 
-/** Eq. 5 as an innovation gate: the distance is measured in the deviation of cell and point
- * together. */
+/** Eq. 5 as an innovation gate: the distance of a point to a cell is measured in the deviation of
+ * both together. */
 TALUS_HD bool inside_gate(float a_m, float var_a, float b_m, float var_b, const Config& k)
 {
   const float d = a_m - b_m;
-  return d * d <= k.gate2 * (var_a + var_b);
+  return d * d <= k.gate2 * (on(kGateOfBoth, k) ? var_a + var_b : var_b);
 }
 
 /** Points in order of their height, and of equal heights in that of `second`, as one integer. */
@@ -218,7 +219,7 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
   const bool stands = is_known(c.elevation_m) & !hit_high_up;
   const bool hangs = (c.state != kUnknown) & (low.height_m - standing_m(c, stands) > k.clearance_m);
   const bool unseen = (c.state == kFilledOneSided) | (c.state == kPresumed);
-  const bool guess = !stands & unseen & !c.is(kPassedLow);
+  const bool guess = !stands & unseen & !c.is(kPassedLow) & on(kHighHitStands, k);
   const bool higher = hangs & guess & !(hit_high_up & (c.elevation_m >= high.height_m));
   c.elevation_m = select(higher, high.height_m, c.elevation_m);
   c.elevation_var_m2 = select(higher, high.variance_m2, c.elevation_var_m2);
@@ -329,9 +330,10 @@ struct Overhang
 
 /** It stays as long as anything may, and reaches down to its lowest hit; what the robot drove
  * through has no top that could overhang. */
-TALUS_HD void put_overhang(Cell& c, const Overhang& overhang)
+TALUS_HD void put_overhang(Cell& c, const Overhang& overhang, const Config& k)
 {
-  const bool any = (overhang.lowest_m < kInfinity) & is_known(c.elevation_m);
+  const bool any =
+      on(kOverhangStays, k) & (overhang.lowest_m < kInfinity) & is_known(c.elevation_m);
   const float down_m = select(any, c.elevation_m - overhang.lowest_m, 0.0f);
   c.stay_frames = select(any, kMostStay, c.stay_frames);
   c.passed_frames = select(any, 0, c.passed_frames);
@@ -357,7 +359,7 @@ TALUS_HD void update_cell(
     const FusionPlan elevation = plan_elevation(c, high, next.top_m, k);
     put_elevation(c, false, elevation, points.reduce(Fusion{}, elevation, k), k);
   }
-  put_overhang(c, points.reduce(Overhang{}, UpTo{c.ground_m + k.clearance_m}, k));
+  put_overhang(c, points.reduce(Overhang{}, UpTo{c.ground_m + k.clearance_m}, k), k);
 }
 
 /** Where the points of each cell stand after sorting. Which stretch a cell gets does not matter. */
@@ -497,6 +499,7 @@ struct UpdateCell
    * cell itself with hits. */
   TALUS_HD bool is_alone(int storage_i, float top_m, float bare_m) const
   {
+    if (!on(kLoneHits, *config)) return false;
     const int n = config->cells, y = floor_div(storage_i, n), x = storage_i - y * n;
     int beside = points_beside(storage_i, top_m, bare_m);
     for (int dy = -kBesideHit_cells; dy <= kBesideHit_cells; dy++)

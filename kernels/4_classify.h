@@ -6,6 +6,7 @@
 #include "kernels/group.h"
 #include "kernels/math.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -80,7 +81,7 @@ struct ClassifyCell
  private:
   TALUS_HD bool may_be_ground(int coarse_i, float ground_m) const
   {
-    return ground_m <= grid.limit_m[coarse_i];
+    return (ground_m <= grid.limit_m[coarse_i]) | !on(kNarrowAndSteep, *config);
   }
   TALUS_HD bool hit_above(int storage_i, float ground_m) const
   {
@@ -100,7 +101,8 @@ struct ClassifyCell
     const bool stands =
         store.elevation_m[storage_i] > ground_m + kStandsAlready_clearances * config->clearance_m;
     const bool guess = store.state[storage_i] == kFilledOneSided;  // there join_column() decides
-    return hit_above(storage_i, ground_m) & seen_from_above(storage_i) & !stands & !guess;
+    return on(kTopBehindFace, *config) & hit_above(storage_i, ground_m) &
+           seen_from_above(storage_i) & !stands & !guess;
   }
   TALUS_HD void put_overhang(int storage_i, float depth_m) const
   {
@@ -115,7 +117,7 @@ struct ClassifyCell
    * passes low over the guess. */
   TALUS_HD void join_column(int storage_i) const
   {
-    if (!may_join(storage_i, store.ground_m[storage_i])) return;
+    if (!on(kRoofStands, *config) || !may_join(storage_i, store.ground_m[storage_i])) return;
     if (store.is(kPassedLow, storage_i) || !seen_from_above(storage_i)) return;
     store.flags[storage_i] |= kHitHighUp;
     put_top(storage_i);
@@ -133,13 +135,14 @@ struct ClassifyCell
     const float column_m = column_beside(px, py);
     if (column_m + config->clearance_m < ground_m) return kObject;
     const bool past = column_m > ground_m + kPastObject_steps * config->step_threshold_m;
-    return past ? kObjectBesideColumn : kObjectOnColumn;
+    return past && on(kHangsBeside, *config) ? kObjectBesideColumn : kObjectOnColumn;
   }
 
   /** Whether ground goes on from there, level and bare, to ground that is wide: a bridge, a dam,
    * the end of a jetty. Narrow and steep as they are, they are no objects. */
   TALUS_HD bool continues_wide_ground(int px, int py, float ground_m) const
   {
+    if (!on(kBridges, *config)) return false;
     for (int dy = -1; dy <= 1; dy++)
       for (int dx = -1; dx <= 1; dx++)
         if ((dx != 0 || dy != 0) && reaches_wide_ground(px, py, dx, dy, ground_m)) return true;
@@ -234,7 +237,8 @@ struct ClassifyCell
       for (int x = px - 1; x <= px + 1; x++)
       {
         const int coarse_i = grid.at(x, y);
-        const bool stands = grid.lowest_m[coarse_i] <= grid.cone_m[coarse_i] + config->clearance_m;
+        const bool stands = !on(kOnlyStandingJoins, *config) ||
+                            grid.lowest_m[coarse_i] <= grid.cone_m[coarse_i] + config->clearance_m;
         column = max_of(column, select(stands, grid.column_m[coarse_i], -kInfinity));
       }
     return column;

@@ -5,6 +5,7 @@
 #include "kernels/frame.h"
 #include "kernels/math.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 
 #include <tuple>
 
@@ -74,6 +75,7 @@ struct PoolCells
    * above: it is a face. */
   TALUS_HD CoarseCell beyond(const CoarseCell& border) const
   {
+    if (!on(kBeyondWindow, *config)) return {};
     const bool bare = border.column_m == -kInfinity, low = border.lowest_m <= frame->sensor_z_m;
     return {select(bare & low, border.lowest_m, kInfinity), -kInfinity, -kInfinity, 0, kEmpty};
   }
@@ -154,7 +156,7 @@ struct ErodeGround
   TALUS_HD float erode(int px, int py, const LowestGround& lowest, bool own) const
   {
     const int coarse_i = grid.at(px, py);
-    const bool known = grid.lowest_m[coarse_i] < kInfinity;
+    const bool known = (grid.lowest_m[coarse_i] < kInfinity) | !on(kKnownIsWide, *config);
     const float eroded_m = select(known & !is_near_upright(px, py), lowest.plain_m, kInfinity);
     if (own) grid.cone_m[coarse_i] = lowest.cone_m, grid.eroded_m[coarse_i] = eroded_m;
     return eroded_m;
@@ -164,6 +166,7 @@ struct ErodeGround
   /** Whether something upright stands in a pair of cells or beside it. */
   TALUS_HD bool is_near_upright(int px, int py) const
   {
+    if (!on(kNearUpright, *config)) return false;
     bool any = false;
     for (int dy = -1; dy <= 1; dy++)
       for (int dx = -1; dx <= 1; dx++)

@@ -6,6 +6,7 @@
 #include "kernels/math.h"
 #include "kernels/rays.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -21,7 +22,7 @@ struct PresumeStart
 
   TALUS_HD bool applies_to_frame() const
   {
-    return (frame->starts_map != 0) & (frame->has_base != 0);
+    return (frame->starts_map != 0) & (frame->has_base != 0) & on(kPresumedStart, *config);
   }
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {

@@ -5,6 +5,7 @@
 #include "kernels/frame.h"
 #include "kernels/math.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -53,7 +54,7 @@ struct StandOnCell
     const bool near = x_m * x_m + y_m * y_m <= reach_m * reach_m;
     const bool changes = drives_through(storage_i, plane_of_base_m(*frame, x_m, y_m)) |
                          !store.is(kRobotWasThere, storage_i);
-    return (frame->has_base != 0) & near & changes;
+    return on(kUnderRobot, *config) & (frame->has_base != 0) & near & changes;
   }
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {

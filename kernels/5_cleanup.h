@@ -8,6 +8,7 @@
 #include "kernels/overhang.h"
 #include "kernels/rays.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 
 #include <tuple>
 
@@ -56,7 +57,8 @@ TALUS_HD void add_ray(
 /** Counts the evidence of one frame; true when the cell must be cleared. */
 TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
 {
-  const int earned = c.is(kHitBefore) ? kHeldHitEarns : kPorousHitEarns;
+  const int of_hit = c.is(kHitBefore) ? kHeldHitEarns : kPorousHitEarns;
+  const int earned = on(kPorousStays, k) ? of_hit : 0;
   const bool porous = c.stay_frames >= kPorousStay;
   c.flags = hit ? c.flags | kHitBefore : c.flags & ~kHitBefore;
   if (hit)
@@ -95,7 +97,8 @@ TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
 TALUS_HD bool count_seen_through(
     Cell& c, std::uint8_t& surface_class, float top_hit_m, float top, float limit, const Config& k)
 {
-  if (c.state == kMeasured && surface_class == kKeep && c.ground_m > limit) surface_class = kObject;
+  const bool below = c.state == kMeasured && surface_class == kKeep && c.ground_m > limit;
+  if (below && on(kRayBelowGround, k)) surface_class = kObject;
   const bool hit = top_hit_m > limit;
   const bool counts = hit && top_hit_m <= top + k.cleanup_margin_m;  // not what hangs above
   if (counts) c.recent_hits = min_of(c.recent_hits + kHitAdds, kMostRecentHits);
@@ -189,8 +192,10 @@ struct CleanUpCell
     if (hit && !open) extent = learn(extent, overhang, top_m, hit_m, limit_m);
     const float low_m = max_of(top_m - overhang_m(extent.below) + k.cleanup_margin_m, limit_m);
     const float high_m = top_m + overhang_m(extent.above) - k.cleanup_margin_m;
-    const bool went = !open && low_m < high_m && overhang.went_between(low_m, high_m);
-    const bool gone = !hit && (went || overhang.combed(top_m) || leaves_with_others(ix, iy));
+    const bool went =
+        on(kWentBetween, k) && !open && low_m < high_m && overhang.went_between(low_m, high_m);
+    const bool combed = !hit && !went && on(kCombed, k) && overhang.combed(top_m);
+    const bool gone = !hit && (went || combed || leaves_with_others(ix, iy));
     if (group.rank() != 0) return;
     store.overhang_below[storage_i] = static_cast<std::uint8_t>(extent.below);
     store.overhang_above[storage_i] = static_cast<std::uint8_t>(extent.above);
@@ -221,7 +226,8 @@ struct CleanUpCell
   TALUS_HD bool came_later(int storage_i) const
   {
     const float bare_m = bare_up_to_m(store.ground_m[storage_i], *config);
-    return store.is(kRobotWasThere, storage_i) & (store.elevation_m[storage_i] > bare_m);
+    return on(kFollowersLeave, *config) & store.is(kRobotWasThere, storage_i) &
+           (store.elevation_m[storage_i] > bare_m);
   }
   /** Of what came later: where rays pass it has earned no time, unlike the edges of what stands; in
    * its own shadow frames without a hit count, and true when it has left. */
@@ -255,6 +261,7 @@ struct CleanUpCell
   /** Whether in more of the pairs around a cell something has left lately than still stands. */
   TALUS_HD bool leaves_with_others(int ix, int iy) const
   {
+    if (!on(kLeavesWithOthers, *config)) return false;
     const int px = grid.place_of(ix, reach.frame->odd_x);
     const int py = grid.place_of(iy, reach.frame->odd_y);
     int left = 0, stands = 0;

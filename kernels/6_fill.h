@@ -6,6 +6,7 @@
 #include "kernels/math.h"
 #include "kernels/rays.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 #include "kernels/surface.h"
 
 namespace talus::kernels
@@ -116,14 +117,15 @@ TALUS_HD std::int32_t sample_marks(float ground_m, float top_m, float ray_bound_
   const float rise_m = top_m - ground_m;  // NaN: nothing stands there
   const bool wall =
       is_steep(rise_m, k.resolution_m, k) & (rise_m < kUpright_steps * k.step_threshold_m);
-  const bool contradicted = ray_bound_m < ground_m - kContradicted_m;
+  const bool contradicted =
+      on(kContradictedSamples, k) & (ray_bound_m < ground_m - kContradicted_m);
   return select(wall, kWall, 0) | select(contradicted, kContradicted, 0);
 }
 
 /** Whether rays undercut the ground that goes on from a sample, so far away. */
-TALUS_HD bool undercuts(float ray_bound_m, float sample_m, float away_m)
+TALUS_HD bool undercuts(float ray_bound_m, float sample_m, float away_m, const Config& k)
 {
-  return ray_bound_m < sample_m - kUndercutAhead_m - kGentle * away_m;
+  return on(kUndercutDrops, k) & (ray_bound_m < sample_m - kUndercutAhead_m - kGentle * away_m);
 }
 
 /** Variance of ground inferred from a sample [m^2]. */
@@ -152,7 +154,7 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b)
  * off is the foot of something: it counts for a quarter of a step. */
 TALUS_HD float goes_on(float nearest_m, float mean_m, const Config& k)
 {
-  const float off_m = nearest_m - mean_m;
+  const float off_m = on(kGroundGoesOn, k) ? nearest_m - mean_m : 0.0f;
   const float noise_m = max_of(min_of(off_m, kHeightNoise_m), -kHeightNoise_m);
   const float most_m = kGoesOnMost_steps * k.step_threshold_m;
   return mean_m + max_of(min_of(kGoesOn * (off_m - noise_m), most_m), -most_m);
@@ -176,18 +178,20 @@ struct LineFusion
   {
     const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
     const float gap_m = a.distance_m + b.distance_m, rise = b.nearest_m - a.nearest_m;
-    const bool face = both & (gap_m > kFaceGap_m) & (abs_of(rise) > k.max_slope * gap_m);
+    const bool face =
+        on(kFaceInGap, k) & both & (gap_m > kFaceGap_m) & (abs_of(rise) > k.max_slope * gap_m);
     const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
     const float linear = a.height_m + (b.height_m - a.height_m) * part;
     const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
-    const float error =
-        kBetweenDeviation * a.distance_m * b.distance_m / gap_m + kRiseDeviation * abs_of(rise);
+    const float of_rise = on(kRiseCounts, k) ? kRiseDeviation * abs_of(rise) : 0.0f;
+    const float error = kBetweenDeviation * a.distance_m * b.distance_m / gap_m + of_rise;
     const float beyond =
         goes_on(select(has_a, a.nearest_m, b.nearest_m), select(has_a, a.height_m, b.height_m), k);
     const float height = select(both, between, beyond);
     const float deviation =
         select(both, error, kBeyondDeviation * select(has_a, a.distance_m, b.distance_m));
-    add(height, deviation, (has_a | has_b) & (along_ray | !face));
+    const bool counts = along_ray | (!face & on(kRowsAndColumns, k));
+    add(height, deviation, (has_a | has_b) & counts);
   }
 
   /** Another line's. */
@@ -364,7 +368,8 @@ struct FillCell
     const bool filled = (r != kKeep) & inferred.any();
     const bool doubtful = filled & ((marks & kDoubtful) != 0);
     const float bound_m = select(doubtful, kInfinity, ray_bound(passing, window_i));
-    const float expected_m = height_of_lines(inferred.lines, r >= kObject);
+    const float expected_m =
+        height_of_lines(inferred.lines, (r >= kObject) & on(kLowestUnderObject, *config));
     const Fill fill = infer_ground(inferred.variance_m2, marks, expected_m, bound_m, *config);
     const bool floats = is_underside(r, state_before, before, bound_m, inferred, fill);
     const float ground = select(floats, kNan, select(filled, fill.height_m, before));
@@ -385,11 +390,12 @@ struct FillCell
                         (before - fill.height_m > high_up_m);
     const float stands_m = store.elevation_m[storage_i];
     const int fall = select(filled & !doubtful, marks & (kSlopes | kDrops), 0);
-    const bool drops = ((fall & kDrops) != 0) & !is_known(stands_m);
+    const bool drops = on(kFallsMayDrop, *config) & ((fall & kDrops) != 0) & !is_known(stands_m);
     // What floats is dropped as what hangs.
     const int flags = (flags_before & select((fall == kSlopes) | (r == kKeep), ~kMayDrop, ~0)) |
                       select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0) |
-                      select(near, kPassedNear, 0) | select(drops, kMayDrop, 0);
+                      select(near & on(kPassedNearJudged, *config), kPassedNear, 0) |
+                      select(drops, kMayDrop, 0);
     // All is read before any store: what could overlap would be read again, and not at once.
     store.ground_m[storage_i] = ground;
     store.ground_var_m2[storage_i] = variance;
@@ -413,7 +419,7 @@ struct FillCell
     const bool told = inferred.any() & (fill.expected_m < lower_m);
     const bool above = (state_before == kMeasured) & (before_m > frame->sensor_z_m) &
                        (bound_m + config->cleanup_margin_m < before_m) & !told;
-    return (of_class == kObject) & (above | (state_before == kUnknown));
+    return on(kUndersides, *config) & (of_class == kObject) & (above | (state_before == kUnknown));
   }
 
   /** What stage 7 is told of, from a cell as it is now. */
@@ -430,7 +436,8 @@ struct FillCell
     const bool met = measured | stands | (c.state == kPresumed), known = is_known(ground);
     const bool new_there = stands & (c.elevation_m - ground > driven_height_m(c.driven_height));
     const bool driven = (c.driven_height > 0) & !new_there;
-    const bool seen = met | ((c.flags & kPassedLow) != 0);
+    const bool proven = ((c.flags & kPassedLow) != 0) | !on(kProofOfFills, *config);
+    const bool seen = met | (proven & known);
     const bool may_drop = ((c.flags & kMayDrop) != 0) & !(stands | driven);
     const std::int32_t flags = select(measured, kSurfaceMeasured, 0) |
                                select(seen, kSurfaceSeen, 0) |

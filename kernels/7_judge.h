@@ -5,6 +5,7 @@
 #include "kernels/lines.h"
 #include "kernels/math.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 #include "kernels/surface.h"
 
 namespace talus::kernels
@@ -197,8 +198,10 @@ struct CompleteObstacles
     const Surface& cell = surfaces.cell[surfaces.at(ix, iy)];
     if (cell.is(kSurfaceDriven)) return false;
     const bool hit_lately = cell.is(kSurfaceHitLately);
-    return between(at) || (hit_lately && beside(at)) || beside_drop(ix, iy) ||
-           (is_known(score) && at_steep_edge(ix, iy, at));
+    const Config& k = *config;
+    return (on(kNoGapOfOneCell, k) && between(at)) ||
+           (on(kHitLatelyJoins, k) && hit_lately && beside(at)) || beside_drop(ix, iy) ||
+           (on(kSteepEdges, k) && is_known(score) && at_steep_edge(ix, iy, at));
   }
   /** Nobody knows to a cell where the ground ends. */
   TALUS_HD bool beside_drop(int ix, int iy) const

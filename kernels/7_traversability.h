@@ -2,6 +2,7 @@
 #include "kernels/config.h"
 #include "kernels/math.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 #include "kernels/surface.h"
 
 #include <initializer_list>
@@ -185,6 +186,7 @@ struct LowStep
   TALUS_HD bool is_at(int ix, int iy) const
   {
     const int n = config.cells;
+    if (!on(kLowSteps, config)) return false;
     const bool inside = (ix > 2) & (iy > 2) & (ix < n - 3) & (iy < n - 3);
     const Surface* at = surfaces.cell + surfaces.at(ix, iy);
     if (!inside || !is_low_around(at)) return false;

@@ -1,6 +1,7 @@
 #pragma once
 #include "kernels/config.h"
 #include "kernels/math.h"
+#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -44,7 +45,10 @@ struct CoarseGrid
 TALUS_HD int coarse_margin(const Config& k) { return k.object_radius; }
 /** Dilation goes one pair of cells farther than erosion: a pair that holds an edge and the ground
  * below it belongs to what it is the edge of. */
-TALUS_HD int dilation_radius(const Config& k) { return k.object_radius + 1; }
+TALUS_HD int dilation_radius(const Config& k)
+{
+  return k.object_radius + (on(kDilatesFarther, k) ? 1 : 0);
+}
 /** Pairs that a thing covers at most, which is narrower than ground. */
 TALUS_HD int widest_thing(const Config& k) { return 2 * dilation_radius(k); }
 

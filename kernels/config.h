@@ -41,6 +41,9 @@ struct Config
   float weight_slope, weight_step, weight_roughness;
   // sparsity
   float sparsity_range_m, sparsity_distance_m, sparsity_search_m;
+#if defined(TALUS_RULE_SWITCHES)
+  std::uint64_t rules_off;  //!< bit r: rule r does not count, see rule_switches.h
+#endif
 };
 
 constexpr int kMostBodyBoxes = 32;

@@ -117,7 +117,9 @@ struct MapBuffers
   }
   kernels::FollowPoses follow()
   {
-    return {context.data(), offsets.data(), datum.data(), counters.data() + kernels::kLeavesFloor};
+    return {
+        config.data(), context.data(), offsets.data(), datum.data(),
+        counters.data() + kernels::kLeavesFloor};
   }
   kernels::SortPoint sort_point(const kernels::Sorting& sorting)
   {

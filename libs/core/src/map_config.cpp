@@ -1,8 +1,14 @@
 #include "map_config.h"
 #include "kernels/rule_constants.h"
+#include "kernels/rule_switches.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+#include <string>
 
 namespace talus
 {
@@ -79,6 +85,45 @@ kernels::Config stages_config(const Parameters& p)
 }
 }  // namespace
 
-MapConfig make_config(const Parameters& p) { return {stages_config(p), body_of(p.body_boxes_m)}; }
+#if defined(TALUS_RULE_SWITCHES)
+namespace
+{
+/** The rules that TALUS_WITHOUT_RULES names by their numbers, "30,31": bits as in
+ * Config::rules_off. */
+std::uint64_t rules_off()
+{
+  const char* const named = std::getenv("TALUS_WITHOUT_RULES");
+  std::istringstream numbers(named ? named : "");
+  std::uint64_t off = 0;
+  for (std::string number; std::getline(numbers, number, ',');)
+  {
+    const int rule = std::atoi(number.c_str());
+    const auto is = [rule](kernels::Rule known) { return known == rule; };
+    if (std::none_of(std::begin(kernels::kRules), std::end(kernels::kRules), is))
+      throw std::invalid_argument("TALUS_WITHOUT_RULES: rule '" + number + "' has no switch");
+    off |= std::uint64_t{1} << rule;
+  }
+  return off;
+}
+
+/** Rules that are parameters. */
+void switch_off(MapConfig& c)
+{
+  c.config.rules_off = rules_off();
+  if (!kernels::on(kernels::kHeightBand, c.config)) c.config.min_height_m = -1.0f;  // the paper's
+  if (!kernels::on(kernels::kBodyBoxes, c.config)) c.body = {};
+  if (!kernels::on(kernels::kBelowRays, c.config)) c.config.fill_use_ray_bound = 0;
+}
+}  // namespace
+#endif
+
+MapConfig make_config(const Parameters& p)
+{
+  MapConfig c{stages_config(p), body_of(p.body_boxes_m)};
+#if defined(TALUS_RULE_SWITCHES)
+  switch_off(c);
+#endif
+  return c;
+}
 
 }  // namespace talus

@@ -141,7 +141,7 @@ class alignas(64) Batch
     for (int l = 0; l < kLanes; l++)
     {
       Cell c = cells_.load(l);
-      kernels::put_overhang(c, overhang_.load(l));
+      kernels::put_overhang(c, overhang_.load(l), k);
       cells_.store(l, c);
     }
   }

@@ -162,7 +162,7 @@ class Sweep
     {
       const Side& here = met[place + 1];
       if (kRays && place % kernels::kUndercutPlaces == 0)
-        ask(strip, samples, here, place, undercut);
+        ask(k, strip, samples, here, place, undercut);
       infer(k, strip, here, behind, undercut, place, to);
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
@@ -222,8 +222,8 @@ class Sweep
 
   /** Whether rays undercut the lines at a place. */
   static void ask(
-      const Strip& strip, const kernels::Samples& samples, const Side& here, int place,
-      Undercut& undercut)
+      const kernels::Config& k, const Strip& strip, const kernels::Samples& samples,
+      const Side& here, int place, Undercut& undercut)
   {
     const int first = strip.first + place * strip.along;
     const int* const minor = strip.at(place, false).minor;
@@ -234,7 +234,7 @@ class Sweep
       const bool under = (here.place[0][l] >= 0) & (here.place[0][l] < place) &
                          kernels::undercuts(
                              bound_m, here.height_m[0][l],
-                             static_cast<float>(here.distance(l, place)) * strip.step_m[l]);
+                             static_cast<float>(here.distance(l, place)) * strip.step_m[l], k);
       undercut.place[l] = kernels::select(under, place, undercut.place[l]);
     }
   }

@@ -399,7 +399,7 @@ struct SearchAndFillCell
       if (ix >= k.cells || iy >= k.cells) break;  // lines end one cell beyond an even window
       const float bound_m = ray_bound(fill.passing, iy * k.cells + ix);
       any |= undercuts(
-          bound_m, inner.nearest_m, static_cast<float>(place - sample) * radial.track.step_m);
+          bound_m, inner.nearest_m, static_cast<float>(place - sample) * radial.track.step_m, k);
     }
     return any;
   }

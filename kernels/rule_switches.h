@@ -1,0 +1,75 @@
+#pragma once
+#include "kernels/config.h"
+
+namespace talus::kernels
+{
+/** The rules that can be switched off in a build for the laboratory, by their numbers in rules.md.
+ * Rules of the paper itself (7, 8, 22, 43) have no switch. */
+enum Rule : int
+{
+  kHeightBand = 1,
+  kBodyBoxes = 2,
+  kBuriedRays = 3,
+  kFollowsPoses = 4,
+  kNoticesFloors = 5,
+  kGateOfBoth = 6,
+  kHighHitStands = 9,
+  kUnderRobot = 10,
+  kPresumedStart = 11,
+  kNarrowAndSteep = 12,
+  kKnownIsWide = 13,
+  kNearUpright = 14,
+  kDilatesFarther = 15,
+  kBridges = 16,
+  kBeyondWindow = 17,
+  kOnlyStandingJoins = 18,
+  kHangsBeside = 19,
+  kTopBehindFace = 20,
+  kRoofStands = 21,
+  kRayBelowGround = 23,
+  kLoneHits = 24,
+  kPorousStays = 25,
+  kHitLatelyJoins = 26,
+  kOverhangStays = 27,
+  kWentBetween = 28,
+  kCombed = 29,
+  kLeavesWithOthers = 30,
+  kFollowersLeave = 31,
+  kRowsAndColumns = 32,
+  kFaceInGap = 33,
+  kRiseCounts = 34,
+  kLowestUnderObject = 35,
+  kGroundGoesOn = 36,
+  kBelowRays = 37,
+  kContradictedSamples = 38,
+  kUndersides = 39,
+  kProofOfFills = 40,
+  kPassedNearJudged = 41,
+  kUndercutDrops = 42,
+  kSteepEdges = 44,
+  kLowSteps = 45,
+  kNoGapOfOneCell = 46,
+  kFallsMayDrop = 47
+};
+
+constexpr Rule kRules[]{
+    kHeightBand,     kBodyBoxes,        kBuriedRays,          kFollowsPoses,
+    kNoticesFloors,  kGateOfBoth,       kHighHitStands,       kUnderRobot,
+    kPresumedStart,  kNarrowAndSteep,   kKnownIsWide,         kNearUpright,
+    kDilatesFarther, kBridges,          kBeyondWindow,        kOnlyStandingJoins,
+    kHangsBeside,    kTopBehindFace,    kRoofStands,          kRayBelowGround,
+    kLoneHits,       kPorousStays,      kHitLatelyJoins,      kOverhangStays,
+    kWentBetween,    kCombed,           kLeavesWithOthers,    kFollowersLeave,
+    kRowsAndColumns, kFaceInGap,        kRiseCounts,          kLowestUnderObject,
+    kGroundGoesOn,   kBelowRays,        kContradictedSamples, kUndersides,
+    kProofOfFills,   kPassedNearJudged, kUndercutDrops,       kSteepEdges,
+    kLowSteps,       kNoGapOfOneCell,   kFallsMayDrop};
+
+/** Whether a rule counts: all do, but where a laboratory switches some off. */
+#if defined(TALUS_RULE_SWITCHES)
+TALUS_HD bool on(Rule rule, const Config& k) { return (k.rules_off >> rule & 1) == 0; }
+#else
+TALUS_HD constexpr bool on(Rule, const Config&) { return true; }
+#endif
+
+}  // namespace talus::kernels
