@@ -7,7 +7,7 @@ namespace talus::kernels
 enum FillRuleCode : int
 {
   kFillPrinted = 0,
-  kFillLines = 4
+  kFillLines = 1
 };
 
 /** talus::Parameters in the form that the kernels need: float, squared, in cells. Constant over the

@@ -171,21 +171,6 @@ TEST(Parameters, WhatIsNoBoxOfTheBodyIsRefusedWithAReason)
   EXPECT_NE(message_of(p).find("no extent in z"), std::string::npos) << message_of(p);
 }
 
-TEST(Parameters, TheNamesOfTheFormerBodyAreRefusedWithTheOneThatTookTheirPlace)
-{
-  Parameters p;
-  for (const char* name : {"body_min_x_m", "body_max_z_m", "Body_Max_Y"}) try
-    {
-      set_parameter(p, name, "0.5");
-      FAIL() << name;
-    }
-    catch (const std::invalid_argument& e)
-    {
-      EXPECT_NE(std::string(e.what()).find("body_boxes_m takes"), std::string::npos) << e.what();
-    }
-  EXPECT_EQ(replacement_of_parameter("body_boxes_m"), "");
-}
-
 TEST(Parameters, VoxelsThatCannotBeCountedAreRefused)
 {
   Parameters p;
@@ -236,7 +221,7 @@ TEST(NumberText, is_what_people_and_programs_write)
 TEST(Parameters, AChoiceThatIsNoneIsShownAsItsNumberAndRefused)
 {
   Parameters p;
-  for (const int rule : {-1, 1, 3, 5, 77, 1000000, std::numeric_limits<int>::min()})
+  for (const int rule : {-1, 2, 5, 77, 1000000, std::numeric_limits<int>::min()})
   {
     p.fill_rule = static_cast<FillRule>(rule);
     const auto text = parameter_text(p, *find_parameter("fill_rule"));

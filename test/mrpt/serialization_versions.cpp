@@ -1,6 +1,5 @@
-// Streams of other versions: what an older one left out has its default, what it alone knew is
-// skipped, and a newer one is refused by name. The streams are written here byte by byte, as those
-// versions wrote them.
+// Streams of other versions: a parameter that they leave out has its default, one that they alone
+// know is skipped, and a later format is refused by name. The streams are written here byte by byte.
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/serialization/CArchive.h>
 #include <talus/mrpt/CObservationTraversability.h>
@@ -34,29 +33,20 @@ void read(mrpt::io::CMemoryStream& stream, T& object)
   in >> object;
 }
 
-/** Version 0 of an empty map, with one parameter of today and one that is gone. */
-void write_map_v0(CArchive& out)
+/** An empty map, with one known parameter and one that this version does not know. */
+void write_map(CArchive& out)
 {
   out << mrpt::maps::TMapGenericParams() << std::string("cpu") << std::int32_t(3);
-  out << std::uint32_t(2) << std::string("clearance_m") << 1.25 << std::string("gone") << 7.0;
+  out << std::uint32_t(2) << std::string("clearance_m") << false << 1.25;
+  out << std::string("gone") << false << 7.0;
   out << 0.08 << 0.2 << std::int32_t(5);  // likelihood
   out << true << false << true << std::int32_t(mrpt::img::cmHOT) << std::int32_t(99);  // render
-  out << mrpt::poses::CPose3D(1, 2, 3, 0, 0, 0) << true;  // where the robot was; empty
+  out << mrpt::poses::CPose3D(1, 2, 3, 0, 0, 0);  // of the robot
+  out << std::uint32_t(0) << false << true;  // no sensors; keeps the window only; is empty
 }
 
-/** Version 0 of an empty map with a side of the robot's body, which was in the sensor frame then.
- */
-void write_map_v0_with_body(CArchive& out, double body_max_x_m)
-{
-  out << mrpt::maps::TMapGenericParams() << std::string("cpu") << std::int32_t(3);
-  out << std::uint32_t(1) << std::string("body_max_x_m") << body_max_x_m;
-  out << 0.08 << 0.2 << std::int32_t(5);
-  out << true << false << true << std::int32_t(mrpt::img::cmHOT) << std::int32_t(99);
-  out << mrpt::poses::CPose3D() << true;
-}
-
-/** Version 0 of a snapshot without layers but one that no version had. */
-void write_snapshot_v0(CArchive& out)
+/** A snapshot without layers but one that this version does not know. */
+void write_snapshot(CArchive& out)
 {
   out << mrpt::Clock::fromDouble(1000.0) << std::string("terrain")
       << mrpt::poses::CPose3D(1, 2, 0, 0, 0, 0) << mrpt::poses::CPose3D();
@@ -88,7 +78,7 @@ TEST(SerializationVersions, a_map_with_fewer_and_other_parameters_is_read)
 {
   mrpt::io::CMemoryStream stream;
   auto out = mrpt::serialization::archiveFrom(stream);
-  write_object(out, "talus::CDualElevationMap", 0, write_map_v0);
+  write_object(out, "talus::CDualElevationMap", 0, write_map);
   CDualElevationMap map;
   read(stream, map);
   EXPECT_TRUE(map.isEmpty());
@@ -99,30 +89,6 @@ TEST(SerializationVersions, a_map_with_fewer_and_other_parameters_is_read)
   EXPECT_EQ(map.renderOptions.maxCells, 99);
   EXPECT_EQ(map.renderOptions.colormap, mrpt::img::cmHOT);
   EXPECT_TRUE(map.insertObservation(talus_test::scan_of_room({}))) << "and goes on";
-}
-
-TEST(SerializationVersions, a_map_with_a_body_in_the_sensor_frame_is_refused_with_a_reason)
-{
-  const auto read_with = [](double body_max_x_m)
-  {
-    mrpt::io::CMemoryStream stream;
-    auto out = mrpt::serialization::archiveFrom(stream);
-    write_object(
-        out, "talus::CDualElevationMap", 0,
-        [&](CArchive& to) { write_map_v0_with_body(to, body_max_x_m); });
-    CDualElevationMap map;
-    read(stream, map);
-  };
-  EXPECT_NO_THROW(read_with(0)) << "there was none";
-  try
-  {
-    read_with(0.5);
-    FAIL() << "nothing thrown";
-  }
-  catch (const std::exception& e)
-  {
-    EXPECT_NE(std::string(e.what()).find("body_boxes_m takes"), std::string::npos) << e.what();
-  }
 }
 
 TEST(SerializationVersions, a_map_of_two_sensors_with_a_body_goes_on_from_a_stream)
@@ -153,7 +119,7 @@ TEST(SerializationVersions, a_snapshot_with_a_layer_of_another_version_is_read_w
 {
   mrpt::io::CMemoryStream stream;
   auto out = mrpt::serialization::archiveFrom(stream);
-  write_object(out, "talus::CObservationTraversability", 0, write_snapshot_v0);
+  write_object(out, "talus::CObservationTraversability", 0, write_snapshot);
   CObservationTraversability snapshot;
   read(stream, snapshot);
   EXPECT_EQ(snapshot.sensorLabel, "terrain");

@@ -371,18 +371,6 @@ const ParameterInfo* find_parameter(const std::string& name)
   return nullptr;
 }
 
-std::string replacement_of_parameter(const std::string& name)
-{
-  const auto wanted = lower(name);
-  for (const char* end : {"min_", "max_"})
-    for (const char* axis : {"x", "y", "z"})
-      if (const auto old = std::string("body_") + end + axis; wanted == old || wanted == old + "_m")
-        return "body_boxes_m takes the robot's body, as boxes 'x_min x_max y_min y_max z_min "
-               "z_max' "
-               "in the frame of its base (not of the sensor)";
-  return "";
-}
-
 bool is_same_value(const ParameterInfo& info, const Parameters& a, const Parameters& b)
 {
   return info.is_text() ? info.get_text(a) == info.get_text(b) : info.get(a) == info.get(b);
@@ -415,9 +403,6 @@ void set_parameter(Parameters& p, const std::string& name, const std::string& te
   const ParameterInfo* info = find_parameter(name);
   if (!info)
   {
-    const std::string replacement = replacement_of_parameter(name);
-    if (!replacement.empty())
-      throw std::invalid_argument(name + " is no parameter any longer: " + replacement);
     const std::string nearest = nearest_parameter_name(name);
     throw std::invalid_argument(
         "unknown parameter '" + name + "'; " +

@@ -15,7 +15,7 @@ struct SavedMap
 std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p);
 
 /** Whether bytes_of() gives so many bytes of a map with these parameters, which are valid, that has
- * seen a frame, or did so in an earlier version. */
+ * seen a frame. */
 bool is_size_of_state(std::uint64_t bytes, const Parameters& p);
 
 /** Throws std::invalid_argument when the bytes are no state of a map with these parameters. */

@@ -36,14 +36,11 @@ void write_parameters(mrpt::serialization::CArchive& out, const Parameters& p)
   }
 }
 
-/** One of any version; another one than today's is skipped, unless it would be missed. */
+/** A parameter that only another version knows is skipped. */
 void read_number(StreamReader& in, const std::string& name, Parameters& p)
 {
   const auto value = in.number<double>(kParameters);
-  if (const ParameterInfo* info = find_parameter(name)) return set_parameter(p, *info, value);
-  const std::string replacement = replacement_of_parameter(name);
-  if (!replacement.empty() && value != 0)  // as it was by default
-    in.fail(name + " of an earlier version, which is no parameter any longer: " + replacement);
+  if (const ParameterInfo* info = find_parameter(name)) set_parameter(p, *info, value);
 }
 
 void read_text(StreamReader& in, const std::string& name, Parameters& p)
@@ -54,8 +51,7 @@ void read_text(StreamReader& in, const std::string& name, Parameters& p)
   if (info) info->set_text(p, text);
 }
 
-/** In version 0 all parameters were numbers. */
-Parameters read_parameters(StreamReader& in, int version)
+Parameters read_parameters(StreamReader& in)
 {
   Parameters p;
   const auto count = in.number<std::uint32_t>(kParameters);
@@ -63,7 +59,7 @@ Parameters read_parameters(StreamReader& in, int version)
   for (std::uint32_t i = 0; i < count; i++)
   {
     const auto name = in.text(kLongestName, kParameters);
-    if (version > 0 && in.flag(kParameters))
+    if (in.flag(kParameters))
       read_text(in, name, p);
     else
       read_number(in, name, p);
@@ -134,10 +130,10 @@ SensorNumbers read_sensors(StreamReader& in)
 /** The map behind it; none for an empty one. The state is looked at before memory is taken for the
  * window that the parameters say. */
 std::unique_ptr<ElevationMapper> read_mapper(
-    StreamReader& in, int version, Backend& backend, int threads, int device)
+    StreamReader& in, Backend& backend, int threads, int device)
 {
   if (in.flag("whether it is empty")) return nullptr;
-  const Parameters p = read_parameters(in, version);
+  const Parameters p = read_parameters(in);
   const auto size = in.number<std::uint64_t>("size of the state");
   if (!ElevationMapper::is_size_of_state(size, p))
     in.fail("size of the state: not that of " + std::to_string(p.cells()) + " cells a side");
@@ -157,7 +153,7 @@ std::unique_ptr<ElevationMapper> read_mapper(
 
 }  // namespace
 
-std::uint8_t CDualElevationMap::serializeGetVersion() const { return 2; }
+std::uint8_t CDualElevationMap::serializeGetVersion() const { return 0; }
 
 void CDualElevationMap::serializeTo(mrpt::serialization::CArchive& out) const
 {
@@ -187,9 +183,7 @@ void CDualElevationMap::serializeFrom(mrpt::serialization::CArchive& in, std::ui
   switch (version)
   {
     case 0:
-    case 1:
-    case 2:
-      readVersion(version, in);
+      readVersion0(in);
       break;
     default:
       MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
@@ -197,7 +191,7 @@ void CDualElevationMap::serializeFrom(mrpt::serialization::CArchive& in, std::ui
 }
 
 /** Nothing changes before everything has been read. */
-void CDualElevationMap::readVersion(int version, mrpt::serialization::CArchive& archive)
+void CDualElevationMap::readVersion0(mrpt::serialization::CArchive& archive)
 {
   StreamReader in(archive, "talus::CDualElevationMap");
   CDualElevationMap read;
@@ -206,13 +200,13 @@ void CDualElevationMap::readVersion(int version, mrpt::serialization::CArchive& 
     read.genericMapParams = read_generic(archive, in);
     read.m_backend = backend_from_text(in.text(kLongestName, "backend"));
     read.m_threads = in.number<std::int32_t>("threads");
-    static_cast<Parameters&>(read.insertionOptions) = read_parameters(in, version);
+    static_cast<Parameters&>(read.insertionOptions) = read_parameters(in);
     read.likelihoodOptions = read_likelihood_options(in);
     read.renderOptions = read_render_options(in);
     read.m_T_map_base = in.pose("pose of the robot");
-    if (version > 0) read.m_sensors = read_sensors(in);
-    if (version > 1) read.m_keep_whole = in.flag("whether it keeps the whole");
-    read.m_mapper = read_mapper(in, version, read.m_backend, read.m_threads, m_device);
+    read.m_sensors = read_sensors(in);
+    read.m_keep_whole = in.flag("whether it keeps the whole");
+    read.m_mapper = read_mapper(in, read.m_backend, read.m_threads, m_device);
     if (read.m_mapper && read.m_keep_whole) read.whole().read(in);
   }
   catch (const std::invalid_argument& e)

@@ -123,8 +123,6 @@ void load_parameter_section(
     if (contains_name(kOtherKeys, key)) continue;
     if (!find_parameter(name))
     {
-      if (const auto replacement = replacement_of_parameter(name); !replacement.empty())
-        throw std::runtime_error(key + " is no parameter any longer: " + replacement + place);
       const std::string nearest = nearest_key(key);
       warnings.push_back(
           "unknown key '" + key + "' in section [" + section + "]; " +

@@ -140,8 +140,8 @@ class ElevationMapper
    */
   void write_cells(const std::vector<CellRect>& rects, const CellRecord* records, std::size_t size);
 
-  /** Whether save() gives so many bytes of a map with these parameters that has seen a frame, or
-   * did so in an earlier version: to be asked before they are read from a file. Throws
+  /** Whether save() gives so many bytes of a map with these parameters that has seen a
+   * frame: to be asked before they are read from a file. Throws
    * std::invalid_argument if a parameter is out of range. */
   static bool is_size_of_state(std::uint64_t bytes, const Parameters& parameters);
 

@@ -10,11 +10,11 @@ namespace talus
 constexpr int kMostCellsASide = 16384;
 
 /** How the two one-sided estimates of a filled cell are combined (paper eq. 9, see
- * doc/concepts.md). The numbers are kept in files: 1 to 3 were rules of earlier versions. */
+ * doc/concepts.md). */
 enum class FillRule : int
 {
   Printed = 0,  //!< eq. 9 as printed
-  Lines = 4  //!< linear along the ray, the row and the column, weighed by what each has to bridge
+  Lines = 1  //!< linear along the ray, the row and the column, weighed by what each has to bridge
 };
 
 /** Most boxes of the robot's body. */
@@ -167,10 +167,6 @@ const std::vector<ParameterInfo>& parameter_table();
 
 /** The parameter of that name (case ignored), or nullptr. */
 const ParameterInfo* find_parameter(const std::string& name);
-
-/** What stands in place of a parameter that there was in an earlier version, for error messages;
- * empty for any other name. */
-std::string replacement_of_parameter(const std::string& name);
 
 /** Whether both have the same value of one parameter, to the last bit. */
 bool is_same_value(const ParameterInfo& info, const Parameters& a, const Parameters& b);

@@ -232,7 +232,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   void applyOptions();
   void forgetDerived();
   void drawScene() const;
-  void readVersion(int version, mrpt::serialization::CArchive& archive);
+  void readVersion0(mrpt::serialization::CArchive& archive);
   void insertPoints(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base);
   void watch(const Frame& frame, const std::string& sensor);
   WholeMap& whole() const;
