@@ -141,6 +141,6 @@ TEST(SteadyState, BytesOfACell)
   constexpr std::size_t of_sensor = 32;
   const std::size_t header = ElevationMapper(p, Backend::Cpu, 1).save().size() + of_sensor;
   ASSERT_LE(header, 128u);
-  EXPECT_LE(static_cast<double>(map.save().size() - header) / cells, 41);
-  EXPECT_LE(static_cast<double>(all) / cells, 125);  // and all that a frame works with
+  EXPECT_LE(static_cast<double>(map.save().size() - header) / cells, 44);
+  EXPECT_LE(static_cast<double>(all) / cells, 129);  // and all that a frame works with
 }

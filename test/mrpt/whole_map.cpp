@@ -190,7 +190,7 @@ TEST(WholeMap, that_is_damaged_in_a_stream_is_refused_and_changes_nothing)
     EXPECT_THROW(read(damaged, other), std::exception);
     EXPECT_EQ(bytes_of(other), before);
   }
-  EXPECT_GT(refused, 20);
+  EXPECT_GT(refused, 15) << "evidence may have any bytes, all else is checked";
 }
 
 TEST(WholeMap, writes_its_site_and_goes_on_with_it)

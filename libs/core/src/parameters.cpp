@@ -205,9 +205,9 @@ std::vector<ParameterInfo> make_table()
       entry<&Parameters::fill_samples>(
           "fill_samples", "", 1, 16, "measured cells taken on each side"),
       entry<&Parameters::fill_rule>(
-          "fill_rule", "", 0, 4,
+          "fill_rule", "", 0, 1,
           "how the two sides are combined: by eq. 8 and 9 as printed, or along lines",
-          {{0, "printed"}, {4, "lines"}}),
+          {{0, "printed"}, {1, "lines"}}),
       entry<&Parameters::fill_variance_per_m>(
           "fill_variance_per_m", "m/m", 0, 10,
           "growth of a fill's standard deviation with the distance to its sample"),
