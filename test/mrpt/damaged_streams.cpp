@@ -86,7 +86,7 @@ struct MapParts
           write_values(out, parameters, more_parameters);
           out << sigma_m << outlier_ratio << decimation << show_ground << std::uint8_t(1)
               << std::uint8_t(1) << colormap << max_cells << CPose3D(robot_x_m, 0, 0, 0, 0, 0)
-              << empty;
+              << std::uint32_t(0) << std::uint8_t(0) << empty;  // sensors; the whole drive
           if (empty) return;
           write_values(out, of_state, 0);
           out << size_of_state;
@@ -98,7 +98,7 @@ struct MapParts
   static void write_values(CArchive& out, const Values& values, std::uint32_t more)
   {
     out << static_cast<std::uint32_t>(values.size() + more);
-    for (const auto& [name, value] : values) out << name << value;
+    for (const auto& [name, value] : values) out << name << std::uint8_t(0) << value;
   }
 };
 

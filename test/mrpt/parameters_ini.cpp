@@ -306,22 +306,6 @@ TEST(ParametersIni, what_is_saved_loads_as_the_same_values)
     EXPECT_TRUE(talus::is_same_value(info, loaded, p)) << info.name;
 }
 
-TEST(ParametersIni, a_key_of_the_former_body_is_an_error_that_names_the_new_one)
-{
-  const CConfigFileMemory cfg(std::string("[Map_insertOpts]\nbody_max_x_m = 0.5\n"));
-  Parameters p;
-  try
-  {
-    talus::load_parameters(cfg, "Map", p);
-    FAIL() << "nothing thrown";
-  }
-  catch (const std::runtime_error& e)
-  {
-    for (const char* part : {"body_max_x_m is no parameter any longer", "body_boxes_m", "section"})
-      EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
-  }
-}
-
 TEST(ParametersIni, the_shipped_files_load_without_a_warning)
 {
   const std::string folder = TALUS_SOURCE_DIR "/datasets/configs/";
