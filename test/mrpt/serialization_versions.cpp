@@ -1,5 +1,6 @@
 // Streams of other versions: a parameter that they leave out has its default, one that they alone
-// know is skipped, and a later format is refused by name. The streams are written here byte by byte.
+// know is skipped, and a later format is refused by name. The streams are written here byte by
+// byte.
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/serialization/CArchive.h>
 #include <talus/mrpt/CObservationTraversability.h>

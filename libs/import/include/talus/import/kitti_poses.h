@@ -10,6 +10,7 @@ namespace talus::import
 /** Poses a line each, as KITTI's data sets and many SLAM programs write them. */
 struct KittiPoses
 {
+  /** In the order of the file; in the frame that it has. */
   std::vector<mrpt::poses::CPose3D> poses;
   /** The number of the scan that each belongs to; empty: the first belongs to scan 0, and so on. */
   std::vector<std::size_t> frames;
