@@ -291,7 +291,7 @@ TEST(DamagedMap, bytes_that_never_come_take_no_memory)
   m.of_state[0].second = 800;
   Parameters p;
   p.window_m = 800;
-  constexpr std::uint64_t kCells = 16000 * 16000, kBytesPerCell = 40;
+  constexpr std::uint64_t kCells = 16000 * 16000, kBytesPerCell = 44;
   m.size_of_state = kBytesPerCell * kCells;
   while (!ElevationMapper::is_size_of_state(m.size_of_state, p)) m.size_of_state++;  // the header
   EXPECT_NE(refusal_of(m), "");
