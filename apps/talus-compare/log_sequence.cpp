@@ -84,9 +84,10 @@ const std::vector<float>& band(
 
 }  // namespace
 
-Sequence read_log(const std::string& path, const std::string& trajectory, const std::string& sensor)
+Sequence read_log(const std::string& path, const LogOptions& options)
 {
-  const io::Trajectory poses = poses_of(path, trajectory);
+  const std::string& sensor = options.sensor;
+  const io::Trajectory poses = poses_of(path, options.trajectory);
   if (poses.empty())
     throw std::runtime_error("'" + path + "' holds no poses; pass --trajectory FILE");
   const std::size_t memory_bytes = app::memory_for_log(path);
@@ -97,9 +98,13 @@ Sequence read_log(const std::string& path, const std::string& trajectory, const 
   sequence.name = app::name_of_log(path);
   SensorNumbers sensors;
   int nowhere = 0;
-  while (const auto obs = app::guarded(
-             path, app::kLookAtLog, [&] { return reader->next(); }, memory_bytes))
+  const auto is_full = [&]
+  { return options.frames && sequence.frames.size() >= static_cast<std::size_t>(*options.frames); };
+  while (!is_full())
   {
+    const auto obs = app::guarded(
+        path, app::kLookAtLog, [&] { return reader->next(); }, memory_bytes);
+    if (!obs) break;
     if (!sensor.empty() && obs->sensorLabel != sensor) continue;
     SensorPoints points;
     if (!points_from_observation(*obs, points)) continue;

@@ -2,16 +2,23 @@
 #include <talus/baselines/real_log.h>
 #include <talus/baselines/truth_map.h>
 
+#include <optional>
 #include <string>
 
 namespace talus::baselines
 {
-/** Reads all scans of a rawlog that have a pose. `trajectory`: TUM or simplemap; empty: LOG.tum
- * beside the log, else what the log holds itself. `sensor`: label, empty for all. Scans whose
+/** Which scans of a rawlog are read. */
+struct LogOptions
+{
+  std::string trajectory;  //!< TUM or simplemap; empty: LOG.tum beside the log, else the log itself
+  std::string sensor;  //!< label, empty for all
+  std::optional<int> frames;  //!< at most so many
+};
+
+/** Reads the scans of a rawlog that have a pose. Scans whose
  * pose is farther away than any map reaches are left out and told on stderr. Throws
  * std::runtime_error that names the file and says what to do. */
-Sequence read_log(
-    const std::string& path, const std::string& trajectory, const std::string& sensor);
+Sequence read_log(const std::string& path, const LogOptions& options);
 
 /** What --truth names. Throws std::runtime_error that names the file. */
 io::LayerStack read_truth_file(const std::string& path);

@@ -1,8 +1,10 @@
 #include <talus/io/atomic_file.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 #include "../common/child_process.h"
 #include "../common/log_name.h"
@@ -23,12 +25,6 @@ using namespace talus::baselines;
 
 constexpr const char* kSeal = "comparison.json";
 
-bool is_world(const std::string& path)
-{
-  const fs::path extension = fs::path(path).extension();
-  return extension == ".yaml" || extension == ".yml";
-}
-
 constexpr const char* kLessToCompare = "Try a shorter log or way, or fewer --methods";
 
 talus::sim::World world_of(const std::string& path)
@@ -45,7 +41,7 @@ void require_no_crash(const std::string& path, const CommandOptions& o)
     try
     {
       // What it says is told when the log is read in earnest.
-      if (std::freopen("/dev/null", "w", stderr)) read_log(path, o.trajectory, o.sensor);
+      if (std::freopen("/dev/null", "w", stderr)) read_log(path, o.log);
     }
     catch (const std::exception&)
     {
@@ -59,7 +55,7 @@ void require_no_crash(const std::string& path, const CommandOptions& o)
 void compare_log(const std::string& path, const CommandOptions& o, Comparison& out)
 {
   require_no_crash(path, o);
-  const Sequence sequence = read_log(path, o.trajectory, o.sensor);
+  const Sequence sequence = read_log(path, o.log);
   const EvaluationOptions& e = o.evaluation;
   if (!o.world.empty())
   {
@@ -87,6 +83,37 @@ void compare_log(const std::string& path, const CommandOptions& o, Comparison& o
            sequence, out.evaluations.back(), o.truth.empty() ? nullptr : &labels, e.parameters)});
 }
 
+/** Shows how far the comparison of one input is: a bar for each of its steps on a terminal, else
+ * one line when it begins. */
+class Progress
+{
+ public:
+  Progress(std::string name, const CommandOptions& o) : name_(std::move(name)), wanted_(!o.quiet)
+  {
+    if (!wanted_ || ::isatty(STDERR_FILENO)) return;
+    std::cerr << "talus-compare: " << talus::app::printable(name_) << ": "
+              << o.evaluation.methods.size()
+              << (o.evaluation.methods.size() == 1 ? " method" : " methods") << "\n";
+  }
+  void show(const char* step, int done, int total)
+  {
+    if (step_ != step)
+    {
+      bar_.reset();
+      bar_.emplace(name_ + ", " + step, wanted_);
+      step_ = step;
+    }
+    bar_->show(
+        static_cast<double>(done) / total,
+        "frame " + std::to_string(done) + " of " + std::to_string(total));
+  }
+
+ private:
+  std::string name_, step_;
+  bool wanted_;
+  std::optional<talus::app::ProgressBar> bar_;
+};
+
 /** Compares one input; says what went wrong and returns false. */
 bool compare_input(const std::string& path, const CommandOptions& o, Comparison& out)
 {
@@ -95,9 +122,9 @@ bool compare_input(const std::string& path, const CommandOptions& o, Comparison&
     CommandOptions named = o;
     const std::string name =
         is_world(path) ? talus::app::name_of_world(path) : talus::app::name_of_log(path);
-    talus::app::ProgressBar bar(name, !o.quiet);
-    named.evaluation.progress = [&](int done, int total)
-    { bar.show(static_cast<double>(done) / total, "frame " + std::to_string(done)); };
+    Progress progress(name, o);
+    named.evaluation.progress = [&](const char* step, int done, int total)
+    { progress.show(step, done, total); };
     if (is_world(path))
       out.evaluations.push_back(evaluate_world(world_of(path), named.evaluation));
     else
@@ -118,7 +145,8 @@ void require_outputs_apart(const CommandOptions& o)
        {"methods.csv", "fills.csv", "real_logs.csv", "tables.md", kSeal, "maps.png", "fills.png"})
     outputs.push_back((fs::path(o.output) / name).string());
   std::vector<std::string> inputs = o.inputs;
-  for (const std::string& more : {o.world, o.truth, o.trajectory, o.config}) inputs.push_back(more);
+  for (const std::string& more : {o.world, o.truth, o.log.trajectory, o.config})
+    inputs.push_back(more);
   for (const std::string& output : outputs) talus::app::require_apart(output, inputs);
 }
 
@@ -158,8 +186,7 @@ Ending compare(
   write_results(c, folder);
   const int failed = failed_budgets(c);
   if (!o.quiet)
-    std::cout << tables_text(c) << budget_text(c) << failed << " budgets do not hold -> "
-              << o.output << "\n";
+    std::cout << tables_text(c) << budget_text(c) << budget_words(c) << "-> " << o.output << "\n";
   return all_read && !(o.check && failed > 0) ? kDone : kWrittenButFailed;
 }
 

@@ -6,6 +6,8 @@
 
 #include <talus/mrpt/parameters_ini.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <iostream>
 
 namespace talus::baselines
@@ -55,12 +57,16 @@ void add_inputs(CLI::App& app, CommandOptions& o)
          "truth.tif of the rawlog, as talus-sim writes it; or labels: bands ground and label")
       ->check(app::not_empty())
       ->type_name("FILE");
-  app.add_option("--trajectory", o.trajectory, "Poses of the rawlog; default: LOG.tum beside it")
+  app.add_option(
+         "--trajectory", o.log.trajectory, "Poses of the rawlog; default: LOG.tum beside it")
       ->check(app::not_empty())
       ->type_name("FILE");
-  app.add_option("--sensor", o.sensor, "Only scans with this label")
+  app.add_option("--sensor", o.log.sensor, "Only scans with this label")
       ->check(app::not_empty())
       ->type_name("LABEL");
+  app::add_optional(app, "--frames", o.log.frames, "At most so many frames of each input")
+      ->check(CLI::Range(1, 100000))
+      ->type_name("N");
 }
 
 void add_methods(CLI::App& app, CommandOptions& o)
@@ -96,6 +102,8 @@ void add_methods(CLI::App& app, CommandOptions& o)
       ->type_name("N");
 }
 
+constexpr const char* kOfWorlds[] = {"--scanner", "--seed", "--noise", "--pose-noise", "--z-drift"};
+
 void add_drive(CLI::App& app, sim::DriveOptions& d)
 {
   app::add_optional(
@@ -107,9 +115,6 @@ void add_drive(CLI::App& app, sim::DriveOptions& d)
   app::add_optional(app, "--noise", d.noise_m, "Standard deviation of a range [m]")
       ->check(app::between(0.0, 10.0))
       ->type_name("M");
-  app::add_optional(app, "--frames", d.frames, "At most so many frames")
-      ->check(CLI::Range(1, 100000))
-      ->type_name("N");
   app.add_option("--pose-noise", d.pose_noise_m, "Noise of the poses in x, y, z [m]")
       ->check(app::between(0.0, 10.0))
       ->type_name("M");
@@ -118,7 +123,33 @@ void add_drive(CLI::App& app, sim::DriveOptions& d)
       ->type_name("M/M");
 }
 
+/** An option that would do nothing with these inputs, and why; empty: there is none. */
+std::string idle_option(const CLI::App& app, const CommandOptions& o)
+{
+  const auto& in = o.inputs;
+  const auto world = std::find_if(in.begin(), in.end(), is_world);
+  const auto log = std::find_if_not(in.begin(), in.end(), is_world);
+  const auto given = [&](const char* name) { return app.count(name) > 0; };
+  for (const char* name : kOfWorlds)
+    if (log != in.end() && given(name))
+      return std::string(name) + " is for simulated worlds, and '" + *log + "' is a log";
+  for (const char* name : {"--world", "--truth", "--trajectory", "--sensor"})
+    if (world != in.end() && given(name))
+      return std::string(name) + " is for logs, and '" + *world + "' is a world";
+  for (const char* name : {"--hold-out", "--beams"})
+    if (given(name) && (log == in.end() || given("--world")))
+      return std::string(name) + " is for logs without the truth of a world";
+  if (given("--world") && given("--truth")) return "--truth does nothing beside --world";
+  return {};
+}
+
 }  // namespace
+
+bool is_world(const std::string& path)
+{
+  const std::filesystem::path extension = std::filesystem::path(path).extension();
+  return extension == ".yaml" || extension == ".yml";
+}
 
 std::optional<int> parse_options(int argc, char** argv, CommandOptions& options)
 {
@@ -132,7 +163,12 @@ std::optional<int> parse_options(int argc, char** argv, CommandOptions& options)
   app.add_flag("--quiet", options.quiet, "Print errors only");
   app.set_version_flag("--version", app::version_line("talus-compare"));
   app.footer(footer());
-  return app::parse_command_line(app, argc, argv);
+  if (const auto exit_code = app::parse_command_line(app, argc, argv)) return exit_code;
+  options.evaluation.drive.frames = options.log.frames;
+  const std::string idle = idle_option(app, options);
+  if (idle.empty()) return {};
+  std::cerr << "talus-compare: " << idle << ": leave it out, or compare the inputs apart\n";
+  return 2;
 }
 
 void load_parameters_into(CommandOptions& o)

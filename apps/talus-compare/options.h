@@ -1,6 +1,8 @@
 #pragma once
 #include <talus/baselines/holdout.h>
 
+#include "log_sequence.h"
+
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,12 +13,16 @@ namespace talus::baselines
 struct CommandOptions
 {
   std::vector<std::string> inputs;  //!< .yaml worlds and rawlogs
-  std::string output, world, truth, trajectory, sensor, config;
+  std::string output, world, truth, config;
+  LogOptions log;
   std::vector<std::string> settings;  //!< NAME=VALUE
   EvaluationOptions evaluation;
   HoldOutOptions holdout;
   bool quiet = false, check = false;
 };
+
+/** Whether an input is a world to simulate, and no log. */
+bool is_world(const std::string& path);
 
 /** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
  * program, or nothing: go on. */

@@ -29,7 +29,7 @@ Table table_of(const std::vector<Column<S>>& columns, const std::vector<S>& scor
     t.rows.emplace_back();
     for (const auto& c : columns) t.rows.back().push_back(c.text(s));
   }
-  return t;
+  return t.without_empty_columns();
 }
 
 std::string millimetres(double error_m) { return number(1000 * error_m, 1); }
@@ -102,7 +102,7 @@ Table real_log_table(const std::vector<RealLogScore>& maps)
     auto& row = t.rows.emplace_back(std::vector<std::string>{s.method});
     for (const auto& [name, value] : real_figures(s)) row.push_back(percent(value));
   }
-  return t;
+  return t.without_empty_columns();
 }
 
 bool fails(const BudgetResult& r) { return r.verdict == BudgetResult::Verdict::Fail; }
@@ -176,7 +176,7 @@ Table budget_overview(const Worlds& worlds)
     row.sort();
     t.rows.push_back(row.text());
   }
-  return t;
+  return t.without_empty_columns();
 }
 
 constexpr std::size_t kWorldsPerTable = 8;
@@ -201,11 +201,17 @@ Table budget_table(const Worlds& worlds)
   return t;
 }
 
-std::vector<Table> budget_tables(const Comparison& c)
+Worlds judged_worlds(const Comparison& c)
 {
   Worlds worlds;
   for (const Evaluation& e : c.evaluations)
     if (e.has_truth && !check_budgets(e).empty()) worlds.push_back(&e);
+  return worlds;
+}
+
+std::vector<Table> budget_tables(const Comparison& c)
+{
+  const Worlds worlds = judged_worlds(c);
   std::vector<Table> tables;
   if (worlds.size() > 1) tables.push_back(budget_overview(worlds));
   for (std::size_t first = 0; first < worlds.size(); first += kWorldsPerTable)
@@ -312,8 +318,9 @@ std::string tables_text(const Comparison& c) { return tables(c, &Table::text, ""
 
 std::string tables_markdown(const Comparison& c)
 {
-  std::string out = "Made by `" + c.command + "`. " + std::to_string(failed_budgets(c)) +
-                    " budgets do not hold (marked `!`).\n\n";
+  const std::string words = budget_words(c);
+  std::string out = "Made by `" + c.command + "`." +
+                    (words.empty() ? "" : " " + words + "(marked `!`).") + "\n\n";
   for (const Table& t : budget_tables(c)) out += t.markdown() + "\n";
   return out + tables(c, &Table::markdown, "## ");
 }
@@ -323,6 +330,13 @@ std::string budget_text(const Comparison& c)
   std::string out;
   for (const Table& t : budget_tables(c)) out += t.text() + "\n";
   return out;
+}
+
+std::string budget_words(const Comparison& c)
+{
+  if (judged_worlds(c).empty()) return {};
+  const int failed = failed_budgets(c);
+  return std::to_string(failed) + (failed == 1 ? " budget does" : " budgets do") + " not hold ";
 }
 
 int failed_budgets(const Comparison& c)

@@ -32,6 +32,8 @@ std::string tables_text(const Comparison& c);
 std::string budget_text(const Comparison& c);
 /** How many budgets fail. */
 int failed_budgets(const Comparison& c);
+/** That in words, followed by a space; empty where none was judged. */
+std::string budget_words(const Comparison& c);
 
 /** The same as a page of Markdown. */
 std::string tables_markdown(const Comparison& c);

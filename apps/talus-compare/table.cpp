@@ -25,6 +25,20 @@ std::string padded(const std::string& s, std::size_t width, bool left)
 
 }  // namespace
 
+Table Table::without_empty_columns() const
+{
+  Table out;
+  out.rows.resize(rows.size());
+  for (std::size_t c = 0; c < heading.size(); ++c)
+  {
+    const auto is_empty = [&](const auto& row) { return row[c] == "-"; };
+    if (c > 0 && std::all_of(rows.begin(), rows.end(), is_empty)) continue;
+    out.heading.push_back(heading[c]);
+    for (std::size_t r = 0; r < rows.size(); ++r) out.rows[r].push_back(rows[r][c]);
+  }
+  return out;
+}
+
 std::string Table::text() const
 {
   const auto w = widths(*this);

@@ -10,6 +10,8 @@ struct Table
   std::vector<std::string> heading;
   std::vector<std::vector<std::string>> rows;
 
+  /** The same without columns in which no row has a figure; the first column stays. */
+  Table without_empty_columns() const;
   std::string text() const;  //!< for a terminal
   std::string markdown() const;
 };

@@ -51,6 +51,14 @@ class TalusCompare : public testing::Test
     return run_command(std::string(TALUS_COMPARE_EXE) + " " + arguments);
   }
 
+  /** log/small.rawlog, of 11 frames. */
+  void write_small_log() const
+  {
+    const Outcome sim = run_command(
+        std::string(TALUS_SIM_EXE) + " " + path("small.yaml") + " --output " + path("log"));
+    ASSERT_EQ(sim.code, 0) << sim.text;
+  }
+
   static std::ptrdiff_t hidden_in(const std::string& folder)
   {
     return std::count_if(
@@ -164,9 +172,7 @@ TEST_F(TalusCompare, ShowsInEachColumnOfTheFillsWhatItsHeadingSays)
 
 TEST_F(TalusCompare, GivesTheSameFiguresForTheLogOfAWorldAsForTheWorld)
 {
-  const auto sim = run_command(
-      std::string(TALUS_SIM_EXE) + " " + path("small.yaml") + " --output " + path("log"));
-  ASSERT_EQ(sim.code, 0) << sim.text;
+  write_small_log();
   const std::string methods = " --methods talus --output ";
   ASSERT_EQ(run(path("small.yaml") + methods + path("a")).code, 0);
   const Outcome b =
@@ -184,11 +190,7 @@ TEST_F(TalusCompare, GivesTheSameFiguresForTheLogOfAWorldAsForTheWorld)
 
 TEST_F(TalusCompare, LeavesOutAScanWhosePoseIsNowhere)
 {
-  ASSERT_EQ(
-      run_command(
-          std::string(TALUS_SIM_EXE) + " " + path("small.yaml") + " --output " + path("log"))
-          .code,
-      0);
+  write_small_log();
   const auto with_x = [&](const std::string& x)
   {
     std::istringstream lines(read("log/small.tum"));
@@ -216,17 +218,65 @@ TEST_F(TalusCompare, LeavesOutAScanWhosePoseIsNowhere)
 
 TEST_F(TalusCompare, HoldsPointsOutOfALogWithoutTruth)
 {
-  ASSERT_EQ(
-      run_command(
-          std::string(TALUS_SIM_EXE) + " " + path("small.yaml") + " --output " + path("log"))
-          .code,
-      0);
+  write_small_log();
   const Outcome o =
       run(path("log/small.rawlog") + " --methods talus --beams 16 --output " + path("out"));
   ASSERT_EQ(o.code, 0) << o.text;
   const auto json = nlohmann::json::parse(read("out/comparison.json"));
   EXPECT_GT(json["held_out"][0]["fills"]["bgk"]["all_n"], 100);
   EXPECT_LT(json["held_out"][0]["fills"]["talus"]["all_median_m"], 0.03);
+}
+
+TEST_F(TalusCompare, TakesSoManyFramesOfALogAsOfAWorld)
+{
+  write_small_log();
+  const std::string rest = " --methods talus --evaluate 1 --frames 4 --output " + path("out");
+  for (const char* input : {"small.yaml", "log/small.rawlog"})
+  {
+    const Outcome o = run(path(input) + rest);
+    ASSERT_EQ(o.code, 0) << o.text;
+    EXPECT_EQ(nlohmann::json::parse(read("out/comparison.json"))["worlds"][0]["frames"], 4)
+        << input;
+  }
+}
+
+TEST_F(TalusCompare, RefusesAnOptionThatWouldDoNothing)
+{
+  write_small_log();
+  const std::string world = path("small.yaml"), log = path("log/small.rawlog");
+  const auto refused = [&](const std::string& inputs, const std::string& option)
+  {
+    const Outcome o = run(inputs + " " + option + " --output " + path("out"));
+    EXPECT_EQ(o.code, 2) << o.text;
+    EXPECT_NE(o.text.find(option.substr(0, option.find(' '))), std::string::npos) << o.text;
+    EXPECT_FALSE(fs::exists(path("out"))) << option;
+  };
+  for (const char* option :
+       {"--scanner VLP-16", "--seed 3", "--noise 0.1", "--pose-noise 0.1", "--z-drift 0.1"})
+    refused(log, option);
+  refused(world + " " + log, "--seed 3");
+  for (const char* option :
+       {"--world w.yaml", "--truth t.tif", "--trajectory t.tum", "--sensor front", "--beams 16"})
+    refused(world, option);
+  refused(log + " --world " + world, "--hold-out 3");
+  refused(log + " --world " + world, "--truth t.tif");
+}
+
+TEST_F(TalusCompare, SaysOfALogWithoutTruthOnlyWhatThereIs)
+{
+  write_small_log();
+  const Outcome o =
+      run(path("log/small.rawlog") + " --methods talus --evaluate 1 --frames 3 --output " +
+          path("out"));
+  ASSERT_EQ(o.code, 0) << o.text;
+  EXPECT_EQ(o.text.rfind("talus-compare: small: 1 method\n", 0), 0U) << o.text;
+  for (const char* absent : {"budget", "hang pass", "precision", "mover"})
+  {
+    EXPECT_EQ(o.text.find(absent), std::string::npos) << o.text;
+    EXPECT_EQ(read("out/tables.md").find(absent), std::string::npos) << read("out/tables.md");
+  }
+  EXPECT_NE(o.text.find("known %"), std::string::npos) << o.text;
+  EXPECT_NE(o.text.find("unjudged"), std::string::npos) << o.text;
 }
 
 TEST_F(TalusCompare, RefusesToWriteOverOtherFilesBeforeItDoesAnything)

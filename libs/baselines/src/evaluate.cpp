@@ -59,7 +59,7 @@ class Evaluator
     for (int i = 0; i < total; ++i)
     {
       step(static_cast<std::size_t>(i));
-      if (options_.progress) options_.progress(i + 1, total);
+      if (options_.progress) options_.progress("maps", i + 1, total);
     }
     result_.name = sequence_.name;
     result_.frames = total;
@@ -256,7 +256,11 @@ Evaluation evaluate_world(const sim::World& world, const EvaluationOptions& opti
 {
   const TruthMap truth = truth_of(world, options);
   const sim::Drive drive(world, options.drive);
-  return evaluate_sequence(simulate(world, drive), &truth, &world, options);
+  const auto progress = [&](int done, int total)
+  {
+    if (options.progress) options.progress("scans", done, total);
+  };
+  return evaluate_sequence(simulate(world, drive, progress), &truth, &world, options);
 }
 
 }  // namespace talus::baselines

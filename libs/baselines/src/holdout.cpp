@@ -219,7 +219,7 @@ HoldOut hold_out(
     const ScanFrame& scan = sequence.frames[static_cast<std::size_t>(i)];
     const SplitScan parts = split(scan, holdout);
     map->update(parts.kept.view());
-    if (options.progress) options.progress(i + 1, out.frames);
+    if (options.progress) options.progress("held-out beams", i + 1, out.frames);
     if (i < first) continue;
     const Surfaces surfaces = map->read();
     const Fills fills = all_fills(surfaces);

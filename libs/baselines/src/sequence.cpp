@@ -21,7 +21,9 @@ Frame ScanFrame::view() const
   return f;
 }
 
-Sequence simulate(const sim::World& world, const sim::Drive& drive)
+Sequence simulate(
+    const sim::World& world, const sim::Drive& drive,
+    const std::function<void(int done, int total)>& progress)
 {
   Sequence sequence;
   sequence.name = world.name;
@@ -39,6 +41,7 @@ Sequence simulate(const sim::World& world, const sim::Drive& drive)
     f.y_m = std::move(scan.y_m);
     f.z_m = std::move(scan.z_m);
     sequence.frames.push_back(std::move(f));
+    if (progress) progress(i + 1, drive.frames());
   }
   return sequence;
 }

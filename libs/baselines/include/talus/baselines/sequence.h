@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,8 @@ struct Sequence
 };
 
 /** Scans a world. The poses have the errors of the drive's options. */
-Sequence simulate(const sim::World& world, const sim::Drive& drive);
+Sequence simulate(
+    const sim::World& world, const sim::Drive& drive,
+    const std::function<void(int done, int total)>& progress = {});
 
 }  // namespace talus::baselines

@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""The tables of doc/accuracy.md are what talus-compare finds: a small part of them is written anew, into a copy.
+
+  test/apps/accuracy_page.py TALUS_COMPARE
+
+Exit code 1 with what is wrong. The table of held-out beams is looked at where TALUS_TEST_DATA has the log.
+"""
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PAGE = os.path.join(SOURCE, "doc/accuracy.md")
+DATA = os.environ.get("TALUS_TEST_DATA", os.path.join(SOURCE, "../shared/data"))
+LOG, ROW = "offroad_b", "forest B"
+STALE = 0.1  # of a figure: the map has changed by more than that since the page was written
+
+
+def part(page, name):
+    return re.search(f"<!-- {name}: written by .*?-->(.*?)<!-- {name}: end -->", page, re.DOTALL)[1]
+
+
+def rows(text):
+    return [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in text.splitlines() if line[:1] == "|"]
+
+
+def write(command, page, folder, *arguments):
+    subprocess.run([sys.executable, os.path.join(SOURCE, "apps/talus-compare/page.py"), command, "--page", page,
+                    "--output", folder, "--methods", "talus,highest", *arguments], check=True)
+    with open(page, encoding="utf-8") as file:
+        return file.read()
+
+
+def check_worlds(command, page, folder, before):
+    world = os.path.join(folder, "bench.yaml")
+    with open(world, "w", encoding="utf-8") as file:
+        file.write("ground: [plane: {}]\nobjects: [box: {at_m: [2, 0.5], size_m: [0.5, 0.5, 0.5]}]\n"
+                   "robot: {path_m: [[0, 0], [0.6, 0]]}\n")
+    after = write(command, page, folder, "--only", "worlds", "budgets", "--worlds", world)
+    with open(os.path.join(folder, "bench/comparison.json"), encoding="utf-8") as file:
+        found = json.load(file)["worlds"][0]
+    heading, _, talus, highest = rows(part(after, "worlds"))
+    shown = dict(zip(heading, talus))
+    assert highest[0] == "highest", highest
+    assert shown["ground mm"] == f"{1000 * found['methods']['talus']['measured_ground_rmse_m']:.1f}", shown
+    assert set(heading) <= set(rows(part(before, "worlds"))[0]), "the page has other columns: ./dev compare --page"
+    fails = {row[0] for row in rows(part(after, "budgets"))[2:]}
+    assert fails == {b["name"] for b in found["budgets"] if b["verdict"] == "fail"}, fails
+    for name in ("scans", "held_out"):
+        assert part(after, name) == part(before, name), f"the table {name} was touched"
+    outside = [re.sub("<!-- (worlds|budgets): written.*?end -->", "", text, flags=re.DOTALL)
+               for text in (before, after)]
+    assert outside[0] == outside[1], "text outside of the markers was touched"
+
+
+def check_held_out(command, page, folder, before):
+    after = write(command, page, folder, "--only", "held_out", "--logs", LOG)
+    new = next(row for row in rows(part(after, "held_out")) if row[0].startswith(ROW))
+    old = next(row for row in rows(part(before, "held_out")) if row[0].startswith(ROW))
+    for a, b in zip(old[1:], new[1:], strict=True):
+        for told, found in zip(map(float, a.split(",")), map(float, b.split(",")), strict=True):
+            assert abs(told - found) <= STALE * found, f"the page says {a}, it is {b}: run ./dev compare --page"
+
+
+def main():
+    command = os.path.abspath(sys.argv[1])
+    with open(PAGE, encoding="utf-8") as file:
+        before = file.read()
+    with tempfile.TemporaryDirectory() as folder:
+        page = os.path.join(folder, "accuracy.md")
+        for check in (check_worlds, check_held_out):
+            if check is check_held_out and not os.path.exists(os.path.join(DATA, "street.rawlog")):
+                print(f"held-out beams: left out, there are no logs in {DATA} (TALUS_TEST_DATA)")
+                continue
+            with open(page, "w", encoding="utf-8") as file:
+                file.write(before)
+            check(command, page, folder, before)
+            print(f"{check.__name__}: as it should be")
+
+
+if __name__ == "__main__":
+    main()
