@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 namespace fs = std::filesystem;
@@ -34,6 +35,18 @@ bool is_numbered(const fs::path& file, const std::string& start, std::size_t few
              stem.begin() + static_cast<std::ptrdiff_t>(start.size()), stem.end(), is_digit);
 }
 bool is_snapshot(const fs::path& file) { return is_numbered(file, "frame_", 6); }
+/** The map to which the file of a way belongs: site.tif of site_way.gpkg; other files are their
+ * own. */
+fs::path map_of(const fs::path& file)
+{
+  constexpr std::string_view kWay = "_way";
+  const std::string stem = file.stem().string();
+  const bool is_way = file.extension() == ".gpkg" && stem.size() > kWay.size() &&
+                      stem.compare(stem.size() - kWay.size(), kWay.size(), kWay) == 0;
+  if (!is_way) return file;
+  return file.parent_path() / (stem.substr(0, stem.size() - kWay.size()) + ".tif");
+}
+
 /** A floor or an island: site_floor_1.tif, site_island_2.png, site_floor_1_island_2.tif. */
 bool is_site_part(const fs::path& file)
 {
@@ -117,7 +130,8 @@ void set_aside_old_parts(const fs::path& hidden, Moves& done)
   std::vector<fs::path> old;
   std::error_code no_file;  // such as a link to itself
   for (const auto& entry : fs::directory_iterator(hidden.parent_path()))
-    if (is_site_part(entry.path()) && entry.is_regular_file(no_file)) old.push_back(entry.path());
+    if (is_site_part(map_of(entry.path())) && entry.is_regular_file(no_file))
+      old.push_back(entry.path());
   for (const auto& file : old) set_aside(hidden, file.filename(), done);
 }
 
@@ -149,7 +163,8 @@ bool is_internal(const fs::path& path)
 
 bool is_site_file(const fs::path& name)
 {
-  return name == "site.tif" || name == "site.png" || is_site_part(name);
+  const fs::path map = map_of(name);
+  return map == "site.tif" || map == "site.png" || is_site_part(map);
 }
 
 void Moves::move(const fs::path& from, const fs::path& to)

@@ -33,6 +33,8 @@ class KeptSite
   /** After the last frame: what the window holds is kept, and where on Earth it is. Warnings go
    * where the run keeps them. */
   void finish(const ElevationMapper& map, io::RunSummary& run);
+  /** Where on Earth; with fixes of a satellite receiver from finish() on. */
+  const std::optional<site::GeoOrigin>& origin() const { return site_.origin; }
   /** Writes site.tif, site_island_1.tif, site_floor_1.tif ..., and a picture of each, into a
    * folder. Throws std::runtime_error naming the file. */
   void write(const std::string& folder, const site::Progress& progress);

@@ -32,7 +32,7 @@ std::string date_of(double stamp_s)
 
 void write_map(
     const std::string& tif, const std::string& png, const io::LayerStack& map,
-    const LogMapper& mapper)
+    const LogMapper& mapper, const std::optional<io::GeoOrigin>& origin)
 {
   const auto& run = mapper.summary();
   const auto& robot = mapper.last_base();
@@ -47,7 +47,8 @@ void write_map(
        {"ROBOT_X_M", mrpt::format("%.6f", robot.x())},
        {"ROBOT_Y_M", mrpt::format("%.6f", robot.y())},
        {"ROBOT_Z_M", mrpt::format("%.6f", robot.z())},
-       {"ROBOT_YAW_RAD", mrpt::format("%.6f", robot.yaw())}});
+       {"ROBOT_YAW_RAD", mrpt::format("%.6f", robot.yaw())}},
+      origin);
   io::PictureOptions picture;
   picture.title =
       mrpt::format("%s, frame %zu, ", log.c_str(), run.frames.size()) + date_of(stamp_s);
@@ -115,22 +116,24 @@ std::string site_line(const io::SiteSummary& site)
 }
 }  // namespace
 
-void write_results(const std::string& folder, const LogMapper& mapper)
+void write_results(
+    const std::string& folder, const LogMapper& mapper, const std::optional<io::GeoOrigin>& origin)
 {
   const fs::path to(folder);
   const io::LayerStack map = io::snapshot(mapper.map());
-  write_map((to / "map.tif").string(), (to / "map.png").string(), map, mapper);
+  write_map((to / "map.tif").string(), (to / "map.png").string(), map, mapper, origin);
   io::write_timing_csv((to / "timing.csv").string(), mapper.summary().frames);
   io::write_summary_json((to / "summary.json").string(), mapper.summary(), map);
 }
 
-void write_snapshot(const std::string& folder, const LogMapper& mapper)
+void write_snapshot(
+    const std::string& folder, const LogMapper& mapper, const std::optional<io::GeoOrigin>& origin)
 {
   const fs::path frames = fs::path(folder) / "frames";
   fs::create_directories(frames);
   const std::string stem =
       (frames / mrpt::format("frame_%06zu", mapper.summary().frames.size())).string();
-  write_map(stem + ".tif", stem + ".png", io::snapshot(mapper.map()), mapper);
+  write_map(stem + ".tif", stem + ".png", io::snapshot(mapper.map()), mapper, origin);
 }
 
 std::string console_summary(const LogMapper& mapper)

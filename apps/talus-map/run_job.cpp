@@ -72,6 +72,12 @@ SourceLog import_first(
       [&](double done, const std::string& points) { bar.show(done, "importing, " + points); });
 }
 
+/** Where on Earth the map is, as far as it is known by now. */
+std::optional<io::GeoOrigin> origin_of(const std::optional<KeptSite>& site, const Options& options)
+{
+  return site ? site->origin() : options.origin;
+}
+
 /** Of a site of many kilometres it takes minutes. False where it cannot be written: the map of the
  * window is not lost with it. */
 bool write_site(KeptSite& site, const OutputFolder& output, io::RunSummary& run, ProgressBar& bar)
@@ -112,7 +118,7 @@ bool map_log(
         {
           const auto frames = m.summary().frames.size();
           const bool is_snapshot = options.every > 0 && frames % options.every == 0;
-          if (is_snapshot) write_snapshot(folder, m);
+          if (is_snapshot) write_snapshot(folder, m, origin_of(site, options));
           if (is_snapshot) ++mapper.summary().snapshots;
           if (rawlog_out && (is_snapshot || options.every == 0)) rawlog_out->add(m);
           bar.show(progress, "frame " + std::to_string(frames));
@@ -122,7 +128,7 @@ bool map_log(
     mapper.summary().wall_s = wall.count();
     if (site) is_whole = write_site(*site, output, mapper.summary(), bar);
   }
-  write_results(folder, mapper);
+  write_results(folder, mapper, origin_of(site, options));
   if (rawlog_out) write_log(*rawlog_out);
   const auto& warnings = mapper.summary().warnings;  // those of the settings have been told
   for (std::size_t i = settings.warnings.size(); i < warnings.size(); ++i)

@@ -5,6 +5,7 @@
 
 #include <cpl_error.h>
 #include <gdal_frmts.h>
+#include <ogrsf_frmts.h>
 
 #include <stdexcept>
 
@@ -14,7 +15,8 @@ namespace
 {
 GDALDriver& driver(const char* name)
 {
-  static const bool once = (GDALRegister_GTiff(), GDALRegister_COG(), true);
+  static const bool once =
+      (GDALRegister_GTiff(), GDALRegister_COG(), RegisterOGRGeoPackage(), true);
   (void)once;
   auto* found = GetGDALDriverManager()->GetDriverByName(name);
   if (!found)
@@ -57,6 +59,7 @@ void fail(const std::string& path, const char* what, const GdalErrors& errors)
 
 GDALDriver& geotiff_driver() { return driver("GTiff"); }
 GDALDriver& cog_driver() { return driver("COG"); }
+GDALDriver& geopackage_driver() { return driver("GPKG"); }
 
 DatasetPtr open_geotiff(const std::string& path, const GdalErrors& errors)
 {

@@ -39,6 +39,8 @@ constexpr const char* kNotWritten =
 /** Of plain GeoTIFFs, and of cloud optimized ones. Throw std::runtime_error where GDAL has none. */
 GDALDriver& geotiff_driver();
 GDALDriver& cog_driver();
+/** Of files of lines and points, as the others. */
+GDALDriver& geopackage_driver();
 
 /** Opens a GeoTIFF to read it. Throws std::runtime_error that names the file. */
 DatasetPtr open_geotiff(const std::string& path, const GdalErrors& errors);

@@ -2,7 +2,9 @@
 
 #include <talus/io/atomic_file.h>
 
+#include "bands.h"
 #include "gdal_support.h"
+#include "geo_reference.h"
 
 #include <cpl_string.h>
 
@@ -10,6 +12,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
+#include <optional>
 #include <stdexcept>
 
 namespace talus::io
@@ -40,12 +44,35 @@ DatasetPtr create(const std::string& file, const LayerStack& s)
       file.c_str(), s.cells_x, s.cells_y, static_cast<int>(s.layers.size()), GDT_Float32, options));
 }
 
+/** What a file says of a band besides its cells. */
+void describe(GDALRasterBand& band, const std::string& name, const std::vector<float>& cells)
+{
+  band.SetDescription(name.c_str());
+  band.SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+  if (const char* unit = unit_of_band(name); *unit) band.SetUnitType(unit);
+  BandStatistics statistics;
+  for (const float v : cells) statistics.add(v);
+  for (const auto& [key, value] : band_items(name, statistics, static_cast<double>(cells.size())))
+    band.SetMetadataItem(key.c_str(), value.c_str());
+}
+
+/** In which order the layers become bands. */
+std::vector<std::size_t> order_of(const LayerStack& stack)
+{
+  std::vector<std::size_t> order(stack.names.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(
+      order.begin(), order.end(),
+      [&](std::size_t a, std::size_t b)
+      { return place_of_band(stack.names[a]) < place_of_band(stack.names[b]); });
+  return order;
+}
+
 /** One layer, its last row (the northernmost) first. */
 bool write_band(GDALRasterBand& band, const std::string& name, std::vector<float> cells)
 {
   const int nx = band.GetXSize(), ny = band.GetYSize();
-  band.SetDescription(name.c_str());
-  band.SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+  describe(band, name, cells);
   const GSpacing pixel = sizeof(float), line = -static_cast<GSpacing>(nx) * pixel;
   float* last_row = cells.data() + static_cast<std::size_t>(ny - 1) * nx;
   return band.RasterIO(
@@ -53,13 +80,29 @@ bool write_band(GDALRasterBand& band, const std::string& name, std::vector<float
          CE_None;
 }
 
+/** Turns back what lies on Earth; false where it then is not north up with square cells. */
+bool to_map_frame(double (&t)[6], const std::optional<GeoOrigin>& origin)
+{
+  if (origin && origin->heading_deg != 0)
+  {
+    const std::optional<GeoOrigin> back = GeoOrigin{0, 0, 0, -origin->heading_deg};
+    to_crs(t[0], t[3], back);
+    to_crs(t[1], t[4], back);
+    to_crs(t[2], t[5], back);
+    if (std::abs(t[2]) + std::abs(t[4]) > 1e-9 * t[1]) return false;
+    return std::abs(t[1] + t[5]) <= 1e-9 * t[1];
+  }
+  return t[2] == 0 && t[4] == 0 && std::abs(t[1] + t[5]) <= 1e-9 * t[1];
+}
+
 /** Where the cells of a file lie, without layers. */
 LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErrors& errors)
 {
   constexpr std::int64_t kMostCells = std::int64_t{1} << 30;  // 4 GB a band
+  const char* const text = dataset.GetMetadataItem(kOriginItem);
   double t[6];
-  if (dataset.GetGeoTransform(t) != CE_None || t[2] != 0 || t[4] != 0 || !(t[1] > 0) ||
-      !(std::abs(t[1] + t[5]) <= 1e-9 * t[1]) || !std::isfinite(t[0] + t[3]))
+  if (dataset.GetGeoTransform(t) != CE_None || !to_map_frame(t, origin_from(text ? text : "")) ||
+      !(t[1] > 0) || !std::isfinite(t[0] + t[3]))
     fail(path, "not a north-up GeoTIFF with square cells", errors);
   LayerStack stack;
   stack.cells_x = dataset.GetRasterXSize();
@@ -93,7 +136,7 @@ std::vector<float> read_band(
 
 void write_geotiff(
     const std::string& path, const LayerStack& stack,
-    const std::map<std::string, std::string>& metadata)
+    const std::map<std::string, std::string>& metadata, const std::optional<GeoOrigin>& origin)
 {
   check_shape(path, stack);
   AtomicFile file(path);
@@ -101,19 +144,17 @@ void write_geotiff(
   DatasetPtr dataset = create(file.temporary_path(), stack);
   if (!dataset) fail(path, "cannot write this GeoTIFF", errors);
 
-  double north_up[6] = {stack.min_x_m,
-                        stack.resolution_m,
-                        0,
-                        stack.min_y_m + stack.cells_y * stack.resolution_m,
-                        0,
-                        -stack.resolution_m};
-  const OGRSpatialReference frame = map_frame();
-  dataset->SetGeoTransform(north_up);
-  dataset->SetSpatialRef(&frame);
+  auto transform = transform_of(
+      stack.min_x_m, stack.min_y_m + stack.cells_y * stack.resolution_m, stack.resolution_m,
+      origin);
+  const OGRSpatialReference crs = crs_of(origin);
+  dataset->SetGeoTransform(transform.data());
+  dataset->SetSpatialRef(&crs);
+  put_origin(*dataset, origin);
   for (const auto& [key, value] : metadata) dataset->SetMetadataItem(key.c_str(), value.c_str());
-  for (std::size_t i = 0; i < stack.layers.size(); ++i)
-    if (!write_band(
-            *dataset->GetRasterBand(static_cast<int>(i) + 1), stack.names[i], stack.layers[i]))
+  int band = 0;
+  for (const std::size_t i : order_of(stack))
+    if (!write_band(*dataset->GetRasterBand(++band), stack.names[i], stack.layers[i]))
       fail(path, kNotWritten, errors);
   dataset.reset();
   if (errors.any()) fail(path, kNotWritten, errors);

@@ -2,6 +2,7 @@
 #include "site_metadata.h"
 #include "site_reader.h"
 
+#include <bands.h>
 #include <gdal_support.h>
 #include <talus/io/atomic_file.h>
 #include <talus/number_text.h>
@@ -68,11 +69,15 @@ io::DatasetPtr create(const std::string& file, const TileBox& box, const Site& s
   const std::array<const char*, kBands> names{"change_m", "kind"};
   for (int b = 0; b < kBands; ++b)
   {
-    dataset->GetRasterBand(b + 1)->SetDescription(names[static_cast<std::size_t>(b)]);
+    const char* const name = names[static_cast<std::size_t>(b)];
+    dataset->GetRasterBand(b + 1)->SetDescription(name);
     dataset->GetRasterBand(b + 1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+    if (const char* unit = io::unit_of_band(name); *unit)
+      dataset->GetRasterBand(b + 1)->SetUnitType(unit);
+    for (const auto& [key, value] : io::band_items(name, {}, 1))
+      dataset->GetRasterBand(b + 1)->SetMetadataItem(key.c_str(), value.c_str());
   }
-  dataset->SetMetadataItem(
-      "TALUS_KINDS", "0 none, 1 built, 2 dug, 3 object gone, 4 object appeared");
+  io::put_origin(*dataset, site.origin);
   return dataset;
 }
 

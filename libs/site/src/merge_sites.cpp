@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -49,7 +50,8 @@ bool is_same_place(const Source& a, const Source& b)
 /** In an order of their own, each once. */
 void sort_ways(Ways& ways)
 {
-  const auto of_point = [](const WayPoint& p) { return std::make_tuple(p.x_m, p.y_m, p.z_m); };
+  const auto of_point = [](const WayPoint& p)
+  { return std::make_tuple(p.x_m, p.y_m, p.z_m, std::isnan(p.stamp_s) ? -INFINITY : p.stamp_s); };
   const auto less = [&](const auto& a, const auto& b)
   {
     return std::lexicographical_compare(

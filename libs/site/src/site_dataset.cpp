@@ -25,6 +25,10 @@ class SiteBand : public GDALRasterBand
     if (has) *has = TRUE;
     return std::numeric_limits<double>::quiet_NaN();
   }
+  const char* GetUnitType() override
+  {
+    return io::unit_of_band(kBandNames[static_cast<std::size_t>(band_)]);
+  }
   int GetOverviewCount() override { return static_cast<int>(site_.overviews_.size()); }
   GDALRasterBand* GetOverview(int i) override
   {
@@ -79,7 +83,10 @@ SiteDataset::SiteDataset(
     TilePyramid& pyramid, const GeoTransform& transform, const OGRSpatialReference& crs)
     : pyramid_(pyramid), whole_(this), transform_(transform), crs_(crs)
 {
-  make_bands();
+  nRasterXSize = static_cast<int>(pyramid_.width_cells(0));
+  nRasterYSize = static_cast<int>(pyramid_.height_cells(0));
+  const Statistics all = statistics();
+  make_bands(&all);
   for (int level = 1; level < pyramid.levels(); ++level)
     overviews_.push_back(std::unique_ptr<SiteDataset>(new SiteDataset(*this, level)));
 }
@@ -87,15 +94,37 @@ SiteDataset::SiteDataset(
 SiteDataset::SiteDataset(SiteDataset& whole, int level)
     : pyramid_(whole.pyramid_), whole_(&whole), level_(level), transform_(whole.transform_)
 {
-  make_bands();
+  make_bands(nullptr);
 }
 
-void SiteDataset::make_bands()
+SiteDataset::Statistics SiteDataset::statistics() const
+{
+  Statistics all;
+  pyramid_.for_each_tile(
+      [&](const Tile& tile)
+      {
+        for (const SiteCell& cell : tile.cells)
+        {
+          if (!cell.known()) continue;
+          const BandValues values = values_of(cell, pyramid_.newest_s());
+          for (std::size_t b = 0; b < kBandCount; ++b) all[b].add(values[b]);
+        }
+      });
+  return all;
+}
+
+void SiteDataset::make_bands(const Statistics* statistics)
 {
   nRasterXSize = static_cast<int>(pyramid_.width_cells(level_));
   nRasterYSize = static_cast<int>(pyramid_.height_cells(level_));
   for (std::size_t b = 0; b < kBandCount; ++b)
+  {
     SetBand(static_cast<int>(b) + 1, new SiteBand(*this, static_cast<Band>(b)));
+    if (!statistics) continue;
+    const double cells = static_cast<double>(nRasterXSize) * nRasterYSize;
+    for (const auto& [key, value] : io::band_items(kBandNames[b], (*statistics)[b], cells))
+      GetRasterBand(static_cast<int>(b) + 1)->SetMetadataItem(key.c_str(), value.c_str());
+  }
   SetMetadataItem("INTERLEAVE", "PIXEL", "IMAGE_STRUCTURE");
 }
 

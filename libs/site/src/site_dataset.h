@@ -2,6 +2,8 @@
 #include "cell_bands.h"
 #include "tile_pyramid.h"
 
+#include <bands.h>
+
 #include <gdal_priv.h>
 
 #include <array>
@@ -39,8 +41,10 @@ class SiteDataset : public GDALDataset
 
  private:
   friend class SiteBand;
+  using Statistics = std::array<io::BandStatistics, kBandCount>;
   SiteDataset(SiteDataset& whole, int level);
-  void make_bands();
+  void make_bands(const Statistics* statistics);
+  Statistics statistics() const;
   void read_pixels(int x, int y, int width, int height, float* to) const;
 
   TilePyramid& pyramid_;

@@ -5,6 +5,7 @@
 
 #include <talus/site/islands.h>
 #include <talus/site/site_picture.h>
+#include <talus/site/site_way.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -127,6 +128,7 @@ void write_floor_files(
   {
     write_site(path, site, floor, progress);
     if (!picture.empty()) write_site_picture(picture, site, floor);
+    write_way(way_file_of(path), site, floor);
     return;
   }
   const FileOfFloor first{floor, floors_of(site), islands.size() - 1};
@@ -144,6 +146,7 @@ void write_floor_files(
     if (!picture.empty())
       write_site_picture(with_island(picture, i), part, floor, title_of(floor, i));
   }
+  write_way(way_file_of(path), site, floor);
 }
 
 void write_site_files(const std::string& path, Site& site, const Progress& progress, Far far)

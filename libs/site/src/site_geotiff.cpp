@@ -38,7 +38,7 @@ void set_metadata(
   set(kSeenItem, std::to_string(pyramid.newest_s()));
   const std::string ways = text_of_ways(site.ways, file.floor);
   if (!ways.empty()) set(kWaysItem, ways);
-  if (site.origin) set(kOriginItem, text_of_origin(*site.origin));
+  io::put_origin(dataset, site.origin);
   dataset.SetMetadataItem("AREA_OR_POINT", "Area");
 }
 

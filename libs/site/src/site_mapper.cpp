@@ -309,7 +309,7 @@ void SiteMapper::add_to_way()
 {
   site_.ways.back().push_back(
       {static_cast<float>(state_.base.x_m), static_cast<float>(state_.base.y_m),
-       static_cast<float>(state_.base.z_m), state_.floor});
+       static_cast<float>(state_.base.z_m), state_.floor, state_.stamp_s});
 }
 
 }  // namespace talus::site

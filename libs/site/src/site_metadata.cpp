@@ -1,6 +1,5 @@
 #include "site_metadata.h"
 
-#include <gdal_support.h>
 #include <talus/number_text.h>
 
 #include <algorithm>
@@ -14,23 +13,6 @@ namespace
 {
 constexpr std::size_t kMostPoints = 20000;
 constexpr double kHighestFloor = 1e6;
-
-/** The runs of points on one floor. */
-Ways on_floor(const Ways& ways, int floor)
-{
-  Ways runs;
-  for (const auto& way : ways)
-  {
-    bool goes_on = false;
-    for (const WayPoint& p : way)
-    {
-      if (p.floor == floor && !goes_on) runs.emplace_back();
-      goes_on = p.floor == floor;
-      if (goes_on) runs.back().push_back(p);
-    }
-  }
-  return runs;
-}
 
 /** Every so many-th point, and the last of each. */
 void thin(Ways& ways)
@@ -77,13 +59,23 @@ std::optional<std::vector<double>> numbers(std::string_view text)
   return values;
 }
 
-/** The same of so many. */
-std::optional<std::vector<double>> numbers(std::string_view text, std::size_t count)
-{
-  auto values = numbers(text);
-  return values && values->size() == count ? values : std::nullopt;
-}
 }  // namespace
+
+Ways on_floor(const Ways& ways, int floor)
+{
+  Ways runs;
+  for (const auto& way : ways)
+  {
+    bool goes_on = false;
+    for (const WayPoint& p : way)
+    {
+      if (p.floor == floor && !goes_on) runs.emplace_back();
+      goes_on = p.floor == floor;
+      if (goes_on) runs.back().push_back(p);
+    }
+  }
+  return runs;
+}
 
 std::string text_of_ways(const Ways& ways, int floor)
 {
@@ -96,7 +88,7 @@ std::string text_of_ways(const Ways& ways, int floor)
     std::string& text = texts.emplace_back();
     for (const WayPoint& p : run)
       text += (text.empty() ? "" : ", ") + fixed_text(p.x_m, 2) + " " + fixed_text(p.y_m, 2) + " " +
-              fixed_text(p.z_m, 2);
+              fixed_text(p.z_m, 2) + (std::isnan(p.stamp_s) ? "" : " " + fixed_text(p.stamp_s, 1));
   }
   std::sort(texts.begin(), texts.end());
   texts.erase(std::unique(texts.begin(), texts.end()), texts.end());
@@ -113,11 +105,11 @@ std::optional<Ways> ways_from(const std::string& text, int floor)
     auto& points = ways.emplace_back();
     for (const auto point : split(way, ','))
     {
-      const auto p = numbers(point, 3);
-      if (!p) return std::nullopt;
+      const auto p = numbers(point);
+      if (!p || p->size() < 3 || p->size() > 4) return std::nullopt;
       points.push_back(
           {static_cast<float>((*p)[0]), static_cast<float>((*p)[1]), static_cast<float>((*p)[2]),
-           floor});
+           floor, p->size() == 4 ? (*p)[3] : NAN});
     }
   }
   return ways;
@@ -142,46 +134,6 @@ std::optional<std::vector<int>> floors_from(const std::string& text)
     floors.push_back(static_cast<int>(v));
   }
   return floors;
-}
-
-std::string text_of_origin(const GeoOrigin& o)
-{
-  return exact_number_text(o.latitude_deg) + " " + exact_number_text(o.longitude_deg) + " " +
-         exact_number_text(o.altitude_m) + " " + exact_number_text(o.heading_deg);
-}
-
-std::optional<GeoOrigin> origin_from(const std::string& text)
-{
-  const auto n = numbers(text, 4);
-  if (!n || std::abs((*n)[0]) > 90 || std::abs((*n)[1]) > 360) return std::nullopt;
-  return GeoOrigin{(*n)[0], (*n)[1], (*n)[2], (*n)[3]};
-}
-
-OGRSpatialReference crs_of(const std::optional<GeoOrigin>& origin)
-{
-  if (!origin) return io::map_frame();
-  OGRSpatialReference crs;
-  const bool made =
-      crs.SetProjCS("talus map: metres east and north of its origin") == OGRERR_NONE &&
-      crs.SetWellKnownGeogCS("WGS84") == OGRERR_NONE &&
-      crs.SetTM(origin->latitude_deg, origin->longitude_deg, 1, 0, 0) == OGRERR_NONE &&
-      crs.SetLinearUnits(SRS_UL_METER, 1.0) == OGRERR_NONE;
-  if (!made)
-    throw std::runtime_error(
-        "PROJ cannot make a coordinate system around the origin; is its proj.db installed?");
-  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  return crs;
-}
-
-std::array<double, 6> transform_of(
-    double min_x_m, double max_y_m, double resolution_m, const std::optional<GeoOrigin>& origin)
-{
-  constexpr double kPi = 3.14159265358979323846;
-  const double heading_rad = origin ? origin->heading_deg * (kPi / 180) : 0;
-  const auto clean = [](double v) { return std::abs(v) < 1e-12 ? 0.0 : v; };  // of 90 degrees
-  const double c = clean(std::cos(heading_rad)), s = clean(std::sin(heading_rad));
-  return {min_x_m * c - max_y_m * s, resolution_m * c, resolution_m * s,
-          min_x_m * s + max_y_m * c, resolution_m * s, -resolution_m * c};
 }
 
 }  // namespace talus::site

@@ -1,9 +1,8 @@
 #pragma once
 #include <talus/site/site.h>
 
-#include <ogr_spatialref.h>
+#include <geo_reference.h>
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,13 +21,15 @@ constexpr const char* kResolutionItem = "TALUS_RESOLUTION_M";
 constexpr const char* kMinCellXItem = "TALUS_MIN_CELL_X";  //!< of the lower left cell
 constexpr const char* kMinCellYItem = "TALUS_MIN_CELL_Y";
 constexpr const char* kSeenItem = "TALUS_SEEN_S";  //!< when the newest cell was seen
-constexpr const char* kOriginItem = "TALUS_ORIGIN";  //!< latitude longitude altitude heading
 constexpr const char* kWaysItem = "TALUS_WAYS";  //!< none where there are no ways
 /// @}
 
-/** The points of one floor in whole centimetres, "x y z, x y z; x y z, ...", evenly thinned to
- * about 20,000. A way that leaves the floor and comes back becomes two. In an order of their own,
- * each once: whoever drove them first. */
+/** The runs of points on one floor. */
+Ways on_floor(const Ways& ways, int floor);
+
+/** The points of one floor in whole centimetres, "x y z t, x y z t; x y z t, ...", evenly thinned
+ * to about 20,000; t: seconds, left out where it is not known. A way that leaves the floor and
+ * comes back becomes two. In an order of their own, each once: whoever drove them first. */
 std::string text_of_ways(const Ways& ways, int floor);
 /** And back. Nothing where the text is none of ways. */
 std::optional<Ways> ways_from(const std::string& text, int floor);
@@ -38,15 +39,10 @@ std::string text_of_floors(const std::vector<int>& floors);
 /** And back. Nothing where the text is none of floors. */
 std::optional<std::vector<int>> floors_from(const std::string& text);
 
-std::string text_of_origin(const GeoOrigin& origin);
-std::optional<GeoOrigin> origin_from(const std::string& text);
-
-/** Metres east and north of the origin; of no place on Earth where there is none. Throws
- * std::runtime_error where PROJ cannot make it. */
-OGRSpatialReference crs_of(const std::optional<GeoOrigin>& origin);
-
-/** Of an image, north up in the map frame, whose upper left corner is (min_x_m, max_y_m). */
-std::array<double, 6> transform_of(
-    double min_x_m, double max_y_m, double resolution_m, const std::optional<GeoOrigin>& origin);
+using io::crs_of;
+using io::kOriginItem;
+using io::origin_from;
+using io::text_of_origin;
+using io::transform_of;
 
 }  // namespace talus::site

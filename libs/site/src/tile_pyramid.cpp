@@ -91,6 +91,11 @@ const Tile* TilePyramid::tile(int level, int x, int y)
   return tiles_.find({floor_, x + min_tile_x_, max_tile_y_ - y});
 }
 
+void TilePyramid::for_each_tile(const std::function<void(const Tile&)>& f)
+{
+  for (const Place& p : levels_.front()) f(*tile(0, p.x, p.y));
+}
+
 TilePyramid::Coverage TilePyramid::coverage(int level, int x0, int y0, int x1, int y1) const
 {
   const auto& places = levels_[level];

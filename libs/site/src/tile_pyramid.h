@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,8 @@ class TilePyramid
 
   /** Null where there is none. Valid until the next call. Throws as TileStore. */
   const Tile* tile(int level, int x, int y);
+  /** Those of level 0. Throws as TileStore. */
+  void for_each_tile(const std::function<void(const Tile&)>& f);
   /** Which row of such a tile is the `row`-th from the north. */
   static int row_of(int level, int row) { return level == 0 ? kTileCells - 1 - row : row; }
 

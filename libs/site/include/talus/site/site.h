@@ -1,6 +1,8 @@
 #pragma once
+#include <talus/io/geo_origin.h>
 #include <talus/site/tile_store.h>
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,15 +11,8 @@
 
 namespace talus::site
 {
-/** Where the origin of a map frame is on Earth (WGS 84). */
-struct GeoOrigin
-{
-  /** WGS 84; the height above its ellipsoid. */
-  double latitude_deg = 0, longitude_deg = 0, altitude_m = 0;
-  /** Of the map's x axis, counter-clockwise from east: 0 where x points east, 90 where it points
-   * north. */
-  double heading_deg = 0;
-};
+/** Where the origin of a map frame is on Earth. */
+using GeoOrigin = io::GeoOrigin;
 
 /** A place of the way that was driven, map frame. */
 struct WayPoint
@@ -26,6 +21,8 @@ struct WayPoint
   float x_m, y_m, z_m;
   /** See TileKey. */
   std::int32_t floor;
+  /** When, by the clock of the frames; NaN where it is not known. */
+  double stamp_s = NAN;
 };
 
 /** All that was seen, of any size: one map of a drive, or of several. */

@@ -34,7 +34,8 @@ enum class Far
 std::string with_island(const std::string& path, std::size_t island);
 
 /** Writes write_site() of a floor as `path`, and write_site_picture() as `picture` unless it is
- * empty; islands of the floor as files beside them, see with_island(). Throws as they do. */
+ * empty; islands of the floor as files beside them, see with_island(). The ways of the floor become
+ * one write_way() beside `path`, see way_file_of(). Throws as they do. */
 void write_floor_files(
     const std::string& path, const std::string& picture, Site& site, int floor, Far far,
     const Progress& progress = Progress());
