@@ -1,5 +1,6 @@
 // The command talus-map keeps all that a drive saw: site.tif, its options, and what goes wrong.
 #include <mrpt/obs/CObservationGPS.h>
+#include <talus/io/geotiff.h>
 #include <talus/site/site_geotiff.h>
 
 #include "talus_map_run.h"
@@ -46,7 +47,7 @@ TEST_F(TalusMapSite, writes_all_that_the_drive_saw_and_says_how_much)
   const Outcome done = run("drive.rawlog --output out");
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_NE(done.out.find("  site    "), std::string::npos) << done.out;
-  EXPECT_EQ(entries(), 2u + 7u) << "nothing hidden";
+  EXPECT_EQ(entries(), 2u + 8u) << "nothing hidden";
   const auto j = summary("out")["site"];
   EXPECT_NEAR(j["area_m2"].get<double>(), (12 + 8) * 8, 4);
   EXPECT_NEAR(j["length_m"].get<double>(), 11.9, 0.2);
@@ -112,12 +113,14 @@ TEST_F(TalusMapSite, floors_of_an_earlier_run_do_not_stay_beside_the_new_map)
 {
   write_drive("drive", 10);
   std::filesystem::create_directory(path("out"));
-  for (const char* name : {"site_floor_1.tif", "site_floor_12.png", "site_floor_plan.png"})
+  for (const char* name :
+       {"site_floor_1.tif", "site_floor_1_way.gpkg", "site_floor_12.png", "site_floor_plan.png"})
     write_bytes(path(std::string("out/") + name), "old");
   ASSERT_EQ(run("drive.rawlog --output out --no-site").code, 0);
   EXPECT_TRUE(exists("out/site_floor_1.tif")) << "of the site map that is still there";
   ASSERT_EQ(run("drive.rawlog --output out").code, 0);
   EXPECT_FALSE(exists("out/site_floor_1.tif"));
+  EXPECT_FALSE(exists("out/site_floor_1_way.gpkg"));
   EXPECT_FALSE(exists("out/site_floor_12.png"));
   EXPECT_TRUE(exists("out/site_floor_plan.png")) << "somebody else's";
 }
@@ -165,6 +168,25 @@ TEST_F(TalusMapSite, that_cannot_be_written_takes_no_other_result_along)
   EXPECT_TRUE(exists("out/map.tif") && exists("out/map.png") && exists("out/timing.csv"));
   EXPECT_FALSE(exists("out/site.tif"));
   EXPECT_EQ(summary("out")["site"], nullptr);
+}
+
+TEST_F(TalusMapSite, the_map_of_the_window_lies_where_the_site_does)
+{
+  write_drive("drive", 20);
+  ASSERT_EQ(run("drive.rawlog --output here").code, 0);
+  ASSERT_EQ(run("drive.rawlog --output there --origin 36.8383,-2.4045,52,30").code, 0);
+  const auto here = io::read_geotiff(path("here/map.tif"));
+  const auto there = io::read_geotiff(path("there/map.tif"));
+  EXPECT_NE(read_bytes(path("here/map.tif")), read_bytes(path("there/map.tif")));
+  EXPECT_NEAR(here.min_x_m, there.min_x_m, 1e-9);
+  EXPECT_NEAR(here.min_y_m, there.min_y_m, 1e-9);
+  EXPECT_EQ(here.names, there.names);
+  for (const char* file : {"there/map.tif", "there/site.tif"})
+  {
+    EXPECT_NE(read_bytes(path(file)).find("north is not up"), std::string::npos) << file;
+    EXPECT_NE(read_bytes(path(file)).find("36.8383 -2.4045 52 30"), std::string::npos) << file;
+  }
+  EXPECT_TRUE(exists("there/site_way.gpkg"));
 }
 
 TEST_F(TalusMapSite, origin_says_where_on_earth_the_map_is)

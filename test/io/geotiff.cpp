@@ -107,6 +107,58 @@ TEST(GeoTiff, names_its_bands_and_marks_unknown_cells_as_nodata)
   EXPECT_STREQ(tif.data->GetMetadataItem("PREDICTOR", "IMAGE_STRUCTURE"), "3");
 }
 
+TEST(GeoTiff, has_the_bands_of_all_maps_first_with_units_statistics_and_classes)
+{
+  const ScratchDir dir;
+  LayerStack stack = small_stack();
+  stack.names = {"elevation",        "state",          "slope",   "colour",
+                 "ground_elevation", "traversability", "variance"};
+  stack.layers.resize(7, stack.layers[0]);
+  write_geotiff(dir / "map.tif", stack);
+  const LayerStack in = read_geotiff(dir / "map.tif");
+  EXPECT_EQ(
+      in.names, (std::vector<std::string>{
+                    "traversability", "ground_elevation", "elevation", "variance", "state", "slope",
+                    "colour"}));
+  const Open tif(dir / "map.tif");
+  const auto band = [&](int i) { return tif.data->GetRasterBand(i); };
+  EXPECT_STREQ(band(1)->GetUnitType(), "");
+  EXPECT_STREQ(band(2)->GetUnitType(), "m");
+  EXPECT_STREQ(band(4)->GetUnitType(), "m2");
+  EXPECT_EQ(
+      std::string(band(5)->GetMetadataItem("TALUS_CLASSES")).find("0 unknown, 1 measured"), 0u);
+  double min = 0, max = 0, mean = 0, deviation = 0;
+  ASSERT_EQ(band(3)->GetStatistics(TRUE, FALSE, &min, &max, &mean, &deviation), CE_None);
+  EXPECT_EQ(min, 0);
+  EXPECT_EQ(max, 5);
+  EXPECT_NEAR(mean, 11.0 / 5, 1e-12);
+  EXPECT_NEAR(deviation, std::sqrt(39.0 / 5 - 2.2 * 2.2), 1e-12);
+  EXPECT_STREQ(band(3)->GetMetadataItem("STATISTICS_VALID_PERCENT"), "83.33");
+}
+
+TEST(GeoTiff, lies_on_earth_where_its_origin_is_known_and_comes_back)
+{
+  const ScratchDir dir;
+  const LayerStack out = small_stack();
+  for (const double heading_deg : {0.0, 90.0, 30.0, -135.5})
+  {
+    write_geotiff(dir / "map.tif", out, {}, GeoOrigin{48, 11, 500, heading_deg});
+    const Open tif(dir / "map.tif");
+    EXPECT_FALSE(tif.data->GetSpatialRef()->IsLocal());
+    EXPECT_EQ(tif.data->GetMetadataItem("TALUS_AXES") == nullptr, heading_deg == 0);
+    double t[6];
+    ASSERT_EQ(tif.data->GetGeoTransform(t), CE_None);
+    const double h = heading_deg * std::acos(-1) / 180;
+    EXPECT_NEAR(t[0], -1.5 * std::cos(h) - 10.5 * std::sin(h), 1e-9);
+    EXPECT_NEAR(t[3], -1.5 * std::sin(h) + 10.5 * std::cos(h), 1e-9);
+    const LayerStack in = read_geotiff(dir / "map.tif");
+    EXPECT_NEAR(in.min_x_m, out.min_x_m, 1e-9);
+    EXPECT_NEAR(in.min_y_m, out.min_y_m, 1e-9);
+    EXPECT_NEAR(in.resolution_m, out.resolution_m, 1e-12);
+    EXPECT_EQ(in.layers[0][1], 1);
+  }
+}
+
 TEST(GeoTiff, is_one_file_without_companions)
 {
   const ScratchDir dir;

@@ -3,9 +3,11 @@
 #include <gdal_utils.h>
 #include <gtest/gtest.h>
 #include <ogr_spatialref.h>
+#include <ogrsf_frmts.h>
 #include <talus/io/geotiff.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
+#include <talus/site/site_way.h>
 
 #include <cmath>
 #include <limits>
@@ -252,6 +254,65 @@ TEST(SiteGeoTiff, lies_on_earth_where_its_origin_is_known)
   expect_error(
       [&] { read_site(dir / "site.tif", *in, 0); },
       {"site.tif", "origin", "48 11 500 90", "48 120 500 90"});
+}
+
+TEST(SiteGeoTiff, says_units_statistics_and_classes_of_its_bands)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  for (int i = 0; i < 4; ++i)
+    cell_at(*site, 300 * i, i) = measured(0.5F * static_cast<float>(i), kNow_s);
+  write_site(dir / "site.tif", *site, 0);
+  const Open tif(dir / "site.tif");
+  auto* ground = tif.data->GetRasterBand(2);
+  EXPECT_STREQ(ground->GetUnitType(), "m");
+  EXPECT_STREQ(tif.data->GetRasterBand(4)->GetUnitType(), "m2");
+  EXPECT_STREQ(tif.data->GetRasterBand(6)->GetUnitType(), "s");
+  double min = 0, max = 0, mean = 0, deviation = 0;
+  ASSERT_EQ(ground->GetStatistics(TRUE, FALSE, &min, &max, &mean, &deviation), CE_None);
+  EXPECT_EQ(min, 0);
+  EXPECT_EQ(max, 1.5);
+  EXPECT_NEAR(mean, 0.75, 1e-12);
+  EXPECT_NEAR(deviation, std::sqrt(0.3125), 1e-12);
+  const char* const classes = tif.data->GetRasterBand(5)->GetMetadataItem("TALUS_CLASSES");
+  ASSERT_TRUE(classes);
+  EXPECT_NE(std::string(classes).find("2 filled from two sides"), std::string::npos);
+  EXPECT_STREQ(tif.item("TALUS_AXES"), "(none)") << "north is up";
+}
+
+TEST(SiteGeoTiff, writes_the_ways_of_a_floor_as_lines_and_points_with_times)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  cell_at(*site, 0, 0) = measured(0, kNow_s);
+  site->origin = GeoOrigin{48, 11, 0, 90};
+  site->ways = {
+      {{0, 0, 0, 0, 1'760'000'000.5}, {3, 4, 0, 0, 1'760'000'010}}, {{7, 7, 1, 1}, {8, 7, 1, 1}}};
+  write_way(dir / "site_way.gpkg", *site, 0);
+  write_way(dir / "again.gpkg", *site, 0);
+  EXPECT_EQ(read_bytes(dir / "site_way.gpkg"), read_bytes(dir / "again.gpkg"));
+  GDALAllRegister();
+  auto* data = static_cast<GDALDataset*>(
+      GDALOpenEx((dir / "site_way.gpkg").c_str(), GDAL_OF_VECTOR, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(data);
+  auto *lines = data->GetLayerByName("way"), *points = data->GetLayerByName("point");
+  ASSERT_TRUE(lines && points);
+  EXPECT_EQ(lines->GetFeatureCount(), 1);
+  EXPECT_EQ(points->GetFeatureCount(), 2);
+  const std::unique_ptr<OGRFeature> line(lines->GetNextFeature());
+  EXPECT_EQ(line->GetFieldAsDouble("length_m"), 5);
+  EXPECT_STREQ(line->GetFieldAsString("from_time"), "2025/10/09 08:53:20.500+00");
+  const auto* path = line->GetGeometryRef()->toLineString();
+  ASSERT_EQ(path->getNumPoints(), 2);
+  EXPECT_NEAR(path->getX(1), -4, 1e-9) << "its x axis points north";
+  EXPECT_NEAR(path->getY(1), 3, 1e-9);
+  EXPECT_FALSE(lines->GetSpatialRef()->IsLocal());
+  GDALClose(data);
+  const auto in = empty_site(dir / "tiles_in");
+  write_site(dir / "site.tif", *site, 0);
+  read_site(dir / "site.tif", *in, 0);
+  EXPECT_EQ(in->ways[0][0].stamp_s, 1'760'000'000.5) << "a map that goes on keeps the times";
+  EXPECT_EQ(way_file_of("out/site_floor_1.tif"), "out/site_floor_1_way.gpkg");
 }
 
 TEST(SiteGeoTiff, keeps_floors_apart)
