@@ -19,7 +19,8 @@ enum RejectCode : int
   kAccepted = kRejectCodes
 };
 
-/** What a frame counts: the points of each RejectCode, and 1 where it shows another floor. */
+/** The counters of a frame: the points of each RejectCode, and 1 if the frame shows another floor.
+ */
 constexpr int kLeavesFloor = kRejectCodes, kCounters = kRejectCodes + 1;
 
 struct Point
@@ -27,17 +28,15 @@ struct Point
   float x_m, y_m, z_m;
 };
 
-/** What stage 1 says of a point. */
 struct Verdict
 {
   int code;  //!< a RejectCode
-  /** Its ray counts. That of a point outside the height band does: the space before it is free. */
+  /** Whether its ray counts: also above the height band, since the space before it is free. */
   std::int32_t seen;
 };
 
 /** Stage 1 on one point of the sensor frame that lies `rise_m` above the sensor, along the map's z
- * (III-A.1): range and height band. Of several reasons the first in the order of the codes counts;
- * kBody, see is_body(), comes before kHeight. */
+ * (III-A.1): range and height band. The first reason in the order of the codes counts. */
 TALUS_HD Verdict accept(const Point& p, float rise_m, const Config& k)
 {
   const float range2 = p.x_m * p.x_m + p.y_m * p.y_m + p.z_m * p.z_m;
@@ -50,7 +49,6 @@ TALUS_HD Verdict accept(const Point& p, float rise_m, const Config& k)
   return {select(finite, code, kNotFinite), seen};
 }
 
-/** Whether a point of the sensor frame lies in one box of the body. */
 TALUS_HD bool is_in_box(const Point& p, const FrameContext& f, const Body& body, int box)
 {
   const float* m = f.T_base_sensor;
@@ -62,7 +60,7 @@ TALUS_HD bool is_in_box(const Point& p, const FrameContext& f, const Body& body,
          (z_m <= high[2]);
 }
 
-/** Whether a point of the sensor frame is one of the robot itself. */
+/** Whether a point of the sensor frame belongs to the robot itself. */
 TALUS_HD bool is_body(const Point& p, const FrameContext& f, const Body& body)
 {
   bool any = false;
@@ -70,7 +68,6 @@ TALUS_HD bool is_body(const Point& p, const FrameContext& f, const Body& body)
   return any;
 }
 
-/** Height of a point of the sensor frame above the sensor. */
 TALUS_HD float rise_above_sensor(const WindowPose& pose, const Point& p)
 {
   const float* m = pose.m;
@@ -87,13 +84,13 @@ TALUS_HD Point transform(const WindowPose& pose, const Point& p)
       m[8] * p.x_m + m[9] * p.y_m + m[10] * p.z_m + m[11]};
 }
 
-/** The pose at a point's time: linear between the path's poses, which lie so close together that
- * this is exact to rounding (deskew). */
+/** The pose at a point's time (deskew): linear between the poses of the path, which lie so close
+ * together that this is exact to rounding. */
 TALUS_HD WindowPose pose_at(const FrameContext& f, float time_s)
 {
   const float last = static_cast<float>(f.n_poses - 1);
   const float place = (time_s - f.path_start_s) * f.path_rate_hz;
-  const float at = place > 0.0f ? min_of(place, last) : 0.0f;  // a time that is NaN is the first
+  const float at = place > 0.0f ? min_of(place, last) : 0.0f;  // NaN gives the first pose
   const int before = min_of(floor_to_int(at), f.n_poses - 2);
   const float w = at - static_cast<float>(before);
   WindowPose pose;
@@ -105,14 +102,13 @@ TALUS_HD WindowPose pose_at(const FrameContext& f, float time_s)
   return pose;
 }
 
-/** The pose at the time of a point. */
 TALUS_HD WindowPose pose_of_point(const FrameContext& f, const float* time_s, int point_i)
 {
   const bool moves = f.n_poses > 1 && f.has_times;
   return moves ? pose_at(f, time_s[point_i]) : f.poses[0];
 }
 
-/** The points of a frame, sensor frame, one array a coordinate. */
+/** The points of a frame in the sensor frame, one array for each coordinate. */
 struct PointsIn
 {
   const float* x_m;

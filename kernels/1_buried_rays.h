@@ -9,13 +9,12 @@
 
 namespace talus::kernels
 {
-// Mirrors and wet cars send points back from below the ground. Such a ray would have passed under
-// ground that the same scan sees in the same direction, nearer, where the map has ground too. It
-// saw that ground from above: what a rising ray meets may be the underside of something. (So below
-// ground that is higher than the sensor reflections stay.)
+// Mirrors and wet cars reflect rays, so that points appear below the ground. Such a ray would have
+// passed under mapped ground that the same scan hits nearer in the same direction. Only ground
+// below the sensor counts: a rising ray may hit an underside.
 
-/** For a hit in one place of the table: the slope that a ray must keep to pass over known ground
- * that was hit there; -infinity where none was. */
+/** The slope that a ray must keep to pass over known ground that was hit in one place of the table
+ * of rays; -infinity where no ground was hit. */
 struct FindGroundHits
 {
   const Config* config;
@@ -23,7 +22,7 @@ struct FindGroundHits
   CellStore store;
   const Datum* datum;
 
-  /** Where the cell of a place of the table is stored, or -1: the map has no ground there. */
+  /** Storage index of the cell at a place of the table, or -1 where the map has no ground. */
   TALUS_HD int cell_at(const BinDirection& d, int ring) const
   {
     const int n = config->cells;
@@ -35,7 +34,6 @@ struct FindGroundHits
     const bool known = inside & !entered_window(*frame, n, ix, iy);
     return select(known, storage_index(*frame, n, ix, iy), -1);
   }
-  /** The limit from what that cell holds. */
   TALUS_HD float limit(int ring, std::int32_t hit, int state, float ground_m) const
   {
     const float slope = float_from_ordered(hit);
@@ -43,12 +41,12 @@ struct FindGroundHits
                            (abs_of(height_m(ring, hit) - ground_m) < kOnGround_m);
     return select(on_ground, slope - margin(ring), -kInfinity);
   }
-  /** Height of a hit above the datum that the last frame left. */
+  /** Height of a hit above the datum of the last frame. */
   TALUS_HD float height_m(int ring, std::int32_t hit) const
   {
     return frame->sensor_z_map_m - datum->offset_m + float_from_ordered(hit) * distance_m(ring);
   }
-  /** How much lower than a hit the limit is that it may set. */
+  /** How far the limit of a hit lies below that hit, as a slope. */
   TALUS_HD float margin(int ring) const { return kBuried_m / distance_m(ring); }
 
  private:
@@ -58,26 +56,25 @@ struct FindGroundHits
   }
 };
 
-/** What a direction has seen so far, from the sensor outwards. It follows the second highest limit,
- * so that one wrong cell does not blind it. */
+/** The limits along one direction, from the sensor outwards. The second highest limit counts, so
+ * that one wrong cell buries nothing. */
 struct BuriedBelow
 {
   float highest = -kInfinity, second = -kInfinity;
 
-  /** Takes the next hit and the limit that it sets; true if the hit is buried itself. */
+  /** Adds the next hit and its limit; true if the hit itself is buried. */
   TALUS_HD bool meet(std::int32_t hit, float limit)
   {
     if (float_from_ordered(hit) < second) return true;
     add(limit);
     return false;
   }
-  /** The limit of a buried hit is below the second highest: it need not be left out. */
+  /** The limit of a buried hit is below the second highest, so it may be added like any other. */
   TALUS_HD void add(float limit)
   {
     second = max_of(second, min_of(highest, limit));
     highest = max_of(highest, limit);
   }
-  /** What another stretch of the direction has seen. */
   TALUS_HD void add(const BuriedBelow& other)
   {
     second = max_of(max_of(second, other.second), min_of(highest, other.highest));
@@ -85,7 +82,7 @@ struct BuriedBelow
   }
 };
 
-/** The lowest hit of a stretch of a direction. */
+/** The lowest hit in a range of rings of one direction. */
 struct LowestHit
 {
   std::int32_t slope = kNoRay;

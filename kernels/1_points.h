@@ -10,31 +10,30 @@
 
 namespace talus::kernels
 {
-// Stage 1 on the points of a frame, and what their rays say of the space before them.
 
-/** A stretch of places, for one of several threads. */
+/** The range of places of one thread. */
 struct Part
 {
   int begin, end;
 };
 
-/** Of a point that is in a cell and does not count. */
+/** The rank of a point that lies in a cell but does not count. */
 constexpr std::uint32_t kNoRank = ~0u;
 
-/** What stage 1 leaves of each point. */
+/** The results of stage 1 for each point. */
 struct PointsOut
 {
   std::int32_t* cell;  //!< storage index, or -1: not in the map
   std::int32_t* ray;  //!< place in the table of rays, or -1: no direction
-  float* slope;  //!< of that ray
-  std::int32_t* reach;  //!< place in the table of how far rays went, see NoteReach, or -1
+  float* slope;  //!< slope of that ray
+  std::int32_t* reach;  //!< place in the table of NoteReach, or -1
   std::uint32_t* reject;  //!< a RejectCode
-  std::uint32_t* rank;  //!< of points in a cell: place among its points, in any order; or kNoRank
+  std::uint32_t* rank;  //!< place among the points of its cell, in any order; or kNoRank
   float* height_m;  //!< map frame
   float* variance_m2;
 };
 
-/** Notes the ray that a point ended. */
+/** Enters the ray of a point into the table of rays. */
 template <class Atomics>
 struct NoteRay
 {
@@ -43,7 +42,7 @@ struct NoteRay
   std::int32_t*
       rays;  //!< [ring][bin], lowest slope of what was hit in that ring, as an ordered integer
 
-  /** Of the directions. */
+  /** The range of bins of one thread. */
   Part part(int which, int of) const
   {
     const int bins = bin_count(*config);
@@ -62,13 +61,13 @@ struct NoteRay
   }
 };
 
-/** Notes how far the ray that a point ended went. */
+/** Enters how far the ray of a point went. */
 template <class Atomics>
 struct NoteReach
 {
   PointsOut points;
-  std::int32_t* reach;  //!< [bin][slope step], minus the greatest PointsOut::ray, that is the one
-                        //!< of the farthest ring; 0: no ray
+  std::int32_t* reach;  //!< [bin][slope step], minus the greatest PointsOut::ray,
+                        //!< which is the ray of the farthest ring; 0: no ray
 
   TALUS_HD void operator()(int point_i) const
   {
@@ -90,7 +89,7 @@ struct AcceptPoint
   std::uint32_t* rejected;  //!< by RejectCode
   const std::uint8_t* voxel_kept;  //!< null: no voxel filter
 
-  /** What depends on this point alone. */
+  /** Computes what depends on this point alone. */
   TALUS_HD void locate(int point_i) const { locate(point_i, point(point_i)); }
   TALUS_HD void locate(int point_i, const Point& sensed) const
   {
@@ -99,8 +98,8 @@ struct AcceptPoint
     for (int box = 0; box < body->boxes; box++) drop_body(point_i, sensed, box);
   }
 
-  /** Whether locate_plain(), then drop_body() of all boxes, is the same as locate(): no voxel
-   * filter, no motion during the scan. */
+  /** Whether locate_plain() and then drop_body() of all boxes give the same as locate(): there is
+   * no voxel filter and no motion during the scan. */
   TALUS_HD bool is_plain() const
   {
     return !voxel_kept && !(frame->n_poses > 1 && frame->has_times);
@@ -109,11 +108,10 @@ struct AcceptPoint
   {
     put(point_i, point(point_i), frame->poses[0], true);
   }
-  /** Of a point that was located: if it is in that box of the body, neither it nor its ray counts.
-   */
+  /** Rejects a located point, and its ray, if it is in that box of the body. */
   TALUS_HD void drop_body(int point_i, int box) const { drop_body(point_i, point(point_i), box); }
 
-  /** What it shares with other points. */
+  /** Updates what the point shares with other points: counters and the table of rays. */
   TALUS_HD void note(int point_i) const
   {
     NoteRay<Atomics>{config, out, rays}(point_i);
@@ -172,7 +170,7 @@ struct AcceptPoint
     const float dy = select(seen, p.y_m - frame->sensor_y_m, 0.0f);
     const float chebyshev_m = chebyshev(dx, dy);
     const float ring = chebyshev_m * config->inverse_resolution;
-    const bool aims = ring >= 1.0f;  // else straight above or below: no direction
+    const bool aims = ring >= 1.0f;  // a ray straight up or down has no direction
     const int last_ring = frame->rings - 1;
     const float farthest = static_cast<float>(last_ring);
     const int row = floor_to_int(select(ring > farthest, farthest, ring));

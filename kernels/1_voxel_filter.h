@@ -3,8 +3,8 @@
 
 namespace talus::kernels
 {
-// One point a voxel. Which one must not depend on the order of the points: the one whose
-// coordinates mix to the smallest number. Two passes over an open-addressing table of voxels.
+// Stage 1 keeps one point of each voxel: the one whose hashed coordinates are smallest, so that the
+// order of the points does not matter. Two passes use an open-addressing table of voxels.
 
 constexpr std::uint64_t kNoVoxel = ~0ull;
 
@@ -19,12 +19,12 @@ TALUS_HD std::uint64_t mix_bits(std::uint64_t v)
 
 struct VoxelTable
 {
-  std::uint64_t* key;  //!< kNoVoxel before
-  std::uint64_t* winner;  //!< kNoVoxel before
+  std::uint64_t* key;  //!< kNoVoxel before the first pass
+  std::uint64_t* winner;  //!< kNoVoxel before the first pass
   std::uint32_t mask;  //!< size - 1, a power of two at least twice the points
 };
 
-/** Enters one point into the table; `slot` remembers where. */
+/** Enters one point into the table; `slot` keeps its place. */
 template <class Atomics>
 struct EnterVoxel
 {
@@ -52,14 +52,14 @@ struct EnterVoxel
     Atomics::min(table.winner + s, fingerprint(p));
   }
 
-  /** Whether a point passes stage 1 but for this filter. */
+  /** Whether a point passes all other tests of stage 1. */
   TALUS_HD bool counts(const Point& p, int point_i) const
   {
     const float rise_m = rise_above_sensor(pose_of_point(*frame, in.time_s, point_i), p);
     return accept(p, rise_m, *config).code == kAccepted && !is_body(p, *frame, *body);
   }
 
-  /** 21 bits a coordinate, sensor frame. */
+  /** A key of 21 bits for each coordinate in the sensor frame. */
   TALUS_HD std::uint64_t voxel_key(const Point& p) const
   {
     constexpr std::uint64_t mask = (1u << 21) - 1;
@@ -76,7 +76,7 @@ struct EnterVoxel
   }
 };
 
-/** Keeps the points that stand for their voxel. */
+/** Keeps the chosen point of each voxel. */
 template <class Atomics>
 struct KeepVoxel
 {

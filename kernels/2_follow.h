@@ -10,22 +10,22 @@
 
 namespace talus::kernels
 {
-// Poses are corrected and drift, and robots change floors. The heights of a map are kept above a
-// datum of its own. Each frame tells how far its hits of the ground lie above the map as a whole:
-// where most agree the datum follows the poses, and all cells with it; on another floor the map
+// Poses drift and are corrected, and robots change floors. So the map keeps its heights above a
+// datum of its own. Each frame measures how far its ground hits lie above the mapped ground. Where
+// most agree, the datum follows the poses, and all cells move with it. On another floor the map
 // starts anew with the next frame.
 
-/** How many hits of the ground lie how far above the ground that the map has there. */
+/** Histogram of the heights of ground hits above the mapped ground. */
 struct OffsetHistogram
 {
   static constexpr int kBins = 64;
   std::uint32_t count[kBins];
-  std::uint32_t sum[kBins];  //!< of heights in 1 / kHeightSteps m; wraps below zero
+  std::uint32_t sum[kBins];  //!< sums of heights in 1 / kHeightSteps m; they wrap below zero
   std::uint32_t far;  //!< hits beyond the bins
 };
 
-/** Puts a point into the histogram, if it is one of those that are looked at and the sensor looks
- * down there on bare ground that was measured. After stage 2; whatever is buried is far below. */
+/** Adds a point to the histogram if it is in the sample and the sensor looks down there on
+ * measured, bare ground. Buried points lie far below, so that they do not count. */
 template <class Atomics>
 struct CountOffset
 {
@@ -63,8 +63,8 @@ struct CountOffset
   }
 };
 
-/** Decides from the histogram, empties it, and tells the frame where its heights are counted from.
- * Once a frame, by a whole group. */
+/** Evaluates the histogram, clears it, and sets the datum of the frame. A whole group calls this
+ * once in a frame. */
 struct FollowPoses
 {
   const Config* config;
@@ -91,10 +91,10 @@ struct FollowPoses
   }
 
  private:
-  /** The three bins beside each other that hold the most hits. */
+  /** The three neighbouring bins with the most hits. */
   struct Agreement
   {
-    int hits, sum, of;  //!< of all that are in bins
+    int hits, sum, of;  //!< `of`: hits in all bins
   };
 
   TALUS_HD int hits_around(int bin) const

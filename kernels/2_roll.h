@@ -6,17 +6,17 @@
 
 namespace talus::kernels
 {
-/** Before all rules of a frame: no cell was hit yet. */
+/** Clears the highest hit of a cell, before all rules of a frame. */
 struct ForgetHits
 {
-  float* top_hit_m;  //!< by storage index: highest point of this frame; -infinity: none yet
+  float* top_hit_m;  //!< by storage index: highest point of this frame; -infinity: not hit yet
 
   TALUS_HD void operator()(int, int, int storage_i) const { top_hit_m[storage_i] = -kInfinity; }
 };
 
 /** Stage 2 on cell (ix, iy) of the window, which follows the robot by whole cells. Storage is a
- * torus, so what stays is not touched; a cell that was outside the last window starts empty, and
- * all do on another floor. */
+ * torus, so that cells that stay do not move. A cell that enters the window starts empty, and on
+ * another floor all cells do. */
 struct RollCell
 {
   const Config* config;

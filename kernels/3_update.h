@@ -12,16 +12,16 @@
 
 namespace talus::kernels
 {
-// Stage 3 (III-B.1). The points of a cell in one frame are a set: every step below is a minimum, a
-// maximum or an exact integer sum over them, so that their order cannot matter. What is done with
-// one point, and with one cell between two looks at its points, has no branches: a group of threads
-// looks through the points of one cell, or one thread through those of many cells side by side.
+// Stage 3 (III-B.1). The points of a cell in one frame are a set: every step is a minimum, a
+// maximum or an exact integer sum over them, so that their order cannot matter. Steps on a point or
+// a cell have no branches, so that a group of threads can share one cell and one thread can update
+// many cells side by side.
 
 struct HeightPoint
 {
   float height_m;
   float variance_m2;
-  std::int32_t overhangs = 0;  //!< a ray of its own direction passed below it and ended behind it
+  std::int32_t overhangs = 0;  //!< its neighbour rays passed below it and ended behind it
 
   static constexpr auto fields()
   {
@@ -30,7 +30,7 @@ struct HeightPoint
   }
 };
 
-/** The points of one cell, and who looks through them. */
+/** The points of one cell, and the group that reads them. */
 template <class Group>
 struct CellPoints
 {
@@ -38,7 +38,7 @@ struct CellPoints
   int size;
   Group group;
 
-  /** What all of them add to `sum`, when asked so. */
+  /** Adds all points to `sum`, under the condition `asked`. */
   template <class Sum, class Question>
   TALUS_HD Sum reduce(Sum sum, const Question& asked, const Config& k) const
   {
@@ -48,7 +48,7 @@ struct CellPoints
   }
 };
 
-/** Eq. 5 as an innovation gate: the distance of a point to a cell is measured in the deviation of
+/** Eq. 5 as an innovation gate: the distance of a point to a cell is compared with the deviation of
  * both together. */
 TALUS_HD bool inside_gate(float a_m, float var_a, float b_m, float var_b, const Config& k)
 {
@@ -56,7 +56,7 @@ TALUS_HD bool inside_gate(float a_m, float var_a, float b_m, float var_b, const 
   return d * d <= k.gate2 * (on(kGateOfBoth, k) ? var_a + var_b : var_b);
 }
 
-/** Points in order of their height, and of equal heights in that of `second`, as one integer. */
+/** An integer that orders points by height, and equal heights by `second`. */
 TALUS_HD std::int64_t order_key(float height_m, std::uint32_t second)
 {
   return static_cast<std::int64_t>(ordered_from_float(height_m)) * 4294967296 + second;
@@ -66,7 +66,7 @@ TALUS_HD float height_of_key(std::int64_t key)
   return float_from_ordered(static_cast<std::int32_t>(key >> 32));
 }
 
-/** A question about a set of points: what is wanted of those up to a height. */
+/** A condition: points up to this height count. */
 struct UpTo
 {
   float limit_m = kInfinity;
@@ -74,14 +74,14 @@ struct UpTo
   static constexpr auto fields() { return std::make_tuple(&UpTo::limit_m); }
 };
 
-/** The lowest and the highest of a set of points; of equal heights the point with the smaller
- * variance. */
+/** The lowest and the highest point of a set; of equal heights the point with the smaller variance.
+ */
 struct Extremes
 {
   std::int64_t low = order_key(kInfinity, 0), high = order_key(-kInfinity, 0);
 
   static constexpr auto fields() { return std::make_tuple(&Extremes::low, &Extremes::high); }
-  /** Here and below: a point that does not count changes nothing. */
+  /** A point that does not count changes nothing, here and in all reductions below. */
   TALUS_HD void add(const HeightPoint& p, bool counts, const UpTo& asked, const Config&)
   {
     const bool inside = counts & (p.height_m <= asked.limit_m);
@@ -106,21 +106,20 @@ struct Extremes
   }
 };
 
-/** A height and its variance. */
 struct Estimate
 {
   float height_m;
   float variance_m2;
 };
 
-/** What a surface of a cell is fused from: `base` and the points inside the gate around it that are
- * not above a limit. */
+/** What a surface of a cell is fused from: `base`, and the points inside its gate that do not lie
+ * above a limit. */
 struct FusionPlan
 {
   float base_m, base_var_m2;
   float limit_m = kInfinity;
-  std::int32_t base_is_prior = 0;  //!< it takes part; else it is one of the points
-  std::int32_t wanted = 0;  //!< of an elevation: it changes at all
+  std::int32_t base_is_prior = 0;  //!< the map's estimate is the base, not one of the points
+  std::int32_t wanted = 0;  //!< whether the elevation changes at all
 
   static constexpr auto fields()
   {
@@ -130,7 +129,8 @@ struct FusionPlan
   }
 };
 
-/** Information in 2^-8 / m^2 and distances in 2^-20 m, as integers so that sums are exact. */
+/** Units of information (2^-8 / m^2) and of distance (2^-20 m). They are integers, so that sums are
+ * exact. */
 constexpr float kInformation = 256.0f, kDistance = 1048576.0f, kMostUnits = 2147483392.0f;
 
 TALUS_HD std::int32_t information_of(float variance_m2)
@@ -138,7 +138,7 @@ TALUS_HD std::int32_t information_of(float variance_m2)
   return static_cast<std::int32_t>(min_of(kInformation / variance_m2, kMostUnits));
 }
 
-/** Kalman fusion (eq. 6 and 7, d <= c) of a set in one step: the information of a set adds up. */
+/** Kalman fusion (eq. 6 and 7, d <= c) of a set in one step: the information of a set is a sum. */
 struct Fusion
 {
   std::int64_t information = 0, weighted_distance = 0;
@@ -163,7 +163,7 @@ struct Fusion
     information = group.sum(information);
     weighted_distance = group.sum(weighted_distance);
   }
-  /** The base where nothing is inside the gate. */
+  /** The fused estimate; the base where no point is inside the gate. */
   TALUS_HD Estimate result(const FusionPlan& plan, const Config& k) const
   {
     const std::int32_t prior = select(plan.base_is_prior != 0, information_of(plan.base_var_m2), 0);
@@ -178,14 +178,13 @@ struct Fusion
   }
 };
 
-/** One step on the way from the ground (or from what stands on it) up over the points: at the first
- * gap larger than the robot's clearance all that is above hangs and is passable. */
+/** Goes up over the points, from the ground or the top of the object, to the first gap that is
+ * larger than the robot's clearance. All points above the gap hang and are passable. */
 struct ClearanceScan
 {
   float top_m;
 
   static constexpr auto fields() { return std::make_tuple(&ClearanceScan::top_m); }
-  /** From where `asked` says. */
   TALUS_HD void add(const HeightPoint& p, bool counts, const ClearanceScan& asked, const Config& k)
   {
     const bool higher = counts & (p.height_m > top_m) & (p.height_m <= asked.top_m + k.clearance_m);
@@ -196,22 +195,22 @@ struct ClearanceScan
   {
     top_m = group.max(top_m);
   }
-  /** Whether there may be another one. */
+  /** Whether another gap may follow. */
   TALUS_HD bool goes_on(const ClearanceScan& before, float highest_m) const
   {
     return (top_m > before.top_m) & (top_m < highest_m);
   }
 };
 
-/** Height of what stands in a cell, its ground where nothing does. */
+/** Height of the object in a cell; the ground where there is none. */
 TALUS_HD float standing_m(const Cell& c, bool stands)
 {
   return select(stands, max_of(c.ground_m, c.elevation_m), c.ground_m);
 }
 
-/** Whether all points of a cell hang above what is known to stand there. Over a guess below which
- * no ray passed that is not known, a wall may be hit high up first: it stands until a ray passes
- * there, or until the ground itself is hit, and only what is joined to it goes on standing. */
+/** Whether all points of a cell hang above its known surface. A wall over a guess may be hit high
+ * up first. So where no ray passed low over the guess, such hits stand until a ray passes low or
+ * the ground is hit. Then only hits without a gap below them still stand. */
 TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
 {
   const HeightPoint low = ends.lowest(), high = ends.highest();
@@ -227,7 +226,6 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
   const bool dropped = hit_high_up & !hangs & floor;
   c.elevation_m = select(dropped, kNan, c.elevation_m);
   c.elevation_var_m2 = select(dropped, kNan, c.elevation_var_m2);
-  // Its evidence goes with it.
   c.stay_frames = select(dropped, 0, c.stay_frames);
   c.passed_frames = select(dropped, 0, c.passed_frames);
   c.overhang_below = select(dropped, 0, c.overhang_below);
@@ -237,8 +235,8 @@ TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
   return hangs;
 }
 
-/** The ground keeps the lowest: what is inside the gate is fused, what is lower replaces, what is
- * higher is no ground. Ground that was only filled gives way to any measurement. */
+/** The ground keeps the lowest surface: points inside the gate are fused, a lower point replaces
+ * it, higher points are no ground. Filled ground gives way to any measurement. */
 TALUS_HD FusionPlan plan_ground(const Cell& c, const HeightPoint& low, const Config& k)
 {
   const bool measured = c.state == kMeasured;
@@ -252,19 +250,18 @@ TALUS_HD FusionPlan plan_ground(const Cell& c, const HeightPoint& low, const Con
   return plan;
 }
 
-/** Whether the hits of a cell are of what the robot drove through there. */
+/** Whether the robot drove through what these points hit. */
 TALUS_HD bool is_driven_through(const Cell& c, float highest_m)
 {
   return (c.driven_height > 0) & (highest_m - c.ground_m <= driven_height_m(c.driven_height));
 }
 
-/** Here and below: where all hangs nothing changes. */
 TALUS_HD void put_ground(
     Cell& c, bool all_hang, const FusionPlan& plan, const Fusion& fusion, const Config& k)
 {
   const bool wanted = !all_hang;
   const Estimate ground = fusion.result(plan, k);
-  // What stood on the old ground stands on the new one only if the robot does not fit between.
+  // The object on the old ground stands on the new ground only if the robot does not fit between.
   const bool hangs =
       wanted & (c.state == kMeasured) & (c.ground_m - ground.height_m > k.clearance_m);
   c.elevation_m = select(hangs, kNan, c.elevation_m);
@@ -274,15 +271,14 @@ TALUS_HD void put_ground(
   c.state = select(wanted, kMeasured, c.state);
 }
 
-/** Where it begins. */
 TALUS_HD ClearanceScan start_of_scan(const Cell& c)
 {
   return {standing_m(c, is_known(c.elevation_m))};
 }
 
-/** The elevation keeps the highest of what stands (eq. 6 and 7): inside the gate it is fused, a
- * higher point replaces it, a lower one leaves height and variance as they are. `high` is the
- * highest point up to `top_m`. */
+/** The elevation keeps the highest point that stands (eq. 6 and 7): a point inside the gate is
+ * fused, a higher one replaces it, a lower one changes nothing. `high` is the highest point up to
+ * `top_m`. */
 TALUS_HD FusionPlan
 plan_elevation(const Cell& c, const HeightPoint& high, float top_m, const Config& k)
 {
@@ -310,7 +306,7 @@ TALUS_HD void put_elevation(
   c.elevation_m = select(all_hang, c.elevation_m, max_of(c.elevation_m, c.ground_m));
 }
 
-/** The lowest point that overhangs what the robot drives on; infinity: none does. */
+/** The lowest point that overhangs the ground or the object below; infinity: none does. */
 struct Overhang
 {
   float lowest_m = kInfinity;
@@ -328,8 +324,8 @@ struct Overhang
   }
 };
 
-/** It stays as long as anything may, and reaches down to its lowest hit; what the robot drove
- * through has no top that could overhang. */
+/** An overhang gets the longest stay, and reaches down to its lowest hit. If the robot drove
+ * through the top, nothing overhangs. */
 TALUS_HD void put_overhang(Cell& c, const Overhang& overhang, const Config& k)
 {
   const bool any =
@@ -340,8 +336,8 @@ TALUS_HD void put_overhang(Cell& c, const Overhang& overhang, const Config& k)
   c.overhang_below = max_of(c.overhang_below, select(any, overhang_units(down_m), 0));
 }
 
-/** Stage 3 on one cell that received points; for many cells at once see
- * libs/core/src/cpu/cells.h. */
+/** Stage 3 on one cell that received points. libs/core/src/cpu/cells.h does the same for many cells
+ * at once. */
 template <class Group>
 TALUS_HD void update_cell(
     Cell& c, const Extremes& ends, const CellPoints<Group>& points, const Config& k)
@@ -362,19 +358,19 @@ TALUS_HD void update_cell(
   put_overhang(c, points.reduce(Overhang{}, UpTo{c.ground_m + k.clearance_m}, k), k);
 }
 
-/** Where the points of each cell stand after sorting. Which stretch a cell gets does not matter. */
+/** Points sorted by cell: each cell has a range. The order of the ranges does not matter. */
 struct Sorting
 {
-  const std::uint32_t* cell_count;  //!< of points that a stretch has room for
-  std::uint32_t* kept_count;  //!< of points that are in it
+  const std::uint32_t* cell_count;  //!< points that a range has room for
+  std::uint32_t* kept_count;  //!< points that are in the range
   std::uint32_t* cell_begin;
   HeightPoint* sorted;
   std::int32_t* crowded;  //!< cells that a group updates; on the CPU room for all cells, twice
-  std::uint64_t* cursor;  //!< of `sorted`, and in the upper half of `crowded`; zero before
-  std::uint32_t crowd;  //!< cells of more points are crowded
+  std::uint64_t* cursor;  //!< end of `sorted`; in the upper half the end of `crowded`; zero before
+  std::uint32_t crowd;  //!< a cell with more points is crowded
 };
 
-/** Moves one point to the stretch of its cell. */
+/** Moves one point to the range of its cell. */
 struct SortPoint
 {
   const Config* config;
@@ -383,20 +379,21 @@ struct SortPoint
   const std::int32_t* rays;
   Sorting sorting;
 
-  /** Whether rays of its own direction passed below a point. Beside the edge of something rays pass
-   * as well; below what overhangs they pass on both sides of the point. */
+  /** Whether rays passed below a point in its own direction and in two on each side. Beside the
+   * edge of an object rays pass on one side only. */
   TALUS_HD bool overhangs(int point_i) const
   {
     return passed_below(point_i, 0) && (passed_below(point_i, -1) & passed_below(point_i, 1) &
                                         passed_below(point_i, -2) & passed_below(point_i, 2));
   }
-  /** Farther behind a point than range noise and round sides put other hits on the same thing. */
+  /** A distance that range noise and round sides do not reach: hits farther behind are on another
+   * object. */
   TALUS_HD int rings_behind() const
   {
     return max_of(
         kBehindOverhang_rings, floor_to_int(kBehindOverhang_m * config->inverse_resolution + 0.5f));
   }
-  /** Whether a ray that many directions beside a point passed below it. */
+  /** Whether a ray passed below a point in the direction that lies `beside` bins away. */
   TALUS_HD bool passed_below(int point_i, int beside) const
   {
     const bool aims = (points.ray[point_i] >= 0) & (points.cell[point_i] >= 0);
@@ -409,7 +406,6 @@ struct SortPoint
     return aims & (lowest != kNoRay) & !(float_from_ordered(lowest) > limit);
   }
 
-  /** As the point of that rank. */
   TALUS_HD void put(int point_i, std::uint32_t rank, bool overhangs) const
   {
     sorting.sorted[sorting.cell_begin[points.cell[point_i]] + rank] = {
@@ -417,7 +413,6 @@ struct SortPoint
         select(overhangs, 1, 0)};
   }
 
-  /** As the point of the rank that it has. */
   TALUS_HD void put(int point_i, bool overhangs) const
   {
     if (points.cell[point_i] >= 0 && points.rank[point_i] != kNoRank)
@@ -425,7 +420,7 @@ struct SortPoint
   }
 };
 
-/** Stage 3 on the cell of a point, if it is the first there, or on a crowded cell. */
+/** Stage 3 on the cell of its first point, or on a crowded cell. */
 struct UpdateCell
 {
   const Config* config;
@@ -435,20 +430,20 @@ struct UpdateCell
   Sorting sorting;
   float* top_hit_m;
 
-  /** The cell that is to be updated for point i, or -1. */
+  /** The cell to update for point i, or -1. */
   TALUS_HD int lone_cell(int point_i) const
   {
     if (point_i >= frame->n_points || points.cell[point_i] < 0 || points.rank[point_i] != 0)
       return -1;
     return sorting.cell_count[points.cell[point_i]] <= sorting.crowd ? points.cell[point_i] : -1;
   }
-  /** A crowded cell, or -1: there are no more. */
+  /** The crowded cell in a slot, or -1 if there is none. */
   TALUS_HD int crowded_cell(int slot) const
   {
     return slot < static_cast<int>(*sorting.cursor >> 32) ? sorting.crowded[slot] : -1;
   }
 
-  /** Puts what update_cell() made of a cell, unless that rests on a hit that stands alone. */
+  /** Stores the updated cell, unless the update rests on a single point. */
   TALUS_HD void put(int storage_i, const Cell& updated, const Extremes& ends) const
   {
     Cell c = updated;
@@ -481,7 +476,7 @@ struct UpdateCell
   }
 
  private:
-  /** Points of the frame in a cell that are above the ground and near to that height. */
+  /** Counts the points of a cell that lie above its ground and near to `top_m`. */
   TALUS_HD int points_beside(int storage_i, float top_m, float bare_m) const
   {
     const HeightPoint* const at = sorting.sorted + sorting.cell_begin[storage_i];
@@ -495,8 +490,8 @@ struct UpdateCell
     }
     return beside;
   }
-  /** Whether fewer than kOthersBesideHit others are near to the top of a cell. Most things fill the
-   * cell itself with hits. */
+  /** Whether fewer than kOthersBesideHit other points are near to the top of a cell. The cell
+   * itself comes first, since most objects fill it with hits. */
   TALUS_HD bool is_alone(int storage_i, float top_m, float bare_m) const
   {
     if (!on(kLoneHits, *config)) return false;
@@ -511,7 +506,8 @@ struct UpdateCell
       }
     return beside <= kOthersBesideHit;
   }
-  /** Leaves a cell bare, of which the ground may have been hit, too. Returns the top of that. */
+  /** Drops the hit and counts it. Only the ground may change, if it was hit. Returns the highest
+   * hit that remains. */
   TALUS_HD float refuse(Cell& c, const Cell& before, float lowest_m, float bare_m) const
   {
     const bool floor = lowest_m <= bare_m;

@@ -10,9 +10,8 @@
 
 namespace talus::kernels
 {
-// Stage 4, what a cell is: see 4_opening.h for what ground is measured against.
 
-/** The class of a cell as most are, from its state alone. */
+/** Sets the class of a cell from its state alone, which is right for most cells. */
 struct ClassifyByState
 {
   CellStore store;
@@ -26,14 +25,14 @@ struct ClassifyByState
   }
 };
 
-/** The decision for the other cells. */
+/** Decides for the cells that need more than their state. */
 struct ClassifyCell
 {
   const Config* config;
   const FrameContext* frame;
   CellStore store;
   CoarseGrid grid;
-  const float* top_hit_m;  //!< of this frame, by storage index
+  const float* top_hit_m;  //!< highest hits of this frame, by storage index
   std::uint8_t* surface_class;  //!< by storage index
 
   TALUS_HD bool applies(int x, int y, int storage_i) const
@@ -50,7 +49,6 @@ struct ClassifyCell
     if (needs_inspection(x, y, storage_i)) inspect(x, y, storage_i, SerialGroup{});
   }
 
-  /** All but what inspect() does. */
   TALUS_HD void decide(int x, int y, int storage_i) const
   {
     const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
@@ -60,17 +58,17 @@ struct ClassifyCell
       join_column(storage_i);
   }
 
-  /** Whether inspect() has to come next: something that overhangs is before what was hit. */
+  /** Whether inspect() has to follow: the hit may be the top of an object with an overhang. */
   TALUS_HD bool needs_inspection(int x, int y, int storage_i) const
   {
     return may_be_top(storage_i, store.ground_m[storage_i]) &&
            is_before(x, y, top_hit_m[storage_i]);
   }
 
-  /** What was hit too high to stand on the ground may belong to a thing whose face overhangs before
-   * it. Seen from above it is the top of that thing, a trailer or a car: the robot fits as little
-   * below its middle as below its face. It stays as long as such a face does at least, and
-   * reaches down as far. */
+  /** A hit too high to stand on the ground may belong to an object whose face overhangs on the side
+   * of the sensor. Seen from above it is the top of that object, such as a trailer or a car: the
+   * robot fits neither below the face nor below the middle. It gets the stay and the depth of an
+   * overhang. */
   template <class Group>
   TALUS_HD void inspect(int x, int y, int storage_i, const Group& group) const
   {
@@ -87,7 +85,7 @@ struct ClassifyCell
   {
     return top_hit_m[storage_i] > ground_m + config->clearance_m;
   }
-  /** What is no higher than the sensor cannot be the underside of a roof. */
+  /** A hit below the sensor cannot be the underside of a roof. */
   TALUS_HD bool seen_from_above(int storage_i) const
   {
     return top_hit_m[storage_i] <= frame->sensor_z_m;
@@ -100,7 +98,7 @@ struct ClassifyCell
   {
     const bool stands =
         store.elevation_m[storage_i] > ground_m + kStandsAlready_clearances * config->clearance_m;
-    const bool guess = store.state[storage_i] == kFilledOneSided;  // there join_column() decides
+    const bool guess = store.state[storage_i] == kFilledOneSided;  // for join_column()
     return on(kTopBehindFace, *config) & hit_above(storage_i, ground_m) &
            seen_from_above(storage_i) & !stands & !guess;
   }
@@ -113,8 +111,8 @@ struct ClassifyCell
     store.overhang_above[storage_i] = 0;
     store.flags[storage_i] &= static_cast<std::uint8_t>(~kOpen);
   }
-  /** What was hit far above guessed ground hangs there. What is seen from above stands until a ray
-   * passes low over the guess. */
+  /** A high hit over a guess hangs. If it is seen from above, it stands until a ray passes low over
+   * the guess. */
   TALUS_HD void join_column(int storage_i) const
   {
     if (!on(kRoofStands, *config) || !may_join(storage_i, store.ground_m[storage_i])) return;
@@ -138,8 +136,8 @@ struct ClassifyCell
     return past && on(kHangsBeside, *config) ? kObjectBesideColumn : kObjectOnColumn;
   }
 
-  /** Whether ground goes on from there, level and bare, to ground that is wide: a bridge, a dam,
-   * the end of a jetty. Narrow and steep as they are, they are no objects. */
+  /** Whether level, bare ground leads from here to wide ground. A bridge, a dam or a jetty is
+   * narrow and steep, but no object. */
   TALUS_HD bool continues_wide_ground(int px, int py, float ground_m) const
   {
     if (!on(kBridges, *config)) return false;
@@ -157,18 +155,18 @@ struct ClassifyCell
       if (qx < 0 || qy < 0 || qx >= grid.side || qy >= grid.side) return false;
       const int coarse_i = grid.at(qx, qy);
       const float lowest_m = grid.lowest_m[coarse_i], eroded_m = grid.eroded_m[coarse_i];
-      const bool level = abs_of(lowest_m - ground_m) <= tolerance_m;  // false where unknown
+      const bool level = abs_of(lowest_m - ground_m) <= tolerance_m;  // false if unknown
       if (!level || grid.column_m[coarse_i] > -kInfinity) return false;
       if (eroded_m >= lowest_m - tolerance_m && eroded_m < kInfinity) return true;
     }
     return false;
   }
 
-  /** Corridors from a cell to the sensor, a pair of cells wide each. */
+  /** Corridors from a cell to the sensor, each a pair of cells wide. */
   struct Corridors
   {
     int px, py;
-    float x, y;  //!< to the sensor, of length 1
+    float x, y;  //!< unit vector to the sensor
   };
   TALUS_HD Corridors corridors_from(int x, int y) const
   {
@@ -178,16 +176,16 @@ struct ClassifyCell
     return {
         grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y), dx / length, dy / length};
   }
-  /** The coarse cell nearest in a corridor that holds the face of a thing whose top is that high;
-   * -1: none. It is no farther than a thing reaches that is narrower than ground. */
+  /** The nearest coarse cell of a corridor with a face of that height, or -1. Objects are narrower
+   * than ground, which bounds the search. */
   TALUS_HD int face_in_corridor(const Corridors& corridors, int corridor, float of_top_m) const
   {
     const auto beside = static_cast<float>(corridor - kFaceCorridors / 2);
     const float tolerance_m = kSameThing_steps * config->step_threshold_m;
     const float lowest_m = of_top_m - tolerance_m, highest_m = of_top_m + tolerance_m;
-    const int here = grid.at(corridors.px, corridors.py);  // of no use: what overhangs is before it
+    const int here = grid.at(corridors.px, corridors.py);  // stands for "no face"
     int nearest = -1;
-    for (int r = widest_thing(*config); r >= 1; r--)  // to the end, so that a device reads ahead
+    for (int r = widest_thing(*config); r >= 1; r--)  // no early exit, so that a device reads ahead
     {
       const float ahead = static_cast<float>(r);
       const int qx = corridors.px + floor_to_int(ahead * corridors.x - beside * corridors.y + 0.5f);
@@ -200,7 +198,7 @@ struct ClassifyCell
     }
     return nearest;
   }
-  /** Whether depth_before() may find the face: it is in one of two corridors. */
+  /** Whether one of the two middle corridors has a face, as depth_before() needs. */
   TALUS_HD bool is_before(int x, int y, float of_top_m) const
   {
     const Corridors corridors = corridors_from(x, y);
@@ -208,8 +206,8 @@ struct ClassifyCell
     return face_in_corridor(corridors, middle, of_top_m) >= 0 ||
            face_in_corridor(corridors, middle + 1, of_top_m) >= 0;
   }
-  /** How far down reaches what overhangs between a cell and the sensor, in all corridors but one:
-   * wider than the leg of a table. NaN: nothing does. */
+  /** How far the overhang between a cell and the sensor reaches down. All corridors but one must
+   * have a face, so that it is wider than the leg of a table; else NaN. */
   template <class Group>
   TALUS_HD float depth_before(int x, int y, float of_top_m, const Group& group) const
   {
@@ -228,8 +226,8 @@ struct ClassifyCell
     return group.sum(missing) <= kMissingCorridors ? depth_m : kNan;
   }
 
-  /** Highest top of something upright in the coarse cell or next to it; of what stands, not of what
-   * hangs so high that the robot fits below, as the thing itself that is asked for may. */
+  /** Highest upright top in the coarse cell or next to it. It must stand: an object that hangs
+   * cannot join itself to the ground. */
   TALUS_HD float column_beside(int px, int py) const
   {
     float column = -kInfinity;

@@ -11,22 +11,20 @@
 
 namespace talus::kernels
 {
-// Stage 4 (III-B.4): which cells are inferred (again) from the updated map. Those are the unknown,
-// the guesses, and measured "ground" that turns out to be an object whose ground was never seen.
-//
-// A measured ground is an object if it is both narrow and steep: it stands above the morphological
-// opening of the measured ground (nothing as wide as object_size_m fits below its top: a wall, a
-// rock, a branch; but not the edge of a platform or a kerb), and above a cone of the steepest slope
-// that ground has over ground close by (so that a ridge or a bank is no object). Both work on pairs
-// of cells, and in passes along rows and columns. A bridge is both, and no object: 4_classify.h.
+// Stage 4 (III-B.4) decides which cells are inferred again from the updated map: unknown cells,
+// guesses, and measured "ground" that is in fact an object above unseen ground. Measured ground is
+// an object if it is both narrow and steep. Narrow: it lies above the morphological opening of the
+// measured ground, since nothing as wide as object_size_m fits below its top. Steep: it lies above
+// a cone of the steepest slope over ground close by, so that a ridge or a bank is no object. Both
+// work on pairs of cells, along rows and then along columns. Bridges are the exception, see
+// 4_classify.h.
 
-/** What coarse cells hold. */
 struct CoarseCell
 {
   float lowest_m = kInfinity, column_m = -kInfinity;
   float overhang_m = -kInfinity;
-  std::int32_t overhang_below = 0;  //!< how far it reaches down, see Cell
-  std::int32_t presence = kEmpty;  //!< the highest, see Presence
+  std::int32_t overhang_below = 0;  //!< see Cell
+  std::int32_t presence = kEmpty;  //!< the highest Presence
 
   static constexpr auto fields()
   {
@@ -44,7 +42,6 @@ struct PoolCells
   CellStore store;
   CoarseGrid grid;
 
-  /** Of the cell stored at i. */
   TALUS_HD CoarseCell item(int storage_i) const
   {
     const float ground = store.ground_m[storage_i], top = store.elevation_m[storage_i];
@@ -63,7 +60,7 @@ struct PoolCells
         select(overhangs, top, -kInfinity), select(overhangs & !open, below, 0),
         select(stands, kStands, bare)};
   }
-  /** What two cells hold together, one above the other, or then two such pairs. */
+  /** Joins two cells, or two such pairs. */
   TALUS_HD CoarseCell pool(const CoarseCell& a, const CoarseCell& b) const
   {
     return {
@@ -71,8 +68,8 @@ struct PoolCells
         max_of(a.overhang_m, b.overhang_m), max_of(a.overhang_below, b.overhang_below),
         max_of(a.presence, b.presence)};
   }
-  /** What goes on beyond the window: bare ground. What is as high as the sensor is not seen from
-   * above: it is a face. */
+  /** Beyond the window bare ground goes on. Ground as high as the sensor may be a face that is not
+   * seen from above, so it does not. */
   TALUS_HD CoarseCell beyond(const CoarseCell& border) const
   {
     if (!on(kBeyondWindow, *config)) return {};
@@ -105,7 +102,7 @@ struct PoolCells
   }
 };
 
-/** Rise of the steepest ground between neighbours of the coarse grid: 45 degrees, or what the robot
+/** Rise of the steepest ground between neighbouring coarse cells: 45 degrees, or what the robot
  * climbs. */
 TALUS_HD float pooled_rise(const Config& k)
 {
@@ -123,9 +120,8 @@ struct LowestGround
   }
 };
 
-/** Erosion: along rows first, then across them. Only ground that is known, and bare, can be as wide
- * as an object may be: behind the face of a wall nothing is known, and does not make it wide, nor
- * do the face itself and its edges. */
+/** Erosion, along rows and then along columns. Only known, bare ground can be wide. Behind the face
+ * of a wall nothing is known, so that neither that nor the face and its edges count as wide. */
 struct ErodeGround
 {
   using Row = LowestGround;
@@ -151,7 +147,7 @@ struct ErodeGround
   {
     erode(px, py, lowest, true);
   }
-  /** For executors that go on with the result: puts only what is of places of the caller's `own`.
+  /** Returns the result to executors that use it at once; stores only places of the caller's `own`.
    */
   TALUS_HD float erode(int px, int py, const LowestGround& lowest, bool own) const
   {
@@ -163,7 +159,6 @@ struct ErodeGround
   }
 
  private:
-  /** Whether something upright stands in a pair of cells or beside it. */
   TALUS_HD bool is_near_upright(int px, int py) const
   {
     if (!on(kNearUpright, *config)) return false;
@@ -187,9 +182,9 @@ struct HighestGround
   static constexpr auto fields() { return std::make_tuple(&HighestGround::height_m); }
 };
 
-/** Dilation of what was eroded, and what follows: ground is what is not both narrow and steep. What
- * is upright is steep, and so are its edges: its lowest hit is its foot only where bare ground goes
- * on from there, if there is any in reach. (In high grass there is none.) */
+/** Dilation of the eroded ground: ground is what is not both narrow and steep. Near upright objects
+ * the lowest hit is the ground only where bare ground goes on from there, if there is any in reach.
+ * (In high grass there is none.) */
 struct OpenGround
 {
   using Row = HighestGround;

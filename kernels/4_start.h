@@ -10,9 +10,9 @@
 
 namespace talus::kernels
 {
-/** A robot that starts stands on ground that its map does not know: its scanner looks over it. What
- * was not measured around it is presumed to be the plane of its base, until it is measured, or rays
- * pass below it, see stage 6. In a frame that starts a map. */
+/** In its first frame a scanner looks over the ground on which the robot stands. Cells that were
+ * not measured there get the plane of the base, until they are measured or rays pass below it
+ * (stage 6). */
 struct PresumeStart
 {
   const Config* config;
@@ -48,7 +48,7 @@ struct PresumeStart
   }
 
  private:
-  /** Where it starts there is room for the robot to move off. */
+  /** Near its start the robot has room to move off. */
   TALUS_HD bool is_beside(int ix, int iy) const
   {
     const float x_m = from_base_m(*config, ix, frame->base_x_m);
@@ -67,17 +67,17 @@ struct PresumeStart
   }
   TALUS_HD int cell_at(float m) const { return floor_to_int(m * config->inverse_resolution); }
 
-  /** What the lowest rays of a direction say of the cells that they pass. */
+  /** What the lowest rays over a place show of its ground. */
   enum Told
   {
-    kNothing,  //!< they ended there, or met no ground within the radius behind
+    kNothing,  //!< they ended there, or they meet no ground within the radius
     kLevel,
     kDrop  //!< they went on to below the ground
   };
 
-  /** Whether the scanner looks over the cell to ground that goes on: its lowest rays there ended no
-   * nearer, and not below the ground, nor do those a little to its sides, as a drop goes on beside
-   * where it is seen. */
+  /** Whether the scanner looks over the cell to ground that goes on. Its lowest rays there must end
+   * behind it and not below the ground. Nor may those a little to its sides, since a drop is wider
+   * than what is seen of it. */
   TALUS_HD bool is_blind(int ix, int iy) const
   {
     const float x_m = from_sensor_m(ix, frame->sensor_x_m);
@@ -86,7 +86,7 @@ struct PresumeStart
     return told_of(x_m, y_m) == kLevel && told_of(x_m - aside_x_m, y_m + aside_y_m) != kDrop &&
            told_of(x_m + aside_x_m, y_m - aside_y_m) != kDrop;
   }
-  /** Of a place seen from the sensor. Cells tell only of rays that ended some rings behind them. */
+  /** Asks a nearer cell, since a cell has rays only if they ended some rings behind it. */
   TALUS_HD Told told_of(float x_m, float y_m) const
   {
     const float away_m = chebyshev(x_m, y_m);
@@ -96,8 +96,8 @@ struct PresumeStart
     return told_at(
         cell_at(frame->sensor_x_m + share * x_m), cell_at(frame->sensor_y_m + share * y_m));
   }
-  /** By how much the plane through the scanner rises to a place: behind a scanner that is tilted
-   * forward its rays look up, but the robot turns before it drives there. */
+  /** How much the plane of the scanner rises up to a place. Behind a scanner that is tilted forward
+   * its rays look up, but the robot turns before it drives there. */
   TALUS_HD float untilted_m(float x_m, float y_m) const
   {
     const float* const m = frame->poses[0].m;
@@ -107,12 +107,12 @@ struct PresumeStart
   TALUS_HD Told told_at(int ix, int iy) const
   {
     const int n = config->cells;
-    if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return kLevel;  // of a sensor that is outside
+    if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return kLevel;  // the sensor is outside
     const int window_i = iy * n + ix;
     if (passing.in_open[window_i] == 0) return kNothing;
     const float x_m = from_sensor_m(ix, frame->sensor_x_m);
     const float y_m = from_sensor_m(iy, frame->sensor_y_m);
-    // Heights of rays and of the plane, by chebyshev distance; rays as add_ray() takes them.
+    // Heights count per Chebyshev distance, as in add_ray().
     const float away_m = chebyshev(x_m, y_m);
     const float rises_m = frame->base_slope_x * x_m + frame->base_slope_y * y_m;
     const float above_m = frame->sensor_z_m - plane_at(ix, iy) + rises_m;

@@ -9,17 +9,17 @@
 
 namespace talus::kernels
 {
-/** From the base to the middle of a column or row of the window. */
+/** Distance from the base to the middle of a column or row of the window. */
 TALUS_HD float from_base_m(const Config& k, int cell, float base_m)
 {
   return (static_cast<float>(cell) + 0.5f) * k.resolution_m - base_m;
 }
-/** The ground on which the base stands, so far from it, above the map's datum. */
+/** Height above the datum of the plane on which the base stands, at an offset from the base. */
 TALUS_HD float plane_of_base_m(const FrameContext& f, float x_m, float y_m)
 {
   return f.base_z_m - f.offset_m + f.base_slope_x * x_m + f.base_slope_y * y_m;
 }
-/** Of a cell that was not measured. What stands on it stays. */
+/** Gives presumed ground to a cell that was not measured. An object on it stays. */
 TALUS_HD void presume_ground(Cell& c, float ground_m)
 {
   c.ground_m = ground_m;
@@ -27,10 +27,9 @@ TALUS_HD void presume_ground(Cell& c, float ground_m)
   c.state = kPresumed;
 }
 
-/** What stands where the robot stands is nothing that stops it: grass, or what has left. There the
- * ground is that under its base, also where none was measured, and hits up to the height that it
- * drove through are nothing new.
- * The robot stands below a disc around its base and below the boxes of its body. */
+/** What the robot stands on does not block it: grass, or an object that has left. The cells below a
+ * disc around the base and below the boxes of the body get the ground of the base. Later hits up to
+ * the height that the robot drove through do not count as new. */
 template <class Atomics>
 struct StandOnCell
 {
@@ -40,7 +39,7 @@ struct StandOnCell
   Datum* datum;
   const Body* body;
 
-  /** Whether it applies to no cell of a row. */
+  /** Whether no cell of a row is concerned. */
   TALUS_HD bool leaves_out(int iy) const
   {
     const float reach_m = max_of(kFootprint_m, body->reach_m);
@@ -69,7 +68,8 @@ struct StandOnCell
     }
     Cell c = store.load(storage_i);
     const float above_m = kUnderFoot_steps * config->step_threshold_m;
-    // A guess is nothing that the robot drove through: it was wrong.
+    // Over unmeasured ground without an object the robot drove through nothing: the guess was
+    // wrong.
     const float top_m = is_known(c.elevation_m) ? max_of(c.elevation_m, c.ground_m) : floor_m;
     const float stood_m = max_of(min_of(top_m - floor_m, config->clearance_m), 0.0f);
     Atomics::max(&datum->drove_through, floor_to_int(stood_m / kDrivenUnit_m));
@@ -96,7 +96,7 @@ struct StandOnCell
   }
 
  private:
-  /** Whether something is there that the map did not know to be passable ground. */
+  /** Whether the map has an object or a guess where the robot stands. */
   TALUS_HD bool drives_through(int storage_i, float floor_m) const
   {
     const float above_m = kUnderFoot_steps * config->step_threshold_m;
@@ -111,7 +111,7 @@ struct StandOnCell
   TALUS_HD bool is_under(float x_m, float y_m) const
   {
     if (x_m * x_m + y_m * y_m <= kFootprint_m * kFootprint_m) return true;
-    // From the window's axes to the sensor's and to the base's.
+    // Rotate from the window to the sensor and on to the base.
     const float* const s = frame->poses[0].m;
     const float* const b = frame->T_base_sensor;
     const float z_m = frame->base_slope_x * x_m + frame->base_slope_y * y_m;

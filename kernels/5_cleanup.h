@@ -14,17 +14,17 @@
 
 namespace talus::kernels
 {
-// Stage 5 (III-B.2): cells whose surface stands above all rays that went on behind it, and is not
-// supported by points of this frame, are cleared down to their ground. Stage 1 has turned the hits
-// of each ring into the lowest ray that passed it: each cell is a look-up. The same table bounds
-// unseen ground from above. Where rays tell nothing, two things do: what around a cell has left,
-// and that the robot drove there before.
+// Stage 5 (III-B.2): a cell is cleared down to its ground if all rays that went on behind it passed
+// below its surface and no point of this frame supports it. Stage 1 has turned the hits of each
+// ring into the lowest ray that passed it, so that each cell is a look-up. The same table bounds
+// unseen ground from above. In occluded cells two other signs count: the cells around have left, or
+// the robot drove there before.
 
-/** What the rays of this frame say of one cell. */
+/** The result of the rays of this frame for one cell. */
 struct SeenThrough
 {
   float lowest_m = kInfinity;  //!< lowest height at which a ray passed
-  float highest_m = -kInfinity;  //!< the highest among the lowest rays of the cell's directions;
+  float highest_m = -kInfinity;  //!< highest of the lowest rays of the cell's directions;
                                  //!< bounds unseen ground from above
   std::int32_t in_open = 1;  //!< nothing was hit between the sensor and the cell
   TALUS_HD bool any() const { return lowest_m < kInfinity; }
@@ -35,7 +35,7 @@ struct SeenThrough
   }
 };
 
-/** Looks at one ray of a footprint. Heights are taken where the ray is highest inside the cell. */
+/** Adds one ray of a footprint, at the height where the ray is highest inside the cell. */
 TALUS_HD void add_ray(
     SeenThrough& seen, const RayFootprint& g, int which, const Config& k, const FrameContext& f,
     const std::int32_t* rays)
@@ -54,7 +54,7 @@ TALUS_HD void add_ray(
   seen.highest_m = max_of(seen.highest_m, select(is_ray, height, -kInfinity));
 }
 
-/** Counts the evidence of one frame; true when the cell must be cleared. */
+/** Counts one frame with or without a hit; true when the cell must be cleared. */
 TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
 {
   const int of_hit = c.is(kHitBefore) ? kHeldHitEarns : kPorousHitEarns;
@@ -72,10 +72,10 @@ TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
   return true;
 }
 
-/** Clears a cell of what stands there, and of ground above `limit`. */
+/** Removes the object from a cell, and ground above `limit`. */
 TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
 {
-  c.recent_hits = max_of(c.recent_hits, kHitAdds);  // it has left: kLeft
+  c.recent_hits = max_of(c.recent_hits, kHitAdds);  // makes it kLeft
   c.elevation_m = c.elevation_var_m2 = kNan;
   forget_overhang(c);
   if (surface_class >= kObject || c.ground_m > limit)
@@ -91,21 +91,20 @@ TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
   }
 }
 
-/** Counts the evidence for what stands above `limit`, where rays passed; true when it has left. A
- * cell that was only hit below the passing rays is no exception: a box that left shows the floor in
- * the very cells that it stood in. */
+/** Counts a frame whose rays passed at `limit`, below the object; true when it has left. Hits below
+ * those rays do not protect it: a box that left shows the floor in the cells where it stood. */
 TALUS_HD bool count_seen_through(
     Cell& c, std::uint8_t& surface_class, float top_hit_m, float top, float limit, const Config& k)
 {
   const bool below = c.state == kMeasured && surface_class == kKeep && c.ground_m > limit;
   if (below && on(kRayBelowGround, k)) surface_class = kObject;
   const bool hit = top_hit_m > limit;
-  const bool counts = hit && top_hit_m <= top + k.cleanup_margin_m;  // not what hangs above
+  const bool counts = hit && top_hit_m <= top + k.cleanup_margin_m;  // a hit above hangs
   if (counts) c.recent_hits = min_of(c.recent_hits + kHitAdds, kMostRecentHits);
   return count_evidence(c, hit, k);
 }
 
-/** What the rays say of cell (ix, iy); needs nothing but the rays. */
+/** Finds the rays that passed over cell (ix, iy). */
 struct FindPassingRays
 {
   using Item = RayFootprint;
@@ -140,7 +139,6 @@ struct FindPassingRays
   }
 };
 
-/** Stage 5 on cell (ix, iy), stored at storage_i. */
 struct CleanUpCell
 {
   int cells;
@@ -152,7 +150,6 @@ struct CleanUpCell
   const float* top_hit_m;
   std::uint8_t* surface_class;
 
-  /** False where nothing changes. */
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
     const int window_i = iy * cells + ix;
@@ -168,7 +165,7 @@ struct CleanUpCell
     finish(ix, iy, storage_i);
   }
 
-  /** Whether inspect() has to come before finish(): what stands there may overhang. */
+  /** Whether inspect() must come before finish(): the object may overhang. */
   TALUS_HD bool needs_inspection(int ix, int iy, int storage_i) const
   {
     const int window_i = iy * cells + ix;
@@ -176,9 +173,9 @@ struct CleanUpCell
            stands_above(window_i, storage_i) && store.stay_frames[storage_i] > 0;
   }
 
-  /** Rays that pass below what overhangs do not tell that it left; rays that went on where it is
-   * known to have been do, and rays that comb the place. Where such rays go while it is hit it is
-   * open, and only combing tells something of it. */
+  /** Rays below an overhang do not prove that it left. Rays through the heights where it is known
+   * to be do, and rays that comb its place. If such rays pass while it is hit, it is open like a
+   * railing, and only combing counts. */
   template <class Group>
   TALUS_HD void inspect(int ix, int iy, int storage_i, const Group& group) const
   {
@@ -222,15 +219,15 @@ struct CleanUpCell
 
  private:
   TALUS_HD bool passed(int window_i) const { return passing.lowest_m[window_i] < kInfinity; }
-  /** Whether something stands where the robot drove. */
+  /** Whether an object stands where the robot drove. */
   TALUS_HD bool came_later(int storage_i) const
   {
     const float bare_m = bare_up_to_m(store.ground_m[storage_i], *config);
     return on(kFollowersLeave, *config) & store.is(kRobotWasThere, storage_i) &
            (store.elevation_m[storage_i] > bare_m);
   }
-  /** Of what came later: where rays pass it has earned no time, unlike the edges of what stands; in
-   * its own shadow frames without a hit count, and true when it has left. */
+  /** Counts frames without a hit of an object that came later; true when it has left. Occluded
+   * frames count, too. Where rays pass it has no stay, unlike the edges of static objects. */
   TALUS_HD bool count_unhit(Cell& c, float hit_m, bool in_shadow) const
   {
     const bool hit = hit_m > bare_up_to_m(c.ground_m, *config);
@@ -258,7 +255,7 @@ struct CleanUpCell
     return (top(storage_i) > limit(window_i)) & (is_known(store.elevation_m[storage_i]) | kept);
   }
 
-  /** Whether in more of the pairs around a cell something has left lately than still stands. */
+  /** Whether in more of the pairs around a cell an object has left than still stands. */
   TALUS_HD bool leaves_with_others(int ix, int iy) const
   {
     if (!on(kLeavesWithOthers, *config)) return false;
@@ -274,13 +271,13 @@ struct CleanUpCell
       }
     return left > stands;
   }
-  /** How far what overhangs in a cell reaches from its top [kOverhangUnit_m]. */
+  /** Lengths of an overhang from the top of the cell [kOverhangUnit_m]. */
   struct Reach
   {
     int below, above;
   };
-  /** That of a cell that was hit: not lower than `limit_m`, where rays passed. The top may have
-   * risen to this hit, so that what was known above it holds no more. */
+  /** Lengthens the overhang by the hits of this frame, down to `limit_m` where rays passed. If the
+   * hit is the new top, the length above the old one is void. */
   template <class Group>
   TALUS_HD Reach learn(
       const Reach& before, const OverhangRays<Group>& overhang, float top_m, float hit_m,

@@ -11,13 +11,12 @@
 
 namespace talus::kernels
 {
-// Stage 6 (III-B.3): ground of cells that were not measured, from samples found along the line to
-// the sensor: towards it and away from it. How samples are found is the executor's choice, for what
-// is fast on a device is slow on a core. A device searches for each cell
-// (libs/core/src/cuda/fill_search.h). A core sweeps along many lines at once
-// (libs/core/src/cpu/lines.h). What is made of them is the same.
+// Stage 6 (III-B.3): ground of cells that were not measured, from samples on both sides along the
+// line to the sensor. Each executor finds samples in its own way: a device searches for each cell
+// (libs/core/src/cuda/fill_search.h), a core sweeps along many lines at once
+// (libs/core/src/cpu/lines.h). The formulas are the same.
 
-/** The samples of one side and what eq. 8 makes of them. */
+/** The samples of one side and their estimate by eq. 8. */
 struct SideEstimate
 {
   int places = 0;  //!< to the nearest sample
@@ -47,11 +46,11 @@ TALUS_HD float kernel_weight(float distance_m, const Config& k)
   return s * s * e * (low + s * s * high);
 }
 
-/** Where a sample that does not count is said to lie: beyond any kernel. */
+/** The distance given to samples that do not count: beyond any kernel. */
 constexpr float kOutOfReach_m = 1e18f;
 
-/** Eq. 8: sparse kernel inference with the lowest sample as the prior. Takes samples from the
- * nearest on. */
+/** Eq. 8: sparse kernel inference with the lowest sample as the prior. Samples come nearest first.
+ */
 struct SideSum
 {
   float weights = 0, weighted = 0, lowest = kInfinity, lengths = 0;
@@ -66,7 +65,7 @@ struct SideSum
     lowest = min_of(lowest, select(distance < kOutOfReach_m, height, kInfinity));
   }
 
-  /** `nearest` and `places` are those of the first sample. Without a prior (lines) the mean. */
+  /** `nearest` and `places` belong to the first sample. Without a prior (lines) it is the mean. */
   template <bool kPrior>
   TALUS_HD SideEstimate estimate(float nearest, int places, float step_m, const Config& k) const
   {
@@ -84,27 +83,27 @@ struct SideSum
   }
 };
 
-/** How many places of a line a distance is. */
+/** The number of places of a line in a distance. */
 TALUS_HD int places_in(float distance_m, float step_m, int rings)
 {
   return floor_to_int(min_of(distance_m / step_m, static_cast<float>(rings)));
 }
 
-/** What is known of a sample: bits of Samples::marks. */
+/** Bits of Samples::marks. */
 enum SampleMark : std::int32_t
 {
-  kWall = 2,  //!< its ground rises more steeply than a robot drives, and is nothing upright
+  kWall = 2,  //!< it rises more steeply than a robot drives, and holds nothing upright
   kContradicted = 4  //!< a ray seems to have passed below it, see kContradicted_m
 };
-/** What is known of a fill beside its height and variance: bits of Inference::marks. */
+/** Bits of Inference::marks. */
 enum FillMark : std::int32_t
 {
   kTwoSided = 2,
-  kDoubtful = 4,  //!< it builds on a sample that is contradicted
+  kDoubtful = 4,  //!< one of its samples is contradicted
   kSlopes = 8,  //!< the ground falls in it by a step, as a slope does
   kDrops = 16  //!< the ground may drop in it
 };
-/** Variance of fills that are doubtful, or in which ground falls. */
+/** The variance of doubtful fills, and of fills in which the ground falls. */
 constexpr float kDoubtful_m2 = 1.0f;
 
 /** Whether a rise is steeper than a robot can drive, noise aside. */
@@ -114,7 +113,7 @@ TALUS_HD bool is_steep(float rise_m, float length_m, const Config& k)
 }
 TALUS_HD std::int32_t sample_marks(float ground_m, float top_m, float ray_bound_m, const Config& k)
 {
-  const float rise_m = top_m - ground_m;  // NaN: nothing stands there
+  const float rise_m = top_m - ground_m;  // NaN without an object
   const bool wall =
       is_steep(rise_m, k.resolution_m, k) & (rise_m < kUpright_steps * k.step_threshold_m);
   const bool contradicted =
@@ -122,7 +121,7 @@ TALUS_HD std::int32_t sample_marks(float ground_m, float top_m, float ray_bound_
   return select(wall, kWall, 0) | select(contradicted, kContradicted, 0);
 }
 
-/** Whether rays undercut the ground that goes on from a sample, so far away. */
+/** Whether rays pass below the ground that would go on level from a sample `away_m` away. */
 TALUS_HD bool undercuts(float ray_bound_m, float sample_m, float away_m, const Config& k)
 {
   return on(kUndercutDrops, k) & (ray_bound_m < sample_m - kUndercutAhead_m - kGentle * away_m);
@@ -135,7 +134,7 @@ TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const
   return sample_variance_m2 + spread * spread;
 }
 
-/** Eq. 9 as printed: one height from two sides. The high side's share grows with the gap to it, up
+/** Eq. 9 as printed: one height from two sides. The share of the high side grows with its gap, up
  * to a half. */
 TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b)
 {
@@ -145,13 +144,13 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b)
   const float n_low = static_cast<float>(low.gap_cells());
   const float n_high = static_cast<float>(high.gap_cells());
   const float total = n_low + 2.0f * n_high;
-  if (total == 0.0f) return 0.5f * (low.height_m + high.height_m);  // a gap of one cell
+  if (total == 0.0f) return 0.5f * (low.height_m + high.height_m);  // the gap is one cell
   return ((n_high + n_low) * low.height_m + n_high * high.height_m) / total;
 }
 
-/** Height to which the ground goes on beside samples that lie on one side: as far again past the
- * nearest as that is off their mean, as it begins to rise or fall. A nearest sample that is farther
- * off is the foot of something: it counts for a quarter of a step. */
+/** The height of ground beyond samples that lie on one side. It goes on twice as far off the mean
+ * as the nearest sample is, since it begins to rise or fall. A limit of a quarter of a step keeps
+ * the foot of an object from counting more. */
 TALUS_HD float goes_on(float nearest_m, float mean_m, const Config& k)
 {
   const float off_m = on(kGroundGoesOn, k) ? nearest_m - mean_m : 0.0f;
@@ -160,7 +159,7 @@ TALUS_HD float goes_on(float nearest_m, float mean_m, const Config& k)
   return mean_m + max_of(min_of(kGoesOn * (off_m - noise_m), most_m), -most_m);
 }
 
-/** Heights of several lines, each weighed by how far it has to bridge. */
+/** Heights of several lines, weighted by the gaps that they bridge. */
 struct LineFusion
 {
   float information = 0, weighted = 0, lowest_m = kInfinity;
@@ -169,11 +168,11 @@ struct LineFusion
   {
     return std::make_tuple(&LineFusion::information, &LineFusion::weighted, &LineFusion::lowest_m);
   }
-  /** Between samples of both sides linearly, beside one side as goes_on() says. The error grows
-   * with the distances, and with what the sides differ by: nobody knows where between them it
-   * rises. A gap holds a face if its sides are steeper apart than a robot can drive, or if the
-   * ground beyond it is a step lower. Then along a ray the lower side counts, which is what lies
-   * before a front and in the shadow of an edge; rows and columns do not tell where it stands. */
+  /** Adds one line: linear between samples of both sides, goes_on() beside one side. The error
+   * grows with the distances and with the height difference, since the ground may rise anywhere in
+   * the gap. A gap holds a face if its sides differ by more than a robot can drive. Then along a
+   * ray the lower side counts, which is the ground before a front and in the shadow of an edge.
+   * Rows and columns do not show where the face is, and do not count. */
   TALUS_HD void add(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
   {
     const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
@@ -194,7 +193,6 @@ struct LineFusion
     add(height, deviation, (has_a | has_b) & counts);
   }
 
-  /** Another line's. */
   TALUS_HD void add(const LineFusion& other)
   {
     information += other.information;
@@ -212,20 +210,20 @@ struct LineFusion
   }
 };
 
-/** What the lines through a cell say of its ground. */
+/** The estimate of a cell's ground from its lines. */
 struct alignas(16) Inference
 {
-  LineFusion lines;  //!< for kFillPrinted: what eq. 9 says, as one line
+  LineFusion lines;  //!< for kFillPrinted: the result of eq. 9, as one line
   float variance_m2 = kNan;  //!< NaN: no samples
 
   TALUS_HD bool any() const { return is_known(variance_m2); }
 };
 
-/** What one side of the line to the sensor says of the variance: NaN: no samples. */
+/** Variance of one side of the line to the sensor; NaN: no samples. */
 struct SideVariance
 {
   float m2;
-  std::int32_t marks;  //!< of its nearest sample
+  std::int32_t marks;  //!< marks of its nearest sample
 };
 
 TALUS_HD float fuse_variances(const SideVariance& inner, const SideVariance& outer)
@@ -234,7 +232,7 @@ TALUS_HD float fuse_variances(const SideVariance& inner, const SideVariance& out
   const float fused = inner.m2 * outer.m2 / (inner.m2 + outer.m2);
   return select(both, fused, select(has_inner, inner.m2, outer.m2));
 }
-/** Those that follow from the samples of both sides, bits of FillMark. */
+/** Combines the marks of both sides to bits of FillMark. */
 TALUS_HD std::int32_t fuse_marks(const SideVariance& inner, const SideVariance& outer)
 {
   const bool has_inner = is_known(inner.m2), has_outer = is_known(outer.m2);
@@ -252,7 +250,7 @@ fuse_lines(const SideEstimate& a, const SideEstimate& b, bool along_ray, const C
   return lines;
 }
 
-/** What eq. 9 says, as one line. */
+/** The result of eq. 9, as one line. */
 TALUS_HD LineFusion apply_printed_rule(const SideEstimate& inner, const SideEstimate& outer)
 {
   const bool both = inner.any() && outer.any();
@@ -264,13 +262,12 @@ TALUS_HD LineFusion apply_printed_rule(const SideEstimate& inner, const SideEsti
   return lines;
 }
 
-/** What was inferred for a cell. */
 struct Fill
 {
   float height_m;
   float variance_m2;
   std::int32_t state;
-  float expected_m;  //!< by the lines; where rays do not pass below it the height
+  float expected_m;  //!< the height without the bound of the rays
 };
 
 TALUS_HD float height_of_lines(const LineFusion& lines, bool under_object)
@@ -288,35 +285,30 @@ infer_ground(float variance_m2, int marks, float expected_m, float bound_m, cons
       select(far_off, kDoubtful_m2, variance_m2), state, expected_m};
 }
 
-// ---- Where samples are kept ----
-
-/** Measured ground that fills may build on, by place of the grid. */
+/** Measured ground that fills may use, by place of the grid. */
 struct Samples
 {
   float* height_m;  //!< NaN: none
   float* variance_m2;
   std::int32_t* marks;  //!< bits of SampleMark
-  float* ray_bound_m;  //!< of all places, see ray_bound(): where lines are swept
+  float* ray_bound_m;  //!< for all places, see ray_bound(); used where lines are swept
 };
 
-/** Height that rays have shown the ground of a cell of the window not to exceed [m]; infinity: not
- * shown. Of the directions in which rays passed the highest: a few rays of reflections do not
- * count. */
+/** The height that the ground of a cell cannot exceed, since rays passed there [m]; infinity: no
+ * ray. Of the lowest rays of its directions the highest counts, so that a few reflections change
+ * nothing. */
 TALUS_HD float ray_bound(const PassingRays& passing, int window_i)
 {
   return select(passing.lowest_m[window_i] < kInfinity, passing.highest_m[window_i], kInfinity);
 }
 
-/** Whether fills may build on the ground of the cell stored at storage_i. */
 TALUS_HD bool is_sample(const CellStore& store, const std::uint8_t* surface_class, int storage_i)
 {
   return (store.state[storage_i] == kMeasured) & (surface_class[storage_i] == kKeep);
 }
 
-// ---- The cell ----
-
-/** What stands so high that the robot fits below it hangs, once rays passed there. They are few:
- * FillCell leaves them to this. */
+/** Drops an object that hangs so high that the robot fits below it, once rays passed there. Such
+ * cells are few, so they have a rule of their own beside FillCell. */
 struct DropHanging
 {
   CellStore store;
@@ -333,15 +325,15 @@ struct DropHanging
     c.elevation_m = c.elevation_var_m2 = kNan;
     forget_persistence(c);
     forget_overhang(c);
-    const bool underside = c.state == kUnknown;  // of which hits tell nothing any more
+    const bool underside = c.state == kUnknown;  // its hits count no more
     c.flags &= ~select(underside, kHitFlags, kHitHighUp);
     c.recent_hits = select(underside, 0, c.recent_hits);
     store.store(storage_i, c);
   }
 };
 
-/** Stage 6 on cell (ix, iy), stored at storage_i, from what the lines through it say. Returns its
- * state. Once more changes nothing. */
+/** Stage 6 on cell (ix, iy), stored at storage_i. Returns its state. A second call changes nothing.
+ */
 struct FillCell
 {
   int cells;
@@ -355,7 +347,6 @@ struct FillCell
 
   TALUS_HD bool wanted(int storage_i) const { return surface_class[storage_i] != kKeep; }
 
-  /** `marks`: bits of FillMark. */
   TALUS_HD int operator()(int ix, int iy, int storage_i, const Inference& inferred, int marks) const
   {
     const int window_i = iy * cells + ix;
@@ -364,7 +355,7 @@ struct FillCell
     const int driven_height = store.driven_height[storage_i];
     const int recent_hits = store.recent_hits[storage_i];
     const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
-    // Else an older fill, or the object, stays.
+    // Otherwise the older fill, or the object, stays.
     const bool filled = (r != kKeep) & inferred.any();
     const bool doubtful = filled & ((marks & kDoubtful) != 0);
     const float bound_m = select(doubtful, kInfinity, ray_bound(passing, window_i));
@@ -376,10 +367,10 @@ struct FillCell
     const float variance = select(floats, kNan, select(filled, fill.variance_m2, var_before));
     const int known_as = select(filled, fill.state, state_before);
     const int state = select(floats, static_cast<int>(kUnknown), known_as);
-    // Behind something that was hit only rays below the height of a step prove that the ground is
-    // free; before everything that was hit (the blind zone around the robot) the clearance will do.
+    // Behind a hit only rays below the height of a step prove that the ground is free. In the blind
+    // zone around the robot, before all hits, rays below the clearance do.
     const float proof_m = select(in_open != 0, config->clearance_m, config->step_threshold_m);
-    // A fill may lie too high, so that it counts little above the lowest of its lines.
+    // A fill may lie too high, so it counts at most a little above the lowest of its lines.
     const float low_m = inferred.lines.lowest_m + kAboveLowestLine_steps * config->step_threshold_m;
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
     const bool low = bound_m < floor_m + proof_m;
@@ -391,12 +382,12 @@ struct FillCell
     const float stands_m = store.elevation_m[storage_i];
     const int fall = select(filled & !doubtful, marks & (kSlopes | kDrops), 0);
     const bool drops = on(kFallsMayDrop, *config) & ((fall & kDrops) != 0) & !is_known(stands_m);
-    // What floats is dropped as what hangs.
+    // An underside is dropped like an object that hangs.
     const int flags = (flags_before & select((fall == kSlopes) | (r == kKeep), ~kMayDrop, ~0)) |
                       select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0) |
                       select(near & on(kPassedNearJudged, *config), kPassedNear, 0) |
                       select(drops, kMayDrop, 0);
-    // All is read before any store: what could overlap would be read again, and not at once.
+    // Reads come before stores, or the compiler would read again and not vectorise.
     store.ground_m[storage_i] = ground;
     store.ground_var_m2[storage_i] = variance;
     store.state[storage_i] = static_cast<std::uint8_t>(state);
@@ -409,8 +400,8 @@ struct FillCell
   }
 
  private:
-  /** What is above the sensor, has rays below it and no lower ground beside it that tells what is
-   * there. (It is unknown then, and still an underside if asked again.) */
+  /** Whether a measured surface is an underside: it is above the sensor, rays passed below it, and
+   * no lower ground beside it explains that. An unknown cell stays one in a second call. */
   TALUS_HD bool is_underside(
       int of_class, int state_before, float before_m, float bound_m, const Inference& inferred,
       const Fill& fill) const
@@ -422,7 +413,7 @@ struct FillCell
     return on(kUndersides, *config) & (of_class == kObject) & (above | (state_before == kUnknown));
   }
 
-  /** What stage 7 is told of, from a cell as it is now. */
+  /** The fields that stage 7 reads. */
   struct Filled
   {
     float ground_m, elevation_m;

@@ -10,29 +10,26 @@
 
 namespace talus::kernels
 {
-// Stage 7 on the cells, and what follows from their neighbours.
 
-/** The layers of stage 7, window order. The first four may be null for those who want
- * traversability alone. */
+/** The layers of stage 7, window order. The first four may be null. */
 struct FeatureLayers
 {
   float *slope, *step, *roughness, *sparsity, *traversability;
 };
 
-/** What was judged around a cell: each a Passability, from that cell on, its neighbour in the next
- * row `pitch` behind it. */
+/** The Passability of a cell, at `at`, and of its neighbours. Rows are `pitch` apart. */
 struct PassabilityAround
 {
   const std::uint8_t* at;
   int pitch;
 
   TALUS_HD bool blocks(int to) const { return at[to] == kImpassable; }
-  /** Nothing changes it any more. */
+  /** Whether it is final. */
   TALUS_HD bool is_settled(int to) const { return at[to] != kPassable; }
 };
 
-/** Stage 7 on cell (ix, iy): first along rows, then across them. `kParts`: what
- * traversability is made of is wanted too, not it alone. */
+/** Stage 7 on cell (ix, iy), along rows and then along columns. `kParts`: slope, step, roughness
+ * and sparsity are wanted, too. */
 template <bool kParts>
 struct ComputeFeatures
 {
@@ -46,44 +43,42 @@ struct ComputeFeatures
   const float* fall_m;
   FeatureLayers out;
   std::uint8_t*
-      passability;  //!< window order, a row and a cell more on both ends; null: see judge()
+      passability;  //!< window order, a row and a cell more on both ends; unused by judge()
 
   TALUS_HD const Surface& neighbour(int ix, int iy) const
   {
     return surfaces.cell[surfaces.at(ix, iy)];
   }
-  /** Adds the neighbour at distance d in the cell's row. */
   TALUS_HD void add(RowSums& sums, int ix, int iy, int d) const
   {
     sums.add(neighbour(ix + d, iy), d);
   }
-  /** Adds the row at distance d. */
   TALUS_HD void add(Moments& sums, const RowSums& row, int d) const { sums.add(row, d); }
 
   TALUS_HD void operator()(int ix, int iy, const Moments& m) const
   {
     put(ix, iy, judge_most<false>(ix, iy, m, true));
   }
-  /** Whether plain() does the same, in less time. */
+  /** Whether plain(), which is faster, gives the same result. */
   TALUS_HD bool is_plain(const Moments& m) const { return is_whole(m, *config); }
   TALUS_HD void plain(int ix, int iy, const Moments& m) const
   {
     put(ix, iy, judge_most<true>(ix, iy, m, true));
   }
-  /** Whether finish() may change the cell, after one of these. */
+  /** Whether finish() may change the result of operator() or plain(). */
   TALUS_HD bool applies(int ix, int iy, const Moments&) const
   {
     return neighbour(ix, iy).is(kSurfaceMayDrop) | (passability[iy * cells + ix] == kSteep);
   }
-  /** What only few cells need. */
+  /** Handles steep cells and cells that may drop, which are few. */
   TALUS_HD void finish(int ix, int iy, const Moments&) const
   {
     const int window_i = iy * cells + ix;
     const Judgement most{out.traversability[window_i], passability[window_i]};
     put(ix, iy, settle(ix, iy, most, true));
   }
-  /** All of that, for executors that go on with the result: puts only the parts, of cells that are
-   * the caller's `own`. */
+  /** Does all of that and returns it to executors that use it at once. It stores the parts of cells
+   * that are the caller's `own`. */
   TALUS_HD Judgement judge(int ix, int iy, const Moments& m, bool own) const
   {
     return settle(ix, iy, judge_most<false>(ix, iy, m, own), own);
@@ -96,7 +91,7 @@ struct ComputeFeatures
     out.traversability[window_i] = j.score;
     passability[window_i] = static_cast<std::uint8_t>(j.passability);
   }
-  /** As most cells are judged. */
+  /** Judges a cell without LowStep and drops. */
   template <bool kWhole>
   TALUS_HD Judgement judge_most(int ix, int iy, const Moments& m, bool own) const
   {
@@ -112,7 +107,7 @@ struct ComputeFeatures
         out.roughness[window_i] = select(known, f.roughness, kNan);
         out.sparsity[window_i] = kNan;
       }
-    // What no ray ever met, nor passed low over its ground, may be the inside of a thing.
+    // If no ray hit a cell or passed low over it, it may be the inside of an object.
     const bool seen = cell.is(kSurfaceSeen), told = known & (seen | cell.is(kSurfaceNear));
     const Judgement features = fuse_features(f, *config);
     const bool driven = cell.is(kSurfaceDriven), steep = features.passability == kSteep;
@@ -124,7 +119,7 @@ struct ComputeFeatures
     const int of_judged = select(score == 0.0f, kImpassable, of_low);
     return {select(told, score, kNan), select(told, of_judged, static_cast<int>(kPassable))};
   }
-  /** `most`, unless stage 7 says otherwise, or its slope is not that of a low step. */
+  /** Makes cells that may drop, and steep cells at no low step, impassable. */
   TALUS_HD Judgement settle(int ix, int iy, const Judgement& most, bool own) const
   {
     const Judgement impassable{0.0f, kImpassable};
@@ -137,13 +132,13 @@ struct ComputeFeatures
     const bool steep = most.passability == kSteep && !LowStep{*config, surfaces}.is_at(ix, iy);
     return steep ? impassable : most;
   }
-  /** Whether stage 7 looks there. The sensor's own cell lies on no line. */
+  /** Whether eq. 14 applies. The sensor's own cell lies on no line. */
   TALUS_HD bool is_near(int ix, int iy) const
   {
     const bool on_line = ix != cells / 2 || iy != cells / 2;
     return on_line && robot_m(ix, iy) <= config->sparsity_range_m;
   }
-  /** 0 where it is remembered only. */
+  /** Eq. 14; 0 where the drop is only remembered. */
   TALUS_HD float suspicion_of(int ix, int iy) const
   {
     if (!is_near(ix, iy)) return 0.0f;
@@ -156,10 +151,9 @@ struct ComputeFeatures
   }
 };
 
-/** The last step of stage 7: cells at the edge of what is impassable join it, but for those at a
- * low step. What a neighbourhood says of its middle ends before the edge of what is steep, things
- * that rays pass through are hit in some of their cells only, and what covers a cell in part is hit
- * now and then. */
+/** The last step of stage 7: cells at the edge of an impassable cell join it, except at a low step.
+ * The features of a neighbourhood end before the edge of a steep face. Porous objects are hit in
+ * some of their cells only, and objects that cover a cell in part are hit now and then. */
 struct CompleteObstacles
 {
   int cells;
@@ -174,7 +168,7 @@ struct CompleteObstacles
     float& score = traversability[iy * cells + ix];
     if (joins(ix, iy, around(ix, iy), score)) score = 0.0f;
   }
-  /** Joins the cell or puts what it was judged, where that lies elsewhere. */
+  /** Stores the joined cell, or `score`. */
   TALUS_HD void complete(int ix, int iy, const PassabilityAround& at, float score) const
   {
     const bool joined = applies(ix, iy, at) && joins(ix, iy, at, score);
@@ -203,7 +197,7 @@ struct CompleteObstacles
            (on(kHitLatelyJoins, k) && hit_lately && beside(at)) || beside_drop(ix, iy) ||
            (on(kSteepEdges, k) && is_known(score) && at_steep_edge(ix, iy, at));
   }
-  /** Nobody knows to a cell where the ground ends. */
+  /** A neighbour of a drop joins it, since the edge is not known to a cell. */
   TALUS_HD bool beside_drop(int ix, int iy) const
   {
     const Surface* at = surfaces.cell + surfaces.at(ix, iy);
@@ -218,22 +212,23 @@ struct CompleteObstacles
     return at.is_settled(row - 1) | at.is_settled(row) | at.is_settled(row + 1);
   }
 
-  /** Shares a side with an impassable cell. */
+  /** Whether a neighbour at a side is impassable. */
   static TALUS_HD bool beside(const PassabilityAround& at)
   {
     return at.blocks(-1) || at.blocks(1) || at.blocks(-at.pitch) || at.blocks(at.pitch);
   }
 
-  /** Between two impassable cells on opposite sides: no robot fits through one cell. */
+  /** Whether two opposite neighbours are impassable: no robot fits through one cell. */
   static TALUS_HD bool between(const PassabilityAround& at)
   {
     const auto both = [&at](int to) { return at.blocks(-to) && at.blocks(to); };
     return both(1) || both(at.pitch) || both(at.pitch + 1) || both(at.pitch - 1);
   }
 
-  /** Of measured cells: the surface rises or falls at least a third as steeply as it may to an
-   * impassable neighbour on which nothing stands (two cells alone tell a slope that badly), or a
-   * face begins in the cell that is higher, with the neighbours, than a step. */
+  /** Whether a measured cell is at the edge of a steep face. Either the surface rises or falls at
+   * least a third as steeply as allowed to an impassable, bare neighbour, since two cells alone
+   * estimate a slope badly. Or a face begins in the cell that is, with the neighbours, higher than
+   * a step. */
   TALUS_HD bool at_steep_edge(int ix, int iy, const PassabilityAround& judgement) const
   {
     const Surface* at = surfaces.cell + surfaces.at(ix, iy);

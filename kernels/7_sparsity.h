@@ -6,16 +6,16 @@
 
 namespace talus::kernels
 {
-/** Ground that was not measured, along a line from the sensor. */
+/** A range of unmeasured ground along a line from the sensor. */
 struct Gap
 {
   float length_m;
   float near_m, far_m;  //!< heights of the ground before and behind it
-  bool wall;  //!< the ground behind it rises within a cell, see SampleMark ...
+  bool wall;  //!< the ground behind it rises steeply within a cell, see SampleMark ...
   float behind_m, behind_length_m;  //!< ... or to the next height, and how far behind that is
 };
 
-/** By how much ground falls in a gap. */
+/** How far the ground falls in a gap. */
 struct Fall
 {
   float m = kNan;  //!< h_s of eq. 14; NaN: the ground on one side is too far
@@ -23,9 +23,9 @@ struct Fall
 };
 
 /** h_s of eq. 14: how much lower than the ground before it the ground in a gap may lie. A drivable
- * slope explains a part of what it falls by. Where the far side begins lower and rises as no robot
- * can drive, that is the far wall of a ditch, of which rays see what they see over the near edge:
- * it may be twice as deep. */
+ * slope explains a part of the fall. If the far side begins lower and rises more steeply than a
+ * robot can drive, it is the far wall of a ditch, of which the near edge hides the lower part: the
+ * ditch may be twice as deep. */
 TALUS_HD Fall fall_in(const Gap& g, const Config& k)
 {
   const float fall_m = g.near_m - g.far_m;
@@ -38,8 +38,8 @@ TALUS_HD Fall fall_in(const Gap& g, const Config& k)
   return {told_m, select((told_m == 0.0f) & wide & (fall_m > k.step_threshold_m), 1, 0)};
 }
 
-/** Eq. 14 from the height difference h_s of the ground found on both sides, searched farther than a
- * fill does, and the distance d_s to the robot. NaN (unknown) where one side has none. */
+/** Eq. 14 from the height difference h_s of the ground on both sides, searched farther than for a
+ * fill, and the distance d_s to the robot; NaN where one side has none. */
 TALUS_HD float sparsity(float h_s, float robot_m, const Config& k)
 {
   const float ratio = h_s * k.inverse_step_threshold;
@@ -47,7 +47,7 @@ TALUS_HD float sparsity(float h_s, float robot_m, const Config& k)
   return select(is_known(h_s), clamp01(1.0f - ratio * weight), kNan);
 }
 
-/** What a fall says of a fill so far from the robot: bits of FillMark. */
+/** The bits of FillMark that follow from a fall at that distance from the robot. */
 TALUS_HD std::int32_t marks_of_fall(const Fall& fall, float robot_m, const Config& k)
 {
   return select(sparsity(fall.m, robot_m, k) < kSparse, kDrops, 0) |

@@ -11,11 +11,11 @@
 namespace talus::kernels
 {
 // Stage 7 (III-C): slope and step of the ground, roughness of the elevation, in a square
-// neighbourhood. Sums over the neighbourhood are exact integers, so the order in which they are
-// formed does not matter: here first along rows, then along columns. Signs are as printed in eq. 11
-// and 12: a floor cell beside a wall lies below its neighbours and must not become rough for it.
+// neighbourhood. Sums are exact integers, so that their order does not matter: first along rows,
+// then along columns. Signs are as printed in eq. 11 and 12: a floor cell beside a wall lies below
+// its neighbours and must not become rough for it.
 
-/** Sums over the neighbours of one cell in its own row; x counts from the cell. Heights in
+/** Sums over the neighbours of one cell in its own row; x counts from the cell, heights are in
  * quantised steps. */
 struct alignas(16) RowSums
 {
@@ -28,7 +28,6 @@ struct alignas(16) RowSums
         &RowSums::height, &RowSums::lowest);
   }
 
-  /** Adds the cell at x = d. */
   TALUS_HD void add(const Surface& cell, int d)
   {
     const bool known = cell.known();
@@ -57,7 +56,6 @@ struct Moments
         &Moments::lowest);
   }
 
-  /** Adds the row at y = d. */
   TALUS_HD void add(const RowSums& row, int d)
   {
     n += row.n;
@@ -88,7 +86,7 @@ TALUS_HD bool is_whole(const Moments& m, const Config& k)
   return m.n == side * side;
 }
 
-/** Slope angle [rad] of a plane from its gradient: numerators, and what they share. */
+/** Slope angle of a plane [rad] from its gradient (x, y) / share. */
 TALUS_HD float slope_angle(double x, double y, double share, const Config& k)
 {
   const float to_metres = k.inverse_resolution / kHeightSteps;
@@ -97,9 +95,9 @@ TALUS_HD float slope_angle(double x, double y, double share, const Config& k)
   return arctangent(sqrtf(gx * gx + gy * gy));
 }
 
-/** That of the least-squares plane through the ground; NaN (of any bits) where fewer than three
- * cells, or cells in a line, leave it open. `kWhole`: of whole neighbourhoods, whose moments are
- * known; the same bits. */
+/** Slope angle of the least-squares plane through the ground; NaN where fewer than three cells, or
+ * cells in a line, leave it open. `kWhole`: whole neighbourhoods, whose moments are constants; the
+ * bits are the same. */
 template <bool kWhole>
 TALUS_HD float slope_angle(const Moments& m, const Config& k)
 {
@@ -125,8 +123,8 @@ struct Features
   float slope, step, roughness;
 };
 
-/** Eq. 10 to 12, each in [0, 1]. `height` is the cell's own elevation, or ground where nothing
- * stands. */
+/** Eq. 10 to 12, each in [0, 1]. `height` is the cell's elevation, or its ground without an object.
+ */
 template <bool kWhole>
 TALUS_HD Features features_of(const Moments& m, std::int32_t height, const Config& k)
 {
@@ -143,21 +141,21 @@ TALUS_HD Features features_of(const Moments& m, std::int32_t height, const Confi
       clamp01(1.0f - (own - mean_height) * k.inverse_roughness_threshold)};
 }
 
-/** What is said of a cell before its neighbours are looked at. */
+/** The result for a cell before its neighbours are looked at. */
 enum Passability : std::uint8_t
 {
-  kPassable = 0,  //!< or not judged: its neighbours may make it impassable
+  kPassable = 0,  //!< or not judged; its neighbours may make it impassable
   kImpassable = 1,
-  kSteep = 2  //!< only its slope says that it is impassable; once LowStep was asked: a low step
+  kSteep = 2  //!< only its slope is too steep; after LowStep: it is a low step
 };
 struct Judgement
 {
-  float score;  //!< traversability; of kSteep that of a cell without a slope
+  float score;  //!< traversability; for kSteep without the slope
   std::int32_t passability;
 };
 
-/** Eq. 13: the weighted sum; zero, impassable, where step or roughness is. Where only the slope is
- * too steep that takes another look: see LowStep. */
+/** Eq. 13: the weighted sum; zero (impassable) where step or roughness is zero. If only the slope
+ * is too steep, LowStep decides. */
 TALUS_HD Judgement fuse_features(const Features& f, const Config& k)
 {
   const bool impassable = (f.step == 0.0f) | (f.roughness == 0.0f);
@@ -168,16 +166,15 @@ TALUS_HD Judgement fuse_features(const Features& f, const Config& k)
       select(!impassable & (f.slope == 0.0f), kSteep, kPassable)};
 }
 
-/** Whether a rise within a cell is steeper than the slope threshold; in quantised steps. */
+/** Whether a rise within a cell, in quantised steps, is steeper than the slope threshold. */
 TALUS_HD bool is_steep(int rise, const Config& k)
 {
   return static_cast<float>(abs_of(rise)) > k.max_slope * k.resolution_m * kHeightSteps;
 }
 
-/** Whether a cell lies at a step that the robot takes, not on a slope as a plane through it would
- * say: within two cells nothing rises by more than four fifths of what it may, and the ground goes
- * on level to one side only (its foot or edge), or to both but not from one to the other (its
- * face). */
+/** Whether a cell lies at a step that the robot takes, although a plane through it is steep. Within
+ * two cells nothing may rise by more than four fifths of the threshold. The ground goes on level to
+ * one side only (foot or edge), or to both sides but not across (face). */
 struct LowStep
 {
   const Config& config;
@@ -203,7 +200,6 @@ struct LowStep
   }
 
  private:
-  /** For two cells more. */
   TALUS_HD bool goes_on_level(const Surface& from, int to) const
   {
     return is_level(from, (&from)[to]) && is_level(from, (&from)[2 * to]);

@@ -8,11 +8,11 @@
 
 namespace talus::kernels
 {
-/** Read-modify-write on integers that many points may hit. Integers only: their result does not
- * depend on the order. Each executor names the policy that its threads need. */
+/** Read-modify-write on integers that many points may change. They are integers because their
+ * result does not depend on the order. Each executor names the policy that its threads need. */
 struct SerialAtomics
 {
-  /** Counts one, where many points hit few counters. */
+  /** Adds one, where many points share few counters. */
   static TALUS_HD void count(std::uint32_t* where) { *where += 1; }
   static TALUS_HD std::uint32_t add(std::uint32_t* where, std::uint32_t value)
   {
@@ -32,7 +32,7 @@ struct SerialAtomics
   {
     if (value > *where) *where = value;
   }
-  /** Stores `value` if `expected` is there; returns what was there. */
+  /** Stores `value` if the old value is `expected`; returns the old value. */
   static TALUS_HD std::uint64_t compare_exchange(
       std::uint64_t* where, std::uint64_t expected, std::uint64_t value)
   {
@@ -75,7 +75,7 @@ struct ThreadAtomics
 };
 
 #if defined(__CUDACC__)
-/** One operation for all threads of a warp where they hit the same place. */
+/** A warp whose threads change the same place does so in one operation. */
 struct DeviceAtomics
 {
   static __device__ void count(std::uint32_t* where)
@@ -85,7 +85,7 @@ struct DeviceAtomics
     const unsigned lane = threadIdx.x & 31u;
     if ((same & ((1u << lane) - 1u)) == 0) atomicAdd(where, static_cast<unsigned>(__popc(same)));
   }
-  /** Adds, where everyone hits the same place; returns what was there. */
+  /** Adds to one counter that all threads share; returns its old value. */
   static __device__ std::uint64_t reserve(std::uint64_t* where, std::uint64_t value)
   {
     const auto together = cooperative_groups::coalesced_threads();

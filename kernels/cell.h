@@ -15,22 +15,22 @@ enum State : std::uint8_t
   kMeasured = 1,
   kFilledTwoSided = 2,
   kFilledOneSided = 3,
-  kPresumed = 4  //!< the ground on which the robot stood, not measured, see 4_underfoot.h
+  kPresumed = 4  //!< ground on which the robot stood or started, see 4_underfoot.h
 };
 
-/** What rays, hits and the robot have shown of a cell: the bits of Cell::flags. (Here and in other
- * flags the lowest bit is free: compilers make no vector code of a test of that one.) */
+/** Bits of Cell::flags: evidence of rays, hits and the robot. The lowest bit of flags is free,
+ * since compilers do not vectorise a test of it. */
 enum CellFlag : std::uint8_t
 {
-  kPassedLow = 2,  //!< in some frame a ray passed so low that nothing above a step can stand there
+  kPassedLow = 2,  //!< in some frame a ray passed so low that no object higher than a step is there
   kPassedNear = 4,  //!< a ray passed near its ground, see kPassedNear_steps
-  kHitHighUp = 8,  //!< what was hit there may hang: high above a guess below which no ray passed
-  kHitBefore = 16,  //!< when rays passed last, it was hit, too
+  kHitHighUp = 8,  //!< the object may hang: it is high above a guess over which no ray passed low
+  kHitBefore = 16,  //!< it was hit, too, when rays passed last
   kMayDrop = 32,  //!< its ground may lie far below the ground around it, see fall_in()
   kOpen = 64,  //!< what overhangs there lets rays through: a railing
   kRobotWasThere = 128
 };
-/** Flags that are forgotten with what stood in a cell. */
+/** Flags that are cleared with the object of a cell. */
 constexpr int kHitFlags = kPassedLow | kHitHighUp | kHitBefore;
 
 // The fields of a cell, one line each: FIELD(type, name, value where nothing is known). This list
@@ -38,31 +38,29 @@ constexpr int kHitFlags = kPassedLow | kHitHighUp | kHitBefore;
 // from the map's datum; what is measured is fused into ground and elevation, the rest is evidence,
 // small numbers of eight bits.
 
-#define TALUS_CELL_SURFACES(FIELD)                                                           \
-  FIELD(float, ground_m, kernels::kNan) /* the lowest surface; known but in kUnknown */      \
-  FIELD(float, ground_var_m2, kernels::kNan)                                                 \
-  FIELD(float, elevation_m, kernels::kNan) /* top of what stands there; NaN: not measured */ \
-  FIELD(float, elevation_var_m2, kernels::kNan)                                              \
+#define TALUS_CELL_SURFACES(FIELD)                                                     \
+  FIELD(float, ground_m, kernels::kNan) /* the lowest surface; NaN only in kUnknown */ \
+  FIELD(float, ground_var_m2, kernels::kNan)                                           \
+  FIELD(float, elevation_m, kernels::kNan) /* top of the object; NaN: not measured */  \
+  FIELD(float, elevation_var_m2, kernels::kNan)                                        \
   FIELD(std::uint8_t, state, kernels::kUnknown) /* a State */
 
-// Evidence that lasts, then evidence of the latest frames, which nobody keeps for longer, see
-// kLatestFields and forget_latest().
-#define TALUS_CELL_EVIDENCE(FIELD)                                                         \
-  FIELD(std::uint8_t, flags, 0) /* CellFlag */                                             \
-  FIELD(std::uint8_t, stay_frames, 0) /* frames of passing rays that it outlasts unhit */  \
-  FIELD(std::uint8_t, overhang_below, 0) /* what overhangs reaches so far below its top */ \
-  FIELD(std::uint8_t, overhang_above, 0) /* and above it [kOverhangUnit_m] */              \
-  FIELD(std::uint8_t, driven_height, 0) /* what the robot drove through [kDrivenUnit_m] */ \
-  FIELD(std::uint8_t, passed_frames, 0) /* frames in a row whose rays passed through it */ \
-  FIELD(std::uint8_t, recent_hits, 0) /* hits lately that rays passed below, see kHitAdds */
+// Lasting evidence first, then kLatestFields that hold for some frames only, see forget_latest().
+#define TALUS_CELL_EVIDENCE(FIELD)                                                          \
+  FIELD(std::uint8_t, flags, 0) /* CellFlag */                                              \
+  FIELD(std::uint8_t, stay_frames, 0) /* frames that the object stays without a hit */      \
+  FIELD(std::uint8_t, overhang_below, 0) /* length of the overhang below the top */         \
+  FIELD(std::uint8_t, overhang_above, 0) /* and above the top [kOverhangUnit_m] */          \
+  FIELD(std::uint8_t, driven_height, 0) /* of what the robot drove through */               \
+  FIELD(std::uint8_t, passed_frames, 0) /* consecutive frames of rays through the object */ \
+  FIELD(std::uint8_t, recent_hits, 0) /* hit count of recent frames, see kHitAdds */
 
 #define TALUS_CELL_FIELDS(FIELD) TALUS_CELL_SURFACES(FIELD) TALUS_CELL_EVIDENCE(FIELD)
 
-/** How many bytes of evidence a cell has, and how many of them, the last, tell of the latest frames
- * only. */
+/** The number of evidence bytes, and how many of them, at the end, belong to the latest frames. */
 #define TALUS_COUNT(type, name, unknown) +1
 constexpr int kEvidenceFields = TALUS_CELL_EVIDENCE(TALUS_COUNT), kLatestFields = 2;
-constexpr int kFlagsByte = 0;  //!< which of them are the flags
+constexpr int kFlagsByte = 0;  //!< index of the flags
 #undef TALUS_COUNT
 #define TALUS_SIZE(type, name, unknown) +sizeof(type)
 constexpr std::size_t kBytesPerCell = TALUS_CELL_FIELDS(TALUS_SIZE);
@@ -72,7 +70,6 @@ constexpr std::size_t kBytesPerCell = TALUS_CELL_FIELDS(TALUS_SIZE);
 template <class Stored>
 using InRegister = std::conditional_t<std::is_same_v<Stored, float>, float, std::int32_t>;
 
-/** What the map remembers of a cell. */
 struct Cell
 {
 #define TALUS_MEMBER(type, name, unknown) InRegister<type> name = unknown;
@@ -88,8 +85,7 @@ struct Cell
   }
 };
 
-/** Where the map keeps its cells: an array each field. As a torus, so that rolling moves no data.
- */
+/** The cells of the map, one array for each field. It is a torus, so that rolling moves no data. */
 struct CellStore
 {
 #define TALUS_ARRAY(type, name, unknown) type* name;
@@ -113,27 +109,27 @@ struct CellStore
   }
 };
 
-/** Two hits within a few frames, and not long ago. */
+/** Whether there were two hits within a few frames, not long ago. */
 TALUS_HD bool hit_lately(int recent_hits) { return recent_hits >= kHitLately; }
 
-/** Above the ground up to there a cell is bare. */
+/** A cell is bare up to this height. */
 TALUS_HD float bare_up_to_m(float ground_m, const Config& k)
 {
   return ground_m + kBare_steps * k.step_threshold_m;
 }
 
-/** Where the map's heights are counted from, from frame to frame, see 2_follow.h. */
+/** The zero of the map's heights, kept from frame to frame, see 2_follow.h. */
 struct Datum
 {
   float offset_m = 0;  //!< height in the map frame less height as it is kept
-  float settled_m = 0;  //!< where slow drift alone would have brought it
+  float settled_m = 0;  //!< offset that slow drift alone would explain
   std::int32_t starts_anew = 0;  //!< all cells start empty in the next frame
-  /** How high above the ground stood what the robot drove into in the last frame, see
+  /** Height above the ground of what the robot drove through in the last frame, see
    * Cell::driven_height. */
   std::int32_t drove_through = 0;
 };
 
-/** Lengths of what overhangs are kept in this unit, as a square number of it: finer where they are
+/** Lengths of overhangs are stored as a square number of this unit, which is finer where they are
  * short. */
 constexpr float kOverhangUnit_m = 0.0125f;
 constexpr int kMostOverhang = 14;  //!< squared
@@ -145,7 +141,7 @@ TALUS_HD int overhang_units(float length_m)
   return root * root;
 }
 TALUS_HD float overhang_m(int units) { return static_cast<float>(units) * kOverhangUnit_m; }
-/** What overhung is gone, and with it what is known of it. */
+/** Clears an overhang. */
 TALUS_HD void forget_overhang(Cell& c)
 {
   c.overhang_below = c.overhang_above = 0;
@@ -153,8 +149,7 @@ TALUS_HD void forget_overhang(Cell& c)
 }
 TALUS_HD void forget_persistence(Cell& c) { c.stay_frames = c.passed_frames = 0; }
 
-/** What the robot drove through: hits of a cell up to that height above its ground are nothing new.
- */
+/** Unit of Cell::driven_height: hits up to that height above the ground are not new. */
 constexpr float kDrivenUnit_m = 0.04f;
 constexpr int kMostDriven = 62;
 
@@ -167,14 +162,13 @@ TALUS_HD int driven_units(float height_m)
   return min_of(max_of(floor_to_int(height_m / kDrivenUnit_m), 1), kMostDriven);
 }
 
-/** A height that is counted from elsewhere. NaN stays the one that it is: sums make another of it
- * on a device. */
+/** A height above another datum. NaN keeps its bits, since a sum would change them on a device. */
 TALUS_HD float raised(float height_m, float by_m)
 {
   return select(is_known(height_m), height_m + by_m, kNan);
 }
 
-/** Where cell (ix, iy) of the window is stored. */
+/** Storage index of cell (ix, iy) of the window. */
 TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)
 {
   int x = ix + f.storage_x, y = iy + f.storage_y;
@@ -183,27 +177,27 @@ TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)
   return y * cells + x;
 }
 
-/** Whether cell (ix, iy) was outside the last window: it starts empty, see stage 3. */
+/** Whether cell (ix, iy) was outside the last window: it starts empty, see stage 2. */
 TALUS_HD bool entered_window(const FrameContext& f, int cells, int ix, int iy)
 {
   const int old_x = ix + f.moved_x, old_y = iy + f.moved_y;
   return (old_x < 0) | (old_x >= cells) | (old_y < 0) | (old_y >= cells);
 }
 
-/** What stage 4 decides about a cell for the rest of the frame. */
+/** The decision of stage 4 about a cell, for the rest of the frame. */
 enum SurfaceClass : std::uint8_t
 {
   kKeep = 0,  //!< its ground stays
   kInfer = 1,  //!< its ground is unknown or a guess: infer it
-  kObject = 2,  //!< its lowest surface is no ground but an object above unseen ground: infer the
+  kObject = 2,  //!< its lowest surface is an object above unseen ground: infer the
                 //!< ground under it
-  kObjectOnColumn = 3,  //!< the same, but it begins where something ends that stands beside it: it
+  kObjectOnColumn = 3,  //!< as kObject, but it begins where the object beside it ends: it
                         //!< cannot hang
-  kObjectBesideColumn = 4  //!< the same, but what stands beside it goes on past it, a wall or the
+  kObjectBesideColumn = 4  //!< as kObject, but the object beside it goes on past it, a wall or the
                            //!< post of a sign: it hangs if it is high up
 };
 
-/** Where the layers of stages 2 to 6 are wanted, window order; null: not wanted. */
+/** Destinations of the layers of stages 2 to 6, window order; null: not wanted. */
 struct SurfaceLayers
 {
   float *elevation, *ground, *variance, *state;

@@ -3,43 +3,35 @@
 
 namespace talus::kernels
 {
-/** How the two sides of a fill are combined; the values of talus::FillRule. */
+/** The values of talus::FillRule. */
 enum FillRuleCode : int
 {
   kFillPrinted = 0,
   kFillLines = 1
 };
 
-/** talus::Parameters in the form that the kernels need: float, squared, in cells. Constant over the
- * life of a map. */
+/** talus::Parameters for the kernels: as float, squared, in cells. Constant over the life of a map.
+ */
 struct Config
 {
   int cells;  //!< n: the window has n x n cells
   float resolution_m, inverse_resolution;
-  // accept
   float min_range2_m2, max_range2_m2, min_height_m, max_height_m;
   float inverse_voxel;  //!< 0: no voxel filter
-  // uncertainty
   float c_beam_m, a_beam;
-  // update
   float gate2, min_variance_m2, clearance_m;
-  // cleanup
   float cleanup_margin_m;
   int cleanup_frames;
-  // start
-  float start_radius_m;  //!< where it is automatic the largest
+  float start_radius_m;  //!< the largest one if automatic
   int start_automatic;
-  // refill and fill
   int object_radius;  //!< half of object_size_m, in pairs of cells
   float max_slope;  //!< tangent of the slope threshold
   float fill_search_m, fill_lambda, inverse_fill_kernel, fill_variance_per_m;
   int fill_samples, fill_rule, fill_use_ray_bound;
-  // traversability
   int feature_radius_cells;
   float inverse_slope_threshold, step_threshold_m, inverse_step_threshold,
       inverse_roughness_threshold;
   float weight_slope, weight_step, weight_roughness;
-  // sparsity
   float sparsity_range_m, sparsity_distance_m, sparsity_search_m;
 #if defined(TALUS_RULE_SWITCHES)
   std::uint64_t rules_off;  //!< bit r: rule r does not count, see rule_switches.h
@@ -48,7 +40,7 @@ struct Config
 
 constexpr int kMostBodyBoxes = 32;
 
-/** The robot's own body: boxes in the frame of its base [m], borders included. Constant, too. */
+/** The robot's own body: boxes in the frame of its base [m], borders included; constant. */
 struct Body
 {
   int boxes;

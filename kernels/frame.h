@@ -12,36 +12,33 @@ struct WindowPose
 
 constexpr int kMaxPathPoses = 64;
 
-/** What changes from frame to frame, computed on the host in double. */
+/** The values of one frame, computed on the host in double. */
 struct FrameContext
 {
   int n_points;
   int has_times;
-  /** Sensor poses at path_start_s + i / path_rate_hz; one pose where there is no motion to undo. */
+  /** Sensor poses at path_start_s + i / path_rate_hz; one pose without motion. */
   int n_poses;
   float path_start_s, path_rate_hz;
   /** (lambda_t * sin(theta / 2))^2 of eq. 4. */
   float pose_change2;
-  /** The sensor's origin in the window frame. */
   float sensor_x_m, sensor_y_m, sensor_z_map_m;
-  /** Its z above the map's datum, the reference of quantised heights, and the height of that datum
-   * in the map frame: once the frame is known to agree with the map, see FollowPoses. */
+  /** The sensor's z above the map's datum, which is the reference of quantised heights, and the
+   * height of that datum in the map frame. FollowPoses sets both. */
   float sensor_z_m, offset_m;
-  float drove_through_m;  //!< height of what the robot drove into in the last frame
-  /** Whether all cells were empty before it: the first frame, or the first on another floor, see
-   * FollowPoses. */
+  float drove_through_m;  //!< height of what the robot drove through in the last frame
+  /** Whether all cells were empty before: the first frame, or the first on another floor
+   * (FollowPoses). */
   int starts_map;
-  /** The cell of the window where the sensor is; beyond the window perhaps. */
+  /** The sensor's cell, perhaps beyond the window. */
   int sensor_cell_x, sensor_cell_y;
   /** Rings of the table of rays that this frame uses, up to the farthest corner of the window. */
   int rings;
-  /** From the sensor frame to that of the base, row-major 3x4 [m]; the identity where the base is
-   * not known. */
+  /** Sensor frame to base frame, row-major 3x4 [m]; the identity where the base is not known. */
   float T_base_sensor[12];
-  /** Whether the frame tells what the robot stands on: its base, at least 0.1 m below the sensor.
-   */
+  /** Whether the base is known and at least 0.1 m below the sensor, so that it is on the ground. */
   int has_base;
-  /** The base in the window frame, its z as in the map frame; the sensor where nothing is known. */
+  /** The base in the window frame, z as in the map frame; the sensor where it is not known. */
   float base_x_m, base_y_m, base_z_m;
   /** dz/dx and dz/dy of the base's xy plane in the map, limited to +-1. */
   float base_slope_x, base_slope_y;

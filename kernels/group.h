@@ -5,9 +5,9 @@
 
 namespace talus::kernels
 {
-// The points of a cell, or its directions, are looked through by a group: each member takes every
-// size()-th, then all learn the group's minimum, maximum or sum. These are exact on what they are
-// used for, so that the size of the group does not matter.
+// A group shares the points or directions of a cell: each member takes every size()-th, then all
+// get the minimum, maximum or sum of the group. These are exact, so that the size of the group does
+// not matter.
 
 struct SerialGroup
 {
@@ -32,14 +32,14 @@ struct SerialGroup
 };
 
 #if defined(__CUDACC__)
-/** A warp, or each of its threads for itself: one code for both is less to fetch. */
+/** A warp, or one thread for itself: one code for both is less to fetch. */
 struct WarpGroup
 {
   bool is_warp;
 
   __device__ int rank() const { return is_warp ? static_cast<int>(threadIdx.x % 32) : 0; }
   __device__ int size() const { return is_warp ? 32 : 1; }
-  /** What one member wrote the others read. */
+  /** Makes the writes of each member visible to all. */
   __device__ void sync() const
   {
     if (is_warp) __syncwarp();
@@ -55,7 +55,7 @@ struct WarpGroup
     return combine(v, [](T a, T b) { return a < b ? b : a; });
   }
   __device__ std::int32_t sum(std::int32_t v) const { return is_warp ? warp_sum(v) : v; }
-  /** In parts whose sums fit into a word. */
+  /** Adds parts whose sums fit into a word. */
   __device__ std::int64_t sum(std::int64_t v) const
   {
     if (!is_warp) return v;
@@ -67,7 +67,6 @@ struct WarpGroup
   }
 
  private:
-  /** Of 32-bit integers. */
   template <class T>
   static __device__ T warp_sum(T v)
   {

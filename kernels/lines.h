@@ -4,9 +4,9 @@
 
 namespace talus::kernels
 {
-// Lines from the middle of the window, which is the robot's base, to its border: the cells that the
-// line search of one cell visits. A ring is the Chebyshev distance in cells, so that all directions
-// are alike, axes and diagonals included.
+// Lines from the middle of the window, the robot's base, to its border: the cells that the line
+// search of one cell visits. A ring is the Chebyshev distance in cells, so that all directions are
+// alike.
 
 /** Rings that a window of n cells needs around its central cell. */
 TALUS_HD int line_rings(const Config& k) { return k.cells / 2; }
@@ -33,14 +33,13 @@ TALUS_HD Line line_from_index(int index, int rings)
 
 TALUS_HD int line_index(const Line& l, int rings) { return l.side * 2 * rings + l.minor + rings; }
 
-/** How far aside of its axis a line to border cell `minor` is at a ring, in cells, rounded.
+/** Rounded offset of a line from its axis at a ring, in cells; `minor` is its border cell,
  * `inverse` = 1 / (2 rings). */
 TALUS_HD int line_aside(int minor, int ring, int rings, float inverse)
 {
   return floor_div(2 * minor * ring + rings, 2 * rings, inverse);
 }
 
-/** Cell of a line at a ring, relative to the central cell. */
 TALUS_HD CellOffset line_cell(const Line& l, int ring, int rings)
 {
   const int minor = line_aside(l.minor, ring, rings, 1.0f / static_cast<float>(2 * rings));
@@ -71,14 +70,13 @@ TALUS_HD Line line_through(int dx, int dy, int ring, int rings)
   return {side, floor_div(2 * minor * rings + ring, 2 * ring)};
 }
 
-/** Length of a line per ring, in cells. */
 TALUS_HD float line_stretch(const Line& l, int rings)
 {
   const float u = static_cast<float>(l.minor) / static_cast<float>(rings);
   return sqrtf(1.0f + u * u);
 }
 
-/** From the sensor along its line to the cell at (dx, dy) != 0 [m]. */
+/** Distance from the sensor along its line to the cell at (dx, dy) != 0 [m]. */
 TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
 {
   const int rings = line_rings(k), ring = max_of(abs_of(dx), abs_of(dy));
@@ -86,8 +84,8 @@ TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
   return static_cast<float>(ring) * step_m;
 }
 
-/** Places of the window on a grid with the sensor's cell in its very middle: one more row and
- * column than the window where its cells are even in number. */
+/** A grid with the sensor's cell in its middle: for an even number of cells it has one more row and
+ * column than the window. */
 struct LineGrid
 {
   int half, side, pitch;
@@ -96,8 +94,8 @@ struct LineGrid
   TALUS_HD int middle() const { return at(half, half); }
 };
 
-/** The pitch is an odd number of cache lines, so that the places of a column do not fight for the
- * same part of a cache. */
+/** The pitch is an odd number of cache lines, so that the places of a column do not compete for one
+ * part of the cache. */
 TALUS_HD LineGrid line_grid(const Config& k)
 {
   const int half = k.cells / 2, side = 2 * half + 1;

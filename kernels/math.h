@@ -6,7 +6,6 @@
 
 namespace talus::kernels
 {
-/** Unknown height. */
 constexpr float kNan = __builtin_nanf("");
 constexpr float kInfinity = __builtin_inff();
 
@@ -27,8 +26,8 @@ TALUS_HD int floor_to_int(float v)
   return i - (v < static_cast<float>(i));
 }
 
-/** Integer quotient rounded down; b > 0, quotients below 2^20. `inverse` = 1 / b: a float comes
- * near enough to be put right by one. For what divides integers slowly: devices and vectors. */
+/** Integer quotient rounded down; b > 0, quotients below 2^20. `inverse` = 1 / b: the float is off
+ * by at most one. Use it where integer division is slow: on devices and in vectors. */
 TALUS_HD int floor_div(int a, int b, float inverse)
 {
   const int q = floor_to_int(static_cast<float>(a) * inverse);
@@ -46,9 +45,9 @@ TALUS_HD int floor_div(int a, int b)
 #endif
 }
 
-/** Heights are summed as integers, in steps, relative to the sensor and within +-32 m. Those of
- * window sums are 1/4096 m: sums of up to 31 x 31 cells, times an offset of up to 15 cells, are
- * exact in 32 bits. */
+/** Heights are summed as integers, in steps, relative to the sensor and within +-32 m. With steps
+ * of 1/4096 m, sums of up to 31 x 31 cells, times an offset of up to 15 cells, are exact in 32
+ * bits. */
 constexpr float kHeightSteps = 4096.0f, kMaxHeight_m = 32.0f;
 
 TALUS_HD int quantise_height(float height_m, float reference_m, float steps_per_m = kHeightSteps)
@@ -72,7 +71,7 @@ TALUS_HD float float_of_bits(std::uint32_t bits)
   return v;
 }
 
-/** c ? a : b where both are known already: compilers make vector code of loops that choose so. */
+/** c ? a : b with both values computed, so that compilers vectorise loops. */
 TALUS_HD std::int32_t select(bool c, std::int32_t a, std::int32_t b) { return c ? a : b; }
 TALUS_HD std::int64_t select(bool c, std::int64_t a, std::int64_t b) { return c ? a : b; }
 TALUS_HD float select(bool c, float a, float b) { return c ? a : b; }
@@ -82,7 +81,7 @@ TALUS_HD float clamp01(float v) { return select(v < 0.0f, 0.0f, select(v > 1.0f,
 
 TALUS_HD float abs_of(float a) { return float_of_bits(bits_of(a) & 0x7fffffffu); }
 
-/** A float as an integer of the same order, so that an integer minimum is a minimum of floats. */
+/** An integer with the order of the floats, so that an integer minimum is a minimum of floats. */
 TALUS_HD std::int32_t ordered_from_float(float v)
 {
   const auto bits = static_cast<std::int32_t>(bits_of(v));
@@ -99,7 +98,7 @@ TALUS_HD float arctangent(float t)
 {
   const bool beyond_one = t > 1.0f;
   const float u = select(beyond_one, 1.0f / t, t);
-  // In pairs, so that its terms need not wait for each other.
+  // Pairs of terms need not wait for each other.
   const float s = u * u, s2 = s * s;
   const float low = 0.1999355085f * s - 0.3333314528f + (0.1065626393f * s - 0.1420889944f) * s2;
   const float high = 0.0429096138f * s - 0.0752896400f + (0.0028662257f * s - 0.0161657367f) * s2;

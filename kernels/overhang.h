@@ -10,18 +10,17 @@
 
 namespace talus::kernels
 {
-// What the rays of a frame tell of one cell beyond the lowest that passed it: how far those of each
-// direction and slope went. Stage 4 asks whether something stands on what is before it, stage 5 how
-// far what overhangs reaches, and whether it left.
+// How far the rays of a frame went, by direction and slope. Stage 4 asks whether an object stands
+// on the one before it, stage 5 how far an overhang reaches, and whether it left.
 
-constexpr int kMaxBinsPerCellBits = 3;  //!< of a cell near the sensor eight are looked at
+constexpr int kMaxBinsPerCellBits = 3;  //!< near the sensor a cell uses eight bins
 
-/** Where the rays through the middle half of the angle under which the sensor sees a cell are
- * found, those that ended two or more rings behind it. */
+/** The rays through the middle half of the angle under which the sensor sees a cell, that ended two
+ * or more rings behind it. */
 struct RayFootprint
 {
   std::int32_t first_bin = 0, last_bin = -1, stride = 1;
-  std::int32_t row = 0;  //!< where their ring starts in the table
+  std::int32_t row = 0;  //!< start of their ring in the table
   float chebyshev_m = 0;
 
   static constexpr auto fields()
@@ -30,7 +29,6 @@ struct RayFootprint
         &RayFootprint::first_bin, &RayFootprint::last_bin, &RayFootprint::stride,
         &RayFootprint::row, &RayFootprint::chebyshev_m);
   }
-  /** How many rays to look at. */
   TALUS_HD int rays() const
   {
     const int more = floor_div(last_bin - first_bin, stride, 1.0f / static_cast<float>(stride));
@@ -60,13 +58,13 @@ TALUS_HD RayFootprint footprint_of(const Config& k, const FrameContext& f, int i
   return g;
 }
 
-/** How far the rays of this frame went, see NoteReach. */
+/** The table of NoteReach. */
 struct RayReach
 {
   const FrameContext* frame;
   const std::int32_t* of_slope;
 
-  /** Of one direction, for steps of slope that lie side by side; 0: no ray. */
+  /** The ends of the rays of one direction, for adjacent steps of slope; 0: no ray. */
   struct alignas(16) Steps
   {
     static constexpr int kSize = 4;
@@ -81,8 +79,8 @@ struct RayReach
   }
 };
 
-/** How far what overhangs reaches below and above the top of one cell is learned from the rays of
- * this frame, and whether it left. The directions of the cell are dealt out to a group. */
+/** Questions to the rays of this frame about an overhang in one cell: how far it reaches, and
+ * whether it left. A group shares the directions of the cell. */
 template <class Group>
 struct OverhangRays
 {
@@ -92,7 +90,7 @@ struct OverhangRays
   Group group;
 
   /** Whether rays that aimed at the cell between `low_m` and `high_m` ended two or more rings
-   * behind it, and none before. */
+   * behind it, and none ended before. */
   TALUS_HD bool went_between(float low_m, float high_m) const
   {
     const int first = max_of(floor_to_int(step_of(low_m)) + 1, 0);
@@ -105,9 +103,9 @@ struct OverhangRays
     return group.max(most) == kWentOn;
   }
 
-  /** Whether the rays that aimed at the cell comb the place where it was hit: in the slope step of
-   * that height and in those next to it there are some, they went on as far behind the cell, and
-   * none ended before. Scanners of few beams leave gaps in which a thing may stand unseen. */
+  /** Whether rays comb the place of a hit: there are rays in the slope step of that height and in
+   * both next to it, and all ended two or more rings behind the cell. Scanners of few beams leave
+   * gaps in which an object may be unseen. */
   TALUS_HD bool combed(float height_m) const
   {
     const int at = floor_to_int(step_of(height_m));
@@ -122,9 +120,9 @@ struct OverhangRays
     return all;
   }
 
-  /** From a height that was hit in the cell to the end of the hits below (`up` = -1) or above it
-   * (1): in some direction they go on to there, without a ray that went on in between. Hits up to
-   * two rings before the cell and one behind it count: what overhangs is seldom one cell wide. */
+  /** The end of the hits that go on down (`up` = -1) or up (1) from a height in the cell, with no
+   * ray passing in between, in the direction where they go farthest. Hits up to two rings before
+   * the cell and one behind it count, since an overhang is seldom one cell wide. */
   TALUS_HD float end_of_hits(float hit_m, int up) const
   {
     const int first = first_step(hit_m, up), none = first - up;
@@ -179,7 +177,7 @@ struct OverhangRays
     return reach.frame->sensor_z_m + slope_of_step(last) * footprint.chebyshev_m;
   }
 
-  /** The last step of those from `first` on that were hit, or the one before `first`. */
+  /** The last slope step that was hit, from `first` on; the one before `first` if there is none. */
   TALUS_HD int follow(int bin, int first, int up) const
   {
     const int nearest = footprint.row - (kBehindCell_rings + kBeforeCell_rings) * bin_count(k);

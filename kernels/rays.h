@@ -4,17 +4,16 @@
 
 namespace talus::kernels
 {
-// Seen rays: what the points of this frame say about the space before them. In square polar
-// coordinates around the sensor: a "ring" is the Chebyshev distance in cells, a direction is a
-// place on the border of a square. All directions are alike, axes and diagonals included, a row of
-// the table is one ring, and a sweep along the rings visits each cell O(1) times.
+// The rays of a frame in square polar coordinates around the sensor. A "ring" is the Chebyshev
+// distance in cells, a direction is a place on the border of a square. All directions are alike, a
+// row of the table is one ring, and a sweep along the rings visits each cell O(1) times.
 
-/** Bins along one side of the square; 4 sides. One bin is as wide as a cell at the window's border.
+/** Bins along one of the 4 sides of the square. A bin is as wide as a cell at the window's border.
  */
 TALUS_HD int bins_per_side(const Config& k) { return k.cells; }
 TALUS_HD int bin_count(const Config& k) { return 4 * bins_per_side(k); }
-/** Room for rings in the table: for a sensor that is up to a sixteenth of the window away from its
- * middle. FrameContext has how many a frame uses; the last one holds all that was hit beyond. */
+/** Room for rings in the table, for a sensor up to a sixteenth of the window away from its middle.
+ * FrameContext::rings are in use; the last one holds all hits beyond. */
 TALUS_HD int most_rings(int cells) { return cells / 2 + cells / 16 + 3; }
 
 /** Direction of (dx, dy) != 0 along the border of the square, counter-clockwise, in bins: [0,
@@ -56,7 +55,6 @@ TALUS_HD int wrap_bin(int bin, int count)
   return bin + select(bin < 0, count, 0) - select(bin >= count, count, 0);
 }
 
-/** Distance as rings count it. */
 TALUS_HD float chebyshev(float dx, float dy)
 {
   const float x = abs_of(dx), y = abs_of(dy);
@@ -66,21 +64,19 @@ TALUS_HD float chebyshev(float dx, float dy)
 /** Slope of the ray from the sensor to a point, per metre of Chebyshev distance. */
 TALUS_HD float ray_slope(float dz, float chebyshev_m) { return dz / chebyshev_m; }
 
-/** No ray seen. */
 constexpr std::int32_t kNoRay = 0x7fffffff;
 
-/** Slopes are told apart in so many steps. */
+/** The number of steps of slope. */
 constexpr int kSlopeSteps = 64;
-/** Of slopes bent into [-1, 1] those from -1/2, a slope of -1, up to 1/4, one of 1/3. */
+/** Slopes are bent into [-1, 1]; the steps cover -1/2 (slope -1) to 1/4 (slope 1/3). */
 constexpr float kLowestBent = -0.5f, kBentRange = 0.75f;
-/** The step of a slope, and the part of it that lies below: finest where it is level, since so is
- * seen what is far. Steeper ones lie outside [0, kSlopeSteps). */
+/** The step of a slope, with its fraction. Level slopes have the finest steps, for they reach
+ * farthest. Steep ones are outside [0, kSlopeSteps). */
 TALUS_HD float slope_step(float slope)
 {
   const float bent = slope / (1.0f + abs_of(slope));
   return (bent - kLowestBent) * (static_cast<float>(kSlopeSteps) / kBentRange);
 }
-/** The slope in the middle of a step. */
 TALUS_HD float slope_of_step(int step)
 {
   const float middle = static_cast<float>(step) + 0.5f;
@@ -88,7 +84,7 @@ TALUS_HD float slope_of_step(int step)
   return bent / (1.0f - abs_of(bent));
 }
 
-/** Where the rays of this frame passed the cells, window order. */
+/** Heights of the rays that passed over the cells, window order. */
 struct PassingRays
 {
   float* lowest_m;  //!< infinity: no ray

@@ -65,7 +65,7 @@ constexpr Rule kRules[]{
     kProofOfFills,   kPassedNearJudged, kUndercutDrops,       kSteepEdges,
     kLowSteps,       kNoGapOfOneCell,   kFallsMayDrop};
 
-/** Whether a rule counts: all do, but where a laboratory switches some off. */
+/** Whether a rule counts: all do, unless a build for the laboratory switches some off. */
 #if defined(TALUS_RULE_SWITCHES)
 TALUS_HD bool on(Rule rule, const Config& k) { return (k.rules_off >> rule & 1) == 0; }
 #else

@@ -3,28 +3,28 @@
 
 namespace talus::kernels
 {
-// What stage 6 tells stage 7 of a cell.
+// What stage 6 hands to stage 7.
 
 constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
 
-/** What else stage 7 wants to know of a cell. */
+/** Flags of a Surface. */
 enum SurfaceFlag : std::int32_t
 {
   kSurfaceMeasured = 1,  //!< its ground is measured
-  kSurfaceSeen = 2,  //!< a ray met it or passed low over its ground, or the robot stood there
-  kSurfaceMayDrop = 4,  //!< nobody saw its ground, which may lie far below that around it
-  kSurfaceHitLately = 8,  //!< it was hit lately while rays passed, see hit_lately()
-  kSurfaceDriven = 16,  //!< the robot drove over it, and nothing new stands there
+  kSurfaceSeen = 2,  //!< a ray hit it or passed low over its ground, or the robot stood there
+  kSurfaceMayDrop = 4,  //!< its ground was not seen and may lie far below that around it
+  kSurfaceHitLately = 8,  //!< see hit_lately()
+  kSurfaceDriven = 16,  //!< the robot drove over it, and no new object stands there
   kSurfaceNear = 32  //!< its ground is filled from two sides and a ray passed near it
 };
 
 constexpr int kSurfaceFlags = 6;
 
-/** The surfaces of one cell, quantised, for stage 8. */
+/** The surfaces of one cell, quantised, for stage 7. */
 struct alignas(8) Surface
 {
   std::int32_t ground;  //!< kNoHeight: unknown
-  /** Sixteen times the elevation, or the ground where nothing stands. */
+  /** Sixteen times the elevation (the ground without an object), plus the flags. */
   std::int32_t height_and_flags;
 
   TALUS_HD bool known() const { return ground != kNoHeight; }

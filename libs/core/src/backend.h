@@ -15,16 +15,16 @@ struct MapBytes
   std::vector<float> features;  //!< the arrays of FeatureLayers, window order, one after the other
 };
 
-/** Where a backend puts one layer for its caller. */
+/** The destination of one layer. */
 struct OutputMemory
 {
-  /** The caller's memory as kernels see it; null: the layer cannot be delivered with each frame,
-   * only read. */
+  /** The caller's memory as kernels see it; null: the layer is only read, not delivered with each
+   * frame. */
   float* mapped = nullptr;
-  bool direct = false;  //!< kernels put it there; false: they work elsewhere, and it is copied
+  bool direct = false;  //!< kernels write there; false: a copy follows
 };
 
-/** Cells that a frame hands over: of the window before it, and of its own. */
+/** Cells handed over with a frame: of the window before it, and of its own. */
 struct FrameRects
 {
   std::vector<WindowRect> before, after;
@@ -33,42 +33,41 @@ struct FrameRects
 /** By layer: the caller's n*n floats, or null. */
 using OutputPointers = std::array<float*, kLayerCount>;
 
-/** Frames that may be in flight: each has a slot, with what it does not share with the other. */
+/** Frames that may be in flight: each has a slot. */
 constexpr int kSlots = 2;
 
-/** One map on one kind of device: the seven stages on its own memory. */
+/** One map on one kind of device: the seven stages and their memory. */
 class BackendInterface
 {
  public:
   virtual ~BackendInterface() = default;
 
-  /** Begins a frame in a slot that is free: the stages, after those of the frame before. `frame`
-   * gives the points, `context` all else; both stay where they are until it is finished. Returns
-   * the records of `cells`, none where another frame is in flight: those of before are there, those
-   * behind them when it is finished. */
+  /** Begins a frame in a free slot: its stages follow those of the frame before. `frame` gives the
+   * points, `context` all else; both must stay in place until the frame is finished. Returns the
+   * records of `cells`. Those of the window before are there, unless another frame is in flight;
+   * the others are there after finish(). */
   virtual CellRecord* start(
       int slot, const Frame& frame, const kernels::FrameContext& context,
       const FrameRects& cells) = 0;
-  /** Ends the frame that was started first, with the same cells. */
+  /** Ends the frame that was started first; `cells` are those of its start(). */
   virtual FrameReport finish(int slot, const FrameRects& cells) = 0;
 
-  /** Room for points that start() need not copy, in a slot that is free; valid until it grows. */
+  /** Room for points in a free slot, which start() need not copy; valid until it grows. */
   virtual PointArrays point_arrays(int slot, std::size_t size) = 0;
 
-  /** From now on the frames of a slot, and write_all() with the first, leave these layers in the
-   * caller's memory, which must stay where it is until other outputs are set. Returns for which
-   * layers they do. A slot has none before this was called. */
+  /** From now on the frames of a slot, and write_all(), put these layers into the caller's memory,
+   * which must stay in place until other outputs are set. Returns which layers they deliver. A slot
+   * has no outputs at first. */
   virtual std::array<bool, kLayerCount> set_outputs(int slot, const OutputPointers& host) = 0;
 
-  // ---- while no frame is in flight ----
-  /** Copies a layer, window order, n*n floats. */
+  // ---- the following need that no frame is in flight ----
   virtual void read_layer(Layer layer, float* out) = 0;
-  /** Cells of rectangles, row by row, one after the other; see ElevationMapper::read_cells(). */
+  /** See ElevationMapper::read_cells(). */
   virtual CellRecord* read_cells(const std::vector<WindowRect>& rects) = 0;
-  /** Also into the layers that are delivered. */
+  /** See ElevationMapper::write_cells(); also writes into the delivered layers. */
   virtual void write_cells(const std::vector<WindowRect>& rects, const CellRecord* from) = 0;
   virtual MapBytes read_all() = 0;
-  /** Of a backend that has seen no frame. Sizes are checked by the caller. */
+  /** Fills a backend that has seen no frame. The caller checks the sizes. */
   virtual void write_all(const MapBytes& bytes, const kernels::FrameContext& window) = 0;
 
   virtual std::string name() const = 0;
@@ -76,8 +75,8 @@ class BackendInterface
 
 std::unique_ptr<BackendInterface> make_cpu_backend(const MapConfig& config, int threads);
 
-/** On the device of that number, which is below cuda_devices() or 0. Throws std::runtime_error that
- * says why where there is no usable device. */
+/** Makes a backend on a device: number 0, or below cuda_devices(). Throws std::runtime_error with
+ * the reason where there is no usable device. */
 std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config, int device);
 
 }  // namespace talus

@@ -11,7 +11,7 @@ namespace talus
 {
 namespace
 {
-/** Says once in a process which backend `auto` took, and why not the other. */
+/** Prints once in a process which backend `auto` took, and why not the other. */
 void say_once(const std::string& text)
 {
   static const bool said = [&text]
@@ -24,7 +24,7 @@ void say_once(const std::string& text)
 
 void require_device(int device)
 {
-  const int devices = device == 0 ? 1 : cuda_devices();  // of the first its backend says what fails
+  const int devices = device == 0 ? 1 : cuda_devices();  // the first one's backend reports errors
   if (device < 0 || device >= devices)
     throw std::runtime_error(
         "device " + std::to_string(device) + ": there are only " + std::to_string(devices) +
@@ -50,8 +50,8 @@ std::unique_ptr<BackendInterface> make_backend(
   }
 }
 
-/** Keeps a layer away from the pages of its neighbours in memory, so that a device can have it
- * alone. */
+/** Padding that keeps a layer off the pages of its neighbours, so that a device can map it alone.
+ */
 constexpr std::size_t kPageFloats = 4096 / sizeof(float);
 
 float unknown(Layer l) { return l == Layer::State ? 0.0f : kernels::kNan; }
@@ -77,7 +77,7 @@ struct ElevationMapper::Impl
     layer_read = {};
   }
 
-  /** Of a map that was reset. */
+  /** Takes a saved state into a map that was reset. */
   void take(const SavedMap& saved)
   {
     if (!saved.tracker.started) return;
@@ -99,13 +99,13 @@ struct ElevationMapper::Impl
     return n * n;
   }
 
-  /** What a frame does not share with the one that is in flight beside it. */
+  /** The parts of a frame that another frame in flight does not share. */
   struct Slot
   {
-    WindowTracker tracker;  //!< as the frame leaves it
+    WindowTracker tracker;  //!< after the frame
     kernels::FrameContext context{};
     std::array<std::vector<float>, kLayerCount> layers;
-    std::array<bool, kLayerCount> delivered{};  //!< the backend puts them into `layers` by itself
+    std::array<bool, kLayerCount> delivered{};  //!< the backend writes them into `layers`
     bool connected = false;
   };
 
@@ -126,7 +126,7 @@ struct ElevationMapper::Impl
     slot.connected = true;
   }
 
-  /** That of the next frame. */
+  /** The slot of the next frame. */
   int free_slot(const char* call)
   {
     if (in_flight == kSlots)
@@ -144,13 +144,13 @@ struct ElevationMapper::Impl
           std::string("ElevationMapper::") + call +
           ": a frame is in flight: finish() what was started before");
   }
-  /** Of no cells before the first frame. */
+  /** It has no cells before the first frame. */
   Window finished_window() const
   {
     const int n = finished.started ? parameters.cells() : 0;
     return {n, parameters.resolution_m, finished.min_cell_x, finished.min_cell_y};
   }
-  /** Finds rectangles of the global grid in a window. Returns how many cells they have. */
+  /** Finds rectangles of the global grid in a window. Returns the number of their cells. */
   static std::size_t find_in_window(
       const Window& window, const std::vector<CellRect>& rects, std::vector<WindowRect>& in_window)
   {
@@ -180,15 +180,15 @@ struct ElevationMapper::Impl
   std::array<Slot, kSlots> slots;
   int in_flight = 0;  //!< frames that were started and not finished
   int oldest = 0;  //!< the slot of the first of them
-  int shown = 0;  //!< the slot of the frame that was finished last: its layers are shown
-  WindowTracker started, finished;  //!< after the last frame that was started, and finished
+  int shown = 0;  //!< slot of the frame that was finished last
+  WindowTracker started, finished;  //!< after the frame started, or finished, last
   float reference_z_m = 0;  //!< of the heights of the frame that was finished last
   std::array<bool, kLayerCount> outputs{};  //!< set_output_layers()
   std::array<std::vector<float>, kLayerCount> others;  //!< layers that are not delivered
-  std::array<bool, kLayerCount> layer_read{};  //!< what is shown is up to date
-  std::vector<WindowRect> rects_in_window;  //!< of which cells are handed over
-  FrameRects with_frame;  //!< the same, with a frame
-  std::unique_ptr<BackendInterface> backend;  //!< the last member: it refers to `slots`
+  std::array<bool, kLayerCount> layer_read{};  //!< the layer of the shown frame is up to date
+  std::vector<WindowRect> rects_in_window;  //!< the cells handed over
+  FrameRects with_frame;  //!< the cells handed over with a frame
+  std::unique_ptr<BackendInterface> backend;  //!< last member: it refers to `slots`
 };
 
 /** Returns where the records of `cells` will be. */
@@ -327,7 +327,7 @@ const std::vector<float>& ElevationMapper::layer(Layer l) const
         layer_name(l) +
         " can be read before the next start() if it is one of set_output_layers(), else when all "
         "frames are finished");
-  if (!m.shown_slot().delivered[i]) values.assign(m.cells(), unknown(l));  // else it is the map's
+  if (!m.shown_slot().delivered[i]) values.assign(m.cells(), unknown(l));  // else the map clears it
   if (!empty()) m.backend->read_layer(l, values.data());
   m.layer_read[i] = true;
   return values;

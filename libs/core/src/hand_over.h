@@ -7,7 +7,7 @@ namespace talus
 static_assert(CellRecord::kEvidenceBytes == kernels::kEvidenceFields);
 static_assert(CellRecord::kLastingBytes == kernels::kEvidenceFields - kernels::kLatestFields);
 
-/** Cells of the window. */
+/** A rectangle of cells of the window. */
 struct WindowRect
 {
   int first_x, first_y, width, height;
@@ -15,13 +15,13 @@ struct WindowRect
   TALUS_HD int size() const { return width * height; }
 };
 
-/** As many rectangles as one loop takes. */
+/** The rectangles of one loop. */
 struct WindowRects
 {
   static constexpr int kMost = 8;
   WindowRect rects[kMost];
 
-  /** Cell i of them: row by row, one rectangle after the other. */
+  /** Finds cell i, row by row, one rectangle after the other. */
   TALUS_HD void find(int i, int& x, int& y) const
   {
     const WindowRect* in = rects;
@@ -31,7 +31,7 @@ struct WindowRects
   }
 };
 
-/** Cells of the window, to be handed over as records on the host. */
+/** Cells of the window that are handed over as records on the host. */
 struct HandOver
 {
   const kernels::Config* config;
@@ -74,11 +74,11 @@ struct ReadCell : HandOver
   }
 };
 
-/** Of those that are not unknown; and shows them. */
+/** Writes the records that are not unknown into the map and its delivered layers. */
 struct WriteCell : HandOver
 {
-  kernels::SurfaceLayers shown;  //!< the layers that each frame delivers, where the caller has them
-  float* shown_traversability;  //!< the same; null: not delivered
+  kernels::SurfaceLayers shown;  //!< the delivered layers, in the caller's memory
+  float* shown_traversability;  //!< null: not delivered
 
   TALUS_HD void operator()(int i, const CellRecord& r) const
   {

@@ -21,8 +21,8 @@ const std::vector<float>& MapSnapshot::layer(Layer l) const
 
 namespace
 {
-/** A snapshot and who looks at it. It is written only while nobody does and it is not the newest.
- */
+/** A snapshot and the number of its readers. It is written only while it has none and is not the
+ * newest. */
 struct Slot
 {
   MapSnapshot map;
@@ -43,7 +43,7 @@ struct LiveMap::Impl
     mapper.set_output_layers(layers);
   }
 
-  /** One that nobody can see, made when all are in use. */
+  /** A slot without readers, made when all are in use. */
   std::shared_ptr<Slot> free_slot()
   {
     const auto found = std::find_if(
@@ -78,7 +78,7 @@ struct LiveMap::Impl
     if (order == FrameOrder::Newest || order == FrameOrder::ClockSetBack) counts.mapped++;
   }
 
-  // ---- of the thread that ingests ----
+  // ---- for the thread that ingests ----
   std::mutex turn;  //!< held for a whole frame
   ElevationMapper mapper;
   std::vector<Layer> layers;
@@ -88,7 +88,7 @@ struct LiveMap::Impl
   std::vector<std::shared_ptr<Slot>> slots;
 
   // ---- shared; only the thread that ingests changes `newest` ----
-  std::mutex exchange;  //!< never held for longer than a few instructions
+  std::mutex exchange;  //!< held for a few instructions only
   std::shared_ptr<Slot> newest;
   LiveCounts counts;
 };

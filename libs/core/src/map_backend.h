@@ -5,8 +5,8 @@
 
 namespace talus
 {
-/** A map whose frames run through a schedule of the seven stages: what is around them. How frames
- * come and go, and how layers leave and come back. */
+/** A map whose frames run through a schedule of the seven stages: it starts and finishes frames,
+ * delivers layers and writes them back. */
 template <class Schedule>
 class MapBackend final : public BackendInterface
 {
@@ -83,7 +83,7 @@ class MapBackend final : public BackendInterface
     for (const WindowRect& rect : rects) size += rect.size();
     return size;
   }
-  /** loop(cells, how many, the first of their records) of all rectangles: as a rule one. */
+  /** loop(cells, their number, their first record) for all rectangles, usually once. */
   template <class Record, class Loop>
   static void hand_over(const std::vector<WindowRect>& rects, Record* records, const Loop& loop)
   {
@@ -113,9 +113,9 @@ class MapBackend final : public BackendInterface
 
   Map map_;
   Schedule schedule_;
-  int shown_ = 0;  //!< the slot of the frame that was finished last
-  typename Executor::template HostBuffer<CellRecord> records_;  //!< that are handed over
-  Executor executor_;  //!< the last member: what it does ends before the memory goes
+  int shown_ = 0;  //!< slot of the frame that was finished last
+  typename Executor::template HostBuffer<CellRecord> records_;  //!< the records handed over
+  Executor executor_;  //!< last member: its work ends before the memory is freed
 };
 
 template <class Schedule>
@@ -155,8 +155,8 @@ std::array<bool, kLayerCount> MapBackend<Schedule>::set_outputs(
   return delivered;
 }
 
-/** What traversability is made of, if the last frame did not leave it: judges once more, with the
- * same result, but for cells that were written since. */
+/** Makes slope, step, roughness and sparsity, if the last frame did not: judges once more, with the
+ * same result except for cells written since. */
 template <class Schedule>
 void MapBackend<Schedule>::complete_parts()
 {
@@ -195,7 +195,7 @@ CellRecord* MapBackend<Schedule>::read_cells(const std::vector<WindowRect>& rect
   return records_.data();
 }
 
-/** Of what a frame in `slot` finds, which comes after them without waiting: up to a mark. */
+/** Reads cells before the frame in `slot`, up to a mark, without waiting. */
 template <class Schedule>
 void MapBackend<Schedule>::read_before(int slot, const FrameRects& cells)
 {
@@ -218,7 +218,7 @@ void MapBackend<Schedule>::write_cells(const std::vector<WindowRect>& rects, con
   executor_.synchronize();
 }
 
-/** Where kernels reach them: those that read_cells() gave are there. */
+/** The records in memory that kernels reach: those of read_cells() are there. */
 template <class Schedule>
 const CellRecord* MapBackend<Schedule>::within_reach(const CellRecord* from, std::size_t size)
 {

@@ -20,8 +20,8 @@
 
 namespace talus
 {
-/** The memory of a map, and views of it for the kernels: what every schedule works on. What only
- * one of them needs is its own. */
+/** The memory of a map, and views of it for the kernels. Buffers of only one schedule belong to
+ * that schedule. */
 template <class ExecutorType>
 struct MapBuffers
 {
@@ -32,20 +32,19 @@ struct MapBuffers
 
   explicit MapBuffers(const MapConfig& c) : host_config(c.config), host_body(c.body) {}
 
-  // ---- memory: by the size of the map once, by that of its largest frame as it comes ----
+  // ---- memory: by the size of the map once, by its largest frame so far ----
   void allocate(Executor& executor);
-  /** Grows the buffers of points in steps of at least an eighth, so that a run settles after a few
-   * frames; then more(capacity), for buffers of the schedule. */
+  /** Grows the buffers of points in steps of at least an eighth, so that a run soon stops growing;
+   * then calls more(capacity), for buffers of the schedule. */
   template <class More>
   void reserve_points(Executor& executor, std::size_t points, const More& more);
-  /** Room for what traversability is made of. */
+  /** Makes room for slope, step, roughness and sparsity. */
   void allocate_parts(Executor& executor)
   {
     const std::size_t size = kParts * static_cast<std::size_t>(cells());
     if (now->parts.size() != size) executor.allocate(now->parts, size, kernels::kNan);
   }
 
-  // ---- sizes ----
   int side() const { return host_config.cells; }
   int cells() const { return side() * side(); }
   kernels::LineGrid line_grid() const { return kernels::line_grid(host_config); }
@@ -53,14 +52,13 @@ struct MapBuffers
   {
     return static_cast<std::size_t>(line_grid().side) * static_cast<std::size_t>(line_grid().pitch);
   }
-  /** How many points a loop runs over. */
+  /** The number of points of a loop. */
   int points(const Executor& executor) const
   {
     return executor.loop_size(now->n_points, point_cell.size());
   }
 
-  // ---- views ----
-  // Each member by its name: two arrays of one type that change places would compile.
+  // ---- views: each member by its name, since two arrays of one type could change places ----
   kernels::CellStore store()
   {
     kernels::CellStore v{};
@@ -211,7 +209,7 @@ struct MapBuffers
     const int pad = host_config.feature_radius_cells;
     return {judged_surfaces.data(), side() + 2 * pad, pad};
   }
-  /** `passability`: where the schedule keeps it; null where judge() is asked. */
+  /** `passability`: the schedule's array; null for judge(). */
   template <bool kParts>
   kernels::ComputeFeatures<kParts> compute_features(std::uint8_t* passability)
   {
@@ -230,8 +228,7 @@ struct MapBuffers
     return {side(), config.data(), surfaces(), passability, feature(Layer::Traversability)};
   }
 
-  // ---- layers ----
-  /** Where stage 6 puts a layer that is wanted: into the caller's memory if kernels reach it. */
+  /** The memory of a wanted layer of stages 2 to 6: the caller's if kernels reach it. */
   float* surface(Layer layer)
   {
     const auto l = static_cast<std::size_t>(layer);
@@ -240,7 +237,7 @@ struct MapBuffers
     return output.direct ? output.mapped
                          : now->delivered.data() + l * static_cast<std::size_t>(cells());
   }
-  /** where(layer) of the layers of stages 2 to 6, in the order of SurfaceLayers. */
+  /** where(layer) for the layers of stages 2 to 6, in the order of SurfaceLayers. */
   template <class Where>
   static kernels::SurfaceLayers surfaces_at(const Where& where)
   {
@@ -252,28 +249,27 @@ struct MapBuffers
   {
     return surfaces_at([this](Layer l) { return surface(l); });
   }
-  /** Copies one of them, as the map has it, to window order. */
+  /** Copies a layer of the map to window order. */
   kernels::PutSurface export_surface(Layer layer, float* to)
   {
     return {
         config.data(), context.data(), store(),
         surfaces_at([=](Layer l) { return l == layer ? to : nullptr; })};
   }
-  /** Of cells of the window of the frame before. */
+  /** Reads cells of the window of the frame before. */
   ReadCell read_cell(const WindowRects& rects) { return ReadCell{hand_over(rects)}; }
   WriteCell write_cell(const WindowRects& rects)
   {
     const auto shown = [this](Layer l) { return now->outputs[static_cast<std::size_t>(l)].mapped; };
     return {hand_over(rects), surfaces_at(shown), shown(Layer::Traversability)};
   }
-  /** Whether each frame leaves what traversability is made of: slope, step, roughness, sparsity. */
+  /** Whether each frame leaves slope, step, roughness or sparsity. */
   bool parts_wanted() const
   {
     const auto first = now->wanted.begin() + static_cast<int>(Layer::Slope);
     return std::any_of(first, first + kParts, [](const float* to) { return to; });
   }
-  /** Where a layer of stage 7 lives: in the caller's memory if kernels reach it. Null:
-   * nobody wants it. */
+  /** The memory of a layer of stage 7: the caller's if kernels reach it; null: not wanted. */
   float* feature(Layer layer)
   {
     const auto l = static_cast<std::size_t>(layer);
@@ -293,7 +289,7 @@ struct MapBuffers
     v.traversability = feature(Layer::Traversability);
     return v;
   }
-  /** Whether a layer is wanted, and not yet where it is wanted when it is computed. */
+  /** Whether a wanted layer is computed elsewhere and then copied. */
   bool is_copied(Layer layer) const
   {
     const auto l = static_cast<std::size_t>(layer);
@@ -301,7 +297,7 @@ struct MapBuffers
   }
   int copied_surfaces() const { return copied(kFirstSurface, kFirstFeature); }
   int copied_features() const { return copied(kFirstFeature, kLayerCount); }
-  /** Copies the rows [first_row, end_row) of those that are. */
+  /** Copies the rows [first_row, end_row) of such layers. */
   void deliver_surfaces(Executor& executor, int first_row, int end_row)
   {
     for (int l = kFirstSurface; l < kFirstFeature; l++)
@@ -312,12 +308,12 @@ struct MapBuffers
     for (int l = kFirstFeature; l < kLayerCount; l++)
       deliver(executor, static_cast<Layer>(l), feature(static_cast<Layer>(l)), first_row, end_row);
   }
-  /** Layers are surfaces first, then what stage 7 makes of them. */
+  /** Surface layers come first, then the layers of stage 7. */
   static constexpr int kFirstSurface = static_cast<int>(Layer::Elevation);
   static constexpr int kFirstFeature = static_cast<int>(Layer::Slope);
   static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kCoarseArrays = 8;
 
-  /** What a frame does not share with the one that is in flight beside it. */
+  /** The parts of a frame that another frame in flight does not share. */
   struct Slot
   {
     double stamp_s = 0;
@@ -325,27 +321,27 @@ struct MapBuffers
     kernels::PointsIn in{};
     OutputPointers wanted{};
     std::array<OutputMemory, kLayerCount> outputs{};
-    // derived layers, window order
+    // Derived layers, window order.
     Buffer<float> traversability, parts, delivered;
-    bool parts_known = false;  //!< `parts` belong to the map as it is
+    bool parts_known = false;  //!< `parts` belong to the current map
   };
 
   kernels::Config host_config;
   kernels::Body host_body;
   std::array<Slot, kSlots> slots;
-  Slot* now = slots.data();  //!< of the frame that is dealt with
+  Slot* now = slots.data();  //!< of the current frame
 
   Buffer<kernels::Config> config;
   Buffer<kernels::FrameContext> context;
   Buffer<kernels::Body> body;
-  // persistent, storage order: an array each field
+  // Persistent, storage order: one array for each field.
   struct CellBuffers
   {
 #define TALUS_BUFFER(type, name, unknown) Buffer<type> name;
     TALUS_CELL_FIELDS(TALUS_BUFFER)
 #undef TALUS_BUFFER
   };
-  /** f(buffer, value where nothing is known) of each field. */
+  /** f(buffer, value for unknown) for each field. */
   template <class F>
   void for_each_field(const F& f)
   {
@@ -355,7 +351,7 @@ struct MapBuffers
   }
   CellBuffers cell;
   Buffer<kernels::Datum> datum;
-  // of one frame: points
+  // Points of one frame.
   Buffer<std::int32_t> point_cell, point_ray, point_reach;
   Buffer<std::uint32_t> point_reject, point_rank, cell_count, cell_begin, counters;
   Buffer<float> point_slope, point_height, point_variance;
@@ -363,11 +359,11 @@ struct MapBuffers
   Buffer<std::uint64_t> voxel_key, voxel_winner;
   Buffer<std::uint32_t> voxel_slot;
   Buffer<std::uint8_t> voxel_kept;
-  // rays, by direction and ring
+  // Rays, by direction and ring.
   Buffer<std::int32_t> rays, reach;
   Buffer<float> lowest_slope;
   Buffer<kernels::OffsetHistogram> offsets;
-  // cells, window order where not said otherwise
+  // Cells, in window order unless noted.
   Buffer<float> top_hit;  //!< storage order
   Buffer<std::uint8_t> surface_class;  //!< storage order
   Buffer<std::uint8_t> in_open;
@@ -375,11 +371,11 @@ struct MapBuffers
   Buffer<float> coarse;  //!< coarse grid
   Buffer<float> sample_height, sample_variance, fall;  //!< grid of lines
   Buffer<std::int32_t> sample_marks;  //!< grid of lines
-  Buffer<float> ray_bound;  //!< the same, of schedules that sweep along lines
+  Buffer<float> ray_bound;  //!< grid of lines, for schedules that sweep along lines
   Buffer<kernels::Surface> judged_surfaces;
 
  private:
-  /** Views that begin with what all stages read. */
+  /** Makes a view that begins with what all stages read. */
   template <class View>
   View in_frame()
   {
@@ -399,7 +395,6 @@ struct MapBuffers
   {
     return {config.data(), context.data(), store(), feature(Layer::Traversability), rects};
   }
-  /** How many of the layers [first, end) are copied. */
   int copied(int first, int end) const
   {
     int n = 0;
@@ -454,7 +449,7 @@ void MapBuffers<Executor>::reserve_points(Executor& executor, std::size_t points
   std::size_t step = 1024;
   while (8 * step < points) step *= 2;
   const std::size_t capacity = std::max<std::size_t>(1, (points + step - 1) / step) * step;
-  // The size of the first tells that of all: where memory ends half-way it must tell of none.
+  // The size of the first buffer stands for all: if memory ends half-way it must be zero.
   executor.allocate(point_cell, 0, std::int32_t{-1});
   for (auto* b : {&point_ray, &point_reach}) executor.allocate(*b, capacity, std::int32_t{-1});
   executor.allocate(point_slope, capacity, 0.0f);

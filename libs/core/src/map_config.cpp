@@ -14,7 +14,7 @@ namespace talus
 {
 namespace
 {
-/** At the end of the kernel's support samples weigh nothing: the prior alone says what is there. */
+/** At the end of the kernel's support samples have no weight: the prior alone counts. */
 constexpr double kLeastLambda = 1e-6;
 
 static_assert(kMostBodyBoxes == kernels::kMostBodyBoxes);
@@ -88,7 +88,7 @@ kernels::Config stages_config(const Parameters& p)
 #if defined(TALUS_RULE_SWITCHES)
 namespace
 {
-/** The rules that TALUS_WITHOUT_RULES names by their numbers, "30,31": bits as in
+/** The rules that TALUS_WITHOUT_RULES names by their numbers, "30,31", as bits of
  * Config::rules_off. */
 std::uint64_t rules_off()
 {
@@ -106,11 +106,11 @@ std::uint64_t rules_off()
   return off;
 }
 
-/** Rules that are parameters. */
+/** Switches off the rules that are parameters. */
 void switch_off(MapConfig& c)
 {
   c.config.rules_off = rules_off();
-  if (!kernels::on(kernels::kHeightBand, c.config)) c.config.min_height_m = -1.0f;  // the paper's
+  if (!kernels::on(kernels::kHeightBand, c.config)) c.config.min_height_m = -1.0f;  // the paper's value
   if (!kernels::on(kernels::kBodyBoxes, c.config)) c.body = {};
   if (!kernels::on(kernels::kBelowRays, c.config)) c.config.fill_use_ray_bound = 0;
 }

@@ -4,7 +4,7 @@
 
 namespace talus
 {
-/** talus::Parameters as the kernels want them. */
+/** talus::Parameters as the kernels need them. */
 struct MapConfig
 {
   kernels::Config config;

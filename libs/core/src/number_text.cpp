@@ -10,7 +10,7 @@ namespace
 {
 std::string text_of(double value, std::chars_format format, int precision)
 {
-  // The digits of the greatest number, sign and point, and those behind the point.
+  // The greatest number has so many digits, a sign, a point and `decimals` more.
   std::string text(static_cast<std::size_t>(std::numeric_limits<double>::max_exponent10 + 8), '\0');
   text.resize(text.size() + static_cast<std::size_t>(precision));
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value, format, precision);

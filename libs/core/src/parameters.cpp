@@ -61,7 +61,7 @@ std::string boxes_text(const std::vector<BodyBox>& boxes)
   return text.empty() ? kNoBoxes : text;
 }
 
-/** The pieces of a text between characters that separate them. */
+/** Splits a text at the characters of `separators`. */
 std::vector<std::string> pieces_of(const std::string& text, const char* separators)
 {
   std::vector<std::string> pieces;
@@ -105,7 +105,7 @@ void validate_box(const BodyBox& box)
       {'z', box.min_z_m, box.max_z_m}};
   for (const auto& [axis, low, high] : sides)
   {
-    if (!(low >= -kHuge && high <= kHuge))  // not NaN
+    if (!(low >= -kHuge && high <= kHuge))  // also false for NaN
       throw std::invalid_argument(
           "body_boxes_m: the box '" + box_text(box) + "' must lie within " + number(-kHuge) +
           " and " + number(kHuge) + " m");
@@ -266,7 +266,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b)
   return row.back();
 }
 
-/** People leave the unit away: `clearence` is as near to `clearance_m` as to `clearance`. */
+/** People omit the unit: `clearence` is as near to `clearance_m` as to `clearance`. */
 std::size_t distance_to_name(const std::string& wanted, const std::string& name)
 {
   std::size_t distance = edit_distance(wanted, name);
@@ -300,7 +300,7 @@ void validate_object_size(const Parameters& p)
       number(65 * p.resolution_m) + " m or another resolution");
 }
 
-/** nullptr: the value is none of them. */
+/** nullptr if the value is no choice. */
 const char* name_of_choice(const ParameterInfo& info, double v)
 {
   for (const auto& c : info.choices)
@@ -311,7 +311,7 @@ const char* name_of_choice(const ParameterInfo& info, double v)
 bool is_allowed(const ParameterInfo& info, double v)
 {
   if (!info.choices.empty()) return name_of_choice(info, v) != nullptr;
-  const bool in_range = v >= info.min && v <= info.max;  // not NaN
+  const bool in_range = v >= info.min && v <= info.max;  // false for NaN
   return in_range && (!info.is_integer || v == std::floor(v));
 }
 

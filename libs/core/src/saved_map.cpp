@@ -13,7 +13,7 @@ namespace
 {
 constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '7'};
 
-/** What stands before the sensors and the layers. */
+/** The header comes before the sensors and the layers. */
 struct Header
 {
   char magic[8];
@@ -27,18 +27,18 @@ struct Header
   std::uint8_t sensors, flags, drove_through, reserved;
 };
 
-/** What stands between the header and the layers for each sensor. */
+/** A record for each sensor, between the header and the layers. */
 struct SensorRecord
 {
   std::uint64_t number;
   double z_axis[3];
 };
 
-/** Header::flags, see kernels::Datum. */
+/** A bit of Header::flags, see kernels::Datum. */
 constexpr std::uint8_t kStartsAnew = 1;
 
 constexpr std::size_t kFeatures = 5;
-constexpr double kFarthestCell = 2e9, kHighest_m = 1e9;  //!< beyond what frames can lead to
+constexpr double kFarthestCell = 2e9, kHighest_m = 1e9;  //!< beyond what frames can reach
 
 [[noreturn]] void fail(const std::string& what)
 {
@@ -53,9 +53,9 @@ std::size_t cell_count(const Parameters& p)
 
 std::size_t feature_bytes(std::size_t cells) { return kFeatures * cells * sizeof(float); }
 
-bool is_within(double v, double limit) { return std::abs(v) <= limit; }  // not NaN
+bool is_within(double v, double limit) { return std::abs(v) <= limit; }  // false for NaN
 
-/** Between the header and the end, of a map that has seen a frame. */
+/** The bytes after the header, for a map that has seen a frame. */
 std::size_t bytes_behind_header(std::size_t cells, std::size_t sensors)
 {
   return sensors * sizeof(SensorRecord) + cells * kernels::kBytesPerCell + feature_bytes(cells);
@@ -77,7 +77,7 @@ void read_time_and_datum(const Header& h, SavedMap& saved)
   saved.map.datum = {h.offset_m, h.settled_m, (h.flags & kStartsAnew) != 0, h.drove_through};
 }
 
-/** The sensors of a state, and where they end in it. */
+/** Reads the sensors of a state; returns where they end. */
 const std::uint8_t* read_sensors(const Header& h, const std::uint8_t* from, WindowTracker& tracker)
 {
   for (std::size_t i = 0; i < h.sensors; i++, from += sizeof(SensorRecord))
@@ -92,7 +92,7 @@ const std::uint8_t* read_sensors(const Header& h, const std::uint8_t* from, Wind
   return from;
 }
 
-/** The cells of a state, to be read as a map has them. */
+/** The cells of a state, as a map has them. */
 kernels::CellStore cells_in(std::vector<std::uint8_t>& bytes, std::size_t cells)
 {
   kernels::CellStore store{};
@@ -104,7 +104,7 @@ kernels::CellStore cells_in(std::vector<std::uint8_t>& bytes, std::size_t cells)
   return store;
 }
 
-/** What the stages count on. */
+/** Checks what the stages rely on. */
 void check_cells(MapBytes& map, std::size_t cells)
 {
   const auto is_surface = [](float height_m, float variance_m2)

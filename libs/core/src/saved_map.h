@@ -8,17 +8,17 @@ namespace talus
 struct SavedMap
 {
   WindowTracker tracker;
-  float reference_z_m = 0;  //!< of the heights of the last frame
+  float reference_z_m = 0;  //!< reference of the heights of the last frame
   MapBytes map;  //!< empty before the first frame
 };
 
 std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p);
 
-/** Whether bytes_of() gives so many bytes of a map with these parameters, which are valid, that has
- * seen a frame. */
+/** Whether bytes_of() gives so many bytes for a map with these valid parameters that has seen a
+ * frame. */
 bool is_size_of_state(std::uint64_t bytes, const Parameters& p);
 
-/** Throws std::invalid_argument when the bytes are no state of a map with these parameters. */
+/** Throws std::invalid_argument if the bytes are no state of a map with these parameters. */
 SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters& p);
 
 }  // namespace talus

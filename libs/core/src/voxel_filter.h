@@ -3,8 +3,8 @@
 
 namespace talus
 {
-/** The part of stage 1 that keeps one point a voxel. By point: 1 for those that are kept; null
- * without a filter, all are. */
+/** The part of stage 1 that keeps one point of each voxel. Returns 1 for each point that is kept;
+ * null without a filter. */
 template <class Executor>
 const std::uint8_t* filter_voxels(MapBuffers<Executor>& map, Executor& executor)
 {

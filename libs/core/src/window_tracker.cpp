@@ -14,11 +14,11 @@ namespace talus
 namespace
 {
 constexpr double kMaxCellIndex = 1e9;
-constexpr double kMaxHeight_m = 1e5;  //!< floats lie 8 mm apart there
+constexpr double kMaxHeight_m = 1e5;  //!< floats are 8 mm apart there
 constexpr double kNotRigid = 0.01;
 constexpr double kFarthestSensor_m = 1000;  //!< from the base
-constexpr double kLeastSensorHeight_m = 0.1;  //!< lower, the base is not on the ground
-constexpr double kLeastUpright = 1e-6;  //!< the z axis of a base that is upright points up
+constexpr double kLeastSensorHeight_m = 0.1;  //!< a lower sensor has its base above the ground
+constexpr double kLeastUpright = 1e-6;  //!< least z component of the z axis of an upright base
 constexpr double kLongestPause_s = 10;
 constexpr std::array<double, 3> kNotSeen{0, 0, 0};  //!< no axis
 
@@ -57,14 +57,14 @@ Pose interpolate(const TimedPose& a, const TimedPose& b, double time_s)
   return p;
 }
 
-/** From a cell to the farthest of a window of n x n, and one for all that is beyond. */
+/** Rings from a cell to the farthest one of a window of n x n, and one for all beyond. */
 int rings_around(int x, int y, int n)
 {
   const int farthest = std::max({x, n - 1 - x, y, n - 1 - y});
   return std::min(farthest + 2, kernels::most_rings(n));
 }
 
-/** The path of the sensor at equal steps of time. */
+/** Resamples the path of the sensor at equal steps of time. */
 void resample_path(const Frame& frame, double min_x_m, double min_y_m, kernels::FrameContext& f)
 {
   const auto& path = frame.path;
@@ -81,7 +81,7 @@ void resample_path(const Frame& frame, double min_x_m, double min_y_m, kernels::
   }
 }
 
-/** Where the robot stands and how the ground below it lies, as far as the frame tells. */
+/** Finds where the robot stands and how the ground below it slopes. */
 void locate_base(
     const Frame& frame, const Pose& T_map_base, double min_x_m, double min_y_m,
     kernels::FrameContext& f)
@@ -142,7 +142,7 @@ void check_place_on_robot(const Pose& T_base_sensor)
         "the sensor is more than 1 km away from the robot's base: T_base_sensor is in metres");
 }
 
-/** NaN does not ascend either. */
+/** NaN counts as not ascending. */
 void check_path(const std::vector<TimedPose>& path, double resolution_m)
 {
   for (std::size_t i = 0; i < path.size(); i++)
@@ -168,7 +168,7 @@ double pose_change_factor(
 
 }  // namespace
 
-/** Spelled out, since Eigen rounds as the vector instructions of the processor do. */
+/** Written without Eigen, whose rounding depends on the vector instructions of the processor. */
 Pose pose_of_base(const Pose& T_map_sensor, const std::optional<Pose>& T_base_sensor)
 {
   if (!T_base_sensor) return T_map_sensor;
@@ -200,7 +200,7 @@ float WindowTracker::pause_until(double stamp_s)
 {
   const double pause_s = stamp_s - last_stamp_s;
   last_stamp_s = stamp_s;
-  return pause_s > 0 ? static_cast<float>(std::min(pause_s, kLongestPause_s)) : 0.0f;  // not NaN
+  return pause_s > 0 ? static_cast<float>(std::min(pause_s, kLongestPause_s)) : 0.0f;  // 0 for NaN
 }
 
 Pose WindowTracker::checked_base(const Frame& frame, const Parameters& p)

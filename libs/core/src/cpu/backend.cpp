@@ -8,7 +8,7 @@ namespace talus
 {
 namespace
 {
-constexpr int kMostThreads = 1024;  //!< their pieces of a loop are counted in an int
+constexpr int kMostThreads = 1024;  //!< pieces of a loop are counted in an int
 }
 
 std::unique_ptr<BackendInterface> make_cpu_backend(const MapConfig& config, int threads)

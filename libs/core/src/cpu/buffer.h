@@ -10,9 +10,8 @@
 
 namespace talus
 {
-/** Memory of large pages where it is large, and which begins at another place of its page each
- * time: large blocks would all begin at the same, and a loop over ten arrays would find the same
- * cells of all of them in the same few lines of a cache. */
+/** Large memory gets large pages, and begins at a different place of its page each time. Otherwise
+ * a loop over ten arrays would need the same few lines of a cache for all of them. */
 template <class T>
 struct CellMemory
 {

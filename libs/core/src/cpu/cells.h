@@ -6,22 +6,21 @@
 
 #include <algorithm>
 
-// Stage 3 on the CPU. Most cells have few points: thirty-two cells of about as many are updated
-// side by side, in vector code without branches that nobody could predict.
+// Stage 3 on the CPU. Most cells have few points: thirty-two cells with about as many points are
+// updated side by side, in vector code without branches.
 
 namespace talus::cells
 {
-/** Cells side by side, and points of each; cells of more are updated one by one. */
+/** Cells side by side, and their most points; larger cells are updated one by one. */
 constexpr int kLanes = 32, kMost = 32;
 
-/** Cells that are updated side by side, and their points. */
 class alignas(64) Batch
 {
   using Cell = kernels::Cell;
   using Config = kernels::Config;
 
  public:
-  /** Of `lanes` cells, the last of which has the most points. */
+  /** The last of the `lanes` cells has the most points. */
   void update(const kernels::UpdateCell& update, const std::int32_t* cells, int lanes)
   {
     gather(update, cells, lanes);
@@ -46,7 +45,7 @@ class alignas(64) Batch
     most_ = size_[kLanes - 1];
   }
 
-  /** kernels::update_cell() of all of them. */
+  /** kernels::update_cell() for all of them. */
   TALUS_CLONES static void run(Batch& g, const Config k)
   {
     g.find_ends(k);
@@ -101,7 +100,7 @@ class alignas(64) Batch
     }
   }
 
-  /** To the highest point that stands. */
+  /** Finds the highest point that stands. */
   void scan_clearance(const Config& k)
   {
     int any = 0;
@@ -146,7 +145,7 @@ class alignas(64) Batch
     }
   }
 
-  /** What the points of each cell add to nothing, or to a sum. */
+  /** Reduces the points of each cell, from an empty sum or a given one. */
   template <class Sum, class Question>
   void reduce(
       SideBySide<Sum, kLanes>& sums, const SideBySide<Question, kLanes>& asked, const Config& k)
@@ -182,9 +181,9 @@ class alignas(64) Batch
   SideBySide<kernels::Overhang, kLanes> overhang_;
 };
 
-/** The cells that received points: those of the same part of the window together, so that a thread
- * has them where it wrote them last; of each part in order of how many points, cut into batches;
- * those of very many are batches of their own. */
+/** The cells that received points. Cells of one part of the window come together, so that a thread
+ * has them in its cache; in each part by the number of points, in batches. The largest cells are
+ * batches of their own. */
 class Order
 {
  public:
@@ -193,7 +192,7 @@ class Order
   {
   }
 
-  /** Of n points; reserves the stretches of the cells. */
+  /** Finds the cells of n points and reserves their ranges. */
   void find(int n)
   {
     const kernels::Sorting& sorting = update_.sorting;
@@ -215,7 +214,6 @@ class Order
 
   int batches() const { return cuts_[parts_].batch; }
   int cells() const { return cuts_[parts_].cell; }
-  /** Of the batches [begin, end). */
   void update(int begin, int end) const
   {
     Batch side_by_side{};
@@ -233,7 +231,7 @@ class Order
         side_by_side.update(update_, cells_ + first, lanes);
     }
   }
-  /** The counts of points of the cells [begin, end) become zero, for the next frame. */
+  /** Clears the point counts of the cells [begin, end) for the next frame. */
   void forget_points(int begin, int end) const
   {
     for (int c = begin; c < end; c++) update_.sorting.kept_count[cells_[c]] = 0;
@@ -241,13 +239,13 @@ class Order
 
  private:
   static constexpr int kMostParts = 16, kKinds = kMost + 2;
-  /** Where a part's cells, those of very many points, and batches begin. */
+  /** Where the cells of a part, its largest ones, and its batches begin. */
   struct Cut
   {
     int cell = 0, lone = 0, batch = 0;
   };
 
-  /** Lists the cells as their first points come. */
+  /** Lists the cells in the order of their first points. */
   int list(int n) const
   {
     const kernels::PointsOut& points = update_.points;
@@ -259,7 +257,7 @@ class Order
     }
     return cells;
   }
-  /** By part, then by how many points. */
+  /** A kind is a part and a number of points. */
   int kind_of(int cell) const
   {
     const int points = std::min(static_cast<int>(update_.sorting.kept_count[cell]), kMost + 1);

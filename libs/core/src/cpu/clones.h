@@ -1,8 +1,8 @@
 #pragma once
 
 // Loops that are worth it are compiled for several generations of processors; the program takes the
-// best that the machine has when it starts. All compute the same bits: IEEE operations have one
-// result, however many are done at once, and nothing is contracted.
+// best one when it starts. All give the same bits: IEEE operations have one result, in vectors too,
+// and nothing is contracted.
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__gnu_linux__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(TALUS_ONE_CLONE)
@@ -12,13 +12,13 @@
 #define TALUS_CLONES __attribute__((flatten))
 #endif
 
-/** The next loop's iterations touch different memory. */
+/** The iterations of the next loop touch different memory. */
 #if defined(__clang__)
 #define TALUS_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #else
 #define TALUS_INDEPENDENT _Pragma("GCC ivdep")
 #endif
 
-/** Of functions that only fetch memory into the cache: a compiler sees no effect and leaves calls
- * of them out. */
+/** For functions that only fetch memory into the cache: a compiler sees no effect and would drop
+ * the calls. */
 #define TALUS_FETCHES [[gnu::always_inline]] inline

@@ -13,7 +13,7 @@
 
 namespace talus
 {
-/** What both CPU executors share: memory is plain, copies are copies, time is the steady clock. */
+/** The common part of both CPU executors: plain memory, plain copies, the steady clock. */
 class CpuMemory
 {
  public:
@@ -27,7 +27,7 @@ class CpuMemory
   }
   template <class T>
   using HostBuffer = std::vector<T>;
-  /** Of host memory that kernels reach, for at least so many; what was there is lost. */
+  /** Grows a buffer to at least `size`; its contents are lost. */
   template <class T>
   void make_room(HostBuffer<T>& buffer, std::size_t size)
   {
@@ -57,7 +57,7 @@ class CpuMemory
 
   std::string name() const { return "cpu"; }
 
-  // ---- one frame, of the slot in use ----
+  // ---- the frame of the slot in use ----
   void use(int slot) { now_ = static_cast<std::size_t>(slot); }
   int loop_size(int points, std::size_t) const { return points; }
   PointArrays point_arrays(std::size_t capacity)
@@ -66,13 +66,13 @@ class CpuMemory
     float* p = slots_[now_].points.data();
     return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
   }
-  /** The points stay in the caller's own memory. */
+  /** The points stay in the caller's memory. */
   kernels::PointsIn stage(const Frame& f, const kernels::FrameContext& context, std::size_t)
   {
     slots_[now_].context = &context;
     return {f.x_m, f.y_m, f.z_m, f.time_s};
   }
-  /** All is done in the end. */
+  /** finish_frame() does all the work. */
   template <class Body>
   void start_frame(const Body&)
   {
@@ -83,21 +83,21 @@ class CpuMemory
     stage_ms_ = {};
   }
   void fetch(Buffer<kernels::FrameContext>& context) { context.assign(1, *slots_[now_].context); }
-  /** What a frame counted, after report(). */
+  /** The counters of a frame, after report(). */
   const std::uint32_t* reported() const { return counters_.data(); }
-  /** Hands the counters out, which start at zero in the next frame. */
+  /** Hands over the counters and clears them for the next frame. */
   void report(Buffer<std::uint32_t>& counters)
   {
     std::copy(counters.begin(), counters.end(), counters_.begin());
     std::fill(counters.begin(), counters.end(), 0u);
   }
-  /** The time since the last lap belongs to a stage. */
+  /** Adds the time since the last lap to a stage. */
   void end_stage(Stage stage)
   {
     const auto now = Clock::now();
     stage_ms_[static_cast<std::size_t>(stage)] += milliseconds(std::exchange(last_, now), now);
   }
-  /** The time that `body` takes belongs to a stage other than the current one. */
+  /** Adds the time of `body` to a stage other than the current one. */
   template <class Body>
   void for_another_stage(Stage stage, const Body& body)
   {
@@ -121,15 +121,15 @@ class CpuMemory
   struct Slot
   {
     const kernels::FrameContext* context = nullptr;
-    std::vector<float> points;  //!< of point_arrays()
+    std::vector<float> points;  //!< for point_arrays()
   };
   std::array<Slot, kSlots> slots_;
   std::size_t now_ = 0;
   std::array<std::uint32_t, kernels::kCounters> counters_{};
 };
 
-/** Runs the stages' loops. An executor supplies buffers, loops and the atomics that its threads
- * need; it knows nothing of the map. */
+/** Runs the loops of the stages. It has buffers, loops and the atomics of its threads, and knows
+ * nothing of the map. */
 template <class Threads>
 class CpuExecutor : public CpuMemory
 {
@@ -145,7 +145,6 @@ class CpuExecutor : public CpuMemory
     then();
   }
 
-  /** f(i) for i in [0, n) */
   template <class F>
   void for_each(int n, const F& f)
   {
@@ -156,20 +155,17 @@ class CpuExecutor : public CpuMemory
         });
   }
 
-  /** to[i] = f(i) for i in [0, n) */
   template <class F, class T>
   void for_each_to_host(int n, const F& f, T* to)
   {
     for_each(n, [&f, to](int i) { to[i] = f(i); });
   }
-  /** f(i, from[i]) for i in [0, n) */
   template <class F, class T>
   void for_each_from_host(int n, const F& f, const T* from)
   {
     for_each(n, [&f, from](int i) { f(i, from[i]); });
   }
 
-  /** f(x, y) for x in [0, nx), y in [0, ny) */
   template <class F>
   void for_each_cell(int nx, int ny, const F& f)
   {
@@ -181,7 +177,6 @@ class CpuExecutor : public CpuMemory
         });
   }
 
-  /** f(y) for y in [0, ny), rows of nx cells. */
   template <class F>
   void for_each_row(int nx, int ny, const F& f)
   {
@@ -191,19 +186,17 @@ class CpuExecutor : public CpuMemory
           for (int y = begin; y < end; y++) f(y);
         });
   }
-  /** f(begin, end) of stretches of [0, n). */
   template <class F>
   void for_each_stretch(int n, const F& f)
   {
     run(n, 128, [&f](int begin, int end) { over_stretch(f, begin, end); });
   }
-  /** f.locate(i) of points. */
   template <class F>
   void locate_points(int n, const F& f)
   {
     run(n, 1024, [&f](int begin, int end) { over_points(f, begin, end); });
   }
-  /** f(i) of points, in order; each thread those in its part, see f.is_in(). */
+  /** f(i) for points in order; each thread those of its part, see f.is_in(). */
   template <class F>
   void for_each_point_by_parts(int n, const F& f)
   {
@@ -213,7 +206,6 @@ class CpuExecutor : public CpuMemory
     else
       for_each_part(parts, [&f, n, parts](int part) { over_own_points(f, n, part, parts); });
   }
-  /** Sums over square neighbourhoods of the cells, see SlidingRows. */
   template <class F>
   void for_each_window(int nx, int ny, int radius, const F& f)
   {
@@ -230,18 +222,18 @@ class CpuExecutor : public CpuMemory
   }
 
   int threads() const { return threads_.size(); }
-  /** Whether so few points are sooner done by one thread than their lines of the cache are with
-   * another, while others do something else. */
+  /** Whether the points are so few that one thread is faster than several that exchange cache
+   * lines. */
   bool is_for_one(int n) const { return n <= kFewPoints && threads_.size() > 1; }
   static int rows_at_once(int nx) { return std::max(1, 4096 / std::max(nx, 1)); }
 
-  /** A copy of f, to which nothing that it writes can point. */
+  /** A copy of f: nothing that it writes can point to it. */
   template <class F>
   static void one_by_one(const F f, int n)
   {
     for (int i = 0; i < n; i++) f(i);
   }
-  /** f(i) for i in [0, n), each of them work enough for a thread. */
+  /** f(i) for i in [0, n), each long enough for a thread. */
   template <class F>
   void for_each_part(int n, const F& f)
   {
@@ -256,7 +248,7 @@ class CpuExecutor : public CpuMemory
   {
     threads_.run(n, grain, body);
   }
-  /** run(), and `first`, which one of the threads runs meanwhile; it must not run loops. */
+  /** Runs `body` as run() does, while one thread runs `first`, which must not run loops. */
   template <class First, class Body>
   void run_beside(const First& first, int n, int grain, const Body& body)
   {

@@ -12,9 +12,9 @@ namespace
 {
 using kernels::SideEstimate;
 
-/** Where a sample is that was never met. */
+/** The place of a sample that was never met. */
 constexpr int kNowhere = -(1 << 20);
-/** Compiled for the default and for any number. */
+/** Code is compiled for kFewSamples, the default, and for any number up to kMaxSamples. */
 constexpr int kFewSamples = 2, kMaxSamples = 16;
 
 /** Memory of this thread, kept from frame to frame. */
@@ -26,28 +26,27 @@ T* scratch(int size)
   return memory.data();
 }
 
-/** Where lines are at one place, across the strip, and whether those cells are theirs to infer. */
+/** Where lines cross one place, across the strip, and whether those cells are theirs to infer. */
 struct alignas(64) Crossing
 {
   int minor[kLanes];
-  std::int32_t own[kLanes];  //!< a bit each line, or zero
+  std::int32_t own[kLanes];  //!< a bit for each line, or zero
 };
 
-/** Lines side by side on the grid. */
 struct Strip
 {
   int lines, places;
   int first, along, across;  //!< cell of a line at a place: first + place * along + minor * across
-  const Crossing* crossings;  //!< by place; all the same on parallel lines
-  float step_m[kLanes] = {};  //!< length of a line per place
+  const Crossing* crossings;  //!< by place; on parallel lines all are the same
+  float step_m[kLanes] = {};  //!< length of a line for each place
   int fill_places[kLanes] = {},
-      sparsity_places[kLanes] = {};  //!< places that fills and stage 7 look
-  int suspect = 0;  //!< no place behind it is near enough for stage 7
+      sparsity_places[kLanes] = {};  //!< places that fills and stage 7 search
+  int suspect = 0;  //!< from this place on all are too far for stage 7
 
   const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
-  /** Whether the cells of a place are neighbours in memory: lines are columns. */
+  /** Whether lines are columns, so that the cells of a place are neighbours in memory. */
   bool columns() const { return across == 1 && lines == kLanes; }
-  /** Whether they lie close together, and those of the next place in another row. */
+  /** Whether they are close together, and those of the next place in another row. */
   bool leaps() const { return across == 1 || across == -1; }
   void measure(int line, float length_m, const kernels::Config& k)
   {
@@ -64,13 +63,13 @@ struct MetSample
   std::int32_t marks;
 };
 
-/** The samples that lines met last, the nearest first. */
+/** The last samples that the lines met, the nearest first. */
 template <int kSamples>
 struct alignas(64) Met
 {
   float height_m[kSamples][kLanes];
   int place[kSamples][kLanes];
-  float variance_m2[kLanes];  //!< of the nearest
+  float variance_m2[kLanes];  //!< variance of the nearest
   std::int32_t marks[kLanes];
 
   static Met nothing()
@@ -80,7 +79,7 @@ struct alignas(64) Met
     return met;
   }
 
-  /** Becomes what line `l` met `before`, and here if there is a sample. */
+  /** Sets line `l` to the samples met `before`, and to this one if there is one. */
   void meet(const Met& before, int l, bool known, const MetSample& sample, int here)
   {
     for (int s = kSamples - 1; s > 0; s--)
@@ -121,8 +120,8 @@ struct alignas(64) Met
   }
 };
 
-/** Where rays undercut the ground that goes on from the last sample, see kernels::undercuts(): the
- * nearest such place behind. */
+/** The nearest place behind where rays undercut the ground of the last sample, see
+ * kernels::undercuts(). */
 struct alignas(64) Undercut
 {
   int place[kLanes];
@@ -130,7 +129,7 @@ struct alignas(64) Undercut
   Undercut() { std::fill_n(place, kLanes, -kNowhere); }
 };
 
-/** What is inferred at one place. */
+/** The inferred values at one place. */
 struct Found
 {
   SideBySide<kernels::LineFusion, kLanes> lines;
@@ -138,19 +137,19 @@ struct Found
   std::int32_t marks[kLanes];
 };
 
-/** `kRays`: lines from the sensor, else rows or columns. */
+/** `kRays`: lines from the sensor; else rows or columns. */
 template <int kSamples, bool kRays, bool kAlongLines>
 class Sweep
 {
   using Side = Met<kSamples>;
-  static constexpr int kAhead = 16;  //!< places that are fetched before they are met
+  static constexpr int kAhead = 16;  //!< places that are fetched early
 
  public:
   TALUS_CLONES static void run(const Walk& walk, const Strip& lines, Side* met)
   {
-    // Copies that nothing else can write to, so that loops need not read them again. Not made by
-    // passing values: what -fschedule-insns lets gcc do with values on the stack is to write them
-    // before there is room for them, where a signal may overwrite them.
+    // Copies that nothing else can write to, so that loops need not read them again. Passing values
+    // would make gcc with -fschedule-insns write them to the stack before it has room, where a
+    // signal may overwrite them.
     const kernels::Config k = walk.k;
     const kernels::Samples samples = walk.samples;
     const kernels::InferenceGrid to = walk.to;
@@ -176,7 +175,7 @@ class Sweep
   }
 
  private:
-  /** met[place + 1]: what the lines met up to a place. */
+  /** met[place + 1]: the samples that the lines met up to a place. */
   static void outwards(const Strip& strip, const kernels::Samples& samples, Side* met)
   {
     met[0] = Side::nothing();
@@ -220,7 +219,6 @@ class Sweep
     }
   }
 
-  /** Whether rays undercut the lines at a place. */
   static void ask(
       const kernels::Config& k, const Strip& strip, const kernels::Samples& samples,
       const Side& here, int place, Undercut& undercut)
@@ -239,7 +237,7 @@ class Sweep
     }
   }
 
-  /** The samples of a place that will be met soon: no processor sees what comes. */
+  /** Fetches the samples of a later place, which processors cannot predict. */
   TALUS_FETCHES static void fetch(const Strip& strip, const kernels::Samples& samples, int place)
   {
     constexpr int kStep = 16;
@@ -328,8 +326,8 @@ class Sweep
     }
   }
 
-  /** What the ground may fall by between the samples on both sides, NaN if one is too far for
-   * stage 9. */
+  /** The fall of the ground between the samples on both sides; NaN if one is too far for stage 7.
+   */
   static kernels::Fall fall(
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind, int l,
       int place)
@@ -380,7 +378,7 @@ class Sweep
         cell.lines.add(found.lines.load(l));
       }
   }
-  /** To cells that are neighbours. */
+  /** Adds to cells that are neighbours. */
   static void add(const Found& found, kernels::Inference* cells, int ahead)
   {
     for (int l = 0; l < kLanes; l += 4) __builtin_prefetch(cells + ahead + l, 1);
@@ -396,7 +394,7 @@ class Sweep
 
 std::int32_t bit_of(int lane) { return static_cast<std::int32_t>(1u << lane); }
 
-/** As kernels::line_cell() and line_through(). */
+/** The lines of kernels::line_cell() and line_through(). */
 TALUS_CLONES void cross(int rings, int first, Crossing* crossings)
 {
   for (int ring = 0; ring <= rings; ring++)
@@ -416,7 +414,7 @@ TALUS_CLONES void cross(int rings, int first, Crossing* crossings)
     }
   }
 }
-/** Of lines from the sensor, until this thread asks for those of others. */
+/** The lines from the sensor, valid until this thread asks for others. */
 const Crossing* crossings_of(int rings, int first)
 {
   static thread_local int last_rings = 0, last_first = 0;

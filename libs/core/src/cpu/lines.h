@@ -4,14 +4,13 @@
 
 #include <algorithm>
 
-// Stage 6's lines on the CPU. Sixteen lines, side by side, are swept from end to end, place
-// by place, and carry the samples that they met last along; then back, and what a cell has on both
-// sides is known. So a cell costs the same however far its samples are, neighbours are read
-// together, and everything is vector code.
+// Stage 6's lines on the CPU. Sixteen lines, side by side, are swept from end to end, place by
+// place, and carry the samples that they met last; then back, so that each cell has the samples of
+// both sides. So a cell costs the same however far its samples are, neighbours are read together,
+// and everything is vector code.
 
 namespace talus::lines
 {
-/** Lines side by side. */
 constexpr int kLanes = 16;
 
 /** The lines from the sensor, then columns, then rows, in parts that touch different cells. */
@@ -24,7 +23,6 @@ struct Walk
 
   int parts_of_rays() const { return 4 * parts(2 * kernels::line_rings(k)); }
   int parts_of_axis() const { return parts(k.cells); }
-  /** Row or column. */
   int first_of(int part) const { return std::min(part * kLanes, k.cells); }
 
   void rays(int part) const;

@@ -10,11 +10,10 @@
 #include <utility>
 #include <vector>
 
-// Bodies of the CPU executors' loops that are more than a loop.
 
 namespace talus
 {
-/** f(i) for i in [begin, end) in whole blocks; true if there are enough for one. */
+/** f(i) for i in [begin, end) in whole blocks; true if there is at least one. */
 template <int kBlock, class F>
 bool in_blocks_of(int begin, int end, const F& f)
 {
@@ -26,8 +25,8 @@ bool in_blocks_of(int begin, int end, const F& f)
     if (at == end - kBlock) return true;
   }
 }
-/** f(i) for i in [begin, end), for some of them twice, which must be the same as once: the last
- * block of vector code begins before the one before it ends. */
+/** f(i) for i in [begin, end). The last block of vector code overlaps the one before, so that f
+ * must not mind being called twice. */
 template <class F>
 void in_blocks(int begin, int end, const F& f)
 {
@@ -35,14 +34,14 @@ void in_blocks(int begin, int end, const F& f)
   for (int i = begin; i < end; i++) f(i);
 }
 
-/** f(x, y, i) for x in [begin, end) of a row, i from `first` on; twice is the same as once. */
+/** f(x, y, i) for x in [begin, end) of a row, i from `first` on; perhaps twice. */
 template <class F>
 TALUS_CLONES void over_row(F f, int begin, int end, int y, int first)
 {
   in_blocks(begin, end, [&](int x) { f(x, y, first + (x - begin)); });
 }
 
-/** f of those cells of a row that it applies to. */
+/** Marks the cells of a row to which f applies. */
 template <class F>
 TALUS_CLONES void find_applicable(
     F f, int begin, int end, int y, int first, std::uint8_t* applicable)
@@ -50,7 +49,7 @@ TALUS_CLONES void find_applicable(
   in_blocks(
       begin, end, [&](int x) { applicable[x - begin] = f.applies(x, y, first + (x - begin)); });
 }
-/** f(i) of the marked ones of n, which are few; marks in whole groups of 8. */
+/** f(i) for the marked i below n; marks are few, in whole groups of 8. */
 template <class F>
 void over_marked(const std::uint8_t* marks, int n, const F& f)
 {
@@ -77,8 +76,8 @@ void over_applicable(const F& f, int begin, int end, int y, int first)
   }
 }
 
-/** A row of the window and where it is stored: two stretches of a torus. Loops that go on with the
- * same cells take a row each, so that its cells are still in the cache. */
+/** A row of the window and its storage: two ranges of a torus. Loops over the same cells take a row
+ * each, so that its cells are still in the cache. */
 class StoredRow
 {
  public:
@@ -89,20 +88,19 @@ class StoredRow
         row_(kernels::storage_index(frame, cells, 0, y) - frame.storage_x)
   {
   }
-  /** f(x, y, i) with i where each cell is stored; twice is the same as once. */
+  /** f(x, y, i), i the storage index of each cell; perhaps twice. */
   template <class F>
   void each(const F& f) const
   {
     in_stretches([&](int begin, int end, int i) { over_row(f, begin, end, y_, i); });
   }
-  /** f(x, y, i) of those cells of the row that f.applies(x, y, i). */
   template <class F>
   void each_applicable(const F& f) const
   {
     in_stretches([&](int begin, int end, int i) { over_applicable(f, begin, end, y_, i); });
   }
   int y() const { return y_; }
-  /** over(begin, end, i), i where the cell at `begin` is stored. */
+  /** over(begin, end, i), i the storage index of the cell at `begin`. */
   template <class Over>
   void in_stretches(const Over& over) const
   {
@@ -114,8 +112,8 @@ class StoredRow
   int cells_, y_, turn_, row_;
 };
 
-/** Cells of a row that need different numbers of steps: the same step of some neighbours at once.
- */
+/** Cells of a row that need different numbers of steps: it does one step of several neighbours at
+ * once. */
 template <class F>
 class SteppedRow
 {
@@ -138,7 +136,7 @@ class SteppedRow
   }
 
  private:
-  /** Of the cells from x on, in whole groups, some of which may lie beyond the row. */
+  /** Steps of the cells from x on, in whole groups, which may reach beyond the row. */
   TALUS_CLONES static void step(F f, Items& items, Results& results, int x, int y, int blocks)
   {
     const Result none;
@@ -174,7 +172,7 @@ class SteppedRow
   Results results_;
 };
 
-/** Cells pooled two by two, by the parity of their place in the map: f.item(i) of each. */
+/** Pools cells two by two, by the parity of their place in the map: f.item(i) of each. */
 template <class F>
 class PairOfRows
 {
@@ -185,7 +183,6 @@ class PairOfRows
  public:
   explicit PairOfRows(const F& f) : f_(f) {}
 
-  /** Row py of the grid. */
   void pool(int py, int cells, const kernels::FrameContext& frame)
   {
     const int margin = f_.grid.margin, qy = f_.grid.pair_at(py, frame.odd_y, cells);
@@ -207,7 +204,6 @@ class PairOfRows
   }
 
  private:
-  /** The cells of a row from x0 on. */
   void add(const StoredRow& row, int x0)
   {
     row.in_stretches(
@@ -229,7 +225,7 @@ class PairOfRows
     return f.pool(items.load(2 * q), items.load(2 * q + 1));
   }
   void put_beyond(int px, int py, int q) const { f_.put(px, py, f_.beyond(pair(f_, items_, q))); }
-  // With names: g++ 14 crashes where clones are made for a lambda.
+  // It has a name, for g++ 14 crashes where clones are made for a lambda.
   struct AsPooled
   {
     Item operator()(const F&, const Item& pooled) const { return pooled; }
@@ -249,14 +245,12 @@ class PairOfRows
   Items items_;
 };
 
-/** f(first, last) of a stretch. */
 template <class F>
 TALUS_CLONES void over_stretch(F f, int first, int last)
 {
   f(first, last);
 }
 
-/** What depends on each point alone. */
 template <class F>
 TALUS_CLONES void locate_points(F f, int begin, int end)
 {
@@ -285,7 +279,7 @@ void over_points(const F& f, int begin, int end)
   f.count_rejected(begin, end);
 }
 
-/** f(i) of the points [0, n) that are in a part, in their order. */
+/** Lists the points of a part, in their order. */
 template <class F>
 TALUS_CLONES void find_own(F f, int begin, int end, int part, int parts, std::int32_t* own)
 {
@@ -314,8 +308,8 @@ void over_own_points(const F& f, int n, int part, int parts)
   }
 }
 
-/** Points into the stretches of their cells: first what each is told by the ray of its own
- * direction, which rules most of them out, then where it goes. */
+/** Sorts points into the ranges of their cells. The ray of a point's own direction comes first,
+ * since it rules most points out as overhangs. */
 template <class F>
 TALUS_CLONES void find_passed_below(F f, int begin, int end, std::int32_t* passed_below)
 {
@@ -337,9 +331,9 @@ void sort_points(const F& f, int begin, int end)
   }
 }
 
-/** Sums over the square neighbourhoods of the cells in a strip of columns, row by row: F::Row of
- * each row once, F::Window of those that slide along. F::kHasPlain: most cells are done by
- * f.plain(), some of them, which f.applies(), by f.finish() after that. */
+/** Sums over the square neighbourhoods of the cells in a strip of columns, row by row. F::Row is
+ * summed once for each row, F::Window slides along. F::kHasPlain: f.plain() does most cells, then
+ * f.finish() those which f.applies(). */
 template <class F>
 class SlidingRows
 {
@@ -348,9 +342,9 @@ class SlidingRows
   static constexpr int kLanes = 128;
   using Rows = SideBySide<Row, kLanes>;
   using Windows = SideBySide<Window, kLanes>;
-  static constexpr int kAtOnce = 5;  //!< neighbours that are added in one pass
-  static constexpr int kGroup = 32;  //!< cells that are finished together
-  static constexpr int kAhead = 8;  //!< rows that are fetched before they are added
+  static constexpr int kAtOnce = 5;  //!< neighbours added in one pass
+  static constexpr int kGroup = 32;  //!< cells finished together
+  static constexpr int kAhead = 8;  //!< rows fetched before they are added
   template <int n>
   using Distances = std::make_integer_sequence<int, n>;
 
@@ -358,14 +352,13 @@ class SlidingRows
   SlidingRows(int nx, int ny, int radius, const F& f) : nx_(nx), ny_(ny), radius_(radius), f_(f)
   {
     while (mask_ < 2 * radius) mask_ = 2 * mask_ + 1;
-    // Of this thread, kept from frame to frame.
+    // Memory of this thread, kept from frame to frame.
     static thread_local std::vector<Rows, CellMemory<Rows>> rows;
     const auto size = static_cast<std::size_t>(mask_ + 1);
     if (rows.size() < size) rows.resize(size);
     rows_ = rows.data();
   }
 
-  /** f of the cells of rows [begin, end). */
   void run(int begin, int end) const
   {
     for (int x = 0; x < nx_; x += kLanes) run(x, std::min(x + kLanes, nx_), begin, end);
@@ -386,7 +379,7 @@ class SlidingRows
     }
   }
 
-  /** A row that will be added soon: a strip is too narrow for a processor to see what comes. */
+  /** Fetches a row early, for a strip is too narrow for a processor to predict it. */
   TALUS_FETCHES void fetch(int x0, int x1, int y) const
   {
     constexpr auto kStep = static_cast<int>(64 / sizeof(f_.neighbour(0, 0)));
@@ -404,7 +397,7 @@ class SlidingRows
     }
     for (; d <= radius; d++) add_columns<false>(f, rows, x0, x1, y, d, Distances<1>{});
   }
-  /** Adds the neighbours at distances from d on; the first there are. */
+  /** Adds the neighbours at distances from d on; the first ones are stored. */
   template <bool kFirst, int... k>
   TALUS_CLONES static void add_columns(
       F f, Rows& rows, int x0, int x1, int y, int d, std::integer_sequence<int, k...>)
@@ -440,7 +433,7 @@ class SlidingRows
       over_marked(applicable, lanes, [&](int l) { f_.finish(x0 + l, y, sums.load(l)); });
     }
   }
-  /** Adds rows at distances from d on; the first there are. */
+  /** Adds rows at distances from d on; the first ones are stored. */
   template <bool kFirst, class... Each>
   TALUS_CLONES static void add_rows(F f, Windows& sums, int lanes, int d, const Each&... rows)
   {
@@ -453,7 +446,6 @@ class SlidingRows
       sums.store(l, sum);
     }
   }
-  /** f of the cells. */
   TALUS_CLONES static void finish(F f, const Windows& sums, int x0, int x1, int y)
   {
     if constexpr (F::kHasPlain)
@@ -465,14 +457,14 @@ class SlidingRows
       for (int x = x0; x < x1; x++) f(x, y, sums.load(x - x0));
     }
   }
-  /** Which of them f.finish() may change after that. */
+  /** Marks the cells that f.finish() may change afterwards. */
   TALUS_CLONES static void find_applicable(
       F f, const Windows& sums, int x0, int x1, int y, std::uint8_t* applicable)
   {
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++) applicable[x - x0] = f.applies(x, y, sums.load(x - x0));
   }
-  /** In the plain way if that will do for all of them. */
+  /** Uses f.plain() if that will do for all of them. */
   static void finish_block(const F& f, const Windows& sums, int x0, int begin, int end, int y)
   {
     int other = 0;

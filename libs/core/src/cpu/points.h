@@ -5,7 +5,7 @@ namespace talus::kernels
 {
 // Stage 1 on cores: each thread has the points of its own part of the window, or of the directions.
 
-/** Notes the ray that a point ended, and how far it went. */
+/** Notes the ray of a point, and how far it went. */
 template <class Atomics>
 struct NoteRayAndReach : NoteRay<Atomics>
 {
@@ -18,18 +18,18 @@ struct NoteRayAndReach : NoteRay<Atomics>
   }
 };
 
-/** Bins one point, if it is not buried, in a cell that no other thread has to do with. */
+/** Bins one point, if it is not buried, in a cell that no other thread uses. */
 template <class Atomics>
 struct BinPoint
 {
   const Config* config;
   const FrameContext* frame;
   PointsOut points;
-  const float* lowest_slope;  //!< of a ray that is not buried, see SettleRays
+  const float* lowest_slope;  //!< for rays that are not buried, see SettleRays
   std::uint32_t* cell_count;  //!< by storage index, zero before
   std::uint32_t* rejected;  //!< by RejectCode
 
-  /** Of the window's cells, as they are stored; may go on at the beginning. */
+  /** Cells of the window in storage order; the range may wrap around. */
   Part part(int which, int of) const
   {
     const int n = config->cells, first = which * n / of, end = (which + 1) * n / of;

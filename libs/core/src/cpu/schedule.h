@@ -11,7 +11,7 @@
 namespace talus
 {
 /** The seven stages on cores, in their order. Rows of the window are done while their cells are in
- * the cache; fills sweep along lines and carry samples with them. */
+ * the cache; fills sweep along lines. */
 template <class Threads>
 class CpuSchedule
 {
@@ -40,13 +40,13 @@ class CpuSchedule
     executor_.fetch(map_.context);
     accept_and_weigh();  // stage 1
     executor_.for_another_stage(Stage::Roll, [this] { roll(); });
-    find_buried();  // for stage 1
+    find_buried();  // stage 1
     executor_.end_stage(Stage::Accept);
-    update();  // stage 3, before it the end of stage 1, beside it the rays of stage 5
+    update();  // end of stage 1, stage 3, rays of stage 5
     executor_.end_stage(Stage::Update);
     open_ground();  // stage 4
     executor_.end_stage(Stage::Classify);
-    clean_up();  // stage 5, and what stage 4 decides for each cell
+    clean_up();  // stage 5, and the decisions of stage 4
     executor_.end_stage(Stage::CleanUp);
     fill();  // stage 6
     executor_.end_stage(Stage::Fill);
@@ -56,7 +56,7 @@ class CpuSchedule
       judge<false>();
     executor_.end_stage(Stage::Traversability);
   }
-  /** Stage 7 once more, for what traversability is made of. */
+  /** Repeats stage 7 for slope, step, roughness and sparsity. */
   void judge_parts() { judge<true>(); }
 
  private:
@@ -84,7 +84,7 @@ class CpuSchedule
         });
   }
 
-  /** And how far the map has to follow the poses. */
+  /** Finds the buried rays, and how far the datum follows the poses. */
   void find_buried()
   {
     executor_.one_by_one(map_.count_offset(), points());
@@ -221,7 +221,7 @@ class CpuSchedule
     for_each_row([&](const StoredRow& row) { row.each_applicable(complete); });
   }
 
-  /** f(row) of the rows of the window and where they are stored. */
+  /** f(row) for the rows of the window. */
   template <class F>
   void for_each_row(const F& f)
   {
@@ -249,7 +249,7 @@ class CpuSchedule
 
   MapBuffers<Executor>& map_;
   Executor& executor_;
-  Buffer<std::int32_t> hit_cells_;  //!< as they are found, then in order
+  Buffer<std::int32_t> hit_cells_;  //!< as found, then in order
   Buffer<std::uint8_t> doubted_;
   Buffer<kernels::Inference> inferred_;
   Buffer<std::uint8_t> fill_marks_, passability_;

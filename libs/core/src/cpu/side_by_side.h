@@ -10,8 +10,8 @@
 
 namespace talus
 {
-/** Structures side by side, an array each field, so that loops over them vectorise. Floats are kept
- * as bits: no float that a loop writes elsewhere can then be one of them. */
+/** Structures as one array for each field, so that loops vectorise. Floats are kept as bits, so
+ * that no other float that a loop writes can alias one. */
 template <class T, int kLanes, class Fields = decltype(T::fields())>
 class SideBySide;
 template <class T, int kLanes, class... Field>
@@ -52,7 +52,7 @@ class SideBySide<T, kLanes, std::tuple<Field T::*...>>
     to = from;
   }
   static void put(float from, std::uint32_t& to) { to = kernels::bits_of(from); }
-  /** As memory came: a tuple would clear a plain array each time. */
+  /** A plain array that is not cleared, as one in a tuple would be. */
   template <class F>
   struct Array : std::array<std::conditional_t<std::is_same_v<F, float>, std::uint32_t, F>, kLanes>
   {

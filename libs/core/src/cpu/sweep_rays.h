@@ -4,14 +4,14 @@
 namespace talus::kernels
 {
 /** Removes the buried rays of some directions ring by ring, and replaces each lowest hit by the
- * lowest ray that went at least that far, as SettleRays does on a device. No limits are looked for
- * in directions in which no ray could be buried, wherever known ground is. */
+ * lowest ray that went at least that far, as SettleRays does on a device. It computes no limits in
+ * directions where no ray could be buried, wherever there is known ground. */
 struct SweepRays
 {
   FindGroundHits ground;
   std::int32_t* rays;
-  float* lowest_slope;  //!< as SettleRays leaves it; -infinity in directions without doubt
-  std::uint8_t* doubted;  //!< by direction; the last frame's before
+  float* lowest_slope;  //!< as from SettleRays; -infinity in directions without doubt
+  std::uint8_t* doubted;  //!< by direction; of the last frame before the call
 
   void operator()(int first_bin, int last_bin) const
   {
@@ -28,7 +28,7 @@ struct SweepRays
  private:
   static constexpr int kBlock = 256, kGroup = 32;
 
-  /** Directions on the way outwards. */
+  /** Sums of some directions on the way outwards. */
   struct Directions
   {
     BuriedBelow seen[kBlock];
@@ -63,7 +63,7 @@ struct SweepRays
       bury_ring(d, ring, rays + first, lowest_slope + first, doubted + first_bin, bins);
     }
   }
-  /** What the last frame left. */
+  /** Clears the values of the last frame. */
   void forget(int first_bin, int bins) const
   {
     for (int bin = first_bin; bin < first_bin + bins; bin++)
@@ -110,8 +110,8 @@ struct SweepRays
       if (d.seen[b].meet(row[b], limit[h])) row[b] = kNoRay;
     }
   }
-  /** Lists the hits in doubted directions, since whether a place holds one cannot be guessed; the
-   * last group of the list is filled up with any bin. */
+  /** Lists the hits in doubted directions, which a branch could not predict. The last group of the
+   * list is filled up with any bin. */
   static int list_hits(const std::int32_t* row, const std::uint8_t* doubt, int bins, int* bin)
   {
     int hits = 0;
@@ -130,7 +130,7 @@ struct SweepRays
     for (int h = hits; h % kGroup; h++) bin[h] = 0;
     return hits;
   }
-  /** In loops that become vector code, but for the loads of the states, which are bytes. */
+  /** Its loops become vector code, except for the loads of the states, which are bytes. */
   void find_limits(
       const Directions& d, const std::int32_t* row, int ring, const int* bin, int hits,
       float* limit) const

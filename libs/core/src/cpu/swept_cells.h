@@ -3,7 +3,7 @@
 
 namespace talus::kernels
 {
-// Before and after the lines of stage 6 are swept, see cpu/lines.h.
+// Stage 6 before and after the lines are swept, see cpu/lines.h.
 
 struct TakeSample
 {
@@ -30,15 +30,15 @@ struct TakeSample
   }
 };
 
-/** What was inferred of the cells, by place of the grid. */
+/** The inferred values of the cells, by place of the grid. */
 struct InferenceGrid
 {
   Inference* cells;
   std::uint8_t* marks;  //!< bits of FillMark
-  float* fall_m;  //!< near enough for stage 7: what its ground may fall by, see fall_in()
+  float* fall_m;  //!< see fall_in(); set where stage 7 needs it
 };
 
-/** Fills cell (ix, iy) from what was found when the lines were walked. */
+/** Fills cell (ix, iy) from the swept lines. */
 struct FillWalkedCell
 {
   FillCell fill;

@@ -17,7 +17,6 @@
 
 namespace talus
 {
-/** All work on the calling thread. */
 struct OneThread
 {
   using Atomics = kernels::SerialAtomics;
@@ -34,14 +33,14 @@ struct OneThread
   }
 };
 
-/** A loop in pieces. Each thread has its own stretch of them, so that what it wrote in the loops
- * before is still near it; then it takes those of others, who may not have come. */
+/** A loop in pieces. Each thread has its own range of them, whose memory is still in its cache from
+ * earlier loops; then it takes pieces of threads that are late. */
 class SharedLoop
 {
  public:
   explicit SharedLoop(int threads) : own_(static_cast<std::size_t>(threads)) {}
 
-  /** body(begin, end) of pieces of [0, n), on this thread, the first, and all that help(). */
+  /** body(begin, end) for pieces of [0, n), on this thread, the first, and all that call help(). */
   template <class Body>
   void run(int n, int piece, const Body& body)
   {
@@ -62,7 +61,7 @@ class SharedLoop
     if (failed_.load(std::memory_order_relaxed)) rethrow();
   }
 
-  /** Takes a piece as that thread; false: none is left. */
+  /** Runs one piece as that thread; false if none is left. */
   bool help(std::size_t thread)
   {
     for (std::size_t t = thread; t < own_.size(); t++)
@@ -72,7 +71,7 @@ class SharedLoop
     return false;
   }
 
-  /** Until `ready()`; lets others run when it takes long. */
+  /** Waits until `ready()`; lets others run when it takes long. */
   template <class Ready>
   static void wait(const Ready& ready)
   {
@@ -81,8 +80,8 @@ class SharedLoop
   }
 
  private:
-  /** The next piece of a thread; upper half: where its pieces end. One number says whether there is
-   * a piece and which, so that who comes late finds none. */
+  /** The next piece of a thread, and in the upper half the end of its pieces. They are one number,
+   * so that a late thread finds either a piece or none. */
   struct alignas(64) Own
   {
     std::atomic<std::uint64_t> next{0};
@@ -108,7 +107,7 @@ class SharedLoop
     return true;
   }
 
-  /** What a piece threw, when all are done. */
+  /** Rethrows the exception of a piece when all are done. */
   void rethrow()
   {
     failed_ = false;
@@ -125,7 +124,8 @@ class SharedLoop
 };
 
 #if defined(TALUS_HAVE_TBB)
-/** oneTBB threads. They are called once a frame, for its loops are shorter than calling them. */
+/** A pool of oneTBB threads. They are called once for each frame, since the loops are shorter than
+ * a call. */
 class ThreadPool
 {
  public:
@@ -178,8 +178,8 @@ class ThreadPool
         });
   }
 
-  /** body(begin, end) of pieces of [0, n), of about `grain` and more, as many for each thread where
-   * they can be cut so. */
+  /** body(begin, end) for pieces of [0, n), each of about `grain` or more, and if possible as many
+   * for each thread. */
   template <class Body>
   void run(int n, int grain, const Body& body)
   {
@@ -196,7 +196,7 @@ class ThreadPool
   }
 
  private:
-  static constexpr int kPieces = 16;  //!< of a loop for each thread, for some take longer
+  static constexpr int kPieces = 16;  //!< for each thread, since some pieces take longer
   std::unique_ptr<tbb::task_arena> arena_;
   std::unique_ptr<SharedLoop> loop_;
   bool called_ = false;

@@ -39,11 +39,11 @@ void copy_part(const CopyBlock& block, std::size_t begin, std::size_t size)
 }
 
 constexpr int kMostHelpers = 5;
-/** Less is copied alone; less than the second is not worth waking threads for. */
+/** A smaller copy is done alone; below the second size threads are not woken. */
 constexpr std::size_t kAlone = 96 * 1024, kLarge = 256 * 1024;
 constexpr std::size_t kPiece = 32 * 1024;
 
-/** Blocks cut into pieces, of which each thread takes the next. */
+/** Blocks in pieces; each thread takes the next one. */
 class SharedCopy
 {
  public:
@@ -64,7 +64,7 @@ class SharedCopy
       left_[b].fetch_sub(1, std::memory_order_release);
     }
   }
-  /** Tells of the blocks that are there. */
+  /** Calls `done` for the blocks that are complete. */
   void tell(const std::function<void(int)>& done)
   {
     for (; told_ < count_ && left_[told_].load(std::memory_order_acquire) == 0; told_++)

@@ -4,7 +4,7 @@
 
 namespace talus
 {
-/** `bytes` from one place to another, which may be the same. */
+/** A copy of `bytes`; source and destination may be the same. */
 struct CopyBlock
 {
   void* to;
@@ -14,10 +14,10 @@ struct CopyBlock
   std::size_t to_copy() const { return to == from ? 0 : bytes; }
 };
 
-/** Copies up to kMaxCopyBlocks blocks into memory that a device reads next: past the caches, from
- * which the bus would have to fetch it back, and where they are large by several threads, since one
- * core does not keep up with the bus. `done(i)` is called once for each
- * block, in order, as soon as it is there; by one thread at a time. */
+/** Copies up to kMaxCopyBlocks blocks into memory that a device reads next. It writes past the
+ * caches, from which the bus would have to fetch, and uses several threads for large blocks, since
+ * one core is slower than the bus. One thread at a time calls `done(i)` once for each block, in
+ * order, as soon as it is complete. */
 constexpr int kMaxCopyBlocks = 4;
 void copy_blocks(const CopyBlock* blocks, int count, const std::function<void(int)>& done);
 

@@ -7,10 +7,10 @@
 
 namespace talus
 {
-/** Runs the stages on a CUDA device. A frame is recorded once as a graph and then replayed: one
- * launch a frame, on memory that does not move; it is recorded anew when memory grows or when other
- * outputs are wanted. Each slot has a recording of its own; the points of a frame are on their way
- * while the frame before is computed, whose layers are on theirs while the next is. */
+/** Runs the stages on a CUDA device. A frame is recorded once as a graph and then replayed with one
+ * launch, on memory that does not move; it is recorded anew when memory grows or when other outputs
+ * are wanted. Each slot has its own recording. The points of a frame travel while the frame before
+ * is computed, its layers while the next one is. */
 class CudaExecutor
 {
  public:
@@ -18,25 +18,25 @@ class CudaExecutor
   using Buffer = DeviceBuffer<T>;
   using Atomics = kernels::DeviceAtomics;
 
-  /** On the device of that number. Throws std::runtime_error that says why where there is none, or
-   * none that this build has code for. */
+  /** Throws std::runtime_error with the reason if there is no such device, or this build has no
+   * code for it. */
   explicit CudaExecutor(int device);
 
   std::string name() const { return name_; }
 
-  /** Cells of more points are updated by a warp. */
+  /** A warp updates cells with more points. */
   static constexpr int kCrowd = 4;
 
-  /** Of what follows, up to the next use(), on the thread that calls it. */
+  /** Selects the slot of the following calls, on the thread that calls it. */
   void use(int index)
   {
-    TALUS_CUDA(cudaSetDevice(device_.number));  // which CUDA keeps for each thread
+    TALUS_CUDA(cudaSetDevice(device_.number));  // CUDA keeps it for each thread
     now_ = static_cast<std::size_t>(index);
     if (!slot().queue.stream) slot() = CudaSlot::make();
   }
 
-  // ---- memory: these wait until they are done ----
-  /** First also for the frames in flight. */
+  // ---- memory: these calls wait until they are done ----
+  /** Waits for the frames in flight, too. */
   template <class T>
   void allocate(Buffer<T>& buffer, std::size_t size, T value)
   {
@@ -48,7 +48,7 @@ class CudaExecutor
   }
   template <class T>
   using HostBuffer = PinnedBuffer<T>;
-  /** Of host memory that kernels reach, for at least so many; what was there is lost. */
+  /** Grows host memory that kernels reach to at least `size`; its contents are lost. */
   template <class T>
   void make_room(HostBuffer<T>& buffer, std::size_t size)
   {
@@ -67,7 +67,7 @@ class CudaExecutor
     synchronize();
   }
   void synchronize() { TALUS_CUDA(cudaStreamSynchronize(slot().queue.stream.get())); }
-  /** To wait, later, for what was called up to here. */
+  /** Marks a point for wait_for_mark(). */
   void mark() { TALUS_CUDA(cudaEventRecord(marked_.get(), slot().queue.stream.get())); }
   void wait_for_mark() { TALUS_CUDA(cudaEventSynchronize(marked_.get())); }
 
@@ -80,7 +80,7 @@ class CudaExecutor
     slot().direct_bytes = 0;
   }
 
-  // ---- one frame, of the slot in use ----
+  // ---- the frame of the slot in use ----
   /** Graphs are recorded for as many points as there is room for. */
   int loop_size(int, std::size_t capacity) const { return static_cast<int>(capacity); }
   int workers(int elements) const { return elements / 8 + 1; }
@@ -96,7 +96,7 @@ class CudaExecutor
     TALUS_CUDA(cudaGraphLaunch(slot().graph.get(), slot().queue.stream.get()));
     slot().in_flight = true;
   }
-  /** `then`: what comes after it, and is waited for with it. */
+  /** `then` follows the frame, and is waited for with it. */
   template <class Body, class Then>
   void finish_frame(const Body&, const Then& then)
   {
@@ -107,7 +107,7 @@ class CudaExecutor
   void fetch(Buffer<kernels::FrameContext>& context);
   /** Where a frame leaves its counters for the host. */
   std::uint32_t* reported() { return slot().counters.data(); }
-  /** Kernels that were recorded since the last stage belong to a stage. */
+  /** The kernels recorded since the last call belong to this stage. */
   void end_stage(Stage stage) { end_of_stage_[static_cast<std::size_t>(stage)] = stage_end_++; }
   std::array<double, kStageCount> stage_ms() const;
   double total_ms() const
@@ -115,15 +115,15 @@ class CudaExecutor
     return std::chrono::duration<double, std::milli>(CudaSlot::Clock::now() - slot().start).count();
   }
 
-  // ---- loops: in the order of calls, within a frame as part of its graph ----
+  // ---- loops: they run in the order of the calls, within a frame as part of its graph ----
   template <class F>
   void for_each(int n, const F& f)
   {
-    // Few elements in small blocks, so that they spread over the device.
+    // A few elements use small blocks, to spread over the device.
     const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
     launch(loops::over_range<F>, dim3(blocks(n, size)), dim3(size), 0, n, f);
   }
-  /** to[i] = f(i) for i in [0, n), in host memory that kernels reach. */
+  /** to[i] = f(i) for i in [0, n); `to` is host memory that kernels reach. */
   template <class F, class T>
   void for_each_to_host(int n, const F& f, T* to)
   {
@@ -131,7 +131,7 @@ class CudaExecutor
         loops::to_host<F, T>, dim3(blocks(n, loops::kHandedOver)), dim3(loops::kHandedOver), 0, n,
         f, to);
   }
-  /** f(i, from[i]), the same. */
+  /** f(i, from[i]) for i in [0, n); `from` is host memory that kernels reach. */
   template <class F, class T>
   void for_each_from_host(int n, const F& f, const T* from)
   {
@@ -148,7 +148,7 @@ class CudaExecutor
         loops::over_range_and_cells<F, G>, dim3(blocks(n, size) + cells.x * cells.y), dim3(size), 0,
         n, f, nx, ny, in_line(cells), g);
   }
-  /** Of the points [0, n) and of crowded cells, at most so many, but few are expected: see
+  /** For the points [0, n) and for crowded cells, at most `crowded`, though few are expected: see
    * kernels::UpdateCell. */
   template <class F>
   void for_each_and_group(int n, int crowded, const F& f)
@@ -164,7 +164,6 @@ class CudaExecutor
   {
     for_each_cell_of_rows(nx, 0, ny, f, false);
   }
-  /** The rows [first, end). */
   template <class F>
   void for_each_cell_of_rows(int nx, int first, int end, const F& f, bool beside_last)
   {
@@ -173,11 +172,11 @@ class CudaExecutor
         loops::over_cells<F>, tiles(nx, end - first, rows), dim3(loops::kTileWidth, rows), 0, nx,
         first, end, f, beside_last);
   }
-  /** Erosion f, then dilation g of what it says, over a wider neighbourhood. */
+  /** Erosion f, then dilation g of its result, over a wider neighbourhood. */
   template <class F, class G>
   void for_each_opening(int nx, int ny, int radius, int wide, const F& f, const G& g)
   {
-    // As below; and what fits into shared memory.
+    // As in for_each_judged_cell_of_rows(); it must fit into shared memory.
     const int width = loops::kTileWidth + 2 * wide;
     const auto size = [&](int height)
     {
@@ -191,14 +190,14 @@ class CudaExecutor
         loops::over_opening<F, G>, tiles(nx, ny, height), dim3(loops::kOpeningThreads),
         size(height), nx, ny, radius, wide, height, f, g);
   }
-  /** f of the neighbourhoods of cells, then g of what f says of each cell and its neighbours, see
-   * kernels::CompleteObstacles. Of the rows [first, end) of ny. */
+  /** f for the neighbourhoods of cells, then g for the results of each cell and its neighbours, see
+   * kernels::CompleteObstacles; for the rows [first, end) of ny. */
   template <class F, class G>
   void for_each_judged_cell_of_rows(
       int nx, int ny, int first, int end, int radius, const F& f, const G& g, bool beside_last)
   {
-    // High tiles share more rows; where there are few cells, low ones spread over the device and
-    // need one round of rows.
+    // High tiles share more rows. With few cells, low tiles spread over the device and need one
+    // round of rows.
     constexpr int rows = loops::kWindowThreads;
     const int most = std::min(loops::kJudgedRows, loops::kMostRows - 2 * radius);
     const int height = (nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : most) - 2;
@@ -209,8 +208,8 @@ class CudaExecutor
         dim3(loops::kTileWidth, loops::kWindowThreads), size * sizeof(typename F::Row), nx, ny,
         first, end, radius, height, f, g, beside_last);
   }
-  /** The steps of kernels::SettleRays; beside them g(i) for i in [0, n); after all of them
-   * finally(group), once. */
+  /** The steps of kernels::SettleRays, together with g(i) for i in [0, n); then finally(group),
+   * once. */
   template <class F, class G, class H>
   void for_each_direction_beside(int directions, const F& f, int n, const G& g, const H& finally)
   {
@@ -219,7 +218,7 @@ class CudaExecutor
         dim3(blocks(directions, loops::kDirections) + blocks(n, loops::kThreads)),
         dim3(loops::kThreads), 0, directions, f, n, g, finally, blocks_done_.data());
   }
-  /** Bit b of line l is f(l)(b). Layout [word][line]. */
+  /** Bit b of line l is f(l)(b), in the layout [word][line]. */
   template <class F>
   void pack_bits(int lines, int bits, const F& f, std::uint32_t* words)
   {
@@ -228,8 +227,8 @@ class CudaExecutor
         loops::over_bits<F>, dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32 * per_warp)),
         dim3(loops::kThreads), 0, lines, bits, f, words);
   }
-  /** f(x, y) of side * side cells, which says whether it marks one. Marks: bits of the rows, then
-   * of the columns, layout [word][line]. */
+  /** f(x, y) says whether it marks a cell of side * side. Marks: bits of the rows, then of the
+   * columns, in the layout [word][line]. */
   template <class F>
   void mark_cells(int side, const F& f, std::uint32_t* marks)
   {
@@ -237,8 +236,8 @@ class CudaExecutor
         loops::over_marked_cells<F>, tiles(side, side, loops::kTileRows),
         dim3(loops::kTileWidth, loops::kTileRows), 0, side, f, marks);
   }
-  /** f of the cells of the rows [first, end), see kernels::SearchAndFillCell: where there are few,
-   * each side of each line has a thread. */
+  /** f for the cells of the rows [first, end), see kernels::SearchAndFillCell. With few cells, each
+   * side of each line has a thread. */
   template <class F>
   void for_each_cell_by_lines(int n, int first, int end, const F& f, bool beside_last)
   {
@@ -264,8 +263,7 @@ class CudaExecutor
     queue().after_kernel = false;
   }
 
-  /** Copies in `body` start when what came before is done, and run beside what follows, up to
-   * join(). */
+  /** Copies in `body` start after the work so far, and run beside what follows, up to join(). */
   template <class Body>
   void aside(const Body& body)
   {
@@ -283,11 +281,10 @@ class CudaExecutor
     follow(side_, slot().queue);
     joins_ = false;
   }
-  /** body(first, end, beside_last) of all rows, of so many layers that are copied aside; in bands
-   * where that is worth while. The first is small, and each is computed about as fast as the last
-   * one is copied, so that the bus starts early and does not wait; fewer will do where it is still
-   * busy with layers that came before. Bands do not need each other:
-   * the kernels of all but the first may run beside the last one. */
+  /** body(first, end, beside_last) for all rows, in bands if `layers` are copied aside. The first
+   * band is small, and each takes about as long as the copy of the one before, so that the bus
+   * starts early and does not wait. There are fewer bands while the bus is busy with earlier
+   * layers. Bands are independent: the kernels of all but the first may run beside the last one. */
   template <class Body>
   void in_bands(int rows, int layers, int before, const Body& body)
   {
@@ -302,9 +299,9 @@ class CudaExecutor
   }
 
  private:
-  static constexpr std::size_t kSharedBytes = 48 * 1024;  //!< that a block gets anywhere
+  static constexpr std::size_t kSharedBytes = 48 * 1024;  //!< every block can have them
   static constexpr int kCellsPerGroup = 4, kWordsPerWarp = 4;
-  static constexpr int kManyThreads = 100000;  //!< enough to fill a device
+  static constexpr int kManyThreads = 100000;  //!< they fill a device
   static constexpr std::size_t kBandBytes = 1024 * 1024;
   static constexpr int kLeastShares = 4;
 
@@ -376,7 +373,7 @@ class CudaExecutor
     queue.after_kernel = true;
   }
 
-  /** Whether the points are copied by the bus as they are staged, not read from where they are. */
+  /** Whether the bus copies the points as they are staged; else kernels read them in place. */
   static bool copies_points(std::size_t capacity);
 
   std::string name_;
@@ -384,12 +381,12 @@ class CudaExecutor
   bool recording_ = false, beside_ = false, forked_ = false, joins_ = false;
   int stage_end_ = 0;
   Event marked_;
-  Buffer<unsigned> blocks_done_;  //!< of a loop that does something in its end
+  Buffer<unsigned> blocks_done_;  //!< for loops with a last step
   std::array<int, kStageCount> end_of_stage_{};
-  WorkQueue side_;  //!< of copies, where a frame is recorded
+  WorkQueue side_;  //!< for copies, while a frame is recorded
   std::array<CudaSlot, kSlots> slots_;
   std::size_t now_ = 0;
-  OwnDevice device_;  //!< the last member: what goes before it is given back to that device
+  OwnDevice device_;  //!< last member: the others are freed on this device
 };
 
 }  // namespace talus

@@ -8,11 +8,11 @@ namespace
 {
 constexpr std::size_t kContextWords = sizeof(kernels::FrameContext) / sizeof(std::uint32_t);
 constexpr std::size_t kStagedPoints = (kContextWords + 63) / 64 * 64;  //!< where the arrays begin
-/** Frames of up to so many bytes are read from host memory by the kernel that accepts points;
- * larger ones are copied by the bus, each array while the next one is staged. */
+/** Up to so many bytes the accepting kernel reads points from host memory. The bus copies larger
+ * frames, each array while the next one is staged. */
 constexpr std::size_t kReadBytes = 512 * 1024;
-/** Layers of up to so many bytes in all are written to host memory by the kernels that compute
- * them; what is beyond is copied. */
+/** Up to so many bytes of layers are written to host memory by their kernels; the rest is copied.
+ */
 constexpr std::size_t kDirectBytes = 1024 * 1024;
 }  // namespace
 
@@ -67,7 +67,7 @@ inline PointArrays CudaExecutor::point_arrays(std::size_t capacity)
   CudaSlot& s = slot();
   if (capacity != s.capacity)
   {
-    s.capacity = 0;  // until all is there
+    s.capacity = 0;  // until all memory is there
     s.staged = {};
     s.staged = PinnedBuffer<std::uint32_t>(kStagedPoints + 4 * capacity);
     std::memset(s.staged.data(), 0, s.staged.size() * sizeof(std::uint32_t));

@@ -4,8 +4,8 @@
 
 namespace talus::kernels
 {
-// How a device finds the samples of stage 7. Every line, row and column keeps one bit a place,
-// "measured ground here", so that finding the next sample is a bit scan.
+// How a device finds the samples of stage 6. Every line, row and column keeps one bit for each
+// place, "measured ground here", so that a bit scan finds the next sample.
 
 TALUS_HD int words_per_axis(const Config& k) { return (k.cells + 31) / 32; }
 TALUS_HD int words_per_line(const Config& k) { return line_rings(k) / 32 + 1; }
@@ -30,8 +30,8 @@ TALUS_HD std::uint32_t reverse_bits(std::uint32_t bits)
 #endif
 }
 
-/** The marks of one line: bit r % 32 of word r / 32 is place r. Places beyond both ends of the line
- * are not marked, up to kGuardWords words. */
+/** The marks of one line: bit r % 32 of word r / 32 is place r. Up to kGuardWords words beyond both
+ * ends are not marked. */
 struct LineMarks
 {
   const std::uint32_t* word0;
@@ -39,8 +39,8 @@ struct LineMarks
 
   static constexpr int kView = 64, kGuardWords = 2;
 
-  /** The marks of the places at distances (from, from + kView] on one side of a place, the nearest
-   * is bit 0. The first of them must be on the line. */
+  /** The marks at distances (from, from + kView] on one side of a place; the nearest is bit 0. The
+   * first of them must be on the line. */
   TALUS_HD std::uint64_t view(int place, bool outwards, int from) const
   {
     const int first = outwards ? place + from + 1 : place - from - 1;
@@ -52,7 +52,7 @@ struct LineMarks
     const std::uint64_t high = static_cast<std::uint32_t>((b | c << 32) >> skipped);
     return low | high << 32;
   }
-  /** Distance to the nearest marked place; 0: none within reach, which must not leave the line. */
+  /** Distance to the nearest marked place; 0: none within reach, which must end on the line. */
   TALUS_HD int nearest(int place, bool outwards, int places_to_end) const
   {
     for (int from = 0; from < places_to_end; from += kView)
@@ -72,21 +72,21 @@ struct LineMarks
   }
 };
 
-/** A line from the sensor on the grid, place = ring, and how far fills look along it. */
+/** A line from the sensor on the grid, place = ring, and how far fills search it. */
 struct Track
 {
-  int begin, along;  //!< place 0, and from place to place
-  int across;  //!< how it drifts: from one row of places to the next
-  int minor, rings;  //!< minor / rings rows from place to place, rounded
+  int begin, along;  //!< place 0, and the stride to the next place
+  int across;  //!< stride to the next row of places
+  int minor, rings;  //!< it shifts minor / rings rows for each place, rounded
   float inverse;  //!< 1 / (2 rings)
-  float step_m;  //!< length per place
+  float step_m;  //!< length for each place
   int fill_places, sparsity_places;  //!< places
 
   TALUS_HD int operator()(int place) const
   {
     return begin + place * along + aside_at(place) * across;
   }
-  /** Cell at a place, from the sensor's cell. */
+  /** Cell at a place, relative to the sensor's cell. */
   TALUS_HD CellOffset offset(int place) const
   {
     const int ahead = along > 0 ? place : -place;
@@ -125,10 +125,10 @@ TALUS_HD Track radial_track(const Line& l, const LineGrid& grid, const Config& k
       places_in(k.sparsity_search_m, step_m, rings)};
 }
 
-/** What never changes of the lines from the sensor. */
+/** The constant data of the lines from the sensor. */
 struct LineTables
 {
-  std::int32_t* line;  //!< through a cell, by place of the grid
+  std::int32_t* line;  //!< of each cell, by place of the grid
   Track* track;  //!< by line
 };
 
@@ -150,8 +150,8 @@ struct FillLineTables
   }
 };
 
-/** Whether the cells of a line are samples. Packed into words: bit r of word w is ring 32 * w + r.
- * Layout [word][line]. */
+/** Whether the cells of a line are samples, in words: bit r of word w is ring 32 * w + r. Layout
+ * [word][line]. */
 struct SamplesOfLine
 {
   const std::uint32_t* axis_marks;  //!< of the rows, then of the columns, layout [word][line]
@@ -162,12 +162,12 @@ struct SamplesOfLine
   {
     const CellOffset at = track.offset(ring);
     const int ix = track.rings + at.dx, iy = track.rings + at.dy;
-    // Where the cells are even in number, lines end one cell beyond the window.
+    // With an even number of cells, lines end one cell beyond the window.
     return iy < cells && axis_marks[(ix >> 5) * 2 * cells + iy] >> (ix & 31) & 1u;
   }
 };
 
-/** From the marks of rows and columns, which are less to read than the cells. */
+/** Reads the marks of rows and columns, which are smaller than the cells. */
 struct FindSamples
 {
   const std::uint32_t* axis_marks;
@@ -177,7 +177,7 @@ struct FindSamples
   TALUS_HD SamplesOfLine operator()(int line) const { return {axis_marks, cells, track[line]}; }
 };
 
-/** Everything that the search of one cell along one line needs. */
+/** The data for the search of one cell along one line. */
 template <class Line>
 struct LineSearch
 {
@@ -187,7 +187,7 @@ struct LineSearch
   Line track;
   int place;
 
-  /** `places` cut short where the line ends. */
+  /** `places`, or less where the line ends. */
   TALUS_HD int places_to_end(bool outwards, int places) const
   {
     return min_of(places, outwards ? track.last() - place : place);
@@ -220,7 +220,7 @@ struct LineSearch
           if (found[b] > limit) found[b] = 0;
         }
         if (!found[0]) break;
-        // Loads first, so that they do not wait for each other.
+        // The loads come first, so that they do not wait for each other.
         float height[kBatch];
         for (int b = 0; b < kBatch; b++)
           height[b] = found[b] ? sample_m[at(outwards, found[b])] : 0.0f;
@@ -240,7 +240,7 @@ struct LineSearch
  private:
   static constexpr int kBatch = 2;
 
-  /** No samples; what is made of it and thrown away is not divided by zero, which would be slow. */
+  /** An estimate without samples. Its values avoid a division by zero, which would be slow. */
   static TALUS_HD SideEstimate none()
   {
     SideEstimate side;
@@ -249,9 +249,8 @@ struct LineSearch
   }
 };
 
-/** Searches the lines through cell (ix, iy) and fills it: the one from the sensor and, for
- * kFillLines, the column and the row. Their sides may be searched side by side, or one after the
- * other. */
+/** Searches the lines through cell (ix, iy) and fills it: the line from the sensor and, for
+ * kFillLines, the column and the row. Their sides may be searched in parallel or in turn. */
 template <bool kAlongLines>
 struct SearchAndFillCell
 {
@@ -266,7 +265,7 @@ struct SearchAndFillCell
   LineTables tables;
   float* fall_m;  //!< see InferenceGrid
   LineGrid grid;
-  int axis_places;  //!< places that fills look along rows and columns
+  int axis_places;  //!< places to search along rows and columns
 
   TALUS_HD SideEstimate side(int line, bool outwards, int ix, int iy) const
   {
@@ -279,7 +278,7 @@ struct SearchAndFillCell
     if constexpr (kAlongLines) return fuse_lines(inner, outer, line == 0, k);
     return apply_printed_rule(inner, outer);
   }
-  /** From what the sides of the first line and all lines say. */
+  /** Fills the cell from the sides of the first line and the sums of all lines. */
   TALUS_HD void operator()(
       int ix, int iy, const SideEstimate& inner, const SideEstimate& outer, const LineFusion* lines,
       int stride) const
@@ -293,7 +292,7 @@ struct SearchAndFillCell
     finish(ix, iy, found);
   }
 
-  /** One after the other: where the first line says nothing, the others are not asked. */
+  /** Searches in turn: if the first line has no sample, the others are skipped. */
   TALUS_HD void operator()(int ix, int iy) const
   {
     finish(ix, iy, wanted(ix, iy) ? infer(ix, iy) : nothing());
@@ -316,7 +315,7 @@ struct SearchAndFillCell
   static TALUS_HD Inferred nothing()
   {
     Inferred none;
-    none.ground.lines.information = 1.0f;  // nor is this divided by zero
+    none.ground.lines.information = 1.0f;  // avoids a division by zero
     return none;
   }
 
@@ -365,7 +364,7 @@ struct SearchAndFillCell
         along_x ? ix : iy};
   }
 
-  /** What the line from the sensor says, of which the lines are known. */
+  /** The result of the line from the sensor. */
   TALUS_HD Inferred beside_sensor(
       const LineSearch<Track>& radial, int ix, int iy, const SideEstimate& inner,
       const SideEstimate& outer, const LineFusion& lines) const
@@ -385,7 +384,7 @@ struct SearchAndFillCell
     }
     return found;
   }
-  /** What has samples towards the sensor only. */
+  /** For a cell with samples towards the sensor only. */
   TALUS_HD bool is_undercut_ahead(const LineSearch<Track>& radial, const SideEstimate& inner) const
   {
     const int last = radial.place + radial.places_to_end(true, radial.track.fill_places);
@@ -396,7 +395,7 @@ struct SearchAndFillCell
     {
       const CellOffset at = radial.track.offset(place);
       const int ix = grid.half + at.dx, iy = grid.half + at.dy;
-      if (ix >= k.cells || iy >= k.cells) break;  // lines end one cell beyond an even window
+      if (ix >= k.cells || iy >= k.cells) break;  // as in SamplesOfLine
       const float bound_m = ray_bound(fill.passing, iy * k.cells + ix);
       any |= undercuts(
           bound_m, inner.nearest_m, static_cast<float>(place - sample) * radial.track.step_m, k);
@@ -413,7 +412,7 @@ struct SearchAndFillCell
         samples.marks[sample_i]};
   }
 
-  /** What the ground may fall by to the sample so many places behind; NaN: one side has none. */
+  /** The fall of the ground to the sample that many places behind; NaN: one side has no sample. */
   TALUS_HD Fall fall_to(const LineSearch<Track>& radial, int behind) const
   {
     const int before = radial.nearest(false, radial.track.sparsity_places);

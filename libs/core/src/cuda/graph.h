@@ -7,7 +7,7 @@ namespace talus
 {
 struct DestroyStream
 {
-  /** Waits: memory that the stream works on may go next. */
+  /** Waits, since the memory of its work may be freed next. */
   void operator()(cudaStream_t s) const
   {
     static_cast<void>(cudaStreamSynchronize(s));
@@ -48,7 +48,7 @@ inline Event make_event()
   return Event(e);
 }
 
-/** Records what `body` puts on the stream instead of running it. */
+/** Records the work that `body` puts on the stream instead of running it. */
 template <class Body>
 Graph capture(const Stream& stream, const Body& body)
 {

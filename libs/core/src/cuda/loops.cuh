@@ -9,27 +9,27 @@
 #include <utility>
 
 // The loops of the CUDA executor as kernels. Each takes the rule for one point, cell or bit by
-// value and leaves the time at which it finished in `done_ns`.
+// value and leaves its end time in `done_ns`.
 
 namespace talus::loops
 {
-constexpr int kThreads = 256;  //!< of a block over a range, at most
-constexpr int kTileWidth = 32, kTileRows = 8;  //!< threads of a block over cells, at most
-// Of a multiprocessor, at least: bounds the registers. Of blocks over bits, since the one warp that
-// does more must not take those of the others.
+constexpr int kThreads = 256;  //!< most of a block over a range
+constexpr int kTileWidth = 32, kTileRows = 8;  //!< most of a block over cells
+// Least blocks of a multiprocessor, which bound the registers. For blocks over bits, since the one
+// warp that does more must not take the registers of the others.
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
 constexpr int kTilesAtOnce = 4, kBitBlocksAtOnce = 4;
 #else
 constexpr int kTilesAtOnce = 5, kBitBlocksAtOnce = 6;
 #endif
 constexpr int kOpeningThreads = 1024;
-constexpr int kHandedOver = 64;  //!< threads of a block that hands over records
-constexpr int kWindowThreads = 16;  //!< rows of threads of a block with neighbourhoods
-constexpr int kJudgedRows = 2 * kWindowThreads;  //!< of a tile that overlaps with others, at most
-constexpr int kMostRows = 43;  //!< that such a tile sums: what fits into shared memory beside them
+constexpr int kHandedOver = 64;  //!< of a block that hands over records
+constexpr int kWindowThreads = 16;  //!< rows of a block with neighbourhoods
+constexpr int kJudgedRows = 2 * kWindowThreads;  //!< most of a tile that overlaps with others
+constexpr int kMostRows = 43;  //!< most that such a tile sums, to fit into shared memory
 
-/** Where kernels are chained (programmatic dependent launch), a kernel is brought up while its
- * predecessor still runs: waits for its results, then lets the successor come up. */
+/** With programmatic dependent launch a kernel is brought up while its predecessor still runs. This
+ * waits for the predecessor's results, then lets the successor come up. */
 __device__ inline void wait_for_predecessor()
 {
 #if __CUDA_ARCH__ >= 900
@@ -38,9 +38,9 @@ __device__ inline void wait_for_predecessor()
 #endif
 }
 
-/** wait_for_predecessor() of a kernel that may run beside its predecessor, since it needs nothing
- * from it: that one is waited for in the end, so that who waits for this kernel has waited for
- * both. */
+/** wait_for_predecessor() for a kernel that may run beside its predecessor, since it needs nothing
+ * from it. Its end waits for the predecessor, so that waiting for this kernel is waiting for both.
+ */
 __device__ inline void start(bool beside_last)
 {
   if (!beside_last)
@@ -59,7 +59,7 @@ __device__ inline void finish(bool beside_last)
 #endif
 }
 
-/** The last block notes when it is done. */
+/** The last block notes the time. */
 __device__ inline void note_time(std::uint64_t* done_ns)
 {
   const bool last = blockIdx.x == gridDim.x - 1 && blockIdx.y == gridDim.y - 1;
@@ -76,8 +76,7 @@ __global__ void __launch_bounds__(kThreads) over_range(int n, F f, std::uint64_t
   note_time(done_ns);
 }
 
-/** to[i] = f(i), in host memory: a block sends what it has, word after word, as the bus carries it
- * best. */
+/** to[i] = f(i), in host memory. A block sends word after word, which suits the bus best. */
 template <class F, class T>
 __global__ void __launch_bounds__(kHandedOver) to_host(int n, F f, T* to, std::uint64_t* done_ns)
 {
@@ -99,7 +98,7 @@ __global__ void __launch_bounds__(kHandedOver) to_host(int n, F f, T* to, std::u
   note_time(done_ns);
 }
 
-/** f(i, from[i]), the same. */
+/** f(i, from[i]), from host memory in the same way. */
 template <class F, class T>
 __global__ void __launch_bounds__(kHandedOver)
     from_host(int n, F f, const T* from, std::uint64_t* done_ns)
@@ -122,8 +121,8 @@ __global__ void __launch_bounds__(kHandedOver)
   note_time(done_ns);
 }
 
-/** f.update() of crowded cells by groups, a warp each, since theirs is the longer work: each takes
- * the next one of those that are left. Then of the cells of the range, a thread each. */
+/** f.update() of crowded cells first, a warp each, for they take longer: each warp takes the next
+ * one. Then the cells of the range, a thread each. */
 template <class F>
 __global__ void __launch_bounds__(kThreads)
     over_range_and_groups(int n, int groups, F f, std::uint64_t* done_ns)
@@ -155,7 +154,7 @@ __global__ void __launch_bounds__(kTileWidth* kTileRows, kTilesAtOnce)
   note_time(done_ns);
 }
 
-/** Sums along the rows [first, last), of a block's columns, to shared memory. */
+/** Sums of a block's columns along the rows [first, last), in shared memory. */
 template <class F>
 __device__ void sum_rows(const F& f, int x, int first, int last, int radius, typename F::Row* rows)
 {
@@ -168,7 +167,7 @@ __device__ void sum_rows(const F& f, int x, int first, int last, int radius, typ
   }
 }
 
-/** Of these, the sum over the neighbourhood of a cell of row y. */
+/** Adds them up over the neighbourhood of a cell of row y. */
 template <class F>
 __device__ typename F::Window sum_window(
     const F& f, int y, int first, int last, int radius, const typename F::Row* rows)
@@ -191,9 +190,9 @@ __device__ void over_tile(int columns, int rows, const F& f)
   }
 }
 
-/** Erosion f and dilation g of what it says, over square neighbourhoods of one radius and a wider
- * one: each along the rows that a tile of `height` rows needs first, then across them. See
- * kernels::ErodeGround. */
+/** Erosion f and dilation g of its result, over square neighbourhoods of one radius and a wider
+ * one: each along the rows of a tile of `height` rows, then across them. See kernels::ErodeGround.
+ */
 template <class F, class G>
 __global__ void __launch_bounds__(kOpeningThreads)
     over_opening(int nx, int ny, int radius, int wide, int height, F f, G g, std::uint64_t* done_ns)
@@ -256,10 +255,9 @@ __global__ void __launch_bounds__(kOpeningThreads)
   note_time(done_ns);
 }
 
-/** Sums over square neighbourhoods, for the rows [y_first, y_end) of ny: those along all rows that
- * a tile of `height` rows needs go to shared memory, then those across them to f.judge(). Then
- * g.complete() of what f says of a cell and its eight neighbours: tiles overlap by a cell on each
- * side. */
+/** Sums over square neighbourhoods, for the rows [y_first, y_end) of ny. Sums along the rows of a
+ * tile of `height` rows go to shared memory, sums across them to f.judge(). Then g.complete() gets
+ * the results of a cell and its eight neighbours: tiles overlap by a cell on each side. */
 template <class F, class G>
 __global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows_and_neighbours(
     int nx, int ny, int y_first, int y_end, int radius, int height, F f, G g, bool beside_last,
@@ -299,7 +297,7 @@ struct Tiles
   int columns;
   float inverse_columns;
 
-  /** g(x, y) of the thread's cell, of nx * ny; blocks are of one dimension too. */
+  /** g(x, y) for the thread's cell of nx * ny, with blocks of one dimension. */
   template <class G>
   __device__ void run(int block, int nx, int ny, const G& g) const
   {
@@ -311,7 +309,7 @@ struct Tiles
   }
 };
 
-/** What f reads of element i while its predecessor may still run. */
+/** The data that f may read of element i before its predecessor ends. */
 template <class F, class = void>
 struct Early
 {
@@ -343,10 +341,9 @@ __global__ void __launch_bounds__(kThreads)
   note_time(done_ns);
 }
 
-constexpr int kStretches = 32;  //!< into which a direction is cut: a warp
-constexpr int kDirections = 8;  //!< of a block: what a sector of memory holds
+constexpr int kStretches = 32;  //!< of a direction, one for each lane of a warp
+constexpr int kDirections = 8;  //!< of a block: one sector of memory
 
-/** v of another thread of the warp. */
 template <class T>
 __device__ T from_lane(const T& v, int lane)
 {
@@ -359,7 +356,7 @@ __device__ T from_lane(const T& v, int lane)
   return out;
 }
 
-/** What the lanes before this one have in sum; v is empty at first. */
+/** The sum of the lanes before this one; v is empty at first. */
 template <class T>
 __device__ T sum_before(T v)
 {
@@ -373,7 +370,7 @@ __device__ T sum_before(T v)
   return lane ? before : T{};
 }
 
-/** Of each stretch of the block's directions, what those before it have in sum. */
+/** For each range of the block's directions, the sum of the ranges before it. */
 template <class T>
 __device__ T sum_before_stretch(const T& own, T (*shared)[kStretches + 1], int at, int direction)
 {
@@ -408,8 +405,8 @@ __device__ void over_directions(int block, int directions, const F& f)
   f.sweep(direction, begin, end, lowest);
 }
 
-/** Whether this is the last of so many blocks to come here; it sees what the others wrote. The
- * count starts and ends at zero. */
+/** Whether this is the last of so many blocks; it sees the writes of the others. The count starts
+ * and ends at zero. */
 __device__ inline bool is_last_of(int blocks, unsigned* blocks_done)
 {
   __shared__ bool last;
@@ -425,7 +422,7 @@ __device__ inline bool is_last_of(int blocks, unsigned* blocks_done)
   return last;
 }
 
-/** First the directions, since theirs is the longer work; when all is done, finally(group). */
+/** The directions first, for they take longer; after everything finally(group). */
 template <class F, class G, class H>
 __global__ void __launch_bounds__(kThreads) over_directions_and_range(
     int directions, F f, int n, G g, H finally, unsigned* blocks_done, std::uint64_t* done_ns)
@@ -444,7 +441,8 @@ __global__ void __launch_bounds__(kThreads) over_directions_and_range(
   note_time(done_ns);
 }
 
-/** f(line)(bit) of all bits as words, layout [word][line]. A warp makes several words of a line. */
+/** f(line)(bit) for all bits as words, in the layout [word][line]. A warp makes several words of a
+ * line. */
 template <class F>
 __global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce)
     over_bits(int lines, int bits, F f, std::uint32_t* words, std::uint64_t* done_ns)
@@ -466,9 +464,9 @@ __global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce)
   note_time(done_ns);
 }
 
-/** f.begin(x, y) of the cells; f.inspect(x, y, what) of those for which that gave something, by a
- * warp each, since it is long and they are few; then f(x, y), which marks some: the marks of the
- * rows, then of the columns, layout [word][line]. */
+/** f.begin(x, y) for the cells; f.inspect(x, y, what) for those where that is not zero, a warp
+ * each, since it is long and they are few; then f(x, y), whose marks are written for the rows, then
+ * for the columns, in the layout [word][line]. */
 template <class F>
 __global__ void __launch_bounds__(kTileWidth* kTileRows)
     over_marked_cells(int side, F f, std::uint32_t* marks, std::uint64_t* done_ns)
@@ -476,7 +474,7 @@ __global__ void __launch_bounds__(kTileWidth* kTileRows)
   wait_for_predecessor();
   __shared__ unsigned rows[kTileRows];
   constexpr int kCells = kTileRows * kTileWidth;
-  __shared__ int wanting[kCells], n_wanting;  // kCells times what begin() gave and which cell
+  __shared__ int wanting[kCells], n_wanting;  // kCells times the result of begin(), plus the cell
   const int lane = static_cast<int>(threadIdx.x), row = static_cast<int>(threadIdx.y);
   const int word = static_cast<int>(blockIdx.x), x0 = kTileWidth * word, x = x0 + lane;
   const int y0 = static_cast<int>(blockIdx.y) * kTileRows, y = y0 + row;
@@ -507,8 +505,8 @@ __global__ void __launch_bounds__(kTileWidth* kTileRows)
   note_time(done_ns);
 }
 
-/** f.side() of both sides of the lines through a cell, a thread each, then f.line(), then f of the
- * cell. */
+/** f.side() for both sides of the lines through a cell, a thread each, then f.line(), then f for
+ * the cell. */
 template <class F>
 __global__ void __launch_bounds__(2 * F::kLines * 32)
     over_cells_by_lines(int nx, int y0, F f, std::uint64_t* done_ns)

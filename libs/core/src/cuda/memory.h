@@ -8,11 +8,11 @@
 
 namespace talus
 {
-/** Throws with the call, the file and the line where a call of the CUDA runtime fails. */
+/** Throws with the call, the file and the line if a call of the CUDA runtime failed. */
 inline void check_cuda(cudaError_t error, const char* call, const char* file, int line)
 {
   if (error == cudaSuccess) return;
-  static_cast<void>(cudaGetLastError());  // so that the next call starts clean
+  static_cast<void>(cudaGetLastError());  // clears the error for the next call
   const char* slash = std::strrchr(file, '/');
   throw std::runtime_error(
       std::string("CUDA: ") + cudaGetErrorString(error) + " (" + cudaGetErrorName(error) + ") in " +
@@ -20,7 +20,7 @@ inline void check_cuda(cudaError_t error, const char* call, const char* file, in
 }
 #define TALUS_CUDA(call) ::talus::check_cuda((call), #call, __FILE__, __LINE__)
 
-/** The device of a map. The thread that ends the map may have worked with another one. */
+/** The device of a map. The thread that destroys the map may use another device. */
 struct OwnDevice
 {
   int number = 0;
@@ -31,7 +31,6 @@ struct OwnDevice
   }
 };
 
-/** Memory of the device. */
 template <class T>
 class DeviceBuffer
 {
@@ -55,7 +54,7 @@ class DeviceBuffer
   std::size_t size_ = 0;
 };
 
-/** Memory of the host that the device reaches under the same address. */
+/** Host memory that the device reaches under the same address. */
 template <class T>
 class PinnedBuffer
 {
@@ -79,11 +78,11 @@ class PinnedBuffer
   std::size_t size_ = 0;
 };
 
-/** Someone else's host memory, made reachable for the device while this lives. */
+/** Makes host memory of others reachable for the device during its life. */
 class HostRegistration
 {
  public:
-  /** Leaves it unreachable where the system refuses. */
+  /** If the system refuses, device() is null. */
   HostRegistration(void* memory, std::size_t bytes)
   {
     void* device = nullptr;
@@ -92,7 +91,7 @@ class HostRegistration
     if (memory_ && cudaHostGetDevicePointer(&device, memory, 0) == cudaSuccess) device_ = device;
     static_cast<void>(cudaGetLastError());
   }
-  /** As the device sees it, or null. */
+  /** The device's address, or null. */
   void* device() const { return device_; }
 
  private:

@@ -6,11 +6,11 @@
 
 namespace talus::kernels
 {
-// Stages 1 to 3 on a device, a thread each point: points are counted in their cells before it
-// is known which of them are buried, and each cell reserves a stretch of the sorted ones.
+// Stages 1 to 3 on a device, a thread for each point. Points are counted in their cells before the
+// buried ones are known, and each cell reserves a range of the sorted points.
 
-/** Stage 1 on one point; counts it in its cell, also if it will turn out to be buried. The
- * point itself is there before the frame's context is. */
+/** Stage 1 on one point; counts it in its cell, even if it is buried. The point is there before the
+ * frame's context is. */
 template <class Atomics>
 struct AcceptAndCountPoint
 {
@@ -28,7 +28,7 @@ struct AcceptAndCountPoint
   }
 };
 
-/** Stage 2 on one cell; forgets the reach of the last frame's rays, see NoteReach. */
+/** Stage 2 on one cell; clears the reach of the last frame's rays, see NoteReach. */
 struct RollCellAndReach
 {
   ForgetHits forget;
@@ -45,8 +45,8 @@ struct RollCellAndReach
   }
 };
 
-/** Reserves a stretch for the cell of a point, if it is the first there; and counts how far the
- * point lies above the map. */
+/** The first point of a cell reserves its range. Each point is counted in the histogram of offsets.
+ */
 template <class Atomics>
 struct ReserveStretch
 {
@@ -69,14 +69,13 @@ struct ReserveStretch
   }
 };
 
-/** Sorts one point, unless it is buried, which was not known when points were counted; and
- * notes how far their rays went. */
+/** Sorts one point unless it is buried, and notes how far its ray went. */
 template <class Atomics>
 struct SortUnburiedPoint
 {
   SortPoint sort;
   NoteReach<Atomics> reach;
-  const float* lowest_slope;  //!< of a ray that is not buried
+  const float* lowest_slope;  //!< for rays that are not buried
   std::uint32_t* kept_count;  //!< by storage index, zero before
   std::uint32_t* rejected;  //!< by RejectCode
 

@@ -3,7 +3,7 @@
 
 namespace talus::kernels
 {
-/** Hands the counters out and leaves what the next frame expects to find: as one of `workers`. */
+/** Hands over the counters and resets the memory for the next frame; one of `workers` threads. */
 struct ResetFrame
 {
   std::int32_t* rays;

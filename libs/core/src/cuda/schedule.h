@@ -9,9 +9,9 @@
 
 namespace talus
 {
-/** The seven stages on a device, in their order: few launches, each thread a point, a cell or a
- * direction; each cell searches the lines through it. What does not need each other runs in one
- * launch. `Executor`: of a device, or a stand-in for one. */
+/** The seven stages on a device, in their order. There are few launches, each thread has a point, a
+ * cell or a direction, and each cell searches the lines through it. Independent loops share a
+ * launch. `Executor` may be a stand-in for a device. */
 template <class ExecutorType>
 class DeviceSchedule
 {
@@ -30,15 +30,15 @@ class DeviceSchedule
   void stages()
   {
     executor_.fetch(map_.context);
-    accept_and_weigh();  // stage 1, and beside it 2
-    find_buried();  // for stage 1, and beside it where points will be sorted to
+    accept_and_weigh();  // stage 1 and stage 2
+    find_buried();  // stage 1, and the ranges for sorting
     executor_.end_stage(Stage::Accept);
-    sort_points();  // stage 3, before it the end of stage 1, beside it the rays of stage 5
+    sort_points();  // end of stage 1, stage 3, rays of stage 5
     update();
     executor_.end_stage(Stage::Update);
     open_ground();  // stage 4
     executor_.end_stage(Stage::Classify);
-    clean_up();  // stage 5, and what stage 4 decides for each cell
+    clean_up();  // stage 5, and the decisions of stage 4
     executor_.end_stage(Stage::CleanUp);
     if (map_.host_config.fill_rule == kernels::kFillLines)  // stage 6
       fill<true>();
@@ -50,9 +50,9 @@ class DeviceSchedule
     else
       judge<false>();
     executor_.end_stage(Stage::Traversability);
-    executor_.join();  // with the layers that are copied
+    executor_.join();  // waits for the copies of layers
   }
-  /** Stage 7 once more, for what traversability is made of. */
+  /** Repeats stage 7 for slope, step, roughness and sparsity. */
   void judge_parts() { judge_rows<true>(0, side(), false); }
 
  private:
@@ -62,7 +62,7 @@ class DeviceSchedule
 
   int side() const { return map_.side(); }
   int points() const { return map_.points(executor_); }
-  /** How many cells of so many points can be crowded. */
+  /** The most cells that can be crowded. */
   static int most_crowded(int points) { return points / Executor::kCrowd; }
 
   void accept_and_weigh()
@@ -77,7 +77,7 @@ class DeviceSchedule
             static_cast<int>(map_.reach.size())});
   }
 
-  /** And in the end how far the map has to follow the poses. */
+  /** Finds the buried rays, then how far the datum follows the poses. */
   void find_buried()
   {
     executor_.for_each_direction_beside(
@@ -108,7 +108,7 @@ class DeviceSchedule
   void open_ground()
   {
     const kernels::CoarseGrid grid = map_.coarse_grid();
-    // The rays and the counts have been used.
+    // The rays and the counts are no longer needed.
     executor_.for_each_beside(
         workers(), reset_frame(), grid.side, grid.side,
         kernels::PoolCells{map_.config.data(), map_.context.data(), map_.store(), grid});
@@ -208,7 +208,7 @@ class DeviceSchedule
     return v;
   }
   kernels::LineTables line_tables() { return {line_of_cell_.data(), tracks_.data()}; }
-  /** The first word of marks of so many lines, see kernels::LineMarks. */
+  /** The first word of the marks of so many lines, see kernels::LineMarks. */
   static std::uint32_t* unguarded(Buffer<std::uint32_t>& marks, int lines)
   {
     return marks.data() + kernels::LineMarks::kGuardWords * lines;

@@ -7,7 +7,7 @@
 
 namespace talus::kernels
 {
-/** The last steps before the search, on one cell: its class, the cleanup, and whether it is a
+/** The last steps before the search, for one cell: its class, the cleanup, and whether it is a
  * sample. */
 template <class Atomics>
 struct SettleCell
@@ -23,10 +23,10 @@ struct SettleCell
   enum Inspection
   {
     kNone,
-    kFace,  //!< and then, where that is still wanted, the other
+    kFace,  //!< then, if still needed, the cleanup
     kOverhang
   };
-  /** First. Which look has to come next. */
+  /** First step. Returns the inspection that must follow. */
   TALUS_HD int begin(int ix, int iy) const
   {
     const int storage_i = index(ix, iy);
@@ -53,7 +53,7 @@ struct SettleCell
     }
     clean.inspect(ix, iy, storage_i, group);
   }
-  /** Last. True for a sample. */
+  /** Last step. True for a sample. */
   TALUS_HD bool operator()(int ix, int iy) const
   {
     const int storage_i = index(ix, iy);

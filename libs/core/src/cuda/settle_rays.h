@@ -3,19 +3,19 @@
 
 namespace talus::kernels
 {
-/** The rays of one direction, for executors that cut it into stretches: removes the buried ones,
- * then replaces each ring's lowest hit by the lowest ray that went at least that far. Each step
- * takes a stretch and what the stretches before it, or behind it, have seen. */
+/** Settles the rays of one direction in ranges: removes the buried ones, then replaces each ring's
+ * lowest hit by the lowest ray that went at least that far. Each step takes a range and the sums of
+ * the ranges before it, or behind it. */
 struct SettleRays
 {
   using Before = BuriedBelow;
   using Behind = LowestHit;
   FindGroundHits ground;
   std::int32_t* rays;
-  float* lowest_slope;  //!< of a ray that is not buried, where there is a hit; same layout as rays
+  float* lowest_slope;  //!< of rays that are not buried, where there is a hit; layout of rays
 
   TALUS_HD int rings() const { return ground.frame->rings; }
-  /** First step: of the rings [begin, end), outwards. */
+  /** First step, outwards over the rings [begin, end). */
   TALUS_HD void collect(int bin, int begin, int end, BuriedBelow& seen) const
   {
     for (int ring = begin; ring < end; ring += kBatch)
@@ -71,9 +71,9 @@ struct SettleRays
  private:
   static constexpr int kBatch = 8;
 
-  // Loads first, so that they do not wait for each other.
+  // The loads come first, so that they do not wait for each other.
 
-  /** Those under hits; unknown where there is no hit, or no cell. */
+  /** The cells under hits; unknown without a hit or a cell. */
   struct Cells
   {
     int state[kBatch];

@@ -8,12 +8,12 @@
 
 namespace talus
 {
-/** A stream, and how others wait for it. */
+/** A stream, and the event on which others wait. */
 struct WorkQueue
 {
   Stream stream;
   Event reached;
-  bool after_kernel = false;  //!< the next entry waits for a kernel, and for nothing else
+  bool after_kernel = false;  //!< the next entry waits for one kernel only
 };
 
 inline WorkQueue make_queue()
@@ -24,7 +24,7 @@ inline WorkQueue make_queue()
   return queue;
 }
 
-/** `after` goes on when `before` is as far as it is now. */
+/** `after` waits for the work that `before` has now. */
 inline void follow(WorkQueue& before, WorkQueue& after)
 {
   TALUS_CUDA(cudaEventRecord(before.reached.get(), before.stream.get()));
@@ -32,15 +32,14 @@ inline void follow(WorkQueue& before, WorkQueue& after)
   after.after_kernel = false;
 }
 
-/** What a frame on the device does not share with the one that is in flight beside it: how its
- * points come, how its layers and its report leave, and the recording that says so. */
+/** The parts of a frame on the device that another frame in flight does not share: its points,
+ * layers, report and recording. */
 struct CudaSlot
 {
   using Clock = std::chrono::steady_clock;
   static constexpr int kMaxStageEnds = kStageCount + 1;
 
   CudaSlot() = default;
-  /** Ready for use. */
   static CudaSlot make()
   {
     CudaSlot slot;
@@ -52,21 +51,19 @@ struct CudaSlot
   }
 
   std::vector<HostRegistration> outputs;
-  std::size_t direct_bytes = 0;  //!< of outputs that kernels write into host memory
-  // the points
+  std::size_t direct_bytes = 0;  //!< outputs that kernels write into host memory
   std::size_t capacity = 0;
   PinnedBuffer<std::uint32_t> staged;  //!< context, then x, y, z, time
   DeviceBuffer<float> points;
-  // the report
   PinnedBuffer<std::uint32_t> counters;
   PinnedBuffer<std::uint64_t> stage_end_ns;
   Clock::time_point start;
 
   GraphExec graph;
-  Event computed;  //!< all kernels are done; copies to the host may go on
-  bool marks_computed = false;  //!< the graph says so itself
+  Event computed;  //!< all kernels are done; copies to the host may follow
+  bool marks_computed = false;  //!< the graph records the event itself
   bool in_flight = false;
-  WorkQueue queue;  //!< the last member: what is on it ends before the memory goes
+  WorkQueue queue;  //!< last member: its work ends before the memory is freed
 };
 
 }  // namespace talus

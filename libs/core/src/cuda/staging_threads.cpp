@@ -10,7 +10,7 @@ namespace talus
 {
 namespace
 {
-/** Work that comes after so long comes often; nobody stays awake for longer. */
+/** Work within this time of the last is frequent; threads stay awake no longer. */
 constexpr long long kOften_ns = 1'000'000;
 
 long long now_ns()
@@ -109,7 +109,7 @@ void StagingThreads::wait_for_work(unsigned seen)
   wake_.wait(lock, is_time);
   asleep_--;
   lock.unlock();
-  if (asleep_ > 0) wake_.notify_one();  // one wakes the next, so that who has work need not
+  if (asleep_ > 0) wake_.notify_one();  // each wakes the next, so that work() need not
 }
 
 }  // namespace talus

@@ -8,8 +8,8 @@
 
 namespace talus
 {
-/** Threads that join in short work: some ten microseconds, for which sleeping threads wake up too
- * late. While work comes often they wait for it awake; else they sleep. Nobody waits for a helper
+/** Threads that join in short work of some ten microseconds, for which sleeping threads wake up too
+ * late. While work is frequent they wait for it awake, else they sleep. Nobody waits for a helper
  * that has not come. */
 class StagingThreads
 {
@@ -17,23 +17,23 @@ class StagingThreads
   explicit StagingThreads(int count);
   ~StagingThreads();
 
-  /** Runs `own` on this thread and `help`, which returns when there is nothing left to do, on
-   * helpers meanwhile; returns, or throws what `own` throws, when none is in it any longer. Wakes
-   * those that sleep if the work is long, or comes often. Without helpers while they work for
-   * another thread. */
+  /** Runs `own` on this thread and meanwhile `help` on helpers, which returns when nothing is left
+   * to do. Returns, or throws the exception of `own`, when no helper is in it any longer. Wakes
+   * sleeping helpers if the work is long or frequent. Has no helpers while they work for another
+   * thread. */
   void work(const std::function<void()>& own, const std::function<void()>& help, bool is_long);
 
  private:
   void begin(const std::function<void()>& help, bool is_long);
   void end();
   void serve();
-  /** Until there is work that is not of round `seen`. */
+  /** Waits for work after round `seen`. */
   void wait_for_work(unsigned seen);
 
-  std::mutex turn_;  //!< held by whom they work for
+  std::mutex turn_;  //!< held by the thread that they work for
   const std::function<void()>* help_ = nullptr;
   std::atomic<bool> open_{false};  //!< there is work to join
-  std::atomic<int> inside_{0};  //!< helpers that are about to join, or in it
+  std::atomic<int> inside_{0};  //!< helpers that are in the work, or about to be
   std::atomic<unsigned> round_{0};
   std::atomic<long long> last_ns_{0};  //!< when the last work came
   std::atomic<bool> often_{false};
