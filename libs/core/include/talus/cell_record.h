@@ -6,12 +6,11 @@
 
 namespace talus
 {
-/** All that the map remembers of a cell, and how it was judged last. Heights are in the map frame;
- * NaN: unknown. */
+/** The state of a cell and its last traversability. Heights are in the map frame; NaN: unknown. */
 struct CellRecord
 {
-  /** Bytes of `evidence`, and how many of them, the first, stay true when a cell is kept for longer
-   * than a few frames, see forget_latest(). */
+  /** The bytes of `evidence`, and how many of them, at its start, stay valid for longer than a few
+   * frames, see forget_latest(). */
   static constexpr int kEvidenceBytes = 7, kLastingBytes = 5;
 
   /** Height of the ground, and its variance. */
@@ -21,14 +20,14 @@ struct CellRecord
   float traversability = NAN;  //!< [0, 1]; NaN: not judged
   /** a CellState */
   std::uint8_t state = 0;
-  /** For the map alone: what hits, rays and the robot have shown. */
+  /** Evidence of hits, rays and the robot, for the map alone. */
   std::uint8_t evidence[kEvidenceBytes] = {};
 };
 
-/** Ground heights that differ by more than this are those of two floors [m]. */
+/** Ground heights that differ by more than this belong to two floors [m]. */
 constexpr float kOtherFloor_m = 1.28f;
 
-/** A cell is kept for later: what it says of the frames just before is forgotten. */
+/** Clears the evidence of the latest frames, for a cell that is stored for later. */
 void forget_latest(CellRecord& record);
 
 /** Cells of the global grid: cell (x, y) covers [x * resolution_m, ...) along x and y of the map
@@ -40,19 +39,19 @@ struct CellRect
   /** Cells along x and y. */
   int width_cells = 0, height_cells = 0;
 
-  /** Cells in all. */
+  /** The number of cells. */
   std::size_t size() const
   {
     return static_cast<std::size_t>(width_cells) * static_cast<std::size_t>(height_cells);
   }
 };
 
-/** Records in the memory of a map. They may be changed, and given back from there. */
+/** Records in the memory of a map. They may be changed in place and given back. */
 struct CellRecords
 {
   /** nullptr: none. */
   CellRecord* first = nullptr;
-  /** How many. */
+  /** The number of records. */
   std::size_t size = 0;
 
   /** The i-th, below size. */
@@ -63,12 +62,12 @@ struct CellRecords
   CellRecord* end() const { return first + size; }
 };
 
-/** Cells that a frame hands over, see ElevationMapper::update(). */
+/** The cells that a frame hands over, see ElevationMapper::update(). */
 struct FrameCells
 {
-  /** Which: in the window before the frame, and in its own. */
+  /** The wanted cells: in the window before the frame, and in that of the frame. */
   std::vector<CellRect> before, after;
-  /** What update() puts here. */
+  /** The result of update(). */
   CellRecords records_before, records_after;
 };
 

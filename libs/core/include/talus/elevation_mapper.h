@@ -16,17 +16,16 @@ namespace talus
 {
 enum class Backend
 {
-  Auto,  //!< CUDA where a device answers, else CPU
+  Auto,  //!< CUDA if a device answers, else CPU
   Cpu,
   Cuda
 };
 
-/** The default number of threads, everywhere: as many as the machine has cores. The bits are those
- * of one thread. */
+/** The default number of threads: one for each core. The bits are those of one thread. */
 constexpr int kAllCores = 0;
 
-/** How many devices there are for the CUDA backend; 0 also in a build without it. Starts CUDA in
- * this process, whose fork() cannot use it then. */
+/** The number of devices for the CUDA backend; 0 in a build without it. It starts CUDA in this
+ * process, so that CUDA does not work after a fork(). */
 int cuda_devices();
 
 /** The map: feed it frames, read its layers. Not thread safe.
@@ -38,106 +37,107 @@ class ElevationMapper
  public:
   /** Throws std::invalid_argument if a parameter is out of range, std::runtime_error if `backend`
    * is Cuda and there is no usable device. `threads`: of the CPU backend, 1 to 1024 (more count as
-   * 1024) or kAllCores; a program whose other threads need the cores says 1. `device`: of the CUDA
-   * backend, below cuda_devices(); any thread may call. */
+   * 1024) or kAllCores; a program whose other threads need the cores passes 1. `device`: of the
+   * CUDA backend, below cuda_devices(); any thread may call. */
   explicit ElevationMapper(
       const Parameters& parameters = {}, Backend backend = Backend::Auto, int threads = kAllCores,
       int device = 0);
-  /** The map of which save() gave `state`. Throws as above and as restore(), before it takes memory
-   * for a window that the state is none of. */
+  /** A map from the `state` that save() returned. Throws as the other constructor and restore(),
+   * before it allocates a window that does not belong to the state. */
   ElevationMapper(
       const Parameters& parameters, const std::vector<std::uint8_t>& state,
       Backend backend = Backend::Auto, int threads = kAllCores, int device = 0);
   ~ElevationMapper();
-  /** What was moved from can only be assigned to or destroyed. */
+  /** A map that was moved from can only be assigned to or destroyed. */
   ElevationMapper(ElevationMapper&&) noexcept;
-  /** As the constructor. */
+  /** See the move constructor. */
   ElevationMapper& operator=(ElevationMapper&&) noexcept;
 
   /** Runs the seven stages on one frame: start() and finish(). Throws as they do, and
    * std::logic_error while a frame is in flight. */
   FrameReport update(const Frame& frame);
-  /** The same, and read_cells() of some as the frame finds them and of others as it leaves them: on
-   * a device they come with the frame, for hardly any time of their own. While it computes,
-   * `meanwhile` may work on those of before; it must leave the map alone. Throws also as
-   * read_cells(), then nothing has changed, and after the frame what `meanwhile` throws. */
+  /** Runs a frame and also hands over cells, as read_cells() does, from before and after it: on a
+   * device they come with the frame, at hardly any extra time. While the frame is computed,
+   * `meanwhile` may work on the records from before; it must not use the map. Throws as
+   * read_cells() does, then nothing has changed; after the frame it rethrows what `meanwhile`
+   * throws. */
   FrameReport update(
       const Frame& frame, FrameCells& cells, const std::function<void()>& meanwhile = {});
 
   /** @name Two frames in flight
    * To overlap frames: start() the next one, then finish() the one before and read its layers.
    * A device then receives points and sends layers while it computes; the CPU backend does all in
-   * finish(). The layers have the bits that update() gives.
+   * finish(). The layers have the same bits as those of update().
    *
-   * In flight is what was started and not finished. window(), empty() and layer() are of the frame
-   * that was finished last; what reads or replaces the whole map (save(), restore(), clear(),
-   * set_output_layers()) throws std::logic_error while a frame is in flight. The first time that a
-   * second one is, the map allocates what it needs for it. @{ */
+   * A frame is in flight from start() to finish(). window(), empty() and layer() belong to the
+   * frame that was finished last. Calls that read or replace the whole map (save(), restore(),
+   * clear(), set_output_layers()) throw std::logic_error while a frame is in flight. The map
+   * allocates memory for a second frame when it is first used. @{ */
 
-  /** Begins a frame. The memory of its points must stay as it is until its finish() has returned;
-   * its path is not needed any longer. Throws std::invalid_argument for more than 536,870,911
-   * points or points without coordinates, for a pose (of the sensor or in the path) that is not
-   * finite, no rigid transform, or farther from the origin than 1e9 cells in x or y or 100 km in z,
-   * and for a path whose times are not finite or descend; std::logic_error if two frames are in
-   * flight. Then nothing has changed. */
+  /** Begins a frame. The memory of its points must stay unchanged until its finish() has returned;
+   * its path may go at once. Throws std::invalid_argument for more than 536,870,911 points or
+   * points without coordinates, for a pose (of the sensor or in the path) that is not finite, no
+   * rigid transform, or farther from the origin than 1e9 cells in x or y or 100 km in z, and for a
+   * path whose times are not finite or descend; std::logic_error if two frames are in flight. Then
+   * nothing has changed. */
   void start(const Frame& frame);
   /** Ends the frame that was started first. Throws std::logic_error if none is in flight. */
   FrameReport finish();
-  /** 0, 1 or 2 */
+  /** The number of frames in flight: 0, 1 or 2. */
   int frames_in_flight() const;
   /** @} */
 
-  /** Room for `size` points from which they reach the device without a further copy: a frame whose
-   * pointers are these arrays is taken from there. It is for the next update() or start(), and
-   * while that frame is in flight the next one has other room: ask anew for each. Valid until a
-   * larger frame comes, or clear(), restore() or set_output_layers(). Throws std::logic_error if
-   * two frames are in flight. Optional: points from anywhere else are copied. */
+  /** Memory for `size` points, from which a device takes them without a copy, if the pointers of
+   * the frame are these arrays. It serves the next update() or start(): ask for each frame, since a
+   * frame in flight keeps its own. Valid until a larger frame comes, or clear(), restore() or
+   * set_output_layers(). Throws std::logic_error if two frames are in flight. Optional: points from
+   * other memory are copied. */
   PointArrays point_arrays(std::size_t size);
 
-  /** Layers that each frame delivers: layer() of them costs nothing afterwards. The others are made
-   * when layer() asks for them. None at first. Best set before the first frame. */
+  /** Selects the layers that each frame delivers, so that layer() is free of cost; layer() makes
+   * others on demand. None at first. Best set before the first frame. */
   void set_output_layers(const std::vector<Layer>& layers);
-  /** Those that set_output_layers() named. */
+  /** The layers that set_output_layers() selected. */
   std::vector<Layer> output_layers() const;
 
-  /** Forgets everything. */
+  /** Clears the map. */
   void clear();
 
   /** True until the first frame. */
   bool empty() const;
 
   /** One layer, window().cells^2 floats, row by row: index = iy * cells + ix; MapView::at() finds
-   * the value at a place. Unknown, and of scores not judged, is NaN. Valid until the next start()
-   * or other call that changes the map. Made on first use where set_output_layers() does not name
-   * it. Throws std::logic_error for what cannot be read while a frame is in flight: those that it
-   * does not name, and all between start() and the next finish(). */
+   * the value at a place. NaN: unknown, or a score that was not judged. Valid until the next
+   * start() or another call that changes the map. Made on demand if set_output_layers() did not
+   * select it. Throws std::logic_error while a frame is in flight for layers that are not selected,
+   * and between start() and the next finish() for all. */
   const std::vector<float>& layer(Layer l) const;
 
-  /** Where the cells of layer() lie; before the first frame around the origin. */
+  /** The position of the cells of layer(); around the origin before the first frame. */
   Window window() const;
-  /** Those that it was made with. */
+  /** The parameters of this map. */
   const Parameters& parameters() const;
-  /** "cpu" or "cuda: NAME OF THE DEVICE", where there are several with " (device 1 of 2)" */
+  /** "cpu" or "cuda: NAME OF THE DEVICE"; if there are several devices, " (device 1 of 2)" follows.
+   */
   std::string backend_name() const;
 
   /** The whole persistent state: a map restored from it goes on with the same bits. */
   std::vector<std::uint8_t> save() const;
-  /** What save() gave, of this map or another. Throws std::invalid_argument when the bytes are not
-   * such a state or belong to another window size or resolution; then nothing has changed. */
+  /** Sets the state that save() of this or another map returned. Throws std::invalid_argument if
+   * the bytes are no such state or belong to another window size or resolution; then nothing has
+   * changed. */
   void restore(const std::vector<std::uint8_t>& bytes);
 
-  /** Where the window will lie when update() has taken a frame. Throws as start() does. */
+  /** The window that update() of this frame will have. Throws as start() does. */
   Window window_after(const Frame& frame) const;
-  /** What the map remembers of cells that are all in the window, row by row, one rectangle after
-   * the other: to be kept before they leave it. Valid until cells are read or written again or the
-   * map changes. Throws std::invalid_argument where they are not, std::logic_error while a frame is
-   * in flight. */
+  /** The records of cells that are all in the window, row by row, one rectangle after the other, to
+   * store them before they leave it. Valid until cells are read or written again or the map
+   * changes. Throws std::invalid_argument for cells outside, std::logic_error while a frame is in
+   * flight. */
   CellRecords read_cells(const std::vector<CellRect>& rects) const;
-  /** And back: those of `size` records, from anywhere, that are not unknown replace what the map
-   * has there; layer() shows them at once, and what traversability is made of from the next frame
-   * on. Throws as read_cells(), and std::invalid_argument where there are not as many records as
-   * cells.
-   */
+  /** Writes `size` records, from any memory, into the map; unknown records change nothing. layer()
+   * shows them at once, slope, step, roughness and sparsity from the next frame on. Throws as
+   * read_cells() does, and std::invalid_argument if `size` is not the number of cells. */
   void write_cells(const std::vector<CellRect>& rects, const CellRecord* records, std::size_t size);
 
   /** Whether save() gives so many bytes of a map with these parameters that has seen a

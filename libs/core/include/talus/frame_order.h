@@ -4,25 +4,25 @@
 
 namespace talus
 {
-/** How a frame stands in time to those of the same sensor that came before it. */
+/** The time of a frame relative to the earlier frames of the same sensor. */
 enum class FrameOrder : int
 {
-  Newest,  //!< the rule
-  Duplicate,  //!< the stamp of the newest frame once more
+  Newest,  //!< newer than all frames before
+  Duplicate,  //!< it has the stamp of the newest frame
   Late,  //!< older than the newest frame, by max_late_s or less
-  ClockSetBack  //!< older by more than that: so late is no frame, but a clock was set
+  ClockSetBack  //!< older by more than that: a clock was set back
 };
 
-/** Judges frames as they come, by their stamps, those of each sensor by themselves. */
+/** Compares the stamps of frames as they come, separately for each sensor. */
 class FrameSequence
 {
  public:
   /** Throws std::invalid_argument unless max_late_s is a number >= 0. */
   explicit FrameSequence(double max_late_s = 1.0);
 
-  /** Takes note of the next frame, of the sensor with that number (Frame::sensor). After a clock
-   * was set back, time goes on from its stamp; so a single wrong stamp in the future costs nothing
-   * but itself. Throws std::invalid_argument for a stamp [s] that is not finite. */
+  /** Judges the next frame of a sensor (Frame::sensor). After a clock was set back, time goes on
+   * from the new stamp, so that a single wrong stamp in the future costs only its own frame. Throws
+   * std::invalid_argument for a stamp [s] that is not finite. */
   FrameOrder next(double stamp_s, std::uint32_t sensor = 0);
 
  private:
@@ -32,7 +32,7 @@ class FrameSequence
     std::uint32_t sensor;
     double stamp_s;
   };
-  std::vector<Newest> newest_;  //!< of each sensor that has sent a frame
+  std::vector<Newest> newest_;  //!< for each sensor that has sent a frame
 };
 
 }  // namespace talus

@@ -22,11 +22,11 @@ constexpr std::array<const char*, kRejectCount> kRejectNames{
 /** The stages of a frame, in their order. */
 enum class Stage : int
 {
-  Accept = 0,  //!< points to the map frame; which of them count, and how much
+  Accept = 0,  //!< points to the map frame, their tests and variances
   Roll,  //!< the window follows the robot
   Update,  //!< points into their cells
-  Classify,  //!< what is ground, what is an object, what has to be filled
-  CleanUp,  //!< what has left
+  Classify,  //!< ground, object, or to be filled
+  CleanUp,  //!< removes objects that have left
   Fill,  //!< ground that was not measured
   Traversability,
 };
@@ -34,21 +34,21 @@ constexpr int kStageCount = 7;
 constexpr std::array<const char*, kStageCount> kStageNames{
     "accept", "roll", "update", "classify", "cleanup", "fill", "traversability"};
 
-/** What became of one frame. */
+/** The result of one frame. */
 struct FrameReport
 {
-  /** Of the frame. */
+  /** Stamp of the frame [s]. */
   double stamp_s = 0;
-  /** All that it had. */
+  /** The number of its points. */
   std::uint32_t points_in = 0;
-  /** Those that reached the map: points_in less all that are rejected. */
+  /** The points that reached the map: points_in without all rejected ones. */
   std::uint32_t points_accepted = 0;
   std::array<std::uint32_t, kRejectCount> rejected{};  //!< indexed by Reject
-  /** It showed another floor than that of the map: all cells start empty in the next frame. */
+  /** Whether it showed another floor than the map: all cells start empty in the next frame. */
   bool leaves_floor = false;
-  /** Indexed by Stage. On a device Roll runs within Accept, and is a part of its time. */
+  /** Time of each Stage [ms]. On a device Roll runs within Accept and is a part of its time. */
   std::array<double, kStageCount> stage_ms{};
-  /** From update() to its end; of a CUDA frame from start() to the end of finish(). */
+  /** Time of update() [ms]; on CUDA from start() to the end of finish(). */
   double total_ms = 0;
 };
 

@@ -9,17 +9,16 @@
 
 namespace talus
 {
-/** Makes frames of points whose x, y, z lie side by side in memory, as those of most drivers and
- * libraries do. Keep one for each sensor: its memory is used again. */
+/** Makes frames of points whose x, y, z are stored together, as most drivers and libraries do. Use
+ * one for each sensor: it reuses its memory. */
 class InterleavedPoints
 {
  public:
-  /** A frame of `size` points [m], sensor frame. The floats x, y, z of point k are those at `first`
-   * + k * `stride_bytes`, at any address, e.g. `frame(&cloud[0].x, cloud.size(),
-   * sizeof(cloud[0]))`; the default is that of float[3]. NaN and infinities may be among them, as
-   * in Frame. Copies: `first` is not needed any longer, but the frame is valid until the next call.
-   * Throws std::invalid_argument for a stride of less than three floats, and for a null pointer to
-   * points. */
+  /** A frame of `size` points [m], sensor frame. The floats x, y, z of point k are at `first` + k *
+   * `stride_bytes`, at any address, e.g. `frame(&cloud[0].x, cloud.size(), sizeof(cloud[0]))`; the
+   * default stride is that of float[3]. NaN and infinities are allowed, as in Frame. It copies the
+   * points; the frame is valid until the next call. Throws std::invalid_argument for a stride of
+   * less than three floats, and for a null pointer with points. */
   Frame frame(const void* first, std::size_t size, std::size_t stride_bytes = 3 * sizeof(float))
   {
     if (stride_bytes < 3 * sizeof(float))

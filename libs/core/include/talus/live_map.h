@@ -9,32 +9,33 @@
 
 namespace talus
 {
-/** Some layers of a map as one frame left them. Never changes. */
+/** Some layers of a map after one frame. Never changes. */
 struct MapSnapshot
 {
-  /** 1 for the first frame that reached the live map, and counted on over its clear(): two
-   * snapshots of one live map never have the same number. */
+  /** 1 for the first frame of the live map. clear() does not reset it, so that two snapshots of one
+   * live map never have the same number. */
   std::uint64_t frame = 0;
   Pose T_map_sensor;  //!< of that frame
   FrameReport report;  //!< of that frame; has its stamp
-  /** Where the cells of the layers lie. */
+  /** Position of the cells of the layers. */
   Window window;
-  /** Of the live map. */
+  /** Parameters of the live map. */
   Parameters parameters;
-  std::array<std::vector<float>, kLayerCount> layers;  //!< empty: not asked for
+  std::array<std::vector<float>, kLayerCount> layers;  //!< empty: not selected
 
-  /** window.cells^2 floats as of ElevationMapper::layer(). Throws std::invalid_argument naming the
-   * layer when the live map was not made with it. */
+  /** One layer, see ElevationMapper::layer(). Throws std::invalid_argument with the name of the
+   * layer if the live map was made without it. */
   const std::vector<float>& layer(Layer l) const;
 };
 
-/** What became of the frames that a live map was given since it was made, also before a clear(). */
+/** The number of frames of a live map since it was made, by their FrameOrder; clear() does not
+ * reset it. */
 struct LiveCounts
 {
-  std::uint64_t mapped = 0;  //!< those after a step of the clock included
-  /** Not mapped. */
+  std::uint64_t mapped = 0;  //!< with those of ClockSetBack
+  /** Frames that were not mapped. */
   std::uint64_t duplicate = 0, late = 0;
-  std::uint64_t clock_set_back = 0;  //!< mapped, the first after the step
+  std::uint64_t clock_set_back = 0;  //!< mapped frames that were the first after the step
 };
 
 /** A map that some threads feed while others read it.
@@ -51,7 +52,7 @@ struct LiveCounts
 class LiveMap
 {
  public:
-  /** Snapshots will have these `layers`. Other arguments and exceptions as of ElevationMapper and
+  /** Snapshots have these `layers`. Other arguments and exceptions are those of ElevationMapper and
    * FrameSequence. */
   LiveMap(
       const Parameters& parameters, const std::vector<Layer>& layers,
@@ -64,15 +65,14 @@ class LiveMap
    * nothing has changed. */
   FrameOrder ingest(const Frame& frame);
 
-  /** The map after the newest frame; nullptr before the first. From any thread, at any time. */
+  /** The map after the newest frame; nullptr before the first. Any thread may call. */
   std::shared_ptr<const MapSnapshot> snapshot() const;
 
-  /** From any thread, at any time. */
+  /** The counts so far. Any thread may call. */
   LiveCounts counts() const;
 
-  /** Forgets the map and the time of its last frame; snapshot() is nullptr again. Snapshots that
-   * readers hold stay, and so that none is taken for a later one MapSnapshot::frame and counts() go
-   * on. */
+  /** Clears the map and the time of its last frame; snapshot() is nullptr again. Snapshots of
+   * readers stay valid. MapSnapshot::frame and counts() go on. */
   void clear();
 
  private:

@@ -5,21 +5,21 @@
 
 namespace talus
 {
-/** What a map says, be it an ElevationMapper or a MapSnapshot, to those who only read. Converts
- * from both; valid as long as what it was made from. */
+/** Read access to an ElevationMapper or a MapSnapshot. Both convert to it; it is valid as long as
+ * they are. */
 class MapView
 {
  public:
-  /** Of a map as it is whenever something is asked. */
+  /** A view of the current state of a map. */
   MapView(const ElevationMapper& map) : map_(&map) {}
-  /** Of a snapshot. */
+  /** A view of a snapshot. */
   MapView(const MapSnapshot& snapshot) : snapshot_(&snapshot) {}
 
-  /** True for a map without a frame; never of a snapshot. */
+  /** True for a map without a frame; false for a snapshot. */
   bool empty() const { return map_ && map_->empty(); }
-  /** Where the cells of layer() lie. */
+  /** Position of the cells of layer(). */
   Window window() const { return map_ ? map_->window() : snapshot_->window; }
-  /** Those that the map was made with. */
+  /** The parameters of the map. */
   const Parameters& parameters() const { return map_ ? map_->parameters() : snapshot_->parameters; }
   /** Throws as MapSnapshot::layer() does. */
   const std::vector<float>& layer(Layer l) const

@@ -7,18 +7,17 @@
 
 namespace talus
 {
-/** The number that the whole text is, as people and programs write it: `-0.10`, `+2`, `1e-3`, with
- * blanks before it, `inf` and `nan` too. Nothing for any other text, and for a number that a double
- * cannot hold. */
+/** Parses a whole text as a number: `-0.10`, `+2`, `1e-3`, also after blanks, `inf` and `nan`.
+ * Empty for any other text, and for a number that a double cannot hold. */
 std::optional<double> number_from(std::string_view text);
 
-/** As printf("%.*g") of the C locale: with at most so many digits that count. */
+/** printf("%.*g") in the C locale, with at most `digits` significant digits. */
 std::string number_text(double value, int digits = 10);
 
-/** In as few digits from ten on as give the same number again. */
+/** The shortest text of at least ten digits that reads back as the same number. */
 std::string exact_number_text(double value);
 
-/** As printf("%.*f") of the C locale: with so many digits behind the point. */
+/** printf("%.*f") in the C locale, with `decimals` digits after the point. */
 std::string fixed_text(double value, int decimals);
 
 }  // namespace talus

@@ -20,10 +20,10 @@ enum class FillRule : int
 /** Most boxes of the robot's body. */
 constexpr std::size_t kMostBodyBoxes = 32;
 
-/** A part of the robot's own body, in the frame of its base [m]; an extent along all three axes. */
+/** A box of the robot's own body, in the frame of its base [m]. */
 struct BodyBox
 {
-  /** From and to, x ahead, y left, z up, from the ground that the robot stands on. */
+  /** Limits of the box: x ahead, y left, z up from the ground under the robot. */
   double min_x_m, max_x_m, min_y_m, max_y_m, min_z_m, max_z_m;
 };
 
@@ -48,10 +48,10 @@ struct Parameters
   double max_range_m = 100.0;
   double min_height_m = -3.0;  //!< lowest accepted height above the sensor, along the map's z
   double max_height_m = 1.5;  //!< highest
-  /** The robot's own body, whose points are dropped: up to kMostBodyBoxes. Where a frame does not
-   * tell where the sensor is on the robot, the base is the sensor. */
+  /** The robot's own body, whose points are dropped: up to kMostBodyBoxes boxes. If a frame does
+   * not give the sensor's pose on the robot, the base is the sensor. */
   std::vector<BodyBox> body_boxes_m{};
-  double voxel_m = 0.0;  //!< keep one point a voxel of this size and frame; 0: keep all
+  double voxel_m = 0.0;  //!< keep one point of each voxel of this size in a frame; 0: keep all
   /// @}
 
   /// @name Stage 1: uncertainty of a point (eq. 2-4)
@@ -79,9 +79,8 @@ struct Parameters
 
   /// @name Stage 4: the start
   /// @{
-  /** Ground within this radius around the base in the first frame is presumed to go on as it stands
-   * there [m]; negative: what the rays of that frame leave blind before they meet it, up to 3 m;
-   * 0: none. */
+  /** In the first frame, unmeasured ground within this radius around the base is presumed to be the
+   * plane of the base [m]; negative: the blind zone of that frame's rays, up to 3 m; 0: none. */
   double start_radius_m = -1;
   /// @}
 
@@ -107,9 +106,9 @@ struct Parameters
   double slope_threshold_rad = 0.6;
   /** Ground that stands higher above the mean of its neighbourhood is impassable. */
   double step_threshold_m = 0.2;
-  /** Elevation that does so. */
+  /** Elevation that is higher above the mean of its neighbourhood is impassable. */
   double roughness_threshold_m = 0.2;
-  /** Of eq. 13: shares of the three in traversability. */
+  /** Weights of the three features in eq. 13. */
   double weight_slope = 0.4, weight_step = 0.3, weight_roughness = 0.3;
   /// @}
 
@@ -121,7 +120,7 @@ struct Parameters
   double sparsity_search_m = 4.0;  //!< how far to look for ground on the other side
   /// @}
 
-  /** Cells along one side of the window. */
+  /** The number of cells along one side of the window. */
   int cells() const;
 
   /** Throws std::invalid_argument that names the first parameter out of its range, the value and
@@ -132,25 +131,25 @@ struct Parameters
 /** A value of an enumeration. */
 struct ParameterChoice
 {
-  int value;  //!< as in the enumeration, and in saved maps
-  const char* name;  //!< as in files and on command lines
+  int value;  //!< value of the enumeration, also in saved maps
+  const char* name;  //!< name in files and on command lines
 };
 
-/** One entry of the parameter table: where it lives, what it means, what it may be. A number,
- * unless is_text(): then `min` and `max` are 0, `get` and `set` null. */
+/** One parameter of the table. It is a number, unless is_text(): then `min` and `max` are 0, `get`
+ * and `set` null. */
 struct ParameterInfo
 {
-  /** As in files and on command lines. */
+  /** Name in files and on command lines. */
   const char* name;
   const char* unit;  //!< "m", "rad", "m^2", "" for pure numbers
-  /** What is allowed, both ends included. */
+  /** Allowed range, limits included. */
   double min, max;
-  /** A few words, for help and pages. */
+  /** A short description, for help and pages. */
   const char* description;
-  /** Reads it; null of a text. */
+  /** Reads the value; null for a text. */
   double (*get)(const Parameters&);
-  void (*set)(Parameters&, double);  //!< of a value that is allowed; set_parameter() looks
-  /** Whole numbers, or names of choices. */
+  void (*set)(Parameters&, double);  //!< without a check; set_parameter() checks
+  /** Whether it is a whole number or a choice. */
   bool is_integer;
   /** The values of an enumeration, in ascending order; else empty. */
   std::vector<ParameterChoice> choices;
@@ -158,7 +157,7 @@ struct ParameterInfo
   /** Throws std::invalid_argument that says what is wrong with a text. */
   void (*set_text)(Parameters&, const std::string&) = nullptr;
 
-  /** Not a number: get_text and set_text stand for it. */
+  /** Whether it is a text, for get_text and set_text. */
   bool is_text() const { return get_text != nullptr; }
 };
 
@@ -168,26 +167,30 @@ const std::vector<ParameterInfo>& parameter_table();
 /** The parameter of that name (case ignored), or nullptr. */
 const ParameterInfo* find_parameter(const std::string& name);
 
-/** Whether both have the same value of one parameter, to the last bit. */
+/** What replaces a parameter of an earlier version, for error messages; empty for any other name.
+ */
+std::string replacement_of_parameter(const std::string& name);
+
+/** Whether a parameter has the same value in both, to the last bit. */
 bool is_same_value(const ParameterInfo& info, const Parameters& a, const Parameters& b);
 
-/** Of some names the one nearest to a misspelt one by edit distance, with or without the unit at
- * its end; empty when that is more than a third of what was written (more than 1 for a short
- * word). For error messages. */
+/** The name nearest to a misspelt one by edit distance, with or without its unit, for error
+ * messages; empty if the distance is more than a third of the length (more than 1 for a short
+ * word). */
 std::string nearest_name(const std::string& name, const std::vector<std::string>& names);
-/** The same of all parameters. */
+/** nearest_name() among all parameters. */
 std::string nearest_parameter_name(const std::string& name);
 
 /** Parses the text of a value (a number, true/false, the name of a choice, boxes) and sets it.
  * Throws std::invalid_argument naming the parameter, the text, and what is allowed. */
 void set_parameter(Parameters& p, const std::string& name, const std::string& text);
 
-/** Sets a parameter to a number that was read elsewhere. Throws std::invalid_argument that names
- * the parameter, the value and what is allowed, also for one that is no number. */
+/** Sets a parameter to a number. Throws std::invalid_argument that names the parameter, the value
+ * and the allowed range, also for NaN. */
 void set_parameter(Parameters& p, const ParameterInfo& info, double value);
 
-/** The value as set_parameter() reads it back. Of a choice that is none of the names, which code
- * can set: its number, and what it must be. */
+/** The text that set_parameter() reads back. For a value that is no choice, which code can set: the
+ * number and the allowed names. */
 std::string parameter_text(const Parameters& p, const ParameterInfo& info);
 
 }  // namespace talus

@@ -6,8 +6,8 @@
 
 namespace talus
 {
-/** Where the window lies. Cell (ix, iy) covers [min_x_m + ix*resolution_m, ...): ix grows with x,
- * iy with y. */
+/** The position of the window. Cell (ix, iy) covers [min_x_m + ix*resolution_m, ...): ix grows with
+ * x, iy with y. */
 struct Window
 {
   int cells = 0;  //!< along each side
@@ -21,7 +21,7 @@ struct Window
   /** Lower border, map frame [m]. */
   double min_y_m() const { return static_cast<double>(min_cell_y) * resolution_m; }
 
-  /** Where the cell of a place in the map frame [m] is in each layer; nothing outside of the window
+  /** Index in each layer of the cell at a place in the map frame [m]; empty outside of the window
    * and for a place that is not finite. */
   std::optional<std::size_t> index_at(double x_m, double y_m) const
   {
