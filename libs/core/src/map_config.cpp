@@ -110,7 +110,7 @@ std::uint64_t rules_off()
 void switch_off(MapConfig& c)
 {
   c.config.rules_off = rules_off();
-  if (!kernels::on(kernels::kHeightBand, c.config)) c.config.min_height_m = -1.0f;  // the paper's value
+  if (!kernels::on(kernels::kHeightBand, c.config)) c.config.min_height_m = -1.0f;  // paper
   if (!kernels::on(kernels::kBodyBoxes, c.config)) c.body = {};
   if (!kernels::on(kernels::kBelowRays, c.config)) c.config.fill_use_ray_bound = 0;
 }

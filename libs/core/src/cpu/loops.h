@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-
 namespace talus
 {
 /** f(i) for i in [begin, end) in whole blocks; true if there is at least one. */
