@@ -167,10 +167,6 @@ const std::vector<ParameterInfo>& parameter_table();
 /** The parameter of that name (case ignored), or nullptr. */
 const ParameterInfo* find_parameter(const std::string& name);
 
-/** What replaces a parameter of an earlier version, for error messages; empty for any other name.
- */
-std::string replacement_of_parameter(const std::string& name);
-
 /** Whether a parameter has the same value in both, to the last bit. */
 bool is_same_value(const ParameterInfo& info, const Parameters& a, const Parameters& b);
 
