@@ -61,8 +61,8 @@ class TalusMapSources : public TalusMap
     return names;
   }
 
-  const std::vector<std::string> results_{"map.png",  "map.tif",      "site.png",
-                                          "site.tif", "summary.json", "timing.csv"};
+  const std::vector<std::string> results_{"map.png",       "map.tif",      "site.png",  "site.tif",
+                                          "site_way.gpkg", "summary.json", "timing.csv"};
 };
 }  // namespace
 
