@@ -45,8 +45,7 @@ std::string Table::text() const
   std::string out;
   const auto line = [&](const std::vector<std::string>& row)
   {
-    for (std::size_t c = 0; c < row.size(); ++c)
-      out += (c ? "  " : "  ") + padded(row[c], w[c], c == 0);
+    for (std::size_t c = 0; c < row.size(); ++c) out += "  " + padded(row[c], w[c], c == 0);
     out += "\n";
   };
   line(heading);
