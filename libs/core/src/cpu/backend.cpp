@@ -6,19 +6,17 @@
 
 namespace talus
 {
-namespace
-{
-constexpr int kMostThreads = 1024;  //!< pieces of a loop are counted in an int
-}
-
 std::unique_ptr<BackendInterface> make_cpu_backend(const MapConfig& config, int threads)
 {
+#if defined(TALUS_HAVE_TBB)
+  constexpr int kMostThreads = 1024;  // pieces of a loop are counted in an int
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   threads = std::min(threads, kMostThreads);
-#if defined(TALUS_HAVE_TBB)
   if (threads > 1)
     return std::make_unique<MapBackend<CpuSchedule<ThreadPool>>>(
         config, CpuExecutor<ThreadPool>{ThreadPool{threads}});
+#else
+  static_cast<void>(threads);
 #endif
   return std::make_unique<MapBackend<CpuSchedule<OneThread>>>(
       config, CpuExecutor<OneThread>{OneThread{}});
