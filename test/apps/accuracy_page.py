@@ -28,7 +28,7 @@ def rows(text):
 
 
 def write(command, page, folder, *arguments):
-    subprocess.run([sys.executable, os.path.join(SOURCE, "apps/talus-compare/page.py"), command, "--page", page,
+    subprocess.run([sys.executable, os.path.join(SOURCE, "apps/lab/talus-compare/page.py"), command, "--page", page,
                     "--output", folder, "--methods", "talus,highest", *arguments], check=True)
     with open(page, encoding="utf-8") as file:
         return file.read()

@@ -3,12 +3,12 @@
 #include <iostream>
 #include <utility>
 
-#include "../common/child_process.h"
-#include "../common/log_name.h"
-#include "../common/output_folder.h"
-#include "../common/printable.h"
-#include "../common/progress_bar.h"
-#include "../common/suspect.h"
+#include "../../common/child_process.h"
+#include "../../common/log_name.h"
+#include "../../common/output_folder.h"
+#include "../../common/printable.h"
+#include "../../common/progress_bar.h"
+#include "../../common/suspect.h"
 #include "options.h"
 
 namespace fs = std::filesystem;

@@ -1,5 +1,5 @@
 #include <talus/elevation_mapper.h>
-#include "../common/command_line.h"
+#include "../../common/command_line.h"
 #include "measure.h"
 #include "scans.h"
 #include "whole.h"

@@ -1,7 +1,7 @@
 #include "options.h"
 
-#include "../common/command_line.h"
-#include "../common/version.h"
+#include "../../common/command_line.h"
+#include "../../common/version.h"
 
 namespace talus::sim
 {

@@ -67,7 +67,7 @@ struct OctomapOptions
 };
 std::unique_ptr<MapSource> make_octomap_source(const OctomapOptions& options);
 
-/** Baseline: an elevation map with one surface (libs/baselines, "highest"); what it does not know
+/** Baseline: an elevation map with one surface (libs/lab/baselines, "highest"); what it does not know
  * is no obstacle. */
 std::unique_ptr<MapSource> make_onesurface_source(
     const Parameters& parameters, const ObstacleOptions& options);

@@ -1,6 +1,6 @@
 #include "pilot.h"
 
-#include "../common/suspect.h"
+#include "../../common/suspect.h"
 #include "planner_ini.h"
 #include "settings.h"
 

@@ -5,7 +5,7 @@
 # WORLDS, SENSORS, MAPS and PLANNERS, words with spaces between, choose some of them. Needs only bash, awk and xargs.
 set -euo pipefail
 talus_nav=$1 dir=$2 seeds=$3 jobs=$4
-folder=${5:-$(dirname "${BASH_SOURCE[0]}")/../../datasets/worlds}
+folder=${5:-$(dirname "${BASH_SOURCE[0]}")/../../../datasets/worlds}
 
 # world, goal, the right end
 all_worlds='nav_indoor 15,0 arrived

@@ -1,5 +1,5 @@
 #pragma once
-#include "../common/mounting.h"
+#include "../../common/mounting.h"
 
 #include <optional>
 #include <string>

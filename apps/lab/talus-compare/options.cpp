@@ -1,8 +1,8 @@
 #include "options.h"
 
-#include "../common/command_line.h"
-#include "../common/version.h"
-#include "../talus-map/settings.h"
+#include "../../common/command_line.h"
+#include "../../common/version.h"
+#include "../../talus-map/settings.h"
 
 #include <talus/mrpt/parameters_ini.h>
 

@@ -2,7 +2,7 @@
 """Writes the tables of doc/accuracy.md: runs talus-compare on worlds and real logs, and puts what it found between the
 markers of the page, each table under the settings that it was made with.
 
-  apps/talus-compare/page.py TALUS_COMPARE [--only PART ...] [--worlds NAME ...] [--methods NAME,...] [--page FILE]
+  apps/lab/talus-compare/page.py TALUS_COMPARE [--only PART ...] [--worlds NAME ...] [--methods NAME,...] [--page FILE]
 
 Real logs are no part of the repository: they come from --data, the folder TALUS_TEST_DATA. Without it their tables stay
 as they are, and a line says so. Exit code 1 where a comparison fails.
@@ -17,7 +17,7 @@ import statistics
 import subprocess
 import sys
 
-SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), "../../.."))
 CAR = ["--config", "datasets/configs/car.ini"]
 WORLDS = ["branches", "demo", "ditch", "hall", "hillside", "person", "railing_gap",
           "unseen/fire_station", "unseen/mountain_hut", "unseen/water_mill"]

@@ -6,12 +6,12 @@
 #include <iostream>
 #include <optional>
 
-#include "../common/child_process.h"
-#include "../common/log_name.h"
-#include "../common/output_folder.h"
-#include "../common/printable.h"
-#include "../common/progress_bar.h"
-#include "../common/suspect.h"
+#include "../../common/child_process.h"
+#include "../../common/log_name.h"
+#include "../../common/output_folder.h"
+#include "../../common/printable.h"
+#include "../../common/progress_bar.h"
+#include "../../common/suspect.h"
 #include "log_sequence.h"
 #include "options.h"
 #include "pictures.h"

@@ -1,8 +1,8 @@
 #include "log_sequence.h"
 
-#include "../common/log_memory.h"
-#include "../common/log_name.h"
-#include "../common/suspect.h"
+#include "../../common/log_memory.h"
+#include "../../common/log_name.h"
+#include "../../common/suspect.h"
 
 #include <talus/io/geotiff.h>
 #include <talus/io/rawlog_reader.h>
