@@ -160,9 +160,6 @@ bool LogMapper::decode(const mrpt::obs::CObservation& obs)
   }
 }
 
-/** Frames are taken in the order of the log, each with the pose of its own time; where a clock
- * jumps back, or a scan was logged late, that is counted. False when the log repeats a scan: one
- * without a stamp may be like the one before because nothing moved. */
 void LogMapper::note_way()
 {
   constexpr double kApart_m = 0.1;
@@ -173,6 +170,9 @@ void LogMapper::note_way()
   if (last_way_.size() > kMost) last_way_.pop_front();
 }
 
+/** Frames are taken in the order of the log, each with the pose of its own time; where a clock
+ * jumps back, or a scan was logged late, that is counted. False when the log repeats a scan: one
+ * without a stamp may be like the one before because nothing moved. */
 bool LogMapper::note_stamp(const mrpt::obs::CObservation& obs)
 {
   if (obs.timestamp == INVALID_TIMESTAMP) return true;
