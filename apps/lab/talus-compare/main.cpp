@@ -180,6 +180,7 @@ Ending compare(
   for (const std::string& name : o.evaluation.methods) make_method(name, o.evaluation.parameters);
   Comparison c;
   c.command = command;
+  c.without_rules = o.without_rules;
   bool all_read = true;
   for (const std::string& input : o.inputs) all_read &= compare_input(input, o, c);
   if (c.evaluations.empty()) return kFailed;

@@ -5,8 +5,10 @@
 #include "../../talus-map/settings.h"
 
 #include <talus/mrpt/parameters_ini.h>
+#include <talus/rule_switches.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 
@@ -14,6 +16,13 @@ namespace talus::baselines
 {
 namespace
 {
+std::string comma_list(const std::vector<int>& numbers)
+{
+  std::string text;
+  for (const int n : numbers) text += (text.empty() ? "" : ",") + std::to_string(n);
+  return text;
+}
+
 std::string footer()
 {
   std::string text = "Methods:\n";
@@ -36,6 +45,8 @@ std::string footer()
          "      without truth: cost, coverage, and held-out points to measure the fills\n"
          "  talus-compare city.rawlog --truth city_labels.tif --config car.ini --output out\n"
          "      against labels of people: what is taken for ground, and what is blocked\n"
+         "  talus-compare datasets/worlds/*.yaml --methods talus --without 30,31 --output out\n"
+         "      what two rules are worth; needs a build with -DTALUS_RULE_SWITCHES=ON\n"
          "\nExit codes: 0 done, 1 an input failed (or, with --check, a budget), 2 wrong usage,\n"
          "128 + N stopped by signal N.";
 }
@@ -80,6 +91,12 @@ void add_methods(CLI::App& app, CommandOptions& o)
   app.add_option("--set", o.settings, "One parameter; can be given several times")
       ->type_name("NAME=VALUE")
       ->take_all();
+  app.add_option(
+         "--without", o.without_rules,
+         "Leave rules of talus out, by their numbers in kernels/rules.md")
+      ->delimiter(',')
+      ->envname(kWithoutRulesVariable)
+      ->type_name("RULE,...");
   app.add_option_function<std::string>(
          "--backend", [&o](const std::string& s) { o.evaluation.backend = backend_from_text(s); },
          "Of talus: auto, cpu or cuda; default cpu")
@@ -139,8 +156,37 @@ std::string idle_option(const CLI::App& app, const CommandOptions& o)
   for (const char* name : {"--hold-out", "--beams"})
     if (given(name) && (log == in.end() || given("--world")))
       return std::string(name) + " is for logs without the truth of a world";
+  const auto& methods = o.evaluation.methods;
+  if (given("--without") && std::find(methods.begin(), methods.end(), "talus") == methods.end())
+    return "--without is for talus, and --methods leaves it out";
   if (given("--world") && given("--truth")) return "--truth does nothing beside --world";
   return {};
+}
+
+/** Why the rules of --without cannot be left out; empty: they can. */
+std::string why_rules_stay(const std::vector<int>& rules)
+{
+  const std::vector<int> known = switchable_rules();
+  if (known.empty())
+    return "--without: the rules of this build have no switches: use the talus-compare of a build "
+           "with -DTALUS_RULE_SWITCHES=ON";
+  for (const int rule : rules)
+  {
+    if (std::binary_search(known.begin(), known.end(), rule)) continue;
+    std::string text =
+        "--without: no rule " + std::to_string(rule) + " has a switch. These have one:";
+    for (const int other : known) text += " " + std::to_string(other);
+    return text;
+  }
+  return {};
+}
+
+/** Leaves the rules out of all maps of this process and of its children. */
+void leave_out(std::vector<int>& rules)
+{
+  std::sort(rules.begin(), rules.end());
+  rules.erase(std::unique(rules.begin(), rules.end()), rules.end());
+  ::setenv(kWithoutRulesVariable, comma_list(rules).c_str(), 1);
 }
 
 }  // namespace
@@ -165,10 +211,18 @@ std::optional<int> parse_options(int argc, char** argv, CommandOptions& options)
   app.footer(footer());
   if (const auto exit_code = app::parse_command_line(app, argc, argv)) return exit_code;
   options.evaluation.drive.frames = options.log.frames;
+  const auto refused = [](const std::string& why)
+  {
+    std::cerr << "talus-compare: " << why << "\n";
+    return 2;
+  };
   const std::string idle = idle_option(app, options);
-  if (idle.empty()) return {};
-  std::cerr << "talus-compare: " << idle << ": leave it out, or compare the inputs apart\n";
-  return 2;
+  if (!idle.empty()) return refused(idle + ": leave it out, or compare the inputs apart");
+  if (options.without_rules.empty()) return {};
+  const std::string why = why_rules_stay(options.without_rules);
+  if (!why.empty()) return refused(why);
+  leave_out(options.without_rules);
+  return {};
 }
 
 void load_parameters_into(CommandOptions& o)

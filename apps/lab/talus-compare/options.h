@@ -16,6 +16,8 @@ struct CommandOptions
   std::string output, world, truth, config;
   LogOptions log;
   std::vector<std::string> settings;  //!< NAME=VALUE
+  std::vector<int>
+      without_rules;  //!< of talus, by their numbers in kernels/rules.md; in rising order
   EvaluationOptions evaluation;
   HoldOutOptions holdout;
   bool quiet = false, check = false;

@@ -267,6 +267,15 @@ std::string tables(const Comparison& c, Render render, const std::string& title)
   return out;
 }
 
+/** "Without rules 30, 31."; empty: all count. */
+std::string left_out_words(const Comparison& c)
+{
+  std::string text;
+  for (const int rule : c.without_rules) text += (text.empty() ? "" : ", ") + std::to_string(rule);
+  if (text.empty()) return {};
+  return (c.without_rules.size() > 1 ? "Without rules " : "Without rule ") + text + ".";
+}
+
 /** A world or log may be called anything. */
 std::string csv_text(const std::string& text)
 {
@@ -314,12 +323,16 @@ nlohmann::json as_json(const BudgetResult& r)
 
 }  // namespace
 
-std::string tables_text(const Comparison& c) { return tables(c, &Table::text, ""); }
+std::string tables_text(const Comparison& c)
+{
+  const std::string left_out = left_out_words(c);
+  return (left_out.empty() ? "" : left_out + "\n\n") + tables(c, &Table::text, "");
+}
 
 std::string tables_markdown(const Comparison& c)
 {
-  const std::string words = budget_words(c);
-  std::string out = "Made by `" + c.command + "`." +
+  const std::string words = budget_words(c), left_out = left_out_words(c);
+  std::string out = "Made by `" + c.command + "`." + (left_out.empty() ? "" : " " + left_out) +
                     (words.empty() ? "" : " " + words + "(marked `!`).") + "\n\n";
   for (const Table& t : budget_tables(c)) out += t.markdown() + "\n";
   return out + tables(c, &Table::markdown, "## ");
@@ -399,7 +412,11 @@ std::string comparison_json(const Comparison& c)
     real_logs.push_back(j);
   }
   const nlohmann::json all{
-      {"command", c.command}, {"worlds", worlds}, {"held_out", holdouts}, {"real_logs", real_logs}};
+      {"command", c.command},
+      {"without_rules", c.without_rules},
+      {"worlds", worlds},
+      {"held_out", holdouts},
+      {"real_logs", real_logs}};
   // a file name may be no UTF-8
   return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }

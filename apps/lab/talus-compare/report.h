@@ -22,9 +22,11 @@ struct Comparison
   std::vector<HoldOut> holdouts;  //!< of logs without truth
   std::vector<RealLog> real_logs;
   std::string command;  //!< that made it
+  std::vector<int> without_rules;  //!< of talus, by their numbers
 };
 
-/** For a terminal: for each world or log one row a method, one row a fill; then the budgets. */
+/** For a terminal: for each world or log one row a method, one row a fill; before them the rules
+ * that were left out. */
 std::string tables_text(const Comparison& c);
 /** Rows are budgets, columns are worlds; "!" marks what fails, "-" what does not apply. Before
  * them, of several worlds, how many fail; "not seen": of these, where what a ray could show holds.

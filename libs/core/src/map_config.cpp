@@ -1,4 +1,5 @@
 #include "map_config.h"
+#include <talus/rule_switches.h>
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
@@ -92,7 +93,7 @@ namespace
  * Config::rules_off. */
 std::uint64_t rules_off()
 {
-  const char* const named = std::getenv("TALUS_WITHOUT_RULES");
+  const char* const named = std::getenv(kWithoutRulesVariable);
   std::istringstream numbers(named ? named : "");
   std::uint64_t off = 0;
   for (std::string number; std::getline(numbers, number, ',');)
@@ -100,7 +101,8 @@ std::uint64_t rules_off()
     const int rule = std::atoi(number.c_str());
     const auto is = [rule](kernels::Rule known) { return known == rule; };
     if (std::none_of(std::begin(kernels::kRules), std::end(kernels::kRules), is))
-      throw std::invalid_argument("TALUS_WITHOUT_RULES: rule '" + number + "' has no switch");
+      throw std::invalid_argument(
+          std::string(kWithoutRulesVariable) + ": rule '" + number + "' has no switch");
     off |= std::uint64_t{1} << rule;
   }
   return off;
@@ -116,6 +118,15 @@ void switch_off(MapConfig& c)
 }
 }  // namespace
 #endif
+
+std::vector<int> switchable_rules()
+{
+#if defined(TALUS_RULE_SWITCHES)
+  return {std::begin(kernels::kRules), std::end(kernels::kRules)};
+#else
+  return {};
+#endif
+}
 
 MapConfig make_config(const Parameters& p)
 {
