@@ -353,7 +353,6 @@ struct FillCell
     const int r = surface_class[storage_i], state_before = store.state[storage_i];
     const int flags_before = store.flags[storage_i], in_open = passing.in_open[window_i];
     const int driven_height = store.driven_height[storage_i];
-    const int recent_hits = store.recent_hits[storage_i];
     const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
     // Otherwise the older fill, or the object, stays.
     const bool filled = (r != kKeep) & inferred.any();
@@ -394,8 +393,7 @@ struct FillCell
     store.flags[storage_i] = static_cast<std::uint8_t>(flags);
     const float elevation = select(DropHanging::hangs(flags), kNan, stands_m);
     put_surface(
-        surfaces.cell[surfaces.at(ix, iy)],
-        {ground, elevation, state, flags, driven_height, recent_hits});
+        surfaces.cell[surfaces.at(ix, iy)], {ground, elevation, state, flags, driven_height});
     return state;
   }
 
@@ -417,7 +415,7 @@ struct FillCell
   struct Filled
   {
     float ground_m, elevation_m;
-    int state, flags, driven_height, recent_hits;
+    int state, flags, driven_height;
   };
   TALUS_HD void put_surface(Surface& to, const Filled& c) const
   {
@@ -433,7 +431,6 @@ struct FillCell
     const std::int32_t flags = select(measured, kSurfaceMeasured, 0) |
                                select(seen, kSurfaceSeen, 0) |
                                select(may_drop, kSurfaceMayDrop, 0) |
-                               select(hit_lately(c.recent_hits), kSurfaceHitLately, 0) |
                                select(driven, kSurfaceDriven, 0) | select(near, kSurfaceNear, 0);
     const float reference = frame->sensor_z_m, top = select(stands, c.elevation_m, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);

@@ -151,9 +151,9 @@ struct ComputeFeatures
   }
 };
 
-/** The last step of stage 7: cells at the edge of an impassable cell join it, except at a low step.
- * The features of a neighbourhood end before the edge of a steep face. Porous objects are hit in
- * some of their cells only, and objects that cover a cell in part are hit now and then. */
+/** The last step of stage 7: an obstacle goes on beside an impassable cell where the score is low,
+ * and between two such cells, since no robot fits through one cell. Features end before the edge of
+ * a steep face, and of porous objects only some cells are hit. Low steps stay passable. */
 struct CompleteObstacles
 {
   int cells;
@@ -191,11 +191,8 @@ struct CompleteObstacles
   {
     const Surface& cell = surfaces.cell[surfaces.at(ix, iy)];
     if (cell.is(kSurfaceDriven)) return false;
-    const bool hit_lately = cell.is(kSurfaceHitLately);
-    const Config& k = *config;
-    return (on(kNoGapOfOneCell, k) && between(at)) ||
-           (on(kHitLatelyJoins, k) && hit_lately && beside(at)) || beside_drop(ix, iy) ||
-           (on(kSteepEdges, k) && is_known(score) && at_steep_edge(ix, iy, at));
+    const bool edge = score < kEdgeScore && beside(at);  // false where it is not judged
+    return (on(kObstaclesGoOn, *config) && (edge || between(at))) || beside_drop(ix, iy);
   }
   /** A neighbour of a drop joins it, since the edge is not known to a cell. */
   TALUS_HD bool beside_drop(int ix, int iy) const
@@ -218,39 +215,11 @@ struct CompleteObstacles
     return at.blocks(-1) || at.blocks(1) || at.blocks(-at.pitch) || at.blocks(at.pitch);
   }
 
-  /** Whether two opposite neighbours are impassable: no robot fits through one cell. */
+  /** Whether two opposite neighbours are impassable. */
   static TALUS_HD bool between(const PassabilityAround& at)
   {
     const auto both = [&at](int to) { return at.blocks(-to) && at.blocks(to); };
     return both(1) || both(at.pitch) || both(at.pitch + 1) || both(at.pitch - 1);
-  }
-
-  /** Whether a measured cell is at the edge of a steep face. Either the surface rises or falls at
-   * least a third as steeply as allowed to an impassable, bare neighbour, since two cells alone
-   * estimate a slope badly. Or a face begins in the cell that is, with the neighbours, higher than
-   * a step. */
-  TALUS_HD bool at_steep_edge(int ix, int iy, const PassabilityAround& judgement) const
-  {
-    const Surface* at = surfaces.cell + surfaces.at(ix, iy);
-    if (!at->is(kSurfaceMeasured)) return false;
-    const float step = config->step_threshold_m * kHeightSteps;
-    int low = at->ground, high = at->height();
-    for (int dy = -1; dy <= 1; dy++)
-      for (int dx = -1; dx <= 1; dx++)
-      {
-        const Surface& next = at[dy * surfaces.pitch + dx];
-        if (!next.is(kSurfaceMeasured)) continue;
-        low = min_of(low, next.ground);
-        high = max_of(high, next.height());
-        const bool beside = (dx == 0) != (dy == 0),
-                   bare = static_cast<float>(next.height() - next.ground) < kBare_steps * step;
-        const int rise =
-            max_of(abs_of(next.ground - at->ground), abs_of(next.height() - at->height()));
-        if (beside && bare && is_steep(kSteepEdge * rise, *config) &&
-            judgement.blocks(dy * judgement.pitch + dx))
-          return true;
-      }
-    return is_steep(at->height() - at->ground, *config) && static_cast<float>(high - low) > step;
   }
 };
 

@@ -165,9 +165,8 @@ constexpr float kHangs_clearances = 1.0f, kHangsBesideColumn_clearances = 2.0f;
 
 /** A step that the robot takes for sure, within two cells [steps]. */
 constexpr float kLowStep_steps = 0.8f;
-/** A cell at the edge of an impassable one joins it if this many times the rise is too steep: two
- * cells alone estimate a slope badly. */
-constexpr int kSteepEdge = 3;
+/** A cell beside an impassable one joins it if its score is less: halfway to impassable. */
+constexpr float kEdgeScore = 0.5f;
 
 /** No object is higher than this above a two-sided fill where a ray passed [steps]: it is judged,
  * with at most this score. */

@@ -13,18 +13,17 @@ enum SurfaceFlag : std::int32_t
   kSurfaceMeasured = 1,  //!< its ground is measured
   kSurfaceSeen = 2,  //!< a ray hit it or passed low over its ground, or the robot stood there
   kSurfaceMayDrop = 4,  //!< its ground was not seen and may lie far below that around it
-  kSurfaceHitLately = 8,  //!< see hit_lately()
-  kSurfaceDriven = 16,  //!< the robot drove over it, and no new object stands there
-  kSurfaceNear = 32  //!< its ground is filled from two sides and a ray passed near it
+  kSurfaceDriven = 8,  //!< the robot drove over it, and no new object stands there
+  kSurfaceNear = 16  //!< its ground is filled from two sides and a ray passed near it
 };
 
-constexpr int kSurfaceFlags = 6;
+constexpr int kSurfaceFlags = 5;
 
 /** The surfaces of one cell, quantised, for stage 7. */
 struct alignas(8) Surface
 {
   std::int32_t ground;  //!< kNoHeight: unknown
-  /** Sixteen times the elevation (the ground without an object), plus the flags. */
+  /** The elevation (the ground without an object) above the bits of the flags. */
   std::int32_t height_and_flags;
 
   TALUS_HD bool known() const { return ground != kNoHeight; }
