@@ -22,15 +22,11 @@ namespace talus::kernels
 struct CoarseCell
 {
   float lowest_m = kInfinity, column_m = -kInfinity;
-  float overhang_m = -kInfinity;
-  std::int32_t overhang_below = 0;  //!< see Cell
   std::int32_t presence = kEmpty;  //!< the highest Presence
 
   static constexpr auto fields()
   {
-    return std::make_tuple(
-        &CoarseCell::lowest_m, &CoarseCell::column_m, &CoarseCell::overhang_m,
-        &CoarseCell::overhang_below, &CoarseCell::presence);
+    return std::make_tuple(&CoarseCell::lowest_m, &CoarseCell::column_m, &CoarseCell::presence);
   }
 };
 
@@ -47,17 +43,10 @@ struct PoolCells
     const float ground = store.ground_m[storage_i], top = store.elevation_m[storage_i];
     const bool measured = store.state[storage_i] == kMeasured;
     const bool upright = measured & (top - ground > kUpright_steps * config->step_threshold_m);
-    const int below = store.overhang_below[storage_i];
-    const float underside = top - overhang_m(below);
-    const float robot_m =
-        ground + config->clearance_m + kFaceAboveRobot_steps * config->step_threshold_m;
-    const bool open = store.is(kOpen, storage_i), low = open | (underside <= robot_m);
-    const bool overhangs = upright & low & (store.stay_frames[storage_i] >= kOverhangStay);
     const bool stands = top > bare_up_to_m(ground, *config);
     const int bare = select(store.recent_hits[storage_i] > 0, kLeft, kEmpty);
     return {
         select(measured, ground, kInfinity), select(upright, top, -kInfinity),
-        select(overhangs, top, -kInfinity), select(overhangs & !open, below, 0),
         select(stands, kStands, bare)};
   }
   /** Joins two cells, or two such pairs. */
@@ -65,7 +54,6 @@ struct PoolCells
   {
     return {
         min_of(a.lowest_m, b.lowest_m), max_of(a.column_m, b.column_m),
-        max_of(a.overhang_m, b.overhang_m), max_of(a.overhang_below, b.overhang_below),
         max_of(a.presence, b.presence)};
   }
   /** Beyond the window bare ground goes on. Ground as high as the sensor may be a face that is not
@@ -74,14 +62,12 @@ struct PoolCells
   {
     if (!on(kBeyondWindow, *config)) return {};
     const bool bare = border.column_m == -kInfinity, low = border.lowest_m <= frame->sensor_z_m;
-    return {select(bare & low, border.lowest_m, kInfinity), -kInfinity, -kInfinity, 0, kEmpty};
+    return {select(bare & low, border.lowest_m, kInfinity), -kInfinity, kEmpty};
   }
   TALUS_HD void put(int px, int py, const CoarseCell& pooled) const
   {
     grid.lowest_m[grid.at(px, py)] = pooled.lowest_m;
     grid.column_m[grid.at(px, py)] = pooled.column_m;
-    grid.overhang_m[grid.at(px, py)] = pooled.overhang_m;
-    grid.overhang_depth_m[grid.at(px, py)] = overhang_m(pooled.overhang_below);
     grid.presence[grid.at(px, py)] = static_cast<float>(pooled.presence);
   }
 

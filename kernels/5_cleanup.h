@@ -78,7 +78,7 @@ TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
   c.recent_hits = max_of(c.recent_hits, kHitAdds);  // makes it kLeft
   c.elevation_m = c.elevation_var_m2 = kNan;
   forget_overhang(c);
-  if (surface_class >= kObject || c.ground_m > limit)
+  if (surface_class == kObject || c.ground_m > limit)
   {
     c.ground_m = c.ground_var_m2 = kNan;
     c.state = kUnknown;

@@ -267,7 +267,6 @@ struct Fill
   float height_m;
   float variance_m2;
   std::int32_t state;
-  float expected_m;  //!< the height without the bound of the rays
 };
 
 TALUS_HD float height_of_lines(const LineFusion& lines, bool under_object)
@@ -282,7 +281,7 @@ infer_ground(float variance_m2, int marks, float expected_m, float bound_m, cons
   const int state = select((marks & kTwoSided) != 0, kFilledTwoSided, kFilledOneSided);
   return {
       min_of(expected_m, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
-      select(far_off, kDoubtful_m2, variance_m2), state, expected_m};
+      select(far_off, kDoubtful_m2, variance_m2), state};
 }
 
 /** Measured ground that fills may use, by place of the grid. */
@@ -325,9 +324,7 @@ struct DropHanging
     c.elevation_m = c.elevation_var_m2 = kNan;
     forget_persistence(c);
     forget_overhang(c);
-    const bool underside = c.state == kUnknown;  // its hits count no more
-    c.flags &= ~select(underside, kHitFlags, kHitHighUp);
-    c.recent_hits = select(underside, 0, c.recent_hits);
+    c.flags &= ~kHitHighUp;
     store.store(storage_i, c);
   }
 };
@@ -359,13 +356,11 @@ struct FillCell
     const bool doubtful = filled & ((marks & kDoubtful) != 0);
     const float bound_m = select(doubtful, kInfinity, ray_bound(passing, window_i));
     const float expected_m =
-        height_of_lines(inferred.lines, (r >= kObject) & on(kLowestUnderObject, *config));
+        height_of_lines(inferred.lines, (r == kObject) & on(kLowestUnderObject, *config));
     const Fill fill = infer_ground(inferred.variance_m2, marks, expected_m, bound_m, *config);
-    const bool floats = is_underside(r, state_before, before, bound_m, inferred, fill);
-    const float ground = select(floats, kNan, select(filled, fill.height_m, before));
-    const float variance = select(floats, kNan, select(filled, fill.variance_m2, var_before));
-    const int known_as = select(filled, fill.state, state_before);
-    const int state = select(floats, static_cast<int>(kUnknown), known_as);
+    const float ground = select(filled, fill.height_m, before);
+    const float variance = select(filled, fill.variance_m2, var_before);
+    const int state = select(filled, fill.state, state_before);
     // Behind a hit only rays below the height of a step prove that the ground is free. In the blind
     // zone around the robot, before all hits, rays below the clearance do.
     const float proof_m = select(in_open != 0, config->clearance_m, config->step_threshold_m);
@@ -374,16 +369,12 @@ struct FillCell
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
     const bool low = bound_m < floor_m + proof_m;
     const bool near = bound_m < floor_m + kPassedNear_steps * config->step_threshold_m;
-    const float high_up_m = config->clearance_m *
-                            select(r == kObject, kHangs_clearances, kHangsBesideColumn_clearances);
-    const bool object = filled & ((r == kObject) | (r == kObjectBesideColumn)) &
-                        (before - fill.height_m > high_up_m);
+    const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
     const float stands_m = store.elevation_m[storage_i];
     const int fall = select(filled & !doubtful, marks & (kSlopes | kDrops), 0);
     const bool drops = on(kFallsMayDrop, *config) & ((fall & kDrops) != 0) & !is_known(stands_m);
-    // An underside is dropped like an object that hangs.
     const int flags = (flags_before & select((fall == kSlopes) | (r == kKeep), ~kMayDrop, ~0)) |
-                      select(low | floats, kPassedLow, 0) | select(object | floats, kHitHighUp, 0) |
+                      select(low, kPassedLow, 0) | select(object, kHitHighUp, 0) |
                       select(near & on(kPassedNearJudged, *config), kPassedNear, 0) |
                       select(drops, kMayDrop, 0);
     // Reads come before stores, or the compiler would read again and not vectorise.
@@ -398,19 +389,6 @@ struct FillCell
   }
 
  private:
-  /** Whether a measured surface is an underside: it is above the sensor, rays passed below it, and
-   * no lower ground beside it explains that. An unknown cell stays one in a second call. */
-  TALUS_HD bool is_underside(
-      int of_class, int state_before, float before_m, float bound_m, const Inference& inferred,
-      const Fill& fill) const
-  {
-    const float lower_m = max_of(frame->sensor_z_m, before_m - config->cleanup_margin_m);
-    const bool told = inferred.any() & (fill.expected_m < lower_m);
-    const bool above = (state_before == kMeasured) & (before_m > frame->sensor_z_m) &
-                       (bound_m + config->cleanup_margin_m < before_m) & !told;
-    return on(kUndersides, *config) & (of_class == kObject) & (above | (state_before == kUnknown));
-  }
-
   /** The fields that stage 7 reads. */
   struct Filled
   {

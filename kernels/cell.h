@@ -30,8 +30,6 @@ enum CellFlag : std::uint8_t
   kOpen = 64,  //!< what overhangs there lets rays through: a railing
   kRobotWasThere = 128
 };
-/** Flags that are cleared with the object of a cell. */
-constexpr int kHitFlags = kPassedLow | kHitHighUp | kHitBefore;
 
 // The fields of a cell, one line each: FIELD(type, name, value where nothing is known). This list
 // is all that the store, the buffers, saved maps, records and tiles know of a cell. Heights count
@@ -189,12 +187,8 @@ enum SurfaceClass : std::uint8_t
 {
   kKeep = 0,  //!< its ground stays
   kInfer = 1,  //!< its ground is unknown or a guess: infer it
-  kObject = 2,  //!< its lowest surface is an object above unseen ground: infer the
-                //!< ground under it
-  kObjectOnColumn = 3,  //!< as kObject, but it begins where the object beside it ends: it
-                        //!< cannot hang
-  kObjectBesideColumn = 4  //!< as kObject, but the object beside it goes on past it, a wall or the
-                           //!< post of a sign: it hangs if it is high up
+  kObject = 2  //!< its lowest surface is an object above unseen ground: infer the
+               //!< ground under it
 };
 
 /** Destinations of the layers of stages 2 to 6, window order; null: not wanted. */

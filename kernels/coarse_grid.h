@@ -24,8 +24,6 @@ struct CoarseGrid
   int pad;  //!< places beside each row that hold infinity
   float* lowest_m;  //!< lowest measured ground; infinity: none
   float* column_m;  //!< highest upright top; -infinity: none
-  float* overhang_m;  //!< the same for overhangs: rays pass below, but the robot does not fit ...
-  float* overhang_depth_m;  //!< ... and how far down from it they are known to reach
   float* presence;  //!< a Presence
   float* eroded_m;  //!< lowest ground of the neighbourhood; infinity: near an upright object, or
                     //!< nothing is known there

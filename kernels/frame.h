@@ -30,8 +30,6 @@ struct FrameContext
   /** Whether all cells were empty before: the first frame, or the first on another floor
    * (FollowPoses). */
   int starts_map;
-  /** The sensor's cell, perhaps beyond the window. */
-  int sensor_cell_x, sensor_cell_y;
   /** Rings of the table of rays that this frame uses, up to the farthest corner of the window. */
   int rings;
   /** Sensor frame to base frame, row-major 3x4 [m]; the identity where the base is not known. */

@@ -62,8 +62,6 @@ constexpr int kPorousHitEarns = 3, kHeldHitEarns = 1;
 /** From so many frames of stay on a cell is porous, and a frame without a hit takes one; kMostStay
  * is the limit. */
 constexpr int kPorousStay = 12, kMostStay = 120;
-/** The stay of an overhang at least; hedges and railings earn it in time. */
-constexpr int kOverhangStay = kMostStay / 2;
 
 // ---- Stage 4: ground or object ----
 
@@ -92,27 +90,14 @@ constexpr float kDropBeside = 0.2f;
 /** Variance of the ground under the robot. */
 constexpr float kUnderFoot_var_m2 = 0.02f * 0.02f;
 
-/** An object at least so high [steps] is upright: a column that others may be joined to, or a face
- * whose lowest hit need not be its foot. */
+/** An object at least so high [steps] is upright: its lowest hit need not be its foot. */
 constexpr float kUpright_steps = 1.5f;
-/** The underside of what overhangs may be so much above the robot [steps] and still be a face. */
-constexpr float kFaceAboveRobot_steps = 0.5f;
 /** Ground may lie so far above the cone of the steepest slope over ground close by [steps] ... */
 constexpr float kAboveCone_steps = 0.25f;
 /** ... and than the opening of the ground around it. */
 constexpr float kAboveOpening_steps = 0.5f;
 /** The cone is as steep as this [m/m], or as what the robot climbs: 45 degrees, as banks are. */
 constexpr float kSteepestBank = 1.0f;
-/** An object that stands higher than this [clearances] is no roof that was hit for the first time.
- */
-constexpr float kStandsAlready_clearances = 0.5f;
-/** A column goes on past an object if it is so much higher [steps]. */
-constexpr float kPastObject_steps = 0.5f;
-/** Tops belong to one object if they differ by at most so much [steps]. */
-constexpr float kSameThing_steps = 0.5f;
-/** A face is looked for in so many corridors towards the sensor, each a pair of cells wide. So many
- * of them may be without it: the face is wider than the leg of a table. */
-constexpr int kFaceCorridors = 5, kMissingCorridors = 1;
 
 // ---- Stages 4 and 5: rays of one cell ----
 
@@ -157,9 +142,6 @@ constexpr float kHeightNoise_m = 0.002f;
 constexpr float kGoesOn = 2.0f, kGoesOnMost_steps = 0.25f;
 /** A fill may lie too high, so it counts at most so much above the lowest of its lines [steps]. */
 constexpr float kAboveLowestLine_steps = 0.25f;
-/** An object hangs if it is so high above what is filled below it [clearances]: on nothing, or
- * beside a column, which may hold it. */
-constexpr float kHangs_clearances = 1.0f, kHangsBesideColumn_clearances = 2.0f;
 
 // ---- Stage 7 ----
 

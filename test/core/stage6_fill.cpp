@@ -373,32 +373,6 @@ TEST(Stage6Fill, GroundThatWouldGoOnToWhereRaysPassBelowItMayDrop)
   EXPECT_GT(drops.traversability(1.375, 0.025), 0.9f);  // the shelf itself
 }
 
-TEST(Stage6Fill, TheUndersideOfSomethingWideIsNoGround)
-{
-  // A bridge above the sensor, of which only the underside is seen: rays to its far parts pass
-  // below its near parts. A bank that is as high faces the sensor.
-  TestMap below, before;
-  const auto bridge = level(1.5);
-  const auto bank = [](double x, double) { return 0.7 + 0.6 * (x - 1.9); };
-  for (int frame = 0; frame < 2; frame++)
-  {
-    below.update(Scan().add_surface(2.0, -1.0, 3.5, 1.0, bridge));
-    before.update(Scan().add_surface(2.0, -1.0, 3.5, 1.0, bank));
-    EXPECT_EQ(below.state(2.525, 0.025), CellState::Unknown);
-    EXPECT_TRUE(std::isnan(below.ground(2.525, 0.025)));
-    EXPECT_TRUE(std::isnan(below.elevation(2.525, 0.025)));
-    EXPECT_TRUE(std::isnan(below.at(Layer::Variance, 2.525, 0.025)));
-    EXPECT_TRUE(std::isnan(below.traversability(2.525, 0.025)));
-    EXPECT_EQ(before.state(2.525, 0.025), CellState::Measured);
-    EXPECT_NEAR(before.ground(2.525, 0.025), bank(2.525, 0), 1e-3);
-  }
-  // The floor below it is seen at last: it hangs.
-  below.update(
-      Scan().add_surface(1.0, -1.0, 3.0, 1.0, flat).add_surface(2.0, -1.0, 3.0, 1.0, bridge));
-  EXPECT_EQ(below.ground(2.525, 0.025), 0.0f);
-  EXPECT_GT(below.traversability(2.525, 0.025), 0.9f);
-}
-
 TEST(Stage6Fill, ARailAcrossAHillsideAboveTheSensorIsAnObstacle)
 {
   // The hill on both sides of it tells the ground below it.
@@ -431,34 +405,6 @@ TEST(Stage6Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
   EXPECT_GT(m.traversability(2.525, 0.025), 0.9f);
   m.update(column(Scan()));  // now it is known to hang
   EXPECT_GT(m.traversability(2.525, 0.025), 0.9f);
-}
-
-TEST(Stage6Fill, ARoofSeenFromAboveStandsUntilARayPassesBelowIt)
-{
-  // Its floor is a guess between what is seen on both sides; what hangs above the sensor may be a
-  // canopy.
-  const auto floor = [](Scan s)
-  {
-    for (double x : {1.0, 3.0}) s.add_surface(x, -0.5, x + 0.5, 0.5, flat);
-    return s;
-  };
-  const auto roof = [](Scan s, double z_m)
-  {
-    for (double y = -0.475; y < 0.5; y += 0.05) s.add(2.225, y, z_m);
-    return s;
-  };
-  TestMap m;
-  const double sensor_m = 1.3;
-  m.update(floor(Scan(0, 0, sensor_m)));
-  EXPECT_EQ(m.state(2.225, 0.025), CellState::FilledTwoSided);
-  m.update(roof(Scan(0, 0, sensor_m), 1.6));
-  EXPECT_TRUE(std::isnan(m.elevation(2.225, 0.025)));
-  m.update(roof(Scan(0, 0, sensor_m), 0.9));
-  EXPECT_NEAR(m.elevation(2.225, 0.025), 0.9, 1e-3);
-  EXPECT_EQ(m.traversability(2.225, 0.025), 0.0f);
-  m.update(roof(Scan(0, 0, 0.5), 0.9).add_surface(2.6, -0.5, 3.2, 0.5, flat));
-  EXPECT_TRUE(std::isnan(m.elevation(2.225, 0.025)));
-  EXPECT_GT(m.traversability(2.225, 0.025), 0.9f);
 }
 
 TEST(Stage6Fill, ARayThatSeemsToPassBelowMeasuredGroundBoundsNothing)

@@ -142,7 +142,7 @@ class DeviceOnHost : public CpuMemory
   {
     const auto inspect = [&](int x, int y)
     {
-      if (const int what = f.begin(x, y)) f.inspect(x, y, what, kernels::SerialGroup{});
+      if (f.begin(x, y)) f.inspect(x, y, kernels::SerialGroup{});
     };
     for_each_cell(side, side, inspect);
     std::fill_n(marks, (side + 31) / 32 * 2 * side, 0u);

@@ -140,8 +140,7 @@ struct MapBuffers
     const auto n = static_cast<std::size_t>(v.side) * static_cast<std::size_t>(v.side + 2 * v.pad);
     float* next = coarse.data();
     for (float** array :
-         {&v.lowest_m, &v.column_m, &v.overhang_m, &v.overhang_depth_m, &v.presence, &v.eroded_m,
-          &v.cone_m, &v.limit_m})
+         {&v.lowest_m, &v.column_m, &v.presence, &v.eroded_m, &v.cone_m, &v.limit_m})
       *array = next, next += n;
     return v;
   }
@@ -159,12 +158,12 @@ struct MapBuffers
     v.passing = passing();
     return v;
   }
-  kernels::ClassifyByState classify_by_state() { return {store(), surface_class.data()}; }
-  kernels::ClassifyCell classify_cell()
+  /** ClassifyCell or KeepBridge. */
+  template <class Rule>
+  Rule classify()
   {
-    auto v = on_cells<kernels::ClassifyCell>();
+    auto v = on_cells<Rule>();
     v.grid = coarse_grid();
-    v.top_hit_m = top_hit.data();
     v.surface_class = surface_class.data();
     return v;
   }
@@ -311,7 +310,7 @@ struct MapBuffers
   /** Surface layers come first, then the layers of stage 7. */
   static constexpr int kFirstSurface = static_cast<int>(Layer::Elevation);
   static constexpr int kFirstFeature = static_cast<int>(Layer::Slope);
-  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kCoarseArrays = 8;
+  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kCoarseArrays = 6;
 
   /** The parts of a frame that another frame in flight does not share. */
   struct Slot

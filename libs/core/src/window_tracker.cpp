@@ -254,9 +254,9 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   f.sensor_x_m = f.poses[0].m[3];
   f.sensor_y_m = f.poses[0].m[7];
   f.sensor_z_map_m = f.sensor_z_m = f.poses[0].m[11];
-  f.sensor_cell_x = static_cast<int>(cell_of(frame.T_map_sensor.x(), p.resolution_m) - x);
-  f.sensor_cell_y = static_cast<int>(cell_of(frame.T_map_sensor.y(), p.resolution_m) - y);
-  f.rings = rings_around(f.sensor_cell_x, f.sensor_cell_y, n);
+  f.rings = rings_around(
+      static_cast<int>(cell_of(frame.T_map_sensor.x(), p.resolution_m) - x),
+      static_cast<int>(cell_of(frame.T_map_sensor.y(), p.resolution_m) - y), n);
   locate_base(frame, T_map_base, min_x_m, min_y_m, f);
   const bool moves = frame.path.size() >= 2 && frame.path.back().time_s > frame.path.front().time_s;
   f.has_times = frame.time_s && moves;

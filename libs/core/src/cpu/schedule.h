@@ -159,8 +159,8 @@ class CpuSchedule
     const kernels::StandOnCell<Atomics> stand = map_.stand_on();
     const kernels::PresumeStart presume = map_.presume_start();
     const bool starts = presume.applies_to_frame();
-    const kernels::ClassifyByState by_state = map_.classify_by_state();
-    const kernels::ClassifyCell choose = map_.classify_cell();
+    const auto classify = map_.template classify<kernels::ClassifyCell>();
+    const auto keep_bridge = map_.template classify<kernels::KeepBridge>();
     const kernels::CleanUpCell clean = map_.clean_up();
     const kernels::TakeSample take{map_.config.data(), map_.store(),     map_.surface_class.data(),
                                    map_.passing(),     map_.line_grid(), map_.samples()};
@@ -169,8 +169,8 @@ class CpuSchedule
         {
           if (!stand.leaves_out(row.y())) row.each_applicable(stand);
           if (starts) row.each_applicable(presume);
-          row.each(by_state);
-          row.each_applicable(choose);
+          row.each(classify);
+          row.each_applicable(keep_bridge);
           row.each_applicable(clean);
           row.each(take);
         });

@@ -464,8 +464,8 @@ __global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce)
   note_time(done_ns);
 }
 
-/** f.begin(x, y) for the cells; f.inspect(x, y, what) for those where that is not zero, a warp
- * each, since it is long and they are few; then f(x, y), whose marks are written for the rows, then
+/** f.begin(x, y) for the cells; f.inspect(x, y) for those where that is true, a warp each, since it
+ * is long and they are few; then f(x, y), whose marks are written for the rows, then
  * for the columns, in the layout [word][line]. */
 template <class F>
 __global__ void __launch_bounds__(kTileWidth* kTileRows)
@@ -474,22 +474,17 @@ __global__ void __launch_bounds__(kTileWidth* kTileRows)
   wait_for_predecessor();
   __shared__ unsigned rows[kTileRows];
   constexpr int kCells = kTileRows * kTileWidth;
-  __shared__ int wanting[kCells], n_wanting;  // kCells times the result of begin(), plus the cell
+  __shared__ int wanting[kCells], n_wanting;
   const int lane = static_cast<int>(threadIdx.x), row = static_cast<int>(threadIdx.y);
   const int word = static_cast<int>(blockIdx.x), x0 = kTileWidth * word, x = x0 + lane;
   const int y0 = static_cast<int>(blockIdx.y) * kTileRows, y = y0 + row;
   const bool inside = x < side && y < side;
   if (lane + row == 0) n_wanting = 0;
   __syncthreads();
-  const int wanted = inside ? f.begin(x, y) : 0;
-  if (wanted != 0) wanting[atomicAdd(&n_wanting, 1)] = wanted * kCells + row * kTileWidth + lane;
+  if (inside && f.begin(x, y)) wanting[atomicAdd(&n_wanting, 1)] = row * kTileWidth + lane;
   __syncthreads();
   for (int w = row; w < n_wanting; w += kTileRows)
-  {
-    const int at = wanting[w] % kCells;
-    f.inspect(
-        x0 + at % kTileWidth, y0 + at / kTileWidth, wanting[w] / kCells, kernels::WarpGroup{true});
-  }
+    f.inspect(x0 + wanting[w] % kTileWidth, y0 + wanting[w] / kTileWidth, kernels::WarpGroup{true});
   __syncthreads();
   const unsigned marked = __ballot_sync(0xffffffffu, inside && f(x, y));
   if (lane == 0) rows[row] = marked;

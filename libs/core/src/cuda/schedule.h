@@ -123,8 +123,9 @@ class DeviceSchedule
     executor_.mark_cells(
         side(),
         kernels::SettleCell<Atomics>{
-            map_.stand_on(), map_.presume_start(), map_.classify_by_state(), map_.classify_cell(),
-            map_.clean_up(), map_.line_grid(), map_.samples()},
+            map_.stand_on(), map_.presume_start(), map_.template classify<kernels::ClassifyCell>(),
+            map_.template classify<kernels::KeepBridge>(), map_.clean_up(), map_.line_grid(),
+            map_.samples()},
         unguarded(axis_marks_, 2 * side()));
   }
 

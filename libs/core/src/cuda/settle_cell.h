@@ -14,44 +14,27 @@ struct SettleCell
 {
   StandOnCell<Atomics> stand;
   PresumeStart presume;
-  ClassifyByState by_state;
-  ClassifyCell choose;
+  ClassifyCell classify;
+  KeepBridge keep_bridge;
   CleanUpCell clean;
   LineGrid grid;
   Samples samples;
 
-  enum Inspection
-  {
-    kNone,
-    kFace,  //!< then, if still needed, the cleanup
-    kOverhang
-  };
-  /** First step. Returns the inspection that must follow. */
-  TALUS_HD int begin(int ix, int iy) const
+  /** First step. Returns whether inspect() must follow. */
+  TALUS_HD bool begin(int ix, int iy) const
   {
     const int storage_i = index(ix, iy);
     if (stand.applies(ix, iy, storage_i)) stand(ix, iy, storage_i);
     if (presume.applies_to_frame() && presume.applies(ix, iy, storage_i))
       presume(ix, iy, storage_i);
-    by_state(ix, iy, storage_i);
-    if (choose.applies(ix, iy, storage_i))
-    {
-      choose.decide(ix, iy, storage_i);
-      if (choose.needs_inspection(ix, iy, storage_i)) return kFace;
-    }
-    return clean.needs_inspection(ix, iy, storage_i) ? kOverhang : kNone;
+    classify(ix, iy, storage_i);
+    if (keep_bridge.applies(ix, iy, storage_i)) keep_bridge(ix, iy, storage_i);
+    return clean.needs_inspection(ix, iy, storage_i);
   }
   template <class Group>
-  TALUS_HD void inspect(int ix, int iy, int which, const Group& group) const
+  TALUS_HD void inspect(int ix, int iy, const Group& group) const
   {
-    const int storage_i = index(ix, iy);
-    if (which == kFace)
-    {
-      choose.inspect(ix, iy, storage_i, group);
-      group.sync();
-      if (!clean.needs_inspection(ix, iy, storage_i)) return;
-    }
-    clean.inspect(ix, iy, storage_i, group);
+    clean.inspect(ix, iy, index(ix, iy), group);
   }
   /** Last step. True for a sample. */
   TALUS_HD bool operator()(int ix, int iy) const
@@ -73,7 +56,7 @@ struct SettleCell
  private:
   TALUS_HD int index(int ix, int iy) const
   {
-    return storage_index(*choose.frame, clean.cells, ix, iy);
+    return storage_index(*classify.frame, clean.cells, ix, iy);
   }
 };
 
