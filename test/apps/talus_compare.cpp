@@ -1,81 +1,15 @@
 // The command talus-compare from end to end: its files, messages and exit codes.
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <csignal>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
+#include <set>
 
-namespace fs = std::filesystem;
+#include "compared_worlds.h"
 
 namespace
 {
-struct Outcome
-{
-  int code = 0;
-  std::string text;
-};
-
-class TalusCompare : public testing::Test
-{
- protected:
-  void SetUp() override
-  {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-    std::ofstream(path("small.yaml")) << "name: small\n"
-                                         "seed: 4\n"
-                                         "ground: [plane: {z_m: 0}]\n"
-                                         "objects: [box: {at_m: [3, 1], size_m: [0.5, 0.5, 0.5]}]\n"
-                                         "robot: {path_m: [[0, 0], [1, 0]]}\n";
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
-  Outcome run_command(const std::string& command) const
-  {
-    const std::string log = path("log.txt");
-    const int status = std::system((command + " >" + log + " 2>&1").c_str());
-    return {WEXITSTATUS(status), read("log.txt")};
-  }
-  Outcome run(const std::string& arguments) const
-  {
-    return run_command(std::string(TALUS_COMPARE_EXE) + " " + arguments);
-  }
-
-  /** log/small.rawlog, of 11 frames. */
-  void write_small_log() const
-  {
-    const Outcome sim = run_command(
-        std::string(TALUS_SIM_EXE) + " " + path("small.yaml") + " --output " + path("log"));
-    ASSERT_EQ(sim.code, 0) << sim.text;
-  }
-
-  static std::ptrdiff_t hidden_in(const std::string& folder)
-  {
-    return std::count_if(
-        fs::directory_iterator(folder), fs::directory_iterator(),
-        [](const auto& entry) { return entry.path().filename().string().front() == '.'; });
-  }
-
-  std::string read(const std::string& name) const
-  {
-    std::ostringstream out;
-    out << std::ifstream(path(name), std::ios::binary).rdbuf();
-    return out.str();
-  }
-
- private:
-  fs::path folder_ = fs::temp_directory_path() / ("talus_compare_test_" + std::to_string(getpid()));
-};
+using TalusCompare = ComparedWorlds;
 
 TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
 {
@@ -100,11 +34,7 @@ TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
 
 TEST_F(TalusCompare, SaysOfSeveralWorldsHowManyFailAndWhichIsTheWorst)
 {
-  std::ofstream(path("wall.yaml")) << "name: wall\n"
-                                      "seed: 4\n"
-                                      "ground: [plane: {z_m: 0}]\n"
-                                      "objects: [box: {at_m: [2, 0], size_m: [0.2, 9, 2]}]\n"
-                                      "robot: {path_m: [[0, 0], [1, 0]]}\n";
+  write_world_with_wall("wall");
   const Outcome o = run(
       path("small.yaml") + " " + path("wall.yaml") + " --methods talus --output " + path("out"));
   ASSERT_EQ(o.code, 0) << o.text;

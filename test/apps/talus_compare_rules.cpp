@@ -1,47 +1,11 @@
 // talus-compare where rules of the map are left out: what it says, and that the map is another one.
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <sstream>
-
-namespace fs = std::filesystem;
+#include "compared_worlds.h"
 
 namespace
 {
-struct Outcome
-{
-  int code = 0;
-  std::string text;
-};
-
-class TalusCompareRules : public testing::Test
+class TalusCompareRules : public ComparedWorlds
 {
  protected:
-  void SetUp() override
-  {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-    std::ofstream(path("small.yaml")) << "name: small\n"
-                                         "seed: 4\n"
-                                         "ground: [plane: {z_m: 0}]\n"
-                                         "objects: [box: {at_m: [3, 1], size_m: [0.5, 0.5, 0.5]}]\n"
-                                         "robot: {path_m: [[0, 0], [0.6, 0]]}\n";
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
-  std::string read(const std::string& name) const
-  {
-    std::ostringstream out;
-    out << std::ifstream(path(name), std::ios::binary).rdbuf();
-    return out.str();
-  }
   nlohmann::json comparison() const { return nlohmann::json::parse(read("out/comparison.json")); }
 
   /** `command` is one of the two executables, with variables of the environment before it. */
@@ -49,11 +13,9 @@ class TalusCompareRules : public testing::Test
       const std::string& command, const std::string& arguments,
       const std::string& methods = "talus") const
   {
-    const std::string line = command + " " + path("small.yaml") + " --evaluate 1 --methods " +
-                             methods + " --output " + path("out") + " " + arguments + " >" +
-                             path("log.txt") + " 2>&1";
-    const int status = std::system(line.c_str());
-    return {WEXITSTATUS(status), read("log.txt")};
+    return run_command(
+        command + " " + path("small.yaml") + " --evaluate 1 --frames 5 --methods " + methods +
+        " --output " + path("out") + " " + arguments);
   }
 
   /** The numbers of all rules that have a switch, "1,2,..." */
@@ -69,10 +31,6 @@ class TalusCompareRules : public testing::Test
     for (int n = 0; numbers >> n;) list += (list.empty() ? "" : ",") + std::to_string(n);
     return list;
   }
-
- private:
-  fs::path folder_ =
-      fs::temp_directory_path() / ("talus_compare_rules_test_" + std::to_string(getpid()));
 };
 
 TEST_F(TalusCompareRules, WithoutItsRulesTheMapIsAnotherOneAndTheTablesNameThem)

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <set>
 
 #include "../../common/child_process.h"
 #include "../../common/log_name.h"
@@ -145,8 +146,9 @@ void require_outputs_apart(const CommandOptions& o)
        {"methods.csv", "fills.csv", "real_logs.csv", "tables.md", kSeal, "maps.png", "fills.png"})
     outputs.push_back((fs::path(o.output) / name).string());
   std::vector<std::string> inputs = o.inputs;
-  for (const std::string& more : {o.world, o.truth, o.log.trajectory, o.config})
+  for (const std::string& more : {o.world, o.truth, o.log.trajectory, o.config, o.expected})
     inputs.push_back(more);
+  if (!o.accept.empty()) outputs.push_back(o.accept);
   for (const std::string& output : outputs) talus::app::require_apart(output, inputs);
 }
 
@@ -174,21 +176,56 @@ enum Ending
   kFailed = 2
 };
 
+/** What is known not to hold in the worlds. */
+ExpectedFailures expected_failures(const CommandOptions& o)
+{
+  const std::string& named = o.accept.empty() ? o.expected : o.accept;
+  if (!named.empty())
+    return o.accept.empty() || fs::exists(named) ? ExpectedFailures::read(named)
+                                                 : ExpectedFailures();
+  ExpectedFailures all;
+  std::set<fs::path> read;
+  for (const std::string& input : o.inputs)
+  {
+    if (!is_world(input)) continue;
+    const fs::path folder = fs::absolute(input).lexically_normal().parent_path();
+    for (const fs::path& file :
+         {folder / kExpectedFailures, folder.parent_path() / kExpectedFailures})
+      if (fs::exists(file) && read.insert(file).second)
+        all.add(ExpectedFailures::read(file.string()));
+  }
+  return all;
+}
+
+/** Notes what fails now. */
+void accept(const std::string& file, Comparison& c)
+{
+  for (const Evaluation& e : c.evaluations) c.expected.accept(e.name, check_budgets(e));
+  talus::io::write_file(file, c.expected.text());
+}
+
+void print(const Comparison& c, const CommandOptions& o)
+{
+  const std::string words = budget_words(c);
+  std::cout << tables_text(c) << budget_text(c) << surprises_text(c)
+            << (words.empty() ? "" : words + " ") << "-> " << o.output << "\n";
+}
+
 Ending compare(
     const CommandOptions& o, const std::string& command, const talus::app::OutputFolder& folder)
 {
   for (const std::string& name : o.evaluation.methods) make_method(name, o.evaluation.parameters);
   Comparison c;
   c.command = command;
+  c.expected = expected_failures(o);
   c.without_rules = o.without_rules;
   bool all_read = true;
   for (const std::string& input : o.inputs) all_read &= compare_input(input, o, c);
   if (c.evaluations.empty()) return kFailed;
+  if (!o.accept.empty()) accept(o.accept, c);
   write_results(c, folder);
-  const int failed = failed_budgets(c);
-  if (!o.quiet)
-    std::cout << tables_text(c) << budget_text(c) << budget_words(c) << "-> " << o.output << "\n";
-  return all_read && !(o.check && failed > 0) ? kDone : kWrittenButFailed;
+  if (!o.quiet) print(c, o);
+  return all_read && !(o.check && unexpected_failures(c) > 0) ? kDone : kWrittenButFailed;
 }
 
 /** In the child. */

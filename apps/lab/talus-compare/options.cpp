@@ -47,8 +47,9 @@ std::string footer()
          "      against labels of people: what is taken for ground, and what is blocked\n"
          "  talus-compare datasets/worlds/*.yaml --methods talus --without 30,31 --output out\n"
          "      what two rules are worth; needs a build with -DTALUS_RULE_SWITCHES=ON\n"
-         "\nExit codes: 0 done, 1 an input failed (or, with --check, a budget), 2 wrong usage,\n"
-         "128 + N stopped by signal N.";
+         "\nExit codes: 0 done, 1 an input failed (or, with --check, a budget that is not expected "
+         "to),\n"
+         "2 wrong usage, 128 + N stopped by signal N.";
 }
 
 void add_inputs(CLI::App& app, CommandOptions& o)
@@ -120,6 +121,27 @@ void add_methods(CLI::App& app, CommandOptions& o)
 }
 
 constexpr const char* kOfWorlds[] = {"--scanner", "--seed", "--noise", "--pose-noise", "--z-drift"};
+/** What is accepted holds for the map as it ships, in the drive of the world. */
+constexpr const char* kNotToBeAccepted[] = {
+    "--without", "--config", "--set", "--frames", "--evaluate"};
+
+void add_expectations(CLI::App& app, CommandOptions& o)
+{
+  app.add_flag(
+      "--check", o.check,
+      "Exit code 1 when a budget fails that is not expected to, or is clearly worse");
+  app.add_option(
+         "--expected", o.expected,
+         std::string("Failures that are expected; default: ") + kExpectedFailures +
+             " beside the worlds or one folder up")
+      ->check(app::not_empty())
+      ->type_name("FILE");
+  app.add_option(
+         "--accept", o.accept,
+         "Write what fails into this file of expected failures; rows of other worlds stay")
+      ->check(app::not_empty())
+      ->type_name("FILE");
+}
 
 void add_drive(CLI::App& app, sim::DriveOptions& d)
 {
@@ -157,8 +179,20 @@ std::string idle_option(const CLI::App& app, const CommandOptions& o)
     if (given(name) && (log == in.end() || given("--world")))
       return std::string(name) + " is for logs without the truth of a world";
   const auto& methods = o.evaluation.methods;
-  if (given("--without") && std::find(methods.begin(), methods.end(), "talus") == methods.end())
-    return "--without is for talus, and --methods leaves it out";
+  for (const char* name : {"--without", "--accept", "--expected"})
+    if (given(name) && std::find(methods.begin(), methods.end(), "talus") == methods.end())
+      return std::string(name) + " is for talus, and --methods leaves it out";
+  for (const char* name : {"--accept", "--expected"})
+    if (log != in.end() && given(name))
+      return std::string(name) + " is for simulated worlds, and '" + *log + "' is a log";
+  if (given("--accept"))
+  {
+    for (const char* name : kNotToBeAccepted)
+      if (given(name)) return std::string(name) + " makes another map than the one to --accept";
+    for (const char* name : kOfWorlds)
+      if (given(name)) return std::string(name) + " makes another drive than the one to --accept";
+    if (given("--expected")) return "--expected does nothing beside --accept";
+  }
   if (given("--world") && given("--truth")) return "--truth does nothing beside --world";
   return {};
 }
@@ -205,7 +239,7 @@ std::optional<int> parse_options(int argc, char** argv, CommandOptions& options)
   add_inputs(app, options);
   add_methods(app, options);
   add_drive(app, options.evaluation.drive);
-  app.add_flag("--check", options.check, "Exit code 1 when a budget fails");
+  add_expectations(app, options);
   app.add_flag("--quiet", options.quiet, "Print errors only");
   app.set_version_flag("--version", app::version_line("talus-compare"));
   app.footer(footer());

@@ -9,11 +9,15 @@
 
 namespace talus::baselines
 {
+/** File of the failures that are expected in the worlds of its folder and the folders in it. */
+constexpr const char* kExpectedFailures = "expected_failures.tsv";
+
 /** What the command line says. */
 struct CommandOptions
 {
   std::vector<std::string> inputs;  //!< .yaml worlds and rawlogs
   std::string output, world, truth, config;
+  std::string expected, accept;  //!< files of expected failures: to read; to write
   LogOptions log;
   std::vector<std::string> settings;  //!< NAME=VALUE
   std::vector<int>

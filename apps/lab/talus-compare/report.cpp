@@ -105,124 +105,6 @@ Table real_log_table(const std::vector<RealLogScore>& maps)
   return t.without_empty_columns();
 }
 
-bool fails(const BudgetResult& r) { return r.verdict == BudgetResult::Verdict::Fail; }
-
-bool is_rmse(const BudgetResult& r) { return r.name.find("rmse_m") != std::string::npos; }
-
-std::string budget_value(const BudgetResult& r)
-{
-  return number(r.value, is_rmse(r) ? 4 : r.name == "inflation_cells" ? 0 : 3);
-}
-std::string budget_limit(const BudgetResult& r)
-{
-  return (r.at_most ? "<= " : ">= ") + number(r.limit, is_rmse(r) ? 3 : 2);
-}
-
-/** One budget in all worlds. */
-struct BudgetRow
-{
-  std::vector<std::pair<BudgetResult, std::string>> judged;  //!< and in which world
-  int fail = 0, not_seen = 0;
-
-  void add(const BudgetResult& r, const std::string& world, const std::vector<BudgetResult>& all)
-  {
-    if (r.verdict == BudgetResult::Verdict::NotApplicable) return;
-    judged.emplace_back(r, world);
-    if (!fails(r)) return;
-    fail++;
-    for (const BudgetResult& other : all)
-      not_seen += other.name == r.as_seen && other.verdict != BudgetResult::Verdict::Fail;
-  }
-  /** Best first. */
-  void sort()
-  {
-    std::sort(
-        judged.begin(), judged.end(),
-        [](const auto& a, const auto& b) {
-          return a.first.at_most ? a.first.value < b.first.value : a.first.value > b.first.value;
-        });
-  }
-  std::vector<std::string> text() const
-  {
-    const auto& [worst, world] = judged.back();
-    return {
-        worst.name,
-        budget_limit(worst),
-        std::to_string(judged.size()),
-        std::to_string(fail),
-        worst.as_seen.empty() ? "-" : std::to_string(not_seen),
-        budget_value(judged[judged.size() / 2].first),
-        budget_value(worst) + " (" + world + ")"};
-  }
-};
-
-using Worlds = std::vector<const Evaluation*>;
-
-/** Budgets in rows, over all worlds. */
-Table budget_overview(const Worlds& worlds)
-{
-  std::vector<BudgetRow> rows;
-  for (const Evaluation* e : worlds)
-  {
-    const auto results = check_budgets(*e);
-    rows.resize(std::max(rows.size(), results.size()));
-    for (std::size_t i = 0; i < results.size(); ++i) rows[i].add(results[i], e->name, results);
-  }
-  Table t;
-  t.heading = {"all worlds", "limit", "judged", "fail", "not seen", "median", "worst"};
-  for (BudgetRow& row : rows)
-  {
-    if (row.judged.empty()) continue;
-    row.sort();
-    t.rows.push_back(row.text());
-  }
-  return t.without_empty_columns();
-}
-
-constexpr std::size_t kWorldsPerTable = 8;
-
-/** Budgets in rows, worlds first .. first + kWorldsPerTable in columns. */
-Table budget_table(const Worlds& worlds)
-{
-  Table t;
-  t.heading = {"budget", "limit"};
-  for (const Evaluation* e : worlds)
-  {
-    t.heading.push_back(e->name);
-    const auto results = check_budgets(*e);
-    t.rows.resize(results.size());
-    for (std::size_t i = 0; i < results.size(); ++i)
-    {
-      const BudgetResult& r = results[i];
-      if (t.rows[i].empty()) t.rows[i] = {r.name, budget_limit(r)};
-      t.rows[i].push_back(budget_value(r) + (fails(r) ? "!" : ""));
-    }
-  }
-  return t;
-}
-
-Worlds judged_worlds(const Comparison& c)
-{
-  Worlds worlds;
-  for (const Evaluation& e : c.evaluations)
-    if (e.has_truth && !check_budgets(e).empty()) worlds.push_back(&e);
-  return worlds;
-}
-
-std::vector<Table> budget_tables(const Comparison& c)
-{
-  const Worlds worlds = judged_worlds(c);
-  std::vector<Table> tables;
-  if (worlds.size() > 1) tables.push_back(budget_overview(worlds));
-  for (std::size_t first = 0; first < worlds.size(); first += kWorldsPerTable)
-  {
-    const auto from = worlds.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto count = std::min(kWorldsPerTable, worlds.size() - first);
-    tables.push_back(budget_table({from, from + static_cast<std::ptrdiff_t>(count)}));
-  }
-  return tables;
-}
-
 /** The worlds with truth as one. No frames when there are fewer than two. */
 Evaluation pooled(const std::vector<Evaluation>& evaluations)
 {
@@ -310,15 +192,17 @@ nlohmann::json as_json(const std::vector<std::pair<std::string, double>>& values
   return j;
 }
 
-nlohmann::json as_json(const BudgetResult& r)
+nlohmann::json as_json(const BudgetResult& r, ExpectedFailures::Verdict expected)
 {
   const char* verdicts[] = {"pass", "fail", "not applicable"};
+  const char* expectations[] = {"holds", "as expected", "new", "worse", "no longer fails"};
   return {
       {"name", r.name},
       {"value", std::isnan(r.value) ? nlohmann::json() : nlohmann::json(r.value)},
       {"limit", r.limit},
       {"at_most", r.at_most},
-      {"verdict", verdicts[static_cast<int>(r.verdict)]}};
+      {"verdict", verdicts[static_cast<int>(r.verdict)]},
+      {"expectation", expectations[static_cast<int>(expected)]}};
 }
 
 }  // namespace
@@ -331,34 +215,11 @@ std::string tables_text(const Comparison& c)
 
 std::string tables_markdown(const Comparison& c)
 {
-  const std::string words = budget_words(c), left_out = left_out_words(c);
-  std::string out = "Made by `" + c.command + "`." + (left_out.empty() ? "" : " " + left_out) +
-                    (words.empty() ? "" : " " + words + "(marked `!`).") + "\n\n";
-  for (const Table& t : budget_tables(c)) out += t.markdown() + "\n";
+  const std::string left_out = left_out_words(c);
+  std::string out = "Made by `" + c.command + "`." + (left_out.empty() ? "" : " " + left_out);
+  const std::string budgets = budget_markdown(c);
+  out += budgets.empty() ? "\n\n" : " " + budgets;
   return out + tables(c, &Table::markdown, "## ");
-}
-
-std::string budget_text(const Comparison& c)
-{
-  std::string out;
-  for (const Table& t : budget_tables(c)) out += t.text() + "\n";
-  return out;
-}
-
-std::string budget_words(const Comparison& c)
-{
-  if (judged_worlds(c).empty()) return {};
-  const int failed = failed_budgets(c);
-  return std::to_string(failed) + (failed == 1 ? " budget does" : " budgets do") + " not hold ";
-}
-
-int failed_budgets(const Comparison& c)
-{
-  int failed = 0;
-  for (const Evaluation& e : c.evaluations)
-    if (e.has_truth)
-      for (const BudgetResult& r : check_budgets(e)) failed += fails(r);
-  return failed;
 }
 
 std::string methods_csv(const Comparison& c)
@@ -396,7 +257,8 @@ std::string comparison_json(const Comparison& c)
     for (const Score& s : e.maps) w["methods"][s.method] = as_json(figures(s));
     for (const FillScore& f : e.fills) w["fills"][f.fill] = as_json(figures(f));
     if (e.has_truth)
-      for (const BudgetResult& r : check_budgets(e)) w["budgets"].push_back(as_json(r));
+      for (const BudgetResult& r : check_budgets(e))
+        w["budgets"].push_back(as_json(r, c.expected.judge(e.name, r)));
     worlds.push_back(w);
   }
   for (const HoldOut& h : c.holdouts)

@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/baselines/budgets.h>
+#include <talus/baselines/expected_failures.h>
 #include <talus/baselines/holdout.h>
 #include <talus/baselines/real_log.h>
 
@@ -22,20 +22,27 @@ struct Comparison
   std::vector<HoldOut> holdouts;  //!< of logs without truth
   std::vector<RealLog> real_logs;
   std::string command;  //!< that made it
+  ExpectedFailures expected;  //!< of worlds
   std::vector<int> without_rules;  //!< of talus, by their numbers
 };
 
 /** For a terminal: for each world or log one row a method, one row a fill; before them the rules
  * that were left out. */
 std::string tables_text(const Comparison& c);
-/** Rows are budgets, columns are worlds; "!" marks what fails, "-" what does not apply. Before
- * them, of several worlds, how many fail; "not seen": of these, where what a ray could show holds.
- */
+/** Rows are budgets, columns are worlds; "!" marks what fails and was not expected or is clearly
+ * worse, "*" what fails as expected, "-" what does not apply. Before them, of several worlds, how
+ * many fail; "not seen": of these, where what a ray could show holds. */
 std::string budget_text(const Comparison& c);
 /** How many budgets fail. */
 int failed_budgets(const Comparison& c);
-/** That in words, followed by a space; empty where none was judged. */
+/** How many fail that were not expected to, or are clearly worse than was noted. */
+int unexpected_failures(const Comparison& c);
+/** Both in words; empty where none was judged. */
 std::string budget_words(const Comparison& c);
+/** Which are not as was noted, for better or worse; empty where nothing was noted. */
+std::string surprises_text(const Comparison& c);
+/** All of that as a part of a page of Markdown. */
+std::string budget_markdown(const Comparison& c);
 
 /** The same as a page of Markdown. */
 std::string tables_markdown(const Comparison& c);
