@@ -106,8 +106,8 @@ struct LowestGround
   }
 };
 
-/** Erosion, along rows and then along columns. Only known, bare ground can be wide. Behind the face
- * of a wall nothing is known, so that neither that nor the face and its edges count as wide. */
+/** Erosion, along rows and then along columns. Only ground that is known, with nothing upright on
+ * it or beside it, can be wide: neither a face and its edges nor the unknown behind it. */
 struct ErodeGround
 {
   using Row = LowestGround;
@@ -138,16 +138,15 @@ struct ErodeGround
   TALUS_HD float erode(int px, int py, const LowestGround& lowest, bool own) const
   {
     const int coarse_i = grid.at(px, py);
-    const bool known = (grid.lowest_m[coarse_i] < kInfinity) | !on(kKnownIsWide, *config);
-    const float eroded_m = select(known & !is_near_upright(px, py), lowest.plain_m, kInfinity);
+    const float eroded_m = select(may_be_wide(px, py), lowest.plain_m, kInfinity);
     if (own) grid.cone_m[coarse_i] = lowest.cone_m, grid.eroded_m[coarse_i] = eroded_m;
     return eroded_m;
   }
 
  private:
-  TALUS_HD bool is_near_upright(int px, int py) const
+  TALUS_HD bool may_be_wide(int px, int py) const
   {
-    if (!on(kNearUpright, *config)) return false;
+    if (!on(kBareIsWide, *config)) return true;
     bool any = false;
     for (int dy = -1; dy <= 1; dy++)
       for (int dx = -1; dx <= 1; dx++)
@@ -156,7 +155,7 @@ struct ErodeGround
         const float column_m = grid.column_m[grid.at(px + dx, y)];
         any |= (column_m > -kInfinity) & (column_m < kInfinity);
       }
-    return any;
+    return !any & (grid.lowest_m[grid.at(px, py)] < kInfinity);
   }
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 #include "kernels/config.h"
 #include "kernels/math.h"
-#include "kernels/rule_switches.h"
+#include "kernels/rule_constants.h"
 
 namespace talus::kernels
 {
@@ -41,12 +41,7 @@ struct CoarseGrid
 };
 
 TALUS_HD int coarse_margin(const Config& k) { return k.object_radius; }
-/** Dilation goes one pair farther than erosion, so that a pair with an edge and the ground below it
- * belongs to the platform of that edge. */
-TALUS_HD int dilation_radius(const Config& k)
-{
-  return k.object_radius + (on(kDilatesFarther, k) ? 1 : 0);
-}
+TALUS_HD int dilation_radius(const Config& k) { return k.object_radius + kDilatesFarther_pairs; }
 /** The most pairs that an object covers, which is narrower than ground. */
 TALUS_HD int widest_thing(const Config& k) { return 2 * dilation_radius(k); }
 

@@ -96,6 +96,9 @@ constexpr float kUpright_steps = 1.5f;
 constexpr float kAboveCone_steps = 0.25f;
 /** ... and than the opening of the ground around it. */
 constexpr float kAboveOpening_steps = 0.5f;
+/** Dilation goes so many pairs farther than erosion: a pair with an edge and the ground below it
+ * belongs to the platform of that edge. */
+constexpr int kDilatesFarther_pairs = 1;
 /** The cone is as steep as this [m/m], or as what the robot climbs: 45 degrees, as banks are. */
 constexpr float kSteepestBank = 1.0f;
 

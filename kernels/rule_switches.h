@@ -17,9 +17,7 @@ enum Rule : int
   kUnderRobot = 10,
   kPresumedStart = 11,
   kNarrowAndSteep = 12,
-  kKnownIsWide = 13,
-  kNearUpright = 14,
-  kDilatesFarther = 15,
+  kBareIsWide = 13,
   kBridges = 16,
   kBeyondWindow = 17,
   kRayBelowGround = 23,
@@ -46,14 +44,13 @@ enum Rule : int
 };
 
 constexpr Rule kRules[]{
-    kHeightBand,     kBodyBoxes,         kBuriedRays,     kFollowsPoses,   kNoticesFloors,
-    kGateOfBoth,     kHighHitStands,     kUnderRobot,     kPresumedStart,  kNarrowAndSteep,
-    kKnownIsWide,    kNearUpright,       kDilatesFarther, kBridges,        kBeyondWindow,
-    kRayBelowGround, kLoneHits,          kPorousStays,    kOverhangStays,  kWentBetween,
-    kCombed,         kLeavesWithOthers,  kFollowersLeave, kRowsAndColumns, kFaceInGap,
-    kRiseCounts,     kLowestUnderObject, kGroundGoesOn,   kBelowRays,      kContradictedSamples,
-    kProofOfFills,   kPassedNearJudged,  kUndercutDrops,  kLowSteps,       kObstaclesGoOn,
-    kFallsMayDrop};
+    kHeightBand,     kBodyBoxes,      kBuriedRays,          kFollowsPoses,   kNoticesFloors,
+    kGateOfBoth,     kHighHitStands,  kUnderRobot,          kPresumedStart,  kNarrowAndSteep,
+    kBareIsWide,     kBridges,        kBeyondWindow,        kRayBelowGround, kLoneHits,
+    kPorousStays,    kOverhangStays,  kWentBetween,         kCombed,         kLeavesWithOthers,
+    kFollowersLeave, kRowsAndColumns, kFaceInGap,           kRiseCounts,     kLowestUnderObject,
+    kGroundGoesOn,   kBelowRays,      kContradictedSamples, kProofOfFills,   kPassedNearJudged,
+    kUndercutDrops,  kLowSteps,       kObstaclesGoOn,       kFallsMayDrop};
 
 /** Whether a rule counts: all do, unless a build for the laboratory switches some off. */
 #if defined(TALUS_RULE_SWITCHES)
