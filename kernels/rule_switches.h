@@ -52,9 +52,12 @@ constexpr Rule kRules[]{
     kGroundGoesOn,   kBelowRays,      kContradictedSamples, kProofOfFills,   kPassedNearJudged,
     kUndercutDrops,  kLowSteps,       kObstaclesGoOn,       kFallsMayDrop};
 
-/** Whether a rule counts: all do, unless a build for the laboratory switches some off. */
+/** Whether a rule counts: all do, unless a build for the laboratory switches some off, or leaves one
+ * out when it is compiled, to count what the rule costs. */
 #if defined(TALUS_RULE_SWITCHES)
 TALUS_HD bool on(Rule rule, const Config& k) { return (k.rules_off >> rule & 1) == 0; }
+#elif defined(TALUS_WITHOUT_RULE)
+TALUS_HD constexpr bool on(Rule rule, const Config&) { return rule != TALUS_WITHOUT_RULE; }
 #else
 TALUS_HD constexpr bool on(Rule, const Config&) { return true; }
 #endif

@@ -8,72 +8,20 @@ Real logs are no part of the repository: they come from --data, the folder TALUS
 as they are, and a line says so. Exit code 1 where a comparison fails.
 """
 import argparse
-import concurrent.futures
-import json
 import math
 import os
-import re
 import statistics
-import subprocess
 import sys
 
-SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), "../../.."))
-CAR = ["--config", "datasets/configs/car.ini"]
+from comparisons import (CAR, CITY, LABELS, SCORES, SOURCE, SPARSE, SUGGESTED, Runs, label_arguments, mean, scaled,
+                         table, write_between_markers)
+
 WORLDS = ["branches", "demo", "ditch", "hall", "hillside", "person", "railing_gap",
           "unseen/fire_station", "unseen/mountain_hut", "unseen/water_mill"]
 ORDER = ["talus", "paper", "octomap", "highest", "cucpp", "cupy", "heightgrid",  # methods
          "bgk", "min_filter", "navier_stokes", "telea"]  # fills
-CITY = ["city_t00", "city_t08", "city_t16", "city_v02"]
-SPARSE = ["sparse_t12", "sparse_t18", "sparse_t30", "sparse_v25612"]
-SUGGESTED = ["--config", "{output}/{name}.ini"]  # what talus-map --suggest says of the log
 HELD_OUT = {"street": ("street, 90 frames", CAR), "parked": ("a robot at rest, 14 frames", SUGGESTED),
             "offroad_a": ("forest A, one scan", SUGGESTED), "offroad_b": ("forest B, one scan", SUGGESTED)}
-SCORES = {"ground mm": "measured_ground_rmse_m", "fill2 mm": "two_sided_seen_rmse_m", "fill1 mm": "one_sided_rmse_m",
-          "hang pass": "hanging_passable", "obst": "obstacle_blocked", "free": "free_passable", "leak": "leak",
-          "reach": "reach", "mover": "mover_freed", "posts": "posts_kept", "ditch": "ditch_found"}
-LABELS = {"precision": "precision", "recall": "recall", "F1": "f1", "obst": "obstacle_blocked", "low": "low_blocked",
-          "free": "ground_passable", "left": "left_blocked", "unjudged": "unjudged",
-          "fill2 unjudged": "two_sided_unjudged"}
-
-
-class Runs:
-    """Comparisons, each made once and by several at a time."""
-
-    def __init__(self, options):
-        self.options = options
-        self.pool = concurrent.futures.ThreadPoolExecutor(options.jobs)
-        self.started = {}
-
-    def start(self, source, arguments):
-        """`source`: a world by its file, or a log by its name in the folder of data."""
-        if source in self.started:
-            return
-        is_world = source.endswith(".yaml")
-        name = os.path.splitext(os.path.basename(source))[0]
-        file = source if is_world else os.path.join(self.options.data, source + ".rawlog")
-        output = os.path.join(self.options.output, name)
-        command = [self.options.command, file, *arguments, "--quiet", "--output", output]
-        if self.options.methods and "--methods" not in arguments:
-            command += ["--methods", self.options.methods]
-        self.started[source] = self.pool.submit(self.run, command, output)
-
-    def run(self, command, output):
-        print("page: " + " ".join(command[1:]), file=sys.stderr, flush=True)
-        if f"{output}.ini" in command:
-            self.suggest(command[1], f"{output}.ini")
-        done = subprocess.run(command, cwd=SOURCE, stderr=subprocess.PIPE, text=True)
-        if done.returncode != 0:
-            raise SystemExit(f"page: {' '.join(command)} failed: {done.stderr.strip()}")
-        with open(os.path.join(output, "comparison.json"), encoding="utf-8") as file:
-            return json.load(file)
-
-    def suggest(self, log, ini):
-        talus_map = os.path.join(os.path.dirname(self.options.command), "talus-map")
-        with open(ini, "w", encoding="utf-8") as file:
-            subprocess.run([talus_map, log, "--suggest"], stdout=file, check=True)
-
-    def of(self, source):
-        return self.started[source].result()
 
 
 def number(value):
@@ -87,23 +35,6 @@ def in_order(found):
     return sorted(found, key=lambda name: ORDER.index(name) if name in ORDER else len(ORDER))
 
 
-def mean(values):
-    known = [v for v in values if v is not None]
-    return statistics.fmean(known) if known else None
-
-
-def scaled(name, value):
-    """Heights in mm, shares in percent."""
-    return None if value is None else value * (1000 if name.endswith("_m") else 100)
-
-
-def table(heading, rows):
-    """Columns of names are to the left, those of figures to the right."""
-    is_name = [c == 0 or any(row[c].startswith("`") for row in rows) for c in range(len(heading))]
-    lines = ["| " + " | ".join(heading) + " |", "|" + "".join("---|" if name else "---:|" for name in is_name)]
-    return lines + ["| " + " | ".join(row) + " |" for row in rows]
-
-
 def without_empty_columns(heading, rows):
     keep = [c for c in range(len(heading)) if any(row[c] != "-" for row in rows)]
     return table([heading[c] for c in keep], [[row[c] for c in keep] for row in rows])
@@ -113,14 +44,11 @@ def settings(lines):
     return ["```sh", *lines, "```", ""]
 
 
-def label_arguments(name):
-    return ["--truth", f"{{data}}/{name}_truth.tif", *CAR]
-
-
 class Page:
     def __init__(self, options):
         self.options = options
-        self.runs = Runs(options)
+        arguments = ["--methods", options.methods] if options.methods else []
+        self.runs = Runs(options.command, options.data, options.output, options.jobs, arguments)
         self.parts = {"scans": self.scans, "held_out": self.held_out, "worlds": self.worlds, "budgets": self.budgets}
         chosen = options.worlds or WORLDS
         self.world_files = [name if name.endswith(".yaml") else f"datasets/worlds/{name}.yaml" for name in chosen]
@@ -142,8 +70,7 @@ class Page:
 
     def start_log(self, name, arguments):
         if not self.options.logs or name in self.options.logs:
-            self.runs.start(name, [a.format(data=self.options.data, output=self.options.output, name=name)
-                                    for a in arguments])
+            self.runs.start(name, arguments)
 
     def scans(self):
         rows = []
@@ -209,19 +136,7 @@ class Page:
 
     def write(self, parts):
         texts = {part: "\n".join(self.parts[part]()) for part in parts}
-        with open(self.options.page, encoding="utf-8") as file:
-            page = file.read()
-        for part, text in texts.items():
-            begin, end = f"<!-- {part}: written by ./dev compare --page -->", f"<!-- {part}: end -->"
-            pattern = re.escape(begin) + r"\n.*?" + re.escape(end)
-            if not re.search(pattern, page, re.DOTALL):
-                raise SystemExit(f"page: {self.options.page} has no lines '{begin}' and '{end}': put them where its "
-                                 "table belongs")
-            page = re.sub(pattern, lambda _: f"{begin}\n\n{text}\n\n{end}", page, flags=re.DOTALL)
-        beside = self.options.page + ".part"
-        with open(beside, "w", encoding="utf-8") as file:
-            file.write(page)
-        os.replace(beside, self.options.page)
+        write_between_markers(self.options.page, texts, "./dev compare --page")
         print(f"page: wrote {', '.join(texts)} of {self.options.page}", file=sys.stderr)
 
 
