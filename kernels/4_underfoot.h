@@ -89,7 +89,7 @@ struct StandOnCell
     forget_persistence(c);
     forget_overhang(c);
     c.recent_hits = 0;
-    c.flags = (c.flags & kPassedNear) | kPassedLow | kRobotWasThere;
+    c.flags = kPassedLow | kRobotWasThere;
     c.driven_height = driven_units(
         max_of(stood_m, frame->drove_through_m) + kStandsUp_steps * config->step_threshold_m);
     store.store(storage_i, c);

@@ -89,42 +89,25 @@ TALUS_HD int places_in(float distance_m, float step_m, int rings)
   return floor_to_int(min_of(distance_m / step_m, static_cast<float>(rings)));
 }
 
-/** Bits of Samples::marks. */
-enum SampleMark : std::int32_t
-{
-  kWall = 2,  //!< it rises more steeply than a robot drives, and holds nothing upright
-  kContradicted = 4  //!< a ray seems to have passed below it, see kContradicted_m
-};
 /** Bits of Inference::marks. */
 enum FillMark : std::int32_t
 {
   kTwoSided = 2,
-  kDoubtful = 4,  //!< one of its samples is contradicted
   kSlopes = 8,  //!< the ground falls in it by a step, as a slope does
   kDrops = 16  //!< the ground may drop in it
 };
-/** The variance of doubtful fills, and of fills in which the ground falls. */
-constexpr float kDoubtful_m2 = 1.0f;
+/** The variance of fills in which the ground falls. */
+constexpr float kFalls_m2 = 1.0f;
 
 /** Whether a rise is steeper than a robot can drive, noise aside. */
 TALUS_HD bool is_steep(float rise_m, float length_m, const Config& k)
 {
   return rise_m > k.max_slope * length_m + kWallNoise_m;
 }
-TALUS_HD std::int32_t sample_marks(float ground_m, float top_m, float ray_bound_m, const Config& k)
-{
-  const float rise_m = top_m - ground_m;  // NaN without an object
-  const bool wall =
-      is_steep(rise_m, k.resolution_m, k) & (rise_m < kUpright_steps * k.step_threshold_m);
-  const bool contradicted =
-      on(kContradictedSamples, k) & (ray_bound_m < ground_m - kContradicted_m);
-  return select(wall, kWall, 0) | select(contradicted, kContradicted, 0);
-}
-
 /** Whether rays pass below the ground that would go on level from a sample `away_m` away. */
-TALUS_HD bool undercuts(float ray_bound_m, float sample_m, float away_m, const Config& k)
+TALUS_HD bool undercuts(float free_above_m, float sample_m, float away_m)
 {
-  return on(kUndercutDrops, k) & (ray_bound_m < sample_m - kUndercutAhead_m - kGentle * away_m);
+  return free_above_m < sample_m - kUndercutAhead_m - kGentle * away_m;
 }
 
 /** Variance of ground inferred from a sample [m^2]. */
@@ -148,17 +131,6 @@ TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b)
   return ((n_high + n_low) * low.height_m + n_high * high.height_m) / total;
 }
 
-/** The height of ground beyond samples that lie on one side. It goes on twice as far off the mean
- * as the nearest sample is, since it begins to rise or fall. A limit of a quarter of a step keeps
- * the foot of an object from counting more. */
-TALUS_HD float goes_on(float nearest_m, float mean_m, const Config& k)
-{
-  const float off_m = on(kGroundGoesOn, k) ? nearest_m - mean_m : 0.0f;
-  const float noise_m = max_of(min_of(off_m, kHeightNoise_m), -kHeightNoise_m);
-  const float most_m = kGoesOnMost_steps * k.step_threshold_m;
-  return mean_m + max_of(min_of(kGoesOn * (off_m - noise_m), most_m), -most_m);
-}
-
 /** Heights of several lines, weighted by the gaps that they bridge. */
 struct LineFusion
 {
@@ -168,29 +140,21 @@ struct LineFusion
   {
     return std::make_tuple(&LineFusion::information, &LineFusion::weighted, &LineFusion::lowest_m);
   }
-  /** Adds one line: linear between samples of both sides, goes_on() beside one side. The error
+  /** Adds one line: linear between samples of both sides, their mean beside one side. The error
    * grows with the distances and with the height difference, since the ground may rise anywhere in
-   * the gap. A gap holds a face if its sides differ by more than a robot can drive. Then along a
-   * ray the lower side counts, which is the ground before a front and in the shadow of an edge.
-   * Rows and columns do not show where the face is, and do not count. */
-  TALUS_HD void add(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
+   * the gap. */
+  TALUS_HD void add(const SideEstimate& a, const SideEstimate& b)
   {
     const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
-    const float gap_m = a.distance_m + b.distance_m, rise = b.nearest_m - a.nearest_m;
-    const bool face =
-        on(kFaceInGap, k) & both & (gap_m > kFaceGap_m) & (abs_of(rise) > k.max_slope * gap_m);
+    const float gap_m = a.distance_m + b.distance_m;
     const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
-    const float linear = a.height_m + (b.height_m - a.height_m) * part;
-    const float between = select(face, min_of(a.nearest_m, b.nearest_m), linear);
-    const float of_rise = on(kRiseCounts, k) ? kRiseDeviation * abs_of(rise) : 0.0f;
-    const float error = kBetweenDeviation * a.distance_m * b.distance_m / gap_m + of_rise;
-    const float beyond =
-        goes_on(select(has_a, a.nearest_m, b.nearest_m), select(has_a, a.height_m, b.height_m), k);
-    const float height = select(both, between, beyond);
+    const float between = a.height_m + (b.height_m - a.height_m) * part;
+    const float error = kBetweenDeviation * a.distance_m * b.distance_m / gap_m +
+                        kRiseDeviation * abs_of(b.nearest_m - a.nearest_m);
+    const float height = select(both, between, select(has_a, a.height_m, b.height_m));
     const float deviation =
         select(both, error, kBeyondDeviation * select(has_a, a.distance_m, b.distance_m));
-    const bool counts = along_ray | (!face & on(kRowsAndColumns, k));
-    add(height, deviation, (has_a | has_b) & counts);
+    add(height, deviation, has_a | has_b);
   }
 
   TALUS_HD void add(const LineFusion& other)
@@ -219,34 +183,25 @@ struct alignas(16) Inference
   TALUS_HD bool any() const { return is_known(variance_m2); }
 };
 
-/** Variance of one side of the line to the sensor; NaN: no samples. */
-struct SideVariance
+/** The variance of ground between samples of both sides, or beside those of one; NaN: no samples.
+ */
+TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
 {
-  float m2;
-  std::int32_t marks;  //!< marks of its nearest sample
-};
-
-TALUS_HD float fuse_variances(const SideVariance& inner, const SideVariance& outer)
-{
-  const bool has_inner = is_known(inner.m2), both = has_inner & is_known(outer.m2);
-  const float fused = inner.m2 * outer.m2 / (inner.m2 + outer.m2);
-  return select(both, fused, select(has_inner, inner.m2, outer.m2));
-}
-/** Combines the marks of both sides to bits of FillMark. */
-TALUS_HD std::int32_t fuse_marks(const SideVariance& inner, const SideVariance& outer)
-{
-  const bool has_inner = is_known(inner.m2), has_outer = is_known(outer.m2);
-  const std::int32_t of_samples =
-      select(has_inner, inner.marks, 0) | select(has_outer, outer.marks, 0);
-  return select(has_inner & has_outer, kTwoSided, 0) |
-         select((of_samples & kContradicted) != 0, kDoubtful, 0);
+  const bool has_inner = is_known(inner_m2), both = has_inner & is_known(outer_m2);
+  const float fused = inner_m2 * outer_m2 / (inner_m2 + outer_m2);
+  return select(both, fused, select(has_inner, inner_m2, outer_m2));
 }
 
-TALUS_HD LineFusion
-fuse_lines(const SideEstimate& a, const SideEstimate& b, bool along_ray, const Config& k)
+/** Bits of FillMark of a place with samples on the inner and the outer side. */
+TALUS_HD std::int32_t marks_of_sides(bool inner, bool outer, bool undercut_ahead)
+{
+  return select(inner & outer, kTwoSided, 0) | select(inner & !outer & undercut_ahead, kDrops, 0);
+}
+
+TALUS_HD LineFusion fuse_lines(const SideEstimate& a, const SideEstimate& b)
 {
   LineFusion lines;
-  lines.add(a, b, along_ray, k);
+  lines.add(a, b);
   return lines;
 }
 
@@ -262,43 +217,41 @@ TALUS_HD LineFusion apply_printed_rule(const SideEstimate& inner, const SideEsti
   return lines;
 }
 
-struct Fill
-{
-  float height_m;
-  float variance_m2;
-  std::int32_t state;
-};
-
-TALUS_HD float height_of_lines(const LineFusion& lines, bool under_object)
-{
-  return select(under_object, lines.lowest_m, lines.weighted / lines.information);
-}
-
-TALUS_HD Fill
-infer_ground(float variance_m2, int marks, float expected_m, float bound_m, const Config& k)
-{
-  const bool far_off = (marks & (kDoubtful | kSlopes | kDrops)) != 0;
-  const int state = select((marks & kTwoSided) != 0, kFilledTwoSided, kFilledOneSided);
-  return {
-      min_of(expected_m, select(k.fill_use_ray_bound != 0, bound_m, kInfinity)),
-      select(far_off, kDoubtful_m2, variance_m2), state};
-}
-
 /** Measured ground that fills may use, by place of the grid. */
 struct Samples
 {
   float* height_m;  //!< NaN: none
   float* variance_m2;
-  std::int32_t* marks;  //!< bits of SampleMark
-  float* ray_bound_m;  //!< for all places, see ray_bound(); used where lines are swept
+  float* free_above_m;  //!< for all places, see free_above_m(); used where lines are swept
 };
 
-/** The height that the ground of a cell cannot exceed, since rays passed there [m]; infinity: no
- * ray. Of the lowest rays of its directions the highest counts, so that a few reflections change
- * nothing. */
-TALUS_HD float ray_bound(const PassingRays& passing, int window_i)
+/** The height from which on rays proved a cell to be free in this frame [m]; infinity: no ray. Of
+ * the lowest rays of its directions the highest counts, so that a few reflections change nothing.
+ */
+TALUS_HD float free_above_m(const PassingRays& passing, int window_i)
 {
   return select(passing.lowest_m[window_i] < kInfinity, passing.highest_m[window_i], kInfinity);
+}
+
+/** The lowest of some lines, and a little more: a fill may lie too high. */
+TALUS_HD float low_line_m(const LineFusion& lines, const Config& k)
+{
+  return lines.lowest_m + kAboveLowestLine_steps * k.step_threshold_m;
+}
+/** The ground below an object is its foot, which lies as low as the lower side. */
+TALUS_HD float fill_of_lines(const LineFusion& lines, float low_m, bool under_object)
+{
+  const float mean_m = lines.weighted / lines.information;
+  return select(under_object, min_of(mean_m, low_m), mean_m);
+}
+
+/** How high above its ground a cell is free at least where it is judged. Rays as low as a step
+ * prove that nothing stands there. Above ground between known ground, and in the blind zone around
+ * the robot, before all hits, higher rays do. */
+TALUS_HD float proof_m(int state, bool in_open, const Config& k)
+{
+  const float between_steps = select(state == kFilledTwoSided, kFreeBetween_steps, 1.0f);
+  return select(in_open, k.clearance_m, between_steps * k.step_threshold_m);
 }
 
 TALUS_HD bool is_sample(const CellStore& store, const std::uint8_t* surface_class, int storage_i)
@@ -346,36 +299,30 @@ struct FillCell
 
   TALUS_HD int operator()(int ix, int iy, int storage_i, const Inference& inferred, int marks) const
   {
+    const Config& k = *config;
     const int window_i = iy * cells + ix;
     const int r = surface_class[storage_i], state_before = store.state[storage_i];
     const int flags_before = store.flags[storage_i], in_open = passing.in_open[window_i];
     const int driven_height = store.driven_height[storage_i];
     const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
+    const float stands_m = store.elevation_m[storage_i], free_m = free_above_m(passing, window_i);
     // Otherwise the older fill, or the object, stays.
-    const bool filled = (r != kKeep) & inferred.any();
-    const bool doubtful = filled & ((marks & kDoubtful) != 0);
-    const float bound_m = select(doubtful, kInfinity, ray_bound(passing, window_i));
-    const float expected_m =
-        height_of_lines(inferred.lines, (r == kObject) & on(kLowestUnderObject, *config));
-    const Fill fill = infer_ground(inferred.variance_m2, marks, expected_m, bound_m, *config);
-    const float ground = select(filled, fill.height_m, before);
-    const float variance = select(filled, fill.variance_m2, var_before);
-    const int state = select(filled, fill.state, state_before);
-    // Behind a hit only rays below the height of a step prove that the ground is free. In the blind
-    // zone around the robot, before all hits, rays below the clearance do.
-    const float proof_m = select(in_open != 0, config->clearance_m, config->step_threshold_m);
-    // A fill may lie too high, so it counts at most a little above the lowest of its lines.
-    const float low_m = inferred.lines.lowest_m + kAboveLowestLine_steps * config->step_threshold_m;
+    const bool filled = (r != kKeep) & inferred.any(), two_sided = (marks & kTwoSided) != 0;
+    const float low_m = low_line_m(inferred.lines, k);
+    const float fill_m =
+        fill_of_lines(inferred.lines, low_m, (r == kObject) & on(kLowestUnderObject, k));
+    const float ground = select(filled, fill_m, before);
+    const int fall = select(filled, marks & (kSlopes | kDrops), 0);
+    const float fill_m2 = select(fall != 0, kFalls_m2, inferred.variance_m2);
+    const float variance = select(filled, fill_m2, var_before);
+    const int filled_as = select(two_sided, kFilledTwoSided, kFilledOneSided);
+    const int state = select(filled, filled_as, state_before);
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
-    const bool low = bound_m < floor_m + proof_m;
-    const bool near = bound_m < floor_m + kPassedNear_steps * config->step_threshold_m;
-    const bool object = filled & (r == kObject) & (before - fill.height_m > config->clearance_m);
-    const float stands_m = store.elevation_m[storage_i];
-    const int fall = select(filled & !doubtful, marks & (kSlopes | kDrops), 0);
-    const bool drops = on(kFallsMayDrop, *config) & ((fall & kDrops) != 0) & !is_known(stands_m);
+    const bool low = free_m < floor_m + proof_m(state, in_open != 0, k);
+    const bool object = filled & (r == kObject) & (before - fill_m > k.clearance_m);
+    const bool drops = on(kFallsMayDrop, k) & ((fall & kDrops) != 0) & !is_known(stands_m);
     const int flags = (flags_before & select((fall == kSlopes) | (r == kKeep), ~kMayDrop, ~0)) |
                       select(low, kPassedLow, 0) | select(object, kHitHighUp, 0) |
-                      select(near & on(kPassedNearJudged, *config), kPassedNear, 0) |
                       select(drops, kMayDrop, 0);
     // Reads come before stores, or the compiler would read again and not vectorise.
     store.ground_m[storage_i] = ground;
@@ -399,17 +346,15 @@ struct FillCell
   {
     const float ground = c.ground_m;
     const bool stands = is_known(c.elevation_m), measured = c.state == kMeasured;
-    const bool near = (c.state == kFilledTwoSided) & ((c.flags & kPassedNear) != 0);
     const bool met = measured | stands | (c.state == kPresumed), known = is_known(ground);
     const bool new_there = stands & (c.elevation_m - ground > driven_height_m(c.driven_height));
     const bool driven = (c.driven_height > 0) & !new_there;
     const bool proven = ((c.flags & kPassedLow) != 0) | !on(kProofOfFills, *config);
     const bool seen = met | (proven & known);
     const bool may_drop = ((c.flags & kMayDrop) != 0) & !(stands | driven);
-    const std::int32_t flags = select(measured, kSurfaceMeasured, 0) |
-                               select(seen, kSurfaceSeen, 0) |
-                               select(may_drop, kSurfaceMayDrop, 0) |
-                               select(driven, kSurfaceDriven, 0) | select(near, kSurfaceNear, 0);
+    const std::int32_t flags =
+        select(measured, kSurfaceMeasured, 0) | select(seen, kSurfaceSeen, 0) |
+        select(may_drop, kSurfaceMayDrop, 0) | select(driven, kSurfaceDriven, 0);
     const float reference = frame->sensor_z_m, top = select(stands, c.elevation_m, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
     to.height_and_flags = select(

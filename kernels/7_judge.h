@@ -108,13 +108,12 @@ struct ComputeFeatures
         out.sparsity[window_i] = kNan;
       }
     // If no ray hit a cell or passed low over it, it may be the inside of an object.
-    const bool seen = cell.is(kSurfaceSeen), told = known & (seen | cell.is(kSurfaceNear));
+    const bool told = known & cell.is(kSurfaceSeen);
     const Judgement features = fuse_features(f, *config);
     const bool driven = cell.is(kSurfaceDriven), steep = features.passability == kSteep;
     const float least = select(driven, kDrivenScore, 0.0f);
     const float most = select(steep & driven, kDrivenScore, kInfinity);
-    const float of_seen = select(seen | steep, most, kPassedNearScore);
-    const float score = max_of(min_of(features.score, of_seen), least);
+    const float score = max_of(min_of(features.score, most), least);
     const int of_low = select(steep & !driven, kSteep, kPassable);
     const int of_judged = select(score == 0.0f, kImpassable, of_low);
     return {select(told, score, kNan), select(told, of_judged, static_cast<int>(kPassable))};

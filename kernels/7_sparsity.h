@@ -11,8 +11,7 @@ struct Gap
 {
   float length_m;
   float near_m, far_m;  //!< heights of the ground before and behind it
-  bool wall;  //!< the ground behind it rises steeply within a cell, see SampleMark ...
-  float behind_m, behind_length_m;  //!< ... or to the next height, and how far behind that is
+  float behind_m, behind_length_m;  //!< the next height behind it, and how far behind that is
 };
 
 /** How far the ground falls in a gap. */
@@ -32,7 +31,7 @@ TALUS_HD Fall fall_in(const Gap& g, const Config& k)
   const float explained_m =
       min_of(kExplainedSlope * k.max_slope * g.length_m, kExplained_steps * k.step_threshold_m);
   const bool wide = g.length_m >= kWidestDitch_m;
-  const bool wall = (g.wall | is_steep(g.behind_m - g.far_m, g.behind_length_m, k)) & !wide;
+  const bool wall = is_steep(g.behind_m - g.far_m, g.behind_length_m, k) & !wide;
   const float hollow_m = kHollow * (fall_m - kGentle * g.length_m);
   const float told_m = max_of(max_of(fall_m - explained_m, select(wall, hollow_m, 0.0f)), 0.0f);
   return {told_m, select((told_m == 0.0f) & wide & (fall_m > k.step_threshold_m), 1, 0)};

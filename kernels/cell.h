@@ -22,8 +22,7 @@ enum State : std::uint8_t
  * since compilers do not vectorise a test of it. */
 enum CellFlag : std::uint8_t
 {
-  kPassedLow = 2,  //!< in some frame a ray passed so low that no object higher than a step is there
-  kPassedNear = 4,  //!< a ray passed near its ground, see kPassedNear_steps
+  kPassedLow = 2,  //!< in some frame rays proved its ground to be free, see proof_m()
   kHitHighUp = 8,  //!< the object may hang: it is high above a guess over which no ray passed low
   kHitBefore = 16,  //!< it was hit, too, when rays passed last
   kMayDrop = 32,  //!< its ground may lie far below the ground around it, see fall_in()

@@ -27,7 +27,7 @@ struct Config
   int object_radius;  //!< half of object_size_m, in pairs of cells
   float max_slope;  //!< tangent of the slope threshold
   float fill_search_m, fill_lambda, inverse_fill_kernel, fill_variance_per_m;
-  int fill_samples, fill_rule, fill_use_ray_bound;
+  int fill_samples, fill_rule;
   int feature_radius_cells;
   float inverse_slope_threshold, step_threshold_m, inverse_step_threshold,
       inverse_roughness_threshold;

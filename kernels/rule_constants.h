@@ -119,16 +119,11 @@ constexpr int kBeforeCell_rings = 2;
 
 // ---- Stage 6: lines ----
 
-/** If a ray seems to pass this far below a sample, one of them is wrong: the object has left, or
- * the ray is a reflection's. Until that is known the fills beside the sample ignore their rays. */
-constexpr float kContradicted_m = 0.1f;
 /** If rays pass this far below the ground that would go on level from a sample, there is a drop-off
  * in between, and the cells up to that place may drop. Lines from the sensor are asked at each so
  * many places. */
 constexpr float kUndercutAhead_m = 0.1f;
 constexpr int kUndercutPlaces = 4;
-/** Wider gaps may hold a face: the front of something, or the edge of a drop. */
-constexpr float kFaceGap_m = 0.3f;
 /** Deviation of any line, however short. It makes short lines count nearly alike, so that their
  * noise averages out. */
 constexpr float kLineDeviation_m = 0.080f;
@@ -138,13 +133,12 @@ constexpr float kRiseDeviation = 0.289f;
 /** The deviation between two samples is this share of their reduced distance, a b / (a + b) [m/m];
  * beside one it is this share of its distance. */
 constexpr float kBetweenDeviation = 0.1f, kBeyondDeviation = 0.3f;
-/** Noise of the height difference of neighbouring cells. */
-constexpr float kHeightNoise_m = 0.002f;
-/** Ground goes on so many times as far off the mean as the nearest sample, at most by this share of
- * a step: a sample farther off is the foot of an object. */
-constexpr float kGoesOn = 2.0f, kGoesOnMost_steps = 0.25f;
-/** A fill may lie too high, so it counts at most so much above the lowest of its lines [steps]. */
+/** A fill may lie too high. Where that matters, below an object and where rays prove it to be free,
+ * it lies at most so much above the lowest of its lines [steps]. */
 constexpr float kAboveLowestLine_steps = 0.25f;
+/** A fill between known ground is free if rays passed so low over it [steps]: between the rings of
+ * 32 beams they pass 0.2 to 0.4 m high. */
+constexpr float kFreeBetween_steps = 2.5f;
 
 // ---- Stage 7 ----
 
@@ -153,9 +147,6 @@ constexpr float kLowStep_steps = 0.8f;
 /** A cell beside an impassable one joins it if its score is less: halfway to impassable. */
 constexpr float kEdgeScore = 0.5f;
 
-/** No object is higher than this above a two-sided fill where a ray passed [steps]: it is judged,
- * with at most this score. */
-constexpr float kPassedNear_steps = 2.5f, kPassedNearScore = 0.5f;
 /** Least score where the robot drove, whatever stands beside it. */
 constexpr float kDrivenScore = 0.5f;
 

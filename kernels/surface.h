@@ -13,11 +13,10 @@ enum SurfaceFlag : std::int32_t
   kSurfaceMeasured = 1,  //!< its ground is measured
   kSurfaceSeen = 2,  //!< a ray hit it or passed low over its ground, or the robot stood there
   kSurfaceMayDrop = 4,  //!< its ground was not seen and may lie far below that around it
-  kSurfaceDriven = 8,  //!< the robot drove over it, and no new object stands there
-  kSurfaceNear = 16  //!< its ground is filled from two sides and a ray passed near it
+  kSurfaceDriven = 8  //!< the robot drove over it, and no new object stands there
 };
 
-constexpr int kSurfaceFlags = 5;
+constexpr int kSurfaceFlags = 4;
 
 /** The surfaces of one cell, quantised, for stage 7. */
 struct alignas(8) Surface

@@ -236,7 +236,6 @@ World small_window_that_jumps()
   Parameters p;
   p.window_m = 2.55;
   p.fill_rule = FillRule::Printed;
-  p.fill_use_ray_bound = false;
   return {
       "small_window_that_jumps", p,
       [](int i, Random& r)

@@ -80,8 +80,6 @@ TEST(Parameters, TextIsParsedWholeOrRefused)
   Parameters p;
   set_parameter(p, "Fill_Rule", "Printed");
   EXPECT_EQ(p.fill_rule, FillRule::Printed);
-  set_parameter(p, "fill_use_ray_bound", "false");
-  EXPECT_FALSE(p.fill_use_ray_bound);
   for (const char* bad : {"", "abc", "0.05m", "1e9", "nan"})
     EXPECT_THROW(set_parameter(p, "resolution_m", bad), std::invalid_argument) << bad;
   EXPECT_THROW(set_parameter(p, "cleanup_frames", "1.5"), std::invalid_argument);

@@ -248,7 +248,6 @@ TEST(Parity, SmallWindowsJumpsAndOutputsThatChange)
   Parameters p;
   p.window_m = 2.55;
   p.fill_rule = FillRule::Printed;
-  p.fill_use_ray_bound = false;
   Pair maps(p);
   Random noise(7);
   for (int i = 0; i < 40; i++)

@@ -169,7 +169,7 @@ TEST(Stage4Classify, ABankSteeperThanTheRobotClimbsIsGroundToo)
   s.add_surface(2, -1, 3, 1, [&](double x, double) { return tangent * (x - 2); });
   m.update(s);
   for (double x = 2.025; x < 3; x += 0.05) EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << x;
-  for (double x = 2.075; x < 2.95; x += 0.05) EXPECT_EQ(m.traversability(x, 0.525), 0.0f) << x;
+  for (double x = 2.075; x < 2.9; x += 0.05) EXPECT_EQ(m.traversability(x, 0.525), 0.0f) << x;
 }
 
 TEST(Stage4Classify, TheEdgeOfAPlatformIsGround)

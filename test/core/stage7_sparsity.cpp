@@ -28,7 +28,6 @@ Parameters short_search()
 {
   Parameters p;
   p.fill_search_m = 0.5;
-  p.fill_use_ray_bound = false;
   return p;
 }
 constexpr double kX = 1.525, kY = 0.025;

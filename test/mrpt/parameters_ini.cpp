@@ -295,7 +295,6 @@ TEST(ParametersIni, what_is_saved_loads_as_the_same_values)
   Parameters p;
   p.resolution_m = 0.125;
   p.fill_rule = talus::FillRule::Printed;
-  p.fill_use_ray_bound = false;
   p.cleanup_frames = 5;
   p.body_boxes_m = {{-1, 1, -0.5, 0.5, 0, 1.1}, {1, 1.25, -0.3, 0.3, 0.2, 0.4}};
   CConfigFileMemory cfg;

@@ -189,8 +189,7 @@ struct MapBuffers
     kernels::Samples v{};
     v.height_m = sample_height.data();
     v.variance_m2 = sample_variance.data();
-    v.marks = sample_marks.data();
-    v.ray_bound_m = ray_bound.data();
+    v.free_above_m = free_above.data();
     return v;
   }
   kernels::FillCell fill_cell()
@@ -369,8 +368,7 @@ struct MapBuffers
   Buffer<float> passing_lowest, passing_highest;
   Buffer<float> coarse;  //!< coarse grid
   Buffer<float> sample_height, sample_variance, fall;  //!< grid of lines
-  Buffer<std::int32_t> sample_marks;  //!< grid of lines
-  Buffer<float> ray_bound;  //!< grid of lines, for schedules that sweep along lines
+  Buffer<float> free_above;  //!< grid of lines, for schedules that sweep along lines
   Buffer<kernels::Surface> judged_surfaces;
 
  private:
@@ -424,7 +422,6 @@ void MapBuffers<Executor>::allocate(Executor& executor)
   executor.allocate(coarse, kCoarseArrays * pooled * (pooled + pad), kernels::kInfinity);
   for (auto* b : {&sample_height, &sample_variance, &fall})
     executor.allocate(*b, grid_size(), kernels::kNan);
-  executor.allocate(sample_marks, grid_size(), std::int32_t{0});
   executor.allocate(config, 1, kernels::Config{});
   executor.allocate(context, 1, kernels::FrameContext{});
   executor.allocate(counters, kernels::kCounters, std::uint32_t{0});

@@ -69,7 +69,6 @@ kernels::Config stages_config(const Parameters& p)
   k.fill_variance_per_m = f(p.fill_variance_per_m);
   k.fill_samples = p.fill_samples;
   k.fill_rule = static_cast<int>(p.fill_rule);
-  k.fill_use_ray_bound = p.fill_use_ray_bound;
   k.feature_radius_cells =
       std::max(1, static_cast<int>(std::lround(p.feature_radius_m / p.resolution_m)));
   k.inverse_slope_threshold = f(1 / p.slope_threshold_rad);
@@ -114,7 +113,6 @@ void switch_off(MapConfig& c)
   c.config.rules_off = rules_off();
   if (!kernels::on(kernels::kHeightBand, c.config)) c.config.min_height_m = -1.0f;  // paper
   if (!kernels::on(kernels::kBodyBoxes, c.config)) c.body = {};
-  if (!kernels::on(kernels::kBelowRays, c.config)) c.config.fill_use_ray_bound = 0;
 }
 }  // namespace
 #endif

@@ -211,10 +211,6 @@ std::vector<ParameterInfo> make_table()
       entry<&Parameters::fill_variance_per_m>(
           "fill_variance_per_m", "m/m", 0, 10,
           "growth of a fill's standard deviation with the distance to its sample"),
-      entry<&Parameters::fill_use_ray_bound>(
-          "fill_use_ray_bound", "", 0, 1,
-          "unseen ground cannot stand above the ray that passed over it",
-          {{0, "false"}, {1, "true"}}),
       entry<&Parameters::feature_radius_m>(
           "feature_radius_m", "m", 1e-3, 100,
           "half side of the neighbourhood of slope, step and roughness; at most 15 cells"),

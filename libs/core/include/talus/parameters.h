@@ -96,7 +96,6 @@ struct Parameters
   FillRule fill_rule = FillRule::Lines;
   double fill_variance_per_m =
       0.1;  //!< growth of the standard deviation of a fill with the distance to its sample
-  bool fill_use_ray_bound = true;  //!< unseen ground cannot stand above the ray that passed over it
   /// @}
 
   /// @name Stage 7: traversability (eq. 10-13)

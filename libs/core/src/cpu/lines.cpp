@@ -57,12 +57,6 @@ struct Strip
   }
 };
 
-struct MetSample
-{
-  float height_m, variance_m2;
-  std::int32_t marks;
-};
-
 /** The last samples that the lines met, the nearest first. */
 template <int kSamples>
 struct alignas(64) Met
@@ -70,7 +64,6 @@ struct alignas(64) Met
   float height_m[kSamples][kLanes];
   int place[kSamples][kLanes];
   float variance_m2[kLanes];  //!< variance of the nearest
-  std::int32_t marks[kLanes];
 
   static Met nothing()
   {
@@ -79,18 +72,17 @@ struct alignas(64) Met
     return met;
   }
 
-  /** Sets line `l` to the samples met `before`, and to this one if there is one. */
-  void meet(const Met& before, int l, bool known, const MetSample& sample, int here)
+  /** Sets line `l` to the samples met `before`, and to the one `here` if it is known. */
+  void meet(const Met& before, int l, bool known, float sample_m, float sample_m2, int here)
   {
     for (int s = kSamples - 1; s > 0; s--)
     {
       height_m[s][l] = kernels::select(known, before.height_m[s - 1][l], before.height_m[s][l]);
       place[s][l] = kernels::select(known, before.place[s - 1][l], before.place[s][l]);
     }
-    height_m[0][l] = kernels::select(known, sample.height_m, before.height_m[0][l]);
+    height_m[0][l] = kernels::select(known, sample_m, before.height_m[0][l]);
     place[0][l] = kernels::select(known, here, before.place[0][l]);
-    variance_m2[l] = kernels::select(known, sample.variance_m2, before.variance_m2[l]);
-    marks[l] = kernels::select(known, sample.marks, before.marks[l]);
+    variance_m2[l] = kernels::select(known, sample_m2, before.variance_m2[l]);
   }
 
   int distance(int l, int here) const { return kernels::abs_of(here - place[0][l]); }
@@ -113,10 +105,10 @@ struct alignas(64) Met
         kernels::select(any, distance(l, here), 0), step_m, k);
   }
 
-  kernels::SideVariance variance(const SideEstimate& side, int l, const kernels::Config& k) const
+  float variance(const SideEstimate& side, int l, const kernels::Config& k) const
   {
     const float spread_m2 = kernels::spread_variance(variance_m2[l], side.distance_m, k);
-    return {kernels::select(side.any(), spread_m2, kernels::kNan), marks[l]};
+    return kernels::select(side.any(), spread_m2, kernels::kNan);
   }
 };
 
@@ -161,14 +153,13 @@ class Sweep
     {
       const Side& here = met[place + 1];
       if (kRays && place % kernels::kUndercutPlaces == 0)
-        ask(k, strip, samples, here, place, undercut);
+        ask(strip, samples, here, place, undercut);
       infer(k, strip, here, behind, undercut, place, to);
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
       {
         const bool known = here.place[0][l] == place;
-        behind.meet(
-            behind, l, known, {here.height_m[0][l], here.variance_m2[l], here.marks[l]}, place);
+        behind.meet(behind, l, known, here.height_m[0][l], here.variance_m2[l], place);
         if (kRays) undercut.place[l] = kernels::select(known, -kNowhere, undercut.place[l]);
       }
     }
@@ -185,7 +176,6 @@ class Sweep
       const int* const minor = strip.at(place, !kRays).minor;
       if (strip.leaps()) fetch(strip, samples, std::min(place + kAhead, strip.places - 1));
       float height_m[kLanes], variance_m2[kLanes];
-      std::int32_t marks[kLanes];
       if (!kRays && strip.columns())
         std::copy_n(samples.height_m + first, kLanes, height_m);
       else
@@ -206,33 +196,30 @@ class Sweep
       {
         TALUS_INDEPENDENT
         for (int l = 0; l < kLanes; l++)
-        {
           variance_m2[l] = samples.variance_m2[first + minor[l] * strip.across];
-          marks[l] = samples.marks[first + minor[l] * strip.across];
-        }
       }
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
         met[place + 1].meet(
-            met[place], l, kernels::is_known(height_m[l]),
-            {height_m[l], kRays ? variance_m2[l] : 0.0f, kRays ? marks[l] : 0}, place);
+            met[place], l, kernels::is_known(height_m[l]), height_m[l],
+            kRays ? variance_m2[l] : 0.0f, place);
     }
   }
 
   static void ask(
-      const kernels::Config& k, const Strip& strip, const kernels::Samples& samples,
-      const Side& here, int place, Undercut& undercut)
+      const Strip& strip, const kernels::Samples& samples, const Side& here, int place,
+      Undercut& undercut)
   {
     const int first = strip.first + place * strip.along;
     const int* const minor = strip.at(place, false).minor;
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      const float bound_m = samples.ray_bound_m[first + minor[l] * strip.across];
+      const float free_m = samples.free_above_m[first + minor[l] * strip.across];
       const bool under = (here.place[0][l] >= 0) & (here.place[0][l] < place) &
                          kernels::undercuts(
-                             bound_m, here.height_m[0][l],
-                             static_cast<float>(here.distance(l, place)) * strip.step_m[l], k);
+                             free_m, here.height_m[0][l],
+                             static_cast<float>(here.distance(l, place)) * strip.step_m[l]);
       undercut.place[l] = kernels::select(under, place, undercut.place[l]);
     }
   }
@@ -247,9 +234,7 @@ class Sweep
       const int lane = std::min(l, kLanes - 1);
       const int i = strip.first + place * strip.along + minor[lane] * strip.across;
       __builtin_prefetch(samples.height_m + i);
-      if (!kRays) continue;
-      __builtin_prefetch(samples.variance_m2 + i);
-      __builtin_prefetch(samples.marks + i);
+      if (kRays) __builtin_prefetch(samples.variance_m2 + i);
     }
   }
 
@@ -311,17 +296,14 @@ class Sweep
     {
       const SideEstimate a = inner.load(l), b = outer.load(l);
       found.lines.store(
-          l, kAlongLines ? kernels::fuse_lines(a, b, kRays, k) : kernels::apply_printed_rule(a, b));
+          l, kAlongLines ? kernels::fuse_lines(a, b) : kernels::apply_printed_rule(a, b));
       if (kRays)
       {
-        const kernels::SideVariance inner_m2 = before.variance(a, l, k),
-                                    outer_m2 = behind.variance(b, l, k);
         const bool undercut_ahead = (undercut.place[l] - place <= strip.fill_places[l]) &
                                     (behind.distance(l, place) > strip.sparsity_places[l]);
-        const bool drops = a.any() & !b.any() & undercut_ahead;
-        found.variance_m2[l] = kernels::fuse_variances(inner_m2, outer_m2);
-        found.marks[l] = kernels::fuse_marks(inner_m2, outer_m2) |
-                         kernels::select(drops, static_cast<std::int32_t>(kernels::kDrops), 0);
+        found.variance_m2[l] =
+            kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
+        found.marks[l] = kernels::marks_of_sides(a.any(), b.any(), undercut_ahead);
       }
     }
   }
@@ -340,11 +322,8 @@ class Sweep
       return static_cast<float>(places) * strip.step_m[l];
     };
     const kernels::Gap gap{
-        length_m(before.place[0][l], behind.place[0][l]),
-        before.height_m[0][l],
-        behind.height_m[0][l],
-        (behind.marks[l] & kernels::kWall) != 0,
-        behind.height_m[1][l],
+        length_m(before.place[0][l], behind.place[0][l]), before.height_m[0][l],
+        behind.height_m[0][l], behind.height_m[1][l],
         length_m(behind.place[0][l], behind.place[1][l])};
     const kernels::Fall told = kernels::fall_in(gap, k);
     return {kernels::select(both, told.m, kernels::kNan), kernels::select(both, told.slopes, 0)};

@@ -24,7 +24,7 @@ class CpuSchedule
     const auto n = static_cast<std::size_t>(map_.cells());
     executor_.allocate(inferred_, map_.grid_size(), kernels::Inference{});
     executor_.allocate(fill_marks_, map_.grid_size(), std::uint8_t{0});
-    executor_.allocate(map_.ray_bound, map_.grid_size(), kernels::kNan);
+    executor_.allocate(map_.free_above, map_.grid_size(), kernels::kNan);
     executor_.allocate(
         passability_, n + 2 * static_cast<std::size_t>(map_.side() + 1), std::uint8_t{0});
     const int directions = kernels::bin_count(map_.host_config);

@@ -20,13 +20,10 @@ struct TakeSample
     const bool sample = is_sample(store, surface_class, storage_i);
     const float ground_m = store.ground_m[storage_i];
     const float variance_m2 = store.ground_var_m2[storage_i];
-    const std::int32_t marks =
-        sample_marks(ground_m, store.elevation_m[storage_i], passing.lowest_m[window_i], *config);
-    const float bound_m = ray_bound(passing, window_i);
+    const float free_m = free_above_m(passing, window_i);
     samples.height_m[line_i] = select(sample, ground_m, kNan);
     samples.variance_m2[line_i] = variance_m2;
-    samples.marks[line_i] = marks;
-    samples.ray_bound_m[line_i] = bound_m;
+    samples.free_above_m[line_i] = free_m;
   }
 };
 

@@ -273,9 +273,9 @@ struct SearchAndFillCell
     return line == 0 ? radial_search(ix, iy).template infer_side<!kAlongLines>(outwards)
                      : axis_search(ix, iy, line == 2).template infer_side<!kAlongLines>(outwards);
   }
-  TALUS_HD LineFusion line(int line, const SideEstimate& inner, const SideEstimate& outer) const
+  TALUS_HD LineFusion line(const SideEstimate& inner, const SideEstimate& outer) const
   {
-    if constexpr (kAlongLines) return fuse_lines(inner, outer, line == 0, k);
+    if constexpr (kAlongLines) return fuse_lines(inner, outer);
     return apply_printed_rule(inner, outer);
   }
   /** Fills the cell from the sides of the first line and the sums of all lines. */
@@ -325,12 +325,12 @@ struct SearchAndFillCell
     const SideEstimate inner = radial.template infer_side<!kAlongLines>(false),
                        outer = radial.template infer_side<!kAlongLines>(true);
     if (!inner.any() && !outer.any()) return nothing();
-    Inferred found = beside_sensor(radial, ix, iy, inner, outer, line(0, inner, outer));
+    Inferred found = beside_sensor(radial, ix, iy, inner, outer, line(inner, outer));
     for (int l = 1; l < kLines; l++)
     {
       const LineSearch<AxisTrack> axis = axis_search(ix, iy, l == 2);
       found.ground.lines.add(line(
-          l, axis.template infer_side<!kAlongLines>(false),
+          axis.template infer_side<!kAlongLines>(false),
           axis.template infer_side<!kAlongLines>(true)));
     }
     return found;
@@ -369,13 +369,12 @@ struct SearchAndFillCell
       const LineSearch<Track>& radial, int ix, int iy, const SideEstimate& inner,
       const SideEstimate& outer, const LineFusion& lines) const
   {
-    const SideVariance inner_m2 = variance(radial, false, inner),
-                       outer_m2 = variance(radial, true, outer);
-    Inferred found{{lines, fuse_variances(inner_m2, outer_m2)}, fuse_marks(inner_m2, outer_m2)};
     const int behind = radial.nearest(true, radial.track.sparsity_places);
     const float robot_m = static_cast<float>(radial.place) * radial.track.step_m;
-    if (inner.any() && !outer.any() && !behind && is_undercut_ahead(radial, inner))
-      found.marks |= kDrops;
+    const bool asks = inner.any() && !outer.any() && !behind;
+    Inferred found{
+        {lines, fuse_variances(variance(radial, false, inner), variance(radial, true, outer))},
+        marks_of_sides(inner.any(), outer.any(), asks && is_undercut_ahead(radial, inner))};
     if (robot_m <= k.sparsity_range_m)
     {
       const Fall fall = fall_to(radial, behind);
@@ -396,20 +395,18 @@ struct SearchAndFillCell
       const CellOffset at = radial.track.offset(place);
       const int ix = grid.half + at.dx, iy = grid.half + at.dy;
       if (ix >= k.cells || iy >= k.cells) break;  // as in SamplesOfLine
-      const float bound_m = ray_bound(fill.passing, iy * k.cells + ix);
+      const float free_m = free_above_m(fill.passing, iy * k.cells + ix);
       any |= undercuts(
-          bound_m, inner.nearest_m, static_cast<float>(place - sample) * radial.track.step_m, k);
+          free_m, inner.nearest_m, static_cast<float>(place - sample) * radial.track.step_m);
     }
     return any;
   }
-  TALUS_HD SideVariance
-  variance(const LineSearch<Track>& radial, bool outwards, const SideEstimate& side) const
+  TALUS_HD float variance(
+      const LineSearch<Track>& radial, bool outwards, const SideEstimate& side) const
   {
-    if (!side.any()) return {kNan, 0};
+    if (!side.any()) return kNan;
     const int sample_i = radial.at(outwards, side.places);
-    return {
-        spread_variance(samples.variance_m2[sample_i], side.distance_m, k),
-        samples.marks[sample_i]};
+    return spread_variance(samples.variance_m2[sample_i], side.distance_m, k);
   }
 
   /** The fall of the ground to the sample that many places behind; NaN: one side has no sample. */
@@ -424,7 +421,7 @@ struct SearchAndFillCell
     return fall_in(
         {static_cast<float>(before + behind) * radial.track.step_m,
          samples.height_m[radial.at(false, before)], samples.height_m[far_i],
-         (samples.marks[far_i] & kWall) != 0, next ? samples.height_m[far.at(true, next)] : kNan,
+         next ? samples.height_m[far.at(true, next)] : kNan,
          static_cast<float>(next) * radial.track.step_m},
         k);
   }

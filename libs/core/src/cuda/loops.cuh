@@ -514,7 +514,7 @@ __global__ void __launch_bounds__(2 * F::kLines * 32)
   if (x < nx) sides[part][lane] = f.side(part / 2, part % 2 == 1, x, y);
   __syncthreads();
   if (x < nx && part < F::kLines)
-    lines[part][lane] = f.line(part, sides[2 * part][lane], sides[2 * part + 1][lane]);
+    lines[part][lane] = f.line(sides[2 * part][lane], sides[2 * part + 1][lane]);
   __syncthreads();
   if (x < nx && part == 0) f(x, y, sides[0][lane], sides[1][lane], &lines[0][lane], 32);
   note_time(done_ns);

@@ -47,9 +47,6 @@ struct SettleCell
     samples.height_m[line_i] = sample ? ground_m : kNan;
     if (!sample) return false;
     samples.variance_m2[line_i] = clean.store.ground_var_m2[storage_i];
-    samples.marks[line_i] = sample_marks(
-        ground_m, clean.store.elevation_m[storage_i], clean.passing.lowest_m[iy * clean.cells + ix],
-        *clean.config);
     return true;
   }
 
