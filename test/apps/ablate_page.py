@@ -58,9 +58,10 @@ def rows(text):
 
 
 def ablate(command, folder, *arguments):
-    done = subprocess.run([sys.executable, os.path.join(SOURCE, "apps/lab/talus-compare/ablate.py"), command, *arguments,
-                           "--worlds", f"{folder}/deep.yaml", "--logs", "--situations", f"{folder}/situations",
-                           "--instructions", f"{folder}/instructions", "--output", f"{folder}/out", "--page", f"{folder}/page.md", "--jobs", "1"], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, os.path.join(SOURCE, "apps/lab/talus-compare/ablate.py"), command, "--jobs", "1",
+                           *arguments, "--worlds", f"{folder}/deep.yaml", "--logs",
+                           "--situations", f"{folder}/situations", "--instructions", f"{folder}/instructions",
+                           "--output", f"{folder}/out", "--page", f"{folder}/page.md"], capture_output=True, text=True)
     return done.returncode, done.stderr
 
 

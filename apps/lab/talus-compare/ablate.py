@@ -308,7 +308,7 @@ def options_of_command_line():
     parser.add_argument("--output", default=os.path.join(SOURCE, "out/ablate"), help="folder of what was measured")
     parser.add_argument("--page", default=os.path.join(SOURCE, "kernels/rules_measured.md"), help="page to write")
     parser.add_argument("--jobs", type=int, default=max(1, (os.cpu_count() or 2) // 2), help="comparisons at a time")
-    o = parser.parse_args()
+    o = parser.parse_intermixed_args()  # rules may follow options
     for name in ("command", "data", "output", "situations", "instructions"):
         setattr(o, name, getattr(o, name) and os.path.abspath(getattr(o, name)))
     unknown = [rule for rule in o.rules if rule not in switches()]
