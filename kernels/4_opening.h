@@ -56,14 +56,6 @@ struct PoolCells
         min_of(a.lowest_m, b.lowest_m), max_of(a.column_m, b.column_m),
         max_of(a.presence, b.presence)};
   }
-  /** Beyond the window bare ground goes on. Ground as high as the sensor may be a face that is not
-   * seen from above, so it does not. */
-  TALUS_HD CoarseCell beyond(const CoarseCell& border) const
-  {
-    if (!on(kBeyondWindow, *config)) return {};
-    const bool bare = border.column_m == -kInfinity, low = border.lowest_m <= frame->sensor_z_m;
-    return {select(bare & low, border.lowest_m, kInfinity), -kInfinity, kEmpty};
-  }
   TALUS_HD void put(int px, int py, const CoarseCell& pooled) const
   {
     grid.lowest_m[grid.at(px, py)] = pooled.lowest_m;
@@ -74,17 +66,14 @@ struct PoolCells
   TALUS_HD void operator()(int px, int py) const
   {
     const int n = config->cells;
-    const int qx = grid.pair_at(px, frame->odd_x, n), qy = grid.pair_at(py, frame->odd_y, n);
-    const int x0 = 2 * qx - frame->odd_x, y0 = 2 * qy - frame->odd_y;
+    const int x0 = grid.first_cell(px, frame->odd_x), y0 = grid.first_cell(py, frame->odd_y);
     const auto cell = [this, n](int x, int y)
     {
       const bool inside = (x >= 0) & (y >= 0) & (x < n) & (y < n);
       return inside ? item(storage_index(*frame, n, x, y)) : CoarseCell{};
     };
     const CoarseCell left = pool(cell(x0, y0), cell(x0, y0 + 1));
-    const CoarseCell pooled = pool(left, pool(cell(x0 + 1, y0), cell(x0 + 1, y0 + 1)));
-    const bool inside = qx + grid.margin == px && qy + grid.margin == py;
-    put(px, py, inside ? pooled : beyond(pooled));
+    put(px, py, pool(left, pool(cell(x0 + 1, y0), cell(x0 + 1, y0 + 1))));
   }
 };
 

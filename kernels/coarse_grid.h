@@ -15,12 +15,11 @@ enum Presence
 };
 
 /** Cells of the map pooled two by two, by the parity of their place in the map, so that rolling
- * does not change the pairs. In a margin around the window the ground goes on as at its border.
- * Without it the edge of a platform would be an object where only a strip of it is inside. */
+ * does not change the pairs. Nothing is known in a margin around the window. */
 struct CoarseGrid
 {
   int side;  //!< coarse cells along each side, with both margins
-  int margin;  //!< in coarse cells
+  static constexpr int kMargin = 1;  //!< in coarse cells
   int pad;  //!< places beside each row that hold infinity
   float* lowest_m;  //!< lowest measured ground; infinity: none
   float* column_m;  //!< highest upright top; -infinity: none
@@ -32,19 +31,15 @@ struct CoarseGrid
 
   TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
   /** Where a cell of the window is found, along one axis. */
-  TALUS_HD int place_of(int cell, int odd) const { return ((cell + odd) >> 1) + margin; }
-  /** The pair of cells whose ground a place has, along one axis: its own or that at the border. */
-  TALUS_HD int pair_at(int place, int odd, int cells) const
-  {
-    return min_of(max_of(place - margin, 0), place_of(cells - 1, odd) - margin);
-  }
+  TALUS_HD int place_of(int cell, int odd) const { return ((cell + odd) >> 1) + kMargin; }
+  /** The first cell of the pair at a place, along one axis; perhaps outside. */
+  TALUS_HD int first_cell(int place, int odd) const { return 2 * (place - kMargin) - odd; }
 };
 
-TALUS_HD int coarse_margin(const Config& k) { return k.object_radius; }
 TALUS_HD int dilation_radius(const Config& k) { return k.object_radius + kDilatesFarther_pairs; }
 /** The most pairs that an object covers, which is narrower than ground. */
 TALUS_HD int widest_thing(const Config& k) { return 2 * dilation_radius(k); }
 
-TALUS_HD int coarse_side(const Config& k) { return k.cells / 2 + 1 + 2 * coarse_margin(k); }
+TALUS_HD int coarse_side(const Config& k) { return k.cells / 2 + 1 + 2 * CoarseGrid::kMargin; }
 
 }  // namespace talus::kernels

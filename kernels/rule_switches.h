@@ -19,7 +19,6 @@ enum Rule : int
   kNarrowAndSteep = 12,
   kBareIsWide = 13,
   kBridges = 16,
-  kBeyondWindow = 17,
   kRayBelowGround = 23,
   kLoneHits = 24,
   kPorousStays = 25,
@@ -35,16 +34,15 @@ enum Rule : int
   kFallsMayDrop = 47
 };
 
-constexpr Rule kRules[]{kHeightBand,     kBodyBoxes,         kBuriedRays,    kFollowsPoses,
-                        kNoticesFloors,  kGateOfBoth,        kHighHitStands, kUnderRobot,
-                        kPresumedStart,  kNarrowAndSteep,    kBareIsWide,    kBridges,
-                        kBeyondWindow,   kRayBelowGround,    kLoneHits,      kPorousStays,
-                        kOverhangStays,  kWentBetween,       kCombed,        kLeavesWithOthers,
-                        kFollowersLeave, kLowestUnderObject, kProofOfFills,  kLowSteps,
-                        kObstaclesGoOn,  kFallsMayDrop};
+constexpr Rule kRules[]{
+    kHeightBand,        kBodyBoxes,     kBuriedRays,     kFollowsPoses,     kNoticesFloors,
+    kGateOfBoth,        kHighHitStands, kUnderRobot,     kPresumedStart,    kNarrowAndSteep,
+    kBareIsWide,        kBridges,       kRayBelowGround, kLoneHits,         kPorousStays,
+    kOverhangStays,     kWentBetween,   kCombed,         kLeavesWithOthers, kFollowersLeave,
+    kLowestUnderObject, kProofOfFills,  kLowSteps,       kObstaclesGoOn,    kFallsMayDrop};
 
-/** Whether a rule counts: all do, unless a build for the laboratory switches some off, or leaves one
- * out when it is compiled, to count what the rule costs. */
+/** Whether a rule counts: all do, unless a build for the laboratory switches some off, or leaves
+ * one out when it is compiled, to count what the rule costs. */
 #if defined(TALUS_RULE_SWITCHES)
 TALUS_HD bool on(Rule rule, const Config& k) { return (k.rules_off >> rule & 1) == 0; }
 #elif defined(TALUS_WITHOUT_RULE)

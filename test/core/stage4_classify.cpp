@@ -275,24 +275,6 @@ TEST(Stage4Classify, ATrailerIsForgottenWhenItHasGone)
   EXPECT_EQ(share_in_front(m, kTrailer, passable), 1.0);
 }
 
-TEST(Stage4Classify, AStripOfAPlatformAtTheWindowsBorderIsGround)
-{
-  // 0.3 and 0.25 m of it are inside, on each side in turn; the window ends 4 m from the sensor.
-  for (const double inside_m : {0.3, 0.25})
-    for (const double side : {-1.0, 1.0})
-    {
-      TestMap m;
-      const double edge_m = 4 - inside_m;
-      const auto ground = [&](double, double y) { return side * y > edge_m ? 0.4 : 0.0; };
-      m.update(Scan().add_surface(-1, -4, 1, 4, ground));
-      for (double y = edge_m + 0.025; y < 4; y += 0.05)
-      {
-        EXPECT_EQ(m.state(0.525, side * y), CellState::Measured) << inside_m << " at " << side * y;
-        EXPECT_NEAR(m.ground(0.525, side * y), 0.4, 1e-5) << inside_m << " at " << side * y;
-      }
-    }
-}
-
 TEST(Stage4Classify, AWallAtTheWindowsBorderIsNoGround)
 {
   // What is seen of it stands upright, or is higher than the sensor.

@@ -135,7 +135,6 @@ struct MapBuffers
   {
     kernels::CoarseGrid v{};
     v.side = kernels::coarse_side(host_config);
-    v.margin = kernels::coarse_margin(host_config);
     v.pad = kernels::dilation_radius(host_config);
     const auto n = static_cast<std::size_t>(v.side) * static_cast<std::size_t>(v.side + 2 * v.pad);
     float* next = coarse.data();

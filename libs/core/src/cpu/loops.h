@@ -184,21 +184,13 @@ class PairOfRows
 
   void pool(int py, int cells, const kernels::FrameContext& frame)
   {
-    const int margin = f_.grid.margin, qy = f_.grid.pair_at(py, frame.odd_y, cells);
-    const int pairs = f_.grid.place_of(cells - 1, frame.odd_x) - margin + 1;
-    for (int q0 = 0; q0 < pairs; q0 += kLanes / 2)
+    const int y0 = f_.grid.first_cell(py, frame.odd_y);
+    for (int px = 0; px < f_.grid.side; px += kLanes / 2)
     {
-      const int here = std::min(pairs - q0, kLanes / 2), first = 2 * qy - frame.odd_y;
       clear(items_);
-      for (int y = std::max(first, 0); y < std::min(first + 2, cells); y++)
-        add(StoredRow(cells, frame, y), 2 * q0 - frame.odd_x);
-      if (qy + margin == py)
-        put(f_, items_, here, margin + q0, py, AsPooled{});
-      else
-        put(f_, items_, here, margin + q0, py, Beyond{});
-      for (int px = 0; q0 == 0 && px < margin; px++) put_beyond(px, py, 0);
-      for (int px = margin + pairs; q0 + here == pairs && px < f_.grid.side; px++)
-        put_beyond(px, py, here - 1);
+      for (int y = std::max(y0, 0); y < std::min(y0 + 2, cells); y++)
+        add(StoredRow(cells, frame, y), f_.grid.first_cell(px, frame.odd_x));
+      put(f_, items_, std::min(f_.grid.side - px, kLanes / 2), px, py);
     }
   }
 
@@ -219,25 +211,11 @@ class PairOfRows
         begin, end,
         [&](int l) { items.store(l, f.pool(items.load(l), f.item(first + (l - begin)))); });
   }
-  static Item pair(const F& f, const Items& items, int q)
-  {
-    return f.pool(items.load(2 * q), items.load(2 * q + 1));
-  }
-  void put_beyond(int px, int py, int q) const { f_.put(px, py, f_.beyond(pair(f_, items_, q))); }
-  // It has a name, for g++ 14 crashes where clones are made for a lambda.
-  struct AsPooled
-  {
-    Item operator()(const F&, const Item& pooled) const { return pooled; }
-  };
-  struct Beyond
-  {
-    Item operator()(const F& f, const Item& pooled) const { return f.beyond(pooled); }
-  };
-  template <class AsShown>
-  TALUS_CLONES static void put(F f, const Items& items, int pairs, int px, int py, AsShown as_shown)
+  TALUS_CLONES static void put(F f, const Items& items, int pairs, int px, int py)
   {
     TALUS_INDEPENDENT
-    for (int q = 0; q < pairs; q++) f.put(px + q, py, as_shown(f, pair(f, items, q)));
+    for (int q = 0; q < pairs; q++)
+      f.put(px + q, py, f.pool(items.load(2 * q), items.load(2 * q + 1)));
   }
 
   const F& f_;
