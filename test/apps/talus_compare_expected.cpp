@@ -94,4 +94,13 @@ TEST_F(TalusCompareExpected, RefusesToAcceptAnotherMapAndToReadADamagedFile)
   EXPECT_TRUE(has(o.text, "expected_failures.tsv:2: 'much' is no value")) << o.text;
 }
 
+TEST_F(TalusCompareExpected, OfTheWorldsThatComeWithItAllFailuresAreNoted)
+{
+  const std::string worlds = TALUS_SOURCE_DIR "/datasets/worlds/";
+  const Outcome o =
+      run(worlds + "table.yaml " + worlds + "ditch.yaml --methods talus --check --output " +
+          path("out"));
+  EXPECT_EQ(o.code, 0) << o.text << "what is meant: ./dev compare --accept";
+}
+
 }  // namespace
