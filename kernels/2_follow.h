@@ -128,19 +128,14 @@ struct FollowPoses
   {
     Datum now = *datum;
     if (now.starts_anew != 0)
-      now.offset_m = now.settled_m = 0.0f, now.starts_anew = 0, frame->starts_map = 1;
+      now.offset_m = 0.0f, now.starts_anew = 0, frame->starts_map = 1;
     else if (const int all = most.of + far; all >= kFewestGroundHits)
     {
       const float above_m =
           static_cast<float>(most.sum) / (static_cast<float>(most.hits) * kHeightSteps);
       const bool agree = 2 * most.hits > all && abs_of(above_m) > kFollow_m;
       if (agree && on(kFollowsPoses, *config)) now.offset_m += above_m;
-      const float drift_m = kDrift_mps * frame->since_last_s;
-      const float left_m = now.offset_m - now.settled_m;
-      now.settled_m += max_of(min_of(left_m, drift_m), -drift_m);
-      const bool rose = abs_of(now.offset_m - now.settled_m) > kOtherFloor_m;
-      const bool other = (rose | (kOtherFloorOneIn * far > all)) & on(kNoticesFloors, *config);
-      now.starts_anew = select(other, 1, 0);
+      now.starts_anew = select((kOtherFloorOneIn * far > all) & on(kFollowsPoses, *config), 1, 0);
     }
     *datum = now;
     *leaves_floor = static_cast<std::uint32_t>(now.starts_anew);

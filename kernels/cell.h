@@ -119,7 +119,6 @@ TALUS_HD float bare_up_to_m(float ground_m, const Config& k)
 struct Datum
 {
   float offset_m = 0;  //!< height in the map frame less height as it is kept
-  float settled_m = 0;  //!< offset that slow drift alone would explain
   std::int32_t starts_anew = 0;  //!< all cells start empty in the next frame
   /** Height above the ground of what the robot drove through in the last frame, see
    * Cell::driven_height. */

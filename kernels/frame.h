@@ -40,8 +40,6 @@ struct FrameContext
   float base_x_m, base_y_m, base_z_m;
   /** dz/dx and dz/dy of the base's xy plane in the map, limited to +-1. */
   float base_slope_x, base_slope_y;
-  /** Time since the last frame of any sensor, limited to [0, 10] s; 0 for the first. */
-  float since_last_s;
   /** Column and row of storage where cell (0, 0) of the window lives. */
   int storage_x, storage_y;
   /** Whole cells that the window has moved by since the last frame, limited to +-n. */

@@ -25,8 +25,8 @@ constexpr float kBare_steps = 0.5f;
 constexpr float kOffsetBin_m = 0.04f;
 /** The datum follows larger offsets only: fusion smooths out smaller ones. */
 constexpr float kFollow_m = 0.02f;
-/** An offset that changes by so much is another floor, unless it took as long as drift takes. */
-constexpr float kOtherFloor_m = 1.28f, kDrift_mps = 0.05f;
+/** Ground that is off by so much, beyond all bins, is another floor. */
+constexpr float kOtherFloor_m = 1.28f;
 /** The floor is another one if one hit in so many lies beyond all bins. */
 constexpr int kOtherFloorOneIn = 3;
 

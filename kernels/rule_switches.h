@@ -11,7 +11,6 @@ enum Rule : int
   kBodyBoxes = 2,
   kBuriedRays = 3,
   kFollowsPoses = 4,
-  kNoticesFloors = 5,
   kGateOfBoth = 6,
   kHighHitStands = 9,
   kUnderRobot = 10,
@@ -34,12 +33,12 @@ enum Rule : int
   kFallsMayDrop = 47
 };
 
-constexpr Rule kRules[]{
-    kHeightBand,        kBodyBoxes,     kBuriedRays,     kFollowsPoses,     kNoticesFloors,
-    kGateOfBoth,        kHighHitStands, kUnderRobot,     kPresumedStart,    kNarrowAndSteep,
-    kBareIsWide,        kBridges,       kRayBelowGround, kLoneHits,         kPorousStays,
-    kOverhangStays,     kWentBetween,   kCombed,         kLeavesWithOthers, kFollowersLeave,
-    kLowestUnderObject, kProofOfFills,  kLowSteps,       kObstaclesGoOn,    kFallsMayDrop};
+constexpr Rule kRules[]{kHeightBand,     kBodyBoxes,        kBuriedRays,     kFollowsPoses,
+                        kGateOfBoth,     kHighHitStands,    kUnderRobot,     kPresumedStart,
+                        kNarrowAndSteep, kBareIsWide,       kBridges,        kRayBelowGround,
+                        kLoneHits,       kPorousStays,      kOverhangStays,  kWentBetween,
+                        kCombed,         kLeavesWithOthers, kFollowersLeave, kLowestUnderObject,
+                        kProofOfFills,   kLowSteps,         kObstaclesGoOn,  kFallsMayDrop};
 
 /** Whether a rule counts: all do, unless a build for the laboratory switches some off, or leaves
  * one out when it is compiled, to count what the rule costs. */

@@ -114,7 +114,7 @@ TEST(Determinism, ARestoredMapGoesOnWithTheSameBits)
 
 namespace
 {
-constexpr std::size_t kHeaderBytes = 72, kSensorBytes = 32;
+constexpr std::size_t kHeaderBytes = 56, kSensorBytes = 32;
 
 /** Each of two sensors, tilted differently, in turn. */
 Frame two_sensors_frame(const Scan& scan, int i)
@@ -177,9 +177,9 @@ TEST(Determinism, DamagedSavedMapsAreRefused)
   };
   refuses(16, std::numeric_limits<std::int64_t>::min());  // where the window lies
   refuses(kHeaderBytes + 8, std::nan(""));  // the axis of the sensor
-  refuses(68, std::uint32_t{0});  // how many sensors there are
-  refuses(68, std::uint32_t{65});
-  refuses(64, INFINITY);  // its height
+  refuses(48, std::uint32_t{0});  // how many sensors there are
+  refuses(48, std::uint32_t{65});
+  refuses(44, INFINITY);  // its height
   refuses(layers, INFINITY);  // the ground
   refuses(layers + 4 * cells, -1.0f);  // its variance
   refuses(layers + 16 * cells, std::uint8_t{4});  // a state

@@ -11,7 +11,7 @@ namespace talus
 {
 namespace
 {
-constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '7'};
+constexpr char kMagic[8] = {'t', 'a', 'l', 'u', 's', 'm', 'p', '8'};
 
 /** The header comes before the sensors and the layers. */
 struct Header
@@ -20,11 +20,9 @@ struct Header
   std::int32_t cells;
   std::int32_t started;
   std::int64_t min_cell_x, min_cell_y;
-  double last_stamp_s, reserved_s;
-  float offset_m, settled_m;
   double resolution_m;
-  float reference_z_m;
-  std::uint8_t sensors, flags, drove_through, reserved;
+  float offset_m, reference_z_m;
+  std::uint8_t sensors, flags, drove_through, reserved[5];
 };
 
 /** A record for each sensor, between the header and the layers. */
@@ -69,12 +67,10 @@ void check_place(const Header& h)
   if (!sound) fail("damaged, its place is none");
 }
 
-void read_time_and_datum(const Header& h, SavedMap& saved)
+void read_datum(const Header& h, SavedMap& saved)
 {
-  if (!is_within(h.offset_m, kHighest_m) || !is_within(h.settled_m, kHighest_m))
-    fail("damaged, its datum is none");
-  saved.tracker.last_stamp_s = h.last_stamp_s;
-  saved.map.datum = {h.offset_m, h.settled_m, (h.flags & kStartsAnew) != 0, h.drove_through};
+  if (!is_within(h.offset_m, kHighest_m)) fail("damaged, its datum is none");
+  saved.map.datum = {h.offset_m, (h.flags & kStartsAnew) != 0, h.drove_through};
 }
 
 /** Reads the sensors of a state; returns where they end. */
@@ -138,9 +134,7 @@ std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p)
   header.started = saved.tracker.started;
   header.min_cell_x = saved.tracker.min_cell_x;
   header.min_cell_y = saved.tracker.min_cell_y;
-  header.last_stamp_s = saved.tracker.last_stamp_s;
   header.offset_m = saved.map.datum.offset_m;
-  header.settled_m = saved.map.datum.settled_m;
   header.drove_through = static_cast<std::uint8_t>(saved.map.datum.drove_through);
   header.flags = saved.map.datum.starts_anew ? kStartsAnew : 0;
   header.resolution_m = p.resolution_m;
@@ -196,7 +190,7 @@ SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters
   saved.tracker.min_cell_x = header.min_cell_x;
   saved.tracker.min_cell_y = header.min_cell_y;
   saved.reference_z_m = header.reference_z_m;
-  read_time_and_datum(header, saved);
+  read_datum(header, saved);
   const std::uint8_t* const from =
       read_sensors(header, bytes.data() + sizeof header, saved.tracker);
   saved.map.cells.assign(from, from + of_cells);

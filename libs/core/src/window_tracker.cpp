@@ -19,7 +19,6 @@ constexpr double kNotRigid = 0.01;
 constexpr double kFarthestSensor_m = 1000;  //!< from the base
 constexpr double kLeastSensorHeight_m = 0.1;  //!< a lower sensor has its base above the ground
 constexpr double kLeastUpright = 1e-6;  //!< least z component of the z axis of an upright base
-constexpr double kLongestPause_s = 10;
 constexpr std::array<double, 3> kNotSeen{0, 0, 0};  //!< no axis
 
 kernels::WindowPose window_pose(const Pose& T_map_sensor, double min_x_m, double min_y_m)
@@ -196,13 +195,6 @@ std::array<double, 3>& WindowTracker::z_axis_of(std::uint32_t sensor)
   return sensors.emplace_back(Sensor{sensor, kNotSeen}).z_axis;
 }
 
-float WindowTracker::pause_until(double stamp_s)
-{
-  const double pause_s = stamp_s - last_stamp_s;
-  last_stamp_s = stamp_s;
-  return pause_s > 0 ? static_cast<float>(std::min(pause_s, kLongestPause_s)) : 0.0f;  // 0 for NaN
-}
-
 Pose WindowTracker::checked_base(const Frame& frame, const Parameters& p)
 {
   check_pose(frame.T_map_sensor, p.resolution_m);
@@ -245,7 +237,6 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   f.pose_change2 = last_z_axis == kNotSeen
                        ? 0.0f
                        : static_cast<float>(pose_change_factor(last_z_axis, z_axis, p.lambda_t));
-  f.since_last_s = pause_until(frame.stamp_s);
 
   const double min_x_m = static_cast<double>(x) * p.resolution_m;
   const double min_y_m = static_cast<double>(y) * p.resolution_m;

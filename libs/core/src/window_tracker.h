@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -24,8 +23,6 @@ struct WindowTracker
   bool started = false;
   std::int64_t min_cell_x = 0, min_cell_y = 0;
   std::vector<Sensor> sensors;  //!< all that sent frames
-  /** Stamp of the last frame of any sensor; NaN: not known. */
-  double last_stamp_s = std::numeric_limits<double>::quiet_NaN();
 
   /** Moves the window to the robot's base, or to the sensor where the base is not known, and
    * returns the values that the kernels need. Throws std::invalid_argument if a pose is no rigid
@@ -44,7 +41,6 @@ struct WindowTracker
 
  private:
   std::array<double, 3>& z_axis_of(std::uint32_t sensor);
-  float pause_until(double stamp_s);
 };
 
 }  // namespace talus
