@@ -324,14 +324,14 @@ struct Overhang
   }
 };
 
-/** An overhang gets the longest stay, and reaches down to its lowest hit. If the robot drove
+/** An overhang gets its stay, and reaches down to its lowest hit. If the robot drove
  * through the top, nothing overhangs. */
 TALUS_HD void put_overhang(Cell& c, const Overhang& overhang, const Config& k)
 {
   const bool any =
       on(kOverhangStays, k) & (overhang.lowest_m < kInfinity) & is_known(c.elevation_m);
   const float down_m = select(any, c.elevation_m - overhang.lowest_m, 0.0f);
-  c.stay_frames = select(any, kMostStay, c.stay_frames);
+  c.stay_frames = select(any, kOverhangStays_frames, c.stay_frames);
   c.passed_frames = select(any, 0, c.passed_frames);
   c.overhang_below = max_of(c.overhang_below, select(any, overhang_units(down_m), 0));
 }

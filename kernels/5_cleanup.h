@@ -14,6 +14,7 @@
 
 namespace talus::kernels
 {
+
 // Stage 5 (III-B.2): a cell is cleared down to its ground if all rays that went on behind it passed
 // below its surface and no point of this frame supports it. Stage 1 has turned the hits of each
 // ring into the lowest ray that passed it, so that each cell is a look-up. The same table bounds
@@ -57,16 +58,12 @@ TALUS_HD void add_ray(
 /** Counts one frame with or without a hit; true when the cell must be cleared. */
 TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
 {
-  const int of_hit = c.is(kHitBefore) ? kHeldHitEarns : kPorousHitEarns;
-  const int earned = on(kPorousStays, k) ? of_hit : 0;
-  const bool porous = c.stay_frames >= kPorousStay;
-  c.flags = hit ? c.flags | kHitBefore : c.flags & ~kHitBefore;
   if (hit)
-    c.stay_frames = min_of(c.stay_frames + earned, kMostStay), c.passed_frames = 0;
-  else if (porous)
+    c.passed_frames = 0;
+  else if (c.stay_frames > 0)
     c.stay_frames--;
   else
-    c.stay_frames = 0, c.passed_frames++;
+    c.passed_frames++;
   if (c.passed_frames < k.cleanup_frames) return false;
   c.passed_frames = 0;
   return true;
@@ -173,9 +170,8 @@ struct CleanUpCell
            stands_above(window_i, storage_i) && store.stay_frames[storage_i] > 0;
   }
 
-  /** Rays below an overhang do not prove that it left. Rays through the heights where it is known
-   * to be do, and rays that comb its place. If such rays pass while it is hit, it is open like a
-   * railing, and only combing counts. */
+  /** Rays below an overhang do not prove that it left. Rays that go on where it was hit do. If such
+   * rays pass while it is hit, it is open like a railing, and its ends tell nothing. */
   template <class Group>
   TALUS_HD void inspect(int ix, int iy, int storage_i, const Group& group) const
   {
@@ -189,10 +185,11 @@ struct CleanUpCell
     if (hit && !open) extent = learn(extent, overhang, top_m, hit_m, limit_m);
     const float low_m = max_of(top_m - overhang_m(extent.below) + k.cleanup_margin_m, limit_m);
     const float high_m = top_m + overhang_m(extent.above) - k.cleanup_margin_m;
-    const bool went =
-        on(kWentBetween, k) && !open && low_m < high_m && overhang.went_between(low_m, high_m);
-    const bool combed = !hit && !went && on(kCombed, k) && overhang.combed(top_m);
-    const bool gone = !hit && (went || combed || leaves_with_others(ix, iy));
+    const SlopeSteps inside = overhang.between(low_m, high_m);
+    const bool thin = open || inside.none();
+    const bool went = on(kWentOn, k) && !(hit && thin) &&
+                      overhang.went_on(thin ? overhang.around(top_m) : inside, thin);
+    const bool gone = !hit && (went || leaves_with_others(ix, iy));
     if (group.rank() != 0) return;
     store.overhang_below[storage_i] = static_cast<std::uint8_t>(extent.below);
     store.overhang_above[storage_i] = static_cast<std::uint8_t>(extent.above);
@@ -259,11 +256,11 @@ struct CleanUpCell
   TALUS_HD bool leaves_with_others(int ix, int iy) const
   {
     if (!on(kLeavesWithOthers, *config)) return false;
-    const int px = grid.place_of(ix, reach.frame->odd_x);
-    const int py = grid.place_of(iy, reach.frame->odd_y);
+    const int px = grid.place_of(ix, reach.frame->odd_x), r = kLeavesTogether_pairs;
+    const int py = grid.place_of(iy, reach.frame->odd_y), last = grid.side - 1;
     int left = 0, stands = 0;
-    for (int y = py - 1; y <= py + 1; y++)
-      for (int x = px - 1; x <= px + 1; x++)
+    for (int y = max_of(py - r, 0); y <= min_of(py + r, last); y++)
+      for (int x = max_of(px - r, 0); x <= min_of(px + r, last); x++)
       {
         const auto presence = static_cast<int>(grid.presence[grid.at(x, y)]);
         left += select(presence == kLeft, 1, 0);

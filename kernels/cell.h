@@ -24,7 +24,6 @@ enum CellFlag : std::uint8_t
 {
   kPassedLow = 2,  //!< in some frame rays proved its ground to be free, see proof_m()
   kHitHighUp = 8,  //!< the object may hang: it is high above a guess over which no ray passed low
-  kHitBefore = 16,  //!< it was hit, too, when rays passed last
   kMayDrop = 32,  //!< its ground may lie far below the ground around it, see fall_in()
   kOpen = 64,  //!< what overhangs there lets rays through: a railing
   kRobotWasThere = 128

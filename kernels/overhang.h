@@ -79,6 +79,13 @@ struct RayReach
   }
 };
 
+/** The steps of slope [first, end). */
+struct SlopeSteps
+{
+  int first = 0, end = 0;
+  TALUS_HD bool none() const { return first >= end; }
+};
+
 /** Questions to the rays of this frame about an overhang in one cell: how far it reaches, and
  * whether it left. A group shares the directions of the cell. */
 template <class Group>
@@ -89,32 +96,31 @@ struct OverhangRays
   RayFootprint footprint;
   Group group;
 
-  /** Whether rays that aimed at the cell between `low_m` and `high_m` ended two or more rings
-   * behind it, and none ended before. */
-  TALUS_HD bool went_between(float low_m, float high_m) const
+  /** The steps of slope at which rays go through the cell between two heights. */
+  TALUS_HD SlopeSteps between(float low_m, float high_m) const
   {
-    const int first = max_of(floor_to_int(step_of(low_m)) + 1, 0);
-    const int end = min_of(floor_to_int(step_of(high_m)), kSlopeSteps);
-    const int last = footprint.rays() + kBesideCell_bins;
-    int most = kNoneAimed;
-    if (footprint.rays() > 0)
-      for (int which = group.rank() - kBesideCell_bins; which < last; which += group.size())
-        most = max_of(most, aimed(bin(which), first, end));
-    return group.max(most) == kWentOn;
+    return {
+        max_of(floor_to_int(step_of(low_m)) + 1, 0),
+        min_of(floor_to_int(step_of(high_m)), kSlopeSteps)};
   }
-
-  /** Whether rays comb the place of a hit: there are rays in the slope step of that height and in
-   * both next to it, and all ended two or more rings behind the cell. Scanners of few beams leave
-   * gaps in which an object may be unseen. */
-  TALUS_HD bool combed(float height_m) const
+  /** The step at which rays go through the cell at a height, and both next to it. */
+  TALUS_HD SlopeSteps around(float height_m) const
   {
     const int at = floor_to_int(step_of(height_m));
-    bool all = at >= 1 && at + 1 < kSlopeSteps;
-    for (int step = at - 1; all && step <= at + 1; step++)
+    return at >= 1 && at + 1 < kSlopeSteps ? SlopeSteps{at - 1, at + 2} : SlopeSteps{};
+  }
+
+  /** Whether rays of these steps, or of each of them, ended two or more rings behind the cell, and
+   * none ended before. */
+  TALUS_HD bool went_on(const SlopeSteps& steps, bool each) const
+  {
+    const int width = each ? 1 : max_of(steps.end - steps.first, 1);
+    bool all = footprint.rays() > 0 && !steps.none();
+    for (int first = steps.first; all && first < steps.end; first += width)
     {
       int most = kNoneAimed;
       for (int which = group.rank(); which < footprint.rays(); which += group.size())
-        most = max_of(most, static_cast<int>(aimed(bin(which), step, step + 1)));
+        most = max_of(most, static_cast<int>(aimed(bin(which), first, first + width)));
       all = group.max(most) == kWentOn;
     }
     return all;

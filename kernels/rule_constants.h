@@ -55,13 +55,11 @@ constexpr int kFollowerLeaves_frames = 5;
  * rain and dust are single points. Otherwise it counts after two such hits in recent frames. */
 constexpr int kOthersBesideHit = 2, kBesideHit_cells = 2;
 constexpr float kBesideHit_steps = 2.0f;
-/** A porous object (hedge, railing, branch, bench) is hit while rays pass below it, and stays for
- * so many frames without a hit. Hits in consecutive frames earn less: the long side of a vehicle
- * that drives past has such hits. */
-constexpr int kPorousHitEarns = 3, kHeldHitEarns = 1;
-/** From so many frames of stay on a cell is porous, and a frame without a hit takes one; kMostStay
- * is the limit. */
-constexpr int kPorousStay = 12, kMostStay = 120;
+/** An overhang (bench, railing, branch) stays for so many frames of rays below it without a hit. */
+constexpr int kOverhangStays_frames = 108;
+/** An object leaves as a whole: the pairs of cells around, on each side, that tell of an overhang
+ * that it has left, 0.7 m in all. */
+constexpr int kLeavesTogether_pairs = 3;
 
 // ---- Stage 4: ground or object ----
 
@@ -111,9 +109,6 @@ constexpr float kFootprintHalfSpan = 0.125f;
 constexpr int kBehindCell_rings = 2;
 /** Nearer to the sensor a cell is seen from above only. */
 constexpr float kUnderSensor_rings = 2.0f;
-/** So many directions more on either side of a cell count: beside the edge of an object some rays
- * go on. */
-constexpr int kBesideCell_bins = 2;
 /** Hits so many rings before a cell belong to its overhang, which is seldom one cell wide. */
 constexpr int kBeforeCell_rings = 2;
 

@@ -20,10 +20,8 @@ enum Rule : int
   kBridges = 16,
   kRayBelowGround = 23,
   kLoneHits = 24,
-  kPorousStays = 25,
   kOverhangStays = 27,
-  kWentBetween = 28,
-  kCombed = 29,
+  kWentOn = 28,
   kLeavesWithOthers = 30,
   kFollowersLeave = 31,
   kLowestUnderObject = 35,
@@ -33,12 +31,12 @@ enum Rule : int
   kFallsMayDrop = 47
 };
 
-constexpr Rule kRules[]{kHeightBand,     kBodyBoxes,        kBuriedRays,     kFollowsPoses,
-                        kGateOfBoth,     kHighHitStands,    kUnderRobot,     kPresumedStart,
-                        kNarrowAndSteep, kBareIsWide,       kBridges,        kRayBelowGround,
-                        kLoneHits,       kPorousStays,      kOverhangStays,  kWentBetween,
-                        kCombed,         kLeavesWithOthers, kFollowersLeave, kLowestUnderObject,
-                        kProofOfFills,   kLowSteps,         kObstaclesGoOn,  kFallsMayDrop};
+constexpr Rule kRules[]{kHeightBand,     kBodyBoxes,         kBuriedRays,   kFollowsPoses,
+                        kGateOfBoth,     kHighHitStands,     kUnderRobot,   kPresumedStart,
+                        kNarrowAndSteep, kBareIsWide,        kBridges,      kRayBelowGround,
+                        kLoneHits,       kOverhangStays,     kWentOn,       kLeavesWithOthers,
+                        kFollowersLeave, kLowestUnderObject, kProofOfFills, kLowSteps,
+                        kObstaclesGoOn,  kFallsMayDrop};
 
 /** Whether a rule counts: all do, unless a build for the laboratory switches some off, or leaves
  * one out when it is compiled, to count what the rule costs. */

@@ -10,7 +10,6 @@ static_assert(kOtherFloor_m == kernels::kOtherFloor_m);
 void forget_latest(CellRecord& record)
 {
   std::fill(record.evidence + CellRecord::kLastingBytes, std::end(record.evidence), 0);
-  record.evidence[kernels::kFlagsByte] &= static_cast<std::uint8_t>(~kernels::kHitBefore);
 }
 
 }  // namespace talus
