@@ -121,7 +121,7 @@ struct OverhangRays
       int most = kNoneAimed;
       for (int which = group.rank(); which < footprint.rays(); which += group.size())
         most = max_of(most, static_cast<int>(aimed(bin(which), first, first + width)));
-      all = group.max(most) == kWentOn;
+      all = group.max(most) == kAllWentOn;
     }
     return all;
   }
@@ -142,7 +142,7 @@ struct OverhangRays
   enum Aimed
   {
     kNoneAimed,
-    kWentOn,
+    kAllWentOn,
     kEndedBefore
   };
 
@@ -170,7 +170,7 @@ struct OverhangRays
       }
       if (before) return kEndedBefore;
     }
-    return any ? kWentOn : kNoneAimed;
+    return any ? kAllWentOn : kNoneAimed;
   }
 
   TALUS_HD int first_step(float hit_m, int up) const
