@@ -67,8 +67,8 @@ struct OctomapOptions
 };
 std::unique_ptr<MapSource> make_octomap_source(const OctomapOptions& options);
 
-/** Baseline: an elevation map with one surface (libs/lab/baselines, "highest"); what it does not know
- * is no obstacle. */
+/** Baseline: an elevation map with one surface (libs/lab/baselines, "highest"); what it does not
+ * know is no obstacle. */
 std::unique_ptr<MapSource> make_onesurface_source(
     const Parameters& parameters, const ObstacleOptions& options);
 
