@@ -185,7 +185,7 @@ std::string budget_words(const Comparison& c)
 {
   if (judged_worlds(c).empty()) return {};
   const int failed = failed_budgets(c), unexpected = unexpected_failures(c);
-  const std::string all =
+  std::string all =
       std::to_string(failed) + (failed == 1 ? " budget does" : " budgets do") + " not hold";
   if (failed == 0) return all;
   if (unexpected == failed) return all + " (marked !)";
