@@ -39,8 +39,10 @@ class Runs:
         is_world = source.endswith(".yaml")
         name = os.path.splitext(os.path.basename(source))[0]
         file = source if is_world else os.path.join(self.data, source + ".rawlog")
-        told = [a.format(data=self.data, output=self.output, name=name) for a in arguments]
-        output = os.path.join(self.output, name)
+        folder = self.output if is_world else os.path.join(self.output, "logs")  # a log may be called as a world is
+        told = [a.format(data=self.data, output=folder, name=name) for a in arguments]
+        os.makedirs(folder, exist_ok=True)
+        output = os.path.join(folder, name)
         command = [self.command, file, *told, "--quiet", "--output", output]
         if "--methods" not in told:
             command += self.arguments
