@@ -324,8 +324,8 @@ struct Overhang
   }
 };
 
-/** An overhang gets its stay, and reaches down to its lowest hit. If the robot drove
- * through the top, nothing overhangs. */
+/** An overhang gets its stay, and reaches down to its lowest hit. If the robot drove through the
+ * top, nothing overhangs. */
 TALUS_HD void put_overhang(Cell& c, const Overhang& overhang, const Config& k)
 {
   const bool any =

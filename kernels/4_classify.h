@@ -53,7 +53,10 @@ struct KeepBridge
     for (int dy = -1; dy <= 1; dy++)
       for (int dx = -1; dx <= 1; dx++)
         if ((dx != 0 || dy != 0) && reaches_wide_ground(px, py, dx, dy, ground_m))
+        {
           surface_class[storage_i] = kKeep;
+          return;
+        }
   }
 
  private:

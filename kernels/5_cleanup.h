@@ -14,7 +14,6 @@
 
 namespace talus::kernels
 {
-
 // Stage 5 (III-B.2): a cell is cleared down to its ground if all rays that went on behind it passed
 // below its surface and no point of this frame supports it. Stage 1 has turned the hits of each
 // ring into the lowest ray that passed it, so that each cell is a look-up. The same table bounds

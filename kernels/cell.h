@@ -56,7 +56,6 @@ enum CellFlag : std::uint8_t
 /** The number of evidence bytes, and how many of them, at the end, belong to the latest frames. */
 #define TALUS_COUNT(type, name, unknown) +1
 constexpr int kEvidenceFields = TALUS_CELL_EVIDENCE(TALUS_COUNT), kLatestFields = 2;
-constexpr int kFlagsByte = 0;  //!< index of the flags
 #undef TALUS_COUNT
 #define TALUS_SIZE(type, name, unknown) +sizeof(type)
 constexpr std::size_t kBytesPerCell = TALUS_CELL_FIELDS(TALUS_SIZE);
