@@ -16,13 +16,13 @@ namespace talus::kernels
 // (libs/core/src/cuda/fill_search.h), a core sweeps along many lines at once
 // (libs/core/src/cpu/lines.h). The formulas are the same.
 
-/** The samples of one side and their estimate by eq. 8. */
+/** The samples of one side, and their mean by the sparse kernel of eq. 8. */
 struct SideEstimate
 {
   int places = 0;  //!< to the nearest sample
   float distance_m = 0;
   float nearest_m = kNan;  //!< height of the nearest sample; NaN: no samples
-  float height_m = kNan;  //!< mu*: without a prior the kernel-weighted mean of the samples ...
+  float height_m = kNan;  //!< the mean of the samples ...
   float mean_distance_m = 0;  //!< ... and where that lies
 
   static constexpr auto fields()
@@ -32,8 +32,6 @@ struct SideEstimate
         &SideEstimate::height_m, &SideEstimate::mean_distance_m);
   }
   TALUS_HD bool any() const { return is_known(nearest_m); }
-  /** Empty cells before the first sample: n1, n2 of eq. 9. */
-  TALUS_HD int gap_cells() const { return places - 1; }
 };
 
 /** Sparse kernel of eq. 8, k(d) = (2 + cos(2 pi d)) (1 - d) / 3 + sin(2 pi d) / (2 pi) with d the
@@ -49,11 +47,11 @@ TALUS_HD float kernel_weight(float distance_m, const Config& k)
 /** The distance given to samples that do not count: beyond any kernel. */
 constexpr float kOutOfReach_m = 1e18f;
 
-/** Eq. 8: sparse kernel inference with the lowest sample as the prior. Samples come nearest first.
- */
+/** Eq. 8 without its prior, the lowest sample, which would pull every slope down. Samples come
+ * nearest first. */
 struct SideSum
 {
-  float weights = 0, weighted = 0, lowest = kInfinity, lengths = 0;
+  float weights = 0, weighted = 0, lengths = 0;
 
   /** A sample at kOutOfReach_m changes nothing. */
   TALUS_HD void add(float height, float distance, const Config& k)
@@ -62,22 +60,18 @@ struct SideSum
     weights += weight;
     weighted += weight * height;
     lengths += weight * distance;
-    lowest = min_of(lowest, select(distance < kOutOfReach_m, height, kInfinity));
   }
 
-  /** `nearest` and `places` belong to the first sample. Without a prior (lines) it is the mean. */
-  template <bool kPrior>
-  TALUS_HD SideEstimate estimate(float nearest, int places, float step_m, const Config& k) const
+  /** `nearest` and `places` belong to the first sample. */
+  TALUS_HD SideEstimate estimate(float nearest, int places, float step_m) const
   {
     SideEstimate side;
     side.places = places;
     side.distance_m = static_cast<float>(places) * step_m;
     side.nearest_m = nearest;
-    float all = weights, sum = weighted;
-    if constexpr (kPrior) all += k.fill_lambda, sum += k.fill_lambda * lowest;
-    const bool weighs = all > 0.0f;
-    const float share = 1.0f / all;
-    side.height_m = select(weighs, sum * share, nearest);
+    const bool weighs = weights > 0.0f;
+    const float share = 1.0f / weights;
+    side.height_m = select(weighs, weighted * share, nearest);
     side.mean_distance_m = select(weighs, lengths * share, side.distance_m);
     return side;
   }
@@ -115,20 +109,6 @@ TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const
 {
   const float spread = k.fill_variance_per_m * distance_m;
   return sample_variance_m2 + spread * spread;
-}
-
-/** Eq. 9 as printed: one height from two sides. The share of the high side grows with its gap, up
- * to a half. */
-TALUS_HD float combine_sides(const SideEstimate& a, const SideEstimate& b)
-{
-  const bool a_lower = a.height_m <= b.height_m;
-  const SideEstimate& low = a_lower ? a : b;
-  const SideEstimate& high = a_lower ? b : a;
-  const float n_low = static_cast<float>(low.gap_cells());
-  const float n_high = static_cast<float>(high.gap_cells());
-  const float total = n_low + 2.0f * n_high;
-  if (total == 0.0f) return 0.5f * (low.height_m + high.height_m);  // the gap is one cell
-  return ((n_high + n_low) * low.height_m + n_high * high.height_m) / total;
 }
 
 /** Heights of several lines, weighted by the gaps that they bridge. */
@@ -177,7 +157,7 @@ struct LineFusion
 /** The estimate of a cell's ground from its lines. */
 struct alignas(16) Inference
 {
-  LineFusion lines;  //!< for kFillPrinted: the result of eq. 9, as one line
+  LineFusion lines;
   float variance_m2 = kNan;  //!< NaN: no samples
 
   TALUS_HD bool any() const { return is_known(variance_m2); }
@@ -202,18 +182,6 @@ TALUS_HD LineFusion fuse_lines(const SideEstimate& a, const SideEstimate& b)
 {
   LineFusion lines;
   lines.add(a, b);
-  return lines;
-}
-
-/** The result of eq. 9, as one line. */
-TALUS_HD LineFusion apply_printed_rule(const SideEstimate& inner, const SideEstimate& outer)
-{
-  const bool both = inner.any() && outer.any();
-  const float one = inner.any() ? inner.height_m : outer.height_m;
-  LineFusion lines;
-  lines.information = 1.0f;
-  lines.weighted = both ? combine_sides(inner, outer) : one;
-  lines.lowest_m = both ? min_of(inner.height_m, outer.height_m) : one;
   return lines;
 }
 

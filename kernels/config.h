@@ -3,13 +3,6 @@
 
 namespace talus::kernels
 {
-/** The values of talus::FillRule. */
-enum FillRuleCode : int
-{
-  kFillPrinted = 0,
-  kFillLines = 1
-};
-
 /** talus::Parameters for the kernels: as float, squared, in cells. Constant over the life of a map.
  */
 struct Config
@@ -26,8 +19,8 @@ struct Config
   int start_automatic;
   int object_radius;  //!< half of object_size_m, in pairs of cells
   float max_slope;  //!< tangent of the slope threshold
-  float fill_search_m, fill_lambda, inverse_fill_kernel, fill_variance_per_m;
-  int fill_samples, fill_rule;
+  float fill_search_m, inverse_fill_kernel, fill_variance_per_m;
+  int fill_samples;
   int feature_radius_cells;
   float inverse_slope_threshold, step_threshold_m, inverse_step_threshold,
       inverse_roughness_threshold;

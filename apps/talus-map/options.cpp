@@ -79,10 +79,6 @@ void print_parameters()
     const std::string value =
         parameter_text(defaults, info) + " " + (info.is_text() ? "" : info.unit);
     std::printf("  %-22s %-12s %s\n", info.name, value.c_str(), info.description);
-    if (info.choices.empty()) continue;
-    std::string choices;
-    for (const auto& c : info.choices) choices += std::string(choices.empty() ? "" : ", ") + c.name;
-    std::printf("  %-35s one of: %s\n", "", choices.c_str());
   }
 }
 

@@ -281,13 +281,14 @@ TEST_F(TalusCompare, TakesParametersFromTheCommandLine)
 {
   const Outcome o =
       run(path("small.yaml") +
-          " --methods talus --set resolution_m=0.1 --set fill_rule=printed "
+          " --methods talus --set resolution_m=0.1 --set fill_samples=4 "
           "--output " +
           path("out"));
   EXPECT_EQ(o.code, 0) << o.text;
-  const Outcome bad = run(path("small.yaml") + " --set fill_rule=guess --output " + path("out2"));
+  const Outcome bad =
+      run(path("small.yaml") + " --set fill_samples=guess --output " + path("out2"));
   EXPECT_EQ(bad.code, 1);
-  EXPECT_NE(bad.text.find("one of printed lines"), std::string::npos) << bad.text;
+  EXPECT_NE(bad.text.find("a number from 1 to 16"), std::string::npos) << bad.text;
   EXPECT_FALSE(fs::exists(path("out2")));
 }
 

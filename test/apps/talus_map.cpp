@@ -216,15 +216,14 @@ TEST_F(TalusMap, takes_parameters_from_a_file_and_then_from_the_command_line)
       path("map.ini"),
       "[CDualElevationMap_creationOpts]\nresolution = 0.1 // m\nwindow = 6\nthreads = 2\n"
       "[CDualElevationMap_insertOpts]\nclearance_m = 0.9\n");
-  const Outcome done =
-      run("a.rawlog --static --config map.ini -s window=4 --set fill_rule=printed");
+  const Outcome done = run("a.rawlog --static --config map.ini -s window=4 --set fill_samples=4");
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_EQ(done.err, "") << "nothing to warn of, and no progress bar in a file";
   const auto p = summary("a_map")["parameters"];
   EXPECT_EQ(p["resolution_m"], 0.1);
   EXPECT_EQ(p["window_m"], 4.0);
   EXPECT_EQ(p["clearance_m"], 0.9);
-  EXPECT_EQ(p["fill_rule"], "printed");
+  EXPECT_EQ(p["fill_samples"], 4);
   EXPECT_EQ(summary("a_map")["threads"], 2);
 }
 

@@ -181,7 +181,6 @@ World hanging()
 World ramps_and_a_ditch()
 {
   Parameters p;
-  p.fill_rule = FillRule::Printed;
   p.fill_samples = 4;
   return {
       "ramps_and_a_ditch", p,
@@ -235,7 +234,6 @@ World small_window_that_jumps()
 {
   Parameters p;
   p.window_m = 2.55;
-  p.fill_rule = FillRule::Printed;
   return {
       "small_window_that_jumps", p,
       [](int i, Random& r)
@@ -257,7 +255,6 @@ World wide_window_of_coarse_cells()
   p.object_size_m = 3.2;
   p.feature_radius_m = 0.4;
   p.fill_search_m = 6;
-  p.fill_rule = FillRule::Printed;
   return {
       "wide_window_of_coarse_cells", p,
       [](int i, Random& r)

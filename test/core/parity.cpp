@@ -206,7 +206,6 @@ TEST(Parity, FramesThatGrowAndShrinkOnAWideMapWithOutputLayers)
   Parameters p;
   p.window_m = 20.5;
   p.feature_radius_m = 0.25;
-  p.fill_rule = FillRule::Printed;
   Pair maps(p);
   maps.cuda.set_output_layers({Layer::Traversability, Layer::Elevation, Layer::State});
   Random noise(6);
@@ -247,7 +246,6 @@ TEST(Parity, SmallWindowsJumpsAndOutputsThatChange)
 {
   Parameters p;
   p.window_m = 2.55;
-  p.fill_rule = FillRule::Printed;
   Pair maps(p);
   Random noise(7);
   for (int i = 0; i < 40; i++)

@@ -99,41 +99,24 @@ TEST(Stage6Fill, PlacesOfALineAreItsCellsOnTheGrid)
   }
 }
 
-TEST(Stage6Fill, Equation9ByNumbersWorkedOutByHand)
-{
-  // Lower side 1.0 m after a gap of 1 cell, higher side 2.0 m after a gap of 3 cells; distances 2
-  // and 4 cells.
-  const auto low = side(1.0f, 1, 0.10f), high = side(2.0f, 3, 0.20f);
-  EXPECT_FLOAT_EQ(kernels::combine_sides(low, high), (4 * 1 + 3 * 2) / 7.0f);
-  EXPECT_EQ(kernels::combine_sides(low, high), kernels::combine_sides(high, low));
-}
-
-TEST(Stage6Fill, Equation9AsPrintedIsTheAverageNextToTheLowSideAndTheLowSideNextToTheHighOne)
-{
-  EXPECT_FLOAT_EQ(kernels::combine_sides(side(1, 0, 0.05f), side(2, 4, 0.25f)), 1.5f);
-  EXPECT_FLOAT_EQ(kernels::combine_sides(side(1, 4, 0.25f), side(2, 0, 0.05f)), 1.0f);
-}
-
-TEST(Stage6Fill, Equation8WeighsSamplesBySparseKernelAndPrior)
+TEST(Stage6Fill, Equation8WeighsSamplesBySparseKernel)
 {
   Parameters p;
-  p.fill_samples = 2, p.fill_search_m = 1.0, p.fill_kernel_m = 1.0, p.fill_lambda = 1.0;
-  p.fill_rule = FillRule::Printed;
+  p.fill_samples = 2, p.fill_search_m = 1.0, p.fill_kernel_m = 1.0;
   TestMap m(p);
   m.update(Scan().add(1.025, 0.025, 0.10).add(0.975, 0.025, 0.04));
   const auto k = [](double d)
   { return (2 + std::cos(2 * M_PI * d)) / 3 * (1 - d) + std::sin(2 * M_PI * d) / (2 * M_PI); };
   const double k1 = k(0.20), k2 = k(0.25);
-  const double expected = (1.0 * 0.04 + k1 * 0.10 + k2 * 0.04) / (1 + k1 + k2);
+  const double expected = (k1 * 0.10 + k2 * 0.04) / (k1 + k2);
   EXPECT_EQ(m.state(1.225, 0.025), CellState::FilledOneSided);
   EXPECT_NEAR(m.ground(1.225, 0.025), expected, 1e-4);  // the kernel is tabulated in 1024 steps
 }
 
-TEST(Stage6Fill, WithoutPriorWhatIsFilledHasAHeightAlsoWhereTheKernelEnds)
+TEST(Stage6Fill, WhatIsFilledHasAHeightAlsoWhereTheKernelEnds)
 {
   Parameters p;
-  p.fill_search_m = 2.0, p.fill_kernel_m = 0.5, p.fill_lambda = 0;
-  p.fill_rule = FillRule::Printed;
+  p.fill_search_m = 2.0, p.fill_kernel_m = 0.5;
   TestMap m(p);
   m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat));
   EXPECT_EQ(m.state(2.775, 0.025), CellState::FilledOneSided);

@@ -76,11 +76,11 @@ TEST(SteadyState, TheCounterCounts)
 
 TEST(SteadyState, AThousandFramesAllocateNothing) { EXPECT_EQ(allocations_when_warm({}, 1), 0u); }
 
-TEST(SteadyState, NeitherDoTheyWithAVoxelFilterAndAnotherFill)
+TEST(SteadyState, NeitherDoTheyWithAVoxelFilterAndManySamples)
 {
   Parameters p;
   p.voxel_m = 0.05;
-  p.fill_rule = FillRule::Printed;
+  p.fill_samples = 16;
   EXPECT_EQ(allocations_when_warm(p, 1), 0u);
 }
 

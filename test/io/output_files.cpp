@@ -185,7 +185,7 @@ TEST(SummaryJson, counts_frames_points_and_cells_and_lists_every_parameter)
   EXPECT_EQ(j["coverage"]["unknown"], 0.25);
   EXPECT_EQ(j["parameters"].size(), parameter_table().size());
   EXPECT_EQ(j["parameters"]["window_m"], 20.0);
-  EXPECT_EQ(j["parameters"]["fill_rule"], "lines");
+  EXPECT_EQ(j["parameters"]["fill_samples"], 2);
 }
 
 TEST(SummaryJson, is_valid_even_when_a_name_is_not_utf8)

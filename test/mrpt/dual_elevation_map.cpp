@@ -100,7 +100,7 @@ TEST(DualElevationMap, bad_values_of_an_ini_file_are_refused)
 {
   for (const std::string bad :
        {"creationOpts]\nresolution = 0", "creationOpts]\nbackend = tpu",
-        "creationOpts]\nthreads = -2", "insertOpts]\nfill_rule = best",
+        "creationOpts]\nthreads = -2", "insertOpts]\nfill_samples = best",
         "likelihoodOpts]\nsigma_m = 0", "likelihoodOpts]\noutlierRatio = 1",
         "likelihoodOpts]\ndecimation = 0", "renderOpts]\nmaxCells = 1"})
     EXPECT_THROW(
@@ -166,7 +166,7 @@ TEST(DualElevationMap, every_option_survives_saving_and_loading_in_memory)
 {
   CDualElevationMap::TInsertionOptions insertion;
   insertion.clearance_m = 0.75;
-  insertion.fill_rule = talus::FillRule::Printed;
+  insertion.fill_samples = 7;
   CDualElevationMap::TLikelihoodOptions likelihood;
   likelihood.sigma_m = 0.2;
   likelihood.outlierRatio = 0.25;

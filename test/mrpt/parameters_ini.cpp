@@ -63,13 +63,12 @@ TEST(ParametersIni, every_parameter_is_accepted_in_either_section)
   Parameters p;
   const auto warnings = load(
       "[Map_creationOpts]\nresolution = 0.1\nwindow_m = 12\nstep_threshold_m = 0.3\n"
-      "[Map_insertOpts]\nFILL_RULE = printed\nfill_samples = 6\n",
+      "[Map_insertOpts]\nFILL_SAMPLES = 6\n",
       p);
   EXPECT_TRUE(warnings.empty()) << warnings.front();
   EXPECT_EQ(p.resolution_m, 0.1);
   EXPECT_EQ(p.window_m, 12);
   EXPECT_EQ(p.step_threshold_m, 0.3);
-  EXPECT_EQ(p.fill_rule, talus::FillRule::Printed);
   EXPECT_EQ(p.fill_samples, 6);
 }
 
@@ -119,10 +118,14 @@ TEST(ParametersIni, sections_that_nothing_reads_are_warned)
 TEST(ParametersIni, an_unknown_key_that_is_near_to_nothing_gets_no_name)
 {
   Parameters p;
-  const auto warnings = load("[Map_insertOpts]\nfoo = 1\n", p);
-  ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_TRUE(contains(warnings[0], "'foo' in section [Map_insertOpts]")) << warnings[0];
-  EXPECT_FALSE(contains(warnings[0], "nearest")) << warnings[0];
+  for (const std::string unknown : {"foo", "fill_rule"})
+  {
+    const auto warnings = load("[Map_insertOpts]\n" + unknown + " = lines\n", p);
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_TRUE(contains(warnings[0], "'" + unknown + "' in section [Map_insertOpts]"))
+        << warnings[0];
+    EXPECT_FALSE(contains(warnings[0], "nearest")) << warnings[0];
+  }
 }
 
 // MRPT takes what is in the first square brackets for a place in a source, and cuts it out.
@@ -252,10 +255,6 @@ TEST(ParametersIni, a_bad_value_names_section_key_value_and_range_and_changes_no
     EXPECT_TRUE(contains(message, "resolution_m = '" + value + "'")) << message;
     EXPECT_TRUE(contains(message, "0.001 to 100 m")) << message;
   }
-  for (const std::string gone : {"exchanged", "inverse_distance", "minimum", "2"})
-    EXPECT_TRUE(contains(
-        error_of("[Map_insertOpts]\nfill_rule = " + gone + "\n"),
-        "fill_rule = '" + gone + "': must be one of printed lines"));
   EXPECT_TRUE(contains(error_of("[Map_insertOpts]\nfill_samples = 2.5\n"), "fill_samples"));
 
   Parameters p;
@@ -294,7 +293,7 @@ TEST(ParametersIni, what_is_saved_loads_as_the_same_values)
 {
   Parameters p;
   p.resolution_m = 0.125;
-  p.fill_rule = talus::FillRule::Printed;
+  p.fill_samples = 7;
   p.cleanup_frames = 5;
   p.body_boxes_m = {{-1, 1, -0.5, 0.5, 0, 1.1}, {1, 1.25, -0.3, 0.3, 0.2, 0.4}};
   CConfigFileMemory cfg;

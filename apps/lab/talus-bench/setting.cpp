@@ -27,19 +27,16 @@ const std::vector<Scan>& drive(const Setting& s)
 
 std::vector<Setting> settings()
 {
-  const FillRule rule = Parameters{}.fill_rule;
   std::vector<Setting> all{
       {"S1", 14400, 160, kTwoLayers},
       {"S1/6_layers", 14400, 160, kSixLayers},
       {"S2", 131072, 1000, kTwoLayers},
       {"S2/6_layers", 131072, 1000, kSixLayers},
-      {"S1/2_threads", 14400, 160, kTwoLayers, false, rule, 2},
-      {"S2/2_threads", 131072, 1000, kTwoLayers, false, rule, 2},
+      {"S1/2_threads", 14400, 160, kTwoLayers, false, 2},
+      {"S2/2_threads", 131072, 1000, kTwoLayers, false, 2},
       {"S1/in_place", 14400, 160, kTwoLayers, true},
       {"S2/in_place", 131072, 1000, kTwoLayers, true},
-      {"S2/6_layers/in_place", 131072, 1000, kSixLayers, true},
-      {"S1/printed", 14400, 160, kTwoLayers, false, FillRule::Printed},
-      {"S2/printed", 131072, 1000, kTwoLayers, false, FillRule::Printed}};
+      {"S2/6_layers/in_place", 131072, 1000, kSixLayers, true}};
   for (const auto& [name, layers] :
        {std::pair{"two_in_flight", kTwoLayers}, {"6_layers/two_in_flight", kSixLayers}})
   {
@@ -72,7 +69,6 @@ Parameters parameters(const Setting& s)
   Parameters p;
   p.resolution_m = kResolution_m;
   p.window_m = s.cells * kResolution_m;
-  p.fill_rule = s.fill_rule;
   return p;
 }
 

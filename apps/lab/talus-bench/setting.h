@@ -24,7 +24,6 @@ struct Setting
   int cells;  //!< along each side
   std::vector<Layer> layers;  //!< that go back to the host
   bool in_place = false;  //!< the points are in ElevationMapper::point_arrays() already
-  FillRule fill_rule = Parameters{}.fill_rule;
   int threads = 1;  //!< of the CPU backend; other backends leave these settings out
   /** The next frame is started before each is finished; what is measured is from finish to finish.
    * The CPU backend leaves these settings out. */

@@ -39,7 +39,7 @@ std::string footer()
          "      simulates the world, prints tables and budgets; out/methods.csv, fills.csv,\n"
          "      comparison.json, maps.png, fills.png\n"
          "  talus-compare datasets/worlds/*.yaml --output out --methods talus --set "
-         "fill_rule=printed\n"
+         "fill_samples=4\n"
          "  talus-compare out/demo.rawlog --world datasets/worlds/demo.yaml --output out\n"
          "  talus-compare street.rawlog --config car.ini --output out\n"
          "      without truth: cost, coverage, and held-out points to measure the fills\n"

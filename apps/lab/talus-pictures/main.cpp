@@ -132,7 +132,7 @@ const Effect kEffects[]{
     {"branches", "clearance_m", "1.8", "traversability"},
     {"person", "cleanup_frames", "100", "traversability"},
     {"demo", "fill_search_m", "0.3", "state"},
-    {"demo", "fill_rule", "printed", "ground_elevation"},
+    {"demo", "object_size_m", "0.2", "traversability"},
     {"demo", "feature_radius_m", "0.4", "traversability"},
     {"slope", "slope_threshold_rad", "0.25", "traversability"},
     {"demo", "step_threshold_m", "0.05", "traversability"},

@@ -15,9 +15,6 @@ namespace talus
 {
 namespace
 {
-/** At the end of the kernel's support samples have no weight: the prior alone counts. */
-constexpr double kLeastLambda = 1e-6;
-
 static_assert(kMostBodyBoxes == kernels::kMostBodyBoxes);
 
 kernels::Body body_of(const std::vector<BodyBox>& boxes)
@@ -64,11 +61,9 @@ kernels::Config stages_config(const Parameters& p)
   k.object_radius = static_cast<int>(std::lround(p.object_size_m / (4 * p.resolution_m)));
   k.max_slope = f(std::tan(p.slope_threshold_rad));
   k.fill_search_m = f(p.fill_search_m);
-  k.fill_lambda = f(std::max(p.fill_lambda, kLeastLambda));
   k.inverse_fill_kernel = f(1 / p.fill_kernel_m);
   k.fill_variance_per_m = f(p.fill_variance_per_m);
   k.fill_samples = p.fill_samples;
-  k.fill_rule = static_cast<int>(p.fill_rule);
   k.feature_radius_cells =
       std::max(1, static_cast<int>(std::lround(p.feature_radius_m / p.resolution_m)));
   k.inverse_slope_threshold = f(1 / p.slope_threshold_rad);

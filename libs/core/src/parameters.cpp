@@ -15,11 +15,10 @@ namespace
 {
 constexpr double kHuge = 1e6;
 
-/** One entry of the table; ints, bools and enums go through double unchanged. */
+/** One entry of the table; ints go through double unchanged. */
 template <auto member>
 ParameterInfo entry(
-    const char* name, const char* unit, double min, double max, const char* description,
-    std::vector<ParameterChoice> choices = {})
+    const char* name, const char* unit, double min, double max, const char* description)
 {
   using Value = std::decay_t<decltype(std::declval<Parameters>().*member)>;
   return {
@@ -31,7 +30,6 @@ ParameterInfo entry(
       [](const Parameters& p) { return static_cast<double>(p.*member); },
       [](Parameters& p, double v) { p.*member = static_cast<Value>(v); },
       !std::is_same_v<Value, double>,
-      std::move(choices),
       nullptr,
       nullptr};
 }
@@ -150,18 +148,11 @@ std::vector<ParameterInfo> make_table()
       entry<&Parameters::max_height_m>(
           "max_height_m", "m", -kHuge, kHuge,
           "highest accepted height above the sensor, along the map's z"),
-      {"body_boxes_m",
-       "m",
-       0,
-       0,
+      {"body_boxes_m", "m", 0, 0,
        "robot's own body in the frame of its base, whose points are dropped: none, or up to 32 "
        "boxes "
        "'x_min x_max y_min y_max z_min z_max', a comma between two",
-       nullptr,
-       nullptr,
-       false,
-       {},
-       [](const Parameters& p) { return boxes_text(p.body_boxes_m); },
+       nullptr, nullptr, false, [](const Parameters& p) { return boxes_text(p.body_boxes_m); },
        [](Parameters& p, const std::string& text) { p.body_boxes_m = boxes_from(text); }},
       entry<&Parameters::voxel_m>(
           "voxel_m", "m", 0, 100, "keep one point a voxel of this size in each frame; 0 keeps all"),
@@ -199,15 +190,8 @@ std::vector<ParameterInfo> make_table()
           "how far to look for measured ground, each way along the ray"),
       entry<&Parameters::fill_kernel_m>(
           "fill_kernel_m", "m", 1e-3, 1000, "support of the sparse kernel (eq. 8)"),
-      entry<&Parameters::fill_lambda>(
-          "fill_lambda", "", 0, 1000,
-          "weight of the prior, the lowest sample (eq. 8); of fill_rule = printed alone"),
       entry<&Parameters::fill_samples>(
           "fill_samples", "", 1, 16, "measured cells taken on each side"),
-      entry<&Parameters::fill_rule>(
-          "fill_rule", "", 0, 1,
-          "how the two sides are combined: by eq. 8 and 9 as printed, or along lines",
-          {{0, "printed"}, {1, "lines"}}),
       entry<&Parameters::fill_variance_per_m>(
           "fill_variance_per_m", "m/m", 0, 10,
           "growth of a fill's standard deviation with the distance to its sample"),
@@ -236,12 +220,8 @@ std::vector<ParameterInfo> make_table()
 
 std::string allowed(const ParameterInfo& info)
 {
-  if (info.choices.empty())
-    return "a number from " + number(info.min) + " to " + number(info.max) +
-           (*info.unit ? std::string(" ") + info.unit : std::string());
-  std::string list = "one of";
-  for (const auto& c : info.choices) list += std::string(" ") + c.name;
-  return list;
+  return "a number from " + number(info.min) + " to " + number(info.max) +
+         (*info.unit ? std::string(" ") + info.unit : std::string());
 }
 
 std::size_t edit_distance(const std::string& a, const std::string& b)
@@ -296,17 +276,8 @@ void validate_object_size(const Parameters& p)
       number(65 * p.resolution_m) + " m or another resolution");
 }
 
-/** nullptr if the value is no choice. */
-const char* name_of_choice(const ParameterInfo& info, double v)
-{
-  for (const auto& c : info.choices)
-    if (v == c.value) return c.name;
-  return nullptr;
-}
-
 bool is_allowed(const ParameterInfo& info, double v)
 {
-  if (!info.choices.empty()) return name_of_choice(info, v) != nullptr;
   const bool in_range = v >= info.min && v <= info.max;  // false for NaN
   return in_range && (!info.is_integer || v == std::floor(v));
 }
@@ -405,9 +376,6 @@ void set_parameter(Parameters& p, const std::string& name, const std::string& te
         (nearest.empty() ? "doc/parameters.md lists them all" : "did you mean '" + nearest + "'?"));
   }
   if (info->is_text()) return info->set_text(p, text);
-  for (const auto& c : info->choices)
-    if (lower(text) == c.name) return info->set(p, c.value);
-
   const auto value = number_from(text);
   if (!value || !is_allowed(*info, *value))
     throw std::invalid_argument(
@@ -424,11 +392,7 @@ void set_parameter(Parameters& p, const ParameterInfo& info, double value)
 
 std::string parameter_text(const Parameters& p, const ParameterInfo& info)
 {
-  if (info.is_text()) return info.get_text(p);
-  const double v = info.get(p);
-  if (info.choices.empty()) return number(v);
-  if (const char* name = name_of_choice(info, v)) return name;
-  return number(v) + " (must be " + allowed(info) + ")";
+  return info.is_text() ? info.get_text(p) : number(info.get(p));
 }
 
 }  // namespace talus

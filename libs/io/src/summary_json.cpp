@@ -47,7 +47,7 @@ Json parameters(const Parameters& p)
   Json all;
   for (const auto& info : parameter_table())
   {
-    if (info.is_text() || !info.choices.empty())
+    if (info.is_text())
       all[info.name] = parameter_text(p, info);
     else if (info.is_integer)
       all[info.name] = static_cast<std::int64_t>(info.get(p));

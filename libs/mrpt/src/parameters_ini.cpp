@@ -202,11 +202,8 @@ std::string parameters_as_markdown()
         << " | ";
     if (info.is_text())
       out << "text";
-    else if (info.choices.empty())
-      out << number_text(info.min, 6) << " to " << number_text(info.max, 6);
     else
-      for (std::size_t i = 0; i < info.choices.size(); i++)
-        out << (i ? ", " : "") << info.choices[i].name;
+      out << number_text(info.min, 6) << " to " << number_text(info.max, 6);
     out << " | " << info.description << " |\n";
   }
   return out.str();

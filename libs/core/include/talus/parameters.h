@@ -9,14 +9,6 @@ namespace talus
  * below 16 GB. */
 constexpr int kMostCellsASide = 16384;
 
-/** How the two one-sided estimates of a filled cell are combined (paper eq. 9, see
- * doc/concepts.md). */
-enum class FillRule : int
-{
-  Printed = 0,  //!< eq. 9 as printed
-  Lines = 1  //!< linear along the ray, the row and the column, weighed by what each has to bridge
-};
-
 /** Most boxes of the robot's body. */
 constexpr std::size_t kMostBodyBoxes = 32;
 
@@ -90,10 +82,7 @@ struct Parameters
                                //!< object; 2 to 65 cells, counted in steps of four
   double fill_search_m = 2.0;  //!< how far to look for measured ground, each way along the ray
   double fill_kernel_m = 2.0;  //!< support of the sparse kernel of eq. 8
-  double fill_lambda = 1.0;  //!< weight of the prior of eq. 8, the lowest sample; of Printed alone
   int fill_samples = 2;  //!< measured cells taken on each side
-  /** How both sides of a gap are combined. */
-  FillRule fill_rule = FillRule::Lines;
   double fill_variance_per_m =
       0.1;  //!< growth of the standard deviation of a fill with the distance to its sample
   /// @}
@@ -127,13 +116,6 @@ struct Parameters
   void validate() const;
 };
 
-/** A value of an enumeration. */
-struct ParameterChoice
-{
-  int value;  //!< value of the enumeration, also in saved maps
-  const char* name;  //!< name in files and on command lines
-};
-
 /** One parameter of the table. It is a number, unless is_text(): then `min` and `max` are 0, `get`
  * and `set` null. */
 struct ParameterInfo
@@ -148,10 +130,7 @@ struct ParameterInfo
   /** Reads the value; null for a text. */
   double (*get)(const Parameters&);
   void (*set)(Parameters&, double);  //!< without a check; set_parameter() checks
-  /** Whether it is a whole number or a choice. */
-  bool is_integer;
-  /** The values of an enumeration, in ascending order; else empty. */
-  std::vector<ParameterChoice> choices;
+  bool is_integer;  //!< whether it is a whole number
   std::string (*get_text)(const Parameters&) = nullptr;  //!< with all digits
   /** Throws std::invalid_argument that says what is wrong with a text. */
   void (*set_text)(Parameters&, const std::string&) = nullptr;
@@ -176,16 +155,15 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
 /** nearest_name() among all parameters. */
 std::string nearest_parameter_name(const std::string& name);
 
-/** Parses the text of a value (a number, true/false, the name of a choice, boxes) and sets it.
- * Throws std::invalid_argument naming the parameter, the text, and what is allowed. */
+/** Parses the text of a value (a number, boxes) and sets it. Throws std::invalid_argument naming
+ * the parameter, the text, and what is allowed. */
 void set_parameter(Parameters& p, const std::string& name, const std::string& text);
 
 /** Sets a parameter to a number. Throws std::invalid_argument that names the parameter, the value
  * and the allowed range, also for NaN. */
 void set_parameter(Parameters& p, const ParameterInfo& info, double value);
 
-/** The text that set_parameter() reads back. For a value that is no choice, which code can set: the
- * number and the allowed names. */
+/** The text that set_parameter() reads back. */
 std::string parameter_text(const Parameters& p, const ParameterInfo& info);
 
 }  // namespace talus

@@ -87,7 +87,6 @@ struct alignas(64) Met
 
   int distance(int l, int here) const { return kernels::abs_of(here - place[0][l]); }
 
-  template <bool kPrior>
   SideEstimate infer(int l, int here, const Strip& strip, const kernels::Config& k) const
   {
     const float step_m = strip.step_m[l];
@@ -100,9 +99,9 @@ struct alignas(64) Met
       sum.add(height_m[s][l], kernels::select(inside, distance_m, kernels::kOutOfReach_m), k);
     }
     const bool any = distance(l, here) <= strip.fill_places[l];
-    return sum.estimate<kPrior>(
+    return sum.estimate(
         kernels::select(any, height_m[0][l], kernels::kNan),
-        kernels::select(any, distance(l, here), 0), step_m, k);
+        kernels::select(any, distance(l, here), 0), step_m);
   }
 
   float variance(const SideEstimate& side, int l, const kernels::Config& k) const
@@ -130,7 +129,7 @@ struct Found
 };
 
 /** `kRays`: lines from the sensor; else rows or columns. */
-template <int kSamples, bool kRays, bool kAlongLines>
+template <int kSamples, bool kRays>
 class Sweep
 {
   using Side = Met<kSamples>;
@@ -286,17 +285,14 @@ class Sweep
   {
     SideBySide<SideEstimate, kLanes> inner, outer;
     TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
-      inner.store(l, before.template infer<!kAlongLines>(l, place, strip, k));
+    for (int l = 0; l < kLanes; l++) inner.store(l, before.infer(l, place, strip, k));
     TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
-      outer.store(l, behind.template infer<!kAlongLines>(l, place, strip, k));
+    for (int l = 0; l < kLanes; l++) outer.store(l, behind.infer(l, place, strip, k));
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
       const SideEstimate a = inner.load(l), b = outer.load(l);
-      found.lines.store(
-          l, kAlongLines ? kernels::fuse_lines(a, b) : kernels::apply_printed_rule(a, b));
+      found.lines.store(l, kernels::fuse_lines(a, b));
       if (kRays)
       {
         const bool undercut_ahead = (undercut.place[l] - place <= strip.fill_places[l]) &
@@ -403,18 +399,18 @@ const Crossing* crossings_of(int rings, int first)
   return crossings;
 }
 
-template <int kSamples, bool kRays, bool kAlongLines>
+template <int kSamples, bool kRays>
 void sweep(const Walk& walk, const Strip& strip)
 {
-  Sweep<kSamples, kRays, kAlongLines>::run(walk, strip, scratch<Met<kSamples>>(strip.places + 1));
+  Sweep<kSamples, kRays>::run(walk, strip, scratch<Met<kSamples>>(strip.places + 1));
 }
-template <bool kRays, bool kAlongLines>
+template <bool kRays>
 void sweep(const Walk& walk, const Strip& strip)
 {
   if (walk.k.fill_samples <= kFewSamples)
-    sweep<kFewSamples, kRays, kAlongLines>(walk, strip);
+    sweep<kFewSamples, kRays>(walk, strip);
   else
-    sweep<kMaxSamples, kRays, kAlongLines>(walk, strip);
+    sweep<kMaxSamples, kRays>(walk, strip);
 }
 
 void sweep_axis(const Walk& walk, int part, int along, int across)
@@ -429,7 +425,7 @@ void sweep_axis(const Walk& walk, int part, int along, int across)
   }
   Strip strip{lines, k.cells, first * across, along, across, &parallel};
   for (int l = 0; l < kLanes; l++) strip.measure(l, k.resolution_m, k);
-  sweep<false, true>(walk, strip);
+  sweep<false>(walk, strip);
 }
 }  // namespace
 
@@ -448,10 +444,7 @@ void Walk::rays(int part) const
     const kernels::Line line{side, std::min(first + l, rings - 1)};
     strip.measure(l, kernels::line_stretch(line, rings) * k.resolution_m, k);
   }
-  if (k.fill_rule == kernels::kFillLines)
-    sweep<true, true>(*this, strip);
-  else
-    sweep<true, false>(*this, strip);
+  sweep<true>(*this, strip);
 }
 void Walk::rows(int part) const { sweep_axis(*this, part, 1, grid.pitch); }
 void Walk::columns(int part) const { sweep_axis(*this, part, grid.pitch, 1); }

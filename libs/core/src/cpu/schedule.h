@@ -194,11 +194,6 @@ class CpuSchedule
     };
     const lines::Walk walk{map_.host_config, map_.line_grid(), map_.samples(), inferred()};
     executor_.for_each_part(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });
-    if (map_.host_config.fill_rule != kernels::kFillLines)
-    {
-      for_each_row(fill_row);
-      return;
-    }
     executor_.for_each_part(walk.parts_of_axis(), [&walk](int part) { walk.columns(part); });
     executor_.for_each_part(
         walk.parts_of_axis(),

@@ -201,7 +201,6 @@ struct LineSearch
     return marks.nearest(place, outwards, places_to_end(outwards, places));
   }
 
-  template <bool kPrior>
   TALUS_HD SideEstimate infer_side(bool outwards) const
   {
     const int limit = places_to_end(outwards, track.fill_places);
@@ -233,8 +232,7 @@ struct LineSearch
         }
       } while (found[kBatch - 1] && wanted > 0);
     }
-    return nearest_places ? sum.template estimate<kPrior>(nearest, nearest_places, track.step_m, k)
-                          : none();
+    return nearest_places ? sum.estimate(nearest, nearest_places, track.step_m) : none();
   }
 
  private:
@@ -249,12 +247,11 @@ struct LineSearch
   }
 };
 
-/** Searches the lines through cell (ix, iy) and fills it: the line from the sensor and, for
- * kFillLines, the column and the row. Their sides may be searched in parallel or in turn. */
-template <bool kAlongLines>
+/** Searches the lines through cell (ix, iy) and fills it: the line from the sensor, the column and
+ * the row. Their sides may be searched in parallel or in turn. */
 struct SearchAndFillCell
 {
-  static constexpr int kLines = kAlongLines ? 3 : 1;
+  static constexpr int kLines = 3;
   using Side = SideEstimate;
   using Line = LineFusion;
   FillCell fill;
@@ -270,13 +267,12 @@ struct SearchAndFillCell
   TALUS_HD SideEstimate side(int line, bool outwards, int ix, int iy) const
   {
     if (!wanted(ix, iy)) return {};
-    return line == 0 ? radial_search(ix, iy).template infer_side<!kAlongLines>(outwards)
-                     : axis_search(ix, iy, line == 2).template infer_side<!kAlongLines>(outwards);
+    return line == 0 ? radial_search(ix, iy).infer_side(outwards)
+                     : axis_search(ix, iy, line == 2).infer_side(outwards);
   }
   TALUS_HD LineFusion line(const SideEstimate& inner, const SideEstimate& outer) const
   {
-    if constexpr (kAlongLines) return fuse_lines(inner, outer);
-    return apply_printed_rule(inner, outer);
+    return fuse_lines(inner, outer);
   }
   /** Fills the cell from the sides of the first line and the sums of all lines. */
   TALUS_HD void operator()(
@@ -322,16 +318,13 @@ struct SearchAndFillCell
   TALUS_HD Inferred infer(int ix, int iy) const
   {
     const LineSearch<Track> radial = radial_search(ix, iy);
-    const SideEstimate inner = radial.template infer_side<!kAlongLines>(false),
-                       outer = radial.template infer_side<!kAlongLines>(true);
+    const SideEstimate inner = radial.infer_side(false), outer = radial.infer_side(true);
     if (!inner.any() && !outer.any()) return nothing();
     Inferred found = beside_sensor(radial, ix, iy, inner, outer, line(inner, outer));
     for (int l = 1; l < kLines; l++)
     {
       const LineSearch<AxisTrack> axis = axis_search(ix, iy, l == 2);
-      found.ground.lines.add(line(
-          axis.template infer_side<!kAlongLines>(false),
-          axis.template infer_side<!kAlongLines>(true)));
+      found.ground.lines.add(line(axis.infer_side(false), axis.infer_side(true)));
     }
     return found;
   }

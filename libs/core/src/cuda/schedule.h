@@ -40,10 +40,7 @@ class DeviceSchedule
     executor_.end_stage(Stage::Classify);
     clean_up();  // stage 5, and the decisions of stage 4
     executor_.end_stage(Stage::CleanUp);
-    if (map_.host_config.fill_rule == kernels::kFillLines)  // stage 6
-      fill<true>();
-    else
-      fill<false>();
+    fill();  // stage 6
     executor_.end_stage(Stage::Fill);
     if (map_.parts_wanted())  // stage 7
       judge<true>();
@@ -129,7 +126,6 @@ class DeviceSchedule
         unguarded(axis_marks_, 2 * side()));
   }
 
-  template <bool kAlongLines>
   void fill()
   {
     const kernels::Config& k = map_.host_config;
@@ -138,7 +134,7 @@ class DeviceSchedule
         lines, kernels::line_rings(k) + 1,
         kernels::FindSamples{unguarded(axis_marks_, axes), side(), tracks_.data()},
         unguarded(marks_, lines));
-    kernels::SearchAndFillCell<kAlongLines> search{};
+    kernels::SearchAndFillCell search{};
     search.fill = map_.fill_cell();
     search.k = k;
     search.samples = map_.samples();

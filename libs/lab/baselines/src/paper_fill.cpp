@@ -9,6 +9,8 @@ namespace talus::baselines
 {
 namespace
 {
+constexpr double kLambda = 1;  //!< weight of the prior, see eq. 8; the paper's value
+
 /** What one direction of the line search found. */
 struct Side
 {
@@ -36,8 +38,7 @@ Side search(const PaperCells& cells, const CellLine& line, int direction, const 
     weighted_m += weight * c.ground_m;
     lowest_m = std::min(lowest_m, static_cast<double>(c.ground_m));
   }
-  const double all = p.fill_lambda + weights;
-  side.height_m = all > 0 ? (p.fill_lambda * lowest_m + weighted_m) / all : lowest_m;
+  side.height_m = (kLambda * lowest_m + weighted_m) / (kLambda + weights);
   return side;
 }
 
