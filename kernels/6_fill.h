@@ -313,16 +313,16 @@ struct FillCell
   TALUS_HD void put_surface(Surface& to, const Filled& c) const
   {
     const float ground = c.ground_m;
-    const bool stands = is_known(c.elevation_m), measured = c.state == kMeasured;
-    const bool met = measured | stands | (c.state == kPresumed), known = is_known(ground);
+    const bool stands = is_known(c.elevation_m), known = is_known(ground);
+    const bool met = (c.state == kMeasured) | stands | (c.state == kPresumed);
     const bool new_there = stands & (c.elevation_m - ground > driven_height_m(c.driven_height));
     const bool driven = (c.driven_height > 0) & !new_there;
     const bool proven = ((c.flags & kPassedLow) != 0) | !on(kProofOfFills, *config);
     const bool seen = met | (proven & known);
     const bool may_drop = ((c.flags & kMayDrop) != 0) & !(stands | driven);
-    const std::int32_t flags =
-        select(measured, kSurfaceMeasured, 0) | select(seen, kSurfaceSeen, 0) |
-        select(may_drop, kSurfaceMayDrop, 0) | select(driven, kSurfaceDriven, 0);
+    const std::int32_t flags = select(seen, kSurfaceSeen, 0) |
+                               select(may_drop, kSurfaceMayDrop, 0) |
+                               select(driven, kSurfaceDriven, 0);
     const float reference = frame->sensor_z_m, top = select(stands, c.elevation_m, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
     to.height_and_flags = select(

@@ -46,7 +46,7 @@ struct alignas(16) RowSums
 struct Moments
 {
   std::int32_t n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, ground = 0, x_ground = 0, y_ground = 0,
-               height = 0, lowest = 0x7fffffff, measured = 0;
+               height = 0, lowest = 0x7fffffff;
 
   static constexpr auto fields()
   {

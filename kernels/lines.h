@@ -20,11 +20,6 @@ struct Line
   int minor;
 };
 
-struct CellOffset
-{
-  int dx, dy;
-};
-
 TALUS_HD Line line_from_index(int index, int rings)
 {
   const int side = floor_div(index, 2 * rings);
@@ -40,24 +35,7 @@ TALUS_HD int line_aside(int minor, int ring, int rings, float inverse)
   return floor_div(2 * minor * ring + rings, 2 * rings, inverse);
 }
 
-TALUS_HD CellOffset line_cell(const Line& l, int ring, int rings)
-{
-  const int minor = line_aside(l.minor, ring, rings, 1.0f / static_cast<float>(2 * rings));
-  switch (l.side)
-  {
-    case 0:
-      return {ring, minor};
-    case 1:
-      return {-minor, ring};
-    case 2:
-      return {-ring, -minor};
-    default:
-      return {minor, -ring};
-  }
-}
-
-/** The line that passes a cell other than the central one: line_cell(line_through(c), ring of c)
- * == c. */
+/** The line that passes a cell other than the central one. */
 TALUS_HD Line line_through(int dx, int dy, int ring, int rings)
 {
   int side = 3, minor = dx;

@@ -7,10 +7,9 @@ namespace talus::kernels
 
 constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
 
-/** Flags of a Surface. */
+/** Flags of a Surface. The lowest bit is free, as in CellFlag. */
 enum SurfaceFlag : std::int32_t
 {
-  kSurfaceMeasured = 1,  //!< its ground is measured
   kSurfaceSeen = 2,  //!< a ray hit it or passed low over its ground, or the robot stood there
   kSurfaceMayDrop = 4,  //!< its ground was not seen and may lie far below that around it
   kSurfaceDriven = 8  //!< the robot drove over it, and no new object stands there

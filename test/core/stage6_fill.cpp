@@ -32,19 +32,24 @@ Scan over_the_edge_of_a_shelf(double far_z_m)
 TEST(Stage6Fill, EveryCellLiesOnTheLineThatIsSaidToPassThroughIt)
 {
   for (const int rings : {2, 3, 7, 80, 500})
+  {
+    kernels::Config k{};
+    k.cells = 2 * rings;
+    const kernels::LineGrid grid = kernels::line_grid(k);
     for (int dx = -rings; dx <= rings; dx++)
       for (int dy = -rings; dy <= rings; dy += rings > 100 ? 7 : 1)
       {
         if (dx == 0 && dy == 0) continue;
         const int ring = std::max(std::abs(dx), std::abs(dy));
         const auto line = kernels::line_through(dx, dy, ring, rings);
-        const auto cell = kernels::line_cell(line, ring, rings);
+        const auto cell = kernels::radial_track(line, grid, k).offset(ring);
         ASSERT_TRUE(cell.dx == dx && cell.dy == dy) << rings << ": " << dx << "," << dy;
         const int index = kernels::line_index(line, rings);
         ASSERT_TRUE(index >= 0 && index < 8 * rings) << rings << ": " << dx << "," << dy;
         const auto again = kernels::line_from_index(index, rings);
         ASSERT_TRUE(again.side == line.side && again.minor == line.minor);
       }
+  }
 }
 
 TEST(Stage6Fill, MarksAreFoundAcrossWordsAndWithinReachNearestFirst)
@@ -91,7 +96,7 @@ TEST(Stage6Fill, PlacesOfALineAreItsCellsOnTheGrid)
       const auto track = kernels::radial_track(line, grid, k);
       for (int ring = 0; ring <= rings; ring++)
       {
-        const auto cell = kernels::line_cell(line, ring, rings);
+        const auto cell = track.offset(ring);
         ASSERT_EQ(track(ring), grid.at(rings + cell.dx, rings + cell.dy))
             << "line " << index << ", ring " << ring;
       }

@@ -143,7 +143,7 @@ class Sweep
     // signal may overwrite them.
     const kernels::Config k = walk.k;
     const kernels::Samples samples = walk.samples;
-    const kernels::InferenceGrid to = walk.to;
+    const InferenceGrid to = walk.to;
     const Strip strip = lines;
     outwards(strip, samples, met);
     Side behind = Side::nothing();
@@ -239,7 +239,7 @@ class Sweep
 
   static void infer(
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
-      const Undercut& undercut, int place, const kernels::InferenceGrid& to)
+      const Undercut& undercut, int place, const InferenceGrid& to)
   {
     const Crossing& crossing = strip.at(place, !kRays);
     std::int32_t wanted = 0, near = 0;
@@ -327,7 +327,7 @@ class Sweep
 
   static void put(
       const Strip& strip, const Found& found, std::uint32_t wanted, int place,
-      const kernels::InferenceGrid& to)
+      const InferenceGrid& to)
   {
     const int* const minor = strip.at(place, !kRays).minor;
     const int first = strip.first + place * strip.along, ahead = -8 * strip.along;
@@ -369,7 +369,7 @@ class Sweep
 
 std::int32_t bit_of(int lane) { return static_cast<std::int32_t>(1u << lane); }
 
-/** The lines of kernels::line_cell() and line_through(). */
+/** The lines of kernels::line_through(). */
 TALUS_CLONES void cross(int rings, int first, Crossing* crossings)
 {
   for (int ring = 0; ring <= rings; ring++)

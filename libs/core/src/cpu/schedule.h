@@ -3,7 +3,6 @@
 #include "cpu/cells.h"
 #include "cpu/lines.h"
 #include "cpu/points.h"
-#include "cpu/swept_cells.h"
 #include "cpu/sweep_rays.h"
 #include "map_buffers.h"
 #include "voxel_filter.h"
@@ -162,8 +161,8 @@ class CpuSchedule
     const auto classify = map_.template classify<kernels::ClassifyCell>();
     const auto keep_bridge = map_.template classify<kernels::KeepBridge>();
     const kernels::CleanUpCell clean = map_.clean_up();
-    const kernels::TakeSample take{map_.config.data(), map_.store(),     map_.surface_class.data(),
-                                   map_.passing(),     map_.line_grid(), map_.samples()};
+    const lines::TakeSample take{map_.host_config, map_.store(),     map_.surface_class.data(),
+                                 map_.passing(),   map_.line_grid(), map_.samples()};
     for_each_row(
         [&](const StoredRow& row)
         {
@@ -183,7 +182,8 @@ class CpuSchedule
   void fill()
   {
     const kernels::FillCell cell = map_.fill_cell();
-    const kernels::FillWalkedCell fill{cell, map_.line_grid(), inferred()};
+    const auto fill = [cell, grid = map_.line_grid(), from = inferred()](int x, int y, int i)
+    { cell(x, y, i, from.cells[grid.at(x, y)], from.marks[grid.at(x, y)]); };
     const kernels::DropHanging drop{map_.store()};
     const kernels::PutSurface put{map_.config.data(), map_.context.data(), map_.store(), cell.out};
     const auto fill_row = [&](const StoredRow& row)
@@ -233,7 +233,7 @@ class CpuSchedule
     v.crowded = hit_cells_.data();
     return v;
   }
-  kernels::InferenceGrid inferred()
+  lines::InferenceGrid inferred()
   {
     return {inferred_.data(), fill_marks_.data(), map_.fall.data()};
   }

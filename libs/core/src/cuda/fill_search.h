@@ -72,6 +72,11 @@ struct LineMarks
   }
 };
 
+struct CellOffset
+{
+  int dx, dy;
+};
+
 /** A line from the sensor on the grid, place = ring, and how far fills search it. */
 struct Track
 {
@@ -266,11 +271,9 @@ struct SearchAndFillCell
 
   TALUS_HD SideEstimate side(int line, bool outwards, int ix, int iy) const
   {
-    if (!wanted(ix, iy)) return {};
-    return line == 0 ? radial_search(ix, iy).infer_side(outwards)
-                     : axis_search(ix, iy, line == 2).infer_side(outwards);
+    return wanted(ix, iy) ? infer_side(line, outwards, ix, iy) : SideEstimate{};
   }
-  TALUS_HD LineFusion line(const SideEstimate& inner, const SideEstimate& outer) const
+  static TALUS_HD LineFusion line(const SideEstimate& inner, const SideEstimate& outer)
   {
     return fuse_lines(inner, outer);
   }
@@ -279,7 +282,8 @@ struct SearchAndFillCell
       int ix, int iy, const SideEstimate& inner, const SideEstimate& outer, const LineFusion* lines,
       int stride) const
   {
-    Inferred found = nothing();
+    Inferred found;
+    found.ground.lines.information = 1.0f;  // avoids a division by zero
     if (inner.any() || outer.any())
     {
       found = beside_sensor(radial_search(ix, iy), ix, iy, inner, outer, lines[0]);
@@ -291,16 +295,28 @@ struct SearchAndFillCell
   /** Searches in turn: if the first line has no sample, the others are skipped. */
   TALUS_HD void operator()(int ix, int iy) const
   {
-    finish(ix, iy, wanted(ix, iy) ? infer(ix, iy) : nothing());
+    const SideEstimate inner = side(0, false, ix, iy), outer = side(0, true, ix, iy);
+    LineFusion lines[kLines];
+    if (inner.any() || outer.any())
+    {
+      lines[0] = line(inner, outer);
+      for (int l = 1; l < kLines; l++)
+        lines[l] = line(infer_side(l, false, ix, iy), infer_side(l, true, ix, iy));
+    }
+    (*this)(ix, iy, inner, outer, lines, 1);
   }
 
  private:
   /** The sensor's own cell lies on no line. */
-  TALUS_HD bool on_line(int ix, int iy) const { return ix != grid.half || iy != grid.half; }
-
   TALUS_HD bool wanted(int ix, int iy) const
   {
-    return on_line(ix, iy) && fill.wanted(storage_index(*fill.frame, k.cells, ix, iy));
+    return (ix != grid.half || iy != grid.half) &&
+           fill.wanted(storage_index(*fill.frame, k.cells, ix, iy));
+  }
+  TALUS_HD SideEstimate infer_side(int line, bool outwards, int ix, int iy) const
+  {
+    return line == 0 ? radial_search(ix, iy).infer_side(outwards)
+                     : axis_search(ix, iy, line == 2).infer_side(outwards);
   }
 
   struct Inferred
@@ -308,26 +324,6 @@ struct SearchAndFillCell
     Inference ground;
     std::int32_t marks = 0;  //!< bits of FillMark
   };
-  static TALUS_HD Inferred nothing()
-  {
-    Inferred none;
-    none.ground.lines.information = 1.0f;  // avoids a division by zero
-    return none;
-  }
-
-  TALUS_HD Inferred infer(int ix, int iy) const
-  {
-    const LineSearch<Track> radial = radial_search(ix, iy);
-    const SideEstimate inner = radial.infer_side(false), outer = radial.infer_side(true);
-    if (!inner.any() && !outer.any()) return nothing();
-    Inferred found = beside_sensor(radial, ix, iy, inner, outer, line(inner, outer));
-    for (int l = 1; l < kLines; l++)
-    {
-      const LineSearch<AxisTrack> axis = axis_search(ix, iy, l == 2);
-      found.ground.lines.add(line(axis.infer_side(false), axis.infer_side(true)));
-    }
-    return found;
-  }
 
   TALUS_HD void finish(int ix, int iy, const Inferred& found) const
   {
