@@ -8,8 +8,6 @@
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
-#include <tuple>
-
 namespace talus::kernels
 {
 // Stage 3 (III-B.1). The points of a cell in one frame are a set: every step is a minimum, a
@@ -22,12 +20,6 @@ struct HeightPoint
   float height_m;
   float variance_m2;
   std::int32_t overhangs = 0;  //!< its neighbour rays passed below it and ended behind it
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(
-        &HeightPoint::height_m, &HeightPoint::variance_m2, &HeightPoint::overhangs);
-  }
 };
 
 /** The points of one cell, and the group that reads them. */
@@ -70,8 +62,6 @@ TALUS_HD float height_of_key(std::int64_t key)
 struct UpTo
 {
   float limit_m = kInfinity;
-
-  static constexpr auto fields() { return std::make_tuple(&UpTo::limit_m); }
 };
 
 /** The lowest and the highest point of a set; of equal heights the point with the smaller variance.
@@ -79,8 +69,6 @@ struct UpTo
 struct Extremes
 {
   std::int64_t low = order_key(kInfinity, 0), high = order_key(-kInfinity, 0);
-
-  static constexpr auto fields() { return std::make_tuple(&Extremes::low, &Extremes::high); }
   /** A point that does not count changes nothing, here and in all reductions below. */
   TALUS_HD void add(const HeightPoint& p, bool counts, const UpTo& asked, const Config&)
   {
@@ -120,13 +108,6 @@ struct FusionPlan
   float limit_m = kInfinity;
   std::int32_t base_is_prior = 0;  //!< the map's estimate is the base, not one of the points
   std::int32_t wanted = 0;  //!< whether the elevation changes at all
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(
-        &FusionPlan::base_m, &FusionPlan::base_var_m2, &FusionPlan::limit_m,
-        &FusionPlan::base_is_prior, &FusionPlan::wanted);
-  }
 };
 
 /** Units of information (2^-8 / m^2) and of distance (2^-20 m). They are integers, so that sums are
@@ -142,11 +123,6 @@ TALUS_HD std::int32_t information_of(float variance_m2)
 struct Fusion
 {
   std::int64_t information = 0, weighted_distance = 0;
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(&Fusion::information, &Fusion::weighted_distance);
-  }
   TALUS_HD void add(const HeightPoint& p, bool counts, const FusionPlan& plan, const Config& k)
   {
     const bool inside = counts & (p.height_m <= plan.limit_m) &
@@ -183,8 +159,6 @@ struct Fusion
 struct ClearanceScan
 {
   float top_m;
-
-  static constexpr auto fields() { return std::make_tuple(&ClearanceScan::top_m); }
   TALUS_HD void add(const HeightPoint& p, bool counts, const ClearanceScan& asked, const Config& k)
   {
     const bool higher = counts & (p.height_m > top_m) & (p.height_m <= asked.top_m + k.clearance_m);
@@ -310,8 +284,6 @@ TALUS_HD void put_elevation(
 struct Overhang
 {
   float lowest_m = kInfinity;
-
-  static constexpr auto fields() { return std::make_tuple(&Overhang::lowest_m); }
   TALUS_HD void add(const HeightPoint& p, bool counts, const UpTo& asked, const Config&)
   {
     const bool overhangs = counts & (p.height_m <= asked.limit_m) & (p.overhangs != 0);

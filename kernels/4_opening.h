@@ -7,8 +7,6 @@
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
-#include <tuple>
-
 namespace talus::kernels
 {
 // Stage 4 (III-B.4) decides which cells are inferred again from the updated map: unknown cells,
@@ -23,11 +21,6 @@ struct CoarseCell
 {
   float lowest_m = kInfinity, column_m = -kInfinity;
   std::int32_t presence = kEmpty;  //!< the highest Presence
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(&CoarseCell::lowest_m, &CoarseCell::column_m, &CoarseCell::presence);
-  }
 };
 
 struct PoolCells
@@ -88,11 +81,6 @@ TALUS_HD float pooled_rise(const Config& k)
 struct LowestGround
 {
   float plain_m = kInfinity, cone_m = kInfinity;
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(&LowestGround::plain_m, &LowestGround::cone_m);
-  }
 };
 
 /** Erosion, along rows and then along columns. Only ground that is known, with nothing upright on
@@ -152,8 +140,6 @@ struct ErodeGround
 struct HighestGround
 {
   float height_m = -kInfinity;
-
-  static constexpr auto fields() { return std::make_tuple(&HighestGround::height_m); }
 };
 
 /** Dilation of the eroded ground: ground is what is not both narrow and steep. Near upright objects

@@ -10,8 +10,6 @@
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
-#include <tuple>
-
 namespace talus::kernels
 {
 // Stage 5 (III-B.2): a cell is cleared down to its ground if all rays that went on behind it passed
@@ -28,11 +26,6 @@ struct SeenThrough
                                  //!< bounds unseen ground from above
   std::int32_t in_open = 1;  //!< nothing was hit between the sensor and the cell
   TALUS_HD bool any() const { return lowest_m < kInfinity; }
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(&SeenThrough::lowest_m, &SeenThrough::highest_m, &SeenThrough::in_open);
-  }
 };
 
 /** Adds one ray of a footprint, at the height where the ray is highest inside the cell. */

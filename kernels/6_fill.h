@@ -24,13 +24,6 @@ struct SideEstimate
   float nearest_m = kNan;  //!< height of the nearest sample; NaN: no samples
   float height_m = kNan;  //!< the mean of the samples ...
   float mean_distance_m = 0;  //!< ... and where that lies
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(
-        &SideEstimate::places, &SideEstimate::distance_m, &SideEstimate::nearest_m,
-        &SideEstimate::height_m, &SideEstimate::mean_distance_m);
-  }
   TALUS_HD bool any() const { return is_known(nearest_m); }
 };
 
@@ -115,11 +108,6 @@ TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const
 struct LineFusion
 {
   float information = 0, weighted = 0, lowest_m = kInfinity;
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(&LineFusion::information, &LineFusion::weighted, &LineFusion::lowest_m);
-  }
   /** Adds one line: linear between samples of both sides, their mean beside one side. The error
    * grows with the distances and with the height difference, since the ground may rise anywhere in
    * the gap. */

@@ -6,7 +6,6 @@
 #include "kernels/surface.h"
 
 #include <initializer_list>
-#include <tuple>
 
 namespace talus::kernels
 {
@@ -20,13 +19,6 @@ namespace talus::kernels
 struct alignas(16) RowSums
 {
   std::int32_t n = 0, x = 0, xx = 0, ground = 0, x_ground = 0, height = 0, lowest = 0x7fffffff;
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(
-        &RowSums::n, &RowSums::x, &RowSums::xx, &RowSums::ground, &RowSums::x_ground,
-        &RowSums::height, &RowSums::lowest);
-  }
 
   TALUS_HD void add(const Surface& cell, int d)
   {
@@ -47,14 +39,6 @@ struct Moments
 {
   std::int32_t n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, ground = 0, x_ground = 0, y_ground = 0,
                height = 0, lowest = 0x7fffffff;
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(
-        &Moments::n, &Moments::x, &Moments::y, &Moments::xx, &Moments::xy, &Moments::yy,
-        &Moments::ground, &Moments::x_ground, &Moments::y_ground, &Moments::height,
-        &Moments::lowest);
-  }
 
   TALUS_HD void add(const RowSums& row, int d)
   {

@@ -4,7 +4,6 @@
 #include "kernels/rule_constants.h"
 
 #include <cstddef>
-#include <tuple>
 #include <type_traits>
 
 namespace talus::kernels
@@ -72,12 +71,6 @@ struct Cell
 #undef TALUS_MEMBER
 
   TALUS_HD bool is(CellFlag flag) const { return (flags & flag) != 0; }
-  static constexpr auto fields()
-  {
-#define TALUS_POINTER(type, name, unknown) std::make_tuple(&Cell::name),
-    return std::tuple_cat(TALUS_CELL_FIELDS(TALUS_POINTER) std::tuple<>{});
-#undef TALUS_POINTER
-  }
 };
 
 /** The cells of the map, one array for each field. It is a torus, so that rolling moves no data. */

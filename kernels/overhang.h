@@ -6,8 +6,6 @@
 #include "kernels/rays.h"
 #include "kernels/rule_constants.h"
 
-#include <tuple>
-
 namespace talus::kernels
 {
 // How far the rays of a frame went, by direction and slope. Stage 4 asks whether an object stands
@@ -22,13 +20,6 @@ struct RayFootprint
   std::int32_t first_bin = 0, last_bin = -1, stride = 1;
   std::int32_t row = 0;  //!< start of their ring in the table
   float chebyshev_m = 0;
-
-  static constexpr auto fields()
-  {
-    return std::make_tuple(
-        &RayFootprint::first_bin, &RayFootprint::last_bin, &RayFootprint::stride,
-        &RayFootprint::row, &RayFootprint::chebyshev_m);
-  }
   TALUS_HD int rays() const
   {
     const int more = floor_div(last_bin - first_bin, stride, 1.0f / static_cast<float>(stride));

@@ -10,12 +10,56 @@
 
 namespace talus
 {
+/** Any value, to try how many fields a structure has. */
+struct AnyValue
+{
+  template <class T>
+  operator T() const;
+};
+template <class T, class Which, class = void>
+constexpr bool kTakesValues = false;
+template <class T, std::size_t... i>
+constexpr bool kTakesValues<
+    T, std::index_sequence<i...>, std::void_t<decltype(T{(static_cast<void>(i), AnyValue{})...})>> =
+    true;
+template <class T, std::size_t n = 1>
+constexpr std::size_t count_fields()
+{
+  if constexpr (kTakesValues<T, std::make_index_sequence<n + 1>>)
+    return count_fields<T, n + 1>();
+  else
+    return n;
+}
+
+/** References to the fields of a plain structure, for each number of fields that occurs. */
+#define TALUS_FIELDS(n, ...)                                   \
+  template <class T>                                           \
+  auto fields_of(T& t, std::integral_constant<std::size_t, n>) \
+  {                                                            \
+    auto& [__VA_ARGS__] = t;                                   \
+    return std::tie(__VA_ARGS__);                              \
+  }
+TALUS_FIELDS(1, a)
+TALUS_FIELDS(2, a, b)
+TALUS_FIELDS(3, a, b, c)
+TALUS_FIELDS(5, a, b, c, d, e)
+TALUS_FIELDS(7, a, b, c, d, e, f, g)
+TALUS_FIELDS(11, a, b, c, d, e, f, g, h, i, j, k)
+TALUS_FIELDS(12, a, b, c, d, e, f, g, h, i, j, k, l)
+#undef TALUS_FIELDS
+template <class T>
+auto fields_of(T& t)
+{
+  return fields_of(
+      t, std::integral_constant<std::size_t, count_fields<std::remove_const_t<T>>()>{});
+}
+
 /** Structures as one array for each field, so that loops vectorise. Floats are kept as bits, so
  * that no other float that a loop writes can alias one. */
-template <class T, int kLanes, class Fields = decltype(T::fields())>
+template <class T, int kLanes, class Fields = decltype(fields_of(std::declval<T&>()))>
 class SideBySide;
 template <class T, int kLanes, class... Field>
-class SideBySide<T, kLanes, std::tuple<Field T::*...>>
+class SideBySide<T, kLanes, std::tuple<Field&...>>
 {
   using All = std::index_sequence_for<Field...>;
 
@@ -32,13 +76,15 @@ class SideBySide<T, kLanes, std::tuple<Field T::*...>>
   T load(int l, std::index_sequence<i...>) const
   {
     T t{};
-    (get(std::get<i>(arrays_)[static_cast<std::size_t>(l)], t.*std::get<i>(T::fields())), ...);
+    const auto fields = fields_of(t);
+    (get(std::get<i>(arrays_)[static_cast<std::size_t>(l)], std::get<i>(fields)), ...);
     return t;
   }
   template <std::size_t... i>
   void store(int l, const T& t, std::index_sequence<i...>)
   {
-    (put(t.*std::get<i>(T::fields()), std::get<i>(arrays_)[static_cast<std::size_t>(l)]), ...);
+    const auto fields = fields_of(t);
+    (put(std::get<i>(fields), std::get<i>(arrays_)[static_cast<std::size_t>(l)]), ...);
   }
   template <class F>
   static void get(F from, F& to)
