@@ -1,6 +1,5 @@
 #pragma once
 #include "kernels/1_accept.h"
-#include "kernels/1_uncertainty.h"
 #include "kernels/atomics.h"
 #include "kernels/cell.h"
 #include "kernels/config.h"

@@ -108,22 +108,6 @@ TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const
 struct LineFusion
 {
   float information = 0, weighted = 0, lowest_m = kInfinity;
-  /** Adds one line: linear between samples of both sides, their mean beside one side. The error
-   * grows with the distances and with the height difference, since the ground may rise anywhere in
-   * the gap. */
-  TALUS_HD void add(const SideEstimate& a, const SideEstimate& b)
-  {
-    const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b;
-    const float gap_m = a.distance_m + b.distance_m;
-    const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
-    const float between = a.height_m + (b.height_m - a.height_m) * part;
-    const float error = kBetweenDeviation * a.distance_m * b.distance_m / gap_m +
-                        kRiseDeviation * abs_of(b.nearest_m - a.nearest_m);
-    const float height = select(both, between, select(has_a, a.height_m, b.height_m));
-    const float deviation =
-        select(both, error, kBeyondDeviation * select(has_a, a.distance_m, b.distance_m));
-    add(height, deviation, has_a | has_b);
-  }
 
   TALUS_HD void add(const LineFusion& other)
   {
@@ -131,16 +115,27 @@ struct LineFusion
     weighted += other.weighted;
     lowest_m = min_of(lowest_m, other.lowest_m);
   }
-
- private:
-  TALUS_HD void add(float height_m, float deviation_m, bool known)
-  {
-    const float d = kLineDeviation_m + deviation_m, weight = 1.0f / (d * d);
-    information += select(known, weight, 0.0f);
-    weighted += select(known, height_m * weight, 0.0f);
-    lowest_m = min_of(lowest_m, select(known, height_m, kInfinity));
-  }
 };
+
+/** One line: linear between samples of both sides, their mean beside one side. The error grows with
+ * the distances and with the height difference, since the ground may rise anywhere in the gap. */
+TALUS_HD LineFusion fuse_sides(const SideEstimate& a, const SideEstimate& b)
+{
+  const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b, any = has_a | has_b;
+  const float gap_m = a.distance_m + b.distance_m;
+  const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
+  const float between_m = a.height_m + (b.height_m - a.height_m) * part;
+  const float error_m = kBetweenDeviation * a.distance_m * b.distance_m / gap_m +
+                        kRiseDeviation * abs_of(b.nearest_m - a.nearest_m);
+  const float beyond_m = kBeyondDeviation * select(has_a, a.distance_m, b.distance_m);
+  const float height_m = select(both, between_m, select(has_a, a.height_m, b.height_m));
+  const float d = kLineDeviation_m + select(both, error_m, beyond_m), weight = 1.0f / (d * d);
+  LineFusion line;
+  line.add(
+      {select(any, weight, 0.0f), select(any, height_m * weight, 0.0f),
+       select(any, height_m, kInfinity)});
+  return line;
+}
 
 /** The estimate of a cell's ground from its lines. */
 struct alignas(16) Inference
@@ -164,13 +159,6 @@ TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
 TALUS_HD std::int32_t marks_of_sides(bool inner, bool outer, bool undercut_ahead)
 {
   return select(inner & outer, kTwoSided, 0) | select(inner & !outer & undercut_ahead, kDrops, 0);
-}
-
-TALUS_HD LineFusion fuse_lines(const SideEstimate& a, const SideEstimate& b)
-{
-  LineFusion lines;
-  lines.add(a, b);
-  return lines;
 }
 
 /** Measured ground that fills may use, by place of the grid. */

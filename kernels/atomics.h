@@ -20,11 +20,8 @@ struct SerialAtomics
     *where = before + value;
     return before;
   }
-  static TALUS_HD void min(std::int32_t* where, std::int32_t value)
-  {
-    if (value < *where) *where = value;
-  }
-  static TALUS_HD void min(std::uint64_t* where, std::uint64_t value)
+  template <class T>
+  static TALUS_HD void min(T* where, T value)
   {
     if (value < *where) *where = value;
   }

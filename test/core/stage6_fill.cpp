@@ -197,7 +197,7 @@ TEST(Stage6Fill, LinesWhoseSidesDisagreeCountForLess)
   const auto counts = [](float rise_m)
   {
     kernels::LineFusion lines;
-    lines.add(side(0, 9, 0.5f), side(rise_m, 9, 0.5f));
+    lines.add(kernels::fuse_sides(side(0, 9, 0.5f), side(rise_m, 9, 0.5f)));
     return lines.information;
   };
   const float level = 1 / (0.105f * 0.105f);
@@ -211,8 +211,8 @@ TEST(Stage6Fill, BelowAnObjectTheGroundIsLittleHigherThanTheLowestLine)
   kernels::Config k{};
   k.step_threshold_m = 0.2f;
   kernels::LineFusion lines;
-  lines.add(side(0, 9, 0.5f), side(0, 9, 0.5f));
-  lines.add(side(0.6f, 9, 0.5f), side(0.6f, 9, 0.5f));
+  lines.add(kernels::fuse_sides(side(0, 9, 0.5f), side(0, 9, 0.5f)));
+  lines.add(kernels::fuse_sides(side(0.6f, 9, 0.5f), side(0.6f, 9, 0.5f)));
   const float low_m = kernels::low_line_m(lines, k);
   EXPECT_FLOAT_EQ(kernels::fill_of_lines(lines, low_m, false), 0.3f);
   EXPECT_FLOAT_EQ(kernels::fill_of_lines(lines, low_m, true), 0.05f);

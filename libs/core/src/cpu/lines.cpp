@@ -292,7 +292,7 @@ class Sweep
     for (int l = 0; l < kLanes; l++)
     {
       const SideEstimate a = inner.load(l), b = outer.load(l);
-      found.lines.store(l, kernels::fuse_lines(a, b));
+      found.lines.store(l, kernels::fuse_sides(a, b));
       if (kRays)
       {
         const bool undercut_ahead = (undercut.place[l] - place <= strip.fill_places[l]) &

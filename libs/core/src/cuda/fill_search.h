@@ -275,7 +275,7 @@ struct SearchAndFillCell
   }
   static TALUS_HD LineFusion line(const SideEstimate& inner, const SideEstimate& outer)
   {
-    return fuse_lines(inner, outer);
+    return fuse_sides(inner, outer);
   }
   /** Fills the cell from the sides of the first line and the sums of all lines. */
   TALUS_HD void operator()(
