@@ -118,9 +118,18 @@ void LogMapper::run(const OnFrame& on_frame)
       memory_bytes);
   poses_ = PoseSource::of_log(source_, log_, options_);
   run_.pose_source = poses_.description();
+  std::size_t told = 0;
+  const auto tell = [&]
+  {
+    if (run_.frames.size() == told) return;
+    told = run_.frames.size();
+    on_frame(*this, reader->progress());
+  };
   while (const auto obs = guarded(
              log_, kLookAtLog, [&] { return reader->next(); }, memory_bytes))
-    if (take(*obs)) on_frame(*this, reader->progress());
+    if (take(*obs)) tell();
+  gatherer_.finish([this](const Frame& scan) { map_scan(scan); });
+  tell();
   if (run_.frames.empty()) explain_no_frames();
   if (options_.suggest) return;
   add_hints();
@@ -196,25 +205,32 @@ bool LogMapper::insert(const std::string& label)
   try
   {
     frame.sensor = sensors_.number_of(label);
-    run_.frames.push_back(map_frame(frame));
+    map_.window_after(frame);  // throws for a pose that is none
+    last_T_map_base_ = *T_map_base;
+    gatherer_.add(frame, [this](const Frame& scan) { map_scan(scan); });
   }
   catch (const std::invalid_argument& e)
   {
     return skip("bad_pose", e.what());
   }
-  if (!frame.path.empty()) ++run_.frames_deskewed;
-  ++run_.sensors[label];
-  hints_.add(frame, label, run_.frames.back());
-  last_T_map_base_ = *T_map_base;
   note_way();
   return true;
 }
 
+/** A scan of the log, or one that was gathered from parts. */
+void LogMapper::map_scan(const Frame& scan)
+{
+  run_.frames.push_back(map_frame(scan));
+  const std::string& label = sensors_.labels()[scan.sensor];
+  if (!scan.path.empty()) ++run_.frames_deskewed;
+  ++run_.sensors[label];
+  hints_.add(scan, label, run_.frames.back());
+}
+
 FrameReport LogMapper::map_frame(const Frame& frame)
 {
-  if (!options_.suggest) return site_ ? site_->update(map_, frame) : map_.update(frame);
-  map_.window_after(frame);  // throws for a pose that is none
-  return {};
+  if (options_.suggest) return {};
+  return site_ ? site_->update(map_, frame) : map_.update(frame);
 }
 
 void LogMapper::add_hints()

@@ -6,6 +6,7 @@
 #include "source_log.h"
 
 #include <talus/elevation_mapper.h>
+#include <talus/frame_gatherer.h>
 #include <talus/hints/hint_finder.h>
 #include <talus/io/summary_json.h>
 #include <talus/mrpt/sensor_numbers.h>
@@ -46,7 +47,7 @@ class LogMapper
   const mrpt::poses::CPose3D& last_base() const { return last_T_map_base_; }
   /** The last part of the way of the base, map frame [m], for pictures. */
   const std::deque<cv::Point2d>& last_way() const { return last_way_; }
-  /// @name Of the scan that reached the map last
+  /// @name Of the scan, or the part of one, that was read last
   /// @{
   const mrpt::poses::CPose3D& last_sensor() const { return scan_.T_base_sensor; }
   mrpt::system::TTimeStamp last_stamp() const { return last_stamp_; }
@@ -80,6 +81,7 @@ class LogMapper
   bool note_stamp(const mrpt::obs::CObservation& obs);
   [[noreturn]] void explain_no_frames() const;
   void require_points() const;
+  void map_scan(const Frame& scan);
   FrameReport map_frame(const Frame& frame);
   void add_warnings();
   void add_hints();
@@ -93,6 +95,7 @@ class LogMapper
   io::RunSummary run_;
   SensorPoints scan_;
   SensorNumbers sensors_;
+  FrameGatherer gatherer_;
   hints::HintFinder hints_;
   mrpt::poses::CPose3D last_T_map_base_;
   std::deque<cv::Point2d> last_way_;

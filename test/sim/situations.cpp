@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <talus/baselines/evaluate.h>
 #include <talus/baselines/window_truth.h>
+#include <talus/frame_gatherer.h>
 
 #include <algorithm>
 #include <cmath>
@@ -76,6 +77,11 @@ class Map
   Map(const Parameters& p, const std::vector<std::uint8_t>& state) : map_(p, state, Backend::Cpu) {}
 
   void add(const ScanFrame& frame) { map_.update(frame.view()); }
+  void gather(const std::vector<ScanFrame>& parts)
+  {
+    for (const ScanFrame& part : parts)
+      gatherer_.add(part.view(), [this](const Frame& scan) { map_.update(scan); });
+  }
   void add(const std::vector<ScanFrame>& frames, std::size_t from, std::size_t to)
   {
     for (std::size_t i = from; i < std::min(to, frames.size()); ++i) add(frames[i]);
@@ -115,6 +121,7 @@ class Map
   }
 
   ElevationMapper map_;
+  FrameGatherer gatherer_;
 };
 
 /** What is really in the window of a map, on the floor of a height where there are several. */
@@ -556,9 +563,29 @@ INSTANTIATE_TEST_SUITE_P(
 
 // ---------------------------------------------------------------------------------------------
 
+/** Ten frames of a tenth of the points each, chosen at random: a scanner without a pattern that
+ * repeats, at 100 Hz. */
+std::vector<ScanFrame> random_tenths(const ScanFrame& whole)
+{
+  std::vector<ScanFrame> tenths(10, whole);
+  for (std::size_t k = 0; k < tenths.size(); ++k)
+  {
+    ScanFrame& f = tenths[k];
+    f.stamp_s += 0.01 * static_cast<double>(k);
+    f.x_m.clear(), f.y_m.clear(), f.z_m.clear();
+  }
+  std::mt19937 random(static_cast<std::uint32_t>(std::lround(1000 * whole.time_s)));
+  for (std::size_t i = 0; i < whole.x_m.size(); ++i)
+  {
+    ScanFrame& f = tenths[random() % tenths.size()];
+    f.x_m.push_back(whole.x_m[i]), f.y_m.push_back(whole.y_m[i]), f.z_m.push_back(whole.z_m[i]);
+  }
+  return tenths;
+}
+
 /** Of the obstacle cells that were hit, the share that is blocked at the end of a drive between
  * posts, a railing and a hedge. */
-Share hit_and_blocked(const sim::DriveOptions& options)
+Share hit_and_blocked(const sim::DriveOptions& options, bool in_random_tenths = false)
 {
   const Stage stage(
       "ground: [plane: {}]\n"
@@ -577,7 +604,10 @@ Share hit_and_blocked(const sim::DriveOptions& options)
   for (const ScanFrame& f : stage.frames)
   {
     observed.add(f);
-    map.add(f);
+    if (in_random_tenths)
+      map.gather(random_tenths(f));
+    else
+      map.add(f);
   }
   const Window w = map.window();
   Share share;
@@ -595,18 +625,19 @@ Share hit_and_blocked(const sim::DriveOptions& options)
   return share;
 }
 
-TEST(Sweeps, InPiecesOrFewShowObstaclesAsWholeOnes)
+TEST(Sweeps, InPiecesInRandomTenthsOrFewShowObstaclesAsWholeOnes)
 {
   sim::DriveOptions cut, few;
   cut.cut_frames = 10;
   few.every = 10;
   const Share whole = hit_and_blocked({}), pieces = hit_and_blocked(cut),
-              tenth = hit_and_blocked(few);
+              tenth = hit_and_blocked(few), scattered = hit_and_blocked({}, true);
   EXPECT_GT(whole.of, 150);
   EXPECT_GT(tenth.of, 100);
   expect_at_least("whole_blocked", whole.value(), 0.9);
   expect_at_least("pieces_blocked", pieces.value(), whole.value() - 0.02);
   expect_at_least("every_tenth_blocked", tenth.value(), whole.value() - 0.02);
+  expect_at_least("random_tenths_blocked", scattered.value(), whole.value() - 0.02);
 }
 
 // ---------------------------------------------------------------------------------------------

@@ -84,6 +84,7 @@ struct LiveMap::Impl
   std::vector<Layer> layers;
   double max_late_s;
   FrameSequence sequence, sequence_then;  //!< before the frame, and after it
+  FrameGatherer gatherer;
   std::uint64_t frames = 0;
   std::vector<std::shared_ptr<Slot>> slots;
 
@@ -108,7 +109,10 @@ FrameOrder LiveMap::ingest(const Frame& frame)
   m.sequence_then = m.sequence;
   const FrameOrder order = m.sequence_then.next(frame.stamp_s, frame.sensor);
   if (order == FrameOrder::Newest || order == FrameOrder::ClockSetBack)
-    m.publish(frame, m.mapper.update(frame));
+  {
+    m.mapper.window_after(frame);  // throws for a pose that is none
+    m.gatherer.add(frame, [&m](const Frame& scan) { m.publish(scan, m.mapper.update(scan)); });
+  }
   std::swap(m.sequence, m.sequence_then);
   m.count(order);
   return order;
@@ -139,6 +143,7 @@ void LiveMap::clear()
   Impl& m = *impl_;
   const std::lock_guard<std::mutex> turn(m.turn);
   m.mapper.clear();
+  m.gatherer = {};
   m.sequence = FrameSequence(m.max_late_s);
   const std::lock_guard<std::mutex> lock(m.exchange);
   m.newest = nullptr;

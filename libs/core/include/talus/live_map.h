@@ -1,5 +1,6 @@
 #pragma once
 #include <talus/elevation_mapper.h>
+#include <talus/frame_gatherer.h>
 #include <talus/frame_order.h>
 
 #include <array>
@@ -32,7 +33,7 @@ struct MapSnapshot
  * reset it. */
 struct LiveCounts
 {
-  std::uint64_t mapped = 0;  //!< with those of ClockSetBack
+  std::uint64_t mapped = 0;  //!< with those of ClockSetBack; parts of a scan count one by one
   /** Frames that were not mapped. */
   std::uint64_t duplicate = 0, late = 0;
   std::uint64_t clock_set_back = 0;  //!< mapped frames that were the first after the step
@@ -48,7 +49,8 @@ struct LiveCounts
  *
  * The frames of each sensor (Frame::sensor) reach the map in the order of their stamps: duplicates
  * and late frames are dropped and counted, since they would count a measurement twice, or roll the
- * window back and show what moved where it was. See FrameOrder. */
+ * window back and show what moved where it was. See FrameOrder. Frames that are parts of a scan are
+ * gathered, see FrameGatherer: a snapshot comes with the last of them. */
 class LiveMap
 {
  public:
@@ -60,9 +62,9 @@ class LiveMap
       int device = 0);
   ~LiveMap();
 
-  /** Maps a frame, unless it is a Duplicate or Late, and publishes the result. From any thread;
-   * several take turns. Throws as ElevationMapper::update() and FrameSequence::next(), and then
-   * nothing has changed. */
+  /** Maps or gathers a frame, unless it is a Duplicate or Late, and publishes the result. From any
+   * thread; several take turns. Throws as ElevationMapper::update() and FrameSequence::next(), and
+   * then nothing has changed. */
   FrameOrder ingest(const Frame& frame);
 
   /** The map after the newest frame; nullptr before the first. Any thread may call. */

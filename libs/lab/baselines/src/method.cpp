@@ -3,6 +3,7 @@
 #include <talus/baselines/method.h>
 #include <talus/baselines/paper_map.h>
 #include <talus/baselines/stock_maps.h>
+#include <talus/frame_gatherer.h>
 #include <talus/point_filter.h>
 
 #include <cmath>
@@ -20,7 +21,10 @@ class TalusMethod : public Method
  public:
   TalusMethod(const Parameters& parameters, Backend backend) : map_(parameters, backend, 1) {}
   std::string name() const override { return "talus"; }
-  void update(const Frame& frame) override { map_.update(frame); }
+  void update(const Frame& frame) override
+  {
+    gatherer_.add(frame, [this](const Frame& scan) { map_.update(scan); });
+  }
   Surfaces read() override
   {
     Surfaces s(map_.window());
@@ -39,6 +43,7 @@ class TalusMethod : public Method
 
  private:
   ElevationMapper map_;
+  FrameGatherer gatherer_;
 };
 
 }  // namespace
