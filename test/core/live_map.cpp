@@ -103,6 +103,30 @@ struct Watcher
 };
 }  // namespace
 
+TEST(LiveMap, ShowsAScanWhenItsLastPartHasCome)
+{
+  const Drive drive(1);
+  LiveMap map(small_window(), kLayers, tested_backend());
+  std::vector<std::uint64_t> shown;
+  for (int i = 0; i <= 20; i++)
+  {
+    Frame part = drive[0];
+    part.stamp_s = 0.01 * i;
+    EXPECT_EQ(map.ingest(part), FrameOrder::Newest);
+    shown.push_back(map.snapshot()->frame);
+  }
+  EXPECT_EQ(shown[9], 1u);
+  EXPECT_EQ(shown[10], 2u);
+  EXPECT_EQ(shown[19], 2u);
+  EXPECT_EQ(shown[20], 3u);
+  EXPECT_EQ(map.snapshot()->report.points_in, 10 * drive[0].size);
+  map.clear();
+  Frame first = drive[0];
+  first.stamp_s = 0.205;
+  map.ingest(first);
+  EXPECT_EQ(map.snapshot()->report.points_in, first.size);
+}
+
 TEST(FrameSequence, SaysHowAFrameStandsToThoseBefore)
 {
   FrameSequence sequence(1.0);
