@@ -126,6 +126,8 @@ struct PointsIn
   const float* y_m;
   const float* z_m;
   const float* time_s;  //!< read only where FrameContext::has_times
+
+  TALUS_HD Point at(int point_i) const { return {x_m[point_i], y_m[point_i], z_m[point_i]}; }
 };
 
 }  // namespace talus::kernels

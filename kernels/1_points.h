@@ -89,7 +89,6 @@ struct AcceptPoint
   const std::uint8_t* voxel_kept;  //!< null: no voxel filter
 
   /** Computes what depends on this point alone. */
-  TALUS_HD void locate(int point_i) const { locate(point_i, point(point_i)); }
   TALUS_HD void locate(int point_i, const Point& sensed) const
   {
     const WindowPose pose = pose_of_point(*frame, in.time_s, point_i);
@@ -105,10 +104,19 @@ struct AcceptPoint
   }
   TALUS_HD void locate_plain(int point_i) const
   {
-    put(point_i, point(point_i), frame->poses[0], true);
+    put(point_i, in.at(point_i), frame->poses[0], true);
   }
   /** Rejects a located point, and its ray, if it is in that box of the body. */
-  TALUS_HD void drop_body(int point_i, int box) const { drop_body(point_i, point(point_i), box); }
+  TALUS_HD void drop_body(int point_i, const Point& sensed, int box) const
+  {
+    const int code = static_cast<int>(out.reject[point_i]);
+    const bool drop =
+        is_in_box(sensed, *frame, *body, box) & (code != kNotFinite) & (code != kRange);
+    out.reject[point_i] = static_cast<std::uint32_t>(select(drop, static_cast<int>(kBody), code));
+    out.cell[point_i] = select(drop, -1, out.cell[point_i]);
+    out.ray[point_i] = select(drop, -1, out.ray[point_i]);
+    out.reach[point_i] = select(drop, -1, out.reach[point_i]);
+  }
 
   /** Updates what the point shares with other points: counters and the table of rays. */
   TALUS_HD void note(int point_i) const
@@ -127,23 +135,7 @@ struct AcceptPoint
     }
   }
 
-  TALUS_HD Point point(int point_i) const
-  {
-    return {in.x_m[point_i], in.y_m[point_i], in.z_m[point_i]};
-  }
-
  private:
-  TALUS_HD void drop_body(int point_i, const Point& sensed, int box) const
-  {
-    const int code = static_cast<int>(out.reject[point_i]);
-    const bool drop =
-        is_in_box(sensed, *frame, *body, box) & (code != kNotFinite) & (code != kRange);
-    out.reject[point_i] = static_cast<std::uint32_t>(select(drop, static_cast<int>(kBody), code));
-    out.cell[point_i] = select(drop, -1, out.cell[point_i]);
-    out.ray[point_i] = select(drop, -1, out.ray[point_i]);
-    out.reach[point_i] = select(drop, -1, out.reach[point_i]);
-  }
-
   TALUS_HD void put(int point_i, const Point& sensed, const WindowPose& pose, bool kept) const
   {
     const Point p = transform(pose, sensed);

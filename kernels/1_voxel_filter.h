@@ -38,7 +38,7 @@ struct EnterVoxel
   TALUS_HD void operator()(int point_i) const
   {
     if (point_i >= frame->n_points) return;
-    const Point p{in.x_m[point_i], in.y_m[point_i], in.z_m[point_i]};
+    const Point p = in.at(point_i);
     if (!counts(p, point_i)) return;
     const std::uint64_t key = voxel_key(p);
     std::uint32_t s = static_cast<std::uint32_t>(mix_bits(key)) & table.mask;
@@ -86,7 +86,7 @@ struct KeepVoxel
   TALUS_HD void operator()(int point_i) const
   {
     if (point_i >= entered.frame->n_points) return;
-    const Point p{entered.in.x_m[point_i], entered.in.y_m[point_i], entered.in.z_m[point_i]};
+    const Point p = entered.in.at(point_i);
     kept[point_i] = !entered.counts(p, point_i) || entered.table.winner[entered.slot[point_i]] ==
                                                        EnterVoxel<Atomics>::fingerprint(p);
   }

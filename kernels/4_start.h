@@ -26,10 +26,7 @@ struct PresumeStart
   }
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
-    const float x_m = from_base_m(*config, ix, frame->base_x_m);
-    const float y_m = from_base_m(*config, iy, frame->base_y_m);
-    const float radius_m = config->start_radius_m;
-    const bool near = x_m * x_m + y_m * y_m <= radius_m * radius_m;
+    const bool near = offset_from_base(*config, *frame, ix, iy).is_within(config->start_radius_m);
     const int state = store.state[storage_i];
     return near & (state != kMeasured) & (state != kPresumed);
   }
@@ -41,29 +38,22 @@ struct PresumeStart
         passing.lowest_m[window_i] < kInfinity,
         passing.highest_m[window_i] + config->cleanup_margin_m, kInfinity);
     if (plane_m > bound_m) return;
-    if (config->start_automatic != 0 && !is_beside(ix, iy) && !is_blind(ix, iy)) return;
+    // Near its start the robot has room to move off.
+    const bool beside = offset_from_base(*config, *frame, ix, iy).is_within(kStartsOn_m);
+    if (config->start_automatic != 0 && !beside && !is_blind(ix, iy)) return;
     Cell c = store.load(storage_i);
     presume_ground(c, plane_m);
     store.store(storage_i, c);
   }
 
  private:
-  /** Near its start the robot has room to move off. */
-  TALUS_HD bool is_beside(int ix, int iy) const
-  {
-    const float x_m = from_base_m(*config, ix, frame->base_x_m);
-    const float y_m = from_base_m(*config, iy, frame->base_y_m);
-    return x_m * x_m + y_m * y_m <= kStartsOn_m * kStartsOn_m;
-  }
   TALUS_HD float plane_at(int ix, int iy) const
   {
-    return plane_of_base_m(
-        *frame, from_base_m(*config, ix, frame->base_x_m),
-        from_base_m(*config, iy, frame->base_y_m));
+    return plane_of_base_m(*frame, offset_from_base(*config, *frame, ix, iy));
   }
-  TALUS_HD float from_sensor_m(int cell, float sensor_m) const
+  TALUS_HD Offset from_sensor(int ix, int iy) const
   {
-    return (static_cast<float>(cell) + 0.5f) * config->resolution_m - sensor_m;
+    return offset_of(*config, ix, iy, frame->sensor_x_m, frame->sensor_y_m);
   }
   TALUS_HD int cell_at(float m) const { return floor_to_int(m * config->inverse_resolution); }
 
@@ -80,8 +70,7 @@ struct PresumeStart
    * than what is seen of it. */
   TALUS_HD bool is_blind(int ix, int iy) const
   {
-    const float x_m = from_sensor_m(ix, frame->sensor_x_m);
-    const float y_m = from_sensor_m(iy, frame->sensor_y_m);
+    const auto [x_m, y_m] = from_sensor(ix, iy);
     const float aside_x_m = kDropBeside * y_m, aside_y_m = kDropBeside * x_m;
     return told_of(x_m, y_m) == kLevel && told_of(x_m - aside_x_m, y_m + aside_y_m) != kDrop &&
            told_of(x_m + aside_x_m, y_m - aside_y_m) != kDrop;
@@ -110,8 +99,7 @@ struct PresumeStart
     if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return kLevel;  // the sensor is outside
     const int window_i = iy * n + ix;
     if (passing.in_open[window_i] == 0) return kNothing;
-    const float x_m = from_sensor_m(ix, frame->sensor_x_m);
-    const float y_m = from_sensor_m(iy, frame->sensor_y_m);
+    const auto [x_m, y_m] = from_sensor(ix, iy);
     // Heights count per Chebyshev distance, as in add_ray().
     const float away_m = chebyshev(x_m, y_m);
     const float rises_m = frame->base_slope_x * x_m + frame->base_slope_y * y_m;

@@ -9,15 +9,30 @@
 
 namespace talus::kernels
 {
-/** Distance from the base to the middle of a column or row of the window. */
-TALUS_HD float from_base_m(const Config& k, int cell, float base_m)
+/** The middle of a cell, from another place of the window. */
+struct Offset
 {
-  return (static_cast<float>(cell) + 0.5f) * k.resolution_m - base_m;
+  float x_m, y_m;
+
+  TALUS_HD bool is_within(float radius_m) const
+  {
+    return x_m * x_m + y_m * y_m <= radius_m * radius_m;
+  }
+};
+TALUS_HD Offset offset_of(const Config& k, int ix, int iy, float from_x_m, float from_y_m)
+{
+  return {
+      (static_cast<float>(ix) + 0.5f) * k.resolution_m - from_x_m,
+      (static_cast<float>(iy) + 0.5f) * k.resolution_m - from_y_m};
+}
+TALUS_HD Offset offset_from_base(const Config& k, const FrameContext& f, int ix, int iy)
+{
+  return offset_of(k, ix, iy, f.base_x_m, f.base_y_m);
 }
 /** Height above the datum of the plane on which the base stands, at an offset from the base. */
-TALUS_HD float plane_of_base_m(const FrameContext& f, float x_m, float y_m)
+TALUS_HD float plane_of_base_m(const FrameContext& f, const Offset& at)
 {
-  return f.base_z_m - f.offset_m + f.base_slope_x * x_m + f.base_slope_y * y_m;
+  return f.base_z_m - f.offset_m + f.base_slope_x * at.x_m + f.base_slope_y * at.y_m;
 }
 /** Gives presumed ground to a cell that was not measured. An object on it stays. */
 TALUS_HD void presume_ground(Cell& c, float ground_m)
@@ -43,24 +58,21 @@ struct StandOnCell
   TALUS_HD bool leaves_out(int iy) const
   {
     const float reach_m = max_of(kFootprint_m, body->reach_m);
-    return frame->has_base == 0 || abs_of(from_base_m(*config, iy, frame->base_y_m)) > reach_m;
+    return frame->has_base == 0 || abs_of(offset_from_base(*config, *frame, 0, iy).y_m) > reach_m;
   }
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
-    const float x_m = from_base_m(*config, ix, frame->base_x_m);
-    const float y_m = from_base_m(*config, iy, frame->base_y_m);
-    const float reach_m = max_of(kFootprint_m, body->reach_m);
-    const bool near = x_m * x_m + y_m * y_m <= reach_m * reach_m;
-    const bool changes = drives_through(storage_i, plane_of_base_m(*frame, x_m, y_m)) |
+    const Offset at = offset_from_base(*config, *frame, ix, iy);
+    const bool near = at.is_within(max_of(kFootprint_m, body->reach_m));
+    const bool changes = drives_through(storage_i, plane_of_base_m(*frame, at)) |
                          !store.is(kRobotWasThere, storage_i);
     return on(kUnderRobot, *config) & (frame->has_base != 0) & near & changes;
   }
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    const float x_m = from_base_m(*config, ix, frame->base_x_m);
-    const float y_m = from_base_m(*config, iy, frame->base_y_m);
-    if (!is_under(x_m, y_m)) return;
-    const float floor_m = plane_of_base_m(*frame, x_m, y_m);
+    const Offset at = offset_from_base(*config, *frame, ix, iy);
+    if (!is_under(at)) return;
+    const float floor_m = plane_of_base_m(*frame, at);
     if (!drives_through(storage_i, floor_m))
     {
       store.flags[storage_i] |= kRobotWasThere;
@@ -108,9 +120,10 @@ struct StandOnCell
         (state != kMeasured) & (state != kPresumed) & !is_known(store.elevation_m[storage_i]);
     return high | guessed;
   }
-  TALUS_HD bool is_under(float x_m, float y_m) const
+  TALUS_HD bool is_under(const Offset& at) const
   {
-    if (x_m * x_m + y_m * y_m <= kFootprint_m * kFootprint_m) return true;
+    if (at.is_within(kFootprint_m)) return true;
+    const auto [x_m, y_m] = at;
     // Rotate from the window to the sensor and on to the base.
     const float* const s = frame->poses[0].m;
     const float* const b = frame->T_base_sensor;

@@ -25,10 +25,7 @@ class alignas(64) Batch
   {
     gather(update, cells, lanes);
     run(*this, *update.config);
-    for (int l = 0; l < lanes; l++)
-    {
-      update.put(cells[l], cells_.load(l), ends_.load(l));
-    }
+    for (int l = 0; l < lanes; l++) update.put(cells[l], cells_.load(l), ends_.load(l));
   }
 
  private:
@@ -58,46 +55,35 @@ class alignas(64) Batch
   {
     up_to_.fill({});
     reduce(ends_, up_to_, k);
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
-    {
-      Cell c = cells_.load(l);
-      hangs_[l] = kernels::all_hang(c, ends_.load(l), k);
-      cells_.store(l, c);
-    }
+    each_cell([&](Cell& c, int l) { hangs_[l] = kernels::all_hang(c, ends_.load(l), k); });
   }
 
   void update_ground(const Config& k)
   {
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
-      plan_.store(l, kernels::plan_ground(cells_.load(l), ends_.load(l).lowest(), k));
-    reduce(fusion_, plan_, k);
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
-    {
-      Cell c = cells_.load(l);
-      kernels::put_ground(c, hangs_[l] != 0, plan_.load(l), fusion_.load(l), k);
-      cells_.store(l, c);
-    }
+    fuse(
+        k, [&](int l) { return kernels::plan_ground(cells_.load(l), ends_.load(l).lowest(), k); },
+        kernels::put_ground);
   }
 
   void update_elevation(const Config& k)
   {
     scan_clearance(k);
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
-      plan_.store(
-          l, kernels::plan_elevation(
-                 cells_.load(l), highest_.load(l).highest(), scan_.load(l).top_m, k));
-    reduce(fusion_, plan_, k);
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
+    const auto plan = [&](int l)
     {
-      Cell c = cells_.load(l);
-      kernels::put_elevation(c, hangs_[l] != 0, plan_.load(l), fusion_.load(l), k);
-      cells_.store(l, c);
-    }
+      const kernels::HeightPoint high = highest_.load(l).highest();
+      return kernels::plan_elevation(cells_.load(l), high, scan_.load(l).top_m, k);
+    };
+    fuse(k, plan, kernels::put_elevation);
+  }
+
+  /** Fuses the points of each plan(l), and puts the result into the cell. */
+  template <class Plan, class Put>
+  void fuse(const Config& k, const Plan& plan, const Put& put)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++) plan_.store(l, plan(l));
+    reduce(fusion_, plan_, k);
+    each_cell([&](Cell& c, int l) { put(c, hangs_[l] != 0, plan_.load(l), fusion_.load(l), k); });
   }
 
   /** Finds the highest point that stands. */
@@ -136,11 +122,18 @@ class alignas(64) Batch
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++) up_to_.store(l, {cells_.load(l).ground_m + k.clearance_m});
     reduce(overhang_, up_to_, k);
+    each_cell([&](Cell& c, int l) { kernels::put_overhang(c, overhang_.load(l), k); });
+  }
+
+  /** Changes each cell by f(cell, l). */
+  template <class F>
+  void each_cell(const F& f)
+  {
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
       Cell c = cells_.load(l);
-      kernels::put_overhang(c, overhang_.load(l), k);
+      f(c, l);
       cells_.store(l, c);
     }
   }

@@ -240,7 +240,7 @@ TALUS_CLONES void locate_points(F f, int begin, int end)
   for (int box = 0; box < f.body->boxes; box++)
   {
     TALUS_INDEPENDENT
-    for (int i = begin; i < end; i++) f.drop_body(i, box);
+    for (int i = begin; i < end; i++) f.drop_body(i, f.in.at(i), box);
   }
   f.count_rejected(begin, end);
 }
@@ -252,7 +252,7 @@ void over_points(const F& f, int begin, int end)
     locate_points(f, begin, end);
     return;
   }
-  for (int i = begin; i < end; i++) f.locate(i);
+  for (int i = begin; i < end; i++) f.locate(i, f.in.at(i));
   f.count_rejected(begin, end);
 }
 

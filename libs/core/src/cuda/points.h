@@ -17,7 +17,7 @@ struct AcceptAndCountPoint
   AcceptPoint<Atomics> accept;
   std::uint32_t* cell_count;  //!< by storage index, zero before
 
-  TALUS_HD Point early(int point_i) const { return accept.point(point_i); }
+  TALUS_HD Point early(int point_i) const { return accept.in.at(point_i); }
   TALUS_HD void operator()(int point_i, const Point& sensed) const
   {
     if (point_i >= accept.frame->n_points) return;
