@@ -97,11 +97,12 @@ TALUS_HD bool undercuts(float free_above_m, float sample_m, float away_m)
   return free_above_m < sample_m - kUndercutAhead_m - kGentle * away_m;
 }
 
-/** Variance of ground inferred from a sample [m^2]. */
-TALUS_HD float spread_variance(float sample_variance_m2, float distance_m, const Config& k)
+/** Variance of ground inferred from one side and the variance of its nearest sample [m^2]; NaN: no
+ * samples. */
+TALUS_HD float variance_of_side(const SideEstimate& side, float sample_variance_m2, const Config& k)
 {
-  const float spread = k.fill_variance_per_m * distance_m;
-  return sample_variance_m2 + spread * spread;
+  const float spread_m = k.fill_variance_per_m * side.distance_m;
+  return select(side.any(), sample_variance_m2 + spread_m * spread_m, kNan);
 }
 
 /** Heights of several lines, weighted by the gaps that they bridge. */

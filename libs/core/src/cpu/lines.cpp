@@ -103,12 +103,6 @@ struct alignas(64) Met
         kernels::select(any, height_m[0][l], kernels::kNan),
         kernels::select(any, distance(l, here), 0), step_m);
   }
-
-  float variance(const SideEstimate& side, int l, const kernels::Config& k) const
-  {
-    const float spread_m2 = kernels::spread_variance(variance_m2[l], side.distance_m, k);
-    return kernels::select(side.any(), spread_m2, kernels::kNan);
-  }
 };
 
 /** The nearest place behind where rays undercut the ground of the last sample, see
@@ -297,8 +291,9 @@ class Sweep
       {
         const bool undercut_ahead = (undercut.place[l] - place <= strip.fill_places[l]) &
                                     (behind.distance(l, place) > strip.sparsity_places[l]);
-        found.variance_m2[l] =
-            kernels::fuse_variances(before.variance(a, l, k), behind.variance(b, l, k));
+        found.variance_m2[l] = kernels::fuse_variances(
+            kernels::variance_of_side(a, before.variance_m2[l], k),
+            kernels::variance_of_side(b, behind.variance_m2[l], k));
         found.marks[l] = kernels::marks_of_sides(a.any(), b.any(), undercut_ahead);
       }
     }

@@ -394,8 +394,7 @@ struct SearchAndFillCell
       const LineSearch<Track>& radial, bool outwards, const SideEstimate& side) const
   {
     if (!side.any()) return kNan;
-    const int sample_i = radial.at(outwards, side.places);
-    return spread_variance(samples.variance_m2[sample_i], side.distance_m, k);
+    return variance_of_side(side, samples.variance_m2[radial.at(outwards, side.places)], k);
   }
 
   /** The fall of the ground to the sample that many places behind; NaN: one side has no sample. */
