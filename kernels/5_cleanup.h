@@ -82,11 +82,8 @@ TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
 
 /** Counts a frame whose rays passed at `limit`, below the object; true when it has left. Hits below
  * those rays do not protect it: a box that left shows the floor in the cells where it stood. */
-TALUS_HD bool count_seen_through(
-    Cell& c, std::uint8_t& surface_class, float top_hit_m, float top, float limit, const Config& k)
+TALUS_HD bool count_seen_through(Cell& c, float top_hit_m, float top, float limit, const Config& k)
 {
-  const bool below = c.state == kMeasured && surface_class == kKeep && c.ground_m > limit;
-  if (below && on(kRayBelowGround, k)) surface_class = kObject;
   const bool hit = top_hit_m > limit;
   const bool counts = hit && top_hit_m <= top + k.cleanup_margin_m;  // a hit above hangs
   if (counts) c.recent_hits = min_of(c.recent_hits + kHitAdds, kMostRecentHits);
@@ -199,9 +196,9 @@ struct CleanUpCell
     bool left = later && count_unhit(c, hit_m, !stands);
     const bool faded = seen && c.recent_hits > 0;  // rays passed
     if (faded) c.recent_hits--;
-    if (stands)
-      left =
-          count_seen_through(c, surface_class[storage_i], hit_m, top(storage_i), limit_m, *config);
+    if (stands && on(kRayBelowGround, *config) && is_undercut(ix, iy, storage_i))
+      surface_class[storage_i] = kObject;
+    if (stands) left = count_seen_through(c, hit_m, top(storage_i), limit_m, *config);
     if (left) clear(c, surface_class[storage_i], limit_m);
     if (stands || faded || later) store.store(storage_i, c);
   }
@@ -242,6 +239,27 @@ struct CleanUpCell
     const int state = store.state[storage_i];
     const bool kept = (state == kMeasured) | (state == kPresumed);
     return (top(storage_i) > limit(window_i)) & (is_known(store.elevation_m[storage_i]) | kept);
+  }
+
+  /** Whether rays passed below measured ground, and not above it on both sides. */
+  TALUS_HD bool is_undercut(int ix, int iy, int storage_i) const
+  {
+    const float ground_m = store.ground_m[storage_i];
+    const bool measured = store.state[storage_i] == kMeasured && surface_class[storage_i] == kKeep;
+    if (!measured || !(ground_m > limit(iy * cells + ix))) return false;
+    const float x_m = (static_cast<float>(ix) + 0.5f) * config->resolution_m;
+    const float y_m = (static_cast<float>(iy) + 0.5f) * config->resolution_m;
+    const FrameContext& f = *reach.frame;
+    const bool ahead = abs_of(x_m - f.sensor_x_m) >= abs_of(y_m - f.sensor_y_m);
+    const auto over = [&](int d)
+    {
+      const int x = ix + (ahead ? 0 : d), y = iy + (ahead ? d : 0);
+      const bool inside = (x >= 0) & (y >= 0) & (x < cells) & (y < cells);
+      return inside && passes_over(limit(y * cells + x), ground_m);
+    };
+    bool left = false, right = false;
+    for (int d = 1; d <= kBesideRay_cells; d++) left |= over(-d), right |= over(d);
+    return !(left & right);
   }
 
   /** Whether in more of the pairs around a cell an object has left than still stands. */

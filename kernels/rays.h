@@ -92,4 +92,12 @@ struct PassingRays
   std::uint8_t* in_open;  //!< 1: nothing was hit between the sensor and the cell
 };
 
+/** Whether rays pass above the ground at a height; infinity: no ray. Rays below it tell of an
+ * object or a drop, but not if rays up to kBesideRay_cells away on both sides pass above: what a
+ * glossy floor reflects are single rays. */
+TALUS_HD bool passes_over(float height_m, float ground_m)
+{
+  return (height_m > ground_m) & (height_m < kInfinity);
+}
+
 }  // namespace talus::kernels

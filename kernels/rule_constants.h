@@ -112,6 +112,10 @@ constexpr float kUnderSensor_rings = 2.0f;
 /** Hits so many rings before a cell belong to its overhang, which is seldom one cell wide. */
 constexpr int kBeforeCell_rings = 2;
 
+/** Rays are looked at so far beside those that pass below the ground, see passes_over(): where a
+ * fifth of a floor's returns is reflected, those of 4 cells on a side may all be. */
+constexpr int kBesideRay_cells = 6;
+
 // ---- Stage 6: lines ----
 
 /** If rays pass this far below the ground that would go on level from a sample, there is a drop-off

@@ -921,5 +921,58 @@ TEST(Weather, SnowBlocksNothingAndPostsAndRailingsStay)
   expect_at_most("free_blocked_two_frames_later", free_blocked_now(), 0.01);
 }
 
+// ---------------------------------------------------------------------------------------------
+
+/** Mirrors a share of the hits on a level floor: the ray goes on by the floor's reflection, so that
+ * the point is measured below the floor, at the mirrored place of what stands farther away. */
+void mirror_floor(ScanFrame& frame, const sim::Scene& scene, double share, std::mt19937& random)
+{
+  constexpr double kFloor_m = 0.03, kReach_m = 40;
+  const sim::Vec3 from{frame.T_true.x(), frame.T_true.y(), frame.T_true.z()};
+  for (std::size_t k = 0; k < frame.x_m.size(); ++k)
+  {
+    const sim::Vec3 at = sim::transform(frame.T_true, {frame.x_m[k], frame.y_m[k], frame.z_m[k]});
+    if (std::abs(at.z) > kFloor_m || static_cast<double>(random() % 1024) / 1024 >= share) continue;
+    const sim::Vec3 toward = sim::normalized({at.x - from.x, at.y - from.y, from.z - at.z});
+    const auto hit = scene.cast({{at.x, at.y, 1e-3}, toward}, kReach_m);
+    if (!hit) continue;
+    const double range_m = std::hypot(frame.x_m[k], frame.y_m[k], frame.z_m[k]);
+    const auto longer = static_cast<float>((range_m + hit->range_m) / range_m);
+    for (auto* v : {&frame.x_m, &frame.y_m, &frame.z_m}) (*v)[k] *= longer;
+  }
+}
+
+/** Of the level floor that is free, the share that is blocked where so much of it is mirrored. */
+double glossy_floor_blocked(double share)
+{
+  const Stage stage(
+      "ground: [plane: {}]\n"
+      "objects:\n"
+      "- wall: {from_m: [-6, 3], to_m: [14, 3], height_m: 3}\n"
+      "- wall: {from_m: [-6, -3], to_m: [14, -3], height_m: 3}\n"
+      "- wall: {from_m: [12, -3], to_m: [12, 3], height_m: 3}\n"
+      "- box: {at_m: [4, 1.8], size_m: [0.8, 0.6, 0.9]}\n"
+      "- box: {at_m: [8, -1.6], size_m: [0.6, 1, 1.2]}\n"
+      "- posts: {from_m: [3, -2], to_m: [6, -2], count: 3, height_m: 2, radius_m: 0.1}\n"
+      "robot: {path_m: [[0, 0], [6, 0]]}\n");
+  const sim::Scene scene(stage.world, 0);
+  std::mt19937 random(1);
+  Map map;
+  for (ScanFrame frame : stage.frames)
+  {
+    mirror_floor(frame, scene, share, random);
+    map.add(frame);
+  }
+  return free_blocked(map, TruthOf(map, stage.world, stage.frames.back().time_s));
+}
+
+TEST(Reflections, OfAGlossyFloorBlockLittleOfIt)
+{
+  record("matt", glossy_floor_blocked(0));
+  expect_at_most("two_of_100", glossy_floor_blocked(0.02), 0.015);
+  expect_at_most("five_of_100", glossy_floor_blocked(0.05), 0.02);
+  expect_at_most("twenty_of_100", glossy_floor_blocked(0.2), 0.1);
+}
+
 }  // namespace
 }  // namespace talus::baselines

@@ -17,6 +17,8 @@ constexpr int kNowhere = -(1 << 20);
 /** Code is compiled for kFewSamples, the default, and for any number up to kMaxSamples. */
 constexpr int kFewSamples = 2, kMaxSamples = 16;
 
+std::int32_t bit_of(int lane) { return static_cast<std::int32_t>(1u << lane); }
+
 /** Memory of this thread, kept from frame to frame. */
 template <class T>
 T* scratch(int size)
@@ -205,16 +207,37 @@ class Sweep
   {
     const int first = strip.first + place * strip.along;
     const int* const minor = strip.at(place, false).minor;
+    std::int32_t under = 0;
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
       const float free_m = samples.free_above_m[first + minor[l] * strip.across];
-      const bool under = (here.place[0][l] >= 0) & (here.place[0][l] < place) &
-                         kernels::undercuts(
-                             free_m, here.height_m[0][l],
-                             static_cast<float>(here.distance(l, place)) * strip.step_m[l]);
-      undercut.place[l] = kernels::select(under, place, undercut.place[l]);
+      const bool told = (here.place[0][l] >= 0) & (here.place[0][l] < place) &
+                        kernels::undercuts(
+                            free_m, here.height_m[0][l],
+                            static_cast<float>(here.distance(l, place)) * strip.step_m[l]);
+      under |= kernels::select(told, bit_of(l), 0);
     }
+    for (auto lines = static_cast<std::uint32_t>(under); lines; lines &= lines - 1)
+    {
+      const int l = __builtin_ctz(lines);
+      if (!is_passed_over(strip, samples, here.height_m[0][l], place, minor[l]))
+        undercut.place[l] = place;
+    }
+  }
+  /** Whether on both sides of a place rays pass above the last sample. */
+  static bool is_passed_over(
+      const Strip& strip, const kernels::Samples& samples, float sample_m, int place, int minor)
+  {
+    const int rings = strip.places - 1, k = kernels::kBesideRay_cells;
+    const float* const free_m = samples.free_above_m + strip.first + place * strip.along;
+    const auto over = [&](int step, int cells)
+    {
+      for (int n = 1; n <= cells; n++)
+        if (kernels::passes_over(free_m[(minor + n * step) * strip.across], sample_m)) return true;
+      return false;
+    };
+    return over(1, std::min(k, rings - minor)) && over(-1, std::min(k, rings + minor));
   }
 
   /** Fetches the samples of a later place, which processors cannot predict. */
@@ -361,8 +384,6 @@ class Sweep
     }
   }
 };
-
-std::int32_t bit_of(int lane) { return static_cast<std::int32_t>(1u << lane); }
 
 /** The lines of kernels::line_through(). */
 TALUS_CLONES void cross(int rings, int first, Crossing* crossings)

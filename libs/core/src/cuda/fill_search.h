@@ -92,10 +92,11 @@ struct Track
     return begin + place * along + aside_at(place) * across;
   }
   /** Cell at a place, relative to the sensor's cell. */
-  TALUS_HD CellOffset offset(int place) const
+  TALUS_HD CellOffset offset(int place) const { return offset(place, aside_at(place)); }
+  TALUS_HD CellOffset offset(int place, int to_side) const
   {
     const int ahead = along > 0 ? place : -place;
-    const int aside = across > 0 ? aside_at(place) : -aside_at(place);
+    const int aside = across > 0 ? to_side : -to_side;
     return abs_of(along) == 1 ? CellOffset{ahead, aside} : CellOffset{aside, ahead};
   }
   TALUS_HD int aside_at(int place) const { return line_aside(minor, place, rings, inverse); }
@@ -381,14 +382,31 @@ struct SearchAndFillCell
     bool any = false;
     for (int place = first; place <= last; place += kUndercutPlaces)
     {
-      const CellOffset at = radial.track.offset(place);
-      const int ix = grid.half + at.dx, iy = grid.half + at.dy;
-      if (ix >= k.cells || iy >= k.cells) break;  // as in SamplesOfLine
-      const float free_m = free_above_m(fill.passing, iy * k.cells + ix);
-      any |= undercuts(
-          free_m, inner.nearest_m, static_cast<float>(place - sample) * radial.track.step_m);
+      const float away_m = static_cast<float>(place - sample) * radial.track.step_m;
+      any |= undercuts(free_at(radial.track, place, 0), inner.nearest_m, away_m) &&
+             !is_passed_over(radial.track, place, inner.nearest_m);
     }
     return any;
+  }
+  /** free_above_m() of a cell that lies so many cells beside a place of a line; NaN outside. */
+  TALUS_HD float free_at(const Track& track, int place, int beside) const
+  {
+    const int aside = max_of(min_of(track.aside_at(place) + beside, track.rings), -track.rings);
+    const CellOffset at = track.offset(place, aside);
+    const int ix = grid.half + at.dx, iy = grid.half + at.dy;
+    const bool inside = ix < k.cells && iy < k.cells;  // as in SamplesOfLine
+    return inside ? free_above_m(fill.passing, iy * k.cells + ix) : kNan;
+  }
+  /** Whether on both sides of a place rays pass above the sample. */
+  TALUS_HD bool is_passed_over(const Track& track, int place, float sample_m) const
+  {
+    bool left = false, right = false;
+    for (int d = 1; d <= kBesideRay_cells; d++)
+    {
+      left |= passes_over(free_at(track, place, -d), sample_m);
+      right |= passes_over(free_at(track, place, d), sample_m);
+    }
+    return left & right;
   }
   TALUS_HD float variance(
       const LineSearch<Track>& radial, bool outwards, const SideEstimate& side) const
