@@ -77,12 +77,14 @@ TALUS_HD float slope_step(float slope)
   const float bent = slope / (1.0f + abs_of(slope));
   return (bent - kLowestBent) * (static_cast<float>(kSlopeSteps) / kBentRange);
 }
-TALUS_HD float slope_of_step(int step)
+/** The slope at a step with its fraction. */
+TALUS_HD float slope_at_step(float step)
 {
-  const float middle = static_cast<float>(step) + 0.5f;
-  const float bent = kLowestBent + middle * (kBentRange / static_cast<float>(kSlopeSteps));
+  const float bent = kLowestBent + step * (kBentRange / static_cast<float>(kSlopeSteps));
   return bent / (1.0f - abs_of(bent));
 }
+/** The slope in the middle of a step. */
+TALUS_HD float slope_of_step(int step) { return slope_at_step(static_cast<float>(step) + 0.5f); }
 
 /** Heights of the rays that passed over the cells, window order. */
 struct PassingRays

@@ -29,6 +29,7 @@ int main(int argc, char** argv)
     mapper.update(map, frame);  // instead of map.update(frame)
   }
   mapper.keep_window(map);  // at the end, and before a query
+  mapper.look_back(map);  // at the end: what moved is no obstacle
 
   constexpr int kMostCells = 4096;  // along a side of the map of a floor
   talus::site::FloorMap floor;

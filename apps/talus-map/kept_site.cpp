@@ -124,6 +124,7 @@ bool KeptSite::take_fix(
 void KeptSite::finish(const ElevationMapper& map, io::RunSummary& run)
 {
   mapper_->keep_window(map);
+  mapper_->look_back(map);
   warn_of_islands();
   std::string warning;
   if (!site_.origin) site_.origin = site::origin_from_fixes(fixes_, warning);

@@ -49,6 +49,7 @@ struct WholeDrive
     SiteMapper mapper(site);
     for (const ScanFrame& f : frames) mapper.update(map, f.view());
     mapper.keep_window(map);
+    mapper.look_back(map);
   }
 
   /** What is there at the end, without movers. */

@@ -94,6 +94,7 @@ WholeCost talus_whole()
   cost.frame_s = drive(scans, [&](const Frame& frame) { mapper.update(map, frame); });
   cost.memory_MB = heap_MB() - before_MB;
   mapper.keep_window(map);
+  mapper.look_back(map);
   const fs::path file = folder.path() / "site.tif";
   site::write_site(file.string(), site, 0);
   cost.file_MB = static_cast<double>(fs::file_size(file)) / kMB;

@@ -114,6 +114,13 @@ site::Site& WholeMap::site(const ElevationMapper& map)
   return site_;
 }
 
+site::Site& WholeMap::site_in_hindsight(const ElevationMapper& map)
+{
+  mapper_.keep_window(map);
+  mapper_.look_back(map);
+  return site_;
+}
+
 const MapSnapshot& WholeMap::floor(const ElevationMapper& map)
 {
   if (shown_) return *shown_;
@@ -133,7 +140,7 @@ void WholeMap::load(const std::string& path)
 
 void WholeMap::write(const ElevationMapper& map, mrpt::serialization::CArchive& out)
 {
-  site::Site& all = site(map);
+  site::Site& all = site_in_hindsight(map);
   write_state(out, mapper_.state());
   out << static_cast<std::uint64_t>(all.ways.size());
   for (const Way& way : all.ways) write_way(out, way);

@@ -29,6 +29,8 @@ class WholeMap
 
   /** The site, the window of `map` included. */
   site::Site& site(const ElevationMapper& map);
+  /** The same, and corrected everywhere by what came later: for a file. */
+  site::Site& site_in_hindsight(const ElevationMapper& map);
   /** Whether it began with a map of before. */
   bool is_loaded() const { return loaded_; }
   /** Reads what was kept before, a file of each floor. Throws std::runtime_error. */

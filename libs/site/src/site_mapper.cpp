@@ -1,5 +1,6 @@
 #include <talus/site/site_mapper.h>
 
+#include "hindsight.h"
 #include "kept_cell.h"
 #include "strips.h"
 
@@ -31,17 +32,24 @@ int neighbourhood_cells(const Parameters& p)
 
 }  // namespace
 
-SiteMapper::SiteMapper(Site& site, bool restores) : site_(site), restores_(restores)
+SiteMapper::SiteMapper(Site& site, bool restores)
+    : site_(site), restores_(restores), hindsight_(std::make_unique<Hindsight>())
 {
   for (const TileKey& key : site.tiles.keys())
     state_.floors = std::max(state_.floors, key.floor + 1);
   site.ways.emplace_back();
 }
+SiteMapper::~SiteMapper() = default;
 
 FrameReport SiteMapper::update(ElevationMapper& map, const Frame& frame)
 {
   const auto start = std::chrono::steady_clock::now();
   FrameReport report = update_kept(map, frame);
+  if (state_.choice == Choice::None)
+  {
+    hindsight_->add(frame, state_.floor);
+    hindsight_->follow(site_, map, state_.base);
+  }
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   report.total_ms = took.count();
   return report;
@@ -144,6 +152,8 @@ void SiteMapper::keep_window(const ElevationMapper& map)
     add_to_way();
 }
 
+void SiteMapper::look_back(const ElevationMapper& map) { hindsight_->finish(site_, map); }
+
 void SiteMapper::keep_all(const ElevationMapper& map)
 {
   const CellRect window = rect_of(map.window());
@@ -156,7 +166,7 @@ void SiteMapper::keep(const CellRect& cells, std::size_t first)
 {
   const Votes here = votes(state_.floor, cells, first);
   if (here.contradict > here.agree && here.contradict >= kFewestVotes)
-    state_.floor = other_floor(cells, first, kFewestVotes).value_or(state_.floors);
+    state_.floor = other_floor(cells, first, kFewestVotes).value_or(new_floor());
   else if (here.agree + here.contradict == 0 && state_.floors > 1)
     state_.floor = other_floor(cells, first, std::max(kFewestVotes, references(cells, first) / 2))
                        .value_or(state_.floor);
@@ -173,6 +183,7 @@ void SiteMapper::store(const CellRect& cells, std::size_t first)
     bool any = false;
     for_each_cell(cells, part, [&](std::size_t i, std::size_t) { any |= is_known(now[i]); });
     if (!any) return;
+    hindsight_->touch(part.key);
     Tile& tile = site_.tiles.at(part.key);
     for_each_cell(
         cells, part,
@@ -232,7 +243,8 @@ bool SiteMapper::choose_floor(const ElevationMapper& map)
   if (const auto other = other_floor(window, 0, agree + 1))
     state_.floor = *other;
   else if (agree == 0 && (state_.choice == Choice::LeftFloor || here.contradict > 0))
-    state_.floor = state_.floors++;
+    state_.floor = new_floor();
+  state_.floors = std::max(state_.floors, state_.floor + 1);
   return true;
 }
 
@@ -266,6 +278,14 @@ SiteMapper::Votes SiteMapper::votes(int floor, const CellRect& cells, std::size_
   };
   for_each_kept_cell(site_.tiles, cells, floor, count);
   return sum;
+}
+
+/** The first of which nothing is kept: one that was chosen may have been left before that. */
+int SiteMapper::new_floor() const
+{
+  int floor = 0;
+  for (const TileKey& key : site_.tiles.keys()) floor = std::max(floor, key.floor + 1);
+  return floor;
 }
 
 /** The one with the most cells that agree: so many at least, and more than contradict. */

@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
 namespace talus::site
 {
 struct Strip;
+class Hindsight;
 
 /** Keeps in a site what leaves the window of a map, and gives back what comes again. One drive.
  *
@@ -19,7 +21,11 @@ struct Strip;
  * where more of it contradicts what is kept of the floor than agrees, the robot is on another one;
  * and what comes back is restored only where it goes on the ground beside it. Heights contradict
  * if they are a floor apart; then what was measured before stays. What
- * has drifted away from the ground of now is not restored. */
+ * has drifted away from the ground of now is not restored.
+ *
+ * Hindsight. Some scans are kept for a while. When the robot is far away, and with look_back(),
+ * what their rays passed through far more often than they hit it is cleared, since it moved; and
+ * guesses behind which they saw the ground much lower are left unjudged. */
 class SiteMapper
 {
  public:
@@ -53,12 +59,15 @@ class SiteMapper
   /** Begins a way in `site`. `restores`: cells that come back are restored; else what was kept
    * stays until the cell leaves again. */
   explicit SiteMapper(Site& site, bool restores = true);
+  ~SiteMapper();
 
   /** map.update(frame), and what leaves with it is kept, what came back restored: its total_ms
    * counts all. Throws as update(), and std::runtime_error as TileStore. */
   FrameReport update(ElevationMapper& map, const Frame& frame);
   /** Keeps the cells of the window as they are: at the end of a drive, or between. */
   void keep_window(const ElevationMapper& map);
+  /** Corrects all that is kept by what came later: at the end of a drive, after keep_window(). */
+  void look_back(const ElevationMapper& map);
   /** To go on later, with the site that it has now. */
   const State& state() const { return state_; }
   /** With what state() gave. */
@@ -107,6 +116,7 @@ class SiteMapper
   Votes votes(int floor, const CellRect& cells, std::size_t first);
   std::optional<int> other_floor(const CellRect& cells, std::size_t first, int fewest_agree);
   int references(const CellRect& cells, std::size_t first) const;
+  int new_floor() const;
   void find_drifted(int floor, const CellRect& cells, std::size_t first);
   bool take_back(const CellRect& cells, std::size_t first);
   bool take_back_from(int floor, const CellRect& cells, std::size_t first);
@@ -114,6 +124,7 @@ class SiteMapper
   Site& site_;
   bool restores_;
   State state_;
+  std::unique_ptr<Hindsight> hindsight_;
 
   // Kept so that nothing is allocated.
   std::vector<CellRect> rects_;

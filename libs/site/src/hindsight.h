@@ -1,0 +1,46 @@
+#pragma once
+#include "seen_rays.h"
+
+#include <talus/elevation_mapper.h>
+#include <talus/site/site.h>
+#include <talus/site/site_mapper.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+namespace talus::site
+{
+/** Corrects a site by what later scans and those from farther away tell: the map of a drive is not
+ * in a hurry. A tile is looked at when the robot is far away from it. */
+class Hindsight
+{
+ public:
+  /** Keeps the rays of a frame, unless the same sensor has just seen the same from the same place.
+   */
+  void add(const Frame& frame, int floor);
+  /** Cells of a tile were kept: it has to be looked at again. */
+  void touch(const TileKey& key) { touched_.insert(key); }
+  /** Looks at one tile that the robot has left behind, and forgets scans that nothing needs. */
+  void follow(Site& site, const ElevationMapper& map, const SiteMapper::Place& base);
+  /** Looks at all tiles that are left. */
+  void finish(Site& site, const ElevationMapper& map);
+
+ private:
+  struct Seen
+  {
+    double stamp_s, x_m, y_m;
+  };
+  template <class Condition>
+  void keep_if(const Condition& is_needed);
+  void look_at(Site& site, const Parameters& parameters, const TileKey& key);
+
+  std::vector<SeenRays> scans_, spare_;  //!< in the order of time; memory that is not in use
+  std::map<std::uint32_t, Seen> newest_;  //!< of each sensor
+  std::set<TileKey> touched_;
+};
+
+}  // namespace talus::site

@@ -1,0 +1,113 @@
+#include "judge_anew.h"
+
+#include "kept_cell.h"
+#include "strips.h"
+
+#include <talus/elevation_mapper.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace talus::site
+{
+namespace
+{
+int cells_of(double length_m, const Parameters& p)
+{
+  return static_cast<int>(std::lround(length_m / p.resolution_m));
+}
+
+/** The parameters of a map of some cells that nobody drives through: no fill is near the robot. */
+Parameters of_window(Parameters p, int cells)
+{
+  p.window_m = cells * p.resolution_m;
+  p.sparsity_range_m = 0;
+  return p;
+}
+
+/** A frame without points, of a sensor at the height of the ground above the middle of some cells.
+ */
+Frame empty_frame(
+    const CellRect& cells, double resolution_m, const std::vector<CellRecord>& records)
+{
+  const auto middle_m = [&](std::int64_t first, int size)
+  { return (static_cast<double>(first + size / 2) + 0.5) * resolution_m; };
+  double sum_m = 0;
+  int known = 0;
+  for (const CellRecord& c : records)
+    if (is_known(c)) sum_m += c.ground_m, ++known;
+  Frame frame;
+  frame.T_map_sensor.m[3] = middle_m(cells.min_cell_x, cells.width_cells);
+  frame.T_map_sensor.m[7] = middle_m(cells.min_cell_y, cells.height_cells);
+  frame.T_map_sensor.m[11] = known > 0 ? sum_m / known : 0;
+  return frame;
+}
+
+/** The square around the cells of a tile that have changed, and so many more on each side. */
+CellRect square_around(const TileKey& key, const std::vector<int>& changed, int margin)
+{
+  int min_x = kTileCells, max_x = 0, min_y = kTileCells, max_y = 0;
+  for (const int at : changed)
+  {
+    min_x = std::min(min_x, at % kTileCells), max_x = std::max(max_x, at % kTileCells);
+    min_y = std::min(min_y, at / kTileCells), max_y = std::max(max_y, at / kTileCells);
+  }
+  const int side = (std::max(max_x - min_x, max_y - min_y) / 2 + 1 + margin) * 2;
+  return {
+      std::int64_t{key.x} * kTileCells + min_x - margin,
+      std::int64_t{key.y} * kTileCells + min_y - margin, side, side};
+}
+
+/** Whether the judgement of each cell of a square rests on one that has changed. */
+std::vector<bool> affected(
+    const TileKey& key, const std::vector<int>& changed, const CellRect& cells, int reach)
+{
+  std::vector<bool> are(cells.size());
+  const auto first_x = static_cast<int>(std::int64_t{key.x} * kTileCells - cells.min_cell_x);
+  const auto first_y = static_cast<int>(std::int64_t{key.y} * kTileCells - cells.min_cell_y);
+  for (const int at : changed)
+    for (int dy = -reach; dy <= reach; ++dy)
+      for (int dx = -reach; dx <= reach; ++dx)
+      {
+        const int x = first_x + at % kTileCells + dx, y = first_y + at / kTileCells + dy;
+        are[static_cast<std::size_t>(y * cells.width_cells + x)] = true;
+      }
+  return are;
+}
+}  // namespace
+
+void judge_anew(
+    Site& site, const Parameters& parameters, const TileKey& key, const std::vector<int>& changed)
+{
+  const int reach = cells_of(parameters.feature_radius_m, parameters) + 1;
+  const int margin = std::max(reach, cells_of(parameters.fill_search_m, parameters));
+  const CellRect cells = square_around(key, changed, margin);
+  std::vector<CellRecord> records(cells.size());
+  for_each_kept_cell(
+      site.tiles, cells, key.floor, [&](std::size_t i, const CellRecord& c) { records[i] = c; });
+  ElevationMapper map(of_window(parameters, cells.width_cells), Backend::Cpu);
+  const Frame frame = empty_frame(cells, parameters.resolution_m, records);
+  map.update(frame);
+  map.write_cells({cells}, records.data(), records.size());
+  map.update(frame);
+  const CellRecords judged = map.read_cells({cells});
+  const std::vector<bool> wanted = affected(key, changed, cells, reach);
+  const auto put = [&](const TilePart& part)
+  {
+    if (!site.tiles.has(part.key)) return;
+    Tile& tile = site.tiles.at(part.key);
+    for_each_cell(
+        cells, part,
+        [&](std::size_t i, std::size_t at)
+        {
+          CellRecord& kept = tile.cells[at].cell;
+          if (!wanted[i] || !is_known(kept) || !is_known(judged[i])) return;
+          kept = judged[i];
+          forget_latest(kept);
+        });
+  };
+  for_each_tile(cells, key.floor, put);
+}
+
+}  // namespace talus::site

@@ -1,0 +1,126 @@
+// What a drive saw later, and from farther away, corrects its site.
+#include <gtest/gtest.h>
+#include <talus/baselines/sequence.h>
+#include <talus/site/site_mapper.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace talus::site
+{
+namespace
+{
+using baselines::ScanFrame;
+
+/** A drive on level ground with what `things` describe, kept as a site. */
+struct KeptDrive
+{
+  explicit KeptDrive(const std::string& things, const std::string& ground = "[plane: {}]")
+      : site(p.resolution_m, std::size_t{64} << 20, testing::TempDir()),
+        mapper(site),
+        map(p, Backend::Cpu, 1)
+  {
+    const sim::World world = sim::parse_world(
+        "seed: 5\nground: " + ground + "\nsensor: {at_m: [0, 0, 0.7], rate_hz: 10}\n" + things,
+        "test.yaml");
+    for (const ScanFrame& f : baselines::simulate(world, sim::Drive(world, {})).frames)
+      mapper.update(map, f.view());
+    mapper.keep_window(map);
+  }
+
+  struct Counts
+  {
+    int stand = 0, blocked = 0, free = 0, known = 0;
+  };
+  Counts count(double x0, double x1, double y0, double y1)
+  {
+    Counts n;
+    for (const TileKey& key : site.tiles.keys())
+    {
+      const Tile& tile = *site.tiles.find(key);
+      for (int i = 0; i < kTileCells * kTileCells; ++i)
+      {
+        const SiteCell& c = tile.cells[static_cast<std::size_t>(i)];
+        const double x = (key.x * kTileCells + i % kTileCells + 0.5) * p.resolution_m;
+        const double y = (key.y * kTileCells + i / kTileCells + 0.5) * p.resolution_m;
+        if (!c.known() || x < x0 || x > x1 || y < y0 || y > y1) continue;
+        ++n.known;
+        n.stand += c.cell.elevation_m > c.cell.ground_m + 0.2F;
+        n.blocked += c.cell.traversability < 0.05F;
+        n.free += c.cell.traversability >= 0.05F;
+      }
+    }
+    return n;
+  }
+
+  const Parameters p;
+  Site site;
+  SiteMapper mapper;
+  ElevationMapper map;
+};
+}  // namespace
+
+TEST(Traffic, a_car_that_drove_beside_the_robot_leaves_nothing)
+{
+  KeptDrive kept(
+      "robot: {path_m: [[0, 0], [40, 0]], speed_mps: 5}\n"
+      "movers: [box: {path: [[0, -6, 2.6], [8, 36, 2.6]], size_m: [4, 1.6, 1.5]}]\n");
+  const auto lane = [&] { return kept.count(2, 30, 1.8, 3.4); };
+  EXPECT_GT(lane().blocked, 300) << "the window forgets it by itself: this says nothing";
+  kept.mapper.look_back(kept.map);
+  EXPECT_LT(lane().blocked, 0.02 * lane().known);
+  EXPECT_EQ(lane().stand, 0);
+}
+
+TEST(Traffic, what_stands_beside_the_way_stays)
+{
+  KeptDrive kept(
+      "robot: {path_m: [[0, 0], [40, 0]], speed_mps: 5}\n"
+      "objects:\n"
+      "- box: {at_m: [12, 2.6], size_m: [4, 1.6, 1.5]}\n"
+      "- posts: {from_m: [2, -2], to_m: [38, -2], count: 19, height_m: 0.9, radius_m: 0.06}\n");
+  const auto all = [&] { return kept.count(-5, 45, -5, 5); };
+  const auto before = all();
+  kept.mapper.look_back(kept.map);
+  EXPECT_GT(before.stand, 150);
+  EXPECT_EQ(all().stand, before.stand);
+  EXPECT_EQ(all().blocked, before.blocked);
+}
+
+TEST(Traffic, what_came_to_stay_is_kept)
+{
+  const std::string round = "[8, 0], [8, 6], [0, 6], [0, 0]";
+  KeptDrive kept(
+      "robot: {path_m: [[0, 0], " + round + ", " + round +
+      "], speed_mps: 1}\nobjects: [box: {at_m: [4, 1.6], size_m: [0.6, 0.6, 0.5], from_s: 26}]\n");
+  const auto box = [&] { return kept.count(3.5, 4.5, 1.1, 2.1).stand; };
+  const int before = box();
+  kept.mapper.look_back(kept.map);
+  EXPECT_GT(before, 20);
+  EXPECT_EQ(box(), before);
+}
+
+/** The edge is in the window, and all that was hit below it is not. */
+TEST(Guesses, nobody_drives_over_the_edge_of_a_quay)
+{
+  KeptDrive kept(
+      "robot: {path_m: [[0, 0], [15, 0]], speed_mps: 1}\n",
+      "[plane: {}, step: {at_m: [0, 3.3], yaw_deg: 90, height_m: -1.7}]");
+  const auto beyond = [&] { return kept.count(1, 14, 3.35, 5); };
+  EXPECT_GT(beyond().free, 1000) << "the window knows it by itself: this says nothing";
+  kept.mapper.look_back(kept.map);
+  EXPECT_EQ(beyond().free, 0);
+  EXPECT_GT(kept.count(1, 14, -3.2, 3.2).free, 0.99 * kept.count(1, 14, -3.2, 3.2).known);
+}
+
+TEST(Guesses, level_ground_stays_free_up_to_the_rim)
+{
+  KeptDrive kept("robot: {path_m: [[0, 0], [15, 0]], speed_mps: 1}\n");
+  const int before = kept.count(-5, 20, -5, 5).free;
+  kept.mapper.look_back(kept.map);
+  EXPECT_GT(before, 40000);
+  EXPECT_EQ(kept.count(-5, 20, -5, 5).free, before);
+}
+
+}  // namespace talus::site
