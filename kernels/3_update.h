@@ -155,7 +155,7 @@ struct Fusion
 };
 
 /** Goes up over the points, from the ground or the top of the object, to the first gap that is
- * larger than the robot's clearance. All points above the gap hang and are passable. */
+ * larger than the robot's clearance. All points above the gap may hang. */
 struct ClearanceScan
 {
   float top_m;
@@ -176,37 +176,17 @@ struct ClearanceScan
   }
 };
 
-/** Height of the object in a cell; the ground where there is none. */
-TALUS_HD float standing_m(const Cell& c, bool stands)
+/** The top of what stands for sure, without what is high up; the ground where nothing does. */
+TALUS_HD float sure_top_m(const Cell& c)
 {
+  const bool stands = is_known(c.elevation_m) & !c.is(kHitHighUp);
   return select(stands, max_of(c.ground_m, c.elevation_m), c.ground_m);
 }
 
-/** Whether all points of a cell hang above its known surface. A wall over a guess may be hit high
- * up first. So where no ray passed low over the guess, such hits stand until a ray passes low or
- * the ground is hit. Then only hits without a gap below them still stand. */
-TALUS_HD bool all_hang(Cell& c, const Extremes& ends, const Config& k)
+/** Whether all points of a cell are above the first gap that is larger than the clearance. */
+TALUS_HD bool all_hang(const Cell& c, const Extremes& ends, const Config& k)
 {
-  const HeightPoint low = ends.lowest(), high = ends.highest();
-  const bool hit_high_up = c.is(kHitHighUp);
-  const bool stands = is_known(c.elevation_m) & !hit_high_up;
-  const bool hangs = (c.state != kUnknown) & (low.height_m - standing_m(c, stands) > k.clearance_m);
-  const bool unseen = (c.state == kFilledOneSided) | (c.state == kPresumed);
-  const bool guess = !stands & unseen & !c.is(kPassedLow) & on(kHighHitStands, k);
-  const bool higher = hangs & guess & !(hit_high_up & (c.elevation_m >= high.height_m));
-  c.elevation_m = select(higher, high.height_m, c.elevation_m);
-  c.elevation_var_m2 = select(higher, high.variance_m2, c.elevation_var_m2);
-  const bool floor = low.height_m < c.ground_m + kFloorHit_steps * k.step_threshold_m;
-  const bool dropped = hit_high_up & !hangs & floor;
-  c.elevation_m = select(dropped, kNan, c.elevation_m);
-  c.elevation_var_m2 = select(dropped, kNan, c.elevation_var_m2);
-  c.stay_frames = select(dropped, 0, c.stay_frames);
-  c.passed_frames = select(dropped, 0, c.passed_frames);
-  c.overhang_below = select(dropped, 0, c.overhang_below);
-  c.overhang_above = select(dropped, 0, c.overhang_above);
-  c.flags &= select(dropped, ~kOpen, ~0) & select(hangs, ~0, ~kHitHighUp);
-  c.flags |= select(higher, kHitHighUp, 0);
-  return hangs;
+  return (c.state != kUnknown) & (ends.lowest().height_m - sure_top_m(c) > k.clearance_m);
 }
 
 /** The ground keeps the lowest surface: points inside the gate are fused, a lower point replaces
@@ -235,19 +215,13 @@ TALUS_HD void put_ground(
 {
   const bool wanted = !all_hang;
   const Estimate ground = fusion.result(plan, k);
-  // The object on the old ground stands on the new ground only if the robot does not fit between.
+  // If the robot fits between the new ground and the object on the old ground, that may hang.
   const bool hangs =
       wanted & (c.state == kMeasured) & (c.ground_m - ground.height_m > k.clearance_m);
-  c.elevation_m = select(hangs, kNan, c.elevation_m);
-  c.elevation_var_m2 = select(hangs, kNan, c.elevation_var_m2);
+  c.flags |= select(hangs, kHitHighUp, 0);
   c.ground_m = select(wanted, ground.height_m, c.ground_m);
   c.ground_var_m2 = select(wanted, ground.variance_m2, c.ground_var_m2);
   c.state = select(wanted, kMeasured, c.state);
-}
-
-TALUS_HD ClearanceScan start_of_scan(const Cell& c)
-{
-  return {standing_m(c, is_known(c.elevation_m))};
 }
 
 /** The elevation keeps the highest point that stands (eq. 6 and 7): a point inside the gate is
@@ -280,6 +254,19 @@ TALUS_HD void put_elevation(
   c.elevation_m = select(all_hang, c.elevation_m, max_of(c.elevation_m, c.ground_m));
 }
 
+/** What is hit above the first gap, over bare ground, stands until it is known to hang: a wall may
+ * be hit high up first, and of a trailer the top is seen but not the underside. */
+TALUS_HD void put_high_hit(Cell& c, float top_m, const HeightPoint& high, const Config& k)
+{
+  const bool bare = top_m <= bare_up_to_m(c.ground_m, k);
+  const bool hangs = ((c.flags & (kPassedBelow | kRobotWasThere)) != 0) | !on(kHighHitStands, k);
+  const bool above = bare & (high.height_m > top_m) & !hangs;
+  const bool higher = above & !(c.elevation_m >= high.height_m);
+  c.elevation_m = select(higher, high.height_m, c.elevation_m);
+  c.elevation_var_m2 = select(higher, high.variance_m2, c.elevation_var_m2);
+  c.flags = select(bare, c.flags, c.flags & ~kHitHighUp) | select(above, kHitHighUp, 0);
+}
+
 /** The lowest point that overhangs the ground or the object below; infinity: none does. */
 struct Overhang
 {
@@ -295,6 +282,12 @@ struct Overhang
     lowest_m = group.min(lowest_m);
   }
 };
+
+/** What is higher than the clearance overhangs nothing, unless it is the top of what stands. */
+TALUS_HD UpTo overhangs_up_to(const Cell& c, const Config& k)
+{
+  return {select(c.is(kHitHighUp), kInfinity, c.ground_m + k.clearance_m)};
+}
 
 /** An overhang gets its stay, and reaches down to its lowest hit. If the robot drove through the
  * top, nothing overhangs. */
@@ -314,12 +307,13 @@ template <class Group>
 TALUS_HD void update_cell(
     Cell& c, const Extremes& ends, const CellPoints<Group>& points, const Config& k)
 {
+  ClearanceScan last{}, next{sure_top_m(c)};
   if (!all_hang(c, ends, k))
   {
     const FusionPlan ground = plan_ground(c, ends.lowest(), k);
     put_ground(c, false, ground, points.reduce(Fusion{}, ground, k), k);
     HeightPoint high = ends.highest();
-    ClearanceScan last{}, next = start_of_scan(c);
+    next = {sure_top_m(c)};
     if (next.top_m < high.height_m) do
         last = next, next = points.reduce(last, last, k);
       while (next.goes_on(last, high.height_m));
@@ -327,7 +321,8 @@ TALUS_HD void update_cell(
     const FusionPlan elevation = plan_elevation(c, high, next.top_m, k);
     put_elevation(c, false, elevation, points.reduce(Fusion{}, elevation, k), k);
   }
-  put_overhang(c, points.reduce(Overhang{}, UpTo{c.ground_m + k.clearance_m}, k), k);
+  put_high_hit(c, next.top_m, ends.highest(), k);
+  put_overhang(c, points.reduce(Overhang{}, overhangs_up_to(c, k), k), k);
 }
 
 /** Points sorted by cell: each cell has a range. The order of the ranges does not matter. */
@@ -420,6 +415,15 @@ struct UpdateCell
   {
     Cell c = updated;
     const Cell before = store.load(storage_i);
+    // Rays from below end at the underside of what is above the sensor: it hangs.
+    const bool free = (c.state == kMeasured) | c.is(kPassedLow);
+    if (free && c.is(kHitHighUp) && ends.highest().height_m > frame->sensor_z_m)
+    {
+      if (before.is(kHitHighUp) && before.elevation_m <= frame->sensor_z_m)
+        c.elevation_m = before.elevation_m;  // what is below that is another object
+      else
+        remove_object(c);
+    }
     const float bare_m = bare_up_to_m(before.ground_m, *config);
     const bool seen = (before.state == kMeasured) | before.is(kPassedLow);
     const bool was_bare = seen & !(before.elevation_m > bare_m);

@@ -95,11 +95,8 @@ struct StandOnCell
       store.store(storage_i, c);
       return;
     }
-    c.elevation_m = c.ground_m;
-    c.elevation_var_m2 = c.ground_var_m2;
     c.state = kMeasured;
-    forget_persistence(c);
-    forget_overhang(c);
+    remove_object(c);
     c.recent_hits = 0;
     c.flags = kPassedLow | kRobotWasThere;
     c.driven_height = driven_units(

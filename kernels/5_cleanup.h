@@ -65,19 +65,13 @@ TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
 TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
 {
   c.recent_hits = max_of(c.recent_hits, kHitAdds);  // makes it kLeft
-  c.elevation_m = c.elevation_var_m2 = kNan;
-  forget_overhang(c);
   if (surface_class == kObject || c.ground_m > limit)
   {
     c.ground_m = c.ground_var_m2 = kNan;
     c.state = kUnknown;
     surface_class = kInfer;
   }
-  else if (c.state == kMeasured)
-  {
-    c.elevation_m = c.ground_m;
-    c.elevation_var_m2 = c.ground_var_m2;
-  }
+  remove_object(c);
 }
 
 /** Counts a frame whose rays passed at `limit`, below the object; true when it has left. Hits below
@@ -156,10 +150,12 @@ struct CleanUpCell
   {
     const int window_i = iy * cells + ix;
     return passed(window_i) && store.state[storage_i] != kUnknown &&
-           stands_above(window_i, storage_i) && store.stay_frames[storage_i] > 0;
+           stands_above(window_i, storage_i) &&
+           (store.stay_frames[storage_i] > 0 || store.is(kHitHighUp, storage_i));
   }
 
-  /** Rays below an overhang do not prove that it left. Rays that go on where it was hit do. If such
+  /** What is high up hangs, and is removed, if rays pass below it as high as the robot. Rays below
+   * an overhang do not prove that it left. Rays that go on where it was hit do. If such
    * rays pass while it is hit, it is open like a railing, and its ends tell nothing. */
   template <class Group>
   TALUS_HD void inspect(int ix, int iy, int storage_i, const Group& group) const
@@ -169,6 +165,15 @@ struct CleanUpCell
                 limit_m = limit(iy * cells + ix);
     const bool hit = hit_m > limit_m;
     const OverhangRays<Group> overhang{k, reach, footprint_of(k, *reach.frame, ix, iy), group};
+    const bool hangs = store.is(kHitHighUp, storage_i) && passed_below(overhang, storage_i);
+    if (hangs && group.rank() == 0)
+    {
+      Cell c = store.load(storage_i);
+      remove_object(c);
+      c.flags |= kPassedBelow;
+      store.store(storage_i, c);
+    }
+    if (hangs || store.stay_frames[storage_i] == 0) return;
     const bool open = store.is(kOpen, storage_i);
     Reach extent{store.overhang_below[storage_i], store.overhang_above[storage_i]};
     if (hit && !open) extent = learn(extent, overhang, top_m, hit_m, limit_m);
@@ -205,6 +210,17 @@ struct CleanUpCell
 
  private:
   TALUS_HD bool passed(int window_i) const { return passing.lowest_m[window_i] < kInfinity; }
+  /** Whether rays passed below what is high up, as high as the robot. */
+  template <class Group>
+  TALUS_HD bool passed_below(const OverhangRays<Group>& rays, int storage_i) const
+  {
+    const float margin_m = config->cleanup_margin_m;
+    const SlopeSteps gap = rays.between(
+        store.ground_m[storage_i] + config->clearance_m - margin_m, top(storage_i) - margin_m);
+    bool any = false;
+    for (int s = gap.first; s < gap.end && !any; s++) any = rays.went_on({s, s + 1}, false);
+    return any;
+  }
   /** Whether an object stands where the robot drove. */
   TALUS_HD bool came_later(int storage_i) const
   {

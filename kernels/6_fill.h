@@ -204,29 +204,6 @@ TALUS_HD bool is_sample(const CellStore& store, const std::uint8_t* surface_clas
   return (store.state[storage_i] == kMeasured) & (surface_class[storage_i] == kKeep);
 }
 
-/** Drops an object that hangs so high that the robot fits below it, once rays passed there. Such
- * cells are few, so they have a rule of their own beside FillCell. */
-struct DropHanging
-{
-  CellStore store;
-
-  static TALUS_HD bool hangs(int flags)
-  {
-    const int both = kPassedLow | kHitHighUp;
-    return (flags & both) == both;
-  }
-  TALUS_HD bool applies(int, int, int storage_i) const { return hangs(store.flags[storage_i]); }
-  TALUS_HD void operator()(int, int, int storage_i) const
-  {
-    Cell c = store.load(storage_i);
-    c.elevation_m = c.elevation_var_m2 = kNan;
-    forget_persistence(c);
-    forget_overhang(c);
-    c.flags &= ~kHitHighUp;
-    store.store(storage_i, c);
-  }
-};
-
 /** Stage 6 on cell (ix, iy), stored at storage_i. Returns its state. A second call changes nothing.
  */
 struct FillCell
@@ -274,9 +251,8 @@ struct FillCell
     store.ground_var_m2[storage_i] = variance;
     store.state[storage_i] = static_cast<std::uint8_t>(state);
     store.flags[storage_i] = static_cast<std::uint8_t>(flags);
-    const float elevation = select(DropHanging::hangs(flags), kNan, stands_m);
     put_surface(
-        surfaces.cell[surfaces.at(ix, iy)], {ground, elevation, state, flags, driven_height});
+        surfaces.cell[surfaces.at(ix, iy)], {ground, stands_m, state, flags, driven_height});
     return state;
   }
 

@@ -22,7 +22,8 @@ enum State : std::uint8_t
 enum CellFlag : std::uint8_t
 {
   kPassedLow = 2,  //!< in some frame rays proved its ground to be free, see proof_m()
-  kHitHighUp = 8,  //!< the object may hang: it is high above a guess over which no ray passed low
+  kPassedBelow = 4,  //!< rays passed below what is high up there, as high as the robot
+  kHitHighUp = 8,  //!< its object is above a gap that is larger than the clearance, and may hang
   kMayDrop = 32,  //!< its ground may lie far below the ground around it, see fall_in()
   kOpen = 64,  //!< what overhangs there lets rays through: a railing
   kRobotWasThere = 128
@@ -128,13 +129,15 @@ TALUS_HD int overhang_units(float length_m)
   return root * root;
 }
 TALUS_HD float overhang_m(int units) { return static_cast<float>(units) * kOverhangUnit_m; }
-/** Clears an overhang. */
-TALUS_HD void forget_overhang(Cell& c)
+/** Takes the object from a cell, and what is known of it. */
+TALUS_HD void remove_object(Cell& c)
 {
-  c.overhang_below = c.overhang_above = 0;
-  c.flags &= ~kOpen;
+  const bool measured = c.state == kMeasured;
+  c.elevation_m = select(measured, c.ground_m, kNan);
+  c.elevation_var_m2 = select(measured, c.ground_var_m2, kNan);
+  c.stay_frames = c.passed_frames = c.overhang_below = c.overhang_above = 0;
+  c.flags &= ~(kHitHighUp | kOpen);
 }
-TALUS_HD void forget_persistence(Cell& c) { c.stay_frames = c.passed_frames = 0; }
 
 /** Unit of Cell::driven_height: hits up to that height above the ground are not new. */
 constexpr float kDrivenUnit_m = 0.04f;

@@ -32,8 +32,6 @@ constexpr int kOtherFloorOneIn = 3;
 
 // ---- Stage 3: update ----
 
-/** A hit at most so far above a guess [steps] is the floor itself. */
-constexpr float kFloorHit_steps = 0.5f;
 /** Rays that show an overhang end at least this far behind the point, and so many whole rings:
  * range noise and round sides put hits on the same object nearer. */
 constexpr float kBehindOverhang_m = 0.2f;

@@ -117,7 +117,32 @@ TEST(Stage3Update, AnObjectSeenBeforeTheGroundUnderItHangsOnceTheGroundIsSeen)
   EXPECT_NEAR(m.elevation(kX, kY), 0.85, 1e-6);
   m.update(column({0.0}));
   EXPECT_NEAR(m.ground(kX, kY), 0.0, 1e-6);
+  m.update(column({0.75, 0.85}));  // from below
   EXPECT_NEAR(m.elevation(kX, kY), 0.0, 1e-6);
+}
+
+TEST(Stage3Update, WhatIsSeenFromAboveStandsOverSeenGroundUntilARayPassesBelowItAsHighAsTheRobot)
+{
+  // A slab whose underside nobody saw: rays reach the ground below it, but all of them pass low.
+  const double sensor_m = 1.5;
+  const auto slab = [&](double behind_m)
+  {
+    Scan s(0, 0, sensor_m);
+    s.add_surface(1.8, -0.4, 2.2, 0.4, level(0.9)).add_surface(1.8, -0.4, behind_m, 0.4, flat);
+    return s;
+  };
+  TestMap m;
+  m.update(Scan(0, 0, sensor_m).add_surface(1, -1, 4, 1, flat));
+  for (int frame = 0; frame < 3; frame++) m.update(slab(2.6));
+  EXPECT_NEAR(m.ground(2.025, 0.025), 0.0, 1e-5);
+  EXPECT_NEAR(m.elevation(2.025, 0.025), 0.9, 1e-5);
+  EXPECT_EQ(m.traversability(2.025, 0.025), 0.0f);
+  // Rays that end farther behind it pass 0.55 m and more above the ground below it.
+  m.update(slab(4.0));
+  EXPECT_NEAR(m.elevation(2.025, 0.025), 0.0, 1e-5);
+  EXPECT_GT(m.traversability(2.025, 0.025), 0.99f);
+  m.update(slab(2.6));  // now it is known to hang
+  EXPECT_GT(m.traversability(2.025, 0.025), 0.99f);
 }
 
 TEST(Stage3Update, WhatStoodOverAGuessHangsOnceTheFloorBelowItIsHit)

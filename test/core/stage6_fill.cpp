@@ -321,9 +321,8 @@ TEST(Stage6Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
   EXPECT_NEAR(m.at(Layer::Elevation, 2.525, 0.025), 0.9, 1e-3);
   EXPECT_EQ(m.traversability(2.525, 0.025), 0.0f);
   m.update(column(Scan().add_surface(2.8, -0.5, 3.2, 0.5, flat)));
+  m.update(column(Scan()));  // from below: now it is known to hang
   EXPECT_TRUE(std::isnan(m.at(Layer::Elevation, 2.525, 0.025)));
-  EXPECT_GT(m.traversability(2.525, 0.025), 0.9f);
-  m.update(column(Scan()));  // now it is known to hang
   EXPECT_GT(m.traversability(2.525, 0.025), 0.9f);
 }
 

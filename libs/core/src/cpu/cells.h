@@ -55,7 +55,9 @@ class alignas(64) Batch
   {
     up_to_.fill({});
     reduce(ends_, up_to_, k);
-    each_cell([&](Cell& c, int l) { hangs_[l] = kernels::all_hang(c, ends_.load(l), k); });
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+      hangs_[l] = kernels::all_hang(cells_.load(l), ends_.load(l), k);
   }
 
   void update_ground(const Config& k)
@@ -74,6 +76,9 @@ class alignas(64) Batch
       return kernels::plan_elevation(cells_.load(l), high, scan_.load(l).top_m, k);
     };
     fuse(k, plan, kernels::put_elevation);
+    const auto put = [&](Cell& c, int l)
+    { kernels::put_high_hit(c, scan_.load(l).top_m, ends_.load(l).highest(), k); };
+    each_cell(put);
   }
 
   /** Fuses the points of each plan(l), and puts the result into the cell. */
@@ -93,8 +98,7 @@ class alignas(64) Batch
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      const float start_m = kernels::start_of_scan(cells_.load(l)).top_m;
-      scan_.store(l, {kernels::select(hangs_[l] != 0, kernels::kInfinity, start_m)});
+      scan_.store(l, {kernels::sure_top_m(cells_.load(l))});
       any |= scan_.load(l).top_m < ends_.load(l).highest().height_m;
     }
     while (any)
@@ -120,7 +124,7 @@ class alignas(64) Batch
   void find_overhangs(const Config& k)
   {
     TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++) up_to_.store(l, {cells_.load(l).ground_m + k.clearance_m});
+    for (int l = 0; l < kLanes; l++) up_to_.store(l, kernels::overhangs_up_to(cells_.load(l), k));
     reduce(overhang_, up_to_, k);
     each_cell([&](Cell& c, int l) { kernels::put_overhang(c, overhang_.load(l), k); });
   }

@@ -184,12 +184,10 @@ class CpuSchedule
     const kernels::FillCell cell = map_.fill_cell();
     const auto fill = [cell, grid = map_.line_grid(), from = inferred()](int x, int y, int i)
     { cell(x, y, i, from.cells[grid.at(x, y)], from.marks[grid.at(x, y)]); };
-    const kernels::DropHanging drop{map_.store()};
     const kernels::PutSurface put{map_.config.data(), map_.context.data(), map_.store(), cell.out};
     const auto fill_row = [&](const StoredRow& row)
     {
       row.each(fill);
-      row.each_applicable(drop);
       if (cell.out.any()) row.each(put);
     };
     const lines::Walk walk{map_.host_config, map_.line_grid(), map_.samples(), inferred()};

@@ -331,8 +331,6 @@ struct SearchAndFillCell
     const int n = k.cells, storage_i = storage_index(*fill.frame, n, ix, iy);
     const int state = fill(ix, iy, storage_i, found.ground, found.marks);
     if (state != kMeasured && !found.ground.any()) fall_m[grid.at(ix, iy)] = kNan;
-    const DropHanging drop{fill.store};
-    if (drop.applies(ix, iy, storage_i)) drop(ix, iy, storage_i);
     fill.out.put(iy * n + ix, fill.store, storage_i, fill.frame->offset_m);
   }
 
