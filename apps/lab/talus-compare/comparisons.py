@@ -16,8 +16,8 @@ SCORES = {"ground mm": "measured_ground_rmse_m", "fill2 mm": "two_sided_seen_rms
           "hang pass": "hanging_passable", "obst": "obstacle_blocked", "free": "free_passable", "leak": "leak",
           "reach": "reach", "mover": "mover_freed", "posts": "posts_kept", "ditch": "ditch_found"}
 LABELS = {"precision": "precision", "recall": "recall", "F1": "f1", "obst": "obstacle_blocked", "low": "low_blocked",
-          "free": "ground_passable", "left": "left_blocked", "unjudged": "unjudged",
-          "fill2 unjudged": "two_sided_unjudged"}
+          "free": "ground_passable", "left": "left_blocked", "swept": "swept_blocked",
+          "unjudged": "unjudged", "fill2 unjudged": "two_sided_unjudged"}
 
 
 class Runs:

@@ -88,6 +88,7 @@ std::vector<std::pair<std::string, double>> real_figures(const RealLogScore& s)
       {"low_blocked", s.low_blocked.value()},
       {"ground_passable", s.ground_passable.value()},
       {"left_blocked", s.left_blocked.value()},
+      {"swept_blocked", s.swept_blocked.value()},
       {"unjudged", s.unjudged.value()},
       {"two_sided_unjudged", s.two_sided_unjudged.value()}};
 }
@@ -95,8 +96,8 @@ std::vector<std::pair<std::string, double>> real_figures(const RealLogScore& s)
 Table real_log_table(const std::vector<RealLogScore>& maps)
 {
   Table t;
-  t.heading = {"method", "precision", "recall", "F1",       "obst",
-               "low",    "free",      "left",   "unjudged", "fill2 unjudged"};
+  t.heading = {"method", "precision", "recall", "F1",       "obst",          "low",
+               "free",   "left",      "swept",  "unjudged", "fill2 unjudged"};
   for (const RealLogScore& s : maps)
   {
     auto& row = t.rows.emplace_back(std::vector<std::string>{s.method});

@@ -1,86 +1,15 @@
 #include <talus/baselines/real_log.h>
 
-#include <algorithm>
+#include "cell_hits.h"
+
 #include <cmath>
 #include <limits>
-#include <map>
 
 namespace talus::baselines
 {
 namespace
 {
 constexpr float kOnGround_m = 0.15f;
-/** What stands so high stops a robot, and what is higher hangs over it. */
-constexpr float kLowest_m = 0.3f, kHighest_m = 1.8f;
-constexpr int kMovesFrames = 20, kGroundFrames = 5;
-
-/** What the frames of a log hit in one cell. */
-struct Hits
-{
-  float lowest_m = std::numeric_limits<float>::infinity();
-  float highest_m = -std::numeric_limits<float>::infinity();
-  int up_frames = 0;  //!< in which something stood there
-  int ground_frames = 0;  //!< with ground alone, since
-};
-
-/** Of all frames, cell by cell: two passes, since what is up is told by the lowest of all. */
-class CellHits
-{
- public:
-  CellHits(const Sequence& sequence, const Parameters& p) : resolution_m_(p.resolution_m)
-  {
-    for (const ScanFrame& frame : sequence.frames)
-      for (const MapPoint& point : accepted_points(frame.view(), p))
-      {
-        Hits& h = hits_[key(point.x_m, point.y_m)];
-        h.lowest_m = std::min(h.lowest_m, point.z_m);
-        h.highest_m = std::max(h.highest_m, point.z_m);
-      }
-    for (const ScanFrame& frame : sequence.frames) add(accepted_points(frame.view(), p));
-  }
-  /** -infinity: nothing was hit. */
-  float highest_m(double x_m, double y_m) const
-  {
-    const auto found = hits_.find(key(x_m, y_m));
-    return found == hits_.end() ? Hits{}.highest_m : found->second.highest_m;
-  }
-  /** Whether what stood in a cell has left. */
-  bool has_left(std::int64_t x, std::int64_t y) const
-  {
-    const auto found = hits_.find({x, y});
-    if (found == hits_.end()) return false;
-    const Hits& h = found->second;
-    return h.up_frames > 0 && h.up_frames < kMovesFrames && h.ground_frames >= kGroundFrames;
-  }
-
- private:
-  using Key = std::pair<std::int64_t, std::int64_t>;
-  Key key(double x_m, double y_m) const
-  {
-    const auto cell = [&](double at_m)
-    { return static_cast<std::int64_t>(std::floor(at_m / resolution_m_)); };
-    return {cell(x_m), cell(y_m)};
-  }
-  void add(const std::vector<MapPoint>& points)
-  {
-    std::map<Key, bool> up;
-    for (const MapPoint& p : points)
-    {
-      const float above_m = p.z_m - hits_[key(p.x_m, p.y_m)].lowest_m;
-      up[key(p.x_m, p.y_m)] |= above_m >= kLowest_m && above_m <= kHighest_m;
-    }
-    for (const auto& [cell, stands] : up)
-    {
-      Hits& h = hits_[cell];
-      h.up_frames += stands;
-      h.ground_frames = stands ? 0 : h.ground_frames + 1;
-    }
-  }
-
-  double resolution_m_;
-  std::map<Key, Hits> hits_;
-};
-
 void score_points(
     const std::vector<MapPoint>& points, const LabelMap& labels, const Surfaces& map,
     RealLogScore& score)
@@ -206,6 +135,8 @@ std::vector<RealLogScore> score_real_log(
   {
     scores[i].method = evaluation.maps[i].method;
     score_window(hits, evaluation.last[i], scores[i]);
+    if (scores[i].method == "talus")
+      scores[i].swept_blocked = swept_blocked(sequence, hits, labels, parameters);
     if (labels)
       score_labels(*labels, hits, evaluation.last[i], parameters.step_threshold_m, scores[i]);
   }

@@ -14,7 +14,8 @@ struct LabelMap
     kGround = 1,  //!< ground points only
     kObstacle = 2,  //!< a point of something 0.3 to 1.8 m above the ground beside it
     kVegetation = 3,  //!< the same of vegetation only
-    kLow = 4  //!< a point of an obstacle 0.1 to 0.3 m up, and of none higher
+    kLow = 4,  //!< a point of an obstacle 0.1 to 0.3 m up, and of none higher
+    kMoves = 5  //!< a point of something that moves through the cell in one of the scans
   };
   io::LayerStack stack;
 
@@ -45,6 +46,11 @@ struct RealLogScore
   /** Of cells that were hit 0.3 to 1.8 m up in 1 to 19 frames, and afterwards in 5 or more frames
    * only near the ground: blocked all the same. */
   Share left_blocked;
+  /** In the site of the whole drive, of talus only: of cells that movers swept, blocked. They were
+   * hit 0.3 to 1.8 m up in 1 to 19 frames, and before or after in 2 or more frames only near the
+   * ground, as 80 % of the cells within 0.3 m that were hit so high. If any cells are labelled
+   * kMoves, of these. */
+  Share swept_blocked;
   Share unjudged;  //!< of cells with a ground: without a traversability
   Share two_sided_unjudged;  //!< the same of those filled from two sides
 
