@@ -274,7 +274,8 @@ struct CleanUpCell
       return inside && passes_over(limit(y * cells + x), ground_m);
     };
     bool left = false, right = false;
-    for (int d = 1; d <= kBesideRay_cells; d++) left |= over(-d), right |= over(d);
+    for (int d = 1; d <= kBesideRay_cells && !(left && right); d++)
+      left |= over(-d), right |= over(d);
     return !(left & right);
   }
 

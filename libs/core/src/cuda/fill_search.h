@@ -378,10 +378,10 @@ struct SearchAndFillCell
     const int first = (radial.place + kUndercutPlaces - 1) / kUndercutPlaces * kUndercutPlaces;
     const int sample = radial.place - inner.places;
     bool any = false;
-    for (int place = first; place <= last; place += kUndercutPlaces)
+    for (int place = first; place <= last && !any; place += kUndercutPlaces)
     {
       const float away_m = static_cast<float>(place - sample) * radial.track.step_m;
-      any |= undercuts(free_at(radial.track, place, 0), inner.nearest_m, away_m) &&
+      any = undercuts(free_at(radial.track, place, 0), inner.nearest_m, away_m) &&
              !is_passed_over(radial.track, place, inner.nearest_m);
     }
     return any;
@@ -399,7 +399,7 @@ struct SearchAndFillCell
   TALUS_HD bool is_passed_over(const Track& track, int place, float sample_m) const
   {
     bool left = false, right = false;
-    for (int d = 1; d <= kBesideRay_cells; d++)
+    for (int d = 1; d <= kBesideRay_cells && !(left && right); d++)
     {
       left |= passes_over(free_at(track, place, -d), sample_m);
       right |= passes_over(free_at(track, place, d), sample_m);
