@@ -439,6 +439,52 @@ TEST(SiteMapper, on_the_way_down_a_ramp_the_robot_comes_back_to_the_floor_that_i
   EXPECT_EQ(kept.site.tiles.keys().back().floor, 1) << "there is no third one";
 }
 
+/** Two turns of a narrow ramp that winds up around a post of air: decks in steps of 5 cm. */
+struct Helix
+{
+  static constexpr double kRadius_m = 3, kWidth_m = 5, kRise_m = 2.4;  //!< rise of a turn
+
+  static std::string world()
+  {
+    constexpr double kStep_m = 0.05, kPi = 3.14159265358979;
+    const int steps = static_cast<int>(std::lround(kRise_m / kStep_m));
+    const std::string size = "size_m: [" + std::to_string(1.35 * 2 * kPi * kRadius_m / steps) +
+                             ", " + std::to_string(kWidth_m) + "]";
+    std::string decks, way = "[0, " + std::to_string(-kRadius_m) + "]";
+    for (int i = 1; i <= 2 * steps; ++i)
+    {
+      const double turn = static_cast<double>(i) / steps, a = 2 * kPi * turn;
+      const std::string at = "[" + std::to_string(kRadius_m * std::sin(a)) + ", " +
+                             std::to_string(-kRadius_m * std::cos(a)) + "]";
+      decks += "- deck: {at_m: " + at + ", " + size + ", yaw_deg: " + std::to_string(360 * turn) +
+               ", z_m: " + std::to_string(i * kStep_m) + "}\n";
+      if (i % 3 == 0) way += ", " + at;
+    }
+    return kFlat + "objects:\n" + decks + "robot: {path_m: [" + way + "], speed_mps: 1.5}\n";
+  }
+};
+
+TEST(SiteMapper, a_turn_of_a_helix_begins_one_floor)
+{
+  KeptDrive kept;
+  kept.add(drive(Helix::world())).end();
+  EXPECT_LE(kept.site.tiles.keys().back().floor, 2) << "two turns, and the end of the second";
+  int lower = 0, upper = 0;
+  kept.for_each_known(
+      0,
+      [&](const SiteCell& c, double x, double y)
+      {
+        const bool on_ramp = std::abs(std::hypot(x, y) - Helix::kRadius_m) < Helix::kWidth_m / 2;
+        if (!on_ramp || !is_measured(c)) return;
+        const double part = std::atan2(x, -y) / 6.28318530717959;
+        const double above_m = c.cell.ground_m - Helix::kRise_m * (part < 0 ? part + 1 : part);
+        lower += above_m < Helix::kRise_m / 2;
+        upper += above_m > Helix::kRise_m / 2;
+      });
+  EXPECT_GT(lower, 20000);
+  EXPECT_LT(upper, lower / 100) << "heights of the turn above";
+}
+
 TEST(SiteMapper, goes_on_with_a_site_that_there_was_before)
 {
   const auto frames = drive(kStraight);

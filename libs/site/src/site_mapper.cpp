@@ -166,7 +166,7 @@ void SiteMapper::keep(const CellRect& cells, std::size_t first)
 {
   const Votes here = votes(state_.floor, cells, first);
   if (here.contradict > here.agree && here.contradict >= kFewestVotes)
-    state_.floor = other_floor(cells, first, kFewestVotes).value_or(new_floor());
+    state_.floor = other_floor(cells, first, kFewestVotes).value_or(floor_without(cells, first));
   else if (here.agree + here.contradict == 0 && state_.floors > 1)
     state_.floor = other_floor(cells, first, std::max(kFewestVotes, references(cells, first) / 2))
                        .value_or(state_.floor);
@@ -285,6 +285,14 @@ int SiteMapper::new_floor() const
 {
   int floor = 0;
   for (const TileKey& key : site_.tiles.keys()) floor = std::max(floor, key.floor + 1);
+  return floor;
+}
+
+/** The first on which nothing contradicts. One that was begun a moment ago goes on with it. */
+int SiteMapper::floor_without(const CellRect& cells, std::size_t first)
+{
+  int floor = 0;
+  while (floor == state_.floor || votes(floor, cells, first).contradict > 0) ++floor;
   return floor;
 }
 

@@ -117,6 +117,7 @@ class SiteMapper
   std::optional<int> other_floor(const CellRect& cells, std::size_t first, int fewest_agree);
   int references(const CellRect& cells, std::size_t first) const;
   int new_floor() const;
+  int floor_without(const CellRect& cells, std::size_t first);
   void find_drifted(int floor, const CellRect& cells, std::size_t first);
   bool take_back(const CellRect& cells, std::size_t first);
   bool take_back_from(int floor, const CellRect& cells, std::size_t first);
