@@ -60,6 +60,16 @@ bool is_site_part(const fs::path& file)
   return is_numbered(first, "site_floor_", 1);
 }
 
+/** traffic.tif, and those of other floors and islands. */
+bool is_traffic(const fs::path& file)
+{
+  constexpr std::string_view kTraffic = "traffic";
+  const std::string name = file.filename().string();
+  if (name.rfind(kTraffic, 0) != 0 || file.extension() != ".tif") return false;
+  const fs::path map = "site" + name.substr(kTraffic.size());
+  return map == "site.tif" || is_site_part(map);
+}
+
 /** Everything below a folder that is neither internal nor a folder, relative to it. */
 std::vector<fs::path> files_below(const fs::path& folder)
 {
@@ -123,14 +133,15 @@ void set_aside_old_snapshots(const fs::path& hidden, Moves& done)
   for (const auto& file : old) set_aside(hidden, kSnapshots / file.filename(), done);
 }
 
-/** Floors and islands of another run would be taken for those of this site map. */
+/** Floors, islands and the traffic of another run would be taken for those of this site map. */
 void set_aside_old_parts(const fs::path& hidden, Moves& done)
 {
   if (!fs::exists(hidden / "site.tif")) return;
   std::vector<fs::path> old;
   std::error_code no_file;  // such as a link to itself
   for (const auto& entry : fs::directory_iterator(hidden.parent_path()))
-    if (is_site_part(map_of(entry.path())) && entry.is_regular_file(no_file))
+    if ((is_site_part(map_of(entry.path())) || is_traffic(entry.path())) &&
+        entry.is_regular_file(no_file))
       old.push_back(entry.path());
   for (const auto& file : old) set_aside(hidden, file.filename(), done);
 }
@@ -164,7 +175,7 @@ bool is_internal(const fs::path& path)
 bool is_site_file(const fs::path& name)
 {
   const fs::path map = map_of(name);
-  return map == "site.tif" || map == "site.png" || is_site_part(map);
+  return map == "site.tif" || map == "site.png" || is_site_part(map) || is_traffic(name);
 }
 
 void Moves::move(const fs::path& from, const fs::path& to)

@@ -42,9 +42,8 @@ void begin_placing(const std::filesystem::path& hidden, const std::string& seal,
  * and snapshots and floors where there are new ones, are set aside. Throws std::runtime_error. */
 void place(const std::filesystem::path& hidden, Moves& done);
 
-/** Whether a file of this name belongs to a site map: site.tif, a picture, a way, another floor or
- * island.
- */
+/** Whether a file of this name belongs to a site map: site.tif, a picture, a way, traffic, another
+ * floor or island. */
 bool is_site_file(const std::filesystem::path& name);
 
 /** Where what is replaced waits until all is in place. */

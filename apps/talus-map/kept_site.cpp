@@ -78,6 +78,7 @@ KeptSite::KeptSite(const Options& options, double resolution_m, const std::strin
   if (!options.resume.empty()) resume(options.resume);
   if (options.origin) place(*options.origin);
   mapper_.emplace(site_, !options.keep_new);
+  if (options.traffic) mapper_->note_traffic();
 }
 
 void KeptSite::resume(const std::string& path)
@@ -167,6 +168,8 @@ io::SiteSummary KeptSite::summary()
 void KeptSite::write(const std::string& folder, const site::Progress& progress)
 {
   site::write_site_files((fs::path(folder) / "site.tif").string(), site_, progress, far_);
+  if (const site::Traffic* traffic = mapper_->traffic())
+    site::write_traffic_files((fs::path(folder) / "traffic.tif").string(), *traffic, site_, far_);
 }
 
 }  // namespace talus::app

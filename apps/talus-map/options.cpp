@@ -180,6 +180,11 @@ void add_site(CLI::App& app, Options& o)
          "(default: "
          "what is far has a file of its own)")
       ->excludes(none);
+  app.add_flag(
+         "--traffic", o.traffic,
+         "Write traffic.tif, too: how often something that moved was in each cell, and how many "
+         "scans hit it")
+      ->excludes(none);
   app.add_option(
          "--resume", o.resume,
          "Site map of an earlier run to go on with, and those of its other floors beside it (one "

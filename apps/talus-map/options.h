@@ -32,6 +32,7 @@ struct Options
   double memory_mb = 512;  //!< what of it stays in memory, of all jobs
   bool keep_new = false;  //!< cells that come back start empty
   bool keep_far = false;  //!< what lies kilometres from all else is written, too
+  bool traffic = false;  //!< where things moved is written, too
   std::string resume;  //!< site map of an earlier run, empty: none
   std::optional<site::GeoOrigin> origin;
   std::string rawlog_out;  //!< the log with snapshots in it (each, or every Nth); empty: none

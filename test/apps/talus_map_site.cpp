@@ -3,6 +3,8 @@
 #include <talus/io/geotiff.h>
 #include <talus/site/site_geotiff.h>
 
+#include <filesystem>
+
 #include "talus_map_run.h"
 
 using namespace talus;
@@ -57,6 +59,20 @@ TEST_F(TalusMapSite, writes_all_that_the_drive_saw_and_says_how_much)
   site::read_site(path("out/site.tif"), site, 0);
   EXPECT_FALSE(site.tiles.keys().empty());
   EXPECT_FALSE(site.origin);
+}
+
+TEST_F(TalusMapSite, an_old_map_of_traffic_does_not_stay_beside_a_new_site)
+{
+  write_drive("drive", 30);
+  std::filesystem::create_directories(path("out"));
+  write_bytes(path("out/traffic.tif"), "old");
+  write_bytes(path("out/traffic_floor_1.tif"), "old");
+  write_bytes(path("out/traffic_jam.tif"), "of somebody else");
+  ASSERT_EQ(run("drive.rawlog --traffic --output out").code, 0);
+  EXPECT_FALSE(exists("out/traffic.tif")) << "nothing moved";
+  EXPECT_FALSE(exists("out/traffic_floor_1.tif"));
+  EXPECT_TRUE(exists("out/traffic_jam.tif"));
+  expect_refused("drive.rawlog --no-site --traffic", 2, "--no-site");
 }
 
 TEST_F(TalusMapSite, no_site_leaves_the_rest_as_it_is)

@@ -1,9 +1,11 @@
 // What a drive saw later, and from farther away, corrects its site.
 #include <gtest/gtest.h>
 #include <talus/baselines/sequence.h>
+#include <talus/io/geotiff.h>
 #include <talus/site/site_mapper.h>
 
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,11 +18,13 @@ using baselines::ScanFrame;
 /** A drive on level ground with what `things` describe, kept as a site. */
 struct KeptDrive
 {
-  explicit KeptDrive(const std::string& things, const std::string& ground = "[plane: {}]")
+  explicit KeptDrive(
+      const std::string& things, const std::string& ground = "[plane: {}]", bool traffic = false)
       : site(p.resolution_m, std::size_t{64} << 20, testing::TempDir()),
         mapper(site),
         map(p, Backend::Cpu, 1)
   {
+    if (traffic) mapper.note_traffic();
     const sim::World world = sim::parse_world(
         "seed: 5\nground: " + ground + "\nsensor: {at_m: [0, 0, 0.7], rate_hz: 10}\n" + things,
         "test.yaml");
@@ -99,6 +103,61 @@ TEST(Traffic, what_came_to_stay_is_kept)
   kept.mapper.look_back(kept.map);
   EXPECT_GT(before, 20);
   EXPECT_EQ(box(), before);
+}
+
+/** What is told of the cells of a lane and of those outside of it. */
+struct LaneTraffic
+{
+  int cells = 0, elsewhere = 0;
+  std::map<int, int> times;  //!< how many cells of the lane so often
+
+  explicit LaneTraffic(KeptDrive& kept)
+  {
+    const std::string path = testing::TempDir() + "traffic.tif";
+    write_traffic_files(path, *kept.mapper.traffic(), kept.site);
+    const io::LayerStack stack = io::read_geotiff(path);
+    const auto &n = *stack.find("times"), &scans = *stack.find("scans");
+    for (std::size_t i = 0; i < n.size(); ++i)
+    {
+      if (std::isnan(n[i])) continue;
+      EXPECT_LE(n[i], scans[i]);
+      const std::size_t row = i / static_cast<std::size_t>(stack.cells_x);
+      const double y = stack.min_y_m + (static_cast<double>(row) + 0.5) * stack.resolution_m;
+      const bool is_lane = y > 1.7 && y < 3.5;
+      ++(is_lane ? cells : elsewhere);
+      if (is_lane) ++times[static_cast<int>(n[i])];
+    }
+  }
+};
+
+TEST(Traffic, says_in_which_cells_something_moved_and_changes_nothing_by_it)
+{
+  const std::string things =
+      "robot: {path_m: [[0, 0], [30, 0]], speed_mps: 5}\n"
+      "objects: [box: {at_m: [12, -2.6], size_m: [4, 1.6, 1.5]}]\n"
+      "movers: [box: {path: [[0, -6, 2.6], [6, 26, 2.6]], size_m: [4, 1.6, 1.5]}]\n";
+  KeptDrive kept(things, "[plane: {}]", true), not_asked(things);
+  kept.mapper.look_back(kept.map);
+  not_asked.mapper.look_back(not_asked.map);
+  EXPECT_EQ(not_asked.mapper.traffic(), nullptr);
+  EXPECT_EQ(kept.count(-5, 35, -5, 5).blocked, not_asked.count(-5, 35, -5, 5).blocked);
+  LaneTraffic traffic(kept);
+  EXPECT_GT(traffic.cells, 500);
+  EXPECT_GT(traffic.times[1], 0.95 * traffic.cells) << "one car";
+  EXPECT_EQ(traffic.elsewhere, 0) << "the box stands";
+}
+
+TEST(Traffic, counts_each_visit)
+{
+  KeptDrive kept(
+      "robot: {path_m: [[0, 0], [5, 0]], speed_mps: 0.5}\n"
+      "movers: [box: {path: [[0, -12, 2.6], [3, 12, 2.6], [6.5, 12, 2.6], [9.5, -12, 2.6]], "
+      "size_m: [4, 1.6, 1.5]}]\n",
+      "[plane: {}]", true);
+  kept.mapper.look_back(kept.map);
+  LaneTraffic traffic(kept);
+  EXPECT_GT(traffic.times[2], 100) << "a scan with 16 beams hits few cells of it";
+  EXPECT_EQ(traffic.times[3], 0);
 }
 
 /** The edge is in the window, and all that was hit below it is not. */

@@ -90,6 +90,7 @@ void Hindsight::look_at(Site& site, const Parameters& parameters, const TileKey&
     if (scan.floor() == key.floor &&
         away_m(key, site.resolution_m, scan.x_m(), scan.y_m()) < kReach_m)
       around.push_back(&scan);
+  if (traffic_) site::note_traffic(site, key, around, *traffic_);
   clear_traffic(site, parameters, key, around);
   forget_guesses(site, key, around);
 }

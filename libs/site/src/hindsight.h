@@ -4,6 +4,7 @@
 #include <talus/elevation_mapper.h>
 #include <talus/site/site.h>
 #include <talus/site/site_mapper.h>
+#include <talus/site/traffic_map.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,10 @@ class Hindsight
   void touch(const TileKey& key) { touched_.insert(key); }
   /** Looks at one tile that the robot has left behind, and forgets scans that nothing needs. */
   void follow(Site& site, const ElevationMapper& map, const SiteMapper::Place& base);
+  /** Counts from now on where things move. */
+  void note_traffic() { traffic_.emplace(); }
+  /** Null without note_traffic(). */
+  const Traffic* traffic() const { return traffic_ ? &*traffic_ : nullptr; }
   /** Looks at all tiles that are left. */
   void finish(Site& site, const ElevationMapper& map);
 
@@ -41,6 +46,7 @@ class Hindsight
   std::vector<SeenRays> scans_, spare_;  //!< in the order of time; memory that is not in use
   std::map<std::uint32_t, Seen> newest_;  //!< of each sensor
   std::set<TileKey> touched_;
+  std::optional<Traffic> traffic_;
 };
 
 }  // namespace talus::site

@@ -154,6 +154,10 @@ void SiteMapper::keep_window(const ElevationMapper& map)
 
 void SiteMapper::look_back(const ElevationMapper& map) { hindsight_->finish(site_, map); }
 
+void SiteMapper::note_traffic() { hindsight_->note_traffic(); }
+
+const Traffic* SiteMapper::traffic() const { return hindsight_->traffic(); }
+
 void SiteMapper::keep_all(const ElevationMapper& map)
 {
   const CellRect window = rect_of(map.window());

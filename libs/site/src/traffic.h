@@ -3,6 +3,7 @@
 
 #include <talus/parameters.h>
 #include <talus/site/site.h>
+#include <talus/site/traffic_map.h>
 
 namespace talus::site
 {
@@ -12,5 +13,9 @@ namespace talus::site
  * was traffic. */
 void clear_traffic(
     Site& site, const Parameters& parameters, const TileKey& key, const Scans& scans);
+
+/** Counts where things moved in a tile, whether anything of them is left in the site or not. Before
+ * clear_traffic(). */
+void note_traffic(Site& site, const TileKey& key, const Scans& scans, Traffic& traffic);
 
 }  // namespace talus::site

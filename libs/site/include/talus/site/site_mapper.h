@@ -1,6 +1,7 @@
 #pragma once
 #include <talus/elevation_mapper.h>
 #include <talus/site/site.h>
+#include <talus/site/traffic_map.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -68,6 +69,11 @@ class SiteMapper
   void keep_window(const ElevationMapper& map);
   /** Corrects all that is kept by what came later: at the end of a drive, after keep_window(). */
   void look_back(const ElevationMapper& map);
+  /** Counts where things move, before the first frame. It looks at every cell, which takes longer.
+   */
+  void note_traffic();
+  /** What look_back() leaves behind; null without note_traffic(). */
+  const Traffic* traffic() const;
   /** To go on later, with the site that it has now. */
   const State& state() const { return state_; }
   /** With what state() gave. */
