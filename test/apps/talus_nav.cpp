@@ -232,6 +232,9 @@ TEST_F(TalusNav, does_not_fall_where_the_table_of_drops_says_that_it_stops_in_ti
   EXPECT_LT(at_usual_m, 0.5) << "so that a hole of half a metre is found at 0.7 m/s";
   const std::string world =
       "ground: [ditch: {at_m: [4, 0], yaw_deg: 90, width_m: 0.5, depth_m: 1}]\n"
+      "objects: [wall: {from_m: [-1, -2], to_m: [9, -2], height_m: 2},\n"
+      "  wall: {from_m: [-1, 2], to_m: [9, 2], height_m: 2},\n"
+      "  wall: {from_m: [-1, -2], to_m: [-1, 2], height_m: 2}]\n"
       "robot: {path_m: [[0, 0], [1, 0]]}\n";
   talus::test::write_bytes(path_of("hole.yaml"), world);
   EXPECT_EQ(run("hole.yaml --goal 8,0 --every 0 --output out --scanner OS0-128"), 3)
@@ -273,6 +276,43 @@ TEST_F(TalusNav, refuses_options_that_are_no_numbers_in_their_range)
     EXPECT_NE(text("err.txt").find(name + ":"), std::string::npos) << wrong << text("err.txt");
   }
   EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(TalusNav, keeps_off_the_edge_beside_the_ramp_down_from_a_terrace)
+{
+  for (const std::string scanner : {"RS-LiDAR-16", "OS0-128"})
+  {
+    ASSERT_EQ(
+        drive("nav/nav_terrace.yaml", "--goal 1,2.2 --every 0 --output out --scanner " + scanner),
+        0)
+        << scanner << ": " << text("out.txt");
+    // The edge is at x = 5.4 m where y > 1; the middle of the robot keeps its corner away from it.
+    for (const Row& r : path("out"))
+      if (r.y_m > 1.3)
+      {
+        EXPECT_GT(std::abs(r.x_m - 5.4), 0.35) << scanner << " at " << r.time_s << " s";
+      }
+  }
+}
+
+TEST_F(TalusNav, drives_off_along_a_wall_that_is_close_beside_it)
+{
+  const std::string world =
+      "ground: [plane: {}]\nobjects: [box: {at_m: [0.7, 0.48], size_m: [2.6, 0.1, 1.2]}]\n"
+      "robot: {path_m: [[0, 0], [7, 0]]}\nsensor: {at_m: [0, 0, 0.68]}\n";
+  talus::test::write_bytes(path_of("beside.yaml"), world);
+  EXPECT_EQ(run("beside.yaml --goal 4,0 --timeout 30 --every 0 --output out --scanner OS1-64"), 0)
+      << text("out.txt");
+}
+
+TEST_F(TalusNav, finds_the_way_around_what_reaches_far_beyond_start_and_goal)
+{
+  const std::string world =
+      "ground: [ditch: {at_m: [3, 0], yaw_deg: 90, width_m: 0.8, depth_m: 0.6, length_m: 6}]\n"
+      "robot: {path_m: [[0, 0], [1, 0]]}\nsensor: {at_m: [0, 0, 0.68]}\n";
+  talus::test::write_bytes(path_of("around.yaml"), world);
+  EXPECT_EQ(run("around.yaml --goal 6,0 --timeout 60 --every 0 --output out --scanner OS0-128"), 0)
+      << text("out.txt");
 }
 
 TEST_F(TalusNav, refuses_worlds_that_are_too_large_to_plan_in)

@@ -103,16 +103,15 @@ class Mission
 
   void plan(const CPose3D& T)
   {
-    map_.update_costmap(T, route_.costmap());
-    auto now = route_.costmap();
-    map_.block_unseen(T, now);
     const mrpt::math::TPose2D here(T.x(), T.y(), T.yaw());
-    has_way_ = route_.plan(here, now);
-    if (!has_way_)
-    {
-      map_.admit_doubtful(now);  // to go and look
-      has_way_ = route_.plan(here, now);
-    }
+    route_.cover(here);
+    map_.update_costmap(T, route_.costmap());
+    auto known = route_.costmap();
+    map_.block_unseen(T, known);
+    auto hoped = known;
+    map_.admit_doubtful(hoped);  // to go and look
+    has_way_ = route_.plan(here, known) || route_.plan(here, hoped) ||
+               route_.plan_beyond(here, known) || route_.plan_beyond(here, hoped);
     plans_without_way_ = has_way_ ? 0 : plans_without_way_ + 1;
   }
 

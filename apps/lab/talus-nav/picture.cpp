@@ -220,8 +220,10 @@ cv::Mat Painter::with_mission(
 cv::Mat Painter::draw(
     const MissionResult& mission, const Route& route, const Pilot& pilot, const std::string& title)
 {
-  if (background_.empty() || !world_.movers.empty())
-    paint_truth(route, mission.steps.back().time_s);
+  const int columns = background_.cols / kPixelsPerCell, rows = background_.rows / kPixelsPerCell;
+  const bool grew = columns != static_cast<int>(route.costmap().getSizeX()) ||
+                    rows != static_cast<int>(route.costmap().getSizeY());
+  if (grew || !world_.movers.empty()) paint_truth(route, mission.steps.back().time_s);
   cv::Mat truth = background_.clone();
   paint_cells(truth, route, 2, obstacle_colour);
   cv::Mat known(truth.size(), truth.type(), io::kUnknownColour);

@@ -1,6 +1,7 @@
 #include "pilot.h"
 
 #include "../../common/suspect.h"
+#include "clearance.h"
 #include "planner_ini.h"
 #include "settings.h"
 
@@ -13,6 +14,7 @@
 #include <talus/mrpt/planner_ini.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <new>
 #include <stdexcept>
@@ -23,9 +25,11 @@ namespace talus::nav
 namespace
 {
 constexpr double kSameTarget_m = 0.3;
-constexpr double kCreep_mps = 0.2, kCreepClear_m = 0.2;
-constexpr double kTurn_radps = 0.8, kTurnClear_m = 0.05;
+constexpr double kCreep_mps = 0.2, kCreep_s = 1.5;
+constexpr std::array<double, 9> kCreepCurvatures{0, 0.4, -0.4, 0.8, -0.8, 1.6, -1.6, 3, -3};  // 1/m
+constexpr double kTurn_radps = 0.8;
 constexpr double kTurnFrom_rad = 1.4, kTurnTo_rad = 0.1;  // off the target
+constexpr double kLongestStop_s = 2;
 constexpr double kStuck_s = 1, kStill_mps = 0.02, kStill_radps = 0.02;
 
 /** MRPT compiles the formulas of scores with the symbols of the first movement that it rates, and
@@ -103,15 +107,12 @@ std::vector<double> prism_heights(const mrpt::config::CConfigFileBase& ini)
   return heights;
 }
 
-/** Whether f(x, y) holds of a point. */
-template <class F>
-bool any_point(const mrpt::maps::CSimplePointsMap& points, F f)
+/** Where an arc of this curvature [1/m] leads to, robot frame; backwards where it is negative. */
+mrpt::math::TPoint2D end_of_arc(double length_m, double curvature)
 {
-  const auto& x = points.getPointsBufferRef_x();
-  const auto& y = points.getPointsBufferRef_y();
-  for (std::size_t i = 0; i < x.size(); i++)
-    if (f(x[i], y[i])) return true;
-  return false;
+  if (curvature == 0) return {length_m, 0};
+  const double turned_rad = curvature * length_m;
+  return {std::sin(turned_rad) / curvature, (1 - std::cos(turned_rad)) / curvature};
 }
 }  // namespace
 
@@ -129,13 +130,30 @@ mrpt::math::TTwist2D RobotInterface::velocity_in_map()
 bool RobotInterface::changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command)
 {
   const auto& c = dynamic_cast<const mrpt::kinematics::CVehicleVelCmd_DiffDriven&>(command);
-  const RobotBody& body = robot_.body();
-  const double known_m = map_.known_ahead_m(T_map_base, c.lin_vel, c.ang_vel, body.width_m);
-  const double most_mps =
-      stopping_speed_mps(known_m - 0.5 * body.length_m, body.reacts_s, body.brakes_mps2);
-  const double share = std::min(1.0, most_mps / std::max(std::abs(c.lin_vel), 1e-9));
-  robot_.command(share * c.lin_vel, share * c.ang_vel);
+  drive(c.lin_vel, c.ang_vel);
   return true;
+}
+
+void RobotInterface::drive(double v_mps, double w_radps)
+{
+  const RobotBody& body = robot_.body();
+  const auto share_of = [&body](double speed_mps, double within_m)
+  {
+    const double most_mps = stopping_speed_mps(within_m, body.reacts_s, body.brakes_mps2);
+    return most_mps / std::max(speed_mps, 1e-9);
+  };
+  const double known_m = map_.known_ahead_m(T_map_base, v_mps, w_radps, body.width_m);
+  const double corner_mps =
+      std::abs(v_mps) + std::abs(w_radps) * std::hypot(body.length_m, body.width_m) / 2;
+  const double share = std::min(
+      {1.0, share_of(std::abs(v_mps), known_m - 0.5 * body.length_m),
+       share_of(corner_mps, corner_mps * clear_s(v_mps, w_radps, kLongestStop_s))});
+  robot_.command(share * v_mps, share * w_radps);
+}
+
+double RobotInterface::clear_s(double v_mps, double w_radps, double most_s) const
+{
+  return clear_time_s(seen, robot_.body(), v_mps, w_radps, most_s);
 }
 
 mrpt::kinematics::CVehicleVelCmd::Ptr RobotInterface::getEmergencyStopCmd()
@@ -223,8 +241,8 @@ Pilot::~Pilot() = default;
 void Pilot::step(
     const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last)
 {
-  interface_.T_map_base = T_map_base;
-  if (turn(target)) return;
+  interface_.look(T_map_base);
+  if (turn(target) || edge_out(target)) return;
   const bool idle =
       navigator_->getCurrentState() != mrpt::nav::CAbstractNavigator::TState::NAVIGATING;
   if (navigator_->getCurrentState() == mrpt::nav::CAbstractNavigator::TState::NAV_ERROR)
@@ -245,12 +263,35 @@ void Pilot::step(
 bool Pilot::turn(const mrpt::math::TPoint2D& target)
 {
   const mrpt::math::TPoint2D to = interface_.pose_in_map().inverseComposePoint(target);
-  const double off_rad = std::atan2(to.y, to.x);
+  const double off_rad = std::atan2(to.y, to.x), takes_s = std::abs(off_rad) / kTurn_radps;
+  const double w_radps = std::copysign(kTurn_radps, off_rad);
   turns_ = std::abs(off_rad) > (turns_ || is_stuck() ? kTurnTo_rad : kTurnFrom_rad) &&
-           has_room_to_turn();
+           interface_.clear_s(0, w_radps, takes_s) >= takes_s;
   if (!turns_) return false;
   navigator_->cancel();
-  robot_.command(0, std::copysign(kTurn_radps, off_rad));
+  interface_.drive(0, w_radps);
+  return true;
+}
+
+bool Pilot::edge_out(const mrpt::math::TPoint2D& target)
+{
+  if (is_stuck()) edges_out_until_s_ = robot_.time_s() + kCreep_s;
+  if (robot_.time_s() >= edges_out_until_s_) return false;
+  const mrpt::math::TPoint2D to = interface_.pose_in_map().inverseComposePoint(target);
+  double nearest_m = HUGE_VAL, v_mps = 0, w_radps = 0;
+  for (const double curvature : kCreepCurvatures)
+    for (const double v : {kCreep_mps, -kCreep_mps})
+    {
+      if (interface_.clear_s(v, curvature * v, kCreep_s) < kCreep_s) continue;
+      const double left_m = (end_of_arc(v * kCreep_s, curvature) - to).norm();
+      if (left_m >= nearest_m) continue;
+      nearest_m = left_m;
+      v_mps = v;
+      w_radps = curvature * v;
+    }
+  if (nearest_m == HUGE_VAL) return false;
+  navigator_->cancel();
+  interface_.drive(v_mps, w_radps);
   return true;
 }
 
@@ -267,29 +308,8 @@ void Pilot::creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoi
   halt();
   interface_.look(T_map_base);
   const mrpt::math::TPoint2D to = interface_.pose_in_map().inverseComposePoint(place);
-  const double v_mps = is_clear(to.x > 0) ? std::copysign(kCreep_mps, to.x) : 0;
-  robot_.command(v_mps, v_mps * 2 * to.y / (to.x * to.x + to.y * to.y));
-}
-
-bool Pilot::is_clear(bool forwards) const
-{
-  const double end_m = robot_.body().length_m / 2, side_m = robot_.body().width_m / 2;
-  return !any_point(
-      interface_.seen,
-      [&](double x, double y)
-      {
-        const double ahead_m = (forwards ? x : -x) - end_m;
-        return ahead_m > 0 && ahead_m < kCreepClear_m && std::abs(y) < side_m;
-      });
-}
-
-bool Pilot::has_room_to_turn()
-{
-  interface_.look(interface_.T_map_base);
-  const RobotBody& body = robot_.body();
-  const double radius_m = std::hypot(body.length_m, body.width_m) / 2 + kTurnClear_m;
-  return !any_point(
-      interface_.seen, [&](double x, double y) { return std::hypot(x, y) < radius_m; });
+  const double v_mps = std::copysign(kCreep_mps, to.x);
+  interface_.drive(v_mps, v_mps * 2 * to.y / (to.x * to.x + to.y * to.y));
 }
 
 void Pilot::halt()

@@ -31,8 +31,12 @@ class RobotInterface : public detail::RobotToNavigate
 
   mrpt::math::TPose2D pose_in_map() override;
   mrpt::math::TTwist2D velocity_in_map() override;
-  /** Slower where the ground ahead is not known far enough to stop. */
   bool changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command) override;
+  /** Slower where the ground ahead is not known far enough to stop, or what is `seen` would come
+   * nearer than kKeepAway_m; all that the robot does goes through here. */
+  void drive(double v_mps, double w_radps);
+  /** clear_time_s() of what is `seen`. */
+  double clear_s(double v_mps, double w_radps, double most_s) const;
   void stand() override { robot_.command(0, 0); }
   mrpt::kinematics::CVehicleVelCmd::Ptr getEmergencyStopCmd() override;
   mrpt::kinematics::CVehicleVelCmd::Ptr getStopCmd() override { return getEmergencyStopCmd(); }
@@ -65,8 +69,7 @@ class Pilot
   void step(
       const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last);
   /** One slow step on an arc to a place where the robot was, without the navigator, which does not
-   * move once its shape touches an obstacle. Stands while an obstacle is close ahead of the motion.
-   */
+   * move once its shape touches an obstacle. */
   void creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& place);
   void halt();
 
@@ -77,9 +80,11 @@ class Pilot
    * finds no movement: through what is narrow it must look straight. False where it need not, or
    * something is in its way. */
   bool turn(const mrpt::math::TPoint2D& target);
+  /** Creeps on that arc, forwards or backwards, which leads nearest to the target without coming
+   * nearer to anything, for a robot to which the navigator finds no movement, as beside a wall.
+   * False where it need not, or there is none. */
+  bool edge_out(const mrpt::math::TPoint2D& target);
   bool is_stuck();
-  bool has_room_to_turn();
-  bool is_clear(bool forwards) const;
   void try_to(const std::function<void()>& work);
 
   SimulatedRobot& robot_;
@@ -92,6 +97,7 @@ class Pilot
   mrpt::math::TPoint2D target_{1e9, 1e9};
   bool turns_ = false;  //!< on the spot
   double moved_s_ = 0;  //!< when it did last
+  double edges_out_until_s_ = 0;
 };
 
 }  // namespace talus::nav

@@ -15,6 +15,7 @@ namespace
 using mrpt::math::TPoint2D;
 
 constexpr double kMargin_m = 1.5;
+constexpr double kMap_m = 4;  // as far from the robot as the window of the shipped settings reaches
 constexpr double kMost_m2 = 25000;  // 10 million cells, with the pictures 2 GB
 
 struct Area
@@ -62,6 +63,26 @@ void clear_around(
         grid.setPos(
             static_cast<float>(robot.x + dx), static_cast<float>(robot.y + dy), Route::kHopeful);
 }
+
+/** With cells twice as long, each as bad as the worst in it, and unknown ground around. */
+mrpt::maps::COccupancyGridMap2D halved(const mrpt::maps::COccupancyGridMap2D& grid, double around_m)
+{
+  const double cell = 2 * grid.getResolution();
+  const auto down = [&](double v) { return static_cast<float>(std::floor(v / cell) * cell); };
+  mrpt::maps::COccupancyGridMap2D wide;
+  wide.setSize(
+      down(grid.getXMin() - around_m), down(grid.getXMax() + around_m),
+      down(grid.getYMin() - around_m), down(grid.getYMax() + around_m), static_cast<float>(cell),
+      1.0F);
+  for (int y = 0; y < static_cast<int>(grid.getSizeY()); y++)
+    for (int x = 0; x < static_cast<int>(grid.getSizeX()); x++)
+    {
+      const int to_x = wide.x2idx(grid.idx2x(static_cast<std::size_t>(x)));
+      const int to_y = wide.y2idx(grid.idx2y(static_cast<std::size_t>(y)));
+      wide.setCell(to_x, to_y, std::min(wide.getCell(to_x, to_y), grid.getCell(x, y)));
+    }
+  return wide;
+}
 }  // namespace
 
 Route::Route(
@@ -79,6 +100,25 @@ Route::Route(
       static_cast<float>(resolution_m), kHopeful);
 }
 
+void Route::cover(const mrpt::math::TPose2D& robot)
+{
+  const double cell = costmap_.getResolution();
+  const auto down = [cell](double v) { return static_cast<float>(std::floor(v / cell) * cell); };
+  costmap_.resizeGrid(
+      down(robot.x - kMap_m), down(robot.x + kMap_m), down(robot.y - kMap_m),
+      down(robot.y + kMap_m), kHopeful, false);
+}
+
+bool Route::plan_beyond(
+    const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap)
+{
+  way_.clear();
+  auto wide = halved(costmap, kBeyond_m);
+  if (plan_with(wide, robot, robot_radius_m_)) return true;
+  clear_around(wide, robot, robot_radius_m_);
+  return plan_with(wide, robot, 0.8 * robot_radius_m_);
+}
+
 bool Route::plan(const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap)
 {
   way_.clear();
@@ -86,7 +126,7 @@ bool Route::plan(const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyG
   for (const double share : {1.0, 0.8, 0.65})
     if (plan_with(costmap, robot, share * robot_radius_m_)) return true;
   auto around_cleared = costmap;
-  clear_around(around_cleared, robot, 0.85 * robot_radius_m_);
+  clear_around(around_cleared, robot, robot_radius_m_);
   return plan_with(around_cleared, robot, 0.65 * robot_radius_m_);
 }
 

@@ -8,7 +8,7 @@
 
 namespace talus::nav
 {
-/** The way to the goal on a costmap of the whole world, by mrpt::nav::PlannerSimple2D. */
+/** The way to the goal on a costmap that grows with the drive, by mrpt::nav::PlannerSimple2D. */
 class Route
 {
  public:
@@ -17,9 +17,10 @@ class Route
   /** Where nothing is known a way may be hoped for. What costmap_from_map() makes of a cell that is
    * known and not blocked is 0.55 or more. */
   static constexpr float kHopeful = 0.5F;
+  static constexpr double kBeyond_m = 20;
   static constexpr double kFarthest_m = 3000;  //!< from the origin: what OctoMap can hold
 
-  /** The costmap covers start, goal and all that stands in the world; all of it is unknown. Throws
+  /** The costmap covers start, goal and all that stands in the world, and is unknown. Throws
    * std::invalid_argument where that is too far away or too large. */
   Route(
       const sim::World& world, const mrpt::math::TPoint2D& start, const mrpt::math::TPoint2D& goal,
@@ -28,9 +29,17 @@ class Route
   mrpt::maps::COccupancyGridMap2D& costmap() { return costmap_; }
   const mrpt::maps::COccupancyGridMap2D& costmap() const { return costmap_; }
 
+  /** Makes the costmap reach as far around the robot as the map does. */
+  void cover(const mrpt::math::TPose2D& robot);
+
   /** Plans anew on costmap(), or on it with more blocked for now. False when there is no way; the
    * old one is then gone. */
   bool plan(const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap);
+
+  /** The same with kBeyond_m of unknown ground around costmap, robot and goal: a way around what
+   * the costmap ends in. Its cells are twice as long. */
+  bool plan_beyond(
+      const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap);
 
   /** The place on the way that lies `ahead_m` along it from the place nearest to the robot; the
    * goal when it is nearer. Only after plan() found a way. */

@@ -18,6 +18,7 @@ nav/nav_shaft 9,0 arrived
 nav/nav_dock 9,0 arrived
 nav/nav_trench_ramp 8.5,-2.5 arrived
 nav/nav_crest_drop 11,0 blocked
+nav/nav_terrace 1,2.2 arrived
 nav/nav_pothole15 8,0 arrived
 nav/nav_pothole30 8,0 arrived'
 # name, scanner, mounting

@@ -4,19 +4,22 @@
 
 #include <cmath>
 #include <cstdint>
+#include <map>
+#include <utility>
 #include <vector>
 
 namespace talus::nav
 {
 namespace
 {
-/** Where a cell was in doubt: blocked only by comparison with filled ground. */
+/** From where a cell was in doubt: blocked only by comparison with filled ground. */
 enum class Doubt : std::uint8_t
 {
-  None,
   FromAfar,
   FromNearby
 };
+/** Column and row of a cell of the map frame. */
+using Cell = std::pair<int, int>;
 constexpr float kAdmitted = 0.55F;  // as costmap_from_map() makes what is hardly traversable
 
 class TerrainSource : public MapSource
@@ -47,7 +50,7 @@ class TerrainSource : public MapSource
     ObstacleOptions o = options_;
     o.unseen = Unseen::Free;
     talus::update_costmap(map_, T_map_base, o, grid);
-    note_doubts(T_map_base, grid);
+    note_doubts(T_map_base);
   }
 
   void block_unseen(
@@ -58,10 +61,12 @@ class TerrainSource : public MapSource
 
   void admit_doubtful(mrpt::maps::COccupancyGridMap2D& grid) override
   {
-    const auto columns = grid.getSizeX();
-    for (std::size_t i = 0; i < doubts_.size(); i++)
-      if (doubts_[i] == Doubt::FromAfar)
-        grid.setCell(static_cast<int>(i % columns), static_cast<int>(i / columns), kAdmitted);
+    const double side_m = map_.window().resolution_m;
+    for (const auto& [cell, doubt] : doubts_)
+      if (doubt == Doubt::FromAfar)
+        grid.setCell(
+            grid.x2idx((cell.first + 0.5) * side_m), grid.y2idx((cell.second + 0.5) * side_m),
+            kAdmitted);
   }
 
   double known_ahead_m(
@@ -75,10 +80,8 @@ class TerrainSource : public MapSource
  private:
   /** Remembers what is in doubt, also where the window has left; and for good what stays so from
    * nearby, so that the robot does not come back for it. */
-  void note_doubts(
-      const mrpt::poses::CPose3D& T_map_base, const mrpt::maps::COccupancyGridMap2D& grid)
+  void note_doubts(const mrpt::poses::CPose3D& T_map_base)
   {
-    doubts_.resize(grid.getSizeX() * grid.getSizeY(), Doubt::None);
     const auto doubtful = find_doubtful(map_, options_);
     const Window w = map_.window();
     const auto n = static_cast<std::size_t>(w.cells);
@@ -86,24 +89,22 @@ class TerrainSource : public MapSource
     {
       const double x_m = w.min_x_m() + (static_cast<double>(i % n) + 0.5) * w.resolution_m;
       const double y_m = w.min_y_m() + (static_cast<double>(i / n) + 0.5) * w.resolution_m;
-      const int x = grid.x2idx(x_m), y = grid.y2idx(y_m);
-      if (x < 0 || y < 0 || x >= static_cast<int>(grid.getSizeX()) ||
-          y >= static_cast<int>(grid.getSizeY()))
-        continue;
-      Doubt& doubt =
-          doubts_[static_cast<std::size_t>(y) * grid.getSizeX() + static_cast<std::size_t>(x)];
+      const Cell cell{
+          static_cast<int>(std::floor(x_m / w.resolution_m)),
+          static_cast<int>(std::floor(y_m / w.resolution_m))};
+      const auto known = doubts_.find(cell);
+      if (known != doubts_.end() && known->second == Doubt::FromNearby) continue;
       const double distance_m = std::hypot(x_m - T_map_base.x(), y_m - T_map_base.y());
-      if (doubt == Doubt::FromNearby) continue;
-      if (!doubtful[i])
-        doubt = Doubt::None;
-      else
-        doubt = distance_m > options_.seen_within_m ? Doubt::FromAfar : Doubt::FromNearby;
+      if (doubtful[i])
+        doubts_[cell] = distance_m > options_.seen_within_m ? Doubt::FromAfar : Doubt::FromNearby;
+      else if (known != doubts_.end())
+        doubts_.erase(known);
     }
   }
 
   ElevationMapper map_;
   ObstacleOptions options_;
-  std::vector<Doubt> doubts_;  //!< of the cells of the costmap, row by row
+  std::map<Cell, Doubt> doubts_;
 };
 }  // namespace
 
