@@ -103,8 +103,7 @@ void judge_anew(
         {
           CellRecord& kept = tile.cells[at].cell;
           if (!wanted[i] || !is_known(kept) || !is_known(judged[i])) return;
-          kept = judged[i];
-          forget_latest(kept);
+          kept = kept_of(judged[i]);
         });
   };
   for_each_tile(cells, key.floor, put);

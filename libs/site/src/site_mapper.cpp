@@ -199,8 +199,7 @@ void SiteMapper::store(const CellRect& cells, std::size_t first)
           const float judged_whole = kept.cell.traversability;
           const bool keeps_judgement = is_known(kept.cell) && is_unchanged(kept.cell, now[i]) &&
                                        is_at_edge_of_window(cells, i);
-          kept.cell = now[i];
-          forget_latest(kept.cell);
+          kept.cell = kept_of(now[i]);
           if (keeps_judgement) kept.cell.traversability = judged_whole;
           kept.seen_s = seen_s;
         });
