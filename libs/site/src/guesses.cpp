@@ -5,12 +5,16 @@
 #include "kernels/rule_constants.h"
 
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 namespace talus::site
 {
 namespace
 {
+/** So many scans at most are asked for each guess, from all that were around it. */
+constexpr std::size_t kMostAsked = 32;
+
 bool is_guess(const CellRecord& c)
 {
   const CellState state = state_of(c);
@@ -22,9 +26,9 @@ bool is_guess(const CellRecord& c)
 bool is_contradicted(const Scans& scans, float resolution_m, double x_m, double y_m, float ground_m)
 {
   int lower = 0, level = 0;
-  for (const SeenRays* scan : scans)
+  for (std::size_t i = 0; i < scans.size(); i += scans.size() / kMostAsked + 1)
   {
-    const auto end = scan->end_behind(x_m, y_m, resolution_m);
+    const auto end = scans[i]->end_behind(x_m, y_m, resolution_m);
     if (!end) continue;
     const float gentle_m = kernels::kUndercutAhead_m + kernels::kGentle * end->behind_m;
     ++(end->height_m < ground_m - gentle_m ? lower : level);
