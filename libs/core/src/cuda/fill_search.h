@@ -382,7 +382,7 @@ struct SearchAndFillCell
     {
       const float away_m = static_cast<float>(place - sample) * radial.track.step_m;
       any = undercuts(free_at(radial.track, place, 0), inner.nearest_m, away_m) &&
-             !is_passed_over(radial.track, place, inner.nearest_m);
+            !is_passed_over(radial.track, place, inner.nearest_m);
     }
     return any;
   }
