@@ -14,6 +14,9 @@ namespace
 {
 /** So many scans at most are asked for each guess, from all that were around it. */
 constexpr std::size_t kMostAsked = 32;
+/** So many of them contradict a guess alone if their rays passed below it: one may be a reflection.
+ */
+constexpr int kFewestBelow = 2;
 
 bool is_guess(const CellRecord& c)
 {
@@ -22,18 +25,20 @@ bool is_guess(const CellRecord& c)
          c.traversability > 0;
 }
 
-/** Whether more scans saw the ground behind a guess lower than gentle ground than saw it there. */
+/** Whether rays of several scans passed below a guess, or more scans saw the ground behind it lower
+ * than gentle ground than saw it there. */
 bool is_contradicted(const Scans& scans, float resolution_m, double x_m, double y_m, float ground_m)
 {
-  int lower = 0, level = 0;
+  int below = 0, lower = 0, level = 0;
   for (std::size_t i = 0; i < scans.size(); i += scans.size() / kMostAsked + 1)
   {
-    const auto end = scans[i]->end_behind(x_m, y_m, resolution_m);
-    if (!end) continue;
-    const float gentle_m = kernels::kUndercutAhead_m + kernels::kGentle * end->behind_m;
-    ++(end->height_m < ground_m - gentle_m ? lower : level);
+    const auto ray = scans[i]->lowest_behind(x_m, y_m, resolution_m);
+    if (!ray) continue;
+    const float gentle_m = kernels::kUndercutAhead_m + kernels::kGentle * ray->behind_m;
+    below += ray->height_m < ground_m - kernels::kUndercutAhead_m;
+    ++(ray->end_height_m < ground_m - gentle_m ? lower : level);
   }
-  return lower > level;
+  return below >= kFewestBelow || lower > level;
 }
 }  // namespace
 

@@ -20,12 +20,11 @@ class SeenRays
   /** Takes the rays of a frame in place of those that it has. `floor`: of the site. */
   void take(const Frame& frame, int floor);
 
-  /** Where a ray ends. */
-  struct End
+  /** A ray that passes a place and ends behind it; heights in the map frame. */
+  struct Passing
   {
-    float height_m, behind_m;  //!< map frame; behind a place that it passed
+    float height_m, end_height_m, behind_m;
   };
-
   /** Of the sensor, map frame [m]. */
   double x_m() const { return x_m_; }
   /** See x_m(). */
@@ -52,8 +51,8 @@ class SeenRays
     }
   }
 
-  /** Where the lowest ray ends of those that go on behind a place by more than `by_m`. */
-  std::optional<End> end_behind(double x_m, double y_m, float by_m) const
+  /** The lowest ray of those that go on behind a place by more than `by_m`. */
+  std::optional<Passing> lowest_behind(double x_m, double y_m, float by_m) const
   {
     const auto dx = static_cast<float>(x_m - x_m_), dy = static_cast<float>(y_m - y_m_);
     const float away_m = kernels::chebyshev(dx, dy);
@@ -63,7 +62,9 @@ class SeenRays
     {
       const float length_m = static_cast<float>(lengths_cm_[i]) * 0.01F;
       if (length_m > away_m + by_m)
-        return End{z_m_ + slope_of_row(rows_[i]) * length_m, length_m - away_m};
+        return Passing{
+            z_m_ + slope_of_row(rows_[i]) * away_m, z_m_ + slope_of_row(rows_[i]) * length_m,
+            length_m - away_m};
     }
     return std::nullopt;
   }
