@@ -43,6 +43,13 @@ class TalusNav : public testing::Test
   {
     return run(std::string(TALUS_SOURCE_DIR) + "/datasets/worlds/" + world + " " + arguments);
   }
+  /** Drives in a world that is written down here, in a file of this name. */
+  int drive_in(
+      const std::string& name, const std::string& world, const std::string& arguments) const
+  {
+    talus::test::write_bytes(path_of(name), world);
+    return run(name + " " + arguments);
+  }
   std::string text(const std::string& name) const { return read_bytes(dir_ / name); }
   nlohmann::json summary(const std::string& folder) const
   {
@@ -178,8 +185,9 @@ TEST_F(TalusNav, judges_collisions_by_the_truth_and_not_by_the_map)
   const std::string world =
       "name: blind\nground: [plane: {z_m: 0}]\nobjects: [box: {at_m: [2, 0], size_m: [1, 2, 1]}]\n"
       "robot: {path_m: [[0, 0], [1, 0]]}\nsensor: {at_m: [0, 0, 0.68], dropout: 1}\n";
-  talus::test::write_bytes(path_of("blind.yaml"), world);
-  EXPECT_EQ(run("blind.yaml --goal 4,0 --timeout 20 --every 0 --output out --map octomap"), 4)
+  EXPECT_EQ(
+      drive_in("blind.yaml", world, "--goal 4,0 --timeout 20 --every 0 --output out --map octomap"),
+      4)
       << text("err.txt");
   EXPECT_EQ(summary("out")["ending"], "collision");
 }
@@ -236,8 +244,7 @@ TEST_F(TalusNav, does_not_fall_where_the_table_of_drops_says_that_it_stops_in_ti
       "  wall: {from_m: [-1, 2], to_m: [9, 2], height_m: 2},\n"
       "  wall: {from_m: [-1, -2], to_m: [-1, 2], height_m: 2}]\n"
       "robot: {path_m: [[0, 0], [1, 0]]}\n";
-  talus::test::write_bytes(path_of("hole.yaml"), world);
-  EXPECT_EQ(run("hole.yaml --goal 8,0 --every 0 --output out --scanner OS0-128"), 3)
+  EXPECT_EQ(drive_in("hole.yaml", world, "--goal 8,0 --every 0 --output out --scanner OS0-128"), 3)
       << text("out.txt");
 }
 
@@ -300,8 +307,10 @@ TEST_F(TalusNav, drives_off_along_a_wall_that_is_close_beside_it)
   const std::string world =
       "ground: [plane: {}]\nobjects: [box: {at_m: [0.7, 0.48], size_m: [2.6, 0.1, 1.2]}]\n"
       "robot: {path_m: [[0, 0], [7, 0]]}\nsensor: {at_m: [0, 0, 0.68]}\n";
-  talus::test::write_bytes(path_of("beside.yaml"), world);
-  EXPECT_EQ(run("beside.yaml --goal 4,0 --timeout 30 --every 0 --output out --scanner OS1-64"), 0)
+  EXPECT_EQ(
+      drive_in(
+          "beside.yaml", world, "--goal 4,0 --timeout 30 --every 0 --output out --scanner OS1-64"),
+      0)
       << text("out.txt");
 }
 
@@ -310,8 +319,10 @@ TEST_F(TalusNav, finds_the_way_around_what_reaches_far_beyond_start_and_goal)
   const std::string world =
       "ground: [ditch: {at_m: [3, 0], yaw_deg: 90, width_m: 0.8, depth_m: 0.6, length_m: 6}]\n"
       "robot: {path_m: [[0, 0], [1, 0]]}\nsensor: {at_m: [0, 0, 0.68]}\n";
-  talus::test::write_bytes(path_of("around.yaml"), world);
-  EXPECT_EQ(run("around.yaml --goal 6,0 --timeout 60 --every 0 --output out --scanner OS0-128"), 0)
+  EXPECT_EQ(
+      drive_in(
+          "around.yaml", world, "--goal 6,0 --timeout 60 --every 0 --output out --scanner OS0-128"),
+      0)
       << text("out.txt");
 }
 
@@ -324,8 +335,7 @@ TEST_F(TalusNav, refuses_worlds_that_are_too_large_to_plan_in)
   const std::string world =
       "ground: [plane: {}]\nobjects: [box: {at_m: [9e5, 0], size_m: [1, 2, 1]}]\n"
       "robot: {path_m: [[0, 0], [1, 0]]}\n";
-  talus::test::write_bytes(path_of("far.yaml"), world);
-  EXPECT_EQ(run("far.yaml --goal 4,0 --output out"), 1);
+  EXPECT_EQ(drive_in("far.yaml", world, "--goal 4,0 --output out"), 1);
   EXPECT_NE(text("err.txt").find("far.yaml: start, goal and objects"), std::string::npos)
       << text("err.txt");
   EXPECT_FALSE(exists("out"));

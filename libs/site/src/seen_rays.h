@@ -37,10 +37,9 @@ class SeenRays
   template <class F>
   void for_each_over(double x_m, double y_m, float low_m, float high_m, const F& f) const
   {
-    const auto dx = static_cast<float>(x_m - x_m_), dy = static_cast<float>(y_m - y_m_);
-    const float away_m = kernels::chebyshev(dx, dy);
-    if (!(away_m > kNearest_m)) return;
-    const auto column = static_cast<std::size_t>(column_of(dx, dy));
+    const std::optional<Direction> to = towards(x_m, y_m);
+    if (!to) return;
+    const auto [column, away_m] = *to;
     const int low = row_of((low_m - z_m_) / away_m), high = row_of((high_m - z_m_) / away_m);
     const std::uint8_t* const end = rows_.data() + begins_[column + 1];
     const std::uint8_t* row = std::lower_bound(rows_.data() + begins_[column], end, low);
@@ -54,10 +53,9 @@ class SeenRays
   /** The lowest ray of those that go on behind a place by more than `by_m`. */
   std::optional<Passing> lowest_behind(double x_m, double y_m, float by_m) const
   {
-    const auto dx = static_cast<float>(x_m - x_m_), dy = static_cast<float>(y_m - y_m_);
-    const float away_m = kernels::chebyshev(dx, dy);
-    if (!(away_m > kNearest_m)) return std::nullopt;
-    const auto column = static_cast<std::size_t>(column_of(dx, dy));
+    const std::optional<Direction> to = towards(x_m, y_m);
+    if (!to) return std::nullopt;
+    const auto [column, away_m] = *to;
     for (std::uint32_t i = begins_[column]; i < begins_[column + 1]; ++i)
     {
       const float length_m = static_cast<float>(lengths_cm_[i]) * 0.01F;
@@ -74,6 +72,19 @@ class SeenRays
   static constexpr int kPerSide = 256, kColumns = 4 * kPerSide, kRows = 128;
   static constexpr float kRowsPerStep = static_cast<float>(kRows) / kernels::kSlopeSteps;
 
+  struct Direction
+  {
+    std::size_t column;
+    float away_m;
+  };
+  /** Nothing of places at the robot. */
+  std::optional<Direction> towards(double x_m, double y_m) const
+  {
+    const auto dx = static_cast<float>(x_m - x_m_), dy = static_cast<float>(y_m - y_m_);
+    const float away_m = kernels::chebyshev(dx, dy);
+    if (!(away_m > kNearest_m)) return std::nullopt;
+    return Direction{static_cast<std::size_t>(column_of(dx, dy)), away_m};
+  }
   static int column_of(float dx, float dy)
   {
     const int column = kernels::floor_to_int(kernels::direction_in_bins(dx, dy, kPerSide));

@@ -10,6 +10,7 @@ namespace talus::baselines
 namespace
 {
 constexpr float kOnGround_m = 0.15f;
+
 void score_points(
     const std::vector<MapPoint>& points, const LabelMap& labels, const Surfaces& map,
     RealLogScore& score)
