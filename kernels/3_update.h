@@ -114,9 +114,15 @@ struct FusionPlan
  * exact. */
 constexpr float kInformation = 256.0f, kDistance = 1048576.0f, kMostUnits = 2147483392.0f;
 
+/** At most `kMostUnits` of them, also for NaN: what no cell takes is reckoned all the same. */
+TALUS_HD std::int32_t whole_units(float units)
+{
+  return static_cast<std::int32_t>(min_of(kMostUnits, units));
+}
+
 TALUS_HD std::int32_t information_of(float variance_m2)
 {
-  return static_cast<std::int32_t>(min_of(kInformation / variance_m2, kMostUnits));
+  return whole_units(kInformation / variance_m2);
 }
 
 /** Kalman fusion (eq. 6 and 7, d <= c) of a set in one step: the information of a set is a sum. */
@@ -129,7 +135,7 @@ struct Fusion
                         inside_gate(p.height_m, p.variance_m2, plan.base_m, plan.base_var_m2, k);
     const std::int32_t w = select(inside, information_of(p.variance_m2) + 1, 0);
     const float away = (p.height_m - plan.base_m) * kDistance;
-    const auto distance = static_cast<std::int32_t>(max_of(min_of(away, kMostUnits), -kMostUnits));
+    const std::int32_t distance = whole_units(max_of(away, -kMostUnits));
     information += w;
     weighted_distance += static_cast<std::int64_t>(w) * distance;
   }
