@@ -178,6 +178,11 @@ bool is_site_file(const fs::path& name)
   return map == "site.tif" || map == "site.png" || is_site_part(map) || is_traffic(name);
 }
 
+bool is_site_map(const fs::path& name)
+{
+  return name.extension() == ".tif" && (name == "site.tif" || is_site_part(name));
+}
+
 void Moves::move(const fs::path& from, const fs::path& to)
 {
   fs::rename(from, to);

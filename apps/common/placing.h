@@ -46,6 +46,8 @@ void place(const std::filesystem::path& hidden, Moves& done);
  * floor or island. */
 bool is_site_file(const std::filesystem::path& name);
 
+/** Whether a file of this name is site.tif, or that of another floor or island. */
+bool is_site_map(const std::filesystem::path& name);
 /** Where what is replaced waits until all is in place. */
 std::filesystem::path replaced_in(const std::filesystem::path& hidden);
 

@@ -62,8 +62,17 @@ class Batch
     if (!run_job(job, options_, settings_, label)) return false;
     if (!options_.quiet)
       std::cout << "  wrote   " << (std::filesystem::path(job.folder) / "map.png").string()
-                << (options_.has_site ? ", site.png\n" : "\n");
+                << (options_.has_site ? ", site.png" : "") << exports_text() << "\n";
     return true;
+  }
+
+  /** ", and as ros, html"; empty without exports. */
+  std::string exports_text() const
+  {
+    std::string text;
+    for (const std::string& format : options_.exports.formats)
+      text += (text.empty() ? ", and as " : ", ") + format;
+    return text;
   }
 
   void run_some_at_once()

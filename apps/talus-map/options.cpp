@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include "../common/command_line.h"
+#include "../common/export/export_options.h"
 #include "../common/version.h"
 #include "job.h"
 #include "kept_site.h"
@@ -214,6 +215,10 @@ void add_site(CLI::App& app, Options& o)
 
 void add_outputs(CLI::App& app, Options& o)
 {
+  add_formats(
+      app, "--export", o.exports,
+      "Write the site map as talus-export does, too: site.html and so on; without one the map of "
+      "the window");
   app.add_option(
          "--output", o.output,
          "Folder of the results; a batch makes one folder a log in it (default: NAME_map)")

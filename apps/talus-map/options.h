@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../common/export/export_files.h"
 #include "../common/import/import_options.h"
 
 namespace talus::app
@@ -36,6 +37,7 @@ struct Options
   std::string resume;  //!< site map of an earlier run, empty: none
   std::optional<site::GeoOrigin> origin;
   std::string rawlog_out;  //!< the log with snapshots in it (each, or every Nth); empty: none
+  ExportOptions exports;  //!< the site map is written so, too; without one the window
   import::ImportOptions import;
   std::vector<std::string> import_switches;  //!< given, though only an import heeds them
   bool keep_log = false;  //!< the log that an import makes is a result

@@ -6,6 +6,7 @@
 #include "../common/placing.h"
 #include "../common/progress_bar.h"
 #include "../common/suspect.h"
+#include "../common/export/export_files.h"
 #include "files_apart.h"
 #include "kept_site.h"
 #include "log_mapper.h"
@@ -99,6 +100,19 @@ bool write_site(KeptSite& site, const OutputFolder& output, io::RunSummary& run,
   return false;
 }
 
+/** The site map with its floors and islands, else the map of the window. */
+void write_exports(const Job& job, const Options& options, const OutputFolder& output)
+{
+  if (options.exports.formats.empty()) return;
+  std::vector<fs::path> maps;
+  for (const auto& file : fs::directory_iterator(output.staging()))
+    if (is_site_map(file.path().filename())) maps.push_back(file.path());
+  if (maps.empty()) maps.push_back(fs::path(output.staging()) / "map.tif");
+  const fs::path name = fs::absolute(job.folder).filename();
+  for (const fs::path& map : maps)
+    export_files(map.string(), output.staging(), (name / map.stem()).string(), options.exports);
+}
+
 /** True when all is written, false when the site map is not. */
 bool map_log(
     const Job& job, const Options& options, const Settings& settings, const std::string& label,
@@ -129,6 +143,7 @@ bool map_log(
     if (site) is_whole = write_site(*site, output, mapper.summary(), bar);
   }
   write_results(folder, mapper, origin_of(site, options));
+  write_exports(job, options, output);
   if (rawlog_out) write_log(*rawlog_out);
   const auto& warnings = mapper.summary().warnings;  // those of the settings have been told
   for (std::size_t i = settings.warnings.size(); i < warnings.size(); ++i)

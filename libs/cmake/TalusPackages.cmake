@@ -36,7 +36,7 @@ endif()
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_NAME talus)
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_COMMANDS_PACKAGE_DEPENDS "fonts-dejavu-core, python3:any")  # the letters of pictures
+set(CPACK_DEBIAN_COMMANDS_PACKAGE_DEPENDS "fonts-dejavu-core, libjs-leaflet, python3:any")  # the letters of pictures
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_SUGGESTS "talus-mrpt-plugin, snakemake")
 set(CPACK_COMPONENT_COMMANDS_DESCRIPTION "Maps of the terrain around ground robots, from rawlogs of MRPT: commands")
 set(CPACK_DEBIAN_PLUGIN_PACKAGE_NAME talus-mrpt-plugin)
@@ -50,7 +50,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libtbb-dev")
 if(TALUS_WITH_MRPT)
   string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libmrpt-maps-dev, libgdal-dev, libopencv-dev, zlib1g-dev, "
-    "libzstd-dev, libyaml-cpp-dev, libceres-dev, libfastcdr-dev, libsqlite3-dev, liblz4-dev, libfreetype-dev")
+    "libzstd-dev, libyaml-cpp-dev, libceres-dev, libfastcdr-dev, libsqlite3-dev, liblz4-dev, libfreetype-dev, liboctomap-dev")
 endif()
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "libmrpt-nav-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Terrain maps for ground robots: libraries for C++")

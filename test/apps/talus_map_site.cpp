@@ -41,6 +41,16 @@ class TalusMapSite : public TalusMap
   }
   double area_m2(const std::string& folder) const { return summary(folder)["site"]["area_m2"]; }
 };
+TEST_F(TalusMapSite, export_writes_the_site_or_without_one_the_window_in_other_formats)
+{
+  write_drive("drive", 20);
+  ASSERT_EQ(run("drive.rawlog --output both --export ros,octomap").code, 0);
+  for (const char* name : {"both/site.yaml", "both/site.pgm", "both/site.bt", "both/site.tif"})
+    EXPECT_TRUE(std::filesystem::exists(path(name))) << name;
+  ASSERT_EQ(run("drive.rawlog --output window --no-site --export ros").code, 0);
+  EXPECT_TRUE(std::filesystem::exists(path("window/map.pgm")));
+  expect_refused("drive.rawlog --export rso", 2, "rso");
+}
 }  // namespace
 
 TEST_F(TalusMapSite, writes_all_that_the_drive_saw_and_says_how_much)

@@ -161,7 +161,7 @@ void write_geotiff(
   file.commit();
 }
 
-LayerStack read_geotiff(const std::string& path)
+LayerStack read_geotiff(const std::string& path, const std::vector<std::string>& bands)
 {
   GdalErrors errors;
   const DatasetPtr dataset = open_geotiff(path, errors);
@@ -169,10 +169,22 @@ LayerStack read_geotiff(const std::string& path)
   LayerStack stack = place_of(*dataset, path, errors);
   for (auto* band : dataset->GetBands())
   {
+    const bool wanted =
+        bands.empty() ||
+        std::find(bands.begin(), bands.end(), band->GetDescription()) != bands.end();
+    if (!wanted) continue;
     stack.names.emplace_back(band->GetDescription());
     stack.layers.push_back(read_band(*band, path, errors));
   }
   return stack;
+}
+
+std::optional<GeoOrigin> origin_of_geotiff(const std::string& path)
+{
+  GdalErrors errors;
+  const DatasetPtr dataset = open_geotiff(path, errors);
+  const char* const text = dataset->GetMetadataItem(kOriginItem);
+  return origin_from(text ? text : "");
 }
 
 }  // namespace talus::io

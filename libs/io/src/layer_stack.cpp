@@ -26,7 +26,7 @@ void LayerStack::require_sound() const
           std::to_string(cells_y) + " cells");
 }
 
-LayerStack snapshot(const ElevationMapper& map)
+LayerStack snapshot(const MapView& map)
 {
   const Window w = map.window();
   LayerStack stack;

@@ -145,6 +145,11 @@ double resolution_of_site(const std::string& path) { return SiteReader(path).res
 int floor_of_site(const std::string& path) { return SiteReader(path).floor(); }
 std::vector<int> floors_of_site(const std::string& path) { return SiteReader(path).floors(); }
 std::size_t islands_of_site(const std::string& path) { return SiteReader(path).islands(); }
+std::vector<std::vector<WayPoint>> ways_of_site(const std::string& path)
+{
+  const SiteReader file(path);
+  return file.ways(file.floor());
+}
 std::uint32_t newest_of_site(const std::string& path) { return SiteReader(path).newest_s(); }
 
 }  // namespace talus::site

@@ -20,8 +20,13 @@ void write_geotiff(
     const std::optional<GeoOrigin>& origin = std::nullopt);
 
 /** Reads what write_geotiff() wrote, in the map frame: any GeoTIFF without another rotation whose
- * bands hold float32 as they are. Throws std::runtime_error, also where another program has
+ * bands hold float32 as they are. `bands`: of these names only, where they are there; empty: all.
+ * Throws std::runtime_error, also where another program has
  * converted the bands. */
-LayerStack read_geotiff(const std::string& path);
+LayerStack read_geotiff(const std::string& path, const std::vector<std::string>& bands = {});
+
+/** Where the map of such a file is on Earth; nothing where it does not say. Throws as
+ * read_geotiff(). */
+std::optional<GeoOrigin> origin_of_geotiff(const std::string& path);
 
 }  // namespace talus::io

@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/elevation_mapper.h>
+#include <talus/map_view.h>
 
 #include <string>
 #include <vector>
@@ -31,6 +31,6 @@ struct LayerStack
 };
 
 /** All layers of a map, in the order of kLayerNames. */
-LayerStack snapshot(const ElevationMapper& map);
+LayerStack snapshot(const MapView& map);
 
 }  // namespace talus::io

@@ -1,0 +1,27 @@
+#pragma once
+#include <talus/formats/write.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace talus::app
+{
+/** In what formats a map is written, and how. */
+struct ExportOptions
+{
+  std::vector<std::string> formats;  //!< as the option --to names them
+  std::string changes;  //!< a changes.tif for the page; empty: none
+  formats::RosMode ros_mode = formats::RosMode::Trinary;
+  double blocked_at = 0.0, clearance_m = 0.6;
+  std::size_t max_faces = 2'000'000, max_mb = 30;
+};
+
+/** Writes a map.tif or site.tif in each of the formats into a folder. What is written is called as
+ * the file is. `title`: of the page. The main file of each format. Throws std::runtime_error that
+ * names the file. */
+std::vector<std::string> export_files(
+    const std::string& geotiff, const std::string& folder, const std::string& title,
+    const ExportOptions& options);
+
+}  // namespace talus::app

@@ -1,0 +1,85 @@
+// talus-export: a map of terrain in, the same in formats of other programs out.
+#include "../common/child_process.h"
+#include "../common/export/export_files.h"
+#include "../common/output_folder.h"
+#include "../common/printable.h"
+#include "../common/suspect.h"
+#include "options.h"
+
+#include <csignal>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+namespace fs = std::filesystem;
+using namespace talus::formats;
+
+namespace
+{
+constexpr const char* kLessMemory =
+    "The map is read as a whole: cut out a part of it with gdal_translate, or take a machine with "
+    "more memory";
+void print_error(const std::string& text) { std::cerr << "talus-export: " << text << "\n"; }
+
+/** "monday/site" for "logs/monday/site.tif". */
+std::string title_of(const fs::path& file)
+{
+  return (fs::absolute(file).parent_path().filename() / file.stem()).string();
+}
+
+void export_all(const Options& o)
+{
+  for (const std::string& file : o.inputs)
+  {
+    const std::string folder = o.output.empty() ? fs::path(file).parent_path().string() : o.output;
+    for (const std::string& path :
+         talus::app::export_files(file, folder, title_of(file), o.exports))
+      if (!o.quiet) std::cout << "  wrote   " << path << "\n";
+  }
+}
+
+/** In a child: the exit code. */
+int work_or_tell(const Options& o)
+{
+  try
+  {
+    export_all(o);
+    return 0;
+  }
+  catch (const std::exception& e)
+  {
+    print_error(talus::app::failure_text(e, o.inputs.front(), kLessMemory));
+    return 1;
+  }
+}
+
+/** Makes --output where it is missing. */
+int run(const Options& o)
+{
+  std::unique_ptr<talus::app::OutputFolder> folder;
+  std::error_code none;
+  if (!o.output.empty() && !fs::is_directory(o.output, none))
+    folder = std::make_unique<talus::app::OutputFolder>(o.output);
+  for (const int s : {SIGXFSZ, SIGPIPE}) std::signal(s, SIG_IGN);  // an error of write() instead
+  return talus::app::run_command_in_child(
+      o.inputs.front(), [&] { return work_or_tell(o); }, print_error);
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  const talus::app::PrintableOutput printable;
+  Options options;
+  if (const auto code = parse_options(argc, argv, options)) return *code;
+  try
+  {
+    talus::app::forward_signals();
+    return run(options);
+  }
+  catch (const std::exception& e)
+  {
+    print_error(talus::app::failure_text(e, options.output, kLessMemory));
+    return 1;
+  }
+}

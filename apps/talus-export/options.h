@@ -1,0 +1,23 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "../common/export/export_files.h"
+
+namespace talus::formats
+{
+/** What the command line says. */
+struct Options
+{
+  std::vector<std::string> inputs;
+  app::ExportOptions exports;
+  std::string output;  //!< a folder; empty: that of each map
+  bool quiet = false;
+};
+
+/** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
+ * program, or nothing: go on. */
+std::optional<int> parse_options(int argc, char** argv, Options& options);
+
+}  // namespace talus::formats

@@ -1,0 +1,36 @@
+#pragma once
+#include <talus/io/geo_origin.h>
+#include <talus/io/layer_stack.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace talus::formats
+{
+/** A place of a way [m, map frame]. */
+struct PagePoint
+{
+  double x_m, y_m, z_m;
+};
+
+/** What a page shows beside the map. */
+struct PageOptions
+{
+  std::string title;  //!< in UTF-8
+  std::vector<std::vector<PagePoint>> ways;  //!< that were driven
+  std::optional<io::GeoOrigin> origin;  //!< where the map is on Earth
+  const io::LayerStack* changes =
+      nullptr;  //!< bands `kind` and `change_m`, of the same cells' size
+  std::size_t max_bytes = std::size_t{30} << 20;  //!< cells are joined until the page is smaller
+};
+
+/** One file of HTML that any browser opens without a network: layers to switch, zoom, the values
+ * under the pointer, and distance and height profile between two clicks. It brings Leaflet along,
+ * which Debian's libjs-leaflet has. Throws std::runtime_error that names the file, the layer or
+ * the package which is missing. */
+void write_page(
+    const std::string& path, const io::LayerStack& map, const PageOptions& options = PageOptions());
+
+}  // namespace talus::formats

@@ -1,0 +1,50 @@
+#pragma once
+#include <talus/io/layer_stack.h>
+
+#include <cstddef>
+#include <string>
+
+// Files of other programs. Each takes the layers of a window or of a site and is written whole or
+// not at all; all throw std::runtime_error that names the file, or the layer which is missing.
+namespace talus::formats
+{
+/** How a map of ROS tells what is free. */
+enum class RosMode
+{
+  Trinary,  //!< free, occupied or unknown, a .pgm
+  Scale  //!< also how well a free cell drives: a .png, transparent where it is unknown
+};
+
+/** A map of ROS's map_server and of Nav2: `path` is its .yaml, the picture lies beside it under the
+ * same name. Cells are occupied where the traversability is `blocked_at` or less. */
+void write_ros_map(
+    const std::string& path, const io::LayerStack& map, RosMode mode, double blocked_at);
+
+/** mrpt::maps::COccupancyGridMap2D as MRPT's programs read it: .gridmap.gz, to_occupancy_grid(). */
+void write_gridmap(const std::string& path, const io::LayerStack& map, double blocked_at);
+
+/** OctoMap's binary tree, .bt, see to_octomap(). */
+void write_octomap(const std::string& path, const io::LayerStack& map, double clearance_m);
+
+/** A binary .ply: the ground as a mesh in the colours of the traversability, a vertex a cell, and
+ * what stands on it as vertices without faces. Cells are joined, 2 x 2 and so on, until the mesh
+ * has no more than `max_faces`. */
+void write_mesh(const std::string& path, const io::LayerStack& map, std::size_t max_faces);
+
+/** Where the picture of write_heightmap() lies in the map frame [m]. */
+struct HeightmapPlace
+{
+  int side_pixels = 0;  //!< 2^n + 1
+  double size_m = 0, height_m = 0;  //!< of the square, and from black to white
+  double center_x_m = 0, center_y_m = 0, lowest_m = 0;  //!< of its middle, and of black
+};
+
+/** The ground as the square picture of 16 bit and 2^n + 1 pixels that Gazebo and game engines take,
+ * north up; what is not known goes on as what lies beside it. At most 4097 pixels: a larger map
+ * gets coarser. `path` is the .png; a .json beside it tells what is returned. */
+HeightmapPlace write_heightmap(const std::string& path, const io::LayerStack& map);
+
+/** A style of QGIS beside a GeoTIFF (SITE.qml for SITE.tif): it opens in the colours of talus. */
+void write_qgis_style(const std::string& path);
+
+}  // namespace talus::formats

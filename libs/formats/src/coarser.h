@@ -1,0 +1,11 @@
+#pragma once
+#include <talus/io/layer_stack.h>
+
+namespace talus::formats
+{
+/** A map with 2 x 2 cells joined into one: the mean of known heights, the least traversability and
+ * sparsity, the greatest of all else. Its cells lie at whole multiples of their size from the
+ * corner of `map`. */
+io::LayerStack joined_cells(const io::LayerStack& map);
+
+}  // namespace talus::formats

@@ -1,0 +1,118 @@
+#include <talus/formats/write.h>
+#include <talus/io/atomic_file.h>
+#include <talus/io/map_picture.h>
+#include <talus/number_text.h>
+
+#include "coarser.h"
+#include "needed_layer.h"
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+namespace talus::formats
+{
+namespace
+{
+constexpr int kMostPixels = 4097;
+constexpr float kWhite = 65535;
+
+/** The rectangle of cells whose ground is known; its rows count from the south. */
+cv::Rect known_cells(const io::LayerStack& map)
+{
+  const auto& ground = needed_layer(map, Layer::GroundElevation);
+  cv::Rect box;
+  for_each_cell(
+      map,
+      [&](std::size_t i, int ix, int iy)
+      {
+        if (!std::isnan(ground[i])) box |= cv::Rect(ix, iy, 1, 1);
+      });
+  return box;
+}
+
+/** The least 2^n + 1 that is not less. */
+int side_for(int cells)
+{
+  int side = 2;
+  while (side + 1 < cells) side *= 2;
+  return side + 1;
+}
+
+/** The ground in the middle of a square picture, its first row the northernmost; NaN elsewhere. */
+cv::Mat1f square_of(const io::LayerStack& map, const cv::Rect& box, int side)
+{
+  const auto& ground = needed_layer(map, Layer::GroundElevation);
+  cv::Mat1f square(side, side, std::numeric_limits<float>::quiet_NaN());
+  const int left = (side - box.width) / 2, below = (side - box.height) / 2;
+  for (int y = 0; y < box.height; ++y)
+    for (int x = 0; x < box.width; ++x)
+      square(side - 1 - below - y, left + x) =
+          ground[static_cast<std::size_t>(box.y + y) * map.cells_x + box.x + x];
+  return square;
+}
+
+/** Gives each unknown pixel the height of the nearest known one. */
+void fill_from_nearest(cv::Mat1f& square)
+{
+  cv::Mat1b unknown(square.size());
+  for (int y = 0; y < square.rows; ++y)
+    for (int x = 0; x < square.cols; ++x) unknown(y, x) = std::isnan(square(y, x)) ? 1 : 0;
+  cv::Mat1f distance;
+  cv::Mat1i label;
+  cv::distanceTransform(
+      unknown, distance, label, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
+  std::vector<float> height_of(square.total() + 1);
+  for (int y = 0; y < square.rows; ++y)
+    for (int x = 0; x < square.cols; ++x)
+      if (!unknown(y, x)) height_of[static_cast<std::size_t>(label(y, x))] = square(y, x);
+  for (int y = 0; y < square.rows; ++y)
+    for (int x = 0; x < square.cols; ++x)
+      square(y, x) = height_of[static_cast<std::size_t>(label(y, x))];
+}
+
+std::string json_of(const HeightmapPlace& p)
+{
+  const auto n = [](double v) { return fixed_text(v, 4); };
+  return "{\n  \"size_m\": [" + n(p.size_m) + ", " + n(p.size_m) + ", " + n(p.height_m) +
+         "],\n  \"pos_m\": [" + n(p.center_x_m) + ", " + n(p.center_y_m) + ", " + n(p.lowest_m) +
+         "],\n  \"side_pixels\": " + std::to_string(p.side_pixels) + "\n}\n";
+}
+}  // namespace
+
+HeightmapPlace write_heightmap(const std::string& path, const io::LayerStack& map)
+{
+  io::LayerStack coarse;
+  const io::LayerStack* shown = &map;
+  cv::Rect box = known_cells(map);
+  if (box.empty()) throw std::runtime_error(path + ": the ground of no cell is known");
+  while (std::max(box.width, box.height) > kMostPixels)
+  {
+    coarse = joined_cells(*shown);
+    shown = &coarse;
+    box = known_cells(coarse);
+  }
+  HeightmapPlace place;
+  place.side_pixels = side_for(std::max(box.width, box.height));
+  cv::Mat1f square = square_of(*shown, box, place.side_pixels);
+  fill_from_nearest(square);
+  double lowest = 0, highest = 0;
+  cv::minMaxLoc(square, &lowest, &highest);
+  place.lowest_m = lowest;
+  place.height_m = std::max(highest - lowest, 1e-3);  // engines refuse none
+  // A pixel is a place, not a square: the outermost lie on the border.
+  place.size_m = (place.side_pixels - 1) * shown->resolution_m;
+  const int middle = (place.side_pixels - 1) / 2, left = (place.side_pixels - box.width) / 2,
+            below = (place.side_pixels - box.height) / 2;
+  place.center_x_m = middle_x_m(*shown, box.x - left + middle);
+  place.center_y_m = middle_y_m(*shown, box.y - below + middle);
+  cv::Mat picture;
+  square.convertTo(picture, CV_16U, kWhite / place.height_m, -lowest * kWhite / place.height_m);
+  io::write_png(path, picture);
+  io::write_file(std::filesystem::path(path).replace_extension(".json").string(), json_of(place));
+  return place;
+}
+
+}  // namespace talus::formats

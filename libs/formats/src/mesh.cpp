@@ -1,0 +1,129 @@
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <talus/formats/convert.h>
+#include <talus/formats/write.h>
+#include <talus/io/atomic_file.h>
+#include <talus/io/score_colour.h>
+
+#include "coarser.h"
+#include "needed_layer.h"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+
+namespace talus::formats
+{
+namespace
+{
+using Colour = std::array<std::uint8_t, 3>;
+constexpr Colour kStanding{52, 48, 66};
+constexpr std::int32_t kNone = -1;
+
+template <class T>
+void put(std::string& bytes, T value)
+{
+  char raw[sizeof value];
+  std::memcpy(raw, &value, sizeof value);  // little-endian, as is every machine that MRPT runs on
+  bytes.append(raw, sizeof value);
+}
+
+/** Bytes of vertices and faces, and how many there are. */
+struct Mesh
+{
+  std::string vertices, faces;
+  std::int32_t vertex_count = 0;
+  std::size_t face_count = 0;
+
+  std::int32_t add_vertex(float x_m, float y_m, float z_m, const Colour& c)
+  {
+    for (const float v : {x_m, y_m, z_m}) put(vertices, v);
+    for (const std::uint8_t v : c) put(vertices, v);
+    return vertex_count++;
+  }
+  void add_face(std::int32_t a, std::int32_t b, std::int32_t c)
+  {
+    put(faces, std::uint8_t{3});
+    for (const std::int32_t v : {a, b, c}) put(faces, v);
+    ++face_count;
+  }
+};
+
+/** Two triangles between four neighbours whose ground is known. */
+std::size_t most_faces(const io::LayerStack& map)
+{
+  const auto& ground = needed_layer(map, Layer::GroundElevation);
+  std::size_t known = 0;
+  for (const float z : ground) known += std::isnan(z) ? 0 : 1;
+  return 2 * known;
+}
+
+void add_ground(const io::LayerStack& map, Mesh& mesh)
+{
+  const Heights h(map);
+  const auto& score = needed_layer(map, Layer::Traversability);
+  std::vector<std::int32_t> vertex(h.ground.size(), kNone);
+  for_each_cell(
+      map,
+      [&](std::size_t i, int ix, int iy)
+      {
+        if (std::isnan(h.ground[i])) return;
+        vertex[i] = mesh.add_vertex(
+            static_cast<float>(middle_x_m(map, ix)), static_cast<float>(middle_y_m(map, iy)),
+            h.ground[i], io::score_colour(score[i]));
+      });
+  const auto row = static_cast<std::size_t>(map.cells_x);
+  for_each_cell(
+      map,
+      [&](std::size_t i, int ix, int iy)
+      {
+        if (ix + 1 >= map.cells_x || iy + 1 >= map.cells_y) return;
+        const std::int32_t a = vertex[i], b = vertex[i + 1], c = vertex[i + row + 1],
+                           d = vertex[i + row];
+        if (a == kNone || b == kNone || c == kNone || d == kNone) return;
+        mesh.add_face(a, b, c);
+        mesh.add_face(a, c, d);
+      });
+}
+
+void add_standing(const io::LayerStack& map, Mesh& mesh)
+{
+  mrpt::maps::CSimplePointsMap points;
+  to_points(map, Surface::Standing, points);
+  float x = 0, y = 0, z = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    points.getPoint(i, x, y, z);
+    mesh.add_vertex(x, y, z, kStanding);
+  }
+}
+
+std::string head_of(const Mesh& mesh)
+{
+  return "ply\nformat binary_little_endian 1.0\ncomment ground and what stands on it, map frame, "
+         "metres\nelement vertex " +
+         std::to_string(mesh.vertex_count) +
+         "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty "
+         "uchar green\nproperty uchar blue\nelement face " +
+         std::to_string(mesh.face_count) + "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+}  // namespace
+
+void write_mesh(const std::string& path, const io::LayerStack& map, std::size_t max_faces)
+{
+  io::LayerStack coarse;
+  const io::LayerStack* shown = &map;
+  while (most_faces(*shown) > max_faces && shown->cells_x > 1 && shown->cells_y > 1)
+  {
+    coarse = joined_cells(*shown);
+    shown = &coarse;
+  }
+  Mesh mesh;
+  add_ground(*shown, mesh);
+  add_standing(*shown, mesh);
+  if (mesh.vertex_count == 0) throw std::runtime_error(path + ": no cell of the map is known");
+  io::write_file(path, head_of(mesh) + mesh.vertices + mesh.faces);
+}
+
+}  // namespace talus::formats

@@ -1,0 +1,47 @@
+#pragma once
+#include <talus/io/layer_stack.h>
+#include <talus/layers.h>
+
+#include <cmath>
+#include <vector>
+
+namespace talus::formats
+{
+/** A layer of a map; throws std::runtime_error that names it where there is none. */
+const std::vector<float>& needed_layer(const io::LayerStack& map, Layer layer);
+
+/** The heights of a map, by cell. */
+struct Heights
+{
+  explicit Heights(const io::LayerStack& map)
+      : ground(needed_layer(map, Layer::GroundElevation)), top(needed_layer(map, Layer::Elevation))
+  {
+  }
+  /** Whether something stands on the ground: what is lower is rough ground. */
+  bool stands(std::size_t i) const { return top[i] - ground[i] > kLeast_m; }
+
+  static constexpr float kLeast_m = 0.05F;
+  const std::vector<float>& ground;
+  const std::vector<float>& top;
+};
+
+/** f(index, column, row) of each cell, rows from the south. */
+template <class F>
+void for_each_cell(const io::LayerStack& map, F f)
+{
+  std::size_t i = 0;
+  for (int iy = 0; iy < map.cells_y; ++iy)
+    for (int ix = 0; ix < map.cells_x; ++ix) f(i++, ix, iy);
+}
+
+/** Middle of a cell, map frame [m]. */
+inline double middle_x_m(const io::LayerStack& map, int ix)
+{
+  return map.min_x_m + (ix + 0.5) * map.resolution_m;
+}
+inline double middle_y_m(const io::LayerStack& map, int iy)
+{
+  return map.min_y_m + (iy + 0.5) * map.resolution_m;
+}
+
+}  // namespace talus::formats

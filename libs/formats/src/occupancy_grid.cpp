@@ -1,0 +1,50 @@
+#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/serialization/CArchive.h>
+#include <talus/formats/convert.h>
+#include <talus/formats/write.h>
+#include <talus/io/atomic_file.h>
+
+#include "needed_layer.h"
+
+#include <stdexcept>
+
+namespace talus::formats
+{
+namespace
+{
+constexpr float kFree = 0.95F, kOccupied = 0.05F, kUnknown = 0.5F;  // probability of being free
+}
+
+void to_occupancy_grid(
+    const io::LayerStack& map, double blocked_at, mrpt::maps::COccupancyGridMap2D& out)
+{
+  const auto& traversability = needed_layer(map, Layer::Traversability);
+  const auto border = [](double m) { return static_cast<float>(m); };
+  out.setSize(
+      border(map.min_x_m), border(map.min_x_m + map.cells_x * map.resolution_m),
+      border(map.min_y_m), border(map.min_y_m + map.cells_y * map.resolution_m),
+      border(map.resolution_m), kUnknown);
+  for_each_cell(
+      map,
+      [&](std::size_t i, int ix, int iy)
+      {
+        const float t = traversability[i];
+        if (!std::isnan(t))
+          out.setCell(ix, iy, t <= static_cast<float>(blocked_at) ? kOccupied : kFree);
+      });
+}
+
+void write_gridmap(const std::string& path, const io::LayerStack& map, double blocked_at)
+{
+  mrpt::maps::COccupancyGridMap2D grid;
+  to_occupancy_grid(map, blocked_at, grid);
+  io::AtomicFile file(path);
+  {
+    mrpt::io::CFileGZOutputStream stream;
+    if (!stream.open(file.temporary_path())) throw std::runtime_error(path + ": cannot be written");
+    mrpt::serialization::archiveFrom(stream) << grid;
+  }
+  file.commit();
+}
+
+}  // namespace talus::formats

@@ -1,0 +1,75 @@
+#include <octomap/OcTree.h>
+#include <talus/formats/convert.h>
+#include <talus/formats/write.h>
+#include <talus/io/atomic_file.h>
+
+#include "needed_layer.h"
+
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+namespace talus::formats
+{
+namespace
+{
+/** Sets the voxels of a column from one height to another, both included. */
+class Column
+{
+ public:
+  Column(octomap::OcTree& tree, double x_m, double y_m) : tree_(tree), x_m_(x_m), y_m_(y_m) {}
+  void set(double from_m, double to_m, float log_odds)
+  {
+    octomap::OcTreeKey low, high;
+    if (!key(from_m, low) || !key(to_m, high))
+      throw std::runtime_error(
+          "the map reaches farther than a tree of OctoMap does: 32768 voxels from its origin");
+    for (; low[2] <= high[2]; ++low[2]) tree_.setNodeValue(low, log_odds, true);
+  }
+
+ private:
+  bool key(double z_m, octomap::OcTreeKey& k) const
+  {
+    return tree_.coordToKeyChecked(
+        octomap::point3d(
+            static_cast<float>(x_m_), static_cast<float>(y_m_), static_cast<float>(z_m)),
+        k);
+  }
+  octomap::OcTree& tree_;
+  double x_m_, y_m_;
+};
+}  // namespace
+
+void to_octomap(const io::LayerStack& map, double clearance_m, octomap::OcTree& out)
+{
+  const Heights h(map);
+  const auto& state = needed_layer(map, Layer::State);
+  const float occupied = out.getClampingThresMaxLog(), free = out.getClampingThresMinLog();
+  for_each_cell(
+      map,
+      [&](std::size_t i, int ix, int iy)
+      {
+        if (std::isnan(h.ground[i])) return;
+        Column column(out, middle_x_m(map, ix), middle_y_m(map, iy));
+        const bool measured = state[i] == static_cast<float>(CellState::Measured);
+        if (measured && !h.stands(i))
+          column.set(h.ground[i] + map.resolution_m, h.ground[i] + clearance_m, free);
+        column.set(h.ground[i], h.stands(i) ? h.top[i] : h.ground[i], occupied);
+      });
+  out.updateInnerOccupancy();
+  out.prune();
+}
+
+void write_octomap(const std::string& path, const io::LayerStack& map, double clearance_m)
+{
+  octomap::OcTree tree(map.resolution_m);
+  to_octomap(map, clearance_m, tree);
+  io::AtomicFile file(path);
+  std::ofstream stream(file.temporary_path(), std::ios::binary);
+  if (!tree.writeBinaryConst(stream) || !stream.flush())
+    throw std::runtime_error(path + ": cannot be written to its end: is the disk full?");
+  stream.close();
+  file.commit();
+}
+
+}  // namespace talus::formats

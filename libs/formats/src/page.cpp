@@ -1,0 +1,219 @@
+#include <talus/formats/page.h>
+
+#include "coarser.h"
+#include "needed_layer.h"
+#include "page_parts.h"
+#include "page_tiles.h"
+
+#include <mrpt/system/string_utils.h>
+#include <picture_style.h>
+#include <talus/io/atomic_file.h>
+#include <talus/io/score_colour.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+namespace talus::formats
+{
+namespace
+{
+using nlohmann::json;
+
+const std::string kLeaflet = "/usr/share/javascript/leaflet/";
+constexpr int kLeastCells = 64;  // along a side: coarser a page tells nothing
+
+/** The first of these files that is there. */
+std::string leaflet_file(const std::vector<std::string>& names)
+{
+  for (const std::string& name : names)
+    if (std::ifstream file(kLeaflet + name, std::ios::binary); file)
+      return {std::istreambuf_iterator<char>(file), {}};
+  throw std::runtime_error(
+      kLeaflet + names.front() +
+      ": cannot be read; a page brings Leaflet along, install the package libjs-leaflet");
+}
+
+std::string base64(const std::vector<unsigned char>& bytes)
+{
+  std::string text;
+  if (!bytes.empty()) mrpt::system::encodeBase64(bytes, text);
+  text.erase(  // it is broken into lines
+      std::remove_if(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }),
+      text.end());
+  return text;
+}
+
+/** Red, green, blue of 256 steps. */
+json rgb_of(io::Palette palette)
+{
+  const cv::Mat scale = io::colours_of(palette);
+  json colours = json::array();
+  for (int k = 0; k < scale.rows; ++k)
+  {
+    const auto& c = scale.at<cv::Vec3b>(k);
+    colours.push_back({c[2], c[1], c[0]});
+  }
+  return colours;
+}
+
+json state_colours()
+{
+  json states = json::array();
+  for (const io::StateStyle& s : io::state_styles())
+    states.push_back({{"word", s.word}, {"rgb", {s.colour[2], s.colour[1], s.colour[0]}}});
+  return states;
+}
+
+json ways_of(const PageOptions& o)
+{
+  json ways = json::array();
+  for (const auto& way : o.ways)
+  {
+    json points = json::array();
+    for (const PagePoint& p : way)
+      points.push_back(
+          {std::round(100 * p.x_m) / 100, std::round(100 * p.y_m) / 100,
+           std::round(100 * p.z_m) / 100});
+    ways.push_back(points);
+  }
+  return ways;
+}
+
+json data_of(const io::LayerStack& map, const PageCode& code, const PageOptions& o)
+{
+  json data = {
+      {"title", o.title},
+      {"resolution_m", map.resolution_m},
+      {"min_x_m", map.min_x_m},
+      {"min_y_m", map.min_y_m},
+      {"cells_x", map.cells_x},
+      {"cells_y", map.cells_y},
+      {"tile_cells", kPageTile_cells},
+      {"lowest_m", code.lowest_m},
+      {"step_m", code.step_m},
+      {"tall_step_m", PageCode::kTallStep_m},
+      {"change_step_m", PageCode::kChangeStep_m},
+      {"age_steps", PageCode::kAgeSteps},
+      {"has_drops", map.find(layer_name(Layer::Sparsity)) != nullptr},
+      {"has_age", map.find("age") != nullptr},
+      {"has_changes", o.changes != nullptr},
+      {"scores", rgb_of(io::Palette::Scores)},
+      {"heights", rgb_of(io::Palette::Heights)},
+      {"states", state_colours()},
+      {"ways", ways_of(o)}};
+  const cv::Vec3b n = io::not_judged_colour();
+  data["not_judged"] = {n[2], n[1], n[0]};
+  if (o.origin)
+    data["origin"] = {
+        {"latitude_deg", o.origin->latitude_deg},
+        {"longitude_deg", o.origin->longitude_deg},
+        {"heading_deg", o.origin->heading_deg}};
+  return data;
+}
+
+/** A text that no script of a page ends at. */
+std::string script_text(const json& j)
+{
+  std::string text = j.dump(-1, ' ', false, json::error_handler_t::replace);
+  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3)
+    text.replace(at, 2, "<\\/");
+  return text;
+}
+
+std::string replaced(std::string text, const std::string& mark, const std::string& by)
+{
+  const std::size_t at = text.find(mark);
+  if (at == std::string::npos) throw std::logic_error("the page has no place for " + mark);
+  return text.replace(at, mark.size(), by);
+}
+
+std::string escaped(const std::string& text)
+{
+  std::string out;
+  for (const char c : text)
+    out += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '>' ? "&gt;" : std::string(1, c);
+  return out;
+}
+
+std::string tiles_text(const std::vector<PageTile>& tiles)
+{
+  std::string text = "[";
+  for (const PageTile& t : tiles)
+    text += (text.size() > 1 ? ",\n" : "") + std::string("[") + std::to_string(t.column) + "," +
+            std::to_string(t.row) + ",\"" + base64(t.ground) + "\",\"" + base64(t.more) + "\",\"" +
+            base64(t.changes) + "\"]";
+  return text + "]";
+}
+
+/** Nothing where it would be larger than wanted. */
+std::optional<std::string> page_of(
+    const io::LayerStack& map, const io::LayerStack* changes, const PageOptions& o)
+{
+  std::string page = replaced(kPage, "<!-- title -->", escaped(o.title));
+  page = replaced(page, "/* leaflet.css */", leaflet_file({"leaflet.css"}));
+  page = replaced(page, "/* page.css */", kStyle);
+  page = replaced(page, "/* leaflet.js */", leaflet_file({"leaflet.min.js", "leaflet.js"}));
+  page = replaced(page, "/* page.js */", kScript);
+  PageCode code;
+  const auto tiles = page_tiles(map, changes, o.max_bytes / 4 * 3, code);  // before base64
+  if (!tiles) return std::nullopt;
+  page = replaced(
+      page, "/* data */",
+      "const map_data = " + script_text(data_of(map, code, o)) +
+          ";\nmap_data.tiles = " + tiles_text(*tiles) + ";");
+  return page.size() > o.max_bytes ? std::nullopt : std::optional<std::string>(std::move(page));
+}
+
+/** The cells of `changes` at the places of those of `map`. */
+io::LayerStack on_cells_of(const io::LayerStack& map, const io::LayerStack& changes)
+{
+  changes.require_sound();
+  if (!changes.find("kind") || !changes.find("change_m"))
+    throw std::runtime_error(
+        "the changes have no band 'kind' or 'change_m': give a changes.tif of talus-merge");
+  if (std::abs(changes.resolution_m - map.resolution_m) > 1e-6)
+    throw std::runtime_error("the cells of the changes have another size than those of the map");
+  const auto dx = std::lround((map.min_x_m - changes.min_x_m) / map.resolution_m),
+             dy = std::lround((map.min_y_m - changes.min_y_m) / map.resolution_m);
+  io::LayerStack out = map;
+  out.names = changes.names;
+  out.layers.assign(
+      changes.layers.size(),
+      std::vector<float>(map.layers.front().size(), std::numeric_limits<float>::quiet_NaN()));
+  for_each_cell(
+      map,
+      [&](std::size_t i, int ix, int iy)
+      {
+        const long x = ix + dx, y = iy + dy;
+        if (x < 0 || y < 0 || x >= changes.cells_x || y >= changes.cells_y) return;
+        const auto from =
+            static_cast<std::size_t>(y) * changes.cells_x + static_cast<std::size_t>(x);
+        for (std::size_t k = 0; k < out.layers.size(); ++k)
+          out.layers[k][i] = changes.layers[k][from];
+      });
+  return out;
+}
+}  // namespace
+
+void write_page(const std::string& path, const io::LayerStack& map, const PageOptions& options)
+{
+  io::LayerStack coarse, changes;
+  const io::LayerStack* shown = &map;
+  if (options.changes) changes = on_cells_of(map, *options.changes);
+  for (;;)
+  {
+    if (const auto page = page_of(*shown, options.changes ? &changes : nullptr, options))
+      return io::write_file(path, *page);
+    if (std::min(shown->cells_x, shown->cells_y) < kLeastCells) break;
+    coarse = joined_cells(*shown);
+    if (options.changes) changes = joined_cells(changes);
+    shown = &coarse;
+  }
+  throw std::runtime_error(path + ": no page is as small as that: give more with --max-mb");
+}
+
+}  // namespace talus::formats

@@ -1,0 +1,330 @@
+'use strict';
+// The map of `map_data`: tiles whose pixels are cells, decoded where they are looked at. Libraries: Leaflet (L).
+(function (d) {
+  const side = d.tile_cells;
+  const top_y_m = d.min_y_m + d.cells_y * d.resolution_m;
+  const stored = new Map(d.tiles.map(t => [t[0] + ',' + t[1], t]));
+
+  // ---- cells -------------------------------------------------------------------------------------------------------
+
+  function pixels_of(base64) {
+    return new Promise((done, failed) => {
+      const image = new Image();
+      image.onload = () => {
+        const canvas = document.createElement('canvas');
+        canvas.width = image.width;
+        canvas.height = image.height;
+        const context = canvas.getContext('2d', {willReadFrequently: true, colorSpace: 'srgb'});
+        context.drawImage(image, 0, 0);
+        done(context.getImageData(0, 0, image.width, image.height));
+      };
+      image.onerror = failed;
+      image.src = 'data:image/png;base64,' + base64;
+    });
+  }
+
+  // Decoded tiles, those that were not looked at for the longest time leave.
+  const decoded = new Map(), most_decoded = 150;
+  function tile_at(column, row) {
+    const key = column + ',' + row;
+    if (!stored.has(key)) return Promise.resolve(null);
+    let tile = decoded.get(key);
+    decoded.delete(key);
+    if (!tile) {
+      const [, , ground, more, changes] = stored.get(key);
+      tile = Promise.all([pixels_of(ground), pixels_of(more), changes ? pixels_of(changes) : null]).then(
+        ([g, m, c]) => ({width: g.width, height: g.height, ground: g.data, more: m.data, changes: c && c.data}));
+    }
+    decoded.set(key, tile);
+    if (decoded.size > most_decoded) decoded.delete(decoded.keys().next().value);
+    return tile;
+  }
+
+  // What a cell holds; null where nothing is known. `p`: where its pixel begins.
+  function cell_of(tile, p) {
+    const height = tile.ground[p] * 256 + tile.ground[p + 1];
+    if (height === 0) return null;
+    const score = tile.ground[p + 2], age = tile.more[p + 1], bits = tile.more[p + 2];
+    return {
+      ground_m: d.lowest_m + (height - 1) * d.step_m,
+      traversability: score === 255 ? NaN : score / 254,
+      tall_m: tile.more[p] * d.tall_step_m,
+      age_s: age === 255 ? NaN : Math.pow(2, age / d.age_steps) - 1,
+      state: bits & 7, drops: (bits & 8) !== 0, light: (bits >> 4) / 15,
+      change: tile.changes ? tile.changes[p] : 0,
+      change_m: tile.changes ? tile.changes[p + 1] * d.change_step_m : 0
+    };
+  }
+
+  async function cell_at(x_m, y_m) {
+    const x = Math.floor((x_m - d.min_x_m) / d.resolution_m), y = Math.floor((top_y_m - y_m) / d.resolution_m);
+    if (x < 0 || y < 0 || x >= d.cells_x || y >= d.cells_y) return null;
+    const tile = await tile_at(Math.floor(x / side), Math.floor(y / side));
+    return tile && cell_of(tile, 4 * ((y % side) * tile.width + x % side));
+  }
+
+  // ---- layers ------------------------------------------------------------------------------------------------------
+
+  const level_light = 0.7071;
+  const standing = [52, 48, 66];
+  const change_colours = [null, [31, 119, 180], [140, 86, 75], [44, 160, 44], [214, 39, 40]];
+  const change_words = ['', 'built up', 'dug away', 'object gone', 'object new'];
+  const lit = (c, light) => c.map(v => v * (0.4 + 0.6 * light / level_light));
+  const pale = (c, part) => c.map(v => v + (255 - v) * part);
+  const scale = (colours, t) => colours[Math.round(255 * Math.min(1, Math.max(0, t)))];
+  let ground_range_m = [d.lowest_m, d.lowest_m + 1];
+
+  const layers = {
+    'Traversability': c => {
+      if (c.tall_m > 0 && !(c.traversability > 0.5)) return standing;
+      const colour = isNaN(c.traversability) ? d.not_judged : scale(d.scores, c.traversability);
+      return lit(pale(colour, c.state === 1 ? 0.15 : 0.5), c.state === 1 ? c.light : (c.light + level_light) / 2);
+    },
+    'Ground': c => lit(scale(d.heights, (c.ground_m - ground_range_m[0]) / (ground_range_m[1] - ground_range_m[0])), c.light),
+    'Hill-shade': c => Array(3).fill(Math.min(255, 255 * c.light)),
+    'What stands': c => c.tall_m > 0 ? scale(d.heights, c.tall_m / 3) : lit([225, 225, 225], c.light),
+    'State': c => d.states[c.state].rgb
+  };
+  if (d.has_age) layers['Age'] = c => isNaN(c.age_s) ? [200, 200, 200] : scale(d.heights, 1 - Math.log2(1 + c.age_s) / 16);
+  if (d.has_drops) layers['Drops'] = c => c.drops ? [214, 39, 40] : lit([225, 225, 225], c.light);
+  const changes_colour = c => change_colours[c.change];
+
+  const canvas_of = (width, height) => Object.assign(document.createElement('canvas'), {width, height});
+
+  async function painted(column, row, colour) {
+    const tile = await tile_at(column, row);
+    if (!tile) return null;
+    const canvas = canvas_of(tile.width, tile.height), context = canvas.getContext('2d');
+    const image = context.createImageData(tile.width, tile.height);
+    for (let p = 0; p < image.data.length; p += 4) {
+      const cell = cell_of(tile, p), rgb = cell && colour(cell);
+      if (!rgb) continue;
+      for (let k = 0; k < 3; ++k) image.data[p + k] = rgb[k];
+      image.data[p + 3] = 255;
+    }
+    context.putImageData(image, 0, 0);
+    return canvas;
+  }
+
+  const CellLayer = L.GridLayer.extend({
+    initialize: function (colour, options) {
+      L.GridLayer.prototype.initialize.call(this, Object.assign({tileSize: side, maxNativeZoom: 0}, options));
+      this.colour = colour;
+    },
+    // A tile of a zoom below 0 is made of several stored ones.
+    createTile: function (at, done) {
+      const canvas = canvas_of(side, side), context = canvas.getContext('2d'), along = Math.pow(2, -at.z);
+      const parts = [];
+      for (let y = 0; y < along; ++y)
+        for (let x = 0; x < along; ++x) {
+          const column = at.x * along + x, row = at.y * along + y;
+          if (!stored.has(column + ',' + row)) continue;
+          parts.push(painted(column, row, this.colour).then(part => context.drawImage(
+            part, x * side / along, y * side / along, part.width / along, part.height / along)));
+        }
+      Promise.all(parts).then(() => done(null, canvas), error => done(error, canvas));
+      return canvas;
+    }
+  });
+
+  // ---- the map -----------------------------------------------------------------------------------------------------
+
+  // Places are (y, x) in metres; at zoom 0 a cell has a pixel.
+  const crs = L.extend({}, L.CRS.Simple, {
+    transformation: new L.Transformation(
+      1 / d.resolution_m, -d.min_x_m / d.resolution_m, -1 / d.resolution_m, top_y_m / d.resolution_m)
+  });
+  const least_zoom = -Math.max(0, Math.ceil(Math.log2(Math.max(d.cells_x, d.cells_y) / side)));
+  const map = L.map('map', {crs, minZoom: least_zoom - 1, maxZoom: 5, zoomSnap: 0.25, zoomControl: true, attributionControl: false});
+  window.talus_map = map;  // for who looks into it from a console
+  const base = {}, overlays = {};
+  for (const [name, colour] of Object.entries(layers))
+    base[name] = new CellLayer(colour, {minNativeZoom: least_zoom, maxNativeZoom: 0, minZoom: least_zoom - 1, maxZoom: 5});
+  const changes = d.has_changes &&
+    new CellLayer(changes_colour, {minNativeZoom: least_zoom, maxNativeZoom: 0, minZoom: least_zoom - 1, maxZoom: 5, zIndex: 5});
+  const ways = L.layerGroup(d.ways.map(way => L.polyline(way.map(p => [p[1], p[0]]), {color: '#111', weight: 2})));
+  if (d.ways.length) overlays['Way driven'] = ways;
+  if (changes) overlays['Changes'] = changes;
+
+  const boxes = d.tiles.map(t => [
+    [top_y_m - t[1] * side * d.resolution_m, d.min_x_m + t[0] * side * d.resolution_m],
+    [Math.max(d.min_y_m, top_y_m - (t[1] + 1) * side * d.resolution_m),
+     Math.min(d.min_x_m + d.cells_x * d.resolution_m, d.min_x_m + (t[0] + 1) * side * d.resolution_m)]]);
+  map.fitBounds(L.latLngBounds(boxes.flat()));
+  L.control.layers(base, overlays, {collapsed: false}).addTo(map);
+
+  const scale_bar = L.control({position: 'bottomleft'});
+  scale_bar.onAdd = () => L.DomUtil.create('div', 'leaflet-control-scale-line');
+  scale_bar.addTo(map);
+  function show_scale() {
+    const metre_pixels = Math.pow(2, map.getZoom()) / d.resolution_m;
+    let length_m = Math.pow(10, Math.floor(Math.log10(150 / metre_pixels)));
+    for (const more of [5, 2]) if (length_m * more * metre_pixels <= 150) { length_m *= more; break; }
+    const line = scale_bar.getContainer();
+    line.style.width = length_m * metre_pixels + 'px';
+    line.textContent = Number(length_m.toPrecision(2)) + ' m';
+  }
+  map.on('zoomend', show_scale);
+  show_scale();
+
+  if (changes) {
+    const slider = L.control({position: 'topright'});
+    slider.onAdd = () => {
+      const box = L.DomUtil.create('div', 'leaflet-control-layers leaflet-control-layers-expanded');
+      box.innerHTML = '<label>Changes <input id="changes" type="range" min="0" max="100" value="80"></label>';
+      L.DomEvent.disableClickPropagation(box);
+      box.querySelector('input').oninput = e => changes.setOpacity(e.target.value / 100);
+      return box;
+    };
+    slider.addTo(map);
+    changes.setOpacity(0.8).addTo(map);
+  }
+
+  // ---- legend ------------------------------------------------------------------------------------------------------
+
+  const legend = document.getElementById('legend');
+  const swatch = (rgb, word) => `<div><i style="background:rgb(${rgb.map(Math.round)})"></i>${word}</div>`;
+  function bar(colours, low, high) {
+    const canvas = canvas_of(256, 1), context = canvas.getContext('2d');
+    colours.forEach((c, x) => { context.fillStyle = `rgb(${c})`; context.fillRect(x, 0, 1, 1); });
+    return `<img alt="" src="${canvas.toDataURL()}" style="width:200px;height:12px;display:block">` +
+      `<div class="ends"><span>${low}</span><span>${high}</span></div>`;
+  }
+  const legends = {
+    'Traversability': () => bar(d.scores, 'blocked', 'free') + swatch(standing, 'stands in the way') +
+      swatch(pale(scale(d.scores, 1), 0.5), 'pale: not measured') + swatch(d.not_judged, 'not judged'),
+    'Ground': () => bar(d.heights, ground_range_m[0].toFixed(2) + ' m', ground_range_m[1].toFixed(2) + ' m'),
+    'Hill-shade': () => '',
+    'What stands': () => bar(d.heights, '0 m', '3 m and more'),
+    'State': () => d.states.slice(1).map(s => swatch(s.rgb, s.word)).join(''),
+    'Age': () => bar(d.heights, '18 hours before the newest', 'now'),
+    'Drops': () => swatch([214, 39, 40], 'the ground may drop here')
+  };
+  let shown = 'Traversability';
+  function show_legend() {
+    legend.innerHTML = '<b></b>' + legends[shown]() + (changes
+      ? [1, 2, 3, 4].map(k => swatch(change_colours[k], change_words[k])).join('') : '');
+    legend.querySelector('b').textContent = (d.title ? d.title + ': ' : '') + shown.toLowerCase();
+  }
+  map.on('baselayerchange', e => { shown = e.name; show_legend(); });
+
+  // ---- values under the pointer ------------------------------------------------------------------------------------
+
+  const rows = list => '<table>' + list.map(r => `<tr><td>${r[0]}</td><td>${r[1]}</td></tr>`).join('') + '</table>';
+  function age_text(s) {
+    return s < 90 ? s.toFixed(0) + ' s' : s < 5400 ? (s / 60).toFixed(0) + ' min'
+      : s < 172800 ? (s / 3600).toFixed(1) + ' h' : (s / 86400).toFixed(1) + ' days';
+  }
+  // On a sphere around the origin of the map frame: good to a centimetre for each kilometre.
+  function place_on_earth(x_m, y_m) {
+    const turn = d.origin.heading_deg * Math.PI / 180, degrees = 180 / Math.PI;
+    const east = x_m * Math.cos(turn) - y_m * Math.sin(turn), north = x_m * Math.sin(turn) + y_m * Math.cos(turn);
+    const s = Math.sin(d.origin.latitude_deg / degrees), w = Math.sqrt(1 - 0.00669437999 * s * s);
+    const meridian_m = 6378137 * (1 - 0.00669437999) / (w * w * w);
+    const parallel_m = 6378137 / w * Math.cos(d.origin.latitude_deg / degrees);
+    return (d.origin.latitude_deg + north / meridian_m * degrees).toFixed(7) + ', ' +
+      (d.origin.longitude_deg + east / parallel_m * degrees).toFixed(7);
+  }
+  async function show_values(place) {
+    const list = [['x, y', place.lng.toFixed(2) + ', ' + place.lat.toFixed(2) + ' m']];
+    if (d.origin) list.push(['latitude, longitude', place_on_earth(place.lng, place.lat)]);
+    const c = await cell_at(place.lng, place.lat);
+    if (!c) list.push(['', 'not seen']);
+    else {
+      list.push(['ground', c.ground_m.toFixed(2) + ' m']);
+      list.push(['stands on it', c.tall_m ? c.tall_m.toFixed(2) + ' m' : 'nothing']);
+      list.push(['traversability', isNaN(c.traversability) ? 'not judged' : c.traversability.toFixed(2)]);
+      list.push(['state', d.states[c.state].word]);
+      if (d.has_drops) list.push(['may drop', c.drops ? 'yes' : 'no']);
+      if (d.has_age) list.push(['age', isNaN(c.age_s) ? '' : age_text(c.age_s)]);
+      if (c.change) list.push([change_words[c.change], c.change_m.toFixed(2) + ' m']);
+    }
+    document.getElementById('values').innerHTML = rows(list);
+  }
+  map.on('mousemove', e => show_values(e.latlng));
+
+  // ---- distance and profile between two clicks ---------------------------------------------------------------------
+
+  const marks = L.layerGroup().addTo(map), panel = document.getElementById('profile');
+  let from = null;
+  async function profile(a, b) {
+    const length_m = Math.hypot(b.lng - a.lng, b.lat - a.lat);
+    const count = Math.max(2, Math.min(600, Math.ceil(length_m / d.resolution_m)));
+    const points = [];
+    for (let k = 0; k <= count; ++k) {
+      const t = k / count, c = await cell_at(a.lng + t * (b.lng - a.lng), a.lat + t * (b.lat - a.lat));
+      points.push({s_m: t * length_m, ground_m: c ? c.ground_m : NaN, top_m: c ? c.ground_m + c.tall_m : NaN});
+    }
+    return {length_m, points};
+  }
+  function drawing_of(points, length_m) {
+    const width = 420, height = 130, known = points.filter(p => !isNaN(p.ground_m));
+    if (!known.length) return '';
+    const low = Math.min(...known.map(p => p.ground_m)), high = Math.max(low + 0.5, ...known.map(p => p.top_m));
+    const x = p => 50 + (width - 60) * p.s_m / (length_m || 1), y = z => 10 + (height - 30) * (high - z) / (high - low);
+    const line = (key, colour) => {
+      let path = '', pen = false;
+      for (const p of points) {
+        if (!isNaN(p[key])) path += (pen ? 'L' : 'M') + x(p).toFixed(1) + ' ' + y(p[key]).toFixed(1);
+        pen = !isNaN(p[key]);
+      }
+      return `<path d="${path}" fill="none" stroke="${colour}" stroke-width="1.5"/>`;
+    };
+    const word = (at, z) => `<text x="46" y="${at}" font-size="11" text-anchor="end">${z.toFixed(2)} m</text>`;
+    return `<svg width="${width}" height="${height}">` + word(14, high) + word(height - 18, low) +
+      `<text x="50" y="${height - 4}" font-size="11">0</text>` +
+      `<text x="${width - 10}" y="${height - 4}" font-size="11" text-anchor="end">${length_m.toFixed(1)} m</text>` +
+      line('top_m', '#b03030') + line('ground_m', '#205080') + '</svg>';
+  }
+  async function measure(a, b) {
+    const {length_m, points} = await profile(a, b);
+    const known = points.filter(p => !isNaN(p.ground_m));
+    const list = [['distance', length_m.toFixed(2) + ' m']];
+    if (known.length > 1) {
+      const rise_m = known[known.length - 1].ground_m - known[0].ground_m;
+      list.push(['ground rises by', rise_m.toFixed(2) + ' m']);
+      list.push(['not seen', (100 - 100 * known.length / points.length).toFixed(0) + ' %']);
+    }
+    panel.hidden = false;
+    panel.innerHTML = rows(list) + drawing_of(points, length_m);
+  }
+  map.on('click', e => {
+    if (!from) {
+      from = e.latlng;
+      marks.clearLayers();
+      L.circleMarker(from, {radius: 4, color: '#b03030'}).addTo(marks);
+      panel.hidden = false;
+      panel.textContent = 'Click where the profile ends.';
+      return;
+    }
+    L.circleMarker(e.latlng, {radius: 4, color: '#b03030'}).addTo(marks);
+    L.polyline([from, e.latlng], {color: '#b03030', weight: 2, dashArray: '6 4'}).addTo(marks);
+    measure(from, e.latlng);
+    from = null;
+  });
+
+  // ---- begin -------------------------------------------------------------------------------------------------------
+
+  // The colours of heights reach from the lowest to the highest 1 % of the ground.
+  async function find_ground_range() {
+    const heights = [];
+    for (const [column, row] of d.tiles) {
+      const tile = await tile_at(column, row);
+      for (let p = 0; p < tile.ground.length; p += 4 * 97) {
+        const code = tile.ground[p] * 256 + tile.ground[p + 1];
+        if (code) heights.push(code);
+      }
+    }
+    heights.sort((a, b) => a - b);
+    const at = t => d.lowest_m + ((heights[Math.floor(t * (heights.length - 1))] || 1) - 1) * d.step_m;
+    const low = at(0.01), high = at(0.99), spare = Math.max(0, 0.5 - (high - low)) / 2;
+    ground_range_m = [low - spare, high + spare];
+  }
+  find_ground_range().then(() => {
+    base['Traversability'].addTo(map);
+    if (d.ways.length) ways.addTo(map);
+    show_legend();
+    document.body.dataset.ready = 'yes';
+  });
+  document.title = d.title || 'talus';
+})(map_data);

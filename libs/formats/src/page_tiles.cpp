@@ -1,0 +1,159 @@
+#include "page_tiles.h"
+
+#include "needed_layer.h"
+
+#include <picture_relief.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+namespace talus::formats
+{
+namespace
+{
+constexpr int kMostHeights = 65535;
+constexpr float kMayDrop = 0.5F;  //!< sparsity below it
+
+/** The layers that become the pixels of a page. */
+class Pixels
+{
+ public:
+  Pixels(const io::LayerStack& map, const io::LayerStack* changes, PageCode& code)
+      : map_(map),
+        heights_(map),
+        score_(needed_layer(map, Layer::Traversability)),
+        state_(needed_layer(map, Layer::State)),
+        sparsity_(map.find(layer_name(Layer::Sparsity))),
+        age_(map.find("age")),
+        kind_(changes ? changes->find("kind") : nullptr),
+        change_(changes ? changes->find("change_m") : nullptr),
+        shade_(io::hill_shade(io::terrain_of(map).ground_m, map.resolution_m))
+  {
+    find_range(code);
+    code_ = code;
+  }
+
+  std::size_t index(int x, int row) const
+  {
+    return static_cast<std::size_t>(map_.cells_y - 1 - row) * map_.cells_x + x;
+  }
+  bool is_known(std::size_t i) const { return state_[i] >= 1 && !std::isnan(heights_.ground[i]); }
+
+  /** Pictures of OpenCV are blue, green, red. */
+  cv::Vec3b ground(std::size_t i) const
+  {
+    if (!is_known(i)) return {255, 0, 0};
+    const auto h = static_cast<int>(std::clamp<long>(
+        std::lround((heights_.ground[i] - code_.lowest_m) / code_.step_m) + 1, 1, kMostHeights));
+    const float t = score_[i];
+    const int score =
+        std::isnan(t) ? 255 : static_cast<int>(std::lround(254 * std::clamp(t, 0.0F, 1.0F)));
+    return cv::Vec3b(byte(score), byte(h & 255), byte(h >> 8));
+  }
+  cv::Vec3b more(std::size_t i, int x, int row) const
+  {
+    if (!is_known(i)) return {0, 255, 0};
+    const int light = static_cast<int>(std::lround(15 * shade_(row, x)));
+    const bool drops = sparsity_ && (*sparsity_)[i] < kMayDrop;
+    return cv::Vec3b(
+        byte(static_cast<int>(state_[i]) | (drops ? 8 : 0) | light << 4), byte(age(i)),
+        byte(tall(i)));
+  }
+  cv::Vec3b change(std::size_t i) const
+  {
+    if (!kind_ || !change_ || !((*kind_)[i] > 0)) return {0, 0, 0};
+    const double size = std::abs((*change_)[i]) / PageCode::kChangeStep_m;
+    return cv::Vec3b(
+        0, byte(static_cast<int>(std::min(255.0, size))), byte(static_cast<int>((*kind_)[i])));
+  }
+
+ private:
+  static uchar byte(int v) { return static_cast<uchar>(v); }
+  int tall(std::size_t i) const
+  {
+    if (!heights_.stands(i)) return 0;
+    const double steps = std::ceil((heights_.top[i] - heights_.ground[i]) / PageCode::kTallStep_m);
+    return static_cast<int>(std::min(255.0, steps));
+  }
+  int age(std::size_t i) const
+  {
+    if (!age_ || std::isnan((*age_)[i])) return 255;
+    return static_cast<int>(std::min(
+        254.0, std::round(PageCode::kAgeSteps * std::log2(1.0 + std::max(0.0F, (*age_)[i])))));
+  }
+  void find_range(PageCode& code) const
+  {
+    float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
+    for (std::size_t i = 0; i < heights_.ground.size(); ++i)
+      if (is_known(i))
+      {
+        lowest = std::min(lowest, heights_.ground[i]);
+        highest = std::max(highest, heights_.ground[i]);
+      }
+    if (lowest > highest) throw std::runtime_error("no cell of the map is known");
+    code.lowest_m = lowest;
+    code.step_m = std::max(code.step_m, (highest - lowest) / (kMostHeights - 1.0));
+  }
+
+  const io::LayerStack& map_;
+  Heights heights_;
+  const std::vector<float>&score_, &state_;
+  const std::vector<float>*sparsity_, *age_, *kind_, *change_;
+  cv::Mat1f shade_;
+  PageCode code_;
+};
+
+std::vector<unsigned char> png(const cv::Mat3b& picture)
+{
+  constexpr int kCompression = 6;  // 9 takes three times as long for 3 % less
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, kCompression});
+  return bytes;
+}
+
+/** Nothing where no cell of it is known. */
+std::vector<PageTile> tile_of(const io::LayerStack& map, const Pixels& pixels, int column, int row)
+{
+  const int x0 = column * kPageTile_cells, y0 = row * kPageTile_cells;
+  const cv::Size size(
+      std::min(kPageTile_cells, map.cells_x - x0), std::min(kPageTile_cells, map.cells_y - y0));
+  cv::Mat3b ground(size), more(size), changes(size);
+  bool is_known = false, is_changed = false;
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x)
+    {
+      const std::size_t i = pixels.index(x0 + x, y0 + y);
+      is_known = is_known || pixels.is_known(i);
+      ground(y, x) = pixels.ground(i);
+      more(y, x) = pixels.more(i, x0 + x, y0 + y);
+      changes(y, x) = pixels.change(i);
+      is_changed = is_changed || changes(y, x)[2] != 0;
+    }
+  if (!is_known && !is_changed) return {};
+  return {
+      {column, row, png(ground), png(more),
+       is_changed ? png(changes) : std::vector<unsigned char>()}};
+}
+}  // namespace
+
+std::optional<std::vector<PageTile>> page_tiles(
+    const io::LayerStack& map, const io::LayerStack* changes, std::size_t max_bytes, PageCode& code)
+{
+  const Pixels pixels(map, changes, code);
+  std::vector<PageTile> tiles;
+  std::size_t bytes = 0;
+  for (int row = 0; row * kPageTile_cells < map.cells_y; ++row)
+    for (int column = 0; column * kPageTile_cells < map.cells_x; ++column)
+      for (PageTile& tile : tile_of(map, pixels, column, row))
+      {
+        bytes += tile.ground.size() + tile.more.size() + tile.changes.size();
+        if (bytes > max_bytes) return std::nullopt;
+        tiles.push_back(std::move(tile));
+      }
+  return tiles;
+}
+
+}  // namespace talus::formats

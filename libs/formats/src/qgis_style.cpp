@@ -1,0 +1,61 @@
+#include <talus/formats/write.h>
+#include <talus/io/atomic_file.h>
+#include <talus/io/score_colour.h>
+#include <talus/number_text.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+
+namespace talus::formats
+{
+namespace
+{
+constexpr int kSteps = 10;
+
+std::string hex(const std::array<std::uint8_t, 3>& c)
+{
+  std::array<char, 8> text{};
+  std::snprintf(text.data(), text.size(), "#%02x%02x%02x", c[0], c[1], c[2]);
+  return text.data();
+}
+
+/** Colours between 0, blocked, and 1, free. */
+std::string colour_items()
+{
+  std::string items;
+  for (int k = 0; k <= kSteps; ++k)
+  {
+    const double t = static_cast<double>(k) / kSteps;
+    const char* const word = k == 0 ? " blocked" : k == kSteps ? " free" : "";
+    items += "          <item alpha=\"255\" value=\"" + number_text(t) + "\" label=\"" +
+             number_text(t) + word + "\" color=\"" + hex(io::score_colour(static_cast<float>(t))) +
+             "\"/>\n";
+  }
+  return items;
+}
+}  // namespace
+
+void write_qgis_style(const std::string& path)
+{
+  io::write_file(
+      path,
+      "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n"
+      "<qgis version=\"3.22\" styleCategories=\"Symbology\">\n"
+      "  <pipe>\n"
+      "    <rasterrenderer type=\"singlebandpseudocolor\" band=\"1\" opacity=\"1\" "
+      "alphaBand=\"-1\" classificationMin=\"0\" classificationMax=\"1\">\n"
+      "      <rastershader>\n"
+      "        <colorrampshader colorRampType=\"INTERPOLATED\" classificationMode=\"1\" "
+      "clip=\"0\">\n" +
+          colour_items() +
+          "        </colorrampshader>\n"
+          "      </rastershader>\n"
+          "    </rasterrenderer>\n"
+          "    <rasterresampler/>\n"
+          "  </pipe>\n"
+          "  <blendMode>0</blendMode>\n"
+          "</qgis>\n");
+}
+
+}  // namespace talus::formats

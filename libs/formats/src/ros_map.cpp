@@ -1,0 +1,83 @@
+#include <talus/formats/write.h>
+#include <talus/io/atomic_file.h>
+#include <talus/io/map_picture.h>
+#include <talus/number_text.h>
+
+#include "needed_layer.h"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace talus::formats
+{
+namespace
+{
+// As map_server reads them: a pixel p is occupied with (255 - p) / 255. 205 is unknown to it only
+// where what is free has to be below 0.196.
+constexpr uchar kFree = 254, kOccupied = 0, kUnknown = 205;
+constexpr const char* kFreeBelow = "0.196";
+constexpr const char* kOccupiedAbove = "0.65";
+constexpr int kWorstFree =
+    91;  //!< the darkest pixel that is not occupied: (255 - 91) / 255 = 0.643
+
+uchar trinary(float traversability, double blocked_at)
+{
+  if (std::isnan(traversability)) return kUnknown;
+  return traversability <= static_cast<float>(blocked_at) ? kOccupied : kFree;
+}
+
+/** Gray and alpha of it. */
+cv::Vec4b scaled(float traversability, double blocked_at)
+{
+  if (std::isnan(traversability)) return {kUnknown, kUnknown, kUnknown, 0};
+  const float t = std::clamp(traversability, 0.0F, 1.0F);
+  const uchar p = traversability <= static_cast<float>(blocked_at)
+                      ? kOccupied
+                      : static_cast<uchar>(kWorstFree + std::lround((kFree - kWorstFree) * t));
+  return {p, p, p, 255};
+}
+
+std::string pgm_of(const io::LayerStack& map, const std::vector<float>& t, double blocked_at)
+{
+  std::string bytes =
+      "P5\n" + std::to_string(map.cells_x) + " " + std::to_string(map.cells_y) + "\n255\n";
+  for (int iy = map.cells_y - 1; iy >= 0; --iy)  // its first row is the northernmost
+    for (int ix = 0; ix < map.cells_x; ++ix)
+      bytes += static_cast<char>(
+          trinary(t[static_cast<std::size_t>(iy) * map.cells_x + ix], blocked_at));
+  return bytes;
+}
+
+cv::Mat4b picture_of(const io::LayerStack& map, const std::vector<float>& t, double blocked_at)
+{
+  cv::Mat4b picture(map.cells_y, map.cells_x);
+  for_each_cell(
+      map, [&](std::size_t i, int ix, int iy)
+      { picture(map.cells_y - 1 - iy, ix) = scaled(t[i], blocked_at); });
+  return picture;
+}
+
+std::string yaml_of(const io::LayerStack& map, const std::string& picture, RosMode mode)
+{
+  return "image: " + picture + "\nmode: " + (mode == RosMode::Scale ? "scale" : "trinary") +
+         "\nresolution: " + number_text(map.resolution_m) + "\norigin: [" +
+         number_text(map.min_x_m) + ", " + number_text(map.min_y_m) +
+         ", 0]\nnegate: 0\noccupied_thresh: " + kOccupiedAbove + "\nfree_thresh: " + kFreeBelow +
+         "\n";
+}
+}  // namespace
+
+void write_ros_map(
+    const std::string& path, const io::LayerStack& map, RosMode mode, double blocked_at)
+{
+  const auto& t = needed_layer(map, Layer::Traversability);
+  std::filesystem::path picture = path;
+  picture.replace_extension(mode == RosMode::Scale ? ".png" : ".pgm");
+  if (mode == RosMode::Scale)
+    io::write_png(picture.string(), picture_of(map, t, blocked_at));
+  else
+    io::write_file(picture.string(), pgm_of(map, t, blocked_at));
+  io::write_file(path, yaml_of(map, picture.filename().string(), mode));
+}
+
+}  // namespace talus::formats

@@ -1,0 +1,100 @@
+"""Opens a page of talus-export in headless Chromium.
+
+PAGE: of test/support/small_terrain.h; moves the pointer, clicks twice, switches layers, and checks what is shown.
+PAGE PICTURE: takes a picture of part of it with the values under the pointer and a profile.
+Exit code 77 where there is no browser."""
+import os
+import sys
+import time
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+except ImportError:
+    print('no selenium: install python3-selenium and chromium-driver')
+    sys.exit(77)
+if not os.path.exists('/usr/bin/chromedriver'):
+    print('no Chromium: install chromium-driver')
+    sys.exit(77)
+
+
+def browser():
+    options = webdriver.ChromeOptions()
+    for a in ('--headless=new', '--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage', '--window-size=1180,720', '--hide-scrollbars'):
+        options.add_argument(a)
+    options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
+    return webdriver.Chrome(options=options, service=Service('/usr/bin/chromedriver'))
+
+
+def wait_for(what, condition):
+    for _ in range(200):
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.05)
+    raise AssertionError('no ' + what)
+
+
+def show(page):
+    page.get('file://' + os.path.abspath(sys.argv[1]))
+    wait_for('page that is ready', lambda: page.execute_script('return document.body.dataset.ready'))
+
+
+def point_at(page, x_m, y_m, click=False):
+    place = page.execute_script(  # from the middle of the map, as Selenium counts
+        'const p = talus_map.latLngToContainerPoint([arguments[1], arguments[0]]), s = talus_map.getSize();'
+        'return [Math.round(p.x - s.x / 2), Math.round(p.y - s.y / 2)]', x_m, y_m)
+    move = ActionChains(page).move_to_element_with_offset(page.find_element(By.ID, 'map'), *place)
+    (move.click() if click else move).perform()
+
+
+def take_picture(page, file):
+    page.execute_script('talus_map.setView([2, 30], 0.75)')
+    for x_m, y_m in ((31, -9), (50, 9)):
+        point_at(page, x_m, y_m, click=True)
+    wait_for('profile', lambda: page.find_elements(By.CSS_SELECTOR, '#profile svg path'))
+    point_at(page, 8, 6)
+    time.sleep(1.5)
+    page.save_screenshot(file)
+
+
+def check(page):
+    text = lambda of: page.find_element(By.ID, of).text
+    point_at(page, 1.25, 3.25)  # on the box
+    wait_for('value of the box', lambda: 'stands on it 0.50 m' in text('values'))
+    assert 'ground 1.22 m' in text('values') and 'traversability 0.00' in text('values'), text('values')
+    point_at(page, 4.5, 3.25)
+    wait_for('unknown cell', lambda: 'not seen' in text('values'))
+    point_at(page, -0.5, 4.0, click=True)
+    point_at(page, 3.5, 4.0, click=True)
+    wait_for('profile', lambda: 'distance' in text('profile'))
+    distance_m = float(text('profile').split('distance ')[1].split(' m')[0])
+    assert abs(distance_m - 4) < 0.05, distance_m
+    assert 'ground rises by 0.4' in text('profile') or 'ground rises by 0.39' in text('profile'), text('profile')
+    assert page.find_elements(By.CSS_SELECTOR, '#profile svg path')
+
+    layers = page.find_elements(By.CSS_SELECTOR, '.leaflet-control-layers-base label')
+    assert [l.text for l in layers][:3] == ['Traversability', 'Ground', 'Hill-shade'], [l.text for l in layers]
+    for layer in layers:
+        layer.click()
+        wait_for('legend of ' + layer.text, lambda: layer.text.strip().lower() in text('legend'))
+        # All cells that are known are painted.
+        painted = lambda: page.execute_script(
+            'let n = 0; for (const c of document.querySelectorAll(".leaflet-tile-pane canvas"))'
+            ' { const p = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;'
+            ' for (let i = 3; i < p.length; i += 4) n += p[i] > 0; } return n')
+        wait_for('cells of ' + layer.text, lambda: painted() == 50 * 40)
+    page.save_screenshot('page.png')
+    assert os.path.getsize('page.png') > 5000
+    errors = [e for e in page.get_log('browser') if e['level'] == 'SEVERE']
+    assert not errors, errors
+
+
+page = browser()
+try:
+    show(page)
+    take_picture(page, sys.argv[2]) if len(sys.argv) > 2 else check(page)
+finally:
+    page.quit()

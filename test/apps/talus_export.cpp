@@ -1,0 +1,194 @@
+// The command talus-export from end to end: stock programs open what it writes and find the cells
+// of the GeoTIFF.
+#include <gtest/gtest.h>
+#include <mrpt/io/CFileGZInputStream.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/serialization/CArchive.h>
+#include <octomap/OcTree.h>
+#include <sys/wait.h>
+#include <talus/io/geotiff.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+
+#include "log_files.h"
+#include "small_terrain.h"
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+struct Outcome
+{
+  int code;
+  std::string text;
+};
+
+class TalusExport : public testing::Test
+{
+ protected:
+  TalusExport() { io::write_geotiff(dir_ / "site.tif", small_terrain()); }
+  Outcome shell(const std::string& command) const
+  {
+    const int status =
+        std::system(("cd " + (dir_ / "") + " && " + command + " >log.txt 2>&1").c_str());
+    return {WEXITSTATUS(status), read_bytes(dir_ / "log.txt")};
+  }
+  Outcome run(const std::string& arguments) const
+  {
+    return shell(TALUS_EXPORT_EXE " " + arguments);
+  }
+  void runs(const std::string& arguments) const
+  {
+    const Outcome o = run(arguments);
+    ASSERT_EQ(o.code, 0) << o.text;
+  }
+  void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
+  {
+    const Outcome o = run(arguments);
+    EXPECT_EQ(o.code, code) << o.text;
+    for (const auto& word : words) EXPECT_NE(o.text.find(word), std::string::npos) << o.text;
+  }
+  bool has(const std::string& program) const { return shell("command -v " + program).code == 0; }
+
+  ScratchDir dir_;
+};
+
+/** Cells that are occupied, free, and neither. */
+std::array<int, 3> counts(const mrpt::maps::COccupancyGridMap2D& grid)
+{
+  std::array<int, 3> n{};
+  for (unsigned y = 0; y < grid.getSizeY(); ++y)
+    for (unsigned x = 0; x < grid.getSizeX(); ++x)
+    {
+      const float free = grid.getCell(static_cast<int>(x), static_cast<int>(y));
+      ++n[free < 0.4F ? 0 : free > 0.6F ? 1 : 2];
+    }
+  return n;
+}
+const std::array<int, 3> kCounts{
+    kSmallTerrainBox, kSmallTerrainJudged - kSmallTerrainBox, 60 * 40 - kSmallTerrainJudged};
+
+TEST_F(TalusExport, mrpt_reads_the_map_of_ros)
+{
+  runs("site.tif --to ros");
+  mrpt::maps::COccupancyGridMap2D grid;
+  ASSERT_TRUE(grid.loadFromROSMapServerYAML(dir_ / "site.yaml"));
+  EXPECT_EQ(grid.getSizeX(), 60U);
+  EXPECT_NEAR(grid.getXMin(), -1, 0.06);
+  EXPECT_NEAR(grid.getYMin(), 2, 0.06);
+  const auto n = counts(grid);
+  EXPECT_EQ(n[0], kCounts[0]);
+  EXPECT_LT(grid.getPos(1.05F, 3.05F), 0.1F) << "the box is where it is in the GeoTIFF";
+  EXPECT_GT(grid.getPos(0.05F, 3.05F), 0.9F);
+}
+
+TEST_F(TalusExport, map_server_finds_the_same_cells_in_the_map_of_ros)
+{
+  runs("site.tif --to ros");
+  const cv::Mat picture = cv::imread(dir_ / "site.pgm", cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(picture.size(), cv::Size(60, 40));
+  std::array<int, 3> n{};
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x)
+    {
+      const double occupied = (255 - picture.at<uchar>(y, x)) / 255.0;  // its formula, trinary
+      ++n[occupied > 0.65 ? 0 : occupied < 0.196 ? 1 : 2];
+    }
+  EXPECT_EQ(n, kCounts);
+  EXPECT_EQ(picture.at<uchar>(39 - 12, 22), 0) << "its last row is the southernmost";
+}
+
+TEST_F(TalusExport, scale_tells_how_well_a_free_cell_drives_and_what_is_unknown)
+{
+  runs("site.tif --to ros --ros-mode scale");
+  const cv::Mat picture = cv::imread(dir_ / "site.png", cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(picture.type(), CV_8UC4);
+  const auto at = [&](int ix, int iy) { return picture.at<cv::Vec4b>(39 - iy, ix); };
+  EXPECT_EQ(at(22, 12)[0], 0);
+  EXPECT_EQ(at(10, 12)[0], 91 + 130) << "0.8 of the way from what is nearly blocked to free";
+  EXPECT_EQ(at(10, 12)[3], 255);
+  EXPECT_EQ(at(55, 12)[3], 0);
+  EXPECT_NE(read_bytes(dir_ / "site.yaml").find("mode: scale"), std::string::npos);
+}
+
+TEST_F(TalusExport, mrpt_reads_the_gridmap)
+{
+  runs("site.tif --to gridmap --output out");
+  mrpt::io::CFileGZInputStream stream(dir_ / "out/site.gridmap.gz");
+  mrpt::maps::COccupancyGridMap2D grid;
+  mrpt::serialization::archiveFrom(stream) >> grid;
+  EXPECT_EQ(counts(grid), kCounts);
+}
+
+TEST_F(TalusExport, octomap_tools_read_the_tree)
+{
+  runs("site.tif --to octomap");
+  if (!has("bt2vrml")) GTEST_SKIP() << "bt2vrml is not installed: octomap-tools";
+  const octomap::OcTree tree(dir_ / "site.bt");
+  int leaves = 0, voxels = 0;
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf)
+  {
+    if (!tree.isNodeOccupied(*leaf)) continue;
+    const auto side = static_cast<int>(std::lround(leaf.getSize() / tree.getResolution()));
+    voxels += side * side * side;
+    ++leaves;
+  }
+  EXPECT_EQ(voxels, 50 * 40 + 5 * kSmallTerrainBox) << "the ground, and five above each of the box";
+  const Outcome o = shell("bt2vrml site.bt");
+  const std::string words = "Finished writing " + std::to_string(leaves) + " voxels";
+  EXPECT_NE(o.text.find(words), std::string::npos) << o.text;
+}
+
+TEST_F(TalusExport, assimp_reads_the_mesh)
+{
+  runs("site.tif --to ply");
+  if (!has("assimp")) GTEST_SKIP() << "assimp is not installed: assimp-utils";
+  const Outcome o = shell("assimp info site.ply");
+  EXPECT_EQ(o.code, 0) << o.text;
+  EXPECT_NE(o.text.find("Faces:              " + std::to_string(2 * 49 * 39)), std::string::npos)
+      << o.text;
+}
+
+TEST_F(TalusExport, mrpt_reads_the_points_of_the_mesh)
+{
+  runs("site.tif --to ply");
+  mrpt::maps::CSimplePointsMap points;
+  ASSERT_TRUE(points.loadFromPlyFile(dir_ / "site.ply"));
+  EXPECT_EQ(points.size(), std::size_t{50 * 40 + 5 * kSmallTerrainBox});
+}
+
+TEST_F(TalusExport, all_formats_at_once_go_into_the_folder)
+{
+  runs("site.tif --to ros,gridmap,octomap,ply,heightmap,qgis,html --output a/b");
+  for (const char* name :
+       {"site.yaml", "site.pgm", "site.gridmap.gz", "site.bt", "site.ply", "site_height.png",
+        "site_height.json", "site.qml", "site.html"})
+    EXPECT_TRUE(std::filesystem::exists(dir_ / ("a/b/" + std::string(name)))) << name;
+}
+
+TEST_F(TalusExport, says_what_is_wrong)
+{
+  fails("site.tif", 2, {"--to is required"});
+  fails("site.tif --to rso", 2, {"rso", "ros"});
+  fails("site.tif --to ros --changes c.tif", 2, {"--changes is shown by html only"});
+  fails("none.tif --to ros", 1, {"none.tif", "no such file"});
+  io::LayerStack other = small_terrain();
+  other.names = {"a", "b", "c", "d"};
+  io::write_geotiff(dir_ / "other.tif", other);
+  fails("other.tif --to ros", 1, {"other.tif", "none of the bands of a map"});
+  fails("site.tif --to html --changes site.tif", 1, {"'kind'", "changes.tif of talus-merge"});
+  fails("site.tif --to ros --output site.tif/x", 1, {"site.tif"});
+}
+
+TEST_F(TalusExport, the_page_works_in_a_browser)
+{
+  runs("site.tif --to html");
+  const Outcome o = shell("/usr/bin/python3 " TALUS_BROWSER_SCRIPT " site.html");
+  if (o.code == 77) GTEST_SKIP() << o.text;
+  EXPECT_EQ(o.code, 0) << o.text;
+}
+}  // namespace

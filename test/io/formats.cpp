@@ -1,0 +1,144 @@
+// Maps of terrain as maps of MRPT and OctoMap: the same cells, places and heights.
+#include <gtest/gtest.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <octomap/OcTree.h>
+#include <talus/formats/convert.h>
+#include <talus/formats/page.h>
+#include <talus/formats/write.h>
+
+#include "log_files.h"
+#include "small_terrain.h"
+
+using namespace talus;
+using namespace talus::formats;
+using namespace talus::test;
+
+namespace
+{
+TEST(Formats, the_occupancy_grid_has_the_cells_of_the_map)
+{
+  mrpt::maps::COccupancyGridMap2D grid;
+  to_occupancy_grid(small_terrain(), 0.0, grid);
+  ASSERT_EQ(grid.getSizeX(), 60U);
+  ASSERT_EQ(grid.getSizeY(), 40U);
+  EXPECT_NEAR(grid.getXMin(), -1, 1e-6);
+  EXPECT_NEAR(grid.getYMin(), 2, 1e-6);
+  EXPECT_LT(grid.getCell(22, 12), 0.1F);
+  EXPECT_GT(grid.getCell(10, 12), 0.9F);
+  EXPECT_NEAR(grid.getCell(10, 0), 0.5F, 0.01F);
+  EXPECT_NEAR(grid.getCell(55, 12), 0.5F, 0.01F);
+  to_occupancy_grid(small_terrain(), 0.8, grid);
+  EXPECT_LT(grid.getCell(10, 12), 0.1F) << "0.8 or less is blocked now";
+}
+
+TEST(Formats, points_are_the_measured_ground_or_the_columns_on_it)
+{
+  mrpt::maps::CSimplePointsMap ground, standing;
+  to_points(small_terrain(), Surface::Ground, ground);
+  to_points(small_terrain(), Surface::Standing, standing);
+  EXPECT_EQ(ground.size(), std::size_t{kSmallTerrainJudged});
+  EXPECT_EQ(standing.size(), std::size_t{5 * kSmallTerrainBox}) << "0.5 m in steps of a cell";
+  float x = 0, y = 0, z = 0;
+  standing.getPoint(0, x, y, z);
+  EXPECT_NEAR(x, 1.05, 1e-5);
+  EXPECT_NEAR(y, 3.05, 1e-5);
+  EXPECT_NEAR(z, 1.7, 1e-5);
+}
+
+TEST(Formats, the_octree_is_occupied_free_or_unknown_as_the_map_is)
+{
+  octomap::OcTree tree(0.1);
+  to_octomap(small_terrain(), 0.6, tree);
+  const auto at = [&](double x, double y, double z)
+  {
+    const auto* node = tree.search(x, y, z);
+    return !node ? '?' : tree.isNodeOccupied(node) ? '#' : ' ';
+  };
+  EXPECT_EQ(at(1.05, 3.05, 1.25), '#') << "the ground below the box";
+  EXPECT_EQ(at(1.05, 3.05, 1.65), '#') << "the box";
+  EXPECT_EQ(at(1.05, 3.05, 1.95), '?') << "above the box";
+  EXPECT_EQ(at(0.05, 3.05, 1.15), '#') << "bare ground";
+  EXPECT_EQ(at(0.05, 3.05, 1.55), ' ') << "above bare ground";
+  EXPECT_EQ(at(0.05, 3.05, 1.95), '?') << "above the clearance";
+  EXPECT_EQ(at(0.05, 2.05, 1.55), '?') << "above ground that was not measured";
+  EXPECT_EQ(at(4.55, 3.05, 1.55), '?') << "nothing is known";
+}
+
+TEST(Formats, a_layer_that_is_missing_is_named)
+{
+  io::LayerStack map = small_terrain();
+  map.names[0] = "other";
+  mrpt::maps::COccupancyGridMap2D grid;
+  try
+  {
+    to_occupancy_grid(map, 0, grid);
+    FAIL();
+  }
+  catch (const std::runtime_error& e)
+  {
+    EXPECT_NE(std::string(e.what()).find("'traversability'"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Formats, the_heightmap_has_2_to_the_n_and_1_pixels_and_tells_where_it_lies)
+{
+  const ScratchDir dir;
+  const HeightmapPlace p = write_heightmap(dir / "h.png", small_terrain());
+  EXPECT_EQ(p.side_pixels, 65);
+  EXPECT_NEAR(p.size_m, 6.4, 1e-9);
+  EXPECT_NEAR(p.lowest_m, 1.0, 1e-6);
+  EXPECT_NEAR(p.height_m, 0.49, 1e-6);
+  EXPECT_NEAR(p.center_x_m, 1.5, 0.051) << "of the known cells";
+  EXPECT_NEAR(p.center_y_m, 4.0, 0.051);
+  EXPECT_NE(read_bytes(dir / "h.json").find("\"side_pixels\": 65"), std::string::npos);
+}
+
+TEST(Formats, a_mesh_has_no_more_faces_than_are_wanted)
+{
+  const ScratchDir dir;
+  const auto faces = [&](std::size_t most)
+  {
+    write_mesh(dir / "m.ply", small_terrain(), most);
+    const std::string text = read_bytes(dir / "m.ply");
+    return std::stoul(text.substr(text.find("element face ") + 13));
+  };
+  EXPECT_EQ(faces(1000000), 2U * 49 * 39);
+  EXPECT_LE(faces(1000), 1000U);
+  EXPECT_GT(faces(1000), 500U);
+}
+
+TEST(Formats, a_page_gets_coarser_until_it_is_small_enough)
+{
+  io::LayerStack map = small_terrain();  // larger, with heights that no picture packs
+  map.cells_x = map.cells_y = 512;
+  for (auto& layer : map.layers) layer.assign(std::size_t{1} << 18, 1.0F);
+  for (std::size_t i = 0; i < map.layers[1].size(); ++i)
+    map.layers[1][i] =
+        static_cast<float>((static_cast<std::uint32_t>(i * i) * 2654435761U) >> 16) * 0.001F;
+  const ScratchDir dir;
+  PageOptions options;
+  options.title = "a </script> & b";
+  write_page(dir / "fine.html", map, options);
+  options.max_bytes = std::size_t{1} << 19;
+  write_page(dir / "small.html", map, options);
+  const std::string fine = read_bytes(dir / "fine.html"), small = read_bytes(dir / "small.html");
+  EXPECT_GT(fine.size(), options.max_bytes);
+  EXPECT_LE(small.size(), options.max_bytes);
+  EXPECT_NE(fine.find("\"resolution_m\":0.1,"), std::string::npos);
+  EXPECT_NE(small.find("\"resolution_m\":0.2,"), std::string::npos);
+  EXPECT_EQ(fine.find("a </script>"), std::string::npos) << "would end the script";
+}
+
+TEST(Formats, changes_of_another_size_of_cells_are_refused)
+{
+  const ScratchDir dir;
+  io::LayerStack changes = small_terrain();
+  changes.names = {"kind", "change_m", "a", "b"};
+  changes.resolution_m = 0.2;
+  PageOptions options;
+  options.changes = &changes;
+  EXPECT_THROW(write_page(dir / "p.html", small_terrain(), options), std::runtime_error);
+  changes.resolution_m = 0.1;
+  EXPECT_NO_THROW(write_page(dir / "p.html", small_terrain(), options));
+}
+}  // namespace
