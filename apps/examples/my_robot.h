@@ -50,9 +50,16 @@ struct MyRobot : mrpt::nav::CRobot2NavInterface
   {
     const auto& c = dynamic_cast<const mrpt::kinematics::CVehicleVelCmd_DiffDriven&>(cmd);
     // As fast as it can still stop before what is not known; its front is 0.3 m before its middle.
-    const double known_m =
-        talus::known_ahead_m(map.mapper(), pose, c.lin_vel, c.ang_vel, 0.6, options);
-    const double most = talus::stopping_speed_mps(known_m - 0.3, 0.4, 1.0);
+    // Over what was not seen and is dared (drops = slope) it creeps.
+    const auto most_mps = [&](talus::Drops drops)
+    {
+      talus::ObstacleOptions o = options;
+      o.drops = drops;
+      const double m = talus::known_ahead_m(map.mapper(), pose, c.lin_vel, c.ang_vel, 0.6, o);
+      return talus::stopping_speed_mps(m - 0.3, 0.4, 1.0);
+    };
+    const double most =
+        std::max(most_mps(talus::Drops::Avoid), std::min(0.2, most_mps(options.drops)));
     const double share = std::min(1.0, most / std::max(std::abs(c.lin_vel), 1e-9));
     v = share * c.lin_vel;
     w = share * c.ang_vel;

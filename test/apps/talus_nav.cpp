@@ -248,6 +248,26 @@ TEST_F(TalusNav, does_not_fall_where_the_table_of_drops_says_that_it_stops_in_ti
       << text("out.txt");
 }
 
+TEST_F(TalusNav, drives_over_a_ramp_whose_far_side_it_cannot_see_where_it_counts_on_slopes)
+{
+  auto ini = read_bytes(TALUS_SOURCE_DIR "/datasets/configs/reactive2d_config.ini");
+  const std::string careful = "= avoid ";
+  ini.replace(ini.find(careful), careful.size(), "= slope ");
+  talus::test::write_bytes(path_of("bold.ini"), ini);
+  const std::string world =
+      "ground: [ramp: {at_m: [2, 0], length_m: 1.4, height_m: 0.3751, top_m: 1, down_m: 1.4,\n"
+      "  width_m: 2.4}]\n"
+      "objects: [wall: {from_m: [2.5, -1.2], to_m: [5.3, -1.2], height_m: 0.5},\n"
+      "  wall: {from_m: [2.5, 1.2], to_m: [5.3, 1.2], height_m: 0.5},\n"
+      "  wall: {from_m: [3.9, -4], to_m: [3.9, -1.2], height_m: 2},\n"
+      "  wall: {from_m: [3.9, 1.2], to_m: [3.9, 4], height_m: 2}]\n"
+      "robot: {path_m: [[0, 0], [1, 0]]}\nsensor: {at_m: [0, 0, 0.68]}\n";
+  const std::string level_16_beams = "--goal 7,0 --timeout 16 --every 0 --scanner RS-LiDAR-16 ";
+  EXPECT_EQ(
+      drive_in("ramp.yaml", world, level_16_beams + "--planner-config bold.ini --output out"), 0)
+      << text("out.txt");
+}
+
 TEST_F(TalusNav, warns_when_the_file_does_not_say_how_the_map_becomes_obstacles)
 {
   auto ini = read_bytes(TALUS_SOURCE_DIR "/datasets/configs/reactive2d_config.ini");

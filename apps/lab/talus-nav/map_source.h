@@ -12,6 +12,13 @@
 
 namespace talus::nav
 {
+/** A way from the base on. */
+struct Ahead
+{
+  double known_m;  //!< so far the ground is known
+  double dared_m;  //!< and so far a robot goes slowly that counts on slopes where ground may drop
+};
+
 /** Where the obstacles of the planners come from. */
 class MapSource
 {
@@ -37,10 +44,10 @@ class MapSource
   virtual void admit_doubtful(mrpt::maps::COccupancyGridMap2D&) {}
   /** How far the ground is known on the way of a command, from the base on, in a corridor of this
    * width. */
-  virtual double known_ahead_m(
+  virtual Ahead ahead(
       const mrpt::poses::CPose3D&, double /*v_mps*/, double /*w_radps*/, double /*width_m*/)
   {
-    return HUGE_VAL;
+    return {HUGE_VAL, HUGE_VAL};
   }
   /** The map behind it, or nullptr. */
   virtual const ElevationMapper* terrain() const { return nullptr; }

@@ -19,7 +19,7 @@ constexpr double kCell_m = 0.05;
 constexpr int kPixelsPerCell = 3;
 constexpr int kLeastWidth_px = 760;  // of the picture, for its words
 
-const cv::Scalar kPoints(66, 228, 240), kKnownBlocked(56, 142, 246);
+const cv::Scalar kPoints(66, 228, 240), kKnownBlocked(56, 142, 246), kMayDrop(160, 60, 120);
 const cv::Vec3b kBlocked(70, 62, 58);
 constexpr int kLowGrey = 150, kHighGrey = 245;
 
@@ -47,7 +47,8 @@ sim::Truth truth_around(
 /** Of a cell that is free with this probability; costmap_from_map() says how they are made. */
 std::optional<cv::Scalar> costmap_colour(float p)
 {
-  if (p <= Route::kBlocked) return kCostmap;
+  if (p < 0.1F) return kCostmap;
+  if (p <= Route::kBlocked) return kMayDrop;
   if (p < 0.525F) return io::kUnknownColour;  // Route::kHopeful
   if (p < 0.555F) return kJudgedFree;  // traversability 0, and yet no obstacle
   return drivable_colour(std::clamp((p - 0.55) / 0.4, 0.0, 1.0));
@@ -79,7 +80,8 @@ std::vector<std::vector<LegendItem>> legend()
       {{Mark::None, "What the robot knows:"},
        {Mark::Ramp, "hardly to well traversable", {}, ramp(drivable_colour)},
        {Mark::Area, "blocked", kCostmap},
-       {Mark::Area, "below the robot, taken as free", kJudgedFree},
+       {Mark::Area, "may drop, so blocked", kMayDrop},
+       {Mark::Area, "taken as free", kJudgedFree},
        {Mark::Area, "unknown", io::kUnknownColour}},
       {{Mark::None, "Both:"},
        {Mark::Robot, "robot"},

@@ -142,11 +142,14 @@ void RobotInterface::drive(double v_mps, double w_radps)
     const double most_mps = stopping_speed_mps(within_m, body.reacts_s, body.brakes_mps2);
     return most_mps / std::max(speed_mps, 1e-9);
   };
-  const double known_m = map_.known_ahead_m(T_map_base, v_mps, w_radps, body.width_m);
+  const Ahead ahead = map_.ahead(T_map_base, v_mps, w_radps, body.width_m);
+  const double front_m = 0.5 * body.length_m, speed_mps = std::abs(v_mps);
+  const double daring = std::min(
+      share_of(speed_mps, ahead.dared_m - front_m), kCreep_mps / std::max(speed_mps, 1e-9));
   const double corner_mps =
       std::abs(v_mps) + std::abs(w_radps) * std::hypot(body.length_m, body.width_m) / 2;
   const double share = std::min(
-      {1.0, share_of(std::abs(v_mps), known_m - 0.5 * body.length_m),
+      {1.0, std::max(share_of(speed_mps, ahead.known_m - front_m), daring),
        share_of(corner_mps, corner_mps * clear_s(v_mps, w_radps, kLongestStop_s))});
   robot_.command(share * v_mps, share * w_radps);
 }

@@ -69,10 +69,14 @@ class TerrainSource : public MapSource
             kAdmitted);
   }
 
-  double known_ahead_m(
+  Ahead ahead(
       const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps, double width_m) override
   {
-    return talus::known_ahead_m(map_, T_map_base, v_mps, w_radps, width_m, options_);
+    ObstacleOptions careful = options_;
+    careful.drops = Drops::Avoid;
+    const auto ahead_m = [&](const ObstacleOptions& o)
+    { return known_ahead_m(map_, T_map_base, v_mps, w_radps, width_m, o); };
+    return {ahead_m(careful), ahead_m(options_)};
   }
 
   const ElevationMapper* terrain() const override { return &map_; }

@@ -11,7 +11,7 @@ namespace
 {
 using mrpt::maps::COccupancyGridMap2D;
 
-constexpr float kObstacle = 0.05F;  // probability of being free
+constexpr float kObstacle = 0.05F, kMayDrop = 0.2F;  // probability of being free
 constexpr double kMostShift_cells = 0.01;  // between the borders of costmap and map
 
 float free_probability(float traversability)
@@ -86,10 +86,10 @@ void update_costmap(
       map.window(), first, grid,
       [&](std::size_t i, int x, int y)
       {
-        const bool unknown = cells[i] == Passage::Unknown;
-        if (unknown && !doubtful[i]) return;
-        const bool obstacle = unknown || cells[i] == Passage::Obstacle;
-        grid.setCell(x, y, obstacle ? kObstacle : free_probability(traversability[i]));
+        if (cells[i] == Passage::Unknown && !doubtful[i]) return;
+        const float blocked = doubtful[i] ? kMayDrop : kObstacle;
+        const bool free = cells[i] == Passage::Free;
+        grid.setCell(x, y, free ? free_probability(traversability[i]) : blocked);
       });
 }
 

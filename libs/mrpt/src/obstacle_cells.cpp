@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "falls.h"
 #include "surface_view.h"
 
 namespace talus
 {
 namespace
 {
+using detail::kObject_m;
 using detail::SurfaceView;
 
 /** A comparison with NaN, or a choice that is none, makes nothing an obstacle. */
@@ -25,9 +28,11 @@ void require_sound(const mrpt::poses::CPose3D& T, const ObstacleOptions& o)
     throw std::invalid_argument(
         "unseen of the ObstacleOptions is " + std::to_string(static_cast<int>(o.unseen)) +
         ", none of Unseen");
+  if (o.drops != Drops::Avoid && o.drops != Drops::Slope && o.drops != Drops::Ignore)
+    throw std::invalid_argument(
+        "drops of the ObstacleOptions is " + std::to_string(static_cast<int>(o.drops)) +
+        ", none of Drops");
 }
-
-constexpr float kObject_m = 0.1F;  // lower than this nothing stands in the way
 
 /** The questions that are asked of a cell. */
 class Judge
@@ -39,7 +44,11 @@ class Judge
         reach_(static_cast<int>(
             std::lround(map.parameters().feature_radius_m / map.parameters().resolution_m)))
   {
+    if (o.drops == Drops::Slope)
+      falls_.emplace(map, [this](int ix, int iy) { return rests_on_unseen(ix, iy); });
   }
+  Judge(const Judge&) = delete;
+  Judge& operator=(const Judge&) = delete;
 
   const SurfaceView& view() const { return view_; }
 
@@ -48,12 +57,9 @@ class Judge
     return std::isnan(view_.traversability[view_.index(ix, iy)]);
   }
 
-  /** Blocked only by comparison with ground that nobody saw, which may look better from nearby. */
-  bool is_doubtful(int ix, int iy) const
-  {
-    const std::size_t cell = view_.index(ix, iy);
-    return view_.traversability[cell] <= o_.blocked_at && !stands(cell) && rests_on_fills(ix, iy);
-  }
+  /** Blocked only by comparison with ground that nobody saw, which may look better from nearby, and
+   * not to be dared. */
+  bool is_doubtful(int ix, int iy) const { return rests_on_unseen(ix, iy) && !is_dared(ix, iy); }
 
   Passage operator()(int ix, int iy, double distance_m) const
   {
@@ -62,10 +68,21 @@ class Judge
     if (is_unknown(ix, iy))
       return near && o_.unseen == Unseen::Obstacle ? Passage::Obstacle : Passage::Unknown;
     if (view_.traversability[view_.index(ix, iy)] > o_.blocked_at) return Passage::Free;
-    return near || !is_doubtful(ix, iy) ? Passage::Obstacle : Passage::Unknown;
+    if (!rests_on_unseen(ix, iy)) return Passage::Obstacle;
+    if (is_dared(ix, iy)) return Passage::Free;
+    return near ? Passage::Obstacle : Passage::Unknown;
   }
 
  private:
+  bool rests_on_unseen(int ix, int iy) const
+  {
+    const std::size_t cell = view_.index(ix, iy);
+    return view_.traversability[cell] <= o_.blocked_at && !stands(cell) && rests_on_fills(ix, iy);
+  }
+  bool is_dared(int ix, int iy) const
+  {
+    return falls_ ? falls_->is_slope(ix, iy) : o_.drops == Drops::Ignore;
+  }
   /** Something measured stands on the ground of the cell. */
   bool stands(std::size_t cell) const
   {
@@ -87,6 +104,7 @@ class Judge
     return false;
   }
 
+  std::optional<detail::Falls> falls_;  //!< where they are asked for
   SurfaceView view_;
   const ObstacleOptions& o_;
   int reach_;  //!< of the neighbourhood of slope and step, in cells

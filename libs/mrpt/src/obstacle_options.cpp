@@ -3,6 +3,7 @@
 #include <talus/mrpt/parameters_ini.h>
 #include <talus/number_text.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <string>
@@ -16,6 +17,9 @@ namespace talus
 namespace
 {
 constexpr std::array<const char*, 2> kUnseenNames{"obstacle", "free"};
+constexpr std::array<const char*, 3> kDropsNames{"avoid", "slope", "ignore"};
+constexpr const char* kUnseenAllowed = "obstacle or free";
+constexpr const char* kDropsAllowed = "avoid, slope or ignore";
 
 struct Number
 {
@@ -37,19 +41,24 @@ constexpr std::array<Number, 6> kNumbers{{
     {"z_m", &ObstacleOptions::z_m, -kAny, kAny, "[m] height of 2D obstacles, robot frame"},
 }};
 
-Unseen unseen_from(const mrpt::config::CConfigFileBase& c, const std::string& section)
+/** Reads a choice by its name; its values are numbered in the order of the names. */
+template <class Choice, std::size_t kNames>
+void load_choice(
+    const mrpt::config::CConfigFileBase& c, const std::string& section, const char* key,
+    const std::array<const char*, kNames>& names, const char* allowed, Choice& choice)
 {
-  const std::string text = ini_value(c, section, "unseen");
-  for (std::size_t i = 0; i < kUnseenNames.size(); i++)
-    if (text == kUnseenNames[i]) return static_cast<Unseen>(i);
-  detail::refuse_value(c, section, "unseen", "obstacle or free");
+  if (!c.keyExists(section, key)) return;
+  const auto at = std::find(names.begin(), names.end(), ini_value(c, section, key));
+  if (at == names.end()) detail::refuse_value(c, section, key, allowed);
+  choice = static_cast<Choice>(at - names.begin());
 }
 
 /** The name, or the number where there is none. */
-std::string text_of(Unseen unseen)
+template <class Choice, std::size_t kNames>
+std::string text_of(Choice choice, const std::array<const char*, kNames>& names)
 {
-  const auto i = static_cast<std::size_t>(unseen);
-  return i < kUnseenNames.size() ? kUnseenNames[i] : std::to_string(static_cast<int>(unseen));
+  const auto i = static_cast<std::size_t>(choice);
+  return i < names.size() ? names[i] : std::to_string(static_cast<int>(choice));
 }
 
 std::string allowed(const Number& n)
@@ -60,7 +69,7 @@ std::string allowed(const Number& n)
 
 std::vector<std::string> known_keys()
 {
-  std::vector<std::string> keys{"boundary_only", "unseen"};
+  std::vector<std::string> keys{"boundary_only", "drops", "unseen"};
   keys.reserve(keys.size() + kNumbers.size());
   for (const auto& n : kNumbers) keys.emplace_back(n.name);
   return keys;
@@ -80,14 +89,20 @@ void ObstacleOptions::loadFromConfigFile(
     if (!(v >= n.min && v <= n.max)) detail::refuse_value(c, s, n.name, allowed(n));
     this->*n.value = v;
   }
-  if (c.keyExists(s, "unseen")) unseen = unseen_from(c, s);
+  load_choice(c, s, "unseen", kUnseenNames, kUnseenAllowed, unseen);
+  load_choice(c, s, "drops", kDropsNames, kDropsAllowed, drops);
   boundary_only = detail::ini_flag(c, s, "boundary_only", boundary_only);
 }
 
 void ObstacleOptions::saveToConfigFile(mrpt::config::CConfigFileBase& c, const std::string& s) const
 {
   for (const auto& n : kNumbers) c.write(s, n.name, number_text(this->*n.value), -1, 12, n.meaning);
-  c.write(s, "unseen", text_of(unseen), -1, 12, "obstacle or free: what is not known there");
+  c.write(
+      s, "unseen", text_of(unseen, kUnseenNames), -1, 12,
+      std::string(kUnseenAllowed) + ": what is not known there");
+  c.write(
+      s, "drops", text_of(drops, kDropsNames), -1, 12,
+      std::string(kDropsAllowed) + ": ground that may drop");
   c.write(s, "boundary_only", boundary_only, -1, 12, "leave out the inside of obstacles");
 }
 

@@ -17,6 +17,16 @@ enum class Unseen
   Free  //!< what is not known is left to the planner everywhere
 };
 
+/** What a cell in doubt is, see find_doubtful(): its ground may drop. */
+enum class Drops
+{
+  Avoid,  //!< an obstacle, from afar unknown
+  /** Free where a slope explains how far the measured ground on both sides of it falls: of half the
+   * steepest that the robot climbs, and by no more than 2.5 of the highest step. */
+  Slope,
+  Ignore  //!< free
+};
+
 /** How the map becomes obstacles. Obstacles are not inflated: planners know the robot's shape. */
 struct ObstacleOptions : public mrpt::config::CLoadableOptions
 {
@@ -33,6 +43,7 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
    * so is what is in doubt, see find_doubtful(): from nearby it may look better. */
   double seen_within_m = 1.0;
   Unseen unseen = Unseen::Obstacle;  //!< what it is there without that
+  Drops drops = Drops::Avoid;  //!< how bold the robot is where ground may drop
   double body_radius_m = 0.25;  //!< around the base nothing is an obstacle: it is in the robot
   double range_m = 5.0;  //!< obstacles farther from the base are left out, > 0
   double spacing_m = 0.1;  //!< one point a square of this side, that nearest to the base; 0: all
@@ -49,14 +60,15 @@ enum class Passage : std::uint8_t
 };
 
 /** What each cell of the window is, in the order of its layers. Throws std::invalid_argument for a
- * pose that is not finite and for an option that is NaN or no Unseen; so do all functions below
- * that take them, of a map that is not empty. */
+ * pose that is not finite and for an option that is NaN, no Unseen or no Drops; so do all functions
+ * below that take them, of a map that is not empty. */
 std::vector<Passage> classify_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
 
 /** Of the cells of the window, in the order of its layers: those that are blocked only by
  * comparison with filled ground, with nothing on it: perhaps a drop, perhaps the far side of a
- * crest. Seen from nearby they may look better. */
+ * crest. Seen from nearby they may look better. Those that `drops` makes free are not among them.
+ */
 std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o);
 
 /** Replaces `out` by the obstacles of the map for CReactiveNavigationSystem: in the frame of the
@@ -76,10 +88,11 @@ void obstacles_3d(
     const std::vector<double>& prism_heights_m, mrpt::maps::CSimplePointsMap& out);
 
 /** Makes `out` a costmap of the window in the map frame, for mrpt::nav::PlannerSimple2D: the
- * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles and of what is in
- * doubt, 0.5 where unknown (which that planner takes for an obstacle). `range_m` does not count.
- * Throws std::invalid_argument where the window lies so far from the origin (8 km for cells of 0.05
- * m) that the borders of a costmap, which are floats, cannot be those of its cells. */
+ * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles, 0.2 of what is in
+ * doubt and may drop, 0.5 where unknown (which that planner takes for an obstacle). `range_m` does
+ * not count. Throws std::invalid_argument where the window lies so far from the origin (8 km for
+ * cells of 0.05 m) that the borders of a costmap, which are floats, cannot be those of its cells.
+ */
 void costmap_from_map(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& out);
@@ -102,7 +115,8 @@ void admit_doubtful(
  * cell that is unknown, not judged or doubtful in a corridor of this width, the end of the window
  * or range_m. What lies within body_radius_m does not count, nor what is known to be an obstacle:
  * that is given to the planner. range_m for a robot that turns on the spot or stands, and of an
- * empty map 0. */
+ * empty map 0. What `drops` makes free counts as known: with Drops::Avoid it tells how far the
+ * ground was seen, beyond which a robot should creep. */
 double known_ahead_m(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps,
     double width_m, const ObstacleOptions& o);
