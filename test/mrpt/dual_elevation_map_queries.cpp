@@ -106,6 +106,47 @@ TEST(DualElevationMapQueries, pairs_points_with_the_surfaces_where_the_other_map
   EXPECT_TRUE(pairs.empty()) << "two metres above";
 }
 
+TEST(DualElevationMapQueries, what_stands_is_found_from_above_and_the_ground_is_not)
+{
+  const auto map = map_of_room();
+  EXPECT_LT(map.squareDistanceToClosestCorrespondence(1.3F, 0), 0.01F) << "on a box";
+  const float far2 = map.squareDistanceToClosestCorrespondence(0.02F, 0);
+  EXPECT_NEAR(std::sqrt(far2), 1.0, 0.08) << "a metre before it";
+  EXPECT_TRUE(std::isinf(CDualElevationMap().squareDistanceToClosestCorrespondence(0, 0)));
+
+  CSimplePointsMap side;  // of the first box, and of the bare floor
+  for (float y = -0.4F; y < 0.4F; y += 0.05F) side.insertPoint(1.05F, y, 0.3F);
+  side.insertPoint(-1, -1, 0);
+  mrpt::tfest::TMatchingPairList pairs;
+  mrpt::maps::TMatchingParams params;
+  mrpt::maps::TMatchingExtraResults extra;
+  params.maxDistForCorrespondence = 0.1F;
+  params.maxAngularDistForCorrespondence = 0;
+  map.determineMatching2D(&side, mrpt::poses::CPose2D(), pairs, params, extra);
+  EXPECT_EQ(pairs.size(), side.size() - 1);
+}
+
+#if MRPT_VERSION >= 0x020b03
+TEST(DualElevationMapQueries, programs_find_the_neighbours_of_a_place)
+{
+  const auto map = map_of_room();
+  const mrpt::maps::NearestNeighborsCapable& neighbours = map;
+  ASSERT_TRUE(neighbours.nn_has_indices_or_ids());
+  EXPECT_EQ(neighbours.nn_index_count(), map.getAsSimplePointsMap()->size());
+  mrpt::math::TPoint3Df found;
+  float distance2 = 0;
+  std::uint64_t index = 0;
+  neighbours.nn_prepare_for_3d_queries();
+  ASSERT_TRUE(neighbours.nn_single_search({1.3F, 0, 0.6F}, found, distance2, index));
+  EXPECT_NEAR(found.z, 0.45, 0.02) << "the top of the box";
+  std::vector<mrpt::math::TPoint3Df> all;
+  std::vector<float> distances2;
+  std::vector<std::uint64_t> indices;
+  neighbours.nn_radius_search({1.3F, 0, 0.45F}, 0.01F, all, distances2, indices, 0);
+  EXPECT_GT(all.size(), 5U);
+}
+#endif
+
 TEST(DualElevationMapQueries, its_points_map_and_bounding_box_hold_what_was_measured)
 {
   const auto map = map_of_room();

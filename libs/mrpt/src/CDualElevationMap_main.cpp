@@ -277,6 +277,7 @@ void CDualElevationMap::forgetDerived()
 {
   if (m_whole) m_whole->forget_floor();
   m_pointsCache.reset();
+  m_standingCache.reset();
   m_sceneCache.clear();
 }
 

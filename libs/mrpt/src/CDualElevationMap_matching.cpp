@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "surface_view.h"
@@ -94,6 +95,41 @@ float CDualElevationMap::compute3DMatchingRatio(
     if (cell && map.distance(*cell, p.z) <= params.maxDistForCorr) matched++;
   }
   return static_cast<float>(matched) / static_cast<float>(other->size());
+}
+
+const mrpt::maps::CSimplePointsMap& CDualElevationMap::standingPoints() const
+{
+  if (m_standingCache) return *m_standingCache;
+  m_standingCache = mrpt::maps::CSimplePointsMap::Create();
+  if (isEmpty()) return *m_standingCache;
+  const SurfaceView map(view());
+  const auto least_m = static_cast<float>(map.window.resolution_m);
+  for (int iy = 0; iy < map.window.cells; iy++)
+    for (int ix = 0; ix < map.window.cells; ix++)
+    {
+      const std::size_t cell = map.index(ix, iy);
+      const float top = map.elevation[cell];
+      if (!(top - map.ground[cell] > least_m)) continue;
+      m_standingCache->insertPoint(
+          static_cast<float>(map.x_m(ix)), static_cast<float>(map.y_m(iy)), top);
+    }
+  return *m_standingCache;
+}
+
+void CDualElevationMap::determineMatching2D(
+    const mrpt::maps::CMetricMap* otherMap, const mrpt::poses::CPose2D& otherMapPose,
+    mrpt::tfest::TMatchingPairList& correspondences, const mrpt::maps::TMatchingParams& params,
+    mrpt::maps::TMatchingExtraResults& extraResults) const
+{
+  standingPoints().determineMatching2D(
+      otherMap, otherMapPose, correspondences, params, extraResults);
+}
+
+float CDualElevationMap::squareDistanceToClosestCorrespondence(float x0, float y0) const
+{
+  const auto& points = standingPoints();
+  if (points.empty()) return std::numeric_limits<float>::infinity();
+  return points.squareDistanceToClosestCorrespondence(x0, y0);
 }
 
 void CDualElevationMap::determineMatching3D(

@@ -7,6 +7,7 @@
 #include <mrpt/poses/CPose3D.h>
 #include <talus/elevation_mapper.h>
 #include <talus/map_view.h>
+#include <talus/mrpt/nearest_points.h>
 #include <talus/mrpt/observation_points.h>
 #include <talus/mrpt/obstacles.h>
 #include <talus/mrpt/sensor_numbers.h>
@@ -52,7 +53,7 @@ class HintFinder;
  * Read from a stream that is damaged or made up, it throws and stays as it was; the memory that
  * this takes grows with the bytes that are there, whatever they say. Options that are out of range
  * are refused by name: when written or read, and where they are used. */
-class CDualElevationMap : public mrpt::maps::CMetricMap
+class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
 {
   DEFINE_SERIALIZABLE(CDualElevationMap, talus)
 
@@ -117,6 +118,17 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   float compute3DMatchingRatio(
       const mrpt::maps::CMetricMap* otherMap, const mrpt::poses::CPose3D& otherMapPose,
       const mrpt::maps::TMatchingRatioParams& params) const override;
+  /** A point at the top of each cell on which something stands, higher than a cell's side, map
+   * frame. Valid until the map changes. */
+  const mrpt::maps::CSimplePointsMap& standingPoints() const;
+  /** Pairs of points with standingPoints(), seen from above: the ground itself is everywhere. */
+  void determineMatching2D(
+      const mrpt::maps::CMetricMap* otherMap, const mrpt::poses::CPose2D& otherMapPose,
+      mrpt::tfest::TMatchingPairList& correspondences, const mrpt::maps::TMatchingParams& params,
+      mrpt::maps::TMatchingExtraResults& extraResults) const override;
+  /** The square of the distance [m^2] of a place of the map frame to the nearest of
+   * standingPoints(), seen from above; infinite where there is none. */
+  float squareDistanceToClosestCorrespondence(float x0, float y0) const override;
   /** Pairs of points with getAsSimplePointsMap(). */
   void determineMatching3D(
       const mrpt::maps::CMetricMap* otherMap, const mrpt::poses::CPose3D& otherMapPose,
@@ -226,6 +238,9 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   double internal_computeObservationLikelihood(
       const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& takenFrom) const override;
   bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
+#if MRPT_VERSION >= 0x020b03
+  const mrpt::maps::CSimplePointsMap& nn_points() const override { return *getAsSimplePointsMap(); }
+#endif
   /// @endcond
 
  private:
@@ -244,6 +259,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap
   mutable std::unique_ptr<ElevationMapper> m_mapper;  //!< made on first use
   mutable std::unique_ptr<WholeMap> m_whole;  //!< the same, where it is kept
   mutable mrpt::maps::CSimplePointsMap::Ptr m_pointsCache;  //!< of getAsSimplePointsMap()
+  mutable mrpt::maps::CSimplePointsMap::Ptr m_standingCache;  //!< of standingPoints()
   mutable std::vector<std::shared_ptr<MrptSceneObject>> m_sceneCache;  //!< of the map as it is,
   mutable TRenderOptions m_sceneOptions;  //!< drawn with these options
   mrpt::poses::CPose3D m_T_map_base;  //!< of the last insertion
