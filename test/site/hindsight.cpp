@@ -173,13 +173,35 @@ TEST(Guesses, nobody_drives_over_the_edge_of_a_quay)
   EXPECT_GT(kept.count(1, 14, -3.2, 3.2).free, 0.99 * kept.count(1, 14, -3.2, 3.2).known);
 }
 
+TEST(Guesses, nobody_drives_into_a_ditch_behind_the_rim)
+{
+  KeptDrive kept(
+      "robot: {path_m: [[0, 0], [15, 0]], speed_mps: 1}\n",
+      "[plane: {}, ditch: {at_m: [7, 3.7], width_m: 0.8, depth_m: 0.45, length_m: 30}]");
+  const auto inside = [&] { return kept.count(1, 14, 3.35, 4); };
+  EXPECT_GT(inside().free, 1000) << "the window knows it by itself: this says nothing";
+  kept.mapper.look_back(kept.map);
+  EXPECT_LT(inside().free, 0.01 * inside().known);
+}
+
+TEST(Guesses, what_nothing_hit_in_the_shadow_of_a_box_is_not_judged)
+{
+  KeptDrive kept(
+      "robot: {path_m: [[0, 0], [2, 0]], speed_mps: 1}\n"
+      "objects: [box: {at_m: [1, 2.2], size_m: [5, 0.8, 0.4]}]\n");
+  const auto shadow = [&] { return kept.count(0, 2, 2.7, 3.9); };
+  EXPECT_GT(shadow().free, 50) << "the window judges nothing there: this says nothing";
+  kept.mapper.look_back(kept.map);
+  EXPECT_EQ(shadow().free, 0);
+}
+
 TEST(Guesses, level_ground_stays_free_up_to_the_rim)
 {
   KeptDrive kept("robot: {path_m: [[0, 0], [15, 0]], speed_mps: 1}\n");
   const int before = kept.count(-5, 20, -5, 5).free;
   kept.mapper.look_back(kept.map);
   EXPECT_GT(before, 40000);
-  EXPECT_EQ(kept.count(-5, 20, -5, 5).free, before);
+  EXPECT_GT(kept.count(-5, 20, -5, 5).free, 0.99 * before);
 }
 
 }  // namespace talus::site

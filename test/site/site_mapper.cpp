@@ -88,8 +88,8 @@ struct KeptDrive
       const Tile& tile = *site.tiles.find(key);
       for (int i = 0; i < kTileCells * kTileCells; ++i)
         if (const SiteCell& c = tile.cells[static_cast<std::size_t>(i)]; c.known())
-          f(c, (key.x * kTileCells + i % kTileCells + 0.5) * site.resolution_m,
-            (key.y * kTileCells + i / kTileCells + 0.5) * site.resolution_m);
+          f(c, middle_of_cell_m(cell_of_tile(key.x, i % kTileCells), site.resolution_m),
+            middle_of_cell_m(cell_of_tile(key.y, i / kTileCells), site.resolution_m));
     }
   }
 

@@ -45,9 +45,8 @@ void Sketch::add(site::MovedReader& map)
     if (!map.read(place, *tile)) continue;
     for (int i = 0; i < site::kTileCells * site::kTileCells; ++i)
       if (const auto& s = tile->cells[static_cast<std::size_t>(i)]; s.known())
-        add(std::int64_t{place.x} * site::kTileCells + i % site::kTileCells,
-            std::int64_t{place.y} * site::kTileCells + i / site::kTileCells,
-            map.file().resolution_m(), s);
+        add(site::cell_of_tile(place.x, i % site::kTileCells),
+            site::cell_of_tile(place.y, i / site::kTileCells), map.file().resolution_m(), s);
   }
 }
 

@@ -42,8 +42,8 @@ Marks marks_of(Site& from, Site& to, int floor, double step_m, const RasterPlace
           const CellChange& c = changes[static_cast<std::size_t>(i)];
           if (std::isnan(c.change_m)) continue;
           const cv::Point at(
-              place.column_of(std::int64_t{key.x} * kTileCells + i % kTileCells),
-              place.row_of(std::int64_t{key.y} * kTileCells + i / kTileCells));
+              place.column_of(cell_of_tile(key.x, i % kTileCells)),
+              place.row_of(cell_of_tile(key.y, i / kTileCells)));
           if (!place.contains(at)) continue;
           m.common(at) = 1;
           if (c.kind == Change::None || std::abs(c.change_m) <= largest_m(at)) continue;

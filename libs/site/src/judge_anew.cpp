@@ -32,7 +32,7 @@ Frame empty_frame(
     const CellRect& cells, double resolution_m, const std::vector<CellRecord>& records)
 {
   const auto middle_m = [&](std::int64_t first, int size)
-  { return (static_cast<double>(first + size / 2) + 0.5) * resolution_m; };
+  { return middle_of_cell_m(first + size / 2, resolution_m); };
   double sum_m = 0;
   int known = 0;
   for (const CellRecord& c : records)

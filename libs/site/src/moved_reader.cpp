@@ -98,8 +98,8 @@ bool MovedReader::read_moved(SiteReader::Place tile, Tile& to)
   bool any = false;
   for (int i = 0; i < kTileCells * kTileCells; ++i)
   {
-    double x_m = (std::int64_t{tile.x} * kTileCells + i % kTileCells + 0.5) * resolution_m;
-    double y_m = (std::int64_t{tile.y} * kTileCells + i / kTileCells + 0.5) * resolution_m;
+    double x_m = middle_of_cell_m(cell_of_tile(tile.x, i % kTileCells), resolution_m);
+    double y_m = middle_of_cell_m(cell_of_tile(tile.y, i / kTileCells), resolution_m);
     shift_.undo(x_m, y_m);
     const auto x = static_cast<std::int64_t>(std::floor(x_m / resolution_m));
     const auto y = static_cast<std::int64_t>(std::floor(y_m / resolution_m));

@@ -41,7 +41,7 @@ Share swept_blocked(
   {
     if (!by_labels) return hits.was_swept(x, y);
     const auto middle_m = [&](std::int64_t cell)
-    { return (static_cast<double>(cell) + 0.5) * parameters.resolution_m; };
+    { return site::middle_of_cell_m(cell, parameters.resolution_m); };
     const std::ptrdiff_t at = labels->cell_at(middle_m(x), middle_m(y));
     return at >= 0 && labels->label(at) == LabelMap::kMoves;
   };
@@ -52,8 +52,8 @@ Share swept_blocked(
     for (std::size_t i = 0; i < cells.size(); ++i)
     {
       const auto at = static_cast<std::int64_t>(i);
-      const std::int64_t x = std::int64_t{key.x} * site::kTileCells + at % site::kTileCells;
-      const std::int64_t y = std::int64_t{key.y} * site::kTileCells + at / site::kTileCells;
+      const std::int64_t x = site::cell_of_tile(key.x, at % site::kTileCells);
+      const std::int64_t y = site::cell_of_tile(key.y, at / site::kTileCells);
       if (cells[i].known() && was_swept(x, y)) blocked.add(cells[i].cell.traversability == 0);
     }
   }

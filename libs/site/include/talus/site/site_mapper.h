@@ -26,7 +26,7 @@ class Hindsight;
  *
  * Hindsight. Some scans are kept for a while. When the robot is far away, and with look_back(),
  * what their rays passed through far more often than they hit it is cleared, since it moved; and
- * guesses behind which they saw the ground much lower are left unjudged. */
+ * guesses that they do not prove are left unjudged. */
 class SiteMapper
 {
  public:

@@ -96,5 +96,15 @@ inline int place_in_tile(std::int64_t cell)
 {
   return static_cast<int>(cell - static_cast<std::int64_t>(tile_of(cell)) * kTileCells);
 }
+/** The cell of the global grid at a place in a tile, along x or y. */
+inline std::int64_t cell_of_tile(std::int32_t tile, std::int64_t place)
+{
+  return std::int64_t{tile} * kTileCells + place;
+}
+/** The middle of a cell of the global grid, along x or y. */
+inline double middle_of_cell_m(std::int64_t cell, double resolution_m)
+{
+  return (static_cast<double>(cell) + 0.5) * resolution_m;
+}
 
 }  // namespace talus::site
