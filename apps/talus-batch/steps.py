@@ -119,26 +119,50 @@ def publish(path, name):
     os.replace(beside, name)
 
 
+def page_of(path):
+    return path[: -len(".tif")] + ".html"
+
+
+def publish_page(path, name, command):
+    """The map of all as a page, where talus-export can make one; the report says what it lacks, and no map is lost."""
+    options = ["--to", "html", "--title", os.path.basename(os.getcwd()), "--output", os.path.dirname(path), "--quiet"]
+    code = run(command[:1] + [path] + options + command[1:], path + ".log")
+    if code == 0:
+        publish(page_of(path), page_of(name))
+    elif os.path.exists(page_of(name)):  # of an older map
+        os.remove(page_of(name))
+    return "" if code == 0 else last_line(path + ".log")
+
+
 def logs_of(batch):
     return [read_json(f"maps/{name}.json") for name in sorted(read_json(batch)["logs"])]
 
 
-def report(output, whole, batch):
+def report(output, whole, batch, command):
     maps = read_json(whole)["maps"]
+    lacks = []
     for name, path in maps.items():
         publish(path, name)
         publish(picture_of(path), picture_of(name))
+        lacks.append(publish_page(path, name, command))
     for name in set(maps_in(".")) - set(maps) if maps else []:  # floors that no log sees any more
         os.remove(name)
-        os.remove(picture_of(name))
-    write_whole(output, report_page(logs_of(batch), maps))
+        for file in filter(os.path.exists, (picture_of(name), page_of(name))):
+            os.remove(file)
+    write_whole(output, report_page(logs_of(batch), maps, "; ".join(filter(None, lacks))))
 
 
-def report_page(logs, maps):
+def drawn(name):
+    """The picture of a map, which leads to its page where there is one."""
+    picture = f'<img src="{picture_of(name)}" alt="{name}">'
+    return f'<a href="{page_of(name)}">{picture}</a>' if os.path.exists(page_of(name)) else picture
+
+
+def report_page(logs, maps, lacks):
     ok = [told for told in logs if told["state"] == "ok"]
     total = {key: sum(told[key] for told in ok) for key in ("frames", "length_m", "area_m2", "seconds")}
     files = ", ".join(f'<a href="{name}">{name}</a>' for name in maps) or "no map: no log was mapped"
-    pictures = "".join(f'<img src="{picture_of(name)}" alt="{name}">' for name in maps)
+    pictures = "".join(map(drawn, maps)) + (f"<p>No page to open: {html.escape(lacks)}</p>" if lacks else "")
     rows = "".join(map(row, logs))
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>talus-batch</title><style>
@@ -163,7 +187,8 @@ def numbers(told):
 
 def links(told):
     """To the maps of a log, and their pictures."""
-    files = [file for path in told["maps"].values() for file in (picture_of(path), path) if os.path.exists(file)]
+    files = [file for path in told["maps"].values() for file in (page_of(path), picture_of(path), path)
+             if os.path.exists(file)]
     return " ".join(f'<a href="{urllib.parse.quote(file)}">{html.escape(os.path.basename(file))}</a>' for file in files)
 
 
@@ -192,7 +217,7 @@ def main():
     elif step == "merge":
         merge(*arguments[:2], arguments[2] == "True", arguments[3:], command)
     elif step == "report":
-        report(*arguments)
+        report(*arguments, command)
     elif step == "verdict":
         verdict(*arguments)
 

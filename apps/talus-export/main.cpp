@@ -33,8 +33,8 @@ void export_all(const Options& o)
   for (const std::string& file : o.inputs)
   {
     const std::string folder = o.output.empty() ? fs::path(file).parent_path().string() : o.output;
-    for (const std::string& path :
-         talus::app::export_files(file, folder, title_of(file), o.exports))
+    for (const std::string& path : talus::app::export_files(
+             file, folder, o.title.empty() ? title_of(file) : o.title, o.exports))
       if (!o.quiet) std::cout << "  wrote   " << path << "\n";
   }
 }

@@ -73,6 +73,10 @@ void add_settings(CLI::App& app, Options& o)
          "--changes", o.exports.changes, "html: changes.tif of talus-merge, to show over the map")
       ->check(app::not_empty())
       ->type_name("FILE");
+  app.add_option(
+         "--title", o.title, "html: title of the page (default: folder and name of the map)")
+      ->check(app::not_empty())
+      ->type_name("TEXT");
   app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
 }
 

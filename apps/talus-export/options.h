@@ -13,6 +13,7 @@ struct Options
   std::vector<std::string> inputs;
   app::ExportOptions exports;
   std::string output;  //!< a folder; empty: that of each map
+  std::string title;  //!< of the page; empty: the folder and the name of the map
   bool quiet = false;
 };
 

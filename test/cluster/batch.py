@@ -107,6 +107,7 @@ class Test:
         said = self.said(output)
         self.expect(said.count("no poses") == 1 and "Error in rule" not in said, f"{output}: a bad log is one line: {said}")
         self.expect(os.path.exists(self.path(output, "site.png")), f"{output}: there is no picture")
+        self.expect('<a href="site.html"><img' in page, f"{output}: the picture does not lead to the page: {page}")
         self.expect(not glob.glob(self.path(output, "**/*.new"), recursive=True), f"{output}: files are left behind")
 
     def check_same(self, one, other):
