@@ -77,6 +77,40 @@ TEST(Traffic, a_car_that_drove_beside_the_robot_leaves_nothing)
   EXPECT_EQ(lane().stand, 0);
 }
 
+/** No ray passes below and behind it. */
+TEST(Traffic, a_car_that_follows_the_robot_leaves_nothing)
+{
+  KeptDrive kept(
+      "robot: {path_m: [[0, 0], [30, 0]], speed_mps: 4}\n"
+      "movers: [box: {path: [[0, -4.5, 0], [7.5, 25.5, 0]], size_m: [4, 1.6, 1.5]}]\n");
+  const auto lane = [&] { return kept.count(0, 26, -1, 1); };
+  EXPECT_GT(lane().stand, 500) << "the window forgets it by itself: this says nothing";
+  kept.mapper.look_back(kept.map);
+  EXPECT_LT(lane().stand, 10);
+  EXPECT_LT(lane().blocked, 0.02 * lane().known);
+}
+
+/** Its times are others. */
+TEST(Traffic, what_somebody_walks_by_stays)
+{
+  KeptDrive kept(
+      "robot: {path_m: [[0, 0], [12, 0]], speed_mps: 1}\n"
+      "objects:\n"
+      "- railing: {from_m: [1, 2], to_m: [11, 2], height_m: 0.9}\n"
+      "- posts: {from_m: [1, -2], to_m: [11, -2], count: 6, height_m: 0.9, radius_m: 0.06}\n"
+      "movers:\n"
+      "- person: {path: [[2, 10, 1.7], [10, 2, 1.7]]}\n"
+      "- person: {path: [[0, 2, -1.65], [10, 12, -1.65]]}\n");
+  const auto railing = [&] { return kept.count(0, 12, 1.95, 2.05).blocked; };
+  const auto posts = [&] { return kept.count(0, 12, -2.05, -1.95).blocked; };
+  const int railing_before = railing(), posts_before = posts();
+  kept.mapper.look_back(kept.map);
+  EXPECT_GT(railing_before, 200);
+  EXPECT_GT(posts_before, 10);
+  EXPECT_EQ(railing(), railing_before);
+  EXPECT_EQ(posts(), posts_before);
+}
+
 TEST(Traffic, what_stands_beside_the_way_stays)
 {
   KeptDrive kept(

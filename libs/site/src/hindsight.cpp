@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace talus::site
@@ -68,19 +69,29 @@ void Hindsight::follow(Site& site, const ElevationMapper& map, const SiteMapper:
   const auto tile = std::find_if(touched_.begin(), touched_.end(), is_far);
   if (tile != touched_.end())
   {
-    look_at(site, map.parameters(), *tile);
+    const TileKey key = *tile;
     touched_.erase(tile);
+    look_at(site, map.parameters(), key);
   }
   const double needed_m = far_m + kReach_m + 2 * kTileCells * site.resolution_m;
   keep_if(
       [&](std::size_t, const SeenRays& s)
       { return std::max(std::abs(s.x_m() - base.x_m), std::abs(s.y_m() - base.y_m)) < needed_m; });
+  for (auto trail = trails_.begin(); trail != trails_.end();)
+  {
+    const bool is_needed = away_m(trail->first, site.resolution_m, base.x_m, base.y_m) < needed_m;
+    trail = is_needed ? std::next(trail) : trails_.erase(trail);
+  }
 }
 
 void Hindsight::finish(Site& site, const ElevationMapper& map)
 {
-  for (const TileKey& key : touched_) look_at(site, map.parameters(), key);
-  touched_.clear();
+  while (!touched_.empty())
+  {
+    const TileKey key = *touched_.begin();
+    touched_.erase(touched_.begin());
+    look_at(site, map.parameters(), key);
+  }
 }
 
 void Hindsight::look_at(Site& site, const Parameters& parameters, const TileKey& key)
@@ -90,8 +101,8 @@ void Hindsight::look_at(Site& site, const Parameters& parameters, const TileKey&
     if (scan.floor() == key.floor &&
         away_m(key, site.resolution_m, scan.x_m(), scan.y_m()) < kReach_m)
       around.push_back(&scan);
-  if (traffic_) site::note_traffic(site, key, around, *traffic_);
-  clear_traffic(site, parameters, key, around);
+  touched_.merge(
+      clear_traffic(site, parameters, key, around, trails_, traffic_ ? &*traffic_ : nullptr));
   forget_guesses(site, key, around);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "seen_rays.h"
+#include "traffic.h"
 
 #include <talus/elevation_mapper.h>
 #include <talus/site/site.h>
@@ -46,6 +47,7 @@ class Hindsight
   std::vector<SeenRays> scans_, spare_;  //!< in the order of time; memory that is not in use
   std::map<std::uint32_t, Seen> newest_;  //!< of each sensor
   std::set<TileKey> touched_;
+  Trails trails_;
   std::optional<Traffic> traffic_;
 };
 

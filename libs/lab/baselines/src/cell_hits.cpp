@@ -63,7 +63,8 @@ bool CellHits::Hits::stood_for_a_moment() const
 
 bool CellHits::Hits::stood_on_bare_ground() const
 {
-  return stood_for_a_moment() && std::max(bare_before, bare_after) >= kBareFrames;
+  return stood_for_a_moment() && std::max(bare_before, bare_after) >= kBareFrames &&
+         bare_before + bare_after >= up_frames;
 }
 
 CellHits::Key CellHits::key(double x_m, double y_m) const

@@ -21,8 +21,8 @@ class CellHits
   /** Whether what stood in a cell has left. */
   bool has_left(std::int64_t x, std::int64_t y) const;
   /** Whether something moved through a cell: it stood there for a moment, the cell was bare before
-   * or after, and so were most cells near it in which something stood. Else it is the edge of what
-   * stands. */
+   * or after in as many frames, and so were most cells near it in which something stood. Else it is
+   * the edge of what stands. */
   bool was_swept(std::int64_t x, std::int64_t y) const;
 
  private:
