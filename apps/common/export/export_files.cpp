@@ -84,7 +84,7 @@ std::string write_as(
 {
   const auto written = [&map](const char* ending, const auto& write)
   {
-    const std::string path = map.path(ending);
+    std::string path = map.path(ending);
     write(path, map.layers);
     return path;
   };
