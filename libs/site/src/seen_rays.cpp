@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 namespace talus::site
 {
 namespace
 {
+constexpr std::size_t kBits = 64;  //!< of a word
 constexpr std::uint16_t kNoRay_cm = std::numeric_limits<std::uint16_t>::max();
 
 std::uint16_t centimetres(float length_m)
@@ -59,26 +61,33 @@ void SeenRays::take(const Frame& frame, int floor)
   y_m_ = frame.T_map_sensor.y();
   z_m_ = static_cast<float>(frame.T_map_sensor.z());
   floor_ = floor;
-  thread_local std::vector<std::uint16_t> table;
-  table.assign(static_cast<std::size_t>(kColumns) * kRows, kNoRay_cm);
-  put_into(table, frame);
+  // Empty between two scans.
+  thread_local std::vector<std::uint16_t> table(
+      static_cast<std::size_t>(kColumns) * kRows, kNoRay_cm);
+  thread_local std::vector<std::uint64_t> taken(table.size() / kBits);
+  put_into(table, taken, frame);
   begins_.clear();
   begins_.reserve(kColumns + 1);
   rows_.clear();
   rows_.reserve(frame.size);
   lengths_cm_.clear();
   lengths_cm_.reserve(frame.size);
-  for (std::size_t i = 0; i < table.size(); ++i)
+  for (std::size_t word = 0; word < taken.size(); ++word)
   {
-    if (i % kRows == 0) begins_.push_back(static_cast<std::uint32_t>(rows_.size()));
-    if (table[i] == kNoRay_cm) continue;
-    rows_.push_back(static_cast<std::uint8_t>(i % kRows));
-    lengths_cm_.push_back(table[i]);
+    if (word % (kRows / kBits) == 0) begins_.push_back(static_cast<std::uint32_t>(rows_.size()));
+    for (std::uint64_t& bits = taken[word]; bits != 0; bits &= bits - 1)
+    {
+      const std::size_t at = word * kBits + static_cast<std::size_t>(__builtin_ctzll(bits));
+      rows_.push_back(static_cast<std::uint8_t>(at % kRows));
+      lengths_cm_.push_back(std::exchange(table[at], kNoRay_cm));
+    }
   }
   begins_.push_back(static_cast<std::uint32_t>(rows_.size()));
 }
 
-void SeenRays::put_into(std::vector<std::uint16_t>& table, const Frame& frame) const
+/** Puts the lengths of a frame's rays into the table, and marks the places that it takes. */
+void SeenRays::put_into(
+    std::vector<std::uint16_t>& table, std::vector<std::uint64_t>& taken, const Frame& frame) const
 {
   PoseOfPoint pose_of(frame);
   for (std::size_t i = 0; i < frame.size; ++i)
@@ -92,8 +101,9 @@ void SeenRays::put_into(std::vector<std::uint16_t>& table, const Frame& frame) c
     if (!(length_m > kNearest_m && kernels::is_finite(length_m + dz))) continue;
     const int row = row_of(dz / length_m);
     if (row < 0 || row >= kRows) continue;
-    std::uint16_t& at = table[static_cast<std::size_t>(column_of(dx, dy) * kRows + row)];
-    at = std::min(at, centimetres(length_m));
+    const auto at = static_cast<std::size_t>(column_of(dx, dy) * kRows + row);
+    table[at] = std::min(table[at], centimetres(length_m));
+    taken[at / kBits] |= std::uint64_t{1} << at % kBits;
   }
 }
 

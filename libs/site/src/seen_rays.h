@@ -100,7 +100,9 @@ class SeenRays
     const float step = (static_cast<float>(row) + 0.5F) / kRowsPerStep;
     return kernels::slope_at_step(step);
   }
-  void put_into(std::vector<std::uint16_t>& table, const Frame& frame) const;
+  void put_into(
+      std::vector<std::uint16_t>& table, std::vector<std::uint64_t>& taken,
+      const Frame& frame) const;
 
   double stamp_s_ = 0, x_m_ = 0, y_m_ = 0;
   float z_m_ = 0;

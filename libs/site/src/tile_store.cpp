@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -101,6 +102,29 @@ class TileCodec
   std::vector<char> bytes_;
 };
 
+#if defined(__linux__)
+/** Memory that begins at a multiple of its size. malloc would take twice as much of it. */
+void* map_aligned(std::size_t size)
+{
+  void* const all =
+      mmap(nullptr, 2 * size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (all == MAP_FAILED) return nullptr;
+  const std::size_t after = reinterpret_cast<std::uintptr_t>(all) % size;
+  const std::size_t before = after == 0 ? 0 : size - after;
+  char* const first = static_cast<char*>(all) + before;
+  if (before > 0) munmap(all, before);
+  munmap(first + size, size - before);
+#if defined(MADV_HUGEPAGE)
+  madvise(first, size, MADV_HUGEPAGE);
+#endif
+  return first;
+}
+void unmap(void* first, std::size_t size) { munmap(first, size); }
+#else
+void* map_aligned(std::size_t size) { return std::aligned_alloc(size, size); }
+void unmap(void* first, std::size_t) { std::free(first); }
+#endif
+
 /** Memory of tiles, in large pages where there are such: a drive comes to a new tile every few
  * metres, and small pages would cost more than to fill it. */
 class TileMemory
@@ -119,15 +143,12 @@ class TileMemory
   static constexpr std::size_t kTiles = 4, kBlock = kTiles * sizeof(Tile);
   struct BlockEnd
   {
-    void operator()(void* block) const { std::free(block); }
+    void operator()(void* block) const { unmap(block, kBlock); }
   };
   void add_block()
   {
-    blocks_.emplace_back(std::aligned_alloc(kBlock, kBlock));
+    blocks_.emplace_back(map_aligned(kBlock));
     if (!blocks_.back()) throw std::bad_alloc();
-#if defined(MADV_HUGEPAGE)
-    madvise(blocks_.back().get(), kBlock, MADV_HUGEPAGE);
-#endif
     free_.reserve(kTiles * blocks_.size());
     for (std::size_t i = 0; i < kTiles; ++i)
       free_.push_back(static_cast<Tile*>(blocks_.back().get()) + i);
