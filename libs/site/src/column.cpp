@@ -37,10 +37,7 @@ std::vector<Column> columns_of(Site& site, const CellRect& cells, int floor, Whi
     if (!stands && (which == Which::Standing || !is_known(c))) return;
     const auto width = static_cast<std::size_t>(cells.width_cells);
     const auto middle_m = [&](std::int64_t first, std::size_t cell)
-    {
-      return (static_cast<double>(first + static_cast<std::int64_t>(cell)) + 0.5) *
-             site.resolution_m;
-    };
+    { return middle_of_cell_m(first + static_cast<std::int64_t>(cell), site.resolution_m); };
     Column column;
     column.at = i;
     column.x_m = middle_m(cells.min_cell_x, i % width);

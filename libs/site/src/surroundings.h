@@ -119,8 +119,8 @@ class Surroundings
   /** Of a place in a tile that may be another one. */
   std::optional<std::size_t> place_of(const TileKey& key, int place) const
   {
-    const std::int64_t x = std::int64_t{key.x} * kTileCells + place % kTileCells - rect_.min_cell_x;
-    const std::int64_t y = std::int64_t{key.y} * kTileCells + place / kTileCells - rect_.min_cell_y;
+    const std::int64_t x = cell_of_tile(key.x, place % kTileCells) - rect_.min_cell_x;
+    const std::int64_t y = cell_of_tile(key.y, place / kTileCells) - rect_.min_cell_y;
     if (x < 0 || x >= side_ || y < 0 || y >= side_) return std::nullopt;
     return static_cast<std::size_t>(y * side_ + x);
   }
