@@ -25,6 +25,20 @@ struct KeptDrive
         map(p, Backend::Cpu, 1)
   {
     if (traffic) mapper.note_traffic();
+    drive(things, ground, mapper, map);
+  }
+  /** Another one that goes on with the site. */
+  void drive_again(const std::string& things)
+  {
+    SiteMapper later(site);
+    ElevationMapper new_map(p, Backend::Cpu, 1);
+    drive(things, "[plane: {}]", later, new_map);
+    later.look_back(new_map);
+  }
+  static void drive(
+      const std::string& things, const std::string& ground, SiteMapper& mapper,
+      ElevationMapper& map)
+  {
     const sim::World world = sim::parse_world(
         "seed: 5\nground: " + ground + "\nsensor: {at_m: [0, 0, 0.7], rate_hz: 10}\n" + things,
         "test.yaml");
@@ -75,6 +89,22 @@ TEST(Traffic, a_car_that_drove_beside_the_robot_leaves_nothing)
   kept.mapper.look_back(kept.map);
   EXPECT_LT(lane().blocked, 0.02 * lane().known);
   EXPECT_EQ(lane().stand, 0);
+}
+
+TEST(Traffic, a_car_that_is_gone_today_goes_where_the_window_passes)
+{
+  KeptDrive kept(
+      "robot: {path_m: [[0, 0], [8, 0]], speed_mps: 1}\n"
+      "objects: [box: {at_m: [4, 2], size_m: [3, 1.6, 1.5]}]\n");
+  kept.mapper.look_back(kept.map);
+  const auto car = [&] { return kept.count(2, 6, 0.8, 3.2); };
+  const int yesterday = car().stand;
+  EXPECT_GT(yesterday, 100);
+  kept.drive_again("robot: {path_m: [[0, -5], [8, -5]], speed_mps: 1}\n");
+  EXPECT_EQ(car().stand, yesterday) << "outside of the window";
+  kept.drive_again("robot: {path_m: [[0, 0], [8, 0]], speed_mps: 1}\n");
+  EXPECT_EQ(car().stand, 0);
+  EXPECT_EQ(car().blocked, 0);
 }
 
 /** No ray passes below and behind it. */

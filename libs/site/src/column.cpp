@@ -21,13 +21,6 @@ int bin_of(float height_m, const Column& c)
   return static_cast<int>(std::floor((height_m - c.low_m) / Column::kBin_m));
 }
 
-std::size_t step_of(double stamp_s)
-{
-  constexpr double kStep_s = 0.5, kSteps = HitTimes().size();
-  const double steps = std::floor(stamp_s / kStep_s);
-  return static_cast<std::size_t>(steps - std::floor(steps / kSteps) * kSteps);
-}
-
 std::vector<Column> columns_of(Site& site, const CellRect& cells, int floor, Which which)
 {
   std::vector<Column> columns;
@@ -70,7 +63,7 @@ void count(const SeenRays& scan, float resolution_m, bool is_recent, Column& c)
     c.recent.times += is_recent && !(scan.stamp_s() - c.last_hit_s < kVisit_s);
     if (std::isnan(c.first_hit_s)) c.first_hit_s = scan.stamp_s();
     c.last_hit_s = scan.stamp_s();
-    c.when.set(step_of(scan.stamp_s()));
+    c.when.set(scan.number() % c.when.size());
   }
   auto& passes = std::isnan(c.first_hit_s) ? c.before : c.later;
   for (int bin = 0; bin < Column::kBins; ++bin)

@@ -15,9 +15,8 @@
 // What scans hit above cells, and what they passed through there.
 namespace talus::site
 {
-/** When something was hit, in half seconds: those of the last minute, after which they begin anew.
- */
-using HitTimes = std::bitset<128>;
+/** Which of the last scans hit something, by their number. */
+using HitScans = std::bitset<128>;
 
 /** A cell: how many scans hit something above it, and how many passed through it before it was hit
  * first, and later, in bins of height above its ground. Lower things are judged by what is around
@@ -33,7 +32,7 @@ struct Column
   int top_bin = kNoBin;  //!< of what stands there
   std::array<std::uint16_t, kBins> hits{}, before{}, later{};
   double first_hit_s = NAN, last_hit_s = NAN;
-  HitTimes when;
+  HitScans when;
   TrafficCell recent;  //!< of the scans that were not noted before
 
   bool stands() const { return top_bin != kNoBin; }

@@ -45,7 +45,7 @@ void Hindsight::add(const Frame& frame, int floor)
   if (spare_.empty()) spare_.emplace_back();
   scans_.push_back(std::move(spare_.back()));
   spare_.pop_back();
-  scans_.back().take(frame, floor);
+  scans_.back().take(frame, floor, taken_++);
 }
 
 /** Keeps the scans that a condition on their place in the list and themselves asks for. */

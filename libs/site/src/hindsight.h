@@ -45,6 +45,7 @@ class Hindsight
   void look_at(Site& site, const Parameters& parameters, const TileKey& key);
 
   std::vector<SeenRays> scans_, spare_;  //!< in the order of time; memory that is not in use
+  std::size_t taken_ = 0;  //!< scans
   std::map<std::uint32_t, Seen> newest_;  //!< of each sensor
   std::set<TileKey> touched_;
   Trails trails_;

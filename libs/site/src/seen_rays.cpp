@@ -54,8 +54,9 @@ class PoseOfPoint
 };
 }  // namespace
 
-void SeenRays::take(const Frame& frame, int floor)
+void SeenRays::take(const Frame& frame, int floor, std::size_t number)
 {
+  number_ = number;
   stamp_s_ = frame.stamp_s;
   x_m_ = frame.T_map_sensor.x();
   y_m_ = frame.T_map_sensor.y();

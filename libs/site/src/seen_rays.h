@@ -17,8 +17,9 @@ namespace talus::site
 class SeenRays
 {
  public:
-  /** Takes the rays of a frame in place of those that it has. `floor`: of the site. */
-  void take(const Frame& frame, int floor);
+  /** Takes the rays of a frame in place of those that it has. `floor`: of the site. `number`: of
+   * the scans that were taken before. */
+  void take(const Frame& frame, int floor, std::size_t number);
 
   /** A ray that passes a place and ends behind it; heights in the map frame. */
   struct Passing
@@ -31,6 +32,7 @@ class SeenRays
   double y_m() const { return y_m_; }
   int floor() const { return floor_; }
   double stamp_s() const { return stamp_s_; }
+  std::size_t number() const { return number_; }
 
   /** Calls f(height_m, behind_m) for the rays that go over a place between two heights: their
    * height there, map frame, and how far behind the place they end; negative: before it. */
@@ -107,6 +109,7 @@ class SeenRays
   double stamp_s_ = 0, x_m_ = 0, y_m_ = 0;
   float z_m_ = 0;
   int floor_ = 0;
+  std::size_t number_ = 0;
   std::vector<std::uint32_t> begins_;  //!< of each column in the two lists, and their end
   std::vector<std::uint8_t> rows_;  //!< ascending in a column
   std::vector<std::uint16_t> lengths_cm_;

@@ -40,11 +40,11 @@ class SameThing
     for (const Column& c : columns)
       if (c.stands()) standing_[c.at] = &c;
   }
-  /** Something was there at these times that has moved, whatever is there now. */
-  void begin(std::size_t at, const HitTimes& when)
+  /** Something was there in these scans that has moved, whatever is there now. */
+  void begin(std::size_t at, const HitScans& when)
   {
     left_[at] = true;
-    open_.push_back({at, longer(when)});
+    open_.push_back({at, with_next(when)});
   }
   /** What stands there has moved. */
   void take(const Column& c)
@@ -72,9 +72,9 @@ class SameThing
 
  private:
   /** What only scans hit that were not kept was hit when what is beside it was. */
-  HitTimes when(const Column& c) const
+  HitScans when(const Column& c) const
   {
-    HitTimes all = c.when;
+    HitScans all = c.when;
     if (all.none())
       around_.for_each_near(
           c.at, radius_,
@@ -84,12 +84,12 @@ class SameThing
           });
     return all;
   }
-  static HitTimes longer(const HitTimes& when)
+  static HitScans with_next(const HitScans& when)
   {
     const std::size_t last = when.size() - 1;
     return when | when << 1 | when >> last | when >> 1 | when << last;
   }
-  bool is_of(const Column& c, const HitTimes& beside) const
+  bool is_of(const Column& c, const HitScans& beside) const
   {
     return (when(c) & ~beside).none() && is_beside_enough(c.at) &&
            around_.sums_around(c.at).passed(kPassesPerHitBeside);
@@ -110,14 +110,14 @@ class SameThing
   struct Open
   {
     std::size_t at;
-    HitTimes when;
+    HitScans when;
   };
   const Surroundings& around_;
   int radius_;
   std::vector<const Column*> standing_;
   std::vector<bool> moved_;
   std::vector<bool> left_;  //!< what was there has moved, now or before
-  std::vector<HitTimes> beside_;  //!< when what has moved was hit near a place
+  std::vector<HitScans> beside_;  //!< that hit what has moved near a place
   std::vector<Open> open_;
 };
 
