@@ -334,6 +334,12 @@ TEST_F(TalusNav, drives_off_along_a_wall_that_is_close_beside_it)
       << text("out.txt");
 }
 
+TEST_F(TalusNav, arrives_at_a_goal_close_ahead_on_rough_ground_of_which_it_sees_nothing)
+{
+  ASSERT_EQ(drive("rolling.yaml", "--goal 0.5,0 --timeout 10 --every 0 --output out"), 0)
+      << text("out.txt");
+}
+
 TEST_F(TalusNav, finds_the_way_around_what_reaches_far_beyond_start_and_goal)
 {
   const std::string world =

@@ -339,26 +339,34 @@ TEST(KnownAhead, ends_with_what_was_seen_and_goes_on_over_what_is_dared)
   EXPECT_GT(ahead_m(Drops::Slope), 1.3) << "to the border of the window";
 }
 
-TEST(Costmap, opens_what_is_in_doubt_from_afar_for_a_second_try)
+TEST(Costmap, opens_what_is_in_doubt_until_it_stayed_so_from_nearby)
 {
   RoomWithDoubt room;
-  const auto free_from = [&](double x_m)
+  COccupancyGridMap2D grid;
+  const int x = static_cast<int>(room.cell) % room.map.window.cells;
+  const int y = static_cast<int>(room.cell) / room.map.window.cells;
+  const auto seen_from = [&](double x_m)
   {
-    const CPose3D T_map_base(x_m, -1.0, 0, 0, 0, 0);
-    COccupancyGridMap2D grid;
-    costmap_from_map(room.map, T_map_base, {}, grid);
-    const int x = static_cast<int>(room.cell) % room.map.window.cells;
-    const int y = static_cast<int>(room.cell) / room.map.window.cells;
-    EXPECT_NEAR(grid.getCell(x, y), 0.2F, 0.01F) << "it may drop";
-    admit_doubtful(room.map, T_map_base, {}, grid);
+    update_costmap(room.map, CPose3D(x_m, -1.0, 0, 0, 0, 0), only_known(), grid);
     return grid.getCell(x, y);
   };
-  EXPECT_NEAR(free_from(0.7), 0.55F, 0.01F);
-  EXPECT_NEAR(free_from(-0.2), 0.2F, 0.01F) << "nearer than it is to be seen";
-  COccupancyGridMap2D grid;
-  costmap_from_map(room.map, {}, {}, grid);
-  EXPECT_THROW(
-      admit_doubtful(room.map, CPose3D(NAN, 0, 0, 0, 0, 0), {}, grid), std::invalid_argument);
+  const auto admitted = [&]
+  {
+    auto hoped = grid;
+    admit_doubtful(hoped);
+    return hoped.getCell(x, y);
+  };
+  costmap_from_map(room.map, CPose3D(0.7, -1.0, 0, 0, 0, 0), only_known(), grid);
+  EXPECT_NEAR(grid.getCell(x, y), 0.2F, 0.01F) << "it may drop";
+  EXPECT_NEAR(admitted(), 0.55F, 0.01F);
+  room.layer(Layer::Traversability)[room.cell] = NAN;
+  EXPECT_NEAR(seen_from(0.7), 0.2F, 0.01F) << "what is forgotten stays as it was";
+  room.layer(Layer::Traversability)[room.cell] = 0;
+  EXPECT_NEAR(seen_from(-0.2), 0.1F, 0.01F) << "nearer than it is to be seen";
+  EXPECT_NEAR(seen_from(0.7), 0.1F, 0.01F) << "the robot does not come back for it";
+  EXPECT_NEAR(admitted(), 0.1F, 0.01F);
+  room.fill_state(CellState::Measured);
+  EXPECT_NEAR(seen_from(0.7), 0.05F, 0.01F) << "that was seen";
 }
 
 TEST(KnownAhead, ends_at_the_first_cell_that_is_not_known_on_the_way)

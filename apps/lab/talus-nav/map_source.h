@@ -38,10 +38,6 @@ class MapSource
       const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) = 0;
   /** Blocks what must have been seen by now and was not: not for good, it may be seen yet. */
   virtual void block_unseen(const mrpt::poses::CPose3D&, mrpt::maps::COccupancyGridMap2D&) {}
-  /** Opens, in a copy of the costmap, what looked blocked from afar and may look better from
-   * nearby.
-   */
-  virtual void admit_doubtful(mrpt::maps::COccupancyGridMap2D&) {}
   /** How far the ground is known on the way of a command, from the base on, in a corridor of this
    * width. */
   virtual Ahead ahead(

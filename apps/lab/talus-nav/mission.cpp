@@ -109,7 +109,7 @@ class Mission
     auto known = route_.costmap();
     map_.block_unseen(T, known);
     auto hoped = known;
-    map_.admit_doubtful(hoped);  // to go and look
+    admit_doubtful(hoped);  // to go and look
     has_way_ = route_.plan(here, known) || route_.plan(here, hoped) ||
                route_.plan_beyond(here, known) || route_.plan_beyond(here, hoped);
     plans_without_way_ = has_way_ ? 0 : plans_without_way_ + 1;
@@ -120,7 +120,7 @@ class Mission
     if (const auto back = retreat_.target(robot_.time_s(), {T.x(), T.y()}))
       return pilot_.creep(T, *back);
     const auto target = route_.target({T.x(), T.y(), T.yaw()}, o_.look_ahead_m);
-    pilot_.step(T, target, (target - o_.goal).norm() < 1e-6);
+    pilot_.step(T, target, target == route_.way().back());
   }
 
   void halt()

@@ -47,7 +47,7 @@ sim::Truth truth_around(
 /** Of a cell that is free with this probability; costmap_from_map() says how they are made. */
 std::optional<cv::Scalar> costmap_colour(float p)
 {
-  if (p < 0.1F) return kCostmap;
+  if (p < 0.075F) return kCostmap;
   if (p <= Route::kBlocked) return kMayDrop;
   if (p < 0.525F) return io::kUnknownColour;  // Route::kHopeful
   if (p < 0.555F) return kJudgedFree;  // traversability 0, and yet no obstacle

@@ -281,12 +281,13 @@ bool Pilot::edge_out(const mrpt::math::TPoint2D& target)
   if (is_stuck()) edges_out_until_s_ = robot_.time_s() + kCreep_s;
   if (robot_.time_s() >= edges_out_until_s_) return false;
   const mrpt::math::TPoint2D to = interface_.pose_in_map().inverseComposePoint(target);
+  const double creep_s = std::min(kCreep_s, to.norm() / kCreep_mps);
   double nearest_m = HUGE_VAL, v_mps = 0, w_radps = 0;
   for (const double curvature : kCreepCurvatures)
     for (const double v : {kCreep_mps, -kCreep_mps})
     {
-      if (interface_.clear_s(v, curvature * v, kCreep_s) < kCreep_s) continue;
-      const double left_m = (end_of_arc(v * kCreep_s, curvature) - to).norm();
+      if (interface_.clear_s(v, curvature * v, creep_s) < creep_s) continue;
+      const double left_m = (end_of_arc(v * creep_s, curvature) - to).norm();
       if (left_m >= nearest_m) continue;
       nearest_m = left_m;
       v_mps = v;

@@ -15,6 +15,8 @@ namespace
 using mrpt::math::TPoint2D;
 
 constexpr double kMargin_m = 1.5;
+constexpr double kArrives_m =
+    0.35;  // before the goal; a little less than MissionOptions::arrived_m
 constexpr double kMap_m = 4;  // as far from the robot as the window of the shipped settings reaches
 constexpr double kMost_m2 = 25000;  // 10 million cells, with the pictures 2 GB
 
@@ -114,9 +116,9 @@ bool Route::plan_beyond(
 {
   way_.clear();
   auto wide = halved(costmap, kBeyond_m);
-  if (plan_with(wide, robot, robot_radius_m_)) return true;
+  if (plan_with(wide, robot, robot_radius_m_, goal_)) return true;
   clear_around(wide, robot, robot_radius_m_);
-  return plan_with(wide, robot, 0.8 * robot_radius_m_);
+  return plan_with(wide, robot, 0.8 * robot_radius_m_, goal_);
 }
 
 bool Route::plan(const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap)
@@ -124,15 +126,24 @@ bool Route::plan(const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyG
   way_.clear();
   // A robot that came too near to an obstacle must find away from it.
   for (const double share : {1.0, 0.8, 0.65})
-    if (plan_with(costmap, robot, share * robot_radius_m_)) return true;
+    if (plan_with(costmap, robot, share * robot_radius_m_, goal_)) return true;
   auto around_cleared = costmap;
   clear_around(around_cleared, robot, robot_radius_m_);
-  return plan_with(around_cleared, robot, 0.65 * robot_radius_m_);
+  return plan_with(around_cleared, robot, 0.65 * robot_radius_m_, goal_) ||
+         plan_with(around_cleared, robot, 0.65 * robot_radius_m_, before_goal(robot));
+}
+
+/** A place from where the robot has arrived, for a goal whose surroundings are blocked or not seen.
+ */
+TPoint2D Route::before_goal(const mrpt::math::TPose2D& robot) const
+{
+  const TPoint2D back = TPoint2D(robot.x, robot.y) - goal_;
+  return goal_ + back * std::min(1.0, kArrives_m / std::max(back.norm(), 1e-9));
 }
 
 bool Route::plan_with(
     const mrpt::maps::COccupancyGridMap2D& costmap, const mrpt::math::TPose2D& robot,
-    double radius_m)
+    double radius_m, const TPoint2D& to)
 {
   mrpt::nav::PlannerSimple2D planner;
   planner.robotRadius = static_cast<float>(radius_m);
@@ -141,12 +152,11 @@ bool Route::plan_with(
   std::deque<TPoint2D> path;
   bool not_found = true;
   planner.computePath(
-      costmap, mrpt::poses::CPose2D(robot), mrpt::poses::CPose2D(goal_.x, goal_.y, 0), path,
-      not_found);
+      costmap, mrpt::poses::CPose2D(robot), mrpt::poses::CPose2D(to.x, to.y, 0), path, not_found);
   if (not_found) return false;
   way_.assign(path.begin(), path.end());
   way_.insert(way_.begin(), TPoint2D(robot.x, robot.y));
-  way_.push_back(goal_);
+  way_.push_back(to);
   return true;
 }
 
@@ -163,7 +173,7 @@ TPoint2D Route::target(const mrpt::math::TPose2D& robot, double ahead_m) const
     left_m -= std::hypot(way_[i + 1].x - way_[i].x, way_[i + 1].y - way_[i].y);
     if (left_m <= 0) return way_[i + 1];
   }
-  return goal_;
+  return way_.back();
 }
 
 }  // namespace talus::nav

@@ -41,8 +41,8 @@ class Route
   bool plan_beyond(
       const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap);
 
-  /** The place on the way that lies `ahead_m` along it from the place nearest to the robot; the
-   * goal when it is nearer. Only after plan() found a way. */
+  /** The place on the way that lies `ahead_m` along it from the place nearest to the robot; its
+   * end when it is nearer. Only after plan() found a way. */
   mrpt::math::TPoint2D target(const mrpt::math::TPose2D& robot, double ahead_m) const;
 
   const std::vector<mrpt::math::TPoint2D>& way() const { return way_; }
@@ -50,7 +50,8 @@ class Route
  private:
   bool plan_with(
       const mrpt::maps::COccupancyGridMap2D& costmap, const mrpt::math::TPose2D& robot,
-      double radius_m);
+      double radius_m, const mrpt::math::TPoint2D& to);
+  mrpt::math::TPoint2D before_goal(const mrpt::math::TPose2D& robot) const;
 
   mrpt::maps::COccupancyGridMap2D costmap_;
   mrpt::math::TPoint2D goal_;

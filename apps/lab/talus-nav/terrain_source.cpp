@@ -2,26 +2,12 @@
 
 #include <talus/mrpt/pose_from.h>
 
-#include <cmath>
-#include <cstdint>
-#include <map>
-#include <utility>
 #include <vector>
 
 namespace talus::nav
 {
 namespace
 {
-/** From where a cell was in doubt: blocked only by comparison with filled ground. */
-enum class Doubt : std::uint8_t
-{
-  FromAfar,
-  FromNearby
-};
-/** Column and row of a cell of the map frame. */
-using Cell = std::pair<int, int>;
-constexpr float kAdmitted = 0.55F;  // as costmap_from_map() makes what is hardly traversable
-
 class TerrainSource : public MapSource
 {
  public:
@@ -50,23 +36,12 @@ class TerrainSource : public MapSource
     ObstacleOptions o = options_;
     o.unseen = Unseen::Free;
     talus::update_costmap(map_, T_map_base, o, grid);
-    note_doubts(T_map_base);
   }
 
   void block_unseen(
       const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
   {
     talus::update_costmap(map_, T_map_base, options_, grid);
-  }
-
-  void admit_doubtful(mrpt::maps::COccupancyGridMap2D& grid) override
-  {
-    const double side_m = map_.window().resolution_m;
-    for (const auto& [cell, doubt] : doubts_)
-      if (doubt == Doubt::FromAfar)
-        grid.setCell(
-            grid.x2idx((cell.first + 0.5) * side_m), grid.y2idx((cell.second + 0.5) * side_m),
-            kAdmitted);
   }
 
   Ahead ahead(
@@ -82,33 +57,8 @@ class TerrainSource : public MapSource
   const ElevationMapper* terrain() const override { return &map_; }
 
  private:
-  /** Remembers what is in doubt, also where the window has left; and for good what stays so from
-   * nearby, so that the robot does not come back for it. */
-  void note_doubts(const mrpt::poses::CPose3D& T_map_base)
-  {
-    const auto doubtful = find_doubtful(map_, options_);
-    const Window w = map_.window();
-    const auto n = static_cast<std::size_t>(w.cells);
-    for (std::size_t i = 0; i < doubtful.size(); i++)
-    {
-      const double x_m = w.min_x_m() + (static_cast<double>(i % n) + 0.5) * w.resolution_m;
-      const double y_m = w.min_y_m() + (static_cast<double>(i / n) + 0.5) * w.resolution_m;
-      const Cell cell{
-          static_cast<int>(std::floor(x_m / w.resolution_m)),
-          static_cast<int>(std::floor(y_m / w.resolution_m))};
-      const auto known = doubts_.find(cell);
-      if (known != doubts_.end() && known->second == Doubt::FromNearby) continue;
-      const double distance_m = std::hypot(x_m - T_map_base.x(), y_m - T_map_base.y());
-      if (doubtful[i])
-        doubts_[cell] = distance_m > options_.seen_within_m ? Doubt::FromAfar : Doubt::FromNearby;
-      else if (known != doubts_.end())
-        doubts_.erase(known);
-    }
-  }
-
   ElevationMapper map_;
   ObstacleOptions options_;
-  std::map<Cell, Doubt> doubts_;
 };
 }  // namespace
 

@@ -11,13 +11,17 @@ namespace
 {
 using mrpt::maps::COccupancyGridMap2D;
 
-constexpr float kObstacle = 0.05F, kMayDrop = 0.2F;  // probability of being free
+// Probabilities of being free. What looks as if it drops from nearby, too, is not to be admitted.
+constexpr float kObstacle = 0.05F, kDropsFromNearby = 0.1F, kMayDrop = 0.2F;
+constexpr float kQuantised = 0.02F;  // by MRPT, at most
 constexpr double kMostShift_cells = 0.01;  // between the borders of costmap and map
 
 float free_probability(float traversability)
 {
   return 0.55F + (traversability > 0 ? 0.4F * traversability : 0.0F);  // NaN below the robot
 }
+
+bool is_about(float p, float wanted) { return std::abs(p - wanted) < kQuantised; }
 
 bool is_whole(double cells) { return std::abs(cells - std::round(cells)) <= kMostShift_cells; }
 
@@ -87,26 +91,22 @@ void update_costmap(
       [&](std::size_t i, int x, int y)
       {
         if (cells[i] == Passage::Unknown && !doubtful[i]) return;
-        const float blocked = doubtful[i] ? kMayDrop : kObstacle;
-        const bool free = cells[i] == Passage::Free;
-        grid.setCell(x, y, free ? free_probability(traversability[i]) : blocked);
+        if (cells[i] == Passage::Free)
+          grid.setCell(x, y, free_probability(traversability[i]));
+        else if (!doubtful[i])
+          grid.setCell(x, y, kObstacle);
+        else if (cells[i] == Passage::Obstacle)
+          grid.setCell(x, y, kDropsFromNearby);
+        else if (!is_about(grid.getCell(x, y), kDropsFromNearby))
+          grid.setCell(x, y, kMayDrop);
       });
 }
 
-void admit_doubtful(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
-    COccupancyGridMap2D& grid)
+void admit_doubtful(COccupancyGridMap2D& grid)
 {
-  const Place first = place_in(grid, map.window());
-  const auto cells = classify_cells(map, T_map_base, o);
-  const auto doubtful = find_doubtful(map, o);
-  for_each_shared(
-      map.window(), first, grid,
-      [&](std::size_t i, int x, int y)
-      {
-        const bool from_afar = cells[i] == Passage::Unknown;
-        if (doubtful[i] && from_afar) grid.setCell(x, y, free_probability(0));
-      });
+  for (int y = 0; y < static_cast<int>(grid.getSizeY()); y++)
+    for (int x = 0; x < static_cast<int>(grid.getSizeX()); x++)
+      if (is_about(grid.getCell(x, y), kMayDrop)) grid.setCell(x, y, free_probability(0));
 }
 
 void costmap_from_map(

@@ -89,9 +89,10 @@ void obstacles_3d(
 
 /** Makes `out` a costmap of the window in the map frame, for mrpt::nav::PlannerSimple2D: the
  * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles, 0.2 of what is in
- * doubt and may drop, 0.5 where unknown (which that planner takes for an obstacle). `range_m` does
- * not count. Throws std::invalid_argument where the window lies so far from the origin (8 km for
- * cells of 0.05 m) that the borders of a costmap, which are floats, cannot be those of its cells.
+ * doubt and may drop, 0.1 where it stayed so from within `seen_within_m`, 0.5 where unknown (which
+ * that planner takes for an obstacle). `range_m` does not count. Throws std::invalid_argument where
+ * the window lies so far from the origin (8 km for cells of 0.05 m) that the borders of a costmap,
+ * which are floats, cannot be those of its cells.
  */
 void costmap_from_map(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
@@ -104,12 +105,10 @@ void update_costmap(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& grid);
 
-/** Makes doubtful cells (find_doubtful()) farther than `seen_within_m` passable in a costmap, with
- * 0.55: for a robot that finds no way without them, to go and look. One that must not go twice
- * blocks those again that it found doubtful from nearby. Throws as update_costmap() does. */
-void admit_doubtful(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
-    mrpt::maps::COccupancyGridMap2D& grid);
+/** Makes what is in doubt passable in a costmap, with 0.55, also where the window has left: for a
+ * robot that finds no way without, to go and look. The costmap remembers what stayed in doubt from
+ * within `seen_within_m`, so that it does not go twice. */
+void admit_doubtful(mrpt::maps::COccupancyGridMap2D& grid);
 
 /** How far [m] the ground is known along the arc on which a command leads the base: up to the first
  * cell that is unknown, not judged or doubtful in a corridor of this width, the end of the window
