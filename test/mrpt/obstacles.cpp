@@ -226,6 +226,20 @@ TEST(Obstacles, are_blocked_cells_and_near_the_robot_those_in_doubt_or_unknown)
   EXPECT_EQ(passage_from(0.7), Passage::Unknown);
 }
 
+TEST(Obstacles, are_guesses_from_one_side_near_the_robot_where_it_avoids_drops)
+{
+  RoomWithDoubt room;
+  ObstacleOptions o;
+  const auto passage_from = [&](double x_m)
+  { return classify_cells(room.map, CPose3D(x_m, -1.0, 0, 0, 0, 0), o)[room.cell + 1]; };
+  EXPECT_EQ(passage_from(-0.2), Passage::Obstacle) << "an edge may lie in it";
+  EXPECT_EQ(passage_from(0.7), Passage::Free) << "from nearby it may be seen";
+  o.drops = Drops::Slope;
+  EXPECT_EQ(passage_from(-0.2), Passage::Free);
+  o = only_known();
+  EXPECT_EQ(passage_from(-0.2), Passage::Free);
+}
+
 TEST(Obstacles, are_in_doubt_where_only_a_comparison_with_fills_blocks)
 {
   RoomWithDoubt room;

@@ -65,8 +65,9 @@ class Judge
   {
     if (distance_m < o_.body_radius_m) return Passage::Free;
     const bool near = distance_m <= o_.seen_within_m;
-    if (is_unknown(ix, iy))
-      return near && o_.unseen == Unseen::Obstacle ? Passage::Obstacle : Passage::Unknown;
+    const bool must_be_seen = near && o_.unseen == Unseen::Obstacle;
+    if (is_unknown(ix, iy)) return must_be_seen ? Passage::Obstacle : Passage::Unknown;
+    if (must_be_seen && o_.drops == Drops::Avoid && is_guess(ix, iy)) return Passage::Obstacle;
     if (view_.traversability[view_.index(ix, iy)] > o_.blocked_at) return Passage::Free;
     if (!rests_on_unseen(ix, iy)) return Passage::Obstacle;
     if (is_dared(ix, iy)) return Passage::Free;
@@ -74,6 +75,12 @@ class Judge
   }
 
  private:
+  /** Made from one side: the ground goes on, as far as one knows. An edge in the blind zone of the
+   * scanner looks so. */
+  bool is_guess(int ix, int iy) const
+  {
+    return view_.state[view_.index(ix, iy)] == static_cast<float>(CellState::FilledOneSided);
+  }
   bool rests_on_unseen(int ix, int iy) const
   {
     const std::size_t cell = view_.index(ix, iy);
