@@ -51,7 +51,7 @@ def point_at(page, x_m, y_m, click=False):
 
 
 def take_picture(page, file):
-    page.execute_script('talus_map.setView([2, 30], 0.75)')
+    page.execute_script('talus_map.setView([2, 30], 0.75, {animate: false})')
     for x_m, y_m in ((31, -9), (50, 9)):
         point_at(page, x_m, y_m, click=True)
     wait_for('profile', lambda: page.find_elements(By.CSS_SELECTOR, '#profile svg path'))
