@@ -137,8 +137,9 @@ bool Route::plan(const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyG
  */
 TPoint2D Route::before_goal(const mrpt::math::TPose2D& robot) const
 {
-  const TPoint2D back = TPoint2D(robot.x, robot.y) - goal_;
-  return goal_ + back * std::min(1.0, kArrives_m / std::max(back.norm(), 1e-9));
+  const double back_x_m = robot.x - goal_.x, back_y_m = robot.y - goal_.y;
+  const double part = std::min(1.0, kArrives_m / std::max(std::hypot(back_x_m, back_y_m), 1e-9));
+  return {goal_.x + part * back_x_m, goal_.y + part * back_y_m};
 }
 
 bool Route::plan_with(
