@@ -14,6 +14,7 @@
 
 namespace fs = std::filesystem;
 using namespace talus::formats;
+using talus::app::code_of;
 
 namespace
 {
@@ -39,21 +40,6 @@ void export_all(const Options& o)
   }
 }
 
-/** In a child: the exit code. */
-int work_or_tell(const Options& o)
-{
-  try
-  {
-    export_all(o);
-    return 0;
-  }
-  catch (const std::exception& e)
-  {
-    print_error(talus::app::failure_text(e, o.inputs.front(), kLessMemory));
-    return 1;
-  }
-}
-
 /** Makes --output where it is missing. */
 int run(const Options& o)
 {
@@ -62,8 +48,14 @@ int run(const Options& o)
   if (!o.output.empty() && !fs::is_directory(o.output, none))
     folder = std::make_unique<talus::app::OutputFolder>(o.output);
   for (const int s : {SIGXFSZ, SIGPIPE}) std::signal(s, SIG_IGN);  // an error of write() instead
+  const auto work = [&o]
+  {
+    export_all(o);
+    return 0;
+  };
   return talus::app::run_command_in_child(
-      o.inputs.front(), [&] { return work_or_tell(o); }, print_error);
+      o.inputs.front(), [&] { return code_of(work, print_error, o.inputs.front(), kLessMemory); },
+      print_error);
 }
 }  // namespace
 
@@ -72,14 +64,10 @@ int main(int argc, char** argv)
   const talus::app::PrintableOutput printable;
   Options options;
   if (const auto code = parse_options(argc, argv, options)) return *code;
-  try
+  const auto work = [&options]
   {
     talus::app::forward_signals();
     return run(options);
-  }
-  catch (const std::exception& e)
-  {
-    print_error(talus::app::failure_text(e, options.output, kLessMemory));
-    return 1;
-  }
+  };
+  return code_of(work, print_error, options.output, kLessMemory);
 }

@@ -69,16 +69,13 @@ void import_all(const Options& o, const fs::path& folder)
 /** In a child: the exit code. */
 int import_or_tell(const Options& o, const OutputFolder& folder)
 {
-  try
+  const auto work = [&]
   {
     import_all(o, folder.staging());
     return 0;
-  }
-  catch (const std::exception& e)
-  {
-    print_error(folder.told(talus::app::failure_text(e, o.sources.front(), kLessAtOnce)));
-    return 1;
-  }
+  };
+  const auto tell = [&folder](const std::string& text) { print_error(folder.told(text)); };
+  return talus::app::code_of(work, tell, o.sources.front(), kLessAtOnce);
 }
 
 void require_all_apart(const Options& o)
@@ -111,14 +108,10 @@ int main(int argc, char** argv)
   const talus::app::PrintableOutput printable;
   Options options;
   if (const auto code = parse_options(argc, argv, options)) return *code;
-  try
+  const auto work = [&options]
   {
     talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
     return run(options);
-  }
-  catch (const std::exception& e)
-  {
-    print_error(talus::app::failure_text(e, options.sources.front(), kLessAtOnce));
-    return 1;
-  }
+  };
+  return talus::app::code_of(work, print_error, options.sources.front(), kLessAtOnce);
 }

@@ -182,17 +182,14 @@ void compare(const Options& o, const fs::path& to_folder)
 int work_or_tell(
     const Options& o, const std::function<void()>& work, const OutputFolder* folder = nullptr)
 {
-  try
+  const auto done = [&work]
   {
     work();
     return 0;
-  }
-  catch (const std::exception& e)
-  {
-    const std::string text = talus::app::failure_text(e, o.output, kLessMemory);
-    print_error(folder ? folder->told(text) : text);
-    return 1;
-  }
+  };
+  const auto tell = [folder](const std::string& text)
+  { print_error(folder ? folder->told(text) : text); };
+  return talus::app::code_of(done, tell, o.output, kLessMemory);
 }
 
 /** Works in a child, which a damaged file or a signal may end. The exit code. */
@@ -252,14 +249,10 @@ int main(int argc, char** argv)
   const talus::app::PrintableOutput printable;
   Options options;
   if (const auto code = parse_options(argc, argv, options)) return *code;
-  try
+  const auto work = [&options]
   {
     talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
     return options.changes ? run_changes(options) : run_merge(options);
-  }
-  catch (const std::exception& e)
-  {
-    print_error(talus::app::failure_text(e, options.output, kLessMemory));
-    return 1;
-  }
+  };
+  return talus::app::code_of(work, print_error, options.output, kLessMemory);
 }

@@ -6,14 +6,12 @@
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/serialization/CArchive.h>
 #include <octomap/OcTree.h>
-#include <sys/wait.h>
 #include <talus/io/geotiff.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
-#include "log_files.h"
+#include "command_run.h"
 #include "small_terrain.h"
 
 using namespace talus;
@@ -21,36 +19,23 @@ using namespace talus::test;
 
 namespace
 {
-struct Outcome
-{
-  int code;
-  std::string text;
-};
-
 class TalusExport : public testing::Test
 {
  protected:
   TalusExport() { io::write_geotiff(dir_ / "site.tif", small_terrain()); }
-  Outcome shell(const std::string& command) const
-  {
-    const int status =
-        std::system(("cd " + (dir_ / "") + " && " + command + " >log.txt 2>&1").c_str());
-    return {WEXITSTATUS(status), read_bytes(dir_ / "log.txt")};
-  }
-  Outcome run(const std::string& arguments) const
+  CommandEnd shell(const std::string& command) const { return run_in(dir_ / "", command); }
+  CommandEnd run(const std::string& arguments) const
   {
     return shell(TALUS_EXPORT_EXE " " + arguments);
   }
   void runs(const std::string& arguments) const
   {
-    const Outcome o = run(arguments);
+    const CommandEnd o = run(arguments);
     ASSERT_EQ(o.code, 0) << o.text;
   }
   void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
   {
-    const Outcome o = run(arguments);
-    EXPECT_EQ(o.code, code) << o.text;
-    for (const auto& word : words) EXPECT_NE(o.text.find(word), std::string::npos) << o.text;
+    expect_end(run(arguments), code, words);
   }
   bool has(const std::string& program) const { return shell("command -v " + program).code == 0; }
 
@@ -138,7 +123,7 @@ TEST_F(TalusExport, octomap_tools_read_the_tree)
     ++leaves;
   }
   EXPECT_EQ(voxels, 50 * 40 + 5 * kSmallTerrainBox) << "the ground, and five above each of the box";
-  const Outcome o = shell("bt2vrml site.bt");
+  const CommandEnd o = shell("bt2vrml site.bt");
   const std::string words = "Finished writing " + std::to_string(leaves) + " voxels";
   EXPECT_NE(o.text.find(words), std::string::npos) << o.text;
 }
@@ -147,7 +132,7 @@ TEST_F(TalusExport, assimp_reads_the_mesh)
 {
   runs("site.tif --to ply");
   if (!has("assimp")) GTEST_SKIP() << "assimp is not installed: assimp-utils";
-  const Outcome o = shell("assimp info site.ply");
+  const CommandEnd o = shell("assimp info site.ply");
   EXPECT_EQ(o.code, 0) << o.text;
   EXPECT_NE(o.text.find("Faces:              " + std::to_string(2 * 49 * 39)), std::string::npos)
       << o.text;
@@ -187,7 +172,7 @@ TEST_F(TalusExport, says_what_is_wrong)
 TEST_F(TalusExport, the_page_works_in_a_browser)
 {
   runs("site.tif --to html");
-  const Outcome o = shell("/usr/bin/python3 " TALUS_BROWSER_SCRIPT " site.html");
+  const CommandEnd o = shell("/usr/bin/python3 " TALUS_BROWSER_SCRIPT " site.html");
   if (o.code == 77) GTEST_SKIP() << o.text;
   EXPECT_EQ(o.code, 0) << o.text;
 }

@@ -4,7 +4,6 @@
 #include <mrpt/maps/CPointsMap.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
-#include <sys/wait.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/io/trajectory.h>
@@ -17,6 +16,7 @@
 #include <cstring>
 #include <sstream>
 
+#include "command_run.h"
 #include "log_files.h"
 #include "scan_formats.h"
 
@@ -28,34 +28,23 @@ namespace
 {
 constexpr double kFirst_s = 1700000000.0;
 
-struct Outcome
-{
-  int code = 0;
-  std::string text;
-};
-
 class TalusImport : public testing::Test
 {
  protected:
-  Outcome run(const std::string& command) const
+  CommandEnd run(const std::string& command) const
   {
     const std::string path = std::string("PATH=") + TALUS_BIN + ":$PATH ";
-    const int status =
-        std::system(("cd '" + (dir_ / "") + "' && " + path + command + " >log.txt 2>&1").c_str());
-    return {WEXITSTATUS(status), read_bytes(dir_ / "log.txt")};
+    return run_in(dir_ / "", path + command);
   }
-  Outcome import(const std::string& arguments) const { return run("talus-import " + arguments); }
+  CommandEnd import(const std::string& arguments) const { return run("talus-import " + arguments); }
   void done(const std::string& command) const
   {
-    const Outcome o = run(command);
+    const CommandEnd o = run(command);
     ASSERT_EQ(o.code, 0) << command << "\n" << o.text;
   }
   void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
   {
-    const Outcome o = import(arguments);
-    EXPECT_EQ(o.code, code) << o.text;
-    for (const auto& word : words)
-      EXPECT_NE(o.text.find(word), std::string::npos) << word << " not in " << o.text;
+    expect_end(import(arguments), code, words);
   }
   void write(const std::string& name, const std::string& bytes) const
   {
@@ -286,7 +275,7 @@ TEST_F(TalusImport, gives_scans_that_are_deskewed)
   write("lidar/times.txt", "1\n1.1\n1.2\n1.3\n1.4\n");
   write("lidar/poses.tum", tum(6, 1));
   done("talus-import lidar --mount lidar=0,0,0.5,0,0,0 --output log.rawlog");
-  const Outcome o = run("talus-map log.rawlog --backend cpu --output map");
+  const CommandEnd o = run("talus-map log.rawlog --backend cpu --output map");
   EXPECT_EQ(o.code, 0) << o.text;
   for (const char* words : {"5 frames, 0 skipped", "4 frames deskewed"})
     EXPECT_NE(o.text.find(words), std::string::npos) << o.text;
@@ -298,7 +287,7 @@ TEST_F(TalusImport, tells_what_it_read_and_what_is_missing)
   p.x[3] = std::nanf("");
   write("lidar/0.ply", ply_little(p));
   write("lidar/1.ply", ply_little(floor()));
-  Outcome o = import("lidar --rate 5 --output out/new/log.rawlog");
+  CommandEnd o = import("lidar --rate 5 --output out/new/log.rawlog");
   EXPECT_EQ(o.code, 0);
   for (const char* words :
        {"out/new/log.rawlog: 2 scans of lidar, 3361 points (1 more are not finite: left out)",
@@ -412,7 +401,7 @@ TEST_F(TalusImport, is_what_commands_of_rawlogs_name_for_scans_of_other_programs
   for (const char* source :
        {"lidar", "lidar/0.pcd", "sequence", "sequence/velodyne/0.bin", "a.ply", "bag"})
   {
-    const Outcome o = run(std::string("talus-calibrate ") + source);
+    const CommandEnd o = run(std::string("talus-calibrate ") + source);
     EXPECT_EQ(o.code, 1);
     EXPECT_NE(
         o.text.find(std::string("talus-import ") + source + " --output LOG.rawlog"),
@@ -459,7 +448,7 @@ TEST_F(TalusImport, runs_the_commands_of_its_page)
 TEST_F(TalusImport, keeps_world_coordinates_in_the_map)
 {
   write("utm.ply", floor_in_world(floor(), 585146, 4076825, 152.5));
-  const Outcome o = run("talus-map utm.ply --backend cpu --output map");
+  const CommandEnd o = run("talus-map utm.ply --backend cpu --output map");
   EXPECT_EQ(o.code, 0) << o.text;
   EXPECT_NE(o.text.find("585146, 4076825, 152 m is taken off"), std::string::npos) << o.text;
   const auto map = io::read_geotiff(dir_ / "map/map.tif");
@@ -529,7 +518,7 @@ TEST_F(TalusImport, tells_nothing_false_of_real_scans)
     for (const double n :
          {T.x(), T.y(), T.z(), T.yaw() * 180 / M_PI, T.pitch() * 180 / M_PI, T.roll() * 180 / M_PI})
       mounting += (mounting.empty() ? "" : ",") + number(n);
-    const Outcome o = import(
+    const CommandEnd o = import(
         folder + " --poses " + data + ".tum --mount " + folder + "=" + mounting + " --output " +
         folder + ".rawlog");
     EXPECT_EQ(o.code, 0) << o.text;
@@ -550,7 +539,7 @@ TEST_F(TalusImport, names_the_switches_that_read_bags_which_are_cut_or_have_two_
   write("lidar/0.bin", std::string(16, '\0'));
   fails("lidar --partial --output log.rawlog", 1, {"lidar: is no ROS 2 bag, and --partial is for"});
   fails("none.db3 --partial --output log.rawlog", 1, {"none.db3: no such file"});
-  const Outcome o = import("log.db3 --partial --output log.rawlog");
+  const CommandEnd o = import("log.db3 --partial --output log.rawlog");
   EXPECT_EQ(o.code, 0) << o.text;
   EXPECT_NE(o.text.find("note    log.db3: is cut"), std::string::npos) << o.text;
   EXPECT_GE(scans_of("log.rawlog").size(), 5u);

@@ -1,13 +1,12 @@
 // The command talus-merge from end to end: its files, messages and exit codes.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <talus/io/geotiff.h>
 #include <talus/site/site_geotiff.h>
 
 #include <cstdlib>
 #include <memory>
 
-#include "log_files.h"
+#include "command_run.h"
 #include "sites.h"
 
 namespace fs = std::filesystem;
@@ -17,12 +16,6 @@ using namespace talus::test;
 
 namespace
 {
-struct Outcome
-{
-  int code;
-  std::string text;
-};
-
 class TalusMerge : public testing::Test
 {
  protected:
@@ -46,18 +39,13 @@ class TalusMerge : public testing::Test
         {{static_cast<float>(x) * 0.05F, 5, 0, 0}, {static_cast<float>(x) * 0.05F + 10, 5, 0, 0}}};
     write_site(dir_ / name, *s, 0);
   }
-  Outcome run(const std::string& arguments, const std::string& before = "") const
+  CommandEnd run(const std::string& arguments, const std::string& before = "") const
   {
-    const int status = std::system(("cd " + (dir_ / "") + " && " + before +
-                                    " " TALUS_MERGE_EXE " " + arguments + " >log.txt 2>&1")
-                                       .c_str());
-    return {WEXITSTATUS(status), read_bytes(dir_ / "log.txt")};
+    return run_in(dir_ / "", before + " " TALUS_MERGE_EXE " " + arguments);
   }
   void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
   {
-    const Outcome o = run(arguments);
-    EXPECT_EQ(o.code, code) << o.text;
-    for (const auto& word : words) EXPECT_NE(o.text.find(word), std::string::npos) << o.text;
+    expect_end(run(arguments), code, words);
   }
   /** What begins with a dot: left by a run. */
   int hidden() const
@@ -75,7 +63,7 @@ TEST_F(TalusMerge, fuses_maps_in_any_order_into_the_same_bytes_and_draws_them)
 {
   write("a.tif", 1000, 0, 1.0F);
   write("b.tif", 2000, 200, 1.02F);
-  const Outcome o = run("a.tif b.tif --output ab.tif --picture ab.png");
+  const CommandEnd o = run("a.tif b.tif --output ab.tif --picture ab.png");
   ASSERT_EQ(o.code, 0) << o.text;
   EXPECT_NE(o.text.find("2 maps: 375.00 m2 known"), std::string::npos) << o.text;
   EXPECT_NE(o.text.find("ab.tif"), std::string::npos);
@@ -110,7 +98,7 @@ TEST_F(TalusMerge, opens_no_more_files_at_once_than_it_may)
     names += " " + name;
   }
   ASSERT_EQ(run(names + " --output all.tif").code, 0);
-  const Outcome few = run(names + " --output few.tif --threads 3", "ulimit -n 32;");
+  const CommandEnd few = run(names + " --output few.tif --threads 3", "ulimit -n 32;");
   ASSERT_EQ(few.code, 0) << few.text;
   EXPECT_EQ(read_bytes(dir_ / "all.tif"), read_bytes(dir_ / "few.tif"));
 }
@@ -123,7 +111,7 @@ TEST_F(TalusMerge, tells_what_changed_between_two_days)
   read_site(dir_ / "friday.tif", *dug, 0);
   for (int i = 0; i < 10; ++i) cell_at(*dug, 280, i).cell.ground_m = 0.5F;
   write_site(dir_ / "friday.tif", *dug, 0);
-  const Outcome o = run("--changes monday.tif friday.tif --output out");
+  const CommandEnd o = run("--changes monday.tif friday.tif --output out");
   ASSERT_EQ(o.code, 0) << o.text;
   for (const char* line :
        {"built up     0.00 m2, 0.00 m3", "dug away     0.03 m2, 0.01 m3",
@@ -146,12 +134,12 @@ TEST_F(TalusMerge, warns_where_the_newer_map_is_given_first)
 {
   write("monday.tif", 1000, 0, 1.0F);
   write("friday.tif", 2000, 0, 1.0F);
-  const Outcome swapped = run("--changes friday.tif monday.tif --output out");
+  const CommandEnd swapped = run("--changes friday.tif monday.tif --output out");
   EXPECT_EQ(swapped.code, 0) << swapped.text;
   EXPECT_NE(
       swapped.text.find("warning: friday.tif was seen 1000 s after monday.tif"), std::string::npos)
       << swapped.text;
-  const Outcome right = run("--changes monday.tif friday.tif --output out");
+  const CommandEnd right = run("--changes monday.tif friday.tif --output out");
   EXPECT_EQ(right.text.find("warning"), std::string::npos) << right.text;
 }
 
@@ -181,7 +169,7 @@ TEST_F(TalusMerge, tells_how_maps_fit_and_warns_where_they_do_not)
 {
   write("a.tif", 1000, 0, 1.0F, 100);
   write("b.tif", 2000, 0, 1.15F, 100);
-  const Outcome bad = run("a.tif b.tif --output ab.tif");
+  const CommandEnd bad = run("a.tif b.tif --output ab.tif");
   EXPECT_EQ(bad.code, 0);
   for (const char* words :
        {"fit     a.tif and b.tif: overlap 225.00 m2, the second lies +0.1500 m in z (median), "
@@ -196,7 +184,7 @@ TEST_F(TalusMerge, tells_how_maps_fit_and_warns_where_they_do_not)
       << "the mean is 75 mm wrong, and says so";
   write("c.tif", 2000, 0, 1.0F, 100);
   EXPECT_EQ(run("a.tif c.tif --output ac.tif").text.find("warning"), std::string::npos);
-  const Outcome changed = run("--changes a.tif b.tif --output out");
+  const CommandEnd changed = run("--changes a.tif b.tif --output out");
   EXPECT_NE(changed.text.find("warning: a.tif and b.tif do not fit"), std::string::npos);
 }
 
@@ -204,7 +192,7 @@ TEST_F(TalusMerge, align_brings_maps_into_the_frame_of_the_first)
 {
   write("a.tif", 1000, 0, 1.0F, 100);
   write("b.tif", 2000, 3, 1.6F, 103);  // the same box, 0.15 m farther along x
-  const Outcome o = run("--align a.tif b.tif --output ab.tif");
+  const CommandEnd o = run("--align a.tif b.tif --output ab.tif");
   EXPECT_EQ(o.code, 0) << o.text;
   EXPECT_NE(
       o.text.find("aligned b.tif: moved by x -0.150 m, y +0.000 m, z -0.6000 m, yaw +0.00 degrees"),
@@ -222,7 +210,7 @@ TEST_F(TalusMerge, align_brings_maps_into_the_frame_of_the_first)
     EXPECT_LT(is.ground_variance_m2, expected.ground_variance_m2);
   }
   EXPECT_FALSE(cell_at(*merged, 300, 110).known());
-  const Outcome changes = run("--changes --align a.tif b.tif --output out");
+  const CommandEnd changes = run("--changes --align a.tif b.tif --output out");
   for (const char* line :
        {"built up     0.00 m2", "dug away     0.00 m2", "object gone  0.00 m2",
         "object new   0.00 m2", "moved by x -0.150 m"})
@@ -233,7 +221,7 @@ TEST_F(TalusMerge, warns_where_a_map_lies_aside_and_most_of_it_hides_that)
 {
   write("a.tif", 1000, 0, 1.0F, 100);
   write("b.tif", 2000, 0, 1.0F, 103);
-  const Outcome o = run("a.tif b.tif --output ab.tif");
+  const CommandEnd o = run("a.tif b.tif --output ab.tif");
   EXPECT_NE(o.text.find("fit better where the second is moved by x -0.150 m"), std::string::npos)
       << o.text;
 }
@@ -243,7 +231,7 @@ TEST_F(TalusMerge, makes_the_folders_of_its_files_and_leaves_none_where_it_fails
   write("a.tif", 1000, 0, 1.0F);
   fails("a.tif none.tif --output new/deep/site.tif", 1, {"none.tif", "no such file"});
   EXPECT_FALSE(fs::exists(dir_ / "new"));
-  const Outcome o = run("a.tif --output new/deep/site.tif --picture pictures/site.png");
+  const CommandEnd o = run("a.tif --output new/deep/site.tif --picture pictures/site.png");
   ASSERT_EQ(o.code, 0) << o.text;
   EXPECT_EQ(read_bytes(dir_ / "new/deep/site.tif"), read_bytes(dir_ / "a.tif"));
   EXPECT_GT(fs::file_size(dir_ / "pictures/site.png"), 1000u);
@@ -265,13 +253,13 @@ TEST_F(TalusMerge, says_when_the_disk_is_full_and_leaves_what_was_there)
   write("a.tif", 1000, 0, 1.0F);
   write("b.tif", 2000, 200, 1.1F);
   write_bytes(dir_ / "site.tif", "precious");
-  const Outcome o = run("a.tif b.tif --output site.tif", "ulimit -f 8;");
+  const CommandEnd o = run("a.tif b.tif --output site.tif", "ulimit -f 8;");
   EXPECT_EQ(o.code, 1) << o.text;
   EXPECT_NE(o.text.find("site.tif"), std::string::npos) << o.text;
   EXPECT_NE(o.text.find("disk full"), std::string::npos) << o.text;
   EXPECT_EQ(read_bytes(dir_ / "site.tif"), "precious");
   EXPECT_EQ(hidden(), 0);
-  const Outcome changes = run("--changes a.tif b.tif --output out", "ulimit -f 2;");
+  const CommandEnd changes = run("--changes a.tif b.tif --output out", "ulimit -f 2;");
   EXPECT_EQ(changes.code, 1) << changes.text;
   EXPECT_FALSE(fs::exists(dir_ / "out"));
 }

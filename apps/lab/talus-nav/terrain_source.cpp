@@ -47,11 +47,13 @@ class TerrainSource : public MapSource
   Ahead ahead(
       const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps, double width_m) override
   {
-    ObstacleOptions careful = options_;
-    careful.drops = Drops::Avoid;
     const auto ahead_m = [&](const ObstacleOptions& o)
     { return known_ahead_m(map_, T_map_base, v_mps, w_radps, width_m, o); };
-    return {ahead_m(careful), ahead_m(options_)};
+    const double dared_m = ahead_m(options_);
+    if (options_.drops == Drops::Avoid) return {dared_m, dared_m};
+    ObstacleOptions careful = options_;
+    careful.drops = Drops::Avoid;
+    return {ahead_m(careful), dared_m};
   }
 
   const ElevationMapper* terrain() const override { return &map_; }

@@ -8,4 +8,17 @@ namespace talus::formats
  * corner of `map`. */
 io::LayerStack joined_cells(const io::LayerStack& map);
 
+/** A map with its cells joined until fits(map) holds: itself, or `coarse`, which this fills. */
+template <class F>
+const io::LayerStack& joined_until(const F& fits, const io::LayerStack& map, io::LayerStack& coarse)
+{
+  const io::LayerStack* shown = &map;
+  while (!fits(*shown))
+  {
+    coarse = joined_cells(*shown);
+    shown = &coarse;
+  }
+  return *shown;
+}
+
 }  // namespace talus::formats

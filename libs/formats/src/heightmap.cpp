@@ -41,16 +41,19 @@ int side_for(int cells)
   return side + 1;
 }
 
-/** The ground in the middle of a square picture, its first row the northernmost; NaN elsewhere. */
-cv::Mat1f square_of(const io::LayerStack& map, const cv::Rect& box, int side)
+/** The ground of a square whose south-west cell is `corner`, as a picture: its first row is the
+ * northernmost. NaN where it is unknown. */
+cv::Mat1f square_of(const io::LayerStack& map, const cv::Point& corner, int side)
 {
   const auto& ground = needed_layer(map, Layer::GroundElevation);
   cv::Mat1f square(side, side, std::numeric_limits<float>::quiet_NaN());
-  const int left = (side - box.width) / 2, below = (side - box.height) / 2;
-  for (int y = 0; y < box.height; ++y)
-    for (int x = 0; x < box.width; ++x)
-      square(side - 1 - below - y, left + x) =
-          ground[static_cast<std::size_t>(box.y + y) * map.cells_x + box.x + x];
+  for_each_cell(
+      map,
+      [&](std::size_t i, int ix, int iy)
+      {
+        const int x = ix - corner.x, y = iy - corner.y;
+        if (x >= 0 && y >= 0 && x < side && y < side) square(side - 1 - y, x) = ground[i];
+      });
   return square;
 }
 
@@ -84,30 +87,28 @@ std::string json_of(const HeightmapPlace& p)
 
 HeightmapPlace write_heightmap(const std::string& path, const io::LayerStack& map)
 {
-  io::LayerStack coarse;
-  const io::LayerStack* shown = &map;
-  cv::Rect box = known_cells(map);
-  if (box.empty()) throw std::runtime_error(path + ": the ground of no cell is known");
-  while (std::max(box.width, box.height) > kMostPixels)
+  cv::Rect box;
+  const auto fits = [&box](const io::LayerStack& m)
   {
-    coarse = joined_cells(*shown);
-    shown = &coarse;
-    box = known_cells(coarse);
-  }
+    box = known_cells(m);
+    return std::max(box.width, box.height) <= kMostPixels;
+  };
+  io::LayerStack coarse;
+  const io::LayerStack& shown = joined_until(fits, map, coarse);
+  if (box.empty()) throw std::runtime_error(path + ": the ground of no cell is known");
   HeightmapPlace place;
-  place.side_pixels = side_for(std::max(box.width, box.height));
-  cv::Mat1f square = square_of(*shown, box, place.side_pixels);
+  const int side = place.side_pixels = side_for(std::max(box.width, box.height));
+  const cv::Point corner(box.x - (side - box.width) / 2, box.y - (side - box.height) / 2);
+  cv::Mat1f square = square_of(shown, corner, side);
   fill_from_nearest(square);
   double lowest = 0, highest = 0;
   cv::minMaxLoc(square, &lowest, &highest);
   place.lowest_m = lowest;
   place.height_m = std::max(highest - lowest, 1e-3);  // engines refuse none
   // A pixel is a place, not a square: the outermost lie on the border.
-  place.size_m = (place.side_pixels - 1) * shown->resolution_m;
-  const int middle = (place.side_pixels - 1) / 2, left = (place.side_pixels - box.width) / 2,
-            below = (place.side_pixels - box.height) / 2;
-  place.center_x_m = middle_x_m(*shown, box.x - left + middle);
-  place.center_y_m = middle_y_m(*shown, box.y - below + middle);
+  place.size_m = (side - 1) * shown.resolution_m;
+  place.center_x_m = middle_x_m(shown, corner.x + (side - 1) / 2);
+  place.center_y_m = middle_y_m(shown, corner.y + (side - 1) / 2);
   cv::Mat picture;
   square.convertTo(picture, CV_16U, kWhite / place.height_m, -lowest * kWhite / place.height_m);
   io::write_png(path, picture);

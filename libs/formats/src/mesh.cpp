@@ -112,16 +112,13 @@ std::string head_of(const Mesh& mesh)
 
 void write_mesh(const std::string& path, const io::LayerStack& map, std::size_t max_faces)
 {
+  const auto fits = [max_faces](const io::LayerStack& m)
+  { return most_faces(m) <= max_faces || m.cells_x <= 1 || m.cells_y <= 1; };
   io::LayerStack coarse;
-  const io::LayerStack* shown = &map;
-  while (most_faces(*shown) > max_faces && shown->cells_x > 1 && shown->cells_y > 1)
-  {
-    coarse = joined_cells(*shown);
-    shown = &coarse;
-  }
+  const io::LayerStack& shown = joined_until(fits, map, coarse);
   Mesh mesh;
-  add_ground(*shown, mesh);
-  add_standing(*shown, mesh);
+  add_ground(shown, mesh);
+  add_standing(shown, mesh);
   if (mesh.vertex_count == 0) throw std::runtime_error(path + ": no cell of the map is known");
   io::write_file(path, head_of(mesh) + mesh.vertices + mesh.faces);
 }

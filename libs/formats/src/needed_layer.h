@@ -1,4 +1,5 @@
 #pragma once
+#include <picture_relief.h>
 #include <talus/io/layer_stack.h>
 #include <talus/layers.h>
 
@@ -18,9 +19,11 @@ struct Heights
   {
   }
   /** Whether something stands on the ground: what is lower is rough ground. */
-  bool stands(std::size_t i) const { return top[i] - ground[i] > kLeast_m; }
+  bool stands(std::size_t i) const
+  {
+    return top[i] - ground[i] > static_cast<float>(io::kLeastObstacle_m);
+  }
 
-  static constexpr float kLeast_m = 0.05F;
   const std::vector<float>& ground;
   const std::vector<float>& top;
 };
@@ -32,6 +35,12 @@ void for_each_cell(const io::LayerStack& map, F f)
   std::size_t i = 0;
   for (int iy = 0; iy < map.cells_y; ++iy)
     for (int ix = 0; ix < map.cells_x; ++ix) f(i++, ix, iy);
+}
+
+/** Whether a cell whose traversability is known is occupied. */
+inline bool is_blocked(float traversability, double blocked_at)
+{
+  return traversability <= static_cast<float>(blocked_at);
 }
 
 /** Middle of a cell, map frame [m]. */

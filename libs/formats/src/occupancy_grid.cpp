@@ -29,8 +29,7 @@ void to_occupancy_grid(
       [&](std::size_t i, int ix, int iy)
       {
         const float t = traversability[i];
-        if (!std::isnan(t))
-          out.setCell(ix, iy, t <= static_cast<float>(blocked_at) ? kOccupied : kFree);
+        if (!std::isnan(t)) out.setCell(ix, iy, is_blocked(t, blocked_at) ? kOccupied : kFree);
       });
 }
 

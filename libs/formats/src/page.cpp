@@ -8,7 +8,6 @@
 #include <mrpt/system/string_utils.h>
 #include <picture_style.h>
 #include <talus/io/atomic_file.h>
-#include <talus/io/score_colour.h>
 
 #include <algorithm>
 #include <fstream>
@@ -153,14 +152,14 @@ std::string tiles_text(const std::vector<PageTile>& tiles)
 std::optional<std::string> page_of(
     const io::LayerStack& map, const io::LayerStack* changes, const PageOptions& o)
 {
+  PageCode code;
+  const auto tiles = page_tiles(map, changes, o.max_bytes / 4 * 3, code);  // before base64
+  if (!tiles) return std::nullopt;
   std::string page = replaced(kPage, "<!-- title -->", escaped(o.title));
   page = replaced(page, "/* leaflet.css */", leaflet_file({"leaflet.css"}));
   page = replaced(page, "/* page.css */", kStyle);
   page = replaced(page, "/* leaflet.js */", leaflet_file({"leaflet.min.js", "leaflet.js"}));
   page = replaced(page, "/* page.js */", kScript);
-  PageCode code;
-  const auto tiles = page_tiles(map, changes, o.max_bytes / 4 * 3, code);  // before base64
-  if (!tiles) return std::nullopt;
   page = replaced(
       page, "/* data */",
       "const map_data = " + script_text(data_of(map, code, o)) +
@@ -179,7 +178,12 @@ io::LayerStack on_cells_of(const io::LayerStack& map, const io::LayerStack& chan
     throw std::runtime_error("the cells of the changes have another size than those of the map");
   const auto dx = std::lround((map.min_x_m - changes.min_x_m) / map.resolution_m),
              dy = std::lround((map.min_y_m - changes.min_y_m) / map.resolution_m);
-  io::LayerStack out = map;
+  io::LayerStack out;
+  out.cells_x = map.cells_x;
+  out.cells_y = map.cells_y;
+  out.resolution_m = map.resolution_m;
+  out.min_x_m = map.min_x_m;
+  out.min_y_m = map.min_y_m;
   out.names = changes.names;
   out.layers.assign(
       changes.layers.size(),

@@ -23,7 +23,7 @@ constexpr int kWorstFree =
 uchar trinary(float traversability, double blocked_at)
 {
   if (std::isnan(traversability)) return kUnknown;
-  return traversability <= static_cast<float>(blocked_at) ? kOccupied : kFree;
+  return is_blocked(traversability, blocked_at) ? kOccupied : kFree;
 }
 
 /** Gray and alpha of it. */
@@ -31,7 +31,7 @@ cv::Vec4b scaled(float traversability, double blocked_at)
 {
   if (std::isnan(traversability)) return {kUnknown, kUnknown, kUnknown, 0};
   const float t = std::clamp(traversability, 0.0F, 1.0F);
-  const uchar p = traversability <= static_cast<float>(blocked_at)
+  const uchar p = is_blocked(traversability, blocked_at)
                       ? kOccupied
                       : static_cast<uchar>(kWorstFree + std::lround((kFree - kWorstFree) * t));
   return {p, p, p, 255};

@@ -74,11 +74,11 @@ void forget_guesses(Site& site, const TileKey& key, const Scans& scans)
   for (std::size_t i = 0; tile && i < tile->cells.size(); ++i)
   {
     const CellRecord& c = tile->cells[i].cell;
+    if (!is_guess(c)) continue;
     const auto at = static_cast<std::int64_t>(i);
     const double x_m = middle_of_cell_m(cell_of_tile(key.x, at % kTileCells), site.resolution_m);
     const double y_m = middle_of_cell_m(cell_of_tile(key.y, at / kTileCells), site.resolution_m);
-    if (is_guess(c) &&
-        !is_proven(scans, static_cast<float>(site.resolution_m), x_m, y_m, c.ground_m))
+    if (!is_proven(scans, static_cast<float>(site.resolution_m), x_m, y_m, c.ground_m))
       unproven.push_back(i);
   }
   if (unproven.empty()) return;

@@ -106,9 +106,14 @@
     return canvas;
   }
 
+  // At zoom 0 a cell has a pixel.
+  const least_zoom = -Math.max(0, Math.ceil(Math.log2(Math.max(d.cells_x, d.cells_y) / side)));
+  const zooms = {minZoom: least_zoom - 1, maxZoom: 5};
+
   const CellLayer = L.GridLayer.extend({
+    options: {tileSize: side, minNativeZoom: least_zoom, maxNativeZoom: 0, ...zooms},
     initialize: function (colour, options) {
-      L.GridLayer.prototype.initialize.call(this, Object.assign({tileSize: side, maxNativeZoom: 0}, options));
+      L.GridLayer.prototype.initialize.call(this, options);
       this.colour = colour;
     },
     // A tile of a zoom below 0 is made of several stored ones.
@@ -129,19 +134,17 @@
 
   // ---- the map -----------------------------------------------------------------------------------------------------
 
-  // Places are (y, x) in metres; at zoom 0 a cell has a pixel.
+  // Places are (y, x) in metres.
   const crs = L.extend({}, L.CRS.Simple, {
     transformation: new L.Transformation(
       1 / d.resolution_m, -d.min_x_m / d.resolution_m, -1 / d.resolution_m, top_y_m / d.resolution_m)
   });
-  const least_zoom = -Math.max(0, Math.ceil(Math.log2(Math.max(d.cells_x, d.cells_y) / side)));
-  const map = L.map('map', {crs, minZoom: least_zoom - 1, maxZoom: 5, zoomSnap: 0.25, zoomControl: true, attributionControl: false});
+  const map = L.map('map', {crs, ...zooms, zoomSnap: 0.25, zoomControl: true, attributionControl: false});
   window.talus_map = map;  // for who looks into it from a console
   const base = {}, overlays = {};
   for (const [name, colour] of Object.entries(layers))
-    base[name] = new CellLayer(colour, {minNativeZoom: least_zoom, maxNativeZoom: 0, minZoom: least_zoom - 1, maxZoom: 5});
-  const changes = d.has_changes &&
-    new CellLayer(changes_colour, {minNativeZoom: least_zoom, maxNativeZoom: 0, minZoom: least_zoom - 1, maxZoom: 5, zIndex: 5});
+    base[name] = new CellLayer(colour);
+  const changes = d.has_changes && new CellLayer(changes_colour, {zIndex: 5});
   const ways = L.layerGroup(d.ways.map(way => L.polyline(way.map(p => [p[1], p[0]]), {color: '#111', weight: 2})));
   if (d.ways.length) overlays['Way driven'] = ways;
   if (changes) overlays['Changes'] = changes;
