@@ -35,6 +35,7 @@ TEST(Stage6Fill, EveryCellLiesOnTheLineThatIsSaidToPassThroughIt)
   {
     kernels::Config k{};
     k.cells = 2 * rings;
+    k.resolution_m = 0.1f;
     const kernels::LineGrid grid = kernels::line_grid(k);
     for (int dx = -rings; dx <= rings; dx++)
       for (int dy = -rings; dy <= rings; dy += rings > 100 ? 7 : 1)

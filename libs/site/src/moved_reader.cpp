@@ -62,7 +62,7 @@ std::set<MovedReader::Key> MovedReader::below(SiteReader::Place tile, bool of_fi
 
 std::vector<SiteReader::Place> MovedReader::tiles() const
 {
-  const auto of_file = file_.tiles();
+  auto of_file = file_.tiles();
   if (!shift_.moves_cells()) return of_file;
   std::set<Key> all;
   for (const auto& tile : of_file) all.merge(below(tile, false));
