@@ -183,8 +183,8 @@ void add_site(CLI::App& app, Options& o)
       ->excludes(none);
   app.add_flag(
          "--traffic", o.traffic,
-         "Write traffic.tif, too: how often something that moved was in each cell, and how many "
-         "scans hit it")
+         "Write traffic.tif, too: how often something that moved was in each cell, how many scans "
+         "hit it, and how fast it was")
       ->excludes(none);
   app.add_option(
          "--resume", o.resume,

@@ -34,7 +34,11 @@ constexpr Known kKnown[] = {
     {"shape", ""},
     // Of what changed:
     {"change_m", "m"},
-    {"kind", ""}};
+    {"kind", ""},
+    // Of what moved:
+    {"times", ""},
+    {"scans", ""},
+    {"speed_mps", "m/s"}};
 
 struct Classes
 {

@@ -43,20 +43,30 @@ std::vector<Column> columns_of(Site& site, const CellRect& cells, int floor, Whi
   return columns;
 }
 
+/** The bins above a cell that a scan hit, and those that it passed. */
+struct BinsSeen
+{
+  std::uint32_t hit = 0, passed = 0;
+
+  BinsSeen(const SeenRays& scan, float resolution_m, const Column& c)
+  {
+    scan.for_each_over(
+        c.x_m, c.y_m, c.low_m, c.low_m + Column::kBins * Column::kBin_m,
+        [&](float height_m, float behind_m)
+        {
+          if (std::abs(behind_m) <= kHit_cells * resolution_m)
+            hit |= bit(bin_of(height_m, c));
+          else if (behind_m > kPassed_cells * resolution_m)
+            passed |= bit(bin_of(height_m, c));
+        });
+    passed &= ~hit;
+  }
+};
+
 /** Counts what a scan tells of a cell. */
 void count(const SeenRays& scan, float resolution_m, bool is_recent, Column& c)
 {
-  std::uint32_t hit = 0, passed = 0;
-  scan.for_each_over(
-      c.x_m, c.y_m, c.low_m, c.low_m + Column::kBins * Column::kBin_m,
-      [&](float height_m, float behind_m)
-      {
-        if (std::abs(behind_m) <= kHit_cells * resolution_m)
-          hit |= bit(bin_of(height_m, c));
-        else if (behind_m > kPassed_cells * resolution_m)
-          passed |= bit(bin_of(height_m, c));
-      });
-  passed &= ~hit;
+  const auto [hit, passed] = BinsSeen(scan, resolution_m, c);
   if (hit != 0)
   {
     c.recent.scans += is_recent;
@@ -74,6 +84,11 @@ void count(const SeenRays& scan, float resolution_m, bool is_recent, Column& c)
   }
 }
 }  // namespace
+
+bool is_hit(const SeenRays& scan, double resolution_m, const Column& c)
+{
+  return BinsSeen(scan, static_cast<float>(resolution_m), c).hit != 0;
+}
 
 std::vector<Column> count_columns(
     Site& site, const CellRect& cells, int floor, Which which, const Scans& scans, double recent_s)

@@ -1,5 +1,7 @@
 #include <talus/site/traffic_map.h>
 
+#include "traffic_speed.h"
+
 #include <talus/io/geotiff.h>
 #include <talus/site/islands.h>
 
@@ -25,19 +27,29 @@ io::LayerStack layers_of(const Traffic& traffic, const std::vector<TileKey>& key
   const int min_x = west->x, min_y = moved.front().y;  // they ascend
   const int tiles_x = east->x - min_x + 1, tiles_y = moved.back().y - min_y + 1;
   io::LayerStack stack{
-      tiles_x * kTileCells,        tiles_y * kTileCells, cell_m, min_x * kTileCells * cell_m,
-      min_y * kTileCells * cell_m, {"times", "scans"},   {}};
+      tiles_x * kTileCells,
+      tiles_y * kTileCells,
+      cell_m,
+      min_x * kTileCells * cell_m,
+      min_y * kTileCells * cell_m,
+      {"times", "scans", "speed_mps"},
+      {}};
   const auto width = static_cast<std::size_t>(stack.cells_x);
-  stack.layers.assign(2, std::vector<float>(width * static_cast<std::size_t>(stack.cells_y), NAN));
+  stack.layers.assign(3, std::vector<float>(width * static_cast<std::size_t>(stack.cells_y), NAN));
+  const auto put = [&](std::size_t layer, const TileKey& key, int place, float value)
+  {
+    const int x = (key.x - min_x) * kTileCells + place % kTileCells;
+    const int y = (key.y - min_y) * kTileCells + place / kTileCells;
+    stack.layers[layer][static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] = value;
+  };
   for (const TileKey& key : moved)
     for (const auto& [place, cell] : traffic.at(key).cells)
     {
-      const int x = (key.x - min_x) * kTileCells + place % kTileCells;
-      const int y = (key.y - min_y) * kTileCells + place / kTileCells;
-      const std::size_t at = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
-      stack.layers[0][at] = static_cast<float>(cell.times);
-      stack.layers[1][at] = static_cast<float>(cell.scans);
+      put(0, key, place, static_cast<float>(cell.times));
+      put(1, key, place, static_cast<float>(cell.scans));
     }
+  for (const auto& [key, speeds] : speeds_of(traffic, moved, cell_m))
+    for (const auto& [place, speed_mps] : speeds) put(2, key, place, speed_mps);
   return stack;
 }
 
