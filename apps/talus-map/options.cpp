@@ -25,6 +25,7 @@ constexpr const char* kFooter =
     "                       floors: site_floor_1.tif ..., parts far away: site_island_1.tif ...\n"
     "  map.png, map.tif     the window after the last frame: where the robot can drive and the\n"
     "                       other layers, and a GeoTIFF with a band for each layer\n"
+    "  site.qml, map.qml    styles of QGIS: these GeoTIFFs open in the colours of talus\n"
     "  timing.csv, summary.json   a row for each frame; all figures and parameters\n"
     "All files appear together when a log is done, summary.json last. A log that fails writes "
     "nothing.\n"

@@ -14,6 +14,7 @@
 #include "report.h"
 #include "source_log.h"
 
+#include <talus/io/qgis_style.h>
 #include <talus/mrpt/parameters_ini.h>
 
 #include <algorithm>
@@ -113,6 +114,18 @@ void write_exports(const Job& job, const Options& options, const OutputFolder& o
     export_files(map.string(), output.staging(), (name / map.stem()).string(), options.exports);
 }
 
+/** Beside each map, unless the user has one there: what is written replaces files of its name. */
+void write_qgis_styles(const Job& job, const OutputFolder& output)
+{
+  std::vector<fs::path> styles;
+  for (const auto& file : fs::directory_iterator(output.staging()))
+    if (const auto name = file.path().filename(); name == "map.tif" || is_site_map(name))
+      styles.push_back(fs::path(name).replace_extension(".qml"));
+  for (const auto& style : styles)
+    if (!fs::exists(fs::path(job.folder) / style))
+      io::write_qgis_style((fs::path(output.staging()) / style).string());
+}
+
 /** True when all is written, false when the site map is not. */
 bool map_log(
     const Job& job, const Options& options, const Settings& settings, const std::string& label,
@@ -143,6 +156,7 @@ bool map_log(
     if (site) is_whole = write_site(*site, output, mapper.summary(), bar);
   }
   write_results(folder, mapper, origin_of(site, options));
+  write_qgis_styles(job, output);
   write_exports(job, options, output);
   if (rawlog_out) write_log(*rawlog_out);
   const auto& warnings = mapper.summary().warnings;  // those of the settings have been told

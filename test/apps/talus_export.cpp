@@ -90,7 +90,7 @@ TEST_F(TalusExport, map_server_finds_the_same_cells_in_the_map_of_ros)
 TEST_F(TalusExport, scale_tells_how_well_a_free_cell_drives_and_what_is_unknown)
 {
   runs("site.tif --to ros --ros-mode scale");
-  const cv::Mat picture = cv::imread(dir_ / "site.png", cv::IMREAD_UNCHANGED);
+  const cv::Mat picture = cv::imread(dir_ / "site_scale.png", cv::IMREAD_UNCHANGED);
   ASSERT_EQ(picture.type(), CV_8UC4);
   const auto at = [&](int ix, int iy) { return picture.at<cv::Vec4b>(39 - iy, ix); };
   EXPECT_EQ(at(22, 12)[0], 0);

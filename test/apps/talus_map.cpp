@@ -19,7 +19,7 @@ TEST_F(TalusMap, maps_a_single_scan_of_a_velodyne)
   const Outcome done = run(log + " --static --output out");
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_NE(done.out.find("1 frame,"), std::string::npos) << done.out;
-  EXPECT_EQ(entries(), 8u) << "the folder and seven files, nothing hidden";
+  EXPECT_EQ(entries(), 10u) << "the folder and nine files, nothing hidden";
   EXPECT_TRUE(exists("out/map.png"));
   EXPECT_TRUE(exists("out/timing.csv"));
   const auto j = summary("out");
@@ -272,7 +272,7 @@ TEST_F(TalusMap, writes_nothing_outside_of_the_folder_whatever_the_logs_of_a_bat
   ASSERT_EQ(run("--static" + names + " --output in/out --quiet").code, 0);
   for (const char* label : {"unnamed", "unnamed_2", "rawlog", "hidden", "hidden_2", "unnamed_2_2"})
     EXPECT_EQ(summary(std::string("in/out/") + label)["frames"], 1) << label;
-  EXPECT_EQ(entries(), before + 2 + 6 * 8) << "two folders, then a folder and seven files each";
+  EXPECT_EQ(entries(), before + 2 + 6 * 10) << "two folders, then a folder and nine files each";
   ASSERT_EQ(run("--static ...rawlog").code, 0);
   EXPECT_EQ(summary("unnamed_map")["frames"], 1);
 }

@@ -68,7 +68,7 @@ TEST_F(TalusMapJobs, write_and_print_what_logs_one_after_the_other_do)
   EXPECT_EQ(many.err, one.err);
   EXPECT_NE(many.out.find("6 logs: 5 done, 1 failed"), std::string::npos) << many.out;
   const auto first = files_without_times(path("first")), second = files_without_times(path("one"));
-  EXPECT_EQ(first.size(), 5U * 7U);
+  EXPECT_EQ(first.size(), 5U * 9U);
   for (const auto& [name, bytes] : first)
   {
     ASSERT_EQ(second.count(name), 1U) << name;

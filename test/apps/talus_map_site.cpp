@@ -41,6 +41,8 @@ class TalusMapSite : public TalusMap
   }
   double area_m2(const std::string& folder) const { return summary(folder)["site"]["area_m2"]; }
 };
+}  // namespace
+
 TEST_F(TalusMapSite, export_writes_the_site_or_without_one_the_window_in_other_formats)
 {
   write_drive("drive", 20);
@@ -51,7 +53,17 @@ TEST_F(TalusMapSite, export_writes_the_site_or_without_one_the_window_in_other_f
   EXPECT_TRUE(std::filesystem::exists(path("window/map.pgm")));
   expect_refused("drive.rawlog --export rso", 2, "rso");
 }
-}  // namespace
+
+TEST_F(TalusMapSite, styles_of_qgis_lie_beside_the_maps_and_those_of_a_user_stay)
+{
+  write_drive("drive", 20);
+  ASSERT_EQ(run("drive.rawlog --output styled").code, 0);
+  EXPECT_NE(read_bytes(path("styled/site.qml")).find("<qgis"), std::string::npos);
+  EXPECT_TRUE(exists("styled/map.qml"));
+  std::ofstream(path("styled/map.qml")) << "mine";
+  ASSERT_EQ(run("drive.rawlog --output styled").code, 0);
+  EXPECT_EQ(read_bytes(path("styled/map.qml")), "mine");
+}
 
 TEST_F(TalusMapSite, writes_all_that_the_drive_saw_and_says_how_much)
 {
@@ -59,7 +71,7 @@ TEST_F(TalusMapSite, writes_all_that_the_drive_saw_and_says_how_much)
   const Outcome done = run("drive.rawlog --output out");
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_NE(done.out.find("  site    "), std::string::npos) << done.out;
-  EXPECT_EQ(entries(), 2u + 8u) << "nothing hidden";
+  EXPECT_EQ(entries(), 2u + 10u) << "nothing hidden";
   const auto j = summary("out")["site"];
   EXPECT_NEAR(j["area_m2"].get<double>(), (12 + 8) * 8, 4);
   EXPECT_NEAR(j["length_m"].get<double>(), 11.9, 0.2);

@@ -61,7 +61,8 @@ class TalusMapSources : public TalusMap
     return names;
   }
 
-  const std::vector<std::string> results_{"map.png",       "map.tif",      "site.png",  "site.tif",
+  const std::vector<std::string> results_{"map.png",       "map.qml",      "map.tif",
+                                          "site.png",      "site.qml",     "site.tif",
                                           "site_way.gpkg", "summary.json", "timing.csv"};
 };
 }  // namespace

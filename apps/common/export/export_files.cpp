@@ -2,6 +2,7 @@
 
 #include <talus/formats/page.h>
 #include <talus/io/geotiff.h>
+#include <talus/io/qgis_style.h>
 #include <talus/site/site_geotiff.h>
 
 #include <filesystem>
@@ -99,7 +100,7 @@ std::string write_as(
     return written(".ply", [&](auto& p, auto& m) { write_mesh(p, m, o.max_faces); });
   if (format == "heightmap")
     return written("_height.png", [](auto& p, auto& m) { write_heightmap(p, m); });
-  if (format == "qgis") return written(".qml", [](auto& p, auto&) { write_qgis_style(p); });
+  if (format == "qgis") return written(".qml", [](auto& p, auto&) { io::write_qgis_style(p); });
   return written(".html", [&](auto& p, auto&) { write_html(p, map, title, o); });
 }
 }  // namespace

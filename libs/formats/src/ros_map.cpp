@@ -72,7 +72,9 @@ void write_ros_map(
 {
   const auto& t = needed_layer(map, Layer::Traversability);
   std::filesystem::path picture = path;
-  picture.replace_extension(mode == RosMode::Scale ? ".png" : ".pgm");
+  // Beside a map its .png is the picture of it that talus-map wrote.
+  picture.replace_extension();
+  picture += mode == RosMode::Scale ? "_scale.png" : ".pgm";
   if (mode == RosMode::Scale)
     io::write_png(picture.string(), picture_of(map, t, blocked_at));
   else

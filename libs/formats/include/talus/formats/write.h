@@ -44,7 +44,4 @@ struct HeightmapPlace
  * gets coarser. `path` is the .png; a .json beside it tells what is returned. */
 HeightmapPlace write_heightmap(const std::string& path, const io::LayerStack& map);
 
-/** A style of QGIS beside a GeoTIFF (SITE.qml for SITE.tif): it opens in the colours of talus. */
-void write_qgis_style(const std::string& path);
-
 }  // namespace talus::formats

@@ -1,5 +1,5 @@
-#include <talus/formats/write.h>
 #include <talus/io/atomic_file.h>
+#include <talus/io/qgis_style.h>
 #include <talus/io/score_colour.h>
 #include <talus/number_text.h>
 
@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
-namespace talus::formats
+namespace talus::io
 {
 namespace
 {
@@ -29,7 +29,7 @@ std::string colour_items()
     const double t = static_cast<double>(k) / kSteps;
     const char* const word = k == 0 ? " blocked" : k == kSteps ? " free" : "";
     items += "          <item alpha=\"255\" value=\"" + number_text(t) + "\" label=\"" +
-             number_text(t) + word + "\" color=\"" + hex(io::score_colour(static_cast<float>(t))) +
+             number_text(t) + word + "\" color=\"" + hex(score_colour(static_cast<float>(t))) +
              "\"/>\n";
   }
   return items;
@@ -38,7 +38,7 @@ std::string colour_items()
 
 void write_qgis_style(const std::string& path)
 {
-  io::write_file(
+  write_file(
       path,
       "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n"
       "<qgis version=\"3.22\" styleCategories=\"Symbology\">\n"
@@ -58,4 +58,4 @@ void write_qgis_style(const std::string& path)
           "</qgis>\n");
 }
 
-}  // namespace talus::formats
+}  // namespace talus::io
