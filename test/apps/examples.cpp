@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <sstream>
 #include <string>
 
 #include "log_files.h"
@@ -76,5 +78,32 @@ TEST_F(Examples, a_robot_drives_around_a_block_and_says_no_more)
   EXPECT_EQ(
       run("06_my_robot", "'" TALUS_SOURCE_DIR "/datasets/configs/reactive2d_config.ini'"),
       "arrived; drove by on the right side of the block: yes\n");
+}
+#endif
+
+#ifdef TALUS_EXAMPLES_LOCALIZE
+TEST_F(Examples, scans_of_one_drive_are_laid_onto_the_map_of_another)
+{
+  const std::string world = " '" TALUS_SOURCE_DIR "/datasets/worlds/demo.yaml' --quiet --output ";
+  const std::string commands = "cd '" + (dir / "") + "' && " TALUS_BIN "/talus-sim" + world +
+                               "monday && " TALUS_BIN
+                               "/talus-map monday/demo.rawlog --quiet --output map && " +
+                               TALUS_BIN "/talus-sim" + world + "friday --seed 21";
+  ASSERT_EQ(std::system(commands.c_str()), 0);
+  std::istringstream lines(run("07_localize", "map/site.tif friday/demo.rawlog friday/demo.tum"));
+  int scans = 0, near = 0, number = 0;
+  double off_m = 0, off_deg = 0;
+  for (std::string line; std::getline(lines, line); ++scans)
+  {
+    ASSERT_EQ(
+        std::sscanf(line.c_str(), "scan %d: %lf m and %lf degrees off", &number, &off_m, &off_deg),
+        3)
+        << line;
+    EXPECT_LT(off_m, 0.1) << line;
+    EXPECT_LE(off_deg, 0.5) << line;
+    if (off_m <= 0.05) ++near;
+  }
+  EXPECT_EQ(scans, 7);
+  EXPECT_GE(near, 6) << "of seven that began 0.3 m and 5 degrees off";
 }
 #endif
