@@ -2,6 +2,8 @@
 #include "scene.h"
 #include "shuffle.h"
 
+#include <talus/point_labels.h>
+
 #include <cstddef>
 #include <cstring>
 
@@ -57,6 +59,7 @@ class Pair
     ASSERT_EQ(a.rejected, b.rejected) << "frame " << frames_;
     ASSERT_EQ(a.points_accepted, b.points_accepted) << "frame " << frames_;
     expect_same_bits();
+    ASSERT_EQ(label_points(cpu, frame), label_points(cuda, frame)) << "frame " << frames_;
     frames_++;
   }
   void update(const Scan& s) { update(s.frame(), s.frame()); }

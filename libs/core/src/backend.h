@@ -1,5 +1,6 @@
 #pragma once
 #include <talus/elevation_mapper.h>
+#include <talus/point_labels.h>
 #include "map_config.h"
 #include "hand_over.h"
 #include "kernels/cell.h"
@@ -66,6 +67,9 @@ class BackendInterface
   virtual CellRecord* read_cells(const std::vector<WindowRect>& rects) = 0;
   /** See ElevationMapper::write_cells(); also writes into the delivered layers. */
   virtual void write_cells(const std::vector<WindowRect>& rects, const CellRecord* from) = 0;
+  /** A label for each point of a frame; `context` has its poses in the window of the map. */
+  virtual std::vector<PointLabel> label_points(
+      const Frame& frame, const kernels::FrameContext& context) = 0;
   virtual MapBytes read_all() = 0;
   /** Fills a backend that has seen no frame. The caller checks the sizes. */
   virtual void write_all(const MapBytes& bytes, const kernels::FrameContext& window) = 0;

@@ -54,6 +54,14 @@ std::unique_ptr<BackendInterface> make_backend(
  */
 constexpr std::size_t kPageFloats = 4096 / sizeof(float);
 
+void require_points(const Frame& frame)
+{
+  if (frame.size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max() / 4))
+    throw std::invalid_argument("a frame of more than 536,870,911 points");
+  if (frame.size && !(frame.x_m && frame.y_m && frame.z_m))
+    throw std::invalid_argument("a frame with points has no x_m, y_m or z_m");
+}
+
 float unknown(Layer l) { return l == Layer::State ? 0.0f : kernels::kNan; }
 
 }  // namespace
@@ -194,10 +202,7 @@ struct ElevationMapper::Impl
 /** Returns where the records of `cells` will be. */
 CellRecord* ElevationMapper::Impl::start(const Frame& frame, const FrameRects& cells)
 {
-  if (frame.size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max() / 4))
-    throw std::invalid_argument("a frame of more than 536,870,911 points");
-  if (frame.size && !(frame.x_m && frame.y_m && frame.z_m))
-    throw std::invalid_argument("a frame with points has no x_m, y_m or z_m");
+  require_points(frame);
   const int index = free_slot("start");
   Slot& slot = slots[static_cast<std::size_t>(index)];
   slot.tracker = started;
@@ -392,6 +397,14 @@ void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
   const SavedMap saved = saved_map_from(bytes, m.parameters);
   m.reset();
   m.take(saved);
+}
+
+std::vector<PointLabel> label_points(const ElevationMapper& map, const Frame& frame)
+{
+  const ElevationMapper::Impl& m = *map.impl_;
+  m.require_none_in_flight("label_points");
+  require_points(frame);
+  return m.backend->label_points(frame, m.finished.look_up(frame, m.parameters));
 }
 
 }  // namespace talus

@@ -56,6 +56,8 @@ class MapBackend final : public BackendInterface
   void read_layer(Layer layer, float* out) override;
   CellRecord* read_cells(const std::vector<WindowRect>& rects) override;
   void write_cells(const std::vector<WindowRect>& rects, const CellRecord* from) override;
+  std::vector<PointLabel> label_points(
+      const Frame& frame, const kernels::FrameContext& context) override;
   MapBytes read_all() override;
   void write_all(const MapBytes& bytes, const kernels::FrameContext& window) override;
   std::string name() const override { return executor_.name(); }
@@ -115,6 +117,9 @@ class MapBackend final : public BackendInterface
   Schedule schedule_;
   int shown_ = 0;  //!< slot of the frame that was finished last
   typename Executor::template HostBuffer<CellRecord> records_;  //!< the records handed over
+  typename Executor::template HostBuffer<kernels::FrameContext> label_context_;
+  typename Executor::template HostBuffer<float> label_points_;  //!< x, y, z and times
+  typename Executor::template HostBuffer<std::uint32_t> labels_;
   Executor executor_;  //!< last member: its work ends before the memory is freed
 };
 
@@ -228,6 +233,37 @@ const CellRecord* MapBackend<Schedule>::within_reach(const CellRecord* from, std
   executor_.make_room(records_, size);
   std::copy_n(from, size, records_.data());
   return records_.data();
+}
+
+template <class Schedule>
+std::vector<PointLabel> MapBackend<Schedule>::label_points(
+    const Frame& frame, const kernels::FrameContext& context)
+{
+  use(shown_);
+  executor_.make_room(label_context_, 1);
+  executor_.make_room(label_points_, 4 * frame.size);
+  executor_.make_room(labels_, frame.size);
+  *label_context_.data() = context;
+  float* next = label_points_.data();
+  kernels::PointsIn in{};
+  const auto take = [&](const float* from, const float*& to)
+  {
+    if (from) std::copy_n(from, frame.size, next);
+    to = next;
+    next += frame.size;
+  };
+  take(frame.x_m, in.x_m);
+  take(frame.y_m, in.y_m);
+  take(frame.z_m, in.z_m);
+  take(frame.time_s, in.time_s);
+  executor_.for_each_to_host(
+      static_cast<int>(frame.size), map_.label_point(label_context_.data(), in), labels_.data());
+  executor_.synchronize();
+  std::vector<PointLabel> labels(frame.size);
+  std::transform(
+      labels_.data(), labels_.data() + frame.size, labels.begin(),
+      [](std::uint32_t label) { return static_cast<PointLabel>(label); });
+  return labels;
 }
 
 template <class Schedule>

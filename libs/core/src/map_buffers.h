@@ -14,6 +14,7 @@
 #include "kernels/5_cleanup.h"
 #include "kernels/6_fill.h"
 #include "kernels/7_judge.h"
+#include "kernels/8_label.h"
 
 #include <algorithm>
 #include <array>
@@ -259,6 +260,11 @@ struct MapBuffers
   {
     const auto shown = [this](Layer l) { return now->outputs[static_cast<std::size_t>(l)].mapped; };
     return {hand_over(rects), surfaces_at(shown), shown(Layer::Traversability)};
+  }
+  /** Labels of points that are not of the current frame, in its window. */
+  kernels::LabelPoint label_point(const kernels::FrameContext* frame, const kernels::PointsIn& in)
+  {
+    return {config.data(), frame, body.data(), datum.data(), store(), in};
   }
   /** Whether each frame leaves slope, step, roughness or sparsity. */
   bool parts_wanted() const

@@ -80,6 +80,17 @@ void resample_path(const Frame& frame, double min_x_m, double min_y_m, kernels::
   }
 }
 
+/** Finds how the points of a frame come into a window. */
+void place_points(const Frame& frame, double min_x_m, double min_y_m, kernels::FrameContext& f)
+{
+  f.n_points = static_cast<int>(frame.size);
+  f.n_poses = 1;
+  f.poses[0] = window_pose(frame.T_map_sensor, min_x_m, min_y_m);
+  const bool moves = frame.path.size() >= 2 && frame.path.back().time_s > frame.path.front().time_s;
+  f.has_times = frame.time_s && moves;
+  if (f.has_times) resample_path(frame, min_x_m, min_y_m, f);
+}
+
 /** Finds where the robot stands and how the ground below it slopes. */
 void locate_base(
     const Frame& frame, const Pose& T_map_base, double min_x_m, double min_y_m,
@@ -233,30 +244,39 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   f.storage_y = storage(y, n);
   f.odd_x = static_cast<int>(x & 1);
   f.odd_y = static_cast<int>(y & 1);
-  f.n_points = static_cast<int>(frame.size);
   f.pose_change2 = last_z_axis == kNotSeen
                        ? 0.0f
                        : static_cast<float>(pose_change_factor(last_z_axis, z_axis, p.lambda_t));
 
   const double min_x_m = static_cast<double>(x) * p.resolution_m;
   const double min_y_m = static_cast<double>(y) * p.resolution_m;
-  f.n_poses = 1;
-  f.poses[0] = window_pose(frame.T_map_sensor, min_x_m, min_y_m);
-  f.sensor_x_m = f.poses[0].m[3];
-  f.sensor_y_m = f.poses[0].m[7];
-  f.sensor_z_map_m = f.sensor_z_m = f.poses[0].m[11];
+  place_points(frame, min_x_m, min_y_m, f);
+  const kernels::WindowPose sensor = window_pose(frame.T_map_sensor, min_x_m, min_y_m);
+  f.sensor_x_m = sensor.m[3];
+  f.sensor_y_m = sensor.m[7];
+  f.sensor_z_map_m = f.sensor_z_m = sensor.m[11];
   f.rings = rings_around(
       static_cast<int>(cell_of(frame.T_map_sensor.x(), p.resolution_m) - x),
       static_cast<int>(cell_of(frame.T_map_sensor.y(), p.resolution_m) - y), n);
   locate_base(frame, T_map_base, min_x_m, min_y_m, f);
-  const bool moves = frame.path.size() >= 2 && frame.path.back().time_s > frame.path.front().time_s;
-  f.has_times = frame.time_s && moves;
-  if (f.has_times) resample_path(frame, min_x_m, min_y_m, f);
 
   started = true;
   min_cell_x = x;
   min_cell_y = y;
   last_z_axis = z_axis;
+  return f;
+}
+
+kernels::FrameContext WindowTracker::look_up(const Frame& frame, const Parameters& p) const
+{
+  const Pose T_map_base = checked_base(frame, p);
+  const double min_x_m = static_cast<double>(min_cell_x) * p.resolution_m;
+  const double min_y_m = static_cast<double>(min_cell_y) * p.resolution_m;
+  kernels::FrameContext f{};
+  f.storage_x = storage(min_cell_x, p.cells());
+  f.storage_y = storage(min_cell_y, p.cells());
+  place_points(frame, min_x_m, min_y_m, f);
+  locate_base(frame, T_map_base, min_x_m, min_y_m, f);
   return f;
 }
 

@@ -31,6 +31,10 @@ struct WindowTracker
    * for more than 64 sensors. Then the tracker is of no use. */
   kernels::FrameContext advance(const Frame& frame, const Parameters& p);
 
+  /** The values of a frame whose points are looked up in the window as it is. Throws as advance()
+   * does, but the tracker stays as it was. */
+  kernels::FrameContext look_up(const Frame& frame, const Parameters& p) const;
+
   /** The pose of the base. Throws as advance() does. */
   static Pose checked_base(const Frame& frame, const Parameters& p);
   /** The first cell of the window around a base. */

@@ -14,6 +14,8 @@
 
 namespace talus
 {
+enum class PointLabel : std::uint32_t;
+
 enum class Backend
 {
   Auto,  //!< CUDA if a device answers, else CPU
@@ -146,6 +148,7 @@ class ElevationMapper
   static bool is_size_of_state(std::uint64_t bytes, const Parameters& parameters);
 
  private:
+  friend std::vector<PointLabel> label_points(const ElevationMapper& map, const Frame& frame);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
