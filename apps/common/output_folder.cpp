@@ -7,6 +7,7 @@
 #include <iostream>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace fs = std::filesystem;
 
@@ -14,12 +15,6 @@ namespace talus::app
 {
 namespace
 {
-[[noreturn]] void fail(const fs::path& path, const std::string& what)
-{
-  throw std::runtime_error(
-      path.string() + ": " + what + "; give a folder that you may write to with --output");
-}
-
 void tell(const std::string& folder, const Swept& swept)
 {
   const auto say = [&](const std::string& what)
@@ -32,8 +27,8 @@ void tell(const std::string& folder, const Swept& swept)
 }
 }  // namespace
 
-OutputFolder::OutputFolder(const std::string& folder)
-    : name_(folder), folder_(fs::absolute(folder).lexically_normal())
+OutputFolder::OutputFolder(const std::string& folder, std::string option)
+    : name_(folder), option_(std::move(option)), folder_(fs::absolute(folder).lexically_normal())
 {
   for (const int s : {SIGXFSZ, SIGPIPE}) std::signal(s, SIG_IGN);
   try
@@ -47,6 +42,12 @@ OutputFolder::OutputFolder(const std::string& folder)
     remove_made_folders();
     throw;
   }
+}
+
+void OutputFolder::fail(const fs::path& path, const std::string& what) const
+{
+  throw std::runtime_error(
+      path.string() + ": " + what + "; give a folder that you may write to with " + option_);
 }
 
 /** Makes the folder and the hidden one. With `may_vanish` it gives up without an error where a

@@ -16,10 +16,10 @@ class OutputFolder
 {
  public:
   /** Makes the folder and the hidden one. Throws std::runtime_error that says why nothing can be
-   * written there and what to do. From now on a limit on the size of files, or nobody who reads
-   * what is printed, is an error of write(), no signal that ends the program and leaves the hidden
-   * folder behind. */
-  explicit OutputFolder(const std::string& folder);
+   * written there and what to do: `option` names it. From now on a limit on the size of files, or
+   * nobody who reads what is printed, is an error of write(), no signal that ends the program and
+   * leaves the hidden folder behind. */
+  explicit OutputFolder(const std::string& folder, std::string option = "--output");
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -43,7 +43,10 @@ class OutputFolder
   void sweep_and_tell();
   void remove_made_folders() noexcept;
 
+  [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) const;
+
   std::string name_;  //!< of the folder, as given
+  std::string option_;  //!< of the command line, that names it
   std::filesystem::path folder_;
   std::unique_ptr<io::HiddenFolder> hidden_;
   std::unique_ptr<io::AtomicFile> elsewhere_;

@@ -146,6 +146,19 @@ void set_aside_old_parts(const fs::path& hidden, Moves& done)
   for (const auto& file : old) set_aside(hidden, file.filename(), done);
 }
 
+/** Labels of another run would be taken for those of more scans of this one. */
+void set_aside_old_labels(const fs::path& hidden, const fs::path& seal, Moves& done)
+{
+  if (seal != kLabelTable) return;
+  std::vector<fs::path> old;
+  std::error_code no_file;
+  for (const auto& entry : fs::directory_iterator(hidden.parent_path()))
+    if ((entry.path().extension() == ".label" || entry.path().filename() == kLabelledLog) &&
+        entry.is_regular_file(no_file))
+      old.push_back(entry.path());
+  for (const auto& file : old) set_aside(hidden, file.filename(), done);
+}
+
 /** Ends one that no other process holds. */
 void end(const fs::path& hidden, Swept& swept)
 {
@@ -220,6 +233,7 @@ void place(const fs::path& hidden, Moves& done)
     set_aside(hidden, seal, done);
     set_aside_old_snapshots(hidden, done);
     set_aside_old_parts(hidden, done);
+    set_aside_old_labels(hidden, seal, done);
     fs::create_directory(hidden / kCleared);
   }
   for (const auto& file : files_below(hidden))

@@ -16,6 +16,10 @@ namespace talus::app
 /** Of the hidden folders that hold results until they are complete. */
 constexpr const char* kRunPrefix = ".talus-run.";
 
+/** Of the labels of points: the table of numbers, which is their seal, and the log of clouds. */
+constexpr const char* kLabelTable = "labels.yaml";
+constexpr const char* kLabelledLog = "labels.rawlog";
+
 /** Whether a name is of those that a run keeps for itself while it works: never put in place. */
 bool is_internal(const std::filesystem::path& path);
 

@@ -62,7 +62,8 @@ class Batch
     if (!run_job(job, options_, settings_, label)) return false;
     if (!options_.quiet)
       std::cout << "  wrote   " << (std::filesystem::path(job.folder) / "map.png").string()
-                << (options_.has_site ? ", site.png" : "") << exports_text() << "\n";
+                << (options_.has_site ? ", site.png" : "") << exports_text()
+                << (job.labels.empty() ? "" : ", and labels into " + job.labels) << "\n";
     return true;
   }
 
@@ -77,9 +78,11 @@ class Batch
 
   void run_some_at_once()
   {
-    // Of the jobs none can tell whether it is the last that leaves this folder empty.
+    // Of the jobs none can tell whether it is the last that leaves these folders empty.
     std::optional<OutputFolder> all;
     if (!options_.output.empty()) all.emplace(options_.output);
+    std::optional<OutputFolder> all_labels;
+    if (!options_.labels.empty()) all_labels.emplace(options_.labels, "--labels");
     WorkPlan plan;
     plan.jobs = jobs_.size();
     plan.at_once = at_once_;

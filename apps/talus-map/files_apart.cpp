@@ -45,6 +45,14 @@ bool is_result(const std::string& path, const Job& job, const Options& options)
          (is_same_file(parent, folder) && is_site_file(fs::path(path).filename()));
 }
 
+/** Whether a file is one of the labels of its points. */
+bool is_label(const std::string& path, const Job& job)
+{
+  const fs::path folder(job.labels);
+  return !job.labels.empty() &&
+         (is_same_file(path, folder / kLabelTable) || is_same_file(path, folder / kLabelledLog));
+}
+
 void require_own_rawlog(const Job& job, const Options& options)
 {
   const std::string& path = options.rawlog_out;
@@ -55,6 +63,7 @@ void require_own_rawlog(const Job& job, const Options& options)
   for (const auto& [input, name] : inputs)
     if (what.empty() && is_same_file(path, input)) what = name;
   if (what.empty() && is_result(path, job, options)) what = "one of the results in " + job.folder;
+  if (what.empty() && is_label(path, job)) what = "one of the files of --labels";
   if (!what.empty())
     throw std::runtime_error("--rawlog-out " + path + ": is " + what + "; give another name");
 }
@@ -65,10 +74,14 @@ void require_files_apart(const Job& job, const Options& options)
   require_own_rawlog(job, options);
   std::error_code ec;
   for (const auto& [input, name] : inputs_of(job, options))
-    if (fs::exists(input, ec) && is_result(input, job, options))
+  {
+    const bool by_result = is_result(input, job, options), by_label = is_label(input, job);
+    if (fs::exists(input, ec) && (by_result || by_label))
       throw std::runtime_error(
-          "a result in " + job.folder + " would replace " + input + ", " + name +
-          "; give another folder with --output, or rename it");
+          "a result in " + (by_result ? job.folder : job.labels) + " would replace " + input +
+          ", " + name + "; give another folder with " + (by_result ? "--output" : "--labels") +
+          ", or rename it");
+  }
 }
 
 }  // namespace talus::app

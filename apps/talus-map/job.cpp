@@ -65,7 +65,9 @@ std::string name_of_source(const std::string& log)
 std::vector<Job> plan_jobs(const Options& options)
 {
   if (options.logs.size() == 1 && !options.output.empty())
-    return {{options.logs.front(), options.output, is_importable(options.logs.front())}};
+    return {
+        {options.logs.front(), options.output, options.labels,
+         is_importable(options.logs.front())}};
   std::vector<Job> jobs;
   std::set<std::string> taken;
   for (const auto& log : options.logs)
@@ -75,7 +77,9 @@ std::vector<Job> plan_jobs(const Options& options)
     for (int i = 2; !taken.insert(unique).second; ++i) unique = name + "_" + std::to_string(i);
     const fs::path folder =
         options.output.empty() ? fs::path(unique + "_map") : fs::path(options.output) / unique;
-    jobs.push_back({log, folder.string(), is_importable(log)});
+    const bool one = options.labels.empty() || options.logs.size() == 1;
+    const std::string labels = one ? options.labels : (fs::path(options.labels) / unique).string();
+    jobs.push_back({log, folder.string(), labels, is_importable(log)});
   }
   return jobs;
 }

@@ -12,6 +12,7 @@ namespace talus::app
 struct Job
 {
   std::string log, folder;
+  std::string labels = {};  //!< folder of the labels of its points; empty: none
   bool needs_import = false;  //!< the log is to be made of scans of another program
   int threads = kAllCores;  //!< of the CPU backend
   int device = 0;  //!< of the CUDA backend

@@ -92,12 +92,13 @@ std::string class_of(const mrpt::obs::CObservation& obs)
 
 LogMapper::LogMapper(
     const Job& job, const SourceLog& log, const Options& options, const Settings& settings,
-    KeptSite* site)
+    KeptSite* site, LabelFiles* labels)
     : options_(options),
       log_(job.log),
       source_(log),
       map_(make_map(job, settings)),
       site_(site),
+      labels_(labels),
       hints_(settings.parameters, options.suggest ? hints::Effort::Much : hints::Effort::Little)
 {
   map_.set_output_layers(layers_of_every_frame(options));
@@ -135,6 +136,7 @@ void LogMapper::run(const OnFrame& on_frame)
   add_hints();
   require_points();
   if (site_) site_->finish(map_, run_);
+  if (labels_) labels_->finish();
   add_warnings();
 }
 
@@ -146,6 +148,7 @@ bool LogMapper::take(const mrpt::obs::CObservation& obs)
     return false;
   }
   if (!decode(obs)) return false;
+  if (labels_) labels_->note_scan(obs, scan_);
   if (scan_.x_m.empty()) return skip("no_points", "it is empty");
   if (!note_stamp(obs))
     return skip("duplicate", "the log has it twice: same sensor, stamp and points");
@@ -207,6 +210,7 @@ bool LogMapper::insert(const std::string& label)
     frame.sensor = sensors_.number_of(label);
     map_.window_after(frame);  // throws for a pose that is none
     last_T_map_base_ = *T_map_base;
+    if (labels_) labels_->await(frame.sensor);
     gatherer_.add(frame, [this](const Frame& scan) { map_scan(scan); });
   }
   catch (const std::invalid_argument& e)
@@ -220,7 +224,9 @@ bool LogMapper::insert(const std::string& label)
 /** A scan of the log, or one that was gathered from parts. */
 void LogMapper::map_scan(const Frame& scan)
 {
+  if (labels_) labels_->begin(scan);
   run_.frames.push_back(map_frame(scan));
+  if (labels_) labels_->write(scan, label_points(map_, scan));
   const std::string& label = sensors_.labels()[scan.sensor];
   if (!scan.path.empty()) ++run_.frames_deskewed;
   ++run_.sensors[label];

@@ -1,6 +1,7 @@
 #pragma once
 #include "job.h"
 #include "kept_site.h"
+#include "label_files.h"
 #include "pose_source.h"
 #include "settings.h"
 #include "source_log.h"
@@ -34,10 +35,10 @@ class LogMapper
   using OnFrame = std::function<void(const LogMapper&, double progress)>;
 
   /** `log` is what is read for the job. `site` keeps what leaves the window; null: nothing does.
-   * Throws what ElevationMapper throws. */
+   * `labels` gets what each point is; null: nobody does. Throws what ElevationMapper throws. */
   LogMapper(
       const Job& job, const SourceLog& log, const Options& options, const Settings& settings,
-      KeptSite* site = nullptr);
+      KeptSite* site = nullptr, LabelFiles* labels = nullptr);
 
   /** Reads the log to its end. Throws std::runtime_error when it cannot be read, has no poses, or
    * no scan of it is usable: the message says why and what to do. */
@@ -92,6 +93,7 @@ class LogMapper
   PoseSource poses_;
   ElevationMapper map_;
   KeptSite* site_;
+  LabelFiles* labels_;
   io::RunSummary run_;
   SensorPoints scan_;
   SensorNumbers sensors_;

@@ -60,6 +60,8 @@ constexpr const char* kFooter =
     "      goes on with the site map of an earlier drive in the same map frame\n"
     "  talus-map drive.rawlog --origin 36.8383,-2.4045,52,30\n"
     "      where the map is on Earth: site.tif has a CRS; without it the log's own GPS counts\n"
+    "  talus-map dataset/sequences/00 --config datasets/configs/car.ini --labels labels\n"
+    "      what each point is: labels/000000.label and so on, their numbers in labels.yaml\n"
     "  talus-map drive.rawlog --rawlog-out terrain.rawlog\n"
     "      for rawlog-edit -p libtalus-mrpt.so --info -i terrain.rawlog\n"
     "\n"
@@ -234,13 +236,31 @@ void add_outputs(CLI::App& app, Options& o)
          "(of one log)")
       ->check(not_empty())
       ->type_name("FILE.rawlog");
+  auto* labels =
+      app.add_option(
+             "--labels", o.labels,
+             "Also write what each point of each scan is (ground, stands, hangs ...) into "
+             "this folder, a file a scan as in SemanticKITTI; a batch makes one folder a "
+             "log in it")
+          ->check(not_empty())
+          ->type_name("DIR");
+  app.add_option_function<std::string>(
+         "--labels-as",
+         [&o](const std::string& text)
+         { o.labels_as = text == "rawlog" ? LabelsAs::Rawlog : LabelsAs::Kitti; },
+         "kitti: .label files; rawlog: one log of clouds whose intensity is the label (default: "
+         "kitti)")
+      ->check(CLI::IsMember({"kitti", "rawlog"}))
+      ->needs(labels)
+      ->type_name("FORMAT");
   app.add_flag("--quiet", o.quiet, "Print warnings, hints and errors only");
   app.add_flag(
       "--strict", o.strict, "Hints are errors: exit code 1, and nothing is written of that log");
   app.add_flag(
-      "--suggest", o.suggest,
-      "Map nothing: print a configuration (--config) that suits the log, with reasons (of one "
-      "log)");
+         "--suggest", o.suggest,
+         "Map nothing: print a configuration (--config) that suits the log, with reasons (of one "
+         "log)")
+      ->excludes(labels);
 }
 /** Switches that only an import heeds, of those that were given. */
 std::vector<std::string> import_switches(const CLI::App& app)

@@ -11,6 +11,13 @@
 
 namespace talus::app
 {
+/** How the labels of points are written. */
+enum class LabelsAs
+{
+  Kitti,  //!< a file a scan, in SemanticKITTI's format
+  Rawlog  //!< one log of clouds
+};
+
 /** What the command line says. */
 struct Options
 {
@@ -37,6 +44,8 @@ struct Options
   std::string resume;  //!< site map of an earlier run, empty: none
   std::optional<site::GeoOrigin> origin;
   std::string rawlog_out;  //!< the log with snapshots in it (each, or every Nth); empty: none
+  std::string labels;  //!< folder of the labels of points; empty: none
+  LabelsAs labels_as = LabelsAs::Kitti;
   ExportOptions exports;  //!< the site map is written so, too; without one the window
   import::ImportOptions import;
   std::vector<std::string> import_switches;  //!< given, though only an import heeds them

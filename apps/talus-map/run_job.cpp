@@ -9,6 +9,7 @@
 #include "../common/export/export_files.h"
 #include "files_apart.h"
 #include "kept_site.h"
+#include "label_files.h"
 #include "log_mapper.h"
 #include "rawlog_out.h"
 #include "report.h"
@@ -63,6 +64,30 @@ void require_no_hints(const Job& job, const LogMapper& mapper)
       job.log + ": nothing was written because of " + std::to_string(count) +
       (count == 1 ? " hint" : " hints") + " (--strict): mend that, or leave --strict out");
 }
+
+/** Where the files of a job are made. */
+struct JobFolders
+{
+  explicit JobFolders(const Job& job) : results(job.folder)
+  {
+    if (job.labels.empty()) return;
+    require_no_foreign_labels(job.labels);
+    labels.emplace(job.labels, "--labels");
+  }
+  std::string told(const std::string& error) const
+  {
+    return results.told(labels ? labels->told(error) : error);
+  }
+  /** The results last, since summary.json says that all is there. */
+  void commit()
+  {
+    if (labels) labels->commit(kLabelTable);
+    results.commit("summary.json");
+  }
+
+  OutputFolder results;
+  std::optional<OutputFolder> labels;
+};
 
 /** Makes the log that is read, where the job names scans of another program. */
 SourceLog import_first(
@@ -129,14 +154,18 @@ void write_qgis_styles(const Job& job, const OutputFolder& output)
 /** True when all is written, false when the site map is not. */
 bool map_log(
     const Job& job, const Options& options, const Settings& settings, const std::string& label,
-    const OutputFolder& output, RawlogOut* rawlog_out)
+    const JobFolders& folders, RawlogOut* rawlog_out)
 {
+  const OutputFolder& output = folders.results;
   const std::string folder = output.staging();
   const auto start = std::chrono::steady_clock::now();
   std::optional<KeptSite> site;
   if (options.has_site) site.emplace(options, settings.parameters.resolution_m, folder);
   const SourceLog log = import_first(job, options, folder, label);
-  LogMapper mapper(job, log, options, settings, site ? &*site : nullptr);
+  std::optional<LabelFiles> labels;
+  if (folders.labels) labels.emplace(folders.labels->staging(), options.labels_as);
+  LogMapper mapper(
+      job, log, options, settings, site ? &*site : nullptr, labels ? &*labels : nullptr);
   bool is_whole = true;
   {
     ProgressBar bar(label, !options.quiet);
@@ -170,11 +199,11 @@ bool map_log(
 /** In the child: the exit code. */
 int map_or_tell(
     const Job& job, const Options& options, const Settings& settings, const std::string& label,
-    const OutputFolder& output, RawlogOut* rawlog_out)
+    const JobFolders& folders, RawlogOut* rawlog_out)
 {
   try
   {
-    return map_log(job, options, settings, label, output, rawlog_out) ? kDone : kWithoutSite;
+    return map_log(job, options, settings, label, folders, rawlog_out) ? kDone : kWithoutSite;
   }
   catch (const std::bad_alloc&)
   {
@@ -182,7 +211,7 @@ int map_or_tell(
   }
   catch (const std::exception& e)
   {
-    print_error(output.told(e.what()));
+    print_error(folders.told(e.what()));
   }
   return kFailed;
 }
@@ -197,14 +226,15 @@ bool run_job(
   try
   {
     require_files_apart(job, options);
-    OutputFolder output(job.folder);
+    JobFolders folders(job);
+    OutputFolder& output = folders.results;
     std::unique_ptr<RawlogOut> rawlog_out;
     if (!options.rawlog_out.empty())
       rawlog_out = std::make_unique<RawlogOut>(
           output.elsewhere(options.rawlog_out), options.rawlog_out,
           path_of_log(job, options, output.staging()));
     const auto work = [&]
-    { return map_or_tell(job, options, settings, label, output, rawlog_out.get()); };
+    { return map_or_tell(job, options, settings, label, folders, rawlog_out.get()); };
     const ChildEnd end = run_in_child(work);
     if (stop_signal())
       print_error(job.log + ": stopped; nothing was written");
@@ -214,7 +244,7 @@ bool run_job(
           (end.signal == SIGKILL ? ". Try a smaller window_m or a larger resolution_m" : ""));
     else if (end.exit_code != kFailed)
     {
-      output.commit("summary.json");
+      folders.commit();
       if (end.exit_code == kDone) return true;
       print_error(job.log + ": everything but its site map is in " + job.folder);
     }

@@ -1,4 +1,7 @@
 #include <talus/io/geotiff.h>
+#include <talus/mrpt/labelled_cloud.h>
+
+#include <mrpt/obs/CObservationOdometry.h>
 
 #include <unistd.h>
 
@@ -67,6 +70,31 @@ TEST(DualElevationMapQueries, the_likelihood_counts_the_points_that_an_insertion
     ASSERT_TRUE(copy.insertObservation(obs, CPose3D()));
     EXPECT_EQ(likelihood != 0, copy.lastReport().points_accepted == 1) << at;
   }
+}
+
+TEST(DualElevationMapQueries, labels_say_what_each_point_of_an_observation_is)
+{
+  using talus::PointLabel;
+  const auto map = map_of_room();
+  const CPose3D pose(0.05, 0.02, 0, 0.15, 0, 0);
+  const auto scan = scan_of_room(pose);
+  const auto labels = map.labelPoints(scan, pose);
+  const auto world = room();
+  ASSERT_EQ(labels.size(), world.size());
+  for (std::size_t i = 0; i < labels.size(); i++)
+    if (world[i].z == 0 || world[i].z > 0.2)
+    {
+      EXPECT_EQ(labels[i], world[i].z == 0 ? PointLabel::Ground : PointLabel::Stands) << world[i];
+    }
+  EXPECT_TRUE(map.labelPoints(mrpt::obs::CObservationOdometry(), pose).empty());
+  EXPECT_EQ(map.labelPoints(scan, CPose3D(50, 0, 0, 0, 0, 0)).front(), PointLabel::Outside);
+  EXPECT_EQ(CDualElevationMap().labelPoints(scan).front(), PointLabel::Outside);
+
+  talus::SensorPoints points;
+  ASSERT_TRUE(talus::points_from_observation(scan, points));
+  const auto cloud = talus::labelled_cloud(points, labels);
+  ASSERT_EQ(cloud->size(), labels.size());
+  EXPECT_THROW(talus::labelled_cloud(points, {}), std::invalid_argument);
 }
 
 TEST(DualElevationMapQueries, matching_ratio_is_high_at_the_true_pose_and_low_elsewhere)

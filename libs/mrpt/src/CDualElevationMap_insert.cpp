@@ -97,6 +97,14 @@ void CDualElevationMap::insertPoints(
   watch(frame, points.sensor_label);
 }
 
+std::vector<PointLabel> CDualElevationMap::labelPoints(
+    const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& robotPose) const
+{
+  SensorPoints points;
+  if (!points_from_observation(obs, points)) return {};
+  return label_points(mapper(), frame_from(points, robotPose));
+}
+
 /** Looks for hints when it has seen 32, 64, 128 ... frames; ends when there is any, or after 1024.
  */
 void CDualElevationMap::watch(const Frame& frame, const std::string& sensor)

@@ -12,6 +12,7 @@
 #include <talus/mrpt/obstacles.h>
 #include <talus/mrpt/sensor_numbers.h>
 #include <talus/mrpt/version_compat.h>
+#include <talus/point_labels.h>
 
 #include <memory>
 #include <optional>
@@ -84,6 +85,14 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
   /** As asked for. */
   int device() const { return m_device; }
   /** @} */
+
+  /** A label for each point of an observation, in the order of points_from_observation(), by the
+   * window as it is, see label_points(); the robot was at `robotPose`. So insert it before. Empty
+   * for a class that holds no points that this map understands. Throws std::runtime_error where the
+   * observation cannot be decoded, and as label_points(). labelled_cloud() puts them into a cloud.
+   */
+  std::vector<PointLabel> labelPoints(
+      const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& robotPose = {}) const;
 
   /** @name All that was seen
    *  @{ */

@@ -154,6 +154,15 @@ inline void set_intensity(CloudWithIntensity& points, std::size_t i, float inten
 #endif
 }
 
+inline float intensity_of(const CloudWithIntensity& points, std::size_t i)
+{
+#if MRPT_VERSION >= 0x030000
+  return points.getPointField_float(i, mrpt::maps::CPointsMap::POINT_FIELD_INTENSITY);
+#else
+  return points.getPointIntensity(i);
+#endif
+}
+
 inline bool is_cloud_with_intensity(const mrpt::maps::CPointsMap& points)
 {
   return dynamic_cast<const CloudWithIntensity*>(&points) != nullptr;
