@@ -157,6 +157,109 @@ TEST_F(TalusCompare, HoldsPointsOutOfALogWithoutTruth)
   EXPECT_LT(json["held_out"][0]["fills"]["talus"]["all_median_m"], 0.03);
 }
 
+/** Labels of talus-map as those of people would be: its ground is a road, all else is something. */
+class TalusCompareLabels : public TalusCompare
+{
+ protected:
+  void SetUp() override
+  {
+    TalusCompare::SetUp();
+    write_small_log();
+    const Outcome map = run_command(
+        std::string(TALUS_MAP_EXE) + " " + log_ + " --no-site --output " + path("map") +
+        " --labels " + path("labels"));
+    ASSERT_EQ(map.code, 0) << map.text;
+    for (int scan = 0; scan < 11; ++scan)
+    {
+      std::string bytes = read("labels/" + name_of(scan));
+      ASSERT_GT(bytes.size(), 4000U);
+      for (std::size_t i = 0; i < bytes.size(); i += 4) bytes[i] = bytes[i] == 1 ? 40 : 50;
+      std::ofstream(path("labels/" + name_of(scan)), std::ios::binary) << bytes;
+    }
+  }
+  static std::string name_of(int scan)
+  {
+    return std::string(scan < 10 ? "00000" : "0000") + std::to_string(scan) + ".label";
+  }
+  Outcome compare(const std::string& more) const
+  {
+    return run(log_ + " --evaluate 1 --methods talus --output " + path("out") + " " + more);
+  }
+
+  const std::string log_ = path("log/small.rawlog");
+};
+
+TEST_F(TalusCompareLabels, AreScoredByPointAndScan)
+{
+  const Outcome o = compare("--labels " + path("labels"));
+  ASSERT_EQ(o.code, 0) << o.text;
+  EXPECT_NE(o.text.find("points labelled as ground"), std::string::npos) << o.text;
+  const auto labels = nlohmann::json::parse(read("out/comparison.json"))["labels"];
+  ASSERT_EQ(labels.size(), 2U);
+  EXPECT_EQ(labels[0]["f1"], 1) << "those of the same map";
+  EXPECT_EQ(labels[0]["scans"], 11);
+  EXPECT_EQ(labels[0]["alone"], false);
+  EXPECT_GT(labels[1]["f1"], 0.98);
+  EXPECT_LT(labels[1]["f1"], 1);
+  const std::string csv = read("out/labels.csv");
+  EXPECT_EQ(
+      csv.rfind("log,scans,within,number,points,precision,recall,f1\nsmall,in a row,", 0), 0U);
+}
+
+TEST_F(TalusCompareLabels, BelongToTheScansOfTheLogByTheirNumber)
+{
+  std::string tum = read("log/small.tum");
+  const auto first = tum.find("\n1") + 1;  // a line for each pose, with its stamp
+  tum.erase(0, tum.find('\n', first) + 1);
+  std::ofstream(path("late.tum")) << tum;
+  std::ofstream(path("labels/000000.label")) << "of the scan that has no pose now";
+  const std::string more = "--trajectory " + path("late.tum") + " --labels " + path("labels");
+  const Outcome late = compare(more);
+  ASSERT_EQ(late.code, 0) << late.text;
+  const auto labels = nlohmann::json::parse(read("out/comparison.json"))["labels"];
+  EXPECT_EQ(labels[0]["scans"], 10);
+  EXPECT_GT(labels[0]["f1"], 0.98);
+  fs::remove(path("labels/000010.label"));
+  const Outcome all = compare(more);
+  EXPECT_EQ(all.code, 1);
+  EXPECT_NE(all.text.find("labels/000010.label"), std::string::npos) << all.text;
+}
+
+TEST_F(TalusCompareLabels, ThatCannotBeThoseOfTheLogAreRefused)
+{
+  const auto fails = [&](const std::string& because)
+  {
+    const Outcome o = compare("--labels " + path("labels"));
+    EXPECT_EQ(o.code, 1) << o.text;
+    EXPECT_NE(o.text.find(because), std::string::npos) << o.text;
+    EXPECT_FALSE(fs::exists(path("out"))) << because;
+  };
+  std::ofstream(path("labels/000003.label"), std::ios::app) << "more";
+  fails("000003.label: has ");
+  for (int scan = 0; scan < 11; ++scan)
+  {
+    std::string bytes = read("labels/" + name_of(scan));
+    if (scan == 3) bytes.resize(bytes.size() - 4);
+    std::replace(bytes.begin(), bytes.end(), static_cast<char>(40), static_cast<char>(1));
+    std::ofstream(path("labels/" + name_of(scan)), std::ios::binary) << bytes;
+  }
+  fails("no point is labelled as ground");
+  fs::remove_all(path("labels"));
+  fails("is no folder");
+}
+
+TEST_F(TalusCompareLabels, AreForOneLogAndForTalus)
+{
+  for (const std::string& rest :
+       {log_ + " --methods octomap", log_ + " --methods talus --world " + path("small.yaml"),
+        log_ + " " + log_ + " --methods talus", path("small.yaml") + " --methods talus"})
+  {
+    const Outcome o = run(rest + " --labels " + path("labels") + " --output " + path("out"));
+    EXPECT_EQ(o.code, 2) << rest;
+    EXPECT_NE(o.text.find("--labels"), std::string::npos) << o.text;
+  }
+}
+
 TEST_F(TalusCompare, TakesSoManyFramesOfALogAsOfAWorld)
 {
   write_small_log();

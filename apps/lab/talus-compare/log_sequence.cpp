@@ -4,13 +4,16 @@
 #include "../../common/log_name.h"
 #include "../../common/suspect.h"
 
+#include <talus/input_file.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/observation_points.h>
 #include <talus/mrpt/pose_from.h>
 #include <talus/mrpt/sensor_numbers.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -98,6 +101,7 @@ Sequence read_log(const std::string& path, const LogOptions& options)
   sequence.name = app::name_of_log(path);
   SensorNumbers sensors;
   int nowhere = 0;
+  std::size_t scans = 0;
   const auto is_full = [&]
   { return options.frames && sequence.frames.size() >= static_cast<std::size_t>(*options.frames); };
   while (!is_full())
@@ -108,11 +112,15 @@ Sequence read_log(const std::string& path, const LogOptions& options)
     if (!sensor.empty() && obs->sensorLabel != sensor) continue;
     SensorPoints points;
     if (!points_from_observation(*obs, points)) continue;
+    ++scans;
     const auto T = poses.at(points.stamp_s, kMaxGap_s);
     if (T && is_nowhere(*T))
       ++nowhere;
     else if (T)
+    {
       sequence.frames.push_back(frame_from(points, *T, sensors));
+      sequence.frames.back().scan = scans - 1;
+    }
   }
   warn_of_skipped(path, nowhere);
   if (sequence.frames.empty())
@@ -127,6 +135,51 @@ Sequence read_log(const std::string& path, const LogOptions& options)
 io::LayerStack read_truth_file(const std::string& path)
 {
   return app::guarded(path, app::kCompareWithSource, [&] { return io::read_geotiff(path); });
+}
+
+std::vector<GroundTruth> read_labels(const std::string& path, std::size_t points)
+{
+  constexpr std::uint64_t kMost_bytes = 1ULL << 30;
+  const std::string bytes = read_input_file(path, "file of labels", kMost_bytes);
+  if (bytes.size() != 4 * points)
+    throw std::runtime_error(
+        path + ": has " + std::to_string(bytes.size()) + " bytes, and its scan has " +
+        std::to_string(points) +
+        " points of four bytes each; give the labels of this log, with a file for each of its "
+        "scans");
+  std::vector<GroundTruth> truth(points);
+  for (std::size_t i = 0; i < points; ++i)
+  {
+    std::uint32_t label = 0;
+    for (std::size_t b = 4; b-- > 0;)
+      label = label << 8U | static_cast<unsigned char>(bytes[4 * i + b]);
+    truth[i] = ground_truth_of(label);
+  }
+  return truth;
+}
+
+std::vector<std::vector<GroundTruth>> read_label_folder(
+    const std::string& folder, const Sequence& sequence)
+{
+  std::error_code none;
+  if (!fs::is_directory(folder, none))
+    throw std::runtime_error(
+        folder + ": is no folder; --labels takes one with a file for each scan, 000000.label ...");
+  std::vector<std::vector<GroundTruth>> truth;
+  bool has_ground = false;
+  for (const ScanFrame& scan : sequence.frames)
+  {
+    char name[40];
+    std::snprintf(name, sizeof name, "%06zu.label", scan.scan);
+    truth.push_back(read_labels((fs::path(folder) / name).string(), scan.x_m.size()));
+    has_ground |= std::count(truth.back().begin(), truth.back().end(), GroundTruth::Ground) > 0;
+  }
+  if (!has_ground)
+    throw std::runtime_error(
+        folder +
+        ": no point is labelled as ground: --labels takes the numbers of SemanticKITTI "
+        "(road 40, parking 44, sidewalk 48, other ground 49, lane marking 60, terrain 72)");
+  return truth;
 }
 
 TruthMap truth_from(

@@ -1,9 +1,10 @@
 #pragma once
-#include <talus/baselines/real_log.h>
+#include <talus/baselines/label_score.h>
 #include <talus/baselines/truth_map.h>
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace talus::baselines
 {
@@ -19,6 +20,12 @@ struct LogOptions
  * pose is farther away than any map reaches are left out and told on stderr. Throws
  * std::runtime_error that names the file and says what to do. */
 Sequence read_log(const std::string& path, const LogOptions& options);
+
+/** What people say of each point of each scan: the files 000000.label ... of a folder, by the
+ * number of the scan in its log, in SemanticKITTI's format. Throws std::runtime_error that names
+ * the file and what is wrong with it. */
+std::vector<std::vector<GroundTruth>> read_label_folder(
+    const std::string& folder, const Sequence& sequence);
 
 /** What --truth names. Throws std::runtime_error that names the file. */
 io::LayerStack read_truth_file(const std::string& path);

@@ -1,6 +1,7 @@
 #include <talus/io/atomic_file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -53,6 +54,20 @@ void require_no_crash(const std::string& path, const CommandOptions& o)
     throw std::runtime_error(talus::app::crash_text(path, signal));
 }
 
+/** What people say of each point of each scan: by the point, else by its cell; nothing where talus
+ * is not compared. */
+std::vector<std::vector<GroundTruth>> truth_of_points(
+    const Sequence& sequence, const CommandOptions& o, const LabelMap& cells)
+{
+  const auto& methods = o.evaluation.methods;
+  if (std::find(methods.begin(), methods.end(), "talus") == methods.end()) return {};
+  if (!o.labels.empty()) return read_label_folder(o.labels, sequence);
+  std::vector<std::vector<GroundTruth>> truth;
+  if (o.truth.empty()) return truth;
+  for (const ScanFrame& scan : sequence.frames) truth.push_back(ground_truth_of(scan, cells));
+  return truth;
+}
+
 void compare_log(const std::string& path, const CommandOptions& o, Comparison& out)
 {
   require_no_crash(path, o);
@@ -76,12 +91,15 @@ void compare_log(const std::string& path, const CommandOptions& o, Comparison& o
       return;
     }
   }
+  const auto truth = truth_of_points(sequence, o, labels);
   out.evaluations.push_back(evaluate_sequence(sequence, nullptr, nullptr, e));
   out.holdouts.push_back(hold_out(sequence, e, o.holdout));
   out.real_logs.push_back(
       {sequence.name,
        score_real_log(
            sequence, out.evaluations.back(), o.truth.empty() ? nullptr : &labels, e.parameters)});
+  if (!truth.empty())
+    out.labelled.push_back({sequence.name, score_labels(sequence, truth, e.parameters, e.backend)});
 }
 
 /** Shows how far the comparison of one input is: a bar for each of its steps on a terminal, else
@@ -143,7 +161,8 @@ void require_outputs_apart(const CommandOptions& o)
 {
   std::vector<std::string> outputs;
   for (const char* name :
-       {"methods.csv", "fills.csv", "real_logs.csv", "tables.md", kSeal, "maps.png", "fills.png"})
+       {"methods.csv", "fills.csv", "real_logs.csv", "labels.csv", "tables.md", kSeal, "maps.png",
+        "fills.png"})
     outputs.push_back((fs::path(o.output) / name).string());
   std::vector<std::string> inputs = o.inputs;
   for (const std::string& more : {o.world, o.truth, o.log.trajectory, o.config, o.expected})
@@ -160,6 +179,7 @@ void write_results(const Comparison& c, const talus::app::OutputFolder& folder)
   write("methods.csv", methods_csv(c));
   write("fills.csv", fills_csv(c));
   write("real_logs.csv", real_logs_csv(c));
+  write("labels.csv", labels_csv(c));
   write("tables.md", tables_markdown(c));
   write(kSeal, comparison_json(c));
   write_maps_picture((to / "maps.png").string(), c.evaluations);

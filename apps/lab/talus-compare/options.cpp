@@ -45,6 +45,9 @@ std::string footer()
          "      without truth: cost, coverage, and held-out points to measure the fills\n"
          "  talus-compare city.rawlog --truth city_labels.tif --config car.ini --output out\n"
          "      against labels of people: what is taken for ground, and what is blocked\n"
+         "  talus-compare 00.rawlog --labels dataset/sequences/00/labels --methods talus --output "
+         "out\n"
+         "      points against labels of people: precision, recall and F1 of the ground\n"
          "  talus-compare datasets/worlds/*.yaml --methods talus --without 30,31 --output out\n"
          "      what two rules are worth; needs a build with -DTALUS_RULE_SWITCHES=ON\n"
          "\nExit codes: 0 done, 1 an input failed (or, with --check, a budget that is not expected "
@@ -69,6 +72,12 @@ void add_inputs(CLI::App& app, CommandOptions& o)
          "truth.tif of the rawlog, as talus-sim writes it; or labels: bands ground and label")
       ->check(app::not_empty())
       ->type_name("FILE");
+  app.add_option(
+         "--labels", o.labels,
+         "Labels of people for each point of the rawlog, SemanticKITTI's 000000.label ...: scores "
+         "those of talus as Patchwork++ does")
+      ->check(app::not_empty())
+      ->type_name("DIR");
   app.add_option(
          "--trajectory", o.log.trajectory, "Poses of the rawlog; default: LOG.tum beside it")
       ->check(app::not_empty())
@@ -172,14 +181,15 @@ std::string idle_option(const CLI::App& app, const CommandOptions& o)
   for (const char* name : kOfWorlds)
     if (log != in.end() && given(name))
       return std::string(name) + " is for simulated worlds, and '" + *log + "' is a log";
-  for (const char* name : {"--world", "--truth", "--trajectory", "--sensor"})
+  for (const char* name : {"--world", "--truth", "--labels", "--trajectory", "--sensor"})
     if (world != in.end() && given(name))
       return std::string(name) + " is for logs, and '" + *world + "' is a world";
   for (const char* name : {"--hold-out", "--beams"})
     if (given(name) && (log == in.end() || given("--world")))
       return std::string(name) + " is for logs without the truth of a world";
   const auto& methods = o.evaluation.methods;
-  for (const char* name : {"--without", "--accept", "--expected"})
+  if (given("--labels") && in.size() > 1) return "--labels is for one log";
+  for (const char* name : {"--without", "--accept", "--expected", "--labels"})
     if (given(name) && std::find(methods.begin(), methods.end(), "talus") == methods.end())
       return std::string(name) + " is for talus, and --methods leaves it out";
   for (const char* name : {"--accept", "--expected"})
@@ -194,6 +204,7 @@ std::string idle_option(const CLI::App& app, const CommandOptions& o)
     if (given("--expected")) return "--expected does nothing beside --accept";
   }
   if (given("--world") && given("--truth")) return "--truth does nothing beside --world";
+  if (given("--world") && given("--labels")) return "--labels does nothing beside --world";
   return {};
 }
 

@@ -16,7 +16,7 @@ constexpr const char* kExpectedFailures = "expected_failures.tsv";
 struct CommandOptions
 {
   std::vector<std::string> inputs;  //!< .yaml worlds and rawlogs
-  std::string output, world, truth, config;
+  std::string output, world, truth, labels, config;
   std::string expected, accept;  //!< files of expected failures: to read; to write
   LogOptions log;
   std::vector<std::string> settings;  //!< NAME=VALUE

@@ -106,6 +106,23 @@ Table real_log_table(const std::vector<RealLogScore>& maps)
   return t.without_empty_columns();
 }
 
+std::string reach_text(const LabelScore& s)
+{
+  return std::isfinite(s.within_m) ? number(s.within_m, 0) + " m" : "window";
+}
+const char* past_text(const LabelScore& s) { return s.alone ? "alone" : "in a row"; }
+
+Table label_table(const std::vector<LabelScore>& scores)
+{
+  Table t;
+  t.heading = {"scans", "within", "number", "points", "precision", "recall", "F1"};
+  for (const LabelScore& s : scores)
+    t.rows.push_back(
+        {past_text(s), reach_text(s), std::to_string(s.scans), std::to_string(s.points),
+         number(100 * s.precision, 2), number(100 * s.recall, 2), number(100 * s.f1, 2)});
+  return t;
+}
+
 /** The worlds with truth as one. No frames when there are fewer than two. */
 Evaluation pooled(const std::vector<Evaluation>& evaluations)
 {
@@ -147,6 +164,8 @@ std::string tables(const Comparison& c, Render render, const std::string& title)
     add(h.name + ": fills, held-out ground points", fill_table(h.fills));
   for (const RealLog& log : c.real_logs)
     add(log.name + ": ground, obstacles and what is not judged, %", real_log_table(log.maps));
+  for (const LabelledLog& log : c.labelled)
+    add(log.name + ": points labelled as ground, %", label_table(log.scores));
   return out;
 }
 
@@ -190,6 +209,17 @@ nlohmann::json as_json(const std::vector<std::pair<std::string, double>>& values
   nlohmann::json j;
   for (const auto& [name, value] : values)
     j[name] = std::isnan(value) ? nlohmann::json() : nlohmann::json(value);
+  return j;
+}
+
+nlohmann::json as_json(const std::string& log, const LabelScore& s)
+{
+  nlohmann::json j = as_json({{"precision", s.precision}, {"recall", s.recall}, {"f1", s.f1}});
+  j["name"] = log;
+  j["alone"] = s.alone;
+  j["within"] = reach_text(s);
+  j["scans"] = s.scans;
+  j["points"] = s.points;
   return j;
 }
 
@@ -249,9 +279,25 @@ std::string real_logs_csv(const Comparison& c)
   return out;
 }
 
+std::string labels_csv(const Comparison& c)
+{
+  std::string out = "log,scans,within,number,points,precision,recall,f1\n";
+  for (const LabelledLog& log : c.labelled)
+    for (const LabelScore& s : log.scores)
+    {
+      out += csv_text(log.name) + "," + past_text(s) + "," + reach_text(s) + "," +
+             std::to_string(s.scans) + "," + std::to_string(s.points);
+      for (const double figure : {s.precision, s.recall, s.f1})
+        out += "," + (std::isnan(figure) ? "" : number(figure, 6));
+      out += "\n";
+    }
+  return out;
+}
+
 std::string comparison_json(const Comparison& c)
 {
-  nlohmann::json worlds = nlohmann::json::array(), holdouts = worlds, real_logs = worlds;
+  nlohmann::json worlds = nlohmann::json::array(), holdouts = worlds, real_logs = worlds,
+                 labels = worlds;
   for (const Evaluation& e : c.evaluations)
   {
     nlohmann::json w{{"name", e.name}, {"frames", e.frames}, {"truth", e.has_truth}};
@@ -274,12 +320,11 @@ std::string comparison_json(const Comparison& c)
     for (const RealLogScore& s : log.maps) j["methods"][s.method] = as_json(real_figures(s));
     real_logs.push_back(j);
   }
-  const nlohmann::json all{
-      {"command", c.command},
-      {"without_rules", c.without_rules},
-      {"worlds", worlds},
-      {"held_out", holdouts},
-      {"real_logs", real_logs}};
+  for (const LabelledLog& log : c.labelled)
+    for (const LabelScore& score : log.scores) labels.push_back(as_json(log.name, score));
+  const nlohmann::json all{{"command", c.command},   {"without_rules", c.without_rules},
+                           {"worlds", worlds},       {"held_out", holdouts},
+                           {"real_logs", real_logs}, {"labels", labels}};
   // a file name may be no UTF-8
   return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }

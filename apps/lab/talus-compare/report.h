@@ -1,6 +1,7 @@
 #pragma once
 #include <talus/baselines/expected_failures.h>
 #include <talus/baselines/holdout.h>
+#include <talus/baselines/label_score.h>
 #include <talus/baselines/real_log.h>
 
 #include <string>
@@ -15,12 +16,20 @@ struct RealLog
   std::vector<RealLogScore> maps;
 };
 
+/** The labels of the points of a log. */
+struct LabelledLog
+{
+  std::string name;
+  std::vector<LabelScore> scores;
+};
+
 /** All that one call compared. */
 struct Comparison
 {
   std::vector<Evaluation> evaluations;
   std::vector<HoldOut> holdouts;  //!< of logs without truth
   std::vector<RealLog> real_logs;
+  std::vector<LabelledLog> labelled;
   std::string command;  //!< that made it
   ExpectedFailures expected;  //!< of worlds
   std::vector<int> without_rules;  //!< of talus, by their numbers
@@ -51,6 +60,7 @@ std::string tables_markdown(const Comparison& c);
 std::string methods_csv(const Comparison& c);
 std::string fills_csv(const Comparison& c);
 std::string real_logs_csv(const Comparison& c);
+std::string labels_csv(const Comparison& c);
 std::string comparison_json(const Comparison& c);
 
 }  // namespace talus::baselines

@@ -17,13 +17,12 @@ void score_points(
 {
   for (const MapPoint& p : points)
   {
-    const std::ptrdiff_t at = labels.cell_at(p.x_m, p.y_m);
+    const GroundTruth truth = labels.truth_of(p.x_m, p.y_m, p.z_m);
     const int k = cell_index(map.window, p.x_m, p.y_m);
-    if (at < 0 || k < 0 || labels.label(at) == LabelMap::kNotKnown) continue;
-    const bool is_ground = std::abs(p.z_m - labels.ground_m(at)) <= kOnGround_m;  // not NaN
+    if (k < 0 || truth == GroundTruth::NotScored) continue;
+    const bool is_ground = truth == GroundTruth::Ground;
     const bool is_said = std::abs(p.z_m - map.ground_m[static_cast<std::size_t>(k)]) <= kOnGround_m;
-    const bool may_be_lawn = labels.label(at) == LabelMap::kVegetation && !is_ground;
-    if (is_said && !may_be_lawn) score.precision.add(is_ground);
+    if (is_said) score.precision.add(is_ground);
     if (is_ground) score.recall.add(is_said);
   }
 }
@@ -118,6 +117,14 @@ int LabelMap::label(std::ptrdiff_t cell) const
 {
   const float label = (*stack.find("label"))[static_cast<std::size_t>(cell)];
   return std::isnan(label) ? kNotKnown : static_cast<int>(std::lround(label));
+}
+
+GroundTruth LabelMap::truth_of(double x_m, double y_m, float z_m) const
+{
+  const std::ptrdiff_t at = cell_at(x_m, y_m);
+  if (at < 0 || label(at) == kNotKnown) return GroundTruth::NotScored;
+  if (std::abs(z_m - ground_m(at)) <= kOnGround_m) return GroundTruth::Ground;  // not NaN
+  return label(at) == kVegetation ? GroundTruth::NotScored : GroundTruth::Other;
 }
 
 double RealLogScore::f1() const

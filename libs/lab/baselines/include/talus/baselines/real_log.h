@@ -2,8 +2,18 @@
 #include <talus/baselines/evaluate.h>
 #include <talus/io/layer_stack.h>
 
+#include <cstdint>
+
 namespace talus::baselines
 {
+/** What people say of a point. */
+enum class GroundTruth : std::uint8_t
+{
+  NotScored,
+  Ground,
+  Other
+};
+
 /** Labels of real scans, by the cell: a GeoTIFF with the bands `ground` (mean height of the points
  * that people labelled as ground, map frame; NaN: none) and `label`. */
 struct LabelMap
@@ -25,6 +35,10 @@ struct LabelMap
   std::ptrdiff_t cell_at(double x_m, double y_m) const;
   float ground_m(std::ptrdiff_t cell) const;
   int label(std::ptrdiff_t cell) const;
+  /** Of a point of the map frame [m]: ground is what lies within 0.15 m of the ground of its cell.
+   * What is not on the ground of a cell of vegetation may be a lawn, and is not scored, nor is what
+   * lies in a cell without a label. */
+  GroundTruth truth_of(double x_m, double y_m, float z_m) const;
 };
 
 /** How a map did on a real log, by its window after the last frame. Points are those that pass
@@ -33,10 +47,10 @@ struct RealLogScore
 {
   std::string method;
 
-  /// @name Against labels. A point is on the ground if it lies within 0.15 m of it
+  /// @name Against labels, see LabelMap::truth_of(). A point is on the map's ground if it lies
+  /// within 0.15 m of it
   /// @{
-  Share precision;  //!< of points on the map's ground: on the ground that was labelled; those of
-                    //!< vegetation, which may be a lawn, do not count
+  Share precision;  //!< of points on the map's ground: on the ground that was labelled
   Share recall;  //!< of points on the ground that was labelled: on the map's
   Share obstacle_blocked;  //!< of cells labelled kObstacle
   Share low_blocked;  //!< of cells labelled kLow that were hit higher up than the step threshold

@@ -18,6 +18,7 @@ struct ScanFrame
   Pose T_map_sensor;  //!< as the maps are told
   std::optional<Pose> T_base_sensor;  //!< where the sensor is on the robot, if that is known
   std::uint32_t sensor = 0;  //!< which of several
+  std::size_t scan = 0;  //!< its number among the scans of its log, also those without a pose
   Pose T_true;  //!< where the sensor really was; the same where nobody knows better
   std::vector<float> x_m, y_m, z_m;  //!< sensor frame
 
