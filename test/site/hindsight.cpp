@@ -260,6 +260,16 @@ TEST(Traffic, says_how_fast_it_was)
   EXPECT_NEAR(of_people.speed_mps(0.5), 1.5, 0.2);
 }
 
+TEST(Hindsight, packs_the_tiles_that_the_robot_has_left_far_behind)
+{
+  const KeptDrive kept("robot: {path_m: [[0, 0], [80, 0]], speed_mps: 8}\n");
+  const TileStore::Memory memory = kept.site.tiles.memory();
+  EXPECT_GE(kept.site.tiles.keys().size(), 28U) << "two for each 6.4 m";
+  EXPECT_LE(memory.open, 16 * sizeof(Tile));
+  EXPECT_GT(memory.packed, 0U);
+  EXPECT_LT(memory.packed, 16 * sizeof(Tile) / 5);
+}
+
 /** The edge is in the window, and all that was hit below it is not. */
 TEST(Guesses, nobody_drives_over_the_edge_of_a_quay)
 {

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <talus/site/tile_store.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstring>
 
@@ -107,6 +108,52 @@ TEST(TileStore, gives_back_what_was_on_disk_byte_for_byte)
   for (int i = 10; i < 30; ++i) expect_filled(store.find(nth(i)), nth(i));
   EXPECT_EQ(store.find(nth(3))->cells[5].cell.ground_m, 42) << "a change of what had been on disk";
   EXPECT_EQ(store.find({7, 7, 7}), nullptr);
+}
+
+TEST(TileStore, gives_back_what_was_packed_byte_for_byte)
+{
+  const ScratchDir dir;
+  TileStore store(kEight, dir / "");
+  fill(store, 40);
+  store.at({9, 0, 0});  // of unknown cells
+  for (int i = 30; i < 40; ++i) store.pack(nth(i));
+  store.pack({9, 0, 0});
+  store.pack({7, 7, 7});
+  for (const int i : {39, 38, 38, 39, 2, 31}) expect_filled(store.find(nth(i)), nth(i));
+  expect_filled(&store.at(nth(38)), nth(38));
+  store.at(nth(39)).cells[5].cell.ground_m = -0.0F;
+  EXPECT_EQ(store.find(nth(39))->cells[5].cell.ground_m, 0);
+  store.pack(nth(39));
+  EXPECT_TRUE(std::signbit(store.find(nth(39))->cells[5].cell.ground_m));
+  EXPECT_TRUE(is_same(store.find({9, 0, 0})->cells[7], SiteCell()));
+  for (int i = 0; i < 39; ++i) expect_filled(store.find(nth(i)), nth(i));
+}
+
+/** As a site keeps them: heights and variances of ground that is not level, and a few objects. */
+TEST(TileStore, packs_tiles_into_a_fifth_of_their_memory)
+{
+  const ScratchDir dir;
+  TileStore store(kEight, dir / "");
+  Tile& tile = store.at(nth(0));
+  for (int i = 0; i < kTileCells * kTileCells; ++i)
+  {
+    SiteCell& c = tile.cells[static_cast<std::size_t>(i)];
+    c.cell.ground_m = static_cast<float>(i / 7 % 300 + i % 13) / 1024;
+    c.cell.ground_variance_m2 = std::ldexp(static_cast<float>(128 + i % 100), -20);
+    c.cell.elevation_m = i % 50 == 0 ? 1.5F : c.cell.ground_m;
+    c.cell.elevation_variance_m2 = c.cell.ground_variance_m2;
+    c.cell.traversability = static_cast<float>(i % 257) / 256;
+    c.cell.state = 1;
+    c.cell.evidence[0] = static_cast<std::uint8_t>(i % 10);
+    c.seen_s = 1700000000 + static_cast<std::uint32_t>(i / 1000);
+  }
+  const Tile before = tile;
+  EXPECT_EQ(store.memory().packed, 0u);
+  store.pack(nth(0));
+  EXPECT_GT(store.memory().packed, 0u);
+  EXPECT_LT(store.memory().packed, sizeof(Tile) / 5) << "all its cells are known";
+  for (std::size_t i = 0; i < before.cells.size(); ++i)
+    ASSERT_TRUE(is_same(store.find(nth(0))->cells[i], before.cells[i])) << "cell " << i;
 }
 
 TEST(TileStore, lists_all_tiles_by_floor_and_then_row_by_row)

@@ -30,7 +30,7 @@ constexpr int kRoad_cells = 320;
 constexpr std::size_t kPoints = 14400;
 constexpr double kAllowedGrowth_MB = 1;
 constexpr double kAllowedIndex_MB_per_km = 0.15;  //!< of tiles on disk, and the way
-constexpr double kAllowedOfTiles = 0.005;  //!< so much the allocator adds to their memory
+constexpr double kAllowedOfTiles = 0.1;  //!< so much the allocator adds to packed tiles
 
 struct Options
 {

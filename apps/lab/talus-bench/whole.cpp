@@ -25,7 +25,8 @@ class KeptWhole : public Whole
   std::size_t tiles() const override { return site_.tiles.keys().size(); }
   double tiles_MB() const override
   {
-    return static_cast<double>(site_.tiles.tiles_in_memory() * sizeof(site::Tile)) / kMB;
+    const site::TileStore::Memory memory = site_.tiles.memory();
+    return static_cast<double>(memory.open + memory.packed) / kMB;
   }
   double disk_MB() const override
   {

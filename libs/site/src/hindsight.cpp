@@ -66,13 +66,15 @@ void Hindsight::follow(Site& site, const ElevationMapper& map, const SiteMapper:
   const double far_m = map.parameters().window_m / 2 + kReach_m;
   const auto is_far = [&](const TileKey& key)
   { return away_m(key, site.resolution_m, base.x_m, base.y_m) > far_m; };
-  const auto tile = std::find_if(touched_.begin(), touched_.end(), is_far);
-  if (tile != touched_.end())
+  const auto first_far = [&] { return std::find_if(touched_.begin(), touched_.end(), is_far); };
+  if (const auto tile = first_far(); tile != touched_.end())
   {
     const TileKey key = *tile;
     touched_.erase(tile);
     look_at(site, map.parameters(), key);
+    settle(key);
   }
+  if (first_far() == touched_.end()) pack_settled(site.tiles, is_far);
   const double needed_m = far_m + kReach_m + 2 * kTileCells * site.resolution_m;
   keep_if(
       [&](std::size_t, const SeenRays& s)
@@ -86,12 +88,28 @@ void Hindsight::follow(Site& site, const ElevationMapper& map, const SiteMapper:
 
 void Hindsight::finish(Site& site, const ElevationMapper& map)
 {
+  site.tiles.unpack_all();
   while (!touched_.empty())
   {
     const TileKey key = *touched_.begin();
     touched_.erase(touched_.begin());
     look_at(site, map.parameters(), key);
   }
+}
+
+/** A tile was looked at, and those around it may have changed. */
+void Hindsight::settle(const TileKey& key)
+{
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx) settled_.insert({key.floor, key.x + dx, key.y + dy});
+}
+
+template <class Condition>
+void Hindsight::pack_settled(TileStore& tiles, const Condition& is_far)
+{
+  for (const TileKey& key : settled_)
+    if (touched_.count(key) == 0 && is_far(key)) tiles.pack(key);
+  settled_.clear();
 }
 
 void Hindsight::look_at(Site& site, const Parameters& parameters, const TileKey& key)

@@ -26,7 +26,8 @@ class Hindsight
   void add(const Frame& frame, int floor);
   /** Cells of a tile were kept: it has to be looked at again. */
   void touch(const TileKey& key) { touched_.insert(key); }
-  /** Looks at one tile that the robot has left behind, and forgets scans that nothing needs. */
+  /** Looks at one tile that the robot has left behind, packs those that were looked at, and forgets
+   * scans that nothing needs. */
   void follow(Site& site, const ElevationMapper& map, const SiteMapper::Place& base);
   /** Counts from now on where things move. */
   void note_traffic() { traffic_.emplace(); }
@@ -43,11 +44,15 @@ class Hindsight
   template <class Condition>
   void keep_if(const Condition& is_needed);
   void look_at(Site& site, const Parameters& parameters, const TileKey& key);
+  void settle(const TileKey& key);
+  template <class Condition>
+  void pack_settled(TileStore& tiles, const Condition& is_far);
 
   std::vector<SeenRays> scans_, spare_;  //!< in the order of time; memory that is not in use
   std::size_t taken_ = 0;  //!< scans
   std::map<std::uint32_t, Seen> newest_;  //!< of each sensor
   std::set<TileKey> touched_;
+  std::set<TileKey> settled_;  //!< that may be packed: all around them has been looked at
   Trails trails_;
   std::optional<Traffic> traffic_;
 };

@@ -38,19 +38,23 @@ inline float rounded_bits(float v, int dropped_bits)
   return v;
 }
 
+/// @name Steps of what a site keeps of a cell, and bits of mantissa that variances lose
+/// @{
+constexpr float kHeightsPerMetre = 1024, kScores = 256;
+constexpr int kDroppedBits = 16;
+/// @}
+
 /** What a site keeps of a cell: heights in steps of 2^-10 m (1 mm), traversability in steps of
  * 1/256, of which only 0 becomes 0, and variances to 1 %. Measurements vary by more, and files are
  * a third smaller. */
 inline CellRecord kept_of(CellRecord c)
 {
-  constexpr float kPerMetre = 1024, kLevels = 256;
-  constexpr int kDroppedBits = 16;
   for (float* height_m : {&c.ground_m, &c.elevation_m})
-    *height_m = std::round(*height_m * kPerMetre) / kPerMetre;  // NaN stays NaN
+    *height_m = std::round(*height_m * kHeightsPerMetre) / kHeightsPerMetre;  // NaN stays NaN
   for (float* variance_m2 : {&c.ground_variance_m2, &c.elevation_variance_m2})
     if (!std::isnan(*variance_m2)) *variance_m2 = rounded_bits(*variance_m2, kDroppedBits);
   if (c.traversability > 0)
-    c.traversability = std::max(std::round(c.traversability * kLevels), 1.0F) / kLevels;
+    c.traversability = std::max(std::round(c.traversability * kScores), 1.0F) / kScores;
   forget_latest(c);
   return c;
 }

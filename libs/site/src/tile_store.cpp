@@ -1,5 +1,7 @@
 #include <talus/site/tile_store.h>
 
+#include "tile_pack.h"
+
 #include <talus/io/hidden_folder.h>
 #include <zstd.h>
 
@@ -56,11 +58,11 @@ using File = std::unique_ptr<std::FILE, FileEnd>;
       "tiles go to disk)");
 }
 
-/** Tiles in bytes of a file: compressed, with a checksum. Its memory is kept. */
+/** Packed tiles in bytes of a file: compressed, with a checksum. Its memory is kept. */
 class TileCodec
 {
  public:
-  TileCodec() : compressor_(ZSTD_createCCtx()), bytes_(ZSTD_compressBound(sizeof(Tile)))
+  TileCodec() : compressor_(ZSTD_createCCtx()), bytes_(ZSTD_compressBound(kMostPacked))
   {
     if (!compressor_) throw std::bad_alloc();
     ZSTD_CCtx_setParameter(compressor_.get(), ZSTD_c_compressionLevel, kFastest);
@@ -68,10 +70,10 @@ class TileCodec
   }
 
   /** Whole or not at all. */
-  void write(const fs::path& path, const Tile& tile)
+  void write(const fs::path& path, const std::vector<std::uint8_t>& tile)
   {
     const std::size_t size =
-        ZSTD_compress2(compressor_.get(), bytes_.data(), bytes_.size(), &tile, sizeof(Tile));
+        ZSTD_compress2(compressor_.get(), bytes_.data(), bytes_.size(), tile.data(), tile.size());
     if (ZSTD_isError(size)) throw std::runtime_error(ZSTD_getErrorName(size));
     const fs::path part = path.string() + ".part";
     errno = 0;
@@ -93,13 +95,18 @@ class TileCodec
     if (!file) fail_to_read(path, std::strerror(errno));
     const std::size_t size = std::fread(bytes_.data(), 1, bytes_.size(), file.get());
     if (std::ferror(file.get())) fail_to_read(path, std::strerror(errno));
-    if (ZSTD_decompress(&tile, sizeof(Tile), bytes_.data(), size) != sizeof(Tile))
-      fail_to_read(path, "it is damaged");
+    std::vector<std::uint8_t> packed_tile(kMostPacked);
+    const std::size_t packed_size =
+        ZSTD_decompress(packed_tile.data(), packed_tile.size(), bytes_.data(), size);
+    if (ZSTD_isError(packed_size) || packed_size == 0) fail_to_read(path, "it is damaged");
+    packed_tile.resize(packed_size);
+    unpack(packed_tile, tile);
   }
 
  private:
+  static constexpr std::size_t kMostPacked = 2 * sizeof(Tile);
   std::unique_ptr<ZSTD_CCtx, CompressorEnd> compressor_;
-  std::vector<char> bytes_;
+  std::vector<std::uint8_t> bytes_;
 };
 
 #if defined(__linux__)
@@ -138,6 +145,10 @@ class TileMemory
     return tile;
   }
   void give_back(Tile* tile) { free_.push_back(tile); }
+  /** All that was ever needed at once. */
+  std::size_t bytes() const { return blocks_.size() * kBlock; }
+  /** With the next tile. */
+  std::size_t bytes_to_take() const { return bytes() + (free_.empty() ? kBlock : 0); }
 
  private:
   static constexpr std::size_t kTiles = 4, kBlock = kTiles * sizeof(Tile);
@@ -165,71 +176,116 @@ struct TileStore::Impl
   /** Of a tile; those in memory stand in a list, the one that was asked for last in front. */
   struct Entry
   {
-    Tile* tile = nullptr;  //!< null: on disk
+    Tile* tile = nullptr;  //!< null: packed, or on disk
+    std::vector<std::uint8_t> packed;  //!< empty: not packed, or on disk
     bool is_on_disk = false;  //!< as it is in memory, if it is there
     bool is_changed = false;  //!< since it was asked
     Entry *newer = nullptr, *older = nullptr;
     const TileKey* key = nullptr;
+
+    bool is_in_memory() const { return tile || !packed.empty(); }
   };
 
   Impl(std::size_t memory_bytes, std::string parent)
-      : most_in_memory(std::max(memory_bytes / sizeof(Tile), kFewestInMemory)),
+      : most_bytes(std::max(memory_bytes, kFewestInMemory * sizeof(Tile))),
         folder(std::move(parent))
   {
   }
 
-  /** In memory, and in front. */
-  Tile& load(const TileKey& key, Entry& entry)
+  /** To be read: what is packed stays packed. */
+  const Tile& read(Entry& entry)
   {
-    if (entry.tile)
-      unlink(entry);
-    else
-    {
-      Tile* const tile = in_memory < most_in_memory ? memory.take() : put_oldest_on_disk();
-      try
-      {
-        if (entry.is_on_disk)
-          codec().read(path_of(key), *tile);
-        else
-          new (tile) Tile;
-      }
-      catch (...)
-      {
-        memory.give_back(tile);
-        throw;
-      }
-      entry.tile = tile;
-      ++in_memory;
-    }
-    link(entry);
-    return *entry.tile;
+    if (entry.packed.empty()) return open(entry);
+    to_front(entry);
+    if (read_last == &entry) return *copy;
+    read_last = nullptr;
+    if (!copy) copy = std::make_unique<Tile>();
+    unpack(entry.packed, *copy);
+    read_last = &entry;
+    return *copy;
   }
 
-  /** Of what is in memory; that of its tile is free then. */
-  Tile* put_oldest_on_disk()
+  /** To be changed. */
+  Tile& open(Entry& entry)
+  {
+    if (entry.is_in_memory()) to_front(entry);
+    if (entry.tile) return *entry.tile;
+    Tile* const tile = room_for_tile();
+    try
+    {
+      if (!entry.packed.empty())
+        unpack(entry.packed, *tile);
+      else if (entry.is_on_disk)
+        codec().read(path_of(*entry.key), *tile);
+      else
+        new (tile) Tile;
+    }
+    catch (...)
+    {
+      memory.give_back(tile);
+      throw;
+    }
+    if (entry.is_in_memory()) leave_memory(entry);
+    entry.tile = tile;
+    enter_memory(entry);
+    return *tile;
+  }
+
+  void pack(Entry& entry)
+  {
+    if (!entry.tile) return;
+    std::vector<std::uint8_t> bytes = packed(*entry.tile);
+    leave_memory(entry);
+    entry.packed = std::move(bytes);
+    packed_bytes += entry.packed.size();
+    enter_memory(entry);
+  }
+
+  Tile* room_for_tile()
+  {
+    while (memory.bytes_to_take() + packed_bytes > most_bytes) put_oldest_on_disk();
+    return memory.take();
+  }
+
+  /** Of what is in memory. */
+  void put_oldest_on_disk()
   {
     Entry& last = *oldest;
-    if (!last.is_on_disk) codec().write(path_of(*last.key), *last.tile);
+    if (!last.is_on_disk)
+      codec().write(path_of(*last.key), last.tile ? packed(*last.tile) : last.packed);
     last.is_on_disk = true;
-    unlink(last);
-    --in_memory;
-    return std::exchange(last.tile, nullptr);
+    leave_memory(last);
   }
 
   void erase(std::map<TileKey, Entry>::iterator it)
   {
     Entry& entry = it->second;
-    if (entry.tile)
-    {
-      unlink(entry);
-      memory.give_back(entry.tile);
-      --in_memory;
-    }
+    if (entry.is_in_memory()) leave_memory(entry);
     std::error_code gone;
     if (entry.is_on_disk) fs::remove(path_of(it->first), gone);
     entries.erase(it);
   }
 
+  void enter_memory(Entry& entry)
+  {
+    link(entry);
+    ++in_memory;
+  }
+  void leave_memory(Entry& entry)
+  {
+    unlink(entry);
+    --in_memory;
+    if (read_last == &entry) read_last = nullptr;
+    if (entry.tile) memory.give_back(entry.tile);
+    packed_bytes -= entry.packed.size();
+    entry.tile = nullptr;
+    entry.packed = std::vector<std::uint8_t>();  // {} would keep its memory
+  }
+  void to_front(Entry& entry)
+  {
+    unlink(entry);
+    link(entry);
+  }
   void link(Entry& entry)
   {
     entry.newer = nullptr;
@@ -270,12 +326,14 @@ struct TileStore::Impl
     }
   }
 
-  std::size_t most_in_memory, in_memory = 0;
+  std::size_t most_bytes, packed_bytes = 0, in_memory = 0;
   std::string folder;
   TileMemory memory;
   std::unique_ptr<io::HiddenFolder> hidden;
   std::map<TileKey, Entry> entries;
   Entry *newest = nullptr, *oldest = nullptr;
+  Entry* read_last = nullptr;  //!< of what is packed
+  std::unique_ptr<Tile> copy;  //!< of that
 
  private:
   std::unique_ptr<TileCodec> codec_;
@@ -292,7 +350,7 @@ bool TileStore::has(const TileKey& key) const { return impl_->entries.count(key)
 const Tile* TileStore::find(const TileKey& key)
 {
   const auto found = impl_->entries.find(key);
-  return found == impl_->entries.end() ? nullptr : &impl_->load(found->first, found->second);
+  return found == impl_->entries.end() ? nullptr : &impl_->read(found->second);
 }
 
 Tile& TileStore::at(const TileKey& key)
@@ -301,7 +359,7 @@ Tile& TileStore::at(const TileKey& key)
   found->second.key = &found->first;
   try
   {
-    Tile& tile = impl_->load(found->first, found->second);
+    Tile& tile = impl_->open(found->second);
     found->second.is_on_disk = false;
     found->second.is_changed = true;
     return tile;
@@ -311,6 +369,19 @@ Tile& TileStore::at(const TileKey& key)
     if (is_new) impl_->entries.erase(found);
     throw;
   }
+}
+
+void TileStore::pack(const TileKey& key)
+{
+  const auto found = impl_->entries.find(key);
+  if (found != impl_->entries.end()) impl_->pack(found->second);
+}
+
+void TileStore::unpack_all()
+{
+  if (impl_->entries.size() * sizeof(Tile) > impl_->most_bytes) return;
+  for (auto& [key, entry] : impl_->entries)
+    if (!entry.packed.empty()) impl_->open(entry);
 }
 
 std::vector<TileKey> TileStore::take_changed()
@@ -336,5 +407,7 @@ std::vector<TileKey> TileStore::keys() const
 }
 
 std::size_t TileStore::tiles_in_memory() const { return impl_->in_memory; }
+
+TileStore::Memory TileStore::memory() const { return {impl_->memory.bytes(), impl_->packed_bytes}; }
 
 }  // namespace talus::site

@@ -50,7 +50,7 @@ struct Tile
 };
 
 /** The tiles of a site, as many as the budget allows in memory, the others on disk: those that were
- * asked for last stay. Not thread safe. */
+ * asked for last stay. What is not needed for a while may be packed. Not thread safe. */
 class TileStore
 {
  public:
@@ -71,6 +71,11 @@ class TileStore
   const Tile* find(const TileKey& key);
   /** To be changed; made where there is none. Valid until the next call. Throws as find(). */
   Tile& at(const TileKey& key);
+  /** Keeps one in a fifth of its memory or less, if it is in memory, until at() asks for it. find()
+   * makes another copy each time, unless it was asked for the same one before. */
+  void pack(const TileKey& key);
+  /** Before all are read, more than once: unpacks them if the budget allows it for all. */
+  void unpack_all();
   /** Those that at() gave out since the last call, ascending. For one user of a store alone. */
   std::vector<TileKey> take_changed();
   /** Forgets one, if there is such. */
@@ -80,6 +85,14 @@ class TileStore
 
   /** The others are on disk. */
   std::size_t tiles_in_memory() const;
+  /** Bytes of memory. */
+  struct Memory
+  {
+    std::size_t open = 0;  //!< for tiles that are not packed, in use or not
+    std::size_t packed = 0;  //!< of packed tiles
+  };
+  /** What the tiles take now. */
+  Memory memory() const;
 
  private:
   struct Impl;
