@@ -21,14 +21,17 @@ struct ClassifyCell
 
   TALUS_HD void operator()(int x, int y, int storage_i) const
   {
+    surface_class[storage_i] = static_cast<std::uint8_t>(class_of(x, y, storage_i));
+  }
+  TALUS_HD int class_of(int x, int y, int storage_i) const
+  {
     const int state = store.state[storage_i];
     const int coarse_i = grid.at(grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y));
     const bool ground =
         (store.ground_m[storage_i] <= grid.limit_m[coarse_i]) | !on(kNarrowAndSteep, *config);
     const int of_measured = select(ground, kKeep, kObject);
     const int of_others = select(state == kPresumed, kKeep, kInfer);
-    surface_class[storage_i] =
-        static_cast<std::uint8_t>(select(state == kMeasured, of_measured, of_others));
+    return select(state == kMeasured, of_measured, of_others);
   }
 };
 
@@ -48,15 +51,16 @@ struct KeepBridge
   }
   TALUS_HD void operator()(int x, int y, int storage_i) const
   {
+    if (leads_on(x, y, storage_i)) surface_class[storage_i] = kKeep;
+  }
+  TALUS_HD bool leads_on(int x, int y, int storage_i) const
+  {
     const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
     const float ground_m = store.ground_m[storage_i];
     for (int dy = -1; dy <= 1; dy++)
       for (int dx = -1; dx <= 1; dx++)
-        if ((dx != 0 || dy != 0) && reaches_wide_ground(px, py, dx, dy, ground_m))
-        {
-          surface_class[storage_i] = kKeep;
-          return;
-        }
+        if ((dx != 0 || dy != 0) && reaches_wide_ground(px, py, dx, dy, ground_m)) return true;
+    return false;
   }
 
  private:

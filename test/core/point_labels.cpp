@@ -81,6 +81,21 @@ TEST(PointLabels, WhatHangsAboveAnObjectIsNoPartOfIt)
   EXPECT_EQ(label_at(m, 1.22, 1.22, 0.4 + 0.5), PointLabel::MovedAway);
 }
 
+TEST(PointLabels, AnObjectOverGroundThatNobodySawStands)
+{
+  // Only its top was hit, and no line from it finds ground: the cell keeps the top as its lowest.
+  Parameters p;
+  p.fill_search_m = 0.1;
+  Scan scan;
+  scan.add_surface(-3, -3, 3, -0.5, flat).add_surface(1, -0.3, 1.5, -0.1, level(0.9));
+  TestMap m(p);
+  m.update(scan);
+  ASSERT_EQ(m.state(1.22, -0.18), CellState::Measured);
+  const std::vector<PointLabel> labels = label_points(m.map, scan.frame());
+  EXPECT_EQ(count(labels, PointLabel::Ground), 120u * 50u);
+  EXPECT_EQ(count(labels, PointLabel::Stands), 10u * 4u);
+}
+
 TEST(PointLabels, OfAnOlderFrameTellWhatHasLeftSince)
 {
   const Scan with = Scan().cast({kBox}), without = Scan().cast({});

@@ -117,7 +117,7 @@ class MapBackend final : public BackendInterface
   Schedule schedule_;
   int shown_ = 0;  //!< slot of the frame that was finished last
   typename Executor::template HostBuffer<CellRecord> records_;  //!< the records handed over
-  typename Executor::template HostBuffer<kernels::FrameContext> label_context_;
+  typename Executor::template Buffer<kernels::FrameContext> label_context_;
   typename Executor::template HostBuffer<float> label_points_;  //!< x, y, z and times
   typename Executor::template HostBuffer<std::uint32_t> labels_;
   Executor executor_;  //!< last member: its work ends before the memory is freed
@@ -240,10 +240,10 @@ std::vector<PointLabel> MapBackend<Schedule>::label_points(
     const Frame& frame, const kernels::FrameContext& context)
 {
   use(shown_);
-  executor_.make_room(label_context_, 1);
+  if (label_context_.size() == 0) executor_.allocate(label_context_, 1, kernels::FrameContext{});
+  executor_.upload(&context, 1, label_context_.data());
   executor_.make_room(label_points_, 4 * frame.size);
   executor_.make_room(labels_, frame.size);
-  *label_context_.data() = context;
   float* next = label_points_.data();
   kernels::PointsIn in{};
   const auto take = [&](const float* from, const float*& to)
@@ -256,6 +256,7 @@ std::vector<PointLabel> MapBackend<Schedule>::label_points(
   take(frame.y_m, in.y_m);
   take(frame.z_m, in.z_m);
   take(frame.time_s, in.time_s);
+  schedule_.open_ground(label_context_.data());
   executor_.for_each_to_host(
       static_cast<int>(frame.size), map_.label_point(label_context_.data(), in), labels_.data());
   executor_.synchronize();

@@ -261,10 +261,14 @@ struct MapBuffers
     const auto shown = [this](Layer l) { return now->outputs[static_cast<std::size_t>(l)].mapped; };
     return {hand_over(rects), surfaces_at(shown), shown(Layer::Traversability)};
   }
-  /** Labels of points that are not of the current frame, in its window. */
+  /** Labels of points of any frame, given in the window of the map. */
   kernels::LabelPoint label_point(const kernels::FrameContext* frame, const kernels::PointsIn& in)
   {
-    return {config.data(), frame, body.data(), datum.data(), store(), in};
+    auto classify_cell = classify<kernels::ClassifyCell>();
+    auto keep_bridge = classify<kernels::KeepBridge>();
+    classify_cell.frame = keep_bridge.frame = frame;
+    return {config.data(), frame,         body.data(), datum.data(),
+            store(),       classify_cell, keep_bridge, in};
   }
   /** Whether each frame leaves slope, step, roughness or sparsity. */
   bool parts_wanted() const

@@ -275,6 +275,8 @@ kernels::FrameContext WindowTracker::look_up(const Frame& frame, const Parameter
   kernels::FrameContext f{};
   f.storage_x = storage(min_cell_x, p.cells());
   f.storage_y = storage(min_cell_y, p.cells());
+  f.odd_x = static_cast<int>(min_cell_x & 1);
+  f.odd_y = static_cast<int>(min_cell_y & 1);
   place_points(frame, min_x_m, min_y_m, f);
   locate_base(frame, T_map_base, min_x_m, min_y_m, f);
   return f;

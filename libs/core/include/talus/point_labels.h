@@ -15,7 +15,7 @@ enum class PointLabel : std::uint32_t
   NotTaken = 0,  //!< the map takes no such point: it is not finite, beyond the range or the height
                  //!< band, or on the robot itself
   Ground = 1,  //!< on the ground, or on what the robot drove over
-  Stands = 2,  //!< of what stands on the ground
+  Stands = 2,  //!< of what stands on the ground, also where the ground below it is not known
   Hangs = 3,  //!< above a gap in which the robot has room (clearance_m)
   MovedAway = 4,  //!< above the ground or above what stands there, where nothing is any more; a hit
                   //!< that the map does not believe, such as a snowflake

@@ -43,7 +43,7 @@ class CpuSchedule
     executor_.end_stage(Stage::Accept);
     update();  // end of stage 1, stage 3, rays of stage 5
     executor_.end_stage(Stage::Update);
-    open_ground();  // stage 4
+    open_ground(map_.context.data());  // stage 4
     executor_.end_stage(Stage::Classify);
     clean_up();  // stage 5, and the decisions of stage 4
     executor_.end_stage(Stage::CleanUp);
@@ -55,6 +55,24 @@ class CpuSchedule
       judge<false>();
     executor_.end_stage(Stage::Traversability);
   }
+  /** Finds how high ground can be, in the map as it is; of the frame the place of the window
+   * counts.
+   */
+  void open_ground(const kernels::FrameContext* frame)
+  {
+    const kernels::CoarseGrid grid = map_.coarse_grid();
+    const kernels::PoolCells pool{map_.config.data(), frame, map_.store(), grid};
+    executor_.for_each_row(
+        2 * grid.side, grid.side,
+        [&](int py) { PairOfRows<kernels::PoolCells>(pool).pool(py, side(), *frame); });
+    executor_.for_each_window(
+        grid.side, grid.side, map_.host_config.object_radius,
+        kernels::ErodeGround{map_.config.data(), grid});
+    executor_.for_each_window(
+        grid.side, grid.side, kernels::dilation_radius(map_.host_config),
+        kernels::OpenGround{map_.config.data(), grid});
+  }
+
   /** Repeats stage 7 for slope, step, roughness and sparsity. */
   void judge_parts() { judge<true>(); }
 
@@ -135,22 +153,6 @@ class CpuSchedule
     executor_.run(order.batches(), 8, [&order](int begin, int end) { order.update(begin, end); });
     executor_.run(
         order.cells(), 4096, [&order](int begin, int end) { order.forget_points(begin, end); });
-  }
-
-  void open_ground()
-  {
-    const kernels::CoarseGrid grid = map_.coarse_grid();
-    const kernels::PoolCells pool{map_.config.data(), map_.context.data(), map_.store(), grid};
-    executor_.for_each_row(
-        2 * grid.side, grid.side,
-        [&](int py)
-        { PairOfRows<kernels::PoolCells>(pool).pool(py, side(), *map_.context.data()); });
-    executor_.for_each_window(
-        grid.side, grid.side, map_.host_config.object_radius,
-        kernels::ErodeGround{map_.config.data(), grid});
-    executor_.for_each_window(
-        grid.side, grid.side, kernels::dilation_radius(map_.host_config),
-        kernels::OpenGround{map_.config.data(), grid});
   }
 
   void clean_up()

@@ -49,6 +49,15 @@ class DeviceSchedule
     executor_.end_stage(Stage::Traversability);
     executor_.join();  // waits for the copies of layers
   }
+  /** Finds how high ground can be, in the map as it is; of the frame the place of the window
+   * counts.
+   */
+  void open_ground(const kernels::FrameContext* frame)
+  {
+    const int side = map_.coarse_grid().side;
+    executor_.for_each_cell(side, side, pool_cells(frame));
+    open_pooled();
+  }
   /** Repeats stage 7 for slope, step, roughness and sparsity. */
   void judge_parts() { judge_rows<true>(0, side(), false); }
 
@@ -104,11 +113,19 @@ class DeviceSchedule
 
   void open_ground()
   {
-    const kernels::CoarseGrid grid = map_.coarse_grid();
+    const int side = map_.coarse_grid().side;
     // The rays and the counts are no longer needed.
     executor_.for_each_beside(
-        workers(), reset_frame(), grid.side, grid.side,
-        kernels::PoolCells{map_.config.data(), map_.context.data(), map_.store(), grid});
+        workers(), reset_frame(), side, side, pool_cells(map_.context.data()));
+    open_pooled();
+  }
+  kernels::PoolCells pool_cells(const kernels::FrameContext* frame)
+  {
+    return {map_.config.data(), frame, map_.store(), map_.coarse_grid()};
+  }
+  void open_pooled()
+  {
+    const kernels::CoarseGrid grid = map_.coarse_grid();
     executor_.for_each_opening(
         grid.side, grid.side, map_.host_config.object_radius,
         kernels::dilation_radius(map_.host_config), kernels::ErodeGround{map_.config.data(), grid},
