@@ -46,6 +46,15 @@ double posts(double x, double y)
              ? 0.8
              : 0;
 }
+/** Ten, at other places for each kind. */
+template <int kKind>
+double people(double x, double y)
+{
+  for (int i = 0; i < 10; ++i)
+    if (is_post(x, y, std::fmod(i * kKind * 1.7, 10) - 5, std::fmod(i * kKind * 0.9, 5) - 2.5))
+      return 1.7;
+  return 0;
+}
 double posts_and_a_car(double x, double y)
 {
   return std::abs(x - 1.5) < 0.8 && std::abs(y - 1.6) < 0.5 ? 1.4 : posts(x, y);
@@ -132,6 +141,16 @@ TEST_F(Align, a_car_that_came_between_the_drives_moves_nothing)
   EXPECT_EQ(a.untold, Names());
   expect_near(a.shift, {0.3, -0.2, 0.1, 0});
   EXPECT_EQ(a.shift.yaw_rad, 0);
+}
+
+/** Ten stood in the way of the first drive, and ten elsewhere in that of the second. */
+TEST_F(Align, people_who_have_moved_between_the_drives_move_nothing)
+{
+  const auto before = [](double x, double y) { return people<7>(x, y); };
+  const auto after = [](double x, double y) { return people<10>(x, y); };
+  write("a.tif", {level, before}, 1);
+  write("b.tif", {level, after}, 2);
+  EXPECT_FALSE(aligned().shift.moves_cells());
 }
 
 TEST_F(Align, a_car_alone_tells_nothing_where_the_other_map_has_none)

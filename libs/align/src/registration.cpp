@@ -15,6 +15,9 @@ constexpr std::size_t kLeastGround = 50;  //!< samples that two maps must share
 constexpr double kLeastTold = 12, kLeastShare = 0.01;  //!< samples, of the best direction
 constexpr double kAway_m = 0.3;  //!< by which a map that lies well can be moved to lie worse
 constexpr int kMostTries = 3;
+/** A map is not moved aside where it lies better by less, of what it scores: where two drives share
+ * little but its edges and what has moved, some place always looks a little better. */
+constexpr double kLeastBetter = 0.01;
 
 /** Turned around the middle of what tells the place: what stands there, else of all ground. */
 Pose first_pose(const Task& task)
@@ -110,6 +113,14 @@ bool is_held(const Task& task, const Pose& pose, const Eigen::Vector3d& directio
   }
   return true;
 }
+/** Where the map was, at the height of the others, unless it lies clearly better elsewhere. */
+Pose clearly_better(const Task& task, Pose start, const Pose& found)
+{
+  start.v[3] = height_at(task, start).median_m;
+  const double sigma_m = std::max(kSigma_m, task.pixel_m);
+  const double least = (1 + kLeastBetter) * score(task, start, sigma_m, kSigmaZ_m);
+  return score(task, found, sigma_m, kSigmaZ_m) < least ? start : found;
+}
 }  // namespace
 
 double score(const Task& task, const Pose& pose, double sigma_m, double sigma_z_m)
@@ -159,6 +170,7 @@ Registration registered(const Task& task)
     r.untold.insert(r.untold.end(), loose, told.end());
     told.erase(loose, told.end());
   }
+  r.pose = clearly_better(task, start, r.pose);
   return r;
 }
 
