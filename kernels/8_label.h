@@ -38,9 +38,9 @@ TALUS_HD Label label_in_cell(const Cell& c, bool object, float height_m, const C
   if (stands && height_m <= c.elevation_m + k.step_threshold_m) return kLabelStands;
   const float top_m = select(stands, c.elevation_m, c.ground_m);
   if (!(height_m - top_m > k.clearance_m)) return kLabelMovedAway;
-  const bool left = !stands & (c.recent_hits > 0);
-  const bool free_below = c.is(kPassedBelow) | c.is(kRobotWasThere);
-  return left & !free_below ? kLabelMovedAway : kLabelHangs;
+  const bool left = !stands && c.recent_hits > 0;
+  const bool free_below = c.is(kPassedBelow) || c.is(kRobotWasThere);
+  return left && !free_below ? kLabelMovedAway : kLabelHangs;
 }
 
 /** Gives a point of any frame its label. */

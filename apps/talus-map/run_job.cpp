@@ -89,6 +89,17 @@ struct JobFolders
   std::optional<OutputFolder> labels;
 };
 
+/** Labels belong to the points of the log. */
+void warn_of_points_left_out(const SourceLog& log, io::RunSummary& run)
+{
+  if (log.not_finite > 0)
+    run.warnings.push_back(
+        "the import left out " + std::to_string(log.not_finite) +
+        (log.not_finite == 1 ? " point that is" : " points that are") +
+        " not finite: the labels of their scans are as many fewer than the points "
+        "of their files");
+}
+
 /** Makes the log that is read, where the job names scans of another program. */
 SourceLog import_first(
     const Job& job, const Options& options, const std::string& folder, const std::string& label)
@@ -166,6 +177,7 @@ bool map_log(
   if (folders.labels) labels.emplace(folders.labels->staging(), options.labels_as);
   LogMapper mapper(
       job, log, options, settings, site ? &*site : nullptr, labels ? &*labels : nullptr);
+  if (labels) warn_of_points_left_out(log, mapper.summary());
   bool is_whole = true;
   {
     ProgressBar bar(label, !options.quiet);

@@ -48,6 +48,7 @@ SourceLog source_log(
   const auto made =
       import_log({job.log}, options.import, log.path, trajectory_beside(log.path), progress);
   for (const auto& [label, count] : made.scans) log.scans += count;
+  log.not_finite = made.not_finite;
   log.poses = made.poses.count ? made.poses.source : "";
   log.notes = made.remarks;
   log.notes.insert(log.notes.begin(), contents_text(made) + "; " + poses_text(made.poses));

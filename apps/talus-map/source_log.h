@@ -14,6 +14,7 @@ struct SourceLog
   std::string path;
   bool is_imported = false;  //!< it was made of scans of another program
   std::size_t scans = 0;  //!< of an import
+  std::size_t not_finite = 0;  //!< points that an import left out
   std::string poses;  //!< of an import: where its poses, beside the log, come from; "": it has none
   std::vector<std::string> notes;  //!< what was read and assumed, a line each
 };

@@ -147,6 +147,23 @@ TEST_F(TalusMapLabels, can_be_a_log_of_clouds)
   EXPECT_FALSE(reader.next());
 }
 
+TEST_F(TalusMapLabels, of_an_import_say_where_they_are_fewer_than_the_points_of_a_file)
+{
+  std::vector<float> values;
+  for (int i = 0; i < 300; ++i)
+    for (const float v : {0.01F * static_cast<float>(i) + 1, 0.5F, -0.5F, 0.0F})
+      values.push_back(v);
+  values[4 * 7] = std::nanf("");
+  std::string bytes(4 * values.size(), '\0');
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  std::filesystem::create_directories(path("front"));
+  write_bytes(path("front/scan.bin"), bytes);
+  const Outcome done = run("front/scan.bin --mount front=0,0,0.5,0,0,0 --labels labels");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_TRUE(done.says("the import left out 1 point that is not finite")) << done.err;
+  EXPECT_EQ(labels_in("labels/000000.label").size(), 299U);
+}
+
 TEST_F(TalusMapLabels, of_an_earlier_run_do_not_stay_among_those_of_this_one)
 {
   write_log(path("long.rawlog"), floor_scans(5), Packing::Gz);
