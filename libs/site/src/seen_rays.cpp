@@ -36,10 +36,12 @@ class PoseOfPoint
       : frame_(frame), pose_(from_sensor(frame.T_map_sensor, frame))
   {
   }
+  /** For all points. */
+  bool is_one() const { return frame_.path.empty() || !frame_.time_s; }
   const Matrix& operator()(std::size_t point)
   {
     const auto& path = frame_.path;
-    if (path.empty() || !frame_.time_s) return pose_;
+    if (is_one()) return pose_;
     const float time_s = frame_.time_s[point];
     const auto is_before = [](const TimedPose& p, float t) { return p.time_s < t; };
     const auto next = std::lower_bound(path.begin(), path.end() - 1, time_s, is_before);
@@ -86,25 +88,72 @@ void SeenRays::take(const Frame& frame, int floor, std::size_t number)
   begins_.push_back(static_cast<std::uint32_t>(rows_.size()));
 }
 
+/** Some rays, side by side: the loops become vector code. */
+struct SeenRays::Rays
+{
+  static constexpr std::size_t kMost = 256;
+  std::array<float, kMost> dx_m, dy_m, dz_m;  //!< from the sensor to the points, map frame
+  std::array<std::int32_t, kMost> places;  //!< in the table; -1: none
+  std::array<std::int32_t, kMost> lengths_cm;
+  std::size_t n = 0;
+
+  void turn(const Frame& frame, std::size_t first, PoseOfPoint& pose_of)
+  {
+    const std::size_t together = pose_of.is_one() ? n : 1;
+    for (std::size_t i = 0; i < n; i += together)
+    {
+      const Matrix m = pose_of(first + i);
+      turn(frame, first, i, i + together, m);
+    }
+  }
+  void turn(
+      const Frame& frame, std::size_t first, std::size_t begin, std::size_t end, const Matrix& m)
+  {
+    for (std::size_t i = begin; i < end; ++i)
+    {
+      const float x = frame.x_m[first + i], y = frame.y_m[first + i], z = frame.z_m[first + i];
+      dx_m[i] = m[0] * x + m[1] * y + m[2] * z + m[3];
+      dy_m[i] = m[4] * x + m[5] * y + m[6] * z + m[7];
+      dz_m[i] = m[8] * x + m[9] * y + m[10] * z + m[11];
+    }
+  }
+  void find_places()
+  {
+    const float *const dxs = dx_m.data(), *const dys = dy_m.data(), *const dzs = dz_m.data();
+    std::int32_t *const at = places.data(), *const cm = lengths_cm.data();
+    const auto end = static_cast<int>(n);
+    for (int i = 0; i < end; ++i)
+    {
+      const float far_m = kernels::chebyshev(dxs[i], dys[i]), slope = dzs[i] / far_m;
+      const bool is_ray = (far_m > kNearest_m) & kernels::is_finite(far_m + dzs[i] + slope);
+      const float dx = kernels::select(is_ray, dxs[i], 1.0F);
+      const float dy = kernels::select(is_ray, dys[i], 0.0F);
+      const int row = row_of(kernels::select(is_ray, slope, 0.0F));
+      const bool is_kept = is_ray & (row >= 0) & (row < kRows);
+      at[i] = kernels::select(is_kept, column_of(dx, dy) * kRows + row, -1);
+      cm[i] = centimetres(kernels::select(is_ray, far_m, 0.0F));
+    }
+  }
+};
+
 /** Puts the lengths of a frame's rays into the table, and marks the places that it takes. */
 void SeenRays::put_into(
     std::vector<std::uint16_t>& table, std::vector<std::uint64_t>& taken, const Frame& frame) const
 {
   PoseOfPoint pose_of(frame);
-  for (std::size_t i = 0; i < frame.size; ++i)
+  Rays rays;
+  for (std::size_t first = 0; first < frame.size; first += rays.n)
   {
-    const Matrix& m = pose_of(i);
-    const float x = frame.x_m[i], y = frame.y_m[i], z = frame.z_m[i];
-    const float dx = m[0] * x + m[1] * y + m[2] * z + m[3];
-    const float dy = m[4] * x + m[5] * y + m[6] * z + m[7];
-    const float dz = m[8] * x + m[9] * y + m[10] * z + m[11];
-    const float length_m = kernels::chebyshev(dx, dy);
-    if (!(length_m > kNearest_m && kernels::is_finite(length_m + dz))) continue;
-    const int row = row_of(dz / length_m);
-    if (row < 0 || row >= kRows) continue;
-    const auto at = static_cast<std::size_t>(column_of(dx, dy) * kRows + row);
-    table[at] = std::min(table[at], centimetres(length_m));
-    taken[at / kBits] |= std::uint64_t{1} << at % kBits;
+    rays.n = std::min(frame.size - first, Rays::kMost);
+    rays.turn(frame, first, pose_of);
+    rays.find_places();
+    for (std::size_t i = 0; i < rays.n; ++i)
+    {
+      if (rays.places[i] < 0) continue;
+      const auto at = static_cast<std::size_t>(rays.places[i]);
+      table[at] = std::min(table[at], static_cast<std::uint16_t>(rays.lengths_cm[i]));
+      taken[at / kBits] |= std::uint64_t{1} << at % kBits;
+    }
   }
 }
 

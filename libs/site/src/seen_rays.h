@@ -102,6 +102,7 @@ class SeenRays
     const float step = (static_cast<float>(row) + 0.5F) / kRowsPerStep;
     return kernels::slope_at_step(step);
   }
+  struct Rays;
   void put_into(
       std::vector<std::uint16_t>& table, std::vector<std::uint64_t>& taken,
       const Frame& frame) const;
