@@ -25,22 +25,37 @@ enum Label : std::uint32_t
   kLabelOutside
 };
 
-/** What the map says of a point in a cell, `height_m` above the datum. `object`: its lowest surface
- * is an object, and no ground is known below it. */
-TALUS_HD Label label_in_cell(const Cell& c, bool object, float height_m, const Config& k)
+/** A point above the cell that it lies in, and what is known of both. */
+struct PointInCell
+{
+  float height_m;  //!< above the datum
+  std::int32_t from_below;  //!< higher than its sensor, and not on what left
+  std::int32_t on_object;  //!< the lowest surface is an object, and no ground is known below it
+};
+
+/** Whether what is higher than the clearance above a cell on which nothing stands hangs there: rays
+ * or the robot passed below it, or it was hit from below, see UpdateCell::put(). */
+TALUS_HD bool hangs_over(const Cell& c, const PointInCell& p)
+{
+  const bool passed = c.is(kPassedBelow) | c.is(kRobotWasThere);
+  const bool free = (c.state == kMeasured) | c.is(kPassedLow);
+  const bool left_lately = c.recent_hits > 0;  // see kLeft
+  return passed | (free & (p.from_below != 0) & !left_lately);
+}
+
+TALUS_HD Label label_in_cell(const Cell& c, const PointInCell& p, const Config& k)
 {
   if (c.state == kUnknown) return kLabelOutside;
-  if (height_m < c.ground_m - kBuried_m) return kLabelBelowGround;
   const float bare_m = bare_up_to_m(c.ground_m, k);
-  const bool low = height_m <= bare_m || is_driven_through(c, height_m);
-  if (low) return object ? kLabelStands : kLabelGround;
+  const bool low = p.height_m <= bare_m || is_driven_through(c, p.height_m);
+  if (low && p.on_object != 0) return kLabelStands;
+  if (p.height_m < c.ground_m - kBuried_m) return kLabelBelowGround;
+  if (low) return kLabelGround;
   const bool stands = c.elevation_m > bare_m;  // false if not measured
-  if (stands && height_m <= c.elevation_m + k.step_threshold_m) return kLabelStands;
+  if (stands && p.height_m <= c.elevation_m + k.step_threshold_m) return kLabelStands;
   const float top_m = select(stands, c.elevation_m, c.ground_m);
-  if (!(height_m - top_m > k.clearance_m)) return kLabelMovedAway;
-  const bool left = !stands && c.recent_hits > 0;
-  const bool free_below = c.is(kPassedBelow) || c.is(kRobotWasThere);
-  return left && !free_below ? kLabelMovedAway : kLabelHangs;
+  const bool has_room_below = p.height_m - top_m > k.clearance_m;
+  return has_room_below && (stands || hangs_over(c, p)) ? kLabelHangs : kLabelMovedAway;
 }
 
 /** Gives a point of any frame its label. */
@@ -54,9 +69,18 @@ struct LabelPoint
   ClassifyCell classify;  //!< over a coarse grid of the map as it is
   KeepBridge bridge;
   PointsIn in;
+  /** By storage index: 1 where the frame hit something that has left since; null: not yet known. */
+  const std::int32_t* moved;
 
   TALUS_HD std::uint32_t operator()(int point_i) const
   {
+    int storage_i;
+    return label(point_i, storage_i);
+  }
+  /** Finds its cell, too; -1: it has none. */
+  TALUS_HD Label label(int point_i, int& storage_i) const
+  {
+    storage_i = -1;
     const Point sensed = in.at(point_i);
     const WindowPose pose = pose_of_point(*frame, in.time_s, point_i);
     const Verdict verdict = accept(sensed, rise_above_sensor(pose, sensed), *config);
@@ -66,9 +90,10 @@ struct LabelPoint
     const float cx = p.x_m * config->inverse_resolution, cy = p.y_m * config->inverse_resolution;
     if (!((cx >= 0.0f) & (cx < n) & (cy >= 0.0f) & (cy < n))) return kLabelOutside;
     const int ix = floor_to_int(cx), iy = floor_to_int(cy);
-    const int storage_i = storage_index(*frame, config->cells, ix, iy);
-    const float height_m = p.z_m - datum->offset_m;
-    return label_in_cell(store.load(storage_i), is_object(ix, iy, storage_i), height_m, *config);
+    storage_i = storage_index(*frame, config->cells, ix, iy);
+    const bool from_below = p.z_m > frame->sensor_z_map_m && !(moved && moved[storage_i] != 0);
+    const PointInCell point{p.z_m - datum->offset_m, from_below, is_object(ix, iy, storage_i)};
+    return label_in_cell(store.load(storage_i), point, *config);
   }
 
  private:
@@ -76,6 +101,21 @@ struct LabelPoint
   {
     return classify.class_of(ix, iy, storage_i) == kObject &&
            !(on(kBridges, *config) && bridge.leads_on(ix, iy, storage_i));
+  }
+};
+
+/** Notes where a point of the frame has left since: what it hit above that in the same cell, higher
+ * than the sensor, went with it and did not hang. */
+template <class Atomics>
+struct NoteMoved
+{
+  LabelPoint point;
+  std::int32_t* moved;
+
+  TALUS_HD void operator()(int point_i) const
+  {
+    int storage_i;
+    if (point.label(point_i, storage_i) == kLabelMovedAway) Atomics::max(moved + storage_i, 1);
   }
 };
 

@@ -7,6 +7,7 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/serialization/CArchive.h>
 #include <talus/io/atomic_file.h>
+#include <talus/io/label_colour.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/io/written_file.h>
 #include <talus/mrpt/labelled_cloud.h>
@@ -22,17 +23,6 @@ namespace talus::app
 {
 namespace
 {
-/** Blue, green, red, as SemanticKITTI's own table has them; the colour-blind can tell them apart.
- */
-constexpr std::array<std::array<int, 3>, kPointLabelCount> kColours{
-    {{90, 90, 90},
-     {115, 158, 0},
-     {0, 94, 213},
-     {233, 180, 86},
-     {167, 121, 204},
-     {66, 228, 240},
-     {190, 190, 190}}};
-
 /** Four bytes a number, the lowest first. */
 std::string bytes_of(const PointLabel* labels, std::size_t size)
 {
@@ -50,10 +40,10 @@ std::string table_of(const std::array<std::uint64_t, kPointLabelCount>& counts)
   std::string names, colours, shares;
   for (std::size_t i = 0; i < kPointLabelCount; ++i)
   {
-    const auto& c = kColours[i];
+    const auto rgb = io::label_colour(static_cast<PointLabel>(i));
     const double share = all ? static_cast<double>(counts[i]) / static_cast<double>(all) : 0.0;
     names += mrpt::format("  %zu: \"%s\"\n", i, kPointLabelNames[i]);
-    colours += mrpt::format("  %zu: [%d, %d, %d]\n", i, c[0], c[1], c[2]);
+    colours += mrpt::format("  %zu: [%d, %d, %d]\n", i, rgb[2], rgb[1], rgb[0]);
     shares += mrpt::format("  %zu: %.6f\n", i, share);
   }
   return "# What the map says of each point; written by talus-map --labels.\nlabels:\n" + names +

@@ -114,6 +114,28 @@ TEST(PointLabels, OfAnOlderFrameTellWhatHasLeftSince)
   EXPECT_GT(stood, 100u);
 }
 
+TEST(PointLabels, APersonWhoLeftHasLeftUpToTheHead)
+{
+  // Higher than the sensor, who would else hang there; a ceiling hangs as before.
+  Scan with, without;
+  with.cast({{{1.5, -0.3, 0}, {1.9, 0.3, 1.6}}}, 720, -0.6, 0.5, 80);
+  without.cast({}, 720, -0.6, 0.5, 80);
+  for (Scan* s : {&with, &without}) s->add_surface(-2, -2, -1, -1, level(1.9));
+  TestMap m;
+  m.update(with);
+  for (int i = 0; i < 15; i++) m.update(without);
+  const std::vector<PointLabel> labels = label_points(m.map, with.frame());
+  std::size_t head = 0;
+  for (std::size_t i = 0; i < labels.size(); i++)
+    if (with.x_[i] > 1.4F && with.x_[i] < 2 && std::abs(with.y_[i]) < 0.31F && with.z_[i] > 0.1F)
+    {
+      head++;
+      EXPECT_EQ(labels[i], PointLabel::MovedAway) << "point " << i;
+    }
+  EXPECT_GT(head, 100u);
+  EXPECT_NEAR(static_cast<double>(count(labels, PointLabel::Hangs)), 20 * 20, 5);
+}
+
 TEST(PointLabels, APointBelowTheGroundIsAReflection)
 {
   TestMap m;

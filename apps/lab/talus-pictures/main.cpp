@@ -2,10 +2,12 @@
 //   talus-pictures sheets WORLDS FOLDER             what each stage makes of a frame, what a
 //   parameter changes:
 //                                                   FOLDER/stages.png and FOLDER/parameters.png
-//   talus-pictures drive EYE TARGET FOLDER MAPS...  maps of talus-map --every as a drive that is
+//   talus-pictures labels WORLDS FILE               scans of a street, coloured by what each point
+//   is talus-pictures drive EYE TARGET FOLDER MAPS...  maps of talus-map --every as a drive that is
 //   seen from EYE (x,y,z in
 //                                                   m): FOLDER/drive_000.png ...
 #include "drive.h"
+#include "labelled_scans.h"
 #include "sheet.h"
 
 #include <talus/baselines/sequence.h>
@@ -163,6 +165,15 @@ void write_sheets(const std::string& world_folder, const std::string& folder)
   io::write_png(folder + "/parameters.png", draw_sheet(effects(worlds), 6, 2));
 }
 
+void write_labels(const std::string& world_folder, const std::string& file)
+{
+  Worlds worlds(world_folder);
+  auto frames = worlds.frames("street");
+  frames.resize(frames.size() * 3 / 4);
+  const Camera camera{{0.5, -8, 7.5}, {5.6, 0.7, 0.2}, 1000, {1100, 560}};
+  io::write_png(file, draw_labelled_scans(frames, 12, camera));
+}
+
 cv::Vec3d place_from(const std::string& text)
 {
   cv::Vec3d p;
@@ -178,6 +189,11 @@ int run(const std::vector<std::string>& args)
     write_sheets(args[1], args[2]);
     return 0;
   }
+  if (args.size() == 3 && args[0] == "labels")
+  {
+    write_labels(args[1], args[2]);
+    return 0;
+  }
   if (args.size() > 4 && args[0] == "drive")
   {
     const Camera camera{place_from(args[1]), place_from(args[2]), 900, {1200, 500}};
@@ -187,6 +203,7 @@ int run(const std::vector<std::string>& args)
   std::fprintf(
       stderr,
       "usage: talus-pictures sheets WORLDS FOLDER\n"
+      "       talus-pictures labels WORLDS FILE\n"
       "       talus-pictures drive EYE TARGET FOLDER MAPS...\n");
   return 2;
 }

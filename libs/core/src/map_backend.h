@@ -118,6 +118,7 @@ class MapBackend final : public BackendInterface
   int shown_ = 0;  //!< slot of the frame that was finished last
   typename Executor::template HostBuffer<CellRecord> records_;  //!< the records handed over
   typename Executor::template Buffer<kernels::FrameContext> label_context_;
+  typename Executor::template Buffer<std::int32_t> moved_;  //!< see kernels::NoteMoved
   typename Executor::template HostBuffer<float> label_points_;  //!< x, y, z and times
   typename Executor::template HostBuffer<std::uint32_t> labels_;
   Executor executor_;  //!< last member: its work ends before the memory is freed
@@ -240,7 +241,12 @@ std::vector<PointLabel> MapBackend<Schedule>::label_points(
     const Frame& frame, const kernels::FrameContext& context)
 {
   use(shown_);
-  if (label_context_.size() == 0) executor_.allocate(label_context_, 1, kernels::FrameContext{});
+  if (label_context_.size() == 0)
+  {
+    executor_.allocate(label_context_, 1, kernels::FrameContext{});
+    executor_.allocate(moved_, static_cast<std::size_t>(map_.cells()), std::int32_t{0});
+  }
+  executor_.fill(moved_, std::int32_t{0});
   executor_.upload(&context, 1, label_context_.data());
   executor_.make_room(label_points_, 4 * frame.size);
   executor_.make_room(labels_, frame.size);
@@ -257,8 +263,12 @@ std::vector<PointLabel> MapBackend<Schedule>::label_points(
   take(frame.z_m, in.z_m);
   take(frame.time_s, in.time_s);
   schedule_.open_ground(label_context_.data());
-  executor_.for_each_to_host(
-      static_cast<int>(frame.size), map_.label_point(label_context_.data(), in), labels_.data());
+  const auto points = static_cast<int>(frame.size);
+  const auto label_point = [&](const std::int32_t* moved)
+  { return map_.label_point(label_context_.data(), in, moved); };
+  executor_.for_each(
+      points, kernels::NoteMoved<typename Executor::Atomics>{label_point(nullptr), moved_.data()});
+  executor_.for_each_to_host(points, label_point(moved_.data()), labels_.data());
   executor_.synchronize();
   std::vector<PointLabel> labels(frame.size);
   std::transform(

@@ -262,13 +262,14 @@ struct MapBuffers
     return {hand_over(rects), surfaces_at(shown), shown(Layer::Traversability)};
   }
   /** Labels of points of any frame, given in the window of the map. */
-  kernels::LabelPoint label_point(const kernels::FrameContext* frame, const kernels::PointsIn& in)
+  kernels::LabelPoint label_point(
+      const kernels::FrameContext* frame, const kernels::PointsIn& in, const std::int32_t* moved)
   {
     auto classify_cell = classify<kernels::ClassifyCell>();
     auto keep_bridge = classify<kernels::KeepBridge>();
     classify_cell.frame = keep_bridge.frame = frame;
-    return {config.data(), frame,         body.data(), datum.data(),
-            store(),       classify_cell, keep_bridge, in};
+    return {config.data(), frame,       body.data(), datum.data(), store(),
+            classify_cell, keep_bridge, in,          moved};
   }
   /** Whether each frame leaves slope, step, roughness or sparsity. */
   bool parts_wanted() const

@@ -277,6 +277,7 @@ kernels::FrameContext WindowTracker::look_up(const Frame& frame, const Parameter
   f.storage_y = storage(min_cell_y, p.cells());
   f.odd_x = static_cast<int>(min_cell_x & 1);
   f.odd_y = static_cast<int>(min_cell_y & 1);
+  f.sensor_z_map_m = static_cast<float>(frame.T_map_sensor.z());
   place_points(frame, min_x_m, min_y_m, f);
   locate_base(frame, T_map_base, min_x_m, min_y_m, f);
   return f;
