@@ -240,6 +240,47 @@ TEST(Obstacles, are_guesses_from_one_side_near_the_robot_where_it_avoids_drops)
   EXPECT_EQ(passage_from(-0.2), Passage::Free);
 }
 
+TEST(Obstacles, are_no_guesses_beside_a_wall)
+{
+  RoomWithDoubt room;
+  const std::size_t wall = room.cell + 4;
+  const auto passage = [&]
+  { return classify_cells(room.map, CPose3D(-0.2, -1.0, 0, 0, 0, 0), {})[room.cell + 1]; };
+  EXPECT_EQ(passage(), Passage::Obstacle);
+  room.layer(Layer::Elevation)[wall] = room.layer(Layer::GroundElevation)[wall] + 0.5F;
+  EXPECT_EQ(passage(), Passage::Free) << "no robot fits between";
+  room.layer(Layer::GroundElevation)[room.cell + 2] -= 0.5F;
+  EXPECT_EQ(passage(), Passage::Obstacle) << "but the ground falls there";
+}
+
+TEST(Obstacles, do_not_reach_onto_the_ground_at_the_foot_of_what_rises)
+{
+  RoomWithDoubt room;
+  room.fill_state(CellState::Measured);
+  const auto passage = [&]
+  { return classify_cells(room.map, CPose3D(0.7, -1.0, 0, 0, 0, 0), {})[room.cell]; };
+  EXPECT_EQ(passage(), Passage::Obstacle);
+  room.layer(Layer::GroundElevation)[room.cell + 2] += 0.5F;
+  EXPECT_EQ(passage(), Passage::Free) << "the robot may stand there";
+  room.layer(Layer::GroundElevation)[room.cell - 2] -= 0.5F;
+  EXPECT_EQ(passage(), Passage::Obstacle) << "it falls on the other side";
+}
+
+TEST(Obstacles, are_edges_where_nothing_stands_or_the_ground_falls)
+{
+  RoomWithDoubt room;
+  const CPose3D base(0.7, -1.0, 0, 0, 0, 0);
+  const auto is_edge = [&]
+  { return find_edges(room.map, base, classify_cells(room.map, base, {}))[room.cell]; };
+  EXPECT_TRUE(is_edge());
+  room.layer(Layer::Elevation)[room.cell + 3] += 0.5F;
+  EXPECT_FALSE(is_edge()) << "beside a wall";
+  room.layer(Layer::GroundElevation)[room.cell - 3] -= 0.5F;
+  EXPECT_TRUE(is_edge()) << "a wall beside an edge";
+  room.layer(Layer::Traversability)[room.cell] = 1;
+  EXPECT_FALSE(is_edge()) << "it is free";
+}
+
 TEST(Obstacles, are_in_doubt_where_only_a_comparison_with_fills_blocks)
 {
   RoomWithDoubt room;
@@ -380,7 +421,26 @@ TEST(Costmap, opens_what_is_in_doubt_until_it_stayed_so_from_nearby)
   EXPECT_NEAR(seen_from(0.7), 0.1F, 0.01F) << "the robot does not come back for it";
   EXPECT_NEAR(admitted(), 0.1F, 0.01F);
   room.fill_state(CellState::Measured);
-  EXPECT_NEAR(seen_from(0.7), 0.05F, 0.01F) << "that was seen";
+  EXPECT_NEAR(seen_from(0.7), 0.15F, 0.01F) << "that was seen, and nothing stands there";
+  for (const std::size_t beside : {room.cell - 3, room.cell + 3})
+    room.layer(Layer::Elevation)[beside] = room.layer(Layer::GroundElevation)[beside] + 0.5F;
+  EXPECT_NEAR(seen_from(0.7), 0.05F, 0.01F) << "beside a wall";
+}
+
+TEST(Costmap, tells_what_may_drop_beside_a_wall_from_what_may_drop_elsewhere)
+{
+  RoomWithDoubt room;
+  const std::size_t beside = room.cell + 3;
+  room.layer(Layer::Elevation)[beside] = room.layer(Layer::GroundElevation)[beside] + 0.5F;
+  COccupancyGridMap2D grid;
+  costmap_from_map(room.map, CPose3D(0.7, -1.0, 0, 0, 0, 0), only_known(), grid);
+  const int x = static_cast<int>(room.cell) % room.map.window.cells;
+  const int y = static_cast<int>(room.cell) / room.map.window.cells;
+  EXPECT_NEAR(grid.getCell(x, y), 0.25F, 0.01F);
+  update_costmap(room.map, CPose3D(-0.2, -1.0, 0, 0, 0, 0), only_known(), grid);
+  EXPECT_NEAR(grid.getCell(x, y), 0.3F, 0.01F) << "from nearby, too";
+  admit_doubtful(grid);
+  EXPECT_NEAR(grid.getCell(x, y), 0.3F, 0.01F);
 }
 
 TEST(KnownAhead, ends_at_the_first_cell_that_is_not_known_on_the_way)

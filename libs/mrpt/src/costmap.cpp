@@ -12,7 +12,8 @@ namespace
 using mrpt::maps::COccupancyGridMap2D;
 
 // Probabilities of being free. What looks as if it drops from nearby, too, is not to be admitted.
-constexpr float kObstacle = 0.05F, kDropsFromNearby = 0.1F, kMayDrop = 0.2F;
+constexpr float kObstacle = 0.05F, kDropsFromNearby = 0.1F, kEdge = 0.15F, kMayDrop = 0.2F;
+constexpr float kMayDropBesideWall = 0.25F, kDropsFromNearbyBesideWall = 0.3F;
 constexpr float kQuantised = 0.02F;  // by MRPT, at most
 constexpr double kMostShift_cells = 0.01;  // between the borders of costmap and map
 
@@ -22,6 +23,13 @@ float free_probability(float traversability)
 }
 
 bool is_about(float p, float wanted) { return std::abs(p - wanted) < kQuantised; }
+
+bool may_drop(float p) { return is_about(p, kMayDrop) || is_about(p, kMayDropBesideWall); }
+
+bool drops_from_nearby(float p)
+{
+  return is_about(p, kDropsFromNearby) || is_about(p, kDropsFromNearbyBesideWall);
+}
 
 bool is_whole(double cells) { return std::abs(cells - std::round(cells)) <= kMostShift_cells; }
 
@@ -85,6 +93,7 @@ void update_costmap(
   const Place first = place_in(grid, map.window());
   const auto cells = classify_cells(map, T_map_base, o);
   const auto doubtful = find_doubtful(map, o);
+  const auto edges = find_edges(map, T_map_base, cells);
   const auto& traversability = map.layer(Layer::Traversability);
   for_each_shared(
       map.window(), first, grid,
@@ -94,11 +103,11 @@ void update_costmap(
         if (cells[i] == Passage::Free)
           grid.setCell(x, y, free_probability(traversability[i]));
         else if (!doubtful[i])
-          grid.setCell(x, y, kObstacle);
+          grid.setCell(x, y, edges[i] ? kEdge : kObstacle);
         else if (cells[i] == Passage::Obstacle)
-          grid.setCell(x, y, kDropsFromNearby);
-        else if (!is_about(grid.getCell(x, y), kDropsFromNearby))
-          grid.setCell(x, y, kMayDrop);
+          grid.setCell(x, y, edges[i] ? kDropsFromNearby : kDropsFromNearbyBesideWall);
+        else if (!drops_from_nearby(grid.getCell(x, y)))
+          grid.setCell(x, y, edges[i] ? kMayDrop : kMayDropBesideWall);
       });
 }
 
@@ -106,7 +115,7 @@ void admit_doubtful(COccupancyGridMap2D& grid)
 {
   for (int y = 0; y < static_cast<int>(grid.getSizeY()); y++)
     for (int x = 0; x < static_cast<int>(grid.getSizeX()); x++)
-      if (is_about(grid.getCell(x, y), kMayDrop)) grid.setCell(x, y, free_probability(0));
+      if (may_drop(grid.getCell(x, y))) grid.setCell(x, y, free_probability(0));
 }
 
 void costmap_from_map(

@@ -34,15 +34,78 @@ void require_sound(const mrpt::poses::CPose3D& T, const ObstacleOptions& o)
         ", none of Drops");
 }
 
+/** Something measured, on the ground of the cell. */
+bool something_stands(const SurfaceView& view, std::size_t cell)
+{
+  return view.elevation[cell] - view.ground[cell] > kObject_m;  // false for NaN
+}
+
+/** So near to what stands nothing is an edge just because it was not seen: no robot fits between.
+ */
+constexpr double kBeside_m = 0.2;
+
+/** What is around a cell, for a robot whose base is at a height. */
+class Surroundings
+{
+ public:
+  Surroundings(const MapView& map, double level_m)
+      : view_(map),
+        level_m_(level_m),
+        step_m_(map.parameters().step_threshold_m),
+        reach_(static_cast<int>(std::lround(kBeside_m / map.parameters().resolution_m)))
+  {
+  }
+
+  bool is_edge(int ix, int iy) const
+  {
+    const Around around = of(ix, iy);
+    return !around.stands || around.lowest_m < level_m_ - step_m_;
+  }
+  /** Beside a wall, with no ground below that of the robot in between. */
+  bool is_beside_wall(int ix, int iy) const
+  {
+    const Around around = of(ix, iy);
+    return around.wall && around.lowest_m > level_m_ - step_m_;
+  }
+
+ private:
+  struct Around
+  {
+    float lowest_m = HUGE_VALF;
+    bool stands = false, wall = false;
+  };
+  Around of(int ix, int iy) const
+  {
+    Around out;
+    const int last = view_.window.cells - 1;
+    for (int y = std::max(0, iy - reach_); y <= std::min(last, iy + reach_); y++)
+      for (int x = std::max(0, ix - reach_); x <= std::min(last, ix + reach_); x++)
+      {
+        const std::size_t cell = view_.index(x, y);
+        const bool object = something_stands(view_, cell);
+        out.stands = out.stands || object || view_.ground[cell] > level_m_ + step_m_;
+        out.wall = out.wall || (object && view_.elevation[cell] > level_m_ + step_m_);
+        out.lowest_m = std::fmin(out.lowest_m, view_.ground[cell]);
+      }
+    return out;
+  }
+
+  SurfaceView view_;
+  double level_m_, step_m_;
+  int reach_;
+};
+
 /** The questions that are asked of a cell. */
 class Judge
 {
  public:
-  Judge(const MapView& map, const ObstacleOptions& o)
+  Judge(const MapView& map, double level_m, const ObstacleOptions& o)
       : view_(map),
+        around_(map, level_m),
         o_(o),
         reach_(static_cast<int>(
-            std::lround(map.parameters().feature_radius_m / map.parameters().resolution_m)))
+            std::lround(map.parameters().feature_radius_m / map.parameters().resolution_m))),
+        step_m_(static_cast<float>(map.parameters().step_threshold_m))
   {
     if (o.drops == Drops::Slope)
       falls_.emplace(map, [this](int ix, int iy) { return rests_on_unseen(ix, iy); });
@@ -67,8 +130,10 @@ class Judge
     const bool near = distance_m <= o_.seen_within_m;
     const bool must_be_seen = near && o_.unseen == Unseen::Obstacle;
     if (is_unknown(ix, iy)) return must_be_seen ? Passage::Obstacle : Passage::Unknown;
-    if (must_be_seen && o_.drops == Drops::Avoid && is_guess(ix, iy)) return Passage::Obstacle;
-    if (view_.traversability[view_.index(ix, iy)] > o_.blocked_at) return Passage::Free;
+    if (must_be_seen && o_.drops == Drops::Avoid && is_guess(ix, iy) &&
+        !around_.is_beside_wall(ix, iy))
+      return Passage::Obstacle;
+    if (!blocks(ix, iy)) return Passage::Free;
     if (!rests_on_unseen(ix, iy)) return Passage::Obstacle;
     if (is_dared(ix, iy)) return Passage::Free;
     return near ? Passage::Obstacle : Passage::Unknown;
@@ -81,19 +146,42 @@ class Judge
   {
     return view_.state[view_.index(ix, iy)] == static_cast<float>(CellState::FilledOneSided);
   }
+  bool is_measured(std::size_t cell) const
+  {
+    return view_.state[cell] == static_cast<float>(CellState::Measured);
+  }
   bool rests_on_unseen(int ix, int iy) const
   {
+    return blocks(ix, iy) && !something_stands(view_, view_.index(ix, iy)) &&
+           rests_on_fills(ix, iy);
+  }
+  bool blocks(int ix, int iy) const
+  {
+    return view_.traversability[view_.index(ix, iy)] <= o_.blocked_at && !is_foot(ix, iy);
+  }
+  /** Blocked only because something higher begins beside it: there the robot may stand, and the
+   * planner, which knows its shape, keeps it away from what stands. */
+  bool is_foot(int ix, int iy) const
+  {
     const std::size_t cell = view_.index(ix, iy);
-    return view_.traversability[cell] <= o_.blocked_at && !stands(cell) && rests_on_fills(ix, iy);
+    const float ground_m = view_.ground[cell];
+    if (std::isnan(ground_m) || something_stands(view_, cell)) return false;
+    bool rises = false, is_sure = false;
+    const int last = view_.window.cells - 1;
+    for (int y = std::max(0, iy - reach_); y <= std::min(last, iy + reach_); y++)
+      for (int x = std::max(0, ix - reach_); x <= std::min(last, ix + reach_); x++)
+      {
+        const std::size_t other = view_.index(x, y);
+        if (view_.ground[other] < ground_m - kObject_m) return false;
+        const bool higher = view_.top(other) > ground_m + step_m_;
+        rises = rises || higher;
+        is_sure = is_sure || (higher && is_measured(other));
+      }
+    return rises && (is_sure || around_.is_beside_wall(ix, iy));
   }
   bool is_dared(int ix, int iy) const
   {
     return falls_ ? falls_->is_slope(ix, iy) : o_.drops == Drops::Ignore;
-  }
-  /** Something measured stands on the ground of the cell. */
-  bool stands(std::size_t cell) const
-  {
-    return view_.elevation[cell] - view_.ground[cell] > kObject_m;  // false for NaN
   }
 
   /** Slope and step of the cell were made from inferred ground too. */
@@ -113,8 +201,10 @@ class Judge
 
   std::optional<detail::Falls> falls_;  //!< where they are asked for
   SurfaceView view_;
+  Surroundings around_;
   const ObstacleOptions& o_;
   int reach_;  //!< of the neighbourhood of slope and step, in cells
+  float step_m_;
 };
 
 /** An arc from the base on, robot frame seen from above. */
@@ -160,7 +250,7 @@ std::vector<Passage> classify_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
 {
   require_sound(T_map_base, o);
-  const Judge judge(map, o);
+  const Judge judge(map, T_map_base.z(), o);
   const SurfaceView& view = judge.view();
   const int cells = view.window.cells;
   std::vector<Passage> out;
@@ -178,12 +268,24 @@ std::vector<Passage> classify_cells(
 std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o)
 {
   require_sound({}, o);
-  const Judge judge(map, o);
+  const Judge judge(map, 0, o);
   const int cells = judge.view().window.cells;
   std::vector<bool> out;
   out.reserve(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
   for (int iy = 0; iy < cells; iy++)
     for (int ix = 0; ix < cells; ix++) out.push_back(judge.is_doubtful(ix, iy));
+  return out;
+}
+
+std::vector<bool> find_edges(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const std::vector<Passage>& cells)
+{
+  const Surroundings around(map, T_map_base.z());
+  const int n = map.window().cells;
+  std::vector<bool> out(cells.size(), false);
+  for (std::size_t i = 0; i < cells.size(); i++)
+    out[i] = cells[i] != Passage::Free &&
+             around.is_edge(static_cast<int>(i) % n, static_cast<int>(i) / n);
   return out;
 }
 
@@ -194,7 +296,7 @@ double known_ahead_m(
   if (map.empty()) return 0;
   require_sound(T_map_base, o);
   if (v_mps == 0) return o.range_m;
-  const Judge judge(map, o);
+  const Judge judge(map, T_map_base.z(), o);
   const SurfaceView& view = judge.view();
   const Arc arc(v_mps, w_radps);
   const double c = std::cos(T_map_base.yaw()), s = std::sin(T_map_base.yaw());

@@ -73,6 +73,12 @@ std::vector<Passage> classify_cells(
  */
 std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o);
 
+/** Of the cells that are not free: those at which the ground may end, as it lies more than a step
+ * below the base there, or as nothing stands within 0.2 m that would block. No part of a robot
+ * should come near to them, while it may pass closely by a wall. */
+std::vector<bool> find_edges(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const std::vector<Passage>& cells);
+
 /** Replaces `out` by the obstacles of the map for CReactiveNavigationSystem: in the frame of the
  * robot seen from above (x forward, y left, only the yaw of the base counts), all at the height
  * z_m. */
@@ -90,11 +96,12 @@ void obstacles_3d(
     const std::vector<double>& prism_heights_m, mrpt::maps::CSimplePointsMap& out);
 
 /** Makes `out` a costmap of the window in the map frame, for mrpt::nav::PlannerSimple2D: the
- * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles, 0.2 of what is in
- * doubt and may drop, 0.1 where it stayed so from within `seen_within_m`, 0.5 where unknown (which
- * that planner takes for an obstacle). `range_m` does not count. Throws std::invalid_argument where
- * the window lies so far from the origin (8 km for cells of 0.05 m) that the borders of a costmap,
- * which are floats, cannot be those of its cells.
+ * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles, 0.15 of
+ * those among them that are edges, 0.2 of what is in doubt and may drop, 0.1 where it stayed so
+ * from within `seen_within_m`, 0.25 and 0.3 of the same beside what stands, 0.5 where unknown
+ * (which that planner takes for an obstacle). `range_m` does not count. Throws
+ * std::invalid_argument where the window lies so far from the origin (8 km for cells of 0.05 m)
+ * that the borders of a costmap, which are floats, cannot be those of its cells.
  */
 void costmap_from_map(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
