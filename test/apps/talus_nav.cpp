@@ -179,6 +179,70 @@ TEST_F(TalusNav, arrives_at_goals_that_are_near)
         << text("err.txt");
 }
 
+namespace
+{
+/** A world of walls, each from one place to another, 2 m high and 0.1 m thick. */
+std::string world_of_walls(
+    const std::string& robot, const std::vector<std::array<double, 4>>& walls)
+{
+  std::ostringstream text;
+  text << "ground: [plane: {z_m: 0}]\nobjects:\n";
+  for (const auto& w : walls)
+    text << "  - wall: {from_m: [" << w[0] << ", " << w[1] << "], to_m: [" << w[2] << ", " << w[3]
+         << "], height_m: 2}\n";
+  text << "robot: {path_m: " << robot << "}\nsensor: {scanner: RS-LiDAR-16}\n";
+  return text.str();
+}
+const std::string kTilted = " --mount 0,0,0.68,0,20,0 --every 0 --timeout 40 --output out";
+}  // namespace
+
+TEST_F(TalusNav, passes_a_door_that_is_a_quarter_of_a_metre_wider_than_the_robot)
+{
+  const auto world = world_of_walls(
+      "[[0, 0], [1, 0]]", {{2, -2, 2, -0.375},
+                           {2, 0.375, 2, 2},
+                           {-1, -2, 5, -2},
+                           {-1, 2, 5, 2},
+                           {-1, -2, -1, 2},
+                           {5, -2, 5, 2}});
+  EXPECT_EQ(drive_in("door.yaml", world, "--goal 4,0" + kTilted), 0) << text("out.txt");
+}
+
+TEST_F(TalusNav, turns_in_a_corridor_with_a_right_angle)
+{
+  const auto world = world_of_walls(
+      "[[0, 0], [1, 0]]", {{-1, -0.5, 2.5, -0.5},
+                           {-1, 0.5, 1.5, 0.5},
+                           {1.5, 0.5, 1.5, 4},
+                           {2.5, -0.5, 2.5, 4},
+                           {-1, -0.5, -1, 0.5},
+                           {1.5, 4, 2.5, 4}});
+  EXPECT_EQ(drive_in("corner.yaml", world, "--goal 2,2.5" + kTilted), 0) << text("out.txt");
+}
+
+TEST_F(TalusNav, passes_a_gap_across_its_way_at_45_degrees)
+{
+  const auto world = world_of_walls(
+      "[[0, 0], [1, 0]]", {{3.5, -1.5, 2.28, -0.28},
+                           {1.72, 0.28, 0.5, 1.5},
+                           {-1, -1.5, 5, -1.5},
+                           {-1, 1.5, 5, 1.5},
+                           {-1, -1.5, -1, 1.5},
+                           {5, -1.5, 5, 1.5}});
+  EXPECT_EQ(drive_in("gap.yaml", world, "--goal 4,0.3" + kTilted), 0) << text("out.txt");
+}
+
+TEST_F(TalusNav, leaves_a_start_beside_a_wall)
+{
+  const auto world = world_of_walls("[[0, 0], [1, 0]]", {{-0.6, 0.48, 3, 0.48}});
+  EXPECT_EQ(
+      drive_in(
+          "beside.yaml", world,
+          "--goal 3,0 --mount 0,0,0.68,0,0,0 --every 0 --timeout 40 --output out"),
+      0)
+      << text("out.txt");
+}
+
 TEST_F(TalusNav, judges_collisions_by_the_truth_and_not_by_the_map)
 {
   // What a sensor without returns does not see is not in this map.

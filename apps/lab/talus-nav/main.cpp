@@ -97,8 +97,7 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
   mission_options.goal = {o.goal[0], o.goal[1]};
   mission_options.timeout_s = o.timeout_s;
   Route route(
-      world, {robot.x_m(), robot.y_m()}, mission_options.goal, kCostmapCell_m,
-      mission_options.robot_radius_m);
+      world, {robot.x_m(), robot.y_m()}, mission_options.goal, kCostmapCell_m, robot.body());
   const auto map = make_source(o, settings);
   const fs::path cache = fs::path(folder) / "cache";
   fs::create_directories(cache);

@@ -19,6 +19,13 @@ struct Ahead
   double dared_m;  //!< and so far a robot goes slowly that counts on slopes where ground may drop
 };
 
+/** A place that blocks, robot frame seen from above. */
+struct BlockedPlace
+{
+  double x_m, y_m;
+  bool is_edge;  //!< the ground may end there
+};
+
 /** Where the obstacles of the planners come from. */
 class MapSource
 {
@@ -33,6 +40,10 @@ class MapSource
   virtual void obstacles(
       const mrpt::poses::CPose3D& T_map_base, const std::vector<double>& prism_heights_m,
       mrpt::maps::CSimplePointsMap& out) = 0;
+  /** All places that block within a distance of the robot; without an own way those of obstacles().
+   */
+  virtual std::vector<BlockedPlace> blocked_places(
+      const mrpt::poses::CPose3D& T_map_base, double within_m);
   /** Writes what is known around the robot into the costmap. */
   virtual void update_costmap(
       const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) = 0;
@@ -74,6 +85,11 @@ std::unique_ptr<MapSource> make_octomap_source(const OctomapOptions& options);
  * know is no obstacle. */
 std::unique_ptr<MapSource> make_onesurface_source(
     const Parameters& parameters, const ObstacleOptions& options);
+
+/** The cells of a map that block. */
+std::vector<BlockedPlace> blocked_places_of(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& options,
+    double within_m);
 
 /** Obstacles of a robot made of these prisms, or of one in the plane where there are none. */
 void make_obstacles(

@@ -17,6 +17,8 @@ using mrpt::poses::CPose3D;
 constexpr double kStep_s = 0.1, kFirstStamp_s = 1700000000.0;
 constexpr int kStepsPerPlan = 5;
 constexpr int kPlansWithoutWay = 10;  // in a row: blocked
+constexpr int kLooks = 16;
+constexpr double kLookStep_m = 0.15;
 constexpr int kChecksPerStep = 2;  // of collisions
 
 double ms_of(const std::function<void()>& work)
@@ -110,17 +112,36 @@ class Mission
     map_.block_unseen(T, known);
     auto hoped = known;
     admit_doubtful(hoped);  // to go and look
-    has_way_ = route_.plan(here, known) || route_.plan(here, hoped) ||
+    has_way_ = route_.plan(here, known) || route_.plan(here, hoped) || look_from(here) ||
                route_.plan_beyond(here, known) || route_.plan_beyond(here, hoped);
     plans_without_way_ = has_way_ ? 0 : plans_without_way_ + 1;
+  }
+
+  /** A way over what must have been seen by now and was not, as behind a corner, and closely past
+   * edges: the pilot stops before it comes too near, and sees more from there. False where that did
+   * not help. */
+  bool look_from(const mrpt::math::TPose2D& here)
+  {
+    if (std::hypot(here.x - looks_from_.x, here.y - looks_from_.y) > kLookStep_m)
+    {
+      looks_ = 0;
+      looks_from_ = here;
+    }
+    if (looks_ == kLooks) return false;
+    looks_++;
+    auto daring = route_.costmap();
+    admit_doubtful(daring);
+    for (int y = 0; y < static_cast<int>(daring.getSizeY()); y++)
+      for (int x = 0; x < static_cast<int>(daring.getSizeX()); x++)
+        if (daring.getCell(x, y) <= kBlockedUpTo) daring.setCell(x, y, 0);  // no margin of edges
+    return route_.plan(here, daring);
   }
 
   void steer(const CPose3D& T)
   {
     if (const auto back = retreat_.target(robot_.time_s(), {T.x(), T.y()}))
       return pilot_.creep(T, *back);
-    const auto target = route_.target({T.x(), T.y(), T.yaw()}, o_.look_ahead_m);
-    pilot_.step(T, target, target == route_.way().back());
+    pilot_.step(T, route_, o_.look_ahead_m);
   }
 
   void halt()
@@ -172,6 +193,8 @@ class Mission
   Route& route_;
   Retreat retreat_;
   const MissionOptions& o_;
+  mrpt::math::TPose2D looks_from_{1e9, 1e9, 0};
+  int looks_ = 0;  //!< plans from about there over what was not seen
   int count_ = 0, plans_without_way_ = 0;
   bool has_way_ = false;
 };

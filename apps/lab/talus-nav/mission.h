@@ -35,7 +35,6 @@ struct MissionOptions
   mrpt::math::TPoint2D goal;
   double arrived_m = 0.4;  //!< the robot's middle this near to the goal has arrived
   double timeout_s = 180;  //!< of the simulated time
-  double robot_radius_m = 0.42;  //!< of the route
   double look_ahead_m = 1.6;  //!< how far along the route the navigator's target lies
 };
 

@@ -46,6 +46,12 @@ class OneSurfaceSource : public MapSource
     make_obstacles(now_, T_map_base, options_, prism_heights_m, out);
   }
 
+  std::vector<BlockedPlace> blocked_places(
+      const mrpt::poses::CPose3D& T_map_base, double within_m) override
+  {
+    return blocked_places_of(now_, T_map_base, options_, within_m);
+  }
+
   void update_costmap(
       const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
   {

@@ -13,7 +13,7 @@ namespace talus::nav
 namespace
 {
 constexpr const char* kFooter =
-    "Each 0.1 s: scan -> map -> costmap -> route (PlannerSimple2D) -> reactive navigator of MRPT "
+    "Each 0.1 s: scan -> map -> costmap -> route -> reactive navigator of MRPT "
     "-> "
     "robot.\n"
     "Collisions are judged by the truth of the world. Writes into DIR: path.csv (a row a step), "

@@ -44,19 +44,23 @@ sim::Truth truth_around(
   return sim::truth(world, sim::window_around(area, 0, kCell_m), time_s, options);
 }
 
+/** What costmap_from_map() makes of a cell that is known to be blocked though nothing stands there.
+ */
+bool is_edge(float p) { return std::abs(p - 0.15F) < 0.025F; }
+
 /** Of a cell that is free with this probability; costmap_from_map() says how they are made. */
 std::optional<cv::Scalar> costmap_colour(float p)
 {
-  if (p < 0.075F) return kCostmap;
-  if (p <= Route::kBlocked) return kMayDrop;
-  if (p < 0.525F) return io::kUnknownColour;  // Route::kHopeful
+  if (p < kStandsBelow || is_edge(p)) return kCostmap;
+  if (p <= kBlockedUpTo) return kMayDrop;
+  if (p < 0.525F) return io::kUnknownColour;  // kHopeful
   if (p < 0.555F) return kJudgedFree;  // traversability 0, and yet no obstacle
   return drivable_colour(std::clamp((p - 0.55) / 0.4, 0.0, 1.0));
 }
 
 std::optional<cv::Scalar> obstacle_colour(float p)
 {
-  return p <= Route::kBlocked ? std::optional(kKnownBlocked) : std::nullopt;
+  return p <= kBlockedUpTo ? std::optional(kKnownBlocked) : std::nullopt;
 }
 
 cv::Mat ramp(const std::function<cv::Scalar(double)>& colour_of)
@@ -201,7 +205,7 @@ cv::Mat Painter::with_mission(
   canvas.paste(image, 0, 0);
   const Step& at = mission.steps.back();
   std::vector<cv::Point2d> way, driven;
-  for (const auto& p : route.way()) way.push_back(pixel(p.x, p.y));
+  for (const auto& p : route.way()) way.push_back(pixel(p.x_m, p.y_m));
   for (const auto& s : mission.steps) driven.push_back(pixel(s.x_m, s.y_m));
   draw_way(canvas, way, io::kPaper, io::kInk);
   draw_way(canvas, driven, io::kInk, io::kPaper);

@@ -27,10 +27,11 @@ namespace
 constexpr double kSameTarget_m = 0.3;
 constexpr double kCreep_mps = 0.2, kCreep_s = 1.5;
 constexpr std::array<double, 9> kCreepCurvatures{0, 0.4, -0.4, 0.8, -0.8, 1.6, -1.6, 3, -3};  // 1/m
-constexpr double kTurn_radps = 0.8;
-constexpr double kTurnFrom_rad = 1.4, kTurnTo_rad = 0.1;  // off the target
+constexpr double kTurnFrom_rad = 1.4;  // off the target
+constexpr double kNarrowAhead_m = 0.6, kKeep_s = 1.5;
+constexpr double kBlocked_m = 2.5;  // as far as a command is looked at
 constexpr double kLongestStop_s = 2;
-constexpr double kStuck_s = 1, kStill_mps = 0.02, kStill_radps = 0.02;
+constexpr double kStuck_s = 1, kStuckLong_s = 2, kStill_mps = 0.02, kStill_radps = 0.02;
 
 /** MRPT compiles the formulas of scores with the symbols of the first movement that it rates, and
  * one that does not lead to the target (a near one, or one behind the robot) has hardly any. */
@@ -156,7 +157,7 @@ void RobotInterface::drive(double v_mps, double w_radps)
 
 double RobotInterface::clear_s(double v_mps, double w_radps, double most_s) const
 {
-  return clear_time_s(seen, robot_.body(), v_mps, w_radps, most_s);
+  return clear_time_s(blocked, robot_.body(), v_mps, w_radps, most_s, narrow);
 }
 
 mrpt::kinematics::CVehicleVelCmd::Ptr RobotInterface::getEmergencyStopCmd()
@@ -170,6 +171,7 @@ void RobotInterface::look(const mrpt::poses::CPose3D& T)
 {
   T_map_base = T;
   map_.obstacles(T, prism_heights_m, seen);
+  blocked = map_.blocked_places(T, kBlocked_m);
 }
 
 bool RobotInterface::senseObstacles(
@@ -241,11 +243,17 @@ void Pilot::try_to(const std::function<void()>& work)
 
 Pilot::~Pilot() = default;
 
-void Pilot::step(
-    const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last)
+void Pilot::step(const mrpt::poses::CPose3D& T_map_base, const Route& route, double ahead_m)
 {
   interface_.look(T_map_base);
-  if (turn(target) || edge_out(target)) return;
+  const mrpt::math::TPoint2D target = route.target(interface_.pose_in_map(), ahead_m);
+  if (edge_out(target) || keep_to(route, target)) return;
+  const RoutePose& last = route.way().back();
+  navigate(target, target == mrpt::math::TPoint2D(last.x_m, last.y_m));
+}
+
+void Pilot::navigate(const mrpt::math::TPoint2D& target, bool is_last)
+{
   const bool idle =
       navigator_->getCurrentState() != mrpt::nav::CAbstractNavigator::TState::NAVIGATING;
   if (navigator_->getCurrentState() == mrpt::nav::CAbstractNavigator::TState::NAV_ERROR)
@@ -263,22 +271,23 @@ void Pilot::step(
   try_to([&] { navigator_->navigationStep(); });
 }
 
-bool Pilot::turn(const mrpt::math::TPoint2D& target)
+bool Pilot::keep_to(const Route& route, const mrpt::math::TPoint2D& target)
 {
-  const mrpt::math::TPoint2D to = interface_.pose_in_map().inverseComposePoint(target);
-  const double off_rad = std::atan2(to.y, to.x), takes_s = std::abs(off_rad) / kTurn_radps;
-  const double w_radps = std::copysign(kTurn_radps, off_rad);
-  turns_ = std::abs(off_rad) > (turns_ || is_stuck() ? kTurnTo_rad : kTurnFrom_rad) &&
-           interface_.clear_s(0, w_radps, takes_s) >= takes_s;
-  if (!turns_) return false;
+  const mrpt::math::TPose2D here = interface_.pose_in_map();
+  interface_.narrow = must_keep_to(route.way(), here, kNarrowAhead_m);
+  const mrpt::math::TPoint2D to = here.inverseComposePoint(target);
+  if (is_stuck(kStuck_s) || std::abs(std::atan2(to.y, to.x)) > kTurnFrom_rad)
+    keeps_until_s_ = robot_.time_s() + kKeep_s;
+  if (!interface_.narrow && robot_.time_s() >= keeps_until_s_) return false;
   navigator_->cancel();
-  interface_.drive(0, w_radps);
+  const Speeds speeds = follower_.follow(route.way(), here);
+  interface_.drive(speeds.v_mps, speeds.w_radps);
   return true;
 }
 
 bool Pilot::edge_out(const mrpt::math::TPoint2D& target)
 {
-  if (is_stuck()) edges_out_until_s_ = robot_.time_s() + kCreep_s;
+  if (is_stuck(kStuckLong_s)) edges_out_until_s_ = robot_.time_s() + kCreep_s;
   if (robot_.time_s() >= edges_out_until_s_) return false;
   const mrpt::math::TPoint2D to = interface_.pose_in_map().inverseComposePoint(target);
   const double creep_s = std::min(kCreep_s, to.norm() / kCreep_mps);
@@ -299,12 +308,12 @@ bool Pilot::edge_out(const mrpt::math::TPoint2D& target)
   return true;
 }
 
-bool Pilot::is_stuck()
+bool Pilot::is_stuck(double for_s)
 {
   const bool still =
       std::abs(robot_.v_mps()) < kStill_mps && std::abs(robot_.w_radps()) < kStill_radps;
   if (!still) moved_s_ = robot_.time_s();
-  return robot_.time_s() - moved_s_ > kStuck_s;
+  return robot_.time_s() - moved_s_ > for_s;
 }
 
 void Pilot::creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& place)
@@ -318,10 +327,10 @@ void Pilot::creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoi
 
 void Pilot::halt()
 {
-  turns_ = false;
   navigator_->cancel();
   interface_.stand();
   interface_.seen.clear();
+  interface_.blocked.clear();
 }
 
 }  // namespace talus::nav

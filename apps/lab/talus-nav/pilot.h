@@ -1,5 +1,7 @@
 #pragma once
+#include "follow.h"
 #include "map_source.h"
+#include "route.h"
 #include "simulated_robot.h"
 
 #include <mrpt/nav/reactive/CAbstractPTGBasedReactive.h>
@@ -25,6 +27,8 @@ class RobotInterface : public detail::RobotToNavigate
   std::vector<double> prism_heights_m;  //!< of a 3D robot shape
   mrpt::poses::CPose3D T_map_base;  //!< as estimated
   mrpt::maps::CSimplePointsMap seen;  //!< the obstacles given last, robot frame
+  std::vector<BlockedPlace> blocked;  //!< all that blocks nearby, robot frame
+  bool narrow = false;  //!< there is no room for the whole distance to what stands
 
   /** Takes the pose and makes the obstacles anew. */
   void look(const mrpt::poses::CPose3D& T);
@@ -32,10 +36,10 @@ class RobotInterface : public detail::RobotToNavigate
   mrpt::math::TPose2D pose_in_map() override;
   mrpt::math::TTwist2D velocity_in_map() override;
   bool changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command) override;
-  /** Slower where the ground ahead is not known far enough to stop, or what is `seen` would come
+  /** Slower where the ground ahead is not known far enough to stop, or what is `blocked` would come
    * nearer than kKeepAway_m; all that the robot does goes through here. */
   void drive(double v_mps, double w_radps);
-  /** clear_time_s() of what is `seen`. */
+  /** clear_time_s() of what is `blocked`. */
   double clear_s(double v_mps, double w_radps, double most_s) const;
   void stand() override { robot_.command(0, 0); }
   mrpt::kinematics::CVehicleVelCmd::Ptr getEmergencyStopCmd() override;
@@ -64,10 +68,9 @@ class Pilot
       const std::string& log_folder, const std::string& cache_folder);
   ~Pilot();
 
-  /** One step towards a place of the map frame; `is_last`: stop there. Throws WrongConfiguration:
-   * formulas may fail only with the numbers of a movement. */
-  void step(
-      const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& target, bool is_last);
+  /** One step along a route, with the navigator to a place `ahead_m` along it where there is room.
+   * Throws WrongConfiguration: formulas may fail only with the numbers of a movement. */
+  void step(const mrpt::poses::CPose3D& T_map_base, const Route& route, double ahead_m);
   /** One slow step on an arc to a place where the robot was, without the navigator, which does not
    * move once its shape touches an obstacle. */
   void creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& place);
@@ -76,15 +79,15 @@ class Pilot
   const mrpt::maps::CSimplePointsMap& obstacles() const { return interface_.seen; }
 
  private:
-  /** Turns on the spot to a target that lies beside or behind the robot, or to which the navigator
-   * finds no movement: through what is narrow it must look straight. False where it need not, or
-   * something is in its way. */
-  bool turn(const mrpt::math::TPoint2D& target);
+  /** Keeps to the route, pose by pose, where it is narrow, where the target lies beside or behind
+   * the robot, and where the navigator finds no movement. False where it need not. */
+  bool keep_to(const Route& route, const mrpt::math::TPoint2D& target);
+  void navigate(const mrpt::math::TPoint2D& target, bool is_last);
   /** Creeps on that arc, forwards or backwards, which leads nearest to the target without coming
    * nearer to anything, for a robot to which the navigator finds no movement, as beside a wall.
    * False where it need not, or there is none. */
   bool edge_out(const mrpt::math::TPoint2D& target);
-  bool is_stuck();
+  bool is_stuck(double for_s);
   void try_to(const std::function<void()>& work);
 
   SimulatedRobot& robot_;
@@ -95,9 +98,9 @@ class Pilot
   std::string error_;  //!< that MRPT logged
   std::unique_ptr<mrpt::nav::CAbstractPTGBasedReactive> navigator_;
   mrpt::math::TPoint2D target_{1e9, 1e9};
-  bool turns_ = false;  //!< on the spot
+  Follower follower_;
   double moved_s_ = 0;  //!< when it did last
-  double edges_out_until_s_ = 0;
+  double keeps_until_s_ = 0, edges_out_until_s_ = 0;
 };
 
 }  // namespace talus::nav

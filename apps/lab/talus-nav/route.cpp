@@ -1,11 +1,9 @@
 #include "route.h"
 
 #include <mrpt/core/format.h>
-#include <mrpt/nav/planners/PlannerSimple2D.h>
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <stdexcept>
 
 namespace talus::nav
@@ -54,43 +52,12 @@ void require_manageable(const Area& a)
       a.min_x_m, a.min_y_m, a.max_x_m, a.max_y_m, Route::kFarthest_m, kMost_m2));
 }
 
-/** What is nearer to the robot is left to the reactive navigator. */
-void clear_around(
-    mrpt::maps::COccupancyGridMap2D& grid, const mrpt::math::TPose2D& robot, double radius_m)
-{
-  const double cell = grid.getResolution();
-  for (double dy = -radius_m; dy <= radius_m; dy += cell)
-    for (double dx = -radius_m; dx <= radius_m; dx += cell)
-      if (dx * dx + dy * dy <= radius_m * radius_m)
-        grid.setPos(
-            static_cast<float>(robot.x + dx), static_cast<float>(robot.y + dy), Route::kHopeful);
-}
-
-/** With cells twice as long, each as bad as the worst in it, and unknown ground around. */
-mrpt::maps::COccupancyGridMap2D halved(const mrpt::maps::COccupancyGridMap2D& grid, double around_m)
-{
-  const double cell = 2 * grid.getResolution();
-  const auto down = [&](double v) { return static_cast<float>(std::floor(v / cell) * cell); };
-  mrpt::maps::COccupancyGridMap2D wide;
-  wide.setSize(
-      down(grid.getXMin() - around_m), down(grid.getXMax() + around_m),
-      down(grid.getYMin() - around_m), down(grid.getYMax() + around_m), static_cast<float>(cell),
-      1.0F);
-  for (int y = 0; y < static_cast<int>(grid.getSizeY()); y++)
-    for (int x = 0; x < static_cast<int>(grid.getSizeX()); x++)
-    {
-      const int to_x = wide.x2idx(grid.idx2x(static_cast<std::size_t>(x)));
-      const int to_y = wide.y2idx(grid.idx2y(static_cast<std::size_t>(y)));
-      wide.setCell(to_x, to_y, std::min(wide.getCell(to_x, to_y), grid.getCell(x, y)));
-    }
-  return wide;
-}
 }  // namespace
 
 Route::Route(
     const sim::World& world, const TPoint2D& start, const TPoint2D& goal, double resolution_m,
-    double robot_radius_m)
-    : goal_(goal), robot_radius_m_(robot_radius_m)
+    const RobotBody& body)
+    : goal_(goal), lattice_(body.length_m, body.width_m, resolution_m)
 {
   const Area area = area_of(world, start, goal);
   require_manageable(area);
@@ -111,70 +78,41 @@ void Route::cover(const mrpt::math::TPose2D& robot)
       down(robot.y + kMap_m), kHopeful, false);
 }
 
+bool Route::plan(const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap)
+{
+  return plan_with(costmap, 0, robot);
+}
+
 bool Route::plan_beyond(
     const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap)
 {
-  way_.clear();
-  auto wide = halved(costmap, kBeyond_m);
-  if (plan_with(wide, robot, robot_radius_m_, goal_)) return true;
-  clear_around(wide, robot, robot_radius_m_);
-  return plan_with(wide, robot, 0.8 * robot_radius_m_, goal_);
-}
-
-bool Route::plan(const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap)
-{
-  way_.clear();
-  // A robot that came too near to an obstacle must find away from it.
-  for (const double share : {1.0, 0.8, 0.65})
-    if (plan_with(costmap, robot, share * robot_radius_m_, goal_)) return true;
-  auto around_cleared = costmap;
-  clear_around(around_cleared, robot, robot_radius_m_);
-  return plan_with(around_cleared, robot, 0.65 * robot_radius_m_, goal_) ||
-         plan_with(around_cleared, robot, 0.65 * robot_radius_m_, before_goal(robot));
-}
-
-/** A place from where the robot has arrived, for a goal whose surroundings are blocked or not seen.
- */
-TPoint2D Route::before_goal(const mrpt::math::TPose2D& robot) const
-{
-  const double back_x_m = robot.x - goal_.x, back_y_m = robot.y - goal_.y;
-  const double part = std::min(1.0, kArrives_m / std::max(std::hypot(back_x_m, back_y_m), 1e-9));
-  return {goal_.x + part * back_x_m, goal_.y + part * back_y_m};
+  return plan_with(costmap, kBeyond_m, robot);
 }
 
 bool Route::plan_with(
-    const mrpt::maps::COccupancyGridMap2D& costmap, const mrpt::math::TPose2D& robot,
-    double radius_m, const TPoint2D& to)
+    const mrpt::maps::COccupancyGridMap2D& costmap, double around_m,
+    const mrpt::math::TPose2D& robot)
 {
-  mrpt::nav::PlannerSimple2D planner;
-  planner.robotRadius = static_cast<float>(radius_m);
-  planner.minStepInReturnedPath = 0.2F;
-  planner.occupancyThreshold = kBlocked;
-  std::deque<TPoint2D> path;
-  bool not_found = true;
-  planner.computePath(
-      costmap, mrpt::poses::CPose2D(robot), mrpt::poses::CPose2D(to.x, to.y, 0), path, not_found);
-  if (not_found) return false;
-  way_.assign(path.begin(), path.end());
-  way_.insert(way_.begin(), TPoint2D(robot.x, robot.y));
-  way_.push_back(to);
+  way_ = lattice_.plan(costmap, around_m, robot, goal_, kArrives_m);
+  if (way_.empty()) return false;
+  way_.insert(way_.begin(), {robot.x, robot.y, robot.phi, false, way_.front().narrow});
   return true;
 }
 
 TPoint2D Route::target(const mrpt::math::TPose2D& robot, double ahead_m) const
 {
-  const auto away_m = [&robot](const TPoint2D& p)
-  { return std::hypot(p.x - robot.x, p.y - robot.y); };
+  const auto away_m = [&robot](const RoutePose& p)
+  { return std::hypot(p.x_m - robot.x, p.y_m - robot.y); };
   std::size_t nearest = 0;
   for (std::size_t i = 0; i < way_.size(); i++)
     if (away_m(way_[i]) < away_m(way_[nearest])) nearest = i;
   double left_m = ahead_m;
   for (std::size_t i = nearest; i + 1 < way_.size(); i++)
   {
-    left_m -= std::hypot(way_[i + 1].x - way_[i].x, way_[i + 1].y - way_[i].y);
-    if (left_m <= 0) return way_[i + 1];
+    left_m -= std::hypot(way_[i + 1].x_m - way_[i].x_m, way_[i + 1].y_m - way_[i].y_m);
+    if (left_m <= 0) return {way_[i + 1].x_m, way_[i + 1].y_m};
   }
-  return way_.back();
+  return {way_.back().x_m, way_.back().y_m};
 }
 
 }  // namespace talus::nav

@@ -1,5 +1,6 @@
 #include "map_source.h"
 
+#include <mrpt/math/TPose2D.h>
 #include <talus/mrpt/pose_from.h>
 
 #include <vector>
@@ -28,6 +29,12 @@ class TerrainSource : public MapSource
       mrpt::maps::CSimplePointsMap& out) override
   {
     make_obstacles(map_, T_map_base, options_, prism_heights_m, out);
+  }
+
+  std::vector<BlockedPlace> blocked_places(
+      const mrpt::poses::CPose3D& T_map_base, double within_m) override
+  {
+    return blocked_places_of(map_, T_map_base, options_, within_m);
   }
 
   void update_costmap(
@@ -77,6 +84,40 @@ Frame frame_of(
   frame.z_m = scan.z_m.data();
   frame.size = scan.size();
   return frame;
+}
+
+std::vector<BlockedPlace> MapSource::blocked_places(
+    const mrpt::poses::CPose3D& T_map_base, double within_m)
+{
+  mrpt::maps::CSimplePointsMap points;
+  obstacles(T_map_base, {}, points);
+  std::vector<BlockedPlace> out;
+  for (std::size_t i = 0; i < points.size(); i++)
+  {
+    const BlockedPlace p{points.getPointsBufferRef_x()[i], points.getPointsBufferRef_y()[i], false};
+    if (std::hypot(p.x_m, p.y_m) < within_m) out.push_back(p);
+  }
+  return out;
+}
+
+std::vector<BlockedPlace> blocked_places_of(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& options,
+    double within_m)
+{
+  std::vector<BlockedPlace> out;
+  const auto cells = classify_cells(map, T_map_base, options);
+  const auto edges = find_edges(map, T_map_base, cells);
+  const Window w = map.window();
+  const mrpt::math::TPose2D here(T_map_base.x(), T_map_base.y(), T_map_base.yaw());
+  for (std::size_t i = 0; i < cells.size(); i++)
+  {
+    if (cells[i] != Passage::Obstacle) continue;
+    const double x_m = w.min_x_m() + (static_cast<int>(i) % w.cells + 0.5) * w.resolution_m;
+    const double y_m = w.min_y_m() + (static_cast<int>(i) / w.cells + 0.5) * w.resolution_m;
+    const auto p = here.inverseComposePoint(mrpt::math::TPoint2D(x_m, y_m));
+    if (p.norm() < within_m) out.push_back({p.x, p.y, edges[i]});
+  }
+  return out;
 }
 
 void make_obstacles(

@@ -1,0 +1,13 @@
+#pragma once
+
+namespace talus::nav
+{
+// What the cells of a costmap mean, which costmap_from_map() makes: probabilities of being free.
+constexpr float kStandsBelow = 0.075F;  //!< in cells of less than this something stands
+/** What of this or more is blocked lies beside something that stands. */
+constexpr float kBesideAbove = 0.225F;
+constexpr float kBlockedUpTo = 0.45F;  //!< cells of this or less are blocked
+/** Where nothing is known a way may be hoped for. What is known and not blocked is 0.55 or more. */
+constexpr float kHopeful = 0.5F;
+
+}  // namespace talus::nav

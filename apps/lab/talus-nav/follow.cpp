@@ -1,0 +1,108 @@
+#include "follow.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus::nav
+{
+namespace
+{
+constexpr double kSpeed_mps = 0.3, kTurn_radps = 0.8, kSlowTurn_radps = 0.3;
+constexpr double kLookAhead_m = 0.3;
+constexpr double kThere_m = 0.05;
+constexpr double kSharp_rad = 0.7;  // a bend at which a robot stops: more than one heading
+constexpr double kTurnFrom_rad = 0.35, kTurnTo_rad = 0.08;
+
+double between_rad(double from_rad, double to_rad)
+{
+  return std::remainder(to_rad - from_rad, 2 * M_PI);
+}
+
+double between_m(const RoutePose& a, const RoutePose& b)
+{
+  return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
+}
+
+bool is_turn(const RoutePose& a, const RoutePose& b) { return between_m(a, b) < 1e-6; }
+
+/** The last pose at the place of this one. */
+std::size_t last_here(const std::vector<RoutePose>& way, std::size_t i)
+{
+  while (i + 1 < way.size() && is_turn(way[i], way[i + 1])) i++;
+  return i;
+}
+
+/** The first pose from `i` on at which a robot has to stop: a sharp turn, a change of direction, or
+ * the end. */
+std::size_t end_of_leg(const std::vector<RoutePose>& way, std::size_t i)
+{
+  for (; i + 1 < way.size(); i++)
+  {
+    const std::size_t last = last_here(way, i);
+    const bool sharp = std::abs(between_rad(way[i].yaw_rad, way[last].yaw_rad)) > kSharp_rad;
+    const bool reverses =
+        last + 1 < way.size() && last > 0 && i > 0 && way[last + 1].backwards != way[i].backwards;
+    if (sharp || reverses) return i;
+    i = std::max(i, last);
+  }
+  return way.size() - 1;
+}
+
+Speeds turn(double off_rad)
+{
+  return {
+      0, std::copysign(std::clamp(2 * std::abs(off_rad), kSlowTurn_radps, kTurn_radps), off_rad)};
+}
+}  // namespace
+
+std::size_t nearest_on(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot)
+{
+  const auto away_m = [&robot](const RoutePose& p)
+  { return std::hypot(p.x_m - robot.x, p.y_m - robot.y); };
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < way.size(); i++)
+    if (away_m(way[i]) < away_m(way[nearest])) nearest = i;
+  return nearest;
+}
+
+bool must_keep_to(
+    const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m)
+{
+  double gone_m = 0;
+  for (std::size_t i = nearest_on(way, robot); i < way.size() && gone_m <= ahead_m; i++)
+  {
+    if (way[i].narrow || way[i].backwards) return true;
+    if (i + 1 < way.size()) gone_m += between_m(way[i], way[i + 1]);
+  }
+  return false;
+}
+
+Speeds Follower::follow(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot)
+{
+  std::size_t at = nearest_on(way, robot);
+  std::size_t end = end_of_leg(way, at);
+  const auto away_m = [&](std::size_t i)
+  { return std::hypot(way[i].x_m - robot.x, way[i].y_m - robot.y); };
+  if (away_m(end) < kThere_m && end + 1 < way.size())
+  {
+    at = last_here(way, end);
+    const double off_rad = between_rad(robot.phi, way[at].yaw_rad);
+    turns_ = std::abs(off_rad) > (turns_ ? kTurnTo_rad : kTurnFrom_rad);
+    if (turns_) return turn(off_rad);
+    end = end_of_leg(way, at + 1);
+  }
+  std::size_t ahead = std::min(at + 1, end);
+  while (ahead < end && away_m(ahead) < kLookAhead_m) ahead++;
+  const bool backwards = way[ahead].backwards;
+  auto to = robot.inverseComposePoint(mrpt::math::TPoint2D(way[ahead].x_m, way[ahead].y_m));
+  if (backwards) to = {-to.x, -to.y};
+  const double off_rad = std::atan2(to.y, to.x);
+  turns_ = std::abs(off_rad) > (turns_ ? kTurnTo_rad : kTurnFrom_rad);
+  if (turns_) return turn(off_rad);
+  const double v_mps = std::min(kSpeed_mps, std::max(0.08, 2 * away_m(ahead)));
+  const double w_radps =
+      std::clamp(v_mps * 2 * to.y / std::max(to.sqrNorm(), 0.01), -kTurn_radps, kTurn_radps);
+  return {backwards ? -v_mps : v_mps, w_radps};
+}
+
+}  // namespace talus::nav

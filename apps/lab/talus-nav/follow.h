@@ -1,0 +1,32 @@
+#pragma once
+#include "lattice.h"
+
+#include <vector>
+
+namespace talus::nav
+{
+/** Speeds of a robot. */
+struct Speeds
+{
+  double v_mps, w_radps;
+};
+
+/** Where on a way a robot is: the place nearest to it. */
+std::size_t nearest_on(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot);
+
+/** Whether a robot must keep to a way, pose by pose: it is narrow or leads backwards within
+ * `ahead_m`. */
+bool must_keep_to(
+    const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m);
+
+/** Drives slowly along a way and turns on the spot where it does, without a look at obstacles. */
+class Follower
+{
+ public:
+  Speeds follow(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot);
+
+ private:
+  bool turns_ = false;
+};
+
+}  // namespace talus::nav

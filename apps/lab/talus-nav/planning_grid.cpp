@@ -1,0 +1,95 @@
+#include "planning_grid.h"
+
+#include "costmap_values.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus::nav
+{
+namespace
+{
+constexpr int kStraight = PlanningGrid::kThirds, kDiagonal = 4;
+
+Ground ground_of(float free_probability)
+{
+  if (free_probability > kBlockedUpTo) return Ground::Free;
+  return free_probability < kStandsBelow || free_probability > kBesideAbove ? Ground::Stands
+                                                                            : Ground::Edge;
+}
+}  // namespace
+
+PlanningGrid::PlanningGrid(const mrpt::maps::COccupancyGridMap2D& costmap, double around_m)
+    : cell_m_(costmap.getResolution())
+{
+  const int around = kBorder_cells + static_cast<int>(std::ceil(around_m / cell_m_));
+  const int inner_columns = static_cast<int>(costmap.getSizeX());
+  const int inner_rows = static_cast<int>(costmap.getSizeY());
+  columns_ = inner_columns + 2 * around;
+  rows_ = inner_rows + 2 * around;
+  min_x_m_ = costmap.getXMin() - around * cell_m_;
+  min_y_m_ = costmap.getYMin() - around * cell_m_;
+  ground_.assign(
+      static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), Ground::Free);
+  for (int y = 0; y < inner_rows; y++)
+    for (int x = 0; x < inner_columns; x++)
+      ground_[index(x + around, y + around)] = ground_of(costmap.getCell(x, y));
+}
+
+void PlanningGrid::clear(const mrpt::math::TPose2D& middle, double length_m, double width_m)
+{
+  const double reach_m = std::hypot(length_m, width_m) / 2;
+  for (int y = row_of(middle.y - reach_m); y <= row_of(middle.y + reach_m); y++)
+    for (int x = column_of(middle.x - reach_m); x <= column_of(middle.x + reach_m); x++)
+    {
+      if (x < 0 || y < 0 || x >= columns_ || y >= rows_) continue;
+      const auto p = middle.inverseComposePoint(mrpt::math::TPoint2D(x_m(x), y_m(y)));
+      if (std::abs(p.x) <= length_m / 2 && std::abs(p.y) <= width_m / 2)
+        ground_[index(x, y)] = Ground::Free;
+    }
+}
+
+void PlanningGrid::measure()
+{
+  to_standing_ = distances_to(Ground::Stands);
+  to_edge_ = distances_to(Ground::Edge);
+}
+
+/** Once from the first cell to the last, and once back. */
+std::vector<std::uint8_t> PlanningGrid::distances_to(Ground ground) const
+{
+  std::vector<std::uint8_t> out(ground_.size());
+  for (std::size_t i = 0; i < out.size(); i++)
+    out[i] = ground_[i] == ground ? 0 : static_cast<std::uint8_t>(kFarthest_thirds);
+  const auto n = static_cast<std::size_t>(columns_);
+  const auto nearer = [&out](std::size_t to, std::size_t from, int step)
+  { out[to] = static_cast<std::uint8_t>(std::min<int>(out[to], out[from] + step)); };
+  const std::size_t first = n + 1, last = out.size() - n - 1;  // the border is free
+  for (std::size_t i = first; i < last; i++)
+  {
+    nearer(i, i - 1, kStraight);
+    nearer(i, i - n, kStraight);
+    nearer(i, i - n - 1, kDiagonal);
+    nearer(i, i - n + 1, kDiagonal);
+  }
+  for (std::size_t i = last; i-- > first;)
+  {
+    nearer(i, i + 1, kStraight);
+    nearer(i, i + n, kStraight);
+    nearer(i, i + n + 1, kDiagonal);
+    nearer(i, i + n - 1, kDiagonal);
+  }
+  return out;
+}
+
+int PlanningGrid::column_of(double x_m) const
+{
+  return static_cast<int>(std::floor((x_m - min_x_m_) / cell_m_));
+}
+
+int PlanningGrid::row_of(double y_m) const
+{
+  return static_cast<int>(std::floor((y_m - min_y_m_) / cell_m_));
+}
+
+}  // namespace talus::nav

@@ -1,0 +1,190 @@
+// Ways of a robot of 0.6 x 0.5 m on costmaps, how it follows them, and what it keeps away from.
+#include "apps/lab/talus-nav/lattice.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/lab/talus-nav/clearance.h"
+#include "apps/lab/talus-nav/follow.h"
+
+namespace
+{
+using mrpt::maps::COccupancyGridMap2D;
+using mrpt::math::TPoint2D;
+using mrpt::math::TPose2D;
+using talus::nav::RoutePose;
+
+constexpr float kCell_m = 0.05F, kFree = 0.95F, kWall = 0.05F, kDrop = 0.15F;
+constexpr double kLength_m = 0.6, kWidth_m = 0.5, kArrives_m = 0.35;
+
+/** A costmap of 8 x 6 m that is free, around (0, 0). */
+struct Floor
+{
+  Floor() { grid.setSize(-4, 4, -3, 3, kCell_m, kFree); }
+
+  Floor& with(float p, double x0, double x1, double y0, double y1)
+  {
+    for (int y = 0; y < static_cast<int>(grid.getSizeY()); y++)
+      for (int x = 0; x < static_cast<int>(grid.getSizeX()); x++)
+        if (grid.idx2x(x) > x0 && grid.idx2x(x) < x1 && grid.idx2y(y) > y0 && grid.idx2y(y) < y1)
+          grid.setCell(x, y, p);
+    return *this;
+  }
+  Floor& wall_with_door(double width_m)
+  {
+    return with(kWall, 0, 0.1, -3, -width_m / 2).with(kWall, 0, 0.1, width_m / 2, 3);
+  }
+  std::vector<RoutePose> way(const TPose2D& from, const TPoint2D& to) const
+  {
+    const talus::nav::Lattice lattice(kLength_m, kWidth_m, kCell_m);
+    return lattice.plan(grid, 0, from, to, kArrives_m);
+  }
+  /** From the outline of the robot to the nearest cell that is blocked. */
+  double clearance_m(const TPose2D& robot) const
+  {
+    double least_m = 1e9;
+    for (int y = 0; y < static_cast<int>(grid.getSizeY()); y++)
+      for (int x = 0; x < static_cast<int>(grid.getSizeX()); x++)
+      {
+        if (grid.getCell(x, y) > 0.5F) continue;
+        const auto p = robot.inverseComposePoint(TPoint2D(grid.idx2x(x), grid.idx2y(y)));
+        least_m = std::min(
+            least_m, std::hypot(
+                         std::max(0.0, std::abs(p.x) - kLength_m / 2),
+                         std::max(0.0, std::abs(p.y) - kWidth_m / 2)));
+      }
+    return least_m;
+  }
+  double least_clearance_m(const std::vector<RoutePose>& way) const
+  {
+    double least_m = 1e9;
+    for (const auto& p : way) least_m = std::min(least_m, clearance_m({p.x_m, p.y_m, p.yaw_rad}));
+    return least_m;
+  }
+
+  COccupancyGridMap2D grid;
+};
+
+/** A corridor along x, 0.9 m wide, that turns to the left at x = 2. */
+Floor corridor()
+{
+  return Floor()
+      .with(kWall, -4, 4, -3, -0.45)
+      .with(kWall, 2.45, 4, -3, 3)
+      .with(kWall, -4, 1.55, 0.45, 3);
+}
+
+/** Where a robot comes to that follows a way, and how near to what blocks. */
+struct Drive
+{
+  Drive(const Floor& floor, const std::vector<RoutePose>& way, TPose2D at)
+  {
+    talus::nav::Follower follower;
+    for (int i = 0; i < 2000; i++)
+    {
+      const auto speeds = follower.follow(way, at);
+      at.x += 0.05 * speeds.v_mps * std::cos(at.phi);
+      at.y += 0.05 * speeds.v_mps * std::sin(at.phi);
+      at.phi += 0.05 * speeds.w_radps;
+      if (i % 10 == 0) least_m = std::min(least_m, floor.clearance_m(at));
+      if (std::hypot(at.x - way.back().x_m, at.y - way.back().y_m) < 0.1) break;
+    }
+    end = at;
+  }
+  TPose2D end;
+  double least_m = 1e9;
+};
+
+TEST(Lattice, passes_doors_that_are_as_wide_as_the_robot_and_a_little)
+{
+  for (const double width_m : {0.95, 0.85, 0.75})
+  {
+    const Floor floor = Floor().wall_with_door(width_m);
+    const auto way = floor.way({-2, 1, 0}, {2, -1});
+    ASSERT_FALSE(way.empty()) << width_m;
+    EXPECT_NEAR(way.back().x_m, 2, 0.1);
+    EXPECT_NEAR(way.back().y_m, -1, 0.1);
+    EXPECT_GT(floor.least_clearance_m(way), 0.04);
+    EXPECT_GT(Drive(floor, way, {-2, 1, 0}).least_m, 0.03);
+  }
+  EXPECT_TRUE(Floor().wall_with_door(0.5).way({-2, 0, 0}, {2, 0}).empty());
+}
+
+TEST(Lattice, keeps_ten_centimetres_away_from_edges_whatever_the_heading)
+{
+  const Floor bridge = Floor().with(kDrop, -1, 1, -3, -0.45).with(kDrop, -1, 1, 0.45, 3);
+  const auto way = bridge.way({-2, 1.5, 1.6}, {2, -1.5});
+  ASSERT_FALSE(way.empty());
+  EXPECT_GT(bridge.least_clearance_m(way), 0.1 + kCell_m / 2);
+  const Floor narrow = Floor().with(kDrop, -1, 1, -3, -0.35).with(kDrop, -1, 1, 0.35, 3);
+  EXPECT_TRUE(narrow.way({-2, 0, 0}, {2, 0}).empty()) << "a wall would let it pass";
+}
+
+TEST(Lattice, turns_in_a_corridor_with_a_right_angle)
+{
+  const Floor floor = corridor();
+  const TPose2D start(-2, 0, 0);
+  const auto way = floor.way(start, {2, 2.5});
+  ASSERT_FALSE(way.empty());
+  EXPECT_GT(floor.least_clearance_m(way), 0.04);
+  EXPECT_TRUE(std::all_of(way.begin(), way.end(), [](const auto& p) { return !p.backwards; }));
+  EXPECT_FALSE(talus::nav::must_keep_to(way, start, 0.6)) << "20 cm on both sides";
+  EXPECT_TRUE(talus::nav::must_keep_to(way, {2, 0, 0}, 0.6)) << "it turns";
+  const Drive drive(floor, way, start);
+  EXPECT_GT(drive.least_m, 0.02);
+  EXPECT_NEAR(drive.end.y, 2.5, 0.2);
+}
+
+TEST(Lattice, goes_backwards_where_it_cannot_turn)
+{
+  const Floor alley =
+      Floor().with(kWall, -1, 4, -3, -0.35).with(kWall, -1, 4, 0.35, 3).with(kWall, 2, 4, -3, 3);
+  const TPose2D start(1.5, 0, 0);
+  const auto way = alley.way(start, {-3, 0});
+  ASSERT_FALSE(way.empty());
+  EXPECT_TRUE(way[5].backwards);
+  const Drive drive(alley, way, start);
+  EXPECT_GT(drive.least_m, 0.02);
+  EXPECT_NEAR(drive.end.x, -3, 0.2);
+}
+
+TEST(Lattice, leaves_a_start_that_is_nearer_to_a_wall_or_an_edge_than_it_may_come)
+{
+  const auto least_m = [](float p, double from_y_m)
+  {
+    const Floor floor = Floor().with(p, -4, 4, from_y_m, 0.5);
+    const auto way = floor.way({-2, 0, 0}, {2, 0});
+    return way.empty() ? 0 : floor.least_clearance_m(way);
+  };
+  EXPECT_GT(least_m(kWall, 0.27), 0.02) << "2 to 3 cm beside it";
+  EXPECT_GT(least_m(kDrop, 0.36), 0.1) << "12 cm beside it";
+}
+
+TEST(Lattice, ends_beside_a_goal_that_is_blocked_and_finds_the_same_way_again)
+{
+  const Floor floor = Floor().with(kWall, 1.9, 2.1, -0.1, 0.1);
+  const auto way = floor.way({-2, 0, 0}, {2.3, 0}), again = floor.way({-2, 0, 0}, {2.3, 0});
+  ASSERT_FALSE(way.empty());
+  EXPECT_LE(std::hypot(way.back().x_m - 2.3, way.back().y_m), kArrives_m + kCell_m);
+  ASSERT_EQ(way.size(), again.size());
+  for (std::size_t i = 0; i < way.size(); i++)
+  {
+    EXPECT_EQ(way[i].x_m, again[i].x_m);
+    EXPECT_EQ(way[i].yaw_rad, again[i].yaw_rad);
+  }
+}
+
+TEST(ClearTime, is_short_before_edges_and_longer_before_walls_where_it_is_narrow)
+{
+  const talus::nav::RobotBody body;
+  const auto clear_s = [&](bool is_edge, bool narrow) {
+    return talus::nav::clear_time_s({{0.8, 0.2, is_edge}}, body, 0.5, 0, 5, narrow);
+  };
+  EXPECT_NEAR(clear_s(true, false), 0.8, 0.07);  // 0.3 m to the front, 0.1 m away
+  EXPECT_NEAR(clear_s(true, true), 0.8, 0.07);
+  EXPECT_NEAR(clear_s(false, false), 0.8, 0.07);
+  EXPECT_NEAR(clear_s(false, true), 0.96, 0.07);
+}
+}  // namespace
