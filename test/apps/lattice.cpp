@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "apps/lab/talus-nav/clearance.h"
 #include "apps/lab/talus-nav/follow.h"
@@ -174,6 +175,12 @@ TEST(Lattice, ends_beside_a_goal_that_is_blocked_and_finds_the_same_way_again)
     EXPECT_EQ(way[i].x_m, again[i].x_m);
     EXPECT_EQ(way[i].yaw_rad, again[i].yaw_rad);
   }
+}
+
+TEST(Lattice, refuses_a_robot_that_reaches_over_the_border_of_its_grid)
+{
+  EXPECT_THROW(talus::nav::Lattice(1.2, 0.8, 0.05), std::invalid_argument);
+  EXPECT_NO_THROW(talus::nav::Lattice(1.2, 0.8, 0.1));
 }
 
 TEST(ClearTime, is_short_before_edges_and_longer_before_walls_where_it_is_narrow)

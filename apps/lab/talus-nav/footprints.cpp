@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace talus::nav
 {
@@ -55,6 +56,8 @@ Footprints::Footprints(double length_m, double width_m, double cell_m, const Mar
   sure_edge_thirds_ = sure_thirds(margins.edge_m);
   const double farthest_m = std::max(margins.standing_m, margins.edge_m);
   const int reach = static_cast<int>(std::ceil((corner_m + farthest_m) / cell_m));
+  if (reach >= PlanningGrid::kBorder_cells)
+    throw std::invalid_argument("the robot is too large for a lattice with such small cells");
   for (std::size_t h = 0; h < cells_.size(); h++)
   {
     const double yaw_rad = middle_rad(static_cast<int>(h));

@@ -52,6 +52,7 @@ constexpr double kNearStart_m = 0.6;
 class Footprints
 {
  public:
+  /** Throws std::invalid_argument for a robot that reaches over the border of a PlanningGrid. */
   Footprints(double length_m, double width_m, double cell_m, const Margins& margins);
 
   /** At a heading, of 2 * kHeadings: the odd ones lie between two. */

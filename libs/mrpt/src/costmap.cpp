@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "judged_cells.h"
+
 namespace talus
 {
 namespace
@@ -91,8 +93,9 @@ void update_costmap(
     COccupancyGridMap2D& grid)
 {
   const Place first = place_in(grid, map.window());
-  const auto cells = classify_cells(map, T_map_base, o);
-  const auto doubtful = find_doubtful(map, o);
+  const auto judged = detail::judge_cells(map, T_map_base, o);
+  const auto& cells = judged.passages;
+  const auto& doubtful = judged.doubtful;
   const auto edges = find_edges(map, T_map_base, cells);
   const auto& traversability = map.layer(Layer::Traversability);
   for_each_shared(

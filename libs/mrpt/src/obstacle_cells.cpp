@@ -7,6 +7,7 @@
 #include <string>
 
 #include "falls.h"
+#include "judged_cells.h"
 #include "surface_view.h"
 
 namespace talus
@@ -44,28 +45,29 @@ bool something_stands(const SurfaceView& view, std::size_t cell)
  */
 constexpr double kBeside_m = 0.2;
 
-/** What is around a cell, for a robot whose base is at a height. */
+/** What is around a cell. */
 class Surroundings
 {
  public:
-  Surroundings(const MapView& map, double level_m)
+  explicit Surroundings(const MapView& map)
       : view_(map),
-        level_m_(level_m),
         step_m_(map.parameters().step_threshold_m),
         reach_(static_cast<int>(std::lround(kBeside_m / map.parameters().resolution_m)))
   {
   }
 
-  bool is_edge(int ix, int iy) const
+  /** For a robot whose base is at this height. */
+  bool is_edge(int ix, int iy, double level_m) const
   {
-    const Around around = of(ix, iy);
-    return !around.stands || around.lowest_m < level_m_ - step_m_;
+    const Around around = of(ix, iy, level_m);
+    return !around.stands || around.lowest_m < level_m - step_m_;
   }
-  /** Beside a wall, with no ground below that of the robot in between. */
+  /** Beside a wall, with no ground in between that is lower than its own. */
   bool is_beside_wall(int ix, int iy) const
   {
-    const Around around = of(ix, iy);
-    return around.wall && around.lowest_m > level_m_ - step_m_;
+    const double level_m = view_.ground[view_.index(ix, iy)];
+    const Around around = of(ix, iy, level_m);
+    return around.wall && around.lowest_m > level_m - step_m_;
   }
 
  private:
@@ -74,7 +76,7 @@ class Surroundings
     float lowest_m = HUGE_VALF;
     bool stands = false, wall = false;
   };
-  Around of(int ix, int iy) const
+  Around of(int ix, int iy, double level_m) const
   {
     Around out;
     const int last = view_.window.cells - 1;
@@ -83,15 +85,15 @@ class Surroundings
       {
         const std::size_t cell = view_.index(x, y);
         const bool object = something_stands(view_, cell);
-        out.stands = out.stands || object || view_.ground[cell] > level_m_ + step_m_;
-        out.wall = out.wall || (object && view_.elevation[cell] > level_m_ + step_m_);
+        out.stands = out.stands || object || view_.ground[cell] > level_m + step_m_;
+        out.wall = out.wall || (object && view_.elevation[cell] > level_m + step_m_);
         out.lowest_m = std::fmin(out.lowest_m, view_.ground[cell]);
       }
     return out;
   }
 
   SurfaceView view_;
-  double level_m_, step_m_;
+  double step_m_;
   int reach_;
 };
 
@@ -99,9 +101,9 @@ class Surroundings
 class Judge
 {
  public:
-  Judge(const MapView& map, double level_m, const ObstacleOptions& o)
+  Judge(const MapView& map, const ObstacleOptions& o)
       : view_(map),
-        around_(map, level_m),
+        around_(map),
         o_(o),
         reach_(static_cast<int>(
             std::lround(map.parameters().feature_radius_m / map.parameters().resolution_m))),
@@ -246,46 +248,47 @@ double to_border_m(const Window& w, const mrpt::poses::CPose3D& T)
 }
 }  // namespace
 
-std::vector<Passage> classify_cells(
+detail::JudgedCells detail::judge_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
 {
   require_sound(T_map_base, o);
-  const Judge judge(map, T_map_base.z(), o);
+  const Judge judge(map, o);
   const SurfaceView& view = judge.view();
-  const int cells = view.window.cells;
-  std::vector<Passage> out;
-  out.reserve(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
-  for (int iy = 0; iy < cells; iy++)
-    for (int ix = 0; ix < cells; ix++)
+  const int n = view.window.cells;
+  JudgedCells out;
+  out.passages.reserve(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
+  out.doubtful.reserve(out.passages.capacity());
+  for (int iy = 0; iy < n; iy++)
+    for (int ix = 0; ix < n; ix++)
     {
       const double distance_m =
           std::hypot(view.x_m(ix) - T_map_base.x(), view.y_m(iy) - T_map_base.y());
-      out.push_back(judge(ix, iy, distance_m));
+      out.passages.push_back(judge(ix, iy, distance_m));
+      out.doubtful.push_back(judge.is_doubtful(ix, iy));
     }
   return out;
 }
 
+std::vector<Passage> classify_cells(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
+{
+  return detail::judge_cells(map, T_map_base, o).passages;
+}
+
 std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o)
 {
-  require_sound({}, o);
-  const Judge judge(map, 0, o);
-  const int cells = judge.view().window.cells;
-  std::vector<bool> out;
-  out.reserve(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
-  for (int iy = 0; iy < cells; iy++)
-    for (int ix = 0; ix < cells; ix++) out.push_back(judge.is_doubtful(ix, iy));
-  return out;
+  return detail::judge_cells(map, {}, o).doubtful;
 }
 
 std::vector<bool> find_edges(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const std::vector<Passage>& cells)
 {
-  const Surroundings around(map, T_map_base.z());
+  const Surroundings around(map);
   const int n = map.window().cells;
   std::vector<bool> out(cells.size(), false);
   for (std::size_t i = 0; i < cells.size(); i++)
     out[i] = cells[i] != Passage::Free &&
-             around.is_edge(static_cast<int>(i) % n, static_cast<int>(i) / n);
+             around.is_edge(static_cast<int>(i) % n, static_cast<int>(i) / n, T_map_base.z());
   return out;
 }
 
@@ -296,7 +299,7 @@ double known_ahead_m(
   if (map.empty()) return 0;
   require_sound(T_map_base, o);
   if (v_mps == 0) return o.range_m;
-  const Judge judge(map, T_map_base.z(), o);
+  const Judge judge(map, o);
   const SurfaceView& view = judge.view();
   const Arc arc(v_mps, w_radps);
   const double c = std::cos(T_map_base.yaw()), s = std::sin(T_map_base.yaw());
