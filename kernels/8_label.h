@@ -43,16 +43,41 @@ TALUS_HD bool hangs_over(const Cell& c, const PointInCell& p)
   return passed | (free & (p.from_below != 0) & !left_lately);
 }
 
+/** The surface of a cell that a point belongs to. */
+enum PointSurface : std::int32_t
+{
+  kNoSurface = -1,
+  kOfGround = 0,
+  kOfObject,
+  kPointSurfaces
+};
+
+/** Whether something stands on the ground of a cell. */
+TALUS_HD bool has_object(float ground_m, float elevation_m, const Config& k)
+{
+  return elevation_m > bare_up_to_m(ground_m, k);  // false if not measured
+}
+
+/** Of a point `height_m` above the datum; kNoSurface also where the ground is not known.
+ * `on_object`: see PointInCell. */
+TALUS_HD std::int32_t surface_at(const Cell& c, bool on_object, float height_m, const Config& k)
+{
+  if (height_m <= bare_up_to_m(c.ground_m, k) || is_driven_through(c, height_m))
+  {
+    if (on_object) return kOfObject;
+    return height_m < c.ground_m - kBuried_m ? kNoSurface : kOfGround;
+  }
+  const bool stands = has_object(c.ground_m, c.elevation_m, k);
+  return stands && height_m <= c.elevation_m + k.step_threshold_m ? kOfObject : kNoSurface;
+}
+
 TALUS_HD Label label_in_cell(const Cell& c, const PointInCell& p, const Config& k)
 {
   if (c.state == kUnknown) return kLabelOutside;
-  const float bare_m = bare_up_to_m(c.ground_m, k);
-  const bool low = p.height_m <= bare_m || is_driven_through(c, p.height_m);
-  if (low && p.on_object != 0) return kLabelStands;
+  const std::int32_t surface = surface_at(c, p.on_object != 0, p.height_m, k);
+  if (surface != kNoSurface) return surface == kOfGround ? kLabelGround : kLabelStands;
   if (p.height_m < c.ground_m - kBuried_m) return kLabelBelowGround;
-  if (low) return kLabelGround;
-  const bool stands = c.elevation_m > bare_m;  // false if not measured
-  if (stands && p.height_m <= c.elevation_m + k.step_threshold_m) return kLabelStands;
+  const bool stands = has_object(c.ground_m, c.elevation_m, k);
   const float top_m = select(stands, c.elevation_m, c.ground_m);
   const bool has_room_below = p.height_m - top_m > k.clearance_m;
   return has_room_below && (stands || hangs_over(c, p)) ? kLabelHangs : kLabelMovedAway;

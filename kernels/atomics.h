@@ -20,6 +20,7 @@ struct SerialAtomics
     *where = before + value;
     return before;
   }
+  static TALUS_HD void add(std::uint64_t* where, std::uint64_t value) { *where += value; }
   template <class T>
   static TALUS_HD void min(T* where, T value)
   {
@@ -45,6 +46,10 @@ struct ThreadAtomics
   static std::uint32_t add(std::uint32_t* where, std::uint32_t value)
   {
     return __atomic_fetch_add(where, value, __ATOMIC_RELAXED);
+  }
+  static void add(std::uint64_t* where, std::uint64_t value)
+  {
+    __atomic_fetch_add(where, value, __ATOMIC_RELAXED);
   }
   template <class T>
   static void min(T* where, T value)
@@ -98,6 +103,10 @@ struct DeviceAtomics
   static __device__ std::uint32_t add(std::uint32_t* where, std::uint32_t value)
   {
     return atomicAdd(where, value);
+  }
+  static __device__ void add(std::uint64_t* where, std::uint64_t value)
+  {
+    atomicAdd(reinterpret_cast<unsigned long long*>(where), static_cast<unsigned long long>(value));
   }
   static __device__ void min(std::int32_t* where, std::int32_t value) { atomicMin(where, value); }
   static __device__ void max(std::int32_t* where, std::int32_t value) { atomicMax(where, value); }

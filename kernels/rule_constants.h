@@ -161,4 +161,16 @@ constexpr float kHollow = 2.0f;
 /** Ground may drop if eq. 14 gives less than this: halfway between sure and impossible. */
 constexpr float kSparse = 0.5f;
 
+// ---- Channels ----
+
+/** A mean counts at most so many points of the past, so that it follows change within a few scans:
+ * a cell gets one to ten points of a scan. */
+constexpr std::uint32_t kMeanOfPoints = 64;
+/** Votes are halved above so many, for the same reason; each fits into eight bits. */
+constexpr std::uint32_t kVotesOfPoints = 64;
+/** Values are summed as integers in steps of 1/65536; beyond 2^24, where float itself has no
+ * fractions, they are left out. */
+constexpr double kChannelSteps = 65536.0;
+constexpr float kMostOfChannel = 16777216.0f;
+
 }  // namespace talus::kernels

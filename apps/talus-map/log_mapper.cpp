@@ -109,6 +109,9 @@ LogMapper::LogMapper(
   run_.threads = settings.threads;
   run_.parameters = settings.parameters;
   run_.warnings = settings.warnings;
+  for (const Channel& channel : settings.parameters.channels)
+    scan_.channel_names.push_back(channel.name);
+  has_channel_.resize(scan_.channel_names.size());
 }
 
 void LogMapper::run(const OnFrame& on_frame)
@@ -135,6 +138,7 @@ void LogMapper::run(const OnFrame& on_frame)
   if (options_.suggest) return;
   add_hints();
   require_points();
+  require_channels_of_log();
   if (site_) site_->finish(map_, run_);
   if (labels_) labels_->finish();
   add_warnings();
@@ -203,6 +207,7 @@ bool LogMapper::insert(const std::string& label)
 {
   const auto T_map_base = poses_.base_at(scan_.stamp_s);
   if (!T_map_base) return skip("no_pose", "there is no pose within --max-gap");
+  check_channels();
   Frame frame = frame_from(scan_, *T_map_base);
   frame.path = poses_.sensor_path(scan_);
   try
@@ -297,6 +302,33 @@ void LogMapper::require_points() const
       text +
       "see min_height_m, max_height_m (from the sensor upwards), min_range_m, max_range_m and "
       "window_m, which -s NAME=VALUE sets");
+}
+
+/** Of the scan. A class that is none ends the run: the log has other classes than was said. */
+void LogMapper::check_channels()
+{
+  for (std::size_t c = 0; c < has_channel_.size(); ++c)
+    if (!scan_.channels[c].empty()) has_channel_[c] = true;
+  try
+  {
+    require_channels(frame_from(scan_, {}), map_.parameters().channels);
+  }
+  catch (const std::invalid_argument& e)
+  {
+    throw std::runtime_error(log_ + ": " + e.what());
+  }
+}
+
+void LogMapper::require_channels_of_log() const
+{
+  for (std::size_t c = 0; c < has_channel_.size(); ++c)
+    if (!has_channel_[c])
+      throw std::runtime_error(
+          log_ + ": no scan of it has the values '" + scan_.channel_names[c] +
+          "' of --channels; read are 'intensity' (of clouds, Velodyne, rotating and 2D scans that "
+          "have it), 'red', 'green' and 'blue' of clouds with colours, and with MRPT 2.15 and "
+          "newer "
+          "all fields of clouds that are floats");
 }
 
 void LogMapper::add_warnings()

@@ -82,6 +82,8 @@ class LogMapper
   bool note_stamp(const mrpt::obs::CObservation& obs);
   [[noreturn]] void explain_no_frames() const;
   void require_points() const;
+  void check_channels();
+  void require_channels_of_log() const;
   void map_scan(const Frame& scan);
   FrameReport map_frame(const Frame& frame);
   void add_warnings();
@@ -96,6 +98,7 @@ class LogMapper
   LabelFiles* labels_;
   io::RunSummary run_;
   SensorPoints scan_;
+  std::vector<bool> has_channel_;  //!< by channel: some scan has values of it
   SensorNumbers sensors_;
   FrameGatherer gatherer_;
   hints::HintFinder hints_;

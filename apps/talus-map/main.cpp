@@ -55,6 +55,7 @@ int run(const Options& options)
     if (options.backend) settings.backend = *options.backend;
     if (options.threads) settings.threads = *options.threads;
     if (options.device) settings.device = options.device;
+    settings.parameters.channels = options.channels;
     forward_signals();  // before any folder is made: a signal must not leave it behind
     if (!options.suggest) require_writable(options.output.empty() ? "." : options.output);
   }

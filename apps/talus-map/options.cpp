@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -216,6 +218,29 @@ void add_site(CLI::App& app, Options& o)
       ->type_name("LAT,LON[,ALT[,HEADING]]");
 }
 
+/** channels_from(), in which rgb:RULE stands for three. */
+std::vector<Channel> channels_from_text(const std::string& text)
+{
+  const std::string rgb = "rgb:";
+  std::string names;
+  std::istringstream pieces(text);
+  for (std::string piece; std::getline(pieces, piece, ',');)
+  {
+    const bool is_rgb = piece.rfind(rgb, 0) == 0;
+    const std::string rule = is_rgb ? piece.substr(rgb.size()) : "";
+    if (!names.empty()) names += ",";
+    names += is_rgb ? "red:" + rule + ",green:" + rule + ",blue:" + rule : piece;
+  }
+  try
+  {
+    return channels_from(names);
+  }
+  catch (const std::invalid_argument& e)
+  {
+    throw CLI::ValidationError("--channels", e.what());
+  }
+}
+
 void add_outputs(CLI::App& app, Options& o)
 {
   add_formats(
@@ -236,6 +261,12 @@ void add_outputs(CLI::App& app, Options& o)
          "(of one log)")
       ->check(not_empty())
       ->type_name("FILE.rawlog");
+  app.add_option_function<std::string>(
+         "--channels", [&o](const std::string& text) { o.channels = channels_from_text(text); },
+         "Also map values that points bring: intensity, red, green, blue (or rgb for the three), "
+         "and "
+         "fields of clouds; the rule is mean, latest, max or vote (of classes from 0 to 15)")
+      ->type_name("NAME:RULE,...");
   auto* labels =
       app.add_option(
              "--labels", o.labels,

@@ -69,15 +69,21 @@ class Pair
     std::vector<Layer> all;
     for (int l = 0; l < kLayerCount; l++) all.push_back(static_cast<Layer>(l));
     expect_same_bits(all);
+    for (const std::string& name : channel_layer_names(cpu.parameters().channels))
+      expect_same_bits(cpu.channel(name), cuda.channel(name), name);
   }
   void expect_same_bits(const std::vector<Layer>& layers) const
   {
     for (const Layer l : layers)
     {
-      const auto &x = cpu.layer(l), &y = cuda.layer(l);
-      ASSERT_EQ(std::memcmp(x.data(), y.data(), x.size() * sizeof(float)), 0)
-          << layer_name(l) << " differs after frame " << frames_ << ": " << first_difference(x, y);
+      expect_same_bits(cpu.layer(l), cuda.layer(l), layer_name(l));
     }
+  }
+  void expect_same_bits(
+      const std::vector<float>& x, const std::vector<float>& y, const std::string& name) const
+  {
+    ASSERT_EQ(std::memcmp(x.data(), y.data(), x.size() * sizeof(float)), 0)
+        << name << " differs after frame " << frames_ << ": " << first_difference(x, y);
   }
 
   ElevationMapper cpu, cuda;
@@ -178,6 +184,52 @@ TEST(Parity, TwoTiltedSensorsFarFromTheBaseThatSeeTheRobot)
       else
         ASSERT_NO_FATAL_FAILURE(maps.update(frame, other));
     }
+  }
+}
+
+namespace
+{
+/** Values of each point that its place decides, so that they go along when points change places. */
+struct ChannelsOf
+{
+  explicit ChannelsOf(const Scan& s)
+  {
+    for (std::size_t i = 0; i < s.x_.size(); i++)
+    {
+      std::uint32_t bits;
+      std::memcpy(&bits, &s.x_[i], sizeof bits);
+      const float v = s.y_[i] * s.y_[i] * 1e3f + s.z_[i];
+      values[0].push_back(bits % 50 == 0 ? std::nanf("") : v);
+      values[1].push_back(-v);
+      values[2].push_back(bits % 50 == 1 ? INFINITY : s.z_[i]);
+      values[3].push_back(bits % 50 == 2 ? std::nanf("") : static_cast<float>(bits % 16));
+    }
+  }
+  void put(Frame& frame, int i) const
+  {
+    for (std::size_t c = 0; c < kMostChannels; c++)
+      if ((i + static_cast<int>(c)) % 7) frame.channels[c] = values[c].data();
+  }
+  std::array<std::vector<float>, kMostChannels> values;
+};
+}  // namespace
+
+TEST(Parity, ChannelsOfADriveWithPointsInAnotherOrder)
+{
+  Parameters p;
+  p.channels = channels_from("a:mean,b:latest,c:max,d:vote");
+  Pair maps(p);
+  Random noise(21), order(22);
+  for (int i = 0; i < 32; i++)
+  {
+    Scan s = drive_frame(i, noise);
+    if (i >= 25) s.pose_.m[11] += 5;  // another floor
+    const Scan mixed = shuffled(s, order);
+    const ChannelsOf values(s), other_values(mixed);
+    Frame frame = s.frame(), other = mixed.frame();
+    values.put(frame, i);
+    other_values.put(other, i);
+    ASSERT_NO_FATAL_FAILURE(maps.update(frame, other));
   }
 }
 

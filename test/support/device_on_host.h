@@ -57,6 +57,20 @@ class DeviceOnHost : public CpuMemory
       if (from[a] && from[a] != arrays[a]) std::copy_n(from[a], frame.size, arrays[a]);
     return {to.x_m, to.y_m, to.z_m, to.time_s};
   }
+  /** A channel that a frame does not have is there, and says nothing. */
+  ChannelArrays stage_channels(const Frame& frame, std::size_t channels, std::size_t capacity)
+  {
+    auto& memory = channels_[slot_];
+    memory.assign(channels * capacity, kernels::kNan);
+    ChannelArrays arrays{};
+    for (std::size_t c = 0; c < channels; c++)
+    {
+      arrays[c] = memory.data() + c * capacity;
+      if (frame.channels[c])
+        std::copy_n(frame.channels[c], frame.size, memory.data() + c * capacity);
+    }
+    return arrays;
+  }
   template <class Body>
   void start_frame(const Body& body)
   {
@@ -293,6 +307,7 @@ class DeviceOnHost : public CpuMemory
   bool copies_ = false;
   std::size_t slot_ = 0;
   std::array<std::array<std::uint32_t, kernels::kCounters>, kSlots> reported_{};
+  std::array<std::vector<float>, kSlots> channels_;
 };
 
 }  // namespace talus::test

@@ -28,6 +28,10 @@ class PacketWriter
   }
   /** `range`: in units of the sensor, 2 mm. */
   void set_return(int block, int k, std::uint16_t range) { put(block * 100 + 4 + 3 * k, range); }
+  void set_intensity(int block, int k, std::uint8_t intensity)
+  {
+    bytes_[block * 100 + 6 + 3 * k] = intensity;
+  }
   void set_tail(std::uint32_t time_us, std::uint8_t mode, std::uint8_t model)
   {
     put(1200, static_cast<std::uint16_t>(time_us & 0xffff));

@@ -3,6 +3,7 @@
 #include <talus/point_labels.h>
 #include "map_config.h"
 #include "hand_over.h"
+#include "kernels/9_channels.h"
 #include "kernels/cell.h"
 #include "kernels/frame.h"
 
@@ -16,6 +17,14 @@ struct MapBytes
   std::vector<float> features;  //!< the arrays of FeatureLayers, window order, one after the other
 };
 
+/** What the channels of a map know: the arrays of kernels::Channel, one channel after the other.
+ */
+struct ChannelBytes
+{
+  std::vector<kernels::ChannelValue> values;
+  std::vector<kernels::ChannelVotes> votes;
+};
+
 /** The destination of one layer. */
 struct OutputMemory
 {
@@ -24,6 +33,9 @@ struct OutputMemory
   float* mapped = nullptr;
   bool direct = false;  //!< kernels write there; false: a copy follows
 };
+
+/** By channel: values of the points of a frame, as kernels see them, or null. */
+using ChannelArrays = std::array<const float*, kMostChannels>;
 
 /** Cells handed over with a frame: of the window before it, and of its own. */
 struct FrameRects
@@ -70,6 +82,11 @@ class BackendInterface
   /** A label for each point of a frame; `context` has its poses in the window of the map. */
   virtual std::vector<PointLabel> label_points(
       const Frame& frame, const kernels::FrameContext& context) = 0;
+  /** One surface of a channel, in window order. */
+  virtual void read_channel(std::size_t channel, int surface, float* out) = 0;
+  virtual ChannelBytes read_channels() = 0;
+  /** What read_channels() of a map of the same window and channels returned. */
+  virtual void write_channels(const ChannelBytes& bytes) = 0;
   virtual MapBytes read_all() = 0;
   /** Fills a backend that has seen no frame. The caller checks the sizes. */
   virtual void write_all(const MapBytes& bytes, const kernels::FrameContext& window) = 0;

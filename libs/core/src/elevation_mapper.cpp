@@ -3,6 +3,7 @@
 #include "kernels/math.h"
 #include "saved_map.h"
 
+#include <algorithm>
 #include <iostream>
 #include <limits>
 #include <stdexcept>
@@ -82,7 +83,13 @@ struct ElevationMapper::Impl
     reference_z_m = 0;
     shown = 0;
     connect(0);
-    layer_read = {};
+    now_known({});
+  }
+  /** The layers that are up to date after the map has changed. */
+  void now_known(const std::array<bool, kLayerCount>& delivered)
+  {
+    layer_read = delivered;
+    channel_read = {};
   }
 
   /** Takes a saved state into a map that was reset. */
@@ -98,7 +105,7 @@ struct ElevationMapper::Impl
     window.offset_m = saved.map.datum.offset_m;
     window.sensor_z_m = reference_z_m - window.offset_m;
     backend->write_all(saved.map, window);
-    layer_read = shown_slot().delivered;
+    now_known(shown_slot().delivered);
   }
 
   std::size_t cells() const
@@ -194,6 +201,9 @@ struct ElevationMapper::Impl
   std::array<bool, kLayerCount> outputs{};  //!< set_output_layers()
   std::array<std::vector<float>, kLayerCount> others;  //!< layers that are not delivered
   std::array<bool, kLayerCount> layer_read{};  //!< the layer of the shown frame is up to date
+  static constexpr std::size_t kChannelLayers = kernels::kPointSurfaces * kMostChannels;
+  std::array<std::vector<float>, kChannelLayers> channel_layers;  //!< see channel_layer_names()
+  std::array<bool, kChannelLayers> channel_read{};
   std::vector<WindowRect> rects_in_window;  //!< the cells handed over
   FrameRects with_frame;  //!< the cells handed over with a frame
   std::unique_ptr<BackendInterface> backend;  //!< last member: it refers to `slots`
@@ -203,12 +213,13 @@ struct ElevationMapper::Impl
 CellRecord* ElevationMapper::Impl::start(const Frame& frame, const FrameRects& cells)
 {
   require_points(frame);
+  require_channels(frame, parameters.channels);
   const int index = free_slot("start");
   Slot& slot = slots[static_cast<std::size_t>(index)];
   slot.tracker = started;
   slot.context = slot.tracker.advance(frame, parameters);
   CellRecord* const records = backend->start(index, frame, slot.context, cells);
-  layer_read = {};
+  now_known({});
   started = slot.tracker;
   if (in_flight++ == 0) oldest = index;
   return records;
@@ -222,7 +233,7 @@ FrameReport ElevationMapper::Impl::finish(const FrameRects& cells)
   finished = shown_slot().tracker;
   reference_z_m = shown_slot().context.sensor_z_map_m;
   const FrameReport report = backend->finish(shown, cells);
-  layer_read = shown_slot().delivered;
+  now_known(shown_slot().delivered);
   return report;
 }
 
@@ -300,8 +311,10 @@ void ElevationMapper::set_output_layers(const std::vector<Layer>& layers)
   for (const Layer l : layers) outputs[static_cast<std::size_t>(l)] = true;
   if (outputs == m.outputs) return;
   const std::vector<std::uint8_t> state = save();
+  const ChannelBytes channels = m.backend->read_channels();
   m.outputs = outputs;
   restore(state);
+  m.backend->write_channels(channels);
 }
 
 std::vector<Layer> ElevationMapper::output_layers() const
@@ -335,6 +348,27 @@ const std::vector<float>& ElevationMapper::layer(Layer l) const
   if (!m.shown_slot().delivered[i]) values.assign(m.cells(), unknown(l));  // else the map clears it
   if (!empty()) m.backend->read_layer(l, values.data());
   m.layer_read[i] = true;
+  return values;
+}
+
+const std::vector<float>& ElevationMapper::channel(const std::string& name) const
+{
+  Impl& m = *impl_;
+  const std::vector<std::string> names = channel_layer_names(m.parameters.channels);
+  const auto i =
+      static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  if (i == names.size())
+    throw std::invalid_argument(
+        "this map has no channel layer '" + name +
+        "'; its channels are: " + channels_text(m.parameters.channels));
+  std::vector<float>& values = m.channel_layers[i];
+  if (m.channel_read[i]) return values;
+  m.require_none_in_flight("channel");
+  values.assign(m.cells(), kernels::kNan);
+  if (!empty())
+    m.backend->read_channel(
+        i / kernels::kPointSurfaces, static_cast<int>(i % kernels::kPointSurfaces), values.data());
+  m.channel_read[i] = true;
   return values;
 }
 
@@ -373,7 +407,7 @@ void ElevationMapper::write_cells(
     throw std::invalid_argument("ElevationMapper::write_cells: a record for each cell");
   if (size == 0) return;
   m.backend->write_cells(m.rects_in_window, records);
-  m.layer_read = m.shown_slot().delivered;
+  m.now_known(m.shown_slot().delivered);
 }
 
 std::vector<std::uint8_t> ElevationMapper::save() const

@@ -59,6 +59,7 @@ void FrameGatherer::append(Parts& parts, const Frame& frame)
   {
     parts.first_s = frame.stamp_s;
     for (auto* values : {&parts.x_m, &parts.y_m, &parts.z_m, &parts.time_s}) values->clear();
+    for (auto& values : parts.channels) values.clear();
     parts.scan.path.clear();
   }
   const auto copy = [&](const float* from, std::vector<float>& to)
@@ -66,6 +67,13 @@ void FrameGatherer::append(Parts& parts, const Frame& frame)
   copy(frame.x_m, parts.x_m);
   copy(frame.y_m, parts.y_m);
   copy(frame.z_m, parts.z_m);
+  for (std::size_t c = 0; c < kMostChannels; c++)
+  {
+    auto& to = parts.channels[c];
+    if (!frame.channels[c]) continue;
+    to.resize(parts.time_s.size(), std::numeric_limits<float>::quiet_NaN());  // earlier parts
+    copy(frame.channels[c], to);
+  }
   const bool moves = frame.time_s && frame.path.size() >= 2;
   const double later_s = frame.stamp_s - parts.first_s;
   for (std::size_t i = 0; i < frame.size; i++)
@@ -98,6 +106,13 @@ void FrameGatherer::pass_on(Parts& parts, const Take& take)
   scan.z_m = parts.z_m.data();
   scan.time_s = parts.time_s.data();
   scan.size = parts.time_s.size();
+  for (std::size_t c = 0; c < kMostChannels; c++)
+  {
+    auto& values = parts.channels[c];
+    const bool has_any = !values.empty();
+    if (has_any) values.resize(scan.size, std::numeric_limits<float>::quiet_NaN());
+    scan.channels[c] = has_any ? values.data() : nullptr;
+  }
   take(scan);
 }
 

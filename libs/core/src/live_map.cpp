@@ -19,6 +19,18 @@ const std::vector<float>& MapSnapshot::layer(Layer l) const
   return values;
 }
 
+const std::vector<float>& MapSnapshot::channel(const std::string& name) const
+{
+  const std::vector<std::string> names = channel_layer_names(parameters.channels);
+  const auto i =
+      static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  if (i >= channels.size())
+    throw std::invalid_argument(
+        "this snapshot has no channel layer '" + name +
+        "'; its channels are: " + channels_text(parameters.channels));
+  return channels[i];
+}
+
 namespace
 {
 /** A snapshot and the number of its readers. It is written only while it has none and is not the
@@ -65,6 +77,9 @@ struct LiveMap::Impl
     map.report = report;
     map.window = mapper.window();
     for (const Layer l : layers) map.layers[static_cast<std::size_t>(l)] = mapper.layer(l);
+    const std::vector<std::string> names = channel_layer_names(map.parameters.channels);
+    map.channels.resize(names.size());
+    for (std::size_t i = 0; i < names.size(); i++) map.channels[i] = mapper.channel(names[i]);
     const std::lock_guard<std::mutex> lock(exchange);
     newest = slot;
   }

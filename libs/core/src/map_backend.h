@@ -32,6 +32,8 @@ class MapBackend final : public BackendInterface
     map_.now->stamp_s = frame.stamp_s;
     map_.now->n_points = context.n_points;
     map_.now->in = executor_.stage(frame, context, map_.point_cell.size());
+    map_.now->channels =
+        executor_.stage_channels(frame, map_.channels.size(), map_.point_cell.size());
     executor_.start_frame([this] { schedule_.stages(); });
     if (hands_over) executor_.wait_for_mark();
     return records_.data();
@@ -58,6 +60,9 @@ class MapBackend final : public BackendInterface
   void write_cells(const std::vector<WindowRect>& rects, const CellRecord* from) override;
   std::vector<PointLabel> label_points(
       const Frame& frame, const kernels::FrameContext& context) override;
+  void read_channel(std::size_t channel, int surface, float* out) override;
+  ChannelBytes read_channels() override;
+  void write_channels(const ChannelBytes& bytes) override;
   MapBytes read_all() override;
   void write_all(const MapBytes& bytes, const kernels::FrameContext& window) override;
   std::string name() const override { return executor_.name(); }
@@ -275,6 +280,49 @@ std::vector<PointLabel> MapBackend<Schedule>::label_points(
       labels_.data(), labels_.data() + frame.size, labels.begin(),
       [](std::uint32_t label) { return static_cast<PointLabel>(label); });
   return labels;
+}
+
+template <class Schedule>
+void MapBackend<Schedule>::read_channel(std::size_t channel, int surface, float* out)
+{
+  use(shown_);
+  float* const free_between_frames = map_.top_hit.data();
+  executor_.for_each_cell(
+      map_.side(), map_.side(), map_.put_channel(channel, surface, free_between_frames));
+  executor_.download(free_between_frames, static_cast<std::size_t>(map_.cells()), out);
+}
+
+template <class Schedule>
+ChannelBytes MapBackend<Schedule>::read_channels()
+{
+  use(shown_);
+  ChannelBytes bytes;
+  const auto append = [this](auto& from, auto& to)
+  {
+    to.resize(to.size() + from.size());
+    executor_.download(from.data(), from.size(), to.data() + to.size() - from.size());
+  };
+  for (auto& channel : map_.channels)
+  {
+    append(channel.values, bytes.values);
+    append(channel.votes, bytes.votes);
+  }
+  return bytes;
+}
+
+template <class Schedule>
+void MapBackend<Schedule>::write_channels(const ChannelBytes& bytes)
+{
+  use(shown_);
+  const auto* value = bytes.values.data();
+  const auto* votes = bytes.votes.data();
+  for (auto& channel : map_.channels)
+  {
+    executor_.upload(value, channel.values.size(), channel.values.data());
+    executor_.upload(votes, channel.votes.size(), channel.votes.data());
+    value += channel.values.size();
+    votes += channel.votes.size();
+  }
 }
 
 template <class Schedule>

@@ -15,6 +15,7 @@
 #include "kernels/6_fill.h"
 #include "kernels/7_judge.h"
 #include "kernels/8_label.h"
+#include "kernels/9_channels.h"
 
 #include <algorithm>
 #include <array>
@@ -31,7 +32,10 @@ struct MapBuffers
   template <class T>
   using Buffer = typename Executor::template Buffer<T>;
 
-  explicit MapBuffers(const MapConfig& c) : host_config(c.config), host_body(c.body) {}
+  explicit MapBuffers(const MapConfig& c)
+      : host_config(c.config), host_body(c.body), channels(c.channels.begin(), c.channels.end())
+  {
+  }
 
   // ---- memory: by the size of the map once, by its largest frame so far ----
   void allocate(Executor& executor);
@@ -271,6 +275,45 @@ struct MapBuffers
     return {config.data(), frame,       body.data(), datum.data(), store(),
             classify_cell, keep_bridge, in,          moved};
   }
+  /** The channels of the map, with the values of the current frame. */
+  kernels::Channels channels_view()
+  {
+    kernels::Channels v{};
+    for (ChannelBuffers& c : channels)
+    {
+      kernels::Channel& channel = v.each[v.size];
+      channel.rule = c.rule;
+      channel.of_points = now->channels[static_cast<std::size_t>(v.size++)];
+      channel.sums = c.sums.data();
+      channel.values = c.values.data();
+      channel.votes = c.votes.size() ? c.votes.data() : nullptr;
+    }
+    return v;
+  }
+  kernels::ForgetChannels forget_channels()
+  {
+    return {config.data(), context.data(), channels_view()};
+  }
+  kernels::PlacePoint place_point()
+  {
+    return {config.data(), context.data(),       store(),
+            points_out(),  surface_class.data(), point_surface.data()};
+  }
+  kernels::SettleChannel settle_channel(const kernels::Channel& channel)
+  {
+    return {config.data(), store(), channel};
+  }
+  kernels::PutChannel put_channel(std::size_t channel, int surface, float* to)
+  {
+    return {
+        config.data(),
+        context.data(),
+        store(),
+        surface_class.data(),
+        channels_view().each[channel],
+        surface,
+        to};
+  }
   /** Whether each frame leaves slope, step, roughness or sparsity. */
   bool parts_wanted() const
   {
@@ -327,6 +370,7 @@ struct MapBuffers
     double stamp_s = 0;
     int n_points = 0;
     kernels::PointsIn in{};
+    ChannelArrays channels{};
     OutputPointers wanted{};
     std::array<OutputMemory, kLayerCount> outputs{};
     // Derived layers, window order.
@@ -336,6 +380,16 @@ struct MapBuffers
 
   kernels::Config host_config;
   kernels::Body host_body;
+  /** Of a channel: two surfaces a cell, storage order. */
+  struct ChannelBuffers
+  {
+    explicit ChannelBuffers(ChannelRule r) : rule(static_cast<std::int32_t>(r)) {}
+    std::int32_t rule;
+    Buffer<kernels::ChannelSum> sums;
+    Buffer<kernels::ChannelValue> values;
+    Buffer<kernels::ChannelVotes> votes;
+  };
+  std::vector<ChannelBuffers> channels;
   std::array<Slot, kSlots> slots;
   Slot* now = slots.data();  //!< of the current frame
 
@@ -360,7 +414,8 @@ struct MapBuffers
   CellBuffers cell;
   Buffer<kernels::Datum> datum;
   // Points of one frame.
-  Buffer<std::int32_t> point_cell, point_ray, point_reach;
+  Buffer<std::int32_t> point_cell, point_ray, point_reach, point_surface;
+  Buffer<std::uint8_t> point_begins;
   Buffer<std::uint32_t> point_reject, point_rank, cell_count, cell_begin, counters;
   Buffer<float> point_slope, point_height, point_variance;
   Buffer<kernels::HeightPoint> sorted;
@@ -443,6 +498,13 @@ void MapBuffers<Executor>::allocate(Executor& executor)
   executor.allocate(reach, bins * kernels::kSlopeSteps, std::int32_t{0});
   executor.allocate(lowest_slope, table, -kernels::kInfinity);
   executor.upload(&host_config, 1, config.data());
+  for (ChannelBuffers& c : channels)
+  {
+    executor.allocate(c.sums, kernels::kPointSurfaces * n, kernels::ChannelSum{});
+    executor.allocate(c.values, kernels::kPointSurfaces * n, kernels::ChannelValue{});
+    const bool votes = c.rule == kernels::kVote;
+    executor.allocate(c.votes, votes ? kernels::kPointSurfaces * n : 0, kernels::ChannelVotes{});
+  }
   executor.allocate(body, 1, kernels::Body{});
   executor.upload(&host_body, 1, body.data());
 }
@@ -463,6 +525,11 @@ void MapBuffers<Executor>::reserve_points(Executor& executor, std::size_t points
   executor.allocate(point_height, capacity, 0.0f);
   executor.allocate(point_variance, capacity, 0.0f);
   executor.allocate(sorted, capacity, kernels::HeightPoint{0, 0});
+  if (!channels.empty())
+  {
+    executor.allocate(point_surface, capacity, std::int32_t{kernels::kNoSurface});
+    executor.allocate(point_begins, capacity, std::uint8_t{0});
+  }
   more(capacity);
   if (host_config.inverse_voxel > 0)
   {

@@ -123,7 +123,8 @@ std::vector<int> switchable_rules()
 
 MapConfig make_config(const Parameters& p)
 {
-  MapConfig c{stages_config(p), body_of(p.body_boxes_m)};
+  MapConfig c{stages_config(p), body_of(p.body_boxes_m), {}};
+  for (const Channel& channel : p.channels) c.channels.push_back(channel.rule);
 #if defined(TALUS_RULE_SWITCHES)
   switch_off(c);
 #endif

@@ -2,6 +2,8 @@
 #include <talus/parameters.h>
 #include "kernels/config.h"
 
+#include <vector>
+
 namespace talus
 {
 /** talus::Parameters as the kernels need them. */
@@ -9,6 +11,7 @@ struct MapConfig
 {
   kernels::Config config;
   kernels::Body body;
+  std::vector<ChannelRule> channels;
 };
 MapConfig make_config(const Parameters& p);
 

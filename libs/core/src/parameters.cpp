@@ -307,6 +307,7 @@ void validate_combinations(const Parameters& p)
         number(std::round(p.feature_radius_m / p.resolution_m)) +
         " cells; at most 15 are supported: choose a smaller radius or a coarser resolution");
   validate_boxes(p.body_boxes_m);
+  validate_channels(p.channels);
   validate_voxels(p);
   validate_object_size(p);
   const double weights = p.weight_slope + p.weight_step + p.weight_roughness;

@@ -39,6 +39,11 @@ LayerStack snapshot(const MapView& map)
     stack.names.emplace_back(kLayerNames[i]);
     stack.layers.push_back(map.layer(static_cast<Layer>(i)));
   }
+  for (const std::string& name : channel_layer_names(map.parameters().channels))
+  {
+    stack.names.push_back(name);
+    stack.layers.push_back(map.channel(name));
+  }
   return stack;
 }
 

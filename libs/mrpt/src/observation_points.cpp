@@ -41,6 +41,8 @@ void read_points(const CObservationPointCloud& obs, SensorPoints& out)
   out.z_m.assign(z.begin(), z.end());
   if (const auto* times = point_times(cloud); times && times->size() == out.x_m.size())
     out.time_s.assign(times->begin(), times->end());
+  for (std::size_t c = 0; c < out.channels.size(); ++c)
+    read_point_field(cloud, out.channel_names[c], out.channels[c]);
 }
 
 /** The scanner may nod during the scan: sensorPose is its pose at the first ray, and deltaPitch by
@@ -48,6 +50,7 @@ void read_points(const CObservationPointCloud& obs, SensorPoints& out)
 void read_points(const CObservation2DRangeScan& obs, SensorPoints& out)
 {
   const std::size_t rays = obs.getScanSize();
+  std::vector<float>* const intensity = obs.hasIntensity() ? channel_of(out, kIntensity) : nullptr;
   for (std::size_t i = 0; i < rays; ++i)
   {
     if (!obs.getScanRangeValidity(i)) continue;
@@ -57,6 +60,7 @@ void read_points(const CObservation2DRangeScan& obs, SensorPoints& out)
         rays > 1 ? obs.deltaPitch * static_cast<double>(i) / static_cast<double>(rays - 1) : 0.0;
     const double x = range * std::cos(azimuth);
     add_point(out, x * std::cos(pitch), range * std::sin(azimuth), -x * std::sin(pitch));
+    if (intensity) intensity->push_back(static_cast<float>(obs.getScanIntensity(i)));
   }
 }
 
@@ -68,6 +72,8 @@ void clear(SensorPoints& points)
   points.y_m.clear();
   points.z_m.clear();
   points.time_s.clear();
+  points.channels.resize(points.channel_names.size());
+  for (auto& values : points.channels) values.clear();
 }
 
 /** Reads the observation if it is of that class. */

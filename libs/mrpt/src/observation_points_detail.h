@@ -2,8 +2,10 @@
 // Private to the readers of observations: one overload a class, all fill an emptied SensorPoints.
 #include <talus/mrpt/observation_points.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace mrpt::obs
 {
@@ -30,6 +32,16 @@ inline void add_point(SensorPoints& out, double x_m, double y_m, double z_m)
   out.x_m.push_back(static_cast<float>(x_m));
   out.y_m.push_back(static_cast<float>(y_m));
   out.z_m.push_back(static_cast<float>(z_m));
+}
+
+constexpr const char* kIntensity = "intensity";
+
+/** Where the values of that name go; null: nobody asked for them. */
+inline std::vector<float>* channel_of(SensorPoints& out, const char* name)
+{
+  const auto found = std::find(out.channel_names.begin(), out.channel_names.end(), name);
+  if (found == out.channel_names.end()) return nullptr;
+  return &out.channels[static_cast<std::size_t>(found - out.channel_names.begin())];
 }
 
 /** When the lasers of a Velodyne fire, from the user manuals. */

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -99,6 +100,9 @@ void read_image(
     const CObservationRotatingScan& scan, const ScanGeometry& g, const RangeImage& image,
     const RangeImage* skip, SensorPoints& out)
 {
+  const auto& intensities = scan.intensityImage;
+  const bool has_any = intensities.rows() == image.rows() && intensities.cols() == image.cols();
+  std::vector<float>* const intensity = has_any ? channel_of(out, kIntensity) : nullptr;
   for (int row = 0; row < image.rows(); ++row)
     for (int column = 0; column < image.cols(); ++column)
     {
@@ -114,6 +118,11 @@ void read_image(
       add_point(out, xy * std::cos(azimuth), xy * std::sin(azimuth), range_m * g.sin_elevation[r]);
       if (scan.sweepDuration > 0)
         out.time_s.push_back(static_cast<float>(scan.sweepDuration * part));
+      // The image is that of the first return.
+      if (intensity)
+        intensity->push_back(
+            skip ? std::numeric_limits<float>::quiet_NaN()
+                 : static_cast<float>(intensities(row, column)));
     }
 }
 

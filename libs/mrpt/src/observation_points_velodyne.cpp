@@ -35,6 +35,7 @@ class Packet
   int header(int block) const { return u16(block * Scan::SIZE_BLOCK); }
   int azimuth(int block) const { return u16(block * Scan::SIZE_BLOCK + 2); }
   int range(int block, int k) const { return u16(block * Scan::SIZE_BLOCK + 4 + 3 * k); }
+  int intensity(int block, int k) const { return bytes_[block * Scan::SIZE_BLOCK + 6 + 3 * k]; }
   double time_us() const { return u16(1200) + 65536.0 * u16(1202); }
   int return_mode() const { return bytes_[1204]; }
   int model() const { return bytes_[1205]; }
@@ -54,6 +55,7 @@ struct Decoder
   FiringTimes firing;
   double range_unit_m;
   double azimuth_correction_unit_rad;
+  std::vector<float>* intensity;  //!< null: nobody asked for it
 };
 
 /** Blocks that share an azimuth form a slot: both banks of an HDL-64, both returns in dual mode. */
@@ -97,7 +99,7 @@ double correction_unit_rad(const VelodyneCalibration& calibration)
   return misfit_rad < misfit_deg ? 1.0 : M_PI / 180;
 }
 
-Decoder make_decoder(const Scan& scan)
+Decoder make_decoder(const Scan& scan, std::vector<float>* intensity)
 {
   const auto& calibration = calibration_of(scan);
   const auto lasers = calibration.laser_corrections.size();
@@ -111,8 +113,9 @@ Decoder make_decoder(const Scan& scan)
                       : is_vlp32c    ? kFiringVlp32c
                                      : kFiringHdl32;
   const double range_unit_m = lasers == 32 && is_vlp32c ? 0.004 : 0.002;
-  return {scan,   calibration,  static_cast<int>(lasers),
-          firing, range_unit_m, correction_unit_rad(calibration)};
+  return {scan,     calibration,  static_cast<int>(lasers),
+          firing,   range_unit_m, correction_unit_rad(calibration),
+          intensity};
 }
 
 /** The last bytes of a packet of an HDL-64 are no return mode, but its azimuths show dual returns.
@@ -229,6 +232,8 @@ bool read_block(
     const auto& d = delays[static_cast<std::size_t>(first + k)];
     add_return(range_m, s * d.cos + c * d.sin, c * d.cos - s * d.sin, laser, out);
     out.time_s.push_back(static_cast<float>((block_us + d.us) * 1e-6));
+    if (decoder.intensity)
+      decoder.intensity->push_back(static_cast<float>(packet.intensity(block, k)));
   }
   return true;
 }
@@ -256,6 +261,9 @@ void read_decoded(const Scan& scan, SensorPoints& out)
   out.x_m = cloud.x;
   out.y_m = cloud.y;
   out.z_m = cloud.z;
+  if (auto* intensity = channel_of(out, kIntensity);
+      intensity && cloud.intensity.size() == cloud.x.size())
+    intensity->assign(cloud.intensity.begin(), cloud.intensity.end());
   if (cloud.timestamp.size() != cloud.x.size()) return;
   for (const auto& time : cloud.timestamp)
     out.time_s.push_back(
@@ -267,7 +275,7 @@ void read_decoded(const Scan& scan, SensorPoints& out)
 void read_points(const Scan& obs, SensorPoints& out)
 {
   if (obs.scan_packets.empty()) return read_decoded(obs, out);
-  const auto decoder = make_decoder(obs);
+  const auto decoder = make_decoder(obs, channel_of(out, kIntensity));
   int blocks_read = 0;
   for (std::size_t i = 0; i < obs.scan_packets.size(); ++i)
     blocks_read += read_packet(decoder, i, out);

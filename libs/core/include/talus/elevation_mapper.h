@@ -80,8 +80,8 @@ class ElevationMapper
    * its path may go at once. Throws std::invalid_argument for more than 536,870,911 points or
    * points without coordinates, for a pose (of the sensor or in the path) that is not finite, no
    * rigid transform, or farther from the origin than 1e9 cells in x or y or 100 km in z, and for a
-   * path whose times are not finite or descend; std::logic_error if two frames are in flight. Then
-   * nothing has changed. */
+   * path whose times are not finite or descend, or as require_channels(); std::logic_error if two
+   * frames are in flight. Then nothing has changed. */
   void start(const Frame& frame);
   /** Ends the frame that was started first. Throws std::logic_error if none is in flight. */
   FrameReport finish();
@@ -115,6 +115,12 @@ class ElevationMapper
    * and between start() and the next finish() for all. */
   const std::vector<float>& layer(Layer l) const;
 
+  /** A layer of the channels of Parameters::channels, by one of channel_layer_names(): the values
+   * of the ground of each cell, or of what stands there, else as layer(). NaN: no point of it had a
+   * value, or nothing stands. Read on demand. Throws std::invalid_argument for another name,
+   * std::logic_error while a frame is in flight. */
+  const std::vector<float>& channel(const std::string& name) const;
+
   /** The position of the cells of layer(); around the origin before the first frame. */
   Window window() const;
   /** The parameters of this map. */
@@ -123,7 +129,8 @@ class ElevationMapper
    */
   std::string backend_name() const;
 
-  /** The whole persistent state: a map restored from it goes on with the same bits. */
+  /** The whole persistent state but for channels: a map restored from it goes on with the same
+   * bits, and its channels begin anew. */
   std::vector<std::uint8_t> save() const;
   /** Sets the state that save() of this or another map returned. Throws std::invalid_argument if
    * the bytes are no such state or belong to another window size or resolution; then nothing has

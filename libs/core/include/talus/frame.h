@@ -1,4 +1,6 @@
 #pragma once
+#include <talus/channels.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -67,6 +69,9 @@ struct Frame
    * throws). Each point is transformed with the pose interpolated at its time (deskew); points
    * before or after the path take its first or last pose. */
   std::vector<TimedPose> path;
+  /** Optional values of each point, `size` each, in the order of Parameters::channels; nullptr: the
+   * frame has none of that channel. NaN, and what is beyond 2^24 from zero, counts for nothing. */
+  std::array<const float*, kMostChannels> channels{};
 };
 
 /** T_map_base of a frame, the middle of the window; see Frame::T_base_sensor. */

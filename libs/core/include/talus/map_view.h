@@ -2,6 +2,8 @@
 #include <talus/live_map.h>
 
 #include <limits>
+#include <string>
+#include <vector>
 
 namespace talus
 {
@@ -27,16 +29,28 @@ class MapView
     return map_ ? map_->layer(l) : snapshot_->layer(l);
   }
 
+  /** Throws as ElevationMapper::channel() does. */
+  const std::vector<float>& channel(const std::string& name) const
+  {
+    return map_ ? map_->channel(name) : snapshot_->channel(name);
+  }
+
   /** Value of a layer at a place of the map frame [m]. NaN outside of the window and where the map
    * knows nothing. Throws as layer(). */
-  float at(Layer l, double x_m, double y_m) const
+  float at(Layer l, double x_m, double y_m) const { return value_at(layer(l), x_m, y_m); }
+  /** The same of a layer of a channel. Throws as channel(). */
+  float at(const std::string& channel_layer, double x_m, double y_m) const
   {
-    const std::vector<float>& values = layer(l);
+    return value_at(channel(channel_layer), x_m, y_m);
+  }
+
+ private:
+  float value_at(const std::vector<float>& values, double x_m, double y_m) const
+  {
     const auto i = window().index_at(x_m, y_m);
     return i && *i < values.size() ? values[*i] : std::numeric_limits<float>::quiet_NaN();
   }
 
- private:
   const ElevationMapper* map_ = nullptr;
   const MapSnapshot* snapshot_ = nullptr;
 };

@@ -1,4 +1,6 @@
 #pragma once
+#include <talus/channels.h>
+
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -107,6 +109,10 @@ struct Parameters
       2.0;  //!< d_c: a height difference counts the more the nearer it is than this
   double sparsity_search_m = 4.0;  //!< how far to look for ground on the other side
   /// @}
+
+  /** What frames bring to each point besides its place, see Frame::channels. Not in
+   * parameter_table(), nor in saved maps. */
+  std::vector<Channel> channels{};
 
   /** The number of cells along one side of the window. */
   int cells() const;

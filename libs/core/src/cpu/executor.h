@@ -72,6 +72,8 @@ class CpuMemory
     slots_[now_].context = &context;
     return {f.x_m, f.y_m, f.z_m, f.time_s};
   }
+  /** The values of the channels stay there, too; null: the frame has none of that channel. */
+  ChannelArrays stage_channels(const Frame& f, std::size_t, std::size_t) { return f.channels; }
   /** finish_frame() does all the work. */
   template <class Body>
   void start_frame(const Body&)

@@ -2,6 +2,7 @@
 #include "cpu/buffer.h"
 #include "cpu/clones.h"
 #include "cpu/side_by_side.h"
+#include "kernels/9_channels.h"
 #include "kernels/cell.h"
 
 #include <algorithm>
@@ -97,6 +98,18 @@ class StoredRow
   void each_applicable(const F& f) const
   {
     in_stretches([&](int begin, int end, int i) { over_applicable(f, begin, end, y_, i); });
+  }
+  /** each() of the cells [first, last) only, once. */
+  template <class F>
+  void each_of(int first, int last, const F& f) const
+  {
+    if (first >= last) return;
+    in_stretches(
+        [&](int begin, int end, int i)
+        {
+          for (int x = std::max(begin, first); x < std::min(end, last); x++)
+            f(x, y_, i + x - begin);
+        });
   }
   int y() const { return y_; }
   /** over(begin, end, i), i the storage index of the cell at `begin`. */
@@ -226,6 +239,29 @@ template <class F>
 TALUS_CLONES void over_stretch(F f, int first, int last)
 {
   f(first, last);
+}
+
+/** f(i) for i in [begin, end), all at once. */
+template <class F>
+TALUS_CLONES void over_range(F f, int begin, int end)
+{
+  const kernels::Config config = *f.config;
+  f.config = &config;
+  TALUS_INDEPENDENT
+  for (int i = begin; i < end; i++) f(i);
+}
+
+/** Adds the values of points to their surfaces, and marks those that are the first there. */
+template <class Atomics>
+void add_to(
+    const kernels::Channel channel, const std::int32_t* surface, std::uint8_t* begins, int begin,
+    int end)
+{
+  for (int i = begin; i < end; i++)
+  {
+    const std::int32_t at = surface[i];
+    begins[i] = at >= 0 && channel.template add<Atomics>(at, channel.of_points[i]);
+  }
 }
 
 template <class F>

@@ -54,6 +54,7 @@ class CpuSchedule
     else
       judge<false>();
     executor_.end_stage(Stage::Traversability);
+    if (!map_.channels.empty()) fuse_channels();
   }
   /** Finds how high ground can be, in the map as it is; of the frame the place of the window
    * counts.
@@ -214,6 +215,40 @@ class CpuSchedule
         map_.template compute_features<kParts>(passability));
     const kernels::CompleteObstacles complete = map_.complete_obstacles(passability);
     for_each_row([&](const StoredRow& row) { row.each_applicable(complete); });
+  }
+
+  void fuse_channels()
+  {
+    const kernels::ForgetChannels forget = map_.forget_channels();
+    for_each_row(
+        [&](const StoredRow& row)
+        {
+          int first, end;
+          forget.stays(row.y(), first, end);
+          row.each_of(0, first, forget);
+          row.each_of(end, side(), forget);
+        });
+    const kernels::PlacePoint place = map_.place_point();
+    executor_.run(points(), 1024, [&place](int begin, int end) { over_range(place, begin, end); });
+    const kernels::Channels channels = map_.channels_view();
+    for (int c = 0; c < channels.size; c++) fuse_channel(channels.each[c]);
+  }
+  void fuse_channel(const kernels::Channel& channel)
+  {
+    if (!channel.of_points) return;
+    const std::int32_t* const surface = map_.point_surface.data();
+    std::uint8_t* const begins = map_.point_begins.data();
+    executor_.run(
+        points(), 1024,
+        [=](int begin, int end) { add_to<Atomics>(channel, surface, begins, begin, end); });
+    const kernels::SettleChannel settle = map_.settle_channel(channel);
+    executor_.run(
+        points(), 1024,
+        [=](int begin, int end)
+        {
+          for (int i = begin; i < end; i++)
+            if (begins[i]) settle(surface[i]);
+        });
   }
 
   /** f(row) for the rows of the window. */

@@ -87,6 +87,7 @@ class CudaExecutor
   PointArrays point_arrays(std::size_t capacity);
   kernels::PointsIn stage(
       const Frame& frame, const kernels::FrameContext& context, std::size_t capacity);
+  ChannelArrays stage_channels(const Frame& frame, std::size_t channels, std::size_t capacity);
   template <class Body>
   void start_frame(const Body& body)
   {

@@ -98,6 +98,31 @@ inline kernels::PointsIn CudaExecutor::stage(
   return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
 }
 
+/** Kernels read them in place: each value once, and only those of points that count. Recordings
+ * know no frame, so that a channel that it does not have is there, and says nothing. */
+inline ChannelArrays CudaExecutor::stage_channels(
+    const Frame& frame, std::size_t channels, std::size_t capacity)
+{
+  CudaSlot& s = slot();
+  if (s.channels.size() != channels * capacity)
+  {
+    s.channels = {};
+    s.graph.reset();
+    s.channels = PinnedBuffer<float>(channels * capacity);
+  }
+  ChannelArrays arrays{};
+  for (std::size_t c = 0; c < channels; c++)
+  {
+    float* const to = s.channels.data() + c * capacity;
+    arrays[c] = to;
+    if (frame.channels[c])
+      std::copy_n(frame.channels[c], frame.size, to);
+    else
+      std::fill_n(to, frame.size, kernels::kNan);
+  }
+  return arrays;
+}
+
 inline void CudaExecutor::fetch(Buffer<kernels::FrameContext>& context)
 {
   for_each(

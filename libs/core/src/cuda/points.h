@@ -3,6 +3,7 @@
 #include "kernels/2_follow.h"
 #include "kernels/2_roll.h"
 #include "kernels/3_update.h"
+#include "kernels/9_channels.h"
 
 namespace talus::kernels
 {
@@ -91,6 +92,46 @@ struct SortUnburiedPoint
     else
       sort.put(
           point_i, Atomics::add(kept_count + points.cell[point_i], 1), sort.overhangs(point_i));
+  }
+};
+
+/** Finds the surface of a point and adds its channels to it. */
+template <class Atomics>
+struct PlaceAndAddPoint
+{
+  PlacePoint place;
+  Channels channels;
+  std::uint8_t* begins;  //!< by point: a bit for each channel of which it is the first there
+
+  TALUS_HD void operator()(int point_i) const
+  {
+    int first = 0;
+    if (point_i < place.frame->n_points)
+    {
+      place(point_i);
+      const std::int32_t at = place.surface[point_i];
+      for (int c = 0; c < channels.size && at >= 0; c++)
+        if (channels.each[c].template add<Atomics>(at, channels.each[c].of_points[point_i]))
+          first |= 1 << c;
+    }
+    begins[point_i] = static_cast<std::uint8_t>(first);
+  }
+};
+
+/** Settles what the point began. */
+struct SettlePoint
+{
+  SettleChannel settle;  //!< of any channel
+  Channels channels;
+  const std::int32_t* surface;
+  const std::uint8_t* begins;
+
+  TALUS_HD void operator()(int point_i) const
+  {
+    const int begun = begins[point_i];
+    for (int c = 0; c < channels.size && begun >> c != 0; c++)
+      if (begun >> c & 1)
+        SettleChannel{settle.config, settle.store, channels.each[c]}(surface[point_i]);
   }
 };
 

@@ -47,6 +47,7 @@ class DeviceSchedule
     else
       judge<false>();
     executor_.end_stage(Stage::Traversability);
+    if (!map_.channels.empty()) fuse_channels();
     executor_.join();  // waits for the copies of layers
   }
   /** Finds how high ground can be, in the map as it is; of the frame the place of the window
@@ -189,6 +190,20 @@ class DeviceSchedule
         side(), side(), first, end, map_.host_config.feature_radius_cells,
         map_.template compute_features<kParts>(nullptr), map_.complete_obstacles(nullptr),
         beside_last);
+  }
+
+  /** A cell that entered is not settled while it is cleared: sums are apart from what is known. */
+  void fuse_channels()
+  {
+    const kernels::Channels channels = map_.channels_view();
+    executor_.for_each_beside(
+        points(),
+        kernels::PlaceAndAddPoint<Atomics>{map_.place_point(), channels, map_.point_begins.data()},
+        side(), side(), map_.forget_channels());
+    executor_.for_each(
+        points(), kernels::SettlePoint{
+                      map_.settle_channel(channels.each[0]), channels, map_.point_surface.data(),
+                      map_.point_begins.data()});
   }
 
   int workers() const { return executor_.workers(map_.cells()); }

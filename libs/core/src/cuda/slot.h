@@ -55,6 +55,7 @@ struct CudaSlot
   std::size_t capacity = 0;
   PinnedBuffer<std::uint32_t> staged;  //!< context, then x, y, z, time
   DeviceBuffer<float> points;
+  PinnedBuffer<float> channels;  //!< values of the points, channel after channel
   PinnedBuffer<std::uint32_t> counters;
   PinnedBuffer<std::uint64_t> stage_end_ns;
   Clock::time_point start;

@@ -15,6 +15,10 @@ struct SensorPoints
   std::vector<float> x_m, y_m, z_m;
   std::vector<float>
       time_s;  //!< per point, relative to stamp_s; empty when the observation has none
+  /** Which values of each point are read besides, for the channels of a map; set before. */
+  std::vector<std::string> channel_names;
+  /** By those names: a value a point, or empty where the observation has none. */
+  std::vector<std::vector<float>> channels;
   double stamp_s = 0;  //!< seconds since the epoch: that of the observation
   mrpt::poses::CPose3D T_base_sensor;  //!< where the sensor is mounted
   std::string sensor_label;  //!< which of several sensors
@@ -25,7 +29,13 @@ struct SensorPoints
  * CObservation2DRangeScan. Rays without a return give no point, nor do Velodyne and rotating-scan
  * returns outside the minRange..maxRange that the observation states. The memory of `out` is used
  * again. Those of a level 2D scan all have one height: whoever maps them takes each wall that it
- * hits for flat ground. False for any other class, `out` is then untouched. Throws
+ * hits for flat ground.
+ *
+ * Values that can be read besides: `intensity` (clouds with intensities, Velodyne from 0 to 255,
+ * rotating and 2D scans), `red`, `green` and `blue` from 0 to 255 (clouds with colours); from MRPT
+ * 2.15 on all fields of clouds that are floats. NaN for points without.
+ *
+ * False for any other class, `out` is then untouched. Throws
  * std::runtime_error when a supported observation cannot be decoded (names class, label and
  * reason). */
 bool points_from_observation(const mrpt::obs::CObservation& obs, SensorPoints& out);

@@ -9,11 +9,14 @@
 #if MRPT_VERSION >= 0x030000
 #include <mrpt/maps/CGenericPointsMap.h>
 #else
+#include <mrpt/maps/CColouredPointsMap.h>
 #include <mrpt/maps/CPointsMapXYZI.h>
 #endif
 
 #include <cstddef>
 #include <memory>
+#include <string>
+#include <vector>
 
 // What is drawn: mrpt::opengl, from 3.0 on mrpt::viz, here talus::mrpt_scene.
 // #include TALUS_SCENE_HEADER(CSetOfObjects.h)
@@ -160,6 +163,41 @@ inline float intensity_of(const CloudWithIntensity& points, std::size_t i)
   return points.getPointField_float(i, mrpt::maps::CPointsMap::POINT_FIELD_INTENSITY);
 #else
   return points.getPointIntensity(i);
+#endif
+}
+
+/** The values of a field of a cloud, a float a point; nothing where it has none: `intensity`,
+ * `red`, `green` and `blue` from 0 to 255, from 2.15 on any. */
+inline void read_point_field(
+    const mrpt::maps::CPointsMap& points, const std::string& name, std::vector<float>& to)
+{
+  const std::size_t size = points.size();
+  if (const auto* cloud = dynamic_cast<const CloudWithIntensity*>(&points);
+      cloud && name == "intensity")
+  {
+    to.resize(size);
+    for (std::size_t i = 0; i < size; ++i) to[i] = intensity_of(*cloud, i);
+    return;
+  }
+#if MRPT_VERSION < 0x030000
+  const int colour = name == "red" ? 0 : name == "green" ? 1 : name == "blue" ? 2 : -1;
+  if (const auto* cloud = dynamic_cast<const mrpt::maps::CColouredPointsMap*>(&points);
+      cloud && colour >= 0)
+  {
+    to.resize(size);
+    for (std::size_t i = 0; i < size; ++i)
+    {
+      float rgb[3];
+      cloud->getPointColor(i, rgb[0], rgb[1], rgb[2]);
+      to[i] = 255 * rgb[colour];
+    }
+    return;
+  }
+#endif
+#if MRPT_VERSION >= 0x020f00
+  if (const auto* field = points.getPointsBufferRef_float_field(name);
+      field && field->size() == size)
+    to.assign(field->begin(), field->end());
 #endif
 }
 

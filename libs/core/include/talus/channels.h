@@ -1,0 +1,53 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace talus
+{
+struct Frame;
+
+/** The most channels of a map. */
+constexpr std::size_t kMostChannels = 4;
+/** Classes of a channel that is put to the vote: 0 to 15. */
+constexpr int kChannelClasses = 16;
+
+/** How the values of a channel become one value of a cell. */
+enum class ChannelRule : int
+{
+  Mean = 0,  //!< of the points seen lately: it counts at most 64 of those before a frame
+  Latest,  //!< the mean of the points of the last frame that saw the surface
+  Max,  //!< the greatest value since the cell entered the window
+  Vote  //!< the class of most points seen lately; values are classes, whole numbers from 0 to 15
+};
+
+/** Names of the rules in texts. */
+constexpr std::array<const char*, 4> kChannelRuleNames{"mean", "latest", "max", "vote"};
+
+/** A value that users bring to each point, such as its intensity or its class. */
+struct Channel
+{
+  std::string name;  //!< small letters, digits and `_`, a letter first
+  ChannelRule rule = ChannelRule::Mean;  //!< how its values become one of a cell
+};
+
+/** The channels that a text such as "intensity:mean,label:vote" names; "none" or nothing: none.
+ * Throws std::invalid_argument that names what is wrong with it, as validate_channels() does. */
+std::vector<Channel> channels_from(const std::string& text);
+/** The text that channels_from() reads back. */
+std::string channels_text(const std::vector<Channel>& channels);
+
+/** Throws std::invalid_argument for more than kMostChannels channels, two of one name, and a name
+ * that is none or that a layer of maps has. */
+void validate_channels(const std::vector<Channel>& channels);
+
+/** The names of the layers that channels become, two a channel: NAME of the ground, and
+ * NAME_standing of what stands on it. */
+std::vector<std::string> channel_layer_names(const std::vector<Channel>& channels);
+
+/** Throws std::invalid_argument where a frame has values of a channel that the map does not have,
+ * or a class that is no whole number from 0 to 15; it names the channel and the value. */
+void require_channels(const Frame& frame, const std::vector<Channel>& channels);
+
+}  // namespace talus

@@ -1,0 +1,152 @@
+#include <talus/channels.h>
+#include <talus/frame.h>
+#include <talus/layers.h>
+#include <talus/number_text.h>
+#include "kernels/9_channels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace talus
+{
+namespace
+{
+static_assert(kMostChannels == kernels::kMostChannels);
+static_assert(kChannelClasses == kernels::kClasses);
+static_assert(static_cast<int>(ChannelRule::Vote) == kernels::kVote);
+
+constexpr const char *kNone = "none", *kStanding = "_standing";
+
+[[noreturn]] void fail(const std::string& what)
+{
+  throw std::invalid_argument("channels: " + what);
+}
+
+std::string rule_names()
+{
+  std::string text;
+  for (const char* name : kChannelRuleNames) text += (text.empty() ? "" : ", ") + std::string(name);
+  return text;
+}
+
+Channel channel_from(const std::string& text)
+{
+  const auto colon = text.find(':');
+  if (colon == std::string::npos)
+    fail("'" + text + "' has no rule: must be NAME:RULE, the rule one of " + rule_names());
+  const std::string rule = text.substr(colon + 1);
+  const auto found = std::find(kChannelRuleNames.begin(), kChannelRuleNames.end(), rule);
+  if (found == kChannelRuleNames.end())
+    fail("'" + text + "': no rule is called '" + rule + "'; there are " + rule_names());
+  return {text.substr(0, colon), static_cast<ChannelRule>(found - kChannelRuleNames.begin())};
+}
+
+bool is_name(const std::string& name)
+{
+  const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+  const auto fits = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; };
+  return !name.empty() && is_letter(name[0]) && std::all_of(name.begin(), name.end(), fits);
+}
+
+bool ends_in(const std::string& text, const std::string& end)
+{
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/** Bands of files of maps that are no layers. */
+bool is_taken(const std::string& name)
+{
+  static const std::vector<std::string> others{
+      "age",   "elevation_variance", "evidence", "shape", "change_m", "kind", "times",
+      "scans", "speed_mps"};
+  const auto is = [&](const std::string& other) { return other == name; };
+  return std::any_of(kLayerNames.begin(), kLayerNames.end(), is) ||
+         std::any_of(others.begin(), others.end(), is) || ends_in(name, kStanding);
+}
+
+/** Whether a value is NaN or a class; without branches, so that many are asked at once. */
+bool is_class_or_none(float v)
+{
+  constexpr float kMiddle = 0.5F * static_cast<float>(kChannelClasses - 1), kNoFractions = 8388608;
+  return (v != v) | ((std::abs(v - kMiddle) <= kMiddle) & ((v + kNoFractions) - kNoFractions == v));
+}
+}  // namespace
+
+std::vector<Channel> channels_from(const std::string& text)
+{
+  std::vector<Channel> channels;
+  if (text.empty() || text == kNone) return channels;
+  for (std::size_t begin = 0; begin <= text.size();)
+  {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    channels.push_back(channel_from(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  validate_channels(channels);
+  return channels;
+}
+
+std::string channels_text(const std::vector<Channel>& channels)
+{
+  std::string text;
+  for (const Channel& c : channels)
+    text += (text.empty() ? "" : ",") + c.name + ":" +
+            kChannelRuleNames[static_cast<std::size_t>(c.rule)];
+  return text.empty() ? kNone : text;
+}
+
+void validate_channels(const std::vector<Channel>& channels)
+{
+  if (channels.size() > kMostChannels)
+    fail(
+        std::to_string(channels.size()) + " of them; a map has " + std::to_string(kMostChannels) +
+        " at most");
+  for (auto c = channels.begin(); c != channels.end(); ++c)
+  {
+    if (!is_name(c->name))
+      fail("'" + c->name + "' is no name: small letters, digits and _, a letter first");
+    if (is_taken(c->name)) fail("'" + c->name + "' is the name of a layer: choose another");
+    if (std::any_of(channels.begin(), c, [&](const Channel& b) { return b.name == c->name; }))
+      fail("two of them are called '" + c->name + "'");
+    const int rule = static_cast<int>(c->rule);
+    if (rule < 0 || rule >= static_cast<int>(kChannelRuleNames.size()))
+      fail("'" + c->name + "' has no rule");
+  }
+}
+
+std::vector<std::string> channel_layer_names(const std::vector<Channel>& channels)
+{
+  std::vector<std::string> names;
+  for (const Channel& c : channels)
+  {
+    names.push_back(c.name);
+    names.push_back(c.name + kStanding);
+  }
+  return names;
+}
+
+void require_channels(const Frame& frame, const std::vector<Channel>& channels)
+{
+  for (std::size_t c = 0; c < kMostChannels; c++)
+  {
+    const float* const values = frame.channels[c];
+    if (!values) continue;
+    if (c >= channels.size())
+      fail(
+          "a frame has values of channel " + std::to_string(c + 1) + ", and the map has " +
+          std::to_string(channels.size()) + ": name it in Parameters::channels");
+    if (channels[c].rule != ChannelRule::Vote) continue;
+    const float* const end = values + frame.size;
+    int others = 0;
+    for (const float* v = values; v != end; v++) others += !is_class_or_none(*v);
+    if (others == 0) continue;
+    const float* const bad = std::find_if_not(values, end, is_class_or_none);
+    fail(
+        "'" + channels[c].name + "' has the value " + number_text(*bad) +
+        ", which is no class: a vote needs whole numbers from 0 to " +
+        std::to_string(kChannelClasses - 1));
+  }
+}
+
+}  // namespace talus

@@ -1,0 +1,145 @@
+// talus-map --channels: values that points bring, as bands and panels of the map.
+#include "talus_map_run.h"
+
+#include <talus/io/geotiff.h>
+#include <talus/mrpt/version_compat.h>
+
+#include <cmath>
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+using TalusMapChannels = TalusMap;
+
+/** The floor with a box on it; the intensity of a point says which, and where. */
+std::shared_ptr<mrpt::obs::CObservationPointCloud> valued_scan(double time_s)
+{
+  auto obs = floor_scan(time_s);
+  auto& floor = *obs->pointcloud;
+  const auto height = static_cast<float>(kSensorHeight_m);
+  for (int i = 0; i < 20; ++i)
+    for (int j = 0; j < 20; ++j)
+      floor.insertPoint(
+          1.02F + 0.05F * static_cast<float>(i), 0.02F + 0.05F * static_cast<float>(j),
+          0.4F - height);
+  const auto cloud = talus::detail::make_cloud_with_intensity(floor.size());
+  for (std::size_t i = 0; i < floor.size(); ++i)
+  {
+    float x = 0, y = 0, z = 0;
+    floor.getPoint(i, x, y, z);
+    cloud->setPointFast(i, x, y, z);
+    talus::detail::set_intensity(*cloud, i, z > 0.3F - height ? 9.0F : x < 0 ? 3.0F : 5.0F);
+  }
+  obs->pointcloud = cloud;
+  return obs;
+}
+
+Objects valued_scans(int frames)
+{
+  Objects scans;
+  for (int i = 0; i < frames; ++i) scans.push_back(valued_scan(kFirstStamp_s + 0.1 * i));
+  return scans;
+}
+
+/** How many cells of a band have each value. */
+std::map<float, int> counts_of(const io::LayerStack& map, const std::string& band)
+{
+  std::map<float, int> counts;
+  const auto* values = map.find(band);
+  EXPECT_TRUE(values) << band;
+  if (values)
+    for (const float v : *values)
+      if (!std::isnan(v)) ++counts[v];
+  return counts;
+}
+}  // namespace
+
+TEST_F(TalusMapChannels, become_bands_of_the_map_and_panels_of_its_picture)
+{
+  write_log(path("drive.rawlog"), valued_scans(3), Packing::Gz);
+  for (const std::string rule : {"mean", "vote"})
+  {
+    const Outcome done =
+        run("drive.rawlog --static --channels intensity:" + rule + " --output " + rule);
+    ASSERT_EQ(done.code, 0) << done.err;
+    const auto map = io::read_geotiff(path(rule + "/map.tif"));
+    const auto ground = counts_of(map, "intensity"), top = counts_of(map, "intensity_standing");
+    EXPECT_GT(ground.at(3), 1000);
+    EXPECT_GT(ground.at(5), 1000);
+    EXPECT_EQ(ground.count(9), 0U);
+    ASSERT_EQ(top.size(), 1U);
+    EXPECT_GE(top.at(9), 380);
+    EXPECT_EQ(summary(rule)["channels"], "intensity:" + rule);
+  }
+  ASSERT_EQ(run("drive.rawlog --static --output plain").code, 0);
+  EXPECT_FALSE(summary("plain").contains("channels"));
+  EXPECT_EQ(io::read_geotiff(path("plain/map.tif")).find("intensity"), nullptr);
+  EXPECT_EQ(read_bytes(path("plain/site.tif")), read_bytes(path("mean/site.tif")));
+  EXPECT_GT(read_bytes(path("mean/map.png")).size(), read_bytes(path("plain/map.png")).size());
+}
+
+#if MRPT_VERSION < 0x030000
+TEST_F(TalusMapChannels, rgb_stands_for_the_three_colours)
+{
+  auto obs = floor_scan(kFirstStamp_s);
+  auto cloud = mrpt::maps::CColouredPointsMap::Create();
+  cloud->resize(obs->pointcloud->size());
+  for (std::size_t i = 0; i < cloud->size(); ++i)
+  {
+    float x = 0, y = 0, z = 0;
+    obs->pointcloud->getPoint(i, x, y, z);
+    cloud->setPointFast(i, x, y, z);
+    cloud->setPointColor(i, 1, 0, 1);
+  }
+  obs->pointcloud = cloud;
+  write_log(path("drive.rawlog"), {obs}, Packing::Gz);
+  const Outcome done = run("drive.rawlog --static --channels rgb:mean --output out");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const auto map = io::read_geotiff(path("out/map.tif"));
+  for (const auto& [band, value] :
+       {std::pair{"red", 255.0F}, std::pair{"green", 0.0F}, std::pair{"blue", 255.0F}})
+  {
+    const auto counts = counts_of(map, band);
+    ASSERT_EQ(counts.size(), 1U) << band;
+    EXPECT_EQ(counts.begin()->first, value);
+  }
+}
+#endif
+
+TEST_F(TalusMapChannels, that_the_log_does_not_have_are_named)
+{
+  write_log(path("drive.rawlog"), valued_scans(2), Packing::Gz);
+  const Outcome done = run("drive.rawlog --static --channels intensity:mean,label:vote");
+  EXPECT_EQ(done.code, 1);
+  EXPECT_NE(done.err.find("no scan of it has the values 'label'"), std::string::npos) << done.err;
+  EXPECT_FALSE(exists("drive_map"));
+}
+
+TEST_F(TalusMapChannels, of_a_vote_must_be_classes)
+{
+  auto scan = valued_scan(kFirstStamp_s);
+  auto& cloud = dynamic_cast<talus::detail::CloudWithIntensity&>(*scan->pointcloud);
+  talus::detail::set_intensity(cloud, 7, 40);
+  write_log(path("drive.rawlog"), {scan}, Packing::Gz);
+  const Outcome done = run("drive.rawlog --static --channels intensity:vote");
+  EXPECT_EQ(done.code, 1);
+  EXPECT_NE(done.err.find("'intensity' has the value 40"), std::string::npos) << done.err;
+  EXPECT_EQ(run("drive.rawlog --static --channels intensity:max").code, 0);
+}
+
+TEST_F(TalusMapChannels, that_are_none_are_wrong_usage)
+{
+  for (const auto& [text, word] : std::map<std::string, std::string>{
+           {"intensity", "has no rule"},
+           {"intensity:median", "'median'"},
+           {"a:mean,a:max", "two of them"},
+           {"slope:mean", "name of a layer"},
+           {"rgb:mean,intensity:mean,label:vote", "5 of them"}})
+  {
+    const Outcome done = run("drive.rawlog --static --channels " + text);
+    EXPECT_EQ(done.code, 2) << text;
+    EXPECT_NE(done.err.find(word), std::string::npos) << done.err;
+  }
+}
