@@ -183,6 +183,15 @@ TEST(Lattice, refuses_a_robot_that_reaches_over_the_border_of_its_grid)
   EXPECT_NO_THROW(talus::nav::Lattice(1.2, 0.8, 0.1));
 }
 
+TEST(ClearTime, lets_a_robot_that_is_near_an_edge_come_no_nearer_step_by_step)
+{
+  double ahead_m = 0.35;  // 5 cm before its front
+  for (int i = 0; i < 20; i++)
+    ahead_m -= 0.1 * talus::nav::clear_time_s({{ahead_m, 0, true}}, {}, 0.1, 0, 5, false);
+  EXPECT_GT(ahead_m, 0.345);
+  EXPECT_EQ(talus::nav::clear_time_s({{0.35, 0, true}}, {}, -0.1, 0, 5, false), 5) << "away";
+}
+
 TEST(ClearTime, is_short_before_edges_and_longer_before_walls_where_it_is_narrow)
 {
   const talus::nav::RobotBody body;

@@ -11,11 +11,13 @@ namespace
 constexpr double kStep_m = 0.03;  // of the fastest corner
 constexpr double kLeast_m = 0.04;
 constexpr double kNoise_m = 0.01;  // of a place that stays where it is
+constexpr double kNearer_m = 0.002;  // so little that it comes no nearer step by step
 
 /** A place that must not come nearer than that to the outline. */
 struct Kept
 {
   double x_m, y_m, away_m, now_m;
+  bool is_edge;
 };
 
 /** 0 inside of the outline. */
@@ -30,19 +32,25 @@ std::vector<Kept> near_places(
     const std::vector<BlockedPlace>& places, const RobotBody& body, double within_m, bool narrow)
 {
   std::vector<Kept> out;
-  double nearest_m = kKeepAway_m;
+  double nearest_m = kKeepAway_m, nearest_edge_m = kKeepAway_m;
   for (const BlockedPlace& p : places)
   {
     if (std::hypot(p.x_m, p.y_m) >= within_m) continue;
     const bool close = narrow && !p.is_edge;
     out.push_back(
         {p.x_m, p.y_m, close ? kKeepAwayWhereNarrow_m : kKeepAway_m,
-         to_outline_m(p.x_m, p.y_m, body)});
-    if (!close) nearest_m = std::min(nearest_m, out.back().now_m);
+         to_outline_m(p.x_m, p.y_m, body), p.is_edge});
+    if (p.is_edge)
+      nearest_edge_m = std::min(nearest_edge_m, out.back().now_m);
+    else if (!close)
+      nearest_m = std::min(nearest_m, out.back().now_m);
   }
   // Less where it stands closer to one, as beside a wall.
-  const double least_m = std::clamp(nearest_m - kNoise_m, kLeast_m, kKeepAway_m);
-  for (Kept& p : out) p.away_m = std::min({p.away_m, least_m, p.now_m - kNoise_m});
+  for (Kept& p : out)
+    p.away_m =
+        p.is_edge
+            ? std::min(kKeepAway_m, nearest_edge_m - kNearer_m)
+            : std::min({p.away_m, std::max(nearest_m - kNoise_m, kLeast_m), p.now_m - kNoise_m});
   return out;
 }
 

@@ -43,8 +43,9 @@ struct Margins
   double standing_m, edge_m;
 };
 /** Where there is room it keeps farther away, by the cost of a way. Beside an edge no part of its
- * shape comes nearer than 10 cm, and half a cell. */
-constexpr Margins kMargins{0.04, 0.125};
+ * shape comes nearer than 10 cm; 17 where there is a way, as the map knows edges to a cell or two.
+ */
+constexpr Margins kMargins{0.04, 0.17};
 /** So near to where it is, less is enough for a robot that is nearer to something already. */
 constexpr double kNearStart_m = 0.6;
 

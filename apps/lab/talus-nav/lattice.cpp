@@ -11,8 +11,8 @@ namespace talus::nav
 {
 namespace
 {
-constexpr std::array<double, 5> kShares{1, 0.8, 0.5, 0.25, 0};  // of the margins
-constexpr double kEdgeShare = 0.8;  // at least, away from the start: 10 cm
+constexpr std::array<double, 5> kShares{1, 0.75, 0.5, 0.25, 0};  // of the margins
+constexpr double kEdgeShare = 0.75;  // at least, away from the start: 10 cm and half a cell
 constexpr Margins kRoom{0.15, 0.15};  // what the reactive navigator needs
 constexpr int kTurn_mm = 60;  // of way cost as much as a turn by one heading
 constexpr int kBackwards = 3;  // times as much as forwards
@@ -231,8 +231,9 @@ std::vector<State> find_states(
     Search search(grid, to_goal, near_start[i], elsewhere.front(), robot);
     if (!search.has_start()) continue;
     auto states = search.run();
-    if (!states.empty() || i == 0) return states;
-    return Search(grid, to_goal, near_start[i], elsewhere[i], robot).run();
+    if (!states.empty()) return states;
+    return Search(grid, to_goal, near_start[i], elsewhere[std::max<std::size_t>(i, 1)], robot)
+        .run();
   }
   return {};
 }

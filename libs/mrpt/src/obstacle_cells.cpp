@@ -62,12 +62,11 @@ class Surroundings
     const Around around = of(ix, iy, level_m);
     return !around.stands || around.lowest_m < level_m - step_m_;
   }
-  /** Beside a wall, with no ground in between that is lower than its own. */
-  bool is_beside_wall(int ix, int iy) const
+  /** Beside a wall that is higher than such a robot, and with no lower ground: not in a ditch. */
+  bool is_beside_wall(int ix, int iy, double level_m) const
   {
-    const double level_m = view_.ground[view_.index(ix, iy)];
     const Around around = of(ix, iy, level_m);
-    return around.wall && around.lowest_m > level_m - step_m_;
+    return around.wall && around.lowest_m > level_m - kObject_m;
   }
 
  private:
@@ -101,8 +100,10 @@ class Surroundings
 class Judge
 {
  public:
-  Judge(const MapView& map, const ObstacleOptions& o)
+  /** `level_m`: where the robot stands; NaN: not known, and nothing is the foot of a wall. */
+  Judge(const MapView& map, double level_m, const ObstacleOptions& o)
       : view_(map),
+        level_m_(level_m),
         around_(map),
         o_(o),
         reach_(static_cast<int>(
@@ -133,7 +134,7 @@ class Judge
     const bool must_be_seen = near && o_.unseen == Unseen::Obstacle;
     if (is_unknown(ix, iy)) return must_be_seen ? Passage::Obstacle : Passage::Unknown;
     if (must_be_seen && o_.drops == Drops::Avoid && is_guess(ix, iy) &&
-        !around_.is_beside_wall(ix, iy))
+        !around_.is_beside_wall(ix, iy, level_m_))
       return Passage::Obstacle;
     if (!blocks(ix, iy)) return Passage::Free;
     if (!rests_on_unseen(ix, iy)) return Passage::Obstacle;
@@ -167,7 +168,8 @@ class Judge
   {
     const std::size_t cell = view_.index(ix, iy);
     const float ground_m = view_.ground[cell];
-    if (std::isnan(ground_m) || something_stands(view_, cell)) return false;
+    // False for NaN; and the bottom of a ditch is no place to stand.
+    if (!(ground_m > level_m_ - kObject_m) || something_stands(view_, cell)) return false;
     bool rises = false, is_sure = false;
     const int last = view_.window.cells - 1;
     for (int y = std::max(0, iy - reach_); y <= std::min(last, iy + reach_); y++)
@@ -179,7 +181,7 @@ class Judge
         rises = rises || higher;
         is_sure = is_sure || (higher && is_measured(other));
       }
-    return rises && (is_sure || around_.is_beside_wall(ix, iy));
+    return rises && (is_sure || around_.is_beside_wall(ix, iy, level_m_));
   }
   bool is_dared(int ix, int iy) const
   {
@@ -203,6 +205,7 @@ class Judge
 
   std::optional<detail::Falls> falls_;  //!< where they are asked for
   SurfaceView view_;
+  double level_m_;
   Surroundings around_;
   const ObstacleOptions& o_;
   int reach_;  //!< of the neighbourhood of slope and step, in cells
@@ -252,7 +255,7 @@ detail::JudgedCells detail::judge_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
 {
   require_sound(T_map_base, o);
-  const Judge judge(map, o);
+  const Judge judge(map, T_map_base.z(), o);
   const SurfaceView& view = judge.view();
   const int n = view.window.cells;
   JudgedCells out;
@@ -277,7 +280,14 @@ std::vector<Passage> classify_cells(
 
 std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o)
 {
-  return detail::judge_cells(map, {}, o).doubtful;
+  require_sound({}, o);
+  const Judge judge(map, NAN, o);
+  const int n = judge.view().window.cells;
+  std::vector<bool> out;
+  out.reserve(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
+  for (int iy = 0; iy < n; iy++)
+    for (int ix = 0; ix < n; ix++) out.push_back(judge.is_doubtful(ix, iy));
+  return out;
 }
 
 std::vector<bool> find_edges(
@@ -299,7 +309,7 @@ double known_ahead_m(
   if (map.empty()) return 0;
   require_sound(T_map_base, o);
   if (v_mps == 0) return o.range_m;
-  const Judge judge(map, o);
+  const Judge judge(map, T_map_base.z(), o);
   const SurfaceView& view = judge.view();
   const Arc arc(v_mps, w_radps);
   const double c = std::cos(T_map_base.yaw()), s = std::sin(T_map_base.yaw());
