@@ -632,3 +632,30 @@ TEST(Obstacles, all_stay_however_small_the_squares_of_the_spacing_are)
     EXPECT_EQ(thinned.size(), all.size()) << spacing_m;
   }
 }
+
+TEST(Obstacles, a_guess_beside_what_may_drop_is_an_obstacle_near_the_robot)
+{
+  MapSnapshot map;
+  map.window = {80, 0.05, -40, -40};
+  for (auto& layer : map.layers) layer.assign(80 * 80, 0.0F);
+  const auto layer = [&map](Layer l) -> std::vector<float>&
+  { return map.layers[static_cast<std::size_t>(l)]; };
+  layer(Layer::Traversability).assign(80 * 80, 1.0F);
+  layer(Layer::State).assign(80 * 80, static_cast<float>(CellState::Measured));
+  const auto cell = [](int ix, int iy) { return static_cast<std::size_t>(iy * 80 + ix); };
+  layer(Layer::State)[cell(50, 40)] = static_cast<float>(CellState::FilledTwoSided);
+  layer(Layer::Traversability)[cell(50, 40)] = 0;  // it may drop there
+  for (const int ix : {53, 55}) layer(Layer::State)[cell(ix, 40)] = 2;
+  ObstacleOptions o;
+  const auto passage = [&](int ix) { return classify_cells(map, CPose3D(), o)[cell(ix, 40)]; };
+  EXPECT_EQ(passage(50), Passage::Obstacle);
+  EXPECT_EQ(passage(53), Passage::Obstacle) << "0.15 m beside";
+  EXPECT_EQ(passage(52), Passage::Free) << "measured";
+  EXPECT_EQ(passage(55), Passage::Free) << "0.25 m beside";
+  EXPECT_FALSE(find_doubtful(map, o)[cell(53, 40)]);
+  o.seen_within_m = 0.4;
+  EXPECT_EQ(passage(53), Passage::Free) << "farther away";
+  o.seen_within_m = 1;
+  o.drops = Drops::Ignore;
+  EXPECT_EQ(passage(53), Passage::Free);
+}

@@ -45,6 +45,27 @@ bool something_stands(const SurfaceView& view, std::size_t cell)
  */
 constexpr double kBeside_m = 0.2;
 
+/** So near to what may drop a guess is no ground, with Drops::Avoid: a fill across the corner of a
+ * trench has measured ground on both sides. */
+constexpr double kBesideDrop_m = 0.2;
+
+/** Marks what is that near to a marked cell, along rows and columns. */
+void widen(std::vector<char>& marks, int n, int reach)
+{
+  for (const bool along_x : {true, false})
+  {
+    const std::vector<char> before = marks;
+    for (int b = 0; b < n; b++)
+      for (int a = 0; a < n; a++)
+      {
+        const auto at = [&](int i)
+        { return static_cast<std::size_t>(along_x ? b * n + i : i * n + b); };
+        if (before[at(a)] == 0) continue;
+        for (int i = std::max(0, a - reach); i <= std::min(n - 1, a + reach); i++) marks[at(i)] = 1;
+      }
+  }
+}
+
 /** What is around a cell. */
 class Surroundings
 {
@@ -112,6 +133,7 @@ class Judge
   {
     if (o.drops == Drops::Slope)
       falls_.emplace(map, [this](int ix, int iy) { return rests_on_unseen(ix, iy); });
+    if (o.drops == Drops::Avoid) mark_drops(map.parameters().resolution_m);
   }
   Judge(const Judge&) = delete;
   Judge& operator=(const Judge&) = delete;
@@ -143,11 +165,26 @@ class Judge
   }
 
  private:
-  /** Made from one side: the ground goes on, as far as one knows. An edge in the blind zone of the
-   * scanner looks so. */
+  /** Made from one side, where the ground goes on as far as one knows: an edge in the blind zone of
+   * the scanner looks so. Or beside what may drop. */
   bool is_guess(int ix, int iy) const
   {
-    return view_.state[view_.index(ix, iy)] == static_cast<float>(CellState::FilledOneSided);
+    const std::size_t cell = view_.index(ix, iy);
+    return view_.state[cell] == static_cast<float>(CellState::FilledOneSided) ||
+           (beside_drop_[cell] != 0 && is_filled(cell) && !something_stands(view_, cell));
+  }
+  void mark_drops(double resolution_m)
+  {
+    const int n = view_.window.cells;
+    for (int iy = 0; iy < n; iy++)
+      for (int ix = 0; ix < n; ix++) beside_drop_.push_back(rests_on_unseen(ix, iy) ? 1 : 0);
+    widen(beside_drop_, n, static_cast<int>(std::lround(kBesideDrop_m / resolution_m)));
+  }
+  bool is_filled(std::size_t cell) const
+  {
+    const float state = view_.state[cell];
+    return state == static_cast<float>(CellState::FilledOneSided) ||
+           state == static_cast<float>(CellState::FilledTwoSided);
   }
   bool is_measured(std::size_t cell) const
   {
@@ -194,12 +231,7 @@ class Judge
     const int last = view_.window.cells - 1;
     for (int y = std::max(0, iy - reach_); y <= std::min(last, iy + reach_); y++)
       for (int x = std::max(0, ix - reach_); x <= std::min(last, ix + reach_); x++)
-      {
-        const float state = view_.state[view_.index(x, y)];
-        if (state == static_cast<float>(CellState::FilledOneSided) ||
-            state == static_cast<float>(CellState::FilledTwoSided))
-          return true;
-      }
+        if (is_filled(view_.index(x, y))) return true;
     return false;
   }
 
@@ -208,6 +240,7 @@ class Judge
   double level_m_;
   Surroundings around_;
   const ObstacleOptions& o_;
+  std::vector<char> beside_drop_;  //!< with Drops::Avoid, by cell
   int reach_;  //!< of the neighbourhood of slope and step, in cells
   float step_m_;
 };

@@ -40,9 +40,9 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
   double blocked_at = 0.0;  //!< cells whose traversability is this or less are obstacles, [0,1]
   /** This near to the base, what is driven on must have been seen: a cell whose ground is unknown
    * or was not judged is what `unseen` says. With Unseen::Obstacle and Drops::Avoid a guess from
-   * one side (CellState::FilledOneSided) is an obstacle, too: an edge may lie in it. Farther away
-   * it is left to the planner as unknown, and so is what is in doubt, see find_doubtful(): from
-   * nearby it may look better. */
+   * one side (CellState::FilledOneSided), and any guess up to 0.2 m beside what may drop, is an
+   * obstacle, too: an edge may lie in it. Farther away it is left to the planner as unknown, and so
+   * is what is in doubt, see find_doubtful(): from nearby it may look better. */
   double seen_within_m = 1.0;
   Unseen unseen = Unseen::Obstacle;  //!< what it is there without that
   Drops drops = Drops::Avoid;  //!< how bold the robot is where ground may drop
