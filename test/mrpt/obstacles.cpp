@@ -270,7 +270,7 @@ TEST(Obstacles, are_edges_where_nothing_stands_or_the_ground_falls)
 {
   RoomWithDoubt room;
   const CPose3D base(0.7, -1.0, 0, 0, 0, 0);
-  const auto is_edge = [&]
+  const auto is_edge = [&]() -> bool
   { return find_edges(room.map, base, classify_cells(room.map, base, {}))[room.cell]; };
   EXPECT_TRUE(is_edge());
   room.layer(Layer::Elevation)[room.cell + 3] += 0.5F;
