@@ -8,7 +8,7 @@ namespace talus::kernels
 {
 // Channels: values that users bring to each point. They are fused after the stages of a frame, and
 // decide nothing in the map. A point on the ground counts for the ground of its cell, one of what
-// stands for what stands there, see label_in_cell().
+// stands for what stands there, see surface_at().
 
 constexpr int kMostChannels = 4, kClasses = 16;
 
