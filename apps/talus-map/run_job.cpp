@@ -150,7 +150,7 @@ void write_exports(const Job& job, const Options& options, const OutputFolder& o
     export_files(map.string(), output.staging(), (name / map.stem()).string(), options.exports);
 }
 
-/** Beside each map, unless the user has one there: what is written replaces files of its name. */
+/** Beside each map, unless a user's own is there: what is written replaces files of its name. */
 void write_qgis_styles(const Job& job, const OutputFolder& output)
 {
   std::vector<fs::path> styles;
@@ -158,7 +158,7 @@ void write_qgis_styles(const Job& job, const OutputFolder& output)
     if (const auto name = file.path().filename(); name == "map.tif" || is_site_map(name))
       styles.push_back(fs::path(name).replace_extension(".qml"));
   for (const auto& style : styles)
-    if (!fs::exists(fs::path(job.folder) / style))
+    if (!io::is_users_qgis_style((fs::path(job.folder) / style).string()))
       io::write_qgis_style((fs::path(output.staging()) / style).string());
 }
 

@@ -118,8 +118,8 @@ std::vector<MapFit> merge(
   write_floor_files(
       o.output, o.picture, site, floor, o.keep_far ? Far::Together : Far::Apart,
       [&](double done) { bar.show(kMerging + (1 - kMerging) * done, "writing"); });
-  const auto style = fs::path(o.output).replace_extension(".qml");
-  if (!fs::exists(style)) talus::io::write_qgis_style(style.string());  // else it may be the user's
+  const std::string style = fs::path(o.output).replace_extension(".qml").string();
+  if (!talus::io::is_users_qgis_style(style)) talus::io::write_qgis_style(style);
   known_m2 = known_cells(site).area_m2;
   return fits;
 }

@@ -6,6 +6,9 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
 
 namespace talus::io
 {
@@ -34,28 +37,38 @@ std::string colour_items()
   }
   return items;
 }
+
+std::string style_text()
+{
+  return "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n"
+         "<qgis version=\"3.22\" styleCategories=\"Symbology\">\n"
+         "  <pipe>\n"
+         "    <rasterrenderer type=\"singlebandpseudocolor\" band=\"1\" opacity=\"1\" "
+         "alphaBand=\"-1\" classificationMin=\"0\" classificationMax=\"1\">\n"
+         "      <rastershader>\n"
+         "        <colorrampshader colorRampType=\"INTERPOLATED\" classificationMode=\"1\" "
+         "clip=\"0\">\n" +
+         colour_items() +
+         "        </colorrampshader>\n"
+         "      </rastershader>\n"
+         "    </rasterrenderer>\n"
+         "    <rasterresampler/>\n"
+         "  </pipe>\n"
+         "  <blendMode>0</blendMode>\n"
+         "</qgis>\n";
+}
 }  // namespace
 
-void write_qgis_style(const std::string& path)
+void write_qgis_style(const std::string& path) { write_file(path, style_text()); }
+
+bool is_users_qgis_style(const std::string& path)
 {
-  write_file(
-      path,
-      "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n"
-      "<qgis version=\"3.22\" styleCategories=\"Symbology\">\n"
-      "  <pipe>\n"
-      "    <rasterrenderer type=\"singlebandpseudocolor\" band=\"1\" opacity=\"1\" "
-      "alphaBand=\"-1\" classificationMin=\"0\" classificationMax=\"1\">\n"
-      "      <rastershader>\n"
-      "        <colorrampshader colorRampType=\"INTERPOLATED\" classificationMode=\"1\" "
-      "clip=\"0\">\n" +
-          colour_items() +
-          "        </colorrampshader>\n"
-          "      </rastershader>\n"
-          "    </rasterrenderer>\n"
-          "    <rasterresampler/>\n"
-          "  </pipe>\n"
-          "  <blendMode>0</blendMode>\n"
-          "</qgis>\n");
+  std::ifstream file(path, std::ios::binary);
+  if (!file && !std::filesystem::exists(path)) return false;
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) throw std::runtime_error(path + ": cannot be read");
+  return text.str() != style_text();
 }
 
 }  // namespace talus::io
