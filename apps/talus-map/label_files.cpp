@@ -3,13 +3,9 @@
 #include "../common/placing.h"
 
 #include <mrpt/core/format.h>
-#include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/obs/CObservationPointCloud.h>
-#include <mrpt/serialization/CArchive.h>
 #include <talus/io/atomic_file.h>
 #include <talus/io/label_colour.h>
-#include <talus/io/mrpt_error.h>
-#include <talus/io/written_file.h>
 #include <talus/mrpt/labelled_cloud.h>
 
 #include <filesystem>
@@ -64,48 +60,10 @@ void require_no_foreign_labels(const std::string& folder)
           entry.path().filename().string() + "; give another folder");
 }
 
-/** The log of clouds. */
-class LabelFiles::Log
-{
- public:
-  explicit Log(std::string path) : path_(std::move(path))
-  {
-    if (!file_.open(path_, 1)) throw std::runtime_error(path_ + ": cannot be written");
-  }
-  void write(const Part& part, const SensorPoints& points, const std::vector<PointLabel>& labels)
-  {
-    mrpt::obs::CObservationPointCloud obs;
-    obs.timestamp = part.stamp;
-    obs.sensorLabel = part.sensor_label;
-    obs.sensorPose = part.T_base_sensor;
-    obs.pointcloud = labelled_cloud(points, labels);
-    try
-    {
-      auto archive = mrpt::serialization::archiveFrom(file_);
-      archive << obs;
-    }
-    catch (const std::exception& e)
-    {
-      throw std::runtime_error(
-          path_ + ": could not be written (" + io::reason_of(e) +
-          "); is the disk full? Free some space there");
-    }
-  }
-  void close()
-  {
-    file_.close();
-    io::require_complete_packed(path_);
-  }
-
- private:
-  std::string path_;
-  mrpt::io::CFileGZOutputStream file_;
-};
-
 LabelFiles::LabelFiles(std::string folder, LabelsAs as) : folder_(std::move(folder))
 {
   if (as == LabelsAs::Rawlog)
-    log_ = std::make_unique<Log>((fs::path(folder_) / kLabelledLog).string());
+    log_ = std::make_unique<io::PackedLog>((fs::path(folder_) / kLabelledLog).string());
 }
 LabelFiles::~LabelFiles() = default;
 
@@ -157,7 +115,12 @@ void LabelFiles::write_part(
   points.y_m = of(scan.y_m);
   points.z_m = of(scan.z_m);
   const auto begin = labels.begin() + static_cast<std::ptrdiff_t>(first);
-  log_->write(part, points, {begin, begin + static_cast<std::ptrdiff_t>(part.size)});
+  mrpt::obs::CObservationPointCloud obs;
+  obs.timestamp = part.stamp;
+  obs.sensorLabel = part.sensor_label;
+  obs.sensorPose = part.T_base_sensor;
+  obs.pointcloud = labelled_cloud(points, {begin, begin + static_cast<std::ptrdiff_t>(part.size)});
+  log_->write(obs);
 }
 
 void LabelFiles::finish()

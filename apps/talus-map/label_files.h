@@ -2,6 +2,7 @@
 #include "options.h"
 
 #include <talus/frame.h>
+#include <talus/io/packed_log.h>
 #include <talus/mrpt/observation_points.h>
 #include <talus/point_labels.h>
 
@@ -60,7 +61,6 @@ class LabelFiles
     std::string sensor_label;
     mrpt::poses::CPose3D T_base_sensor;
   };
-  class Log;
 
   void write_part(
       const Part& part, const Frame& scan, const std::vector<PointLabel>& labels,
@@ -73,7 +73,7 @@ class LabelFiles
   Part last_;
   std::map<std::uint32_t, std::deque<Part>> waiting_;  //!< by sensor
   std::vector<Part> begun_;
-  std::unique_ptr<Log> log_;  //!< null for LabelsAs::Kitti
+  std::unique_ptr<io::PackedLog> log_;  //!< null for LabelsAs::Kitti
   std::array<std::uint64_t, kPointLabelCount> counts_{};
 };
 

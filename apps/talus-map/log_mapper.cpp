@@ -207,8 +207,8 @@ bool LogMapper::insert(const std::string& label)
 {
   const auto T_map_base = poses_.base_at(scan_.stamp_s);
   if (!T_map_base) return skip("no_pose", "there is no pose within --max-gap");
-  check_channels();
   Frame frame = frame_from(scan_, *T_map_base);
+  check_channels(frame);
   frame.path = poses_.sensor_path(scan_);
   try
   {
@@ -304,14 +304,15 @@ void LogMapper::require_points() const
       "window_m, which -s NAME=VALUE sets");
 }
 
-/** Of the scan. A class that is none ends the run: the log has other classes than was said. */
-void LogMapper::check_channels()
+/** Of the frame of a scan. A class that is none ends the run: the log has other classes than was
+ * said. */
+void LogMapper::check_channels(const Frame& frame)
 {
   for (std::size_t c = 0; c < has_channel_.size(); ++c)
-    if (!scan_.channels[c].empty()) has_channel_[c] = true;
+    if (frame.channels[c]) has_channel_[c] = true;
   try
   {
-    require_channels(frame_from(scan_, {}), map_.parameters().channels);
+    require_channels(frame, map_.parameters().channels);
   }
   catch (const std::invalid_argument& e)
   {

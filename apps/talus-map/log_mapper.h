@@ -82,7 +82,7 @@ class LogMapper
   bool note_stamp(const mrpt::obs::CObservation& obs);
   [[noreturn]] void explain_no_frames() const;
   void require_points() const;
-  void check_channels();
+  void check_channels(const Frame& frame);
   void require_channels_of_log() const;
   void map_scan(const Frame& scan);
   FrameReport map_frame(const Frame& frame);

@@ -80,13 +80,11 @@ ScanFrame within_window(ScanFrame frame, const Parameters& p)
 {
   const Window w =
       baselines::window_around(p, pose_of_base(frame.T_map_sensor, frame.T_base_sensor));
-  const auto& m = frame.T_map_sensor.m;
   for (std::size_t i = 0; i < frame.x_m.size(); ++i)
   {
-    const double x = frame.x_m[i], y = frame.y_m[i], z = frame.z_m[i];
-    const bool is_inside =
-        baselines::cell_index(
-            w, m[0] * x + m[1] * y + m[2] * z + m[3], m[4] * x + m[5] * y + m[6] * z + m[7]) >= 0;
+    const sim::Vec3 at =
+        sim::transform(frame.T_map_sensor, {frame.x_m[i], frame.y_m[i], frame.z_m[i]});
+    const bool is_inside = baselines::cell_index(w, at.x, at.y) >= 0;
     if (!is_inside) frame.x_m[i] = NAN;
   }
   return frame;

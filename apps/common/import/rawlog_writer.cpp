@@ -1,20 +1,16 @@
 #include "rawlog_writer.h"
 
 #include <mrpt/core/Clock.h>
-#include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
-#include <mrpt/serialization/CArchive.h>
-#include <talus/io/mrpt_error.h>
-#include <talus/io/written_file.h>
+#include <talus/io/packed_log.h>
 #include <talus/mrpt/version_compat.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <stdexcept>
 
 namespace talus::import
 {
@@ -89,35 +85,20 @@ double stamp_in_log_s(double time_s)
 
 struct RawlogWriter::Impl
 {
+  explicit Impl(const std::string& path) : log(path) {}
   template <class Observation>
   void put(Observation obs, const ImportedScan& scan)
   {
     obs.timestamp = mrpt::Clock::fromDouble(scan.time_s);
     obs.sensorLabel = scan.sensor_label;
     obs.sensorPose = scan.T_base_sensor;
-    try
-    {
-      auto archive = mrpt::serialization::archiveFrom(file);
-      archive << obs;
-    }
-    catch (const std::exception& e)
-    {
-      throw std::runtime_error(
-          path + ": could not be written (" + io::reason_of(e) +
-          "); is the disk full? Free some space there");
-    }
+    log.write(obs);
   }
 
-  std::string path;
-  mrpt::io::CFileGZOutputStream file;
+  io::PackedLog log;
 };
 
-RawlogWriter::RawlogWriter(const std::string& path) : impl_(std::make_unique<Impl>())
-{
-  impl_->path = path;
-  if (!impl_->file.open(path, 1))
-    throw std::runtime_error(path + ": cannot be written; is the disk full? Free some space there");
-}
+RawlogWriter::RawlogWriter(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
 RawlogWriter::~RawlogWriter() = default;
 
 void RawlogWriter::write(const ImportedScan& scan)
@@ -128,10 +109,6 @@ void RawlogWriter::write(const ImportedScan& scan)
     impl_->put(timed_observation(scan), scan);
 }
 
-void RawlogWriter::close()
-{
-  impl_->file.close();
-  io::require_complete_packed(impl_->path);
-}
+void RawlogWriter::close() { impl_->log.close(); }
 
 }  // namespace talus::import

@@ -1,5 +1,7 @@
 #include "clearance.h"
 
+#include "footprints.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -20,14 +22,6 @@ struct Kept
   bool is_edge;
 };
 
-/** 0 inside of the outline. */
-double to_outline_m(double x_m, double y_m, const RobotBody& body)
-{
-  return std::hypot(
-      std::max(0.0, std::abs(x_m) - body.length_m / 2),
-      std::max(0.0, std::abs(y_m) - body.width_m / 2));
-}
-
 std::vector<Kept> near_places(
     const std::vector<BlockedPlace>& places, const RobotBody& body, double within_m, bool narrow)
 {
@@ -39,7 +33,7 @@ std::vector<Kept> near_places(
     const bool close = narrow && !p.is_edge;
     out.push_back(
         {p.x_m, p.y_m, close ? kKeepAwayWhereNarrow_m : kKeepAway_m,
-         to_outline_m(p.x_m, p.y_m, body), p.is_edge});
+         to_outline_m(p.x_m, p.y_m, body.length_m, body.width_m), p.is_edge});
     if (p.is_edge)
       nearest_edge_m = std::min(nearest_edge_m, out.back().now_m);
     else if (!close)
@@ -68,7 +62,8 @@ bool is_clear_after(
       [&](const Kept& p)
       {
         const double dx = p.x_m - x_m, dy = p.y_m - y_m;
-        return to_outline_m(c * dx + s * dy, -s * dx + c * dy, body) >= p.away_m;
+        return to_outline_m(c * dx + s * dy, -s * dx + c * dy, body.length_m, body.width_m) >=
+               p.away_m;
       });
 }
 }  // namespace

@@ -9,8 +9,6 @@ namespace talus::nav
 namespace
 {
 constexpr double kTurn_rad = 2 * M_PI;
-/** Distances in thirds of a cell are too long by this at most, along (2, 1). */
-constexpr double kTooLong = 1.05;
 
 double middle_rad(int half_heading)
 {
@@ -19,13 +17,13 @@ double middle_rad(int half_heading)
   const double next_rad = h + 1 == kHeadings ? kTurn_rad : heading_rad(h + 1);
   return (heading_rad(h) + next_rad) / 2;
 }
+}  // namespace
 
 double to_outline_m(double x_m, double y_m, double length_m, double width_m)
 {
   return std::hypot(
       std::max(0.0, std::abs(x_m) - length_m / 2), std::max(0.0, std::abs(y_m) - width_m / 2));
 }
-}  // namespace
 
 double heading_rad(int heading)
 {
@@ -50,7 +48,7 @@ Footprints::Footprints(double length_m, double width_m, double cell_m, const Mar
   const auto sure_thirds = [&](double margin_m)
   {
     const double cells = (corner_m + margin_m) / cell_m;
-    return static_cast<int>(std::ceil(kTooLong * PlanningGrid::kThirds * cells)) + 1;
+    return static_cast<int>(std::ceil(PlanningGrid::kTooLong * PlanningGrid::kThirds * cells)) + 1;
   };
   sure_standing_thirds_ = sure_thirds(margins.standing_m);
   sure_edge_thirds_ = sure_thirds(margins.edge_m);

@@ -32,6 +32,8 @@ constexpr std::array<HeadingStep, kHeadings> kSteps{
      {1, -1},
      {2, -1}}};
 
+/** How far a place in the frame of a rectangle is from its outline; 0 inside. */
+double to_outline_m(double x_m, double y_m, double length_m, double width_m);
 double heading_rad(int heading);
 /** The one nearest to a yaw. */
 int heading_of(double yaw_rad);

@@ -44,14 +44,10 @@ sim::Truth truth_around(
   return sim::truth(world, sim::window_around(area, 0, kCell_m), time_s, options);
 }
 
-/** What costmap_from_map() makes of a cell that is known to be blocked though nothing stands there.
- */
-bool is_edge(float p) { return std::abs(p - 0.15F) < 0.025F; }
-
 /** Of a cell that is free with this probability; costmap_from_map() says how they are made. */
 std::optional<cv::Scalar> costmap_colour(float p)
 {
-  if (p < kStandsBelow || is_edge(p)) return kCostmap;
+  if (p < kStandsBelow || is_known_edge(p)) return kCostmap;
   if (p <= kBlockedUpTo) return kMayDrop;
   if (p < 0.525F) return io::kUnknownColour;  // kHopeful
   if (p < 0.555F) return kJudgedFree;  // traversability 0, and yet no obstacle

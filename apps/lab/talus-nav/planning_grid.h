@@ -24,6 +24,7 @@ class PlanningGrid
   static constexpr int kBorder_cells = 14;  //!< into which a robot may reach, but not drive
   static constexpr int kThirds = 3;  //!< of a cell; what distances are told in
   static constexpr int kFarthest_thirds = 255;
+  static constexpr double kTooLong = 1.05;  //!< distances in them are at most, along (2, 1)
 
   PlanningGrid(const mrpt::maps::COccupancyGridMap2D& costmap, double around_m);
 

@@ -1,5 +1,7 @@
 #include "route.h"
 
+#include "follow.h"
+
 #include <mrpt/core/format.h>
 
 #include <algorithm>
@@ -101,13 +103,8 @@ bool Route::plan_with(
 
 TPoint2D Route::target(const mrpt::math::TPose2D& robot, double ahead_m) const
 {
-  const auto away_m = [&robot](const RoutePose& p)
-  { return std::hypot(p.x_m - robot.x, p.y_m - robot.y); };
-  std::size_t nearest = 0;
-  for (std::size_t i = 0; i < way_.size(); i++)
-    if (away_m(way_[i]) < away_m(way_[nearest])) nearest = i;
   double left_m = ahead_m;
-  for (std::size_t i = nearest; i + 1 < way_.size(); i++)
+  for (std::size_t i = nearest_on(way_, robot); i + 1 < way_.size(); i++)
   {
     left_m -= std::hypot(way_[i + 1].x_m - way_[i].x_m, way_[i + 1].y_m - way_[i].y_m);
     if (left_m <= 0) return {way_[i + 1].x_m, way_[i + 1].y_m};

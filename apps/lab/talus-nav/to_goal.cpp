@@ -14,7 +14,6 @@ constexpr double kRoom_m = 0.6;  // between the middle of the robot and what blo
 // Times its length a way costs where the robot hardly fits. The margin of an edge is room already.
 constexpr double kDearestBesideWall = 2.5, kDearestBesideEdge = 1.3;
 constexpr double kBesideGoal = 4;  // mm cost as much as one to the goal
-constexpr double kTooLong = 1.05;  // as in footprints.cpp
 
 constexpr std::size_t kBuckets = 1024;  // more than the dearest step from cell to cell costs
 }  // namespace
@@ -41,7 +40,7 @@ void ToGoal::rate(double half_width_m)
   std::array<std::uint8_t, PlanningGrid::kFarthest_thirds + 1> standing{}, edge{};
   const auto factor = [&](double away_m, double dearest)
   {
-    if (kTooLong * away_m < least_m) return 0.0;
+    if (PlanningGrid::kTooLong * away_m < least_m) return 0.0;
     const double lacks = std::clamp((kRoom_m - away_m) / (kRoom_m - least_m), 0.0, 1.0);
     return kPlain * (1 + (dearest - 1) * lacks * lacks);
   };

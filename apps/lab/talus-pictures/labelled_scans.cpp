@@ -1,6 +1,7 @@
 #include "labelled_scans.h"
 
 #include <talus/io/label_colour.h>
+#include <talus/sim/geometry.h>
 
 #include <picture_legend.h>
 
@@ -29,18 +30,11 @@ void add_dots(
     std::vector<Dot>& dots)
 {
   const std::vector<PointLabel> labels = label_points(map, scan.view());
-  const auto& m = scan.T_map_sensor.m;
   for (std::size_t i = 0; i < labels.size(); ++i)
   {
     if (labels[i] == PointLabel::NotTaken || labels[i] == PointLabel::Outside) continue;
-    const cv::Vec3d p(scan.x_m[i], scan.y_m[i], scan.z_m[i]);
-    cv::Vec3d p_map;
-    for (int row = 0; row < 3; ++row)
-    {
-      const double* r = &m[static_cast<std::size_t>(4 * row)];
-      p_map[row] = r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3];
-    }
-    const cv::Vec3d pixel = camera.pixel(p_map);
+    const sim::Vec3 p = sim::transform(scan.T_map_sensor, {scan.x_m[i], scan.y_m[i], scan.z_m[i]});
+    const cv::Vec3d pixel = camera.pixel({p.x, p.y, p.z});
     if (pixel[2] > 0) dots.push_back({pixel, colour_of(labels[i])});
   }
 }

@@ -1,11 +1,9 @@
 // Makes pictures of the pages.
-//   talus-pictures sheets WORLDS FOLDER             what each stage makes of a frame, what a
-//   parameter changes:
-//                                                   FOLDER/stages.png and FOLDER/parameters.png
-//   talus-pictures labels WORLDS FILE               scans of a street, coloured by what each point
-//   is talus-pictures drive EYE TARGET FOLDER MAPS...  maps of talus-map --every as a drive that is
-//   seen from EYE (x,y,z in
-//                                                   m): FOLDER/drive_000.png ...
+//   sheets WORLDS FOLDER: what each stage makes of a frame, and what a parameter changes, as
+//     FOLDER/stages.png and FOLDER/parameters.png
+//   labels WORLDS FILE: scans of a street, coloured by what each point is
+//   drive EYE TARGET FOLDER MAPS...: maps of talus-map --every as a drive that is seen from EYE
+//     (x,y,z in m), as FOLDER/drive_000.png ...
 #include "drive.h"
 #include "labelled_scans.h"
 #include "sheet.h"

@@ -1,19 +1,15 @@
 #include "output.h"
 
-#include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/poses/CPose3DQuat.h>
-#include <mrpt/serialization/CArchive.h>
 #include <talus/io/atomic_file.h>
 #include <talus/io/geotiff.h>
-#include <talus/io/written_file.h>
-#include <talus/io/mrpt_error.h>
+#include <talus/io/packed_log.h>
 #include <talus/mrpt/version_compat.h>
 
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <stdexcept>
 #include <utility>
 
 namespace talus::sim
@@ -74,27 +70,13 @@ void write_rawlog(
     const std::string& path, const World& world, const Drive& drive, const Claims& claims,
     const std::function<void(int)>& progress)
 {
-  mrpt::io::CFileGZOutputStream file;
-  if (!file.open(path, 1))
-    throw std::runtime_error(path + ": cannot be written; is the disk full? Free some space there");
-  auto archive = mrpt::serialization::archiveFrom(file);
+  io::PackedLog log(path);
   for (int i = 0; i < drive.frames(); ++i)
   {
-    const auto obs = observation(world, drive, claims, i);
-    try
-    {
-      archive << obs;
-    }
-    catch (const std::exception& e)
-    {
-      throw std::runtime_error(
-          path + ": could not be written (" + io::reason_of(e) +
-          "); is the disk full? Free some space there");
-    }
+    log.write(observation(world, drive, claims, i));
     progress(i + 1);
   }
-  file.close();
-  io::require_complete_packed(path);
+  log.close();
 }
 
 void write_tum(const std::string& path, const Drive& drive, bool noisy)

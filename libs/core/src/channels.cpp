@@ -126,6 +126,18 @@ std::vector<std::string> channel_layer_names(const std::vector<Channel>& channel
   return names;
 }
 
+std::size_t channel_layer(
+    const std::vector<Channel>& channels, const std::string& name, const std::string& what)
+{
+  const std::vector<std::string> names = channel_layer_names(channels);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end())
+    throw std::invalid_argument(
+        "this " + what + " has no channel layer '" + name +
+        "'; its channels are: " + channels_text(channels));
+  return static_cast<std::size_t>(found - names.begin());
+}
+
 void require_channels(const Frame& frame, const std::vector<Channel>& channels)
 {
   for (std::size_t c = 0; c < kMostChannels; c++)

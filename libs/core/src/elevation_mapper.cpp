@@ -3,7 +3,6 @@
 #include "kernels/math.h"
 #include "saved_map.h"
 
-#include <algorithm>
 #include <iostream>
 #include <limits>
 #include <stdexcept>
@@ -354,13 +353,7 @@ const std::vector<float>& ElevationMapper::layer(Layer l) const
 const std::vector<float>& ElevationMapper::channel(const std::string& name) const
 {
   Impl& m = *impl_;
-  const std::vector<std::string> names = channel_layer_names(m.parameters.channels);
-  const auto i =
-      static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-  if (i == names.size())
-    throw std::invalid_argument(
-        "this map has no channel layer '" + name +
-        "'; its channels are: " + channels_text(m.parameters.channels));
+  const std::size_t i = channel_layer(m.parameters.channels, name, "map");
   std::vector<float>& values = m.channel_layers[i];
   if (m.channel_read[i]) return values;
   m.require_none_in_flight("channel");

@@ -21,14 +21,9 @@ const std::vector<float>& MapSnapshot::layer(Layer l) const
 
 const std::vector<float>& MapSnapshot::channel(const std::string& name) const
 {
-  const std::vector<std::string> names = channel_layer_names(parameters.channels);
-  const auto i =
-      static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-  if (i >= channels.size())
-    throw std::invalid_argument(
-        "this snapshot has no channel layer '" + name +
-        "'; its channels are: " + channels_text(parameters.channels));
-  return channels[i];
+  const std::size_t i = channel_layer(parameters.channels, name, "snapshot");
+  if (i < channels.size()) return channels[i];
+  throw std::invalid_argument("this snapshot was made without its channels");
 }
 
 namespace

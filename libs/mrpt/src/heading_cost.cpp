@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "surface_view.h"
+
 namespace talus
 {
 namespace
@@ -76,13 +78,11 @@ class CellsBelow
   }
 
  private:
-  /** Of the two surfaces the higher one that is known. */
   double top(int ix, int iy) const
   {
     const auto cell = static_cast<std::size_t>(iy) * static_cast<std::size_t>(window_.cells) +
                       static_cast<std::size_t>(ix);
-    return elevation_[cell] > ground_[cell] || std::isnan(ground_[cell]) ? elevation_[cell]
-                                                                         : ground_[cell];
+    return detail::top_of(ground_[cell], elevation_[cell]);
   }
 
   Window window_;

@@ -49,21 +49,20 @@ constexpr double kBeside_m = 0.2;
  * trench has measured ground on both sides. */
 constexpr double kBesideDrop_m = 0.2;
 
-/** Marks what is that near to a marked cell, along rows and columns. */
-void widen(std::vector<char>& marks, int n, int reach)
+/** Whether something holds for all cells of the window up to so many rows and columns away. */
+template <class Holds>
+bool holds_around(const Window& window, int ix, int iy, int reach, const Holds& holds)
 {
-  for (const bool along_x : {true, false})
-  {
-    const std::vector<char> before = marks;
-    for (int b = 0; b < n; b++)
-      for (int a = 0; a < n; a++)
-      {
-        const auto at = [&](int i)
-        { return static_cast<std::size_t>(along_x ? b * n + i : i * n + b); };
-        if (before[at(a)] == 0) continue;
-        for (int i = std::max(0, a - reach); i <= std::min(n - 1, a + reach); i++) marks[at(i)] = 1;
-      }
-  }
+  const int last = window.cells - 1;
+  for (int y = std::max(0, iy - reach); y <= std::min(last, iy + reach); y++)
+    for (int x = std::max(0, ix - reach); x <= std::min(last, ix + reach); x++)
+      if (!holds(x, y)) return false;
+  return true;
+}
+
+int cells_of(const MapView& map, double distance_m)
+{
+  return static_cast<int>(std::lround(distance_m / map.parameters().resolution_m));
 }
 
 /** What is around a cell. */
@@ -71,9 +70,7 @@ class Surroundings
 {
  public:
   explicit Surroundings(const MapView& map)
-      : view_(map),
-        step_m_(map.parameters().step_threshold_m),
-        reach_(static_cast<int>(std::lround(kBeside_m / map.parameters().resolution_m)))
+      : view_(map), step_m_(map.parameters().step_threshold_m), reach_(cells_of(map, kBeside_m))
   {
   }
 
@@ -99,16 +96,17 @@ class Surroundings
   Around of(int ix, int iy, double level_m) const
   {
     Around out;
-    const int last = view_.window.cells - 1;
-    for (int y = std::max(0, iy - reach_); y <= std::min(last, iy + reach_); y++)
-      for (int x = std::max(0, ix - reach_); x <= std::min(last, ix + reach_); x++)
-      {
-        const std::size_t cell = view_.index(x, y);
-        const bool object = something_stands(view_, cell);
-        out.stands = out.stands || object || view_.ground[cell] > level_m + step_m_;
-        out.wall = out.wall || (object && view_.elevation[cell] > level_m + step_m_);
-        out.lowest_m = std::fmin(out.lowest_m, view_.ground[cell]);
-      }
+    holds_around(
+        view_.window, ix, iy, reach_,
+        [&](int x, int y)
+        {
+          const std::size_t cell = view_.index(x, y);
+          const bool object = something_stands(view_, cell);
+          out.stands = out.stands || object || view_.ground[cell] > level_m + step_m_;
+          out.wall = out.wall || (object && view_.elevation[cell] > level_m + step_m_);
+          out.lowest_m = std::fmin(out.lowest_m, view_.ground[cell]);
+          return true;
+        });
     return out;
   }
 
@@ -127,13 +125,12 @@ class Judge
         level_m_(level_m),
         around_(map),
         o_(o),
-        reach_(static_cast<int>(
-            std::lround(map.parameters().feature_radius_m / map.parameters().resolution_m))),
+        reach_(cells_of(map, map.parameters().feature_radius_m)),
+        beside_drop_(cells_of(map, kBesideDrop_m)),
         step_m_(static_cast<float>(map.parameters().step_threshold_m))
   {
     if (o.drops == Drops::Slope)
       falls_.emplace(map, [this](int ix, int iy) { return rests_on_unseen(ix, iy); });
-    if (o.drops == Drops::Avoid) mark_drops(map.parameters().resolution_m);
   }
   Judge(const Judge&) = delete;
   Judge& operator=(const Judge&) = delete;
@@ -171,14 +168,12 @@ class Judge
   {
     const std::size_t cell = view_.index(ix, iy);
     return view_.state[cell] == static_cast<float>(CellState::FilledOneSided) ||
-           (beside_drop_[cell] != 0 && is_filled(cell) && !something_stands(view_, cell));
+           (is_filled(cell) && !something_stands(view_, cell) && is_beside_drop(ix, iy));
   }
-  void mark_drops(double resolution_m)
+  bool is_beside_drop(int ix, int iy) const
   {
-    const int n = view_.window.cells;
-    for (int iy = 0; iy < n; iy++)
-      for (int ix = 0; ix < n; ix++) beside_drop_.push_back(rests_on_unseen(ix, iy) ? 1 : 0);
-    widen(beside_drop_, n, static_cast<int>(std::lround(kBesideDrop_m / resolution_m)));
+    return !holds_around(
+        view_.window, ix, iy, beside_drop_, [&](int x, int y) { return !rests_on_unseen(x, y); });
   }
   bool is_filled(std::size_t cell) const
   {
@@ -208,16 +203,15 @@ class Judge
     // False for NaN; and the bottom of a ditch is no place to stand.
     if (!(ground_m > level_m_ - kObject_m) || something_stands(view_, cell)) return false;
     bool rises = false, is_sure = false;
-    const int last = view_.window.cells - 1;
-    for (int y = std::max(0, iy - reach_); y <= std::min(last, iy + reach_); y++)
-      for (int x = std::max(0, ix - reach_); x <= std::min(last, ix + reach_); x++)
-      {
-        const std::size_t other = view_.index(x, y);
-        if (view_.ground[other] < ground_m - kObject_m) return false;
-        const bool higher = view_.top(other) > ground_m + step_m_;
-        rises = rises || higher;
-        is_sure = is_sure || (higher && is_measured(other));
-      }
+    const auto is_no_lower = [&](int x, int y)
+    {
+      const std::size_t other = view_.index(x, y);
+      const bool higher = view_.top(other) > ground_m + step_m_;
+      rises = rises || higher;
+      is_sure = is_sure || (higher && is_measured(other));
+      return !(view_.ground[other] < ground_m - kObject_m);
+    };
+    if (!holds_around(view_.window, ix, iy, reach_, is_no_lower)) return false;
     return rises && (is_sure || around_.is_beside_wall(ix, iy, level_m_));
   }
   bool is_dared(int ix, int iy) const
@@ -228,11 +222,8 @@ class Judge
   /** Slope and step of the cell were made from inferred ground too. */
   bool rests_on_fills(int ix, int iy) const
   {
-    const int last = view_.window.cells - 1;
-    for (int y = std::max(0, iy - reach_); y <= std::min(last, iy + reach_); y++)
-      for (int x = std::max(0, ix - reach_); x <= std::min(last, ix + reach_); x++)
-        if (is_filled(view_.index(x, y))) return true;
-    return false;
+    return !holds_around(
+        view_.window, ix, iy, reach_, [&](int x, int y) { return !is_filled(view_.index(x, y)); });
   }
 
   std::optional<detail::Falls> falls_;  //!< where they are asked for
@@ -240,8 +231,8 @@ class Judge
   double level_m_;
   Surroundings around_;
   const ObstacleOptions& o_;
-  std::vector<char> beside_drop_;  //!< with Drops::Avoid, by cell
   int reach_;  //!< of the neighbourhood of slope and step, in cells
+  int beside_drop_;  //!< kBesideDrop_m in cells
   float step_m_;
 };
 

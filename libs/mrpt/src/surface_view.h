@@ -7,6 +7,12 @@
 
 namespace talus::detail
 {
+/** The highest known surface of a cell [m]; NaN where nothing is known. */
+inline double top_of(float ground_m, float elevation_m)
+{
+  return elevation_m > ground_m || std::isnan(ground_m) ? elevation_m : ground_m;
+}
+
 /** The layers of a map by cell, and the cell below a point of the map frame. Valid until the map
  * changes. */
 struct SurfaceView
@@ -31,12 +37,7 @@ struct SurfaceView
   double x_m(int ix) const { return window.min_x_m() + (ix + 0.5) * window.resolution_m; }
   double y_m(int iy) const { return window.min_y_m() + (iy + 0.5) * window.resolution_m; }
 
-  /** The highest known surface of a cell [m]; NaN where nothing is known. */
-  double top(std::size_t cell) const
-  {
-    return elevation[cell] > ground[cell] || std::isnan(ground[cell]) ? elevation[cell]
-                                                                      : ground[cell];
-  }
+  double top(std::size_t cell) const { return top_of(ground[cell], elevation[cell]); }
 
   /** Vertical distance [m] of a height z in a cell to what a sensor can see there: the ground, the
    * elevation, and in between the side of an object where it is exposed. NaN where nothing is

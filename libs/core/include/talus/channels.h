@@ -46,6 +46,11 @@ void validate_channels(const std::vector<Channel>& channels);
  * NAME_standing of what stands on it. */
 std::vector<std::string> channel_layer_names(const std::vector<Channel>& channels);
 
+/** The place of a name in channel_layer_names(). Throws std::invalid_argument that says that
+ * `what`, "map" say, has no such layer. */
+std::size_t channel_layer(
+    const std::vector<Channel>& channels, const std::string& name, const std::string& what);
+
 /** Throws std::invalid_argument where a frame has values of a channel that the map does not have,
  * or a class that is no whole number from 0 to 15; it names the channel and the value. */
 void require_channels(const Frame& frame, const std::vector<Channel>& channels);

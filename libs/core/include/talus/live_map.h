@@ -24,7 +24,6 @@ struct MapSnapshot
   /** Parameters of the live map. */
   Parameters parameters;
   std::array<std::vector<float>, kLayerCount> layers;  //!< empty: not selected
-
   std::vector<std::vector<float>> channels;  //!< in the order of channel_layer_names()
 
   /** One layer of a channel, see ElevationMapper::channel(). Throws std::invalid_argument for a

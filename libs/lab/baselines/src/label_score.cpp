@@ -1,6 +1,7 @@
 #include <talus/baselines/label_score.h>
 
 #include <talus/point_labels.h>
+#include <talus/sim/geometry.h>
 
 #include <algorithm>
 #include <array>
@@ -21,12 +22,9 @@ struct Place
 
 Place place_of(const ScanFrame& scan, std::size_t i)
 {
-  const auto& m = scan.T_map_sensor.m;
-  const double x = scan.x_m[i], y = scan.y_m[i], z = scan.z_m[i];
-  const Place p{
-      m[0] * x + m[1] * y + m[2] * z + m[3], m[4] * x + m[5] * y + m[6] * z + m[7],
-      m[8] * x + m[9] * y + m[10] * z + m[11], 0};
-  return {p.x_m, p.y_m, p.z_m, std::hypot(p.x_m - m[3], p.y_m - m[7])};
+  const Pose& T = scan.T_map_sensor;
+  const sim::Vec3 p = sim::transform(T, {scan.x_m[i], scan.y_m[i], scan.z_m[i]});
+  return {p.x, p.y, p.z, std::hypot(p.x - T.x(), p.y - T.y())};
 }
 
 /** The sums of one row of scores. */

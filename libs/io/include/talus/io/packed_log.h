@@ -1,0 +1,29 @@
+#pragma once
+#include <mrpt/io/CFileGZOutputStream.h>
+
+#include <string>
+
+namespace mrpt::serialization
+{
+class CSerializable;
+}
+
+namespace talus::io
+{
+/** A rawlog that is written, gz-packed. All functions throw std::runtime_error that names the file
+ * and says what is wrong. */
+class PackedLog
+{
+ public:
+  explicit PackedLog(std::string path);
+
+  void write(const mrpt::serialization::CSerializable& object);
+  /** Ends the file, and reads it again to see that it is whole. */
+  void close();
+
+ private:
+  std::string path_;
+  mrpt::io::CFileGZOutputStream file_;
+};
+
+}  // namespace talus::io
