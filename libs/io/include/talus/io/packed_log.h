@@ -15,8 +15,10 @@ namespace talus::io
 class PackedLog
 {
  public:
+  /** Makes the file, or empties it. */
   explicit PackedLog(std::string path);
 
+  /** Adds an observation, an action or a map, after those before. */
   void write(const mrpt::serialization::CSerializable& object);
   /** Ends the file, and reads it again to see that it is whole. */
   void close();
