@@ -18,6 +18,15 @@ constexpr int kNowhere = -(1 << 20);
 constexpr int kFewSamples = 2, kMaxSamples = 16;
 
 std::int32_t bit_of(int lane) { return static_cast<std::int32_t>(1u << lane); }
+/** The bits of the lines that know a height. */
+std::uint32_t known_of(const float* height_m)
+{
+  std::int32_t known = 0;
+  TALUS_INDEPENDENT
+  for (int l = 0; l < kLanes; l++)
+    known |= kernels::select(kernels::is_known(height_m[l]), bit_of(l), 0);
+  return static_cast<std::uint32_t>(known);
+}
 
 /** Memory of this thread, kept from frame to frame. */
 template <class T>
@@ -28,11 +37,11 @@ T* scratch(int size)
   return memory.data();
 }
 
-/** Where lines cross one place, across the strip, and whether those cells are theirs to infer. */
+/** Where lines cross one place, across the strip, and which of those cells are theirs to infer. */
 struct alignas(64) Crossing
 {
   int minor[kLanes];
-  std::int32_t own[kLanes];  //!< a bit for each line, or zero
+  std::uint32_t own;  //!< a bit for each line
 };
 
 struct Strip
@@ -43,11 +52,14 @@ struct Strip
   float step_m[kLanes] = {};  //!< length of a line for each place
   int fill_places[kLanes] = {},
       sparsity_places[kLanes] = {};  //!< places that fills and stage 7 search
+  int reach = 0;  //!< most of fill_places
   int suspect = 0;  //!< from this place on all are too far for stage 7
 
   const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
   /** Whether lines are columns, so that the cells of a place are neighbours in memory. */
   bool columns() const { return across == 1 && lines == kLanes; }
+  /** Whether lines are rows. */
+  bool rows() const { return along == 1; }
   /** Whether they are close together, and those of the next place in another row. */
   bool leaps() const { return across == 1 || across == -1; }
   void measure(int line, float length_m, const kernels::Config& k)
@@ -55,6 +67,7 @@ struct Strip
     step_m[line] = length_m;
     fill_places[line] = kernels::places_in(k.fill_search_m, length_m, places - 1);
     sparsity_places[line] = kernels::places_in(k.sparsity_search_m, length_m, places - 1);
+    reach = std::max(reach, fill_places[line]);
     suspect = std::max(suspect, kernels::places_in(k.sparsity_range_m, length_m, places - 1) + 1);
   }
 };
@@ -65,16 +78,23 @@ struct alignas(64) Met
 {
   float height_m[kSamples][kLanes];
   int place[kSamples][kLanes];
-  float variance_m2[kLanes];  //!< variance of the nearest
+  float variance_m2[kLanes];  //!< variance of the nearest, where it is asked for
+  int latest;  //!< the place of the nearest of all lines ...
+  std::uint32_t latest_lines;  //!< ... and which lines met it there
 
   static Met nothing()
   {
     Met met{};
     for (auto& sample : met.place) std::fill_n(sample, kLanes, kNowhere);
+    met.latest = kNowhere;
     return met;
   }
 
+  /** Whether a line met a sample within so many places. */
+  bool is_within(int places, int here) const { return kernels::abs_of(here - latest) <= places; }
+
   /** Sets line `l` to the samples met `before`, and to the one `here` if it is known. */
+  template <bool kVariance>
   void meet(const Met& before, int l, bool known, float sample_m, float sample_m2, int here)
   {
     for (int s = kSamples - 1; s > 0; s--)
@@ -84,7 +104,7 @@ struct alignas(64) Met
     }
     height_m[0][l] = kernels::select(known, sample_m, before.height_m[0][l]);
     place[0][l] = kernels::select(known, here, before.place[0][l]);
-    variance_m2[l] = kernels::select(known, sample_m2, before.variance_m2[l]);
+    if (kVariance) variance_m2[l] = kernels::select(known, sample_m2, before.variance_m2[l]);
   }
 
   int distance(int l, int here) const { return kernels::abs_of(here - place[0][l]); }
@@ -116,12 +136,34 @@ struct alignas(64) Undercut
   Undercut() { std::fill_n(place, kLanes, -kNowhere); }
 };
 
+using LinesFound = SideBySide<kernels::LineFusion, kLanes>;
+
 /** The inferred values at one place. */
 struct Found
 {
-  SideBySide<kernels::LineFusion, kLanes> lines;
+  LinesFound lines;
   float variance_m2[kLanes], fall_m[kLanes];
   std::int32_t marks[kLanes];
+};
+
+/** What rows found at kLanes places, to be added row by row, where cells are neighbours. */
+struct RowsFound
+{
+  LinesFound at[kLanes];
+  int first;  //!< place
+  std::uint32_t set = 0;  //!< a bit for each of the places
+
+  void put(int place, const LinesFound& found)
+  {
+    at[place - first] = found;
+    set |= static_cast<std::uint32_t>(bit_of(place - first));
+  }
+  /** Sets places where nothing was found. */
+  void complete()
+  {
+    for (int p = 0; set && p < kLanes; p++)
+      if (!(set & static_cast<std::uint32_t>(bit_of(p)))) at[p].fill({});
+  }
 };
 
 /** `kRays`: lines from the sensor; else rows or columns. */
@@ -141,30 +183,30 @@ class Sweep
     const kernels::Samples samples = walk.samples;
     const InferenceGrid to = walk.to;
     const Strip strip = lines;
-    outwards(strip, samples, met);
+    const Side* before = outwards(strip, samples, met);
     Side behind = Side::nothing();
     Undercut undercut;
+    RowsFound rows;
+    rows.first = strip.places - kLanes;
     for (int place = strip.places - 1; place >= 0; place--)
     {
-      const Side& here = met[place + 1];
+      if (!kRays && place < rows.first) add(strip, rows, to);
       if (kRays && place % kernels::kUndercutPlaces == 0)
-        ask(strip, samples, here, place, undercut);
-      infer(k, strip, here, behind, undercut, place, to);
-      TALUS_INDEPENDENT
-      for (int l = 0; l < kLanes; l++)
-      {
-        const bool known = here.place[0][l] == place;
-        behind.meet(behind, l, known, here.height_m[0][l], here.variance_m2[l], place);
-        if (kRays) undercut.place[l] = kernels::select(known, -kNowhere, undercut.place[l]);
-      }
+        ask(strip, samples, *before, place, undercut);
+      const bool met_here = before->latest == place;
+      const std::uint32_t own = strip.at(place, !kRays).own;
+      const std::uint32_t wanted = met_here ? own & ~before->latest_lines : own;
+      if (wanted) infer(k, strip, *before, behind, undercut, wanted, place, to, rows);
+      if (met_here) turn(*before--, place, behind, undercut);
     }
+    if (!kRays) add(strip, rows, to);
   }
 
  private:
-  /** met[place + 1]: the samples that the lines met up to a place. */
-  static void outwards(const Strip& strip, const kernels::Samples& samples, Side* met)
+  /** Lists the samples that the lines met, anew at each place with one. Returns the last. */
+  static Side* outwards(const Strip& strip, const kernels::Samples& samples, Side* met)
   {
-    met[0] = Side::nothing();
+    *met = Side::nothing();
     for (int place = 0; place < strip.places; place++)
     {
       const int first = strip.first + place * strip.along;
@@ -179,26 +221,37 @@ class Sweep
         for (int l = 0; l < kLanes; l++)
           height_m[l] = samples.height_m[first + minor[l] * strip.across];
       }
-      int any = 0;
-      TALUS_INDEPENDENT
-      for (int l = 0; l < kLanes; l++) any |= kernels::is_known(height_m[l]);
-      if (!any)
-      {
-        met[place + 1] = met[place];
-        continue;
-      }
+      const std::uint32_t known = known_of(height_m);
+      if (!known) continue;
       if (kRays)
       {
         TALUS_INDEPENDENT
         for (int l = 0; l < kLanes; l++)
           variance_m2[l] = samples.variance_m2[first + minor[l] * strip.across];
       }
+      const Side& before = *met++;
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
-        met[place + 1].meet(
-            met[place], l, kernels::is_known(height_m[l]), height_m[l],
-            kRays ? variance_m2[l] : 0.0f, place);
+        met->template meet<kRays>(
+            before, l, kernels::is_known(height_m[l]), height_m[l], kRays ? variance_m2[l] : 0.0f,
+            place);
+      met->latest = place, met->latest_lines = known;
     }
+    return met;
+  }
+
+  /** The samples met `here` lie behind from now on. */
+  static void turn(const Side& here, int place, Side& behind, Undercut& undercut)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      const bool known = here.place[0][l] == place;
+      behind.template meet<kRays>(
+          behind, l, known, here.height_m[0][l], kRays ? here.variance_m2[l] : 0.0f, place);
+      if (kRays) undercut.place[l] = kernels::select(known, -kNowhere, undercut.place[l]);
+    }
+    behind.latest = place;
   }
 
   static void ask(
@@ -256,59 +309,55 @@ class Sweep
 
   static void infer(
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
-      const Undercut& undercut, int place, const InferenceGrid& to)
+      const Undercut& undercut, std::uint32_t wanted, int place, const InferenceGrid& to,
+      RowsFound& rows)
   {
-    const Crossing& crossing = strip.at(place, !kRays);
-    std::int32_t wanted = 0, near = 0;
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
-    {
-      const std::int32_t own = kernels::select(before.place[0][l] == place, 0, crossing.own[l]);
-      wanted |= own;
-      const bool reached = (before.distance(l, place) <= strip.fill_places[l]) |
-                           (behind.distance(l, place) <= strip.fill_places[l]);
-      near |= kernels::select(reached, own, 0);
-    }
-    if (!wanted || (!kRays && !near)) return;
+    const bool has_before = before.is_within(strip.reach, place),
+               has_behind = behind.is_within(strip.reach, place),
+               suspect = kRays && place <= strip.suspect;
     Found found;
-    if (near)
-      infer(k, strip, before, behind, undercut, place, found);
+    if (has_before && has_behind)
+      infer<true, true>(k, strip, before, behind, undercut, place, found);
+    else if (has_before)
+      infer<true, false>(k, strip, before, behind, undercut, place, found);
+    else if (has_behind)
+      infer<false, true>(k, strip, before, behind, undercut, place, found);
     else
     {
-      found.lines.fill({});
-      std::fill_n(found.variance_m2, kLanes, kernels::kNan);
-      std::fill_n(found.marks, kLanes, 0);
+      if (suspect) forget_fall(strip, wanted, place, to);
+      return;
     }
-    if (kRays && place <= strip.suspect)
-    {
-      TALUS_INDEPENDENT
-      for (int l = 0; l < kLanes; l++)
-      {
-        const float robot_m = static_cast<float>(place) * strip.step_m[l];
-        const kernels::Fall told = fall(k, strip, before, behind, l, place);
-        const bool asked =
-            (robot_m <= k.sparsity_range_m) & kernels::is_known(found.variance_m2[l]);
-        const std::int32_t marks = kernels::marks_of_fall(told, robot_m, k);
-        found.fall_m[l] = kernels::select(asked, told.m, kernels::kNan);
-        found.marks[l] |= kernels::select(asked, marks, 0);
-      }
-    }
-    put(strip, found, static_cast<std::uint32_t>(wanted), place, to);
+    if (suspect) find_falls(k, strip, before, behind, place, found);
+    if (kRays)
+      put(strip, found, wanted, place, to);
+    else if (strip.rows())
+      rows.put(place, found.lines);
+    else
+      add(strip, found.lines, place, to);
   }
 
+  /** `kBefore`, `kBehind`: whether there may be samples on that side. */
+  template <bool kBefore, bool kBehind>
   static void infer(
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
       const Undercut& undercut, int place, Found& found)
   {
     SideBySide<SideEstimate, kLanes> inner, outer;
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++) inner.store(l, before.infer(l, place, strip, k));
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++) outer.store(l, behind.infer(l, place, strip, k));
+    if (kBefore)
+    {
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++) inner.store(l, before.infer(l, place, strip, k));
+    }
+    if (kBehind)
+    {
+      TALUS_INDEPENDENT
+      for (int l = 0; l < kLanes; l++) outer.store(l, behind.infer(l, place, strip, k));
+    }
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      const SideEstimate a = inner.load(l), b = outer.load(l);
+      const SideEstimate a = kBefore ? inner.load(l) : SideEstimate{},
+                         b = kBehind ? outer.load(l) : SideEstimate{};
       found.lines.store(l, kernels::fuse_sides(a, b));
       if (kRays)
       {
@@ -343,45 +392,90 @@ class Sweep
     return {kernels::select(both, told.m, kernels::kNan), kernels::select(both, told.slopes, 0)};
   }
 
+  static void find_falls(
+      const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
+      int place, Found& found)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+    {
+      const float robot_m = static_cast<float>(place) * strip.step_m[l];
+      const kernels::Fall told = fall(k, strip, before, behind, l, place);
+      const bool asked = (robot_m <= k.sparsity_range_m) & kernels::is_known(found.variance_m2[l]);
+      const std::int32_t marks = kernels::marks_of_fall(told, robot_m, k);
+      found.fall_m[l] = kernels::select(asked, told.m, kernels::kNan);
+      found.marks[l] |= kernels::select(asked, marks, 0);
+    }
+  }
+
   static void put(
       const Strip& strip, const Found& found, std::uint32_t wanted, int place,
       const InferenceGrid& to)
   {
-    const int* const minor = strip.at(place, !kRays).minor;
-    const int first = strip.first + place * strip.along, ahead = -8 * strip.along;
-    if (kRays)
+    const int* const minor = strip.at(place, false).minor;
+    const int first = strip.first + place * strip.along;
+    const bool suspect = place <= strip.suspect;
+    fetch(strip, minor, place, to);
+    for (; wanted; wanted &= wanted - 1)
     {
-      const bool suspect = place <= strip.suspect;
-      for (; wanted; wanted &= wanted - 1)
-      {
-        const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
-        to.cells[i] = {found.lines.load(l), found.variance_m2[l]};
-        to.marks[i] = static_cast<std::uint8_t>(found.marks[l]);
-        __builtin_prefetch(to.cells + i + ahead, 1);
-        if (suspect) to.fall_m[i] = found.fall_m[l];
-      }
+      const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
+      to.put(i, {found.lines.load(l), found.variance_m2[l]}, found.marks[l]);
+      if (suspect) to.fall_m[i] = found.fall_m[l];
     }
-    else if (strip.columns())
-      add(found, to.cells + first, ahead);
-    else
-      for (int l = 0; l < strip.lines; l++)
-      {
-        kernels::Inference& cell = to.cells[first + minor[l] * strip.across];
-        __builtin_prefetch(&cell + ahead, 1);
-        cell.lines.add(found.lines.load(l));
-      }
   }
-  /** Adds to cells that are neighbours. */
-  static void add(const Found& found, kernels::Inference* cells, int ahead)
+  /** Fetches the cells of an earlier place; in rows those of as many places as share a cache line.
+   */
+  TALUS_FETCHES static void fetch(
+      const Strip& strip, const int* minor, int place, const InferenceGrid& to)
   {
-    for (int l = 0; l < kLanes; l += 4) __builtin_prefetch(cells + ahead + l, 1);
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
+    const int step = strip.leaps() ? kLanes - 1 : place % kLanes == 0 ? 1 : kLanes;
+    const int ahead = strip.leaps() ? kAhead / 2 : kAhead;
+    const int first = strip.first + (place - ahead) * strip.along;
+    if (step < kLanes)
+      for (int l = 0; l < kLanes; l += step) to.fetch(first + minor[l] * strip.across);
+  }
+  static void forget_fall(
+      const Strip& strip, std::uint32_t wanted, int place, const InferenceGrid& to)
+  {
+    const int* const minor = strip.at(place, false).minor;
+    const int first = strip.first + place * strip.along;
+    for (; wanted; wanted &= wanted - 1)
+      to.fall_m[first + minor[__builtin_ctz(wanted)] * strip.across] = kernels::kNan;
+  }
+
+  /** Adds what columns found at a place, where cells are neighbours. */
+  static void add(const Strip& strip, const LinesFound& found, int place, const InferenceGrid& to)
+  {
+    const int first = strip.first + place * strip.along;
+    for (const int l : {0, kLanes - 1}) to.fetch_lines(first - kAhead / 2 * strip.along + l);
+    add_neighbours(0, strip.lines, to, first, [&found](int l) { return found.load(l); });
+  }
+  /** Adds what rows found, and goes on to the places before. */
+  static void add(const Strip& strip, RowsFound& rows, const InferenceGrid& to)
+  {
+    rows.complete();
+    for (int l = 0; rows.set && l < strip.lines; l++)
     {
-      kernels::Inference cell = cells[l];
-      cell.lines.add(found.lines.load(l));
-      cells[l] = cell;
+      const int first = strip.first + l * strip.across + rows.first;
+      to.fetch_lines(first - kLanes);
+      add_neighbours(
+          std::max(-rows.first, 0), kLanes, to, first, [&](int p) { return rows.at[p].load(l); });
     }
+    rows.first -= kLanes;
+    rows.set = 0;
+  }
+  /** Adds value(i) to the cell `first` + i for i in [begin, end). */
+  template <class Value>
+  static void add_neighbours(
+      int begin, int end, const InferenceGrid& to, int first, const Value& value)
+  {
+    if (end - begin == kLanes)
+    {
+      TALUS_INDEPENDENT
+      for (int i = 0; i < kLanes; i++) to.add(first + i, value(i));
+    }
+    else
+      for (int i = begin; i < end; i++) to.add(first + i, value(i));
   }
 };
 
@@ -390,6 +484,7 @@ TALUS_CLONES void cross(int rings, int first, Crossing* crossings)
 {
   for (int ring = 0; ring <= rings; ring++)
   {
+    std::int32_t owns = 0;
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
@@ -401,8 +496,9 @@ TALUS_CLONES void cross(int rings, int first, Crossing* crossings)
           kernels::floor_div(2 * minor * rings + ring, twice, 1.0f / static_cast<float>(twice));
       crossings[ring].minor[l] = minor;
       const bool own = (through == line) & (line == first + l) & (ring > 0);
-      crossings[ring].own[l] = kernels::select(own, bit_of(l), 0);
+      owns |= kernels::select(own, bit_of(l), 0);
     }
+    crossings[ring].own = static_cast<std::uint32_t>(owns);
   }
 }
 /** The lines from the sensor, valid until this thread asks for others. */
@@ -434,11 +530,8 @@ void sweep_axis(const Walk& walk, int part, int along, int across)
   const kernels::Config& k = walk.k;
   const int first = walk.first_of(part), lines = walk.first_of(part + 1) - first;
   Crossing parallel;
-  for (int l = 0; l < kLanes; l++)
-  {
-    parallel.minor[l] = std::min(l, lines - 1);
-    parallel.own[l] = l < lines ? bit_of(l) : 0;
-  }
+  for (int l = 0; l < kLanes; l++) parallel.minor[l] = std::min(l, lines - 1);
+  parallel.own = (1u << lines) - 1;
   Strip strip{lines, k.cells, first * across, along, across, &parallel};
   for (int l = 0; l < kLanes; l++) strip.measure(l, k.resolution_m, k);
   sweep<false>(walk, strip);

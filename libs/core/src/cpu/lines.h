@@ -1,4 +1,5 @@
 #pragma once
+#include "cpu/clones.h"
 #include "cpu/side_by_side.h"
 #include "kernels/6_fill.h"
 
@@ -13,7 +14,7 @@ namespace talus::lines
 {
 constexpr int kLanes = 16;
 
-/** What the lines may read of a cell. */
+/** What the lines may read of a cell, for which nothing is inferred yet. */
 struct TakeSample
 {
   const kernels::Config& config;
@@ -22,6 +23,7 @@ struct TakeSample
   kernels::PassingRays passing;
   kernels::LineGrid grid;
   kernels::Samples samples;
+  float* inferred_m2;  //!< see InferenceGrid
 
   void operator()(int ix, int iy, int storage_i) const
   {
@@ -33,15 +35,47 @@ struct TakeSample
     samples.height_m[line_i] = kernels::select(sample, ground_m, kernels::kNan);
     samples.variance_m2[line_i] = variance_m2;
     samples.free_above_m[line_i] = free_m;
+    inferred_m2[line_i] = kernels::kNan;
   }
 };
 
 /** The inferred values of the cells, by place of the grid. */
 struct InferenceGrid
 {
-  kernels::Inference* cells;
+  float *information, *weighted, *lowest_m;  //!< kernels::LineFusion
+  float* variance_m2;  //!< NaN: no samples, and no other value counts
   std::uint8_t* marks;  //!< bits of FillMark
   float* fall_m;  //!< see fall_in(); set where stage 7 needs it
+
+  kernels::LineFusion lines(int i) const { return {information[i], weighted[i], lowest_m[i]}; }
+  kernels::Inference at(int i) const { return {lines(i), variance_m2[i]}; }
+  void set(int i, const kernels::LineFusion& lines) const
+  {
+    information[i] = lines.information;
+    weighted[i] = lines.weighted;
+    lowest_m[i] = lines.lowest_m;
+  }
+  void put(int i, const kernels::Inference& inferred, std::int32_t marks_there) const
+  {
+    set(i, inferred.lines);
+    variance_m2[i] = inferred.variance_m2;
+    marks[i] = static_cast<std::uint8_t>(marks_there);
+  }
+  TALUS_FETCHES void fetch_lines(int i) const
+  {
+    for (const float* values : {information, weighted, lowest_m}) __builtin_prefetch(values + i, 1);
+  }
+  TALUS_FETCHES void fetch(int i) const
+  {
+    fetch_lines(i);
+    __builtin_prefetch(variance_m2 + i, 1);
+  }
+  void add(int i, const kernels::LineFusion& other) const
+  {
+    kernels::LineFusion sum = lines(i);
+    sum.add(other);
+    set(i, sum);
+  }
 };
 
 /** The lines from the sensor, then columns, then rows, in parts that touch different cells. */

@@ -7,6 +7,8 @@
 #include "map_buffers.h"
 #include "voxel_filter.h"
 
+#include <array>
+
 namespace talus
 {
 /** The seven stages on cores, in their order. Rows of the window are done while their cells are in
@@ -21,7 +23,7 @@ class CpuSchedule
   void allocate()
   {
     const auto n = static_cast<std::size_t>(map_.cells());
-    executor_.allocate(inferred_, map_.grid_size(), kernels::Inference{});
+    for (auto& values : inferred_) executor_.allocate(values, map_.grid_size(), kernels::kNan);
     executor_.allocate(fill_marks_, map_.grid_size(), std::uint8_t{0});
     executor_.allocate(map_.free_above, map_.grid_size(), kernels::kNan);
     executor_.allocate(
@@ -164,8 +166,9 @@ class CpuSchedule
     const auto classify = map_.template classify<kernels::ClassifyCell>();
     const auto keep_bridge = map_.template classify<kernels::KeepBridge>();
     const kernels::CleanUpCell clean = map_.clean_up();
-    const lines::TakeSample take{map_.host_config, map_.store(),     map_.surface_class.data(),
-                                 map_.passing(),   map_.line_grid(), map_.samples()};
+    const lines::TakeSample take{map_.host_config,      map_.store(),     map_.surface_class.data(),
+                                 map_.passing(),        map_.line_grid(), map_.samples(),
+                                 inferred().variance_m2};
     for_each_row(
         [&](const StoredRow& row)
         {
@@ -186,7 +189,7 @@ class CpuSchedule
   {
     const kernels::FillCell cell = map_.fill_cell();
     const auto fill = [cell, grid = map_.line_grid(), from = inferred()](int x, int y, int i)
-    { cell(x, y, i, from.cells[grid.at(x, y)], from.marks[grid.at(x, y)]); };
+    { cell(x, y, i, from.at(grid.at(x, y)), from.marks[grid.at(x, y)]); };
     const kernels::PutSurface put{map_.config.data(), map_.context.data(), map_.store(), cell.out};
     const auto fill_row = [&](const StoredRow& row)
     {
@@ -270,7 +273,9 @@ class CpuSchedule
   }
   lines::InferenceGrid inferred()
   {
-    return {inferred_.data(), fill_marks_.data(), map_.fall.data()};
+    auto& [information, weighted, lowest_m, variance_m2] = inferred_;
+    return {information.data(), weighted.data(),    lowest_m.data(),
+            variance_m2.data(), fill_marks_.data(), map_.fall.data()};
   }
 
   using Atomics = typename Executor::Atomics;
@@ -281,7 +286,7 @@ class CpuSchedule
   Executor& executor_;
   Buffer<std::int32_t> hit_cells_;  //!< as found, then in order
   Buffer<std::uint8_t> doubted_;
-  Buffer<kernels::Inference> inferred_;
+  std::array<Buffer<float>, 4> inferred_;  //!< see lines::InferenceGrid
   Buffer<std::uint8_t> fill_marks_, passability_;
 };
 
