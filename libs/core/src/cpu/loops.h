@@ -17,20 +17,23 @@ namespace talus
 template <int kBlock, class F>
 bool in_blocks_of(int begin, int end, const F& f)
 {
-  if (end - begin < kBlock) return false;
-  for (int at = begin;; at = std::min(at + kBlock, end - kBlock))
+  const int blocks = (end - begin) / kBlock, whole = begin + blocks * kBlock;
+  if (blocks == 0) return false;
+  TALUS_INDEPENDENT
+  for (int i = begin; i < whole; i++) f(i);
+  if (whole < end)
   {
     TALUS_INDEPENDENT
-    for (int i = at; i < at + kBlock; i++) f(i);
-    if (at == end - kBlock) return true;
+    for (int i = end - kBlock; i < end; i++) f(i);
   }
+  return true;
 }
 /** f(i) for i in [begin, end). The last block of vector code overlaps the one before, so that f
  * must not mind being called twice. */
 template <class F>
 void in_blocks(int begin, int end, const F& f)
 {
-  if (in_blocks_of<64>(begin, end, f) || in_blocks_of<16>(begin, end, f)) return;
+  if (in_blocks_of<32>(begin, end, f) || in_blocks_of<16>(begin, end, f)) return;
   for (int i = begin; i < end; i++) f(i);
 }
 
