@@ -90,6 +90,15 @@ struct Channel
       known = mean_with(known, of_frame, rule == kMean ? kMeanOfPoints : 0);
   }
 
+  /** Takes a value that was known before, as that of one point, where none is known. */
+  TALUS_HD void restore(int i, float value) const
+  {
+    if (!(value >= -kMostOfChannel && value <= kMostOfChannel)) return;  // also NaN
+    if (values[i].value == values[i].value) return;
+    values[i] = {value, 1};
+    if (rule == kVote) votes[i].kept[static_cast<int>(value) & (kClasses - 1)] = 1;
+  }
+
   TALUS_HD void forget(int i) const
   {
     values[i] = ChannelValue{};
@@ -234,26 +243,37 @@ struct SettleChannel
   }
 };
 
-/** Copies a channel of one surface to window order; NaN where the map has no such surface. */
-struct PutChannel
+/** What the map shows of channels: NaN where it has no such surface. */
+struct ShownChannels
 {
   const Config* config;
-  const FrameContext* frame;
   CellStore store;
   const std::uint8_t* surface_class;
-  Channel channel;
-  int surface;
-  float* out;
+  Channels channels;
 
-  TALUS_HD void operator()(int ix, int iy) const
+  TALUS_HD float value(int channel, int surface, int storage_i) const
   {
-    const int i = storage_index(*frame, config->cells, ix, iy);
+    const int i = storage_i;
     const bool there = surface == kOfObject
                            ? has_object(store.ground_m[i], store.elevation_m[i], *config) ||
                                  is_object(i, store, surface_class)
                            : store.state[i] != kUnknown;
-    const float value = channel.values[Channel::at(i, surface)].value;
-    out[iy * config->cells + ix] = select(there, value, kNan);
+    return select(there, channels.each[channel].values[Channel::at(i, surface)].value, kNan);
+  }
+};
+
+/** Copies a channel of one surface to window order. */
+struct PutChannel
+{
+  ShownChannels shown;
+  const FrameContext* frame;
+  int channel, surface;
+  float* out;
+
+  TALUS_HD void operator()(int ix, int iy) const
+  {
+    const int cells = shown.config->cells;
+    out[iy * cells + ix] = shown.value(channel, surface, storage_index(*frame, cells, ix, iy));
   }
 };
 

@@ -71,20 +71,29 @@ site::GeoOrigin origin_from_text(const std::string& text)
   return {n[0], same_turn(n[1]), n[2], same_turn(n[3])};
 }
 
-KeptSite::KeptSite(const Options& options, double resolution_m, const std::string& folder)
-    : site_(resolution_m, megabytes(options.memory_mb), folder),
+KeptSite::KeptSite(const Options& options, const Parameters& parameters, const std::string& folder)
+    : site_(parameters.resolution_m, megabytes(options.memory_mb), folder),
       far_(options.keep_far ? site::Far::Together : site::Far::Apart)
 {
-  if (!options.resume.empty()) resume(options.resume);
+  if (!options.resume.empty()) resume(options.resume, parameters.channels);
   if (options.origin) place(*options.origin);
   mapper_.emplace(site_, !options.keep_new);
   if (options.traffic) mapper_->note_traffic();
 }
 
-void KeptSite::resume(const std::string& path)
+void KeptSite::resume(const std::string& path, const std::vector<Channel>& channels)
 {
   const Suspect suspect(path, kCompareWithSource);
   site::read_site_files(path, site_);
+  try
+  {
+    add_channels(site_.channels, channels);
+  }
+  catch (const std::invalid_argument& e)
+  {
+    throw std::runtime_error(
+        path + ": its channels do not go with those of --channels: " + e.what());
+  }
 }
 
 void KeptSite::place(const site::GeoOrigin& origin)

@@ -20,9 +20,9 @@ namespace talus::app
 class KeptSite
 {
  public:
-  /** Reads what is resumed. `folder`: for tiles that find no room in memory. Throws
-   * std::runtime_error that names the file. */
-  KeptSite(const Options& options, double resolution_m, const std::string& folder);
+  /** Reads what is resumed. `parameters`: of the map. `folder`: for tiles that find no room in
+   * memory. Throws std::runtime_error that names the file. */
+  KeptSite(const Options& options, const Parameters& parameters, const std::string& folder);
 
   /** As ElevationMapper::update(). */
   FrameReport update(ElevationMapper& map, const Frame& frame);
@@ -41,7 +41,7 @@ class KeptSite
   void write(const std::string& folder, const site::Progress& progress);
 
  private:
-  void resume(const std::string& path);
+  void resume(const std::string& path, const std::vector<Channel>& channels);
   void warn_of_islands();
   void place(const site::GeoOrigin& origin);
   io::SiteSummary summary();

@@ -171,7 +171,7 @@ bool map_log(
   const std::string folder = output.staging();
   const auto start = std::chrono::steady_clock::now();
   std::optional<KeptSite> site;
-  if (options.has_site) site.emplace(options, settings.parameters.resolution_m, folder);
+  if (options.has_site) site.emplace(options, settings.parameters, folder);
   const SourceLog log = import_first(job, options, folder, label);
   std::optional<LabelFiles> labels;
   if (folders.labels) labels.emplace(folders.labels->staging(), options.labels_as);

@@ -76,8 +76,29 @@ TEST_F(TalusMapChannels, become_bands_of_the_map_and_panels_of_its_picture)
   ASSERT_EQ(run("drive.rawlog --static --output plain").code, 0);
   EXPECT_FALSE(summary("plain").contains("channels"));
   EXPECT_EQ(io::read_geotiff(path("plain/map.tif")).find("intensity"), nullptr);
-  EXPECT_EQ(read_bytes(path("plain/site.tif")), read_bytes(path("mean/site.tif")));
+  EXPECT_EQ(io::read_geotiff(path("plain/site.tif")).find("intensity"), nullptr);
   EXPECT_GT(read_bytes(path("mean/map.png")).size(), read_bytes(path("plain/map.png")).size());
+}
+
+/** A resumed map keeps channels that are not asked for again, and takes more. */
+TEST_F(TalusMapChannels, become_bands_of_the_site_that_last)
+{
+  for (const std::string log : {"monday", "tuesday", "wednesday"})
+  {
+    write_log(path(log + ".rawlog"), valued_scans(3), Packing::Gz);
+    write_bytes(path(log + ".tum"), straight_tum(3));
+  }
+  ASSERT_EQ(run("monday.rawlog --channels intensity:vote").code, 0);
+  const auto monday = io::read_geotiff(path("monday_map/site.tif"));
+  EXPECT_GT(counts_of(monday, "intensity").at(5), 1000);
+  EXPECT_GE(counts_of(monday, "intensity_standing").at(9), 380);
+  ASSERT_EQ(run("tuesday.rawlog --resume monday_map/site.tif").code, 0);
+  const auto tuesday = io::read_geotiff(path("tuesday_map/site.tif"));
+  EXPECT_EQ(counts_of(tuesday, "intensity").at(5), counts_of(monday, "intensity").at(5));
+  const Outcome other =
+      run("wednesday.rawlog --resume monday_map/site.tif --channels intensity:mean");
+  EXPECT_EQ(other.code, 1);
+  EXPECT_TRUE(other.says("monday_map/site.tif: its channels")) << other.err;
 }
 
 #if MRPT_VERSION < 0x030000

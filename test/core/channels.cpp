@@ -107,6 +107,45 @@ TEST(Channels, GroundAndWhatStandsOnItHaveTheirOwn)
   EXPECT_TRUE(std::isnan(m.ground(3.9, 3.9))) << "not seen";
 }
 
+TEST(Channels, OfCellsAreReadAndWrittenWhereNothingIsKnown)
+{
+  for (const std::string rule : {"mean", "vote", "max", "latest"})
+  {
+    ChannelMap from(rule), to(rule);
+    from.see(kFloorAndBox, [](double, double, double z) { return z < 0.2 ? 10.0F : 5.0F; });
+    to.map.update(kFloorAndBox.frame());  // without values
+    const Window w = from.map.window();
+    const std::vector<CellRect> rects{
+        {w.min_cell_x + 90, w.min_cell_y + 90, 30, 20}, {w.min_cell_x, w.min_cell_y, 90, 90}};
+    const std::size_t size = rects[0].size() + rects[1].size();
+    const ChannelRecord* const read = from.map.read_channels(rects);
+    const std::vector<ChannelRecord> records(read, read + size);
+    EXPECT_TRUE(std::isnan(to.ground()));
+    to.map.write_channels(rects, records.data(), size);
+    EXPECT_EQ(to.ground(), 10) << rule;
+    EXPECT_EQ(to.standing(), 5) << rule;
+    EXPECT_EQ(to.ground(-1, -1), 10);
+    EXPECT_TRUE(std::isnan(to.standing(-1, -1)));
+    EXPECT_TRUE(std::isnan(to.ground(2.5, 2.5))) << "in none of the rectangles";
+    to.see(kFloorAndBox, 3);
+    EXPECT_EQ(to.ground(2.5, 2.5), 3);
+    const float now = to.ground();
+    to.map.write_channels(rects, records.data(), size);
+    EXPECT_EQ(to.ground(), now) << "what the map knows stays";
+  }
+}
+
+TEST(Channels, OfCellsAreNoneWhereTheMapHasNone)
+{
+  TestMap m;
+  m.update(kFloor);
+  const Window w = m.map.window();
+  EXPECT_EQ(m.map.read_channels({{w.min_cell_x, w.min_cell_y, 3, 3}}), nullptr);
+  const ChannelRecord one;
+  EXPECT_THROW(
+      m.map.write_channels({{w.min_cell_x, w.min_cell_y, 3, 3}}, &one, 1), std::invalid_argument);
+}
+
 TEST(Channels, WhatHangsOrMovedAwayCountsForNeither)
 {
   ChannelMap m("mean");

@@ -247,3 +247,45 @@ TEST_F(MergeSites, refuses_maps_of_other_frames)
   expect_error([&] { merged_bytes({"a.tif", "earth.tif"}); }, {"earth.tif", "origin", "map frame"});
   expect_error([&] { merged_bytes({"a.tif", "none.tif"}); }, {"none.tif", "no such file"});
 }
+
+TEST_F(MergeSites, channels_of_all_come_along_the_newest_first)
+{
+  const auto old = site(), now = site(), plain = site();
+  old->channels = channels_from("label:vote,intensity:mean");
+  now->channels = channels_from("red:mean,label:vote");
+  for (int i = 0; i < 4; ++i)
+  {
+    cell_at(*old, i, 0) = with_obstacle(measured(0, 1000), 0.5F);
+    cell_at(*now, i, 0) = measured(0, 2000);
+    cell_at(*plain, i, 0) = measured(0, 3000);
+  }
+  cell_at(*plain, 2, 0) = SiteCell();
+  for (const std::size_t layer : {0U, 1U, 2U}) value_at(*old, 0, 0, layer) = 5;
+  value_at(*old, 1, 0, 0) = 5;
+  value_at(*now, 1, 0, 2) = 9;  // the label
+  value_at(*now, 0, 0, 0) = 200;
+  write_site(dir_ / "old.tif", *old, 0);
+  write_site(dir_ / "now.tif", *now, 0);
+  write_site(dir_ / "plain.tif", *plain, 0);
+  const std::string bytes = merged_bytes({"old.tif", "now.tif", "plain.tif"}, 3);
+  const auto all = site();
+  read_site(dir_ / "merged.tif", *all, 0);
+  EXPECT_EQ(channels_text(all->channels), "label:vote,intensity:mean,red:mean");
+  EXPECT_EQ(value_at(*all, 0, 0, 0), 5) << "newer maps have no label there";
+  EXPECT_TRUE(std::isnan(value_at(*all, 0, 0, 1))) << "what stood there has left";
+  EXPECT_EQ(value_at(*all, 0, 0, 2), 5);
+  EXPECT_EQ(value_at(*all, 0, 0, 4), 200);
+  EXPECT_EQ(value_at(*all, 1, 0, 0), 9);
+  EXPECT_EQ(merged_bytes({"old.tif", "now.tif", "plain.tif"}, 1), bytes);
+}
+
+TEST_F(MergeSites, that_have_a_channel_by_two_rules_are_refused)
+{
+  const auto one = site(), other = site();
+  cell_at(*one, 0, 0) = cell_at(*other, 0, 0) = measured(0, 1000);
+  one->channels = channels_from("v:mean");
+  other->channels = channels_from("v:max");
+  write_site(dir_ / "one.tif", *one, 0);
+  write_site(dir_ / "other.tif", *other, 0);
+  expect_error([&] { merged_bytes({"one.tif", "other.tif"}); }, {"'v:mean' has another rule"});
+}

@@ -90,6 +90,91 @@ TEST(SiteGeoTiff, comes_back_with_the_same_bits)
   EXPECT_EQ(read_bytes(dir / "again.tif"), read_bytes(dir / "site.tif"));
 }
 
+TEST(SiteGeoTiff, channels_are_its_last_bands_and_come_back_with_the_same_bits)
+{
+  const ScratchDir dir;
+  const auto out = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+  add_cells(*out);
+  write_site(dir / "plain.tif", *out, 0);
+  out->channels = channels_from("intensity:mean,label:vote");
+  value_at(*out, 100, 50, 0) = 0.1F;
+  value_at(*out, 100, 53, 1) = 37.5F;
+  value_at(*out, -100, -50, 2) = 15;
+  value_at(*out, 5000, 5000, 2) = 3;  // of a cell that is not known
+  write_site(dir / "site.tif", *out, 0);
+  const Open tif(dir / "site.tif"), plain(dir / "plain.tif");
+  ASSERT_EQ(tif.data->GetRasterCount(), 13);
+  EXPECT_EQ(plain.data->GetRasterCount(), 9);
+  EXPECT_STREQ(tif.data->GetRasterBand(10)->GetDescription(), "intensity");
+  EXPECT_STREQ(tif.data->GetRasterBand(13)->GetDescription(), "label_standing");
+  EXPECT_STREQ(tif.item("TALUS_CHANNELS"), "intensity:mean,label:vote");
+  EXPECT_STREQ(plain.item("TALUS_CHANNELS"), "(none)");
+  read_site(dir / "site.tif", *in, 0);
+  EXPECT_EQ(different_cells(*out, *in), 0);
+  EXPECT_EQ(channels_text(in->channels), "intensity:mean,label:vote");
+  EXPECT_EQ(value_at(*in, 100, 50, 0), 0.1F);
+  EXPECT_EQ(value_at(*in, 100, 53, 1), 37.5F);
+  EXPECT_EQ(value_at(*in, -100, -50, 2), 15);
+  EXPECT_TRUE(std::isnan(value_at(*in, 101, 50, 0)));
+  write_site(dir / "again.tif", *in, 0);
+  EXPECT_EQ(read_bytes(dir / "again.tif"), read_bytes(dir / "site.tif"));
+}
+
+TEST(SiteGeoTiff, overviews_show_channels_where_they_show_the_cells)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  site->channels = channels_from("label:vote");
+  for (int x = 0; x < 1200; ++x)
+    for (int y = 0; y < 40; ++y)
+    {
+      cell_at(*site, x, y) = measured(static_cast<float>(x / 100), kNow_s);
+      value_at(*site, x, y, 0) = static_cast<float>(x / 100);
+    }
+  write_site(dir / "site.tif", *site, 0);
+  const Open tif(dir / "site.tif");
+  GDALRasterBand* const label = tif.data->GetRasterBand(10)->GetOverview(0);
+  GDALRasterBand* const ground = tif.data->GetRasterBand(2)->GetOverview(0);
+  ASSERT_TRUE(label && ground);
+  const auto size =
+      static_cast<std::size_t>(label->GetXSize()) * static_cast<std::size_t>(label->GetYSize());
+  std::vector<float> labels(size), heights(size);
+  for (auto [band, to] : {std::pair{label, &labels}, std::pair{ground, &heights}})
+    ASSERT_EQ(
+        band->RasterIO(
+            GF_Read, 0, 0, band->GetXSize(), band->GetYSize(), to->data(), band->GetXSize(),
+            band->GetYSize(), GDT_Float32, 0, 0, nullptr),
+        CE_None);
+  int known = 0;
+  for (std::size_t i = 0; i < size; ++i)
+  {
+    ASSERT_EQ(std::isnan(labels[i]), std::isnan(heights[i]));
+    if (std::isnan(labels[i])) continue;
+    ASSERT_EQ(labels[i], heights[i]);
+    ++known;
+  }
+  EXPECT_GE(known, 600 * 20);
+}
+
+TEST(SiteGeoTiff, with_values_that_are_none_of_its_channels_is_refused)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  add_cells(*site);
+  site->channels = channels_from("label:mean");
+  value_at(*site, 100, 50, 0) = 3.5F;
+  write_site(dir / "site.tif", *site, 0);
+  {
+    GDALAllRegister();
+    auto* data = static_cast<GDALDataset*>(GDALOpen((dir / "site.tif").c_str(), GA_Update));
+    ASSERT_TRUE(data);
+    data->SetMetadataItem("TALUS_CHANNELS", "label:vote");
+    GDALClose(data);
+  }
+  const auto in = empty_site(dir / "tiles_in");
+  expect_error([&] { read_site(dir / "site.tif", *in, 0); }, {"channel 'label' has values"});
+}
+
 TEST(SiteGeoTiff, has_the_same_bytes_whatever_order_its_tiles_and_ways_came_in)
 {
   const ScratchDir dir;

@@ -37,11 +37,17 @@ std::vector<ScanFrame> drive(
 /** A map whose drive is kept. */
 struct KeptDrive
 {
-  explicit KeptDrive(bool restores = true, int threads = 1)
+  explicit KeptDrive(bool restores = true, int threads = 1, const std::string& channels = "")
       : site(Parameters().resolution_m, std::size_t{64} << 20, testing::TempDir()),
         mapper(site, restores),
-        map(Parameters(), Backend::Cpu, threads)
+        map(with_channels(channels), Backend::Cpu, threads)
   {
+  }
+  static Parameters with_channels(const std::string& channels)
+  {
+    Parameters p;
+    p.channels = channels_from(channels);
+    return p;
   }
 
   using OnFrame = std::function<void(std::size_t)>;
@@ -508,6 +514,84 @@ TEST(SiteMapper, gives_the_same_bytes_with_any_number_of_threads)
   one.add(frames).end();
   four.add(frames).end();
   EXPECT_TRUE(bytes_of(one) == bytes_of(four));
+}
+
+namespace
+{
+/** Drives there and back. Points have a value on the way out only: what they hit stands or not. */
+struct ValuedDrive : KeptDrive
+{
+  explicit ValuedDrive(const std::string& channels) : KeptDrive(true, 1, channels)
+  {
+    const std::string world =
+        "ground: [plane: {}]\n"
+        "objects: [box: {at_m: [3, 1.5], size_m: [0.6, 0.6, 0.5]}]\n"
+        "robot: {path_m: [[0, 0], [9, 0], [0, 0]], speed_mps: 2}\n";
+    const auto frames = drive(world);
+    for (std::size_t i = 0; i < frames.size(); ++i)
+    {
+      Frame frame = frames[i].view();
+      std::vector<float> values;
+      for (std::size_t p = 0; p < frame.size; ++p)
+        values.push_back(frame.z_m[p] > -0.6F ? 7.0F : 3.0F);
+      const bool goes_out = i < frames.size() / 2;
+      if (goes_out && !map.parameters().channels.empty()) frame.channels[0] = values.data();
+      mapper.update(map, frame);
+      if (i == frames.size() / 2) keep_of_middle();
+    }
+    end();
+  }
+  float kept(double x_m, double y_m, std::size_t layer)
+  {
+    const auto x = static_cast<std::int64_t>(std::floor(x_m / site.resolution_m));
+    const auto y = static_cast<std::int64_t>(std::floor(y_m / site.resolution_m));
+    const ChannelTile* tile = site.channel_tiles.find({0, tile_of(x), tile_of(y)});
+    return tile ? tile->cells[static_cast<std::size_t>(
+                                  place_in_tile(y) * kTileCells + place_in_tile(x))]
+                      .values[layer]
+                : NAN;
+  }
+  void keep_of_middle()
+  {
+    at_end_of_window = map.window().index_at(2.5, 0.5).has_value();
+    standing_in_middle = kept(2.75, 1.25, 1);
+    for (int i = 0; i < 40; ++i)
+      for (int k = 0; k < 40; ++k)
+        if (const double x_m = 2.025 + 0.05 * i, y_m = -1.975 + 0.05 * k; kept(x_m, y_m, 0) == 3)
+          ground_in_middle.emplace_back(x_m, y_m);
+  }
+
+  bool at_end_of_window = false;
+  float standing_in_middle = NAN;
+  std::vector<std::pair<double, double>> ground_in_middle;  //!< where the value is known
+};
+}  // namespace
+
+TEST(SiteMapper, KeepsChannelsOfWhatLeavesAndGivesThemBack)
+{
+  for (const std::string rule : {"vote", "mean"})
+  {
+    ValuedDrive kept("sort:" + rule);
+    EXPECT_FALSE(kept.at_end_of_window);
+    EXPECT_EQ(kept.standing_in_middle, 7) << rule << ", behind the robot";
+    EXPECT_GT(kept.ground_in_middle.size(), 300U) << rule;
+    const MapView now(kept.map);
+    std::size_t back = 0;
+    for (const auto& [x_m, y_m] : kept.ground_in_middle) back += now.at("sort", x_m, y_m) == 3;
+    EXPECT_GE(back, kept.ground_in_middle.size() * 98 / 100) << rule << ", seen without a value";
+    EXPECT_EQ(now.at("sort_standing", 2.75, 1.25), 7) << rule;
+    EXPECT_TRUE(std::isnan(now.at("sort_standing", 2.5, 0.5))) << "nothing stands there";
+    EXPECT_EQ(kept.kept(2.75, 1.25, 1), 7) << rule;
+    EXPECT_EQ(channels_text(kept.site.channels), "sort:" + rule);
+  }
+}
+
+TEST(SiteMapper, KeepsNothingOfChannelsThatNobodyAskedFor)
+{
+  ValuedDrive kept("");
+  EXPECT_TRUE(kept.site.channels.empty());
+  EXPECT_TRUE(kept.site.channel_tiles.keys().empty());
+  EXPECT_EQ(kept.site.channel_tiles.memory().open, 0U);
 }
 
 }  // namespace talus::site

@@ -129,6 +129,50 @@ TEST(TileStore, gives_back_what_was_packed_byte_for_byte)
   for (int i = 0; i < 39; ++i) expect_filled(store.find(nth(i)), nth(i));
 }
 
+TEST(TileStore, gives_back_values_of_channels_byte_for_byte_packed_or_on_disk)
+{
+  const ScratchDir dir;
+  ChannelStore store(kEight, dir / "");
+  const auto value = [](std::size_t i, int tile, std::size_t layer)
+  {
+    const auto n = static_cast<float>(i % 250 + static_cast<std::size_t>(tile));
+    if (layer == 0) return i % 3 == 0 ? std::nanf("") : 0.37F * n;
+    if (layer == 3) return static_cast<float>(i % 16);
+    return layer == 4 ? (i % 2 ? -0.0F : -1e7F) : std::nanf("");
+  };
+  for (int t = 0; t < 40; ++t)
+  {
+    ChannelTile& tile = store.at(nth(t));
+    for (std::size_t i = 0; i < tile.cells.size(); ++i)
+      for (std::size_t l = 0; l < 8; ++l) tile.cells[i].values[l] = value(i, t, l);
+    if (t % 2) store.pack(nth(t));
+  }
+  for (int t = 0; t < 40; ++t)
+  {
+    const ChannelTile& tile = *store.find(nth(t));
+    for (std::size_t i = 0; i < tile.cells.size(); ++i)
+      for (std::size_t l = 0; l < 8; ++l)
+      {
+        const float v = value(i, t, l), back = tile.cells[i].values[l];
+        ASSERT_TRUE(std::isnan(v) ? std::isnan(back) : v == back) << t << " " << i << " " << l;
+        ASSERT_EQ(std::signbit(v), std::signbit(back)) << t << " " << i << " " << l;
+      }
+  }
+  EXPECT_FALSE(files_below(dir / "").empty()) << "some are on disk";
+}
+
+TEST(TileStore, packs_classes_in_a_hundredth_of_their_memory)
+{
+  const ScratchDir dir;
+  ChannelStore store(kEight, dir / "");
+  ChannelTile& tile = store.at(nth(0));
+  for (std::size_t i = 0; i < tile.cells.size(); ++i)
+    tile.cells[i].values[0] = static_cast<float>(i / 1000 % 16);
+  store.pack(nth(0));
+  EXPECT_GT(store.memory().packed, 0u);
+  EXPECT_LT(store.memory().packed, sizeof(ChannelTile) / 50);
+}
+
 /** As a site keeps them: heights and variances of ground that is not level, and a few objects. */
 TEST(TileStore, packs_tiles_into_a_fifth_of_their_memory)
 {

@@ -38,6 +38,17 @@ inline site::SiteCell& cell_at(site::Site& s, std::int64_t x, std::int64_t y, in
            static_cast<std::size_t>(site::place_in_tile(x))];
 }
 
+/** A value of the channels of a cell, by layer. */
+inline float& value_at(
+    site::Site& s, std::int64_t x, std::int64_t y, std::size_t layer, int floor = 0)
+{
+  return s.channel_tiles.at({floor, site::tile_of(x), site::tile_of(y)})
+      .cells
+          [static_cast<std::size_t>(site::place_in_tile(y)) * site::kTileCells +
+           static_cast<std::size_t>(site::place_in_tile(x))]
+      .values[layer];
+}
+
 /** All that a cell holds, without the bytes between its members. */
 inline std::string bytes_of(const site::SiteCell& s)
 {

@@ -82,11 +82,15 @@ class BackendInterface
   /** A label for each point of a frame; `context` has its poses in the window of the map. */
   virtual std::vector<PointLabel> label_points(
       const Frame& frame, const kernels::FrameContext& context) = 0;
+  /** See ElevationMapper::read_channels(). */
+  virtual const ChannelRecord* read_channels(const std::vector<WindowRect>& rects) = 0;
+  /** See ElevationMapper::write_channels(). */
+  virtual void write_channels(const std::vector<WindowRect>& rects, const ChannelRecord* from) = 0;
   /** One surface of a channel, in window order. */
   virtual void read_channel(std::size_t channel, int surface, float* out) = 0;
-  virtual ChannelBytes read_channels() = 0;
-  /** What read_channels() of a map of the same window and channels returned. */
-  virtual void write_channels(const ChannelBytes& bytes) = 0;
+  virtual ChannelBytes read_all_channels() = 0;
+  /** What read_all_channels() of a map of the same window and channels returned. */
+  virtual void write_all_channels(const ChannelBytes& bytes) = 0;
   virtual MapBytes read_all() = 0;
   /** Fills a backend that has seen no frame. The caller checks the sizes. */
   virtual void write_all(const MapBytes& bytes, const kernels::FrameContext& window) = 0;

@@ -13,6 +13,7 @@ namespace talus
 namespace
 {
 static_assert(kMostChannels == kernels::kMostChannels);
+static_assert(kChannelSurfaces == kernels::kPointSurfaces);
 static_assert(kChannelClasses == kernels::kClasses);
 static_assert(static_cast<int>(ChannelRule::Vote) == kernels::kVote);
 
@@ -136,6 +137,35 @@ std::size_t channel_layer(
         "this " + what + " has no channel layer '" + name +
         "'; its channels are: " + channels_text(channels));
   return static_cast<std::size_t>(found - names.begin());
+}
+
+void add_channels(std::vector<Channel>& all, const std::vector<Channel>& more)
+{
+  for (const Channel& c : more)
+  {
+    const auto same = std::find_if(
+        all.begin(), all.end(), [&](const Channel& other) { return other.name == c.name; });
+    if (same == all.end())
+      all.push_back(c);
+    else if (same->rule != c.rule)
+      fail("'" + channels_text({*same}) + "' has another rule in '" + channels_text({c}) + "'");
+  }
+  validate_channels(all);
+}
+
+std::vector<std::size_t> channel_places(
+    const std::vector<Channel>& of, const std::vector<Channel>& in)
+{
+  std::vector<std::size_t> places;
+  for (const std::string& name : channel_layer_names(of))
+    places.push_back(channel_layer(in, name, "list"));
+  return places;
+}
+
+bool is_channel_value(ChannelRule rule, float value)
+{
+  if (rule == ChannelRule::Vote) return is_class_or_none(value);
+  return std::isnan(value) || std::abs(value) <= kernels::kMostOfChannel;
 }
 
 void require_channels(const Frame& frame, const std::vector<Channel>& channels)

@@ -310,10 +310,10 @@ void ElevationMapper::set_output_layers(const std::vector<Layer>& layers)
   for (const Layer l : layers) outputs[static_cast<std::size_t>(l)] = true;
   if (outputs == m.outputs) return;
   const std::vector<std::uint8_t> state = save();
-  const ChannelBytes channels = m.backend->read_channels();
+  const ChannelBytes channels = m.backend->read_all_channels();
   m.outputs = outputs;
   restore(state);
-  m.backend->write_channels(channels);
+  m.backend->write_all_channels(channels);
 }
 
 std::vector<Layer> ElevationMapper::output_layers() const
@@ -401,6 +401,27 @@ void ElevationMapper::write_cells(
   if (size == 0) return;
   m.backend->write_cells(m.rects_in_window, records);
   m.now_known(m.shown_slot().delivered);
+}
+
+const ChannelRecord* ElevationMapper::read_channels(const std::vector<CellRect>& rects) const
+{
+  Impl& m = *impl_;
+  m.require_none_in_flight("read_channels");
+  const std::size_t size = Impl::find_in_window(m.finished_window(), rects, m.rects_in_window);
+  if (size == 0 || m.parameters.channels.empty()) return nullptr;
+  return m.backend->read_channels(m.rects_in_window);
+}
+
+void ElevationMapper::write_channels(
+    const std::vector<CellRect>& rects, const ChannelRecord* records, std::size_t size)
+{
+  Impl& m = *impl_;
+  m.require_none_in_flight("write_channels");
+  if (Impl::find_in_window(m.finished_window(), rects, m.rects_in_window) != size)
+    throw std::invalid_argument("ElevationMapper::write_channels: a record for each cell");
+  if (size == 0 || m.parameters.channels.empty()) return;
+  m.backend->write_channels(m.rects_in_window, records);
+  m.channel_read = {};
 }
 
 std::vector<std::uint8_t> ElevationMapper::save() const

@@ -1,5 +1,7 @@
 #pragma once
 #include <talus/cell_record.h>
+#include <talus/channels.h>
+#include "kernels/9_channels.h"
 #include "kernels/cell.h"
 
 namespace talus
@@ -71,6 +73,36 @@ struct ReadCell : HandOver
     TALUS_CELL_EVIDENCE(TALUS_READ)
 #undef TALUS_READ
     return r;
+  }
+};
+
+struct ReadChannels : HandOver
+{
+  kernels::ShownChannels shown;
+
+  TALUS_HD ChannelRecord operator()(int i) const
+  {
+    const int storage_i = place(i).storage_i;
+    ChannelRecord r;
+    for (int c = 0; c < shown.channels.size; c++)
+      for (int s = 0; s < kernels::kPointSurfaces; s++)
+        r.values[kernels::Channel::at(c, s)] = shown.value(c, s, storage_i);
+    return r;
+  }
+};
+
+/** Writes the values that are not NaN into the map, where it has none. */
+struct WriteChannels : HandOver
+{
+  kernels::Channels channels;
+
+  TALUS_HD void operator()(int i, const ChannelRecord& r) const
+  {
+    const int storage_i = place(i).storage_i;
+    for (int c = 0; c < channels.size; c++)
+      for (int s = 0; s < kernels::kPointSurfaces; s++)
+        channels.each[c].restore(
+            kernels::Channel::at(storage_i, s), r.values[kernels::Channel::at(c, s)]);
   }
 };
 

@@ -61,8 +61,10 @@ class MapBackend final : public BackendInterface
   std::vector<PointLabel> label_points(
       const Frame& frame, const kernels::FrameContext& context) override;
   void read_channel(std::size_t channel, int surface, float* out) override;
-  ChannelBytes read_channels() override;
-  void write_channels(const ChannelBytes& bytes) override;
+  const ChannelRecord* read_channels(const std::vector<WindowRect>& rects) override;
+  void write_channels(const std::vector<WindowRect>& rects, const ChannelRecord* from) override;
+  ChannelBytes read_all_channels() override;
+  void write_all_channels(const ChannelBytes& bytes) override;
   MapBytes read_all() override;
   void write_all(const MapBytes& bytes, const kernels::FrameContext& window) override;
   std::string name() const override { return executor_.name(); }
@@ -122,6 +124,7 @@ class MapBackend final : public BackendInterface
   Schedule schedule_;
   int shown_ = 0;  //!< slot of the frame that was finished last
   typename Executor::template HostBuffer<CellRecord> records_;  //!< the records handed over
+  typename Executor::template HostBuffer<ChannelRecord> channel_records_;  //!< the same of channels
   typename Executor::template Buffer<kernels::FrameContext> label_context_;
   typename Executor::template Buffer<std::int32_t> moved_;  //!< see kernels::NoteMoved
   typename Executor::template HostBuffer<float> label_points_;  //!< x, y, z and times
@@ -293,7 +296,35 @@ void MapBackend<Schedule>::read_channel(std::size_t channel, int surface, float*
 }
 
 template <class Schedule>
-ChannelBytes MapBackend<Schedule>::read_channels()
+const ChannelRecord* MapBackend<Schedule>::read_channels(const std::vector<WindowRect>& rects)
+{
+  use(shown_);
+  executor_.make_room(channel_records_, static_cast<std::size_t>(size_of(rects)));
+  hand_over(
+      rects, channel_records_.data(),
+      [this](const WindowRects& some, int size, ChannelRecord* records)
+      { executor_.for_each_to_host(size, map_.read_channels(some), records); });
+  executor_.synchronize();
+  return channel_records_.data();
+}
+
+template <class Schedule>
+void MapBackend<Schedule>::write_channels(
+    const std::vector<WindowRect>& rects, const ChannelRecord* from)
+{
+  use(shown_);
+  const auto size = static_cast<std::size_t>(size_of(rects));
+  executor_.make_room(channel_records_, size);
+  std::copy_n(from, size, channel_records_.data());
+  hand_over(
+      rects, channel_records_.data(),
+      [this](const WindowRects& some, int n, const ChannelRecord* records)
+      { executor_.for_each_from_host(n, map_.write_channels(some), records); });
+  executor_.synchronize();
+}
+
+template <class Schedule>
+ChannelBytes MapBackend<Schedule>::read_all_channels()
 {
   use(shown_);
   ChannelBytes bytes;
@@ -311,7 +342,7 @@ ChannelBytes MapBackend<Schedule>::read_channels()
 }
 
 template <class Schedule>
-void MapBackend<Schedule>::write_channels(const ChannelBytes& bytes)
+void MapBackend<Schedule>::write_all_channels(const ChannelBytes& bytes)
 {
   use(shown_);
   const auto* value = bytes.values.data();

@@ -303,16 +303,21 @@ struct MapBuffers
   {
     return {config.data(), store(), channel};
   }
+  kernels::ShownChannels shown_channels()
+  {
+    return {config.data(), store(), surface_class.data(), channels_view()};
+  }
   kernels::PutChannel put_channel(std::size_t channel, int surface, float* to)
   {
-    return {
-        config.data(),
-        context.data(),
-        store(),
-        surface_class.data(),
-        channels_view().each[channel],
-        surface,
-        to};
+    return {shown_channels(), context.data(), static_cast<int>(channel), surface, to};
+  }
+  ReadChannels read_channels(const WindowRects& rects)
+  {
+    return {hand_over(rects), shown_channels()};
+  }
+  WriteChannels write_channels(const WindowRects& rects)
+  {
+    return {hand_over(rects), channels_view()};
   }
   /** Whether each frame leaves slope, step, roughness or sparsity. */
   bool parts_wanted() const

@@ -74,7 +74,7 @@ void Hindsight::follow(Site& site, const ElevationMapper& map, const SiteMapper:
     look_at(site, map.parameters(), key);
     settle(key);
   }
-  if (first_far() == touched_.end()) pack_settled(site.tiles, is_far);
+  if (first_far() == touched_.end()) pack_settled(site, is_far);
   const double needed_m = far_m + kReach_m + 2 * kTileCells * site.resolution_m;
   keep_if(
       [&](std::size_t, const SeenRays& s)
@@ -105,10 +105,14 @@ void Hindsight::settle(const TileKey& key)
 }
 
 template <class Condition>
-void Hindsight::pack_settled(TileStore& tiles, const Condition& is_far)
+void Hindsight::pack_settled(Site& site, const Condition& is_far)
 {
   for (const TileKey& key : settled_)
-    if (touched_.count(key) == 0 && is_far(key)) tiles.pack(key);
+    if (touched_.count(key) == 0 && is_far(key))
+    {
+      site.tiles.pack(key);
+      site.channel_tiles.pack(key);
+    }
   settled_.clear();
 }
 

@@ -46,7 +46,7 @@ class Hindsight
   void look_at(Site& site, const Parameters& parameters, const TileKey& key);
   void settle(const TileKey& key);
   template <class Condition>
-  void pack_settled(TileStore& tiles, const Condition& is_far);
+  void pack_settled(Site& site, const Condition& is_far);
 
   std::vector<SeenRays> scans_, spare_;  //!< in the order of time; memory that is not in use
   std::size_t taken_ = 0;  //!< scans

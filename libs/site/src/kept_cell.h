@@ -41,7 +41,7 @@ inline float rounded_bits(float v, int dropped_bits)
 /// @name Steps of what a site keeps of a cell, and bits of mantissa that variances lose
 /// @{
 constexpr float kHeightsPerMetre = 1024, kScores = 256;
-constexpr int kDroppedBits = 16;
+constexpr int kDroppedBits = 16, kDroppedChannelBits = 8;
 /// @}
 
 /** What a site keeps of a cell: heights in steps of 2^-10 m (1 mm), traversability in steps of
@@ -58,6 +58,9 @@ inline CellRecord kept_of(CellRecord c)
   forget_latest(c);
   return c;
 }
+
+/** Whether something is known to stand on the ground. */
+inline bool has_top(const CellRecord& c) { return c.elevation_m > c.ground_m; }
 
 /** Heights of two floors. */
 inline bool contradict(float a_m, float b_m) { return std::abs(a_m - b_m) > kOtherFloor_m; }

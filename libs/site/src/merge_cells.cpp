@@ -1,6 +1,7 @@
 #include <talus/site/merge.h>
 
 #include "cell_evidence.h"
+#include "channel_values.h"
 #include "kept_cell.h"
 
 #include <algorithm>
@@ -136,6 +137,31 @@ SiteCell merge_cells(const SiteCell* cells, int count, double step_m)
   merged.seen_s = std::max(top.seen_s, ground.seen_s);
   fuse_ground(known, ground, step_m, merged.cell);
   if (has_elevation(top)) fuse_elevation(known, top, step_m, merged.cell);
+  return merged;
+}
+
+ChannelRecord merge_values(
+    const std::vector<SiteCell>& cells, const std::vector<ChannelRecord>& values)
+{
+  std::uint32_t newest_s = 0;  // of those that have seen the place
+  for (const SiteCell& s : cells)
+    if (s.known() && has_seen(s)) newest_s = std::max(newest_s, s.seen_s);
+  ChannelRecord merged;
+  for (std::size_t l = 0; l < std::size(merged.values); ++l)
+  {
+    const bool stands = l % kChannelSurfaces != 0;
+    std::uint32_t of_s = 0;
+    float& best = merged.values[l];
+    for (std::size_t i = 0; i < cells.size(); ++i)
+    {
+      const float v = values[i].values[l];
+      const std::uint32_t seen_s = cells[i].seen_s;
+      if (!cells[i].known() || std::isnan(v) || (stands && seen_s < newest_s)) continue;
+      if (!std::isnan(best) && (seen_s < of_s || (seen_s == of_s && v <= best))) continue;
+      best = v;
+      of_s = seen_s;
+    }
+  }
   return merged;
 }
 

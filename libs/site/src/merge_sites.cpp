@@ -1,6 +1,7 @@
 #include <talus/site/merge.h>
 
 #include "fit_sums.h"
+#include "channel_values.h"
 #include "moved_reader.h"
 
 #include <sys/resource.h>
@@ -73,6 +74,7 @@ std::vector<Source> open_all(const std::vector<Input>& inputs, Site& site, int f
     const MovedReader reader(inputs[i].path, inputs[i].shift);
     if (i == 0 && !site.origin) site.origin = reader.file().origin();
     reader.file().require_fits(site);
+    reader.file().add_channels_to(site);
     for (auto& way : reader.ways(floor)) site.ways.push_back(std::move(way));
     for (const auto& place : reader.tiles())
       sources.push_back({place, static_cast<std::uint32_t>(i)});
@@ -97,29 +99,34 @@ std::size_t most_open_files()
 class TileMerger
 {
  public:
-  TileMerger(const std::vector<Input>& inputs, double step_m, std::size_t most_open)
-      : inputs_(inputs), step_m_(step_m), most_open_(std::max<std::size_t>(1, most_open))
+  /** `channels`: of the merged site. */
+  TileMerger(
+      const std::vector<Input>& inputs, const std::vector<Channel>& channels, double step_m,
+      std::size_t most_open)
+      : inputs_(inputs),
+        channels_(channels),
+        step_m_(step_m),
+        most_open_(std::max<std::size_t>(1, most_open))
   {
   }
 
-  /** One tile of the merged site from those of one place; false where no cell is known. */
-  bool merge(const Source* sources, std::size_t count, Tile& to)
+  /** One tile of the merged site from those of one place, and the values of its channels if there
+   * are any; false where no cell is known. */
+  bool merge(const Source* sources, std::size_t count, Tile& to, ChannelTile& values)
   {
-    std::size_t found = 0;
     files_.clear();
     for (std::size_t i = 0; i < count; ++i)
-    {
-      if (found == tiles_.size()) tiles_.push_back(std::make_unique<Tile>());
-      if (!reader(sources[i].file).read(sources[i].place, *tiles_[found])) continue;
-      files_.push_back(sources[i].file);
-      compare_last();
-      ++found;
-    }
+      if (read(sources[i])) compare_last();
+    const std::size_t found = files_.size();
     std::vector<SiteCell> of_all(found);
+    std::vector<ChannelRecord> values_of_all(found);
     for (std::size_t i = 0; found > 0 && i < to.cells.size(); ++i)
     {
       for (std::size_t k = 0; k < found; ++k) of_all[k] = tiles_[k]->cells[i];
       to.cells[i] = merge_cells(of_all.data(), static_cast<int>(found), step_m_);
+      if (channels_.empty()) continue;
+      for (std::size_t k = 0; k < found; ++k) values_of_all[k] = values_[k]->cells[i];
+      values.cells[i] = merge_values(of_all, values_of_all);
     }
     return found > 0;
   }
@@ -132,6 +139,26 @@ class TileMerger
     std::uint32_t file;
     std::unique_ptr<MovedReader> reader;
   };
+
+  /** One more tile, and its values by layer of the merged site; false where no cell is known. */
+  bool read(const Source& source)
+  {
+    const std::size_t found = files_.size();
+    if (found == tiles_.size())
+    {
+      tiles_.push_back(std::make_unique<Tile>());
+      values_.push_back(channels_.empty() ? nullptr : std::make_unique<ChannelTile>());
+    }
+    MovedReader& file = reader(source.file);
+    const auto& channels = file.file().channels();
+    if (!channels.empty() && !read_) read_ = std::make_unique<ChannelTile>();
+    ChannelTile* const values = channels.empty() ? nullptr : read_.get();
+    if (!file.read(source.place, *tiles_[found], values)) return false;
+    if (!channels_.empty()) *values_[found] = {};
+    if (values) put_values(*values, channel_places(channels, channels_), *values_[found]);
+    files_.push_back(source.file);
+    return true;
+  }
 
   /** The tile that was read last with those before it. */
   void compare_last()
@@ -158,12 +185,15 @@ class TileMerger
   }
 
   const std::vector<Input>& inputs_;
+  const std::vector<Channel>& channels_;
   double step_m_;
   std::size_t most_open_;
   std::vector<Open> open_;
   std::vector<std::uint32_t> files_;  //!< of the tiles
   FitsOfPairs fits_;
   std::vector<std::unique_ptr<Tile>> tiles_;
+  std::vector<std::unique_ptr<ChannelTile>> values_;  //!< of the tiles; null without channels
+  std::unique_ptr<ChannelTile> read_;  //!< as in a file
 };
 
 /** Where the threads meet. */
@@ -187,16 +217,19 @@ struct Shared
 
 void merge_some(Shared& s)
 {
-  TileMerger merger(s.inputs, s.step_m, s.most_open);
+  TileMerger merger(s.inputs, s.site.channels, s.step_m, s.most_open);
   const auto tile = std::make_unique<Tile>();
+  const auto values = std::make_unique<ChannelTile>();
   constexpr std::size_t kAtOnce = std::size_t{kGroupTiles} * kGroupTiles;
   for (std::size_t first; (first = s.next.fetch_add(kAtOnce)) < s.places();)
     for (std::size_t i = first; i < std::min(first + kAtOnce, s.places()); ++i)
     {
       const Source* sources = s.sources.data() + s.begins[i];
-      if (!merger.merge(sources, s.begins[i + 1] - s.begins[i], *tile)) continue;
+      if (!merger.merge(sources, s.begins[i + 1] - s.begins[i], *tile, *values)) continue;
       const std::lock_guard<std::mutex> lock(s.mutex);
-      s.site.tiles.at({s.floor, sources->place.x, sources->place.y}) = *tile;
+      const TileKey key{s.floor, sources->place.x, sources->place.y};
+      s.site.tiles.at(key) = *tile;
+      if (!s.site.channels.empty()) s.site.channel_tiles.at(key) = *values;
       if (s.progress) s.progress(static_cast<double>(i) / static_cast<double>(s.places()));
     }
   const std::lock_guard<std::mutex> lock(s.mutex);

@@ -78,22 +78,30 @@ void MovedReader::list_tiles()
   for (const auto& tile : file_.tiles()) there_.insert({tile.x, tile.y});
 }
 
-bool MovedReader::read(SiteReader::Place tile, Tile& to)
+bool MovedReader::read(SiteReader::Place tile, Tile& to, ChannelTile* values)
 {
-  if (shift_.moves_cells()) return read_moved(tile, to);
-  const bool any = file_.read(tile, to);
+  if (shift_.moves_cells()) return read_moved(tile, to, values);
+  const bool any = file_.read(tile, to, values);
   if (shift_.z_m != 0)
     for (SiteCell& s : to.cells) raise(s, shift_.z_m);
   return any;
 }
 
-bool MovedReader::read_moved(SiteReader::Place tile, Tile& to)
+bool MovedReader::read_moved(SiteReader::Place tile, Tile& to, ChannelTile* values)
 {
+  struct Source
+  {
+    Tile tile;
+    ChannelTile values;
+  };
   list_tiles();
-  std::map<Key, std::unique_ptr<Tile>> from;
+  std::map<Key, std::unique_ptr<Source>> from;
   for (const Key& key : below(tile, true))
     if (there_.count(key) > 0)
-      file_.read({key.first, key.second}, *(from[key] = std::make_unique<Tile>()));
+    {
+      auto& source = from[key] = std::make_unique<Source>();
+      file_.read({key.first, key.second}, source->tile, values ? &source->values : nullptr);
+    }
   const double resolution_m = file_.resolution_m();
   bool any = false;
   for (int i = 0; i < kTileCells * kTileCells; ++i)
@@ -104,12 +112,13 @@ bool MovedReader::read_moved(SiteReader::Place tile, Tile& to)
     const auto x = static_cast<std::int64_t>(std::floor(x_m / resolution_m));
     const auto y = static_cast<std::int64_t>(std::floor(y_m / resolution_m));
     const auto found = from.find({tile_of(x), tile_of(y)});
-    SiteCell& cell = to.cells[static_cast<std::size_t>(i)];
-    cell = found == from.end() ? SiteCell{}
-                               : found->second->cells[static_cast<std::size_t>(
-                                     place_in_tile(y) * kTileCells + place_in_tile(x))];
-    raise(cell, shift_.z_m);
-    any |= cell.known();
+    const auto in_to = static_cast<std::size_t>(i);
+    const auto at = static_cast<std::size_t>(place_in_tile(y) * kTileCells + place_in_tile(x));
+    const Source* const source = found == from.end() ? nullptr : found->second.get();
+    to.cells[in_to] = source ? source->tile.cells[at] : SiteCell{};
+    if (values) values->cells[in_to] = source ? source->values.cells[at] : ChannelRecord{};
+    raise(to.cells[in_to], shift_.z_m);
+    any |= to.cells[in_to].known();
   }
   return any;
 }

@@ -25,13 +25,13 @@ class MovedReader
   /** The tiles that may have a known cell. */
   std::vector<SiteReader::Place> tiles() const;
   /** One of those, and whether it has a known cell. Throws as SiteReader. */
-  bool read(SiteReader::Place tile, Tile& to);
+  bool read(SiteReader::Place tile, Tile& to, ChannelTile* values = nullptr);
 
  private:
   using Key = std::pair<std::int32_t, std::int32_t>;  //!< x, y
   /** The tiles of the file below a tile of the moved map, or the other way round. */
   std::set<Key> below(SiteReader::Place tile, bool of_file) const;
-  bool read_moved(SiteReader::Place tile, Tile& to);
+  bool read_moved(SiteReader::Place tile, Tile& to, ChannelTile* values);
   void list_tiles();
 
   SiteReader file_;

@@ -9,7 +9,7 @@ namespace talus::site
 class SiteBand : public GDALRasterBand
 {
  public:
-  SiteBand(SiteDataset& dataset, Band band) : site_(dataset), band_(band)
+  SiteBand(SiteDataset& dataset, std::size_t band) : site_(dataset), band_(band)
   {
     poDS = &dataset;
     nBand = static_cast<int>(band) + 1;
@@ -17,7 +17,7 @@ class SiteBand : public GDALRasterBand
     nRasterXSize = dataset.GetRasterXSize();
     nRasterYSize = dataset.GetRasterYSize();
     nBlockXSize = nBlockYSize = kTileCells;
-    SetDescription(kBandNames[static_cast<std::size_t>(band)]);
+    SetDescription(dataset.names_[band].c_str());
   }
 
   double GetNoDataValue(int* has) override
@@ -25,10 +25,7 @@ class SiteBand : public GDALRasterBand
     if (has) *has = TRUE;
     return std::numeric_limits<double>::quiet_NaN();
   }
-  const char* GetUnitType() override
-  {
-    return io::unit_of_band(kBandNames[static_cast<std::size_t>(band_)]);
-  }
+  const char* GetUnitType() override { return io::unit_of_band(site_.names_[band_]); }
   int GetOverviewCount() override { return static_cast<int>(site_.overviews_.size()); }
   GDALRasterBand* GetOverview(int i) override
   {
@@ -67,22 +64,34 @@ class SiteBand : public GDALRasterBand
     const Tile* tile = site_.pyramid_.tile(site_.level_, x, y);
     constexpr std::size_t kSize = std::tuple_size<decltype(Tile::cells)>::value;
     if (!tile) std::fill_n(to, kSize, std::numeric_limits<float>::quiet_NaN());
-    for (int r = 0; tile && r < kTileCells; ++r)
+    if (!tile) return;
+    const ChannelTile* const values = site_.pyramid_.values(site_.level_, x, y);
+    std::vector<float> cell(site_.names_.size());
+    for (int r = 0; r < kTileCells; ++r)
     {
-      const SiteCell* from = tile->cells.data() + TilePyramid::row_of(site_.level_, r) * kTileCells;
+      const int first = TilePyramid::row_of(site_.level_, r) * kTileCells;
       for (int c = 0; c < kTileCells; ++c)
-        *to++ = values_of(from[c], site_.pyramid_.newest_s())[static_cast<std::size_t>(band_)];
+      {
+        site_.put_cell(*tile, values, static_cast<std::size_t>(first + c), cell.data());
+        *to++ = cell[band_];
+      }
     }
   }
 
   SiteDataset& site_;
-  Band band_;
+  std::size_t band_;
 };
 
 SiteDataset::SiteDataset(
-    TilePyramid& pyramid, const GeoTransform& transform, const OGRSpatialReference& crs)
-    : pyramid_(pyramid), whole_(this), transform_(transform), crs_(crs)
+    TilePyramid& pyramid, const std::vector<Channel>& channels, const GeoTransform& transform,
+    const OGRSpatialReference& crs)
+    : pyramid_(pyramid),
+      whole_(this),
+      transform_(transform),
+      crs_(crs),
+      names_(kBandNames.begin(), kBandNames.end())
 {
+  for (const std::string& name : channel_layer_names(channels)) names_.push_back(name);
   nRasterXSize = static_cast<int>(pyramid_.width_cells(0));
   nRasterYSize = static_cast<int>(pyramid_.height_cells(0));
   const Statistics all = statistics();
@@ -92,37 +101,54 @@ SiteDataset::SiteDataset(
 }
 
 SiteDataset::SiteDataset(SiteDataset& whole, int level)
-    : pyramid_(whole.pyramid_), whole_(&whole), level_(level), transform_(whole.transform_)
+    : pyramid_(whole.pyramid_),
+      whole_(&whole),
+      level_(level),
+      transform_(whole.transform_),
+      names_(whole.names_)
 {
   make_bands(nullptr);
 }
 
 SiteDataset::Statistics SiteDataset::statistics() const
 {
-  Statistics all;
+  Statistics all(names_.size());
+  std::vector<float> cell(names_.size());
   pyramid_.for_each_tile(
-      [&](const Tile& tile)
+      [&](const Tile& tile, const ChannelTile* values)
       {
-        for (const SiteCell& cell : tile.cells)
+        for (std::size_t i = 0; i < tile.cells.size(); ++i)
         {
-          if (!cell.known()) continue;
-          const BandValues values = values_of(cell, pyramid_.newest_s());
-          for (std::size_t b = 0; b < kBandCount; ++b) all[b].add(values[b]);
+          if (!tile.cells[i].known()) continue;
+          put_cell(tile, values, i, cell.data());
+          for (std::size_t b = 0; b < cell.size(); ++b) all[b].add(cell[b]);
         }
       });
   return all;
+}
+
+void SiteDataset::put_cell(
+    const Tile& tile, const ChannelTile* values, std::size_t at, float* to) const
+{
+  const BandValues of_cell = values_of(tile.cells[at], pyramid_.newest_s());
+  to = std::copy(of_cell.begin(), of_cell.end(), to);
+  const std::size_t layers = names_.size() - kBandCount;
+  if (values && tile.cells[at].known())
+    std::copy_n(values->cells[at].values, layers, to);
+  else
+    std::fill_n(to, layers, std::numeric_limits<float>::quiet_NaN());
 }
 
 void SiteDataset::make_bands(const Statistics* statistics)
 {
   nRasterXSize = static_cast<int>(pyramid_.width_cells(level_));
   nRasterYSize = static_cast<int>(pyramid_.height_cells(level_));
-  for (std::size_t b = 0; b < kBandCount; ++b)
+  for (std::size_t b = 0; b < names_.size(); ++b)
   {
-    SetBand(static_cast<int>(b) + 1, new SiteBand(*this, static_cast<Band>(b)));
+    SetBand(static_cast<int>(b) + 1, new SiteBand(*this, b));
     if (!statistics) continue;
     const double cells = static_cast<double>(nRasterXSize) * nRasterYSize;
-    for (const auto& [key, value] : io::band_items(kBandNames[b], (*statistics)[b], cells))
+    for (const auto& [key, value] : io::band_items(names_[b], (*statistics)[b], cells))
       GetRasterBand(static_cast<int>(b) + 1)->SetMetadataItem(key.c_str(), value.c_str());
   }
   SetMetadataItem("INTERLEAVE", "PIXEL", "IMAGE_STRUCTURE");
@@ -133,12 +159,13 @@ CPLErr SiteDataset::IRasterIO(
     GDALDataType type, int band_count, BANDMAP_TYPE bands, GSpacing pixel, GSpacing line,
     GSpacing band, GDALRasterIOExtraArg* extra)
 {
-  constexpr GSpacing kBand = sizeof(float), kPixel = kBand * kBandCount;
-  bool all_bands = band_count == static_cast<int>(kBandCount);
+  constexpr GSpacing kBand = sizeof(float);
+  const GSpacing cell = kBand * GetRasterCount();
+  bool all_bands = band_count == GetRasterCount();
   for (int b = 0; all_bands && b < band_count; ++b) all_bands = bands[b] == b + 1;
   const bool whole_cells = width == to_width && height == to_height;
   if (flag != GF_Read || type != GDT_Float32 || !all_bands || !whole_cells || band != kBand ||
-      pixel != kPixel || line != kPixel * width)
+      pixel != cell || line != cell * width)
     return GDALDataset::IRasterIO(
         flag, x, y, width, height, to, to_width, to_height, type, band_count, bands, pixel, line,
         band, extra);
@@ -156,31 +183,30 @@ CPLErr SiteDataset::IRasterIO(
 
 void SiteDataset::read_pixels(int x, int y, int width, int height, float* to) const
 {
+  const std::size_t bands = names_.size();
   const int x1 = (x + width - 1) / kTileCells, y1 = (y + height - 1) / kTileCells;
   const auto covered = pyramid_.coverage(level_, x / kTileCells, y / kTileCells, x1, y1);
   if (!covered.all)
     std::fill_n(
-        to, static_cast<std::size_t>(width) * height * kBandCount,
+        to, static_cast<std::size_t>(width) * height * bands,
         std::numeric_limits<float>::quiet_NaN());
   for (int ty = y / kTileCells; covered.any && ty <= y1; ++ty)
     for (int tx = x / kTileCells; tx <= x1; ++tx)
     {
       const Tile* tile = pyramid_.tile(level_, tx, ty);
       if (!tile) continue;
+      const ChannelTile* const values =
+          bands > kBandCount ? pyramid_.values(level_, tx, ty) : nullptr;
       const int left = std::max(x, tx * kTileCells), top = std::max(y, ty * kTileCells);
       const int right = std::min(x + width, (tx + 1) * kTileCells);
       const int bottom = std::min(y + height, (ty + 1) * kTileCells);
       for (int row = top; row < bottom; ++row)
       {
-        const SiteCell* from = tile->cells.data() +
-                               TilePyramid::row_of(level_, row - ty * kTileCells) * kTileCells -
-                               tx * kTileCells;
-        float* at = to + (static_cast<std::size_t>(row - y) * width + (left - x)) * kBandCount;
-        for (int column = left; column < right; ++column, at += kBandCount)
-        {
-          const BandValues values = values_of(from[column], pyramid_.newest_s());
-          std::copy(values.begin(), values.end(), at);
-        }
+        const int first =
+            TilePyramid::row_of(level_, row - ty * kTileCells) * kTileCells - tx * kTileCells;
+        float* at = to + (static_cast<std::size_t>(row - y) * width + (left - x)) * bands;
+        for (int column = left; column < right; ++column, at += bands)
+          put_cell(*tile, values, static_cast<std::size_t>(first + column), at);
       }
     }
 }

@@ -9,6 +9,7 @@
 #include <array>
 #include <exception>
 #include <memory>
+#include <string>
 #include <vector>
 
 #ifndef BANDMAP_TYPE  // of GDAL before 3.10
@@ -23,7 +24,10 @@ class SiteDataset : public GDALDataset
  public:
   using GeoTransform = std::array<double, 6>;
 
-  SiteDataset(TilePyramid& pyramid, const GeoTransform& transform, const OGRSpatialReference& crs);
+  /** `channels`: of the site; their layers are the last bands. */
+  SiteDataset(
+      TilePyramid& pyramid, const std::vector<Channel>& channels, const GeoTransform& transform,
+      const OGRSpatialReference& crs);
   ~SiteDataset() override = default;
 
   CPLErr GetGeoTransform(double* to) override;
@@ -41,17 +45,20 @@ class SiteDataset : public GDALDataset
 
  private:
   friend class SiteBand;
-  using Statistics = std::array<io::BandStatistics, kBandCount>;
+  using Statistics = std::vector<io::BandStatistics>;
   SiteDataset(SiteDataset& whole, int level);
   void make_bands(const Statistics* statistics);
   Statistics statistics() const;
   void read_pixels(int x, int y, int width, int height, float* to) const;
+  /** All bands of a cell; `values`: of the channels of its tile, or null. */
+  void put_cell(const Tile& tile, const ChannelTile* values, std::size_t at, float* to) const;
 
   TilePyramid& pyramid_;
   SiteDataset* whole_;  //!< this, or that of which this is an overview
   int level_ = 0;
   GeoTransform transform_;
   OGRSpatialReference crs_;
+  std::vector<std::string> names_;  //!< of the bands
   std::vector<std::unique_ptr<SiteDataset>> overviews_;
   std::exception_ptr failure_;
 };

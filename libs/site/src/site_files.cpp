@@ -76,7 +76,13 @@ void copy(const Island& island, Site& from, Site& to)
 {
   to.origin = from.origin;
   to.ways = ways_on(island, from);
-  for (const TileKey& key : island.tiles) to.tiles.at(key) = *from.tiles.find(key);
+  to.channels = from.channels;
+  for (const TileKey& key : island.tiles)
+  {
+    to.tiles.at(key) = *from.tiles.find(key);
+    if (const ChannelTile* values = from.channel_tiles.find(key))
+      to.channel_tiles.at(key) = *values;
+  }
 }
 
 std::string title_of(int floor, std::size_t island)

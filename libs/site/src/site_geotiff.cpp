@@ -1,6 +1,7 @@
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
+#include "channel_values.h"
 #include "moved_reader.h"
 #include "site_dataset.h"
 #include "site_file.h"
@@ -38,6 +39,7 @@ void set_metadata(
   set(kSeenItem, std::to_string(pyramid.newest_s()));
   const std::string ways = text_of_ways(site.ways, file.floor);
   if (!ways.empty()) set(kWaysItem, ways);
+  if (!site.channels.empty()) set(kChannelsItem, channels_text(site.channels));
   io::put_origin(dataset, site.origin);
   dataset.SetMetadataItem("AREA_OR_POINT", "Area");
 }
@@ -105,14 +107,13 @@ void write_site_file(
   const int floor = of.floor;
   io::AtomicFile file(path);
   TilePyramid pyramid(
-      site.tiles, floor, kLargestOverview_cells,
-      (file.hidden_folder().path() / "overviews").string());
+      site, floor, kLargestOverview_cells, (file.hidden_folder().path() / "overviews").string());
   check_extent(path, pyramid, floor);
   const GdalCacheLimit limit;
   io::GdalErrors errors;
   GDALDriver& cog = io::cog_driver();
   SiteDataset dataset(
-      pyramid,
+      pyramid, site.channels,
       transform_of(
           static_cast<double>(pyramid.min_cell_x()) * site.resolution_m,
           static_cast<double>(pyramid.min_cell_y() + pyramid.height_cells(0)) * site.resolution_m,
@@ -134,10 +135,19 @@ void read_site(const std::string& path, Site& site, int floor, const MapShift& s
   MovedReader reader(path, shift);
   if (!site.origin && site.tiles.keys().empty()) site.origin = reader.file().origin();
   reader.file().require_fits(site);
+  reader.file().add_channels_to(site);
   auto ways = reader.ways(floor);
   const auto tile = std::make_unique<Tile>();
+  const auto values = std::make_unique<ChannelTile>();
+  const bool has_values = !reader.file().channels().empty();
+  const auto places = channel_places(reader.file().channels(), site.channels);
   for (const auto& place : reader.tiles())
-    if (reader.read(place, *tile)) site.tiles.at({floor, place.x, place.y}) = *tile;
+  {
+    if (!reader.read(place, *tile, values.get())) continue;
+    const TileKey key{floor, place.x, place.y};
+    site.tiles.at(key) = *tile;
+    if (has_values) put_values(*values, places, site.channel_tiles.at(key));
+  }
   for (auto& way : ways) site.ways.push_back(std::move(way));
 }
 

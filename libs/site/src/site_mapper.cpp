@@ -1,5 +1,6 @@
 #include <talus/site/site_mapper.h>
 
+#include "channel_values.h"
 #include "hindsight.h"
 #include "kept_cell.h"
 #include "strips.h"
@@ -44,6 +45,7 @@ SiteMapper::~SiteMapper() = default;
 FrameReport SiteMapper::update(ElevationMapper& map, const Frame& frame)
 {
   const auto start = std::chrono::steady_clock::now();
+  take_channels(map);
   FrameReport report = update_kept(map, frame);
   if (state_.choice == Choice::None)
   {
@@ -53,6 +55,14 @@ FrameReport SiteMapper::update(ElevationMapper& map, const Frame& frame)
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   report.total_ms = took.count();
   return report;
+}
+
+void SiteMapper::take_channels(const ElevationMapper& map)
+{
+  const std::vector<Channel>& channels = map.parameters().channels;
+  if (channel_places_.size() == kChannelSurfaces * channels.size()) return;
+  add_channels(site_.channels, channels);
+  channel_places_ = channel_places(channels, site_.channels);
 }
 
 FrameReport SiteMapper::update_kept(ElevationMapper& map, const Frame& frame)
@@ -68,6 +78,7 @@ FrameReport SiteMapper::update_kept(ElevationMapper& map, const Frame& frame)
   {
     keep_before(map, after, base);
     ask_for_entered(before, after);
+    channels_ = map.read_channels(with_frame_.before);
   }
   const auto meanwhile = [&]
   {
@@ -202,9 +213,31 @@ void SiteMapper::store(const CellRect& cells, std::size_t first)
           kept.cell = kept_of(now[i]);
           if (keeps_judgement) kept.cell.traversability = judged_whole;
           kept.seen_s = seen_s;
+          if (!is_kept_.empty()) is_kept_[i] = true;
         });
+    if (!site_.channels.empty()) store_channels(cells, first, part);
   };
+  is_kept_.assign(site_.channels.empty() ? 0 : cells.size(), false);
   for_each_tile(cells, state_.floor, put);
+}
+
+/** Of the cells of a part that were just stored. What was known stays where the map knows nothing,
+ * but for what stood there. */
+void SiteMapper::store_channels(const CellRect& cells, std::size_t first, const TilePart& part)
+{
+  if (!channels_ && !site_.channel_tiles.has(part.key)) return;
+  ChannelTile& tile = site_.channel_tiles.at(part.key);
+  for_each_cell(
+      cells, part,
+      [&](std::size_t i, std::size_t at)
+      {
+        if (!is_kept_[i]) return;
+        ChannelRecord& kept = tile.cells[at];
+        if (!has_top(records_[first + i])) forget_standing(kept);
+        for (std::size_t l = 0; channels_ && l < channel_places_.size(); ++l)
+          if (const float v = channels_[first + i].values[l]; !std::isnan(v))
+            kept.values[channel_places_[l]] = kept_value(v);
+      });
 }
 
 /** Where a cell is judged by the part of its neighbourhood that is left. */
@@ -231,8 +264,7 @@ void SiteMapper::wait_for_floor(ElevationMapper& map)
   if ((state_.frames_calm < kFramesCalm && !drives) || !choose_floor(map)) return;
   state_.choice = Choice::None;
   state_.calm = state_.base;
-  if (restores_ && take_back_from(state_.floor, rects_.front(), 0))
-    map.write_cells(rects_, records_.first, records_.size);
+  if (restores_ && take_back_from(state_.floor, rects_.front(), 0)) write_back(map, records_.size);
 }
 
 /** The one that agrees most with what the window measured. False: it measured too little. */
@@ -255,6 +287,7 @@ void SiteMapper::read(const ElevationMapper& map, const CellRect& rect)
 {
   rects_ = {rect};
   take_up(map, map.read_cells(rects_), map.window());
+  channels_ = map.read_channels(rects_);
 }
 
 /** Cells are of the floor whose ground is where they were measured. */

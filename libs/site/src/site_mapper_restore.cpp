@@ -85,7 +85,17 @@ void SiteMapper::restore_entered(ElevationMapper& map, const Window& before, con
   const bool any_x = take_back(x.cells, 0), any_y = take_back(y.cells, x.cells.size());
   if (!any_x && !any_y) return;
   rects_ = {x.cells, y.cells};
+  write_back(map, cells);
+}
+
+/** Gives back the first of the records, which are those of `rects_`. */
+void SiteMapper::write_back(ElevationMapper& map, std::size_t cells)
+{
   map.write_cells(rects_, records_.first, cells);
+  if (given_back_.empty()) return;
+  given_back_.resize(cells);
+  map.write_channels(rects_, given_back_.data(), cells);
+  given_back_.clear();
 }
 
 /** Puts what was kept of cells in the place of their records where it is worth more, and nothing
@@ -135,6 +145,8 @@ bool SiteMapper::take_back_from(int floor, const CellRect& cells, std::size_t fi
   const auto look_up = [&](const TilePart& part)
   {
     const Tile* tile = site_.tiles.find(part.key);
+    const ChannelTile* values =
+        channel_places_.empty() ? nullptr : site_.channel_tiles.find(part.key);
     for_each_cell(
         cells, part,
         [&](std::size_t i, std::size_t at)
@@ -142,14 +154,31 @@ bool SiteMapper::take_back_from(int floor, const CellRect& cells, std::size_t fi
           CellRecord& now = records_[first + i];
           const CellRecord kept = tile ? tile->cells[at].cell : CellRecord{};
           const Reference& r = references_[first + i];
-          const bool takes = is_worth_more(kept, now) &&
-                             !(std::abs(kept.ground_m - r.ground_m) > r.within_m) &&
-                             !stretches_[stretch_of(cells, i)].has_drifted;
+          const bool is_better = is_worth_more(kept, now);
+          const bool fits = (is_better || values) &&
+                            !(std::abs(kept.ground_m - r.ground_m) > r.within_m) &&
+                            !stretches_[stretch_of(cells, i)].has_drifted;
+          const bool takes = is_better && fits;
+          if (values && fits && is_known(kept))
+            any |= take_back_channels(first + i, values->cells[at], takes);
           now = takes ? kept : CellRecord{};
           any |= takes;
         });
   };
   for_each_tile(cells, floor, look_up);
+  return any;
+}
+
+/** Where the map measured the ground itself, what stood there is not known to stand. */
+bool SiteMapper::take_back_channels(std::size_t i, const ChannelRecord& kept, bool takes_all)
+{
+  if (given_back_.size() <= i) given_back_.resize(i + 1);
+  bool any = false;
+  for (std::size_t l = 0; l < channel_places_.size(); l += takes_all ? 1 : kChannelSurfaces)
+  {
+    given_back_[i].values[l] = kept.values[channel_places_[l]];
+    any |= !std::isnan(given_back_[i].values[l]);
+  }
   return any;
 }
 

@@ -22,6 +22,7 @@ constexpr const char* kMinCellXItem = "TALUS_MIN_CELL_X";  //!< of the lower lef
 constexpr const char* kMinCellYItem = "TALUS_MIN_CELL_Y";
 constexpr const char* kSeenItem = "TALUS_SEEN_S";  //!< when the newest cell was seen
 constexpr const char* kWaysItem = "TALUS_WAYS";  //!< none where there are no ways
+constexpr const char* kChannelsItem = "TALUS_CHANNELS";  //!< "intensity:mean"; none: no channels
 /// @}
 
 /** The runs of points on one floor. */

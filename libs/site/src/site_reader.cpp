@@ -30,6 +30,7 @@ SiteReader::SiteReader(const std::string& path) : path_(path)
 {
   const io::GdalErrors errors;
   dataset_ = io::open_geotiff(path, errors);
+  read_channels();
   check_bands();
   read_metadata();
   check_place();
@@ -38,6 +39,31 @@ SiteReader::SiteReader(const std::string& path) : path_(path)
 void SiteReader::fail(const std::string& what) const
 {
   throw std::runtime_error(path_ + ": " + what);
+}
+
+void SiteReader::read_channels()
+{
+  const char* text = dataset_->GetMetadataItem(kChannelsItem);
+  try
+  {
+    channels_ = channels_from(text ? text : "");
+  }
+  catch (const std::invalid_argument&)
+  {
+    fail(std::string("its ") + kChannelsItem + " are no channels; it is " + kDamaged);
+  }
+}
+
+void SiteReader::add_channels_to(Site& site) const
+{
+  try
+  {
+    add_channels(site.channels, channels_);
+  }
+  catch (const std::invalid_argument& e)
+  {
+    fail(std::string("its channels do not go with those of the other maps: ") + e.what());
+  }
 }
 
 void SiteReader::check_bands()
@@ -50,6 +76,7 @@ void SiteReader::check_bands()
   };
   bands_.reserve(kBandCount);
   for (const char* name : kBandNames) bands_.push_back(number_of(name));
+  for (const std::string& name : channel_layer_names(channels_)) bands_.push_back(number_of(name));
   if (std::find(bands_.begin(), bands_.end(), 0) == bands_.end())
   {
     check_values();
@@ -64,9 +91,9 @@ void SiteReader::check_bands()
 void SiteReader::check_values() const
 {
   const int count = dataset_->GetRasterCount();
-  if (count != static_cast<int>(kBandCount))
+  if (count != static_cast<int>(bands_.size()))
     fail(
-        "has " + std::to_string(count) + " bands, a site has " + std::to_string(kBandCount) +
+        "has " + std::to_string(count) + " bands, a site has " + std::to_string(bands_.size()) +
         ": another program has added some; give the file as talus wrote it");
   io::require_plain_floats(*dataset_, path_);
   for (auto* band : dataset_->GetBands())
@@ -200,33 +227,50 @@ void SiteReader::load(Place tile)
 {
   const int left = (tile.x - tile_of(min_cell_x_)) * kTileCells;
   const int top = (height_tiles_ - 1 - (tile.y - tile_of(min_cell_y_))) * kTileCells;
-  constexpr int kBands = static_cast<int>(kBandCount);
-  constexpr GSpacing kPixel = sizeof(float) * kBands, kLine = kPixel * kTileCells;
+  const int bands = static_cast<int>(bands_.size());
+  const GSpacing pixel = static_cast<GSpacing>(sizeof(float) * bands_.size());
+  const GSpacing line = pixel * kTileCells;
   const io::GdalErrors errors;
-  values_.resize(static_cast<std::size_t>(kTileCells) * kTileCells * kBandCount);
+  values_.resize(static_cast<std::size_t>(kTileCells) * kTileCells * bands_.size());
   // The last row first: rows of tiles begin in the south.
-  auto* last = values_.data() + static_cast<std::size_t>(kTileCells - 1) * kTileCells * kBandCount;
+  auto* last =
+      values_.data() + static_cast<std::size_t>(kTileCells - 1) * kTileCells * bands_.size();
   if (dataset_->RasterIO(
           GF_Read, left, top, kTileCells, kTileCells, last, kTileCells, kTileCells, GDT_Float32,
-          kBands, bands_.data(), kPixel, -kLine, sizeof(float), nullptr) != CE_None)
+          bands, bands_.data(), pixel, -line, sizeof(float), nullptr) != CE_None)
     io::fail(path_, kCutShort, errors);
 }
 
-bool SiteReader::read(Place tile, Tile& to)
+bool SiteReader::read(Place tile, Tile& to, ChannelTile* values)
 {
   load(tile);
   bool any = false;
   for (std::size_t i = 0; i < to.cells.size(); ++i)
   {
-    BandValues values;
+    BandValues of_cell;
     std::copy_n(
-        values_.begin() + static_cast<std::ptrdiff_t>(i * kBandCount), kBandCount, values.begin());
-    const auto cell = cell_of(values, newest_s_);
+        values_.begin() + static_cast<std::ptrdiff_t>(i * bands_.size()), kBandCount,
+        of_cell.begin());
+    const auto cell = cell_of(of_cell, newest_s_);
     if (!cell) fail(std::string("its cells are none of a site; it is ") + kDamaged);
     to.cells[i] = *cell;
     any |= cell->known();
   }
+  if (values) read_values(*values);
   return any;
+}
+
+void SiteReader::read_values(ChannelTile& to) const
+{
+  for (std::size_t i = 0; i < to.cells.size(); ++i)
+    for (std::size_t l = 0; l < bands_.size() - kBandCount; ++l)
+    {
+      const float v = values_[i * bands_.size() + kBandCount + l];
+      const Channel& channel = channels_[l / kChannelSurfaces];
+      if (!is_channel_value(channel.rule, v))
+        fail("its channel '" + channel.name + "' has values that are none; it is " + kDamaged);
+      to.cells[i].values[l] = std::isnan(v) ? NAN : v;
+    }
 }
 
 }  // namespace talus::site

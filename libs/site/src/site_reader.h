@@ -28,6 +28,10 @@ class SiteReader
   const std::vector<int>& floors() const { return floors_; }
   /** How many islands were written with it. */
   std::size_t islands() const { return islands_; }
+  /** Its last bands are their layers. */
+  const std::vector<Channel>& channels() const { return channels_; }
+  /** Throws where the site has one of them with another rule, or too many become. */
+  void add_channels_to(Site& site) const;
   /** Throws where the site has another resolution or origin. */
   void require_fits(const Site& site) const;
   /** As of floor `floor`. */
@@ -41,14 +45,17 @@ class SiteReader
   std::vector<Place> tiles() const;
   /** Throws where one of those is cut short; what its cells say is not looked at. */
   void load(Place tile);
-  /** One of those, and whether it has a known cell. Throws as the constructor. */
-  bool read(Place tile, Tile& to);
+  /** One of those, and whether it has a known cell; in `values`, unless it is null, the values of
+   * its channels. Throws as the constructor. */
+  bool read(Place tile, Tile& to, ChannelTile* values = nullptr);
 
  private:
+  void read_channels();
   void check_bands();
   void check_values() const;
   void read_metadata();
   void check_place();
+  void read_values(ChannelTile& to) const;
   std::string item(const char* name) const;
   std::int64_t whole_item(const char* name, std::int64_t least, std::int64_t most) const;
   void add_covered(Place from, int size_tiles, std::vector<Place>& to) const;
@@ -62,6 +69,7 @@ class SiteReader
   int floor_ = 0;
   std::vector<int> floors_;
   std::size_t islands_ = 0;
+  std::vector<Channel> channels_;
   std::int64_t min_cell_x_ = 0, min_cell_y_ = 0;
   int width_tiles_ = 0, height_tiles_ = 0;
   std::vector<int> bands_;  //!< their numbers in the file, in our order

@@ -1,5 +1,6 @@
 #include "tile_pack.h"
 
+#include "channel_values.h"
 #include "kept_cell.h"
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <cstddef>
 #include <cstring>
 #include <stdexcept>
+#include <tuple>
 #include <type_traits>
 
 namespace talus::site
@@ -70,6 +72,21 @@ struct Score
     return code == kNone ? NAN : static_cast<float>(code) / kScores;
   }
   static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(kScores) + 1;
+};
+/** Of channels. */
+struct Whole
+{
+  static std::uint32_t of(float v)
+  {
+    return v >= 0 && v < kMost ? static_cast<std::uint32_t>(v) : 0;
+  }
+  static float back(std::uint32_t code) { return static_cast<float>(code); }
+  static constexpr float kMost = 1 << 16;
+};
+struct ChannelValue
+{
+  static std::uint32_t of(float v) { return bits_of(v) >> kDroppedChannelBits; }
+  static float back(std::uint32_t code) { return bits_as<float>(code << kDroppedChannelBits); }
 };
 /// @}
 
@@ -329,6 +346,99 @@ std::vector<std::uint8_t> packed(const Tile& tile)
     if (run.n > 0) run.pass(packer);
   }
   return packer.bytes();
+}
+
+namespace
+{
+constexpr std::size_t kLayers = kChannelSurfaces * kMostChannels;
+
+/** The known values of a layer in a run of cells. */
+template <class Record>
+struct ValueRun
+{
+  std::array<Record*, kRun> cells;
+  std::size_t n = 0, layer = 0;
+
+  bool is_whole() const
+  {
+    for (std::size_t i = 0; i < n; ++i)
+      if (bits_of(Whole::back(Whole::of(cells[i]->values[layer]))) !=
+          bits_of(cells[i]->values[layer]))
+        return false;
+    return true;
+  }
+  template <class P>
+  void pass(P& p, bool whole)
+  {
+    const auto at = [&](std::size_t i) -> decltype(auto) { return (cells[i]->values[layer]); };
+    if (whole)
+      p.template floats<Whole>(n, at);
+    else
+      p.template floats<ChannelValue>(n, at);
+  }
+};
+
+/** f(cells of the run, first of which is cells[first], layer) for all runs of a tile. */
+template <class F>
+void for_each_value_run(const F& f)
+{
+  for (std::size_t layer = 0; layer < kLayers; ++layer)
+    for (std::size_t first = 0; first < std::tuple_size_v<decltype(ChannelTile::cells)>;
+         first += kRun)
+      f(first, layer);
+}
+
+/// @name How the values of a run are stored
+/// @{
+constexpr std::uint8_t kNoValues = 0, kWholeValues = 1, kOtherValues = 2;
+/// @}
+}  // namespace
+
+std::vector<std::uint8_t> packed(const ChannelTile& tile)
+{
+  Packer packer;
+  for_each_value_run(
+      [&](std::size_t first, std::size_t layer)
+      {
+        ValueRun<const ChannelRecord> run;
+        run.layer = layer;
+        Mask mask{};
+        for (std::size_t i = 0; i < kRun; ++i)
+        {
+          const ChannelRecord& cell = tile.cells[first + i];
+          if (bits_of(cell.values[layer]) == bits_of(NAN)) continue;
+          mask[i / 64] |= std::uint64_t{1} << i % 64;
+          run.cells[run.n++] = &cell;
+        }
+        const std::uint8_t how = run.n == 0       ? kNoValues
+                                 : run.is_whole() ? kWholeValues
+                                                  : kOtherValues;
+        packer.raw(&how, sizeof how);
+        if (how == kNoValues) return;
+        packer.raw(mask.data(), sizeof mask);
+        run.pass(packer, how == kWholeValues);
+      });
+  return packer.bytes();
+}
+
+void unpack(const std::vector<std::uint8_t>& bytes, ChannelTile& tile)
+{
+  tile = {};
+  Unpacker unpacker(bytes);
+  for_each_value_run(
+      [&](std::size_t first, std::size_t layer)
+      {
+        std::uint8_t how = kNoValues;
+        unpacker.raw(&how, sizeof how);
+        if (how == kNoValues) return;
+        ValueRun<ChannelRecord> run;
+        run.layer = layer;
+        Mask mask;
+        unpacker.raw(mask.data(), sizeof mask);
+        for (std::size_t i = 0; i < kRun; ++i)
+          if (is_in(mask, i)) run.cells[run.n++] = &tile.cells[first + i];
+        run.pass(unpacker, how == kWholeValues);
+      });
 }
 
 void unpack(const std::vector<std::uint8_t>& bytes, Tile& tile)

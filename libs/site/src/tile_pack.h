@@ -12,7 +12,12 @@ namespace talus::site
  * without the bits that it drops. What was not rounded takes all its bits. */
 std::vector<std::uint8_t> packed(const Tile& tile);
 
+/** The same of the values of channels: whole numbers, and what kept_value() left, in the fewest
+ * bits. */
+std::vector<std::uint8_t> packed(const ChannelTile& tile);
+
 /** And back, bit for bit. */
 void unpack(const std::vector<std::uint8_t>& bytes, Tile& tile);
+void unpack(const std::vector<std::uint8_t>& bytes, ChannelTile& tile);
 
 }  // namespace talus::site

@@ -8,17 +8,23 @@ namespace
 {
 constexpr std::size_t kOverviewBytes = std::size_t{64} << 20;
 
+constexpr int kHalf = kTileCells / 2;
+
 /** The first of four cells that is known: as "nearest" does, but a line of cells stays a line. */
-const SiteCell& first_known(const SiteCell* upper, const SiteCell* lower)
+std::size_t first_known(const SiteCell* cells, std::size_t upper, std::size_t lower)
 {
-  for (const SiteCell* c : {lower + 1, lower, upper + 1, upper})
-    if (c->known()) return *c;
-  return *lower;
+  for (const std::size_t at : {lower + 1, lower, upper + 1, upper})
+    if (cells[at].known()) return at;
+  return lower;
 }
 }  // namespace
 
-TilePyramid::TilePyramid(TileStore& tiles, int floor, int largest_cells, const std::string& folder)
-    : tiles_(tiles), overviews_(kOverviewBytes, folder), floor_(floor)
+TilePyramid::TilePyramid(Site& site, int floor, int largest_cells, const std::string& folder)
+    : tiles_(site.tiles),
+      values_(site.channel_tiles),
+      overviews_(kOverviewBytes, folder),
+      overview_values_(kOverviewBytes, folder),
+      floor_(floor)
 {
   take_known_tiles();
   while (!empty() && std::max(width_cells(levels() - 1), height_cells(levels() - 1)) >
@@ -60,28 +66,50 @@ void TilePyramid::take_known_tiles()
 
 void TilePyramid::add_level()
 {
-  constexpr int kHalf = kTileCells / 2;
   const int from = levels() - 1, to = levels();
   std::vector<Place> made;
   made.reserve(levels_[from].size());
-  std::vector<SiteCell> quarter(kHalf * kHalf);  // a tile is valid until the next is asked for
   for (const Place& p : levels_[from])
   {
-    const SiteCell* cells = tile(from, p.x, p.y)->cells.data();
-    for (int r = 0; r < kHalf; ++r)
-      for (int c = 0; c < kHalf; ++c)
-        quarter[r * kHalf + c] = first_known(
-            cells + row_of(from, 2 * r) * kTileCells + 2 * c,
-            cells + row_of(from, 2 * r + 1) * kTileCells + 2 * c);
-    auto corner = overviews_.at({to, p.x / 2, p.y / 2}).cells.begin() +
-                  (p.y % 2 * kTileCells + p.x % 2) * kHalf;
-    for (int r = 0; r < kHalf; ++r)
-      std::copy_n(quarter.begin() + r * kHalf, kHalf, corner + r * kTileCells);
+    add_to_level(to, p);
     made.push_back({p.y / 2, p.x / 2});
   }
   std::sort(made.begin(), made.end());
   made.erase(std::unique(made.begin(), made.end()), made.end());
   levels_.push_back(std::move(made));
+}
+
+/** A tile of the level below becomes a quarter of one. A tile is valid until the next is asked for.
+ */
+void TilePyramid::add_to_level(int level, const Place& below)
+{
+  std::vector<std::size_t> taken(kHalf * kHalf);
+  std::vector<SiteCell> quarter(taken.size());
+  const SiteCell* cells = tile(level - 1, below.x, below.y)->cells.data();
+  const auto first_of = [&](int row)
+  { return static_cast<std::size_t>(row_of(level - 1, row)) * kTileCells; };
+  for (int r = 0; r < kHalf; ++r)
+    for (int c = 0; c < kHalf; ++c)
+    {
+      const auto x = static_cast<std::size_t>(2 * c);
+      const std::size_t at = first_known(cells, first_of(2 * r) + x, first_of(2 * r + 1) + x);
+      taken[static_cast<std::size_t>(r * kHalf + c)] = at;
+      quarter[static_cast<std::size_t>(r * kHalf + c)] = cells[at];
+    }
+  const TileKey key{level, below.x / 2, below.y / 2};
+  const int corner = (below.y % 2 * kTileCells + below.x % 2) * kHalf;
+  const auto put = [&](auto& to, const auto& of)
+  {
+    for (int i = 0; i < kHalf * kHalf; ++i)
+      to.cells[static_cast<std::size_t>(corner + i / kHalf * kTileCells + i % kHalf)] =
+          of(static_cast<std::size_t>(i));
+  };
+  put(overviews_.at(key), [&](std::size_t i) { return quarter[i]; });
+  const ChannelTile* const all = values(level - 1, below.x, below.y);
+  if (!all) return;
+  std::vector<ChannelRecord> quarter_values(taken.size());
+  for (std::size_t i = 0; i < taken.size(); ++i) quarter_values[i] = all->cells[taken[i]];
+  put(overview_values_.at(key), [&](std::size_t i) { return quarter_values[i]; });
 }
 
 const Tile* TilePyramid::tile(int level, int x, int y)
@@ -91,9 +119,15 @@ const Tile* TilePyramid::tile(int level, int x, int y)
   return tiles_.find({floor_, x + min_tile_x_, max_tile_y_ - y});
 }
 
-void TilePyramid::for_each_tile(const std::function<void(const Tile&)>& f)
+const ChannelTile* TilePyramid::values(int level, int x, int y)
 {
-  for (const Place& p : levels_.front()) f(*tile(0, p.x, p.y));
+  if (level > 0) return overview_values_.find({level, x, y});
+  return values_.find({floor_, x + min_tile_x_, max_tile_y_ - y});
+}
+
+void TilePyramid::for_each_tile(const std::function<void(const Tile&, const ChannelTile*)>& f)
+{
+  for (const Place& p : levels_.front()) f(*tile(0, p.x, p.y), values(0, p.x, p.y));
 }
 
 TilePyramid::Coverage TilePyramid::coverage(int level, int x0, int y0, int x1, int y1) const

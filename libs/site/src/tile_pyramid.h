@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/site/tile_store.h>
+#include <talus/site/site.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +18,7 @@ class TilePyramid
   /** Takes the tiles that have a known cell. Overviews are made until one is at most
    * `largest_cells` wide and high; those that find no room in memory go to `folder`. Throws as
    * TileStore. */
-  TilePyramid(TileStore& tiles, int floor, int largest_cells, const std::string& folder);
+  TilePyramid(Site& site, int floor, int largest_cells, const std::string& folder);
 
   bool empty() const { return levels_.empty(); }
   int levels() const { return static_cast<int>(levels_.size()); }
@@ -40,8 +40,10 @@ class TilePyramid
 
   /** Null where there is none. Valid until the next call. Throws as TileStore. */
   const Tile* tile(int level, int x, int y);
-  /** Those of level 0. Throws as TileStore. */
-  void for_each_tile(const std::function<void(const Tile&)>& f);
+  /** The values of channels of such a tile; null where it has none. Valid as that. */
+  const ChannelTile* values(int level, int x, int y);
+  /** f(tile, values or null) for those of level 0. Throws as TileStore. */
+  void for_each_tile(const std::function<void(const Tile&, const ChannelTile*)>& f);
   /** Which row of such a tile is the `row`-th from the north. */
   static int row_of(int level, int row) { return level == 0 ? kTileCells - 1 - row : row; }
 
@@ -54,9 +56,12 @@ class TilePyramid
   };
   void take_known_tiles();
   void add_level();
+  void add_to_level(int level, const Place& below);
 
   TileStore& tiles_;
+  ChannelStore& values_;
   TileStore overviews_;  //!< a floor for each level
+  ChannelStore overview_values_;
   int floor_;
   std::int32_t min_tile_x_ = 0, max_tile_y_ = 0;
   std::int64_t min_cell_x_ = 0, min_cell_y_ = 0, width_cells_ = 0, height_cells_ = 0;

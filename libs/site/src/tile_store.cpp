@@ -33,6 +33,7 @@ constexpr const char* kTilesPrefix = ".talus-tiles.";
 constexpr int kFastest = 1;
 
 static_assert(std::is_trivially_copyable_v<SiteCell> && sizeof(SiteCell) == 32);
+static_assert(std::is_trivially_copyable_v<ChannelRecord> && sizeof(ChannelTile) == sizeof(Tile));
 
 struct CompressorEnd
 {
@@ -88,7 +89,8 @@ class TileCodec
     fail_to_write(path, error);
   }
 
-  void read(const fs::path& path, Tile& tile)
+  template <class T>
+  void read(const fs::path& path, T& tile)
   {
     errno = 0;
     File file(std::fopen(path.c_str(), "rb"));
@@ -134,24 +136,25 @@ void unmap(void* first, std::size_t) { std::free(first); }
 
 /** Memory of tiles, in large pages where there are such: a drive comes to a new tile every few
  * metres, and small pages would cost more than to fill it. */
+template <class T>
 class TileMemory
 {
  public:
-  Tile* take()
+  T* take()
   {
     if (free_.empty()) add_block();
-    Tile* const tile = free_.back();
+    T* const tile = free_.back();
     free_.pop_back();
     return tile;
   }
-  void give_back(Tile* tile) { free_.push_back(tile); }
+  void give_back(T* tile) { free_.push_back(tile); }
   /** All that was ever needed at once. */
   std::size_t bytes() const { return blocks_.size() * kBlock; }
   /** With the next tile. */
   std::size_t bytes_to_take() const { return bytes() + (free_.empty() ? kBlock : 0); }
 
  private:
-  static constexpr std::size_t kTiles = 4, kBlock = kTiles * sizeof(Tile);
+  static constexpr std::size_t kTiles = 4, kBlock = kTiles * sizeof(T);
   struct BlockEnd
   {
     void operator()(void* block) const { unmap(block, kBlock); }
@@ -162,21 +165,23 @@ class TileMemory
     if (!blocks_.back()) throw std::bad_alloc();
     free_.reserve(kTiles * blocks_.size());
     for (std::size_t i = 0; i < kTiles; ++i)
-      free_.push_back(static_cast<Tile*>(blocks_.back().get()) + i);
+      free_.push_back(static_cast<T*>(blocks_.back().get()) + i);
   }
 
   std::vector<std::unique_ptr<void, BlockEnd>> blocks_;
-  std::vector<Tile*> free_;
+  std::vector<T*> free_;
 };
 static_assert(std::is_trivially_destructible_v<Tile>);
+static_assert(std::is_trivially_destructible_v<ChannelTile>);
 }  // namespace
 
-struct TileStore::Impl
+template <class T>
+struct StoreOf<T>::Impl
 {
   /** Of a tile; those in memory stand in a list, the one that was asked for last in front. */
   struct Entry
   {
-    Tile* tile = nullptr;  //!< null: packed, or on disk
+    T* tile = nullptr;  //!< null: packed, or on disk
     std::vector<std::uint8_t> packed;  //!< empty: not packed, or on disk
     bool is_on_disk = false;  //!< as it is in memory, if it is there
     bool is_changed = false;  //!< since it was asked
@@ -187,30 +192,29 @@ struct TileStore::Impl
   };
 
   Impl(std::size_t memory_bytes, std::string parent)
-      : most_bytes(std::max(memory_bytes, kFewestInMemory * sizeof(Tile))),
-        folder(std::move(parent))
+      : most_bytes(std::max(memory_bytes, kFewestInMemory * sizeof(T))), folder(std::move(parent))
   {
   }
 
   /** To be read: what is packed stays packed. */
-  const Tile& read(Entry& entry)
+  const T& read(Entry& entry)
   {
     if (entry.packed.empty()) return open(entry);
     to_front(entry);
     if (read_last == &entry) return *copy;
     read_last = nullptr;
-    if (!copy) copy = std::make_unique<Tile>();
+    if (!copy) copy = std::make_unique<T>();
     unpack(entry.packed, *copy);
     read_last = &entry;
     return *copy;
   }
 
   /** To be changed. */
-  Tile& open(Entry& entry)
+  T& open(Entry& entry)
   {
     if (entry.is_in_memory()) to_front(entry);
     if (entry.tile) return *entry.tile;
-    Tile* const tile = room_for_tile();
+    T* const tile = room_for_tile();
     try
     {
       if (!entry.packed.empty())
@@ -218,7 +222,7 @@ struct TileStore::Impl
       else if (entry.is_on_disk)
         codec().read(path_of(*entry.key), *tile);
       else
-        new (tile) Tile;
+        new (tile) T;
     }
     catch (...)
     {
@@ -241,7 +245,7 @@ struct TileStore::Impl
     enter_memory(entry);
   }
 
-  Tile* room_for_tile()
+  T* room_for_tile()
   {
     while (memory.bytes_to_take() + packed_bytes > most_bytes) put_oldest_on_disk();
     return memory.take();
@@ -257,7 +261,7 @@ struct TileStore::Impl
     leave_memory(last);
   }
 
-  void erase(std::map<TileKey, Entry>::iterator it)
+  void erase(typename std::map<TileKey, Entry>::iterator it)
   {
     Entry& entry = it->second;
     if (entry.is_in_memory()) leave_memory(entry);
@@ -328,38 +332,46 @@ struct TileStore::Impl
 
   std::size_t most_bytes, packed_bytes = 0, in_memory = 0;
   std::string folder;
-  TileMemory memory;
+  TileMemory<T> memory;
   std::unique_ptr<io::HiddenFolder> hidden;
   std::map<TileKey, Entry> entries;
   Entry *newest = nullptr, *oldest = nullptr;
   Entry* read_last = nullptr;  //!< of what is packed
-  std::unique_ptr<Tile> copy;  //!< of that
+  std::unique_ptr<T> copy;  //!< of that
 
  private:
   std::unique_ptr<TileCodec> codec_;
 };
 
-TileStore::TileStore(std::size_t memory_bytes, std::string folder)
+template <class T>
+StoreOf<T>::StoreOf(std::size_t memory_bytes, std::string folder)
     : impl_(std::make_unique<Impl>(memory_bytes, std::move(folder)))
 {
 }
-TileStore::~TileStore() = default;
+template <class T>
+StoreOf<T>::~StoreOf() = default;
 
-bool TileStore::has(const TileKey& key) const { return impl_->entries.count(key) > 0; }
+template <class T>
+bool StoreOf<T>::has(const TileKey& key) const
+{
+  return impl_->entries.count(key) > 0;
+}
 
-const Tile* TileStore::find(const TileKey& key)
+template <class T>
+const T* StoreOf<T>::find(const TileKey& key)
 {
   const auto found = impl_->entries.find(key);
   return found == impl_->entries.end() ? nullptr : &impl_->read(found->second);
 }
 
-Tile& TileStore::at(const TileKey& key)
+template <class T>
+T& StoreOf<T>::at(const TileKey& key)
 {
   const auto [found, is_new] = impl_->entries.try_emplace(key);
   found->second.key = &found->first;
   try
   {
-    Tile& tile = impl_->open(found->second);
+    T& tile = impl_->open(found->second);
     found->second.is_on_disk = false;
     found->second.is_changed = true;
     return tile;
@@ -371,20 +383,23 @@ Tile& TileStore::at(const TileKey& key)
   }
 }
 
-void TileStore::pack(const TileKey& key)
+template <class T>
+void StoreOf<T>::pack(const TileKey& key)
 {
   const auto found = impl_->entries.find(key);
   if (found != impl_->entries.end()) impl_->pack(found->second);
 }
 
-void TileStore::unpack_all()
+template <class T>
+void StoreOf<T>::unpack_all()
 {
-  if (impl_->entries.size() * sizeof(Tile) > impl_->most_bytes) return;
+  if (impl_->entries.size() * sizeof(T) > impl_->most_bytes) return;
   for (auto& [key, entry] : impl_->entries)
     if (!entry.packed.empty()) impl_->open(entry);
 }
 
-std::vector<TileKey> TileStore::take_changed()
+template <class T>
+std::vector<TileKey> StoreOf<T>::take_changed()
 {
   std::vector<TileKey> changed;
   for (auto& [key, entry] : impl_->entries)
@@ -392,13 +407,15 @@ std::vector<TileKey> TileStore::take_changed()
   return changed;
 }
 
-void TileStore::erase(const TileKey& key)
+template <class T>
+void StoreOf<T>::erase(const TileKey& key)
 {
   const auto found = impl_->entries.find(key);
   if (found != impl_->entries.end()) impl_->erase(found);
 }
 
-std::vector<TileKey> TileStore::keys() const
+template <class T>
+std::vector<TileKey> StoreOf<T>::keys() const
 {
   std::vector<TileKey> keys;
   keys.reserve(impl_->entries.size());
@@ -406,8 +423,19 @@ std::vector<TileKey> TileStore::keys() const
   return keys;
 }
 
-std::size_t TileStore::tiles_in_memory() const { return impl_->in_memory; }
+template <class T>
+std::size_t StoreOf<T>::tiles_in_memory() const
+{
+  return impl_->in_memory;
+}
 
-TileStore::Memory TileStore::memory() const { return {impl_->memory.bytes(), impl_->packed_bytes}; }
+template <class T>
+typename StoreOf<T>::Memory StoreOf<T>::memory() const
+{
+  return {impl_->memory.bytes(), impl_->packed_bytes};
+}
+
+template class StoreOf<Tile>;
+template class StoreOf<ChannelTile>;
 
 }  // namespace talus::site

@@ -1,6 +1,7 @@
 #include "traffic.h"
 
 #include "cell_evidence.h"
+#include "channel_values.h"
 #include "column.h"
 #include "judge_anew.h"
 #include "surroundings.h"
@@ -210,6 +211,11 @@ std::set<TileKey> clear_traffic(
   if (moved.places.empty()) return {};
   Tile& tile = site.tiles.at(key);
   for (const int at : moved.places) clear(tile.cells[static_cast<std::size_t>(at)]);
+  if (site.channel_tiles.has(key))
+  {
+    ChannelTile& values = site.channel_tiles.at(key);
+    for (const int at : moved.places) forget_standing(values.cells[static_cast<std::size_t>(at)]);
+  }
   judge_anew(site, parameters, key, moved.places);
   return moved.beyond;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -32,6 +33,22 @@ struct Channel
   ChannelRule rule = ChannelRule::Mean;  //!< how its values become one of a cell
 };
 
+/** The same name and rule. */
+inline bool operator==(const Channel& a, const Channel& b)
+{
+  return a.name == b.name && a.rule == b.rule;
+}
+
+/** The surfaces of a cell that have values of their own: the ground, and what stands on it. */
+constexpr std::size_t kChannelSurfaces = 2;
+
+/** The values of the channels of a cell, in the order of channel_layer_names(); NaN: unknown. */
+struct ChannelRecord
+{
+  /** Of the ground, then of what stands there; channel after channel. */
+  float values[kChannelSurfaces * kMostChannels] = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+};
+
 /** The channels that a text such as "intensity:mean,label:vote" names; "none" or nothing: none.
  * Throws std::invalid_argument that names what is wrong with it, as validate_channels() does. */
 std::vector<Channel> channels_from(const std::string& text);
@@ -50,6 +67,17 @@ std::vector<std::string> channel_layer_names(const std::vector<Channel>& channel
  * `what`, "map" say, has no such layer. */
 std::size_t channel_layer(
     const std::vector<Channel>& channels, const std::string& name, const std::string& what);
+
+/** Puts those of `more` that `all` does not have behind it; validate_channels() of the result.
+ * Throws std::invalid_argument where both have one of a name, with different rules. */
+void add_channels(std::vector<Channel>& all, const std::vector<Channel>& more);
+
+/** By layer of `of`, see channel_layer_names(): the same layer of `in`, which has all of them. */
+std::vector<std::size_t> channel_places(
+    const std::vector<Channel>& of, const std::vector<Channel>& in);
+
+/** Whether a channel of this rule may have the value: NaN, a class for a vote. */
+bool is_channel_value(ChannelRule rule, float value);
 
 /** Throws std::invalid_argument where a frame has values of a channel that the map does not have,
  * or a class that is no whole number from 0 to 15; it names the channel and the value. */

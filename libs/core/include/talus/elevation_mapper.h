@@ -149,6 +149,14 @@ class ElevationMapper
    * read_cells() does, and std::invalid_argument if `size` is not the number of cells. */
   void write_cells(const std::vector<CellRect>& rects, const CellRecord* records, std::size_t size);
 
+  /** The values of the channels of cells, else as read_cells(); null where the map has no channels,
+   * or there are no cells. Valid until channels of cells are read or written again. */
+  const ChannelRecord* read_channels(const std::vector<CellRect>& rects) const;
+  /** Writes values of channels, from any memory, where the map has none yet: each counts as one
+   * point. NaN changes nothing. Else as write_cells(). */
+  void write_channels(
+      const std::vector<CellRect>& rects, const ChannelRecord* records, std::size_t size);
+
   /** Whether save() gives so many bytes of a map with these parameters that has seen a
    * frame: to be asked before they are read from a file. Throws
    * std::invalid_argument if a parameter is out of range. */

@@ -29,8 +29,8 @@ struct WayPoint
 struct Site
 {
   /** An empty one. The other arguments as of TileStore. */
-  Site(double resolution, std::size_t memory_bytes, std::string folder)
-      : resolution_m(resolution), tiles(memory_bytes, std::move(folder))
+  Site(double resolution, std::size_t memory_bytes, const std::string& folder)
+      : resolution_m(resolution), tiles(memory_bytes, folder), channel_tiles(memory_bytes, folder)
   {
   }
 
@@ -40,6 +40,10 @@ struct Site
   std::optional<GeoOrigin> origin;
   /** The cells. */
   TileStore tiles;
+  /** What points brought besides their place. */
+  std::vector<Channel> channels;
+  /** Their values, by layer of the channels; no tile where there are none. */
+  ChannelStore channel_tiles;
   /** Each drive's way, about a point per metre. */
   std::vector<std::vector<WayPoint>> ways;
 };

@@ -13,6 +13,7 @@
 namespace talus::site
 {
 struct Strip;
+struct TilePart;
 class Hindsight;
 
 /** Keeps in a site what leaves the window of a map, and gives back what comes again. One drive.
@@ -23,6 +24,9 @@ class Hindsight;
  * and what comes back is restored only where it goes on the ground beside it. Heights contradict
  * if they are a floor apart; then what was measured before stays. What
  * has drifted away from the ground of now is not restored.
+ *
+ * Channels. Those of the map become channels of the site, see add_channels(); what is kept of them
+ * is given back where the map does not know better.
  *
  * Hindsight. Some scans are kept for a while. When the robot is far away, and with look_back(),
  * what their rays passed through far more often than they hit it is cleared, since it moved; and
@@ -63,7 +67,7 @@ class SiteMapper
   ~SiteMapper();
 
   /** map.update(frame), and what leaves with it is kept, what came back restored: its total_ms
-   * counts all. Throws as update(), and std::runtime_error as TileStore. */
+   * counts all. Throws as update() and add_channels(), and std::runtime_error as TileStore. */
   FrameReport update(ElevationMapper& map, const Frame& frame);
   /** Keeps the cells of the window as they are: at the end of a drive, or between. */
   void keep_window(const ElevationMapper& map);
@@ -111,6 +115,8 @@ class SiteMapper
   void follow(const Place& base);
   void add_to_way();
 
+  void take_channels(const ElevationMapper& map);
+  void store_channels(const CellRect& cells, std::size_t first, const TilePart& part);
   void read(const ElevationMapper& map, const CellRect& rect);
   void take_up(const ElevationMapper& map, const CellRecords& records, const Window& window);
   // Of what take_up() has taken up last: `cells` is one of its rectangles, its first record
@@ -127,6 +133,8 @@ class SiteMapper
   void find_drifted(int floor, const CellRect& cells, std::size_t first);
   bool take_back(const CellRect& cells, std::size_t first);
   bool take_back_from(int floor, const CellRect& cells, std::size_t first);
+  bool take_back_channels(std::size_t i, const ChannelRecord& kept, bool takes_all);
+  void write_back(ElevationMapper& map, std::size_t cells);
 
   Site& site_;
   bool restores_;
@@ -139,6 +147,10 @@ class SiteMapper
   Window window_;  //!< in which the records are
   int margin_cells_ = 0;
   CellRecords records_;  //!< in the memory of the map
+  const ChannelRecord* channels_ = nullptr;  //!< of the same cells, if the map has channels
+  std::vector<std::size_t> channel_places_;  //!< by layer of its channels, that of the site
+  std::vector<ChannelRecord> given_back_;  //!< what is restored of channels, by layer of the map
+  std::vector<bool> is_kept_;  //!< of the cells that store() got last; empty without channels
   std::vector<Reference> references_;
   std::vector<float> beside_m_;
   std::vector<Stretch> stretches_;

@@ -1,5 +1,6 @@
 #pragma once
 #include <talus/cell_record.h>
+#include <talus/channels.h>
 
 #include <array>
 #include <cstddef>
@@ -49,9 +50,17 @@ struct Tile
   std::array<SiteCell, static_cast<std::size_t>(kTileCells) * kTileCells> cells;
 };
 
-/** The tiles of a site, as many as the budget allows in memory, the others on disk: those that were
+/** The values of channels of the cells of a tile. Unknown at first. */
+struct ChannelTile
+{
+  /** In the order of Tile. */
+  std::array<ChannelRecord, static_cast<std::size_t>(kTileCells) * kTileCells> cells;
+};
+
+/** Tiles of a site, as many as the budget allows in memory, the others on disk: those that were
  * asked for last stay. What is not needed for a while may be packed. Not thread safe. */
-class TileStore
+template <class T>
+class StoreOf
 {
  public:
   /** At least so many tiles stay in memory, whatever the budget. */
@@ -59,18 +68,18 @@ class TileStore
 
   /** `folder`: where a hidden folder is made for tiles that find no room, when the first does;
    * removed with the store. */
-  TileStore(std::size_t memory_bytes, std::string folder);
-  ~TileStore();
-  TileStore(const TileStore&) = delete;
-  TileStore& operator=(const TileStore&) = delete;
+  StoreOf(std::size_t memory_bytes, std::string folder);
+  ~StoreOf();
+  StoreOf(const StoreOf&) = delete;
+  StoreOf& operator=(const StoreOf&) = delete;
 
   /** Whether there is such a tile, wherever it is. */
   bool has(const TileKey& key) const;
   /** Null where there is none. Valid until the next call. Throws std::runtime_error where a tile on
    * disk cannot be read, or one cannot be written to make room. */
-  const Tile* find(const TileKey& key);
+  const T* find(const TileKey& key);
   /** To be changed; made where there is none. Valid until the next call. Throws as find(). */
-  Tile& at(const TileKey& key);
+  T& at(const TileKey& key);
   /** Keeps one in a fifth of its memory or less, if it is in memory, until at() asks for it. find()
    * makes another copy each time, unless it was asked for the same one before. */
   void pack(const TileKey& key);
@@ -98,6 +107,11 @@ class TileStore
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/** The cells of a site. */
+using TileStore = StoreOf<Tile>;
+/** The values of its channels, in the tiles where there are any. */
+using ChannelStore = StoreOf<ChannelTile>;
 
 /** The tile of a cell of the global grid, and where that stands in it. */
 inline std::int32_t tile_of(std::int64_t cell)
