@@ -6,9 +6,10 @@
 
 namespace talus::kernels
 {
-// Channels: values that users bring to each point. They are fused after the stages of a frame, and
-// decide nothing in the map. A point on the ground counts for the ground of its cell, one of what
-// stands for what stands there, see surface_at().
+// Channels: values that users bring to each point. They are fused after stage 6 of a frame, and
+// decide nothing in the map but where a class has a cost: see TakeClassScores. A point on the
+// ground counts for the ground of its cell, one of what stands for what stands there, see
+// surface_at().
 
 constexpr int kMostChannels = 4, kClasses = 16;
 
@@ -274,6 +275,31 @@ struct PutChannel
   {
     const int cells = shown.config->cells;
     out[iy * cells + ix] = shown.value(channel, surface, storage_index(*frame, cells, ix, iy));
+  }
+};
+
+/** The traversability of a cell that was judged is the least of the map's score and those of its
+ * classes. Nowhere else do channels decide. */
+struct TakeClassScores
+{
+  ShownChannels shown;
+  const FrameContext* frame;
+  const float* scores;  //!< kClasses for each channel
+  float* traversability;
+
+  TALUS_HD void operator()(int ix, int iy) const
+  {
+    const int cells = shown.config->cells;
+    const int storage_i = storage_index(*frame, cells, ix, iy);
+    float& score = traversability[iy * cells + ix];
+    for (int c = 0; c < shown.channels.size; c++)
+      for (int s = 0; s < kPointSurfaces && shown.channels.each[c].rule == kVote; s++)
+      {
+        const float value = shown.value(c, s, storage_i);
+        if (!(value >= 0.0f)) continue;  // also NaN
+        const float of_class = scores[c * kClasses + (static_cast<int>(value) & (kClasses - 1))];
+        if (of_class < score) score = of_class;  // false where it is not judged
+      }
   }
 };
 

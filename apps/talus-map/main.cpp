@@ -51,11 +51,10 @@ int run(const Options& options)
   Settings settings;
   try
   {
-    settings = load_settings(options.config, options.overrides);
+    settings = load_settings(options.config, options.overrides, options.channels);
     if (options.backend) settings.backend = *options.backend;
     if (options.threads) settings.threads = *options.threads;
     if (options.device) settings.device = options.device;
-    settings.parameters.channels = options.channels;
     forward_signals();  // before any folder is made: a signal must not leave it behind
     if (!options.suggest) require_writable(options.output.empty() ? "." : options.output);
   }

@@ -101,10 +101,14 @@ void apply_override(const std::string& text, Parameters& p)
 }
 }  // namespace
 
-Settings load_settings(const std::string& config, const std::vector<std::string>& overrides)
+Settings load_settings(
+    const std::string& config, const std::vector<std::string>& overrides,
+    const std::vector<Channel>& channels)
 {
   Settings s;
+  s.parameters.channels = channels;  // those of a channel_cost must be known
   if (!config.empty()) load_file(config, s);
+  if (!channels.empty()) s.parameters.channels = channels;
   for (const auto& text : overrides) apply_override(text, s.parameters);
   s.parameters.validate();
   return s;

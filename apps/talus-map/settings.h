@@ -18,8 +18,11 @@ struct Settings
   std::vector<std::string> warnings;
 };
 
-/** Defaults, then the INI file `config` (unless empty), then each NAME=VALUE of `overrides`. Throws
- * std::runtime_error that says what is wrong with which file or option, and what to do. */
-Settings load_settings(const std::string& config, const std::vector<std::string>& overrides);
+/** Defaults, then the INI file `config` (unless empty), then each NAME=VALUE of `overrides`;
+ * `channels`, unless there are none, in the place of those of the file. Throws std::runtime_error
+ * that says what is wrong with which file or option, and what to do. */
+Settings load_settings(
+    const std::string& config, const std::vector<std::string>& overrides,
+    const std::vector<Channel>& channels = {});
 
 }  // namespace talus::app

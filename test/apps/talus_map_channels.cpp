@@ -71,13 +71,59 @@ TEST_F(TalusMapChannels, become_bands_of_the_map_and_panels_of_its_picture)
     EXPECT_EQ(ground.count(9), 0U);
     ASSERT_EQ(top.size(), 1U);
     EXPECT_GE(top.at(9), 380);
-    EXPECT_EQ(summary(rule)["channels"], "intensity:" + rule);
+    EXPECT_EQ(summary(rule)["parameters"]["channels"], "intensity:" + rule);
   }
   ASSERT_EQ(run("drive.rawlog --static --output plain").code, 0);
-  EXPECT_FALSE(summary("plain").contains("channels"));
+  EXPECT_EQ(summary("plain")["parameters"]["channels"], "none");
   EXPECT_EQ(io::read_geotiff(path("plain/map.tif")).find("intensity"), nullptr);
   EXPECT_EQ(io::read_geotiff(path("plain/site.tif")).find("intensity"), nullptr);
   EXPECT_GT(read_bytes(path("mean/map.png")).size(), read_bytes(path("plain/map.png")).size());
+}
+
+TEST_F(TalusMapChannels, whose_classes_cost_make_cells_impassable)
+{
+  write_log(path("drive.rawlog"), valued_scans(3), Packing::Gz);
+  write_bytes(
+      path("costs.ini"),
+      "[CDualElevationMap_insertOpts]\nchannels = intensity:vote\nchannel_cost = "
+      "intensity:3=0,5=0.5\n");
+  ASSERT_EQ(run("drive.rawlog --static --channels intensity:vote --output free").code, 0);
+  ASSERT_EQ(run("drive.rawlog --static --config costs.ini --output file").code, 0);
+  const Outcome done =
+      run("drive.rawlog --static --channels intensity:vote -s channel_cost=intensity:3=0,5=0.5 "
+          "--output cost");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(read_bytes(path("file/map.tif")), read_bytes(path("cost/map.tif")));
+  const auto before = io::read_geotiff(path("free/map.tif")),
+             after = io::read_geotiff(path("cost/map.tif"));
+  const auto &classes = *after.find("intensity"), &free = *before.find("traversability"),
+             &cost = *after.find("traversability");
+  int impassable = 0, dear = 0;
+  for (std::size_t i = 0; i < cost.size(); ++i)
+  {
+    ASSERT_EQ(std::isnan(cost[i]), std::isnan(free[i])) << "what is not judged stays so";
+    if (std::isnan(cost[i]) || std::isnan(classes[i])) continue;
+    ASSERT_EQ(cost[i], classes[i] == 3 ? 0 : std::min(free[i], 0.5F));
+    ++(classes[i] == 3 ? impassable : dear);
+  }
+  EXPECT_GT(impassable, 1000);
+  EXPECT_GT(dear, 1000);
+  EXPECT_EQ(summary("cost")["parameters"]["channel_cost"], "intensity:3=0,intensity:5=0.5");
+}
+
+TEST_F(TalusMapChannels, whose_costs_are_none_are_wrong_usage)
+{
+  for (const auto& [text, word] : std::map<std::string, std::string>{
+           {"label:3=0", "no channel 'label'"},
+           {"intensity:16=0", "a class is"},
+           {"intensity:3=2", "a score is"},
+           {"3=0", "names no channel"}})
+  {
+    const Outcome done =
+        run("drive.rawlog --static --channels intensity:vote -s channel_cost=" + text);
+    EXPECT_EQ(done.code, 2) << text;
+    EXPECT_TRUE(done.says(word)) << done.err;
+  }
 }
 
 /** A resumed map keeps channels that are not asked for again, and takes more. */

@@ -425,6 +425,96 @@ TEST(Channels, OfScansInPartsAreGathered)
   EXPECT_EQ(m.ground(), 6);
 }
 
+/** A map with a channel `v` whose classes cost. */
+struct CostMap : TestMap
+{
+  CostMap() : TestMap(parameters(), 1) {}
+  static Parameters parameters()
+  {
+    Parameters p = with("v:vote");
+    p.channel_cost = channel_costs_from("v:3=0,7=0.5,9=1");
+    return p;
+  }
+  float score(double x, double y) const { return MapView(map).at(Layer::Traversability, x, y); }
+};
+
+TEST(Channels, TraversabilityIsTheLeastOfTheScoreAndThoseOfTheClasses)
+{
+  CostMap m;
+  TestMap plain;
+  const auto class_at = [](double x, double y, double z) {
+    return z > 0.2 ? 3.0F : x < 0 ? (y < 0 ? 3.0F : 7.0F) : y < 0 ? 9.0F : 1.0F;
+  };
+  m.map.update(ValuedScan(kFloorAndBox, class_at).frame());
+  plain.update(kFloorAndBox);
+  const MapView free(plain.map);
+  EXPECT_EQ(m.score(-1.02, -1.02), 0);
+  EXPECT_EQ(m.score(-1.02, 1.02), 0.5F);
+  for (const double x : {0.72, 1.02, 2.02})
+    for (const double y : {-1.02, 0.72})
+      EXPECT_EQ(m.score(x, y), free.at(Layer::Traversability, x, y)) << x << " " << y;
+  EXPECT_EQ(m.score(1.22, 1.22), 0) << "the box";
+  EXPECT_TRUE(std::isnan(m.score(3.9, 3.9))) << "what is not judged stays so";
+  for (int i = 0; i < 3; i++) m.map.update(ValuedScan(kFloorAndBox, 1.0F).frame());
+  EXPECT_EQ(m.score(-1.02, -1.02), free.at(Layer::Traversability, -1.02, -1.02))
+      << "its class has changed";
+}
+
+TEST(Channels, WhatStandsCostsByItsOwnClass)
+{
+  CostMap m;
+  const Scan low = Scan(kFloor).add_surface(1, 1, 2, 2, level(0.12));
+  m.map.update(
+      ValuedScan(low, [](double, double, double z) { return z > 0.1 ? 3.0F : 1.0F; }).frame());
+  TestMap plain;
+  plain.update(low);
+  ASSERT_TRUE(std::isnan(MapView(m.map).at("v_standing", -1, -1)));
+  const bool stands = !std::isnan(MapView(m.map).at("v_standing", 1.52, 1.52));
+  EXPECT_EQ(m.score(1.52, 1.52), 0) << (stands ? "on the ground" : "the ground itself");
+  EXPECT_GT(m.score(-1, -1), 0.9F);
+}
+
+TEST(Channels, CostsShowInAllOutputsAndInRecords)
+{
+  CostMap m;
+  m.map.set_output_layers({Layer::Elevation, Layer::Traversability, Layer::Slope});
+  m.map.update(ValuedScan(kFloor, 7.0F).frame());
+  EXPECT_EQ(m.score(1, 1), 0.5F);
+  EXPECT_EQ(MapView(m.map).at(Layer::Slope, 1, 1), 1) << "its parts stay as they are";
+  EXPECT_EQ(MapView(m.map).at(Layer::Step, 1, 1), 1);
+  EXPECT_EQ(m.score(1, 1), 0.5F);
+  const Window w = m.map.window();
+  const auto cells = m.map.read_cells({{w.min_cell_x + w.cells / 2, w.min_cell_y + 90, 1, 1}});
+  EXPECT_EQ(cells[0].traversability, 0.5F);
+}
+
+TEST(Channels, CostsAreReadAsTextAndCheckedByName)
+{
+  const auto costs = channel_costs_from("label:3=0,7=0.5, sort:0=0.25");
+  ASSERT_EQ(costs.size(), 3U);
+  EXPECT_EQ(channel_costs_text(costs), "label:3=0,label:7=0.5,sort:0=0.25");
+  EXPECT_TRUE(channel_costs_from("none").empty());
+  EXPECT_EQ(channel_costs_text({}), "none");
+  const auto channels = channels_from("label:vote,sort:mean");
+  for (const auto& [text, word] : std::vector<std::pair<std::string, std::string>>{
+           {"label", "must be NAME:CLASS=SCORE"},
+           {"3=0", "names no channel"},
+           {"label:3=0,", "must be NAME:CLASS=SCORE"},
+           {"label:x=0", "a class is"},
+           {"label:2.5=0", "a class is"},
+           {"label:=0", "a class is"},
+           {"label:16=0", "a class is"},
+           {"label:-1=0", "a class is"},
+           {"label:1=", "a score is"},
+           {"label:1=nan", "a score is"},
+           {"label:1=-0.5", "a score is"},
+           {"label:1=0,1=1", "given twice"},
+           {"sort:1=0", "only a vote"},
+           {"other:1=0", "no channel 'other'"}})
+    expect_invalid(
+        [&, t = text] { validate_channel_costs(channel_costs_from(t), channels); }, word);
+}
+
 TEST(Channels, ALiveMapPublishesThem)
 {
   LiveMap map(with("v:mean"), {Layer::Elevation}, tested_backend());

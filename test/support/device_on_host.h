@@ -121,6 +121,12 @@ class DeviceOnHost : public CpuMemory
     for (int y = ny; y-- > 0;)
       for (int x = nx; x-- > 0;) f(x, y);
   }
+  template <class F>
+  void for_each_cell_of_rows(int nx, int first, int end, const F& f, bool)
+  {
+    for (int y = end; y-- > first;)
+      for (int x = nx; x-- > 0;) f(x, y);
+  }
   /** Both forms in which a device searches a cell's lines. */
   template <class F>
   void for_each_cell_by_lines(int n, int first, int end, const F& f, bool)

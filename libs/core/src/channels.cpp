@@ -116,6 +116,81 @@ void validate_channels(const std::vector<Channel>& channels)
   }
 }
 
+namespace
+{
+[[noreturn]] void fail_cost(const std::string& what)
+{
+  throw std::invalid_argument("channel_cost: " + what);
+}
+
+ChannelCost cost_from(const std::string& piece, std::string& channel)
+{
+  const std::string form = "must be NAME:CLASS=SCORE, for example label:3=0,7=0.5";
+  const auto colon = piece.find(':'), equals = piece.find('=');
+  if (equals == std::string::npos) fail_cost("'" + piece + "' " + form);
+  if (colon < equals) channel = piece.substr(0, colon);
+  if (channel.empty()) fail_cost("'" + piece + "' names no channel: " + form);
+  const auto begin = colon < equals ? colon + 1 : 0;
+  const auto class_of = number_from(piece.substr(begin, equals - begin));
+  const auto score = number_from(piece.substr(equals + 1));
+  if (!class_of || !is_class_or_none(static_cast<float>(*class_of)) || std::isnan(*class_of))
+    fail_cost(
+        "'" + piece + "': a class is a whole number from 0 to " +
+        std::to_string(kChannelClasses - 1));
+  if (!score || !(*score >= 0 && *score <= 1))
+    fail_cost("'" + piece + "': a score is a number from 0 (impassable) to 1 (as the map says)");
+  return {channel, static_cast<int>(*class_of), *score};
+}
+}  // namespace
+
+std::vector<ChannelCost> channel_costs_from(const std::string& text)
+{
+  std::vector<ChannelCost> costs;
+  if (text.empty() || text == kNone) return costs;
+  std::string channel;
+  for (std::size_t begin = 0; begin <= text.size();)
+  {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::size_t first = std::min(text.find_first_not_of(' ', begin), end);
+    costs.push_back(cost_from(text.substr(first, end - first), channel));
+    begin = end + 1;
+  }
+  return costs;
+}
+
+std::string channel_costs_text(const std::vector<ChannelCost>& costs)
+{
+  std::string text;
+  for (const ChannelCost& c : costs)
+    text += (text.empty() ? "" : ",") + c.channel + ":" + std::to_string(c.class_of) + "=" +
+            exact_number_text(c.score);
+  return text.empty() ? kNone : text;
+}
+
+void validate_channel_costs(
+    const std::vector<ChannelCost>& costs, const std::vector<Channel>& channels)
+{
+  for (auto c = costs.begin(); c != costs.end(); ++c)
+  {
+    const std::string cost = "'" + channel_costs_text({*c}) + "'";
+    const auto named = std::find_if(
+        channels.begin(), channels.end(), [&](const Channel& of) { return of.name == c->channel; });
+    if (named == channels.end())
+      fail_cost(
+          cost + ": the map has no channel '" + c->channel +
+          "', its channels are: " + channels_text(channels));
+    if (named->rule != ChannelRule::Vote)
+      fail_cost(cost + ": '" + channels_text({*named}) + "' has no classes, only a vote has them");
+    if (c->class_of < 0 || c->class_of >= kChannelClasses || !(c->score >= 0 && c->score <= 1))
+      fail_cost(cost + ": a class is from 0 to 15, a score from 0 to 1");
+    if (std::any_of(
+            costs.begin(), c,
+            [&](const ChannelCost& b)
+            { return b.channel == c->channel && b.class_of == c->class_of; }))
+      fail_cost("class " + std::to_string(c->class_of) + " of '" + c->channel + "' is given twice");
+  }
+}
+
 std::vector<std::string> channel_layer_names(const std::vector<Channel>& channels)
 {
   std::vector<std::string> names;

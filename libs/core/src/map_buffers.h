@@ -33,7 +33,10 @@ struct MapBuffers
   using Buffer = typename Executor::template Buffer<T>;
 
   explicit MapBuffers(const MapConfig& c)
-      : host_config(c.config), host_body(c.body), channels(c.channels.begin(), c.channels.end())
+      : host_config(c.config),
+        host_body(c.body),
+        channels(c.channels.begin(), c.channels.end()),
+        host_class_scores(c.class_scores)
   {
   }
 
@@ -311,6 +314,11 @@ struct MapBuffers
   {
     return {shown_channels(), context.data(), static_cast<int>(channel), surface, to};
   }
+  bool has_class_scores() const { return !host_class_scores.empty(); }
+  kernels::TakeClassScores take_class_scores()
+  {
+    return {shown_channels(), context.data(), class_scores.data(), feature(Layer::Traversability)};
+  }
   ReadChannels read_channels(const WindowRects& rects)
   {
     return {hand_over(rects), shown_channels()};
@@ -395,6 +403,8 @@ struct MapBuffers
     Buffer<kernels::ChannelVotes> votes;
   };
   std::vector<ChannelBuffers> channels;
+  std::vector<float> host_class_scores;  //!< see MapConfig
+  Buffer<float> class_scores;
   std::array<Slot, kSlots> slots;
   Slot* now = slots.data();  //!< of the current frame
 
@@ -510,6 +520,8 @@ void MapBuffers<Executor>::allocate(Executor& executor)
     const bool votes = c.rule == kernels::kVote;
     executor.allocate(c.votes, votes ? kernels::kPointSurfaces * n : 0, kernels::ChannelVotes{});
   }
+  executor.allocate(class_scores, host_class_scores.size(), 0.0f);
+  executor.upload(host_class_scores.data(), host_class_scores.size(), class_scores.data());
   executor.allocate(body, 1, kernels::Body{});
   executor.upload(&host_body, 1, body.data());
 }

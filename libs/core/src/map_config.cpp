@@ -1,5 +1,6 @@
 #include "map_config.h"
 #include <talus/rule_switches.h>
+#include "kernels/9_channels.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
@@ -123,8 +124,17 @@ std::vector<int> switchable_rules()
 
 MapConfig make_config(const Parameters& p)
 {
-  MapConfig c{stages_config(p), body_of(p.body_boxes_m), {}};
+  MapConfig c{stages_config(p), body_of(p.body_boxes_m), {}, {}};
   for (const Channel& channel : p.channels) c.channels.push_back(channel.rule);
+  if (!p.channel_cost.empty())
+    c.class_scores.assign(p.channels.size() * kChannelClasses, kernels::kInfinity);
+  for (const ChannelCost& cost : p.channel_cost)
+  {
+    const std::size_t place =
+        kChannelClasses * channel_layer(p.channels, cost.channel, "map") / kChannelSurfaces;
+    c.class_scores[place + static_cast<std::size_t>(cost.class_of)] =
+        static_cast<float>(cost.score);
+  }
 #if defined(TALUS_RULE_SWITCHES)
   switch_off(c);
 #endif

@@ -215,6 +215,17 @@ std::vector<ParameterInfo> make_table()
       entry<&Parameters::sparsity_search_m>(
           "sparsity_search_m", "m", 0, 1000,
           "how far to look for ground on the other side (eq. 14)"),
+      {"channels", "", 0, 0,
+       "values of points that become layers: none, or up to four 'name:rule', a comma between two; "
+       "the rule is mean, latest, max or vote",
+       nullptr, nullptr, false, [](const Parameters& p) { return channels_text(p.channels); },
+       [](Parameters& p, const std::string& text) { p.channels = channels_from(text); }},
+      {"channel_cost", "", 0, 0,
+       "the most that cells of a class of a vote get as traversability, 0: impassable: none, or "
+       "'name:class=score,class=score'",
+       nullptr, nullptr, false,
+       [](const Parameters& p) { return channel_costs_text(p.channel_cost); },
+       [](Parameters& p, const std::string& text) { p.channel_cost = channel_costs_from(text); }},
   };
 }
 
@@ -308,6 +319,7 @@ void validate_combinations(const Parameters& p)
         " cells; at most 15 are supported: choose a smaller radius or a coarser resolution");
   validate_boxes(p.body_boxes_m);
   validate_channels(p.channels);
+  validate_channel_costs(p.channel_cost, p.channels);
   validate_voxels(p);
   validate_object_size(p);
   const double weights = p.weight_slope + p.weight_step + p.weight_roughness;

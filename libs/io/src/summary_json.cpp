@@ -156,7 +156,6 @@ std::string summary_json(const RunSummary& run, const LayerStack& stack)
   j["window"] = window(stack);
   if (run.site) j["site"] = site(*run.site);
   j["parameters"] = parameters(run.parameters);
-  if (!run.parameters.channels.empty()) j["channels"] = channels_text(run.parameters.channels);
   j["warnings"] = run.warnings;
   j["hints"] = run.hints;
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -70,6 +70,9 @@ bool CDualElevationMap::internal_insertObservation(
   const std::string type = obs.GetRuntimeClass()->className;
   try
   {
+    m_scratch.channel_names.clear();
+    for (const Channel& channel : insertionOptions.channels)
+      m_scratch.channel_names.push_back(channel.name);
     if (!points_from_observation(obs, m_scratch))
     {
       detail::warn_once(type + " holds no points that this map understands: ignored");

@@ -39,6 +39,14 @@ inline bool operator==(const Channel& a, const Channel& b)
   return a.name == b.name && a.rule == b.rule;
 }
 
+/** What a class of a channel that is put to the vote costs. */
+struct ChannelCost
+{
+  std::string channel;  //!< its name
+  int class_of = 0;  //!< from 0 to 15
+  double score = 0;  //!< [0, 1] the most that a cell of this class gets; 0: impassable
+};
+
 /** The surfaces of a cell that have values of their own: the ground, and what stands on it. */
 constexpr std::size_t kChannelSurfaces = 2;
 
@@ -67,6 +75,16 @@ std::vector<std::string> channel_layer_names(const std::vector<Channel>& channel
  * `what`, "map" say, has no such layer. */
 std::size_t channel_layer(
     const std::vector<Channel>& channels, const std::string& name, const std::string& what);
+
+/** The costs that a text such as "label:3=0,7=0.5" gives: a name holds for what follows it; "none"
+ * or nothing: none. Throws std::invalid_argument that names what is wrong with it. */
+std::vector<ChannelCost> channel_costs_from(const std::string& text);
+/** The text that channel_costs_from() reads back. */
+std::string channel_costs_text(const std::vector<ChannelCost>& costs);
+/** Throws std::invalid_argument for a channel that is none of `channels` or not put to the vote,
+ * and for what is no class or no score, or a class that is given twice. */
+void validate_channel_costs(
+    const std::vector<ChannelCost>& costs, const std::vector<Channel>& channels);
 
 /** Puts those of `more` that `all` does not have behind it; validate_channels() of the result.
  * Throws std::invalid_argument where both have one of a name, with different rules. */

@@ -110,9 +110,11 @@ struct Parameters
   double sparsity_search_m = 4.0;  //!< how far to look for ground on the other side
   /// @}
 
-  /** What frames bring to each point besides its place, see Frame::channels. Not in
-   * parameter_table(), nor in saved maps. */
-  std::vector<Channel> channels{};
+  /// @name Channels
+  /// @{
+  std::vector<Channel> channels{};  //!< what frames bring to each point, see Frame::channels
+  std::vector<ChannelCost> channel_cost{};  //!< classes that make cells impassable, or dear
+  /// @}
 
   /** The number of cells along one side of the window. */
   int cells() const;

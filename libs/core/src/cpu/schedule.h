@@ -51,12 +51,13 @@ class CpuSchedule
     executor_.end_stage(Stage::CleanUp);
     fill();  // stage 6
     executor_.end_stage(Stage::Fill);
+    if (!map_.channels.empty()) fuse_channels();
     if (map_.parts_wanted())  // stage 7
       judge<true>();
     else
       judge<false>();
+    if (map_.has_class_scores()) executor_.for_each_cell(side(), side(), map_.take_class_scores());
     executor_.end_stage(Stage::Traversability);
-    if (!map_.channels.empty()) fuse_channels();
   }
   /** Finds how high ground can be, in the map as it is; of the frame the place of the window
    * counts.

@@ -42,12 +42,12 @@ class DeviceSchedule
     executor_.end_stage(Stage::CleanUp);
     fill();  // stage 6
     executor_.end_stage(Stage::Fill);
+    if (!map_.channels.empty()) fuse_channels();
     if (map_.parts_wanted())  // stage 7
       judge<true>();
     else
       judge<false>();
     executor_.end_stage(Stage::Traversability);
-    if (!map_.channels.empty()) fuse_channels();
     executor_.join();  // waits for the copies of layers
   }
   /** Finds how high ground can be, in the map as it is; of the frame the place of the window
@@ -179,6 +179,8 @@ class DeviceSchedule
         [&](int first, int end, bool beside_last)
         {
           judge_rows<kParts>(first, end, beside_last);
+          if (map_.has_class_scores())
+            executor_.for_each_cell_of_rows(side(), first, end, map_.take_class_scores(), false);
           executor_.aside([&] { map_.deliver_features(executor_, first, end); });
         });
   }
