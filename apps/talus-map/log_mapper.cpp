@@ -1,5 +1,7 @@
 #include "log_mapper.h"
 
+#include "../common/import/rawlog_writer.h"
+
 #include "../common/log_memory.h"
 #include "../common/suspect.h"
 
@@ -120,6 +122,7 @@ void LogMapper::run(const OnFrame& on_frame)
   const auto reader = guarded(
       log_, kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(source_.path); },
       memory_bytes);
+  note_values(reader->description());
   poses_ = PoseSource::of_log(source_, log_, options_);
   run_.pose_source = poses_.description();
   std::size_t told = 0;
@@ -159,6 +162,18 @@ bool LogMapper::take(const mrpt::obs::CObservation& obs)
   last_stamp_ = obs.timestamp;
   last_label_ = obs.sensorLabel;
   return insert(obs.sensorLabel);
+}
+
+/** An import may tell that the intensities of its points are other values. */
+void LogMapper::note_values(const std::string& description)
+{
+  const auto values = import::values_told_by(description);
+  if (!values) return;
+  const auto& channels = map_.parameters().channels;
+  for (std::size_t c = 0; c < channels.size(); ++c)
+    scan_.channel_names[c] = channels[c].name == *values       ? "intensity"
+                             : channels[c].name == "intensity" ? ""
+                                                               : channels[c].name;
 }
 
 bool LogMapper::decode(const mrpt::obs::CObservation& obs)
@@ -325,11 +340,11 @@ void LogMapper::require_channels_of_log() const
   for (std::size_t c = 0; c < has_channel_.size(); ++c)
     if (!has_channel_[c])
       throw std::runtime_error(
-          log_ + ": no scan of it has the values '" + scan_.channel_names[c] +
+          log_ + ": no scan of it has the values '" + map_.parameters().channels[c].name +
           "' of --channels; read are 'intensity' (of clouds, Velodyne, rotating and 2D scans that "
           "have it), 'red', 'green' and 'blue' of clouds with colours, and with MRPT 2.15 and "
           "newer "
-          "all fields of clouds that are floats");
+          "all fields of clouds that are floats; talus-import --values takes others along");
 }
 
 void LogMapper::add_warnings()

@@ -75,6 +75,7 @@ class LogMapper
   };
 
   bool take(const mrpt::obs::CObservation& obs);
+  void note_values(const std::string& description);
   bool decode(const mrpt::obs::CObservation& obs);
   bool insert(const std::string& label);
   bool skip(const std::string& reason, const std::string& why);

@@ -60,6 +60,23 @@ def take_picture(page, file):
     page.save_screenshot(file)
 
 
+def check_channels(page, layers, text):
+    """Of the map that talus_export.cpp writes."""
+    point_at(page, 1.25, 3.25)  # on the box
+    wait_for('label of the box', lambda: 'label, what stands 7' in text('values'))
+    assert 'label 4' in text('values') and 'red 200' in text('values'), text('values')
+    painted = lambda rgb: page.execute_script(
+        'let n = 0; for (const c of document.querySelectorAll(".leaflet-tile-pane canvas"))'
+        ' { const p = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;'
+        ' for (let i = 0; i < p.length; i += 4) n += p[i + 3] > 0 && arguments[0].every((v, k) => v === p[i + k]); }'
+        ' return n', rgb)
+    for layer, rgb, cells in (('Colour', [200, 100, 50], 50 * 40 - 25), ('Colour', [10, 20, 30], 25),
+                              ('label', [214, 39, 40], 50 * 40), ('label, what stands', [197, 176, 213], 25)):
+        next(l for l in layers if l.text.strip() == layer).click()
+        wait_for('cells of ' + layer, lambda: painted(rgb) == cells)
+    assert 'class 7' in text('legend'), text('legend')
+
+
 def check(page):
     text = lambda of: page.find_element(By.ID, of).text
     point_at(page, 1.25, 3.25)  # on the box
@@ -86,6 +103,8 @@ def check(page):
             ' { const p = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;'
             ' for (let i = 3; i < p.length; i += 4) n += p[i] > 0; } return n')
         wait_for('cells of ' + layer.text, lambda: painted() == 50 * 40)
+    if 'Colour' in [l.text.strip() for l in layers]:
+        check_channels(page, layers, text)
     page.save_screenshot('page.png')
     assert os.path.getsize('page.png') > 5000
     errors = [e for e in page.get_log('browser') if e['level'] == 'SEVERE']

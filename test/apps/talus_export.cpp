@@ -176,4 +176,33 @@ TEST_F(TalusExport, the_page_works_in_a_browser)
   if (o.code == 77) GTEST_SKIP() << o.text;
   EXPECT_EQ(o.code, 0) << o.text;
 }
+
+/** The ground has the label 4 and one colour, the box the label 7 and another. */
+TEST_F(TalusExport, channels_are_layers_of_the_page)
+{
+  io::LayerStack map = small_terrain();
+  const std::vector<float> state = *map.find("state");
+  const auto add = [&](const std::string& name, float ground, float standing)
+  {
+    for (const bool stands : {false, true})
+    {
+      map.names.push_back(stands ? name + "_standing" : name);
+      auto& layer = map.layers.emplace_back(state.size(), NAN);
+      for (int iy = stands ? 10 : 0; iy < (stands ? 15 : map.cells_y); ++iy)
+        for (int ix = stands ? 20 : 0; ix < (stands ? 25 : 50); ++ix)
+          layer[static_cast<std::size_t>(iy * map.cells_x + ix)] = stands ? standing : ground;
+    }
+  };
+  add("label", 4, 7);
+  add("red", 200, 10);
+  add("green", 100, 20);
+  add("blue", 50, 30);
+  io::write_geotiff(dir_ / "channels.tif", map);
+  runs("channels.tif --to html");
+  const std::string page = read_bytes(dir_ / "channels.html");
+  EXPECT_NE(page.find("\"name\":\"label_standing\""), std::string::npos);
+  const CommandEnd o = shell("/usr/bin/python3 " TALUS_BROWSER_SCRIPT " channels.html");
+  if (o.code == 77) GTEST_SKIP() << o.text;
+  EXPECT_EQ(o.code, 0) << o.text;
+}
 }  // namespace

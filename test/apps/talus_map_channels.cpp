@@ -1,4 +1,5 @@
 // talus-map --channels: values that points bring, as bands and panels of the map.
+#include "scan_formats.h"
 #include "talus_map_run.h"
 
 #include <talus/io/geotiff.h>
@@ -145,6 +146,69 @@ TEST_F(TalusMapChannels, become_bands_of_the_site_that_last)
       run("wednesday.rawlog --resume monday_map/site.tif --channels intensity:mean");
   EXPECT_EQ(other.code, 1);
   EXPECT_TRUE(other.says("monday_map/site.tif: its channels")) << other.err;
+}
+
+namespace
+{
+/** Two scans of the floor as KITTI keeps them, with labels: 40 ahead, 48 behind, 5 to the left. */
+struct LabelledScans : TalusMap
+{
+  void write_scans() const
+  {
+    for (const char* folder : {"d/velodyne", "d/labels"})
+      std::filesystem::create_directories(path(folder));
+    std::string points, labels;
+    for (int i = -30; i <= 30; ++i)
+      for (int j = -30; j <= 30; ++j)
+      {
+        const float x_m = 0.1F * static_cast<float>(i) + 0.02F,
+                    y_m = 0.1F * static_cast<float>(j) + 0.02F;
+        for (const float v : {x_m, y_m, -static_cast<float>(kSensorHeight_m), 0.25F})
+          put(points, v);
+        put(labels, y_m > 1 ? std::uint32_t{5} : x_m > 0 ? std::uint32_t{40} : std::uint32_t{48});
+      }
+    for (const char* name : {"000000", "000001"})
+    {
+      write_bytes(path(std::string("d/velodyne/") + name + ".bin"), points);
+      write_bytes(path(std::string("d/labels/") + name + ".label"), labels);
+    }
+    write_bytes(path("way.tum"), "0 0 0 0 0 0 0 1\n10 0 0 0 0 0 0 1\n");
+  }
+  const std::string import_ = "d --poses way.tum --mount velodyne=0,0,0.5,0,0,0 ";
+};
+}  // namespace
+
+TEST_F(LabelledScans, of_semantickitti_become_classes_of_the_map)
+{
+  write_scans();
+  const Outcome done = run(import_ + "--channels semantickitti:vote --keep-log --output out");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const auto ground = counts_of(io::read_geotiff(path("out/site.tif")), "semantickitti");
+  EXPECT_GT(ground.at(6), 500);
+  EXPECT_GT(ground.at(8), 500);
+  EXPECT_GT(ground.at(0), 500) << "5 is none of its labels";
+  EXPECT_EQ(ground.size(), 3U);
+  // The log says what its intensities are.
+  const Outcome again =
+      run("out/d.rawlog --trajectory way.tum --channels semantickitti:vote --output again");
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(counts_of(io::read_geotiff(path("again/site.tif")), "semantickitti"), ground);
+  const Outcome other = run("out/d.rawlog --trajectory way.tum --channels intensity:mean");
+  EXPECT_EQ(other.code, 1);
+  EXPECT_TRUE(other.says("'intensity'")) << other.err;
+}
+
+TEST_F(LabelledScans, that_are_no_classes_or_of_two_kinds_are_refused)
+{
+  write_scans();
+  const Outcome classes = run(import_ + "--channels label:vote");
+  EXPECT_EQ(classes.code, 1);
+  EXPECT_TRUE(classes.says("has the value 48, which is no class")) << classes.err;
+  const Outcome both = run(import_ + "--channels label:max,intensity:mean");
+  EXPECT_EQ(both.code, 1);
+  EXPECT_TRUE(both.says("one value of each point")) << both.err;
+  EXPECT_EQ(run(import_ + "--channels label:max --output out").code, 0);
+  EXPECT_EQ(counts_of(io::read_geotiff(path("out/site.tif")), "label").count(40), 1U);
 }
 
 #if MRPT_VERSION < 0x030000

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <random>
 
 #include "bin_columns.h"
+#include "label_file.h"
 #include "log_files.h"
 #include "scan_files.h"
 #include "scan_formats.h"
@@ -116,4 +118,64 @@ TEST_F(BinFiles, of_nuscenes_are_known_by_their_name)
   read_bin(dir_ / "LIDAR_TOP__1.pcd.bin", {}, scan);
   EXPECT_EQ(scan.ring[70], 70 % 32);
   EXPECT_EQ(scan.intensity[70], points[70][3]);
+}
+
+namespace
+{
+struct LabelledBin : BinFiles
+{
+  /** Three points, the second of which is no number. */
+  ScanFile read_labelled(const std::string& values) const
+  {
+    ScanFile scan;
+    scan.values = values;
+    const float none = std::nanf("");
+    std::string bytes;
+    for (const float v : {1.0F, 2.0F, 3.0F, 0.5F, none, 2.0F, 3.0F, 0.5F, 4.0F, 5.0F, 6.0F, 0.5F})
+      put(bytes, v);
+    write_bytes(dir_ / "velodyne/000007.bin", bytes);
+    read_bin(dir_ / "velodyne/000007.bin", {}, scan);
+    return scan;
+  }
+  void write_labels(const std::string& path, const std::vector<std::uint32_t>& labels) const
+  {
+    std::string bytes;
+    for (const std::uint32_t label : labels) put(bytes, label);
+    write_bytes(dir_ / path, bytes);
+  }
+};
+}  // namespace
+
+TEST_F(LabelledBin, has_the_labels_of_a_file_beside_it)
+{
+  std::filesystem::create_directories(dir_ / "velodyne");
+  std::filesystem::create_directories(dir_ / "labels");
+  expect_error([&] { read_labelled("label"); }, {"000007.label"});
+  write_labels("velodyne/000007.label", {1, 2, 3});
+  EXPECT_EQ(read_labelled("label").intensity, (std::vector<float>{1, 3}));
+  // Those of the data set come first; above the lower 16 bits is the number of the thing.
+  write_labels("labels/000007.label", {(7U << 16) + 252, 0, 40});
+  EXPECT_EQ(read_labelled("label").intensity, (std::vector<float>{252, 40}));
+  EXPECT_EQ(read_labelled("semantickitti").intensity, (std::vector<float>{1, 6}));
+  EXPECT_EQ(read_labelled("").intensity, (std::vector<float>{0.5F, 0.5F}));
+  write_labels("labels/000007.label", {1, 2});
+  expect_error([&] { read_labelled("label"); }, {"labels/000007.label", "8 bytes", "12"});
+}
+
+TEST(Labels, of_semantickitti_become_sixteen_classes)
+{
+  for (std::uint32_t label = 0; label < 300; ++label)
+    EXPECT_LT(class_of_semantickitti(label), 16U) << label;
+  for (const auto& [label, of_class] : std::vector<std::pair<std::uint32_t, std::uint32_t>>{
+           {0, 0},
+           {1, 0},
+           {99, 0},
+           {10, 1},
+           {252, 1},
+           {40, 6},
+           {60, 6},
+           {48, 8},
+           {72, 14},
+           {81, 15}})
+    EXPECT_EQ(class_of_semantickitti(label), of_class) << label;
 }

@@ -64,10 +64,11 @@ std::string cloud_with(const std::vector<Field>& fields)
   return message.bytes();
 }
 
-ScanFile read(const std::vector<Field>& fields)
+ScanFile read(const std::vector<Field>& fields, const std::string& values = "")
 {
   const std::string message = cloud_with(fields);
   ScanFile scan;
+  scan.values = values;
   collect_points(read_cloud(message), "cloud 7", scan);
   return scan;
 }
@@ -90,4 +91,16 @@ TEST(CloudFields, have_bytes_of_their_own_inside_of_the_point)
   expect_error([] { read({{"x", 0, 1}, {"y", 4, 1}, {"z", 13, 1}}); }, {"'z' outside"});
   expect_error([] { read({{"x", 0, 1}, {"y", 4, 0}, {"z", 4, 0}}); }, {"'y' in the same bytes"});
   expect_error([] { read({{"x", 0, 1}, {"y", 2, 1}, {"z", 8, 1}}); }, {"'x' in the same bytes"});
+}
+
+/** Of a colour that is called a float: its bits, here those of 4 and 8. */
+TEST(CloudFields, that_are_asked_for_are_the_values)
+{
+  const std::vector<Field> fields{{"x", 0, 1}, {"y", 4, 1}, {"z", 8, 1}, {"rgb", 12, 1}};
+  EXPECT_TRUE(read(fields).rgb.empty()) << "nobody asked";
+  EXPECT_EQ(read(fields, "rgb").rgb, (std::vector<std::uint32_t>{0x800000, 0x000000}));
+  EXPECT_EQ(
+      read({{"x", 0, 1}, {"y", 4, 1}, {"z", 8, 1}, {"Label", 12, 1}}, "label").intensity,
+      (std::vector<float>{4, 8}));
+  expect_error([&] { read(fields, "label"); }, {"cloud 7", "no 'label'", "x y z rgb", "--values"});
 }

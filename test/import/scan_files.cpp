@@ -177,6 +177,45 @@ TEST_F(ScanFiles, may_have_other_fields_in_any_order_and_of_any_type)
   EXPECT_EQ(ply.time, (std::vector<double>{100.5, 100.6}));
 }
 
+TEST_F(ScanFiles, have_colours_in_each_form_in_which_they_are_written)
+{
+  const std::vector<std::uint32_t> colours{0xff8001, 0x0102ff};
+  const auto rgb_of = [&](const std::string& ending, const std::string& bytes)
+  {
+    ScanFile scan;
+    scan.values = "rgb";
+    write_bytes(dir_ / ending, bytes);
+    ending == "c.ply" ? read_ply(dir_ / ending, scan) : read_pcd(dir_ / ending, scan);
+    EXPECT_TRUE(scan.intensity.empty());
+    return scan.rgb;
+  };
+  const auto header = [](const std::string& type, const std::string& data)
+  {
+    return "VERSION .7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F " + type +
+           "\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA " + data + "\n";
+  };
+  // With the opacity of PCL, so that the bits of the float are those of a NaN.
+  std::string points;
+  for (const std::uint32_t colour : colours)
+  {
+    for (const float at : {1.0F, 2.0F, 3.0F}) put(points, at);
+    put(points, colour | 0xff000000);
+  }
+  EXPECT_EQ(rgb_of("b.pcd", header("F", "binary") + points), colours);
+  EXPECT_EQ(rgb_of("u.pcd", header("U", "binary") + points), colours);
+  EXPECT_EQ(rgb_of("t.pcd", header("U", "ascii") + "1 2 3 16744449\n1 2 3 66303\n"), colours);
+  EXPECT_EQ(
+      rgb_of("f.pcd", header("F", "ascii") + "1 2 3 2.34639707e-38\n1 2 3 9.29102921e-41\n"),
+      colours);
+  EXPECT_EQ(
+      rgb_of(
+          "c.ply",
+          "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+          "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar "
+          "blue\nend_header\n1 2 3 255 128 1\n1 2 3 1 2 255\n"),
+      colours);
+}
+
 TEST_F(ScanFiles, of_ply_may_have_lists_before_their_vertices)
 {
   std::string bytes =

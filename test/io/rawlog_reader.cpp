@@ -108,6 +108,7 @@ TEST(RawlogReader, ReadsWhatMrptsOwnContainerWrites)
   log.insert(std::static_pointer_cast<CObservation>(odometry(2, 2)));
   ASSERT_TRUE(log.saveToRawLogFile(dir / "a.rawlog"));
   EXPECT_EQ(read_all(dir / "a.rawlog").size(), 2u);
+  EXPECT_EQ(RawlogReader(dir / "a.rawlog").description(), "a comment is not an observation");
 }
 
 TEST(RawlogReader, TellsHowFarItIs)

@@ -31,8 +31,9 @@ struct Map
 
 Map read_map(const std::string& file, const std::string& folder)
 {
-  Map map{
-      file, (fs::path(folder) / fs::path(file).stem()).string(), io::read_geotiff(file, kBands)};
+  std::vector<std::string> bands = kBands;
+  for (const std::string& name : channel_bands(io::bands_of_geotiff(file))) bands.push_back(name);
+  Map map{file, (fs::path(folder) / fs::path(file).stem()).string(), io::read_geotiff(file, bands)};
   if (map.layers.layers.empty())
     throw std::runtime_error(
         file + ": has none of the bands of a map: give a map.tif or site.tif of talus-map");

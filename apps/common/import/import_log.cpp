@@ -69,18 +69,23 @@ ImportedLog write_scans(
     const SourceOptions& o, const std::string& path, MergedSources& sources,
     const ImportProgress& progress)
 {
-  RawlogWriter writer(path);
+  RawlogWriter writer(path, o.values);
   ImportedLog log;
   ImportedScan scan;
+  bool loses_times = false;
   while (sources.next(scan))
   {
     if (const auto m = o.mountings.find(scan.sensor_label); m != o.mountings.end())
       scan.T_base_sensor = m->second;
     writer.write(scan);
+    loses_times |= !scan.rgb.empty() && !scan.point_time_s.empty();
     add(scan, log);
     progress(sources.progress(), counted(log.points, "point"));
   }
   writer.close();
+  if (loses_times)
+    log.remarks.emplace_back(
+        "the times of the points are left out: clouds of MRPT keep colours or times, not both");
   return log;
 }
 }  // namespace
@@ -95,7 +100,8 @@ ImportedLog import_log(
   require_sensors(options.source, made);
   made.poses = write_poses(tum, options.source, merged);
   require_poses_in_time(made);
-  made.remarks = merged.remarks();
+  const auto remarks = merged.remarks();
+  made.remarks.insert(made.remarks.begin(), remarks.begin(), remarks.end());
   return made;
 }
 

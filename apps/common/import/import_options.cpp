@@ -77,6 +77,13 @@ void add_fields(CLI::App& app, SourceOptions& o)
 void add_options_of_all(CLI::App& app, SourceOptions& o)
 {
   app.add_option(
+         "--values", o.values,
+         "The value of each point that the log keeps: rgb, or a field such as label, which .bin "
+         "scans have in .label files beside them; semantickitti: these in 16 classes (else the "
+         "intensity)")
+      ->check(app::not_empty())
+      ->type_name("NAME");
+  app.add_option(
          "--poses", o.poses,
          "Of the base: TUM text or an MRPT .simplemap; of KITTI's camera: 12 numbers a line")
       ->check(app::not_empty())

@@ -2,6 +2,7 @@
 
 #include <mrpt/core/Clock.h>
 #include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <talus/io/packed_log.h>
@@ -16,9 +17,21 @@ namespace talus::import
 {
 namespace
 {
+constexpr const char* kIntensitiesAre = "talus: the intensities of the points are ";
+
 mrpt::maps::CPointsMap::Ptr cloud_of(const ImportedScan& scan)
 {
   const std::size_t count = scan.x_m.size();
+  if (!scan.rgb.empty())
+  {
+    const auto points = talus::detail::make_cloud_with_colours(count);
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      points->setPointFast(i, scan.x_m[i], scan.y_m[i], scan.z_m[i]);
+      talus::detail::set_colour(*points, i, scan.rgb[i]);
+    }
+    return points;
+  }
   if (scan.intensity.empty())
   {
     auto points = mrpt::maps::CSimplePointsMap::Create();
@@ -43,20 +56,20 @@ mrpt::obs::CObservationPointCloud cloud_observation(const ImportedScan& scan)
   return obs;
 }
 
-/** In steps of 1/255 where a file has them from 0 to 1. */
-std::vector<std::uint8_t> intensity_in_bytes(const ImportedScan& scan)
+/** In steps of 1/255 where a file has intensities from 0 to 1; other values as they are. */
+std::vector<std::uint8_t> intensity_in_bytes(const ImportedScan& scan, bool is_intensity)
 {
   std::vector<std::uint8_t> bytes(scan.x_m.size(), 0);
   if (scan.intensity.empty()) return bytes;
   const float most = *std::max_element(scan.intensity.begin(), scan.intensity.end());
-  const float scale = most <= 1 ? 255.0F : 1.0F;
+  const float scale = is_intensity && most <= 1 ? 255.0F : 1.0F;
   for (std::size_t i = 0; i < bytes.size(); ++i)
     bytes[i] =
         static_cast<std::uint8_t>(std::lround(std::clamp(scan.intensity[i] * scale, 0.0F, 255.0F)));
   return bytes;
 }
 
-mrpt::obs::CObservationVelodyneScan timed_observation(const ImportedScan& scan)
+mrpt::obs::CObservationVelodyneScan timed_observation(const ImportedScan& scan, bool is_intensity)
 {
   using Duration = mrpt::Clock::duration;
   mrpt::obs::CObservationVelodyneScan obs;
@@ -66,7 +79,7 @@ mrpt::obs::CObservationVelodyneScan timed_observation(const ImportedScan& scan)
   points.x.assign(scan.x_m.begin(), scan.x_m.end());
   points.y.assign(scan.y_m.begin(), scan.y_m.end());
   points.z.assign(scan.z_m.begin(), scan.z_m.end());
-  points.intensity = intensity_in_bytes(scan);
+  points.intensity = intensity_in_bytes(scan, is_intensity);
   points.laser_id.assign(scan.x_m.size(), 0);  // programs of MRPT count on them
   std::copy(scan.ring.begin(), scan.ring.end(), points.laser_id.begin());
   points.timestamp.reserve(scan.point_time_s.size());
@@ -85,7 +98,13 @@ double stamp_in_log_s(double time_s)
 
 struct RawlogWriter::Impl
 {
-  explicit Impl(const std::string& path) : log(path) {}
+  Impl(const std::string& path, const std::string& values) : log(path), is_intensity(values.empty())
+  {
+    if (values.empty() || values == "rgb") return;
+    mrpt::obs::CObservationComment comment;
+    comment.text = kIntensitiesAre + values;
+    log.write(comment);
+  }
   template <class Observation>
   void put(Observation obs, const ImportedScan& scan)
   {
@@ -96,17 +115,28 @@ struct RawlogWriter::Impl
   }
 
   io::PackedLog log;
+  bool is_intensity;  //!< the intensities are such
 };
 
-RawlogWriter::RawlogWriter(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
+std::optional<std::string> values_told_by(const std::string& comment)
+{
+  const std::string begin = kIntensitiesAre;
+  if (comment.compare(0, begin.size(), begin) != 0) return std::nullopt;
+  return comment.substr(begin.size());
+}
+
+RawlogWriter::RawlogWriter(const std::string& path, const std::string& values)
+    : impl_(std::make_unique<Impl>(path, values))
+{
+}
 RawlogWriter::~RawlogWriter() = default;
 
 void RawlogWriter::write(const ImportedScan& scan)
 {
-  if (scan.point_time_s.empty())
+  if (scan.point_time_s.empty() || !scan.rgb.empty())
     impl_->put(cloud_observation(scan), scan);
   else
-    impl_->put(timed_observation(scan), scan);
+    impl_->put(timed_observation(scan, impl_->is_intensity), scan);
 }
 
 void RawlogWriter::close() { impl_->log.close(); }

@@ -2,6 +2,7 @@
 #include <talus/import/scan_source.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace talus::import
@@ -9,14 +10,18 @@ namespace talus::import
 /** The stamp of a scan as a log keeps it: in steps of 100 ns [s since the epoch]. */
 double stamp_in_log_s(double time_s);
 
+/** What a comment at the start of a log says of the intensities of its points, which are other
+ * values: the name of these. Nothing where it says nothing of that. */
+std::optional<std::string> values_told_by(const std::string& comment);
+
 /** Writes scans as observations, gz-packed as what talus-sim writes: a CObservationPointCloud, or,
- * where points have times, a decoded CObservationVelodyneScan: the one class that keeps them in
- * every version of MRPT. */
+ * where points have times and no colours, a decoded CObservationVelodyneScan: the one class that
+ * keeps them in every version of MRPT. */
 class RawlogWriter
 {
  public:
-  /** Throws std::runtime_error naming the file. */
-  explicit RawlogWriter(const std::string& path);
+  /** `values`: see SourceOptions. Throws std::runtime_error naming the file. */
+  explicit RawlogWriter(const std::string& path, const std::string& values = "");
   ~RawlogWriter();
   RawlogWriter(const RawlogWriter&) = delete;
   RawlogWriter& operator=(const RawlogWriter&) = delete;

@@ -7,6 +7,7 @@
 
 #include <mrpt/system/string_utils.h>
 #include <picture_style.h>
+#include <talus/channels.h>
 #include <talus/io/atomic_file.h>
 
 #include <algorithm>
@@ -82,6 +83,19 @@ json ways_of(const PageOptions& o)
   return ways;
 }
 
+json channels_of(const PageCode& code)
+{
+  json channels = json::array();
+  for (const PageCode::Channel& c : code.channels)
+    channels.push_back(
+        {{"name", c.name},
+         {"lowest", c.lowest},
+         {"highest", c.highest},
+         {"step", c.step},
+         {"is_class", c.is_class}});
+  return channels;
+}
+
 json data_of(const io::LayerStack& map, const PageCode& code, const PageOptions& o)
 {
   json data = {
@@ -100,6 +114,7 @@ json data_of(const io::LayerStack& map, const PageCode& code, const PageOptions&
       {"has_drops", map.find(layer_name(Layer::Sparsity)) != nullptr},
       {"has_age", map.find("age") != nullptr},
       {"has_changes", o.changes != nullptr},
+      {"channels", channels_of(code)},
       {"scores", rgb_of(io::Palette::Scores)},
       {"heights", rgb_of(io::Palette::Heights)},
       {"states", state_colours()},
@@ -138,13 +153,21 @@ std::string escaped(const std::string& text)
   return out;
 }
 
+std::string pictures_text(const std::vector<std::vector<unsigned char>>& pictures)
+{
+  std::string text;
+  for (const auto& picture : pictures)
+    text += (text.empty() ? "\"" : ",\"") + base64(picture) + "\"";
+  return text;
+}
+
 std::string tiles_text(const std::vector<PageTile>& tiles)
 {
   std::string text = "[";
   for (const PageTile& t : tiles)
     text += (text.size() > 1 ? ",\n" : "") + std::string("[") + std::to_string(t.column) + "," +
             std::to_string(t.row) + ",\"" + base64(t.ground) + "\",\"" + base64(t.more) + "\",\"" +
-            base64(t.changes) + "\"]";
+            base64(t.changes) + "\",[" + pictures_text(t.channels) + "]]";
   return text + "]";
 }
 
@@ -202,6 +225,16 @@ io::LayerStack on_cells_of(const io::LayerStack& map, const io::LayerStack& chan
   return out;
 }
 }  // namespace
+
+std::vector<std::string> channel_bands(const std::vector<std::string>& names)
+{
+  std::vector<std::string> found;
+  for (const std::string& name : names)
+    for (const std::string& layer : channel_layer_names({{name, ChannelRule::Mean}}))
+      if (layer != name && std::find(names.begin(), names.end(), layer) != names.end())
+        found.insert(found.end(), {name, layer});
+  return found;
+}
 
 void write_page(const std::string& path, const io::LayerStack& map, const PageOptions& options)
 {

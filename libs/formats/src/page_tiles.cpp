@@ -3,6 +3,8 @@
 #include "needed_layer.h"
 
 #include <picture_relief.h>
+#include <talus/channels.h>
+#include <talus/formats/page.h>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -16,6 +18,31 @@ namespace
 {
 constexpr int kMostHeights = 65535;
 constexpr float kMayDrop = 0.5F;  //!< sparsity below it
+
+constexpr std::size_t kLayersOfPicture = 3;
+constexpr double kMostCode = 255;
+
+PageCode::Channel code_of_channel(const std::string& name, const std::vector<float>& layer)
+{
+  PageCode::Channel code;
+  code.name = name;
+  float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
+  bool is_whole = true;
+  for (const float v : layer)
+  {
+    if (!std::isfinite(v)) continue;
+    lowest = std::min(lowest, v);
+    highest = std::max(highest, v);
+    is_whole = is_whole && v == std::floor(v);
+  }
+  if (lowest > highest) return code;
+  code.lowest = lowest;
+  code.highest = highest;
+  const bool is_exact = is_whole && code.highest - code.lowest < kMostCode;
+  code.is_class = is_exact && code.lowest >= 0 && code.highest < kChannelClasses;
+  code.step = is_exact ? 1 : std::max((code.highest - code.lowest) / (kMostCode - 1), 1e-9);
+  return code;
+}
 
 /** The layers that become the pixels of a page. */
 class Pixels
@@ -33,7 +60,33 @@ class Pixels
         shade_(io::hill_shade(io::terrain_of(map).ground_m, map.resolution_m))
   {
     find_range(code);
+    code.channels.clear();
+    for (const std::string& name : channel_bands(map.names))
+    {
+      channels_.push_back(map.find(name));
+      code.channels.push_back(code_of_channel(name, *channels_.back()));
+    }
     code_ = code;
+  }
+
+  std::size_t channel_pictures() const
+  {
+    return (channels_.size() + kLayersOfPicture - 1) / kLayersOfPicture;
+  }
+  cv::Vec3b channels(std::size_t i, std::size_t picture) const
+  {
+    cv::Vec3b codes(0, 0, 0);
+    for (std::size_t k = 0; k < kLayersOfPicture; ++k)
+    {
+      const std::size_t layer = kLayersOfPicture * picture + k;
+      if (layer >= channels_.size() || !is_known(i)) break;
+      const float v = (*channels_[layer])[i];
+      const PageCode::Channel& code = code_.channels[layer];
+      if (std::isfinite(v))
+        codes[static_cast<int>(kLayersOfPicture - 1 - k)] =
+            byte(static_cast<int>(std::lround((v - code.lowest) / code.step)) + 1);
+    }
+    return codes;
   }
 
   std::size_t index(int x, int row) const
@@ -102,6 +155,7 @@ class Pixels
   Heights heights_;
   const std::vector<float>&score_, &state_;
   const std::vector<float>*sparsity_, *age_, *kind_, *change_;
+  std::vector<const std::vector<float>*> channels_;
   cv::Mat1f shade_;
   PageCode code_;
 };
@@ -121,6 +175,8 @@ std::vector<PageTile> tile_of(const io::LayerStack& map, const Pixels& pixels, i
   const cv::Size size(
       std::min(kPageTile_cells, map.cells_x - x0), std::min(kPageTile_cells, map.cells_y - y0));
   cv::Mat3b ground(size), more(size), changes(size);
+  std::vector<cv::Mat3b> channels;
+  for (std::size_t k = 0; k < pixels.channel_pictures(); ++k) channels.emplace_back(size);
   bool is_known = false, is_changed = false;
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x)
@@ -131,11 +187,13 @@ std::vector<PageTile> tile_of(const io::LayerStack& map, const Pixels& pixels, i
       more(y, x) = pixels.more(i, x0 + x, y0 + y);
       changes(y, x) = pixels.change(i);
       is_changed = is_changed || changes(y, x)[2] != 0;
+      for (std::size_t k = 0; k < channels.size(); ++k) channels[k](y, x) = pixels.channels(i, k);
     }
   if (!is_known && !is_changed) return {};
-  return {
-      {column, row, png(ground), png(more),
-       is_changed ? png(changes) : std::vector<unsigned char>()}};
+  PageTile tile{column, row, png(ground), png(more), {}, {}};
+  if (is_changed) tile.changes = png(changes);
+  for (const cv::Mat3b& picture : channels) tile.channels.push_back(png(picture));
+  return {tile};
 }
 }  // namespace
 
@@ -150,6 +208,7 @@ std::optional<std::vector<PageTile>> page_tiles(
       for (PageTile& tile : tile_of(map, pixels, column, row))
       {
         bytes += tile.ground.size() + tile.more.size() + tile.changes.size();
+        for (const auto& picture : tile.channels) bytes += picture.size();
         if (bytes > max_bytes) return std::nullopt;
         tiles.push_back(std::move(tile));
       }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace talus::formats
@@ -14,6 +15,15 @@ struct PageCode
   static constexpr double kTallStep_m = 0.05;  //!< of what stands
   static constexpr double kChangeStep_m = 0.02;
   static constexpr int kAgeSteps = 16;  //!< age = 2^(code / 16) - 1 s
+
+  /** Of a layer of a channel: value = lowest + (code - 1) step, 0: none. */
+  struct Channel
+  {
+    std::string name;
+    double lowest = 0, highest = 0, step = 1;
+    bool is_class = false;  //!< all its values are whole numbers from 0 to 15
+  };
+  std::vector<Channel> channels;
 };
 
 /** The cells of a square of a page, as pictures in which a pixel is a cell. */
@@ -28,6 +38,8 @@ struct PageTile
   std::vector<unsigned char> more;
   /** A .png: red the kind of the change, green its size in steps; empty where there is none. */
   std::vector<unsigned char> changes;
+  /** Each a .png: red, green and blue the codes of three layers of channels, in their order. */
+  std::vector<std::vector<unsigned char>> channels;
 };
 
 constexpr int kPageTile_cells = 512;  //!< side of a tile

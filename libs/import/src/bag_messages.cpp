@@ -170,7 +170,7 @@ CloudMessage read_cloud(std::string_view message)
 void collect_points(
     const CloudMessage& cloud, const std::string& place, ScanFile& out, std::uint64_t most_points)
 {
-  out = ScanFile();
+  out.clear();
   const std::size_t points = std::size_t{cloud.width} * cloud.height;
   if (points == 0) return;
   require_sizes(cloud);
@@ -185,8 +185,7 @@ void collect_points(
     {
       for (std::size_t i = 0; i < wanted.size(); ++i)
         values[i] = number_at(
-            point + cloud.fields[wanted[i]].offset, cloud.fields[wanted[i]].type,
-            cloud.is_big_endian);
+            point + cloud.fields[wanted[i]].offset, collector.types()[i], cloud.is_big_endian);
       collector.add(values.data());
       if (out.x_m.size() > most_points)
         throw CdrError(

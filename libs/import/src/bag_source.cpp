@@ -49,6 +49,7 @@ class BagSource : public ScanSource
         mountings_(options.mountings),
         sensors_(roles_.size())
   {
+    file_.values = options.values;
     std::vector<bool> wanted;
     wanted.reserve(roles_.size());
     for (const auto role : roles_) wanted.push_back(role == BagRole::Cloud);

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "bin_columns.h"
+#include "label_file.h"
 #include "scan_files.h"
 
 namespace talus::import
@@ -70,6 +71,20 @@ void require_count(
       example_of(fields.size() == 5 ? 6 : 5) + ".");
 }
 
+/** A label for each point, of a file beside the scan, where those are asked for. */
+std::vector<std::uint32_t> labels_beside(
+    const std::string& path, const std::vector<PointField>& fields, const std::string& values,
+    std::size_t points)
+{
+  const bool is_field = std::any_of(
+      fields.begin(), fields.end(), [&](const PointField& f) { return f.name == values; });
+  if (is_field || !(values == kLabels || values == kSemanticKitti)) return {};
+  auto labels = read_labels(path, points);
+  if (values == kSemanticKitti)
+    for (std::uint32_t& label : labels) label = class_of_semantickitti(label);
+  return labels;
+}
+
 /** Other data read as floats has all sizes. */
 void require_distances(const std::string& path, const ScanFile& scan)
 {
@@ -90,15 +105,21 @@ void read_bin(const std::string& path, const std::vector<std::string>& names, Sc
   const std::string bytes = read_input_file(path, "scan", kLargestScan_bytes);
   const auto fields = fields_of(path, names);
   require_count(path, bytes, fields);
-  const std::size_t point_bytes = kFloat_bytes * fields.size();
-  PointCollector points(fields, bytes.size() / point_bytes, path, out);
+  const std::size_t point_bytes = kFloat_bytes * fields.size(), count = bytes.size() / point_bytes;
+  const auto labels = labels_beside(path, fields, out.values, count);
+  auto with_label = fields;
+  if (!labels.empty()) with_label.push_back({out.values, NumberType::UInt32});
+  PointCollector points(with_label, count, path, out);
   const bool swapped = is_big_endian_host();
   std::vector<double> values(points.wanted().size());
-  for (std::size_t at = 0; at < bytes.size(); at += point_bytes)
+  for (std::size_t i = 0; i < count; ++i)
   {
     for (std::size_t k = 0; k < values.size(); ++k)
-      values[k] = number_at(
-          bytes.data() + at + kFloat_bytes * points.wanted()[k], NumberType::Float32, swapped);
+    {
+      const std::size_t field = points.wanted()[k];
+      const char* const at = bytes.data() + i * point_bytes + kFloat_bytes * field;
+      values[k] = field < fields.size() ? number_at(at, NumberType::Float32, swapped) : labels[i];
+    }
     points.add(values.data());
   }
   require_distances(path, out);

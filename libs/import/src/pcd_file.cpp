@@ -245,7 +245,7 @@ void read_binary(
       const Field& f = header.fields[points.wanted()[k]];
       const std::size_t at = by_field ? f.offset * header.points + i * f.size * f.count
                                       : i * header.point_bytes + f.offset;
-      values[k] = number_at(data.data() + at, type_of(f), swapped);
+      values[k] = number_at(data.data() + at, points.types()[k], swapped);
     }
     points.add(values.data());
   }

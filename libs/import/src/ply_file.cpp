@@ -265,7 +265,7 @@ void BinaryReader::read(const Element& vertices, ScanFile& out)
     for (std::size_t k = 0; k < values.size(); ++k)
     {
       const std::size_t f = points.wanted()[k];
-      values[k] = number_at(bytes_.data() + at_ + offsets[f], fields[f].type, swapped_);
+      values[k] = number_at(bytes_.data() + at_ + offsets[f], points.types()[k], swapped_);
     }
     points.add(values.data());
   }

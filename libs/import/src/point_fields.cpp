@@ -45,6 +45,8 @@ using Names = std::vector<std::string_view>;
 const Names kIntensity = {"intensity", "i", "reflectivity", "reflectance", "remission"};
 const Names kTime = {"t",          "time",        "timestamp", "time_stamp", "stamp",
                      "point_time", "offset_time", "gps_time",  "gpstime"};
+const Names kRgb = {"rgb", "rgba"};
+const Names kRed = {"red", "r"}, kGreen = {"green", "g"}, kBlue = {"blue", "b"};
 const Names kRing = {"ring", "channel", "laser_id", "laserid", "line"};
 
 /** The place of the first of the names that there is, or -1. */
@@ -171,39 +173,92 @@ PointCollector::PointCollector(
     : out_(&out)
 {
   for (const char* axis : {"x", "y", "z"})
-  {
-    const int at = find(fields, {axis});
-    if (at < 0)
+    if (want(fields, {axis}) < 0)
       throw std::runtime_error(
           place + ": its points have no " + axis + " (they have: " + names_of(fields) +
           "). Is it a cloud of points?");
-    wanted_.push_back(static_cast<std::size_t>(at));
-  }
-  const auto want = [&](const Names& names)
-  {
-    const int at = find(fields, names);
-    if (at < 0) return -1;
-    wanted_.push_back(static_cast<std::size_t>(at));
-    return static_cast<int>(wanted_.size() - 1);
-  };
-  intensity_ = want(kIntensity);
-  time_ = want(kTime);
-  ring_ = want(kRing);
+  want_values(fields, place);
+  time_ = want(fields, kTime);
+  ring_ = want(fields, kRing);
   for (const std::size_t at : wanted_)
     if (fields[at].count != 1)
       throw std::runtime_error(
           place + ": its field '" + fields[at].name.substr(0, 24) + "' has " +
           std::to_string(fields[at].count) +
           " numbers a point instead of one. Write the cloud again, each number as a field.");
-  out = ScanFile();
+  out.clear();
   out.place = place;
   for (std::size_t axis = 0; axis < 3; ++axis)
     out.float_coordinates |= fields[wanted_[axis]].type == NumberType::Float32;
   if (time_ >= 0) out.whole_times = is_whole(fields[wanted_[static_cast<std::size_t>(time_)]].type);
   for (auto* axis : {&out.x_m, &out.y_m, &out.z_m}) axis->reserve(points);
   if (intensity_ >= 0) out.intensity.reserve(points);
+  if (has_rgb()) out.rgb.reserve(points);
   if (time_ >= 0) out.time.reserve(points);
   if (ring_ >= 0) out.ring.reserve(points);
+}
+
+/** The place in wanted_ of the first of the names that there is, or -1. */
+int PointCollector::want(const std::vector<PointField>& fields, const Names& names)
+{
+  const int at = find(fields, names);
+  if (at < 0) return -1;
+  const PointField& field = fields[static_cast<std::size_t>(at)];
+  const bool is_packed = names == kRgb && field.type == NumberType::Float32;
+  wanted_.push_back(static_cast<std::size_t>(at));
+  types_.push_back(is_packed ? NumberType::UInt32 : field.type);
+  return static_cast<int>(wanted_.size() - 1);
+}
+
+void PointCollector::want_values(const std::vector<PointField>& fields, const std::string& place)
+{
+  const std::string& name = out_->values;
+  if (name == "rgb")
+  {
+    rgb_ = want(fields, kRgb);
+    if (rgb_ >= 0)
+      is_rgb_text_ = types_.back() == NumberType::Float64;
+    else
+    {
+      red_ = want(fields, kRed);
+      green_ = want(fields, kGreen);
+      blue_ = want(fields, kBlue);
+    }
+  }
+  else
+    intensity_ = name.empty() ? want(fields, kIntensity) : want(fields, {name});
+  const bool has_all = name == "rgb" ? rgb_ >= 0 || (red_ >= 0 && green_ >= 0 && blue_ >= 0)
+                                     : name.empty() || intensity_ >= 0;
+  if (!has_all)
+    throw std::runtime_error(
+        place + ": its points have no '" + name + "' (they have: " + names_of(fields) +
+        "). Name a field of them with --values.");
+}
+
+std::uint32_t PointCollector::rgb_of(const double* values) const
+{
+  constexpr std::uint32_t kNoAlpha = 0x00ffffff;
+  constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
+  if (rgb_ < 0)
+  {
+    std::uint32_t rgb = 0;
+    for (const int at : {red_, green_, blue_})
+    {
+      const double v = values[at];  // NaN is none
+      rgb = rgb << 8 | (v > 0 ? static_cast<std::uint32_t>(std::min(v, 255.0)) : 0U);
+    }
+    return rgb;
+  }
+  const double v = values[rgb_];
+  if (is_rgb_text_)
+  {
+    const float as_float = is_float(v) ? static_cast<float>(v) : 0.0F;
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &as_float, sizeof bits);
+    return bits & kNoAlpha;
+  }
+  const double whole = v < 0 ? v + kMost + 1 : v;  // of signed integers
+  return whole >= 0 && whole <= kMost ? static_cast<std::uint32_t>(whole) & kNoAlpha : 0;
 }
 
 void PointCollector::add(const double* values)
@@ -223,6 +278,7 @@ void PointCollector::add(const double* values)
     const double intensity = values[intensity_];
     out_->intensity.push_back(is_float(intensity) ? static_cast<float>(intensity) : 0.0F);
   }
+  if (has_rgb()) out_->rgb.push_back(rgb_of(values));
   if (ring_ >= 0)
   {
     constexpr double kMost = std::numeric_limits<std::uint16_t>::max();
@@ -244,6 +300,7 @@ void take_points(ScanFile& file, ImportedScan& scan)
       axes[i]->push_back(static_cast<float>(value - scan.origin_m[i]));
   }
   scan.intensity.swap(file.intensity);
+  scan.rgb.swap(file.rgb);
   scan.ring.swap(file.ring);
   scan.not_finite = file.not_finite;
 }

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace talus::import
@@ -46,32 +48,54 @@ struct ScanFile
   std::vector<double> x_m, y_m, z_m;  //!< finite, also as floats
   bool float_coordinates = false;  //!< the file has them as floats
   std::vector<float> intensity;  //!< empty, or one a point; so the next ones
+  std::vector<std::uint32_t> rgb;  //!< 0x00RRGGBB
   std::vector<double> time;  //!< in the unit and since the moment that the file means
   std::vector<std::uint16_t> ring;
   bool whole_times = false;  //!< they are integers
   std::size_t not_finite = 0;  //!< points that are left out
   std::optional<mrpt::poses::CPose3D> viewpoint;  //!< the sensor in the map, where it says so
+  std::string values;  //!< set before it is read, see SourceOptions::values
+
+  /** Forgets all but `values`. */
+  void clear()
+  {
+    ScanFile empty;
+    empty.values.swap(values);
+    *this = std::move(empty);
+  }
 };
 
 /** Takes the points of one file, field by field. */
 class PointCollector
 {
  public:
-  /** Throws std::runtime_error, `place` and what is wrong, without x, y or z, and where one of the
-   * fields that are needed is not one number a point. `points`: how many there will be at most. */
+  /** Throws std::runtime_error, `place` and what is wrong, without x, y or z or without the
+   * `values` of `out`, and where one of the fields that are needed is not one number a point.
+   * `points`: how many there will be at most. */
   PointCollector(
       const std::vector<PointField>& fields, std::size_t points, const std::string& place,
       ScanFile& out);
 
   /** Of the fields, those that are needed. */
   const std::vector<std::size_t>& wanted() const { return wanted_; }
+  /** How each of those lies in bytes: colours that are called a float are none. */
+  const std::vector<NumberType>& types() const { return types_; }
 
   /** One point: a number for each of wanted(). */
   void add(const double* values);
 
  private:
+  using Names = std::vector<std::string_view>;
+  int want(const std::vector<PointField>& fields, const Names& names);
+  void want_values(const std::vector<PointField>& fields, const std::string& place);
+  bool has_rgb() const { return rgb_ >= 0 || red_ >= 0; }
+  std::uint32_t rgb_of(const double* values) const;
+
   std::vector<std::size_t> wanted_;
+  std::vector<NumberType> types_;
   int intensity_ = -1, time_ = -1, ring_ = -1;  //!< places in wanted_
+  int rgb_ = -1, red_ = -1, green_ = -1, blue_ = -1;
+  bool is_rgb_text_ = false;  //!< the bits of a float as decimals
   ScanFile* out_;
 };
 

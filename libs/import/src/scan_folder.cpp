@@ -103,6 +103,7 @@ ScanFolder::ScanFolder(const std::string& path, const SourceOptions& options)
     : layout_(find_layout(path)), fields_(options.fields), rate_hz_(options.rate_hz)
 {
   set_mounting(options);
+  file_.values = options.values;
   read_scan(layout_.scans.front(), layout_.kind, fields_, file_);  // what is no scan shows at once
   set_times();
   if (options.own_poses) set_poses(options);

@@ -179,6 +179,15 @@ LayerStack read_geotiff(const std::string& path, const std::vector<std::string>&
   return stack;
 }
 
+std::vector<std::string> bands_of_geotiff(const std::string& path)
+{
+  GdalErrors errors;
+  const DatasetPtr dataset = open_geotiff(path, errors);
+  std::vector<std::string> names;
+  for (auto* band : dataset->GetBands()) names.emplace_back(band->GetDescription());
+  return names;
+}
+
 std::optional<GeoOrigin> origin_of_geotiff(const std::string& path)
 {
   GdalErrors errors;

@@ -76,6 +76,7 @@ struct RawlogReader::Impl
   RawlogStream stream;
   std::string externals;  //!< directory of the externally stored data
   std::deque<CObservation::Ptr> pending;  //!< of the sensory frame read last
+  std::string description;  //!< of the log
 };
 
 /** Pictures load themselves on first access: a log without its picture files can still be mapped.
@@ -109,9 +110,11 @@ void RawlogReader::Impl::fill()
     else if (auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object))
       pending.assign(frame->begin(), frame->end());
 
-    if (!pending.empty() &&
-        std::dynamic_pointer_cast<mrpt::obs::CObservationComment>(pending.front()))
-      pending.pop_front();  // the text that describes the log
+    if (pending.empty()) continue;
+    const auto comment = std::dynamic_pointer_cast<mrpt::obs::CObservationComment>(pending.front());
+    if (!comment) continue;
+    if (description.empty()) description = comment->text;
+    pending.pop_front();
   }
 }
 
@@ -120,6 +123,8 @@ RawlogReader::RawlogReader(const std::string& path) : impl_(std::make_unique<Imp
   impl_->fill();  // what is no rawlog shows at once
 }
 RawlogReader::~RawlogReader() = default;
+
+const std::string& RawlogReader::description() const { return impl_->description; }
 
 CObservation::Ptr RawlogReader::next()
 {

@@ -31,9 +31,12 @@
     let tile = decoded.get(key);
     decoded.delete(key);
     if (!tile) {
-      const [, , ground, more, changes] = stored.get(key);
-      tile = Promise.all([pixels_of(ground), pixels_of(more), changes ? pixels_of(changes) : null]).then(
-        ([g, m, c]) => ({width: g.width, height: g.height, ground: g.data, more: m.data, changes: c && c.data}));
+      const [, , ground, more, changes, channels] = stored.get(key);
+      tile = Promise.all(
+        [pixels_of(ground), pixels_of(more), changes ? pixels_of(changes) : null, ...channels.map(pixels_of)]).then(
+        ([g, m, c, ...values]) => ({
+          width: g.width, height: g.height, ground: g.data, more: m.data, changes: c && c.data,
+          channels: values.map(v => v.data)}));
     }
     decoded.set(key, tile);
     if (decoded.size > most_decoded) decoded.delete(decoded.keys().next().value);
@@ -52,8 +55,15 @@
       age_s: age === 255 ? NaN : Math.pow(2, age / d.age_steps) - 1,
       state: bits & 7, drops: (bits & 8) !== 0, light: (bits >> 4) / 15,
       change: tile.changes ? tile.changes[p] : 0,
-      change_m: tile.changes ? tile.changes[p + 1] * d.change_step_m : 0
+      change_m: tile.changes ? tile.changes[p + 1] * d.change_step_m : 0,
+      tile, p
     };
+  }
+
+  // Of a cell the value of a layer of the channels; NaN where there is none.
+  function value_of(c, k) {
+    const code = c.tile.channels[Math.floor(k / 3)][c.p + k % 3];
+    return code === 0 ? NaN : d.channels[k].lowest + (code - 1) * d.channels[k].step;
   }
 
   async function cell_at(x_m, y_m) {
@@ -87,6 +97,30 @@
   };
   if (d.has_age) layers['Age'] = c => isNaN(c.age_s) ? [200, 200, 200] : scale(d.heights, 1 - Math.log2(1 + c.age_s) / 16);
   if (d.has_drops) layers['Drops'] = c => c.drops ? [214, 39, 40] : lit([225, 225, 225], c.light);
+  // Layers of channels: classes have a colour each, and red, green and blue together are one.
+  const class_colours = [
+    [127, 127, 127], [31, 119, 180], [174, 199, 232], [255, 127, 14], [214, 39, 40], [255, 152, 150], [148, 103, 189],
+    [197, 176, 213], [227, 119, 194], [140, 86, 75], [188, 189, 34], [219, 219, 141], [44, 160, 44], [152, 223, 138],
+    [196, 156, 148], [23, 190, 207]];
+  const nothing = c => lit([225, 225, 225], c.light);
+  const title_of = channel => channel.name.replace(/_standing$/, ', what stands');
+  d.channels.forEach((channel, k) => {
+    layers[title_of(channel)] = c => {
+      const v = value_of(c, k), range = channel.highest - channel.lowest;
+      if (isNaN(v)) return nothing(c);
+      return channel.is_class ? class_colours[v] : scale(d.heights, range > 0 ? (v - channel.lowest) / range : 0.5);
+    };
+  });
+  const colour_places = end => ['red', 'green', 'blue'].map(n => d.channels.findIndex(c => c.name === n + end));
+  const ground_colour = colour_places(''), standing_colour = colour_places('_standing');
+  const has_colour = ground_colour.every(k => k >= 0);
+  if (has_colour) layers['Colour'] = c => {
+    for (const places of [standing_colour, ground_colour]) {
+      const rgb = places.map(k => value_of(c, k));
+      if (!rgb.some(isNaN)) return rgb;
+    }
+    return nothing(c);
+  };
   const changes_colour = c => change_colours[c.change];
 
   const canvas_of = (width, height) => Object.assign(document.createElement('canvas'), {width, height});
@@ -203,6 +237,11 @@
     'Age': () => bar(d.heights, '18 hours before the newest', 'now'),
     'Drops': () => swatch([214, 39, 40], 'the ground may drop here')
   };
+  if (has_colour) legends['Colour'] = () => 'of what stands, else of the ground';
+  for (const channel of d.channels)
+    legends[title_of(channel)] = () => channel.is_class
+      ? class_colours.map((rgb, k) => k < channel.lowest || k > channel.highest ? '' : swatch(rgb, 'class ' + k)).join('')
+      : bar(d.heights, channel.lowest.toPrecision(4), channel.highest.toPrecision(4));
   let shown = 'Traversability';
   function show_legend() {
     legend.innerHTML = '<b></b>' + legends[shown]() + (changes
@@ -240,6 +279,10 @@
       list.push(['state', d.states[c.state].word]);
       if (d.has_drops) list.push(['may drop', c.drops ? 'yes' : 'no']);
       if (d.has_age) list.push(['age', isNaN(c.age_s) ? '' : age_text(c.age_s)]);
+      d.channels.forEach((channel, k) => {
+        const v = value_of(c, k);
+        if (!isNaN(v)) list.push([title_of(channel), channel.step === 1 ? v.toFixed(0) : v.toPrecision(4)]);
+      });
       if (c.change) list.push([change_words[c.change], c.change_m.toFixed(2) + ' m']);
     }
     document.getElementById('values').innerHTML = rows(list);

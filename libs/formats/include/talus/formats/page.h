@@ -26,10 +26,14 @@ struct PageOptions
   std::size_t max_bytes = std::size_t{30} << 20;  //!< cells are joined until the page is smaller
 };
 
-/** One file of HTML that any browser opens without a network: layers to switch, zoom, the values
- * under the pointer, and distance and height profile between two clicks. It brings Leaflet along,
- * which Debian's libjs-leaflet has. Throws std::runtime_error that names the file, the layer or
- * the package which is missing. */
+/** Of the names of bands those of channels (see channel_layer_names()): NAME and NAME_standing,
+ * where both are there. */
+std::vector<std::string> channel_bands(const std::vector<std::string>& names);
+
+/** One file of HTML that any browser opens without a network: layers to switch (also those of
+ * channels), zoom, the values under the pointer, and distance and height profile between two
+ * clicks. It brings Leaflet along, which Debian's libjs-leaflet has. Throws std::runtime_error that
+ * names the file, the layer or the package which is missing. */
 void write_page(
     const std::string& path, const io::LayerStack& map, const PageOptions& options = PageOptions());
 

@@ -26,7 +26,9 @@ struct ImportedScan
   std::array<double, 3> origin_m{};
   /** The pose of the sensor, where its source has one for each scan; else its poses() tell. */
   std::optional<mrpt::poses::CPose3D> T_map_sensor;
-  std::vector<float> intensity;  //!< as the file has it; empty, or one a point
+  std::vector<float> intensity;  //!< as the file has it, or the values of SourceOptions::values;
+                                 //!< empty, or one a point
+  std::vector<std::uint32_t> rgb;  //!< 0x00RRGGBB; empty, or one a point
   std::vector<float> point_time_s;  //!< relative to time_s; empty, or one a point
   std::vector<std::uint16_t> ring;  //!< the beam; empty, or one a point
   std::size_t not_finite = 0;  //!< points that were left out
@@ -72,6 +74,8 @@ struct SourceOptions
   bool clouds_in_map = false;  //!< --clouds-in map: points lie in the frame of the poses
   bool is_only_source = true;  //!< false: there are others, which have to agree on one map
   std::vector<std::string> fields;  //!< --fields: of a point in .bin files; empty: KITTI's four
+  std::string values;  //!< --values, of each point: "": its intensity; "rgb"; else a field by its
+                       //!< name; "label" and "semantickitti": also of .label files beside .bin
   double rate_hz = 10;  //!< --rate, of folders without times
   std::map<std::string, mrpt::poses::CPose3D> mountings;  //!< --mount, by label: T_base_sensor
 };

@@ -25,6 +25,9 @@ void write_geotiff(
  * converted the bands. */
 LayerStack read_geotiff(const std::string& path, const std::vector<std::string>& bands = {});
 
+/** The names of the bands of such a file. Throws as read_geotiff(). */
+std::vector<std::string> bands_of_geotiff(const std::string& path);
+
 /** Where the map of such a file is on Earth; nothing where it does not say. Throws as
  * read_geotiff(). */
 std::optional<GeoOrigin> origin_of_geotiff(const std::string& path);

@@ -26,6 +26,10 @@ class RawlogReader
    * and the byte offset (after decompression) of the object that cannot be read. */
   mrpt::obs::CObservation::Ptr next();
 
+  /** The text that describes the log, its first CObservationComment; empty where it does not begin
+   * with one. */
+  const std::string& description() const;
+
   /** Fraction of the log read so far, 0..1, for progress bars. */
   double progress() const;
 

@@ -13,7 +13,9 @@
 #include <mrpt/maps/CPointsMapXYZI.h>
 #endif
 
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -166,6 +168,37 @@ inline float intensity_of(const CloudWithIntensity& points, std::size_t i)
 #endif
 }
 
+#if MRPT_VERSION >= 0x030000
+using CloudWithColours = mrpt::maps::CGenericPointsMap;
+#else
+using CloudWithColours = mrpt::maps::CColouredPointsMap;
+#endif
+
+/** For setPointFast() and set_colour(). */
+inline auto make_cloud_with_colours(std::size_t points)
+{
+  auto cloud = CloudWithColours::Create();
+#if MRPT_VERSION >= 0x030000
+  for (const char* colour : {"red", "green", "blue"}) cloud->registerField_float(colour);
+#endif
+  cloud->resize(points);
+  return cloud;
+}
+
+/** `rgb`: 0x00RRGGBB. */
+inline void set_colour(CloudWithColours& points, std::size_t i, std::uint32_t rgb)
+{
+  const auto red = static_cast<float>(rgb >> 16 & 0xff),
+             green = static_cast<float>(rgb >> 8 & 0xff), blue = static_cast<float>(rgb & 0xff);
+#if MRPT_VERSION >= 0x030000
+  points.setPointField_float(i, "red", red);
+  points.setPointField_float(i, "green", green);
+  points.setPointField_float(i, "blue", blue);
+#else
+  points.setPointColor(i, red / 255, green / 255, blue / 255);
+#endif
+}
+
 /** The values of a field of a cloud, a float a point; nothing where it has none: `intensity`,
  * `red`, `green` and `blue` from 0 to 255, from 2.15 on any. */
 inline void read_point_field(
@@ -184,12 +217,13 @@ inline void read_point_field(
   if (const auto* cloud = dynamic_cast<const mrpt::maps::CColouredPointsMap*>(&points);
       cloud && colour >= 0)
   {
+    constexpr float kParts = 65536;  // whole numbers that were divided by 255 come back
     to.resize(size);
     for (std::size_t i = 0; i < size; ++i)
     {
       float rgb[3];
       cloud->getPointColor(i, rgb[0], rgb[1], rgb[2]);
-      to[i] = 255 * rgb[colour];
+      to[i] = std::round(255 * rgb[colour] * kParts) / kParts;
     }
     return;
   }
