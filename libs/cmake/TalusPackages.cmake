@@ -50,7 +50,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libtbb-dev")
 if(TALUS_WITH_MRPT)
   string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libmrpt-maps-dev, libgdal-dev, libopencv-dev, zlib1g-dev, "
-    "libzstd-dev, libyaml-cpp-dev, libceres-dev, libfastcdr-dev, libsqlite3-dev, liblz4-dev, libfreetype-dev, liboctomap-dev")
+    "libzstd-dev, libyaml-cpp-dev, libceres-dev, libfastcdr-dev, libsqlite3-dev, liblz4-dev, libisal-dev, libfreetype-dev, liboctomap-dev")
 endif()
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "libmrpt-nav-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Terrain maps for ground robots: libraries for C++")

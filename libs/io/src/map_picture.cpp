@@ -217,8 +217,9 @@ cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options)
 void write_png(const std::string& path, const cv::Mat& picture)
 {
   std::vector<uchar> png;
-  // OpenCV's own choice is fast, and makes files of twice the size.
-  if (!cv::imencode(".png", picture, png, {cv::IMWRITE_PNG_COMPRESSION, 6}))
+  // OpenCV's own choice makes files of up to twice the size; 6 saves 4 to 10 % and takes half as
+  // long again.
+  if (!cv::imencode(".png", picture, png, {cv::IMWRITE_PNG_COMPRESSION, 3}))
     throw std::runtime_error(path + ": cannot make this picture");
   write_file(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
 }

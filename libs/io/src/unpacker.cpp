@@ -1,9 +1,10 @@
 #include "unpacker.h"
 
-#include <zlib.h>
+#include <isa-l/igzip_lib.h>
 #include <zstd.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <new>
 #include <stdexcept>
@@ -37,47 +38,47 @@ class NotPacked : public Unpacker
   bool may_go_on_with(std::string_view) const override { return true; }
 };
 
-/** Members one after the other; zlib compares checksum and length at the end of each. */
+const char* reason_of(int code)
+{
+  switch (code)
+  {
+    case ISAL_INCORRECT_CHECKSUM:
+      return "its checksum is another";
+    case ISAL_INVALID_WRAPPER:
+    case ISAL_UNSUPPORTED_METHOD:
+      return "no gz data";
+    default:
+      return "no data that was packed";
+  }
+}
+
+/** Members one after the other; the library compares checksum and length at the end of each. */
 class Gz : public Unpacker
 {
  public:
-  Gz()
-  {
-    constexpr int kGzOnly = 16;
-    if (inflateInit2(&stream_, MAX_WBITS + kGzOnly) != Z_OK) throw std::bad_alloc();
-  }
-  ~Gz() override { inflateEnd(&stream_); }
+  Gz() { isal_inflate_init(&state_), state_.crc_flag = ISAL_GZIP; }
 
   const char* name() const override { return "gz"; }
   void unpack(Bytes& from, Room& to) override
   {
-    if (is_between_ && from.size > 0)
-    {
-      inflateReset(&stream_);
-      is_between_ = false;
-    }
-    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(from.begin));
-    stream_.avail_in = static_cast<uInt>(from.size);
-    stream_.next_out = reinterpret_cast<Bytef*>(to.begin);
-    stream_.avail_out = static_cast<uInt>(to.size);
-    const int code = inflate(&stream_, Z_NO_FLUSH);
-    advance(from, from.size - stream_.avail_in);
-    advance(to, to.size - stream_.avail_out);
-    if (code == Z_MEM_ERROR) throw std::bad_alloc();
-    if (code == Z_STREAM_END)
-      is_between_ = true;
-    else if (code != Z_OK && code != Z_BUF_ERROR)  // the latter: nothing to do at the moment
-      throw std::runtime_error(stream_.msg ? stream_.msg : "no gz data");
+    if (may_end() && from.size > 0) isal_inflate_reset(&state_);
+    state_.next_in = reinterpret_cast<std::uint8_t*>(const_cast<char*>(from.begin));
+    state_.avail_in = static_cast<std::uint32_t>(from.size);
+    state_.next_out = reinterpret_cast<std::uint8_t*>(to.begin);
+    state_.avail_out = static_cast<std::uint32_t>(to.size);
+    const int code = isal_inflate(&state_);
+    advance(from, from.size - state_.avail_in);
+    advance(to, to.size - state_.avail_out);
+    if (code < 0) throw std::runtime_error(reason_of(code));
   }
-  bool may_end() const override { return is_between_; }
+  bool may_end() const override { return state_.block_state == ISAL_BLOCK_FINISH; }
   bool may_go_on_with(std::string_view begin) const override
   {
     return begins_with(begin, kGzBegin);
   }
 
  private:
-  z_stream stream_{};
-  bool is_between_ = false;  //!< two members
+  inflate_state state_;
 };
 
 /** Frames one after the other; the library compares the checksum where a frame has one. It refuses

@@ -67,6 +67,7 @@ struct BinsSeen
 void count(const SeenRays& scan, float resolution_m, bool is_recent, Column& c)
 {
   const auto [hit, passed] = BinsSeen(scan, resolution_m, c);
+  if ((hit | passed) == 0) return;
   if (hit != 0)
   {
     c.recent.scans += is_recent;

@@ -86,7 +86,8 @@ void judge_anew(
   std::vector<CellRecord> records(cells.size());
   for_each_kept_cell(
       site.tiles, cells, key.floor, [&](std::size_t i, const CellRecord& c) { records[i] = c; });
-  ElevationMapper map(of_window(parameters, cells.width_cells), Backend::Cpu);
+  constexpr int kOneThread = 1;  // of a few cells; more would cost more than they win
+  ElevationMapper map(of_window(parameters, cells.width_cells), Backend::Cpu, kOneThread);
   const Frame frame = empty_frame(cells, parameters.resolution_m, records);
   map.update(frame);
   map.write_cells({cells}, records.data(), records.size());
