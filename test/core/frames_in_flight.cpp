@@ -142,7 +142,7 @@ TEST(FramesInFlight, AlsoOnAMapWhoseLayersAreCopied)
   for (const auto& layers : {kTwo, kMany})
   {
     Both maps(window(30), layers);
-    for (int i = 0; i < 12; i++) ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(i)));
+    for (int i = 0; i < 6; i++) ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(i)));
     ASSERT_NO_FATAL_FAILURE(maps.finish_all());
   }
 }
