@@ -20,6 +20,8 @@ using talus::nav::RoutePose;
 constexpr float kCell_m = 0.05F, kFree = 0.95F, kWall = 0.05F, kDrop = 0.15F;
 constexpr double kLength_m = 0.6, kWidth_m = 0.5, kArrives_m = 0.35;
 
+double level(const TPose2D&) { return 0; }
+
 /** A costmap of 8 x 6 m that is free, around (0, 0). */
 struct Floor
 {
@@ -37,9 +39,11 @@ struct Floor
   {
     return with(kWall, 0, 0.1, -3, -width_m / 2).with(kWall, 0, 0.1, width_m / 2, 3);
   }
-  std::vector<RoutePose> way(const TPose2D& from, const TPoint2D& to) const
+  std::vector<RoutePose> way(
+      const TPose2D& from, const TPoint2D& to,
+      const talus::nav::GroundCostAt& ground_cost = level) const
   {
-    const talus::nav::Lattice lattice(kLength_m, kWidth_m, kCell_m);
+    const talus::nav::Lattice lattice(kLength_m, kWidth_m, kCell_m, ground_cost);
     return lattice.plan(grid, 0, from, to, kArrives_m);
   }
   /** From the outline of the robot to the nearest cell that is blocked. */
@@ -131,11 +135,20 @@ TEST(Lattice, turns_in_a_corridor_with_a_right_angle)
   ASSERT_FALSE(way.empty());
   EXPECT_GT(floor.least_clearance_m(way), 0.04);
   EXPECT_TRUE(std::all_of(way.begin(), way.end(), [](const auto& p) { return !p.backwards; }));
-  EXPECT_FALSE(talus::nav::must_keep_to(way, start, 0.6)) << "20 cm on both sides";
-  EXPECT_TRUE(talus::nav::must_keep_to(way, {2, 0, 0}, 0.6)) << "it turns";
+  EXPECT_FALSE(talus::nav::is_narrow(way, start, 0.6)) << "20 cm on both sides";
+  EXPECT_TRUE(talus::nav::is_narrow(way, {2, 0, 0}, 0.6)) << "it turns";
   const Drive drive(floor, way, start);
   EXPECT_GT(drive.least_m, 0.02);
   EXPECT_NEAR(drive.end.y, 2.5, 0.2);
+}
+
+TEST(Lattice, turns_off_a_wall_that_it_faces_between_two)
+{
+  // The corners pass at 6 cm less half a cell.
+  const Floor floor = Floor().with(kWall, -4, 4, 0.41, 3).with(kWall, -4, 4, -3, -0.41);
+  const auto way = floor.way({0, 0, M_PI / 2}, {3, 0});
+  ASSERT_FALSE(way.empty());
+  EXPECT_GT(floor.least_clearance_m(way), 0.01);
 }
 
 TEST(Lattice, goes_backwards_where_it_cannot_turn)
@@ -163,6 +176,36 @@ TEST(Lattice, leaves_a_start_that_is_nearer_to_a_wall_or_an_edge_than_it_may_com
   EXPECT_GT(least_m(kDrop, 0.36), 0.1) << "12 cm beside it";
 }
 
+TEST(Lattice, takes_a_ramp_straight)
+{
+  // As from a wide ramp of 15 degrees, uphill along x, from x = -1 to 1.
+  const auto ramp = [](const TPose2D& at)
+  {
+    if (std::abs(at.x) > 1) return 0.0;
+    return std::hypot(0.44 * std::cos(at.phi), 0.65 * std::sin(at.phi));
+  };
+  double on_ramp_m = 0, aside_m = 0;
+  const auto way = Floor().way({-3, -1.5, 0}, {3, 1.5}, ramp);
+  ASSERT_FALSE(way.empty());
+  for (std::size_t i = 1; i < way.size(); i++)
+    if (way[i].tilted)
+    {
+      on_ramp_m += std::abs(way[i].x_m - way[i - 1].x_m);
+      aside_m += std::abs(way[i].y_m - way[i - 1].y_m);
+    }
+  EXPECT_NEAR(on_ramp_m, 2, 0.2);
+  EXPECT_LT(aside_m, 0.1);
+}
+
+TEST(Lattice, goes_around_ground_on_which_the_robot_must_not_stand)
+{
+  const auto pit = [](const TPose2D& at) { return std::hypot(at.x, at.y) < 0.7 ? 1.0 : NAN; };
+  const auto way = Floor().way({-2, 0, 0}, {2, 0}, pit);
+  ASSERT_FALSE(way.empty());
+  for (const auto& p : way) EXPECT_GE(std::hypot(p.x_m, p.y_m), 0.7);
+  EXPECT_FALSE(Floor().way({0, 0.3, 0}, {2, 0}, pit).empty()) << "a robot in it gets away";
+}
+
 TEST(Lattice, ends_beside_a_goal_that_is_blocked_and_finds_the_same_way_again)
 {
   const Floor floor = Floor().with(kWall, 1.9, 2.1, -0.1, 0.1);
@@ -179,8 +222,8 @@ TEST(Lattice, ends_beside_a_goal_that_is_blocked_and_finds_the_same_way_again)
 
 TEST(Lattice, refuses_a_robot_that_reaches_over_the_border_of_its_grid)
 {
-  EXPECT_THROW(talus::nav::Lattice(1.2, 0.8, 0.05), std::invalid_argument);
-  EXPECT_NO_THROW(talus::nav::Lattice(1.2, 0.8, 0.1));
+  EXPECT_THROW(talus::nav::Lattice(1.2, 0.8, 0.05, level), std::invalid_argument);
+  EXPECT_NO_THROW(talus::nav::Lattice(1.2, 0.8, 0.1, level));
 }
 
 TEST(ClearTime, lets_a_robot_that_is_near_an_edge_come_no_nearer_step_by_step)

@@ -226,6 +226,26 @@ TEST(Obstacles, are_blocked_cells_and_near_the_robot_those_in_doubt_or_unknown)
   EXPECT_EQ(passage_from(0.7), Passage::Unknown);
 }
 
+TEST(Obstacles, are_no_doubts_in_a_gap_of_one_cell_between_measured_ground)
+{
+  RoomWithDoubt room;
+  const auto is_doubtful = [&](std::size_t cell) -> bool
+  { return find_doubtful(room.map, {})[cell]; };
+  const auto fill = [&](std::size_t cell)
+  { room.layer(Layer::State)[cell] = static_cast<float>(CellState::FilledTwoSided); };
+  const auto n = static_cast<std::size_t>(room.map.window.cells);
+  fill(room.cell + 1);
+  EXPECT_FALSE(is_doubtful(room.cell)) << "nothing can fall into it";
+  fill(room.cell + 1 + n);
+  EXPECT_FALSE(is_doubtful(room.cell)) << "a cell wide still";
+  for (const std::size_t y : {std::size_t{0}, n, 2 * n}) fill(room.cell + 2 + y);
+  EXPECT_TRUE(is_doubtful(room.cell)) << "two cells wide";
+  room.fill_state(CellState::Measured);
+  fill(room.cell + 1);
+  room.layer(Layer::GroundElevation)[room.cell + 1] -= 0.1F;
+  EXPECT_TRUE(is_doubtful(room.cell)) << "it falls";
+}
+
 TEST(Obstacles, are_guesses_from_one_side_near_the_robot_where_it_avoids_drops)
 {
   RoomWithDoubt room;
@@ -643,7 +663,7 @@ TEST(Obstacles, a_guess_beside_what_may_drop_is_an_obstacle_near_the_robot)
   layer(Layer::Traversability).assign(80 * 80, 1.0F);
   layer(Layer::State).assign(80 * 80, static_cast<float>(CellState::Measured));
   const auto cell = [](int ix, int iy) { return static_cast<std::size_t>(iy * 80 + ix); };
-  layer(Layer::State)[cell(50, 40)] = static_cast<float>(CellState::FilledTwoSided);
+  layer(Layer::State)[cell(50, 40)] = static_cast<float>(CellState::FilledOneSided);
   layer(Layer::Traversability)[cell(50, 40)] = 0;  // it may drop there
   for (const int ix : {53, 55}) layer(Layer::State)[cell(ix, 40)] = 2;
   ObstacleOptions o;

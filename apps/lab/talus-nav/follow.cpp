@@ -53,6 +53,20 @@ Speeds turn(double off_rad)
   return {
       0, std::copysign(std::clamp(2 * std::abs(off_rad), kSlowTurn_radps, kTurn_radps), off_rad)};
 }
+
+template <class Holds>
+bool any_ahead(
+    const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m,
+    const Holds& holds)
+{
+  double gone_m = 0;
+  for (std::size_t i = nearest_on(way, robot); i < way.size() && gone_m <= ahead_m; i++)
+  {
+    if (holds(way[i])) return true;
+    if (i + 1 < way.size()) gone_m += between_m(way[i], way[i + 1]);
+  }
+  return false;
+}
 }  // namespace
 
 std::size_t nearest_on(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot)
@@ -65,16 +79,14 @@ std::size_t nearest_on(const std::vector<RoutePose>& way, const mrpt::math::TPos
   return nearest;
 }
 
-bool must_keep_to(
-    const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m)
+bool is_narrow(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m)
 {
-  double gone_m = 0;
-  for (std::size_t i = nearest_on(way, robot); i < way.size() && gone_m <= ahead_m; i++)
-  {
-    if (way[i].narrow || way[i].backwards) return true;
-    if (i + 1 < way.size()) gone_m += between_m(way[i], way[i + 1]);
-  }
-  return false;
+  return any_ahead(way, robot, ahead_m, [](const RoutePose& p) { return p.narrow || p.backwards; });
+}
+
+bool is_tilted(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m)
+{
+  return any_ahead(way, robot, ahead_m, [](const RoutePose& p) { return p.tilted; });
 }
 
 Speeds Follower::follow(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot)

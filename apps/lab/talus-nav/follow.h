@@ -14,10 +14,10 @@ struct Speeds
 /** Where on a way a robot is: the place nearest to it. */
 std::size_t nearest_on(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot);
 
-/** Whether a robot must keep to a way, pose by pose: it is narrow or leads backwards within
- * `ahead_m`. */
-bool must_keep_to(
-    const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m);
+/** Whether a way is narrow or leads backwards within `ahead_m`. */
+bool is_narrow(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m);
+/** Whether it leads over ground on which the heading matters. */
+bool is_tilted(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m);
 
 /** Drives slowly along a way and turns on the spot where it does, without a look at obstacles. */
 class Follower

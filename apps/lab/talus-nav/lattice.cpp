@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <queue>
+#include <utility>
 
 namespace talus::nav
 {
@@ -17,6 +18,10 @@ constexpr Margins kRoom{0.15, 0.15};  // what the reactive navigator needs
 constexpr int kTurn_mm = 60;  // of way cost as much as a turn by one heading
 constexpr int kBackwards = 3;  // times as much as forwards
 constexpr int kOffStart = 2;  // times the distance costs a start beside the robot
+/** A way is dearer from this cost of the ground on, and the more the nearer it is to 1. So slopes
+ * are cheapest straight. Less lies within the noise, and is not worth a detour. */
+constexpr double kCheapGround = 0.3, kDearGround = 3;
+constexpr double kTilted = 0.35;  // from this cost on the heading matters
 constexpr std::size_t kMostStates = 300000;  // that are looked at
 
 /** A cell and a heading. */
@@ -34,24 +39,31 @@ struct Node
   std::array<std::int32_t, kHeadings> cost_mm;
   std::array<State, kHeadings> from;
   std::uint32_t asked = 0, fits = 0;  //!< bits of half headings
+  /** What a way costs more there, in hundredths of it. */
+  std::array<std::int16_t, kHeadings> ground_percent;
 };
+constexpr std::int16_t kNotAsked = -1, kImpassable = 32767;
 
 class Search
 {
  public:
   Search(
       const PlanningGrid& grid, const ToGoal& to_goal, const Footprints& near_start,
-      const Footprints& elsewhere, const mrpt::math::TPose2D& robot)
+      const Footprints& elsewhere, const GroundCostAt& ground_cost,
+      const mrpt::math::TPose2D& robot)
       : grid_(grid),
         to_goal_(to_goal),
         near_start_(near_start),
         elsewhere_(elsewhere),
+        ground_cost_(ground_cost),
         node_of_(grid.size(), -1),
         robot_(robot)
   {
     start();
   }
 
+  /** Whether it came away from the start. */
+  bool left_start() const { return left_start_; }
   /** Whether the robot fits where it is. */
   bool has_start() const { return !queue_.empty(); }
 
@@ -66,6 +78,7 @@ class Search
       const int cost_mm = node(cell_of(best.state)).cost_mm[index(best.state)];
       if (best.cost_mm > cost_mm) continue;  // a better way was found since
       looked_at_++;
+      left_start_ = left_start_ || !is_near_start(cell_of(best.state));
       look_at(best.state, cost_mm);
     }
     return {};
@@ -91,6 +104,7 @@ class Search
       node_of_[cell] = static_cast<std::int32_t>(nodes_.size());
       nodes_.emplace_back();
       nodes_.back().cost_mm.fill(ToGoal::kNoWay);
+      nodes_.back().ground_percent.fill(kNotAsked);
     }
     return nodes_[static_cast<std::size_t>(node_of_[cell])];
   }
@@ -115,10 +129,26 @@ class Search
         grid_.x_m(grid_.column(cell)) - robot_.x, grid_.y_m(grid_.row(cell)) - robot_.y);
   }
 
-  /** Of a move of this length to a pose: what a pose costs beyond its cell belongs here. */
-  int move_mm(std::size_t to_cell, int /*to_heading*/, int length_mm) const
+  /** Of a move of this length to a pose, beside what blocks and on uneven ground; kNoWay where the
+   * robot must not stand. */
+  int move_mm(std::size_t to_cell, int to_heading, int length_mm)
   {
-    return to_goal_.step_mm(to_cell, length_mm);
+    const int percent = ground_percent(to_cell, to_heading);
+    if (percent == kImpassable) return ToGoal::kNoWay;
+    return to_goal_.step_mm(to_cell, length_mm) * (100 + percent) / 100;
+  }
+
+  int ground_percent(std::size_t cell, int heading)
+  {
+    std::int16_t& percent = node(cell).ground_percent[static_cast<std::size_t>(heading)];
+    if (percent != kNotAsked) return percent;
+    const double cost = ground_cost_(
+        {grid_.x_m(grid_.column(cell)), grid_.y_m(grid_.row(cell)), heading_rad(heading)});
+    const double dear = kDearGround * (cost * cost - kCheapGround * kCheapGround);
+    // A robot that stands badly must get away.
+    const bool impassable = cost >= 1 && !is_near_start(cell);
+    percent = impassable ? kImpassable : static_cast<std::int16_t>(dear > 0 ? 100 * dear : 0);
+    return percent;
   }
 
   /** From the states around the robot. */
@@ -166,8 +196,9 @@ class Search
     {
       const int to = (heading + turn) % kHeadings;
       const int between = (2 * heading + (turn == 1 ? 1 : 2 * kHeadings - 1)) % (2 * kHeadings);
-      if (fits(cell, between) && fits(cell, 2 * to))
-        offer(state_of(cell, to), state, cost_mm + kTurn_mm);
+      if (!fits(cell, between) || !fits(cell, 2 * to)) continue;
+      const int move = move_mm(cell, to, kTurn_mm);
+      if (move < ToGoal::kNoWay) offer(state_of(cell, to), state, cost_mm + move);
     }
   }
 
@@ -185,6 +216,7 @@ class Search
     const int length_mm =
         static_cast<int>(std::lround(1000 * grid_.cell_m() * std::hypot(by.columns, by.rows)));
     const int move = move_mm(to, heading, length_mm);
+    if (move == ToGoal::kNoWay) return;
     offer(state_of(to, heading), state, cost_mm + (sign > 0 ? move : kBackwards * move));
   }
 
@@ -199,11 +231,13 @@ class Search
   const PlanningGrid& grid_;
   const ToGoal& to_goal_;
   const Footprints &near_start_, &elsewhere_;
+  const GroundCostAt& ground_cost_;
   std::vector<std::int32_t> node_of_;  //!< of each cell; -1: none yet
   std::vector<Node> nodes_;
   std::priority_queue<Offer> queue_;
   mrpt::math::TPose2D robot_;
   std::size_t looked_at_ = 0;
+  bool left_start_ = false;
   int goal_mm_ = ToGoal::kNoWay;
   State end_ = kGoal;
 };
@@ -220,20 +254,23 @@ std::vector<Footprints> shares_of(
   return out;
 }
 
-/** With as much of the margins as there is where the robot stands, and all elsewhere; and where it
- * cannot get away from what it is near to, as along a wall, with no more than that. */
+/** With as much of the margins as there is where the robot stands, or as little as it needs to get
+ * away from there, as where it turns between walls, and all elsewhere; and where it cannot get away
+ * from what it is near to, as along a wall, with no more than that. */
 std::vector<State> find_states(
     const PlanningGrid& grid, const ToGoal& to_goal, const std::vector<Footprints>& near_start,
-    const std::vector<Footprints>& elsewhere, const mrpt::math::TPose2D& robot)
+    const std::vector<Footprints>& elsewhere, const GroundCostAt& ground_cost,
+    const mrpt::math::TPose2D& robot)
 {
   for (std::size_t i = 0; i < near_start.size(); i++)
   {
-    Search search(grid, to_goal, near_start[i], elsewhere.front(), robot);
+    Search search(grid, to_goal, near_start[i], elsewhere.front(), ground_cost, robot);
     if (!search.has_start()) continue;
     auto states = search.run();
     if (!states.empty()) return states;
-    return Search(grid, to_goal, near_start[i], elsewhere[std::max<std::size_t>(i, 1)], robot)
-        .run();
+    if (!search.left_start() && i + 1 < near_start.size()) continue;
+    const Footprints& closer = elsewhere[std::max<std::size_t>(i, 1)];
+    return Search(grid, to_goal, near_start[i], closer, ground_cost, robot).run();
   }
   return {};
 }
@@ -244,9 +281,10 @@ bool leads_back(const RoutePose& a, const RoutePose& b)
 }
 }  // namespace
 
-Lattice::Lattice(double length_m, double width_m, double cell_m)
+Lattice::Lattice(double length_m, double width_m, double cell_m, GroundCostAt ground_cost)
     : length_m_(length_m),
       width_m_(width_m),
+      ground_cost_(std::move(ground_cost)),
       near_start_(shares_of(length_m, width_m, cell_m, 0)),
       elsewhere_(shares_of(length_m, width_m, cell_m, kEdgeShare)),
       with_room_(length_m, width_m, cell_m, kRoom)
@@ -265,13 +303,15 @@ std::vector<RoutePose> Lattice::plan(
   const ToGoal to_goal(grid, goal, arrives_m, width_m_ / 2, {robot.x, robot.y});
   if (!to_goal.found()) return {};
   std::vector<RoutePose> way;
-  for (const State s : find_states(grid, to_goal, near_start_, elsewhere_, robot))
+  for (const State s : find_states(grid, to_goal, near_start_, elsewhere_, ground_cost_, robot))
   {
     const std::size_t cell = cell_of(s);
     const int heading = heading_in(s);
+    const mrpt::math::TPose2D pose(
+        grid.x_m(grid.column(cell)), grid.y_m(grid.row(cell)), heading_rad(heading));
     way.push_back(
-        {grid.x_m(grid.column(cell)), grid.y_m(grid.row(cell)), heading_rad(heading), false,
-         !with_room_.fits(grid, cell, 2 * heading)});
+        {pose.x, pose.y, pose.phi, false, !with_room_.fits(grid, cell, 2 * heading),
+         ground_cost_(pose) >= kTilted});
     if (way.size() > 1) way.back().backwards = leads_back(way[way.size() - 2], way.back());
   }
   return way;

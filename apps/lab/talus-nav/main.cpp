@@ -96,9 +96,10 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
   MissionOptions mission_options;
   mission_options.goal = {o.goal[0], o.goal[1]};
   mission_options.timeout_s = o.timeout_s;
+  const auto map = make_source(o, settings, robot.body());
   Route route(
-      world, {robot.x_m(), robot.y_m()}, mission_options.goal, kCostmapCell_m, robot.body());
-  const auto map = make_source(o, settings);
+      world, {robot.x_m(), robot.y_m()}, mission_options.goal, kCostmapCell_m, robot.body(),
+      [&map](const mrpt::math::TPose2D& at) { return map->ground_cost(at); });
   const fs::path cache = fs::path(folder) / "cache";
   fs::create_directories(cache);
   fs::create_directories(fs::path(folder) / "frames");

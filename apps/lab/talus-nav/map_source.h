@@ -1,6 +1,9 @@
 #pragma once
+#include "simulated_robot.h"
+
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/math/TPose2D.h>
 #include <mrpt/poses/CPose3D.h>
 #include <talus/mrpt/obstacles.h>
 #include <talus/sim/scanner.h>
@@ -26,6 +29,13 @@ struct BlockedPlace
   bool is_edge;  //!< the ground may end there
 };
 
+/** What there is around a robot, in its frame seen from above. */
+struct Around
+{
+  mrpt::maps::CSimplePointsMap obstacles;  //!< for a reactive navigator
+  std::vector<BlockedPlace> blocked;  //!< all places that block within a distance of the robot
+};
+
 /** Where the obstacles of the planners come from. */
 class MapSource
 {
@@ -35,15 +45,13 @@ class MapSource
   virtual void insert(
       const sim::Scan& scan, const mrpt::poses::CPose3D& T_map_base,
       const mrpt::poses::CPose3D& T_base_sensor, double stamp_s) = 0;
-  /** Obstacles in the robot frame, seen from above; of a robot made of these prisms, or of one in
-   * the plane where there are none. */
-  virtual void obstacles(
+  /** Looks around a robot made of these prisms, or of one in the plane where there are none. */
+  virtual Around look(
       const mrpt::poses::CPose3D& T_map_base, const std::vector<double>& prism_heights_m,
-      mrpt::maps::CSimplePointsMap& out) = 0;
-  /** All places that block within a distance of the robot; without an own way those of obstacles().
-   */
-  virtual std::vector<BlockedPlace> blocked_places(
-      const mrpt::poses::CPose3D& T_map_base, double within_m);
+      double within_m) = 0;
+  /** What the ground does with the robot at a pose, [0, 1]; 1: it must not stand there, NaN: that
+   * is not known. */
+  virtual double ground_cost(const mrpt::math::TPose2D&) const { return NAN; }
   /** Writes what is known around the robot into the costmap. */
   virtual void update_costmap(
       const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) = 0;
@@ -68,7 +76,8 @@ Frame frame_of(
 
 /** talus: the map of this project. */
 std::unique_ptr<MapSource> make_terrain_source(
-    const Parameters& parameters, Backend backend, int threads, const ObstacleOptions& options);
+    const Parameters& parameters, Backend backend, int threads, const ObstacleOptions& options,
+    const RobotBody& body);
 
 /** Baseline: an OctoMap whose occupied voxels between two heights above the plane on which the
  * robot stands are obstacles. */
@@ -86,14 +95,9 @@ std::unique_ptr<MapSource> make_octomap_source(const OctomapOptions& options);
 std::unique_ptr<MapSource> make_onesurface_source(
     const Parameters& parameters, const ObstacleOptions& options);
 
-/** The cells of a map that block. */
-std::vector<BlockedPlace> blocked_places_of(
+/** MapSource::look() on a map with layers. */
+Around look_around(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& options,
-    double within_m);
-
-/** Obstacles of a robot made of these prisms, or of one in the plane where there are none. */
-void make_obstacles(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& options,
-    const std::vector<double>& prism_heights_m, mrpt::maps::CSimplePointsMap& out);
+    const std::vector<double>& prism_heights_m, double within_m);
 
 }  // namespace talus::nav

@@ -36,11 +36,11 @@ class OctomapSource : public MapSource
         static_cast<float>(T_map_sensor.z()));
   }
 
-  void obstacles(
+  Around look(
       const mrpt::poses::CPose3D& T_map_base, const std::vector<double>& prism_heights_m,
-      mrpt::maps::CSimplePointsMap& out) override
+      double within_m) override
   {
-    out.clear();
+    Around out;
     const double c = std::cos(T_map_base.yaw()), s = std::sin(T_map_base.yaw());
     for_each_voxel(
         T_map_base,
@@ -48,10 +48,14 @@ class OctomapSource : public MapSource
         {
           if (!occupied) return;
           const double dx = x - T_map_base.x(), dy = y - T_map_base.y();
-          out.insertPoint(
-              static_cast<float>(c * dx + s * dy), static_cast<float>(-s * dx + c * dy),
+          const double ahead_m = c * dx + s * dy, left_m = -s * dx + c * dy;
+          out.obstacles.insertPoint(
+              static_cast<float>(ahead_m), static_cast<float>(left_m),
               static_cast<float>(prism_heights_m.empty() ? 0.1 : height));
+          if (std::hypot(ahead_m, left_m) < within_m)
+            out.blocked.push_back({ahead_m, left_m, false});
         });
+    return out;
   }
 
   void update_costmap(

@@ -39,17 +39,11 @@ class OneSurfaceSource : public MapSource
     now_ = snapshot_of(map_->read(), parameters_);
   }
 
-  void obstacles(
+  Around look(
       const mrpt::poses::CPose3D& T_map_base, const std::vector<double>& prism_heights_m,
-      mrpt::maps::CSimplePointsMap& out) override
+      double within_m) override
   {
-    make_obstacles(now_, T_map_base, options_, prism_heights_m, out);
-  }
-
-  std::vector<BlockedPlace> blocked_places(
-      const mrpt::poses::CPose3D& T_map_base, double within_m) override
-  {
-    return blocked_places_of(now_, T_map_base, options_, within_m);
+    return look_around(now_, T_map_base, options_, prism_heights_m, within_m);
   }
 
   void update_costmap(

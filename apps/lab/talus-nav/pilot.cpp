@@ -31,6 +31,8 @@ constexpr double kTurnFrom_rad = 1.4;  // off the target
 constexpr double kNarrowAhead_m = 0.6, kKeep_s = 1.5;
 constexpr double kBlocked_m = 2.5;  // as far as a command is looked at
 constexpr double kLongestStop_s = 2;
+constexpr std::array<double, 2> kGroundAhead_m{0.15, 0.3};  // within its way to stop
+constexpr double kOnEven_mps = 0.8;  // slower the more the ground tilts and shakes the robot
 constexpr double kStuck_s = 1, kStuckLong_s = 2, kStill_mps = 0.02, kStill_radps = 0.02;
 
 /** MRPT compiles the formulas of scores with the symbols of the first movement that it rates, and
@@ -117,11 +119,6 @@ mrpt::math::TPoint2D end_of_arc(double length_m, double curvature)
 }
 }  // namespace
 
-mrpt::math::TPose2D RobotInterface::pose_in_map()
-{
-  return {T_map_base.x(), T_map_base.y(), T_map_base.yaw()};
-}
-
 mrpt::math::TTwist2D RobotInterface::velocity_in_map()
 {
   const double yaw = T_map_base.yaw(), v_mps = robot_.v_mps();
@@ -150,14 +147,32 @@ void RobotInterface::drive(double v_mps, double w_radps)
   const double corner_mps =
       std::abs(v_mps) + std::abs(w_radps) * std::hypot(body.length_m, body.width_m) / 2;
   const double share = std::min(
-      {1.0, std::max(share_of(speed_mps, ahead.known_m - front_m), daring),
+      {1.0, ground_share(v_mps, w_radps),
+       std::max(share_of(speed_mps, ahead.known_m - front_m), daring),
        share_of(corner_mps, corner_mps * clear_s(v_mps, w_radps, kLongestStop_s))});
   robot_.command(share * v_mps, share * w_radps);
 }
 
+double RobotInterface::ground_share(double v_mps, double w_radps) const
+{
+  if (v_mps == 0) return 1;
+  const double curvature = w_radps / v_mps;
+  double worst = 0;
+  for (const double ahead_m : kGroundAhead_m)
+  {
+    const double along_m = std::copysign(ahead_m, v_mps);
+    const auto end = end_of_arc(along_m, curvature);
+    const double cost =
+        map_.ground_cost(here() + mrpt::math::TPose2D(end.x, end.y, along_m * curvature));
+    worst = std::fmax(worst, cost);  // NaN counts for nothing
+  }
+  if (worst >= 1 && map_.ground_cost(here()) < 1) return 0;
+  return std::max(kCreep_mps, kOnEven_mps * (1 - worst)) / std::abs(v_mps);
+}
+
 double RobotInterface::clear_s(double v_mps, double w_radps, double most_s) const
 {
-  return clear_time_s(blocked, robot_.body(), v_mps, w_radps, most_s, narrow);
+  return clear_time_s(around.blocked, robot_.body(), v_mps, w_radps, most_s, narrow);
 }
 
 mrpt::kinematics::CVehicleVelCmd::Ptr RobotInterface::getEmergencyStopCmd()
@@ -170,15 +185,13 @@ mrpt::kinematics::CVehicleVelCmd::Ptr RobotInterface::getEmergencyStopCmd()
 void RobotInterface::look(const mrpt::poses::CPose3D& T)
 {
   T_map_base = T;
-  map_.obstacles(T, prism_heights_m, seen);
-  blocked = map_.blocked_places(T, kBlocked_m);
+  around = map_.look(T, prism_heights_m, kBlocked_m);
 }
 
 bool RobotInterface::senseObstacles(
     mrpt::maps::CSimplePointsMap& obstacles, mrpt::system::TTimeStamp& timestamp)
 {
-  look(T_map_base);
-  obstacles = seen;
+  obstacles = around.obstacles;  // of this step
   timestamp = mrpt::Clock::now();
   return true;
 }
@@ -274,11 +287,12 @@ void Pilot::navigate(const mrpt::math::TPoint2D& target, bool is_last)
 bool Pilot::keep_to(const Route& route, const mrpt::math::TPoint2D& target)
 {
   const mrpt::math::TPose2D here = interface_.pose_in_map();
-  interface_.narrow = must_keep_to(route.way(), here, kNarrowAhead_m);
+  interface_.narrow = is_narrow(route.way(), here, kNarrowAhead_m);
   const mrpt::math::TPoint2D to = here.inverseComposePoint(target);
   if (is_stuck(kStuck_s) || std::abs(std::atan2(to.y, to.x)) > kTurnFrom_rad)
     keeps_until_s_ = robot_.time_s() + kKeep_s;
-  if (!interface_.narrow && robot_.time_s() >= keeps_until_s_) return false;
+  const bool must = interface_.narrow || is_tilted(route.way(), here, kNarrowAhead_m);
+  if (!must && robot_.time_s() >= keeps_until_s_) return false;
   navigator_->cancel();
   const Speeds speeds = follower_.follow(route.way(), here);
   interface_.drive(speeds.v_mps, speeds.w_radps);
@@ -329,8 +343,7 @@ void Pilot::halt()
 {
   navigator_->cancel();
   interface_.stand();
-  interface_.seen.clear();
-  interface_.blocked.clear();
+  interface_.around = {};
 }
 
 }  // namespace talus::nav

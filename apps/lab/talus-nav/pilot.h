@@ -26,20 +26,19 @@ class RobotInterface : public detail::RobotToNavigate
 
   std::vector<double> prism_heights_m;  //!< of a 3D robot shape
   mrpt::poses::CPose3D T_map_base;  //!< as estimated
-  mrpt::maps::CSimplePointsMap seen;  //!< the obstacles given last, robot frame
-  std::vector<BlockedPlace> blocked;  //!< all that blocks nearby, robot frame
+  Around around;  //!< what was seen last
   bool narrow = false;  //!< there is no room for the whole distance to what stands
 
   /** Takes the pose and makes the obstacles anew. */
   void look(const mrpt::poses::CPose3D& T);
 
-  mrpt::math::TPose2D pose_in_map() override;
+  mrpt::math::TPose2D pose_in_map() override { return here(); }
   mrpt::math::TTwist2D velocity_in_map() override;
   bool changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command) override;
-  /** Slower where the ground ahead is not known far enough to stop, or what is `blocked` would come
+  /** Slower where the ground ahead is not known far enough to stop, or what blocks would come
    * nearer than kKeepAway_m; all that the robot does goes through here. */
   void drive(double v_mps, double w_radps);
-  /** clear_time_s() of what is `blocked`. */
+  /** clear_time_s() of what blocks. */
   double clear_s(double v_mps, double w_radps, double most_s) const;
   void stand() override { robot_.command(0, 0); }
   mrpt::kinematics::CVehicleVelCmd::Ptr getEmergencyStopCmd() override;
@@ -50,6 +49,10 @@ class RobotInterface : public detail::RobotToNavigate
   void resetNavigationTimer() override { start_s_ = robot_.time_s(); }
 
  private:
+  mrpt::math::TPose2D here() const { return {T_map_base.x(), T_map_base.y(), T_map_base.yaw()}; }
+  /** By how much a command is slowed down for what the ground does with the robot on its way. */
+  double ground_share(double v_mps, double w_radps) const;
+
   SimulatedRobot& robot_;
   MapSource& map_;
   double start_s_ = 0;
@@ -76,7 +79,7 @@ class Pilot
   void creep(const mrpt::poses::CPose3D& T_map_base, const mrpt::math::TPoint2D& place);
   void halt();
 
-  const mrpt::maps::CSimplePointsMap& obstacles() const { return interface_.seen; }
+  const mrpt::maps::CSimplePointsMap& obstacles() const { return interface_.around.obstacles; }
 
  private:
   /** Keeps to the route, pose by pose, where it is narrow, where the target lies beside or behind

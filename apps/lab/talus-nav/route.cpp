@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace talus::nav
 {
@@ -58,8 +59,8 @@ void require_manageable(const Area& a)
 
 Route::Route(
     const sim::World& world, const TPoint2D& start, const TPoint2D& goal, double resolution_m,
-    const RobotBody& body)
-    : goal_(goal), lattice_(body.length_m, body.width_m, resolution_m)
+    const RobotBody& body, GroundCostAt ground_cost)
+    : goal_(goal), lattice_(body.length_m, body.width_m, resolution_m, std::move(ground_cost))
 {
   const Area area = area_of(world, start, goal);
   require_manageable(area);
@@ -97,7 +98,8 @@ bool Route::plan_with(
 {
   way_ = lattice_.plan(costmap, around_m, robot, goal_, kArrives_m);
   if (way_.empty()) return false;
-  way_.insert(way_.begin(), {robot.x, robot.y, robot.phi, false, way_.front().narrow});
+  way_.insert(
+      way_.begin(), {robot.x, robot.y, robot.phi, false, way_.front().narrow, way_.front().tilted});
   return true;
 }
 

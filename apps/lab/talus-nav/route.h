@@ -23,7 +23,7 @@ class Route
    * std::invalid_argument where that is too far away or too large. */
   Route(
       const sim::World& world, const mrpt::math::TPoint2D& start, const mrpt::math::TPoint2D& goal,
-      double resolution_m, const RobotBody& body);
+      double resolution_m, const RobotBody& body, GroundCostAt ground_cost);
 
   mrpt::maps::COccupancyGridMap2D& costmap() { return costmap_; }
   const mrpt::maps::COccupancyGridMap2D& costmap() const { return costmap_; }

@@ -94,11 +94,11 @@ Settings load_settings(const Options& o)
   return s;
 }
 
-std::unique_ptr<MapSource> make_source(const Options& o, const Settings& s)
+std::unique_ptr<MapSource> make_source(const Options& o, const Settings& s, const RobotBody& body)
 {
   if (o.map == "octomap") return make_octomap_source({});
   if (o.map == "onesurface") return make_onesurface_source(s.parameters, s.obstacles);
-  return make_terrain_source(s.parameters, o.backend, o.threads, s.obstacles);
+  return make_terrain_source(s.parameters, o.backend, o.threads, s.obstacles, body);
 }
 
 }  // namespace talus::nav

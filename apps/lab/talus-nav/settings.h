@@ -30,6 +30,7 @@ struct WrongConfiguration : std::runtime_error
 /** Throws WrongConfiguration. */
 Settings load_settings(const Options& options);
 
-std::unique_ptr<MapSource> make_source(const Options& options, const Settings& settings);
+std::unique_ptr<MapSource> make_source(
+    const Options& options, const Settings& settings, const RobotBody& body);
 
 }  // namespace talus::nav

@@ -1,3 +1,4 @@
+#include "ground_cost.h"
 #include "map_source.h"
 
 #include <mrpt/math/TPose2D.h>
@@ -12,8 +13,10 @@ namespace
 class TerrainSource : public MapSource
 {
  public:
-  TerrainSource(const Parameters& p, Backend backend, int threads, const ObstacleOptions& options)
-      : map_(p, backend, threads), options_(options)
+  TerrainSource(
+      const Parameters& p, Backend backend, int threads, const ObstacleOptions& options,
+      const RobotBody& body)
+      : map_(p, backend, threads), options_(options), ground_(body)
   {
   }
 
@@ -22,19 +25,19 @@ class TerrainSource : public MapSource
       const mrpt::poses::CPose3D& T_base_sensor, double stamp_s) override
   {
     map_.update(frame_of(scan, T_map_base, T_base_sensor, stamp_s));
+    ground_.update(map_);
   }
 
-  void obstacles(
+  Around look(
       const mrpt::poses::CPose3D& T_map_base, const std::vector<double>& prism_heights_m,
-      mrpt::maps::CSimplePointsMap& out) override
+      double within_m) override
   {
-    make_obstacles(map_, T_map_base, options_, prism_heights_m, out);
+    return look_around(map_, T_map_base, options_, prism_heights_m, within_m);
   }
 
-  std::vector<BlockedPlace> blocked_places(
-      const mrpt::poses::CPose3D& T_map_base, double within_m) override
+  double ground_cost(const mrpt::math::TPose2D& robot) const override
   {
-    return blocked_places_of(map_, T_map_base, options_, within_m);
+    return ground_.cost(map_, robot);
   }
 
   void update_costmap(
@@ -68,6 +71,7 @@ class TerrainSource : public MapSource
  private:
   ElevationMapper map_;
   ObstacleOptions options_;
+  GroundCost ground_;
 };
 }  // namespace
 
@@ -86,25 +90,11 @@ Frame frame_of(
   return frame;
 }
 
-std::vector<BlockedPlace> MapSource::blocked_places(
-    const mrpt::poses::CPose3D& T_map_base, double within_m)
-{
-  mrpt::maps::CSimplePointsMap points;
-  obstacles(T_map_base, {}, points);
-  std::vector<BlockedPlace> out;
-  for (std::size_t i = 0; i < points.size(); i++)
-  {
-    const BlockedPlace p{points.getPointsBufferRef_x()[i], points.getPointsBufferRef_y()[i], false};
-    if (std::hypot(p.x_m, p.y_m) < within_m) out.push_back(p);
-  }
-  return out;
-}
-
-std::vector<BlockedPlace> blocked_places_of(
+Around look_around(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& options,
-    double within_m)
+    const std::vector<double>& prism_heights_m, double within_m)
 {
-  std::vector<BlockedPlace> out;
+  Around out;
   const auto cells = classify_cells(map, T_map_base, options);
   const auto edges = find_edges(map, T_map_base, cells);
   const Window w = map.window();
@@ -115,25 +105,20 @@ std::vector<BlockedPlace> blocked_places_of(
     const double x_m = w.min_x_m() + (static_cast<int>(i) % w.cells + 0.5) * w.resolution_m;
     const double y_m = w.min_y_m() + (static_cast<int>(i) / w.cells + 0.5) * w.resolution_m;
     const auto p = here.inverseComposePoint(mrpt::math::TPoint2D(x_m, y_m));
-    if (p.norm() < within_m) out.push_back({p.x, p.y, edges[i]});
+    if (p.norm() < within_m) out.blocked.push_back({p.x, p.y, edges[i]});
   }
+  if (prism_heights_m.empty())
+    obstacles_2d(map, T_map_base, options, cells, out.obstacles);
+  else
+    obstacles_3d(map, T_map_base, options, cells, prism_heights_m, out.obstacles);
   return out;
 }
 
-void make_obstacles(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& options,
-    const std::vector<double>& prism_heights_m, mrpt::maps::CSimplePointsMap& out)
-{
-  if (prism_heights_m.empty())
-    obstacles_2d(map, T_map_base, options, out);
-  else
-    obstacles_3d(map, T_map_base, options, prism_heights_m, out);
-}
-
 std::unique_ptr<MapSource> make_terrain_source(
-    const Parameters& parameters, Backend backend, int threads, const ObstacleOptions& options)
+    const Parameters& parameters, Backend backend, int threads, const ObstacleOptions& options,
+    const RobotBody& body)
 {
-  return std::make_unique<TerrainSource>(parameters, backend, threads, options);
+  return std::make_unique<TerrainSource>(parameters, backend, threads, options, body);
 }
 
 }  // namespace talus::nav

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "surface_view.h"
 
@@ -13,6 +14,7 @@ namespace talus
 namespace
 {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRounding = 1e-6;  // of a cell
 constexpr HeadingCost kUnknown{kNaN, kNaN, kNaN, kNaN, kNaN};
 
 /** A plane z = z + along x + across y in the frame of the base. */
@@ -46,26 +48,26 @@ class CellsBelow
   void each_in(double min_x_m, double max_x_m, double min_y_m, double max_y_m, Visit visit) const
   {
     const double mid_x = (min_x_m + max_x_m) / 2, mid_y = (min_y_m + max_y_m) / 2;
-    const double x = pose_.x + cos_ * mid_x - sin_ * mid_y;
-    const double y = pose_.y + sin_ * mid_x + cos_ * mid_y;
-    const double radius = std::hypot(max_x_m - min_x_m, max_y_m - min_y_m) / 2;
-    const Window& w = window_;
-    const auto cell = [&](double at_m, double origin_m)
+    const double half_x = (max_x_m - min_x_m) / 2, half_y = (max_y_m - min_y_m) / 2;
+    const auto [first_x, last_x] = cells_between(
+        pose_.x + cos_ * mid_x - sin_ * mid_y - window_.min_x_m(),
+        std::abs(cos_) * half_x + std::abs(sin_) * half_y);
+    const auto [first_y, last_y] = cells_between(
+        pose_.y + sin_ * mid_x + cos_ * mid_y - window_.min_y_m(),
+        std::abs(sin_) * half_x + std::abs(cos_) * half_y);
+    const double resolution_m = window_.resolution_m;
+    for (int iy = first_y; iy <= last_y; ++iy)
     {
-      return static_cast<int>(
-          std::clamp(std::floor((at_m - origin_m) / w.resolution_m), -1.0, 1.0 * w.cells));
-    };
-    const int last_x = std::min(cell(x + radius, w.min_x_m()), w.cells - 1);
-    const int last_y = std::min(cell(y + radius, w.min_y_m()), w.cells - 1);
-    for (int iy = std::max(cell(y - radius, w.min_y_m()), 0); iy <= last_y; ++iy)
-      for (int ix = std::max(cell(x - radius, w.min_x_m()), 0); ix <= last_x; ++ix)
+      const double dy = window_.min_y_m() + (iy + 0.5) * resolution_m - pose_.y;
+      for (int ix = first_x; ix <= last_x; ++ix)
       {
-        const double dx = w.min_x_m() + (ix + 0.5) * w.resolution_m - pose_.x;
-        const double dy = w.min_y_m() + (iy + 0.5) * w.resolution_m - pose_.y;
-        const double ahead = cos_ * dx + sin_ * dy, left = cos_ * dy - sin_ * dx;
-        if (ahead >= min_x_m && ahead <= max_x_m && left >= min_y_m && left <= max_y_m)
-          visit(ahead, left, top(ix, iy));
+        const double dx = window_.min_x_m() + (ix + 0.5) * resolution_m - pose_.x;
+        const double from_mid_x = cos_ * dx + sin_ * dy - mid_x;
+        const double from_mid_y = cos_ * dy - sin_ * dx - mid_y;
+        if (std::abs(from_mid_x) <= half_x && std::abs(from_mid_y) <= half_y)
+          visit(mid_x + from_mid_x, mid_y + from_mid_y, top(ix, iy));
       }
+    }
   }
 
   /** The same of a wheel. */
@@ -78,6 +80,18 @@ class CellsBelow
   }
 
  private:
+  /** The first and the last of the cells of the window whose middles may lie within a distance of a
+   * place, which is told from the border of the window. */
+  std::pair<int, int> cells_between(double middle_m, double within_m) const
+  {
+    const auto cell = [&](double at_m)
+    { return std::clamp(at_m / window_.resolution_m - 0.5, -1.0, 1.0 * window_.cells); };
+    return {
+        std::max(static_cast<int>(std::ceil(cell(middle_m - within_m) - kRounding)), 0),
+        std::min(
+            static_cast<int>(std::floor(cell(middle_m + within_m) + kRounding)),
+            window_.cells - 1)};
+  }
   double top(int ix, int iy) const
   {
     const auto cell = static_cast<std::size_t>(iy) * static_cast<std::size_t>(window_.cells) +
@@ -91,54 +105,58 @@ class CellsBelow
   double cos_, sin_;
 };
 
-/** Where a wheel rests, robot frame; z is NaN where nothing is known. */
-struct Contact
+/** A place on the map below, robot frame. */
+struct Place
 {
   double x_m, y_m, z_m;
 };
 
-/** The highest of the cells under a wheel. */
-Contact contact_of(
+/** What is known under a wheel. */
+std::vector<Place> places_under(
     const CellsBelow& cells, const mrpt::math::TPoint2D& wheel, const Footprint& robot)
 {
-  Contact highest{wheel.x, wheel.y, kNaN};
+  std::vector<Place> out;
+  out.reserve(32);
   cells.each_under(
       wheel, robot.wheel_radius_m,
       [&](double x, double y, double z)
       {
-        if (z > highest.z_m || (std::isnan(highest.z_m) && !std::isnan(z))) highest = {x, y, z};
+        if (!std::isnan(z)) out.push_back({x, y, z});
       });
-  return highest;
+  return out;
+}
+
+/** Where a wheel rests. */
+const Place& highest_of(const std::vector<Place>& places)
+{
+  return *std::max_element(
+      places.begin(), places.end(), [](const Place& a, const Place& b) { return a.z_m < b.z_m; });
 }
 
 /** The plane that lies nearest to all of them. */
-Plane plane_through(const std::vector<Contact>& contacts)
+Plane plane_through(const std::vector<std::vector<Place>>& wheels)
 {
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   Eigen::Vector3d products = Eigen::Vector3d::Zero();
-  for (const Contact& c : contacts)
+  for (const auto& places : wheels)
   {
+    const Place& c = highest_of(places);
     const Eigen::Vector3d row(1, c.x_m, c.y_m);
     squares += row * row.transpose();
     products += row * c.z_m;
   }
-  const Eigen::Vector3d plane = squares.ldlt().solve(products);
+  const Eigen::Vector3d plane = squares.inverse() * products;
   return {plane[0], plane[1], plane[2]};
 }
 
-double step_under(
-    const CellsBelow& cells, const Footprint& robot, const mrpt::math::TPoint2D& wheel,
-    const Plane& plane)
+double step_under(const std::vector<Place>& places, const Plane& plane)
 {
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  cells.each_under(
-      wheel, robot.wheel_radius_m,
-      [&](double x, double y, double z)
-      {
-        if (std::isnan(z)) return;
-        low = std::min(low, plane.above(x, y, z));
-        high = std::max(high, plane.above(x, y, z));
-      });
+  for (const Place& p : places)
+  {
+    low = std::min(low, plane.above(p.x_m, p.y_m, p.z_m));
+    high = std::max(high, plane.above(p.x_m, p.y_m, p.z_m));
+  }
   return high - low;
 }
 
@@ -185,21 +203,21 @@ HeadingCost heading_cost(
   require_usable(robot, T_map_base);
   if (map.empty()) return kUnknown;
   const CellsBelow cells(map, T_map_base);
-  std::vector<Contact> contacts;
+  std::vector<std::vector<Place>> wheels;
   for (const auto& wheel : robot.wheels)
   {
-    contacts.push_back(contact_of(cells, wheel, robot));
-    if (std::isnan(contacts.back().z_m)) return kUnknown;
+    wheels.push_back(places_under(cells, wheel, robot));
+    if (wheels.back().empty()) return kUnknown;
   }
-  const Plane plane = plane_through(contacts);
+  const Plane plane = plane_through(wheels);
   HeadingCost found{std::atan(plane.along), std::atan(plane.across), 0, 0, 0};
-  for (const auto& wheel : robot.wheels)
-    found.step_m = std::max(found.step_m, step_under(cells, robot, wheel, plane));
+  for (const auto& places : wheels)
+    found.step_m = std::max(found.step_m, step_under(places, plane));
   found.clearance_m = clearance_under(cells, robot, plane);
   found.cost = std::min(
       1.0, std::max({
-               std::abs(found.along_rad) / robot.max_along_rad,
-               std::abs(found.across_rad) / robot.max_across_rad,
+               std::hypot(
+                   found.along_rad / robot.max_along_rad, found.across_rad / robot.max_across_rad),
                found.step_m / robot.max_step_m,
                1 - found.clearance_m / robot.ground_clearance_m,
            }));

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "falls.h"
 #include "judged_cells.h"
@@ -48,6 +49,8 @@ constexpr double kBeside_m = 0.2;
 /** So near to what may drop a guess is no ground, with Drops::Avoid: a fill across the corner of a
  * trench has measured ground on both sides. */
 constexpr double kBesideDrop_m = 0.2;
+
+constexpr double kGentleGap_m = 0.03;  // beside a slope, with the noise of the ground
 
 /** Whether something holds for all cells of the window up to so many rows and columns away. */
 template <class Holds>
@@ -127,7 +130,8 @@ class Judge
         o_(o),
         reach_(cells_of(map, map.parameters().feature_radius_m)),
         beside_drop_(cells_of(map, kBesideDrop_m)),
-        step_m_(static_cast<float>(map.parameters().step_threshold_m))
+        step_m_(static_cast<float>(map.parameters().step_threshold_m)),
+        gentle_(std::tan(map.parameters().slope_threshold_rad) * map.parameters().resolution_m / 2)
   {
     if (o.drops == Drops::Slope)
       falls_.emplace(map, [this](int ix, int iy) { return rests_on_unseen(ix, iy); });
@@ -192,7 +196,37 @@ class Judge
   }
   bool blocks(int ix, int iy) const
   {
-    return view_.traversability[view_.index(ix, iy)] <= o_.blocked_at && !is_foot(ix, iy);
+    return view_.traversability[view_.index(ix, iy)] <= o_.blocked_at && !is_foot(ix, iy) &&
+           !is_seen_around(ix, iy);
+  }
+  /** Blocked only because ground may drop in a gap that is a cell wide between measured ground, as
+   * the memory of a crest that was seen from afar: nothing can fall into it. */
+  bool is_seen_around(int ix, int iy) const
+  {
+    const std::size_t cell = view_.index(ix, iy);
+    bool gap = false;
+    const auto is_gentle = [&](int x, int y)
+    {
+      const std::size_t other = view_.index(x, y);
+      const bool filled = is_filled(other);
+      gap = gap || filled;
+      const double most_m = kGentleGap_m + gentle_ * std::hypot(x - ix, y - iy);
+      return (filled ? is_gap(x, y) : is_measured(other)) && !something_stands(view_, other) &&
+             std::abs(view_.ground[other] - view_.ground[cell]) <= most_m;
+    };
+    return holds_around(view_.window, ix, iy, reach_, is_gentle) && gap;
+  }
+  /** Whether a cell that was filled from two sides lies right between two measured ones. */
+  bool is_gap(int ix, int iy) const
+  {
+    const int last = view_.window.cells - 1;
+    const float two_sided = static_cast<float>(CellState::FilledTwoSided);
+    if (view_.state[view_.index(ix, iy)] != two_sided) return false;
+    if (ix == 0 || iy == 0 || ix == last || iy == last) return false;
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {1, 1}, {0, 1}, {-1, 1}})
+      if (is_measured(view_.index(ix + dx, iy + dy)) && is_measured(view_.index(ix - dx, iy - dy)))
+        return true;
+    return false;
   }
   /** Blocked only because something higher begins beside it: there the robot may stand, and the
    * planner, which knows its shape, keeps it away from what stands. */
@@ -234,6 +268,7 @@ class Judge
   int reach_;  //!< of the neighbourhood of slope and step, in cells
   int beside_drop_;  //!< kBesideDrop_m in cells
   float step_m_;
+  double gentle_;  //!< that ground may rise from a cell to the next one: half of what is too steep
 };
 
 /** An arc from the base on, robot frame seen from above. */
@@ -318,11 +353,15 @@ std::vector<bool> find_edges(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const std::vector<Passage>& cells)
 {
   const Surroundings around(map);
+  const auto& traversability = map.layer(Layer::Traversability);
   const int n = map.window().cells;
   std::vector<bool> out(cells.size(), false);
   for (std::size_t i = 0; i < cells.size(); i++)
-    out[i] = cells[i] != Passage::Free &&
-             around.is_edge(static_cast<int>(i) % n, static_cast<int>(i) / n, T_map_base.z());
+  {
+    const bool in_doubt = cells[i] == Passage::Unknown && !std::isnan(traversability[i]);
+    if (cells[i] == Passage::Obstacle || in_doubt)
+      out[i] = around.is_edge(static_cast<int>(i) % n, static_cast<int>(i) / n, T_map_base.z());
+  }
   return out;
 }
 

@@ -46,9 +46,9 @@ Square square_of(double x_map, double y_map, double spacing_m)
 }
 
 std::vector<Obstacle> find_obstacles(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const std::vector<Passage>& cells)
 {
-  const auto cells = classify_cells(map, T_map_base, o);
   const SurfaceView view(map);
   const int n = view.window.cells;
   const double c = std::cos(T_map_base.yaw()), s = std::sin(T_map_base.yaw());
@@ -96,14 +96,27 @@ void add_points(
     out.insertPointFast(
         static_cast<float>(p.x_m), static_cast<float>(p.y_m), static_cast<float>(z_m));
 }
+
+std::vector<Passage> cells_of(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
+{
+  return map.empty() ? std::vector<Passage>() : classify_cells(map, T_map_base, o);
+}
 }  // namespace
 
 void obstacles_2d(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     CSimplePointsMap& out)
 {
+  obstacles_2d(map, T_map_base, o, cells_of(map, T_map_base, o), out);
+}
+
+void obstacles_2d(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const std::vector<Passage>& cells, CSimplePointsMap& out)
+{
   out.clear();
-  if (!map.empty()) add_points(find_obstacles(map, T_map_base, o), 0, o.z_m, o, out);
+  if (!map.empty()) add_points(find_obstacles(map, T_map_base, o, cells), 0, o.z_m, o, out);
   out.mark_as_modified();
 }
 
@@ -111,10 +124,18 @@ void obstacles_3d(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     const std::vector<double>& prism_heights_m, CSimplePointsMap& out)
 {
+  obstacles_3d(map, T_map_base, o, cells_of(map, T_map_base, o), prism_heights_m, out);
+}
+
+void obstacles_3d(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const std::vector<Passage>& cells, const std::vector<double>& prism_heights_m,
+    CSimplePointsMap& out)
+{
   out.clear();
   if (!map.empty())
   {
-    const auto obstacles = find_obstacles(map, T_map_base, o);
+    const auto obstacles = find_obstacles(map, T_map_base, o, cells);
     double bottom = 0;
     for (const double height : prism_heights_m)
     {

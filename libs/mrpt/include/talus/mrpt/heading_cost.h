@@ -33,7 +33,9 @@ struct HeadingCost
   /** The least height of the body's underside above what is below it; negative: it touches. Ground
    * that is not known counts for nothing. */
   double clearance_m;
-  /** [0, 1]: the greatest of tilt, step and lacking clearance, each by its limit; 1: impassable. */
+  /** [0, 1]: the greatest of tilt, step and lacking clearance, each by its limit; 1: impassable.
+   * Tilts along and across add up as the sides of a right angle, so a slope costs least straight.
+   */
   double cost;
 };
 

@@ -69,13 +69,13 @@ std::vector<Passage> classify_cells(
 
 /** Of the cells of the window, in the order of its layers: those that are blocked only by
  * comparison with filled ground, with nothing on it: perhaps a drop, perhaps the far side of a
- * crest. Seen from nearby they may look better. Those that `drops` makes free are not among them.
- */
+ * crest. Seen from nearby they may look better. Those that `drops` makes free are not among them,
+ * nor those in a gap of one cell between measured ground, which are free. */
 std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o);
 
-/** Of the cells that are not free: those at which the ground may end, as it lies more than a step
- * below the base there, or as nothing stands within 0.2 m that would block. No part of a robot
- * should come near to them, while it may pass closely by a wall. */
+/** Of the obstacles, and of what is in doubt: the cells at which the ground may end, as it lies
+ * more than a step below the base there, or as nothing stands within 0.2 m that would block. No
+ * part of a robot should come near to them, while it may pass closely by a wall. */
 std::vector<bool> find_edges(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const std::vector<Passage>& cells);
 
@@ -85,6 +85,10 @@ std::vector<bool> find_edges(
 void obstacles_2d(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     mrpt::maps::CSimplePointsMap& out);
+/** The same of cells that classify_cells() judged already. */
+void obstacles_2d(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const std::vector<Passage>& cells, mrpt::maps::CSimplePointsMap& out);
 
 /** The same for CReactiveNavigationSystem3D, whose robot is a pile of prisms of these heights [m],
  * the lowest first: a point in the middle of each prism that the obstacle reaches from the ground
@@ -94,6 +98,11 @@ void obstacles_2d(
 void obstacles_3d(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     const std::vector<double>& prism_heights_m, mrpt::maps::CSimplePointsMap& out);
+/** The same of cells that classify_cells() judged already. */
+void obstacles_3d(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const std::vector<Passage>& cells, const std::vector<double>& prism_heights_m,
+    mrpt::maps::CSimplePointsMap& out);
 
 /** Makes `out` a costmap of the window in the map frame, for mrpt::nav::PlannerSimple2D: the
  * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles, 0.15 of
