@@ -246,6 +246,24 @@ TEST(Obstacles, are_no_doubts_in_a_gap_of_one_cell_between_measured_ground)
   EXPECT_TRUE(is_doubtful(room.cell)) << "it falls";
 }
 
+TEST(Obstacles, are_no_guesses_in_a_narrow_gap_between_known_ground)
+{
+  RoomWithDoubt room;
+  room.layer(Layer::Traversability)[room.cell] = 1;
+  const auto n = static_cast<std::size_t>(room.map.window.cells);
+  const std::size_t middle = room.cell + 4;
+  const auto passage_in_square = [&](std::size_t reach)
+  {
+    for (std::size_t y = 0; y <= 2 * reach; y++)
+      for (std::size_t x = 0; x <= 2 * reach; x++)
+        room.layer(Layer::State)[middle + x - reach + n * y - n * reach] =
+            static_cast<float>(CellState::FilledOneSided);
+    return classify_cells(room.map, CPose3D(-0.4, -1.0, 0, 0, 0, 0), {})[middle];
+  };
+  EXPECT_EQ(passage_in_square(1), Passage::Free) << "0.15 m wide";
+  EXPECT_EQ(passage_in_square(2), Passage::Obstacle) << "0.25 m wide";
+}
+
 TEST(Obstacles, are_guesses_from_one_side_near_the_robot_where_it_avoids_drops)
 {
   RoomWithDoubt room;

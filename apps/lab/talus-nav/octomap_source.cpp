@@ -27,7 +27,7 @@ class OctomapSource : public MapSource
     for (std::size_t i = 0; i < scan.size(); i += static_cast<std::size_t>(o_.decimation))
     {
       const mrpt::math::TPoint3D p(scan.x_m[i], scan.y_m[i], scan.z_m[i]);
-      if (p.norm() > o_.range_m) continue;
+      if (std::hypot(p.x, p.y, p.z) > o_.range_m) continue;
       const auto q = T_map_sensor.composePoint(p);
       points.insertPoint(static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z));
     }

@@ -50,6 +50,8 @@ constexpr double kBeside_m = 0.2;
  * trench has measured ground on both sides. */
 constexpr double kBesideDrop_m = 0.2;
 
+/** So narrow a gap in what is known hides no edge, but for the tip of a corner. */
+constexpr int kGap_cells = 3;
 constexpr double kGentleGap_m = 0.03;  // beside a slope, with the noise of the ground
 
 /** Whether something holds for all cells of the window up to so many rows and columns away. */
@@ -171,7 +173,8 @@ class Judge
   bool is_guess(int ix, int iy) const
   {
     const std::size_t cell = view_.index(ix, iy);
-    return view_.state[cell] == static_cast<float>(CellState::FilledOneSided) ||
+    return (view_.state[cell] == static_cast<float>(CellState::FilledOneSided) &&
+            !is_in_gap(ix, iy, kGap_cells)) ||
            (is_filled(cell) && !something_stands(view_, cell) && is_beside_drop(ix, iy));
   }
   bool is_beside_drop(int ix, int iy) const
@@ -208,25 +211,43 @@ class Judge
     const auto is_gentle = [&](int x, int y)
     {
       const std::size_t other = view_.index(x, y);
-      const bool filled = is_filled(other);
+      const bool filled = view_.state[other] == static_cast<float>(CellState::FilledTwoSided);
       gap = gap || filled;
       const double most_m = kGentleGap_m + gentle_ * std::hypot(x - ix, y - iy);
-      return (filled ? is_gap(x, y) : is_measured(other)) && !something_stands(view_, other) &&
+      return (filled ? is_in_gap(x, y, 1) : is_measured(other)) &&
+             !something_stands(view_, other) &&
              std::abs(view_.ground[other] - view_.ground[cell]) <= most_m;
     };
     return holds_around(view_.window, ix, iy, reach_, is_gentle) && gap;
   }
-  /** Whether a cell that was filled from two sides lies right between two measured ones. */
-  bool is_gap(int ix, int iy) const
+  /** Whether a filled cell lies in a gap, at most so many cells wide, between ground that was
+   * measured or stood on. */
+  bool is_in_gap(int ix, int iy, int most_cells) const
+  {
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {1, 1}, {0, 1}, {-1, 1}})
+    {
+      const int before = filled_from(ix, iy, -dx, -dy, most_cells);
+      const int behind = filled_from(ix, iy, dx, dy, most_cells);
+      if (before + 1 + behind <= most_cells) return true;
+    }
+    return false;
+  }
+  /** How many filled cells there are up to the first one that is known; more than `most_cells`
+   * where there is none. */
+  int filled_from(int ix, int iy, int dx, int dy, int most_cells) const
   {
     const int last = view_.window.cells - 1;
-    const float two_sided = static_cast<float>(CellState::FilledTwoSided);
-    if (view_.state[view_.index(ix, iy)] != two_sided) return false;
-    if (ix == 0 || iy == 0 || ix == last || iy == last) return false;
-    for (const auto& [dx, dy] : {std::pair{1, 0}, {1, 1}, {0, 1}, {-1, 1}})
-      if (is_measured(view_.index(ix + dx, iy + dy)) && is_measured(view_.index(ix - dx, iy - dy)))
-        return true;
-    return false;
+    for (int i = 1; i <= most_cells; i++)
+    {
+      const int x = ix + i * dx, y = iy + i * dy;
+      if (x < 0 || y < 0 || x > last || y > last) break;
+      const float state = view_.state[view_.index(x, y)];
+      if (state == static_cast<float>(CellState::Measured) ||
+          state == static_cast<float>(CellState::Presumed))
+        return i - 1;
+      if (!is_filled(view_.index(x, y))) break;
+    }
+    return most_cells + 1;
   }
   /** Blocked only because something higher begins beside it: there the robot may stand, and the
    * planner, which knows its shape, keeps it away from what stands. */
