@@ -326,7 +326,7 @@ TEST_F(TalusNav, drives_over_a_ramp_whose_far_side_it_cannot_see_where_it_counts
       "  wall: {from_m: [3.9, -4], to_m: [3.9, -1.2], height_m: 2},\n"
       "  wall: {from_m: [3.9, 1.2], to_m: [3.9, 4], height_m: 2}]\n"
       "robot: {path_m: [[0, 0], [1, 0]]}\nsensor: {at_m: [0, 0, 0.68]}\n";
-  const std::string level_16_beams = "--goal 7,0 --timeout 16 --every 0 --scanner RS-LiDAR-16 ";
+  const std::string level_16_beams = "--goal 7,0 --timeout 24 --every 0 --scanner RS-LiDAR-16 ";
   EXPECT_EQ(
       drive_in("ramp.yaml", world, level_16_beams + "--planner-config bold.ini --output out"), 0)
       << text("out.txt");

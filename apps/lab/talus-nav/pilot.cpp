@@ -166,7 +166,6 @@ double RobotInterface::ground_share(double v_mps, double w_radps) const
         map_.ground_cost(here() + mrpt::math::TPose2D(end.x, end.y, along_m * curvature));
     worst = std::fmax(worst, cost);  // NaN counts for nothing
   }
-  if (worst >= 1 && map_.ground_cost(here()) < 1) return 0;
   return std::max(kCreep_mps, kOnEven_mps * (1 - worst)) / std::abs(v_mps);
 }
 
