@@ -79,6 +79,25 @@ bool same(const cv::Mat& a, const cv::Mat& b)
 }
 }  // namespace
 
+TEST(MapPicture, RedGreenAndBlueAreOnePanelOfTheirColours)
+{
+  LayerStack s = stack_of(all_names(), [](int, int) { return 0.5F; });
+  const auto add = [&](const std::string& name, float value)
+  {
+    s.names.push_back(name);
+    s.layers.emplace_back(std::size_t{kCells} * kCells, value);
+  };
+  add("red", 200);
+  add("green", 100);
+  const int width_without = draw_map(s).cols;
+  add("blue", 50);
+  const cv::Mat picture = draw_map(s);
+  EXPECT_GT(patch_of(picture, {50, 100, 200}).count, kCells * kCells);
+  EXPECT_LE(picture.cols, width_without);
+  s.layers.back().assign(s.layers.back().size(), kNan);
+  EXPECT_EQ(patch_of(draw_map(s), {50, 100, 200}).count, 0);
+}
+
 TEST(MapPicture, shows_north_above_south_and_east_right_of_west)
 {
   const auto south_west = [](int ix, int iy) { return ix < 20 && iy < 20 ? 0.0F : 1.0F; };

@@ -1,4 +1,6 @@
 // What observations bring to their points besides places: the channels of a map.
+#include <talus/map_view.h>
+#include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/observation_points.h>
 #include <talus/mrpt/version_compat.h>
 
@@ -132,4 +134,29 @@ TEST(ChannelsOfAnObservation, AreThoseOfAVelodyneThatWasStoredDecoded)
   EXPECT_TRUE(values_of(scan).empty());
   scan.point_cloud.intensity = {3, 255};
   EXPECT_EQ(values_of(scan), (Values{3, 255}));
+}
+
+/** By the options of the map, as an INI file has them. */
+TEST(ChannelsOfAnObservation, AndTheirCostsAreInTheMapOfMrpt)
+{
+  constexpr float kSensor_m = 0.5F;
+  const auto cloud = talus::detail::make_cloud_with_intensity(61 * 61);
+  for (std::size_t i = 0; i < cloud->size(); ++i)
+  {
+    const float x_m = 0.1F * static_cast<float>(i % 61) - 2.98F,
+                y_m = 0.1F * static_cast<float>(i / 61) - 2.98F;
+    cloud->setPointFast(i, x_m, y_m, -kSensor_m);
+    talus::detail::set_intensity(*cloud, i, y_m < 0 ? 3.0F : 5.0F);
+  }
+  auto obs = observation_at<CObservationPointCloud>(1);
+  obs->pointcloud = cloud;
+  obs->sensorPose = mrpt::poses::CPose3D(0, 0, kSensor_m, 0, 0, 0);
+  talus::CDualElevationMap map;
+  talus::set_parameter(map.insertionOptions, "channels", "intensity:vote");
+  talus::set_parameter(map.insertionOptions, "channel_cost", "intensity:3=0");
+  ASSERT_TRUE(map.insertObservation(*obs));
+  EXPECT_EQ(map.view().at("intensity", 1.02, -1.08), 3);
+  EXPECT_EQ(map.view().at("intensity", 1.02, 1.02), 5);
+  EXPECT_EQ(map.view().at(talus::Layer::Traversability, 1.02, -1.08), 0);
+  EXPECT_GT(map.view().at(talus::Layer::Traversability, 1.02, 1.02), 0.9F);
 }

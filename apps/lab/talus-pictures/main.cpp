@@ -2,6 +2,7 @@
 //   sheets WORLDS FOLDER: what each stage makes of a frame, and what a parameter changes, as
 //     FOLDER/stages.png and FOLDER/parameters.png
 //   labels WORLDS FILE: scans of a street, coloured by what each point is
+//   channels WORLDS FILE: classes of points, and a map in which two of them cost
 //   drive EYE TARGET FOLDER MAPS...: maps of talus-map --every as a drive that is seen from EYE
 //     (x,y,z in m), as FOLDER/drive_000.png ...
 #include "drive.h"
@@ -172,6 +173,51 @@ void write_labels(const std::string& world_folder, const std::string& file)
   io::write_png(file, draw_labelled_scans(frames, 12, camera));
 }
 
+/** A made-up segmenter: grass to the left of the robot's way, gravel to the right, a path between.
+ */
+float class_at(double y_m)
+{
+  constexpr float kPath = 6, kGrass = 14, kGravel = 9;
+  return y_m > 2.5 ? kGrass : y_m < -1 ? kGravel : kPath;
+}
+
+io::LayerStack map_of_classes(const std::vector<baselines::ScanFrame>& frames, const char* costs)
+{
+  Parameters p = with("", "");
+  p.channels = channels_from("label:vote");
+  p.channel_cost = channel_costs_from(costs);
+  ElevationMapper map(p);
+  for (const baselines::ScanFrame& scan : frames)
+  {
+    Frame frame = scan.view();
+    std::vector<float> classes;
+    const auto& m = frame.T_map_sensor.m;
+    for (std::size_t i = 0; i < frame.size; ++i)
+      classes.push_back(
+          class_at(m[4] * frame.x_m[i] + m[5] * frame.y_m[i] + m[6] * frame.z_m[i] + m[7]));
+    frame.channels[0] = classes.data();
+    map.update(frame);
+  }
+  return io::snapshot(map);
+}
+
+void write_channels(const std::string& world_folder, const std::string& file)
+{
+  Worlds worlds(world_folder);
+  auto frames = worlds.frames("demo");
+  frames.resize(frames.size() * 3 / 4);
+  const auto free = map_of_classes(frames, ""), dear = map_of_classes(frames, "label:14=0,9=0.5");
+  const auto tile = [&](const char* title, const char* words, const io::LayerStack& s,
+                        const char* name) {
+    return Tile{title, words, layer_image(s, name, kSide_m, kStage_px)};
+  };
+  const std::vector<Tile> tiles{
+      tile("label", "grass above, gravel below, a path", free, "label"),
+      tile("traversability", "without costs", free, "traversability"),
+      tile("traversability", "channel_cost = label:14=0,9=0.5", dear, "traversability")};
+  io::write_png(file, draw_sheet(tiles, 3, 3, SheetLegend::Scores));
+}
+
 cv::Vec3d place_from(const std::string& text)
 {
   cv::Vec3d p;
@@ -192,6 +238,11 @@ int run(const std::vector<std::string>& args)
     write_labels(args[1], args[2]);
     return 0;
   }
+  if (args.size() == 3 && args[0] == "channels")
+  {
+    write_channels(args[1], args[2]);
+    return 0;
+  }
   if (args.size() > 4 && args[0] == "drive")
   {
     const Camera camera{place_from(args[1]), place_from(args[2]), 900, {1200, 500}};
@@ -202,6 +253,7 @@ int run(const std::vector<std::string>& args)
       stderr,
       "usage: talus-pictures sheets WORLDS FOLDER\n"
       "       talus-pictures labels WORLDS FILE\n"
+      "       talus-pictures channels WORLDS FILE\n"
       "       talus-pictures drive EYE TARGET FOLDER MAPS...\n");
   return 2;
 }

@@ -35,6 +35,8 @@ io::LayerStyle style_of(const io::LayerStack& stack, const std::string& layer)
 io::ColourRange range_of(const io::LayerStack& stack, const io::LayerStyle& style)
 {
   if (style.palette == Palette::Scores || style.palette == Palette::States) return {};
+  if (style.palette == Palette::Amounts && !style.square_root)
+    return {0, kChannelClasses - 1, false, false, 0, 0};  // classes of a channel
   if (style.palette == Palette::Amounts)
     return {0, 0.05F, false, false, 0, 0};  // a standard deviation [m]
   std::vector<float> ground = *stack.find(layer_name(Layer::GroundElevation));
@@ -47,14 +49,15 @@ io::ColourRange range_of(const io::LayerStack& stack, const io::LayerStyle& styl
   return {*middle - kHeightSpan_m / 2, *middle + kHeightSpan_m / 2, false, false, 0, 0};
 }
 
-/** What the colours mean, in two rows. */
-io::Legend legend()
+/** What the colours mean, in two rows; `of_scores`: in one. */
+io::Legend legend(bool of_scores)
 {
   constexpr double kSmall = 0.8;
   io::Legend legend(kSmall);
   legend.colours("blocked", io::colours_of(Palette::Scores), "free");
   legend.swatch(io::not_judged_colour(), "not judged");
   legend.swatch(io::state_styles()[0].colour, "no data");
+  if (of_scores) return legend;
   legend.colours("low", io::colours_of(Palette::Heights), "high, over 0.6 m");
   legend.new_row();
   for (const std::size_t i : {1, 2, 3, 4})
@@ -83,15 +86,17 @@ cv::Mat layer_image(
   return tile;
 }
 
-cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together)
+cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together, SheetLegend explained)
 {
+  const bool of_scores = explained == SheetLegend::Scores;
+  const int legend_px = (of_scores ? 1 : 2) * kLegendRow_px;
   const int tile_px = tiles.front().image.cols, count = static_cast<int>(tiles.size());
   const int rows = (count + columns - 1) / columns;
   const auto left_of = [&](int column)
   { return kEdge_px + column * (tile_px + kGap_px) + column / together * (kWideGap_px - kGap_px); };
   Canvas canvas(
       left_of(columns - 1) + tile_px + kEdge_px,
-      kEdge_px + rows * (kTitle_px + tile_px + kGap_px) + 2 * kLegendRow_px + kEdge_px);
+      kEdge_px + rows * (kTitle_px + tile_px + kGap_px) + legend_px + kEdge_px);
   for (int i = 0; i < count; ++i)
   {
     const Tile& tile = tiles[static_cast<std::size_t>(i)];
@@ -104,8 +109,8 @@ cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together)
     const double middle = tile_px / 2.0;
     io::draw_robot(canvas, {x + middle, y + kTitle_px + middle}, 0, 12);
   }
-  legend().draw(
-      canvas, {kEdge_px, canvas.image().rows - kEdge_px - 2 * kLegendRow_px},
+  legend(of_scores).draw(
+      canvas, {kEdge_px, canvas.image().rows - kEdge_px - legend_px},
       canvas.image().cols - 2 * kEdge_px);
   return canvas.image();
 }

@@ -21,8 +21,17 @@ struct Tile
 cv::Mat layer_image(
     const io::LayerStack& stack, const std::string& layer, double side_m, int tile_px);
 
+/** Which colours a sheet explains. */
+enum class SheetLegend
+{
+  All,
+  Scores
+};
+
 /** All tiles, `columns` in a row, with what the colours mean below; a wider gap after every
  * `together` tiles. */
-cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together);
+cv::Mat draw_sheet(
+    const std::vector<Tile>& tiles, int columns, int together,
+    SheetLegend explained = SheetLegend::All);
 
 }  // namespace talus::pictures

@@ -249,7 +249,10 @@ void draw_panel(
     const std::vector<float>& values, const ColourRange& range, const PictureOptions& options)
 {
   constexpr double kRobot_px = 13;
-  cv::Mat cells = paint_cells(values, stack.cells_x, stack.cells_y, style.palette, range);
+  const bool has_colours = style.palette == Palette::Colours;
+  cv::Mat cells = has_colours
+                      ? paint_colours(stack, style.layer)
+                      : paint_cells(values, stack.cells_x, stack.cells_y, style.palette, range);
   const bool has_scores = style.palette == Palette::Scores;
   const auto* states = stack.find(layer_name(Layer::State));
   if (has_scores && states) paint_not_judged(cells, values, *states);
@@ -258,7 +261,7 @@ void draw_panel(
   canvas.text(style.title, plot.area.x - 1, plot.area.y - 8, kPanelTitle);
   if (style.palette == Palette::States)
     draw_state_legend(canvas, plot.area, values);
-  else
+  else if (!has_colours)
     draw_colour_scale(canvas, plot.area, style, range);
   if (has_scores) draw_no_score_legend(canvas, plot.area);
   draw_robot_on(canvas, plot, options, kRobot_px);

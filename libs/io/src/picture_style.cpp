@@ -8,8 +8,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 
 namespace talus::io
 {
@@ -91,6 +94,32 @@ const std::array<StateStyle, kCellStates>& state_styles()
   return styles;
 }
 
+namespace
+{
+constexpr std::array<const char*, 3> kColours{"red", "green", "blue"};
+
+/** The layers of red, green and blue become one. */
+void join_colours(std::vector<LayerStyle>& styles)
+{
+  for (const auto& [ending, title] :
+       {std::pair{"", "colour"}, std::pair{"_standing", "colour of what stands"}})
+  {
+    const auto place_of = [&, end = std::string(ending)](const char* colour)
+    {
+      return std::find_if(
+          styles.begin(), styles.end(),
+          [&](const LayerStyle& s) { return s.layer == colour + end; });
+    };
+    const auto is_there = [&](const char* colour) { return place_of(colour) != styles.end(); };
+    if (!std::all_of(kColours.begin(), kColours.end(), is_there)) continue;
+    for (const char* joined : {kColours[1], kColours[2]}) styles.erase(place_of(joined));
+    LayerStyle& red = *place_of(kColours[0]);
+    red.title = title;
+    red.palette = Palette::Colours;
+  }
+}
+}  // namespace
+
 std::vector<LayerStyle> styles_of(const LayerStack& stack)
 {
   std::vector<LayerStyle> styles;
@@ -102,6 +131,7 @@ std::vector<LayerStyle> styles_of(const LayerStack& stack)
     if (std::none_of(styles.begin(), styles.end(), same))
       styles.push_back({name, name, Palette::Amounts, "", "", false});
   }
+  join_colours(styles);
   return styles;
 }
 
@@ -178,6 +208,27 @@ cv::Mat paint_cells(
       const float step = std::round(last * std::min(1.0F, std::max(0.0F, part)));
       pixel = colours.at<cv::Vec3b>(static_cast<int>(std::lround(255 * (step / last))));
     }
+  return image;
+}
+
+cv::Mat paint_colours(const LayerStack& stack, const std::string& red)
+{
+  const std::string ending = red.substr(std::string(kColours[0]).size());
+  cv::Mat image(stack.cells_y, stack.cells_x, CV_8UC3, kUnknownColour);
+  for (int i = 0; i < image.rows * image.cols; ++i)
+  {
+    cv::Vec3b colour;
+    bool is_known = true;
+    for (std::size_t k = 0; k < kColours.size(); ++k)
+    {
+      const float v = (*stack.find(kColours[k] + ending))[static_cast<std::size_t>(i)];
+      is_known = is_known && std::isfinite(v);
+      if (is_known)
+        colour[static_cast<int>(2 - k)] =
+            static_cast<uchar>(std::lround(std::clamp(v, 0.0F, 255.0F)));
+    }
+    if (is_known) image.at<cv::Vec3b>(image.rows - 1 - i / image.cols, i % image.cols) = colour;
+  }
   return image;
 }
 

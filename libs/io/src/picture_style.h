@@ -14,7 +14,8 @@ enum class Palette
   Heights,  //!< viridis, one scale for all heights: higher is lighter, also for the colour-blind
   Amounts,  //!< viridis: more is lighter
   Scores,  //!< score_colour()
-  States  //!< one colour for each CellState
+  States,  //!< one colour for each CellState
+  Colours  //!< those of three layers, of which the style names the red one
 };
 
 /** How one layer is shown. */
@@ -43,7 +44,7 @@ struct StateStyle
 };
 const std::array<StateStyle, kCellStates>& state_styles();
 
-/** The layers of a stack in the order in which they are shown. */
+/** The layers of a stack in the order in which they are shown; red, green and blue are one. */
 std::vector<LayerStyle> styles_of(const LayerStack& stack);
 
 /** The values to show: those of the layer, or their square roots. */
@@ -67,6 +68,9 @@ inline constexpr int kFewColours = 12;
 cv::Mat paint_cells(
     const std::vector<float>& values, int cells_x, int cells_y, Palette palette,
     const ColourRange& range, int colour_count = 256);
+
+/** The same of the colours of three layers, from 0 to 255, of which `red` is the first. */
+cv::Mat paint_colours(const LayerStack& stack, const std::string& red);
 
 /** Of a cell whose ground is known, but not how it drives. */
 cv::Vec3b not_judged_colour();
