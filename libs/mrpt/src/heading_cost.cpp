@@ -105,17 +105,17 @@ class CellsBelow
   double cos_, sin_;
 };
 
-/** A place on the map below, robot frame. */
-struct Place
+/** A spot on the map below, robot frame. */
+struct Spot
 {
   double x_m, y_m, z_m;
 };
 
 /** What is known under a wheel. */
-std::vector<Place> places_under(
+std::vector<Spot> spots_under(
     const CellsBelow& cells, const mrpt::math::TPoint2D& wheel, const Footprint& robot)
 {
-  std::vector<Place> out;
+  std::vector<Spot> out;
   out.reserve(32);
   cells.each_under(
       wheel, robot.wheel_radius_m,
@@ -127,20 +127,20 @@ std::vector<Place> places_under(
 }
 
 /** Where a wheel rests. */
-const Place& highest_of(const std::vector<Place>& places)
+const Spot& highest_of(const std::vector<Spot>& spots)
 {
   return *std::max_element(
-      places.begin(), places.end(), [](const Place& a, const Place& b) { return a.z_m < b.z_m; });
+      spots.begin(), spots.end(), [](const Spot& a, const Spot& b) { return a.z_m < b.z_m; });
 }
 
 /** The plane that lies nearest to all of them. */
-Plane plane_through(const std::vector<std::vector<Place>>& wheels)
+Plane plane_through(const std::vector<std::vector<Spot>>& wheels)
 {
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   Eigen::Vector3d products = Eigen::Vector3d::Zero();
-  for (const auto& places : wheels)
+  for (const auto& spots : wheels)
   {
-    const Place& c = highest_of(places);
+    const Spot& c = highest_of(spots);
     const Eigen::Vector3d row(1, c.x_m, c.y_m);
     squares += row * row.transpose();
     products += row * c.z_m;
@@ -149,10 +149,10 @@ Plane plane_through(const std::vector<std::vector<Place>>& wheels)
   return {plane[0], plane[1], plane[2]};
 }
 
-double step_under(const std::vector<Place>& places, const Plane& plane)
+double step_under(const std::vector<Spot>& spots, const Plane& plane)
 {
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const Place& p : places)
+  for (const Spot& p : spots)
   {
     low = std::min(low, plane.above(p.x_m, p.y_m, p.z_m));
     high = std::max(high, plane.above(p.x_m, p.y_m, p.z_m));
@@ -203,16 +203,16 @@ HeadingCost heading_cost(
   require_usable(robot, T_map_base);
   if (map.empty()) return kUnknown;
   const CellsBelow cells(map, T_map_base);
-  std::vector<std::vector<Place>> wheels;
+  std::vector<std::vector<Spot>> wheels;
   for (const auto& wheel : robot.wheels)
   {
-    wheels.push_back(places_under(cells, wheel, robot));
+    wheels.push_back(spots_under(cells, wheel, robot));
     if (wheels.back().empty()) return kUnknown;
   }
   const Plane plane = plane_through(wheels);
   HeadingCost found{std::atan(plane.along), std::atan(plane.across), 0, 0, 0};
-  for (const auto& places : wheels)
-    found.step_m = std::max(found.step_m, step_under(places, plane));
+  for (const auto& spots : wheels)
+    found.step_m = std::max(found.step_m, step_under(spots, plane));
   found.clearance_m = clearance_under(cells, robot, plane);
   found.cost = std::min(
       1.0, std::max({
