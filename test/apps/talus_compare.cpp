@@ -30,6 +30,13 @@ TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
   EXPECT_EQ(read("out/methods.csv").rfind("world,method,update_median_ms", 0), 0);
   EXPECT_FALSE(cv::imread(path("out/maps.png")).empty());
   EXPECT_FALSE(cv::imread(path("out/fills.png")).empty());
+  EXPECT_FALSE(cv::imread(path("out/calibration_of_heights.png")).empty());
+
+  EXPECT_EQ(world["sensor"], "RS-LiDAR-16");
+  const auto& heights = world["heights"]["measured"];
+  EXPECT_GT(heights["all"]["within_2"], 0.85);
+  EXPECT_EQ(heights["near"]["n"].get<int>() + heights["far"]["n"].get<int>(), heights["all"]["n"]);
+  EXPECT_NE(read("out/tables.md").find("## heights within one and two told"), std::string::npos);
 }
 
 TEST_F(TalusCompare, SaysOfSeveralWorldsHowManyFailAndWhichIsTheWorst)
@@ -155,6 +162,8 @@ TEST_F(TalusCompare, HoldsPointsOutOfALogWithoutTruth)
   const auto json = nlohmann::json::parse(read("out/comparison.json"));
   EXPECT_GT(json["held_out"][0]["fills"]["bgk"]["all_n"], 100);
   EXPECT_LT(json["held_out"][0]["fills"]["talus"]["all_median_m"], 0.03);
+  EXPECT_GT(json["held_out"][0]["heights"]["measured"]["all"]["n"], 100);
+  EXPECT_FALSE(cv::imread(path("out/calibration_of_heights.png")).empty());
 }
 
 /** Labels of talus-map as those of people would be: its ground is a road, all else is something. */

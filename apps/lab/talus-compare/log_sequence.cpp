@@ -118,6 +118,7 @@ Sequence read_log(const std::string& path, const LogOptions& options)
       ++nowhere;
     else if (T)
     {
+      add_sensor(sequence, points.sensor_label);
       sequence.frames.push_back(frame_from(points, *T, sensors));
       sequence.frames.back().scan = scans - 1;
     }

@@ -14,6 +14,7 @@
 #include "../../common/printable.h"
 #include "../../common/progress_bar.h"
 #include "../../common/suspect.h"
+#include "bars_report.h"
 #include "log_sequence.h"
 #include "options.h"
 #include "pictures.h"
@@ -162,7 +163,7 @@ void require_outputs_apart(const CommandOptions& o)
   std::vector<std::string> outputs;
   for (const char* name :
        {"methods.csv", "fills.csv", "real_logs.csv", "labels.csv", "tables.md", kSeal, "maps.png",
-        "fills.png"})
+        "fills.png", "calibration_of_heights.png"})
     outputs.push_back((fs::path(o.output) / name).string());
   std::vector<std::string> inputs = o.inputs;
   for (const std::string& more : {o.world, o.truth, o.log.trajectory, o.config, o.expected})
@@ -184,6 +185,7 @@ void write_results(const Comparison& c, const talus::app::OutputFolder& folder)
   write(kSeal, comparison_json(c));
   write_maps_picture((to / "maps.png").string(), c.evaluations);
   write_fills_picture((to / "fills.png").string(), c.evaluations);
+  write_bars_picture((to / "calibration_of_heights.png").string(), c);
 }
 
 void print_error(const std::string& text) { std::cerr << "talus-compare: " << text << "\n"; }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "bars_report.h"
 #include "table.h"
 
 namespace talus::baselines
@@ -162,6 +163,8 @@ std::string tables(const Comparison& c, Render render, const std::string& title)
   }
   for (const HoldOut& h : c.holdouts)
     add(h.name + ": fills, held-out ground points", fill_table(h.fills));
+  if (const Table bars = bars_table(c); !bars.rows.empty())
+    add("heights within one and two told deviations, %", bars);
   for (const RealLog& log : c.real_logs)
     add(log.name + ": ground, obstacles and what is not judged, %", real_log_table(log.maps));
   for (const LabelledLog& log : c.labelled)
@@ -300,8 +303,13 @@ std::string comparison_json(const Comparison& c)
                  labels = worlds;
   for (const Evaluation& e : c.evaluations)
   {
-    nlohmann::json w{{"name", e.name}, {"frames", e.frames}, {"truth", e.has_truth}};
-    for (const Score& s : e.maps) w["methods"][s.method] = as_json(figures(s));
+    nlohmann::json w{
+        {"name", e.name}, {"sensor", e.sensor}, {"frames", e.frames}, {"truth", e.has_truth}};
+    for (const Score& s : e.maps)
+    {
+      w["methods"][s.method] = as_json(figures(s));
+      if (!s.bars.empty()) w["heights"] = bars_json(s.bars);
+    }
     for (const FillScore& f : e.fills) w["fills"][f.fill] = as_json(figures(f));
     if (e.has_truth)
       for (const BudgetResult& r : check_budgets(e))
@@ -310,7 +318,8 @@ std::string comparison_json(const Comparison& c)
   }
   for (const HoldOut& h : c.holdouts)
   {
-    nlohmann::json j{{"name", h.name}, {"frames", h.frames}};
+    nlohmann::json j{{"name", h.name}, {"sensor", h.sensor}, {"frames", h.frames}};
+    if (!h.bars.empty()) j["heights"] = bars_json(h.bars);
     for (const FillScore& f : h.fills) j["fills"][f.fill] = as_json(figures(f));
     holdouts.push_back(j);
   }

@@ -62,6 +62,7 @@ class Evaluator
       if (options_.progress) options_.progress("maps", i + 1, total);
     }
     result_.name = sequence_.name;
+    result_.sensor = sequence_.sensor;
     result_.frames = total;
     result_.has_truth = truth_ != nullptr;
     for (Entry& e : entries_) result_.maps.push_back(std::move(e.score));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 #include <unordered_map>
 
 namespace talus::baselines
@@ -200,6 +201,60 @@ void score_cell(HoldOut& out, const Fills& fills, const Surfaces& map, std::size
   }
 }
 
+/** Cells within two of something that stands on the ground. */
+std::vector<std::uint8_t> beside_objects(const Surfaces& map, double step_m)
+{
+  const int n = map.window.cells;
+  cv::Mat stands(n, n, CV_8U);
+  for (int k = 0; k < n * n; ++k)
+  {
+    const auto at = static_cast<std::size_t>(k);
+    stands.at<std::uint8_t>(k / n, k % n) =
+        static_cast<double>(map.elevation_m[at] - map.ground_m[at]) > step_m / 2;
+  }
+  cv::dilate(stands, stands, cv::Mat::ones(5, 5, CV_8U));
+  return {stands.begin<std::uint8_t>(), stands.end<std::uint8_t>()};
+}
+
+/** What a frame is scored with. */
+struct Held
+{
+  const Surfaces& map;  //!< of the beams that were kept
+  const std::vector<float>& ground_m;  //!< see LowestSeen
+  const Parameters& parameters;
+
+  bool may_be(std::size_t k, float z_m) const
+  {
+    const double slope = std::tan(parameters.slope_threshold_rad);
+    return may_be_ground(ground_m, map.window, k, z_m, slope);
+  }
+};
+
+void score_fills(HoldOut& out, const Held& held, const std::vector<float>& lowest_m)
+{
+  const Fills fills = all_fills(held.map);
+  for (std::size_t f = 0; f < fills.size(); ++f) out.fills[f].fill = fills[f].first;
+  for (std::size_t k = 0; k < lowest_m.size(); ++k)
+  {
+    const auto state = static_cast<CellState>(held.map.state[k]);
+    if (!std::isnan(lowest_m[k]) && state != CellState::Measured && state != CellState::Presumed &&
+        held.may_be(k, lowest_m[k]))
+      score_cell(out, fills, held.map, k, lowest_m[k]);
+  }
+}
+
+/** Compares the heights with those of the map of the held-out beams. */
+void score_bars(HoldOut& out, const Held& held, const Surfaces& other)
+{
+  const double step_m = held.parameters.step_threshold_m;
+  const auto beside = beside_objects(held.map, step_m),
+             beside_other = beside_objects(other, step_m);
+  for (std::size_t k = 0; k < other.size(); ++k)
+    if (static_cast<CellState>(other.state[k]) == CellState::Measured && !beside[k] &&
+        !beside_other[k] && held.may_be(k, other.ground_m[k]))
+      out.bars.add(held.map, k, held.map.ground_m[k] - other.ground_m[k], other.variance_m2[k]);
+}
+
 }  // namespace
 
 HoldOut hold_out(
@@ -207,10 +262,11 @@ HoldOut hold_out(
 {
   HoldOut out;
   out.name = sequence.name;
+  out.sensor = sequence.sensor;
   out.frames = static_cast<int>(sequence.frames.size());
   out.fills.resize(fill_methods().size() + 1);
   const auto map = make_method("talus", options.parameters, options.backend);
-  const double slope = std::tan(options.parameters.slope_threshold_rad);
+  const auto other = make_method("talus", options.parameters, options.backend);
   const int first = std::min(holdout.from_frame, out.frames - 1);
   LowestSeen seen;
   for (const ScanFrame& scan : sequence.frames) seen.add(scan, options.parameters);
@@ -219,19 +275,14 @@ HoldOut hold_out(
     const ScanFrame& scan = sequence.frames[static_cast<std::size_t>(i)];
     const SplitScan parts = split(scan, holdout);
     map->update(parts.kept.view());
+    other->update(parts.held.view());
     if (options.progress) options.progress("held-out beams", i + 1, out.frames);
     if (i < first) continue;
     const Surfaces surfaces = map->read();
-    const Fills fills = all_fills(surfaces);
-    for (std::size_t f = 0; f < fills.size(); ++f) out.fills[f].fill = fills[f].first;
-    const auto held = lowest_points(parts.held, surfaces.window, options.parameters);
     const auto all = seen.in(surfaces.window);
-    for (std::size_t k = 0; k < held.size(); ++k)
-      if (!std::isnan(held[k]) &&
-          static_cast<CellState>(surfaces.state[k]) != CellState::Measured &&
-          static_cast<CellState>(surfaces.state[k]) != CellState::Presumed &&
-          may_be_ground(all, surfaces.window, k, held[k], slope))
-        score_cell(out, fills, surfaces, k, held[k]);
+    const Held held{surfaces, all, options.parameters};
+    score_fills(out, held, lowest_points(parts.held, surfaces.window, options.parameters));
+    score_bars(out, held, other->read());
   }
   return out;
 }

@@ -31,6 +31,7 @@ class TalusMethod : public Method
     s.ground_m = map_.layer(Layer::GroundElevation);
     s.elevation_m = map_.layer(Layer::Elevation);
     s.traversability = map_.layer(Layer::Traversability);
+    s.variance_m2 = map_.layer(Layer::Variance);
     s.sparsity = map_.layer(Layer::Sparsity);
     const auto& state = map_.layer(Layer::State);
     for (std::size_t i = 0; i < state.size(); ++i)

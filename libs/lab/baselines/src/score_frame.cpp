@@ -81,6 +81,7 @@ class FrameScorer
       (here_.could_see[k] ? score_.two_sided_seen : score_.two_sided_unseen).add(error);
     if (state(k) == CellState::FilledOneSided) score_.one_sided.add(error);
     if (state(k) == CellState::Presumed) score_.presumed_ground.add(error);
+    if (state(k) != CellState::Measured || truth_.clear(at)) score_.bars.add(map_, k, error);
     if (state(k) != CellState::Measured || !truth_.clear(at)) return;
     const auto terrain = static_cast<std::size_t>(truth_.terrain[at]);
     score_.measured_ground[terrain].add(error);

@@ -21,12 +21,21 @@ Frame ScanFrame::view() const
   return f;
 }
 
+void add_sensor(Sequence& sequence, const std::string& name)
+{
+  const std::string all = " + " + sequence.sensor + " + ";
+  if (all.find(" + " + name + " + ") != std::string::npos) return;
+  sequence.sensor += (sequence.sensor.empty() ? "" : " + ") + name;
+}
+
 Sequence simulate(
     const sim::World& world, const sim::Drive& drive,
     const std::function<void(int done, int total)>& progress)
 {
   Sequence sequence;
   sequence.name = world.name;
+  for (std::size_t i = 0; i < world.sensors.size(); ++i)
+    add_sensor(sequence, drive.scanner(i).name);
   for (int i = 0; i < drive.frames(); ++i)
   {
     sim::Scan scan = drive.scan(i);

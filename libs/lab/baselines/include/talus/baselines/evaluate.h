@@ -35,7 +35,7 @@ struct Snapshot
 /** One log or world through every method. */
 struct Evaluation
 {
-  std::string name;
+  std::string name, sensor;  //!< see Sequence
   int frames = 0;
   bool has_truth = false;
   std::vector<Score> maps;  //!< as EvaluationOptions::methods

@@ -11,7 +11,12 @@ namespace talus::baselines
  * is held out, the lowest point of each cell is predicted, if it is ground: nowhere within 3 m does
  * the ground of the log (the second lowest of what its frames saw in a cell, held out or not) lie
  * lower than a cone of the slope threshold and 0.1 m below it. Cells with measured ground in the
- * map are left out, since nothing is filled there. */
+ * map are left out, since nothing is filled there.
+ *
+ * The held-out beams also make a map of their own. Where it measured such ground, and nothing
+ * stands higher than half a step within two cells, the heights of both maps are compared with the
+ * variances of both. What all beams share does not show: errors of poses, reflections of a wet
+ * floor. */
 struct HoldOutOptions
 {
   int every = 4;
@@ -21,10 +26,11 @@ struct HoldOutOptions
 
 struct HoldOut
 {
-  std::string name;
+  std::string name, sensor;
   int frames = 0;
   std::vector<FillScore> fills;  //!< `all`, `two_sided` and `one_sided` on the same cells for every
                                  //!< fill; talus's first
+  HeightBars bars;  //!< of talus, measured ground included
 };
 
 HoldOut hold_out(

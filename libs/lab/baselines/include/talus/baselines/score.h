@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/baselines/height_bars.h>
 #include <talus/baselines/truth_map.h>
 
 #include <array>
@@ -56,6 +57,9 @@ struct Score
                           //!< ground in some frame so far
   Errors two_sided_unseen, one_sided;
   Errors presumed_ground;  //!< where the robot stood, or started
+  /** The errors of all of these beside the variances that the map tells of them; empty for methods
+   * that tell none. */
+  HeightBars bars;
   /// @}
 
   /// @name Coverage, of all cells of the window

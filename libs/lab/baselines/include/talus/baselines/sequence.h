@@ -30,7 +30,11 @@ struct Sequence
 {
   std::string name;
   std::vector<ScanFrame> frames;
+  std::string sensor{};  //!< what took the scans: the scanners of a world, the labels of a log
 };
+
+/** Names a sensor of the sequence, once. */
+void add_sensor(Sequence& sequence, const std::string& name);
 
 /** Scans a world. The poses have the errors of the drive's options. */
 Sequence simulate(

@@ -1,0 +1,32 @@
+#pragma once
+#include <nlohmann/json.hpp>
+
+#include "report.h"
+#include "table.h"
+
+namespace talus::baselines
+{
+/** How the heights of talus in one world or log, or in several, lie beside what the map tells of
+ * them. Shares of several are means over these. */
+struct BarsOf
+{
+  std::string name, sensor;
+  std::vector<const HeightBars*> each;
+};
+
+/** One a world, one a log, then all worlds and the worlds of each sensor, where there are several.
+ * Empty where talus was not compared with a truth. */
+std::vector<BarsOf> bars_of(const Comparison& c);
+
+/** Rows are those of bars_of(), for each kind of height the shares within one and two told
+ * deviations [%] and the medians of told and true deviation [mm]. */
+Table bars_table(const Comparison& c);
+
+/** The figures of one world or log, near, far and both. */
+nlohmann::json bars_json(const HeightBars& bars);
+
+/** Writes the reliability curves: over the share of heights that should lie within the told
+ * deviations the share that does. Nothing where there is none. */
+void write_bars_picture(const std::string& path, const Comparison& c);
+
+}  // namespace talus::baselines

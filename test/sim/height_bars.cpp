@@ -1,0 +1,104 @@
+// How often heights lie within the deviations that are told of them.
+#include <gtest/gtest.h>
+#include <talus/baselines/height_bars.h>
+#include <talus/baselines/holdout.h>
+#include <talus/sim/random.h>
+
+#include <cmath>
+#include <limits>
+
+namespace talus::baselines
+{
+namespace
+{
+constexpr int kMany = 20000;
+constexpr double kShare = 0.015;  //!< four deviations of a share of kMany
+
+/** Normal errors of a deviation, told as another. */
+ToldErrors normal_errors(double true_m, double told_m)
+{
+  sim::Random random(7);
+  ToldErrors e;
+  for (int i = 0; i < kMany; ++i)
+    e.add(static_cast<float>(true_m * random.normal()), static_cast<float>(told_m * told_m));
+  return e;
+}
+
+TEST(ToldErrors, WithinOneAndTwoTrueDeviationsAre68And95Percent)
+{
+  const ToldErrors e = normal_errors(0.01, 0.01);
+  EXPECT_NEAR(e.within(1), 0.683, kShare);
+  EXPECT_NEAR(e.within(2), 0.954, kShare);
+  for (const double p : {0.1, 0.5, 0.9}) EXPECT_NEAR(e.share_within(p), p, kShare);
+  EXPECT_NEAR(e.true_m(), 0.01, 3e-4);
+}
+
+TEST(ToldErrors, OfAModestMapAreNearlyAllWithinOne)
+{
+  EXPECT_GT(normal_errors(0.01, 0.04).within(1), 0.99);
+  EXPECT_LT(normal_errors(0.04, 0.01).within(2), 0.45);
+}
+
+TEST(ToldErrors, LeaveOutWhatHasNoVariance)
+{
+  ToldErrors e;
+  e.add(0.1f, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(e.count(), 0U);
+  EXPECT_TRUE(std::isnan(e.within(1)));
+}
+
+TEST(HeightBars, AreKeptByKindAndDistance)
+{
+  Surfaces map(Window{8, 1.0, 0, 0});
+  map.variance_m2.assign(64, 0.04f);
+  const auto cell = [](int x, int y) { return static_cast<std::size_t>(8 * y + x); };
+  map.state[cell(4, 4)] = static_cast<std::uint8_t>(CellState::Measured);
+  map.state[cell(7, 4)] = static_cast<std::uint8_t>(CellState::FilledOneSided);
+  HeightBars bars;
+  EXPECT_TRUE(bars.empty());
+  for (const auto k : {cell(4, 4), cell(7, 4), cell(0, 0)}) bars.add(map, k, -0.1f, 0.05f);
+  EXPECT_EQ(bars.near(0).count(), 1U);
+  EXPECT_EQ(bars.far(2).count(), 1U);
+  EXPECT_EQ(
+      bars.all(0).count() + bars.all(1).count() + bars.all(2).count() + bars.all(3).count(), 2U);
+  EXPECT_FLOAT_EQ(bars.near(0).told_m[0], 0.3f);
+  EXPECT_FLOAT_EQ(bars.near(0).abs_m[0], 0.1f);
+}
+
+/** One scan of a floor in rings, each point with an error of its own. */
+Sequence scan_of_a_floor(double error_m)
+{
+  Sequence s;
+  sim::Random random(3);
+  ScanFrame f;
+  f.T_map_sensor.m[11] = 1.0;
+  for (double range_m = 0.6; range_m < 3.5; range_m += 0.02)
+  {
+    for (int a = 0; a < 720; ++a)
+    {
+      f.x_m.push_back(static_cast<float>(range_m * std::cos(a * M_PI / 360)));
+      f.y_m.push_back(static_cast<float>(range_m * std::sin(a * M_PI / 360)));
+      f.z_m.push_back(static_cast<float>(-1 + error_m * random.normal()));
+    }
+  }
+  s.frames.push_back(std::move(f));
+  return s;
+}
+
+TEST(HoldOut, ComparesTheHeightsOfTwoMapsWithWhatBothTell)
+{
+  EvaluationOptions small;
+  small.parameters.window_m = 4, small.parameters.resolution_m = 0.1;
+  for (const double error_m : {0.002, 0.01})
+  {
+    const HoldOut out = hold_out(scan_of_a_floor(error_m), small, {});
+    const ToldErrors measured = out.bars.all(0);
+    ASSERT_GT(measured.count(), 100U);
+    EXPECT_LT(measured.true_m(), 2 * error_m);
+    EXPECT_GT(measured.within(2), 0.85) << error_m;
+    EXPECT_LT(measured.median_told_m(), 3 * error_m);
+  }
+}
+
+}  // namespace
+}  // namespace talus::baselines
