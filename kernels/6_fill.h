@@ -138,6 +138,16 @@ TALUS_HD LineFusion fuse_sides(const SideEstimate& a, const SideEstimate& b)
   return line;
 }
 
+/** The variance of a fill. Its lines tell how far they may be off, by their gaps and by the rise in
+ * them, and half of what the mean lies above the lowest tells how rough the ground around is. */
+TALUS_HD float variance_of_fill(const LineFusion& lines, const Config& k)
+{
+  const float apart_m = kLinesApart * (lines.weighted / lines.information - lines.lowest_m);
+  const float line_m = sqrtf(kFillLines / lines.information) - kLineDeviation_m;
+  const float gap_m = k.fill_variance_per_m / kBeyondDeviation * max_of(line_m, 0.0f);
+  return apart_m * apart_m + gap_m * gap_m;
+}
+
 /** The estimate of a cell's ground from its lines. */
 struct alignas(16) Inference
 {
@@ -235,7 +245,8 @@ struct FillCell
         fill_of_lines(inferred.lines, low_m, (r == kObject) & on(kLowestUnderObject, k));
     const float ground = select(filled, fill_m, before);
     const int fall = select(filled, marks & (kSlopes | kDrops), 0);
-    const float fill_m2 = select(fall != 0, kFalls_m2, inferred.variance_m2);
+    const float fill_m2 = select(
+        fall != 0, kFalls_m2, max_of(variance_of_fill(inferred.lines, k), k.min_variance_m2));
     const float variance = select(filled, fill_m2, var_before);
     const int filled_as = select(two_sided, kFilledTwoSided, kFilledOneSided);
     const int state = select(filled, filled_as, state_before);

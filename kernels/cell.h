@@ -183,17 +183,17 @@ enum SurfaceClass : std::uint8_t
                //!< ground under it
 };
 
-/** Destinations of the layers of stages 2 to 6, window order; null: not wanted. */
+/** Destinations of the layers of stages 2 to 6 that cells have, window order; null: not wanted. The
+ * variance has a rule of its own, TellVariance. */
 struct SurfaceLayers
 {
-  float *elevation, *ground, *variance, *state;
+  float *elevation, *ground, *state;
 
-  bool any() const { return elevation || ground || variance || state; }
+  bool any() const { return elevation || ground || state; }
   TALUS_HD void put(int window_i, const CellStore& store, int storage_i, float offset_m) const
   {
     if (elevation) elevation[window_i] = raised(store.elevation_m[storage_i], offset_m);
     if (ground) ground[window_i] = raised(store.ground_m[storage_i], offset_m);
-    if (variance) variance[window_i] = store.ground_var_m2[storage_i];
     if (state) state[window_i] = static_cast<float>(store.state[storage_i]);
   }
 };

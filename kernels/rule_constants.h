@@ -130,6 +130,11 @@ constexpr float kRiseDeviation = 0.289f;
 /** The deviation between two samples is this share of their reduced distance, a b / (a + b) [m/m];
  * beside one it is this share of its distance. */
 constexpr float kBetweenDeviation = 0.1f, kBeyondDeviation = 0.3f;
+/** The lines of a fill: from the sensor, row and column. */
+constexpr float kFillLines = 3.0f;
+/** The standard deviation of a fill grows by this share of what the mean of its lines lies above
+ * the lowest: fitted, with fill_variance_per_m, to the errors of fills. */
+constexpr float kLinesApart = 0.5f;
 /** A fill may lie too high. Where that matters, below an object and where rays prove it to be free,
  * it lies at most so much above the lowest of its lines [steps]. */
 constexpr float kAboveLowestLine_steps = 0.25f;

@@ -60,7 +60,6 @@ TEST(HandedOverCells, AreWhatTheLayersShow)
             (r.min_cell_y - w.min_cell_y + y) * w.cells + r.min_cell_x - w.min_cell_x + x);
         EXPECT_TRUE(same(records[i].ground_m, m.map.layer(Layer::GroundElevation)[at]));
         EXPECT_TRUE(same(records[i].elevation_m, m.map.layer(Layer::Elevation)[at]));
-        EXPECT_TRUE(same(records[i].ground_variance_m2, m.map.layer(Layer::Variance)[at]));
         EXPECT_TRUE(same(records[i].traversability, m.map.layer(Layer::Traversability)[at]));
         EXPECT_EQ(static_cast<float>(records[i].state), m.map.layer(Layer::State)[at]);
       }

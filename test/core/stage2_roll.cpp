@@ -17,8 +17,14 @@ Scan textured(double x, double y)
   return s;
 }
 
-/** Compares the cells that both windows hold, bit by bit, in all persistent layers. Returns how
- * many. */
+/** Whether neighbours of a cell, up to two cells away, are all in the window. */
+bool has_neighbours(std::int64_t x, std::int64_t y, const Window& w)
+{
+  return x >= 2 && y >= 2 && x < w.cells - 2 && y < w.cells - 2;
+}
+
+/** Compares the cells that both windows hold, bit by bit, in all persistent layers; the variance,
+ * which neighbours tell, where both windows hold these, too. Returns how many cells. */
 int expect_common_cells_equal(
     const std::array<std::vector<float>, 4>& before, const Window& wb, const ElevationMapper& after)
 {
@@ -30,8 +36,10 @@ int expect_common_cells_equal(
       const auto bx = ix + wa.min_cell_x - wb.min_cell_x, by = iy + wa.min_cell_y - wb.min_cell_y;
       if (bx < 0 || by < 0 || bx >= wb.cells || by >= wb.cells) continue;
       common++;
+      const bool all = has_neighbours(ix, iy, wa) && has_neighbours(bx, by, wb);
       for (int l = 0; l < 4; l++)
       {
+        if (static_cast<Layer>(l) == Layer::Variance && !all) continue;
         const float a =
             after.layer(static_cast<Layer>(l))[static_cast<std::size_t>(iy * wa.cells + ix)];
         const float b =

@@ -84,7 +84,11 @@ class MapBackend final : public BackendInterface
   void complete_parts();
   void export_surface(Layer layer, float* to)
   {
-    executor_.for_each_cell(map_.side(), map_.side(), map_.export_surface(layer, to));
+    const int side = map_.side();
+    if (layer == Layer::Variance)
+      executor_.for_each_cell(side, side, map_.tell_variance(to));
+    else
+      executor_.for_each_cell(side, side, map_.export_surface(layer, to));
   }
   static int size_of(const std::vector<WindowRect>& rects)
   {
@@ -229,6 +233,9 @@ void MapBackend<Schedule>::write_cells(const std::vector<WindowRect>& rects, con
       rects, within_reach(from, static_cast<std::size_t>(size_of(rects))),
       [this](const WindowRects& some, int size, const CellRecord* records)
       { executor_.for_each_from_host(size, map_.write_cell(some), records); });
+  constexpr auto variance = static_cast<std::size_t>(Layer::Variance);
+  if (float* const shown = map_.now->outputs[variance].mapped)
+    export_surface(Layer::Variance, shown);
   executor_.synchronize();
 }
 
@@ -400,6 +407,7 @@ void MapBackend<Schedule>::write_all(const MapBytes& bytes, const kernels::Frame
     if (float* const to = map_.surface(static_cast<Layer>(i)))
       export_surface(static_cast<Layer>(i), to);
   map_.deliver_surfaces(executor_, 0, map_.side());
+  map_.deliver_variance(executor_);
   map_.deliver_features(executor_, 0, map_.side());
   executor_.synchronize();
 }

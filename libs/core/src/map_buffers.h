@@ -13,6 +13,7 @@
 #include "kernels/4_underfoot.h"
 #include "kernels/5_cleanup.h"
 #include "kernels/6_fill.h"
+#include "kernels/6_variance.h"
 #include "kernels/7_judge.h"
 #include "kernels/8_label.h"
 #include "kernels/9_channels.h"
@@ -246,9 +247,7 @@ struct MapBuffers
   template <class Where>
   static kernels::SurfaceLayers surfaces_at(const Where& where)
   {
-    return {
-        where(Layer::Elevation), where(Layer::GroundElevation), where(Layer::Variance),
-        where(Layer::State)};
+    return {where(Layer::Elevation), where(Layer::GroundElevation), where(Layer::State)};
   }
   kernels::SurfaceLayers surface_layers()
   {
@@ -260,6 +259,13 @@ struct MapBuffers
     return {
         config.data(), context.data(), store(),
         surfaces_at([=](Layer l) { return l == layer ? to : nullptr; })};
+  }
+  /** Tells the variance of all cells in window order. */
+  kernels::TellVariance tell_variance(float* to)
+  {
+    auto v = on_cells<kernels::TellVariance>();
+    v.variance_m2 = to;
+    return v;
   }
   /** Reads cells of the window of the frame before. */
   ReadCell read_cell(const WindowRects& rects) { return ReadCell{hand_over(rects)}; }
@@ -365,7 +371,13 @@ struct MapBuffers
   void deliver_surfaces(Executor& executor, int first_row, int end_row)
   {
     for (int l = kFirstSurface; l < kFirstFeature; l++)
-      deliver(executor, static_cast<Layer>(l), surface(static_cast<Layer>(l)), first_row, end_row);
+      if (const auto layer = static_cast<Layer>(l); layer != Layer::Variance)
+        deliver(executor, layer, surface(layer), first_row, end_row);
+  }
+  /** It is told when the ground of all cells is known. */
+  void deliver_variance(Executor& executor)
+  {
+    deliver(executor, Layer::Variance, surface(Layer::Variance), 0, side());
   }
   void deliver_features(Executor& executor, int first_row, int end_row)
   {

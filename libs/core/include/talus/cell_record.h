@@ -13,7 +13,7 @@ struct CellRecord
    * frames, see forget_latest(). */
   static constexpr int kEvidenceBytes = 7, kLastingBytes = 5;
 
-  /** Height of the ground, and its variance. */
+  /** Height of the ground, and the variance of its fused points, or of its fill. */
   float ground_m = NAN, ground_variance_m2 = NAN;
   /** Height of the top of what stands on it, and its variance. */
   float elevation_m = NAN, elevation_variance_m2 = NAN;

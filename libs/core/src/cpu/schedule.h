@@ -208,6 +208,8 @@ class CpuSchedule
           for (int y = walk.first_of(part); y < walk.first_of(part + 1); y++)
             fill_row(StoredRow(side(), *map_.context.data(), y));
         });
+    if (float* const to = map_.surface(Layer::Variance))
+      executor_.for_each_cell(side(), side(), map_.tell_variance(to));
   }
 
   template <bool kParts>

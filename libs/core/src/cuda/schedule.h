@@ -169,6 +169,11 @@ class DeviceSchedule
           executor_.for_each_cell_by_lines(side(), first, end, search, beside_last);
           executor_.aside([&] { map_.deliver_surfaces(executor_, first, end); });
         });
+    if (float* const to = map_.surface(Layer::Variance))
+    {
+      executor_.for_each_cell(side(), side(), map_.tell_variance(to));
+      executor_.aside([&] { map_.deliver_variance(executor_); });
+    }
   }
 
   template <bool kParts>

@@ -1,0 +1,119 @@
+// What the map tells of the errors of its heights.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "scene.h"
+
+using namespace talus;
+using namespace talus::test;
+
+namespace
+{
+constexpr double kX = 2.025, kY = 0.025;
+
+/** Ground 1 m wide around the cell asked, seen so many times; `height(x, y)` in the map frame. */
+template <class Height>
+TestMap map_of(const Height& height, int scans = 1)
+{
+  TestMap m;
+  for (int i = 0; i < scans; i++) m.update(Scan().add_surface(1.5, -0.5, 2.5, 0.5, height));
+  return m;
+}
+double deviation_m(const TestMap& m, double x, double y)
+{
+  return std::sqrt(static_cast<double>(m.at(Layer::Variance, x, y)));
+}
+/** A height of its own for each cell, without any order, between -1 and 1. */
+double scattered(double x, double y)
+{
+  const auto cell = [](double at)
+  { return static_cast<std::uint64_t>(std::lround(at / 0.05 + 500)); };
+  return Random(cell(x) * 1000 + cell(y)).uniform(-1, 1);
+}
+}  // namespace
+
+TEST(Stage6Variance, OfALoneHitIsThatOfItsMeasurement)
+{
+  Parameters p;
+  p.c_beam_m = 0.02, p.a_beam = 0;
+  TestMap m(p);
+  m.update(Scan().add(kX, kY, 0.0));
+  EXPECT_NEAR(deviation_m(m, kX, kY), 0.02, 1e-4);
+}
+
+TEST(Stage6Variance, OfASmoothPlaneIsSmallWhateverItsSlope)
+{
+  const TestMap level = map_of(flat);
+  const TestMap slope = map_of([](double x, double) { return 0.3 * (x - 2); });
+  EXPECT_LT(deviation_m(level, kX, kY), 0.0015);
+  EXPECT_NEAR(deviation_m(slope, kX, kY), deviation_m(level, kX, kY), 1e-4);
+}
+
+TEST(Stage6Variance, FollowsTheScatterOfTheGround)
+{
+  for (const double amplitude_m : {0.005, 0.02})
+  {
+    const TestMap m = map_of([=](double x, double y) { return amplitude_m * scattered(x, y); });
+    const double scatter_m = amplitude_m / std::sqrt(3.0);  // of a uniform distribution
+    double sum_m = 0;
+    int cells = 0;
+    for (double x = 1.725; x < 2.3; x += 0.05)
+      for (double y = -0.275; y < 0.3; y += 0.05, cells++) sum_m += deviation_m(m, x, y);
+    EXPECT_NEAR(sum_m / cells, 1.1 * scatter_m, 0.25 * scatter_m) << amplitude_m;
+  }
+}
+
+TEST(Stage6Variance, ReliefThatGrowsWithTheDistanceCountsMoreThanNoise)
+{
+  // A ridge as wide as the larger neighbourhood: its middle strays little from 3 x 3 cells.
+  const TestMap ridge = map_of([](double x, double) { return -0.5 * std::abs(x - kX); });
+  const TestMap noise =
+      map_of([](double x, double y) { return 0.014 * scattered(x, y) * std::sqrt(3.0); });
+  EXPECT_GT(deviation_m(ridge, kX, kY), 0.02);
+  EXPECT_GT(deviation_m(noise, kX, kY), 0.005);
+}
+
+TEST(Stage6Variance, OfAFillGrowsWhereItsLinesDisagree)
+{
+  // Between two strips at the same height, and between strips of which one is 0.1 m higher.
+  const auto gap = [](double far_m)
+  {
+    TestMap m;
+    m.update(Scan()
+                 .add_surface(1.0, -1.0, 1.5, 1.0, flat)
+                 .add_surface(2.0, -1.0, 2.5, 1.0, level(far_m)));
+    return deviation_m(m, 1.775, 0.025);
+  };
+  EXPECT_LT(gap(0.0), 0.02);
+  EXPECT_GT(gap(0.1), 1.5 * gap(0.0));
+}
+
+TEST(Stage6Variance, IsTheSameDeliveredWithEachFrameAndReadOnDemand)
+{
+  TestMap delivered, asked;
+  delivered.map.set_output_layers({Layer::Variance});
+  for (int i = 0; i < 3; i++)
+  {
+    const Scan scan =
+        Scan(0.3 * i, 0.1 * i)
+            .add_surface(
+                1.0, -1.0, 1.7, 1.0, [](double x, double y) { return 0.03 * scattered(x, y); })
+            .add_surface(2.2, -1.0, 2.5, 1.0, flat);
+    delivered.update(scan);
+    asked.update(scan);
+    const auto &a = delivered.map.layer(Layer::Variance), &b = asked.map.layer(Layer::Variance);
+    ASSERT_EQ(a.size(), b.size());
+    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0) << "frame " << i;
+  }
+}
+
+TEST(Stage6Variance, IsTheSameAfterTheMapWasSavedAndRestored)
+{
+  TestMap m = map_of([](double x, double y) { return 0.02 * scattered(x, y); });
+  const std::vector<float> before = m.map.layer(Layer::Variance);
+  TestMap restored;
+  restored.map.restore(m.map.save());
+  const std::vector<float>& after = restored.map.layer(Layer::Variance);
+  EXPECT_EQ(std::memcmp(before.data(), after.data(), after.size() * sizeof(float)), 0);
+}
