@@ -76,10 +76,11 @@ TALUS_HD int places_in(float distance_m, float step_m, int rings)
   return floor_to_int(min_of(distance_m / step_m, static_cast<float>(rings)));
 }
 
-/** Bits of Inference::marks. */
+/** What the line from the sensor says of a cell, as bits. */
 enum FillMark : std::int32_t
 {
   kTwoSided = 2,
+  kInferred = 4,  //!< the line from the sensor has samples: otherwise nothing else counts
   kSlopes = 8,  //!< the ground falls in it by a step, as a slope does
   kDrops = 16  //!< the ground may drop in it
 };
@@ -95,14 +96,6 @@ TALUS_HD bool is_steep(float rise_m, float length_m, const Config& k)
 TALUS_HD bool undercuts(float free_above_m, float sample_m, float away_m)
 {
   return free_above_m < sample_m - kUndercutAhead_m - kGentle * away_m;
-}
-
-/** Variance of ground inferred from one side and the variance of its nearest sample [m^2]; NaN: no
- * samples. */
-TALUS_HD float variance_of_side(const SideEstimate& side, float sample_variance_m2, const Config& k)
-{
-  const float spread_m = k.fill_variance_per_m * side.distance_m;
-  return select(side.any(), sample_variance_m2 + spread_m * spread_m, kNan);
 }
 
 /** Heights of several lines, weighted by the gaps that they bridge. */
@@ -148,35 +141,17 @@ TALUS_HD float variance_of_fill(const LineFusion& lines, const Config& k)
   return apart_m * apart_m + gap_m * gap_m;
 }
 
-/** The estimate of a cell's ground from its lines. */
-struct alignas(16) Inference
-{
-  LineFusion lines;
-  float variance_m2 = kNan;  //!< NaN: no samples
-
-  TALUS_HD bool any() const { return is_known(variance_m2); }
-};
-
-/** The variance of ground between samples of both sides, or beside those of one; NaN: no samples.
- */
-TALUS_HD float fuse_variances(float inner_m2, float outer_m2)
-{
-  const bool has_inner = is_known(inner_m2), both = has_inner & is_known(outer_m2);
-  const float fused = inner_m2 * outer_m2 / (inner_m2 + outer_m2);
-  return select(both, fused, select(has_inner, inner_m2, outer_m2));
-}
-
 /** Bits of FillMark of a place with samples on the inner and the outer side. */
 TALUS_HD std::int32_t marks_of_sides(bool inner, bool outer, bool undercut_ahead)
 {
-  return select(inner & outer, kTwoSided, 0) | select(inner & !outer & undercut_ahead, kDrops, 0);
+  return select(inner | outer, kInferred, 0) | select(inner & outer, kTwoSided, 0) |
+         select(inner & !outer & undercut_ahead, kDrops, 0);
 }
 
 /** Measured ground that fills may use, by place of the grid. */
 struct Samples
 {
   float* height_m;  //!< NaN: none
-  float* variance_m2;
   float* free_above_m;  //!< for all places, see free_above_m(); used where lines are swept
 };
 
@@ -229,7 +204,7 @@ struct FillCell
 
   TALUS_HD bool wanted(int storage_i) const { return surface_class[storage_i] != kKeep; }
 
-  TALUS_HD int operator()(int ix, int iy, int storage_i, const Inference& inferred, int marks) const
+  TALUS_HD int operator()(int ix, int iy, int storage_i, const LineFusion& lines, int marks) const
   {
     const Config& k = *config;
     const int window_i = iy * cells + ix;
@@ -239,14 +214,14 @@ struct FillCell
     const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
     const float stands_m = store.elevation_m[storage_i], free_m = free_above_m(passing, window_i);
     // Otherwise the older fill, or the object, stays.
-    const bool filled = (r != kKeep) & inferred.any(), two_sided = (marks & kTwoSided) != 0;
-    const float low_m = low_line_m(inferred.lines, k);
-    const float fill_m =
-        fill_of_lines(inferred.lines, low_m, (r == kObject) & on(kLowestUnderObject, k));
+    const bool filled = (r != kKeep) & ((marks & kInferred) != 0);
+    const bool two_sided = (marks & kTwoSided) != 0;
+    const float low_m = low_line_m(lines, k);
+    const float fill_m = fill_of_lines(lines, low_m, (r == kObject) & on(kLowestUnderObject, k));
     const float ground = select(filled, fill_m, before);
     const int fall = select(filled, marks & (kSlopes | kDrops), 0);
-    const float fill_m2 = select(
-        fall != 0, kFalls_m2, max_of(variance_of_fill(inferred.lines, k), k.min_variance_m2));
+    const float fill_m2 =
+        select(fall != 0, kFalls_m2, max_of(variance_of_fill(lines, k), k.min_variance_m2));
     const float variance = select(filled, fill_m2, var_before);
     const int filled_as = select(two_sided, kFilledTwoSided, kFilledOneSided);
     const int state = select(filled, filled_as, state_before);

@@ -196,7 +196,6 @@ struct MapBuffers
   {
     kernels::Samples v{};
     v.height_m = sample_height.data();
-    v.variance_m2 = sample_variance.data();
     v.free_above_m = free_above.data();
     return v;
   }
@@ -459,7 +458,7 @@ struct MapBuffers
   Buffer<std::uint8_t> in_open;
   Buffer<float> passing_lowest, passing_highest;
   Buffer<float> coarse;  //!< coarse grid
-  Buffer<float> sample_height, sample_variance, fall;  //!< grid of lines
+  Buffer<float> sample_height, fall;  //!< grid of lines
   Buffer<float> free_above;  //!< grid of lines, for schedules that sweep along lines
   Buffer<kernels::Surface> judged_surfaces;
 
@@ -512,8 +511,7 @@ void MapBuffers<Executor>::allocate(Executor& executor)
   const auto pooled = static_cast<std::size_t>(kernels::coarse_side(host_config));
   const std::size_t pad = 2 * static_cast<std::size_t>(kernels::dilation_radius(host_config));
   executor.allocate(coarse, kCoarseArrays * pooled * (pooled + pad), kernels::kInfinity);
-  for (auto* b : {&sample_height, &sample_variance, &fall})
-    executor.allocate(*b, grid_size(), kernels::kNan);
+  for (auto* b : {&sample_height, &fall}) executor.allocate(*b, grid_size(), kernels::kNan);
   executor.allocate(config, 1, kernels::Config{});
   executor.allocate(context, 1, kernels::FrameContext{});
   executor.allocate(counters, kernels::kCounters, std::uint32_t{0});

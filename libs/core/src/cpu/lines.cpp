@@ -78,7 +78,6 @@ struct alignas(64) Met
 {
   float height_m[kSamples][kLanes];
   int place[kSamples][kLanes];
-  float variance_m2[kLanes];  //!< variance of the nearest, where it is asked for
   int latest;  //!< the place of the nearest of all lines ...
   std::uint32_t latest_lines;  //!< ... and which lines met it there
 
@@ -94,8 +93,7 @@ struct alignas(64) Met
   bool is_within(int places, int here) const { return kernels::abs_of(here - latest) <= places; }
 
   /** Sets line `l` to the samples met `before`, and to the one `here` if it is known. */
-  template <bool kVariance>
-  void meet(const Met& before, int l, bool known, float sample_m, float sample_m2, int here)
+  void meet(const Met& before, int l, bool known, float sample_m, int here)
   {
     for (int s = kSamples - 1; s > 0; s--)
     {
@@ -104,7 +102,6 @@ struct alignas(64) Met
     }
     height_m[0][l] = kernels::select(known, sample_m, before.height_m[0][l]);
     place[0][l] = kernels::select(known, here, before.place[0][l]);
-    if (kVariance) variance_m2[l] = kernels::select(known, sample_m2, before.variance_m2[l]);
   }
 
   int distance(int l, int here) const { return kernels::abs_of(here - place[0][l]); }
@@ -142,7 +139,7 @@ using LinesFound = SideBySide<kernels::LineFusion, kLanes>;
 struct Found
 {
   LinesFound lines;
-  float variance_m2[kLanes], fall_m[kLanes];
+  float fall_m[kLanes];
   std::int32_t marks[kLanes];
 };
 
@@ -212,7 +209,7 @@ class Sweep
       const int first = strip.first + place * strip.along;
       const int* const minor = strip.at(place, !kRays).minor;
       if (strip.leaps()) fetch(strip, samples, std::min(place + kAhead, strip.places - 1));
-      float height_m[kLanes], variance_m2[kLanes];
+      float height_m[kLanes];
       if (!kRays && strip.columns())
         std::copy_n(samples.height_m + first, kLanes, height_m);
       else
@@ -223,18 +220,10 @@ class Sweep
       }
       const std::uint32_t known = known_of(height_m);
       if (!known) continue;
-      if (kRays)
-      {
-        TALUS_INDEPENDENT
-        for (int l = 0; l < kLanes; l++)
-          variance_m2[l] = samples.variance_m2[first + minor[l] * strip.across];
-      }
       const Side& before = *met++;
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
-        met->template meet<kRays>(
-            before, l, kernels::is_known(height_m[l]), height_m[l], kRays ? variance_m2[l] : 0.0f,
-            place);
+        met->meet(before, l, kernels::is_known(height_m[l]), height_m[l], place);
       met->latest = place, met->latest_lines = known;
     }
     return met;
@@ -247,8 +236,7 @@ class Sweep
     for (int l = 0; l < kLanes; l++)
     {
       const bool known = here.place[0][l] == place;
-      behind.template meet<kRays>(
-          behind, l, known, here.height_m[0][l], kRays ? here.variance_m2[l] : 0.0f, place);
+      behind.meet(behind, l, known, here.height_m[0][l], place);
       if (kRays) undercut.place[l] = kernels::select(known, -kNowhere, undercut.place[l]);
     }
     behind.latest = place;
@@ -303,7 +291,6 @@ class Sweep
       const int lane = std::min(l, kLanes - 1);
       const int i = strip.first + place * strip.along + minor[lane] * strip.across;
       __builtin_prefetch(samples.height_m + i);
-      if (kRays) __builtin_prefetch(samples.variance_m2 + i);
     }
   }
 
@@ -363,9 +350,6 @@ class Sweep
       {
         const bool undercut_ahead = (undercut.place[l] - place <= strip.fill_places[l]) &
                                     (behind.distance(l, place) > strip.sparsity_places[l]);
-        found.variance_m2[l] = kernels::fuse_variances(
-            kernels::variance_of_side(a, before.variance_m2[l], k),
-            kernels::variance_of_side(b, behind.variance_m2[l], k));
         found.marks[l] = kernels::marks_of_sides(a.any(), b.any(), undercut_ahead);
       }
     }
@@ -401,7 +385,8 @@ class Sweep
     {
       const float robot_m = static_cast<float>(place) * strip.step_m[l];
       const kernels::Fall told = fall(k, strip, before, behind, l, place);
-      const bool asked = (robot_m <= k.sparsity_range_m) & kernels::is_known(found.variance_m2[l]);
+      const bool asked =
+          (robot_m <= k.sparsity_range_m) & ((found.marks[l] & kernels::kInferred) != 0);
       const std::int32_t marks = kernels::marks_of_fall(told, robot_m, k);
       found.fall_m[l] = kernels::select(asked, told.m, kernels::kNan);
       found.marks[l] |= kernels::select(asked, marks, 0);
@@ -419,7 +404,7 @@ class Sweep
     for (; wanted; wanted &= wanted - 1)
     {
       const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
-      to.put(i, {found.lines.load(l), found.variance_m2[l]}, found.marks[l]);
+      to.put(i, found.lines.load(l), found.marks[l]);
       if (suspect) to.fall_m[i] = found.fall_m[l];
     }
   }

@@ -23,19 +23,17 @@ struct TakeSample
   kernels::PassingRays passing;
   kernels::LineGrid grid;
   kernels::Samples samples;
-  float* inferred_m2;  //!< see InferenceGrid
+  std::uint8_t* marks;  //!< see InferenceGrid
 
   void operator()(int ix, int iy, int storage_i) const
   {
     const int line_i = grid.at(ix, iy), window_i = iy * config.cells + ix;
     const bool sample = kernels::is_sample(store, surface_class, storage_i);
     const float ground_m = store.ground_m[storage_i];
-    const float variance_m2 = store.ground_var_m2[storage_i];
     const float free_m = kernels::free_above_m(passing, window_i);
     samples.height_m[line_i] = kernels::select(sample, ground_m, kernels::kNan);
-    samples.variance_m2[line_i] = variance_m2;
     samples.free_above_m[line_i] = free_m;
-    inferred_m2[line_i] = kernels::kNan;
+    marks[line_i] = 0;
   }
 };
 
@@ -43,22 +41,19 @@ struct TakeSample
 struct InferenceGrid
 {
   float *information, *weighted, *lowest_m;  //!< kernels::LineFusion
-  float* variance_m2;  //!< NaN: no samples, and no other value counts
-  std::uint8_t* marks;  //!< bits of FillMark
+  std::uint8_t* marks;  //!< bits of FillMark; without kInferred no other value counts
   float* fall_m;  //!< see fall_in(); set where stage 7 needs it
 
   kernels::LineFusion lines(int i) const { return {information[i], weighted[i], lowest_m[i]}; }
-  kernels::Inference at(int i) const { return {lines(i), variance_m2[i]}; }
   void set(int i, const kernels::LineFusion& lines) const
   {
     information[i] = lines.information;
     weighted[i] = lines.weighted;
     lowest_m[i] = lines.lowest_m;
   }
-  void put(int i, const kernels::Inference& inferred, std::int32_t marks_there) const
+  void put(int i, const kernels::LineFusion& lines, std::int32_t marks_there) const
   {
-    set(i, inferred.lines);
-    variance_m2[i] = inferred.variance_m2;
+    set(i, lines);
     marks[i] = static_cast<std::uint8_t>(marks_there);
   }
   TALUS_FETCHES void fetch_lines(int i) const
@@ -68,7 +63,7 @@ struct InferenceGrid
   TALUS_FETCHES void fetch(int i) const
   {
     fetch_lines(i);
-    __builtin_prefetch(variance_m2 + i, 1);
+    __builtin_prefetch(marks + i, 1);
   }
   void add(int i, const kernels::LineFusion& other) const
   {

@@ -167,9 +167,9 @@ class CpuSchedule
     const auto classify = map_.template classify<kernels::ClassifyCell>();
     const auto keep_bridge = map_.template classify<kernels::KeepBridge>();
     const kernels::CleanUpCell clean = map_.clean_up();
-    const lines::TakeSample take{map_.host_config,      map_.store(),     map_.surface_class.data(),
-                                 map_.passing(),        map_.line_grid(), map_.samples(),
-                                 inferred().variance_m2};
+    const lines::TakeSample take{map_.host_config, map_.store(),     map_.surface_class.data(),
+                                 map_.passing(),   map_.line_grid(), map_.samples(),
+                                 inferred().marks};
     for_each_row(
         [&](const StoredRow& row)
         {
@@ -190,7 +190,7 @@ class CpuSchedule
   {
     const kernels::FillCell cell = map_.fill_cell();
     const auto fill = [cell, grid = map_.line_grid(), from = inferred()](int x, int y, int i)
-    { cell(x, y, i, from.at(grid.at(x, y)), from.marks[grid.at(x, y)]); };
+    { cell(x, y, i, from.lines(grid.at(x, y)), from.marks[grid.at(x, y)]); };
     const kernels::PutSurface put{map_.config.data(), map_.context.data(), map_.store(), cell.out};
     const auto fill_row = [&](const StoredRow& row)
     {
@@ -276,9 +276,9 @@ class CpuSchedule
   }
   lines::InferenceGrid inferred()
   {
-    auto& [information, weighted, lowest_m, variance_m2] = inferred_;
-    return {information.data(), weighted.data(),    lowest_m.data(),
-            variance_m2.data(), fill_marks_.data(), map_.fall.data()};
+    auto& [information, weighted, lowest_m] = inferred_;
+    return {
+        information.data(), weighted.data(), lowest_m.data(), fill_marks_.data(), map_.fall.data()};
   }
 
   using Atomics = typename Executor::Atomics;
@@ -289,7 +289,7 @@ class CpuSchedule
   Executor& executor_;
   Buffer<std::int32_t> hit_cells_;  //!< as found, then in order
   Buffer<std::uint8_t> doubted_;
-  std::array<Buffer<float>, 4> inferred_;  //!< see lines::InferenceGrid
+  std::array<Buffer<float>, 3> inferred_;  //!< see lines::InferenceGrid
   Buffer<std::uint8_t> fill_marks_, passability_;
 };
 

@@ -284,11 +284,11 @@ struct SearchAndFillCell
       int stride) const
   {
     Inferred found;
-    found.ground.lines.information = 1.0f;  // avoids a division by zero
+    found.lines.information = 1.0f;  // avoids a division by zero
     if (inner.any() || outer.any())
     {
       found = beside_sensor(radial_search(ix, iy), ix, iy, inner, outer, lines[0]);
-      for (int l = 1; l < kLines; l++) found.ground.lines.add(lines[l * stride]);
+      for (int l = 1; l < kLines; l++) found.lines.add(lines[l * stride]);
     }
     finish(ix, iy, found);
   }
@@ -322,15 +322,15 @@ struct SearchAndFillCell
 
   struct Inferred
   {
-    Inference ground;
+    LineFusion lines;
     std::int32_t marks = 0;  //!< bits of FillMark
   };
 
   TALUS_HD void finish(int ix, int iy, const Inferred& found) const
   {
     const int n = k.cells, storage_i = storage_index(*fill.frame, n, ix, iy);
-    const int state = fill(ix, iy, storage_i, found.ground, found.marks);
-    if (state != kMeasured && !found.ground.any()) fall_m[grid.at(ix, iy)] = kNan;
+    const int state = fill(ix, iy, storage_i, found.lines, found.marks);
+    if (state != kMeasured && !(found.marks & kInferred)) fall_m[grid.at(ix, iy)] = kNan;
     fill.out.put(iy * n + ix, fill.store, storage_i, fill.frame->offset_m);
   }
 
@@ -361,8 +361,7 @@ struct SearchAndFillCell
     const float robot_m = static_cast<float>(radial.place) * radial.track.step_m;
     const bool asks = inner.any() && !outer.any() && !behind;
     Inferred found{
-        {lines, fuse_variances(variance(radial, false, inner), variance(radial, true, outer))},
-        marks_of_sides(inner.any(), outer.any(), asks && is_undercut_ahead(radial, inner))};
+        lines, marks_of_sides(inner.any(), outer.any(), asks && is_undercut_ahead(radial, inner))};
     if (robot_m <= k.sparsity_range_m)
     {
       const Fall fall = fall_to(radial, behind);
@@ -406,13 +405,6 @@ struct SearchAndFillCell
     }
     return left & right;
   }
-  TALUS_HD float variance(
-      const LineSearch<Track>& radial, bool outwards, const SideEstimate& side) const
-  {
-    if (!side.any()) return kNan;
-    return variance_of_side(side, samples.variance_m2[radial.at(outwards, side.places)], k);
-  }
-
   /** The fall of the ground to the sample that many places behind; NaN: one side has no sample. */
   TALUS_HD Fall fall_to(const LineSearch<Track>& radial, int behind) const
   {

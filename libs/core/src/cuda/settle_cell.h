@@ -45,9 +45,7 @@ struct SettleCell
     const float ground_m = clean.store.ground_m[storage_i];
     const int line_i = grid.at(ix, iy);
     samples.height_m[line_i] = sample ? ground_m : kNan;
-    if (!sample) return false;
-    samples.variance_m2[line_i] = clean.store.ground_var_m2[storage_i];
-    return true;
+    return sample;
   }
 
  private:
