@@ -133,7 +133,9 @@ ChannelCost cost_from(const std::string& piece, std::string& channel)
   const auto begin = colon < equals ? colon + 1 : 0;
   const auto class_of = number_from(piece.substr(begin, equals - begin));
   const auto score = number_from(piece.substr(equals + 1));
-  if (!class_of || !is_class_or_none(static_cast<float>(*class_of)) || std::isnan(*class_of))
+  const bool is_class = class_of && *class_of >= 0 && *class_of < kChannelClasses &&
+                        *class_of == std::floor(*class_of);
+  if (!is_class)
     fail_cost(
         "'" + piece + "': a class is a whole number from 0 to " +
         std::to_string(kChannelClasses - 1));
