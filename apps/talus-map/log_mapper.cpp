@@ -7,6 +7,7 @@
 
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/CObservationTraversability.h>
+#include <talus/risk.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -114,6 +115,15 @@ LogMapper::LogMapper(
   for (const Channel& channel : settings.parameters.channels)
     scan_.channel_names.push_back(channel.name);
   has_channel_.resize(scan_.channel_names.size());
+}
+
+io::LayerStack LogMapper::layers() const
+{
+  io::LayerStack stack = io::snapshot(map_);
+  if (!options_.risk) return stack;
+  stack.names.emplace_back("risk");
+  stack.layers.push_back(risk(map_));
+  return stack;
 }
 
 void LogMapper::run(const OnFrame& on_frame)

@@ -9,6 +9,7 @@
 #include <talus/elevation_mapper.h>
 #include <talus/frame_gatherer.h>
 #include <talus/hints/hint_finder.h>
+#include <talus/io/layer_stack.h>
 #include <talus/io/summary_json.h>
 #include <talus/mrpt/sensor_numbers.h>
 
@@ -45,6 +46,8 @@ class LogMapper
   void run(const OnFrame& on_frame);
 
   const ElevationMapper& map() const { return map_; }
+  /** All layers of the map as it is, with the optional ones that were asked for. */
+  io::LayerStack layers() const;
   const mrpt::poses::CPose3D& last_base() const { return last_T_map_base_; }
   /** The last part of the way of the base, map frame [m], for pictures. */
   const std::deque<cv::Point2d>& last_way() const { return last_way_; }

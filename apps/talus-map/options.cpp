@@ -267,6 +267,10 @@ void add_outputs(CLI::App& app, Options& o)
          "and "
          "fields of clouds; the rule is mean, latest, max or vote (of classes from 0 to 15)")
       ->type_name("NAME:RULE,...");
+  app.add_flag(
+      "--risk", o.risk,
+      "Also write the layer risk: the probability that a cell is impassable, by what the map tells "
+      "of its errors");
   auto* labels =
       app.add_option(
              "--labels", o.labels,

@@ -44,6 +44,7 @@ struct Options
   std::string resume;  //!< site map of an earlier run, empty: none
   std::optional<site::GeoOrigin> origin;
   std::string rawlog_out;  //!< the log with snapshots in it (each, or every Nth); empty: none
+  bool risk = false;  //!< the layer risk, too
   std::vector<Channel> channels;  //!< values of points that become layers, by the names of the log
   std::string labels;  //!< folder of the labels of points; empty: none
   LabelsAs labels_as = LabelsAs::Kitti;

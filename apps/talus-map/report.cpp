@@ -120,7 +120,7 @@ void write_results(
     const std::string& folder, const LogMapper& mapper, const std::optional<io::GeoOrigin>& origin)
 {
   const fs::path to(folder);
-  const io::LayerStack map = io::snapshot(mapper.map());
+  const io::LayerStack map = mapper.layers();
   write_map((to / "map.tif").string(), (to / "map.png").string(), map, mapper, origin);
   io::write_timing_csv((to / "timing.csv").string(), mapper.summary().frames);
   io::write_summary_json((to / "summary.json").string(), mapper.summary(), map);
@@ -133,7 +133,7 @@ void write_snapshot(
   fs::create_directories(frames);
   const std::string stem =
       (frames / mrpt::format("frame_%06zu", mapper.summary().frames.size())).string();
-  write_map(stem + ".tif", stem + ".png", io::snapshot(mapper.map()), mapper, origin);
+  write_map(stem + ".tif", stem + ".png", mapper.layers(), mapper, origin);
 }
 
 std::string console_summary(const LogMapper& mapper)

@@ -37,6 +37,8 @@ TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
   EXPECT_GT(heights["all"]["within_2"], 0.85);
   EXPECT_EQ(heights["near"]["n"].get<int>() + heights["far"]["n"].get<int>(), heights["all"]["n"]);
   EXPECT_NE(read("out/tables.md").find("## heights within one and two told"), std::string::npos);
+  ASSERT_EQ(world["risk"].size(), 10U);
+  EXPECT_LT(world["risk"][0]["impassable"], 0.1 * world["risk"][0]["n"].get<double>());
 }
 
 TEST_F(TalusCompare, SaysOfSeveralWorldsHowManyFailAndWhichIsTheWorst)

@@ -35,6 +35,24 @@ TEST_F(TalusMap, maps_a_single_scan_of_a_velodyne)
   EXPECT_EQ(map.cells_x, 160);
 }
 
+TEST_F(TalusMap, writes_the_risk_where_it_is_asked_for)
+{
+  write_log(path("drive.rawlog"), floor_scans(3), Packing::Gz);
+  write_bytes(path("drive.tum"), straight_tum(3));
+  const Outcome done = run("drive.rawlog --risk");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const auto map = io::read_geotiff(path("drive_map/map.tif"));
+  ASSERT_EQ(map.names.back(), "risk");
+  const auto& scores = *map.find("traversability");
+  for (std::size_t i = 0; i < scores.size(); ++i)
+  {
+    const float risk = map.layers.back()[i];
+    ASSERT_EQ(std::isnan(risk), std::isnan(scores[i])) << i;
+    EXPECT_FALSE(risk < 0 || risk > 1) << i;
+    EXPECT_TRUE(scores[i] != 0 || risk == 1) << i;
+  }
+}
+
 TEST_F(TalusMap, takes_the_trajectory_beside_the_log)
 {
   write_log(path("drive.rawlog"), floor_scans(8), Packing::Gz);

@@ -2,6 +2,7 @@
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/nav/planners/PlannerSimple2D.h>
 #include <talus/mrpt/obstacles.h>
+#include <talus/risk.h>
 
 #include <algorithm>
 #include <cmath>
@@ -616,10 +617,43 @@ TEST(Obstacles, are_not_made_of_numbers_that_are_none)
   EXPECT_THROW(obstacles_2d(map.mapper(), {}, o, points), std::invalid_argument);
 }
 
+TEST(Obstacles, are_cells_with_more_risk_than_asked_for)
+{
+  // A rough slope, nearly as steep as the robot climbs.
+  std::vector<float> x, y, z;
+  for (float u = 0.525F; u < 2.5F; u += 0.05F)
+    for (float v = -0.975F; v < 1; v += 0.05F)
+    {
+      x.push_back(u), y.push_back(v);
+      z.push_back(0.6F * u + 0.008F * std::sin(70 * u + 3 * v) * std::cos(50 * v) - 0.7F);
+    }
+  Frame frame;
+  frame.T_map_sensor.m[11] = 0.7;
+  frame.x_m = x.data(), frame.y_m = y.data(), frame.z_m = z.data(), frame.size = x.size();
+  ElevationMapper map({}, Backend::Cpu, 1);
+  map.update(frame);
+  ObstacleOptions careful = only_known();
+  careful.risk_at = 0.001;
+  const auto before = classify_cells(map, {}, only_known()),
+             after = classify_cells(map, {}, careful);
+  const auto risks = risk(map);
+  std::size_t more = 0;
+  for (std::size_t i = 0; i < before.size(); i++)
+    if (before[i] != after[i])
+    {
+      more++;
+      EXPECT_EQ(before[i], Passage::Free);
+      EXPECT_GT(risks[i], 0.001F);
+    }
+  EXPECT_GT(more, 10U);
+  EXPECT_LT(more, 40U * 40U);
+}
+
 TEST(ObstacleOptions, come_back_from_an_ini_file)
 {
   ObstacleOptions o, back;
   o.seen_within_m = 3.5;
+  o.risk_at = 0.3;
   o.unseen = Unseen::Free;
   o.drops = Drops::Slope;
   o.boundary_only = false;
@@ -627,6 +661,7 @@ TEST(ObstacleOptions, come_back_from_an_ini_file)
   o.saveToConfigFile(ini, "obstacles");
   back.loadFromConfigFile(ini, "obstacles");
   EXPECT_EQ(back.seen_within_m, 3.5);
+  EXPECT_EQ(back.risk_at, 0.3);
   EXPECT_EQ(back.unseen, Unseen::Free);
   EXPECT_EQ(back.drops, Drops::Slope);
   EXPECT_FALSE(back.boundary_only);

@@ -91,6 +91,43 @@ Table bars_table(const Comparison& c)
   return t.without_empty_columns();
 }
 
+Table risk_table(const Comparison& c)
+{
+  constexpr double kFewest = 50;
+  Table t;
+  t.heading = {"risk told, %"};
+  for (int i = 0; i < kTenths; ++i)
+    t.heading.push_back(std::to_string(10 * i) + "-" + std::to_string(10 * i + 10));
+  Score all;
+  const auto add = [&t](const std::string& name, const Score& s)
+  {
+    auto& row = t.rows.emplace_back(std::vector<std::string>{name});
+    for (const Share& tenth : s.risky)
+      row.push_back(tenth.of < kFewest ? "-" : percent(tenth.value()));
+  };
+  for (const Evaluation& e : c.evaluations)
+    for (const Score& s : e.maps)
+    {
+      if (risk_json(s).empty()) continue;
+      add(e.name, s);
+      for (std::size_t i = 0; i < kTenths; ++i) all.risky[i].add(s.risky[i]);
+    }
+  if (t.rows.size() > 1) add("all worlds", all);
+  return t;
+}
+
+nlohmann::json risk_json(const Score& s)
+{
+  nlohmann::json tenths = nlohmann::json::array();
+  double cells = 0;
+  for (const Share& tenth : s.risky)
+  {
+    cells += tenth.of;
+    tenths.push_back({{"n", tenth.of}, {"impassable", tenth.part}});
+  }
+  return cells > 0 ? tenths : nlohmann::json::array();
+}
+
 nlohmann::json bars_json(const HeightBars& bars)
 {
   nlohmann::json j;

@@ -22,6 +22,14 @@ std::vector<BarsOf> bars_of(const Comparison& c);
  * deviations [%] and the medians of told and true deviation [mm]. */
 Table bars_table(const Comparison& c);
 
+/** Rows are the worlds with truth, then all of them as one: of the passable cells in each tenth of
+ * the told risk those that are impassable [%]. */
+Table risk_table(const Comparison& c);
+
+/** By tenth of the told risk: how many passable cells, and the share of them that is impassable.
+ * Empty where no risk was told. */
+nlohmann::json risk_json(const Score& s);
+
 /** The figures of one world or log, near, far and both. */
 nlohmann::json bars_json(const HeightBars& bars);
 

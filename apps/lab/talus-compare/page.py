@@ -22,6 +22,8 @@ WORLDS = ["branches", "demo", "ditch", "hall", "hillside", "person", "railing_ga
 KEPT_BACK = ["basement", "branches", "canal_lock", "clearing", "cow_shed", "farm_lane", "museum", "office", "plaza",
              "sawmill", "skate_park", "wind_throw", "unseen/fishing_slip", "unseen/laundry", "unseen/mountain_hut",
              "unseen/water_mill"]
+RISK = ["branches", "clearing", "farm_lane", "plaza", "sawmill", "wind_throw"]
+FEWEST_RISKY = 100  # cells in a tenth of the risk, or it has no figure
 HEIGHTS = {"measured": "measured", "fill2": "two_sided", "fill1": "one_sided", "presumed": "presumed"}
 FEWEST_HEIGHTS = 100  # of a kind in a world or log, or it has no say
 ORDER = ["talus", "paper", "octomap", "highest", "cucpp", "cupy", "heightgrid",  # methods
@@ -80,9 +82,10 @@ class Page:
         arguments = ["--methods", options.methods] if options.methods else []
         self.runs = Runs(options.command, options.data, options.output, options.jobs, arguments)
         self.parts = {"scans": self.scans, "held_out": self.held_out, "worlds": self.worlds, "budgets": self.budgets,
-                      "bars": self.bars}
+                      "bars": self.bars, "risk": self.risk}
         self.world_files = self.files_of(options.worlds or WORLDS)
         self.kept_back = self.files_of(options.worlds or KEPT_BACK)
+        self.risk_worlds = self.files_of(options.worlds or RISK)
 
     @staticmethod
     def files_of(worlds):
@@ -106,8 +109,8 @@ class Page:
         if "bars" in parts:
             for name, arguments in {**{name: of for name, (_, of) in HELD_OUT.items()}, "mover": CAR}.items():
                 self.start_log(name, [*arguments, "--methods", "talus"])
-            for world in self.kept_back:
-                self.runs.start(world, ["--methods", "talus"])
+        for world in (self.kept_back if "bars" in parts else []) + (self.risk_worlds if "risk" in parts else []):
+            self.runs.start(world, ["--methods", "talus"])
 
     def start_log(self, name, arguments):
         if not self.options.logs or name in self.options.logs:
@@ -186,6 +189,16 @@ class Page:
                          "# and the logs of the held-out beams as above"]) + \
             without_empty_columns(["heights", *HEIGHTS], rows)
 
+    def risk(self):
+        found = [self.runs.of(world)["worlds"][0].get("risk", []) for world in self.risk_worlds]
+        rows = []
+        for tenth in range(10):
+            cells, impassable = (sum(world[tenth][key] for world in found if world) for key in ("n", "impassable"))
+            if cells >= FEWEST_RISKY:
+                rows.append([f"{10 * tenth} to {10 * tenth + 10}", f"{cells:.0f}", number(100 * impassable / cells)])
+        return settings(["talus-compare datasets/worlds/NAME.yaml --methods talus", *names_of(self.risk_worlds)]) + \
+            table(["risk told, %", "cells", "impassable, %"], rows)
+
     def write(self, parts):
         texts = {part: "\n".join(self.parts[part]()) for part in parts}
         write_between_markers(self.options.page, texts, "./dev compare --page")
@@ -193,7 +206,7 @@ class Page:
 
 
 def main():
-    parts = ["scans", "held_out", "worlds", "budgets", "bars"]
+    parts = ["scans", "held_out", "worlds", "budgets", "bars", "risk"]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", help="talus-compare")
     parser.add_argument("--page", default=os.path.join(SOURCE, "doc/accuracy.md"), help="page to write")

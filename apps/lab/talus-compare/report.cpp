@@ -165,6 +165,8 @@ std::string tables(const Comparison& c, Render render, const std::string& title)
     add(h.name + ": fills, held-out ground points", fill_table(h.fills));
   if (const Table bars = bars_table(c); !bars.rows.empty())
     add("heights within one and two told deviations, %", bars);
+  if (const Table risks = risk_table(c); !risks.rows.empty())
+    add("cells that are impassable, of those that the map lets pass, %", risks);
   for (const RealLog& log : c.real_logs)
     add(log.name + ": ground, obstacles and what is not judged, %", real_log_table(log.maps));
   for (const LabelledLog& log : c.labelled)
@@ -309,6 +311,7 @@ std::string comparison_json(const Comparison& c)
     {
       w["methods"][s.method] = as_json(figures(s));
       if (!s.bars.empty()) w["heights"] = bars_json(s.bars);
+      if (const auto risk = risk_json(s); !risk.empty()) w["risk"] = risk;
     }
     for (const FillScore& f : e.fills) w["fills"][f.fill] = as_json(figures(f));
     if (e.has_truth)

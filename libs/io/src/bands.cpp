@@ -27,6 +27,7 @@ constexpr Known kKnown[] = {
     {"step", ""},
     {"roughness", ""},
     {"sparsity", ""},
+    {"risk", ""},
     // Of a site:
     {"age", "s"},
     {"elevation_variance", "m2"},

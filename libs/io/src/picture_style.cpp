@@ -30,6 +30,7 @@ const std::vector<LayerStyle>& known_styles()
       {"roughness", "Roughness score", Palette::Scores, "too rough", "smooth", false},
       {"sparsity", "Sparsity score (where ground may drop)", Palette::Scores, "ditch?", "harmless",
        false},
+      {"risk", "Risk (probability that a cell is impassable)", Palette::Amounts, "", "", false},
       {"variance", "Ground height, standard deviation [m]", Palette::Amounts, "", "", true}};
   return styles;
 }

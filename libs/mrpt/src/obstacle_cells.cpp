@@ -1,4 +1,5 @@
 #include <talus/mrpt/obstacles.h>
+#include <talus/risk.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +25,8 @@ void require_sound(const mrpt::poses::CPose3D& T, const ObstacleOptions& o)
   if (!std::isfinite(T.x() + T.y() + T.z() + T.yaw() + T.pitch() + T.roll()))
     throw std::invalid_argument("the pose of the robot among the obstacles is not finite");
   if (std::isnan(
-          o.blocked_at + o.seen_within_m + o.body_radius_m + o.range_m + o.spacing_m + o.z_m))
+          o.blocked_at + o.risk_at + o.seen_within_m + o.body_radius_m + o.range_m + o.spacing_m +
+          o.z_m))
     throw std::invalid_argument("a number of the ObstacleOptions is NaN");
   if (o.unseen != Unseen::Obstacle && o.unseen != Unseen::Free)
     throw std::invalid_argument(
@@ -135,6 +137,7 @@ class Judge
         step_m_(static_cast<float>(map.parameters().step_threshold_m)),
         gentle_(std::tan(map.parameters().slope_threshold_rad) * map.parameters().resolution_m / 2)
   {
+    if (o.risk_at < 1) risk_ = risk(map);
     if (o.drops == Drops::Slope)
       falls_.emplace(map, [this](int ix, int iy) { return rests_on_unseen(ix, iy); });
   }
@@ -199,8 +202,14 @@ class Judge
   }
   bool blocks(int ix, int iy) const
   {
-    return view_.traversability[view_.index(ix, iy)] <= o_.blocked_at && !is_foot(ix, iy) &&
-           !is_seen_around(ix, iy);
+    const std::size_t cell = view_.index(ix, iy);
+    return is_risky(cell) || (view_.traversability[cell] <= o_.blocked_at && !is_foot(ix, iy) &&
+                              !is_seen_around(ix, iy));
+  }
+  /** Although the map lets it pass. */
+  bool is_risky(std::size_t cell) const
+  {
+    return !risk_.empty() && risk_[cell] > o_.risk_at && view_.traversability[cell] > 0;
   }
   /** Blocked only because ground may drop in a gap that is a cell wide between measured ground, as
    * the memory of a crest that was seen from afar: nothing can fall into it. */
@@ -290,6 +299,7 @@ class Judge
   int beside_drop_;  //!< kBesideDrop_m in cells
   float step_m_;
   double gentle_;  //!< that ground may rise from a cell to the next one: half of what is too steep
+  std::vector<float> risk_;  //!< empty: it does not count
 };
 
 /** An arc from the base on, robot frame seen from above. */

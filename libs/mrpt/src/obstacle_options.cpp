@@ -29,9 +29,10 @@ struct Number
   const char* meaning;
 };
 constexpr double kAny = std::numeric_limits<double>::max();
-constexpr std::array<Number, 6> kNumbers{{
+constexpr std::array<Number, 7> kNumbers{{
     {"blocked_at", &ObstacleOptions::blocked_at, 0, 1,
      "cells whose traversability is this or less are obstacles"},
+    {"risk_at", &ObstacleOptions::risk_at, 0, 1, "so are cells with a larger risk; 1: none"},
     {"seen_within_m", &ObstacleOptions::seen_within_m, 0, kAny,
      "[m] this near to the base, ground must be known and judged"},
     {"body_radius_m", &ObstacleOptions::body_radius_m, 0, kAny,

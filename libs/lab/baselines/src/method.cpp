@@ -5,6 +5,7 @@
 #include <talus/baselines/stock_maps.h>
 #include <talus/frame_gatherer.h>
 #include <talus/point_filter.h>
+#include <talus/risk.h>
 
 #include <cmath>
 #include <limits>
@@ -32,6 +33,7 @@ class TalusMethod : public Method
     s.elevation_m = map_.layer(Layer::Elevation);
     s.traversability = map_.layer(Layer::Traversability);
     s.variance_m2 = map_.layer(Layer::Variance);
+    s.risk = risk(map_);
     s.sparsity = map_.layer(Layer::Sparsity);
     const auto& state = map_.layer(Layer::State);
     for (std::size_t i = 0; i < state.size(); ++i)

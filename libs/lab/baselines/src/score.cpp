@@ -73,6 +73,7 @@ void Score::add(const Score& o)
     measured_ground_hit[t].add(o.measured_ground_hit[t]);
   }
   bars.add(o.bars);
+  for (std::size_t i = 0; i < kTenths; ++i) risky[i].add(o.risky[i]);
   for (std::size_t k = 0; k < kRings; ++k) ring_blocked[k].add(o.ring_blocked[k]);
   for (Errors Score::*e :
        {&Score::measured_elevation, &Score::two_sided_seen, &Score::two_sided_unseen,

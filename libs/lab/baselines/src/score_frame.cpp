@@ -105,6 +105,7 @@ class FrameScorer
   void blocked_and_free(std::size_t k, std::size_t at)
   {
     if (truth_.doubtful[at]) return;
+    risk(k, at);
     if (observed_.shows_obstacle(at) && !truth_.platform[at])
     {
       score_.obstacle_blocked.add(map_.blocked(k));
@@ -116,6 +117,14 @@ class FrameScorer
     if (truth_.clear(at)) score_.free_passable.add(map_.passable(k));
     if (from_obstacle >= 1 && from_obstacle <= kRings && distance_to_upright(k) == from_obstacle)
       score_.ring_blocked[static_cast<std::size_t>(from_obstacle - 1)].add(map_.blocked(k));
+  }
+
+  void risk(std::size_t k, std::size_t at)
+  {
+    if (map_.risk.empty() || !map_.passable(k) || truth_.platform[at]) return;
+    if (!(map_.risk[k] >= 0)) return;
+    const auto tenth = static_cast<std::size_t>(map_.risk[k] * kTenths);
+    score_.risky[std::min<std::size_t>(tenth, kTenths - 1)].add(truth_.blocked(at));
   }
 
   void ditches(std::size_t k, std::size_t at)

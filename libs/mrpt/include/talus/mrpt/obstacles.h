@@ -38,6 +38,9 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
       mrpt::config::CConfigFileBase& target, const std::string& section) const override;
 
   double blocked_at = 0.0;  //!< cells whose traversability is this or less are obstacles, [0,1]
+  /** So are cells whose risk() is more than this, [0,1]; 1: none. Below 1 a snapshot needs the
+   * layers that risk() reads. */
+  double risk_at = 1.0;
   /** This near to the base, what is driven on must have been seen: a cell whose ground is unknown
    * or was not judged is what `unseen` says. With Unseen::Obstacle and Drops::Avoid a guess from
    * one side (CellState::FilledOneSided), and any guess up to 0.2 m beside what may drop, is an

@@ -20,6 +20,7 @@ struct Surfaces
   std::vector<float>
       sparsity;  //!< [0,1], 0: likely a ditch; empty for methods without such a layer
   std::vector<float> variance_m2;  //!< told of ground_m; empty for methods that tell none
+  std::vector<float> risk;  //!< see talus::risk(); empty for methods that tell none
   std::vector<std::uint8_t> state;  //!< a CellState: where ground_m comes from
 
   /** All cells of `window` unknown. */

@@ -33,7 +33,7 @@ struct Errors
   double quantile_m(double q) const;
 };
 
-constexpr int kRings = 10;
+constexpr int kRings = 10, kTenths = 10;
 
 /** How one map did in one world. Cells of all evaluated frames are pooled. Cells are those of the
  * window; all but `reach`, `leak` and `beyond` leave out cells where a mover is or was.
@@ -57,8 +57,11 @@ struct Score
                           //!< ground in some frame so far
   Errors two_sided_unseen, one_sided;
   Errors presumed_ground;  //!< where the robot stood, or started
-  /** The errors of all of these beside the variances that the map tells of them; empty for methods
-   * that tell none. */
+  /** Of cells in tenths of the risk that the map tells, without those that it says to be
+   * impassable: those that are. Without platforms and what may be judged either way. */
+  std::array<Share, kTenths> risky;
+  /** The errors of all of these heights beside the variances that the map tells of them; empty for
+   * methods that tell none. */
   HeightBars bars;
   /// @}
 
