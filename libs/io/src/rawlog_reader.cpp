@@ -130,7 +130,7 @@ CObservation::Ptr RawlogReader::next()
 {
   impl_->fill();
   if (impl_->pending.empty()) return nullptr;
-  const auto obs = impl_->pending.front();
+  auto obs = impl_->pending.front();
   impl_->pending.pop_front();
   impl_->load(*obs);
   return obs;
