@@ -27,17 +27,27 @@ double to_outline_m(double x_m, double y_m, double length_m, double width_m)
 
 double heading_rad(int heading)
 {
-  const HeadingStep& step = kSteps[static_cast<std::size_t>(heading)];
-  const double yaw_rad = std::atan2(step.rows, step.columns);
-  return yaw_rad < 0 ? yaw_rad + kTurn_rad : yaw_rad;
+  static const auto headings_rad = []
+  {
+    std::array<double, kHeadings> out{};
+    for (std::size_t h = 0; h < out.size(); h++)
+    {
+      const double yaw_rad = std::atan2(kSteps[h].rows, kSteps[h].columns);
+      out[h] = yaw_rad < 0 ? yaw_rad + kTurn_rad : yaw_rad;
+    }
+    return out;
+  }();
+  return headings_rad[static_cast<std::size_t>(heading)];
 }
 
 int heading_of(double yaw_rad)
 {
   const auto off = [yaw_rad](int h)
   { return std::abs(std::remainder(heading_rad(h) - yaw_rad, kTurn_rad)); };
-  int nearest = 0;
-  for (int h = 1; h < kHeadings; h++)
+  const double turn = yaw_rad / kTurn_rad;
+  const int about = static_cast<int>(std::lround((turn - std::floor(turn)) * kHeadings));
+  int nearest = about % kHeadings;
+  for (const int h : {(about + 1) % kHeadings, (about + kHeadings - 1) % kHeadings})
     if (off(h) < off(nearest)) nearest = h;
   return nearest;
 }
