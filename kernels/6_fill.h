@@ -55,12 +55,12 @@ struct SideSum
     lengths += weight * distance;
   }
 
-  /** `nearest` and `places` belong to the first sample. */
-  TALUS_HD SideEstimate estimate(float nearest, int places, float step_m) const
+  /** All values belong to the first sample. */
+  TALUS_HD SideEstimate estimate(float nearest, int places, float distance_m) const
   {
     SideEstimate side;
     side.places = places;
-    side.distance_m = static_cast<float>(places) * step_m;
+    side.distance_m = distance_m;
     side.nearest_m = nearest;
     const bool weighs = weights > 0.0f;
     const float share = 1.0f / weights;

@@ -108,19 +108,17 @@ struct alignas(64) Met
 
   SideEstimate infer(int l, int here, const Strip& strip, const kernels::Config& k) const
   {
-    const float step_m = strip.step_m[l];
     kernels::SideSum sum;
+    float away_m[kSamples];
+    bool inside[kSamples];
     for (int s = 0; s < kSamples; s++)
     {
       const int places = kernels::abs_of(here - place[s][l]);
-      const bool inside = (places <= strip.fill_places[l]) & (s < k.fill_samples);
-      const float distance_m = static_cast<float>(places) * step_m;
-      sum.add(height_m[s][l], kernels::select(inside, distance_m, kernels::kOutOfReach_m), k);
+      inside[s] = (places <= strip.fill_places[l]) & (s == 0 || s < k.fill_samples);
+      away_m[s] = static_cast<float>(places) * strip.step_m[l];
+      sum.add(height_m[s][l], kernels::select(inside[s], away_m[s], kernels::kOutOfReach_m), k);
     }
-    const bool any = distance(l, here) <= strip.fill_places[l];
-    return sum.estimate(
-        kernels::select(any, height_m[0][l], kernels::kNan),
-        kernels::select(any, distance(l, here), 0), step_m);
+    return sum.estimate(kernels::select(inside[0], height_m[0][l], kernels::kNan), 0, away_m[0]);
   }
 };
 
@@ -146,20 +144,29 @@ struct Found
 /** What rows found at kLanes places, to be added row by row, where cells are neighbours. */
 struct RowsFound
 {
-  LinesFound at[kLanes];
+  SideBySide<kernels::LineFusion, kLanes * kLanes> lines;  //!< by place, then by line
   int first;  //!< place
   std::uint32_t set = 0;  //!< a bit for each of the places
 
   void put(int place, const LinesFound& found)
   {
-    at[place - first] = found;
+    put_at(place - first, [&found](int l) { return found.load(l); });
     set |= static_cast<std::uint32_t>(bit_of(place - first));
   }
   /** Sets places where nothing was found. */
   void complete()
   {
     for (int p = 0; set && p < kLanes; p++)
-      if (!(set & static_cast<std::uint32_t>(bit_of(p)))) at[p].fill({});
+      if (!(set & static_cast<std::uint32_t>(bit_of(p))))
+        put_at(p, [](int) { return kernels::LineFusion{}; });
+  }
+
+ private:
+  template <class Value>
+  void put_at(int place, const Value& value)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++) lines.store(place * kLanes + l, value(l));
   }
 };
 
@@ -439,12 +446,15 @@ class Sweep
   static void add(const Strip& strip, RowsFound& rows, const InferenceGrid& to)
   {
     rows.complete();
+    int places[kLanes];  // in an array, so that compilers gather
+    for (int p = 0; p < kLanes; p++) places[p] = p * kLanes;
     for (int l = 0; rows.set && l < strip.lines; l++)
     {
       const int first = strip.first + l * strip.across + rows.first;
       to.fetch_lines(first - kLanes);
       add_neighbours(
-          std::max(-rows.first, 0), kLanes, to, first, [&](int p) { return rows.at[p].load(l); });
+          std::max(-rows.first, 0), kLanes, to, first,
+          [&](int p) { return rows.lines.load(places[p] + l); });
     }
     rows.first -= kLanes;
     rows.set = 0;

@@ -238,7 +238,8 @@ struct LineSearch
         }
       } while (found[kBatch - 1] && wanted > 0);
     }
-    return nearest_places ? sum.estimate(nearest, nearest_places, track.step_m) : none();
+    const float nearest_away_m = static_cast<float>(nearest_places) * track.step_m;
+    return nearest_places ? sum.estimate(nearest, nearest_places, nearest_away_m) : none();
   }
 
  private:
