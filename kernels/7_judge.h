@@ -8,6 +8,8 @@
 #include "kernels/rule_switches.h"
 #include "kernels/surface.h"
 
+#include <initializer_list>
+
 namespace talus::kernels
 {
 
@@ -58,6 +60,19 @@ struct ComputeFeatures
   TALUS_HD void operator()(int ix, int iy, const Moments& m) const
   {
     put(ix, iy, judge_most<false>(ix, iy, m, true));
+  }
+  /** Whether operator() has more to tell of a cell than leave(). */
+  TALUS_HD bool asked(int ix, int iy) const
+  {
+    const Surface& cell = neighbour(ix, iy);
+    return cell.known() & (kParts | cell.is(kSurfaceSeen));
+  }
+  TALUS_HD void leave(int ix, int iy) const
+  {
+    if constexpr (kParts)
+      for (float* const part : {out.slope, out.step, out.roughness, out.sparsity})
+        part[iy * cells + ix] = kNan;
+    put(ix, iy, {kNan, kPassable});
   }
   /** Whether plain(), which is faster, gives the same result. */
   TALUS_HD bool is_plain(const Moments& m) const { return is_whole(m, *config); }

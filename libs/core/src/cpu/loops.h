@@ -348,8 +348,8 @@ void sort_points(const F& f, int begin, int end)
 }
 
 /** Sums over the square neighbourhoods of the cells in a strip of columns, row by row. F::Row is
- * summed once for each row, F::Window slides along. F::kHasPlain: f.plain() does most cells, then
- * f.finish() those which f.applies(). */
+ * summed once for each row, F::Window slides along. F::kHasPlain: f.leave() does groups of cells of
+ * which nothing is f.asked(), f.plain() most others, then f.finish() those which f.applies(). */
 template <class F>
 class SlidingRows
 {
@@ -411,6 +411,8 @@ class SlidingRows
       add_columns<true>(f, rows, x0, x1, y, d, Distances<kAtOnce>{});
       d += kAtOnce;
     }
+    for (; d + kAtOnce - 1 <= radius; d += kAtOnce)
+      add_columns<false>(f, rows, x0, x1, y, d, Distances<kAtOnce>{});
     for (; d <= radius; d++) add_columns<false>(f, rows, x0, x1, y, d, Distances<1>{});
   }
   /** Adds the neighbours at distances from d on; the first ones are stored. */
@@ -430,24 +432,60 @@ class SlidingRows
   void window(int y, int x0, int x1) const
   {
     Windows sums;
-    const int last = std::min(y + radius_, ny_ - 1), lanes = x1 - x0;
+    if constexpr (F::kHasPlain)
+    {
+      if (const std::uint32_t asked = leave(f_, x0, x1, y))
+      {
+        const int groups = 32 - __builtin_clz(asked);
+        sum_rows(sums, y, std::min(groups * kGroup, x1 - x0));
+        finish(f_, sums, x0, x1, y, asked);
+      }
+      alignas(64) std::uint8_t applicable[kLanes] = {};
+      find_applicable(f_, sums, x0, x1, y, applicable);
+      over_marked(applicable, x1 - x0, [&](int l) { f_.finish(x0 + l, y, sums.load(l)); });
+    }
+    else
+    {
+      sum_rows(sums, y, x1 - x0);
+      finish(f_, sums, x0, x1, y, 0);
+    }
+  }
+  void sum_rows(Windows& sums, int y, int lanes) const
+  {
+    const int last = std::min(y + radius_, ny_ - 1);
     int row = std::max(y - radius_, 0);
+    const auto add_five = [&](auto first)
+    {
+      add_rows<first>(
+          f_, sums, lanes, row - y, at(row), at(row + 1), at(row + 2), at(row + 3), at(row + 4));
+      row += kAtOnce;
+    };
     if (last - row + 1 < kAtOnce)
       add_rows<true>(f_, sums, lanes, row - y, at(row)), row++;
     else
-    {
-      add_rows<true>(
-          f_, sums, lanes, row - y, at(row), at(row + 1), at(row + 2), at(row + 3), at(row + 4));
-      row += kAtOnce;
-    }
+      add_five(std::true_type{});
+    while (row + kAtOnce - 1 <= last) add_five(std::false_type{});
     for (; row <= last; row++) add_rows<false>(f_, sums, lanes, row - y, at(row));
-    finish(f_, sums, x0, x1, y);
-    if constexpr (F::kHasPlain)
+  }
+  /** A bit for each group of which something is asked. Stores the result of the others. */
+  TALUS_CLONES static std::uint32_t leave(F f, int x0, int x1, int y)
+  {
+    std::uint32_t groups = 0;
+    for (int begin = x0; begin < x1; begin += kGroup)
     {
-      alignas(64) std::uint8_t applicable[kLanes] = {};
-      find_applicable(f_, sums, x0, x1, y, applicable);
-      over_marked(applicable, lanes, [&](int l) { f_.finish(x0 + l, y, sums.load(l)); });
+      const int end = std::min(begin + kGroup, x1);
+      int asked = 0;
+      TALUS_INDEPENDENT
+      for (int x = begin; x < end; x++) asked |= f.asked(x, y);
+      if (asked)
+        groups |= 1u << ((begin - x0) / kGroup);
+      else
+      {
+        TALUS_INDEPENDENT
+        for (int x = begin; x < end; x++) f.leave(x, y);
+      }
     }
+    return groups;
   }
   /** Adds rows at distances from d on; the first ones are stored. */
   template <bool kFirst, class... Each>
@@ -462,11 +500,14 @@ class SlidingRows
       sums.store(l, sum);
     }
   }
-  TALUS_CLONES static void finish(F f, const Windows& sums, int x0, int x1, int y)
+  TALUS_CLONES static void finish(
+      F f, const Windows& sums, int x0, int x1, int y, std::uint32_t asked)
   {
     if constexpr (F::kHasPlain)
-      for (int first = x0; first < x1; first += kGroup)
-        finish_block(f, sums, x0, first, std::min(first + kGroup, x1), y);
+    {
+      for (int x = x0; x < x1; x += kGroup, asked >>= 1)
+        if (asked & 1u) finish_block(f, sums, x0, x, std::min(x + kGroup, x1), y);
+    }
     else
     {
       TALUS_INDEPENDENT
