@@ -96,7 +96,8 @@ struct FindPassingRays
   PassingRays passing;
 
   TALUS_HD RayFootprint item(int ix, int iy) const { return footprint_of(*config, *frame, ix, iy); }
-  TALUS_HD int steps(const RayFootprint& g) const { return g.rays(); }
+  /** No fewer than there are rays. Further ones change nothing. */
+  TALUS_HD int steps(const RayFootprint& g) const { return g.most_rays(); }
   TALUS_HD void step(SeenThrough& seen, const RayFootprint& g, int which) const
   {
     add_ray(seen, g, which, *config, *frame, rays);
@@ -114,7 +115,7 @@ struct FindPassingRays
   {
     const RayFootprint g = item(ix, iy);
     SeenThrough seen;
-    for (int which = 0; which < steps(g); which++) step(seen, g, which);
+    for (int which = 0; which < g.rays(); which++) step(seen, g, which);
     put(ix, iy, seen);
   }
 };

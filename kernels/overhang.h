@@ -20,6 +20,11 @@ struct RayFootprint
   std::int32_t first_bin = 0, last_bin = -1, stride = 1;
   std::int32_t row = 0;  //!< start of their ring in the table
   float chebyshev_m = 0;
+  /** A bound of rays() without a division. */
+  TALUS_HD int most_rays() const
+  {
+    return min_of(max_of(last_bin - first_bin + 1, 0), 1 << kMaxBinsPerCellBits);
+  }
   TALUS_HD int rays() const
   {
     const int more = floor_div(last_bin - first_bin, stride, 1.0f / static_cast<float>(stride));
