@@ -149,9 +149,8 @@ struct Fusion
   TALUS_HD Estimate result(const FusionPlan& plan, const Config& k) const
   {
     const std::int32_t prior = select(plan.base_is_prior != 0, information_of(plan.base_var_m2), 0);
-    const std::int64_t all = information + prior;
-    const float shift =
-        static_cast<float>(static_cast<double>(weighted_distance) / static_cast<double>(all));
+    const double all = double_of(information + prior);  // exact, below 2^53
+    const auto shift = static_cast<float>(double_of(weighted_distance) / all);
     const float variance = max_of(kInformation / static_cast<float>(all), k.min_variance_m2);
     const bool any = information != 0;
     return {

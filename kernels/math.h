@@ -45,6 +45,19 @@ TALUS_HD int floor_div(int a, int b)
 #endif
 }
 
+/** The double nearest to an integer. Vectors of most processors do not convert 64 bits. */
+TALUS_HD double double_of(std::int64_t v)
+{
+#if defined(__CUDA_ARCH__)
+  return static_cast<double>(v);
+#else
+  // Both halves are exact, and their sum is rounded once.
+  const auto high = static_cast<std::int32_t>(v >> 32);
+  const auto low = static_cast<std::uint32_t>(v);
+  return static_cast<double>(high) * 4294967296.0 + static_cast<double>(low);
+#endif
+}
+
 /** Heights are summed as integers, in steps, relative to the sensor and within +-32 m. With steps
  * of 1/4096 m, sums of up to 31 x 31 cells, times an offset of up to 15 cells, are exact in 32
  * bits. */

@@ -21,7 +21,8 @@ class alignas(64) Batch
 
  public:
   /** The last of the `lanes` cells has the most points. */
-  void update(const kernels::UpdateCell& update, const std::int32_t* cells, int lanes)
+  [[gnu::flatten]] void update(
+      const kernels::UpdateCell& update, const std::int32_t* cells, int lanes)
   {
     gather(update, cells, lanes);
     run(*this, *update.config);
