@@ -363,6 +363,9 @@ class SlidingRows
   static constexpr int kAhead = 8;  //!< rows fetched before they are added
   template <int n>
   using Distances = std::make_integer_sequence<int, n>;
+  /** The first distance of a neighbourhood of five cells, the default. Compilers know products with
+   * it. */
+  using FirstOfFive = std::integral_constant<int, -(kAtOnce / 2)>;
 
  public:
   SlidingRows(int nx, int ny, int radius, const F& f) : nx_(nx), ny_(ny), radius_(radius), f_(f)
@@ -404,7 +407,12 @@ class SlidingRows
   static void sum_row(const F& f, Rows& rows, int x0, int x1, int y, int radius)
   {
     int d = -radius;
-    if (2 * radius + 1 < kAtOnce)
+    if (d == FirstOfFive::value)
+    {
+      add_columns<true>(f, rows, x0, x1, y, FirstOfFive{}, Distances<kAtOnce>{});
+      d += kAtOnce;
+    }
+    else if (2 * radius + 1 < kAtOnce)
       add_columns<true>(f, rows, x0, x1, y, d++, Distances<1>{});
     else
     {
@@ -416,9 +424,9 @@ class SlidingRows
     for (; d <= radius; d++) add_columns<false>(f, rows, x0, x1, y, d, Distances<1>{});
   }
   /** Adds the neighbours at distances from d on; the first ones are stored. */
-  template <bool kFirst, int... k>
+  template <bool kFirst, class Distance, int... k>
   TALUS_CLONES static void add_columns(
-      F f, Rows& rows, int x0, int x1, int y, int d, std::integer_sequence<int, k...>)
+      F f, Rows& rows, int x0, int x1, int y, Distance d, std::integer_sequence<int, k...>)
   {
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++)
@@ -454,17 +462,19 @@ class SlidingRows
   {
     const int last = std::min(y + radius_, ny_ - 1);
     int row = std::max(y - radius_, 0);
-    const auto add_five = [&](auto first)
+    const auto add_five = [&](auto first, auto distance)
     {
       add_rows<first>(
-          f_, sums, lanes, row - y, at(row), at(row + 1), at(row + 2), at(row + 3), at(row + 4));
+          f_, sums, lanes, distance, at(row), at(row + 1), at(row + 2), at(row + 3), at(row + 4));
       row += kAtOnce;
     };
     if (last - row + 1 < kAtOnce)
       add_rows<true>(f_, sums, lanes, row - y, at(row)), row++;
+    else if (row - y == FirstOfFive::value)
+      add_five(std::true_type{}, FirstOfFive{});
     else
-      add_five(std::true_type{});
-    while (row + kAtOnce - 1 <= last) add_five(std::false_type{});
+      add_five(std::true_type{}, row - y);
+    while (row + kAtOnce - 1 <= last) add_five(std::false_type{}, row - y);
     for (; row <= last; row++) add_rows<false>(f_, sums, lanes, row - y, at(row));
   }
   /** A bit for each group of which something is asked. Stores the result of the others. */
@@ -488,8 +498,8 @@ class SlidingRows
     return groups;
   }
   /** Adds rows at distances from d on; the first ones are stored. */
-  template <bool kFirst, class... Each>
-  TALUS_CLONES static void add_rows(F f, Windows& sums, int lanes, int d, const Each&... rows)
+  template <bool kFirst, class Distance, class... Each>
+  TALUS_CLONES static void add_rows(F f, Windows& sums, int lanes, Distance d, const Each&... rows)
   {
     TALUS_INDEPENDENT
     for (int l = 0; l < lanes; l++)
