@@ -419,22 +419,22 @@ struct UpdateCell
   TALUS_HD void put(int storage_i, const Cell& updated, const Extremes& ends) const
   {
     Cell c = updated;
-    const Cell before = store.load(storage_i);
     // Rays from below end at the underside of what is above the sensor: it hangs.
     const bool free = (c.state == kMeasured) | c.is(kPassedLow);
     if (free && c.is(kHitHighUp) && ends.highest().height_m > frame->sensor_z_m)
     {
-      if (before.is(kHitHighUp) && before.elevation_m <= frame->sensor_z_m)
-        c.elevation_m = before.elevation_m;  // what is below that is another object
+      if (store.is(kHitHighUp, storage_i) && store.elevation_m[storage_i] <= frame->sensor_z_m)
+        c.elevation_m = store.elevation_m[storage_i];  // what is below that is another object
       else
         remove_object(c);
     }
-    const float bare_m = bare_up_to_m(before.ground_m, *config);
-    const bool seen = (before.state == kMeasured) | before.is(kPassedLow);
-    const bool was_bare = seen & !(before.elevation_m > bare_m);
+    const float bare_m = bare_up_to_m(store.ground_m[storage_i], *config);
+    const bool seen = (store.state[storage_i] == kMeasured) | store.is(kPassedLow, storage_i);
+    const bool was_bare = seen & !(store.elevation_m[storage_i] > bare_m);
     float top_m = ends.highest().height_m;
     if (was_bare && top_m > bare_m && is_alone(storage_i, top_m, bare_m))
     {
+      const Cell before = store.load(storage_i);
       c.stay_frames = before.stay_frames, c.passed_frames = before.passed_frames;
       if (!hit_lately(before.recent_hits))
         top_m = refuse(c, before, ends.lowest().height_m, bare_m);

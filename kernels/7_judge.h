@@ -65,7 +65,7 @@ struct ComputeFeatures
   TALUS_HD bool asked(int ix, int iy) const
   {
     const Surface& cell = neighbour(ix, iy);
-    return cell.known() & (kParts | cell.is(kSurfaceSeen));
+    return kParts ? cell.known() : cell.is(kSurfaceSeen);  // of unknown cells no flag is set
   }
   TALUS_HD void leave(int ix, int iy) const
   {

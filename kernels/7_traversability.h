@@ -90,7 +90,7 @@ TALUS_HD float slope_angle(const Moments& m, const Config& k)
   {
     const int r = k.feature_radius_cells, side = 2 * r + 1;
     const double n = side * side, xx = n * (side * (r * (r + 1) * side / 3));
-    return slope_angle(n * m.x_ground * xx, n * m.y_ground * xx, 1.0 / (xx * xx), k);
+    return slope_angle(m.x_ground * (n * xx), m.y_ground * (n * xx), 1.0 / (xx * xx), k);
   }
   const double xx = determinant(m.n, m.xx, m.x, m.x);
   const double xy = determinant(m.n, m.xy, m.x, m.y);

@@ -51,7 +51,7 @@ endfunction()
 function(talus_vector_loops)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     set(options -O3 -fno-math-errno -fno-trapping-math
-      -fno-thread-jumps -fno-tree-sink -fno-tree-pre -fno-split-paths -fno-tree-dominator-opts -fno-tree-loop-distribution
+      -fno-thread-jumps -fno-tree-sink -fno-tree-pre -fno-split-paths -fno-tree-dominator-opts -fno-tree-loop-distribution -fno-tree-loop-distribute-patterns
       -falign-loops=32 -falign-functions=64)
     if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
       list(APPEND options -mtune=skylake)

@@ -246,12 +246,14 @@ class Order
   /** Lists the cells in the order of their first points. */
   int list(int n) const
   {
-    const kernels::PointsOut& points = update_.points;
+    const kernels::PointsOut points = update_.points;
+    std::int32_t* const found = update_.sorting.crowded;
     int cells = 0;
     for (int i = 0; i < n; i++)
     {
-      update_.sorting.crowded[cells] = points.cell[i];
-      cells += (points.cell[i] >= 0) & (points.rank[i] == 0);
+      const std::int32_t cell = points.cell[i];
+      found[cells] = cell;
+      cells += (cell >= 0) & (points.rank[i] == 0);
     }
     return cells;
   }

@@ -52,7 +52,7 @@ struct Strip
   float step_m[kLanes] = {};  //!< length of a line for each place
   int fill_places[kLanes] = {},
       sparsity_places[kLanes] = {};  //!< places that fills and stage 7 search
-  int reach = 0;  //!< most of fill_places
+  int reach = 0, far_reach = 0;  //!< most of fill_places and of sparsity_places
   int suspect = 0;  //!< from this place on all are too far for stage 7
 
   const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
@@ -68,6 +68,7 @@ struct Strip
     fill_places[line] = kernels::places_in(k.fill_search_m, length_m, places - 1);
     sparsity_places[line] = kernels::places_in(k.sparsity_search_m, length_m, places - 1);
     reach = std::max(reach, fill_places[line]);
+    far_reach = std::max(far_reach, sparsity_places[line]);
     suspect = std::max(suspect, kernels::places_in(k.sparsity_range_m, length_m, places - 1) + 1);
   }
 };
@@ -321,7 +322,11 @@ class Sweep
       if (suspect) forget_fall(strip, wanted, place, to);
       return;
     }
-    if (suspect) find_falls(k, strip, before, behind, place, found);
+    if (suspect && before.is_within(strip.far_reach, place) &&
+        behind.is_within(strip.far_reach, place))
+      find_falls(k, strip, before, behind, place, found);
+    else if (suspect)
+      std::fill_n(found.fall_m, kLanes, kernels::kNan);
     if (kRays)
       put(strip, found, wanted, place, to);
     else if (strip.rows())

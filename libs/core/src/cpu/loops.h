@@ -52,11 +52,20 @@ TALUS_CLONES void find_applicable(
   in_blocks(
       begin, end, [&](int x) { applicable[x - begin] = f.applies(x, y, first + (x - begin)); });
 }
-/** f(i) for the marked i below n; marks are few, in whole groups of 8. */
-template <class F>
-void over_marked(const std::uint8_t* marks, int n, const F& f)
+/** Marks of cells, looked at in groups. */
+template <int kMost>
+struct Marks
 {
-  constexpr int kGroup = 8;
+  static constexpr int kGroup = 8;
+  alignas(64) std::uint8_t of[kMost + kGroup];
+};
+/** f(i) for the marked i below n; marks are few. */
+template <int kMost, class F>
+void over_marked(Marks<kMost>& m, int n, const F& f)
+{
+  constexpr int kGroup = Marks<kMost>::kGroup;
+  std::uint8_t* const marks = m.of;
+  std::memset(marks + n, 0, kGroup);
   for (int block = 0; block < n; block += kGroup)
   {
     std::uint64_t any;
@@ -70,11 +79,11 @@ template <class F>
 void over_applicable(const F& f, int begin, int end, int y, int first)
 {
   constexpr int kBlock = 256;
-  alignas(64) std::uint8_t applicable[kBlock] = {};
+  Marks<kBlock> applicable;
   for (int x0 = begin; x0 < end; x0 += kBlock)
   {
     const int x1 = std::min(x0 + kBlock, end), shift = first - begin;
-    find_applicable(f, x0, x1, y, x0 + shift, applicable);
+    find_applicable(f, x0, x1, y, x0 + shift, applicable.of);
     over_marked(applicable, x1 - x0, [&](int i) { f(x0 + i, y, x0 + i + shift); });
   }
 }
@@ -448,8 +457,8 @@ class SlidingRows
         sum_rows(sums, y, std::min(groups * kGroup, x1 - x0));
         finish(f_, sums, x0, x1, y, asked);
       }
-      alignas(64) std::uint8_t applicable[kLanes] = {};
-      find_applicable(f_, sums, x0, x1, y, applicable);
+      Marks<kLanes> applicable;
+      find_applicable(f_, sums, x0, x1, y, applicable.of);
       over_marked(applicable, x1 - x0, [&](int l) { f_.finish(x0 + l, y, sums.load(l)); });
     }
     else
