@@ -46,8 +46,8 @@ function(talus_add_library name)
 endfunction()
 
 # talus_vector_loops(SOURCES...): so that loops become vector code, neither errno nor floating-point exceptions are looked
-# at, and choices stay choices instead of becoming branches. Aligned, so that loops do not get slower when code before them
-# changes. No bit depends on it.
+# at, choices stay choices instead of becoming branches, and loops stay whole: checks and calls of their parts cost more.
+# Aligned, so that loops do not get slower when code before them changes. No bit depends on it.
 function(talus_vector_loops)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     set(options -O3 -fno-math-errno -fno-trapping-math
