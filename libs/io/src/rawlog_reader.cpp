@@ -40,7 +40,7 @@ std::string externals_directory(const std::string& log)
   for (const auto& candidate : {stem + "_Images", stem + "_IMAGES", std::string("Images")})
     if (const auto folder = path.parent_path() / candidate; fs::is_directory(folder, ignored))
       return folder.string();
-  const auto by_mrpt = mrpt::obs::CRawlog::detectImagesDirectory(log);
+  auto by_mrpt = mrpt::obs::CRawlog::detectImagesDirectory(log);
   if (fs::is_directory(by_mrpt, ignored)) return by_mrpt;
   return (path.parent_path() / (stem + "_Images")).string();
 }
