@@ -21,6 +21,10 @@ struct PlaneSums
     const float w = select(counts, 1.0f, 0.0f), h = select(counts, height_m, 0.0f);
     n += w, x += dx * w, y += dy * w;
     xx += dx * dx * w, xy += dx * dy * w, yy += dy * dy * w;
+    add_height(dx, dy, h);
+  }
+  TALUS_HD void add_height(float dx, float dy, float h)
+  {
     z += h, xz += dx * h, yz += dy * h, zz += h * h;
   }
   /** The mean of the squared distances from the plane [m^2]; where the neighbours lie in a line,
@@ -58,27 +62,75 @@ struct TellVariance
   }
 
  private:
+  /** What the neighbours of a cell, and the cell itself, say. */
+  struct Neighbours
+  {
+    PlaneSums near, around;  //!< of 3 x 3 and of 5 x 5 cells
+    int measured = 0;
+  };
+
   TALUS_HD float told_m2(int ix, int iy, int storage_i, bool measured, float known_m2) const
   {
-    PlaneSums near, around;
-    float met = 0;  // neighbours that were measured, and the cell itself
+    Neighbours all = lie_together(ix, iy) ? together(storage_i, measured) : Neighbours{};
+    if (!(all.measured > 0 && is_known(all.around.z))) all = one_by_one(ix, iy, storage_i);
+    const float noise_m2 = all.around.mean_square_m2(), near_m2 = all.near.mean_square_m2();
+    const float strays_m2 = noise_m2 + max_of(noise_m2 - near_m2, 0.0f);
+    const auto met = static_cast<float>(all.measured);
+    const float own_m2 = measured ? known_m2 / (met * met) : known_m2;
+    return max_of(strays_m2 + own_m2, config->min_variance_m2);
+  }
+  /** Whether the rows of all neighbours follow one another in the store. */
+  TALUS_HD bool lie_together(int ix, int iy) const
+  {
+    const int n = config->cells;
+    const auto is_inside = [n](int at, int shift)
+    {
+      const int stored = at + shift - select(at + shift >= n, n, 0);
+      return (at >= 2) & (at < n - 2) & (stored >= 2) & (stored < n - 2);
+    };
+    return is_inside(ix, frame->storage_x) && is_inside(iy, frame->storage_y);
+  }
+  /** The same sums as one_by_one() where the ground of all neighbours is known, else NaN in z. */
+  TALUS_HD Neighbours together(int storage_i, bool counts_measured) const
+  {
+    Neighbours all;
+    all.around.n = 25.0f, all.around.xx = all.around.yy = 50.0f;
+    all.near.n = 9.0f, all.near.xx = all.near.yy = 6.0f;
+    all.measured = 1;
     const float own_m = store.ground_m[storage_i];
     for (int dy = -2; dy <= 2; dy++)
       for (int dx = -2; dx <= 2; dx++)
       {
-        const int x = ix + dx, y = iy + dy, n = config->cells;
+        const float rise_m = store.ground_m[storage_i + dy * config->cells + dx] - own_m;
+        all.around.add_height(static_cast<float>(dx), static_cast<float>(dy), rise_m);
+        if (dx * dx <= 1 && dy * dy <= 1)
+          all.near.add_height(static_cast<float>(dx), static_cast<float>(dy), rise_m);
+      }
+    if (!counts_measured) return all;
+    all.measured = 0;
+    for (int dy = -2; dy <= 2; dy++)
+      for (int dx = -2; dx <= 2; dx++)
+        all.measured += select(store.state[storage_i + dy * config->cells + dx] == kMeasured, 1, 0);
+    return all;
+  }
+  TALUS_HD Neighbours one_by_one(int ix, int iy, int storage_i) const
+  {
+    Neighbours all;
+    const float own_m = store.ground_m[storage_i];
+    const int n = config->cells;
+    for (int dy = -2; dy <= 2; dy++)
+      for (int dx = -2; dx <= 2; dx++)
+      {
+        const int x = ix + dx, y = iy + dy;
         if (x < 0 || y < 0 || x >= n || y >= n) continue;
         const int neighbour_i = storage_index(*frame, n, x, y);
         const float rise_m = store.ground_m[neighbour_i] - own_m;
         const auto to_x = static_cast<float>(dx), to_y = static_cast<float>(dy);
-        around.add(to_x, to_y, rise_m, is_known(rise_m));
-        met += select(store.state[neighbour_i] == kMeasured, 1.0f, 0.0f);
-        if (dx * dx <= 1 && dy * dy <= 1) near.add(to_x, to_y, rise_m, is_known(rise_m));
+        all.around.add(to_x, to_y, rise_m, is_known(rise_m));
+        if (dx * dx <= 1 && dy * dy <= 1) all.near.add(to_x, to_y, rise_m, is_known(rise_m));
+        all.measured += select(store.state[neighbour_i] == kMeasured, 1, 0);
       }
-    const float noise_m2 = around.mean_square_m2(), near_m2 = near.mean_square_m2();
-    const float strays_m2 = noise_m2 + max_of(noise_m2 - near_m2, 0.0f);
-    const float own_m2 = measured ? known_m2 / (met * met) : known_m2;
-    return max_of(strays_m2 + own_m2, config->min_variance_m2);
+    return all;
   }
 };
 
