@@ -7,8 +7,8 @@ namespace talus::io
  * in the colours of the pictures. Throws as write_file(). */
 void write_qgis_style(const std::string& path);
 
-/** True when a file is there and holds anything but what write_qgis_style() writes: a person made it
- * or changed it, and it stays. Throws std::runtime_error when it cannot be read. */
+/** True when a file is there and holds anything but what write_qgis_style() writes: a person made
+ * it or changed it, and it stays. Throws std::runtime_error when it cannot be read. */
 bool is_users_qgis_style(const std::string& path);
 
 }  // namespace talus::io
