@@ -211,8 +211,7 @@ HeadingCost heading_cost(
   }
   const Plane plane = plane_through(wheels);
   HeadingCost found{std::atan(plane.along), std::atan(plane.across), 0, 0, 0};
-  for (const auto& spots : wheels)
-    found.step_m = std::max(found.step_m, step_under(spots, plane));
+  for (const auto& spots : wheels) found.step_m = std::max(found.step_m, step_under(spots, plane));
   found.clearance_m = clearance_under(cells, robot, plane);
   found.cost = std::min(
       1.0, std::max({
