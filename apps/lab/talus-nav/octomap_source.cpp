@@ -26,9 +26,9 @@ class OctomapSource : public MapSource
     mrpt::maps::CSimplePointsMap points;
     for (std::size_t i = 0; i < scan.size(); i += static_cast<std::size_t>(o_.decimation))
     {
-      const mrpt::math::TPoint3D p(scan.x_m[i], scan.y_m[i], scan.z_m[i]);
-      if (std::hypot(p.x, p.y, p.z) > o_.range_m) continue;
-      const auto q = T_map_sensor.composePoint(p);
+      const double x_m = scan.x_m[i], y_m = scan.y_m[i], z_m = scan.z_m[i];
+      if (std::hypot(x_m, y_m, z_m) > o_.range_m) continue;
+      const auto q = T_map_sensor.composePoint(mrpt::math::TPoint3D(x_m, y_m, z_m));
       points.insertPoint(static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z));
     }
     map_.insertPointCloud(
