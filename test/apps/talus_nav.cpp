@@ -491,7 +491,7 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
             "seen_within_m = 'abc': must be"},
            {"2d", "\nresolution = 0.05", "\nresolution = 0.1",
             "resolution = 0.1 m: must be 0.05 m"},
-           {"2d", "\nunseen ", "\nfree\nunseen ", "own.ini:214: 'free' has no '='"}})
+           {"2d", "\nunseen ", "\nfree\nunseen ", "own.ini:215: 'free' has no '='"}})
   {
     auto ini = read_bytes(
         std::string(TALUS_SOURCE_DIR "/datasets/configs/reactive") + w.planner + "_config.ini");
