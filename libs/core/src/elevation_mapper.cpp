@@ -184,6 +184,12 @@ struct ElevationMapper::Impl
     }
     return size;
   }
+  /** Finds them for `call` in the window of the last frame, into rects_in_window. */
+  std::size_t find_finished(const char* call, const std::vector<CellRect>& rects)
+  {
+    require_none_in_flight(call);
+    return find_in_window(finished_window(), rects, rects_in_window);
+  }
   CellRecord* start(const Frame& frame, const FrameRects& cells);
   FrameReport finish(const FrameRects& cells);
   Slot& shown_slot() { return slots[static_cast<std::size_t>(shown)]; }
@@ -385,8 +391,7 @@ Window ElevationMapper::window_after(const Frame& frame) const
 CellRecords ElevationMapper::read_cells(const std::vector<CellRect>& rects) const
 {
   Impl& m = *impl_;
-  m.require_none_in_flight("read_cells");
-  const std::size_t size = Impl::find_in_window(m.finished_window(), rects, m.rects_in_window);
+  const std::size_t size = m.find_finished("read_cells", rects);
   if (size == 0) return {};
   return {m.backend->read_cells(m.rects_in_window), size};
 }
@@ -395,8 +400,7 @@ void ElevationMapper::write_cells(
     const std::vector<CellRect>& rects, const CellRecord* records, std::size_t size)
 {
   Impl& m = *impl_;
-  m.require_none_in_flight("write_cells");
-  if (Impl::find_in_window(m.finished_window(), rects, m.rects_in_window) != size)
+  if (m.find_finished("write_cells", rects) != size)
     throw std::invalid_argument("ElevationMapper::write_cells: a record for each cell");
   if (size == 0) return;
   m.backend->write_cells(m.rects_in_window, records);
@@ -406,8 +410,7 @@ void ElevationMapper::write_cells(
 const ChannelRecord* ElevationMapper::read_channels(const std::vector<CellRect>& rects) const
 {
   Impl& m = *impl_;
-  m.require_none_in_flight("read_channels");
-  const std::size_t size = Impl::find_in_window(m.finished_window(), rects, m.rects_in_window);
+  const std::size_t size = m.find_finished("read_channels", rects);
   if (size == 0 || m.parameters.channels.empty()) return nullptr;
   return m.backend->read_channels(m.rects_in_window);
 }
@@ -416,8 +419,7 @@ void ElevationMapper::write_channels(
     const std::vector<CellRect>& rects, const ChannelRecord* records, std::size_t size)
 {
   Impl& m = *impl_;
-  m.require_none_in_flight("write_channels");
-  if (Impl::find_in_window(m.finished_window(), rects, m.rects_in_window) != size)
+  if (m.find_finished("write_channels", rects) != size)
     throw std::invalid_argument("ElevationMapper::write_channels: a record for each cell");
   if (size == 0 || m.parameters.channels.empty()) return;
   m.backend->write_channels(m.rects_in_window, records);

@@ -97,7 +97,7 @@ void add_points(
         static_cast<float>(p.x_m), static_cast<float>(p.y_m), static_cast<float>(z_m));
 }
 
-std::vector<Passage> cells_of(
+std::vector<Passage> judged_cells(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
 {
   return map.empty() ? std::vector<Passage>() : classify_cells(map, T_map_base, o);
@@ -108,7 +108,7 @@ void obstacles_2d(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     CSimplePointsMap& out)
 {
-  obstacles_2d(map, T_map_base, o, cells_of(map, T_map_base, o), out);
+  obstacles_2d(map, T_map_base, o, judged_cells(map, T_map_base, o), out);
 }
 
 void obstacles_2d(
@@ -124,7 +124,7 @@ void obstacles_3d(
     const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
     const std::vector<double>& prism_heights_m, CSimplePointsMap& out)
 {
-  obstacles_3d(map, T_map_base, o, cells_of(map, T_map_base, o), prism_heights_m, out);
+  obstacles_3d(map, T_map_base, o, judged_cells(map, T_map_base, o), prism_heights_m, out);
 }
 
 void obstacles_3d(
