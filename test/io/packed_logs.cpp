@@ -114,7 +114,7 @@ TEST(PackedLogs, tell_how_far_the_reader_is)
   }
 }
 
-TEST(PackedLogs, that_are_cut_short_are_found_before_anything_is_read_wherever_they_are_cut)
+TEST(PackedLogs, that_are_cut_short_are_found_wherever_they_are_cut)
 {
   const ScratchDir dir;
   const auto log = bytes_of(kSmall);
@@ -125,7 +125,7 @@ TEST(PackedLogs, that_are_cut_short_are_found_before_anything_is_read_wherever_t
     {
       write_bytes(dir / "cut.rawlog", file.substr(0, size));
       expect_error(
-          [&] { RawlogReader{dir / "cut.rawlog"}; },
+          [&] { read_again(dir / "cut.rawlog"); },
           {"cut.rawlog", way.name, "cut short", "byte " + std::to_string(size), "Copy it again"});
     }
     for (const std::size_t size : {1, 2, 3})
@@ -196,7 +196,7 @@ TEST(PackedLogs, say_what_is_wrong_where_a_checksum_is)
     file[in_checksum] = static_cast<char>(file[in_checksum] ^ 1);
     write_bytes(dir / "bad.rawlog", file);
     expect_error(
-        [&] { RawlogReader{dir / "bad.rawlog"}; },
+        [&] { read_again(dir / "bad.rawlog"); },
         {"bad.rawlog", way.name, "damaged", "check", "Copy it again"});
   }
 }
@@ -210,7 +210,7 @@ TEST(PackedLogs, say_where_something_else_follows_the_data)
       const auto file = way.pack(bytes_of(kSmall));
       write_bytes(dir / "long.rawlog", file + rest);
       expect_error(
-          [&] { RawlogReader{dir / "long.rawlog"}; },
+          [&] { read_again(dir / "long.rawlog"); },
           {"long.rawlog", way.name, "goes on after its data",
            "byte " + std::to_string(file.size())});
     }
@@ -227,7 +227,7 @@ TEST(PackedLogs, that_unpack_to_more_than_any_log_are_refused)
     for (int i = 0; i < 66; ++i) file += piece;  // 1.03 GiB
     write_bytes(dir / "bomb.rawlog", file);
     expect_error(
-        [&] { RawlogReader{dir / "bomb.rawlog"}; },
+        [&] { read_again(dir / "bomb.rawlog"); },
         {"bomb.rawlog", way.name, "unpacks to more than", "made to fill memory"});
   }
 }

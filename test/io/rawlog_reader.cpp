@@ -232,7 +232,7 @@ TEST(RawlogReader, FindsAGzFileCutAnywhere)
        {std::size_t(15), bytes.size() / 2, bytes.size() - 8, bytes.size() - 1})
   {
     write_bytes(cut, bytes.substr(0, size));
-    expect_error([&] { RawlogReader{cut}; }, {"cut.rawlog", "cut short", "byte"});
+    expect_error([&] { read_all(cut); }, {"cut.rawlog", "cut short", "byte"});
   }
 }
 
@@ -243,7 +243,7 @@ TEST(RawlogReader, FindsAGzFileWhoseChecksumIsWrong)
   auto bytes = read_bytes(dir / "a.rawlog");
   bytes[bytes.size() - 6] = static_cast<char>(bytes[bytes.size() - 6] ^ 0x10);
   write_bytes(dir / "bad.rawlog", bytes);
-  expect_error([&] { RawlogReader(dir / "bad.rawlog"); }, {"bad.rawlog", "damaged"});
+  expect_error([&] { read_all(dir / "bad.rawlog"); }, {"bad.rawlog", "damaged"});
 }
 
 TEST(RawlogReader, NamesTheByteWhereAPlainLogIsCutAndGivesWhatIsBefore)

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 
 namespace talus::io
 {
@@ -19,6 +21,9 @@ PackedFile::PackedFile(const std::string& path)
     : path_(path), file_(path, std::ios::binary), packed_(kChunk), unpacked_(kChunk)
 {
   if (!file_) throw std::runtime_error(path + ": cannot be opened. Check its permissions.");
+  std::error_code is_no_file;  // of a size that it tells
+  const std::uintmax_t size = std::filesystem::file_size(path, is_no_file);
+  if (!is_no_file) file_bytes_ = size;
   refill();
   unpacker_ = make_unpacker({rest_.begin, rest_.size});
 }
@@ -35,6 +40,15 @@ std::size_t PackedFile::read(void* to, std::size_t count)
   }
   position_ += got;
   return got;
+}
+
+double PackedFile::progress() const
+{
+  const std::uint64_t taken_bytes = fetched_bytes_ - rest_.size;
+  const double of_last = end_ == 0 ? 1 : static_cast<double>(next_) / static_cast<double>(end_);
+  const double read_bytes = static_cast<double>(before_last_bytes_) +
+                            of_last * static_cast<double>(taken_bytes - before_last_bytes_);
+  return read_bytes / static_cast<double>(std::max(file_bytes_, taken_bytes));
 }
 
 /** What is left moves to the front, so that the beginning of a member is never torn. */
@@ -55,6 +69,7 @@ void PackedFile::refill()
 bool PackedFile::unpack_more()
 {
   Room room{unpacked_.data(), unpacked_.size()};
+  const std::uint64_t before_bytes = fetched_bytes_ - rest_.size;
   while (room.size == unpacked_.size())
   {
     if (rest_.size < kLongestBegin && file_) refill();
@@ -80,6 +95,7 @@ bool PackedFile::unpack_more()
           "file is cut short, it ends with byte " + std::to_string(fetched_bytes_) +
           " in the middle of its data. Copy it again.");
   }
+  before_last_bytes_ = before_bytes;
   next_ = 0;
   end_ = unpacked_.size() - room.size;
   unpacked_bytes_ += end_;

@@ -29,8 +29,15 @@ class PackedFile
   /** Whether it begins as gz or zstd does. */
   bool is_packed() const { return unpacker_->name()[0] != '\0'; }
 
+  /** Whether all is read. At the end it has compared the checksum of what was packed. Throws
+   * std::runtime_error as read() does. */
+  bool at_end() { return next_ == end_ && !unpack_more(); }
+
   /** Bytes read so far, unpacked. */
   std::uint64_t position() const { return position_; }
+
+  /** Fraction of the file that is read, 0..1. */
+  double progress() const;
 
  private:
   bool unpack_more();
@@ -44,7 +51,8 @@ class PackedFile
   Bytes rest_;  //!< of packed_
   std::size_t next_ = 0, end_ = 0;  //!< what is still to be read of unpacked_
   std::uint64_t position_ = 0;
-  std::uint64_t fetched_bytes_ = 0;  //!< from the file
+  std::uint64_t file_bytes_ = 0, fetched_bytes_ = 0;  //!< of the file, and read of it
+  std::uint64_t before_last_bytes_ = 0;  //!< of the file, before those of unpacked_
   std::uint64_t unpacked_bytes_ = 0;
 };
 

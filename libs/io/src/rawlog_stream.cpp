@@ -33,24 +33,21 @@ void refuse_foreign_scans(const std::string& path)
     throw std::runtime_error(path + ": " + how);
 }
 
-/** The size after unpacking of a file that is whole. */
-std::uint64_t size_of_whole(const std::string& path)
+/** Of a log that can be read. */
+const std::string& readable(const std::string& path)
 {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) refuse_foreign_scans(path);
   require_readable_file(path, "rawlog");
-  const auto size = verified_size(path);
-  if (size == 0) throw std::runtime_error(path + ": holds no data once unpacked. Record it again.");
-  return size;
+  return path;
 }
 }  // namespace
 
 struct RawlogStream::Impl
 {
-  explicit Impl(const std::string& p) : path(p), size(size_of_whole(p)), file(p), archive(file) {}
+  explicit Impl(const std::string& p) : path(readable(p)), file(p), archive(file) {}
 
   std::string path;
-  std::uint64_t size;  //!< bytes after unpacking
   std::uint64_t object_begin = 0;
   PackedFile file;
   PackedArchive archive;
@@ -61,13 +58,15 @@ RawlogStream::RawlogStream(const std::string& path) : impl_(std::make_unique<Imp
   // Point clouds live in mrpt-maps: a program that calls nothing else of it may not have it loaded.
   mrpt::obs::registerAllClasses_mrpt_obs();
   mrpt::maps::registerAllClasses_mrpt_maps();
+  if (impl_->file.at_end())
+    throw std::runtime_error(path + ": holds no data once unpacked. Record it again.");
 }
 RawlogStream::~RawlogStream() = default;
 
 mrpt::serialization::CSerializable::Ptr RawlogStream::next()
 {
   impl_->object_begin = impl_->file.position();
-  if (impl_->object_begin >= impl_->size) return nullptr;
+  if (impl_->file.at_end()) return nullptr;
   try
   {
     mrpt::serialization::CSerializable::Ptr object;
@@ -76,25 +75,27 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
   }
   catch (const std::bad_alloc&)
   {
+    verified_size(impl_->path);  // packed data that is damaged says so itself
     if (impl_->object_begin == 0) refuse_foreign_scans(impl_->path);
     fail("needs more memory than there is. Most likely the log is damaged there");
   }
   catch (const std::exception& e)
   {
+    const std::uint64_t size = verified_size(impl_->path);
     if (impl_->object_begin == 0) refuse_foreign_scans(impl_->path);
     const std::string reason = reason_of(e);
     if (reason.find("unknown serialization version") != std::string::npos)
       fail(
           "was written by a newer MRPT than this program has (" + reason +
           "), or is damaged. Read it where that version is installed");
-    const bool at_end = impl_->file.position() >= impl_->size;
+    const bool at_end = impl_->file.position() >= size;
     if (impl_->object_begin == 0 && !at_end)
       throw std::runtime_error(
           impl_->path + ": not a rawlog, nothing of MRPT begins at byte 0 (" + reason +
           "). Pass a .rawlog file; if its classes come from a plugin, load the plugin.");
     if (at_end)
       fail(
-          "runs past the end of the file at byte " + std::to_string(impl_->size) +
+          "runs past the end of the file at byte " + std::to_string(size) +
           ": the log is cut short or damaged. Copy it again, or keep what is whole with "
           "rawlog-edit --cut");
     fail(
@@ -111,9 +112,6 @@ void RawlogStream::fail(const std::string& what) const
       ".");
 }
 
-double RawlogStream::progress() const
-{
-  return static_cast<double>(impl_->file.position()) / static_cast<double>(impl_->size);
-}
+double RawlogStream::progress() const { return impl_->file.progress(); }
 
 }  // namespace talus::io

@@ -15,7 +15,7 @@ class RawlogReader
 {
  public:
   /** Throws std::runtime_error that names the file and says what is wrong and what to do: missing,
-   * a directory, empty, not a rawlog, gz or zstd data cut short or damaged. */
+   * a directory, empty, not a rawlog. */
   explicit RawlogReader(const std::string& path);
   ~RawlogReader();
   RawlogReader(const RawlogReader&) = delete;
@@ -23,7 +23,8 @@ class RawlogReader
 
   /** The next observation, or nullptr at the end of the log; those of a sensory frame one by one.
    * Externally stored points and depth images are loaded. Throws std::runtime_error naming the file
-   * and the byte offset (after decompression) of the object that cannot be read. */
+   * and the byte offset (after decompression) of the object that cannot be read, or saying that gz
+   * or zstd data is cut short or damaged: what was read of a log is sure at its end only. */
   mrpt::obs::CObservation::Ptr next();
 
   /** The text that describes the log, its first CObservationComment; empty where it does not begin

@@ -10,13 +10,13 @@ namespace talus::io
 class RawlogStream
 {
  public:
-  /** Reads the whole file first, so that one that is cut short or damaged is found before any work.
-   * Throws std::runtime_error that names the file, what is wrong and what to do. */
+  /** Throws std::runtime_error that names the file, what is wrong and what to do. */
   explicit RawlogStream(const std::string& path);
   ~RawlogStream();
 
-  /** The next object, or nullptr at the end. Throws std::runtime_error naming the file and the byte
-   * offset (after unpacking) at which the object begins. */
+  /** The next object, or nullptr at the end, where packed data has been compared with its checksum.
+   * Throws std::runtime_error naming the file and the byte offset (after unpacking) at which the
+   * object begins, or, of packed data that is cut short or damaged, where it is that. */
   mrpt::serialization::CSerializable::Ptr next();
 
   /** Throws std::runtime_error: `what` is wrong with the object that next() returned last. */
