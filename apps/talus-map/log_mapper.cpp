@@ -11,10 +11,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 
 namespace talus::app
 {
@@ -64,17 +65,15 @@ std::string percent(std::uint64_t part, std::uint64_t whole)
   return text;
 }
 
-/** FNV-1a, a coordinate at a time. */
-std::uint64_t hash_of(const SensorPoints& scan)
+std::size_t hash_of(const SensorPoints& scan)
 {
-  std::uint64_t hash = 14695981039346656037U;
+  std::size_t hash = 0;
   for (const auto* coordinates : {&scan.x_m, &scan.y_m, &scan.z_m})
-    for (const float c : *coordinates)
-    {
-      std::uint32_t bits;
-      std::memcpy(&bits, &c, sizeof bits);
-      hash = (hash ^ bits) * 1099511628211U;
-    }
+  {
+    const std::string_view bytes(
+        reinterpret_cast<const char*>(coordinates->data()), coordinates->size() * sizeof(float));
+    hash = hash * 31 + std::hash<std::string_view>()(bytes);
+  }
   return hash;
 }
 

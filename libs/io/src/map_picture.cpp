@@ -217,9 +217,11 @@ cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options)
 void write_png(const std::string& path, const cv::Mat& picture)
 {
   std::vector<uchar> png;
-  // OpenCV's own choice makes files of up to twice the size; 6 saves 1 to 15 % and takes half as
-  // long again.
-  if (!cv::imencode(".png", picture, png, {cv::IMWRITE_PNG_COMPRESSION, 3}))
+  // The lowest level and one filter, which is what OpenCV takes where no level is given. A level of
+  // 3 saves 3 to 11 % and takes twice as long; OpenCV's own strategy makes files half as large
+  // again.
+  if (!cv::imencode(
+          ".png", picture, png, {cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_DEFAULT}))
     throw std::runtime_error(path + ": cannot make this picture");
   write_file(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
 }

@@ -49,8 +49,9 @@ CPLStringList options_for(const TilePyramid& pyramid)
   const bool many = pyramid.width_cells(0) * pyramid.height_cells(0) > kManyCells;
   CPLStringList options;
   options.SetNameValue("COMPRESS", "DEFLATE");
-  options.SetNameValue("LEVEL", "1");  // 6 saves 5 % more and takes twice as long
-  options.SetNameValue("PREDICTOR", "FLOATING_POINT");
+  // 6 saves 10 % and takes three times as long, FLOATING_POINT saves 4 % and takes a third longer.
+  options.SetNameValue("LEVEL", "2");
+  options.SetNameValue("PREDICTOR", "STANDARD");
   options.SetNameValue("BLOCKSIZE", many ? "512" : "256");
   options.SetNameValue("OVERVIEW_RESAMPLING", "NEAREST");
   options.SetNameValue("OVERVIEWS", "FORCE_USE_EXISTING");
