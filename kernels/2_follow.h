@@ -38,7 +38,7 @@ struct CountOffset
   TALUS_HD void operator()(int point_i) const
   {
     const int ray = points.ray[point_i], storage_i = points.cell[point_i];
-    if (ray < 0 || storage_i < 0 || ray % kOffsetOneIn != 0 || !(points.slope[point_i] < 0.0f))
+    if (ray % kOffsetOneIn != 0 || ray < 0 || storage_i < 0 || !(points.slope[point_i] < 0.0f))
       return;
     const float ground_m = store.ground_m[storage_i], top_m = store.elevation_m[storage_i];
     const bool bare = (store.state[storage_i] == kMeasured) &
