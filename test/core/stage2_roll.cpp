@@ -17,10 +17,10 @@ Scan textured(double x, double y)
   return s;
 }
 
-/** Whether neighbours of a cell, up to two cells away, are all in the window. */
+/** Whether neighbours of a cell, up to three cells away, are all in the window. */
 bool has_neighbours(std::int64_t x, std::int64_t y, const Window& w)
 {
-  return x >= 2 && y >= 2 && x < w.cells - 2 && y < w.cells - 2;
+  return x >= 3 && y >= 3 && x < w.cells - 3 && y < w.cells - 3;
 }
 
 /** Compares the cells that both windows hold, bit by bit, in all persistent layers; the variance,

@@ -23,7 +23,7 @@ TestMap slope_of(double angle_rad, double ripple_m)
   m.update(Scan().add_surface(
       1.0, -1.0, 3.0, 1.0,
       [=](double x, double y)
-      { return rise * (x - 2) + ripple_m * std::sin(70 * x + 3 * y) * std::cos(50 * y); }));
+      { return rise * (x - 2) + ripple_m * std::sin(30 * x + 3 * y) * std::cos(50 * y); }));
   return m;
 }
 }  // namespace

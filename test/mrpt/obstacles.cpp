@@ -625,7 +625,7 @@ TEST(Obstacles, are_cells_with_more_risk_than_asked_for)
     for (float v = -0.975F; v < 1; v += 0.05F)
     {
       x.push_back(u), y.push_back(v);
-      z.push_back(0.6F * u + 0.008F * std::sin(70 * u + 3 * v) * std::cos(50 * v) - 0.7F);
+      z.push_back(0.6F * u + 0.008F * std::sin(30 * u + 3 * v) * std::cos(50 * v) - 0.7F);
     }
   Frame frame;
   frame.T_map_sensor.m[11] = 0.7;

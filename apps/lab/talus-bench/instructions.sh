@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # usage: instructions.sh [COMMIT]...
-# Instructions of each stage of a frame in S1 and S2, one core, as callgrind counts them, of the library at each commit
+# Instructions of each stage of a frame in S1 and S2, with two layers and with six, one core, as callgrind counts them, of the library at each commit
 # (default: HEAD). Needs valgrind (Debian: apt-get install valgrind).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -16,8 +16,9 @@ for commit in "${@:-HEAD}"; do
   g++ -std=c++17 -O2 -I"$tree/libs/core/include" instructions.cpp scans.cpp setting.cpp "$tree"/build/lib/libtalus_core.a \
     -o "$tree/instructions"
   echo "$(git rev-parse --short "$commit"):"
-  for setting in S1 S2; do
-    valgrind --quiet --tool=callgrind --instr-atstart=no --callgrind-out-file="$tree/$setting" \
-      "$tree/instructions" "$setting" "$tree/$setting" 2>"$tree/log" || { cat "$tree/log" >&2; exit 1; }
+  for setting in S1 S1/6_layers S2 S2/6_layers; do
+    profile=$tree/${setting/\//_}
+    valgrind --quiet --tool=callgrind --instr-atstart=no --callgrind-out-file="$profile" \
+      "$tree/instructions" "$setting" "$profile" 2>"$tree/log" || { cat "$tree/log" >&2; exit 1; }
   done
 done

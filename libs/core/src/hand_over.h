@@ -4,6 +4,8 @@
 #include "kernels/9_channels.h"
 #include "kernels/cell.h"
 
+#include <algorithm>
+
 namespace talus
 {
 static_assert(CellRecord::kEvidenceBytes == kernels::kEvidenceFields);
@@ -15,6 +17,24 @@ struct WindowRect
   int first_x, first_y, width, height;
 
   TALUS_HD int size() const { return width * height; }
+};
+
+/** All cells of a window of n x n that are at most so many cells from a rectangle. */
+inline WindowRect within(int cells, const WindowRect& rect, int n)
+{
+  const int x = std::max(rect.first_x - cells, 0), y = std::max(rect.first_y - cells, 0);
+  return {
+      x, y, std::min(rect.first_x + rect.width + cells, n) - x,
+      std::min(rect.first_y + rect.height + cells, n) - y};
+}
+
+/** f(x, y) of the cells of a rectangle, which come by their place in it. */
+template <class F>
+struct OfRect
+{
+  F f;
+  WindowRect cells;
+  TALUS_HD void operator()(int x, int y) const { f(cells.first_x + x, cells.first_y + y); }
 };
 
 /** The rectangles of one loop. */

@@ -84,11 +84,10 @@ class MapBackend final : public BackendInterface
   void complete_parts();
   void export_surface(Layer layer, float* to)
   {
-    const int side = map_.side();
     if (layer == Layer::Variance)
-      executor_.for_each_cell(side, side, map_.tell_variance(to));
+      schedule_.tell_variance(to);
     else
-      executor_.for_each_cell(side, side, map_.export_surface(layer, to));
+      executor_.for_each_cell(map_.side(), map_.side(), map_.export_surface(layer, to));
   }
   static int size_of(const std::vector<WindowRect>& rects)
   {
@@ -235,7 +234,11 @@ void MapBackend<Schedule>::write_cells(const std::vector<WindowRect>& rects, con
       { executor_.for_each_from_host(size, map_.write_cell(some), records); });
   constexpr auto variance = static_cast<std::size_t>(Layer::Variance);
   if (float* const shown = map_.now->outputs[variance].mapped)
-    export_surface(Layer::Variance, shown);
+  {
+    schedule_.lay_out_ground();
+    for (const WindowRect& rect : rects)
+      schedule_.tell_variance(shown, within(kernels::kAskedPlaces, rect, map_.side()));
+  }
   executor_.synchronize();
 }
 

@@ -61,6 +61,11 @@ struct MapBuffers
   {
     return static_cast<std::size_t>(line_grid().side) * static_cast<std::size_t>(line_grid().pitch);
   }
+  /** Places of the rows beyond the window that TellVariance asks, on one side. */
+  std::size_t margin_size() const
+  {
+    return kernels::kAskedPlaces * static_cast<std::size_t>(line_grid().pitch);
+  }
   /** The number of points of a loop. */
   int points(const Executor& executor) const
   {
@@ -195,7 +200,7 @@ struct MapBuffers
   kernels::Samples samples()
   {
     kernels::Samples v{};
-    v.height_m = sample_height.data();
+    v.height_m = sample_height.data() + margin_size();
     v.free_above_m = free_above.data();
     return v;
   }
@@ -259,13 +264,16 @@ struct MapBuffers
         config.data(), context.data(), store(),
         surfaces_at([=](Layer l) { return l == layer ? to : nullptr; })};
   }
-  /** Tells the variance of all cells in window order. */
-  kernels::TellVariance tell_variance(float* to)
+  /** The samples are no longer needed when the ground is laid out in their place. */
+  kernels::LayOutGround lay_out_ground()
   {
-    auto v = on_cells<kernels::TellVariance>();
-    v.variance_m2 = to;
+    auto v = on_cells<kernels::LayOutGround>();
+    v.grid = line_grid();
+    v.ground_m = samples().height_m;
     return v;
   }
+  /** Tells the variance of cells in window order, from the ground laid out. */
+  kernels::TellVariance tell_variance(float* to) { return {lay_out_ground(), to}; }
   /** Reads cells of the window of the frame before. */
   ReadCell read_cell(const WindowRects& rects) { return ReadCell{hand_over(rects)}; }
   WriteCell write_cell(const WindowRects& rects)
@@ -458,7 +466,7 @@ struct MapBuffers
   Buffer<std::uint8_t> in_open;
   Buffer<float> passing_lowest, passing_highest;
   Buffer<float> coarse;  //!< coarse grid
-  Buffer<float> sample_height, fall;  //!< grid of lines
+  Buffer<float> sample_height, fall;  //!< grid of lines; of samples with margins, see samples()
   Buffer<float> free_above;  //!< grid of lines, for schedules that sweep along lines
   Buffer<kernels::Surface> judged_surfaces;
 
@@ -511,7 +519,8 @@ void MapBuffers<Executor>::allocate(Executor& executor)
   const auto pooled = static_cast<std::size_t>(kernels::coarse_side(host_config));
   const std::size_t pad = 2 * static_cast<std::size_t>(kernels::dilation_radius(host_config));
   executor.allocate(coarse, kCoarseArrays * pooled * (pooled + pad), kernels::kInfinity);
-  for (auto* b : {&sample_height, &fall}) executor.allocate(*b, grid_size(), kernels::kNan);
+  executor.allocate(fall, grid_size(), kernels::kNan);
+  executor.allocate(sample_height, grid_size() + 2 * margin_size(), kernels::kNan);
   executor.allocate(config, 1, kernels::Config{});
   executor.allocate(context, 1, kernels::FrameContext{});
   executor.allocate(counters, kernels::kCounters, std::uint32_t{0});

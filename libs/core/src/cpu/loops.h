@@ -111,16 +111,15 @@ class StoredRow
   {
     in_stretches([&](int begin, int end, int i) { over_applicable(f, begin, end, y_, i); });
   }
-  /** each() of the cells [first, last) only, once. */
+  /** each() of the cells [first, last) only. */
   template <class F>
   void each_of(int first, int last, const F& f) const
   {
-    if (first >= last) return;
     in_stretches(
         [&](int begin, int end, int i)
         {
-          for (int x = std::max(begin, first); x < std::min(end, last); x++)
-            f(x, y_, i + x - begin);
+          const int from = std::max(begin, first), to = std::min(end, last);
+          if (from < to) over_row(f, from, to, y_, i + from - begin);
         });
   }
   int y() const { return y_; }

@@ -77,6 +77,31 @@ class CpuSchedule
         kernels::OpenGround{map_.config.data(), grid});
   }
 
+  /** Lays out the ground, and tells the variance of all cells in window order. */
+  void tell_variance(float* to)
+  {
+    lay_out_ground();
+    tell_variance(to, {0, 0, side(), side()});
+  }
+  void lay_out_ground()
+  {
+    const kernels::LayOutGround lay_out = map_.lay_out_ground();
+    for_each_row([&](const StoredRow& row) { row.each(lay_out); });
+  }
+  /** Tells the variance of some cells, after lay_out_ground(). */
+  void tell_variance(float* to, const WindowRect& cells)
+  {
+    const kernels::TellVariance tell = map_.tell_variance(to);
+    const kernels::FrameContext& frame = *map_.context.data();
+    executor_.for_each_row(
+        cells.width, cells.height,
+        [&](int y)
+        {
+          const StoredRow row(side(), frame, cells.first_y + y);
+          row.each_of(cells.first_x, cells.first_x + cells.width, tell);
+        });
+  }
+
   /** Repeats stage 7 for slope, step, roughness and sparsity. */
   void judge_parts() { judge<true>(); }
 
@@ -208,8 +233,7 @@ class CpuSchedule
           for (int y = walk.first_of(part); y < walk.first_of(part + 1); y++)
             fill_row(StoredRow(side(), *map_.context.data(), y));
         });
-    if (float* const to = map_.surface(Layer::Variance))
-      executor_.for_each_cell(side(), side(), map_.tell_variance(to));
+    if (float* const to = map_.surface(Layer::Variance)) tell_variance(to);
   }
 
   template <bool kParts>

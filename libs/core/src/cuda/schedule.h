@@ -59,6 +59,19 @@ class DeviceSchedule
     executor_.for_each_cell(side, side, pool_cells(frame));
     open_pooled();
   }
+  /** Lays out the ground, and tells the variance of all cells in window order. */
+  void tell_variance(float* to)
+  {
+    lay_out_ground();
+    tell_variance(to, {0, 0, side(), side()});
+  }
+  void lay_out_ground() { executor_.for_each_cell(side(), side(), map_.lay_out_ground()); }
+  /** Tells the variance of some cells, after lay_out_ground(). */
+  void tell_variance(float* to, const WindowRect& cells)
+  {
+    executor_.for_each_cell(
+        cells.width, cells.height, OfRect<kernels::TellVariance>{map_.tell_variance(to), cells});
+  }
   /** Repeats stage 7 for slope, step, roughness and sparsity. */
   void judge_parts() { judge_rows<true>(0, side(), false); }
 
@@ -171,7 +184,7 @@ class DeviceSchedule
         });
     if (float* const to = map_.surface(Layer::Variance))
     {
-      executor_.for_each_cell(side(), side(), map_.tell_variance(to));
+      tell_variance(to);
       executor_.aside([&] { map_.deliver_variance(executor_); });
     }
   }

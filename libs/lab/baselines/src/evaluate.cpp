@@ -133,7 +133,10 @@ class Evaluator
     if (watch) e.watch->look(*movers_, *truth_, map, e.score);
     if (!evaluated_[i]) return;
     if (here)
+    {
+      map.risk = e.method->risk();
       score_frame(map, *truth_, *here, *observed_, e.score);
+    }
     else
       score_coverage(map, e.score);
     if (e.score.method == "talus") compare_fills(map, i, here);

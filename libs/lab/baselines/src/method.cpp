@@ -33,7 +33,6 @@ class TalusMethod : public Method
     s.elevation_m = map_.layer(Layer::Elevation);
     s.traversability = map_.layer(Layer::Traversability);
     s.variance_m2 = map_.layer(Layer::Variance);
-    s.risk = risk(map_);
     s.sparsity = map_.layer(Layer::Sparsity);
     const auto& state = map_.layer(Layer::State);
     for (std::size_t i = 0; i < state.size(); ++i)
@@ -43,6 +42,7 @@ class TalusMethod : public Method
     }
     return s;
   }
+  std::vector<float> risk() override { return talus::risk(map_); }
 
  private:
   ElevationMapper map_;

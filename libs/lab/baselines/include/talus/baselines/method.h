@@ -20,7 +20,7 @@ struct Surfaces
   std::vector<float>
       sparsity;  //!< [0,1], 0: likely a ditch; empty for methods without such a layer
   std::vector<float> variance_m2;  //!< told of ground_m; empty for methods that tell none
-  std::vector<float> risk;  //!< see talus::risk(); empty for methods that tell none
+  std::vector<float> risk;  //!< see Method::risk(); empty where it was not asked
   std::vector<std::uint8_t> state;  //!< a CellState: where ground_m comes from
 
   /** All cells of `window` unknown. */
@@ -47,6 +47,8 @@ class Method
   /** The map around the sensor of the last frame, judged: the window that talus would show. What a
    * method computes on demand only (columns, features) is computed here. */
   virtual Surfaces read() = 0;
+  /** The risk of the cells of read(), see talus::risk(); empty for methods that tell none. */
+  virtual std::vector<float> risk() { return {}; }
 };
 
 /** Names that make_method() takes, with a sentence each. */
