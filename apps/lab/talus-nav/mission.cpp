@@ -1,6 +1,7 @@
 #include "mission.h"
 
 #include "retreat.h"
+#include "unseen.h"
 
 #include <mrpt/core/Clock.h>
 
@@ -110,10 +111,14 @@ class Mission
     map_.update_costmap(T, route_.costmap());
     auto known = route_.costmap();
     map_.block_unseen(T, known);
+    unseen_.remember(here, route_.costmap(), known);
+    auto remembered = known;
+    const bool remembers = unseen_.block(remembered);
     auto hoped = known;
     admit_doubtful(hoped);  // to go and look
-    has_way_ = route_.plan(here, known) || route_.plan(here, hoped) || look_from(here) ||
-               route_.plan_beyond(here, known) || route_.plan_beyond(here, hoped);
+    has_way_ = (remembers && route_.plan(here, remembered)) || route_.plan(here, known) ||
+               route_.plan(here, hoped) || look_from(here) || route_.plan_beyond(here, known) ||
+               route_.plan_beyond(here, hoped);
     plans_without_way_ = has_way_ ? 0 : plans_without_way_ + 1;
   }
 
@@ -192,6 +197,7 @@ class Mission
   Pilot& pilot_;
   Route& route_;
   Retreat retreat_;
+  Unseen unseen_;
   const MissionOptions& o_;
   mrpt::math::TPose2D looks_from_{1e9, 1e9, 0};
   int looks_ = 0;  //!< plans from about there over what was not seen

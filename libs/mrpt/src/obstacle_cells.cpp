@@ -176,9 +176,9 @@ class Judge
   bool is_guess(int ix, int iy) const
   {
     const std::size_t cell = view_.index(ix, iy);
-    return (view_.state[cell] == static_cast<float>(CellState::FilledOneSided) &&
-            !is_in_gap(ix, iy, kGap_cells)) ||
-           (is_filled(cell) && !something_stands(view_, cell) && is_beside_drop(ix, iy));
+    if (!is_filled(cell) || is_in_gap(ix, iy, kGap_cells)) return false;
+    return view_.state[cell] == static_cast<float>(CellState::FilledOneSided) ||
+           (!something_stands(view_, cell) && is_beside_drop(ix, iy));
   }
   bool is_beside_drop(int ix, int iy) const
   {
