@@ -48,8 +48,6 @@ struct Margins
  * shape comes nearer than 10 cm; 17 where there is a way, as the map knows edges to a cell or two.
  */
 constexpr Margins kMargins{0.04, 0.17};
-/** Of the margin of edges, at least, away from the start: 10 cm and half a cell. */
-constexpr double kEdgeShare = 0.75;
 /** So near to where it is, less is enough for a robot that is nearer to something already. */
 constexpr double kNearStart_m = 0.6;
 

@@ -13,6 +13,7 @@ namespace talus::nav
 namespace
 {
 constexpr std::array<double, 5> kShares{1, 0.75, 0.5, 0.25, 0};  // of the margins
+constexpr double kEdgeShare = 0.75;  // at least, away from the start: 10 cm and half a cell
 constexpr Margins kRoom{0.15, 0.15};  // what the reactive navigator needs
 constexpr int kTurn_mm = 60;  // of way cost as much as a turn by one heading
 constexpr int kBackwards = 3;  // times as much as forwards

@@ -35,7 +35,7 @@ ToGoal::ToGoal(
 void ToGoal::rate(double half_width_m)
 {
   const double third_m = grid_.cell_m() / PlanningGrid::kThirds;
-  const double closer_m = kEdgeShare * kMargins.edge_m - kMargins.standing_m;
+  const double closer_m = kMargins.edge_m - kMargins.standing_m;
   const double least_m = half_width_m + kMargins.standing_m;
   std::array<std::uint8_t, PlanningGrid::kFarthest_thirds + 1> standing{}, edge{};
   const auto factor = [&](double away_m, double dearest)

@@ -54,6 +54,8 @@ constexpr double kBesideDrop_m = 0.2;
 
 /** So narrow a gap in what is known hides no edge, but for the tip of a corner. */
 constexpr int kGap_cells = 3;
+/** Along so many of four lines known ground lies around such a gap, and not beyond a corner. */
+constexpr int kSurrounded = 3;
 constexpr double kGentleGap_m = 0.03;  // beside a slope, with the noise of the ground
 
 /** Whether something holds for all cells of the window up to so many rows and columns away. */
@@ -176,9 +178,11 @@ class Judge
   bool is_guess(int ix, int iy) const
   {
     const std::size_t cell = view_.index(ix, iy);
-    if (!is_filled(cell) || is_in_gap(ix, iy, kGap_cells)) return false;
-    return view_.state[cell] == static_cast<float>(CellState::FilledOneSided) ||
-           (!something_stands(view_, cell) && is_beside_drop(ix, iy));
+    if (!is_filled(cell)) return false;
+    const bool one_sided = view_.state[cell] == static_cast<float>(CellState::FilledOneSided);
+    const int gaps = gaps_at(ix, iy, kGap_cells);
+    return (one_sided && gaps == 0) ||
+           (gaps < kSurrounded && !something_stands(view_, cell) && is_beside_drop(ix, iy));
   }
   bool is_beside_drop(int ix, int iy) const
   {
@@ -223,23 +227,24 @@ class Judge
       const bool filled = view_.state[other] == static_cast<float>(CellState::FilledTwoSided);
       gap = gap || filled;
       const double most_m = kGentleGap_m + gentle_ * std::hypot(x - ix, y - iy);
-      return (filled ? is_in_gap(x, y, 1) : is_measured(other)) &&
+      return (filled ? gaps_at(x, y, 1) > 0 : is_measured(other)) &&
              !something_stands(view_, other) &&
              std::abs(view_.ground[other] - view_.ground[cell]) <= most_m;
     };
     return holds_around(view_.window, ix, iy, reach_, is_gentle) && gap;
   }
-  /** Whether a filled cell lies in a gap, at most so many cells wide, between ground that was
-   * measured or stood on. */
-  bool is_in_gap(int ix, int iy, int most_cells) const
+  /** Along how many of four lines a filled cell lies in a gap, at most so many cells wide, between
+   * ground that was measured or stood on. */
+  int gaps_at(int ix, int iy, int most_cells) const
   {
+    int gaps = 0;
     for (const auto& [dx, dy] : {std::pair{1, 0}, {1, 1}, {0, 1}, {-1, 1}})
     {
       const int before = filled_from(ix, iy, -dx, -dy, most_cells);
       const int behind = filled_from(ix, iy, dx, dy, most_cells);
-      if (before + 1 + behind <= most_cells) return true;
+      if (before + 1 + behind <= most_cells) gaps++;
     }
-    return false;
+    return gaps;
   }
   /** How many filled cells there are up to the first one that is known; more than `most_cells`
    * where there is none. */
