@@ -9,6 +9,7 @@
 
 #include "apps/lab/talus-nav/clearance.h"
 #include "apps/lab/talus-nav/follow.h"
+#include "apps/lab/talus-nav/unseen.h"
 
 namespace
 {
@@ -245,5 +246,25 @@ TEST(ClearTime, is_short_before_edges_and_longer_before_walls_where_it_is_narrow
   EXPECT_NEAR(clear_s(true, true), 0.8, 0.07);
   EXPECT_NEAR(clear_s(false, false), 0.8, 0.07);
   EXPECT_NEAR(clear_s(false, true), 0.96, 0.07);
+}
+
+TEST(Unseen, blocks_what_was_not_seen_from_nearby_until_it_was_seen)
+{
+  talus::nav::Unseen unseen;
+  Floor floor;
+  EXPECT_FALSE(unseen.block(floor.grid));
+  unseen.remember({-1, 0, 0}, floor.grid, Floor().with(kDrop, -0.4, 0, -0.2, 0.2).grid);
+  floor.grid.resizeGrid(-6, 4, -3, 5, kFree, false);  // a costmap grows
+  const auto place = [](const COccupancyGridMap2D& grid) { return grid.getPos(-0.2F, 0); };
+  const auto blocked = [&](Floor now)
+  {
+    EXPECT_TRUE(unseen.block(now.grid));
+    return now;
+  };
+  EXPECT_LT(place(blocked(floor).grid), 0.2F);
+  unseen.remember({-3, 0, 0}, floor.grid, floor.grid);
+  EXPECT_LT(place(blocked(floor).grid), 0.2F) << "from farther away nobody knows";
+  unseen.remember({-0.7, 0, 0}, floor.grid, floor.grid);
+  EXPECT_FALSE(unseen.block(floor.grid)) << "it was seen";
 }
 }  // namespace

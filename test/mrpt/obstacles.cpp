@@ -203,6 +203,15 @@ struct RoomWithDoubt
     layer(Layer::State)[cell + 1] = static_cast<float>(CellState::FilledOneSided);
   }
   std::vector<float>& layer(Layer l) { return map.layers[static_cast<std::size_t>(l)]; }
+  /** A square of 0.25 m beside the cell that nobody saw. */
+  void widen_guess()
+  {
+    const auto n = static_cast<std::size_t>(map.window.cells);
+    for (std::size_t y = 0; y < 5; y++)
+      for (std::size_t x = 1; x <= 5; x++)
+        layer(Layer::State)[cell + x + n * y - 2 * n] =
+            static_cast<float>(CellState::FilledOneSided);
+  }
   void fill_state(CellState state)
   {
     std::fill(layer(Layer::State).begin(), layer(Layer::State).end(), static_cast<float>(state));
@@ -268,6 +277,7 @@ TEST(Obstacles, are_no_guesses_in_a_narrow_gap_between_known_ground)
 TEST(Obstacles, are_guesses_from_one_side_near_the_robot_where_it_avoids_drops)
 {
   RoomWithDoubt room;
+  room.widen_guess();
   ObstacleOptions o;
   const auto passage_from = [&](double x_m)
   { return classify_cells(room.map, CPose3D(x_m, -1.0, 0, 0, 0, 0), o)[room.cell + 1]; };
@@ -282,6 +292,7 @@ TEST(Obstacles, are_guesses_from_one_side_near_the_robot_where_it_avoids_drops)
 TEST(Obstacles, are_no_guesses_beside_a_wall)
 {
   RoomWithDoubt room;
+  room.widen_guess();
   const std::size_t wall = room.cell + 4;
   const auto passage = [&]
   { return classify_cells(room.map, CPose3D(-0.2, -1.0, 0, 0, 0, 0), {})[room.cell + 1]; };
@@ -718,10 +729,13 @@ TEST(Obstacles, a_guess_beside_what_may_drop_is_an_obstacle_near_the_robot)
   const auto cell = [](int ix, int iy) { return static_cast<std::size_t>(iy * 80 + ix); };
   layer(Layer::State)[cell(50, 40)] = static_cast<float>(CellState::FilledOneSided);
   layer(Layer::Traversability)[cell(50, 40)] = 0;  // it may drop there
-  for (const int ix : {53, 55}) layer(Layer::State)[cell(ix, 40)] = 2;
   ObstacleOptions o;
   const auto passage = [&](int ix) { return classify_cells(map, CPose3D(), o)[cell(ix, 40)]; };
   EXPECT_EQ(passage(50), Passage::Obstacle);
+  layer(Layer::State)[cell(53, 40)] = 2;
+  EXPECT_EQ(passage(53), Passage::Free) << "known ground all around";
+  for (int iy = 38; iy <= 42; iy++)
+    for (int ix = 53; ix <= 57; ix++) layer(Layer::State)[cell(ix, iy)] = 2;
   EXPECT_EQ(passage(53), Passage::Obstacle) << "0.15 m beside";
   EXPECT_EQ(passage(52), Passage::Free) << "measured";
   EXPECT_EQ(passage(55), Passage::Free) << "0.25 m beside";
