@@ -61,10 +61,11 @@ struct MapBuffers
   {
     return static_cast<std::size_t>(line_grid().side) * static_cast<std::size_t>(line_grid().pitch);
   }
-  /** Places of the rows beyond the window that TellVariance asks, on one side. */
+  /** Places of the rows beyond the window that TellVariance asks, on one side, and of one more: in
+   * the last of them it asks a place before its first. */
   std::size_t margin_size() const
   {
-    return kernels::kAskedPlaces * static_cast<std::size_t>(line_grid().pitch);
+    return (kernels::kAskedPlaces + 1) * static_cast<std::size_t>(line_grid().pitch);
   }
   /** The number of points of a loop. */
   int points(const Executor& executor) const
