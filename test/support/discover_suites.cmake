@@ -1,5 +1,5 @@
-# Writes what ctest runs of one executable of GoogleTest: each case is a test; and where a suite has several, a test with
-# the name of the suite comes before them, which runs them in one process (suite.sh).
+# Writes what ctest runs of an executable of GoogleTest: each case is a test. Where a suite has several, a test with the
+# name of the suite comes before them, which runs them in one process (suite.sh).
 #   cmake -D EXECUTABLE= -D FILTER= -D PREFIX= -D LABEL= -D FOLDER= -D OUTPUT= -P discover_suites.cmake
 cmake_minimum_required(VERSION 3.22)
 if(FILTER STREQUAL "")

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # usage: instructions.sh [COMMIT]...
-# Instructions of each stage of a frame in S1 and S2, with two layers and with six, one core, as callgrind counts them, of the library at each commit
-# (default: HEAD). Needs valgrind (Debian: apt-get install valgrind).
+# Instructions of each stage of a frame in S1 and S2, with two layers and with six, on one core, as callgrind counts
+# them, of the library at each commit (default: HEAD). Needs valgrind (Debian: apt-get install valgrind).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 work=$(mktemp -d)
