@@ -8,14 +8,14 @@ namespace talus::bench
 {
 namespace
 {
-constexpr int kWarm = 3, kFrames = 12;
+constexpr int kWarm = 3, kTimed = 12;
 
 /** Median seconds of a frame; `with_read`: until its surfaces and traversability are there. */
 double time_method(const char* name, bool with_read, const Setting& s)
 {
   const auto method = talus::baselines::make_method(name, parameters(s));
   std::vector<double> seconds;
-  for (int i = 0; i < kWarm + kFrames; i++)
+  for (int i = 0; i < kWarm + kTimed; i++)
   {
     Frame frame = scan_at(s, i).frame();
     frame.stamp_s = 0.1 * i;

@@ -20,7 +20,7 @@ namespace
 {
 constexpr std::size_t kPoints = 14400;
 constexpr double kRoad_m = 16, kStep_m = 0.4;
-constexpr int kFrames = 250;
+constexpr int kDriveFrames = 250;
 constexpr double kMB = 1024 * 1024;
 
 double heap_MB()
@@ -70,14 +70,14 @@ template <class Update>
 double drive(const std::vector<Scan>& scans, const Update& update)
 {
   const double before_s = process_cpu_s();
-  for (int i = 0; i < kFrames; ++i)
+  for (int i = 0; i < kDriveFrames; ++i)
   {
     Frame frame = scans[static_cast<std::size_t>(i) % scans.size()].frame();
     frame.stamp_s = 0.1 * i;
     frame.T_map_sensor.m[3] = kStep_m * i;
     update(frame);
   }
-  return (process_cpu_s() - before_s) / kFrames;
+  return (process_cpu_s() - before_s) / kDriveFrames;
 }
 
 WholeCost talus_whole()
