@@ -140,11 +140,11 @@ class DeviceOnHost : public CpuMemory
   }
   /** Each direction in as many stretches as on a device. */
   template <class F, class G, class H>
-  void for_each_direction_beside(int directions, const F& f, int n, const G& g, const H& finally)
+  void for_each_direction_beside(int directions, const F& f, int n, const G& g, const H& h)
   {
+    h(kernels::SerialGroup{});
     for_each(n, g);
     for (int d = directions; d-- > 0;) settle(f, d, f.rings());
-    finally(kernels::SerialGroup{});
   }
   template <class F>
   void pack_bits(int lines, int bits, const F& f, std::uint32_t* words)

@@ -209,15 +209,15 @@ class CudaExecutor
         dim3(loops::kTileWidth, loops::kWindowThreads), size * sizeof(typename F::Row), nx, ny,
         first, end, radius, height, f, g, beside_last);
   }
-  /** The steps of kernels::SettleRays, together with g(i) for i in [0, n); then finally(group),
-   * once. */
+  /** The steps of kernels::SettleRays, together with g(i) for i in [0, n) and with h(group), once.
+   */
   template <class F, class G, class H>
-  void for_each_direction_beside(int directions, const F& f, int n, const G& g, const H& finally)
+  void for_each_direction_beside(int directions, const F& f, int n, const G& g, const H& h)
   {
     launch(
         loops::over_directions_and_range<F, G, H>,
-        dim3(blocks(directions, loops::kDirections) + blocks(n, loops::kThreads)),
-        dim3(loops::kThreads), 0, directions, f, n, g, finally, blocks_done_.data());
+        dim3(blocks(directions, loops::kDirections) + 1 + blocks(n, loops::kThreads)),
+        dim3(loops::kThreads), 0, directions, f, n, g, h);
   }
   /** Bit b of line l is f(l)(b), in the layout [word][line]. */
   template <class F>
@@ -382,7 +382,6 @@ class CudaExecutor
   bool recording_ = false, beside_ = false, forked_ = false, joins_ = false;
   int stage_end_ = 0;
   Event marked_;
-  Buffer<unsigned> blocks_done_;  //!< for loops with a last step
   std::array<int, kStageCount> end_of_stage_{};
   WorkQueue side_;  //!< for copies, while a frame is recorded
   std::array<CudaSlot, kSlots> slots_;

@@ -44,7 +44,6 @@ inline CudaExecutor::CudaExecutor(int number) : device_{number}
   marked_ = make_event();
   side_ = make_queue();
   use(0);
-  allocate(blocks_done_, 1, 0u);
 }
 
 inline OutputMemory CudaExecutor::map_output(float* host, std::size_t size)

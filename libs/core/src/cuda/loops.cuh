@@ -405,39 +405,22 @@ __device__ void over_directions(int block, int directions, const F& f)
   f.sweep(direction, begin, end, lowest);
 }
 
-/** Whether this is the last of so many blocks; it sees the writes of the others. The count starts
- * and ends at zero. */
-__device__ inline bool is_last_of(int blocks, unsigned* blocks_done)
-{
-  __shared__ bool last;
-  __threadfence();
-  __syncthreads();
-  if (threadIdx.x == 0)
-  {
-    last = atomicAdd(blocks_done, 1u) == static_cast<unsigned>(blocks - 1);
-    if (last) *blocks_done = 0;
-  }
-  __syncthreads();
-  __threadfence();
-  return last;
-}
-
-/** The directions first, for they take longer; after everything finally(group). */
+/** The directions first, for they take longer; h(group) has a block of its own. */
 template <class F, class G, class H>
-__global__ void __launch_bounds__(kThreads) over_directions_and_range(
-    int directions, F f, int n, G g, H finally, unsigned* blocks_done, std::uint64_t* done_ns)
+__global__ void __launch_bounds__(kThreads)
+    over_directions_and_range(int directions, F f, int n, G g, H h, std::uint64_t* done_ns)
 {
   static_assert(kThreads == kStretches * kDirections);
   wait_for_predecessor();
   const int first = (directions + kDirections - 1) / kDirections;
-  const int block = static_cast<int>(blockIdx.x);
-  const int i = (block - first) * kThreads + static_cast<int>(threadIdx.x);
+  const int block = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
+  const int i = (block - first - 1) * kThreads + thread;
   if (block < first)
     over_directions(block, directions, f);
-  else if (i < n)
+  else if (block == first && thread < 32)
+    h(kernels::WarpGroup{true});
+  else if (block > first && i < n)
     g(i);
-  if (is_last_of(static_cast<int>(gridDim.x), blocks_done) && threadIdx.x < 32)
-    finally(kernels::WarpGroup{true});
   note_time(done_ns);
 }
 

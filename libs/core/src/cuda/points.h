@@ -10,12 +10,13 @@ namespace talus::kernels
 // Stages 1 to 3 on a device, a thread for each point. Points are counted in their cells before the
 // buried ones are known, and each cell reserves a range of the sorted points.
 
-/** Stage 1 on one point; counts it in its cell, even if it is buried. The point is there before the
- * frame's context is. */
+/** Stage 1 on one point; counts it in its cell, even if it is buried, and in the histogram of
+ * offsets. The point is there before the frame's context is. */
 template <class Atomics>
 struct AcceptAndCountPoint
 {
   AcceptPoint<Atomics> accept;
+  CountOffset<Atomics> count_offset;
   std::uint32_t* cell_count;  //!< by storage index, zero before
 
   TALUS_HD Point early(int point_i) const { return accept.in.at(point_i); }
@@ -24,16 +25,32 @@ struct AcceptAndCountPoint
     if (point_i >= accept.frame->n_points) return;
     accept.locate(point_i, sensed);
     accept.note(point_i);
-    if (accept.out.cell[point_i] < 0) return;
-    accept.out.rank[point_i] = Atomics::add(cell_count + accept.out.cell[point_i], 1);
+    const int cell = accept.out.cell[point_i];
+    if (cell < 0) return;
+    const std::uint32_t rank = Atomics::add(cell_count + cell, 1);
+    if (!is_cleared(cell)) count_offset(point_i);
+    accept.out.rank[point_i] = rank;
+  }
+
+ private:
+  /** Whether stage 2 clears a cell, perhaps at this moment. */
+  TALUS_HD bool is_cleared(int storage_i) const
+  {
+    const FrameContext& f = *accept.frame;
+    const int n = accept.config->cells, row = floor_div(storage_i, n);
+    const int x = storage_i - row * n - f.storage_x, y = row - f.storage_y;
+    const int ix = x + select(x < 0, n, 0), iy = y + select(y < 0, n, 0);
+    return entered_window(f, n, ix, iy) | (count_offset.datum->starts_anew != 0);
   }
 };
 
-/** Stage 2 on one cell; clears the reach of the last frame's rays, see NoteReach. */
+/** Stage 2 on one cell; clears the reach of the last frame's rays, see NoteReach, and keeps the
+ * datum of that frame. */
 struct RollCellAndReach
 {
   ForgetHits forget;
   RollCell roll;
+  Datum* datum_before;
   std::int32_t* reach;
   int size;
 
@@ -43,24 +60,21 @@ struct RollCellAndReach
     forget(ix, iy, i);
     if (roll.applies(ix, iy, i)) roll(ix, iy, i);
     for (int at = iy * cells + ix; at < size; at += cells * cells) reach[at] = 0;
+    if (ix == 0 && iy == 0) *datum_before = *roll.datum;
   }
 };
 
-/** The first point of a cell reserves its range. Each point is counted in the histogram of offsets.
- */
+/** The first point of a cell reserves its range. */
 template <class Atomics>
 struct ReserveStretch
 {
   const FrameContext* frame;
-  CountOffset<Atomics> count_offset;
   PointsOut points;
   Sorting sorting;
 
   TALUS_HD void operator()(int point_i) const
   {
-    if (point_i >= frame->n_points || points.cell[point_i] < 0) return;
-    count_offset(point_i);
-    if (points.rank[point_i] != 0) return;
+    if (point_i >= frame->n_points || points.cell[point_i] < 0 || points.rank[point_i] != 0) return;
     const int cell = points.cell[point_i];
     const std::uint64_t count = sorting.cell_count[cell];
     const bool crowded = count > sorting.crowd;

@@ -90,22 +90,23 @@ class DeviceSchedule
     executor_.for_each_beside(
         points(),
         kernels::AcceptAndCountPoint<Atomics>{
-            map_.accept(filter_voxels(map_, executor_)), map_.cell_count.data()},
+            map_.accept(filter_voxels(map_, executor_)), map_.count_offset(),
+            map_.cell_count.data()},
         side(), side(),
         kernels::RollCellAndReach{
-            map_.forget_hits(), map_.roll(), map_.reach.data(),
+            map_.forget_hits(), map_.roll(), datum_before_.data(), map_.reach.data(),
             static_cast<int>(map_.reach.size())});
   }
 
-  /** Finds the buried rays, then how far the datum follows the poses. */
+  /** Finds the buried rays by the datum before, and how far it follows the poses. */
   void find_buried()
   {
+    kernels::FindGroundHits ground = map_.ground_hits();
+    ground.datum = datum_before_.data();
     executor_.for_each_direction_beside(
         kernels::bin_count(map_.host_config),
-        kernels::SettleRays{map_.ground_hits(), map_.rays.data(), map_.lowest_slope.data()},
-        points(),
-        kernels::ReserveStretch<Atomics>{
-            map_.context.data(), map_.count_offset(), map_.points_out(), sorting()},
+        kernels::SettleRays{ground, map_.rays.data(), map_.lowest_slope.data()}, points(),
+        kernels::ReserveStretch<Atomics>{map_.context.data(), map_.points_out(), sorting()},
         map_.follow());
   }
 
@@ -267,6 +268,7 @@ class DeviceSchedule
   Executor& executor_;
   Buffer<std::uint32_t> kept_count_;
   Buffer<std::uint64_t> cursor_;
+  Buffer<kernels::Datum> datum_before_;  //!< of the frame before
   Buffer<std::int32_t> crowded_;
   Buffer<std::int32_t> line_of_cell_;
   Buffer<kernels::Track> tracks_;
@@ -280,6 +282,7 @@ void DeviceSchedule<Executor>::allocate()
   const auto lines = static_cast<std::size_t>(kernels::line_count(k));
   executor_.allocate(kept_count_, static_cast<std::size_t>(map_.cells()), std::uint32_t{0});
   executor_.allocate(cursor_, 1, std::uint64_t{0});
+  executor_.allocate(datum_before_, 1, kernels::Datum{});
   executor_.allocate(line_of_cell_, map_.grid_size(), std::int32_t{0});
   executor_.allocate(tracks_, lines, kernels::Track{});
   const auto guarded = [](int words)
