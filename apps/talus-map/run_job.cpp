@@ -1,6 +1,7 @@
 #include "run_job.h"
 
 #include "../common/child_process.h"
+#include "../common/kept_memory.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/placing.h"
@@ -215,6 +216,7 @@ int map_or_tell(
 {
   try
   {
+    keep_memory();
     return map_log(job, options, settings, label, folders, rawlog_out) ? kDone : kWithoutSite;
   }
   catch (const std::bad_alloc&)
