@@ -319,3 +319,19 @@ TEST(MapPicture, writes_a_png_whole_or_not_at_all)
   EXPECT_EQ(read_bytes(dir / "old.png"), "precious");
   expect_error([&] { write_map_picture(dir / "none/map.png", stack); }, {"none/map.png"});
 }
+
+TEST(MapPicture, a_png_has_colours_and_greys_of_8_and_16_bits)
+{
+  const ScratchDir dir;
+  for (const int type : {CV_8UC3, CV_8UC1, CV_16UC1})
+  {
+    cv::Mat picture(123, 457, type);
+    cv::RNG(7).fill(picture, cv::RNG::UNIFORM, 0, 65536);
+    picture.rowRange(40, 80).setTo(cv::Scalar(1, 2, 3));
+    write_png(dir / "a.png", picture);
+    const cv::Mat read = cv::imread(dir / "a.png", cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(read.type(), type);
+    EXPECT_EQ(cv::norm(read, picture, cv::NORM_INF), 0);
+  }
+  expect_error([&] { write_png(dir / "b.png", cv::Mat()); }, {"b.png", "cannot make"});
+}

@@ -1,0 +1,12 @@
+#pragma once
+#include <opencv2/core.hpp>
+
+#include <string>
+
+namespace talus::io
+{
+/** The bytes of a PNG: of 8 bits and one or three channels (BGR), or of 16 bits and one. Empty for
+ * any other picture. */
+std::string png_of(const cv::Mat& picture);
+
+}  // namespace talus::io
