@@ -204,7 +204,7 @@ TEST(SiteGeoTiff, is_cloud_optimized_with_overviews_and_sparse_blocks)
   const Open tif(dir / "site.tif");
   ASSERT_TRUE(tif.data);
   EXPECT_STREQ(tif.item("LAYOUT", "IMAGE_STRUCTURE"), "COG");
-  EXPECT_STREQ(tif.item("COMPRESSION", "IMAGE_STRUCTURE"), "DEFLATE");
+  EXPECT_STREQ(tif.item("COMPRESSION", "IMAGE_STRUCTURE"), "ZSTD");
   ASSERT_EQ(tif.data->GetRasterCount(), 9);
   auto* band = tif.data->GetRasterBand(5);
   EXPECT_STREQ(band->GetDescription(), "state");

@@ -48,10 +48,9 @@ CPLStringList options_for(const TilePyramid& pyramid)
 {
   const bool many = pyramid.width_cells(0) * pyramid.height_cells(0) > kManyCells;
   CPLStringList options;
-  options.SetNameValue("COMPRESS", "DEFLATE");
-  // 6 saves 10 % and takes three times as long, FLOATING_POINT saves 4 % and takes a third longer.
-  options.SetNameValue("LEVEL", "2");
-  options.SetNameValue("PREDICTOR", "STANDARD");
+  // DEFLATE of level 2 is 7 % larger and takes three times as long. A predictor saves nothing.
+  options.SetNameValue("COMPRESS", "ZSTD");
+  options.SetNameValue("LEVEL", "1");
   options.SetNameValue("BLOCKSIZE", many ? "512" : "256");
   options.SetNameValue("OVERVIEW_RESAMPLING", "NEAREST");
   options.SetNameValue("OVERVIEWS", "FORCE_USE_EXISTING");
@@ -87,7 +86,7 @@ bool can_be_read(const std::string& path)
   try
   {
     SiteReader reader(path);
-    for (const SiteReader::Place& place : reader.tiles()) reader.load(place);
+    for (const SiteReader::Place& place : reader.tiles()) reader.check(place);
     return true;
   }
   catch (const std::runtime_error&)

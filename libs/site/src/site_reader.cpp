@@ -223,27 +223,26 @@ void SiteReader::add_covered(Place from, int size_tiles, std::vector<Place>& to)
     for (const int dx : {0, half}) add_covered({from.x + dx, from.y + dy}, half, to);
 }
 
-void SiteReader::load(Place tile)
+/** The first bands of a tile. The file has all of a block side by side. */
+void SiteReader::load(Place tile, std::size_t bands)
 {
   const int left = (tile.x - tile_of(min_cell_x_)) * kTileCells;
   const int top = (height_tiles_ - 1 - (tile.y - tile_of(min_cell_y_))) * kTileCells;
-  const int bands = static_cast<int>(bands_.size());
-  const GSpacing pixel = static_cast<GSpacing>(sizeof(float) * bands_.size());
+  const GSpacing pixel = static_cast<GSpacing>(sizeof(float) * bands);
   const GSpacing line = pixel * kTileCells;
   const io::GdalErrors errors;
-  values_.resize(static_cast<std::size_t>(kTileCells) * kTileCells * bands_.size());
+  values_.resize(static_cast<std::size_t>(kTileCells) * kTileCells * bands);
   // The last row first: rows of tiles begin in the south.
-  auto* last =
-      values_.data() + static_cast<std::size_t>(kTileCells - 1) * kTileCells * bands_.size();
+  auto* last = values_.data() + static_cast<std::size_t>(kTileCells - 1) * kTileCells * bands;
   if (dataset_->RasterIO(
           GF_Read, left, top, kTileCells, kTileCells, last, kTileCells, kTileCells, GDT_Float32,
-          bands, bands_.data(), pixel, -line, sizeof(float), nullptr) != CE_None)
+          static_cast<int>(bands), bands_.data(), pixel, -line, sizeof(float), nullptr) != CE_None)
     io::fail(path_, kCutShort, errors);
 }
 
 bool SiteReader::read(Place tile, Tile& to, ChannelTile* values)
 {
-  load(tile);
+  load(tile, bands_.size());
   bool any = false;
   for (std::size_t i = 0; i < to.cells.size(); ++i)
   {

@@ -44,12 +44,13 @@ class SiteReader
   /** The tiles that may have a known cell; neighbours are near each other. */
   std::vector<Place> tiles() const;
   /** Throws where one of those is cut short; what its cells say is not looked at. */
-  void load(Place tile);
+  void check(Place tile) { load(tile, 1); }
   /** One of those, and whether it has a known cell; in `values`, unless it is null, the values of
    * its channels. Throws as the constructor. */
   bool read(Place tile, Tile& to, ChannelTile* values = nullptr);
 
  private:
+  void load(Place tile, std::size_t bands);
   void read_channels();
   void check_bands();
   void check_values() const;
