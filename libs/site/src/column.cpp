@@ -18,7 +18,7 @@ constexpr double kVisit_s = 3;  //!< what is hit after such a pause is another v
 std::uint32_t bit(int bin) { return bin >= 0 && bin < Column::kBins ? 1U << bin : 0; }
 int bin_of(float height_m, const Column& c)
 {
-  return static_cast<int>(std::floor((height_m - c.low_m) / Column::kBin_m));
+  return kernels::floor_to_int((height_m - c.low_m) / Column::kBin_m);
 }
 
 std::vector<Column> columns_of(Site& site, const CellRect& cells, int floor, Which which)
@@ -63,6 +63,11 @@ struct BinsSeen
   }
 };
 
+void count(std::uint32_t bins, std::array<std::uint16_t, Column::kBins>& counts)
+{
+  for (; bins != 0; bins &= bins - 1) ++counts[static_cast<std::size_t>(__builtin_ctz(bins))];
+}
+
 /** Counts what a scan tells of a cell. */
 void count(const SeenRays& scan, float resolution_m, bool is_recent, Column& c)
 {
@@ -76,13 +81,8 @@ void count(const SeenRays& scan, float resolution_m, bool is_recent, Column& c)
     c.last_hit_s = scan.stamp_s();
     c.when.set(scan.number() % c.when.size());
   }
-  auto& passes = std::isnan(c.first_hit_s) ? c.before : c.later;
-  for (int bin = 0; bin < Column::kBins; ++bin)
-  {
-    const auto b = static_cast<std::size_t>(bin);
-    c.hits[b] = static_cast<std::uint16_t>(c.hits[b] + (hit >> bin & 1));
-    passes[b] = static_cast<std::uint16_t>(passes[b] + (passed >> bin & 1));
-  }
+  count(hit, c.hits);
+  count(passed, std::isnan(c.first_hit_s) ? c.before : c.later);
 }
 }  // namespace
 

@@ -104,11 +104,22 @@ void Hindsight::settle(const TileKey& key)
     for (int dx = -1; dx <= 1; ++dx) settled_.insert({key.floor, key.x + dx, key.y + dy});
 }
 
+/** Nothing will ask for it any more: where a tile around it is looked at later, it is settled
+ * again.
+ */
+bool Hindsight::is_settled(const TileKey& key) const
+{
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx)
+      if (touched_.count({key.floor, key.x + dx, key.y + dy}) > 0) return false;
+  return true;
+}
+
 template <class Condition>
 void Hindsight::pack_settled(Site& site, const Condition& is_far)
 {
   for (const TileKey& key : settled_)
-    if (touched_.count(key) == 0 && is_far(key))
+    if (is_settled(key) && is_far(key))
     {
       site.tiles.pack(key);
       site.channel_tiles.pack(key);

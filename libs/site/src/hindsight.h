@@ -45,6 +45,7 @@ class Hindsight
   void keep_if(const Condition& is_needed);
   void look_at(Site& site, const Parameters& parameters, const TileKey& key);
   void settle(const TileKey& key);
+  bool is_settled(const TileKey& key) const;
   template <class Condition>
   void pack_settled(Site& site, const Condition& is_far);
 
@@ -52,7 +53,7 @@ class Hindsight
   std::size_t taken_ = 0;  //!< scans
   std::map<std::uint32_t, Seen> newest_;  //!< of each sensor
   std::set<TileKey> touched_;
-  std::set<TileKey> settled_;  //!< that may be packed: all around them has been looked at
+  std::set<TileKey> settled_;  //!< that may be packed, if all around them has been looked at
   Trails trails_;
   std::optional<Traffic> traffic_;
 };

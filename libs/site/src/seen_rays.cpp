@@ -56,6 +56,14 @@ class PoseOfPoint
 };
 }  // namespace
 
+const std::array<float, SeenRays::kRows> SeenRays::kSlopes = []
+{
+  std::array<float, kRows> slopes;
+  for (std::size_t row = 0; row < slopes.size(); ++row)
+    slopes[row] = kernels::slope_at_step((static_cast<float>(row) + 0.5F) / kRowsPerStep);
+  return slopes;
+}();
+
 void SeenRays::take(const Frame& frame, int floor, std::size_t number)
 {
   number_ = number;

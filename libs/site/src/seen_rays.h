@@ -4,6 +4,7 @@
 #include <talus/frame.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -48,7 +49,7 @@ class SeenRays
     for (; row != end && *row <= high; ++row)
     {
       const std::uint16_t length_cm = lengths_cm_[static_cast<std::size_t>(row - rows_.data())];
-      f(z_m_ + slope_of_row(*row) * away_m, static_cast<float>(length_cm) * 0.01F - away_m);
+      f(z_m_ + slope_of_row(*row) * away_m, metres(length_cm) - away_m);
     }
   }
 
@@ -58,21 +59,23 @@ class SeenRays
     const std::optional<Direction> to = towards(x_m, y_m);
     if (!to) return std::nullopt;
     const auto [column, away_m] = *to;
-    for (std::uint32_t i = begins_[column]; i < begins_[column + 1]; ++i)
-    {
-      const float length_m = static_cast<float>(lengths_cm_[i]) * 0.01F;
-      if (length_m > away_m + by_m)
-        return Passing{
-            z_m_ + slope_of_row(rows_[i]) * away_m, z_m_ + slope_of_row(rows_[i]) * length_m,
-            length_m - away_m};
-    }
-    return std::nullopt;
+    std::uint32_t i = begins_[column];
+    const std::uint32_t end = begins_[column + 1];
+    for (const int least_cm = least_above(away_m + by_m); i < end && lengths_cm_[i] < least_cm;)
+      ++i;
+    if (i == end) return std::nullopt;
+    const float length_m = metres(lengths_cm_[i]);
+    return Passing{
+        z_m_ + slope_of_row(rows_[i]) * away_m, z_m_ + slope_of_row(rows_[i]) * length_m,
+        length_m - away_m};
   }
 
  private:
   static constexpr float kNearest_m = 0.5F;  //!< nearer rays end at the robot
   static constexpr int kPerSide = 256, kColumns = 4 * kPerSide, kRows = 128;
   static constexpr float kRowsPerStep = static_cast<float>(kRows) / kernels::kSlopeSteps;
+
+  static const std::array<float, kRows> kSlopes;
 
   struct Direction
   {
@@ -97,10 +100,15 @@ class SeenRays
   {
     return kernels::floor_to_int(kernels::slope_step(slope) * kRowsPerStep);
   }
-  static float slope_of_row(int row)
+  static float slope_of_row(std::size_t row) { return kSlopes[row]; }
+  static float metres(int length_cm) { return static_cast<float>(length_cm) * 0.01F; }
+  /** The least centimetres that are more than a length. */
+  static int least_above(float length_m)
   {
-    const float step = (static_cast<float>(row) + 0.5F) / kRowsPerStep;
-    return kernels::slope_at_step(step);
+    int cm = static_cast<int>(length_m * 100);
+    while (metres(cm) > length_m) --cm;
+    while (!(metres(cm) > length_m)) ++cm;
+    return cm;
   }
   struct Rays;
   void put_into(
