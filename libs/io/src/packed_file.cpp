@@ -12,6 +12,7 @@ namespace talus::io
 namespace
 {
 constexpr std::size_t kChunk = 1 << 18;
+constexpr std::size_t kLong = 1 << 16;  //!< what is read at once goes where it is wanted
 constexpr std::size_t kLongestBegin = 4;
 
 constexpr std::uint64_t kNotWorthACheck = std::uint64_t{1} << 30;
@@ -31,12 +32,19 @@ PackedFile::PackedFile(const std::string& path)
 std::size_t PackedFile::read(void* to, std::size_t count)
 {
   std::size_t got = 0;
-  while (got < count && (next_ < end_ || unpack_more()))
+  for (std::size_t n = 1; n > 0 && got < count; got += n)
   {
-    const std::size_t n = std::min(count - got, end_ - next_);
-    std::memcpy(static_cast<char*>(to) + got, unpacked_.data() + next_, n);
-    next_ += n;
-    got += n;
+    char* const at = static_cast<char*>(to) + got;
+    if (next_ == end_ && count - got >= kLong)
+      n = unpack({at, count - got});
+    else if (next_ == end_ && !unpack_more())
+      n = 0;
+    else
+    {
+      n = std::min(count - got, end_ - next_);
+      std::memcpy(at, unpacked_.data() + next_, n);
+      next_ += n;
+    }
   }
   position_ += got;
   return got;
@@ -68,13 +76,23 @@ void PackedFile::refill()
 /** False at the end. */
 bool PackedFile::unpack_more()
 {
-  Room room{unpacked_.data(), unpacked_.size()};
+  const std::size_t size = unpack({unpacked_.data(), unpacked_.size()});
+  if (size == 0) return false;
+  next_ = 0;
+  end_ = size;
+  return true;
+}
+
+/** The number of bytes that were put there, 0 at the end. */
+std::size_t PackedFile::unpack(Room room)
+{
+  const std::size_t all = room.size;
   const std::uint64_t before_bytes = fetched_bytes_ - rest_.size;
-  while (room.size == unpacked_.size())
+  while (room.size == all)
   {
     if (rest_.size < kLongestBegin && file_) refill();
     const bool is_between = unpacker_->may_end();
-    if (rest_.size == 0 && is_between) return false;
+    if (rest_.size == 0 && is_between) return 0;
     const std::size_t before = rest_.size;
     if (is_between && unpacked_bytes_ > 0 && !unpacker_->may_go_on_with({rest_.begin, rest_.size}))
       fail(
@@ -90,21 +108,19 @@ bool PackedFile::unpack_more()
           "data is damaged before its byte " + std::to_string(fetched_bytes_ - rest_.size) + " (" +
           e.what() + "). Copy it again.");
     }
-    if (rest_.size == before && room.size == unpacked_.size())
+    if (rest_.size == before && room.size == all)
       fail(
           "file is cut short, it ends with byte " + std::to_string(fetched_bytes_) +
           " in the middle of its data. Copy it again.");
   }
   before_last_bytes_ = before_bytes;
-  next_ = 0;
-  end_ = unpacked_.size() - room.size;
-  unpacked_bytes_ += end_;
+  unpacked_bytes_ += all - room.size;
   if (unpacked_bytes_ > kNotWorthACheck && unpacked_bytes_ / kMostPerByte > fetched_bytes_)
     fail(
         "data unpacks to more than " + std::to_string(kMostPerByte) +
         " bytes from each of the first " + std::to_string(fetched_bytes_) +
         ". No log does: it is damaged, or made to fill memory. Record it again.");
-  return true;
+  return all - room.size;
 }
 
 void PackedFile::fail(const std::string& what) const

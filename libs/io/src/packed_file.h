@@ -41,6 +41,7 @@ class PackedFile
 
  private:
   bool unpack_more();
+  std::size_t unpack(Room room);
   void refill();
   [[noreturn]] void fail(const std::string& what) const;
 
@@ -52,7 +53,7 @@ class PackedFile
   std::size_t next_ = 0, end_ = 0;  //!< what is still to be read of unpacked_
   std::uint64_t position_ = 0;
   std::uint64_t file_bytes_ = 0, fetched_bytes_ = 0;  //!< of the file, and read of it
-  std::uint64_t before_last_bytes_ = 0;  //!< of the file, before those of unpacked_
+  std::uint64_t before_last_bytes_ = 0;  //!< of the file, before what was unpacked last
   std::uint64_t unpacked_bytes_ = 0;
 };
 
