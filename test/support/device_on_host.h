@@ -256,7 +256,7 @@ class DeviceOnHost : public CpuMemory
       sides[static_cast<std::size_t>(part)] = f.side(part / 2, part % 2 == 1, x, y);
     for (std::size_t l = 0; l < lines.size(); l++)
       lines[l] = f.line(sides[2 * l], sides[2 * l + 1]);
-    f(x, y, sides[0], sides[1], lines.data(), 1);
+    f(x, y, sides[0], sides[1], f.behind(x, y), lines.data(), 1);
   }
 
   template <class F>

@@ -244,8 +244,8 @@ class CudaExecutor
   {
     if (n * n < kManyThreads)
       launch(
-          loops::over_cells_by_lines<F>, tiles(n, end - first, 1), dim3(32, 2 * F::kLines), 0, n,
-          first, f);
+          loops::over_cells_by_lines<F>, tiles(n, end - first, 1), dim3(32, 2 * F::kLines + 1), 0,
+          n, first, f);
     else
       for_each_cell_of_rows(n, first, end, f, beside_last);
   }

@@ -255,12 +255,18 @@ struct LineSearch
 };
 
 /** Searches the lines through cell (ix, iy) and fills it: the line from the sensor, the column and
- * the row. Their sides may be searched in parallel or in turn. */
+ * the row. Their sides, and what is behind, may be searched in parallel or in turn. */
 struct SearchAndFillCell
 {
   static constexpr int kLines = 3;
   using Side = SideEstimate;
   using Line = LineFusion;
+  /** What the line from the sensor tells of the ground behind the cell. */
+  struct Behind
+  {
+    std::int32_t places = 0;  //!< to the nearest sample; 0: none
+    Fall fall;
+  };
   FillCell fill;
   Config k;
   Samples samples;
@@ -275,20 +281,24 @@ struct SearchAndFillCell
   {
     return wanted(ix, iy) ? infer_side(line, outwards, ix, iy) : SideEstimate{};
   }
+  TALUS_HD Behind behind(int ix, int iy) const
+  {
+    return wanted(ix, iy) ? look_behind(radial_search(ix, iy)) : Behind{};
+  }
   static TALUS_HD LineFusion line(const SideEstimate& inner, const SideEstimate& outer)
   {
     return fuse_sides(inner, outer);
   }
-  /** Fills the cell from the sides of the first line and the sums of all lines. */
+  /** Fills the cell from the sides of the first line, what is behind, and the sums of all lines. */
   TALUS_HD void operator()(
-      int ix, int iy, const SideEstimate& inner, const SideEstimate& outer, const LineFusion* lines,
-      int stride) const
+      int ix, int iy, const SideEstimate& inner, const SideEstimate& outer, const Behind& behind,
+      const LineFusion* lines, int stride) const
   {
     Inferred found;
     found.lines.information = 1.0f;  // avoids a division by zero
     if (inner.any() || outer.any())
     {
-      found = beside_sensor(radial_search(ix, iy), ix, iy, inner, outer, lines[0]);
+      found = beside_sensor(radial_search(ix, iy), ix, iy, inner, outer, behind, lines[0]);
       for (int l = 1; l < kLines; l++) found.lines.add(lines[l * stride]);
     }
     finish(ix, iy, found);
@@ -299,13 +309,15 @@ struct SearchAndFillCell
   {
     const SideEstimate inner = side(0, false, ix, iy), outer = side(0, true, ix, iy);
     LineFusion lines[kLines];
+    Behind behind;
     if (inner.any() || outer.any())
     {
+      behind = look_behind(radial_search(ix, iy));
       lines[0] = line(inner, outer);
       for (int l = 1; l < kLines; l++)
         lines[l] = line(infer_side(l, false, ix, iy), infer_side(l, true, ix, iy));
     }
-    (*this)(ix, iy, inner, outer, lines, 1);
+    (*this)(ix, iy, inner, outer, behind, lines, 1);
   }
 
  private:
@@ -356,19 +368,28 @@ struct SearchAndFillCell
   /** The result of the line from the sensor. */
   TALUS_HD Inferred beside_sensor(
       const LineSearch<Track>& radial, int ix, int iy, const SideEstimate& inner,
-      const SideEstimate& outer, const LineFusion& lines) const
+      const SideEstimate& outer, const Behind& behind, const LineFusion& lines) const
   {
-    const int behind = radial.nearest(true, radial.track.sparsity_places);
-    const float robot_m = static_cast<float>(radial.place) * radial.track.step_m;
-    const bool asks = inner.any() && !outer.any() && !behind;
+    const float robot_m = robot_away_m(radial);
+    const bool asks = inner.any() && !outer.any() && !behind.places;
     Inferred found{
         lines, marks_of_sides(inner.any(), outer.any(), asks && is_undercut_ahead(radial, inner))};
     if (robot_m <= k.sparsity_range_m)
     {
-      const Fall fall = fall_to(radial, behind);
-      fall_m[grid.at(ix, iy)] = fall.m;
-      found.marks |= marks_of_fall(fall, robot_m, k);
+      fall_m[grid.at(ix, iy)] = behind.fall.m;
+      found.marks |= marks_of_fall(behind.fall, robot_m, k);
     }
+    return found;
+  }
+  TALUS_HD float robot_away_m(const LineSearch<Track>& radial) const
+  {
+    return static_cast<float>(radial.place) * radial.track.step_m;
+  }
+  TALUS_HD Behind look_behind(const LineSearch<Track>& radial) const
+  {
+    Behind found;
+    found.places = radial.nearest(true, radial.track.sparsity_places);
+    if (robot_away_m(radial) <= k.sparsity_range_m) found.fall = fall_to(radial, found.places);
     return found;
   }
   /** For a cell with samples towards the sensor only. */

@@ -483,23 +483,28 @@ __global__ void __launch_bounds__(kTileWidth* kTileRows)
   note_time(done_ns);
 }
 
-/** f.side() for both sides of the lines through a cell, a thread each, then f.line(), then f for
- * the cell. */
+/** f.side() for both sides of the lines through a cell and f.behind(), a thread each, then
+ * f.line(), then f for the cell. */
 template <class F>
-__global__ void __launch_bounds__(2 * F::kLines * 32)
+__global__ void __launch_bounds__((2 * F::kLines + 1) * 32)
     over_cells_by_lines(int nx, int y0, F f, std::uint64_t* done_ns)
 {
+  __shared__ typename F::Behind behind[32];
   __shared__ typename F::Side sides[2 * F::kLines][32];
   __shared__ typename F::Line lines[F::kLines][32];
   wait_for_predecessor();
   const int lane = static_cast<int>(threadIdx.x), part = static_cast<int>(threadIdx.y);
   const int x = static_cast<int>(blockIdx.x) * 32 + lane, y = y0 + static_cast<int>(blockIdx.y);
-  if (x < nx) sides[part][lane] = f.side(part / 2, part % 2 == 1, x, y);
+  if (x < nx && part < 2 * F::kLines)
+    sides[part][lane] = f.side(part / 2, part % 2 == 1, x, y);
+  else if (x < nx)
+    behind[lane] = f.behind(x, y);
   __syncthreads();
   if (x < nx && part < F::kLines)
     lines[part][lane] = f.line(sides[2 * part][lane], sides[2 * part + 1][lane]);
   __syncthreads();
-  if (x < nx && part == 0) f(x, y, sides[0][lane], sides[1][lane], &lines[0][lane], 32);
+  if (x < nx && part == 0)
+    f(x, y, sides[0][lane], sides[1][lane], behind[lane], &lines[0][lane], 32);
   note_time(done_ns);
 }
 
