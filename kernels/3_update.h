@@ -457,17 +457,36 @@ struct UpdateCell
   }
 
  private:
-  /** Counts the points of a cell that lie above its ground and near to `top_m`. */
-  TALUS_HD int points_beside(int storage_i, float top_m, float bare_m) const
+  /** Counts the points of cells that lie above bare ground and near to `top_m`, at least up to more
+   * than kOthersBesideHit. The loads come first, so that they do not wait for each other. */
+  template <int kCells>
+  TALUS_HD int points_beside(const int (&cells)[kCells], float top_m, float bare_m) const
   {
-    const HeightPoint* const at = sorting.sorted + sorting.cell_begin[storage_i];
-    const int points_there = static_cast<int>(sorting.kept_count[storage_i]);
-    int beside = 0;
-    for (int p = 0; p < points_there; p++)
+    constexpr int kBatch = kCells == 1 ? 8 : 2;
+    std::uint32_t begin[kCells];
+    int size[kCells], most = 0;
+    for (int c = 0; c < kCells; c++)
     {
-      const float away_m = abs_of(at[p].height_m - top_m);
-      const bool near = away_m <= kBesideHit_steps * config->step_threshold_m;
-      beside += select((at[p].height_m > bare_m) & near, 1, 0);
+      const int i = max_of(cells[c], 0);
+      begin[c] = sorting.cell_begin[i];
+      size[c] = select(cells[c] < 0, 0, static_cast<int>(sorting.kept_count[i]));
+    }
+    for (int c = 0; c < kCells; c++) most = max_of(most, size[c]);
+    int beside = 0;
+    for (int first = 0; first < most && beside <= kOthersBesideHit; first += kBatch)
+    {
+      float height_m[kCells * kBatch];
+      for (int b = 0; b < kCells * kBatch; b++)
+      {
+        const int c = b / kBatch, p = first + b % kBatch;
+        height_m[b] = p < size[c] ? (sorting.sorted + begin[c])[p].height_m : -kInfinity;
+      }
+      for (int b = 0; b < kCells * kBatch; b++)
+      {
+        const bool near =
+            abs_of(height_m[b] - top_m) <= kBesideHit_steps * config->step_threshold_m;
+        beside += select((height_m[b] > bare_m) & near, 1, 0);
+      }
     }
     return beside;
   }
@@ -477,14 +496,17 @@ struct UpdateCell
   {
     if (!on(kLoneHits, *config)) return false;
     const int n = config->cells, y = floor_div(storage_i, n), x = storage_i - y * n;
-    int beside = points_beside(storage_i, top_m, bare_m);
-    for (int dy = -kBesideHit_cells; dy <= kBesideHit_cells; dy++)
+    int beside = points_beside({storage_i}, top_m, bare_m);
+    for (int dy = -kBesideHit_cells; dy <= kBesideHit_cells && beside <= kOthersBesideHit; dy++)
+    {
+      int row[2 * kBesideHit_cells + 1];
       for (int dx = -kBesideHit_cells; dx <= kBesideHit_cells; dx++)
       {
-        if (beside > kOthersBesideHit) return false;
         const int i = wrap_bin(y + dy, n) * n + wrap_bin(x + dx, n);
-        beside += i == storage_i ? 0 : points_beside(i, top_m, bare_m);
+        row[dx + kBesideHit_cells] = select(i == storage_i, -1, i);
       }
+      beside += points_beside(row, top_m, bare_m);
+    }
     return beside <= kOthersBesideHit;
   }
   /** Drops the hit and counts it. Only the ground may change, if it was hit. Returns the highest

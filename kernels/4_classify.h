@@ -53,31 +53,48 @@ struct KeepBridge
   {
     if (leads_on(x, y, storage_i)) surface_class[storage_i] = kKeep;
   }
+  /** Goes in eight directions at once, so that their loads do not wait for each other. */
   TALUS_HD bool leads_on(int x, int y, int storage_i) const
   {
     const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
     const float ground_m = store.ground_m[storage_i];
-    for (int dy = -1; dy <= 1; dy++)
-      for (int dx = -1; dx <= 1; dx++)
-        if ((dx != 0 || dy != 0) && reaches_wide_ground(px, py, dx, dy, ground_m)) return true;
-    return false;
+    int ways = kAllWays;
+    bool arrived = false;
+    for (int r = 1; r <= widest_thing(*config) && ways != 0 && !arrived; r++)
+      arrived = step(px, py, r, ground_m, ways);
+    return arrived;
   }
 
  private:
-  TALUS_HD bool reaches_wide_ground(int px, int py, int dx, int dy, float ground_m) const
+  static constexpr int kWays = 9;  //!< the middle one leads nowhere
+  static constexpr int kAllWays = 0x1ef;
+
+  /** Takes the step `r` of the ways that go on so far. Returns whether one reaches wide ground. */
+  TALUS_HD bool step(int px, int py, int r, float ground_m, int& ways) const
   {
     const float tolerance_m = kAboveCone_steps * config->step_threshold_m;
-    for (int r = 1; r <= widest_thing(*config); r++)
+    float lowest_m[kWays], eroded_m[kWays], column_m[kWays];
+    for (int w = 0; w < kWays; w++)
     {
-      const int qx = px + r * dx, qy = py + r * dy;
-      if (qx < 0 || qy < 0 || qx >= grid.side || qy >= grid.side) return false;
+      const int qx = px + r * (w % 3 - 1), qy = py + r * (w / 3 - 1);
+      const bool inside = (qx >= 0) & (qy >= 0) & (qx < grid.side) & (qy < grid.side);
+      ways &= ~(select(inside, 0, 1) << w);
+      const bool goes_on = (ways >> w & 1) != 0;
       const int coarse_i = grid.at(qx, qy);
-      const float lowest_m = grid.lowest_m[coarse_i], eroded_m = grid.eroded_m[coarse_i];
-      const bool level = abs_of(lowest_m - ground_m) <= tolerance_m;  // false if unknown
-      if (!level || grid.column_m[coarse_i] > -kInfinity) return false;
-      if (eroded_m >= lowest_m - tolerance_m && eroded_m < kInfinity) return true;
+      lowest_m[w] = goes_on ? grid.lowest_m[coarse_i] : kInfinity;
+      eroded_m[w] = goes_on ? grid.eroded_m[coarse_i] : kInfinity;
+      column_m[w] = goes_on ? grid.column_m[coarse_i] : kInfinity;
     }
-    return false;
+    bool arrives = false;
+    for (int w = 0; w < kWays; w++)
+    {
+      const bool level = abs_of(lowest_m[w] - ground_m) <= tolerance_m;  // false if unknown
+      const bool goes_on = level & !(column_m[w] > -kInfinity);
+      ways &= ~(select(goes_on, 0, 1) << w);
+      const bool wide = (eroded_m[w] >= lowest_m[w] - tolerance_m) & (eroded_m[w] < kInfinity);
+      arrives |= goes_on & wide;
+    }
+    return arrives;
   }
 };
 
