@@ -44,6 +44,18 @@ TEST(Stage1Accept, TheHeightBandIsClosedAndMeasuredFromTheSensor)
   EXPECT_FLOAT_EQ(m.ground(1, 1), 9.0f);
 }
 
+TEST(Stage1Accept, ARayThatEndsAboveTheHeightBandTellsThatItsWayIsFree)
+{
+  TestMap m;
+  Scan post, beyond;
+  for (double z = 0; z < 1.95; z += 0.1) post.add(2.025, 0.025, z);
+  m.update(post);
+  ASSERT_NEAR(m.elevation(2.025, 0.025), 1.9, 1e-3);
+  beyond.add(3.525, 0.025, 2.4);  // the ray is 1.7 m high where the post stood
+  for (int i = 0; i < 3; i++) EXPECT_EQ(rejected(m.update(beyond), Reject::Height), 1u);
+  EXPECT_NEAR(m.elevation(2.025, 0.025), 0.0, 1e-3);
+}
+
 TEST(Stage1Accept, TheHeightBandIsMeasuredAlongTheZAxisOfTheMap)
 {
   // A camera that looks down by half a right angle: far along its axis is deep below it.
@@ -185,6 +197,20 @@ TEST(Stage1Accept, AReflectionFromBelowSeenGroundIsCountedAndDropped)
   const FrameReport r = m.update(mirrored);
   EXPECT_EQ(rejected(r, Reject::Buried), 2u);
   EXPECT_NEAR(m.ground(3.425, 0.025), 0.0, 1e-4);
+}
+
+TEST(Stage1Accept, OneWrongCellBuriesNothingAndTwoThatAgreeDo)
+{
+  for (const bool two : {false, true})
+  {
+    TestMap m;
+    Scan wrong;
+    wrong.add(2.025, 0.025, 0.6);
+    if (two) wrong.add(2.425, 0.025, 0.6);
+    m.update(wrong);
+    const FrameReport r = m.update(wrong.add(3.425, 0.025, 0.0));
+    EXPECT_EQ(rejected(r, Reject::Buried), two ? 1u : 0u);
+  }
 }
 
 TEST(Stage1Accept, WhatOneFrameSaysOfReflectionsTheNextForgets)

@@ -191,3 +191,15 @@ TEST(Stage2Roll, WhereTheSensorIsOnTheRobotMustBeAPlaceOnARobot)
   }
   EXPECT_TRUE(m.map.empty());
 }
+
+TEST(Stage2Follow, HeightsFollowThePosesByTheMeanOfAllHitsThatAgree)
+{
+  // The pose rose by 0.22 m, and noise spreads the hits over three bins of the histogram.
+  TestMap m;
+  Random random(3);
+  const auto risen = [&random](double, double)
+  { return 0.22 + 0.04 * std::floor(random.uniform(-1, 2)); };
+  m.update(Scan(0, 0, 0.7).add_surface(1.0, -1.0, 3.5, 1.0, flat));
+  m.update(Scan(0, 0, 0.92).add_surface(1.0, -1.0, 3.0, 1.0, risen));
+  EXPECT_NEAR(m.ground(3.225, 0.025), 0.22, 0.01);  // not hit again
+}

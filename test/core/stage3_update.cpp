@@ -197,3 +197,17 @@ TEST(Stage3Update, AHitThatStandsAloneOverBareGroundCountsAfterTwoWithinAFewScan
     EXPECT_NEAR(m.elevation(kX, kY), between > 2 ? 0.0 : 0.4, 1e-3) << between;
   }
 }
+
+TEST(Stage3Update, AHitIsAloneWithOneOtherBesideItAndNotWithTwo)
+{
+  for (const int others : {1, 2})
+  {
+    TestMap m;
+    m.update(Scan().add_surface(1.5, -0.5, 2.5, 0.5, flat));
+    Scan hits;
+    hits.add(kX, kY, 0.4);
+    for (int i = 0; i < others; i++) hits.add(kX, kY + 0.05, 0.4 - 0.01 * i);
+    m.update(hits);
+    EXPECT_NEAR(m.elevation(kX, kY), others == 1 ? 0.0 : 0.4, 1e-3) << others;
+  }
+}

@@ -210,6 +210,22 @@ TEST(Stage4Classify, ABridgeIsGroundAndABlockInADitchIsNot)
   }
 }
 
+TEST(Stage4Classify, AJettyIsGroundAsFarAsAnythingNarrowMayReachAndNoFarther)
+{
+  TestMap m;
+  Scan s;
+  const auto low = level(-0.6);
+  s.add_surface(-2, -3, 0.5, 3, flat).add_surface(0.5, -0.3, 3.5, 0.3, flat);
+  s.add_surface(0.5, -3, 3.5, -0.3, low).add_surface(0.5, 0.3, 3.5, 3, low);
+  m.update(s);
+  // Wide ground begins 7 pairs of cells behind the brink, and what is narrow reaches 14 from there:
+  // half of object_size_m and two pairs, once and twice.
+  EXPECT_EQ(m.state(1.175, 0.025), CellState::Measured);
+  EXPECT_NEAR(m.ground(1.175, 0.025), 0.0, 1e-5);
+  EXPECT_NE(m.state(1.225, 0.025), CellState::Measured);
+  EXPECT_LT(m.ground(1.225, 0.025), -0.5);
+}
+
 TEST(Stage4Classify, ABankOfWhichOnlyTheBrinkWasSeenIsGroundWhenItTurnsOutWide)
 {
   // The ground beyond it is low again, so that what is guessed below it is told from two sides.
