@@ -11,7 +11,7 @@ set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib")
 # Sources of a target are compiled several together, so that the headers of libraries are read once for all of them: a
 # whole build takes half the processor time, one after a change of one source more. Sources whose local names others of
 # the target have, too, stay apart.
-option(TALUS_TOGETHER "Compile the sources of libraries and commands several together" OFF)
+option(TALUS_TOGETHER "Compile the sources of libraries, commands and tests several together" OFF)
 function(talus_compile_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${TALUS_TOGETHER} UNITY_BUILD_BATCH_SIZE 20)
 endfunction()

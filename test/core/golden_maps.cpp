@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include "can_run.h"
 #include "exact_scene.h"
 
 #include <array>
@@ -386,16 +387,6 @@ void write_golden()
       file << "\n";
     }
   if (!file.flush()) throw std::runtime_error(TALUS_GOLDEN_MAPS ": cannot be written");
-}
-
-/** Whether this processor runs what this executable was compiled for. */
-bool can_run()
-{
-#if defined(TALUS_GOLDEN_LEVEL)
-  return __builtin_cpu_supports(TALUS_GOLDEN_LEVEL) != 0;
-#else
-  return true;
-#endif
 }
 
 class GoldenMaps : public testing::TestWithParam<std::size_t>

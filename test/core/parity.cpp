@@ -247,7 +247,10 @@ TEST(Parity, ChannelsOfADriveWithPointsInAnotherOrder)
     values.put(frame, i);
     other_values.put(other, i);
     ASSERT_NO_FATAL_FAILURE(maps.update(frame, other));
-    if (i % 5 == 0) ASSERT_NO_FATAL_FAILURE(hand_over_channels(maps));
+    if (i % 5 == 0)
+    {
+      ASSERT_NO_FATAL_FAILURE(hand_over_channels(maps));
+    }
   }
 }
 

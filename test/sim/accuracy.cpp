@@ -7,8 +7,9 @@
 #include <iostream>
 #include <set>
 
-namespace talus::baselines
-{
+using namespace talus;
+using namespace talus::baselines;
+
 namespace
 {
 using Names = std::set<std::string>;
@@ -107,4 +108,3 @@ TEST(Accuracy, APersonLeavesNoTrailAndPostsStay)
 }
 
 }  // namespace
-}  // namespace talus::baselines

@@ -12,8 +12,9 @@
 
 #include "small_window.h"
 
-namespace talus::baselines
-{
+using namespace talus;
+using namespace talus::baselines;
+
 namespace
 {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -359,4 +360,3 @@ TEST(RealLog, LabelsSayWhatMoves)
 }
 
 }  // namespace
-}  // namespace talus::baselines

@@ -9,8 +9,9 @@
 #include <cmath>
 #include <random>
 
-namespace talus::calibrate
-{
+using namespace talus;
+using namespace talus::calibrate;
+
 namespace
 {
 constexpr double kDegree = 3.14159265358979323846 / 180;
@@ -166,7 +167,7 @@ TEST(Calibrate, FindsMountingClockAndNoiseOnRollingGround)
 {
   const WrongLog log =
       wrong_log(kSwells, "[[0, 0], [4, 1.5], [8, -1], [11, 1]]", 4, -3, 0.08, 0.07, 110);
-  const Result r = calibrate(log.scans, log.track, options_of(log));
+  const Result r = talus::calibrate::calibrate(log.scans, log.track, options_of(log));
   EXPECT_NEAR(r.estimate[kRoll], log.truth[kRoll], 0.05 * kDegree);
   EXPECT_NEAR(r.estimate[kPitch], log.truth[kPitch], 0.05 * kDegree);
   EXPECT_NEAR(r.estimate[kZ], log.truth[kZ], 0.005);
@@ -181,7 +182,7 @@ TEST(Calibrate, FindsMountingClockAndNoiseOnRollingGround)
 TEST(Calibrate, NamesWhatAStraightDriveOnAFloorDoesNotTell)
 {
   const WrongLog log = wrong_log("  - plane: {z_m: 0}\n", "[[0, 0], [9, 0]]", 1, 2, 0.05, 0, 90);
-  const Result r = calibrate(log.scans, log.track, options_of(log));
+  const Result r = talus::calibrate::calibrate(log.scans, log.track, options_of(log));
   for (const int i : {kX, kY, kYaw, kTimeOffset})
   {
     EXPECT_FALSE(r.observable[i]) << i;
@@ -196,7 +197,7 @@ TEST(Calibrate, WithoutContactTheHeightOverAFloorIsNotObservable)
   const WrongLog log = wrong_log("  - plane: {z_m: 0}\n", "[[0, 0], [9, 0]]", 0, 1, 0.05, 0, 90);
   Options o = options_of(log);
   o.use_contact = false;
-  const Result r = calibrate(log.scans, log.track, o);
+  const Result r = talus::calibrate::calibrate(log.scans, log.track, o);
   EXPECT_FALSE(r.observable[kZ]);
   EXPECT_EQ(r.estimate[kZ], log.given[kZ]);
   EXPECT_TRUE(r.observable[kPitch]);
@@ -219,7 +220,7 @@ TEST(Calibrate, SaysThatALogOfARobotAtRestLacksMotion)
   const WrongLog log = wrong_log("  - plane: {z_m: 0}\n", "[[0, 0], [0.2, 0]]", 0, 0, 0, 0, 90);
   try
   {
-    calibrate(log.scans, log.track, options_of(log));
+    talus::calibrate::calibrate(log.scans, log.track, options_of(log));
     FAIL() << "no error";
   }
   catch (const std::runtime_error& e)
@@ -255,4 +256,3 @@ TEST(CalibrateScanSet, KeepsTheSamePointsEveryTimeAndHalvesWhenThereAreTooMany)
 }
 
 }  // namespace
-}  // namespace talus::calibrate

@@ -7,8 +7,9 @@
 #include <fstream>
 #include <stdexcept>
 
-namespace talus::baselines
-{
+using namespace talus;
+using namespace talus::baselines;
+
 namespace
 {
 using Verdict = ExpectedFailures::Verdict;
@@ -98,4 +99,3 @@ TEST(ExpectedFailures, AreRefusedWhereALineIsDamagedAndWhereNoLineCanHoldAName)
 }
 
 }  // namespace
-}  // namespace talus::baselines

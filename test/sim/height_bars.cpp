@@ -7,8 +7,9 @@
 #include <cmath>
 #include <limits>
 
-namespace talus::baselines
-{
+using namespace talus;
+using namespace talus::baselines;
+
 namespace
 {
 constexpr int kMany = 20000;
@@ -101,4 +102,3 @@ TEST(HoldOut, ComparesTheHeightsOfTwoMapsWithWhatBothTell)
 }
 
 }  // namespace
-}  // namespace talus::baselines

@@ -6,8 +6,9 @@
 #include <cmath>
 #include <limits>
 
-namespace talus::baselines
-{
+using namespace talus;
+using namespace talus::baselines;
+
 namespace
 {
 using Truth = std::vector<GroundTruth>;
@@ -174,4 +175,3 @@ TEST(LabelScores, OfCellsCountPointsByTheirHeightAboveTheGround)
           G::Ground, G::Other, G::Ground, G::NotScored, G::Other, G::Other, G::NotScored,
           G::NotScored, G::NotScored, G::NotScored, G::NotScored, G::NotScored}));
 }
-}  // namespace talus::baselines

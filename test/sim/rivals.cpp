@@ -10,8 +10,9 @@
 
 #include "small_window.h"
 
-namespace talus::baselines
-{
+using namespace talus;
+using namespace talus::baselines;
+
 namespace
 {
 using Points = std::vector<std::array<float, 3>>;
@@ -307,4 +308,3 @@ TEST(PaperMap, Equation14CallsAOneSidedFillAmidDataADitchIfTheFarSideIsLow)
 }
 
 }  // namespace
-}  // namespace talus::baselines

@@ -12,8 +12,9 @@
 #include <random>
 #include <sstream>
 
-namespace talus::baselines
-{
+using namespace talus;
+using namespace talus::baselines;
+
 namespace
 {
 /** A figure for the report of the test. */
@@ -975,4 +976,3 @@ TEST(Reflections, OfAGlossyFloorBlockLittleOfIt)
 }
 
 }  // namespace
-}  // namespace talus::baselines

@@ -5,8 +5,9 @@
 
 #include <cmath>
 
-namespace talus::baselines
-{
+using namespace talus;
+using namespace talus::baselines;
+
 namespace
 {
 /** A robot at rest in a world, and the truth about it. */
@@ -437,4 +438,3 @@ TEST(Budgets, DoNotApplyWhereThereIsNothingToJudge)
 }
 
 }  // namespace
-}  // namespace talus::baselines

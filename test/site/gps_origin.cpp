@@ -4,8 +4,9 @@
 
 #include <cmath>
 
-namespace talus::site
-{
+using namespace talus;
+using namespace talus::site;
+
 namespace
 {
 constexpr double kLat_deg = 36.8383, kLon_deg = -2.4045;
@@ -55,5 +56,3 @@ TEST(GpsOrigin, warns_where_fixes_and_poses_do_not_go_together)
   EXPECT_NE(warning.find("m off"), std::string::npos) << warning;
   EXPECT_FALSE(origin_from_fixes({}, warning));
 }
-
-}  // namespace talus::site

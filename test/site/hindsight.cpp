@@ -11,8 +11,9 @@
 #include <string>
 #include <vector>
 
-namespace talus::site
-{
+using namespace talus;
+using namespace talus::site;
+
 namespace
 {
 using baselines::ScanFrame;
@@ -313,5 +314,3 @@ TEST(Guesses, level_ground_stays_free_up_to_the_rim)
   EXPECT_GT(before, 40000);
   EXPECT_GT(kept.count(-5, 20, -5, 5).free, 0.99 * before);
 }
-
-}  // namespace talus::site

@@ -13,8 +13,9 @@
 #include <utility>
 #include <vector>
 
-namespace talus::site
-{
+using namespace talus;
+using namespace talus::site;
+
 namespace
 {
 using baselines::ScanFrame;
@@ -593,5 +594,3 @@ TEST(SiteMapper, KeepsNothingOfChannelsThatNobodyAskedFor)
   EXPECT_TRUE(kept.site.channel_tiles.keys().empty());
   EXPECT_EQ(kept.site.channel_tiles.memory().open, 0U);
 }
-
-}  // namespace talus::site

@@ -14,8 +14,9 @@ using talus::test::expect_error;
 using talus::test::ScratchDir;
 using talus::test::write_bytes;
 
-namespace talus::site
-{
+using namespace talus;
+using namespace talus::site;
+
 namespace
 {
 constexpr std::size_t kEight = 8 * sizeof(Tile);
@@ -315,5 +316,3 @@ TEST(TileStore, counts_cells_on_both_sides_of_the_origin)
   EXPECT_EQ(place_in_tile(-128), 0);
   EXPECT_EQ(place_in_tile(130), 2);
 }
-
-}  // namespace talus::site

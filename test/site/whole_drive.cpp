@@ -12,8 +12,9 @@
 #include <string>
 #include <vector>
 
-namespace talus::site
-{
+using namespace talus;
+using namespace talus::site;
+
 namespace
 {
 using baselines::ScanFrame;
@@ -334,5 +335,3 @@ TEST(WholeDrive, tells_what_went_and_what_came_between_its_rounds)
   EXPECT_LT(came_m2, 1.3 * kBox_m2);
   EXPECT_LT(sums.area_m2(Change::Built) + sums.area_m2(Change::Dug), 0.02);
 }
-
-}  // namespace talus::site

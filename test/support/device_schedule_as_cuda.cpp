@@ -1,17 +1,10 @@
-#include "cuda/schedule.h"
-#include "device_on_host.h"
-#include "map_backend.h"
+#include "device_schedule.h"
 
 // Takes the place of the CUDA backend in an executable, so that both schedules can be compared
 // where there is no device.
-
-namespace talus
+std::unique_ptr<talus::BackendInterface> talus::make_cuda_backend(const MapConfig& config, int)
 {
-std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config, int)
-{
-  return std::make_unique<MapBackend<DeviceSchedule<test::DeviceOnHost>>>(
-      config, test::DeviceOnHost{});
+  return test::make_device_schedule(config);
 }
 
-int cuda_devices() { return 1; }
-}  // namespace talus
+int talus::cuda_devices() { return 1; }

@@ -1,6 +1,6 @@
 # Writes what ctest runs of an executable of GoogleTest: each case is a test. Where a suite has several, a test with the
-# name of the suite comes before them, which runs them in one process (suite.sh).
-#   cmake -D EXECUTABLE= -D FILTER= -D PREFIX= -D LABEL= -D FOLDER= -D OUTPUT= -P discover_suites.cmake
+# name of the suite comes before them, which runs them in one process (suite.sh); not where it is in CASE_BY_CASE.
+#   cmake -D EXECUTABLE= -D FILTER= -D PREFIX= -D LABEL= -D CASE_BY_CASE= -D FOLDER= -D OUTPUT= -P discover_suites.cmake
 cmake_minimum_required(VERSION 3.22)
 if(FILTER STREQUAL "")
   set(FILTER "*")
@@ -28,7 +28,7 @@ endfunction()
 # A suite ends where the next begins.
 macro(end_suite)
   list(LENGTH cases number)
-  if(number GREATER 1)
+  if(number GREATER 1 AND NOT suite IN_LIST CASE_BY_CASE)
     string(JOIN ":" filter ${cases})
     add("${suite}" "" all "${place}" "${EXECUTABLE}" "${filter}")
   endif()

@@ -1,0 +1,10 @@
+#include "can_run.h"
+
+bool talus::test::can_run()
+{
+#if defined(TALUS_GOLDEN_LEVEL)
+  return __builtin_cpu_supports(TALUS_GOLDEN_LEVEL) != 0;
+#else
+  return true;
+#endif
+}
