@@ -301,7 +301,8 @@ class CudaExecutor
 
  private:
   static constexpr std::size_t kSharedBytes = 48 * 1024;  //!< every block can have them
-  static constexpr int kCellsPerGroup = 4, kWordsPerWarp = 4;
+  static constexpr int kCellsPerGroup = 4;  //!< 2 and 8 are slower
+  static constexpr int kWordsPerWarp = 4;
   static constexpr int kManyThreads = 100000;  //!< they fill a device
   static constexpr std::size_t kBandBytes = 1024 * 1024;
   static constexpr int kLeastShares = 4;
