@@ -68,17 +68,6 @@ const char* unit_of_band(const std::string& name)
   return known == std::end(kKnown) ? "" : known->unit;
 }
 
-void BandStatistics::add(float value)
-{
-  if (std::isnan(value)) return;
-  const double v = value, off = v - mean_;
-  count_ += 1;
-  mean_ += off / count_;
-  squares_ += off * (v - mean_);
-  min_ = std::min(min_, v);
-  max_ = std::max(max_, v);
-}
-
 std::map<std::string, std::string> BandStatistics::items(double cells) const
 {
   if (count_ == 0) return {};

@@ -1,6 +1,8 @@
 #pragma once
 #include <gdal_priv.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <map>
@@ -21,7 +23,16 @@ class BandStatistics
 {
  public:
   /** NaN counts as unknown. */
-  void add(float value);
+  void add(float value)
+  {
+    if (std::isnan(value)) return;
+    const double v = value, off = v - mean_;
+    count_ += 1;
+    mean_ += off / count_;
+    squares_ += off * (v - mean_);
+    min_ = std::min(min_, v);
+    max_ = std::max(max_, v);
+  }
   /** What GDAL's programs read; `cells`: of the band, known or not. Nothing where none is known. */
   std::map<std::string, std::string> items(double cells) const;
 

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 
 namespace talus::site
 {
@@ -17,20 +16,29 @@ constexpr double kWorthTurning = 0.5;  //!< of the area that the page has north 
 /** The corners of the outermost cells of each row of a tile. */
 void add_outline(Site& site, const TileKey& key, std::vector<cv::Point2f>& points)
 {
-  std::map<std::int64_t, std::pair<std::int64_t, std::int64_t>> rows;
+  struct Ends
+  {
+    std::int64_t first = std::numeric_limits<std::int64_t>::max(), last = -first;
+  };
+  std::array<Ends, kTileCells> rows;
   for_each_known_of_tile(
       site, key,
       [&](std::int64_t x, std::int64_t y, const SiteCell&)
       {
-        auto [row, is_new] = rows.try_emplace(y, x, x);
-        row->second = {std::min(row->second.first, x), std::max(row->second.second, x)};
+        Ends& row = rows[static_cast<std::size_t>(place_in_tile(y))];
+        row = {std::min(row.first, x), std::max(row.last, x)};
       });
-  for (const auto& [y, ends] : rows)
-    for (const std::int64_t side : {0, 1})
+  for (int row = 0; row < kTileCells; ++row)
+  {
+    const Ends& ends = rows[static_cast<std::size_t>(row)];
+    if (ends.last < ends.first) continue;
+    for (const int side : {row, row + 1})
     {
-      points.emplace_back(static_cast<float>(ends.first), static_cast<float>(y + side));
-      points.emplace_back(static_cast<float>(ends.second + 1), static_cast<float>(y + side));
+      const auto y = static_cast<float>(std::int64_t{key.y} * kTileCells + side);
+      points.emplace_back(static_cast<float>(ends.first), y);
+      points.emplace_back(static_cast<float>(ends.last + 1), y);
     }
+  }
 }
 
 /** Whether all of a tile lies within the hull, so that it cannot widen it. */
