@@ -564,3 +564,13 @@ TEST(Channels, OfAFrameMustBeThoseOfTheMap)
   p.channels.push_back(p.channels[0]);
   expect_invalid([&] { TestMap(p, 1); }, "two of them");
 }
+
+TEST(Channels, WhatIsNotJudgedGetsNoScoreFromItsClass)
+{
+  Parameters p = CostMap::parameters();
+  p.fill_search_m = 0;
+  TestMap m(p);
+  m.map.update(ValuedScan(Scan().add(2.02, 1.02, 0), 3.0F).frame());
+  ASSERT_EQ(MapView(m.map).at("v", 2.02, 1.02), 3.0F);
+  EXPECT_TRUE(std::isnan(m.traversability(2.02, 1.02)));
+}

@@ -136,6 +136,16 @@ TEST(PointLabels, APersonWhoLeftHasLeftUpToTheHead)
   EXPECT_NEAR(static_cast<double>(count(labels, PointLabel::Hangs)), 20 * 20, 5);
 }
 
+TEST(PointLabels, WhatIsHighUpWhereSomethingLeftLatelyDoesNotHang)
+{
+  const Scan with = Scan().cast({kBox}), without = Scan().cast({});
+  TestMap left, never;
+  left.update(with);
+  for (int i = 0; i < 2; i++) left.update(without), never.update(without);
+  EXPECT_EQ(label_at(left, 1.525, 0.025, 1.4), PointLabel::MovedAway);
+  EXPECT_EQ(label_at(never, 1.525, 0.025, 1.4), PointLabel::Hangs);
+}
+
 TEST(PointLabels, APointBelowTheGroundIsAReflection)
 {
   TestMap m;

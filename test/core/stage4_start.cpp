@@ -210,3 +210,19 @@ TEST(Stage4Underfoot, WhatTheRobotDrivesOverIsKnownAlsoWhereNothingMeasuredIt)
   m.map.update(with_base(sixteen_beams({}, 0.4)));
   EXPECT_EQ(m.state(0.375, 0.025), CellState::Measured);
 }
+
+TEST(Stage4Underfoot, WhatIsAsHighAsWhatTheRobotJustDroveThroughIsDrivenThroughToo)
+{
+  const auto grass = level(0.3);
+  TestMap m(with_radius(0));
+  m.update(Scan(-2, 0, kSensor_m)
+               .add_surface(-0.4, -0.4, 0.4, 0.4, grass)
+               .add_surface(0.4, -1, 1, 1, flat));
+  m.map.update(with_base(sixteen_beams()));  // through grass
+  m.map.update(with_base(sixteen_beams({}, 0.7)));  // beside it
+  m.update(Scan(-2, 0, kSensor_m)
+               .add_surface(0.6, -0.1, 0.8, 0.1, grass)
+               .add_surface(0.6, 0.5, 0.8, 0.7, grass));
+  EXPECT_NEAR(m.elevation(0.725, 0.025), 0.0, 1e-3);
+  EXPECT_NEAR(m.elevation(0.725, 0.625), 0.3, 1e-3);  // nobody drove there
+}

@@ -117,3 +117,16 @@ TEST(Stage6Variance, IsTheSameAfterTheMapWasSavedAndRestored)
   const std::vector<float>& after = restored.map.layer(Layer::Variance);
   EXPECT_EQ(std::memcmp(before.data(), after.data(), after.size() * sizeof(float)), 0);
 }
+
+TEST(Stage6Variance, CountsWhatStraysAlongEitherAxis)
+{
+  double along_m[2];
+  for (const bool x_axis : {false, true})
+  {
+    const TestMap m =
+        map_of([=](double x, double y) { return 0.02 * scattered(x_axis ? x - 2 : y, 0); });
+    along_m[x_axis] = deviation_m(m, kX, kY);
+  }
+  EXPECT_GT(along_m[0], 0.005);
+  EXPECT_NEAR(along_m[0], along_m[1], 1e-3);
+}

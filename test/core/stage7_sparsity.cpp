@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include "scene.h"
+#include "kernels/7_sparsity.h"
 
 #include <cmath>
 
@@ -87,4 +88,16 @@ TEST(Stage7Sparsity, FarFromTheRobotAGuessIsJudgedByItsGeometry)
   m.update(with_rays(gap(2)));
   EXPECT_TRUE(std::isnan(m.at(Layer::Sparsity, kX, kY)));
   EXPECT_GT(m.traversability(kX, kY), 0.9f);
+}
+
+TEST(Stage7Sparsity, TheFarWallOfAGapWiderThanAnyDitchHidesNothing)
+{
+  kernels::Config k{};
+  k.max_slope = std::tan(0.5f), k.step_threshold_m = 0.2f;
+  for (const float length_m : {2.7f, 2.9f})
+  {
+    const kernels::Gap gap{length_m, 0, -0.6f, 0, 0.3f};
+    const float twice_m = 2 * (0.6f - 0.05f * length_m), explained_m = 2.5f * 0.2f;
+    EXPECT_NEAR(fall_in(gap, k).m, length_m < 2.8f ? twice_m : 0.6f - explained_m, 1e-5f);
+  }
 }

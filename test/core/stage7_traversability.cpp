@@ -252,3 +252,17 @@ TEST(Stage7Traversability, WholeNeighbourhoodsHaveTheSlopeThatAllHave)
           kernels::bits_of(kernels::slope_angle<false>(m, k)));
     }
 }
+
+TEST(Stage7Traversability, NoRobotFitsBetweenTwoPostsAtTheCornersOfACell)
+{
+  for (const double across_m : {-0.05, 0.05})
+    for (const bool two : {true, false})
+    {
+      TestMap m;
+      Scan s;
+      s.add_surface(1, -1, 3, 1, flat).add(1.975, 0.025 - across_m, 0.45);
+      if (two) s.add(2.075, 0.025 + across_m, 0.45);
+      m.update(s);
+      EXPECT_EQ(m.traversability(2.025, 0.025) == 0.0f, two) << across_m;
+    }
+}
