@@ -323,11 +323,11 @@ TEST(MapPicture, writes_a_png_whole_or_not_at_all)
 TEST(MapPicture, a_png_has_colours_and_greys_of_8_and_16_bits)
 {
   const ScratchDir dir;
-  for (const int type : {CV_8UC3, CV_8UC1, CV_16UC1})
+  for (const int type : {CV_8UC4, CV_8UC3, CV_8UC1, CV_16UC1})
   {
     cv::Mat picture(123, 457, type);
     cv::RNG(7).fill(picture, cv::RNG::UNIFORM, 0, 65536);
-    picture.rowRange(40, 80).setTo(cv::Scalar(1, 2, 3));
+    picture.rowRange(40, 80).setTo(cv::Scalar(1, 2, 3, 4));
     write_png(dir / "a.png", picture);
     const cv::Mat read = cv::imread(dir / "a.png", cv::IMREAD_UNCHANGED);
     ASSERT_EQ(read.type(), type);

@@ -29,12 +29,12 @@ void put_chunk(std::string& to, const char* type, const std::string& data)
 
 std::string header_of(const cv::Mat& picture)
 {
-  constexpr char kGrey = 0, kColours = 2;
+  constexpr char kGrey = 0, kColours = 2, kWithAlpha = 6;
   std::string header;
   put_word(header, static_cast<std::uint32_t>(picture.cols));
   put_word(header, static_cast<std::uint32_t>(picture.rows));
   header += static_cast<char>(8 * picture.elemSize1());
-  header += picture.channels() == 3 ? kColours : kGrey;
+  header += picture.channels() == 4 ? kWithAlpha : picture.channels() == 3 ? kColours : kGrey;
   return header + std::string(3, '\0');  // deflate, its filters, not interlaced
 }
 
@@ -44,9 +44,8 @@ std::vector<std::uint8_t> row_of(const cv::Mat& picture, int y)
   const std::size_t size = static_cast<std::size_t>(picture.cols) * picture.elemSize();
   const std::uint8_t* const from = picture.ptr(y);
   std::vector<std::uint8_t> row(from, from + size);
-  const std::size_t mirrored = picture.channels() == 3 ? 3 : picture.elemSize1();
-  for (std::size_t i = 0; mirrored > 1 && i < size; i += mirrored)
-    std::swap(row[i], row[i + mirrored - 1]);
+  const std::size_t pixel = picture.elemSize(), other = pixel > 2 ? 2 : 1;
+  for (std::size_t i = 0; pixel > 1 && i < size; i += pixel) std::swap(row[i], row[i + other]);
   return row;
 }
 
@@ -93,7 +92,9 @@ std::string packed_rows(const cv::Mat& picture)
 std::string png_of(const cv::Mat& picture)
 {
   const int type = picture.type();
-  if (picture.empty() || (type != CV_8UC3 && type != CV_8UC1 && type != CV_16UC1)) return "";
+  if (picture.empty() ||
+      (type != CV_8UC4 && type != CV_8UC3 && type != CV_8UC1 && type != CV_16UC1))
+    return "";
   std::string png = "\x89PNG\r\n\x1a\n";
   put_chunk(png, "IHDR", header_of(picture));
   put_chunk(png, "IDAT", packed_rows(picture));

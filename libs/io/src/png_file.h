@@ -5,8 +5,8 @@
 
 namespace talus::io
 {
-/** The bytes of a PNG: of 8 bits and one or three channels (BGR), or of 16 bits and one. Empty for
- * any other picture. */
+/** The bytes of a PNG: of 8 bits and one, three (BGR) or four channels (BGRA), or of 16 bits and
+ * one. Empty for any other picture. */
 std::string png_of(const cv::Mat& picture);
 
 }  // namespace talus::io
