@@ -24,10 +24,11 @@ struct RollCell
   CellStore store;
   const Datum* datum;
 
-  TALUS_HD bool applies(int ix, int iy, int) const
+  TALUS_HD Stretch stays(int iy) const
   {
-    return entered_window(*frame, config->cells, ix, iy) | (datum->starts_anew != 0);
+    return staying(*frame, config->cells, iy, datum->starts_anew != 0);
   }
+  TALUS_HD bool applies(int ix, int iy, int) const { return !stays(iy).has(ix); }
   TALUS_HD void operator()(int, int, int storage_i) const { store.store(storage_i, Cell{}); }
 };
 

@@ -32,12 +32,8 @@ struct PresumeStart
   }
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    const int window_i = iy * config->cells + ix;
     const float plane_m = plane_at(ix, iy);
-    const float bound_m = select(
-        passing.lowest_m[window_i] < kInfinity,
-        passing.highest_m[window_i] + config->cleanup_margin_m, kInfinity);
-    if (plane_m > bound_m) return;
+    if (plane_m > passing.free_above_m[passing.at(ix, iy)] + config->cleanup_margin_m) return;
     // Near its start the robot has room to move off.
     const bool beside = offset_from_base(*config, *frame, ix, iy).is_within(kStartsOn_m);
     if (config->start_automatic != 0 && !beside && !is_blind(ix, iy)) return;
@@ -97,15 +93,15 @@ struct PresumeStart
   {
     const int n = config->cells;
     if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return kLevel;  // the sensor is outside
-    const int window_i = iy * n + ix;
-    if (passing.in_open[window_i] == 0) return kNothing;
+    const int at = passing.at(ix, iy);
+    if (passing.in_open[at] == 0) return kNothing;
     const auto [x_m, y_m] = from_sensor(ix, iy);
-    // Heights count per Chebyshev distance, as in add_ray().
+    // Heights count per Chebyshev distance, as in FindPassingRays.
     const float away_m = chebyshev(x_m, y_m);
     const float rises_m = frame->base_slope_x * x_m + frame->base_slope_y * y_m;
     const float above_m = frame->sensor_z_m - plane_at(ix, iy) + rises_m;
     const float slope =
-        (passing.lowest_m[window_i] - frame->sensor_z_m) / (away_m - 0.5f * config->resolution_m);
+        (passing.lowest_m[at] - frame->sensor_z_m) / (away_m - 0.5f * config->resolution_m);
     const float below_m = kStartUndercut_steps * config->step_threshold_m;
     const float falls = rises_m / away_m - slope;
     const float radius_m = config->start_radius_m * away_m / sqrtf(x_m * x_m + y_m * y_m);
@@ -116,7 +112,9 @@ struct PresumeStart
     const int x = cell_at(frame->sensor_x_m + share * x_m);
     const int y = cell_at(frame->sensor_y_m + share * y_m);
     if ((x < 0) | (y < 0) | (x >= n) | (y >= n)) return kLevel;
-    return passing.lowest_m[y * n + x] < plane_at(x, y) - kStartDropSeen * below_m ? kDrop : kLevel;
+    const bool deep =
+        passing.lowest_m[passing.at(x, y)] < plane_at(x, y) - kStartDropSeen * below_m;
+    return deep ? kDrop : kLevel;
   }
 };
 

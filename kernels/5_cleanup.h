@@ -21,30 +21,23 @@ namespace talus::kernels
 /** The result of the rays of this frame for one cell. */
 struct SeenThrough
 {
-  float lowest_m = kInfinity;  //!< lowest height at which a ray passed
-  float highest_m = -kInfinity;  //!< highest of the lowest rays of the cell's directions;
-                                 //!< bounds unseen ground from above
+  /** Slopes of the lowest and the highest of the lowest rays of the cell's directions, as ordered
+   * integers. */
+  std::int32_t lowest = kNoRay, highest = -kNoRay;
   std::int32_t in_open = 1;  //!< nothing was hit between the sensor and the cell
-  TALUS_HD bool any() const { return lowest_m < kInfinity; }
 };
 
-/** Adds one ray of a footprint, at the height where the ray is highest inside the cell. */
+/** Adds one ray of a footprint. */
 TALUS_HD void add_ray(
-    SeenThrough& seen, const RayFootprint& g, int which, const Config& k, const FrameContext& f,
-    const std::int32_t* rays)
+    SeenThrough& seen, const RayFootprint& g, int which, const Config& k, const std::int32_t* rays)
 {
   const int bin = g.first_bin + which * g.stride;
   const bool wanted = bin <= g.last_bin;
   const int column = select(wanted, wrap_bin(bin, bin_count(k)), 0);
   const std::int32_t hit = rays[g.row + column], anywhere = rays[column];
   seen.in_open = select(wanted & (hit != anywhere), 0, seen.in_open);
-  const bool is_ray = wanted & (hit != kNoRay);
-  const float slope = float_from_ordered(hit);
-  const float half_cell = 0.5f * k.resolution_m;
-  const float where = g.chebyshev_m + select(slope < 0.0f, -half_cell, half_cell);
-  const float height = f.sensor_z_m + slope * where;
-  seen.lowest_m = min_of(seen.lowest_m, select(is_ray, height, kInfinity));
-  seen.highest_m = max_of(seen.highest_m, select(is_ray, height, -kInfinity));
+  seen.lowest = min_of(seen.lowest, select(wanted, hit, kNoRay));
+  seen.highest = max_of(seen.highest, select(wanted & (hit != kNoRay), hit, -kNoRay));
 }
 
 /** Counts one frame with or without a hit; true when the cell must be cleared. */
@@ -89,7 +82,6 @@ struct FindPassingRays
 {
   using Item = RayFootprint;
   using Result = SeenThrough;
-  int cells;
   const Config* config;
   const FrameContext* frame;
   const std::int32_t* rays;
@@ -100,15 +92,19 @@ struct FindPassingRays
   TALUS_HD int steps(const RayFootprint& g) const { return g.most_rays(); }
   TALUS_HD void step(SeenThrough& seen, const RayFootprint& g, int which) const
   {
-    add_ray(seen, g, which, *config, *frame, rays);
+    add_ray(seen, g, which, *config, rays);
   }
-  TALUS_HD void put(int ix, int iy, const SeenThrough& seen) const
+  TALUS_HD void put(int ix, int iy, const RayFootprint& g, const SeenThrough& seen) const
   {
-    const int window_i = iy * cells + ix;
-    passing.lowest_m[window_i] = seen.lowest_m;
-    passing.highest_m[window_i] = seen.highest_m;
-    const bool in_open = (seen.in_open != 0) & seen.any();
-    passing.in_open[window_i] = static_cast<std::uint8_t>(select(in_open, 1, 0));
+    const int i = passing.at(ix, iy);
+    passing.free_above_m[i] = height_m(g, seen.highest);
+    const bool in_open = (seen.in_open != 0) & (seen.lowest != kNoRay);
+    passing.in_open[i] = static_cast<std::uint8_t>(select(in_open, 1, 0));
+  }
+  /** The rest, in frames that start a map. */
+  TALUS_HD void put_lowest(int ix, int iy, const RayFootprint& g, const SeenThrough& seen) const
+  {
+    passing.lowest_m[passing.at(ix, iy)] = height_m(g, seen.lowest);
   }
 
   TALUS_HD void operator()(int ix, int iy) const
@@ -116,7 +112,17 @@ struct FindPassingRays
     const RayFootprint g = item(ix, iy);
     SeenThrough seen;
     for (int which = 0; which < g.rays(); which++) step(seen, g, which);
-    put(ix, iy, seen);
+    put(ix, iy, g, seen);
+    if (frame->starts_map != 0) put_lowest(ix, iy, g, seen);
+  }
+
+ private:
+  /** The height where a ray is highest inside a cell: of a higher slope it is never lower. */
+  TALUS_HD float height_m(const RayFootprint& g, std::int32_t ordered_slope) const
+  {
+    const float slope = float_from_ordered(ordered_slope), half_m = 0.5f * config->resolution_m;
+    const float where_m = g.chebyshev_m + select(slope < 0.0f, -half_m, half_m);
+    return select(abs_of(ordered_slope) != kNoRay, frame->sensor_z_m + slope * where_m, kInfinity);
   }
 };
 
@@ -133,10 +139,10 @@ struct CleanUpCell
 
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
-    const int window_i = iy * cells + ix;
-    const bool any = passed(window_i), hit_before = store.recent_hits[storage_i] > 0;
+    const int at = passing.at(ix, iy);
+    const bool any = passed(at), hit_before = store.recent_hits[storage_i] > 0;
     return (any & (store.state[storage_i] != kUnknown) &
-            (stands_above(window_i, storage_i) | hit_before)) |
+            (stands_above(at, storage_i) | hit_before)) |
            came_later(storage_i);
   }
 
@@ -149,9 +155,8 @@ struct CleanUpCell
   /** Whether inspect() must come before finish(): the object may overhang. */
   TALUS_HD bool needs_inspection(int ix, int iy, int storage_i) const
   {
-    const int window_i = iy * cells + ix;
-    return passed(window_i) && store.state[storage_i] != kUnknown &&
-           stands_above(window_i, storage_i) &&
+    const int at = passing.at(ix, iy);
+    return passed(at) && store.state[storage_i] != kUnknown && stands_above(at, storage_i) &&
            (store.stay_frames[storage_i] > 0 || store.is(kHitHighUp, storage_i));
   }
 
@@ -163,7 +168,7 @@ struct CleanUpCell
   {
     const Config& k = *config;
     const float top_m = top(storage_i), hit_m = top_hit_m[storage_i],
-                limit_m = limit(iy * cells + ix);
+                limit_m = limit(passing.at(ix, iy));
     const bool hit = hit_m > limit_m;
     const OverhangRays<Group> overhang{k, reach, footprint_of(k, *reach.frame, ix, iy), group};
     const bool hangs = store.is(kHitHighUp, storage_i) && passed_below(overhang, storage_i);
@@ -194,11 +199,11 @@ struct CleanUpCell
 
   TALUS_HD void finish(int ix, int iy, int storage_i) const
   {
-    const int window_i = iy * cells + ix;
+    const int at = passing.at(ix, iy);
     Cell c = store.load(storage_i);
-    const bool later = came_later(storage_i), seen = passed(window_i);
-    const bool stands = seen && stands_above(window_i, storage_i);
-    const float hit_m = top_hit_m[storage_i], limit_m = select(stands, limit(window_i), kInfinity);
+    const bool later = came_later(storage_i), seen = passed(at);
+    const bool stands = seen && stands_above(at, storage_i);
+    const float hit_m = top_hit_m[storage_i], limit_m = select(stands, limit(at), kInfinity);
     bool left = later && count_unhit(c, hit_m, !stands);
     const bool faded = seen && c.recent_hits > 0;  // rays passed
     if (faded) c.recent_hits--;
@@ -210,7 +215,7 @@ struct CleanUpCell
   }
 
  private:
-  TALUS_HD bool passed(int window_i) const { return passing.lowest_m[window_i] < kInfinity; }
+  TALUS_HD bool passed(int at) const { return passing.free_above_m[at] < kInfinity; }
   /** Whether rays passed below what is high up, as high as the robot. */
   template <class Group>
   TALUS_HD bool passed_below(const OverhangRays<Group>& rays, int storage_i) const
@@ -247,15 +252,12 @@ struct CleanUpCell
     const float elevation = store.elevation_m[storage_i], ground = store.ground_m[storage_i];
     return select(is_known(elevation), elevation, ground);
   }
-  TALUS_HD float limit(int window_i) const
-  {
-    return passing.highest_m[window_i] + config->cleanup_margin_m;
-  }
-  TALUS_HD bool stands_above(int window_i, int storage_i) const
+  TALUS_HD float limit(int at) const { return passing.free_above_m[at] + config->cleanup_margin_m; }
+  TALUS_HD bool stands_above(int at, int storage_i) const
   {
     const int state = store.state[storage_i];
     const bool kept = (state == kMeasured) | (state == kPresumed);
-    return (top(storage_i) > limit(window_i)) & (is_known(store.elevation_m[storage_i]) | kept);
+    return (top(storage_i) > limit(at)) & (is_known(store.elevation_m[storage_i]) | kept);
   }
 
   /** Whether rays passed below measured ground, and not above it on both sides. */
@@ -263,7 +265,7 @@ struct CleanUpCell
   {
     const float ground_m = store.ground_m[storage_i];
     const bool measured = store.state[storage_i] == kMeasured && surface_class[storage_i] == kKeep;
-    if (!measured || !(ground_m > limit(iy * cells + ix))) return false;
+    if (!measured || !(ground_m > limit(passing.at(ix, iy)))) return false;
     const float x_m = (static_cast<float>(ix) + 0.5f) * config->resolution_m;
     const float y_m = (static_cast<float>(iy) + 0.5f) * config->resolution_m;
     const FrameContext& f = *reach.frame;
@@ -272,7 +274,7 @@ struct CleanUpCell
     {
       const int x = ix + (ahead ? 0 : d), y = iy + (ahead ? d : 0);
       const bool inside = (x >= 0) & (y >= 0) & (x < cells) & (y < cells);
-      return inside && passes_over(limit(y * cells + x), ground_m);
+      return inside && passes_over(limit(passing.at(x, y)), ground_m);
     };
     bool left = false, right = false;
     for (int d = 1; d <= kBesideRay_cells && !(left && right); d++)

@@ -152,16 +152,8 @@ TALUS_HD std::int32_t marks_of_sides(bool inner, bool outer, bool undercut_ahead
 struct Samples
 {
   float* height_m;  //!< NaN: none
-  float* free_above_m;  //!< for all places, see free_above_m(); used where lines are swept
+  float* free_above_m;  //!< see PassingRays; used where lines are swept
 };
-
-/** The height from which on rays proved a cell to be free in this frame [m]; infinity: no ray. Of
- * the lowest rays of its directions the highest counts, so that a few reflections change nothing.
- */
-TALUS_HD float free_above_m(const PassingRays& passing, int window_i)
-{
-  return select(passing.lowest_m[window_i] < kInfinity, passing.highest_m[window_i], kInfinity);
-}
 
 /** The lowest of some lines, and a little more: a fill may lie too high. */
 TALUS_HD float low_line_m(const LineFusion& lines, const Config& k)
@@ -207,12 +199,12 @@ struct FillCell
   TALUS_HD int operator()(int ix, int iy, int storage_i, const LineFusion& lines, int marks) const
   {
     const Config& k = *config;
-    const int window_i = iy * cells + ix;
+    const int at = passing.at(ix, iy);
     const int r = surface_class[storage_i], state_before = store.state[storage_i];
-    const int flags_before = store.flags[storage_i], in_open = passing.in_open[window_i];
+    const int flags_before = store.flags[storage_i], in_open = passing.in_open[at];
     const int driven_height = store.driven_height[storage_i];
     const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
-    const float stands_m = store.elevation_m[storage_i], free_m = free_above_m(passing, window_i);
+    const float stands_m = store.elevation_m[storage_i], free_m = passing.free_above_m[at];
     // Otherwise the older fill, or the object, stays.
     const bool filled = (r != kKeep) & ((marks & kInferred) != 0);
     const bool two_sided = (marks & kTwoSided) != 0;

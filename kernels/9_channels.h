@@ -173,13 +173,9 @@ struct ForgetChannels
   const FrameContext* frame;
   Channels channels;
 
-  /** Of a row the cells [first, end) were in the window before. */
-  TALUS_HD void stays(int iy, int& first, int& end) const
+  TALUS_HD Stretch stays(int iy) const
   {
-    const int n = config->cells, old_y = iy + frame->moved_y;
-    const bool none = (old_y < 0) | (old_y >= n) | (frame->starts_map != 0);
-    first = none ? n : min_of(max_of(-frame->moved_x, 0), n);
-    end = none ? n : max_of(min_of(n - frame->moved_x, n), 0);
+    return staying(*frame, config->cells, iy, frame->starts_map != 0);
   }
   TALUS_HD void operator()(int, int, int storage_i) const
   {
@@ -189,9 +185,7 @@ struct ForgetChannels
   }
   TALUS_HD void operator()(int ix, int iy) const
   {
-    int first, end;
-    stays(iy, first, end);
-    if (ix < first || ix >= end) (*this)(ix, iy, storage_index(*frame, config->cells, ix, iy));
+    if (!stays(iy).has(ix)) (*this)(ix, iy, storage_index(*frame, config->cells, ix, iy));
   }
 };
 

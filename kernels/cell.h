@@ -167,11 +167,25 @@ TALUS_HD int storage_index(const FrameContext& f, int cells, int ix, int iy)
   return y * cells + x;
 }
 
-/** Whether cell (ix, iy) was outside the last window: it starts empty, see stage 2. */
+/** The cells [first, end) of a row. */
+struct Stretch
+{
+  int first, end;
+  TALUS_HD bool has(int ix) const { return (ix >= first) & (ix < end); }
+};
+/** The cells of a row that were in the last window, or none if all `start` anew. Others start
+ * empty, see stage 2. */
+TALUS_HD Stretch staying(const FrameContext& f, int cells, int iy, bool start)
+{
+  const int old_y = iy + f.moved_y;
+  const bool none = (old_y < 0) | (old_y >= cells) | start;
+  return {
+      select(none, cells, max_of(-f.moved_x, 0)),
+      select(none, cells, min_of(cells - f.moved_x, cells))};
+}
 TALUS_HD bool entered_window(const FrameContext& f, int cells, int ix, int iy)
 {
-  const int old_x = ix + f.moved_x, old_y = iy + f.moved_y;
-  return (old_x < 0) | (old_x >= cells) | (old_y < 0) | (old_y >= cells);
+  return !staying(f, cells, iy, false).has(ix);
 }
 
 /** The decision of stage 4 about a cell, for the rest of the frame. */

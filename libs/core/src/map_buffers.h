@@ -144,7 +144,7 @@ struct MapBuffers
   }
   kernels::FindPassingRays find_passing_rays()
   {
-    return {side(), config.data(), context.data(), rays.data(), passing()};
+    return {config.data(), context.data(), rays.data(), passing()};
   }
   kernels::CoarseGrid coarse_grid()
   {
@@ -196,7 +196,7 @@ struct MapBuffers
   }
   kernels::PassingRays passing()
   {
-    return {passing_lowest.data(), passing_highest.data(), in_open.data()};
+    return {line_grid().pitch, free_above.data(), lowest_ray.data(), in_open.data()};
   }
   kernels::Samples samples()
   {
@@ -464,11 +464,10 @@ struct MapBuffers
   // Cells, in window order unless noted.
   Buffer<float> top_hit;  //!< storage order
   Buffer<std::uint8_t> surface_class;  //!< storage order
-  Buffer<std::uint8_t> in_open;
-  Buffer<float> passing_lowest, passing_highest;
   Buffer<float> coarse;  //!< coarse grid
   Buffer<float> sample_height, fall;  //!< grid of lines; of samples with margins, see samples()
-  Buffer<float> free_above;  //!< grid of lines, for schedules that sweep along lines
+  Buffer<float> free_above, lowest_ray;  //!< grid of lines, see PassingRays
+  Buffer<std::uint8_t> in_open;  //!< grid of lines
   Buffer<kernels::Surface> judged_surfaces;
 
  private:
@@ -512,15 +511,17 @@ void MapBuffers<Executor>::allocate(Executor& executor)
 {
   const auto n = static_cast<std::size_t>(cells());
   for_each_field([&](auto& array, auto unknown) { executor.allocate(array, n, unknown); });
-  for (auto* b : {&surface_class, &in_open}) executor.allocate(*b, n, std::uint8_t{0});
+  executor.allocate(surface_class, n, std::uint8_t{0});
   for (auto* b : {&cell_count, &cell_begin}) executor.allocate(*b, n, std::uint32_t{0});
-  for (auto* b : {&passing_lowest, &passing_highest, &top_hit}) executor.allocate(*b, n, 0.0f);
+  executor.allocate(top_hit, n, 0.0f);
   executor.allocate(datum, 1, kernels::Datum{});
   executor.allocate(offsets, 1, kernels::OffsetHistogram{});
   const auto pooled = static_cast<std::size_t>(kernels::coarse_side(host_config));
   const std::size_t pad = 2 * static_cast<std::size_t>(kernels::dilation_radius(host_config));
   executor.allocate(coarse, kCoarseArrays * pooled * (pooled + pad), kernels::kInfinity);
-  executor.allocate(fall, grid_size(), kernels::kNan);
+  for (auto* b : {&fall, &free_above, &lowest_ray})
+    executor.allocate(*b, grid_size(), kernels::kNan);
+  executor.allocate(in_open, grid_size(), std::uint8_t{0});
   executor.allocate(sample_height, grid_size() + 2 * margin_size(), kernels::kNan);
   executor.allocate(config, 1, kernels::Config{});
   executor.allocate(context, 1, kernels::FrameContext{});

@@ -219,8 +219,7 @@ class CpuExecutor : public CpuMemory
   void fill(Buffer<T>& buffer, T value)
   {
     run(static_cast<int>(buffer.size()), 1 << 14,
-        [&](int begin, int end)
-        { std::fill(buffer.begin() + begin, buffer.begin() + end, value); });
+        [to = buffer.data(), value](int begin, int end) { fill_with(to, begin, end, value); });
   }
 
   int threads() const { return threads_.size(); }

@@ -17,22 +17,18 @@ constexpr int kLanes = 16;
 /** What the lines may read of a cell, for which nothing is inferred yet. */
 struct TakeSample
 {
-  const kernels::Config& config;
   kernels::CellStore store;
   const std::uint8_t* surface_class;
-  kernels::PassingRays passing;
   kernels::LineGrid grid;
   kernels::Samples samples;
   std::uint8_t* marks;  //!< see InferenceGrid
 
   void operator()(int ix, int iy, int storage_i) const
   {
-    const int line_i = grid.at(ix, iy), window_i = iy * config.cells + ix;
+    const int line_i = grid.at(ix, iy);
     const bool sample = kernels::is_sample(store, surface_class, storage_i);
     const float ground_m = store.ground_m[storage_i];
-    const float free_m = kernels::free_above_m(passing, window_i);
     samples.height_m[line_i] = kernels::select(sample, ground_m, kernels::kNan);
-    samples.free_above_m[line_i] = free_m;
     marks[line_i] = 0;
   }
 };

@@ -122,6 +122,13 @@ class StoredRow
           if (from < to) over_row(f, from, to, y_, i + from - begin);
         });
   }
+  /** each() of all cells but those of a stretch. */
+  template <class F>
+  void each_but(const kernels::Stretch& cells, const F& f) const
+  {
+    each_of(0, cells.first, f);
+    each_of(cells.end, cells_, f);
+  }
   int y() const { return y_; }
   /** over(begin, end, i), i the storage index of the cell at `begin`. */
   template <class Over>
@@ -154,7 +161,7 @@ class SteppedRow
     {
       const int x1 = std::min(x0 + kLanes, cells);
       step(f_, items_, results_, x0, y, (x1 - x0 + kGroup - 1) / kGroup);
-      put(f_, results_, x0, x1, y);
+      put(f_, items_, results_, x0, x1, y);
     }
   }
 
@@ -162,6 +169,8 @@ class SteppedRow
   /** Steps of the cells from x on, in whole groups, which may reach beyond the row. */
   TALUS_CLONES static void step(F f, Items& items, Results& results, int x, int y, int blocks)
   {
+    const kernels::Config config = *f.config;
+    f.config = &config;
     const Result none;
     TALUS_INDEPENDENT
     for (int l = 0; l < blocks * kGroup; l++)
@@ -185,9 +194,12 @@ class SteppedRow
       }
     }
   }
-  TALUS_CLONES static void put(F f, const Results& results, int x0, int x1, int y)
+  TALUS_CLONES static void put(
+      F f, const Items& items, const Results& results, int x0, int x1, int y)
   {
-    in_blocks(x0, x1, [&](int x) { f.put(x, y, results.load(x - x0)); });
+    in_blocks(x0, x1, [&](int x) { f.put(x, y, items.load(x - x0), results.load(x - x0)); });
+    if (f.frame->starts_map != 0)
+      for (int x = x0; x < x1; x++) f.put_lowest(x, y, items.load(x - x0), results.load(x - x0));
   }
 
   const F& f_;
@@ -245,6 +257,12 @@ class PairOfRows
   const F& f_;
   Items items_;
 };
+
+template <class T>
+TALUS_CLONES void fill_with(T* to, int begin, int end, T value)
+{
+  for (int i = begin; i < end; i++) to[i] = value;
+}
 
 template <class F>
 TALUS_CLONES void over_stretch(F f, int first, int last)

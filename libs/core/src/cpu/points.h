@@ -1,20 +1,23 @@
 #pragma once
 #include "kernels/1_points.h"
+#include "kernels/2_follow.h"
 
 namespace talus::kernels
 {
 // Stage 1 on cores: each thread has the points of its own part of the window, or of the directions.
 
-/** Notes the ray of a point, and how far it went. */
+/** Notes the ray of a point, how far it went, and how far its hit lies above the mapped ground. */
 template <class Atomics>
-struct NoteRayAndReach : NoteRay<Atomics>
+struct NoteRayAndHit : NoteRay<SerialAtomics>
 {
-  NoteReach<Atomics> reach;
+  NoteReach<SerialAtomics> reach;
+  CountOffset<Atomics> offset;
 
   void operator()(int point_i) const
   {
-    NoteRay<Atomics>::operator()(point_i);
+    NoteRay<SerialAtomics>::operator()(point_i);
     reach(point_i);
+    offset(point_i);
   }
 };
 

@@ -25,7 +25,6 @@ class CpuSchedule
     const auto n = static_cast<std::size_t>(map_.cells());
     for (auto& values : inferred_) executor_.allocate(values, map_.grid_size(), kernels::kNan);
     executor_.allocate(fill_marks_, map_.grid_size(), std::uint8_t{0});
-    executor_.allocate(map_.free_above, map_.grid_size(), kernels::kNan);
     executor_.allocate(
         passability_, n + 2 * static_cast<std::size_t>(map_.side() + 1), std::uint8_t{0});
     const int directions = kernels::bin_count(map_.host_config);
@@ -39,8 +38,8 @@ class CpuSchedule
   void stages()
   {
     executor_.fetch(map_.context);
-    accept_and_weigh();  // stage 1
     executor_.for_another_stage(Stage::Roll, [this] { roll(); });
+    accept_and_weigh();  // stage 1
     find_buried();  // stage 1
     executor_.end_stage(Stage::Accept);
     update();  // end of stage 1, stage 3, rays of stage 5
@@ -113,9 +112,10 @@ class CpuSchedule
   {
     executor_.locate_points(points(), map_.accept(filter_voxels(map_, executor_)));
     executor_.for_each_point_by_parts(
-        points(), kernels::NoteRayAndReach<kernels::SerialAtomics>{
+        points(), kernels::NoteRayAndHit<Atomics>{
                       {map_.config.data(), map_.points_out(), map_.rays.data()},
-                      {map_.points_out(), map_.reach.data()}});
+                      {map_.points_out(), map_.reach.data()},
+                      map_.count_offset()});
   }
 
   void roll()
@@ -126,14 +126,13 @@ class CpuSchedule
         [&](const StoredRow& row)
         {
           row.each(forget);
-          row.each_applicable(roll);
+          row.each_but(roll.stays(row.y()), roll);
         });
   }
 
   /** Finds the buried rays, and how far the datum follows the poses. */
   void find_buried()
   {
-    executor_.one_by_one(map_.count_offset(), points());
     executor_.for_each_stretch(
         kernels::bin_count(map_.host_config),
         kernels::SweepRays{
@@ -192,9 +191,9 @@ class CpuSchedule
     const auto classify = map_.template classify<kernels::ClassifyCell>();
     const auto keep_bridge = map_.template classify<kernels::KeepBridge>();
     const kernels::CleanUpCell clean = map_.clean_up();
-    const lines::TakeSample take{map_.host_config, map_.store(),     map_.surface_class.data(),
-                                 map_.passing(),   map_.line_grid(), map_.samples(),
-                                 inferred().marks};
+    const lines::TakeSample take{
+        map_.store(), map_.surface_class.data(), map_.line_grid(), map_.samples(),
+        inferred().marks};
     for_each_row(
         [&](const StoredRow& row)
         {
@@ -205,7 +204,6 @@ class CpuSchedule
           row.each_applicable(clean);
           row.each(take);
         });
-    // A core fills memory faster than a loop.
     executor_.fill(map_.rays, kernels::kNoRay);
     executor_.fill(map_.reach, std::int32_t{0});
     executor_.report(map_.counters);
@@ -250,14 +248,7 @@ class CpuSchedule
   void fuse_channels()
   {
     const kernels::ForgetChannels forget = map_.forget_channels();
-    for_each_row(
-        [&](const StoredRow& row)
-        {
-          int first, end;
-          forget.stays(row.y(), first, end);
-          row.each_of(0, first, forget);
-          row.each_of(end, side(), forget);
-        });
+    for_each_row([&](const StoredRow& row) { row.each_but(forget.stays(row.y()), forget); });
     const kernels::PlacePoint place = map_.place_point();
     executor_.run(points(), 1024, [&place](int begin, int end) { over_range(place, begin, end); });
     const kernels::Channels channels = map_.channels_view();

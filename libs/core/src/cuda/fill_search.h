@@ -407,14 +407,14 @@ struct SearchAndFillCell
     }
     return any;
   }
-  /** free_above_m() of a cell that lies so many cells beside a place of a line; NaN outside. */
+  /** PassingRays::free_above_m of a cell that lies so many cells beside a place of a line; NaN outside. */
   TALUS_HD float free_at(const Track& track, int place, int beside) const
   {
     const int aside = max_of(min_of(track.aside_at(place) + beside, track.rings), -track.rings);
     const CellOffset at = track.offset(place, aside);
     const int ix = grid.half + at.dx, iy = grid.half + at.dy;
     const bool inside = ix < k.cells && iy < k.cells;  // as in SamplesOfLine
-    return inside ? free_above_m(fill.passing, iy * k.cells + ix) : kNan;
+    return inside ? fill.passing.free_above_m[fill.passing.at(ix, iy)] : kNan;
   }
   /** Whether on both sides of a place rays pass above the sample. */
   TALUS_HD bool is_passed_over(const Track& track, int place, float sample_m) const
