@@ -67,20 +67,21 @@ struct KeepBridge
 
  private:
   static constexpr int kWays = 9;  //!< the middle one leads nowhere
-  static constexpr int kAllWays = 0x1ef;
+  static constexpr int kAllWays = 0x1ef, kLeft = 0x049, kRight = 0x124, kLow = 0x007, kHigh = 0x1c0;
 
   /** Takes the step `r` of the ways that go on so far. Returns whether one reaches wide ground. */
   TALUS_HD bool step(int px, int py, int r, float ground_m, int& ways) const
   {
     const float tolerance_m = kAboveCone_steps * config->step_threshold_m;
+    ways &=
+        ~(select(px < r, kLeft, 0) | select(px + r >= grid.side, kRight, 0) |
+          select(py < r, kLow, 0) | select(py + r >= grid.side, kHigh, 0));
+    const int here = grid.at(px, py), row = grid.at(0, 1) - grid.at(0, 0);
     float lowest_m[kWays], eroded_m[kWays], column_m[kWays];
     for (int w = 0; w < kWays; w++)
     {
-      const int qx = px + r * (w % 3 - 1), qy = py + r * (w / 3 - 1);
-      const bool inside = (qx >= 0) & (qy >= 0) & (qx < grid.side) & (qy < grid.side);
-      ways &= ~(select(inside, 0, 1) << w);
       const bool goes_on = (ways >> w & 1) != 0;
-      const int coarse_i = grid.at(qx, qy);
+      const int coarse_i = here + r * (w % 3 - 1 + (w / 3 - 1) * row);
       lowest_m[w] = goes_on ? grid.lowest_m[coarse_i] : kInfinity;
       eroded_m[w] = goes_on ? grid.eroded_m[coarse_i] : kInfinity;
       column_m[w] = goes_on ? grid.column_m[coarse_i] : kInfinity;

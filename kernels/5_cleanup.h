@@ -21,9 +21,9 @@ namespace talus::kernels
 /** The result of the rays of this frame for one cell. */
 struct SeenThrough
 {
-  /** Slopes of the lowest and the highest of the lowest rays of the cell's directions, as ordered
-   * integers. */
-  std::int32_t lowest = kNoRay, highest = -kNoRay;
+  /** The slope of the highest of the lowest rays of the cell's directions, as an ordered integer.
+   */
+  std::int32_t highest = -kNoRay;
   std::int32_t in_open = 1;  //!< nothing was hit between the sensor and the cell
 };
 
@@ -31,12 +31,11 @@ struct SeenThrough
 TALUS_HD void add_ray(
     SeenThrough& seen, const RayFootprint& g, int which, const Config& k, const std::int32_t* rays)
 {
-  const int bin = g.first_bin + which * g.stride;
+  const int bin = g.bin(which);
   const bool wanted = bin <= g.last_bin;
   const int column = select(wanted, wrap_bin(bin, bin_count(k)), 0);
   const std::int32_t hit = rays[g.row + column], anywhere = rays[column];
   seen.in_open = select(wanted & (hit != anywhere), 0, seen.in_open);
-  seen.lowest = min_of(seen.lowest, select(wanted, hit, kNoRay));
   seen.highest = max_of(seen.highest, select(wanted & (hit != kNoRay), hit, -kNoRay));
 }
 
@@ -98,13 +97,16 @@ struct FindPassingRays
   {
     const int i = passing.at(ix, iy);
     passing.free_above_m[i] = height_m(g, seen.highest);
-    const bool in_open = (seen.in_open != 0) & (seen.lowest != kNoRay);
+    const bool in_open = (seen.in_open != 0) & (seen.highest != -kNoRay);
     passing.in_open[i] = static_cast<std::uint8_t>(select(in_open, 1, 0));
   }
   /** The rest, in frames that start a map. */
-  TALUS_HD void put_lowest(int ix, int iy, const RayFootprint& g, const SeenThrough& seen) const
+  TALUS_HD void put_lowest(int ix, int iy, const RayFootprint& g) const
   {
-    passing.lowest_m[passing.at(ix, iy)] = height_m(g, seen.lowest);
+    std::int32_t lowest = kNoRay;
+    for (int which = 0; which < g.rays(); which++)
+      lowest = min_of(lowest, rays[g.row + wrap_bin(g.bin(which), bin_count(*config))]);
+    passing.lowest_m[passing.at(ix, iy)] = height_m(g, lowest);
   }
 
   TALUS_HD void operator()(int ix, int iy) const
@@ -113,7 +115,7 @@ struct FindPassingRays
     SeenThrough seen;
     for (int which = 0; which < g.rays(); which++) step(seen, g, which);
     put(ix, iy, g, seen);
-    if (frame->starts_map != 0) put_lowest(ix, iy, g, seen);
+    if (frame->starts_map != 0) put_lowest(ix, iy, g);
   }
 
  private:

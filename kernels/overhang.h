@@ -20,6 +20,7 @@ struct RayFootprint
   std::int32_t first_bin = 0, last_bin = -1, stride = 1;
   std::int32_t row = 0;  //!< start of their ring in the table
   float chebyshev_m = 0;
+  TALUS_HD int bin(int which) const { return first_bin + which * stride; }
   /** A bound of rays() without a division. */
   TALUS_HD int most_rays() const
   {

@@ -253,7 +253,7 @@ class Order
     {
       const std::int32_t cell = points.cell[i];
       found[cells] = cell;
-      cells += (cell >= 0) & (points.rank[i] == 0);
+      cells += (points.rank[i] | static_cast<std::uint32_t>(cell >> 31)) == 0;  // rank 0, in a cell
     }
     return cells;
   }

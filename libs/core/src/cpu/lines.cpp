@@ -196,7 +196,9 @@ class Sweep
     for (int place = strip.places - 1; place >= 0; place--)
     {
       if (!kRays && place < rows.first) add(strip, rows, to);
-      if (kRays && place % kernels::kUndercutPlaces == 0)
+      // From farther away a cell that is filled is not told to be undercut, see infer().
+      if (kRays && place % kernels::kUndercutPlaces == 0 &&
+          before->is_within(2 * strip.reach, place))
         ask(strip, samples, *before, place, undercut);
       const bool met_here = before->latest == place;
       const std::uint32_t own = strip.at(place, !kRays).own;
@@ -216,7 +218,8 @@ class Sweep
     {
       const int first = strip.first + place * strip.along;
       const int* const minor = strip.at(place, !kRays).minor;
-      if (strip.leaps()) fetch(strip, samples, std::min(place + kAhead, strip.places - 1));
+      if (strip.leaps())
+        fetch(strip, samples.height_m, std::min(place + kAhead, strip.places - 1), kLanes - 1);
       float height_m[kLanes];
       if (!kRays && strip.columns())
         std::copy_n(samples.height_m + first, kLanes, height_m);
@@ -256,6 +259,9 @@ class Sweep
   {
     const int first = strip.first + place * strip.along;
     const int* const minor = strip.at(place, false).minor;
+    if (strip.leaps() || place % kLanes == 0)
+      fetch(
+          strip, samples.free_above_m, std::max(place - kAhead, 0), strip.leaps() ? kLanes - 1 : 1);
     std::int32_t under = 0;
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
@@ -289,17 +295,12 @@ class Sweep
     return over(1, std::min(k, rings - minor)) && over(-1, std::min(k, rings + minor));
   }
 
-  /** Fetches the samples of a later place, which processors cannot predict. */
-  TALUS_FETCHES static void fetch(const Strip& strip, const kernels::Samples& samples, int place)
+  /** Fetches the values of a place for each step-th line, which processors cannot predict. */
+  TALUS_FETCHES static void fetch(const Strip& strip, const float* values, int place, int step)
   {
-    constexpr int kStep = 16;
+    const float* const at = values + strip.first + place * strip.along;
     const int* const minor = strip.at(place, !kRays).minor;
-    for (int l = 0; l < kLanes + kStep; l += kStep)
-    {
-      const int lane = std::min(l, kLanes - 1);
-      const int i = strip.first + place * strip.along + minor[lane] * strip.across;
-      __builtin_prefetch(samples.height_m + i);
-    }
+    for (int l = 0; l < kLanes; l += step) __builtin_prefetch(at + minor[l] * strip.across);
   }
 
   static void infer(

@@ -199,7 +199,7 @@ class SteppedRow
   {
     in_blocks(x0, x1, [&](int x) { f.put(x, y, items.load(x - x0), results.load(x - x0)); });
     if (f.frame->starts_map != 0)
-      for (int x = x0; x < x1; x++) f.put_lowest(x, y, items.load(x - x0), results.load(x - x0));
+      for (int x = x0; x < x1; x++) f.put_lowest(x, y, items.load(x - x0));
   }
 
   const F& f_;
@@ -221,31 +221,45 @@ class PairOfRows
   void pool(int py, int cells, const kernels::FrameContext& frame)
   {
     const int y0 = f_.grid.first_cell(py, frame.odd_y);
+    const int first = std::max(y0, 0), end = std::min(y0 + 2, cells);
     for (int px = 0; px < f_.grid.side; px += kLanes / 2)
     {
-      clear(items_);
-      for (int y = std::max(y0, 0); y < std::min(y0 + 2, cells); y++)
-        add(StoredRow(cells, frame, y), f_.grid.first_cell(px, frame.odd_x));
-      put(f_, items_, std::min(f_.grid.side - px, kLanes / 2), px, py);
+      const int pairs = std::min(f_.grid.side - px, kLanes / 2), lanes = 2 * pairs;
+      const int x0 = f_.grid.first_cell(px, frame.odd_x);
+      forget(0, first < end ? -x0 : lanes);
+      forget(std::max(cells - x0, 0), lanes);
+      if (first < end) add<true>(StoredRow(cells, frame, first), x0);
+      if (first + 1 < end) add<false>(StoredRow(cells, frame, first + 1), x0);
+      put(f_, items_, pairs, px, py);
     }
   }
 
  private:
+  /** Clears lanes outside of the window. */
+  void forget(int begin, int end)
+  {
+    for (int l = begin; l < end; l++) items_.store(l, {});
+  }
+  /** Adds the cells of a row; those of the first one are stored. */
+  template <bool kFirst>
   void add(const StoredRow& row, int x0)
   {
     row.in_stretches(
         [this, x0](int begin, int end, int i)
         {
           const int from = std::max(begin, x0), to = std::min(end, x0 + kLanes);
-          if (from < to) add(f_, items_, from - x0, to - x0, i + from - begin);
+          if (from < to) add<kFirst>(f_, items_, from - x0, to - x0, i + from - begin);
         });
   }
-  TALUS_CLONES static void clear(Items& items) { items.fill({}); }
+  template <bool kFirst>
   TALUS_CLONES static void add(F f, Items& items, int begin, int end, int first)
   {
-    in_blocks(
-        begin, end,
-        [&](int l) { items.store(l, f.pool(items.load(l), f.item(first + (l - begin)))); });
+    const auto add_one = [&](int l)
+    {
+      const Item item = f.item(first + (l - begin));
+      items.store(l, kFirst ? item : f.pool(items.load(l), item));
+    };
+    in_blocks(begin, end, add_one);
   }
   TALUS_CLONES static void put(F f, const Items& items, int pairs, int px, int py)
   {

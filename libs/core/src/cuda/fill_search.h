@@ -407,7 +407,8 @@ struct SearchAndFillCell
     }
     return any;
   }
-  /** PassingRays::free_above_m of a cell that lies so many cells beside a place of a line; NaN outside. */
+  /** PassingRays::free_above_m of a cell that lies so many cells beside a place of a line; NaN
+   * outside. */
   TALUS_HD float free_at(const Track& track, int place, int beside) const
   {
     const int aside = max_of(min_of(track.aside_at(place) + beside, track.rings), -track.rings);
