@@ -29,12 +29,12 @@ void put_chunk(std::string& to, const char* type, const std::string& data)
 
 std::string header_of(const cv::Mat& picture)
 {
-  constexpr char kGrey = 0, kColours = 2, kWithAlpha = 6;
+  constexpr char kGrey = 0, kInColour = 2, kWithAlpha = 6;
   std::string header;
   put_word(header, static_cast<std::uint32_t>(picture.cols));
   put_word(header, static_cast<std::uint32_t>(picture.rows));
   header += static_cast<char>(8 * picture.elemSize1());
-  header += picture.channels() == 4 ? kWithAlpha : picture.channels() == 3 ? kColours : kGrey;
+  header += picture.channels() == 4 ? kWithAlpha : picture.channels() == 3 ? kInColour : kGrey;
   return header + std::string(3, '\0');  // deflate, its filters, not interlaced
 }
 
