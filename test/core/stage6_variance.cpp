@@ -120,7 +120,7 @@ TEST(Stage6Variance, IsTheSameAfterTheMapWasSavedAndRestored)
 
 TEST(Stage6Variance, CountsWhatStraysAlongEitherAxis)
 {
-  double along_m[2];
+  double along_m[2] = {};
   for (const bool x_axis : {false, true})
   {
     const TestMap m =
