@@ -33,7 +33,7 @@ struct PresumeStart
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
     const float plane_m = plane_at(ix, iy);
-    if (plane_m > passing.free_above_m[passing.at(ix, iy)] + config->cleanup_margin_m) return;
+    if (plane_m > passing.free_above_m[passing.grid.at(ix, iy)] + config->cleanup_margin_m) return;
     // Near its start the robot has room to move off.
     const bool beside = offset_from_base(*config, *frame, ix, iy).is_within(kStartsOn_m);
     if (config->start_automatic != 0 && !beside && !is_blind(ix, iy)) return;
@@ -93,7 +93,7 @@ struct PresumeStart
   {
     const int n = config->cells;
     if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return kLevel;  // the sensor is outside
-    const int at = passing.at(ix, iy);
+    const int at = passing.grid.at(ix, iy);
     if (passing.in_open[at] == 0) return kNothing;
     const auto [x_m, y_m] = from_sensor(ix, iy);
     // Heights count per Chebyshev distance, as in FindPassingRays.
@@ -113,7 +113,7 @@ struct PresumeStart
     const int y = cell_at(frame->sensor_y_m + share * y_m);
     if ((x < 0) | (y < 0) | (x >= n) | (y >= n)) return kLevel;
     const bool deep =
-        passing.lowest_m[passing.at(x, y)] < plane_at(x, y) - kStartDropSeen * below_m;
+        passing.lowest_m[passing.grid.at(x, y)] < plane_at(x, y) - kStartDropSeen * below_m;
     return deep ? kDrop : kLevel;
   }
 };

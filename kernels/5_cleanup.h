@@ -95,7 +95,7 @@ struct FindPassingRays
   }
   TALUS_HD void put(int ix, int iy, const RayFootprint& g, const SeenThrough& seen) const
   {
-    const int i = passing.at(ix, iy);
+    const int i = passing.grid.at(ix, iy);
     passing.free_above_m[i] = height_m(g, seen.highest);
     const bool in_open = (seen.in_open != 0) & (seen.highest != -kNoRay);
     passing.in_open[i] = static_cast<std::uint8_t>(select(in_open, 1, 0));
@@ -106,7 +106,7 @@ struct FindPassingRays
     std::int32_t lowest = kNoRay;
     for (int which = 0; which < g.rays(); which++)
       lowest = min_of(lowest, rays[g.row + wrap_bin(g.bin(which), bin_count(*config))]);
-    passing.lowest_m[passing.at(ix, iy)] = height_m(g, lowest);
+    passing.lowest_m[passing.grid.at(ix, iy)] = height_m(g, lowest);
   }
 
   TALUS_HD void operator()(int ix, int iy) const
@@ -141,7 +141,7 @@ struct CleanUpCell
 
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
-    const int at = passing.at(ix, iy);
+    const int at = passing.grid.at(ix, iy);
     const bool any = passed(at), hit_before = store.recent_hits[storage_i] > 0;
     return (any & (store.state[storage_i] != kUnknown) &
             (stands_above(at, storage_i) | hit_before)) |
@@ -157,7 +157,7 @@ struct CleanUpCell
   /** Whether inspect() must come before finish(): the object may overhang. */
   TALUS_HD bool needs_inspection(int ix, int iy, int storage_i) const
   {
-    const int at = passing.at(ix, iy);
+    const int at = passing.grid.at(ix, iy);
     return passed(at) && store.state[storage_i] != kUnknown && stands_above(at, storage_i) &&
            (store.stay_frames[storage_i] > 0 || store.is(kHitHighUp, storage_i));
   }
@@ -170,7 +170,7 @@ struct CleanUpCell
   {
     const Config& k = *config;
     const float top_m = top(storage_i), hit_m = top_hit_m[storage_i],
-                limit_m = limit(passing.at(ix, iy));
+                limit_m = limit(passing.grid.at(ix, iy));
     const bool hit = hit_m > limit_m;
     const OverhangRays<Group> overhang{k, reach, footprint_of(k, *reach.frame, ix, iy), group};
     const bool hangs = store.is(kHitHighUp, storage_i) && passed_below(overhang, storage_i);
@@ -201,7 +201,7 @@ struct CleanUpCell
 
   TALUS_HD void finish(int ix, int iy, int storage_i) const
   {
-    const int at = passing.at(ix, iy);
+    const int at = passing.grid.at(ix, iy);
     Cell c = store.load(storage_i);
     const bool later = came_later(storage_i), seen = passed(at);
     const bool stands = seen && stands_above(at, storage_i);
@@ -267,7 +267,7 @@ struct CleanUpCell
   {
     const float ground_m = store.ground_m[storage_i];
     const bool measured = store.state[storage_i] == kMeasured && surface_class[storage_i] == kKeep;
-    if (!measured || !(ground_m > limit(passing.at(ix, iy)))) return false;
+    if (!measured || !(ground_m > limit(passing.grid.at(ix, iy)))) return false;
     const float x_m = (static_cast<float>(ix) + 0.5f) * config->resolution_m;
     const float y_m = (static_cast<float>(iy) + 0.5f) * config->resolution_m;
     const FrameContext& f = *reach.frame;
@@ -276,7 +276,7 @@ struct CleanUpCell
     {
       const int x = ix + (ahead ? 0 : d), y = iy + (ahead ? d : 0);
       const bool inside = (x >= 0) & (y >= 0) & (x < cells) & (y < cells);
-      return inside && passes_over(limit(passing.at(x, y)), ground_m);
+      return inside && passes_over(limit(passing.grid.at(x, y)), ground_m);
     };
     bool left = false, right = false;
     for (int d = 1; d <= kBesideRay_cells && !(left && right); d++)

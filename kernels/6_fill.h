@@ -199,7 +199,7 @@ struct FillCell
   TALUS_HD int operator()(int ix, int iy, int storage_i, const LineFusion& lines, int marks) const
   {
     const Config& k = *config;
-    const int at = passing.at(ix, iy);
+    const int at = passing.grid.at(ix, iy);
     const int r = surface_class[storage_i], state_before = store.state[storage_i];
     const int flags_before = store.flags[storage_i], in_open = passing.in_open[at];
     const int driven_height = store.driven_height[storage_i];

@@ -1,5 +1,6 @@
 #pragma once
 #include "kernels/config.h"
+#include "kernels/lines.h"
 #include "kernels/math.h"
 
 namespace talus::kernels
@@ -86,18 +87,16 @@ TALUS_HD float slope_at_step(float step)
 /** The slope in the middle of a step. */
 TALUS_HD float slope_of_step(int step) { return slope_at_step(static_cast<float>(step) + 0.5f); }
 
-/** Heights of the rays that passed over the cells, by place of the grid of lines. */
+/** Heights of the rays that passed over the cells, by place in `grid`. */
 struct PassingRays
 {
-  int pitch;
+  LineGrid grid;
   /** From here on rays proved a cell to be free in this frame, and unseen ground lies lower;
    * infinity: no ray. Of the lowest rays of its directions the highest counts, so that a few
    * reflections change nothing. */
   float* free_above_m;
   float* lowest_m;  //!< the lowest ray of all, in frames that start a map; infinity: no ray
   std::uint8_t* in_open;  //!< 1: nothing was hit between the sensor and the cell
-
-  TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix; }
 };
 
 /** Whether rays pass above the ground at a height; infinity: no ray. Rays below it tell of an

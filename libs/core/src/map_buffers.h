@@ -196,7 +196,7 @@ struct MapBuffers
   }
   kernels::PassingRays passing()
   {
-    return {line_grid().pitch, free_above.data(), lowest_ray.data(), in_open.data()};
+    return {line_grid(), free_above.data(), lowest_ray.data(), in_open.data()};
   }
   kernels::Samples samples()
   {

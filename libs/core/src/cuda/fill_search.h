@@ -415,7 +415,7 @@ struct SearchAndFillCell
     const CellOffset at = track.offset(place, aside);
     const int ix = grid.half + at.dx, iy = grid.half + at.dy;
     const bool inside = ix < k.cells && iy < k.cells;  // as in SamplesOfLine
-    return inside ? fill.passing.free_above_m[fill.passing.at(ix, iy)] : kNan;
+    return inside ? fill.passing.free_above_m[grid.at(ix, iy)] : kNan;
   }
   /** Whether on both sides of a place rays pass above the sample. */
   TALUS_HD bool is_passed_over(const Track& track, int place, float sample_m) const

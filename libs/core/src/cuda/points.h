@@ -40,7 +40,7 @@ struct AcceptAndCountPoint
     const int n = accept.config->cells, row = floor_div(storage_i, n);
     const int x = storage_i - row * n - f.storage_x, y = row - f.storage_y;
     const int ix = x + select(x < 0, n, 0), iy = y + select(y < 0, n, 0);
-    return entered_window(f, n, ix, iy) | (count_offset.datum->starts_anew != 0);
+    return !staying(f, n, iy, count_offset.datum->starts_anew != 0).has(ix);
   }
 };
 
