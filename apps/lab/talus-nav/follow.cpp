@@ -7,7 +7,7 @@ namespace talus::nav
 {
 namespace
 {
-constexpr double kSpeed_mps = 0.3, kTurn_radps = 0.8, kSlowTurn_radps = 0.3;
+constexpr double kFollowSpeed_mps = 0.3, kTurn_radps = 0.8, kSlowTurn_radps = 0.3;
 constexpr double kLookAhead_m = 0.3;
 constexpr double kThere_m = 0.05;
 constexpr double kSharp_rad = 0.7;  // a bend at which a robot stops: more than one heading
@@ -111,7 +111,7 @@ Speeds Follower::follow(const std::vector<RoutePose>& way, const mrpt::math::TPo
   const double off_rad = std::atan2(to.y, to.x);
   turns_ = std::abs(off_rad) > (turns_ ? kTurnTo_rad : kTurnFrom_rad);
   if (turns_) return turn(off_rad);
-  const double v_mps = std::min(kSpeed_mps, std::max(0.08, 2 * away_m(ahead)));
+  const double v_mps = std::min(kFollowSpeed_mps, std::max(0.08, 2 * away_m(ahead)));
   const double w_radps =
       std::clamp(v_mps * 2 * to.y / std::max(to.sqrNorm(), 0.01), -kTurn_radps, kTurn_radps);
   return {backwards ? -v_mps : v_mps, w_radps};

@@ -11,7 +11,7 @@ namespace
 {
 constexpr int kBlock_cells = 4, kPlace_cells = 2;
 constexpr int kLines = kHeadings / 2;  // forwards and backwards the robot is the same
-constexpr float kNotAsked = -1;
+constexpr float kCostNotAsked = -1;
 constexpr double kEven_m =
     0.04;  // with the noise of a scanner; what it costs is not worth a detour
 }  // namespace
@@ -35,7 +35,7 @@ void GroundCost::update(const MapView& map)
   window_ = map.window();
   blocks_ = (window_.cells + kBlock_cells - 1) / kBlock_cells;
   places_ = window_.cells / kPlace_cells;
-  costs_.assign(static_cast<std::size_t>(places_ * places_ * kLines), kNotAsked);
+  costs_.assign(static_cast<std::size_t>(places_ * places_ * kLines), kCostNotAsked);
   heights_.assign(static_cast<std::size_t>(blocks_ * blocks_), {HUGE_VALF, -HUGE_VALF});
   for (const Layer layer : {Layer::GroundElevation, Layer::Elevation})
   {
@@ -82,7 +82,7 @@ double GroundCost::cost(const MapView& map, const mrpt::math::TPose2D& robot) co
   const auto column = static_cast<int>(x), row = static_cast<int>(y);
   const int heading = heading_of(robot.phi) % kLines;
   float& cost = costs_[static_cast<std::size_t>((row * places_ + column) * kLines + heading)];
-  if (cost != kNotAsked) return cost;
+  if (cost != kCostNotAsked) return cost;
   const mrpt::math::TPoint2D middle(
       window_.min_x_m() + (column + 0.5) * place_m, window_.min_y_m() + (row + 0.5) * place_m);
   cost = 0;

@@ -27,7 +27,7 @@ namespace
 constexpr double kSameTarget_m = 0.3;
 constexpr double kCreep_mps = 0.2, kCreep_s = 1.5;
 constexpr std::array<double, 9> kCreepCurvatures{0, 0.4, -0.4, 0.8, -0.8, 1.6, -1.6, 3, -3};  // 1/m
-constexpr double kTurnFrom_rad = 1.4;  // off the target
+constexpr double kTurnBackFrom_rad = 1.4;  // off the target
 constexpr double kNarrowAhead_m = 0.6, kKeep_s = 1.5;
 constexpr double kBlocked_m = 2.5;  // as far as a command is looked at
 constexpr double kLongestStop_s = 2;
@@ -288,7 +288,7 @@ bool Pilot::keep_to(const Route& route, const mrpt::math::TPoint2D& target)
   const mrpt::math::TPose2D here = interface_.pose_in_map();
   interface_.narrow = is_narrow(route.way(), here, kNarrowAhead_m);
   const mrpt::math::TPoint2D to = here.inverseComposePoint(target);
-  if (is_stuck(kStuck_s) || std::abs(std::atan2(to.y, to.x)) > kTurnFrom_rad)
+  if (is_stuck(kStuck_s) || std::abs(std::atan2(to.y, to.x)) > kTurnBackFrom_rad)
     keeps_until_s_ = robot_.time_s() + kKeep_s;
   const bool must = interface_.narrow || is_tilted(route.way(), here, kNarrowAhead_m);
   if (!must && robot_.time_s() >= keeps_until_s_) return false;

@@ -8,7 +8,7 @@ using mrpt::math::TPoint2D;
 
 constexpr double kPatience_s = 5;  // longer than any turn on the spot
 constexpr double kStands_m = 0.15;  // poses jump a little
-constexpr double kBack_m = 0.8, kThere_m = 0.3;
+constexpr double kBack_m = 0.8, kIsBack_m = 0.3;
 constexpr double kTime_s = 6;  // to get there
 constexpr double kTrailStep_m = 0.1;
 }  // namespace
@@ -16,7 +16,7 @@ constexpr double kTrailStep_m = 0.1;
 std::optional<TPoint2D> Retreat::target(double time_s, const TPoint2D& at)
 {
   follow(time_s, at);
-  if (going_back_to_ && (time_s > give_up_s_ || (at - *going_back_to_).norm() < kThere_m))
+  if (going_back_to_ && (time_s > give_up_s_ || (at - *going_back_to_).norm() < kIsBack_m))
   {
     going_back_to_.reset();
     stands_since_s_ = time_s;

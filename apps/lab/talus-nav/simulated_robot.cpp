@@ -9,12 +9,12 @@ namespace talus::nav
 {
 namespace
 {
-constexpr double kStep_s = 0.025, kLag_s = 0.15, kMostAcceleration = 2.0;  // m/s^2
+constexpr double kRobotStep_s = 0.025, kLag_s = 0.15, kMostAcceleration = 2.0;  // m/s^2
 constexpr double kTruthCell_m = 0.05;
 
 double approach(double value, double wanted, double most_change)
 {
-  const double change = (wanted - value) * kStep_s / kLag_s;
+  const double change = (wanted - value) * kRobotStep_s / kLag_s;
   return value + std::clamp(change, -most_change, most_change);
 }
 }  // namespace
@@ -42,17 +42,17 @@ void SimulatedRobot::command(double v_mps, double w_radps)
 
 void SimulatedRobot::drive(double seconds)
 {
-  const int steps = static_cast<int>(std::lround(seconds / kStep_s));
+  const int steps = static_cast<int>(std::lround(seconds / kRobotStep_s));
   for (int i = 0; i < steps; i++)
   {
-    v_mps_ = approach(v_mps_, v_wanted_, kMostAcceleration * kStep_s);
-    w_radps_ = approach(w_radps_, w_wanted_, 4 * kMostAcceleration * kStep_s);
-    yaw_rad_ += w_radps_ * kStep_s;
-    x_m_ += v_mps_ * std::cos(yaw_rad_) * kStep_s;
-    y_m_ += v_mps_ * std::sin(yaw_rad_) * kStep_s;
-    driven_m_ += std::abs(v_mps_) * kStep_s;
+    v_mps_ = approach(v_mps_, v_wanted_, kMostAcceleration * kRobotStep_s);
+    w_radps_ = approach(w_radps_, w_wanted_, 4 * kMostAcceleration * kRobotStep_s);
+    yaw_rad_ += w_radps_ * kRobotStep_s;
+    x_m_ += v_mps_ * std::cos(yaw_rad_) * kRobotStep_s;
+    y_m_ += v_mps_ * std::sin(yaw_rad_) * kRobotStep_s;
+    driven_m_ += std::abs(v_mps_) * kRobotStep_s;
   }
-  time_s_ += steps * kStep_s;
+  time_s_ += steps * kRobotStep_s;
 }
 
 double SimulatedRobot::support_m(const sim::Scene& scene, double x_m, double y_m) const

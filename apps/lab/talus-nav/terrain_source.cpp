@@ -44,7 +44,7 @@ class TerrainSource : public MapSource
       const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
   {
     ObstacleOptions o = options_;
-    o.unseen = Unseen::Free;
+    o.unseen = talus::Unseen::Free;
     talus::update_costmap(map_, T_map_base, o, grid);
   }
 

@@ -14,7 +14,7 @@ constexpr std::size_t kFewPoints = 12;
 constexpr int kFewFrames = 3;
 constexpr double kSteepest = 1.0;  // dz per metre: 45 degrees
 constexpr double kLeastSpread = 0.1;  // of the points across a patch, of its size
-constexpr double kSignificant = 2.5;  // F of nine more parameters: chance is below 0.02
+constexpr double kSignificantF = 2.5;  // F of nine more parameters: chance is below 0.02
 
 std::uint64_t cell_of(double x_m, double y_m, double cell_m)
 {
@@ -190,7 +190,7 @@ bool Collector::split(
   const double freedom = static_cast<double>(points) - 3.0 * planes;
   if (planes < 2 || freedom < 1) return false;
   const double F = (before - after) / (3.0 * planes - 3) / (after / freedom);
-  if (!(F > kSignificant)) return false;
+  if (!(F > kSignificantF)) return false;
   for (const Quarter& q : quarters) add(q.hits, q.center_m, size_m / 2, q.fit);
   return true;
 }

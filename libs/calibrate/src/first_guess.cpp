@@ -12,7 +12,7 @@ namespace talus::calibrate
 {
 namespace
 {
-constexpr double kNear_m = 6, kFewPoints = 40;
+constexpr double kNear_m = 6, kFewNearPoints = 40;
 constexpr int kMostFrames = 60;
 constexpr double kHalfTurn = 3.14159265358979323846;
 
@@ -26,7 +26,7 @@ std::optional<Eigen::Vector3d> ground_plane(
     const Eigen::Vector3d p = m.R * scans.point(k) + m.t_m;
     if (p.head<2>().norm() < kNear_m) points.push_back(p);
   }
-  if (static_cast<double>(points.size()) < kFewPoints) return std::nullopt;
+  if (static_cast<double>(points.size()) < kFewNearPoints) return std::nullopt;
   Eigen::Vector3d plane(-scans.base_height_m(), 0, 0);
   for (const double scale_m : {0.4, 0.3, 0.2, 0.1, 0.05, 0.05, 0.05})
   {

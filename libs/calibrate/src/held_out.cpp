@@ -15,7 +15,7 @@ constexpr double kCell_m = 0.4;
 constexpr double kScale_m = 0.08;  // of ground that is badly calibrated
 constexpr double kReach_m = 0.5;  // beyond it from the ground a point shows something else
 constexpr double kBin_m = 2;
-constexpr std::size_t kFewPoints = 30;
+constexpr std::size_t kFewPointsOfBin = 30;
 
 using Cells = std::map<std::pair<long, long>, const Patch*>;
 
@@ -76,7 +76,7 @@ RangeBin bin_of(const std::vector<Distance>& all, double from_m)
   for (const auto& d : all)
     if (d.range_m >= bin.from_m && d.range_m < bin.to_m) values.push_back(d.distance_m);
   bin.points = values.size();
-  if (bin.points < kFewPoints) return bin;
+  if (bin.points < kFewPointsOfBin) return bin;
   bin.offset_m = io::quantile(values, 0.5);
   for (double& v : values) v = std::abs(v);
   bin.thickness_m = thickness(values);
@@ -93,7 +93,7 @@ HeldOutFigures figures_of(const std::vector<Distance>& all, double max_range_m)
   f.thickness_m = thickness(absolute);
   f.p95_m = io::quantile(absolute, 0.95);
   for (double from_m = 0; from_m < max_range_m; from_m += kBin_m)
-    if (auto bin = bin_of(all, from_m); bin.points >= kFewPoints) f.by_range.push_back(bin);
+    if (auto bin = bin_of(all, from_m); bin.points >= kFewPointsOfBin) f.by_range.push_back(bin);
   return f;
 }
 }  // namespace

@@ -12,11 +12,12 @@ namespace
 {
 constexpr int kMostSteps = 60;
 constexpr double kLeastOdds = -9;  // of an outlier, as a logarithm
-constexpr double kSettled = 1e-9;  // gain of the mean log likelihood
-constexpr double kSignificant = 2;  // deviations from 0 that a variance must have to be kept
+constexpr double kSettledGain = 1e-9;  // gain of the mean log likelihood
+constexpr double kSignificantVariance =
+    2;  // deviations from 0 that a variance must have to be kept
 constexpr double kLeastVariance_m2 = 1e-12;
 constexpr double kMostLeverage = 0.5;  // points that hold their surface tell nothing
-constexpr std::uint32_t kFewPoints = 24;  // on a patch whose surface has six unknowns
+constexpr std::uint32_t kFewPointsOfPatch = 24;  // on a patch whose surface has six unknowns
 constexpr std::size_t kMostPoints = 50000;
 constexpr double kOutlying = 4;  // deviations; no share in the surface, so that leverage is exact
 constexpr double kUneven = 4;  // deviations by which a patch may scatter more than usual
@@ -125,7 +126,7 @@ Unknowns maximise(
     u = next;
     now = then;
     damping /= 5;
-    if (gain < kSettled) break;
+    if (gain < kSettledGain) break;
   }
   return u;
 }
@@ -195,7 +196,7 @@ std::vector<std::pair<std::uint32_t, CurvedPatch>> even_patches(
   std::vector<double> factors;
   for (std::uint32_t k = 0; k < a.patches.size(); ++k)
   {
-    if (a.patches[k].count < kFewPoints || chance(k, 3) >= share) continue;
+    if (a.patches[k].count < kFewPointsOfPatch || chance(k, 3) >= share) continue;
     CurvedPatch patch(scans, g, a, a.patches[k]);
     if (!patch.solved()) continue;
     factors.push_back(patch.variance_factor());
@@ -289,7 +290,7 @@ NoiseFit fit_kind(const std::vector<Observation>& observations, bool along_beam)
     auto without = free;
     leave_out_zeros(u, without);
     sigma = sigmas_of(observations, u, without, along_beam);
-    if (u[i] > kSignificant * sigma[i] && u[i] > 0) continue;
+    if (u[i] > kSignificantVariance * sigma[i] && u[i] > 0) continue;
     u[i] = 0;
     free[static_cast<std::size_t>(i)] = false;
     u = maximise(observations, u, free, along_beam);

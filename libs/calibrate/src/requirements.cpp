@@ -9,9 +9,9 @@ namespace talus::calibrate
 {
 namespace
 {
-constexpr int kFewFrames = 8;
+constexpr int kFramesNeeded = 8;
 constexpr double kLittleWay_m = 0.5, kLittleTurn_rad = 0.2;
-constexpr std::size_t kFewPatches = 20;
+constexpr std::size_t kPatchesNeeded = 20;
 
 std::string number(double v) { return fixed_text(v, 2); }
 }  // namespace
@@ -31,12 +31,12 @@ void require_motion(const ScanSet& scans, const PoseTrack& track)
     high = high.cwiseMax(pose.t_m);
     turn_rad = std::max(turn_rad, Eigen::AngleAxisd(first.transpose() * pose.R).angle());
   }
-  if (frames < kFewFrames)
+  if (frames < kFramesNeeded)
     throw std::runtime_error(
         "has " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") +
         " with a pose, too few to compare: the ground must be seen from several places. Record at "
         "least " +
-        std::to_string(kFewFrames) + " frames, better 200, while the robot drives");
+        std::to_string(kFramesNeeded) + " frames, better 200, while the robot drives");
   const double way_m = (high - low).norm();
   if (way_m < kLittleWay_m && turn_rad < kLittleTurn_rad)
     throw std::runtime_error(
@@ -48,10 +48,10 @@ void require_motion(const ScanSet& scans, const PoseTrack& track)
 
 void require_ground(const Association& a)
 {
-  if (a.patches.size() >= kFewPatches) return;
+  if (a.patches.size() >= kPatchesNeeded) return;
   throw std::runtime_error(
       "shows no ground that could be used: " + std::to_string(a.patches.size()) +
-      " even patches were found that three or more frames see, " + std::to_string(kFewPatches) +
+      " even patches were found that three or more frames see, " + std::to_string(kPatchesNeeded) +
       " are needed. Is the ground in the sensor's view and within --max-range, is the given "
       "mounting right to about 5 degrees, is --base-height the height of the trajectory's "
       "reference point above the ground?");

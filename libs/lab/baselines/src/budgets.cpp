@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "nan.h"
 
 namespace talus::baselines
 {
@@ -11,7 +12,6 @@ namespace
 constexpr double kFewest = 20;
 /** Fills err by so much at least: less is a fifteenth of the noise of a range. */
 constexpr double kLeastError_m = 0.001;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 using Results = std::vector<BudgetResult>;
 
 void judge(Results& out, const std::string& name, double value, double limit, bool at_most)

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/photo.hpp>
+
+#include "nan.h"
 
 namespace talus::baselines
 {
 namespace
 {
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 /** Telea's method adds up to about one unit of the values a cell, whatever they are: in metres that
  * would be a metre. */
 constexpr float kInpaintUnitsPerMetre = 1e4f;

@@ -8,13 +8,13 @@ namespace talus::baselines
 {
 namespace
 {
-constexpr float kGate = 2.5f;  //!< Mahalanobis distance, as elevation_mapping's default
+constexpr float kGate_deviations = 2.5f;  //!< Mahalanobis distance, as elevation_mapping's default
 constexpr double kCleanupPeriod_s = 1.0;
 }  // namespace
 
 void HighestPointMap::fuse(Cell& c, const MapPoint& p, double stamp_s) const
 {
-  const float difference = p.z_m - c.height_m, most = kGate * std::sqrt(c.variance_m2);
+  const float difference = p.z_m - c.height_m, most = kGate_deviations * std::sqrt(c.variance_m2);
   if (!c.known() || difference > most)
     c = {p.z_m, point_variance_m2(p), stamp_s};
   else if (difference >= -most)

@@ -6,11 +6,12 @@
 #include <opencv2/imgproc.hpp>
 #include <unordered_map>
 
+#include "nan.h"
+
 namespace talus::baselines
 {
 namespace
 {
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr double kGroundAllowance_m = 0.1;
 constexpr double kGroundRadius_m = 3.0;
 

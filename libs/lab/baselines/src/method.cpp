@@ -8,14 +8,14 @@
 #include <talus/risk.h>
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+
+#include "nan.h"
 
 namespace talus::baselines
 {
 namespace
 {
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 class TalusMethod : public Method
 {

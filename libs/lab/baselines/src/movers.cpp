@@ -4,11 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "nan.h"
+
 namespace talus::baselines
 {
 namespace
 {
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kOnMover_m = 0.1f;  //!< hits higher than this are on the mover
 constexpr float kSeenThrough_m = 0.1f;
 constexpr int kFreedFrames = 2;

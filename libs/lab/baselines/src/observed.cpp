@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "nan.h"
 
 namespace talus::baselines
 {
 namespace
 {
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr int kAround_cells = 3;
 constexpr float kGroundHit_m = 0.05f;
 constexpr float kTopTolerance_m = 0.06f;

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "nan.h"
 
 namespace talus::baselines
 {
 namespace
 {
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kCleanupDeviations = 3.0f;
 
 /** Height below which the rays to the lowest points of all cells passed; NaN: none did. */

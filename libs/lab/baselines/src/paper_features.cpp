@@ -6,11 +6,12 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "nan.h"
+
 namespace talus::baselines
 {
 namespace
 {
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr int kDenseOneIn = 4;  //!< of the neighbourhood that is measured, or more: dense
 
 /** The heights around a cell: G, and H with the ground where nothing stands. */

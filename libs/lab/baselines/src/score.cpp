@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "nan.h"
 
 namespace talus::baselines
 {
 namespace
 {
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRingShare = 0.05, kRingCells = 20;
 
 using Figures = std::vector<std::pair<std::string, double>>;

@@ -4,14 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "nan.h"
 
 namespace talus::baselines
 {
 namespace
 {
 constexpr double kMostGridCells = 3e7;  // a gigabyte
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 double center_m(std::int64_t cell, double resolution_m)
 {
