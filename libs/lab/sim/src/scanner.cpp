@@ -66,26 +66,50 @@ std::optional<Scene::Hit> first_of(
   return best;
 }
 
-void take_column(
-    const Scene& scene, const Scanner& scanner, const Sweep& sweep, int column,
-    double since_start_s, const Pose& T, Scan& out)
+/** The cosine and sine of a LiDAR's angles, which many rays share; of a camera, what a pixel is
+ * aside for a metre ahead. */
+struct Aim
 {
-  const int rings = static_cast<int>(scanner.elevations_rad.size());
-  for (int ring = 0; ring < rings; ++ring)
+  double along, aside;
+};
+
+std::vector<Aim> aims_of_rings(const Scanner& scanner)
+{
+  std::vector<Aim> rings;
+  for (const double e : scanner.elevations_rad)
+    rings.push_back(scanner.camera ? Aim{1, std::tan(e)} : Aim{std::cos(e), std::sin(e)});
+  return rings;
+}
+
+/** A LiDAR turns clockwise seen from above and starts at the back. */
+Aim aim_of_column(const Scanner& scanner, int column)
+{
+  if (scanner.camera)
+    return {1, scanner.half_width_tan * (1 - (2.0 * column + 1) / scanner.columns)};
+  const double azimuth = kPi - 2 * kPi * column / scanner.columns;
+  return {std::cos(azimuth), std::sin(azimuth)};
+}
+
+void take_column(
+    const Scene& scene, const Scanner& scanner, const std::vector<Aim>& rings, const Sweep& sweep,
+    int column, double since_start_s, const Pose& T, Scan& out)
+{
+  const Aim turn = aim_of_column(scanner, column);
+  for (std::size_t ring = 0; ring < rings.size(); ++ring)
   {
-    const auto index = static_cast<std::uint64_t>(column) * rings + ring;
+    const auto index = static_cast<std::uint64_t>(column) * rings.size() + ring;
     Random random(mix(sweep.seed, index));
-    const bool lost = random.uniform() < scanner.dropout;
-    const double noise = random.normal();
-    if (lost) continue;
-    const Vec3 d = scanner.direction(ring, column);
+    if (random.uniform() < scanner.dropout) continue;
+    const Aim& beam = rings[ring];
+    Vec3 d{beam.along * turn.along, beam.along * turn.aside, beam.aside};
+    if (scanner.camera) d = normalized(d);
     const Ray ray{{T.x(), T.y(), T.z()}, rotate(T, d)};
     const auto hit =
         first_of(scene, sweep.body, ray, d, scanner.max_range_m, mix(sweep.seed ^ 0x1EAF, index));
     if (!hit) continue;
     const double sigma = scanner.noise_m +
                          (scanner.noise_per_m + scanner.noise_per_m2 * hit->range_m) * hit->range_m;
-    const double range = hit->range_m + sigma * noise;
+    const double range = hit->range_m + sigma * random.normal();
     if (range < scanner.min_range_m || range > scanner.max_range_m) continue;
     const Vec3 p = d * range;
     out.x_m.push_back(static_cast<float>(p.x));
@@ -98,19 +122,6 @@ void take_column(
 }
 
 }  // namespace
-
-Vec3 Scanner::direction(int ring, int column) const
-{
-  const double elevation = elevations_rad[ring];
-  if (camera)
-  {
-    const double left = half_width_tan * (1 - (2.0 * column + 1) / columns);
-    return normalized({1, left, std::tan(elevation)});
-  }
-  const double azimuth = kPi - 2 * kPi * column / columns;
-  const double c = std::cos(elevation);
-  return {c * std::cos(azimuth), c * std::sin(azimuth), std::sin(elevation)};
-}
 
 double Scanner::column_time_s(int column) const
 {
@@ -144,19 +155,24 @@ Scan take_scan(const World& world, const Scanner& scanner, const Sweep& sweep)
 {
   const Scene start(world, sweep.time_s);
   const Pose T_start = sweep.T_map_sensor(sweep.time_s);
+  const std::vector<Aim> rings = aims_of_rings(scanner);
+  const int end_column = std::min(sweep.end_column, scanner.columns);
+  const std::size_t rays = rings.size() * std::max(0, end_column - sweep.first_column);
   Scan out;
+  for (auto* of_points : {&out.x_m, &out.y_m, &out.z_m, &out.intensity}) of_points->reserve(rays);
+  out.ring.reserve(rays);
   const double first_s = scanner.column_time_s(sweep.first_column);
-  for (int column = sweep.first_column; column < std::min(sweep.end_column, scanner.columns);
-       ++column)
+  for (int column = sweep.first_column; column < end_column; ++column)
   {
     const double since_start_s = scanner.column_time_s(column) - first_s;
     if (!sweep.motion_distortion)
     {
-      take_column(start, scanner, sweep, column, since_start_s, T_start, out);
+      take_column(start, scanner, rings, sweep, column, since_start_s, T_start, out);
       continue;
     }
     const double t = sweep.time_s + since_start_s;
-    take_column(Scene(world, t), scanner, sweep, column, since_start_s, sweep.T_map_sensor(t), out);
+    take_column(
+        Scene(world, t), scanner, rings, sweep, column, since_start_s, sweep.T_map_sensor(t), out);
   }
   return out;
 }

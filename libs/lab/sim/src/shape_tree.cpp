@@ -8,8 +8,7 @@ namespace talus::sim
 namespace
 {
 constexpr int kLeafShapes = 2;
-
-double axis_of(const Vec3& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+constexpr double kSlack_m = 1e-9;  //!< of boxes, so that rounding hides no shape
 
 void include(Bounds& box, const Bounds& other)
 {
@@ -18,25 +17,35 @@ void include(Bounds& box, const Bounds& other)
   box.max_m = {std::max(box.max_m.x, b.x), std::max(box.max_m.y, b.y), std::max(box.max_m.z, b.z)};
 }
 
-/** Whether the line of a ray runs through the box somewhere in [from, to]. */
-bool meets(const Bounds& box, const Ray& ray, double from, double to)
+/** A ray as boxes are asked for it: by 1 / direction, where a division for each face would be most
+ * of the work. */
+struct Line
 {
-  for (int axis = 0; axis < 3; ++axis)
+  explicit Line(const Ray& ray)
+      : origin_m(ray.origin_m),
+        per_m{inverse(ray.direction.x), inverse(ray.direction.y), inverse(ray.direction.z)}
   {
-    const double o = axis_of(ray.origin_m, axis), d = axis_of(ray.direction, axis);
-    const double low = axis_of(box.min_m, axis), high = axis_of(box.max_m, axis);
-    if (d == 0)
-    {
-      if (o < low || o > high) return false;
-      continue;
-    }
-    const double a = (low - o) / d, b = (high - o) / d;
-    from = std::max(from, std::min(a, b));
-    to = std::min(to, std::max(a, b));
-    if (from > to) return false;
   }
-  return true;
-}
+  static double inverse(double d) { return d == 0 ? 1e300 : 1 / d; }
+
+  /** Whether it runs through the box somewhere from 0 to `to`. */
+  bool meets(const Bounds& box, double to) const
+  {
+    double from = 0;
+    const auto clip = [&](double low, double high, double o, double inverse)
+    {
+      const double a = (low - o) * inverse, b = (high - o) * inverse;
+      from = std::max(from, std::min(a, b));
+      to = std::min(to, std::max(a, b));
+    };
+    clip(box.min_m.x, box.max_m.x, origin_m.x, per_m.x);
+    clip(box.min_m.y, box.max_m.y, origin_m.y, per_m.y);
+    clip(box.min_m.z, box.max_m.z, origin_m.z, per_m.z);
+    return from <= to;
+  }
+
+  Vec3 origin_m, per_m;
+};
 
 }  // namespace
 
@@ -50,7 +59,8 @@ int ShapeTree::build(int first, int last)
   const int index = static_cast<int>(nodes_.size());
   Bounds box = bounds(shapes_[first]);
   for (int i = first + 1; i < last; ++i) include(box, bounds(shapes_[i]));
-  nodes_.push_back({box, first, last - first, 0});
+  const Vec3 slack{kSlack_m, kSlack_m, kSlack_m};
+  nodes_.push_back({{box.min_m - slack, box.max_m + slack}, first, last - first, 0});
   if (last - first <= kLeafShapes) return index;
 
   const Vec3 size = box.max_m - box.min_m;
@@ -71,13 +81,14 @@ template <typename F>
 void ShapeTree::visit(const Ray& ray, const double& max_m, F f) const
 {
   if (nodes_.empty()) return;
+  const Line line(ray);
   int stack[64], top = 0;  // a balanced tree: its depth is log2 of the number of shapes
   stack[top++] = 0;
   while (top > 0)
   {
     const int index = stack[--top];
     const Node& node = nodes_[index];
-    if (!meets(node.box, ray, 0.0, max_m)) continue;
+    if (!line.meets(node.box, max_m)) continue;
     for (int i = 0; i < node.count; ++i) f(node.first + i);
     if (node.count > 0) continue;
     stack[top++] = node.right;

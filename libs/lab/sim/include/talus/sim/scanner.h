@@ -23,9 +23,6 @@ struct Scanner
   double noise_per_m2 = 0;  //!< its growth with the square of the range
   double dropout = 0;  //!< share of the returns that get lost, [0, 1]
 
-  /** Unit vector in the sensor frame (x forward, z up). A LiDAR turns clockwise seen from above and
-   * starts at the back. */
-  Vec3 direction(int ring, int column) const;
   /** When a column is measured after the start of the sweep [s]. */
   double column_time_s(int column) const;
 };
