@@ -62,23 +62,17 @@ std::vector<std::uint8_t> PlanningGrid::distances_to(Ground ground) const
   for (std::size_t i = 0; i < out.size(); i++)
     out[i] = ground_[i] == ground ? 0 : static_cast<std::uint8_t>(kFarthest_thirds);
   const auto n = static_cast<std::size_t>(columns_);
-  const auto nearer = [&out](std::size_t to, std::size_t from, int step)
-  { out[to] = static_cast<std::uint8_t>(std::min<int>(out[to], out[from] + step)); };
+  std::uint8_t* const at = out.data();
+  const auto nearest =
+      [at](std::size_t i, std::size_t beside, std::size_t a, std::size_t b, std::size_t c)
+  {
+    const int straight = std::min(at[beside], at[a]) + kStraight;
+    const int diagonal = std::min(at[b], at[c]) + kDiagonal;
+    at[i] = static_cast<std::uint8_t>(std::min({static_cast<int>(at[i]), straight, diagonal}));
+  };
   const std::size_t first = n + 1, last = out.size() - n - 1;  // the border is free
-  for (std::size_t i = first; i < last; i++)
-  {
-    nearer(i, i - 1, kStraight);
-    nearer(i, i - n, kStraight);
-    nearer(i, i - n - 1, kDiagonal);
-    nearer(i, i - n + 1, kDiagonal);
-  }
-  for (std::size_t i = last; i-- > first;)
-  {
-    nearer(i, i + 1, kStraight);
-    nearer(i, i + n, kStraight);
-    nearer(i, i + n + 1, kDiagonal);
-    nearer(i, i + n - 1, kDiagonal);
-  }
+  for (std::size_t i = first; i < last; i++) nearest(i, i - 1, i - n, i - n - 1, i - n + 1);
+  for (std::size_t i = last; i-- > first;) nearest(i, i + 1, i + n, i + n + 1, i + n - 1);
   return out;
 }
 
