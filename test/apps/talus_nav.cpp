@@ -1,5 +1,6 @@
 // The command talus-nav, as a person runs it. Runs of many seeds are not tests: they take minutes.
 #include <gtest/gtest.h>
+#include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/nav/reactive/CLogFileRecord.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -15,6 +16,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "apps/lab/talus-nav/planner_ini.h"
 #include "log_files.h"
 
 namespace
@@ -79,7 +81,7 @@ class TalusNav : public testing::Test
 
 TEST_F(TalusNav, drives_over_the_ramp_and_the_low_boxes_of_the_indoor_world)
 {
-  ASSERT_EQ(drive("nav_indoor.yaml", "--goal 15,0 --scanner OS0-128 --every 0 --output out"), 0)
+  ASSERT_EQ(drive("nav_indoor.yaml", "--goal 12.5,0 --scanner OS0-128 --every 0 --output out"), 0)
       << text("err.txt");
   EXPECT_EQ(summary("out")["ending"], "arrived");
   const auto rows = path("out");
@@ -92,7 +94,7 @@ TEST_F(TalusNav, drives_over_the_ramp_and_the_low_boxes_of_the_indoor_world)
   };
   EXPECT_NEAR(height(7, 9), 0.375, 0.03) << "over the ramp";
   EXPECT_GT(height(10, 12), 0.03) << "over a box of 6.5 cm";
-  EXPECT_LE(std::hypot(rows.back().x_m - 15, rows.back().y_m), 0.5);
+  EXPECT_LE(std::hypot(rows.back().x_m - 12.5, rows.back().y_m), 0.5);
   char when[40];  // the report and the summary mean the same moment
   std::snprintf(
       when, sizeof when, "after %.1f s and %.1f m", summary("out")["time_s"].get<double>(),
@@ -102,7 +104,7 @@ TEST_F(TalusNav, drives_over_the_ramp_and_the_low_boxes_of_the_indoor_world)
 
 TEST_F(TalusNav, drives_under_the_branches_with_the_planner_in_3d)
 {
-  ASSERT_EQ(drive("nav_woods.yaml", "--goal 16,0 --planner 3d --every 0 --output out"), 0)
+  ASSERT_EQ(drive("nav_woods.yaml", "--goal 6,0 --planner 3d --every 0 --output out"), 0)
       << text("err.txt");
   const auto rows = path("out");
   // The foliage hangs from y = -1.8 to 0.6 at x = 3.1: the way leads below it.
@@ -486,24 +488,45 @@ TEST_F(TalusNav, names_the_key_of_a_planner_configuration_that_is_wrong)
            {"2d", "RobotModel_shape2D_ys = 0.35",
             "RobotModel_shape2D_ys =", "must be as many numbers as RobotModel_shape2D_xs"},
            {"3d", "LEVEL2_HEIGHT = 0.25", "LEVEL2_HEIGHT = -0.25",
-            "LEVEL2_HEIGHT = '-0.25': must be from 0.01 to 10"},
-           {"2d", "\nseen_within_m = 1.0", "\nseen_within_m = abc",
-            "seen_within_m = 'abc': must be"},
-           {"2d", "\nresolution = 0.05", "\nresolution = 0.1",
-            "resolution = 0.1 m: must be 0.05 m"},
-           {"2d", "\nunseen ", "\nfree\nunseen ", "own.ini:215: 'free' has no '='"}})
+            "LEVEL2_HEIGHT = '-0.25': must be from 0.01 to 10"}})
   {
     auto ini = read_bytes(
         std::string(TALUS_SOURCE_DIR "/datasets/configs/reactive") + w.planner + "_config.ini");
     const auto at = ini.find(w.was);
     ASSERT_NE(at, std::string::npos) << w.was;
     ini.replace(at, std::string(w.was).size(), w.is);
+    try
+    {
+      talus::nav::check_planner_ini(
+          mrpt::config::CConfigFileMemory(ini), std::string(w.planner) == "3d");
+      ADD_FAILURE() << w.is << " is taken";
+    }
+    catch (const std::runtime_error& e)
+    {
+      EXPECT_NE(std::string(e.what()).find(w.message), std::string::npos) << e.what();
+    }
+  }
+}
+
+TEST_F(TalusNav, names_the_file_of_a_planner_configuration_that_is_wrong)
+{
+  for (const auto& [planner, was, is, message] : std::vector<std::array<std::string, 4>>{
+           {"3d", "LEVEL2_HEIGHT = 0.25", "LEVEL2_HEIGHT = -0.25", "LEVEL2_HEIGHT = '-0.25': must"},
+           {"2d", "\nseen_within_m = 1.0", "\nseen_within_m = abc",
+            "seen_within_m = 'abc': must be"},
+           {"2d", "\nresolution = 0.05", "\nresolution = 0.1",
+            "resolution = 0.1 m: must be 0.05 m"},
+           {"2d", "\nunseen ", "\nfree\nunseen ", "own.ini:215: 'free' has no '='"}})
+  {
+    auto ini = read_bytes(TALUS_SOURCE_DIR "/datasets/configs/reactive" + planner + "_config.ini");
+    const auto at = ini.find(was);
+    ASSERT_NE(at, std::string::npos) << was;
+    ini.replace(at, was.size(), is);
     talus::test::write_bytes(path_of("own.ini"), ini);
-    const std::string planner = std::string(" --planner ") + w.planner;
-    EXPECT_EQ(
-        drive("nav_indoor.yaml", "--goal 15,0 --planner-config own.ini --output out" + planner), 2);
+    const std::string arguments = "--goal 15,0 --planner-config own.ini --output out --planner ";
+    EXPECT_EQ(drive("nav_indoor.yaml", arguments + planner), 2);
     EXPECT_NE(text("err.txt").find("own.ini"), std::string::npos) << text("err.txt");
-    EXPECT_NE(text("err.txt").find(w.message), std::string::npos) << text("err.txt");
+    EXPECT_NE(text("err.txt").find(message), std::string::npos) << text("err.txt");
   }
   EXPECT_FALSE(exists("out"));
 }
