@@ -124,7 +124,11 @@ TEST_F(StockApps, icp_slam_maps_the_terrain_beside_its_points)
 TEST_F(StockApps, rbpf_slam_carries_the_terrain_in_every_particle)
 {
   SKIP_WITHOUT("rbpf-slam", kSena);
-  EXPECT_EQ(run("rbpf-slam", kConfigs + "rbpf-slam.ini"), 0) << output;
+  auto config = talus::test::read_bytes(kConfigs + "rbpf-slam.ini");
+  const auto particles = config.find("sampleSize=10");
+  ASSERT_NE(particles, std::string::npos);
+  talus::test::write_bytes(path("few.ini"), config.replace(particles, 13, "sampleSize=3"));
+  EXPECT_EQ(run("rbpf-slam", "few.ini"), 0) << output;
   expect_terrain_map("LOG_GRIDMAPPING", "finalMap_");
 }
 

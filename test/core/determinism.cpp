@@ -52,7 +52,7 @@ TEST(Determinism, TheOrderOfThePointsInAFrameDoesNotMatter)
 {
   TestMap a, b;
   Random noise(1), order(2);
-  for (int i = 0; i < 60; i++)
+  for (int i = 0; i < 30; i++)
   {
     const Scan s = drive_frame(i, noise);
     a.update(s);
@@ -65,7 +65,7 @@ TEST(Determinism, TheNumberOfThreadsDoesNotMatter)
 {
   TestMap one({}, 1), two({}, 2), sixteen({}, 16);
   Random noise(3);
-  for (int i = 0; i < 60; i++)
+  for (int i = 0; i < 30; i++)
   {
     const Scan s = drive_frame(i, noise);
     one.update(s);

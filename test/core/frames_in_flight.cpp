@@ -132,7 +132,7 @@ TEST(FramesInFlight, LeaveTheBitsOfFramesOneByOne)
   for (const auto& layers : {kTwo, kMany, std::vector<Layer>{}})
   {
     Both maps(window(8), layers);
-    for (int i = 0; i < 30; i++) ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(i)));
+    for (int i = 0; i < 15; i++) ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(i)));
     ASSERT_NO_FATAL_FAILURE(maps.finish_all());
   }
 }
@@ -141,8 +141,8 @@ TEST(FramesInFlight, AlsoOnAMapWhoseLayersAreCopied)
 {
   for (const auto& layers : {kTwo, kMany})
   {
-    Both maps(window(30), layers);
-    for (int i = 0; i < 6; i++) ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(i)));
+    Both maps(window(26), layers);
+    for (int i = 0; i < 4; i++) ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(i)));
     ASSERT_NO_FATAL_FAILURE(maps.finish_all());
   }
 }

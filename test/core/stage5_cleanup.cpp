@@ -8,6 +8,14 @@ using namespace talus::test;
 
 namespace
 {
+/** For many frames of what stands near. */
+Parameters near_window()
+{
+  Parameters p;
+  p.window_m = 5;
+  return p;
+}
+
 /** A box of 0.3 m that stands at a distance in a direction given in degrees. */
 Box box_at(double distance_m, double direction_deg, double height_m = 0.6, double half_m = 0.15)
 {
@@ -117,7 +125,7 @@ TEST(Stage5Cleanup, ARailingThatIsHitAndSeenThroughIsNotEaten)
 TEST(Stage5Cleanup, ABenchIsNotClearedByTheRaysThatPassBelowIt)
 {
   const Box bench{{1.5, -0.4, 0.36}, {1.9, 0.4, 0.41}};
-  TestMap m;
+  TestMap m(near_window());
   for (int i = 0; i < 3; i++) m.update(Scan(0, 0, 0.4).cast({bench}));
   ASSERT_GT(m.elevation(1.525, 0.025), 0.3f);
   // From now on the beams miss it, above and below.
@@ -205,7 +213,7 @@ TEST(Stage5Cleanup, RaysBetweenTheBarsOfARailingDoNotTellThatItLeft)
 {
   const std::vector<Box> bars{
       {{1.5, -0.4, 0.25}, {1.54, 0.4, 0.29}}, {{1.5, -0.4, 0.55}, {1.54, 0.4, 0.59}}};
-  TestMap m;
+  TestMap m(near_window());
   for (int i = 0; i < 3; i++) m.update(Scan().cast(bars));
   ASSERT_GT(m.elevation(1.525, 0.025), 0.5f);
   // From now on the beams pass between them.

@@ -50,7 +50,7 @@ constexpr Layer kDelivered[] = {Layer::Traversability, Layer::Elevation};
 /** Allocations in so many frames, layers read after each, of a map that is warm. */
 std::uint64_t allocations_when_warm(Parameters p, int threads)
 {
-  p.window_m = 5;
+  p.window_m = 3;
   const Drive drive;
   ElevationMapper map(p, Backend::Cpu, threads);
   map.set_output_layers({Layer::Traversability, Layer::Elevation});
@@ -58,7 +58,7 @@ std::uint64_t allocations_when_warm(Parameters p, int threads)
   {
     map.update(drive[i]);
     for (const Layer l : {Layer::Traversability, Layer::Elevation, Layer::Variance, Layer::Slope})
-      EXPECT_EQ(map.layer(l).size(), 100u * 100u);
+      EXPECT_EQ(map.layer(l).size(), 60u * 60u);
   };
   for (int i = 0; i < kWarm; i++) one(i);
   const std::uint64_t before = allocations;
@@ -87,7 +87,9 @@ TEST(SteadyState, NeitherDoTheyWithAVoxelFilterAndManySamples)
 TEST(SteadyState, NeitherDoFramesOfWhichTwoAreInFlight)
 {
   const Drive drive;
-  ElevationMapper map({}, Backend::Cpu, 1);
+  Parameters p;
+  p.window_m = 3;
+  ElevationMapper map(p, Backend::Cpu, 1);
   map.set_output_layers({std::begin(kDelivered), std::end(kDelivered)});
   map.start(drive[0]);
   std::uint64_t before = 0;
@@ -96,7 +98,7 @@ TEST(SteadyState, NeitherDoFramesOfWhichTwoAreInFlight)
     if (i == kWarm) before = allocations;
     map.start(drive[i]);
     map.finish();
-    for (const Layer l : kDelivered) EXPECT_EQ(map.layer(l).size(), 160u * 160u);
+    for (const Layer l : kDelivered) EXPECT_EQ(map.layer(l).size(), 60u * 60u);
   }
   EXPECT_EQ(allocations - before, 0u);
 }

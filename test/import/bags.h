@@ -17,11 +17,15 @@ inline bool has_program(const std::string& name)
 }
 
 /** Why no bags can be made here; empty: they can. */
-inline std::string why_no_bags()
+inline const std::string& why_no_bags()
 {
-  for (const char* program : {"python3", "zstd", "lz4"})
-    if (!has_program(program)) return std::string("there is no ") + program + " that makes bags";
-  return "";
+  static const std::string why = []() -> std::string
+  {
+    for (const char* program : {"python3", "zstd", "lz4"})
+      if (!has_program(program)) return std::string("there is no ") + program + " that makes bags";
+    return "";
+  }();
+  return why;
 }
 
 /** What a test begins with: a folder `dir` with bags of these names. */

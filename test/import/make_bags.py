@@ -378,8 +378,8 @@ def write_generated(path):
 
 
 def write_bomb(path):
-    """A message of some KB that unpacks to 200 MB."""
-    write_mcap(path, [[(stamp(0), "/points", CLOUD, packed(b"\0" * 200_000_000, "zstd"))]])
+    """A message of some KB that unpacks to 120 MB."""
+    write_mcap(path, [[(stamp(0), "/points", CLOUD, packed(b"\0" * 120_000_000, "zstd"))]])
 
 
 def write_large_claim(path):

@@ -237,8 +237,8 @@ def cloud_bomb(path, program, in_message):
 
 
 def chunk_bomb(path, program):
-    """A chunk of 60 MB."""
-    mb.write_mcap(path, [[(mb.stamp(0), "/points", mb.CLOUD, b"\0" * 60_000_000)]], program)
+    """A chunk of 20 MB."""
+    mb.write_mcap(path, [[(mb.stamp(0), "/points", mb.CLOUD, b"\0" * 20_000_000)]], program)
 
 
 def topic_bomb(path, program):

@@ -57,6 +57,9 @@ TEST_F(FloorMaps, are_as_made_anew_while_cells_change_and_the_floor_grows)
     cell_at(site_, x, y + 7) = with_obstacle(measured(1), 0.5F);
     expect_as_anew(x, y);
   }
+  const std::int64_t before = map_.update(site_, 0, {}, kMostCells, 28, 0).window.min_cell_x;
+  EXPECT_EQ(map_.update(site_, 0, {}, kMostCells, 30.9, 0).window.min_cell_x, before)
+      << "stays for a while";
   cell_at(site_, -300, -90) = measured(9);
   expect_as_anew(-300, -90);
 }

@@ -529,7 +529,7 @@ TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_converted)
 {
   const ScratchDir dir;
   const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
-  add_cells(*site);
+  cell_at(*site, 3, 3) = with_obstacle(measured(1, kNow_s), 1);
   write_site(dir / "site.tif", *site, 0);
   const auto refused = [&](const std::vector<std::string>& arguments, const std::string& word)
   {

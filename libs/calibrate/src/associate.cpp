@@ -48,6 +48,7 @@ std::vector<Hit> hits_of(
   evaluate_geometry(scans, track, v, g);
   const auto turns = half_turns(scans, track, v);
   std::vector<Hit> hits;
+  hits.reserve(scans.points());
   for (std::size_t i = 0; i < g.views.size(); ++i)
   {
     const View& view = scans.views()[i];

@@ -31,7 +31,9 @@ Window window_around(
   const auto first = [&](std::int64_t min, std::int64_t max, double middle_m)
   {
     if (max - min < side) return min;
-    const auto middle = static_cast<std::int64_t>(std::floor(middle_m / resolution_m));
+    const int step = std::max(side / 8, 1);  // all is put anew where it moves
+    const auto middle =
+        static_cast<std::int64_t>(std::floor(middle_m / (resolution_m * step))) * step + step / 2;
     return std::clamp(middle - side / 2, min, max - side + 1);
   };
   return {

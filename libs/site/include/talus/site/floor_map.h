@@ -29,7 +29,8 @@ class FloorMap
 {
  public:
   /** Of a floor that is wider than `most_cells` the window has so many along each side, and (x_m,
-   * y_m) in its middle. A window of 0 cells where nothing is known. Valid until the next call. */
+   * y_m) within a sixteenth of a side of its middle. A window of 0 cells where nothing is known.
+   * Valid until the next call. */
   const MapSnapshot& update(
       Site& site, int floor, const Parameters& parameters, int most_cells, double x_m, double y_m);
 
