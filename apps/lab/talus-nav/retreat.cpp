@@ -1,5 +1,7 @@
 #include "retreat.h"
 
+#include <cmath>
+
 namespace talus::nav
 {
 namespace
@@ -11,12 +13,14 @@ constexpr double kStands_m = 0.15;  // poses jump a little
 constexpr double kBack_m = 0.8, kIsBack_m = 0.3;
 constexpr double kTime_s = 6;  // to get there
 constexpr double kTrailStep_m = 0.1;
+
+double apart_m(const TPoint2D& a, const TPoint2D& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 }  // namespace
 
 std::optional<TPoint2D> Retreat::target(double time_s, const TPoint2D& at)
 {
   follow(time_s, at);
-  if (going_back_to_ && (time_s > give_up_s_ || (at - *going_back_to_).norm() < kIsBack_m))
+  if (going_back_to_ && (time_s > give_up_s_ || apart_m(at, *going_back_to_) < kIsBack_m))
   {
     going_back_to_.reset();
     stands_since_s_ = time_s;
@@ -32,8 +36,8 @@ std::optional<TPoint2D> Retreat::target(double time_s, const TPoint2D& at)
 
 void Retreat::follow(double time_s, const TPoint2D& at)
 {
-  if (trail_.empty() || (at - trail_.back()).norm() > kTrailStep_m) trail_.push_back(at);
-  if ((at - stands_at_).norm() < kStands_m) return;
+  if (trail_.empty() || apart_m(at, trail_.back()) > kTrailStep_m) trail_.push_back(at);
+  if (apart_m(at, stands_at_) < kStands_m) return;
   stands_at_ = at;
   stands_since_s_ = time_s;
 }
@@ -41,7 +45,7 @@ void Retreat::follow(double time_s, const TPoint2D& at)
 std::optional<TPoint2D> Retreat::place_behind(const TPoint2D& at) const
 {
   for (auto place = trail_.rbegin(); place != trail_.rend(); ++place)
-    if ((at - *place).norm() > kBack_m) return *place;
+    if (apart_m(at, *place) > kBack_m) return *place;
   return std::nullopt;
 }
 

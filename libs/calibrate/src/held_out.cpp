@@ -67,7 +67,10 @@ struct Distance
   double range_m, distance_m;
 };
 
-double thickness(std::vector<double> absolute) { return 1.4826 * io::quantile(absolute, 0.5); }
+double thickness(std::vector<double> absolute)
+{
+  return 1.4826 * io::quantile(std::move(absolute), 0.5);
+}
 
 RangeBin bin_of(const std::vector<Distance>& all, double from_m)
 {
@@ -79,7 +82,7 @@ RangeBin bin_of(const std::vector<Distance>& all, double from_m)
   if (bin.points < kFewPointsOfBin) return bin;
   bin.offset_m = io::quantile(values, 0.5);
   for (double& v : values) v = std::abs(v);
-  bin.thickness_m = thickness(values);
+  bin.thickness_m = thickness(std::move(values));
   return bin;
 }
 
@@ -89,9 +92,10 @@ HeldOutFigures figures_of(const std::vector<Distance>& all, double max_range_m)
   f.points = all.size();
   if (all.empty()) return f;
   std::vector<double> absolute;
+  absolute.reserve(all.size());
   for (const auto& d : all) absolute.push_back(std::abs(d.distance_m));
   f.thickness_m = thickness(absolute);
-  f.p95_m = io::quantile(absolute, 0.95);
+  f.p95_m = io::quantile(std::move(absolute), 0.95);
   for (double from_m = 0; from_m < max_range_m; from_m += kBin_m)
     if (auto bin = bin_of(all, from_m); bin.points >= kFewPointsOfBin) f.by_range.push_back(bin);
   return f;
