@@ -245,7 +245,11 @@ TEST_F(TalusMapBadInput, parameters_out_of_their_range_are_refused_before_any_wo
   write_bytes(path("m.ini"), "[CDualElevationMap_creationOpts]\nresolution = -0.05\n");
   expect_failure("--static a.rawlog --config m.ini", 2, {"m.ini", "resolution_m", "-0.05"});
   expect_failure("--static a.rawlog -s resolution_m=-1", 2, {"resolution_m", "-1"});
+  expect_failure("--static a.rawlog -s resolution_m=0", 2, {"resolution_m", "0"});
   expect_failure("--static a.rawlog -s window_m=5000", 2, {"100000 x 100000", "smaller window"});
+  expect_failure("--static a.rawlog -s windo=5", 2, {"windo", "did you mean"});
+  expect_failure("--static a.rawlog -s clearance=1", 2, {"'clearance'", "mean 'clearance_m'?"});
+  expect_failure("--static a.rawlog -s max_rang=1", 2, {"max_rang", "mean 'max_range_m'?"});
   expect_failure("--static a.rawlog -s slope_threshold=1", 2, {"mean 'slope_threshold_rad'?"});
   expect_failure("--static a.rawlog -s window=5000", 2, {"window_m = 5000 m"});
   expect_failure("--static a.rawlog -s window_m", 2, {"NAME=VALUE"});

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <stdexcept>
+
+#include "nan.h"
 
 namespace talus::baselines
 {
@@ -217,10 +218,9 @@ class Evaluator
     for (std::size_t k = 0; k < here->at.size(); ++k)
     {
       const bool inside = here->at[k] >= 0;
-      constexpr float nan = std::numeric_limits<float>::quiet_NaN();
       s.true_ground_m.push_back(
-          inside ? truth_->truth.ground[static_cast<std::size_t>(here->at[k])] : nan);
-      s.true_label.push_back(here->blocked_now[k] ? 0.0f : here->free_now[k] ? 1.0f : nan);
+          inside ? truth_->truth.ground[static_cast<std::size_t>(here->at[k])] : kNan);
+      s.true_label.push_back(here->blocked_now[k] ? 0.0f : here->free_now[k] ? 1.0f : kNan);
     }
   }
 

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "nan.h"
 
 namespace talus::baselines
 {
@@ -40,7 +41,7 @@ void ToldErrors::add(const ToldErrors& o)
 
 double ToldErrors::within(double deviations) const
 {
-  if (abs_m.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (abs_m.empty()) return kNan;
   std::size_t inside = 0;
   for (std::size_t i = 0; i < abs_m.size(); ++i)
     inside += static_cast<double>(abs_m[i]) <= deviations * static_cast<double>(told_m[i]);

@@ -16,7 +16,6 @@ namespace talus::baselines
 {
 namespace
 {
-
 class TalusMethod : public Method
 {
  public:

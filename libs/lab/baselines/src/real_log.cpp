@@ -3,7 +3,8 @@
 #include "cell_hits.h"
 
 #include <cmath>
-#include <limits>
+
+#include "nan.h"
 
 namespace talus::baselines
 {
@@ -55,7 +56,7 @@ float local_ground_m(const LabelMap& labels, double x_m, double y_m)
       }
     if (ground.of > 0) return static_cast<float>(ground.value());
   }
-  return std::numeric_limits<float>::quiet_NaN();
+  return kNan;
 }
 
 void score_labels(
