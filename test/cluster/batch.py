@@ -144,12 +144,11 @@ class Test:
             run = self.start("slurm", "--slurm", env=cluster.env)
             lost = []
 
-            def is_in_the_middle():
-                lost[:] = cluster.jobs_on("n1")
-                return lost and len(self.mapped("slurm")) >= 2
+            def a_node_dies():
+                lost[:] = cluster.kill_node("n1") if len(self.mapped("slurm")) >= 2 else []
+                return lost
 
-            in_time = self.wait_until(is_in_the_middle, run)
-            cluster.kill_node("n1")
+            in_time = self.wait_until(a_node_dies, run)
             print(f"node n1 dies after {time.monotonic() - begin:.0f} s with jobs {lost}", flush=True)
             self.expect(in_time, f"ended before a node died:\n{self.said('slurm')}")
             self.check_report("slurm", self.finish(run))

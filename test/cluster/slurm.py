@@ -128,12 +128,19 @@ class Slurm:
         return found
 
     def kill_node(self, node):
-        """As a loss of power would end it: its daemon and all that runs there, before any can tell of another's end."""
-        jobs, end = self.jobs_on(node), time.monotonic() + 10
-        kill(self.processes(node, jobs), signal.SIGSTOP)
-        while self.processes(node, jobs) and time.monotonic() < end:
-            kill(self.processes(node, jobs))
+        """As a loss of power would end it: its daemon and all that runs there, before any can tell of another's end. Returns the
+        jobs that are lost with it; without any the node lives on."""
+        jobs = self.jobs_on(node)
+        held = self.processes(node, jobs)
+        kill(held, signal.SIGSTOP)
+        time.sleep(0.5)  # a job that ended just before is told of by now
+        lost, end = self.jobs_on(node), time.monotonic() + 10
+        if not lost:
+            kill(held, signal.SIGCONT)
+        while lost and self.processes(node, jobs + lost) and time.monotonic() < end:
+            kill(self.processes(node, jobs + lost))
             time.sleep(0.05)
+        return lost
 
     def stop(self):
         for path in glob.glob(f"{self.folder}/*.pid") + glob.glob(f"{self.folder}/munge/*.pid"):
