@@ -80,6 +80,8 @@ TEST(BagDisk, WhatAKilledRecorderLeftInItsWalOrJournalIsReadAndTheFolderIsAsBefo
 TEST(BagDisk, AFolderThatNobodyMayWriteIsRead)
 {
   MAKE_BAGS("wal_killed.db3 wal_closed.db3 journal.db3 zstd.mcap");
+  for (const auto& entry : fs::directory_iterator(dir / ""))
+    fs::permissions(entry.path(), fs::perms::owner_read);
   fs::permissions(dir / "", fs::perms::owner_read | fs::perms::owner_exec);
   for (const std::string name : {"wal_killed.db3", "wal_closed.db3", "journal.db3", "zstd.mcap"})
   {
@@ -191,7 +193,7 @@ TEST(BagDisk, APartAloneTellsThatThereAreMore)
 TEST(BagDisk, APartThatIsEmptyIsLeftOut)
 {
   MAKE_BAGS("split_names_lie");
-  std::ofstream(dir / "split_names_lie/last.db3");
+  std::ofstream empty(dir / "split_names_lie/last.db3");
   EXPECT_EQ(scans_of(dir / "split_names_lie", "/front/points").size(), 10u);
   const auto remarks = remarks_of(dir / "split_names_lie");
   EXPECT_TRUE(holds(remarks, "left out, as they are empty: last.db3")) << remarks;

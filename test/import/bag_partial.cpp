@@ -34,6 +34,16 @@ std::size_t scans_before(const std::string& path, const std::string& whole, std:
     EXPECT_EQ(scans[i].x_m.at(1), static_cast<float>(i) + 0.25F);
   return scans.size();
 }
+
+/** The same of many_scans() of odd_bags.py, all points of which are there. */
+std::size_t many_scans_before(const std::string& path, const std::string& whole, std::size_t bytes)
+{
+  std::ofstream(path, std::ios::binary) << whole.substr(0, bytes);
+  const auto scans = scans_of(path, "/front/points", in_part());
+  for (std::size_t i = 0; i < scans.size(); ++i)
+    for (const float x_m : scans[i].x_m) EXPECT_EQ(x_m, static_cast<float>(i)) << bytes;
+  return scans.size();
+}
 }  // namespace
 
 class BagPartial : public testing::TestWithParam<const char*>
@@ -73,6 +83,26 @@ TEST(BagPartial, AChunkThatIsCutGivesWhatComesOutOfIt)
     const auto scans = scans_of(dir / name, "/front/points", in_part()).size();
     EXPECT_TRUE(scans >= 30 && scans < 190) << name << ": " << scans;
   }
+}
+
+TEST(BagPartial, MessagesBeforeTheCutAreReadWhereThePagesThatLeadToThemAreBehindIt)
+{
+  MAKE_BAGS("deep.db3");
+  const auto whole = bytes_of(dir / "deep.db3");
+  for (const std::size_t twentieth : {2, 4, 10, 18})
+  {
+    const auto scans = many_scans_before(dir / "deep.db3", whole, whole.size() * twentieth / 20);
+    EXPECT_TRUE(scans + 8 >= 10 * twentieth && scans <= 10 * twentieth) << scans;
+  }
+}
+
+TEST(BagPartial, AMessageThatEndsInThePageThatIsCutIsLeftOut)
+{
+  MAKE_BAGS("wide.db3");
+  const auto whole = bytes_of(dir / "wide.db3");
+  const std::size_t half = whole.size() / 2;
+  for (std::size_t cut = half; cut < half + 3000; cut += 100)
+    EXPECT_GT(many_scans_before(dir / "wide.db3", whole, cut), 85u) << cut;
 }
 
 TEST(BagPartial, AChunkThatIsDamagedIsLeftOutAndToldAlone)

@@ -265,14 +265,14 @@ def cloud_of_many(count):
     return body[:at] + struct.pack("<III", 3, 3 * count, 3 * count) + b"\1" * (3 * count) + b"\0"
 
 
-def many_scans():
-    """In one chunk, with points that do not pack well."""
+def many_scans(count=200):
+    """With points that do not pack well. Where they are few, the tree of a database has three levels."""
     import random
     numbers = random.Random(7)
     fields = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)]
     rows = []
     for i in range(200):
-        points = [(i, numbers.random(), numbers.random()) for _ in range(200)]
+        points = [(i, numbers.random(), numbers.random()) for _ in range(count)]
         rows.append((mb.stamp(0.1 * i), "/front/points", mb.CLOUD, mb.cloud(mb.stamp(0.1 * i), "lidar", fields, 12, points)))
     return rows
 
@@ -286,6 +286,8 @@ def bags(folder):
         "wal_lost_early.db3": topics_in_wal,
         "journal.db3": in_transaction,
         "lost_index.db3": lose_rows_of_index,
+        "wide.db3": lambda n: mb.write_db3(n, many_scans()),
+        "deep.db3": lambda n: mb.write_db3(n, many_scans(15)),
         "split_names_lie": lambda n: split(n, lambda i, count: f"{(i * 7 + 3) % count:03}.db3"),
         "split_empty_metadata": lambda n: split(n, lambda i, count: f"part_{i}.db3", ""),
         "split_bad_metadata": lambda n: split(n, lambda i, count: f"part_{i}.db3", "rosbag2_bagfile_information: ["),

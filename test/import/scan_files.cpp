@@ -429,13 +429,16 @@ TEST_F(ScanFiles, unpack_pieces_that_are_said_twice)
           4),
       4, out))
       << "before the beginning";
-  for (const char* cut :
+  using namespace std::string_view_literals;  // which keep what follows a byte of 0
+  for (const std::string_view cut :
        {"\x05"
-        "ab",
+        "ab"sv,
         "\x00"
-        "a\xe0",
+        "a\xe0"sv,
         "\x00"
-        "a\x20"})
+        "a\x20"sv,
+        "\x00"
+        "a\xe0\x14"sv})
     EXPECT_FALSE(unpack_lzf(cut, 30, out));
 }
 

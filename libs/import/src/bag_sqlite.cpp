@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <map>
 #include <stdexcept>
+#include <tuple>
 
 #include "bag_file.h"
 #include "bag_sqlite_database.h"
-#include "bag_sqlite_pages.h"
 #include "bag_topics.h"
 
 namespace talus::import
@@ -18,17 +18,17 @@ std::string text_of(sqlite3_stmt* row, int column)
               : std::string();
 }
 
-SqlitePages pages_of(const std::string& path, FileBytes& file)
+/** A row of the table of messages, and the page it is on. */
+struct StoredMessage
 {
-  try
+  std::int64_t time_ns = 0, id = 0, topic = 0;
+  std::uint64_t page = 0;
+
+  bool operator<(const StoredMessage& o) const
   {
-    return SqlitePages(file);
+    return std::tie(time_ns, id) < std::tie(o.time_ns, o.id);
   }
-  catch (const std::runtime_error& e)
-  {
-    throw std::runtime_error(path + ": " + e.what() + ". Copy the bag again.");
-  }
-}
+};
 
 /** A bag of rosbag2's plugin sqlite3: tables topics and messages. */
 class SqliteFile final : public BagFile
@@ -59,15 +59,18 @@ class SqliteFile final : public BagFile
   void read_topics();
   void count_messages();
   void count(std::int64_t topic, std::int64_t time_ns);
-  void take_pages();
+  void take_leaves();
+  std::size_t take_leaf(std::uint64_t page);
+  bool is_whole(const StoredMessage& row);
   void rewind() override;
   bool next_row(BagMessage& message);
   bool next_stored(BagMessage& message);
-  std::string_view payload_of_row();
+  void show(std::uint64_t page);
+  std::string_view data_of_row();
 
   std::string path_;
   FileBytes file_;
-  SqlitePages pages_;
+  SqliteHeader header_;
   SqliteDatabase base_;
   std::uint64_t read_bytes_ = 0;
   SqliteStatement ids_{nullptr, sqlite3_finalize}, data_{nullptr, sqlite3_finalize};
@@ -77,16 +80,13 @@ class SqliteFile final : public BagFile
   std::int64_t id_ = 0;  //!< of the last message
   std::optional<std::vector<StoredMessage>> stored_;  //!< all that are whole in a bag that is cut
   std::size_t at_ = 0;  //!< the next of stored_
-  std::vector<char> data_of_pages_;
+  std::uint64_t shown_ = 0;  //!< page of which data_ is
   std::uint64_t message_bytes_ = 0;  //!< of the last payload
   std::vector<std::string> remarks_;
 };
 
 SqliteFile::SqliteFile(const std::string& path, bool partial)
-    : path_(path),
-      file_(path),
-      pages_(pages_of(path, file_)),
-      base_(path, partial ? pages_.told_bytes() : 0)
+    : path_(path), file_(path), header_(path, file_), base_(path, partial)
 {
   if (!partial) require_whole();
   base_.open();
@@ -96,21 +96,21 @@ SqliteFile::SqliteFile(const std::string& path, bool partial)
   if (base_.has_cut_wal())
     remarks_.push_back(path_ + "-wal: is cut: of what it has, the whole transactions are read");
   if (partial && !is_sound())
-    take_pages();
+    take_leaves();
   else
     count_messages();
   stop();
 }
 
 /** Of pages that are still in a log the header may tell before they are there. */
-bool SqliteFile::is_short() const { return !base_.has_log() && file_.size() < pages_.told_bytes(); }
+bool SqliteFile::is_short() const { return !base_.has_log() && file_.size() < header_.told_bytes; }
 
 void SqliteFile::require_whole() const
 {
   if (is_short())
     throw std::runtime_error(
         path_ + ": is cut: it has " + std::to_string(file_.size()) + " of " +
-        std::to_string(pages_.told_bytes()) +
+        std::to_string(header_.told_bytes) +
         " bytes. Copy it again; where there is no better copy, --partial reads what is whole.");
 }
 
@@ -126,7 +126,7 @@ void SqliteFile::require_table(const std::string& name)
 /** A recorder that keeps a WAL was killed, and its file was copied without it. */
 std::string SqliteFile::missing_log() const
 {
-  if (!pages_.is_wal() || base_.has_log()) return "";
+  if (!header_.is_wal || base_.has_log()) return "";
   return "what a killed recorder wrote last is in " + path_ + "-wal, which is not beside it";
 }
 
@@ -179,21 +179,91 @@ void SqliteFile::count(std::int64_t topic, std::int64_t time_ns)
   if (const auto place = places_.find(topic); place != places_.end()) ++counts_[place->second];
 }
 
-void SqliteFile::take_pages()
+/** All rows that are whole, leaf by leaf: the pages that lead to them may be lost. */
+void SqliteFile::take_leaves()
 {
+  constexpr std::string_view kLeafOfTable = "\x0d";
+  const auto page_bytes = header_.page_bytes;
   std::size_t cut = 0;
-  stored_ = pages_.messages(cut);
-  for (const auto& message : *stored_) count(message.topic, message.time_ns);
+  stored_.emplace();
+  for (std::uint64_t page = 2; page * page_bytes <= file_.size(); ++page)
+    if (file_.look((page - 1) * page_bytes, 1) == kLeafOfTable) cut += take_leaf(page);
+  auto& all = *stored_;
+  std::sort(all.begin(), all.end());
+  const auto same = [](const auto& a, const auto& b) { return a.id == b.id; };
+  all.erase(std::unique(all.begin(), all.end(), same), all.end());
+  const auto last = std::max_element(
+      all.begin(), all.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  if (file_.size() % page_bytes != 0 && last != all.end())
+  {
+    all.erase(last);  // SQLite fills up the page in which the file ends: that of the last row
+    ++cut;
+  }
+  for (const auto& message : all) count(message.topic, message.time_ns);
   remarks_.push_back(
-      path_ + ": is cut or damaged; " + std::to_string(stored_->size()) +
+      path_ + ": is cut or damaged; " + std::to_string(all.size()) +
       " messages are whole and read, " + std::to_string(cut) +
       " are there in part and left out, those behind the cut are missing");
+}
+
+/** How many rows of a page are left out. */
+std::size_t SqliteFile::take_leaf(std::uint64_t page)
+{
+  std::vector<StoredMessage> rows_here;
+  std::size_t cut = 0;
+  try
+  {
+    show(page);
+    const auto rows = base_.ask(
+        "SELECT id, topic_id, timestamp FROM talus_leaf WHERE typeof(topic_id)='integer' AND "
+        "typeof(timestamp)='integer' AND typeof(data)='blob'");
+    while (base_.step(rows.get()))
+      rows_here.push_back(
+          {sqlite3_column_int64(rows.get(), 2), sqlite3_column_int64(rows.get(), 0),
+           sqlite3_column_int64(rows.get(), 1), page});
+  }
+  catch (const std::runtime_error&)
+  {
+    ++cut;
+  }
+  for (const auto& row : rows_here)
+    if (is_whole(row))
+      stored_->push_back(row);
+    else
+      ++cut;
+  return cut;
+}
+
+/** Whether a row of the page that is shown has all its pages. */
+bool SqliteFile::is_whole(const StoredMessage& row)
+{
+  try
+  {
+    id_ = row.id;
+    data_of_row();
+    return true;
+  }
+  catch (const std::runtime_error&)
+  {
+    return false;
+  }
+}
+
+void SqliteFile::show(std::uint64_t page)
+{
+  if (shown_ == page) return;
+  shown_ = 0;
+  data_.reset();
+  base_.show_leaf(page);
+  data_ = base_.ask("SELECT data FROM talus_leaf WHERE id=?");
+  shown_ = page;
 }
 
 void SqliteFile::stop()
 {
   ids_.reset();
   data_.reset();
+  shown_ = 0;
   base_.close();
   file_.close();
 }
@@ -204,8 +274,8 @@ void SqliteFile::rewind()
   read_bytes_ = 0;
   id_ = 0;
   at_ = 0;
-  if (stored_) return;
   base_.open();
+  if (stored_) return;
   std::string wanted;
   for (const auto& [id, place] : places_)
     if (is_wanted(place)) wanted += (wanted.empty() ? "" : ",") + std::to_string(id);
@@ -256,15 +326,13 @@ bool SqliteFile::next_stored(BagMessage& message)
 
 std::string_view SqliteFile::payload()
 {
-  if (!stored_) return payload_of_row();
-  pages_.read((*stored_)[at_ - 1], data_of_pages_);
-  message_bytes_ = data_of_pages_.size();
-  read_bytes_ += message_bytes_;
-  return {data_of_pages_.data(), data_of_pages_.size()};
+  if (stored_) show((*stored_)[at_ - 1].page);
+  return data_of_row();
 }
 
-std::string_view SqliteFile::payload_of_row()
+std::string_view SqliteFile::data_of_row()
 {
+  if (read_bytes_ > base_.bytes()) base_.fail("its messages have more bytes than the file");
   sqlite3_reset(data_.get());
   sqlite3_bind_int64(data_.get(), 1, id_);
   if (!base_.step(data_.get())) base_.fail("a message is gone");
@@ -272,7 +340,6 @@ std::string_view SqliteFile::payload_of_row()
   const auto size = static_cast<std::size_t>(sqlite3_column_bytes(data_.get(), 0));
   message_bytes_ = size;
   read_bytes_ += size;
-  if (read_bytes_ > base_.bytes()) base_.fail("its messages have more bytes than the file");
   return {data, data ? size : 0};
 }
 }  // namespace

@@ -4,10 +4,12 @@
 #include <talus/input_file.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <string_view>
 
-#include "bag_bytes.h"
 #include "bag_file.h"
-#include "bag_sqlite_pages.h"
+
+namespace fs = std::filesystem;
 
 namespace talus::import
 {
@@ -15,7 +17,40 @@ namespace
 {
 constexpr std::array<const char*, 3> kEndings = {"", "-wal", "-journal"};
 constexpr int kStepsACall = 100000;
+constexpr const char* kCopies = ".talus-bag.";
+
+std::uint64_t big_endian(std::string_view bytes)
+{
+  std::uint64_t value = 0;
+  for (const char byte : bytes) value = value << 8 | static_cast<unsigned char>(byte);
+  return value;
+}
+
+/** For sqlite3_open_v2(). */
+std::string uri_of(const std::string& path, const std::string& how)
+{
+  std::string uri = "file://";
+  for (const char c : fs::absolute(path).string())
+    uri += c == '%' ? "%25" : c == '?' ? "%3f" : c == '#' ? "%23" : std::string(1, c);
+  return uri + how;
+}
 }  // namespace
+
+SqliteHeader::SqliteHeader(const std::string& path, FileBytes& file)
+{
+  constexpr std::size_t kBytes = 100;
+  constexpr std::uint64_t kLeast = 512, kMost = 65536;  // of a page
+  const auto head = file.look(0, kBytes);
+  if (head.size() < kBytes) throw std::runtime_error(path + ": is cut short. Copy the bag again.");
+  const auto number = [&](std::size_t at, std::size_t count)
+  { return big_endian(head.substr(at, count)); };
+  page_bytes = number(16, 2) == 1 ? kMost : number(16, 2);
+  if (page_bytes < kLeast)
+    throw std::runtime_error(
+        path + ": has a header without a size of its pages. Copy the bag again.");
+  is_wal = number(19, 1) == 2;
+  if (number(24, 4) == number(92, 4)) told_bytes = page_bytes * number(28, 4);
+}
 
 FilesOfDatabase::FilesOfDatabase(const std::string& path) : path_(path), states_(look())
 {
@@ -60,6 +95,16 @@ bool FilesOfDatabase::have_changed() const
   return false;
 }
 
+void FilesOfDatabase::copy(const std::string& to) const
+{
+  for (std::size_t i = 0; i < states_.size(); ++i)
+  {
+    if (states_[i].bytes == 0) continue;
+    fs::copy_file(path_ + kEndings.at(i), to + kEndings.at(i));
+    fs::permissions(to + kEndings.at(i), fs::perms::owner_write, fs::perm_options::add);
+  }
+}
+
 void SqliteDatabase::Budget::reset(std::uint64_t file_bytes)
 {
   constexpr std::uint64_t kStepsAByte = 10, kStepsAtLeast = 10000000;
@@ -71,21 +116,42 @@ int SqliteDatabase::Budget::spend(void* budget)
   return --static_cast<Budget*>(budget)->calls_left < 0 ? 1 : 0;
 }
 
-SqliteDatabase::SqliteDatabase(const std::string& path, std::uint64_t least_bytes)
-    : path_(path), files_(path), read_only_(least_bytes)
+void SqliteDatabase::copy_files()
 {
+  try
+  {
+    const auto folder = fs::temp_directory_path();
+    io::HiddenFolder::remove_abandoned(folder, kCopies);
+    copy_ = std::make_unique<io::HiddenFolder>(folder, kCopies);
+    files_.copy(copy_->path() / "bag.db3");
+  }
+  catch (const std::system_error& e)
+  {
+    throw std::runtime_error(
+        path_ + ": has a journal, and cannot be copied to undo it: " + e.what() + ". Free " +
+        std::to_string(bytes()) + " bytes there, or name another folder in TMPDIR.");
+  }
+}
+
+std::string SqliteDatabase::uri()
+{
+  if (!files_.has_journal())
+    return uri_of(path_, files_.has_wal() ? "?vfs=unix-none" : "?immutable=1");
+  if (!copy_) copy_files();
+  return uri_of(copy_->path() / "bag.db3", "");
 }
 
 void SqliteDatabase::open()
 {
   constexpr std::uint64_t kLeastLength = 1 << 16;  // of a statement
   sqlite3* raw = nullptr;
-  const int code = sqlite3_open_v2(path_.c_str(), &raw, SQLITE_OPEN_READWRITE, read_only_.name());
+  const int mode = files_.has_journal() ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY;
+  const int code = sqlite3_open_v2(uri().c_str(), &raw, mode | SQLITE_OPEN_URI, nullptr);
   connection_.reset(raw);
   if (code != SQLITE_OK) fail(raw ? sqlite3_errmsg(raw) : "no memory");
   // What the schema of a database asks for may run, so that one of a stranger may do little.
   sqlite3_db_config(raw, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-  sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, partial_ ? 0 : 1, nullptr);
   sqlite3_db_config(raw, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   // No message is longer than its file.
   const auto longest = std::min<std::uint64_t>(kMostBagBytes, std::max(bytes(), kLeastLength));
@@ -94,6 +160,23 @@ void SqliteDatabase::open()
   budget_.reset(bytes());
   // The index of a WAL then needs no file that is shared with others.
   step(ask("PRAGMA locking_mode=EXCLUSIVE").get());
+  // SQLite then opens one that has fewer pages than it says.
+  if (partial_) step(ask("PRAGMA writable_schema=ON").get());
+}
+
+void SqliteDatabase::show_leaf(std::uint64_t page)
+{
+  // What the command .imposter of its shell does: nothing is written.
+  const auto begin_table_at = [&](int on, int root)
+  { sqlite3_test_control(SQLITE_TESTCTRL_IMPOSTER, connection_.get(), "main", on, root); };
+  begin_table_at(0, 1);  // forgets the last one
+  begin_table_at(1, static_cast<int>(page));
+  const int code = sqlite3_exec(
+      connection_.get(),
+      "CREATE TABLE talus_leaf(id INTEGER PRIMARY KEY, topic_id, timestamp, data)", nullptr,
+      nullptr, nullptr);
+  begin_table_at(0, 0);
+  if (code != SQLITE_OK) fail_with(code);
 }
 
 SqliteStatement SqliteDatabase::ask(const std::string& sql)

@@ -1,5 +1,6 @@
 #pragma once
 #include <sqlite3.h>
+#include <talus/io/hidden_folder.h>
 
 #include <array>
 #include <cstdint>
@@ -7,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "bag_sqlite_files.h"
+#include "bag_bytes.h"
 
 namespace talus::import
 {
@@ -19,6 +20,17 @@ class SqliteDamaged : public std::runtime_error
   using std::runtime_error::runtime_error;
 };
 
+/** What the first bytes of a database say, see https://sqlite.org/fileformat2.html. */
+struct SqliteHeader
+{
+  /** Throws std::runtime_error that names the file, where it has none. */
+  SqliteHeader(const std::string& path, FileBytes& file);
+
+  std::uint64_t page_bytes = 0;
+  std::uint64_t told_bytes = 0;  //!< size of the file; 0: it does not say
+  bool is_wal = false;  //!< whether what is written last is kept in a file beside it
+};
+
 /** A database and what SQLite may have put beside it: sizes and times of their last change. */
 class FilesOfDatabase
 {
@@ -28,10 +40,15 @@ class FilesOfDatabase
 
   std::uint64_t bytes() const;
   /** Whether a WAL or a journal lies beside it. */
-  bool has_log() const { return states_[1].bytes + states_[2].bytes > 0; }
+  bool has_log() const { return has_wal() || has_journal(); }
+  bool has_wal() const { return states_[1].bytes > 0; }
+  bool has_journal() const { return states_[2].bytes > 0; }
   /** Whether a WAL ends in the middle of a page, of which SQLite says nothing. */
   bool has_cut_wal() const;
   bool have_changed() const;
+  /** Copies all to `to`, with their endings, to be written. Throws
+   * std::filesystem::filesystem_error. */
+  void copy(const std::string& to) const;
 
  private:
   struct State
@@ -46,13 +63,17 @@ class FilesOfDatabase
   States states_;
 };
 
-/** A database that is only read, also while others hold it locked. All throw std::runtime_error
- * that names the file. */
+/** A database that is only read, also while others hold it locked: without locks, and without a
+ * file of SQLite's own in its folder. One with a journal, which has to be undone, is copied into
+ * the folder for temporary files. All throw std::runtime_error that names the file. */
 class SqliteDatabase
 {
  public:
-  /** `least_bytes`: as ReadOnlyFiles has it. */
-  SqliteDatabase(const std::string& path, std::uint64_t least_bytes);
+  /** `partial`: also one that is cut. */
+  SqliteDatabase(const std::string& path, bool partial)
+      : path_(path), partial_(partial), files_(path)
+  {
+  }
 
   void open();
   /** After all statements are gone. */
@@ -61,6 +82,10 @@ class SqliteDatabase
   SqliteStatement ask(const std::string& sql);
   /** Whether there is a row. */
   bool step(sqlite3_stmt* statement);
+  /** Makes a table `talus_leaf` (id, topic_id, timestamp, data) of the rows on one page (the first
+   * is 1), a leaf, whatever leads to it: the pages above may be lost. Only of one that is read in
+   * part, and without statements. */
+  void show_leaf(std::uint64_t page);
 
   std::uint64_t bytes() const { return files_.bytes(); }
   bool has_log() const { return files_.has_log(); }
@@ -78,11 +103,14 @@ class SqliteDatabase
     void reset(std::uint64_t file_bytes);
     static int spend(void* budget);
   };
+  std::string uri();
+  void copy_files();
   [[noreturn]] void fail_with(int code) const;
 
   std::string path_;
+  bool partial_;
   FilesOfDatabase files_;
-  ReadOnlyFiles read_only_;
+  std::unique_ptr<io::HiddenFolder> copy_;
   Budget budget_;
   std::unique_ptr<sqlite3, int (*)(sqlite3*)> connection_{nullptr, sqlite3_close};
 };
