@@ -3,7 +3,6 @@
 #include "tile_pack.h"
 
 #include <talus/io/hidden_folder.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -30,15 +29,7 @@ namespace talus::site
 namespace
 {
 constexpr const char* kTilesPrefix = ".talus-tiles.";
-constexpr int kFastest = 1;
 
-static_assert(std::is_trivially_copyable_v<SiteCell> && sizeof(SiteCell) == 32);
-static_assert(std::is_trivially_copyable_v<ChannelRecord> && sizeof(ChannelTile) == sizeof(Tile));
-
-struct CompressorEnd
-{
-  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
-};
 struct FileEnd
 {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -59,57 +50,40 @@ using File = std::unique_ptr<std::FILE, FileEnd>;
       "tiles go to disk)");
 }
 
-/** Packed tiles in bytes of a file: compressed, with a checksum. Its memory is kept. */
-class TileCodec
+/** Whole or not at all. */
+void write_packed(const fs::path& path, const std::vector<std::uint8_t>& packed)
 {
- public:
-  TileCodec() : compressor_(ZSTD_createCCtx()), bytes_(ZSTD_compressBound(kMostPacked))
-  {
-    if (!compressor_) throw std::bad_alloc();
-    ZSTD_CCtx_setParameter(compressor_.get(), ZSTD_c_compressionLevel, kFastest);
-    ZSTD_CCtx_setParameter(compressor_.get(), ZSTD_c_checksumFlag, 1);
-  }
+  const fs::path part = path.string() + ".part";
+  errno = 0;
+  File file(std::fopen(part.c_str(), "wb"));
+  if (!file) fail_to_write(path, errno);
+  const bool written = std::fwrite(packed.data(), 1, packed.size(), file.get()) == packed.size();
+  const bool is_whole = written && std::fclose(file.release()) == 0;
+  if (is_whole && std::rename(part.c_str(), path.c_str()) == 0) return;
+  const int error = errno;
+  file.reset();
+  std::remove(part.c_str());
+  fail_to_write(path, error);
+}
 
-  /** Whole or not at all. */
-  void write(const fs::path& path, const std::vector<std::uint8_t>& tile)
+template <class T>
+void read_packed(const fs::path& path, TilePacker& packer, T& tile)
+{
+  errno = 0;
+  File file(std::fopen(path.c_str(), "rb"));
+  if (!file) fail_to_read(path, std::strerror(errno));
+  std::vector<std::uint8_t> packed(TilePacker::kMostPacked);
+  packed.resize(std::fread(packed.data(), 1, packed.size(), file.get()));
+  if (std::ferror(file.get())) fail_to_read(path, std::strerror(errno));
+  try
   {
-    const std::size_t size =
-        ZSTD_compress2(compressor_.get(), bytes_.data(), bytes_.size(), tile.data(), tile.size());
-    if (ZSTD_isError(size)) throw std::runtime_error(ZSTD_getErrorName(size));
-    const fs::path part = path.string() + ".part";
-    errno = 0;
-    File file(std::fopen(part.c_str(), "wb"));
-    if (!file) fail_to_write(path, errno);
-    const bool written = std::fwrite(bytes_.data(), 1, size, file.get()) == size;
-    const bool is_whole = written && std::fclose(file.release()) == 0;
-    if (is_whole && std::rename(part.c_str(), path.c_str()) == 0) return;
-    const int error = errno;
-    file.reset();
-    std::remove(part.c_str());
-    fail_to_write(path, error);
+    packer.unpack(packed, tile);
   }
-
-  template <class T>
-  void read(const fs::path& path, T& tile)
+  catch (const std::runtime_error& e)
   {
-    errno = 0;
-    File file(std::fopen(path.c_str(), "rb"));
-    if (!file) fail_to_read(path, std::strerror(errno));
-    const std::size_t size = std::fread(bytes_.data(), 1, bytes_.size(), file.get());
-    if (std::ferror(file.get())) fail_to_read(path, std::strerror(errno));
-    std::vector<std::uint8_t> packed_tile(kMostPacked);
-    const std::size_t packed_size =
-        ZSTD_decompress(packed_tile.data(), packed_tile.size(), bytes_.data(), size);
-    if (ZSTD_isError(packed_size) || packed_size == 0) fail_to_read(path, "it is damaged");
-    packed_tile.resize(packed_size);
-    unpack(packed_tile, tile);
+    fail_to_read(path, e.what());
   }
-
- private:
-  static constexpr std::size_t kMostPacked = 2 * sizeof(Tile);
-  std::unique_ptr<ZSTD_CCtx, CompressorEnd> compressor_;
-  std::vector<std::uint8_t> bytes_;
-};
+}
 
 #if defined(__linux__)
 /** Memory that begins at a multiple of its size. malloc would take twice as much of it. */
@@ -204,7 +178,7 @@ struct StoreOf<T>::Impl
     if (read_last == &entry) return *copy;
     read_last = nullptr;
     if (!copy) copy = std::make_unique<T>();
-    unpack(entry.packed, *copy);
+    packer().unpack(entry.packed, *copy);
     read_last = &entry;
     return *copy;
   }
@@ -218,9 +192,9 @@ struct StoreOf<T>::Impl
     try
     {
       if (!entry.packed.empty())
-        unpack(entry.packed, *tile);
+        packer().unpack(entry.packed, *tile);
       else if (entry.is_on_disk)
-        codec().read(path_of(*entry.key), *tile);
+        read_packed(path_of(*entry.key), packer(), *tile);
       else
         new (tile) T;
     }
@@ -238,7 +212,7 @@ struct StoreOf<T>::Impl
   void pack(Entry& entry)
   {
     if (!entry.tile) return;
-    std::vector<std::uint8_t> bytes = packed(*entry.tile);
+    std::vector<std::uint8_t> bytes = packer().pack(*entry.tile);
     leave_memory(entry);
     entry.packed = std::move(bytes);
     packed_bytes += entry.packed.size();
@@ -256,7 +230,7 @@ struct StoreOf<T>::Impl
   {
     Entry& last = *oldest;
     if (!last.is_on_disk)
-      codec().write(path_of(*last.key), last.tile ? packed(*last.tile) : last.packed);
+      write_packed(path_of(*last.key), last.tile ? packer().pack(*last.tile) : last.packed);
     last.is_on_disk = true;
     leave_memory(last);
   }
@@ -303,10 +277,10 @@ struct StoreOf<T>::Impl
     (entry.older ? entry.older->newer : oldest) = entry.newer;
   }
 
-  TileCodec& codec()
+  TilePacker& packer()
   {
-    if (!codec_) codec_ = std::make_unique<TileCodec>();
-    return *codec_;
+    if (!packer_) packer_ = std::make_unique<TilePacker>();
+    return *packer_;
   }
 
   fs::path path_of(const TileKey& key)
@@ -320,8 +294,7 @@ struct StoreOf<T>::Impl
     try
     {
       if (!folder.empty()) fs::create_directories(folder);
-      for (const auto& left : io::HiddenFolder::all_in(folder, kTilesPrefix))
-        io::HiddenFolder::remove_if_abandoned(left);
+      io::HiddenFolder::remove_abandoned(folder, kTilesPrefix);
       hidden = std::make_unique<io::HiddenFolder>(folder, kTilesPrefix);
     }
     catch (const std::system_error& e)
@@ -340,7 +313,7 @@ struct StoreOf<T>::Impl
   std::unique_ptr<T> copy;  //!< of that
 
  private:
-  std::unique_ptr<TileCodec> codec_;
+  std::unique_ptr<TilePacker> packer_;
 };
 
 template <class T>
