@@ -1,9 +1,8 @@
 #include "child_process.h"
 
-#include "suspect.h"
+#include "crash_context.h"
 
 #include <sys/prctl.h>
-#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -30,17 +29,6 @@ void on_signal(int signal)
   asked_to_stop = signal;
   if (running_child > 0) ::kill(static_cast<pid_t>(running_child), SIGKILL);
 }
-
-[[noreturn]] void be_the_child(const std::function<int()>& work, pid_t parent) noexcept
-{
-  // A parent that is killed cannot tidy up after its child: the child goes with it.
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(1);  // it was killed before
-  const int code = work();
-  std::cout.flush();
-  std::fflush(nullptr);
-  ::_exit(code);  // not exit(): what the parent registered to be undone is the parent's
-}
 }  // namespace
 
 int start_child(const std::function<int()>& work)
@@ -50,42 +38,14 @@ int start_child(const std::function<int()>& work)
   const pid_t parent = ::getpid(), child = ::fork();
   if (child < 0)
     throw std::runtime_error(std::string("cannot start a process: ") + std::strerror(errno));
-  if (child == 0) be_the_child(work, parent);
-  return child;
-}
-
-ChildEnd run_in_child(const std::function<int()>& work)
-{
-  Suspect::forget();
-  const pid_t child = start_child(
-      [&]
-      {
-        for (const int s : kForwarded)  // as before forward_signals()
-          if (std::signal(s, SIG_DFL) == SIG_IGN) std::signal(s, SIG_IGN);
-        return work();
-      });
-  running_child = child;
-  if (asked_to_stop) ::kill(child, SIGKILL);
-  siginfo_t ended;
-  while (::waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR)
-  {
-  }
-  running_child = 0;  // before its number can become that of another process
-  return wait_for_child(child);
-}
-
-int run_command_in_child(
-    const std::string& file, const std::function<int()>& work,
-    const std::function<void(const std::string&)>& tell)
-{
-  const ChildEnd end = run_in_child(work);
-  if (stop_signal())
-  {
-    tell("stopped; nothing was written");
-    return 128 + stop_signal();
-  }
-  if (end.signal) throw std::runtime_error(crash_text(file, end.signal));
-  return end.exit_code;
+  if (child > 0) return child;
+  // A parent that is killed cannot tidy up after its child: the child goes with it.
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(1);  // it was killed before
+  const int code = work();
+  std::cout.flush();
+  std::fflush(nullptr);
+  ::_exit(code);  // not exit(): what the parent registered to be undone is the parent's
 }
 
 ChildEnd wait_for_child(int child)
@@ -105,8 +65,39 @@ ChildEnd wait_for_child(int child)
   return end;
 }
 
+ChildEnd run_in_child(const std::function<int()>& work)
+{
+  CrashContext::begin_anew();
+  running_child = start_child(
+      [&]
+      {
+        for (const int s : kForwarded)  // as before forward_signals()
+          if (std::signal(s, SIG_DFL) == SIG_IGN) std::signal(s, SIG_IGN);
+        return work();
+      });
+  if (asked_to_stop) ::kill(running_child, SIGKILL);
+  const ChildEnd end = wait_for_child(running_child);
+  running_child = 0;
+  return end;
+}
+
+int run_command_in_child(
+    const std::string& file, const std::string& advice, const std::function<int()>& work,
+    const std::function<void(const std::string&)>& tell)
+{
+  const ChildEnd end = run_in_child([&] { return code_of(work, tell, file, advice); });
+  if (stop_signal())
+  {
+    tell("stopped; nothing was written");
+    return 128 + stop_signal();
+  }
+  if (end.signal) throw std::runtime_error(crash_text(file, end.signal));
+  return end.exit_code;
+}
+
 void forward_signals()
 {
+  for (const int s : {SIGXFSZ, SIGPIPE}) std::signal(s, SIG_IGN);
   struct sigaction forward = {};
   forward.sa_handler = on_signal;  // without SA_RESTART: whatever waits for ever ends
   for (const int s : kForwarded)
@@ -127,21 +118,13 @@ std::string signal_text(int signal)
 
 std::string crash_text(const std::string& log, int signal)
 {
-  Suspect::Named suspect = Suspect::newest();
-  Suspect::forget();  // this process may be a child itself
-  if (suspect.file.empty()) suspect = {log, kLookAtLog};
+  CrashContext::Named blamed = CrashContext::newest();
+  CrashContext::begin_anew();  // this process may be a child itself
+  if (blamed.file.empty()) blamed = {log, kLookAtLog};
   if (signal == SIGKILL)
-    return suspect.file + ": was killed, perhaps for want of memory; it gives no results";
-  const std::string what = signal == SIGPROF ? "computing over it did not come to an end"
-                                             : "crashed the program (" + signal_text(signal) + ")";
-  return suspect.file + ": " + what + "; it gives no results. " + suspect.advice;
-}
-
-void limit_computing(int seconds)
-{
-  itimerval limit{};
-  limit.it_value.tv_sec = seconds;
-  ::setitimer(ITIMER_PROF, &limit, nullptr);
+    return blamed.file + ": was killed, perhaps for want of memory; it gives no results";
+  return blamed.file + ": crashed the program (" + signal_text(signal) +
+         "); it gives no results. " + blamed.advice;
 }
 
 }  // namespace talus::app

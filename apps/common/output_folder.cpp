@@ -1,13 +1,13 @@
 #include "output_folder.h"
 
-#include "placing.h"
+#include <talus/io/atomic_file.h>
+#include <unistd.h>
 
 #include <cerrno>
-#include <csignal>
 #include <iostream>
+#include <regex>
 #include <stdexcept>
 #include <system_error>
-#include <utility>
 
 namespace fs = std::filesystem;
 
@@ -15,124 +15,179 @@ namespace talus::app
 {
 namespace
 {
-void tell(const std::string& folder, const Swept& swept)
+using io::FolderLock;
+
+constexpr const char* kRunPrefix = ".talus-run.";  // of hidden folders of results
+// In the hidden folder:
+constexpr const char* kSeal = ".talus-seal";  // folder; the seal is in it once all is complete
+constexpr const char* kToClear = ".talus-to-clear";  // until what would mislead has been removed
+
+bool matches(const fs::path& name, const std::regex& pattern)
 {
-  const auto say = [&](const std::string& what)
+  return std::regex_match(name.string(), pattern);
+}
+
+/** Everything below a folder but folders and what a run keeps for itself (".talus-..."), relative
+ * to it. */
+std::vector<fs::path> files_below(const fs::path& folder)
+{
+  std::vector<fs::path> files;
+  std::error_code gone;
+  for (auto it = fs::recursive_directory_iterator(folder, gone);
+       it != fs::recursive_directory_iterator(); ++it)
+    if (it->path().filename().string().rfind(".talus-", 0) == 0)
+      it.disable_recursion_pending();
+    else if (std::error_code no_folder; !it->is_directory(no_folder))
+      files.push_back(it->path().lexically_relative(folder));
+  return files;
+}
+
+/** Removes the seal, and what of a run before would be taken for a part of these results. */
+void clear(const fs::path& hidden, const std::string& seal)
+{
+  const fs::path folder = hidden.parent_path(), snapshots = "frames";
+  const bool has_site = fs::exists(hidden / "site.tif"), has_labels = seal == kLabelTable;
+  std::vector<fs::path> old{folder / seal};
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder))
   {
-    std::cerr << ::program_invocation_short_name << ": warning: " << folder << ": " << what << "\n";
-  };
-  if (swept.placed > 0)
-    say("a run was killed while its results were put there; they are complete now");
-  if (swept.removed > 0) say("removed what a run that was killed had left there");
+    const fs::path name = entry.path().filename();
+    const bool is_label = name.extension() == ".label" || name == kLabelledLog;
+    if (((has_site && is_site_file(name)) || (has_labels && is_label)) &&
+        entry.is_regular_file(none))
+      old.push_back(entry.path());
+  }
+  const std::regex snapshot("frame_[0-9]{6,}\\.(tif|png)");
+  if (fs::exists(hidden / snapshots))
+    for (const auto& entry : fs::directory_iterator(folder / snapshots, none))
+      if (matches(entry.path().filename(), snapshot) && entry.is_regular_file(none))
+        old.push_back(entry.path());
+  for (const auto& file : old) fs::remove(file);
+}
+
+/** Makes room for the results, which are complete then. Throws before anything else is changed. */
+void seal_results(const fs::path& hidden, const std::string& seal)
+{
+  for (const auto& file : files_below(hidden))
+  {
+    const fs::path to = hidden.parent_path() / file;
+    io::require_replaceable(to.string());
+    fs::create_directories(to.parent_path());
+    if (::access(to.parent_path().c_str(), W_OK) != 0)
+      throw std::runtime_error(
+          to.string() + ": cannot be written: " + std::generic_category().message(errno));
+  }
+  fs::create_directory(hidden / kToClear);
+  fs::create_directory(hidden / kSeal);
+  fs::rename(hidden / seal, hidden / kSeal / seal);
+}
+
+/** Moves results that are complete to their place; goes on where another process was killed. */
+void place(const fs::path& hidden)
+{
+  const fs::path folder = hidden.parent_path();
+  const auto seals = files_below(hidden / kSeal);
+  if (seals.empty()) return;  // it was killed when all was in place
+  if (fs::exists(hidden / kToClear)) clear(hidden, seals.front());
+  fs::remove(hidden / kToClear);
+  for (const auto& file : files_below(hidden)) fs::rename(hidden / file, folder / file);
+  fs::rename(hidden / kSeal / seals.front(), folder / seals.front());
 }
 }  // namespace
 
-OutputFolder::OutputFolder(const std::string& folder, std::string option)
-    : name_(folder), option_(std::move(option)), folder_(fs::absolute(folder).lexically_normal())
+OutputFolder::OutputFolder(const std::string& folder, const std::string& option)
+    : name_(folder), folder_(fs::absolute(folder).lexically_normal())
 {
-  for (const int s : {SIGXFSZ, SIGPIPE}) std::signal(s, SIG_IGN);
+  if (!folder_.has_filename()) folder_ = folder_.parent_path();
+  std::error_code none;
+  for (fs::path p = folder_; !fs::exists(p, none); p = p.parent_path()) made_.push_back(p);
   try
   {
-    if (!folder_.has_filename()) folder_ = folder_.parent_path();
-    constexpr int kMostTries = 100;
-    for (int i = 1; !hidden_; ++i) make_folders(i < kMostTries);
-  }
-  catch (...)
-  {
-    remove_made_folders();
-    throw;
-  }
-}
-
-void OutputFolder::fail(const fs::path& path, const std::string& what) const
-{
-  throw std::runtime_error(
-      path.string() + ": " + what + "; give a folder that you may write to with " + option_);
-}
-
-/** Makes the folder and the hidden one. With `may_vanish` it gives up without an error where a
- * folder vanishes meanwhile: another run that made it removes it again while it is empty. */
-void OutputFolder::make_folders(bool may_vanish)
-{
-  fs::path so_far;
-  for (const auto& part : folder_)
-  {
-    so_far /= part;
-    std::error_code ec;
-    const auto status = fs::status(so_far, ec);
-    if (fs::is_directory(status)) continue;
-    if (fs::exists(status)) fail(so_far, "cannot write results there: this is not a folder");
-    if (fs::create_directory(so_far, ec)) made_.push_back(so_far);
-    const bool vanished =
-        ec == std::errc::no_such_file_or_directory || ec == std::errc::file_exists;
-    if (vanished && may_vanish) return;
-    if (ec) fail(so_far, "cannot make this folder: " + ec.message());
-  }
-  try
-  {
-    const io::FolderLock lock(folder_, io::FolderLock::IfTaken::Wait);
-    sweep_and_tell();
+    fs::create_directories(folder_);
+    const FolderLock lock(folder_, FolderLock::IfTaken::Wait);
+    sweep();
     hidden_ = std::make_unique<io::HiddenFolder>(folder_, kRunPrefix);
   }
   catch (const std::system_error& e)
   {
-    if (e.code() != std::errc::no_such_file_or_directory || !may_vanish)
-      fail(folder_, "cannot write there: " + e.code().message());
+    remove_made_folders();
+    const bool is_file = e.code() == std::errc::not_a_directory;
+    throw std::runtime_error(
+        folder_.string() +
+        ": cannot write results there: " + (is_file ? "this is not a folder" : e.code().message()) +
+        "; give a folder that you may write to with " + option);
   }
 }
 
 OutputFolder::~OutputFolder()
 {
-  elsewhere_.reset();
   hidden_.reset();
   remove_made_folders();
 }
 
 void OutputFolder::remove_made_folders() noexcept
 {
-  // Only empty folders go.
-  std::error_code ec;
-  for (auto it = made_.rbegin(); it != made_.rend() && fs::remove(*it, ec); ++it)
-  {
-  }
+  std::error_code has_files;
+  for (const fs::path& folder : made_) fs::remove(folder, has_files);
 }
 
-/** Needs the lock of the folder. */
-void OutputFolder::sweep_and_tell() { tell(name_, sweep(folder_)); }
-
-io::AtomicFile& OutputFolder::elsewhere(const std::string& path)
+/** Ends what runs that were killed have left. Needs the lock of the folder. */
+void OutputFolder::sweep() const
 {
-  tell(fs::absolute(path).parent_path().string(), {io::remove_abandoned_files(path), 0});
-  elsewhere_ = std::make_unique<io::AtomicFile>(path);
-  link_elsewhere(hidden_->path(), elsewhere_->hidden_folder());
-  return *elsewhere_;
+  const auto warn = [this](const std::string& what) {
+    std::cerr << ::program_invocation_short_name << ": warning: " << name_ << ": " << what << "\n";
+  };
+  std::size_t removed = io::HiddenFolder::remove_abandoned(folder_, io::kFilePrefix);
+  for (const auto& hidden : io::HiddenFolder::all_in(folder_, kRunPrefix))
+  {
+    const FolderLock lock(hidden, FolderLock::IfTaken::GiveUp);
+    if (!lock.is_held()) continue;
+    const bool is_complete = !files_below(hidden / kSeal).empty();
+    place(hidden);
+    if (is_complete)
+      warn("a run was killed while its results were put there; they are complete now");
+    else
+      ++removed;
+    fs::remove_all(hidden);
+  }
+  if (removed > 0) warn("removed what a run that was killed had left there");
 }
 
 std::string OutputFolder::told(std::string error) const
 {
-  for (const std::string& hidden : {replaced_in(hidden_->path()).string(), staging()})
-    for (auto at = error.find(hidden); at != std::string::npos;
-         at = error.find(hidden, at + name_.size()))
-      error.replace(at, hidden.size(), name_);
+  const std::string hidden = staging();
+  for (auto at = error.find(hidden); at != std::string::npos;
+       at = error.find(hidden, at + name_.size()))
+    error.replace(at, hidden.size(), name_);
   return error;
 }
 
 void OutputFolder::commit(const std::string& seal)
 {
-  const io::FolderLock lock(folder_, io::FolderLock::IfTaken::Wait);
-  Moves done;
+  const FolderLock lock(folder_, FolderLock::IfTaken::Wait);
   try
   {
-    if (elsewhere_) elsewhere_->finish();
-    sweep_and_tell();
-    begin_placing(hidden_->path(), seal, done);
-    place(hidden_->path(), done);
+    sweep();
+    seal_results(hidden_->path(), seal);
+    place(hidden_->path());
   }
   catch (const std::exception& e)
   {
-    done.undo();
     throw std::runtime_error(told(e.what()));
   }
+}
+
+bool is_site_file(const fs::path& name)
+{
+  static const std::regex pattern(
+      "(site|traffic)(_floor_[0-9]+)?(_island_[0-9]+)?(\\.tif|\\.png|_way\\.gpkg)");
+  return matches(name, pattern);
+}
+
+bool is_site_map(const fs::path& name)
+{
+  static const std::regex pattern("site(_floor_[0-9]+)?(_island_[0-9]+)?\\.tif");
+  return matches(name, pattern);
 }
 
 bool is_same_file(const fs::path& a, const fs::path& b)
@@ -142,19 +197,16 @@ bool is_same_file(const fs::path& a, const fs::path& b)
          fs::weakly_canonical(fs::absolute(a), ec) == fs::weakly_canonical(fs::absolute(b), ec);
 }
 
-void require_apart(const std::string& output, const std::vector<std::string>& inputs)
-{
-  for (const std::string& input : inputs)
-    if (!input.empty() && is_same_file(output, input))
-      throw std::runtime_error(
-          "'" + output + "' would be overwritten, but it is an input; write elsewhere");
-}
-
-void require_results_apart(
-    const std::string& folder, const std::vector<std::string>& names,
+void require_apart(
+    const fs::path& folder, const std::vector<std::string>& outputs,
     const std::vector<std::string>& inputs)
 {
-  for (const std::string& name : names) require_apart((fs::path(folder) / name).string(), inputs);
+  for (const std::string& output : outputs)
+    for (const std::string& input : inputs)
+      if (!input.empty() && is_same_file(folder / output, input))
+        throw std::runtime_error(
+            "'" + (folder / output).string() +
+            "' would be overwritten, but it is an input; write elsewhere");
 }
 
 }  // namespace talus::app

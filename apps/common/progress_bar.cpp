@@ -3,11 +3,13 @@
 #include "printable.h"
 
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <new>
 
 namespace talus::app
 {
@@ -15,7 +17,7 @@ namespace
 {
 constexpr auto kLeastBetween = std::chrono::milliseconds(100);
 
-int receiver = -1;  //!< of the lines of this process; -1: its terminal
+char* receiver = nullptr;  //!< of the lines of this process; none: its terminal
 
 struct Room
 {
@@ -33,11 +35,6 @@ Room terminal_room()
 std::string cut(const std::string& line, std::size_t columns)
 {
   return line.substr(0, std::max<std::size_t>(columns, 2) - 1);
-}
-
-void send(const std::string& line)
-{
-  if (::write(receiver, line.data(), line.size()) < 0) return;  // nobody reads it, nor needs it
 }
 }  // namespace
 
@@ -59,13 +56,13 @@ std::string TimeLeft::text(double fraction, double now_s)
 }
 
 ProgressBar::ProgressBar(const std::string& label, bool wanted)
-    : label_(printable(label)), on_(wanted && (receiver >= 0 || ::isatty(STDERR_FILENO)))
+    : label_(printable(label)), on_(wanted && (receiver || ::isatty(STDERR_FILENO)))
 {
 }
 
 ProgressBar::~ProgressBar()
 {
-  if (on_ && receiver < 0) std::fprintf(stderr, "\r\033[K");
+  if (on_ && !receiver) std::fprintf(stderr, "\r\033[K");
 }
 
 void ProgressBar::show(double fraction, const std::string& words)
@@ -82,12 +79,32 @@ void ProgressBar::show(double fraction, const std::string& words)
                      "] " + std::to_string(static_cast<int>(100 * fraction)) + " %  " +
                      printable(words) + (left.empty() ? "" : ", " + left);
   std::replace(line.begin(), line.end(), '\n', ' ');
-  if (receiver >= 0) return send(line + "\n");
-  std::fprintf(stderr, "\r%s\033[K", cut(line, terminal_room().columns).c_str());
+  if (receiver)
+    std::snprintf(receiver, SharedLines::kSize, "%s", line.c_str());
+  else
+    std::fprintf(stderr, "\r%s\033[K", cut(line, terminal_room().columns).c_str());
   std::fflush(stderr);
 }
 
-void ProgressBar::send_to(int file) { receiver = file; }
+void ProgressBar::send_to(char* line) { receiver = line; }
+
+SharedLines::SharedLines(std::size_t count) : count_(count)
+{
+  void* const lines =
+      ::mmap(nullptr, count * kSize, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (lines == MAP_FAILED) throw std::bad_alloc();
+  begin_ = static_cast<char*>(lines);
+}
+
+SharedLines::~SharedLines() { ::munmap(begin_, count_ * kSize); }
+
+std::vector<std::string> SharedLines::shown() const
+{
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < count_; ++i)
+    if (const char* line = begin_ + i * kSize; *line) lines.emplace_back(line);
+  return lines;
+}
 
 ProgressLines::ProgressLines(bool wanted) : on_(wanted && ::isatty(STDERR_FILENO)) {}
 

@@ -31,14 +31,36 @@ class ProgressBar
   /** `fraction` 0..1; drawn at most ten times a second. */
   void show(double fraction, const std::string& words);
 
-  /** From now on the bars of this process are lines of this file. */
-  static void send_to(int file);
+  /** From now on the bars of this process are written here, a line of SharedLines. */
+  static void send_to(char* line);
 
  private:
   std::string label_;
   bool on_;
   std::chrono::steady_clock::time_point last_{};
   TimeLeft left_;
+};
+
+/** A line for each of several processes, which they write and the process that made them reads. */
+class SharedLines
+{
+ public:
+  static constexpr std::size_t kSize = 512;
+
+  /** Throws std::bad_alloc. */
+  explicit SharedLines(std::size_t count);
+  ~SharedLines();
+  SharedLines(const SharedLines&) = delete;
+  SharedLines& operator=(const SharedLines&) = delete;
+
+  /** Of kSize bytes. */
+  char* at(std::size_t i) { return begin_ + i * kSize; }
+  /** Those that are not empty. */
+  std::vector<std::string> shown() const;
+
+ private:
+  std::size_t count_;
+  char* begin_;
 };
 
 /** The bars of several processes, one below the other; silent where stderr is not a terminal. */

@@ -14,7 +14,7 @@ struct WorkerEnd : ChildEnd
 };
 
 /** Jobs 0, 1, ... of a command, of which some run at once: each in a process of its own, since the
- * reader of logs, what is suspected and limits are of a whole process. */
+ * reader of logs, the context of a crash and limits are of a whole process. */
 struct WorkPlan
 {
   std::size_t jobs = 0, at_once = 1;
@@ -26,7 +26,8 @@ struct WorkPlan
   bool shows_progress = false;  //!< a line a job that runs, where stderr is a terminal
 };
 
-/** Runs them. After stop_signal() the jobs that run get that signal, and no other begins. */
+/** Runs them. After stop_signal() the jobs that run get that signal, and no other begins. Throws
+ * std::runtime_error when no process can be started. */
 void run_at_once(const WorkPlan& plan);
 
 }  // namespace talus::app

@@ -1,9 +1,9 @@
 // talus-calibrate: the mounting, the clock and the noise of a sensor, from the log of a drive.
 #include "../common/child_process.h"
+#include "../common/crash_context.h"
 #include "../common/output_folder.h"
 #include "../common/printable.h"
 #include "../common/progress_bar.h"
-#include "../common/suspect.h"
 #include "load_log.h"
 #include "options.h"
 #include "outputs.h"
@@ -109,33 +109,23 @@ void calibrate_log(const AppOptions& options, const std::string& folder)
 
 void print_error(const std::string& text) { std::cerr << "talus-calibrate: " << text << "\n"; }
 
-/** In the child: the exit code. */
-int calibrate_or_tell(const AppOptions& options, const OutputFolder& output)
-{
-  try
-  {
-    calibrate_log(options, output.staging());
-    return 0;
-  }
-  catch (const std::exception& e)
-  {
-    print_error(output.told(talus::app::failure_text(e, options.log, kShorterLog)));
-    return 1;
-  }
-}
-
 /** The exit code. */
 int run(const AppOptions& options)
 {
   talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
-  talus::app::require_results_apart(
+  talus::app::require_apart(
       options.output,
       {"calibration.ini", "sensors-pose.ini", "calibration.json", "calibration.png"},
       {options.log, options.trajectory});
   OutputFolder output(options.output);
   // A damaged log can crash MRPT.
-  const auto work = [&] { return calibrate_or_tell(options, output); };
-  if (const int code = talus::app::run_command_in_child(options.log, work, print_error))
+  const auto work = [&]
+  {
+    calibrate_log(options, output.staging());
+    return 0;
+  };
+  const auto tell = [&](const std::string& text) { print_error(output.told(text)); };
+  if (const int code = talus::app::run_command_in_child(options.log, kShorterLog, work, tell))
     return code;
   output.commit("calibration.json");
   if (!options.quiet)
@@ -149,13 +139,5 @@ int main(int argc, char** argv)
   const talus::app::PrintableOutput printable;
   AppOptions options;
   if (const auto code = parse_options(argc, argv, options)) return *code;
-  try
-  {
-    return run(options);
-  }
-  catch (const std::exception& e)
-  {
-    print_error(talus::app::failure_text(e, options.log, kShorterLog));
-    return 1;
-  }
+  return talus::app::code_of([&] { return run(options); }, print_error, options.log, kShorterLog);
 }

@@ -1,12 +1,11 @@
 // talus-export: a map of terrain in, the same in formats of other programs out.
 #include "../common/child_process.h"
+#include "../common/crash_context.h"
 #include "../common/export/export_files.h"
 #include "../common/output_folder.h"
 #include "../common/printable.h"
-#include "../common/suspect.h"
 #include "options.h"
 
-#include <csignal>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -47,15 +46,12 @@ int run(const Options& o)
   std::error_code none;
   if (!o.output.empty() && !fs::is_directory(o.output, none))
     folder = std::make_unique<talus::app::OutputFolder>(o.output);
-  for (const int s : {SIGXFSZ, SIGPIPE}) std::signal(s, SIG_IGN);  // an error of write() instead
   const auto work = [&o]
   {
     export_all(o);
     return 0;
   };
-  return talus::app::run_command_in_child(
-      o.inputs.front(), [&] { return code_of(work, print_error, o.inputs.front(), kLessMemory); },
-      print_error);
+  return talus::app::run_command_in_child(o.inputs.front(), kLessMemory, work, print_error);
 }
 }  // namespace
 

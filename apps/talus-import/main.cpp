@@ -1,11 +1,11 @@
 // talus-import: scans of other programs in, a log for talus-map out.
 #include "../common/child_process.h"
+#include "../common/crash_context.h"
 #include "../common/import/import_log.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/printable.h"
 #include "../common/progress_bar.h"
-#include "../common/suspect.h"
 #include "options.h"
 
 #include <talus/number_text.h>
@@ -66,24 +66,11 @@ void import_all(const Options& o, const fs::path& folder)
   if (!o.quiet) tell(o, log);
 }
 
-/** In a child: the exit code. */
-int import_or_tell(const Options& o, const OutputFolder& folder)
-{
-  const auto work = [&]
-  {
-    import_all(o, folder.staging());
-    return 0;
-  };
-  const auto tell = [&folder](const std::string& text) { print_error(folder.told(text)); };
-  return talus::app::code_of(work, tell, o.sources.front(), kLessAtOnce);
-}
-
 void require_all_apart(const Options& o)
 {
   auto inputs = o.sources;
   if (!o.import.source.poses.empty()) inputs.push_back(o.import.source.poses);
-  talus::app::require_apart(o.output, inputs);
-  talus::app::require_apart(talus::app::trajectory_beside(o.output), inputs);
+  talus::app::require_apart("", {o.output, talus::app::trajectory_beside(o.output)}, inputs);
 }
 
 /** The exit code. */
@@ -92,8 +79,14 @@ int run(const Options& o)
   require_all_apart(o);
   const fs::path output(o.output);
   OutputFolder folder(output.has_parent_path() ? output.parent_path().string() : ".");
-  const auto work = [&] { return import_or_tell(o, folder); };
-  if (const int code = talus::app::run_command_in_child(o.sources.front(), work, print_error))
+  const auto work = [&]
+  {
+    import_all(o, folder.staging());
+    return 0;
+  };
+  const auto to_tell = [&](const std::string& text) { print_error(folder.told(text)); };
+  if (const int code =
+          talus::app::run_command_in_child(o.sources.front(), kLessAtOnce, work, to_tell))
     return code;
   const std::string tum = talus::app::trajectory_beside(o.output);
   const bool has_poses = fs::exists(fs::path(folder.staging()) / fs::path(tum).filename());

@@ -1,7 +1,6 @@
 #include "options.h"
 
 #include "../common/command_line.h"
-#include "../common/placing.h"
 #include "../common/version.h"
 
 #include <filesystem>
@@ -56,8 +55,6 @@ std::string mistake(const Options& o)
   const std::filesystem::path output(o.output);
   if (output.extension() != ".rawlog" || output.stem().empty())
     return "--output " + o.output + ": name a file that ends in .rawlog";
-  if (app::is_internal(output))
-    return "--output " + o.output + ": names that begin so are of files that a run removes";
   return "";
 }
 }  // namespace

@@ -1,6 +1,6 @@
 #include "kept_site.h"
 
-#include "../common/suspect.h"
+#include "../common/crash_context.h"
 
 #include <mrpt/obs/CObservationGPS.h>
 #include <talus/number_text.h>
@@ -83,7 +83,7 @@ KeptSite::KeptSite(const Options& options, const Parameters& parameters, const s
 
 void KeptSite::resume(const std::string& path, const std::vector<Channel>& channels)
 {
-  const Suspect suspect(path, kCompareWithSource);
+  const CrashContext context(path, kCompareWithSource);
   site::read_site_files(path, site_);
   try
   {

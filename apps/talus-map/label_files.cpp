@@ -1,6 +1,6 @@
 #include "label_files.h"
 
-#include "../common/placing.h"
+#include "../common/output_folder.h"
 
 #include <mrpt/core/format.h>
 #include <mrpt/obs/CObservationPointCloud.h>

@@ -3,7 +3,7 @@
 #include "../common/import/rawlog_writer.h"
 
 #include "../common/log_memory.h"
-#include "../common/suspect.h"
+#include "../common/crash_context.h"
 
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/CObservationTraversability.h>

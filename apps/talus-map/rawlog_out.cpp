@@ -95,11 +95,11 @@ fs::path without_endings(const std::string& log)
 }
 }  // namespace
 
-RawlogOut::RawlogOut(const io::AtomicFile& file, const std::string& path, const std::string& log)
-    : file_(file),
-      path_(path),
+RawlogOut::RawlogOut(const std::string& path, const std::string& log)
+    : path_(path),
       log_(log),
-      snapshots_path_((file.hidden_folder().path() / ".talus-snapshots").string())
+      file_(path),
+      snapshots_path_((file_.hidden_folder().path() / ".talus-snapshots").string())
 {
   if (!snapshots_.open(snapshots_path_)) throw std::runtime_error(path_ + ": cannot be written");
 }

@@ -10,14 +10,12 @@ namespace talus::app
 {
 /** The log again, each scan that was mapped followed by a snapshot of the map
  * (talus::CObservationTraversability): in its sensory frame where the log has frames, else as the
- * next observation. Everything else stays as it was; snapshots of an earlier run are left out.
- * It is written into `file`, which has to outlive this. */
+ * next observation. Everything else stays as it was; snapshots of an earlier run are left out. */
 class RawlogOut
 {
  public:
-  /** `path` is what errors call the file. Throws std::runtime_error when nothing can be written
-   * there. */
-  RawlogOut(const io::AtomicFile& file, const std::string& path, const std::string& log);
+  /** Throws std::runtime_error when nothing can be written there. */
+  RawlogOut(const std::string& path, const std::string& log);
   ~RawlogOut();
   RawlogOut(const RawlogOut&) = delete;
   RawlogOut& operator=(const RawlogOut&) = delete;
@@ -29,6 +27,9 @@ class RawlogOut
   /** Reads the log once more and writes it with the snapshots. Throws std::runtime_error. */
   void write();
 
+  /** Gives the file its place. Throws std::runtime_error. */
+  void commit() { file_.commit(); }
+
   /** A folder beside the log whose files the copy needs under another name, or empty; and that
    * name. */
   std::string externals() const;
@@ -37,8 +38,8 @@ class RawlogOut
  private:
   [[noreturn]] void fail_to_write(const std::string& reason) const;
 
-  const io::AtomicFile& file_;
   std::string path_, log_;
+  io::AtomicFile file_;
   std::string snapshots_path_;
   mrpt::io::CFileOutputStream snapshots_;  //!< label of the scan, snapshot; in turn
   std::size_t snapshots_added_ = 0;

@@ -1,12 +1,11 @@
 #include "run_job.h"
 
 #include "../common/child_process.h"
+#include "../common/crash_context.h"
 #include "../common/kept_memory.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
-#include "../common/placing.h"
 #include "../common/progress_bar.h"
-#include "../common/suspect.h"
 #include "../common/export/export_files.h"
 #include "files_apart.h"
 #include "kept_site.h"
@@ -245,8 +244,7 @@ bool run_job(
     std::unique_ptr<RawlogOut> rawlog_out;
     if (!options.rawlog_out.empty())
       rawlog_out = std::make_unique<RawlogOut>(
-          output.elsewhere(options.rawlog_out), options.rawlog_out,
-          path_of_log(job, options, output.staging()));
+          options.rawlog_out, path_of_log(job, options, output.staging()));
     const auto work = [&]
     { return map_or_tell(job, options, settings, label, folders, rawlog_out.get()); };
     const ChildEnd end = run_in_child(work);
@@ -258,6 +256,7 @@ bool run_job(
           (end.signal == SIGKILL ? ". Try a smaller window_m or a larger resolution_m" : ""));
     else if (end.exit_code != kFailed)
     {
+      if (rawlog_out) rawlog_out->commit();
       folders.commit();
       if (end.exit_code == kDone) return true;
       print_error(job.log + ": everything but its site map is in " + job.folder);
@@ -276,27 +275,20 @@ bool suggest_settings(const Job& job, const Options& options, const Settings& se
   if (job.needs_import) hidden.emplace(options.output.empty() ? "." : options.output);
   const auto work = [&]
   {
-    try
+    const std::string name = name_of_source(job.log);
+    const SourceLog log = import_first(job, options, hidden ? hidden->staging() : "", name);
+    LogMapper mapper(job, log, options, settings);
     {
-      const std::string name = name_of_source(job.log);
-      const SourceLog log = import_first(job, options, hidden ? hidden->staging() : "", name);
-      LogMapper mapper(job, log, options, settings);
-      {
-        ProgressBar bar(name, !options.quiet);
-        mapper.run([&](const LogMapper& m, double progress)
-                   { bar.show(progress, "frame " + std::to_string(m.summary().frames.size())); });
-      }
-      std::cout << suggestion_ini(mapper) << std::flush;
-      return kDone;
+      ProgressBar bar(name, !options.quiet);
+      mapper.run([&](const LogMapper& m, double progress)
+                 { bar.show(progress, "frame " + std::to_string(m.summary().frames.size())); });
     }
-    catch (const std::exception& e)
-    {
-      const std::string text = failure_text(e, job.log, kLookAtLog);
-      print_error(hidden ? hidden->told(text) : text);
-    }
-    return kFailed;
+    std::cout << suggestion_ini(mapper) << std::flush;
+    return kDone;
   };
-  return run_command_in_child(job.log, work, print_error) == kDone;
+  const auto tell = [&](const std::string& text)
+  { print_error(hidden ? hidden->told(text) : text); };
+  return run_command_in_child(job.log, kLookAtLog, work, tell) == kDone;
 }
 
 bool settings_work(const Settings& settings)

@@ -15,7 +15,7 @@ namespace talus::app
 {
 namespace
 {
-constexpr const char* kHidden = ".talus-import";  // is_internal(): never a result
+constexpr const char* kHidden = ".talus-import";  // never a result
 
 std::string poses_text(const import::WrittenPoses& poses)
 {

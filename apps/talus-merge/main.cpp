@@ -1,9 +1,9 @@
 // talus-merge: maps of several drives in, the map of all or what changed out.
 #include "../common/child_process.h"
+#include "../common/crash_context.h"
 #include "../common/output_folder.h"
 #include "../common/printable.h"
 #include "../common/progress_bar.h"
-#include "../common/suspect.h"
 #include "fit_report.h"
 #include "options.h"
 
@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <csignal>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
@@ -181,8 +180,8 @@ void compare(const Options& o, const fs::path& to_folder)
   tell_fits(alignments, {fit_of(*from, *to, 0)}, o);
 }
 
-/** In a child: the exit code. */
-int work_or_tell(
+/** Works in a child, which a damaged file or a signal may end. The exit code. */
+int in_child(
     const Options& o, const std::function<void()>& work, const OutputFolder* folder = nullptr)
 {
   const auto done = [&work]
@@ -192,19 +191,13 @@ int work_or_tell(
   };
   const auto tell = [folder](const std::string& text)
   { print_error(folder ? folder->told(text) : text); };
-  return talus::app::code_of(done, tell, o.output, kLessMemory);
-}
-
-/** Works in a child, which a damaged file or a signal may end. The exit code. */
-int in_child(const Options& o, const std::function<int()>& work)
-{
-  return talus::app::run_command_in_child(o.inputs.front(), work, print_error);
+  return talus::app::run_command_in_child(o.inputs.front(), kLessMemory, done, tell);
 }
 
 void require_picture_apart(const Options& o)
 {
   if (o.picture.empty()) return;
-  talus::app::require_apart(o.picture, o.inputs);
+  talus::app::require_apart("", {o.picture}, o.inputs);
   if (talus::app::is_same_file(o.picture, o.output))
     throw std::runtime_error(
         "'" + o.picture + "' is named for the map and for its picture; give two names");
@@ -223,24 +216,19 @@ int run_merge(const Options& o)
 {
   require_picture_apart(o);
   const auto folder = folder_for(o.output), picture_folder = folder_for(o.picture);
-  for (const int s : {SIGXFSZ, SIGPIPE}) std::signal(s, SIG_IGN);  // an error of write() instead
-  const auto work = [&] { return work_or_tell(o, [&] { merge(o); }); };
-  const int code = in_child(o, work);
-  if (code > 128) talus::io::remove_abandoned_files(o.output);
+  const int code = in_child(o, [&] { merge(o); });
+  if (code > 128)
+    talus::io::HiddenFolder::remove_abandoned(
+        fs::path(o.output).parent_path(), talus::io::kFilePrefix);
   return code;
 }
 
 int run_changes(const Options& o)
 {
-  for (const char* name : {"changes.tif", "changes.png"})
-    talus::app::require_apart((fs::path(o.output) / name).string(), o.inputs);
+  talus::app::require_apart(o.output, {"changes.tif", "changes.png"}, o.inputs);
   OutputFolder folder(o.output);
-  const auto work = [&]
-  {
-    return work_or_tell(
-        o, [&] { compare(o, folder.staging()); }, &folder);
-  };
-  if (const int code = in_child(o, work)) return code;
+  const auto work = [&] { compare(o, folder.staging()); };
+  if (const int code = in_child(o, work, &folder)) return code;
   folder.commit("changes.tif");
   if (!o.quiet) std::cout << "  wrote   " << (fs::path(o.output) / "changes.png").string() << "\n";
   return 0;

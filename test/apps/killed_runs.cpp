@@ -51,7 +51,7 @@ struct Run
 
   Files files() const
   {
-    Files files{{"elsewhere/copy", text("copy")}};
+    Files files;
     for (const char* name : {"map.tif", "map.png", "seal"})
       files[std::string("out/") + name] = text(name);
     if (has_more) files["out/more/more.txt"] = text("more");
@@ -65,11 +65,6 @@ struct Run
     OutputFolder output(dir / "out");
     for (const auto& [name, bytes] : files())
     {
-      if (name == "elsewhere/copy")
-      {
-        output.elsewhere(dir / name).write(bytes);
-        continue;
-      }
       const fs::path file = fs::path(output.staging()) / fs::path(name).lexically_relative("out");
       fs::create_directories(file.parent_path());
       write_bytes(file.string(), bytes);
@@ -83,7 +78,7 @@ struct Run
 
 const Run kFirst{'A', 3, false}, kSecond{'B', 2, true};
 
-constexpr int kStep = 10;  // begin and end of five system calls
+constexpr int kStep = 6;  // begin and end of three system calls
 
 /** Runs `work` in a child that is killed when it begins or ends a system call, the `nth` such
  * moment. False when it was at its end before. */
@@ -110,11 +105,11 @@ bool is_killed_at(int nth, const std::function<void()>& work)
   return true;
 }
 
-/** A run to the same places that fails. */
+/** A run to the same folder that fails. */
 void run_in_vain(const ScratchDir& dir)
 {
-  OutputFolder output(dir / "out");
-  output.elsewhere(dir / "elsewhere/copy").write("half");
+  const OutputFolder output(dir / "out");
+  write_bytes(output.staging() + "/map.tif", "half");
 }
 
 bool can_trace()
@@ -128,7 +123,6 @@ bool kill_second_run(const ScratchDir& dir, int nth, int mth)
 {
   fs::remove_all(dir / "");
   fs::create_directories(dir / "out/frames");
-  fs::create_directories(dir / "elsewhere");
   write_bytes(dir / "out/frames/notes.txt", "mine");
   for (const auto& [name, bytes] : kFirst.files()) write_bytes(dir / name, bytes);
   const bool is_killed = is_killed_at(nth, [&] { kSecond.write(dir); });
@@ -175,7 +169,6 @@ TEST(KilledRuns, leave_the_results_of_one_run_and_the_next_run_tidies_up)
   const std::string told = testing::internal::GetCapturedStderr();
   EXPECT_NE(told.find("out: a run was killed while its results were put there"), std::string::npos);
   EXPECT_NE(told.find("out: removed what a run that was killed had left"), std::string::npos);
-  EXPECT_NE(told.find("elsewhere: removed what a run"), std::string::npos);
 }
 
 TEST(KilledRuns, are_tidied_up_after_when_the_run_that_does_so_is_killed_too)
@@ -196,16 +189,14 @@ TEST(KilledRuns, are_not_tidied_up_after_while_another_run_holds_its_folder)
   const ScratchDir dir;
   {
     OutputFolder first(dir / "out"), second(dir / "out");
-    first.elsewhere(dir / "copy").write("first");
-    second.elsewhere(dir / "copy").write("second");
     write_bytes(first.staging() + "/seal", "first");
     write_bytes(second.staging() + "/seal", "second");
     first.commit("seal");
-    EXPECT_EQ(read_bytes(dir / "out/seal") + read_bytes(dir / "copy"), "firstfirst");
+    EXPECT_EQ(read_bytes(dir / "out/seal"), "first");
     second.commit("seal");
-    EXPECT_EQ(read_bytes(dir / "out/seal") + read_bytes(dir / "copy"), "secondsecond");
+    EXPECT_EQ(read_bytes(dir / "out/seal"), "second");
   }
-  EXPECT_EQ(files_in(dir / ""), (Files{{"copy", "second"}, {"out/seal", "second"}}));
+  EXPECT_EQ(files_in(dir / ""), (Files{{"out/seal", "second"}}));
 }
 
 TEST(KilledRuns, take_their_children_along)

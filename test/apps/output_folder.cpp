@@ -1,5 +1,6 @@
 // Where a command puts its results: all of them appear, or none.
 #include <gtest/gtest.h>
+#include <talus/io/atomic_file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -9,7 +10,6 @@
 #include <fstream>
 #include <set>
 #include <stdexcept>
-#include <thread>
 
 #include "apps/common/child_process.h"
 #include "apps/common/output_folder.h"
@@ -35,25 +35,58 @@ Names names_in(const std::string& folder)
 }
 }  // namespace
 
-TEST(OutputFolder, moves_everything_back_when_the_file_elsewhere_cannot_be_replaced)
+TEST(OutputFolder, changes_nothing_where_one_of_the_results_cannot_be_replaced)
 {
   const ScratchDir dir;
-  fs::create_directory(dir / "out");
+  fs::create_directories(dir / "out/timing.csv");
+  ASSERT_EQ(::mkfifo((dir / "out/pipe").c_str(), 0600), 0);
   write_bytes(dir / "out/map.tif", "old");
   write_bytes(dir / "out/seal", "old");
+  for (const char* taken : {"timing.csv", "pipe"})
   {
     OutputFolder output(dir / "out");
-    for (const char* name : {"/map.tif", "/timing.csv", "/seal"})
-      write_bytes(output.staging() + name, "new");
-    output.elsewhere(dir / "copy").write("new");
-    fs::create_directories(dir / "copy/of another");
-    EXPECT_THROW(output.commit("seal"), std::runtime_error);
+    for (const char* name : {"map.tif", taken, "seal"})
+      write_bytes(output.staging() + "/" + name, "new");
+    talus::test::expect_error([&] { output.commit("seal"); }, {taken, "write elsewhere"});
   }
   EXPECT_EQ(read_bytes(dir / "out/map.tif"), "old");
   EXPECT_EQ(read_bytes(dir / "out/seal"), "old");
-  EXPECT_FALSE(fs::exists(dir / "out/timing.csv"));
-  EXPECT_EQ(names_in(dir / ""), (Names{"copy", "out"}));
-  EXPECT_EQ(names_in(dir / "out"), (Names{"map.tif", "seal"}));
+  EXPECT_EQ(names_in(dir / "out"), (Names{"map.tif", "pipe", "seal", "timing.csv"}));
+}
+
+TEST(OutputFolder, removes_parts_of_a_run_before_and_nothing_else)
+{
+  const ScratchDir dir;
+  fs::create_directories(dir / "out/frames");
+  const Names parts{
+      "site.png",
+      "site_floor_1.tif",
+      "site_island_2_way.gpkg",
+      "site_floor_1_island_2.png",
+      "traffic_floor_1.tif",
+      "frames/frame_000007.png"};
+  const Names others{"site_plan.tif", "site_floor_.tif",    "my_site.tif",
+                     "notes.label",   "frames/frame_1.png", "frames/mine.txt"};
+  for (const Names& names : {parts, others})
+    for (const std::string& name : names) write_bytes(dir / ("out/" + name), "old");
+  OutputFolder output(dir / "out");
+  fs::create_directory(output.staging() + "/frames");
+  for (const char* name : {"/site.tif", "/frames/frame_000001.png", "/seal"})
+    write_bytes(output.staging() + name, "new");
+  output.commit("seal");
+  for (const std::string& name : parts) EXPECT_FALSE(fs::exists(dir / ("out/" + name))) << name;
+  for (const std::string& name : others) EXPECT_TRUE(fs::exists(dir / ("out/" + name))) << name;
+}
+
+TEST(OutputFolder, makes_no_folder_of_snapshots_where_there_are_none)
+{
+  const ScratchDir dir;
+  OutputFolder output(dir / "out");
+  fs::create_directory(output.staging() + "/frames");
+  write_bytes(output.staging() + "/seal", "new");
+  output.commit("seal");
+  EXPECT_EQ(read_bytes(dir / "out/seal"), "new");
+  EXPECT_FALSE(fs::exists(dir / "out/frames"));
 }
 
 TEST(OutputFolder, has_without_its_seal_no_results)
@@ -63,29 +96,6 @@ TEST(OutputFolder, has_without_its_seal_no_results)
   write_bytes(output.staging() + "/map.tif", "new");
   EXPECT_THROW(output.commit("seal"), std::runtime_error);
   EXPECT_FALSE(fs::exists(dir / "out/map.tif"));
-}
-
-TEST(OutputFolder, replaces_no_pipe)
-{
-  const ScratchDir dir;
-  fs::create_directory(dir / "out");
-  ASSERT_EQ(::mkfifo((dir / "out/map.tif").c_str(), 0600), 0);
-  OutputFolder output(dir / "out");
-  write_bytes(output.staging() + "/map.tif", "new");
-  EXPECT_THROW(output.commit("map.tif"), std::runtime_error);
-  EXPECT_TRUE(fs::is_fifo(dir / "out/map.tif"));
-}
-
-TEST(OutputFolder, can_be_made_while_another_run_removes_the_same_folder_again)
-{
-  const ScratchDir dir;
-  const auto make_often = [&]
-  {
-    for (int i = 0; i < 1000; ++i) EXPECT_NO_THROW(OutputFolder(dir / "new/deep"));
-  };
-  std::thread other(make_often);
-  make_often();
-  other.join();
 }
 
 TEST(OutputFolder, tells_of_its_hidden_folder_by_the_name_that_was_given)
@@ -108,70 +118,34 @@ TEST(OutputFolder, tells_of_its_hidden_folder_by_the_name_that_was_given)
   }
 }
 
-TEST(OutputFolder, makes_of_a_limit_on_the_size_of_files_an_error_that_can_be_told)
+TEST(ChildProcess, makes_of_a_limit_on_the_size_of_files_and_of_a_closed_pipe_errors_of_writing)
 {
-  const auto end = talus::app::run_in_child(
-      []
-      {
-        const ScratchDir dir;
-        const OutputFolder output(dir / "out");
-        const rlimit limit{8, 8};
-        if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) return 1;
-        return (std::ofstream(output.staging() + "/a") << "too long"
-                                                       << " for it")
-                       .flush()
-                   ? 2
-                   : 0;
-      });
-  EXPECT_EQ(end.signal, 0);
-  EXPECT_EQ(end.exit_code, 0);
-}
-
-TEST(OutputFolder, is_not_left_behind_when_nobody_reads_what_is_printed)
-{
-  const ScratchDir dir;
-  const auto print_to_nobody = [&]
+  const auto write_in_vain = []
   {
-    std::signal(SIGPIPE, SIG_DFL);
+    const ScratchDir dir;
+    talus::app::forward_signals();
     int ends[2];
-    if (::pipe(ends) != 0 || ::close(ends[0]) != 0) return 2;
-    const OutputFolder output(dir / "out");
-    return ::write(ends[1], "x", 1) == -1 && errno == EPIPE ? 0 : 1;
+    const rlimit limit{8, 8};
+    if (::pipe(ends) != 0 || ::close(ends[0]) != 0 || ::setrlimit(RLIMIT_FSIZE, &limit)) return 1;
+    if (::write(ends[1], "x", 1) != -1 || errno != EPIPE) return 2;
+    return (std::ofstream(dir / "a") << "too long for it").flush() ? 3 : 0;
   };
-  const auto end = talus::app::run_in_child(print_to_nobody);
+  const auto end = talus::app::run_in_child(write_in_vain);
   EXPECT_EQ(end.signal, 0);
   EXPECT_EQ(end.exit_code, 0);
-  EXPECT_FALSE(fs::exists(dir / "out"));
 }
 
-TEST(FolderLock, is_of_one_process_at_a_time_by_whatever_name_and_lost_where_the_folder_is_gone)
-{
-  using talus::io::FolderLock;
-  const ScratchDir dir;
-  fs::create_directory(dir / "out");
-  fs::create_directory_symlink(dir / "out", dir / "link");
-  {
-    const FolderLock lock(dir / "link", FolderLock::IfTaken::GiveUp);
-    EXPECT_TRUE(lock.is_held());
-    EXPECT_TRUE(FolderLock(dir / "out", FolderLock::IfTaken::GiveUp).is_lost());
-  }
-  EXPECT_TRUE(FolderLock(dir / "out", FolderLock::IfTaken::GiveUp).is_held());
-  EXPECT_TRUE(FolderLock(dir / "none", FolderLock::IfTaken::GiveUp).is_lost());
-}
-
-TEST(HiddenFolder, that_a_process_left_is_removed_and_no_link_or_folder_of_another_name)
+TEST(HiddenFolder, that_a_process_left_is_removed_and_no_link_nor_one_that_is_held)
 {
   const ScratchDir dir;
   using talus::io::HiddenFolder;
   fs::create_directories(dir / ".talus-file.left00/in it");
   fs::create_directories(dir / "mine/in it");
   fs::create_directory_symlink(dir / "mine", dir / ".talus-file.link00");
-  fs::create_directory(dir / ".talus-file.mine");
   const HiddenFolder held(dir / "", talus::io::kFilePrefix);
-  EXPECT_EQ(talus::io::remove_abandoned_files(dir / "a.txt"), 1u);
+  EXPECT_EQ(HiddenFolder::remove_abandoned(dir / "", talus::io::kFilePrefix), 1u);
   const std::string held_name = held.path().filename().string();
-  EXPECT_EQ(
-      names_in(dir / ""), (Names{".talus-file.link00", ".talus-file.mine", "mine", held_name}));
+  EXPECT_EQ(names_in(dir / ""), (Names{".talus-file.link00", "mine", held_name}));
   EXPECT_EQ(names_in(dir / "mine"), Names{"in it"});
 }
 
@@ -179,11 +153,11 @@ TEST(OutputFolder, has_no_result_that_is_an_input)
 {
   const ScratchDir dir;
   write_bytes(dir / "path.csv", "input");
-  using talus::app::require_results_apart;
-  require_results_apart(dir / "", {"map.tif"}, {dir / "path.csv", ""});
+  using talus::app::require_apart;
+  require_apart(dir / "", {"map.tif"}, {dir / "path.csv", ""});
   talus::test::expect_error(
       [&] {
-        require_results_apart(dir / "", {"map.tif", "path.csv"}, {dir / "path.csv"});
+        require_apart(dir / "", {"map.tif", "path.csv"}, {dir / "path.csv"});
       },
       {"path.csv", "is an input; write elsewhere"});
 }

@@ -17,8 +17,8 @@ namespace
 using namespace talus::formats;
 using io::LayerStack;
 
-const std::vector<std::string> kBands{"traversability", "ground_elevation", "elevation",
-                                      "state",          "sparsity",         "age"};
+const std::vector<std::string> kBands{"traversability", "ground_elevation", "elevation", "state",
+                                      "reached",        "sparsity",         "age"};
 
 /** One map, and how its files begin. */
 struct Map

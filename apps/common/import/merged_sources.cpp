@@ -1,6 +1,6 @@
 #include "merged_sources.h"
 
-#include "../suspect.h"
+#include "../crash_context.h"
 
 #include <talus/import/kitti_poses.h>
 #include <talus/io/foreign_scans.h>

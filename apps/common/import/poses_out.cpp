@@ -1,7 +1,7 @@
 #include "poses_out.h"
 
 #include "../log_memory.h"
-#include "../suspect.h"
+#include "../crash_context.h"
 #include "rawlog_writer.h"
 
 #include <mrpt/poses/CPose3DQuat.h>

@@ -22,6 +22,7 @@ constexpr Known kKnown[] = {
     {"elevation", "m"},
     {"variance", "m2"},
     {"state", ""},
+    {"reached", ""},
     // Of one window:
     {"slope", ""},
     {"step", ""},
@@ -48,6 +49,7 @@ struct Classes
 };
 constexpr Classes kClasses[] = {
     {"state", "0 unknown, 1 measured, 2 filled from two sides, 3 filled from one side, 4 presumed"},
+    {"reached", "0 the robot does not get there over passable cells, 1 it does"},
     {"kind", "0 none, 1 built, 2 dug, 3 object gone, 4 object new"}};
 
 const Known* find(const std::string& name)

@@ -125,7 +125,7 @@ Legend terrain_legend(const Plot& plot, const PictureOptions& options)
   legend.heading("Traversability");
   legend.colours("blocked", terrain_colours(), "free");
   legend.swatch(kStandsInTheWay, "stands in the way");
-  legend.swatch(pale_free_colour(), "pale: not measured");
+  legend.swatch(pale_free_colour(), "pale: filled, or not reached");
   legend.swatch(pale_not_judged_colour(), "not judged");
   legend.swatch(state_styles()[0].colour, "no data");
   if (options.has_robot) legend.robot("robot");

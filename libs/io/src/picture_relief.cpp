@@ -99,6 +99,9 @@ Terrain terrain_of(const LayerStack& s)
   const auto* top = s.find(layer_name(Layer::Elevation));
   const auto* score = s.find(layer_name(Layer::Traversability));
   const auto* state = s.find(layer_name(Layer::State));
+  // A single scan may tell nothing of the ground around the robot, so that nothing is reached.
+  const auto* reached = s.find(layer_name(Layer::Reached));
+  if (reached && std::count(reached->begin(), reached->end(), 1.0F) == 0) reached = nullptr;
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x)
     {
@@ -106,7 +109,7 @@ Terrain terrain_of(const LayerStack& s)
       t.score(y, x) = (*score)[i];
       if (ground) t.ground_m(y, x) = (*ground)[i];
       const bool known = state ? (*state)[i] >= 1 : std::isfinite(t.score(y, x));
-      const bool measured = !state || (*state)[i] == 1;
+      const bool measured = (!state || (*state)[i] == 1) && !(reached && (*reached)[i] == 0);
       t.measured(y, x) = static_cast<uchar>(!known ? 0 : measured ? 2 : 1);
       t.obstacle(y, x) = ground && top && (*top)[i] - (*ground)[i] > kLeastObstacle_m ? 1 : 0;
     }

@@ -23,7 +23,7 @@ struct Terrain
   cv::Mat1f ground_m;
   cv::Mat1f score;  //!< traversability
   cv::Mat1b obstacle;  //!< whether something stands there
-  cv::Mat1b measured;  //!< 0: unknown, 1: only filled, 2: measured
+  cv::Mat1b measured;  //!< 0: unknown, 1: only filled, or not reached, 2: measured
 };
 
 /** Of a map with a traversability; without one of the other layers, as on level, measured ground
@@ -32,8 +32,8 @@ Terrain terrain_of(const LayerStack& stack);
 
 constexpr double kLeastObstacle_m = 0.05;  //!< lower than that it is a rough ground
 
-/** The shaded ground in the colours of its traversability, pale where it was not measured, dark
- * where something stands in the way. */
+/** The shaded ground in the colours of its traversability, pale where it was not measured or is
+ * not reached, dark where something stands in the way. */
 cv::Mat3b paint_terrain(const Terrain& terrain, double pixel_m, const cv::Vec3b& unknown);
 
 /// @name Colours of it for a legend, BGR

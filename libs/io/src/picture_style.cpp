@@ -24,6 +24,7 @@ const std::vector<LayerStyle>& known_styles()
       {"elevation", "Elevation [m]", Palette::Heights, "", "", false},
       {"ground_elevation", "Ground elevation [m]", Palette::Heights, "", "", false},
       {"state", "Where the ground height comes from", Palette::States, "", "", false},
+      {"reached", "Reached from where the robot stands", Palette::Scores, "no", "yes", false},
       {"traversability", "Traversability", Palette::Scores, "blocked", "free", false},
       {"slope", "Slope score", Palette::Scores, "too steep", "level", false},
       {"step", "Step score", Palette::Scores, "too high", "no step", false},

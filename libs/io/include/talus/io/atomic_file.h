@@ -16,16 +16,11 @@ constexpr const char* kFilePrefix = ".talus-file.";
 class AtomicFile
 {
  public:
-  /** Creates the file (symbolic links are followed), and removes what was left in its folder by
-   * processes that were killed while they wrote. Throws std::runtime_error naming the file, why it
-   * cannot be written and what to do; also where a device or a pipe would be replaced. */
+  /** Follows symbolic links, and removes what killed processes have left in the folder of the file.
+   * Throws std::runtime_error naming the file, why it cannot be written and what to do. */
   explicit AtomicFile(const std::string& path);
-  /** Without commit(): removes what was written. */
-  ~AtomicFile();
-  AtomicFile(const AtomicFile&) = delete;
-  AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /** Where to write to. It exists, is empty, and has the final name. */
+  /** Where to write to: nothing yet, with the final name. */
   const std::string& temporary_path() const { return temporary_path_; }
   /** Where temporary_path() lies; what else is put there is removed with it. */
   const HiddenFolder& hidden_folder() const { return *hidden_; }
@@ -33,11 +28,7 @@ class AtomicFile
   /** Writes all bytes. Throws std::runtime_error. */
   void write(std::string_view bytes);
 
-  /** Brings what was written to the disk, with the permissions that it will have: nothing is left
-   * to do but to move it. Throws std::runtime_error. */
-  void finish();
-
-  /** finish(), then gives it its place. Throws std::runtime_error. */
+  /** Brings what was written to the disk and gives it its place. Throws std::runtime_error. */
   void commit();
 
  private:
@@ -48,8 +39,7 @@ class AtomicFile
 /** Writes all bytes into a file through AtomicFile. Throws std::runtime_error. */
 void write_file(const std::string& path, std::string_view bytes);
 
-/** Removes what was left by processes that were killed while an AtomicFile in the folder of `path`
- * was written; how many there were. */
-std::size_t remove_abandoned_files(const std::string& path);
+/** Throws std::runtime_error where a folder, a device or a pipe has the name of a new file. */
+void require_replaceable(const std::string& path);
 
 }  // namespace talus::io

@@ -1,25 +1,25 @@
 #pragma once
+#include "memory_limit.h"
+
 #include <cstddef>
 #include <functional>
 #include <new>
 #include <stdexcept>
 #include <string>
 
-#include "memory_limit.h"
-
 namespace talus::app
 {
 /** While one lives, a crash of this process is put down to a file: MRPT may crash over what is
  * damaged or makes no sense. Of several that live the newest counts; the parent of a child that
  * crashed sees it too. Of the whole process: not for two threads at once. */
-class Suspect
+class CrashContext
 {
  public:
   /** `advice`: what to do, a sentence without its full stop. */
-  Suspect(const std::string& file, const std::string& advice);
-  ~Suspect();
-  Suspect(const Suspect&) = delete;
-  Suspect& operator=(const Suspect&) = delete;
+  CrashContext(const std::string& file, const std::string& advice);
+  ~CrashContext();
+  CrashContext(const CrashContext&) = delete;
+  CrashContext& operator=(const CrashContext&) = delete;
 
   struct Named
   {
@@ -27,10 +27,9 @@ class Suspect
   };
   /** The newest that lives, here or in the child that ran last, or that lived when it crashed. */
   static Named newest();
-  /** In a child that runs beside others: from now on this is of itself and its own children. */
-  static void be_alone();
-  /** Before a child is started: forgets that of a child before. */
-  static void forget();
+  /** Before a child is started: forgets that of a child before. From now on this process and the
+   * children that it starts note theirs apart from all others. */
+  static void begin_anew();
 
  private:
   Named before_;
@@ -44,15 +43,15 @@ constexpr const char* kLookAtLog =
 /** More than any file needs. */
 constexpr std::size_t kMostMemory_bytes = std::size_t{2} << 30;
 
-/** Does what a wrong file may lead astray: with at most so much more memory than now, under
- * suspicion of that file, and so that want of memory is told by its
- * name. Throws std::runtime_error for that, and what `work` throws. */
+/** Does what a wrong file may lead astray: with at most so much more memory than now, and so that a
+ * crash and want of memory are put down to that file. Throws std::runtime_error for want of memory,
+ * and what `work` throws. */
 template <class F>
 auto guarded(
     const std::string& file, const std::string& advice, const F& work,
     std::size_t most_bytes = kMostMemory_bytes)
 {
-  const Suspect suspect(file, advice);
+  const CrashContext context(file, advice);
   const MemoryLimit limit(most_bytes);
   try
   {
