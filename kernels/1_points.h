@@ -170,7 +170,9 @@ struct AcceptPoint
         direction_in_bins(select(aims, dx, 1.0f), select(aims, dy, 0.0f), bins_per_side(*config));
     const int bin = wrap_bin(floor_to_int(direction), bins);
     out.ray[point_i] = select(aims, row * bins + bin, -1);
-    const float slope = ray_slope(p.z_m - frame->sensor_z_map_m, chebyshev_m);
+    const std::int32_t ray =
+        ray_of(ray_slope(p.z_m - frame->sensor_z_map_m, chebyshev_m), chebyshev_m);
+    const float slope = float_from_ordered(ray);
     out.slope[point_i] = slope;
     const float step = slope_step(select(aims, slope, 0.0f));
     const bool counts = aims & (step >= 0.0f) & (step < static_cast<float>(kSlopeSteps));

@@ -25,7 +25,8 @@ struct OffsetHistogram
 };
 
 /** Adds a point to the histogram if it is in the sample and the sensor looks down there on
- * measured, bare ground. Buried points lie far below, so that they do not count. */
+ * measured, bare ground, but not where it drove through grass: blades stand up again. Buried
+ * points lie far below, so that they do not count. */
 template <class Atomics>
 struct CountOffset
 {
@@ -42,6 +43,7 @@ struct CountOffset
       return;
     const float ground_m = store.ground_m[storage_i], top_m = store.elevation_m[storage_i];
     const bool bare = (store.state[storage_i] == kMeasured) &
+                      (store.driven_height[storage_i] == 0) &
                       !(top_m - ground_m > kBare_steps * config->step_threshold_m);
     if (bare) add(points.height_m[point_i] - datum->offset_m - ground_m);
   }

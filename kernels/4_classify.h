@@ -10,7 +10,8 @@
 namespace talus::kernels
 {
 
-/** Sets the class of a cell from its state and from the highest that ground can be there. */
+/** Sets the class of a cell from its state and from the highest that ground can be there, and keeps
+ * its reach. */
 struct ClassifyCell
 {
   const Config* config;
@@ -21,81 +22,82 @@ struct ClassifyCell
 
   TALUS_HD void operator()(int x, int y, int storage_i) const
   {
-    surface_class[storage_i] = static_cast<std::uint8_t>(class_of(x, y, storage_i));
+    // Reads come before stores, and no bit is tested alone, or the loop would not be vectorised.
+    const int pair = grid.pair_of(x, y, *frame), before = store.flags[storage_i];
+    const int state = store.state[storage_i];
+    const float ground_m = store.ground_m[storage_i];
+    const bool reached = grid.reach[pair] == kPairReached, apart = ground_m > grid.apart_m[pair];
+    const int asked = select(reached, 0, kObjectTop | select(apart, kWasPassable, 0));
+    const int top = select((before & asked) != 0, kObjectTop, 0);
+    const int result = class_of(state, (ground_m > grid.limit_m[pair]) | (apart & (top != 0)));
+    store.flags[storage_i] = static_cast<std::uint8_t>(
+        (before & ~(kWasReached | kObjectTop)) | select(reached, kWasReached, 0) | top);
+    surface_class[storage_i] = static_cast<std::uint8_t>(result);
   }
   TALUS_HD int class_of(int x, int y, int storage_i) const
   {
-    const int state = store.state[storage_i];
-    const int coarse_i = grid.at(grid.place_of(x, frame->odd_x), grid.place_of(y, frame->odd_y));
-    const bool ground =
-        (store.ground_m[storage_i] <= grid.limit_m[coarse_i]) | !on(kNarrowAndSteep, *config);
-    const int of_measured = select(ground, kKeep, kObject);
+    const int pair = grid.pair_of(x, y, *frame);
+    const float ground_m = store.ground_m[storage_i];
+    const bool top = store.is(kObjectTop, storage_i) & (ground_m > grid.apart_m[pair]);
+    return class_of(store.state[storage_i], (ground_m > grid.limit_m[pair]) | top);
+  }
+
+ private:
+  TALUS_HD int class_of(int state, bool object) const
+  {
+    const int of_measured = select(object & on(kReach, *config), kObject, kKeep);
     const int of_others = select(state == kPresumed, kKeep, kInfer);
     return select(state == kMeasured, of_measured, of_others);
   }
 };
 
-/** Makes an object ground again where level, bare ground leads straight from it to wide ground. A
- * bridge, a dam or a jetty is narrow and steep, but no object. */
-struct KeepBridge
+/** The ground below an object is as high as what is reached around it, until stage 6 infers it from
+ * lines. Not all of its lines have samples. */
+struct LowerObject
 {
   const Config* config;
   const FrameContext* frame;
   CellStore store;
   CoarseGrid grid;
-  std::uint8_t* surface_class;  //!< by storage index
+  const std::uint8_t* surface_class;  //!< by storage index
 
   TALUS_HD bool applies(int, int, int storage_i) const
   {
-    return (surface_class[storage_i] == kObject) & on(kBridges, *config);
+    return surface_class[storage_i] == kObject;
   }
   TALUS_HD void operator()(int x, int y, int storage_i) const
   {
-    if (leads_on(x, y, storage_i)) surface_class[storage_i] = kKeep;
+    const float foot_m = grid.foot_m[grid.pair_of(x, y, *frame)];
+    const float before_m = store.ground_m[storage_i];
+    if (!(foot_m < before_m)) return;  // also if it is not known
+    if (before_m - foot_m > config->clearance_m) store.flags[storage_i] |= kHitHighUp;
+    store.ground_m[storage_i] = foot_m;
+    store.ground_var_m2[storage_i] = kFoot_var_m2;
+    store.state[storage_i] = kFilledOneSided;
   }
-  /** Goes in eight directions at once, so that their loads do not wait for each other. */
-  TALUS_HD bool leads_on(int x, int y, int storage_i) const
+};
+
+/** Forgets a fill: it rested on what is no ground. */
+struct ForgetFill
+{
+  const Config* config;
+  const FrameContext* frame;
+  CellStore store;
+
+  TALUS_HD void operator()(int, int, int storage_i) const
   {
-    const int px = grid.place_of(x, frame->odd_x), py = grid.place_of(y, frame->odd_y);
-    const float ground_m = store.ground_m[storage_i];
-    int ways = kAllWays;
-    bool arrived = false;
-    for (int r = 1; r <= widest_thing(*config) && ways != 0 && !arrived; r++)
-      arrived = step(px, py, r, ground_m, ways);
-    return arrived;
+    const int state = store.state[storage_i], flags = store.flags[storage_i];
+    const bool fill = (state == kFilledTwoSided) | (state == kFilledOneSided);
+    store.ground_m[storage_i] = select(fill, kNan, store.ground_m[storage_i]);
+    store.ground_var_m2[storage_i] = select(fill, kNan, store.ground_var_m2[storage_i]);
+    store.state[storage_i] =
+        static_cast<std::uint8_t>(select(fill, static_cast<int>(kUnknown), state));
+    store.flags[storage_i] =
+        static_cast<std::uint8_t>(flags & select(fill, ~(kPassedLow | kMayDrop), ~0));
   }
-
- private:
-  static constexpr int kWays = 9;  //!< the middle one leads nowhere
-  static constexpr int kAllWays = 0x1ef, kLeft = 0x049, kRight = 0x124, kLow = 0x007, kHigh = 0x1c0;
-
-  /** Takes the step `r` of the ways that go on so far. Returns whether one reaches wide ground. */
-  TALUS_HD bool step(int px, int py, int r, float ground_m, int& ways) const
+  TALUS_HD void operator()(int ix, int iy) const
   {
-    const float tolerance_m = kAboveCone_steps * config->step_threshold_m;
-    ways &=
-        ~(select(px < r, kLeft, 0) | select(px + r >= grid.side, kRight, 0) |
-          select(py < r, kLow, 0) | select(py + r >= grid.side, kHigh, 0));
-    const int here = grid.at(px, py), row = grid.at(0, 1) - grid.at(0, 0);
-    float lowest_m[kWays], eroded_m[kWays], column_m[kWays];
-    for (int w = 0; w < kWays; w++)
-    {
-      const bool goes_on = (ways >> w & 1) != 0;
-      const int coarse_i = here + r * (w % 3 - 1 + (w / 3 - 1) * row);
-      lowest_m[w] = goes_on ? grid.lowest_m[coarse_i] : kInfinity;
-      eroded_m[w] = goes_on ? grid.eroded_m[coarse_i] : kInfinity;
-      column_m[w] = goes_on ? grid.column_m[coarse_i] : kInfinity;
-    }
-    bool arrives = false;
-    for (int w = 0; w < kWays; w++)
-    {
-      const bool level = abs_of(lowest_m[w] - ground_m) <= tolerance_m;  // false if unknown
-      const bool goes_on = level & !(column_m[w] > -kInfinity);
-      ways &= ~(select(goes_on, 0, 1) << w);
-      const bool wide = (eroded_m[w] >= lowest_m[w] - tolerance_m) & (eroded_m[w] < kInfinity);
-      arrives |= goes_on & wide;
-    }
-    return arrives;
+    (*this)(ix, iy, storage_index(*frame, config->cells, ix, iy));
   }
 };
 

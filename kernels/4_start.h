@@ -10,6 +10,32 @@
 
 namespace talus::kernels
 {
+/** In the first frame passable cells around the robot on the plane of its base are reached: hits on
+ * its own body may lie between. */
+struct StartReach
+{
+  const Config* config;
+  const FrameContext* frame;
+  CellStore store;
+
+  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  {
+    const Offset at = offset_from_base(*config, *frame, ix, iy);
+    const float plane_m = plane_of_base_m(*frame, at);
+    const float radius_m = kStartReach * (frame->sensor_z_m - plane_m);
+    const bool level =
+        abs_of(store.ground_m[storage_i] - plane_m) <= kStartReach_steps * config->step_threshold_m;
+    const int flags = store.flags[storage_i];
+    const bool starts = (frame->has_base != 0) & level & at.is_within(radius_m) &
+                        ((flags & kWasPassable) == kWasPassable);
+    store.flags[storage_i] = static_cast<std::uint8_t>(flags | select(starts, kWasReached, 0));
+  }
+  TALUS_HD void operator()(int ix, int iy) const
+  {
+    (*this)(ix, iy, storage_index(*frame, config->cells, ix, iy));
+  }
+};
+
 /** In its first frame a scanner looks over the ground on which the robot stands. Cells that were
  * not measured there get the plane of the base, until they are measured or rays pass below it
  * (stage 6). */

@@ -43,8 +43,8 @@ TALUS_HD void presume_ground(Cell& c, float ground_m)
 }
 
 /** What the robot stands on does not block it: grass, or an object that has left. The cells below a
- * disc around the base and below the boxes of the body get the ground of the base. Later hits up to
- * the height that the robot drove through do not count as new. */
+ * disc around the base get the ground of the base. Later hits up to the height that the robot drove
+ * through do not count as new. Boxes of its body do not count: mirrors pass above what stands. */
 template <class Atomics>
 struct StandOnCell
 {
@@ -52,27 +52,23 @@ struct StandOnCell
   const FrameContext* frame;
   CellStore store;
   Datum* datum;
-  const Body* body;
 
   /** Whether no cell of a row is concerned. */
   TALUS_HD bool leaves_out(int iy) const
   {
-    const float reach_m = max_of(kFootprint_m, body->reach_m);
-    return frame->has_base == 0 || abs_of(offset_from_base(*config, *frame, 0, iy).y_m) > reach_m;
+    return frame->has_base == 0 ||
+           abs_of(offset_from_base(*config, *frame, 0, iy).y_m) > kFootprint_m;
   }
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
     const Offset at = offset_from_base(*config, *frame, ix, iy);
-    const bool near = at.is_within(max_of(kFootprint_m, body->reach_m));
     const bool changes = drives_through(storage_i, plane_of_base_m(*frame, at)) |
                          !store.is(kRobotWasThere, storage_i);
-    return on(kUnderRobot, *config) & (frame->has_base != 0) & near & changes;
+    return on(kUnderRobot, *config) & (frame->has_base != 0) & at.is_within(kFootprint_m) & changes;
   }
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    const Offset at = offset_from_base(*config, *frame, ix, iy);
-    if (!is_under(at)) return;
-    const float floor_m = plane_of_base_m(*frame, at);
+    const float floor_m = plane_of_base_m(*frame, offset_from_base(*config, *frame, ix, iy));
     if (!drives_through(storage_i, floor_m))
     {
       store.flags[storage_i] |= kRobotWasThere;
@@ -116,25 +112,6 @@ struct StandOnCell
     const bool guessed =
         (state != kMeasured) & (state != kPresumed) & !is_known(store.elevation_m[storage_i]);
     return high | guessed;
-  }
-  TALUS_HD bool is_under(const Offset& at) const
-  {
-    if (at.is_within(kFootprint_m)) return true;
-    const auto [x_m, y_m] = at;
-    // Rotate from the window to the sensor and on to the base.
-    const float* const s = frame->poses[0].m;
-    const float* const b = frame->T_base_sensor;
-    const float z_m = frame->base_slope_x * x_m + frame->base_slope_y * y_m;
-    const float in_sensor[3] = {
-        s[0] * x_m + s[4] * y_m + s[8] * z_m, s[1] * x_m + s[5] * y_m + s[9] * z_m,
-        s[2] * x_m + s[6] * y_m + s[10] * z_m};
-    const float ahead_m = b[0] * in_sensor[0] + b[1] * in_sensor[1] + b[2] * in_sensor[2];
-    const float left_m = b[4] * in_sensor[0] + b[5] * in_sensor[1] + b[6] * in_sensor[2];
-    for (int box = 0; box < body->boxes; box++)
-      if (ahead_m >= body->min_m[box][0] && ahead_m <= body->max_m[box][0] &&
-          left_m >= body->min_m[box][1] && left_m <= body->max_m[box][1])
-        return true;
-    return false;
   }
 };
 

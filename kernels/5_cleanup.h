@@ -15,8 +15,8 @@ namespace talus::kernels
 // Stage 5 (III-B.2): a cell is cleared down to its ground if all rays that went on behind it passed
 // below its surface and no point of this frame supports it. Stage 1 has turned the hits of each
 // ring into the lowest ray that passed it, so that each cell is a look-up. The same table bounds
-// unseen ground from above. In occluded cells two other signs count: the cells around have left, or
-// the robot drove there before.
+// unseen ground from above. Neighbours count in both directions: a cell beside what is hit in this
+// frame waits, and one amid cells that were left leaves with them.
 
 /** The result of the rays of this frame for one cell. */
 struct SeenThrough
@@ -39,8 +39,8 @@ TALUS_HD void add_ray(
   seen.highest = max_of(seen.highest, select(wanted & (hit != kNoRay), hit, -kNoRay));
 }
 
-/** Counts one frame with or without a hit; true when the cell must be cleared. */
-TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
+/** Counts one frame with or without a hit; true when the object has left, after `frames`. */
+TALUS_HD bool count_frame(Cell& c, bool hit, int frames)
 {
   if (hit)
     c.passed_frames = 0;
@@ -48,7 +48,7 @@ TALUS_HD bool count_evidence(Cell& c, bool hit, const Config& k)
     c.stay_frames--;
   else
     c.passed_frames++;
-  if (c.passed_frames < k.cleanup_frames) return false;
+  if (c.passed_frames < frames) return false;
   c.passed_frames = 0;
   return true;
 }
@@ -64,16 +64,6 @@ TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
     surface_class = kInfer;
   }
   remove_object(c);
-}
-
-/** Counts a frame whose rays passed at `limit`, below the object; true when it has left. Hits below
- * those rays do not protect it: a box that left shows the floor in the cells where it stood. */
-TALUS_HD bool count_seen_through(Cell& c, float top_hit_m, float top, float limit, const Config& k)
-{
-  const bool hit = top_hit_m > limit;
-  const bool counts = hit && top_hit_m <= top + k.cleanup_margin_m;  // a hit above hangs
-  if (counts) c.recent_hits = min_of(c.recent_hits + kHitAdds, kMostRecentHits);
-  return count_evidence(c, hit, k);
 }
 
 /** Finds the rays that passed over cell (ix, iy). */
@@ -97,6 +87,7 @@ struct FindPassingRays
   {
     const int i = passing.grid.at(ix, iy);
     passing.free_above_m[i] = height_m(g, seen.highest);
+    passing.ends_m[i] = ends_m(g, seen.highest);
     const bool in_open = (seen.in_open != 0) & (seen.highest != -kNoRay);
     passing.in_open[i] = static_cast<std::uint8_t>(select(in_open, 1, 0));
   }
@@ -119,6 +110,14 @@ struct FindPassingRays
   }
 
  private:
+  TALUS_HD float ends_m(const RayFootprint& g, std::int32_t ray) const
+  {
+    const float end_m = end_of_ray_m(ray);
+    const float at_end_m = frame->sensor_z_m + float_from_ordered(ray) * end_m;
+    const float on_m = max_of(end_m - g.chebyshev_m, 0.0f);
+    const float up_m = min_of(kEndsFall * on_m, kEndsRise_m);
+    return select(abs_of(ray) != kNoRay, at_end_m + up_m, kInfinity);
+  }
   /** The height where a ray is highest inside a cell: of a higher slope it is never lower. */
   TALUS_HD float height_m(const RayFootprint& g, std::int32_t ordered_slope) const
   {
@@ -163,8 +162,7 @@ struct CleanUpCell
   }
 
   /** What is high up hangs, and is removed, if rays pass below it as high as the robot. Rays below
-   * an overhang do not prove that it left. Rays that go on where it was hit do. If such
-   * rays pass while it is hit, it is open like a railing, and its ends tell nothing. */
+   * an overhang do not prove that it left. Rays that go on where it was hit do. */
   template <class Group>
   TALUS_HD void inspect(int ix, int iy, int storage_i, const Group& group) const
   {
@@ -182,21 +180,22 @@ struct CleanUpCell
       store.store(storage_i, c);
     }
     if (hangs || store.stay_frames[storage_i] == 0) return;
-    const bool open = store.is(kOpen, storage_i);
     Reach extent{store.overhang_below[storage_i], store.overhang_above[storage_i]};
-    if (hit && !open) extent = learn(extent, overhang, top_m, hit_m, limit_m);
+    if (hit)
+    {
+      extent = learn(extent, overhang, top_m, hit_m, limit_m);
+      if (group.rank() != 0) return;
+      store.overhang_below[storage_i] = static_cast<std::uint8_t>(extent.below);
+      store.overhang_above[storage_i] = static_cast<std::uint8_t>(extent.above);
+      return;
+    }
     const float low_m = max_of(top_m - overhang_m(extent.below) + k.cleanup_margin_m, limit_m);
     const float high_m = top_m + overhang_m(extent.above) - k.cleanup_margin_m;
     const SlopeSteps inside = overhang.between(low_m, high_m);
-    const bool thin = open || inside.none();
-    const bool went = on(kWentOn, k) && !(hit && thin) &&
-                      overhang.went_on(thin ? overhang.around(top_m) : inside, thin);
-    const bool gone = !hit && (went || leaves_with_others(ix, iy));
-    if (group.rank() != 0) return;
-    store.overhang_below[storage_i] = static_cast<std::uint8_t>(extent.below);
-    store.overhang_above[storage_i] = static_cast<std::uint8_t>(extent.above);
-    if (hit && went) store.flags[storage_i] |= kOpen;
-    if (gone) store.stay_frames[storage_i] = 0;
+    const bool thin = inside.none();
+    const bool went = overhang.went_on(thin ? overhang.around(top_m) : inside, thin);
+    const bool gone = went || leaves_with_others(ix, iy);
+    if (gone && group.rank() == 0) store.stay_frames[storage_i] = 0;
   }
 
   TALUS_HD void finish(int ix, int iy, int storage_i) const
@@ -206,12 +205,19 @@ struct CleanUpCell
     const bool later = came_later(storage_i), seen = passed(at);
     const bool stands = seen && stands_above(at, storage_i);
     const float hit_m = top_hit_m[storage_i], limit_m = select(stands, limit(at), kInfinity);
-    bool left = later && count_unhit(c, hit_m, !stands);
     const bool faded = seen && c.recent_hits > 0;  // rays passed
     if (faded) c.recent_hits--;
     if (stands && on(kRayBelowGround, *config) && is_undercut(ix, iy, storage_i))
       surface_class[storage_i] = kObject;
-    if (stands) left = count_seen_through(c, hit_m, top(storage_i), limit_m, *config);
+    // Hits below the rays do not protect it: a box that left shows the floor where it stood.
+    const bool hit = hit_m > select(stands, limit_m, bare_up_to_m(c.ground_m, *config));
+    // A hit above it hangs.
+    if (stands && hit && hit_m <= top(storage_i) + config->cleanup_margin_m)
+      c.recent_hits = min_of(c.recent_hits + kHitAdds, kMostRecentHits);
+    if (later && !hit) c.stay_frames = 0;
+    const int frames = stands ? config->cleanup_frames : kFollowerLeaves_frames;
+    const bool waits = stands && !hit && is_rim(storage_i, limit_m);
+    const bool left = (stands || later) && !waits && count_frame(c, hit, frames);
     if (left) clear(c, surface_class[storage_i], limit_m);
     if (stands || faded || later) store.store(storage_i, c);
   }
@@ -233,21 +239,21 @@ struct CleanUpCell
   TALUS_HD bool came_later(int storage_i) const
   {
     const float bare_m = bare_up_to_m(store.ground_m[storage_i], *config);
-    return on(kFollowersLeave, *config) & store.is(kRobotWasThere, storage_i) &
-           (store.elevation_m[storage_i] > bare_m);
+    return store.is(kRobotWasThere, storage_i) & (store.elevation_m[storage_i] > bare_m);
   }
-  /** Counts frames without a hit of an object that came later; true when it has left. Occluded
-   * frames count, too. Where rays pass it has no stay, unlike the edges of static objects. */
-  TALUS_HD bool count_unhit(Cell& c, float hit_m, bool in_shadow) const
+  /** Whether a cell is the rim of what stands beside it: rays pass its empty part, but a cell close
+   * by was hit above them, and nothing shows its own floor. */
+  TALUS_HD bool is_rim(int storage_i, float limit_m) const
   {
-    const bool hit = hit_m > bare_up_to_m(c.ground_m, *config);
-    if (hit)
-      c.passed_frames = 0;
-    else
-      c.stay_frames = 0;
-    if (hit || !in_shadow || ++c.passed_frames < kFollowerLeaves_frames) return false;
-    c.passed_frames = 0;
-    return true;
+    const bool presumed =
+        store.state[storage_i] == kPresumed && !is_known(store.elevation_m[storage_i]);
+    if (!on(kAsAWhole, *config) || presumed || top_hit_m[storage_i] > -kInfinity) return false;
+    const int y = floor_div(storage_i, cells), x = storage_i - y * cells;
+    bool beside = false;
+    for (int dy = -kRim_cells; dy <= kRim_cells; dy++)
+      for (int dx = -kRim_cells; dx <= kRim_cells; dx++)
+        beside |= top_hit_m[wrap_bin(y + dy, cells) * cells + wrap_bin(x + dx, cells)] > limit_m;
+    return beside;
   }
   TALUS_HD float top(int storage_i) const
   {
@@ -287,7 +293,7 @@ struct CleanUpCell
   /** Whether in more of the pairs around a cell an object has left than still stands. */
   TALUS_HD bool leaves_with_others(int ix, int iy) const
   {
-    if (!on(kLeavesWithOthers, *config)) return false;
+    if (!on(kAsAWhole, *config)) return false;
     const int px = grid.place_of(ix, reach.frame->odd_x), r = kLeavesTogether_pairs;
     const int py = grid.place_of(iy, reach.frame->odd_y), last = grid.side - 1;
     int left = 0, stands = 0;

@@ -1,4 +1,5 @@
 #pragma once
+#include "kernels/4_classify.h"
 #include "kernels/cell.h"
 #include "kernels/config.h"
 #include "kernels/frame.h"
@@ -19,12 +20,13 @@ namespace talus::kernels
 /** The samples of one side, and their mean by the sparse kernel of eq. 8. */
 struct SideEstimate
 {
-  int places = 0;  //!< to the nearest sample
+  int places = 0;  //!< to the nearest sample; 0: farther than fills search
   float distance_m = 0;
   float nearest_m = kNan;  //!< height of the nearest sample; NaN: no samples
   float height_m = kNan;  //!< the mean of the samples ...
   float mean_distance_m = 0;  //!< ... and where that lies
   TALUS_HD bool any() const { return is_known(nearest_m); }
+  TALUS_HD bool near() const { return places > 0; }
 };
 
 /** Sparse kernel of eq. 8, k(d) = (2 + cos(2 pi d)) (1 - d) / 3 + sin(2 pi d) / (2 pi) with d the
@@ -82,7 +84,8 @@ enum FillMark : std::int32_t
   kTwoSided = 2,
   kInferred = 4,  //!< the line from the sensor has samples: otherwise nothing else counts
   kSlopes = 8,  //!< the ground falls in it by a step, as a slope does
-  kDrops = 16  //!< the ground may drop in it
+  kDrops = 16,  //!< the ground may drop in it
+  kBridged = 32  //!< it has samples on both sides, near or far
 };
 /** The variance of fills in which the ground falls. */
 constexpr float kFalls_m2 = 1.0f;
@@ -92,10 +95,11 @@ TALUS_HD bool is_steep(float rise_m, float length_m, const Config& k)
 {
   return rise_m > k.max_slope * length_m + kWallNoise_m;
 }
-/** Whether rays pass below the ground that would go on level from a sample `away_m` away. */
-TALUS_HD bool undercuts(float free_above_m, float sample_m, float away_m)
+/** Whether the rays over a place ended lower than ground leads that falls gently from a sample
+ * `away_m` away. */
+TALUS_HD bool undercuts(float ends_m, float sample_m, float away_m)
 {
-  return free_above_m < sample_m - kUndercutAhead_m - kGentle * away_m;
+  return ends_m < sample_m - kEndsBelow_m - kEndsFall * away_m;
 }
 
 /** Heights of several lines, weighted by the gaps that they bridge. */
@@ -111,15 +115,15 @@ struct LineFusion
   }
 };
 
-/** One line: linear between samples of both sides, their mean beside one side. The error grows with
- * the distances and with the height difference, since the ground may rise anywhere in the gap. */
+/** One line with samples near by: linear between samples of both sides, the other of which may be
+ * far; their mean beside one side. The error grows with the distances, as ground is curved, and
+ * with the height difference, since the ground may rise anywhere in the gap. */
 TALUS_HD LineFusion fuse_sides(const SideEstimate& a, const SideEstimate& b)
 {
-  const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b, any = has_a | has_b;
-  const float gap_m = a.distance_m + b.distance_m;
+  const bool has_a = a.any(), has_b = b.any(), both = has_a & has_b, any = a.near() | b.near();
   const float part = a.mean_distance_m / (a.mean_distance_m + b.mean_distance_m);
   const float between_m = a.height_m + (b.height_m - a.height_m) * part;
-  const float error_m = kBetweenDeviation * a.distance_m * b.distance_m / gap_m +
+  const float error_m = kBetweenDeviation * a.distance_m * b.distance_m +
                         kRiseDeviation * abs_of(b.nearest_m - a.nearest_m);
   const float beyond_m = kBeyondDeviation * select(has_a, a.distance_m, b.distance_m);
   const float height_m = select(both, between_m, select(has_a, a.height_m, b.height_m));
@@ -141,18 +145,21 @@ TALUS_HD float variance_of_fill(const LineFusion& lines, const Config& k)
   return apart_m * apart_m + gap_m * gap_m;
 }
 
-/** Bits of FillMark of a place with samples on the inner and the outer side. */
-TALUS_HD std::int32_t marks_of_sides(bool inner, bool outer, bool undercut_ahead)
+/** Bits of FillMark of a place between the inner and the outer side. */
+TALUS_HD std::int32_t marks_of_sides(
+    const SideEstimate& inner, const SideEstimate& outer, bool undercut_ahead)
 {
-  return select(inner | outer, kInferred, 0) | select(inner & outer, kTwoSided, 0) |
-         select(inner & !outer & undercut_ahead, kDrops, 0);
+  const bool in = inner.near(), out = outer.near();
+  return select(in | out, kInferred, 0) | select(in & out, kTwoSided, 0) |
+         select(inner.any() & outer.any(), kBridged, 0) |
+         select(in & !out & undercut_ahead, kDrops, 0);
 }
 
 /** Measured ground that fills may use, by place of the grid. */
 struct Samples
 {
   float* height_m;  //!< NaN: none
-  float* free_above_m;  //!< see PassingRays; used where lines are swept
+  float *free_above_m, *ends_m;  //!< see PassingRays; used where lines are swept
 };
 
 /** The lowest of some lines, and a little more: a fill may lie too high. */
@@ -176,10 +183,27 @@ TALUS_HD float proof_m(int state, bool in_open, const Config& k)
   return select(in_open, k.clearance_m, between_steps * k.step_threshold_m);
 }
 
-TALUS_HD bool is_sample(const CellStore& store, const std::uint8_t* surface_class, int storage_i)
+/** Bits of the height of a sample: it is a face, whose ground rises within the cell, or the robot
+ * stood there, which tells a height, but no edge. Compilers do not vectorise a test of the last
+ * bit.
+ */
+constexpr std::uint32_t kFaceBit = 2, kStoodBit = 4;
+/** The sample of a cell; NaN: none. */
+TALUS_HD float sample_of(const ClassifyCell& of, int storage_i)
 {
-  return (store.state[storage_i] == kMeasured) & (surface_class[storage_i] == kKeep);
+  const float ground_m = of.store.ground_m[storage_i], top_m = of.store.elevation_m[storage_i];
+  const int state = of.store.state[storage_i];
+  const bool stood = (state == kPresumed) & (of.config->start_radius_m > 0.0f) &
+                     ((of.store.flags[storage_i] & kRobotWasThere) != 0);
+  const bool is_one = ((state == kMeasured) & (of.surface_class[storage_i] == kKeep)) | stood;
+  const bool rises = (top_m > bare_up_to_m(ground_m, *of.config)) &
+                     (top_m <= ground_m + kUpright_steps * of.config->step_threshold_m);
+  const std::uint32_t bits =
+      select(rises, static_cast<int>(kFaceBit), 0) | select(stood, static_cast<int>(kStoodBit), 0);
+  return select(is_one, float_of_bits((bits_of(ground_m) & ~(kFaceBit | kStoodBit)) | bits), kNan);
 }
+TALUS_HD bool is_stood(float sample_m) { return (bits_of(sample_m) & kStoodBit) != 0; }
+TALUS_HD bool is_face(float sample_m) { return (bits_of(sample_m) & kFaceBit) != 0; }
 
 /** Stage 6 on cell (ix, iy), stored at storage_i. Returns its state. A second call changes nothing.
  */
@@ -191,6 +215,7 @@ struct FillCell
   CellStore store;
   const std::uint8_t* surface_class;
   PassingRays passing;
+  CoarseGrid grid;
   Surfaces surfaces;
   SurfaceLayers out;
 
@@ -201,10 +226,13 @@ struct FillCell
     const Config& k = *config;
     const int at = passing.grid.at(ix, iy);
     const int r = surface_class[storage_i], state_before = store.state[storage_i];
-    const int flags_before = store.flags[storage_i], in_open = passing.in_open[at];
+    const int flags_before = store.flags[storage_i];
+    const bool in_open = passing.in_open[at] != 0;
+    const float beside_m = grid.beside_m[grid.pair_of(ix, iy, *frame)];
     const int driven_height = store.driven_height[storage_i];
     const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
     const float stands_m = store.elevation_m[storage_i], free_m = passing.free_above_m[at];
+    const float ends_m = passing.ends_m[at];
     // Otherwise the older fill, or the object, stays.
     const bool filled = (r != kKeep) & ((marks & kInferred) != 0);
     const bool two_sided = (marks & kTwoSided) != 0;
@@ -218,10 +246,15 @@ struct FillCell
     const int filled_as = select(two_sided, kFilledTwoSided, kFilledOneSided);
     const int state = select(filled, filled_as, state_before);
     const float floor_m = min_of(ground, select(filled, low_m, kInfinity));
-    const bool low = free_m < floor_m + proof_m(state, in_open != 0, k);
+    const bool bridged = filled & ((marks & kBridged) != 0);
+    const bool goes_on = (state != kFilledOneSided) | bridged | !(floor_m > ends_m + kEndsBelow_m);
+    const bool hidden = beside_m < floor_m + k.clearance_m;
+    const float proof = select(hidden, k.step_threshold_m, proof_m(state, in_open, k));
+    const bool low = goes_on & (free_m < floor_m + proof);
     const bool object = filled & (r == kObject) & (before - fill_m > k.clearance_m);
     const bool drops = on(kFallsMayDrop, k) & ((fall & kDrops) != 0) & !is_known(stands_m);
-    const int flags = (flags_before & select((fall == kSlopes) | (r == kKeep), ~kMayDrop, ~0)) |
+    const int flags = (flags_before & select((fall == kSlopes) | (r == kKeep), ~kMayDrop, ~0) &
+                       select(goes_on, ~0, ~kPassedLow)) |
                       select(low, kPassedLow, 0) | select(object, kHitHighUp, 0) |
                       select(drops, kMayDrop, 0);
     // Reads come before stores, or the compiler would read again and not vectorise.

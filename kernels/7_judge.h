@@ -1,6 +1,7 @@
 #pragma once
 #include "kernels/7_traversability.h"
 #include "kernels/7_sparsity.h"
+#include "kernels/cell.h"
 #include "kernels/config.h"
 #include "kernels/lines.h"
 #include "kernels/math.h"
@@ -165,6 +166,28 @@ struct ComputeFeatures
   }
 };
 
+/** Keeps whether a cell is passable for stage 4 of the next frame, see 4_reach.h. A guess leads on
+ * where it is nearly level. */
+struct NotePassable
+{
+  int cells;
+  const FrameContext* frame;
+  CellStore store;
+  const float* traversability;
+
+  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  {
+    note(storage_i, traversability[iy * cells + ix]);
+  }
+  TALUS_HD void note(int storage_i, float score) const
+  {
+    const int others = store.flags[storage_i] & ~kWasPassable;
+    const bool guess = store.state[storage_i] == kFilledOneSided;
+    const bool leads_on = score >= select(guess, kGuessScore, kEdgeScore);
+    store.flags[storage_i] = static_cast<std::uint8_t>(others | select(leads_on, kWasPassable, 0));
+  }
+};
+
 /** The last step of stage 7: an obstacle goes on beside an impassable cell where the score is low,
  * and between two such cells, since no robot fits through one cell. Features end before the edge of
  * a steep face, and of porous objects only some cells are hit. Low steps stay passable. */
@@ -175,6 +198,7 @@ struct CompleteObstacles
   Surfaces surfaces;
   const std::uint8_t* passability;  //!< see ComputeFeatures
   float* traversability;
+  NotePassable passable;  //!< used by complete(); without a store it keeps nothing
 
   TALUS_HD bool applies(int ix, int iy, int) const { return applies(ix, iy, around(ix, iy)); }
   TALUS_HD void operator()(int ix, int iy, int) const
@@ -185,8 +209,9 @@ struct CompleteObstacles
   /** Stores the joined cell, or `score`. */
   TALUS_HD void complete(int ix, int iy, const PassabilityAround& at, float score) const
   {
-    const bool joined = applies(ix, iy, at) && joins(ix, iy, at, score);
-    traversability[iy * cells + ix] = joined ? 0.0f : score;
+    if (applies(ix, iy, at) && joins(ix, iy, at, score)) score = 0.0f;
+    traversability[iy * cells + ix] = score;
+    if (passable.store.flags) passable.note(storage_index(*passable.frame, cells, ix, iy), score);
   }
 
  private:

@@ -23,15 +23,19 @@ struct Fall
 
 /** h_s of eq. 14: how much lower than the ground before it the ground in a gap may lie. A drivable
  * slope explains a part of the fall. If the far side begins lower and rises more steeply than a
- * robot can drive, it is the far wall of a ditch, of which the near edge hides the lower part: the
- * ditch may be twice as deep. */
+ * robot can drive, behind it or within its own cell, it is the far wall of a ditch, of which the
+ * near edge hides the lower part: the ditch may be twice as deep. In a gap that is wider than a
+ * ditch it must be lower by a step, too, and lead back up by half of that within a shorter way. */
 TALUS_HD Fall fall_in(const Gap& g, const Config& k)
 {
-  const float fall_m = g.near_m - g.far_m;
+  const float fall_m = g.near_m - g.far_m, rise_m = g.behind_m - g.far_m;
   const float explained_m =
       min_of(kExplainedSlope * k.max_slope * g.length_m, kExplained_steps * k.step_threshold_m);
   const bool wide = g.length_m >= kWidestDitch_m;
-  const bool wall = is_steep(g.behind_m - g.far_m, g.behind_length_m, k) & !wide;
+  const bool back_up =
+      (fall_m > k.step_threshold_m) & (rise_m >= 0.5f * fall_m) & (g.behind_length_m <= g.length_m);
+  const bool steep = is_steep(rise_m, g.behind_length_m, k) | is_face(g.far_m);
+  const bool wall = steep & select(wide, back_up, true);
   const float hollow_m = kHollow * (fall_m - kGentle * g.length_m);
   const float told_m = max_of(max_of(fall_m - explained_m, select(wall, hollow_m, 0.0f)), 0.0f);
   return {told_m, select((told_m == 0.0f) & wide & (fall_m > k.step_threshold_m), 1, 0)};

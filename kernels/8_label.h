@@ -92,7 +92,6 @@ struct LabelPoint
   const Datum* datum;
   CellStore store;
   ClassifyCell classify;  //!< over a coarse grid of the map as it is
-  KeepBridge bridge;
   PointsIn in;
   /** By storage index: 1 where the frame hit something that has left since; null: not yet known. */
   const std::int32_t* moved;
@@ -124,8 +123,7 @@ struct LabelPoint
  private:
   TALUS_HD bool is_object(int ix, int iy, int storage_i) const
   {
-    return classify.class_of(ix, iy, storage_i) == kObject &&
-           !(on(kBridges, *config) && bridge.leads_on(ix, iy, storage_i));
+    return classify.class_of(ix, iy, storage_i) == kObject;
   }
 };
 

@@ -17,15 +17,17 @@ enum State : std::uint8_t
   kPresumed = 4  //!< ground on which the robot stood or started, see 4_underfoot.h
 };
 
-/** Bits of Cell::flags: evidence of rays, hits and the robot. The lowest bit of flags is free,
- * since compilers do not vectorise a test of it. */
+/** Bits of Cell::flags: evidence of rays, hits and the robot. Compilers do not vectorise a test of
+ * the lowest one. */
 enum CellFlag : std::uint8_t
 {
+  kWasPassable = 1,  //!< in the last frame
   kPassedLow = 2,  //!< in some frame rays proved its ground to be free, see proof_m()
   kPassedBelow = 4,  //!< rays passed below what is high up there, as high as the robot
   kHitHighUp = 8,  //!< its object is above a gap that is larger than the clearance, and may hang
+  kWasReached = 16,  //!< the robot gets there, see 4_reach.h
   kMayDrop = 32,  //!< its ground may lie far below the ground around it, see fall_in()
-  kOpen = 64,  //!< what overhangs there lets rays through: a railing
+  kObjectTop = 64,  //!< it was passable, not reached and above reached ground: the top of an object
   kRobotWasThere = 128
 };
 
@@ -136,7 +138,7 @@ TALUS_HD void remove_object(Cell& c)
   c.elevation_m = select(measured, c.ground_m, kNan);
   c.elevation_var_m2 = select(measured, c.ground_var_m2, kNan);
   c.stay_frames = c.passed_frames = c.overhang_below = c.overhang_above = 0;
-  c.flags &= ~(kHitHighUp | kOpen);
+  c.flags &= ~(kHitHighUp | kObjectTop);
 }
 
 /** Unit of Cell::driven_height: hits up to that height above the ground are not new. */
@@ -201,14 +203,18 @@ enum SurfaceClass : std::uint8_t
  * variance has a rule of its own, TellVariance. */
 struct SurfaceLayers
 {
-  float *elevation, *ground, *state;
+  float *elevation, *ground, *state, *reached;
 
-  bool any() const { return elevation || ground || state; }
+  bool any() const { return elevation || ground || state || reached; }
   TALUS_HD void put(int window_i, const CellStore& store, int storage_i, float offset_m) const
   {
     if (elevation) elevation[window_i] = raised(store.elevation_m[storage_i], offset_m);
     if (ground) ground[window_i] = raised(store.ground_m[storage_i], offset_m);
-    if (state) state[window_i] = static_cast<float>(store.state[storage_i]);
+    const int told = store.state[storage_i], reach = store.flags[storage_i] & kWasReached;
+    if (state) state[window_i] = static_cast<float>(told);
+    if (reached)
+      reached[window_i] = select(
+          told == kUnknown, kNan, static_cast<float>(reach) / static_cast<float>(kWasReached));
   }
 };
 

@@ -38,7 +38,6 @@ struct Body
 {
   int boxes;
   float min_m[kMostBodyBoxes][3], max_m[kMostBodyBoxes][3];
-  float reach_m;  //!< the farthest corner from the base, seen from above
 };
 
 }  // namespace talus::kernels

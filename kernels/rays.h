@@ -2,6 +2,7 @@
 #include "kernels/config.h"
 #include "kernels/lines.h"
 #include "kernels/math.h"
+#include "kernels/rule_constants.h"
 
 namespace talus::kernels
 {
@@ -67,6 +68,24 @@ TALUS_HD float ray_slope(float dz, float chebyshev_m) { return dz / chebyshev_m;
 
 constexpr std::int32_t kNoRay = 0x7fffffff;
 
+/** The last bits of a ray tell where it ended: the bits of that Chebyshev distance from 0.5 to 128
+ * m in 128 steps for each doubling. Its slope keeps 13 bits, which is exact to 1 mm. */
+constexpr std::int32_t kEndBits = 1023;
+constexpr std::uint32_t kNearestEnd = 0x3f00;  //!< upper half of 0.5f
+
+/** A ray as an ordered integer: of two the lower is less. */
+TALUS_HD std::int32_t ray_of(float slope, float end_m)
+{
+  const float end = min_of(max_of(end_m, 0.5f), 127.5f);
+  const auto bits = static_cast<std::int32_t>((bits_of(end) >> 16) - kNearestEnd);
+  return (ordered_from_float(slope) & ~kEndBits) | bits;
+}
+/** Where it ended, or up to a 128th nearer. */
+TALUS_HD float end_of_ray_m(std::int32_t ray)
+{
+  return float_of_bits((static_cast<std::uint32_t>(ray & kEndBits) + kNearestEnd) << 16);
+}
+
 /** The number of steps of slope. */
 constexpr int kSlopeSteps = 64;
 /** Slopes are bent into [-1, 1]; the steps cover -1/2 (slope -1) to 1/4 (slope 1/3). */
@@ -95,6 +114,9 @@ struct PassingRays
    * infinity: no ray. Of the lowest rays of its directions the highest counts, so that a few
    * reflections change nothing. */
   float* free_above_m;
+  /** So high the ground of a cell is at most if it goes on gently to where that ray ended;
+   * infinity: no ray. */
+  float* ends_m;
   float* lowest_m;  //!< the lowest ray of all, in frames that start a map; infinity: no ray
   std::uint8_t* in_open;  //!< 1: nothing was hit between the sensor and the cell
 };

@@ -55,6 +55,9 @@ constexpr int kOthersBesideHit = 2, kBesideHit_cells = 2;
 constexpr float kBesideHit_steps = 2.0f;
 /** An overhang (bench, railing, branch) stays for so many frames of rays below it without a hit. */
 constexpr int kOverhangStays_frames = 108;
+/** An object stays as a whole: a cell that rays pass waits while one so near is hit above them.
+ * Hits on a round trunk or a hedge lie within two cells of its rim. */
+constexpr int kRim_cells = 2;
 /** An object leaves as a whole: the pairs of cells around, on each side, that tell of an overhang
  * that it has left, 0.7 m in all. */
 constexpr int kLeavesTogether_pairs = 3;
@@ -88,6 +91,9 @@ constexpr float kUnderFoot_var_m2 = 0.02f * 0.02f;
 
 /** An object at least so high [steps] is upright: its lowest hit need not be its foot. */
 constexpr float kUpright_steps = 1.5f;
+/** What was passable, but is not reached, is the top of an object where it lies so far above a cone
+ * of the slope that the robot climbs over the reached ground around it [steps]. */
+constexpr float kApart_steps = 1.0f;
 /** Ground may lie so far above the cone of the steepest slope over ground close by [steps] ... */
 constexpr float kAboveCone_steps = 0.25f;
 /** ... and than the opening of the ground around it. */
@@ -95,6 +101,18 @@ constexpr float kAboveOpening_steps = 0.5f;
 /** Dilation goes so many pairs farther than erosion: a pair with an edge and the ground below it
  * belongs to the platform of that edge. */
 constexpr int kDilatesFarther_pairs = 1;
+/** Reach goes over a guess, filled from one side, only with at least this score: a steeper one may
+ * lead from the floor onto a box. */
+constexpr float kGuessScore = 0.8f;
+/** Variance of the ground below an object that is as high as the ground around it. */
+constexpr float kFoot_var_m2 = 0.15f * 0.15f;
+/** In the first frame the ground around the robot is reached so many heights of the sensor away,
+ * where the lowest beam of most scanners (15 degrees) meets it, at most so far off the plane of the
+ * base [steps]. */
+constexpr float kStartReach = 4.0f, kStartReach_steps = 0.5f;
+/** In its first frame the map finds out what is reached in so many rounds of four sweeps: 7 to 12
+ * cross a whole street of parked cars. */
+constexpr int kFirstReach_rounds = 12;
 /** The cone is as steep as this [m/m], or as what the robot climbs: 45 degrees, as banks are. */
 constexpr float kSteepestBank = 1.0f;
 
@@ -116,10 +134,11 @@ constexpr int kBesideRay_cells = 6;
 
 // ---- Stage 6: lines ----
 
-/** If rays pass this far below the ground that would go on level from a sample, there is a drop-off
- * in between, and the cells up to that place may drop. Lines from the sensor are asked at each so
- * many places. */
-constexpr float kUndercutAhead_m = 0.1f;
+/** Where a ray ended, and how gently [m/m] and how far up ground leads there, noise aside. Beyond a
+ * sample that lies higher there is a drop-off, and a guess that lies higher is not free: both are
+ * behind an edge, or in a ditch. */
+constexpr float kEndsBelow_m = 0.05f, kEndsFall = 0.15f, kEndsRise_m = 1.0f;
+/** Lines from the sensor are asked for drop-offs at each so many places. */
 constexpr int kUndercutPlaces = 4;
 /** Deviation of any line, however short. It makes short lines count nearly alike, so that their
  * noise averages out. */
@@ -129,7 +148,7 @@ constexpr float kLineDeviation_m = 0.080f;
 constexpr float kRiseDeviation = 0.289f;
 /** The deviation between two samples is this share of their reduced distance, a b / (a + b) [m/m];
  * beside one it is this share of its distance. */
-constexpr float kBetweenDeviation = 0.1f, kBeyondDeviation = 0.3f;
+constexpr float kBetweenDeviation = 0.05f, kBeyondDeviation = 0.3f;
 /** The lines of a fill: from the sensor, row and column. */
 constexpr float kFillLines = 3.0f;
 /** The standard deviation of a fill grows by this share of what the mean of its lines lies above
@@ -138,6 +157,9 @@ constexpr float kLinesApart = 0.5f;
 /** A fill may lie too high. Where that matters, below an object and where rays prove it to be free,
  * it lies at most so much above the lowest of its lines [steps]. */
 constexpr float kAboveLowestLine_steps = 0.25f;
+/** So near to what stands lower than the clearance only rays as low as a step prove that a cell is
+ * free: it may be its hidden side. */
+constexpr float kBesideThing_m = 0.5f;
 /** A fill between known ground is free if rays passed so low over it [steps]: between the rings of
  * 32 beams they pass 0.2 to 0.4 m high. */
 constexpr float kFreeBetween_steps = 2.5f;

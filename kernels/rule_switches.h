@@ -15,15 +15,11 @@ enum Rule : int
   kHighHitStands = 9,
   kUnderRobot = 10,
   kPresumedStart = 11,
-  kNarrowAndSteep = 12,
-  kBareIsWide = 13,
-  kBridges = 16,
+  kReach = 12,
   kRayBelowGround = 23,
   kLoneHits = 24,
   kOverhangStays = 27,
-  kWentOn = 28,
-  kLeavesWithOthers = 30,
-  kFollowersLeave = 31,
+  kAsAWhole = 30,
   kLowestUnderObject = 35,
   kProofOfFills = 40,
   kLowSteps = 45,
@@ -31,12 +27,10 @@ enum Rule : int
   kFallsMayDrop = 47
 };
 
-constexpr Rule kRules[]{kHeightBand,     kBodyBoxes,         kBuriedRays,   kFollowsPoses,
-                        kGateOfBoth,     kHighHitStands,     kUnderRobot,   kPresumedStart,
-                        kNarrowAndSteep, kBareIsWide,        kBridges,      kRayBelowGround,
-                        kLoneHits,       kOverhangStays,     kWentOn,       kLeavesWithOthers,
-                        kFollowersLeave, kLowestUnderObject, kProofOfFills, kLowSteps,
-                        kObstaclesGoOn,  kFallsMayDrop};
+constexpr Rule kRules[]{
+    kHeightBand, kBodyBoxes,         kBuriedRays,   kFollowsPoses,   kGateOfBoth,    kHighHitStands,
+    kUnderRobot, kPresumedStart,     kReach,        kRayBelowGround, kLoneHits,      kOverhangStays,
+    kAsAWhole,   kLowestUnderObject, kProofOfFills, kLowSteps,       kObstaclesGoOn, kFallsMayDrop};
 
 /** Whether a rule counts: all do, unless a build for the laboratory switches some off, or leaves
  * one out when it is compiled, to count what the rule costs. */

@@ -203,3 +203,23 @@ TEST(Stage2Follow, HeightsFollowThePosesByTheMeanOfAllHitsThatAgree)
   m.update(Scan(0, 0, 0.92).add_surface(1.0, -1.0, 3.0, 1.0, risen));
   EXPECT_NEAR(m.ground(3.225, 0.025), 0.22, 0.01);  // not hit again
 }
+
+TEST(Stage2Follow, GrassThatStandsUpBehindTheRobotDoesNotRaiseTheMap)
+{
+  // Blades hide the ground of the track, which the robot knows from having stood there. No other
+  // cell is bare, and a scanner of many beams hits many blades beside the robot.
+  TestMap m;
+  for (int i = 0; i < 20; i++)
+  {
+    const double x = 0.1 * i;
+    Scan s(x, 0, 0.7);
+    const auto low = [](double, double y) { return std::abs(y) < 0.4 ? 0.36 : 0.0; };
+    const double from_m = i == 0 ? -1 : 0;
+    s.add_surface(from_m, -1, 4, 1, low).add_surface(from_m, -1, 4, 1, level(0.47));
+    for (int k = 0; k < 8; k++) s.add_surface(x - 0.3, -0.3, x + 0.3, 0.3, level(0.38 + 0.01 * k));
+    Frame f = s.frame(0.1 * i);
+    f.T_base_sensor = translation(0, 0, 0.7);
+    m.map.update(f);
+  }
+  EXPECT_NEAR(m.ground(-0.525, 0.725), 0, 0.05) << "seen in the first frame only";
+}

@@ -226,3 +226,17 @@ TEST(Stage4Underfoot, WhatIsAsHighAsWhatTheRobotJustDroveThroughIsDrivenThroughT
   EXPECT_NEAR(m.elevation(0.725, 0.025), 0.0, 1e-3);
   EXPECT_NEAR(m.elevation(0.725, 0.625), 0.3, 1e-3);  // nobody drove there
 }
+
+TEST(Stage4Underfoot, WhatStandsBelowAMirrorThatPassesOverItStaysAsItIs)
+{
+  const Box parked{{1, 0.4, 0}, {1.6, 0.9, 0.4}};
+  Parameters mirror;
+  mirror.body_boxes_m = {{-0.3, 0.3, 0.35, 1, 0.5, 0.7}};  // passes above what is parked
+  TestMap with(mirror), without;
+  for (int frame = 0; frame < 14; frame++)
+    for (TestMap* m : {&with, &without})
+      m->map.update(with_base(sixteen_beams({parked}, 0.2 * frame)));
+  EXPECT_NEAR(with.elevation(1.325, 0.425), 0.4, 0.1);
+  EXPECT_LT(with.traversability(1.325, 0.425), 0.05f);
+  EXPECT_EQ(with.map.save(), without.map.save());
+}

@@ -209,16 +209,40 @@ TEST(Stage5Cleanup, WhatStandsWhereTheRobotDroveLeavesInItsOwnShadowAndAWallBesi
   EXPECT_GT(m.elevation(0.175, 0.625), 0.3f);
 }
 
-TEST(Stage5Cleanup, RaysBetweenTheBarsOfARailingDoNotTellThatItLeft)
+TEST(Stage5Cleanup, TheRimOfWhatIsStillHitStaysUntilThatLeavesOrItsOwnFloorIsHit)
 {
-  const std::vector<Box> bars{
-      {{1.5, -0.4, 0.25}, {1.54, 0.4, 0.29}}, {{1.5, -0.4, 0.55}, {1.54, 0.4, 0.59}}};
-  TestMap m(near_window());
-  for (int i = 0; i < 3; i++) m.update(Scan().cast(bars));
-  ASSERT_GT(m.elevation(1.525, 0.025), 0.5f);
-  // From now on the beams pass between them.
-  for (int i = 0; i < 100; i++) m.update(Scan().cast(bars, 720, -0.24, -0.13, 12));
-  EXPECT_GT(m.elevation(1.525, 0.025), 0.5f);
+  // The rays of three beams pass the outer part of a post, 0.1 and 0.4 m high, and meet no floor
+  // in its cells. Those of 48 beams do.
+  const Box whole{{1.5, -0.1, 0}, {1.6, 0.1, 0.6}}, core{{1.5, -0.1, 0}, {1.6, 0.05, 0.6}};
+  for (const int beams : {3, 48})
+  {
+    TestMap m(near_window());
+    for (int i = 0; i < 3; i++) m.update(Scan(0, 0, 0.7).cast({whole}, 720, -0.6, -0.2, beams));
+    ASSERT_GT(m.elevation(1.525, 0.075), 0.3f);
+    for (int i = 0; i < 20; i++) m.update(Scan(0, 0, 0.7).cast({core}, 720, -0.6, -0.2, beams));
+    EXPECT_EQ(m.elevation(1.525, 0.075) > 0.3f, beams == 3) << beams;
+    for (int i = 0; i < 2; i++) m.update(Scan(0, 0, 0.7).cast({}, 720, -0.6, -0.2, beams));
+    // The lowest hit on the post, of a beam 0.1 m high, may stay as ground.
+    EXPECT_EQ(cells_above(m, 0.15), 0) << beams;
+  }
+}
+
+TEST(Stage5Cleanup, WhatWasHitForASecondIsFreeHalfASecondAfterItMovedOn)
+{
+  for (const int beams : {16, 48})
+  {
+    TestMap m(near_window());
+    const auto at = [](double y) { return Box{{1.5, y, 0}, {1.8, y + 0.3, 0.6}}; };
+    for (int i = 0; i < 10; i++) m.update(Scan(0, 0, 0.7).cast({at(-0.8)}, 720, -0.6, 0.1, beams));
+    ASSERT_GT(cells_above(m, 0.3), 5);
+    double y = -0.8;
+    for (int i = 0; i < 12; i++)
+      m.update(Scan(0, 0, 0.7).cast({at(y += 0.1)}, 720, -0.6, 0.1, beams));
+    // In five frames it goes half a metre. Few beams leave the lowest hit on it as ground.
+    for (double left = -0.775; left < y - 0.5; left += 0.05)
+      for (double x = 1.525; x < 1.8; x += 0.05)
+        EXPECT_FALSE(m.elevation(x, left) > 0.15f) << beams << " beams, " << x << "," << left;
+  }
 }
 
 TEST(Stage5Cleanup, WhatRaysCombAndDoNotHitHasLeftWhereFewBeamsTellNothing)

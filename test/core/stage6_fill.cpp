@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include "cuda/fill_search.h"
 #include "scene.h"
 
@@ -201,9 +202,9 @@ TEST(Stage6Fill, LinesWhoseSidesDisagreeCountForLess)
     lines.add(kernels::fuse_sides(side(0, 9, 0.5f), side(rise_m, 9, 0.5f)));
     return lines.information;
   };
-  const float level = 1 / (0.105f * 0.105f);
-  EXPECT_FLOAT_EQ(counts(0), level);
-  EXPECT_NEAR(counts(0.15f), 0.5f * level, 0.01f * level);  // 0.15 m / sqrt(12) further off
+  const auto counts_if_off = [](float by_m) { return 1 / (by_m * by_m); };
+  EXPECT_FLOAT_EQ(counts(0), counts_if_off(0.08f + 0.05f * 0.5f * 0.5f));
+  EXPECT_NEAR(counts(0.15f), counts_if_off(0.0925f + 0.15f / std::sqrt(12.0f)), 0.1f);
   EXPECT_FLOAT_EQ(counts(-0.15f), counts(0.15f));
 }
 
@@ -271,17 +272,46 @@ TEST(Stage6Fill, WhereRaysPassFarBelowAFillTheGroundMayDropUntilItIsMeasured)
   EXPECT_GT(m.traversability(2.025, 0.025), 0.9f);
 }
 
-TEST(Stage6Fill, GroundThatWouldGoOnToWhereRaysPassBelowItMayDrop)
+TEST(Stage6Fill, ABlindBowlLiesOnTheLineFromWhereTheRobotStoodToItsFarSide)
 {
-  // Rays pass low over what may be its surface, which lies far above them from 3.1 m on: somewhere
-  // before it drops.
-  const auto scan = over_the_edge_of_a_shelf;
+  const auto far_side = [](double x, double) { return -0.1 * x; };
+  const auto ground_of = [&](double start_radius_m)
+  {
+    Parameters p;
+    p.start_radius_m = start_radius_m;
+    TestMap m(p);
+    Scan s(0, 0, 0.7);
+    s.add_surface(3, -3, 3.9, 3, far_side);
+    Frame f = s.frame();
+    f.T_base_sensor = translation(0, 0, 0.7);
+    for (int frame = 0; frame < 2; frame++) m.map.update(f);
+    EXPECT_GT(m.traversability(1.525, 0.025), 0.5f);
+    return m.ground(1.525, 0.025);
+  };
+  EXPECT_NEAR(ground_of(0.3), -0.14, 0.03);
+  EXPECT_NEAR(ground_of(0), -0.3, 0.03);  // where the robot stands tells nothing of what is around
+}
+
+TEST(Stage6Fill, AGuessLeadsToAFarSideThatIsFartherThanFillsSearch)
+{
   Parameters p;
-  p.fill_search_m = 0.4;
-  TestMap level_on, drops, looks_less_far(p);
+  p.fill_search_m = 0.5;
+  TestMap m(p);
+  m.update(Scan(0, 0, 0.7)
+               .add_surface(0.5, -0.5, 1.0, 0.5, flat)
+               .add_surface(3.0, -0.5, 3.5, 0.5, [](double, double) { return -0.2; }));
+  EXPECT_EQ(m.state(1.375, 0.025), CellState::FilledOneSided);
+  EXPECT_NEAR(m.ground(1.375, 0.025), -0.04, 0.01);
+  EXPECT_EQ(m.state(2.025, 0.025), CellState::Unknown);
+}
+
+TEST(Stage6Fill, GroundThatWouldGoOnAboveWhereRaysEndedMayDrop)
+{
+  const auto scan = over_the_edge_of_a_shelf;
+  TestMap level_on, slopes, drops;
   level_on.update(scan(0.0));
-  drops.update(scan(-0.4));
-  looks_less_far.update(scan(-0.4));
+  drops.update(scan(-0.7));
+  slopes.update(scan(-0.4));
   for (double x = 1.625; x < 1.9; x += 0.05)
   {
     EXPECT_EQ(drops.state(x, 0.025), CellState::FilledOneSided) << x;
@@ -289,8 +319,8 @@ TEST(Stage6Fill, GroundThatWouldGoOnToWhereRaysPassBelowItMayDrop)
     EXPECT_EQ(drops.traversability(x, 0.025), 0.0f) << x;
     EXPECT_NEAR(drops.at(Layer::Variance, x, 0.025), 1.0, 1e-3) << x;
     EXPECT_GT(level_on.traversability(x, 0.025), 0.9f) << x;
+    EXPECT_GT(slopes.traversability(x, 0.025), 0.9f) << x;
   }
-  EXPECT_GT(looks_less_far.traversability(1.625, 0.025), 0.9f);
   EXPECT_GT(drops.traversability(1.375, 0.025), 0.9f);  // the shelf itself
 }
 
@@ -336,4 +366,39 @@ TEST(Stage6Fill, AReflectionFromBelowTheGroundPullsNoFillDown)
     if (x < 2.4 || x > 3.25) s.add(x, 0.046, 0.0);
   m.update(s.add(6.025, 0.025, -1.0));
   for (const double x : {2.625, 3.125}) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 0.02) << x;
+}
+
+TEST(Stage6Fill, BeyondAnEdgeAGuessIsNotFreeWhereTheRayOverItEndedFarBelow)
+{
+  // Within the window the ray passes over the level of the quay; it ends 13 m behind its border.
+  for (const double far_z_m : {0.0, -2.0})
+  {
+    constexpr double kSlope = -0.16;
+    const double end_m = (far_z_m - 0.7) / kSlope;
+    Scan s;
+    s.add_surface(-1, -1, 3.3, 1, flat);
+    for (double y = -0.3; y < 0.3; y += 0.002) s.add(end_m, y * end_m, far_z_m);
+    TestMap m;
+    m.update(s);
+    for (const double x : {3.425, 3.775})
+    {
+      EXPECT_EQ(m.state(x, 0.025), CellState::FilledOneSided) << x;
+      EXPECT_EQ(std::isnan(m.traversability(x, 0.025)), far_z_m < 0) << x;
+    }
+    EXPECT_GT(m.traversability(2.525, 0.025), 0.9f);
+  }
+}
+
+TEST(Stage6Fill, TheHiddenSideOfWhatIsLowIsNotFreeByRaysOverIt)
+{
+  TestMap m;
+  // Rays pass 0.27 m high behind the box, and 0.15 m high half a metre farther on.
+  m.update(Scan().cast({{{1.5, -0.5, 0}, {1.7, 0.5, 0.3}}}));
+  for (const double x : {1.825, 1.925})
+  {
+    EXPECT_EQ(m.state(x, 0.025), CellState::FilledTwoSided) << x;
+    EXPECT_TRUE(std::isnan(m.traversability(x, 0.025))) << x;
+  }
+  EXPECT_GT(m.traversability(2.425, 0.025), 0.9f) << "behind it";
+  EXPECT_GT(m.traversability(1.825, 1.225), 0.9f) << "beside it";
 }

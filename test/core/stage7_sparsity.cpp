@@ -90,14 +90,33 @@ TEST(Stage7Sparsity, FarFromTheRobotAGuessIsJudgedByItsGeometry)
   EXPECT_GT(m.traversability(kX, kY), 0.9f);
 }
 
-TEST(Stage7Sparsity, TheFarWallOfAGapWiderThanAnyDitchHidesNothing)
+TEST(Stage7Sparsity, AFarWallLeadsBackUpWhereTheGapIsWiderThanADitch)
 {
   kernels::Config k{};
   k.max_slope = std::tan(0.5f), k.step_threshold_m = 0.2f;
+  const float explained_m = 2.5f * 0.2f;
   for (const float length_m : {2.7f, 2.9f})
   {
-    const kernels::Gap gap{length_m, 0, -0.6f, 0, 0.3f};
-    const float twice_m = 2 * (0.6f - 0.05f * length_m), explained_m = 2.5f * 0.2f;
-    EXPECT_NEAR(fall_in(gap, k).m, length_m < 2.8f ? twice_m : 0.6f - explained_m, 1e-5f);
+    const float hollow_m = 2 * (0.6f - 0.05f * length_m);
+    EXPECT_NEAR(fall_in({length_m, 0, -0.6f, 0, 0.3f}, k).m, hollow_m, 1e-5f);
+    // A kerb at the foot of a hill is steep, too.
+    const float kerb_m = length_m < 2.8f ? hollow_m : 0.6f - explained_m;
+    EXPECT_NEAR(fall_in({length_m, 0, -0.6f, -0.4f, 0.1f}, k).m, kerb_m, 1e-5f);
+  }
+}
+
+TEST(Stage7Sparsity, AFarWallThatIsSeenNearItsTopIsThatOfADitch)
+{
+  for (const bool wall : {false, true})
+  {
+    Scan s = gap(2, 1.5, kHigh_m);
+    // Each of two cells is hit at its foot, and near its top.
+    for (const double x : {2.525, 2.575})
+      for (double y = -0.475; y < 0.5; y += 0.01)
+        s.add(x, y, -0.2).add(x + 0.01, y, wall ? -0.03 : -0.2);
+    s.add_surface(2.6, -0.5, 3.5, 0.5, level(wall ? 0.0 : -0.2));
+    TestMap m(short_search());
+    m.update(s);
+    EXPECT_EQ(m.traversability(kX, kY) == 0.0f, wall);
   }
 }

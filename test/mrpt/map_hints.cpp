@@ -58,6 +58,6 @@ TEST(MapHints, tells_a_cause_once)
   const std::string text = told(140, 0);
   const auto first = text.find("hint: ");
   ASSERT_NE(first, std::string::npos) << text;
-  EXPECT_NE(text.find("height of the sensor itself"), std::string::npos) << text;
+  EXPECT_NE(text.find("begin in the ground"), std::string::npos) << text;
   EXPECT_EQ(text.find("hint: ", first + 1), std::string::npos) << text;
 }

@@ -57,6 +57,8 @@ Snapshot through_a_stream(const Snapshot& s, std::size_t* bytes = nullptr)
 }
 
 /** Waves of 0.5 m, and values of every kind. */
+constexpr int kScores = static_cast<int>(Layer::Traversability);
+
 Snapshot rich_snapshot()
 {
   Snapshot s;
@@ -69,10 +71,10 @@ Snapshot rich_snapshot()
     layers[1][i] = -3 + 0.5F * std::cos(x);
     layers[2][i] = 1e-6F * x;
     layers[3][i] = static_cast<float>(i % 4);
-    layers[8][i] = i % 5 ? x / 4095 : 1e-5F;
+    layers[kScores][i] = i % 5 ? x / 4095 : 1e-5F;
   }
-  layers[8][0] = 0;
-  layers[8][1] = 1;
+  layers[kScores][0] = 0;
+  layers[kScores][1] = 1;
   for (std::size_t l = 0; l < layers.size(); l++) s.set_layer(static_cast<Layer>(l), layers[l]);
   return s;
 }
@@ -176,10 +178,10 @@ TEST(Snapshot, keeps_its_data_in_a_stream_within_what_it_promises)
     ASSERT_NEAR(read(1, i), written(1, i), 1.1e-3);
     ASSERT_NEAR(std::sqrt(read(2, i)), std::sqrt(written(2, i)), 2e-3);
     ASSERT_EQ(read(3, i), written(3, i));
-    ASSERT_NEAR(read(8, i), written(8, i), 4e-3);
-    ASSERT_EQ(read(8, i) == 0, written(8, i) == 0) << "what is not blocked stays so";
+    ASSERT_NEAR(read(kScores, i), written(kScores, i), 4e-3);
+    ASSERT_EQ(read(kScores, i) == 0, written(kScores, i) == 0) << "what is not blocked stays so";
   }
-  EXPECT_EQ(read(8, 1), 1.0F);
+  EXPECT_EQ(read(kScores, 1), 1.0F);
 }
 
 TEST(Snapshot, of_a_map_takes_little_room)
@@ -314,6 +316,6 @@ TEST_F(RawlogEdit, a_log_that_fails_leaves_no_copy_of_it)
   EXPECT_EQ(run("in.rawlog in.rawlog --rawlog-out x.rawlog").code, 2) << "a batch";
   const auto same = run("in.rawlog --rawlog-out in.rawlog");
   EXPECT_EQ(same.code, 1);
-  EXPECT_TRUE(same.says("is the log itself")) << same.err;
+  EXPECT_TRUE(same.says("but it is an input")) << same.err;
   EXPECT_EQ(talus::test::read_bytes(path("in.rawlog")), bytes);
 }

@@ -310,6 +310,7 @@ TEST(ParametersIni, the_shipped_files_load_without_a_warning)
   for (const auto& [file, prefix] :
        {std::pair{"talus-map.ini", "CDualElevationMap"},
         {"car.ini", "CDualElevationMap"},
+        {"nuscenes_car.ini", "CDualElevationMap"},
         {"paper.ini", "CDualElevationMap"},
         {"reactive2d_config.ini", "CDualElevationMap"},
         {"reactive3d_config.ini", "CDualElevationMap"},
@@ -323,6 +324,24 @@ TEST(ParametersIni, the_shipped_files_load_without_a_warning)
         talus::load_parameters(mrpt::config::CConfigFile(folder + file), prefix, p);
     EXPECT_TRUE(warnings.empty()) << file << ": " << warnings.front();
   }
+}
+
+TEST(ParametersIni, the_file_of_any_car_has_no_body_and_that_of_nuscenes_differs_in_its_own_only)
+{
+  const auto of = [](const std::string& name)
+  {
+    Parameters p;
+    const std::string file = TALUS_SOURCE_DIR "/datasets/configs/" + name;
+    talus::load_parameters(mrpt::config::CConfigFile(file), "CDualElevationMap", p);
+    return p;
+  };
+  const Parameters car = of("car.ini");
+  Parameters nuscenes = of("nuscenes_car.ini");
+  EXPECT_TRUE(car.body_boxes_m.empty());
+  EXPECT_FALSE(nuscenes.body_boxes_m.empty());
+  nuscenes.body_boxes_m.clear();
+  for (const auto& info : talus::parameter_table())
+    EXPECT_TRUE(talus::is_same_value(info, car, nuscenes)) << info.name;
 }
 
 TEST(PlannerIni, weighs_as_many_factors_as_this_mrpt_whether_it_was_written_for_an_older_or_a_newer)

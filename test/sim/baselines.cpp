@@ -307,45 +307,17 @@ TEST(RealLog, LabelsSayWhatIsGroundAndWhatIsBlocked)
   EXPECT_EQ(score_of(still, &lower).precision.value(), 0);
 }
 
-TEST(RealLog, WhatWasHitInAFewFramesAndThenWasGroundHasLeft)
+TEST(RealLog, WhatIsLabelledAsMovingAndThenWasGroundHasLeft)
 {
   Sequence passes{"passes", {}};
   for (int i = 0; i < 8; ++i) passes.frames.push_back(floor_with_thing(0.1 * i, i < 2));
-  EXPECT_EQ(score_of(passes, nullptr).left_blocked.of, 1);
+  LabelMap labels = labels_at(0);
+  EXPECT_EQ(score_of(passes, &labels).left_blocked.of, 0) << "what stands";
+  labels.stack.layers[1][10 * 20 + 15] = LabelMap::kMoves;
+  EXPECT_EQ(score_of(passes, &labels).left_blocked.of, 1);
+  EXPECT_EQ(score_of(passes, nullptr).left_blocked.of, 0) << "nobody says that it moves";
   passes.frames.resize(6);  // four frames of ground are too few to say so
-  EXPECT_EQ(score_of(passes, nullptr).left_blocked.of, 0);
-}
-
-/** A car of 4 x 1.6 m on its way beside a robot. */
-Share swept_by_car(
-    const std::string& robot, const std::string& way, const std::string& method = "talus")
-{
-  const sim::World world = sim::parse_world(
-      "seed: 5\nground: [plane: {}]\nsensor: {scanner: OS1-64, at_m: [0, 0, 0.7], rate_hz: "
-      "10}\nrobot: {" +
-          robot + "}\nmovers: [box: {path: [" + way + "], size_m: [4, 1.6, 1.5]}]\n",
-      "test.yaml");
-  EvaluationOptions options;
-  options.methods = {method};
-  options.evaluated_frames = 1;
-  options.parameters.resolution_m = 0.1;
-  const Sequence sequence = simulate(world, sim::Drive(world, {}));
-  const Evaluation evaluation = evaluate_sequence(sequence, nullptr, nullptr, options);
-  return score_real_log(sequence, evaluation, nullptr, options.parameters).front().swept_blocked;
-}
-
-TEST(RealLog, WhatAMoverSweptIsCountedInTheSiteWhetherItWasSeenAgainOrNot)
-{
-  const std::string drives = "path_m: [[0, 0], [10, 0]], speed_mps: 4";
-  const Share beside = swept_by_car(drives, "[0, -6, 2.6], [2, 14, 2.6], [2.2, 40, 2.6]");
-  EXPECT_GT(beside.of, 300);
-  EXPECT_LT(beside.value(), 0.25) << "seen again, or known in hindsight";
-  const std::string rests = "path_m: [[0, 0]], duration_s: 2";
-  const Share stays = swept_by_car(rests, "[0, -16, 2.6], [1.7, 0, 2.6]");
-  EXPECT_GT(stays.of, 30);
-  EXPECT_GT(stays.value(), 0.5) << "its last place: nothing is known of it later";
-  EXPECT_EQ(swept_by_car(rests, "[0, 0, 2.6], [2, 0, 2.6]").of, 0) << "it stands all the time";
-  EXPECT_EQ(swept_by_car(rests, "[0, -16, 2.6], [1.7, 0, 2.6]", "highest").of, 0) << "no site";
+  EXPECT_EQ(score_of(passes, &labels).left_blocked.of, 0);
 }
 
 TEST(RealLog, LabelsSayWhatMoves)

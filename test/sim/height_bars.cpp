@@ -92,13 +92,50 @@ TEST(HoldOut, ComparesTheHeightsOfTwoMapsWithWhatBothTell)
   small.parameters.window_m = 4, small.parameters.resolution_m = 0.1;
   for (const double error_m : {0.002, 0.01})
   {
-    const HoldOut out = hold_out(scan_of_a_floor(error_m), small, {});
+    const HoldOut out = hold_out(scan_of_a_floor(error_m), small, {}, nullptr);
     const ToldErrors measured = out.bars.all(0);
     ASSERT_GT(measured.count(), 100U);
     EXPECT_LT(measured.true_m(), 2 * error_m);
     EXPECT_GT(measured.within(2), 0.85) << error_m;
     EXPECT_LT(measured.median_told_m(), 3 * error_m);
   }
+}
+
+/** Floor at z = 0, and labels that say so; `put` moves points of a scan of it, in the map frame. */
+template <class Put>
+HoldOut held_out_of_floor(const Put& put)
+{
+  EvaluationOptions small;
+  small.parameters.window_m = 6, small.parameters.resolution_m = 0.1;
+  Sequence scan = scan_of_a_floor(0.002);
+  ScanFrame& f = scan.frames[0];
+  for (std::size_t i = 0; i < f.x_m.size(); ++i)
+    if (std::abs(f.y_m[i]) < 1.5F) put(f.x_m[i], f.z_m[i]);
+  LabelMap labels;
+  labels.stack = {60, 60, 0.1, -3, -3, {"ground", "label"}, {}};
+  labels.stack.layers = {std::vector<float>(3600, 0), std::vector<float>(3600, LabelMap::kGround)};
+  return hold_out(scan, small, {}, &labels);
+}
+
+TEST(HoldOut, PredictsTheFloorAndNeitherABankNorAWall)
+{
+  const HoldOut floor = held_out_of_floor([](float, float) {});
+  EXPECT_GT(floor.not_ground.of, 40);
+  EXPECT_EQ(floor.not_ground.part, 0);
+  const HoldOut bank = held_out_of_floor(
+      [](float& x, float& z)
+      {
+        if (x > 1.5F) z = -1 + 0.5F * (x - 1.5F);
+      });
+  EXPECT_GT(bank.not_ground.of, 40);
+  EXPECT_LT(bank.not_ground.value(), 0.02);
+  const HoldOut wall = held_out_of_floor(
+      [](float& x, float& z)
+      {
+        if (x < -1.5F) z = -0.8F + 0.5F * (-1.5F - x), x = -2.05F;
+      });
+  EXPECT_GT(wall.not_ground.of, 40);
+  EXPECT_EQ(wall.not_ground.part, 0);
 }
 
 }  // namespace

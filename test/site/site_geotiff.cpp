@@ -103,10 +103,10 @@ TEST(SiteGeoTiff, channels_are_its_last_bands_and_come_back_with_the_same_bits)
   value_at(*out, 5000, 5000, 2) = 3;  // of a cell that is not known
   write_site(dir / "site.tif", *out, 0);
   const Open tif(dir / "site.tif"), plain(dir / "plain.tif");
-  ASSERT_EQ(tif.data->GetRasterCount(), 13);
-  EXPECT_EQ(plain.data->GetRasterCount(), 9);
-  EXPECT_STREQ(tif.data->GetRasterBand(10)->GetDescription(), "intensity");
-  EXPECT_STREQ(tif.data->GetRasterBand(13)->GetDescription(), "label_standing");
+  ASSERT_EQ(tif.data->GetRasterCount(), 14);
+  EXPECT_EQ(plain.data->GetRasterCount(), 10);
+  EXPECT_STREQ(tif.data->GetRasterBand(11)->GetDescription(), "intensity");
+  EXPECT_STREQ(tif.data->GetRasterBand(14)->GetDescription(), "label_standing");
   EXPECT_STREQ(tif.item("TALUS_CHANNELS"), "intensity:mean,label:vote");
   EXPECT_STREQ(plain.item("TALUS_CHANNELS"), "(none)");
   read_site(dir / "site.tif", *in, 0);
@@ -133,7 +133,7 @@ TEST(SiteGeoTiff, overviews_show_channels_where_they_show_the_cells)
     }
   write_site(dir / "site.tif", *site, 0);
   const Open tif(dir / "site.tif");
-  GDALRasterBand* const label = tif.data->GetRasterBand(10)->GetOverview(0);
+  GDALRasterBand* const label = tif.data->GetRasterBand(11)->GetOverview(0);
   GDALRasterBand* const ground = tif.data->GetRasterBand(2)->GetOverview(0);
   ASSERT_TRUE(label && ground);
   const auto size =
@@ -166,7 +166,10 @@ TEST(SiteGeoTiff, with_values_that_are_none_of_its_channels_is_refused)
   write_site(dir / "site.tif", *site, 0);
   {
     GDALAllRegister();
-    auto* data = static_cast<GDALDataset*>(GDALOpen((dir / "site.tif").c_str(), GA_Update));
+    const char* const options[] = {
+        "IGNORE_COG_LAYOUT_BREAK=YES", nullptr};  // asked for by GDAL 3.10
+    auto* data = static_cast<GDALDataset*>(GDALOpenEx(
+        (dir / "site.tif").c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE, nullptr, options, nullptr));
     ASSERT_TRUE(data);
     data->SetMetadataItem("TALUS_CHANNELS", "label:vote");
     GDALClose(data);
@@ -205,7 +208,7 @@ TEST(SiteGeoTiff, is_cloud_optimized_with_overviews_and_sparse_blocks)
   ASSERT_TRUE(tif.data);
   EXPECT_STREQ(tif.item("LAYOUT", "IMAGE_STRUCTURE"), "COG");
   EXPECT_STREQ(tif.item("COMPRESSION", "IMAGE_STRUCTURE"), "ZSTD");
-  ASSERT_EQ(tif.data->GetRasterCount(), 9);
+  ASSERT_EQ(tif.data->GetRasterCount(), 10);
   auto* band = tif.data->GetRasterBand(5);
   EXPECT_STREQ(band->GetDescription(), "state");
   EXPECT_STREQ(tif.data->GetRasterBand(1)->GetDescription(), "traversability");
@@ -352,7 +355,7 @@ TEST(SiteGeoTiff, says_units_statistics_and_classes_of_its_bands)
   auto* ground = tif.data->GetRasterBand(2);
   EXPECT_STREQ(ground->GetUnitType(), "m");
   EXPECT_STREQ(tif.data->GetRasterBand(4)->GetUnitType(), "m2");
-  EXPECT_STREQ(tif.data->GetRasterBand(6)->GetUnitType(), "s");
+  EXPECT_STREQ(tif.data->GetRasterBand(7)->GetUnitType(), "s");
   double min = 0, max = 0, mean = 0, deviation = 0;
   ASSERT_EQ(ground->GetStatistics(TRUE, FALSE, &min, &max, &mean, &deviation), CE_None);
   EXPECT_EQ(min, 0);
@@ -553,11 +556,35 @@ TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_converted)
   refused({"-a_offset", "-1.5"}, "has a scale or an offset (1, -1.5)");
   refused({"-co", "NBITS=16"}, "rounded to 16 bits");
   refused({"-a_nodata", "-9999"}, "does not mark unknown cells with NaN");
-  std::vector<std::string> ten;
-  for (const char* b : {"1", "2", "3", "4", "5", "6", "7", "8", "9", "2"})
-    ten.insert(ten.end(), {"-b", b});
-  refused(ten, "has 10 bands, a site has 9");
+  std::vector<std::string> eleven;
+  for (const char* b : {"1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "2"})
+    eleven.insert(eleven.end(), {"-b", b});
+  refused(eleven, "has 11 bands, a site has 10");
   EXPECT_TRUE(in->tiles.keys().empty());
+}
+
+TEST(SiteGeoTiff, tells_what_is_reached_and_reads_files_that_did_not_yet)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+  cell_at(*site, 3, 3) = cell_at(*site, 4, 3) = measured(1, kNow_s);
+  set_reached(cell_at(*site, 4, 3).cell);
+  write_site(dir / "site.tif", *site, 0);
+  {
+    const Open tif(dir / "site.tif");
+    ASSERT_STREQ(tif.data->GetRasterBand(6)->GetDescription(), "reached");
+    double least = -1, most = -1, mean = -1, deviation = -1;
+    tif.data->GetRasterBand(6)->GetStatistics(TRUE, TRUE, &least, &most, &mean, &deviation);
+    EXPECT_EQ(mean, 0.5);
+    CPLStringList without;
+    for (const char* b : {"1", "2", "3", "4", "5", "7", "8", "9", "10"})
+      without.AddString("-b"), without.AddString(b);
+    auto* options = GDALTranslateOptionsNew(without.List(), nullptr);
+    GDALClose(GDALTranslate((dir / "old.tif").c_str(), tif.data, options, nullptr));
+    GDALTranslateOptionsFree(options);
+  }
+  read_site(dir / "old.tif", *in, 0);
+  EXPECT_EQ(different_cells(*site, *in), 0);
 }
 
 TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_cut)

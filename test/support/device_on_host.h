@@ -72,7 +72,7 @@ class DeviceOnHost : public CpuMemory
     return arrays;
   }
   template <class Body>
-  void start_frame(const Body& body)
+  void start_frame(const Body& body, bool)
   {
     start_clock();
     body();
@@ -174,20 +174,12 @@ class DeviceOnHost : public CpuMemory
     };
     for_each_cell(side, side, mark);
   }
-  template <class F, class G>
-  void for_each_opening(int nx, int ny, int radius, int wide, const F& f, const G& g)
+  template <class F>
+  void for_each_window(int nx, int ny, int radius, const F& f)
   {
-    const int pitch = nx + 2 * wide;
-    std::vector<float> eroded(static_cast<std::size_t>(pitch * ny), kernels::kInfinity);
-    const auto at = [&](int x, int y) -> float&
-    { return eroded[static_cast<std::size_t>(y * pitch + x + wide)]; };
     windows<F>(
         nx, ny, radius, 0, ny, [&](auto& row, int x, int y, int d) { f.add(row, x, y, d); },
-        [&](auto& sum, const auto& row, int d) { f.add(sum, row, d); },
-        [&](int x, int y, const auto& sum) { at(x, y) = f.erode(x, y, sum, true); });
-    windows<G>(
-        nx, ny, wide, 0, ny, [&](auto& row, int x, int y, int d) { g.add(row, at(x + d, y)); },
-        [&](auto& sum, const auto& row, int d) { g.add(sum, row, d); }, g);
+        [&](auto& sum, const auto& row, int d) { f.add(sum, row, d); }, f);
   }
   template <class F, class G>
   void for_each_judged_cell_of_rows(

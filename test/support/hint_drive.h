@@ -51,7 +51,8 @@ struct Mistakes
 {
   std::function<CPose3D(const CPose3D& T_base_sensor, const std::string& label)> mounting;
   std::function<CPose3D(const CPose3D& T_map_base, double time_s)> pose;
-  bool points_in_base = false;  //!< while the mounting is told as it is
+  bool points_in_base = false;
+  bool points_in_map = false;
   bool quaternion_begins_with_w = false;
   double late_s = 0;  //!< stamps of the scans
 };
@@ -63,7 +64,7 @@ inline const std::set<std::string>& all_causes()
       "upside down",
       "tilted against the base",
       "is tilted in the map",
-      "height of the sensor itself",
+      "begin in the ground",
       "two grounds",
       "mounting contradicts",
       "the poses jump",
@@ -73,9 +74,11 @@ inline const std::set<std::string>& all_causes()
       "outside of the window",
       "was seen",
       "move with the robot",
+      "the highest ray ahead",
       "poses have no pitch",
       "the clock of the scans",
-      "scans are not deskewed"};
+      "scans are not deskewed",
+  };
   return causes;
 }
 
@@ -134,13 +137,16 @@ class HintDrive : public TalusMap
     const sim::Scan scan = drive.scan(frame);
     const std::string label = world.sensors[drive.sensor(frame)].name;
     const CPose3D T_base_sensor = to_mrpt(drive.T_base_sensor(frame));
+    const CPose3D T_map_base = to_mrpt(drive.T_map_base(frame));
     auto obs = observation_at<mrpt::obs::CObservationPointCloud>(
         kFirstStamp_s + drive.time_s(frame) + wrong.late_s, label);
     auto points = mrpt::maps::CSimplePointsMap::Create();
     for (std::size_t i = 0; i < scan.size(); ++i)
     {
       const mrpt::math::TPoint3D p(scan.x_m[i], scan.y_m[i], scan.z_m[i]);
-      const auto told = wrong.points_in_base ? T_base_sensor.composePoint(p) : p;
+      const auto told = wrong.points_in_map    ? (T_map_base + T_base_sensor).composePoint(p)
+                        : wrong.points_in_base ? T_base_sensor.composePoint(p)
+                                               : p;
       points->insertPoint(
           static_cast<float>(told.x), static_cast<float>(told.y), static_cast<float>(told.z));
     }

@@ -47,12 +47,13 @@ struct Place
 struct Scene
 {
   std::function<Place(double time_s)> robot;
-  std::vector<Box> pane;  //!< returns rays within 20 degrees of its normal along y only
+  std::vector<Box> pane{};  //!< returns rays within 20 degrees of its normal along y only
   bool is_followed = false;  //!< by a person on the robot's way, one metre behind
   double sensor_m = 0.7, lowest_deg = -35;
   double duration_s = 8, step_s = 0.2;
   double sweep_s = 0;  //!< from the first ray of a scan to the last; they are told as one moment
   double late_s = 0;  //!< of the stamps of the scans
+  std::vector<Box> bystander{};
 };
 
 constexpr double kBehind_s = 1;  // at 1 m/s
@@ -90,6 +91,7 @@ class HintScenes : public HintDrive
     }
     if (std::abs(ray.dy) > std::cos(20 * kDegree))
       boxes.insert(boxes.end(), scene.pane.begin(), scene.pane.end());
+    boxes.insert(boxes.end(), scene.bystander.begin(), scene.bystander.end());
     for (const Box& box : boxes) r_m = std::min(r_m, hit_m(ray, box));
     return r_m;
   }

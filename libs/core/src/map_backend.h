@@ -31,10 +31,11 @@ class MapBackend final : public BackendInterface
     reserve_points(frame.size);
     map_.now->stamp_s = frame.stamp_s;
     map_.now->n_points = context.n_points;
+    map_.now->starts_map = context.starts_map != 0;
     map_.now->in = executor_.stage(frame, context, map_.point_cell.size());
     map_.now->channels =
         executor_.stage_channels(frame, map_.channels.size(), map_.point_cell.size());
-    executor_.start_frame([this] { schedule_.stages(); });
+    executor_.start_frame([this] { schedule_.stages(); }, context.starts_map != 0);
     if (hands_over) executor_.wait_for_mark();
     return records_.data();
   }
@@ -280,7 +281,7 @@ std::vector<PointLabel> MapBackend<Schedule>::label_points(
   take(frame.y_m, in.y_m);
   take(frame.z_m, in.z_m);
   take(frame.time_s, in.time_s);
-  schedule_.open_ground(label_context_.data());
+  schedule_.find_limits(label_context_.data());
   const auto points = static_cast<int>(frame.size);
   const auto label_point = [&](const std::int32_t* moved)
   { return map_.label_point(label_context_.data(), in, moved); };

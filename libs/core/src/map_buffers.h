@@ -8,7 +8,7 @@
 #include "kernels/2_roll.h"
 #include "kernels/3_update.h"
 #include "kernels/4_classify.h"
-#include "kernels/4_opening.h"
+#include "kernels/4_reach.h"
 #include "kernels/4_start.h"
 #include "kernels/4_underfoot.h"
 #include "kernels/5_cleanup.h"
@@ -151,11 +151,18 @@ struct MapBuffers
     kernels::CoarseGrid v{};
     v.side = kernels::coarse_side(host_config);
     v.pad = kernels::dilation_radius(host_config);
-    const auto n = static_cast<std::size_t>(v.side) * static_cast<std::size_t>(v.side + 2 * v.pad);
-    float* next = coarse.data();
-    for (float** array :
-         {&v.lowest_m, &v.column_m, &v.presence, &v.eroded_m, &v.cone_m, &v.limit_m})
-      *array = next, next += n;
+    v.lowest_m = lowest_ground.data();
+    v.eroded_m = eroded_ground.data();
+    v.cone_m = ground_cone.data();
+    v.known_m = known_ground.data();
+    v.column_m = column.data();
+    v.apart_m = ground_apart.data();
+    v.foot_m = foot.data();
+    v.things_m = things.data();
+    v.beside_m = beside.data();
+    v.presence = presence.data();
+    v.limit_m = ground_limit.data();
+    v.reach = pair_reach.data();
     return v;
   }
   kernels::RayReach ray_reach() { return {context.data(), reach.data()}; }
@@ -163,7 +170,6 @@ struct MapBuffers
   {
     auto v = on_cells<kernels::StandOnCell<Atomics>>();
     v.datum = datum.data();
-    v.body = body.data();
     return v;
   }
   kernels::PresumeStart presume_start()
@@ -172,8 +178,16 @@ struct MapBuffers
     v.passing = passing();
     return v;
   }
-  /** ClassifyCell or KeepBridge. */
-  template <class Rule>
+  kernels::StartReach start_reach() { return on_cells<kernels::StartReach>(); }
+  kernels::ForgetFill forget_fill() { return on_cells<kernels::ForgetFill>(); }
+  /** PoolReach or PoolCells; of the frame the place of the window counts, and the base. */
+  template <class Pool>
+  Pool pool(const kernels::FrameContext* frame)
+  {
+    return {config.data(), frame, store(), coarse_grid()};
+  }
+  /** ClassifyCell or LowerObject. */
+  template <class Rule = kernels::ClassifyCell>
   Rule classify()
   {
     auto v = on_cells<Rule>();
@@ -196,13 +210,13 @@ struct MapBuffers
   }
   kernels::PassingRays passing()
   {
-    return {line_grid(), free_above.data(), lowest_ray.data(), in_open.data()};
+    return {line_grid(), free_above.data(), ends.data(), lowest_ray.data(), in_open.data()};
   }
   kernels::Samples samples()
   {
     kernels::Samples v{};
     v.height_m = sample_height.data() + margin_size();
-    v.free_above_m = free_above.data();
+    v.free_above_m = free_above.data(), v.ends_m = ends.data();
     return v;
   }
   kernels::FillCell fill_cell()
@@ -211,6 +225,7 @@ struct MapBuffers
     v.cells = side();
     v.surface_class = surface_class.data();
     v.passing = passing();
+    v.grid = coarse_grid();
     v.surfaces = surfaces();
     v.out = surface_layers();
     return v;
@@ -234,9 +249,12 @@ struct MapBuffers
     v.passability = passability;
     return v;
   }
-  kernels::CompleteObstacles complete_obstacles(const std::uint8_t* passability)
+  kernels::CompleteObstacles complete_obstacles(const std::uint8_t* passability, bool notes = true)
   {
-    return {side(), config.data(), surfaces(), passability, feature(Layer::Traversability)};
+    float* const scores = feature(Layer::Traversability);
+    const kernels::CellStore to = notes ? store() : kernels::CellStore{};
+    return {side(),      config.data(), surfaces(),
+            passability, scores,        {side(), context.data(), to, scores}};
   }
 
   /** The memory of a wanted layer of stages 2 to 6: the caller's if kernels reach it. */
@@ -252,7 +270,9 @@ struct MapBuffers
   template <class Where>
   static kernels::SurfaceLayers surfaces_at(const Where& where)
   {
-    return {where(Layer::Elevation), where(Layer::GroundElevation), where(Layer::State)};
+    return {
+        where(Layer::Elevation), where(Layer::GroundElevation), where(Layer::State),
+        where(Layer::Reached)};
   }
   kernels::SurfaceLayers surface_layers()
   {
@@ -286,11 +306,9 @@ struct MapBuffers
   kernels::LabelPoint label_point(
       const kernels::FrameContext* frame, const kernels::PointsIn& in, const std::int32_t* moved)
   {
-    auto classify_cell = classify<kernels::ClassifyCell>();
-    auto keep_bridge = classify<kernels::KeepBridge>();
-    classify_cell.frame = keep_bridge.frame = frame;
-    return {config.data(), frame,       body.data(), datum.data(), store(),
-            classify_cell, keep_bridge, in,          moved};
+    kernels::ClassifyCell classify_cell = classify();
+    classify_cell.frame = frame;
+    return {config.data(), frame, body.data(), datum.data(), store(), classify_cell, in, moved};
   }
   /** The channels of the map, with the values of the current frame. */
   kernels::Channels channels_view()
@@ -395,13 +413,14 @@ struct MapBuffers
   /** Surface layers come first, then the layers of stage 7. */
   static constexpr int kFirstSurface = static_cast<int>(Layer::Elevation);
   static constexpr int kFirstFeature = static_cast<int>(Layer::Slope);
-  static constexpr int kParts = 4, kFeatureLayers = kParts + 1, kCoarseArrays = 6;
+  static constexpr int kParts = 4, kFeatureLayers = kParts + 1;
 
   /** The parts of a frame that another frame in flight does not share. */
   struct Slot
   {
     double stamp_s = 0;
     int n_points = 0;
+    bool starts_map = false;
     kernels::PointsIn in{};
     ChannelArrays channels{};
     OutputPointers wanted{};
@@ -464,9 +483,11 @@ struct MapBuffers
   // Cells, in window order unless noted.
   Buffer<float> top_hit;  //!< storage order
   Buffer<std::uint8_t> surface_class;  //!< storage order
-  Buffer<float> coarse;  //!< coarse grid
+  Buffer<float> lowest_ground, known_ground, eroded_ground, ground_cone, ground_apart, foot, things,
+      beside, presence, column, ground_limit;  //!< coarse grid
+  Buffer<std::int32_t> pair_reach;  //!< coarse grid
   Buffer<float> sample_height, fall;  //!< grid of lines; of samples with margins, see samples()
-  Buffer<float> free_above, lowest_ray;  //!< grid of lines, see PassingRays
+  Buffer<float> free_above, ends, lowest_ray;  //!< grid of lines, see PassingRays
   Buffer<std::uint8_t> in_open;  //!< grid of lines
   Buffer<kernels::Surface> judged_surfaces;
 
@@ -518,8 +539,12 @@ void MapBuffers<Executor>::allocate(Executor& executor)
   executor.allocate(offsets, 1, kernels::OffsetHistogram{});
   const auto pooled = static_cast<std::size_t>(kernels::coarse_side(host_config));
   const std::size_t pad = 2 * static_cast<std::size_t>(kernels::dilation_radius(host_config));
-  executor.allocate(coarse, kCoarseArrays * pooled * (pooled + pad), kernels::kInfinity);
-  for (auto* b : {&fall, &free_above, &lowest_ray})
+  for (auto* b :
+       {&lowest_ground, &known_ground, &eroded_ground, &ground_cone, &ground_apart, &foot, &things,
+        &beside, &presence, &column, &ground_limit})
+    executor.allocate(*b, pooled * (pooled + pad), kernels::kInfinity);
+  executor.allocate(pair_reach, pooled * (pooled + pad), std::int32_t{kernels::kOutsideWindow});
+  for (auto* b : {&fall, &free_above, &ends, &lowest_ray})
     executor.allocate(*b, grid_size(), kernels::kNan);
   executor.allocate(in_open, grid_size(), std::uint8_t{0});
   executor.allocate(sample_height, grid_size() + 2 * margin_size(), kernels::kNan);

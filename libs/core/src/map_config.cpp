@@ -31,9 +31,6 @@ kernels::Body body_of(const std::vector<BodyBox>& boxes)
       body.max_m[body.boxes][axis] = static_cast<float>(ends[axis][1]);
     }
     body.boxes++;
-    for (const double x : {b.min_x_m, b.max_x_m})
-      for (const double y : {b.min_y_m, b.max_y_m})
-        body.reach_m = std::max(body.reach_m, static_cast<float>(std::hypot(x, y)));
   }
   return body;
 }
@@ -84,7 +81,7 @@ kernels::Config stages_config(const Parameters& p)
 #if defined(TALUS_RULE_SWITCHES)
 namespace
 {
-/** The rules that TALUS_WITHOUT_RULES names by their numbers, "30,31", as bits of
+/** The rules that TALUS_WITHOUT_RULES names by their numbers, "27,30", as bits of
  * Config::rules_off. */
 std::uint64_t rules_off()
 {

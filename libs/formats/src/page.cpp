@@ -65,6 +65,7 @@ json state_colours()
   json states = json::array();
   for (const io::StateStyle& s : io::state_styles())
     states.push_back({{"word", s.word}, {"rgb", {s.colour[2], s.colour[1], s.colour[0]}}});
+  states.push_back({{"word", "measured, not reached"}, {"rgb", {110, 100, 150}}});
   return states;
 }
 

@@ -57,7 +57,8 @@ class Pixels
         age_(map.find("age")),
         kind_(changes ? changes->find("kind") : nullptr),
         change_(changes ? changes->find("change_m") : nullptr),
-        shade_(io::hill_shade(io::terrain_of(map).ground_m, map.resolution_m))
+        terrain_(io::terrain_of(map)),
+        shade_(io::hill_shade(terrain_.ground_m, map.resolution_m))
   {
     find_range(code);
     code.channels.clear();
@@ -112,8 +113,14 @@ class Pixels
     const int light = static_cast<int>(std::lround(15 * shade_(row, x)));
     const bool drops = sparsity_ && (*sparsity_)[i] < kMayDrop;
     return cv::Vec3b(
-        byte(static_cast<int>(state_[i]) | (drops ? 8 : 0) | light << 4), byte(age(i)),
-        byte(tall(i)));
+        byte(state(i, x, row) | (drops ? 8 : 0) | light << 4), byte(age(i)), byte(tall(i)));
+  }
+  /** A CellState, or one more for what was measured and is not reached. */
+  int state(std::size_t i, int x, int row) const
+  {
+    const auto told = static_cast<CellState>(state_[i]);
+    const bool apart = told == CellState::Measured && terrain_.measured(row, x) == 1;
+    return apart ? kCellStates : static_cast<int>(told);
   }
   cv::Vec3b change(std::size_t i) const
   {
@@ -156,6 +163,7 @@ class Pixels
   const std::vector<float>&score_, &state_;
   const std::vector<float>*sparsity_, *age_, *kind_, *change_;
   std::vector<const std::vector<float>*> channels_;
+  io::Terrain terrain_;
   cv::Mat1f shade_;
   PageCode code_;
 };

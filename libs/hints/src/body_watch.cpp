@@ -21,7 +21,6 @@ constexpr std::size_t kTriedFrames = 16;
 constexpr double kMostExtent_m = 3;  // of a part; a longer one cannot be told from what is passed
 constexpr double kBoxMargin_m = 0.05;
 constexpr std::size_t kMostBoxes = 8;
-constexpr double kSureReach_m = 1;  // heights of the sensor: nearer is only its robot
 
 int count_bits(std::uint64_t v)
 {
@@ -87,10 +86,15 @@ void BodyWatch::add(
       map_[voxel_of(moved(T_map_base, p), kMapVoxel_m)] |= bit;
 }
 
+bool BodyWatch::can_tell() const
+{
+  return poses_.size() >= kLeastBodyFrames && way_m_ >= kLeastBodyWay_m &&
+         heading_span_rad(poses_) >= kLeastBodyTurn_deg * M_PI / 180;
+}
+
 std::vector<BodyBox> BodyWatch::boxes(const NearPlane& ground, const Vec3& sensor) const
 {
-  if (poses_.size() < kLeastBodyFrames || way_m_ < kLeastBodyWay_m) return {};
-  if (heading_span_rad(poses_) < kLeastBodyTurn_deg * M_PI / 180) return {};
+  if (!can_tell()) return {};
   const double height_m = ground.distance_m(sensor);
   std::vector<std::pair<std::uint64_t, BodyBox>> found;
   for (const Part& part : parts(ground))
@@ -107,24 +111,6 @@ std::vector<BodyBox> BodyWatch::boxes(const NearPlane& ground, const Vec3& senso
   std::vector<BodyBox> boxes;
   boxes.reserve(found.size());
   for (const auto& [points, box] : found) boxes.push_back(box);
-  return boxes;
-}
-
-std::vector<BodyBox> BodyWatch::boxes_of_one_scan(const NearPlane& ground, const Vec3& sensor) const
-{
-  std::vector<BodyBox> boxes;
-  for (const Part& part : parts(ground))
-  {
-    const BodyBox box = box_of(part);
-    const auto off = [](double at, double low, double high) {
-      return std::max({low - at, at - high, 0.0});
-    };
-    const double away_m = std::hypot(
-        off(sensor.x, box.min_x_m, box.max_x_m), off(sensor.y, box.min_y_m, box.max_y_m));
-    const bool is_near = away_m < kSureReach_m * ground.distance_m(sensor);
-    if (!is_cut(box) && is_near && !stands_apart(part, sensor)) boxes.push_back(box);
-  }
-  if (boxes.size() > kMostBodyBoxes) boxes.resize(kMostBodyBoxes);
   return boxes;
 }
 

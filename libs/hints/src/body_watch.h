@@ -34,16 +34,14 @@ class BodyWatch
    * of the base. */
   void add(const std::vector<Vec3>& near, const std::vector<Vec3>& all, const Pose& T_map_base);
 
+  /** Whether the robot has driven and turned enough: at rest nothing tells its body from who stands
+   * beside it. */
+  bool can_tell() const;
   /** Boxes around what moves with the robot, frame of the base [m], the one with most points first;
-   * none where the robot has not driven and turned enough to tell. `ground`: where it lies in that
-   * frame; `sensor`: where it is mounted. */
+   * none where nothing can tell. `ground`: where it lies in that frame; `sensor`: where it is
+   * mounted. */
   std::vector<BodyBox> boxes(const NearPlane& ground, const Vec3& sensor) const;
 
-  /** Of a single scan: what stands nearer to the sensor than anything but the robot could, as far
-   * as nothing else begins. */
-  std::vector<BodyBox> boxes_of_one_scan(const NearPlane& ground, const Vec3& sensor) const;
-
-  std::size_t frames() const { return poses_.size(); }
   /** Driven while it looked [m]; it looks at the first frames only. */
   double way_m() const { return way_m_; }
 

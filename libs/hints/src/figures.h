@@ -45,8 +45,11 @@ struct SensorFigures
   Values lean_in_map_rad;
   Values reach_m;  //!< 9 of 10 points on it are nearer
   Values nearest_m;  //!< hardly any point on it is nearer to the sensor
+  Values buried;  //!< see buried_share()
   Values spread_m;  //!< of heights within small cells of the first frames
   /// @}
+  /** Slope in the base of the highest ray ahead and to any side, of frames that have any ahead. */
+  Values top_ahead, top_around;
   Values above_far_ground_m;  //!< of the sensor, of frames that show ground farther away only
   Values ceiling_above_m;  //!< of frames that show ground above the sensor, and none below
   Values steep_rad;  //!< lean of the plane of frames where only one leans more than ground does

@@ -11,17 +11,7 @@ namespace
 {
 constexpr double kBefore_m = 0.15;  // nearer by that than the thing: its foot is ground, too
 
-double away_m(const Vec3& p, const Vec3& sensor)
-{
-  return std::hypot(p.x - sensor.x, p.y - sensor.y);
-}
 }  // namespace
-
-std::size_t GroundBefore::direction_of(const Vec3& p, const Vec3& sensor)
-{
-  const double turn = std::atan2(p.y - sensor.y, p.x - sensor.x) / (2 * M_PI) + 0.5;
-  return std::min(static_cast<std::size_t>(turn * kDirections), kDirections - 1);
-}
 
 void GroundBefore::add(const std::vector<Vec3>& points, const NearPlane& ground, const Vec3& sensor)
 {

@@ -2,6 +2,7 @@
 #include <array>
 #include <vector>
 
+#include "directions.h"
 #include "near_ground.h"
 
 namespace talus::hints
@@ -18,9 +19,6 @@ class GroundBefore
   double share_before(const Vec3& p, const Vec3& sensor) const;
 
  private:
-  static constexpr std::size_t kDirections = 120;
-  static std::size_t direction_of(const Vec3& p, const Vec3& sensor);
-
   std::vector<std::array<float, kDirections>> nearest_m_;  //!< of each frame; infinite: none
 };
 

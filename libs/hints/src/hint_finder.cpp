@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "buried_share.h"
+#include "directions.h"
 #include "figures.h"
 #include "judge.h"
 #include "noise_watch.h"
@@ -52,12 +54,42 @@ void note_reach(SensorFigures& s, const std::vector<Vec3>& points, const NearPla
   for (const Vec3& p : points)
   {
     const double off_m = std::abs(ground.distance_m(p));
-    const double away_m = std::hypot(p.x - s.sensor.x, p.y - s.sensor.y);
-    if (off_m < kGroundBand_m) distances.add(away_m);
-    if (off_m < kOnGround_m) on_it.add(away_m);
+    const double r_m = away_m(p, s.sensor);
+    if (off_m < kGroundBand_m) distances.add(r_m);
+    if (off_m < kOnGround_m) on_it.add(r_m);
   }
   if (on_it.size() > 0) s.nearest_m.add(on_it.quantile(kHardlyAny));
   if (distances.size() > 0) s.reach_m.add(distances.quantile(0.9));
+}
+
+/** Of a ray straight ahead, as a beam sends it that turns around `axis` at an angle of this sine.
+ */
+double slope_ahead(const Vec3& axis, double sine)
+{
+  const double cosine = std::sqrt(std::max(0.0, 1 - sine * sine));
+  const double across = std::max(1e-6, std::hypot(axis.y, axis.z));
+  const Vec3 ahead{across, -axis.x * axis.y / across, -axis.x * axis.z / across};
+  const double z = cosine * ahead.z + sine * axis.z;
+  return z / std::hypot(cosine * ahead.x + sine * axis.x, cosine * ahead.y + sine * axis.y);
+}
+
+/** How steep the highest ray ahead is, as far as rays returned: those ahead, and those of a beam
+ * that turns and returned from elsewhere. And the highest to any side. */
+void note_top(SensorFigures& s, const std::vector<Vec3>& points, const Vec3& axis)
+{
+  double ahead = -HUGE_VAL, around = -HUGE_VAL, sine = -1;
+  for (const Vec3& p : points)
+  {
+    const Vec3 d = p - s.sensor;
+    const double r_m = away_m(p, s.sensor);
+    if (r_m < kNear_m) continue;
+    around = std::max(around, d.z / r_m);
+    sine = std::max(sine, dot(d, axis) / length(d));
+    if (d.x > kAheadCosine * r_m) ahead = std::max(ahead, d.z / r_m);
+  }
+  if (ahead == -HUGE_VAL) return;
+  s.top_ahead.add(std::max(ahead, slope_ahead(axis, sine)));
+  s.top_around.add(around);
 }
 
 /** Keeps every n-th of too many. */
@@ -138,6 +170,7 @@ void HintFinder::look_at(const Frame& frame, std::size_t sensor)
     f.below_band += rise_m < parameters_.min_height_m;
     f.above_band += rise_m > parameters_.max_height_m;
   }
+  note_top(s, points, turned(T_base_sensor, {0, 0, 1}));
   const NearPlane lowest = lowest_plane(points, s.sensor, 1);
   note_plane(s, points, lowest);
   if (lowest.found)
@@ -146,6 +179,7 @@ void HintFinder::look_at(const Frame& frame, std::size_t sensor)
     s.lean_in_map_rad.add(std::acos(std::clamp(normal_map.z, -1.0, 1.0)));
     f.level.add_ground(normal_map);
     note_reach(s, points, lowest);
+    if (const auto share = buried_share(points, lowest, s.sensor)) s.buried.add(*share);
     f.ground.add(points, lowest, T_map_base);
   }
   else if (const NearPlane farther = lowest_plane(points, s.sensor, 1, kFarther_m, kFartherShare);

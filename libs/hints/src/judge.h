@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/hints/highest_ray.h>
 #include <talus/hints/hint.h>
 
 #include <optional>
@@ -11,12 +12,18 @@ namespace talus::hints
 /** See HintFinder::find(). */
 std::vector<Hint> judge(const Figures& figures, const Parameters& parameters, double known_share);
 
+/** With boxes around what moves with the robot beside those that are known. */
+Parameters with_body(const Figures& f, Parameters p);
+
+/** Of all sensors the highest ray ahead, where a drive tells it for certain. */
+std::optional<HighestRay> highest_ray(const Figures& f);
+
 /// @name One cause each; nothing where it is not certain
 /// @{
 std::optional<Hint> pose_jumps(const Figures& f);
 std::optional<Hint> upside_down(const Figures& f);
 std::optional<Hint> tilted_ground(const Figures& f);
-std::optional<Hint> points_in_base(const Figures& f);
+std::optional<Hint> sensor_in_ground(const Figures& f);
 std::optional<Hint> two_grounds(const Figures& f);
 std::optional<Hint> wrong_mounting(const Figures& f);
 std::optional<Hint> level_poses(const Figures& f);
@@ -26,6 +33,7 @@ std::optional<Hint> height_band(const Figures& f, const Parameters& p);
 std::optional<Hint> window_too_small(const Figures& f, const Parameters& p, double known_share);
 std::optional<Hint> little_seen(const Figures& f, const Parameters& p, double known_share);
 std::optional<Hint> own_body(const Figures& f, const Parameters& p);
+std::optional<Hint> nothing_seen_ahead(const Figures& f, const Parameters& p);
 /// @}
 
 }  // namespace talus::hints

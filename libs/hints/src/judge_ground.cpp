@@ -54,7 +54,28 @@ bool is_mirrored(const SensorFigures& s)
   return s.sensor.z > kLeastMounting_m && s.share(s.ceiling_above_m) > kGroundShare &&
          std::abs(s.ceiling_above_m.median() - s.sensor.z) < kAtSensor_m;
 }
+/** Where nothing returned from above a ray, it may be that nothing was there, or that far points
+ * are missing from the log. Not so where it looks down, and beams look up to other sides. */
+bool is_highest(const HighestRay& ray, const SensorFigures& s)
+{
+  return ray.slope > 0 || (ray.slope < -kLooksDown && s.top_around.median() > kLooksDown);
+}
 }  // namespace
+
+std::optional<HighestRay> highest_ray(const Figures& f)
+{
+  std::optional<HighestRay> highest;
+  for (const SensorFigures& s : f.sensors)
+  {
+    if (s.top_ahead.size() == 0) continue;
+    const Vec3 up = s.ground().normal;
+    const HighestRay ray{
+        s.sensor.x, s.sensor_above_m.median(), s.top_ahead.quantile(1) + up.x / up.z};
+    if (!was_around(s) || !shows_ground(s) || !is_highest(ray, s)) return {};
+    if (!highest || ray.height_m(kLooksAhead_m) > highest->height_m(kLooksAhead_m)) highest = ray;
+  }
+  return highest;
+}
 
 std::optional<Hint> upside_down(const Figures& f)
 {
@@ -101,17 +122,18 @@ std::optional<Hint> tilted_ground(const Figures& f)
   return {};
 }
 
-std::optional<Hint> points_in_base(const Figures& f)
+std::optional<Hint> sensor_in_ground(const Figures& f)
 {
   for (const SensorFigures& s : f.sensors)
-    if (shows_ground(s) && s.sensor.z > kLeastMounting_m &&
-        std::abs(s.sensor_above_m.median()) < std::min(kAtSensor_m, 0.4 * s.sensor.z))
+    if (s.share(s.buried) > kGroundShare && s.buried.median() > kBuried)
       return Hint{
-          Kind::PointsInBase,
-          "the ground" + of_sensor(f, s) + " lies at the height of the sensor itself (" +
-              metres(s.sensor_above_m.median()) + " below it, mounted at " + metres(s.sensor.z) +
-              "): the points are given in the frame of the base: set sensorPose to 0 (rawlog-edit "
-              "--sensors-pose)"};
+          Kind::SensorInGround,
+          "the rays" + of_sensor(f, s) + " begin in the ground (" +
+              metres(s.sensor_above_m.median()) + " above it, mounted at " + metres(s.sensor.z) +
+              "): of the rays to it " + fixed_text(100 * s.buried.median(), 0) +
+              " % run into ground that is seen nearer: the points are given in the frame of the "
+              "base or of the map: give them in the frame of the sensor, with its mounting as "
+              "sensorPose (talus-import --clouds-in map --mount ...)"};
   return {};
 }
 

@@ -105,23 +105,34 @@ std::optional<Hint> little_seen(const Figures&, const Parameters& p, double know
                             " m: set a smaller window_m or a larger resolution_m"};
 }
 
-std::optional<Hint> own_body(const Figures& f, const Parameters& p)
+Parameters with_body(const Figures& f, Parameters p)
 {
-  std::vector<BodyBox> boxes = p.body_boxes_m;
-  const std::size_t known = boxes.size();
+  auto& boxes = p.body_boxes_m;
   for (const SensorFigures& s : f.sensors)
   {
     if (s.share(s.ground_m) <= kGroundShare) continue;  // nothing tells the body from the ground
     const auto more = s.body.boxes(s.ground(), s.sensor);
     boxes.insert(boxes.end(), more.begin(), more.end());
   }
-  if (boxes.size() == known) return {};
   boxes.resize(std::min(boxes.size(), kMostBodyBoxes));
-  Parameters with = p;
-  with.body_boxes_m = boxes;
+  return p;
+}
+
+std::optional<Hint> own_body(const Figures& f, const Parameters& p)
+{
+  const Parameters with = with_body(f, p);
+  if (with.body_boxes_m.size() == p.body_boxes_m.size()) return {};
   return Hint{
       Kind::OwnBody, "points move with the robot, its own body: set body_boxes_m = " +
                          parameter_text(with, *find_parameter("body_boxes_m"))};
+}
+
+std::optional<Hint> nothing_seen_ahead(const Figures& f, const Parameters& p)
+{
+  const auto ray = highest_ray(f);
+  const auto unseen = ray ? unseen_ahead(*ray, p.clearance_m) : std::nullopt;
+  if (!unseen) return {};
+  return Hint{Kind::UnseenAhead, *unseen};
 }
 
 std::vector<Hint> judge(const Figures& f, const Parameters& p, double known_share)
@@ -133,7 +144,7 @@ std::vector<Hint> judge(const Figures& f, const Parameters& p, double known_shar
     return !hints.empty();
   };
   // Where a frame is wrong, all else follows from it.
-  if (take(upside_down(f)) || take(tilted_ground(f)) || take(points_in_base(f)) ||
+  if (take(upside_down(f)) || take(tilted_ground(f)) || take(sensor_in_ground(f)) ||
       take(two_grounds(f)) || take(wrong_mounting(f)))
     return hints;
   if (!take(pose_jumps(f)) && !take(level_poses(f)) && !take(wrong_times(f)))
@@ -143,6 +154,7 @@ std::vector<Hint> judge(const Figures& f, const Parameters& p, double known_shar
   if (hints.size() == frames_wrong) take(window_too_small(f, p, known_share));
   if (hints.size() == frames_wrong) take(little_seen(f, p, known_share));
   take(own_body(f, p));
+  take(nothing_seen_ahead(f, p));
   return hints;
 }
 

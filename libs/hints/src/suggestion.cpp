@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "figures.h"
+#include "judge.h"
 #include "thresholds.h"
 
 namespace talus::hints
@@ -32,11 +32,13 @@ struct Basis
   double height_m = 0;  //!< of the sensor above the ground; 0: none was seen
   double reach_m = 0;
   double half_window_m = 0, resolution_m = 0;
+  std::optional<HighestRay> highest;  //!< ahead
 };
 
-Basis basis_of(const SensorFigures& s)
+Basis basis_of(const Figures& f, const SensorFigures& s)
 {
   Basis b;
+  b.highest = highest_ray(f);
   if (s.share(s.ground_m) > kGroundShare)
     b.height_m = s.sensor_above_m.median();
   else if (s.above_far_ground_m.size() > 0)
@@ -80,7 +82,9 @@ void suggest_heights(const Basis& b, Suggestions& out)
       {"max_height_m", number_text(high_m), ground + ": up to where a robot could meet something"});
   out.push_back(
       {"clearance_m", number_text(clearance_m),
-       "the robot is as high as its sensor (" + metres(b.height_m) + ") at least"});
+       "the robot is as high as its sensor (" + metres(b.height_m) + ") at least" +
+           (b.highest ? "; ahead something that high is seen " + seen_ahead(*b.highest, clearance_m)
+                      : std::string())});
 }
 
 void suggest_filling(const Basis& b, Suggestions& out)
@@ -97,22 +101,16 @@ void suggest_filling(const Basis& b, Suggestions& out)
 
 void suggest_body(const Figures& f, const Parameters& p, Suggestions& out)
 {
-  Parameters with;
-  with.body_boxes_m = p.body_boxes_m;
-  for (const SensorFigures& s : f.sensors)
-  {
-    std::vector<BodyBox> boxes;
-    if (s.body.frames() > 1)
-      boxes = s.body.boxes(s.ground(), s.sensor);
-    else if (s.ground_m.size() > 0)
-      boxes = s.body.boxes_of_one_scan(s.ground(), s.sensor);
-    with.body_boxes_m.insert(with.body_boxes_m.end(), boxes.begin(), boxes.end());
-  }
-  if (with.body_boxes_m.empty()) return;
-  if (with.body_boxes_m.size() > kMostBodyBoxes) with.body_boxes_m.resize(kMostBodyBoxes);
+  const Parameters with = with_body(f, p);
+  const bool knows = std::any_of(
+      f.sensors.begin(), f.sensors.end(), [](const SensorFigures& s) { return s.body.can_tell(); });
+  if (knows && with.body_boxes_m.empty()) return;
   out.push_back(
       {"body_boxes_m", parameter_text(with, *find_parameter("body_boxes_m")),
-       "what moves with the robot, or is nearer to the sensor than anything else could be"});
+       knows ? "what moves with the robot"
+             : "unknown: what moves with the robot is told once it has driven " +
+                   number_text(kLeastBodyWay_m) + " m and turned by " +
+                   number_text(kLeastBodyTurn_deg) + " degrees"});
 }
 
 void suggest_noise(const SensorFigures& s, Suggestions& out)
@@ -136,7 +134,7 @@ std::vector<Suggestion> HintFinder::suggest() const
   Suggestions out;
   const SensorFigures* s = figures_->sensor_with_most_frames();
   if (!s) return out;
-  const Basis basis = basis_of(*s);
+  const Basis basis = basis_of(*figures_, *s);
   if (basis.height_m > 0)
   {
     suggest_window(basis, out);

@@ -36,6 +36,14 @@ constexpr double kTilted_deg = 20;  // what no robot drives on for half a log
 constexpr double kUpsideDown = -0.5;  // z of the base's z axis in the map: turned by 120 degrees
 /// @}
 
+/// @name Rays that begin in the ground
+/// @{
+constexpr double kMuchFarther = 2;  // a ray from 0.1 m passes 5 cm above level ground half as far
+constexpr double kOverGround_m = 0.02;  // above it: noise of a range
+constexpr std::size_t kLeastRayPairs = 30;  // of a frame
+constexpr double kBuried = 0.1;  // of them: sound frames up to 0.03, also from 0.1 m above a field
+/// @}
+
 /// @name Poses
 /// @{
 constexpr double kJump_m = 0.3;  // off from where the speed so far leads
@@ -96,6 +104,13 @@ constexpr double kMostGroundBefore = 0.2;  // of the frames that see ground befo
 constexpr double kLeastBodyTurn_deg = 15;  // between the headings of a drive
 constexpr double kMostShift_m =
     0.07;  // of a part between two directions of travel: cars up to 0.063
+/// @}
+
+/// @name What lies above all rays
+/// @{
+constexpr double kLooksAhead_m = 1;  // of the base: what is farther must be seen
+constexpr double kAheadCosine = 0.99;  // of 8 degrees: what is ahead
+constexpr double kLooksDown = 0.052;  // slope of 3 degrees: level beams lie 2 degrees apart
 /// @}
 
 /// @name What reaches the map

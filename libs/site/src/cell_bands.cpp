@@ -49,6 +49,7 @@ BandValues values_of(const SiteCell& cell, std::uint32_t newest_s)
   put(Band::Elevation, canonical(c.elevation_m));
   put(Band::Variance, canonical(c.ground_variance_m2));
   put(Band::State, static_cast<float>(c.state));
+  put(Band::Reached, is_reached(c) ? 1.0F : 0.0F);
   put(Band::Age, static_cast<float>(told_s));
   put(Band::ElevationVariance, canonical(c.elevation_variance_m2));
   static_assert(CellRecord::kLastingBytes == 5);

@@ -1,5 +1,6 @@
 #include <talus/site/floor_map.h>
 
+#include "kept_cell.h"
 #include "known_cells.h"
 #include "strips.h"
 
@@ -11,14 +12,15 @@ namespace talus::site
 {
 namespace
 {
-constexpr Layer kLayers[] = {
-    Layer::Elevation, Layer::GroundElevation, Layer::Variance, Layer::State, Layer::Traversability};
+constexpr Layer kLayers[] = {Layer::Elevation, Layer::GroundElevation, Layer::Variance,
+                             Layer::State,     Layer::Reached,         Layer::Traversability};
 
 void put_cell(MapSnapshot& map, std::size_t at, const CellRecord& c)
 {
+  const float reached = !is_known(c) ? NAN : is_reached(c) ? 1.0F : 0.0F;
   const float values[] = {
-      c.elevation_m, c.ground_m, c.ground_variance_m2, static_cast<float>(c.state),
-      c.traversability};
+      c.elevation_m, c.ground_m,      c.ground_variance_m2, static_cast<float>(c.state),
+      reached,       c.traversability};
   for (std::size_t i = 0; i < std::size(kLayers); ++i)
     map.layers[static_cast<std::size_t>(kLayers[i])][at] = values[i];
 }

@@ -20,6 +20,9 @@ constexpr std::size_t kMostAsked = 64;
  * is wider, and its far wall is hit lower. */
 constexpr float kProvenBehind_m = 0.5F, kProvenWithin_m = 0.05F;
 
+/** Ground that rays pass so far below does not go on. */
+constexpr float kBelow_m = 0.1F;
+
 /** Ground that rays have to prove: what goes on from one side, and what was presumed, but for where
  * the robot was. */
 bool is_guess(const CellRecord& c)
@@ -41,8 +44,8 @@ class Proof
     const bool far = ray.behind_m > kProvenBehind_m;
     const float above_m = ray.end_height_m - ground_m_;
     const float lowest_m = far ? ray.height_m : std::min(ray.height_m, ray.end_height_m);
-    const float gentle_m = kernels::kUndercutAhead_m + kernels::kGentle * ray.behind_m;
-    if (lowest_m < ground_m_ - kernels::kUndercutAhead_m)
+    const float gentle_m = kBelow_m + kernels::kGentle * ray.behind_m;
+    if (lowest_m < ground_m_ - kBelow_m)
       ++lower_;
     else if (far)
       ++(above_m < -gentle_m ? far_lower_ : far_level_);

@@ -137,6 +137,8 @@ SiteCell merge_cells(const SiteCell* cells, int count, double step_m)
   merged.seen_s = std::max(top.seen_s, ground.seen_s);
   fuse_ground(known, ground, step_m, merged.cell);
   if (has_elevation(top)) fuse_elevation(known, top, step_m, merged.cell);
+  for (const SiteCell& s : known)
+    if (is_reached(s.cell)) set_reached(merged.cell);
   return merged;
 }
 

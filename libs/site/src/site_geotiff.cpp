@@ -32,7 +32,7 @@ void set_metadata(
   set(kFloorItem, std::to_string(file.floor));
   if (file.floors.size() > 1 && file.floor == file.floors.front())
     set(kFloorsItem, text_of_floors(file.floors));
-  if (file.islands > 0) set(kIslandsItem, std::to_string(file.islands));
+  if (file.islands > 0) set(kObjectTopsItem, std::to_string(file.islands));
   set(kResolutionItem, exact_number_text(site.resolution_m));
   set(kMinCellXItem, std::to_string(pyramid.min_cell_x()));
   set(kMinCellYItem, std::to_string(pyramid.min_cell_y()));

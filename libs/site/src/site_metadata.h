@@ -16,7 +16,7 @@ using Ways = std::vector<std::vector<WayPoint>>;
 /// @{
 constexpr const char* kFloorItem = "TALUS_FLOOR";
 constexpr const char* kFloorsItem = "TALUS_FLOORS";  //!< all of the site; none where it is the only
-constexpr const char* kIslandsItem = "TALUS_ISLANDS";  //!< other files of the floor; none: 0
+constexpr const char* kObjectTopsItem = "TALUS_ISLANDS";  //!< other files of the floor; none: 0
 constexpr const char* kResolutionItem = "TALUS_RESOLUTION_M";
 constexpr const char* kMinCellXItem = "TALUS_MIN_CELL_X";  //!< of the lower left cell
 constexpr const char* kMinCellYItem = "TALUS_MIN_CELL_Y";

@@ -33,7 +33,7 @@ void add_legend(io::Legend& legend, bool has_ways)
   legend.heading("Traversability");
   legend.colours("blocked", io::terrain_colours(), "free");
   legend.swatch(io::kStandsInTheWay, "stands in the way");
-  legend.swatch(io::pale_free_colour(), "pale: not measured");
+  legend.swatch(io::pale_free_colour(), "pale: filled, or not reached");
   legend.swatch(io::pale_not_judged_colour(), "not judged");
   legend.swatch(kNotSeen, "not seen");
   if (has_ways) legend.way("way: start, end");

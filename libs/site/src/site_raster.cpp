@@ -114,6 +114,8 @@ SiteRaster::SiteRaster(Site& site, int floor, const RasterPlace& place)
           cv::Mat1b(place.height, place.width, uchar{0})}
 {
   cv::Mat1f count(place.height, place.width, 0.0F);
+  cv::Mat1b unreached(place.height, place.width, uchar{0});
+  bool any_reached = false;
   for_each_known(
       site, floor,
       [&](std::int64_t x, std::int64_t y, const SiteCell& s)
@@ -129,9 +131,13 @@ SiteRaster::SiteRaster(Site& site, int floor, const RasterPlace& place)
         count(at) += 1;
         ground_m(at) += (c.ground_m - ground_m(at)) / count(at);  // the mean
         score(at) = std::fmin(score(at), c.traversability);  // the worst
-        measured(at) = std::max(measured(at), static_cast<uchar>(measures ? 2 : 1));
+        const bool reached = is_reached(c);
+        any_reached |= reached;
+        if (measures && !reached) unreached(at) = 1;
+        measured(at) = std::max(measured(at), static_cast<uchar>(measures && reached ? 2 : 1));
         if (c.elevation_m - c.ground_m > io::kLeastObstacle_m) obstacle(at) = 1;
       });
+  if (!any_reached) measured.setTo(2, unreached);  // nothing was known around the robot
   ground_m.setTo(std::numeric_limits<float>::quiet_NaN(), measured == 0);
 }
 

@@ -77,9 +77,12 @@ void SiteReader::check_bands()
   bands_.reserve(kBandCount);
   for (const char* name : kBandNames) bands_.push_back(number_of(name));
   for (const std::string& name : channel_layer_names(channels_)) bands_.push_back(number_of(name));
+  int& reached = bands_[static_cast<std::size_t>(Band::Reached)];
+  const bool has_reached = reached != 0;
+  if (!has_reached) reached = bands_[static_cast<std::size_t>(Band::Evidence)];
   if (std::find(bands_.begin(), bands_.end(), 0) == bands_.end())
   {
-    check_values();
+    check_values(static_cast<int>(bands_.size()) - (has_reached ? 0 : 1));
     return;
   }
   if (number_of("sparsity") != 0)
@@ -88,12 +91,12 @@ void SiteReader::check_bands()
 }
 
 /** Cells of other types or scales pass for heights, too. */
-void SiteReader::check_values() const
+void SiteReader::check_values(int bands) const
 {
   const int count = dataset_->GetRasterCount();
-  if (count != static_cast<int>(bands_.size()))
+  if (count != bands)
     fail(
-        "has " + std::to_string(count) + " bands, a site has " + std::to_string(bands_.size()) +
+        "has " + std::to_string(count) + " bands, a site has " + std::to_string(bands) +
         ": another program has added some; give the file as talus wrote it");
   io::require_plain_floats(*dataset_, path_);
   for (auto* band : dataset_->GetBands())
@@ -137,8 +140,8 @@ void SiteReader::read_metadata()
     if (!floors) fail(std::string("its ") + kFloorsItem + " are no floors; it is " + kDamaged);
     floors_ = *floors;
   }
-  if (dataset_->GetMetadataItem(kIslandsItem))
-    islands_ = static_cast<std::size_t>(whole_item(kIslandsItem, 1, kMostIslands));
+  if (dataset_->GetMetadataItem(kObjectTopsItem))
+    islands_ = static_cast<std::size_t>(whole_item(kObjectTopsItem, 1, kMostIslands));
   if (const char* text = dataset_->GetMetadataItem(kOriginItem))
   {
     origin_ = origin_from(text);

@@ -53,7 +53,7 @@ class SiteReader
   void load(Place tile, std::size_t bands);
   void read_channels();
   void check_bands();
-  void check_values() const;
+  void check_values(int bands) const;
   void read_metadata();
   void check_place();
   void read_values(ChannelTile& to) const;

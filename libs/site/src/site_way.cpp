@@ -172,7 +172,6 @@ void write_way(const std::string& path, const Site& site, int floor)
   // The same bytes for the same ways; AtomicFile brings them to the disk.
   const Option date("OGR_CURRENT_DATE", "1970-01-01T00:00:00.000Z");
   const Option fast("OGR_SQLITE_SYNCHRONOUS", "OFF");
-  VSIUnlink(file.temporary_path().c_str());  // the driver makes it itself
   io::DatasetPtr dataset(
       io::geopackage_driver().Create(file.temporary_path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
   if (!dataset || !write(*dataset, site, floor)) io::fail(path, kNotWritten, errors);

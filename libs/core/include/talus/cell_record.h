@@ -27,6 +27,11 @@ struct CellRecord
 /** Ground heights that differ by more than this belong to two floors [m]. */
 constexpr float kOtherFloor_m = 1.28f;
 
+/** Whether the robot got there over passable cells, as in Layer::Reached. */
+bool is_reached(const CellRecord& record);
+/** Says so of a cell. */
+void set_reached(CellRecord& record);
+
 /** Clears the evidence of the latest frames, for a cell that is stored for later. */
 void forget_latest(CellRecord& record);
 

@@ -16,6 +16,7 @@ enum class Layer : int
   GroundElevation,  //!< [m] the ground, measured or filled
   Variance,  //!< [m^2] of the ground elevation
   State,  //!< a CellState, as a number
+  Reached,  //!< 1: the robot gets there over passable cells; 0: it does not, see stage 4
   Slope,  //!< [0,1] eq. 10, 1: flat
   Step,  //!< [0,1] eq. 11, 1: no step
   Roughness,  //!< [0,1] eq. 12, 1: smooth
@@ -23,11 +24,11 @@ enum class Layer : int
              //!< remembered
   Traversability,  //!< [0,1] eq. 13, 1: free, 0: impassable
 };
-constexpr int kLayerCount = 9;
+constexpr int kLayerCount = 10;
 
 /** Band names of files and of the Python-free world: "elevation", "ground_elevation", ... */
 constexpr std::array<const char*, kLayerCount> kLayerNames{
-    "elevation", "ground_elevation", "variance", "state",         "slope",
+    "elevation", "ground_elevation", "variance", "state",         "reached", "slope",
     "step",      "roughness",        "sparsity", "traversability"};
 
 constexpr const char* layer_name(Layer l) { return kLayerNames[static_cast<int>(l)]; }

@@ -3,7 +3,7 @@
 
 namespace talus
 {
-/** The environment variable that names the rules that are left out of maps, such as "30,31". Only a
+/** The environment variable that names the rules that are left out of maps, such as "27,30". Only a
  * build with -DTALUS_RULE_SWITCHES=ON looks at it. */
 constexpr const char* kWithoutRulesVariable = "TALUS_WITHOUT_RULES";
 

@@ -76,7 +76,7 @@ class CpuMemory
   ChannelArrays stage_channels(const Frame& f, std::size_t, std::size_t) { return f.channels; }
   /** finish_frame() does all the work. */
   template <class Body>
-  void start_frame(const Body&)
+  void start_frame(const Body&, bool)
   {
   }
   void start_clock()

@@ -107,6 +107,12 @@ struct alignas(64) Met
 
   int distance(int l, int here) const { return kernels::abs_of(here - place[0][l]); }
 
+  /** Of a side of which no line has a sample near by. */
+  SideEstimate infer_far(int l, int here, const Strip& strip) const
+  {
+    const float away_m = static_cast<float>(distance(l, here)) * strip.step_m[l];
+    return kernels::SideSum().estimate(nearest_m(l), 0, away_m);
+  }
   SideEstimate infer(int l, int here, const Strip& strip, const kernels::Config& k) const
   {
     kernels::SideSum sum;
@@ -119,7 +125,13 @@ struct alignas(64) Met
       away_m[s] = static_cast<float>(places) * strip.step_m[l];
       sum.add(height_m[s][l], kernels::select(inside[s], away_m[s], kernels::kOutOfReach_m), k);
     }
-    return sum.estimate(kernels::select(inside[0], height_m[0][l], kernels::kNan), 0, away_m[0]);
+    return sum.estimate(nearest_m(l), kernels::select(inside[0], distance(l, here), 0), away_m[0]);
+  }
+
+ private:
+  float nearest_m(int l) const
+  {
+    return kernels::select(place[0][l] != kNowhere, height_m[0][l], kernels::kNan);
   }
 };
 
@@ -260,16 +272,16 @@ class Sweep
     const int first = strip.first + place * strip.along;
     const int* const minor = strip.at(place, false).minor;
     if (strip.leaps() || place % kLanes == 0)
-      fetch(
-          strip, samples.free_above_m, std::max(place - kAhead, 0), strip.leaps() ? kLanes - 1 : 1);
+      fetch(strip, samples.ends_m, std::max(place - kAhead, 0), strip.leaps() ? kLanes - 1 : 1);
     std::int32_t under = 0;
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      const float free_m = samples.free_above_m[first + minor[l] * strip.across];
+      const float ends_m = samples.ends_m[first + minor[l] * strip.across];
       const bool told = (here.place[0][l] >= 0) & (here.place[0][l] < place) &
+                        !kernels::is_stood(here.height_m[0][l]) &
                         kernels::undercuts(
-                            free_m, here.height_m[0][l],
+                            ends_m, here.height_m[0][l],
                             static_cast<float>(here.distance(l, place)) * strip.step_m[l]);
       under |= kernels::select(told, bit_of(l), 0);
     }
@@ -313,11 +325,11 @@ class Sweep
                suspect = kRays && place <= strip.suspect;
     Found found;
     if (has_before && has_behind)
-      infer<true, true>(k, strip, before, behind, undercut, place, found);
+      infer<kNear, kNear>(k, strip, before, behind, undercut, place, found);
     else if (has_before)
-      infer<true, false>(k, strip, before, behind, undercut, place, found);
+      infer<kNear, kFar>(k, strip, before, behind, undercut, place, found);
     else if (has_behind)
-      infer<false, true>(k, strip, before, behind, undercut, place, found);
+      infer<kFar, kNear>(k, strip, before, behind, undercut, place, found);
     else
     {
       if (suspect) forget_fall(strip, wanted, place, to);
@@ -336,36 +348,43 @@ class Sweep
       add(strip, found.lines, place, to);
   }
 
-  /** `kBefore`, `kBehind`: whether there may be samples on that side. */
-  template <bool kBefore, bool kBehind>
+  /** Whether any line has a sample near by on a side. */
+  enum Nearness
+  {
+    kFar,
+    kNear
+  };
+  template <Nearness kBefore, Nearness kBehind>
   static void infer(
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
       const Undercut& undercut, int place, Found& found)
   {
     SideBySide<SideEstimate, kLanes> inner, outer;
-    if (kBefore)
-    {
-      TALUS_INDEPENDENT
-      for (int l = 0; l < kLanes; l++) inner.store(l, before.infer(l, place, strip, k));
-    }
-    if (kBehind)
-    {
-      TALUS_INDEPENDENT
-      for (int l = 0; l < kLanes; l++) outer.store(l, behind.infer(l, place, strip, k));
-    }
+    infer_side<kBefore>(k, strip, before, place, inner);
+    infer_side<kBehind>(k, strip, behind, place, outer);
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      const SideEstimate a = kBefore ? inner.load(l) : SideEstimate{},
-                         b = kBehind ? outer.load(l) : SideEstimate{};
+      const SideEstimate a = inner.load(l), b = outer.load(l);
       found.lines.store(l, kernels::fuse_sides(a, b));
       if (kRays)
       {
         const bool undercut_ahead = (undercut.place[l] - place <= strip.fill_places[l]) &
                                     (behind.distance(l, place) > strip.sparsity_places[l]);
-        found.marks[l] = kernels::marks_of_sides(a.any(), b.any(), undercut_ahead);
+        found.marks[l] = kernels::marks_of_sides(a, b, undercut_ahead);
       }
     }
+  }
+
+  template <Nearness kThere>
+  static void infer_side(
+      const kernels::Config& k, const Strip& strip, const Side& side, int place,
+      SideBySide<SideEstimate, kLanes>& to)
+  {
+    TALUS_INDEPENDENT
+    for (int l = 0; l < kLanes; l++)
+      to.store(
+          l, kThere == kNear ? side.infer(l, place, strip, k) : side.infer_far(l, place, strip));
   }
 
   /** The fall of the ground between the samples on both sides; NaN if one is too far for stage 7.
@@ -375,7 +394,8 @@ class Sweep
       int place)
   {
     const bool both = (before.distance(l, place) <= strip.sparsity_places[l]) &
-                      (behind.distance(l, place) <= strip.sparsity_places[l]);
+                      (behind.distance(l, place) <= strip.sparsity_places[l]) &
+                      !kernels::is_stood(before.height_m[0][l]);
     const auto length_m = [&](int from, int to)
     {
       const int places = kernels::select(both, kernels::abs_of(to - from), 0);

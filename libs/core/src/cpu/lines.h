@@ -17,8 +17,7 @@ constexpr int kLanes = 16;
 /** What the lines may read of a cell, for which nothing is inferred yet. */
 struct TakeSample
 {
-  kernels::CellStore store;
-  const std::uint8_t* surface_class;
+  kernels::ClassifyCell classify;
   kernels::LineGrid grid;
   kernels::Samples samples;
   std::uint8_t* marks;  //!< see InferenceGrid
@@ -26,9 +25,7 @@ struct TakeSample
   void operator()(int ix, int iy, int storage_i) const
   {
     const int line_i = grid.at(ix, iy);
-    const bool sample = kernels::is_sample(store, surface_class, storage_i);
-    const float ground_m = store.ground_m[storage_i];
-    samples.height_m[line_i] = kernels::select(sample, ground_m, kernels::kNan);
+    samples.height_m[line_i] = kernels::sample_of(classify, storage_i);
     marks[line_i] = 0;
   }
 };

@@ -44,30 +44,36 @@ class CpuSchedule
     executor_.end_stage(Stage::Accept);
     update();  // end of stage 1, stage 3, rays of stage 5
     executor_.end_stage(Stage::Update);
-    open_ground(map_.context.data());  // stage 4
+    if (map_.now->starts_map)  // stage 4
+      reach_first();
+    else
+      find_limits(map_.context.data(), 1);
     executor_.end_stage(Stage::Classify);
     clean_up();  // stage 5, and the decisions of stage 4
     executor_.end_stage(Stage::CleanUp);
     fill();  // stage 6
     executor_.end_stage(Stage::Fill);
     if (!map_.channels.empty()) fuse_channels();
-    if (map_.parts_wanted())  // stage 7
-      judge<true>();
-    else
-      judge<false>();
+    judge();  // stage 7
     if (map_.has_class_scores()) executor_.for_each_cell(side(), side(), map_.take_class_scores());
     executor_.end_stage(Stage::Traversability);
   }
-  /** Finds how high ground can be, in the map as it is; of the frame the place of the window
-   * counts.
-   */
-  void open_ground(const kernels::FrameContext* frame)
+  /** Finds what the robot gets to, in rounds of four sweeps, and how high ground can be. */
+  void find_limits(const kernels::FrameContext* frame, int rounds = 1)
   {
     const kernels::CoarseGrid grid = map_.coarse_grid();
-    const kernels::PoolCells pool{map_.config.data(), frame, map_.store(), grid};
+    const auto pool_reach = map_.template pool<kernels::PoolReach>(frame);
+    const auto pool_cells = map_.template pool<kernels::PoolCells>(frame);
     executor_.for_each_row(
         2 * grid.side, grid.side,
-        [&](int py) { PairOfRows<kernels::PoolCells>(pool).pool(py, side(), *frame); });
+        [&](int py)
+        {
+          PairOfRows<kernels::PoolReach>(pool_reach).pool(py, side(), *frame);
+          PairOfRows<kernels::PoolCells>(pool_cells).pool(py, side(), *frame);
+        });
+    for (int round = 0; round < rounds; round++)
+      for (const bool columns : {true, false})
+        executor_.for_each_stretch(grid.side, kernels::SpreadReach{grid, columns});
     executor_.for_each_window(
         grid.side, grid.side, map_.host_config.object_radius,
         kernels::ErodeGround{map_.config.data(), grid});
@@ -102,7 +108,7 @@ class CpuSchedule
   }
 
   /** Repeats stage 7 for slope, step, roughness and sparsity. */
-  void judge_parts() { judge<true>(); }
+  void judge_parts() { judge<true>(false); }
 
  private:
   int side() const { return map_.side(); }
@@ -188,25 +194,54 @@ class CpuSchedule
     const kernels::StandOnCell<Atomics> stand = map_.stand_on();
     const kernels::PresumeStart presume = map_.presume_start();
     const bool starts = presume.applies_to_frame();
-    const auto classify = map_.template classify<kernels::ClassifyCell>();
-    const auto keep_bridge = map_.template classify<kernels::KeepBridge>();
+    const kernels::ClassifyCell classify = map_.classify();
+    const auto lower = map_.template classify<kernels::LowerObject>();
     const kernels::CleanUpCell clean = map_.clean_up();
-    const lines::TakeSample take{
-        map_.store(), map_.surface_class.data(), map_.line_grid(), map_.samples(),
-        inferred().marks};
+    const lines::TakeSample take = take_sample();
     for_each_row(
         [&](const StoredRow& row)
         {
           if (!stand.leaves_out(row.y())) row.each_applicable(stand);
           if (starts) row.each_applicable(presume);
           row.each(classify);
-          row.each_applicable(keep_bridge);
+          row.each_applicable(lower);
           row.each_applicable(clean);
           row.each(take);
         });
     executor_.fill(map_.rays, kernels::kNoRay);
     executor_.fill(map_.reach, std::int32_t{0});
     executor_.report(map_.counters);
+  }
+
+  lines::TakeSample take_sample()
+  {
+    return {map_.classify(), map_.line_grid(), map_.samples(), inferred().marks};
+  }
+  /** In the first frame nothing is known to be passable yet. All is judged as if it were ground,
+   * before it is judged with what the robot gets to over that. */
+  void reach_first()
+  {
+    const kernels::StandOnCell<Atomics> stand = map_.stand_on();
+    const kernels::PresumeStart presume = map_.presume_start();
+    const kernels::ClassifyCell classify = map_.classify();
+    const lines::TakeSample take = take_sample();
+    const bool starts = presume.applies_to_frame();
+    executor_.fill(map_.ground_limit, kernels::kInfinity);
+    for_each_row(
+        [&](const StoredRow& row)
+        {
+          if (!stand.leaves_out(row.y())) row.each_applicable(stand);
+          if (starts) row.each_applicable(presume);
+          row.each(classify);
+          row.each(take);
+        });
+    fill();
+    judge();
+    const kernels::StartReach start = map_.start_reach();
+    for_each_row([&](const StoredRow& row) { row.each(start); });
+    find_limits(map_.context.data(), kernels::kFirstReach_rounds);
+    const kernels::ForgetFill forget = map_.forget_fill();
+    for_each_row([&](const StoredRow& row) { row.each(forget); });
   }
 
   void fill()
@@ -234,15 +269,27 @@ class CpuSchedule
     if (float* const to = map_.surface(Layer::Variance)) tell_variance(to);
   }
 
-  template <bool kParts>
   void judge()
+  {
+    if (map_.parts_wanted())
+      judge<true>(true);
+    else
+      judge<false>(true);
+  }
+  template <bool kParts>
+  void judge(bool notes)
   {
     std::uint8_t* const passability = passability_.data() + side() + 1;
     executor_.for_each_window(
         side(), side(), map_.host_config.feature_radius_cells,
         map_.template compute_features<kParts>(passability));
-    const kernels::CompleteObstacles complete = map_.complete_obstacles(passability);
-    for_each_row([&](const StoredRow& row) { row.each_applicable(complete); });
+    const kernels::CompleteObstacles complete = map_.complete_obstacles(passability, notes);
+    for_each_row(
+        [&](const StoredRow& row)
+        {
+          row.each_applicable(complete);
+          if (notes) row.each(complete.passable);
+        });
   }
 
   void fuse_channels()

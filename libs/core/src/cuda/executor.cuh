@@ -88,13 +88,15 @@ class CudaExecutor
   kernels::PointsIn stage(
       const Frame& frame, const kernels::FrameContext& context, std::size_t capacity);
   ChannelArrays stage_channels(const Frame& frame, std::size_t channels, std::size_t capacity);
+  /** `starts_map`: the first frame has a recording of its own, which is seldom used again. */
   template <class Body>
-  void start_frame(const Body& body)
+  void start_frame(const Body& body, bool starts_map)
   {
     for (CudaSlot& other : slots_)
       if (other.in_flight) wait_until_computed(other);
-    if (!slot().graph) record(body);
-    TALUS_CUDA(cudaGraphLaunch(slot().graph.get(), slot().queue.stream.get()));
+    GraphExec& graph = slot().graphs[starts_map ? 1 : 0];
+    if (!graph) graph = record(body);
+    TALUS_CUDA(cudaGraphLaunch(graph.get(), slot().queue.stream.get()));
     slot().in_flight = true;
   }
   /** `then` follows the frame, and is waited for with it. */
@@ -173,23 +175,21 @@ class CudaExecutor
         loops::over_cells<F>, tiles(nx, end - first, rows), dim3(loops::kTileWidth, rows), 0, nx,
         first, end, f, beside_last);
   }
-  /** Erosion f, then dilation g of its result, over a wider neighbourhood. */
-  template <class F, class G>
-  void for_each_opening(int nx, int ny, int radius, int wide, const F& f, const G& g)
+  /** f for square neighbourhoods. */
+  template <class F>
+  void for_each_window(int nx, int ny, int radius, const F& f)
   {
-    // As in for_each_judged_cell_of_rows(); it must fit into shared memory.
-    const int width = loops::kTileWidth + 2 * wide;
-    const auto size = [&](int height)
+    // As in for_each_judged_cell_of_rows(); the rows must fit into shared memory.
+    int height = nx * ny < kManyThreads ? loops::kWindowThreads / 2 : loops::kTileWidth;
+    const auto size = [&](int tile)
     {
-      const int rows = width * (height + 2 * (wide + radius)), eroded = width * (height + 2 * wide);
-      return static_cast<std::size_t>(rows) * sizeof(typename F::Row) +
-             static_cast<std::size_t>(eroded) * sizeof(float);
+      return static_cast<std::size_t>(loops::kTileWidth * (tile + 2 * radius)) *
+             sizeof(typename F::Row);
     };
-    int height = nx * ny < kManyThreads ? 4 : loops::kTileWidth;
     while (size(height) > kSharedBytes) height--;
     launch(
-        loops::over_opening<F, G>, tiles(nx, ny, height), dim3(loops::kOpeningThreads),
-        size(height), nx, ny, radius, wide, height, f, g);
+        loops::over_windows<F>, tiles(nx, ny, height),
+        dim3(loops::kTileWidth, loops::kWindowThreads), size(height), nx, ny, radius, height, f);
   }
   /** f for the neighbourhoods of cells, then g for the results of each cell and its neighbours, see
    * kernels::CompleteObstacles; for the rows [first, end) of ny. */
@@ -322,11 +322,11 @@ class CudaExecutor
     for (CudaSlot& s : slots_)
     {
       if (s.in_flight) TALUS_CUDA(cudaStreamSynchronize(s.queue.stream.get()));
-      s.graph.reset();
+      s.graphs = {};
     }
   }
   template <class Body>
-  void record(const Body& body)
+  GraphExec record(const Body& body)
   {
     stage_end_ = 0;
     beside_ = forked_ = joins_ = slot().queue.after_kernel = false;
@@ -336,7 +336,7 @@ class CudaExecutor
       bool& recording;
       ~Off() { recording = false; }
     } off{recording_};
-    slot().graph = instantiate(capture(slot().queue.stream, body));
+    return instantiate(capture(slot().queue.stream, body));
   }
 
   static unsigned blocks(int n, int size) { return static_cast<unsigned>((n + size - 1) / size); }

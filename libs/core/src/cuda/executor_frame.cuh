@@ -106,7 +106,7 @@ inline ChannelArrays CudaExecutor::stage_channels(
   if (s.channels.size() != channels * capacity)
   {
     s.channels = {};
-    s.graph.reset();
+    s.graphs = {};
     s.channels = PinnedBuffer<float>(channels * capacity);
   }
   ChannelArrays arrays{};

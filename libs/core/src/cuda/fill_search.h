@@ -238,8 +238,10 @@ struct LineSearch
         }
       } while (found[kBatch - 1] && wanted > 0);
     }
-    const float nearest_away_m = static_cast<float>(nearest_places) * track.step_m;
-    return nearest_places ? sum.estimate(nearest, nearest_places, nearest_away_m) : none();
+    const int far = nearest_places ? 0 : this->nearest(outwards, track.last());
+    if (far) nearest = sample_m[at(outwards, far)];
+    const float nearest_away_m = static_cast<float>(nearest_places + far) * track.step_m;
+    return nearest_places + far ? sum.estimate(nearest, nearest_places, nearest_away_m) : none();
   }
 
  private:
@@ -296,7 +298,7 @@ struct SearchAndFillCell
   {
     Inferred found;
     found.lines.information = 1.0f;  // avoids a division by zero
-    if (inner.any() || outer.any())
+    if (inner.near() || outer.near())
     {
       found = beside_sensor(radial_search(ix, iy), ix, iy, inner, outer, behind, lines[0]);
       for (int l = 1; l < kLines; l++) found.lines.add(lines[l * stride]);
@@ -310,7 +312,7 @@ struct SearchAndFillCell
     const SideEstimate inner = side(0, false, ix, iy), outer = side(0, true, ix, iy);
     LineFusion lines[kLines];
     Behind behind;
-    if (inner.any() || outer.any())
+    if (inner.near() || outer.near())
     {
       behind = look_behind(radial_search(ix, iy));
       lines[0] = line(inner, outer);
@@ -371,9 +373,8 @@ struct SearchAndFillCell
       const SideEstimate& outer, const Behind& behind, const LineFusion& lines) const
   {
     const float robot_m = robot_away_m(radial);
-    const bool asks = inner.any() && !outer.any() && !behind.places;
-    Inferred found{
-        lines, marks_of_sides(inner.any(), outer.any(), asks && is_undercut_ahead(radial, inner))};
+    const bool asks = inner.near() && !outer.near() && !behind.places;
+    Inferred found{lines, marks_of_sides(inner, outer, asks && is_undercut_ahead(radial, inner))};
     if (robot_m <= k.sparsity_range_m)
     {
       fall_m[grid.at(ix, iy)] = behind.fall.m;
@@ -399,10 +400,11 @@ struct SearchAndFillCell
     const int first = (radial.place + kUndercutPlaces - 1) / kUndercutPlaces * kUndercutPlaces;
     const int sample = radial.place - inner.places;
     bool any = false;
+    if (is_stood(inner.nearest_m)) return false;
     for (int place = first; place <= last && !any; place += kUndercutPlaces)
     {
       const float away_m = static_cast<float>(place - sample) * radial.track.step_m;
-      any = undercuts(free_at(radial.track, place, 0), inner.nearest_m, away_m) &&
+      any = undercuts(fill.passing.ends_m[radial.track(place)], inner.nearest_m, away_m) &&
             !is_passed_over(radial.track, place, inner.nearest_m);
     }
     return any;
@@ -432,7 +434,7 @@ struct SearchAndFillCell
   TALUS_HD Fall fall_to(const LineSearch<Track>& radial, int behind) const
   {
     const int before = radial.nearest(false, radial.track.sparsity_places);
-    if (!before || !behind) return {};
+    if (!before || !behind || is_stood(samples.height_m[radial.at(false, before)])) return {};
     const LineSearch<Track> far{
         k, samples.height_m, radial.marks, radial.track, radial.place + behind};
     const int next = far.nearest(true, radial.track.last());

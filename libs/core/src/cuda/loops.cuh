@@ -22,7 +22,6 @@ constexpr int kTilesAtOnce = 4, kBitBlocksAtOnce = 4;
 #else
 constexpr int kTilesAtOnce = 5, kBitBlocksAtOnce = 6;
 #endif
-constexpr int kOpeningThreads = 1024;
 constexpr int kHandedOver = 64;  //!< of a block that hands over records
 constexpr int kWindowThreads = 16;  //!< rows of a block with neighbourhoods
 constexpr int kJudgedRows = 2 * kWindowThreads;  //!< most of a tile that overlaps with others
@@ -178,80 +177,23 @@ __device__ typename F::Window sum_window(
   return sum;
 }
 
-/** f(column, row) of a tile, by all threads of the block. */
+/** f for square neighbourhoods: sums along the rows of a tile of `height` rows go to shared memory,
+ * sums across them to f(). */
 template <class F>
-__device__ void over_tile(int columns, int rows, const F& f)
-{
-  const float inverse = 1.0f / static_cast<float>(columns);
-  for (int i = static_cast<int>(threadIdx.x); i < columns * rows; i += static_cast<int>(blockDim.x))
-  {
-    const int row = kernels::floor_div(i, columns, inverse);
-    f(i - row * columns, row);
-  }
-}
-
-/** Erosion f and dilation g of its result, over square neighbourhoods of one radius and a wider
- * one: each along the rows of a tile of `height` rows, then across them. See kernels::ErodeGround.
- */
-template <class F, class G>
-__global__ void __launch_bounds__(kOpeningThreads)
-    over_opening(int nx, int ny, int radius, int wide, int height, F f, G g, std::uint64_t* done_ns)
+__global__ void __launch_bounds__(kTileWidth* kWindowThreads)
+    over_windows(int nx, int ny, int radius, int height, F f, std::uint64_t* done_ns)
 {
   extern __shared__ __align__(16) unsigned char shared[];
-  const int width = kTileWidth + 2 * wide;
-  auto* const rows = reinterpret_cast<typename F::Row*>(shared);
-  auto* const eroded = reinterpret_cast<float*>(rows + width * (height + 2 * (wide + radius)));
-  auto* const eroded_rows = reinterpret_cast<typename G::Row*>(shared);  // in place of `rows`
+  auto* const rows = reinterpret_cast<typename F::Row*>(shared) + threadIdx.x;
   wait_for_predecessor();
-  const int x0 = static_cast<int>(blockIdx.x) * kTileWidth,
-            y0 = static_cast<int>(blockIdx.y) * height;
-  const auto exists = [&](int x, int y) { return x >= 0 && x < nx && y >= 0 && y < ny; };
-  over_tile(
-      width, height + 2 * (wide + radius),
-      [&](int column, int row)
-      {
-        const int x = x0 - wide + column, y = y0 - wide - radius + row;
-        typename F::Row sum;
-        if (exists(x, y))
-          for (int d = -radius; d <= radius; d++) f.add(sum, x, y, d);
-        rows[row * width + column] = sum;
-      });
+  const int x = static_cast<int>(blockIdx.x) * kTileWidth + static_cast<int>(threadIdx.x);
+  const int y0 = static_cast<int>(blockIdx.y) * height, y1 = min(y0 + height, ny);
+  const int first = max(y0 - radius, 0), last = min(y1 + radius, ny);
+  if (x < nx) sum_rows(f, x, first, last, radius, rows);
   __syncthreads();
-  over_tile(
-      width, height + 2 * wide,
-      [&](int column, int row)
-      {
-        const int x = x0 - wide + column, y = y0 - wide + row;
-        float& lowest = eroded[row * width + column];
-        lowest = kernels::kInfinity;
-        if (!exists(x, y)) return;
-        typename F::Window sum;
-        for (int d = -radius; d <= radius; d++)
-          f.add(sum, rows[(row + radius + d) * width + column], d);
-        const bool own =
-            column >= wide && column < wide + kTileWidth && row >= wide && row < wide + height;
-        lowest = f.erode(x, y, sum, own);
-      });
-  __syncthreads();
-  over_tile(
-      kTileWidth, height + 2 * wide,
-      [&](int column, int row)
-      {
-        typename G::Row sum;
-        for (int d = 0; d <= 2 * wide; d++) g.add(sum, eroded[row * width + column + d]);
-        eroded_rows[row * kTileWidth + column] = sum;
-      });
-  __syncthreads();
-  over_tile(
-      kTileWidth, height,
-      [&](int column, int row)
-      {
-        if (!exists(x0 + column, y0 + row)) return;
-        typename G::Window sum;
-        for (int d = -wide; d <= wide; d++)
-          g.add(sum, eroded_rows[(row + wide + d) * kTileWidth + column], d);
-        g(x0 + column, y0 + row, sum);
-      });
+  if (x < nx)
+    for (int y = y0 + static_cast<int>(threadIdx.y); y < y1; y += kWindowThreads)
+      f(x, y, sum_window(f, y, first, last, radius, rows));
   note_time(done_ns);
 }
 

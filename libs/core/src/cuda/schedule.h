@@ -4,6 +4,7 @@
 #include "cuda/settle_cell.h"
 #include "cuda/settle_rays.h"
 #include "cuda/reset_frame.h"
+#include "cuda/reach_lines.h"
 #include "map_buffers.h"
 #include "voxel_filter.h"
 
@@ -36,28 +37,29 @@ class DeviceSchedule
     sort_points();  // end of stage 1, stage 3, rays of stage 5
     update();
     executor_.end_stage(Stage::Update);
-    open_ground();  // stage 4
+    find_limits();  // stage 4, and the rays and counts of the next frame
     executor_.end_stage(Stage::Classify);
     clean_up();  // stage 5, and the decisions of stage 4
     executor_.end_stage(Stage::CleanUp);
     fill();  // stage 6
     executor_.end_stage(Stage::Fill);
     if (!map_.channels.empty()) fuse_channels();
-    if (map_.parts_wanted())  // stage 7
-      judge<true>();
-    else
-      judge<false>();
+    judge();  // stage 7
     executor_.end_stage(Stage::Traversability);
     executor_.join();  // waits for the copies of layers
   }
-  /** Finds how high ground can be, in the map as it is; of the frame the place of the window
-   * counts.
-   */
-  void open_ground(const kernels::FrameContext* frame)
+  /** Finds what the robot gets to, in rounds of four sweeps, and how high ground can be. */
+  void find_limits(const kernels::FrameContext* frame, int rounds = 1)
   {
-    const int side = map_.coarse_grid().side;
-    executor_.for_each_cell(side, side, pool_cells(frame));
-    open_pooled();
+    const int pairs = map_.coarse_grid().side;
+    executor_.for_each(pairs * pairs, pool_reach(frame));
+    for (int round = 0; round < rounds; round++)
+    {
+      executor_.for_each(threads_of_lines(), along_columns());
+      executor_.for_each(threads_of_lines(), along_rows());
+    }
+    executor_.for_each_cell(pairs, pairs, map_.template pool<kernels::PoolCells>(frame));
+    open_ground();
   }
   /** Lays out the ground, and tells the variance of all cells in window order. */
   void tell_variance(float* to)
@@ -73,7 +75,7 @@ class DeviceSchedule
         cells.width, cells.height, OfRect<kernels::TellVariance>{map_.tell_variance(to), cells});
   }
   /** Repeats stage 7 for slope, step, roughness and sparsity. */
-  void judge_parts() { judge_rows<true>(0, side(), false); }
+  void judge_parts() { judge_rows<true>(0, side(), false, false); }
 
  private:
   using Atomics = typename Executor::Atomics;
@@ -103,10 +105,15 @@ class DeviceSchedule
   {
     kernels::FindGroundHits ground = map_.ground_hits();
     ground.datum = datum_before_.data();
+    const int pairs = map_.coarse_grid().side;
     executor_.for_each_direction_beside(
         kernels::bin_count(map_.host_config),
-        kernels::SettleRays{ground, map_.rays.data(), map_.lowest_slope.data()}, points(),
-        kernels::ReserveStretch<Atomics>{map_.context.data(), map_.points_out(), sorting()},
+        kernels::SettleRays{ground, map_.rays.data(), map_.lowest_slope.data()},
+        pairs * pairs + points(),
+        kernels::Before<kernels::PoolReachOfPair, kernels::ReserveStretch<Atomics>>{
+            pairs * pairs,
+            pool_reach(map_.context.data()),
+            {map_.context.data(), map_.points_out(), sorting()}},
         map_.follow());
   }
 
@@ -118,7 +125,9 @@ class DeviceSchedule
         map_.lowest_slope.data(),
         kept_count_.data(),
         map_.counters.data()};
-    executor_.for_each_beside(points(), sort, side(), side(), map_.find_passing_rays());
+    executor_.for_each_beside(
+        threads_of_lines() + points(), after_lines(along_columns(), sort), side(), side(),
+        map_.find_passing_rays());
   }
 
   void update()
@@ -126,36 +135,66 @@ class DeviceSchedule
     executor_.for_each_and_group(points(), most_crowded(points()), map_.update_cell(sorting()));
   }
 
-  void open_ground()
+  void find_limits()
   {
-    const int side = map_.coarse_grid().side;
+    const int pairs = map_.coarse_grid().side;
     // The rays and the counts are no longer needed.
     executor_.for_each_beside(
-        workers(), reset_frame(), side, side, pool_cells(map_.context.data()));
-    open_pooled();
+        threads_of_lines() + workers(), after_lines(along_rows(), reset_frame()), pairs, pairs,
+        map_.template pool<kernels::PoolCells>(map_.context.data()));
+    if (map_.now->starts_map)
+      reach_first();
+    else
+      open_ground();
   }
-  kernels::PoolCells pool_cells(const kernels::FrameContext* frame)
+  kernels::PoolReachOfPair pool_reach(const kernels::FrameContext* frame)
   {
-    return {map_.config.data(), frame, map_.store(), map_.coarse_grid()};
+    return kernels::PoolReachOfPair{map_.template pool<kernels::PoolReach>(frame)};
   }
-  void open_pooled()
+  int threads_of_lines() { return kernels::SpreadAlongLine::kThreads * map_.coarse_grid().side; }
+  kernels::SpreadAlongLine along_rows() { return {map_.coarse_grid(), false}; }
+  kernels::SpreadAlongLine along_columns() { return {map_.coarse_grid(), true}; }
+  template <class Then>
+  kernels::Before<kernels::SpreadAlongLine, Then> after_lines(
+      const kernels::SpreadAlongLine& lines, const Then& then)
+  {
+    return {threads_of_lines(), lines, then};
+  }
+  void open_ground()
   {
     const kernels::CoarseGrid grid = map_.coarse_grid();
-    executor_.for_each_opening(
+    executor_.for_each_window(
         grid.side, grid.side, map_.host_config.object_radius,
-        kernels::dilation_radius(map_.host_config), kernels::ErodeGround{map_.config.data(), grid},
+        kernels::ErodeGround{map_.config.data(), grid});
+    executor_.for_each_window(
+        grid.side, grid.side, kernels::dilation_radius(map_.host_config),
         kernels::OpenGround{map_.config.data(), grid});
+  }
+  /** In the first frame nothing is known to be passable yet. All is judged as if it were ground,
+   * before it is judged with what the robot gets to over that. */
+  void reach_first()
+  {
+    executor_.fill(map_.ground_limit, kernels::kInfinity);
+    mark_cells(kernels::SettleFirst<Atomics>{
+        map_.stand_on(), map_.presume_start(), map_.classify(), map_.line_grid(), map_.samples()});
+    fill();
+    judge();
+    executor_.for_each_cell(side(), side(), map_.start_reach());
+    find_limits(map_.context.data(), kernels::kFirstReach_rounds);
+    executor_.for_each_cell(side(), side(), map_.forget_fill());
   }
 
   void clean_up()
   {
-    executor_.mark_cells(
-        side(),
-        kernels::SettleCell<Atomics>{
-            map_.stand_on(), map_.presume_start(), map_.template classify<kernels::ClassifyCell>(),
-            map_.template classify<kernels::KeepBridge>(), map_.clean_up(), map_.line_grid(),
-            map_.samples()},
-        unguarded(axis_marks_, 2 * side()));
+    mark_cells(kernels::SettleCell<Atomics>{
+        map_.stand_on(), map_.presume_start(), map_.classify(),
+        map_.template classify<kernels::LowerObject>(), map_.clean_up(), map_.line_grid(),
+        map_.samples()});
+  }
+  template <class Settle>
+  void mark_cells(const Settle& settle)
+  {
+    executor_.mark_cells(side(), settle, unguarded(axis_marks_, 2 * side()));
   }
 
   void fill()
@@ -190,6 +229,13 @@ class DeviceSchedule
     }
   }
 
+  void judge()
+  {
+    if (map_.parts_wanted())
+      judge<true>();
+    else
+      judge<false>();
+  }
   template <bool kParts>
   void judge()
   {
@@ -205,11 +251,11 @@ class DeviceSchedule
   }
 
   template <bool kParts>
-  void judge_rows(int first, int end, bool beside_last)
+  void judge_rows(int first, int end, bool beside_last, bool notes = true)
   {
     executor_.for_each_judged_cell_of_rows(
         side(), side(), first, end, map_.host_config.feature_radius_cells,
-        map_.template compute_features<kParts>(nullptr), map_.complete_obstacles(nullptr),
+        map_.template compute_features<kParts>(nullptr), map_.complete_obstacles(nullptr, notes),
         beside_last);
   }
 

@@ -60,7 +60,7 @@ struct CudaSlot
   PinnedBuffer<std::uint64_t> stage_end_ns;
   Clock::time_point start;
 
-  GraphExec graph;
+  std::array<GraphExec, 2> graphs;  //!< of a frame, and of the first one of a map
   Event computed;  //!< all kernels are done; copies to the host may follow
   bool marks_computed = false;  //!< the graph records the event itself
   bool in_flight = false;

@@ -229,7 +229,7 @@
   }
   const legends = {
     'Traversability': () => bar(d.scores, 'blocked', 'free') + swatch(standing, 'stands in the way') +
-      swatch(pale(scale(d.scores, 1), 0.5), 'pale: not measured') + swatch(d.not_judged, 'not judged'),
+      swatch(pale(scale(d.scores, 1), 0.5), 'pale: filled, or not reached') + swatch(d.not_judged, 'not judged'),
     'Ground': () => bar(d.heights, ground_range_m[0].toFixed(2) + ' m', ground_range_m[1].toFixed(2) + ' m'),
     'Hill-shade': () => '',
     'What stands': () => bar(d.heights, '0 m', '3 m and more'),

@@ -9,16 +9,10 @@ namespace
 {
 /** What stands so high stops a robot, and what is higher hangs over it. */
 constexpr float kLowest_m = 0.3f, kHighest_m = 1.8f;
-constexpr int kMovesFrames = 20;  //!< from so many frames on it stands
-/** Frames with ground alone after which what stood there has left; and before or after which it
- * stood there for a moment. */
-constexpr int kLeftFrames = 5, kBareFrames = 2;
-/** Of the cells so near in which something stood, so many have to be bare before or after. */
-constexpr double kNear_m = 0.3, kMostOfThem = 0.8;
+constexpr int kLeftFrames = 5;  //!< with ground alone, after which what stood there has left
 }  // namespace
 
-CellHits::CellHits(const Sequence& sequence, const Parameters& p)
-    : resolution_m_(p.resolution_m), near_cells_(std::llround(kNear_m / p.resolution_m))
+CellHits::CellHits(const Sequence& sequence, const Parameters& p) : resolution_m_(p.resolution_m)
 {
   for (const ScanFrame& frame : sequence.frames)
     for (const MapPoint& point : accepted_points(frame.view(), p))
@@ -36,35 +30,10 @@ float CellHits::highest_m(double x_m, double y_m) const
   return h ? h->highest_m : Hits{}.highest_m;
 }
 
-bool CellHits::has_left(std::int64_t x, std::int64_t y) const
+bool CellHits::has_left(double x_m, double y_m) const
 {
-  const Hits* const h = find({x, y});
-  return h && h->stood_for_a_moment() && h->bare_after >= kLeftFrames;
-}
-
-bool CellHits::was_swept(std::int64_t x, std::int64_t y) const
-{
-  const Hits* const here = find({x, y});
-  if (!here || !here->stood_on_bare_ground()) return false;
-  Share bare;
-  for (std::int64_t dy = -near_cells_; dy <= near_cells_; ++dy)
-    for (std::int64_t dx = -near_cells_; dx <= near_cells_; ++dx)
-    {
-      const Hits* const near = find({x + dx, y + dy});
-      if (near && near->up_frames > 0) bare.add(near->stood_on_bare_ground());
-    }
-  return bare.value() >= kMostOfThem;
-}
-
-bool CellHits::Hits::stood_for_a_moment() const
-{
-  return up_frames > 0 && up_frames < kMovesFrames;
-}
-
-bool CellHits::Hits::stood_on_bare_ground() const
-{
-  return stood_for_a_moment() && std::max(bare_before, bare_after) >= kBareFrames &&
-         bare_before + bare_after >= up_frames;
+  const Hits* const h = find(key(x_m, y_m));
+  return h && h->stood && h->bare_after >= kLeftFrames;
 }
 
 CellHits::Key CellHits::key(double x_m, double y_m) const
@@ -91,9 +60,8 @@ void CellHits::add(const std::vector<MapPoint>& points)
   for (const auto& [cell, stands] : up)
   {
     Hits& h = hits_[cell];
-    h.up_frames += stands;
+    h.stood |= stands;
     h.bare_after = stands ? 0 : h.bare_after + 1;
-    if (h.up_frames == 0) h.bare_before = h.bare_after;
   }
 }
 

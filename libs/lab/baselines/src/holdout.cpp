@@ -12,8 +12,10 @@ namespace talus::baselines
 {
 namespace
 {
-constexpr double kGroundAllowance_m = 0.1;
-constexpr double kGroundRadius_m = 3.0;
+/** What is sure to be ground, see HoldOutOptions: chosen on half of the labelled scans at hand,
+ * where steeper cones keep more points that are not ground, and flatter ones lose ground. */
+constexpr double kGroundSlope = 0.3, kGroundAllowance_m = 0.1, kGroundRadius_m = 3.0;
+constexpr float kBare_m = 0.3f;
 
 /** A scan in two parts. */
 struct SplitScan
@@ -106,50 +108,55 @@ std::vector<float> lowest_points(
   return lowest;
 }
 
-/** Where the ground lies at most, by all beams of all frames of a log: the second lowest of what
- * the frames saw in each cell, since single reflections come from below the ground. */
-class LowestSeen
+/** What all beams of all frames of a log hit in the cells of a window. NaN: nothing. */
+struct SeenCells
+{
+  /** Where the ground lies at most: the second lowest of what the frames saw, since single
+   * reflections come from below the ground. */
+  std::vector<float> ground_m;
+  std::vector<float> highest_m;
+};
+
+class SeenByLog
 {
  public:
   void add(const ScanFrame& scan, const Parameters& parameters)
   {
-    std::unordered_map<std::uint64_t, float> of_scan;
+    std::unordered_map<std::uint64_t, Extent> of_scan;
     for (const MapPoint& p : accepted_points(scan.view(), parameters))
-    {
-      const auto [at, first] = of_scan.try_emplace(
-          key(std::floor(p.x_m / parameters.resolution_m),
-              std::floor(p.y_m / parameters.resolution_m)),
-          p.z_m);
-      if (!first) at->second = std::min(at->second, p.z_m);
-    }
-    for (const auto& [cell, z_m] : of_scan) cells_[cell].add(z_m);
+      of_scan[key(std::floor(p.x_m / parameters.resolution_m),
+                  std::floor(p.y_m / parameters.resolution_m))]
+          .add(p.z_m, p.z_m);
+    for (const auto& [cell, seen] : of_scan) cells_[cell].add(seen.lowest_m, seen.highest_m);
   }
 
-  /** Window order; NaN: nothing was ever hit. */
-  std::vector<float> in(const Window& w) const
+  SeenCells in(const Window& w) const
   {
-    std::vector<float> lowest;
-    lowest.reserve(static_cast<std::size_t>(w.cells) * static_cast<std::size_t>(w.cells));
+    SeenCells seen;
     for (int y = 0; y < w.cells; ++y)
       for (int x = 0; x < w.cells; ++x)
       {
         const auto at = cells_.find(
             key(static_cast<double>(w.min_cell_x + x), static_cast<double>(w.min_cell_y + y)));
-        lowest.push_back(at == cells_.end() ? kNan : at->second.ground_m());
+        const bool hit = at != cells_.end();
+        seen.ground_m.push_back(hit ? at->second.ground_m() : kNan);
+        seen.highest_m.push_back(hit ? at->second.highest_m : kNan);
       }
-    return lowest;
+    return seen;
   }
 
  private:
-  struct TwoLowest
+  struct Extent
   {
-    float first_m = std::numeric_limits<float>::infinity(), second_m = first_m;
-    void add(float z_m)
+    float lowest_m = std::numeric_limits<float>::infinity(), second_lowest_m = lowest_m;
+    float highest_m = -lowest_m;
+    void add(float low_m, float high_m)
     {
-      second_m = std::min(second_m, std::max(first_m, z_m));
-      first_m = std::min(first_m, z_m);
+      second_lowest_m = std::min(second_lowest_m, std::max(lowest_m, low_m));
+      lowest_m = std::min(lowest_m, low_m);
+      highest_m = std::max(highest_m, high_m);
     }
-    float ground_m() const { return std::isinf(second_m) ? first_m : second_m; }
+    float ground_m() const { return std::isinf(second_lowest_m) ? lowest_m : second_lowest_m; }
   };
   static std::uint64_t key(double ix, double iy)
   {
@@ -157,21 +164,22 @@ class LowestSeen
     { return static_cast<std::uint32_t>(static_cast<std::int64_t>(i)); };
     return static_cast<std::uint64_t>(word(ix)) << 32 | word(iy);
   }
-  std::unordered_map<std::uint64_t, TwoLowest> cells_;
+  std::unordered_map<std::uint64_t, Extent> cells_;
 };
 
-/** Whether a point may be ground: nothing near lies below the cone under it. */
-bool may_be_ground(
-    const std::vector<float>& lowest, const Window& w, std::size_t k, float z_m, double slope)
+/** Whether a point is ground: nothing stands on it, and nothing near lies below the cone under it.
+ */
+bool is_ground(const SeenCells& seen, const Window& w, std::size_t k, float z_m)
 {
+  if (seen.highest_m[k] - z_m > kBare_m) return false;
   const int radius = static_cast<int>(kGroundRadius_m / w.resolution_m);
   const int ix = static_cast<int>(k) % w.cells, iy = static_cast<int>(k) / w.cells;
   for (int y = std::max(iy - radius, 0); y <= std::min(iy + radius, w.cells - 1); ++y)
     for (int x = std::max(ix - radius, 0); x <= std::min(ix + radius, w.cells - 1); ++x)
     {
       const double distance_m = std::hypot(x - ix, y - iy) * w.resolution_m;
-      if (lowest[static_cast<std::size_t>(y * w.cells + x)] <
-          z_m - kGroundAllowance_m - slope * distance_m)
+      if (seen.ground_m[static_cast<std::size_t>(y * w.cells + x)] <
+          z_m - kGroundAllowance_m - kGroundSlope * distance_m)
         return false;
     }
   return true;
@@ -187,12 +195,34 @@ Fills all_fills(const Surfaces& map)
   return fills;
 }
 
-void score_cell(HoldOut& out, const Fills& fills, const Surfaces& map, std::size_t k, float z_m)
+/** What a frame is scored with. */
+struct Held
 {
+  const Surfaces& map;  //!< of the beams that were kept
+  const SeenCells& seen;
+  const Parameters& parameters;
+  const LabelMap* labels;  //!< nullptr: none
+
+  bool is_ground(std::size_t k, float z_m) const
+  {
+    return baselines::is_ground(seen, map.window, k, z_m);
+  }
+  GroundTruth label(std::size_t k, float z_m) const
+  {
+    const auto [x_m, y_m] = middle_of_cell(map.window, k);
+    return labels->truth_of(x_m, y_m, z_m);
+  }
+};
+
+void score_cell(HoldOut& out, const Fills& fills, const Held& held, std::size_t k, float z_m)
+{
+  const Surfaces& map = held.map;
   for (std::size_t f = 0; f < fills.size(); ++f)
     out.fills[f].coverage.add(!std::isnan(fills[f].second[k]));
   for (const auto& fill : fills)
     if (std::isnan(fill.second[k])) return;
+  if (held.labels && held.label(k, z_m) != GroundTruth::NotScored)
+    out.not_ground.add(held.label(k, z_m) == GroundTruth::Other);
   const bool two_sided = static_cast<CellState>(map.state[k]) == CellState::FilledTwoSided;
   for (std::size_t f = 0; f < fills.size(); ++f)
   {
@@ -217,20 +247,6 @@ std::vector<std::uint8_t> beside_objects(const Surfaces& map, double step_m)
   return {stands.begin<std::uint8_t>(), stands.end<std::uint8_t>()};
 }
 
-/** What a frame is scored with. */
-struct Held
-{
-  const Surfaces& map;  //!< of the beams that were kept
-  const std::vector<float>& ground_m;  //!< see LowestSeen
-  const Parameters& parameters;
-
-  bool may_be(std::size_t k, float z_m) const
-  {
-    const double slope = std::tan(parameters.slope_threshold_rad);
-    return may_be_ground(ground_m, map.window, k, z_m, slope);
-  }
-};
-
 void score_fills(HoldOut& out, const Held& held, const std::vector<float>& lowest_m)
 {
   const Fills fills = all_fills(held.map);
@@ -239,8 +255,8 @@ void score_fills(HoldOut& out, const Held& held, const std::vector<float>& lowes
   {
     const auto state = static_cast<CellState>(held.map.state[k]);
     if (!std::isnan(lowest_m[k]) && state != CellState::Measured && state != CellState::Presumed &&
-        held.may_be(k, lowest_m[k]))
-      score_cell(out, fills, held.map, k, lowest_m[k]);
+        held.is_ground(k, lowest_m[k]))
+      score_cell(out, fills, held, k, lowest_m[k]);
   }
 }
 
@@ -252,14 +268,15 @@ void score_bars(HoldOut& out, const Held& held, const Surfaces& other)
              beside_other = beside_objects(other, step_m);
   for (std::size_t k = 0; k < other.size(); ++k)
     if (static_cast<CellState>(other.state[k]) == CellState::Measured && !beside[k] &&
-        !beside_other[k] && held.may_be(k, other.ground_m[k]))
+        !beside_other[k] && held.is_ground(k, other.ground_m[k]))
       out.bars.add(held.map, k, held.map.ground_m[k] - other.ground_m[k], other.variance_m2[k]);
 }
 
 }  // namespace
 
 HoldOut hold_out(
-    const Sequence& sequence, const EvaluationOptions& options, const HoldOutOptions& holdout)
+    const Sequence& sequence, const EvaluationOptions& options, const HoldOutOptions& holdout,
+    const LabelMap* labels)
 {
   HoldOut out;
   out.name = sequence.name;
@@ -269,7 +286,7 @@ HoldOut hold_out(
   const auto map = make_method("talus", options.parameters, options.backend);
   const auto other = make_method("talus", options.parameters, options.backend);
   const int first = std::min(holdout.from_frame, out.frames - 1);
-  LowestSeen seen;
+  SeenByLog seen;
   for (const ScanFrame& scan : sequence.frames) seen.add(scan, options.parameters);
   for (int i = 0; i < out.frames; ++i)
   {
@@ -280,8 +297,8 @@ HoldOut hold_out(
     if (options.progress) options.progress("held-out beams", i + 1, out.frames);
     if (i < first) continue;
     const Surfaces surfaces = map->read();
-    const auto all = seen.in(surfaces.window);
-    const Held held{surfaces, all, options.parameters};
+    const SeenCells all = seen.in(surfaces.window);
+    const Held held{surfaces, all, options.parameters, labels};
     score_fills(out, held, lowest_points(parts.held, surfaces.window, options.parameters));
     score_bars(out, held, other->read());
   }

@@ -116,4 +116,12 @@ int cell_index(const Window& w, double x_m, double y_m)
   return i ? static_cast<int>(*i) : -1;
 }
 
+Middle middle_of_cell(const Window& w, std::size_t k)
+{
+  const auto n = static_cast<std::size_t>(w.cells);
+  return {
+      w.min_x_m() + (static_cast<double>(k % n) + 0.5) * w.resolution_m,
+      w.min_y_m() + (static_cast<double>(k / n) + 0.5) * w.resolution_m};
+}
+
 }  // namespace talus::baselines

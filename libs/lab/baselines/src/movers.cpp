@@ -12,7 +12,7 @@ namespace
 {
 constexpr float kOnMover_m = 0.1f;  //!< hits higher than this are on the mover
 constexpr float kSeenThrough_m = 0.1f;
-constexpr int kFreedFrames = 2;
+constexpr int kFreedFrames = 5;
 
 /** Half side of the square that holds a mover in any heading [m]. */
 double reach_m(const sim::Mover& mover)

@@ -63,36 +63,30 @@ void score_labels(
     const LabelMap& labels, const CellHits& hits, const Surfaces& map, double step_threshold_m,
     RealLogScore& score)
 {
-  const Window& w = map.window;
   for (std::size_t k = 0; k < map.size(); ++k)
   {
-    const auto n = static_cast<std::size_t>(w.cells);
-    const auto middle_m = [&](std::int64_t first, std::size_t i)
-    { return (static_cast<double>(first) + static_cast<double>(i) + 0.5) * w.resolution_m; };
-    const double x_m = middle_m(w.min_cell_x, k % n), y_m = middle_m(w.min_cell_y, k / n);
+    const auto [x_m, y_m] = middle_of_cell(map.window, k);
     const std::ptrdiff_t at = labels.cell_at(x_m, y_m);
     const int label = at < 0 ? LabelMap::kNotKnown : labels.label(at);
     if (label == LabelMap::kObstacle) score.obstacle_blocked.add(map.blocked(k));
     if (label == LabelMap::kLow &&
         hits.highest_m(x_m, y_m) - local_ground_m(labels, x_m, y_m) > step_threshold_m)
       score.low_blocked.add(map.blocked(k));
-    if (label == LabelMap::kGround && !touches_obstacle(labels, x_m, y_m, w.resolution_m))
+    if (label == LabelMap::kMoves && hits.has_left(x_m, y_m))
+      score.left_blocked.add(map.blocked(k));
+    if (label == LabelMap::kGround && !touches_obstacle(labels, x_m, y_m, map.window.resolution_m))
       score.ground_passable.add(map.passable(k));
   }
 }
 
-void score_window(const CellHits& hits, const Surfaces& map, RealLogScore& score)
+void score_window(const Surfaces& map, RealLogScore& score)
 {
-  const Window& w = map.window;
   for (std::size_t k = 0; k < map.size(); ++k)
   {
-    const auto i = static_cast<std::int64_t>(k);
     const bool judged = map.blocked(k) || map.passable(k);
     if (map.known(k)) score.unjudged.add(!judged);
     if (static_cast<CellState>(map.state[k]) == CellState::FilledTwoSided)
       score.two_sided_unjudged.add(!judged);
-    if (hits.has_left(w.min_cell_x + i % w.cells, w.min_cell_y + i / w.cells))
-      score.left_blocked.add(map.blocked(k));
   }
 }
 
@@ -138,18 +132,20 @@ std::vector<RealLogScore> score_real_log(
     const Sequence& sequence, const Evaluation& evaluation, const LabelMap* labels,
     const Parameters& parameters)
 {
-  const CellHits hits(sequence, parameters);
   std::vector<RealLogScore> scores(evaluation.last.size());
   for (std::size_t i = 0; i < scores.size(); ++i)
   {
     scores[i].method = evaluation.maps[i].method;
-    score_window(hits, evaluation.last[i], scores[i]);
-    if (scores[i].method == "talus")
-      scores[i].swept_blocked = swept_blocked(sequence, hits, labels, parameters);
-    if (labels)
-      score_labels(*labels, hits, evaluation.last[i], parameters.step_threshold_m, scores[i]);
+    score_window(evaluation.last[i], scores[i]);
   }
   if (!labels) return scores;
+  const CellHits hits(sequence, parameters);
+  for (std::size_t i = 0; i < scores.size(); ++i)
+  {
+    score_labels(*labels, hits, evaluation.last[i], parameters.step_threshold_m, scores[i]);
+    if (scores[i].method == "talus")
+      scores[i].swept_blocked = swept_blocked(sequence, *labels, parameters);
+  }
   for (const ScanFrame& frame : sequence.frames)
   {
     const auto points = accepted_points(frame.view(), parameters);

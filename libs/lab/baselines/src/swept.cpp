@@ -21,31 +21,24 @@ void keep_drive(site::Site& site, const Sequence& sequence, const Parameters& pa
   mapper.keep_window(map);
   mapper.look_back(map);
 }
-
-bool any_moves(const LabelMap& labels)
-{
-  const auto& all = *labels.stack.find("label");
-  return std::find(all.begin(), all.end(), static_cast<float>(LabelMap::kMoves)) != all.end();
-}
 }  // namespace
 
-Share swept_blocked(
-    const Sequence& sequence, const CellHits& hits, const LabelMap* labels,
-    const Parameters& parameters)
+Share swept_blocked(const Sequence& sequence, const LabelMap& labels, const Parameters& parameters)
 {
+  Share blocked;
+  const auto& all = *labels.stack.find("label");
+  if (std::find(all.begin(), all.end(), static_cast<float>(LabelMap::kMoves)) == all.end())
+    return blocked;
   site::Site site(
       parameters.resolution_m, kMemory_bytes, std::filesystem::temp_directory_path().string());
   keep_drive(site, sequence, parameters);
-  const bool by_labels = labels && any_moves(*labels);
-  const auto was_swept = [&](std::int64_t x, std::int64_t y)
+  const auto label_of = [&](std::int64_t x, std::int64_t y)
   {
-    if (!by_labels) return hits.was_swept(x, y);
     const auto middle_m = [&](std::int64_t cell)
     { return site::middle_of_cell_m(cell, parameters.resolution_m); };
-    const std::ptrdiff_t at = labels->cell_at(middle_m(x), middle_m(y));
-    return at >= 0 && labels->label(at) == LabelMap::kMoves;
+    const std::ptrdiff_t at = labels.cell_at(middle_m(x), middle_m(y));
+    return at < 0 ? LabelMap::kNotKnown : labels.label(at);
   };
-  Share blocked;
   for (const site::TileKey& key : site.tiles.keys())
   {
     const auto& cells = site.tiles.find(key)->cells;
@@ -54,7 +47,8 @@ Share swept_blocked(
       const auto at = static_cast<std::int64_t>(i);
       const std::int64_t x = site::cell_of_tile(key.x, at % site::kTileCells);
       const std::int64_t y = site::cell_of_tile(key.y, at / site::kTileCells);
-      if (cells[i].known() && was_swept(x, y)) blocked.add(cells[i].cell.traversability == 0);
+      if (cells[i].known() && label_of(x, y) == LabelMap::kMoves)
+        blocked.add(cells[i].cell.traversability == 0);
     }
   }
   return blocked;

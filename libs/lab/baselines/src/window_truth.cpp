@@ -63,10 +63,9 @@ void mark_visible(
   {
     const auto i = static_cast<std::size_t>(k);
     if (here.could_see[i] || here.at[i] < 0 || !here.free_now[i]) continue;
+    const auto [x_m, y_m] = middle_of_cell(w, i);
     const sim::Vec3 place{
-        w.min_x_m() + (k % w.cells + 0.5) * w.resolution_m,
-        w.min_y_m() + (static_cast<double>(k / w.cells) + 0.5) * w.resolution_m,
-        truth.truth.ground[static_cast<std::size_t>(here.at[i])] + 0.002};
+        x_m, y_m, truth.truth.ground[static_cast<std::size_t>(here.at[i])] + 0.002};
     here.could_see[i] = std::any_of(
         from.begin(), from.end(),
         [&](const ScanFrame* frame) { return sees(*frame, place, p, scene, scanner); });

@@ -8,7 +8,7 @@ enum class Kind
 {
   UpsideDown,  //!< the robot, or its sensor, stands on its head
   TiltedGround,  //!< the ground that is seen leans by more than any ground does
-  PointsInBase,  //!< the ground lies at the height of the sensor itself
+  SensorInGround,  //!< rays begin in the ground
   TwoGrounds,  //!< two sensors see the ground at two heights, or leaning otherwise
   Mounting,  //!< the ground is not where the mounting says that the robot stands
   PoseJumps,  //!< the poses leap
@@ -20,6 +20,7 @@ enum class Kind
   Window,  //!< the points lie outside of the window
   LittleSeen,  //!< most of the window was not seen
   OwnBody,  //!< points move with the robot
+  UnseenAhead,  //!< no ray ahead is as high as the robot
 };
 
 /** One line for a person: what was seen, with its figures, and the setting that mends it. */

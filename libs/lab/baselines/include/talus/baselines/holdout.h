@@ -1,5 +1,6 @@
 #pragma once
 #include <talus/baselines/evaluate.h>
+#include <talus/baselines/real_log.h>
 
 namespace talus::baselines
 {
@@ -8,9 +9,10 @@ namespace talus::baselines
  * The points of each scan are sorted into `groups` bands of equal elevation angle in the sensor
  * frame, from the 1st to the 99th percentile; every `every`-th band that has
  * points is kept from the map. Of what
- * is held out, the lowest point of each cell is predicted, if it is ground: nowhere within 3 m does
- * the ground of the log (the second lowest of what its frames saw in a cell, held out or not) lie
- * lower than a cone of the slope threshold and 0.1 m below it. Cells with measured ground in the
+ * is held out, the lowest point of each cell is predicted, if it is sure to be ground: no point of
+ * the log lies more than 0.3 m above it, and nowhere within 3 m does the ground of the log (the
+ * second lowest of what its frames saw in a cell, held out or not) lie below a cone of slope 0.3
+ * that begins 0.1 m below it. Cells with measured ground in the
  * map are left out, since nothing is filled there.
  *
  * The held-out beams also make a map of their own. Where it measured such ground, and nothing
@@ -30,10 +32,13 @@ struct HoldOut
   int frames = 0;
   std::vector<FillScore> fills;  //!< `all`, `two_sided` and `one_sided` on the same cells for every
                                  //!< fill; talus's first
+  Share not_ground;  //!< of what they predict and people labelled, see LabelMap::truth_of()
   HeightBars bars;  //!< of talus, measured ground included
 };
 
+/** `labels` may be nullptr. */
 HoldOut hold_out(
-    const Sequence& sequence, const EvaluationOptions& options, const HoldOutOptions& holdout);
+    const Sequence& sequence, const EvaluationOptions& options, const HoldOutOptions& holdout,
+    const LabelMap* labels);
 
 }  // namespace talus::baselines

@@ -77,5 +77,11 @@ std::vector<MapPoint> accepted_points(const Frame& frame, const Parameters& para
 
 /** Index of the cell of a place, or -1 outside. */
 int cell_index(const Window& window, double x_m, double y_m);
+struct Middle
+{
+  double x_m, y_m;
+};
+/** Of the cell with an index. */
+Middle middle_of_cell(const Window& window, std::size_t k);
 
 }  // namespace talus::baselines

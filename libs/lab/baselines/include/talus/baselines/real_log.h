@@ -55,16 +55,12 @@ struct RealLogScore
   Share obstacle_blocked;  //!< of cells labelled kObstacle
   Share low_blocked;  //!< of cells labelled kLow that were hit higher up than the step threshold
   Share ground_passable;  //!< of cells labelled kGround that do not touch an obstacle
-  /// @}
-
-  /** Of cells that were hit 0.3 to 1.8 m up in 1 to 19 frames, and afterwards in 5 or more frames
+  /** Of cells labelled kMoves that were hit 0.3 to 1.8 m up, and afterwards in 5 or more frames
    * only near the ground: blocked all the same. */
   Share left_blocked;
-  /** In the site of the whole drive, of talus only: of cells that movers swept, blocked. They were
-   * hit 0.3 to 1.8 m up in 1 to 19 frames, and before or after in 2 or more frames only near the
-   * ground, as 80 % of the cells within 0.3 m that were hit so high. If any cells are labelled
-   * kMoves, of these. */
-  Share swept_blocked;
+  Share swept_blocked;  //!< of cells labelled kMoves: in the site of the whole drive, of talus only
+  /// @}
+
   Share unjudged;  //!< of cells with a ground: without a traversability
   Share two_sided_unjudged;  //!< the same of those filled from two sides
 

@@ -108,7 +108,7 @@ struct Score
 
   /// @name Movers
   /// @{
-  /** Of cells where a mover was hit and left: passable at the latest 2 frames after rays showed
+  /** Of cells where a mover was hit and left: passable at the latest 5 frames after rays showed
    * that, see MoverTruth. */
   Share mover_freed;
   Errors residue_frames;  //!< frames from then until passable (abs_m holds frames)
