@@ -121,7 +121,8 @@ def wrong_commands(page, helps):
 
 def main():
     os.chdir(sys.argv[1])
-    pages = sorted(page for folder in ("", "doc/", "datasets/", "kernels/") for page in glob.glob(folder + "*.md"))
+    folders = ("", "doc/", "doc/notes/", "datasets/", "kernels/")
+    pages = sorted(page for folder in folders for page in glob.glob(folder + "*.md"))
     wrong = [line for page in pages for line in wrong_links(page)]
     if len(sys.argv) > 2:
         helps = Helps(sys.argv[2])

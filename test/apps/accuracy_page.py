@@ -47,8 +47,9 @@ def check_worlds(command, page, folder, before):
     assert highest[0] == "highest", highest
     assert shown["ground mm"] == f"{1000 * found['methods']['talus']['measured_ground_rmse_m']:.1f}", shown
     assert set(heading) <= set(rows(part(before, "worlds"))[0]), "the page has other columns: ./dev compare --page"
-    fails = {row[0] for row in rows(part(after, "budgets"))[2:]}
-    assert fails == {b["name"] for b in found["budgets"] if b["verdict"] == "fail"}, fails
+    verdicts = [budget["verdict"] for budget in found["budgets"]]
+    told = [int(number) for number in re.findall(r"\d+", part(after, "budgets"))]
+    assert told == [len(verdicts) - verdicts.count("not applicable"), verdicts.count("fail")], told
     for name in ("scans", "held_out"):
         assert part(after, name) == part(before, name), f"the table {name} was touched"
     outside = [re.sub("<!-- (worlds|budgets): written.*?end -->", "", text, flags=re.DOTALL)
@@ -61,7 +62,7 @@ def check_held_out(command, page, folder, before):
     new = next(row for row in rows(part(after, "held_out")) if row[0].startswith(ROW))
     old = next(row for row in rows(part(before, "held_out")) if row[0].startswith(ROW))
     for a, b in zip(old[1:], new[1:], strict=True):
-        for told, found in zip(map(float, a.split(",")), map(float, b.split(",")), strict=True):
+        for told, found in zip(map(float, a.split(",")), map(float, b.split(",")), strict=True) if a != b else ():
             assert abs(told - found) <= STALE * found, f"the page says {a}, it is {b}: run ./dev compare --page"
 
 

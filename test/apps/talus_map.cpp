@@ -30,8 +30,8 @@ TEST_F(TalusMap, maps_a_single_scan_of_a_velodyne)
   EXPECT_EQ(
       map.names, (std::vector<std::string>{
                      "traversability", "ground_elevation", "elevation", "variance", "state",
-                     "slope", "step", "roughness", "sparsity"}))
-      << "the first five as in site.tif";
+                     "reached", "slope", "step", "roughness", "sparsity"}))
+      << "the first six as in site.tif";
   EXPECT_EQ(map.cells_x, 160);
 }
 

@@ -9,6 +9,20 @@ namespace
 {
 const std::map<std::string, int> kNone;
 
+/** A room with a table ahead, whose board is 3 cm thick. */
+constexpr const char* kCanteen = R"(
+ground: [plane: {}]
+objects:
+  - wall: {from_m: [-2, -4], to_m: [12, -4], height_m: 2.6}
+  - wall: {from_m: [-2, 4], to_m: [12, 4], height_m: 2.6}
+  - wall: {from_m: [-2, -4], to_m: [-2, 4], height_m: 2.6}
+  - wall: {from_m: [12, -4], to_m: [12, 4], height_m: 2.6}
+  - table: {at_m: [4, 0], size_m: [0.8, 1.6, 0.78], thickness_m: 0.03}
+robot: {path_m: [[0, 0], [2.5, 0], [4.5, 2.6]], speed_mps: 1}
+)";
+
+CPose3D at_its_origin(const CPose3D&, const std::string&) { return {}; }
+
 class TalusMapHints : public HintDrive
 {
 };
@@ -73,7 +87,63 @@ TEST_F(TalusMapHints, points_in_the_frame_of_the_base)
   Mistakes wrong;
   wrong.points_in_base = true;
   write_drive(kOneSensor, wrong);
-  EXPECT_EQ(causes(), only("height of the sensor itself"));
+  EXPECT_EQ(causes(), only("begin in the ground")) << "with the mounting told as it is";
+  wrong.mounting = at_its_origin;
+  write_drive(kOneSensor, wrong);
+  EXPECT_EQ(causes(), only("begin in the ground"));
+  EXPECT_EQ(run("drive.rawlog --no-site --strict --output strict").code, 1);
+  EXPECT_FALSE(exists("strict"));
+}
+
+TEST_F(TalusMapHints, points_in_the_frame_of_the_map)
+{
+  Mistakes wrong;
+  wrong.points_in_map = true;
+  wrong.mounting = at_its_origin;
+  write_drive(kOneSensor, wrong);
+  EXPECT_EQ(causes("--static"), only("begin in the ground"));
+}
+
+TEST_F(TalusMapHints, a_sensor_at_a_tenth_of_a_metre_is_not_in_the_ground)
+{
+  write_drive("sensor: {scanner: RS-LiDAR-16, at_m: [0.1, 0, 0.1]}\n");
+  EXPECT_EQ(causes(), kNone);
+}
+
+TEST_F(TalusMapHints, a_sensor_that_does_not_see_what_is_as_high_as_the_robot)
+{
+  const auto at = [](const std::string& scanner, double height_m, int pitch_deg)
+  {
+    return "sensor: {scanner: " + scanner + ", at_m: [0, 0, " + std::to_string(height_m) +
+           "], roll_pitch_yaw_deg: [0, " + std::to_string(pitch_deg) + ", 0]}\n";
+  };
+  const std::string settings = "-s clearance_m=0.8";
+  write_drive(at("RS-LiDAR-16", 0.68, 20), {}, kCanteen);
+  const Outcome done = run("drive.rawlog --no-site --output out " + settings);
+  EXPECT_EQ(causes_in(done.err), only("the highest ray ahead"));
+  EXPECT_TRUE(done.says("looks 5 degrees down from 0.68 m")) << done.err;
+  EXPECT_TRUE(done.says("and 0.80 m is seen")) << done.err;
+  EXPECT_NE(run("drive.rawlog --suggest").out.find("seen nowhere"), std::string::npos);
+  EXPECT_EQ(causes("-s clearance_m=0.55"), kNone) << "a lower robot";
+  for (const auto& sensor :
+       {at("RS-LiDAR-16", 0.68, 0), at("OS0-128", 0.68, 20), at("RS-LiDAR-16", 1.0, 20)})
+  {
+    write_drive(sensor, {}, kCanteen);
+    EXPECT_EQ(causes(settings), kNone) << sensor;
+  }
+}
+
+TEST_F(TalusMapHints, a_level_sensor_in_an_empty_field_may_see_what_is_high)
+{
+  // Beams above the horizon exist, and only a building far aside returns any.
+  const std::string field = "ground: [plane: {}]\nrobot: {path_m: [[0, 0], [9, 0]]}\n";
+  const std::string building = "objects: [box: {at_m: [5, 70], size_m: [20, 5, 12]}]\n";
+  for (const auto& world : {field, field + building})
+  {
+    write_drive(kOneSensor, {}, world);
+    EXPECT_EQ(causes("-s clearance_m=0.8"), kNone) << world;
+    EXPECT_EQ(causes("-s clearance_m=0.8 -s max_range_m=8"), kNone) << world << "cut";
+  }
 }
 
 TEST_F(TalusMapHints, a_mounting_that_is_too_high)

@@ -225,9 +225,7 @@ TEST_F(TalusMapLabels, name_the_option_where_nothing_can_be_written)
   std::filesystem::rename(path("drive.rawlog"), path("l/labels.rawlog"));
   const Outcome itself = run("l/labels.rawlog --static --labels l --labels-as rawlog");
   EXPECT_EQ(itself.code, 1);
-  EXPECT_TRUE(
-      itself.says("would replace l/labels.rawlog, the log itself; give another folder with "
-                  "--labels"))
+  EXPECT_TRUE(itself.says("'l/labels.rawlog' would be overwritten, but it is an input"))
       << itself.err;
 }
 

@@ -10,6 +10,7 @@ import sys
 SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), "../../.."))
 CAR = ["--config", "datasets/configs/car.ini"]
 CITY = ["city_t00", "city_t08", "city_t16", "city_v02"]
+NUSCENES = ["--config", "datasets/configs/nuscenes_car.ini"]
 SPARSE = ["sparse_t12", "sparse_t18", "sparse_t30", "sparse_v25612"]
 SUGGESTED = ["--config", "{output}/{name}.ini"]  # what talus-map --suggest says of the log
 SCORES = {"ground mm": "measured_ground_rmse_m", "fill2 mm": "two_sided_seen_rmse_m", "fill1 mm": "one_sided_rmse_m",
@@ -68,7 +69,7 @@ class Runs:
 
 
 def label_arguments(name):
-    return ["--truth", f"{{data}}/{name}_truth.tif", *CAR]
+    return ["--truth", f"{{data}}/{name}_truth.tif", *(NUSCENES if name in SPARSE else CAR)]
 
 
 def mean(values):

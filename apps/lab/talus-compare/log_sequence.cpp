@@ -2,7 +2,7 @@
 
 #include "../../common/log_memory.h"
 #include "../../common/log_name.h"
-#include "../../common/suspect.h"
+#include "../../common/crash_context.h"
 
 #include <talus/input_file.h>
 #include <talus/io/geotiff.h>

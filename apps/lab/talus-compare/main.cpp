@@ -9,11 +9,11 @@
 #include <set>
 
 #include "../../common/child_process.h"
+#include "../../common/crash_context.h"
 #include "../../common/log_name.h"
 #include "../../common/output_folder.h"
 #include "../../common/printable.h"
 #include "../../common/progress_bar.h"
-#include "../../common/suspect.h"
 #include "bars_report.h"
 #include "log_sequence.h"
 #include "options.h"
@@ -94,11 +94,10 @@ void compare_log(const std::string& path, const CommandOptions& o, Comparison& o
   }
   const auto truth = truth_of_points(sequence, o, labels);
   out.evaluations.push_back(evaluate_sequence(sequence, nullptr, nullptr, e));
-  out.holdouts.push_back(hold_out(sequence, e, o.holdout));
+  const LabelMap* const by_people = o.truth.empty() ? nullptr : &labels;
+  out.holdouts.push_back(hold_out(sequence, e, o.holdout, by_people));
   out.real_logs.push_back(
-      {sequence.name,
-       score_real_log(
-           sequence, out.evaluations.back(), o.truth.empty() ? nullptr : &labels, e.parameters)});
+      {sequence.name, score_real_log(sequence, out.evaluations.back(), by_people, e.parameters)});
   if (!truth.empty())
     out.labelled.push_back({sequence.name, score_labels(sequence, truth, e.parameters, e.backend)});
 }
@@ -169,7 +168,7 @@ void require_outputs_apart(const CommandOptions& o)
   for (const std::string& more : {o.world, o.truth, o.log.trajectory, o.config, o.expected})
     inputs.push_back(more);
   if (!o.accept.empty()) outputs.push_back(o.accept);
-  for (const std::string& output : outputs) talus::app::require_apart(output, inputs);
+  talus::app::require_apart("", outputs, inputs);
 }
 
 void write_results(const Comparison& c, const talus::app::OutputFolder& folder)
@@ -194,8 +193,8 @@ void print_error(const std::string& text) { std::cerr << "talus-compare: " << te
 enum Ending
 {
   kDone = 0,
-  kWrittenButFailed = 1,  // an input could not be read, or a budget does not hold
-  kFailed = 2
+  kFailed = 1,
+  kWrittenButFailed = 2  // an input could not be read, or a budget does not hold
 };
 
 /** What is known not to hold in the worlds. */
@@ -250,21 +249,6 @@ Ending compare(
   return all_read && !(o.check && unexpected_failures(c) > 0) ? kDone : kWrittenButFailed;
 }
 
-/** In the child. */
-Ending compare_or_tell(
-    const CommandOptions& o, const std::string& command, const talus::app::OutputFolder& folder)
-{
-  try
-  {
-    return compare(o, command, folder);
-  }
-  catch (const std::exception& e)
-  {
-    print_error(folder.told(talus::app::failure_text(e, o.output, kLessToCompare)));
-    return kFailed;
-  }
-}
-
 /** The exit code. */
 int run(CommandOptions& o, const std::string& command)
 {
@@ -273,11 +257,11 @@ int run(CommandOptions& o, const std::string& command)
   require_outputs_apart(o);
   talus::app::OutputFolder folder(o.output);  // made before hours of work
   const int code = talus::app::run_command_in_child(
-      o.inputs.front(), [&] { return compare_or_tell(o, command, folder); }, print_error);
-  if (talus::app::stop_signal()) return code;
-  if (code == kFailed) return 1;
+      o.inputs.front(), kLessToCompare, [&] { return compare(o, command, folder); },
+      [&](const std::string& text) { print_error(folder.told(text)); });
+  if (code == kFailed || talus::app::stop_signal()) return code;
   folder.commit(kSeal);
-  return code;
+  return code == kDone ? 0 : 1;
 }
 
 /** The command line as a person would type it. */
@@ -296,13 +280,6 @@ int main(int argc, char** argv)
   CommandOptions options;
   if (const auto exit_code = parse_options(argc, argv, options)) return *exit_code;
   if (options.quiet) std::clog.setstate(std::ios::failbit);  // tells which backend was taken
-  try
-  {
-    return run(options, command_text(argc, argv));
-  }
-  catch (const std::exception& e)
-  {
-    print_error(talus::app::failure_text(e, options.output, kLessToCompare));
-    return 1;
-  }
+  const auto work = [&] { return run(options, command_text(argc, argv)); };
+  return talus::app::code_of(work, print_error, options.output, kLessToCompare);
 }

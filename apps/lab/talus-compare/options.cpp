@@ -48,7 +48,7 @@ std::string footer()
          "  talus-compare 00.rawlog --labels dataset/sequences/00/labels --methods talus --output "
          "out\n"
          "      points against labels of people: precision, recall and F1 of the ground\n"
-         "  talus-compare datasets/worlds/*.yaml --methods talus --without 30,31 --output out\n"
+         "  talus-compare datasets/worlds/*.yaml --methods talus --without 27,30 --output out\n"
          "      what two rules are worth; needs a build with -DTALUS_RULE_SWITCHES=ON\n"
          "\nExit codes: 0 done, 1 an input failed (or, with --check, a budget that is not expected "
          "to),\n"

@@ -10,7 +10,6 @@ as they are, and a line says so. Exit code 1 where a comparison fails.
 import argparse
 import math
 import os
-import statistics
 import sys
 
 from comparisons import (CAR, CITY, LABELS, SCORES, SOURCE, SPARSE, SUGGESTED, Runs, label_arguments, mean, scaled,
@@ -96,12 +95,14 @@ class Page:
         if "held_out" in parts or "scans" in parts:
             self.start_log("street", [*CAR, "--methods", "talus"])
         if "scans" in parts:
-            self.start_log("mover", CAR)
+            self.start_log("mover", [*CAR, "--methods", "talus"])
             for name in CITY + SPARSE:
                 self.start_log(name, label_arguments(name))
         if "held_out" in parts:
             for name, (_, arguments) in HELD_OUT.items():
                 self.start_log(name, [*arguments, "--methods", "talus"])
+            for name in CITY + SPARSE:
+                self.start_log(name, [*label_arguments(name), "--methods", "talus"])
         if "worlds" in parts or "budgets" in parts:
             for world in self.world_files:
                 self.runs.start(world, [])
@@ -124,26 +125,31 @@ class Page:
                 means = [mean([log[method][key] for log in found]) for key in LABELS.values()]
                 rows.append([title, f"`{method}`", *(number(scaled("", m)) for m in means)])
         return settings([
-            "# NAME: city_t00, _t08, _t16, _v02; sparse_t12, _t18, _t30, _v25612",
-            "talus-compare DATA/NAME.rawlog --truth DATA/NAME_truth.tif --config datasets/configs/car.ini",
-            "talus-compare DATA/mover.rawlog --config datasets/configs/car.ini",
-            "talus-compare DATA/street.rawlog --config datasets/configs/car.ini --methods talus",
+            "# NAME, CAR: city_t00, _t08, _t16, _v02, car; sparse_t12, _t18, _t30, _v25612, nuscenes_car",
+            "talus-compare DATA/NAME.rawlog --truth DATA/NAME_truth.tif --config datasets/configs/CAR.ini",
+            "# NAME: mover, street",
+            "talus-compare DATA/NAME.rawlog --config datasets/configs/car.ini --methods talus",
         ]) + without_empty_columns(["scans", "method", *LABELS], rows)
 
     def held_out(self):
-        rows, commands = [], []
-        fills = []
-        for name, (title, arguments) in HELD_OUT.items():
-            if name not in self.runs.started:
+        rows, fills = [], []
+        groups = {title: [name] for name, (title, _) in HELD_OUT.items()} | {"city": CITY, "sparse": SPARSE}
+        for title, names in groups.items():
+            found = [self.runs.of(name)["held_out"][0] for name in names if name in self.runs.started]
+            if not found:
                 continue
-            commands += [f"talus-map DATA/{name}.rawlog --suggest > {name}.ini"] if arguments is SUGGESTED else []
-            told = [a.format(output=".", name=name).removeprefix("./") for a in arguments]
-            commands.append(" ".join(["talus-compare", f"DATA/{name}.rawlog", *told, "--methods talus"]))
-            found = self.runs.of(name)["held_out"][0]["fills"]
-            fills = in_order(found)
-            errors = [[f["all_rmse_m"], f["all_p95_m"], f["all_median_m"]] for f in map(found.get, fills)]
-            rows.append([title, *(", ".join(number(scaled("_m", e)) for e in fill) for fill in errors)])
-        return settings(commands) + table(["log", *(f"`{f}`" for f in fills)], rows)
+            fills = in_order(found[0]["fills"])
+            errors = [[mean([log["fills"][fill][f"all_{key}_m"] for log in found]) for key in ("rmse", "p95", "median")]
+                      for fill in fills]
+            rows.append([title, *(", ".join(number(scaled("_m", e)) for e in fill) for fill in errors),
+                         number(scaled("", mean([log["not_ground"] for log in found])))])
+        return settings([
+            "talus-compare DATA/street.rawlog --config datasets/configs/car.ini --methods talus",
+            "# NAME: parked, offroad_a, offroad_b",
+            "talus-map DATA/NAME.rawlog --suggest > NAME.ini",
+            "talus-compare DATA/NAME.rawlog --config NAME.ini --methods talus",
+            "# city and sparse: as above, --methods talus",
+        ]) + table(["log", *(f"`{f}`" for f in fills), "not ground, %"], rows)
 
     def worlds(self):
         found = [self.runs.of(world)["worlds"][0]["methods"] for world in self.world_files]
@@ -155,22 +161,10 @@ class Page:
             without_empty_columns(["method", *SCORES], rows)
 
     def budgets(self):
-        judged = {}
-        for world in self.world_files:
-            for budget in self.runs.of(world)["worlds"][0].get("budgets", []):
-                if budget["verdict"] != "not applicable":
-                    judged.setdefault(budget["name"], []).append(budget)
-        rows = []
-        for name, budgets in judged.items():
-            fails = sum(b["verdict"] == "fail" for b in budgets)
-            if fails > 0:
-                limit = ("<= " if budgets[0]["at_most"] else ">= ") + f"{budgets[0]['limit']:.3g}"
-                median = f"{statistics.median_low([b['value'] for b in budgets]):.3g}"
-                rows.append([f"`{name}`", limit, str(len(budgets)), str(fails), median])
-        total = sum(map(len, judged.values()))
-        failed = sum(int(row[3]) for row in rows)
-        return [f"Of {total} budgets that were judged in these worlds {failed} do not hold:", ""] + \
-            table(["budget", "limit", "judged", "fail", "median"], rows)
+        verdicts = [budget["verdict"] for world in self.world_files
+                    for budget in self.runs.of(world)["worlds"][0].get("budgets", [])]
+        failed = verdicts.count("fail")
+        return [f"Of {failed + verdicts.count('pass')} budgets that were judged in these worlds {failed} do not hold."]
 
     def bars(self):
         worlds = [self.runs.of(world)["worlds"][0] for world in self.kept_back]

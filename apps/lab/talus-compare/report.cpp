@@ -142,6 +142,12 @@ Evaluation pooled(const std::vector<Evaluation>& evaluations)
   return worlds > 1 ? all : Evaluation();
 }
 
+std::string not_ground_words(const HoldOut& h)
+{
+  if (h.not_ground.of == 0) return {};
+  return " (labelled as none: " + percent(h.not_ground.value()) + " %)";
+}
+
 using Render = std::string (Table::*)() const;
 
 std::string tables(const Comparison& c, Render render, const std::string& title)
@@ -162,7 +168,7 @@ std::string tables(const Comparison& c, Render render, const std::string& title)
       add(e.name + ": fills, on the same cells", fill_table(e.fills));
   }
   for (const HoldOut& h : c.holdouts)
-    add(h.name + ": fills, held-out ground points", fill_table(h.fills));
+    add(h.name + ": fills, held-out ground points" + not_ground_words(h), fill_table(h.fills));
   if (const Table bars = bars_table(c); !bars.rows.empty())
     add("heights within one and two told deviations, %", bars);
   if (const Table risks = risk_table(c); !risks.rows.empty())
@@ -174,7 +180,7 @@ std::string tables(const Comparison& c, Render render, const std::string& title)
   return out;
 }
 
-/** "Without rules 30, 31."; empty: all count. */
+/** "Without rules 27, 30."; empty: all count. */
 std::string left_out_words(const Comparison& c)
 {
   std::string text;
@@ -323,6 +329,7 @@ std::string comparison_json(const Comparison& c)
   {
     nlohmann::json j{{"name", h.name}, {"sensor", h.sensor}, {"frames", h.frames}};
     if (!h.bars.empty()) j["heights"] = bars_json(h.bars);
+    j.update(as_json({{"not_ground", h.not_ground.value()}}));
     for (const FillScore& f : h.fills) j["fills"][f.fill] = as_json(figures(f));
     holdouts.push_back(j);
   }

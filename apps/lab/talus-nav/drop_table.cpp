@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "options.h"
+#include "view_ahead.h"
 
 namespace talus::nav
 {
@@ -44,7 +45,8 @@ std::string row(const sim::Scanner& scanner, const Pose& T_base_sensor, const st
         sim::fastest_before_hole_mps(scanner, T_base_sensor, width_m, stopping()));
     line += text;
   }
-  return line + "\n";
+  return line + " " + hints::seen_ahead(highest_ray(scanner, T_base_sensor), RobotBody().height_m) +
+         " |\n";
 }
 
 std::string mount_text(const app::Mounting& m)
@@ -62,7 +64,8 @@ std::string drop_table(const std::optional<app::Mounting>& mount)
   std::string text =
       "| scanner | mounting | ground from [m] | narrowest hole [m] at 0.35 m/s | 0.7 m/s | 1.4 m/s "
       "| "
-      "fastest [m/s] at 0.5 m | 1 m | 2 m |\n|---|---|---|---|---|---|---|---|---|\n";
+      "fastest [m/s] at 0.5 m | 1 m | 2 m | seen ahead at the robot's height |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n";
   for (const auto& scanner : sim::scanners())
     for (const auto& m : mount ? std::vector<app::Mounting>{*mount} : usual)
     {

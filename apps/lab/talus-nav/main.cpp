@@ -1,12 +1,13 @@
 // talus-nav: a robot, its LiDAR, the map and MRPT's planners in a closed loop, without a display.
 #include "../../common/child_process.h"
+#include "../../common/crash_context.h"
 #include "../../common/log_name.h"
 #include "../../common/output_folder.h"
 #include "../../common/printable.h"
-#include "../../common/suspect.h"
 #include "picture.h"
 #include "results.h"
 #include "settings.h"
+#include "view_ahead.h"
 
 #include <talus/io/geotiff.h>
 #include <talus/io/written_file.h>
@@ -30,7 +31,6 @@ enum ExitCode
   kUsage = 2
 };
 
-constexpr int kLongestStep_s = 60;  // of computing; a usual one takes a hundredth of a second
 constexpr const char* kSimplerWorld = "Try a world with fewer things in it, and a nearer --goal";
 
 int exit_code(Ending ending)
@@ -82,10 +82,19 @@ void finish_log(const fs::path& folder)
     }
 }
 
+void print_error(const std::string& text) { std::cerr << "talus-nav: " << text << "\n"; }
+
+void tell_unseen(
+    const std::string& world, const talus::sim::SensorSetup& sensor, double clearance_m)
+{
+  const auto ray = highest_ray(*talus::sim::find_scanner(sensor.scanner), sensor.T_base_sensor);
+  if (const auto unseen = talus::hints::unseen_ahead(ray, clearance_m))
+    print_error("hint: " + world + ": " + *unseen);
+}
+
 MissionResult drive(const Options& o, const Settings& settings, const std::string& folder)
 {
-  const talus::app::Suspect suspect(o.world, kSimplerWorld);
-  talus::app::limit_computing(kLongestStep_s);
+  const talus::app::CrashContext context(o.world, kSimplerWorld);
   auto world =
       talus::app::guarded(o.world, kSimplerWorld, [&] { return talus::sim::load_world(o.world); });
   fit_sensor(world.sensors[0], o);
@@ -93,6 +102,7 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
   if (robot.contact() != Contact::None)
     throw std::runtime_error(
         o.world + ": the robot starts in an obstacle or over an edge; move path_m");
+  if (!o.quiet) tell_unseen(o.world, world.sensors[0], settings.parameters.clearance_m);
   MissionOptions mission_options;
   mission_options.goal = {o.goal[0], o.goal[1]};
   mission_options.timeout_s = o.timeout_s;
@@ -107,7 +117,6 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
   Painter painter(world, robot.body(), mission_options);
   const auto on_step = [&](const MissionResult& m)
   {
-    talus::app::limit_computing(kLongestStep_s);
     if (o.every > 0 && m.steps.size() % static_cast<std::size_t>(o.every) == 1 % o.every)
       talus::io::write_png(
           frame_path(folder, m.steps.size()), painter.draw(m, route, pilot, title(o, m, false)));
@@ -120,8 +129,6 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
   fs::remove_all(cache);
   return result;
 }
-
-void print_error(const std::string& text) { std::cerr << "talus-nav: " << text << "\n"; }
 
 /** In the child: the exit code. */
 int drive_or_tell(
@@ -157,12 +164,12 @@ int drive_or_tell(
 int run(const Options& o, const Settings& settings)
 {
   talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
-  talus::app::require_results_apart(
+  talus::app::require_apart(
       o.output, {"navigation.png", "path.csv", "summary.json", "map.tif"}, {o.world, o.config});
   talus::app::OutputFolder output(o.output);
   // Numbers that make no sense can crash MRPT's navigators.
   const int code = talus::app::run_command_in_child(
-      o.world, [&] { return drive_or_tell(o, settings, output); }, print_error);
+      o.world, kSimplerWorld, [&] { return drive_or_tell(o, settings, output); }, print_error);
   if (code == kFailed || code == kUsage || talus::app::stop_signal()) return code;
   output.commit("summary.json");
   if (!o.quiet) std::cout << "  wrote " << (fs::path(o.output) / "navigation.png").string() << "\n";

@@ -93,7 +93,8 @@ void add_sensor(CLI::App& app, Options& o)
       "pitch looks down)");
   app.add_flag_callback(
       "--drop-table", [&o] { throw CLI::CallForVersion(drop_table(o.mount), 0); },
-      "Print which holes each scanner finds in time, at which speed, and exit");
+      "Print which holes each scanner finds in time, at which speed, and where ahead it sees what "
+      "is as high as the robot; and exit");
 }
 
 void add_noise(CLI::App& app, Options& o)

@@ -1,6 +1,6 @@
 #include "pilot.h"
 
-#include "../../common/suspect.h"
+#include "../../common/crash_context.h"
 #include "clearance.h"
 #include "planner_ini.h"
 #include "settings.h"
@@ -231,7 +231,7 @@ Pilot::Pilot(
 /** Says which file it is when MRPT throws or logs an error, or crashes. */
 void Pilot::try_to(const std::function<void()>& work)
 {
-  const app::Suspect suspect(name_, advice_);
+  const app::CrashContext context(name_, advice_);
   try
   {
     work();

@@ -93,7 +93,7 @@ cv::Mat with_legend(const cv::Mat& drive)
   legend.heading("Traversability");
   legend.colours("blocked", io::terrain_colours(), "free");
   legend.swatch(io::kStandsInTheWay, "stands in the way");
-  legend.swatch(io::pale_free_colour(), "pale: not measured");
+  legend.swatch(io::pale_free_colour(), "pale: filled, or not reached");
   legend.swatch(io::pale_not_judged_colour(), "not judged");
   legend.way_line("way of the robot");
   io::Canvas page(drive.cols, drive.rows + kBelow);

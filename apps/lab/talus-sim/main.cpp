@@ -4,11 +4,11 @@
 #include <utility>
 
 #include "../../common/child_process.h"
+#include "../../common/crash_context.h"
 #include "../../common/log_name.h"
 #include "../../common/output_folder.h"
 #include "../../common/printable.h"
 #include "../../common/progress_bar.h"
-#include "../../common/suspect.h"
 #include "options.h"
 
 namespace fs = std::filesystem;
@@ -38,7 +38,7 @@ void write_files(
 {
   const auto path = [&](const std::string& name)
   {
-    require_apart((fs::path(o.output) / name).string(), {o.world});
+    require_apart(o.output, {name}, {o.world});
     return (fs::path(folder) / name).string();
   };
   write_truth(path("truth.tif"), std::move(last), world, drive.time_s(drive.frames() - 1));
@@ -81,28 +81,18 @@ void simulate(const Options& o, const std::string& folder)
 
 void print_error(const std::string& text) { std::cerr << "talus-sim: " << text << "\n"; }
 
-/** In the child: the exit code. */
-int simulate_or_tell(const Options& o, const OutputFolder& output)
-{
-  try
-  {
-    simulate(o, output.staging());
-    return 0;
-  }
-  catch (const std::exception& e)
-  {
-    print_error(output.told(failure_text(e, o.world, kSimplerWorld)));
-    return 1;
-  }
-}
-
 /** The exit code. */
 int run(const Options& o)
 {
   forward_signals();  // before any folder is made: a signal must not leave it behind
   OutputFolder output(o.output);
-  const auto work = [&] { return simulate_or_tell(o, output); };
-  if (const int code = run_command_in_child(o.world, work, print_error)) return code;
+  const auto work = [&]
+  {
+    simulate(o, output.staging());
+    return 0;
+  };
+  const auto tell = [&](const std::string& text) { print_error(output.told(text)); };
+  if (const int code = run_command_in_child(o.world, kSimplerWorld, work, tell)) return code;
   const std::string log = name_of_world(o.world) + ".rawlog";
   output.commit(log);
   if (!o.quiet) std::cout << "  wrote   " << (fs::path(o.output) / log).string() << "\n";
@@ -116,13 +106,5 @@ int main(int argc, char** argv)
   const PrintableOutput printable;
   Options options;
   if (const auto exit_code = parse_options(argc, argv, options)) return *exit_code;
-  try
-  {
-    return run(options);
-  }
-  catch (const std::exception& e)
-  {
-    print_error(failure_text(e, options.world, kSimplerWorld));
-    return 1;
-  }
+  return code_of([&] { return run(options); }, print_error, options.world, kSimplerWorld);
 }
