@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Writes the tables of doc/accuracy.md: runs talus-compare on worlds and real logs, and puts what it found between the
-markers of the page, each table under the settings that it was made with.
+"""Writes the tables of doc/accuracy.md and of its note: runs talus-compare on worlds and real logs, and puts the results
+between the markers of the pages, each table under the settings that it was made with.
 
   apps/lab/talus-compare/page.py TALUS_COMPARE [--only PART ...] [--worlds NAME ...] [--methods NAME,...] [--page FILE]
+                                               [--note FILE]
 
 Real logs are no part of the repository: they come from --data, the folder TALUS_TEST_DATA. Without it their tables stay
 as they are, and a line says so. Exit code 1 where a comparison fails.
@@ -22,6 +23,7 @@ KEPT_BACK = ["basement", "branches", "canal_lock", "clearing", "cow_shed", "farm
              "sawmill", "skate_park", "wind_throw", "unseen/fishing_slip", "unseen/laundry", "unseen/mountain_hut",
              "unseen/water_mill"]
 RISK = ["branches", "clearing", "farm_lane", "plaza", "sawmill", "wind_throw"]
+OF_NOTE = ["bars", "risk"]  # parts of the note, the others belong to the page
 FEWEST_RISKY = 100  # cells in a tenth of the risk, or it has no figure
 HEIGHTS = {"measured": "measured", "fill2": "two_sided", "fill1": "one_sided", "presumed": "presumed"}
 FEWEST_HEIGHTS = 100  # of a kind in a world or log, or it has no say
@@ -63,15 +65,15 @@ def names_of(world_files):
 
 
 def bars_row(title, sources, where="all"):
-    """For each kind of height: shares within one and two told deviations, then the told and the true deviation."""
+    """For each kind of height: shares within one and two stated deviations, then the stated and the true deviation."""
     cells = []
     for kind in HEIGHTS.values():
         found = [source["heights"][kind][where] for source in sources if "heights" in source]
         found = [heights for heights in found if heights["n"] >= FEWEST_HEIGHTS]
-        one, two, told, true = (mean([heights[key] for heights in found])
-                                for key in ("within_1", "within_2", "told_m", "true_m"))
+        one, two, stated, true = (mean([heights[key] for heights in found])
+                                  for key in ("within_1", "within_2", "told_m", "true_m"))
         cells.append("-" if one is None else
-                     f"{100 * one:.0f}, {100 * two:.0f} ({number(1000 * told)}, {number(1000 * true)})")
+                     f"{100 * one:.0f}, {100 * two:.0f} ({number(1000 * stated)}, {number(1000 * true)})")
     return [title, *cells]
 
 
@@ -191,12 +193,15 @@ class Page:
             if cells >= FEWEST_RISKY:
                 rows.append([f"{10 * tenth} to {10 * tenth + 10}", f"{cells:.0f}", number(100 * impassable / cells)])
         return settings(["talus-compare datasets/worlds/NAME.yaml --methods talus", *names_of(self.risk_worlds)]) + \
-            table(["risk told, %", "cells", "impassable, %"], rows)
+            table(["stated risk, %", "cells", "impassable, %"], rows)
 
     def write(self, parts):
         texts = {part: "\n".join(self.parts[part]()) for part in parts}
-        write_between_markers(self.options.page, texts, "./dev compare --page")
-        print(f"page: wrote {', '.join(texts)} of {self.options.page}", file=sys.stderr)
+        for page, of_page in ((self.options.page, [part for part in parts if part not in OF_NOTE]),
+                              (self.options.note, [part for part in parts if part in OF_NOTE])):
+            if of_page:
+                write_between_markers(page, {part: texts[part] for part in of_page}, "./dev compare --page")
+                print(f"page: wrote {', '.join(of_page)} of {page}", file=sys.stderr)
 
 
 def main():
@@ -204,6 +209,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", help="talus-compare")
     parser.add_argument("--page", default=os.path.join(SOURCE, "doc/accuracy.md"), help="page to write")
+    parser.add_argument("--note", default=os.path.join(SOURCE, "doc/notes/accuracy.md"), help="page of the error bars")
     parser.add_argument("--data", default=os.environ.get("TALUS_TEST_DATA", os.path.join(SOURCE, "../shared/data")),
                         help="folder of the real logs; default: TALUS_TEST_DATA")
     parser.add_argument("--output", default=os.path.join(SOURCE, "out/compare_page"), help="folder of all files")
