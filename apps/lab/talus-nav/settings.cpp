@@ -62,7 +62,7 @@ void warn_of_missing_obstacles(
 {
   if (o.map != "talus" || ini.sectionExists(kObstacles)) return;
   std::cerr << "talus-nav: warning: " << name << ": has no section [" << kObstacles
-            << "]; obstacles are made with its defaults, see doc/navigation.md\n";
+            << "]; obstacles are made with its defaults, see doc/obstacles.md\n";
 }
 }  // namespace
 
