@@ -23,7 +23,7 @@ KEPT_BACK = ["basement", "branches", "canal_lock", "clearing", "cow_shed", "farm
              "sawmill", "skate_park", "wind_throw", "unseen/fishing_slip", "unseen/laundry", "unseen/mountain_hut",
              "unseen/water_mill"]
 RISK = ["branches", "clearing", "farm_lane", "plaza", "sawmill", "wind_throw"]
-OF_NOTE = ["bars", "risk"]  # parts of the note, the others belong to the page
+OF_NOTE = ["held_out", "bars", "risk"]  # parts of the note, the others belong to the page
 FEWEST_RISKY = 100  # cells in a tenth of the risk, or it has no figure
 HEIGHTS = {"measured": "measured", "fill2": "two_sided", "fill1": "one_sided", "presumed": "presumed"}
 FEWEST_HEIGHTS = 100  # of a kind in a world or log, or it has no say
@@ -209,7 +209,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", help="talus-compare")
     parser.add_argument("--page", default=os.path.join(SOURCE, "doc/accuracy.md"), help="page to write")
-    parser.add_argument("--note", default=os.path.join(SOURCE, "doc/notes/accuracy.md"), help="page of the error bars")
+    parser.add_argument("--note", default=os.path.join(SOURCE, "doc/notes/accuracy.md"), help="page of the details")
     parser.add_argument("--data", default=os.environ.get("TALUS_TEST_DATA", os.path.join(SOURCE, "../shared/data")),
                         help="folder of the real logs; default: TALUS_TEST_DATA")
     parser.add_argument("--output", default=os.path.join(SOURCE, "out/compare_page"), help="folder of all files")
