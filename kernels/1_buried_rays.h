@@ -22,7 +22,7 @@ struct FindGroundHits
   CellStore store;
   const Datum* datum;
 
-  /** Storage index of the cell at a place of the table, or -1 where the map has no ground. */
+  /** Storage index of the cell at an index of the table, or -1 where the map has no ground. */
   TALUS_HD int cell_at(const BinDirection& d, int ring) const
   {
     const int n = config->cells;

@@ -10,7 +10,7 @@
 namespace talus::kernels
 {
 
-/** The range of places of one thread. */
+/** The range of indices of one thread. */
 struct Part
 {
   int begin, end;
@@ -23,11 +23,11 @@ constexpr std::uint32_t kNoRank = ~0u;
 struct PointsOut
 {
   std::int32_t* cell;  //!< storage index, or -1: not in the map
-  std::int32_t* ray;  //!< place in the table of rays, or -1: no direction
+  std::int32_t* ray;  //!< index in the table of rays, or -1: no direction
   float* slope;  //!< slope of that ray
-  std::int32_t* reach;  //!< place in the table of NoteReach, or -1
+  std::int32_t* reach;  //!< index in the table of NoteReach, or -1
   std::uint32_t* reject;  //!< a RejectCode
-  std::uint32_t* rank;  //!< place among the points of its cell, in any order; or kNoRank
+  std::uint32_t* rank;  //!< index among the points of its cell, in any order; or kNoRank
   float* height_m;  //!< map frame
   float* variance_m2;
 };

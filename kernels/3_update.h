@@ -181,7 +181,7 @@ struct ClearanceScan
   }
 };
 
-/** The top of what stands for sure, without what is high up; the ground where nothing does. */
+/** The top of the object that stands for sure, without hits high up; else the ground. */
 TALUS_HD float sure_top_m(const Cell& c)
 {
   const bool stands = is_known(c.elevation_m) & !c.is(kHitHighUp);
@@ -288,7 +288,7 @@ struct Overhang
   }
 };
 
-/** What is higher than the clearance overhangs nothing, unless it is the top of what stands. */
+/** Hits higher than the clearance are no overhang, unless they are the top of the object. */
 TALUS_HD UpTo overhangs_up_to(const Cell& c, const Config& k)
 {
   return {select(c.is(kHitHighUp), kInfinity, c.ground_m + k.clearance_m)};

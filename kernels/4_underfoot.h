@@ -42,9 +42,9 @@ TALUS_HD void presume_ground(Cell& c, float ground_m)
   c.state = kPresumed;
 }
 
-/** What the robot stands on does not block it: grass, or an object that has left. The cells below a
+/** What the robot stands on does not block it: grass, or an object that is gone. The cells below a
  * disc around the base get the ground of the base. Later hits up to the height that the robot drove
- * through do not count as new. Boxes of its body do not count: mirrors pass above what stands. */
+ * through do not count as new. Boxes of its body do not count: mirrors pass above objects. */
 template <class Atomics>
 struct StandOnCell
 {

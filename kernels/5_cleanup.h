@@ -39,7 +39,7 @@ TALUS_HD void add_ray(
   seen.highest = max_of(seen.highest, select(wanted & (hit != kNoRay), hit, -kNoRay));
 }
 
-/** Counts one frame with or without a hit; true when the object has left, after `frames`. */
+/** Counts one frame with or without a hit; true when the object is gone, after `frames`. */
 TALUS_HD bool count_frame(Cell& c, bool hit, int frames)
 {
   if (hit)
@@ -162,7 +162,7 @@ struct CleanUpCell
   }
 
   /** What is high up hangs, and is removed, if rays pass below it as high as the robot. Rays below
-   * an overhang do not prove that it left. Rays that go on where it was hit do. */
+   * an overhang do not prove that it is gone. Rays that go on where it was hit do. */
   template <class Group>
   TALUS_HD void inspect(int ix, int iy, int storage_i, const Group& group) const
   {
@@ -209,7 +209,7 @@ struct CleanUpCell
     if (faded) c.recent_hits--;
     if (stands && on(kRayBelowGround, *config) && is_undercut(ix, iy, storage_i))
       surface_class[storage_i] = kObject;
-    // Hits below the rays do not protect it: a box that left shows the floor where it stood.
+    // Hits below the rays do not protect it: behind a box that moved away they are on its floor.
     const bool hit = hit_m > select(stands, limit_m, bare_up_to_m(c.ground_m, *config));
     // A hit above it hangs.
     if (stands && hit && hit_m <= top(storage_i) + config->cleanup_margin_m)
@@ -241,7 +241,7 @@ struct CleanUpCell
     const float bare_m = bare_up_to_m(store.ground_m[storage_i], *config);
     return store.is(kRobotWasThere, storage_i) & (store.elevation_m[storage_i] > bare_m);
   }
-  /** Whether a cell is the rim of what stands beside it: rays pass its empty part, but a cell close
+  /** Whether a cell is the rim of an object beside it: rays pass its empty part, but a cell close
    * by was hit above them, and nothing shows its own floor. */
   TALUS_HD bool is_rim(int storage_i, float limit_m) const
   {
@@ -290,7 +290,7 @@ struct CleanUpCell
     return !(left & right);
   }
 
-  /** Whether in more of the pairs around a cell an object has left than still stands. */
+  /** Whether in more of the pairs around a cell an object moved away than still stands. */
   TALUS_HD bool leaves_with_others(int ix, int iy) const
   {
     if (!on(kAsAWhole, *config)) return false;

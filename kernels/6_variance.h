@@ -7,10 +7,10 @@
 
 namespace talus::kernels
 {
-// What the map tells of the errors of its heights. It decides nothing: the stages weigh
+// What the map states about the errors of its heights. It decides nothing: the stages weigh
 // measurements by the variances in the store, which know the noise of points and no ground.
 
-/** What cells stray from the middle of the two cells so many places before and after them: a slope
+/** Distance in cells to the two cells before and after, from whose mean a cell deviates: a slope
  * cancels, noise and relief stay. Of white noise a difference has six times the variance. */
 constexpr int kStrayPlaces = 2;
 constexpr float kStrayVariance = 6.0f;

@@ -14,7 +14,7 @@ TALUS_HD float normal_below(float z)
   return select(z < 0.0f, tail, 1.0f - tail);
 }
 
-/** What stage 7 and the told variance say of a cell. */
+/** What stage 7 and the stated variance say of a cell. */
 struct RiskOfCell
 {
   float slope, step, roughness, traversability;  //!< scores, see features_of()

@@ -29,7 +29,7 @@ enum Label : std::uint32_t
 struct PointInCell
 {
   float height_m;  //!< above the datum
-  std::int32_t from_below;  //!< higher than its sensor, and not on what left
+  std::int32_t from_below;  //!< higher than its sensor, and not on an object that moved away
   std::int32_t on_object;  //!< the lowest surface is an object, and no ground is known below it
 };
 
@@ -93,7 +93,7 @@ struct LabelPoint
   CellStore store;
   ClassifyCell classify;  //!< over a coarse grid of the map as it is
   PointsIn in;
-  /** By storage index: 1 where the frame hit something that has left since; null: not yet known. */
+  /** By storage index: 1 where what the frame hit moved away since; null: not yet known. */
   const std::int32_t* moved;
 
   TALUS_HD std::uint32_t operator()(int point_i) const
@@ -127,8 +127,8 @@ struct LabelPoint
   }
 };
 
-/** Notes where a point of the frame has left since: what it hit above that in the same cell, higher
- * than the sensor, went with it and did not hang. */
+/** Notes where the object of a point moved away since: what it hit above that in the same cell,
+ * higher than the sensor, went with it and did not hang. */
 template <class Atomics>
 struct NoteMoved
 {

@@ -8,7 +8,7 @@ namespace talus::kernels
 {
 // Channels: values that users bring to each point. They are fused after stage 6 of a frame, and
 // decide nothing in the map but where a class has a cost: see TakeClassScores. A point on the
-// ground counts for the ground of its cell, one of what stands for what stands there, see
+// ground counts for the ground of its cell, one on an object for the object there, see
 // surface_at().
 
 constexpr int kMostChannels = 4, kClasses = 16;
@@ -208,7 +208,7 @@ struct PlacePoint
   TALUS_HD void operator()(int point_i) const
   {
     const int storage_i = max_of(points.cell[point_i], 0);
-    Cell c;  // all that tells the ground and what stands from the rest
+    Cell c;  // all that separates ground and object from the rest
     c.ground_m = store.ground_m[storage_i];
     c.elevation_m = store.elevation_m[storage_i];
     c.driven_height = store.driven_height[storage_i];

@@ -7,7 +7,7 @@
 namespace talus::kernels
 {
 /** The objects in a pair of cells; of its cells the last value here counts. A cell with recent hits
- * and without an object is one that an object left. */
+ * and without an object is one from which an object moved away. */
 enum Presence
 {
   kEmpty,

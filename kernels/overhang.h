@@ -9,7 +9,7 @@
 namespace talus::kernels
 {
 // How far the rays of a frame went, by direction and slope. Stage 4 asks whether an object stands
-// on the one before it, stage 5 how far an overhang reaches, and whether it left.
+// on the one before it, stage 5 how far an overhang reaches, and whether it is gone.
 
 constexpr int kMaxBinsPerCellBits = 3;  //!< near the sensor a cell uses eight bins
 
@@ -84,7 +84,7 @@ struct SlopeSteps
 };
 
 /** Questions to the rays of this frame about an overhang in one cell: how far it reaches, and
- * whether it left. A group shares the directions of the cell. */
+ * whether it is gone. A group shares the directions of the cell. */
 template <class Group>
 struct OverhangRays
 {

@@ -14,7 +14,7 @@ constexpr float kBuried_m = 0.2f;
 
 // ---- Stage 2: poses that are corrected, and other floors, see 2_follow.h ----
 
-/** One in so many hits is sampled: some hundred are enough. */
+/** One hit in kOffsetOneIn is sampled: some hundred are enough. */
 constexpr int kOffsetOneIn = 16;
 /** Fewer ground hits decide nothing. */
 constexpr int kFewestGroundHits = 24;
@@ -25,15 +25,15 @@ constexpr float kBare_steps = 0.5f;
 constexpr float kOffsetBin_m = 0.04f;
 /** The datum follows larger offsets only: fusion smooths out smaller ones. */
 constexpr float kFollow_m = 0.02f;
-/** Ground that is off by so much, beyond all bins, is another floor. */
+/** Ground that is off by this much, beyond all bins, is another floor. */
 constexpr float kOtherFloor_m = 1.28f;
-/** The floor is another one if one hit in so many lies beyond all bins. */
+/** The floor is another one if one hit in kOtherFloorOneIn lies beyond all bins. */
 constexpr int kOtherFloorOneIn = 3;
 
 // ---- Stage 3: update ----
 
-/** Rays that show an overhang end at least this far behind the point, and so many whole rings:
- * range noise and round sides put hits on the same object nearer. */
+/** Rays that show an overhang end at least this far behind the point, and this number of whole
+ * rings: range noise and round sides put hits on the same object nearer. */
 constexpr float kBehindOverhang_m = 0.2f;
 constexpr int kBehindOverhang_rings = 2;
 
@@ -42,45 +42,44 @@ constexpr int kBehindOverhang_rings = 2;
 /** Cell::recent_hits: each frame with a hit above passing rays adds kHitAdds, each frame of passing
  * rays takes one. Edges cover their cells in part, so that rays pass most of the time. A mover
  * seldom leaves two hits close together. A cleared cell keeps one hit, which shows that an object
- * left. */
+ * moved away. */
 constexpr int kHitAdds = 9, kMostRecentHits = 31;
 /** Two hits within five frames, and not long ago. */
 constexpr int kHitLately = kHitAdds + 5;
-/** An object where the robot drove came later, so it moves: it has left, occluded or not, after so
- * many frames without a hit. */
+/** An object where the robot drove came later, so it moves: it is gone, occluded or not, after this
+ * number of frames without a hit. */
 constexpr int kFollowerLeaves_frames = 5;
-/** A hit over bare ground counts by itself if so many other hits above the ground are near: snow,
- * rain and dust are single points. Otherwise it counts after two such hits in recent frames. */
+/** A hit over bare ground counts by itself if this number of other hits above the ground is near:
+ * snow, rain and dust are single points. Otherwise two such hits in recent frames count. */
 constexpr int kOthersBesideHit = 2, kBesideHit_cells = 2;
 constexpr float kBesideHit_steps = 2.0f;
-/** An overhang (bench, railing, branch) stays for so many frames of rays below it without a hit. */
+/** Frames of rays below it, without a hit, for which an overhang (bench, railing, branch) stays. */
 constexpr int kOverhangStays_frames = 108;
-/** An object stays as a whole: a cell that rays pass waits while one so near is hit above them.
+/** An object stays as a whole: a cell that rays pass waits while one this near is hit above them.
  * Hits on a round trunk or a hedge lie within two cells of its rim. */
 constexpr int kRim_cells = 2;
-/** An object leaves as a whole: the pairs of cells around, on each side, that tell of an overhang
- * that it has left, 0.7 m in all. */
+/** An object is removed as a whole: the pairs of cells around, on each side, that show that an
+ * overhang moved away, 0.7 m in all. */
 constexpr int kLeavesTogether_pairs = 3;
 
 // ---- Stage 4: ground or object ----
 
 /** The robot drives through an object lower than this above its plane [steps]. */
 constexpr float kUnderFoot_steps = 0.75f;
-/** The height that it drove through gets so much more [steps]: blades stand up again. */
+/** Margin above the height that it drove through [steps]: blades stand up again. */
 constexpr float kStandsUp_steps = 0.5f;
 /** The robot stands on this radius around its base. */
 constexpr float kFootprint_m = 0.25f;
-/** In the automatic mode ground is presumed at most so far around the start, and only where ground
- * is seen within that: the blind zone of a beam 15 degrees down, 0.8 m high. */
+/** In the automatic mode ground is presumed within this distance of the start, and only where
+ * ground is seen within it: the blind zone of a beam 15 degrees down, 0.8 m high. */
 constexpr float kStartsWithin_m = 3.0f;
-/** So far around the start the ground is presumed even if the scanner does not look over it, since
- * the robot was put there with room to move off. */
+/** Within this distance of the start the ground is presumed even if the scanner does not look over
+ * it, since the robot was put there with room to move off. */
 constexpr float kStartsOn_m = 0.7f;
-/** The ground may end with a drop-off if the ray above the blind zone goes on to so far below it
- * [steps]. */
+/** The ground may end with a drop-off if the ray above the blind zone goes on to this depth below
+ * it [steps]. */
 constexpr float kStartUndercut_steps = 1.0f;
-/** There is a drop-off if the lowest ray there passed so large a share of that depth below the
- * ground. */
+/** There is a drop-off if the lowest ray there passed this share of that depth below the ground. */
 constexpr float kStartDropSeen = 0.5f;
 /** An upright scanner's z axis has at least this z component: it leans by up to 60 degrees. */
 constexpr float kUprightScanner = 0.5f;
@@ -89,16 +88,16 @@ constexpr float kDropBeside = 0.2f;
 /** Variance of the ground under the robot. */
 constexpr float kUnderFoot_var_m2 = 0.02f * 0.02f;
 
-/** An object at least so high [steps] is upright: its lowest hit need not be its foot. */
+/** An object at least this high [steps] is upright: its lowest hit need not be its foot. */
 constexpr float kUpright_steps = 1.5f;
-/** What was passable, but is not reached, is the top of an object where it lies so far above a cone
+/** A passable cell that is not reached is the top of an object where it lies this far above a cone
  * of the slope that the robot climbs over the reached ground around it [steps]. */
 constexpr float kApart_steps = 1.0f;
-/** Ground may lie so far above the cone of the steepest slope over ground close by [steps] ... */
+/** Ground may lie this far above the cone of the steepest slope over ground close by [steps] ... */
 constexpr float kAboveCone_steps = 0.25f;
 /** ... and than the opening of the ground around it. */
 constexpr float kAboveOpening_steps = 0.5f;
-/** Dilation goes so many pairs farther than erosion: a pair with an edge and the ground below it
+/** Pairs by which dilation goes farther than erosion: a pair with an edge and the ground below it
  * belongs to the platform of that edge. */
 constexpr int kDilatesFarther_pairs = 1;
 /** Reach goes over a guess, filled from one side, only with at least this score: a steeper one may
@@ -106,12 +105,12 @@ constexpr int kDilatesFarther_pairs = 1;
 constexpr float kGuessScore = 0.8f;
 /** Variance of the ground below an object that is as high as the ground around it. */
 constexpr float kFoot_var_m2 = 0.15f * 0.15f;
-/** In the first frame the ground around the robot is reached so many heights of the sensor away,
- * where the lowest beam of most scanners (15 degrees) meets it, at most so far off the plane of the
- * base [steps]. */
+/** In the first frame the ground around the robot is reached up to this number of heights of the
+ * sensor away, where the lowest beam of most scanners (15 degrees) meets it, and at most this far
+ * off the plane of the base [steps]. */
 constexpr float kStartReach = 4.0f, kStartReach_steps = 0.5f;
-/** In its first frame the map finds out what is reached in so many rounds of four sweeps: 7 to 12
- * cross a whole street of parked cars. */
+/** Rounds of four sweeps in which the first frame finds out what is reached: 7 to 12 cross a whole
+ * street of parked cars. */
 constexpr int kFirstReach_rounds = 12;
 /** The cone is as steep as this [m/m], or as what the robot climbs: 45 degrees, as banks are. */
 constexpr float kSteepestBank = 1.0f;
@@ -121,15 +120,15 @@ constexpr float kSteepestBank = 1.0f;
 /** Half of the angle of a cell that its rays may have, its middle half: an eighth of a side of the
  * square, over the ring. */
 constexpr float kFootprintHalfSpan = 0.125f;
-/** Rays of a cell ended so many rings behind it, so not on the object itself. */
+/** Rays of a cell ended this number of rings behind it, so not on the object itself. */
 constexpr int kBehindCell_rings = 2;
 /** Nearer to the sensor a cell is seen from above only. */
 constexpr float kUnderSensor_rings = 2.0f;
-/** Hits so many rings before a cell belong to its overhang, which is seldom one cell wide. */
+/** Hits within these rings before a cell belong to its overhang, which is seldom one cell wide. */
 constexpr int kBeforeCell_rings = 2;
 
-/** Rays are looked at so far beside those that pass below the ground, see passes_over(): where a
- * fifth of a floor's returns is reflected, those of 4 cells on a side may all be. */
+/** Rays below ground do not count if others within this distance on both sides pass above it, see
+ * passes_over(): where a fifth of a floor's returns is reflected, those of 4 cells may all be. */
 constexpr int kBesideRay_cells = 6;
 
 // ---- Stage 6: lines ----
@@ -138,7 +137,7 @@ constexpr int kBesideRay_cells = 6;
  * sample that lies higher there is a drop-off, and a guess that lies higher is not free: both are
  * behind an edge, or in a ditch. */
 constexpr float kEndsBelow_m = 0.05f, kEndsFall = 0.15f, kEndsRise_m = 1.0f;
-/** Lines from the sensor are asked for drop-offs at each so many places. */
+/** Stride [cells] at which a line from the sensor is searched for drop-offs. */
 constexpr int kUndercutPlaces = 4;
 /** Deviation of any line, however short. It makes short lines count nearly alike, so that their
  * noise averages out. */
@@ -151,17 +150,17 @@ constexpr float kRiseDeviation = 0.289f;
 constexpr float kBetweenDeviation = 0.05f, kBeyondDeviation = 0.3f;
 /** The lines of a fill: from the sensor, row and column. */
 constexpr float kFillLines = 3.0f;
-/** The standard deviation of a fill grows by this share of what the mean of its lines lies above
- * the lowest: fitted, with fill_variance_per_m, to the errors of fills. */
+/** The standard deviation of a fill grows by this share of the height of the mean of its lines
+ * above the lowest: fitted, with fill_variance_per_m, to the errors of fills. */
 constexpr float kLinesApart = 0.5f;
 /** A fill may lie too high. Where that matters, below an object and where rays prove it to be free,
- * it lies at most so much above the lowest of its lines [steps]. */
+ * it lies at most this far above the lowest of its lines [steps]. */
 constexpr float kAboveLowestLine_steps = 0.25f;
-/** So near to what stands lower than the clearance only rays as low as a step prove that a cell is
- * free: it may be its hidden side. */
+/** This near to an object lower than the clearance, only rays as low as a step prove that a cell is
+ * free: it may be the hidden side of the object. */
 constexpr float kBesideThing_m = 0.5f;
-/** A fill between known ground is free if rays passed so low over it [steps]: between the rings of
- * 32 beams they pass 0.2 to 0.4 m high. */
+/** A fill between known ground is free if rays passed this low over it [steps]: between the rings
+ * of 32 beams they pass 0.2 to 0.4 m high. */
 constexpr float kFreeBetween_steps = 2.5f;
 
 // ---- Stage 7 ----
@@ -171,29 +170,29 @@ constexpr float kLowStep_steps = 0.8f;
 /** A cell beside an impassable one joins it if its score is less: halfway to impassable. */
 constexpr float kEdgeScore = 0.5f;
 
-/** Least score where the robot drove, whatever stands beside it. */
+/** Min score where the robot drove, also beside an object. */
 constexpr float kDrivenScore = 0.5f;
 
 // ---- Stage 7: drops ----
 
-/** A slope of this share of the limit explains a fall in a gap, up to so many steps: the floor
- * behind the crest of a ramp, not that below a dock. */
+/** A slope of this share of the limit explains a fall in a gap, up to this number of steps: the
+ * floor behind the crest of a ramp, not that below a dock. */
 constexpr float kExplainedSlope = 0.5f, kExplained_steps = 2.5f;
-/** The far wall of a ditch rises by so much more than a robot can drive; a ditch is not wider. */
+/** The far wall of a ditch rises by this much more than a robot can drive; max width of a ditch. */
 constexpr float kWallNoise_m = 0.01f, kWidestDitch_m = 2.8f;
-/** Ground that falls so little [m/m] is level. */
+/** Ground that falls by less than this [m/m] is level. */
 constexpr float kGentle = 0.05f;
-/** A ditch may be so many times as deep as its far wall begins below the near edge. */
+/** Max depth of a ditch over the depth at which its far wall begins below the near edge. */
 constexpr float kHollow = 2.0f;
 /** Ground may drop if eq. 14 gives less than this: halfway between sure and impossible. */
 constexpr float kSparse = 0.5f;
 
 // ---- Channels ----
 
-/** A mean counts at most so many points of the past, so that it follows change within a few scans:
- * a cell gets one to ten points of a scan. */
+/** Max number of past points in a mean, so that it follows change within a few scans: a cell gets
+ * one to ten points of a scan. */
 constexpr std::uint32_t kMeanOfPoints = 64;
-/** Votes are halved above so many, for the same reason; each fits into eight bits. */
+/** Votes are halved above this number, for the same reason; each fits into eight bits. */
 constexpr std::uint32_t kVotesOfPoints = 64;
 /** Values are summed as integers in steps of 1/65536; beyond 2^24, where float itself has no
  * fractions, they are left out. */
