@@ -284,10 +284,7 @@ struct CleanUpCell
       const bool inside = (x >= 0) & (y >= 0) & (x < cells) & (y < cells);
       return inside && passes_over(limit(passing.grid.at(x, y)), ground_m);
     };
-    bool left = false, right = false;
-    for (int d = 1; d <= kBesideRay_cells && !(left && right); d++)
-      left |= over(-d), right |= over(d);
-    return !(left & right);
+    return !on_both_sides(over);
   }
 
   /** Whether in more of the pairs around a cell an object moved away than still stands. */

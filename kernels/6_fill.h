@@ -95,11 +95,18 @@ TALUS_HD bool is_steep(float rise_m, float length_m, const Config& k)
 {
   return rise_m > k.max_slope * length_m + kWallNoise_m;
 }
+/** Bits of the height of a sample: it is a face, whose ground rises within the cell, or the robot
+ * stood there, which tells a height, but no edge. Compilers do not vectorise a test of the last
+ * bit.
+ */
+constexpr std::uint32_t kFaceBit = 2, kStoodBit = 4;
+TALUS_HD bool is_stood(float sample_m) { return (bits_of(sample_m) & kStoodBit) != 0; }
+TALUS_HD bool is_face(float sample_m) { return (bits_of(sample_m) & kFaceBit) != 0; }
 /** Whether the rays over a place ended lower than ground leads that falls gently from a sample
- * `away_m` away. */
+ * `away_m` away, which is an edge then. */
 TALUS_HD bool undercuts(float ends_m, float sample_m, float away_m)
 {
-  return ends_m < sample_m - kEndsBelow_m - kEndsFall * away_m;
+  return !is_stood(sample_m) & (ends_m < sample_m - kEndsBelow_m - kEndsFall * away_m);
 }
 
 /** Heights of several lines, weighted by the gaps that they bridge. */
@@ -183,11 +190,6 @@ TALUS_HD float proof_m(int state, bool in_open, const Config& k)
   return select(in_open, k.clearance_m, between_steps * k.step_threshold_m);
 }
 
-/** Bits of the height of a sample: it is a face, whose ground rises within the cell, or the robot
- * stood there, which tells a height, but no edge. Compilers do not vectorise a test of the last
- * bit.
- */
-constexpr std::uint32_t kFaceBit = 2, kStoodBit = 4;
 /** The sample of a cell; NaN: none. */
 TALUS_HD float sample_of(const ClassifyCell& of, int storage_i)
 {
@@ -202,8 +204,6 @@ TALUS_HD float sample_of(const ClassifyCell& of, int storage_i)
       select(rises, static_cast<int>(kFaceBit), 0) | select(stood, static_cast<int>(kStoodBit), 0);
   return select(is_one, float_of_bits((bits_of(ground_m) & ~(kFaceBit | kStoodBit)) | bits), kNan);
 }
-TALUS_HD bool is_stood(float sample_m) { return (bits_of(sample_m) & kStoodBit) != 0; }
-TALUS_HD bool is_face(float sample_m) { return (bits_of(sample_m) & kFaceBit) != 0; }
 
 /** Stage 6 on cell (ix, iy), stored at storage_i. Returns its state. A second call changes nothing.
  */

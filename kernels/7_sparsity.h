@@ -9,9 +9,9 @@ namespace talus::kernels
 /** A range of unmeasured ground along a line from the sensor. */
 struct Gap
 {
-  float length_m;
-  float near_m, far_m;  //!< heights of the ground before and behind it
-  float behind_m, behind_length_m;  //!< the next height behind it, and how far behind that is
+  float length_m = 0;
+  float near_m = kNan, far_m = kNan;  //!< samples before and behind it; NaN: too far
+  float behind_m = kNan, behind_length_m = 0;  //!< the next one behind it, and how far that is
 };
 
 /** How far the ground falls in a gap. */
@@ -28,7 +28,8 @@ struct Fall
  * ditch it must be lower by a step, too, and lead back up by half of that within a shorter way. */
 TALUS_HD Fall fall_in(const Gap& g, const Config& k)
 {
-  const float fall_m = g.near_m - g.far_m, rise_m = g.behind_m - g.far_m;
+  const float near_m = select(is_stood(g.near_m), kNan, g.near_m);
+  const float fall_m = near_m - g.far_m, rise_m = g.behind_m - g.far_m;
   const float explained_m =
       min_of(kExplainedSlope * k.max_slope * g.length_m, kExplained_steps * k.step_threshold_m);
   const bool wide = g.length_m >= kWidestDitch_m;
@@ -50,11 +51,16 @@ TALUS_HD float sparsity(float h_s, float robot_m, const Config& k)
   return select(is_known(h_s), clamp01(1.0f - ratio * weight), kNan);
 }
 
-/** The bits of FillMark that follow from a fall at that distance from the robot. */
-TALUS_HD std::int32_t marks_of_fall(const Fall& fall, float robot_m, const Config& k)
+/** Adds to the FillMark of an inferred cell near the robot what follows from the gap in which it
+ * lies. Returns h_s of eq. 14; NaN where that is not asked. */
+TALUS_HD float tell_fall(const Gap& gap, float robot_m, std::int32_t& marks, const Config& k)
 {
-  return select(sparsity(fall.m, robot_m, k) < kSparse, kDrops, 0) |
-         select(fall.slopes != 0, kSlopes, 0);
+  const bool asked = (robot_m <= k.sparsity_range_m) & ((marks & kInferred) != 0);
+  const Fall fall = fall_in(gap, k);
+  const std::int32_t told = select(sparsity(fall.m, robot_m, k) < kSparse, kDrops, 0) |
+                            select(fall.slopes != 0, kSlopes, 0);
+  marks |= select(asked, told, 0);
+  return select(asked, fall.m, kNan);
 }
 
 }  // namespace talus::kernels

@@ -122,11 +122,33 @@ struct PassingRays
 };
 
 /** Whether rays pass above the ground at a height; infinity: no ray. Rays below it tell of an
- * object or a drop, but not if rays up to kBesideRay_cells away on both sides pass above: what a
- * glossy floor reflects are single rays. */
+ * object or a drop, but not if rays pass above it on both sides: what a glossy floor reflects are
+ * single rays. */
 TALUS_HD bool passes_over(float height_m, float ground_m)
 {
   return (height_m > ground_m) & (height_m < kInfinity);
+}
+/** Whether over(d) holds on both sides of a cell, of one that lies at most kBesideRay_cells away.
+ */
+template <class Over>
+TALUS_HD bool on_both_sides(const Over& over)
+{
+  bool left = false, right = false;
+  for (int d = 1; d <= kBesideRay_cells && !(left && right); d++)
+    left |= over(-d), right |= over(d);
+  return left & right;
+}
+/** The same of rays above a height beside a place of a line, `aside` rows from the middle one, at
+ * which PassingRays::free_above_m is given. Rows are `across` apart. */
+TALUS_HD bool is_passed_over(
+    const float* free_above_m, int across, int aside, int rings, float ground_m)
+{
+  return on_both_sides(
+      [&](int d)
+      {
+        const int row = aside + d;
+        return abs_of(row) <= rings && passes_over(free_above_m[row * across], ground_m);
+      });
 }
 
 }  // namespace talus::kernels

@@ -279,7 +279,6 @@ class Sweep
     {
       const float ends_m = samples.ends_m[first + minor[l] * strip.across];
       const bool told = (here.place[0][l] >= 0) & (here.place[0][l] < place) &
-                        !kernels::is_stood(here.height_m[0][l]) &
                         kernels::undercuts(
                             ends_m, here.height_m[0][l],
                             static_cast<float>(here.distance(l, place)) * strip.step_m[l]);
@@ -288,23 +287,11 @@ class Sweep
     for (auto lines = static_cast<std::uint32_t>(under); lines; lines &= lines - 1)
     {
       const int l = __builtin_ctz(lines);
-      if (!is_passed_over(strip, samples, here.height_m[0][l], place, minor[l]))
+      if (!kernels::is_passed_over(
+              samples.free_above_m + first, strip.across, minor[l], strip.places - 1,
+              here.height_m[0][l]))
         undercut.place[l] = place;
     }
-  }
-  /** Whether on both sides of a place rays pass above the last sample. */
-  static bool is_passed_over(
-      const Strip& strip, const kernels::Samples& samples, float sample_m, int place, int minor)
-  {
-    const int rings = strip.places - 1, k = kernels::kBesideRay_cells;
-    const float* const free_m = samples.free_above_m + strip.first + place * strip.along;
-    const auto over = [&](int step, int cells)
-    {
-      for (int n = 1; n <= cells; n++)
-        if (kernels::passes_over(free_m[(minor + n * step) * strip.across], sample_m)) return true;
-      return false;
-    };
-    return over(1, std::min(k, rings - minor)) && over(-1, std::min(k, rings + minor));
   }
 
   /** Fetches the values of a place for each step-th line, which processors cannot predict. */
@@ -387,26 +374,18 @@ class Sweep
           l, kThere == kNear ? side.infer(l, place, strip, k) : side.infer_far(l, place, strip));
   }
 
-  /** The fall of the ground between the samples on both sides; NaN if one is too far for stage 7.
-   */
-  static kernels::Fall fall(
-      const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind, int l,
-      int place)
+  /** Between the samples on both sides; unknown if one is too far for stage 7. */
+  static kernels::Gap gap(
+      const Strip& strip, const Side& before, const Side& behind, int l, int place)
   {
     const bool both = (before.distance(l, place) <= strip.sparsity_places[l]) &
-                      (behind.distance(l, place) <= strip.sparsity_places[l]) &
-                      !kernels::is_stood(before.height_m[0][l]);
+                      (behind.distance(l, place) <= strip.sparsity_places[l]);
     const auto length_m = [&](int from, int to)
-    {
-      const int places = kernels::select(both, kernels::abs_of(to - from), 0);
-      return static_cast<float>(places) * strip.step_m[l];
-    };
-    const kernels::Gap gap{
-        length_m(before.place[0][l], behind.place[0][l]), before.height_m[0][l],
-        behind.height_m[0][l], behind.height_m[1][l],
-        length_m(behind.place[0][l], behind.place[1][l])};
-    const kernels::Fall told = kernels::fall_in(gap, k);
-    return {kernels::select(both, told.m, kernels::kNan), kernels::select(both, told.slopes, 0)};
+    { return static_cast<float>(kernels::abs_of(to - from)) * strip.step_m[l]; };
+    return {
+        length_m(before.place[0][l], behind.place[0][l]),
+        kernels::select(both, before.height_m[0][l], kernels::kNan), behind.height_m[0][l],
+        behind.height_m[1][l], length_m(behind.place[0][l], behind.place[1][l])};
   }
 
   static void find_falls(
@@ -417,12 +396,8 @@ class Sweep
     for (int l = 0; l < kLanes; l++)
     {
       const float robot_m = static_cast<float>(place) * strip.step_m[l];
-      const kernels::Fall told = fall(k, strip, before, behind, l, place);
-      const bool asked =
-          (robot_m <= k.sparsity_range_m) & ((found.marks[l] & kernels::kInferred) != 0);
-      const std::int32_t marks = kernels::marks_of_fall(told, robot_m, k);
-      found.fall_m[l] = kernels::select(asked, told.m, kernels::kNan);
-      found.marks[l] |= kernels::select(asked, marks, 0);
+      found.fall_m[l] =
+          kernels::tell_fall(gap(strip, before, behind, l, place), robot_m, found.marks[l], k);
     }
   }
 

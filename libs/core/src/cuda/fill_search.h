@@ -92,11 +92,10 @@ struct Track
     return begin + place * along + aside_at(place) * across;
   }
   /** Cell at a place, relative to the sensor's cell. */
-  TALUS_HD CellOffset offset(int place) const { return offset(place, aside_at(place)); }
-  TALUS_HD CellOffset offset(int place, int to_side) const
+  TALUS_HD CellOffset offset(int place) const
   {
     const int ahead = along > 0 ? place : -place;
-    const int aside = across > 0 ? to_side : -to_side;
+    const int aside = across > 0 ? aside_at(place) : -aside_at(place);
     return abs_of(along) == 1 ? CellOffset{ahead, aside} : CellOffset{aside, ahead};
   }
   TALUS_HD int aside_at(int place) const { return line_aside(minor, place, rings, inverse); }
@@ -267,7 +266,7 @@ struct SearchAndFillCell
   struct Behind
   {
     std::int32_t places = 0;  //!< to the nearest sample; 0: none
-    Fall fall;
+    Gap gap;  //!< near the robot
   };
   FillCell fill;
   Config k;
@@ -375,11 +374,8 @@ struct SearchAndFillCell
     const float robot_m = robot_away_m(radial);
     const bool asks = inner.near() && !outer.near() && !behind.places;
     Inferred found{lines, marks_of_sides(inner, outer, asks && is_undercut_ahead(radial, inner))};
-    if (robot_m <= k.sparsity_range_m)
-    {
-      fall_m[grid.at(ix, iy)] = behind.fall.m;
-      found.marks |= marks_of_fall(behind.fall, robot_m, k);
-    }
+    const float told_m = tell_fall(behind.gap, robot_m, found.marks, k);
+    if (robot_m <= k.sparsity_range_m) fall_m[grid.at(ix, iy)] = told_m;
     return found;
   }
   TALUS_HD float robot_away_m(const LineSearch<Track>& radial) const
@@ -390,7 +386,7 @@ struct SearchAndFillCell
   {
     Behind found;
     found.places = radial.nearest(true, radial.track.sparsity_places);
-    if (robot_away_m(radial) <= k.sparsity_range_m) found.fall = fall_to(radial, found.places);
+    if (robot_away_m(radial) <= k.sparsity_range_m) found.gap = gap_to(radial, found.places);
     return found;
   }
   /** For a cell with samples towards the sensor only. */
@@ -400,51 +396,31 @@ struct SearchAndFillCell
     const int first = (radial.place + kUndercutPlaces - 1) / kUndercutPlaces * kUndercutPlaces;
     const int sample = radial.place - inner.places;
     bool any = false;
-    if (is_stood(inner.nearest_m)) return false;
+    const Track& track = radial.track;
     for (int place = first; place <= last && !any; place += kUndercutPlaces)
     {
-      const float away_m = static_cast<float>(place - sample) * radial.track.step_m;
-      any = undercuts(fill.passing.ends_m[radial.track(place)], inner.nearest_m, away_m) &&
-            !is_passed_over(radial.track, place, inner.nearest_m);
+      const float away_m = static_cast<float>(place - sample) * track.step_m;
+      const float* const free_m = fill.passing.free_above_m + track.begin + place * track.along;
+      any = undercuts(fill.passing.ends_m[track(place)], inner.nearest_m, away_m) &&
+            !is_passed_over(
+                free_m, track.across, track.aside_at(place), track.rings, inner.nearest_m);
     }
     return any;
   }
-  /** PassingRays::free_above_m of a cell that lies so many cells beside a place of a line; NaN
-   * outside. */
-  TALUS_HD float free_at(const Track& track, int place, int beside) const
-  {
-    const int aside = max_of(min_of(track.aside_at(place) + beside, track.rings), -track.rings);
-    const CellOffset at = track.offset(place, aside);
-    const int ix = grid.half + at.dx, iy = grid.half + at.dy;
-    const bool inside = ix < k.cells && iy < k.cells;  // as in SamplesOfLine
-    return inside ? fill.passing.free_above_m[grid.at(ix, iy)] : kNan;
-  }
-  /** Whether on both sides of a place rays pass above the sample. */
-  TALUS_HD bool is_passed_over(const Track& track, int place, float sample_m) const
-  {
-    bool left = false, right = false;
-    for (int d = 1; d <= kBesideRay_cells && !(left && right); d++)
-    {
-      left |= passes_over(free_at(track, place, -d), sample_m);
-      right |= passes_over(free_at(track, place, d), sample_m);
-    }
-    return left & right;
-  }
-  /** The fall of the ground to the sample that many places behind; NaN: one side has no sample. */
-  TALUS_HD Fall fall_to(const LineSearch<Track>& radial, int behind) const
+  /** From the sample before to that so many places behind. */
+  TALUS_HD Gap gap_to(const LineSearch<Track>& radial, int behind) const
   {
     const int before = radial.nearest(false, radial.track.sparsity_places);
-    if (!before || !behind || is_stood(samples.height_m[radial.at(false, before)])) return {};
+    if (!before || !behind) return {};
     const LineSearch<Track> far{
         k, samples.height_m, radial.marks, radial.track, radial.place + behind};
     const int next = far.nearest(true, radial.track.last());
     const int far_i = radial.at(true, behind);
-    return fall_in(
-        {static_cast<float>(before + behind) * radial.track.step_m,
-         samples.height_m[radial.at(false, before)], samples.height_m[far_i],
-         next ? samples.height_m[far.at(true, next)] : kNan,
-         static_cast<float>(next) * radial.track.step_m},
-        k);
+    return {
+        static_cast<float>(before + behind) * radial.track.step_m,
+        samples.height_m[radial.at(false, before)], samples.height_m[far_i],
+        next ? samples.height_m[far.at(true, next)] : kNan,
+        static_cast<float>(next) * radial.track.step_m};
   }
 };
 
