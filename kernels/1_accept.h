@@ -1,5 +1,4 @@
 #pragma once
-#include "kernels/config.h"
 #include "kernels/frame.h"
 #include "kernels/math.h"
 
@@ -22,11 +21,6 @@ enum RejectCode : int
 /** The counters of a frame: the points of each RejectCode, and 1 if the frame shows another floor.
  */
 constexpr int kLeavesFloor = kRejectCodes, kCounters = kRejectCodes + 1;
-
-struct Point
-{
-  float x_m, y_m, z_m;
-};
 
 struct Verdict
 {
@@ -118,16 +112,5 @@ TALUS_HD float point_variance(
   const float sensor = k.c_beam_m + k.a_beam * sqrtf(range2);
   return sensor * sensor + f.pose_change2 * range2;
 }
-
-/** The points of a frame in the sensor frame, one array for each coordinate. */
-struct PointsIn
-{
-  const float* x_m;
-  const float* y_m;
-  const float* z_m;
-  const float* time_s;  //!< read only where FrameContext::has_times
-
-  TALUS_HD Point at(int point_i) const { return {x_m[point_i], y_m[point_i], z_m[point_i]}; }
-};
 
 }  // namespace talus::kernels

@@ -1,9 +1,5 @@
 #pragma once
-#include "kernels/cell.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
-#include "kernels/math.h"
-#include "kernels/rays.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
@@ -17,34 +13,32 @@ namespace talus::kernels
  * of rays; -infinity where no ground was hit. */
 struct FindGroundHits
 {
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  const Datum* datum;
+  const Map& m;
 
   /** Storage index of the cell at an index of the table, or -1 where the map has no ground. */
   TALUS_HD int cell_at(const BinDirection& d, int ring) const
   {
-    const int n = config->cells;
-    const float scale = config->inverse_resolution, chebyshev_m = distance_m(ring);
-    const int ix = floor_to_int((frame->sensor_x_m + d.x * chebyshev_m) * scale);
-    const int iy = floor_to_int((frame->sensor_y_m + d.y * chebyshev_m) * scale);
+    const int n = m.k.cells;
+    const float scale = m.k.inverse_resolution, chebyshev_m = distance_m(ring);
+    const int ix = floor_to_int((m.frame->sensor_x_m + d.x * chebyshev_m) * scale);
+    const int iy = floor_to_int((m.frame->sensor_y_m + d.y * chebyshev_m) * scale);
     const bool inside =
-        (ring > 0) & (ring < frame->rings - 1) & (ix >= 0) & (iy >= 0) & (ix < n) & (iy < n);
-    const bool known = inside & !entered_window(*frame, n, ix, iy);
-    return select(known, storage_index(*frame, n, ix, iy), -1);
+        (ring > 0) & (ring < m.frame->rings - 1) & (ix >= 0) & (iy >= 0) & (ix < n) & (iy < n);
+    const bool known = inside & !entered_window(*m.frame, n, ix, iy);
+    return select(known, m.at(ix, iy), -1);
   }
   TALUS_HD float limit(int ring, std::int32_t hit, int state, float ground_m) const
   {
     const float slope = float_from_ordered(hit);
-    const bool on_ground = on(kBuriedRays, *config) & (state == kMeasured) & (slope < 0.0f) &
+    const bool on_ground = on(kBuriedRays, m.k) & (state == kMeasured) & (slope < 0.0f) &
                            (abs_of(height_m(ring, hit) - ground_m) < kOnGround_m);
     return select(on_ground, slope - margin(ring), -kInfinity);
   }
   /** Height of a hit above the datum of the last frame. */
   TALUS_HD float height_m(int ring, std::int32_t hit) const
   {
-    return frame->sensor_z_map_m - datum->offset_m + float_from_ordered(hit) * distance_m(ring);
+    return m.frame->sensor_z_map_m - m.datum_before->offset_m +
+           float_from_ordered(hit) * distance_m(ring);
   }
   /** How far the limit of a hit lies below that hit, as a slope. */
   TALUS_HD float margin(int ring) const { return kBuried_m / distance_m(ring); }
@@ -52,7 +46,7 @@ struct FindGroundHits
  private:
   TALUS_HD float distance_m(int ring) const
   {
-    return (static_cast<float>(ring) + 0.5f) * config->resolution_m;
+    return (static_cast<float>(ring) + 0.5f) * m.k.resolution_m;
   }
 };
 

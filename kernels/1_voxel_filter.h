@@ -1,5 +1,6 @@
 #pragma once
 #include "kernels/1_accept.h"
+#include "kernels/map.h"
 
 namespace talus::kernels
 {
@@ -17,46 +18,34 @@ TALUS_HD std::uint64_t mix_bits(std::uint64_t v)
   return v ^ (v >> 31);
 }
 
-struct VoxelTable
-{
-  std::uint64_t* key;  //!< kNoVoxel before the first pass
-  std::uint64_t* winner;  //!< kNoVoxel before the first pass
-  std::uint32_t mask;  //!< size - 1, a power of two at least twice the points
-};
-
 /** Enters one point into the table; `slot` keeps its place. */
 template <class Atomics>
 struct EnterVoxel
 {
-  const Config* config;
-  const FrameContext* frame;
-  const Body* body;
-  PointsIn in;
-  VoxelTable table;
-  std::uint32_t* slot;
+  const Map& m;
 
   TALUS_HD void operator()(int point_i) const
   {
-    if (point_i >= frame->n_points) return;
-    const Point p = in.at(point_i);
+    if (point_i >= m.frame->n_points) return;
+    const Point p = m.in.at(point_i);
     if (!counts(p, point_i)) return;
     const std::uint64_t key = voxel_key(p);
-    std::uint32_t s = static_cast<std::uint32_t>(mix_bits(key)) & table.mask;
+    std::uint32_t s = static_cast<std::uint32_t>(mix_bits(key)) & m.voxel_mask;
     for (;;)
     {
-      const std::uint64_t there = Atomics::compare_exchange(table.key + s, kNoVoxel, key);
+      const std::uint64_t there = Atomics::compare_exchange(m.voxel_key + s, kNoVoxel, key);
       if (there == kNoVoxel || there == key) break;
-      s = (s + 1) & table.mask;
+      s = (s + 1) & m.voxel_mask;
     }
-    slot[point_i] = s;
-    Atomics::min(table.winner + s, fingerprint(p));
+    m.voxel_slot[point_i] = s;
+    Atomics::min(m.voxel_winner + s, fingerprint(p));
   }
 
   /** Whether a point passes all other tests of stage 1. */
   TALUS_HD bool counts(const Point& p, int point_i) const
   {
-    const float rise_m = rise_above_sensor(pose_of_point(*frame, in.time_s, point_i), p);
-    return accept(p, rise_m, *config).code == kAccepted && !is_body(p, *frame, *body);
+    const float rise_m = rise_above_sensor(pose_of_point(*m.frame, m.in.time_s, point_i), p);
+    return accept(p, rise_m, m.k).code == kAccepted && !is_body(p, *m.frame, *m.body);
   }
 
   /** A key of 21 bits for each coordinate in the sensor frame. */
@@ -64,7 +53,7 @@ struct EnterVoxel
   {
     constexpr std::uint64_t mask = (1u << 21) - 1;
     const auto part = [&](float v)
-    { return static_cast<std::uint64_t>(floor_to_int(v * config->inverse_voxel)) & mask; };
+    { return static_cast<std::uint64_t>(floor_to_int(v * m.k.inverse_voxel)) & mask; };
     return part(p.x_m) << 42 | part(p.y_m) << 21 | part(p.z_m);
   }
 
@@ -80,15 +69,15 @@ struct EnterVoxel
 template <class Atomics>
 struct KeepVoxel
 {
-  EnterVoxel<Atomics> entered;
-  std::uint8_t* kept;
+  const Map& m;
 
   TALUS_HD void operator()(int point_i) const
   {
-    if (point_i >= entered.frame->n_points) return;
-    const Point p = entered.in.at(point_i);
-    kept[point_i] = !entered.counts(p, point_i) || entered.table.winner[entered.slot[point_i]] ==
-                                                       EnterVoxel<Atomics>::fingerprint(p);
+    if (point_i >= m.frame->n_points) return;
+    const EnterVoxel<Atomics> entered{m};
+    const Point p = m.in.at(point_i);
+    m.voxel_kept[point_i] = !entered.counts(p, point_i) ||
+                            m.voxel_winner[m.voxel_slot[point_i]] == entered.fingerprint(p);
   }
 };
 

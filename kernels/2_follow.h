@@ -1,10 +1,7 @@
 #pragma once
 #include "kernels/1_points.h"
 #include "kernels/atomics.h"
-#include "kernels/cell.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
-#include "kernels/math.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
@@ -30,22 +27,18 @@ struct OffsetHistogram
 template <class Atomics>
 struct CountOffset
 {
-  const Config* config;
-  CellStore store;
-  const Datum* datum;
-  PointsOut points;
-  OffsetHistogram* histogram;
+  const Map& m;
 
   TALUS_HD void operator()(int point_i) const
   {
-    const int ray = points.ray[point_i], storage_i = points.cell[point_i];
-    if (ray % kOffsetOneIn != 0 || ray < 0 || storage_i < 0 || !(points.slope[point_i] < 0.0f))
+    const int ray = m.point_ray[point_i], storage_i = m.point_cell[point_i];
+    if (ray % kOffsetOneIn != 0 || ray < 0 || storage_i < 0 || !(m.point_slope[point_i] < 0.0f))
       return;
-    const float ground_m = store.ground_m[storage_i], top_m = store.elevation_m[storage_i];
-    const bool bare = (store.state[storage_i] == kMeasured) &
-                      (store.driven_height[storage_i] == 0) &
-                      !(top_m - ground_m > kBare_steps * config->step_threshold_m);
-    if (bare) add(points.height_m[point_i] - datum->offset_m - ground_m);
+    const float ground_m = m.cell.ground_m[storage_i], top_m = m.cell.elevation_m[storage_i];
+    const bool bare = (m.cell.state[storage_i] == kMeasured) &
+                      (m.cell.driven_height[storage_i] == 0) &
+                      !(top_m - ground_m > kBare_steps * m.k.step_threshold_m);
+    if (bare) add(m.point_height_m[point_i] - m.datum->offset_m - ground_m);
   }
 
  private:
@@ -55,13 +48,13 @@ struct CountOffset
     const float bin = above_m / kOffsetBin_m + half;
     if (!(bin >= 0.0f && bin < 2.0f * half))
     {
-      Atomics::add(&histogram->far, 1);
+      Atomics::add(&m.offsets->far, 1);
       return;
     }
     const int at = floor_to_int(bin);
-    Atomics::add(histogram->count + at, 1);
+    Atomics::add(m.offsets->count + at, 1);
     Atomics::add(
-        histogram->sum + at, static_cast<std::uint32_t>(floor_to_int(above_m * kHeightSteps)));
+        m.offsets->sum + at, static_cast<std::uint32_t>(floor_to_int(above_m * kHeightSteps)));
   }
 };
 
@@ -69,27 +62,23 @@ struct CountOffset
  * once in a frame. */
 struct FollowPoses
 {
-  const Config* config;
-  FrameContext* frame;
-  OffsetHistogram* histogram;
-  Datum* datum;
-  std::uint32_t* leaves_floor;
+  const Map& m;
 
   template <class Group>
   TALUS_HD void operator()(const Group& group) const
   {
     const Agreement most = agreement(group);
-    const int far = static_cast<int>(histogram->far);
+    const int far = static_cast<int>(m.offsets->far);
     group.sync();
     for (int bin = group.rank(); bin < OffsetHistogram::kBins; bin += group.size())
-      histogram->count[bin] = histogram->sum[bin] = 0;
+      m.offsets->count[bin] = m.offsets->sum[bin] = 0;
     if (group.rank() != 0) return;
-    histogram->far = 0;
+    m.offsets->far = 0;
     decide(most, far);
-    frame->drove_through_m = static_cast<float>(datum->drove_through) * kDrivenUnit_m;
-    datum->drove_through = 0;
-    frame->offset_m = datum->offset_m;
-    frame->sensor_z_m = frame->sensor_z_map_m - datum->offset_m;
+    m.frame->drove_through_m = static_cast<float>(m.datum->drove_through) * kDrivenUnit_m;
+    m.datum->drove_through = 0;
+    m.frame->offset_m = m.datum->offset_m;
+    m.frame->sensor_z_m = m.frame->sensor_z_map_m - m.datum->offset_m;
   }
 
  private:
@@ -101,9 +90,9 @@ struct FollowPoses
 
   TALUS_HD int hits_around(int bin) const
   {
-    std::uint32_t hits = histogram->count[bin];
-    if (bin > 0) hits += histogram->count[bin - 1];
-    if (bin + 1 < OffsetHistogram::kBins) hits += histogram->count[bin + 1];
+    std::uint32_t hits = m.offsets->count[bin];
+    if (bin > 0) hits += m.offsets->count[bin - 1];
+    if (bin + 1 < OffsetHistogram::kBins) hits += m.offsets->count[bin + 1];
     return static_cast<int>(hits);
   }
   template <class Group>
@@ -112,7 +101,7 @@ struct FollowPoses
     int all = 0, most = 0, where = -1;
     for (int bin = group.rank(); bin < OffsetHistogram::kBins; bin += group.size())
     {
-      all += static_cast<int>(histogram->count[bin]);
+      all += static_cast<int>(m.offsets->count[bin]);
       most = max_of(most, hits_around(bin));
     }
     most = group.max(most);
@@ -122,25 +111,25 @@ struct FollowPoses
     std::uint32_t sum = 0;
     for (int bin = max_of(where - 1, 0); bin <= min_of(where + 1, OffsetHistogram::kBins - 1);
          bin++)
-      sum += histogram->sum[bin];
+      sum += m.offsets->sum[bin];
     return {most, static_cast<int>(sum), group.sum(all)};
   }
 
   TALUS_HD void decide(const Agreement& most, int far) const
   {
-    Datum now = *datum;
+    Datum now = *m.datum;
     if (now.starts_anew != 0)
-      now.offset_m = 0.0f, now.starts_anew = 0, frame->starts_map = 1;
+      now.offset_m = 0.0f, now.starts_anew = 0, m.frame->starts_map = 1;
     else if (const int all = most.of + far; all >= kFewestGroundHits)
     {
       const float above_m =
           static_cast<float>(most.sum) / (static_cast<float>(most.hits) * kHeightSteps);
       const bool agree = 2 * most.hits > all && abs_of(above_m) > kFollow_m;
-      if (agree && on(kFollowsPoses, *config)) now.offset_m += above_m;
-      now.starts_anew = select((kOtherFloorOneIn * far > all) & on(kFollowsPoses, *config), 1, 0);
+      if (agree && on(kFollowsPoses, m.k)) now.offset_m += above_m;
+      now.starts_anew = select((kOtherFloorOneIn * far > all) & on(kFollowsPoses, m.k), 1, 0);
     }
-    *datum = now;
-    *leaves_floor = static_cast<std::uint32_t>(now.starts_anew);
+    *m.datum = now;
+    m.counters[kLeavesFloor] = static_cast<std::uint32_t>(now.starts_anew);
   }
 };
 

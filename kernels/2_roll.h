@@ -1,17 +1,14 @@
 #pragma once
-#include "kernels/cell.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
-#include "kernels/math.h"
+#include "kernels/map.h"
 
 namespace talus::kernels
 {
 /** Clears the highest hit of a cell, before all rules of a frame. */
 struct ForgetHits
 {
-  float* top_hit_m;  //!< by storage index: highest point of this frame; -infinity: not hit yet
+  const Map& m;
 
-  TALUS_HD void operator()(int, int, int storage_i) const { top_hit_m[storage_i] = -kInfinity; }
+  TALUS_HD void operator()(int, int, int storage_i) const { m.top_hit_m[storage_i] = -kInfinity; }
 };
 
 /** Stage 2 on cell (ix, iy) of the window, which follows the robot by whole cells. Storage is a
@@ -19,17 +16,14 @@ struct ForgetHits
  * another floor all cells do. */
 struct RollCell
 {
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  const Datum* datum;
+  const Map& m;
 
   TALUS_HD Stretch stays(int iy) const
   {
-    return staying(*frame, config->cells, iy, datum->starts_anew != 0);
+    return staying(*m.frame, m.k.cells, iy, m.datum->starts_anew != 0);
   }
   TALUS_HD bool applies(int ix, int iy, int) const { return !stays(iy).has(ix); }
-  TALUS_HD void operator()(int, int, int storage_i) const { store.store(storage_i, Cell{}); }
+  TALUS_HD void operator()(int, int, int storage_i) const { m.cell.store(storage_i, Cell{}); }
 };
 
 }  // namespace talus::kernels

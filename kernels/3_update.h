@@ -1,10 +1,6 @@
 #pragma once
 #include "kernels/1_points.h"
-#include "kernels/cell.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
-#include "kernels/math.h"
-#include "kernels/rays.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
@@ -330,26 +326,13 @@ TALUS_HD void update_cell(
   put_overhang(c, points.reduce(Overhang{}, overhangs_up_to(c, k), k), k);
 }
 
-/** Points sorted by cell: each cell has a range. The order of the ranges does not matter. */
-struct Sorting
-{
-  const std::uint32_t* cell_count;  //!< points that a range has room for
-  std::uint32_t* kept_count;  //!< points that are in the range
-  std::uint32_t* cell_begin;
-  HeightPoint* sorted;
-  std::int32_t* crowded;  //!< cells that a group updates; on the CPU room for all cells, twice
-  std::uint64_t* cursor;  //!< end of `sorted`; in the upper half the end of `crowded`; zero before
-  std::uint32_t crowd;  //!< a cell with more points is crowded
-};
+/** A cell with more points is crowded, where a group updates it: on devices. */
+constexpr std::uint32_t kCrowd = 4;
 
 /** Moves one point to the range of its cell. */
 struct SortPoint
 {
-  const Config* config;
-  const FrameContext* frame;
-  PointsOut points;
-  const std::int32_t* rays;
-  Sorting sorting;
+  const Map& m;
 
   /** Whether rays passed below a point in its own direction and in two on each side. Beside the
    * edge of an object rays pass on one side only. */
@@ -363,56 +346,51 @@ struct SortPoint
   TALUS_HD int rings_behind() const
   {
     return max_of(
-        kBehindOverhang_rings, floor_to_int(kBehindOverhang_m * config->inverse_resolution + 0.5f));
+        kBehindOverhang_rings, floor_to_int(kBehindOverhang_m * m.k.inverse_resolution + 0.5f));
   }
   /** Whether a ray passed below a point in the direction that lies `beside` bins away. */
   TALUS_HD bool passed_below(int point_i, int beside) const
   {
-    const bool aims = (points.ray[point_i] >= 0) & (points.cell[point_i] >= 0);
-    const int at = select(aims, points.ray[point_i], 0), bins = bin_count(*config);
+    const bool aims = (m.point_ray[point_i] >= 0) & (m.point_cell[point_i] >= 0);
+    const int at = select(aims, m.point_ray[point_i], 0), bins = bin_count(m.k);
     const int ring = floor_div(at, bins, 1.0f / static_cast<float>(bins)), bin = at - ring * bins;
-    const int behind = min_of(ring + rings_behind(), frame->rings - 1);
-    const std::int32_t lowest = rays[behind * bins + wrap_bin(bin + beside, bins)];
-    const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * config->resolution_m;
-    const float limit = points.slope[point_i] - config->cleanup_margin_m / chebyshev_m;
+    const int behind = min_of(ring + rings_behind(), m.frame->rings - 1);
+    const std::int32_t lowest = m.rays[behind * bins + wrap_bin(bin + beside, bins)];
+    const float chebyshev_m = (static_cast<float>(ring) + 0.5f) * m.k.resolution_m;
+    const float limit = m.point_slope[point_i] - m.k.cleanup_margin_m / chebyshev_m;
     return aims & (lowest != kNoRay) & !(float_from_ordered(lowest) > limit);
   }
 
   TALUS_HD void put(int point_i, std::uint32_t rank, bool overhangs) const
   {
-    sorting.sorted[sorting.cell_begin[points.cell[point_i]] + rank] = {
-        points.height_m[point_i] - frame->offset_m, points.variance_m2[point_i],
+    m.sorted[m.cell_begin[m.point_cell[point_i]] + rank] = {
+        m.point_height_m[point_i] - m.frame->offset_m, m.point_variance_m2[point_i],
         select(overhangs, 1, 0)};
   }
 
   TALUS_HD void put(int point_i, bool overhangs) const
   {
-    if (points.cell[point_i] >= 0 && points.rank[point_i] != kNoRank)
-      put(point_i, points.rank[point_i], overhangs);
+    if (m.point_cell[point_i] >= 0 && m.point_rank[point_i] != kNoRank)
+      put(point_i, m.point_rank[point_i], overhangs);
   }
 };
 
 /** Stage 3 on the cell of its first point, or on a crowded cell. */
 struct UpdateCell
 {
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  PointsOut points;
-  Sorting sorting;
-  float* top_hit_m;
+  const Map& m;
 
   /** The cell to update for point i, or -1. */
   TALUS_HD int lone_cell(int point_i) const
   {
-    if (point_i >= frame->n_points || points.cell[point_i] < 0 || points.rank[point_i] != 0)
+    if (point_i >= m.frame->n_points || m.point_cell[point_i] < 0 || m.point_rank[point_i] != 0)
       return -1;
-    return sorting.cell_count[points.cell[point_i]] <= sorting.crowd ? points.cell[point_i] : -1;
+    return m.cell_count[m.point_cell[point_i]] <= kCrowd ? m.point_cell[point_i] : -1;
   }
   /** The crowded cell in a slot, or -1 if there is none. */
   TALUS_HD int crowded_cell(int slot) const
   {
-    return slot < static_cast<int>(*sorting.cursor >> 32) ? sorting.crowded[slot] : -1;
+    return slot < static_cast<int>(*m.cursor >> 32) ? m.crowded[slot] : -1;
   }
 
   /** Stores the updated cell, unless the update rests on a single point. */
@@ -421,38 +399,37 @@ struct UpdateCell
     Cell c = updated;
     // Rays from below end at the underside of what is above the sensor: it hangs.
     const bool free = (c.state == kMeasured) | c.is(kPassedLow);
-    if (free && c.is(kHitHighUp) && ends.highest().height_m > frame->sensor_z_m)
+    if (free && c.is(kHitHighUp) && ends.highest().height_m > m.frame->sensor_z_m)
     {
-      if (store.is(kHitHighUp, storage_i) && store.elevation_m[storage_i] <= frame->sensor_z_m)
-        c.elevation_m = store.elevation_m[storage_i];  // what is below that is another object
+      if (m.cell.is(kHitHighUp, storage_i) && m.cell.elevation_m[storage_i] <= m.frame->sensor_z_m)
+        c.elevation_m = m.cell.elevation_m[storage_i];  // what is below that is another object
       else
         remove_object(c);
     }
-    const float bare_m = bare_up_to_m(store.ground_m[storage_i], *config);
-    const bool seen = (store.state[storage_i] == kMeasured) | store.is(kPassedLow, storage_i);
-    const bool was_bare = seen & !(store.elevation_m[storage_i] > bare_m);
+    const float bare_m = bare_up_to_m(m.cell.ground_m[storage_i], m.k);
+    const bool seen = (m.cell.state[storage_i] == kMeasured) | m.cell.is(kPassedLow, storage_i);
+    const bool was_bare = seen & !(m.cell.elevation_m[storage_i] > bare_m);
     float top_m = ends.highest().height_m;
     if (was_bare && top_m > bare_m && is_alone(storage_i, top_m, bare_m))
     {
-      const Cell before = store.load(storage_i);
+      const Cell before = m.cell.load(storage_i);
       c.stay_frames = before.stay_frames, c.passed_frames = before.passed_frames;
       if (!hit_lately(before.recent_hits))
         top_m = refuse(c, before, ends.lowest().height_m, bare_m);
     }
-    store.store(storage_i, c);
-    top_hit_m[storage_i] = top_m;
+    m.cell.store(storage_i, c);
+    m.top_hit_m[storage_i] = top_m;
   }
 
   template <class Group>
   TALUS_HD void update(int storage_i, const Group& group) const
   {
     const CellPoints<Group> here{
-        sorting.sorted + sorting.cell_begin[storage_i],
-        static_cast<int>(sorting.kept_count[storage_i]), group};
+        m.sorted + m.cell_begin[storage_i], static_cast<int>(m.kept_count[storage_i]), group};
     if (here.size == 0) return;
-    Cell c = store.load(storage_i);
-    const Extremes ends = here.reduce(Extremes{}, UpTo{}, *config);
-    update_cell(c, ends, here, *config);
+    Cell c = m.cell.load(storage_i);
+    const Extremes ends = here.reduce(Extremes{}, UpTo{}, m.k);
+    update_cell(c, ends, here, m.k);
     if (group.rank() == 0) put(storage_i, c, ends);
   }
 
@@ -468,8 +445,8 @@ struct UpdateCell
     for (int c = 0; c < kCells; c++)
     {
       const int i = max_of(cells[c], 0);
-      begin[c] = sorting.cell_begin[i];
-      size[c] = select(cells[c] < 0, 0, static_cast<int>(sorting.kept_count[i]));
+      begin[c] = m.cell_begin[i];
+      size[c] = select(cells[c] < 0, 0, static_cast<int>(m.kept_count[i]));
     }
     for (int c = 0; c < kCells; c++) most = max_of(most, size[c]);
     int beside = 0;
@@ -479,12 +456,11 @@ struct UpdateCell
       for (int b = 0; b < kCells * kBatch; b++)
       {
         const int c = b / kBatch, p = first + b % kBatch;
-        height_m[b] = p < size[c] ? (sorting.sorted + begin[c])[p].height_m : -kInfinity;
+        height_m[b] = p < size[c] ? (m.sorted + begin[c])[p].height_m : -kInfinity;
       }
       for (int b = 0; b < kCells * kBatch; b++)
       {
-        const bool near =
-            abs_of(height_m[b] - top_m) <= kBesideHit_steps * config->step_threshold_m;
+        const bool near = abs_of(height_m[b] - top_m) <= kBesideHit_steps * m.k.step_threshold_m;
         beside += select((height_m[b] > bare_m) & near, 1, 0);
       }
     }
@@ -494,8 +470,8 @@ struct UpdateCell
    * itself comes first, since most objects fill it with hits. */
   TALUS_HD bool is_alone(int storage_i, float top_m, float bare_m) const
   {
-    if (!on(kLoneHits, *config)) return false;
-    const int n = config->cells, y = floor_div(storage_i, n), x = storage_i - y * n;
+    if (!on(kLoneHits, m.k)) return false;
+    const int n = m.k.cells, y = floor_div(storage_i, n), x = storage_i - y * n;
     int beside = points_beside({storage_i}, top_m, bare_m);
     for (int dy = -kBesideHit_cells; dy <= kBesideHit_cells && beside <= kOthersBesideHit; dy++)
     {

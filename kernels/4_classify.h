@@ -1,9 +1,5 @@
 #pragma once
-#include "kernels/cell.h"
-#include "kernels/coarse_grid.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
-#include "kernels/math.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
@@ -14,38 +10,35 @@ namespace talus::kernels
  * its reach. */
 struct ClassifyCell
 {
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  CoarseGrid grid;
-  std::uint8_t* surface_class;  //!< by storage index
+  const Map& m;
 
   TALUS_HD void operator()(int x, int y, int storage_i) const
   {
     // Reads come before stores, and no bit is tested alone, or the loop would not be vectorised.
-    const int pair = grid.pair_of(x, y, *frame), before = store.flags[storage_i];
-    const int state = store.state[storage_i];
-    const float ground_m = store.ground_m[storage_i];
-    const bool reached = grid.reach[pair] == kPairReached, apart = ground_m > grid.apart_m[pair];
+    const int pair = m.pair_of(x, y), before = m.cell.flags[storage_i];
+    const int state = m.cell.state[storage_i];
+    const float ground_m = m.cell.ground_m[storage_i];
+    const bool reached = m.pair_reach[pair] == kPairReached,
+               apart = ground_m > m.pair_apart_m[pair];
     const int asked = select(reached, 0, kObjectTop | select(apart, kWasPassable, 0));
     const int top = select((before & asked) != 0, kObjectTop, 0);
-    const int result = class_of(state, (ground_m > grid.limit_m[pair]) | (apart & (top != 0)));
-    store.flags[storage_i] = static_cast<std::uint8_t>(
+    const int result = class_of(state, (ground_m > m.pair_limit_m[pair]) | (apart & (top != 0)));
+    m.cell.flags[storage_i] = static_cast<std::uint8_t>(
         (before & ~(kWasReached | kObjectTop)) | select(reached, kWasReached, 0) | top);
-    surface_class[storage_i] = static_cast<std::uint8_t>(result);
+    m.surface_class[storage_i] = static_cast<std::uint8_t>(result);
   }
   TALUS_HD int class_of(int x, int y, int storage_i) const
   {
-    const int pair = grid.pair_of(x, y, *frame);
-    const float ground_m = store.ground_m[storage_i];
-    const bool top = store.is(kObjectTop, storage_i) & (ground_m > grid.apart_m[pair]);
-    return class_of(store.state[storage_i], (ground_m > grid.limit_m[pair]) | top);
+    const int pair = m.pair_of(x, y);
+    const float ground_m = m.cell.ground_m[storage_i];
+    const bool top = m.cell.is(kObjectTop, storage_i) & (ground_m > m.pair_apart_m[pair]);
+    return class_of(m.cell.state[storage_i], (ground_m > m.pair_limit_m[pair]) | top);
   }
 
  private:
   TALUS_HD int class_of(int state, bool object) const
   {
-    const int of_measured = select(object & on(kReach, *config), kObject, kKeep);
+    const int of_measured = select(object & on(kReach, m.k), kObject, kKeep);
     const int of_others = select(state == kPresumed, kKeep, kInfer);
     return select(state == kMeasured, of_measured, of_others);
   }
@@ -55,49 +48,39 @@ struct ClassifyCell
  * lines. Not all of its lines have samples. */
 struct LowerObject
 {
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  CoarseGrid grid;
-  const std::uint8_t* surface_class;  //!< by storage index
+  const Map& m;
 
   TALUS_HD bool applies(int, int, int storage_i) const
   {
-    return surface_class[storage_i] == kObject;
+    return m.surface_class[storage_i] == kObject;
   }
   TALUS_HD void operator()(int x, int y, int storage_i) const
   {
-    const float foot_m = grid.foot_m[grid.pair_of(x, y, *frame)];
-    const float before_m = store.ground_m[storage_i];
+    const float foot_m = m.pair_foot_m[m.pair_of(x, y)];
+    const float before_m = m.cell.ground_m[storage_i];
     if (!(foot_m < before_m)) return;  // also if it is not known
-    if (before_m - foot_m > config->clearance_m) store.flags[storage_i] |= kHitHighUp;
-    store.ground_m[storage_i] = foot_m;
-    store.ground_var_m2[storage_i] = kFoot_var_m2;
-    store.state[storage_i] = kFilledOneSided;
+    if (before_m - foot_m > m.k.clearance_m) m.cell.flags[storage_i] |= kHitHighUp;
+    m.cell.ground_m[storage_i] = foot_m;
+    m.cell.ground_var_m2[storage_i] = kFoot_var_m2;
+    m.cell.state[storage_i] = kFilledOneSided;
   }
 };
 
 /** Forgets a fill: it rested on what is no ground. */
 struct ForgetFill
 {
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
+  const Map& m;
 
   TALUS_HD void operator()(int, int, int storage_i) const
   {
-    const int state = store.state[storage_i], flags = store.flags[storage_i];
+    const int state = m.cell.state[storage_i], flags = m.cell.flags[storage_i];
     const bool fill = (state == kFilledTwoSided) | (state == kFilledOneSided);
-    store.ground_m[storage_i] = select(fill, kNan, store.ground_m[storage_i]);
-    store.ground_var_m2[storage_i] = select(fill, kNan, store.ground_var_m2[storage_i]);
-    store.state[storage_i] =
+    m.cell.ground_m[storage_i] = select(fill, kNan, m.cell.ground_m[storage_i]);
+    m.cell.ground_var_m2[storage_i] = select(fill, kNan, m.cell.ground_var_m2[storage_i]);
+    m.cell.state[storage_i] =
         static_cast<std::uint8_t>(select(fill, static_cast<int>(kUnknown), state));
-    store.flags[storage_i] =
+    m.cell.flags[storage_i] =
         static_cast<std::uint8_t>(flags & select(fill, ~(kPassedLow | kMayDrop), ~0));
-  }
-  TALUS_HD void operator()(int ix, int iy) const
-  {
-    (*this)(ix, iy, storage_index(*frame, config->cells, ix, iy));
   }
 };
 

@@ -1,10 +1,6 @@
 #pragma once
 #include "kernels/4_underfoot.h"
-#include "kernels/cell.h"
-#include "kernels/coarse_grid.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
-#include "kernels/math.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
@@ -23,6 +19,22 @@ namespace talus::kernels
 //      a ditch does not make a bridge narrow. Steep: it lies above a cone of the steepest slope
 //      over ground close by, so that a ridge or a bank is no object.
 
+/** Pools the cells of a pair, see PoolReach. */
+template <class Pool>
+TALUS_HD typename Pool::Item pool_pair(const Pool& f, const Map& m, int px, int py)
+{
+  const int n = m.k.cells;
+  const int x0 = m.pairs.first_cell(px, m.frame->odd_x);
+  const int y0 = m.pairs.first_cell(py, m.frame->odd_y);
+  const auto cell = [&](int x, int y)
+  {
+    const bool inside = (x >= 0) & (y >= 0) & (x < n) & (y < n);
+    return inside ? f.item(m.at(x, y)) : typename Pool::Item{};
+  };
+  return f.pool(
+      f.pool(cell(x0, y0), cell(x0, y0 + 1)), f.pool(cell(x0 + 1, y0), cell(x0 + 1, y0 + 1)));
+}
+
 struct PairReach
 {
   std::int32_t is = kOutsideWindow;
@@ -32,14 +44,11 @@ struct PairReach
 struct PoolReach
 {
   using Item = PairReach;
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  CoarseGrid grid;
+  const Map& m;
 
   TALUS_HD PairReach item(int storage_i) const
   {
-    const std::int32_t flags = store.flags[storage_i];
+    const std::int32_t flags = m.cell.flags[storage_i];
     return {(flags & kWasPassable) * (1 + (flags & kWasReached) / kWasReached)};
   }
   TALUS_HD PairReach pool(const PairReach& a, const PairReach& b) const
@@ -49,33 +58,33 @@ struct PoolReach
   }
   TALUS_HD void put(int px, int py, const PairReach& pooled) const
   {
-    const bool starts = is_below_robot(px, py) & on(kReach, *config);
-    grid.reach[grid.at(px, py)] = select(starts, static_cast<int>(kPairReached), pooled.is);
+    const bool starts = is_below_robot(px, py) & on(kReach, m.k);
+    m.pair_reach[m.pairs.at(px, py)] = select(starts, static_cast<int>(kPairReached), pooled.is);
   }
-  TALUS_HD void operator()(int px, int py) const { put(px, py, pool_pair(*this, px, py)); }
+  TALUS_HD void operator()(int px, int py) const { put(px, py, pool_pair(*this, m, px, py)); }
 
  private:
   TALUS_HD bool is_below_robot(int px, int py) const
   {
     const float x_m =
-        static_cast<float>(grid.first_cell(px, frame->odd_x) + 1) * config->resolution_m;
+        static_cast<float>(m.pairs.first_cell(px, m.frame->odd_x) + 1) * m.k.resolution_m;
     const float y_m =
-        static_cast<float>(grid.first_cell(py, frame->odd_y) + 1) * config->resolution_m;
-    const Offset at{x_m - frame->base_x_m, y_m - frame->base_y_m};
-    return at.is_within(kFootprint_m) & (frame->n_points > 0);
+        static_cast<float>(m.pairs.first_cell(py, m.frame->odd_y) + 1) * m.k.resolution_m;
+    const Offset at{x_m - m.frame->base_x_m, y_m - m.frame->base_y_m};
+    return at.is_within(kFootprint_m) & (m.frame->n_points > 0);
   }
 };
 
 /** Carries the reach from pair to pair. Lines of one direction do not need each other. */
+template <bool kColumns>
 struct SpreadReach
 {
-  CoarseGrid grid;
-  bool columns;
+  const Map& m;
 
   /** There and back along the lines [first, end). */
   TALUS_HD void operator()(int first, int end) const
   {
-    if (columns)
+    if constexpr (kColumns)
       along_columns(first, end);
     else
       along_rows(first, end);
@@ -86,17 +95,17 @@ struct SpreadReach
   {
     for (int py = first; py < end; py++)
     {
-      std::int32_t* const row = grid.reach + grid.at(0, py);
+      std::int32_t* const row = m.pair_reach + m.pairs.at(0, py);
       if (!spreads(row)) continue;
-      for (int px = 1; px < grid.side; px++) row[px] = spread(row[px - 1], row[px]);
-      for (int px = grid.side - 1; px-- > 0;) row[px] = spread(row[px + 1], row[px]);
+      for (int px = 1; px < m.pairs.side; px++) row[px] = spread(row[px - 1], row[px]);
+      for (int px = m.pairs.side - 1; px-- > 0;) row[px] = spread(row[px + 1], row[px]);
     }
   }
   /** The columns are side by side. */
   TALUS_HD void along_columns(int first, int end) const
   {
-    for (int py = 1; py < grid.side; py++) from_row(py - 1, py, first, end);
-    for (int py = grid.side - 1; py-- > 0;) from_row(py + 1, py, first, end);
+    for (int py = 1; py < m.pairs.side; py++) from_row(py - 1, py, first, end);
+    for (int py = m.pairs.side - 1; py-- > 0;) from_row(py + 1, py, first, end);
   }
   static TALUS_HD std::int32_t spread(std::int32_t from, std::int32_t to)
   {
@@ -106,14 +115,14 @@ struct SpreadReach
   TALUS_HD bool spreads(const std::int32_t* row) const
   {
     std::int32_t any = 0;
-    for (int px = 1; px < grid.side; px++)
+    for (int px = 1; px < m.pairs.side; px++)
       any |= static_cast<std::int32_t>(row[px - 1] + row[px] == kPairReached + kPairPassable);
     return any != 0;
   }
   TALUS_HD void from_row(int from, int to, int first, int end) const
   {
-    const std::int32_t* const a = grid.reach + grid.at(0, from);
-    std::int32_t* const b = grid.reach + grid.at(0, to);
+    const std::int32_t* const a = m.pair_reach + m.pairs.at(0, from);
+    std::int32_t* const b = m.pair_reach + m.pairs.at(0, to);
     for (int px = first; px < end; px++) b[px] = spread(a[px], b[px]);
   }
 };
@@ -127,19 +136,16 @@ struct CoarseCell
 struct PoolCells
 {
   using Item = CoarseCell;
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  CoarseGrid grid;
+  const Map& m;
 
   TALUS_HD CoarseCell item(int storage_i) const
   {
-    const float ground = store.ground_m[storage_i], top = store.elevation_m[storage_i];
-    const bool measured = store.state[storage_i] == kMeasured;
-    const bool upright = measured & (top - ground > kUpright_steps * config->step_threshold_m);
-    const bool stands = top > bare_up_to_m(ground, *config);
-    const bool blocks = top - ground > config->step_threshold_m;
-    const int bare = select(store.recent_hits[storage_i] > 0, kLeft, kEmpty);
+    const float ground = m.cell.ground_m[storage_i], top = m.cell.elevation_m[storage_i];
+    const bool measured = m.cell.state[storage_i] == kMeasured;
+    const bool upright = measured & (top - ground > kUpright_steps * m.k.step_threshold_m);
+    const bool stands = top > bare_up_to_m(ground, m.k);
+    const bool blocks = top - ground > m.k.step_threshold_m;
+    const int bare = select(m.cell.recent_hits[storage_i] > 0, kLeft, kEmpty);
     return {
         select(measured, ground, kInfinity), select(is_known(ground), ground, kInfinity),
         select(upright, top, -kInfinity), select(blocks, top, -kInfinity),
@@ -154,13 +160,13 @@ struct PoolCells
   }
   TALUS_HD void put(int px, int py, const CoarseCell& pooled) const
   {
-    grid.lowest_m[grid.at(px, py)] = pooled.lowest_m;
-    grid.known_m[grid.at(px, py)] = pooled.known_m;
-    grid.column_m[grid.at(px, py)] = pooled.column_m;
-    grid.things_m[grid.at(px, py)] = pooled.thing_m;
-    grid.presence[grid.at(px, py)] = static_cast<float>(pooled.presence);
+    m.pair_lowest_m[m.pairs.at(px, py)] = pooled.lowest_m;
+    m.pair_known_m[m.pairs.at(px, py)] = pooled.known_m;
+    m.pair_column_m[m.pairs.at(px, py)] = pooled.column_m;
+    m.pair_thing_m[m.pairs.at(px, py)] = pooled.thing_m;
+    m.pair_presence[m.pairs.at(px, py)] = static_cast<float>(pooled.presence);
   }
-  TALUS_HD void operator()(int px, int py) const { put(px, py, pool_pair(*this, px, py)); }
+  TALUS_HD void operator()(int px, int py) const { put(px, py, pool_pair(*this, m, px, py)); }
 };
 
 /** The ground of a neighbourhood: the lowest, and the same raised with distance; the lowest that is
@@ -177,45 +183,46 @@ struct ErodeGround
   using Row = NearGround;
   using Window = NearGround;
   static constexpr bool kHasPlain = false;
-  const Config* config;
-  CoarseGrid grid;
+  const Map& m;
 
-  TALUS_HD const float& neighbour(int px, int py) const { return grid.lowest_m[grid.at(px, py)]; }
+  TALUS_HD const float& neighbour(int px, int py) const
+  {
+    return m.pair_lowest_m[m.pairs.at(px, py)];
+  }
   TALUS_HD void add(NearGround& row, int px, int py, int d) const
   {
-    const float ground_m = neighbour(px + d, py), known_m = grid.known_m[grid.at(px + d, py)];
+    const float ground_m = neighbour(px + d, py), known_m = m.pair_known_m[m.pairs.at(px + d, py)];
     const float reached_m = select(is_reached(px + d, py), known_m, kInfinity);
-    const float thing_m = grid.things_m[grid.at(px + d, py)];
+    const float thing_m = m.pair_thing_m[m.pairs.at(px + d, py)];
     add(row, {ground_m, ground_m, reached_m, reached_m, thing_m}, d);
   }
   TALUS_HD void add(NearGround& sum, const NearGround& other, int d) const
   {
-    const float away_m = 2.0f * config->resolution_m * static_cast<float>(abs_of(d));
-    const float steepest = max_of(config->max_slope, kSteepestBank);
+    const float away_m = 2.0f * m.k.resolution_m * static_cast<float>(abs_of(d));
+    const float steepest = max_of(m.k.max_slope, kSteepestBank);
     sum.lowest_m = min_of(sum.lowest_m, other.lowest_m);
     sum.cone_m = min_of(sum.cone_m, other.cone_m + steepest * away_m);
     sum.low_reached_m = min_of(sum.low_reached_m, other.low_reached_m);
-    sum.reached_cone_m =
-        min_of(sum.reached_cone_m, other.reached_cone_m + config->max_slope * away_m);
+    sum.reached_cone_m = min_of(sum.reached_cone_m, other.reached_cone_m + m.k.max_slope * away_m);
     const bool beside = away_m <= kBesideThing_m;
     sum.thing_m = max_of(sum.thing_m, select(beside, other.thing_m, -kInfinity));
   }
 
   TALUS_HD void operator()(int px, int py, const NearGround& near) const
   {
-    const int coarse_i = grid.at(px, py);
+    const int coarse_i = m.pairs.at(px, py);
     const float lowest_m = select(is_reached(px, py), near.low_reached_m, near.lowest_m);
-    grid.eroded_m[coarse_i] = select(may_be_wide(px, py), lowest_m, kInfinity);
-    grid.cone_m[coarse_i] = near.cone_m;
-    grid.apart_m[coarse_i] = near.reached_cone_m + kApart_steps * config->step_threshold_m;
-    grid.foot_m[coarse_i] = near.low_reached_m;
-    grid.beside_m[coarse_i] = select(near.thing_m > -kInfinity, near.thing_m, kInfinity);
+    m.pair_eroded_m[coarse_i] = select(may_be_wide(px, py), lowest_m, kInfinity);
+    m.pair_cone_m[coarse_i] = near.cone_m;
+    m.pair_apart_m[coarse_i] = near.reached_cone_m + kApart_steps * m.k.step_threshold_m;
+    m.pair_foot_m[coarse_i] = near.low_reached_m;
+    m.pair_beside_m[coarse_i] = select(near.thing_m > -kInfinity, near.thing_m, kInfinity);
   }
 
  private:
   TALUS_HD bool is_reached(int px, int py) const
   {
-    return grid.reach[grid.at(px, py)] == kPairReached;
+    return m.pair_reach[m.pairs.at(px, py)] == kPairReached;
   }
   /** Only known ground with nothing upright on it or beside it: neither a face and its edges nor
    * the unknown behind it. */
@@ -225,11 +232,11 @@ struct ErodeGround
     for (int dy = -1; dy <= 1; dy++)
       for (int dx = -1; dx <= 1; dx++)
       {
-        const int y = min_of(max_of(py + dy, 0), grid.side - 1);
-        const float column_m = grid.column_m[grid.at(px + dx, y)];
+        const int y = min_of(max_of(py + dy, 0), m.pairs.side - 1);
+        const float column_m = m.pair_column_m[m.pairs.at(px + dx, y)];
         any |= (column_m > -kInfinity) & (column_m < kInfinity);
       }
-    return !any & (grid.lowest_m[grid.at(px, py)] < kInfinity);
+    return !any & (m.pair_lowest_m[m.pairs.at(px, py)] < kInfinity);
   }
 };
 
@@ -246,10 +253,12 @@ struct OpenGround
   using Row = HighestGround;
   using Window = HighestGround;
   static constexpr bool kHasPlain = false;
-  const Config* config;
-  CoarseGrid grid;
+  const Map& m;
 
-  TALUS_HD const float& neighbour(int px, int py) const { return grid.eroded_m[grid.at(px, py)]; }
+  TALUS_HD const float& neighbour(int px, int py) const
+  {
+    return m.pair_eroded_m[m.pairs.at(px, py)];
+  }
   TALUS_HD void add(HighestGround& row, int px, int py, int d) const
   {
     const float eroded_m = neighbour(px + d, py);
@@ -262,11 +271,11 @@ struct OpenGround
 
   TALUS_HD void operator()(int px, int py, const HighestGround& opened) const
   {
-    const int coarse_i = grid.at(px, py);
-    const float by_cone_m = grid.cone_m[coarse_i] + kAboveCone_steps * config->step_threshold_m;
-    const float by_width_m = opened.height_m + kAboveOpening_steps * config->step_threshold_m;
-    const bool told = (grid.eroded_m[coarse_i] == kInfinity) & (opened.height_m > -kInfinity);
-    grid.limit_m[coarse_i] = max_of(select(told, -kInfinity, by_cone_m), by_width_m);
+    const int coarse_i = m.pairs.at(px, py);
+    const float by_cone_m = m.pair_cone_m[coarse_i] + kAboveCone_steps * m.k.step_threshold_m;
+    const float by_width_m = opened.height_m + kAboveOpening_steps * m.k.step_threshold_m;
+    const bool told = (m.pair_eroded_m[coarse_i] == kInfinity) & (opened.height_m > -kInfinity);
+    m.pair_limit_m[coarse_i] = max_of(select(told, -kInfinity, by_cone_m), by_width_m);
   }
 };
 

@@ -1,10 +1,6 @@
 #pragma once
 #include "kernels/4_underfoot.h"
-#include "kernels/cell.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
-#include "kernels/math.h"
-#include "kernels/rays.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
@@ -14,25 +10,19 @@ namespace talus::kernels
  * its own body may lie between. */
 struct StartReach
 {
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
+  const Map& m;
 
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    const Offset at = offset_from_base(*config, *frame, ix, iy);
-    const float plane_m = plane_of_base_m(*frame, at);
-    const float radius_m = kStartReach * (frame->sensor_z_m - plane_m);
+    const Offset at = offset_from_base(m.k, *m.frame, ix, iy);
+    const float plane_m = plane_of_base_m(*m.frame, at);
+    const float radius_m = kStartReach * (m.frame->sensor_z_m - plane_m);
     const bool level =
-        abs_of(store.ground_m[storage_i] - plane_m) <= kStartReach_steps * config->step_threshold_m;
-    const int flags = store.flags[storage_i];
-    const bool starts = (frame->has_base != 0) & level & at.is_within(radius_m) &
+        abs_of(m.cell.ground_m[storage_i] - plane_m) <= kStartReach_steps * m.k.step_threshold_m;
+    const int flags = m.cell.flags[storage_i];
+    const bool starts = (m.frame->has_base != 0) & level & at.is_within(radius_m) &
                         ((flags & kWasPassable) == kWasPassable);
-    store.flags[storage_i] = static_cast<std::uint8_t>(flags | select(starts, kWasReached, 0));
-  }
-  TALUS_HD void operator()(int ix, int iy) const
-  {
-    (*this)(ix, iy, storage_index(*frame, config->cells, ix, iy));
+    m.cell.flags[storage_i] = static_cast<std::uint8_t>(flags | select(starts, kWasReached, 0));
   }
 };
 
@@ -41,43 +31,41 @@ struct StartReach
  * (stage 6). */
 struct PresumeStart
 {
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  PassingRays passing;
+  const Map& m;
 
-  TALUS_HD bool applies_to_frame() const
+  /** No cell but in the first frame. */
+  TALUS_HD bool leaves_out(int) const
   {
-    return (frame->starts_map != 0) & (frame->has_base != 0) & on(kPresumedStart, *config);
+    return !((m.frame->starts_map != 0) & (m.frame->has_base != 0) & on(kPresumedStart, m.k));
   }
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
-    const bool near = offset_from_base(*config, *frame, ix, iy).is_within(config->start_radius_m);
-    const int state = store.state[storage_i];
-    return near & (state != kMeasured) & (state != kPresumed);
+    const bool near = offset_from_base(m.k, *m.frame, ix, iy).is_within(m.k.start_radius_m);
+    const int state = m.cell.state[storage_i];
+    return near & (state != kMeasured) & (state != kPresumed) & !leaves_out(iy);
   }
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
     const float plane_m = plane_at(ix, iy);
-    if (plane_m > passing.free_above_m[passing.grid.at(ix, iy)] + config->cleanup_margin_m) return;
+    if (plane_m > m.free_above_m[m.lines.at(ix, iy)] + m.k.cleanup_margin_m) return;
     // Near its start the robot has room to move off.
-    const bool beside = offset_from_base(*config, *frame, ix, iy).is_within(kStartsOn_m);
-    if (config->start_automatic != 0 && !beside && !is_blind(ix, iy)) return;
-    Cell c = store.load(storage_i);
+    const bool beside = offset_from_base(m.k, *m.frame, ix, iy).is_within(kStartsOn_m);
+    if (m.k.start_automatic != 0 && !beside && !is_blind(ix, iy)) return;
+    Cell c = m.cell.load(storage_i);
     presume_ground(c, plane_m);
-    store.store(storage_i, c);
+    m.cell.store(storage_i, c);
   }
 
  private:
   TALUS_HD float plane_at(int ix, int iy) const
   {
-    return plane_of_base_m(*frame, offset_from_base(*config, *frame, ix, iy));
+    return plane_of_base_m(*m.frame, offset_from_base(m.k, *m.frame, ix, iy));
   }
   TALUS_HD Offset from_sensor(int ix, int iy) const
   {
-    return offset_of(*config, ix, iy, frame->sensor_x_m, frame->sensor_y_m);
+    return offset_of(m.k, ix, iy, m.frame->sensor_x_m, m.frame->sensor_y_m);
   }
-  TALUS_HD int cell_at(float m) const { return floor_to_int(m * config->inverse_resolution); }
+  TALUS_HD int cell_at(float at_m) const { return floor_to_int(at_m * m.k.inverse_resolution); }
 
   /** What the lowest rays over a place show of its ground. */
   enum Told
@@ -101,45 +89,44 @@ struct PresumeStart
   TALUS_HD Told told_of(float x_m, float y_m) const
   {
     const float away_m = chebyshev(x_m, y_m);
-    const float nearer_m = away_m - static_cast<float>(kBehindCell_rings) * config->resolution_m;
-    if (nearer_m < (kUnderSensor_rings + 1.0f) * config->resolution_m) return kLevel;
+    const float nearer_m = away_m - static_cast<float>(kBehindCell_rings) * m.k.resolution_m;
+    if (nearer_m < (kUnderSensor_rings + 1.0f) * m.k.resolution_m) return kLevel;
     const float share = nearer_m / away_m;
     return told_at(
-        cell_at(frame->sensor_x_m + share * x_m), cell_at(frame->sensor_y_m + share * y_m));
+        cell_at(m.frame->sensor_x_m + share * x_m), cell_at(m.frame->sensor_y_m + share * y_m));
   }
   /** How much the plane of the scanner rises up to a place. Behind a scanner that is tilted forward
    * its rays look up, but the robot turns before it drives there. */
   TALUS_HD float untilted_m(float x_m, float y_m) const
   {
-    const float* const m = frame->poses[0].m;
-    const bool upright = m[10] > kUprightScanner;
-    return select(upright, -(m[2] * x_m + m[6] * y_m) / select(upright, m[10], 1.0f), -kInfinity);
+    const float* const p = m.frame->poses[0].m;
+    const bool upright = p[10] > kUprightScanner;
+    return select(upright, -(p[2] * x_m + p[6] * y_m) / select(upright, p[10], 1.0f), -kInfinity);
   }
   TALUS_HD Told told_at(int ix, int iy) const
   {
-    const int n = config->cells;
+    const int n = m.k.cells;
     if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return kLevel;  // the sensor is outside
-    const int at = passing.grid.at(ix, iy);
-    if (passing.in_open[at] == 0) return kNothing;
+    const int at = m.lines.at(ix, iy);
+    if (m.in_open[at] == 0) return kNothing;
     const auto [x_m, y_m] = from_sensor(ix, iy);
     // Heights count per Chebyshev distance, as in FindPassingRays.
     const float away_m = chebyshev(x_m, y_m);
-    const float rises_m = frame->base_slope_x * x_m + frame->base_slope_y * y_m;
-    const float above_m = frame->sensor_z_m - plane_at(ix, iy) + rises_m;
+    const float rises_m = m.frame->base_slope_x * x_m + m.frame->base_slope_y * y_m;
+    const float above_m = m.frame->sensor_z_m - plane_at(ix, iy) + rises_m;
     const float slope =
-        (passing.lowest_m[at] - frame->sensor_z_m) / (away_m - 0.5f * config->resolution_m);
-    const float below_m = kStartUndercut_steps * config->step_threshold_m;
+        (m.lowest_ray_m[at] - m.frame->sensor_z_m) / (away_m - 0.5f * m.k.resolution_m);
+    const float below_m = kStartUndercut_steps * m.k.step_threshold_m;
     const float falls = rises_m / away_m - slope;
-    const float radius_m = config->start_radius_m * away_m / sqrtf(x_m * x_m + y_m * y_m);
+    const float radius_m = m.k.start_radius_m * away_m / sqrtf(x_m * x_m + y_m * y_m);
     if (!(max_of(falls, untilted_m(x_m, y_m) / away_m - slope) * radius_m > above_m))
       return kNothing;
-    if (!(falls * static_cast<float>(n) * config->resolution_m > above_m + below_m)) return kLevel;
+    if (!(falls * static_cast<float>(n) * m.k.resolution_m > above_m + below_m)) return kLevel;
     const float share = (above_m + below_m) / (falls * away_m);
-    const int x = cell_at(frame->sensor_x_m + share * x_m);
-    const int y = cell_at(frame->sensor_y_m + share * y_m);
+    const int x = cell_at(m.frame->sensor_x_m + share * x_m);
+    const int y = cell_at(m.frame->sensor_y_m + share * y_m);
     if ((x < 0) | (y < 0) | (x >= n) | (y >= n)) return kLevel;
-    const bool deep =
-        passing.lowest_m[passing.grid.at(x, y)] < plane_at(x, y) - kStartDropSeen * below_m;
+    const bool deep = m.lowest_ray_m[m.lines.at(x, y)] < plane_at(x, y) - kStartDropSeen * below_m;
     return deep ? kDrop : kLevel;
   }
 };

@@ -1,9 +1,6 @@
 #pragma once
 #include "kernels/atomics.h"
-#include "kernels/cell.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
-#include "kernels/math.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
@@ -48,47 +45,44 @@ TALUS_HD void presume_ground(Cell& c, float ground_m)
 template <class Atomics>
 struct StandOnCell
 {
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  Datum* datum;
+  const Map& m;
 
   /** Whether no cell of a row is concerned. */
   TALUS_HD bool leaves_out(int iy) const
   {
-    return frame->has_base == 0 ||
-           abs_of(offset_from_base(*config, *frame, 0, iy).y_m) > kFootprint_m;
+    return m.frame->has_base == 0 ||
+           abs_of(offset_from_base(m.k, *m.frame, 0, iy).y_m) > kFootprint_m;
   }
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
-    const Offset at = offset_from_base(*config, *frame, ix, iy);
-    const bool changes = drives_through(storage_i, plane_of_base_m(*frame, at)) |
-                         !store.is(kRobotWasThere, storage_i);
-    return on(kUnderRobot, *config) & (frame->has_base != 0) & at.is_within(kFootprint_m) & changes;
+    const Offset at = offset_from_base(m.k, *m.frame, ix, iy);
+    const bool changes = drives_through(storage_i, plane_of_base_m(*m.frame, at)) |
+                         !m.cell.is(kRobotWasThere, storage_i);
+    return on(kUnderRobot, m.k) & (m.frame->has_base != 0) & at.is_within(kFootprint_m) & changes;
   }
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    const float floor_m = plane_of_base_m(*frame, offset_from_base(*config, *frame, ix, iy));
+    const float floor_m = plane_of_base_m(*m.frame, offset_from_base(m.k, *m.frame, ix, iy));
     if (!drives_through(storage_i, floor_m))
     {
-      store.flags[storage_i] |= kRobotWasThere;
+      m.cell.flags[storage_i] |= kRobotWasThere;
       return;
     }
-    Cell c = store.load(storage_i);
-    const float above_m = kUnderFoot_steps * config->step_threshold_m;
+    Cell c = m.cell.load(storage_i);
+    const float above_m = kUnderFoot_steps * m.k.step_threshold_m;
     // Over unmeasured ground without an object the robot drove through nothing: the guess was
     // wrong.
     const float top_m = is_known(c.elevation_m) ? max_of(c.elevation_m, c.ground_m) : floor_m;
-    const float stood_m = max_of(min_of(top_m - floor_m, config->clearance_m), 0.0f);
-    Atomics::max(&datum->drove_through, floor_to_int(stood_m / kDrivenUnit_m));
+    const float stood_m = max_of(min_of(top_m - floor_m, m.k.clearance_m), 0.0f);
+    Atomics::max(&m.datum->drove_through, floor_to_int(stood_m / kDrivenUnit_m));
     const bool sunk = abs_of(c.ground_m - floor_m) <= above_m;
     c.ground_m = select(sunk, c.ground_m, floor_m);
     c.ground_var_m2 = select(sunk, c.ground_var_m2, kUnderFoot_var_m2);
-    if (!is_known(c.elevation_m) && frame->drove_through_m <= above_m)
+    if (!is_known(c.elevation_m) && m.frame->drove_through_m <= above_m)
     {
       if (c.state != kMeasured) presume_ground(c, floor_m), c.flags |= kPassedLow;
       c.flags |= kRobotWasThere;
-      store.store(storage_i, c);
+      m.cell.store(storage_i, c);
       return;
     }
     c.state = kMeasured;
@@ -96,21 +90,22 @@ struct StandOnCell
     c.recent_hits = 0;
     c.flags = kPassedLow | kRobotWasThere;
     c.driven_height = driven_units(
-        max_of(stood_m, frame->drove_through_m) + kStandsUp_steps * config->step_threshold_m);
-    store.store(storage_i, c);
+        max_of(stood_m, m.frame->drove_through_m) + kStandsUp_steps * m.k.step_threshold_m);
+    m.cell.store(storage_i, c);
   }
 
  private:
   /** Whether the map has an object or a guess where the robot stands. */
   TALUS_HD bool drives_through(int storage_i, float floor_m) const
   {
-    const float above_m = kUnderFoot_steps * config->step_threshold_m;
-    const bool high = (store.ground_m[storage_i] > floor_m + above_m) |
-                      (store.elevation_m[storage_i] > floor_m + above_m) |
-                      ((frame->drove_through_m > above_m) & (store.driven_height[storage_i] == 0));
-    const int state = store.state[storage_i];
+    const float above_m = kUnderFoot_steps * m.k.step_threshold_m;
+    const bool high =
+        (m.cell.ground_m[storage_i] > floor_m + above_m) |
+        (m.cell.elevation_m[storage_i] > floor_m + above_m) |
+        ((m.frame->drove_through_m > above_m) & (m.cell.driven_height[storage_i] == 0));
+    const int state = m.cell.state[storage_i];
     const bool guessed =
-        (state != kMeasured) & (state != kPresumed) & !is_known(store.elevation_m[storage_i]);
+        (state != kMeasured) & (state != kPresumed) & !is_known(m.cell.elevation_m[storage_i]);
     return high | guessed;
   }
 };

@@ -1,12 +1,7 @@
 #pragma once
-#include "kernels/cell.h"
-#include "kernels/coarse_grid.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
 #include "kernels/group.h"
-#include "kernels/math.h"
+#include "kernels/map.h"
 #include "kernels/overhang.h"
-#include "kernels/rays.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 
@@ -71,33 +66,30 @@ struct FindPassingRays
 {
   using Item = RayFootprint;
   using Result = SeenThrough;
-  const Config* config;
-  const FrameContext* frame;
-  const std::int32_t* rays;
-  PassingRays passing;
+  const Map& m;
 
-  TALUS_HD RayFootprint item(int ix, int iy) const { return footprint_of(*config, *frame, ix, iy); }
+  TALUS_HD RayFootprint item(int ix, int iy) const { return footprint_of(m.k, *m.frame, ix, iy); }
   /** No fewer than there are rays. Further ones change nothing. */
   TALUS_HD int steps(const RayFootprint& g) const { return g.most_rays(); }
   TALUS_HD void step(SeenThrough& seen, const RayFootprint& g, int which) const
   {
-    add_ray(seen, g, which, *config, rays);
+    add_ray(seen, g, which, m.k, m.rays);
   }
   TALUS_HD void put(int ix, int iy, const RayFootprint& g, const SeenThrough& seen) const
   {
-    const int i = passing.grid.at(ix, iy);
-    passing.free_above_m[i] = height_m(g, seen.highest);
-    passing.ends_m[i] = ends_m(g, seen.highest);
+    const int i = m.lines.at(ix, iy);
+    m.free_above_m[i] = height_m(g, seen.highest);
+    m.ends_m[i] = ends_m(g, seen.highest);
     const bool in_open = (seen.in_open != 0) & (seen.highest != -kNoRay);
-    passing.in_open[i] = static_cast<std::uint8_t>(select(in_open, 1, 0));
+    m.in_open[i] = static_cast<std::uint8_t>(select(in_open, 1, 0));
   }
   /** The rest, in frames that start a map. */
   TALUS_HD void put_lowest(int ix, int iy, const RayFootprint& g) const
   {
     std::int32_t lowest = kNoRay;
     for (int which = 0; which < g.rays(); which++)
-      lowest = min_of(lowest, rays[g.row + wrap_bin(g.bin(which), bin_count(*config))]);
-    passing.lowest_m[passing.grid.at(ix, iy)] = height_m(g, lowest);
+      lowest = min_of(lowest, m.rays[g.row + wrap_bin(g.bin(which), bin_count(m.k))]);
+    m.lowest_ray_m[m.lines.at(ix, iy)] = height_m(g, lowest);
   }
 
   TALUS_HD void operator()(int ix, int iy) const
@@ -106,14 +98,14 @@ struct FindPassingRays
     SeenThrough seen;
     for (int which = 0; which < g.rays(); which++) step(seen, g, which);
     put(ix, iy, g, seen);
-    if (frame->starts_map != 0) put_lowest(ix, iy, g);
+    if (m.frame->starts_map != 0) put_lowest(ix, iy, g);
   }
 
  private:
   TALUS_HD float ends_m(const RayFootprint& g, std::int32_t ray) const
   {
     const float end_m = end_of_ray_m(ray);
-    const float at_end_m = frame->sensor_z_m + float_from_ordered(ray) * end_m;
+    const float at_end_m = m.frame->sensor_z_m + float_from_ordered(ray) * end_m;
     const float on_m = max_of(end_m - g.chebyshev_m, 0.0f);
     const float up_m = min_of(kEndsFall * on_m, kEndsRise_m);
     return select(abs_of(ray) != kNoRay, at_end_m + up_m, kInfinity);
@@ -121,28 +113,22 @@ struct FindPassingRays
   /** The height where a ray is highest inside a cell: of a higher slope it is never lower. */
   TALUS_HD float height_m(const RayFootprint& g, std::int32_t ordered_slope) const
   {
-    const float slope = float_from_ordered(ordered_slope), half_m = 0.5f * config->resolution_m;
+    const float slope = float_from_ordered(ordered_slope), half_m = 0.5f * m.k.resolution_m;
     const float where_m = g.chebyshev_m + select(slope < 0.0f, -half_m, half_m);
-    return select(abs_of(ordered_slope) != kNoRay, frame->sensor_z_m + slope * where_m, kInfinity);
+    return select(
+        abs_of(ordered_slope) != kNoRay, m.frame->sensor_z_m + slope * where_m, kInfinity);
   }
 };
 
 struct CleanUpCell
 {
-  int cells;
-  const Config* config;
-  CellStore store;
-  PassingRays passing;
-  RayReach reach;
-  CoarseGrid grid;
-  const float* top_hit_m;
-  std::uint8_t* surface_class;
+  const Map& m;
 
   TALUS_HD bool applies(int ix, int iy, int storage_i) const
   {
-    const int at = passing.grid.at(ix, iy);
-    const bool any = passed(at), hit_before = store.recent_hits[storage_i] > 0;
-    return (any & (store.state[storage_i] != kUnknown) &
+    const int at = m.lines.at(ix, iy);
+    const bool any = passed(at), hit_before = m.cell.recent_hits[storage_i] > 0;
+    return (any & (m.cell.state[storage_i] != kUnknown) &
             (stands_above(at, storage_i) | hit_before)) |
            came_later(storage_i);
   }
@@ -156,9 +142,9 @@ struct CleanUpCell
   /** Whether inspect() must come before finish(): the object may overhang. */
   TALUS_HD bool needs_inspection(int ix, int iy, int storage_i) const
   {
-    const int at = passing.grid.at(ix, iy);
-    return passed(at) && store.state[storage_i] != kUnknown && stands_above(at, storage_i) &&
-           (store.stay_frames[storage_i] > 0 || store.is(kHitHighUp, storage_i));
+    const int at = m.lines.at(ix, iy);
+    return passed(at) && m.cell.state[storage_i] != kUnknown && stands_above(at, storage_i) &&
+           (m.cell.stay_frames[storage_i] > 0 || m.cell.is(kHitHighUp, storage_i));
   }
 
   /** What is high up hangs, and is removed, if rays pass below it as high as the robot. Rays below
@@ -166,27 +152,27 @@ struct CleanUpCell
   template <class Group>
   TALUS_HD void inspect(int ix, int iy, int storage_i, const Group& group) const
   {
-    const Config& k = *config;
-    const float top_m = top(storage_i), hit_m = top_hit_m[storage_i],
-                limit_m = limit(passing.grid.at(ix, iy));
+    const Config& k = m.k;
+    const float top_m = top(storage_i), hit_m = m.top_hit_m[storage_i],
+                limit_m = limit(m.lines.at(ix, iy));
     const bool hit = hit_m > limit_m;
-    const OverhangRays<Group> overhang{k, reach, footprint_of(k, *reach.frame, ix, iy), group};
-    const bool hangs = store.is(kHitHighUp, storage_i) && passed_below(overhang, storage_i);
+    const OverhangRays<Group> overhang{m, footprint_of(k, *m.frame, ix, iy), group};
+    const bool hangs = m.cell.is(kHitHighUp, storage_i) && passed_below(overhang, storage_i);
     if (hangs && group.rank() == 0)
     {
-      Cell c = store.load(storage_i);
+      Cell c = m.cell.load(storage_i);
       remove_object(c);
       c.flags |= kPassedBelow;
-      store.store(storage_i, c);
+      m.cell.store(storage_i, c);
     }
-    if (hangs || store.stay_frames[storage_i] == 0) return;
-    Reach extent{store.overhang_below[storage_i], store.overhang_above[storage_i]};
+    if (hangs || m.cell.stay_frames[storage_i] == 0) return;
+    Reach extent{m.cell.overhang_below[storage_i], m.cell.overhang_above[storage_i]};
     if (hit)
     {
       extent = learn(extent, overhang, top_m, hit_m, limit_m);
       if (group.rank() != 0) return;
-      store.overhang_below[storage_i] = static_cast<std::uint8_t>(extent.below);
-      store.overhang_above[storage_i] = static_cast<std::uint8_t>(extent.above);
+      m.cell.overhang_below[storage_i] = static_cast<std::uint8_t>(extent.below);
+      m.cell.overhang_above[storage_i] = static_cast<std::uint8_t>(extent.above);
       return;
     }
     const float low_m = max_of(top_m - overhang_m(extent.below) + k.cleanup_margin_m, limit_m);
@@ -195,42 +181,42 @@ struct CleanUpCell
     const bool thin = inside.none();
     const bool went = overhang.went_on(thin ? overhang.around(top_m) : inside, thin);
     const bool gone = went || leaves_with_others(ix, iy);
-    if (gone && group.rank() == 0) store.stay_frames[storage_i] = 0;
+    if (gone && group.rank() == 0) m.cell.stay_frames[storage_i] = 0;
   }
 
   TALUS_HD void finish(int ix, int iy, int storage_i) const
   {
-    const int at = passing.grid.at(ix, iy);
-    Cell c = store.load(storage_i);
+    const int at = m.lines.at(ix, iy);
+    Cell c = m.cell.load(storage_i);
     const bool later = came_later(storage_i), seen = passed(at);
     const bool stands = seen && stands_above(at, storage_i);
-    const float hit_m = top_hit_m[storage_i], limit_m = select(stands, limit(at), kInfinity);
+    const float hit_m = m.top_hit_m[storage_i], limit_m = select(stands, limit(at), kInfinity);
     const bool faded = seen && c.recent_hits > 0;  // rays passed
     if (faded) c.recent_hits--;
-    if (stands && on(kRayBelowGround, *config) && is_undercut(ix, iy, storage_i))
-      surface_class[storage_i] = kObject;
-    // Hits below the rays do not protect it: behind a box that moved away they are on its floor.
-    const bool hit = hit_m > select(stands, limit_m, bare_up_to_m(c.ground_m, *config));
+    if (stands && on(kRayBelowGround, m.k) && is_undercut(ix, iy, storage_i))
+      m.surface_class[storage_i] = kObject;
+    // Hits below the rays do not protect it: a box that left shows the floor where it stood.
+    const bool hit = hit_m > select(stands, limit_m, bare_up_to_m(c.ground_m, m.k));
     // A hit above it hangs.
-    if (stands && hit && hit_m <= top(storage_i) + config->cleanup_margin_m)
+    if (stands && hit && hit_m <= top(storage_i) + m.k.cleanup_margin_m)
       c.recent_hits = min_of(c.recent_hits + kHitAdds, kMostRecentHits);
     if (later && !hit) c.stay_frames = 0;
-    const int frames = stands ? config->cleanup_frames : kFollowerLeaves_frames;
+    const int frames = stands ? m.k.cleanup_frames : kFollowerLeaves_frames;
     const bool waits = stands && !hit && is_rim(storage_i, limit_m);
     const bool left = (stands || later) && !waits && count_frame(c, hit, frames);
-    if (left) clear(c, surface_class[storage_i], limit_m);
-    if (stands || faded || later) store.store(storage_i, c);
+    if (left) clear(c, m.surface_class[storage_i], limit_m);
+    if (stands || faded || later) m.cell.store(storage_i, c);
   }
 
  private:
-  TALUS_HD bool passed(int at) const { return passing.free_above_m[at] < kInfinity; }
+  TALUS_HD bool passed(int at) const { return m.free_above_m[at] < kInfinity; }
   /** Whether rays passed below what is high up, as high as the robot. */
   template <class Group>
   TALUS_HD bool passed_below(const OverhangRays<Group>& rays, int storage_i) const
   {
-    const float margin_m = config->cleanup_margin_m;
+    const float margin_m = m.k.cleanup_margin_m;
     const SlopeSteps gap = rays.between(
-        store.ground_m[storage_i] + config->clearance_m - margin_m, top(storage_i) - margin_m);
+        m.cell.ground_m[storage_i] + m.k.clearance_m - margin_m, top(storage_i) - margin_m);
     bool any = false;
     for (int s = gap.first; s < gap.end && !any; s++) any = rays.went_on({s, s + 1}, false);
     return any;
@@ -238,51 +224,52 @@ struct CleanUpCell
   /** Whether an object stands where the robot drove. */
   TALUS_HD bool came_later(int storage_i) const
   {
-    const float bare_m = bare_up_to_m(store.ground_m[storage_i], *config);
-    return store.is(kRobotWasThere, storage_i) & (store.elevation_m[storage_i] > bare_m);
+    const float bare_m = bare_up_to_m(m.cell.ground_m[storage_i], m.k);
+    return m.cell.is(kRobotWasThere, storage_i) & (m.cell.elevation_m[storage_i] > bare_m);
   }
   /** Whether a cell is the rim of an object beside it: rays pass its empty part, but a cell close
    * by was hit above them, and nothing shows its own floor. */
   TALUS_HD bool is_rim(int storage_i, float limit_m) const
   {
     const bool presumed =
-        store.state[storage_i] == kPresumed && !is_known(store.elevation_m[storage_i]);
-    if (!on(kAsAWhole, *config) || presumed || top_hit_m[storage_i] > -kInfinity) return false;
-    const int y = floor_div(storage_i, cells), x = storage_i - y * cells;
+        m.cell.state[storage_i] == kPresumed && !is_known(m.cell.elevation_m[storage_i]);
+    if (!on(kAsAWhole, m.k) || presumed || m.top_hit_m[storage_i] > -kInfinity) return false;
+    const int n = m.k.cells, y = floor_div(storage_i, n), x = storage_i - y * n;
     bool beside = false;
     for (int dy = -kRim_cells; dy <= kRim_cells; dy++)
       for (int dx = -kRim_cells; dx <= kRim_cells; dx++)
-        beside |= top_hit_m[wrap_bin(y + dy, cells) * cells + wrap_bin(x + dx, cells)] > limit_m;
+        beside |= m.top_hit_m[wrap_bin(y + dy, n) * n + wrap_bin(x + dx, n)] > limit_m;
     return beside;
   }
   TALUS_HD float top(int storage_i) const
   {
-    const float elevation = store.elevation_m[storage_i], ground = store.ground_m[storage_i];
+    const float elevation = m.cell.elevation_m[storage_i], ground = m.cell.ground_m[storage_i];
     return select(is_known(elevation), elevation, ground);
   }
-  TALUS_HD float limit(int at) const { return passing.free_above_m[at] + config->cleanup_margin_m; }
+  TALUS_HD float limit(int at) const { return m.free_above_m[at] + m.k.cleanup_margin_m; }
   TALUS_HD bool stands_above(int at, int storage_i) const
   {
-    const int state = store.state[storage_i];
+    const int state = m.cell.state[storage_i];
     const bool kept = (state == kMeasured) | (state == kPresumed);
-    return (top(storage_i) > limit(at)) & (is_known(store.elevation_m[storage_i]) | kept);
+    return (top(storage_i) > limit(at)) & (is_known(m.cell.elevation_m[storage_i]) | kept);
   }
 
   /** Whether rays passed below measured ground, and not above it on both sides. */
   TALUS_HD bool is_undercut(int ix, int iy, int storage_i) const
   {
-    const float ground_m = store.ground_m[storage_i];
-    const bool measured = store.state[storage_i] == kMeasured && surface_class[storage_i] == kKeep;
-    if (!measured || !(ground_m > limit(passing.grid.at(ix, iy)))) return false;
-    const float x_m = (static_cast<float>(ix) + 0.5f) * config->resolution_m;
-    const float y_m = (static_cast<float>(iy) + 0.5f) * config->resolution_m;
-    const FrameContext& f = *reach.frame;
+    const float ground_m = m.cell.ground_m[storage_i];
+    const bool measured =
+        m.cell.state[storage_i] == kMeasured && m.surface_class[storage_i] == kKeep;
+    if (!measured || !(ground_m > limit(m.lines.at(ix, iy)))) return false;
+    const float x_m = (static_cast<float>(ix) + 0.5f) * m.k.resolution_m;
+    const float y_m = (static_cast<float>(iy) + 0.5f) * m.k.resolution_m;
+    const FrameContext& f = *m.frame;
     const bool ahead = abs_of(x_m - f.sensor_x_m) >= abs_of(y_m - f.sensor_y_m);
     const auto over = [&](int d)
     {
       const int x = ix + (ahead ? 0 : d), y = iy + (ahead ? d : 0);
-      const bool inside = (x >= 0) & (y >= 0) & (x < cells) & (y < cells);
-      return inside && passes_over(limit(passing.grid.at(x, y)), ground_m);
+      const bool inside = (x >= 0) & (y >= 0) & (x < m.k.cells) & (y < m.k.cells);
+      return inside && passes_over(limit(m.lines.at(x, y)), ground_m);
     };
     return !on_both_sides(over);
   }
@@ -290,14 +277,14 @@ struct CleanUpCell
   /** Whether in more of the pairs around a cell an object moved away than still stands. */
   TALUS_HD bool leaves_with_others(int ix, int iy) const
   {
-    if (!on(kAsAWhole, *config)) return false;
-    const int px = grid.place_of(ix, reach.frame->odd_x), r = kLeavesTogether_pairs;
-    const int py = grid.place_of(iy, reach.frame->odd_y), last = grid.side - 1;
+    if (!on(kAsAWhole, m.k)) return false;
+    const int px = m.pairs.place_of(ix, m.frame->odd_x), r = kLeavesTogether_pairs;
+    const int py = m.pairs.place_of(iy, m.frame->odd_y), last = m.pairs.side - 1;
     int left = 0, stands = 0;
     for (int y = max_of(py - r, 0); y <= min_of(py + r, last); y++)
       for (int x = max_of(px - r, 0); x <= min_of(px + r, last); x++)
       {
-        const auto presence = static_cast<int>(grid.presence[grid.at(x, y)]);
+        const auto presence = static_cast<int>(m.pair_presence[m.pairs.at(x, y)]);
         left += select(presence == kLeft, 1, 0);
         stands += select(presence == kStands, 1, 0);
       }
@@ -317,7 +304,7 @@ struct CleanUpCell
   {
     const float low_m = min_of(hit_m, overhang.end_of_hits(hit_m, -1));
     const float high_m = max_of(hit_m, overhang.end_of_hits(hit_m, 1));
-    const bool at_top = hit_m >= top_m - config->cleanup_margin_m;
+    const bool at_top = hit_m >= top_m - m.k.cleanup_margin_m;
     return {
         max_of(before.below, overhang_units(top_m - max_of(low_m, limit_m))),
         max_of(select(at_top, 0, before.above), overhang_units(high_m - top_m))};

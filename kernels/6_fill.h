@@ -1,11 +1,5 @@
 #pragma once
-#include "kernels/4_classify.h"
-#include "kernels/cell.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
-#include "kernels/lines.h"
-#include "kernels/math.h"
-#include "kernels/rays.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 #include "kernels/surface.h"
@@ -162,13 +156,6 @@ TALUS_HD std::int32_t marks_of_sides(
          select(in & !out & undercut_ahead, kDrops, 0);
 }
 
-/** Measured ground that fills may use, by place of the grid. */
-struct Samples
-{
-  float* height_m;  //!< NaN: none
-  float *free_above_m, *ends_m;  //!< see PassingRays; used where lines are swept
-};
-
 /** The lowest of some lines, and a little more: a fill may lie too high. */
 TALUS_HD float low_line_m(const LineFusion& lines, const Config& k)
 {
@@ -190,49 +177,55 @@ TALUS_HD float proof_m(int state, bool in_open, const Config& k)
   return select(in_open, k.clearance_m, between_steps * k.step_threshold_m);
 }
 
-/** The sample of a cell; NaN: none. */
-TALUS_HD float sample_of(const ClassifyCell& of, int storage_i)
+/** Keeps the sample of a cell for fills; NaN: none. Returns whether there is one. */
+struct TakeSample
 {
-  const float ground_m = of.store.ground_m[storage_i], top_m = of.store.elevation_m[storage_i];
-  const int state = of.store.state[storage_i];
-  const bool stood = (state == kPresumed) & (of.config->start_radius_m > 0.0f) &
-                     ((of.store.flags[storage_i] & kRobotWasThere) != 0);
-  const bool is_one = ((state == kMeasured) & (of.surface_class[storage_i] == kKeep)) | stood;
-  const bool rises = (top_m > bare_up_to_m(ground_m, *of.config)) &
-                     (top_m <= ground_m + kUpright_steps * of.config->step_threshold_m);
-  const std::uint32_t bits =
-      select(rises, static_cast<int>(kFaceBit), 0) | select(stood, static_cast<int>(kStoodBit), 0);
-  return select(is_one, float_of_bits((bits_of(ground_m) & ~(kFaceBit | kStoodBit)) | bits), kNan);
-}
+  const Map& m;
+
+  TALUS_HD bool operator()(int ix, int iy, int storage_i) const
+  {
+    const float sample_m = sample(storage_i);
+    m.sample_m[m.lines.at(ix, iy)] = sample_m;
+    return is_known(sample_m);
+  }
+
+ private:
+  TALUS_HD float sample(int storage_i) const
+  {
+    const float ground_m = m.cell.ground_m[storage_i], top_m = m.cell.elevation_m[storage_i];
+    const int state = m.cell.state[storage_i];
+    const bool stood = (state == kPresumed) & (m.k.start_radius_m > 0.0f) &
+                       ((m.cell.flags[storage_i] & kRobotWasThere) != 0);
+    const bool is_one = ((state == kMeasured) & (m.surface_class[storage_i] == kKeep)) | stood;
+    const bool rises = (top_m > bare_up_to_m(ground_m, m.k)) &
+                       (top_m <= ground_m + kUpright_steps * m.k.step_threshold_m);
+    const std::uint32_t bits = select(rises, static_cast<int>(kFaceBit), 0) |
+                               select(stood, static_cast<int>(kStoodBit), 0);
+    return select(
+        is_one, float_of_bits((bits_of(ground_m) & ~(kFaceBit | kStoodBit)) | bits), kNan);
+  }
+};
 
 /** Stage 6 on cell (ix, iy), stored at storage_i. Returns its state. A second call changes nothing.
  */
 struct FillCell
 {
-  int cells;
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  const std::uint8_t* surface_class;
-  PassingRays passing;
-  CoarseGrid grid;
-  Surfaces surfaces;
-  SurfaceLayers out;
+  const Map& m;
 
-  TALUS_HD bool wanted(int storage_i) const { return surface_class[storage_i] != kKeep; }
+  TALUS_HD bool wanted(int storage_i) const { return m.surface_class[storage_i] != kKeep; }
 
   TALUS_HD int operator()(int ix, int iy, int storage_i, const LineFusion& lines, int marks) const
   {
-    const Config& k = *config;
-    const int at = passing.grid.at(ix, iy);
-    const int r = surface_class[storage_i], state_before = store.state[storage_i];
-    const int flags_before = store.flags[storage_i];
-    const bool in_open = passing.in_open[at] != 0;
-    const float beside_m = grid.beside_m[grid.pair_of(ix, iy, *frame)];
-    const int driven_height = store.driven_height[storage_i];
-    const float before = store.ground_m[storage_i], var_before = store.ground_var_m2[storage_i];
-    const float stands_m = store.elevation_m[storage_i], free_m = passing.free_above_m[at];
-    const float ends_m = passing.ends_m[at];
+    const Config& k = m.k;
+    const int at = m.lines.at(ix, iy);
+    const int r = m.surface_class[storage_i], state_before = m.cell.state[storage_i];
+    const int flags_before = m.cell.flags[storage_i];
+    const bool in_open = m.in_open[at] != 0;
+    const float beside_m = m.pair_beside_m[m.pair_of(ix, iy)];
+    const int driven_height = m.cell.driven_height[storage_i];
+    const float before = m.cell.ground_m[storage_i], var_before = m.cell.ground_var_m2[storage_i];
+    const float stands_m = m.cell.elevation_m[storage_i], free_m = m.free_above_m[at];
+    const float ends_m = m.ends_m[at];
     // Otherwise the older fill, or the object, stays.
     const bool filled = (r != kKeep) & ((marks & kInferred) != 0);
     const bool two_sided = (marks & kTwoSided) != 0;
@@ -258,12 +251,12 @@ struct FillCell
                       select(low, kPassedLow, 0) | select(object, kHitHighUp, 0) |
                       select(drops, kMayDrop, 0);
     // Reads come before stores, or the compiler would read again and not vectorise.
-    store.ground_m[storage_i] = ground;
-    store.ground_var_m2[storage_i] = variance;
-    store.state[storage_i] = static_cast<std::uint8_t>(state);
-    store.flags[storage_i] = static_cast<std::uint8_t>(flags);
+    m.cell.ground_m[storage_i] = ground;
+    m.cell.ground_var_m2[storage_i] = variance;
+    m.cell.state[storage_i] = static_cast<std::uint8_t>(state);
+    m.cell.flags[storage_i] = static_cast<std::uint8_t>(flags);
     put_surface(
-        surfaces.cell[surfaces.at(ix, iy)], {ground, stands_m, state, flags, driven_height});
+        m.judged_surface[m.surface_at(ix, iy)], {ground, stands_m, state, flags, driven_height});
     return state;
   }
 
@@ -281,13 +274,13 @@ struct FillCell
     const bool met = (c.state == kMeasured) | stands | (c.state == kPresumed);
     const bool new_there = stands & (c.elevation_m - ground > driven_height_m(c.driven_height));
     const bool driven = (c.driven_height > 0) & !new_there;
-    const bool proven = ((c.flags & kPassedLow) != 0) | !on(kProofOfFills, *config);
+    const bool proven = ((c.flags & kPassedLow) != 0) | !on(kProofOfFills, m.k);
     const bool seen = met | (proven & known);
     const bool may_drop = ((c.flags & kMayDrop) != 0) & !(stands | driven);
     const std::int32_t flags = select(seen, kSurfaceSeen, 0) |
                                select(may_drop, kSurfaceMayDrop, 0) |
                                select(driven, kSurfaceDriven, 0);
-    const float reference = frame->sensor_z_m, top = select(stands, c.elevation_m, ground);
+    const float reference = m.frame->sensor_z_m, top = select(stands, c.elevation_m, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);
     to.height_and_flags = select(
         known, (1 << kSurfaceFlags) * quantise_height(select(known, top, 0.0f), reference) + flags,

@@ -1,9 +1,5 @@
 #pragma once
-#include "kernels/cell.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
-#include "kernels/lines.h"
-#include "kernels/math.h"
+#include "kernels/map.h"
 
 namespace talus::kernels
 {
@@ -20,20 +16,12 @@ constexpr int kAskedPlaces = kStrayPlaces + 1;
 /** Copies measured ground to window order, where TellVariance reads it. */
 struct LayOutGround
 {
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  LineGrid grid;
-  float* ground_m;  //!< by place of the grid; NaN: not measured, as kAskedPlaces around the window
+  const Map& m;
 
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    const bool measured = store.state[storage_i] == kMeasured;
-    ground_m[grid.at(ix, iy)] = select(measured, store.ground_m[storage_i], kNan);
-  }
-  TALUS_HD void operator()(int ix, int iy) const
-  {
-    (*this)(ix, iy, storage_index(*frame, config->cells, ix, iy));
+    const bool measured = m.cell.state[storage_i] == kMeasured;
+    m.sample_m[m.lines.at(ix, iy)] = select(measured, m.cell.ground_m[storage_i], kNan);
   }
 };
 
@@ -60,35 +48,30 @@ struct MeanSquare
  * cells were measured, the variance of a cell's own measurements is all that there is. */
 struct TellVariance
 {
-  LayOutGround laid_out;
-  float* variance_m2;
+  const Map& m;
 
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    const float stored_m2 = laid_out.store.ground_var_m2[storage_i];
-    const int state = laid_out.store.state[storage_i];
-    const float* const at = laid_out.ground_m + laid_out.grid.at(ix, iy);
-    const int pitch = laid_out.grid.pitch;
+    const float stored_m2 = m.cell.ground_var_m2[storage_i];
+    const int state = m.cell.state[storage_i];
+    const float* const at = m.sample_m + m.lines.at(ix, iy);
+    const int pitch = m.lines.pitch;
     MeanSquare along_x, along_y;
     add_rows(along_x, at, kStrayPlaces);
     add_rows(along_y, at, kStrayPlaces * pitch);
     const float scatter_m2 = max_of(along_x.mean(), along_y.mean()) / kStrayVariance;
     const bool alone = along_x.n + along_y.n == 0.0f, adds = (state != kMeasured) | alone;
     const float told_m2 = scatter_m2 + select(adds, stored_m2, 0.0f);
-    variance_m2[iy * laid_out.config->cells + ix] =
-        select(state != kUnknown, max_of(told_m2, laid_out.config->min_variance_m2), kNan);
-  }
-  TALUS_HD void operator()(int ix, int iy) const
-  {
-    (*this)(ix, iy, storage_index(*laid_out.frame, laid_out.config->cells, ix, iy));
+    m.out.variance[m.window_at(ix, iy)] =
+        select(state != kUnknown, max_of(told_m2, m.k.min_variance_m2), kNan);
   }
 
  private:
   TALUS_HD void add_rows(MeanSquare& mean, const float* middle, int to) const
   {
-    add_row(mean, middle - laid_out.grid.pitch, to);
+    add_row(mean, middle - m.lines.pitch, to);
     add_row(mean, middle, to);
-    add_row(mean, middle + laid_out.grid.pitch, to);
+    add_row(mean, middle + m.lines.pitch, to);
   }
   /** Adds what three cells of a row stray; no loop, which compilers would not vectorise. */
   TALUS_HD static void add_row(MeanSquare& mean, const float* middle, int to)

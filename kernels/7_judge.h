@@ -1,10 +1,7 @@
 #pragma once
-#include "kernels/7_traversability.h"
 #include "kernels/7_sparsity.h"
-#include "kernels/cell.h"
-#include "kernels/config.h"
-#include "kernels/lines.h"
-#include "kernels/math.h"
+#include "kernels/7_traversability.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 #include "kernels/surface.h"
@@ -13,12 +10,6 @@
 
 namespace talus::kernels
 {
-
-/** The layers of stage 7, window order. The first four may be null. */
-struct FeatureLayers
-{
-  float *slope, *step, *roughness, *sparsity, *traversability;
-};
 
 /** The Passability of a cell, at `at`, and of its neighbours. Rows are `pitch` apart. */
 struct PassabilityAround
@@ -39,18 +30,11 @@ struct ComputeFeatures
   using Row = RowSums;
   using Window = Moments;
   static constexpr bool kHasPlain = true;
-  int cells;
-  const Config* config;
-  Surfaces surfaces;
-  LineGrid grid;
-  const float* fall_m;
-  FeatureLayers out;
-  std::uint8_t*
-      passability;  //!< window order, a row and a cell more on both ends; unused by judge()
+  const Map& m;
 
   TALUS_HD const Surface& neighbour(int ix, int iy) const
   {
-    return surfaces.cell[surfaces.at(ix, iy)];
+    return m.judged_surface[m.surface_at(ix, iy)];
   }
   TALUS_HD void add(RowSums& sums, int ix, int iy, int d) const
   {
@@ -58,9 +42,9 @@ struct ComputeFeatures
   }
   TALUS_HD void add(Moments& sums, const RowSums& row, int d) const { sums.add(row, d); }
 
-  TALUS_HD void operator()(int ix, int iy, const Moments& m) const
+  TALUS_HD void operator()(int ix, int iy, const Moments& sums) const
   {
-    put(ix, iy, judge_most<false>(ix, iy, m, true));
+    put(ix, iy, judge_most<false>(ix, iy, sums, true));
   }
   /** Whether operator() has more to tell of a cell than leave(). */
   TALUS_HD bool asked(int ix, int iy) const
@@ -71,61 +55,61 @@ struct ComputeFeatures
   TALUS_HD void leave(int ix, int iy) const
   {
     if constexpr (kParts)
-      for (float* const part : {out.slope, out.step, out.roughness, out.sparsity})
-        part[iy * cells + ix] = kNan;
+      for (float* const part : {m.out.slope, m.out.step, m.out.roughness, m.out.sparsity})
+        part[m.window_at(ix, iy)] = kNan;
     put(ix, iy, {kNan, kPassable});
   }
   /** Whether plain(), which is faster, gives the same result. */
-  TALUS_HD bool is_plain(const Moments& m) const { return is_whole(m, *config); }
-  TALUS_HD void plain(int ix, int iy, const Moments& m) const
+  TALUS_HD bool is_plain(const Moments& sums) const { return is_whole(sums, m.k); }
+  TALUS_HD void plain(int ix, int iy, const Moments& sums) const
   {
-    put(ix, iy, judge_most<true>(ix, iy, m, true));
+    put(ix, iy, judge_most<true>(ix, iy, sums, true));
   }
   /** Whether finish() may change the result of operator() or plain(). */
   TALUS_HD bool applies(int ix, int iy, const Moments&) const
   {
-    return neighbour(ix, iy).is(kSurfaceMayDrop) | (passability[iy * cells + ix] == kSteep);
+    return neighbour(ix, iy).is(kSurfaceMayDrop) | (m.passability[m.window_at(ix, iy)] == kSteep);
   }
   /** Handles steep cells and cells that may drop, which are few. */
   TALUS_HD void finish(int ix, int iy, const Moments&) const
   {
-    const int window_i = iy * cells + ix;
-    const Judgement most{out.traversability[window_i], passability[window_i]};
+    const int window_i = m.window_at(ix, iy);
+    const Judgement most{m.out.traversability[window_i], m.passability[window_i]};
     put(ix, iy, settle(ix, iy, most, true));
   }
   /** Does all of that and returns it to executors that use it at once. It stores the parts of cells
    * that are the caller's `own`. */
-  TALUS_HD Judgement judge(int ix, int iy, const Moments& m, bool own) const
+  TALUS_HD Judgement judge(int ix, int iy, const Moments& sums, bool own) const
   {
-    return settle(ix, iy, judge_most<false>(ix, iy, m, own), own);
+    return settle(ix, iy, judge_most<false>(ix, iy, sums, own), own);
   }
 
  private:
   TALUS_HD void put(int ix, int iy, const Judgement& j) const
   {
-    const int window_i = iy * cells + ix;
-    out.traversability[window_i] = j.score;
-    passability[window_i] = static_cast<std::uint8_t>(j.passability);
+    const int window_i = m.window_at(ix, iy);
+    m.out.traversability[window_i] = j.score;
+    m.passability[window_i] = static_cast<std::uint8_t>(j.passability);
   }
   /** Judges a cell without LowStep and drops. */
   template <bool kWhole>
-  TALUS_HD Judgement judge_most(int ix, int iy, const Moments& m, bool own) const
+  TALUS_HD Judgement judge_most(int ix, int iy, const Moments& sums, bool own) const
   {
-    const Surface& cell = surfaces.cell[surfaces.at(ix, iy)];
+    const Surface& cell = m.judged_surface[m.surface_at(ix, iy)];
     const bool known = cell.known();
-    const Features f = features_of<kWhole>(m, cell.height(), *config);
+    const Features f = features_of<kWhole>(sums, cell.height(), m.k);
     if constexpr (kParts)
       if (own)
       {
-        const int window_i = iy * cells + ix;
-        out.slope[window_i] = select(known, f.slope, kNan);
-        out.step[window_i] = select(known, f.step, kNan);
-        out.roughness[window_i] = select(known, f.roughness, kNan);
-        out.sparsity[window_i] = kNan;
+        const int window_i = m.window_at(ix, iy);
+        m.out.slope[window_i] = select(known, f.slope, kNan);
+        m.out.step[window_i] = select(known, f.step, kNan);
+        m.out.roughness[window_i] = select(known, f.roughness, kNan);
+        m.out.sparsity[window_i] = kNan;
       }
     // If no ray hit a cell or passed low over it, it may be the inside of an object.
     const bool told = known & cell.is(kSurfaceSeen);
-    const Judgement features = fuse_features(f, *config);
+    const Judgement features = fuse_features(f, m.k);
     const bool driven = cell.is(kSurfaceDriven), steep = features.passability == kSteep;
     const float least = select(driven, kDrivenScore, 0.0f);
     const float most = select(steep & driven, kDrivenScore, kInfinity);
@@ -141,28 +125,28 @@ struct ComputeFeatures
     if (neighbour(ix, iy).is(kSurfaceMayDrop))
     {
       if constexpr (kParts)
-        if (own) out.sparsity[iy * cells + ix] = suspicion_of(ix, iy);
+        if (own) m.out.sparsity[m.window_at(ix, iy)] = suspicion_of(ix, iy);
       return impassable;
     }
-    const bool steep = most.passability == kSteep && !LowStep{*config, surfaces}.is_at(ix, iy);
+    const bool steep = most.passability == kSteep && !LowStep{m}.is_at(ix, iy);
     return steep ? impassable : most;
   }
   /** Whether eq. 14 applies. The sensor's own cell lies on no line. */
   TALUS_HD bool is_near(int ix, int iy) const
   {
-    const bool on_line = ix != cells / 2 || iy != cells / 2;
-    return on_line && robot_m(ix, iy) <= config->sparsity_range_m;
+    const bool on_line = ix != m.k.cells / 2 || iy != m.k.cells / 2;
+    return on_line && robot_m(ix, iy) <= m.k.sparsity_range_m;
   }
   /** Eq. 14; 0 where the drop is only remembered. */
   TALUS_HD float suspicion_of(int ix, int iy) const
   {
     if (!is_near(ix, iy)) return 0.0f;
-    const float told = sparsity(fall_m[grid.at(ix, iy)], robot_m(ix, iy), *config);
+    const float told = sparsity(m.fall_m[m.lines.at(ix, iy)], robot_m(ix, iy), m.k);
     return select(told < kSparse, told, 0.0f);
   }
   TALUS_HD float robot_m(int ix, int iy) const
   {
-    return distance_along_line(ix - cells / 2, iy - cells / 2, *config);
+    return distance_along_line(ix - m.k.cells / 2, iy - m.k.cells / 2, m.k);
   }
 };
 
@@ -170,21 +154,18 @@ struct ComputeFeatures
  * where it is nearly level. */
 struct NotePassable
 {
-  int cells;
-  const FrameContext* frame;
-  CellStore store;
-  const float* traversability;
+  const Map& m;
 
   TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    note(storage_i, traversability[iy * cells + ix]);
+    note(storage_i, m.out.traversability[m.window_at(ix, iy)]);
   }
   TALUS_HD void note(int storage_i, float score) const
   {
-    const int others = store.flags[storage_i] & ~kWasPassable;
-    const bool guess = store.state[storage_i] == kFilledOneSided;
+    const int others = m.cell.flags[storage_i] & ~kWasPassable;
+    const bool guess = m.cell.state[storage_i] == kFilledOneSided;
     const bool leads_on = score >= select(guess, kGuessScore, kEdgeScore);
-    store.flags[storage_i] = static_cast<std::uint8_t>(others | select(leads_on, kWasPassable, 0));
+    m.cell.flags[storage_i] = static_cast<std::uint8_t>(others | select(leads_on, kWasPassable, 0));
   }
 };
 
@@ -193,53 +174,48 @@ struct NotePassable
  * a steep face, and of porous objects only some cells are hit. Low steps stay passable. */
 struct CompleteObstacles
 {
-  int cells;
-  const Config* config;
-  Surfaces surfaces;
-  const std::uint8_t* passability;  //!< see ComputeFeatures
-  float* traversability;
-  NotePassable passable;  //!< used by complete(); without a store it keeps nothing
+  const Map& m;
 
-  TALUS_HD bool applies(int ix, int iy, int) const { return applies(ix, iy, around(ix, iy)); }
+  TALUS_HD bool applies(int ix, int iy, int) const { return may_join(ix, iy, around(ix, iy)); }
   TALUS_HD void operator()(int ix, int iy, int) const
   {
-    float& score = traversability[iy * cells + ix];
+    float& score = m.out.traversability[m.window_at(ix, iy)];
     if (joins(ix, iy, around(ix, iy), score)) score = 0.0f;
   }
   /** Stores the joined cell, or `score`. */
   TALUS_HD void complete(int ix, int iy, const PassabilityAround& at, float score) const
   {
-    if (applies(ix, iy, at) && joins(ix, iy, at, score)) score = 0.0f;
-    traversability[iy * cells + ix] = score;
-    if (passable.store.flags) passable.note(storage_index(*passable.frame, cells, ix, iy), score);
+    if (may_join(ix, iy, at) && joins(ix, iy, at, score)) score = 0.0f;
+    m.out.traversability[m.window_at(ix, iy)] = score;
+    if (m.keeps) NotePassable{m}.note(m.at(ix, iy), score);
   }
 
  private:
   TALUS_HD PassabilityAround around(int ix, int iy) const
   {
-    return {passability + iy * cells + ix, cells};
+    return {m.passability + m.window_at(ix, iy), m.k.cells};
   }
-  TALUS_HD bool applies(int ix, int iy, const PassabilityAround& at) const
+  TALUS_HD bool may_join(int ix, int iy, const PassabilityAround& at) const
   {
-    const int n = cells;
+    const int n = m.k.cells;
     const bool inside = (ix > 0) & (iy > 0) & (ix < n - 1) & (iy < n - 1);
     return inside & !at.is_settled(0) &
            (settled_in_row(at, -at.pitch) | settled_in_row(at, 0) | settled_in_row(at, at.pitch));
   }
   TALUS_HD bool joins(int ix, int iy, const PassabilityAround& at, float score) const
   {
-    const Surface& cell = surfaces.cell[surfaces.at(ix, iy)];
+    const Surface& cell = m.judged_surface[m.surface_at(ix, iy)];
     if (cell.is(kSurfaceDriven)) return false;
     const bool edge = score < kEdgeScore && beside(at);  // false where it is not judged
-    return (on(kObstaclesGoOn, *config) && (edge || between(at))) || beside_drop(ix, iy);
+    return (on(kObstaclesGoOn, m.k) && (edge || between(at))) || beside_drop(ix, iy);
   }
   /** A neighbour of a drop joins it, since the edge is not known to a cell. */
   TALUS_HD bool beside_drop(int ix, int iy) const
   {
-    const Surface* at = surfaces.cell + surfaces.at(ix, iy);
+    const Surface* at = m.judged_surface + m.surface_at(ix, iy);
     bool any = false;
     for (int dy = -1; dy <= 1; dy++)
-      for (int dx = -1; dx <= 1; dx++) any |= at[dy * surfaces.pitch + dx].is(kSurfaceMayDrop);
+      for (int dx = -1; dx <= 1; dx++) any |= at[dy * m.surface_pitch() + dx].is(kSurfaceMayDrop);
     return any;
   }
 

@@ -1,7 +1,5 @@
 #pragma once
 #include "kernels/6_fill.h"
-#include "kernels/config.h"
-#include "kernels/math.h"
 #include "kernels/rule_constants.h"
 
 namespace talus::kernels

@@ -1,6 +1,5 @@
 #pragma once
-#include "kernels/config.h"
-#include "kernels/math.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
 #include "kernels/surface.h"
@@ -161,23 +160,22 @@ TALUS_HD bool is_steep(int rise, const Config& k)
  * one side only (foot or edge), or to both sides but not across (face). */
 struct LowStep
 {
-  const Config& config;
-  const Surfaces& surfaces;
+  const Map& m;
 
   TALUS_HD bool is_at(int ix, int iy) const
   {
-    const int n = config.cells;
-    if (!on(kLowSteps, config)) return false;
+    const int n = m.k.cells;
+    if (!on(kLowSteps, m.k)) return false;
     const bool inside = (ix > 2) & (iy > 2) & (ix < n - 3) & (iy < n - 3);
-    const Surface* at = surfaces.cell + surfaces.at(ix, iy);
+    const Surface* at = m.judged_surface + m.surface_at(ix, iy);
     if (!inside || !is_low_around(at)) return false;
-    for (const int to : {-1, 1, -surfaces.pitch, surfaces.pitch})
+    for (const int to : {-1, 1, -m.surface_pitch(), m.surface_pitch()})
     {
       const Surface &next = at[to], &before = at[-to];
       const bool beside = goes_on_level(next, to);
       const bool edge = beside && is_level(*at, next) && !is_level(*at, at[-2 * to]);
-      const bool face = beside && goes_on_level(before, -to) &&
-                        is_steep((next.ground - before.ground) / 2, config);
+      const bool face =
+          beside && goes_on_level(before, -to) && is_steep((next.ground - before.ground) / 2, m.k);
       if (edge || face) return true;
     }
     return false;
@@ -194,17 +192,16 @@ struct LowStep
     for (int dy = -2; dy <= 2; dy++)
       for (int dx = -2; dx <= 2; dx++)
       {
-        const Surface& next = at[dy * surfaces.pitch + dx];
+        const Surface& next = at[dy * m.surface_pitch() + dx];
         if (!next.known()) continue;
         low = min_of(low, next.ground);
         high = max_of(high, next.height());
       }
-    return static_cast<float>(high - low) <=
-           kLowStep_steps * config.step_threshold_m * kHeightSteps;
+    return static_cast<float>(high - low) <= kLowStep_steps * m.k.step_threshold_m * kHeightSteps;
   }
   TALUS_HD bool is_level(const Surface& a, const Surface& b) const
   {
-    return a.known() && b.known() && !is_steep(b.ground - a.ground, config);
+    return a.known() && b.known() && !is_steep(b.ground - a.ground, m.k);
   }
 };
 

@@ -2,10 +2,7 @@
 #include "kernels/1_accept.h"
 #include "kernels/3_update.h"
 #include "kernels/4_classify.h"
-#include "kernels/cell.h"
-#include "kernels/config.h"
-#include "kernels/frame.h"
-#include "kernels/math.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 
 namespace talus::kernels
@@ -43,15 +40,6 @@ TALUS_HD bool hangs_over(const Cell& c, const PointInCell& p)
   return passed | (free & (p.from_below != 0) & !left_lately);
 }
 
-/** The surface of a cell that a point belongs to. */
-enum PointSurface : std::int32_t
-{
-  kNoSurface = -1,
-  kOfGround = 0,
-  kOfObject,
-  kPointSurfaces
-};
-
 /** Whether something stands on the ground of a cell. */
 TALUS_HD bool has_object(float ground_m, float elevation_m, const Config& k)
 {
@@ -86,44 +74,44 @@ TALUS_HD Label label_in_cell(const Cell& c, const PointInCell& p, const Config& 
 /** Gives a point of any frame its label. */
 struct LabelPoint
 {
-  const Config* config;
-  const FrameContext* frame;  //!< of the points, in the window of the map
-  const Body* body;
-  const Datum* datum;
-  CellStore store;
-  ClassifyCell classify;  //!< over a coarse grid of the map as it is
-  PointsIn in;
-  /** By storage index: 1 where what the frame hit moved away since; null: not yet known. */
-  const std::int32_t* moved;
+  const Map& m;
 
-  TALUS_HD std::uint32_t operator()(int point_i) const
-  {
-    int storage_i;
-    return label(point_i, storage_i);
-  }
   /** Finds its cell, too; -1: it has none. */
   TALUS_HD Label label(int point_i, int& storage_i) const
   {
     storage_i = -1;
-    const Point sensed = in.at(point_i);
-    const WindowPose pose = pose_of_point(*frame, in.time_s, point_i);
-    const Verdict verdict = accept(sensed, rise_above_sensor(pose, sensed), *config);
-    if (verdict.code != kAccepted || is_body(sensed, *frame, *body)) return kLabelNotTaken;
+    const Point sensed = m.in.at(point_i);
+    const WindowPose pose = pose_of_point(*m.frame, m.in.time_s, point_i);
+    const Verdict verdict = accept(sensed, rise_above_sensor(pose, sensed), m.k);
+    if (verdict.code != kAccepted || is_body(sensed, *m.frame, *m.body)) return kLabelNotTaken;
     const Point p = transform(pose, sensed);
-    const float n = static_cast<float>(config->cells);
-    const float cx = p.x_m * config->inverse_resolution, cy = p.y_m * config->inverse_resolution;
+    const float n = static_cast<float>(m.k.cells);
+    const float cx = p.x_m * m.k.inverse_resolution, cy = p.y_m * m.k.inverse_resolution;
     if (!((cx >= 0.0f) & (cx < n) & (cy >= 0.0f) & (cy < n))) return kLabelOutside;
     const int ix = floor_to_int(cx), iy = floor_to_int(cy);
-    storage_i = storage_index(*frame, config->cells, ix, iy);
-    const bool from_below = p.z_m > frame->sensor_z_map_m && !(moved && moved[storage_i] != 0);
-    const PointInCell point{p.z_m - datum->offset_m, from_below, is_object(ix, iy, storage_i)};
-    return label_in_cell(store.load(storage_i), point, *config);
+    storage_i = m.at(ix, iy);
+    const bool from_below =
+        p.z_m > m.frame->sensor_z_map_m && !(m.moved && m.moved[storage_i] != 0);
+    const PointInCell point{p.z_m - m.datum->offset_m, from_below, is_object(ix, iy, storage_i)};
+    return label_in_cell(m.cell.load(storage_i), point, m.k);
   }
 
  private:
   TALUS_HD bool is_object(int ix, int iy, int storage_i) const
   {
-    return classify.class_of(ix, iy, storage_i) == kObject;
+    return ClassifyCell{m}.class_of(ix, iy, storage_i) == kObject;
+  }
+};
+
+/** The same, with a map of its own: for labels that the host gets. */
+struct LabelOf
+{
+  Map m;
+
+  TALUS_HD std::uint32_t operator()(int point_i) const
+  {
+    int storage_i;
+    return LabelPoint{m}.label(point_i, storage_i);
   }
 };
 
@@ -132,13 +120,13 @@ struct LabelPoint
 template <class Atomics>
 struct NoteMoved
 {
-  LabelPoint point;
-  std::int32_t* moved;
+  const Map& m;
 
   TALUS_HD void operator()(int point_i) const
   {
     int storage_i;
-    if (point.label(point_i, storage_i) == kLabelMovedAway) Atomics::max(moved + storage_i, 1);
+    if (LabelPoint{m}.label(point_i, storage_i) == kLabelMovedAway)
+      Atomics::max(m.notes_moved + storage_i, 1);
   }
 };
 

@@ -2,7 +2,7 @@
 #include "kernels/1_points.h"
 #include "kernels/8_label.h"
 #include "kernels/atomics.h"
-#include "kernels/cell.h"
+#include "kernels/map.h"
 
 namespace talus::kernels
 {
@@ -11,264 +11,107 @@ namespace talus::kernels
 // ground counts for the ground of its cell, one on an object for the object there, see
 // surface_at().
 
-constexpr int kMostChannels = 4, kClasses = 16;
-
-/** The values of talus::ChannelRule. */
-enum ChannelRule : std::int32_t
-{
-  kMean = 0,
-  kLatest,
-  kMax,
-  kVote
-};
-
-/** What a channel knows of one surface of a cell. */
-struct ChannelValue
-{
-  float value = kNan;  //!< NaN: unknown
-  std::uint32_t weight = 0;  //!< points behind it, up to kMeanOfPoints or kVotesOfPoints
-};
-
-/** The points of the frame on one surface of a cell; empty between frames. */
-struct ChannelSum
-{
-  std::uint64_t steps = 0;  //!< their values [1 / kChannelSteps], below zero as two's complement
-  std::uint32_t points = 0;
-  std::int32_t highest = kLowestOrdered;  //!< of their values, as an ordered integer
-
-  static constexpr std::int32_t kLowestOrdered = -0x7fffffff - 1;
-};
-
-/** The points of the frame by their class, and how many count of those before. */
-struct ChannelVotes
-{
-  std::uint32_t of_frame[kClasses];
-  std::uint8_t kept[kClasses];
-};
-
-/** One channel of a map and its part of a frame. The surfaces of a cell are neighbours. */
-struct Channel
-{
-  std::int32_t rule;  //!< a ChannelRule
-  const float* of_points;  //!< null: the frame has no values
-  ChannelSum* sums;
-  ChannelValue* values;
-  ChannelVotes* votes;  //!< null: no kVote
-
-  static TALUS_HD int at(int storage_i, int surface)
-  {
-    return storage_i * kPointSurfaces + surface;
-  }
-
-  /** Takes the value of a point. Returns whether it is the first on its surface in this frame. */
-  template <class Atomics>
-  TALUS_HD bool add(int i, float value) const
-  {
-    if (!(value >= -kMostOfChannel && value <= kMostOfChannel)) return false;  // also NaN
-    if (rule == kVote)
-      Atomics::add(votes[i].of_frame + (static_cast<int>(value) & (kClasses - 1)), 1u);
-    else if (rule == kMax)
-      Atomics::max(&sums[i].highest, ordered_from_float(value));
-    else
-      Atomics::add(&sums[i].steps, steps_of(value));
-    return Atomics::add(&sums[i].points, 1u) == 0;
-  }
-
-  /** Fuses what a frame added with what was known. */
-  TALUS_HD void settle(int i) const
-  {
-    const ChannelSum of_frame = sums[i];
-    sums[i] = ChannelSum{};
-    ChannelValue& known = values[i];
-    if (rule == kVote)
-      count_votes(known, votes[i], of_frame.points);
-    else if (rule == kMax)
-    {
-      const float highest = float_from_ordered(of_frame.highest);
-      known.value = known.value >= highest ? known.value : highest;  // NaN is not
-    }
-    else
-      known = mean_with(known, of_frame, rule == kMean ? kMeanOfPoints : 0);
-  }
-
-  /** Takes a value that was known before, as that of one point, where none is known. */
-  TALUS_HD void restore(int i, float value) const
-  {
-    if (!(value >= -kMostOfChannel && value <= kMostOfChannel)) return;  // also NaN
-    if (values[i].value == values[i].value) return;
-    values[i] = {value, 1};
-    if (rule == kVote) votes[i].kept[static_cast<int>(value) & (kClasses - 1)] = 1;
-  }
-
-  TALUS_HD void forget(int i) const
-  {
-    values[i] = ChannelValue{};
-    if (votes)
-      for (std::uint8_t& kept : votes[i].kept) kept = 0;
-  }
-
- private:
-  static TALUS_HD std::uint64_t steps_of(float value)
-  {
-    const double steps = static_cast<double>(value) * kChannelSteps;
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(steps));
-  }
-  static TALUS_HD ChannelValue
-  mean_with(const ChannelValue& known, const ChannelSum& of_frame, std::uint32_t most)
-  {
-    const double sum = static_cast<double>(static_cast<std::int64_t>(of_frame.steps));
-    const double points = static_cast<double>(of_frame.points);
-    const double mean = sum / (points * kChannelSteps);
-    const double before = known.weight ? static_cast<double>(known.value) : mean;
-    const double share = points / (static_cast<double>(known.weight) + points);
-    ChannelValue now;
-    now.value = static_cast<float>(before + share * (mean - before));
-    // Of points, too, there may be more than an integer of 32 bits holds together with the weight.
-    now.weight = of_frame.points >= most - known.weight ? most : known.weight + of_frame.points;
-    return now;
-  }
-  /** Adds the votes of the frame; the class with the most becomes the value, of several the first.
-   */
-  static TALUS_HD void count_votes(ChannelValue& known, ChannelVotes& votes, std::uint32_t of_frame)
-  {
-    const int leads = known.weight ? static_cast<int>(known.value) : 0;
-    if (votes.of_frame[leads] == of_frame && known.weight &&
-        of_frame <= kVotesOfPoints - known.weight)
-    {  // as below, since nothing else has changed
-      votes.of_frame[leads] = 0;
-      votes.kept[leads] = static_cast<std::uint8_t>(votes.kept[leads] + of_frame);
-      known.weight += of_frame;
-      return;
-    }
-    std::uint32_t all = 0;
-    int most = 0;
-    for (int c = 0; c < kClasses; c++)
-    {
-      votes.of_frame[c] += votes.kept[c];
-      all += votes.of_frame[c];
-      if (votes.of_frame[c] > votes.of_frame[most]) most = c;
-    }
-    int halvings = 0;
-    while (all >> halvings > kVotesOfPoints) halvings++;
-    known = {static_cast<float>(most), 0};
-    for (int c = 0; c < kClasses; c++)
-    {
-      votes.kept[c] = static_cast<std::uint8_t>(votes.of_frame[c] >> halvings);
-      known.weight += votes.kept[c];
-      votes.of_frame[c] = 0;
-    }
-  }
-};
-
-struct Channels
-{
-  int size;
-  Channel each[kMostChannels];
-};
-
 /** Clears the channels of a cell that entered the window, as RollCell clears the cell. */
 struct ForgetChannels
 {
-  const Config* config;
-  const FrameContext* frame;
-  Channels channels;
+  const Map& m;
 
   TALUS_HD Stretch stays(int iy) const
   {
-    return staying(*frame, config->cells, iy, frame->starts_map != 0);
+    return staying(*m.frame, m.k.cells, iy, m.frame->starts_map != 0);
   }
+  TALUS_HD bool applies(int ix, int iy, int) const { return !stays(iy).has(ix); }
   TALUS_HD void operator()(int, int, int storage_i) const
   {
-    for (int c = 0; c < channels.size; c++)
+    for (int c = 0; c < m.channels.size; c++)
       for (int surface = 0; surface < kPointSurfaces; surface++)
-        channels.each[c].forget(Channel::at(storage_i, surface));
-  }
-  TALUS_HD void operator()(int ix, int iy) const
-  {
-    if (!stays(iy).has(ix)) (*this)(ix, iy, storage_index(*frame, config->cells, ix, iy));
+        m.channels.each[c].forget(Channel::at(storage_i, surface));
   }
 };
 
 /** Whether the lowest surface of a cell is an object, and no ground was found below it. */
-TALUS_HD bool is_object(int storage_i, const CellStore& store, const std::uint8_t* surface_class)
+TALUS_HD bool is_object(int storage_i, const Map& m)
 {
-  return surface_class[storage_i] == kObject && store.state[storage_i] == kMeasured;
+  return m.surface_class[storage_i] == kObject && m.cell.state[storage_i] == kMeasured;
 }
 
-/** Finds the surface that a point belongs to. */
+/** Finds the surface that a point belongs to, and adds its channels to it. */
+template <class Atomics>
 struct PlacePoint
 {
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  PointsOut points;
-  const std::uint8_t* surface_class;  //!< by storage index, a SurfaceClass
-  std::int32_t* surface;  //!< by point, see Channel::at(); kNoSurface: none
+  const Map& m;
 
   TALUS_HD void operator()(int point_i) const
   {
-    const int storage_i = max_of(points.cell[point_i], 0);
-    Cell c;  // all that separates ground and object from the rest
-    c.ground_m = store.ground_m[storage_i];
-    c.elevation_m = store.elevation_m[storage_i];
-    c.driven_height = store.driven_height[storage_i];
-    const std::int32_t of_cell = surface_at(
-        c, is_object(storage_i, store, surface_class), points.height_m[point_i] - frame->offset_m,
-        *config);
-    const bool none = (points.cell[point_i] < 0) | (of_cell == kNoSurface);
-    surface[point_i] = select(none, kNoSurface, Channel::at(storage_i, of_cell));
+    int first = 0;
+    const std::int32_t at = point_i < m.frame->n_points ? surface_of(point_i) : kNoSurface;
+    for (int c = 0; c < m.channels.size && at >= 0; c++)
+    {
+      const Channel& channel = m.channels.each[c];
+      if (channel.of_points && channel.template add<Atomics>(at, channel.of_points[point_i]))
+        first |= 1 << c;
+    }
+    m.point_surface[point_i] = at;
+    m.point_begins[point_i] = static_cast<std::uint8_t>(first);
+  }
+
+ private:
+  TALUS_HD std::int32_t surface_of(int point_i) const
+  {
+    const int storage_i = m.point_cell[point_i];
+    if (storage_i < 0) return kNoSurface;
+    Cell c;  // all that tells the ground and what stands from the rest
+    c.ground_m = m.cell.ground_m[storage_i];
+    c.elevation_m = m.cell.elevation_m[storage_i];
+    c.driven_height = m.cell.driven_height[storage_i];
+    const float height_m = m.point_height_m[point_i] - m.frame->offset_m;
+    const std::int32_t of_cell = surface_at(c, is_object(storage_i, m), height_m, m.k);
+    return of_cell == kNoSurface ? kNoSurface : Channel::at(storage_i, of_cell);
   }
 };
 
-/** Fuses what the points of a frame added to a surface with what was known. Where they show the
- * ground and nothing stands, what stood there is forgotten. */
-struct SettleChannel
+/** Fuses what the points of a frame added to the surfaces that the point began with what was known.
+ * Where they show the ground and nothing stands, what stood there is forgotten. */
+struct SettlePoint
 {
-  const Config* config;
-  CellStore store;
-  Channel channel;
+  const Map& m;
 
-  TALUS_HD void operator()(std::int32_t surface) const
+  TALUS_HD void operator()(int point_i) const
+  {
+    const int begun = m.point_begins[point_i];
+    for (int c = 0; c < m.channels.size && begun >> c != 0; c++)
+      if (begun >> c & 1) settle(m.channels.each[c], m.point_surface[point_i]);
+  }
+
+ private:
+  TALUS_HD void settle(const Channel& channel, std::int32_t surface) const
   {
     channel.settle(surface);
-    const int storage_i = surface / kPointSurfaces;
+    const int i = surface / kPointSurfaces;
     if (surface % kPointSurfaces == kOfGround &&
-        !has_object(store.ground_m[storage_i], store.elevation_m[storage_i], *config))
-      channel.forget(Channel::at(storage_i, kOfObject));
+        !has_object(m.cell.ground_m[i], m.cell.elevation_m[i], m.k))
+      channel.forget(Channel::at(i, kOfObject));
   }
 };
 
-/** What the map shows of channels: NaN where it has no such surface. */
-struct ShownChannels
+/** What the map shows of a channel; NaN where it has no such surface. */
+TALUS_HD float shown_value(const Map& m, int channel, int surface, int i)
 {
-  const Config* config;
-  CellStore store;
-  const std::uint8_t* surface_class;
-  Channels channels;
-
-  TALUS_HD float value(int channel, int surface, int storage_i) const
-  {
-    const int i = storage_i;
-    const bool there = surface == kOfObject
-                           ? has_object(store.ground_m[i], store.elevation_m[i], *config) ||
-                                 is_object(i, store, surface_class)
-                           : store.state[i] != kUnknown;
-    return select(there, channels.each[channel].values[Channel::at(i, surface)].value, kNan);
-  }
-};
+  const bool there =
+      surface == kOfObject
+          ? has_object(m.cell.ground_m[i], m.cell.elevation_m[i], m.k) || is_object(i, m)
+          : m.cell.state[i] != kUnknown;
+  return select(there, m.channels.each[channel].values[Channel::at(i, surface)].value, kNan);
+}
 
 /** Copies a channel of one surface to window order. */
 struct PutChannel
 {
-  ShownChannels shown;
-  const FrameContext* frame;
-  int channel, surface;
-  float* out;
+  const Map& m;
 
-  TALUS_HD void operator()(int ix, int iy) const
+  TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    const int cells = shown.config->cells;
-    out[iy * cells + ix] = shown.value(channel, surface, storage_index(*frame, cells, ix, iy));
+    m.put.out[m.window_at(ix, iy)] = shown_value(m, m.put.channel, m.put.surface, storage_i);
   }
 };
 
@@ -276,23 +119,19 @@ struct PutChannel
  * classes. Nowhere else do channels decide. */
 struct TakeClassScores
 {
-  ShownChannels shown;
-  const FrameContext* frame;
-  const float* scores;  //!< kClasses for each channel
-  float* traversability;
+  const Map& m;
 
-  TALUS_HD void operator()(int ix, int iy) const
+  TALUS_HD void operator()(int ix, int iy, int storage_i) const
   {
-    const int cells = shown.config->cells;
-    const int storage_i = storage_index(*frame, cells, ix, iy);
-    float& score = traversability[iy * cells + ix];
-    for (int c = 0; c < shown.channels.size; c++)
-      for (int s = 0; s < kPointSurfaces && shown.channels.each[c].rule == kVote; s++)
+    float& score = m.out.traversability[m.window_at(ix, iy)];
+    for (int c = 0; c < m.channels.size; c++)
+      for (int s = 0; s < kPointSurfaces && m.channels.each[c].rule == kVote; s++)
       {
-        const float value = shown.value(c, s, storage_i);
+        const float value = shown_value(m, c, s, storage_i);
         if (!(value >= 0.0f)) continue;  // also NaN
-        const float of_class = scores[c * kClasses + (static_cast<int>(value) & (kClasses - 1))];
-        if (of_class < score) score = of_class;  // false where it is not judged
+        const int of_class = c * kClasses + (static_cast<int>(value) & (kClasses - 1));
+        if (m.class_scores[of_class] < score)
+          score = m.class_scores[of_class];  // not if not judged
       }
   }
 };

@@ -199,41 +199,4 @@ enum SurfaceClass : std::uint8_t
                //!< ground under it
 };
 
-/** Destinations of the layers of stages 2 to 6 that cells have, window order; null: not wanted. The
- * variance has a rule of its own, TellVariance. */
-struct SurfaceLayers
-{
-  float *elevation, *ground, *state, *reached;
-
-  bool any() const { return elevation || ground || state || reached; }
-  TALUS_HD void put(int window_i, const CellStore& store, int storage_i, float offset_m) const
-  {
-    if (elevation) elevation[window_i] = raised(store.elevation_m[storage_i], offset_m);
-    if (ground) ground[window_i] = raised(store.ground_m[storage_i], offset_m);
-    const int told = store.state[storage_i], reach = store.flags[storage_i] & kWasReached;
-    if (state) state[window_i] = static_cast<float>(told);
-    if (reached)
-      reached[window_i] = select(
-          told == kUnknown, kNan, static_cast<float>(reach) / static_cast<float>(kWasReached));
-  }
-};
-
-/** Copies the wanted layers of cell (ix, iy), stored at storage_i, to window order. */
-struct PutSurface
-{
-  const Config* config;
-  const FrameContext* frame;
-  CellStore store;
-  SurfaceLayers out;
-
-  TALUS_HD void operator()(int ix, int iy, int storage_i) const
-  {
-    out.put(iy * config->cells + ix, store, storage_i, frame->offset_m);
-  }
-  TALUS_HD void operator()(int ix, int iy) const
-  {
-    (*this)(ix, iy, storage_index(*frame, config->cells, ix, iy));
-  }
-};
-
 }  // namespace talus::kernels

@@ -49,4 +49,20 @@ struct FrameContext
   WindowPose poses[kMaxPathPoses];
 };
 
+struct Point
+{
+  float x_m, y_m, z_m;
+};
+
+/** The points of a frame in the sensor frame, one array for each coordinate. */
+struct PointsIn
+{
+  const float* x_m;
+  const float* y_m;
+  const float* z_m;
+  const float* time_s;  //!< read only where FrameContext::has_times
+
+  TALUS_HD Point at(int point_i) const { return {x_m[point_i], y_m[point_i], z_m[point_i]}; }
+};
+
 }  // namespace talus::kernels

@@ -1,9 +1,6 @@
 #pragma once
-#include "kernels/config.h"
-#include "kernels/frame.h"
 #include "kernels/group.h"
-#include "kernels/math.h"
-#include "kernels/rays.h"
+#include "kernels/map.h"
 #include "kernels/rule_constants.h"
 
 namespace talus::kernels
@@ -55,25 +52,11 @@ TALUS_HD RayFootprint footprint_of(const Config& k, const FrameContext& f, int i
   return g;
 }
 
-/** The table of NoteReach. */
-struct RayReach
+/** How far the rays of one direction went, for adjacent steps of slope; 0: no ray. */
+struct alignas(16) SlopeEnds
 {
-  const FrameContext* frame;
-  const std::int32_t* of_slope;
-
-  /** The ends of the rays of one direction, for adjacent steps of slope; 0: no ray. */
-  struct alignas(16) Steps
-  {
-    static constexpr int kSize = 4;
-    std::int32_t ends[kSize];
-  };
-  TALUS_HD Steps steps(int bin, int quad) const
-  {
-    const Steps* const quads = reinterpret_cast<const Steps*>(of_slope);
-    Steps here = quads[bin * (kSlopeSteps / Steps::kSize) + quad];
-    for (std::int32_t& end : here.ends) end = -end;
-    return here;
-  }
+  static constexpr int kSize = 4;
+  std::int32_t ends[kSize];
 };
 
 /** The steps of slope [first, end). */
@@ -88,8 +71,7 @@ struct SlopeSteps
 template <class Group>
 struct OverhangRays
 {
-  const Config& k;
-  const RayReach& reach;
+  const Map& m;
   RayFootprint footprint;
   Group group;
 
@@ -143,24 +125,31 @@ struct OverhangRays
     kEndedBefore
   };
 
+  TALUS_HD SlopeEnds steps(int bin, int quad) const
+  {
+    const SlopeEnds* const quads = reinterpret_cast<const SlopeEnds*>(m.reach);
+    SlopeEnds here = quads[bin * (kSlopeSteps / SlopeEnds::kSize) + quad];
+    for (std::int32_t& end : here.ends) end = -end;
+    return here;
+  }
   TALUS_HD float step_of(float height_m) const
   {
-    return slope_step(ray_slope(height_m - reach.frame->sensor_z_m, footprint.chebyshev_m));
+    return slope_step(ray_slope(height_m - m.frame->sensor_z_m, footprint.chebyshev_m));
   }
   TALUS_HD int bin(int which) const
   {
-    return wrap_bin(footprint.first_bin + which * footprint.stride, bin_count(k));
+    return wrap_bin(footprint.first_bin + which * footprint.stride, bin_count(m.k));
   }
 
   TALUS_HD Aimed aimed(int bin, int first, int end) const
   {
     bool any = false, before = false;
-    for (int quad = first / RayReach::Steps::kSize; quad * RayReach::Steps::kSize < end; quad++)
+    for (int quad = first / SlopeEnds::kSize; quad * SlopeEnds::kSize < end; quad++)
     {
-      const RayReach::Steps rays = reach.steps(bin, quad);
-      for (int s = 0; s < RayReach::Steps::kSize; s++)
+      const SlopeEnds rays = steps(bin, quad);
+      for (int s = 0; s < SlopeEnds::kSize; s++)
       {
-        const int step = quad * RayReach::Steps::kSize + s, ray = rays.ends[s];
+        const int step = quad * SlopeEnds::kSize + s, ray = rays.ends[s];
         const bool is_ray = (step >= first) & (step < end) & (ray > 0);
         any |= is_ray;
         before |= is_ray & (ray < footprint.row);
@@ -177,23 +166,23 @@ struct OverhangRays
   TALUS_HD float height_of(int last, int none, float hit_m) const
   {
     if (last == none) return hit_m;
-    return reach.frame->sensor_z_m + slope_of_step(last) * footprint.chebyshev_m;
+    return m.frame->sensor_z_m + slope_of_step(last) * footprint.chebyshev_m;
   }
 
   /** The last slope step that was hit, from `first` on; the one before `first` if there is none. */
   TALUS_HD int follow(int bin, int first, int up) const
   {
-    const int nearest = footprint.row - (kBehindCell_rings + kBeforeCell_rings) * bin_count(k);
+    const int nearest = footprint.row - (kBehindCell_rings + kBeforeCell_rings) * bin_count(m.k);
     int last = first - up;
     bool more = first >= 0 && first < kSlopeSteps;
-    for (int quad = first / RayReach::Steps::kSize;
-         more && quad >= 0 && quad < kSlopeSteps / RayReach::Steps::kSize; quad += up)
+    for (int quad = first / SlopeEnds::kSize;
+         more && quad >= 0 && quad < kSlopeSteps / SlopeEnds::kSize; quad += up)
     {
-      const RayReach::Steps rays = reach.steps(bin, quad);
-      for (int n = 0; n < RayReach::Steps::kSize; n++)
+      const SlopeEnds rays = steps(bin, quad);
+      for (int n = 0; n < SlopeEnds::kSize; n++)
       {
-        const int s = up > 0 ? n : RayReach::Steps::kSize - 1 - n, ray = rays.ends[s];
-        const int step = quad * RayReach::Steps::kSize + s;
+        const int s = up > 0 ? n : SlopeEnds::kSize - 1 - n, ray = rays.ends[s];
+        const int step = quad * SlopeEnds::kSize + s;
         const bool is_ray = more & ((step - first) * up >= 0) & (ray > 0);
         const bool before = ray < nearest, behind = ray >= footprint.row;
         last = select(is_ray & !before & !behind, step, last);

@@ -106,21 +106,6 @@ TALUS_HD float slope_at_step(float step)
 /** The slope in the middle of a step. */
 TALUS_HD float slope_of_step(int step) { return slope_at_step(static_cast<float>(step) + 0.5f); }
 
-/** Heights of the rays that passed over the cells, by place in `grid`. */
-struct PassingRays
-{
-  LineGrid grid;
-  /** From here on rays proved a cell to be free in this frame, and unseen ground lies lower;
-   * infinity: no ray. Of the lowest rays of its directions the highest counts, so that a few
-   * reflections change nothing. */
-  float* free_above_m;
-  /** So high the ground of a cell is at most if it goes on gently to where that ray ended;
-   * infinity: no ray. */
-  float* ends_m;
-  float* lowest_m;  //!< the lowest ray of all, in frames that start a map; infinity: no ray
-  std::uint8_t* in_open;  //!< 1: nothing was hit between the sensor and the cell
-};
-
 /** Whether rays pass above the ground at a height; infinity: no ray. Rays below it tell of an
  * object or a drop, but not if rays pass above it on both sides: what a glossy floor reflects are
  * single rays. */
@@ -139,7 +124,7 @@ TALUS_HD bool on_both_sides(const Over& over)
   return left & right;
 }
 /** The same of rays above a height beside a place of a line, `aside` rows from the middle one, at
- * which PassingRays::free_above_m is given. Rows are `across` apart. */
+ * which Map::free_above_m is given. Rows are `across` apart. */
 TALUS_HD bool is_passed_over(
     const float* free_above_m, int across, int aside, int rings, float ground_m)
 {

@@ -29,13 +29,4 @@ struct alignas(8) Surface
   TALUS_HD bool is(SurfaceFlag flag) const { return (height_and_flags & flag) != 0; }
 };
 
-/** Window order; columns padded by the feature radius. */
-struct Surfaces
-{
-  Surface* cell;
-  int pitch, pad;
-
-  TALUS_HD int at(int ix, int iy) const { return iy * pitch + ix + pad; }
-};
-
 }  // namespace talus::kernels

@@ -1,6 +1,7 @@
 #pragma once
 #include "cpu/executor.h"
 #include "kernels/group.h"
+#include "kernels/map.h"
 
 #include <algorithm>
 #include <array>
@@ -26,7 +27,7 @@ class DeviceOnHost : public CpuMemory
 {
  public:
   using Atomics = DeviceOnHostAtomics;
-  static constexpr int kCrowd = 4;
+  static constexpr bool kIsDevice = true;
 
   std::string name() const { return "cpu (the device's schedule)"; }
 
@@ -44,7 +45,6 @@ class DeviceOnHost : public CpuMemory
     slot_ = static_cast<std::size_t>(slot);
   }
   int loop_size(int, std::size_t capacity) const { return static_cast<int>(capacity); }
-  int workers(int elements) const { return elements / 8 + 1; }
   /** A device has a copy of the points. */
   kernels::PointsIn stage(
       const Frame& frame, const kernels::FrameContext& context, std::size_t capacity)
@@ -85,86 +85,78 @@ class DeviceOnHost : public CpuMemory
   std::uint32_t* reported() { return reported_[slot_].data(); }
 
   // ---- loops ----
-  template <class F>
-  void for_each(int n, const F& f)
+  template <class Rule>
+  void for_each(const kernels::Map& m, int n)
   {
-    for (int i = n; i-- > 0;) run(f, i, 0);
+    for (int i = n; i-- > 0;) run(Rule{m}, i, 0);
   }
   template <class F, class T>
   void for_each_to_host(int n, const F& f, T* to)
   {
-    for_each(n, [&](int i) { to[i] = f(i); });
+    for (int i = n; i-- > 0;) to[i] = f(i);
   }
   template <class F, class T>
   void for_each_from_host(int n, const F& f, const T* from)
   {
-    for_each(n, [&](int i) { f(i, from[i]); });
+    for (int i = n; i-- > 0;) f(i, from[i]);
   }
-  template <class F, class G>
-  void for_each_beside(int n, const F& f, int nx, int ny, const G& g)
+  template <class First, class Then, class Cells>
+  void for_each_beside(const kernels::Map& m, int firsts, int n, int nx, int ny)
   {
-    for_each_cell(nx, ny, g);
-    for_each(n, f);
+    for_each_cell<Cells>(m, {0, 0, nx, ny});
+    for_each<Then>(m, n - firsts);
+    for_each<First>(m, firsts);
   }
   template <class F>
-  void for_each_and_group(int n, int, const F& f)
+  void for_each_and_group(const kernels::Map& m, int n, int)
   {
+    const F f{m};
     int cell = -1;
     for (int i = n; i-- > 0;)
       if ((cell = f.lone_cell(i)) >= 0) f.update(cell, kernels::SerialGroup{});
     for (int slot = 0; (cell = f.crowded_cell(slot)) >= 0; slot++)
       f.update(cell, kernels::SerialGroup{});
   }
-  template <class F>
-  void for_each_cell(int nx, int ny, const F& f)
+  template <class Rule>
+  void for_each_cell(const kernels::Map& m, const WindowRect& r)
   {
-    for (int y = ny; y-- > 0;)
-      for (int x = nx; x-- > 0;) f(x, y);
-  }
-  template <class F>
-  void for_each_cell_of_rows(int nx, int first, int end, const F& f, bool)
-  {
-    for (int y = end; y-- > first;)
-      for (int x = nx; x-- > 0;) f(x, y);
+    over(r, [&m](int x, int y) { kernels::apply<Rule>(m, x, y); });
   }
   /** Both forms in which a device searches a cell's lines. */
   template <class F>
-  void for_each_cell_by_lines(int n, int first, int end, const F& f, bool)
+  void for_each_cell_by_lines(const kernels::Map& m, int first, int end, bool)
   {
-    for (int y = end; y-- > first;)
-      for (int x = n; x-- > 0;)
-        if ((x + y) % 2)
-          f(x, y);
-        else
-          by_lines(f, x, y);
+    const F f{m};
+    const auto fill = [&f](int x, int y) { (x + y) % 2 ? f(x, y) : by_lines(f, x, y); };
+    over({0, first, m.k.cells, end - first}, fill);
   }
   /** Each direction in as many stretches as on a device. */
-  template <class F, class G, class H>
-  void for_each_direction_beside(int directions, const F& f, int n, const G& g, const H& h)
+  template <class F, class First, class Then, class H>
+  void for_each_direction_beside(const kernels::Map& m, int directions, int firsts, int n)
   {
-    h(kernels::SerialGroup{});
-    for_each(n, g);
-    for (int d = directions; d-- > 0;) settle(f, d, f.rings());
+    H{m}(kernels::SerialGroup{});
+    for_each<Then>(m, n - firsts);
+    for_each<First>(m, firsts);
+    for (int d = directions; d-- > 0;) settle(F{m}, d, F{m}.rings());
   }
   template <class F>
-  void pack_bits(int lines, int bits, const F& f, std::uint32_t* words)
+  void pack_bits(const kernels::Map& m, int lines, int bits, std::uint32_t* words)
   {
     std::fill_n(words, (bits + 31) / 32 * lines, 0u);
     for (int line = lines; line-- > 0;)
-    {
-      const auto marks = f(line);
       for (int bit = 0; bit < bits; bit++)
-        if (marks(bit)) words[bit / 32 * lines + line] |= 1u << bit % 32;
-    }
+        if (F{m}(line, bit)) words[bit / 32 * lines + line] |= 1u << bit % 32;
   }
   template <class F>
-  void mark_cells(int side, const F& f, std::uint32_t* marks)
+  void mark_cells(const kernels::Map& m, std::uint32_t* marks)
   {
+    const F f{m};
+    const int side = m.k.cells;
     const auto inspect = [&](int x, int y)
     {
       if (f.begin(x, y)) f.inspect(x, y, kernels::SerialGroup{});
     };
-    for_each_cell(side, side, inspect);
+    over({0, 0, side, side}, inspect);
     std::fill_n(marks, (side + 31) / 32 * 2 * side, 0u);
     const auto mark = [&](int x, int y)
     {
@@ -172,19 +164,22 @@ class DeviceOnHost : public CpuMemory
       marks[x / 32 * 2 * side + y] |= 1u << x % 32;
       marks[y / 32 * 2 * side + side + x] |= 1u << y % 32;
     };
-    for_each_cell(side, side, mark);
+    over({0, 0, side, side}, mark);
   }
   template <class F>
-  void for_each_window(int nx, int ny, int radius, const F& f)
+  void for_each_window(const kernels::Map& m, int nx, int ny, int radius)
   {
+    const F f{m};
     windows<F>(
         nx, ny, radius, 0, ny, [&](auto& row, int x, int y, int d) { f.add(row, x, y, d); },
         [&](auto& sum, const auto& row, int d) { f.add(sum, row, d); }, f);
   }
   template <class F, class G>
   void for_each_judged_cell_of_rows(
-      int nx, int ny, int first, int end, int radius, const F& f, const G& g, bool)
+      const kernels::Map& m, int nx, int ny, int first, int end, int radius, bool)
   {
+    const F f{m};
+    const G g{m};
     const int from = std::max(first - 1, 0), to = std::min(end + 1, ny), pitch = nx + 2;
     std::vector<float> judged(static_cast<std::size_t>(pitch * (to - from + 2)), kernels::kNan);
     std::vector<std::uint8_t> passability(judged.size(), 0);
@@ -226,6 +221,14 @@ class DeviceOnHost : public CpuMemory
 
  private:
   static constexpr int kStretches = 32;
+
+  /** f(x, y) for the cells of a rectangle. */
+  template <class F>
+  static void over(const WindowRect& r, const F& f)
+  {
+    for (int y = r.first_y + r.height; y-- > r.first_y;)
+      for (int x = r.first_x + r.width; x-- > r.first_x;) f(x, y);
+  }
 
   /** f(i, early), where f reads something early; else f(i). */
   template <class F>

@@ -14,7 +14,7 @@ struct MapBytes
 {
   std::vector<std::uint8_t> cells;  //!< the arrays of CellStore, storage order, one after the other
   kernels::Datum datum;
-  std::vector<float> features;  //!< the arrays of FeatureLayers, window order, one after the other
+  std::vector<float> features;  //!< the layers of stage 7, window order, one after the other
 };
 
 /** What the channels of a map know: the arrays of kernels::Channel, one channel after the other.

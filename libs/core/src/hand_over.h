@@ -2,7 +2,7 @@
 #include <talus/cell_record.h>
 #include <talus/channels.h>
 #include "kernels/9_channels.h"
-#include "kernels/cell.h"
+#include "kernels/map.h"
 
 #include <algorithm>
 
@@ -28,15 +28,6 @@ inline WindowRect within(int cells, const WindowRect& rect, int n)
       std::min(rect.first_y + rect.height + cells, n) - y};
 }
 
-/** f(x, y) of the cells of a rectangle, which come by their place in it. */
-template <class F>
-struct OfRect
-{
-  F f;
-  WindowRect cells;
-  TALUS_HD void operator()(int x, int y) const { f(cells.first_x + x, cells.first_y + y); }
-};
-
 /** The rectangles of one loop. */
 struct WindowRects
 {
@@ -56,10 +47,7 @@ struct WindowRects
 /** Cells of the window that are handed over as records on the host. */
 struct HandOver
 {
-  const kernels::Config* config;
-  const kernels::FrameContext* frame;
-  kernels::CellStore store;
-  float* traversability;  //!< window order
+  kernels::Map m;
   WindowRects cells;
 
   struct Place
@@ -70,8 +58,7 @@ struct HandOver
   {
     int x, y;
     cells.find(i, x, y);
-    const int n = config->cells;
-    return {y * n + x, kernels::storage_index(*frame, n, x, y)};
+    return {m.window_at(x, y), m.at(x, y)};
   }
 };
 
@@ -80,13 +67,13 @@ struct ReadCell : HandOver
   TALUS_HD CellRecord operator()(int i) const
   {
     const Place at = place(i);
-    const kernels::Cell c = store.load(at.storage_i);
+    const kernels::Cell c = m.cell.load(at.storage_i);
     CellRecord r;
-    r.ground_m = kernels::raised(c.ground_m, frame->offset_m);
+    r.ground_m = kernels::raised(c.ground_m, m.frame->offset_m);
     r.ground_variance_m2 = c.ground_var_m2;
-    r.elevation_m = kernels::raised(c.elevation_m, frame->offset_m);
+    r.elevation_m = kernels::raised(c.elevation_m, m.frame->offset_m);
     r.elevation_variance_m2 = c.elevation_var_m2;
-    r.traversability = traversability[at.window_i];
+    r.traversability = m.out.traversability[at.window_i];
     r.state = static_cast<std::uint8_t>(c.state);
     std::uint8_t* to = r.evidence;
 #define TALUS_READ(type, name, unknown) *to++ = static_cast<std::uint8_t>(c.name);
@@ -98,15 +85,13 @@ struct ReadCell : HandOver
 
 struct ReadChannels : HandOver
 {
-  kernels::ShownChannels shown;
-
   TALUS_HD ChannelRecord operator()(int i) const
   {
     const int storage_i = place(i).storage_i;
     ChannelRecord r;
-    for (int c = 0; c < shown.channels.size; c++)
+    for (int c = 0; c < m.channels.size; c++)
       for (int s = 0; s < kernels::kPointSurfaces; s++)
-        r.values[kernels::Channel::at(c, s)] = shown.value(c, s, storage_i);
+        r.values[kernels::Channel::at(c, s)] = kernels::shown_value(m, c, s, storage_i);
     return r;
   }
 };
@@ -114,14 +99,12 @@ struct ReadChannels : HandOver
 /** Writes the values that are not NaN into the map, where it has none. */
 struct WriteChannels : HandOver
 {
-  kernels::Channels channels;
-
   TALUS_HD void operator()(int i, const ChannelRecord& r) const
   {
     const int storage_i = place(i).storage_i;
-    for (int c = 0; c < channels.size; c++)
+    for (int c = 0; c < m.channels.size; c++)
       for (int s = 0; s < kernels::kPointSurfaces; s++)
-        channels.each[c].restore(
+        m.channels.each[c].restore(
             kernels::Channel::at(storage_i, s), r.values[kernels::Channel::at(c, s)]);
   }
 };
@@ -129,27 +112,26 @@ struct WriteChannels : HandOver
 /** Writes the records that are not unknown into the map and its delivered layers. */
 struct WriteCell : HandOver
 {
-  kernels::SurfaceLayers shown;  //!< the delivered layers, in the caller's memory
-  float* shown_traversability;  //!< null: not delivered
+  kernels::Layers shown;  //!< the delivered layers, in the caller's memory
 
   TALUS_HD void operator()(int i, const CellRecord& r) const
   {
     if (r.state == kernels::kUnknown) return;
     const Place at = place(i);
     kernels::Cell c;
-    c.ground_m = kernels::raised(r.ground_m, -frame->offset_m);
+    c.ground_m = kernels::raised(r.ground_m, -m.frame->offset_m);
     c.ground_var_m2 = r.ground_variance_m2;
-    c.elevation_m = kernels::raised(r.elevation_m, -frame->offset_m);
+    c.elevation_m = kernels::raised(r.elevation_m, -m.frame->offset_m);
     c.elevation_var_m2 = r.elevation_variance_m2;
     c.state = r.state;
     const std::uint8_t* from = r.evidence;
 #define TALUS_WRITE(type, name, unknown) c.name = *from++;
     TALUS_CELL_EVIDENCE(TALUS_WRITE)
 #undef TALUS_WRITE
-    store.store(at.storage_i, c);
-    traversability[at.window_i] = r.traversability;
-    shown.put(at.window_i, store, at.storage_i, frame->offset_m);
-    if (shown_traversability) shown_traversability[at.window_i] = r.traversability;
+    m.cell.store(at.storage_i, c);
+    m.out.traversability[at.window_i] = r.traversability;
+    kernels::PutSurface{m}.put(shown, at.window_i, at.storage_i);
+    if (shown.traversability) shown.traversability[at.window_i] = r.traversability;
   }
 };
 

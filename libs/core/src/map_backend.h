@@ -1,24 +1,25 @@
 #pragma once
 #include "map_buffers.h"
+#include "stages.h"
 
 #include <algorithm>
 
 namespace talus
 {
-/** A map whose frames run through a schedule of the seven stages: it starts and finishes frames,
- * delivers layers and writes them back. */
-template <class Schedule>
+/** A map whose frames run through the stages: it starts and finishes frames, delivers layers and
+ * writes them back. `On` runs the stages. */
+template <class On>
 class MapBackend final : public BackendInterface
 {
-  using Executor = typename Schedule::Executor;
+  using Executor = typename On::Executor;
   using Map = MapBuffers<Executor>;
 
  public:
   MapBackend(const MapConfig& config, Executor executor)
-      : map_(config), schedule_(map_, executor_), executor_(std::move(executor))
+      : map_(config), on_(map_, executor_), executor_(std::move(executor))
   {
     map_.allocate(executor_);
-    schedule_.allocate();
+    on_.prepare(map_.view());
   }
 
   CellRecord* start(
@@ -28,14 +29,14 @@ class MapBackend final : public BackendInterface
     const bool hands_over = !cells.before.empty() || !cells.after.empty();
     if (hands_over) read_before(slot, cells);
     use(slot);
-    reserve_points(frame.size);
+    map_.reserve_points(executor_, frame.size);
     map_.now->stamp_s = frame.stamp_s;
     map_.now->n_points = context.n_points;
     map_.now->starts_map = context.starts_map != 0;
     map_.now->in = executor_.stage(frame, context, map_.point_cell.size());
     map_.now->channels =
         executor_.stage_channels(frame, map_.channels.size(), map_.point_cell.size());
-    executor_.start_frame([this] { schedule_.stages(); }, context.starts_map != 0);
+    executor_.start_frame([this] { run_stages(); }, context.starts_map != 0);
     if (hands_over) executor_.wait_for_mark();
     return records_.data();
   }
@@ -43,7 +44,7 @@ class MapBackend final : public BackendInterface
   {
     use(shown_ = slot);
     executor_.finish_frame(
-        [this] { schedule_.stages(); },
+        [this] { run_stages(); },
         [&] { read(cells.after, records_.data() + size_of(cells.before)); });
     map_.now->parts_known = map_.parts_wanted();
     return report();
@@ -52,7 +53,7 @@ class MapBackend final : public BackendInterface
   PointArrays point_arrays(int slot, std::size_t size) override
   {
     use(slot);
-    reserve_points(size);
+    map_.reserve_points(executor_, size);
     return executor_.point_arrays(map_.point_cell.size());
   }
   std::array<bool, kLayerCount> set_outputs(int slot, const OutputPointers& host) override;
@@ -76,19 +77,28 @@ class MapBackend final : public BackendInterface
     map_.now = &map_.slots[static_cast<std::size_t>(slot)];
     executor_.use(slot);
   }
-  void reserve_points(std::size_t points)
+  void run_stages()
   {
-    map_.reserve_points(
-        executor_, points, [this](std::size_t capacity) { schedule_.reserve_points(capacity); });
+    executor_.fetch(map_.frame);
+    talus::run_stages(on_, view(), map_.now->starts_map);
+  }
+  kernels::Map view()
+  {
+    kernels::Map m = map_.view();
+    m.reported = executor_.reported();
+    return m;
   }
   FrameReport report();
   void complete_parts();
   void export_surface(Layer layer, float* to)
   {
+    kernels::Map m = map_.view();
+    const WindowRect all{0, 0, map_.side(), map_.side()};
+    m.out = Map::layers_at([=](Layer l) { return l == layer ? to : nullptr; });
     if (layer == Layer::Variance)
-      schedule_.tell_variance(to);
+      tell_variance(on_, m, all);
     else
-      executor_.for_each_cell(map_.side(), map_.side(), map_.export_surface(layer, to));
+      on_.template cells<kernels::PutSurface>(m, all);
   }
   static int size_of(const std::vector<WindowRect>& rects)
   {
@@ -114,8 +124,9 @@ class MapBackend final : public BackendInterface
   {
     hand_over(
         rects, to,
-        [this](const WindowRects& some, int size, CellRecord* records)
-        { executor_.for_each_to_host(size, map_.read_cell(some), records); });
+        [this](const WindowRects& some, int size, CellRecord* records) {
+          executor_.for_each_to_host(size, ReadCell{{map_.view(), some}}, records);
+        });
   }
   void read_before(int slot, const FrameRects& cells);
   const CellRecord* within_reach(const CellRecord* from, std::size_t size);
@@ -125,7 +136,7 @@ class MapBackend final : public BackendInterface
   }
 
   Map map_;
-  Schedule schedule_;
+  On on_;
   int shown_ = 0;  //!< slot of the frame that was finished last
   typename Executor::template HostBuffer<CellRecord> records_;  //!< the records handed over
   typename Executor::template HostBuffer<ChannelRecord> channel_records_;  //!< the same of channels
@@ -136,8 +147,8 @@ class MapBackend final : public BackendInterface
   Executor executor_;  //!< last member: its work ends before the memory is freed
 };
 
-template <class Schedule>
-FrameReport MapBackend<Schedule>::report()
+template <class On>
+FrameReport MapBackend<On>::report()
 {
   FrameReport report;
   report.stamp_s = map_.now->stamp_s;
@@ -151,9 +162,8 @@ FrameReport MapBackend<Schedule>::report()
   return report;
 }
 
-template <class Schedule>
-std::array<bool, kLayerCount> MapBackend<Schedule>::set_outputs(
-    int slot, const OutputPointers& host)
+template <class On>
+std::array<bool, kLayerCount> MapBackend<On>::set_outputs(int slot, const OutputPointers& host)
 {
   use(slot);
   auto& now = *map_.now;
@@ -175,26 +185,28 @@ std::array<bool, kLayerCount> MapBackend<Schedule>::set_outputs(
 
 /** Makes slope, step, roughness and sparsity, if the last frame did not: judges once more, with the
  * same result except for cells written since. */
-template <class Schedule>
-void MapBackend<Schedule>::complete_parts()
+template <class On>
+void MapBackend<On>::complete_parts()
 {
   if (map_.now->parts_known) return;
   map_.allocate_parts(executor_);
   float* const judged = map_.feature(Layer::Traversability);
-  float* const kept = map_.top_hit.data();  // free between frames
+  float* const kept = map_.top_hit_m.data();  // free between frames
   executor_.copy(kept, judged, static_cast<std::size_t>(map_.cells()));
-  schedule_.judge_parts();
+  kernels::Map m = map_.view();
+  m.parts = true, m.keeps = false;
+  on_.judge_all(m);
   executor_.copy(judged, kept, static_cast<std::size_t>(map_.cells()));
   map_.now->parts_known = true;
 }
 
-template <class Schedule>
-void MapBackend<Schedule>::read_layer(Layer layer, float* out)
+template <class On>
+void MapBackend<On>::read_layer(Layer layer, float* out)
 {
   use(shown_);
-  const float* from = map_.top_hit.data();  // free between frames
+  const float* from = map_.top_hit_m.data();  // free between frames
   if (layer < Layer::Slope)
-    export_surface(layer, map_.top_hit.data());
+    export_surface(layer, map_.top_hit_m.data());
   else
   {
     if (layer != Layer::Traversability) complete_parts();
@@ -203,8 +215,8 @@ void MapBackend<Schedule>::read_layer(Layer layer, float* out)
   if (from != out) executor_.download(from, static_cast<std::size_t>(map_.cells()), out);
 }
 
-template <class Schedule>
-CellRecord* MapBackend<Schedule>::read_cells(const std::vector<WindowRect>& rects)
+template <class On>
+CellRecord* MapBackend<On>::read_cells(const std::vector<WindowRect>& rects)
 {
   use(shown_);
   executor_.make_room(records_, static_cast<std::size_t>(size_of(rects)));
@@ -214,8 +226,8 @@ CellRecord* MapBackend<Schedule>::read_cells(const std::vector<WindowRect>& rect
 }
 
 /** Reads cells before the frame in `slot`, up to a mark, without waiting. */
-template <class Schedule>
-void MapBackend<Schedule>::read_before(int slot, const FrameRects& cells)
+template <class On>
+void MapBackend<On>::read_before(int slot, const FrameRects& cells)
 {
   use(shown_);
   executor_.use(slot);
@@ -225,27 +237,27 @@ void MapBackend<Schedule>::read_before(int slot, const FrameRects& cells)
   executor_.mark();
 }
 
-template <class Schedule>
-void MapBackend<Schedule>::write_cells(const std::vector<WindowRect>& rects, const CellRecord* from)
+template <class On>
+void MapBackend<On>::write_cells(const std::vector<WindowRect>& rects, const CellRecord* from)
 {
   use(shown_);
+  const auto shown = Map::layers_at(
+      [this](Layer l) { return map_.now->outputs[static_cast<std::size_t>(l)].mapped; });
   hand_over(
       rects, within_reach(from, static_cast<std::size_t>(size_of(rects))),
-      [this](const WindowRects& some, int size, const CellRecord* records)
-      { executor_.for_each_from_host(size, map_.write_cell(some), records); });
-  constexpr auto variance = static_cast<std::size_t>(Layer::Variance);
-  if (float* const shown = map_.now->outputs[variance].mapped)
-  {
-    schedule_.lay_out_ground();
-    for (const WindowRect& rect : rects)
-      schedule_.tell_variance(shown, within(kernels::kAskedPlaces, rect, map_.side()));
-  }
+      [&](const WindowRects& some, int size, const CellRecord* records) {
+        executor_.for_each_from_host(size, WriteCell{{map_.view(), some}, shown}, records);
+      });
+  kernels::Map m = map_.view();
+  m.out = shown;
+  for (const WindowRect& rect : rects)
+    if (shown.variance) tell_variance(on_, m, within(kernels::kAskedPlaces, rect, map_.side()));
   executor_.synchronize();
 }
 
 /** The records in memory that kernels reach: those of read_cells() are there. */
-template <class Schedule>
-const CellRecord* MapBackend<Schedule>::within_reach(const CellRecord* from, std::size_t size)
+template <class On>
+const CellRecord* MapBackend<On>::within_reach(const CellRecord* from, std::size_t size)
 {
   const CellRecord* const own = records_.data();
   const std::less_equal<> is_not_behind;
@@ -255,8 +267,8 @@ const CellRecord* MapBackend<Schedule>::within_reach(const CellRecord* from, std
   return records_.data();
 }
 
-template <class Schedule>
-std::vector<PointLabel> MapBackend<Schedule>::label_points(
+template <class On>
+std::vector<PointLabel> MapBackend<On>::label_points(
     const Frame& frame, const kernels::FrameContext& context)
 {
   use(shown_);
@@ -281,13 +293,13 @@ std::vector<PointLabel> MapBackend<Schedule>::label_points(
   take(frame.y_m, in.y_m);
   take(frame.z_m, in.z_m);
   take(frame.time_s, in.time_s);
-  schedule_.find_limits(label_context_.data());
   const auto points = static_cast<int>(frame.size);
-  const auto label_point = [&](const std::int32_t* moved)
-  { return map_.label_point(label_context_.data(), in, moved); };
-  executor_.for_each(
-      points, kernels::NoteMoved<typename Executor::Atomics>{label_point(nullptr), moved_.data()});
-  executor_.for_each_to_host(points, label_point(moved_.data()), labels_.data());
+  kernels::Map m = map_.view();
+  m.frame = label_context_.data(), m.in = in, m.notes_moved = moved_.data();
+  find_limits(on_, m, 1);
+  executor_.template for_each<kernels::NoteMoved<typename Executor::Atomics>>(m, points);
+  m.moved = moved_.data();
+  executor_.for_each_to_host(points, kernels::LabelOf{m}, labels_.data());
   executor_.synchronize();
   std::vector<PointLabel> labels(frame.size);
   std::transform(
@@ -296,32 +308,32 @@ std::vector<PointLabel> MapBackend<Schedule>::label_points(
   return labels;
 }
 
-template <class Schedule>
-void MapBackend<Schedule>::read_channel(std::size_t channel, int surface, float* out)
+template <class On>
+void MapBackend<On>::read_channel(std::size_t channel, int surface, float* out)
 {
   use(shown_);
-  float* const free_between_frames = map_.top_hit.data();
-  executor_.for_each_cell(
-      map_.side(), map_.side(), map_.put_channel(channel, surface, free_between_frames));
-  executor_.download(free_between_frames, static_cast<std::size_t>(map_.cells()), out);
+  kernels::Map m = map_.view();
+  m.put = {static_cast<int>(channel), surface, m.top_hit_m};  // free between frames
+  on_.template cells<kernels::PutChannel>(m, {0, 0, map_.side(), map_.side()});
+  executor_.download(m.top_hit_m, static_cast<std::size_t>(map_.cells()), out);
 }
 
-template <class Schedule>
-const ChannelRecord* MapBackend<Schedule>::read_channels(const std::vector<WindowRect>& rects)
+template <class On>
+const ChannelRecord* MapBackend<On>::read_channels(const std::vector<WindowRect>& rects)
 {
   use(shown_);
   executor_.make_room(channel_records_, static_cast<std::size_t>(size_of(rects)));
   hand_over(
       rects, channel_records_.data(),
-      [this](const WindowRects& some, int size, ChannelRecord* records)
-      { executor_.for_each_to_host(size, map_.read_channels(some), records); });
+      [this](const WindowRects& some, int size, ChannelRecord* records) {
+        executor_.for_each_to_host(size, ReadChannels{{map_.view(), some}}, records);
+      });
   executor_.synchronize();
   return channel_records_.data();
 }
 
-template <class Schedule>
-void MapBackend<Schedule>::write_channels(
-    const std::vector<WindowRect>& rects, const ChannelRecord* from)
+template <class On>
+void MapBackend<On>::write_channels(const std::vector<WindowRect>& rects, const ChannelRecord* from)
 {
   use(shown_);
   const auto size = static_cast<std::size_t>(size_of(rects));
@@ -329,13 +341,14 @@ void MapBackend<Schedule>::write_channels(
   std::copy_n(from, size, channel_records_.data());
   hand_over(
       rects, channel_records_.data(),
-      [this](const WindowRects& some, int n, const ChannelRecord* records)
-      { executor_.for_each_from_host(n, map_.write_channels(some), records); });
+      [this](const WindowRects& some, int n, const ChannelRecord* records) {
+        executor_.for_each_from_host(n, WriteChannels{{map_.view(), some}}, records);
+      });
   executor_.synchronize();
 }
 
-template <class Schedule>
-ChannelBytes MapBackend<Schedule>::read_all_channels()
+template <class On>
+ChannelBytes MapBackend<On>::read_all_channels()
 {
   use(shown_);
   ChannelBytes bytes;
@@ -352,8 +365,8 @@ ChannelBytes MapBackend<Schedule>::read_all_channels()
   return bytes;
 }
 
-template <class Schedule>
-void MapBackend<Schedule>::write_all_channels(const ChannelBytes& bytes)
+template <class On>
+void MapBackend<On>::write_all_channels(const ChannelBytes& bytes)
 {
   use(shown_);
   const auto* value = bytes.values.data();
@@ -367,8 +380,8 @@ void MapBackend<Schedule>::write_all_channels(const ChannelBytes& bytes)
   }
 }
 
-template <class Schedule>
-MapBytes MapBackend<Schedule>::read_all()
+template <class On>
+MapBytes MapBackend<On>::read_all()
 {
   const auto n = static_cast<std::size_t>(map_.cells());
   use(shown_);
@@ -389,8 +402,8 @@ MapBytes MapBackend<Schedule>::read_all()
   return bytes;
 }
 
-template <class Schedule>
-void MapBackend<Schedule>::write_all(const MapBytes& bytes, const kernels::FrameContext& window)
+template <class On>
+void MapBackend<On>::write_all(const MapBytes& bytes, const kernels::FrameContext& window)
 {
   use(shown_);
   const auto n = static_cast<std::size_t>(map_.cells());
@@ -406,7 +419,7 @@ void MapBackend<Schedule>::write_all(const MapBytes& bytes, const kernels::Frame
   map_.now->parts_known = true;
   for (std::size_t i = 0; i < Map::kFeatureLayers; i++)
     executor_.upload(bytes.features.data() + i * n, n, map_.feature(feature_layer(i)));
-  executor_.upload(&window, 1, map_.context.data());
+  executor_.upload(&window, 1, map_.frame.data());
   for (int i = Map::kFirstSurface; i < Map::kFirstFeature; i++)
     if (float* const to = map_.surface(static_cast<Layer>(i)))
       export_surface(static_cast<Layer>(i), to);

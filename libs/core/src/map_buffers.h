@@ -1,32 +1,124 @@
 #pragma once
 #include "backend.h"
+#include "cuda/fill_search.h"
 #include "hand_over.h"
-#include "kernels/1_buried_rays.h"
 #include "kernels/1_voxel_filter.h"
-#include "kernels/1_points.h"
 #include "kernels/2_follow.h"
-#include "kernels/2_roll.h"
 #include "kernels/3_update.h"
-#include "kernels/4_classify.h"
-#include "kernels/4_reach.h"
-#include "kernels/4_start.h"
-#include "kernels/4_underfoot.h"
-#include "kernels/5_cleanup.h"
-#include "kernels/6_fill.h"
 #include "kernels/6_variance.h"
-#include "kernels/7_judge.h"
-#include "kernels/8_label.h"
-#include "kernels/9_channels.h"
+#include "kernels/map.h"
+#include "kernels/surface.h"
 
 #include <algorithm>
 #include <array>
 
 namespace talus
 {
-/** The memory of a map, and views of it for the kernels. Buffers of only one schedule belong to
- * that schedule. */
+/** The size of an array of a map, and how much of it lies before its first element. */
+struct Extent
+{
+  std::size_t size = 0, before = 0;
+};
+
+/** The size of each kind of array of kernels::Map. */
+struct MapSizes
+{
+  MapSizes(const kernels::Config& k, bool on_device);
+  void set_points(const kernels::Config& k, std::size_t capacity, std::size_t step, bool channels);
+
+  Extent one{1}, counters{kernels::kCounters}, cells, pairs, grid, samples, surfaces, rays, slopes;
+  Extent points, crowded, surface_points, voxel_points, voxels, class_scores;
+  Extent core_bins, core_grid, core_window;
+  Extent device, device_cells, device_grid, device_lines, marks, axis_marks;
+  bool on_device;
+};
+
+inline MapSizes::MapSizes(const kernels::Config& k, bool device_too) : on_device(device_too)
+{
+  const auto size = [](int n) { return static_cast<std::size_t>(n); };
+  const kernels::LineGrid lines = kernels::line_grid(k);
+  const kernels::PairGrid pair = kernels::pair_grid(k);
+  const std::size_t n = size(k.cells), bins = size(kernels::bin_count(k));
+  // Rows beyond the window that TellVariance asks, and one more: in the last of them it asks a
+  // place before its first.
+  const std::size_t margin = size((kernels::kAskedPlaces + 1) * lines.pitch);
+  cells = {n * n};
+  pairs = {size(pair.side) * size(pair.side + 2 * pair.pad)};
+  grid = {size(lines.side) * size(lines.pitch)};
+  samples = {grid.size + 2 * margin, margin};
+  surfaces = {n * size(k.cells + 2 * k.feature_radius_cells)};
+  rays = {bins * size(kernels::most_rings(k.cells))};
+  slopes = {bins * kernels::kSlopeSteps};
+  if (on_device)
+  {
+    constexpr std::size_t guard = kernels::LineMarks::kGuardWords;
+    const std::size_t n_lines = size(kernels::line_count(k));
+    device = one, device_cells = cells, device_grid = grid, device_lines = {n_lines};
+    marks = {n_lines * (size(kernels::words_per_line(k)) + 2 * guard), guard * n_lines};
+    axis_marks = {2 * n * (size(kernels::words_per_axis(k)) + 2 * guard), 2 * guard * n};
+  }
+  else
+    core_bins = {bins}, core_grid = grid, core_window = {n * n + 2 * (n + 1), n + 1};
+}
+
+inline void MapSizes::set_points(
+    const kernels::Config& k, std::size_t capacity, std::size_t step, bool channels)
+{
+  const bool filters = k.inverse_voxel > 0;
+  points = {capacity};
+  crowded = {on_device ? capacity / kernels::kCrowd + 1 : 2 * capacity + 1};
+  surface_points = {channels ? capacity : 0};
+  voxel_points = {filters ? capacity : 0};
+  voxels = {filters ? 16 * step : 0};
+}
+
+namespace kernels
+{
+/** The arrays of cell.h and map.h. */
+template <template <class> class Buffer>
+struct MapArrays
+{
+  struct Cells
+  {
+#define TALUS_BUFFER(type, name, unknown) Buffer<type> name;
+    TALUS_CELL_FIELDS(TALUS_BUFFER)
+#undef TALUS_BUFFER
+  } cell;
+#define TALUS_BUFFER(type, name, of, first) Buffer<type> name;
+  TALUS_MAP_ARRAYS(TALUS_BUFFER)
+#undef TALUS_BUFFER
+
+  /** f(buffer, value for unknown) for each field of the cells. */
+  template <class F>
+  void for_each_field(const F& f)
+  {
+#define TALUS_EACH(type, name, unknown) f(cell.name, static_cast<type>(unknown));
+    TALUS_CELL_FIELDS(TALUS_EACH)
+#undef TALUS_EACH
+  }
+  /** f(buffer, its extent, value at first) for each other array. */
+  template <class F>
+  void for_each_array(const MapSizes& sizes, const F& f)
+  {
+#define TALUS_EACH(type, name, of, first) f(name, sizes.of, static_cast<type>(first));
+    TALUS_MAP_ARRAYS(TALUS_EACH)
+#undef TALUS_EACH
+  }
+  void view(const MapSizes& sizes, Map& m)
+  {
+#define TALUS_VIEW(type, name, unknown) m.cell.name = cell.name.data();
+    TALUS_CELL_FIELDS(TALUS_VIEW)
+#undef TALUS_VIEW
+#define TALUS_VIEW(type, name, of, first) m.name = name.data() + sizes.of.before;
+    TALUS_MAP_ARRAYS(TALUS_VIEW)
+#undef TALUS_VIEW
+  }
+};
+}  // namespace kernels
+
+/** The memory of a map, and the view of it that rules get. */
 template <class ExecutorType>
-struct MapBuffers
+struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
 {
   using Executor = ExecutorType;
   using Atomics = typename Executor::Atomics;
@@ -37,16 +129,16 @@ struct MapBuffers
       : host_config(c.config),
         host_body(c.body),
         channels(c.channels.begin(), c.channels.end()),
-        host_class_scores(c.class_scores)
+        host_class_scores(c.class_scores),
+        sizes(c.config, Executor::kIsDevice)
   {
   }
 
   // ---- memory: by the size of the map once, by its largest frame so far ----
   void allocate(Executor& executor);
-  /** Grows the buffers of points in steps of at least an eighth, so that a run soon stops growing;
-   * then calls more(capacity), for buffers of the schedule. */
-  template <class More>
-  void reserve_points(Executor& executor, std::size_t points, const More& more);
+  /** Grows the buffers of points in steps of at least an eighth, so that a run soon stops growing.
+   */
+  void reserve_points(Executor& executor, std::size_t points);
   /** Makes room for slope, step, roughness and sparsity. */
   void allocate_parts(Executor& executor)
   {
@@ -56,205 +148,43 @@ struct MapBuffers
 
   int side() const { return host_config.cells; }
   int cells() const { return side() * side(); }
-  kernels::LineGrid line_grid() const { return kernels::line_grid(host_config); }
-  std::size_t grid_size() const
-  {
-    return static_cast<std::size_t>(line_grid().side) * static_cast<std::size_t>(line_grid().pitch);
-  }
-  /** Places of the rows beyond the window that TellVariance asks, on one side, and of one more: in
-   * the last of them it asks a place before its first. */
-  std::size_t margin_size() const
-  {
-    return (kernels::kAskedPlaces + 1) * static_cast<std::size_t>(line_grid().pitch);
-  }
   /** The number of points of a loop. */
   int points(const Executor& executor) const
   {
-    return executor.loop_size(now->n_points, point_cell.size());
+    return executor.loop_size(now->n_points, this->point_cell.size());
   }
 
-  // ---- views: each member by its name, since two arrays of one type could change places ----
-  kernels::CellStore store()
+  kernels::Map view()
   {
-    kernels::CellStore v{};
-#define TALUS_VIEW(type, name, unknown) v.name = cell.name.data();
-    TALUS_CELL_FIELDS(TALUS_VIEW)
-#undef TALUS_VIEW
-    return v;
+    kernels::Map m{};
+    m.k = host_config;
+    m.lines = kernels::line_grid(host_config);
+    m.pairs = kernels::pair_grid(host_config);
+    kernels::MapArrays<ExecutorType::template Buffer>::view(sizes, m);
+    if (!Executor::kIsDevice) m.kept_count = m.cell_count, m.datum_before = m.datum;
+    m.in = now->in;
+    m.parts = parts_wanted(), m.keeps = true;
+    m.out = layers_at([this](Layer l) { return l < Layer::Slope ? surface(l) : feature(l); });
+    for (ChannelBuffers& c : channels)
+    {
+      kernels::Channel& channel = m.channels.each[m.channels.size];
+      channel.rule = c.rule;
+      channel.of_points = now->channels[static_cast<std::size_t>(m.channels.size++)];
+      channel.sums = c.sums.data();
+      channel.values = c.values.data();
+      channel.votes = c.votes.size() ? c.votes.data() : nullptr;
+    }
+    m.voxel_mask = static_cast<std::uint32_t>(this->voxel_key.size() - 1);
+    return m;
   }
-  kernels::PointsOut points_out()
+  /** where(layer) for all layers. */
+  template <class Where>
+  static kernels::Layers layers_at(const Where& where)
   {
-    kernels::PointsOut v{};
-    v.cell = point_cell.data();
-    v.ray = point_ray.data();
-    v.slope = point_slope.data();
-    v.reach = point_reach.data();
-    v.reject = point_reject.data();
-    v.rank = point_rank.data();
-    v.height_m = point_height.data();
-    v.variance_m2 = point_variance.data();
-    return v;
-  }
-  kernels::AcceptPoint<Atomics> accept(const std::uint8_t* kept)
-  {
-    auto v = in_frame<kernels::AcceptPoint<Atomics>>();
-    v.body = body.data();
-    v.in = now->in;
-    v.out = points_out();
-    v.rays = rays.data();
-    v.rejected = counters.data();
-    v.voxel_kept = kept;
-    return v;
-  }
-  kernels::RollCell roll()
-  {
-    auto v = on_cells<kernels::RollCell>();
-    v.datum = datum.data();
-    return v;
-  }
-  kernels::ForgetHits forget_hits()
-  {
-    kernels::ForgetHits v{};
-    v.top_hit_m = top_hit.data();
-    return v;
-  }
-  kernels::FindGroundHits ground_hits()
-  {
-    auto v = on_cells<kernels::FindGroundHits>();
-    v.datum = datum.data();
-    return v;
-  }
-  kernels::CountOffset<Atomics> count_offset()
-  {
-    return {config.data(), store(), datum.data(), points_out(), offsets.data()};
-  }
-  kernels::FollowPoses follow()
-  {
-    return {
-        config.data(), context.data(), offsets.data(), datum.data(),
-        counters.data() + kernels::kLeavesFloor};
-  }
-  kernels::SortPoint sort_point(const kernels::Sorting& sorting)
-  {
-    return {config.data(), context.data(), points_out(), rays.data(), sorting};
-  }
-  kernels::UpdateCell update_cell(const kernels::Sorting& sorting)
-  {
-    return {config.data(), context.data(), store(), points_out(), sorting, top_hit.data()};
-  }
-  kernels::FindPassingRays find_passing_rays()
-  {
-    return {config.data(), context.data(), rays.data(), passing()};
-  }
-  kernels::CoarseGrid coarse_grid()
-  {
-    kernels::CoarseGrid v{};
-    v.side = kernels::coarse_side(host_config);
-    v.pad = kernels::dilation_radius(host_config);
-    v.lowest_m = lowest_ground.data();
-    v.eroded_m = eroded_ground.data();
-    v.cone_m = ground_cone.data();
-    v.known_m = known_ground.data();
-    v.column_m = column.data();
-    v.apart_m = ground_apart.data();
-    v.foot_m = foot.data();
-    v.things_m = things.data();
-    v.beside_m = beside.data();
-    v.presence = presence.data();
-    v.limit_m = ground_limit.data();
-    v.reach = pair_reach.data();
-    return v;
-  }
-  kernels::RayReach ray_reach() { return {context.data(), reach.data()}; }
-  kernels::StandOnCell<Atomics> stand_on()
-  {
-    auto v = on_cells<kernels::StandOnCell<Atomics>>();
-    v.datum = datum.data();
-    return v;
-  }
-  kernels::PresumeStart presume_start()
-  {
-    auto v = on_cells<kernels::PresumeStart>();
-    v.passing = passing();
-    return v;
-  }
-  kernels::StartReach start_reach() { return on_cells<kernels::StartReach>(); }
-  kernels::ForgetFill forget_fill() { return on_cells<kernels::ForgetFill>(); }
-  /** PoolReach or PoolCells; of the frame the place of the window counts, and the base. */
-  template <class Pool>
-  Pool pool(const kernels::FrameContext* frame)
-  {
-    return {config.data(), frame, store(), coarse_grid()};
-  }
-  /** ClassifyCell or LowerObject. */
-  template <class Rule = kernels::ClassifyCell>
-  Rule classify()
-  {
-    auto v = on_cells<Rule>();
-    v.grid = coarse_grid();
-    v.surface_class = surface_class.data();
-    return v;
-  }
-  kernels::CleanUpCell clean_up()
-  {
-    kernels::CleanUpCell v{};
-    v.cells = side();
-    v.config = config.data();
-    v.store = store();
-    v.passing = passing();
-    v.reach = ray_reach();
-    v.grid = coarse_grid();
-    v.top_hit_m = top_hit.data();
-    v.surface_class = surface_class.data();
-    return v;
-  }
-  kernels::PassingRays passing()
-  {
-    return {line_grid(), free_above.data(), ends.data(), lowest_ray.data(), in_open.data()};
-  }
-  kernels::Samples samples()
-  {
-    kernels::Samples v{};
-    v.height_m = sample_height.data() + margin_size();
-    v.free_above_m = free_above.data(), v.ends_m = ends.data();
-    return v;
-  }
-  kernels::FillCell fill_cell()
-  {
-    auto v = on_cells<kernels::FillCell>();
-    v.cells = side();
-    v.surface_class = surface_class.data();
-    v.passing = passing();
-    v.grid = coarse_grid();
-    v.surfaces = surfaces();
-    v.out = surface_layers();
-    return v;
-  }
-  kernels::Surfaces surfaces()
-  {
-    const int pad = host_config.feature_radius_cells;
-    return {judged_surfaces.data(), side() + 2 * pad, pad};
-  }
-  /** `passability`: the schedule's array; null for judge(). */
-  template <bool kParts>
-  kernels::ComputeFeatures<kParts> compute_features(std::uint8_t* passability)
-  {
-    kernels::ComputeFeatures<kParts> v{};
-    v.cells = side();
-    v.config = config.data();
-    v.surfaces = surfaces();
-    v.grid = line_grid();
-    v.fall_m = fall.data();
-    v.out = feature_layers();
-    v.passability = passability;
-    return v;
-  }
-  kernels::CompleteObstacles complete_obstacles(const std::uint8_t* passability, bool notes = true)
-  {
-    float* const scores = feature(Layer::Traversability);
-    const kernels::CellStore to = notes ? store() : kernels::CellStore{};
-    return {side(),      config.data(), surfaces(),
-            passability, scores,        {side(), context.data(), to, scores}};
+    return {where(Layer::Elevation),     where(Layer::GroundElevation), where(Layer::Variance),
+            where(Layer::State),         where(Layer::Reached),         where(Layer::Slope),
+            where(Layer::Step),          where(Layer::Roughness),       where(Layer::Sparsity),
+            where(Layer::Traversability)};
   }
 
   /** The memory of a wanted layer of stages 2 to 6: the caller's if kernels reach it. */
@@ -266,99 +196,7 @@ struct MapBuffers
     return output.direct ? output.mapped
                          : now->delivered.data() + l * static_cast<std::size_t>(cells());
   }
-  /** where(layer) for the layers of stages 2 to 6, in the order of SurfaceLayers. */
-  template <class Where>
-  static kernels::SurfaceLayers surfaces_at(const Where& where)
-  {
-    return {
-        where(Layer::Elevation), where(Layer::GroundElevation), where(Layer::State),
-        where(Layer::Reached)};
-  }
-  kernels::SurfaceLayers surface_layers()
-  {
-    return surfaces_at([this](Layer l) { return surface(l); });
-  }
-  /** Copies a layer of the map to window order. */
-  kernels::PutSurface export_surface(Layer layer, float* to)
-  {
-    return {
-        config.data(), context.data(), store(),
-        surfaces_at([=](Layer l) { return l == layer ? to : nullptr; })};
-  }
-  /** The samples are no longer needed when the ground is laid out in their place. */
-  kernels::LayOutGround lay_out_ground()
-  {
-    auto v = on_cells<kernels::LayOutGround>();
-    v.grid = line_grid();
-    v.ground_m = samples().height_m;
-    return v;
-  }
-  /** Tells the variance of cells in window order, from the ground laid out. */
-  kernels::TellVariance tell_variance(float* to) { return {lay_out_ground(), to}; }
-  /** Reads cells of the window of the frame before. */
-  ReadCell read_cell(const WindowRects& rects) { return ReadCell{hand_over(rects)}; }
-  WriteCell write_cell(const WindowRects& rects)
-  {
-    const auto shown = [this](Layer l) { return now->outputs[static_cast<std::size_t>(l)].mapped; };
-    return {hand_over(rects), surfaces_at(shown), shown(Layer::Traversability)};
-  }
-  /** Labels of points of any frame, given in the window of the map. */
-  kernels::LabelPoint label_point(
-      const kernels::FrameContext* frame, const kernels::PointsIn& in, const std::int32_t* moved)
-  {
-    kernels::ClassifyCell classify_cell = classify();
-    classify_cell.frame = frame;
-    return {config.data(), frame, body.data(), datum.data(), store(), classify_cell, in, moved};
-  }
-  /** The channels of the map, with the values of the current frame. */
-  kernels::Channels channels_view()
-  {
-    kernels::Channels v{};
-    for (ChannelBuffers& c : channels)
-    {
-      kernels::Channel& channel = v.each[v.size];
-      channel.rule = c.rule;
-      channel.of_points = now->channels[static_cast<std::size_t>(v.size++)];
-      channel.sums = c.sums.data();
-      channel.values = c.values.data();
-      channel.votes = c.votes.size() ? c.votes.data() : nullptr;
-    }
-    return v;
-  }
-  kernels::ForgetChannels forget_channels()
-  {
-    return {config.data(), context.data(), channels_view()};
-  }
-  kernels::PlacePoint place_point()
-  {
-    return {config.data(), context.data(),       store(),
-            points_out(),  surface_class.data(), point_surface.data()};
-  }
-  kernels::SettleChannel settle_channel(const kernels::Channel& channel)
-  {
-    return {config.data(), store(), channel};
-  }
-  kernels::ShownChannels shown_channels()
-  {
-    return {config.data(), store(), surface_class.data(), channels_view()};
-  }
-  kernels::PutChannel put_channel(std::size_t channel, int surface, float* to)
-  {
-    return {shown_channels(), context.data(), static_cast<int>(channel), surface, to};
-  }
   bool has_class_scores() const { return !host_class_scores.empty(); }
-  kernels::TakeClassScores take_class_scores()
-  {
-    return {shown_channels(), context.data(), class_scores.data(), feature(Layer::Traversability)};
-  }
-  ReadChannels read_channels(const WindowRects& rects)
-  {
-    return {hand_over(rects), shown_channels()};
-  }
-  WriteChannels write_channels(const WindowRects& rects)
-  {
-    return {hand_over(rects), channels_view()};
-  }
   /** Whether each frame leaves slope, step, roughness or sparsity. */
   bool parts_wanted() const
   {
@@ -374,16 +212,6 @@ struct MapBuffers
     const std::size_t index = l - static_cast<std::size_t>(Layer::Slope);
     float* const parts = now->parts.data();
     return now->parts.size() ? parts + index * static_cast<std::size_t>(cells()) : nullptr;
-  }
-  kernels::FeatureLayers feature_layers()
-  {
-    kernels::FeatureLayers v{};
-    v.slope = feature(Layer::Slope);
-    v.step = feature(Layer::Step);
-    v.roughness = feature(Layer::Roughness);
-    v.sparsity = feature(Layer::Sparsity);
-    v.traversability = feature(Layer::Traversability);
-    return v;
   }
   /** Whether a wanted layer is computed elsewhere and then copied. */
   bool is_copied(Layer layer) const
@@ -443,75 +271,13 @@ struct MapBuffers
   };
   std::vector<ChannelBuffers> channels;
   std::vector<float> host_class_scores;  //!< see MapConfig
-  Buffer<float> class_scores;
   std::array<Slot, kSlots> slots;
   Slot* now = slots.data();  //!< of the current frame
 
-  Buffer<kernels::Config> config;
-  Buffer<kernels::FrameContext> context;
-  Buffer<kernels::Body> body;
-  // Persistent, storage order: one array for each field.
-  struct CellBuffers
-  {
-#define TALUS_BUFFER(type, name, unknown) Buffer<type> name;
-    TALUS_CELL_FIELDS(TALUS_BUFFER)
-#undef TALUS_BUFFER
-  };
-  /** f(buffer, value for unknown) for each field. */
-  template <class F>
-  void for_each_field(const F& f)
-  {
-#define TALUS_EACH(type, name, unknown) f(cell.name, static_cast<type>(unknown));
-    TALUS_CELL_FIELDS(TALUS_EACH)
-#undef TALUS_EACH
-  }
-  CellBuffers cell;
-  Buffer<kernels::Datum> datum;
-  // Points of one frame.
-  Buffer<std::int32_t> point_cell, point_ray, point_reach, point_surface;
-  Buffer<std::uint8_t> point_begins;
-  Buffer<std::uint32_t> point_reject, point_rank, cell_count, cell_begin, counters;
-  Buffer<float> point_slope, point_height, point_variance;
-  Buffer<kernels::HeightPoint> sorted;
-  Buffer<std::uint64_t> voxel_key, voxel_winner;
-  Buffer<std::uint32_t> voxel_slot;
-  Buffer<std::uint8_t> voxel_kept;
-  // Rays, by direction and ring.
-  Buffer<std::int32_t> rays, reach;
-  Buffer<float> lowest_slope;
-  Buffer<kernels::OffsetHistogram> offsets;
-  // Cells, in window order unless noted.
-  Buffer<float> top_hit;  //!< storage order
-  Buffer<std::uint8_t> surface_class;  //!< storage order
-  Buffer<float> lowest_ground, known_ground, eroded_ground, ground_cone, ground_apart, foot, things,
-      beside, presence, column, ground_limit;  //!< coarse grid
-  Buffer<std::int32_t> pair_reach;  //!< coarse grid
-  Buffer<float> sample_height, fall;  //!< grid of lines; of samples with margins, see samples()
-  Buffer<float> free_above, ends, lowest_ray;  //!< grid of lines, see PassingRays
-  Buffer<std::uint8_t> in_open;  //!< grid of lines
-  Buffer<kernels::Surface> judged_surfaces;
+  MapSizes sizes;
 
  private:
-  /** Makes a view that begins with what all stages read. */
-  template <class View>
-  View in_frame()
-  {
-    View v{};
-    v.config = config.data();
-    v.frame = context.data();
-    return v;
-  }
-  template <class View>
-  View on_cells()
-  {
-    View v = in_frame<View>();
-    v.store = store();
-    return v;
-  }
-  HandOver hand_over(const WindowRects& rects)
-  {
-    return {config.data(), context.data(), store(), feature(Layer::Traversability), rects};
-  }
+  void allocate_arrays(Executor& executor);
   int copied(int first, int end) const
   {
     int n = 0;
@@ -531,34 +297,9 @@ template <class Executor>
 void MapBuffers<Executor>::allocate(Executor& executor)
 {
   const auto n = static_cast<std::size_t>(cells());
-  for_each_field([&](auto& array, auto unknown) { executor.allocate(array, n, unknown); });
-  executor.allocate(surface_class, n, std::uint8_t{0});
-  for (auto* b : {&cell_count, &cell_begin}) executor.allocate(*b, n, std::uint32_t{0});
-  executor.allocate(top_hit, n, 0.0f);
-  executor.allocate(datum, 1, kernels::Datum{});
-  executor.allocate(offsets, 1, kernels::OffsetHistogram{});
-  const auto pooled = static_cast<std::size_t>(kernels::coarse_side(host_config));
-  const std::size_t pad = 2 * static_cast<std::size_t>(kernels::dilation_radius(host_config));
-  for (auto* b :
-       {&lowest_ground, &known_ground, &eroded_ground, &ground_cone, &ground_apart, &foot, &things,
-        &beside, &presence, &column, &ground_limit})
-    executor.allocate(*b, pooled * (pooled + pad), kernels::kInfinity);
-  executor.allocate(pair_reach, pooled * (pooled + pad), std::int32_t{kernels::kOutsideWindow});
-  for (auto* b : {&fall, &free_above, &ends, &lowest_ray})
-    executor.allocate(*b, grid_size(), kernels::kNan);
-  executor.allocate(in_open, grid_size(), std::uint8_t{0});
-  executor.allocate(sample_height, grid_size() + 2 * margin_size(), kernels::kNan);
-  executor.allocate(config, 1, kernels::Config{});
-  executor.allocate(context, 1, kernels::FrameContext{});
-  executor.allocate(counters, kernels::kCounters, std::uint32_t{0});
-  const auto padded = static_cast<std::size_t>(surfaces().pitch) * static_cast<std::size_t>(side());
-  executor.allocate(judged_surfaces, padded, kernels::Surface{kernels::kNoHeight, 0});
-  const auto bins = static_cast<std::size_t>(kernels::bin_count(host_config));
-  const std::size_t table = bins * static_cast<std::size_t>(kernels::most_rings(side()));
-  executor.allocate(rays, table, kernels::kNoRay);
-  executor.allocate(reach, bins * kernels::kSlopeSteps, std::int32_t{0});
-  executor.allocate(lowest_slope, table, -kernels::kInfinity);
-  executor.upload(&host_config, 1, config.data());
+  this->for_each_field([&](auto& array, auto unknown) { executor.allocate(array, n, unknown); });
+  sizes.class_scores = {host_class_scores.size()};
+  allocate_arrays(executor);
   for (ChannelBuffers& c : channels)
   {
     executor.allocate(c.sums, kernels::kPointSurfaces * n, kernels::ChannelSum{});
@@ -566,42 +307,32 @@ void MapBuffers<Executor>::allocate(Executor& executor)
     const bool votes = c.rule == kernels::kVote;
     executor.allocate(c.votes, votes ? kernels::kPointSurfaces * n : 0, kernels::ChannelVotes{});
   }
-  executor.allocate(class_scores, host_class_scores.size(), 0.0f);
-  executor.upload(host_class_scores.data(), host_class_scores.size(), class_scores.data());
-  executor.allocate(body, 1, kernels::Body{});
-  executor.upload(&host_body, 1, body.data());
+  executor.upload(host_class_scores.data(), host_class_scores.size(), this->class_scores.data());
+  executor.upload(&host_body, 1, this->body.data());
 }
 
 template <class Executor>
-template <class More>
-void MapBuffers<Executor>::reserve_points(Executor& executor, std::size_t points, const More& more)
+void MapBuffers<Executor>::allocate_arrays(Executor& executor)
 {
-  if (points <= point_cell.size() && point_cell.size() != 0) return;
+  this->for_each_array(
+      sizes,
+      [&executor](auto& array, const Extent& of, auto first)
+      {
+        if (array.size() != of.size) executor.allocate(array, of.size, first);
+      });
+}
+
+template <class Executor>
+void MapBuffers<Executor>::reserve_points(Executor& executor, std::size_t points)
+{
+  if (points <= this->point_cell.size() && this->point_cell.size() != 0) return;
   std::size_t step = 1024;
   while (8 * step < points) step *= 2;
   const std::size_t capacity = std::max<std::size_t>(1, (points + step - 1) / step) * step;
-  // The size of the first buffer stands for all: if memory ends half-way it must be zero.
-  executor.allocate(point_cell, 0, std::int32_t{-1});
-  for (auto* b : {&point_ray, &point_reach}) executor.allocate(*b, capacity, std::int32_t{-1});
-  executor.allocate(point_slope, capacity, 0.0f);
-  for (auto* b : {&point_reject, &point_rank}) executor.allocate(*b, capacity, std::uint32_t{0});
-  executor.allocate(point_height, capacity, 0.0f);
-  executor.allocate(point_variance, capacity, 0.0f);
-  executor.allocate(sorted, capacity, kernels::HeightPoint{0, 0});
-  if (!channels.empty())
-  {
-    executor.allocate(point_surface, capacity, std::int32_t{kernels::kNoSurface});
-    executor.allocate(point_begins, capacity, std::uint8_t{0});
-  }
-  more(capacity);
-  if (host_config.inverse_voxel > 0)
-  {
-    executor.allocate(voxel_slot, capacity, std::uint32_t{0});
-    executor.allocate(voxel_kept, capacity, std::uint8_t{0});
-    executor.allocate(voxel_key, 16 * step, kernels::kNoVoxel);
-    executor.allocate(voxel_winner, 16 * step, kernels::kNoVoxel);
-  }
-  executor.allocate(point_cell, capacity, std::int32_t{-1});
+  sizes.set_points(host_config, capacity, step, !channels.empty());
+  // The size of the last buffer stands for all: if memory ends half-way it must be zero.
+  executor.allocate(this->point_cell, 0, std::int32_t{-1});
+  allocate_arrays(executor);
 }
 
 }  // namespace talus

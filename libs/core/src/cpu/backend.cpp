@@ -1,4 +1,4 @@
-#include "cpu/schedule.h"
+#include "cpu/cores.h"
 #include "map_backend.h"
 
 #include <algorithm>
@@ -13,12 +13,12 @@ std::unique_ptr<BackendInterface> make_cpu_backend(const MapConfig& config, int 
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   threads = std::min(threads, kMostThreads);
   if (threads > 1)
-    return std::make_unique<MapBackend<CpuSchedule<ThreadPool>>>(
+    return std::make_unique<MapBackend<Cores<ThreadPool>>>(
         config, CpuExecutor<ThreadPool>{ThreadPool{threads}});
 #else
   static_cast<void>(threads);
 #endif
-  return std::make_unique<MapBackend<CpuSchedule<OneThread>>>(
+  return std::make_unique<MapBackend<Cores<OneThread>>>(
       config, CpuExecutor<OneThread>{OneThread{}});
 }
 

@@ -21,23 +21,23 @@ class alignas(64) Batch
 
  public:
   /** The last of the `lanes` cells has the most points. */
-  [[gnu::flatten]] void update(
-      const kernels::UpdateCell& update, const std::int32_t* cells, int lanes)
+  [[gnu::flatten]] void update(const kernels::Map& m, const std::int32_t* cells, int lanes)
   {
-    gather(update, cells, lanes);
-    run(*this, *update.config);
+    gather(m, cells, lanes);
+    run(*this, m.k);
+    const kernels::UpdateCell update{m};
     for (int l = 0; l < lanes; l++) update.put(cells[l], cells_.load(l), ends_.load(l));
   }
 
  private:
-  void gather(const kernels::UpdateCell& update, const std::int32_t* cells, int lanes)
+  void gather(const kernels::Map& m, const std::int32_t* cells, int lanes)
   {
     for (int l = 0; l < kLanes; l++)
     {
       const int i = cells[std::min(l, lanes - 1)];
-      const kernels::HeightPoint* const from = update.sorting.sorted + update.sorting.cell_begin[i];
-      cells_.store(l, update.store.load(i));
-      size_[l] = static_cast<int>(update.sorting.kept_count[i]);
+      const kernels::HeightPoint* const from = m.sorted + m.cell_begin[i];
+      cells_.store(l, m.cell.load(i));
+      size_[l] = static_cast<int>(m.kept_count[i]);
       for (int p = 0; p < size_[l]; p++) points_[p].store(l, from[p]);
     }
     most_ = size_[kLanes - 1];
@@ -185,17 +185,13 @@ class alignas(64) Batch
 class Order
 {
  public:
-  Order(const kernels::UpdateCell& update, int parts)
-      : update_(update), parts_(std::min(parts, kMostParts))
-  {
-  }
+  Order(const kernels::Map& m, int parts) : m_(m), parts_(std::min(parts, kMostParts)) {}
 
   /** Finds the cells of n points and reserves their ranges. */
   void find(int n)
   {
-    const kernels::Sorting& sorting = update_.sorting;
-    const std::int32_t* const found = sorting.crowded;
-    cells_ = sorting.crowded + n;
+    const std::int32_t* const found = m_.crowded;
+    cells_ = m_.crowded + n;
     const int cells = list(n);
     int start[kMostParts * kKinds + 1] = {};  // of the cells of one kind
     for (int c = 0; c < cells; c++) start[kind_of(found[c]) + 1]++;
@@ -205,8 +201,8 @@ class Order
     for (int c = 0; c < cells; c++)
     {
       cells_[start[kind_of(found[c])]++] = found[c];
-      sorting.cell_begin[found[c]] = begin;
-      begin += sorting.kept_count[found[c]];
+      m_.cell_begin[found[c]] = begin;
+      begin += m_.kept_count[found[c]];
     }
   }
 
@@ -224,15 +220,15 @@ class Order
       const int first = is_lone ? part->lone + k - full : part->cell + k * kLanes;
       const int lanes = is_lone ? 1 : std::min(kLanes, part->lone - first);
       if (is_lone)
-        update_.update(cells_[first], kernels::SerialGroup{});
+        kernels::UpdateCell{m_}.update(cells_[first], kernels::SerialGroup{});
       else
-        side_by_side.update(update_, cells_ + first, lanes);
+        side_by_side.update(m_, cells_ + first, lanes);
     }
   }
   /** Clears the point counts of the cells [begin, end) for the next frame. */
   void forget_points(int begin, int end) const
   {
-    for (int c = begin; c < end; c++) update_.sorting.kept_count[cells_[c]] = 0;
+    for (int c = begin; c < end; c++) m_.kept_count[cells_[c]] = 0;
   }
 
  private:
@@ -246,23 +242,24 @@ class Order
   /** Lists the cells in the order of their first points. */
   int list(int n) const
   {
-    const kernels::PointsOut points = update_.points;
-    std::int32_t* const found = update_.sorting.crowded;
+    const std::int32_t* const point_cell = m_.point_cell;
+    const std::uint32_t* const rank = m_.point_rank;
+    std::int32_t* const found = m_.crowded;
     int cells = 0;
     for (int i = 0; i < n; i++)
     {
-      const std::int32_t cell = points.cell[i];
+      const std::int32_t cell = point_cell[i];
       found[cells] = cell;
-      cells += (points.rank[i] | static_cast<std::uint32_t>(cell >> 31)) == 0;  // rank 0, in a cell
+      cells += (rank[i] | static_cast<std::uint32_t>(cell >> 31)) == 0;  // rank 0, in a cell
     }
     return cells;
   }
   /** A kind is a part and a number of points. */
   int kind_of(int cell) const
   {
-    const int points = std::min(static_cast<int>(update_.sorting.kept_count[cell]), kMost + 1);
+    const int points = std::min(static_cast<int>(m_.kept_count[cell]), kMost + 1);
     if (parts_ == 1) return points;
-    const int n = update_.config->cells, place = cell - update_.frame->storage_y * n;
+    const int n = m_.k.cells, place = cell - m_.frame->storage_y * n;
     const float share =
         static_cast<float>(place + (place < 0 ? n * n : 0)) / static_cast<float>(n * n);
     const int part = std::min(static_cast<int>(share * static_cast<float>(parts_)), parts_ - 1);
@@ -280,7 +277,7 @@ class Order
     }
   }
 
-  const kernels::UpdateCell& update_;
+  const kernels::Map& m_;
   int parts_;
   std::int32_t* cells_ = nullptr;
   Cut cuts_[kMostParts + 1];

@@ -17,6 +17,7 @@ namespace talus
 class CpuMemory
 {
  public:
+  static constexpr bool kIsDevice = false;
   template <class T>
   using Buffer = std::vector<T, CellMemory<T>>;
 
@@ -86,7 +87,7 @@ class CpuMemory
   }
   void fetch(Buffer<kernels::FrameContext>& context) { context.assign(1, *slots_[now_].context); }
   /** The counters of a frame, after report(). */
-  const std::uint32_t* reported() const { return counters_.data(); }
+  std::uint32_t* reported() { return counters_.data(); }
   /** Hands over the counters and clears them for the next frame. */
   void report(Buffer<std::uint32_t>& counters)
   {
@@ -156,6 +157,11 @@ class CpuExecutor : public CpuMemory
           for (int i = begin; i < end; i++) f(i);
         });
   }
+  template <class Rule>
+  void for_each(const kernels::Map& m, int n)
+  {
+    for_each(n, Rule{m});
+  }
 
   template <class F, class T>
   void for_each_to_host(int n, const F& f, T* to)
@@ -168,14 +174,25 @@ class CpuExecutor : public CpuMemory
     for_each(n, [&f, from](int i) { f(i, from[i]); });
   }
 
-  template <class F>
-  void for_each_cell(int nx, int ny, const F& f)
+  /** A rule on the cells of a rectangle of the window. */
+  template <class Rule>
+  void for_each_cell(const kernels::Map& m, const WindowRect& cells)
   {
-    run(ny, rows_at_once(nx),
-        [&f, nx](int begin, int end)
+    for_each_row(
+        cells.width, cells.height,
+        [&](int y)
+        { StoredRow(m, cells.first_y + y).run<Rule>(cells.first_x, cells.first_x + cells.width); });
+  }
+  /** Rules on all cells of the window, row by row. */
+  template <class... Rules>
+  void for_each_cell(const kernels::Map& m)
+  {
+    for_each_row(
+        m.k.cells, m.k.cells,
+        [&](int y)
         {
-          for (int y = begin; y < end; y++)
-            for (int x = 0; x < nx; x++) f(x, y);
+          const StoredRow row(m, y);
+          (row.run<Rules>(), ...);
         });
   }
 
@@ -189,30 +206,30 @@ class CpuExecutor : public CpuMemory
         });
   }
   template <class F>
-  void for_each_stretch(int n, const F& f)
+  void for_each_stretch(const kernels::Map& m, int n)
   {
-    run(n, 128, [&f](int begin, int end) { over_stretch(f, begin, end); });
+    run(n, 128, [&m](int begin, int end) { over_stretch<F>(m, begin, end); });
   }
   template <class F>
-  void locate_points(int n, const F& f)
+  void locate_points(const kernels::Map& m, int n)
   {
-    run(n, 1024, [&f](int begin, int end) { over_points(f, begin, end); });
+    run(n, 1024, [&m](int begin, int end) { over_points<F>(m, begin, end); });
   }
   /** f(i) for points in order; each thread those of its part, see f.is_in(). */
   template <class F>
-  void for_each_point_by_parts(int n, const F& f)
+  void for_each_point_by_parts(const kernels::Map& m, int n)
   {
     const int parts = n <= kFewPoints ? 1 : threads_.size();
     if (parts == 1)
-      one_by_one(f, n);
+      one_by_one<F>(m, n);
     else
-      for_each_part(parts, [&f, n, parts](int part) { over_own_points(f, n, part, parts); });
+      for_each_part(parts, [&m, n, parts](int part) { over_own_points<F>(m, n, part, parts); });
   }
   template <class F>
-  void for_each_window(int nx, int ny, int radius, const F& f)
+  void for_each_window(const kernels::Map& m, int nx, int ny, int radius)
   {
     run(ny, std::max(8 * radius, rows_at_once(nx)),
-        [&](int begin, int end) { SlidingRows<F>(nx, ny, radius, f).run(begin, end); });
+        [&](int begin, int end) { SlidingRows<F>(m, nx, ny, radius).run(begin, end); });
   }
 
   template <class T>
@@ -228,10 +245,11 @@ class CpuExecutor : public CpuMemory
   bool is_for_one(int n) const { return n <= kFewPoints && threads_.size() > 1; }
   static int rows_at_once(int nx) { return std::max(1, 4096 / std::max(nx, 1)); }
 
-  /** A copy of f: nothing that it writes can point to it. */
   template <class F>
-  static void one_by_one(const F f, int n)
+  [[gnu::flatten]] static void one_by_one(const kernels::Map& map, int n)
   {
+    const kernels::Map m = map;
+    const F f{m};
     for (int i = 0; i < n; i++) f(i);
   }
   /** f(i) for i in [0, n), each long enough for a thread. */

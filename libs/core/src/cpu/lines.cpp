@@ -196,34 +196,32 @@ class Sweep
     // Copies that nothing else can write to, so that loops need not read them again. Passing values
     // would make gcc with -fschedule-insns write them to the stack before it has room, where a
     // signal may overwrite them.
-    const kernels::Config k = walk.k;
-    const kernels::Samples samples = walk.samples;
-    const InferenceGrid to = walk.to;
+    const kernels::Map m = walk.m;
     const Strip strip = lines;
-    const Side* before = outwards(strip, samples, met);
+    const Side* before = outwards(strip, m, met);
     Side behind = Side::nothing();
     Undercut undercut;
     RowsFound rows;
     rows.first = strip.places - kLanes;
     for (int place = strip.places - 1; place >= 0; place--)
     {
-      if (!kRays && place < rows.first) add(strip, rows, to);
+      if (!kRays && place < rows.first) add(strip, rows, m);
       // From farther away a cell that is filled is not told to be undercut, see infer().
       if (kRays && place % kernels::kUndercutPlaces == 0 &&
           before->is_within(2 * strip.reach, place))
-        ask(strip, samples, *before, place, undercut);
+        ask(strip, m, *before, place, undercut);
       const bool met_here = before->latest == place;
       const std::uint32_t own = strip.at(place, !kRays).own;
       const std::uint32_t wanted = met_here ? own & ~before->latest_lines : own;
-      if (wanted) infer(k, strip, *before, behind, undercut, wanted, place, to, rows);
+      if (wanted) infer(m, strip, *before, behind, undercut, wanted, place, rows);
       if (met_here) turn(*before--, place, behind, undercut);
     }
-    if (!kRays) add(strip, rows, to);
+    if (!kRays) add(strip, rows, m);
   }
 
  private:
   /** Lists the samples that the lines met, anew at each place with one. Returns the last. */
-  static Side* outwards(const Strip& strip, const kernels::Samples& samples, Side* met)
+  static Side* outwards(const Strip& strip, const kernels::Map& m, Side* met)
   {
     *met = Side::nothing();
     for (int place = 0; place < strip.places; place++)
@@ -231,15 +229,14 @@ class Sweep
       const int first = strip.first + place * strip.along;
       const int* const minor = strip.at(place, !kRays).minor;
       if (strip.leaps())
-        fetch(strip, samples.height_m, std::min(place + kAhead, strip.places - 1), kLanes - 1);
+        fetch(strip, m.sample_m, std::min(place + kAhead, strip.places - 1), kLanes - 1);
       float height_m[kLanes];
       if (!kRays && strip.columns())
-        std::copy_n(samples.height_m + first, kLanes, height_m);
+        std::copy_n(m.sample_m + first, kLanes, height_m);
       else
       {
         TALUS_INDEPENDENT
-        for (int l = 0; l < kLanes; l++)
-          height_m[l] = samples.height_m[first + minor[l] * strip.across];
+        for (int l = 0; l < kLanes; l++) height_m[l] = m.sample_m[first + minor[l] * strip.across];
       }
       const std::uint32_t known = known_of(height_m);
       if (!known) continue;
@@ -266,18 +263,17 @@ class Sweep
   }
 
   static void ask(
-      const Strip& strip, const kernels::Samples& samples, const Side& here, int place,
-      Undercut& undercut)
+      const Strip& strip, const kernels::Map& m, const Side& here, int place, Undercut& undercut)
   {
     const int first = strip.first + place * strip.along;
     const int* const minor = strip.at(place, false).minor;
     if (strip.leaps() || place % kLanes == 0)
-      fetch(strip, samples.ends_m, std::max(place - kAhead, 0), strip.leaps() ? kLanes - 1 : 1);
+      fetch(strip, m.ends_m, std::max(place - kAhead, 0), strip.leaps() ? kLanes - 1 : 1);
     std::int32_t under = 0;
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      const float ends_m = samples.ends_m[first + minor[l] * strip.across];
+      const float ends_m = m.ends_m[first + minor[l] * strip.across];
       const bool told = (here.place[0][l] >= 0) & (here.place[0][l] < place) &
                         kernels::undercuts(
                             ends_m, here.height_m[0][l],
@@ -288,7 +284,7 @@ class Sweep
     {
       const int l = __builtin_ctz(lines);
       if (!kernels::is_passed_over(
-              samples.free_above_m + first, strip.across, minor[l], strip.places - 1,
+              m.free_above_m + first, strip.across, minor[l], strip.places - 1,
               here.height_m[0][l]))
         undercut.place[l] = place;
     }
@@ -303,10 +299,10 @@ class Sweep
   }
 
   static void infer(
-      const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
-      const Undercut& undercut, std::uint32_t wanted, int place, const InferenceGrid& to,
-      RowsFound& rows)
+      const kernels::Map& m, const Strip& strip, const Side& before, const Side& behind,
+      const Undercut& undercut, std::uint32_t wanted, int place, RowsFound& rows)
   {
+    const kernels::Config& k = m.k;
     const bool has_before = before.is_within(strip.reach, place),
                has_behind = behind.is_within(strip.reach, place),
                suspect = kRays && place <= strip.suspect;
@@ -319,7 +315,7 @@ class Sweep
       infer<kFar, kNear>(k, strip, before, behind, undercut, place, found);
     else
     {
-      if (suspect) forget_fall(strip, wanted, place, to);
+      if (suspect) forget_fall(strip, wanted, place, m);
       return;
     }
     if (suspect && before.is_within(strip.far_reach, place) &&
@@ -328,11 +324,11 @@ class Sweep
     else if (suspect)
       std::fill_n(found.fall_m, kLanes, kernels::kNan);
     if (kRays)
-      put(strip, found, wanted, place, to);
+      put(strip, found, wanted, place, m);
     else if (strip.rows())
       rows.put(place, found.lines);
     else
-      add(strip, found.lines, place, to);
+      add(strip, found.lines, place, m);
   }
 
   /** Whether any line has a sample near by on a side. */
@@ -403,8 +399,9 @@ class Sweep
 
   static void put(
       const Strip& strip, const Found& found, std::uint32_t wanted, int place,
-      const InferenceGrid& to)
+      const kernels::Map& m)
   {
+    const InferenceGrid to{m};
     const int* const minor = strip.at(place, false).minor;
     const int first = strip.first + place * strip.along;
     const bool suspect = place <= strip.suspect;
@@ -412,8 +409,9 @@ class Sweep
     for (; wanted; wanted &= wanted - 1)
     {
       const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
-      to.put(i, found.lines.load(l), found.marks[l]);
-      if (suspect) to.fall_m[i] = found.fall_m[l];
+      to.set(i, found.lines.load(l));
+      m.fill_marks[i] = static_cast<std::uint8_t>(found.marks[l]);
+      if (suspect) m.fall_m[i] = found.fall_m[l];
     }
   }
   /** Fetches the cells of an earlier place; in rows those of as many places as share a cache line.
@@ -428,24 +426,26 @@ class Sweep
       for (int l = 0; l < kLanes; l += step) to.fetch(first + minor[l] * strip.across);
   }
   static void forget_fall(
-      const Strip& strip, std::uint32_t wanted, int place, const InferenceGrid& to)
+      const Strip& strip, std::uint32_t wanted, int place, const kernels::Map& m)
   {
     const int* const minor = strip.at(place, false).minor;
     const int first = strip.first + place * strip.along;
     for (; wanted; wanted &= wanted - 1)
-      to.fall_m[first + minor[__builtin_ctz(wanted)] * strip.across] = kernels::kNan;
+      m.fall_m[first + minor[__builtin_ctz(wanted)] * strip.across] = kernels::kNan;
   }
 
   /** Adds what columns found at a place, where cells are neighbours. */
-  static void add(const Strip& strip, const LinesFound& found, int place, const InferenceGrid& to)
+  static void add(const Strip& strip, const LinesFound& found, int place, const kernels::Map& m)
   {
+    const InferenceGrid to{m};
     const int first = strip.first + place * strip.along;
     for (const int l : {0, kLanes - 1}) to.fetch_lines(first - kAhead / 2 * strip.along + l);
     add_neighbours(0, strip.lines, to, first, [&found](int l) { return found.load(l); });
   }
   /** Adds what rows found, and goes on to the places before. */
-  static void add(const Strip& strip, RowsFound& rows, const InferenceGrid& to)
+  static void add(const Strip& strip, RowsFound& rows, const kernels::Map& m)
   {
+    const InferenceGrid to{m};
     rows.complete();
     int places[kLanes];  // in an array, so that compilers gather
     for (int p = 0; p < kLanes; p++) places[p] = p * kLanes;
@@ -515,7 +515,7 @@ void sweep(const Walk& walk, const Strip& strip)
 template <bool kRays>
 void sweep(const Walk& walk, const Strip& strip)
 {
-  if (walk.k.fill_samples <= kFewSamples)
+  if (walk.m.k.fill_samples <= kFewSamples)
     sweep<kFewSamples, kRays>(walk, strip);
   else
     sweep<kMaxSamples, kRays>(walk, strip);
@@ -523,7 +523,7 @@ void sweep(const Walk& walk, const Strip& strip)
 
 void sweep_axis(const Walk& walk, int part, int along, int across)
 {
-  const kernels::Config& k = walk.k;
+  const kernels::Config& k = walk.m.k;
   const int first = walk.first_of(part), lines = walk.first_of(part + 1) - first;
   Crossing parallel;
   for (int l = 0; l < kLanes; l++) parallel.minor[l] = std::min(l, lines - 1);
@@ -536,14 +536,16 @@ void sweep_axis(const Walk& walk, int part, int along, int across)
 
 void Walk::rays(int part) const
 {
-  const int rings = kernels::line_rings(k), first = part / 4 * kLanes - rings, side = part % 4;
-  const int along[] = {1, grid.pitch, -1, -grid.pitch};
-  Strip strip{kLanes,
-              rings + 1,
-              grid.middle(),
-              along[side],
-              along[(side + 1) % 4],
-              crossings_of(rings, first)};
+  const kernels::Config& k = m.k;
+  const int rings = m.lines.half, first = part / 4 * kLanes - rings, side = part % 4;
+  const int along[] = {1, m.lines.pitch, -1, -m.lines.pitch};
+  Strip strip{
+      kLanes,
+      rings + 1,
+      m.lines.middle(),
+      along[side],
+      along[(side + 1) % 4],
+      crossings_of(rings, first)};
   for (int l = 0; l < kLanes; l++)
   {
     const kernels::Line line{side, std::min(first + l, rings - 1)};
@@ -551,7 +553,7 @@ void Walk::rays(int part) const
   }
   sweep<true>(*this, strip);
 }
-void Walk::rows(int part) const { sweep_axis(*this, part, 1, grid.pitch); }
-void Walk::columns(int part) const { sweep_axis(*this, part, grid.pitch, 1); }
+void Walk::rows(int part) const { sweep_axis(*this, part, 1, m.lines.pitch); }
+void Walk::columns(int part) const { sweep_axis(*this, part, m.lines.pitch, 1); }
 
 }  // namespace talus::lines

@@ -14,49 +14,30 @@ namespace talus::lines
 {
 constexpr int kLanes = 16;
 
-/** What the lines may read of a cell, for which nothing is inferred yet. */
-struct TakeSample
-{
-  kernels::ClassifyCell classify;
-  kernels::LineGrid grid;
-  kernels::Samples samples;
-  std::uint8_t* marks;  //!< see InferenceGrid
-
-  void operator()(int ix, int iy, int storage_i) const
-  {
-    const int line_i = grid.at(ix, iy);
-    samples.height_m[line_i] = kernels::sample_of(classify, storage_i);
-    marks[line_i] = 0;
-  }
-};
-
 /** The inferred values of the cells, by place of the grid. */
 struct InferenceGrid
 {
-  float *information, *weighted, *lowest_m;  //!< kernels::LineFusion
-  std::uint8_t* marks;  //!< bits of FillMark; without kInferred no other value counts
-  float* fall_m;  //!< see fall_in(); set where stage 7 needs it
+  const kernels::Map& m;
 
-  kernels::LineFusion lines(int i) const { return {information[i], weighted[i], lowest_m[i]}; }
+  kernels::LineFusion lines(int i) const
+  {
+    return {m.information[i], m.weighted[i], m.lowest_m[i]};
+  }
   void set(int i, const kernels::LineFusion& lines) const
   {
-    information[i] = lines.information;
-    weighted[i] = lines.weighted;
-    lowest_m[i] = lines.lowest_m;
-  }
-  void put(int i, const kernels::LineFusion& lines, std::int32_t marks_there) const
-  {
-    set(i, lines);
-    marks[i] = static_cast<std::uint8_t>(marks_there);
+    m.information[i] = lines.information;
+    m.weighted[i] = lines.weighted;
+    m.lowest_m[i] = lines.lowest_m;
   }
   TALUS_FETCHES void fetch_lines(int i) const
   {
-    for (const float* values : {information, weighted, lowest_m}) __builtin_prefetch(values + i, 1);
+    for (const float* values : {m.information, m.weighted, m.lowest_m})
+      __builtin_prefetch(values + i, 1);
   }
   TALUS_FETCHES void fetch(int i) const
   {
     fetch_lines(i);
-    __builtin_prefetch(marks + i, 1);
+    __builtin_prefetch(m.fill_marks + i, 1);
   }
   void add(int i, const kernels::LineFusion& other) const
   {
@@ -66,17 +47,26 @@ struct InferenceGrid
   }
 };
 
+/** Fills a cell from what the lines found. */
+struct FillSwept
+{
+  const kernels::Map& m;
+
+  void operator()(int x, int y, int i) const
+  {
+    const int at = m.lines.at(x, y);
+    kernels::FillCell{m}(x, y, i, InferenceGrid{m}.lines(at), m.fill_marks[at]);
+  }
+};
+
 /** The lines from the sensor, then columns, then rows, in parts that touch different cells. */
 struct Walk
 {
-  const kernels::Config& k;
-  kernels::LineGrid grid;
-  kernels::Samples samples;
-  InferenceGrid to;
+  const kernels::Map& m;
 
-  int parts_of_rays() const { return 4 * parts(2 * kernels::line_rings(k)); }
-  int parts_of_axis() const { return parts(k.cells); }
-  int first_of(int part) const { return std::min(part * kLanes, k.cells); }
+  int parts_of_rays() const { return 4 * parts(2 * kernels::line_rings(m.k)); }
+  int parts_of_axis() const { return parts(m.k.cells); }
+  int first_of(int part) const { return std::min(part * kLanes, m.k.cells); }
 
   void rays(int part) const;
   void rows(int part) const;

@@ -2,8 +2,7 @@
 #include "cpu/buffer.h"
 #include "cpu/clones.h"
 #include "cpu/side_by_side.h"
-#include "kernels/9_channels.h"
-#include "kernels/cell.h"
+#include "kernels/map.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -37,18 +36,24 @@ void in_blocks(int begin, int end, const F& f)
   for (int i = begin; i < end; i++) f(i);
 }
 
-/** f(x, y, i) for x in [begin, end) of a row, i from `first` on; perhaps twice. */
-template <class F>
-TALUS_CLONES void over_row(F f, int begin, int end, int y, int first)
+// Loops have a copy of the map that nothing else can write to, so that they need not read it again.
+
+/** A rule for x in [begin, end) of a row, storage indices from `first` on; perhaps twice. */
+template <class Rule>
+TALUS_CLONES void over_row(const kernels::Map& map, int begin, int end, int y, int first)
 {
-  in_blocks(begin, end, [&](int x) { f(x, y, first + (x - begin)); });
+  const kernels::Map m = map;
+  const Rule rule{m};
+  in_blocks(begin, end, [&](int x) { rule(x, y, first + (x - begin)); });
 }
 
-/** Marks the cells of a row to which f applies. */
-template <class F>
+/** Marks the cells of a row to which a rule applies. */
+template <class Rule>
 TALUS_CLONES void find_applicable(
-    F f, int begin, int end, int y, int first, std::uint8_t* applicable)
+    const kernels::Map& map, int begin, int end, int y, int first, std::uint8_t* applicable)
 {
+  const kernels::Map m = map;
+  const Rule f{m};
   in_blocks(
       begin, end, [&](int x) { applicable[x - begin] = f.applies(x, y, first + (x - begin)); });
 }
@@ -75,71 +80,78 @@ void over_marked(Marks<kMost>& m, int n, const F& f)
       if (marks[i]) f(i);
   }
 }
-template <class F>
-void over_applicable(const F& f, int begin, int end, int y, int first)
+template <class Rule>
+void over_applicable(const kernels::Map& m, int begin, int end, int y, int first)
 {
+  const Rule rule{m};
   constexpr int kBlock = 256;
   Marks<kBlock> applicable;
   for (int x0 = begin; x0 < end; x0 += kBlock)
   {
     const int x1 = std::min(x0 + kBlock, end), shift = first - begin;
-    find_applicable(f, x0, x1, y, x0 + shift, applicable.of);
-    over_marked(applicable, x1 - x0, [&](int i) { f(x0 + i, y, x0 + i + shift); });
+    find_applicable<Rule>(m, x0, x1, y, x0 + shift, applicable.of);
+    over_marked(applicable, x1 - x0, [&](int i) { rule(x0 + i, y, x0 + i + shift); });
   }
 }
+
+template <class Rule, class = void>
+constexpr bool kLeavesRowsOut = false;
+template <class Rule>
+constexpr bool kLeavesRowsOut<Rule, std::void_t<decltype(&Rule::leaves_out)>> = true;
+template <class Rule, class = void>
+constexpr bool kLeavesStretch = false;
+template <class Rule>
+constexpr bool kLeavesStretch<Rule, std::void_t<decltype(&Rule::stays)>> = true;
 
 /** A row of the window and its storage: two ranges of a torus. Loops over the same cells take a row
  * each, so that its cells are still in the cache. */
 class StoredRow
 {
  public:
-  StoredRow(int cells, const kernels::FrameContext& frame, int y)
-      : cells_(cells),
-        y_(y),
-        turn_(cells - frame.storage_x),
-        row_(kernels::storage_index(frame, cells, 0, y) - frame.storage_x)
+  StoredRow(const kernels::Map& m, int y)
+      : m_(m), y_(y), turn_(m.k.cells - m.frame->storage_x), row_(m.at(0, y) - m.frame->storage_x)
   {
   }
-  /** f(x, y, i), i the storage index of each cell; perhaps twice. */
-  template <class F>
-  void each(const F& f) const
+  /** A rule on all cells to which it applies; perhaps twice. */
+  template <class Rule>
+  void run() const
   {
-    in_stretches([&](int begin, int end, int i) { over_row(f, begin, end, y_, i); });
+    if constexpr (kLeavesRowsOut<Rule>)
+      if (Rule{m_}.leaves_out(y_)) return;
+    if constexpr (kLeavesStretch<Rule>)
+    {
+      const kernels::Stretch stays = Rule{m_}.stays(y_);
+      run<Rule>(0, stays.first);
+      run<Rule>(stays.end, m_.k.cells);
+    }
+    else if constexpr (kernels::kHasApplies<Rule>)
+      in_stretches([&](int begin, int end, int i)
+                   { over_applicable<Rule>(m_, begin, end, y_, i); });
+    else
+      in_stretches([&](int begin, int end, int i) { over_row<Rule>(m_, begin, end, y_, i); });
   }
-  template <class F>
-  void each_applicable(const F& f) const
-  {
-    in_stretches([&](int begin, int end, int i) { over_applicable(f, begin, end, y_, i); });
-  }
-  /** each() of the cells [first, last) only. */
-  template <class F>
-  void each_of(int first, int last, const F& f) const
+  /** A rule on all of the cells [first, last). */
+  template <class Rule>
+  void run(int first, int last) const
   {
     in_stretches(
         [&](int begin, int end, int i)
         {
           const int from = std::max(begin, first), to = std::min(end, last);
-          if (from < to) over_row(f, from, to, y_, i + from - begin);
+          if (from < to) over_row<Rule>(m_, from, to, y_, i + from - begin);
         });
   }
-  /** each() of all cells but those of a stretch. */
-  template <class F>
-  void each_but(const kernels::Stretch& cells, const F& f) const
-  {
-    each_of(0, cells.first, f);
-    each_of(cells.end, cells_, f);
-  }
-  int y() const { return y_; }
   /** over(begin, end, i), i the storage index of the cell at `begin`. */
   template <class Over>
   void in_stretches(const Over& over) const
   {
-    over(0, turn_, row_ + cells_ - turn_);
-    over(turn_, cells_, row_);
+    over(0, turn_, row_ + m_.k.cells - turn_);
+    over(turn_, m_.k.cells, row_);
   }
 
  private:
-  int cells_, y_, turn_, row_;
+  const kernels::Map& m_;
+  int y_, turn_, row_;
 };
 
 /** Cells of a row that need different numbers of steps: it does one step of several neighbours at
@@ -154,23 +166,23 @@ class SteppedRow
   using Results = SideBySide<Result, kLanes>;
 
  public:
-  explicit SteppedRow(const F& f) : f_(f) {}
-  void run(int cells, int y)
+  void run(const kernels::Map& m, int y)
   {
-    for (int x0 = 0; x0 < cells; x0 += kLanes)
+    for (int x0 = 0; x0 < m.k.cells; x0 += kLanes)
     {
-      const int x1 = std::min(x0 + kLanes, cells);
-      step(f_, items_, results_, x0, y, (x1 - x0 + kGroup - 1) / kGroup);
-      put(f_, items_, results_, x0, x1, y);
+      const int x1 = std::min(x0 + kLanes, m.k.cells);
+      step(m, items_, results_, x0, y, (x1 - x0 + kGroup - 1) / kGroup);
+      put(m, items_, results_, x0, x1, y);
     }
   }
 
  private:
   /** Steps of the cells from x on, in whole groups, which may reach beyond the row. */
-  TALUS_CLONES static void step(F f, Items& items, Results& results, int x, int y, int blocks)
+  TALUS_CLONES static void step(
+      const kernels::Map& map, Items& items, Results& results, int x, int y, int blocks)
   {
-    const kernels::Config config = *f.config;
-    f.config = &config;
+    const kernels::Map m = map;
+    const F f{m};
     const Result none;
     TALUS_INDEPENDENT
     for (int l = 0; l < blocks * kGroup; l++)
@@ -195,14 +207,15 @@ class SteppedRow
     }
   }
   TALUS_CLONES static void put(
-      F f, const Items& items, const Results& results, int x0, int x1, int y)
+      const kernels::Map& map, const Items& items, const Results& results, int x0, int x1, int y)
   {
+    const kernels::Map m = map;
+    const F f{m};
     in_blocks(x0, x1, [&](int x) { f.put(x, y, items.load(x - x0), results.load(x - x0)); });
-    if (f.frame->starts_map != 0)
+    if (m.frame->starts_map != 0)
       for (int x = x0; x < x1; x++) f.put_lowest(x, y, items.load(x - x0));
   }
 
-  const F& f_;
   Items items_;
   Results results_;
 };
@@ -216,21 +229,19 @@ class PairOfRows
   using Items = SideBySide<Item, kLanes>;
 
  public:
-  explicit PairOfRows(const F& f) : f_(f) {}
-
-  void pool(int py, int cells, const kernels::FrameContext& frame)
+  void pool(const kernels::Map& m, int py)
   {
-    const int y0 = f_.grid.first_cell(py, frame.odd_y);
+    const int cells = m.k.cells, y0 = m.pairs.first_cell(py, m.frame->odd_y);
     const int first = std::max(y0, 0), end = std::min(y0 + 2, cells);
-    for (int px = 0; px < f_.grid.side; px += kLanes / 2)
+    for (int px = 0; px < m.pairs.side; px += kLanes / 2)
     {
-      const int pairs = std::min(f_.grid.side - px, kLanes / 2), lanes = 2 * pairs;
-      const int x0 = f_.grid.first_cell(px, frame.odd_x);
+      const int pairs = std::min(m.pairs.side - px, kLanes / 2), lanes = 2 * pairs;
+      const int x0 = m.pairs.first_cell(px, m.frame->odd_x);
       forget(0, first < end ? -x0 : lanes);
       forget(std::max(cells - x0, 0), lanes);
-      if (first < end) add<true>(StoredRow(cells, frame, first), x0);
-      if (first + 1 < end) add<false>(StoredRow(cells, frame, first + 1), x0);
-      put(f_, items_, pairs, px, py);
+      if (first < end) add<true>(m, first, x0);
+      if (first + 1 < end) add<false>(m, first + 1, x0);
+      put(m, items_, pairs, px, py);
     }
   }
 
@@ -242,18 +253,20 @@ class PairOfRows
   }
   /** Adds the cells of a row; those of the first one are stored. */
   template <bool kFirst>
-  void add(const StoredRow& row, int x0)
+  void add(const kernels::Map& m, int y, int x0)
   {
-    row.in_stretches(
-        [this, x0](int begin, int end, int i)
+    StoredRow(m, y).in_stretches(
+        [&](int begin, int end, int i)
         {
           const int from = std::max(begin, x0), to = std::min(end, x0 + kLanes);
-          if (from < to) add<kFirst>(f_, items_, from - x0, to - x0, i + from - begin);
+          if (from < to) add<kFirst>(m, items_, from - x0, to - x0, i + from - begin);
         });
   }
   template <bool kFirst>
-  TALUS_CLONES static void add(F f, Items& items, int begin, int end, int first)
+  TALUS_CLONES static void add(const kernels::Map& map, Items& items, int begin, int end, int first)
   {
+    const kernels::Map m = map;
+    const F f{m};
     const auto add_one = [&](int l)
     {
       const Item item = f.item(first + (l - begin));
@@ -261,14 +274,16 @@ class PairOfRows
     };
     in_blocks(begin, end, add_one);
   }
-  TALUS_CLONES static void put(F f, const Items& items, int pairs, int px, int py)
+  TALUS_CLONES static void put(
+      const kernels::Map& map, const Items& items, int pairs, int px, int py)
   {
+    const kernels::Map m = map;
+    const F f{m};
     TALUS_INDEPENDENT
     for (int q = 0; q < pairs; q++)
       f.put(px + q, py, f.pool(items.load(2 * q), items.load(2 * q + 1)));
   }
 
-  const F& f_;
   Items items_;
 };
 
@@ -279,81 +294,62 @@ TALUS_CLONES void fill_with(T* to, int begin, int end, T value)
 }
 
 template <class F>
-TALUS_CLONES void over_stretch(F f, int first, int last)
+TALUS_CLONES void over_stretch(const kernels::Map& map, int first, int last)
 {
-  f(first, last);
-}
-
-/** f(i) for i in [begin, end), all at once. */
-template <class F>
-TALUS_CLONES void over_range(F f, int begin, int end)
-{
-  const kernels::Config config = *f.config;
-  f.config = &config;
-  TALUS_INDEPENDENT
-  for (int i = begin; i < end; i++) f(i);
-}
-
-/** Adds the values of points to their surfaces, and marks those that are the first there. */
-template <class Atomics>
-void add_to(
-    const kernels::Channel channel, const std::int32_t* surface, std::uint8_t* begins, int begin,
-    int end)
-{
-  for (int i = begin; i < end; i++)
-  {
-    const std::int32_t at = surface[i];
-    begins[i] = at >= 0 && channel.template add<Atomics>(at, channel.of_points[i]);
-  }
+  const kernels::Map m = map;
+  F{m}(first, last);
 }
 
 template <class F>
-TALUS_CLONES void locate_points(F f, int begin, int end)
+TALUS_CLONES void locate_points(const kernels::Map& map, int begin, int end)
 {
-  // Copies that nothing else can write to, so that the loop need not read them again.
-  const kernels::Config config = *f.config;
-  const kernels::FrameContext frame = *f.frame;
-  f.config = &config, f.frame = &frame;
+  kernels::Map m = map;
+  kernels::FrameContext frame = *map.frame;
+  m.frame = &frame;
+  const F f{m};
   TALUS_INDEPENDENT
   for (int i = begin; i < end; i++) f.locate_plain(i);
-  for (int box = 0; box < f.body->boxes; box++)
+  for (int box = 0; box < m.body->boxes; box++)
   {
     TALUS_INDEPENDENT
-    for (int i = begin; i < end; i++) f.drop_body(i, f.in.at(i), box);
+    for (int i = begin; i < end; i++) f.drop_body(i, m.in.at(i), box);
   }
   f.count_rejected(begin, end);
 }
 template <class F>
-void over_points(const F& f, int begin, int end)
+void over_points(const kernels::Map& m, int begin, int end)
 {
+  const F f{m};
   if (f.is_plain())
   {
-    locate_points(f, begin, end);
+    locate_points<F>(m, begin, end);
     return;
   }
-  for (int i = begin; i < end; i++) f.locate(i, f.in.at(i));
+  for (int i = begin; i < end; i++) f.locate(i, m.in.at(i));
   f.count_rejected(begin, end);
 }
 
 /** Lists the points of a part, in their order. */
 template <class F>
-TALUS_CLONES void find_own(F f, int begin, int end, int part, int parts, std::int32_t* own)
+TALUS_CLONES void find_own(
+    const kernels::Map& map, int begin, int end, int part, int parts, std::int32_t* own)
 {
-  const kernels::Config config = *f.config;
-  f.config = &config;
+  const kernels::Map m = map;
+  const F f{m};
   const auto own_part = f.part(part, parts);
   TALUS_INDEPENDENT
   for (int i = begin; i < end; i++) own[i - begin] = f.is_in(own_part, i);
 }
 template <class F>
-void over_own_points(const F& f, int n, int part, int parts)
+void over_own_points(const kernels::Map& m, int n, int part, int parts)
 {
+  const F f{m};
   constexpr int kBlock = 512;
   for (int i0 = 0; i0 < n; i0 += kBlock)
   {
     const int i1 = std::min(i0 + kBlock, n);
     std::int32_t is_own[kBlock];
-    find_own(f, i0, i1, part, parts, is_own);
+    find_own<F>(m, i0, i1, part, parts, is_own);
     int own[kBlock], found = 0;
     for (int i = i0; i < i1; i++)
     {
@@ -367,22 +363,24 @@ void over_own_points(const F& f, int n, int part, int parts)
 /** Sorts points into the ranges of their cells. The ray of a point's own direction comes first,
  * since it rules most points out as overhangs. */
 template <class F>
-TALUS_CLONES void find_passed_below(F f, int begin, int end, std::int32_t* passed_below)
+TALUS_CLONES void find_passed_below(
+    const kernels::Map& map, int begin, int end, std::int32_t* passed_below)
 {
-  const kernels::Config config = *f.config;
-  f.config = &config;
+  const kernels::Map m = map;
+  const F f{m};
   TALUS_INDEPENDENT
   for (int i = begin; i < end; i++) passed_below[i - begin] = f.passed_below(i, 0);
 }
 template <class F>
-void sort_points(const F& f, int begin, int end)
+void sort_points(const kernels::Map& m, int begin, int end)
 {
+  const F f{m};
   constexpr int kBlock = 512;
   std::int32_t passed_below[kBlock];
   for (int i0 = begin; i0 < end; i0 += kBlock)
   {
     const int i1 = std::min(i0 + kBlock, end);
-    find_passed_below(f, i0, i1, passed_below);
+    find_passed_below<F>(m, i0, i1, passed_below);
     for (int i = i0; i < i1; i++) f.put(i, passed_below[i - i0] && f.overhangs(i));
   }
 }
@@ -408,7 +406,8 @@ class SlidingRows
   using FirstOfFive = std::integral_constant<int, -(kAtOnce / 2)>;
 
  public:
-  SlidingRows(int nx, int ny, int radius, const F& f) : nx_(nx), ny_(ny), radius_(radius), f_(f)
+  SlidingRows(const kernels::Map& m, int nx, int ny, int radius)
+      : m_(m), nx_(nx), ny_(ny), radius_(radius)
   {
     while (mask_ < 2 * radius) mask_ = 2 * mask_ + 1;
     // Memory of this thread, kept from frame to frame.
@@ -432,7 +431,7 @@ class SlidingRows
       for (; next <= std::min(y + radius_, ny_ - 1); next++)
       {
         if (nx_ > 2 * kLanes) fetch(x0, x1, std::min(next + kAhead, ny_ - 1));
-        sum_row(f_, at(next), x0, x1, next, radius_);
+        sum_row(m_, at(next), x0, x1, next, radius_);
       }
       window(y, x0, x1);
     }
@@ -441,33 +440,37 @@ class SlidingRows
   /** Fetches a row early, for a strip is too narrow for a processor to predict it. */
   TALUS_FETCHES void fetch(int x0, int x1, int y) const
   {
-    constexpr auto kStep = static_cast<int>(64 / sizeof(f_.neighbour(0, 0)));
-    for (int x = x0; x < x1; x += kStep) __builtin_prefetch(&f_.neighbour(x, y));
+    const F f{m_};
+    constexpr auto kStep = static_cast<int>(64 / sizeof(f.neighbour(0, 0)));
+    for (int x = x0; x < x1; x += kStep) __builtin_prefetch(&f.neighbour(x, y));
   }
-  static void sum_row(const F& f, Rows& rows, int x0, int x1, int y, int radius)
+  static void sum_row(const kernels::Map& m, Rows& rows, int x0, int x1, int y, int radius)
   {
     int d = -radius;
     if (d == FirstOfFive::value)
     {
-      add_columns<true>(f, rows, x0, x1, y, FirstOfFive{}, Distances<kAtOnce>{});
+      add_columns<true>(m, rows, x0, x1, y, FirstOfFive{}, Distances<kAtOnce>{});
       d += kAtOnce;
     }
     else if (2 * radius + 1 < kAtOnce)
-      add_columns<true>(f, rows, x0, x1, y, d++, Distances<1>{});
+      add_columns<true>(m, rows, x0, x1, y, d++, Distances<1>{});
     else
     {
-      add_columns<true>(f, rows, x0, x1, y, d, Distances<kAtOnce>{});
+      add_columns<true>(m, rows, x0, x1, y, d, Distances<kAtOnce>{});
       d += kAtOnce;
     }
     for (; d + kAtOnce - 1 <= radius; d += kAtOnce)
-      add_columns<false>(f, rows, x0, x1, y, d, Distances<kAtOnce>{});
-    for (; d <= radius; d++) add_columns<false>(f, rows, x0, x1, y, d, Distances<1>{});
+      add_columns<false>(m, rows, x0, x1, y, d, Distances<kAtOnce>{});
+    for (; d <= radius; d++) add_columns<false>(m, rows, x0, x1, y, d, Distances<1>{});
   }
   /** Adds the neighbours at distances from d on; the first ones are stored. */
   template <bool kFirst, class Distance, int... k>
   TALUS_CLONES static void add_columns(
-      F f, Rows& rows, int x0, int x1, int y, Distance d, std::integer_sequence<int, k...>)
+      const kernels::Map& map, Rows& rows, int x0, int x1, int y, Distance d,
+      std::integer_sequence<int, k...>)
   {
+    const kernels::Map m = map;
+    const F f{m};
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++)
     {
@@ -482,20 +485,20 @@ class SlidingRows
     Windows sums;
     if constexpr (F::kHasPlain)
     {
-      if (const std::uint32_t asked = leave(f_, x0, x1, y))
+      if (const std::uint32_t asked = leave(m_, x0, x1, y))
       {
         const int groups = 32 - __builtin_clz(asked);
         sum_rows(sums, y, std::min(groups * kGroup, x1 - x0));
-        finish(f_, sums, x0, x1, y, asked);
+        finish(m_, sums, x0, x1, y, asked);
       }
       Marks<kLanes> applicable;
-      find_applicable(f_, sums, x0, x1, y, applicable.of);
-      over_marked(applicable, x1 - x0, [&](int l) { f_.finish(x0 + l, y, sums.load(l)); });
+      find_applicable(m_, sums, x0, x1, y, applicable.of);
+      over_marked(applicable, x1 - x0, [&](int l) { F{m_}.finish(x0 + l, y, sums.load(l)); });
     }
     else
     {
       sum_rows(sums, y, x1 - x0);
-      finish(f_, sums, x0, x1, y, 0);
+      finish(m_, sums, x0, x1, y, 0);
     }
   }
   void sum_rows(Windows& sums, int y, int lanes) const
@@ -505,21 +508,23 @@ class SlidingRows
     const auto add_five = [&](auto first, auto distance)
     {
       add_rows<first>(
-          f_, sums, lanes, distance, at(row), at(row + 1), at(row + 2), at(row + 3), at(row + 4));
+          m_, sums, lanes, distance, at(row), at(row + 1), at(row + 2), at(row + 3), at(row + 4));
       row += kAtOnce;
     };
     if (last - row + 1 < kAtOnce)
-      add_rows<true>(f_, sums, lanes, row - y, at(row)), row++;
+      add_rows<true>(m_, sums, lanes, row - y, at(row)), row++;
     else if (row - y == FirstOfFive::value)
       add_five(std::true_type{}, FirstOfFive{});
     else
       add_five(std::true_type{}, row - y);
     while (row + kAtOnce - 1 <= last) add_five(std::false_type{}, row - y);
-    for (; row <= last; row++) add_rows<false>(f_, sums, lanes, row - y, at(row));
+    for (; row <= last; row++) add_rows<false>(m_, sums, lanes, row - y, at(row));
   }
   /** A bit for each group of which something is asked. Stores the result of the others. */
-  TALUS_CLONES static std::uint32_t leave(F f, int x0, int x1, int y)
+  TALUS_CLONES static std::uint32_t leave(const kernels::Map& map, int x0, int x1, int y)
   {
+    const kernels::Map m = map;
+    const F f{m};
     std::uint32_t groups = 0;
     for (int begin = x0; begin < x1; begin += kGroup)
     {
@@ -539,8 +544,11 @@ class SlidingRows
   }
   /** Adds rows at distances from d on; the first ones are stored. */
   template <bool kFirst, class Distance, class... Each>
-  TALUS_CLONES static void add_rows(F f, Windows& sums, int lanes, Distance d, const Each&... rows)
+  TALUS_CLONES static void add_rows(
+      const kernels::Map& map, Windows& sums, int lanes, Distance d, const Each&... rows)
   {
+    const kernels::Map m = map;
+    const F f{m};
     TALUS_INDEPENDENT
     for (int l = 0; l < lanes; l++)
     {
@@ -551,8 +559,10 @@ class SlidingRows
     }
   }
   TALUS_CLONES static void finish(
-      F f, const Windows& sums, int x0, int x1, int y, std::uint32_t asked)
+      const kernels::Map& map, const Windows& sums, int x0, int x1, int y, std::uint32_t asked)
   {
+    const kernels::Map m = map;
+    const F f{m};
     if constexpr (F::kHasPlain)
     {
       for (int x = x0; x < x1; x += kGroup, asked >>= 1)
@@ -566,8 +576,10 @@ class SlidingRows
   }
   /** Marks the cells that f.finish() may change afterwards. */
   TALUS_CLONES static void find_applicable(
-      F f, const Windows& sums, int x0, int x1, int y, std::uint8_t* applicable)
+      const kernels::Map& map, const Windows& sums, int x0, int x1, int y, std::uint8_t* applicable)
   {
+    const kernels::Map m = map;
+    const F f{m};
     TALUS_INDEPENDENT
     for (int x = x0; x < x1; x++) applicable[x - x0] = f.applies(x, y, sums.load(x - x0));
   }
@@ -591,8 +603,8 @@ class SlidingRows
 
   Rows& at(int y) const { return rows_[y & mask_]; }
 
+  const kernels::Map& m_;
   int nx_, ny_, radius_, mask_ = 1;
-  const F& f_;
   Rows* rows_;
 };
 

@@ -8,16 +8,20 @@ namespace talus::kernels
 
 /** Notes the ray of a point, how far it went, and how far its hit lies above the mapped ground. */
 template <class Atomics>
-struct NoteRayAndHit : NoteRay<SerialAtomics>
+struct NoteRayAndHit
 {
-  NoteReach<SerialAtomics> reach;
-  CountOffset<Atomics> offset;
+  const Map& m;
 
+  Part part(int which, int of) const { return NoteRay<SerialAtomics>{m}.part(which, of); }
+  bool is_in(const Part& part, int point_i) const
+  {
+    return NoteRay<SerialAtomics>{m}.is_in(part, point_i);
+  }
   void operator()(int point_i) const
   {
-    NoteRay<SerialAtomics>::operator()(point_i);
-    reach(point_i);
-    offset(point_i);
+    NoteRay<SerialAtomics>{m}(point_i);
+    NoteReach<SerialAtomics>{m}(point_i);
+    CountOffset<Atomics>{m}(point_i);
   }
 };
 
@@ -25,34 +29,29 @@ struct NoteRayAndHit : NoteRay<SerialAtomics>
 template <class Atomics>
 struct BinPoint
 {
-  const Config* config;
-  const FrameContext* frame;
-  PointsOut points;
-  const float* lowest_slope;  //!< for rays that are not buried, see SettleRays
-  std::uint32_t* cell_count;  //!< by storage index, zero before
-  std::uint32_t* rejected;  //!< by RejectCode
+  const Map& m;
 
   /** Cells of the window in storage order; the range may wrap around. */
   Part part(int which, int of) const
   {
-    const int n = config->cells, first = which * n / of, end = (which + 1) * n / of;
-    const int begin = storage_index(*frame, n, 0, first) - frame->storage_x;
+    const int n = m.k.cells, first = which * n / of, end = (which + 1) * n / of;
+    const int begin = m.at(0, first) - m.frame->storage_x;
     return {begin, begin + (end - first) * n};
   }
   bool is_in(const Part& part, int point_i) const
   {
-    const int n = config->cells, cell = points.cell[point_i];
+    const int n = m.k.cells, cell = m.point_cell[point_i];
     const int place = cell + select(cell < part.begin, n * n, 0);
     return (cell >= 0) & (place < part.end);
   }
   void operator()(int point_i) const
   {
-    const int cell = points.cell[point_i];
+    const int cell = m.point_cell[point_i];
     if (cell < 0) return;
-    const int ray = points.ray[point_i];
-    const bool buried = ray >= 0 && points.slope[point_i] < lowest_slope[ray];
-    if (buried) Atomics::count(rejected + kBuried);
-    points.rank[point_i] = buried ? kNoRank : cell_count[cell]++;
+    const int ray = m.point_ray[point_i];
+    const bool buried = ray >= 0 && m.point_slope[point_i] < m.lowest_slope[ray];
+    if (buried) Atomics::count(m.counters + kBuried);
+    m.point_rank[point_i] = buried ? kNoRank : m.cell_count[cell]++;
   }
 };
 

@@ -8,21 +8,17 @@ namespace talus::kernels
  * directions where no ray could be buried, wherever there is known ground. */
 struct SweepRays
 {
-  FindGroundHits ground;
-  std::int32_t* rays;
-  float* lowest_slope;  //!< as from SettleRays; -infinity in directions without doubt
-  std::uint8_t* doubted;  //!< by direction; of the last frame before the call
+  const Map& m;
 
   void operator()(int first_bin, int last_bin) const
   {
     // Copies that nothing else can write to, so that loops need not read them again.
-    const Config config = *ground.config;
-    const FrameContext frame = *ground.frame;
-    const Datum datum = *ground.datum;
-    SweepRays here = *this;
-    here.ground.config = &config, here.ground.frame = &frame, here.ground.datum = &datum;
+    Map mine = m;
+    FrameContext frame = *m.frame;
+    Datum datum = *m.datum_before;
+    mine.frame = &frame, mine.datum_before = &datum;
     for (int bin = first_bin; bin < last_bin; bin += kBlock)
-      here.sweep(bin, min_of(kBlock, last_bin - bin));
+      SweepRays{mine}.sweep(bin, min_of(kBlock, last_bin - bin));
   }
 
  private:
@@ -35,8 +31,9 @@ struct SweepRays
     float x[kBlock], y[kBlock];
   };
 
-  int rings() const { return ground.frame->rings; }
-  int place(int ring, int bin) const { return ring * bin_count(*ground.config) + bin; }
+  int rings() const { return m.frame->rings; }
+  FindGroundHits ground() const { return {m}; }
+  int place(int ring, int bin) const { return ring * bin_count(m.k) + bin; }
 
   void sweep(int first_bin, int bins) const
   {
@@ -44,8 +41,8 @@ struct SweepRays
     if (find_doubted(first_bin, bins)) bury(first_bin, bins);
     for (int ring = rings() - 2; ring >= 0; ring--)
     {
-      std::int32_t* const row = rays + place(ring, first_bin);
-      const std::int32_t* const next = rays + place(ring + 1, first_bin);
+      std::int32_t* const row = m.rays + place(ring, first_bin);
+      const std::int32_t* const next = m.rays + place(ring + 1, first_bin);
       for (int b = 0; b < bins; b++) row[b] = min_of(row[b], next[b]);
     }
   }
@@ -54,21 +51,21 @@ struct SweepRays
     Directions d;
     for (int b = 0; b < bins; b++)
     {
-      const BinDirection vector = direction_of_bin(first_bin + b, bins_per_side(*ground.config));
+      const BinDirection vector = direction_of_bin(first_bin + b, bins_per_side(m.k));
       d.seen[b] = {}, d.x[b] = vector.x, d.y[b] = vector.y;
     }
     for (int ring = 0; ring < rings(); ring++)
     {
       const int first = place(ring, first_bin);
-      bury_ring(d, ring, rays + first, lowest_slope + first, doubted + first_bin, bins);
+      bury_ring(d, ring, m.rays + first, m.lowest_slope + first, m.doubted + first_bin, bins);
     }
   }
   /** Clears the values of the last frame. */
   void forget(int first_bin, int bins) const
   {
     for (int bin = first_bin; bin < first_bin + bins; bin++)
-      for (int ring = 0; doubted[bin] && ring < rings(); ring++)
-        lowest_slope[place(ring, bin)] = -kInfinity;
+      for (int ring = 0; m.doubted[bin] && ring < rings(); ring++)
+        m.lowest_slope[place(ring, bin)] = -kInfinity;
   }
   /** Finds the directions in which a ray would be buried if all hits were on known ground. */
   int find_doubted(int first_bin, int bins) const
@@ -78,8 +75,8 @@ struct SweepRays
     for (int b = 0; b < bins; b++) highest[b] = second[b] = -kInfinity, doubt[b] = 0;
     for (int ring = 0; ring < rings(); ring++)
     {
-      const std::int32_t* const row = rays + place(ring, first_bin);
-      const float margin = ground.margin(ring);
+      const std::int32_t* const row = m.rays + place(ring, first_bin);
+      const float margin = ground().margin(ring);
       for (int b = 0; b < bins; b++)
       {
         const bool hit = row[b] != kNoRay;
@@ -92,7 +89,7 @@ struct SweepRays
     }
     int any = 0;
     for (int b = 0; b < bins; b++) any |= doubt[b];
-    for (int b = 0; b < bins; b++) doubted[first_bin + b] = static_cast<std::uint8_t>(doubt[b]);
+    for (int b = 0; b < bins; b++) m.doubted[first_bin + b] = static_cast<std::uint8_t>(doubt[b]);
     return any;
   }
   void bury_ring(
@@ -136,14 +133,14 @@ struct SweepRays
       float* limit) const
   {
     int cell[kBlock], state[kBlock];
-    for (int h = 0; h < hits; h++) cell[h] = ground.cell_at({d.x[bin[h]], d.y[bin[h]]}, ring);
+    for (int h = 0; h < hits; h++) cell[h] = ground().cell_at({d.x[bin[h]], d.y[bin[h]]}, ring);
     for (int h = 0; h < hits; h++)
     {
       const int i = max_of(cell[h], 0);
-      state[h] = select(cell[h] < 0, kUnknown, ground.store.state[i]);
-      limit[h] = ground.store.ground_m[i];
+      state[h] = select(cell[h] < 0, kUnknown, m.cell.state[i]);
+      limit[h] = m.cell.ground_m[i];
     }
-    for (int h = 0; h < hits; h++) limit[h] = ground.limit(ring, row[bin[h]], state[h], limit[h]);
+    for (int h = 0; h < hits; h++) limit[h] = ground().limit(ring, row[bin[h]], state[h], limit[h]);
   }
 };
 

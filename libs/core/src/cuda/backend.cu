@@ -1,12 +1,12 @@
+#include "cuda/device.h"
 #include "cuda/executor_frame.cuh"
-#include "cuda/schedule.h"
 #include "map_backend.h"
 
 namespace talus
 {
 std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config, int device)
 {
-  return std::make_unique<MapBackend<DeviceSchedule<CudaExecutor>>>(config, CudaExecutor(device));
+  return std::make_unique<MapBackend<Device<CudaExecutor>>>(config, CudaExecutor(device));
 }
 
 int cuda_devices()

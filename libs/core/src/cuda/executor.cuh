@@ -24,8 +24,7 @@ class CudaExecutor
 
   std::string name() const { return name_; }
 
-  /** A warp updates cells with more points. */
-  static constexpr int kCrowd = 4;
+  static constexpr bool kIsDevice = true;
 
   /** Selects the slot of the following calls, on the thread that calls it. */
   void use(int index)
@@ -83,7 +82,6 @@ class CudaExecutor
   // ---- the frame of the slot in use ----
   /** Graphs are recorded for as many points as there is room for. */
   int loop_size(int, std::size_t capacity) const { return static_cast<int>(capacity); }
-  int workers(int elements) const { return elements / 8 + 1; }
   PointArrays point_arrays(std::size_t capacity);
   kernels::PointsIn stage(
       const Frame& frame, const kernels::FrameContext& context, std::size_t capacity);
@@ -107,7 +105,7 @@ class CudaExecutor
     slot().in_flight = false;
     synchronize();
   }
-  void fetch(Buffer<kernels::FrameContext>& context);
+  void fetch(Buffer<kernels::FrameContext>& frame);
   /** Where a frame leaves its counters for the host. */
   std::uint32_t* reported() { return slot().counters.data(); }
   /** The kernels recorded since the last call belong to this stage. */
@@ -119,12 +117,10 @@ class CudaExecutor
   }
 
   // ---- loops: they run in the order of the calls, within a frame as part of its graph ----
-  template <class F>
-  void for_each(int n, const F& f)
+  template <class Rule>
+  void for_each(const kernels::Map& m, int n)
   {
-    // A few elements use small blocks, to spread over the device.
-    const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
-    launch(loops::over_range<F>, dim3(blocks(n, size)), dim3(size), 0, n, f);
+    launch(loops::over_range<Rule>, dim3(blocks(n, size_of(n))), dim3(size_of(n)), 0, n, m);
   }
   /** to[i] = f(i) for i in [0, n); `to` is host memory that kernels reach. */
   template <class F, class T>
@@ -142,42 +138,37 @@ class CudaExecutor
         loops::from_host<F, T>, dim3(blocks(n, loops::kHandedOver)), dim3(loops::kHandedOver), 0, n,
         f, from);
   }
-  template <class F, class G>
-  void for_each_beside(int n, const F& f, int nx, int ny, const G& g)
+  /** `First` for so many elements and `Then` for the others of n, beside `Cells` for nx * ny. */
+  template <class First, class Then, class Cells>
+  void for_each_beside(const kernels::Map& m, int firsts, int n, int nx, int ny)
   {
-    const int size = std::max(n, nx * ny) < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
+    const int size = size_of(std::max(n, nx * ny));
     const dim3 cells = tiles(nx, ny, size / loops::kTileWidth);
     launch(
-        loops::over_range_and_cells<F, G>, dim3(blocks(n, size) + cells.x * cells.y), dim3(size), 0,
-        n, f, nx, ny, in_line(cells), g);
+        loops::over_range_and_cells<First, Then, Cells>, dim3(blocks(n, size) + cells.x * cells.y),
+        dim3(size), 0, firsts, n, nx, ny, in_line(cells), m);
   }
   /** For the points [0, n) and for crowded cells, at most `crowded`, though few are expected: see
    * kernels::UpdateCell. */
   template <class F>
-  void for_each_and_group(int n, int crowded, const F& f)
+  void for_each_and_group(const kernels::Map& m, int n, int crowded)
   {
-    const int size = n < kManyThreads ? loops::kThreads / 4 : loops::kThreads;
     const int groups = crowded / kCellsPerGroup + 1;
     launch(
-        loops::over_range_and_groups<F>, dim3(blocks(n + 32 * groups, size)), dim3(size), 0, n,
-        groups, f);
+        loops::over_range_and_groups<F>, dim3(blocks(n + 32 * groups, size_of(n))),
+        dim3(size_of(n)), 0, n, groups, m);
   }
   template <class F>
-  void for_each_cell(int nx, int ny, const F& f)
+  void for_each_cell(const kernels::Map& m, const WindowRect& r, bool beside_last = false)
   {
-    for_each_cell_of_rows(nx, 0, ny, f, false);
-  }
-  template <class F>
-  void for_each_cell_of_rows(int nx, int first, int end, const F& f, bool beside_last)
-  {
-    const int rows = nx * (end - first) < kManyThreads ? loops::kTileRows / 4 : loops::kTileRows;
+    const int rows = r.size() < kManyThreads ? loops::kTileRows / 4 : loops::kTileRows;
     launch(
-        loops::over_cells<F>, tiles(nx, end - first, rows), dim3(loops::kTileWidth, rows), 0, nx,
-        first, end, f, beside_last);
+        loops::over_cells<F>, tiles(r.width, r.height, rows), dim3(loops::kTileWidth, rows), 0,
+        r.first_x, r.first_x + r.width, r.first_y, r.first_y + r.height, m, beside_last);
   }
   /** f for square neighbourhoods. */
   template <class F>
-  void for_each_window(int nx, int ny, int radius, const F& f)
+  void for_each_window(const kernels::Map& m, int nx, int ny, int radius)
   {
     // As in for_each_judged_cell_of_rows(); the rows must fit into shared memory.
     int height = nx * ny < kManyThreads ? loops::kWindowThreads / 2 : loops::kTileWidth;
@@ -189,13 +180,13 @@ class CudaExecutor
     while (size(height) > kSharedBytes) height--;
     launch(
         loops::over_windows<F>, tiles(nx, ny, height),
-        dim3(loops::kTileWidth, loops::kWindowThreads), size(height), nx, ny, radius, height, f);
+        dim3(loops::kTileWidth, loops::kWindowThreads), size(height), nx, ny, radius, height, m);
   }
   /** f for the neighbourhoods of cells, then g for the results of each cell and its neighbours, see
    * kernels::CompleteObstacles; for the rows [first, end) of ny. */
   template <class F, class G>
   void for_each_judged_cell_of_rows(
-      int nx, int ny, int first, int end, int radius, const F& f, const G& g, bool beside_last)
+      const kernels::Map& m, int nx, int ny, int first, int end, int radius, bool beside_last)
   {
     // High tiles share more rows. With few cells, low tiles spread over the device and need one
     // round of rows.
@@ -207,52 +198,58 @@ class CudaExecutor
     launch(
         loops::over_windows_and_neighbours<F, G>, grid,
         dim3(loops::kTileWidth, loops::kWindowThreads), size * sizeof(typename F::Row), nx, ny,
-        first, end, radius, height, f, g, beside_last);
+        first, end, radius, height, m, beside_last);
   }
-  /** The steps of kernels::SettleRays, together with g(i) for i in [0, n) and with h(group), once.
+  /** The steps of kernels::SettleRays, beside a range as in for_each_beside(), and H{m}(group)
+   * once.
    */
-  template <class F, class G, class H>
-  void for_each_direction_beside(int directions, const F& f, int n, const G& g, const H& h)
+  template <class F, class First, class Then, class H>
+  void for_each_direction_beside(const kernels::Map& m, int directions, int firsts, int n)
   {
     launch(
-        loops::over_directions_and_range<F, G, H>,
+        loops::over_directions_and_range<F, First, Then, H>,
         dim3(blocks(directions, loops::kDirections) + 1 + blocks(n, loops::kThreads)),
-        dim3(loops::kThreads), 0, directions, f, n, g, h);
+        dim3(loops::kThreads), 0, directions, firsts, n, m);
   }
-  /** Bit b of line l is f(l)(b), in the layout [word][line]. */
+  /** Bit b of line l is F{m}(l, b), in the layout [word][line]. */
   template <class F>
-  void pack_bits(int lines, int bits, const F& f, std::uint32_t* words)
+  void pack_bits(const kernels::Map& m, int lines, int bits, std::uint32_t* words)
   {
     const int per_warp = lines * bits < kManyThreads ? 1 : kWordsPerWarp;
     launch(
         loops::over_bits<F>, dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32 * per_warp)),
-        dim3(loops::kThreads), 0, lines, bits, f, words);
+        dim3(loops::kThreads), 0, lines, bits, m, words);
   }
-  /** f(x, y) says whether it marks a cell of side * side. Marks: bits of the rows, then of the
-   * columns, in the layout [word][line]. */
+  /** F{m}(x, y) says whether it marks a cell. Marks: bits of the rows, then of the columns, in the
+   * layout [word][line]. */
   template <class F>
-  void mark_cells(int side, const F& f, std::uint32_t* marks)
+  void mark_cells(const kernels::Map& m, std::uint32_t* marks)
   {
+    const int side = m.k.cells;
     launch(
         loops::over_marked_cells<F>, tiles(side, side, loops::kTileRows),
-        dim3(loops::kTileWidth, loops::kTileRows), 0, side, f, marks);
+        dim3(loops::kTileWidth, loops::kTileRows), 0, side, m, marks);
   }
   /** f for the cells of the rows [first, end), see kernels::SearchAndFillCell. With few cells, each
    * side of each line has a thread. */
   template <class F>
-  void for_each_cell_by_lines(int n, int first, int end, const F& f, bool beside_last)
+  void for_each_cell_by_lines(const kernels::Map& m, int first, int end, bool beside_last)
   {
+    const int n = m.k.cells;
     if (n * n < kManyThreads)
       launch(
           loops::over_cells_by_lines<F>, tiles(n, end - first, 1), dim3(32, 2 * F::kLines + 1), 0,
-          n, first, f);
+          n, first, m);
     else
-      for_each_cell_of_rows(n, first, end, f, beside_last);
+      for_each_cell<F>(m, {0, first, n, end - first}, beside_last);
   }
   template <class T>
   void fill(Buffer<T>& buffer, T value)
   {
-    for_each(static_cast<int>(buffer.size()), loops::FillWith<T>{buffer.data(), value});
+    const int n = static_cast<int>(buffer.size());
+    launch(
+        loops::fill_with<T>, dim3(blocks(n, size_of(n))), dim3(size_of(n)), 0, n, buffer.data(),
+        value);
   }
   template <class T>
   void copy(T* to, const T* from, std::size_t size)
@@ -339,6 +336,8 @@ class CudaExecutor
     return instantiate(capture(slot().queue.stream, body));
   }
 
+  /** The threads of a block. A few elements use small blocks, to spread over the device. */
+  static int size_of(int n) { return n < kManyThreads ? loops::kThreads / 4 : loops::kThreads; }
   static unsigned blocks(int n, int size) { return static_cast<unsigned>((n + size - 1) / size); }
   static dim3 tiles(int nx, int ny, int rows)
   {

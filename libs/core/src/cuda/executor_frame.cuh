@@ -32,7 +32,7 @@ inline CudaExecutor::CudaExecutor(int number) : device_{number}
   if (devices > 1)
     name_ += " (device " + std::to_string(number) + " of " + std::to_string(devices) + ")";
   cudaFuncAttributes code;
-  if (cudaFuncGetAttributes(&code, loops::over_range<loops::FetchContext>) != cudaSuccess)
+  if (cudaFuncGetAttributes(&code, loops::fetch) != cudaSuccess)
   {
     static_cast<void>(cudaGetLastError());
     throw std::runtime_error(
@@ -122,11 +122,13 @@ inline ChannelArrays CudaExecutor::stage_channels(
   return arrays;
 }
 
-inline void CudaExecutor::fetch(Buffer<kernels::FrameContext>& context)
+inline void CudaExecutor::fetch(Buffer<kernels::FrameContext>& frame)
 {
-  for_each(
-      static_cast<int>(kContextWords),
-      loops::FetchContext{slot().staged.data(), reinterpret_cast<std::uint32_t*>(context.data())});
+  constexpr auto n = static_cast<int>(kContextWords);
+  const std::uint32_t* const from = slot().staged.data();
+  launch(
+      loops::fetch, dim3(blocks(n, size_of(n))), dim3(size_of(n)), 0, n, from,
+      reinterpret_cast<std::uint32_t*>(frame.data()));
   stage_end_++;
 }
 

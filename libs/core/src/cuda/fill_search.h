@@ -130,64 +130,43 @@ TALUS_HD Track radial_track(const Line& l, const LineGrid& grid, const Config& k
       places_in(k.sparsity_search_m, step_m, rings)};
 }
 
-/** The constant data of the lines from the sensor. */
-struct LineTables
-{
-  std::int32_t* line;  //!< of each cell, by place of the grid
-  Track* track;  //!< by line
-};
-
+/** Makes the constant data of the lines from the sensor. */
 struct FillLineTables
 {
-  const Config* config;
-  LineGrid grid;
-  LineTables tables;
+  const Map& m;
 
   TALUS_HD void operator()(int ix, int iy) const
   {
-    const int rings = grid.half, dx = ix - rings, dy = iy - rings;
+    const int rings = m.lines.half, dx = ix - rings, dy = iy - rings;
     if (dx == 0 && dy == 0) return;
     const int ring = max_of(abs_of(dx), abs_of(dy));
     const int index = line_index(line_through(dx, dy, ring, rings), rings);
-    tables.line[grid.at(ix, iy)] = index;
-    if (ring == rings)
-      tables.track[index] = radial_track(line_from_index(index, rings), grid, *config);
+    m.line_of_cell[m.lines.at(ix, iy)] = index;
+    if (ring == rings) m.track[index] = radial_track(line_from_index(index, rings), m.lines, m.k);
   }
 };
 
-/** Whether the cells of a line are samples, in words: bit r of word w is ring 32 * w + r. Layout
- * [word][line]. */
+/** Whether the cells of a line are samples, from the marks of rows and columns, which are smaller
+ * than the cells. */
 struct SamplesOfLine
 {
-  const std::uint32_t* axis_marks;  //!< of the rows, then of the columns, layout [word][line]
-  int cells;
-  const Track& track;
+  const Map& m;
 
-  TALUS_HD bool operator()(int ring) const
+  TALUS_HD bool operator()(int line, int ring) const
   {
+    const Track& track = m.track[line];
     const CellOffset at = track.offset(ring);
-    const int ix = track.rings + at.dx, iy = track.rings + at.dy;
+    const int n = m.k.cells, ix = track.rings + at.dx, iy = track.rings + at.dy;
     // With an even number of cells, lines end one cell beyond the window.
-    return iy < cells && axis_marks[(ix >> 5) * 2 * cells + iy] >> (ix & 31) & 1u;
+    return iy < n && m.axis_marks[(ix >> 5) * 2 * n + iy] >> (ix & 31) & 1u;
   }
-};
-
-/** Reads the marks of rows and columns, which are smaller than the cells. */
-struct FindSamples
-{
-  const std::uint32_t* axis_marks;
-  int cells;
-  const Track* track;
-
-  TALUS_HD SamplesOfLine operator()(int line) const { return {axis_marks, cells, track[line]}; }
 };
 
 /** The data for the search of one cell along one line. */
 template <class Line>
 struct LineSearch
 {
-  const Config& k;
-  const float* sample_m;
+  const Map& m;
   LineMarks marks;
   Line track;
   int place;
@@ -211,7 +190,7 @@ struct LineSearch
     const int limit = places_to_end(outwards, track.fill_places);
     SideSum sum;
     float nearest = kNan;
-    int nearest_places = 0, wanted = k.fill_samples;
+    int nearest_places = 0, wanted = m.k.fill_samples;
     for (int from = 0; from < limit && wanted > 0; from += LineMarks::kView)
     {
       std::uint64_t bits = marks.view(place, outwards, from);
@@ -227,18 +206,18 @@ struct LineSearch
         // The loads come first, so that they do not wait for each other.
         float height[kBatch];
         for (int b = 0; b < kBatch; b++)
-          height[b] = found[b] ? sample_m[at(outwards, found[b])] : 0.0f;
+          height[b] = found[b] ? m.sample_m[at(outwards, found[b])] : 0.0f;
         if (!nearest_places) nearest = height[0], nearest_places = found[0];
         for (int b = 0; b < kBatch; b++)
         {
           const float away_m = static_cast<float>(found[b]) * track.step_m;
-          sum.add(height[b], found[b] ? away_m : kOutOfReach_m, k);
+          sum.add(height[b], found[b] ? away_m : kOutOfReach_m, m.k);
           wanted -= found[b] > 0;
         }
       } while (found[kBatch - 1] && wanted > 0);
     }
     const int far = nearest_places ? 0 : this->nearest(outwards, track.last());
-    if (far) nearest = sample_m[at(outwards, far)];
+    if (far) nearest = m.sample_m[at(outwards, far)];
     const float nearest_away_m = static_cast<float>(nearest_places + far) * track.step_m;
     return nearest_places + far ? sum.estimate(nearest, nearest_places, nearest_away_m) : none();
   }
@@ -268,15 +247,7 @@ struct SearchAndFillCell
     std::int32_t places = 0;  //!< to the nearest sample; 0: none
     Gap gap;  //!< near the robot
   };
-  FillCell fill;
-  Config k;
-  Samples samples;
-  const std::uint32_t* marks;
-  const std::uint32_t* axis_marks;
-  LineTables tables;
-  float* fall_m;  //!< see InferenceGrid
-  LineGrid grid;
-  int axis_places;  //!< places to search along rows and columns
+  const Map& m;
 
   TALUS_HD SideEstimate side(int line, bool outwards, int ix, int iy) const
   {
@@ -325,8 +296,7 @@ struct SearchAndFillCell
   /** The sensor's own cell lies on no line. */
   TALUS_HD bool wanted(int ix, int iy) const
   {
-    return (ix != grid.half || iy != grid.half) &&
-           fill.wanted(storage_index(*fill.frame, k.cells, ix, iy));
+    return (ix != m.lines.half || iy != m.lines.half) && FillCell{m}.wanted(m.at(ix, iy));
   }
   TALUS_HD SideEstimate infer_side(int line, bool outwards, int ix, int iy) const
   {
@@ -342,27 +312,26 @@ struct SearchAndFillCell
 
   TALUS_HD void finish(int ix, int iy, const Inferred& found) const
   {
-    const int n = k.cells, storage_i = storage_index(*fill.frame, n, ix, iy);
-    const int state = fill(ix, iy, storage_i, found.lines, found.marks);
-    if (state != kMeasured && !(found.marks & kInferred)) fall_m[grid.at(ix, iy)] = kNan;
-    fill.out.put(iy * n + ix, fill.store, storage_i, fill.frame->offset_m);
+    const int i = m.at(ix, iy), state = FillCell{m}(ix, iy, i, found.lines, found.marks);
+    if (state != kMeasured && !(found.marks & kInferred)) m.fall_m[m.lines.at(ix, iy)] = kNan;
+    PutSurface{m}(ix, iy, i);
   }
 
   TALUS_HD LineSearch<Track> radial_search(int ix, int iy) const
   {
-    const int line = tables.line[grid.at(ix, iy)], rings = grid.half;
+    const int line = m.line_of_cell[m.lines.at(ix, iy)], rings = m.lines.half;
     const int ring = max_of(abs_of(ix - rings), abs_of(iy - rings));
-    return {k, samples.height_m, {marks + line, 8 * rings}, tables.track[line], ring};
+    return {m, {m.marks + line, 8 * rings}, m.track[line], ring};
   }
 
   TALUS_HD LineSearch<AxisTrack> axis_search(int ix, int iy, bool along_x) const
   {
-    const int n = k.cells, begin = along_x ? grid.at(0, iy) : grid.at(ix, 0);
+    const int n = m.k.cells, begin = along_x ? m.lines.at(0, iy) : m.lines.at(ix, 0);
     return {
-        k,
-        samples.height_m,
-        {axis_marks + (along_x ? iy : n + ix), 2 * n},
-        {begin, along_x ? 1 : grid.pitch, n, k.resolution_m, axis_places},
+        m,
+        {m.axis_marks + (along_x ? iy : n + ix), 2 * n},
+        {begin, along_x ? 1 : m.lines.pitch, n, m.k.resolution_m,
+         places_in(m.k.fill_search_m, m.k.resolution_m, n - 1)},
         along_x ? ix : iy};
   }
 
@@ -374,8 +343,8 @@ struct SearchAndFillCell
     const float robot_m = robot_away_m(radial);
     const bool asks = inner.near() && !outer.near() && !behind.places;
     Inferred found{lines, marks_of_sides(inner, outer, asks && is_undercut_ahead(radial, inner))};
-    const float told_m = tell_fall(behind.gap, robot_m, found.marks, k);
-    if (robot_m <= k.sparsity_range_m) fall_m[grid.at(ix, iy)] = told_m;
+    const float told_m = tell_fall(behind.gap, robot_m, found.marks, m.k);
+    if (robot_m <= m.k.sparsity_range_m) m.fall_m[m.lines.at(ix, iy)] = told_m;
     return found;
   }
   TALUS_HD float robot_away_m(const LineSearch<Track>& radial) const
@@ -386,7 +355,7 @@ struct SearchAndFillCell
   {
     Behind found;
     found.places = radial.nearest(true, radial.track.sparsity_places);
-    if (robot_away_m(radial) <= k.sparsity_range_m) found.gap = gap_to(radial, found.places);
+    if (robot_away_m(radial) <= m.k.sparsity_range_m) found.gap = gap_to(radial, found.places);
     return found;
   }
   /** For a cell with samples towards the sensor only. */
@@ -400,8 +369,8 @@ struct SearchAndFillCell
     for (int place = first; place <= last && !any; place += kUndercutPlaces)
     {
       const float away_m = static_cast<float>(place - sample) * track.step_m;
-      const float* const free_m = fill.passing.free_above_m + track.begin + place * track.along;
-      any = undercuts(fill.passing.ends_m[track(place)], inner.nearest_m, away_m) &&
+      const float* const free_m = m.free_above_m + track.begin + place * track.along;
+      any = undercuts(m.ends_m[track(place)], inner.nearest_m, away_m) &&
             !is_passed_over(
                 free_m, track.across, track.aside_at(place), track.rings, inner.nearest_m);
     }
@@ -412,14 +381,13 @@ struct SearchAndFillCell
   {
     const int before = radial.nearest(false, radial.track.sparsity_places);
     if (!before || !behind) return {};
-    const LineSearch<Track> far{
-        k, samples.height_m, radial.marks, radial.track, radial.place + behind};
+    const LineSearch<Track> far{m, radial.marks, radial.track, radial.place + behind};
     const int next = far.nearest(true, radial.track.last());
     const int far_i = radial.at(true, behind);
     return {
         static_cast<float>(before + behind) * radial.track.step_m,
-        samples.height_m[radial.at(false, before)], samples.height_m[far_i],
-        next ? samples.height_m[far.at(true, next)] : kNan,
+        m.sample_m[radial.at(false, before)], m.sample_m[far_i],
+        next ? m.sample_m[far.at(true, next)] : kNan,
         static_cast<float>(next) * radial.track.step_m};
   }
 };

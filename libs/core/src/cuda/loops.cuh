@@ -1,15 +1,15 @@
 #pragma once
 #include "kernels/7_traversability.h"
-#include "kernels/cell.h"
 #include "kernels/group.h"
+#include "kernels/map.h"
 
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
 #include <utility>
 
-// The loops of the CUDA executor as kernels. Each takes the rule for one point, cell or bit by
-// value and leaves its end time in `done_ns`.
+// The loops of the CUDA executor as kernels. Each has the rule for one point, cell or bit as a
+// type, takes the map by value, and leaves its end time in `done_ns`.
 
 namespace talus::loops
 {
@@ -67,11 +67,20 @@ __device__ inline void note_time(std::uint64_t* done_ns)
 }
 
 template <class F>
-__global__ void __launch_bounds__(kThreads) over_range(int n, F f, std::uint64_t* done_ns)
+__global__ void __launch_bounds__(kThreads)
+    over_range(int n, const __grid_constant__ kernels::Map m, std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  if (i < n) f(i);
+  if (i < n) F{m}(i);
+  note_time(done_ns);
+}
+template <class T>
+__global__ void __launch_bounds__(kThreads) fill_with(int n, T* to, T value, std::uint64_t* done_ns)
+{
+  wait_for_predecessor();
+  const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+  if (i < n) to[i] = value;
   note_time(done_ns);
 }
 
@@ -123,9 +132,10 @@ __global__ void __launch_bounds__(kHandedOver)
 /** f.update() of crowded cells first, a warp each, for they take longer: each warp takes the next
  * one. Then the cells of the range, a thread each. */
 template <class F>
-__global__ void __launch_bounds__(kThreads)
-    over_range_and_groups(int n, int groups, F f, std::uint64_t* done_ns)
+__global__ void __launch_bounds__(kThreads) over_range_and_groups(
+    int n, int groups, const __grid_constant__ kernels::Map m, std::uint64_t* done_ns)
 {
+  const F f{m};
   wait_for_predecessor();
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   const bool is_group = i < 32 * groups;
@@ -142,13 +152,14 @@ __global__ void __launch_bounds__(kThreads)
 }
 
 template <class F>
-__global__ void __launch_bounds__(kTileWidth* kTileRows, kTilesAtOnce)
-    over_cells(int nx, int y_first, int y_end, F f, bool beside_last, std::uint64_t* done_ns)
+__global__ void __launch_bounds__(kTileWidth* kTileRows, kTilesAtOnce) over_cells(
+    int x_first, int x_end, int y_first, int y_end, const __grid_constant__ kernels::Map m,
+    bool beside_last, std::uint64_t* done_ns)
 {
   start(beside_last);
-  const int x = static_cast<int>(blockIdx.x) * kTileWidth + static_cast<int>(threadIdx.x);
+  const int x = x_first + static_cast<int>(blockIdx.x * kTileWidth + threadIdx.x);
   const int y = y_first + static_cast<int>(blockIdx.y * blockDim.y + threadIdx.y);
-  if (x < nx && y < y_end) f(x, y);
+  if (x < x_end && y < y_end) kernels::apply<F>(m, x, y);
   finish(beside_last);
   note_time(done_ns);
 }
@@ -180,9 +191,11 @@ __device__ typename F::Window sum_window(
 /** f for square neighbourhoods: sums along the rows of a tile of `height` rows go to shared memory,
  * sums across them to f(). */
 template <class F>
-__global__ void __launch_bounds__(kTileWidth* kWindowThreads)
-    over_windows(int nx, int ny, int radius, int height, F f, std::uint64_t* done_ns)
+__global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows(
+    int nx, int ny, int radius, int height, const __grid_constant__ kernels::Map m,
+    std::uint64_t* done_ns)
 {
+  const F f{m};
   extern __shared__ __align__(16) unsigned char shared[];
   auto* const rows = reinterpret_cast<typename F::Row*>(shared) + threadIdx.x;
   wait_for_predecessor();
@@ -202,9 +215,10 @@ __global__ void __launch_bounds__(kTileWidth* kWindowThreads)
  * the results of a cell and its eight neighbours: tiles overlap by a cell on each side. */
 template <class F, class G>
 __global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows_and_neighbours(
-    int nx, int ny, int y_first, int y_end, int radius, int height, F f, G g, bool beside_last,
-    std::uint64_t* done_ns)
+    int nx, int ny, int y_first, int y_end, int radius, int height,
+    const __grid_constant__ kernels::Map m, bool beside_last, std::uint64_t* done_ns)
 {
+  const F f{m};
   extern __shared__ __align__(16) unsigned char shared[];
   __shared__ float judged[kJudgedRows][kTileWidth];
   __shared__ std::uint8_t passability[kJudgedRows][kTileWidth];
@@ -228,7 +242,7 @@ __global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows_and_n
   __syncthreads();
   if (own)
     for (int y = y0 + line; y < y1; y += kWindowThreads)
-      g.complete(x, y, {&passability[y - y0 + 1][lane], kTileWidth}, judged[y - y0 + 1][lane]);
+      G{m}.complete(x, y, {&passability[y - y0 + 1][lane], kTileWidth}, judged[y - y0 + 1][lane]);
   finish(beside_last);
   note_time(done_ns);
 }
@@ -239,15 +253,15 @@ struct Tiles
   int columns;
   float inverse_columns;
 
-  /** g(x, y) for the thread's cell of nx * ny, with blocks of one dimension. */
-  template <class G>
-  __device__ void run(int block, int nx, int ny, const G& g) const
+  /** A rule on the thread's cell of nx * ny, with blocks of one dimension. */
+  template <class Rule>
+  __device__ void run(int block, int nx, int ny, const kernels::Map& m) const
   {
     const int row = kernels::floor_div(block, columns, inverse_columns);
     const int column = block - row * columns, rows = static_cast<int>(blockDim.x) / kTileWidth;
     const int x = column * kTileWidth + static_cast<int>(threadIdx.x) % kTileWidth;
     const int y = row * rows + static_cast<int>(threadIdx.x) / kTileWidth;
-    if (x < nx && y < ny) g(x, y);
+    if (x < nx && y < ny) kernels::apply<Rule>(m, x, y);
   }
 };
 
@@ -266,20 +280,44 @@ struct Early<F, std::void_t<decltype(&F::early)>>
   __device__ void run(const F& f, int i) const { f(i, value); }
 };
 
-template <class F, class G>
-__global__ void __launch_bounds__(kThreads)
-    over_range_and_cells(int n, F f, int nx, int ny, Tiles tiles, G g, std::uint64_t* done_ns)
+/** Elements of two kinds in one range. */
+template <class First, class Then>
+struct Both
+{
+  Early<First> first;
+  Early<Then> then;
+
+  __device__ void read(const kernels::Map& m, int firsts, int i)
+  {
+    if (i < firsts)
+      first.read(First{m}, i);
+    else
+      then.read(Then{m}, i - firsts);
+  }
+  __device__ void run(const kernels::Map& m, int firsts, int i) const
+  {
+    if (i < firsts)
+      first.run(First{m}, i);
+    else
+      then.run(Then{m}, i - firsts);
+  }
+};
+
+template <class First, class Then, class Cells>
+__global__ void __launch_bounds__(kThreads) over_range_and_cells(
+    int firsts, int n, int nx, int ny, Tiles tiles, const __grid_constant__ kernels::Map m,
+    std::uint64_t* done_ns)
 {
   const int size = static_cast<int>(blockDim.x), range = (n + size - 1) / size;
   const int block = static_cast<int>(blockIdx.x) - range;
   const int i = static_cast<int>(blockIdx.x) * size + static_cast<int>(threadIdx.x);
-  Early<F> early;
-  if (i < n) early.read(f, i);
+  Both<First, Then> both;
+  if (i < n) both.read(m, firsts, i);
   wait_for_predecessor();
   if (block >= 0)
-    tiles.run(block, nx, ny, g);
+    tiles.template run<Cells>(block, nx, ny, m);
   else if (i < n)
-    early.run(f, i);
+    both.run(m, firsts, i);
   note_time(done_ns);
 }
 
@@ -348,9 +386,10 @@ __device__ void over_directions(int block, int directions, const F& f)
 }
 
 /** The directions first, for they take longer; h(group) has a block of its own. */
-template <class F, class G, class H>
-__global__ void __launch_bounds__(kThreads)
-    over_directions_and_range(int directions, F f, int n, G g, H h, std::uint64_t* done_ns)
+template <class F, class First, class Then, class H>
+__global__ void __launch_bounds__(kThreads) over_directions_and_range(
+    int directions, int firsts, int n, const __grid_constant__ kernels::Map m,
+    std::uint64_t* done_ns)
 {
   static_assert(kThreads == kStretches * kDirections);
   wait_for_predecessor();
@@ -358,31 +397,31 @@ __global__ void __launch_bounds__(kThreads)
   const int block = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
   const int i = (block - first - 1) * kThreads + thread;
   if (block < first)
-    over_directions(block, directions, f);
+    over_directions(block, directions, F{m});
   else if (block == first && thread < 32)
-    h(kernels::WarpGroup{true});
+    H{m}(kernels::WarpGroup{true});
   else if (block > first && i < n)
-    g(i);
+    Both<First, Then>().run(m, firsts, i);
   note_time(done_ns);
 }
 
-/** f(line)(bit) for all bits as words, in the layout [word][line]. A warp makes several words of a
- * line. */
+/** F{m}(line, bit) for all bits as words, in the layout [word][line]. A warp makes several words of
+ * a line. */
 template <class F>
-__global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce)
-    over_bits(int lines, int bits, F f, std::uint32_t* words, std::uint64_t* done_ns)
+__global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce) over_bits(
+    int lines, int bits, const __grid_constant__ kernels::Map m, std::uint32_t* words,
+    std::uint64_t* done_ns)
 {
   wait_for_predecessor();
   const int line = static_cast<int>(blockIdx.x * kThreads + threadIdx.x) / 32;
   const int lane = static_cast<int>(threadIdx.x) % 32;
   if (line < lines)
   {
-    const auto marks = f(line);
     for (int word = static_cast<int>(blockIdx.y); 32 * word < bits;
          word += static_cast<int>(gridDim.y))
     {
       const int bit = 32 * word + lane;
-      const unsigned packed = __ballot_sync(0xffffffffu, bit < bits && marks(bit));
+      const unsigned packed = __ballot_sync(0xffffffffu, bit < bits && F{m}(line, bit));
       if (lane == 0) words[word * lines + line] = packed;
     }
   }
@@ -393,9 +432,10 @@ __global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce)
  * is long and they are few; then f(x, y), whose marks are written for the rows, then
  * for the columns, in the layout [word][line]. */
 template <class F>
-__global__ void __launch_bounds__(kTileWidth* kTileRows)
-    over_marked_cells(int side, F f, std::uint32_t* marks, std::uint64_t* done_ns)
+__global__ void __launch_bounds__(kTileWidth* kTileRows) over_marked_cells(
+    int side, const __grid_constant__ kernels::Map m, std::uint32_t* marks, std::uint64_t* done_ns)
 {
+  const F f{m};
   wait_for_predecessor();
   __shared__ unsigned rows[kTileRows];
   constexpr int kCells = kTileRows * kTileWidth;
@@ -428,9 +468,10 @@ __global__ void __launch_bounds__(kTileWidth* kTileRows)
 /** f.side() for both sides of the lines through a cell and f.behind(), a thread each, then
  * f.line(), then f for the cell. */
 template <class F>
-__global__ void __launch_bounds__((2 * F::kLines + 1) * 32)
-    over_cells_by_lines(int nx, int y0, F f, std::uint64_t* done_ns)
+__global__ void __launch_bounds__((2 * F::kLines + 1) * 32) over_cells_by_lines(
+    int nx, int y0, const __grid_constant__ kernels::Map m, std::uint64_t* done_ns)
 {
+  const F f{m};
   __shared__ typename F::Behind behind[32];
   __shared__ typename F::Side sides[2 * F::kLines][32];
   __shared__ typename F::Line lines[F::kLines][32];
@@ -450,20 +491,14 @@ __global__ void __launch_bounds__((2 * F::kLines + 1) * 32)
   note_time(done_ns);
 }
 
-template <class T>
-struct FillWith
+/** Copies words from host memory. */
+__global__ void __launch_bounds__(kThreads)
+    fetch(int n, const std::uint32_t* from, std::uint32_t* to, std::uint64_t* done_ns)
 {
-  T* to;
-  T value;
-  __device__ void operator()(int i) const { to[i] = value; }
-};
-
-/** Copies a frame's context from host memory. */
-struct FetchContext
-{
-  const std::uint32_t* staged;
-  std::uint32_t* context;
-  __device__ void operator()(int i) const { context[i] = staged[i]; }
-};
+  wait_for_predecessor();
+  const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+  if (i < n) to[i] = from[i];
+  note_time(done_ns);
+}
 
 }  // namespace talus::loops

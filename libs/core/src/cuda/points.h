@@ -1,86 +1,83 @@
 #pragma once
 #include "kernels/1_points.h"
 #include "kernels/2_follow.h"
-#include "kernels/2_roll.h"
 #include "kernels/3_update.h"
-#include "kernels/9_channels.h"
 
 namespace talus::kernels
 {
 // Stages 1 to 3 on a device, a thread for each point. Points are counted in their cells before the
 // buried ones are known, and each cell reserves a range of the sorted points.
 
+/** A rule on none of the elements of a launch. */
+struct Nothing
+{
+  const Map& m;
+
+  TALUS_HD void operator()(int) const {}
+};
+
 /** Stage 1 on one point; counts it in its cell, even if it is buried, and in the histogram of
  * offsets. The point is there before the frame's context is. */
 template <class Atomics>
 struct AcceptAndCountPoint
 {
-  AcceptPoint<Atomics> accept;
-  CountOffset<Atomics> count_offset;
-  std::uint32_t* cell_count;  //!< by storage index, zero before
+  const Map& m;
 
-  TALUS_HD Point early(int point_i) const { return accept.in.at(point_i); }
+  TALUS_HD Point early(int point_i) const { return m.in.at(point_i); }
   TALUS_HD void operator()(int point_i, const Point& sensed) const
   {
-    if (point_i >= accept.frame->n_points) return;
+    if (point_i >= m.frame->n_points) return;
+    const AcceptPoint<Atomics> accept{m};
     accept.locate(point_i, sensed);
     accept.note(point_i);
-    const int cell = accept.out.cell[point_i];
+    const int cell = m.point_cell[point_i];
     if (cell < 0) return;
-    const std::uint32_t rank = Atomics::add(cell_count + cell, 1);
-    if (!is_cleared(cell)) count_offset(point_i);
-    accept.out.rank[point_i] = rank;
+    const std::uint32_t rank = Atomics::add(m.cell_count + cell, 1);
+    if (!is_cleared(cell)) CountOffset<Atomics>{m}(point_i);
+    m.point_rank[point_i] = rank;
   }
 
  private:
   /** Whether stage 2 clears a cell, perhaps at this moment. */
   TALUS_HD bool is_cleared(int storage_i) const
   {
-    const FrameContext& f = *accept.frame;
-    const int n = accept.config->cells, row = floor_div(storage_i, n);
+    const FrameContext& f = *m.frame;
+    const int n = m.k.cells, row = floor_div(storage_i, n);
     const int x = storage_i - row * n - f.storage_x, y = row - f.storage_y;
     const int ix = x + select(x < 0, n, 0), iy = y + select(y < 0, n, 0);
-    return !staying(f, n, iy, count_offset.datum->starts_anew != 0).has(ix);
+    return !staying(f, n, iy, m.datum->starts_anew != 0).has(ix);
   }
 };
 
-/** Stage 2 on one cell; clears the reach of the last frame's rays, see NoteReach, and keeps the
- * datum of that frame. */
-struct RollCellAndReach
+/** Clears the reach of the last frame's rays, see NoteReach, and keeps the datum of that frame. */
+struct ForgetReach
 {
-  ForgetHits forget;
-  RollCell roll;
-  Datum* datum_before;
-  std::int32_t* reach;
-  int size;
+  const Map& m;
 
-  TALUS_HD void operator()(int ix, int iy) const
+  TALUS_HD void operator()(int ix, int iy, int) const
   {
-    const int cells = roll.config->cells, i = storage_index(*roll.frame, cells, ix, iy);
-    forget(ix, iy, i);
-    if (roll.applies(ix, iy, i)) roll(ix, iy, i);
-    for (int at = iy * cells + ix; at < size; at += cells * cells) reach[at] = 0;
-    if (ix == 0 && iy == 0) *datum_before = *roll.datum;
+    const int cells = m.k.cells * m.k.cells, size = bin_count(m.k) * kSlopeSteps;
+    for (int at = m.window_at(ix, iy); at < size; at += cells) m.reach[at] = 0;
+    if (ix == 0 && iy == 0) *m.datum_before = *m.datum;
   }
 };
 
 /** The first point of a cell reserves its range. */
 template <class Atomics>
-struct ReserveStretch
+struct ReserveRange
 {
-  const FrameContext* frame;
-  PointsOut points;
-  Sorting sorting;
+  const Map& m;
 
   TALUS_HD void operator()(int point_i) const
   {
-    if (point_i >= frame->n_points || points.cell[point_i] < 0 || points.rank[point_i] != 0) return;
-    const int cell = points.cell[point_i];
-    const std::uint64_t count = sorting.cell_count[cell];
-    const bool crowded = count > sorting.crowd;
-    const std::uint64_t at = Atomics::reserve(sorting.cursor, crowded ? count | 1ull << 32 : count);
-    sorting.cell_begin[cell] = static_cast<std::uint32_t>(at);
-    if (crowded) sorting.crowded[at >> 32] = cell;
+    if (point_i >= m.frame->n_points || m.point_cell[point_i] < 0 || m.point_rank[point_i] != 0)
+      return;
+    const int cell = m.point_cell[point_i];
+    const std::uint64_t count = m.cell_count[cell];
+    const bool crowded = count > kCrowd;
+    const std::uint64_t at = Atomics::reserve(m.cursor, crowded ? count | 1ull << 32 : count);
+    m.cell_begin[cell] = static_cast<std::uint32_t>(at);
+    if (crowded) m.crowded[at >> 32] = cell;
   }
 };
 
@@ -88,64 +85,38 @@ struct ReserveStretch
 template <class Atomics>
 struct SortUnburiedPoint
 {
-  SortPoint sort;
-  NoteReach<Atomics> reach;
-  const float* lowest_slope;  //!< for rays that are not buried
-  std::uint32_t* kept_count;  //!< by storage index, zero before
-  std::uint32_t* rejected;  //!< by RejectCode
+  const Map& m;
 
   TALUS_HD void operator()(int point_i) const
   {
-    const PointsOut& points = sort.points;
-    if (point_i >= sort.frame->n_points) return;
-    reach(point_i);
-    if (points.cell[point_i] < 0) return;
-    const int ray = points.ray[point_i];
-    if (ray >= 0 && points.slope[point_i] < lowest_slope[ray])
-      Atomics::count(rejected + kBuried);
+    if (point_i >= m.frame->n_points) return;
+    NoteReach<Atomics>{m}(point_i);
+    if (m.point_cell[point_i] < 0) return;
+    const int ray = m.point_ray[point_i];
+    const SortPoint sort{m};
+    if (ray >= 0 && m.point_slope[point_i] < m.lowest_slope[ray])
+      Atomics::count(m.counters + kBuried);
     else
       sort.put(
-          point_i, Atomics::add(kept_count + points.cell[point_i], 1), sort.overhangs(point_i));
+          point_i, Atomics::add(m.kept_count + m.point_cell[point_i], 1), sort.overhangs(point_i));
   }
 };
 
-/** Finds the surface of a point and adds its channels to it. */
-template <class Atomics>
-struct PlaceAndAddPoint
+/** Hands over the counters and resets the memory for the next frame; one of kWorkers() threads. */
+struct ResetFrame
 {
-  PlacePoint place;
-  Channels channels;
-  std::uint8_t* begins;  //!< by point: a bit for each channel of which it is the first there
+  const Map& m;
 
-  TALUS_HD void operator()(int point_i) const
+  static TALUS_HD int workers(const Config& k) { return k.cells * k.cells / 8 + 1; }
+  TALUS_HD void operator()(int worker) const
   {
-    int first = 0;
-    if (point_i < place.frame->n_points)
-    {
-      place(point_i);
-      const std::int32_t at = place.surface[point_i];
-      for (int c = 0; c < channels.size && at >= 0; c++)
-        if (channels.each[c].template add<Atomics>(at, channels.each[c].of_points[point_i]))
-          first |= 1 << c;
-    }
-    begins[point_i] = static_cast<std::uint8_t>(first);
-  }
-};
-
-/** Settles what the point began. */
-struct SettlePoint
-{
-  SettleChannel settle;  //!< of any channel
-  Channels channels;
-  const std::int32_t* surface;
-  const std::uint8_t* begins;
-
-  TALUS_HD void operator()(int point_i) const
-  {
-    const int begun = begins[point_i];
-    for (int c = 0; c < channels.size && begun >> c != 0; c++)
-      if (begun >> c & 1)
-        SettleChannel{settle.config, settle.store, channels.each[c]}(surface[point_i]);
+    const int step = workers(m.k), cells = m.k.cells * m.k.cells;
+    const int n_rays = bin_count(m.k) * most_rings(m.k.cells);
+    for (int i = worker; i < n_rays; i += step) m.rays[i] = kNoRay;
+    for (int i = worker; i < cells; i += step) m.cell_count[i] = m.kept_count[i] = 0;
+    if (worker != 0) return;
+    for (int i = 0; i < kCounters; i++) m.reported[i] = m.counters[i], m.counters[i] = 0;
+    *m.cursor = 0;
   }
 };
 

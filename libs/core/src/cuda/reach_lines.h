@@ -9,36 +9,37 @@ namespace talus::kernels
 /** Pools one pair. */
 struct PoolReachOfPair
 {
-  PoolReach pool;
+  const Map& m;
 
   TALUS_HD void operator()(int i) const
   {
-    const int side = pool.grid.side, py = floor_div(i, side, 1.0f / static_cast<float>(side));
-    pool(i - py * side, py);
+    const int side = m.pairs.side, py = floor_div(i, side, 1.0f / static_cast<float>(side));
+    PoolReach{m}(i - py * side, py);
   }
 };
 
 /** Spreads along a row or a column, by the threads [32 line, 32 line + 32). */
+template <bool kColumns>
 struct SpreadAlongLine
 {
-  CoarseGrid grid;
-  bool columns;
+  const Map& m;
 
   static constexpr int kThreads = 32;
   TALUS_HD void operator()(int thread) const
   {
     const int line = thread / kThreads;
 #if defined(__CUDA_ARCH__)
+    const PairGrid grid = m.pairs;
     const int row = grid.at(0, 1) - grid.at(0, 0);
-    std::int32_t* const first = grid.reach + (columns ? grid.at(line, 0) : grid.at(0, line));
-    const int step = columns ? row : 1, words = (grid.side + kThreads - 1) / kThreads;
+    std::int32_t* const first = m.pair_reach + (kColumns ? grid.at(line, 0) : grid.at(0, line));
+    const int step = kColumns ? row : 1, words = (grid.side + kThreads - 1) / kThreads;
     std::uint32_t carry = 0;
     for (int word = 0; word < words; word++) carry = spread<true>(first, step, word, carry);
     carry = 0;
     for (int word = words; word-- > 0;) carry = spread<false>(first, step, word, carry);
 #else
     if (thread % kThreads != 0) return;
-    SpreadReach{grid, columns}(line, line + 1);
+    SpreadReach<kColumns>{m}(line, line + 1);
 #endif
   }
 
@@ -51,7 +52,7 @@ struct SpreadAlongLine
   {
     const int lane = static_cast<int>(threadIdx.x) % kThreads, i = word * kThreads + lane;
     std::int32_t* const pair = first + i * step;
-    const std::int32_t before = i < grid.side ? *pair : kOutsideWindow;
+    const std::int32_t before = i < m.pairs.side ? *pair : kOutsideWindow;
     std::uint32_t reached = __ballot_sync(~0u, before == kPairReached);
     std::uint32_t passable = __ballot_sync(~0u, before >= kPairPassable);
     reached |= passable & (kUp ? carry : carry << 31);
@@ -64,23 +65,6 @@ struct SpreadAlongLine
     return kUp ? reached >> 31 : reached & 1u;
   }
 #endif
-};
-
-/** first(i) for the `firsts` first elements of a range, then(i) for the others. */
-template <class First, class Then>
-struct Before
-{
-  int firsts;
-  First first;
-  Then then;
-
-  TALUS_HD void operator()(int i) const
-  {
-    if (i < firsts)
-      first(i);
-    else
-      then(i - firsts);
-  }
 };
 
 }  // namespace talus::kernels

@@ -10,11 +10,9 @@ struct SettleRays
 {
   using Before = BuriedBelow;
   using Behind = LowestHit;
-  FindGroundHits ground;
-  std::int32_t* rays;
-  float* lowest_slope;  //!< of rays that are not buried, where there is a hit; layout of rays
+  const Map& m;
 
-  TALUS_HD int rings() const { return ground.frame->rings; }
+  TALUS_HD int rings() const { return m.frame->rings; }
   /** First step, outwards over the rings [begin, end). */
   TALUS_HD void collect(int bin, int begin, int end, BuriedBelow& seen) const
   {
@@ -25,8 +23,9 @@ struct SettleRays
       const Cells cells = cells_at(bin, ring, hits);
       for (int b = 0; b < kBatch; b++)
       {
-        const float limit = ground.limit(ring + b, hits[b], cells.state[b], cells.ground_m[b]);
-        if (hits[b] != kNoRay) lowest_slope[place(bin, ring + b)] = limit;
+        const float limit =
+            FindGroundHits{m}.limit(ring + b, hits[b], cells.state[b], cells.ground_m[b]);
+        if (hits[b] != kNoRay) m.lowest_slope[place(bin, ring + b)] = limit;
         seen.add(limit);
       }
     }
@@ -40,14 +39,14 @@ struct SettleRays
       load(bin, ring, end, hits);
       float limits[kBatch];
       for (int b = 0; b < kBatch; b++)
-        limits[b] = hits[b] != kNoRay ? lowest_slope[place(bin, ring + b)] : -kInfinity;
+        limits[b] = hits[b] != kNoRay ? m.lowest_slope[place(bin, ring + b)] : -kInfinity;
       for (int b = 0; b < kBatch; b++)
       {
         if (hits[b] == kNoRay) continue;
         const int r = place(bin, ring + b);
-        lowest_slope[r] = seen.second;
+        m.lowest_slope[r] = seen.second;
         if (seen.meet(hits[b], limits[b]))
-          rays[r] = kNoRay;
+          m.rays[r] = kNoRay;
         else
           lowest.add(hits[b]);
       }
@@ -63,7 +62,7 @@ struct SettleRays
       for (int b = kBatch - 1; b >= 0; b--)
       {
         lowest.add(hits[b]);
-        if (ring + b < end) rays[place(bin, ring + b)] = lowest.slope;
+        if (ring + b < end) m.rays[place(bin, ring + b)] = lowest.slope;
       }
     }
   }
@@ -81,21 +80,22 @@ struct SettleRays
   };
   TALUS_HD Cells cells_at(int bin, int ring, const std::int32_t* hits) const
   {
-    const BinDirection d = direction_of_bin(bin, bins_per_side(*ground.config));
+    const BinDirection d = direction_of_bin(bin, bins_per_side(m.k));
     Cells c;
     for (int b = 0; b < kBatch; b++)
     {
-      const int i = hits[b] != kNoRay ? ground.cell_at(d, ring + b) : -1;
-      c.state[b] = i >= 0 ? static_cast<int>(ground.store.state[i]) : static_cast<int>(kUnknown);
-      c.ground_m[b] = i >= 0 ? ground.store.ground_m[i] : 0.0f;
+      const int i = hits[b] != kNoRay ? FindGroundHits{m}.cell_at(d, ring + b) : -1;
+      c.state[b] = i >= 0 ? static_cast<int>(m.cell.state[i]) : static_cast<int>(kUnknown);
+      c.ground_m[b] = i >= 0 ? m.cell.ground_m[i] : 0.0f;
     }
     return c;
   }
   TALUS_HD void load(int bin, int ring, int end, std::int32_t* hits) const
   {
-    for (int b = 0; b < kBatch; b++) hits[b] = ring + b < end ? rays[place(bin, ring + b)] : kNoRay;
+    for (int b = 0; b < kBatch; b++)
+      hits[b] = ring + b < end ? m.rays[place(bin, ring + b)] : kNoRay;
   }
-  TALUS_HD int place(int bin, int ring) const { return ring * bin_count(*ground.config) + bin; }
+  TALUS_HD int place(int bin, int ring) const { return ring * bin_count(m.k) + bin; }
 };
 
 }  // namespace talus::kernels
