@@ -8,7 +8,7 @@ struct ForgetHits
 {
   const Map& m;
 
-  TALUS_HD void operator()(int, int, int storage_i) const { m.top_hit_m[storage_i] = -kInfinity; }
+  TALUS_HD void operator()(int, int, int i) const { m.top_hit_m[i] = -kInfinity; }
 };
 
 /** Stage 2 on cell (ix, iy) of the window, which follows the robot by whole cells. Storage is a
@@ -23,7 +23,7 @@ struct RollCell
     return staying(*m.frame, m.k.cells, iy, m.datum->starts_anew != 0);
   }
   TALUS_HD bool applies(int ix, int iy, int) const { return !stays(iy).has(ix); }
-  TALUS_HD void operator()(int, int, int storage_i) const { m.cell.store(storage_i, Cell{}); }
+  TALUS_HD void operator()(int, int, int i) const { m.cell.store(i, Cell{}); }
 };
 
 }  // namespace talus::kernels

@@ -18,24 +18,6 @@ struct HeightPoint
   std::int32_t overhangs = 0;  //!< its neighbour rays passed below it and ended behind it
 };
 
-/** The points of one cell, and the group that reads them. */
-template <class Group>
-struct CellPoints
-{
-  const HeightPoint* at;
-  int size;
-  Group group;
-
-  /** Adds all points to `sum`, under the condition `asked`. */
-  template <class Sum, class Question>
-  TALUS_HD Sum reduce(Sum sum, const Question& asked, const Config& k) const
-  {
-    for (int i = group.rank(); i < size; i += group.size()) sum.add(at[i], true, asked, k);
-    sum.join(group);
-    return sum;
-  }
-};
-
 /** Eq. 5 as an innovation gate: the distance of a point to a cell is compared with the deviation of
  * both together. */
 TALUS_HD bool inside_gate(float a_m, float var_a, float b_m, float var_b, const Config& k)
@@ -302,29 +284,144 @@ TALUS_HD void put_overhang(Cell& c, const Overhang& overhang, const Config& k)
   c.overhang_below = max_of(c.overhang_below, select(any, overhang_units(down_m), 0));
 }
 
-/** Stage 3 on one cell that received points. libs/core/src/cpu/cells.h does the same for many cells
- * at once. */
-template <class Group>
-TALUS_HD void update_cell(
-    Cell& c, const Extremes& ends, const CellPoints<Group>& points, const Config& k)
+/** Stage 3 on cells that received points: on one, or on several side by side. `Cells` loops over
+ * them by each(f), which calls f(l), and adds the points of each to a sum. Steps have no branches,
+ * so that they are vector code. */
+template <class Cells, template <class> class Lanes>
+class CellUpdate
 {
-  ClearanceScan last{}, next{sure_top_m(c)};
-  if (!all_hang(c, ends, k))
+ public:
+  TALUS_HD void run(const Config& k)
   {
-    const FusionPlan ground = plan_ground(c, ends.lowest(), k);
-    put_ground(c, false, ground, points.reduce(Fusion{}, ground, k), k);
-    HeightPoint high = ends.highest();
-    next = {sure_top_m(c)};
-    if (next.top_m < high.height_m) do
-        last = next, next = points.reduce(last, last, k);
-      while (next.goes_on(last, high.height_m));
-    if (next.top_m < high.height_m) high = points.reduce(Extremes{}, UpTo{next.top_m}, k).highest();
-    const FusionPlan elevation = plan_elevation(c, high, next.top_m, k);
-    put_elevation(c, false, elevation, points.reduce(Fusion{}, elevation, k), k);
+    each([&](int l) { up_to_.store(l, {}); });
+    reduce(ends, up_to_, k);
+    each([&](int l) { hangs_.store(l, {all_hang(cells.load(l), ends.load(l), k)}); });
+    const auto ground = [&](int l) { return plan_ground(cells.load(l), ends.load(l).lowest(), k); };
+    fuse(k, ground, put_ground);
+    scan_clearance(k);
+    const auto elevation = [&](int l)
+    {
+      const HeightPoint high = highest_.load(l).highest();
+      return plan_elevation(cells.load(l), high, scan_.load(l).top_m, k);
+    };
+    fuse(k, elevation, put_elevation);
+    each_cell([&](Cell& c, int l)
+              { put_high_hit(c, scan_.load(l).top_m, ends.load(l).highest(), k); });
+    each([&](int l) { up_to_.store(l, overhangs_up_to(cells.load(l), k)); });
+    reduce(overhang_, up_to_, k);
+    each_cell([&](Cell& c, int l) { put_overhang(c, overhang_.load(l), k); });
   }
-  put_high_hit(c, next.top_m, ends.highest(), k);
-  put_overhang(c, points.reduce(Overhang{}, overhangs_up_to(c, k), k), k);
-}
+
+  Lanes<Cell> cells;
+  Lanes<Extremes> ends;
+
+ private:
+  struct Hangs
+  {
+    std::int32_t all = 0;
+  };
+
+  /** Fuses the points of each plan(l), and puts the result into the cell. */
+  template <class Plan, class Put>
+  TALUS_HD void fuse(const Config& k, const Plan& plan, const Put& put)
+  {
+    each([&](int l) { plan_.store(l, plan(l)); });
+    reduce(fusion_, plan_, k);
+    each_cell([&](Cell& c, int l)
+              { put(c, hangs_.load(l).all != 0, plan_.load(l), fusion_.load(l), k); });
+  }
+
+  /** Finds the highest point that stands, and the highest up to there. */
+  TALUS_HD void scan_clearance(const Config& k)
+  {
+    std::int32_t any = 0;
+    each([&](int l) { scan_.store(l, {sure_top_m(cells.load(l))}); });
+    const auto is_below = [&](int l)
+    { return select(scan_.load(l).top_m < ends.load(l).highest().height_m, 1, 0); };
+    each([&](int l) { any |= is_below(l); });
+    while (any)
+    {
+      last_ = scan_;
+      own().add(scan_, last_, k);
+      any = 0;
+      each([&](int l)
+           { any |= scan_.load(l).goes_on(last_.load(l), ends.load(l).highest().height_m); });
+    }
+    each([&](int l) { any |= is_below(l), up_to_.store(l, {scan_.load(l).top_m}); });
+    highest_ = ends;
+    if (any) reduce(highest_, up_to_, k);
+  }
+
+  TALUS_HD Cells& own() { return static_cast<Cells&>(*this); }
+  template <class F>
+  TALUS_HD void each(const F& f)
+  {
+    own().each_lane(f);
+  }
+  /** Changes each cell by f(cell, l). */
+  template <class F>
+  TALUS_HD void each_cell(const F& f)
+  {
+    each(
+        [&](int l)
+        {
+          Cell c = cells.load(l);
+          f(c, l);
+          cells.store(l, c);
+        });
+  }
+  /** Reduces the points of each cell, under the conditions `asked`. */
+  template <class Sum, class Question>
+  TALUS_HD void reduce(Lanes<Sum>& sums, const Lanes<Question>& asked, const Config& k)
+  {
+    each([&](int l) { sums.store(l, {}); });
+    own().add(sums, asked, k);
+  }
+
+  Lanes<UpTo> up_to_;
+  Lanes<Hangs> hangs_;
+  Lanes<Extremes> highest_;
+  Lanes<FusionPlan> plan_;
+  Lanes<Fusion> fusion_;
+  Lanes<ClearanceScan> scan_, last_;
+  Lanes<Overhang> overhang_;
+};
+
+template <class T>
+struct OneLane
+{
+  T value{};
+  TALUS_HD T load(int) const { return value; }
+  TALUS_HD void store(int, const T& v) { value = v; }
+};
+
+/** One cell, of which a group reads the points. */
+template <class Group>
+class OneCell : public CellUpdate<OneCell<Group>, OneLane>
+{
+ public:
+  TALUS_HD OneCell(const HeightPoint* points, int size, const Group& group)
+      : points_(points), size_(size), group_(group)
+  {
+  }
+  template <class F>
+  TALUS_HD void each_lane(const F& f)
+  {
+    f(0);
+  }
+  template <class Sum, class Question>
+  TALUS_HD void add(OneLane<Sum>& sum, const OneLane<Question>& asked, const Config& k)
+  {
+    for (int i = group_.rank(); i < size_; i += group_.size())
+      sum.value.add(points_[i], true, asked.value, k);
+    sum.value.join(group_);
+  }
+
+ private:
+  const HeightPoint* points_;
+  int size_;
+  Group group_;
+};
 
 /** A cell with more points is crowded, where a group updates it: on devices. */
 constexpr std::uint32_t kCrowd = 4;
@@ -424,13 +521,12 @@ struct UpdateCell
   template <class Group>
   TALUS_HD void update(int storage_i, const Group& group) const
   {
-    const CellPoints<Group> here{
-        m.sorted + m.cell_begin[storage_i], static_cast<int>(m.kept_count[storage_i]), group};
-    if (here.size == 0) return;
-    Cell c = m.cell.load(storage_i);
-    const Extremes ends = here.reduce(Extremes{}, UpTo{}, m.k);
-    update_cell(c, ends, here, m.k);
-    if (group.rank() == 0) put(storage_i, c, ends);
+    const int size = static_cast<int>(m.kept_count[storage_i]);
+    if (size == 0) return;
+    OneCell<Group> here{m.sorted + m.cell_begin[storage_i], size, group};
+    here.cells.value = m.cell.load(storage_i);
+    here.run(m.k);
+    if (group.rank() == 0) put(storage_i, here.cells.value, here.ends.value);
   }
 
  private:

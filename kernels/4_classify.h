@@ -12,27 +12,27 @@ struct ClassifyCell
 {
   const Map& m;
 
-  TALUS_HD void operator()(int x, int y, int storage_i) const
+  TALUS_HD void operator()(int x, int y, int i) const
   {
     // Reads come before stores, and no bit is tested alone, or the loop would not be vectorised.
-    const int pair = m.pair_of(x, y), before = m.cell.flags[storage_i];
-    const int state = m.cell.state[storage_i];
-    const float ground_m = m.cell.ground_m[storage_i];
+    const int pair = m.pair_of(x, y), before = m.cell.flags[i];
+    const int state = m.cell.state[i];
+    const float ground_m = m.cell.ground_m[i];
     const bool reached = m.pair_reach[pair] == kPairReached,
                apart = ground_m > m.pair_apart_m[pair];
     const int asked = select(reached, 0, kObjectTop | select(apart, kWasPassable, 0));
     const int top = select((before & asked) != 0, kObjectTop, 0);
     const int result = class_of(state, (ground_m > m.pair_limit_m[pair]) | (apart & (top != 0)));
-    m.cell.flags[storage_i] = static_cast<std::uint8_t>(
+    m.cell.flags[i] = static_cast<std::uint8_t>(
         (before & ~(kWasReached | kObjectTop)) | select(reached, kWasReached, 0) | top);
-    m.surface_class[storage_i] = static_cast<std::uint8_t>(result);
+    m.surface_class[i] = static_cast<std::uint8_t>(result);
   }
-  TALUS_HD int class_of(int x, int y, int storage_i) const
+  TALUS_HD int class_of(int x, int y, int i) const
   {
     const int pair = m.pair_of(x, y);
-    const float ground_m = m.cell.ground_m[storage_i];
-    const bool top = m.cell.is(kObjectTop, storage_i) & (ground_m > m.pair_apart_m[pair]);
-    return class_of(m.cell.state[storage_i], (ground_m > m.pair_limit_m[pair]) | top);
+    const float ground_m = m.cell.ground_m[i];
+    const bool top = m.cell.is(kObjectTop, i) & (ground_m > m.pair_apart_m[pair]);
+    return class_of(m.cell.state[i], (ground_m > m.pair_limit_m[pair]) | top);
   }
 
  private:
@@ -50,19 +50,16 @@ struct LowerObject
 {
   const Map& m;
 
-  TALUS_HD bool applies(int, int, int storage_i) const
-  {
-    return m.surface_class[storage_i] == kObject;
-  }
-  TALUS_HD void operator()(int x, int y, int storage_i) const
+  TALUS_HD bool applies(int, int, int i) const { return m.surface_class[i] == kObject; }
+  TALUS_HD void operator()(int x, int y, int i) const
   {
     const float foot_m = m.pair_foot_m[m.pair_of(x, y)];
-    const float before_m = m.cell.ground_m[storage_i];
+    const float before_m = m.cell.ground_m[i];
     if (!(foot_m < before_m)) return;  // also if it is not known
-    if (before_m - foot_m > m.k.clearance_m) m.cell.flags[storage_i] |= kHitHighUp;
-    m.cell.ground_m[storage_i] = foot_m;
-    m.cell.ground_var_m2[storage_i] = kFoot_var_m2;
-    m.cell.state[storage_i] = kFilledOneSided;
+    if (before_m - foot_m > m.k.clearance_m) m.cell.flags[i] |= kHitHighUp;
+    m.cell.ground_m[i] = foot_m;
+    m.cell.ground_var_m2[i] = kFoot_var_m2;
+    m.cell.state[i] = kFilledOneSided;
   }
 };
 
@@ -71,16 +68,14 @@ struct ForgetFill
 {
   const Map& m;
 
-  TALUS_HD void operator()(int, int, int storage_i) const
+  TALUS_HD void operator()(int, int, int i) const
   {
-    const int state = m.cell.state[storage_i], flags = m.cell.flags[storage_i];
+    const int state = m.cell.state[i], flags = m.cell.flags[i];
     const bool fill = (state == kFilledTwoSided) | (state == kFilledOneSided);
-    m.cell.ground_m[storage_i] = select(fill, kNan, m.cell.ground_m[storage_i]);
-    m.cell.ground_var_m2[storage_i] = select(fill, kNan, m.cell.ground_var_m2[storage_i]);
-    m.cell.state[storage_i] =
-        static_cast<std::uint8_t>(select(fill, static_cast<int>(kUnknown), state));
-    m.cell.flags[storage_i] =
-        static_cast<std::uint8_t>(flags & select(fill, ~(kPassedLow | kMayDrop), ~0));
+    m.cell.ground_m[i] = select(fill, kNan, m.cell.ground_m[i]);
+    m.cell.ground_var_m2[i] = select(fill, kNan, m.cell.ground_var_m2[i]);
+    m.cell.state[i] = static_cast<std::uint8_t>(select(fill, static_cast<int>(kUnknown), state));
+    m.cell.flags[i] = static_cast<std::uint8_t>(flags & select(fill, ~(kPassedLow | kMayDrop), ~0));
   }
 };
 

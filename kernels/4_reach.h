@@ -46,9 +46,9 @@ struct PoolReach
   using Item = PairReach;
   const Map& m;
 
-  TALUS_HD PairReach item(int storage_i) const
+  TALUS_HD PairReach item(int i) const
   {
-    const std::int32_t flags = m.cell.flags[storage_i];
+    const std::int32_t flags = m.cell.flags[i];
     return {(flags & kWasPassable) * (1 + (flags & kWasReached) / kWasReached)};
   }
   TALUS_HD PairReach pool(const PairReach& a, const PairReach& b) const
@@ -138,14 +138,14 @@ struct PoolCells
   using Item = CoarseCell;
   const Map& m;
 
-  TALUS_HD CoarseCell item(int storage_i) const
+  TALUS_HD CoarseCell item(int i) const
   {
-    const float ground = m.cell.ground_m[storage_i], top = m.cell.elevation_m[storage_i];
-    const bool measured = m.cell.state[storage_i] == kMeasured;
+    const float ground = m.cell.ground_m[i], top = m.cell.elevation_m[i];
+    const bool measured = m.cell.state[i] == kMeasured;
     const bool upright = measured & (top - ground > kUpright_steps * m.k.step_threshold_m);
     const bool stands = top > bare_up_to_m(ground, m.k);
     const bool blocks = top - ground > m.k.step_threshold_m;
-    const int bare = select(m.cell.recent_hits[storage_i] > 0, kLeft, kEmpty);
+    const int bare = select(m.cell.recent_hits[i] > 0, kLeft, kEmpty);
     return {
         select(measured, ground, kInfinity), select(is_known(ground), ground, kInfinity),
         select(upright, top, -kInfinity), select(blocks, top, -kInfinity),

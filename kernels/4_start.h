@@ -12,17 +12,17 @@ struct StartReach
 {
   const Map& m;
 
-  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  TALUS_HD void operator()(int ix, int iy, int i) const
   {
     const Offset at = offset_from_base(m.k, *m.frame, ix, iy);
     const float plane_m = plane_of_base_m(*m.frame, at);
     const float radius_m = kStartReach * (m.frame->sensor_z_m - plane_m);
     const bool level =
-        abs_of(m.cell.ground_m[storage_i] - plane_m) <= kStartReach_steps * m.k.step_threshold_m;
-    const int flags = m.cell.flags[storage_i];
+        abs_of(m.cell.ground_m[i] - plane_m) <= kStartReach_steps * m.k.step_threshold_m;
+    const int flags = m.cell.flags[i];
     const bool starts = (m.frame->has_base != 0) & level & at.is_within(radius_m) &
                         ((flags & kWasPassable) == kWasPassable);
-    m.cell.flags[storage_i] = static_cast<std::uint8_t>(flags | select(starts, kWasReached, 0));
+    m.cell.flags[i] = static_cast<std::uint8_t>(flags | select(starts, kWasReached, 0));
   }
 };
 
@@ -38,22 +38,22 @@ struct PresumeStart
   {
     return !((m.frame->starts_map != 0) & (m.frame->has_base != 0) & on(kPresumedStart, m.k));
   }
-  TALUS_HD bool applies(int ix, int iy, int storage_i) const
+  TALUS_HD bool applies(int ix, int iy, int i) const
   {
     const bool near = offset_from_base(m.k, *m.frame, ix, iy).is_within(m.k.start_radius_m);
-    const int state = m.cell.state[storage_i];
+    const int state = m.cell.state[i];
     return near & (state != kMeasured) & (state != kPresumed) & !leaves_out(iy);
   }
-  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  TALUS_HD void operator()(int ix, int iy, int i) const
   {
     const float plane_m = plane_at(ix, iy);
     if (plane_m > m.free_above_m[m.lines.at(ix, iy)] + m.k.cleanup_margin_m) return;
     // Near its start the robot has room to move off.
     const bool beside = offset_from_base(m.k, *m.frame, ix, iy).is_within(kStartsOn_m);
     if (m.k.start_automatic != 0 && !beside && !is_blind(ix, iy)) return;
-    Cell c = m.cell.load(storage_i);
+    Cell c = m.cell.load(i);
     presume_ground(c, plane_m);
-    m.cell.store(storage_i, c);
+    m.cell.store(i, c);
   }
 
  private:

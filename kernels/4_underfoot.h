@@ -53,22 +53,22 @@ struct StandOnCell
     return m.frame->has_base == 0 ||
            abs_of(offset_from_base(m.k, *m.frame, 0, iy).y_m) > kFootprint_m;
   }
-  TALUS_HD bool applies(int ix, int iy, int storage_i) const
+  TALUS_HD bool applies(int ix, int iy, int i) const
   {
     const Offset at = offset_from_base(m.k, *m.frame, ix, iy);
-    const bool changes = drives_through(storage_i, plane_of_base_m(*m.frame, at)) |
-                         !m.cell.is(kRobotWasThere, storage_i);
+    const bool changes =
+        drives_through(i, plane_of_base_m(*m.frame, at)) | !m.cell.is(kRobotWasThere, i);
     return on(kUnderRobot, m.k) & (m.frame->has_base != 0) & at.is_within(kFootprint_m) & changes;
   }
-  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  TALUS_HD void operator()(int ix, int iy, int i) const
   {
     const float floor_m = plane_of_base_m(*m.frame, offset_from_base(m.k, *m.frame, ix, iy));
-    if (!drives_through(storage_i, floor_m))
+    if (!drives_through(i, floor_m))
     {
-      m.cell.flags[storage_i] |= kRobotWasThere;
+      m.cell.flags[i] |= kRobotWasThere;
       return;
     }
-    Cell c = m.cell.load(storage_i);
+    Cell c = m.cell.load(i);
     const float above_m = kUnderFoot_steps * m.k.step_threshold_m;
     // Over unmeasured ground without an object the robot drove through nothing: the guess was
     // wrong.
@@ -82,7 +82,7 @@ struct StandOnCell
     {
       if (c.state != kMeasured) presume_ground(c, floor_m), c.flags |= kPassedLow;
       c.flags |= kRobotWasThere;
-      m.cell.store(storage_i, c);
+      m.cell.store(i, c);
       return;
     }
     c.state = kMeasured;
@@ -91,21 +91,20 @@ struct StandOnCell
     c.flags = kPassedLow | kRobotWasThere;
     c.driven_height = driven_units(
         max_of(stood_m, m.frame->drove_through_m) + kStandsUp_steps * m.k.step_threshold_m);
-    m.cell.store(storage_i, c);
+    m.cell.store(i, c);
   }
 
  private:
   /** Whether the map has an object or a guess where the robot stands. */
-  TALUS_HD bool drives_through(int storage_i, float floor_m) const
+  TALUS_HD bool drives_through(int i, float floor_m) const
   {
     const float above_m = kUnderFoot_steps * m.k.step_threshold_m;
-    const bool high =
-        (m.cell.ground_m[storage_i] > floor_m + above_m) |
-        (m.cell.elevation_m[storage_i] > floor_m + above_m) |
-        ((m.frame->drove_through_m > above_m) & (m.cell.driven_height[storage_i] == 0));
-    const int state = m.cell.state[storage_i];
+    const bool high = (m.cell.ground_m[i] > floor_m + above_m) |
+                      (m.cell.elevation_m[i] > floor_m + above_m) |
+                      ((m.frame->drove_through_m > above_m) & (m.cell.driven_height[i] == 0));
+    const int state = m.cell.state[i];
     const bool guessed =
-        (state != kMeasured) & (state != kPresumed) & !is_known(m.cell.elevation_m[storage_i]);
+        (state != kMeasured) & (state != kPresumed) & !is_known(m.cell.elevation_m[i]);
     return high | guessed;
   }
 };

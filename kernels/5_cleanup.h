@@ -124,55 +124,53 @@ struct CleanUpCell
 {
   const Map& m;
 
-  TALUS_HD bool applies(int ix, int iy, int storage_i) const
+  TALUS_HD bool applies(int ix, int iy, int i) const
   {
     const int at = m.lines.at(ix, iy);
-    const bool any = passed(at), hit_before = m.cell.recent_hits[storage_i] > 0;
-    return (any & (m.cell.state[storage_i] != kUnknown) &
-            (stands_above(at, storage_i) | hit_before)) |
-           came_later(storage_i);
+    const bool any = passed(at), hit_before = m.cell.recent_hits[i] > 0;
+    return (any & (m.cell.state[i] != kUnknown) & (stands_above(at, i) | hit_before)) |
+           came_later(i);
   }
 
-  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  TALUS_HD void operator()(int ix, int iy, int i) const
   {
-    if (needs_inspection(ix, iy, storage_i)) inspect(ix, iy, storage_i, SerialGroup{});
-    finish(ix, iy, storage_i);
+    if (needs_inspection(ix, iy, i)) inspect(ix, iy, i, SerialGroup{});
+    finish(ix, iy, i);
   }
 
   /** Whether inspect() must come before finish(): the object may overhang. */
-  TALUS_HD bool needs_inspection(int ix, int iy, int storage_i) const
+  TALUS_HD bool needs_inspection(int ix, int iy, int i) const
   {
     const int at = m.lines.at(ix, iy);
-    return passed(at) && m.cell.state[storage_i] != kUnknown && stands_above(at, storage_i) &&
-           (m.cell.stay_frames[storage_i] > 0 || m.cell.is(kHitHighUp, storage_i));
+    return passed(at) && m.cell.state[i] != kUnknown && stands_above(at, i) &&
+           (m.cell.stay_frames[i] > 0 || m.cell.is(kHitHighUp, i));
   }
 
   /** What is high up hangs, and is removed, if rays pass below it as high as the robot. Rays below
    * an overhang do not prove that it is gone. Rays that go on where it was hit do. */
   template <class Group>
-  TALUS_HD void inspect(int ix, int iy, int storage_i, const Group& group) const
+  TALUS_HD void inspect(int ix, int iy, int i, const Group& group) const
   {
     const Config& k = m.k;
-    const float top_m = top(storage_i), hit_m = m.top_hit_m[storage_i],
-                limit_m = limit(m.lines.at(ix, iy));
+    const float top_m = top(i), hit_m = m.top_hit_m[i], limit_m = limit(m.lines.at(ix, iy));
     const bool hit = hit_m > limit_m;
     const OverhangRays<Group> overhang{m, footprint_of(k, *m.frame, ix, iy), group};
-    const bool hangs = m.cell.is(kHitHighUp, storage_i) && passed_below(overhang, storage_i);
+    const bool hangs = m.cell.is(kHitHighUp, i) && passed_below(overhang, i);
     if (hangs && group.rank() == 0)
     {
-      Cell c = m.cell.load(storage_i);
+      Cell c = m.cell.load(i);
       remove_object(c);
       c.flags |= kPassedBelow;
-      m.cell.store(storage_i, c);
+      m.cell.store(i, c);
     }
-    if (hangs || m.cell.stay_frames[storage_i] == 0) return;
-    Reach extent{m.cell.overhang_below[storage_i], m.cell.overhang_above[storage_i]};
+    if (hangs || m.cell.stay_frames[i] == 0) return;
+    Reach extent{m.cell.overhang_below[i], m.cell.overhang_above[i]};
     if (hit)
     {
       extent = learn(extent, overhang, top_m, hit_m, limit_m);
       if (group.rank() != 0) return;
-      m.cell.overhang_below[storage_i] = static_cast<std::uint8_t>(extent.below);
-      m.cell.overhang_above[storage_i] = static_cast<std::uint8_t>(extent.above);
+      m.cell.overhang_below[i] = static_cast<std::uint8_t>(extent.below);
+      m.cell.overhang_above[i] = static_cast<std::uint8_t>(extent.above);
       return;
     }
     const float low_m = max_of(top_m - overhang_m(extent.below) + k.cleanup_margin_m, limit_m);
@@ -181,85 +179,82 @@ struct CleanUpCell
     const bool thin = inside.none();
     const bool went = overhang.went_on(thin ? overhang.around(top_m) : inside, thin);
     const bool gone = went || leaves_with_others(ix, iy);
-    if (gone && group.rank() == 0) m.cell.stay_frames[storage_i] = 0;
+    if (gone && group.rank() == 0) m.cell.stay_frames[i] = 0;
   }
 
-  TALUS_HD void finish(int ix, int iy, int storage_i) const
+  TALUS_HD void finish(int ix, int iy, int i) const
   {
     const int at = m.lines.at(ix, iy);
-    Cell c = m.cell.load(storage_i);
-    const bool later = came_later(storage_i), seen = passed(at);
-    const bool stands = seen && stands_above(at, storage_i);
-    const float hit_m = m.top_hit_m[storage_i], limit_m = select(stands, limit(at), kInfinity);
+    Cell c = m.cell.load(i);
+    const bool later = came_later(i), seen = passed(at);
+    const bool stands = seen && stands_above(at, i);
+    const float hit_m = m.top_hit_m[i], limit_m = select(stands, limit(at), kInfinity);
     const bool faded = seen && c.recent_hits > 0;  // rays passed
     if (faded) c.recent_hits--;
-    if (stands && on(kRayBelowGround, m.k) && is_undercut(ix, iy, storage_i))
-      m.surface_class[storage_i] = kObject;
+    if (stands && on(kRayBelowGround, m.k) && is_undercut(ix, iy, i)) m.surface_class[i] = kObject;
     // Hits below the rays do not protect it: a box that left shows the floor where it stood.
     const bool hit = hit_m > select(stands, limit_m, bare_up_to_m(c.ground_m, m.k));
     // A hit above it hangs.
-    if (stands && hit && hit_m <= top(storage_i) + m.k.cleanup_margin_m)
+    if (stands && hit && hit_m <= top(i) + m.k.cleanup_margin_m)
       c.recent_hits = min_of(c.recent_hits + kHitAdds, kMostRecentHits);
     if (later && !hit) c.stay_frames = 0;
     const int frames = stands ? m.k.cleanup_frames : kFollowerLeaves_frames;
-    const bool waits = stands && !hit && is_rim(storage_i, limit_m);
+    const bool waits = stands && !hit && is_rim(i, limit_m);
     const bool left = (stands || later) && !waits && count_frame(c, hit, frames);
-    if (left) clear(c, m.surface_class[storage_i], limit_m);
-    if (stands || faded || later) m.cell.store(storage_i, c);
+    if (left) clear(c, m.surface_class[i], limit_m);
+    if (stands || faded || later) m.cell.store(i, c);
   }
 
  private:
   TALUS_HD bool passed(int at) const { return m.free_above_m[at] < kInfinity; }
   /** Whether rays passed below what is high up, as high as the robot. */
   template <class Group>
-  TALUS_HD bool passed_below(const OverhangRays<Group>& rays, int storage_i) const
+  TALUS_HD bool passed_below(const OverhangRays<Group>& rays, int i) const
   {
     const float margin_m = m.k.cleanup_margin_m;
-    const SlopeSteps gap = rays.between(
-        m.cell.ground_m[storage_i] + m.k.clearance_m - margin_m, top(storage_i) - margin_m);
+    const SlopeSteps gap =
+        rays.between(m.cell.ground_m[i] + m.k.clearance_m - margin_m, top(i) - margin_m);
     bool any = false;
     for (int s = gap.first; s < gap.end && !any; s++) any = rays.went_on({s, s + 1}, false);
     return any;
   }
   /** Whether an object stands where the robot drove. */
-  TALUS_HD bool came_later(int storage_i) const
+  TALUS_HD bool came_later(int i) const
   {
-    const float bare_m = bare_up_to_m(m.cell.ground_m[storage_i], m.k);
-    return m.cell.is(kRobotWasThere, storage_i) & (m.cell.elevation_m[storage_i] > bare_m);
+    const float bare_m = bare_up_to_m(m.cell.ground_m[i], m.k);
+    return m.cell.is(kRobotWasThere, i) & (m.cell.elevation_m[i] > bare_m);
   }
   /** Whether a cell is the rim of an object beside it: rays pass its empty part, but a cell close
    * by was hit above them, and nothing shows its own floor. */
-  TALUS_HD bool is_rim(int storage_i, float limit_m) const
+  TALUS_HD bool is_rim(int i, float limit_m) const
   {
-    const bool presumed =
-        m.cell.state[storage_i] == kPresumed && !is_known(m.cell.elevation_m[storage_i]);
-    if (!on(kAsAWhole, m.k) || presumed || m.top_hit_m[storage_i] > -kInfinity) return false;
-    const int n = m.k.cells, y = floor_div(storage_i, n), x = storage_i - y * n;
+    const bool presumed = m.cell.state[i] == kPresumed && !is_known(m.cell.elevation_m[i]);
+    if (!on(kAsAWhole, m.k) || presumed || m.top_hit_m[i] > -kInfinity) return false;
+    const int n = m.k.cells, y = floor_div(i, n), x = i - y * n;
     bool beside = false;
     for (int dy = -kRim_cells; dy <= kRim_cells; dy++)
       for (int dx = -kRim_cells; dx <= kRim_cells; dx++)
         beside |= m.top_hit_m[wrap_bin(y + dy, n) * n + wrap_bin(x + dx, n)] > limit_m;
     return beside;
   }
-  TALUS_HD float top(int storage_i) const
+  TALUS_HD float top(int i) const
   {
-    const float elevation = m.cell.elevation_m[storage_i], ground = m.cell.ground_m[storage_i];
+    const float elevation = m.cell.elevation_m[i], ground = m.cell.ground_m[i];
     return select(is_known(elevation), elevation, ground);
   }
   TALUS_HD float limit(int at) const { return m.free_above_m[at] + m.k.cleanup_margin_m; }
-  TALUS_HD bool stands_above(int at, int storage_i) const
+  TALUS_HD bool stands_above(int at, int i) const
   {
-    const int state = m.cell.state[storage_i];
+    const int state = m.cell.state[i];
     const bool kept = (state == kMeasured) | (state == kPresumed);
-    return (top(storage_i) > limit(at)) & (is_known(m.cell.elevation_m[storage_i]) | kept);
+    return (top(i) > limit(at)) & (is_known(m.cell.elevation_m[i]) | kept);
   }
 
   /** Whether rays passed below measured ground, and not above it on both sides. */
-  TALUS_HD bool is_undercut(int ix, int iy, int storage_i) const
+  TALUS_HD bool is_undercut(int ix, int iy, int i) const
   {
-    const float ground_m = m.cell.ground_m[storage_i];
-    const bool measured =
-        m.cell.state[storage_i] == kMeasured && m.surface_class[storage_i] == kKeep;
+    const float ground_m = m.cell.ground_m[i];
+    const bool measured = m.cell.state[i] == kMeasured && m.surface_class[i] == kKeep;
     if (!measured || !(ground_m > limit(m.lines.at(ix, iy)))) return false;
     const float x_m = (static_cast<float>(ix) + 0.5f) * m.k.resolution_m;
     const float y_m = (static_cast<float>(iy) + 0.5f) * m.k.resolution_m;

@@ -182,21 +182,21 @@ struct TakeSample
 {
   const Map& m;
 
-  TALUS_HD bool operator()(int ix, int iy, int storage_i) const
+  TALUS_HD bool operator()(int ix, int iy, int i) const
   {
-    const float sample_m = sample(storage_i);
+    const float sample_m = sample(i);
     m.sample_m[m.lines.at(ix, iy)] = sample_m;
     return is_known(sample_m);
   }
 
  private:
-  TALUS_HD float sample(int storage_i) const
+  TALUS_HD float sample(int i) const
   {
-    const float ground_m = m.cell.ground_m[storage_i], top_m = m.cell.elevation_m[storage_i];
-    const int state = m.cell.state[storage_i];
+    const float ground_m = m.cell.ground_m[i], top_m = m.cell.elevation_m[i];
+    const int state = m.cell.state[i];
     const bool stood = (state == kPresumed) & (m.k.start_radius_m > 0.0f) &
-                       ((m.cell.flags[storage_i] & kRobotWasThere) != 0);
-    const bool is_one = ((state == kMeasured) & (m.surface_class[storage_i] == kKeep)) | stood;
+                       ((m.cell.flags[i] & kRobotWasThere) != 0);
+    const bool is_one = ((state == kMeasured) & (m.surface_class[i] == kKeep)) | stood;
     const bool rises = (top_m > bare_up_to_m(ground_m, m.k)) &
                        (top_m <= ground_m + kUpright_steps * m.k.step_threshold_m);
     const std::uint32_t bits = select(rises, static_cast<int>(kFaceBit), 0) |
@@ -206,25 +206,25 @@ struct TakeSample
   }
 };
 
-/** Stage 6 on cell (ix, iy), stored at storage_i. Returns its state. A second call changes nothing.
+/** Stage 6 on cell (ix, iy), stored at i. Returns its state. A second call changes nothing.
  */
 struct FillCell
 {
   const Map& m;
 
-  TALUS_HD bool wanted(int storage_i) const { return m.surface_class[storage_i] != kKeep; }
+  TALUS_HD bool wanted(int i) const { return m.surface_class[i] != kKeep; }
 
-  TALUS_HD int operator()(int ix, int iy, int storage_i, const LineFusion& lines, int marks) const
+  TALUS_HD int operator()(int ix, int iy, int i, const LineFusion& lines, int marks) const
   {
     const Config& k = m.k;
     const int at = m.lines.at(ix, iy);
-    const int r = m.surface_class[storage_i], state_before = m.cell.state[storage_i];
-    const int flags_before = m.cell.flags[storage_i];
+    const int r = m.surface_class[i], state_before = m.cell.state[i];
+    const int flags_before = m.cell.flags[i];
     const bool in_open = m.in_open[at] != 0;
     const float beside_m = m.pair_beside_m[m.pair_of(ix, iy)];
-    const int driven_height = m.cell.driven_height[storage_i];
-    const float before = m.cell.ground_m[storage_i], var_before = m.cell.ground_var_m2[storage_i];
-    const float stands_m = m.cell.elevation_m[storage_i], free_m = m.free_above_m[at];
+    const int driven_height = m.cell.driven_height[i];
+    const float before = m.cell.ground_m[i], var_before = m.cell.ground_var_m2[i];
+    const float stands_m = m.cell.elevation_m[i], free_m = m.free_above_m[at];
     const float ends_m = m.ends_m[at];
     // Otherwise the older fill, or the object, stays.
     const bool filled = (r != kKeep) & ((marks & kInferred) != 0);
@@ -251,10 +251,10 @@ struct FillCell
                       select(low, kPassedLow, 0) | select(object, kHitHighUp, 0) |
                       select(drops, kMayDrop, 0);
     // Reads come before stores, or the compiler would read again and not vectorise.
-    m.cell.ground_m[storage_i] = ground;
-    m.cell.ground_var_m2[storage_i] = variance;
-    m.cell.state[storage_i] = static_cast<std::uint8_t>(state);
-    m.cell.flags[storage_i] = static_cast<std::uint8_t>(flags);
+    m.cell.ground_m[i] = ground;
+    m.cell.ground_var_m2[i] = variance;
+    m.cell.state[i] = static_cast<std::uint8_t>(state);
+    m.cell.flags[i] = static_cast<std::uint8_t>(flags);
     put_surface(
         m.judged_surface[m.surface_at(ix, iy)], {ground, stands_m, state, flags, driven_height});
     return state;

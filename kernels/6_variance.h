@@ -18,10 +18,10 @@ struct LayOutGround
 {
   const Map& m;
 
-  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  TALUS_HD void operator()(int ix, int iy, int i) const
   {
-    const bool measured = m.cell.state[storage_i] == kMeasured;
-    m.sample_m[m.lines.at(ix, iy)] = select(measured, m.cell.ground_m[storage_i], kNan);
+    const bool measured = m.cell.state[i] == kMeasured;
+    m.sample_m[m.lines.at(ix, iy)] = select(measured, m.cell.ground_m[i], kNan);
   }
 };
 
@@ -50,10 +50,10 @@ struct TellVariance
 {
   const Map& m;
 
-  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  TALUS_HD void operator()(int ix, int iy, int i) const
   {
-    const float stored_m2 = m.cell.ground_var_m2[storage_i];
-    const int state = m.cell.state[storage_i];
+    const float stored_m2 = m.cell.ground_var_m2[i];
+    const int state = m.cell.state[i];
     const float* const at = m.sample_m + m.lines.at(ix, iy);
     const int pitch = m.lines.pitch;
     MeanSquare along_x, along_y;

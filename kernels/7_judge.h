@@ -156,16 +156,16 @@ struct NotePassable
 {
   const Map& m;
 
-  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  TALUS_HD void operator()(int ix, int iy, int i) const
   {
-    note(storage_i, m.out.traversability[m.window_at(ix, iy)]);
+    note(i, m.out.traversability[m.window_at(ix, iy)]);
   }
-  TALUS_HD void note(int storage_i, float score) const
+  TALUS_HD void note(int i, float score) const
   {
-    const int others = m.cell.flags[storage_i] & ~kWasPassable;
-    const bool guess = m.cell.state[storage_i] == kFilledOneSided;
+    const int others = m.cell.flags[i] & ~kWasPassable;
+    const bool guess = m.cell.state[i] == kFilledOneSided;
     const bool leads_on = score >= select(guess, kGuessScore, kEdgeScore);
-    m.cell.flags[storage_i] = static_cast<std::uint8_t>(others | select(leads_on, kWasPassable, 0));
+    m.cell.flags[i] = static_cast<std::uint8_t>(others | select(leads_on, kWasPassable, 0));
   }
 };
 

@@ -21,18 +21,18 @@ struct ForgetChannels
     return staying(*m.frame, m.k.cells, iy, m.frame->starts_map != 0);
   }
   TALUS_HD bool applies(int ix, int iy, int) const { return !stays(iy).has(ix); }
-  TALUS_HD void operator()(int, int, int storage_i) const
+  TALUS_HD void operator()(int, int, int i) const
   {
     for (int c = 0; c < m.channels.size; c++)
       for (int surface = 0; surface < kPointSurfaces; surface++)
-        m.channels.each[c].forget(Channel::at(storage_i, surface));
+        m.channels.each[c].forget(Channel::at(i, surface));
   }
 };
 
 /** Whether the lowest surface of a cell is an object, and no ground was found below it. */
-TALUS_HD bool is_object(int storage_i, const Map& m)
+TALUS_HD bool is_object(int i, const Map& m)
 {
-  return m.surface_class[storage_i] == kObject && m.cell.state[storage_i] == kMeasured;
+  return m.surface_class[i] == kObject && m.cell.state[i] == kMeasured;
 }
 
 /** Finds the surface that a point belongs to, and adds its channels to it. */
@@ -58,15 +58,15 @@ struct PlacePoint
  private:
   TALUS_HD std::int32_t surface_of(int point_i) const
   {
-    const int storage_i = m.point_cell[point_i];
-    if (storage_i < 0) return kNoSurface;
+    const int i = m.point_cell[point_i];
+    if (i < 0) return kNoSurface;
     Cell c;  // all that tells the ground and what stands from the rest
-    c.ground_m = m.cell.ground_m[storage_i];
-    c.elevation_m = m.cell.elevation_m[storage_i];
-    c.driven_height = m.cell.driven_height[storage_i];
+    c.ground_m = m.cell.ground_m[i];
+    c.elevation_m = m.cell.elevation_m[i];
+    c.driven_height = m.cell.driven_height[i];
     const float height_m = m.point_height_m[point_i] - m.frame->offset_m;
-    const std::int32_t of_cell = surface_at(c, is_object(storage_i, m), height_m, m.k);
-    return of_cell == kNoSurface ? kNoSurface : Channel::at(storage_i, of_cell);
+    const std::int32_t of_cell = surface_at(c, is_object(i, m), height_m, m.k);
+    return of_cell == kNoSurface ? kNoSurface : Channel::at(i, of_cell);
   }
 };
 
@@ -109,9 +109,9 @@ struct PutChannel
 {
   const Map& m;
 
-  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  TALUS_HD void operator()(int ix, int iy, int i) const
   {
-    m.put.out[m.window_at(ix, iy)] = shown_value(m, m.put.channel, m.put.surface, storage_i);
+    m.put.out[m.window_at(ix, iy)] = shown_value(m, m.put.channel, m.put.surface, i);
   }
 };
 
@@ -121,13 +121,13 @@ struct TakeClassScores
 {
   const Map& m;
 
-  TALUS_HD void operator()(int ix, int iy, int storage_i) const
+  TALUS_HD void operator()(int ix, int iy, int i) const
   {
     float& score = m.out.traversability[m.window_at(ix, iy)];
     for (int c = 0; c < m.channels.size; c++)
       for (int s = 0; s < kPointSurfaces && m.channels.each[c].rule == kVote; s++)
       {
-        const float value = shown_value(m, c, s, storage_i);
+        const float value = shown_value(m, c, s, i);
         if (!(value >= 0.0f)) continue;  // also NaN
         const int of_class = c * kClasses + (static_cast<int>(value) & (kClasses - 1));
         if (m.class_scores[of_class] < score)

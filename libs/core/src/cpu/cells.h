@@ -14,146 +14,29 @@ namespace talus::cells
 /** Cells side by side, and their most points; larger cells are updated one by one. */
 constexpr int kLanes = 32, kMost = 32;
 
-class alignas(64) Batch
-{
-  using Cell = kernels::Cell;
-  using Config = kernels::Config;
+template <class T>
+using Lanes = SideBySide<T, kLanes>;
 
+class alignas(64) Batch : public kernels::CellUpdate<Batch, Lanes>
+{
  public:
   /** The last of the `lanes` cells has the most points. */
-  [[gnu::flatten]] void update(const kernels::Map& m, const std::int32_t* cells, int lanes)
+  [[gnu::flatten]] void update(const kernels::Map& m, const std::int32_t* of, int lanes)
   {
-    gather(m, cells, lanes);
-    run(*this, m.k);
+    gather(m, of, lanes);
+    run_all(*this, m.k);
     const kernels::UpdateCell update{m};
-    for (int l = 0; l < lanes; l++) update.put(cells[l], cells_.load(l), ends_.load(l));
+    for (int l = 0; l < lanes; l++) update.put(of[l], cells.load(l), ends.load(l));
   }
 
- private:
-  void gather(const kernels::Map& m, const std::int32_t* cells, int lanes)
-  {
-    for (int l = 0; l < kLanes; l++)
-    {
-      const int i = cells[std::min(l, lanes - 1)];
-      const kernels::HeightPoint* const from = m.sorted + m.cell_begin[i];
-      cells_.store(l, m.cell.load(i));
-      size_[l] = static_cast<int>(m.kept_count[i]);
-      for (int p = 0; p < size_[l]; p++) points_[p].store(l, from[p]);
-    }
-    most_ = size_[kLanes - 1];
-  }
-
-  /** kernels::update_cell() for all of them. */
-  TALUS_CLONES static void run(Batch& g, const Config k)
-  {
-    g.find_ends(k);
-    g.update_ground(k);
-    g.update_elevation(k);
-    g.find_overhangs(k);
-  }
-
-  void find_ends(const Config& k)
-  {
-    up_to_.fill({});
-    reduce(ends_, up_to_, k);
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
-      hangs_[l] = kernels::all_hang(cells_.load(l), ends_.load(l), k);
-  }
-
-  void update_ground(const Config& k)
-  {
-    fuse(
-        k, [&](int l) { return kernels::plan_ground(cells_.load(l), ends_.load(l).lowest(), k); },
-        kernels::put_ground);
-  }
-
-  void update_elevation(const Config& k)
-  {
-    scan_clearance(k);
-    const auto plan = [&](int l)
-    {
-      const kernels::HeightPoint high = highest_.load(l).highest();
-      return kernels::plan_elevation(cells_.load(l), high, scan_.load(l).top_m, k);
-    };
-    fuse(k, plan, kernels::put_elevation);
-    const auto put = [&](Cell& c, int l)
-    { kernels::put_high_hit(c, scan_.load(l).top_m, ends_.load(l).highest(), k); };
-    each_cell(put);
-  }
-
-  /** Fuses the points of each plan(l), and puts the result into the cell. */
-  template <class Plan, class Put>
-  void fuse(const Config& k, const Plan& plan, const Put& put)
-  {
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++) plan_.store(l, plan(l));
-    reduce(fusion_, plan_, k);
-    each_cell([&](Cell& c, int l) { put(c, hangs_[l] != 0, plan_.load(l), fusion_.load(l), k); });
-  }
-
-  /** Finds the highest point that stands. */
-  void scan_clearance(const Config& k)
-  {
-    int any = 0;
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
-    {
-      scan_.store(l, {kernels::sure_top_m(cells_.load(l))});
-      any |= scan_.load(l).top_m < ends_.load(l).highest().height_m;
-    }
-    while (any)
-    {
-      last_ = scan_;
-      add(scan_, last_, k);
-      any = 0;
-      TALUS_INDEPENDENT
-      for (int l = 0; l < kLanes; l++)
-        any |= scan_.load(l).goes_on(last_.load(l), ends_.load(l).highest().height_m);
-    }
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
-    {
-      const float top_m = scan_.load(l).top_m;
-      up_to_.store(l, {top_m});
-      any |= top_m < ends_.load(l).highest().height_m;
-    }
-    highest_ = ends_;
-    if (any) reduce(highest_, up_to_, k);
-  }
-
-  void find_overhangs(const Config& k)
-  {
-    TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++) up_to_.store(l, kernels::overhangs_up_to(cells_.load(l), k));
-    reduce(overhang_, up_to_, k);
-    each_cell([&](Cell& c, int l) { kernels::put_overhang(c, overhang_.load(l), k); });
-  }
-
-  /** Changes each cell by f(cell, l). */
   template <class F>
-  void each_cell(const F& f)
+  void each_lane(const F& f)
   {
     TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++)
-    {
-      Cell c = cells_.load(l);
-      f(c, l);
-      cells_.store(l, c);
-    }
-  }
-
-  /** Reduces the points of each cell, from an empty sum or a given one. */
-  template <class Sum, class Question>
-  void reduce(
-      SideBySide<Sum, kLanes>& sums, const SideBySide<Question, kLanes>& asked, const Config& k)
-  {
-    sums.fill({});
-    add(sums, asked, k);
+    for (int l = 0; l < kLanes; l++) f(l);
   }
   template <class Sum, class Question>
-  void add(
-      SideBySide<Sum, kLanes>& sums, const SideBySide<Question, kLanes>& asked, const Config& k)
+  void add(Lanes<Sum>& sums, const Lanes<Question>& asked, const kernels::Config& k)
   {
     for (int p = 0; p < most_; p++)
     {
@@ -167,16 +50,24 @@ class alignas(64) Batch
     }
   }
 
+ private:
+  void gather(const kernels::Map& m, const std::int32_t* of, int lanes)
+  {
+    for (int l = 0; l < kLanes; l++)
+    {
+      const int i = of[std::min(l, lanes - 1)];
+      const kernels::HeightPoint* const from = m.sorted + m.cell_begin[i];
+      cells.store(l, m.cell.load(i));
+      size_[l] = static_cast<int>(m.kept_count[i]);
+      for (int p = 0; p < size_[l]; p++) points_[p].store(l, from[p]);
+    }
+    most_ = size_[kLanes - 1];
+  }
+  TALUS_CLONES static void run_all(Batch& g, const kernels::Config k) { g.run(k); }
+
   int most_ = 0;
-  int size_[kLanes], hangs_[kLanes];
-  SideBySide<Cell, kLanes> cells_;
-  SideBySide<kernels::HeightPoint, kLanes> points_[kMost];
-  SideBySide<kernels::UpTo, kLanes> up_to_;
-  SideBySide<kernels::Extremes, kLanes> ends_, highest_;
-  SideBySide<kernels::FusionPlan, kLanes> plan_;
-  SideBySide<kernels::Fusion, kLanes> fusion_;
-  SideBySide<kernels::ClearanceScan, kLanes> scan_, last_;
-  SideBySide<kernels::Overhang, kLanes> overhang_;
+  int size_[kLanes];
+  Lanes<kernels::HeightPoint> points_[kMost];
 };
 
 /** The cells that received points. Cells of one part of the window come together, so that a thread

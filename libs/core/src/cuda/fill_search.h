@@ -284,10 +284,10 @@ struct SearchAndFillCell
     Behind behind;
     if (inner.near() || outer.near())
     {
-      behind = look_behind(radial_search(ix, iy));
       lines[0] = line(inner, outer);
       for (int l = 1; l < kLines; l++)
         lines[l] = line(infer_side(l, false, ix, iy), infer_side(l, true, ix, iy));
+      behind = look_behind(radial_search(ix, iy));
     }
     (*this)(ix, iy, inner, outer, behind, lines, 1);
   }

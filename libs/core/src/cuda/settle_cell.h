@@ -22,18 +22,20 @@ struct SettleCell
   template <class Group>
   TALUS_HD void inspect(int ix, int iy, const Group& group) const
   {
-    CleanUpCell{m}.inspect(ix, iy, m.at(ix, iy), group);
+    if constexpr (kCleansUp) CleanUpCell{m}.inspect(ix, iy, m.at(ix, iy), group);
   }
   /** Last step. True for a sample. */
   TALUS_HD bool operator()(int ix, int iy) const
   {
     const int i = m.at(ix, iy);
-    if constexpr ((std::is_same_v<Rules, CleanUpCell> || ...))
+    if constexpr (kCleansUp)
       if (CleanUpCell{m}.applies(ix, iy, i)) CleanUpCell{m}.finish(ix, iy, i);
     return TakeSample{m}(ix, iy, i);
   }
 
  private:
+  static constexpr bool kCleansUp = (std::is_same_v<Rules, CleanUpCell> || ...);
+
   template <class Rule>
   TALUS_HD void begin(int ix, int iy, int i, bool& inspects) const
   {
