@@ -76,6 +76,13 @@ struct BuriedBelow
   }
 };
 
+/** Whether the ray of a point is buried, once the slopes of its direction are known. */
+TALUS_HD bool is_buried(const Map& m, int point_i)
+{
+  const int ray = m.point_ray[point_i];
+  return ray >= 0 && m.point_slope[point_i] < m.lowest_slope[ray];
+}
+
 /** The lowest hit in a range of rings of one direction. */
 struct LowestHit
 {

@@ -45,7 +45,7 @@ class MapBackend final : public BackendInterface
     use(shown_ = slot);
     executor_.finish_frame(
         [this] { run_stages(); },
-        [&] { read(cells.after, records_.data() + size_of(cells.before)); });
+        [&] { read<ReadCell>(cells.after, records_.data() + size_of(cells.before)); });
     map_.now->parts_known = map_.parts_wanted();
     return report();
   }
@@ -58,12 +58,18 @@ class MapBackend final : public BackendInterface
   }
   std::array<bool, kLayerCount> set_outputs(int slot, const OutputPointers& host) override;
   void read_layer(Layer layer, float* out) override;
-  CellRecord* read_cells(const std::vector<WindowRect>& rects) override;
+  CellRecord* read_cells(const std::vector<WindowRect>& rects) override
+  {
+    return read_all_of<ReadCell>(rects, records_);
+  }
   void write_cells(const std::vector<WindowRect>& rects, const CellRecord* from) override;
   std::vector<PointLabel> label_points(
       const Frame& frame, const kernels::FrameContext& context) override;
   void read_channel(std::size_t channel, int surface, float* out) override;
-  const ChannelRecord* read_channels(const std::vector<WindowRect>& rects) override;
+  const ChannelRecord* read_channels(const std::vector<WindowRect>& rects) override
+  {
+    return read_all_of<ReadChannels>(rects, channel_records_);
+  }
   void write_channels(const std::vector<WindowRect>& rects, const ChannelRecord* from) override;
   ChannelBytes read_all_channels() override;
   void write_all_channels(const ChannelBytes& bytes) override;
@@ -93,12 +99,11 @@ class MapBackend final : public BackendInterface
   void export_surface(Layer layer, float* to)
   {
     kernels::Map m = map_.view();
-    const WindowRect all{0, 0, map_.side(), map_.side()};
     m.out = Map::layers_at([=](Layer l) { return l == layer ? to : nullptr; });
     if (layer == Layer::Variance)
-      tell_variance(on_, m, all);
+      tell_variance(on_, m, std::array{window_of(m)});
     else
-      on_.template cells<kernels::PutSurface>(m, all);
+      on_.template cells<kernels::PutSurface>(m, window_of(m));
   }
   static int size_of(const std::vector<WindowRect>& rects)
   {
@@ -120,13 +125,24 @@ class MapBackend final : public BackendInterface
       records += size;
     }
   }
-  void read(const std::vector<WindowRect>& rects, CellRecord* to)
+  template <class Read, class Record>
+  void read(const std::vector<WindowRect>& rects, Record* to)
   {
     hand_over(
         rects, to,
-        [this](const WindowRects& some, int size, CellRecord* records) {
-          executor_.for_each_to_host(size, ReadCell{{map_.view(), some}}, records);
+        [this](const WindowRects& some, int size, Record* records) {
+          executor_.for_each_to_host(size, Read{{map_.view(), some}}, records);
         });
+  }
+  /** The records of cells, of the frame that was finished last. */
+  template <class Read, class Records>
+  auto* read_all_of(const std::vector<WindowRect>& rects, Records& records)
+  {
+    use(shown_);
+    executor_.make_room(records, static_cast<std::size_t>(size_of(rects)));
+    read<Read>(rects, records.data());
+    executor_.synchronize();
+    return records.data();
   }
   void read_before(int slot, const FrameRects& cells);
   const CellRecord* within_reach(const CellRecord* from, std::size_t size);
@@ -215,16 +231,6 @@ void MapBackend<On>::read_layer(Layer layer, float* out)
   if (from != out) executor_.download(from, static_cast<std::size_t>(map_.cells()), out);
 }
 
-template <class On>
-CellRecord* MapBackend<On>::read_cells(const std::vector<WindowRect>& rects)
-{
-  use(shown_);
-  executor_.make_room(records_, static_cast<std::size_t>(size_of(rects)));
-  read(rects, records_.data());
-  executor_.synchronize();
-  return records_.data();
-}
-
 /** Reads cells before the frame in `slot`, up to a mark, without waiting. */
 template <class On>
 void MapBackend<On>::read_before(int slot, const FrameRects& cells)
@@ -233,7 +239,7 @@ void MapBackend<On>::read_before(int slot, const FrameRects& cells)
   executor_.use(slot);
   executor_.make_room(
       records_, static_cast<std::size_t>(size_of(cells.before) + size_of(cells.after)));
-  read(cells.before, records_.data());
+  read<ReadCell>(cells.before, records_.data());
   executor_.mark();
 }
 
@@ -250,8 +256,7 @@ void MapBackend<On>::write_cells(const std::vector<WindowRect>& rects, const Cel
       });
   kernels::Map m = map_.view();
   m.out = shown;
-  for (const WindowRect& rect : rects)
-    if (shown.variance) tell_variance(on_, m, within(kernels::kAskedPlaces, rect, map_.side()));
+  if (shown.variance) tell_variance(on_, m, rects);
   executor_.synchronize();
 }
 
@@ -314,22 +319,8 @@ void MapBackend<On>::read_channel(std::size_t channel, int surface, float* out)
   use(shown_);
   kernels::Map m = map_.view();
   m.put = {static_cast<int>(channel), surface, m.top_hit_m};  // free between frames
-  on_.template cells<kernels::PutChannel>(m, {0, 0, map_.side(), map_.side()});
+  on_.template cells<kernels::PutChannel>(m, window_of(m));
   executor_.download(m.top_hit_m, static_cast<std::size_t>(map_.cells()), out);
-}
-
-template <class On>
-const ChannelRecord* MapBackend<On>::read_channels(const std::vector<WindowRect>& rects)
-{
-  use(shown_);
-  executor_.make_room(channel_records_, static_cast<std::size_t>(size_of(rects)));
-  hand_over(
-      rects, channel_records_.data(),
-      [this](const WindowRects& some, int size, ChannelRecord* records) {
-        executor_.for_each_to_host(size, ReadChannels{{map_.view(), some}}, records);
-      });
-  executor_.synchronize();
-  return channel_records_.data();
 }
 
 template <class On>

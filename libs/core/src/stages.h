@@ -15,6 +15,8 @@
 #include "kernels/9_channels.h"
 #include "map_buffers.h"
 
+#include <array>
+
 namespace talus
 {
 // The stages of a frame: one list for all that runs them. `On` is Cores, a Device, or a stand-in
@@ -49,21 +51,24 @@ void find_limits(On& on, const kernels::Map& m, int rounds)
   open_ground(on, m);
 }
 
-/** Lays out the ground, and tells the variance of some cells. */
-template <class On>
-void tell_variance(On& on, const kernels::Map& m, const WindowRect& cells)
+inline WindowRect window_of(const kernels::Map& m) { return {0, 0, m.k.cells, m.k.cells}; }
+
+/** Tells the variance where it depends on some cells. */
+template <class On, class Rects>
+void tell_variance(On& on, const kernels::Map& m, const Rects& cells)
 {
-  on.template cells<kernels::LayOutGround>(m, {0, 0, m.k.cells, m.k.cells});
-  on.template cells<kernels::TellVariance>(m, cells);
+  on.template cells<kernels::LayOutGround>(m, window_of(m));
+  for (const WindowRect& rect : cells)
+    on.template cells<kernels::TellVariance>(m, within(kernels::kAskedPlaces, rect, m.k.cells));
 }
 
 /** Stage 6. */
 template <class On>
 void fill(On& on, const kernels::Map& m)
 {
-  on.fill(m);
+  on.fill(m);  // FillCell, PutSurface
   if (!m.out.variance) return;
-  tell_variance(on, m, {0, 0, m.k.cells, m.k.cells});
+  tell_variance(on, m, std::array{window_of(m)});
   on.deliver_variance();
 }
 
@@ -77,32 +82,35 @@ void reach_first(On& on, const kernels::Map& m)
   on.template settle<StandOnCell<typename On::Atomics>, PresumeStart, ClassifyCell>(m);
   fill(on, m);
   on.judge(m);
-  on.template cells<StartReach>(m, {0, 0, m.k.cells, m.k.cells});
+  on.template cells<StartReach>(m, window_of(m));
   find_limits(on, m, kFirstReach_rounds);
-  on.template cells<ForgetFill>(m, {0, 0, m.k.cells, m.k.cells});
+  on.template cells<ForgetFill>(m, window_of(m));
 }
 
+/** The stages of a frame, in their order. */
 template <class On>
 void run_stages(On& on, const kernels::Map& m, bool starts_map)
 {
   using namespace kernels;
   using Atomics = typename On::Atomics;
+  // 1: AcceptPoint, NoteRay, NoteReach, CountOffset, FindGroundHits, FollowPoses. 2: the cells.
   on.template accept<ForgetHits, RollCell>(m);
   on.end_stage(Stage::Accept);
-  on.update(m);
+  on.update(m);  // 3: SortPoint, UpdateCell. 5: FindPassingRays
   on.end_stage(Stage::Update);
-  on.find_reach(m);
+  on.find_reach(m);  // 4: PoolReach, PoolCells, SpreadReach
   if (starts_map)
     reach_first(on, m);
   else
     open_ground(on, m);
   on.end_stage(Stage::Classify);
+  // 4 and 5 on each cell, then TakeSample.
   on.template settle<StandOnCell<Atomics>, PresumeStart, ClassifyCell, LowerObject, CleanUpCell>(m);
   on.end_stage(Stage::CleanUp);
   fill(on, m);
   on.end_stage(Stage::Fill);
-  if (m.channels.size > 0) on.fuse_channels(m);
-  on.judge(m);
+  if (m.channels.size > 0) on.fuse_channels(m);  // ForgetChannels, PlacePoint, SettlePoint
+  on.judge(m);  // 7: ComputeFeatures, CompleteObstacles, NotePassable, TakeClassScores
   on.end_stage(Stage::Traversability);
   on.end();
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include "kernels/1_buried_rays.h"
 #include "kernels/1_points.h"
 #include "kernels/2_follow.h"
 
@@ -48,8 +49,7 @@ struct BinPoint
   {
     const int cell = m.point_cell[point_i];
     if (cell < 0) return;
-    const int ray = m.point_ray[point_i];
-    const bool buried = ray >= 0 && m.point_slope[point_i] < m.lowest_slope[ray];
+    const bool buried = is_buried(m, point_i);
     if (buried) Atomics::count(m.counters + kBuried);
     m.point_rank[point_i] = buried ? kNoRank : m.cell_count[cell]++;
   }

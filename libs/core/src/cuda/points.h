@@ -1,4 +1,5 @@
 #pragma once
+#include "kernels/1_buried_rays.h"
 #include "kernels/1_points.h"
 #include "kernels/2_follow.h"
 #include "kernels/3_update.h"
@@ -92,9 +93,8 @@ struct SortUnburiedPoint
     if (point_i >= m.frame->n_points) return;
     NoteReach<Atomics>{m}(point_i);
     if (m.point_cell[point_i] < 0) return;
-    const int ray = m.point_ray[point_i];
     const SortPoint sort{m};
-    if (ray >= 0 && m.point_slope[point_i] < m.lowest_slope[ray])
+    if (is_buried(m, point_i))
       Atomics::count(m.counters + kBuried);
     else
       sort.put(
@@ -102,7 +102,7 @@ struct SortUnburiedPoint
   }
 };
 
-/** Hands over the counters and resets the memory for the next frame; one of kWorkers() threads. */
+/** Hands over the counters and resets the memory for the next frame; one of workers() threads. */
 struct ResetFrame
 {
   const Map& m;
