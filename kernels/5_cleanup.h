@@ -192,7 +192,7 @@ struct CleanUpCell
     const bool faded = seen && c.recent_hits > 0;  // rays passed
     if (faded) c.recent_hits--;
     if (stands && on(kRayBelowGround, m.k) && is_undercut(ix, iy, i)) m.surface_class[i] = kObject;
-    // Hits below the rays do not protect it: a box that left shows the floor where it stood.
+    // Hits below the rays do not protect it: behind a box that moved away they are on its floor.
     const bool hit = hit_m > select(stands, limit_m, bare_up_to_m(c.ground_m, m.k));
     // A hit above it hangs.
     if (stands && hit && hit_m <= top(i) + m.k.cleanup_margin_m)

@@ -60,7 +60,7 @@ struct PlacePoint
   {
     const int i = m.point_cell[point_i];
     if (i < 0) return kNoSurface;
-    Cell c;  // all that tells the ground and what stands from the rest
+    Cell c;  // all that separates ground and object from the rest
     c.ground_m = m.cell.ground_m[i];
     c.elevation_m = m.cell.elevation_m[i];
     c.driven_height = m.cell.driven_height[i];

@@ -63,9 +63,9 @@ struct Track;
   ARRAY(float, lowest_slope, rays, -kInfinity) /* of rays that are not buried, where any is hit */ \
   ARRAY(std::int32_t, reach, slopes, 0) /* [bin][slope step]; 0: no ray */                         \
   /* points of a frame */                                                                          \
-  ARRAY(std::int32_t, point_ray, points, -1) /* place in `rays`, or -1: no direction */            \
+  ARRAY(std::int32_t, point_ray, points, -1) /* index in `rays`, or -1: no direction */            \
   ARRAY(float, point_slope, points, 0.0f) /* slope of that ray */                                  \
-  ARRAY(std::int32_t, point_reach, points, -1) /* place in `reach`, or -1 */                       \
+  ARRAY(std::int32_t, point_reach, points, -1) /* index in `reach`, or -1 */                       \
   ARRAY(std::uint32_t, point_reject, points, 0) /* a RejectCode */                                 \
   ARRAY(std::uint32_t, point_rank, points, 0) /* among those of its cell, in any order */          \
   ARRAY(float, point_height_m, points, 0.0f) /* map frame */                                       \
@@ -119,7 +119,7 @@ struct Map
     int channel, surface;
     float* out;
   } put;  //!< see PutChannel
-  const std::int32_t* moved;  //!< by storage index: 1 where points to label hit what has left
+  const std::int32_t* moved;  //!< by storage index: 1 where what points to label hit moved away
                               //!< since; null: not yet known
   std::int32_t* notes_moved;  //!< the same, to be found
   std::uint32_t* reported;  //!< counters of the frame, for the host
