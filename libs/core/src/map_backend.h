@@ -206,7 +206,7 @@ void MapBackend<On>::complete_parts()
 {
   if (map_.now->parts_known) return;
   map_.allocate_parts(executor_);
-  float* const judged = map_.feature(Layer::Traversability);
+  float* const judged = map_.memory_of(Layer::Traversability);
   float* const kept = map_.top_hit_m.data();  // free between frames
   executor_.copy(kept, judged, static_cast<std::size_t>(map_.cells()));
   kernels::Map m = map_.view();
@@ -226,7 +226,7 @@ void MapBackend<On>::read_layer(Layer layer, float* out)
   else
   {
     if (layer != Layer::Traversability) complete_parts();
-    from = map_.feature(layer);
+    from = map_.memory_of(layer);
   }
   if (from != out) executor_.download(from, static_cast<std::size_t>(map_.cells()), out);
 }
@@ -389,7 +389,7 @@ MapBytes MapBackend<On>::read_all()
   complete_parts();
   bytes.features.resize(Map::kFeatureLayers * n);
   for (std::size_t i = 0; i < Map::kFeatureLayers; i++)
-    executor_.download(map_.feature(feature_layer(i)), n, bytes.features.data() + i * n);
+    executor_.download(map_.memory_of(feature_layer(i)), n, bytes.features.data() + i * n);
   return bytes;
 }
 
@@ -409,10 +409,10 @@ void MapBackend<On>::write_all(const MapBytes& bytes, const kernels::FrameContex
   map_.allocate_parts(executor_);
   map_.now->parts_known = true;
   for (std::size_t i = 0; i < Map::kFeatureLayers; i++)
-    executor_.upload(bytes.features.data() + i * n, n, map_.feature(feature_layer(i)));
+    executor_.upload(bytes.features.data() + i * n, n, map_.memory_of(feature_layer(i)));
   executor_.upload(&window, 1, map_.frame.data());
   for (int i = Map::kFirstSurface; i < Map::kFirstFeature; i++)
-    if (float* const to = map_.surface(static_cast<Layer>(i)))
+    if (float* const to = map_.memory_of(static_cast<Layer>(i)))
       export_surface(static_cast<Layer>(i), to);
   map_.deliver_surfaces(executor_, 0, map_.side());
   map_.deliver_variance(executor_);

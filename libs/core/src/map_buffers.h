@@ -164,7 +164,7 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
     if (!Executor::kIsDevice) m.kept_count = m.cell_count, m.datum_before = m.datum;
     m.in = now->in;
     m.parts = parts_wanted(), m.keeps = true;
-    m.out = layers_at([this](Layer l) { return l < Layer::Slope ? surface(l) : feature(l); });
+    m.out = layers_at([this](Layer l) { return memory_of(l); });
     for (ChannelBuffers& c : channels)
     {
       kernels::Channel& channel = m.channels.each[m.channels.size];
@@ -187,14 +187,15 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
             where(Layer::Traversability)};
   }
 
-  /** The memory of a wanted layer of stages 2 to 6: the caller's if kernels reach it. */
-  float* surface(Layer layer)
+  /** The memory of a layer: the caller's if kernels reach it; null: not wanted. */
+  float* memory_of(Layer layer)
   {
-    const auto l = static_cast<std::size_t>(layer);
-    if (!now->wanted[l]) return nullptr;
-    const OutputMemory& output = now->outputs[l];
-    return output.direct ? output.mapped
-                         : now->delivered.data() + l * static_cast<std::size_t>(cells());
+    const auto l = static_cast<std::size_t>(layer), n = static_cast<std::size_t>(cells());
+    if (now->outputs[l].direct) return now->outputs[l].mapped;
+    if (layer < Layer::Slope) return now->wanted[l] ? now->delivered.data() + l * n : nullptr;
+    if (layer == Layer::Traversability) return now->traversability.data();
+    const std::size_t part = l - static_cast<std::size_t>(Layer::Slope);
+    return now->parts.size() ? now->parts.data() + part * n : nullptr;
   }
   bool has_class_scores() const { return !host_class_scores.empty(); }
   /** Whether each frame leaves slope, step, roughness or sparsity. */
@@ -202,16 +203,6 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
   {
     const auto first = now->wanted.begin() + static_cast<int>(Layer::Slope);
     return std::any_of(first, first + kParts, [](const float* to) { return to; });
-  }
-  /** The memory of a layer of stage 7: the caller's if kernels reach it; null: not wanted. */
-  float* feature(Layer layer)
-  {
-    const auto l = static_cast<std::size_t>(layer);
-    if (now->outputs[l].direct) return now->outputs[l].mapped;
-    if (layer == Layer::Traversability) return now->traversability.data();
-    const std::size_t index = l - static_cast<std::size_t>(Layer::Slope);
-    float* const parts = now->parts.data();
-    return now->parts.size() ? parts + index * static_cast<std::size_t>(cells()) : nullptr;
   }
   /** Whether a wanted layer is computed elsewhere and then copied. */
   bool is_copied(Layer layer) const
@@ -221,22 +212,19 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
   }
   int copied_surfaces() const { return copied(kFirstSurface, kFirstFeature); }
   int copied_features() const { return copied(kFirstFeature, kLayerCount); }
-  /** Copies the rows [first_row, end_row) of such layers. */
+  /** Copies the rows [first_row, end_row) of such layers; the variance is told when the ground of
+   * all cells is known. */
   void deliver_surfaces(Executor& executor, int first_row, int end_row)
   {
     for (int l = kFirstSurface; l < kFirstFeature; l++)
       if (const auto layer = static_cast<Layer>(l); layer != Layer::Variance)
-        deliver(executor, layer, surface(layer), first_row, end_row);
+        deliver(executor, layer, first_row, end_row);
   }
-  /** It is told when the ground of all cells is known. */
-  void deliver_variance(Executor& executor)
-  {
-    deliver(executor, Layer::Variance, surface(Layer::Variance), 0, side());
-  }
+  void deliver_variance(Executor& executor) { deliver(executor, Layer::Variance, 0, side()); }
   void deliver_features(Executor& executor, int first_row, int end_row)
   {
     for (int l = kFirstFeature; l < kLayerCount; l++)
-      deliver(executor, static_cast<Layer>(l), feature(static_cast<Layer>(l)), first_row, end_row);
+      deliver(executor, static_cast<Layer>(l), first_row, end_row);
   }
   /** Surface layers come first, then the layers of stage 7. */
   static constexpr int kFirstSurface = static_cast<int>(Layer::Elevation);
@@ -284,12 +272,13 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
     for (int l = first; l < end; l++) n += is_copied(static_cast<Layer>(l));
     return n;
   }
-  void deliver(Executor& executor, Layer layer, const float* from, int first_row, int end_row)
+  void deliver(Executor& executor, Layer layer, int first_row, int end_row)
   {
     if (!is_copied(layer)) return;
     const auto first = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(side());
     const auto end = static_cast<std::size_t>(end_row) * static_cast<std::size_t>(side());
-    executor.copy(now->wanted[static_cast<std::size_t>(layer)] + first, from + first, end - first);
+    float* const to = now->wanted[static_cast<std::size_t>(layer)];
+    executor.copy(to + first, memory_of(layer) + first, end - first);
   }
 };
 
