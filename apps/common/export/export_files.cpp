@@ -23,40 +23,28 @@ const std::vector<std::string> kBands{"traversability", "ground_elevation", "ele
 /** One map, and how its files begin. */
 struct Map
 {
-  std::string file, stem;
+  Map(const std::string& path, const std::string& folder)
+      : file(path), stem((fs::path(folder) / fs::path(path).stem()).string())
+  {
+    std::vector<std::string> bands = kBands;
+    for (const std::string& name : channel_bands(file.bands())) bands.push_back(name);
+    layers = file.read(bands);
+    if (layers.layers.empty())
+      throw std::runtime_error(
+          path + ": has none of the bands of a map: give a map.tif or site.tif of talus-map");
+  }
+
+  io::GeotiffFile file;
+  std::string stem;
   LayerStack layers;
 
   std::string path(const char* ending) const { return stem + ending; }
 };
 
-Map read_map(const std::string& file, const std::string& folder)
-{
-  std::vector<std::string> bands = kBands;
-  for (const std::string& name : channel_bands(io::bands_of_geotiff(file))) bands.push_back(name);
-  Map map{file, (fs::path(folder) / fs::path(file).stem()).string(), io::read_geotiff(file, bands)};
-  if (map.layers.layers.empty())
-    throw std::runtime_error(
-        file + ": has none of the bands of a map: give a map.tif or site.tif of talus-map");
-  return map;
-}
-
-/** None of the map of a window, nor of a part that was cut out of a site. */
-std::vector<std::vector<site::WayPoint>> site_ways(const std::string& file)
-{
-  try
-  {
-    return site::ways_of_site(file);
-  }
-  catch (const std::runtime_error&)
-  {
-    return {};
-  }
-}
-
 std::vector<std::vector<PagePoint>> ways_of(const Map& map)
 {
   std::vector<std::vector<PagePoint>> ways;
-  for (const auto& way : site_ways(map.file))
+  for (const auto& way : site::ways_of_site(map.file))
   {
     auto& points = ways.emplace_back();
     for (const site::WayPoint& p : way) points.push_back({p.x_m, p.y_m, p.z_m});
@@ -70,7 +58,7 @@ void write_html(
   PageOptions page;
   page.title = title;
   page.ways = ways_of(map);
-  page.origin = io::origin_of_geotiff(map.file);
+  page.origin = map.file.origin();
   page.max_bytes = o.max_mb << 20;
   LayerStack changes;
   if (!o.changes.empty())
@@ -112,7 +100,7 @@ std::vector<std::string> export_files(
 {
   std::vector<std::string> files;
   if (options.formats.empty()) return files;
-  const Map map = read_map(geotiff, folder);
+  const Map map(geotiff, folder);
   for (const std::string& format : options.formats)
     files.push_back(write_as(format, map, title, options));
   return files;

@@ -5,7 +5,7 @@
 
 #include "bin_columns.h"
 #include "label_file.h"
-#include "scan_files.h"
+#include "formats.h"
 
 namespace talus::import
 {
@@ -100,10 +100,10 @@ void require_distances(const std::string& path, const ScanFile& scan)
 }
 }  // namespace
 
-void read_bin(const std::string& path, const std::vector<std::string>& names, ScanFile& out)
+void read_bin(const std::string& path, ScanFile& out)
 {
   const std::string bytes = read_input_file(path, "scan", kLargestScan_bytes);
-  const auto fields = fields_of(path, names);
+  const auto fields = fields_of(path, out.fields);
   require_count(path, bytes, fields);
   const std::size_t point_bytes = kFloat_bytes * fields.size(), count = bytes.size() / point_bytes;
   const auto labels = labels_beside(path, fields, out.values, count);

@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/io/foreign_scans.h>
+#include <talus/import/scan_source.h>
 
 #include <string>
 #include <vector>
@@ -10,7 +10,7 @@ namespace talus::import
 struct FolderLayout
 {
   std::vector<std::string> scans;  //!< in the order of their names; one at least
-  io::ForeignScans kind = io::ForeignScans::None;  //!< of all of them
+  const Format* format = nullptr;  //!< of all of them
   std::string label;  //!< of the sensor: the name of the folder
   std::string times, calibration, poses;
   std::string kitti_360;  //!< its folder `calibration`
@@ -20,6 +20,6 @@ struct FolderLayout
  * (velodyne/, times.txt, calib.txt; poses.txt in it or poses/NN.txt beside sequences/), a drive of
  * the raw data (velodyne_points/), one of KITTI-360 (below data_3d_raw/). Throws std::runtime_error
  * that names the folder, what is wrong and what to do. */
-FolderLayout find_layout(const std::string& path);
+FolderLayout find_layout(const Input& input);
 
 }  // namespace talus::import

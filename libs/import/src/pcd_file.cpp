@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "lzf.h"
-#include "scan_files.h"
+#include "formats.h"
 #include "text_lines.h"
 
 namespace talus::import

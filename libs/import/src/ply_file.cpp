@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "scan_files.h"
+#include "formats.h"
 #include "text_lines.h"
 
 namespace talus::import

@@ -54,13 +54,15 @@ struct ScanFile
   bool whole_times = false;  //!< they are integers
   std::size_t not_finite = 0;  //!< points that are left out
   std::optional<mrpt::poses::CPose3D> viewpoint;  //!< the sensor in the map, where it says so
-  std::string values;  //!< set before it is read, see SourceOptions::values
+  std::string values;  //!< set before it is read, see SourceOptions
+  std::vector<std::string> fields;  //!< so is this
 
-  /** Forgets all but `values`. */
+  /** Forgets all but what was set before. */
   void clear()
   {
     ScanFile empty;
     empty.values.swap(values);
+    empty.fields.swap(fields);
     *this = std::move(empty);
   }
 };

@@ -15,6 +15,7 @@
 #include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace talus::io
 {
@@ -162,39 +163,52 @@ void write_geotiff(
   file.commit();
 }
 
-LayerStack read_geotiff(const std::string& path, const std::vector<std::string>& bands)
+struct GeotiffFile::Impl
 {
+  explicit Impl(std::string p) : path(std::move(p)), dataset(open_geotiff(path, errors)) {}
+
+  std::string path;
   GdalErrors errors;
-  const DatasetPtr dataset = open_geotiff(path, errors);
-  require_plain_floats(*dataset, path);
-  LayerStack stack = place_of(*dataset, path, errors);
-  for (auto* band : dataset->GetBands())
+  DatasetPtr dataset;
+};
+
+GeotiffFile::GeotiffFile(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
+GeotiffFile::~GeotiffFile() = default;
+
+std::vector<std::string> GeotiffFile::bands() const
+{
+  std::vector<std::string> names;
+  for (auto* band : impl_->dataset->GetBands()) names.emplace_back(band->GetDescription());
+  return names;
+}
+
+std::string GeotiffFile::item(const char* name) const
+{
+  const char* const text = impl_->dataset->GetMetadataItem(name);
+  return text ? text : "";
+}
+
+std::optional<GeoOrigin> GeotiffFile::origin() const { return origin_from(item(kOriginItem)); }
+
+LayerStack GeotiffFile::read(const std::vector<std::string>& bands) const
+{
+  require_plain_floats(*impl_->dataset, impl_->path);
+  LayerStack stack = place_of(*impl_->dataset, impl_->path, impl_->errors);
+  for (auto* band : impl_->dataset->GetBands())
   {
     const bool wanted =
         bands.empty() ||
         std::find(bands.begin(), bands.end(), band->GetDescription()) != bands.end();
     if (!wanted) continue;
     stack.names.emplace_back(band->GetDescription());
-    stack.layers.push_back(read_band(*band, path, errors));
+    stack.layers.push_back(read_band(*band, impl_->path, impl_->errors));
   }
   return stack;
 }
 
-std::vector<std::string> bands_of_geotiff(const std::string& path)
+LayerStack read_geotiff(const std::string& path, const std::vector<std::string>& bands)
 {
-  GdalErrors errors;
-  const DatasetPtr dataset = open_geotiff(path, errors);
-  std::vector<std::string> names;
-  for (auto* band : dataset->GetBands()) names.emplace_back(band->GetDescription());
-  return names;
-}
-
-std::optional<GeoOrigin> origin_of_geotiff(const std::string& path)
-{
-  GdalErrors errors;
-  const DatasetPtr dataset = open_geotiff(path, errors);
-  const char* const text = dataset->GetMetadataItem(kOriginItem);
-  return origin_from(text ? text : "");
+  return GeotiffFile(path).read(bands);
 }
 
 }  // namespace talus::io

@@ -155,10 +155,9 @@ double resolution_of_site(const std::string& path) { return SiteReader(path).res
 int floor_of_site(const std::string& path) { return SiteReader(path).floor(); }
 std::vector<int> floors_of_site(const std::string& path) { return SiteReader(path).floors(); }
 std::size_t islands_of_site(const std::string& path) { return SiteReader(path).islands(); }
-std::vector<std::vector<WayPoint>> ways_of_site(const std::string& path)
+std::vector<std::vector<WayPoint>> ways_of_site(const io::GeotiffFile& file)
 {
-  const SiteReader file(path);
-  return file.ways(file.floor());
+  return ways_from(file.item(kWaysItem), 0).value_or(Ways());
 }
 std::uint32_t newest_of_site(const std::string& path) { return SiteReader(path).newest_s(); }
 

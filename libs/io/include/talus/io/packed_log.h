@@ -10,6 +10,9 @@ class CSerializable;
 
 namespace talus::io
 {
+/** A file name without the ending of a packed file: .gz, .zst, .zstd. */
+std::string without_packing(const std::string& name);
+
 /** A rawlog that is written, gz-packed. All functions throw std::runtime_error that names the file
  * and says what is wrong. */
 class PackedLog

@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/io/geotiff.h>
 #include <talus/site/map_shift.h>
 #include <talus/site/site.h>
 
@@ -32,8 +33,8 @@ int floor_of_site(const std::string& path);
 std::vector<int> floors_of_site(const std::string& path);
 /** How many islands of its floor were written beside it. Throws as read_site(). */
 std::size_t islands_of_site(const std::string& path);
-/** The ways that were driven on it, map frame. Throws as read_site(). */
-std::vector<std::vector<WayPoint>> ways_of_site(const std::string& path);
+/** The ways that were driven on such a file, map frame; none in a file of another kind. */
+std::vector<std::vector<WayPoint>> ways_of_site(const io::GeotiffFile& file);
 /** When its newest cell was seen, whole seconds since 1970. Throws as read_site(). */
 std::uint32_t newest_of_site(const std::string& path);
 
