@@ -236,7 +236,7 @@ TEST(GeoTiff, holds_every_layer_of_a_map_in_their_order)
   const ElevationMapper map;
   const LayerStack stack = snapshot(map);
   ASSERT_EQ(stack.names.size(), static_cast<std::size_t>(kLayerCount));
-  for (int i = 0; i < kLayerCount; ++i) EXPECT_EQ(stack.names[i], kLayerNames[i]);
+  for (int i = 0; i < kLayerCount; ++i) EXPECT_EQ(stack.names[i], kLayerTable[i].name);
   EXPECT_EQ(stack.cells_x, 160);
   EXPECT_NE(stack.find("traversability"), nullptr);
   EXPECT_EQ(stack.find("colour"), nullptr);

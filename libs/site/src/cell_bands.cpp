@@ -2,8 +2,6 @@
 
 #include "kept_cell.h"
 
-#include <talus/layers.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,22 +32,25 @@ std::optional<std::uint32_t> whole(float v, std::uint32_t most)
 }
 }  // namespace
 
+std::array<float, kKeptLayers.size()> kept_values(const CellRecord& c)
+{
+  return {canonical(c.traversability), canonical(c.ground_m),
+          canonical(c.elevation_m),    canonical(c.ground_variance_m2),
+          static_cast<float>(c.state), !is_known(c) ? kNone : is_reached(c) ? 1.0F : 0.0F};
+}
+
 BandValues values_of(const SiteCell& cell, std::uint32_t newest_s)
 {
   BandValues values;
   values.fill(kNone);
   if (!cell.known()) return values;
   const CellRecord& c = cell.cell;
+  const auto kept = kept_values(c);
+  std::copy(kept.begin(), kept.end(), values.begin());
   const std::uint32_t age_s = newest_s - cell.seen_s, told_s = floor_to_float(age_s);
   const auto put = [&](Band b, float v) { values[static_cast<std::size_t>(b)] = v; };
   const auto pack = [](std::uint32_t low, std::uint32_t middle, std::uint32_t high)
   { return static_cast<float>(low | middle << 8 | high << 16); };
-  put(Band::Traversability, canonical(c.traversability));
-  put(Band::GroundElevation, canonical(c.ground_m));
-  put(Band::Elevation, canonical(c.elevation_m));
-  put(Band::Variance, canonical(c.ground_variance_m2));
-  put(Band::State, static_cast<float>(c.state));
-  put(Band::Reached, is_reached(c) ? 1.0F : 0.0F);
   put(Band::Age, static_cast<float>(told_s));
   put(Band::ElevationVariance, canonical(c.elevation_variance_m2));
   static_assert(CellRecord::kLastingBytes == 5);

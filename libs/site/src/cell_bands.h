@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/layers.h>
 #include <talus/site/tile_store.h>
 
 #include <array>
@@ -24,6 +25,13 @@ constexpr std::size_t kBandCount = 10;
 constexpr std::array<const char*, kBandCount> kBandNames{
     "traversability",     "ground_elevation", "elevation", "variance", "state", "reached", "age",
     "elevation_variance", "evidence",         "shape"};
+
+/** The layers of a map among them, which come first. */
+constexpr std::array kKeptLayers{Layer::Traversability, Layer::GroundElevation, Layer::Elevation,
+                                 Layer::Variance,       Layer::State,           Layer::Reached};
+
+/** Their values. NaN has one bit pattern. */
+std::array<float, kKeptLayers.size()> kept_values(const CellRecord& cell);
 
 using BandValues = std::array<float, kBandCount>;
 
