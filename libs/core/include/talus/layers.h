@@ -41,7 +41,7 @@ struct LayerInfo
 {
   const char* name;  //!< of bands, options and records
   const char* unit;  //!< "" for none
-  LayerKind kind;
+  LayerKind kind;  //!< of its values
   const char* title = nullptr;  //!< over a picture, with the unit; null: the name
   const char* low_word = "";  //!< meaning of 0, of scores
   const char* high_word = "";  //!< meaning of 1
