@@ -85,7 +85,19 @@ int run_command_in_child(
     const std::string& file, const std::string& advice, const std::function<int()>& work,
     const std::function<void(const std::string&)>& tell)
 {
-  const ChildEnd end = run_in_child([&] { return code_of(work, tell, file, advice); });
+  const ChildEnd end = run_in_child(
+      [&]
+      {
+        try
+        {
+          return work();
+        }
+        catch (const std::exception& e)
+        {
+          tell(failure_text(e, file, advice));
+          return 1;
+        }
+      });
   if (stop_signal())
   {
     tell("stopped; nothing was written");

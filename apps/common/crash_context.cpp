@@ -60,19 +60,4 @@ std::string failure_text(
   return file + ": needs more memory than there is. " + advice;
 }
 
-int code_of(
-    const std::function<int()>& work, const std::function<void(const std::string&)>& tell,
-    const std::string& file, const std::string& advice)
-{
-  try
-  {
-    return work();
-  }
-  catch (const std::exception& e)
-  {
-    tell(failure_text(e, file, advice));
-    return 1;
-  }
-}
-
 }  // namespace talus::app

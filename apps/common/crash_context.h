@@ -69,9 +69,4 @@ auto guarded(
 std::string failure_text(
     const std::exception& e, const std::string& file, const std::string& advice);
 
-/** What `work` returns; 1 where it throws, of which failure_text() is told. */
-int code_of(
-    const std::function<int()>& work, const std::function<void(const std::string&)>& tell,
-    const std::string& file, const std::string& advice);
-
 }  // namespace talus::app

@@ -1,5 +1,8 @@
 #include "output_folder.h"
 
+#include "child_process.h"
+#include "run_app.h"
+
 #include <talus/io/atomic_file.h>
 #include <unistd.h>
 
@@ -207,6 +210,22 @@ void require_apart(
         throw std::runtime_error(
             "'" + (folder / output).string() +
             "' would be overwritten, but it is an input; write elsewhere");
+}
+
+int make_results(
+    const std::string& folder, const std::string& seal, const std::string& input,
+    const std::string& advice, const std::function<void(const std::string& staging)>& make)
+{
+  OutputFolder output(folder);
+  const auto work = [&]
+  {
+    make(output.staging());
+    return 0;
+  };
+  const auto tell = [&](const std::string& text) { print_error(output.told(text)); };
+  const int code = run_command_in_child(input, advice, work, tell);
+  if (code == 0) output.commit(seal);
+  return code;
 }
 
 }  // namespace talus::app

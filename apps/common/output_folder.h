@@ -2,6 +2,7 @@
 #include <talus/io/hidden_folder.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -48,6 +49,13 @@ class OutputFolder
 
 /** Throws std::runtime_error when no OutputFolder could be made there; leaves nothing behind. */
 inline void require_writable(const std::string& folder) { const OutputFolder trial(folder); }
+
+/** Makes results in a child, which a damaged file or a signal may end: `make` writes into the
+ * folder that it is given. The exit code; 0: they are in place. See OutputFolder::commit() for
+ * `seal`, run_command_in_child() for `input` and `advice`. */
+int make_results(
+    const std::string& folder, const std::string& seal, const std::string& input,
+    const std::string& advice, const std::function<void(const std::string& staging)>& make);
 
 /** Of the labels of points: the table of numbers, which is their seal, and the log of clouds. */
 constexpr const char* kLabelTable = "labels.yaml";

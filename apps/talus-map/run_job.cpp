@@ -231,8 +231,6 @@ int map_or_tell(
 
 }  // namespace
 
-void print_error(const std::string& text) { std::cerr << "talus-map: " << text << "\n"; }
-
 bool run_job(
     const Job& job, const Options& options, const Settings& settings, const std::string& label)
 {

@@ -1,4 +1,5 @@
 #pragma once
+#include "../common/run_app.h"
 #include "job.h"
 #include "settings.h"
 
@@ -22,8 +23,5 @@ bool settings_work(const Settings& settings);
 /** How many devices the CUDA backend has; asked in a child process, as CUDA does not survive
  * fork(). */
 int count_devices();
-
-/** Prints "talus-map: ..." to stderr. */
-void print_error(const std::string& text);
 
 }  // namespace talus::app

@@ -1,44 +1,126 @@
 // talus-merge: maps of several drives in, the map of all or what changed out.
 #include "../common/child_process.h"
-#include "../common/crash_context.h"
+#include "../common/command_line.h"
 #include "../common/output_folder.h"
-#include "../common/printable.h"
 #include "../common/progress_bar.h"
+#include "../common/run_app.h"
 #include "fit_report.h"
-#include "options.h"
 
 #include <talus/io/atomic_file.h>
 #include <talus/io/qgis_style.h>
 #include <talus/number_text.h>
 #include <talus/site/changes.h>
 #include <talus/site/islands.h>
+#include <talus/site/merge.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <functional>
 #include <iostream>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
+namespace app = talus::app;
 namespace fs = std::filesystem;
 using namespace talus::site;
 using talus::align::Alignment;
 using talus::app::OutputFolder;
+using talus::app::print_error;
 using talus::app::ProgressBar;
 
 namespace
 {
+/** What the command line says. */
+struct Options
+{
+  std::vector<std::string> inputs;  //!< two with `changes`, the older first
+  std::string output;  //!< a file, or a folder with `changes`
+  std::string picture;  //!< of what was merged; empty: none
+  MergeOptions merge;
+  std::size_t memory_mb = 512;  //!< for tiles
+  bool changes = false, align = false, quiet = false;
+  bool keep_far = false;  //!< tiles that lie kilometres from all others, too
+};
+
+constexpr const char* kFooter =
+    "Each cell of the result is told by the best evidence: measured before filled from two sides\n"
+    "before presumed before filled from one. Heights of equal evidence that agree within --step "
+    "become their "
+    "mean,\n"
+    "weighed by their information, which sums; where they contradict, the newest counts. The "
+    "order\n"
+    "of the maps makes no difference to any byte, but with --align: the first is the frame of "
+    "all.\n"
+    "\nExamples:\n"
+    "  talus-merge monday/site.tif tuesday/site.tif --output site.tif --picture site.png\n"
+    "  talus-merge site.tif today/site.tif --output site.tif\n"
+    "      adds a drive to the map of all; the old one stays until the new one is complete\n"
+    "  talus-merge --changes monday/site.tif friday/site.tif --output changes\n"
+    "      changes/changes.tif and changes/changes.png: what was built, dug, removed, placed\n"
+    "  talus-merge --align monday/site.tif friday/site.tif --output site.tif\n"
+    "      poses of the drives lie in frames that differ by up to 1.5 m, 7 degrees and any height\n"
+    "\nExit codes: 0 done, 1 an input or the output failed, 2 wrong usage, 128 + N stopped by "
+    "signal "
+    "N.";
+
+/** Refuses what no single option tells. */
+void check(const Options& o)
+{
+  if (o.changes && o.inputs.size() != 2)
+    throw CLI::ValidationError(
+        "--changes compares two maps, the older first; there are " +
+        std::to_string(o.inputs.size()));
+  if (o.changes && !o.picture.empty())
+    throw CLI::ValidationError("--picture is of a merged map; --changes draws changes.png");
+}
+
+void add_options(CLI::App& app, Options& o)
+{
+  app.description("Fuses the maps of several drives, days or robots, or tells what changed.");
+  app.footer(kFooter);
+  app.add_option("MAP", o.inputs, "Maps of one floor in one map frame: site.tif of talus-map")
+      ->required()
+      ->check(app::not_empty());
+  app.add_option("--output", o.output, "The map of all; with --changes: folder of the files")
+      ->required()
+      ->check(app::not_empty())
+      ->type_name("FILE");
+  app.add_flag("--changes", o.changes, "Of two maps, the older first: write what changed instead");
+  app.add_flag(
+      "--align", o.align,
+      "Bring all maps into the frame of the first (x, y, z, yaw), where the ground tells it");
+  app.add_option("--picture", o.picture, "Also draw the map of all, a PNG")
+      ->check(app::not_empty())
+      ->type_name("FILE");
+  app.add_option("--step", o.merge.step_m, "Heights farther apart contradict each other [m]")
+      ->check(app::between(0.0, 100.0))
+      ->capture_default_str()
+      ->type_name("M");
+  app.add_option("--threads", o.merge.threads, "0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str()
+      ->type_name("N");
+  app.add_option("--memory", o.memory_mb, "For tiles of the map [MB]; the others wait on the disk")
+      ->check(CLI::Range(16, 1'000'000))
+      ->capture_default_str()
+      ->type_name("MB");
+  app.add_flag(
+      "--keep-far", o.keep_far,
+      "Write one file, however far its parts lie from each other: takes long (default: "
+      "what is far has a file of its own)");
+  app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
+  app.final_callback([&o] { check(o); });
+}
+
 constexpr const char* kLessMemory = "Give less with --memory, or merge fewer maps at once";
 constexpr int kMostLookedAt = 8;  // pairs of maps, which takes as long as to merge them
 constexpr double kAligning = 0.2, kMerging = 0.5;  // done, of the time
-
-void print_error(const std::string& text) { std::cerr << "talus-merge: " << text << "\n"; }
 
 std::size_t memory_bytes(const Options& o) { return o.memory_mb << 20; }
 
@@ -180,25 +262,11 @@ void compare(const Options& o, const fs::path& to_folder)
   tell_fits(alignments, {fit_of(*from, *to, 0)}, o);
 }
 
-/** Works in a child, which a damaged file or a signal may end. The exit code. */
-int in_child(
-    const Options& o, const std::function<void()>& work, const OutputFolder* folder = nullptr)
-{
-  const auto done = [&work]
-  {
-    work();
-    return 0;
-  };
-  const auto tell = [folder](const std::string& text)
-  { print_error(folder ? folder->told(text) : text); };
-  return talus::app::run_command_in_child(o.inputs.front(), kLessMemory, done, tell);
-}
-
 void require_picture_apart(const Options& o)
 {
   if (o.picture.empty()) return;
-  talus::app::require_apart("", {o.picture}, o.inputs);
-  if (talus::app::is_same_file(o.picture, o.output))
+  app::require_apart("", {o.picture}, o.inputs);
+  if (app::is_same_file(o.picture, o.output))
     throw std::runtime_error(
         "'" + o.picture + "' is named for the map and for its picture; give two names");
 }
@@ -216,7 +284,12 @@ int run_merge(const Options& o)
 {
   require_picture_apart(o);
   const auto folder = folder_for(o.output), picture_folder = folder_for(o.picture);
-  const int code = in_child(o, [&] { merge(o); });
+  const auto work = [&]
+  {
+    merge(o);
+    return 0;
+  };
+  const int code = app::run_command_in_child(o.inputs.front(), kLessMemory, work, print_error);
   if (code > 128)
     talus::io::HiddenFolder::remove_abandoned(
         fs::path(o.output).parent_path(), talus::io::kFilePrefix);
@@ -225,25 +298,18 @@ int run_merge(const Options& o)
 
 int run_changes(const Options& o)
 {
-  talus::app::require_apart(o.output, {"changes.tif", "changes.png"}, o.inputs);
-  OutputFolder folder(o.output);
-  const auto work = [&] { compare(o, folder.staging()); };
-  if (const int code = in_child(o, work, &folder)) return code;
-  folder.commit("changes.tif");
-  if (!o.quiet) std::cout << "  wrote   " << (fs::path(o.output) / "changes.png").string() << "\n";
-  return 0;
+  app::require_apart(o.output, {"changes.tif", "changes.png"}, o.inputs);
+  const int code = app::make_results(
+      o.output, "changes.tif", o.inputs.front(), kLessMemory,
+      [&](const std::string& staging) { compare(o, staging); });
+  if (code == 0 && !o.quiet)
+    std::cout << "  wrote   " << (fs::path(o.output) / "changes.png").string() << "\n";
+  return code;
 }
 }  // namespace
 
 int main(int argc, char** argv)
 {
-  const talus::app::PrintableOutput printable;
-  Options options;
-  if (const auto code = parse_options(argc, argv, options)) return *code;
-  const auto work = [&options]
-  {
-    talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
-    return options.changes ? run_changes(options) : run_merge(options);
-  };
-  return talus::app::code_of(work, print_error, options.output, kLessMemory);
+  const auto run = [](const Options& o) { return o.changes ? run_changes(o) : run_merge(o); };
+  return app::run_app<Options>("talus-merge", argc, argv, run);
 }
