@@ -4,7 +4,6 @@
 #include "command_line.h"
 #include "crash_context.h"
 #include "printable.h"
-#include "version.h"
 
 #include <iostream>
 

@@ -28,4 +28,9 @@ int run_app(const std::string& name, int argc, char** argv, int (*body)(const Op
 
 /** Prints "NAME: TEXT" of that command to stderr. */
 void print_error(const std::string& text);
+
+/** What `--version` says, in one line: "talus-map 0.1.0 (commit ea309eb, backends cpu and cuda)".
+ */
+std::string version_line(const std::string& command);
+
 }  // namespace talus::app

@@ -2,11 +2,8 @@
 #include "../common/output_folder.h"
 #include "../common/progress_bar.h"
 #include "../common/run_app.h"
-#include "load_log.h"
-#include "options.h"
 #include "outputs.h"
-#include "picture.h"
-#include "report.h"
+#include "options.h"
 
 #include <talus/io/atomic_file.h>
 #include <talus/io/mrpt_error.h>

@@ -2,7 +2,6 @@
 #include "../common/child_process.h"
 #include "../common/command_line.h"
 #include "../common/export/export_files.h"
-#include "../common/export/export_options.h"
 #include "../common/output_folder.h"
 #include "../common/run_app.h"
 

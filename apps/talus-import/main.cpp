@@ -1,7 +1,6 @@
 // talus-import: scans of other programs in, a log for talus-map out.
 #include "../common/command_line.h"
 #include "../common/import/import_log.h"
-#include "../common/import/import_options.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/progress_bar.h"

@@ -1,8 +1,8 @@
-#include "files_apart.h"
+#include "run_job.h"
 
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
-#include "source_log.h"
+#include "job.h"
 
 #include <filesystem>
 #include <stdexcept>

@@ -2,10 +2,9 @@
 #include "../common/child_process.h"
 #include "../common/output_folder.h"
 #include "../common/run_app.h"
-#include "batch.h"
+#include "run_job.h"
 #include "job.h"
 #include "options.h"
-#include "run_job.h"
 #include "settings.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "options.h"
 
 #include "../common/command_line.h"
-#include "../common/export/export_options.h"
+#include "../common/export/export_files.h"
 #include "job.h"
 #include "kept_site.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "../common/export/export_files.h"
-#include "../common/import/import_options.h"
+#include "../common/import/import_log.h"
 
 namespace CLI
 {

@@ -5,9 +5,9 @@
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
 #include <talus/io/packed_log.h>
-#include <talus/io/written_file.h>
+#include <talus/io/atomic_file.h>
 #include <talus/io/mrpt_error.h>
-#include <talus/io/rawlog_stream.h>
+#include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/CObservationTraversability.h>
 
 #include <filesystem>

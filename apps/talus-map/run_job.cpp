@@ -2,20 +2,19 @@
 
 #include "../common/child_process.h"
 #include "../common/crash_context.h"
-#include "../common/kept_memory.h"
+#include "../common/memory_limit.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/progress_bar.h"
 #include "../common/export/export_files.h"
-#include "files_apart.h"
 #include "kept_site.h"
 #include "label_files.h"
 #include "log_mapper.h"
 #include "rawlog_out.h"
 #include "report.h"
-#include "source_log.h"
+#include "job.h"
 
-#include <talus/io/qgis_style.h>
+#include <talus/io/map_picture.h>
 #include <talus/mrpt/parameters_ini.h>
 
 #include <algorithm>
@@ -38,8 +37,6 @@ namespace talus::app
 {
 namespace
 {
-constexpr int kDone = 0, kFailed = 1, kWithoutSite = 3;
-
 void write_log(RawlogOut& out)
 {
   out.write();
@@ -226,7 +223,7 @@ int map_or_tell(
   {
     print_error(folders.told(e.what()));
   }
-  return kFailed;
+  return kSomeFailed;
 }
 
 }  // namespace
@@ -252,7 +249,7 @@ bool run_job(
       print_error(
           crash_text(job.log, end.signal) +
           (end.signal == SIGKILL ? ". Try a smaller window_m or a larger resolution_m" : ""));
-    else if (end.exit_code != kFailed)
+    else if (end.exit_code != kSomeFailed)
     {
       if (rawlog_out) rawlog_out->commit();
       folders.commit();
@@ -304,7 +301,7 @@ bool settings_work(const Settings& settings)
       print_error(
           "--backend " + backend_text(settings.backend) + ": " + e.what() +
           "; --backend cpu gives the same map");
-      return kFailed;
+      return kSomeFailed;
     }
   };
   const ChildEnd end = run_in_child(make);

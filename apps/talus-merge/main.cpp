@@ -7,7 +7,7 @@
 #include "fit_report.h"
 
 #include <talus/io/atomic_file.h>
-#include <talus/io/qgis_style.h>
+#include <talus/io/map_picture.h>
 #include <talus/number_text.h>
 #include <talus/site/changes.h>
 #include <talus/site/islands.h>

@@ -7,7 +7,7 @@
 
 #include "formats.h"
 #include "fuzz.h"
-#include "scan_times.h"
+#include "folder_layout.h"
 
 using namespace talus;
 using namespace talus::import;

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <random>
 
-#include "bin_columns.h"
 #include "label_file.h"
 #include "log_files.h"
 #include "formats.h"

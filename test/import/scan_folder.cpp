@@ -10,7 +10,7 @@
 
 #include "log_files.h"
 #include "scan_formats.h"
-#include "scan_times.h"
+#include "folder_layout.h"
 
 using namespace talus::import;
 using namespace talus::test;

@@ -7,7 +7,6 @@
 #include <talus/io/geotiff.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
-#include <talus/site/site_way.h>
 
 #include <cmath>
 #include <limits>

@@ -2,7 +2,7 @@
 
 #include <talus/formats/page.h>
 #include <talus/io/geotiff.h>
-#include <talus/io/qgis_style.h>
+#include <talus/io/map_picture.h>
 #include <talus/site/site_geotiff.h>
 
 #include <filesystem>

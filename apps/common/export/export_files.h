@@ -1,4 +1,5 @@
 #pragma once
+#include <CLI/CLI.hpp>
 #include <talus/formats/write.h>
 
 #include <cstddef>
@@ -23,5 +24,9 @@ struct ExportOptions
 std::vector<std::string> export_files(
     const std::string& geotiff, const std::string& folder, const std::string& title,
     const ExportOptions& options);
+
+/** Adds an option of this name that takes formats, with commas between them. */
+CLI::Option* add_formats(
+    CLI::App& app, const std::string& name, ExportOptions& options, const std::string& help);
 
 }  // namespace talus::app

@@ -1,4 +1,4 @@
-#include "export_options.h"
+#include "export_files.h"
 
 namespace talus::app
 {

@@ -18,7 +18,6 @@
 #include "bars_report.h"
 #include "log_sequence.h"
 #include "options.h"
-#include "pictures.h"
 #include "report.h"
 
 namespace fs = std::filesystem;

@@ -10,7 +10,7 @@
 #include "view_ahead.h"
 
 #include <talus/io/geotiff.h>
-#include <talus/io/written_file.h>
+#include <talus/io/atomic_file.h>
 #include <talus/io/map_picture.h>
 #include <talus/io/mrpt_error.h>
 

@@ -1,7 +1,7 @@
 #include "options.h"
 
 #include "../../common/command_line.h"
-#include "drop_table.h"
+#include "results.h"
 
 #include <talus/mrpt/parameters_ini.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "../../common/mounting.h"
+#include "../../common/command_line.h"
 #include "mission.h"
 
 #include <talus/elevation_mapper.h>

@@ -1,6 +1,6 @@
 #include "sketch.h"
 
-#include <cell_evidence.h>
+#include <known_cells.h>
 
 #include <cmath>
 #include <limits>

@@ -4,7 +4,6 @@
 #include <talus/io/atomic_file.h>
 #include <talus/io/score_colour.h>
 
-#include "coarser.h"
 #include "needed_layer.h"
 
 #include <array>

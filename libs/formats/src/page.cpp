@@ -1,6 +1,5 @@
 #include <talus/formats/page.h>
 
-#include "coarser.h"
 #include "needed_layer.h"
 #include "page_parts.h"
 #include "page_tiles.h"

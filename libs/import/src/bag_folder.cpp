@@ -1,4 +1,4 @@
-#include "bag_folder.h"
+#include "bag_reader.h"
 
 #include <talus/input_file.h>
 #include <talus/io/packed_log.h>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "bin_columns.h"
 #include "label_file.h"
 #include "formats.h"
 

@@ -43,7 +43,7 @@ std::unique_ptr<ScanSource> open_bag_source(
 struct Format
 {
   std::vector<std::string_view> endings;  //!< of its files, in small letters
-  std::vector<std::string_view> marks;  //!< its first bytes; none: it has no header
+  std::vector<std::string_view> marks;  //!< its first bytes; none: these tell nothing
   bool is_scan;  //!< a folder of such files is an input, too
   void (*read)(const std::string& path, ScanFile& out) = nullptr;  //!< one scan
   std::unique_ptr<ScanSource> (*open)(

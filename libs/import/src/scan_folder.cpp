@@ -8,9 +8,7 @@
 #include <utility>
 
 #include "folder_layout.h"
-#include "folder_poses.h"
 #include "formats.h"
-#include "scan_times.h"
 
 using mrpt::poses::CPose3D;
 
@@ -20,7 +18,7 @@ namespace
 {
 void read_scan(const std::string& path, const Format& format, ScanFile& out)
 {
-  if (!out.fields.empty() && !format.marks.empty()) refuse_fields(path);
+  if (!out.fields.empty() && format.read != read_bin) refuse_fields(path);
   if (format.read) return format.read(path, out);
   std::string how = format.how;
   if (const auto at = how.find("{}"); at != std::string::npos) how.replace(at, 2, path);
@@ -53,7 +51,7 @@ class ScanFolder : public ScanSource
  private:
   bool is_of_kitti() const
   {
-    return layout_.format->marks.empty() &&
+    return layout_.format->read == read_bin &&
            !(layout_.calibration.empty() && layout_.kitti_360.empty());
   }
   void set_mounting(const SourceOptions& options);

@@ -2,7 +2,7 @@
 #include <mrpt/serialization/CSerializable.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/io/packed_log.h>
-#include <talus/io/written_file.h>
+#include <talus/io/atomic_file.h>
 
 #include <stdexcept>
 #include <utility>

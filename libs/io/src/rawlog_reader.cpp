@@ -11,7 +11,6 @@
 #include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/io/packed_log.h>
-#include <talus/io/rawlog_stream.h>
 
 #include "packed_file.h"
 

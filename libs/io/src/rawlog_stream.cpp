@@ -1,4 +1,4 @@
-#include <talus/io/rawlog_stream.h>
+#include <talus/io/rawlog_reader.h>
 
 #include <mrpt/maps/registerAllClasses.h>
 #include <mrpt/obs/CSensoryFrame.h>

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "falls.h"
-#include "judged_cells.h"
 #include "surface_view.h"
 
 namespace talus

@@ -1,6 +1,6 @@
 #include <talus/site/merge.h>
 
-#include "fit_sums.h"
+#include "changes.h"
 #include "channel_values.h"
 #include "moved_reader.h"
 

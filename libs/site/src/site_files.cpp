@@ -4,8 +4,6 @@
 #include "site_file.h"
 
 #include <talus/site/islands.h>
-#include <talus/site/site_picture.h>
-#include <talus/site/site_way.h>
 
 #include <cstdint>
 #include <filesystem>

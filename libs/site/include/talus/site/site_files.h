@@ -53,4 +53,22 @@ std::string with_floor(const std::string& path, int floor);
  * as read_site(), also where one is missing that was written with it. */
 void read_site_files(const std::string& path, Site& site);
 
+/** What a person puts into a report: the shaded ground of a floor in the colours of its
+ * traversability, what stands on it, the ways driven, axes, scale, north and a legend. North is up
+ * unless the page would be much emptier than with the site turned by up to 45 degrees. A PNG, whole
+ * or not at all; a cell has a pixel or more up to a map of 3000 pixels on its long side and 6
+ * million in all, and a pixel that stands for several cells has the worst of them. `title`: a line
+ * above, empty: one is made. Throws std::runtime_error that names the file. */
+void write_site_picture(
+    const std::string& path, Site& site, int floor, const std::string& title = "");
+
+/** Where the ways of a file of a site go: "DIR/site_way.gpkg" for "DIR/site.tif". */
+std::string way_file_of(const std::string& site_file);
+
+/** Writes the ways that were driven on a floor as a GeoPackage, whole or not at all: a layer `way`
+ * with a line for each, and a layer `point` with about a point a metre and when the robot was
+ * there, where that is known. It lies as the file of the site does. Throws std::runtime_error that
+ * names the file. */
+void write_way(const std::string& path, const Site& site, int floor);
+
 }  // namespace talus::site
