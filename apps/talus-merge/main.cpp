@@ -129,8 +129,8 @@ std::string square_metres(double area_m2) { return talus::fixed_text(area_m2, 2)
 /** Drives count their floors as they come to them. */
 int lowest_floor(const std::vector<std::string>& paths)
 {
-  int lowest = floor_of_site(paths.front());
-  for (const std::string& path : paths) lowest = std::min(lowest, floor_of_site(path));
+  int lowest = info_of_site(paths.front()).floor;
+  for (const std::string& path : paths) lowest = std::min(lowest, info_of_site(path).floor);
   return lowest;
 }
 
@@ -187,7 +187,7 @@ std::vector<MapFit> merge(
   ProgressBar bar("talus-merge", !o.quiet);
   const talus::io::AtomicFile place(o.output);  // fails before the work; tiles find room beside it
   Site site(
-      resolution_of_site(o.inputs.front()), memory_bytes(o),
+      info_of_site(o.inputs.front()).resolution_m, memory_bytes(o),
       (place.hidden_folder().path() / "tiles").string());
   const int floor = lowest_floor(o.inputs);
   MergeOptions options = o.merge;
@@ -234,7 +234,7 @@ void tell(const ChangeSums& sums)
 /** What is new would be told as gone. */
 void warn_of_order(const std::string& from, const std::string& to)
 {
-  const std::uint32_t from_s = newest_of_site(from), to_s = newest_of_site(to);
+  const std::uint32_t from_s = info_of_site(from).newest_s, to_s = info_of_site(to).newest_s;
   if (from_s > to_s)
     print_error(
         "warning: " + from + " was seen " + std::to_string(from_s - to_s) + " s after " + to +
@@ -247,7 +247,8 @@ void compare(const Options& o, const fs::path& to_folder)
   const auto site_of = [&](const std::string& path, const Alignment& a, const char* tiles)
   {
     auto site = std::make_unique<Site>(
-        resolution_of_site(o.inputs.front()), memory_bytes(o) / 2, (to_folder / tiles).string());
+        info_of_site(o.inputs.front()).resolution_m, memory_bytes(o) / 2,
+        (to_folder / tiles).string());
     read_site(path, *site, 0, a.shift);
     return site;
   };

@@ -55,8 +55,8 @@ TEST_F(Islands, what_a_pose_that_jumped_has_left_gets_a_file_of_its_own)
   EXPECT_LT(std::filesystem::file_size(dir_ / "site.tif"), 1'000'000U);
   EXPECT_TRUE(std::filesystem::exists(dir_ / "site_island_1.png"));
   EXPECT_FALSE(std::filesystem::exists(dir_ / "site_island_2.tif"));
-  EXPECT_EQ(islands_of_site(dir_ / "site.tif"), 1U);
-  EXPECT_EQ(islands_of_site(dir_ / "site_island_1.tif"), 0U);
+  EXPECT_EQ(info_of_site(dir_ / "site.tif").islands, 1U);
+  EXPECT_EQ(info_of_site(dir_ / "site_island_1.tif").islands, 0U);
 }
 
 TEST_F(Islands, come_back_with_the_same_bits_and_with_their_ways)
@@ -112,7 +112,7 @@ TEST_F(Islands, of_tiles_in_which_nothing_is_known_are_none)
   site_.tiles.at({0, 90000, 90000});
   EXPECT_EQ(islands_of(site_, 0).size(), 1U);
   write_floor_files(dir_ / "site.tif", "", site_, 0, Far::Apart);
-  EXPECT_EQ(islands_of_site(dir_ / "site.tif"), 0U);
+  EXPECT_EQ(info_of_site(dir_ / "site.tif").islands, 0U);
 }
 
 TEST_F(Islands, long_drives_stay_whole)

@@ -84,7 +84,7 @@ TEST(SiteGeoTiff, comes_back_with_the_same_bits)
   ASSERT_EQ(in->ways.size(), 1u);
   ASSERT_EQ(in->ways[0].size(), 2u) << "the third point is on another floor";
   EXPECT_EQ(in->ways[0][1].y_m, 0.25F);
-  EXPECT_EQ(resolution_of_site(dir / "site.tif"), kResolution_m);
+  EXPECT_EQ(info_of_site(dir / "site.tif").resolution_m, kResolution_m);
   write_site(dir / "again.tif", *in, 0);
   EXPECT_EQ(read_bytes(dir / "again.tif"), read_bytes(dir / "site.tif"));
 }
@@ -425,7 +425,7 @@ TEST(SiteGeoTiff, names_its_floors_and_is_not_read_where_one_is_missing)
   for (const int floor : {1, 3}) cell_at(*site, 0, 0, floor) = measured(3);
   write_site_files(dir / "site.tif", *site);
   EXPECT_STREQ(Open(dir / "site.tif").item("TALUS_FLOORS"), "0 1 3");
-  EXPECT_EQ(floors_of_site(dir / "site_floor_3.tif"), std::vector<int>());
+  EXPECT_EQ(info_of_site(dir / "site_floor_3.tif").floors, std::vector<int>());
   read_site_files(dir / "site.tif", *in);
   EXPECT_EQ(floors_of(*in), (std::vector<int>{0, 1, 3}));
   fs::remove(dir / "site_floor_3.tif");
@@ -546,7 +546,7 @@ TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_converted)
     expect_error(
         [&] { read_site(dir / "other.tif", *in, 0); },
         {"other.tif", word, "give", "as talus wrote it"});
-    expect_error([&] { resolution_of_site(dir / "other.tif"); }, {"other.tif", word});
+    expect_error([&] { info_of_site(dir / "other.tif"); }, {"other.tif", word});
   };
   refused({"-ot", "Byte"}, "'traversability' holds Byte, not Float32");
   refused({"-ot", "Float64"}, "holds Float64");

@@ -53,19 +53,18 @@ void require_part(const std::string& part, const std::string& of, const std::str
 
 void require_parts(const std::string& path)
 {
-  const std::vector<int> floors = floors_of_site(path);
-  for (const int floor : floors)
-    require_part(with_floor(path, floor), path, std::to_string(floors.size()) + " floors");
-  const std::size_t islands = islands_of_site(path);
-  for (std::size_t i = 1; i <= islands; ++i)
-    require_part(with_island(path, i), path, std::to_string(islands + 1) + " islands");
+  const SiteInfo info = info_of_site(path);
+  for (const int floor : info.floors)
+    require_part(with_floor(path, floor), path, std::to_string(info.floors.size()) + " floors");
+  for (std::size_t i = 1; i <= info.islands; ++i)
+    require_part(with_island(path, i), path, std::to_string(info.islands + 1) + " islands");
 }
 
 void read_floor_files(const std::string& path, Site& site, int floor)
 {
   require_parts(path);
   read_site(path, site, floor);
-  for (std::size_t i = islands_of_site(path); i > 0; --i)
+  for (std::size_t i = info_of_site(path).islands; i > 0; --i)
     read_site(with_island(path, i), site, floor);
 }
 

@@ -151,14 +151,11 @@ void read_site(const std::string& path, Site& site, int floor, const MapShift& s
   for (auto& way : ways) site.ways.push_back(std::move(way));
 }
 
-double resolution_of_site(const std::string& path) { return SiteReader(path).resolution_m(); }
-int floor_of_site(const std::string& path) { return SiteReader(path).floor(); }
-std::vector<int> floors_of_site(const std::string& path) { return SiteReader(path).floors(); }
-std::size_t islands_of_site(const std::string& path) { return SiteReader(path).islands(); }
+SiteInfo info_of_site(const std::string& path) { return SiteReader(path).info(); }
+
 std::vector<std::vector<WayPoint>> ways_of_site(const io::GeotiffFile& file)
 {
   return ways_from(file.item(kWaysItem), 0).value_or(Ways());
 }
-std::uint32_t newest_of_site(const std::string& path) { return SiteReader(path).newest_s(); }
 
 }  // namespace talus::site

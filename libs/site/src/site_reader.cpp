@@ -128,20 +128,20 @@ void SiteReader::read_metadata()
   const auto resolution = number_from(item(kResolutionItem));
   if (!resolution || !(*resolution > 0) || !std::isfinite(*resolution))
     fail(std::string("its resolution is none; it is ") + kDamaged);
-  resolution_m_ = *resolution;
+  info_.resolution_m = *resolution;
   min_cell_x_ = whole_item(kMinCellXItem, -kFarthestCell, kFarthestCell);
   min_cell_y_ = whole_item(kMinCellYItem, -kFarthestCell, kFarthestCell);
-  newest_s_ = static_cast<std::uint32_t>(
+  info_.newest_s = static_cast<std::uint32_t>(
       whole_item(kSeenItem, 0, std::numeric_limits<std::uint32_t>::max()));
-  floor_ = static_cast<int>(whole_item(kFloorItem, 0, std::numeric_limits<int>::max()));
+  info_.floor = static_cast<int>(whole_item(kFloorItem, 0, std::numeric_limits<int>::max()));
   if (const char* text = dataset_->GetMetadataItem(kFloorsItem))
   {
     const auto floors = floors_from(text);
     if (!floors) fail(std::string("its ") + kFloorsItem + " are no floors; it is " + kDamaged);
-    floors_ = *floors;
+    info_.floors = *floors;
   }
   if (dataset_->GetMetadataItem(kObjectTopsItem))
-    islands_ = static_cast<std::size_t>(whole_item(kObjectTopsItem, 1, kMostIslands));
+    info_.islands = static_cast<std::size_t>(whole_item(kObjectTopsItem, 1, kMostIslands));
   if (const char* text = dataset_->GetMetadataItem(kOriginItem))
   {
     origin_ = origin_from(text);
@@ -154,12 +154,12 @@ void SiteReader::check_place()
 {
   const int width = dataset_->GetRasterXSize(), height = dataset_->GetRasterYSize();
   const auto expected = transform_of(
-      static_cast<double>(min_cell_x_) * resolution_m_,
-      static_cast<double>(min_cell_y_ + height) * resolution_m_, resolution_m_, origin_);
+      static_cast<double>(min_cell_x_) * info_.resolution_m,
+      static_cast<double>(min_cell_y_ + height) * info_.resolution_m, info_.resolution_m, origin_);
   double t[6];
   bool same = dataset_->GetGeoTransform(t) == CE_None;
   for (std::size_t i = 0; i < 6; ++i)
-    same = same && std::abs(t[i] - expected[i]) <= resolution_m_ * (i % 3 == 0 ? 0.01 : 1e-6);
+    same = same && std::abs(t[i] - expected[i]) <= info_.resolution_m * (i % 3 == 0 ? 0.01 : 1e-6);
   if (!same || width % kTileCells != 0 || height % kTileCells != 0 ||
       min_cell_x_ % kTileCells != 0 || min_cell_y_ % kTileCells != 0)
     fail("was cut, moved or resampled by another program: give the file as talus wrote it");
@@ -169,12 +169,12 @@ void SiteReader::check_place()
 
 void SiteReader::require_fits(const Site& site) const
 {
-  if (resolution_m_ != site.resolution_m)
+  if (info_.resolution_m != site.resolution_m)
     fail(
-        "its cells are " + number_text(resolution_m_) + " m wide, not " +
+        "its cells are " + number_text(info_.resolution_m) + " m wide, not " +
         number_text(site.resolution_m) +
         " m: give maps of one resolution, or go on with resolution_m=" +
-        number_text(resolution_m_));
+        number_text(info_.resolution_m));
   const auto text = [](const std::optional<GeoOrigin>& o)
   { return o ? text_of_origin(*o) : std::string("none"); };
   if (text(origin_) != text(site.origin))
@@ -253,7 +253,7 @@ bool SiteReader::read(Place tile, Tile& to, ChannelTile* values)
     std::copy_n(
         values_.begin() + static_cast<std::ptrdiff_t>(i * bands_.size()), kBandCount,
         of_cell.begin());
-    const auto cell = cell_of(of_cell, newest_s_);
+    const auto cell = cell_of(of_cell, info_.newest_s);
     if (!cell) fail(std::string("its cells are none of a site; it is ") + kDamaged);
     to.cells[i] = *cell;
     any |= cell->known();
