@@ -42,6 +42,16 @@ std::vector<fs::path> files_below(const fs::path& folder)
   return files;
 }
 
+/** Whether a file of this name is that of another floor or island of the one that is sealed. */
+bool is_part(const fs::path& name, const fs::path& sealed)
+{
+  const std::string stem = sealed.stem().string(), whole = name.filename().string();
+  static const std::regex number("((_floor|_island)_[0-9]+){1,2}(\\.tif|\\.png)");
+  return whole.rfind(stem, 0) == 0 &&
+         (name.extension() == ".png" || name.extension() == sealed.extension()) &&
+         std::regex_match(whole.substr(stem.size()), number);
+}
+
 /** Removes the seal, and what of a run before would be taken for a part of these results. */
 void clear(const fs::path& hidden, const std::string& seal)
 {
@@ -53,7 +63,7 @@ void clear(const fs::path& hidden, const std::string& seal)
   {
     const fs::path name = entry.path().filename();
     const bool is_label = name.extension() == ".label" || name == kLabelledLog;
-    if (((has_site && is_site_file(name)) || (has_labels && is_label)) &&
+    if (((has_site && is_site_file(name)) || (has_labels && is_label) || is_part(name, seal)) &&
         entry.is_regular_file(none))
       old.push_back(entry.path());
   }

@@ -141,13 +141,10 @@ bool write_site(KeptSite& site, const OutputFolder& output, io::RunSummary& run,
 void write_exports(const Job& job, const Options& options, const OutputFolder& output)
 {
   if (options.exports.formats.empty()) return;
-  std::vector<fs::path> maps;
-  for (const auto& file : fs::directory_iterator(output.staging()))
-    if (is_site_map(file.path().filename())) maps.push_back(file.path());
-  if (maps.empty()) maps.push_back(fs::path(output.staging()) / "map.tif");
+  fs::path map = fs::path(output.staging()) / "site.tif";
+  if (!fs::exists(map)) map.replace_filename("map.tif");
   const fs::path name = fs::absolute(job.folder).filename();
-  for (const fs::path& map : maps)
-    export_files(map.string(), output.staging(), (name / map.stem()).string(), options.exports);
+  export_files(map.string(), output.staging(), (name / map.stem()).string(), options.exports);
 }
 
 /** Beside each map, unless a user's own is there: what is written replaces files of its name. */

@@ -11,7 +11,6 @@
 #include <talus/io/qgis_style.h>
 #include <talus/number_text.h>
 #include <talus/site/changes.h>
-#include <talus/site/islands.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
@@ -23,6 +22,7 @@
 #include <functional>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -91,48 +91,56 @@ void tell_fits(
   if (!o.align) warn_of_doubtful(fits, o);
 }
 
-void warn_of_islands(const std::string& output, Site& site, int floor)
+/** Of a file and where it is made. */
+struct Place
 {
-  const auto islands = islands_of(site, floor);
-  for (std::size_t i = 1; i < islands.size(); ++i)
-    print_error("warning: " + text_of_island(islands[i], with_island(output, i)));
-}
+  explicit Place(const std::string& path)
+      : file(path), folder(file.has_parent_path() ? file.parent_path().string() : ".")
+  {
+    talus::io::require_replaceable(path);
+  }
+  std::string made() const { return (fs::path(folder.staging()) / file.filename()).string(); }
+  void commit() { folder.commit(file.filename().string()); }
+
+  fs::path file;
+  OutputFolder folder;
+};
 
 /** Merges and writes. How the maps fit, and what is known. */
 std::vector<MapFit> merge(
-    const Options& o, const std::vector<Alignment>& alignments, double& known_m2)
+    const Options& o, const Place& to, const Place* picture,
+    const std::vector<Alignment>& alignments, double& known_m2)
 {
   ProgressBar bar("talus-merge", !o.quiet);
-  const talus::io::AtomicFile place(o.output);  // fails before the work; tiles find room beside it
-  Site site(
-      resolution_of_site(o.inputs.front()), memory_bytes(o),
-      (place.hidden_folder().path() / "tiles").string());
+  Site site(resolution_of_site(o.inputs.front()), memory_bytes(o), to.folder.staging());
   const int floor = lowest_floor(o.inputs);
   MergeOptions options = o.merge;
   for (const Alignment& a : alignments) options.shifts.push_back(a.shift);
   auto fits = merge_sites(
       o.inputs, site, floor, options,
       [&](double done) { bar.show(kAligning + (kMerging - kAligning) * done, "merging"); });
-  if (!o.keep_far) warn_of_islands(o.output, site, floor);
-  write_floor_files(
-      o.output, o.picture, site, floor, o.keep_far ? Far::Together : Far::Apart,
-      [&](double done) { bar.show(kMerging + (1 - kMerging) * done, "writing"); });
-  const std::string style = fs::path(o.output).replace_extension(".qml").string();
-  if (!talus::io::is_users_qgis_style(style)) talus::io::write_qgis_style(style);
+  if (!o.keep_far)
+    for (const std::string& text : texts_of_islands(o.output, site)) warn("warning: " + text);
+  write_site_files(
+      to.made(), picture ? picture->made() : "", site,
+      [&](double done) { bar.show(kMerging + (1 - kMerging) * done, "writing"); },
+      o.keep_far ? Far::Together : Far::Apart);
+  const fs::path style = fs::path(o.output).replace_extension(".qml");
+  if (!talus::io::is_users_qgis_style(style.string()))
+    talus::io::write_qgis_style((fs::path(to.folder.staging()) / style.filename()).string());
   known_m2 = known_cells(site).area_m2;
   return fits;
 }
 
-void merge(const Options& o)
+void merge(const Options& o, const Place& to, const Place* picture)
 {
   const std::vector<Alignment> alignments = aligned(o);
   double known_m2 = 0;
-  const std::vector<MapFit> fits = merge(o, alignments, known_m2);
+  const std::vector<MapFit> fits = merge(o, to, picture, alignments, known_m2);
   if (!o.quiet)
     std::cout << o.inputs.size() << (o.inputs.size() == 1 ? " map: " : " maps: ")
               << square_metres(known_m2) << " known\n";
   tell_fits(alignments, fits, o);
-  if (!o.quiet) std::cout << "  wrote   " << o.output << "\n";
 }
 
 void tell(const ChangeSums& sums)
@@ -166,16 +174,20 @@ void compare(const Options& o, const fs::path& to_folder)
   {
     auto site = std::make_unique<Site>(
         resolution_of_site(o.inputs.front()), memory_bytes(o) / 2, (to_folder / tiles).string());
-    read_site(path, *site, 0, a.shift);
+    read_site_files(path, *site, a.shift);
     return site;
   };
   warn_of_order(o.inputs[0], o.inputs[1]);
   const std::vector<Alignment> alignments = aligned(o);
   const auto from = site_of(o.inputs[0], alignments[0], "tiles_from");
   const auto to = site_of(o.inputs[1], alignments[1], "tiles_to");
-  const ChangeSums sums = write_changes(
-      (to_folder / "changes.tif").string(), (to_folder / "changes.png").string(), *from, *to, 0,
-      o.merge.step_m);
+  ChangeSums sums;
+  for (const int floor : floors_of(*to))
+    if (floor == 0 || have_common_place(*from, *to, floor))
+      sums.add(write_changes(
+          with_floor((to_folder / "changes.tif").string(), floor),
+          with_floor((to_folder / "changes.png").string(), floor), *from, *to, floor,
+          o.merge.step_m));
   if (!o.quiet) tell(sums);
   tell_fits(alignments, {fit_of(*from, *to, 0)}, o);
 }
@@ -203,24 +215,18 @@ void require_picture_apart(const Options& o)
         "'" + o.picture + "' is named for the map and for its picture; give two names");
 }
 
-/** Makes the folder of a file where there is none; it goes again while it is empty. */
-std::unique_ptr<OutputFolder> folder_for(const std::string& file)
-{
-  const fs::path folder = fs::path(file).parent_path();
-  std::error_code none;
-  if (folder.empty() || fs::is_directory(folder, none)) return nullptr;
-  return std::make_unique<OutputFolder>(folder.string());
-}
-
 int run_merge(const Options& o)
 {
   require_picture_apart(o);
-  const auto folder = folder_for(o.output), picture_folder = folder_for(o.picture);
-  const int code = in_child(o, [&] { merge(o); });
-  if (code > 128)
-    talus::io::HiddenFolder::remove_abandoned(
-        fs::path(o.output).parent_path(), talus::io::kFilePrefix);
-  return code;
+  Place to(o.output);
+  std::optional<Place> picture;
+  if (!o.picture.empty()) picture.emplace(o.picture);
+  const auto work = [&] { merge(o, to, picture ? &*picture : nullptr); };
+  if (const int code = in_child(o, work, &to.folder)) return code;
+  to.commit();
+  if (picture) picture->commit();
+  if (!o.quiet) std::cout << "  wrote   " << o.output << "\n";
+  return 0;
 }
 
 int run_changes(const Options& o)

@@ -32,7 +32,10 @@ constexpr const char* kFooter =
 
 void add_options(CLI::App& app, Options& o)
 {
-  app.add_option("MAP", o.inputs, "Maps of one floor in one map frame: site.tif of talus-map")
+  app.add_option(
+         "MAP", o.inputs,
+         "Maps in one map frame: site.tif of talus-map, with its other floors and islands beside "
+         "it")
       ->required()
       ->check(app::not_empty());
   app.add_option("--output", o.output, "The map of all; with --changes: folder of the files")

@@ -7,11 +7,13 @@
 #include <mrpt/serialization/CArchive.h>
 #include <octomap/OcTree.h>
 #include <talus/io/geotiff.h>
+#include <talus/site/site_files.h>
 
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
 #include "command_run.h"
+#include "sites.h"
 #include "small_terrain.h"
 
 using namespace talus;
@@ -153,6 +155,16 @@ TEST_F(TalusExport, all_formats_at_once_go_into_the_folder)
        {"site.yaml", "site.pgm", "site.gridmap.gz", "site.bt", "site.ply", "site_height.png",
         "site_height.json", "site.qml", "site.html"})
     EXPECT_TRUE(std::filesystem::exists(dir_ / ("a/b/" + std::string(name)))) << name;
+}
+
+TEST_F(TalusExport, a_site_is_exported_with_its_floors)
+{
+  site::Site site(0.05, std::size_t{64} << 20, dir_ / "tiles");
+  for (const int floor : {0, 1}) cell_at(site, 0, 0, floor) = measured(1);
+  site::write_site_files(dir_ / "two.tif", "", site);
+  runs("two.tif --to ros --output out");
+  EXPECT_TRUE(std::filesystem::exists(dir_ / "out/two.yaml"));
+  EXPECT_TRUE(std::filesystem::exists(dir_ / "out/two_floor_1.yaml"));
 }
 
 TEST_F(TalusExport, says_what_is_wrong)

@@ -421,10 +421,10 @@ TEST(SiteGeoTiff, names_its_floors_and_is_not_read_where_one_is_missing)
   const ScratchDir dir;
   const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
   cell_at(*site, 0, 0, 0) = measured(0);
-  write_site_files(dir / "one.tif", *site);
+  write_site_files(dir / "one.tif", dir / "one.png", *site);
   EXPECT_STREQ(Open(dir / "one.tif").item("TALUS_FLOORS"), "(none)");
   for (const int floor : {1, 3}) cell_at(*site, 0, 0, floor) = measured(3);
-  write_site_files(dir / "site.tif", *site);
+  write_site_files(dir / "site.tif", "", *site);
   EXPECT_STREQ(Open(dir / "site.tif").item("TALUS_FLOORS"), "0 1 3");
   EXPECT_EQ(floors_of_site(dir / "site_floor_3.tif"), std::vector<int>());
   read_site_files(dir / "site.tif", *in);

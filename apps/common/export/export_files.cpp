@@ -3,6 +3,7 @@
 #include <talus/formats/page.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/qgis_style.h>
+#include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
 #include <filesystem>
@@ -40,23 +41,33 @@ Map read_map(const std::string& file, const std::string& folder)
   return map;
 }
 
-/** None of the map of a window, nor of a part that was cut out of a site. */
-std::vector<std::vector<site::WayPoint>> site_ways(const std::string& file)
+/** Whether a file is one of a site as it was written: no map of a window, nor a part cut out. */
+bool is_site(const std::string& file)
 {
   try
   {
-    return site::ways_of_site(file);
+    return site::floor_of_site(file) >= 0;
   }
   catch (const std::runtime_error&)
   {
-    return {};
+    return false;
   }
+}
+
+/** A site has all its floors and islands. */
+std::vector<std::string> files_of(const std::string& file)
+{
+  if (!is_site(file)) return {file};
+  std::vector<std::string> files;
+  for (const site::SitePart& part : site::parts_of_site(file, 0)) files.push_back(part.path);
+  return files;
 }
 
 std::vector<std::vector<PagePoint>> ways_of(const Map& map)
 {
   std::vector<std::vector<PagePoint>> ways;
-  for (const auto& way : site_ways(map.file))
+  if (!is_site(map.file)) return ways;
+  for (const auto& way : site::ways_of_site(map.file))
   {
     auto& points = ways.emplace_back();
     for (const site::WayPoint& p : way) points.push_back({p.x_m, p.y_m, p.z_m});
@@ -112,9 +123,14 @@ std::vector<std::string> export_files(
 {
   std::vector<std::string> files;
   if (options.formats.empty()) return files;
-  const Map map = read_map(geotiff, folder);
-  for (const std::string& format : options.formats)
-    files.push_back(write_as(format, map, title, options));
+  for (const std::string& file : files_of(geotiff))
+  {
+    const Map map = read_map(file, folder);
+    const std::string part =
+        fs::path(file).stem().string().substr(fs::path(geotiff).stem().string().size());
+    for (const std::string& format : options.formats)
+      files.push_back(write_as(format, map, title + part, options));
+  }
   return files;
 }
 

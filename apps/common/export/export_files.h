@@ -17,9 +17,9 @@ struct ExportOptions
   std::size_t max_faces = 2'000'000, max_mb = 30;
 };
 
-/** Writes a map.tif or site.tif in each of the formats into a folder. What is written is called as
- * the file is. `title`: of the page. The main file of each format. Throws std::runtime_error that
- * names the file. */
+/** Writes a map.tif, or a site.tif with its other floors and islands, in each of the formats into a
+ * folder. What is written is called as the file is. `title`: of the page. The main file of each
+ * format. Throws std::runtime_error that names the file. */
 std::vector<std::string> export_files(
     const std::string& geotiff, const std::string& folder, const std::string& title,
     const ExportOptions& options);

@@ -29,9 +29,10 @@ struct MergeOptions
   std::vector<MapShift> shifts{};
 };
 
-/** Fuses files of one map frame into a floor of an empty site, tile by tile, and their ways. The
- * order of the paths and the number of threads make no difference. Throws as read_site(). Tells how
- * the maps fit that overlap: at each place each with up to four of those given before it. */
+/** Fuses sites of one map frame, all their files, into an empty site, tile by tile, and their ways:
+ * the files that are named become floor `floor`, other floors those of their numbers. The order of
+ * the paths and the number of threads make no difference. Throws as parts_of_site(). Tells how the
+ * maps fit that overlap: at each place each with up to four of those given before it. */
 std::vector<MapFit> merge_sites(
     const std::vector<std::string>& paths, Site& site, int floor, const MergeOptions& options = {},
     const Progress& progress = Progress());
