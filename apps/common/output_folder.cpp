@@ -1,5 +1,7 @@
 #include "output_folder.h"
 
+#include "export/export_formats.h"
+
 #include <talus/io/atomic_file.h>
 #include <unistd.h>
 
@@ -18,6 +20,7 @@ namespace
 using io::FolderLock;
 
 constexpr const char* kRunPrefix = ".talus-run.";  // of hidden folders of results
+constexpr const char* kSiteStem = "(site|traffic)(_floor_[0-9]+)?(_island_[0-9]+)?";
 // In the hidden folder:
 constexpr const char* kSeal = ".talus-seal";  // folder; the seal is in it once all is complete
 constexpr const char* kToClear = ".talus-to-clear";  // until what would mislead has been removed
@@ -189,9 +192,22 @@ void OutputFolder::commit(const std::string& seal)
 
 bool is_site_file(const fs::path& name)
 {
-  static const std::regex pattern(
-      "(site|traffic)(_floor_[0-9]+)?(_island_[0-9]+)?(\\.tif|\\.png|_way\\.gpkg)");
+  static const std::regex pattern(kSiteStem + std::string("(\\.tif|\\.png|_way\\.gpkg)"));
   return matches(name, pattern);
+}
+
+bool is_export(const fs::path& name, const std::string& map)
+{
+  const std::string text = name.string();
+  std::smatch stem;
+  if (!std::regex_search(
+          text, stem, std::regex(map == "site" ? kSiteStem : map),
+          std::regex_constants::match_continuous))
+    return false;
+  for (const ExportFormat& format : export_formats())
+    for (const std::string& ending : format.endings)
+      if (stem.suffix() == ending) return true;
+  return false;
 }
 
 bool is_site_map(const fs::path& name)

@@ -57,6 +57,10 @@ constexpr const char* kLabelledLog = "labels.rawlog";
  * floor or island. */
 bool is_site_file(const std::filesystem::path& name);
 
+/** Whether an export of a map, site.tif or another one without its ending, would be called so. Of a
+ * site also those of its floors and islands. */
+bool is_export(const std::filesystem::path& name, const std::string& map = "site");
+
 /** Whether a file of this name is site.tif, or that of another floor or island. */
 bool is_site_map(const std::filesystem::path& name);
 

@@ -9,7 +9,11 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace fs = std::filesystem;
 using namespace talus::formats;
@@ -28,15 +32,40 @@ std::string title_of(const fs::path& file)
   return (fs::absolute(file).parent_path().filename() / file.stem()).string();
 }
 
-void export_all(const Options& o)
+std::string folder_for(const std::string& file, const Options& o)
 {
+  return o.output.empty() ? fs::path(file).parent_path().string() : o.output;
+}
+
+/** Before the work: no file is written over an input or over another one. */
+void require_files_apart(const Options& o)
+{
+  std::vector<std::string> inputs = o.inputs;
+  inputs.push_back(o.exports.changes);
+  std::map<fs::path, std::string> written_for;
   for (const std::string& file : o.inputs)
   {
-    const std::string folder = o.output.empty() ? fs::path(file).parent_path().string() : o.output;
-    for (const std::string& path : talus::app::export_files(
-             file, folder, o.title.empty() ? title_of(file) : o.title, o.exports))
-      if (!o.quiet) std::cout << "  wrote   " << path << "\n";
+    const auto files = talus::app::files_of_export(file, folder_for(file, o), o.exports);
+    talus::app::require_apart("", files, inputs);
+    for (const std::string& written : files)
+    {
+      const auto [first, is_new] =
+          written_for.emplace(fs::weakly_canonical(fs::absolute(written)), file);
+      if (!is_new && !talus::app::is_same_file(first->second, file))
+        throw std::runtime_error(
+            first->second + " and " + file + ": both would be written as " + written +
+            "; export them one by one, each with an --output of its own");
+    }
   }
+}
+
+void export_all(const Options& o)
+{
+  require_files_apart(o);
+  for (const std::string& file : o.inputs)
+    for (const std::string& path : talus::app::export_files(
+             file, folder_for(file, o), o.title.empty() ? title_of(file) : o.title, o.exports))
+      if (!o.quiet) std::cout << "  wrote   " << path << "\n";
 }
 
 /** Makes --output where it is missing. */

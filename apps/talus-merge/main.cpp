@@ -13,6 +13,7 @@
 #include <talus/site/changes.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
+#include <talus/site/site_way.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -206,8 +207,9 @@ int in_child(
   return talus::app::run_command_in_child(o.inputs.front(), kLessMemory, done, tell);
 }
 
-void require_picture_apart(const Options& o)
+void require_files_apart(const Options& o)
 {
+  talus::app::require_apart("", {way_file_of(o.output)}, o.inputs);
   if (o.picture.empty()) return;
   talus::app::require_apart("", {o.picture}, o.inputs);
   if (talus::app::is_same_file(o.picture, o.output))
@@ -217,7 +219,7 @@ void require_picture_apart(const Options& o)
 
 int run_merge(const Options& o)
 {
-  require_picture_apart(o);
+  require_files_apart(o);
   Place to(o.output);
   std::optional<Place> picture;
   if (!o.picture.empty()) picture.emplace(o.picture);

@@ -167,6 +167,20 @@ TEST_F(TalusExport, a_site_is_exported_with_its_floors)
   EXPECT_TRUE(std::filesystem::exists(dir_ / "out/two_floor_1.yaml"));
 }
 
+TEST_F(TalusExport, replaces_no_input_and_no_file_of_its_own)
+{
+  std::filesystem::create_directories(dir_ / "friday");
+  std::filesystem::copy_file(dir_ / "site.tif", dir_ / "friday/site.tif");
+  std::filesystem::copy_file(dir_ / "site.tif", dir_ / "page.html");
+  const std::string map = read_bytes(dir_ / "site.tif");
+  fails("page.html --to html", 1, {"'page.html' would be overwritten", "is an input"});
+  EXPECT_EQ(read_bytes(dir_ / "page.html"), map);
+  fails(
+      "site.tif friday/site.tif --to ros --output share", 1,
+      {"site.tif and friday/site.tif: both would be written as share/site.yaml"});
+  EXPECT_FALSE(std::filesystem::exists(dir_ / "share"));
+}
+
 TEST_F(TalusExport, says_what_is_wrong)
 {
   fails("site.tif", 2, {"--to is required"});

@@ -54,6 +54,21 @@ TEST_F(TalusMapSite, export_writes_the_site_or_without_one_the_window_in_other_f
   expect_refused("drive.rawlog --export rso", 2, "rso");
 }
 
+TEST_F(TalusMapSite, no_result_takes_the_place_of_a_file_that_is_read)
+{
+  std::filesystem::create_directory(path("scans"));
+  for (const char* scan : {"site.ply", "scans/site.ply"}) write_bytes(path(scan), "points");
+  for (const char* arguments : {"site.ply --output .", "scans --output scans --export ply"})
+  {
+    const Outcome refused = run(std::string(arguments) + " --static");
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_TRUE(refused.says("site.ply' would be overwritten, but it is an input")) << refused.err;
+  }
+  write_drive("drive", 2);
+  const Outcome copy = run("drive.rawlog --rawlog-out out/site.gridmap.gz --output out");
+  EXPECT_TRUE(copy.says("--rawlog-out out/site.gridmap.gz: is one of the results")) << copy.err;
+}
+
 TEST_F(TalusMapSite, styles_of_qgis_lie_beside_the_maps_and_those_of_a_user_stay)
 {
   write_drive("drive", 20);

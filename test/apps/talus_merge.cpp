@@ -182,6 +182,8 @@ TEST_F(TalusMerge, says_what_is_wrong_with_an_input_and_leaves_what_was_there)
   fails("--changes a.tif text.tif --output out", 1, {"text.tif", "GeoTIFF"});
   const std::string a = read_bytes(dir_ / "a.tif");
   fails("a.tif --output site.tif --picture a.tif", 1, {"a.tif", "is an input"});
+  write("in_way.gpkg", 1000, 0, 1.0F);
+  fails("in_way.gpkg --output in.tif", 1, {"in_way.gpkg", "is an input"});
   fails("a.tif --output new.tif --picture ./new.tif", 1, {"new.tif", "two names"});
   EXPECT_EQ(read_bytes(dir_ / "a.tif"), a);
   write("far.tif", 1000, 100'000, 1.0F);

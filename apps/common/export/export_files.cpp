@@ -1,11 +1,14 @@
 #include "export_files.h"
 
+#include "export_formats.h"
+
 #include <talus/formats/page.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/qgis_style.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
@@ -116,6 +119,18 @@ std::string write_as(
   return written(".html", [&](auto& p, auto&) { write_html(p, map, title, o); });
 }
 }  // namespace
+
+std::vector<std::string> files_of_export(
+    const std::string& geotiff, const std::string& folder, const ExportOptions& options)
+{
+  std::vector<std::string> files;
+  for (const std::string& file : files_of(geotiff))
+    for (const ExportFormat& format : export_formats())
+      if (std::count(options.formats.begin(), options.formats.end(), format.name) > 0)
+        for (const std::string& ending : format.endings)
+          files.push_back((fs::path(folder) / (fs::path(file).stem().string() + ending)).string());
+  return files;
+}
 
 std::vector<std::string> export_files(
     const std::string& geotiff, const std::string& folder, const std::string& title,

@@ -17,6 +17,10 @@ struct ExportOptions
   std::size_t max_faces = 2'000'000, max_mb = 30;
 };
 
+/** The files that export_files() may write. Throws as it does. */
+std::vector<std::string> files_of_export(
+    const std::string& geotiff, const std::string& folder, const ExportOptions& options);
+
 /** Writes a map.tif, or a site.tif with its other floors and islands, in each of the formats into a
  * folder. What is written is called as the file is. `title`: of the page. The main file of each
  * format. Throws std::runtime_error that names the file. */

@@ -1,13 +1,17 @@
 #include "export_options.h"
 
+#include "export_formats.h"
+
 namespace talus::app
 {
 CLI::Option* add_formats(
     CLI::App& app, const std::string& name, ExportOptions& options, const std::string& help)
 {
+  std::vector<std::string> names;
+  for (const ExportFormat& format : export_formats()) names.push_back(format.name);
   return app.add_option(name, options.formats, help)
       ->delimiter(',')
-      ->check(CLI::IsMember({"ros", "gridmap", "octomap", "ply", "heightmap", "qgis", "html"}))
+      ->check(CLI::IsMember(names))
       ->type_name("FORMAT,...");
 }
 

@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+#include <vector>
+
+namespace talus::app
+{
+/** A format of exports. */
+struct ExportFormat
+{
+  std::string name;  //!< as the option --to names it
+  std::vector<std::string> endings;  //!< of its files, after the name of the map; the first is told
+};
+
+/** All that there are, in the order of the help. */
+inline const std::vector<ExportFormat>& export_formats()
+{
+  static const std::vector<ExportFormat> formats{
+      {"ros", {".yaml", ".pgm", "_scale.png"}},
+      {"gridmap", {".gridmap.gz"}},
+      {"octomap", {".bt"}},
+      {"ply", {".ply"}},
+      {"heightmap", {"_height.png", "_height.json"}},
+      {"qgis", {".qml"}},
+      {"html", {".html"}}};
+  return formats;
+}
+
+}  // namespace talus::app
