@@ -49,9 +49,10 @@ std::vector<fs::path> files_below(const fs::path& folder)
 bool is_part(const fs::path& name, const fs::path& sealed)
 {
   const std::string stem = sealed.stem().string(), whole = name.filename().string();
-  static const std::regex number("((_floor|_island)_[0-9]+){1,2}(\\.tif|\\.png)");
+  static const std::regex number("((_floor|_island)_[0-9]+){1,2}\\.[a-z]+");
   return whole.rfind(stem, 0) == 0 &&
-         (name.extension() == ".png" || name.extension() == sealed.extension()) &&
+         (name.extension() == sealed.extension() ||
+          (name.extension() == ".png" && sealed.extension() == ".tif")) &&
          std::regex_match(whole.substr(stem.size()), number);
 }
 

@@ -2,15 +2,18 @@
 #include "../common/child_process.h"
 #include "../common/crash_context.h"
 #include "../common/export/export_files.h"
+#include "../common/export/export_formats.h"
 #include "../common/output_folder.h"
 #include "../common/printable.h"
 #include "options.h"
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -18,6 +21,7 @@
 namespace fs = std::filesystem;
 using namespace talus::formats;
 using talus::app::code_of;
+using talus::app::OutputFolder;
 
 namespace
 {
@@ -34,7 +38,9 @@ std::string title_of(const fs::path& file)
 
 std::string folder_for(const std::string& file, const Options& o)
 {
-  return o.output.empty() ? fs::path(file).parent_path().string() : o.output;
+  if (!o.output.empty()) return o.output;
+  const fs::path beside = fs::path(file).parent_path();
+  return beside.empty() ? "." : beside.string();
 }
 
 /** Before the work: no file is written over an input or over another one. */
@@ -59,28 +65,56 @@ void require_files_apart(const Options& o)
   }
 }
 
-void export_all(const Options& o)
+/** By its name. */
+using Folders = std::map<std::string, std::unique_ptr<OutputFolder>>;
+
+/** The exit code: what fails costs no other file. */
+int export_all(const Options& o, const Folders& folders)
 {
   require_files_apart(o);
+  int code = 0;
   for (const std::string& file : o.inputs)
-    for (const std::string& path : talus::app::export_files(
-             file, folder_for(file, o), o.title.empty() ? title_of(file) : o.title, o.exports))
-      if (!o.quiet) std::cout << "  wrote   " << path << "\n";
+  {
+    const OutputFolder& folder = *folders.at(folder_for(file, o));
+    const auto tell = [&](const std::string& text) { print_error(folder.told(text)); };
+    const auto work = [&]
+    {
+      const auto told = talus::app::export_files(
+          file, folder.staging(), o.title.empty() ? title_of(file) : o.title, o.exports);
+      for (const std::string& note : told.notes) tell("warning: " + note);
+      for (const std::string& error : told.errors) tell(error);
+      return told.errors.empty() ? 0 : 1;
+    };
+    code = std::max(code, code_of(work, tell, file, kLessMemory));
+  }
+  return code;
 }
 
-/** Makes --output where it is missing. */
+/** Puts all files of a folder in their place, together. */
+void commit(const std::string& name, OutputFolder& folder, const Options& o)
+{
+  std::set<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder.staging()))
+    if (entry.is_regular_file()) files.insert(entry.path().filename());
+  if (files.empty()) return;
+  folder.commit(files.begin()->string());
+  for (const fs::path& file : files)
+    if (!o.quiet && talus::app::is_main_file(file.string()))
+      std::cout << "  wrote   " << (fs::path(name) / file).lexically_normal().string() << "\n";
+}
+
 int run(const Options& o)
 {
-  std::unique_ptr<talus::app::OutputFolder> folder;
-  std::error_code none;
-  if (!o.output.empty() && !fs::is_directory(o.output, none))
-    folder = std::make_unique<talus::app::OutputFolder>(o.output);
-  const auto work = [&o]
-  {
-    export_all(o);
-    return 0;
-  };
-  return talus::app::run_command_in_child(o.inputs.front(), kLessMemory, work, print_error);
+  Folders folders;
+  for (const std::string& file : o.inputs)
+    if (auto& folder = folders[folder_for(file, o)]; !folder)
+      folder = std::make_unique<OutputFolder>(folder_for(file, o));
+  const auto work = [&] { return export_all(o, folders); };
+  const int code =
+      talus::app::run_command_in_child(o.inputs.front(), kLessMemory, work, print_error);
+  if (talus::app::stop_signal() == 0)
+    for (const auto& [name, folder] : folders) commit(name, *folder, o);
+  return code;
 }
 }  // namespace
 

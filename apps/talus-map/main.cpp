@@ -1,5 +1,6 @@
 // talus-map: rawlogs in; maps, pictures and timing out.
 #include "../common/child_process.h"
+#include "../common/export/export_files.h"
 #include "../common/output_folder.h"
 #include "../common/printable.h"
 #include "batch.h"
@@ -56,6 +57,7 @@ int run(const Options& options)
     if (options.threads) settings.threads = *options.threads;
     if (options.device) settings.device = options.device;
     forward_signals();  // before any folder is made: a signal must not leave it behind
+    require_exportable(options.exports);
     if (!options.suggest) require_writable(options.output.empty() ? "." : options.output);
   }
   catch (const std::exception& e)

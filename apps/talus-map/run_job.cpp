@@ -137,16 +137,6 @@ bool write_site(KeptSite& site, const OutputFolder& output, io::RunSummary& run,
   return false;
 }
 
-/** The site map with its floors and islands, else the map of the window. */
-void write_exports(const Job& job, const Options& options, const OutputFolder& output)
-{
-  if (options.exports.formats.empty()) return;
-  fs::path map = fs::path(output.staging()) / "site.tif";
-  if (!fs::exists(map)) map.replace_filename("map.tif");
-  const fs::path name = fs::absolute(job.folder).filename();
-  export_files(map.string(), output.staging(), (name / map.stem()).string(), options.exports);
-}
-
 /** Beside each map, unless a user's own is there: what is written replaces files of its name. */
 void write_qgis_styles(const Job& job, const OutputFolder& output)
 {
@@ -195,7 +185,6 @@ bool map_log(
   }
   write_results(folder, mapper, origin_of(site, options));
   write_qgis_styles(job, output);
-  write_exports(job, options, output);
   if (rawlog_out) write_log(*rawlog_out);
   const auto& warnings = mapper.summary().warnings;  // those of the settings have been told
   for (std::size_t i = settings.warnings.size(); i < warnings.size(); ++i)
@@ -226,6 +215,29 @@ int map_or_tell(
   return kFailed;
 }
 
+/** The site map, else the map of the window, in a child of its own: what fails there costs no other
+ * result. False where something fails. */
+bool write_exports(const Job& job, const Options& options, const OutputFolder& output)
+{
+  if (options.exports.formats.empty()) return true;
+  const auto tell = [&](const std::string& text)
+  { print_error(job.log + ": " + output.told(text)); };
+  const auto work = [&]
+  {
+    fs::path map = fs::path(output.staging()) / "site.tif";
+    if (!fs::exists(map)) map.replace_filename("map.tif");
+    const fs::path name = fs::absolute(job.folder).filename();
+    const Exported told =
+        export_files(map.string(), output.staging(), (name / map.stem()).string(), options.exports);
+    for (const std::string& note : told.notes) tell("warning: " + note);
+    for (const std::string& error : told.errors) tell(error);
+    return told.errors.empty() ? kDone : kFailed;
+  };
+  const ChildEnd end = run_in_child(
+      [&] { return code_of(work, tell, job.folder, "Export it by talus-export, in parts"); });
+  if (end.signal && !stop_signal()) tell("the export " + crash_text("", end.signal));
+  return end.signal == 0 && end.exit_code == kDone;
+}
 }  // namespace
 
 void print_error(const std::string& text) { std::cerr << "talus-map: " << text << "\n"; }
@@ -245,18 +257,24 @@ bool run_job(
     const auto work = [&]
     { return map_or_tell(job, options, settings, label, folders, rawlog_out.get()); };
     const ChildEnd end = run_in_child(work);
+    const bool is_mapped = end.signal == 0 && end.exit_code != kFailed;
+    const bool is_exported = is_mapped && write_exports(job, options, output);
     if (stop_signal())
       print_error(job.log + ": stopped; nothing was written");
     else if (end.signal)
       print_error(
           crash_text(job.log, end.signal) +
           (end.signal == SIGKILL ? ". Try a smaller window_m or a larger resolution_m" : ""));
-    else if (end.exit_code != kFailed)
+    else if (is_mapped)
     {
       if (rawlog_out) rawlog_out->commit();
       folders.commit();
-      if (end.exit_code == kDone) return true;
-      print_error(job.log + ": everything but its site map is in " + job.folder);
+      const bool is_whole = end.exit_code == kDone;
+      if (is_whole && is_exported) return true;
+      print_error(
+          job.log + ": everything but " + (is_whole ? "" : "its site map") +
+          (is_whole || is_exported ? "" : " and ") + (is_exported ? "" : "some of its exports") +
+          " is in " + job.folder);
     }
   }
   catch (const std::exception& e)

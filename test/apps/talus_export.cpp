@@ -181,6 +181,18 @@ TEST_F(TalusExport, replaces_no_input_and_no_file_of_its_own)
   EXPECT_FALSE(std::filesystem::exists(dir_ / "share"));
 }
 
+TEST_F(TalusExport, a_format_that_fails_costs_no_other_file)
+{
+  io::LayerStack map = small_terrain();
+  map.names[1] = "other";
+  io::write_geotiff(dir_ / "flat.tif", map);
+  fails(
+      "flat.tif site.tif --to ply,ros", 1,
+      {"no layer 'ground_elevation'", "wrote   flat.yaml", "wrote   site.ply"});
+  EXPECT_TRUE(std::filesystem::exists(dir_ / "flat.pgm"));
+  EXPECT_FALSE(std::filesystem::exists(dir_ / "flat.ply"));
+}
+
 TEST_F(TalusExport, says_what_is_wrong)
 {
   fails("site.tif", 2, {"--to is required"});

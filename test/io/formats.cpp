@@ -64,6 +64,20 @@ TEST(Formats, the_octree_is_occupied_free_or_unknown_as_the_map_is)
   EXPECT_EQ(at(4.55, 3.05, 1.55), '?') << "nothing is known";
 }
 
+TEST(Formats, the_octree_of_a_map_that_reaches_too_far_is_coarser_and_told)
+{
+  const ScratchDir dir;
+  io::LayerStack map = small_terrain();
+  EXPECT_EQ(write_octomap(dir / "near.bt", map, 0.6), "");
+  map.min_x_m = 4000;  // 40000 voxels
+  const std::string told = write_octomap(dir / "far.bt", map, 0.6);
+  EXPECT_NE(told.find("far.bt: its voxels are 0.2 m wide, not 0.1 m"), std::string::npos) << told;
+  const octomap::OcTree tree(dir / "far.bt");
+  const auto* box = tree.search(4002.1, 3.1, 1.5);
+  ASSERT_TRUE(box);
+  EXPECT_TRUE(tree.isNodeOccupied(box));
+}
+
 TEST(Formats, a_layer_that_is_missing_is_named)
 {
   io::LayerStack map = small_terrain();

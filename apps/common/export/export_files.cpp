@@ -1,5 +1,6 @@
 #include "export_files.h"
 
+#include "../crash_context.h"
 #include "export_formats.h"
 
 #include <talus/formats/page.h>
@@ -29,8 +30,6 @@ struct Map
 {
   std::string file, stem;
   LayerStack layers;
-
-  std::string path(const char* ending) const { return stem + ending; }
 };
 
 Map read_map(const std::string& file, const std::string& folder)
@@ -95,28 +94,39 @@ void write_html(
   write_page(path, map.layers, page);
 }
 
+/** What to tell of it. */
 std::string write_as(
-    const std::string& format, const Map& map, const std::string& title, const ExportOptions& o)
+    const std::string& format, const std::string& path, const Map& map, const std::string& title,
+    const ExportOptions& o)
 {
-  const auto written = [&map](const char* ending, const auto& write)
+  const LayerStack& m = map.layers;
+  if (format == "octomap") return write_octomap(path, m, o.clearance_m);
+  if (format == "ros") write_ros_map(path, m, o.ros_mode, o.blocked_at);
+  if (format == "gridmap") write_gridmap(path, m, o.blocked_at);
+  if (format == "ply") write_mesh(path, m, o.max_faces);
+  if (format == "heightmap") write_heightmap(path, m);
+  if (format == "qgis") io::write_qgis_style(path);
+  if (format == "html") write_html(path, map, title, o);
+  return "";
+}
+
+/** All files of a format, or none. */
+void write_or_tell(
+    const ExportFormat& format, const Map& map, const std::string& title, const ExportOptions& o,
+    Exported& told)
+{
+  const std::string path = map.stem + format.endings.front();
+  try
   {
-    std::string path = map.path(ending);
-    write(path, map.layers);
-    return path;
-  };
-  if (format == "ros")
-    return written(
-        ".yaml", [&](auto& p, auto& m) { write_ros_map(p, m, o.ros_mode, o.blocked_at); });
-  if (format == "gridmap")
-    return written(".gridmap.gz", [&](auto& p, auto& m) { write_gridmap(p, m, o.blocked_at); });
-  if (format == "octomap")
-    return written(".bt", [&](auto& p, auto& m) { write_octomap(p, m, o.clearance_m); });
-  if (format == "ply")
-    return written(".ply", [&](auto& p, auto& m) { write_mesh(p, m, o.max_faces); });
-  if (format == "heightmap")
-    return written("_height.png", [](auto& p, auto& m) { write_heightmap(p, m); });
-  if (format == "qgis") return written(".qml", [](auto& p, auto&) { io::write_qgis_style(p); });
-  return written(".html", [&](auto& p, auto&) { write_html(p, map, title, o); });
+    const std::string note = write_as(format.name, path, map, title, o);
+    if (!note.empty()) told.notes.push_back(note);
+  }
+  catch (const std::exception& e)
+  {
+    std::error_code none;
+    for (const std::string& ending : format.endings) fs::remove(map.stem + ending, none);
+    told.errors.push_back(failure_text(e, path, "Cut out a part of the map with gdal_translate"));
+  }
 }
 }  // namespace
 
@@ -132,21 +142,27 @@ std::vector<std::string> files_of_export(
   return files;
 }
 
-std::vector<std::string> export_files(
+void require_exportable(const ExportOptions& options)
+{
+  const auto& formats = options.formats;
+  if (std::count(formats.begin(), formats.end(), "html") > 0) require_leaflet();
+}
+
+Exported export_files(
     const std::string& geotiff, const std::string& folder, const std::string& title,
     const ExportOptions& options)
 {
-  std::vector<std::string> files;
-  if (options.formats.empty()) return files;
+  Exported told;
+  const std::size_t named = fs::path(geotiff).stem().string().size();
   for (const std::string& file : files_of(geotiff))
   {
     const Map map = read_map(file, folder);
-    const std::string part =
-        fs::path(file).stem().string().substr(fs::path(geotiff).stem().string().size());
-    for (const std::string& format : options.formats)
-      files.push_back(write_as(format, map, title + part, options));
+    const std::string part = fs::path(file).stem().string().substr(named);
+    for (const ExportFormat& format : export_formats())
+      if (std::count(options.formats.begin(), options.formats.end(), format.name) > 0)
+        write_or_tell(format, map, title + part, options, told);
   }
-  return files;
+  return told;
 }
 
 }  // namespace talus::app

@@ -21,10 +21,19 @@ struct ExportOptions
 std::vector<std::string> files_of_export(
     const std::string& geotiff, const std::string& folder, const ExportOptions& options);
 
+/** Throws std::runtime_error where a format needs what is not installed here. */
+void require_exportable(const ExportOptions& options);
+
+/** What was written, and what was not. */
+struct Exported
+{
+  std::vector<std::string> notes, errors;  //!< each names its file
+};
+
 /** Writes a map.tif, or a site.tif with its other floors and islands, in each of the formats into a
- * folder. What is written is called as the file is. `title`: of the page. The main file of each
- * format. Throws std::runtime_error that names the file. */
-std::vector<std::string> export_files(
+ * folder. What is written is called as the file is. `title`: of the page. What fails costs no other
+ * file. Throws std::runtime_error where the map cannot be read. */
+Exported export_files(
     const std::string& geotiff, const std::string& folder, const std::string& title,
     const ExportOptions& options);
 

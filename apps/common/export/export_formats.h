@@ -25,4 +25,14 @@ inline const std::vector<ExportFormat>& export_formats()
   return formats;
 }
 
+/** Whether a file of this name is the one of its format that is told. */
+inline bool is_main_file(const std::string& name)
+{
+  for (const ExportFormat& format : export_formats())
+    if (const std::string& end = format.endings.front();
+        name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0)
+      return true;
+  return false;
+}
+
 }  // namespace talus::app

@@ -2,9 +2,12 @@
 #include <talus/formats/convert.h>
 #include <talus/formats/write.h>
 #include <talus/io/atomic_file.h>
+#include <talus/number_text.h>
 
+#include "coarser.h"
 #include "needed_layer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <stdexcept>
@@ -38,6 +41,26 @@ class Column
   octomap::OcTree& tree_;
   double x_m_, y_m_;
 };
+
+/** Whether a tree of such voxels reaches all that is known. */
+bool reaches_all(const io::LayerStack& map, double clearance_m)
+{
+  constexpr double kFarthest_voxels = 32766;  // of 32768: where voxels and cells are cut apart
+  const Heights h(map);
+  double farthest_m = 0;
+  for_each_cell(
+      map,
+      [&](std::size_t i, int ix, int iy)
+      {
+        if (std::isnan(h.ground[i])) return;
+        const double top_m = h.ground[i] + clearance_m;
+        for (const double m :
+             {middle_x_m(map, ix), middle_y_m(map, iy), double{h.ground[i]}, top_m,
+              h.stands(i) ? double{h.top[i]} : top_m})
+          farthest_m = std::max(farthest_m, std::abs(m));
+      });
+  return farthest_m < kFarthest_voxels * map.resolution_m;
+}
 }  // namespace
 
 void to_octomap(const io::LayerStack& map, double clearance_m, octomap::OcTree& out)
@@ -60,16 +83,23 @@ void to_octomap(const io::LayerStack& map, double clearance_m, octomap::OcTree& 
   out.prune();
 }
 
-void write_octomap(const std::string& path, const io::LayerStack& map, double clearance_m)
+std::string write_octomap(const std::string& path, const io::LayerStack& map, double clearance_m)
 {
-  octomap::OcTree tree(map.resolution_m);
-  to_octomap(map, clearance_m, tree);
+  io::LayerStack coarse;
+  const io::LayerStack& shown = joined_until(
+      [=](const io::LayerStack& m) { return reaches_all(m, clearance_m); }, map, coarse);
+  octomap::OcTree tree(shown.resolution_m);
+  to_octomap(shown, clearance_m, tree);
   io::AtomicFile file(path);
   std::ofstream stream(file.temporary_path(), std::ios::binary);
   if (!tree.writeBinaryConst(stream) || !stream.flush())
     throw std::runtime_error(path + ": cannot be written to its end: is the disk full?");
   stream.close();
   file.commit();
+  if (&shown == &map) return "";
+  return path + ": its voxels are " + number_text(shown.resolution_m) + " m wide, not " +
+         number_text(map.resolution_m) +
+         " m: a tree of OctoMap reaches 32768 voxels from the origin of the map, and no farther";
 }
 
 }  // namespace talus::formats

@@ -37,6 +37,9 @@ std::string leaflet_file(const std::vector<std::string>& names)
       ": cannot be read; a page brings Leaflet along, install the package libjs-leaflet");
 }
 
+std::string leaflet_style() { return leaflet_file({"leaflet.css"}); }
+std::string leaflet_script() { return leaflet_file({"leaflet.min.js", "leaflet.js"}); }
+
 std::string base64(const std::vector<unsigned char>& bytes)
 {
   std::string text;
@@ -180,9 +183,9 @@ std::optional<std::string> page_of(
   const auto tiles = page_tiles(map, changes, o.max_bytes / 4 * 3, code);  // before base64
   if (!tiles) return std::nullopt;
   std::string page = replaced(kPage, "<!-- title -->", escaped(o.title));
-  page = replaced(page, "/* leaflet.css */", leaflet_file({"leaflet.css"}));
+  page = replaced(page, "/* leaflet.css */", leaflet_style());
   page = replaced(page, "/* page.css */", kStyle);
-  page = replaced(page, "/* leaflet.js */", leaflet_file({"leaflet.min.js", "leaflet.js"}));
+  page = replaced(page, "/* leaflet.js */", leaflet_script());
   page = replaced(page, "/* page.js */", kScript);
   page = replaced(
       page, "/* data */",
@@ -235,6 +238,12 @@ std::vector<std::string> channel_bands(const std::vector<std::string>& names)
       if (layer != name && std::find(names.begin(), names.end(), layer) != names.end())
         found.insert(found.end(), {name, layer});
   return found;
+}
+
+void require_leaflet()
+{
+  leaflet_style();
+  leaflet_script();
 }
 
 void write_page(const std::string& path, const io::LayerStack& map, const PageOptions& options)

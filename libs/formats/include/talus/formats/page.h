@@ -30,6 +30,9 @@ struct PageOptions
  * where both are there. */
 std::vector<std::string> channel_bands(const std::vector<std::string>& names);
 
+/** Throws where write_page() would for want of the package. */
+void require_leaflet();
+
 /** One file of HTML that any browser opens without a network: layers to switch (also those of
  * channels), zoom, the values under the pointer, and distance and height profile between two
  * clicks. It brings Leaflet along, which Debian's libjs-leaflet has. Throws std::runtime_error that

@@ -23,8 +23,9 @@ void write_ros_map(
 /** mrpt::maps::COccupancyGridMap2D as MRPT's programs read it: .gridmap.gz, to_occupancy_grid(). */
 void write_gridmap(const std::string& path, const io::LayerStack& map, double blocked_at);
 
-/** OctoMap's binary tree, .bt, see to_octomap(). */
-void write_octomap(const std::string& path, const io::LayerStack& map, double clearance_m);
+/** OctoMap's binary tree, .bt, see to_octomap(). Cells are joined, 2 x 2 and so on, until the tree
+ * reaches as far as the map does, 32768 voxels from its origin. What to tell of that, else "". */
+std::string write_octomap(const std::string& path, const io::LayerStack& map, double clearance_m);
 
 /** A binary .ply: the ground as a mesh in the colours of the traversability, a vertex a cell, and
  * what stands on it as vertices without faces. Cells are joined, 2 x 2 and so on, until the mesh
