@@ -10,6 +10,7 @@
 #include <talus/site/site_files.h>
 
 #include <filesystem>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 
 #include "command_run.h"
@@ -179,6 +180,29 @@ TEST_F(TalusExport, replaces_no_input_and_no_file_of_its_own)
       "site.tif friday/site.tif --to ros --output share", 1,
       {"site.tif and friday/site.tif: both would be written as share/site.yaml"});
   EXPECT_FALSE(std::filesystem::exists(dir_ / "share"));
+}
+
+TEST_F(TalusExport, on_a_full_disk_the_good_files_of_before_stay)
+{
+  io::LayerStack map = small_terrain();
+  map.cells_x = map.cells_y = 600;
+  for (auto& layer : map.layers) layer.assign(360'000, 1.0F);
+  for (std::uint32_t i = 0; i < 360'000; ++i)
+    map.layers[0][i] = map.layers[1][i] = static_cast<float>(i * 2654435761U >> 16 & 1U);
+  std::filesystem::create_directory(dir_ / "noise");
+  io::write_geotiff(dir_ / "noise/site.tif", map);
+  for (const std::string format : {"gridmap", "octomap", "ply", "heightmap", "ros", "html"})
+  {
+    runs("site.tif --output out --to " + format);
+    std::map<std::string, std::string> before;
+    for (const auto& e : std::filesystem::directory_iterator(dir_ / "out"))
+      before[e.path().string()] = read_bytes(e.path().string());
+    const CommandEnd full =
+        shell("ulimit -f 20; " TALUS_EXPORT_EXE " noise/site.tif --output out --to " + format);
+    EXPECT_EQ(full.code, 1) << format << full.text;
+    EXPECT_EQ(full.text.find("MRPT"), std::string::npos) << full.text;
+    for (const auto& [file, bytes] : before) EXPECT_EQ(read_bytes(file), bytes) << file;
+  }
 }
 
 TEST_F(TalusExport, a_format_that_fails_costs_no_other_file)

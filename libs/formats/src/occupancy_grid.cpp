@@ -1,12 +1,9 @@
-#include <mrpt/io/CFileGZOutputStream.h>
-#include <mrpt/serialization/CArchive.h>
 #include <talus/formats/convert.h>
 #include <talus/formats/write.h>
 #include <talus/io/atomic_file.h>
+#include <talus/io/packed_log.h>
 
 #include "needed_layer.h"
-
-#include <stdexcept>
 
 namespace talus::formats
 {
@@ -38,11 +35,9 @@ void write_gridmap(const std::string& path, const io::LayerStack& map, double bl
   mrpt::maps::COccupancyGridMap2D grid;
   to_occupancy_grid(map, blocked_at, grid);
   io::AtomicFile file(path);
-  {
-    mrpt::io::CFileGZOutputStream stream;
-    if (!stream.open(file.temporary_path())) throw std::runtime_error(path + ": cannot be written");
-    mrpt::serialization::archiveFrom(stream) << grid;
-  }
+  io::PackedLog packed(file.temporary_path(), path);
+  packed.write(grid);
+  packed.close();
   file.commit();
 }
 

@@ -92,9 +92,10 @@ std::string write_octomap(const std::string& path, const io::LayerStack& map, do
   to_octomap(shown, clearance_m, tree);
   io::AtomicFile file(path);
   std::ofstream stream(file.temporary_path(), std::ios::binary);
-  if (!tree.writeBinaryConst(stream) || !stream.flush())
-    throw std::runtime_error(path + ": cannot be written to its end: is the disk full?");
+  const bool is_written = tree.writeBinaryConst(stream);
   stream.close();
+  if (!is_written || !stream)
+    throw std::runtime_error(path + ": cannot be written to its end: is the disk full?");
   file.commit();
   if (&shown == &map) return "";
   return path + ": its voxels are " + number_text(shown.resolution_m) + " m wide, not " +
