@@ -131,7 +131,7 @@ TEST(Formats, a_page_gets_coarser_until_it_is_small_enough)
         static_cast<float>((static_cast<std::uint32_t>(i * i) * 2654435761U) >> 16) * 0.001F;
   const ScratchDir dir;
   PageOptions options;
-  options.title = "a </script> & b";
+  options.title = "<!--<script> /* data */ </script> & b";
   write_page(dir / "fine.html", map, options);
   options.max_bytes = std::size_t{1} << 19;
   write_page(dir / "small.html", map, options);
@@ -140,7 +140,17 @@ TEST(Formats, a_page_gets_coarser_until_it_is_small_enough)
   EXPECT_LE(small.size(), options.max_bytes);
   EXPECT_NE(fine.find("\"resolution_m\":0.1,"), std::string::npos);
   EXPECT_NE(small.find("\"resolution_m\":0.2,"), std::string::npos);
-  EXPECT_EQ(fine.find("a </script>"), std::string::npos) << "would end the script";
+  EXPECT_EQ(fine.find("<!--<script"), std::string::npos) << "would begin a script";
+  EXPECT_NE(fine.find("\"title\":\"\\u003c!--\\u003cscript> /* data */"), std::string::npos);
+  EXPECT_NE(fine.find("script-src 'nonce-"), std::string::npos);
+}
+
+TEST(Formats, no_script_of_a_stranger_is_the_name_of_a_layer)
+{
+  const std::string script = "<img src=x onerror=alert()>";
+  EXPECT_EQ(
+      channel_bands({"label", "label_standing", "state", script, script + "_standing"}),
+      (std::vector<std::string>{"label", "label_standing"}));
 }
 
 TEST(Formats, changes_of_another_size_of_cells_are_refused)

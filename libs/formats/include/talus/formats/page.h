@@ -27,7 +27,7 @@ struct PageOptions
 };
 
 /** Of the names of bands those of channels (see channel_layer_names()): NAME and NAME_standing,
- * where both are there. */
+ * where both are there and NAME is one that a channel may have. */
 std::vector<std::string> channel_bands(const std::vector<std::string>& names);
 
 /** Throws where write_page() would for want of the package. */
