@@ -24,6 +24,8 @@ constexpr const char* kSiteStem = "(site|traffic)(_floor_[0-9]+)?(_island_[0-9]+
 // In the hidden folder:
 constexpr const char* kSeal = ".talus-seal";  // folder; the seal is in it once all is complete
 constexpr const char* kToClear = ".talus-to-clear";  // until what would mislead has been removed
+constexpr const char* kExports =
+    "exports";  // in it, where a site map is replaced: also those of it
 
 bool matches(const fs::path& name, const std::regex& pattern)
 {
@@ -61,13 +63,15 @@ void clear(const fs::path& hidden, const std::string& seal)
 {
   const fs::path folder = hidden.parent_path(), snapshots = "frames";
   const bool has_site = fs::exists(hidden / "site.tif"), has_labels = seal == kLabelTable;
+  const bool has_exports = has_site && fs::exists(hidden / kToClear / kExports);
   std::vector<fs::path> old{folder / seal};
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(folder))
   {
     const fs::path name = entry.path().filename();
     const bool is_label = name.extension() == ".label" || name == kLabelledLog;
-    if (((has_site && is_site_file(name)) || (has_labels && is_label) || is_part(name, seal)) &&
+    if (((has_site && is_site_file(name)) || (has_labels && is_label) || is_part(name, seal) ||
+         (has_exports && is_export(name) && name.extension() != ".qml")) &&
         entry.is_regular_file(none))
       old.push_back(entry.path());
   }
@@ -92,6 +96,8 @@ void seal_results(const fs::path& hidden, const std::string& seal)
           to.string() + ": cannot be written: " + std::generic_category().message(errno));
   }
   fs::create_directory(hidden / kToClear);
+  if (fs::exists(hidden.parent_path() / "site.tif"))
+    fs::create_directory(hidden / kToClear / kExports);
   fs::create_directory(hidden / kSeal);
   fs::rename(hidden / seal, hidden / kSeal / seal);
 }
@@ -103,7 +109,7 @@ void place(const fs::path& hidden)
   const auto seals = files_below(hidden / kSeal);
   if (seals.empty()) return;  // it was killed when all was in place
   if (fs::exists(hidden / kToClear)) clear(hidden, seals.front());
-  fs::remove(hidden / kToClear);
+  fs::remove_all(hidden / kToClear);
   for (const auto& file : files_below(hidden)) fs::rename(hidden / file, folder / file);
   fs::rename(hidden / kSeal / seals.front(), folder / seals.front());
 }

@@ -31,9 +31,10 @@ class OutputFolder
   std::string told(std::string error) const;
 
   /** Moves everything out of staging(); files of the same name are replaced, and what would be
-   * taken for a part of the results, such as snapshots and floors of a run before, is removed.
-   * `seal` is the file that says that the results are complete: it vanishes first and appears last.
-   * Throws std::runtime_error; before anything has changed where results cannot be replaced. */
+   * taken for a part of the results, such as snapshots, floors and exports of a run before, is
+   * removed. `seal` is the file that says that the results are complete: it vanishes first and
+   * appears last. Throws std::runtime_error; before anything has changed where results cannot be
+   * replaced. */
   void commit(const std::string& seal);
 
  private:

@@ -1,6 +1,7 @@
 // talus-merge: maps of several drives in, the map of all or what changed out.
 #include "../common/child_process.h"
 #include "../common/crash_context.h"
+#include "../common/export/export_formats.h"
 #include "../common/output_folder.h"
 #include "../common/printable.h"
 #include "../common/progress_bar.h"
@@ -217,6 +218,17 @@ void require_files_apart(const Options& o)
         "'" + o.picture + "' is named for the map and for its picture; give two names");
 }
 
+/** They stay: who knows whose they are. */
+void warn_of_old_exports(const fs::path& map)
+{
+  const fs::path stem = fs::path(map).replace_extension();
+  std::error_code none;
+  for (const auto& format : talus::app::export_formats())
+    for (const std::string& ending : format.endings)
+      if (const fs::path file = stem.string() + ending; ending != ".qml" && fs::exists(file, none))
+        warn("warning: " + file.string() + " is of the map before: talus-export makes it anew");
+}
+
 int run_merge(const Options& o)
 {
   require_files_apart(o);
@@ -227,6 +239,7 @@ int run_merge(const Options& o)
   if (const int code = in_child(o, work, &to.folder)) return code;
   to.commit();
   if (picture) picture->commit();
+  warn_of_old_exports(o.output);
   if (!o.quiet) std::cout << "  wrote   " << o.output << "\n";
   return 0;
 }

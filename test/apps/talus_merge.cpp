@@ -83,7 +83,10 @@ TEST_F(TalusMerge, may_write_over_one_of_its_inputs)
   write("a.tif", 1000, 0, 1.0F);
   write("b.tif", 2000, 200, 1.1F);
   ASSERT_EQ(run("a.tif b.tif --output ab.tif").code, 0);
-  ASSERT_EQ(run("a.tif b.tif --output a.tif").code, 0);
+  write_bytes(dir_ / "a.yaml", "of the map before");
+  const CommandEnd over = run("a.tif b.tif --output a.tif");
+  ASSERT_EQ(over.code, 0);
+  EXPECT_NE(over.text.find("warning: a.yaml is of the map before"), std::string::npos) << over.text;
   EXPECT_EQ(read_bytes(dir_ / "a.tif"), read_bytes(dir_ / "ab.tif"));
 }
 
