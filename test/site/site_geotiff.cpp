@@ -195,6 +195,30 @@ TEST(SiteGeoTiff, has_the_same_bytes_whatever_order_its_tiles_and_ways_came_in)
   EXPECT_EQ(read_bytes(dir / "one.tif"), read_bytes(dir / "other.tif"));
 }
 
+TEST(SiteGeoTiff, overviews_keep_the_worst_of_their_cells)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  for (int x = 0; x < 1024; ++x) cell_at(*site, x, 0) = measured(1);
+  for (const int post : {100, 501, 1002}) cell_at(*site, post, 0).cell.traversability = 0;
+  cell_at(*site, 301, 0) = talus::test::with_obstacle(measured(1), 0.8F);
+  cell_at(*site, 701, 0).cell.state = 3;
+  write_site(dir / "site.tif", *site, 0);
+  Open tif(dir / "site.tif");
+  const auto at = [&](int band, int x)
+  {
+    float v = 0;
+    auto* overview = tif.data->GetRasterBand(band)->GetOverview(0);
+    EXPECT_EQ(
+        overview->RasterIO(GF_Read, x, 63, 1, 1, &v, 1, 1, GDT_Float32, 0, 0, nullptr), CE_None);
+    return v;
+  };
+  for (const int post : {50, 250, 501, 150}) EXPECT_EQ(at(1, post), 0) << post;
+  EXPECT_EQ(at(1, 51), 1);
+  EXPECT_FLOAT_EQ(at(3, 150), 1.8F);
+  EXPECT_EQ(at(5, 350), 3);
+}
+
 TEST(SiteGeoTiff, is_cloud_optimized_with_overviews_and_sparse_blocks)
 {
   const ScratchDir dir;

@@ -10,8 +10,8 @@
 namespace talus::site
 {
 /** One floor of a site as an image of whole tiles, north up, and its overviews: each half as large
- * as the one before, its cells those that are known of four. Tile (x, y) is counted from the upper
- * left corner. */
+ * as the one before, its cells the worst that is known of four. Tile (x, y) is counted from the
+ * upper left corner. */
 class TilePyramid
 {
  public:
