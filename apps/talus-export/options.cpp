@@ -60,6 +60,12 @@ void add_settings(CLI::App& app, Options& o)
       ->capture_default_str()
       ->type_name("M");
   app.add_option(
+         "--origin", o.origin,
+         "ply, octomap: is taken off all coordinates [m] (default: whole kilometres from 8 km on)")
+      ->expected(3)
+      ->delimiter(',')
+      ->type_name("X,Y,Z");
+  app.add_option(
          "--max-faces", o.exports.max_faces, "ply: cells are joined until the mesh has no more")
       ->check(CLI::Range(1000, 1'000'000'000))
       ->capture_default_str()
@@ -102,6 +108,7 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
   app.set_version_flag("--version", app::version_line("talus-export"));
   app.footer(kFooter);
   if (const auto code = app::parse_command_line(app, argc, argv)) return code;
+  if (const auto& at = options.origin; !at.empty()) options.exports.origin = {at[0], at[1], at[2]};
   const std::string wrong = mistake(options);
   if (wrong.empty()) return std::nullopt;
   std::cerr << "talus-export: " << wrong << "\nRun 'talus-export --help' for usage.\n";

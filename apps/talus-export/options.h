@@ -14,6 +14,7 @@ struct Options
   app::ExportOptions exports;
   std::string output;  //!< a folder; empty: that of each map
   std::string title;  //!< of the page; empty: the folder and the name of the map
+  std::vector<double> origin;  //!< of ply and octomap; empty: chosen by itself
   bool quiet = false;
 };
 

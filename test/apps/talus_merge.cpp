@@ -112,7 +112,7 @@ TEST_F(TalusMerge, a_site_is_all_its_files)
   EXPECT_TRUE(fs::exists(dir_ / "all/site_island_2.png"));
   ASSERT_EQ(run("a.tif c.tif --output all/site.tif").code, 0);
   for (const char* old : {"site_island_2.tif", "site_island_2.png"})
-    EXPECT_FALSE(fs::exists(dir_ / "all" / old)) << "is of the map before: " << old;
+    EXPECT_FALSE(fs::exists(dir_ / ("all/" + std::string(old)))) << "is of the map before: " << old;
 }
 
 TEST_F(TalusMerge, opens_no_more_files_at_once_than_it_may)

@@ -78,6 +78,35 @@ TEST(Formats, the_octree_of_a_map_that_reaches_too_far_is_coarser_and_told)
   EXPECT_TRUE(tree.isNodeOccupied(box));
 }
 
+TEST(Formats, far_coordinates_are_less_by_an_origin_that_is_named)
+{
+  const ScratchDir dir;
+  io::LayerStack map = small_terrain();
+  EXPECT_EQ(origin_for(map).x_m, 0);
+  map.min_x_m += 548123;
+  map.min_y_m += 4076543;
+  const FileOrigin origin = origin_for(map);
+  EXPECT_EQ(origin.x_m, 548000);
+  EXPECT_EQ(origin.y_m, 4077000);
+  write_mesh(dir / "m.ply", map, 1000000, origin);
+  const std::string mesh = read_bytes(dir / "m.ply");
+  EXPECT_NE(mesh.find("comment origin_m: 548000 4077000 0\n"), std::string::npos);
+  EXPECT_EQ(read_bytes(dir / "m_mesh.json"), "{\"origin_m\": [548000,4077000,0]}\n");
+  mrpt::maps::CSimplePointsMap points;
+  ASSERT_TRUE(points.loadFromPlyFile(dir / "m.ply"));
+  float x = 0, y = 0, z = 0, next_x = 0;
+  points.getPoint(0, x, y, z);
+  points.getPoint(1, next_x, y, z);
+  EXPECT_NEAR(x, 122.05, 1e-4);
+  EXPECT_NEAR(next_x - x, 0.1, 1e-4);
+  EXPECT_EQ(write_octomap(dir / "m.bt", map, 0.6, origin), "");
+  const octomap::OcTree tree(dir / "m.bt");
+  const auto* box = tree.search(124.05, -455.95, 1.65);
+  ASSERT_TRUE(box);
+  EXPECT_TRUE(tree.isNodeOccupied(box));
+  EXPECT_NE(read_bytes(dir / "m.bt").find("# origin_m: 548000 4077000 0\n"), std::string::npos);
+}
+
 TEST(Formats, a_layer_that_is_missing_is_named)
 {
   io::LayerStack map = small_terrain();

@@ -6,6 +6,7 @@
 #include <talus/formats/page.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/qgis_style.h>
+#include <talus/number_text.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
@@ -100,10 +101,11 @@ std::string write_as(
     const ExportOptions& o)
 {
   const LayerStack& m = map.layers;
-  if (format == "octomap") return write_octomap(path, m, o.clearance_m);
+  const FileOrigin origin = o.origin.value_or(origin_for(m));
+  if (format == "octomap") return write_octomap(path, m, o.clearance_m, origin);
   if (format == "ros") write_ros_map(path, m, o.ros_mode, o.blocked_at);
   if (format == "gridmap") write_gridmap(path, m, o.blocked_at);
-  if (format == "ply") write_mesh(path, m, o.max_faces);
+  if (format == "ply") write_mesh(path, m, o.max_faces, origin);
   if (format == "heightmap") write_heightmap(path, m);
   if (format == "qgis") io::write_qgis_style(path);
   if (format == "html") write_html(path, map, title, o);
@@ -120,6 +122,13 @@ void write_or_tell(
   {
     const std::string note = write_as(format.name, path, map, title, o);
     if (!note.empty()) told.notes.push_back(note);
+    const FileOrigin origin = origin_for(map.layers);
+    if (!o.origin && format.has_origin && (origin.x_m != 0 || origin.y_m != 0))
+      told.notes.push_back(
+          path + ": its coordinates are less by " + number_text(origin.x_m) + ", " +
+          number_text(origin.y_m) +
+          " m, since floats of 32 bit would be rounded: --origin 0,0,0 of "
+          "talus-export leaves them as they are");
   }
   catch (const std::exception& e)
   {

@@ -2,6 +2,7 @@
 #include <talus/formats/write.h>
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct ExportOptions
   std::string changes;  //!< a changes.tif for the page; empty: none
   formats::RosMode ros_mode = formats::RosMode::Trinary;
   double blocked_at = 0.0, clearance_m = 0.6;
+  std::optional<formats::FileOrigin> origin;  //!< of ply and octomap; nothing: origin_for()
   std::size_t max_faces = 2'000'000, max_mb = 30;
 };
 

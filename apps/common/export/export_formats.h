@@ -9,6 +9,7 @@ struct ExportFormat
 {
   std::string name;  //!< as the option --to names it
   std::vector<std::string> endings;  //!< of its files, after the name of the map; the first is told
+  bool has_origin = false;  //!< its coordinates have 32 bits
 };
 
 /** All that there are, in the order of the help. */
@@ -17,8 +18,8 @@ inline const std::vector<ExportFormat>& export_formats()
   static const std::vector<ExportFormat> formats{
       {"ros", {".yaml", ".pgm", "_scale.png"}},
       {"gridmap", {".gridmap.gz"}},
-      {"octomap", {".bt"}},
-      {"ply", {".ply"}},
+      {"octomap", {".bt"}, true},
+      {"ply", {".ply", "_mesh.json"}, true},
       {"heightmap", {"_height.png", "_height.json"}},
       {"qgis", {".qml"}},
       {"html", {".html"}}};

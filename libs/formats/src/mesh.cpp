@@ -7,9 +7,11 @@
 #include "coarser.h"
 #include "needed_layer.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <stdexcept>
 
@@ -32,13 +34,17 @@ void put(std::string& bytes, T value)
 /** Bytes of vertices and faces, and how many there are. */
 struct Mesh
 {
+  explicit Mesh(const FileOrigin& at) : origin(at) {}
+
+  FileOrigin origin;
   std::string vertices, faces;
   std::int32_t vertex_count = 0;
   std::size_t face_count = 0;
 
-  std::int32_t add_vertex(float x_m, float y_m, float z_m, const Colour& c)
+  std::int32_t add_vertex(double x_m, double y_m, double z_m, const Colour& c)
   {
-    for (const float v : {x_m, y_m, z_m}) put(vertices, v);
+    for (const double v : {x_m - origin.x_m, y_m - origin.y_m, z_m - origin.z_m})
+      put(vertices, static_cast<float>(v));
     for (const std::uint8_t v : c) put(vertices, v);
     return vertex_count++;
   }
@@ -70,8 +76,7 @@ void add_ground(const io::LayerStack& map, Mesh& mesh)
       {
         if (std::isnan(h.ground[i])) return;
         vertex[i] = mesh.add_vertex(
-            static_cast<float>(middle_x_m(map, ix)), static_cast<float>(middle_y_m(map, iy)),
-            h.ground[i], io::score_colour(score[i]));
+            middle_x_m(map, ix), middle_y_m(map, iy), h.ground[i], io::score_colour(score[i]));
       });
   const auto row = static_cast<std::size_t>(map.cells_x);
   for_each_cell(
@@ -102,25 +107,32 @@ void add_standing(const io::LayerStack& map, Mesh& mesh)
 std::string head_of(const Mesh& mesh)
 {
   return "ply\nformat binary_little_endian 1.0\ncomment ground and what stands on it, map frame, "
-         "metres\nelement vertex " +
-         std::to_string(mesh.vertex_count) +
+         "metres\ncomment origin_m: " +
+         text_of(mesh.origin) + "\nelement vertex " + std::to_string(mesh.vertex_count) +
          "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty "
          "uchar green\nproperty uchar blue\nelement face " +
          std::to_string(mesh.face_count) + "\nproperty list uchar int vertex_indices\nend_header\n";
 }
 }  // namespace
 
-void write_mesh(const std::string& path, const io::LayerStack& map, std::size_t max_faces)
+void write_mesh(
+    const std::string& path, const io::LayerStack& map, std::size_t max_faces,
+    const FileOrigin& origin)
 {
   const auto fits = [max_faces](const io::LayerStack& m)
   { return most_faces(m) <= max_faces || m.cells_x <= 1 || m.cells_y <= 1; };
   io::LayerStack coarse;
   const io::LayerStack& shown = joined_until(fits, map, coarse);
-  Mesh mesh;
+  Mesh mesh(origin);
   add_ground(shown, mesh);
   add_standing(shown, mesh);
   if (mesh.vertex_count == 0) throw std::runtime_error(path + ": no cell of the map is known");
   io::write_file(path, head_of(mesh) + mesh.vertices + mesh.faces);
+  std::string list = text_of(origin);
+  std::replace(list.begin(), list.end(), ' ', ',');
+  io::write_file(
+      std::filesystem::path(path).replace_extension().string() + "_mesh.json",
+      "{\"origin_m\": [" + list + "]}\n");
 }
 
 }  // namespace talus::formats

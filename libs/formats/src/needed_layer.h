@@ -1,5 +1,6 @@
 #pragma once
 #include <picture_relief.h>
+#include <talus/formats/write.h>
 #include <talus/io/layer_stack.h>
 #include <talus/layers.h>
 
@@ -52,5 +53,11 @@ inline double middle_y_m(const io::LayerStack& map, int iy)
 {
   return map.min_y_m + (iy + 0.5) * map.resolution_m;
 }
+
+/** "548000 4076000 0" */
+std::string text_of(const FileOrigin& origin);
+
+/** Whether it changes anything. */
+inline bool moves(const FileOrigin& o) { return o.x_m != 0 || o.y_m != 0 || o.z_m != 0; }
 
 }  // namespace talus::formats

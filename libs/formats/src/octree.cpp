@@ -9,8 +9,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 #include <stdexcept>
+#include <string>
 
 namespace talus::formats
 {
@@ -43,7 +44,7 @@ class Column
 };
 
 /** Whether a tree of such voxels reaches all that is known. */
-bool reaches_all(const io::LayerStack& map, double clearance_m)
+bool reaches_all(const io::LayerStack& map, double clearance_m, const FileOrigin& o)
 {
   constexpr double kFarthest_voxels = 32766;  // of 32768: where voxels and cells are cut apart
   const Heights h(map);
@@ -53,17 +54,16 @@ bool reaches_all(const io::LayerStack& map, double clearance_m)
       [&](std::size_t i, int ix, int iy)
       {
         if (std::isnan(h.ground[i])) return;
-        const double top_m = h.ground[i] + clearance_m;
+        const double low_m = h.ground[i] - o.z_m, high_m = low_m + clearance_m;
         for (const double m :
-             {middle_x_m(map, ix), middle_y_m(map, iy), double{h.ground[i]}, top_m,
-              h.stands(i) ? double{h.top[i]} : top_m})
+             {middle_x_m(map, ix) - o.x_m, middle_y_m(map, iy) - o.y_m, low_m, high_m,
+              h.stands(i) ? h.top[i] - o.z_m : high_m})
           farthest_m = std::max(farthest_m, std::abs(m));
       });
   return farthest_m < kFarthest_voxels * map.resolution_m;
 }
-}  // namespace
 
-void to_octomap(const io::LayerStack& map, double clearance_m, octomap::OcTree& out)
+void fill(const io::LayerStack& map, double clearance_m, const FileOrigin& o, octomap::OcTree& out)
 {
   const Heights h(map);
   const auto& state = needed_layer(map, Layer::State);
@@ -73,34 +73,41 @@ void to_octomap(const io::LayerStack& map, double clearance_m, octomap::OcTree& 
       [&](std::size_t i, int ix, int iy)
       {
         if (std::isnan(h.ground[i])) return;
-        Column column(out, middle_x_m(map, ix), middle_y_m(map, iy));
+        Column column(out, middle_x_m(map, ix) - o.x_m, middle_y_m(map, iy) - o.y_m);
+        const double ground_m = h.ground[i] - o.z_m;
         const bool measured = state[i] == static_cast<float>(CellState::Measured);
         if (measured && !h.stands(i))
-          column.set(h.ground[i] + map.resolution_m, h.ground[i] + clearance_m, free);
-        column.set(h.ground[i], h.stands(i) ? h.top[i] : h.ground[i], occupied);
+          column.set(ground_m + map.resolution_m, ground_m + clearance_m, free);
+        column.set(ground_m, h.stands(i) ? h.top[i] - o.z_m : ground_m, occupied);
       });
   out.updateInnerOccupancy();
   out.prune();
 }
+}  // namespace
 
-std::string write_octomap(const std::string& path, const io::LayerStack& map, double clearance_m)
+void to_octomap(const io::LayerStack& map, double clearance_m, octomap::OcTree& out)
+{
+  fill(map, clearance_m, {}, out);
+}
+
+std::string write_octomap(
+    const std::string& path, const io::LayerStack& map, double clearance_m,
+    const FileOrigin& origin)
 {
   io::LayerStack coarse;
   const io::LayerStack& shown = joined_until(
-      [=](const io::LayerStack& m) { return reaches_all(m, clearance_m); }, map, coarse);
+      [&](const io::LayerStack& m) { return reaches_all(m, clearance_m, origin); }, map, coarse);
   octomap::OcTree tree(shown.resolution_m);
-  to_octomap(shown, clearance_m, tree);
-  io::AtomicFile file(path);
-  std::ofstream stream(file.temporary_path(), std::ios::binary);
-  const bool is_written = tree.writeBinaryConst(stream);
-  stream.close();
-  if (!is_written || !stream)
-    throw std::runtime_error(path + ": cannot be written to its end: is the disk full?");
-  file.commit();
+  fill(shown, clearance_m, origin, tree);
+  std::ostringstream stream;
+  if (!tree.writeBinaryConst(stream)) throw std::runtime_error(path + ": OctoMap cannot write it");
+  std::string bytes = stream.str();
+  if (moves(origin)) bytes.insert(bytes.find('\n') + 1, "# origin_m: " + text_of(origin) + "\n");
+  io::write_file(path, bytes);
   if (&shown == &map) return "";
   return path + ": its voxels are " + number_text(shown.resolution_m) + " m wide, not " +
          number_text(map.resolution_m) +
-         " m: a tree of OctoMap reaches 32768 voxels from the origin of the map, and no farther";
+         " m: a tree of OctoMap reaches 32768 voxels from its origin, and no farther";
 }
 
 }  // namespace talus::formats

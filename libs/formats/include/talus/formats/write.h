@@ -23,14 +23,29 @@ void write_ros_map(
 /** mrpt::maps::COccupancyGridMap2D as MRPT's programs read it: .gridmap.gz, to_occupancy_grid(). */
 void write_gridmap(const std::string& path, const io::LayerStack& map, double blocked_at);
 
-/** OctoMap's binary tree, .bt, see to_octomap(). Cells are joined, 2 x 2 and so on, until the tree
- * reaches as far as the map does, 32768 voxels from its origin. What to tell of that, else "". */
-std::string write_octomap(const std::string& path, const io::LayerStack& map, double clearance_m);
+/** What is taken off all coordinates of a file [m, map frame]. */
+struct FileOrigin
+{
+  double x_m = 0, y_m = 0, z_m = 0;
+};
+
+/** Whole kilometres where a map lies so far away, in UTM say, that coordinates of 32 bit move in
+ * steps of a millimetre or more; else 0. */
+FileOrigin origin_for(const io::LayerStack& map);
+
+/** OctoMap's binary tree, .bt, see to_octomap(); a comment in its head names an origin that is not
+ * 0. Cells are joined, 2 x 2 and so on, until the tree reaches as far as the map does, 32768 voxels
+ * from its origin. What to tell of that, else "". */
+std::string write_octomap(
+    const std::string& path, const io::LayerStack& map, double clearance_m,
+    const FileOrigin& origin = FileOrigin());
 
 /** A binary .ply: the ground as a mesh in the colours of the traversability, a vertex a cell, and
  * what stands on it as vertices without faces. Cells are joined, 2 x 2 and so on, until the mesh
- * has no more than `max_faces`. */
-void write_mesh(const std::string& path, const io::LayerStack& map, std::size_t max_faces);
+ * has no more than `max_faces`. The origin is in a comment of it, and in a .json beside it. */
+void write_mesh(
+    const std::string& path, const io::LayerStack& map, std::size_t max_faces,
+    const FileOrigin& origin = FileOrigin());
 
 /** Where the picture of write_heightmap() lies in the map frame [m]. */
 struct HeightmapPlace
