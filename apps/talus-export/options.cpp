@@ -17,7 +17,7 @@ constexpr const char* kFooter =
     "  ros        SITE.yaml and SITE.pgm for map_server and Nav2: free, occupied, unknown\n"
     "  gridmap    SITE.gridmap.gz, MRPT's COccupancyGridMap2D\n"
     "  octomap    SITE.bt: ground and what stands on it occupied, the clearance above ground free\n"
-    "  ply        SITE.ply: the ground as a coloured mesh, what stands as points\n"
+    "  ply        SITE.ply: the ground as a coloured mesh, what stands as boxes\n"
     "  heightmap  SITE_height.png of 16 bit for Gazebo and game engines, and SITE_height.json\n"
     "  qgis       SITE.qml: QGIS opens SITE.tif in the colours of talus; keep them in one folder\n"
     "  html       SITE.html: one file for any browser, without a network\n"

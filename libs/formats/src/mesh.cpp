@@ -1,5 +1,3 @@
-#include <mrpt/maps/CSimplePointsMap.h>
-#include <talus/formats/convert.h>
 #include <talus/formats/write.h>
 #include <talus/io/atomic_file.h>
 #include <talus/io/score_colour.h>
@@ -56,13 +54,14 @@ struct Mesh
   }
 };
 
-/** Two triangles between four neighbours whose ground is known. */
+/** Two triangles between four neighbours whose ground is known, and ten of what stands on one. */
 std::size_t most_faces(const io::LayerStack& map)
 {
-  const auto& ground = needed_layer(map, Layer::GroundElevation);
-  std::size_t known = 0;
-  for (const float z : ground) known += std::isnan(z) ? 0 : 1;
-  return 2 * known;
+  const Heights h(map);
+  std::size_t faces = 0;
+  for (std::size_t i = 0; i < h.ground.size(); ++i)
+    faces += (std::isnan(h.ground[i]) ? 0U : 2U) + (h.stands(i) ? 10U : 0U);
+  return faces;
 }
 
 void add_ground(const io::LayerStack& map, Mesh& mesh)
@@ -92,16 +91,49 @@ void add_ground(const io::LayerStack& map, Mesh& mesh)
       });
 }
 
+/** What stands on a cell is a box: its top, and its sides as far as nothing beside it is as high.
+ */
 void add_standing(const io::LayerStack& map, Mesh& mesh)
 {
-  mrpt::maps::CSimplePointsMap points;
-  to_points(map, Surface::Standing, points);
-  float x = 0, y = 0, z = 0;
-  for (std::size_t i = 0; i < points.size(); ++i)
+  struct Corner
   {
-    points.getPoint(i, x, y, z);
-    mesh.add_vertex(x, y, z, kStanding);
-  }
+    int x, y;
+  };
+  constexpr std::array<Corner, 4> kCorners{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
+  constexpr std::array<Corner, 4> kBeside{
+      {{0, -1}, {1, 0}, {0, 1}, {-1, 0}}};  // of corner and next
+  const Heights h(map);
+  const double half_m = map.resolution_m / 2;
+  for_each_cell(
+      map,
+      [&](std::size_t i, int ix, int iy)
+      {
+        if (!h.stands(i)) return;
+        const auto add = [&](const Corner& c, float z_m)
+        {
+          return mesh.add_vertex(
+              middle_x_m(map, ix) + c.x * half_m, middle_y_m(map, iy) + c.y * half_m, z_m,
+              kStanding);
+        };
+        std::array<std::int32_t, 4> top{};
+        for (std::size_t k = 0; k < 4; ++k) top[k] = add(kCorners[k], h.top[i]);
+        mesh.add_face(top[0], top[1], top[2]);
+        mesh.add_face(top[0], top[2], top[3]);
+        for (std::size_t k = 0; k < 4; ++k)
+        {
+          const int x = ix + kBeside[k].x, y = iy + kBeside[k].y;
+          const bool is_in = x >= 0 && y >= 0 && x < map.cells_x && y < map.cells_y;
+          const auto j = static_cast<std::size_t>(y) * map.cells_x + static_cast<std::size_t>(x);
+          const float low_m = !is_in        ? h.ground[i]
+                              : h.stands(j) ? h.top[j]
+                                            : std::fmin(h.ground[i], h.ground[j]);
+          if (!(low_m < h.top[i])) continue;
+          const std::size_t next = (k + 1) % 4;
+          const std::int32_t from = add(kCorners[k], low_m), to = add(kCorners[next], low_m);
+          mesh.add_face(from, to, top[next]);
+          mesh.add_face(from, top[next], top[k]);
+        }
+      });
 }
 
 std::string head_of(const Mesh& mesh)

@@ -41,7 +41,7 @@ std::string write_octomap(
     const FileOrigin& origin = FileOrigin());
 
 /** A binary .ply: the ground as a mesh in the colours of the traversability, a vertex a cell, and
- * what stands on it as vertices without faces. Cells are joined, 2 x 2 and so on, until the mesh
+ * what stands on it as boxes, one a cell. Cells are joined, 2 x 2 and so on, until the mesh
  * has no more than `max_faces`. The origin is in a comment of it, and in a .json beside it. */
 void write_mesh(
     const std::string& path, const io::LayerStack& map, std::size_t max_faces,
