@@ -74,6 +74,17 @@ TEST_F(TalusExport, mrpt_reads_the_map_of_ros)
   EXPECT_GT(grid.getPos(0.05F, 3.05F), 0.9F);
 }
 
+TEST_F(TalusExport, a_name_of_a_map_is_one_value_of_its_yaml)
+{
+  const std::string name = "hall #2\nnegate: 1";
+  std::filesystem::rename(dir_ / "site.tif", dir_ / (name + ".tif"));
+  runs("'" + name + ".tif' --to ros");
+  const std::string yaml = read_bytes(dir_ / (name + ".yaml"));
+  EXPECT_NE(yaml.find("image: \"hall #2\\nnegate: 1.pgm\""), std::string::npos) << yaml;
+  mrpt::maps::COccupancyGridMap2D grid;
+  EXPECT_TRUE(grid.loadFromROSMapServerYAML(dir_ / (name + ".yaml")));
+}
+
 TEST_F(TalusExport, map_server_finds_the_same_cells_in_the_map_of_ros)
 {
   runs("site.tif --to ros");
@@ -228,6 +239,13 @@ TEST_F(TalusExport, says_what_is_wrong)
   other.names = {"a", "b", "c", "d"};
   io::write_geotiff(dir_ / "other.tif", other);
   fails("other.tif --to ros", 1, {"other.tif", "none of the bands of a map"});
+  for (const float v : {1e38F, INFINITY, -INFINITY})
+  {
+    io::LayerStack high = small_terrain();
+    high.layers[2][5] = v;
+    io::write_geotiff(dir_ / "high.tif", high);
+    fails("high.tif --to ply", 1, {"high.tif", "'elevation' has the value", "make it anew"});
+  }
   fails("site.tif --to html --changes site.tif", 1, {"'kind'", "changes.tif of talus-merge"});
   fails("site.tif --to ros --output site.tif/x", 1, {"site.tif"});
 }

@@ -33,6 +33,25 @@ struct Map
   LayerStack layers;
 };
 
+/** Sites are asked so, too, when they are merged. */
+void require_sound_cells(const Map& map)
+{
+  constexpr float kHighest_m = 1e6F, kStates = 4;
+  const auto require = [&](const std::string& name, float least, float most)
+  {
+    if (const auto* layer = map.layers.find(name))
+      for (const float v : *layer)
+        if (v < least || v > most)
+          throw std::runtime_error(
+              map.file + ": its band '" + name + "' has the value " + number_text(v) +
+              ", which no map has: copy it again, or make it anew");
+  };
+  require("ground_elevation", -kHighest_m, kHighest_m);
+  require("elevation", -kHighest_m, kHighest_m);
+  require("traversability", 0, 1);
+  require("state", 0, kStates);
+}
+
 Map read_map(const std::string& file, const std::string& folder)
 {
   std::vector<std::string> bands = kBands;
@@ -41,6 +60,7 @@ Map read_map(const std::string& file, const std::string& folder)
   if (map.layers.layers.empty())
     throw std::runtime_error(
         file + ": has none of the bands of a map: give a map.tif or site.tif of talus-map");
+  require_sound_cells(map);
   return map;
 }
 

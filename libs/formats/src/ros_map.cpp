@@ -2,6 +2,7 @@
 #include <talus/io/atomic_file.h>
 #include <talus/io/map_picture.h>
 #include <talus/number_text.h>
+#include <yaml-cpp/yaml.h>
 
 #include "needed_layer.h"
 
@@ -57,13 +58,23 @@ cv::Mat4b picture_of(const io::LayerStack& map, const std::vector<float>& t, dou
   return picture;
 }
 
+/** By yaml-cpp, as a name may have characters that mean something. */
 std::string yaml_of(const io::LayerStack& map, const std::string& picture, RosMode mode)
 {
-  return "image: " + picture + "\nmode: " + (mode == RosMode::Scale ? "scale" : "trinary") +
-         "\nresolution: " + number_text(map.resolution_m) + "\norigin: [" +
-         number_text(map.min_x_m) + ", " + number_text(map.min_y_m) +
-         ", 0]\nnegate: 0\noccupied_thresh: " + kOccupiedAbove + "\nfree_thresh: " + kFreeBelow +
-         "\n";
+  YAML::Emitter yaml;
+  const auto put = [&yaml](const char* key, const std::string& value)
+  { yaml << YAML::Key << key << YAML::Value << value; };
+  yaml << YAML::BeginMap;
+  put("image", picture);
+  put("mode", mode == RosMode::Scale ? "scale" : "trinary");
+  put("resolution", number_text(map.resolution_m));
+  yaml << YAML::Key << "origin" << YAML::Value << YAML::Flow << YAML::BeginSeq
+       << number_text(map.min_x_m) << number_text(map.min_y_m) << "0" << YAML::EndSeq;
+  put("negate", "0");
+  put("occupied_thresh", kOccupiedAbove);
+  put("free_thresh", kFreeBelow);
+  yaml << YAML::EndMap << YAML::Newline;
+  return yaml.c_str();
 }
 }  // namespace
 

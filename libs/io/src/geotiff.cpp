@@ -1,6 +1,7 @@
 #include <talus/io/geotiff.h>
 
 #include <talus/io/atomic_file.h>
+#include <talus/number_text.h>
 
 #include "bands.h"
 #include "gdal_support.h"
@@ -96,6 +97,23 @@ bool to_map_frame(double (&t)[6], const std::optional<GeoOrigin>& origin)
   return t[2] == 0 && t[4] == 0 && std::abs(t[1] + t[5]) <= 1e-9 * t[1];
 }
 
+/** Cells are metres. */
+void require_metres(GDALDataset& dataset, const std::string& path, double cell)
+{
+  constexpr double kLeastCell_m = 1e-3;
+  const OGRSpatialReference* const crs = dataset.GetSpatialRef();
+  const bool is_geographic = crs && crs->IsGeographic();
+  const bool is_other = crs && !is_geographic && crs->GetLinearUnits() != 1;
+  if (is_geographic || is_other || cell < kLeastCell_m)
+    throw std::runtime_error(
+        path + ": its cells are " + number_text(cell) +
+        (is_geographic ? " degrees"
+         : is_other    ? " of other units"
+                       : " m") +
+        " wide, not metres as those of a map: give the file as talus wrote it, or bring it to a "
+        "system of metres with gdalwarp");
+}
+
 /** Where the cells of a file lie, without layers. */
 LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErrors& errors)
 {
@@ -105,6 +123,7 @@ LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErr
   if (dataset.GetGeoTransform(t) != CE_None || !to_map_frame(t, origin_from(text ? text : "")) ||
       !(t[1] > 0) || !std::isfinite(t[0] + t[3]))
     fail(path, "not a north-up GeoTIFF with square cells", errors);
+  require_metres(dataset, path, t[1]);
   LayerStack stack;
   stack.cells_x = dataset.GetRasterXSize();
   stack.cells_y = dataset.GetRasterYSize();
@@ -127,8 +146,14 @@ std::vector<float> read_band(
   if (band.RasterIO(GF_Read, 0, 0, nx, ny, last_row, nx, ny, GDT_Float32, pixel, line, nullptr) !=
       CE_None)
     fail(path, "cannot read this GeoTIFF", errors);
+  constexpr float kNoHeight_m = 9000;  // what no cell of a map has
   int has_nodata = 0;
   const auto nodata = static_cast<float>(band.GetNoDataValue(&has_nodata));
+  if (has_nodata && std::abs(nodata) < kNoHeight_m)
+    throw std::runtime_error(
+        path + ": its band '" + band.GetDescription() + "' calls the value " + number_text(nodata) +
+        " no data, which cells may have: another program has converted this "
+        "file; mark unknown cells with NaN");
   if (has_nodata)
     std::replace(cells.begin(), cells.end(), nodata, std::numeric_limits<float>::quiet_NaN());
   return cells;
