@@ -136,7 +136,8 @@ TEST_F(TalusExport, octomap_tools_read_the_tree)
     voxels += side * side * side;
     ++leaves;
   }
-  EXPECT_EQ(voxels, 50 * 40 + 5 * kSmallTerrainBox) << "the ground, and five above each of the box";
+  EXPECT_EQ(voxels, kSmallTerrainJudged + 5 * kSmallTerrainBox)
+      << "the ground, and five above each of the box";
   const CommandEnd o = shell("bt2vrml site.bt");
   const std::string words = "Finished writing " + std::to_string(leaves) + " voxels";
   EXPECT_NE(o.text.find(words), std::string::npos) << o.text;

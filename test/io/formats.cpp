@@ -61,6 +61,7 @@ TEST(Formats, the_octree_is_occupied_free_or_unknown_as_the_map_is)
   EXPECT_EQ(at(0.05, 3.05, 1.55), ' ') << "above bare ground";
   EXPECT_EQ(at(0.05, 3.05, 1.95), '?') << "above the clearance";
   EXPECT_EQ(at(0.05, 2.05, 1.55), '?') << "above ground that was not measured";
+  EXPECT_EQ(at(0.05, 2.05, 1.15), '?') << "a guess that was not judged";
   EXPECT_EQ(at(4.55, 3.05, 1.55), '?') << "nothing is known";
 }
 

@@ -461,6 +461,18 @@ TEST(SiteGeoTiff, names_its_floors_and_is_not_read_where_one_is_missing)
   EXPECT_TRUE(none->tiles.keys().empty());
 }
 
+TEST(SiteGeoTiff, a_guess_that_no_ray_has_proved_is_no_area)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  for (const int x : {0, 1, 2}) cell_at(*site, x, 0) = measured(1);
+  for (const int x : {1, 2}) cell_at(*site, x, 0).cell.state = 3;
+  cell_at(*site, 2, 0).cell.traversability = NAN;
+  const KnownCells known = known_cells(*site);
+  EXPECT_NEAR(known.area_m2, 2 * kResolution_m * kResolution_m, 1e-9);
+  EXPECT_EQ(known.by_state[3], 1U);
+}
+
 TEST(SiteGeoTiff, thins_long_ways_evenly)
 {
   const ScratchDir dir;

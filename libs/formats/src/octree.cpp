@@ -67,12 +67,18 @@ void fill(const io::LayerStack& map, double clearance_m, const FileOrigin& o, oc
 {
   const Heights h(map);
   const auto& state = needed_layer(map, Layer::State);
+  const auto& score = needed_layer(map, Layer::Traversability);
+  const auto is_guess = [&](std::size_t i)  // that no ray has proved, as outside of a room
+  {
+    return state[i] == static_cast<float>(CellState::FilledOneSided) && std::isnan(score[i]) &&
+           !h.stands(i);
+  };
   const float occupied = out.getClampingThresMaxLog(), free = out.getClampingThresMinLog();
   for_each_cell(
       map,
       [&](std::size_t i, int ix, int iy)
       {
-        if (std::isnan(h.ground[i])) return;
+        if (std::isnan(h.ground[i]) || is_guess(i)) return;
         Column column(out, middle_x_m(map, ix) - o.x_m, middle_y_m(map, iy) - o.y_m);
         const double ground_m = h.ground[i] - o.z_m;
         const bool measured = state[i] == static_cast<float>(CellState::Measured);

@@ -1,5 +1,6 @@
 #include <talus/site/site_files.h>
 
+#include "kept_cell.h"
 #include "known_cells.h"
 #include "site_file.h"
 
@@ -147,7 +148,8 @@ KnownCells known_cells(Site& site)
         site, key,
         [&](std::int64_t, std::int64_t, const SiteCell& c)
         {
-          if (c.cell.state < known.by_state.size()) ++known.by_state[c.cell.state];
+          if (c.cell.state < known.by_state.size() && !is_unproved(c.cell))
+            ++known.by_state[c.cell.state];
         });
   const auto count = std::accumulate(known.by_state.begin(), known.by_state.end(), std::size_t{0});
   known.area_m2 = static_cast<double>(count) * site.resolution_m * site.resolution_m;

@@ -13,7 +13,7 @@ namespace talus::site
 /** Those of which something is known, in ascending order. */
 std::vector<int> floors_of(const Site& site);
 
-/** What is known of all floors. */
+/** What is known of all floors; a guess from one side that no ray has proved is none. */
 struct KnownCells
 {
   std::array<std::size_t, kCellStates> by_state{};  //!< by CellState; of the unknown ones none
