@@ -15,7 +15,7 @@ namespace
 constexpr const char* kFooter =
     "Formats (of SITE.tif, beside it or in --output):\n"
     "  ros        SITE.yaml and SITE.pgm for map_server and Nav2: free, occupied, unknown\n"
-    "  gridmap    SITE.gridmap.gz, MRPT's COccupancyGridMap2D\n"
+    "  occupancy  SITE.gridmap.gz, MRPT's COccupancyGridMap2D\n"
     "  octomap    SITE.bt: ground and what stands on it occupied, the clearance above ground free\n"
     "  ply        SITE.ply: the ground as a coloured mesh, what stands as boxes\n"
     "  heightmap  SITE_height.png of 16 bit for Gazebo and game engines, and SITE_height.json\n"
@@ -51,10 +51,17 @@ void add_settings(CLI::App& app, Options& o)
       ->default_str("trinary")
       ->type_name("trinary|scale");
   app.add_option(
-         "--blocked-at", o.exports.blocked_at, "Cells of this traversability or less are occupied")
+         "--blocked-at", o.exports.occupancy.blocked_at,
+         "Cells of this traversability or less are occupied")
       ->check(app::between(0.0, 1.0))
       ->capture_default_str()
       ->type_name("T");
+  app.add_option(
+         "--close-islands", o.exports.occupancy.close_islands_m,
+         "ros, occupancy: free islands smaller than this, the robot, are closed [m]; 0: none")
+      ->check(app::between(0.0, 100.0))
+      ->capture_default_str()
+      ->type_name("M");
   app.add_option("--clearance", o.exports.clearance_m, "octomap: free height above bare ground [m]")
       ->check(app::between(0.0, 100.0))
       ->capture_default_str()

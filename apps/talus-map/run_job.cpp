@@ -215,9 +215,26 @@ int map_or_tell(
   return kFailed;
 }
 
+/** The narrower side of the robot's body, where the settings have one. */
+double robot_size_m(const Settings& settings, double otherwise_m)
+{
+  const auto& boxes = settings.parameters.body_boxes_m;
+  if (boxes.empty()) return otherwise_m;
+  BodyBox all = boxes.front();
+  for (const BodyBox& b : boxes)
+  {
+    all.min_x_m = std::min(all.min_x_m, b.min_x_m);
+    all.max_x_m = std::max(all.max_x_m, b.max_x_m);
+    all.min_y_m = std::min(all.min_y_m, b.min_y_m);
+    all.max_y_m = std::max(all.max_y_m, b.max_y_m);
+  }
+  return std::min(all.max_x_m - all.min_x_m, all.max_y_m - all.min_y_m);
+}
+
 /** The site map, else the map of the window, in a child of its own: what fails there costs no other
  * result. False where something fails. */
-bool write_exports(const Job& job, const Options& options, const OutputFolder& output)
+bool write_exports(
+    const Job& job, const Options& options, const Settings& settings, const OutputFolder& output)
 {
   if (options.exports.formats.empty()) return true;
   const auto tell = [&](const std::string& text)
@@ -227,8 +244,11 @@ bool write_exports(const Job& job, const Options& options, const OutputFolder& o
     fs::path map = fs::path(output.staging()) / "site.tif";
     if (!fs::exists(map)) map.replace_filename("map.tif");
     const fs::path name = fs::absolute(job.folder).filename();
+    ExportOptions exports = options.exports;
+    auto& smallest_m = exports.occupancy.close_islands_m;
+    smallest_m = robot_size_m(settings, smallest_m);
     const Exported told =
-        export_files(map.string(), output.staging(), (name / map.stem()).string(), options.exports);
+        export_files(map.string(), output.staging(), (name / map.stem()).string(), exports);
     for (const std::string& note : told.notes) tell("warning: " + note);
     for (const std::string& error : told.errors) tell(error);
     return told.errors.empty() ? kDone : kFailed;
@@ -258,7 +278,7 @@ bool run_job(
     { return map_or_tell(job, options, settings, label, folders, rawlog_out.get()); };
     const ChildEnd end = run_in_child(work);
     const bool is_mapped = end.signal == 0 && end.exit_code != kFailed;
-    const bool is_exported = is_mapped && write_exports(job, options, output);
+    const bool is_exported = is_mapped && write_exports(job, options, settings, output);
     if (stop_signal())
       print_error(job.log + ": stopped; nothing was written");
     else if (end.signal)

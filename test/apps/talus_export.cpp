@@ -114,9 +114,10 @@ TEST_F(TalusExport, scale_tells_how_well_a_free_cell_drives_and_what_is_unknown)
   EXPECT_NE(read_bytes(dir_ / "site.yaml").find("mode: scale"), std::string::npos);
 }
 
-TEST_F(TalusExport, mrpt_reads_the_gridmap)
+TEST_F(TalusExport, mrpt_reads_the_occupancy_grid)
 {
-  runs("site.tif --to gridmap --output out");
+  fails("site.tif --to gridmap", 2, {"is called occupancy"});
+  runs("site.tif --to occupancy --output out");
   mrpt::io::CFileGZInputStream stream(dir_ / "out/site.gridmap.gz");
   mrpt::maps::COccupancyGridMap2D grid;
   mrpt::serialization::archiveFrom(stream) >> grid;
@@ -164,7 +165,7 @@ TEST_F(TalusExport, mrpt_reads_the_points_of_the_mesh)
 
 TEST_F(TalusExport, all_formats_at_once_go_into_the_folder)
 {
-  runs("site.tif --to ros,gridmap,octomap,ply,heightmap,qgis,html --output a/b");
+  runs("site.tif --to ros,occupancy,octomap,ply,heightmap,qgis,html --output a/b");
   for (const char* name :
        {"site.yaml", "site.pgm", "site.gridmap.gz", "site.bt", "site.ply", "site_height.png",
         "site_height.json", "site.qml", "site.html"})
@@ -204,7 +205,7 @@ TEST_F(TalusExport, on_a_full_disk_the_good_files_of_before_stay)
     map.layers[0][i] = map.layers[1][i] = static_cast<float>(i * i * 2654435761U >> 16 & 1U);
   std::filesystem::create_directory(dir_ / "noise");
   io::write_geotiff(dir_ / "noise/site.tif", map);
-  for (const std::string format : {"gridmap", "octomap", "ply", "heightmap", "ros", "html"})
+  for (const std::string format : {"occupancy", "octomap", "ply", "heightmap", "ros", "html"})
   {
     runs("site.tif --output out --to " + format);
     std::map<std::string, std::string> before;

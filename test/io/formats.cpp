@@ -31,6 +31,33 @@ TEST(Formats, the_occupancy_grid_has_the_cells_of_the_map)
   EXPECT_LT(grid.getCell(10, 12), 0.1F) << "0.8 or less is blocked now";
 }
 
+TEST(Formats, free_islands_that_are_smaller_than_the_robot_are_closed)
+{
+  io::LayerStack map = small_terrain();
+  auto& score = map.layers[0];
+  const auto at = [&](int x, int y) -> float&
+  { return score[static_cast<std::size_t>(y * map.cells_x + x)]; };
+  at(22, 12) = 0.5F;  // on the box
+  for (const int x : {53, 54, 55}) at(x, 5) = 1;  // in the unknown
+  for (int x = 52; x < 58; ++x) at(x, 30) = 1;
+  const ScratchDir dir;
+  const auto pixels = [&](double close_m)
+  {
+    write_ros_map(dir / "m.yaml", map, RosMode::Trinary, {0.0, close_m});
+    const std::string pgm = read_bytes(dir / "m.pgm");
+    return pgm.substr(pgm.size() - score.size());
+  };
+  const auto pixel = [&](const std::string& of, int x, int y)
+  { return static_cast<unsigned char>(of[static_cast<std::size_t>((39 - y) * 60 + x)]); };
+  const std::string all = pixels(0), closed = pixels(0.5);
+  for (const auto& p : {std::pair{22, 12}, std::pair{54, 5}, std::pair{54, 30}})
+    EXPECT_EQ(pixel(all, p.first, p.second), 254);
+  EXPECT_EQ(pixel(closed, 22, 12), 0) << "blocked as the box around it";
+  EXPECT_EQ(pixel(closed, 54, 5), 205) << "unknown as what is around it";
+  EXPECT_EQ(pixel(closed, 54, 30), 254) << "0.6 m long";
+  EXPECT_EQ(pixel(closed, 10, 12), 254);
+}
+
 TEST(Formats, points_are_the_measured_ground_or_the_columns_on_it)
 {
   mrpt::maps::CSimplePointsMap ground, standing;

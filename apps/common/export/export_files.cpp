@@ -123,8 +123,8 @@ std::string write_as(
   const LayerStack& m = map.layers;
   const FileOrigin origin = o.origin.value_or(origin_for(m));
   if (format == "octomap") return write_octomap(path, m, o.clearance_m, origin);
-  if (format == "ros") write_ros_map(path, m, o.ros_mode, o.blocked_at);
-  if (format == "gridmap") write_gridmap(path, m, o.blocked_at);
+  if (format == "ros") write_ros_map(path, m, o.ros_mode, o.occupancy);
+  if (format == "occupancy") write_occupancy_grid(path, m, o.occupancy);
   if (format == "ply") write_mesh(path, m, o.max_faces, origin);
   if (format == "heightmap") write_heightmap(path, m);
   if (format == "qgis") io::write_qgis_style(path);

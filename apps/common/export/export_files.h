@@ -14,7 +14,8 @@ struct ExportOptions
   std::vector<std::string> formats;  //!< as the option --to names them
   std::string changes;  //!< a changes.tif for the page; empty: none
   formats::RosMode ros_mode = formats::RosMode::Trinary;
-  double blocked_at = 0.0, clearance_m = 0.6;
+  formats::Occupancy occupancy{0.0, 0.5};
+  double clearance_m = 0.6;
   std::optional<formats::FileOrigin> origin;  //!< of ply and octomap; nothing: origin_for()
   std::size_t max_faces = 2'000'000, max_mb = 30;
 };

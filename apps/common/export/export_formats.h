@@ -17,7 +17,7 @@ inline const std::vector<ExportFormat>& export_formats()
 {
   static const std::vector<ExportFormat> formats{
       {"ros", {".yaml", ".pgm", "_scale.png"}},
-      {"gridmap", {".gridmap.gz"}},
+      {"occupancy", {".gridmap.gz"}},
       {"octomap", {".bt"}, true},
       {"ply", {".ply", "_mesh.json"}, true},
       {"heightmap", {"_height.png", "_height.json"}},

@@ -11,6 +11,10 @@ CLI::Option* add_formats(
   for (const ExportFormat& format : export_formats()) names.push_back(format.name);
   return app.add_option(name, options.formats, help)
       ->delimiter(',')
+      ->check(
+          [](const std::string& format) {
+            return format == "gridmap" ? "gridmap: MRPT's occupancy grid is called occupancy" : "";
+          })
       ->check(CLI::IsMember(names))
       ->type_name("FORMAT,...");
 }

@@ -3,6 +3,7 @@
 #include <talus/io/atomic_file.h>
 #include <talus/io/packed_log.h>
 
+#include "close_islands.h"
 #include "needed_layer.h"
 
 namespace talus::formats
@@ -10,12 +11,11 @@ namespace talus::formats
 namespace
 {
 constexpr float kFree = 0.95F, kOccupied = 0.05F, kUnknown = 0.5F;  // probability of being free
-}
 
-void to_occupancy_grid(
-    const io::LayerStack& map, double blocked_at, mrpt::maps::COccupancyGridMap2D& out)
+void fill(
+    const io::LayerStack& map, const std::vector<float>& traversability, double blocked_at,
+    mrpt::maps::COccupancyGridMap2D& out)
 {
-  const auto& traversability = needed_layer(map, Layer::Traversability);
   const auto border = [](double m) { return static_cast<float>(m); };
   out.setSize(
       border(map.min_x_m), border(map.min_x_m + map.cells_x * map.resolution_m),
@@ -30,10 +30,18 @@ void to_occupancy_grid(
       });
 }
 
-void write_gridmap(const std::string& path, const io::LayerStack& map, double blocked_at)
+}  // namespace
+
+void to_occupancy_grid(
+    const io::LayerStack& map, double blocked_at, mrpt::maps::COccupancyGridMap2D& out)
+{
+  fill(map, needed_layer(map, Layer::Traversability), blocked_at, out);
+}
+
+void write_occupancy_grid(const std::string& path, const io::LayerStack& map, const Occupancy& o)
 {
   mrpt::maps::COccupancyGridMap2D grid;
-  to_occupancy_grid(map, blocked_at, grid);
+  fill(map, without_islands(map, o.blocked_at, o.close_islands_m), o.blocked_at, grid);
   io::AtomicFile file(path);
   io::PackedLog packed(file.temporary_path(), path);
   packed.write(grid);

@@ -4,6 +4,7 @@
 #include <talus/number_text.h>
 #include <yaml-cpp/yaml.h>
 
+#include "close_islands.h"
 #include "needed_layer.h"
 
 #include <algorithm>
@@ -79,17 +80,17 @@ std::string yaml_of(const io::LayerStack& map, const std::string& picture, RosMo
 }  // namespace
 
 void write_ros_map(
-    const std::string& path, const io::LayerStack& map, RosMode mode, double blocked_at)
+    const std::string& path, const io::LayerStack& map, RosMode mode, const Occupancy& o)
 {
-  const auto& t = needed_layer(map, Layer::Traversability);
+  const std::vector<float> t = without_islands(map, o.blocked_at, o.close_islands_m);
   std::filesystem::path picture = path;
   // Beside a map its .png is the picture of it that talus-map wrote.
   picture.replace_extension();
   picture += mode == RosMode::Scale ? "_scale.png" : ".pgm";
   if (mode == RosMode::Scale)
-    io::write_png(picture.string(), picture_of(map, t, blocked_at));
+    io::write_png(picture.string(), picture_of(map, t, o.blocked_at));
   else
-    io::write_file(picture.string(), pgm_of(map, t, blocked_at));
+    io::write_file(picture.string(), pgm_of(map, t, o.blocked_at));
   io::write_file(path, yaml_of(map, picture.filename().string(), mode));
 }
 

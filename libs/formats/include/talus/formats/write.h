@@ -15,13 +15,23 @@ enum class RosMode
   Scale  //!< also how well a free cell drives: a .png, transparent where it is unknown
 };
 
+/** What is free. */
+struct Occupancy
+{
+  double blocked_at = 0;  //!< cells of this traversability or less are occupied
+  /** Free cells that hang together are closed where a square of this size holds them [m]: what is
+   * smaller than the robot. 0: none. */
+  double close_islands_m = 0;
+};
+
 /** A map of ROS's map_server and of Nav2: `path` is its .yaml, the picture lies beside it under the
- * same name. Cells are occupied where the traversability is `blocked_at` or less. */
+ * same name. */
 void write_ros_map(
-    const std::string& path, const io::LayerStack& map, RosMode mode, double blocked_at);
+    const std::string& path, const io::LayerStack& map, RosMode mode, const Occupancy& occupancy);
 
 /** mrpt::maps::COccupancyGridMap2D as MRPT's programs read it: .gridmap.gz, to_occupancy_grid(). */
-void write_gridmap(const std::string& path, const io::LayerStack& map, double blocked_at);
+void write_occupancy_grid(
+    const std::string& path, const io::LayerStack& map, const Occupancy& occupancy);
 
 /** What is taken off all coordinates of a file [m, map frame]. */
 struct FileOrigin
