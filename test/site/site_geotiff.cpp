@@ -564,6 +564,38 @@ TEST(SiteGeoTiff, reading_refuses_cells_that_are_none)
   refused("score.tif", [](SiteCell& c) { c.cell.traversability = 1.5F; });
 }
 
+TEST(SiteGeoTiff, reading_refuses_a_bit_that_flipped)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+  add_cells(*site);
+  write_site(dir / "site.tif", *site, 0);
+  {
+    CPLStringList options;
+    options.AddString("IGNORE_COG_LAYOUT_BREAK=YES");
+    GDALAllRegister();
+    auto* tif = static_cast<GDALDataset*>(GDALOpenEx(
+        (dir / "site.tif").c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE, nullptr, options.List(),
+        nullptr));
+    ASSERT_TRUE(tif);
+    auto* variance = tif->GetRasterBand(4);
+    const int x = tif->GetRasterXSize() / 2, y = tif->GetRasterYSize() / 2;
+    std::vector<float> values(64);
+    const auto io = [&](GDALRWFlag flag)
+    { return variance->RasterIO(flag, x, y, 8, 8, values.data(), 8, 8, GDT_Float32, 0, 0); };
+    ASSERT_EQ(io(GF_Read), CE_None);
+    const auto known =
+        std::find_if(values.begin(), values.end(), [](float v) { return !std::isnan(v); });
+    ASSERT_NE(known, values.end());
+    *known = std::nextafter(*known, 1.0F);
+    ASSERT_EQ(io(GF_Write), CE_None);
+    GDALClose(tif);
+  }
+  expect_error(
+      [&] { read_site(dir / "site.tif", *in, 0); },
+      {"site.tif", "m are not those that were written", "copy it again"});
+}
+
 TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_converted)
 {
   const ScratchDir dir;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace talus::site
@@ -56,6 +57,26 @@ BandValues values_of(const SiteCell& cell, std::uint32_t newest_s)
   put(Band::Evidence, pack(c.evidence[0], c.evidence[1], c.evidence[2]));
   put(Band::Shape, pack(c.evidence[3], c.evidence[4], age_s - told_s));
   return values;
+}
+
+void TileSum::add(const float* bands, std::size_t count)
+{
+  const auto mix = [this](std::uint64_t v)
+  {
+    const std::uint64_t mixed = (sum_ ^ v) * 0x9E3779B97F4A7C15U;
+    sum_ = mixed << 29 | mixed >> 35;
+  };
+  ++cell_;
+  const float state = bands[static_cast<std::size_t>(Band::State)];
+  if (std::isnan(state) || state == 0) return;
+  mix(cell_);
+  for (std::size_t b = 0; b < count; ++b)
+  {
+    if (b == static_cast<std::size_t>(Band::Reached)) continue;  // told by the evidence, too
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, bands + b, sizeof bits);
+    mix(bits);
+  }
 }
 
 std::optional<SiteCell> cell_of(const BandValues& values, std::uint32_t newest_s)

@@ -40,6 +40,7 @@ void set_metadata(
   const std::string ways = text_of_ways(site.ways, file.floor);
   if (!ways.empty()) set(kWaysItem, ways);
   if (!site.channels.empty()) set(kChannelsItem, channels_text(site.channels));
+  set(kSumsItem, text_of_sums(dataset.sums()));
   io::put_origin(dataset, site.origin);
   dataset.SetMetadataItem("AREA_OR_POINT", "Area");
 }

@@ -243,9 +243,28 @@ void SiteReader::load(Place tile, std::size_t bands)
     io::fail(path_, kCutShort, errors);
 }
 
+/** Of the tile that was loaded. */
+void SiteReader::check_sum(Place tile)
+{
+  const char* text = dataset_->GetMetadataItem(kSumsItem);
+  if (!text) return;
+  if (!sums_) sums_ = sums_from(text);
+  if (!sums_) fail(std::string("its ") + kSumsItem + " are none; it is " + kDamaged);
+  TileSum sum;
+  for (std::size_t i = 0; i < values_.size(); i += bands_.size())
+    sum.add(values_.data() + i, bands_.size());
+  const auto told = sums_->find({tile.x, tile.y});
+  if (sum.value() == (told == sums_->end() ? TileSum().value() : told->second)) return;
+  fail(
+      "its cells near (" + fixed_text((tile.x + 0.5) * kTileCells * resolution_m_, 0) + ", " +
+      fixed_text((tile.y + 0.5) * kTileCells * resolution_m_, 0) +
+      ") m are not those that were written; it is " + kDamaged);
+}
+
 bool SiteReader::read(Place tile, Tile& to, ChannelTile* values)
 {
   load(tile, bands_.size());
+  check_sum(tile);
   bool any = false;
   for (std::size_t i = 0; i < to.cells.size(); ++i)
   {

@@ -56,6 +56,7 @@ class SiteReader
   void check_values(int bands) const;
   void read_metadata();
   void check_place();
+  void check_sum(Place tile);
   void read_values(ChannelTile& to) const;
   std::string item(const char* name) const;
   std::int64_t whole_item(const char* name, std::int64_t least, std::int64_t most) const;
@@ -75,6 +76,7 @@ class SiteReader
   int width_tiles_ = 0, height_tiles_ = 0;
   std::vector<int> bands_;  //!< their numbers in the file, in our order
   std::vector<float> values_;
+  std::optional<TileSums> sums_;  //!< of its tiles, from the first one on
 };
 
 /** While it lives, GDAL keeps at most so many blocks in memory. Of the whole process. */

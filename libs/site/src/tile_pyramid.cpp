@@ -164,9 +164,11 @@ const ChannelTile* TilePyramid::values(int level, int x, int y)
   return values_.find({floor_, x + min_tile_x_, max_tile_y_ - y});
 }
 
-void TilePyramid::for_each_tile(const std::function<void(const Tile&, const ChannelTile*)>& f)
+void TilePyramid::for_each_tile(
+    const std::function<void(const TileKey&, const Tile&, const ChannelTile*)>& f)
 {
-  for (const Place& p : levels_.front()) f(*tile(0, p.x, p.y), values(0, p.x, p.y));
+  for (const Place& p : levels_.front())
+    f({floor_, p.x + min_tile_x_, max_tile_y_ - p.y}, *tile(0, p.x, p.y), values(0, p.x, p.y));
 }
 
 TilePyramid::Coverage TilePyramid::coverage(int level, int x0, int y0, int x1, int y1) const
