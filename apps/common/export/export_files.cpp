@@ -23,9 +23,6 @@ namespace
 using namespace talus::formats;
 using io::LayerStack;
 
-const std::vector<std::string> kBands{"traversability", "ground_elevation", "elevation", "state",
-                                      "reached",        "sparsity",         "age"};
-
 /** One map, and how its files begin. */
 struct Map
 {
@@ -33,34 +30,24 @@ struct Map
   LayerStack layers;
 };
 
-/** Sites are asked so, too, when they are merged. */
-void require_sound_cells(const Map& map)
+/** What a format shows of it, and no more: a band of a large site takes a GB. */
+Map read_map(const std::string& file, const std::string& stem, const ExportFormat& format)
 {
-  constexpr float kHighest_m = 1e6F, kStates = 4;
-  const auto require = [&](const std::string& name, float least, float most)
-  {
-    if (const auto* layer = map.layers.find(name))
-      for (const float v : *layer)
-        if (v < least || v > most)
-          throw std::runtime_error(
-              map.file + ": its band '" + name + "' has the value " + number_text(v) +
-              ", which no map has: copy it again, or make it anew");
-  };
-  require("ground_elevation", -kHighest_m, kHighest_m);
-  require("elevation", -kHighest_m, kHighest_m);
-  require("traversability", 0, 1);
-  require("state", 0, kStates);
-}
-
-Map read_map(const std::string& file, const std::string& folder)
-{
-  std::vector<std::string> bands = kBands;
-  for (const std::string& name : channel_bands(io::bands_of_geotiff(file))) bands.push_back(name);
-  Map map{file, (fs::path(folder) / fs::path(file).stem()).string(), io::read_geotiff(file, bands)};
+  std::vector<std::string> bands = format.bands;
+  if (format.name == "html")
+    for (const std::string& name : channel_bands(io::bands_of_geotiff(file))) bands.push_back(name);
+  Map map{file, stem, io::read_geotiff(file, bands)};
   if (map.layers.layers.empty())
     throw std::runtime_error(
         file + ": has none of the bands of a map: give a map.tif or site.tif of talus-map");
-  require_sound_cells(map);
+  try
+  {
+    require_sound_cells(map.layers);
+  }
+  catch (const std::runtime_error& e)
+  {
+    throw std::runtime_error(file + ": " + e.what());
+  }
   return map;
 }
 
@@ -134,12 +121,13 @@ std::string write_as(
 
 /** All files of a format, or none. */
 void write_or_tell(
-    const ExportFormat& format, const Map& map, const std::string& title, const ExportOptions& o,
-    Exported& told)
+    const ExportFormat& format, const std::string& file, const std::string& stem,
+    const std::string& title, const ExportOptions& o, Exported& told)
 {
-  const std::string path = map.stem + format.endings.front();
+  const std::string path = stem + format.endings.front();
   try
   {
+    const Map map = read_map(file, stem, format);
     const std::string note = write_as(format.name, path, map, title, o);
     if (!note.empty()) told.notes.push_back(note);
     const FileOrigin origin = origin_for(map.layers);
@@ -153,7 +141,7 @@ void write_or_tell(
   catch (const std::exception& e)
   {
     std::error_code none;
-    for (const std::string& ending : format.endings) fs::remove(map.stem + ending, none);
+    for (const std::string& ending : format.endings) fs::remove(stem + ending, none);
     told.errors.push_back(failure_text(e, path, "Cut out a part of the map with gdal_translate"));
   }
 }
@@ -185,11 +173,12 @@ Exported export_files(
   const std::size_t named = fs::path(geotiff).stem().string().size();
   for (const std::string& file : files_of(geotiff))
   {
-    const Map map = read_map(file, folder);
-    const std::string part = fs::path(file).stem().string().substr(named);
+    const std::string name = fs::path(file).stem().string();
     for (const ExportFormat& format : export_formats())
       if (std::count(options.formats.begin(), options.formats.end(), format.name) > 0)
-        write_or_tell(format, map, title + part, options, told);
+        write_or_tell(
+            format, file, (fs::path(folder) / name).string(), title + name.substr(named), options,
+            told);
   }
   return told;
 }

@@ -9,6 +9,7 @@ struct ExportFormat
 {
   std::string name;  //!< as the option --to names it
   std::vector<std::string> endings;  //!< of its files, after the name of the map; the first is told
+  std::vector<std::string> bands;  //!< that it shows, besides channels
   bool has_origin = false;  //!< its coordinates have 32 bits
 };
 
@@ -16,13 +17,15 @@ struct ExportFormat
 inline const std::vector<ExportFormat>& export_formats()
 {
   static const std::vector<ExportFormat> formats{
-      {"ros", {".yaml", ".pgm", "_scale.png"}},
-      {"occupancy", {".gridmap.gz"}},
-      {"octomap", {".bt"}, true},
-      {"ply", {".ply", "_mesh.json"}, true},
-      {"heightmap", {"_height.png", "_height.json"}},
-      {"qgis", {".qml"}},
-      {"html", {".html"}}};
+      {"ros", {".yaml", ".pgm", "_scale.png"}, {"traversability"}},
+      {"occupancy", {".gridmap.gz"}, {"traversability"}},
+      {"octomap", {".bt"}, {"traversability", "ground_elevation", "elevation", "state"}, true},
+      {"ply", {".ply", "_mesh.json"}, {"traversability", "ground_elevation", "elevation"}, true},
+      {"heightmap", {"_height.png", "_height.json"}, {"ground_elevation"}},
+      {"qgis", {".qml"}, {"traversability"}},
+      {"html",
+       {".html"},
+       {"traversability", "ground_elevation", "elevation", "state", "reached", "sparsity", "age"}}};
   return formats;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <vector>
 
 namespace talus::formats
 {
@@ -24,16 +25,12 @@ struct Island
 class Islands
 {
  public:
-  Islands(const io::LayerStack& map, double blocked_at)
-      : width_(map.cells_x),
-        height_(map.cells_y),
-        blocked_at_(blocked_at),
-        score_(needed_layer(map, Layer::Traversability)),
-        is_taken_(score_.size())
+  Islands(const io::LayerStack& map, const std::vector<Kind>& kinds)
+      : width_(map.cells_x), height_(map.cells_y), kinds_(kinds), is_taken_(kinds.size())
   {
   }
 
-  bool begins_at(std::size_t i) const { return is_free(i) && !is_taken_[i]; }
+  bool begins_at(std::size_t i) const { return kinds_[i] == Kind::Free && !is_taken_[i]; }
 
   Island take(std::size_t first, double most_cells)
   {
@@ -52,10 +49,6 @@ class Islands
   }
 
  private:
-  bool is_free(std::size_t i) const
-  {
-    return !std::isnan(score_[i]) && !is_blocked(score_[i], blocked_at_);
-  }
   void look_around(std::size_t at, Island& island, std::deque<std::size_t>& next)
   {
     const auto row = static_cast<std::size_t>(width_);
@@ -68,7 +61,7 @@ class Islands
       for (int nx = std::max(0, x - 1); nx <= std::min(width_ - 1, x + 1); ++nx)
       {
         const std::size_t i = static_cast<std::size_t>(ny) * row + static_cast<std::size_t>(nx);
-        island.touches_blocked |= !std::isnan(score_[i]) && !is_free(i);
+        island.touches_blocked |= kinds_[i] == Kind::Blocked;
         if (!begins_at(i)) continue;
         is_taken_[i] = true;
         next.push_back(i);
@@ -76,25 +69,31 @@ class Islands
   }
 
   int width_, height_;
-  double blocked_at_;
-  const std::vector<float>& score_;
+  const std::vector<Kind>& kinds_;
   std::vector<bool> is_taken_;
 };
 }  // namespace
 
-std::vector<float> without_islands(const io::LayerStack& map, double blocked_at, double smallest_m)
+std::vector<Kind> kinds_of(const io::LayerStack& map, const Occupancy& o)
 {
-  std::vector<float> score = needed_layer(map, Layer::Traversability);
-  if (smallest_m <= 0) return score;
-  Islands islands(map, blocked_at);
-  for (std::size_t first = 0; first < score.size(); ++first)
+  const auto& score = needed_layer(map, Layer::Traversability);
+  std::vector<Kind> kinds;
+  kinds.reserve(score.size());
+  for (const float t : score)
+    kinds.push_back(
+        std::isnan(t)                 ? Kind::Unknown
+        : is_blocked(t, o.blocked_at) ? Kind::Blocked
+                                      : Kind::Free);
+  if (o.close_islands_m <= 0) return kinds;
+  Islands islands(map, kinds);
+  for (std::size_t first = 0; first < kinds.size(); ++first)
   {
     if (!islands.begins_at(first)) continue;
-    const Island island = islands.take(first, smallest_m / map.resolution_m);
-    const float closed = island.touches_blocked ? 0.0F : std::numeric_limits<float>::quiet_NaN();
-    for (const std::size_t i : island.cells) score[i] = closed;
+    const Island island = islands.take(first, o.close_islands_m / map.resolution_m);
+    for (const std::size_t i : island.cells)
+      kinds[i] = island.touches_blocked ? Kind::Blocked : Kind::Unknown;
   }
-  return score;
+  return kinds;
 }
 
 }  // namespace talus::formats

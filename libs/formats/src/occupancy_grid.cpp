@@ -12,10 +12,9 @@ namespace
 {
 constexpr float kFree = 0.95F, kOccupied = 0.05F, kUnknown = 0.5F;  // probability of being free
 
-void fill(
-    const io::LayerStack& map, const std::vector<float>& traversability, double blocked_at,
-    mrpt::maps::COccupancyGridMap2D& out)
+void fill(const io::LayerStack& map, const Occupancy& o, mrpt::maps::COccupancyGridMap2D& out)
 {
+  const std::vector<Kind> kinds = kinds_of(map, o);
   const auto border = [](double m) { return static_cast<float>(m); };
   out.setSize(
       border(map.min_x_m), border(map.min_x_m + map.cells_x * map.resolution_m),
@@ -25,8 +24,8 @@ void fill(
       map,
       [&](std::size_t i, int ix, int iy)
       {
-        const float t = traversability[i];
-        if (!std::isnan(t)) out.setCell(ix, iy, is_blocked(t, blocked_at) ? kOccupied : kFree);
+        if (kinds[i] != Kind::Unknown)
+          out.setCell(ix, iy, kinds[i] == Kind::Blocked ? kOccupied : kFree);
       });
 }
 
@@ -35,13 +34,13 @@ void fill(
 void to_occupancy_grid(
     const io::LayerStack& map, double blocked_at, mrpt::maps::COccupancyGridMap2D& out)
 {
-  fill(map, needed_layer(map, Layer::Traversability), blocked_at, out);
+  fill(map, {blocked_at, 0}, out);
 }
 
 void write_occupancy_grid(const std::string& path, const io::LayerStack& map, const Occupancy& o)
 {
   mrpt::maps::COccupancyGridMap2D grid;
-  fill(map, without_islands(map, o.blocked_at, o.close_islands_m), o.blocked_at, grid);
+  fill(map, o, grid);
   io::AtomicFile file(path);
   io::PackedLog packed(file.temporary_path(), path);
   packed.write(grid);

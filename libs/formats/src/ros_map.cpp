@@ -22,40 +22,41 @@ constexpr const char* kOccupiedAbove = "0.65";
 constexpr int kWorstFree =
     91;  //!< the darkest pixel that is not occupied: (255 - 91) / 255 = 0.643
 
-uchar trinary(float traversability, double blocked_at)
+/** Gray and alpha of a cell. */
+cv::Vec4b scaled(Kind kind, float traversability)
 {
-  if (std::isnan(traversability)) return kUnknown;
-  return is_blocked(traversability, blocked_at) ? kOccupied : kFree;
-}
-
-/** Gray and alpha of it. */
-cv::Vec4b scaled(float traversability, double blocked_at)
-{
-  if (std::isnan(traversability)) return {kUnknown, kUnknown, kUnknown, 0};
+  if (kind == Kind::Unknown) return {kUnknown, kUnknown, kUnknown, 0};
   const float t = std::clamp(traversability, 0.0F, 1.0F);
-  const uchar p = is_blocked(traversability, blocked_at)
+  const uchar p = kind == Kind::Blocked
                       ? kOccupied
                       : static_cast<uchar>(kWorstFree + std::lround((kFree - kWorstFree) * t));
   return {p, p, p, 255};
 }
 
-std::string pgm_of(const io::LayerStack& map, const std::vector<float>& t, double blocked_at)
+std::string pgm_of(const io::LayerStack& map, const std::vector<Kind>& kinds)
 {
   std::string bytes =
       "P5\n" + std::to_string(map.cells_x) + " " + std::to_string(map.cells_y) + "\n255\n";
+  bytes.reserve(bytes.size() + kinds.size());
   for (int iy = map.cells_y - 1; iy >= 0; --iy)  // its first row is the northernmost
     for (int ix = 0; ix < map.cells_x; ++ix)
+    {
+      const Kind kind = kinds[static_cast<std::size_t>(iy) * map.cells_x + ix];
       bytes += static_cast<char>(
-          trinary(t[static_cast<std::size_t>(iy) * map.cells_x + ix], blocked_at));
+          kind == Kind::Unknown ? kUnknown
+          : kind == Kind::Free  ? kFree
+                                : kOccupied);
+    }
   return bytes;
 }
 
-cv::Mat4b picture_of(const io::LayerStack& map, const std::vector<float>& t, double blocked_at)
+cv::Mat4b picture_of(const io::LayerStack& map, const std::vector<Kind>& kinds)
 {
+  const auto& t = needed_layer(map, Layer::Traversability);
   cv::Mat4b picture(map.cells_y, map.cells_x);
   for_each_cell(
       map, [&](std::size_t i, int ix, int iy)
-      { picture(map.cells_y - 1 - iy, ix) = scaled(t[i], blocked_at); });
+      { picture(map.cells_y - 1 - iy, ix) = scaled(kinds[i], t[i]); });
   return picture;
 }
 
@@ -82,15 +83,15 @@ std::string yaml_of(const io::LayerStack& map, const std::string& picture, RosMo
 void write_ros_map(
     const std::string& path, const io::LayerStack& map, RosMode mode, const Occupancy& o)
 {
-  const std::vector<float> t = without_islands(map, o.blocked_at, o.close_islands_m);
+  const std::vector<Kind> kinds = kinds_of(map, o);
   std::filesystem::path picture = path;
   // Beside a map its .png is the picture of it that talus-map wrote.
   picture.replace_extension();
   picture += mode == RosMode::Scale ? "_scale.png" : ".pgm";
   if (mode == RosMode::Scale)
-    io::write_png(picture.string(), picture_of(map, t, o.blocked_at));
+    io::write_png(picture.string(), picture_of(map, kinds));
   else
-    io::write_file(picture.string(), pgm_of(map, t, o.blocked_at));
+    io::write_file(picture.string(), pgm_of(map, kinds));
   io::write_file(path, yaml_of(map, picture.filename().string(), mode));
 }
 

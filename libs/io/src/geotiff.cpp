@@ -135,28 +135,59 @@ LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErr
   return stack;
 }
 
-/** The southernmost row first; what the file calls no data becomes NaN. */
-std::vector<float> read_band(
-    GDALRasterBand& band, const std::string& path, const GdalErrors& errors)
+/** What no cell may have but those that are unknown; NaN where there is none. */
+float nodata_of(GDALRasterBand& band, const std::string& path)
 {
-  const int nx = band.GetXSize(), ny = band.GetYSize();
-  const GSpacing pixel = sizeof(float), line = -pixel * nx;
-  std::vector<float> cells(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny));
-  float* last_row = cells.data() + static_cast<std::size_t>(ny - 1) * static_cast<std::size_t>(nx);
-  if (band.RasterIO(GF_Read, 0, 0, nx, ny, last_row, nx, ny, GDT_Float32, pixel, line, nullptr) !=
-      CE_None)
-    fail(path, "cannot read this GeoTIFF", errors);
   constexpr float kNoHeight_m = 9000;  // what no cell of a map has
   int has_nodata = 0;
   const auto nodata = static_cast<float>(band.GetNoDataValue(&has_nodata));
   if (has_nodata && std::abs(nodata) < kNoHeight_m)
     throw std::runtime_error(
         path + ": its band '" + band.GetDescription() + "' calls the value " + number_text(nodata) +
-        " no data, which cells may have: another program has converted this "
-        "file; mark unknown cells with NaN");
-  if (has_nodata)
-    std::replace(cells.begin(), cells.end(), nodata, std::numeric_limits<float>::quiet_NaN());
-  return cells;
+        " no data, which cells may have: another program has converted this file; mark unknown "
+        "cells with NaN");
+  return has_nodata ? nodata : std::numeric_limits<float>::quiet_NaN();
+}
+
+/** Some rows, the southernmost first; nothing where the file has no block of them. */
+void read_rows(
+    GDALRasterBand& band, int first, int count, std::vector<float>& cells, const std::string& path,
+    const GdalErrors& errors)
+{
+  const int nx = band.GetXSize(), ny = band.GetYSize();
+  const int covered = band.GetDataCoverageStatus(0, first, nx, count, 0, nullptr);
+  if (covered == GDAL_DATA_COVERAGE_STATUS_EMPTY) return;
+  const auto width = static_cast<std::size_t>(nx);
+  const auto row = static_cast<std::size_t>(ny - 1 - first), rows = static_cast<std::size_t>(count);
+  const GSpacing pixel = sizeof(float), line = -pixel * nx;
+  float* const first_row = cells.data() + row * width;
+  if (band.RasterIO(
+          GF_Read, 0, first, nx, count, first_row, nx, count, GDT_Float32, pixel, line, nullptr) !=
+      CE_None)
+    fail(path, "cannot read this GeoTIFF", errors);
+  const float nodata = nodata_of(band, path);
+  float* const from = first_row - (rows - 1) * width;
+  std::replace(from, from + rows * width, nodata, std::numeric_limits<float>::quiet_NaN());
+}
+
+/** All bands of a block lie side by side in a site, and so are read together. */
+void read_layers(
+    const std::vector<GDALRasterBand*>& bands, LayerStack& stack, const std::string& path,
+    const GdalErrors& errors)
+{
+  constexpr int kRows = 256;
+  const GdalCacheLimit limit;
+  const auto cells =
+      static_cast<std::size_t>(stack.cells_x) * static_cast<std::size_t>(stack.cells_y);
+  for (GDALRasterBand* band : bands)
+  {
+    nodata_of(*band, path);
+    stack.names.emplace_back(band->GetDescription());
+    stack.layers.emplace_back(cells, std::numeric_limits<float>::quiet_NaN());
+  }
+  for (int y = 0; y < stack.cells_y; y += kRows)
+    for (std::size_t b = 0; b < bands.size(); ++b)
+      read_rows(*bands[b], y, std::min(kRows, stack.cells_y - y), stack.layers[b], path, errors);
 }
 }  // namespace
 
@@ -193,15 +224,12 @@ LayerStack read_geotiff(const std::string& path, const std::vector<std::string>&
   const DatasetPtr dataset = open_geotiff(path, errors);
   require_plain_floats(*dataset, path);
   LayerStack stack = place_of(*dataset, path, errors);
+  std::vector<GDALRasterBand*> wanted;
   for (auto* band : dataset->GetBands())
-  {
-    const bool wanted =
-        bands.empty() ||
-        std::find(bands.begin(), bands.end(), band->GetDescription()) != bands.end();
-    if (!wanted) continue;
-    stack.names.emplace_back(band->GetDescription());
-    stack.layers.push_back(read_band(*band, path, errors));
-  }
+    if (bands.empty() ||
+        std::find(bands.begin(), bands.end(), band->GetDescription()) != bands.end())
+      wanted.push_back(band);
+  read_layers(wanted, stack, path, errors);
   return stack;
 }
 

@@ -109,7 +109,7 @@ ChangeSums write_geotiff(
     const std::string& path, Site& from, Site& to, int floor, double step_m, const TileBox& box)
 {
   io::AtomicFile file(path);
-  const GdalCacheLimit limit;
+  const io::GdalCacheLimit limit;
   const io::GdalErrors errors;
   io::DatasetPtr dataset = create(file.temporary_path(), box, to);
   if (!dataset) io::fail(path, "cannot write this GeoTIFF", errors);

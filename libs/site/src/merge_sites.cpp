@@ -312,7 +312,7 @@ std::vector<MapFit> merge_sites(
     const std::vector<std::string>& paths, Site& site, int floor, const MergeOptions& options,
     const Progress& progress)
 {
-  const GdalCacheLimit limit;
+  const io::GdalCacheLimit limit;
   FitsOfPairs fits;
   const auto inputs = inputs_of(paths, floor, options);
   double merged = 0;

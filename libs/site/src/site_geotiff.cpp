@@ -110,7 +110,7 @@ void write_site_file(
   TilePyramid pyramid(
       site, floor, kLargestOverview_cells, (file.hidden_folder().path() / "overviews").string());
   check_extent(path, pyramid, floor);
-  const GdalCacheLimit limit;
+  const io::GdalCacheLimit limit;
   io::GdalErrors errors;
   GDALDriver& cog = io::cog_driver();
   SiteDataset dataset(
@@ -132,7 +132,7 @@ void write_site_file(
 
 void read_site(const std::string& path, Site& site, int floor, const MapShift& shift)
 {
-  const GdalCacheLimit limit;
+  const io::GdalCacheLimit limit;
   MovedReader reader(path, shift);
   if (!site.origin && site.tiles.keys().empty()) site.origin = reader.file().origin();
   reader.file().require_fits(site);

@@ -17,14 +17,7 @@ constexpr const char* kDamaged = "damaged: copy it again, or make it anew";
 constexpr const char* kCutShort = "cannot be read to its end; copy it again";
 constexpr std::int64_t kMostIslands = 1000000;
 constexpr std::int64_t kFarthestCell = 2'000'000'000;  //!< beyond what frames can lead to
-constexpr std::int64_t kCacheBytes = 256LL << 20;
 }  // namespace
-
-GdalCacheLimit::GdalCacheLimit() : before_(GDALGetCacheMax64())
-{
-  if (before_ > kCacheBytes) GDALSetCacheMax64(kCacheBytes);
-}
-GdalCacheLimit::~GdalCacheLimit() { GDALSetCacheMax64(before_); }
 
 SiteReader::SiteReader(const std::string& path) : path_(path)
 {

@@ -79,17 +79,4 @@ class SiteReader
   std::optional<TileSums> sums_;  //!< of its tiles, from the first one on
 };
 
-/** While it lives, GDAL keeps at most so many blocks in memory. Of the whole process. */
-class GdalCacheLimit
-{
- public:
-  GdalCacheLimit();
-  ~GdalCacheLimit();
-  GdalCacheLimit(const GdalCacheLimit&) = delete;
-  GdalCacheLimit& operator=(const GdalCacheLimit&) = delete;
-
- private:
-  std::int64_t before_;
-};
-
 }  // namespace talus::site

@@ -8,6 +8,10 @@
 // not at all; all throw std::runtime_error that names the file, or the layer which is missing.
 namespace talus::formats
 {
+/** Throws where a layer that is there has a value that no map has: heights beyond 1000 km, scores
+ * beyond 0 and 1, states that are none. A stranger's file may. */
+void require_sound_cells(const io::LayerStack& map);
+
 /** How a map of ROS tells what is free. */
 enum class RosMode
 {
