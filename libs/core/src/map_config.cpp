@@ -1,5 +1,6 @@
 #include "map_config.h"
 #include <talus/rule_switches.h>
+#include "kernels/6_fill.h"
 #include "kernels/9_channels.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
@@ -58,7 +59,7 @@ kernels::Config stages_config(const Parameters& p)
   k.start_radius_m = k.start_automatic ? kernels::kStartsWithin_m : f(p.start_radius_m);
   k.object_radius = static_cast<int>(std::lround(p.object_size_m / (4 * p.resolution_m)));
   k.max_slope = f(std::tan(p.slope_threshold_rad));
-  k.fill_search_m = f(p.fill_search_m);
+  k.fill_search_m = f(std::min(p.fill_search_m, kernels::kInferred * p.resolution_m));
   k.inverse_fill_kernel = f(1 / p.fill_kernel_m);
   k.fill_variance_per_m = f(p.fill_variance_per_m);
   k.fill_samples = p.fill_samples;

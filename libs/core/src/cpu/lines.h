@@ -20,7 +20,7 @@ struct TakeSample
   kernels::ClassifyCell classify;
   kernels::LineGrid grid;
   kernels::Samples samples;
-  std::uint8_t* marks;  //!< see InferenceGrid
+  std::uint16_t* marks;  //!< see InferenceGrid
 
   void operator()(int ix, int iy, int storage_i) const
   {
@@ -34,7 +34,7 @@ struct TakeSample
 struct InferenceGrid
 {
   float *information, *weighted, *lowest_m;  //!< kernels::LineFusion
-  std::uint8_t* marks;  //!< bits of FillMark; without kInferred no other value counts
+  std::uint16_t* marks;  //!< bits of FillMark; without kInferred no other value counts
   float* fall_m;  //!< see fall_in(); set where stage 7 needs it
 
   kernels::LineFusion lines(int i) const { return {information[i], weighted[i], lowest_m[i]}; }
@@ -47,7 +47,7 @@ struct InferenceGrid
   void put(int i, const kernels::LineFusion& lines, std::int32_t marks_there) const
   {
     set(i, lines);
-    marks[i] = static_cast<std::uint8_t>(marks_there);
+    marks[i] = static_cast<std::uint16_t>(marks_there);
   }
   TALUS_FETCHES void fetch_lines(int i) const
   {

@@ -24,7 +24,7 @@ class CpuSchedule
   {
     const auto n = static_cast<std::size_t>(map_.cells());
     for (auto& values : inferred_) executor_.allocate(values, map_.grid_size(), kernels::kNan);
-    executor_.allocate(fill_marks_, map_.grid_size(), std::uint8_t{0});
+    executor_.allocate(fill_marks_, map_.grid_size(), std::uint16_t{0});
     executor_.allocate(
         passability_, n + 2 * static_cast<std::size_t>(map_.side() + 1), std::uint8_t{0});
     const int directions = kernels::bin_count(map_.host_config);
@@ -350,9 +350,9 @@ class CpuSchedule
   MapBuffers<Executor>& map_;
   Executor& executor_;
   Buffer<std::int32_t> hit_cells_;  //!< as found, then in order
-  Buffer<std::uint8_t> doubted_;
+  Buffer<std::uint8_t> doubted_, passability_;
   std::array<Buffer<float>, 3> inferred_;  //!< see lines::InferenceGrid
-  Buffer<std::uint8_t> fill_marks_, passability_;
+  Buffer<std::uint16_t> fill_marks_;
 };
 
 }  // namespace talus
