@@ -22,8 +22,8 @@ struct OffsetHistogram
 };
 
 /** Adds a point to the histogram if it is in the sample and the sensor looks down there on
- * measured, bare ground, but not where it drove through grass: blades stand up again. Buried
- * points lie far below, so that they do not count. */
+ * measured, bare ground that was passable, which a wall is not, but not where it drove through
+ * grass: blades stand up again. Buried points lie far below, so that they do not count. */
 template <class Atomics>
 struct CountOffset
 {
@@ -36,6 +36,7 @@ struct CountOffset
       return;
     const float ground_m = m.cell.ground_m[storage_i], top_m = m.cell.elevation_m[storage_i];
     const bool bare = (m.cell.state[storage_i] == kMeasured) &
+                      ((m.cell.flags[storage_i] & kWasPassable) != 0) &
                       (m.cell.driven_height[storage_i] == 0) &
                       !(top_m - ground_m > kBare_steps * m.k.step_threshold_m);
     if (bare) add(m.point_height_m[point_i] - m.datum->offset_m - ground_m);

@@ -107,7 +107,7 @@ struct FindPassingRays
     const float end_m = end_of_ray_m(ray);
     const float at_end_m = m.frame->sensor_z_m + float_from_ordered(ray) * end_m;
     const float on_m = max_of(end_m - g.chebyshev_m, 0.0f);
-    const float up_m = min_of(kEndsFall * on_m, kEndsRise_m);
+    const float up_m = min_of(gentle_fall_m(on_m), kEndsRise_m);
     return select(abs_of(ray) != kNoRay, at_end_m + up_m, kInfinity);
   }
   /** The height where a ray is highest inside a cell: of a higher slope it is never lower. */

@@ -75,14 +75,14 @@ TALUS_HD int places_in(float distance_m, float step_m, int rings)
 /** What the line from the sensor says of a cell, as bits. */
 enum FillMark : std::int32_t
 {
-  kTwoSided = 2,
-  kInferred = 4,  //!< the line from the sensor has samples: otherwise nothing else counts
-  kSlopes = 8,  //!< the ground falls in it by a step, as a slope does
-  kDrops = 16,  //!< the ground may drop in it
-  kBridged = 32  //!< it has samples on both sides, near or far
+  kInferred = 1023,  //!< places to the sample of one side; none: nothing else counts
+  kTwoSided = 1024,
+  kSlopes = 2048,  //!< the ground falls in it by a step, as a slope does
+  kDrops = 4096,  //!< the ground may drop in it
+  kBridged = 8192  //!< it has samples on both sides, near or far
 };
-/** The variance of fills in which the ground falls. */
-constexpr float kFalls_m2 = 1.0f;
+/** The variance of fills in which the ground falls; the length of a place of a line, at most. */
+constexpr float kFalls_m2 = 1.0f, kDiagonal_cells = 1.4143f;
 
 /** Whether a rise is steeper than a robot can drive, noise aside. */
 TALUS_HD bool is_steep(float rise_m, float length_m, const Config& k)
@@ -100,7 +100,7 @@ TALUS_HD bool is_face(float sample_m) { return (bits_of(sample_m) & kFaceBit) !=
  * `away_m` away, which is an edge then. */
 TALUS_HD bool undercuts(float ends_m, float sample_m, float away_m)
 {
-  return !is_stood(sample_m) & (ends_m < sample_m - kEndsBelow_m - kEndsFall * away_m);
+  return !is_stood(sample_m) & (ends_m < sample_m - kEndsBelow_m - gentle_fall_m(away_m));
 }
 
 /** Heights of several lines, weighted by the gaps that they bridge. */
@@ -136,14 +136,17 @@ TALUS_HD LineFusion fuse_sides(const SideEstimate& a, const SideEstimate& b)
   return line;
 }
 
-/** The variance of a fill. Its lines tell how far they may be off, by their gaps and by the rise in
- * them, and half of what the mean lies above the lowest tells how rough the ground around is. */
-TALUS_HD float variance_of_fill(const LineFusion& lines, const Config& k)
+/** The variance of a fill, by the gaps of its lines and the rises in them, from one side by its own
+ * gap at least; half of what the mean lies above the lowest tells how rough ground is there. */
+TALUS_HD float variance_of_fill(const LineFusion& lines, int marks, const Config& k)
 {
   const float apart_m = kLinesApart * (lines.weighted / lines.information - lines.lowest_m);
   const float line_m = sqrtf(kFillLines / lines.information) - kLineDeviation_m;
-  const float gap_m = k.fill_variance_per_m / kBeyondDeviation * max_of(line_m, 0.0f);
-  return apart_m * apart_m + gap_m * gap_m;
+  const int places = select((marks & kTwoSided) != 0, 0, marks & kInferred);
+  const float away_m = kDiagonal_cells * k.resolution_m * static_cast<float>(places);
+  const float gap_m =
+      k.fill_variance_per_m / kBeyondDeviation * max_of(line_m, kBeyondDeviation * away_m);
+  return max_of(apart_m * apart_m + gap_m * gap_m, k.min_variance_m2);
 }
 
 /** Bits of FillMark of a place between the inner and the outer side. */
@@ -151,7 +154,7 @@ TALUS_HD std::int32_t marks_of_sides(
     const SideEstimate& inner, const SideEstimate& outer, bool undercut_ahead)
 {
   const bool in = inner.near(), out = outer.near();
-  return select(in | out, kInferred, 0) | select(in & out, kTwoSided, 0) |
+  return inner.places | outer.places | select(in & out, kTwoSided, 0) |
          select(inner.any() & outer.any(), kBridged, 0) |
          select(in & !out & undercut_ahead, kDrops, 0);
 }
@@ -233,8 +236,7 @@ struct FillCell
     const float fill_m = fill_of_lines(lines, low_m, (r == kObject) & on(kLowestUnderObject, k));
     const float ground = select(filled, fill_m, before);
     const int fall = select(filled, marks & (kSlopes | kDrops), 0);
-    const float fill_m2 =
-        select(fall != 0, kFalls_m2, max_of(variance_of_fill(lines, k), k.min_variance_m2));
+    const float fill_m2 = select(fall != 0, kFalls_m2, variance_of_fill(lines, marks, k));
     const float variance = select(filled, fill_m2, var_before);
     const int filled_as = select(two_sided, kFilledTwoSided, kFilledOneSided);
     const int state = select(filled, filled_as, state_before);

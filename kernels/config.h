@@ -3,29 +3,47 @@
 
 namespace talus::kernels
 {
+/** Those of talus::Parameters that the kernels take as they are. */
+#define TALUS_TAKEN_PARAMETERS(FIELD) \
+  FIELD(float, resolution_m)          \
+  FIELD(float, min_height_m)          \
+  FIELD(float, max_height_m)          \
+  FIELD(float, c_beam_m)              \
+  FIELD(float, a_beam)                \
+  FIELD(float, min_variance_m2)       \
+  FIELD(float, clearance_m)           \
+  FIELD(float, cleanup_margin_m)      \
+  FIELD(int, cleanup_frames)          \
+  FIELD(float, fill_search_m)         \
+  FIELD(float, fill_variance_per_m)   \
+  FIELD(int, fill_samples)            \
+  FIELD(float, step_threshold_m)      \
+  FIELD(float, weight_slope)          \
+  FIELD(float, weight_step)           \
+  FIELD(float, weight_roughness)      \
+  FIELD(float, sparsity_range_m)      \
+  FIELD(float, sparsity_distance_m)   \
+  FIELD(float, sparsity_search_m)
+
 /** talus::Parameters for the kernels: as float, squared, in cells. Constant over the life of a map.
  */
 struct Config
 {
+#define TALUS_MEMBER(type, name) type name;
+  TALUS_TAKEN_PARAMETERS(TALUS_MEMBER)
+#undef TALUS_MEMBER
   int cells;  //!< n: the window has n x n cells
-  float resolution_m, inverse_resolution;
-  float min_range2_m2, max_range2_m2, min_height_m, max_height_m;
+  float inverse_resolution;
+  float min_range2_m2, max_range2_m2;
   float inverse_voxel;  //!< 0: no voxel filter
-  float c_beam_m, a_beam;
-  float gate2, min_variance_m2, clearance_m;
-  float cleanup_margin_m;
-  int cleanup_frames;
+  float gate2;
   float start_radius_m;  //!< the largest one if automatic
   int start_automatic;
   int object_radius;  //!< half of object_size_m, in pairs of cells
   float max_slope;  //!< tangent of the slope threshold
-  float fill_search_m, inverse_fill_kernel, fill_variance_per_m;
-  int fill_samples;
+  float inverse_fill_kernel;
   int feature_radius_cells;
-  float inverse_slope_threshold, step_threshold_m, inverse_step_threshold,
-      inverse_roughness_threshold;
-  float weight_slope, weight_step, weight_roughness;
-  float sparsity_range_m, sparsity_distance_m, sparsity_search_m;
+  float inverse_slope_threshold, inverse_step_threshold, inverse_roughness_threshold;
 #if defined(TALUS_RULE_SWITCHES)
   std::uint64_t rules_off;  //!< bit r: rule r does not count, see rule_switches.h
 #endif

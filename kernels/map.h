@@ -84,7 +84,7 @@ struct Track;
   ARRAY(float, information, core_grid, kNan) /* LineFusion of a cell */                            \
   ARRAY(float, weighted, core_grid, kNan)                                                          \
   ARRAY(float, lowest_m, core_grid, kNan)                                                          \
-  ARRAY(std::uint8_t, fill_marks, core_grid, 0) /* FillMark; without kInferred nothing counts */   \
+  ARRAY(std::uint16_t, fill_marks, core_grid, 0) /* FillMark; without kInferred nothing counts */  \
   ARRAY(std::uint8_t, passability, core_window, 0) /* window order, a row and a cell more */       \
   /* of devices */                                                                                 \
   ARRAY(std::uint64_t, cursor, device, 0) /* end of `sorted`; in the upper half of `crowded` */    \

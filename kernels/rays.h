@@ -106,6 +106,11 @@ TALUS_HD float slope_at_step(float step)
 /** The slope in the middle of a step. */
 TALUS_HD float slope_of_step(int step) { return slope_at_step(static_cast<float>(step) + 0.5f); }
 
+/** How far gentle ground falls on a way of this length. */
+TALUS_HD float gentle_fall_m(float length_m)
+{
+  return max_of(kEndsFall * length_m, kEndsFarFall * length_m + (kEndsFall - kEndsFarFall));
+}
 /** Whether rays pass above the ground at a height; infinity: no ray. Rays below it tell of an
  * object or a drop, but not if rays pass above it on both sides: what a glossy floor reflects are
  * single rays. */

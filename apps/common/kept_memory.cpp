@@ -1,4 +1,4 @@
-#include "kept_memory.h"
+#include "memory_limit.h"
 
 #include <cstddef>
 #include <cstdint>

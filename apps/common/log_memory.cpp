@@ -1,4 +1,4 @@
-#include "log_memory.h"
+#include "memory_limit.h"
 
 #include <talus/io/rawlog_reader.h>
 

@@ -1,5 +1,7 @@
 #include "log_name.h"
 
+#include <talus/io/packed_log.h>
+
 #include <filesystem>
 
 namespace fs = std::filesystem;
@@ -12,9 +14,8 @@ std::string without_endings(const std::string& log)
 {
   fs::path name = fs::path(log).filename();
   if (name.empty()) name = fs::path(log).parent_path().filename();
-  for (const char* ending : {".gz", ".rawlog"})
-    if (name.extension() == ending) name = name.stem();
-  return name.string();
+  name = io::without_packing(name.string());
+  return (name.extension() == ".rawlog" ? name.stem() : name).string();
 }
 
 /** "." and ".." are folders, and what begins with a dot is hidden. */

@@ -1,7 +1,7 @@
 #pragma once
-#include <sys/resource.h>
-
 #include <cstddef>
+#include <string>
+#include <sys/resource.h>
 
 namespace talus::app
 {
@@ -20,5 +20,18 @@ class MemoryLimit
   rlimit before_{};
   bool is_set_ = false;
 };
+
+/** From now on memory that was given back is kept for what comes next, in large pages where there
+ * are such: a command that makes as much again for each scan would spend a sixth of its time on
+ * pages that it had before. It never has more than what it needed at once. */
+void keep_memory();
+
+/** How much memory reading a log or a trajectory may take [bytes]: what its bytes can hold and
+ * 100 MB, 2 GB at most. A count in it that is damaged asks for anything. The 100 MB and the 2 GB
+ * are shared by the processes that share_log_memory() named. */
+std::size_t memory_for_log(const std::string& path);
+
+/** From now on so many processes read logs at once: this one and its children get a part each. */
+void share_log_memory(std::size_t processes);
 
 }  // namespace talus::app

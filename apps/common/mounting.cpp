@@ -1,4 +1,4 @@
-#include "mounting.h"
+#include "command_line.h"
 
 #include <talus/number_text.h>
 

@@ -1,5 +1,9 @@
 #include "output_folder.h"
 
+#include "child_process.h"
+#include "export/export_formats.h"
+#include "run_app.h"
+
 #include <talus/io/atomic_file.h>
 #include <unistd.h>
 
@@ -18,9 +22,12 @@ namespace
 using io::FolderLock;
 
 constexpr const char* kRunPrefix = ".talus-run.";  // of hidden folders of results
+constexpr const char* kSiteStem = "(site|traffic)(_floor_[0-9]+)?(_island_[0-9]+)?";
 // In the hidden folder:
 constexpr const char* kSeal = ".talus-seal";  // folder; the seal is in it once all is complete
 constexpr const char* kToClear = ".talus-to-clear";  // until what would mislead has been removed
+constexpr const char* kExports =
+    "exports";  // in it, where a site map is replaced: also those of it
 
 bool matches(const fs::path& name, const std::regex& pattern)
 {
@@ -42,18 +49,31 @@ std::vector<fs::path> files_below(const fs::path& folder)
   return files;
 }
 
+/** Whether a file of this name is that of another floor or island of the one that is sealed. */
+bool is_part(const fs::path& name, const fs::path& sealed)
+{
+  const std::string stem = sealed.stem().string(), whole = name.filename().string();
+  static const std::regex number("((_floor|_island)_[0-9]+){1,2}\\.[a-z]+");
+  return whole.rfind(stem, 0) == 0 &&
+         (name.extension() == sealed.extension() ||
+          (name.extension() == ".png" && sealed.extension() == ".tif")) &&
+         std::regex_match(whole.substr(stem.size()), number);
+}
+
 /** Removes the seal, and what of a run before would be taken for a part of these results. */
 void clear(const fs::path& hidden, const std::string& seal)
 {
   const fs::path folder = hidden.parent_path(), snapshots = "frames";
   const bool has_site = fs::exists(hidden / "site.tif"), has_labels = seal == kLabelTable;
+  const bool has_exports = has_site && fs::exists(hidden / kToClear / kExports);
   std::vector<fs::path> old{folder / seal};
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(folder))
   {
     const fs::path name = entry.path().filename();
     const bool is_label = name.extension() == ".label" || name == kLabelledLog;
-    if (((has_site && is_site_file(name)) || (has_labels && is_label)) &&
+    if (((has_site && is_site_file(name)) || (has_labels && is_label) || is_part(name, seal) ||
+         (has_exports && is_export(name) && name.extension() != ".qml")) &&
         entry.is_regular_file(none))
       old.push_back(entry.path());
   }
@@ -78,6 +98,8 @@ void seal_results(const fs::path& hidden, const std::string& seal)
           to.string() + ": cannot be written: " + std::generic_category().message(errno));
   }
   fs::create_directory(hidden / kToClear);
+  if (fs::exists(hidden.parent_path() / "site.tif"))
+    fs::create_directory(hidden / kToClear / kExports);
   fs::create_directory(hidden / kSeal);
   fs::rename(hidden / seal, hidden / kSeal / seal);
 }
@@ -89,7 +111,7 @@ void place(const fs::path& hidden)
   const auto seals = files_below(hidden / kSeal);
   if (seals.empty()) return;  // it was killed when all was in place
   if (fs::exists(hidden / kToClear)) clear(hidden, seals.front());
-  fs::remove(hidden / kToClear);
+  fs::remove_all(hidden / kToClear);
   for (const auto& file : files_below(hidden)) fs::rename(hidden / file, folder / file);
   fs::rename(hidden / kSeal / seals.front(), folder / seals.front());
 }
@@ -179,9 +201,22 @@ void OutputFolder::commit(const std::string& seal)
 
 bool is_site_file(const fs::path& name)
 {
-  static const std::regex pattern(
-      "(site|traffic)(_floor_[0-9]+)?(_island_[0-9]+)?(\\.tif|\\.png|_way\\.gpkg)");
+  static const std::regex pattern(kSiteStem + std::string("(\\.tif|\\.png|_way\\.gpkg)"));
   return matches(name, pattern);
+}
+
+bool is_export(const fs::path& name, const std::string& map)
+{
+  const std::string text = name.string();
+  std::smatch stem;
+  if (!std::regex_search(
+          text, stem, std::regex(map == "site" ? kSiteStem : map),
+          std::regex_constants::match_continuous))
+    return false;
+  for (const ExportFormat& format : export_formats())
+    for (const std::string& ending : format.endings)
+      if (stem.suffix() == ending) return true;
+  return false;
 }
 
 bool is_site_map(const fs::path& name)
@@ -207,6 +242,22 @@ void require_apart(
         throw std::runtime_error(
             "'" + (folder / output).string() +
             "' would be overwritten, but it is an input; write elsewhere");
+}
+
+int make_results(
+    const std::string& folder, const std::string& seal, const std::string& input,
+    const std::string& advice, const std::function<void(const std::string& staging)>& make)
+{
+  OutputFolder output(folder);
+  const auto work = [&]
+  {
+    make(output.staging());
+    return 0;
+  };
+  const auto tell = [&](const std::string& text) { print_error(output.told(text)); };
+  const int code = run_command_in_child(input, advice, work, tell);
+  if (code == 0) output.commit(seal);
+  return code;
 }
 
 }  // namespace talus::app

@@ -2,6 +2,7 @@
 #include <talus/io/hidden_folder.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,9 +32,10 @@ class OutputFolder
   std::string told(std::string error) const;
 
   /** Moves everything out of staging(); files of the same name are replaced, and what would be
-   * taken for a part of the results, such as snapshots and floors of a run before, is removed.
-   * `seal` is the file that says that the results are complete: it vanishes first and appears last.
-   * Throws std::runtime_error; before anything has changed where results cannot be replaced. */
+   * taken for a part of the results, such as snapshots, floors and exports of a run before, is
+   * removed. `seal` is the file that says that the results are complete: it vanishes first and
+   * appears last. Throws std::runtime_error; before anything has changed where results cannot be
+   * replaced. */
   void commit(const std::string& seal);
 
  private:
@@ -49,6 +51,13 @@ class OutputFolder
 /** Throws std::runtime_error when no OutputFolder could be made there; leaves nothing behind. */
 inline void require_writable(const std::string& folder) { const OutputFolder trial(folder); }
 
+/** Makes results in a child, which a damaged file or a signal may end: `make` writes into the
+ * folder that it is given. The exit code; 0: they are in place. See OutputFolder::commit() for
+ * `seal`, run_command_in_child() for `input` and `advice`. */
+int make_results(
+    const std::string& folder, const std::string& seal, const std::string& input,
+    const std::string& advice, const std::function<void(const std::string& staging)>& make);
+
 /** Of the labels of points: the table of numbers, which is their seal, and the log of clouds. */
 constexpr const char* kLabelTable = "labels.yaml";
 constexpr const char* kLabelledLog = "labels.rawlog";
@@ -56,6 +65,10 @@ constexpr const char* kLabelledLog = "labels.rawlog";
 /** Whether a file of this name belongs to a site map: site.tif, a picture, a way, traffic, another
  * floor or island. */
 bool is_site_file(const std::filesystem::path& name);
+
+/** Whether an export of a map, site.tif or another one without its ending, would be called so. Of a
+ * site also those of its floors and islands. */
+bool is_export(const std::filesystem::path& name, const std::string& map = "site");
 
 /** Whether a file of this name is site.tif, or that of another floor or island. */
 bool is_site_map(const std::filesystem::path& name);

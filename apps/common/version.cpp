@@ -1,4 +1,4 @@
-#include "version.h"
+#include "run_app.h"
 
 #include "commit.h"  // made by commit.cmake
 

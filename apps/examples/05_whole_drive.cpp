@@ -6,6 +6,7 @@
 #include <talus/site/site_mapper.h>
 
 #include <cstdio>
+#include <filesystem>
 
 #include "made_up_scans.h"
 
@@ -39,5 +40,7 @@ int main(int argc, char** argv)
         "%.1f m back: window %.1f, whole drive %.1f\n", back_m,
         talus::MapView(map).at(talus::Layer::Traversability, x_m - back_m, 0.5),
         whole.at(talus::Layer::Traversability, x_m - back_m, 0.5));
-  if (argc > 1) talus::site::write_site_files(argv[1], site);  // "site.tif", for talus-map --resume
+  if (argc < 2) return 0;
+  std::filesystem::path picture = argv[1];  // "site.tif", for talus-map --resume
+  talus::site::write_site_files(argv[1], picture.replace_extension(".png").string(), site);
 }

@@ -2,7 +2,7 @@
 """The steps of a batch; the Snakefile calls them in the folder of the results.
 
 What a step has made is told by a small JSON file, which is written last: `state` (ok or failed), `maps` (files by name:
-site.tif, site_floor_1.tif ...), of a log also what the report says of it.
+site.tif, site_floor_1.tif, site_island_1.tif ...), of a log also what the report says of it.
 """
 import fcntl
 import html
@@ -14,7 +14,7 @@ import sys
 import time
 import urllib.parse
 
-FILE_NAMES = ("site.tif", "site_floor_")  # of the maps that are merged
+SITE = "site.tif"  # other floors and islands lie beside it
 
 
 def write_whole(path, text):
@@ -57,7 +57,7 @@ def run(command, log):
 
 def maps_in(folder):
     return {name: os.path.join(folder, name) for name in sorted(os.listdir(folder))
-            if name.startswith(FILE_NAMES) and name.endswith(".tif")}
+            if name.startswith((SITE, "site_floor_", "site_island_")) and name.endswith(".tif")}
 
 
 def map_log(output, log, attempt, retries, drive, command):
@@ -82,22 +82,18 @@ def measures(summary):
 
 
 def merge(output, log, draws, inputs, command):
-    """Merges the maps of the inputs, those of a name with each other. What is alone is taken as it is, but for the map of
-    all, which is drawn too."""
+    """Merges the maps of the inputs. What is alone is taken as it is, but for the map of all, which is drawn too."""
     folder = output[: -len(".json")]
-    paths = {}
-    for told in map(read_json, inputs):
-        for name, path in told["maps"].items():
-            paths.setdefault(name, []).append(path)
-    maps = {}
-    for name, found in sorted(paths.items()):
-        maps[name] = found[0]
-        if len(found) > 1 or draws:
-            maps[name] = os.path.join(folder, name)
-            os.makedirs(folder, exist_ok=True)
-            drawn = ["--picture", picture_of(maps[name])] if draws else []
-            if run(command[:1] + found + ["--output", maps[name], "--quiet"] + drawn + command[1:], log) != 0:
-                sys.exit(f"talus-batch: {last_line(log)}")
+    found = [told["maps"] for told in map(read_json, inputs) if told["maps"]]
+    maps = found[0] if found else {}
+    if len(found) > 1 or (found and draws):
+        os.makedirs(folder, exist_ok=True)
+        site = os.path.join(folder, SITE)
+        drawn = ["--picture", picture_of(site)] if draws else []
+        inputs = [parts[SITE] for parts in found]
+        if run(command[:1] + inputs + ["--output", site, "--quiet"] + drawn + command[1:], log) != 0:
+            sys.exit(f"talus-batch: {last_line(log)}")
+        maps = maps_in(folder)
     write_json(output, {"state": "ok", "maps": maps})
 
 
@@ -123,15 +119,17 @@ def page_of(path):
     return path[: -len(".tif")] + ".html"
 
 
-def publish_page(path, name, command):
-    """The map of all as a page, where talus-export can make one; the report says what it lacks, and no map is lost."""
-    options = ["--to", "html", "--title", os.path.basename(os.getcwd()), "--output", os.path.dirname(path), "--quiet"]
-    code = run(command[:1] + [path] + options + command[1:], path + ".log")
-    if code == 0:
-        publish(page_of(path), page_of(name))
-    elif os.path.exists(page_of(name)):  # of an older map
-        os.remove(page_of(name))
-    return "" if code == 0 else last_line(path + ".log")
+def make_pages(maps, command):
+    """The map of all as pages, where talus-export can make them; the report says what it lacks, and no map is lost."""
+    site = maps[SITE]
+    options = ["--to", "html", "--title", os.path.basename(os.getcwd()), "--output", os.path.dirname(site), "--quiet"]
+    code = run(command[:1] + [site] + options + command[1:], site + ".log")
+    for name, path in maps.items():
+        if code == 0:
+            publish(page_of(path), page_of(name))
+        elif os.path.exists(page_of(name)):  # of an older map
+            os.remove(page_of(name))
+    return "" if code == 0 else last_line(site + ".log")
 
 
 def logs_of(batch):
@@ -140,16 +138,15 @@ def logs_of(batch):
 
 def report(output, whole, batch, command):
     maps = read_json(whole)["maps"]
-    lacks = []
     for name, path in maps.items():
         publish(path, name)
         publish(picture_of(path), picture_of(name))
-        lacks.append(publish_page(path, name, command))
+    lacks = make_pages(maps, command) if maps else ""
     for name in set(maps_in(".")) - set(maps) if maps else []:  # floors that no log sees any more
         os.remove(name)
         for file in filter(os.path.exists, (picture_of(name), page_of(name))):
             os.remove(file)
-    write_whole(output, report_page(logs_of(batch), maps, "; ".join(filter(None, lacks))))
+    write_whole(output, report_page(logs_of(batch), maps, lacks))
 
 
 def drawn(name):

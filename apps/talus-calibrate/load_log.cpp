@@ -1,10 +1,10 @@
-#include "load_log.h"
+#include "outputs.h"
 
-#include "../common/log_memory.h"
+#include "../common/memory_limit.h"
 #include "../common/log_name.h"
 #include "../common/crash_context.h"
 
-#include <talus/calibrate/first_guess.h>
+#include <talus/calibrate/held_out.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/observation_points.h>
 

@@ -1,14 +1,9 @@
 // talus-calibrate: the mounting, the clock and the noise of a sensor, from the log of a drive.
-#include "../common/child_process.h"
-#include "../common/crash_context.h"
 #include "../common/output_folder.h"
-#include "../common/printable.h"
 #include "../common/progress_bar.h"
-#include "load_log.h"
-#include "options.h"
+#include "../common/run_app.h"
 #include "outputs.h"
-#include "picture.h"
-#include "report.h"
+#include "options.h"
 
 #include <talus/io/atomic_file.h>
 #include <talus/io/mrpt_error.h>
@@ -16,13 +11,11 @@
 
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 
 namespace fs = std::filesystem;
 using namespace talus::calibrate;
-using talus::app::OutputFolder;
 
 namespace
 {
@@ -107,37 +100,20 @@ void calibrate_log(const AppOptions& options, const std::string& folder)
   if (!options.quiet) std::cout << console_report(options, log, result);
 }
 
-void print_error(const std::string& text) { std::cerr << "talus-calibrate: " << text << "\n"; }
-
 /** The exit code. */
 int run(const AppOptions& options)
 {
-  talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
   talus::app::require_apart(
       options.output,
       {"calibration.ini", "sensors-pose.ini", "calibration.json", "calibration.png"},
       {options.log, options.trajectory});
-  OutputFolder output(options.output);
-  // A damaged log can crash MRPT.
-  const auto work = [&]
-  {
-    calibrate_log(options, output.staging());
-    return 0;
-  };
-  const auto tell = [&](const std::string& text) { print_error(output.told(text)); };
-  if (const int code = talus::app::run_command_in_child(options.log, kShorterLog, work, tell))
-    return code;
-  output.commit("calibration.json");
-  if (!options.quiet)
+  const int code = talus::app::make_results(
+      options.output, "calibration.json", options.log, kShorterLog,
+      [&](const std::string& staging) { calibrate_log(options, staging); });
+  if (code == 0 && !options.quiet)
     std::cout << "  wrote   " << (fs::path(options.output) / "calibration.ini").string() << "\n";
-  return 0;
+  return code;
 }
 }  // namespace
 
-int main(int argc, char** argv)
-{
-  const talus::app::PrintableOutput printable;
-  AppOptions options;
-  if (const auto code = parse_options(argc, argv, options)) return *code;
-  return talus::app::code_of([&] { return run(options); }, print_error, options.log, kShorterLog);
-}
+int main(int argc, char** argv) { return talus::app::run_app("talus-calibrate", argc, argv, run); }

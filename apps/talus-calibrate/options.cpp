@@ -2,7 +2,6 @@
 
 #include "../common/command_line.h"
 #include "../common/log_name.h"
-#include "../common/version.h"
 
 namespace talus::calibrate
 {
@@ -93,23 +92,23 @@ void add_model(CLI::App& app, AppOptions& o)
 
 }  // namespace
 
-std::optional<int> parse_options(int argc, char** argv, AppOptions& options)
+void add_options(CLI::App& app, AppOptions& options)
 {
-  CLI::App app{
+  app.description(
       "Finds how a LiDAR is mounted, how its clock is off and how it errs, from the log of a "
-      "drive.",
-      "talus-calibrate"};
+      "drive.");
   add_inputs(app, options);
   add_model(app, options);
   app.add_option("--output", options.output, "Folder of the results (default: LOG_calibration)")
       ->check(app::not_empty())
       ->type_name("DIR");
   app.add_flag("--quiet", options.quiet, "Print warnings and errors only");
-  app.set_version_flag("--version", app::version_line("talus-calibrate"));
   app.footer(kFooter);
-  if (const auto exit_code = app::parse_command_line(app, argc, argv)) return exit_code;
-  if (options.output.empty()) options.output = app::name_of_log(options.log) + "_calibration";
-  return std::nullopt;
+  app.final_callback(
+      [&options]
+      {
+        if (options.output.empty()) options.output = app::name_of_log(options.log) + "_calibration";
+      });
 }
 
 }  // namespace talus::calibrate

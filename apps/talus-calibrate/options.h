@@ -1,11 +1,16 @@
 #pragma once
-#include "../common/mounting.h"
+#include "../common/command_line.h"
 
 #include <talus/calibrate/calibrate.h>
 
 #include <optional>
 #include <string>
 #include <vector>
+
+namespace CLI
+{
+class App;
+}
 
 namespace talus::calibrate
 {
@@ -22,8 +27,7 @@ struct AppOptions
   bool quiet = false;
 };
 
-/** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
- * program, or nothing: go on. */
-std::optional<int> parse_options(int argc, char** argv, AppOptions& options);
+/** Adds the options, the description and the footer of the command. */
+void add_options(CLI::App& app, AppOptions& options);
 
 }  // namespace talus::calibrate

@@ -1,4 +1,4 @@
-#include "picture.h"
+#include "outputs.h"
 
 #include <talus/io/map_picture.h>
 

@@ -1,5 +1,3 @@
-#include "report.h"
-
 #include "outputs.h"
 
 #include <mrpt/core/format.h>

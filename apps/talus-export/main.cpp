@@ -1,69 +1,232 @@
 // talus-export: a map of terrain in, the same in formats of other programs out.
 #include "../common/child_process.h"
+#include "../common/command_line.h"
 #include "../common/crash_context.h"
 #include "../common/export/export_files.h"
+#include "../common/export/export_formats.h"
 #include "../common/output_folder.h"
-#include "../common/printable.h"
-#include "options.h"
+#include "../common/run_app.h"
 
-#include <exception>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
+namespace app = talus::app;
 namespace fs = std::filesystem;
 using namespace talus::formats;
-using talus::app::code_of;
+using app::OutputFolder;
+using app::print_error;
 
 namespace
 {
+/** What the command line says. */
+struct Options
+{
+  std::vector<std::string> inputs;
+  app::ExportOptions exports;
+  std::string output;  //!< a folder; empty: that of each map
+  std::string title;  //!< of the page; empty: the folder and the name of the map
+  bool quiet = false;
+};
+
+constexpr const char* kFooter =
+    "Formats (of SITE.tif, beside it or in --output):\n"
+    "  ros        SITE.yaml and SITE.pgm for map_server and Nav2: free, occupied, unknown\n"
+    "  occupancy  SITE.gridmap.gz, MRPT's COccupancyGridMap2D\n"
+    "  octomap    SITE.bt: ground and what stands on it occupied, the clearance above ground free\n"
+    "  ply        SITE.ply: the ground as a coloured mesh, what stands as boxes\n"
+    "  heightmap  SITE_height.png of 16 bit for Gazebo and game engines, and SITE_height.json\n"
+    "  qgis       SITE.qml: QGIS opens SITE.tif in the colours of talus; keep them in one folder\n"
+    "  html       SITE.html: one file for any browser, without a network\n"
+    "\nExamples:\n"
+    "  talus-export map/site.tif --to html\n"
+    "  talus-export map/site.tif --to ros,octomap --output share\n"
+    "  talus-export friday/site.tif --to html --changes changes/changes.tif\n"
+    "      what talus-merge --changes found lies over the map, with a slider\n"
+    "\nExit codes: 0 done, 1 an input or the output failed, 2 wrong usage, 128 + N stopped by "
+    "signal N.";
+
+void add_files(CLI::App& app, Options& o)
+{
+  app.add_option("MAP", o.inputs, "Maps: site.tif or map.tif of talus-map, a site of talus-merge")
+      ->required()
+      ->check(app::not_empty());
+  app::add_formats(app, "--to", o.exports, "Formats, with commas between them: see below")
+      ->required();
+  app.add_option("--output", o.output, "Folder of the files (default: that of the map)")
+      ->check(app::not_empty())
+      ->type_name("DIR");
+}
+
+void add_settings(CLI::App& app, Options& o)
+{
+  static const std::map<std::string, RosMode> modes{
+      {"trinary", RosMode::Trinary}, {"scale", RosMode::Scale}};
+  app.add_option(
+         "--ros-mode", o.exports.ros_mode, "scale: also how well a free cell drives, as a .png")
+      ->transform(CLI::CheckedTransformer(modes))
+      ->default_str("trinary")
+      ->type_name("trinary|scale");
+  app.add_option(
+         "--blocked-at", o.exports.occupancy.blocked_at,
+         "Cells of this traversability or less are occupied")
+      ->check(app::between(0.0, 1.0))
+      ->capture_default_str()
+      ->type_name("T");
+  app.add_option(
+         "--close-islands", o.exports.occupancy.close_islands_m,
+         "ros, occupancy: free islands smaller than this, the robot, are closed [m]; 0: none")
+      ->check(app::between(0.0, 100.0))
+      ->capture_default_str()
+      ->type_name("M");
+  app.add_option("--clearance", o.exports.clearance_m, "octomap: free height above bare ground [m]")
+      ->check(app::between(0.0, 100.0))
+      ->capture_default_str()
+      ->type_name("M");
+  app.add_option_function<std::vector<double>>(
+         "--origin",
+         [&o](const std::vector<double>& at) {
+           o.exports.origin = {at[0], at[1], at[2]};
+         },
+         "ply, octomap: is taken off all coordinates [m] (default: whole kilometres from 8 km on)")
+      ->expected(3)
+      ->delimiter(',')
+      ->type_name("X,Y,Z");
+  app.add_option(
+         "--max-faces", o.exports.max_faces, "ply: cells are joined until the mesh has no more")
+      ->check(CLI::Range(1000, 1'000'000'000))
+      ->capture_default_str()
+      ->type_name("N");
+  app.add_option(
+         "--max-mb", o.exports.max_mb, "html: cells are joined until the page is smaller [MB]")
+      ->check(CLI::Range(1, 2000))
+      ->capture_default_str()
+      ->type_name("MB");
+  app.add_option(
+         "--changes", o.exports.changes, "html: changes.tif of talus-merge, to show over the map")
+      ->check(app::not_empty())
+      ->type_name("FILE");
+  app.add_option(
+         "--title", o.title, "html: title of the page (default: folder and name of the map)")
+      ->check(app::not_empty())
+      ->type_name("TEXT");
+  app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
+}
+
+/** Refuses what no single option tells. */
+void check(const Options& o)
+{
+  const bool has_page = std::find(o.exports.formats.begin(), o.exports.formats.end(), "html") !=
+                        o.exports.formats.end();
+  if (!o.exports.changes.empty() && !has_page)
+    throw CLI::ValidationError("--changes is shown by html only: add it to --to");
+  if (!o.exports.changes.empty() && o.inputs.size() > 1)
+    throw CLI::ValidationError("--changes belongs to one map; give one");
+}
+
+void add_options(CLI::App& app, Options& options)
+{
+  app.description("Writes a map of terrain in the formats of other programs, or as a page.");
+  add_files(app, options);
+  add_settings(app, options);
+  app.footer(kFooter);
+  app.final_callback([&options] { check(options); });
+}
+
 constexpr const char* kLessMemory =
     "The map is read as a whole: cut out a part of it with gdal_translate, or take a machine with "
     "more memory";
-void print_error(const std::string& text) { std::cerr << "talus-export: " << text << "\n"; }
-
 /** "monday/site" for "logs/monday/site.tif". */
 std::string title_of(const fs::path& file)
 {
   return (fs::absolute(file).parent_path().filename() / file.stem()).string();
 }
 
-void export_all(const Options& o)
+std::string folder_for(const std::string& file, const Options& o)
 {
+  if (!o.output.empty()) return o.output;
+  const fs::path beside = fs::path(file).parent_path();
+  return beside.empty() ? "." : beside.string();
+}
+
+/** Before the work: no file is written over an input or over another one. */
+void require_files_apart(const Options& o)
+{
+  std::vector<std::string> inputs = o.inputs;
+  inputs.push_back(o.exports.changes);
+  std::map<fs::path, std::string> written_for;
   for (const std::string& file : o.inputs)
   {
-    const std::string folder = o.output.empty() ? fs::path(file).parent_path().string() : o.output;
-    for (const std::string& path : talus::app::export_files(
-             file, folder, o.title.empty() ? title_of(file) : o.title, o.exports))
-      if (!o.quiet) std::cout << "  wrote   " << path << "\n";
+    const auto files = app::files_of_export(file, folder_for(file, o), o.exports);
+    app::require_apart("", files, inputs);
+    for (const std::string& written : files)
+    {
+      const auto [first, is_new] =
+          written_for.emplace(fs::weakly_canonical(fs::absolute(written)), file);
+      if (!is_new && !app::is_same_file(first->second, file))
+        throw std::runtime_error(
+            first->second + " and " + file + ": both would be written as " + written +
+            "; export them one by one, each with an --output of its own");
+    }
   }
 }
 
-/** Makes --output where it is missing. */
+/** By its name. */
+using Folders = std::map<std::string, std::unique_ptr<OutputFolder>>;
+
+/** The exit code: what fails costs no other file. */
+int export_all(const Options& o, const Folders& folders)
+{
+  require_files_apart(o);
+  int code = 0;
+  for (const std::string& file : o.inputs)
+  {
+    const OutputFolder& folder = *folders.at(folder_for(file, o));
+    const auto tell = [&](const std::string& text) { print_error(folder.told(text)); };
+    const auto work = [&]
+    {
+      const auto told = app::export_files(
+          file, folder.staging(), o.title.empty() ? title_of(file) : o.title, o.exports);
+      for (const std::string& note : told.notes) tell("warning: " + note);
+      for (const std::string& error : told.errors) tell(error);
+      return told.errors.empty() ? 0 : 1;
+    };
+    code = std::max(code, app::code_of(work, tell, file, kLessMemory));
+  }
+  return code;
+}
+
+/** Puts all files of a folder in their place, together. */
+void commit(const std::string& name, OutputFolder& folder, const Options& o)
+{
+  std::set<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder.staging()))
+    if (entry.is_regular_file()) files.insert(entry.path().filename());
+  if (files.empty()) return;
+  folder.commit(files.begin()->string());
+  for (const fs::path& file : files)
+    if (!o.quiet && app::is_main_file(file.string()))
+      std::cout << "  wrote   " << (fs::path(name) / file).lexically_normal().string() << "\n";
+}
+
 int run(const Options& o)
 {
-  std::unique_ptr<talus::app::OutputFolder> folder;
-  std::error_code none;
-  if (!o.output.empty() && !fs::is_directory(o.output, none))
-    folder = std::make_unique<talus::app::OutputFolder>(o.output);
-  const auto work = [&o]
-  {
-    export_all(o);
-    return 0;
-  };
-  return talus::app::run_command_in_child(o.inputs.front(), kLessMemory, work, print_error);
+  Folders folders;
+  for (const std::string& file : o.inputs)
+    if (auto& folder = folders[folder_for(file, o)]; !folder)
+      folder = std::make_unique<OutputFolder>(folder_for(file, o));
+  const auto work = [&] { return export_all(o, folders); };
+  const int code = app::run_command_in_child(o.inputs.front(), kLessMemory, work, print_error);
+  if (app::stop_signal() == 0)
+    for (const auto& [name, folder] : folders) commit(name, *folder, o);
+  return code;
 }
 }  // namespace
 
-int main(int argc, char** argv)
-{
-  const talus::app::PrintableOutput printable;
-  Options options;
-  if (const auto code = parse_options(argc, argv, options)) return *code;
-  const auto work = [&options]
-  {
-    talus::app::forward_signals();
-    return run(options);
-  };
-  return code_of(work, print_error, options.output, kLessMemory);
-}
+int main(int argc, char** argv) { return app::run_app("talus-export", argc, argv, run); }

@@ -1,11 +1,10 @@
-#include "batch.h"
+#include "run_job.h"
 
 #include "../common/child_process.h"
-#include "../common/log_memory.h"
+#include "../common/memory_limit.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/worker_pool.h"
-#include "run_job.h"
 
 #include <algorithm>
 #include <filesystem>

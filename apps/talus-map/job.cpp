@@ -2,7 +2,8 @@
 
 #include "../common/log_name.h"
 
-#include <talus/io/foreign_scans.h>
+#include <talus/import/scan_source.h>
+#include <talus/io/packed_log.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -17,9 +18,8 @@ namespace
 /** As a shell's *.rawlog sees it: what is hidden is none. */
 bool is_rawlog(const fs::path& path)
 {
-  if (path.filename().string().front() == '.') return false;
-  const fs::path name = path.extension() == ".gz" ? path.stem() : path.filename();
-  return name.extension() == ".rawlog";
+  return path.filename().string().front() != '.' &&
+         fs::path(io::without_packing(path.string())).extension() == ".rawlog";
 }
 
 std::vector<std::string> rawlogs_in(const std::string& folder)
@@ -35,11 +35,8 @@ std::vector<std::string> rawlogs_in(const std::string& folder)
 /** A folder always: what it lacks is told by who looks into it. */
 bool is_importable(const std::string& path)
 {
-  using io::ForeignScans;
   std::error_code ec;
-  if (fs::is_directory(path, ec)) return true;
-  const ForeignScans kind = io::kind_of_scans(path);
-  return kind != ForeignScans::None && kind != ForeignScans::Ros1Bag && kind != ForeignScans::Las;
+  return fs::is_directory(path, ec) || import::Input(path).format;
 }
 }  // namespace
 
@@ -58,8 +55,7 @@ std::vector<std::string> logs_in(const std::vector<std::string>& named)
 
 std::string name_of_source(const std::string& log)
 {
-  const bool is_file = io::kind_by_ending(log) != io::ForeignScans::None;
-  return name_of_log(is_file ? fs::path(log).stem().string() : log);
+  return name_of_log(import::format_by_ending(log) ? fs::path(log).stem().string() : log);
 }
 
 std::vector<Job> plan_jobs(const Options& options)

@@ -4,7 +4,6 @@
 
 #include <mrpt/obs/CObservationGPS.h>
 #include <talus/number_text.h>
-#include <talus/site/islands.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
@@ -146,13 +145,10 @@ void KeptSite::finish(const ElevationMapper& map, io::RunSummary& run)
 void KeptSite::warn_of_islands()
 {
   if (far_ == site::Far::Together) return;
-  for (const int floor : site::floors_of(site_))
+  for (std::string& text : site::texts_of_islands("site.tif", site_))
   {
-    const auto islands = site::islands_of(site_, floor);
-    const std::string file = site::with_floor("site.tif", floor);
-    for (std::size_t i = 1; i < islands.size(); ++i)
-      warnings_.push_back(site::text_of_island(islands[i], site::with_island(file, i)));
-    islands_ += islands.empty() ? 0 : static_cast<int>(islands.size()) - 1;
+    warnings_.push_back(std::move(text));
+    ++islands_;
   }
 }
 
@@ -176,9 +172,11 @@ io::SiteSummary KeptSite::summary()
 
 void KeptSite::write(const std::string& folder, const site::Progress& progress)
 {
-  site::write_site_files((fs::path(folder) / "site.tif").string(), site_, progress, far_);
+  const fs::path to(folder);
+  site::write_site_files(
+      (to / "site.tif").string(), (to / "site.png").string(), site_, progress, far_);
   if (const site::Traffic* traffic = mapper_->traffic())
-    site::write_traffic_files((fs::path(folder) / "traffic.tif").string(), *traffic, site_, far_);
+    site::write_traffic_files((to / "traffic.tif").string(), *traffic, site_, far_);
 }
 
 }  // namespace talus::app

@@ -5,7 +5,7 @@
 #include <mrpt/core/format.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <talus/io/atomic_file.h>
-#include <talus/io/label_colour.h>
+#include <talus/io/score_colour.h>
 #include <talus/mrpt/labelled_cloud.h>
 
 #include <filesystem>

@@ -2,7 +2,7 @@
 
 #include "../common/import/rawlog_writer.h"
 
-#include "../common/log_memory.h"
+#include "../common/memory_limit.h"
 #include "../common/crash_context.h"
 
 #include <talus/io/rawlog_reader.h>

@@ -4,7 +4,6 @@
 #include "label_files.h"
 #include "pose_source.h"
 #include "settings.h"
-#include "source_log.h"
 
 #include <talus/elevation_mapper.h>
 #include <talus/frame_gatherer.h>

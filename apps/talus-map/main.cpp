@@ -1,11 +1,11 @@
 // talus-map: rawlogs in; maps, pictures and timing out.
 #include "../common/child_process.h"
+#include "../common/export/export_files.h"
 #include "../common/output_folder.h"
-#include "../common/printable.h"
-#include "batch.h"
+#include "../common/run_app.h"
+#include "run_job.h"
 #include "job.h"
 #include "options.h"
-#include "run_job.h"
 #include "settings.h"
 
 #include <algorithm>
@@ -55,7 +55,7 @@ int run(const Options& options)
     if (options.backend) settings.backend = *options.backend;
     if (options.threads) settings.threads = *options.threads;
     if (options.device) settings.device = options.device;
-    forward_signals();  // before any folder is made: a signal must not leave it behind
+    require_exportable(options.exports);
     if (!options.suggest) require_writable(options.output.empty() ? "." : options.output);
   }
   catch (const std::exception& e)
@@ -73,18 +73,4 @@ int run(const Options& options)
 }
 }  // namespace
 
-int main(int argc, char** argv)
-{
-  const PrintableOutput printable;
-  Options options;
-  if (const auto code = parse_options(argc, argv, options)) return *code;
-  try
-  {
-    return run(options);
-  }
-  catch (const std::exception& e)
-  {
-    print_error(e.what());
-    return kSomeFailed;
-  }
-}
+int main(int argc, char** argv) { return run_app("talus-map", argc, argv, run); }

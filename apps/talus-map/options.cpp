@@ -1,8 +1,7 @@
 #include "options.h"
 
 #include "../common/command_line.h"
-#include "../common/export/export_options.h"
-#include "../common/version.h"
+#include "../common/export/export_files.h"
 #include "job.h"
 #include "kept_site.h"
 
@@ -325,11 +324,10 @@ void finish(const CLI::App& app, Options& o)
 }
 }  // namespace
 
-std::optional<int> parse_options(int argc, char** argv, Options& options)
+void add_options(CLI::App& app, Options& options)
 {
-  CLI::App app{
-      "Maps the terrain around a robot from LiDAR scans: of MRPT rawlogs, folders and ROS 2 bags.",
-      "talus-map"};
+  app.description(
+      "Maps the terrain around a robot from LiDAR scans: of MRPT rawlogs, folders and ROS 2 bags.");
   add_inputs(app, options);
   add_processing(app, options);
   add_outputs(app, options);
@@ -344,10 +342,8 @@ std::optional<int> parse_options(int argc, char** argv, Options& options)
          },
          "List all parameters with defaults and meaning")
       ->trigger_on_parse();  // before anything is missed
-  app.set_version_flag("--version", version_line("talus-map"));
   app.footer(kFooter);
-  app.final_callback([&] { finish(app, options); });
-  return parse_command_line(app, argc, argv);
+  app.final_callback([&app, &options] { finish(app, options); });
 }
 
 }  // namespace talus::app

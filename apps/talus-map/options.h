@@ -7,7 +7,12 @@
 #include <vector>
 
 #include "../common/export/export_files.h"
-#include "../common/import/import_options.h"
+#include "../common/import/import_log.h"
+
+namespace CLI
+{
+class App;
+}
 
 namespace talus::app
 {
@@ -57,8 +62,7 @@ struct Options
   bool suggest = false;  //!< print a configuration, write nothing
 };
 
-/** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
- * program, or nothing: go on. */
-std::optional<int> parse_options(int argc, char** argv, Options& options);
+/** Adds the options, the description and the footer of the command. */
+void add_options(CLI::App& app, Options& options);
 
 }  // namespace talus::app

@@ -1,6 +1,6 @@
 #include "pose_source.h"
 
-#include "../common/log_memory.h"
+#include "../common/memory_limit.h"
 #include "../common/log_name.h"
 #include "../common/crash_context.h"
 

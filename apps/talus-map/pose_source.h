@@ -1,6 +1,6 @@
 #pragma once
 #include "options.h"
-#include "source_log.h"
+#include "job.h"
 
 #include <talus/frame.h>
 #include <talus/io/trajectory.h>

@@ -4,9 +4,10 @@
 #include <mrpt/io/CFileInputStream.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
-#include <talus/io/written_file.h>
+#include <talus/io/packed_log.h>
+#include <talus/io/atomic_file.h>
 #include <talus/io/mrpt_error.h>
-#include <talus/io/rawlog_stream.h>
+#include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/CObservationTraversability.h>
 
 #include <filesystem>
@@ -88,9 +89,7 @@ void write_object(
 
 fs::path without_endings(const std::string& log)
 {
-  fs::path path(log);
-  if (path.extension() == ".gz")
-    path = path.stem().empty() ? path : path.parent_path() / path.stem();
+  const fs::path path(io::without_packing(log));
   return path.parent_path() / path.stem();
 }
 }  // namespace

@@ -4,7 +4,7 @@
 #include <talus/io/geotiff.h>
 #include <talus/io/map_picture.h>
 #include <talus/io/quantile.h>
-#include <talus/io/timing_csv.h>
+#include <talus/io/summary_json.h>
 
 #include <algorithm>
 #include <array>

@@ -2,20 +2,19 @@
 
 #include "../common/child_process.h"
 #include "../common/crash_context.h"
-#include "../common/kept_memory.h"
+#include "../common/memory_limit.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/progress_bar.h"
 #include "../common/export/export_files.h"
-#include "files_apart.h"
 #include "kept_site.h"
 #include "label_files.h"
 #include "log_mapper.h"
 #include "rawlog_out.h"
 #include "report.h"
-#include "source_log.h"
+#include "job.h"
 
-#include <talus/io/qgis_style.h>
+#include <talus/io/map_picture.h>
 #include <talus/mrpt/parameters_ini.h>
 
 #include <algorithm>
@@ -38,8 +37,6 @@ namespace talus::app
 {
 namespace
 {
-constexpr int kDone = 0, kFailed = 1, kWithoutSite = 3;
-
 void write_log(RawlogOut& out)
 {
   out.write();
@@ -137,19 +134,6 @@ bool write_site(KeptSite& site, const OutputFolder& output, io::RunSummary& run,
   return false;
 }
 
-/** The site map with its floors and islands, else the map of the window. */
-void write_exports(const Job& job, const Options& options, const OutputFolder& output)
-{
-  if (options.exports.formats.empty()) return;
-  std::vector<fs::path> maps;
-  for (const auto& file : fs::directory_iterator(output.staging()))
-    if (is_site_map(file.path().filename())) maps.push_back(file.path());
-  if (maps.empty()) maps.push_back(fs::path(output.staging()) / "map.tif");
-  const fs::path name = fs::absolute(job.folder).filename();
-  for (const fs::path& map : maps)
-    export_files(map.string(), output.staging(), (name / map.stem()).string(), options.exports);
-}
-
 /** Beside each map, unless a user's own is there: what is written replaces files of its name. */
 void write_qgis_styles(const Job& job, const OutputFolder& output)
 {
@@ -198,7 +182,6 @@ bool map_log(
   }
   write_results(folder, mapper, origin_of(site, options));
   write_qgis_styles(job, output);
-  write_exports(job, options, output);
   if (rawlog_out) write_log(*rawlog_out);
   const auto& warnings = mapper.summary().warnings;  // those of the settings have been told
   for (std::size_t i = settings.warnings.size(); i < warnings.size(); ++i)
@@ -226,12 +209,53 @@ int map_or_tell(
   {
     print_error(folders.told(e.what()));
   }
-  return kFailed;
+  return kSomeFailed;
 }
 
-}  // namespace
+/** The narrower side of the robot's body, where the settings have one. */
+double robot_size_m(const Settings& settings, double otherwise_m)
+{
+  const auto& boxes = settings.parameters.body_boxes_m;
+  if (boxes.empty()) return otherwise_m;
+  BodyBox all = boxes.front();
+  for (const BodyBox& b : boxes)
+  {
+    all.min_x_m = std::min(all.min_x_m, b.min_x_m);
+    all.max_x_m = std::max(all.max_x_m, b.max_x_m);
+    all.min_y_m = std::min(all.min_y_m, b.min_y_m);
+    all.max_y_m = std::max(all.max_y_m, b.max_y_m);
+  }
+  return std::min(all.max_x_m - all.min_x_m, all.max_y_m - all.min_y_m);
+}
 
-void print_error(const std::string& text) { std::cerr << "talus-map: " << text << "\n"; }
+/** The site map, else the map of the window, in a child of its own: what fails there costs no other
+ * result. False where something fails. */
+bool write_exports(
+    const Job& job, const Options& options, const Settings& settings, const OutputFolder& output)
+{
+  if (options.exports.formats.empty()) return true;
+  const auto tell = [&](const std::string& text)
+  { print_error(job.log + ": " + output.told(text)); };
+  const auto work = [&]
+  {
+    fs::path map = fs::path(output.staging()) / "site.tif";
+    if (!fs::exists(map)) map.replace_filename("map.tif");
+    const fs::path name = fs::absolute(job.folder).filename();
+    ExportOptions exports = options.exports;
+    auto& smallest_m = exports.occupancy.close_islands_m;
+    smallest_m = robot_size_m(settings, smallest_m);
+    const Exported told =
+        export_files(map.string(), output.staging(), (name / map.stem()).string(), exports);
+    for (const std::string& note : told.notes) tell("warning: " + note);
+    for (const std::string& error : told.errors) tell(error);
+    return told.errors.empty() ? kDone : kSomeFailed;
+  };
+  const ChildEnd end = run_in_child(
+      [&] { return code_of(work, tell, job.folder, "Export it by talus-export, in parts"); });
+  if (end.signal && !stop_signal()) tell("the export " + crash_text("", end.signal));
+  return end.signal == 0 && end.exit_code == kDone;
+}
+}  // namespace
 
 bool run_job(
     const Job& job, const Options& options, const Settings& settings, const std::string& label)
@@ -248,18 +272,24 @@ bool run_job(
     const auto work = [&]
     { return map_or_tell(job, options, settings, label, folders, rawlog_out.get()); };
     const ChildEnd end = run_in_child(work);
+    const bool is_mapped = end.signal == 0 && end.exit_code != kSomeFailed;
+    const bool is_exported = is_mapped && write_exports(job, options, settings, output);
     if (stop_signal())
       print_error(job.log + ": stopped; nothing was written");
     else if (end.signal)
       print_error(
           crash_text(job.log, end.signal) +
           (end.signal == SIGKILL ? ". Try a smaller window_m or a larger resolution_m" : ""));
-    else if (end.exit_code != kFailed)
+    else if (is_mapped)
     {
       if (rawlog_out) rawlog_out->commit();
       folders.commit();
-      if (end.exit_code == kDone) return true;
-      print_error(job.log + ": everything but its site map is in " + job.folder);
+      const bool is_whole = end.exit_code == kDone;
+      if (is_whole && is_exported) return true;
+      print_error(
+          job.log + ": everything but " + (is_whole ? "" : "its site map") +
+          (is_whole || is_exported ? "" : " and ") + (is_exported ? "" : "some of its exports") +
+          " is in " + job.folder);
     }
   }
   catch (const std::exception& e)
@@ -306,7 +336,7 @@ bool settings_work(const Settings& settings)
       print_error(
           "--backend " + backend_text(settings.backend) + ": " + e.what() +
           "; --backend cpu gives the same map");
-      return kFailed;
+      return kSomeFailed;
     }
   };
   const ChildEnd end = run_in_child(make);

@@ -1,8 +1,10 @@
 #pragma once
+#include <string>
+#include <vector>
+
+#include "../common/run_app.h"
 #include "job.h"
 #include "settings.h"
-
-#include <string>
 
 namespace talus::app
 {
@@ -23,7 +25,20 @@ bool settings_work(const Settings& settings);
  * fork(). */
 int count_devices();
 
-/** Prints "talus-map: ..." to stderr. */
-void print_error(const std::string& text);
+/** Throws std::runtime_error when a result of the job would replace a file that the run reads, or
+ * when --rawlog-out names a file that the run reads or another that it writes. The site map of
+ * --resume may be replaced: it goes on in the new one. */
+void require_files_apart(const Job& job, const Options& options);
+
+enum ExitCode
+{
+  kDone = 0,
+  kSomeFailed = 1,
+  kUsage = 2,
+  kWithoutSite = 3  //!< of a child: everything else is there
+};
+
+/** Maps all logs, some at once, and says how the batch went. The exit code of the program. */
+int run_batch(std::vector<Job> jobs, const Options& options, const Settings& settings);
 
 }  // namespace talus::app

@@ -1,4 +1,4 @@
-#include "source_log.h"
+#include "job.h"
 
 #include "../common/log_name.h"
 

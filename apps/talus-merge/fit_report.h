@@ -1,6 +1,6 @@
 #pragma once
 #include <talus/align/align.h>
-#include <talus/site/map_fit.h>
+#include <talus/site/merge.h>
 
 #include <string>
 #include <vector>

@@ -1,44 +1,130 @@
 // talus-merge: maps of several drives in, the map of all or what changed out.
 #include "../common/child_process.h"
-#include "../common/crash_context.h"
+#include "../common/command_line.h"
+#include "../common/export/export_formats.h"
 #include "../common/output_folder.h"
-#include "../common/printable.h"
 #include "../common/progress_bar.h"
+#include "../common/run_app.h"
 #include "fit_report.h"
-#include "options.h"
 
 #include <talus/io/atomic_file.h>
-#include <talus/io/qgis_style.h>
+#include <talus/io/map_picture.h>
 #include <talus/number_text.h>
 #include <talus/site/changes.h>
-#include <talus/site/islands.h>
+#include <talus/site/merge.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <functional>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
+namespace app = talus::app;
 namespace fs = std::filesystem;
 using namespace talus::site;
 using talus::align::Alignment;
 using talus::app::OutputFolder;
+using talus::app::print_error;
 using talus::app::ProgressBar;
 
 namespace
 {
+/** What the command line says. */
+struct Options
+{
+  std::vector<std::string> inputs;  //!< two with `changes`, the older first
+  std::string output;  //!< a file, or a folder with `changes`
+  std::string picture;  //!< of what was merged; empty: none
+  MergeOptions merge;
+  std::size_t memory_mb = 512;  //!< for tiles
+  bool changes = false, align = false, quiet = false;
+  bool keep_far = false;  //!< tiles that lie kilometres from all others, too
+};
+
+constexpr const char* kFooter =
+    "Each cell of the result is told by the best evidence: measured before filled from two sides\n"
+    "before presumed before filled from one. Heights of equal evidence that agree within --step "
+    "become their "
+    "mean,\n"
+    "weighed by their information, which sums; where they contradict, the newest counts. The "
+    "order\n"
+    "of the maps makes no difference to any byte, but with --align: the first is the frame of "
+    "all.\n"
+    "\nExamples:\n"
+    "  talus-merge monday/site.tif tuesday/site.tif --output site.tif --picture site.png\n"
+    "  talus-merge site.tif today/site.tif --output site.tif\n"
+    "      adds a drive to the map of all; the old one stays until the new one is complete\n"
+    "  talus-merge --changes monday/site.tif friday/site.tif --output changes\n"
+    "      changes/changes.tif and changes/changes.png: what was built, dug, removed, placed\n"
+    "  talus-merge --align monday/site.tif friday/site.tif --output site.tif\n"
+    "      poses of the drives lie in frames that differ by up to 1.5 m, 7 degrees and any height\n"
+    "\nExit codes: 0 done, 1 an input or the output failed, 2 wrong usage, 128 + N stopped by "
+    "signal "
+    "N.";
+
+/** Refuses what no single option tells. */
+void check(const Options& o)
+{
+  if (o.changes && o.inputs.size() != 2)
+    throw CLI::ValidationError(
+        "--changes compares two maps, the older first; there are " +
+        std::to_string(o.inputs.size()));
+  if (o.changes && !o.picture.empty())
+    throw CLI::ValidationError("--picture is of a merged map; --changes draws changes.png");
+}
+
+void add_options(CLI::App& app, Options& o)
+{
+  app.description("Fuses the maps of several drives, days or robots, or tells what changed.");
+  app.footer(kFooter);
+  app.add_option(
+         "MAP", o.inputs,
+         "Maps in one map frame: site.tif of talus-map, with its other floors and islands beside "
+         "it")
+      ->required()
+      ->check(app::not_empty());
+  app.add_option("--output", o.output, "The map of all; with --changes: folder of the files")
+      ->required()
+      ->check(app::not_empty())
+      ->type_name("FILE");
+  app.add_flag("--changes", o.changes, "Of two maps, the older first: write what changed instead");
+  app.add_flag(
+      "--align", o.align,
+      "Bring all maps into the frame of the first (x, y, z, yaw), where the ground tells it");
+  app.add_option("--picture", o.picture, "Also draw the map of all, a PNG")
+      ->check(app::not_empty())
+      ->type_name("FILE");
+  app.add_option("--step", o.merge.step_m, "Heights farther apart contradict each other [m]")
+      ->check(app::between(0.0, 100.0))
+      ->capture_default_str()
+      ->type_name("M");
+  app.add_option("--threads", o.merge.threads, "0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str()
+      ->type_name("N");
+  app.add_option("--memory", o.memory_mb, "For tiles of the map [MB]; the others wait on the disk")
+      ->check(CLI::Range(16, 1'000'000))
+      ->capture_default_str()
+      ->type_name("MB");
+  app.add_flag(
+      "--keep-far", o.keep_far,
+      "Write one file, however far its parts lie from each other: takes long (default: "
+      "what is far has a file of its own)");
+  app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
+  app.final_callback([&o] { check(o); });
+}
+
 constexpr const char* kLessMemory = "Give less with --memory, or merge fewer maps at once";
 constexpr int kMostLookedAt = 8;  // pairs of maps, which takes as long as to merge them
 constexpr double kAligning = 0.2, kMerging = 0.5;  // done, of the time
-
-void print_error(const std::string& text) { std::cerr << "talus-merge: " << text << "\n"; }
 
 std::size_t memory_bytes(const Options& o) { return o.memory_mb << 20; }
 
@@ -47,8 +133,8 @@ std::string square_metres(double area_m2) { return talus::fixed_text(area_m2, 2)
 /** Drives count their floors as they come to them. */
 int lowest_floor(const std::vector<std::string>& paths)
 {
-  int lowest = floor_of_site(paths.front());
-  for (const std::string& path : paths) lowest = std::min(lowest, floor_of_site(path));
+  int lowest = info_of_site(paths.front()).floor;
+  for (const std::string& path : paths) lowest = std::min(lowest, info_of_site(path).floor);
   return lowest;
 }
 
@@ -91,48 +177,54 @@ void tell_fits(
   if (!o.align) warn_of_doubtful(fits, o);
 }
 
-void warn_of_islands(const std::string& output, Site& site, int floor)
+std::string name_of(const std::string& file) { return fs::path(file).filename().string(); }
+
+std::string folder_of(const std::string& file)
 {
-  const auto islands = islands_of(site, floor);
-  for (std::size_t i = 1; i < islands.size(); ++i)
-    print_error("warning: " + text_of_island(islands[i], with_island(output, i)));
+  const fs::path folder = fs::path(file).parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
+/** Where a file is made. */
+std::string made_in(const std::string& staging, const std::string& file)
+{
+  return (fs::path(staging) / name_of(file)).string();
 }
 
 /** Merges and writes. How the maps fit, and what is known. */
 std::vector<MapFit> merge(
-    const Options& o, const std::vector<Alignment>& alignments, double& known_m2)
+    const Options& o, const std::string& staging, const std::string& picture,
+    const std::vector<Alignment>& alignments, double& known_m2)
 {
   ProgressBar bar("talus-merge", !o.quiet);
-  const talus::io::AtomicFile place(o.output);  // fails before the work; tiles find room beside it
-  Site site(
-      resolution_of_site(o.inputs.front()), memory_bytes(o),
-      (place.hidden_folder().path() / "tiles").string());
+  Site site(info_of_site(o.inputs.front()).resolution_m, memory_bytes(o), staging);
   const int floor = lowest_floor(o.inputs);
   MergeOptions options = o.merge;
   for (const Alignment& a : alignments) options.shifts.push_back(a.shift);
   auto fits = merge_sites(
       o.inputs, site, floor, options,
       [&](double done) { bar.show(kAligning + (kMerging - kAligning) * done, "merging"); });
-  if (!o.keep_far) warn_of_islands(o.output, site, floor);
-  write_floor_files(
-      o.output, o.picture, site, floor, o.keep_far ? Far::Together : Far::Apart,
-      [&](double done) { bar.show(kMerging + (1 - kMerging) * done, "writing"); });
+  if (!o.keep_far)
+    for (const std::string& text : texts_of_islands(o.output, site)) warn("warning: " + text);
+  write_site_files(
+      made_in(staging, o.output), picture, site,
+      [&](double done) { bar.show(kMerging + (1 - kMerging) * done, "writing"); },
+      o.keep_far ? Far::Together : Far::Apart);
   const std::string style = fs::path(o.output).replace_extension(".qml").string();
-  if (!talus::io::is_users_qgis_style(style)) talus::io::write_qgis_style(style);
+  if (!talus::io::is_users_qgis_style(style)) talus::io::write_qgis_style(made_in(staging, style));
   known_m2 = known_cells(site).area_m2;
   return fits;
 }
 
-void merge(const Options& o)
+void merge(const Options& o, const std::string& staging, const std::string& picture)
 {
   const std::vector<Alignment> alignments = aligned(o);
   double known_m2 = 0;
-  const std::vector<MapFit> fits = merge(o, alignments, known_m2);
+  const std::vector<MapFit> fits = merge(o, staging, picture, alignments, known_m2);
   if (!o.quiet)
     std::cout << o.inputs.size() << (o.inputs.size() == 1 ? " map: " : " maps: ")
               << square_metres(known_m2) << " known\n";
   tell_fits(alignments, fits, o);
-  if (!o.quiet) std::cout << "  wrote   " << o.output << "\n";
 }
 
 void tell(const ChangeSums& sums)
@@ -152,7 +244,7 @@ void tell(const ChangeSums& sums)
 /** What is new would be told as gone. */
 void warn_of_order(const std::string& from, const std::string& to)
 {
-  const std::uint32_t from_s = newest_of_site(from), to_s = newest_of_site(to);
+  const std::uint32_t from_s = info_of_site(from).newest_s, to_s = info_of_site(to).newest_s;
   if (from_s > to_s)
     print_error(
         "warning: " + from + " was seen " + std::to_string(from_s - to_s) + " s after " + to +
@@ -165,85 +257,79 @@ void compare(const Options& o, const fs::path& to_folder)
   const auto site_of = [&](const std::string& path, const Alignment& a, const char* tiles)
   {
     auto site = std::make_unique<Site>(
-        resolution_of_site(o.inputs.front()), memory_bytes(o) / 2, (to_folder / tiles).string());
-    read_site(path, *site, 0, a.shift);
+        info_of_site(o.inputs.front()).resolution_m, memory_bytes(o) / 2,
+        (to_folder / tiles).string());
+    read_site_files(path, *site, a.shift);
     return site;
   };
   warn_of_order(o.inputs[0], o.inputs[1]);
   const std::vector<Alignment> alignments = aligned(o);
   const auto from = site_of(o.inputs[0], alignments[0], "tiles_from");
   const auto to = site_of(o.inputs[1], alignments[1], "tiles_to");
-  const ChangeSums sums = write_changes(
-      (to_folder / "changes.tif").string(), (to_folder / "changes.png").string(), *from, *to, 0,
-      o.merge.step_m);
+  ChangeSums sums;
+  for (const int floor : floors_of(*to))
+    if (floor == 0 || have_common_place(*from, *to, floor))
+      sums.add(write_changes(
+          with_floor((to_folder / "changes.tif").string(), floor),
+          with_floor((to_folder / "changes.png").string(), floor), *from, *to, floor,
+          o.merge.step_m));
   if (!o.quiet) tell(sums);
   tell_fits(alignments, {fit_of(*from, *to, 0)}, o);
 }
 
-/** Works in a child, which a damaged file or a signal may end. The exit code. */
-int in_child(
-    const Options& o, const std::function<void()>& work, const OutputFolder* folder = nullptr)
+void require_files_apart(const Options& o)
 {
-  const auto done = [&work]
-  {
-    work();
-    return 0;
-  };
-  const auto tell = [folder](const std::string& text)
-  { print_error(folder ? folder->told(text) : text); };
-  return talus::app::run_command_in_child(o.inputs.front(), kLessMemory, done, tell);
-}
-
-void require_picture_apart(const Options& o)
-{
+  talus::io::require_replaceable(o.output);
+  app::require_apart("", {way_file_of(o.output)}, o.inputs);
   if (o.picture.empty()) return;
-  talus::app::require_apart("", {o.picture}, o.inputs);
-  if (talus::app::is_same_file(o.picture, o.output))
+  talus::io::require_replaceable(o.picture);
+  app::require_apart("", {o.picture}, o.inputs);
+  if (app::is_same_file(o.picture, o.output))
     throw std::runtime_error(
         "'" + o.picture + "' is named for the map and for its picture; give two names");
 }
 
-/** Makes the folder of a file where there is none; it goes again while it is empty. */
-std::unique_ptr<OutputFolder> folder_for(const std::string& file)
+/** They stay: who knows whose they are. */
+void warn_of_old_exports(const fs::path& map)
 {
-  const fs::path folder = fs::path(file).parent_path();
+  const fs::path stem = fs::path(map).replace_extension();
   std::error_code none;
-  if (folder.empty() || fs::is_directory(folder, none)) return nullptr;
-  return std::make_unique<OutputFolder>(folder.string());
+  for (const auto& format : app::export_formats())
+    for (const std::string& ending : format.endings)
+      if (const fs::path file = stem.string() + ending; ending != ".qml" && fs::exists(file, none))
+        warn("warning: " + file.string() + " is of the map before: talus-export makes it anew");
 }
 
 int run_merge(const Options& o)
 {
-  require_picture_apart(o);
-  const auto folder = folder_for(o.output), picture_folder = folder_for(o.picture);
-  const int code = in_child(o, [&] { merge(o); });
-  if (code > 128)
-    talus::io::HiddenFolder::remove_abandoned(
-        fs::path(o.output).parent_path(), talus::io::kFilePrefix);
-  return code;
+  require_files_apart(o);
+  std::optional<OutputFolder> drawn;
+  if (!o.picture.empty()) drawn.emplace(folder_of(o.picture));
+  const std::string picture = drawn ? made_in(drawn->staging(), o.picture) : "";
+  const int code = app::make_results(
+      folder_of(o.output), name_of(o.output), o.inputs.front(), kLessMemory,
+      [&](const std::string& staging) { merge(o, staging, picture); });
+  if (code != 0) return code;
+  if (drawn) drawn->commit(name_of(o.picture));
+  warn_of_old_exports(o.output);
+  if (!o.quiet) std::cout << "  wrote   " << o.output << "\n";
+  return 0;
 }
 
 int run_changes(const Options& o)
 {
-  talus::app::require_apart(o.output, {"changes.tif", "changes.png"}, o.inputs);
-  OutputFolder folder(o.output);
-  const auto work = [&] { compare(o, folder.staging()); };
-  if (const int code = in_child(o, work, &folder)) return code;
-  folder.commit("changes.tif");
-  if (!o.quiet) std::cout << "  wrote   " << (fs::path(o.output) / "changes.png").string() << "\n";
-  return 0;
+  app::require_apart(o.output, {"changes.tif", "changes.png"}, o.inputs);
+  const int code = app::make_results(
+      o.output, "changes.tif", o.inputs.front(), kLessMemory,
+      [&](const std::string& staging) { compare(o, staging); });
+  if (code == 0 && !o.quiet)
+    std::cout << "  wrote   " << (fs::path(o.output) / "changes.png").string() << "\n";
+  return code;
 }
 }  // namespace
 
 int main(int argc, char** argv)
 {
-  const talus::app::PrintableOutput printable;
-  Options options;
-  if (const auto code = parse_options(argc, argv, options)) return *code;
-  const auto work = [&options]
-  {
-    talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
-    return options.changes ? run_changes(options) : run_merge(options);
-  };
-  return talus::app::code_of(work, print_error, options.output, kLessMemory);
+  const auto run = [](const Options& o) { return o.changes ? run_changes(o) : run_merge(o); };
+  return app::run_app<Options>("talus-merge", argc, argv, run);
 }

@@ -108,7 +108,8 @@ function(talus_add_manual name program)
   install(FILES "${page}" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT commands OPTIONAL)
 endfunction()
 
-# talus_add_app(NAME SOURCES...): a command; options.cpp reads its command line. Its manual is what --help says.
+# talus_add_app(NAME SOURCES...): a command; options.cpp, where it has one, reads its command line. Its manual is what
+# --help says.
 function(talus_add_app name)
   add_executable(${name} ${ARGN})
   talus_target_defaults(${name})

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "apps/lab/talus-nav/clearance.h"
+#include "apps/lab/talus-nav/ground_cost.h"
 #include "apps/lab/talus-nav/follow.h"
 #include "apps/lab/talus-nav/unseen.h"
 

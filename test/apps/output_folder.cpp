@@ -78,6 +78,31 @@ TEST(OutputFolder, removes_parts_of_a_run_before_and_nothing_else)
   for (const std::string& name : others) EXPECT_TRUE(fs::exists(dir / ("out/" + name))) << name;
 }
 
+TEST(OutputFolder, exports_of_a_site_go_with_it)
+{
+  const ScratchDir dir;
+  const Names exports{"site.pgm", "site_floor_1.html", "site_height.json"};
+  const Names others{"site.qml", "map.yaml", "site.txt"};
+  const auto run = [&](const std::string& seal)
+  {
+    OutputFolder output(dir / "out");
+    for (const std::string name : {"/site.tif", "/site.yaml"})
+      write_bytes(output.staging() + name, "new");
+    write_bytes(output.staging() + "/" + seal, "new");
+    output.commit(seal);
+  };
+  fs::create_directory(dir / "out");
+  for (const std::string& name : exports) write_bytes(dir / ("out/" + name), "old");
+  for (const std::string& name : others) write_bytes(dir / ("out/" + name), "old");
+  run("seal");
+  for (const std::string& name : exports)
+    EXPECT_TRUE(fs::exists(dir / ("out/" + name))) << "there was no site: whose is " << name;
+  run("seal");
+  for (const std::string& name : exports) EXPECT_FALSE(fs::exists(dir / ("out/" + name))) << name;
+  for (const std::string& name : others) EXPECT_TRUE(fs::exists(dir / ("out/" + name))) << name;
+  EXPECT_EQ(read_bytes(dir / "out/site.yaml"), "new");
+}
+
 TEST(OutputFolder, makes_no_folder_of_snapshots_where_there_are_none)
 {
   const ScratchDir dir;

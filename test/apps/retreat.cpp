@@ -1,5 +1,5 @@
 // When a robot that stands goes back along its trail.
-#include "apps/lab/talus-nav/retreat.h"
+#include "apps/lab/talus-nav/follow.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "apps/common/log_memory.h"
+#include "apps/common/memory_limit.h"
 #include "apps/talus-map/job.h"
 #include "sanitizer.h"
 

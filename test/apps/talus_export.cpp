@@ -7,11 +7,14 @@
 #include <mrpt/serialization/CArchive.h>
 #include <octomap/OcTree.h>
 #include <talus/io/geotiff.h>
+#include <talus/site/site_files.h>
 
 #include <filesystem>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 
 #include "command_run.h"
+#include "sites.h"
 #include "small_terrain.h"
 
 using namespace talus;
@@ -71,6 +74,17 @@ TEST_F(TalusExport, mrpt_reads_the_map_of_ros)
   EXPECT_GT(grid.getPos(0.05F, 3.05F), 0.9F);
 }
 
+TEST_F(TalusExport, a_name_of_a_map_is_one_value_of_its_yaml)
+{
+  const std::string name = "hall #2\nnegate: 1";
+  std::filesystem::rename(dir_ / "site.tif", dir_ / (name + ".tif"));
+  runs("'" + name + ".tif' --to ros");
+  const std::string yaml = read_bytes(dir_ / (name + ".yaml"));
+  EXPECT_NE(yaml.find("image: \"hall #2\\nnegate: 1.pgm\""), std::string::npos) << yaml;
+  mrpt::maps::COccupancyGridMap2D grid;
+  EXPECT_TRUE(grid.loadFromROSMapServerYAML(dir_ / (name + ".yaml")));
+}
+
 TEST_F(TalusExport, map_server_finds_the_same_cells_in_the_map_of_ros)
 {
   runs("site.tif --to ros");
@@ -100,9 +114,10 @@ TEST_F(TalusExport, scale_tells_how_well_a_free_cell_drives_and_what_is_unknown)
   EXPECT_NE(read_bytes(dir_ / "site.yaml").find("mode: scale"), std::string::npos);
 }
 
-TEST_F(TalusExport, mrpt_reads_the_gridmap)
+TEST_F(TalusExport, mrpt_reads_the_occupancy_grid)
 {
-  runs("site.tif --to gridmap --output out");
+  fails("site.tif --to gridmap", 2, {"is called occupancy"});
+  runs("site.tif --to occupancy --output out");
   mrpt::io::CFileGZInputStream stream(dir_ / "out/site.gridmap.gz");
   mrpt::maps::COccupancyGridMap2D grid;
   mrpt::serialization::archiveFrom(stream) >> grid;
@@ -122,7 +137,8 @@ TEST_F(TalusExport, octomap_tools_read_the_tree)
     voxels += side * side * side;
     ++leaves;
   }
-  EXPECT_EQ(voxels, 50 * 40 + 5 * kSmallTerrainBox) << "the ground, and five above each of the box";
+  EXPECT_EQ(voxels, kSmallTerrainJudged + 5 * kSmallTerrainBox)
+      << "the ground, and five above each of the box";
   const CommandEnd o = shell("bt2vrml site.bt");
   const std::string words = "Finished writing " + std::to_string(leaves) + " voxels";
   EXPECT_NE(o.text.find(words), std::string::npos) << o.text;
@@ -134,7 +150,8 @@ TEST_F(TalusExport, assimp_reads_the_mesh)
   if (!has("assimp")) GTEST_SKIP() << "assimp is not installed: assimp-utils";
   const CommandEnd o = shell("assimp info site.ply");
   EXPECT_EQ(o.code, 0) << o.text;
-  EXPECT_NE(o.text.find("Faces:              " + std::to_string(2 * 49 * 39)), std::string::npos)
+  EXPECT_NE(
+      o.text.find("Faces:              " + std::to_string(kSmallTerrainFaces)), std::string::npos)
       << o.text;
 }
 
@@ -143,16 +160,75 @@ TEST_F(TalusExport, mrpt_reads_the_points_of_the_mesh)
   runs("site.tif --to ply");
   mrpt::maps::CSimplePointsMap points;
   ASSERT_TRUE(points.loadFromPlyFile(dir_ / "site.ply"));
-  EXPECT_EQ(points.size(), std::size_t{50 * 40 + 5 * kSmallTerrainBox});
+  EXPECT_EQ(points.size(), std::size_t{50 * 40 + 4 * kSmallTerrainBox + 2 * (20 + 20)});
 }
 
 TEST_F(TalusExport, all_formats_at_once_go_into_the_folder)
 {
-  runs("site.tif --to ros,gridmap,octomap,ply,heightmap,qgis,html --output a/b");
+  runs("site.tif --to ros,occupancy,octomap,ply,heightmap,qgis,html --output a/b");
   for (const char* name :
        {"site.yaml", "site.pgm", "site.gridmap.gz", "site.bt", "site.ply", "site_height.png",
         "site_height.json", "site.qml", "site.html"})
     EXPECT_TRUE(std::filesystem::exists(dir_ / ("a/b/" + std::string(name)))) << name;
+}
+
+TEST_F(TalusExport, a_site_is_exported_with_its_floors)
+{
+  site::Site site(0.05, std::size_t{64} << 20, dir_ / "tiles");
+  for (const int floor : {0, 1}) cell_at(site, 0, 0, floor) = measured(1);
+  site::write_site_files(dir_ / "two.tif", "", site);
+  runs("two.tif --to ros --output out");
+  EXPECT_TRUE(std::filesystem::exists(dir_ / "out/two.yaml"));
+  EXPECT_TRUE(std::filesystem::exists(dir_ / "out/two_floor_1.yaml"));
+}
+
+TEST_F(TalusExport, replaces_no_input_and_no_file_of_its_own)
+{
+  std::filesystem::create_directories(dir_ / "friday");
+  std::filesystem::copy_file(dir_ / "site.tif", dir_ / "friday/site.tif");
+  std::filesystem::copy_file(dir_ / "site.tif", dir_ / "page.html");
+  const std::string map = read_bytes(dir_ / "site.tif");
+  fails("page.html --to html", 1, {"page.html' would be overwritten", "is an input"});
+  EXPECT_EQ(read_bytes(dir_ / "page.html"), map);
+  fails(
+      "site.tif friday/site.tif --to ros --output share", 1,
+      {"site.tif and friday/site.tif: both would be written as share/site.yaml"});
+  EXPECT_FALSE(std::filesystem::exists(dir_ / "share"));
+}
+
+TEST_F(TalusExport, on_a_full_disk_the_good_files_of_before_stay)
+{
+  io::LayerStack map = small_terrain();
+  map.cells_x = map.cells_y = 600;
+  for (auto& layer : map.layers) layer.assign(360'000, 1.0F);
+  for (std::uint32_t i = 0; i < 360'000; ++i)
+    map.layers[0][i] = map.layers[1][i] = static_cast<float>(i * i * 2654435761U >> 16 & 1U);
+  std::filesystem::create_directory(dir_ / "noise");
+  io::write_geotiff(dir_ / "noise/site.tif", map);
+  for (const std::string format : {"occupancy", "octomap", "ply", "heightmap", "ros", "html"})
+  {
+    runs("site.tif --output out --to " + format);
+    std::map<std::string, std::string> before;
+    for (const auto& e : std::filesystem::directory_iterator(dir_ / "out"))
+      before[e.path().string()] = read_bytes(e.path().string());
+    const CommandEnd full =
+        shell("ulimit -f 20; " TALUS_EXPORT_EXE " noise/site.tif --output out --to " + format);
+    EXPECT_EQ(full.code, 1) << format << full.text;
+    EXPECT_EQ(full.text.find("MRPT"), std::string::npos) << full.text;
+    for (const auto& [file, bytes] : before) EXPECT_TRUE(read_bytes(file) == bytes) << file;
+  }
+}
+
+TEST_F(TalusExport, a_format_that_fails_costs_no_other_file)
+{
+  io::LayerStack map = small_terrain();
+  map.names[1] = "other";
+  io::write_geotiff(dir_ / "flat.tif", map);
+  fails(
+      "flat.tif site.tif --to ply,ros", 1,
+      {"no layer 'ground_elevation'", "wrote   flat.yaml", "wrote   site.ply"});
+  EXPECT_TRUE(std::filesystem::exists(dir_ / "flat.pgm"));
+  EXPECT_FALSE(std::filesystem::exists(dir_ / "flat.ply"));
 }
 
 TEST_F(TalusExport, says_what_is_wrong)
@@ -165,6 +241,13 @@ TEST_F(TalusExport, says_what_is_wrong)
   other.names = {"a", "b", "c", "d"};
   io::write_geotiff(dir_ / "other.tif", other);
   fails("other.tif --to ros", 1, {"other.tif", "none of the bands of a map"});
+  for (const float v : {1e38F, INFINITY, -INFINITY})
+  {
+    io::LayerStack high = small_terrain();
+    high.layers[2][5] = v;
+    io::write_geotiff(dir_ / "high.tif", high);
+    fails("high.tif --to ply", 1, {"high.tif", "'elevation' has the value", "make it anew"});
+  }
   fails("site.tif --to html --changes site.tif", 1, {"'kind'", "changes.tif of talus-merge"});
   fails("site.tif --to ros --output site.tif/x", 1, {"site.tif"});
 }

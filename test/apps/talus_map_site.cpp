@@ -54,6 +54,21 @@ TEST_F(TalusMapSite, export_writes_the_site_or_without_one_the_window_in_other_f
   expect_refused("drive.rawlog --export rso", 2, "rso");
 }
 
+TEST_F(TalusMapSite, no_result_takes_the_place_of_a_file_that_is_read)
+{
+  std::filesystem::create_directory(path("scans"));
+  for (const char* scan : {"site.ply", "scans/site.ply"}) write_bytes(path(scan), "points");
+  for (const char* arguments : {"site.ply --output .", "scans --output scans --export ply"})
+  {
+    const Outcome refused = run(std::string(arguments) + " --static");
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_TRUE(refused.says("site.ply' would be overwritten, but it is an input")) << refused.err;
+  }
+  write_drive("drive", 2);
+  const Outcome copy = run("drive.rawlog --rawlog-out out/site.gridmap.gz --output out");
+  EXPECT_TRUE(copy.says("--rawlog-out out/site.gridmap.gz: is one of the results")) << copy.err;
+}
+
 TEST_F(TalusMapSite, styles_of_qgis_lie_beside_the_maps_and_those_of_a_user_stay)
 {
   write_drive("drive", 20);
@@ -73,7 +88,7 @@ TEST_F(TalusMapSite, writes_all_that_the_drive_saw_and_says_how_much)
   EXPECT_NE(done.out.find("  site    "), std::string::npos) << done.out;
   EXPECT_EQ(entries(), 2u + 10u) << "nothing hidden";
   const auto j = summary("out")["site"];
-  EXPECT_NEAR(j["area_m2"].get<double>(), (12 + 8) * 8, 4);
+  EXPECT_NEAR(j["area_m2"].get<double>(), (12 + 6) * 6, 4) << "not what is guessed around it";
   EXPECT_NEAR(j["length_m"].get<double>(), 11.9, 0.2);
   EXPECT_EQ(j["floors"], 1);
   EXPECT_GT(j["cells"]["measured"].get<int>(), 5000);
@@ -125,11 +140,11 @@ TEST_F(TalusMapSite, resume_goes_on_with_the_map_of_yesterday)
   ASSERT_EQ(run("monday.rawlog").code, 0);
   const Outcome done = run("tuesday.rawlog --resume monday_map/site.tif");
   ASSERT_EQ(done.code, 0) << done.err;
-  EXPECT_NEAR(area_m2("tuesday_map"), area_m2("whole_map"), 0.5);
+  EXPECT_GT(area_m2("tuesday_map"), 0.85 * area_m2("whole_map")) << "without Monday's scans";
   EXPECT_LT(area_m2("monday_map"), 0.75 * area_m2("whole_map"));
   // ... and in its own folder.
   ASSERT_EQ(run("tuesday.rawlog --resume tuesday_map/site.tif --output tuesday_map").code, 0);
-  EXPECT_NEAR(area_m2("tuesday_map"), area_m2("whole_map"), 0.5);
+  EXPECT_GT(area_m2("tuesday_map"), 0.85 * area_m2("whole_map")) << "without Monday's scans";
 }
 
 TEST_F(TalusMapSite, resume_refuses_what_it_cannot_go_on_with_and_touches_nothing)

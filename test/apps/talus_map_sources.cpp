@@ -122,11 +122,9 @@ TEST_F(TalusMapSources, without_poses_are_refused_with_what_to_pass)
 TEST_F(TalusMapSources, that_are_a_folder_of_rawlogs_are_a_batch)
 {
   fs::create_directories(path("logs"));
-  for (const char* name : {"logs/b", "logs/a"})
-  {
-    write_log(path(name + std::string(".rawlog")), floor_scans(3), Packing::Gz);
-    write_bytes(path(name + std::string(".tum")), straight_tum(3));
-  }
+  write_log(path("logs/b.rawlog.zst"), floor_scans(3), Packing::Gz);  // its bytes tell what it is
+  write_log(path("logs/a.rawlog"), floor_scans(3), Packing::Gz);
+  for (const char* name : {"logs/b.tum", "logs/a.tum"}) write_bytes(path(name), straight_tum(3));
   const Outcome done = run("logs --output out");
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_EQ(names_in("out"), (std::vector<std::string>{"a", "b"}));

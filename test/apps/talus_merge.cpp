@@ -1,6 +1,7 @@
 // The command talus-merge from end to end: its files, messages and exit codes.
 #include <gtest/gtest.h>
 #include <talus/io/geotiff.h>
+#include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
 #include <cstdlib>
@@ -82,8 +83,36 @@ TEST_F(TalusMerge, may_write_over_one_of_its_inputs)
   write("a.tif", 1000, 0, 1.0F);
   write("b.tif", 2000, 200, 1.1F);
   ASSERT_EQ(run("a.tif b.tif --output ab.tif").code, 0);
-  ASSERT_EQ(run("a.tif b.tif --output a.tif").code, 0);
+  write_bytes(dir_ / "a.yaml", "of the map before");
+  const CommandEnd over = run("a.tif b.tif --output a.tif");
+  ASSERT_EQ(over.code, 0);
+  EXPECT_NE(over.text.find("warning: a.yaml is of the map before"), std::string::npos) << over.text;
   EXPECT_EQ(read_bytes(dir_ / "a.tif"), read_bytes(dir_ / "ab.tif"));
+}
+
+TEST_F(TalusMerge, a_site_is_all_its_files)
+{
+  constexpr int kFar = 400'000;  // cells
+  write("a.tif", 1000, 0, 1.0F);
+  write("b.tif", 1000, kFar, 1.0F);
+  write("c.tif", 1000, 2 * kFar, 1.0F);
+  fs::create_directory(dir_ / "all");
+  write_bytes(dir_ / "all/site_floor_1.tif", "of the map before");
+  ASSERT_EQ(run("a.tif b.tif --output all/site.tif").code, 0);
+  EXPECT_FALSE(fs::exists(dir_ / "all/site_floor_1.tif"));
+  ASSERT_EQ(run("all/site.tif a.tif --output again/site.tif").code, 0);
+  EXPECT_EQ(
+      read_bytes(dir_ / "again/site_island_1.tif"), read_bytes(dir_ / "all/site_island_1.tif"));
+  const CommandEnd o = run("all/site.tif c.tif --output all/site.tif --picture all/site.png");
+  ASSERT_EQ(o.code, 0) << o.text;
+  EXPECT_NE(o.text.find("2 maps: 675.00 m2 known"), std::string::npos) << o.text;
+  const auto all = site();
+  read_site_files(dir_ / "all/site.tif", *all);
+  for (const int x : {0, kFar, 2 * kFar}) EXPECT_TRUE(cell_at(*all, x, 0).known()) << x;
+  EXPECT_TRUE(fs::exists(dir_ / "all/site_island_2.png"));
+  ASSERT_EQ(run("a.tif c.tif --output all/site.tif").code, 0);
+  for (const char* old : {"site_island_2.tif", "site_island_2.png"})
+    EXPECT_FALSE(fs::exists(dir_ / ("all/" + std::string(old)))) << "is of the map before: " << old;
 }
 
 TEST_F(TalusMerge, opens_no_more_files_at_once_than_it_may)
@@ -156,6 +185,8 @@ TEST_F(TalusMerge, says_what_is_wrong_with_an_input_and_leaves_what_was_there)
   fails("--changes a.tif text.tif --output out", 1, {"text.tif", "GeoTIFF"});
   const std::string a = read_bytes(dir_ / "a.tif");
   fails("a.tif --output site.tif --picture a.tif", 1, {"a.tif", "is an input"});
+  write("in_way.gpkg", 1000, 0, 1.0F);
+  fails("in_way.gpkg --output in.tif", 1, {"in_way.gpkg", "is an input"});
   fails("a.tif --output new.tif --picture ./new.tif", 1, {"new.tif", "two names"});
   EXPECT_EQ(read_bytes(dir_ / "a.tif"), a);
   write("far.tif", 1000, 100'000, 1.0F);

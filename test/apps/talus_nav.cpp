@@ -4,7 +4,7 @@
 #include <mrpt/nav/reactive/CLogFileRecord.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <talus/io/rawlog_stream.h>
+#include <talus/io/rawlog_reader.h>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>

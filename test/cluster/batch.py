@@ -49,9 +49,9 @@ class Test:
             print(f"FAILED: {message}", flush=True)
 
     def make_logs(self):
-        """Five cross each other near the origin, five are 40 m away or more; two are called the same."""
+        """Five cross each other near the origin, five are 40 m away or more, one of them 20 km; two are called the same."""
         for i in range(DRIVES):
-            x, y = (0.8 * i, 0.4 * i - 1) if i < 5 else (40 + 15 * (i - 5), 0)
+            x, y = (0.8 * i, 0.4 * i - 1) if i < 5 else (40 + 15 * (i - 5) if i < 9 else 20000, 0)
             name = "drive" if i in (0, 5) else f"drive_{i}"
             folder = os.path.join(self.logs, "near" if i < 5 else "far")
             world = self.path(f"{name}.yaml")
@@ -114,7 +114,7 @@ class Test:
         """All maps, to the last byte. Only what tells times and ways may differ."""
         names = {kind: maps_below(self.path(kind)) for kind in (one, other)}
         self.expect(names[one] == names[other], f"maps of {one} and {other}: {names}")
-        self.expect({"site.tif", "maps/near_drive/site.tif", "maps/far_drive/site.tif"} <= names[one], f"maps: {names[one]}")
+        self.expect({"site.tif", "site_island_1.tif", "maps/near_drive/site.tif", "maps/far_drive/site.tif"} <= names[one], f"maps: {names[one]}")
         differ, lost = filecmp.cmpfiles(self.path(one), self.path(other), names[one], shallow=False)[1:]
         self.expect(not differ and not lost, f"{one} and {other} differ in {differ + lost}")
 

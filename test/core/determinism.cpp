@@ -43,7 +43,7 @@ void expect_same_bits(const ElevationMapper& a, const ElevationMapper& b, int fr
   {
     const auto &x = a.layer(static_cast<Layer>(l)), &y = b.layer(static_cast<Layer>(l));
     ASSERT_EQ(std::memcmp(x.data(), y.data(), x.size() * sizeof(float)), 0)
-        << kLayerNames[static_cast<std::size_t>(l)] << " differs after frame " << frame;
+        << kLayerTable[l].name << " differs after frame " << frame;
   }
 }
 }  // namespace

@@ -83,7 +83,7 @@ class Both
     for (int l = 0; l < kLayerCount; l++)
       ASSERT_NO_FATAL_FAILURE(expect_same(
           one_by_one.layer(static_cast<Layer>(l)), overlapped.layer(static_cast<Layer>(l)),
-          kLayerNames[static_cast<std::size_t>(l)]));
+          kLayerTable[l].name));
     ASSERT_EQ(one_by_one.save(), overlapped.save());
   }
 

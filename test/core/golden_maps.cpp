@@ -347,7 +347,7 @@ std::map<std::string, Digests> digests_of(const World& world, int threads)
 
 std::string column_name(std::size_t column)
 {
-  return column == 0 ? "saved" : kLayerNames[column - 1];
+  return column == 0 ? "saved" : kLayerTable[column - 1].name;
 }
 
 /** Lines of a name, a frame and the digests; empty where there is no such file. */

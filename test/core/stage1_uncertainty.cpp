@@ -14,7 +14,7 @@ TEST(Stage1Uncertainty, AStillSensorGivesTheBeamModelOfEquation3)
   m.update(s);
   const double l = std::sqrt(2.02 * 2.02 + 1.01 * 1.01 + 0.7 * 0.7);
   const double expected = std::pow(0.01 + 0.002 * l, 2);
-  EXPECT_NEAR(m.at(Layer::Variance, 2.02, 1.01), expected, 1e-5 * expected);
+  EXPECT_NEAR(m.fused_variance(2.02, 1.01), expected, 1e-5 * expected);
 }
 
 TEST(Stage1Uncertainty, ATiltBetweenFramesAddsEquation4)
@@ -34,7 +34,7 @@ TEST(Stage1Uncertainty, ATiltBetweenFramesAddsEquation4)
   const double l2 = 2 * 2 + 1 + 0.36;
   const double expected = 1e-4 + std::pow(1.5 * std::sin(theta / 2), 2) * l2;
   const double x = std::cos(theta) * 2 - std::sin(theta) * 0.6;
-  EXPECT_NEAR(m.at(Layer::Variance, x, 1.001), expected, 1e-4 * expected);
+  EXPECT_NEAR(m.fused_variance(x, 1.001), expected, 1e-4 * expected);
 }
 
 TEST(Stage1Uncertainty, AYawBetweenFramesAddsNothing)
@@ -49,7 +49,7 @@ TEST(Stage1Uncertainty, AYawBetweenFramesAddsNothing)
   turned.y_ = {1.01f};
   turned.z_ = {-0.7f};
   m.update(turned);
-  EXPECT_NEAR(m.at(Layer::Variance, -1.01, 2.01), 1e-4, 1e-9);
+  EXPECT_NEAR(m.fused_variance(-1.01, 2.01), 1e-4, 1e-9);
 }
 
 TEST(Stage1Uncertainty, EachSensorIsComparedWithItsOwnLastFrame)
@@ -71,7 +71,7 @@ TEST(Stage1Uncertainty, EachSensorIsComparedWithItsOwnLastFrame)
     other.sensor = 3;
     m.map.update(other);
   }
-  EXPECT_LT(m.at(Layer::Variance, 2.01, 1.01), 1.0001e-4);
+  EXPECT_LT(m.fused_variance(2.01, 1.01), 1.0001e-4);
 }
 
 TEST(Stage1Uncertainty, MoreSensorsThanAMapTellsApartAreRefused)

@@ -223,3 +223,18 @@ TEST(Stage2Follow, GrassThatStandsUpBehindTheRobotDoesNotRaiseTheMap)
   }
   EXPECT_NEAR(m.ground(-0.525, 0.725), 0, 0.05) << "seen in the first frame only";
 }
+
+TEST(Stage2Follow, WallsBesideTheRobotDoNotRaiseTheMap)
+{
+  // Each frame hits the walls of a corridor a little higher than the one before, and no floor.
+  TestMap m;
+  const Box left{{-2, 0.45, 0}, {6, 0.5, 2}}, right{{-2, -0.5, 0}, {6, -0.45, 2}};
+  for (int i = 0; i < 20; i++)
+  {
+    const Scan s = Scan(0.1 * i, 0, 0.68).cast({left, right}, 720, -0.26, 0.26, 16);
+    Frame f = s.frame(0.1 * i);
+    f.T_base_sensor = translation(0, 0, 0.68);
+    m.map.update(f);
+  }
+  EXPECT_NEAR(m.ground(1.925, 0.025), 0, 0.02) << "below the robot";
+}

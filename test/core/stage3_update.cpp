@@ -35,7 +35,7 @@ TEST(Stage3Update, PointsInsideTheGateFuseAsTheKalmanClosedForm)
   }
   EXPECT_NEAR(m.ground(kX, kY), sum / information, 2e-6);
   EXPECT_NEAR(m.elevation(kX, kY), sum / information, 2e-6);
-  EXPECT_NEAR(m.at(Layer::Variance, kX, kY), 1 / information, 1e-4 / information);
+  EXPECT_NEAR(m.fused_variance(kX, kY), 1 / information, 1e-4 / information);
 }
 
 TEST(Stage3Update, ElevationKeepsTheHighestAndGroundTheLowest)
@@ -73,7 +73,7 @@ TEST(Stage3Update, TheVarianceHasAFloor)
   p.min_variance_m2 = 1e-5;
   TestMap m(p);
   for (int i = 0; i < 100; i++) m.update(column({0.0, 0.001, -0.001}));
-  EXPECT_FLOAT_EQ(m.at(Layer::Variance, kX, kY), 1e-5f);
+  EXPECT_FLOAT_EQ(m.fused_variance(kX, kY), 1e-5f);
 }
 
 TEST(Stage3Update, ATableTopAboveSeenGroundIsPassableAndALowBeamIsNot)

@@ -263,7 +263,7 @@ TEST(Stage6Fill, WhereRaysPassFarBelowAFillTheGroundMayDropUntilItIsMeasured)
   TestMap m;
   m.update(scan(0.0));
   EXPECT_GT(m.traversability(2.025, 0.025), 0.9f);
-  m.update(scan(-0.6));
+  m.update(scan(-0.85));
   EXPECT_EQ(m.traversability(2.025, 0.025), 0.0f);
   EXPECT_GT(m.traversability(1.375, 0.025), 0.5f);  // the shelf itself is as before
   m.update(scan(0.0));
@@ -310,7 +310,7 @@ TEST(Stage6Fill, GroundThatWouldGoOnAboveWhereRaysEndedMayDrop)
   const auto scan = over_the_edge_of_a_shelf;
   TestMap level_on, slopes, drops;
   level_on.update(scan(0.0));
-  drops.update(scan(-0.7));
+  drops.update(scan(-0.85));
   slopes.update(scan(-0.4));
   for (double x = 1.625; x < 1.9; x += 0.05)
   {

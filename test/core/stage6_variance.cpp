@@ -33,13 +33,31 @@ double scattered(double x, double y)
 }
 }  // namespace
 
-TEST(Stage6Variance, OfALoneHitIsThatOfItsMeasurement)
+TEST(Stage6Variance, OfALoneHitIsThatOfItsMeasurementAndOfItsBeam)
 {
   Parameters p;
   p.c_beam_m = 0.02, p.a_beam = 0;
   TestMap m(p);
   m.update(Scan().add(kX, kY, 0.0));
-  EXPECT_NEAR(deviation_m(m, kX, kY), 0.02, 1e-4);
+  // The cell lies 2 m from the robot's.
+  EXPECT_NEAR(deviation_m(m, kX, kY), std::hypot(0.02, 2 * 0.0035), 1e-4);
+}
+
+TEST(Stage6Variance, OfALoneHitKeepsTheErrorOfItsBeamHoweverOftenItIsSeen)
+{
+  TestMap m;
+  for (int i = 0; i < 100; i++) m.update(Scan().add(kX, kY, 0.0));
+  EXPECT_LT(std::sqrt(m.fused_variance(kX, kY)), 0.002);
+  EXPECT_NEAR(deviation_m(m, kX, kY), 2 * 0.0035, 5e-4);
+}
+
+TEST(Stage6Variance, IsThreeTimesTheScatterWhereOneAxisAloneShowsIt)
+{
+  // A ring of beams, three cells wide, and ground as wide as long that is as rough along x.
+  const auto rough = [](double x, double) { return 0.02 * scattered(x, 0); };
+  TestMap ring;
+  ring.update(Scan().add_surface(1.5, -0.05, 2.5, 0.1, rough));
+  EXPECT_NEAR(deviation_m(ring, kX, kY), 3 * deviation_m(map_of(rough), kX, kY), 1e-4);
 }
 
 TEST(Stage6Variance, OfASmoothPlaneIsSmallWhateverItsSlope)
@@ -87,6 +105,23 @@ TEST(Stage6Variance, OfAFillGrowsWhereItsLinesDisagree)
   };
   EXPECT_LT(gap(0.0), 0.02);
   EXPECT_GT(gap(0.1), 1.5 * gap(0.0));
+}
+
+TEST(Stage6Variance, OfAFillFromOneSideIsATenthOfItsGapAtLeastWhateverLiesBesideIt)
+{
+  // The column through each cell has ground on both sides close by, the line from the sensor has
+  // none behind.
+  TestMap m;
+  m.update(Scan()
+               .add_surface(1.0, -0.15, 1.5, 0.2, flat)
+               .add_surface(1.5, 0.15, 2.4, 0.2, flat)
+               .add_surface(1.5, -0.15, 2.4, -0.1, flat));
+  for (double x = 1.525; x < 2.3; x += 0.05)
+  {
+    ASSERT_EQ(m.state(x, kY), CellState::FilledOneSided) << x;
+    EXPECT_GT(deviation_m(m, x, kY), 0.1 * (x - 1.475)) << x;
+    EXPECT_LT(deviation_m(m, x, kY), 0.15 * (x - 1.475) + 0.02) << x;
+  }
 }
 
 TEST(Stage6Variance, IsTheSameDeliveredWithEachFrameAndReadOnDemand)

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "bag_source.h"
+#include "formats.h"
 #include "fuzz.h"
 
 using namespace talus;
@@ -33,7 +33,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
         {
           SourceOptions options;
           options.partial = partial;
-          const auto source = open_bag(file.path(), options);
+          const auto source = open_bag_source({file.path()}, options);
           ImportedScan scan;
           while (source->next(scan)) check(scan);
           fuzz::require(source->progress() <= 1, "no more than all is read");

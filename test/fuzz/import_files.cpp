@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstddef>
 
+#include "formats.h"
 #include "fuzz.h"
-#include "scan_files.h"
-#include "scan_times.h"
+#include "folder_layout.h"
 
 using namespace talus;
 using namespace talus::import;
@@ -74,11 +74,13 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
       look_at_scan(file.path(), read_ply);
       break;
     case 2:
-      look_at_scan(file.path(), [](const auto& path, ScanFile& scan) { read_bin(path, {}, scan); });
+      look_at_scan(file.path(), read_bin);
       look_at_scan(
           file.path(),
-          [](const auto& path, ScanFile& scan) {
-            read_bin(path, {"x", "y", "z", "intensity", "ring"}, scan);
+          [](const auto& path, ScanFile& scan)
+          {
+            scan.fields = {"x", "y", "z", "intensity", "ring"};
+            read_bin(path, scan);
           });
       break;
     case 3:

@@ -105,7 +105,7 @@ TEST(Bag, OnlyNamedTopicsAreRead)
 TEST(Bag, WithoutTfTheSensorIsAtTheBaseWhichIsSaid)
 {
   MAKE_BAGS("no_tf.mcap");
-  const auto source = open_bag(dir / "no_tf.mcap", {});
+  const auto source = open_bag_source({dir / "no_tf.mcap"}, {});
   const auto scans = all_of(*source);
   ASSERT_EQ(scans.size(), 20u);
   expect_pose(scans[3].T_base_sensor, 0, 0, 0, 0);
@@ -128,7 +128,7 @@ TEST(Bag, AGivenMountingNeedsNoTf)
 TEST(Bag, PosesComeFromPoseStampedWhereNothingElseMoves)
 {
   MAKE_BAGS("poses.mcap");
-  const auto source = open_bag(dir / "poses.mcap", {});
+  const auto source = open_bag_source({dir / "poses.mcap"}, {});
   const auto poses = source->poses();
   ASSERT_EQ(poses.entries().size(), 6u);
   expect_pose(poses.entries()[5].T_map_base, 1, 7, 0, 0);
@@ -138,14 +138,14 @@ TEST(Bag, OfSeveralTopicsWithPosesTheLongestIsTakenOrTheNamed)
 {
   MAKE_BAGS("two_pose_topics.mcap");
   const auto path = dir / "two_pose_topics.mcap";
-  EXPECT_EQ(open_bag(path, {})->poses().entries().size(), 21u);
+  EXPECT_EQ(open_bag_source({path}, {})->poses().entries().size(), 21u);
   const auto remarks = remarks_of(path);
   EXPECT_TRUE(
       holds(remarks, "/odom") && holds(remarks, "/slam_pose (6)") && holds(remarks, "--topic"))
       << remarks;
   SourceOptions options;
   options.topics = {"/slam_pose"};
-  const auto source = open_bag(path, options);
+  const auto source = open_bag_source({path}, options);
   EXPECT_EQ(source->poses().entries().size(), 6u);
   EXPECT_FALSE(all_of(*source).empty());
 }
@@ -153,7 +153,7 @@ TEST(Bag, OfSeveralTopicsWithPosesTheLongestIsTakenOrTheNamed)
 TEST(Bag, OdometryOfAnotherFrameIsCarriedOverToTheBase)
 {
   MAKE_BAGS("wheel.mcap");
-  const auto poses = open_bag(dir / "wheel.mcap", {})->poses();
+  const auto poses = open_bag_source({dir / "wheel.mcap"}, {})->poses();
   ASSERT_EQ(poses.entries().size(), 10u);
   expect_pose(poses.entries()[4].T_map_base, 4, 0, 0, 0);
 }
@@ -164,7 +164,7 @@ TEST(Bag, FramesCanBeNamed)
   SourceOptions options;
   options.map_frame = "odom";
   options.base_frame = "mast";
-  const auto source = open_bag(dir / "log.db3", options);
+  const auto source = open_bag_source({dir / "log.db3"}, options);
   expect_pose(source->poses().entries()[0].T_map_base, 0.5, 0, 1, M_PI / 2);
   expect_pose(all_of(*source)[0].T_base_sensor, 0.25, 0, 0, 0);
   options.base_frame = "base";
@@ -175,7 +175,7 @@ TEST(Bag, FramesCanBeNamed)
 TEST(Bag, WithoutPosesItSaysHowToGiveThem)
 {
   MAKE_BAGS("no_poses.mcap");
-  EXPECT_TRUE(open_bag(dir / "no_poses.mcap", {})->poses().empty());
+  EXPECT_TRUE(open_bag_source({dir / "no_poses.mcap"}, {})->poses().empty());
   EXPECT_TRUE(holds(remarks_of(dir / "no_poses.mcap"), "--poses"));
 }
 

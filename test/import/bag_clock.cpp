@@ -22,7 +22,7 @@ TEST(BagClock, ScansHaveTheTimesOfRecordingWhereTheyAreAskedFor)
        {"boot_clouds.mcap", "boot_all.mcap", "boot_odometry.mcap", "boot_moving.mcap"})
   {
     SCOPED_TRACE(name);
-    const auto source = open_bag(dir / name, recorded());
+    const auto source = open_bag_source({dir / name}, recorded());
     const auto scans = all_of(*source);
     ASSERT_EQ(scans.size(), 10u);
     for (std::size_t i = 0; i < scans.size(); ++i)

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "bag_source.h"
+#include "formats.h"
 
 using namespace talus;
 using namespace talus::import;
@@ -30,7 +30,7 @@ bool is_read(const std::string& path, bool partial = false)
   {
     SourceOptions options;
     options.partial = partial;
-    const auto source = open_bag(path, options);
+    const auto source = open_bag_source({path}, options);
     for (const auto& scan : all_of(*source))
       for (std::size_t i = 0; i < scan.x_m.size(); ++i)
         EXPECT_TRUE(std::isfinite(scan.x_m[i]) && std::isfinite(scan.y_m.at(i)));

@@ -106,7 +106,7 @@ TEST(BagDisk, ADatabaseThatAnotherHoldsLockedIsRead)
 TEST(BagDisk, ADatabaseThatIsWrittenMeanwhileIsRefused)
 {
   MAKE_BAGS("log.db3");
-  const auto source = open_bag(dir / "log.db3", {});
+  const auto source = open_bag_source({dir / "log.db3"}, {});
   std::ofstream(dir / "log.db3-wal") << "the first of what comes";
   std::string error;
   try
@@ -176,7 +176,7 @@ TEST(BagDisk, PartsThatAreNamedOneByOneAreOneBag)
   for (int i = 0; i < 13; ++i)
     parts.push_back((dir / "parts_without_metadata/part_") + std::to_string(i) + ".db3");
   parts.push_back(parts.front());  // twice is once
-  const auto source = open_bags(parts, {});
+  const auto source = open_bag_source(parts, {});
   EXPECT_EQ(all_of(*source).size(), 20u);
   EXPECT_EQ(source->poses().entries().size(), 21u);
   EXPECT_EQ(source->remarks().size(), 1u);
@@ -205,7 +205,7 @@ TEST(BagDisk, ATopicThatTwoFilesHaveAtTheSameTimeIsRefused)
   std::string error;
   try
   {
-    all_of(*open_bags({dir / "log.db3", dir / "zstd.mcap"}, {}));
+    all_of(*open_scan_source(inputs_of({dir / "log.db3", dir / "zstd.mcap"}).front(), {}));
   }
   catch (const std::runtime_error& e)
   {
@@ -218,7 +218,7 @@ TEST(BagDisk, ATopicThatTwoFilesHaveAtTheSameTimeIsRefused)
 TEST(BagDisk, TheDescriptionMayBeNamedItself)
 {
   MAKE_BAGS("parts");
-  const auto source = open_scan_source(dir / "parts/metadata.yaml", {});
+  const auto source = open_scan_source(Input(dir / "parts/metadata.yaml"), {});
   EXPECT_EQ(all_of(*source).size(), 20u);
 }
 
@@ -236,7 +236,7 @@ TEST(BagDisk, AFolderWithScansAndABagIsRefused)
   std::string error;
   try
   {
-    open_scan_source(dir / "", {});
+    open_scan_source(Input(dir / ""), {});
   }
   catch (const std::runtime_error& e)
   {

@@ -57,7 +57,7 @@ inline void expect_log(
     const std::string& path, const std::vector<std::string>& remarks = {},
     const import::SourceOptions& options = {})
 {
-  const auto source = import::open_bag(path, options);
+  const auto source = import::open_bag_source({path}, options);
   int front = 0, rear = 0;
   double before_s = 0;
   for (const auto& scan : all_of(*source))

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bag_source.h"
+#include "formats.h"
 #include "log_files.h"
 
 namespace talus::test
@@ -55,7 +55,7 @@ inline std::vector<import::ImportedScan> all_of(import::ScanSource& source)
 inline std::vector<import::ImportedScan> scans_of(
     const std::string& path, const std::string& topic, const import::SourceOptions& options = {})
 {
-  const auto source = import::open_bag(path, options);
+  const auto source = import::open_bag_source({path}, options);
   std::vector<import::ImportedScan> scans;
   for (const auto& scan : all_of(*source))
     if (scan.sensor_label == topic) scans.push_back(scan);
@@ -66,7 +66,7 @@ inline std::string error_of(const std::string& path, const import::SourceOptions
 {
   try
   {
-    const auto source = import::open_bag(path, options);
+    const auto source = import::open_bag_source({path}, options);
     all_of(*source);
   }
   catch (const std::runtime_error& e)
@@ -78,7 +78,7 @@ inline std::string error_of(const std::string& path, const import::SourceOptions
 
 inline std::string remarks_of(const std::string& path, const import::SourceOptions& options = {})
 {
-  const auto source = import::open_bag(path, options);
+  const auto source = import::open_bag_source({path}, options);
   all_of(*source);
   std::string all;
   for (const auto& remark : source->remarks()) all += remark + "\n";

@@ -6,10 +6,9 @@
 #include <filesystem>
 #include <random>
 
-#include "bin_columns.h"
 #include "label_file.h"
 #include "log_files.h"
-#include "scan_files.h"
+#include "formats.h"
 #include "scan_formats.h"
 
 using namespace talus::import;
@@ -55,7 +54,8 @@ class BinFiles : public testing::Test
   {
     write_bytes(dir_ / "0.bin", bytes);
     ScanFile scan;
-    read_bin(dir_ / "0.bin", fields, scan);
+    scan.fields = fields;
+    read_bin(dir_ / "0.bin", scan);
     return scan;
   }
   void refuses(
@@ -115,7 +115,7 @@ TEST_F(BinFiles, of_nuscenes_are_known_by_their_name)
   const auto points = turn();
   write_bytes(dir_ / "LIDAR_TOP__1.pcd.bin", bin_of(points, 5));
   ScanFile scan;
-  read_bin(dir_ / "LIDAR_TOP__1.pcd.bin", {}, scan);
+  read_bin(dir_ / "LIDAR_TOP__1.pcd.bin", scan);
   EXPECT_EQ(scan.ring[70], 70 % 32);
   EXPECT_EQ(scan.intensity[70], points[70][3]);
 }
@@ -134,7 +134,7 @@ struct LabelledBin : BinFiles
     for (const float v : {1.0F, 2.0F, 3.0F, 0.5F, none, 2.0F, 3.0F, 0.5F, 4.0F, 5.0F, 6.0F, 0.5F})
       put(bytes, v);
     write_bytes(dir_ / "velodyne/000007.bin", bytes);
-    read_bin(dir_ / "velodyne/000007.bin", {}, scan);
+    read_bin(dir_ / "velodyne/000007.bin", scan);
     return scan;
   }
   void write_labels(const std::string& path, const std::vector<std::uint32_t>& labels) const

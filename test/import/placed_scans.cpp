@@ -151,7 +151,7 @@ class PlacedScans : public testing::Test
   Read read(const std::string& name, const SourceOptions& options) const
   {
     Read all;
-    const auto source = open_scan_source(dir_ / name, options);
+    const auto source = open_scan_source(Input(dir_ / name), options);
     ImportedScan scan;
     while (source->next(scan)) all.scans.push_back(scan);
     all.poses = source->poses().entries();

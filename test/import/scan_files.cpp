@@ -10,7 +10,7 @@
 #include "apps/common/memory_limit.h"
 #include "log_files.h"
 #include "lzf.h"
-#include "scan_files.h"
+#include "formats.h"
 #include "scan_formats.h"
 
 using namespace talus::import;
@@ -37,14 +37,14 @@ Points spiral(std::size_t count)
   return p;
 }
 
-struct Format
+struct FileKind
 {
   const char* ending;
   void (*read)(const std::string&, ScanFile&);
   std::string (*write)(const Points&);
 };
-const Format kFormats[] = {
-    {"kitti.bin", [](const auto& path, ScanFile& scan) { read_bin(path, {}, scan); }, kitti_bin},
+const FileKind kFileKinds[] = {
+    {"kitti.bin", read_bin, kitti_bin},
     {"ascii.pcd", read_pcd, pcd_ascii},
     {"binary.pcd", read_pcd, [](const Points& p) { return pcd_binary(p); }},
     {"compressed.pcd", read_pcd, pcd_compressed},
@@ -55,7 +55,7 @@ const Format kFormats[] = {
 class ScanFiles : public testing::Test
 {
  protected:
-  ScanFile read(const Format& format, const std::string& bytes) const
+  ScanFile read(const FileKind& format, const std::string& bytes) const
   {
     const std::string path = dir_ / format.ending;
     write_bytes(path, bytes);
@@ -65,7 +65,7 @@ class ScanFiles : public testing::Test
   }
   ScanFile read_as(const std::string& ending, const std::string& bytes) const
   {
-    for (const Format& f : kFormats)
+    for (const FileKind& f : kFileKinds)
       if (f.ending == ending) return read(f, bytes);
     throw std::logic_error(ending);
   }
@@ -95,7 +95,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 TEST_F(ScanFiles, of_each_format_give_every_number_back)
 {
   const Points p = spiral(1000);
-  for (const Format& f : kFormats)
+  for (const FileKind& f : kFileKinds)
   {
     const ScanFile scan = read(f, f.write(p));
     EXPECT_EQ(floats(scan.x_m), p.x) << f.ending;
@@ -114,7 +114,7 @@ TEST_F(ScanFiles, lose_the_points_that_are_not_finite_and_count_them)
   Points p = spiral(10);
   p.x[2] = kNaN;
   p.z[7] = std::numeric_limits<float>::infinity();
-  for (const Format& f : kFormats)
+  for (const FileKind& f : kFileKinds)
   {
     const ScanFile scan = read(f, f.write(p));
     ASSERT_EQ(scan.x_m.size(), 8u) << f.ending;
@@ -130,7 +130,7 @@ TEST_F(ScanFiles, of_points_alone_have_neither_times_nor_intensities)
   p.intensity.clear();
   p.time.clear();
   p.ring.clear();
-  for (const Format& f : kFormats)
+  for (const FileKind& f : kFileKinds)
   {
     const ScanFile scan = read(f, f.write(p));
     EXPECT_EQ(scan.x_m.size(), 5u) << f.ending;
@@ -276,7 +276,7 @@ TEST_F(ScanFiles, that_are_cut_name_the_place)
   refuses("ascii.ply", cut(ply_ascii(p)), {"numbers of 6"});
   refuses("little.ply", cut(ply_little(p)), {"99 of 100 'vertex'"});
   refuses("big.ply", cut(ply_big(p)), {"99 of 100 'vertex'"});
-  for (const Format& f : kFormats) refuses(f.ending, "", {"is empty"});
+  for (const FileKind& f : kFileKinds) refuses(f.ending, "", {"is empty"});
   const auto before = [](const std::string& text, const std::string& word)
   { return text.substr(0, text.find(word)); };
   refuses("ascii.pcd", before(pcd_ascii(p), "DATA"), {"no line DATA", "cut in its header"});
@@ -296,7 +296,7 @@ TEST_F(ScanFiles, with_more_points_than_bytes_are_refused_at_once)
   refuses("compressed.pcd", pcd(pcd_compressed(p), "4000000000"), {"4000000000 points"});
   refuses("binary.pcd", pcd(pcd_binary(p), "-3"), {"'-3' is not a whole number"});
   for (const char* format : {"little.ply", "big.ply", "ascii.ply"})
-    for (const Format& f : kFormats)
+    for (const FileKind& f : kFileKinds)
       if (f.ending == std::string(format))
         refuses(
             format, replaced(f.write(p), "vertex 10", "vertex 1000000000000"),
@@ -450,7 +450,7 @@ TEST_F(ScanFiles, that_are_damaged_in_a_thousand_ways_are_read_or_refused)
 #ifndef TALUS_SANITIZER
   const talus::app::MemoryLimit limit(std::size_t{64} << 20);
 #endif
-  for (const Format& f : kFormats)
+  for (const FileKind& f : kFileKinds)
     for (int round = 0; round < 150; ++round)
     {
       std::string bytes = f.write(p);

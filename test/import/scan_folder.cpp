@@ -3,7 +3,6 @@
 #include <sys/stat.h>
 #include <talus/import/kitti_poses.h>
 #include <talus/import/scan_source.h>
-#include <talus/io/foreign_scans.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -11,7 +10,7 @@
 
 #include "log_files.h"
 #include "scan_formats.h"
-#include "scan_times.h"
+#include "folder_layout.h"
 
 using namespace talus::import;
 using namespace talus::test;
@@ -49,7 +48,7 @@ class ScanFolder : public testing::Test
   }
   std::unique_ptr<ScanSource> open(const std::string& name, const SourceOptions& options = {}) const
   {
-    return open_scan_source(dir_ / name, options);
+    return open_scan_source(Input(dir_ / name), options);
   }
   std::vector<ImportedScan> read(ScanSource& source) const
   {
@@ -248,7 +247,7 @@ TEST_F(ScanFolder, goes_on_where_a_file_links_to_itself_or_to_nothing)
     fs::create_symlink(name, dir_ / (std::string("linked/") + name));
   fs::create_symlink("nowhere", dir_ / "linked/5.pcd");
   write("linked/1.pcd", pcd_ascii(scan_number(1)));
-  EXPECT_EQ(talus::io::kind_of_scans(dir_ / "linked"), talus::io::ForeignScans::Folder);
+  EXPECT_EQ(Input(dir_ / "linked").format, nullptr);
   const auto scans = read("linked");
   ASSERT_EQ(scans.size(), 1u);
   EXPECT_EQ(scans[0].x_m, std::vector<float>{1});
@@ -330,25 +329,25 @@ TEST_F(ScanFolder, that_is_wrong_says_what_and_where)
   refuses("pipe.bin", {"is a pipe or a device"});
 }
 
-TEST(ForeignScans, are_known_by_their_first_bytes_or_their_ending)
+TEST(Formats, are_known_by_their_first_bytes_or_their_ending)
 {
-  using talus::io::ForeignScans;
-  using talus::io::kind_of_scans;
   const ScratchDir dir;
-  const auto kind = [&](const std::string& name, const std::string& bytes)
+  const auto is_as = [&](const std::string& name, const std::string& bytes, const char* ending)
   {
     write_bytes(dir / name, bytes);
-    return kind_of_scans(dir / name);
+    return Input(dir / name).format == format_by_ending(ending);
   };
-  EXPECT_EQ(kind("a", "# .PCD v0.7"), ForeignScans::Pcd);
-  EXPECT_EQ(kind("b", "ply\r\nformat"), ForeignScans::Ply);
-  EXPECT_EQ(kind("c", "#ROSBAG V2.0"), ForeignScans::Ros1Bag);
-  EXPECT_EQ(kind("d", std::string("SQLite format 3\0", 16)), ForeignScans::Ros2Bag);
-  EXPECT_EQ(kind("e", "\x89MCAP0\r\n"), ForeignScans::Ros2Bag);
-  EXPECT_EQ(kind("f.BIN", "1234"), ForeignScans::Bin);
-  EXPECT_EQ(kind("g.rawlog", "1234"), ForeignScans::None);
-  EXPECT_EQ(kind_of_scans(dir / "not there.bin"), ForeignScans::None);
+  EXPECT_TRUE(is_as("a", "# .PCD v0.7", ".pcd"));
+  EXPECT_TRUE(is_as("b", "ply\r\nformat", ".ply"));
+  EXPECT_TRUE(is_as("c", "#ROSBAG V2.0", ".bag"));
+  EXPECT_TRUE(is_as("d", std::string("SQLite format 3\0", 16), ".db3"));
+  EXPECT_TRUE(is_as("e", "\x89MCAP0\r\n", ".mcap"));
+  EXPECT_TRUE(is_as("f.BIN", "1234", ".bin"));
+  EXPECT_FALSE(is_as("f.BIN", "1234", ".pcd"));
+  write_bytes(dir / "g.rawlog", "1234");
+  for (const char* name : {"g.rawlog", "not there.bin", ""})
+    EXPECT_EQ(Input(dir / name).format, nullptr) << name;
   std::filesystem::create_directories(dir / "bag");
   write_bytes(dir / "bag/metadata.yaml", "x");
-  EXPECT_EQ(kind_of_scans(dir / "bag"), ForeignScans::Ros2Bag);
+  EXPECT_TRUE(Input(dir / "bag").is_bag());
 }

@@ -31,6 +31,33 @@ TEST(Formats, the_occupancy_grid_has_the_cells_of_the_map)
   EXPECT_LT(grid.getCell(10, 12), 0.1F) << "0.8 or less is blocked now";
 }
 
+TEST(Formats, free_islands_that_are_smaller_than_the_robot_are_closed)
+{
+  io::LayerStack map = small_terrain();
+  auto& score = map.layers[0];
+  const auto at = [&](int x, int y) -> float&
+  { return score[static_cast<std::size_t>(y * map.cells_x + x)]; };
+  at(22, 12) = 0.5F;  // on the box
+  for (const int x : {53, 54, 55}) at(x, 5) = 1;  // in the unknown
+  for (int x = 52; x < 58; ++x) at(x, 30) = 1;
+  const ScratchDir dir;
+  const auto pixels = [&](double close_m)
+  {
+    write_ros_map(dir / "m.yaml", map, RosMode::Trinary, {0.0, close_m});
+    const std::string pgm = read_bytes(dir / "m.pgm");
+    return pgm.substr(pgm.size() - score.size());
+  };
+  const auto pixel = [&](const std::string& of, int x, int y)
+  { return static_cast<unsigned char>(of[static_cast<std::size_t>((39 - y) * 60 + x)]); };
+  const std::string all = pixels(0), closed = pixels(0.5);
+  for (const auto& p : {std::pair{22, 12}, std::pair{54, 5}, std::pair{54, 30}})
+    EXPECT_EQ(pixel(all, p.first, p.second), 254);
+  EXPECT_EQ(pixel(closed, 22, 12), 0) << "blocked as the box around it";
+  EXPECT_EQ(pixel(closed, 54, 5), 205) << "unknown as what is around it";
+  EXPECT_EQ(pixel(closed, 54, 30), 254) << "0.6 m long";
+  EXPECT_EQ(pixel(closed, 10, 12), 254);
+}
+
 TEST(Formats, points_are_the_measured_ground_or_the_columns_on_it)
 {
   mrpt::maps::CSimplePointsMap ground, standing;
@@ -61,7 +88,51 @@ TEST(Formats, the_octree_is_occupied_free_or_unknown_as_the_map_is)
   EXPECT_EQ(at(0.05, 3.05, 1.55), ' ') << "above bare ground";
   EXPECT_EQ(at(0.05, 3.05, 1.95), '?') << "above the clearance";
   EXPECT_EQ(at(0.05, 2.05, 1.55), '?') << "above ground that was not measured";
+  EXPECT_EQ(at(0.05, 2.05, 1.15), '?') << "a guess that was not judged";
   EXPECT_EQ(at(4.55, 3.05, 1.55), '?') << "nothing is known";
+}
+
+TEST(Formats, the_octree_of_a_map_that_reaches_too_far_is_coarser_and_told)
+{
+  const ScratchDir dir;
+  io::LayerStack map = small_terrain();
+  EXPECT_EQ(write_octomap(dir / "near.bt", map, 0.6), "");
+  map.min_x_m = 4000;  // 40000 voxels
+  const std::string told = write_octomap(dir / "far.bt", map, 0.6);
+  EXPECT_NE(told.find("far.bt: its voxels are 0.2 m wide, not 0.1 m"), std::string::npos) << told;
+  const octomap::OcTree tree(dir / "far.bt");
+  const auto* box = tree.search(4002.1, 3.1, 1.5);
+  ASSERT_TRUE(box);
+  EXPECT_TRUE(tree.isNodeOccupied(box));
+}
+
+TEST(Formats, far_coordinates_are_less_by_an_origin_that_is_named)
+{
+  const ScratchDir dir;
+  io::LayerStack map = small_terrain();
+  EXPECT_EQ(origin_for(map).x_m, 0);
+  map.min_x_m += 548123;
+  map.min_y_m += 4076543;
+  const FileOrigin origin = origin_for(map);
+  EXPECT_EQ(origin.x_m, 548000);
+  EXPECT_EQ(origin.y_m, 4077000);
+  write_mesh(dir / "m.ply", map, 1000000, origin);
+  const std::string mesh = read_bytes(dir / "m.ply");
+  EXPECT_NE(mesh.find("comment origin_m: 548000 4077000 0\n"), std::string::npos);
+  EXPECT_EQ(read_bytes(dir / "m_mesh.json"), "{\"origin_m\": [548000,4077000,0]}\n");
+  mrpt::maps::CSimplePointsMap points;
+  ASSERT_TRUE(points.loadFromPlyFile(dir / "m.ply"));
+  float x = 0, y = 0, z = 0, next_x = 0;
+  points.getPoint(0, x, y, z);
+  points.getPoint(1, next_x, y, z);
+  EXPECT_NEAR(x, 122.05, 1e-4);
+  EXPECT_NEAR(next_x - x, 0.1, 1e-4);
+  EXPECT_EQ(write_octomap(dir / "m.bt", map, 0.6, origin), "");
+  const octomap::OcTree tree(dir / "m.bt");
+  const auto* box = tree.search(124.05, -453.95, 1.65);
+  ASSERT_TRUE(box);
+  EXPECT_TRUE(tree.isNodeOccupied(box));
+  EXPECT_NE(read_bytes(dir / "m.bt").find("# origin_m: 548000 4077000 0\n"), std::string::npos);
 }
 
 TEST(Formats, a_layer_that_is_missing_is_named)
@@ -102,9 +173,9 @@ TEST(Formats, a_mesh_has_no_more_faces_than_are_wanted)
     const std::string text = read_bytes(dir / "m.ply");
     return std::stoul(text.substr(text.find("element face ") + 13));
   };
-  EXPECT_EQ(faces(1000000), 2U * 49 * 39);
-  EXPECT_LE(faces(1000), 1000U);
-  EXPECT_GT(faces(1000), 500U);
+  EXPECT_EQ(faces(1000000), kSmallTerrainFaces);
+  EXPECT_LE(faces(1100), 1100U);
+  EXPECT_GT(faces(1100), 500U);
 }
 
 TEST(Formats, a_page_gets_coarser_until_it_is_small_enough)
@@ -117,7 +188,7 @@ TEST(Formats, a_page_gets_coarser_until_it_is_small_enough)
         static_cast<float>((static_cast<std::uint32_t>(i * i) * 2654435761U) >> 16) * 0.001F;
   const ScratchDir dir;
   PageOptions options;
-  options.title = "a </script> & b";
+  options.title = "<!--<script> /* data */ </script> & b";
   write_page(dir / "fine.html", map, options);
   options.max_bytes = std::size_t{1} << 19;
   write_page(dir / "small.html", map, options);
@@ -126,7 +197,17 @@ TEST(Formats, a_page_gets_coarser_until_it_is_small_enough)
   EXPECT_LE(small.size(), options.max_bytes);
   EXPECT_NE(fine.find("\"resolution_m\":0.1,"), std::string::npos);
   EXPECT_NE(small.find("\"resolution_m\":0.2,"), std::string::npos);
-  EXPECT_EQ(fine.find("a </script>"), std::string::npos) << "would end the script";
+  EXPECT_EQ(fine.find("<!--<script"), std::string::npos) << "would begin a script";
+  EXPECT_NE(fine.find("\"title\":\"\\u003c!--\\u003cscript> /* data */"), std::string::npos);
+  EXPECT_NE(fine.find("script-src 'nonce-"), std::string::npos);
+}
+
+TEST(Formats, no_script_of_a_stranger_is_the_name_of_a_layer)
+{
+  const std::string script = "<img src=x onerror=alert()>";
+  EXPECT_EQ(
+      channel_bands({"label", "label_standing", "state", script, script + "_standing"}),
+      (std::vector<std::string>{"label", "label_standing"}));
 }
 
 TEST(Formats, changes_of_another_size_of_cells_are_refused)

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 
 #include "log_files.h"
@@ -105,6 +106,31 @@ TEST(GeoTiff, names_its_bands_and_marks_unknown_cells_as_nodata)
   EXPECT_STREQ(tif.data->GetMetadataItem("LOG"), "a.rawlog");
   EXPECT_STREQ(tif.data->GetMetadataItem("COMPRESSION", "IMAGE_STRUCTURE"), "DEFLATE");
   EXPECT_STREQ(tif.data->GetMetadataItem("PREDICTOR", "IMAGE_STRUCTURE"), "3");
+}
+
+TEST(GeoTiff, of_degrees_or_with_a_value_for_no_data_is_refused)
+{
+  const ScratchDir dir;
+  const auto convert = [&](const std::function<void(GDALDataset&)>& change)
+  {
+    write_geotiff(dir / "map.tif", small_stack());
+    GDALAllRegister();
+    auto* data = static_cast<GDALDataset*>(GDALOpen((dir / "map.tif").c_str(), GA_Update));
+    change(*data);
+    GDALClose(data);
+  };
+  convert(
+      [](GDALDataset& d)
+      {
+        OGRSpatialReference wgs84;
+        wgs84.SetWellKnownGeogCS("WGS84");
+        d.SetSpatialRef(&wgs84);
+      });
+  expect_error([&] { read_geotiff(dir / "map.tif"); }, {"map.tif", "0.25 degrees", "gdalwarp"});
+  convert([](GDALDataset& d) { d.GetRasterBand(1)->SetNoDataValue(0); });
+  expect_error([&] { read_geotiff(dir / "map.tif"); }, {"map.tif", "value 0 no data", "NaN"});
+  convert([](GDALDataset& d) { d.GetRasterBand(1)->SetNoDataValue(-9999); });
+  EXPECT_NO_THROW(read_geotiff(dir / "map.tif"));
 }
 
 TEST(GeoTiff, has_the_bands_of_all_maps_first_with_units_statistics_and_classes)
@@ -236,7 +262,7 @@ TEST(GeoTiff, holds_every_layer_of_a_map_in_their_order)
   const ElevationMapper map;
   const LayerStack stack = snapshot(map);
   ASSERT_EQ(stack.names.size(), static_cast<std::size_t>(kLayerCount));
-  for (int i = 0; i < kLayerCount; ++i) EXPECT_EQ(stack.names[i], kLayerNames[i]);
+  for (int i = 0; i < kLayerCount; ++i) EXPECT_EQ(stack.names[i], kLayerTable[i].name);
   EXPECT_EQ(stack.cells_x, 160);
   EXPECT_NE(stack.find("traversability"), nullptr);
   EXPECT_EQ(stack.find("colour"), nullptr);

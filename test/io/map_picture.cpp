@@ -41,7 +41,12 @@ LayerStack stack_of(const std::vector<std::string>& names, Value value)
   return s;
 }
 
-std::vector<std::string> all_names() { return {kLayerNames.begin(), kLayerNames.end()}; }
+std::vector<std::string> all_names()
+{
+  std::vector<std::string> names;
+  for (int i = 0; i < kLayerCount; ++i) names.emplace_back(kLayerTable[i].name);
+  return names;
+}
 
 /** Where the pixels of a colour (BGR) lie, and how many there are. */
 struct Patch

@@ -2,10 +2,8 @@
 #include <gtest/gtest.h>
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <talus/io/atomic_file.h>
-#include <talus/io/written_file.h>
 #include <talus/io/quantile.h>
 #include <talus/io/summary_json.h>
-#include <talus/io/timing_csv.h>
 
 #include <nlohmann/json.hpp>
 

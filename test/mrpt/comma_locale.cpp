@@ -5,7 +5,6 @@
 #include <mrpt/config/CConfigFileMemory.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/summary_json.h>
-#include <talus/io/timing_csv.h>
 #include <talus/io/trajectory.h>
 #include <talus/mrpt/CObservationTraversability.h>
 #include <talus/mrpt/obstacles.h>

@@ -440,7 +440,7 @@ TEST(DamagedSnapshot, one_that_is_read_and_told_takes_the_memory_of_its_bytes)
   SnapshotParts s;
   s.cells = 2000;  // 16 MB a layer
   const auto packed = zeros(2000 * 2000);
-  for (const char* name : kLayerNames) s.layers.push_back({name, 0, 1, packed});
+  for (int l = 0; l < kLayerCount; l++) s.layers.push_back({kLayerTable[l].name, 0, 1, packed});
   const auto bytes = s.bytes();
   EXPECT_LT(bytes.size(), 1000000U);
   const auto use = [&]
@@ -556,7 +556,7 @@ TEST(DamagedSnapshot, a_layer_that_code_gave_another_size_is_refused)
 TEST(DamagedSnapshot, any_byte_may_be_wrong_or_missing)
 {
   SnapshotParts s;
-  for (const char* name : kLayerNames) s.layers.push_back({name, 0, 1, zeros(16)});
+  for (int l = 0; l < kLayerCount; l++) s.layers.push_back({kLayerTable[l].name, 0, 1, zeros(16)});
   const auto sound = s.bytes();
   const auto use = [&](const Bytes& bytes)
   {

@@ -29,7 +29,7 @@ void expect_same_bits(const CDualElevationMap& a, const CDualElevationMap& b)
     const auto& lb = b.mapper().layer(static_cast<Layer>(i));
     ASSERT_EQ(la.size(), lb.size());
     EXPECT_EQ(std::memcmp(la.data(), lb.data(), la.size() * sizeof(float)), 0)
-        << talus::kLayerNames[static_cast<std::size_t>(i)];
+        << talus::kLayerTable[i].name;
   }
 }
 

@@ -430,6 +430,24 @@ TEST(Drops, are_not_dared_before_a_wall_that_begins_lower_nor_where_nothing_was_
   EXPECT_EQ(floor.passage(Drops::Slope), Passage::Obstacle) << "nobody knows how deep";
 }
 
+TEST(Drops, a_guess_beside_one_is_driven_on_only_where_a_slope_explains_the_drop)
+{
+  FloorWithEdge floor;
+  const std::size_t before = *floor.map.window.index_at(-0.4, 0.02);
+  floor.for_cells(-0.6, -0.35, [&](std::size_t i) { floor.layer(Layer::Traversability)[i] = 1; });
+  const auto passage = [&](double goes_on_at_m, Drops drops)
+  {
+    floor.go_on_at(goes_on_at_m);
+    ObstacleOptions o;
+    o.drops = drops;
+    return classify_cells(floor.map, CPose3D(-0.7, 0, 0, 0, 0, 0), o)[before];
+  };
+  EXPECT_EQ(passage(0, Drops::Avoid), Passage::Obstacle);
+  EXPECT_EQ(passage(0, Drops::Slope), Passage::Obstacle);
+  EXPECT_EQ(passage(-0.3, Drops::Slope), Passage::Free);
+  EXPECT_EQ(passage(0, Drops::Ignore), Passage::Free);
+}
+
 TEST(KnownAhead, ends_with_what_was_seen_and_goes_on_over_what_is_dared)
 {
   FloorWithEdge floor;

@@ -1,8 +1,7 @@
 // What talus is compared with, and how it is scored: against cases worked out by hand.
 #include <gtest/gtest.h>
-#include <talus/baselines/features.h>
-#include <talus/baselines/fills.h>
 #include <talus/baselines/highest_point_map.h>
+#include <talus/baselines/fills.h>
 #include <talus/baselines/real_log.h>
 #include <talus/baselines/stock_maps.h>
 #include <talus/baselines/window_truth.h>

@@ -1,9 +1,9 @@
 // libs/calibrate: derivatives, what is observable, the noise, what a log must have.
 #include <gtest/gtest.h>
 #include <talus/calibrate/calibrate.h>
-#include <talus/calibrate/contact.h>
-#include <talus/calibrate/first_guess.h>
-#include <talus/calibrate/observability.h>
+#include <talus/calibrate/associate.h>
+#include <talus/calibrate/held_out.h>
+#include <talus/calibrate/information.h>
 #include <talus/sim/drive.h>
 
 #include <cmath>

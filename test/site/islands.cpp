@@ -2,6 +2,7 @@
 // enormous.
 #include <gtest/gtest.h>
 #include <talus/site/islands.h>
+#include <talus/site/merge.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
@@ -51,12 +52,12 @@ TEST_F(Islands, what_a_pose_that_jumped_has_left_gets_a_file_of_its_own)
   EXPECT_EQ(islands[1].tiles.size(), 4U);
   EXPECT_NEAR(islands[1].x_m, 9000 * kTile_m, 4 * kTile_m);
   EXPECT_NEAR(islands[1].y_m, -9000 * kTile_m, kTile_m);
-  write_site_files(dir_ / "site.tif", site_);
+  write_site_files(dir_ / "site.tif", dir_ / "site.png", site_);
   EXPECT_LT(std::filesystem::file_size(dir_ / "site.tif"), 1'000'000U);
   EXPECT_TRUE(std::filesystem::exists(dir_ / "site_island_1.png"));
   EXPECT_FALSE(std::filesystem::exists(dir_ / "site_island_2.tif"));
-  EXPECT_EQ(islands_of_site(dir_ / "site.tif"), 1U);
-  EXPECT_EQ(islands_of_site(dir_ / "site_island_1.tif"), 0U);
+  EXPECT_EQ(info_of_site(dir_ / "site.tif").islands, 1U);
+  EXPECT_EQ(info_of_site(dir_ / "site_island_1.tif").islands, 0U);
 }
 
 TEST_F(Islands, come_back_with_the_same_bits_and_with_their_ways)
@@ -67,7 +68,7 @@ TEST_F(Islands, come_back_with_the_same_bits_and_with_their_ways)
   site_.ways = {site_.ways[0], site_.ways[1]};
   site_.ways[0].insert(site_.ways[0].end(), site_.ways[1].begin(), site_.ways[1].end());
   site_.ways.resize(1);  // one way through two of them
-  write_floor_files(dir_ / "site.tif", "", site_, 0, Far::Apart);
+  write_site_files(dir_ / "site.tif", "", site_);
   Site back(kResolution_m, std::size_t{64} << 20, dir_ / "back");
   read_site_files(dir_ / "site.tif", back);
   EXPECT_EQ(talus::test::different_cells(site_, back), 0);
@@ -87,7 +88,7 @@ TEST_F(Islands, belong_to_their_floor)
   drive(site_, 90000, 4, 90000);
   for (const int x : {0, 90000}) cell_at(site_, std::int64_t{x} * kTileCells, 0, 2) = measured(9);
   cell_at(site_, 1, 1, 1) = measured(4);
-  write_site_files(dir_ / "site.tif", site_);
+  write_site_files(dir_ / "site.tif", dir_ / "site.png", site_);
   for (const char* name :
        {"site_island_1.tif", "site_floor_1.tif", "site_floor_2.tif", "site_floor_2_island_1.tif"})
     EXPECT_TRUE(std::filesystem::exists(dir_ / name)) << name;
@@ -95,6 +96,28 @@ TEST_F(Islands, belong_to_their_floor)
   Site back(kResolution_m, std::size_t{64} << 20, dir_ / "back");
   read_site_files(dir_ / "site.tif", back);
   EXPECT_EQ(talus::test::different_cells(site_, back), 0);
+}
+
+TEST_F(Islands, and_floors_are_merged_with_what_they_belong_to)
+{
+  drive(site_, 0, 30);
+  drive(site_, 90000, 4, 90000);
+  cell_at(site_, 1, 1, 3) = measured(4);
+  write_site_files(dir_ / "site.tif", "", site_);
+  Site other(kResolution_m, std::size_t{64} << 20, dir_ / "other");
+  drive(other, 20, 30);
+  write_site_files(dir_ / "other.tif", "", other);
+  Site merged(kResolution_m, std::size_t{64} << 20, dir_ / "merged");
+  merge_sites({dir_ / "other.tif", dir_ / "site.tif"}, merged, 0);
+  EXPECT_EQ(merged.ways.size(), 3U);
+  write_site_files(dir_ / "all.tif", "", merged);
+  EXPECT_EQ(info_of_site(dir_ / "all.tif").floors, (std::vector<int>{0, 3}));
+  EXPECT_EQ(info_of_site(dir_ / "all.tif").islands, 1U);
+  std::filesystem::remove(dir_ / "site_floor_3.tif");
+  Site none(kResolution_m, std::size_t{64} << 20, dir_ / "none");
+  talus::test::expect_error(
+      [&] { merge_sites({dir_ / "site.tif"}, none, 0); },
+      {"site_floor_3.tif: no such file", "first of 2 floors"});
 }
 
 TEST_F(Islands, of_the_same_size_come_in_one_order)
@@ -111,8 +134,8 @@ TEST_F(Islands, of_tiles_in_which_nothing_is_known_are_none)
   drive(site_, 0, 30);
   site_.tiles.at({0, 90000, 90000});
   EXPECT_EQ(islands_of(site_, 0).size(), 1U);
-  write_floor_files(dir_ / "site.tif", "", site_, 0, Far::Apart);
-  EXPECT_EQ(islands_of_site(dir_ / "site.tif"), 0U);
+  write_site_files(dir_ / "site.tif", "", site_);
+  EXPECT_EQ(info_of_site(dir_ / "site.tif").islands, 0U);
 }
 
 TEST_F(Islands, long_drives_stay_whole)

@@ -7,7 +7,6 @@
 #include <talus/io/geotiff.h>
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
-#include <talus/site/site_way.h>
 
 #include <cmath>
 #include <limits>
@@ -85,7 +84,7 @@ TEST(SiteGeoTiff, comes_back_with_the_same_bits)
   ASSERT_EQ(in->ways.size(), 1u);
   ASSERT_EQ(in->ways[0].size(), 2u) << "the third point is on another floor";
   EXPECT_EQ(in->ways[0][1].y_m, 0.25F);
-  EXPECT_EQ(resolution_of_site(dir / "site.tif"), kResolution_m);
+  EXPECT_EQ(info_of_site(dir / "site.tif").resolution_m, kResolution_m);
   write_site(dir / "again.tif", *in, 0);
   EXPECT_EQ(read_bytes(dir / "again.tif"), read_bytes(dir / "site.tif"));
 }
@@ -193,6 +192,30 @@ TEST(SiteGeoTiff, has_the_same_bytes_whatever_order_its_tiles_and_ways_came_in)
   write_site(dir / "one.tif", *one, 0);
   write_site(dir / "other.tif", *other, 0);
   EXPECT_EQ(read_bytes(dir / "one.tif"), read_bytes(dir / "other.tif"));
+}
+
+TEST(SiteGeoTiff, overviews_keep_the_worst_of_their_cells)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  for (int x = 0; x < 1024; ++x) cell_at(*site, x, 0) = measured(1);
+  for (const int post : {100, 501, 1002}) cell_at(*site, post, 0).cell.traversability = 0;
+  cell_at(*site, 301, 0) = talus::test::with_obstacle(measured(1), 0.8F);
+  cell_at(*site, 701, 0).cell.state = 3;
+  write_site(dir / "site.tif", *site, 0);
+  Open tif(dir / "site.tif");
+  const auto at = [&](int band, int x)
+  {
+    float v = 0;
+    auto* overview = tif.data->GetRasterBand(band)->GetOverview(0);
+    EXPECT_EQ(
+        overview->RasterIO(GF_Read, x, 63, 1, 1, &v, 1, 1, GDT_Float32, 0, 0, nullptr), CE_None);
+    return v;
+  };
+  for (const int post : {50, 250, 501, 150}) EXPECT_EQ(at(1, post), 0) << post;
+  EXPECT_EQ(at(1, 51), 1);
+  EXPECT_FLOAT_EQ(at(3, 150), 1.8F);
+  EXPECT_EQ(at(5, 350), 3);
 }
 
 TEST(SiteGeoTiff, is_cloud_optimized_with_overviews_and_sparse_blocks)
@@ -421,12 +444,12 @@ TEST(SiteGeoTiff, names_its_floors_and_is_not_read_where_one_is_missing)
   const ScratchDir dir;
   const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
   cell_at(*site, 0, 0, 0) = measured(0);
-  write_site_files(dir / "one.tif", *site);
+  write_site_files(dir / "one.tif", dir / "one.png", *site);
   EXPECT_STREQ(Open(dir / "one.tif").item("TALUS_FLOORS"), "(none)");
   for (const int floor : {1, 3}) cell_at(*site, 0, 0, floor) = measured(3);
-  write_site_files(dir / "site.tif", *site);
+  write_site_files(dir / "site.tif", "", *site);
   EXPECT_STREQ(Open(dir / "site.tif").item("TALUS_FLOORS"), "0 1 3");
-  EXPECT_EQ(floors_of_site(dir / "site_floor_3.tif"), std::vector<int>());
+  EXPECT_EQ(info_of_site(dir / "site_floor_3.tif").floors, std::vector<int>());
   read_site_files(dir / "site.tif", *in);
   EXPECT_EQ(floors_of(*in), (std::vector<int>{0, 1, 3}));
   fs::remove(dir / "site_floor_3.tif");
@@ -435,6 +458,18 @@ TEST(SiteGeoTiff, names_its_floors_and_is_not_read_where_one_is_missing)
       [&] { read_site_files(dir / "site.tif", *none); },
       {"site_floor_3.tif: no such file", "site.tif", "3 floors"});
   EXPECT_TRUE(none->tiles.keys().empty());
+}
+
+TEST(SiteGeoTiff, a_guess_that_no_ray_has_proved_is_no_area)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles");
+  for (const int x : {0, 1, 2}) cell_at(*site, x, 0) = measured(1);
+  for (const int x : {1, 2}) cell_at(*site, x, 0).cell.state = 3;
+  cell_at(*site, 2, 0).cell.traversability = NAN;
+  const KnownCells known = known_cells(*site);
+  EXPECT_NEAR(known.area_m2, 2 * kResolution_m * kResolution_m, 1e-9);
+  EXPECT_EQ(known.by_state[3], 1U);
 }
 
 TEST(SiteGeoTiff, thins_long_ways_evenly)
@@ -528,6 +563,38 @@ TEST(SiteGeoTiff, reading_refuses_cells_that_are_none)
   refused("score.tif", [](SiteCell& c) { c.cell.traversability = 1.5F; });
 }
 
+TEST(SiteGeoTiff, reading_refuses_a_bit_that_flipped)
+{
+  const ScratchDir dir;
+  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+  add_cells(*site);
+  write_site(dir / "site.tif", *site, 0);
+  {
+    CPLStringList options;
+    options.AddString("IGNORE_COG_LAYOUT_BREAK=YES");
+    GDALAllRegister();
+    auto* tif = static_cast<GDALDataset*>(GDALOpenEx(
+        (dir / "site.tif").c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE, nullptr, options.List(),
+        nullptr));
+    ASSERT_TRUE(tif);
+    auto* variance = tif->GetRasterBand(4);
+    const int x = tif->GetRasterXSize() / 2, y = tif->GetRasterYSize() / 2;
+    std::vector<float> values(64);
+    const auto io = [&](GDALRWFlag flag)
+    { return variance->RasterIO(flag, x, y, 8, 8, values.data(), 8, 8, GDT_Float32, 0, 0); };
+    ASSERT_EQ(io(GF_Read), CE_None);
+    const auto known =
+        std::find_if(values.begin(), values.end(), [](float v) { return !std::isnan(v); });
+    ASSERT_NE(known, values.end());
+    *known = std::nextafter(*known, 1.0F);
+    ASSERT_EQ(io(GF_Write), CE_None);
+    GDALClose(tif);
+  }
+  expect_error(
+      [&] { read_site(dir / "site.tif", *in, 0); },
+      {"site.tif", "m are not those that were written", "copy it again"});
+}
+
 TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_converted)
 {
   const ScratchDir dir;
@@ -547,7 +614,7 @@ TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_converted)
     expect_error(
         [&] { read_site(dir / "other.tif", *in, 0); },
         {"other.tif", word, "give", "as talus wrote it"});
-    expect_error([&] { resolution_of_site(dir / "other.tif"); }, {"other.tif", word});
+    expect_error([&] { info_of_site(dir / "other.tif"); }, {"other.tif", word});
   };
   refused({"-ot", "Byte"}, "'traversability' holds Byte, not Float32");
   refused({"-ot", "Float64"}, "holds Float64");

@@ -1,7 +1,7 @@
 // What a person sees of a site and of what changed in it.
 #include <gtest/gtest.h>
 #include <talus/site/changes.h>
-#include <talus/site/site_picture.h>
+#include <talus/site/site_files.h>
 
 #include <opencv2/imgcodecs.hpp>
 

@@ -151,6 +151,14 @@ class TestMap
   float ground(double x, double y) const { return at(Layer::GroundElevation, x, y); }
   float elevation(double x, double y) const { return at(Layer::Elevation, x, y); }
   float traversability(double x, double y) const { return at(Layer::Traversability, x, y); }
+  /** The variance of the fused points of a cell's ground [m^2]. */
+  float fused_variance(double x, double y) const
+  {
+    const double cell_m = map.parameters().resolution_m;
+    const auto cell = [=](double at_m)
+    { return static_cast<std::int64_t>(std::floor(at_m / cell_m)); };
+    return map.read_cells({{cell(x), cell(y), 1, 1}})[0].ground_variance_m2;
+  }
   CellState state(double x, double y) const
   {
     return static_cast<CellState>(static_cast<int>(at(Layer::State, x, y)));

@@ -44,5 +44,7 @@ inline io::LayerStack small_terrain()
 }
 
 constexpr int kSmallTerrainBox = 25, kSmallTerrainJudged = 50 * 39;  //!< cells
+/** Between its cells; of the box the tops, its sides, and the steps between tops that rise. */
+constexpr int kSmallTerrainFaces = 2 * (49 * 39 + kSmallTerrainBox + 20 + 20);
 
 }  // namespace talus::test

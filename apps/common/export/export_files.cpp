@@ -1,12 +1,20 @@
 #include "export_files.h"
 
+#include "../crash_context.h"
+#include "export_formats.h"
+
 #include <talus/formats/page.h>
 #include <talus/io/geotiff.h>
-#include <talus/io/qgis_style.h>
+#include <talus/io/map_picture.h>
+#include <talus/number_text.h>
+#include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace fs = std::filesystem;
 
@@ -17,46 +25,62 @@ namespace
 using namespace talus::formats;
 using io::LayerStack;
 
-const std::vector<std::string> kBands{"traversability", "ground_elevation", "elevation", "state",
-                                      "reached",        "sparsity",         "age"};
+constexpr const char* kLessMap = "Cut out a part of the map with gdal_translate";
 
-/** One map, and how its files begin. */
+/** One map, as far as a format shows it. */
 struct Map
 {
-  std::string file, stem;
+  const io::GeotiffFile& file;
   LayerStack layers;
-
-  std::string path(const char* ending) const { return stem + ending; }
 };
 
-Map read_map(const std::string& file, const std::string& folder)
+/** What a format shows of it, and no more: a band of a large site takes a GB. */
+Map read_map(const std::string& path, const io::GeotiffFile& file, const ExportFormat& format)
 {
-  std::vector<std::string> bands = kBands;
-  for (const std::string& name : channel_bands(io::bands_of_geotiff(file))) bands.push_back(name);
-  Map map{file, (fs::path(folder) / fs::path(file).stem()).string(), io::read_geotiff(file, bands)};
+  std::vector<std::string> bands = format.bands;
+  if (format.name == "html")
+    for (const std::string& name : channel_bands(file.bands())) bands.push_back(name);
+  Map map{file, file.read(bands)};
   if (map.layers.layers.empty())
     throw std::runtime_error(
-        file + ": has none of the bands of a map: give a map.tif or site.tif of talus-map");
+        path + ": has none of the bands of a map: give a map.tif or site.tif of talus-map");
+  try
+  {
+    require_sound_cells(map.layers);
+  }
+  catch (const std::runtime_error& e)
+  {
+    throw std::runtime_error(path + ": " + e.what());
+  }
   return map;
 }
 
-/** None of the map of a window, nor of a part that was cut out of a site. */
-std::vector<std::vector<site::WayPoint>> site_ways(const std::string& file)
+/** Whether a file is one of a site as it was written: no map of a window, nor a part cut out. */
+bool is_site(const std::string& file)
 {
   try
   {
-    return site::ways_of_site(file);
+    return site::info_of_site(file).floor >= 0;
   }
   catch (const std::runtime_error&)
   {
-    return {};
+    return false;
   }
+}
+
+/** A site has all its floors and islands. */
+std::vector<std::string> files_of(const std::string& file)
+{
+  if (!is_site(file)) return {file};
+  std::vector<std::string> files;
+  for (const site::SitePart& part : site::parts_of_site(file, 0)) files.push_back(part.path);
+  return files;
 }
 
 std::vector<std::vector<PagePoint>> ways_of(const Map& map)
 {
   std::vector<std::vector<PagePoint>> ways;
-  for (const auto& way : site_ways(map.file))
+  for (const auto& way : site::ways_of_site(map.file))
   {
     auto& points = ways.emplace_back();
     for (const site::WayPoint& p : way) points.push_back({p.x_m, p.y_m, p.z_m});
@@ -70,7 +94,7 @@ void write_html(
   PageOptions page;
   page.title = title;
   page.ways = ways_of(map);
-  page.origin = io::origin_of_geotiff(map.file);
+  page.origin = map.file.origin();
   page.max_bytes = o.max_mb << 20;
   LayerStack changes;
   if (!o.changes.empty())
@@ -81,41 +105,107 @@ void write_html(
   write_page(path, map.layers, page);
 }
 
+/** What to tell of it. */
 std::string write_as(
-    const std::string& format, const Map& map, const std::string& title, const ExportOptions& o)
+    const std::string& format, const std::string& path, const Map& map, const std::string& title,
+    const ExportOptions& o)
 {
-  const auto written = [&map](const char* ending, const auto& write)
+  const LayerStack& m = map.layers;
+  const FileOrigin origin = o.origin.value_or(origin_for(m));
+  if (format == "octomap") return write_octomap(path, m, o.clearance_m, origin);
+  if (format == "ros") write_ros_map(path, m, o.ros_mode, o.occupancy);
+  if (format == "occupancy") write_occupancy_grid(path, m, o.occupancy);
+  if (format == "ply") write_mesh(path, m, o.max_faces, origin);
+  if (format == "heightmap") write_heightmap(path, m);
+  if (format == "qgis") io::write_qgis_style(path);
+  if (format == "html") write_html(path, map, title, o);
+  return "";
+}
+
+/** All files of a format, or none. */
+void write_or_tell(
+    const ExportFormat& format, const std::string& path, const io::GeotiffFile& file,
+    const std::string& stem, const std::string& title, const ExportOptions& o, Exported& told)
+{
+  const std::string written = stem + format.endings.front();
+  try
   {
-    std::string path = map.path(ending);
-    write(path, map.layers);
-    return path;
-  };
-  if (format == "ros")
-    return written(
-        ".yaml", [&](auto& p, auto& m) { write_ros_map(p, m, o.ros_mode, o.blocked_at); });
-  if (format == "gridmap")
-    return written(".gridmap.gz", [&](auto& p, auto& m) { write_gridmap(p, m, o.blocked_at); });
-  if (format == "octomap")
-    return written(".bt", [&](auto& p, auto& m) { write_octomap(p, m, o.clearance_m); });
-  if (format == "ply")
-    return written(".ply", [&](auto& p, auto& m) { write_mesh(p, m, o.max_faces); });
-  if (format == "heightmap")
-    return written("_height.png", [](auto& p, auto& m) { write_heightmap(p, m); });
-  if (format == "qgis") return written(".qml", [](auto& p, auto&) { io::write_qgis_style(p); });
-  return written(".html", [&](auto& p, auto&) { write_html(p, map, title, o); });
+    const Map map = read_map(path, file, format);
+    const std::string note = write_as(format.name, written, map, title, o);
+    if (!note.empty()) told.notes.push_back(note);
+    const FileOrigin origin = origin_for(map.layers);
+    if (!o.origin && format.has_origin && (origin.x_m != 0 || origin.y_m != 0))
+      told.notes.push_back(
+          written + ": its coordinates are less by " + number_text(origin.x_m) + ", " +
+          number_text(origin.y_m) +
+          " m, since floats of 32 bit would be rounded: --origin 0,0,0 of "
+          "talus-export leaves them as they are");
+  }
+  catch (const std::exception& e)
+  {
+    std::error_code none;
+    for (const std::string& ending : format.endings) fs::remove(stem + ending, none);
+    told.errors.push_back(failure_text(e, written, kLessMap));
+  }
+}
+
+std::vector<ExportFormat> formats_of(const ExportOptions& options)
+{
+  std::vector<ExportFormat> formats;
+  for (const ExportFormat& format : export_formats())
+    if (std::count(options.formats.begin(), options.formats.end(), format.name) > 0)
+      formats.push_back(format);
+  return formats;
+}
+
+/** All formats of a file of a map. */
+void export_file(
+    const std::string& path, const std::string& stem, const std::string& title,
+    const ExportOptions& o, Exported& told)
+{
+  try
+  {
+    const io::GeotiffFile file(path);
+    for (const ExportFormat& format : formats_of(o))
+      write_or_tell(format, path, file, stem, title, o, told);
+  }
+  catch (const std::exception& e)
+  {
+    told.errors.push_back(failure_text(e, path, kLessMap));
+  }
 }
 }  // namespace
 
-std::vector<std::string> export_files(
+std::vector<std::string> files_of_export(
+    const std::string& geotiff, const std::string& folder, const ExportOptions& options)
+{
+  std::vector<std::string> files;
+  for (const std::string& file : files_of(geotiff))
+    for (const ExportFormat& format : formats_of(options))
+      for (const std::string& ending : format.endings)
+        files.push_back((fs::path(folder) / (fs::path(file).stem().string() + ending)).string());
+  return files;
+}
+
+void require_exportable(const ExportOptions& options)
+{
+  const auto& formats = options.formats;
+  if (std::count(formats.begin(), formats.end(), "html") > 0) require_leaflet();
+}
+
+Exported export_files(
     const std::string& geotiff, const std::string& folder, const std::string& title,
     const ExportOptions& options)
 {
-  std::vector<std::string> files;
-  if (options.formats.empty()) return files;
-  const Map map = read_map(geotiff, folder);
-  for (const std::string& format : options.formats)
-    files.push_back(write_as(format, map, title, options));
-  return files;
+  Exported told;
+  const std::size_t named = fs::path(geotiff).stem().string().size();
+  for (const std::string& path : files_of(geotiff))
+  {
+    const std::string name = fs::path(path).stem().string();
+    export_file(
+        path, (fs::path(folder) / name).string(), title + name.substr(named), options, told);
+  }
+  return told;
 }
 
 }  // namespace talus::app

@@ -1,7 +1,9 @@
 #pragma once
+#include <CLI/CLI.hpp>
 #include <talus/formats/write.h>
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,15 +15,34 @@ struct ExportOptions
   std::vector<std::string> formats;  //!< as the option --to names them
   std::string changes;  //!< a changes.tif for the page; empty: none
   formats::RosMode ros_mode = formats::RosMode::Trinary;
-  double blocked_at = 0.0, clearance_m = 0.6;
+  formats::Occupancy occupancy{0.0, 0.5};
+  double clearance_m = 0.6;
+  std::optional<formats::FileOrigin> origin;  //!< of ply and octomap; nothing: origin_for()
   std::size_t max_faces = 2'000'000, max_mb = 30;
 };
 
-/** Writes a map.tif or site.tif in each of the formats into a folder. What is written is called as
- * the file is. `title`: of the page. The main file of each format. Throws std::runtime_error that
- * names the file. */
-std::vector<std::string> export_files(
+/** The files that export_files() may write. Throws as it does. */
+std::vector<std::string> files_of_export(
+    const std::string& geotiff, const std::string& folder, const ExportOptions& options);
+
+/** Throws std::runtime_error where a format needs what is not installed here. */
+void require_exportable(const ExportOptions& options);
+
+/** What was written, and what was not. */
+struct Exported
+{
+  std::vector<std::string> notes, errors;  //!< each names its file
+};
+
+/** Writes a map.tif, or a site.tif with its other floors and islands, in each of the formats into a
+ * folder. What is written is called as the file is. `title`: of the page. What fails costs no other
+ * file. Throws std::runtime_error where the map cannot be read. */
+Exported export_files(
     const std::string& geotiff, const std::string& folder, const std::string& title,
     const ExportOptions& options);
+
+/** Adds an option of this name that takes formats, with commas between them. */
+CLI::Option* add_formats(
+    CLI::App& app, const std::string& name, ExportOptions& options, const std::string& help);
 
 }  // namespace talus::app

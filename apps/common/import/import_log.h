@@ -1,6 +1,5 @@
 #pragma once
-#include "import_options.h"
-#include "poses_out.h"
+#include <talus/import/scan_source.h>
 
 #include <cstddef>
 #include <functional>
@@ -8,8 +7,25 @@
 #include <string>
 #include <vector>
 
+#include "merged_sources.h"
+
+namespace CLI
+{
+class App;
+}
+
 namespace talus::import
 {
+/** What the command line says of how scans of other programs are read. */
+struct ImportOptions
+{
+  SourceOptions source;
+};
+
+/** Adds the options of an import (--poses, --mount, --topic ...) to a command, or to a group of its
+ * options. */
+void add_import_options(CLI::App& app, ImportOptions& options);
+
 /** What a log was made of. */
 struct ImportedLog
 {

@@ -1,4 +1,4 @@
-#include "import_options.h"
+#include "import_log.h"
 
 #include "../command_line.h"
 

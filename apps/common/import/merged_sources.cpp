@@ -3,10 +3,8 @@
 #include "../crash_context.h"
 
 #include <talus/import/kitti_poses.h>
-#include <talus/io/foreign_scans.h>
 #include <talus/number_text.h>
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -19,15 +17,6 @@ template <class F>
 auto watched(const std::string& path, const F& work)
 {
   return app::guarded(path, app::kCompareWithSource, work);
-}
-/** Bags that are given together belong together, as the parts of one do: the links of TF in one are
- * of use to all. */
-std::vector<std::string> bags_among(const std::vector<std::string>& paths)
-{
-  std::vector<std::string> bags;
-  for (const auto& path : paths)
-    if (io::kind_of_scans(path) == io::ForeignScans::Ros2Bag) bags.push_back(path);
-  return bags;
 }
 /** A switch that does nothing is a mistake. */
 void require_no_switch_of_bags(const SourceOptions& o, const std::string& path)
@@ -51,20 +40,16 @@ MergedSources::MergedSources(const std::vector<std::string>& paths, const Source
   of_rest.own_poses = options.poses.empty() || !is_kitti_poses(options.poses);
   SourceOptions of_first = options;
   of_first.is_only_source = of_rest.is_only_source = paths.size() == 1;
-  const auto bags = bags_among(paths);
   bool has_bags = false;
-  sources_.reserve(paths.size());
-  for (const auto& path : paths)
+  const auto inputs = inputs_of(paths);
+  sources_.reserve(inputs.size());
+  for (const Input& input : inputs)
   {
-    const bool is_bag = std::find(bags.begin(), bags.end(), path) != bags.end();
-    if (is_bag && has_bags) continue;
-    has_bags = has_bags || is_bag;
+    has_bags |= input.is_bag();
     Source source;
-    source.path = path;
+    source.path = input.paths.front();
     const auto& its_options = sources_.empty() ? of_first : of_rest;
-    source.scans = watched(
-        path, [&]
-        { return is_bag ? open_bags(bags, its_options) : open_scan_source(path, its_options); });
+    source.scans = watched(source.path, [&] { return open_scan_source(input, its_options); });
     sources_.push_back(std::move(source));
     read(sources_.back());
   }

@@ -1,6 +1,6 @@
-#include "poses_out.h"
+#include "merged_sources.h"
 
-#include "../log_memory.h"
+#include "../memory_limit.h"
 #include "../crash_context.h"
 #include "rawlog_writer.h"
 

@@ -2,7 +2,6 @@
 #include <nlohmann/json.hpp>
 
 #include "report.h"
-#include "table.h"
 
 namespace talus::baselines
 {

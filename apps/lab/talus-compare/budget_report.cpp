@@ -5,7 +5,6 @@
 #include <functional>
 
 #include "report.h"
-#include "table.h"
 
 namespace talus::baselines
 {

@@ -14,10 +14,10 @@
 #include "../../common/output_folder.h"
 #include "../../common/printable.h"
 #include "../../common/progress_bar.h"
+#include "../../common/run_app.h"
 #include "bars_report.h"
 #include "log_sequence.h"
 #include "options.h"
-#include "pictures.h"
 #include "report.h"
 
 namespace fs = std::filesystem;
@@ -152,7 +152,7 @@ bool compare_input(const std::string& path, const CommandOptions& o, Comparison&
   }
   catch (const std::exception& e)
   {
-    std::cerr << "talus-compare: " << talus::app::failure_text(e, path, kLessToCompare) << "\n";
+    talus::app::print_error(talus::app::failure_text(e, path, kLessToCompare));
     return false;
   }
 }
@@ -186,8 +186,6 @@ void write_results(const Comparison& c, const talus::app::OutputFolder& folder)
   write_fills_picture((to / "fills.png").string(), c.evaluations);
   write_bars_picture((to / "calibration_of_heights.png").string(), c);
 }
-
-void print_error(const std::string& text) { std::cerr << "talus-compare: " << text << "\n"; }
 
 /** How the child ends. */
 enum Ending
@@ -252,13 +250,13 @@ Ending compare(
 /** The exit code. */
 int run(CommandOptions& o, const std::string& command)
 {
+  if (o.quiet) std::clog.setstate(std::ios::failbit);  // tells which backend was taken
   load_parameters_into(o);
-  talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
   require_outputs_apart(o);
   talus::app::OutputFolder folder(o.output);  // made before hours of work
   const int code = talus::app::run_command_in_child(
       o.inputs.front(), kLessToCompare, [&] { return compare(o, command, folder); },
-      [&](const std::string& text) { print_error(folder.told(text)); });
+      [&](const std::string& text) { talus::app::print_error(folder.told(text)); });
   if (code == kFailed || talus::app::stop_signal()) return code;
   folder.commit(kSeal);
   return code == kDone ? 0 : 1;
@@ -276,10 +274,8 @@ std::string command_text(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
-  const talus::app::PrintableOutput printable;
   CommandOptions options;
-  if (const auto exit_code = parse_options(argc, argv, options)) return *exit_code;
-  if (options.quiet) std::clog.setstate(std::ios::failbit);  // tells which backend was taken
-  const auto work = [&] { return run(options, command_text(argc, argv)); };
-  return talus::app::code_of(work, print_error, options.output, kLessToCompare);
+  return talus::app::run_app(
+      "talus-compare", argc, argv, [&](CLI::App& app) { add_options(app, options); },
+      [&] { return run(options, command_text(argc, argv)); });
 }

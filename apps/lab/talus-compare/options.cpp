@@ -1,7 +1,6 @@
 #include "options.h"
 
 #include "../../common/command_line.h"
-#include "../../common/version.h"
 #include "../../talus-map/settings.h"
 
 #include <talus/mrpt/parameters_ini.h>
@@ -234,6 +233,18 @@ void leave_out(std::vector<int>& rules)
   ::setenv(kWithoutRulesVariable, comma_list(rules).c_str(), 1);
 }
 
+/** What all options together mean. */
+void finish(const CLI::App& app, CommandOptions& o)
+{
+  o.evaluation.drive.frames = o.log.frames;
+  const std::string idle = idle_option(app, o);
+  if (!idle.empty())
+    throw CLI::ValidationError(idle + ": leave it out, or compare the inputs apart");
+  if (o.without_rules.empty()) return;
+  if (const std::string why = why_rules_stay(o.without_rules); !why.empty())
+    throw CLI::ValidationError(why);
+  leave_out(o.without_rules);
+}
 }  // namespace
 
 bool is_world(const std::string& path)
@@ -242,32 +253,17 @@ bool is_world(const std::string& path)
   return extension == ".yaml" || extension == ".yml";
 }
 
-std::optional<int> parse_options(int argc, char** argv, CommandOptions& options)
+void add_options(CLI::App& app, CommandOptions& options)
 {
-  CLI::App app{
-      "Runs logs and simulated worlds through talus and other maps, and says which is right.",
-      "talus-compare"};
+  app.description(
+      "Runs logs and simulated worlds through talus and other maps, and says which is right.");
   add_inputs(app, options);
   add_methods(app, options);
   add_drive(app, options.evaluation.drive);
   add_expectations(app, options);
   app.add_flag("--quiet", options.quiet, "Print errors only");
-  app.set_version_flag("--version", app::version_line("talus-compare"));
   app.footer(footer());
-  if (const auto exit_code = app::parse_command_line(app, argc, argv)) return exit_code;
-  options.evaluation.drive.frames = options.log.frames;
-  const auto refused = [](const std::string& why)
-  {
-    std::cerr << "talus-compare: " << why << "\n";
-    return 2;
-  };
-  const std::string idle = idle_option(app, options);
-  if (!idle.empty()) return refused(idle + ": leave it out, or compare the inputs apart");
-  if (options.without_rules.empty()) return {};
-  const std::string why = why_rules_stay(options.without_rules);
-  if (!why.empty()) return refused(why);
-  leave_out(options.without_rules);
-  return {};
+  app.final_callback([&app, &options] { finish(app, options); });
 }
 
 void load_parameters_into(CommandOptions& o)

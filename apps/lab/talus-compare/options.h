@@ -7,6 +7,11 @@
 #include <string>
 #include <vector>
 
+namespace CLI
+{
+class App;
+}
+
 namespace talus::baselines
 {
 /** File of the failures that are expected in the worlds of its folder and the folders in it. */
@@ -30,9 +35,8 @@ struct CommandOptions
 /** Whether an input is a world to simulate, and no log. */
 bool is_world(const std::string& path);
 
-/** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
- * program, or nothing: go on. */
-std::optional<int> parse_options(int argc, char** argv, CommandOptions& options);
+/** Adds the options, the description and the footer of the command. */
+void add_options(CLI::App& app, CommandOptions& options);
 
 /** Config file, then --set. Throws std::runtime_error. */
 void load_parameters_into(CommandOptions& o);

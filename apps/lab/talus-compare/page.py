@@ -112,6 +112,8 @@ class Page:
         if "bars" in parts:
             for name, arguments in {**{name: of for name, (_, of) in HELD_OUT.items()}, "mover": CAR}.items():
                 self.start_log(name, [*arguments, "--methods", "talus"])
+            for name in CITY:
+                self.start_log(name, [*label_arguments(name), "--methods", "talus"])
         for world in (self.kept_back if "bars" in parts else []) + (self.risk_worlds if "risk" in parts else []):
             self.runs.start(world, ["--methods", "talus"])
 
@@ -179,6 +181,9 @@ class Page:
         for name, title in titles.items():
             if name in self.runs.started:
                 rows.append(bars_row(title, self.runs.of(name)["held_out"]))
+        city = [self.runs.of(name)["held_out"][0] for name in CITY if name in self.runs.started]
+        if city:
+            rows.append(bars_row(f"city, mean of {len(city)} single scans", city))
         return settings(["talus-compare datasets/worlds/NAME.yaml --methods talus",
                          *names_of(self.kept_back),
                          "talus-compare DATA/mover.rawlog --config datasets/configs/car.ini --methods talus",

@@ -1,10 +1,9 @@
-#include "pictures.h"
+#include "report.h"
 
 #include <talus/io/map_picture.h>
 
 #include <picture_canvas.h>
 #include <picture_legend.h>
-#include <picture_marks.h>
 #include <picture_style.h>
 
 #include <algorithm>

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "bars_report.h"
-#include "table.h"
 
 namespace talus::baselines
 {

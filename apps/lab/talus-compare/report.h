@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/baselines/evaluate.h>
 #include <talus/baselines/expected_failures.h>
 #include <talus/baselines/holdout.h>
 #include <talus/baselines/label_score.h>
@@ -62,5 +63,29 @@ std::string fills_csv(const Comparison& c);
 std::string real_logs_csv(const Comparison& c);
 std::string labels_csv(const Comparison& c);
 std::string comparison_json(const Comparison& c);
+
+/** Rows are worlds, columns are the truth and the traversability of each method, as in figure 8 of
+ * the paper. Whole or not at all. Throws std::runtime_error. */
+void write_maps_picture(const std::string& path, const std::vector<Evaluation>& evaluations);
+
+/** Rows are worlds, columns are the measured ground, the truth and each fill, as in figure 9. */
+void write_fills_picture(const std::string& path, const std::vector<Evaluation>& evaluations);
+
+/** Rows of text under a heading; the first column is left-aligned, the others right-aligned. */
+struct Table
+{
+  std::vector<std::string> heading;
+  std::vector<std::vector<std::string>> rows;
+
+  /** The same without columns in which no row has a figure; the first column stays. */
+  Table without_empty_columns() const;
+  std::string text() const;  //!< for a terminal
+  std::string markdown() const;
+};
+
+/** A number with so many decimals, "-" for NaN. */
+std::string number(double value, int decimals);
+/** A share as a percentage with one decimal, "-" for NaN. */
+std::string percent(double share);
 
 }  // namespace talus::baselines

@@ -1,4 +1,4 @@
-#include "table.h"
+#include "report.h"
 
 #include <algorithm>
 #include <cmath>

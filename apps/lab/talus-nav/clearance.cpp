@@ -1,4 +1,4 @@
-#include "clearance.h"
+#include "ground_cost.h"
 
 #include "footprints.h"
 

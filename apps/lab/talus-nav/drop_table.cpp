@@ -1,4 +1,4 @@
-#include "drop_table.h"
+#include "results.h"
 
 #include <talus/sim/drop_reach.h>
 #include <talus/sim/world.h>

@@ -1,10 +1,11 @@
 #pragma once
-#include "simulated_robot.h"
-
 #include <mrpt/math/TPose2D.h>
 #include <talus/mrpt/heading_cost.h>
 
 #include <vector>
+
+#include "map_source.h"
+#include "simulated_robot.h"
 
 namespace talus::nav
 {
@@ -36,5 +37,18 @@ class GroundCost
   int places_ = 0;  //!< along each side of the window
   mutable std::vector<float> costs_;  //!< of each place and heading; -1: not asked yet
 };
+
+/** What the outline of the robot keeps away from what it knows to be blocked. */
+constexpr double kKeepAway_m = 0.1;
+/** And from what stands there, where there is no room. */
+constexpr double kKeepAwayWhereNarrow_m = 0.02;
+
+/** How long [s] a robot may go on with these speeds, at most `most_s`: until one of the places is
+ * nearer to its outline than kKeepAway_m, or where it is `narrow` and no edge than
+ * kKeepAwayWhereNarrow_m. A robot that stands nearer to one already must not come nearer than that
+ * to any. */
+double clear_time_s(
+    const std::vector<BlockedPlace>& places, const RobotBody& body, double v_mps, double w_radps,
+    double most_s, bool narrow);
 
 }  // namespace talus::nav

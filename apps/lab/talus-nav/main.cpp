@@ -3,14 +3,14 @@
 #include "../../common/crash_context.h"
 #include "../../common/log_name.h"
 #include "../../common/output_folder.h"
-#include "../../common/printable.h"
+#include "../../common/run_app.h"
 #include "picture.h"
 #include "results.h"
 #include "settings.h"
 #include "view_ahead.h"
 
 #include <talus/io/geotiff.h>
-#include <talus/io/written_file.h>
+#include <talus/io/atomic_file.h>
 #include <talus/io/map_picture.h>
 #include <talus/io/mrpt_error.h>
 
@@ -22,6 +22,7 @@
 
 namespace fs = std::filesystem;
 using namespace talus::nav;
+using talus::app::print_error;
 
 namespace
 {
@@ -81,8 +82,6 @@ void finish_log(const fs::path& folder)
       return fs::rename(entry.path(), name);
     }
 }
-
-void print_error(const std::string& text) { std::cerr << "talus-nav: " << text << "\n"; }
 
 void tell_unseen(
     const std::string& world, const talus::sim::SensorSetup& sensor, double clearance_m)
@@ -161,9 +160,8 @@ int drive_or_tell(
   return kFailed;
 }
 
-int run(const Options& o, const Settings& settings)
+int run_with(const Options& o, const Settings& settings)
 {
-  talus::app::forward_signals();  // before any folder is made: a signal must not leave it behind
   talus::app::require_apart(
       o.output, {"navigation.png", "path.csv", "summary.json", "map.tif"}, {o.world, o.config});
   talus::app::OutputFolder output(o.output);
@@ -175,26 +173,20 @@ int run(const Options& o, const Settings& settings)
   if (!o.quiet) std::cout << "  wrote " << (fs::path(o.output) / "navigation.png").string() << "\n";
   return code;
 }
-}  // namespace
 
-int main(int argc, char** argv)
+int run(const Options& o)
 {
-  const talus::app::PrintableOutput printable;
-  Options options;
-  if (const auto code = parse_options(argc, argv, options)) return *code;
-  if (options.quiet) std::clog.setstate(std::ios::failbit);  // tells which backend was taken
+  if (o.quiet) std::clog.setstate(std::ios::failbit);  // tells which backend was taken
   try
   {
-    return run(options, load_settings(options));
+    return run_with(o, load_settings(o));
   }
   catch (const WrongConfiguration& e)
   {
     print_error(e.what());
     return kUsage;
   }
-  catch (const std::exception& e)
-  {
-    print_error(talus::app::failure_text(e, options.world, kSimplerWorld));
-    return kFailed;
-  }
 }
+}  // namespace
+
+int main(int argc, char** argv) { return talus::app::run_app("talus-nav", argc, argv, run); }

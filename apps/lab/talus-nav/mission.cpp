@@ -1,6 +1,6 @@
 #include "mission.h"
 
-#include "retreat.h"
+#include "follow.h"
 #include "unseen.h"
 
 #include <mrpt/core/Clock.h>

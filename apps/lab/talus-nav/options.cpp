@@ -1,8 +1,7 @@
 #include "options.h"
 
 #include "../../common/command_line.h"
-#include "../../common/version.h"
-#include "drop_table.h"
+#include "results.h"
 
 #include <talus/mrpt/parameters_ini.h>
 
@@ -145,18 +144,15 @@ void fit_sensor(sim::SensorSetup& sensor, const Options& o)
       {m[0], m[1], m[2]}, sim::radians(m[5]), sim::radians(m[4]), sim::radians(m[3]));
 }
 
-std::optional<int> parse_options(int argc, char** argv, Options& options)
+void add_options(CLI::App& app, Options& options)
 {
-  CLI::App app{
-      "Drives a simulated robot to a goal: LiDAR -> terrain map -> MRPT's planners, no display.",
-      "talus-nav"};
+  app.description(
+      "Drives a simulated robot to a goal: LiDAR -> terrain map -> MRPT's planners, no display.");
   add_mission(app, options);
   add_sensor(app, options);
   add_noise(app, options);
   add_processing(app, options);
-  app.set_version_flag("--version", app::version_line("talus-nav"));
   app.footer(kFooter);
-  return app::parse_command_line(app, argc, argv);
 }
 
 }  // namespace talus::nav

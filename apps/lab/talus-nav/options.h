@@ -1,11 +1,16 @@
 #pragma once
-#include "../../common/mounting.h"
+#include "../../common/command_line.h"
 #include "mission.h"
 
 #include <talus/elevation_mapper.h>
 
 #include <optional>
 #include <string>
+
+namespace CLI
+{
+class App;
+}
 
 namespace talus::nav
 {
@@ -31,8 +36,7 @@ struct Options
 /** Makes the sensor of a world what the options say. */
 void fit_sensor(sim::SensorSetup& sensor, const Options& options);
 
-/** Reads the command line; answers --help, --version and mistakes itself. The exit code of the
- * program, or nothing: go on. */
-std::optional<int> parse_options(int argc, char** argv, Options& options);
+/** Adds the options, the description and the footer of the command. */
+void add_options(CLI::App& app, Options& options);
 
 }  // namespace talus::nav

@@ -1,7 +1,7 @@
 #include "pilot.h"
 
 #include "../../common/crash_context.h"
-#include "clearance.h"
+#include "ground_cost.h"
 #include "planner_ini.h"
 #include "settings.h"
 

@@ -1,7 +1,5 @@
 #include "planning_grid.h"
 
-#include "costmap_values.h"
-
 #include <algorithm>
 #include <cmath>
 

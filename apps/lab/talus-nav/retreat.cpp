@@ -1,4 +1,4 @@
-#include "retreat.h"
+#include "follow.h"
 
 #include <cmath>
 

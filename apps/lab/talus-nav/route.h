@@ -1,5 +1,5 @@
 #pragma once
-#include "costmap_values.h"
+#include "planning_grid.h"
 #include "lattice.h"
 #include "simulated_robot.h"
 

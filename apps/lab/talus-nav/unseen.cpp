@@ -1,6 +1,6 @@
 #include "unseen.h"
 
-#include "costmap_values.h"
+#include "planning_grid.h"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
-#include "labelled_scans.h"
+#include "sheet.h"
 
-#include <talus/io/label_colour.h>
+#include <talus/io/score_colour.h>
 #include <talus/sim/geometry.h>
 
 #include <picture_legend.h>

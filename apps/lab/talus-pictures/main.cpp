@@ -6,7 +6,6 @@
 //   drive EYE TARGET FOLDER MAPS...: maps of talus-map --every as a drive that is seen from EYE
 //     (x,y,z in m), as FOLDER/drive_000.png ...
 #include "drive.h"
-#include "labelled_scans.h"
 #include "sheet.h"
 
 #include <talus/baselines/sequence.h>

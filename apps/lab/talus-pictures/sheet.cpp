@@ -3,7 +3,6 @@
 #include <opencv2/imgproc.hpp>
 #include <picture_canvas.h>
 #include <picture_legend.h>
-#include <picture_marks.h>
 #include <picture_style.h>
 
 #include <algorithm>

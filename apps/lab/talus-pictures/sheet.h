@@ -1,10 +1,12 @@
 #pragma once
-#include <talus/io/layer_stack.h>
-
 #include <opencv2/core.hpp>
+#include <talus/baselines/sequence.h>
+#include <talus/io/layer_stack.h>
 
 #include <string>
 #include <vector>
+
+#include "oblique.h"
 
 namespace talus::pictures
 {
@@ -33,5 +35,10 @@ enum class SheetLegend
 cv::Mat draw_sheet(
     const std::vector<Tile>& tiles, int columns, int together,
     SheetLegend explained = SheetLegend::All);
+
+/** The points of some scans of a drive, all coloured by what the map says of them after the last
+ * one, above what the colours mean. */
+cv::Mat draw_labelled_scans(
+    const std::vector<baselines::ScanFrame>& frames, std::size_t every, const Camera& camera);
 
 }  // namespace talus::pictures

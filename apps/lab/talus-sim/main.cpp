@@ -1,15 +1,16 @@
-#include <cstdio>
-#include <filesystem>
-#include <iostream>
-#include <utility>
-
-#include "../../common/child_process.h"
+#include "../../common/command_line.h"
 #include "../../common/crash_context.h"
 #include "../../common/log_name.h"
 #include "../../common/output_folder.h"
-#include "../../common/printable.h"
 #include "../../common/progress_bar.h"
-#include "options.h"
+#include "../../common/run_app.h"
+#include "output.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <utility>
 
 namespace fs = std::filesystem;
 
@@ -17,6 +18,108 @@ namespace
 {
 using namespace talus::sim;
 using namespace talus::app;
+
+/** What the command line says. */
+struct Options
+{
+  std::string world, output;
+  DriveOptions drive;
+  Claims claims;
+  double resolution_m = 0.05;
+  bool without_movers = false, quiet = false;
+};
+
+std::string footer()
+{
+  std::string text = "Scanners:\n";
+  for (const Scanner& s : scanners())
+    text += "  " + s.name + std::string(14 - s.name.size(), ' ') + s.description + "\n";
+  return text +
+         "\nExamples:\n"
+         "  talus-sim datasets/worlds/demo.yaml --output out\n"
+         "      out/demo.rawlog, out/demo.tum and out/truth.tif; then: talus-map out/demo.rawlog\n"
+         "  talus-sim demo.yaml --output out --scanner OS1-64 --seed 3 --noise 0.02\n"
+         "  talus-sim demo.yaml --output out --pose-noise 0.02 --z-drift 0.01\n"
+         "      also out/demo_noisy.tum; then: talus-map out/demo.rawlog --trajectory "
+         "out/demo_noisy.tum\n"
+         "  talus-sim demo.yaml --output out --mounting-error 0,0,0.05,0,-3,2 --clock-error 0.05\n"
+         "      a log for talus-calibrate to put right\n"
+         "\nExit codes: 0 done, 1 failed, 2 wrong usage, 128 + N stopped by signal N.";
+}
+
+void add_world(CLI::App& app, Options& o)
+{
+  app.add_option("WORLD", o.world, "World file (.yaml); datasets/README.md describes the format")
+      ->required();
+  add_optional(app, "--scanner", o.drive.scanner, "Scanner instead of the world's, see below")
+      ->type_name("NAME");
+  add_optional(app, "--seed", o.drive.seed, "Seed of the noise instead of the world's")
+      ->check(whole_of_64_bits())
+      ->type_name("N");
+  add_optional(app, "--noise", o.drive.noise_m, "Standard deviation of a range [m]")
+      ->check(between(0.0, 10.0))
+      ->type_name("M");
+  add_optional(app, "--noise-per-m", o.drive.noise_per_m, "Its growth with the range [m/m]")
+      ->check(between(0.0, 1.0))
+      ->type_name("M/M");
+  add_optional(app, "--frames", o.drive.frames, "Write at most so many frames")
+      ->check(CLI::Range(1, 100000))
+      ->type_name("N");
+  app.add_option("--every", o.drive.every, "Of each sensor's sweeps, only the first of N")
+      ->check(CLI::Range(1, 100000))
+      ->type_name("N");
+  app.add_option(
+         "--cut-frames", o.drive.cut_frames,
+         "Write a sweep as N frames, each with its own stamp and pose")
+      ->check(CLI::Range(1, 100))
+      ->type_name("N");
+}
+
+void add_errors(CLI::App& app, Options& o)
+{
+  app.add_option(
+         "--pose-noise", o.drive.pose_noise_m,
+         "Also write WORLD_noisy.tum: standard deviation in x, y, z [m]")
+      ->check(between(0.0, 10.0))
+      ->type_name("M");
+  app.add_option("--angle-noise", o.drive.angle_noise_rad, "The same in roll, pitch, yaw [rad]")
+      ->check(between(0.0, 1.0))
+      ->type_name("RAD");
+  app.add_option(
+         "--z-drift", o.drive.z_drift, "The same: climb of the noisy pose, metres a metre driven")
+      ->check(between(-1.0, 1.0))
+      ->type_name("M/M");
+  add_mounting(
+      app, "--mounting-error", o.claims.mounting_error, "The log states a mounting that is off");
+  app.add_option(
+         "--clock-error", o.claims.clock_error_s,
+         "The stamps of the log are late by this against the trajectory [s]")
+      ->check(between(-10.0, 10.0))
+      ->type_name("S");
+}
+
+void add_outputs(CLI::App& app, Options& o)
+{
+  app.add_option("--output", o.output, "Folder of the files; made if it does not exist")
+      ->required()
+      ->type_name("DIR");
+  app.add_option("--resolution", o.resolution_m, "Side of a cell of truth.tif [m]")
+      ->check(between(0.001, 100.0))
+      ->capture_default_str()
+      ->type_name("M");
+  app.add_flag("--no-movers", o.without_movers, "Leave what moves out of truth.tif");
+  app.add_flag("--quiet", o.quiet, "Print errors only");
+}
+
+void add_options(CLI::App& app, Options& options)
+{
+  app.description(
+      "Drives a robot with a LiDAR through a world; writes its log, its way and the truth.");
+  add_world(app, options);
+  add_errors(app, options);
+  add_outputs(app, options);
+  app.footer(footer());
+}
 
 constexpr double kTruthMargin_m = 6.0;
 constexpr const char* kSimplerWorld = "Try one with fewer things and a shorter way in it";
@@ -79,32 +182,18 @@ void simulate(const Options& o, const std::string& folder)
   }
 }
 
-void print_error(const std::string& text) { std::cerr << "talus-sim: " << text << "\n"; }
-
 /** The exit code. */
 int run(const Options& o)
 {
-  forward_signals();  // before any folder is made: a signal must not leave it behind
-  OutputFolder output(o.output);
-  const auto work = [&]
-  {
-    simulate(o, output.staging());
-    return 0;
-  };
-  const auto tell = [&](const std::string& text) { print_error(output.told(text)); };
-  if (const int code = run_command_in_child(o.world, kSimplerWorld, work, tell)) return code;
   const std::string log = name_of_world(o.world) + ".rawlog";
-  output.commit(log);
-  if (!o.quiet) std::cout << "  wrote   " << (fs::path(o.output) / log).string() << "\n";
-  return 0;
+  const int code = make_results(
+      o.output, log, o.world, kSimplerWorld,
+      [&](const std::string& staging) { simulate(o, staging); });
+  if (code == 0 && !o.quiet)
+    std::cout << "  wrote   " << (fs::path(o.output) / log).string() << "\n";
+  return code;
 }
 
 }  // namespace
 
-int main(int argc, char** argv)
-{
-  const PrintableOutput printable;
-  Options options;
-  if (const auto exit_code = parse_options(argc, argv, options)) return *exit_code;
-  return code_of([&] { return run(options); }, print_error, options.world, kSimplerWorld);
-}
+int main(int argc, char** argv) { return run_app("talus-sim", argc, argv, run); }

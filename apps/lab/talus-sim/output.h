@@ -1,5 +1,5 @@
 #pragma once
-#include "../../common/mounting.h"
+#include "../../common/command_line.h"
 
 #include <talus/sim/drive.h>
 #include <talus/sim/truth.h>

@@ -37,7 +37,7 @@ struct Map
 Map open(const std::string& path)
 {
   const MovedReader reader(path, {});
-  Map map{path, {}, reader.file().resolution_m()};
+  Map map{path, {}, reader.file().info().resolution_m};
   for (const auto& tile : reader.tiles()) map.tiles.insert({tile.x, tile.y});
   return map;
 }
@@ -45,7 +45,7 @@ Map open(const std::string& path)
 void require_one_frame(const std::vector<std::string>& paths)
 {
   const site::SiteReader first(paths.front());
-  site::Site site(first.resolution_m(), 0, "");
+  site::Site site(first.info().resolution_m, 0, "");
   site.origin = first.origin();
   for (const std::string& path : paths) site::SiteReader(path).require_fits(site);
 }

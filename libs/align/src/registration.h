@@ -1,7 +1,6 @@
 #pragma once
 #include "field.h"
 #include "pose.h"
-#include "samples.h"
 
 #include <Eigen/Core>
 

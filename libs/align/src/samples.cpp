@@ -1,5 +1,3 @@
-#include "samples.h"
-
 #include "field.h"
 
 #include <Eigen/Eigenvalues>

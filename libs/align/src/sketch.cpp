@@ -1,6 +1,6 @@
 #include "sketch.h"
 
-#include <cell_evidence.h>
+#include <known_cells.h>
 
 #include <cmath>
 #include <limits>
@@ -46,7 +46,7 @@ void Sketch::add(site::MovedReader& map)
     for (int i = 0; i < site::kTileCells * site::kTileCells; ++i)
       if (const auto& s = tile->cells[static_cast<std::size_t>(i)]; s.known())
         add(site::cell_of_tile(place.x, i % site::kTileCells),
-            site::cell_of_tile(place.y, i / site::kTileCells), map.file().resolution_m(), s);
+            site::cell_of_tile(place.y, i / site::kTileCells), map.file().info().resolution_m, s);
   }
 }
 

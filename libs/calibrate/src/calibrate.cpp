@@ -1,9 +1,7 @@
 #include <talus/calibrate/calibrate.h>
 
-#include <talus/calibrate/first_guess.h>
-#include <talus/calibrate/observability.h>
-#include <talus/calibrate/requirements.h>
-#include <talus/calibrate/solve.h>
+#include <talus/calibrate/held_out.h>
+#include <talus/calibrate/information.h>
 #include <talus/number_text.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include <talus/calibrate/contact.h>
+#include <talus/calibrate/associate.h>
 
 #include <talus/io/quantile.h>
 

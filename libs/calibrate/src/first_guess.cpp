@@ -1,4 +1,4 @@
-#include <talus/calibrate/first_guess.h>
+#include <talus/calibrate/held_out.h>
 
 #include <talus/io/quantile.h>
 #include <talus/number_text.h>

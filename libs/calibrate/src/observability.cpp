@@ -1,4 +1,4 @@
-#include <talus/calibrate/observability.h>
+#include <talus/calibrate/information.h>
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include <talus/calibrate/requirements.h>
+#include <talus/calibrate/information.h>
 #include <talus/number_text.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include <talus/calibrate/solve.h>
+#include <talus/calibrate/held_out.h>
 
 #include <ceres/ceres.h>
 

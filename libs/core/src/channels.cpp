@@ -55,16 +55,8 @@ bool ends_in(const std::string& text, const std::string& end)
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/** Bands of files of maps that are no layers. */
-bool is_taken(const std::string& name)
-{
-  static const std::vector<std::string> others{
-      "age",   "elevation_variance", "evidence", "shape", "change_m", "kind", "times",
-      "scans", "speed_mps"};
-  const auto is = [&](const std::string& other) { return other == name; };
-  return std::any_of(kLayerNames.begin(), kLayerNames.end(), is) ||
-         std::any_of(others.begin(), others.end(), is) || ends_in(name, kStanding);
-}
+/** By another band of files of maps. */
+bool is_taken(const std::string& name) { return find_layer(name) || ends_in(name, kStanding); }
 
 /** Whether a value is NaN or a class; without branches, so that many are asked at once. */
 bool is_class_or_none(float v)

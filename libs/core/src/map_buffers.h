@@ -229,7 +229,7 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
   /** Surface layers come first, then the layers of stage 7. */
   static constexpr int kFirstSurface = static_cast<int>(Layer::Elevation);
   static constexpr int kFirstFeature = static_cast<int>(Layer::Slope);
-  static constexpr int kParts = 4, kFeatureLayers = kParts + 1;
+  static constexpr int kFeatureLayers = kLayerCount - kFirstFeature, kParts = kFeatureLayers - 1;
 
   /** The parts of a frame that another frame in flight does not share. */
   struct Slot

@@ -1,5 +1,6 @@
 #include "map_config.h"
 #include <talus/rule_switches.h>
+#include "kernels/6_fill.h"
 #include "kernels/9_channels.h"
 #include "kernels/rule_constants.h"
 #include "kernels/rule_switches.h"
@@ -39,41 +40,26 @@ kernels::Config stages_config(const Parameters& p)
 {
   const auto f = [](double v) { return static_cast<float>(v); };
   kernels::Config k{};
+#define TALUS_TAKE(type, name) k.name = static_cast<type>(p.name);
+  TALUS_TAKEN_PARAMETERS(TALUS_TAKE)
+#undef TALUS_TAKE
   k.cells = p.cells();
-  k.resolution_m = f(p.resolution_m);
   k.inverse_resolution = f(1 / p.resolution_m);
   k.min_range2_m2 = f(p.min_range_m * p.min_range_m);
   k.max_range2_m2 = f(p.max_range_m * p.max_range_m);
-  k.min_height_m = f(p.min_height_m);
-  k.max_height_m = f(p.max_height_m);
   k.inverse_voxel = p.voxel_m > 0 ? f(1 / p.voxel_m) : 0;
-  k.c_beam_m = f(p.c_beam_m);
-  k.a_beam = f(p.a_beam);
   k.gate2 = f(p.mahalanobis_gate * p.mahalanobis_gate);
-  k.min_variance_m2 = f(p.min_variance_m2);
-  k.clearance_m = f(p.clearance_m);
-  k.cleanup_margin_m = f(p.cleanup_margin_m);
-  k.cleanup_frames = p.cleanup_frames;
   k.start_automatic = p.start_radius_m < 0;
   k.start_radius_m = k.start_automatic ? kernels::kStartsWithin_m : f(p.start_radius_m);
   k.object_radius = static_cast<int>(std::lround(p.object_size_m / (4 * p.resolution_m)));
   k.max_slope = f(std::tan(p.slope_threshold_rad));
-  k.fill_search_m = f(p.fill_search_m);
+  k.fill_search_m = f(std::min(p.fill_search_m, kernels::kInferred * p.resolution_m));
   k.inverse_fill_kernel = f(1 / p.fill_kernel_m);
-  k.fill_variance_per_m = f(p.fill_variance_per_m);
-  k.fill_samples = p.fill_samples;
   k.feature_radius_cells =
       std::max(1, static_cast<int>(std::lround(p.feature_radius_m / p.resolution_m)));
   k.inverse_slope_threshold = f(1 / p.slope_threshold_rad);
-  k.step_threshold_m = f(p.step_threshold_m);
   k.inverse_step_threshold = f(1 / p.step_threshold_m);
   k.inverse_roughness_threshold = f(1 / p.roughness_threshold_m);
-  k.weight_slope = f(p.weight_slope);
-  k.weight_step = f(p.weight_step);
-  k.weight_roughness = f(p.weight_roughness);
-  k.sparsity_range_m = f(p.sparsity_range_m);
-  k.sparsity_distance_m = f(p.sparsity_distance_m);
-  k.sparsity_search_m = f(p.sparsity_search_m);
   return k;
 }
 }  // namespace

@@ -132,103 +132,6 @@ std::vector<BodyBox> boxes_from(const std::string& text)
   return boxes;
 }
 
-std::vector<ParameterInfo> make_table()
-{
-  return {
-      entry<&Parameters::resolution_m>("resolution_m", "m", 1e-3, 100, "side of a cell"),
-      entry<&Parameters::window_m>(
-          "window_m", "m", 1e-2, kHuge, "side of the square window around the robot's base"),
-      entry<&Parameters::min_range_m>(
-          "min_range_m", "m", 1e-3, kHuge, "points nearer than this are dropped"),
-      entry<&Parameters::max_range_m>(
-          "max_range_m", "m", 1e-2, kHuge, "points farther than this are dropped"),
-      entry<&Parameters::min_height_m>(
-          "min_height_m", "m", -kHuge, kHuge,
-          "lowest accepted height above the sensor, along the map's z"),
-      entry<&Parameters::max_height_m>(
-          "max_height_m", "m", -kHuge, kHuge,
-          "highest accepted height above the sensor, along the map's z"),
-      {"body_boxes_m", "m", 0, 0,
-       "robot's own body in the frame of its base, whose points are dropped: none, or up to 32 "
-       "boxes "
-       "'x_min x_max y_min y_max z_min z_max', a comma between two",
-       nullptr, nullptr, false, [](const Parameters& p) { return boxes_text(p.body_boxes_m); },
-       [](Parameters& p, const std::string& text) { p.body_boxes_m = boxes_from(text); }},
-      entry<&Parameters::voxel_m>(
-          "voxel_m", "m", 0, 100, "keep one point a voxel of this size in each frame; 0 keeps all"),
-      entry<&Parameters::c_beam_m>(
-          "c_beam_m", "m", 1e-4, 10,
-          "standard deviation of a point at range zero (eq. 3 of the sensor model)"),
-      entry<&Parameters::a_beam>(
-          "a_beam", "m/m", 0, 1, "growth of that standard deviation with range"),
-      entry<&Parameters::lambda_t>(
-          "lambda_t", "", 0, 1000, "weight of the pose change in a point's variance (eq. 4)"),
-      entry<&Parameters::mahalanobis_gate>(
-          "mahalanobis_gate", "", 0.1, 100,
-          "points farther than this many standard deviations are not fused"),
-      entry<&Parameters::min_variance_m2>(
-          "min_variance_m2", "m^2", 1e-10, 1, "floor of the variance of a fused height"),
-      entry<&Parameters::clearance_m>(
-          "clearance_m", "m", 1e-2, 100,
-          "height the robot needs; what hangs higher above the ground is passable"),
-      entry<&Parameters::cleanup_margin_m>(
-          "cleanup_margin_m", "m", 0, 10,
-          "a surface is seen through when a ray passed this far below it"),
-      entry<&Parameters::cleanup_frames>(
-          "cleanup_frames", "", 1, 100,
-          "consecutive frames that must see through a cell before it is cleared"),
-      entry<&Parameters::start_radius_m>(
-          "start_radius_m", "m", -1, 1000,
-          "ground so far around where the robot starts is presumed to be that under its base; "
-          "below 0: what the first frame leaves blind, up to 3 m; 0: none"),
-      entry<&Parameters::object_size_m>(
-          "object_size_m", "m", 2e-3, 6500,
-          "measured ground narrower than this that stands out steeply is an object; 2 to 65 "
-          "cells"),
-      entry<&Parameters::fill_search_m>(
-          "fill_search_m", "m", 0, 1000,
-          "how far to look for measured ground, each way along the ray"),
-      entry<&Parameters::fill_kernel_m>(
-          "fill_kernel_m", "m", 1e-3, 1000, "support of the sparse kernel (eq. 8)"),
-      entry<&Parameters::fill_samples>(
-          "fill_samples", "", 1, 16, "measured cells taken on each side"),
-      entry<&Parameters::fill_variance_per_m>(
-          "fill_variance_per_m", "m/m", 0, 10,
-          "growth of a fill's standard deviation with the distance to its sample"),
-      entry<&Parameters::feature_radius_m>(
-          "feature_radius_m", "m", 1e-3, 100,
-          "half side of the neighbourhood of slope, step and roughness; at most 15 cells"),
-      entry<&Parameters::slope_threshold_rad>(
-          "slope_threshold_rad", "rad", 1e-3, 1.55, "slope that is impassable (eq. 10)"),
-      entry<&Parameters::step_threshold_m>(
-          "step_threshold_m", "m", 1e-3, 100, "step that is impassable (eq. 11)"),
-      entry<&Parameters::roughness_threshold_m>(
-          "roughness_threshold_m", "m", 1e-3, 100, "roughness that is impassable (eq. 12)"),
-      entry<&Parameters::weight_slope>("weight_slope", "", 0, 1, "weight of the slope (eq. 13)"),
-      entry<&Parameters::weight_step>("weight_step", "", 0, 1, "weight of the step (eq. 13)"),
-      entry<&Parameters::weight_roughness>(
-          "weight_roughness", "", 0, 1, "weight of the roughness (eq. 13)"),
-      entry<&Parameters::sparsity_range_m>(
-          "sparsity_range_m", "m", 0, kHuge, "fills nearer than this may drop"),
-      entry<&Parameters::sparsity_distance_m>(
-          "sparsity_distance_m", "m", 1e-2, kHuge, "distance threshold d_c (eq. 14)"),
-      entry<&Parameters::sparsity_search_m>(
-          "sparsity_search_m", "m", 0, 1000,
-          "how far to look for ground on the other side (eq. 14)"),
-      {"channels", "", 0, 0,
-       "values of points that become layers: none, or up to four 'name:rule', a comma between two; "
-       "the rule is mean, latest, max or vote",
-       nullptr, nullptr, false, [](const Parameters& p) { return channels_text(p.channels); },
-       [](Parameters& p, const std::string& text) { p.channels = channels_from(text); }},
-      {"channel_cost", "", 0, 0,
-       "the most that cells of a class of a vote get as traversability, 0: impassable: none, or "
-       "'name:class=score,class=score'",
-       nullptr, nullptr, false,
-       [](const Parameters& p) { return channel_costs_text(p.channel_cost); },
-       [](Parameters& p, const std::string& text) { p.channel_cost = channel_costs_from(text); }},
-  };
-}
-
 std::string allowed(const ParameterInfo& info)
 {
   return "a number from " + number(info.min) + " to " + number(info.max) +
@@ -340,8 +243,23 @@ void Parameters::validate() const
 
 const std::vector<ParameterInfo>& parameter_table()
 {
-  static const std::vector<ParameterInfo> table = make_table();
+#define TALUS_NUMBER(type, name, value, unit, least, most, meaning) \
+  entry<&Parameters::name>(#name, unit, least, most, meaning),
+#define TALUS_TEXT(type, name, to_text, from_text, unit, meaning) \
+  {#name,                                                         \
+   unit,                                                          \
+   0,                                                             \
+   0,                                                             \
+   meaning,                                                       \
+   nullptr,                                                       \
+   nullptr,                                                       \
+   false,                                                         \
+   [](const Parameters& p) { return to_text(p.name); },           \
+   [](Parameters& p, const std::string& text) { p.name = from_text(text); }},
+  static const std::vector<ParameterInfo> table{TALUS_PARAMETERS(TALUS_NUMBER, TALUS_TEXT)};
   return table;
+#undef TALUS_NUMBER
+#undef TALUS_TEXT
 }
 
 const ParameterInfo* find_parameter(const std::string& name)

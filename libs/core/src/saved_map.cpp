@@ -35,7 +35,7 @@ struct SensorRecord
 /** A bit of Header::flags, see kernels::Datum. */
 constexpr std::uint8_t kStartsAnew = 1;
 
-constexpr std::size_t kFeatures = 5;
+constexpr std::size_t kFeatures = kLayerCount - static_cast<std::size_t>(Layer::Slope);
 constexpr double kFarthestCell = 2e9, kHighest_m = 1e9;  //!< beyond what frames can reach
 
 [[noreturn]] void fail(const std::string& what)

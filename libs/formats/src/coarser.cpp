@@ -1,4 +1,4 @@
-#include "coarser.h"
+#include "needed_layer.h"
 
 #include <talus/layers.h>
 

@@ -3,7 +3,6 @@
 #include <talus/io/map_picture.h>
 #include <talus/number_text.h>
 
-#include "coarser.h"
 #include "needed_layer.h"
 
 #include <opencv2/imgproc.hpp>

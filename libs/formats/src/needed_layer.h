@@ -1,9 +1,10 @@
 #pragma once
-#include <picture_relief.h>
+#include <talus/formats/write.h>
 #include <talus/io/layer_stack.h>
 #include <talus/layers.h>
 
 #include <cmath>
+#include <picture_relief.h>
 #include <vector>
 
 namespace talus::formats
@@ -52,5 +53,29 @@ inline double middle_y_m(const io::LayerStack& map, int iy)
 {
   return map.min_y_m + (iy + 0.5) * map.resolution_m;
 }
+
+/** A map with 2 x 2 cells joined into one: the mean of known heights, the least traversability and
+ * sparsity, the greatest of all else. Its cells lie at whole multiples of their size from the
+ * corner of `map`. */
+io::LayerStack joined_cells(const io::LayerStack& map);
+
+/** A map with its cells joined until fits(map) holds: itself, or `coarse`, which this fills. */
+template <class F>
+const io::LayerStack& joined_until(const F& fits, const io::LayerStack& map, io::LayerStack& coarse)
+{
+  const io::LayerStack* shown = &map;
+  while (!fits(*shown))
+  {
+    coarse = joined_cells(*shown);
+    shown = &coarse;
+  }
+  return *shown;
+}
+
+/** "548000 4076000 0" */
+std::string text_of(const FileOrigin& origin);
+
+/** Whether it changes anything. */
+inline bool moves(const FileOrigin& o) { return o.x_m != 0 || o.y_m != 0 || o.z_m != 0; }
 
 }  // namespace talus::formats

@@ -1,24 +1,20 @@
-#include <mrpt/io/CFileGZOutputStream.h>
-#include <mrpt/serialization/CArchive.h>
 #include <talus/formats/convert.h>
 #include <talus/formats/write.h>
 #include <talus/io/atomic_file.h>
+#include <talus/io/packed_log.h>
 
+#include "close_islands.h"
 #include "needed_layer.h"
-
-#include <stdexcept>
 
 namespace talus::formats
 {
 namespace
 {
 constexpr float kFree = 0.95F, kOccupied = 0.05F, kUnknown = 0.5F;  // probability of being free
-}
 
-void to_occupancy_grid(
-    const io::LayerStack& map, double blocked_at, mrpt::maps::COccupancyGridMap2D& out)
+void fill(const io::LayerStack& map, const Occupancy& o, mrpt::maps::COccupancyGridMap2D& out)
 {
-  const auto& traversability = needed_layer(map, Layer::Traversability);
+  const std::vector<Kind> kinds = kinds_of(map, o);
   const auto border = [](double m) { return static_cast<float>(m); };
   out.setSize(
       border(map.min_x_m), border(map.min_x_m + map.cells_x * map.resolution_m),
@@ -28,21 +24,27 @@ void to_occupancy_grid(
       map,
       [&](std::size_t i, int ix, int iy)
       {
-        const float t = traversability[i];
-        if (!std::isnan(t)) out.setCell(ix, iy, is_blocked(t, blocked_at) ? kOccupied : kFree);
+        if (kinds[i] != Kind::Unknown)
+          out.setCell(ix, iy, kinds[i] == Kind::Blocked ? kOccupied : kFree);
       });
 }
 
-void write_gridmap(const std::string& path, const io::LayerStack& map, double blocked_at)
+}  // namespace
+
+void to_occupancy_grid(
+    const io::LayerStack& map, double blocked_at, mrpt::maps::COccupancyGridMap2D& out)
+{
+  fill(map, {blocked_at, 0}, out);
+}
+
+void write_occupancy_grid(const std::string& path, const io::LayerStack& map, const Occupancy& o)
 {
   mrpt::maps::COccupancyGridMap2D grid;
-  to_occupancy_grid(map, blocked_at, grid);
+  fill(map, o, grid);
   io::AtomicFile file(path);
-  {
-    mrpt::io::CFileGZOutputStream stream;
-    if (!stream.open(file.temporary_path())) throw std::runtime_error(path + ": cannot be written");
-    mrpt::serialization::archiveFrom(stream) << grid;
-  }
+  io::PackedLog packed(file.temporary_path(), path);
+  packed.write(grid);
+  packed.close();
   file.commit();
 }
 

@@ -2,12 +2,15 @@
 #include <talus/formats/convert.h>
 #include <talus/formats/write.h>
 #include <talus/io/atomic_file.h>
+#include <talus/number_text.h>
 
 #include "needed_layer.h"
 
+#include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 #include <stdexcept>
+#include <string>
 
 namespace talus::formats
 {
@@ -38,38 +41,78 @@ class Column
   octomap::OcTree& tree_;
   double x_m_, y_m_;
 };
-}  // namespace
 
-void to_octomap(const io::LayerStack& map, double clearance_m, octomap::OcTree& out)
+/** Whether a tree of such voxels reaches all that is known. */
+bool reaches_all(const io::LayerStack& map, double clearance_m, const FileOrigin& o)
 {
+  constexpr double kFarthest_voxels = 32766;  // of 32768: where voxels and cells are cut apart
   const Heights h(map);
-  const auto& state = needed_layer(map, Layer::State);
-  const float occupied = out.getClampingThresMaxLog(), free = out.getClampingThresMinLog();
+  double farthest_m = 0;
   for_each_cell(
       map,
       [&](std::size_t i, int ix, int iy)
       {
         if (std::isnan(h.ground[i])) return;
-        Column column(out, middle_x_m(map, ix), middle_y_m(map, iy));
+        const double low_m = h.ground[i] - o.z_m, high_m = low_m + clearance_m;
+        for (const double m :
+             {middle_x_m(map, ix) - o.x_m, middle_y_m(map, iy) - o.y_m, low_m, high_m,
+              h.stands(i) ? h.top[i] - o.z_m : high_m})
+          farthest_m = std::max(farthest_m, std::abs(m));
+      });
+  return farthest_m < kFarthest_voxels * map.resolution_m;
+}
+
+void fill(const io::LayerStack& map, double clearance_m, const FileOrigin& o, octomap::OcTree& out)
+{
+  const Heights h(map);
+  const auto& state = needed_layer(map, Layer::State);
+  const auto& score = needed_layer(map, Layer::Traversability);
+  const auto is_guess = [&](std::size_t i)  // that no ray has proved, as outside of a room
+  {
+    return state[i] == static_cast<float>(CellState::FilledOneSided) && std::isnan(score[i]) &&
+           !h.stands(i);
+  };
+  const float occupied = out.getClampingThresMaxLog(), free = out.getClampingThresMinLog();
+  for_each_cell(
+      map,
+      [&](std::size_t i, int ix, int iy)
+      {
+        if (std::isnan(h.ground[i]) || is_guess(i)) return;
+        Column column(out, middle_x_m(map, ix) - o.x_m, middle_y_m(map, iy) - o.y_m);
+        const double ground_m = h.ground[i] - o.z_m;
         const bool measured = state[i] == static_cast<float>(CellState::Measured);
         if (measured && !h.stands(i))
-          column.set(h.ground[i] + map.resolution_m, h.ground[i] + clearance_m, free);
-        column.set(h.ground[i], h.stands(i) ? h.top[i] : h.ground[i], occupied);
+          column.set(ground_m + map.resolution_m, ground_m + clearance_m, free);
+        column.set(ground_m, h.stands(i) ? h.top[i] - o.z_m : ground_m, occupied);
       });
   out.updateInnerOccupancy();
   out.prune();
 }
+}  // namespace
 
-void write_octomap(const std::string& path, const io::LayerStack& map, double clearance_m)
+void to_octomap(const io::LayerStack& map, double clearance_m, octomap::OcTree& out)
 {
-  octomap::OcTree tree(map.resolution_m);
-  to_octomap(map, clearance_m, tree);
-  io::AtomicFile file(path);
-  std::ofstream stream(file.temporary_path(), std::ios::binary);
-  if (!tree.writeBinaryConst(stream) || !stream.flush())
-    throw std::runtime_error(path + ": cannot be written to its end: is the disk full?");
-  stream.close();
-  file.commit();
+  fill(map, clearance_m, {}, out);
+}
+
+std::string write_octomap(
+    const std::string& path, const io::LayerStack& map, double clearance_m,
+    const FileOrigin& origin)
+{
+  io::LayerStack coarse;
+  const io::LayerStack& shown = joined_until(
+      [&](const io::LayerStack& m) { return reaches_all(m, clearance_m, origin); }, map, coarse);
+  octomap::OcTree tree(shown.resolution_m);
+  fill(shown, clearance_m, origin, tree);
+  std::ostringstream stream;
+  if (!tree.writeBinaryConst(stream)) throw std::runtime_error(path + ": OctoMap cannot write it");
+  std::string bytes = stream.str();
+  if (moves(origin)) bytes.insert(bytes.find('\n') + 1, "# origin_m: " + text_of(origin) + "\n");
+  io::write_file(path, bytes);
+  if (&shown == &map) return "";
+  return path + ": its voxels are " + number_text(shown.resolution_m) + " m wide, not " +
+         number_text(map.resolution_m) +
+         " m: a tree of OctoMap reaches 32768 voxels from its origin, and no farther";
 }
 
 }  // namespace talus::formats

@@ -1,10 +1,10 @@
 #include <talus/formats/page.h>
 
-#include "coarser.h"
 #include "needed_layer.h"
 #include "page_parts.h"
 #include "page_tiles.h"
 
+#include <mrpt/system/md5.h>
 #include <mrpt/system/string_utils.h>
 #include <picture_style.h>
 #include <talus/channels.h>
@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace talus::formats
 {
@@ -36,6 +37,9 @@ std::string leaflet_file(const std::vector<std::string>& names)
       kLeaflet + names.front() +
       ": cannot be read; a page brings Leaflet along, install the package libjs-leaflet");
 }
+
+std::string leaflet_style() { return leaflet_file({"leaflet.css"}); }
+std::string leaflet_script() { return leaflet_file({"leaflet.min.js", "leaflet.js"}); }
 
 std::string base64(const std::vector<unsigned char>& bytes)
 {
@@ -130,20 +134,30 @@ json data_of(const io::LayerStack& map, const PageCode& code, const PageOptions&
   return data;
 }
 
-/** A text that no script of a page ends at. */
+/** A text in which no tag begins, whatever it says. */
 std::string script_text(const json& j)
 {
   std::string text = j.dump(-1, ' ', false, json::error_handler_t::replace);
-  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3)
-    text.replace(at, 2, "<\\/");
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; at += 6)
+    text.replace(at, 1, "\\u003c");
   return text;
 }
 
-std::string replaced(std::string text, const std::string& mark, const std::string& by)
+/** The page with each of the marks, which are in its order, replaced: what replaces one has none.
+ */
+std::string filled(const std::vector<std::pair<std::string, std::string>>& marks)
 {
-  const std::size_t at = text.find(mark);
-  if (at == std::string::npos) throw std::logic_error("the page has no place for " + mark);
-  return text.replace(at, mark.size(), by);
+  const std::string page = kPage;
+  std::string text;
+  std::size_t from = 0;
+  for (const auto& [mark, by] : marks)
+  {
+    const std::size_t at = page.find(mark, from);
+    if (at == std::string::npos) throw std::logic_error("the page has no place for " + mark);
+    text += page.substr(from, at - from) + by;
+    from = at + mark.size();
+  }
+  return text + page.substr(from);
 }
 
 std::string escaped(const std::string& text)
@@ -179,15 +193,23 @@ std::optional<std::string> page_of(
   PageCode code;
   const auto tiles = page_tiles(map, changes, o.max_bytes / 4 * 3, code);  // before base64
   if (!tiles) return std::nullopt;
-  std::string page = replaced(kPage, "<!-- title -->", escaped(o.title));
-  page = replaced(page, "/* leaflet.css */", leaflet_file({"leaflet.css"}));
-  page = replaced(page, "/* page.css */", kStyle);
-  page = replaced(page, "/* leaflet.js */", leaflet_file({"leaflet.min.js", "leaflet.js"}));
-  page = replaced(page, "/* page.js */", kScript);
-  page = replaced(
-      page, "/* data */",
-      "const map_data = " + script_text(data_of(map, code, o)) +
-          ";\nmap_data.tiles = " + tiles_text(*tiles) + ";");
+  const std::string leaflet = leaflet_script();
+  const std::string data = "const map_data = " + script_text(data_of(map, code, o)) +
+                           ";\nmap_data.tiles = " + tiles_text(*tiles) + ";";
+  // Scripts run that say it, and none that came with a name or a title: none tells it beforehand.
+  const std::pair<std::string, std::string> nonce{
+      "/* nonce */", mrpt::system::md5(leaflet + data + kScript)};
+  std::string page = filled(
+      {nonce,
+       {"<!-- title -->", escaped(o.title)},
+       {"/* leaflet.css */", leaflet_style()},
+       {"/* page.css */", kStyle},
+       nonce,
+       {"/* leaflet.js */", leaflet},
+       nonce,
+       {"/* data */", data},
+       nonce,
+       {"/* page.js */", kScript}});
   return page.size() > o.max_bytes ? std::nullopt : std::optional<std::string>(std::move(page));
 }
 
@@ -227,14 +249,40 @@ io::LayerStack on_cells_of(const io::LayerStack& map, const io::LayerStack& chan
 }
 }  // namespace
 
+namespace
+{
+/** A stranger's file has bands of any name. */
+bool is_channel(const std::string& name)
+{
+  try
+  {
+    validate_channels({{name, ChannelRule::Mean}});
+    return true;
+  }
+  catch (const std::invalid_argument&)
+  {
+    return false;
+  }
+}
+}  // namespace
+
 std::vector<std::string> channel_bands(const std::vector<std::string>& names)
 {
   std::vector<std::string> found;
   for (const std::string& name : names)
+  {
+    if (!is_channel(name)) continue;
     for (const std::string& layer : channel_layer_names({{name, ChannelRule::Mean}}))
       if (layer != name && std::find(names.begin(), names.end(), layer) != names.end())
         found.insert(found.end(), {name, layer});
+  }
   return found;
+}
+
+void require_leaflet()
+{
+  leaflet_style();
+  leaflet_script();
 }
 
 void write_page(const std::string& path, const io::LayerStack& map, const PageOptions& options)

@@ -2,7 +2,9 @@
 #include <talus/io/atomic_file.h>
 #include <talus/io/map_picture.h>
 #include <talus/number_text.h>
+#include <yaml-cpp/yaml.h>
 
+#include "close_islands.h"
 #include "needed_layer.h"
 
 #include <algorithm>
@@ -20,65 +22,76 @@ constexpr const char* kOccupiedAbove = "0.65";
 constexpr int kWorstFree =
     91;  //!< the darkest pixel that is not occupied: (255 - 91) / 255 = 0.643
 
-uchar trinary(float traversability, double blocked_at)
+/** Gray and alpha of a cell. */
+cv::Vec4b scaled(Kind kind, float traversability)
 {
-  if (std::isnan(traversability)) return kUnknown;
-  return is_blocked(traversability, blocked_at) ? kOccupied : kFree;
-}
-
-/** Gray and alpha of it. */
-cv::Vec4b scaled(float traversability, double blocked_at)
-{
-  if (std::isnan(traversability)) return {kUnknown, kUnknown, kUnknown, 0};
+  if (kind == Kind::Unknown) return {kUnknown, kUnknown, kUnknown, 0};
   const float t = std::clamp(traversability, 0.0F, 1.0F);
-  const uchar p = is_blocked(traversability, blocked_at)
+  const uchar p = kind == Kind::Blocked
                       ? kOccupied
                       : static_cast<uchar>(kWorstFree + std::lround((kFree - kWorstFree) * t));
   return {p, p, p, 255};
 }
 
-std::string pgm_of(const io::LayerStack& map, const std::vector<float>& t, double blocked_at)
+std::string pgm_of(const io::LayerStack& map, const std::vector<Kind>& kinds)
 {
   std::string bytes =
       "P5\n" + std::to_string(map.cells_x) + " " + std::to_string(map.cells_y) + "\n255\n";
+  bytes.reserve(bytes.size() + kinds.size());
   for (int iy = map.cells_y - 1; iy >= 0; --iy)  // its first row is the northernmost
     for (int ix = 0; ix < map.cells_x; ++ix)
+    {
+      const Kind kind = kinds[static_cast<std::size_t>(iy) * map.cells_x + ix];
       bytes += static_cast<char>(
-          trinary(t[static_cast<std::size_t>(iy) * map.cells_x + ix], blocked_at));
+          kind == Kind::Unknown ? kUnknown
+          : kind == Kind::Free  ? kFree
+                                : kOccupied);
+    }
   return bytes;
 }
 
-cv::Mat4b picture_of(const io::LayerStack& map, const std::vector<float>& t, double blocked_at)
+cv::Mat4b picture_of(const io::LayerStack& map, const std::vector<Kind>& kinds)
 {
+  const auto& t = needed_layer(map, Layer::Traversability);
   cv::Mat4b picture(map.cells_y, map.cells_x);
   for_each_cell(
       map, [&](std::size_t i, int ix, int iy)
-      { picture(map.cells_y - 1 - iy, ix) = scaled(t[i], blocked_at); });
+      { picture(map.cells_y - 1 - iy, ix) = scaled(kinds[i], t[i]); });
   return picture;
 }
 
+/** By yaml-cpp, as a name may have characters that mean something. */
 std::string yaml_of(const io::LayerStack& map, const std::string& picture, RosMode mode)
 {
-  return "image: " + picture + "\nmode: " + (mode == RosMode::Scale ? "scale" : "trinary") +
-         "\nresolution: " + number_text(map.resolution_m) + "\norigin: [" +
-         number_text(map.min_x_m) + ", " + number_text(map.min_y_m) +
-         ", 0]\nnegate: 0\noccupied_thresh: " + kOccupiedAbove + "\nfree_thresh: " + kFreeBelow +
-         "\n";
+  YAML::Emitter yaml;
+  const auto put = [&yaml](const char* key, const std::string& value)
+  { yaml << YAML::Key << key << YAML::Value << value; };
+  yaml << YAML::BeginMap;
+  put("image", picture);
+  put("mode", mode == RosMode::Scale ? "scale" : "trinary");
+  put("resolution", number_text(map.resolution_m));
+  yaml << YAML::Key << "origin" << YAML::Value << YAML::Flow << YAML::BeginSeq
+       << number_text(map.min_x_m) << number_text(map.min_y_m) << "0" << YAML::EndSeq;
+  put("negate", "0");
+  put("occupied_thresh", kOccupiedAbove);
+  put("free_thresh", kFreeBelow);
+  yaml << YAML::EndMap << YAML::Newline;
+  return yaml.c_str();
 }
 }  // namespace
 
 void write_ros_map(
-    const std::string& path, const io::LayerStack& map, RosMode mode, double blocked_at)
+    const std::string& path, const io::LayerStack& map, RosMode mode, const Occupancy& o)
 {
-  const auto& t = needed_layer(map, Layer::Traversability);
+  const std::vector<Kind> kinds = kinds_of(map, o);
   std::filesystem::path picture = path;
   // Beside a map its .png is the picture of it that talus-map wrote.
   picture.replace_extension();
   picture += mode == RosMode::Scale ? "_scale.png" : ".pgm";
   if (mode == RosMode::Scale)
-    io::write_png(picture.string(), picture_of(map, t, blocked_at));
+    io::write_png(picture.string(), picture_of(map, kinds));
   else
-    io::write_file(picture.string(), pgm_of(map, t, blocked_at));
+    io::write_file(picture.string(), pgm_of(map, kinds));
   io::write_file(path, yaml_of(map, picture.filename().string(), mode));
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "heading_splits.h"
+#include "near_ground.h"
 #include "thresholds.h"
 #include "voxels.h"
 

@@ -6,7 +6,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "ground_before.h"
 #include "near_ground.h"
 
 namespace talus::hints

@@ -1,9 +1,8 @@
-#include "buried_share.h"
+#include "near_ground.h"
 
 #include <array>
 #include <cmath>
 
-#include "directions.h"
 #include "thresholds.h"
 
 namespace talus::hints

@@ -1,4 +1,4 @@
-#include "facets.h"
+#include "near_ground.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "ground_before.h"
+#include "near_ground.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "heading_splits.h"
+#include "near_ground.h"
 
 #include <algorithm>
 #include <cmath>

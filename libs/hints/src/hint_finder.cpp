@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "buried_share.h"
-#include "directions.h"
+#include "near_ground.h"
 #include "figures.h"
 #include "judge.h"
-#include "noise_watch.h"
 #include "thresholds.h"
 
 namespace talus::hints

@@ -36,4 +36,8 @@ std::optional<Hint> own_body(const Figures& f, const Parameters& p);
 std::optional<Hint> nothing_seen_ahead(const Figures& f, const Parameters& p);
 /// @}
 
+/** Adds to `spreads_m` the deviation of the heights in each small cell of ground that one frame hit
+ * often. `points`: all within reach, in the frame of the base. */
+void note_spreads(const std::vector<Vec3>& points, const NearPlane& ground, Values& spreads_m);
+
 }  // namespace talus::hints

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "facets.h"
+#include "near_ground.h"
 
 namespace talus::hints
 {

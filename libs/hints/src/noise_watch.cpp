@@ -1,4 +1,4 @@
-#include "noise_watch.h"
+#include "judge.h"
 
 #include <cmath>
 #include <unordered_map>

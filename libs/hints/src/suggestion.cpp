@@ -1,4 +1,4 @@
-#include <talus/hints/suggestion.h>
+#include <talus/hints/hint.h>
 
 #include <talus/hints/hint_finder.h>
 #include <talus/number_text.h>

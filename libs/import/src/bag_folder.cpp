@@ -1,7 +1,7 @@
-#include "bag_folder.h"
+#include "bag_reader.h"
 
 #include <talus/input_file.h>
-#include <talus/io/foreign_scans.h>
+#include <talus/io/packed_log.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -10,29 +10,29 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "formats.h"
+
 namespace fs = std::filesystem;
 
 namespace talus::import
 {
 namespace
 {
-constexpr const char* kMetadata = "metadata.yaml";
-
 /** The file that a line of metadata.yaml means: before Foxy its path began with the folder's name;
  * of one that was packed as a whole, what was unpacked beside. */
 fs::path file_named(const fs::path& folder, const std::string& name)
 {
   const fs::path named = folder / name, beside = folder / fs::path(name).filename();
   const fs::path path = fs::exists(named) ? named : beside;
-  const fs::path unpacked = path.parent_path() / path.stem();
-  return path.extension() == ".zstd" && fs::exists(unpacked) ? unpacked : path;
+  const fs::path unpacked = io::without_packing(path.string());
+  return fs::exists(unpacked) ? unpacked : path;
 }
 
 /** What metadata.yaml tells. Throws YAML::Exception where it names no files. */
 FilesOfBag description_in(const fs::path& folder)
 {
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 24;
-  const auto metadata = (folder / kMetadata).string();
+  const auto metadata = (folder / kBagDescription).string();
   const auto text = read_input_file(metadata, "description of a bag", kMostBytes);
   const auto info = YAML::Load(text)["rosbag2_bagfile_information"];
   FilesOfBag bag;
@@ -44,12 +44,6 @@ FilesOfBag description_in(const fs::path& folder)
   return bag;
 }
 
-bool is_of_bag(const fs::path& file)
-{
-  const fs::path unpacked = file.extension() == ".zstd" ? file.stem() : file;
-  return io::kind_by_ending(unpacked.string()) == io::ForeignScans::Ros2Bag;
-}
-
 /** By name, so that the order does not depend on the file system. */
 std::vector<std::string> files_in(const fs::path& folder)
 {
@@ -58,7 +52,7 @@ std::vector<std::string> files_in(const fs::path& folder)
   {
     std::error_code no_file;  // a link to itself is none
     const auto name = entry.path().filename();
-    if (name.string()[0] != '.' && is_of_bag(name) && entry.is_regular_file(no_file))
+    if (name.string()[0] != '.' && is_file_of_bag(name.string()) && entry.is_regular_file(no_file))
       files.push_back(file_named(folder, name.string()).string());
   }
   std::sort(files.begin(), files.end());
@@ -91,7 +85,7 @@ FilesOfBag all_files_in(const fs::path& folder, const std::string& why)
 /** A description that was broken off while it was written counts as none. */
 FilesOfBag described_files(const fs::path& folder)
 {
-  const fs::path metadata = folder / kMetadata;
+  const fs::path metadata = folder / kBagDescription;
   FilesOfBag bag;
   if (fs::is_regular_file(metadata) && fs::file_size(metadata) == 0)
     return all_files_in(folder, "its metadata.yaml is empty");
@@ -121,7 +115,7 @@ FilesOfBag described_files(const fs::path& folder)
 
 void require_unpacked(const fs::path& file)
 {
-  if (file.extension() != ".zstd") return;
+  if (io::without_packing(file.string()) == file.string()) return;
   const auto name = file.filename().string(), unpacked = file.stem().string();
   throw std::runtime_error(
       file.string() +
@@ -160,10 +154,10 @@ FilesOfBag file_alone(const fs::path& file)
 FilesOfBag files_of_bag(const std::string& path)
 {
   const fs::path given(path);
-  const bool is_metadata = given.filename() == kMetadata;
+  const bool is_metadata = given.filename() == kBagDescription;
   if (!is_metadata && !fs::is_directory(given)) return file_alone(given);
   const fs::path folder = is_metadata ? given.parent_path() : given;
-  auto bag = is_metadata || fs::exists(folder / kMetadata)
+  auto bag = is_metadata || fs::exists(folder / kBagDescription)
                  ? described_files(folder.empty() ? "." : folder)
                  : all_files_in(folder, "has no metadata.yaml");
   if (bag.files.empty())

@@ -175,23 +175,17 @@ void collect_points(
   if (points == 0) return;
   require_sizes(cloud);
   PointCollector collector({cloud.fields.begin(), cloud.fields.end()}, points, place, out);
-  const auto& wanted = collector.wanted();
-  require_places(cloud, wanted);
-  std::vector<double> values(wanted.size());
+  require_places(cloud, collector.wanted());
+  std::vector<FieldPlace> places(cloud.fields.size());
   for (std::size_t row = 0; row < cloud.height; ++row)
   {
-    const char* point = cloud.data.data() + row * row_step_of(cloud);
-    for (std::size_t column = 0; column < cloud.width; ++column, point += cloud.point_step)
-    {
-      for (std::size_t i = 0; i < wanted.size(); ++i)
-        values[i] = number_at(
-            point + cloud.fields[wanted[i]].offset, collector.types()[i], cloud.is_big_endian);
-      collector.add(values.data());
-      if (out.x_m.size() > most_points)
-        throw CdrError(
-            "unpacks to more than " + std::to_string(most_points) +
-            " points, and the bytes of it in the file hold no more");
-    }
+    const char* const data = cloud.data.data() + row * row_step_of(cloud);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      places[i] = {data + cloud.fields[i].offset, cloud.point_step, cloud.is_big_endian};
+    if (!collector.add_records(places, cloud.width, most_points))
+      throw CdrError(
+          "unpacks to more than " + std::to_string(most_points) +
+          " points, and the bytes of it in the file hold no more");
   }
 }
 

@@ -6,7 +6,6 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "bag_folder.h"
 #include "bag_unpack.h"
 
 namespace talus::import

@@ -12,6 +12,7 @@
 #include "bag_reader.h"
 #include "bag_topics.h"
 #include "cdr_reader.h"
+#include "formats.h"
 
 namespace talus::import
 {

@@ -1,4 +1,4 @@
-#include "bag_source.h"
+#include "formats.h"
 
 #include <stdexcept>
 

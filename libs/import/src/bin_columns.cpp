@@ -1,4 +1,4 @@
-#include "bin_columns.h"
+#include "label_file.h"
 
 #include <algorithm>
 #include <array>

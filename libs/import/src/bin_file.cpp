@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "bin_columns.h"
 #include "label_file.h"
-#include "scan_files.h"
+#include "formats.h"
 
 namespace talus::import
 {
@@ -100,28 +99,19 @@ void require_distances(const std::string& path, const ScanFile& scan)
 }
 }  // namespace
 
-void read_bin(const std::string& path, const std::vector<std::string>& names, ScanFile& out)
+void read_bin(const std::string& path, ScanFile& out)
 {
   const std::string bytes = read_input_file(path, "scan", kLargestScan_bytes);
-  const auto fields = fields_of(path, names);
+  const auto fields = fields_of(path, out.fields);
   require_count(path, bytes, fields);
   const std::size_t point_bytes = kFloat_bytes * fields.size(), count = bytes.size() / point_bytes;
   const auto labels = labels_beside(path, fields, out.values, count);
   auto with_label = fields;
   if (!labels.empty()) with_label.push_back({out.values, NumberType::UInt32});
   PointCollector points(with_label, count, path, out);
-  const bool swapped = is_big_endian_host();
-  std::vector<double> values(points.wanted().size());
-  for (std::size_t i = 0; i < count; ++i)
-  {
-    for (std::size_t k = 0; k < values.size(); ++k)
-    {
-      const std::size_t field = points.wanted()[k];
-      const char* const at = bytes.data() + i * point_bytes + kFloat_bytes * field;
-      values[k] = field < fields.size() ? number_at(at, NumberType::Float32, swapped) : labels[i];
-    }
-    points.add(values.data());
-  }
+  auto places = places_of(fields, bytes.data(), count, is_big_endian_host());
+  places.push_back({reinterpret_cast<const char*>(labels.data()), sizeof labels[0], false});
+  points.add_records(places, count);
   require_distances(path, out);
 }
 

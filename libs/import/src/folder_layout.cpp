@@ -1,5 +1,6 @@
 #include "folder_layout.h"
 
+#include <talus/input_file.h>
 #include <talus/number_text.h>
 
 #include <algorithm>
@@ -11,14 +12,14 @@
 #include <string_view>
 #include <system_error>
 
+#include "formats.h"
+
 namespace fs = std::filesystem;
 
 namespace talus::import
 {
 namespace
 {
-using io::ForeignScans;
-
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
 /** Takes the digits that a text begins with, without zeros before them. */
@@ -75,19 +76,16 @@ void sort(std::vector<std::string>& scans)
         { return number_of(a).value_or(0) < number_of(b).value_or(0); });
 }
 
-bool is_scan(ForeignScans kind) { return kind >= ForeignScans::Bin && kind <= ForeignScans::Las; }
-
-/** The scans in a folder, by kind, bags among them; those that are hidden are none. */
-std::map<ForeignScans, std::vector<std::string>> scans_in(const fs::path& folder)
+/** The scans in a folder, by format, bags among them; those that are hidden are none. */
+std::map<const Format*, std::vector<std::string>> scans_in(const fs::path& folder)
 {
-  std::map<ForeignScans, std::vector<std::string>> scans;
+  std::map<const Format*, std::vector<std::string>> scans;
   std::error_code no_file;  // such as a link to itself
   for (const auto& entry : fs::directory_iterator(folder))
   {
     if (entry.path().filename().string()[0] == '.' || !entry.is_regular_file(no_file)) continue;
-    const auto kind = io::kind_by_ending(entry.path().string());
-    if (is_scan(kind) || kind == ForeignScans::Ros2Bag)
-      scans[kind].push_back(entry.path().string());
+    const Format* format = format_by_ending(entry.path().string());
+    if (format && (format->is_scan || format->open)) scans[format].push_back(entry.path().string());
   }
   return scans;
 }
@@ -163,10 +161,11 @@ FolderLayout layout_of_folder(const std::string& path)
   if (fs::directory_iterator(path, error); error)
     throw std::runtime_error(
         path + ": its files cannot be listed (" + error.message() + "). Check its permissions.");
-  const std::string folder = io::folder_with_scans(path);
+  const std::string folder = folder_with_scans(path);
   if (folder.empty())
     throw std::runtime_error(
-        path + ": holds no scans: no .bin, .pcd or .ply files, no bag. Name the folder with them.");
+        path + ": holds no scans: no " + endings_of_scans() +
+        " files, no bag. Name the folder with them.");
   auto scans = scans_in(folder);
   if (scans.size() != 1)
     throw std::runtime_error(
@@ -175,7 +174,7 @@ FolderLayout layout_of_folder(const std::string& path)
         fs::path(scans.rbegin()->second.front()).filename().string() +
         "'. Give each kind a folder of its own.");
   FolderLayout layout;
-  layout.kind = scans.begin()->first;
+  layout.format = scans.begin()->first;
   layout.scans = std::move(scans.begin()->second);
   sort(layout.scans);
   layout.label = label_of(folder);
@@ -184,12 +183,18 @@ FolderLayout layout_of_folder(const std::string& path)
 }
 }  // namespace
 
-FolderLayout find_layout(const std::string& path)
+FolderLayout find_layout(const Input& input)
 {
+  const std::string& path = input.paths.front();
   if (fs::is_directory(path)) return layout_of_folder(path);
+  require_readable_file(path, "scan, bag or folder of scans");
+  if (!input.format)
+    throw std::runtime_error(
+        path + ": is no " + endings_of_scans() +
+        " scan and no bag. A rawlog needs no import: talus-map reads it.");
   FolderLayout layout;
   layout.scans = {path};
-  layout.kind = io::kind_of_scans(path);
+  layout.format = input.format;
   layout.label = label_of(fs::path(path).has_parent_path() ? fs::path(path).parent_path() : ".");
   return layout;
 }

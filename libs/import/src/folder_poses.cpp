@@ -1,4 +1,4 @@
-#include "folder_poses.h"
+#include "folder_layout.h"
 
 #include <talus/import/kitti_poses.h>
 #include <talus/io/trajectory.h>
@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <map>
 #include <stdexcept>
-
-#include "scan_times.h"
 
 using mrpt::poses::CPose3D;
 

@@ -1,4 +1,4 @@
-#include "ground_check.h"
+#include "placed_scans.h"
 
 #include <talus/io/quantile.h>
 #include <talus/number_text.h>

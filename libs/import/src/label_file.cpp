@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "point_fields.h"
-#include "scan_files.h"
+#include "formats.h"
 
 namespace fs = std::filesystem;
 

@@ -12,21 +12,18 @@
 #include <string_view>
 
 #include "lzf.h"
-#include "scan_files.h"
+#include "formats.h"
 #include "text_lines.h"
 
 namespace talus::import
 {
 namespace
 {
-constexpr const char* kCopyAgain = "Copy or write it again";
-
 struct Field
 {
   std::string name;
   std::size_t size = 4, count = 1;  //!< bytes of a number, numbers a point
   char type = 'F';
-  std::size_t offset = 0;  //!< in a point
 };
 
 struct Header
@@ -41,15 +38,9 @@ struct Header
   std::size_t point_bytes = 0;
 };
 
-[[noreturn]] void fail(const std::string& path, std::size_t line, const std::string& what)
+std::string in_line(const std::string& path, std::size_t line)
 {
-  throw std::runtime_error(
-      path + ":" + std::to_string(line) + ": " + what + ". " + kCopyAgain + ".");
-}
-
-[[noreturn]] void fail(const std::string& path, const std::string& what)
-{
-  throw std::runtime_error(path + ": " + what + ". " + kCopyAgain + ".");
+  return path + ":" + std::to_string(line);
 }
 
 /** Reads the lines before the points. */
@@ -70,7 +61,7 @@ class HeaderReader
   void each_field(const char* name, const Set& set);
   void require(bool holds, const std::string& what) const
   {
-    if (!holds) fail(path_, lines_.line_number(), what);
+    if (!holds) fail_at(in_line(path_, lines_.line_number()), what);
   }
   void check();
 
@@ -166,7 +157,7 @@ Header HeaderReader::read()
     else
       require(false, shown(key) + " is no line of the header of a .pcd file");
   }
-  fail(path_, "no line DATA: it is no .pcd file, or cut in its header");
+  fail_at(path_, "no line DATA: it is no .pcd file, or cut in its header");
 }
 
 NumberType type_of(const Field& f)
@@ -189,6 +180,14 @@ NumberType type_of(const Field& f)
   }
 }
 
+std::vector<PointField> named(const Header& header)
+{
+  std::vector<PointField> fields;
+  fields.reserve(header.fields.size());
+  for (const Field& f : header.fields) fields.push_back({f.name, type_of(f), f.count});
+  return fields;
+}
+
 void HeaderReader::check()
 {
   header_.begin = lines_.position();
@@ -202,9 +201,8 @@ void HeaderReader::check()
     require(
         is_known, "field " + shown(f.name) + " has TYPE " + shown(std::string(1, f.type)) +
                       " and SIZE " + std::to_string(f.size) + ", which no .pcd file has");
-    f.offset = header_.point_bytes;
-    header_.point_bytes += f.size * f.count;
   }
+  header_.point_bytes = bytes_of(named(header_));
   require(header_.point_bytes > 0, "its points have no fields");
   const std::uint64_t by_size = header_.width * header_.height;  // of 32 bits each
   if (!header_.has_points) header_.points = by_size;
@@ -213,49 +211,22 @@ void HeaderReader::check()
                                      ", WIDTH x HEIGHT " + std::to_string(by_size));
 }
 
-std::vector<PointField> named(const Header& header)
-{
-  std::vector<PointField> fields;
-  fields.reserve(header.fields.size());
-  for (const Field& f : header.fields) fields.push_back({f.name, type_of(f), f.count});
-  return fields;
-}
-
-/** Text has all digits, whatever the type is called. */
-std::vector<PointField> named_in_text(const Header& header)
-{
-  auto fields = named(header);
-  for (PointField& f : fields)
-    if (f.type == NumberType::Float32) f.type = NumberType::Float64;
-  return fields;
-}
-
 /** Points of which all numbers of a field follow each other, or all of a point. */
 void read_binary(
     const std::string& path, const Header& header, std::string_view data, bool by_field,
     ScanFile& out)
 {
-  PointCollector points(named(header), header.points, path, out);
-  const bool swapped = is_big_endian_host();
-  std::vector<double> values(points.wanted().size());
-  for (std::size_t i = 0; i < header.points; ++i)
-  {
-    for (std::size_t k = 0; k < values.size(); ++k)
-    {
-      const Field& f = header.fields[points.wanted()[k]];
-      const std::size_t at = by_field ? f.offset * header.points + i * f.size * f.count
-                                      : i * header.point_bytes + f.offset;
-      values[k] = number_at(data.data() + at, points.types()[k], swapped);
-    }
-    points.add(values.data());
-  }
+  const auto fields = named(header);
+  PointCollector points(fields, header.points, path, out);
+  points.add_records(
+      places_of(fields, data.data(), header.points, is_big_endian_host(), by_field), header.points);
 }
 
 /** Whether the file has all points; they may have bytes or lines behind them. */
 void require_points(const std::string& path, const Header& header, std::size_t bytes)
 {
   if (header.points <= bytes / header.point_bytes) return;
-  fail(
+  fail_at(
       path, "is cut after byte " + std::to_string(header.begin + bytes) + ": its " +
                 std::to_string(header.points) + " points of " + std::to_string(header.point_bytes) +
                 " bytes need " +
@@ -273,91 +244,44 @@ void read_compressed(
     const std::string& path, const Header& header, std::string_view data, ScanFile& out)
 {
   constexpr std::size_t kSizes_bytes = 8;
-  if (data.size() < kSizes_bytes) fail(path, "is cut before its compressed points");
+  if (data.size() < kSizes_bytes) fail_at(path, "is cut before its compressed points");
   const std::size_t packed = number_of_4_bytes(data), size = number_of_4_bytes(data.substr(4));
   data.remove_prefix(kSizes_bytes);
   if (packed > data.size())
-    fail(
+    fail_at(
         path, "is cut: " + std::to_string(packed) + " compressed bytes belong behind byte " +
                   std::to_string(header.begin + kSizes_bytes) + ", " + std::to_string(data.size()) +
                   " are there");
   if (size > kLargestScan_bytes || size > most_of_lzf(packed))
-    fail(
+    fail_at(
         path, "says that " + std::to_string(packed) + " compressed bytes hold " +
                   std::to_string(size) + ", which cannot be");
   require_points(path, header, size);
   std::string unpacked;
   if (!unpack_lzf(data.substr(0, packed), size, unpacked))
-    fail(
+    fail_at(
         path, "its compressed points behind byte " + std::to_string(header.begin) + " are damaged");
   read_binary(path, header, unpacked, true, out);
 }
-
-/** The numbers of a line that are wanted. */
-class AsciiPoint
-{
- public:
-  AsciiPoint(const Header& header, const std::vector<std::size_t>& wanted)
-  {
-    std::size_t column = 0;
-    std::vector<std::size_t> first;
-    first.reserve(header.fields.size());
-    for (const Field& f : header.fields)
-    {
-      first.push_back(column);
-      column += f.count;
-    }
-    columns_ = column;
-    at_.reserve(wanted.size());
-    for (const std::size_t i : wanted) at_.push_back(first[i]);
-    values_.resize(wanted.size());
-  }
-
-  const double* read(const std::string& path, TextLines& lines, std::size_t line)
-  {
-    for (std::size_t column = 0; column < columns_; ++column)
-    {
-      const auto word = lines.next_word();
-      if (word.empty())
-        fail(
-            path, line,
-            "has " + std::to_string(column) + " numbers of " + std::to_string(columns_));
-      for (std::size_t k = 0; k < at_.size(); ++k)
-        if (at_[k] == column)
-        {
-          const auto value = number_from(word);
-          if (!value) fail(path, line, shown(word) + " is not a number");
-          values_[k] = *value;
-        }
-    }
-    return values_.data();
-  }
-
- private:
-  std::size_t columns_ = 0;
-  std::vector<std::size_t> at_;
-  std::vector<double> values_;
-};
 
 void read_ascii(const std::string& path, const Header& header, std::string_view data, ScanFile& out)
 {
   // A number and a blank need two bytes.
   const auto at_most = static_cast<std::size_t>(
       std::min<std::uint64_t>(header.points, data.size() / (2 * header.fields.size()) + 1));
-  PointCollector points(named_in_text(header), at_most, path, out);
-  AsciiPoint point(header, points.wanted());
+  PointCollector points(in_text(named(header)), at_most, path, out);
   TextLines lines(data);
   std::uint64_t read = 0;
   while (read < header.points && lines.next_line())
   {
     TextLines probe = lines;
     if (probe.next_word().empty()) continue;
-    points.add(point.read(path, lines, header.lines + lines.line_number()));
+    points.add_text(lines, in_line(path, header.lines + lines.line_number()));
     ++read;
   }
   if (read < header.points)
-    fail(
-        path, header.lines + lines.line_number(),
+    fail_at(
+        in_line(path, header.lines + lines.line_number()),
         "is cut: " + std::to_string(read) + " of " + std::to_string(header.points) +
             " points are there");
 }
@@ -369,7 +293,7 @@ void take_viewpoint(const std::string& path, const Header& header, ScanFile& out
   if (v == Header().viewpoint) return;
   const double norm = std::sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6]);
   if (!(std::abs(norm - 1) < 0.05))
-    fail(path, "VIEWPOINT: the quaternion has norm " + number_text(norm) + " instead of 1");
+    fail_at(path, "VIEWPOINT: the quaternion has norm " + number_text(norm) + " instead of 1");
   const mrpt::math::CQuaternionDouble q(v[3] / norm, v[4] / norm, v[5] / norm, v[6] / norm);
   out.viewpoint = mrpt::poses::CPose3D(q, v[0], v[1], v[2]);
 }
@@ -390,7 +314,7 @@ void read_pcd(const std::string& path, ScanFile& out)
   else if (header.data == "binary_compressed")
     read_compressed(path, header, data, out);
   else
-    fail(path, header.lines, "DATA " + shown(header.data) + " is not known");
+    fail_at(in_line(path, header.lines), "DATA " + shown(header.data) + " is not known");
   take_viewpoint(path, header, out);
 }
 

@@ -10,9 +10,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "ground_check.h"
-#include "scan_frames.h"
-
 using mrpt::poses::CPose3D;
 
 namespace talus::import

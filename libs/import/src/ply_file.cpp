@@ -9,15 +9,13 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "scan_files.h"
+#include "formats.h"
 #include "text_lines.h"
 
 namespace talus::import
 {
 namespace
 {
-constexpr const char* kCopyAgain = "Copy or write it again";
-
 struct Property
 {
   std::string name;
@@ -46,11 +44,6 @@ struct Header
   std::size_t begin = 0;  //!< of the elements [byte]
   std::size_t lines = 0;
 };
-
-[[noreturn]] void fail(const std::string& place, const std::string& what)
-{
-  throw std::runtime_error(place + ": " + what + ". " + kCopyAgain + ".");
-}
 
 std::optional<NumberType> type_named(std::string_view name)
 {
@@ -84,7 +77,7 @@ class HeaderReader
   void read_property();
   void require(bool holds, const std::string& what) const
   {
-    if (!holds) fail(path_ + ":" + std::to_string(lines_.line_number()), what);
+    if (!holds) fail_at(path_ + ":" + std::to_string(lines_.line_number()), what);
   }
   NumberType type(std::string_view word) const
   {
@@ -162,14 +155,14 @@ Header HeaderReader::read()
     else
       require(false, shown(key) + " is no line of the header of a .ply file");
   }
-  fail(path_, "no line 'end_header': it is no .ply file, or cut in its header");
+  fail_at(path_, "no line 'end_header': it is no .ply file, or cut in its header");
 }
 
 const Element& vertices_of(const std::string& path, const Header& header)
 {
   for (const Element& e : header.elements)
     if (e.name == "vertex") return e;
-  fail(path, "has no element 'vertex': it is no cloud of points");
+  fail_at(path, "has no element 'vertex': it is no cloud of points");
 }
 
 std::vector<PointField> named(const std::string& path, const Element& vertices)
@@ -178,7 +171,8 @@ std::vector<PointField> named(const std::string& path, const Element& vertices)
   fields.reserve(vertices.properties.size());
   for (const Property& p : vertices.properties)
   {
-    if (p.length) fail(path, "its vertices have a list, " + shown(p.name) + ", which is not read");
+    if (p.length)
+      fail_at(path, "its vertices have a list, " + shown(p.name) + ", which is not read");
     fields.push_back({p.name, p.type});
   }
   return fields;
@@ -190,138 +184,66 @@ std::string there_of(std::uint64_t there, const Element& element)
          shown(element.name) + " are there";
 }
 
-/** Goes through the elements in bytes. */
-class BinaryReader
-{
- public:
-  BinaryReader(std::string path, const Header& header, std::string_view bytes)
-      : path_(std::move(path)),
-        bytes_(bytes),
-        at_(header.begin),
-        swapped_((header.coding == Coding::BigEndian) != is_big_endian_host())
-  {
-  }
-
-  void skip(const Element& element);
-  void read(const Element& vertices, ScanFile& out);
-
- private:
-  std::size_t left() const { return bytes_.size() - at_; }
-  [[noreturn]] void fail_cut(std::uint64_t there, const Element& element) const
-  {
-    fail(path_, there_of(there, element) + ", up to byte " + std::to_string(bytes_.size()));
-  }
-  /** False: it is cut. */
-  bool skip_one(const Element& element);
-
-  std::string path_;
-  std::string_view bytes_;
-  std::size_t at_;
-  bool swapped_;
-};
-
-bool BinaryReader::skip_one(const Element& element)
+/** False: it is cut. Takes one of the elements from the bytes. */
+bool skip_one(const Element& element, std::string_view& bytes, bool swapped)
 {
   for (const Property& p : element.properties)
   {
     double count = 1;
     if (p.length)
     {
-      if (bytes_of(*p.length) > left()) return false;
-      count = number_at(bytes_.data() + at_, *p.length, swapped_);
-      at_ += bytes_of(*p.length);
+      if (bytes_of(*p.length) > bytes.size()) return false;
+      count = number_at(bytes.data(), *p.length, swapped);
+      bytes.remove_prefix(bytes_of(*p.length));
     }
-    if (!(count >= 0 && count <= static_cast<double>(left() / bytes_of(p.type)))) return false;
-    at_ += static_cast<std::size_t>(count) * bytes_of(p.type);
+    if (!(count >= 0 && count <= static_cast<double>(bytes.size() / bytes_of(p.type))))
+      return false;
+    bytes.remove_prefix(static_cast<std::size_t>(count) * bytes_of(p.type));
   }
   return true;
 }
 
-void BinaryReader::skip(const Element& element)
+void read_binary(
+    const std::string& path, const Header& header, std::string_view bytes, ScanFile& out)
 {
-  if (element.properties.empty()) return;  // takes no bytes, however many there are
-  for (std::uint64_t i = 0; i < element.count; ++i)
-    if (!skip_one(element)) fail_cut(i, element);
-}
-
-void BinaryReader::read(const Element& vertices, ScanFile& out)
-{
-  const auto fields = named(path_, vertices);
-  std::vector<std::size_t> offsets;
-  offsets.reserve(fields.size());
-  std::size_t point_bytes = 0;
-  for (const PointField& f : fields)
-  {
-    offsets.push_back(point_bytes);
-    point_bytes += bytes_of(f.type);
-  }
-  const std::size_t there = point_bytes ? left() / point_bytes : 0;
+  const bool swapped = (header.coding == Coding::BigEndian) != is_big_endian_host();
+  const Element& vertices = vertices_of(path, header);
+  const auto fail_cut = [&, end = bytes.size()](std::uint64_t there, const Element& element)
+  { fail_at(path, there_of(there, element) + ", up to byte " + std::to_string(end)); };
+  bytes.remove_prefix(header.begin);
+  for (const Element* e = header.elements.data(); e != &vertices; ++e)
+    for (std::uint64_t i = 0; i < e->count && !e->properties.empty(); ++i)
+      if (!skip_one(*e, bytes, swapped)) fail_cut(i, *e);
+  const auto fields = named(path, vertices);
+  const std::size_t point_bytes = bytes_of(fields);
+  const std::size_t there = point_bytes ? bytes.size() / point_bytes : 0;
   PointCollector points(
-      fields, static_cast<std::size_t>(std::min<std::uint64_t>(vertices.count, there)), path_, out);
+      fields, static_cast<std::size_t>(std::min<std::uint64_t>(vertices.count, there)), path, out);
   if (there < vertices.count) fail_cut(there, vertices);
-  std::vector<double> values(points.wanted().size());
-  for (std::uint64_t i = 0; i < vertices.count; ++i, at_ += point_bytes)
-  {
-    for (std::size_t k = 0; k < values.size(); ++k)
-    {
-      const std::size_t f = points.wanted()[k];
-      values[k] = number_at(bytes_.data() + at_ + offsets[f], points.types()[k], swapped_);
-    }
-    points.add(values.data());
-  }
+  points.add_records(places_of(fields, bytes.data(), vertices.count, swapped), vertices.count);
 }
 
-/** Goes through the elements in lines of text. */
-class AsciiReader
+void read_ascii(
+    const std::string& path, const Header& header, std::string_view bytes, ScanFile& out)
 {
- public:
-  AsciiReader(std::string path, const Header& header, std::string_view bytes)
-      : path_(std::move(path)), before_(header.lines), lines_(bytes.substr(header.begin))
+  const Element& vertices = vertices_of(path, header);
+  TextLines lines(bytes.substr(header.begin));
+  const auto place = [&]
+  { return path + ":" + std::to_string(header.lines + lines.line_number()); };
+  const auto next_line = [&](std::uint64_t there, const Element& element)
   {
-  }
-
-  void skip(const Element& element)
-  {
-    if (element.properties.empty()) return;
-    for (std::uint64_t i = 0; i < element.count; ++i) next_line(i, element);
-  }
-  void read(const Element& vertices, std::size_t bytes, ScanFile& out);
-
- private:
-  std::string place() const { return path_ + ":" + std::to_string(before_ + lines_.line_number()); }
-  void next_line(std::uint64_t there, const Element& element)
-  {
-    if (!lines_.next_line()) fail(place(), there_of(there, element));
-  }
-
-  std::string path_;
-  std::size_t before_;  //!< lines
-  TextLines lines_;
-};
-
-void AsciiReader::read(const Element& vertices, std::size_t bytes, ScanFile& out)
-{
-  auto fields = named(path_, vertices);
-  for (PointField& f : fields)  // text has all digits, whatever the type is called
-    if (f.type == NumberType::Float32) f.type = NumberType::Float64;
-  const std::uint64_t at_most = bytes / (2 * std::max<std::size_t>(fields.size(), 1)) + 1;
+    if (!lines.next_line()) fail_at(place(), there_of(there, element));
+  };
+  for (const Element* e = header.elements.data(); e != &vertices; ++e)
+    for (std::uint64_t i = 0; i < e->count && !e->properties.empty(); ++i) next_line(i, *e);
+  const auto fields = in_text(named(path, vertices));
+  const std::uint64_t at_most = bytes.size() / (2 * std::max<std::size_t>(fields.size(), 1)) + 1;
   PointCollector points(
-      fields, static_cast<std::size_t>(std::min(vertices.count, at_most)), path_, out);
-  std::vector<double> all(fields.size()), wanted(points.wanted().size());
+      fields, static_cast<std::size_t>(std::min(vertices.count, at_most)), path, out);
   for (std::uint64_t i = 0; i < vertices.count; ++i)
   {
     next_line(i, vertices);
-    for (std::size_t k = 0; k < all.size(); ++k)
-    {
-      const auto word = lines_.next_word();
-      const auto value = number_from(word);
-      if (word.empty())
-        fail(place(), "has " + std::to_string(k) + " numbers of " + std::to_string(all.size()));
-      if (!value) fail(place(), shown(word) + " is not a number");
-      all[k] = *value;
-    }
-    for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] = all[points.wanted()[k]];
-    points.add(wanted.data());
+    points.add_text(lines, place());
   }
 }
 }  // namespace
@@ -330,17 +252,7 @@ void read_ply(const std::string& path, ScanFile& out)
 {
   const std::string bytes = read_input_file(path, "scan", kLargestScan_bytes);
   const Header header = HeaderReader(path, bytes).read();
-  const Element& vertices = vertices_of(path, header);
-  if (header.coding == Coding::Ascii)
-  {
-    AsciiReader reader(path, header, bytes);
-    for (const Element* e = header.elements.data(); e != &vertices; ++e) reader.skip(*e);
-    reader.read(vertices, bytes.size(), out);
-    return;
-  }
-  BinaryReader reader(path, header, bytes);
-  for (const Element* e = header.elements.data(); e != &vertices; ++e) reader.skip(*e);
-  reader.read(vertices, out);
+  (header.coding == Coding::Ascii ? read_ascii : read_binary)(path, header, bytes, out);
 }
 
 }  // namespace talus::import

@@ -58,6 +58,8 @@ int find(const std::vector<PointField>& fields, const Names& names)
   return -1;
 }
 
+constexpr auto kNone = static_cast<std::size_t>(-1);
+
 bool is_whole(NumberType type)
 {
   return type != NumberType::Float32 && type != NumberType::Float64;
@@ -132,6 +134,36 @@ std::size_t bytes_of(NumberType type)
   }
 }
 
+std::size_t bytes_of(const std::vector<PointField>& fields)
+{
+  std::size_t bytes = 0;
+  for (const PointField& f : fields) bytes += bytes_of(f.type) * f.count;
+  return bytes;
+}
+
+std::vector<PointField> in_text(std::vector<PointField> fields)
+{
+  for (PointField& f : fields)
+    if (f.type == NumberType::Float32) f.type = NumberType::Float64;
+  return fields;
+}
+
+std::vector<FieldPlace> places_of(
+    const std::vector<PointField>& fields, const char* data, std::size_t points, bool swapped,
+    bool by_field)
+{
+  std::vector<FieldPlace> places;
+  places.reserve(fields.size());
+  const std::size_t point_bytes = bytes_of(fields);
+  for (const PointField& f : fields)
+  {
+    const std::size_t bytes = bytes_of(f.type) * f.count;
+    places.push_back({data, by_field ? bytes : point_bytes, swapped});
+    data += by_field ? bytes * points : bytes;
+  }
+  return places;
+}
+
 bool is_big_endian_host()
 {
   const std::uint16_t one = 1;
@@ -186,6 +218,14 @@ PointCollector::PointCollector(
           place + ": its field '" + fields[at].name.substr(0, 24) + "' has " +
           std::to_string(fields[at].count) +
           " numbers a point instead of one. Write the cloud again, each number as a field.");
+  for (std::size_t i = 0; i < fields.size(); ++i)
+  {
+    const auto at = std::find(wanted_.begin(), wanted_.end(), i);
+    columns_.push_back(
+        at == wanted_.end() ? kNone : static_cast<std::size_t>(at - wanted_.begin()));
+    columns_.resize(columns_.size() + fields[i].count - 1, kNone);
+  }
+  values_.resize(wanted_.size());
   out.clear();
   out.place = place;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -259,6 +299,39 @@ std::uint32_t PointCollector::rgb_of(const double* values) const
   }
   const double whole = v < 0 ? v + kMost + 1 : v;  // of signed integers
   return whole >= 0 && whole <= kMost ? static_cast<std::uint32_t>(whole) & kNoAlpha : 0;
+}
+
+bool PointCollector::add_records(
+    const std::vector<FieldPlace>& places, std::size_t count, std::size_t most)
+{
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    for (std::size_t k = 0; k < values_.size(); ++k)
+    {
+      const FieldPlace& at = places[wanted_[k]];
+      values_[k] = number_at(at.first + i * at.step, types_[k], at.swapped);
+    }
+    add(values_.data());
+    if (out_->x_m.size() > most) return false;
+  }
+  return true;
+}
+
+void PointCollector::add_text(TextLines& line, const std::string& place)
+{
+  for (std::size_t column = 0; column < columns_.size(); ++column)
+  {
+    const auto word = line.next_word();
+    if (word.empty())
+      fail_at(
+          place,
+          "has " + std::to_string(column) + " numbers of " + std::to_string(columns_.size()));
+    if (columns_[column] == kNone) continue;
+    const auto value = number_from(word);
+    if (!value) fail_at(place, shown(word) + " is not a number");
+    values_[columns_[column]] = *value;
+  }
+  add(values_.data());
 }
 
 void PointCollector::add(const double* values)

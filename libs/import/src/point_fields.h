@@ -2,11 +2,14 @@
 #include <talus/import/scan_source.h>
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "text_lines.h"
 
 namespace talus::import
 {
@@ -41,6 +44,25 @@ struct PointField
   std::size_t count = 1;  //!< numbers a point
 };
 
+/** Bytes of a point whose fields follow each other. */
+std::size_t bytes_of(const std::vector<PointField>& fields);
+
+/** Text has all digits, whatever the type is called. */
+std::vector<PointField> in_text(std::vector<PointField> fields);
+
+/** Where the numbers of a field are in bytes. */
+struct FieldPlace
+{
+  const char* first;  //!< of the first point
+  std::size_t step;  //!< from one point to the next [bytes]
+  bool swapped;  //!< of the other byte order
+};
+
+/** Of points whose fields follow each other; `by_field`: all numbers of a field do. */
+std::vector<FieldPlace> places_of(
+    const std::vector<PointField>& fields, const char* data, std::size_t points, bool swapped,
+    bool by_field = false);
+
 /** A scan as its file has it. */
 struct ScanFile
 {
@@ -54,13 +76,15 @@ struct ScanFile
   bool whole_times = false;  //!< they are integers
   std::size_t not_finite = 0;  //!< points that are left out
   std::optional<mrpt::poses::CPose3D> viewpoint;  //!< the sensor in the map, where it says so
-  std::string values;  //!< set before it is read, see SourceOptions::values
+  std::string values;  //!< set before it is read, see SourceOptions
+  std::vector<std::string> fields;  //!< so is this
 
-  /** Forgets all but `values`. */
+  /** Forgets all but what was set before. */
   void clear()
   {
     ScanFile empty;
     empty.values.swap(values);
+    empty.fields.swap(fields);
     *this = std::move(empty);
   }
 };
@@ -78,13 +102,19 @@ class PointCollector
 
   /** Of the fields, those that are needed. */
   const std::vector<std::size_t>& wanted() const { return wanted_; }
-  /** How each of those lies in bytes: colours that are called a float are none. */
-  const std::vector<NumberType>& types() const { return types_; }
 
-  /** One point: a number for each of wanted(). */
-  void add(const double* values);
+  /** So many points, of which each field has its place. False: stops, as these are more points than
+   * `most`. */
+  bool add_records(
+      const std::vector<FieldPlace>& places, std::size_t count,
+      std::size_t most = std::numeric_limits<std::size_t>::max());
+  /** The point of a line of text. Throws std::runtime_error, the `place` of the line and what is
+   * wrong. */
+  void add_text(TextLines& line, const std::string& place);
 
  private:
+  /** One point: a number for each of wanted(). */
+  void add(const double* values);
   using Names = std::vector<std::string_view>;
   int want(const std::vector<PointField>& fields, const Names& names);
   void want_values(const std::vector<PointField>& fields, const std::string& place);
@@ -92,7 +122,9 @@ class PointCollector
   std::uint32_t rgb_of(const double* values) const;
 
   std::vector<std::size_t> wanted_;
-  std::vector<NumberType> types_;
+  std::vector<NumberType> types_;  //!< in bytes: colours that are called a float are none
+  std::vector<std::size_t> columns_;  //!< of each number of a line, its place in wanted_, or kNone
+  std::vector<double> values_;  //!< of one point
   int intensity_ = -1, time_ = -1, ring_ = -1;  //!< places in wanted_
   int rgb_ = -1, red_ = -1, green_ = -1, blue_ = -1;
   bool is_rgb_text_ = false;  //!< the bits of a float as decimals

@@ -1,5 +1,3 @@
-#include "scan_folder.h"
-
 #include <talus/number_text.h>
 
 #include <algorithm>
@@ -10,9 +8,7 @@
 #include <utility>
 
 #include "folder_layout.h"
-#include "folder_poses.h"
-#include "scan_files.h"
-#include "scan_times.h"
+#include "formats.h"
 
 using mrpt::poses::CPose3D;
 
@@ -20,26 +16,13 @@ namespace talus::import
 {
 namespace
 {
-using io::ForeignScans;
-
-void read_scan(
-    const std::string& path, ForeignScans kind, const std::vector<std::string>& fields,
-    ScanFile& out)
+void read_scan(const std::string& path, const Format& format, ScanFile& out)
 {
-  if (!fields.empty() && kind != ForeignScans::Bin)
-    throw std::runtime_error(
-        path + ": names its fields itself: leave out --fields, which is for .bin files.");
-  switch (kind)
-  {
-    case ForeignScans::Bin:
-      return read_bin(path, fields, out);
-    case ForeignScans::Pcd:
-      return read_pcd(path, out);
-    case ForeignScans::Ply:
-      return read_ply(path, out);
-    default:
-      throw std::runtime_error(path + ": " + io::how_to_import(path, kind));
-  }
+  if (!out.fields.empty() && format.read != read_bin) refuse_fields(path);
+  if (format.read) return format.read(path, out);
+  std::string how = format.how;
+  if (const auto at = how.find("{}"); at != std::string::npos) how.replace(at, 2, path);
+  throw std::runtime_error(path + ": " + how);
 }
 
 constexpr double kSinceEpoch_s = 1e9;  //!< times that are not since a start of something
@@ -55,7 +38,7 @@ const CPose3D kMountingOnKittisCar(0, 0, 1.73, 0, 0, 0);
 class ScanFolder : public ScanSource
 {
  public:
-  ScanFolder(const std::string& path, const SourceOptions& options);
+  ScanFolder(const Input& input, const SourceOptions& options);
 
   bool next(ImportedScan& scan) override;
   double progress() const override
@@ -68,7 +51,7 @@ class ScanFolder : public ScanSource
  private:
   bool is_of_kitti() const
   {
-    return layout_.kind == ForeignScans::Bin &&
+    return layout_.format->read == read_bin &&
            !(layout_.calibration.empty() && layout_.kitti_360.empty());
   }
   void set_mounting(const SourceOptions& options);
@@ -86,7 +69,6 @@ class ScanFolder : public ScanSource
 
   FolderLayout layout_;
   CPose3D T_base_sensor_;
-  std::vector<std::string> fields_;  //!< of .bin files
   double rate_hz_;
   std::vector<double> times_s_;  //!< a scan each; empty: those in the files, else by the rate
   FolderPoses poses_;
@@ -99,18 +81,20 @@ class ScanFolder : public ScanSource
   bool told_rate_ = false, told_times_ = false;
 };
 
-ScanFolder::ScanFolder(const std::string& path, const SourceOptions& options)
-    : layout_(find_layout(path)), fields_(options.fields), rate_hz_(options.rate_hz)
+ScanFolder::ScanFolder(const Input& input, const SourceOptions& options)
+    : layout_(find_layout(input)), rate_hz_(options.rate_hz)
 {
   set_mounting(options);
   file_.values = options.values;
-  read_scan(layout_.scans.front(), layout_.kind, fields_, file_);  // what is no scan shows at once
+  file_.fields = options.fields;
+  read_scan(layout_.scans.front(), *layout_.format, file_);  // what is no scan shows at once
   set_times();
   if (options.own_poses) set_poses(options);
   const bool has_poses = !poses_.tum.empty() || !poses_.T_map_sensor.empty() || file_.viewpoint;
   if (options.clouds_in_map && !has_poses)
     throw std::runtime_error(
-        path + ": --clouds-in map takes the poses of the sensor from a trajectory, and " +
+        input.paths.front() +
+        ": --clouds-in map takes the poses of the sensor from a trajectory, and " +
         (options.own_poses ? "there is none: pass --poses FILE."
                            : "poses of KITTI's camera are those of the first folder: pass poses "
                              "as TUM text."));
@@ -199,7 +183,7 @@ bool ScanFolder::next(ImportedScan& scan)
 {
   if (next_ == layout_.scans.size()) return false;
   const std::size_t number = next_;
-  if (number > 0) read_scan(layout_.scans[number], layout_.kind, fields_, file_);
+  if (number > 0) read_scan(layout_.scans[number], *layout_.format, file_);
   if (!unit_s_ && !file_.time.empty()) unit_s_ = time_unit_s(file_);
   const double unit_s = unit_s_.value_or(1);
   const double time_s = time_of_scan(number, unit_s);
@@ -230,9 +214,9 @@ io::Trajectory ScanFolder::poses()
 }
 }  // namespace
 
-std::unique_ptr<ScanSource> open_scan_folder(const std::string& path, const SourceOptions& options)
+std::unique_ptr<ScanSource> open_scan_folder(const Input& input, const SourceOptions& options)
 {
-  return std::make_unique<ScanFolder>(path, options);
+  return std::make_unique<ScanFolder>(input, options);
 }
 
 }  // namespace talus::import

@@ -1,4 +1,4 @@
-#include "scan_frames.h"
+#include "placed_scans.h"
 
 #include <talus/io/quantile.h>
 

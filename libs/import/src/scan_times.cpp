@@ -1,4 +1,4 @@
-#include "scan_times.h"
+#include "folder_layout.h"
 
 #include <talus/input_file.h>
 #include <talus/number_text.h>

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -14,6 +15,12 @@ inline std::string shown(std::string_view word)
   for (char& c : out)
     if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';
   return "'" + out + (word.size() > kLongest ? "..." : "") + "'";
+}
+
+/** Throws std::runtime_error of a file that is damaged there. */
+[[noreturn]] inline void fail_at(const std::string& place, const std::string& what)
+{
+  throw std::runtime_error(place + ": " + what + ". Copy or write it again.");
 }
 
 /** The lines of a text one after the other, and the words of the line: separated by blanks. */

@@ -1,6 +1,9 @@
 #pragma once
+#include <mrpt/poses/CPose3D.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "packed_file.h"
@@ -30,5 +33,11 @@ class PackedArchive : public mrpt::serialization::CArchive
  private:
   PackedFile& file_;
 };
+
+inline bool is_finite(const mrpt::poses::CPose3D& pose)
+{
+  const auto T = pose.getHomogeneousMatrixVal<mrpt::math::CMatrixDouble44>();
+  return std::all_of(T.begin(), T.end(), [](double v) { return std::isfinite(v); });
+}
 
 }  // namespace talus::io

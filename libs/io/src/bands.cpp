@@ -1,73 +1,25 @@
 #include "bands.h"
 
+#include <talus/layers.h>
 #include <talus/number_text.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 
 namespace talus::io
 {
-namespace
-{
-struct Known
-{
-  const char* name;
-  const char* unit;
-};
-constexpr Known kKnown[] = {
-    {"traversability", ""},
-    {"ground_elevation", "m"},
-    {"elevation", "m"},
-    {"variance", "m2"},
-    {"state", ""},
-    {"reached", ""},
-    // Of one window:
-    {"slope", ""},
-    {"step", ""},
-    {"roughness", ""},
-    {"sparsity", ""},
-    {"risk", ""},
-    // Of a site:
-    {"age", "s"},
-    {"elevation_variance", "m2"},
-    {"evidence", ""},
-    {"shape", ""},
-    // Of what changed:
-    {"change_m", "m"},
-    {"kind", ""},
-    // Of what moved:
-    {"times", ""},
-    {"scans", ""},
-    {"speed_mps", "m/s"}};
-
-struct Classes
-{
-  const char* band;
-  const char* text;
-};
-constexpr Classes kClasses[] = {
-    {"state", "0 unknown, 1 measured, 2 filled from two sides, 3 filled from one side, 4 presumed"},
-    {"reached", "0 the robot does not get there over passable cells, 1 it does"},
-    {"kind", "0 none, 1 built, 2 dug, 3 object gone, 4 object new"}};
-
-const Known* find(const std::string& name)
-{
-  return std::find_if(
-      std::begin(kKnown), std::end(kKnown), [&](const Known& k) { return name == k.name; });
-}
-}  // namespace
-
 std::size_t place_of_band(const std::string& name)
 {
-  return static_cast<std::size_t>(find(name) - std::begin(kKnown));
+  for (const Layer first : {Layer::Traversability, Layer::GroundElevation})
+    if (name == layer_name(first)) return first == Layer::Traversability ? 0 : 1;
+  const LayerInfo* known = find_layer(name);
+  return 2 + (known ? static_cast<std::size_t>(known - kLayerTable) : std::size(kLayerTable));
 }
 
 const char* unit_of_band(const std::string& name)
 {
-  const Known* known = find(name);
-  return known == std::end(kKnown) ? "" : known->unit;
+  const LayerInfo* known = find_layer(name);
+  return known ? known->unit : "";
 }
 
 std::map<std::string, std::string> BandStatistics::items(double cells) const
@@ -85,8 +37,8 @@ std::map<std::string, std::string> band_items(
     const std::string& name, const BandStatistics& statistics, double cells)
 {
   auto items = statistics.items(cells);
-  for (const Classes& c : kClasses)
-    if (name == c.band) items["TALUS_CLASSES"] = c.text;
+  if (const LayerInfo* known = find_layer(name); known && known->classes)
+    items["TALUS_CLASSES"] = known->classes;
   return items;
 }
 

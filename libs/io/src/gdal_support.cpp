@@ -43,6 +43,13 @@ std::string conversion_of(GDALDataset& dataset, GDALRasterBand& band)
 }
 }  // namespace
 
+GdalCacheLimit::GdalCacheLimit() : before_(GDALGetCacheMax64())
+{
+  constexpr std::int64_t kCacheBytes = 256LL << 20;
+  if (before_ > kCacheBytes) GDALSetCacheMax64(kCacheBytes);
+}
+GdalCacheLimit::~GdalCacheLimit() { GDALSetCacheMax64(before_); }
+
 GdalErrors::GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::handler, this); }
 GdalErrors::~GdalErrors() { CPLPopErrorHandler(); }
 

@@ -2,6 +2,7 @@
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -49,6 +50,19 @@ DatasetPtr open_geotiff(const std::string& path, const GdalErrors& errors);
  * they are: no other type, no scale or offset, no rounding when it was compressed. A program that
  * converts a file keeps its metadata, so that nothing else tells. */
 void require_plain_floats(GDALDataset& dataset, const std::string& path);
+
+/** While it lives, GDAL keeps at most so many blocks in memory. Of the whole process. */
+class GdalCacheLimit
+{
+ public:
+  GdalCacheLimit();
+  ~GdalCacheLimit();
+  GdalCacheLimit(const GdalCacheLimit&) = delete;
+  GdalCacheLimit& operator=(const GdalCacheLimit&) = delete;
+
+ private:
+  std::int64_t before_;
+};
 
 /** Metres from the origin of the map: belongs nowhere on the globe. */
 OGRSpatialReference map_frame();

@@ -1,6 +1,7 @@
 #include <talus/io/geotiff.h>
 
 #include <talus/io/atomic_file.h>
+#include <talus/number_text.h>
 
 #include "bands.h"
 #include "gdal_support.h"
@@ -15,6 +16,7 @@
 #include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace talus::io
 {
@@ -96,6 +98,23 @@ bool to_map_frame(double (&t)[6], const std::optional<GeoOrigin>& origin)
   return t[2] == 0 && t[4] == 0 && std::abs(t[1] + t[5]) <= 1e-9 * t[1];
 }
 
+/** Cells are metres. */
+void require_metres(GDALDataset& dataset, const std::string& path, double cell)
+{
+  constexpr double kLeastCell_m = 1e-3;
+  const OGRSpatialReference* const crs = dataset.GetSpatialRef();
+  const bool is_geographic = crs && crs->IsGeographic();
+  const bool is_other = crs && !is_geographic && crs->GetLinearUnits() != 1;
+  if (is_geographic || is_other || cell < kLeastCell_m)
+    throw std::runtime_error(
+        path + ": its cells are " + number_text(cell) +
+        (is_geographic ? " degrees"
+         : is_other    ? " of other units"
+                       : " m") +
+        " wide, not metres as those of a map: give the file as talus wrote it, or bring it to a "
+        "system of metres with gdalwarp");
+}
+
 /** Where the cells of a file lie, without layers. */
 LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErrors& errors)
 {
@@ -105,6 +124,7 @@ LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErr
   if (dataset.GetGeoTransform(t) != CE_None || !to_map_frame(t, origin_from(text ? text : "")) ||
       !(t[1] > 0) || !std::isfinite(t[0] + t[3]))
     fail(path, "not a north-up GeoTIFF with square cells", errors);
+  require_metres(dataset, path, t[1]);
   LayerStack stack;
   stack.cells_x = dataset.GetRasterXSize();
   stack.cells_y = dataset.GetRasterYSize();
@@ -116,22 +136,59 @@ LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErr
   return stack;
 }
 
-/** The southernmost row first; what the file calls no data becomes NaN. */
-std::vector<float> read_band(
-    GDALRasterBand& band, const std::string& path, const GdalErrors& errors)
+/** What no cell may have but those that are unknown; NaN where there is none. */
+float nodata_of(GDALRasterBand& band, const std::string& path)
 {
-  const int nx = band.GetXSize(), ny = band.GetYSize();
-  const GSpacing pixel = sizeof(float), line = -pixel * nx;
-  std::vector<float> cells(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny));
-  float* last_row = cells.data() + static_cast<std::size_t>(ny - 1) * static_cast<std::size_t>(nx);
-  if (band.RasterIO(GF_Read, 0, 0, nx, ny, last_row, nx, ny, GDT_Float32, pixel, line, nullptr) !=
-      CE_None)
-    fail(path, "cannot read this GeoTIFF", errors);
+  constexpr float kNoHeight_m = 9000;  // what no cell of a map has
   int has_nodata = 0;
   const auto nodata = static_cast<float>(band.GetNoDataValue(&has_nodata));
-  if (has_nodata)
-    std::replace(cells.begin(), cells.end(), nodata, std::numeric_limits<float>::quiet_NaN());
-  return cells;
+  if (has_nodata && std::abs(nodata) < kNoHeight_m)
+    throw std::runtime_error(
+        path + ": its band '" + band.GetDescription() + "' calls the value " + number_text(nodata) +
+        " no data, which cells may have: another program has converted this file; mark unknown "
+        "cells with NaN");
+  return has_nodata ? nodata : std::numeric_limits<float>::quiet_NaN();
+}
+
+/** Some rows, the southernmost first; nothing where the file has no block of them. */
+void read_rows(
+    GDALRasterBand& band, int first, int count, std::vector<float>& cells, const std::string& path,
+    const GdalErrors& errors)
+{
+  const int nx = band.GetXSize(), ny = band.GetYSize();
+  const int covered = band.GetDataCoverageStatus(0, first, nx, count, 0, nullptr);
+  if (covered == GDAL_DATA_COVERAGE_STATUS_EMPTY) return;
+  const auto width = static_cast<std::size_t>(nx);
+  const auto row = static_cast<std::size_t>(ny - 1 - first), rows = static_cast<std::size_t>(count);
+  const GSpacing pixel = sizeof(float), line = -pixel * nx;
+  float* const first_row = cells.data() + row * width;
+  if (band.RasterIO(
+          GF_Read, 0, first, nx, count, first_row, nx, count, GDT_Float32, pixel, line, nullptr) !=
+      CE_None)
+    fail(path, "cannot read this GeoTIFF", errors);
+  const float nodata = nodata_of(band, path);
+  float* const from = first_row - (rows - 1) * width;
+  std::replace(from, from + rows * width, nodata, std::numeric_limits<float>::quiet_NaN());
+}
+
+/** All bands of a block lie side by side in a site, and so are read together. */
+void read_layers(
+    const std::vector<GDALRasterBand*>& bands, LayerStack& stack, const std::string& path,
+    const GdalErrors& errors)
+{
+  constexpr int kRows = 256;
+  const GdalCacheLimit limit;
+  const auto cells =
+      static_cast<std::size_t>(stack.cells_x) * static_cast<std::size_t>(stack.cells_y);
+  for (GDALRasterBand* band : bands)
+  {
+    nodata_of(*band, path);
+    stack.names.emplace_back(band->GetDescription());
+    stack.layers.emplace_back(cells, std::numeric_limits<float>::quiet_NaN());
+  }
+  for (int y = 0; y < stack.cells_y; y += kRows)
+    for (std::size_t b = 0; b < bands.size(); ++b)
+      read_rows(*bands[b], y, std::min(kRows, stack.cells_y - y), stack.layers[b], path, errors);
 }
 }  // namespace
 
@@ -162,39 +219,50 @@ void write_geotiff(
   file.commit();
 }
 
-LayerStack read_geotiff(const std::string& path, const std::vector<std::string>& bands)
+struct GeotiffFile::Impl
 {
-  GdalErrors errors;
-  const DatasetPtr dataset = open_geotiff(path, errors);
-  require_plain_floats(*dataset, path);
-  LayerStack stack = place_of(*dataset, path, errors);
-  for (auto* band : dataset->GetBands())
-  {
-    const bool wanted =
-        bands.empty() ||
-        std::find(bands.begin(), bands.end(), band->GetDescription()) != bands.end();
-    if (!wanted) continue;
-    stack.names.emplace_back(band->GetDescription());
-    stack.layers.push_back(read_band(*band, path, errors));
-  }
-  return stack;
-}
+  explicit Impl(std::string p) : path(std::move(p)), dataset(open_geotiff(path, errors)) {}
 
-std::vector<std::string> bands_of_geotiff(const std::string& path)
-{
+  std::string path;
   GdalErrors errors;
-  const DatasetPtr dataset = open_geotiff(path, errors);
+  DatasetPtr dataset;
+};
+
+GeotiffFile::GeotiffFile(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
+GeotiffFile::~GeotiffFile() = default;
+
+std::vector<std::string> GeotiffFile::bands() const
+{
   std::vector<std::string> names;
-  for (auto* band : dataset->GetBands()) names.emplace_back(band->GetDescription());
+  for (auto* band : impl_->dataset->GetBands()) names.emplace_back(band->GetDescription());
   return names;
 }
 
-std::optional<GeoOrigin> origin_of_geotiff(const std::string& path)
+std::string GeotiffFile::item(const char* name) const
 {
-  GdalErrors errors;
-  const DatasetPtr dataset = open_geotiff(path, errors);
-  const char* const text = dataset->GetMetadataItem(kOriginItem);
-  return origin_from(text ? text : "");
+  const char* const text = impl_->dataset->GetMetadataItem(name);
+  return text ? text : "";
+}
+
+std::optional<GeoOrigin> GeotiffFile::origin() const { return origin_from(item(kOriginItem)); }
+
+LayerStack GeotiffFile::read(const std::vector<std::string>& bands) const
+{
+  require_plain_floats(*impl_->dataset, impl_->path);
+  LayerStack stack = place_of(*impl_->dataset, impl_->path, impl_->errors);
+  std::vector<GDALRasterBand*> wanted;
+  for (auto* band : impl_->dataset->GetBands())
+    if (bands.empty() ||
+        std::find(bands.begin(), bands.end(), band->GetDescription()) != bands.end())
+      wanted.push_back(band);
+  read_layers(wanted, stack, impl_->path, impl_->errors);
+  impl_->dataset->FlushCache();  // the file stays open, its blocks need not
+  return stack;
+}
+
+LayerStack read_geotiff(const std::string& path, const std::vector<std::string>& bands)
+{
+  return GeotiffFile(path).read(bands);
 }
 
 }  // namespace talus::io

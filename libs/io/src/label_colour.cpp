@@ -1,4 +1,4 @@
-#include <talus/io/label_colour.h>
+#include <talus/io/score_colour.h>
 
 #include <cstddef>
 

@@ -36,7 +36,7 @@ LayerStack snapshot(const MapView& map)
   stack.min_y_m = w.min_y_m();
   for (int i = 0; i < kLayerCount; ++i)
   {
-    stack.names.emplace_back(kLayerNames[i]);
+    stack.names.emplace_back(kLayerTable[i].name);
     stack.layers.push_back(map.layer(static_cast<Layer>(i)));
   }
   for (const std::string& name : channel_layer_names(map.parameters().channels))

@@ -1,7 +1,5 @@
 #include "picture_legend.h"
 
-#include "picture_marks.h"
-
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "picture_marks.h"
+#include "picture_legend.h"
 
 #include <talus/number_text.h>
 

@@ -2,7 +2,7 @@
 #include <talus/io/map_picture.h>
 
 #include "picture_canvas.h"
-#include "picture_marks.h"
+#include "picture_legend.h"
 #include "picture_style.h"
 
 #include <string>

@@ -4,6 +4,7 @@
 
 #include <talus/io/quantile.h>
 #include <talus/io/score_colour.h>
+#include <talus/layers.h>
 
 #include <opencv2/imgproc.hpp>
 
@@ -18,22 +19,26 @@ namespace talus::io
 {
 namespace
 {
-const std::vector<LayerStyle>& known_styles()
+/** By LayerKind. */
+constexpr Palette kPalettes[] = {
+    Palette::Heights, Palette::Amounts, Palette::States, Palette::Scores, Palette::Amounts};
+
+LayerStyle style_of(const std::string& name)
 {
-  static const std::vector<LayerStyle> styles{
-      {"elevation", "Elevation [m]", Palette::Heights, "", "", false},
-      {"ground_elevation", "Ground elevation [m]", Palette::Heights, "", "", false},
-      {"state", "Where the ground height comes from", Palette::States, "", "", false},
-      {"reached", "Reached from where the robot stands", Palette::Scores, "no", "yes", false},
-      {"traversability", "Traversability", Palette::Scores, "blocked", "free", false},
-      {"slope", "Slope score", Palette::Scores, "too steep", "level", false},
-      {"step", "Step score", Palette::Scores, "too high", "no step", false},
-      {"roughness", "Roughness score", Palette::Scores, "too rough", "smooth", false},
-      {"sparsity", "Sparsity score (where ground may drop)", Palette::Scores, "ditch?", "harmless",
-       false},
-      {"risk", "Risk (probability that a cell is impassable)", Palette::Amounts, "", "", false},
-      {"variance", "Ground height, standard deviation [m]", Palette::Amounts, "", "", true}};
-  return styles;
+  const LayerInfo* known = find_layer(name);
+  if (!known) return {name, name, Palette::Amounts, "", "", false};
+  const LayerInfo& l = *known;
+  return {
+      name,        l.title ? l.title : name,     kPalettes[static_cast<int>(l.kind)], l.low_word,
+      l.high_word, l.kind == LayerKind::Variance};
+}
+
+/** Those of channels come last, amounts before them. */
+std::pair<int, std::ptrdiff_t> rank_of(const LayerStyle& style)
+{
+  const LayerInfo* known = find_layer(style.layer);
+  if (!known) return {2, 0};
+  return {style.palette == Palette::Amounts ? 1 : 0, known - kLayerTable};
 }
 
 cv::Vec3b score_bgr(float score)
@@ -125,14 +130,10 @@ void join_colours(std::vector<LayerStyle>& styles)
 std::vector<LayerStyle> styles_of(const LayerStack& stack)
 {
   std::vector<LayerStyle> styles;
-  for (const auto& s : known_styles())
-    if (stack.find(s.layer)) styles.push_back(s);
-  for (const auto& name : stack.names)
-  {
-    const auto same = [&](const LayerStyle& s) { return s.layer == name; };
-    if (std::none_of(styles.begin(), styles.end(), same))
-      styles.push_back({name, name, Palette::Amounts, "", "", false});
-  }
+  for (const auto& name : stack.names) styles.push_back(style_of(name));
+  std::stable_sort(
+      styles.begin(), styles.end(),
+      [](const LayerStyle& a, const LayerStyle& b) { return rank_of(a) < rank_of(b); });
   join_colours(styles);
   return styles;
 }

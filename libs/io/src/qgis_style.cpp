@@ -1,5 +1,5 @@
 #include <talus/io/atomic_file.h>
-#include <talus/io/qgis_style.h>
+#include <talus/io/map_picture.h>
 #include <talus/io/score_colour.h>
 #include <talus/number_text.h>
 

@@ -5,11 +5,10 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CSensoryFrame.h>
-#include <talus/io/rawlog_stream.h>
 
 #include <algorithm>
 
-#include "finite_pose.h"
+#include "archive.h"
 
 using mrpt::obs::CObservation;
 using mrpt::poses::CPose3D;

@@ -10,7 +10,7 @@
 #include <mrpt/obs/CSensoryFrame.h>
 #include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
-#include <talus/io/rawlog_stream.h>
+#include <talus/io/packed_log.h>
 
 #include "packed_file.h"
 
@@ -33,9 +33,7 @@ namespace
 std::string externals_directory(const std::string& log)
 {
   const fs::path path(log);
-  fs::path name = path.filename();
-  if (name.extension() == ".gz") name = name.stem();
-  const std::string stem = name.stem().string();
+  const std::string stem = fs::path(without_packing(path.filename().string())).stem().string();
   std::error_code ignored;
   for (const auto& candidate : {stem + "_Images", stem + "_IMAGES", std::string("Images")})
     if (const auto folder = path.parent_path() / candidate; fs::is_directory(folder, ignored))

@@ -1,10 +1,9 @@
-#include <talus/io/rawlog_stream.h>
+#include <talus/io/rawlog_reader.h>
 
 #include <mrpt/maps/registerAllClasses.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/obs/registerAllClasses.h>
 #include <talus/input_file.h>
-#include <talus/io/foreign_scans.h>
 #include <talus/io/mrpt_error.h>
 
 #include <algorithm>
@@ -26,18 +25,20 @@ bool lacks_an_observation(const mrpt::serialization::CSerializable& object)
   return frame && std::any_of(frame->begin(), frame->end(), [](const auto& obs) { return !obs; });
 }
 
-/** Says how a log is made of the scans of another program, where it is that. */
-void refuse_foreign_scans(const std::string& path)
+std::string how_to_import(const std::string& path)
 {
-  if (const auto how = how_to_import(path, kind_of_scans(path)); !how.empty())
-    throw std::runtime_error(path + ": " + how);
+  return "Of scans or a bag of another program 'talus-import " + path +
+         " --output LOG.rawlog' makes a log";
 }
 
 /** Of a log that can be read. */
 const std::string& readable(const std::string& path)
 {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) refuse_foreign_scans(path);
+  if (std::filesystem::is_directory(path, ignored))
+    throw std::runtime_error(
+        path + ": is a directory, not a rawlog. Name the file inside it. " + how_to_import(path) +
+        ".");
   require_readable_file(path, "rawlog");
   return path;
 }
@@ -67,6 +68,8 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
 {
   impl_->object_begin = impl_->file.position();
   if (impl_->file.at_end()) return nullptr;
+  const std::string else_import =
+      impl_->object_begin == 0 ? ". " + how_to_import(impl_->path) : std::string();
   try
   {
     mrpt::serialization::CSerializable::Ptr object;
@@ -76,13 +79,11 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
   catch (const std::bad_alloc&)
   {
     verified_size(impl_->path);  // packed data that is damaged says so itself
-    if (impl_->object_begin == 0) refuse_foreign_scans(impl_->path);
-    fail("needs more memory than there is. Most likely the log is damaged there");
+    fail("needs more memory than there is. Most likely the log is damaged there" + else_import);
   }
   catch (const std::exception& e)
   {
     const std::uint64_t size = verified_size(impl_->path);
-    if (impl_->object_begin == 0) refuse_foreign_scans(impl_->path);
     const std::string reason = reason_of(e);
     if (reason.find("unknown serialization version") != std::string::npos)
       fail(
@@ -92,12 +93,14 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
     if (impl_->object_begin == 0 && !at_end)
       throw std::runtime_error(
           impl_->path + ": not a rawlog, nothing of MRPT begins at byte 0 (" + reason +
-          "). Pass a .rawlog file; if its classes come from a plugin, load the plugin.");
+          "). Pass a .rawlog file; if its classes come from a plugin, load the plugin" +
+          else_import + ".");
     if (at_end)
       fail(
           "runs past the end of the file at byte " + std::to_string(size) +
           ": the log is cut short or damaged. Copy it again, or keep what is whole with "
-          "rawlog-edit --cut");
+          "rawlog-edit --cut" +
+          else_import);
     fail(
         "cannot be read (" + reason +
         "). The log is damaged there, or its class comes from a plugin that is not loaded");

@@ -1,4 +1,4 @@
-#include <talus/io/timing_csv.h>
+#include <talus/io/summary_json.h>
 
 #include <talus/io/atomic_file.h>
 #include <talus/number_text.h>

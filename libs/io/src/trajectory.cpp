@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "finite_pose.h"
+#include "archive.h"
 
 using mrpt::poses::CPose3D;
 

@@ -14,7 +14,6 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "finite_pose.h"
 #include "archive.h"
 
 using mrpt::poses::CPose3D;

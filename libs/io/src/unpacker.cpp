@@ -1,5 +1,7 @@
 #include "unpacker.h"
 
+#include <talus/io/packed_log.h>
+
 #include <isa-l/igzip_lib.h>
 #include <zstd.h>
 
@@ -8,6 +10,8 @@
 #include <cstring>
 #include <new>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace talus::io
 {
@@ -115,13 +119,38 @@ class Zstd : public Unpacker
   bool is_between_ = false;  //!< two frames
 };
 
+template <class T>
+std::unique_ptr<Unpacker> make()
+{
+  return std::make_unique<T>();
+}
+
+struct Packing
+{
+  std::string_view begin;  //!< of its files
+  std::vector<std::string_view> endings;
+  std::unique_ptr<Unpacker> (*make)();
+};
+const std::vector<Packing> kPackings = {
+    {kGzBegin, {".gz"}, make<Gz>}, {kZstdBegin, {".zst", ".zstd"}, make<Zstd>}};
 }  // namespace
 
 std::unique_ptr<Unpacker> make_unpacker(std::string_view begin)
 {
-  if (begins_with(begin, kGzBegin)) return std::make_unique<Gz>();
-  if (begins_with(begin, kZstdBegin)) return std::make_unique<Zstd>();
+  for (const Packing& packing : kPackings)
+    if (begins_with(begin, packing.begin)) return packing.make();
   return std::make_unique<NotPacked>();
+}
+
+std::string without_packing(const std::string& name)
+{
+  for (const Packing& packing : kPackings)
+    for (const std::string_view ending : packing.endings)
+    {
+      const std::size_t end = name.size() - std::min(name.size(), ending.size());
+      if (end > 0 && name[end - 1] != '/' && name.substr(end) == ending) return name.substr(0, end);
+    }
+  return name;
 }
 
 }  // namespace talus::io

@@ -1,4 +1,4 @@
-#include <talus/io/written_file.h>
+#include <talus/io/atomic_file.h>
 
 #include <stdexcept>
 

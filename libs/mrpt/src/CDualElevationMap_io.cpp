@@ -53,7 +53,8 @@ void CDualElevationMap::saveMetricMapRepresentationToFile(const std::string& fil
 
   if (m_whole)
     site::write_site_files(
-        filNamePrefix + "_site.tif", m_whole->site_in_hindsight(std::as_const(*this).mapper()));
+        filNamePrefix + "_site.tif", filNamePrefix + "_site.png",
+        m_whole->site_in_hindsight(std::as_const(*this).mapper()));
   if (genericMapParams.enableSaveAs3DObject)
     write_scene(filNamePrefix + ".3Dscene", getVisualization());
 }

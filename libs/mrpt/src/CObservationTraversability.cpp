@@ -1,6 +1,7 @@
 #include <mrpt/serialization/CArchive.h>
 #include <talus/mrpt/CObservationTraversability.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -30,9 +31,8 @@ constexpr std::int64_t kFarthestCell = 2000000000;  // beyond what a map can rea
 /** The layer of that name, or kLayerCount: one of a later version. */
 std::size_t index_of(const std::string& name)
 {
-  std::size_t i = 0;
-  while (i < kLayerCount && name != kLayerNames[i]) ++i;
-  return i;
+  const LayerInfo* known = find_layer(name);
+  return known ? std::min<std::size_t>(known - kLayerTable, kLayerCount) : kLayerCount;
 }
 
 /** One limit with that of a map. */
@@ -125,8 +125,8 @@ void CObservationTraversability::requireSound() const
     const std::size_t count = m_packed[i] ? m_packed[i]->count : m_values[i].size();
     if (window.cells < 0 || count != static_cast<std::size_t>(cells))
       throw std::runtime_error(
-          std::string("talus::CObservationTraversability: the layer ") + kLayerNames[i] + " has " +
-          std::to_string(count) + " values, the window " + std::to_string(cells) +
+          std::string("talus::CObservationTraversability: the layer ") + kLayerTable[i].name +
+          " has " + std::to_string(count) + " values, the window " + std::to_string(cells) +
           " cells: set both alike");
   }
 }
@@ -141,14 +141,14 @@ void CObservationTraversability::serializeTo(mrpt::serialization::CArchive& out)
       << static_cast<std::int64_t>(window.min_cell_x)
       << static_cast<std::int64_t>(window.min_cell_y);
   std::uint32_t count = 0;
-  for (const char* name : kLayerNames) count += has_layer(static_cast<Layer>(index_of(name)));
+  for (int i = 0; i < kLayerCount; i++) count += has_layer(static_cast<Layer>(i));
   out << count;
   for (std::size_t i = 0; i < kLayerCount; i++)
   {
     const auto l = static_cast<Layer>(i);
     if (!has_layer(l)) continue;
     const auto packed = m_packed[i] ? *m_packed[i] : detail::pack_layer(l, m_values[i]);
-    out << std::string(kLayerNames[i]) << packed.offset << packed.step
+    out << std::string(kLayerTable[i].name) << packed.offset << packed.step
         << static_cast<std::uint32_t>(packed.zlib.size());
     out.WriteBuffer(packed.zlib.data(), packed.zlib.size());
   }

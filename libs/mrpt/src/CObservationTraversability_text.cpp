@@ -117,7 +117,7 @@ void CObservationTraversability::getDescriptionAsText(std::ostream& o) const
   std::string names;
   for (std::size_t i = 0; i < kLayerCount; i++)
     if (has_layer(static_cast<Layer>(i)))
-      names += std::string(names.empty() ? "" : ", ") + kLayerNames[i];
+      names += std::string(names.empty() ? "" : ", ") + kLayerTable[i].name;
   o << "Robot in the map      : " << T_map_base.asString() << "\n"
     << "Sensor on the robot   : " << T_base_sensor.asString() << "\n"
     << "Window                : " << window.cells << " x " << window.cells << " cells of "

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "judged_cells.h"
+#include "surface_view.h"
 
 namespace talus
 {

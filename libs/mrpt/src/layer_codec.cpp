@@ -19,16 +19,18 @@ constexpr double kFarthest = 2e9;  // no value of a map is so far from 0
 constexpr std::size_t kPieceBytes = 1 << 14;
 constexpr std::size_t kMostRatio = 1032;  // of zlib: 258 bytes in two bits
 
-bool is_height(Layer l) { return l == Layer::Elevation || l == Layer::GroundElevation; }
+bool is_height(Layer l) { return layer_info(l).kind == LayerKind::Height; }
+bool is_variance(Layer l) { return layer_info(l).kind == LayerKind::Variance; }
+bool is_state(Layer l) { return layer_info(l).kind == LayerKind::State; }
 
 double finest_step(Layer l)
 {
-  if (l == Layer::State) return 1;
-  return is_height(l) || l == Layer::Variance ? kHeightStep_m : kScoreStep;
+  if (is_state(l)) return 1;
+  return is_height(l) || is_variance(l) ? kHeightStep_m : kScoreStep;
 }
 
-double to_stored(Layer l, double v) { return l == Layer::Variance ? std::sqrt(v) : v; }
-double from_stored(Layer l, double v) { return l == Layer::Variance ? v * v : v; }
+double to_stored(Layer l, double v) { return is_variance(l) ? std::sqrt(v) : v; }
+double from_stored(Layer l, double v) { return is_variance(l) ? v * v : v; }
 
 /** Sets offset and step so that every value fits. */
 void choose_steps(Layer layer, const std::vector<float>& values, PackedLayer& p)
@@ -56,8 +58,8 @@ std::uint16_t steps_of(Layer layer, float value, const PackedLayer& p)
 /** Steps of the greatest value that a cell can have. */
 double most_steps(Layer l, const PackedLayer& p)
 {
-  if (l == Layer::State) return static_cast<double>(CellState::Presumed);
-  return is_height(l) || l == Layer::Variance ? kMostSteps : std::round(1 / p.step);
+  if (is_state(l)) return static_cast<double>(CellState::Presumed);
+  return is_height(l) || is_variance(l) ? kMostSteps : std::round(1 / p.step);
 }
 
 std::vector<std::uint8_t> compressed(const std::vector<std::uint8_t>& bytes)

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "falls.h"
-#include "judged_cells.h"
 #include "surface_view.h"
 
 namespace talus
@@ -163,8 +162,7 @@ class Judge
     const bool near = distance_m <= o_.seen_within_m;
     const bool must_be_seen = near && o_.unseen == Unseen::Obstacle;
     if (is_unknown(ix, iy)) return must_be_seen ? Passage::Obstacle : Passage::Unknown;
-    if (must_be_seen && o_.drops == Drops::Avoid && is_guess(ix, iy) &&
-        !around_.is_beside_wall(ix, iy, level_m_))
+    if (must_be_seen && is_guess(ix, iy) && !around_.is_beside_wall(ix, iy, level_m_))
       return Passage::Obstacle;
     if (!blocks(ix, iy)) return Passage::Free;
     if (!rests_on_unseen(ix, iy)) return Passage::Obstacle;
@@ -173,13 +171,14 @@ class Judge
   }
 
  private:
-  /** Made from one side, where the ground goes on as far as one knows: an edge in the blind zone of
-   * the scanner looks so. Or beside what may drop. */
+  /** Made from one side, where the ground goes on as far as one knows: with Drops::Avoid, as an
+   * edge in the blind zone of the scanner looks so. Or beside what may drop and is not dared. */
   bool is_guess(int ix, int iy) const
   {
     const std::size_t cell = view_.index(ix, iy);
     if (!is_filled(cell)) return false;
-    const bool one_sided = view_.state[cell] == static_cast<float>(CellState::FilledOneSided);
+    const bool one_sided = o_.drops == Drops::Avoid &&
+                           view_.state[cell] == static_cast<float>(CellState::FilledOneSided);
     const int gaps = gaps_at(ix, iy, kGap_cells);
     return (one_sided && gaps == 0) ||
            (gaps < kSurrounded && !something_stands(view_, cell) && is_beside_drop(ix, iy));
@@ -187,7 +186,7 @@ class Judge
   bool is_beside_drop(int ix, int iy) const
   {
     return !holds_around(
-        view_.window, ix, iy, beside_drop_, [&](int x, int y) { return !rests_on_unseen(x, y); });
+        view_.window, ix, iy, beside_drop_, [&](int x, int y) { return !is_doubtful(x, y); });
   }
   bool is_filled(std::size_t cell) const
   {

@@ -1,9 +1,11 @@
 #pragma once
 #include <talus/map_view.h>
+#include <talus/mrpt/obstacles.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 namespace talus::detail
 {
@@ -68,5 +70,14 @@ struct SurfaceView
     return false;
   }
 };
+
+/** What classify_cells() and find_doubtful() say, judged once. */
+struct JudgedCells
+{
+  std::vector<Passage> passages;
+  std::vector<bool> doubtful;
+};
+JudgedCells judge_cells(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
 
 }  // namespace talus::detail

@@ -2,10 +2,9 @@
 
 #include "kept_cell.h"
 
-#include <talus/layers.h>
-
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace talus::site
@@ -34,28 +33,51 @@ std::optional<std::uint32_t> whole(float v, std::uint32_t most)
 }
 }  // namespace
 
+std::array<float, kKeptLayers.size()> kept_values(const CellRecord& c)
+{
+  return {canonical(c.traversability), canonical(c.ground_m),
+          canonical(c.elevation_m),    canonical(c.ground_variance_m2),
+          static_cast<float>(c.state), !is_known(c) ? kNone : is_reached(c) ? 1.0F : 0.0F};
+}
+
 BandValues values_of(const SiteCell& cell, std::uint32_t newest_s)
 {
   BandValues values;
   values.fill(kNone);
   if (!cell.known()) return values;
   const CellRecord& c = cell.cell;
+  const auto kept = kept_values(c);
+  std::copy(kept.begin(), kept.end(), values.begin());
   const std::uint32_t age_s = newest_s - cell.seen_s, told_s = floor_to_float(age_s);
   const auto put = [&](Band b, float v) { values[static_cast<std::size_t>(b)] = v; };
   const auto pack = [](std::uint32_t low, std::uint32_t middle, std::uint32_t high)
   { return static_cast<float>(low | middle << 8 | high << 16); };
-  put(Band::Traversability, canonical(c.traversability));
-  put(Band::GroundElevation, canonical(c.ground_m));
-  put(Band::Elevation, canonical(c.elevation_m));
-  put(Band::Variance, canonical(c.ground_variance_m2));
-  put(Band::State, static_cast<float>(c.state));
-  put(Band::Reached, is_reached(c) ? 1.0F : 0.0F);
   put(Band::Age, static_cast<float>(told_s));
   put(Band::ElevationVariance, canonical(c.elevation_variance_m2));
   static_assert(CellRecord::kLastingBytes == 5);
   put(Band::Evidence, pack(c.evidence[0], c.evidence[1], c.evidence[2]));
   put(Band::Shape, pack(c.evidence[3], c.evidence[4], age_s - told_s));
   return values;
+}
+
+void TileSum::add(const float* bands, std::size_t count)
+{
+  const auto mix = [this](std::uint64_t v)
+  {
+    const std::uint64_t mixed = (sum_ ^ v) * 0x9E3779B97F4A7C15U;
+    sum_ = mixed << 29 | mixed >> 35;
+  };
+  ++cell_;
+  const float state = bands[static_cast<std::size_t>(Band::State)];
+  if (std::isnan(state) || state == 0) return;
+  mix(cell_);
+  for (std::size_t b = 0; b < count; ++b)
+  {
+    if (b == static_cast<std::size_t>(Band::Reached)) continue;  // told by the evidence, too
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, bands + b, sizeof bits);
+    mix(bits);
+  }
 }
 
 std::optional<SiteCell> cell_of(const BandValues& values, std::uint32_t newest_s)

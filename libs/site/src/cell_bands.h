@@ -1,7 +1,10 @@
 #pragma once
+#include <talus/layers.h>
 #include <talus/site/tile_store.h>
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 
 // A cell of a site in the bands of its GeoTIFF, and back with the same bits.
@@ -25,10 +28,30 @@ constexpr std::array<const char*, kBandCount> kBandNames{
     "traversability",     "ground_elevation", "elevation", "variance", "state", "reached", "age",
     "elevation_variance", "evidence",         "shape"};
 
+/** The layers of a map among them, which come first. */
+constexpr std::array kKeptLayers{Layer::Traversability, Layer::GroundElevation, Layer::Elevation,
+                                 Layer::Variance,       Layer::State,           Layer::Reached};
+
+/** Their values. NaN has one bit pattern. */
+std::array<float, kKeptLayers.size()> kept_values(const CellRecord& cell);
+
 using BandValues = std::array<float, kBandCount>;
 
 /** `newest_s`: of all cells of the file. NaN has one bit pattern. */
 BandValues values_of(const SiteCell& cell, std::uint32_t newest_s);
+
+/** A number that changes with any bit of the known cells of a tile: bits flip on disks and cables.
+ */
+class TileSum
+{
+ public:
+  /** Cells in the order of Tile; all their bands, those of channels last. */
+  void add(const float* bands, std::size_t count);
+  std::uint32_t value() const { return static_cast<std::uint32_t>(sum_ >> 32); }
+
+ private:
+  std::uint64_t sum_ = 0, cell_ = 0;
+};
 
 /** The cell that has these values: unknown where the state is NaN or 0. Nothing where they are none
  * of a site. */

@@ -109,7 +109,7 @@ ChangeSums write_geotiff(
     const std::string& path, Site& from, Site& to, int floor, double step_m, const TileBox& box)
 {
   io::AtomicFile file(path);
-  const GdalCacheLimit limit;
+  const io::GdalCacheLimit limit;
   const io::GdalErrors errors;
   io::DatasetPtr dataset = create(file.temporary_path(), box, to);
   if (!dataset) io::fail(path, "cannot write this GeoTIFF", errors);
@@ -148,15 +148,31 @@ void require_one_frame(const std::string& path, const Site& from, const Site& to
 
 }  // namespace
 
+void ChangeSums::add(const ChangeSums& other)
+{
+  cell_m2 = other.cell_m2;
+  for (std::size_t k = 0; k < kChangeCount; ++k)
+  {
+    cells[k] += other.cells[k];
+    volume_m3[k] += other.volume_m3[k];
+  }
+}
+
+bool have_common_place(Site& from, Site& to, int floor)
+{
+  const TileBox box = common_tiles(from, to, floor);
+  return box.min_x <= box.max_x;
+}
+
 ChangeSums write_changes(
     const std::string& geotiff_path, const std::string& picture_path, Site& from, Site& to,
     int floor, double step_m)
 {
   require_one_frame(geotiff_path, from, to);
-  const TileBox box = common_tiles(from, to, floor);
-  if (box.min_x > box.max_x)
+  if (!have_common_place(from, to, floor))
     throw std::runtime_error(
         geotiff_path + ": nothing to compare: the two sites have no place in common");
+  const TileBox box = common_tiles(from, to, floor);
   const ChangeSums sums = write_geotiff(geotiff_path, from, to, floor, step_m, box);
   write_changes_picture(picture_path, from, to, floor, step_m, sums);
   return sums;

@@ -1,4 +1,4 @@
-#include "cell_evidence.h"
+#include "known_cells.h"
 #include "changes.h"
 
 #include <array>

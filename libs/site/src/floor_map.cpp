@@ -1,28 +1,22 @@
 #include <talus/site/floor_map.h>
 
+#include "cell_bands.h"
 #include "kept_cell.h"
 #include "known_cells.h"
 #include "strips.h"
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 namespace talus::site
 {
 namespace
 {
-constexpr Layer kLayers[] = {Layer::Elevation, Layer::GroundElevation, Layer::Variance,
-                             Layer::State,     Layer::Reached,         Layer::Traversability};
-
 void put_cell(MapSnapshot& map, std::size_t at, const CellRecord& c)
 {
-  const float reached = !is_known(c) ? NAN : is_reached(c) ? 1.0F : 0.0F;
-  const float values[] = {
-      c.elevation_m, c.ground_m,      c.ground_variance_m2, static_cast<float>(c.state),
-      reached,       c.traversability};
-  for (std::size_t i = 0; i < std::size(kLayers); ++i)
-    map.layers[static_cast<std::size_t>(kLayers[i])][at] = values[i];
+  const auto values = kept_values(c);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    map.layers[static_cast<std::size_t>(kKeptLayers[i])][at] = values[i];
 }
 
 Window window_around(
@@ -84,7 +78,7 @@ void FloorMap::begin(const Window& window)
   const CellRect all = rect_of(window);
   map_.window = window;
   map_.layers[static_cast<std::size_t>(Layer::Sparsity)].assign(all.size(), NAN);
-  for (const Layer l : kLayers)
+  for (const Layer l : kKeptLayers)
     map_.layers[static_cast<std::size_t>(l)].assign(all.size(), l == Layer::State ? 0.0F : NAN);
 }
 

@@ -1,4 +1,4 @@
-#include "guesses.h"
+#include "judge_anew.h"
 
 #include "kept_cell.h"
 

@@ -1,6 +1,6 @@
 #include "hindsight.h"
 
-#include "guesses.h"
+#include "judge_anew.h"
 #include "traffic.h"
 
 #include <algorithm>

@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "seen_rays.h"
+
 namespace talus::site
 {
 /** Judges cells of a tile that have changed, and those around them whose judgement rests on them:
@@ -11,5 +13,10 @@ namespace talus::site
  * `changed`: places in the tile. */
 void judge_anew(
     Site& site, const Parameters& parameters, const TileKey& key, const std::vector<int>& changed);
+
+/** Leaves guesses of a tile unjudged that no scan around it proves. A guess goes on level from the
+ * ground on one side, and rays that passed over it may end far below it, often beyond the window.
+ * So a ray has to end there, or close behind, at its height, and none lower. */
+void forget_guesses(Site& site, const TileKey& key, const Scans& scans);
 
 }  // namespace talus::site

@@ -71,6 +71,12 @@ inline int guessed_ground(const CellRecord& c)
 {
   return state_of(c) == CellState::FilledOneSided ? kCellStates : c.state;
 }
+/** Whether no ray has proved the guess that it is: nobody saw anything there. */
+inline bool is_unproved(const CellRecord& c)
+{
+  return state_of(c) == CellState::FilledOneSided && std::isnan(c.traversability) &&
+         std::isnan(c.elevation_m);
+}
 /** The same of all: what was hit comes first. */
 inline int guessed(const CellRecord& c)
 {

@@ -1,7 +1,7 @@
-#include <talus/site/map_fit.h>
+#include <talus/site/merge.h>
 
-#include "cell_evidence.h"
-#include "fit_sums.h"
+#include "known_cells.h"
+#include "changes.h"
 
 #include <algorithm>
 #include <array>

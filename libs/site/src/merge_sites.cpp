@@ -1,6 +1,8 @@
 #include <talus/site/merge.h>
 
-#include "fit_sums.h"
+#include <talus/site/site_files.h>
+
+#include "changes.h"
 #include "channel_values.h"
 #include "moved_reader.h"
 
@@ -10,6 +12,7 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -22,11 +25,12 @@ namespace
 constexpr std::size_t kComparedWith = 4;  //!< maps of a place, each
 constexpr int kGroupTiles = 4;  //!< along each side: some blocks of the files, read together
 
-/** A file, and how it is moved. */
+/** A file, which of the sites it belongs to, and how that is moved. */
 struct Input
 {
   std::string path;
   MapShift shift;
+  std::uint32_t site;
 };
 
 /** A tile of one of the files. */
@@ -52,7 +56,10 @@ bool is_same_place(const Source& a, const Source& b)
 void sort_ways(Ways& ways)
 {
   const auto of_point = [](const WayPoint& p)
-  { return std::make_tuple(p.x_m, p.y_m, p.z_m, std::isnan(p.stamp_s) ? -INFINITY : p.stamp_s); };
+  {
+    return std::make_tuple(
+        p.x_m, p.y_m, p.z_m, std::isnan(p.stamp_s) ? -INFINITY : p.stamp_s, p.floor);
+  };
   const auto less = [&](const auto& a, const auto& b)
   {
     return std::lexicographical_compare(
@@ -72,7 +79,7 @@ std::vector<Source> open_all(const std::vector<Input>& inputs, Site& site, int f
   for (std::size_t i = 0; i < inputs.size(); ++i)
   {
     const MovedReader reader(inputs[i].path, inputs[i].shift);
-    if (i == 0 && !site.origin) site.origin = reader.file().origin();
+    if (i == 0 && site.tiles.keys().empty() && !site.origin) site.origin = reader.file().origin();
     reader.file().require_fits(site);
     reader.file().add_channels_to(site);
     for (auto& way : reader.ways(floor)) site.ways.push_back(std::move(way));
@@ -165,7 +172,8 @@ class TileMerger
   {
     const std::size_t last = files_.size() - 1;
     for (std::size_t i = last > kComparedWith ? last - kComparedWith : 0; i < last; ++i)
-      fits_[{files_[i], files_[last]}].add(*tiles_[i], *tiles_[last]);
+      if (inputs_[files_[i]].site != inputs_[files_[last]].site)
+        fits_[{inputs_[files_[i]].site, inputs_[files_[last]].site}].add(*tiles_[i], *tiles_[last]);
   }
 
   /** Those used last come first; the last is closed where there are too many. */
@@ -250,12 +258,16 @@ void merge_or_keep_failure(Shared& s)
   }
 }
 
-std::vector<Input> inputs_of(const std::vector<std::string>& paths, const MergeOptions& options)
+/** By the floor that they become. */
+std::map<int, std::vector<Input>> inputs_of(
+    const std::vector<std::string>& paths, int floor, const MergeOptions& options)
 {
-  std::vector<Input> inputs;
-  inputs.reserve(paths.size());
+  std::map<int, std::vector<Input>> inputs;
   for (std::size_t i = 0; i < paths.size(); ++i)
-    inputs.push_back({paths[i], options.shifts.empty() ? MapShift{} : options.shifts.at(i)});
+    for (const SitePart& part : parts_of_site(paths[i], floor))
+      inputs[part.floor].push_back(
+          {part.path, options.shifts.empty() ? MapShift{} : options.shifts.at(i),
+           static_cast<std::uint32_t>(i)});
   return inputs;
 }
 
@@ -271,14 +283,11 @@ std::vector<MapFit> fits_of(const FitsOfPairs& pairs, double resolution_m)
   }
   return fits;
 }
-}  // namespace
 
-std::vector<MapFit> merge_sites(
-    const std::vector<std::string>& paths, Site& site, int floor, const MergeOptions& options,
-    const Progress& progress)
+void merge_floor(
+    const std::vector<Input>& inputs, Site& site, int floor, const MergeOptions& options,
+    const Progress& progress, FitsOfPairs& fits)
 {
-  const GdalCacheLimit limit;
-  const std::vector<Input> inputs = inputs_of(paths, options);
   const std::vector<Source> sources = open_all(inputs, site, floor);
   std::vector<std::size_t> begins;
   begins.reserve(sources.size() + 1);
@@ -295,7 +304,30 @@ std::vector<MapFit> merge_sites(
   merge_or_keep_failure(shared);
   for (std::thread& t : others) t.join();
   if (shared.failure) std::rethrow_exception(shared.failure);
-  return fits_of(shared.fits, site.resolution_m);
+  for (const auto& [pair, sums] : shared.fits) fits[pair].add(sums);
+}
+}  // namespace
+
+std::vector<MapFit> merge_sites(
+    const std::vector<std::string>& paths, Site& site, int floor, const MergeOptions& options,
+    const Progress& progress)
+{
+  const io::GdalCacheLimit limit;
+  FitsOfPairs fits;
+  const auto inputs = inputs_of(paths, floor, options);
+  double merged = 0;
+  for (const auto& [of_floor, files] : inputs)
+  {
+    merge_floor(
+        files, site, of_floor, options,
+        [&](double done)
+        {
+          if (progress) progress((merged + done) / static_cast<double>(inputs.size()));
+        },
+        fits);
+    merged += 1;
+  }
+  return fits_of(fits, site.resolution_m);
 }
 
 }  // namespace talus::site

@@ -40,7 +40,7 @@ Ways MovedReader::ways(int floor) const
 
 std::set<MovedReader::Key> MovedReader::below(SiteReader::Place tile, bool of_file) const
 {
-  const double side_m = kTileCells * file_.resolution_m();
+  const double side_m = kTileCells * file_.info().resolution_m;
   double min_x = INFINITY, min_y = INFINITY, max_x = -INFINITY, max_y = -INFINITY;
   for (const int dx : {0, 1})
     for (const int dy : {0, 1})
@@ -102,7 +102,7 @@ bool MovedReader::read_moved(SiteReader::Place tile, Tile& to, ChannelTile* valu
       auto& source = from[key] = std::make_unique<Source>();
       file_.read({key.first, key.second}, source->tile, values ? &source->values : nullptr);
     }
-  const double resolution_m = file_.resolution_m();
+  const double resolution_m = file_.info().resolution_m;
   bool any = false;
   for (int i = 0; i < kTileCells * kTileCells; ++i)
   {

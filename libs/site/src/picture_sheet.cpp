@@ -1,6 +1,6 @@
 #include "picture_sheet.h"
 
-#include <picture_marks.h>
+#include <picture_legend.h>
 #include <picture_panel.h>
 #include <talus/number_text.h>
 

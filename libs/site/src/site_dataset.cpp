@@ -94,7 +94,7 @@ SiteDataset::SiteDataset(
   for (const std::string& name : channel_layer_names(channels)) names_.push_back(name);
   nRasterXSize = static_cast<int>(pyramid_.width_cells(0));
   nRasterYSize = static_cast<int>(pyramid_.height_cells(0));
-  const Statistics all = statistics();
+  const Statistics all = look_at_tiles();
   make_bands(&all);
   for (int level = 1; level < pyramid.levels(); ++level)
     overviews_.push_back(std::unique_ptr<SiteDataset>(new SiteDataset(*this, level)));
@@ -110,19 +110,22 @@ SiteDataset::SiteDataset(SiteDataset& whole, int level)
   make_bands(nullptr);
 }
 
-SiteDataset::Statistics SiteDataset::statistics() const
+SiteDataset::Statistics SiteDataset::look_at_tiles()
 {
   Statistics all(names_.size());
   std::vector<float> cell(names_.size());
   pyramid_.for_each_tile(
-      [&](const Tile& tile, const ChannelTile* values)
+      [&](const TileKey& key, const Tile& tile, const ChannelTile* values)
       {
+        TileSum sum;
         for (std::size_t i = 0; i < tile.cells.size(); ++i)
         {
-          if (!tile.cells[i].known()) continue;
           put_cell(tile, values, i, cell.data());
+          sum.add(cell.data(), cell.size());
+          if (!tile.cells[i].known()) continue;
           for (std::size_t b = 0; b < cell.size(); ++b) all[b].add(cell[b]);
         }
+        sums_[{key.x, key.y}] = sum.value();
       });
   return all;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include "cell_bands.h"
+#include "site_metadata.h"
 #include "tile_pyramid.h"
 
 #include <bands.h>
@@ -33,6 +34,8 @@ class SiteDataset : public GDALDataset
   CPLErr GetGeoTransform(double* to) override;
   const OGRSpatialReference* GetSpatialRef() const override { return &crs_; }
 
+  /** Of its tiles. */
+  const TileSums& sums() const { return sums_; }
   /** Throws again what a tile threw while GDAL read. */
   void rethrow() const;
 
@@ -48,7 +51,7 @@ class SiteDataset : public GDALDataset
   using Statistics = std::vector<io::BandStatistics>;
   SiteDataset(SiteDataset& whole, int level);
   void make_bands(const Statistics* statistics);
-  Statistics statistics() const;
+  Statistics look_at_tiles();
   void read_pixels(int x, int y, int width, int height, float* to) const;
   /** All bands of a cell; `values`: of the channels of its tile, or null. */
   void put_cell(const Tile& tile, const ChannelTile* values, std::size_t at, float* to) const;
@@ -59,6 +62,7 @@ class SiteDataset : public GDALDataset
   GeoTransform transform_;
   OGRSpatialReference crs_;
   std::vector<std::string> names_;  //!< of the bands
+  TileSums sums_;
   std::vector<std::unique_ptr<SiteDataset>> overviews_;
   std::exception_ptr failure_;
 };

@@ -1,11 +1,10 @@
 #include <talus/site/site_files.h>
 
+#include "kept_cell.h"
 #include "known_cells.h"
 #include "site_file.h"
 
 #include <talus/site/islands.h>
-#include <talus/site/site_picture.h>
-#include <talus/site/site_way.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -32,43 +31,37 @@ std::string with_number(const fs::path& file, const std::string& name, std::size
   return (file.parent_path() / named).string();
 }
 
-/** The floors whose files are beside that of floor 0, which need not be all up to the last. */
-std::vector<int> floors_beside(const std::string& file)
+/** The numbers of the files that are named, and of those that are beside the first all the same. A
+ * file that is named must be there. */
+template <class F>
+std::set<std::size_t> numbers_beside(
+    const std::string& path, const std::set<std::size_t>& named, const std::string& what,
+    const F& with)
 {
-  constexpr int kMost = 1000;
-  std::vector<int> floors;
+  constexpr int kWidestGap = 16;
   std::error_code ec;
-  for (int floor = 1; floor < kMost; ++floor)
-    if (fs::exists(with_floor(file, floor), ec)) floors.push_back(floor);
-  return floors;
+  for (const std::size_t n : named)
+    if (n > 0 && !fs::exists(with(path, n), ec))
+      throw std::runtime_error(
+          with(path, n) + ": no such file, but " + path + " is the first of " +
+          std::to_string(named.size()) + what + ": put those of the others beside it");
+  std::set<std::size_t> beside = named;
+  int missing = 0;
+  for (std::size_t n = 1; missing < kWidestGap; ++n)
+    if (missing = fs::exists(with(path, n), ec) ? 0 : missing + 1; missing == 0) beside.insert(n);
+  return beside;
 }
 
-/** A file that another one names must be there. */
-void require_part(const std::string& part, const std::string& of, const std::string& what)
+/** The file of a floor and its islands. What that file says. */
+SiteInfo add_floor(const std::string& path, int floor, std::vector<SitePart>& parts)
 {
-  std::error_code ec;
-  if (!fs::exists(part, ec))
-    throw std::runtime_error(
-        part + ": no such file, but " + of + " is the first of " + what +
-        ": put those of the others beside it");
-}
-
-void require_parts(const std::string& path)
-{
-  const std::vector<int> floors = floors_of_site(path);
-  for (const int floor : floors)
-    require_part(with_floor(path, floor), path, std::to_string(floors.size()) + " floors");
-  const std::size_t islands = islands_of_site(path);
-  for (std::size_t i = 1; i <= islands; ++i)
-    require_part(with_island(path, i), path, std::to_string(islands + 1) + " islands");
-}
-
-void read_floor_files(const std::string& path, Site& site, int floor)
-{
-  require_parts(path);
-  read_site(path, site, floor);
-  for (std::size_t i = islands_of_site(path); i > 0; --i)
-    read_site(with_island(path, i), site, floor);
+  parts.push_back({path, floor});
+  SiteInfo info = info_of_site(path);
+  std::set<std::size_t> named;
+  for (std::size_t i = 0; i <= info.islands; ++i) named.insert(i);
+  for (const std::size_t i : numbers_beside(path, named, " islands", with_island))
+    if (i > 0) parts.push_back({with_island(path, i), floor});
+  return info;
 }
 
 /** Copies an island into a site of its own. */
@@ -91,40 +84,14 @@ std::string title_of(int floor, std::size_t island)
   return (floor > 0 ? "Site map, floor " + std::to_string(floor) : "Site map") + ", island " +
          std::to_string(island);
 }
-}  // namespace
 
-std::string with_floor(const std::string& path, int floor)
+/** The first floor has the name of all. */
+std::string file_of_floor(const std::string& path, const std::vector<int>& floors, int floor)
 {
-  return with_number(path, "floor", static_cast<std::size_t>(floor));
+  return path.empty() || floor == floors.front() ? path : with_floor(path, floor);
 }
 
-std::string with_island(const std::string& path, std::size_t island)
-{
-  return with_number(path, "island", island);
-}
-
-std::vector<int> floors_of(const Site& site)
-{
-  std::set<int> floors;
-  for (const TileKey& key : site.tiles.keys()) floors.insert(key.floor);
-  return {floors.begin(), floors.end()};
-}
-
-KnownCells known_cells(Site& site)
-{
-  KnownCells known;
-  for (const TileKey& key : site.tiles.keys())
-    for_each_known_of_tile(
-        site, key,
-        [&](std::int64_t, std::int64_t, const SiteCell& c)
-        {
-          if (c.cell.state < known.by_state.size()) ++known.by_state[c.cell.state];
-        });
-  const auto count = std::accumulate(known.by_state.begin(), known.by_state.end(), std::size_t{0});
-  known.area_m2 = static_cast<double>(count) * site.resolution_m * site.resolution_m;
-  return known;
-}
-
+/** A floor, its islands and its ways. */
 void write_floor_files(
     const std::string& path, const std::string& picture, Site& site, int floor, Far far,
     const Progress& progress)
@@ -154,16 +121,51 @@ void write_floor_files(
   }
   write_way(way_file_of(path), site, floor);
 }
+}  // namespace
 
-void write_site_files(const std::string& path, Site& site, const Progress& progress, Far far)
+std::string with_floor(const std::string& path, int floor)
+{
+  return with_number(path, "floor", static_cast<std::size_t>(floor));
+}
+
+std::string with_island(const std::string& path, std::size_t island)
+{
+  return with_number(path, "island", island);
+}
+
+std::vector<int> floors_of(const Site& site)
+{
+  std::set<int> floors;
+  for (const TileKey& key : site.tiles.keys()) floors.insert(key.floor);
+  return {floors.begin(), floors.end()};
+}
+
+KnownCells known_cells(Site& site)
+{
+  KnownCells known;
+  for (const TileKey& key : site.tiles.keys())
+    for_each_known_of_tile(
+        site, key,
+        [&](std::int64_t, std::int64_t, const SiteCell& c)
+        {
+          if (c.cell.state < known.by_state.size() && !is_unproved(c.cell))
+            ++known.by_state[c.cell.state];
+        });
+  const auto count = std::accumulate(known.by_state.begin(), known.by_state.end(), std::size_t{0});
+  known.area_m2 = static_cast<double>(count) * site.resolution_m * site.resolution_m;
+  return known;
+}
+
+void write_site_files(
+    const std::string& path, const std::string& picture, Site& site, const Progress& progress,
+    Far far)
 {
   const std::vector<int> floors = floors_of(site);
   double written = 0;
   for (const int floor : floors)
   {
-    const std::string tif = with_floor(path, floor);
     write_floor_files(
-        tif, fs::path(tif).replace_extension(".png").string(), site, floor, far,
+        file_of_floor(path, floors, floor), file_of_floor(picture, floors, floor), site, floor, far,
         [&](double done)
         {
           if (progress) progress((written + done) / static_cast<double>(floors.size()));
@@ -172,11 +174,36 @@ void write_site_files(const std::string& path, Site& site, const Progress& progr
   }
 }
 
-void read_site_files(const std::string& path, Site& site)
+std::vector<std::string> texts_of_islands(const std::string& path, Site& site)
 {
-  read_floor_files(path, site, 0);
-  for (const int floor : floors_beside(path))
-    read_floor_files(with_floor(path, floor), site, floor);
+  std::vector<std::string> texts;
+  const std::vector<int> floors = floors_of(site);
+  for (const int floor : floors)
+  {
+    const auto islands = islands_of(site, floor);
+    for (std::size_t i = 1; i < islands.size(); ++i)
+      texts.push_back(
+          text_of_island(islands[i], with_island(file_of_floor(path, floors, floor), i)));
+  }
+  return texts;
+}
+
+std::vector<SitePart> parts_of_site(const std::string& path, int floor)
+{
+  std::vector<SitePart> parts;
+  const SiteInfo info = add_floor(path, floor, parts);
+  const auto own = static_cast<std::size_t>(info.floor);
+  const auto with = [own](const std::string& first, std::size_t n)
+  { return n == own ? first : with_floor(first, static_cast<int>(n)); };
+  for (const std::size_t n :
+       numbers_beside(path, {info.floors.begin(), info.floors.end()}, " floors", with))
+    if (n != own && n > 0) add_floor(with(path, n), static_cast<int>(n), parts);
+  return parts;
+}
+
+void read_site_files(const std::string& path, Site& site, const MapShift& shift)
+{
+  for (const SitePart& part : parts_of_site(path, 0)) read_site(part.path, site, part.floor, shift);
 }
 
 }  // namespace talus::site

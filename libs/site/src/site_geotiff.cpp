@@ -40,6 +40,7 @@ void set_metadata(
   const std::string ways = text_of_ways(site.ways, file.floor);
   if (!ways.empty()) set(kWaysItem, ways);
   if (!site.channels.empty()) set(kChannelsItem, channels_text(site.channels));
+  set(kSumsItem, text_of_sums(dataset.sums()));
   io::put_origin(dataset, site.origin);
   dataset.SetMetadataItem("AREA_OR_POINT", "Area");
 }
@@ -109,7 +110,7 @@ void write_site_file(
   TilePyramid pyramid(
       site, floor, kLargestOverview_cells, (file.hidden_folder().path() / "overviews").string());
   check_extent(path, pyramid, floor);
-  const GdalCacheLimit limit;
+  const io::GdalCacheLimit limit;
   io::GdalErrors errors;
   GDALDriver& cog = io::cog_driver();
   SiteDataset dataset(
@@ -131,7 +132,7 @@ void write_site_file(
 
 void read_site(const std::string& path, Site& site, int floor, const MapShift& shift)
 {
-  const GdalCacheLimit limit;
+  const io::GdalCacheLimit limit;
   MovedReader reader(path, shift);
   if (!site.origin && site.tiles.keys().empty()) site.origin = reader.file().origin();
   reader.file().require_fits(site);
@@ -151,15 +152,11 @@ void read_site(const std::string& path, Site& site, int floor, const MapShift& s
   for (auto& way : ways) site.ways.push_back(std::move(way));
 }
 
-double resolution_of_site(const std::string& path) { return SiteReader(path).resolution_m(); }
-int floor_of_site(const std::string& path) { return SiteReader(path).floor(); }
-std::vector<int> floors_of_site(const std::string& path) { return SiteReader(path).floors(); }
-std::size_t islands_of_site(const std::string& path) { return SiteReader(path).islands(); }
-std::vector<std::vector<WayPoint>> ways_of_site(const std::string& path)
+SiteInfo info_of_site(const std::string& path) { return SiteReader(path).info(); }
+
+std::vector<std::vector<WayPoint>> ways_of_site(const io::GeotiffFile& file)
 {
-  const SiteReader file(path);
-  return file.ways(file.floor());
+  return ways_from(file.item(kWaysItem), 0).value_or(Ways());
 }
-std::uint32_t newest_of_site(const std::string& path) { return SiteReader(path).newest_s(); }
 
 }  // namespace talus::site

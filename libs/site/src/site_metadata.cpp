@@ -136,4 +136,28 @@ std::optional<std::vector<int>> floors_from(const std::string& text)
   return floors;
 }
 
+std::string text_of_sums(const TileSums& sums)
+{
+  std::string text;
+  for (const auto& [tile, sum] : sums)
+    text += (text.empty() ? "" : ";") + std::to_string(tile.first) + " " +
+            std::to_string(tile.second) + " " + std::to_string(sum);
+  return text;
+}
+
+std::optional<TileSums> sums_from(const std::string& text)
+{
+  TileSums sums;
+  for (const auto tile : split(text, ';'))
+  {
+    const auto n = numbers(tile);
+    if (!n || n->size() != 3 || std::abs((*n)[0]) > INT32_MAX || std::abs((*n)[1]) > INT32_MAX ||
+        (*n)[2] < 0 || (*n)[2] > UINT32_MAX)
+      return std::nullopt;
+    sums[{static_cast<std::int32_t>((*n)[0]), static_cast<std::int32_t>((*n)[1])}] =
+        static_cast<std::uint32_t>((*n)[2]);
+  }
+  return sums;
+}
+
 }  // namespace talus::site

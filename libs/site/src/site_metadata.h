@@ -3,8 +3,11 @@
 
 #include <geo_reference.h>
 
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 // What a file of a site tells besides its cells.
@@ -22,6 +25,7 @@ constexpr const char* kMinCellXItem = "TALUS_MIN_CELL_X";  //!< of the lower lef
 constexpr const char* kMinCellYItem = "TALUS_MIN_CELL_Y";
 constexpr const char* kSeenItem = "TALUS_SEEN_S";  //!< when the newest cell was seen
 constexpr const char* kWaysItem = "TALUS_WAYS";  //!< none where there are no ways
+constexpr const char* kSumsItem = "TALUS_TILE_SUMS";  //!< see TileSums; none: not checked
 constexpr const char* kChannelsItem = "TALUS_CHANNELS";  //!< "intensity:mean"; none: no channels
 /// @}
 
@@ -39,6 +43,14 @@ std::optional<Ways> ways_from(const std::string& text, int floor);
 std::string text_of_floors(const std::vector<int>& floors);
 /** And back. Nothing where the text is none of floors. */
 std::optional<std::vector<int>> floors_from(const std::string& text);
+
+/** The TileSum of each tile, by its column and row. */
+using TileSums = std::map<std::pair<std::int32_t, std::int32_t>, std::uint32_t>;
+
+/** "x y sum;x y sum" */
+std::string text_of_sums(const TileSums& sums);
+/** And back. Nothing where the text is none of sums. */
+std::optional<TileSums> sums_from(const std::string& text);
 
 using io::crs_of;
 using io::kOriginItem;

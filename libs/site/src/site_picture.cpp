@@ -1,4 +1,4 @@
-#include <talus/site/site_picture.h>
+#include <talus/site/site_files.h>
 
 #include "picture_sheet.h"
 

@@ -1,6 +1,6 @@
 #include "site_raster.h"
 
-#include "cell_evidence.h"
+#include "known_cells.h"
 
 #include <opencv2/imgproc.hpp>
 

@@ -17,14 +17,7 @@ constexpr const char* kDamaged = "damaged: copy it again, or make it anew";
 constexpr const char* kCutShort = "cannot be read to its end; copy it again";
 constexpr std::int64_t kMostIslands = 1000000;
 constexpr std::int64_t kFarthestCell = 2'000'000'000;  //!< beyond what frames can lead to
-constexpr std::int64_t kCacheBytes = 256LL << 20;
 }  // namespace
-
-GdalCacheLimit::GdalCacheLimit() : before_(GDALGetCacheMax64())
-{
-  if (before_ > kCacheBytes) GDALSetCacheMax64(kCacheBytes);
-}
-GdalCacheLimit::~GdalCacheLimit() { GDALSetCacheMax64(before_); }
 
 SiteReader::SiteReader(const std::string& path) : path_(path)
 {
@@ -128,20 +121,20 @@ void SiteReader::read_metadata()
   const auto resolution = number_from(item(kResolutionItem));
   if (!resolution || !(*resolution > 0) || !std::isfinite(*resolution))
     fail(std::string("its resolution is none; it is ") + kDamaged);
-  resolution_m_ = *resolution;
+  info_.resolution_m = *resolution;
   min_cell_x_ = whole_item(kMinCellXItem, -kFarthestCell, kFarthestCell);
   min_cell_y_ = whole_item(kMinCellYItem, -kFarthestCell, kFarthestCell);
-  newest_s_ = static_cast<std::uint32_t>(
+  info_.newest_s = static_cast<std::uint32_t>(
       whole_item(kSeenItem, 0, std::numeric_limits<std::uint32_t>::max()));
-  floor_ = static_cast<int>(whole_item(kFloorItem, 0, std::numeric_limits<int>::max()));
+  info_.floor = static_cast<int>(whole_item(kFloorItem, 0, std::numeric_limits<int>::max()));
   if (const char* text = dataset_->GetMetadataItem(kFloorsItem))
   {
     const auto floors = floors_from(text);
     if (!floors) fail(std::string("its ") + kFloorsItem + " are no floors; it is " + kDamaged);
-    floors_ = *floors;
+    info_.floors = *floors;
   }
   if (dataset_->GetMetadataItem(kObjectTopsItem))
-    islands_ = static_cast<std::size_t>(whole_item(kObjectTopsItem, 1, kMostIslands));
+    info_.islands = static_cast<std::size_t>(whole_item(kObjectTopsItem, 1, kMostIslands));
   if (const char* text = dataset_->GetMetadataItem(kOriginItem))
   {
     origin_ = origin_from(text);
@@ -154,12 +147,12 @@ void SiteReader::check_place()
 {
   const int width = dataset_->GetRasterXSize(), height = dataset_->GetRasterYSize();
   const auto expected = transform_of(
-      static_cast<double>(min_cell_x_) * resolution_m_,
-      static_cast<double>(min_cell_y_ + height) * resolution_m_, resolution_m_, origin_);
+      static_cast<double>(min_cell_x_) * info_.resolution_m,
+      static_cast<double>(min_cell_y_ + height) * info_.resolution_m, info_.resolution_m, origin_);
   double t[6];
   bool same = dataset_->GetGeoTransform(t) == CE_None;
   for (std::size_t i = 0; i < 6; ++i)
-    same = same && std::abs(t[i] - expected[i]) <= resolution_m_ * (i % 3 == 0 ? 0.01 : 1e-6);
+    same = same && std::abs(t[i] - expected[i]) <= info_.resolution_m * (i % 3 == 0 ? 0.01 : 1e-6);
   if (!same || width % kTileCells != 0 || height % kTileCells != 0 ||
       min_cell_x_ % kTileCells != 0 || min_cell_y_ % kTileCells != 0)
     fail("was cut, moved or resampled by another program: give the file as talus wrote it");
@@ -169,12 +162,12 @@ void SiteReader::check_place()
 
 void SiteReader::require_fits(const Site& site) const
 {
-  if (resolution_m_ != site.resolution_m)
+  if (info_.resolution_m != site.resolution_m)
     fail(
-        "its cells are " + number_text(resolution_m_) + " m wide, not " +
+        "its cells are " + number_text(info_.resolution_m) + " m wide, not " +
         number_text(site.resolution_m) +
         " m: give maps of one resolution, or go on with resolution_m=" +
-        number_text(resolution_m_));
+        number_text(info_.resolution_m));
   const auto text = [](const std::optional<GeoOrigin>& o)
   { return o ? text_of_origin(*o) : std::string("none"); };
   if (text(origin_) != text(site.origin))
@@ -243,9 +236,28 @@ void SiteReader::load(Place tile, std::size_t bands)
     io::fail(path_, kCutShort, errors);
 }
 
+/** Of the tile that was loaded. */
+void SiteReader::check_sum(Place tile)
+{
+  const char* text = dataset_->GetMetadataItem(kSumsItem);
+  if (!text) return;
+  if (!sums_) sums_ = sums_from(text);
+  if (!sums_) fail(std::string("its ") + kSumsItem + " are none; it is " + kDamaged);
+  TileSum sum;
+  for (std::size_t i = 0; i < values_.size(); i += bands_.size())
+    sum.add(values_.data() + i, bands_.size());
+  const auto told = sums_->find({tile.x, tile.y});
+  if (sum.value() == (told == sums_->end() ? TileSum().value() : told->second)) return;
+  fail(
+      "its cells near (" + fixed_text((tile.x + 0.5) * kTileCells * info_.resolution_m, 0) + ", " +
+      fixed_text((tile.y + 0.5) * kTileCells * info_.resolution_m, 0) +
+      ") m are not those that were written; it is " + kDamaged);
+}
+
 bool SiteReader::read(Place tile, Tile& to, ChannelTile* values)
 {
   load(tile, bands_.size());
+  check_sum(tile);
   bool any = false;
   for (std::size_t i = 0; i < to.cells.size(); ++i)
   {
@@ -253,7 +265,7 @@ bool SiteReader::read(Place tile, Tile& to, ChannelTile* values)
     std::copy_n(
         values_.begin() + static_cast<std::ptrdiff_t>(i * bands_.size()), kBandCount,
         of_cell.begin());
-    const auto cell = cell_of(of_cell, newest_s_);
+    const auto cell = cell_of(of_cell, info_.newest_s);
     if (!cell) fail(std::string("its cells are none of a site; it is ") + kDamaged);
     to.cells[i] = *cell;
     any |= cell->known();

@@ -1,6 +1,8 @@
 #pragma once
 #include "site_metadata.h"
 
+#include <talus/site/site_geotiff.h>
+
 #include <gdal_support.h>
 
 #include <cstddef>
@@ -20,14 +22,8 @@ class SiteReader
   explicit SiteReader(const std::string& path);
 
   const std::string& path() const { return path_; }
-  double resolution_m() const { return resolution_m_; }
+  const SiteInfo& info() const { return info_; }
   const std::optional<GeoOrigin>& origin() const { return origin_; }
-  std::uint32_t newest_s() const { return newest_s_; }
-  int floor() const { return floor_; }
-  /** All that were written with it, as far as the file tells. */
-  const std::vector<int>& floors() const { return floors_; }
-  /** How many islands were written with it. */
-  std::size_t islands() const { return islands_; }
   /** Its last bands are their layers. */
   const std::vector<Channel>& channels() const { return channels_; }
   /** Throws where the site has one of them with another rule, or too many become. */
@@ -56,6 +52,7 @@ class SiteReader
   void check_values(int bands) const;
   void read_metadata();
   void check_place();
+  void check_sum(Place tile);
   void read_values(ChannelTile& to) const;
   std::string item(const char* name) const;
   std::int64_t whole_item(const char* name, std::int64_t least, std::int64_t most) const;
@@ -64,30 +61,14 @@ class SiteReader
 
   std::string path_;
   io::DatasetPtr dataset_;
-  double resolution_m_ = 0;
+  SiteInfo info_;
   std::optional<GeoOrigin> origin_;
-  std::uint32_t newest_s_ = 0;
-  int floor_ = 0;
-  std::vector<int> floors_;
-  std::size_t islands_ = 0;
   std::vector<Channel> channels_;
   std::int64_t min_cell_x_ = 0, min_cell_y_ = 0;
   int width_tiles_ = 0, height_tiles_ = 0;
   std::vector<int> bands_;  //!< their numbers in the file, in our order
   std::vector<float> values_;
-};
-
-/** While it lives, GDAL keeps at most so many blocks in memory. Of the whole process. */
-class GdalCacheLimit
-{
- public:
-  GdalCacheLimit();
-  ~GdalCacheLimit();
-  GdalCacheLimit(const GdalCacheLimit&) = delete;
-  GdalCacheLimit& operator=(const GdalCacheLimit&) = delete;
-
- private:
-  std::int64_t before_;
+  std::optional<TileSums> sums_;  //!< of its tiles, from the first one on
 };
 
 }  // namespace talus::site

@@ -1,4 +1,4 @@
-#include <talus/site/site_way.h>
+#include <talus/site/site_files.h>
 
 #include "site_metadata.h"
 

@@ -1,6 +1,9 @@
 #include "tile_pyramid.h"
 
+#include "kept_cell.h"
+
 #include <algorithm>
+#include <cmath>
 
 namespace talus::site
 {
@@ -10,12 +13,47 @@ constexpr std::size_t kOverviewBytes = std::size_t{64} << 20;
 
 constexpr int kHalf = kTileCells / 2;
 
-/** The first of four cells that is known: as "nearest" does, but a line of cells stays a line. */
-std::size_t first_known(const SiteCell* cells, std::size_t upper, std::size_t lower)
+double standing_m(const SiteCell& c)
 {
+  const double height_m = c.cell.elevation_m - c.cell.ground_m;
+  return height_m > 0 ? height_m : 0;  // nor NaN
+}
+
+/** Whether a known cell drives worse: an unjudged one is better than any. */
+bool is_worse(const SiteCell& a, const SiteCell& b)
+{
+  const auto score = [](const SiteCell& c)
+  { return std::isnan(c.cell.traversability) ? 2.0F : c.cell.traversability; };
+  if (a.known() != b.known()) return a.known();
+  if (score(a) != score(b)) return score(a) < score(b);
+  return standing_m(a) > standing_m(b);
+}
+
+/** Where the worst of four cells is: who looks from far away must not miss a post. */
+std::size_t worst_of(const SiteCell* cells, std::size_t upper, std::size_t lower)
+{
+  std::size_t worst = lower + 1;
+  for (const std::size_t at : {lower, upper + 1, upper})
+    if (is_worse(cells[at], cells[worst])) worst = at;
+  return worst;
+}
+
+/** It, with the tallest of what stands on the four, and the state that is the most guessed. */
+SiteCell joined(const SiteCell* cells, std::size_t upper, std::size_t lower, std::size_t worst)
+{
+  SiteCell all = cells[worst];
   for (const std::size_t at : {lower + 1, lower, upper + 1, upper})
-    if (cells[at].known()) return at;
-  return lower;
+  {
+    const SiteCell& c = cells[at];
+    if (!c.known()) continue;
+    if (standing_m(c) > standing_m(all))
+    {
+      all.cell.elevation_m = all.cell.ground_m + static_cast<float>(standing_m(c));
+      all.cell.elevation_variance_m2 = c.cell.elevation_variance_m2;
+    }
+    if (guessed_ground(c.cell) > guessed_ground(all.cell)) all.cell.state = c.cell.state;
+  }
+  return all;
 }
 }  // namespace
 
@@ -92,9 +130,10 @@ void TilePyramid::add_to_level(int level, const Place& below)
     for (int c = 0; c < kHalf; ++c)
     {
       const auto x = static_cast<std::size_t>(2 * c);
-      const std::size_t at = first_known(cells, first_of(2 * r) + x, first_of(2 * r + 1) + x);
-      taken[static_cast<std::size_t>(r * kHalf + c)] = at;
-      quarter[static_cast<std::size_t>(r * kHalf + c)] = cells[at];
+      const std::size_t upper = first_of(2 * r) + x, lower = first_of(2 * r + 1) + x;
+      const std::size_t worst = worst_of(cells, upper, lower);
+      taken[static_cast<std::size_t>(r * kHalf + c)] = worst;
+      quarter[static_cast<std::size_t>(r * kHalf + c)] = joined(cells, upper, lower, worst);
     }
   const TileKey key{level, below.x / 2, below.y / 2};
   const int corner = (below.y % 2 * kTileCells + below.x % 2) * kHalf;
@@ -125,9 +164,11 @@ const ChannelTile* TilePyramid::values(int level, int x, int y)
   return values_.find({floor_, x + min_tile_x_, max_tile_y_ - y});
 }
 
-void TilePyramid::for_each_tile(const std::function<void(const Tile&, const ChannelTile*)>& f)
+void TilePyramid::for_each_tile(
+    const std::function<void(const TileKey&, const Tile&, const ChannelTile*)>& f)
 {
-  for (const Place& p : levels_.front()) f(*tile(0, p.x, p.y), values(0, p.x, p.y));
+  for (const Place& p : levels_.front())
+    f({floor_, p.x + min_tile_x_, max_tile_y_ - p.y}, *tile(0, p.x, p.y), values(0, p.x, p.y));
 }
 
 TilePyramid::Coverage TilePyramid::coverage(int level, int x0, int y0, int x1, int y1) const

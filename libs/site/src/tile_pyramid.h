@@ -10,8 +10,8 @@
 namespace talus::site
 {
 /** One floor of a site as an image of whole tiles, north up, and its overviews: each half as large
- * as the one before, its cells those that are known of four. Tile (x, y) is counted from the upper
- * left corner. */
+ * as the one before, its cells the worst that is known of four. Tile (x, y) is counted from the
+ * upper left corner. */
 class TilePyramid
 {
  public:
@@ -42,8 +42,8 @@ class TilePyramid
   const Tile* tile(int level, int x, int y);
   /** The values of channels of such a tile; null where it has none. Valid as that. */
   const ChannelTile* values(int level, int x, int y);
-  /** f(tile, values or null) for those of level 0. Throws as TileStore. */
-  void for_each_tile(const std::function<void(const Tile&, const ChannelTile*)>& f);
+  /** f(key, tile, values or null) for those of level 0. Throws as TileStore. */
+  void for_each_tile(const std::function<void(const TileKey&, const Tile&, const ChannelTile*)>& f);
   /** Which row of such a tile is the `row`-th from the north. */
   static int row_of(int level, int row) { return level == 0 ? kTileCells - 1 - row : row; }
 

@@ -1,6 +1,6 @@
 #include "traffic.h"
 
-#include "cell_evidence.h"
+#include "known_cells.h"
 #include "channel_values.h"
 #include "column.h"
 #include "judge_anew.h"

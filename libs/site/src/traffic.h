@@ -1,13 +1,14 @@
 #pragma once
-#include "column.h"
-#include "seen_rays.h"
-
 #include <talus/parameters.h>
 #include <talus/site/site.h>
 #include <talus/site/traffic_map.h>
 
 #include <map>
 #include <set>
+#include <vector>
+
+#include "column.h"
+#include "seen_rays.h"
 
 namespace talus::site
 {
@@ -24,5 +25,12 @@ using Trails = std::map<TileKey, std::map<int, HitScans>>;
 std::set<TileKey> clear_traffic(
     Site& site, const Parameters& parameters, const TileKey& key, const Scans& scans,
     Trails& trails, Traffic* traffic);
+
+/** How fast things moved over the cells of some tiles of one floor [m/s], by the place in the tile;
+ * cells where it is unknown are not there. What a scan hit is parted into things, and each thing is
+ * followed from scan to scan. It has a speed where its place goes along a line, at least in three
+ * scans. A cell has the median of the things that were there. */
+std::map<TileKey, std::map<int, float>> speeds_of(
+    const Traffic& traffic, const std::vector<TileKey>& tiles, double resolution_m);
 
 }  // namespace talus::site

@@ -1,6 +1,6 @@
 #include <talus/site/traffic_map.h>
 
-#include "traffic_speed.h"
+#include "traffic.h"
 
 #include <talus/io/geotiff.h>
 #include <talus/site/islands.h>

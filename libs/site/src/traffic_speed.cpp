@@ -1,4 +1,4 @@
-#include "traffic_speed.h"
+#include "traffic.h"
 
 #include <algorithm>
 #include <array>

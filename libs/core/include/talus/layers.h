@@ -1,6 +1,6 @@
 #pragma once
-#include <array>
 #include <cstdint>
+#include <string_view>
 
 namespace talus
 {
@@ -24,14 +24,71 @@ enum class Layer : int
              //!< remembered
   Traversability,  //!< [0,1] eq. 13, 1: free, 0: impassable
 };
-constexpr int kLayerCount = 10;
+constexpr int kLayerCount = static_cast<int>(Layer::Traversability) + 1;
 
-/** Band names of files and of the Python-free world: "elevation", "ground_elevation", ... */
-constexpr std::array<const char*, kLayerCount> kLayerNames{
-    "elevation", "ground_elevation", "variance", "state",         "reached", "slope",
-    "step",      "roughness",        "sparsity", "traversability"};
+/** What the values of a layer are: how they are packed, joined and painted. */
+enum class LayerKind
+{
+  Height,  //!< [m] in the map frame
+  Variance,  //!< its square root is shown
+  State,  //!< a CellState
+  Score,  //!< [0,1]
+  Amount  //!< any other number
+};
 
-constexpr const char* layer_name(Layer l) { return kLayerNames[static_cast<int>(l)]; }
+/** What files and pictures say of a layer. */
+struct LayerInfo
+{
+  const char* name;  //!< of bands, options and records
+  const char* unit;  //!< "" for none
+  LayerKind kind;  //!< of its values
+  const char* title = nullptr;  //!< over a picture, with the unit; null: the name
+  const char* low_word = "";  //!< meaning of 0, of scores
+  const char* high_word = "";  //!< meaning of 1
+  const char* classes = nullptr;  //!< what its numbers mean, where they are few
+};
+
+/** Those of the map in the order of Layer, then other bands of files. */
+constexpr LayerInfo kLayerTable[] = {
+    {"elevation", "m", LayerKind::Height, "Elevation [m]"},
+    {"ground_elevation", "m", LayerKind::Height, "Ground elevation [m]"},
+    {"variance", "m2", LayerKind::Variance, "Ground height, standard deviation [m]"},
+    {"state", "", LayerKind::State, "Where the ground height comes from", "", "",
+     "0 unknown, 1 measured, 2 filled from two sides, 3 filled from one side, 4 presumed"},
+    {"reached", "", LayerKind::Score, "Reached from where the robot stands", "no", "yes",
+     "0 the robot does not get there over passable cells, 1 it does"},
+    {"slope", "", LayerKind::Score, "Slope score", "too steep", "level"},
+    {"step", "", LayerKind::Score, "Step score", "too high", "no step"},
+    {"roughness", "", LayerKind::Score, "Roughness score", "too rough", "smooth"},
+    {"sparsity", "", LayerKind::Score, "Sparsity score (where ground may drop)", "ditch?",
+     "harmless"},
+    {"traversability", "", LayerKind::Score, "Traversability", "blocked", "free"},
+    // Beside them, of a window:
+    {"risk", "", LayerKind::Amount, "Risk (probability that a cell is impassable)"},
+    // Of a site:
+    {"age", "s", LayerKind::Amount},
+    {"elevation_variance", "m2", LayerKind::Amount},
+    {"evidence", "", LayerKind::Amount},
+    {"shape", "", LayerKind::Amount},
+    // Of what changed:
+    {"change_m", "m", LayerKind::Amount},
+    {"kind", "", LayerKind::Amount, nullptr, "", "",
+     "0 none, 1 built, 2 dug, 3 object gone, 4 object new"},
+    // Of what moved:
+    {"times", "", LayerKind::Amount},
+    {"scans", "", LayerKind::Amount},
+    {"speed_mps", "m/s", LayerKind::Amount}};
+
+constexpr const LayerInfo& layer_info(Layer l) { return kLayerTable[static_cast<int>(l)]; }
+constexpr const char* layer_name(Layer l) { return layer_info(l).name; }
+
+/** By its name; null for those of channels, and for what is not known. */
+inline const LayerInfo* find_layer(std::string_view name)
+{
+  for (const LayerInfo& layer : kLayerTable)
+    if (name == layer.name) return &layer;
+  return nullptr;
+}
 
 /** Where the ground height of a cell comes from. */
 enum class CellState : std::uint8_t

@@ -21,100 +21,109 @@ struct BodyBox
   double min_x_m, max_x_m, min_y_m, max_y_m, min_z_m, max_z_m;
 };
 
-/** Everything that can be tuned, in SI units. Defaults are those of the paper where it gives any,
- * unless doc/concepts.md says why not.
- *
- * Names, ranges and descriptions live in parameters.cpp once; INI files, `--help`, summary.json and
- * doc/parameters.md are all made from there (see parameter_table()). */
+// Each parameter once, in the order of the pipeline, which is that of help and pages:
+// NUMBER(type, name, default, unit, least, most, meaning) and TEXT(type, name, to_text, from_text,
+// unit, meaning).
+#define TALUS_PARAMETERS(NUMBER, TEXT)                                                             \
+  /* the window */                                                                                 \
+  NUMBER(double, resolution_m, 0.05, "m", 1e-3, 100, "side of a cell")                             \
+  NUMBER(                                                                                          \
+      double, window_m, 8.0, "m", 1e-2, 1e6, "side of the square window around the robot's base")  \
+  /* stage 1: which points are accepted */                                                         \
+  NUMBER(double, min_range_m, 0.2, "m", 1e-3, 1e6, "points nearer than this are dropped")          \
+  NUMBER(double, max_range_m, 100.0, "m", 1e-2, 1e6, "points farther than this are dropped")       \
+  NUMBER(                                                                                          \
+      double, min_height_m, -3.0, "m", -1e6, 1e6,                                                  \
+      "lowest accepted height above the sensor, along the map's z")                                \
+  NUMBER(                                                                                          \
+      double, max_height_m, 1.5, "m", -1e6, 1e6,                                                   \
+      "highest accepted height above the sensor, along the map's z")                               \
+  TEXT(                                                                                            \
+      std::vector<BodyBox>, body_boxes_m, boxes_text, boxes_from, "m",                             \
+      "robot's own body in the frame of its base, whose points are dropped: none, or up to 32 "    \
+      "boxes 'x_min x_max y_min y_max z_min z_max', a comma between two")                          \
+  NUMBER(                                                                                          \
+      double, voxel_m, 0.0, "m", 0, 100,                                                           \
+      "keep one point a voxel of this size in each frame; 0 keeps all")                            \
+  /* stage 1: uncertainty of a point (eq. 2-4) */                                                  \
+  NUMBER(                                                                                          \
+      double, c_beam_m, 0.01, "m", 1e-4, 10,                                                       \
+      "standard deviation of a point at range zero (eq. 3 of the sensor model)")                   \
+  NUMBER(double, a_beam, 0.001, "m/m", 0, 1, "growth of that standard deviation with range")       \
+  NUMBER(                                                                                          \
+      double, lambda_t, 1.0, "", 0, 1000,                                                          \
+      "weight of the pose change in a point's variance (eq. 4)")                                   \
+  /* stage 3: update */                                                                            \
+  NUMBER(                                                                                          \
+      double, mahalanobis_gate, 3.0, "", 0.1, 100,                                                 \
+      "points farther than this many standard deviations are not fused")                           \
+  NUMBER(                                                                                          \
+      double, min_variance_m2, 1e-6, "m^2", 1e-10, 1, "floor of the variance of a fused height")   \
+  NUMBER(                                                                                          \
+      double, clearance_m, 0.6, "m", 1e-2, 100,                                                    \
+      "height the robot needs; what hangs higher above the ground is passable")                    \
+  /* stage 5: visibility cleanup */                                                                \
+  NUMBER(                                                                                          \
+      double, cleanup_margin_m, 0.05, "m", 0, 10,                                                  \
+      "a surface is seen through when a ray passed this far below it")                             \
+  NUMBER(                                                                                          \
+      int, cleanup_frames, 2, "", 1, 100,                                                          \
+      "consecutive frames that must see through a cell before it is cleared")                      \
+  /* stage 4: the start */                                                                         \
+  NUMBER(                                                                                          \
+      double, start_radius_m, -1, "m", -1, 1000,                                                   \
+      "ground so far around where the robot starts is presumed to be that under its base; "        \
+      "below 0: what the first frame leaves blind, up to 3 m; 0: none")                            \
+  /* stages 4 and 6: filling */                                                                    \
+  NUMBER(                                                                                          \
+      double, object_size_m, 1.0, "m", 2e-3, 6500,                                                 \
+      "measured ground narrower than this that stands out steeply is an object; 2 to 65 cells")    \
+  NUMBER(                                                                                          \
+      double, fill_search_m, 2.0, "m", 0, 1000,                                                    \
+      "how far to look for measured ground, each way along the ray")                               \
+  NUMBER(double, fill_kernel_m, 2.0, "m", 1e-3, 1000, "support of the sparse kernel (eq. 8)")      \
+  NUMBER(int, fill_samples, 2, "", 1, 16, "measured cells taken on each side")                     \
+  NUMBER(                                                                                          \
+      double, fill_variance_per_m, 0.1, "m/m", 0, 10,                                              \
+      "growth of a fill's standard deviation with the distance to its sample")                     \
+  /* stage 7: traversability (eq. 10-13) */                                                        \
+  NUMBER(                                                                                          \
+      double, feature_radius_m, 0.1, "m", 1e-3, 100,                                               \
+      "half side of the neighbourhood of slope, step and roughness; at most 15 cells")             \
+  NUMBER(double, slope_threshold_rad, 0.6, "rad", 1e-3, 1.55, "slope that is impassable (eq. 10)") \
+  NUMBER(double, step_threshold_m, 0.2, "m", 1e-3, 100, "step that is impassable (eq. 11)")        \
+  NUMBER(                                                                                          \
+      double, roughness_threshold_m, 0.2, "m", 1e-3, 100, "roughness that is impassable (eq. 12)") \
+  NUMBER(double, weight_slope, 0.4, "", 0, 1, "weight of the slope (eq. 13)")                      \
+  NUMBER(double, weight_step, 0.3, "", 0, 1, "weight of the step (eq. 13)")                        \
+  NUMBER(double, weight_roughness, 0.3, "", 0, 1, "weight of the roughness (eq. 13)")              \
+  /* stage 7: sparsity (eq. 14) */                                                                 \
+  NUMBER(double, sparsity_range_m, 4.0, "m", 0, 1e6, "fills nearer than this may drop")            \
+  NUMBER(double, sparsity_distance_m, 2.0, "m", 1e-2, 1e6, "distance threshold d_c (eq. 14)")      \
+  NUMBER(                                                                                          \
+      double, sparsity_search_m, 4.0, "m", 0, 1000,                                                \
+      "how far to look for ground on the other side (eq. 14)")                                     \
+  /* channels */                                                                                   \
+  TEXT(                                                                                            \
+      std::vector<Channel>, channels, channels_text, channels_from, "",                            \
+      "values of points that become layers: none, or up to four 'name:rule', a comma between "     \
+      "two; the rule is mean, latest, max or vote")                                                \
+  TEXT(                                                                                            \
+      std::vector<ChannelCost>, channel_cost, channel_costs_text, channel_costs_from, "",          \
+      "the most that cells of a class of a vote get as traversability, 0: impassable: none, "      \
+      "or 'name:class=score,class=score'")
+
+/** Everything that can be tuned, in SI units; doc/parameters.md lists it, INI files, `--help` and
+ * summary.json are made of the table above. Defaults are those of the paper where it gives any,
+ * unless doc/concepts.md says why not. If a frame does not give the sensor's pose on the robot, the
+ * base of body_boxes_m is the sensor. */
 struct Parameters
 {
-  /// @name Window
-  /// @{
-  double resolution_m = 0.05;  //!< side of a cell
-  double window_m = 8.0;  //!< side of the square window around the robot's base
-  /// @}
-
-  /// @name Stage 1: which points are accepted
-  /// @{
-  /** Nearer points are dropped, zero-range returns among them [m]. */
-  double min_range_m = 0.2;
-  /** Farther points are dropped [m]. */
-  double max_range_m = 100.0;
-  double min_height_m = -3.0;  //!< lowest accepted height above the sensor, along the map's z
-  double max_height_m = 1.5;  //!< highest
-  /** The robot's own body, whose points are dropped: up to kMostBodyBoxes boxes. If a frame does
-   * not give the sensor's pose on the robot, the base is the sensor. */
-  std::vector<BodyBox> body_boxes_m{};
-  double voxel_m = 0.0;  //!< keep one point of each voxel of this size in a frame; 0: keep all
-  /// @}
-
-  /// @name Stage 1: uncertainty of a point (eq. 2-4)
-  /// @{
-  double c_beam_m = 0.01;  //!< constant part of the sensor's standard deviation
-  double a_beam = 0.001;  //!< its growth with range [m/m]
-  double lambda_t = 1.0;  //!< weight of the pose change
-  /// @}
-
-  /// @name Stage 3: update
-  /// @{
-  double mahalanobis_gate =
-      3.0;  //!< a point farther than this many standard deviations is not fused
-  double min_variance_m2 = 1e-6;  //!< floor of the variance of a fused height
-  double clearance_m =
-      0.6;  //!< height that the robot needs: what hangs higher above the ground is passable
-  /// @}
-
-  /// @name Stage 5: visibility cleanup
-  /// @{
-  double cleanup_margin_m =
-      0.05;  //!< a surface is seen through when a ray passed this far below it
-  int cleanup_frames = 2;  //!< consecutive frames that must see through a cell before it is cleared
-  /// @}
-
-  /// @name Stage 4: the start
-  /// @{
-  /** In the first frame, unmeasured ground within this radius around the base is presumed to be the
-   * plane of the base [m]; negative: the blind zone of that frame's rays, up to 3 m; 0: none. */
-  double start_radius_m = -1;
-  /// @}
-
-  /// @name Stages 4 and 6: filling
-  /// @{
-  double object_size_m = 1.0;  //!< measured ground narrower than this that stands out steeply is an
-                               //!< object; 2 to 65 cells, counted in steps of four
-  double fill_search_m = 2.0;  //!< how far to look for measured ground, each way along the ray
-  double fill_kernel_m = 2.0;  //!< support of the sparse kernel of eq. 8
-  int fill_samples = 2;  //!< measured cells taken on each side
-  double fill_variance_per_m =
-      0.1;  //!< growth of the standard deviation of a fill with the distance to its sample
-  /// @}
-
-  /// @name Stage 7: traversability (eq. 10-13)
-  /// @{
-  double feature_radius_m = 0.1;  //!< half side of the square neighbourhood
-  /** A steeper plane through the neighbourhood is impassable. */
-  double slope_threshold_rad = 0.6;
-  /** Ground that stands higher above the mean of its neighbourhood is impassable. */
-  double step_threshold_m = 0.2;
-  /** Elevation that is higher above the mean of its neighbourhood is impassable. */
-  double roughness_threshold_m = 0.2;
-  /** Weights of the three features in eq. 13. */
-  double weight_slope = 0.4, weight_step = 0.3, weight_roughness = 0.3;
-  /// @}
-
-  /// @name Stage 7: sparsity (eq. 14)
-  /// @{
-  double sparsity_range_m = 4.0;  //!< fills nearer than this may drop
-  double sparsity_distance_m =
-      2.0;  //!< d_c: a height difference counts the more the nearer it is than this
-  double sparsity_search_m = 4.0;  //!< how far to look for ground on the other side
-  /// @}
-
-  /// @name Channels
-  /// @{
-  std::vector<Channel> channels{};  //!< what frames bring to each point, see Frame::channels
-  std::vector<ChannelCost> channel_cost{};  //!< classes that make cells impassable, or dear
-  /// @}
+#define TALUS_NUMBER(type, name, value, unit, least, most, meaning) type name = value;
+#define TALUS_TEXT(type, name, to_text, from_text, unit, meaning) type name{};
+  TALUS_PARAMETERS(TALUS_NUMBER, TALUS_TEXT)
+#undef TALUS_NUMBER
+#undef TALUS_TEXT
 
   /** The number of cells along one side of the window. */
   int cells() const;

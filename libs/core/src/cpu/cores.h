@@ -118,7 +118,7 @@ class Cores
 
   void fill(const Map& m)
   {
-    executor_.fill(map_.fill_marks, std::uint8_t{0});
+    executor_.fill(map_.fill_marks, std::uint16_t{0});
     const lines::Walk walk{m};
     const bool shows = m.out.elevation || m.out.ground || m.out.state || m.out.reached;
     executor_.for_each_part(walk.parts_of_rays(), [&walk](int part) { walk.rays(part); });

@@ -410,7 +410,7 @@ class Sweep
     {
       const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
       to.set(i, found.lines.load(l));
-      m.fill_marks[i] = static_cast<std::uint8_t>(found.marks[l]);
+      m.fill_marks[i] = static_cast<std::uint16_t>(found.marks[l]);
       if (suspect) m.fall_m[i] = found.fall_m[l];
     }
   }

@@ -166,6 +166,10 @@
     }
   });
 
+  // Names are text, also where HTML is made of them.
+  const escaped = text => String(text).replace(/[&<>"']/g, c => '&#' + c.charCodeAt(0) + ';');
+  const named = items => Object.fromEntries(Object.entries(items).map(([name, item]) => [escaped(name), item]));
+
   // ---- the map -----------------------------------------------------------------------------------------------------
 
   // Places are (y, x) in metres.
@@ -188,7 +192,7 @@
     [Math.max(d.min_y_m, top_y_m - (t[1] + 1) * side * d.resolution_m),
      Math.min(d.min_x_m + d.cells_x * d.resolution_m, d.min_x_m + (t[0] + 1) * side * d.resolution_m)]]);
   map.fitBounds(L.latLngBounds(boxes.flat()));
-  L.control.layers(base, overlays, {collapsed: false}).addTo(map);
+  L.control.layers(named(base), named(overlays), {collapsed: false}).addTo(map);
 
   const scale_bar = L.control({position: 'bottomleft'});
   scale_bar.onAdd = () => L.DomUtil.create('div', 'leaflet-control-scale-line');
@@ -220,12 +224,12 @@
   // ---- legend ------------------------------------------------------------------------------------------------------
 
   const legend = document.getElementById('legend');
-  const swatch = (rgb, word) => `<div><i style="background:rgb(${rgb.map(Math.round)})"></i>${word}</div>`;
+  const swatch = (rgb, word) => `<div><i style="background:rgb(${rgb.map(Math.round)})"></i>${escaped(word)}</div>`;
   function bar(colours, low, high) {
     const canvas = canvas_of(256, 1), context = canvas.getContext('2d');
     colours.forEach((c, x) => { context.fillStyle = `rgb(${c})`; context.fillRect(x, 0, 1, 1); });
     return `<img alt="" src="${canvas.toDataURL()}" style="width:200px;height:12px;display:block">` +
-      `<div class="ends"><span>${low}</span><span>${high}</span></div>`;
+      `<div class="ends"><span>${escaped(low)}</span><span>${escaped(high)}</span></div>`;
   }
   const legends = {
     'Traversability': () => bar(d.scores, 'blocked', 'free') + swatch(standing, 'stands in the way') +
@@ -248,11 +252,11 @@
       ? [1, 2, 3, 4].map(k => swatch(change_colours[k], change_words[k])).join('') : '');
     legend.querySelector('b').textContent = (d.title ? d.title + ': ' : '') + shown.toLowerCase();
   }
-  map.on('baselayerchange', e => { shown = e.name; show_legend(); });
+  map.on('baselayerchange', e => { shown = Object.keys(base).find(name => base[name] === e.layer); show_legend(); });
 
   // ---- values under the pointer ------------------------------------------------------------------------------------
 
-  const rows = list => '<table>' + list.map(r => `<tr><td>${r[0]}</td><td>${r[1]}</td></tr>`).join('') + '</table>';
+  const rows = list => '<table>' + list.map(r => `<tr>${r.map(v => `<td>${escaped(v)}</td>`).join('')}</tr>`).join('') + '</table>';
   function age_text(s) {
     return s < 90 ? s.toFixed(0) + ' s' : s < 5400 ? (s / 60).toFixed(0) + ' min'
       : s < 172800 ? (s / 3600).toFixed(1) + ' h' : (s / 86400).toFixed(1) + ' days';

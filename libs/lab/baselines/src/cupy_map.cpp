@@ -1,5 +1,5 @@
 #include <talus/baselines/cupy_map.h>
-#include <talus/baselines/features.h>
+#include <talus/baselines/highest_point_map.h>
 #include <talus/baselines/fills.h>
 
 #include <algorithm>

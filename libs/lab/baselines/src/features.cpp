@@ -1,4 +1,4 @@
-#include <talus/baselines/features.h>
+#include <talus/baselines/highest_point_map.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,3 @@
-#include <talus/baselines/features.h>
 #include <talus/baselines/highest_point_map.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 #include <mrpt/maps/CSimplePointsMap.h>
-#include <talus/baselines/features.h>
+#include <talus/baselines/highest_point_map.h>
 #include <talus/baselines/stock_maps.h>
 
 #include <algorithm>

@@ -1,5 +1,8 @@
 #pragma once
 #include <talus/calibrate/associate.h>
+#include <talus/calibrate/information.h>
+#include <talus/calibrate/pose_track.h>
+#include <talus/calibrate/scan_set.h>
 
 #include <cstddef>
 #include <vector>
@@ -33,5 +36,29 @@ struct BeforeAfter
  * ground, of at least three of the other frames, in both maps. */
 BeforeAfter held_out_figures(
     const ScanSet& scans, const PoseTrack& track, const Vector& before, const Vector& after);
+
+/** Changes the chosen parameters and all planes of `a` until the robust sum of squares of all
+ * residuals, points on planes and contacts, is least (Ceres, Levenberg-Marquardt; the planes are
+ * eliminated by a Schur complement). Throws std::runtime_error when Ceres fails. */
+Vector solve(
+    const ScanSet& scans, const PoseTrack& track, const Vector& start, const Choice& chosen,
+    Association& a);
+
+/** The robot stands on the ground, so the ground around it is on average parallel to its base and
+ * `base_height_m` below it. Turns the mounting in roll and pitch and lifts it until that holds for
+ * the median frame: right to about a degree whatever was given. Throws std::runtime_error that says
+ * what to do where the ground is above the sensor. */
+Vector level_mounting(const ScanSet& scans, const Vector& given);
+
+/** Throws std::runtime_error that says what to do where the ground leans by more than 10 degrees
+ * under the robot in the median frame: what the log does not tell was given wrong. */
+void require_level_ground(const ScanSet& scans, const Vector& v);
+
+/** The same mounting with half a turn of roll more. */
+Vector rolled_over(Vector v);
+
+/** Whether the ground is where the robot stands if the sensor is rolled over, and not if it is
+ * mounted as given. `rolled_scans` has the points that may be ground then. */
+bool is_upside_down(const ScanSet& scans, const ScanSet& rolled_scans, const Vector& given);
 
 }  // namespace talus::calibrate

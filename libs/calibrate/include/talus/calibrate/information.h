@@ -28,4 +28,17 @@ Information gather_information(
 /** Covariance of the chosen parameters, zero rows and columns for the others. */
 Matrix covariance_of(const Information& info, const Choice& chosen);
 
+/** Which of the wanted parameters the log constrains. The weakest direction is sought until none is
+ * weak: one along which the answer would be no better than useful_sigma, or would come from noise
+ * in the planes. Of the parameters that share it the one is given up that a tape measures best: x
+ * and y before yaw, yaw before the clock, roll and pitch last. */
+Choice observable(const Information& info, const Choice& wanted);
+
+/** Throws std::runtime_error that says what the log is short of when there are too few frames, or
+ * the robot hardly moves while they are taken. */
+void require_motion(const ScanSet& scans, const PoseTrack& track);
+
+/** The same when too little of the ground is seen by several frames. */
+void require_ground(const Association& a);
+
 }  // namespace talus::calibrate

@@ -30,7 +30,8 @@ void to_points(const io::LayerStack& map, Surface what, mrpt::maps::CPointsMap& 
 
 /** Adds the map to a tree whose voxels have the size of the cells: occupied where the ground or
  * something on it is, free from measured ground, on which nothing stands, up to `clearance_m` [m]:
- * what was hit lower than that above it would stand. What hangs higher is not kept by the map. For
+ * what was hit lower than that above it would stand. Ground that is guessed from one side and was
+ * not judged is unknown. What hangs higher is not kept by the map. For
  * an mrpt::maps::COctoMap give its getOctomap<octomap::OcTree>(). */
 void to_octomap(const io::LayerStack& map, double clearance_m, octomap::OcTree& out);
 

@@ -27,8 +27,11 @@ struct PageOptions
 };
 
 /** Of the names of bands those of channels (see channel_layer_names()): NAME and NAME_standing,
- * where both are there. */
+ * where both are there and NAME is one that a channel may have. */
 std::vector<std::string> channel_bands(const std::vector<std::string>& names);
+
+/** Throws where write_page() would for want of the package. */
+void require_leaflet();
 
 /** One file of HTML that any browser opens without a network: layers to switch (also those of
  * channels), zoom, the values under the pointer, and distance and height profile between two

@@ -8,6 +8,10 @@
 // not at all; all throw std::runtime_error that names the file, or the layer which is missing.
 namespace talus::formats
 {
+/** Throws where a layer that is there has a value that no map has: heights beyond 1000 km, scores
+ * beyond 0 and 1, states that are none. A stranger's file may. */
+void require_sound_cells(const io::LayerStack& map);
+
 /** How a map of ROS tells what is free. */
 enum class RosMode
 {
@@ -15,21 +19,47 @@ enum class RosMode
   Scale  //!< also how well a free cell drives: a .png, transparent where it is unknown
 };
 
+/** What is free. */
+struct Occupancy
+{
+  double blocked_at = 0;  //!< cells of this traversability or less are occupied
+  /** Free cells that hang together are closed where a square of this size holds them [m]: what is
+   * smaller than the robot. 0: none. */
+  double close_islands_m = 0;
+};
+
 /** A map of ROS's map_server and of Nav2: `path` is its .yaml, the picture lies beside it under the
- * same name. Cells are occupied where the traversability is `blocked_at` or less. */
+ * same name. */
 void write_ros_map(
-    const std::string& path, const io::LayerStack& map, RosMode mode, double blocked_at);
+    const std::string& path, const io::LayerStack& map, RosMode mode, const Occupancy& occupancy);
 
 /** mrpt::maps::COccupancyGridMap2D as MRPT's programs read it: .gridmap.gz, to_occupancy_grid(). */
-void write_gridmap(const std::string& path, const io::LayerStack& map, double blocked_at);
+void write_occupancy_grid(
+    const std::string& path, const io::LayerStack& map, const Occupancy& occupancy);
 
-/** OctoMap's binary tree, .bt, see to_octomap(). */
-void write_octomap(const std::string& path, const io::LayerStack& map, double clearance_m);
+/** What is taken off all coordinates of a file [m, map frame]. */
+struct FileOrigin
+{
+  double x_m = 0, y_m = 0, z_m = 0;
+};
+
+/** Whole kilometres where a map lies so far away, in UTM say, that coordinates of 32 bit move in
+ * steps of a millimetre or more; else 0. */
+FileOrigin origin_for(const io::LayerStack& map);
+
+/** OctoMap's binary tree, .bt, see to_octomap(); a comment in its head names an origin that is not
+ * 0. Cells are joined, 2 x 2 and so on, until the tree reaches as far as the map does, 32768 voxels
+ * from its origin. What to tell of that, else "". */
+std::string write_octomap(
+    const std::string& path, const io::LayerStack& map, double clearance_m,
+    const FileOrigin& origin = FileOrigin());
 
 /** A binary .ply: the ground as a mesh in the colours of the traversability, a vertex a cell, and
- * what stands on it as vertices without faces. Cells are joined, 2 x 2 and so on, until the mesh
- * has no more than `max_faces`. */
-void write_mesh(const std::string& path, const io::LayerStack& map, std::size_t max_faces);
+ * what stands on it as boxes, one a cell. Cells are joined, 2 x 2 and so on, until the mesh
+ * has no more than `max_faces`. The origin is in a comment of it, and in a .json beside it. */
+void write_mesh(
+    const std::string& path, const io::LayerStack& map, std::size_t max_faces,
+    const FileOrigin& origin = FileOrigin());
 
 /** Where the picture of write_heightmap() lies in the map frame [m]. */
 struct HeightmapPlace

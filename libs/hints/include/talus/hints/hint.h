@@ -32,4 +32,12 @@ struct Hint
   std::string text;
 };
 
+/** A parameter that suits a log, its value as set_parameter() reads it, and why: a few words with
+ * the figures. */
+struct Suggestion
+{
+  /** Of the parameter; text of the value; a few words. */
+  std::string name, value, reason;
+};
+
 }  // namespace talus::hints

@@ -2,7 +2,6 @@
 #include <talus/frame.h>
 #include <talus/frame_report.h>
 #include <talus/hints/hint.h>
-#include <talus/hints/suggestion.h>
 #include <talus/parameters.h>
 
 #include <memory>

@@ -80,14 +80,31 @@ struct SourceOptions
   std::map<std::string, mrpt::poses::CPose3D> mountings;  //!< --mount, by label: T_base_sensor
 };
 
-/** By what is in it, and by its ending where that does not tell. Throws std::runtime_error for what
- * no source reads. */
-std::unique_ptr<ScanSource> open_scan_source(const std::string& path, const SourceOptions& options);
+struct Format;
 
-/** ROS 2 bags (folders, or their .db3 and .mcap) that belong together, as one: parts of a
- * recording, or files of several recorders. Throws std::runtime_error that names the file, what is
- * wrong and what to do; where this build lacks what reads them: the package to install. */
-std::unique_ptr<ScanSource> open_bags(
-    const std::vector<std::string>& paths, const SourceOptions& options);
+/** By the ending alone; null: none that is known. */
+const Format* format_by_ending(const std::string& path);
+
+/** What is read as one: a file, a folder of scans, or ROS 2 bags. */
+struct Input
+{
+  /** Looks at its first bytes, or at its ending where these do not tell, or into the folder. Opens
+   * regular files only. */
+  explicit Input(const std::string& path);
+
+  /** Of ROS 2: a folder, or .db3 and .mcap. */
+  bool is_bag() const;
+
+  std::vector<std::string> paths;  //!< several of bags only
+  const Format* format = nullptr;  //!< null: a folder that is no bag, or nothing that is known
+};
+
+/** Bags that are given together become one, as the parts of one are: the links of TF in one are of
+ * use to all. */
+std::vector<Input> inputs_of(const std::vector<std::string>& paths);
+
+/** Throws std::runtime_error that names the file, what is wrong and what to do, also for what no
+ * source reads, and where this build lacks what reads it. */
+std::unique_ptr<ScanSource> open_scan_source(const Input& input, const SourceOptions& options);
 
 }  // namespace talus::import

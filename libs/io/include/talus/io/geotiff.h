@@ -3,8 +3,10 @@
 #include <talus/io/layer_stack.h>
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace talus::io
 {
@@ -19,17 +21,33 @@ void write_geotiff(
     const std::map<std::string, std::string>& metadata = {},
     const std::optional<GeoOrigin>& origin = std::nullopt);
 
-/** Reads what write_geotiff() wrote, in the map frame: any GeoTIFF without another rotation whose
- * bands hold float32 as they are. `bands`: of these names only, where they are there; empty: all.
- * Throws std::runtime_error, also where another program has
- * converted the bands. */
+/** A GeoTIFF that write_geotiff() wrote, or any other one without another rotation whose bands hold
+ * float32 as they are. All throw std::runtime_error that names the file and the reason, also where
+ * another program has converted the bands. */
+class GeotiffFile
+{
+ public:
+  /** Opens it. */
+  explicit GeotiffFile(const std::string& path);
+  ~GeotiffFile();
+  GeotiffFile(const GeotiffFile&) = delete;
+  GeotiffFile& operator=(const GeotiffFile&) = delete;
+
+  /** Their names. */
+  std::vector<std::string> bands() const;
+  /** An item of its metadata; "" where it has none of that name. */
+  std::string item(const char* name) const;
+  /** Where the map is on Earth; nothing where it does not say. */
+  std::optional<GeoOrigin> origin() const;
+  /** In the map frame. `bands`: of these names only, where they are there; empty: all. */
+  LayerStack read(const std::vector<std::string>& bands = {}) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/** GeotiffFile::read() of a file that nothing else is asked. */
 LayerStack read_geotiff(const std::string& path, const std::vector<std::string>& bands = {});
-
-/** The names of the bands of such a file. Throws as read_geotiff(). */
-std::vector<std::string> bands_of_geotiff(const std::string& path);
-
-/** Where the map of such a file is on Earth; nothing where it does not say. Throws as
- * read_geotiff(). */
-std::optional<GeoOrigin> origin_of_geotiff(const std::string& path);
 
 }  // namespace talus::io

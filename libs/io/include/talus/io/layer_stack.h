@@ -30,7 +30,7 @@ struct LayerStack
   void require_sound() const;
 };
 
-/** All layers of a map, in the order of kLayerNames, then those of its channels. */
+/** All layers of a map, in the order of kLayerTable, then those of its channels. */
 LayerStack snapshot(const MapView& map);
 
 }  // namespace talus::io

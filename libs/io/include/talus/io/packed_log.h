@@ -10,13 +10,16 @@ class CSerializable;
 
 namespace talus::io
 {
-/** A rawlog that is written, gz-packed. All functions throw std::runtime_error that names the file
- * and says what is wrong. */
+/** A file name without the ending of a packed file: .gz, .zst, .zstd. */
+std::string without_packing(const std::string& name);
+
+/** A file of MRPT's objects that is written, gz-packed: a rawlog, or one map. All functions throw
+ * std::runtime_error that names the file and says what is wrong. */
 class PackedLog
 {
  public:
-  /** Makes the file, or empties it. */
-  explicit PackedLog(std::string path);
+  /** Makes the file, or empties it. `name`: what errors call it; empty: its path. */
+  explicit PackedLog(std::string path, const std::string& name = "");
 
   /** Adds an observation, an action or a map, after those before. */
   void write(const mrpt::serialization::CSerializable& object);
@@ -24,7 +27,7 @@ class PackedLog
   void close();
 
  private:
-  std::string path_;
+  std::string path_, name_;
   mrpt::io::CFileGZOutputStream file_;
 };
 

@@ -46,7 +46,12 @@ struct ChangeSums
   {
     return cell_m2 * static_cast<double>(cells[static_cast<std::size_t>(c)]);
   }
+  /** Those of another floor of the same sites. */
+  void add(const ChangeSums& other);
 };
+
+/** Whether a tile of a floor is in both sites. */
+bool have_common_place(Site& from, Site& to, int floor);
 
 /** Writes what changed on a floor from one site to another of the same map frame: a GeoTIFF with
  * the bands change_m and kind, NaN where either has not seen the place, and a picture. An edge that

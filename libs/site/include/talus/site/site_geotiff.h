@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/io/geotiff.h>
 #include <talus/site/map_shift.h>
 #include <talus/site/site.h>
 
@@ -24,17 +25,19 @@ void write_site(
  * Throws std::runtime_error that names the file and what is wrong. */
 void read_site(const std::string& path, Site& site, int floor, const MapShift& shift = MapShift());
 
-/** The resolution of such a file, to make a site for it. Throws as read_site(). */
-double resolution_of_site(const std::string& path);
-/** Which floor it was written as. Throws as read_site(). */
-int floor_of_site(const std::string& path);
-/** All floors that were written with it; empty where it is the only one. Throws as read_site(). */
-std::vector<int> floors_of_site(const std::string& path);
-/** How many islands of its floor were written beside it. Throws as read_site(). */
-std::size_t islands_of_site(const std::string& path);
-/** The ways that were driven on it, map frame. Throws as read_site(). */
-std::vector<std::vector<WayPoint>> ways_of_site(const std::string& path);
-/** When its newest cell was seen, whole seconds since 1970. Throws as read_site(). */
-std::uint32_t newest_of_site(const std::string& path);
+/** What such a file says beside its cells. */
+struct SiteInfo
+{
+  double resolution_m = 0;  //!< side of a cell
+  int floor = 0;  //!< which it was written as
+  std::vector<int> floors;  //!< all that were written with it; empty where it is the only one
+  std::size_t islands = 0;  //!< of its floor, that were written beside it
+  std::uint32_t newest_s = 0;  //!< when its newest cell was seen, whole seconds since 1970
+};
+
+/** Throws as read_site(). */
+SiteInfo info_of_site(const std::string& path);
+/** The ways that were driven on such a file, map frame; none in a file of another kind. */
+std::vector<std::vector<WayPoint>> ways_of_site(const io::GeotiffFile& file);
 
 }  // namespace talus::site

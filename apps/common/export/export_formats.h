@@ -1,0 +1,42 @@
+#pragma once
+#include <string>
+#include <vector>
+
+namespace talus::app
+{
+/** A format of exports. */
+struct ExportFormat
+{
+  std::string name;  //!< as the option --to names it
+  std::vector<std::string> endings;  //!< of its files, after the name of the map; the first is told
+  std::vector<std::string> bands;  //!< that it shows, besides channels
+  bool has_origin = false;  //!< its coordinates have 32 bits
+};
+
+/** All that there are, in the order of the help. */
+inline const std::vector<ExportFormat>& export_formats()
+{
+  static const std::vector<ExportFormat> formats{
+      {"ros", {".yaml", ".pgm", "_scale.png"}, {"traversability"}},
+      {"occupancy", {".gridmap.gz"}, {"traversability"}},
+      {"octomap", {".bt"}, {"traversability", "ground_elevation", "elevation", "state"}, true},
+      {"ply", {".ply", "_mesh.json"}, {"traversability", "ground_elevation", "elevation"}, true},
+      {"heightmap", {"_height.png", "_height.json"}, {"ground_elevation"}},
+      {"qgis", {".qml"}, {"traversability"}},
+      {"html",
+       {".html"},
+       {"traversability", "ground_elevation", "elevation", "state", "reached", "sparsity", "age"}}};
+  return formats;
+}
+
+/** Whether a file of this name is the one of its format that is told. */
+inline bool is_main_file(const std::string& name)
+{
+  for (const ExportFormat& format : export_formats())
+    if (const std::string& end = format.endings.front();
+        name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0)
+      return true;
+  return false;
+}
+
+}  // namespace talus::app
