@@ -101,6 +101,7 @@ void tell(const Options& o, const ImportedLog& log)
   else
     std::cout << "  poses   none: talus-map needs --trajectory FILE, or --static\n";
   for (const auto& remark : log.remarks) std::cout << "  note    " << remark << "\n";
+  for (const auto& warning : log.warnings) std::cout << "  warning " << warning << "\n";
 }
 
 ImportedLog import_into(const Options& o, const fs::path& folder)

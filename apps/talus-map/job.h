@@ -52,6 +52,7 @@ struct SourceLog
   std::size_t not_finite = 0;  //!< points that an import left out
   std::string poses;  //!< of an import: where its poses, beside the log, come from; "": it has none
   std::vector<std::string> notes;  //!< what was read and assumed, a line each
+  std::vector<std::string> warnings;  //!< of an import
 };
 
 /** Where the rawlog of a job lies: as it was named, or, of an import, in the folder of the results

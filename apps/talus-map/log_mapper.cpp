@@ -111,6 +111,7 @@ LogMapper::LogMapper(
   run_.threads = settings.threads;
   run_.parameters = settings.parameters;
   run_.warnings = settings.warnings;
+  run_.warnings.insert(run_.warnings.end(), log.warnings.begin(), log.warnings.end());
   for (const Channel& channel : settings.parameters.channels)
     scan_.channel_names.push_back(channel.name);
   has_channel_.resize(scan_.channel_names.size());

@@ -73,6 +73,7 @@ SourceLog source_log(
   log.not_finite = made.not_finite;
   log.poses = made.poses.count ? made.poses.source : "";
   log.notes = made.remarks;
+  log.warnings = made.warnings;
   log.notes.insert(log.notes.begin(), contents_text(made) + "; " + poses_text(made.poses));
   return log;
 }

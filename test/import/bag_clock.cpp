@@ -54,3 +54,23 @@ TEST(BagClock, MountingsOfAnotherTimeNameTheSwitch)
        {"none of its 10 scans", "614.66 s", "--recorded-times", "--mount /points"})
     EXPECT_TRUE(holds(error, part)) << part << " is not in: " << error;
 }
+
+TEST(BagClock, ScansOfAnotherClockThanThePosesAreToldWithBothMedians)
+{
+  MAKE_BAGS("ahead_37.mcap ahead_1.mcap ahead_all.mcap jump_2.mcap");
+  const auto warnings = [&](const std::string& name, const SourceOptions& options)
+  {
+    const auto source = open_bag_source({dir / name}, options);
+    all_of(*source);
+    const auto all = source->warnings();
+    return all.empty() ? "" : all[0];
+  };
+  const auto of_37 = warnings("ahead_37.mcap", {});
+  for (const char* part : {"/points", "-36.98 s after", "0.00 s after", "--recorded-times"})
+    EXPECT_TRUE(holds(of_37, part)) << part << " is not in: " << of_37;
+  EXPECT_EQ(warnings("ahead_37.mcap", recorded()), "");
+  EXPECT_EQ(warnings("ahead_1.mcap", {}), "");
+  EXPECT_EQ(warnings("ahead_all.mcap", {}), "") << "of a recorder with another clock";
+  const auto jump = warnings("jump_2.mcap", {});
+  EXPECT_TRUE(holds(jump, "jumps") && holds(jump, "-1.98 to 0.02 s")) << jump;
+}

@@ -206,6 +206,16 @@ def since_boot(path, clouds=True, links=False, moving=False):
     mb.write_mcap(path, [rows])
 
 
+def ahead(path, seconds, jump=False, poses=0):
+    """A scanner whose clock is ahead of the recorder's, or jumps there in the middle; its poses too."""
+    fields, rows = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)], []
+    for i in range(100):
+        at, off = mb.stamp(0.1 * i), round(seconds * mb.NS) * (i >= 50 or not jump)
+        rows.append((at, "/tf", mb.TF, mb.transforms((at + poses * mb.NS, "odom", "base_link", 0.1 * i, 0, 0, 0))))
+        rows.append((at + 20_000_000, "/points", mb.CLOUD, mb.cloud(at + off, "base_link", fields, 12, [(1, 2, 3)])))
+    mb.write_mcap(path, [rows])
+
+
 def tf_bomb(path, program, chunks, links):
     """Some KB that unpack to very many links, each of another time."""
     some = mb.transforms(*[(mb.stamp(0), "odom", "base_link", 0, 0, 0, 0)] * 3)
@@ -306,6 +316,10 @@ def bags(folder):
         "boot_all.mcap": lambda n: since_boot(n, links=True),
         "boot_odometry.mcap": lambda n: since_boot(n, clouds=False, links=True),
         "boot_moving.mcap": lambda n: since_boot(n, moving=True),
+        "ahead_37.mcap": lambda n: ahead(n, 37),
+        "ahead_1.mcap": lambda n: ahead(n, 1),
+        "ahead_all.mcap": lambda n: ahead(n, 37, poses=37),
+        "jump_2.mcap": lambda n: ahead(n, 2, jump=True),
         "one_chunk.mcap": lambda n: mb.write_mcap(n, [many_scans()]),
         "cloud_bomb_message.mcap": lambda n: cloud_bomb(n, "", True),
     }

@@ -102,6 +102,7 @@ ImportedLog import_log(
   require_poses_in_time(made);
   const auto remarks = merged.remarks();
   made.remarks.insert(made.remarks.begin(), remarks.begin(), remarks.end());
+  made.warnings = merged.warnings();
   return made;
 }
 

@@ -34,6 +34,7 @@ struct ImportedLog
   double first_s = 0, last_s = 0;  //!< stamps of the first and the last scan
   WrittenPoses poses;
   std::vector<std::string> remarks;  //!< of the sources, a sentence each without its full stop
+  std::vector<std::string> warnings;  //!< of what would make the map wrong
 };
 
 /** Called after each scan: the fraction done, and how many points there are so far. */

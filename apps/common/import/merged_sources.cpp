@@ -121,4 +121,12 @@ std::vector<std::string> MergedSources::remarks() const
   return all;
 }
 
+std::vector<std::string> MergedSources::warnings() const
+{
+  std::vector<std::string> all;
+  for (const Source& source : sources_)
+    for (auto& warning : source.scans->warnings()) all.push_back(std::move(warning));
+  return all;
+}
+
 }  // namespace talus::import

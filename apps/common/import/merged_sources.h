@@ -27,6 +27,7 @@ class MergedSources
   io::Trajectory poses(std::string& path);
 
   std::vector<std::string> remarks() const;
+  std::vector<std::string> warnings() const;
 
  private:
   struct Source

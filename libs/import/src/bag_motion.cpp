@@ -162,12 +162,14 @@ bool BagMotion::take_from_tf()
   if (entries.empty()) return false;
   remark("poses are those of '" + base_ + "' in '" + map_ + "' in TF");
   poses_ = io::Trajectory(std::move(entries));
+  pose_offsets_ = tf_offsets_;
   return true;
 }
 
 void BagMotion::take_from(const PoseTopic& topic, const BagReader& reader)
 {
   remark("poses are those of topic " + reader.topics()[topic.topic].name);
+  pose_offsets_ = topic.offsets;
   std::vector<io::Trajectory::Entry> entries;
   entries.reserve(topic.history.all().size());
   const bool is_base = topic.child.empty() || topic.child == base_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bag_clock.h"
 #include "bag_frames.h"
 #include "bag_reader.h"
 #include "bag_topics.h"
@@ -33,6 +34,8 @@ class BagMotion
       const std::string& sensor_frame, std::int64_t stamp_ns);
 
   const io::Trajectory& poses() const { return poses_; }
+  /** Of what poses() are made of. */
+  const StampOffsets& pose_offsets() const { return pose_offsets_; }
   const std::vector<std::string>& remarks() const { return remarks_; }
 
  private:
@@ -45,6 +48,7 @@ class BagMotion
     std::string map, child;  //!< frames
     PoseHistory history;
     std::size_t count = 0;
+    StampOffsets offsets;
   };
 
   void read(BagReader& reader, const std::vector<BagRole>& roles);
@@ -76,6 +80,7 @@ class BagMotion
   std::size_t bad_poses_ = 0;
   std::string base_, map_;
   io::Trajectory poses_;
+  StampOffsets tf_offsets_, pose_offsets_;
   std::vector<std::string> remarks_;
   std::set<std::string> told_frames_;
 };

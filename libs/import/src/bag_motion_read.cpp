@@ -90,6 +90,7 @@ void BagMotion::add_links(std::string_view payload, const BagMessage& message, b
       [&](FrameTransform link)
       {
         set_time(link.parent, message);
+        if (!is_static) tf_offsets_.add(message.log_time_ns, link.parent.stamp_ns);
         bad_poses_ += link.T_parent_child ? 0 : 1;
         tree_.add(link, is_static);
       });
@@ -108,9 +109,10 @@ void BagMotion::add_pose(const BagMessage& message, FrameTransform pose)
       pose_topics_.begin(), pose_topics_.end(),
       [topic](const PoseTopic& t) { return t.topic == topic; });
   if (known == pose_topics_.end())
-    known = pose_topics_.insert(known, {topic, pose.parent.frame, pose.child, {}, 0});
+    known = pose_topics_.insert(known, {topic, pose.parent.frame, pose.child, {}, 0, {}});
   poses_held_ += known->history.add(pose.parent.stamp_ns, *pose.T_parent_child) ? 1 : 0;
   ++known->count;
+  known->offsets.add(message.log_time_ns, pose.parent.stamp_ns);
 }
 
 /** A topic of clouds without a single message must not keep what nobody needs. */

@@ -36,6 +36,7 @@ struct Sensor
   std::int64_t not_mounted_ns = 0;  //!< the first of those
   double off_s = 0;  //!< the time of recording of the first scan, after its stamp
   std::optional<double> time_unit_s;  //!< of its points
+  StampOffsets offsets;
 };
 
 class BagSource : public ScanSource
@@ -68,6 +69,7 @@ class BagSource : public ScanSource
   double progress() const override { return reader_.progress(); }
   io::Trajectory poses() override { return motion_.poses(); }
   std::vector<std::string> remarks() const override;
+  std::vector<std::string> warnings() const override;
 
  private:
   bool read_scan(const BagMessage& message, ImportedScan& scan);
@@ -111,6 +113,7 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
   const auto told_ns = cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
   const auto stamp_ns = recorded_times_ ? message.log_time_ns : told_ns;
   sensor.not_stamped += cloud.header.stamp_ns == 0 ? 1 : 0;
+  sensor.offsets.add(message.log_time_ns, stamp_ns);
   if (stamp_ns < sensor.last_ns) return ++sensor.late, false;
   const auto& topic = reader_.topics()[message.topic].name;
   const auto given = mountings_.find(topic);
@@ -209,6 +212,19 @@ std::vector<std::string> BagSource::remarks() const
            " s after the stamp of the first")
               .c_str());
   }
+  return all;
+}
+
+std::vector<std::string> BagSource::warnings() const
+{
+  std::vector<std::string> all;
+  for (std::size_t i = 0; i < sensors_.size(); ++i)
+    if (const auto clock = sensors_[i].offsets.warning_of_clock(motion_.pose_offsets());
+        !clock.empty())
+      all.push_back(
+          reader_.topics()[i].name + ": " + clock +
+          (recorded_times_ ? ". --poses FILE gives poses with the times of recording"
+                           : ". --recorded-times takes the times of recording for the scans"));
   return all;
 }
 }  // namespace

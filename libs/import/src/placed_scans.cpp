@@ -76,6 +76,7 @@ class PlacedScans : public ScanSource
   double progress() const override { return source_->progress(); }
   io::Trajectory poses() override;
   std::vector<std::string> remarks() const override;
+  std::vector<std::string> warnings() const override { return source_->warnings(); }
 
  private:
   /** False: it is left out. */

@@ -54,6 +54,8 @@ class ScanSource
   /** What a person should know of how it was read, a sentence each without its full stop; complete
    * once next() gave false. */
   virtual std::vector<std::string> remarks() const { return {}; }
+  /** What would make the map wrong; otherwise as remarks(). */
+  virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 /** What only some kinds of source ask for; each names its option in its errors. */

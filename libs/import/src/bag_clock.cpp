@@ -1,0 +1,70 @@
+#include "bag_clock.h"
+
+#include <talus/io/quantile.h>
+#include <talus/number_text.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus::import
+{
+namespace
+{
+/** Without the sign of what is rounded to zero. */
+std::string seconds_text(double s) { return fixed_text(std::round(s * 100) / 100 + 0.0, 2); }
+
+/** "0.02 s", or "0.02 to 37.02 s". */
+std::string span_text(const std::vector<double>& values_s, bool is_one)
+{
+  const auto [least, most] = std::minmax_element(values_s.begin(), values_s.end());
+  if (is_one) return seconds_text(io::quantile(values_s, 0.5)) + " s";
+  return seconds_text(*least) + " to " + seconds_text(*most) + " s";
+}
+}  // namespace
+
+void StampOffsets::add(std::int64_t log_time_ns, std::int64_t stamp_ns)
+{
+  constexpr std::size_t kMost = 8192;
+  if (stamp_ns == 0 || count_++ % step_ != 0) return;
+  all_.push_back({log_time_ns, static_cast<double>(log_time_ns - stamp_ns) * 1e-9});
+  if (all_.size() < kMost) return;
+  for (std::size_t i = 0; i < kMost / 2; ++i) all_[i] = all_[2 * i];
+  all_.resize(kMost / 2);
+  step_ *= 2;
+}
+
+/** Compared where both were recorded, as the clock of a simulation runs slower than the recorder's:
+ * medians of parts of the bag, which stand messages that were recorded late. */
+std::string StampOffsets::warning_of_clock(const StampOffsets& poses) const
+{
+  constexpr double kOther_s = 1.5;  // localization stamps its transforms up to 1 s ahead
+  constexpr std::size_t kLeastOfPart = 5, kMostParts = 8;
+  if (all_.empty() || poses.all_.empty()) return "";
+  const auto before = [](const Offset& a, const Offset& b)
+  { return a.log_time_ns < b.log_time_ns; };
+  const std::size_t parts = std::clamp<std::size_t>(all_.size() / kLeastOfPart, 1, kMostParts);
+  std::vector<double> scans_s, poses_s, apart_s;
+  for (std::size_t part = 0; part < parts; ++part)
+  {
+    std::vector<double> of_scans, of_poses, apart;
+    for (auto i = part * all_.size() / parts; i < (part + 1) * all_.size() / parts; ++i)
+    {
+      const auto pose = std::lower_bound(poses.all_.begin(), poses.all_.end(), all_[i], before);
+      of_scans.push_back(all_[i].late_s);
+      of_poses.push_back((pose == poses.all_.end() ? poses.all_.back() : *pose).late_s);
+      apart.push_back(of_scans.back() - of_poses.back());
+    }
+    scans_s.push_back(io::quantile(of_scans, 0.5));
+    poses_s.push_back(io::quantile(of_poses, 0.5));
+    apart_s.push_back(io::quantile(apart, 0.5));
+  }
+  const auto [least, most] = std::minmax_element(apart_s.begin(), apart_s.end());
+  if (std::max(std::abs(*least), std::abs(*most)) <= kOther_s) return "";
+  const bool is_one = *most - *least <= kOther_s;
+  return std::string("its scans have another clock than the poses") +
+         (is_one ? "" : ", and one of the two jumps") + ": they were recorded " +
+         span_text(scans_s, is_one) + " after their stamps, the poses " +
+         span_text(poses_s, is_one) + " after theirs (medians)";
+}
+
+}  // namespace talus::import
