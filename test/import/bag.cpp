@@ -102,6 +102,22 @@ TEST(Bag, OnlyNamedTopicsAreRead)
   EXPECT_TRUE(holds(error, "/reer/points") && holds(error, "/rear/points")) << error;
 }
 
+TEST(Bag, CloudsOfMapsAreLeftOutUnlessTheyAreNamed)
+{
+  MAKE_BAGS("with_maps.mcap");
+  const auto path = dir / "with_maps.mcap";
+  EXPECT_EQ(all_of(*open_bag_source({path}, {})).size(), 10u);
+  EXPECT_EQ(scans_of(path, "/points").size(), 10u);
+  const auto remarks = remarks_of(path);
+  for (const std::string name : {"/grows", "/repeats", "/registered"})
+  {
+    EXPECT_TRUE(holds(remarks, name + " is left out: its")) << remarks;
+    SourceOptions options;
+    options.topics = {name};
+    EXPECT_EQ(scans_of(path, name, options).size(), 10u);
+  }
+}
+
 TEST(Bag, WithoutTfTheSensorIsAtTheBaseWhichIsSaid)
 {
   MAKE_BAGS("no_tf.mcap");

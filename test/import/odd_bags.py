@@ -216,6 +216,18 @@ def ahead(path, seconds, jump=False, poses=0):
     mb.write_mcap(path, [rows])
 
 
+def with_maps(path):
+    """A LiDAR, and what a SLAM makes of it: its map in two frames, and scans in the frame of the map."""
+    fields, rows = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)], []
+    for i in range(10):
+        at, points = mb.stamp(0.2 * i), [(k, 1, 2) for k in range(10 + i // 2)]
+        rows.append((at, "/tf", mb.TF, mb.transforms((at, "map", "base_link", 0.3 * i, 0, 0, 0))))
+        for topic, frame, some in (("/points", "base_link", [(i, 2, 3), (4, 5, 6)]), ("/grows", "lidar_map", points),
+                                   ("/repeats", "lidar_map", points[:5]), ("/registered", "map", [(i, 2, 3)])):
+            rows.append((at, topic, mb.CLOUD, mb.cloud(at, frame, fields, 12, some)))
+    mb.write_mcap(path, [rows])
+
+
 def tf_bomb(path, program, chunks, links):
     """Some KB that unpack to very many links, each of another time."""
     some = mb.transforms(*[(mb.stamp(0), "odom", "base_link", 0, 0, 0, 0)] * 3)
@@ -320,6 +332,7 @@ def bags(folder):
         "ahead_1.mcap": lambda n: ahead(n, 1),
         "ahead_all.mcap": lambda n: ahead(n, 37, poses=37),
         "jump_2.mcap": lambda n: ahead(n, 2, jump=True),
+        "with_maps.mcap": with_maps,
         "one_chunk.mcap": lambda n: mb.write_mcap(n, [many_scans()]),
         "cloud_bomb_message.mcap": lambda n: cloud_bomb(n, "", True),
     }

@@ -34,6 +34,7 @@ BagMotion::BagMotion(
   choose_base(options, path);
   choose_map(options, path);
   if (options.poses.empty()) choose_poses(reader, options);
+  if (!options.clouds_in_map) find_maps(reader, options);
   if (bad_poses_ > 0)
     remark(
         std::to_string(bad_poses_) +
@@ -98,6 +99,59 @@ void BagMotion::choose_map(const SourceOptions& options, const std::string& path
     if (const auto frame = known_frame({name});
         map_.empty() && !frame.empty() && !tree_.times_between(frame, base_).empty())
       map_ = frame;
+}
+
+/** No sensor stands in it. */
+bool BagMotion::is_fixed(const std::string& frame) const
+{
+  bool is = frame == map_;
+  for (const char* name : {"map", "odom", "world"}) is |= frame == name || is_of_robot(frame, name);
+  for (const auto& topic : pose_topics_) is |= !topic.child.empty() && frame == topic.map;
+  return is && frame != base_;
+}
+
+bool BagMotion::has_moved() const
+{
+  constexpr double kFar_m = 1;
+  const auto& all = poses_.entries();
+  return std::any_of(
+      all.begin(), all.end(),
+      [&](const io::Trajectory::Entry& e)
+      { return (e.T_map_base - all.front().T_map_base).norm() > kFar_m; });
+}
+
+/** Where nothing else is left, these are registered scans. */
+void BagMotion::find_maps(const BagReader& reader, const SourceOptions& options)
+{
+  constexpr std::size_t kLeast = 8;  // scans grow by chance
+  const bool moves = has_moved();
+  auto left = cloud_topics_;
+  const auto leave_out = [&](const auto& is_map, const std::string& why)
+  {
+    const auto first = std::stable_partition(
+        left.begin(), left.end(), [&](const CloudTopic& t) { return !is_map(t); });
+    if (first == left.begin()) return;
+    for (auto topic = first; topic != left.end(); ++topic)
+    {
+      const auto& name = reader.topics()[topic->topic].name;
+      maps_.push_back(topic->topic);
+      remark(name + " is left out: " + why + ", as of a map; --topic " + name + " takes it");
+    }
+    left.erase(first, left.end());
+  };
+  const auto is_asked_for = [&](const CloudTopic& t)
+  {
+    const auto& name = reader.topics()[t.topic].name;
+    return options.mountings.count(name) > 0 ||
+           std::find(options.topics.begin(), options.topics.end(), name) != options.topics.end();
+  };
+  leave_out(
+      [&](const CloudTopic& t)
+      { return moves && t.grows && t.count >= kLeast && !is_asked_for(t); },
+      "its clouds repeat or grow while the robot moves");
+  leave_out(
+      [&](const CloudTopic& t) { return is_fixed(t.frame) && !is_asked_for(t); },
+      "its points are in a frame that does not move with the robot");
 }
 
 std::optional<CPose3D> BagMotion::T_base_sensor(

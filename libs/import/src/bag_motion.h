@@ -18,12 +18,12 @@ namespace talus::import
 bool is_of_robot(const std::string& frame, const std::string& name);
 
 /** Where sensors are mounted and where the base was: all that a bag says of frames and poses, read
- * ahead of the scans, as it may come after them. */
+ * ahead of the scans, as it may come after them; and which of its clouds are scans. */
 class BagMotion
 {
  public:
-  /** Reads the bag once, without the points. Throws std::runtime_error that names the file and what
-   * is wrong; for a frame in `options` that is not there: those that are. */
+  /** Reads the bag once, without most points. Throws std::runtime_error that names the file and
+   * what is wrong; for a frame in `options` that is not there: those that are. */
   BagMotion(
       BagReader& reader, const std::vector<BagRole>& roles, const SourceOptions& options,
       const std::string& path);
@@ -34,6 +34,8 @@ class BagMotion
       const std::string& sensor_frame, std::int64_t stamp_ns);
 
   const io::Trajectory& poses() const { return poses_; }
+  /** Topics whose clouds are no scans, but maps of a SLAM. */
+  const std::vector<std::size_t>& maps() const { return maps_; }
   /** Of what poses() are made of. */
   const StampOffsets& pose_offsets() const { return pose_offsets_; }
   const std::vector<std::string>& remarks() const { return remarks_; }
@@ -51,8 +53,17 @@ class BagMotion
     StampOffsets offsets;
   };
 
+  struct CloudTopic
+  {
+    std::size_t topic = 0;
+    std::string frame;  //!< of its first cloud
+    std::size_t count = 0, points = 0, hash = 0;  //!< clouds, and of the last one
+    bool grows = true;  //!< each cloud is that before it, or has more points
+  };
+
   void read(BagReader& reader, const std::vector<BagRole>& roles);
   void read_message(BagReader& reader, const BagMessage& message, BagRole role);
+  void add_cloud(BagReader& reader, const BagMessage& message, std::string_view payload);
   void add_links(std::string_view payload, const BagMessage& message, bool is_static);
   void add_pose(const BagMessage& message, FrameTransform pose);
   void set_time(MessageHeader& header, const BagMessage& message) const;
@@ -68,17 +79,21 @@ class BagMotion
   std::string known_frame(const std::vector<std::string>& names) const;
   [[noreturn]] void fail_without(
       const std::string& frame, const std::string& option, const std::string& path) const;
+  bool is_fixed(const std::string& frame) const;
+  bool has_moved() const;
+  void find_maps(const BagReader& reader, const SourceOptions& options);
   void remark(const std::string& text) { remarks_.push_back(text); }
 
   FrameTree tree_;
   std::vector<PoseTopic> pose_topics_;
-  std::vector<std::string> cloud_frames_;
+  std::vector<CloudTopic> cloud_topics_;
   std::size_t clouds_left_ = 0;  //!< topics whose frame is not known yet
   std::size_t prune_at_ = kPruneAt;
   std::size_t poses_held_ = 0;  //!< in the histories of pose_topics_
   bool recorded_times_ = false;
   std::size_t bad_poses_ = 0;
   std::string base_, map_;
+  std::vector<std::size_t> maps_;
   io::Trajectory poses_;
   StampOffsets tf_offsets_, pose_offsets_;
   std::vector<std::string> remarks_;

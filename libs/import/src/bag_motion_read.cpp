@@ -1,6 +1,7 @@
 // What a bag says of frames and poses, read message by message.
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
 #include <stdexcept>
 
 #include "bag_motion.h"
@@ -55,10 +56,8 @@ void BagMotion::read_message(BagReader& reader, const BagMessage& message, BagRo
   const auto payload = reader.payload();
   switch (role)
   {
-    case BagRole::Cloud:  // only how it is mounted
-      cloud_frames_.push_back(read_header(payload).frame);
-      reader.ignore(message.topic);
-      --clouds_left_;
+    case BagRole::Cloud:
+      add_cloud(reader, message, payload);
       break;
     case BagRole::Tf:
     case BagRole::TfStatic:
@@ -73,6 +72,26 @@ void BagMotion::read_message(BagReader& reader, const BagMessage& message, BagRo
     case BagRole::None:
       break;
   }
+}
+
+/** Only how it is mounted, and whether it is a map: of scans the first few tell. */
+void BagMotion::add_cloud(BagReader& reader, const BagMessage& message, std::string_view payload)
+{
+  const auto cloud = read_cloud(payload);
+  auto known = std::find_if(
+      cloud_topics_.begin(), cloud_topics_.end(),
+      [&](const CloudTopic& t) { return t.topic == message.topic; });
+  if (known == cloud_topics_.end())
+  {
+    known = cloud_topics_.insert(known, {message.topic, cloud.header.frame});
+    --clouds_left_;
+  }
+  const std::size_t points = std::size_t{cloud.width} * cloud.height;
+  const auto hash = std::hash<std::string_view>()(cloud.data);
+  known->grows = known->count++ == 0 || points > known->points || hash == known->hash;
+  known->points = points;
+  known->hash = hash;
+  if (!known->grows) reader.ignore(message.topic);
 }
 
 /** Stamps of another clock than that of the recorder are of no use among those of scans. */
@@ -120,7 +139,8 @@ void BagMotion::prune(bool is_full)
 {
   if (clouds_left_ == 0 || is_full)
   {
-    auto ends = cloud_frames_;
+    std::vector<std::string> ends;
+    for (const auto& topic : cloud_topics_) ends.push_back(topic.frame);
     for (const auto& frame : tree_.frames())
       for (const char* base : {"base_link", "base_footprint"})
         if (frame == base || is_of_robot(frame, base)) ends.push_back(frame);

@@ -52,6 +52,7 @@ class BagSource : public ScanSource
         sensors_(roles_.size())
   {
     file_.values = options.values;
+    for (const auto topic : motion_.maps()) roles_[topic] = BagRole::None;
     std::vector<bool> wanted;
     wanted.reserve(roles_.size());
     for (const auto role : roles_) wanted.push_back(role == BagRole::Cloud);
