@@ -118,6 +118,22 @@ TEST(Bag, CloudsOfMapsAreLeftOutUnlessTheyAreNamed)
   }
 }
 
+TEST(Bag, PointsAtOnePlaceOfTheBaseInEachScanAreNoReturns)
+{
+  MAKE_BAGS("no_returns_1.mcap no_returns_9.mcap");
+  for (const int count : {1, 9})
+  {
+    const auto path = dir / ("no_returns_" + std::to_string(count) + ".mcap");
+    EXPECT_EQ(scans_of(path, "/points").at(9).x_m.size(), 31u) << "also what stays on the ground";
+    const auto remarks = remarks_of(path);
+    EXPECT_TRUE(holds(
+        remarks, "/points: " + std::to_string(10 * count) +
+                     " points are left out: in each of the first scans some lie at exactly (0.2, "
+                     "0, 0.7)"))
+        << remarks;
+  }
+}
+
 TEST(Bag, WithoutTfTheSensorIsAtTheBaseWhichIsSaid)
 {
   MAKE_BAGS("no_tf.mcap");

@@ -228,6 +228,15 @@ def with_maps(path):
     mb.write_mcap(path, [rows])
 
 
+def no_returns(path, count):
+    """In the frame of the base: ground that an exact sensor sees, and at the place of the sensor what gave no return."""
+    fields, rows = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)], []
+    for i in range(10):
+        points = [(2 + 0.1 * k, 0, 0) for k in range(30)] + [(2, 1, 0.1 * i)] + [(0.2, 0, 0.7)] * count
+        rows.append((mb.stamp(i), "/points", mb.CLOUD, mb.cloud(mb.stamp(i), "base_link", fields, 12, points)))
+    mb.write_mcap(path, [rows])
+
+
 def tf_bomb(path, program, chunks, links):
     """Some KB that unpack to very many links, each of another time."""
     some = mb.transforms(*[(mb.stamp(0), "odom", "base_link", 0, 0, 0, 0)] * 3)
@@ -333,6 +342,8 @@ def bags(folder):
         "ahead_all.mcap": lambda n: ahead(n, 37, poses=37),
         "jump_2.mcap": lambda n: ahead(n, 2, jump=True),
         "with_maps.mcap": with_maps,
+        "no_returns_1.mcap": lambda n: no_returns(n, 1),
+        "no_returns_9.mcap": lambda n: no_returns(n, 9),
         "one_chunk.mcap": lambda n: mb.write_mcap(n, [many_scans()]),
         "cloud_bomb_message.mcap": lambda n: cloud_bomb(n, "", True),
     }

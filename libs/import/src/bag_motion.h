@@ -1,7 +1,9 @@
 #pragma once
 #include <talus/import/scan_source.h>
 
+#include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -9,6 +11,7 @@
 
 #include "bag_clock.h"
 #include "bag_frames.h"
+#include "bag_no_returns.h"
 #include "bag_reader.h"
 #include "bag_topics.h"
 
@@ -16,6 +19,9 @@ namespace talus::import
 {
 /** Whether `frame` is `name` of some robot: "robot1/base_link". */
 bool is_of_robot(const std::string& frame, const std::string& name);
+
+/** Points that the last message may have by its bytes in the file. */
+std::uint64_t most_points(const BagReader& reader);
 
 /** Where sensors are mounted and where the base was: all that a bag says of frames and poses, read
  * ahead of the scans, as it may come after them; and which of its clouds are scans. */
@@ -36,6 +42,8 @@ class BagMotion
   const io::Trajectory& poses() const { return poses_; }
   /** Topics whose clouds are no scans, but maps of a SLAM. */
   const std::vector<std::size_t>& maps() const { return maps_; }
+  /** By topic: where the sensor has points that gave no return. */
+  std::map<std::size_t, std::vector<std::array<double, 3>>> no_returns() const;
   /** Of what poses() are made of. */
   const StampOffsets& pose_offsets() const { return pose_offsets_; }
   const std::vector<std::string>& remarks() const { return remarks_; }
@@ -59,6 +67,8 @@ class BagMotion
     std::string frame;  //!< of its first cloud
     std::size_t count = 0, points = 0, hash = 0;  //!< clouds, and of the last one
     bool grows = true;  //!< each cloud is that before it, or has more points
+    bool needs_look = true;
+    NoReturns no_returns;
   };
 
   void read(BagReader& reader, const std::vector<BagRole>& roles);

@@ -9,6 +9,12 @@
 
 namespace talus::import
 {
+std::uint64_t most_points(const BagReader& reader)
+{
+  constexpr std::uint64_t kFewPoints = std::uint64_t{1} << 20;
+  return std::max(kFewPoints, reader.stored_bytes());
+}
+
 bool is_of_robot(const std::string& frame, const std::string& name)
 {
   const auto slash = frame.rfind('/');
@@ -74,7 +80,15 @@ void BagMotion::read_message(BagReader& reader, const BagMessage& message, BagRo
   }
 }
 
-/** Only how it is mounted, and whether it is a map: of scans the first few tell. */
+std::map<std::size_t, std::vector<std::array<double, 3>>> BagMotion::no_returns() const
+{
+  std::map<std::size_t, std::vector<std::array<double, 3>>> places;
+  for (const auto& topic : cloud_topics_) places[topic.topic] = topic.no_returns.places();
+  return places;
+}
+
+/** How it is mounted, whether it is a map and has points of no return: of scans the first few tell.
+ */
 void BagMotion::add_cloud(BagReader& reader, const BagMessage& message, std::string_view payload)
 {
   const auto cloud = read_cloud(payload);
@@ -83,7 +97,9 @@ void BagMotion::add_cloud(BagReader& reader, const BagMessage& message, std::str
       [&](const CloudTopic& t) { return t.topic == message.topic; });
   if (known == cloud_topics_.end())
   {
-    known = cloud_topics_.insert(known, {message.topic, cloud.header.frame});
+    known = cloud_topics_.insert(known, CloudTopic());
+    known->topic = message.topic;
+    known->frame = cloud.header.frame;
     --clouds_left_;
   }
   const std::size_t points = std::size_t{cloud.width} * cloud.height;
@@ -91,7 +107,13 @@ void BagMotion::add_cloud(BagReader& reader, const BagMessage& message, std::str
   known->grows = known->count++ == 0 || points > known->points || hash == known->hash;
   known->points = points;
   known->hash = hash;
-  if (!known->grows) reader.ignore(message.topic);
+  if (known->needs_look)
+  {
+    ScanFile points_of_cloud;
+    collect_points(cloud, reader.place(), points_of_cloud, most_points(reader));
+    known->needs_look = known->no_returns.add(points_of_cloud);
+  }
+  if (!known->grows && !known->needs_look) reader.ignore(message.topic);
 }
 
 /** Stamps of another clock than that of the recorder are of no use among those of scans. */

@@ -27,12 +27,23 @@ std::string name_of(const std::vector<std::string>& paths)
          (paths.size() > 1 ? " and " + std::to_string(paths.size() - 1) + " more" : "");
 }
 
+/** "(0, 0, 0.7)", several with "and". */
+std::string places_text(const std::vector<std::array<double, 3>>& places)
+{
+  std::string text;
+  for (const auto& p : places)
+    text += (text.empty() ? "(" : " and (") + number_text(p[0], 4) + ", " + number_text(p[1], 4) +
+            ", " + number_text(p[2], 4) + ")";
+  return text;
+}
+
 /** What is known of one topic with clouds. */
 struct Sensor
 {
   std::vector<std::size_t> files;  //!< of the reader, that have scans of it, in their order
   std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
   std::size_t scans = 0, late = 0, not_mounted = 0, not_timed = 0, not_stamped = 0;
+  std::size_t no_returns = 0;  //!< points
   std::int64_t not_mounted_ns = 0;  //!< the first of those
   double off_s = 0;  //!< the time of recording of the first scan, after its stamp
   std::optional<double> time_unit_s;  //!< of its points
@@ -49,7 +60,8 @@ class BagSource : public ScanSource
         roles_(roles_of(reader_.topics(), options.topics, path_)),
         motion_(reader_, roles_, options, path_),
         mountings_(options.mountings),
-        sensors_(roles_.size())
+        sensors_(roles_.size()),
+        no_returns_(motion_.no_returns())
   {
     file_.values = options.values;
     for (const auto topic : motion_.maps()) roles_[topic] = BagRole::None;
@@ -86,18 +98,20 @@ class BagSource : public ScanSource
   BagMotion motion_;
   std::map<std::string, mrpt::poses::CPose3D> mountings_;  //!< given ones, by topic
   std::vector<Sensor> sensors_;  //!< one a topic
+  std::map<std::size_t, std::vector<std::array<double, 3>>> no_returns_;  //!< where, by topic
   ScanFile file_;
 };
 
 /** False: it is left out. */
 bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
 {
-  constexpr std::uint64_t kFewPoints = std::uint64_t{1} << 20;
   try
   {
     const auto cloud = read_cloud(reader_.payload());
-    const auto most_points = std::max(kFewPoints, reader_.stored_bytes());
-    collect_points(cloud, reader_.place(), file_, most_points);
+    auto& sensor = sensors_[message.topic];
+    file_.no_return_places = no_returns_[message.topic];
+    collect_points(cloud, reader_.place(), file_, most_points(reader_));
+    sensor.no_returns += file_.no_returns;
     return place(cloud, message, scan);
   }
   catch (const CdrError& e)
@@ -206,6 +220,11 @@ std::vector<std::string> BagSource::remarks() const
         "are read without times of points: these fit no unit and no beginning");
     count(
         sensor.not_stamped, topic, "have no stamp: they have the time at which they were recorded");
+    if (sensor.no_returns > 0)
+      all.push_back(
+          topic + ": " + std::to_string(sensor.no_returns) +
+          " points are left out: in each of the first scans some lie at exactly " +
+          places_text(no_returns_.at(i)) + ", as rays without a return");
     if (recorded_times_)
       count(
           sensor.scans, topic,

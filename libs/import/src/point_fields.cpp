@@ -342,6 +342,8 @@ void PointCollector::add(const double* values)
     ++out_->not_finite;
     return;
   }
+  for (const auto& place : out_->no_return_places)
+    if (std::equal(place.begin(), place.end(), values)) return void(++out_->no_returns);
   out_->x_m.push_back(values[0]);
   out_->y_m.push_back(values[1]);
   out_->z_m.push_back(values[2]);

@@ -1,6 +1,7 @@
 #pragma once
 #include <talus/import/scan_source.h>
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -75,9 +76,11 @@ struct ScanFile
   std::vector<std::uint16_t> ring;
   bool whole_times = false;  //!< they are integers
   std::size_t not_finite = 0;  //!< points that are left out
+  std::size_t no_returns = 0;  //!< these too: they lie at one of no_return_places
   std::optional<mrpt::poses::CPose3D> viewpoint;  //!< the sensor in the map, where it says so
   std::string values;  //!< set before it is read, see SourceOptions
   std::vector<std::string> fields;  //!< so is this
+  std::vector<std::array<double, 3>> no_return_places;  //!< and these
 
   /** Forgets all but what was set before. */
   void clear()
@@ -85,6 +88,7 @@ struct ScanFile
     ScanFile empty;
     empty.values.swap(values);
     empty.fields.swap(fields);
+    empty.no_return_places.swap(no_return_places);
     *this = std::move(empty);
   }
 };
