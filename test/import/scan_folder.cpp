@@ -211,6 +211,28 @@ TEST_F(ScanFolder, of_other_formats_may_bring_poses_of_the_base)
   EXPECT_NE(source->remarks()[2].find("10 a second (--rate)"), std::string::npos);
 }
 
+TEST_F(ScanFolder, reads_names_of_nanoseconds_without_zeros_and_of_dates)
+{
+  for (const char* name :
+       {"bare/1700000000.53000000", "bare/1700000000.153000000", "bare/1700000001.0",
+        "line/1700000000_053000000", "line/1700000000_153000000", "line/1700000001_0",
+        "date/20231114221320053", "date/20231114221320153", "date/20231114221321000",
+        "dash/2023-11-14-22-13-20-053", "dash/2023-11-14-22-13-20-153",
+        "dash/2023-11-14-22-13-21-000"})
+    write(std::string(name) + ".pcd", pcd_ascii(scan_number(0)));
+  for (const char* folder : {"bare", "line", "date", "dash"})
+  {
+    const auto scans = read(folder);
+    ASSERT_EQ(scans.size(), 3u) << folder;
+    EXPECT_NEAR(scans[0].time_s, 1700000000.053, 1e-6) << folder;
+    EXPECT_NEAR(scans[1].time_s, 1700000000.153, 1e-6) << folder;
+    EXPECT_NEAR(scans[2].time_s, 1700000001, 1e-6) << folder;
+  }
+  write("decimals/1700000000.053000001.pcd", pcd_ascii(scan_number(0)));
+  write("decimals/1700000000.15.pcd", pcd_ascii(scan_number(1)));
+  EXPECT_NEAR(read("decimals")[1].time_s, 1700000000.15, 1e-6) << "with zeros that lead";
+}
+
 TEST_F(ScanFolder, takes_times_out_of_names_or_points_where_no_file_has_them)
 {
   write("stamps/1700000000.25.pcd", pcd_ascii(scan_number(0)));

@@ -57,23 +57,18 @@ bool is_before(std::string_view a, std::string_view b)
 std::string name_of(const std::string& scan) { return fs::path(scan).stem().string(); }
 
 /** The number that a name is: of digits and a point, as times are. */
-std::optional<double> number_of(const std::string& scan)
-{
-  const std::string name = name_of(scan);
-  const bool is_plain = name.find_first_not_of("0123456789.") == std::string::npos;
-  return is_plain ? number_from(name) : std::nullopt;
-}
-
 void sort(std::vector<std::string>& scans)
 {
   std::sort(
       scans.begin(), scans.end(),
       [](const std::string& a, const std::string& b) { return is_before(name_of(a), name_of(b)); });
-  if (std::all_of(scans.begin(), scans.end(), [](const auto& s) { return number_of(s); }))
-    std::stable_sort(
-        scans.begin(), scans.end(),
-        [](const std::string& a, const std::string& b)
-        { return number_of(a).value_or(0) < number_of(b).value_or(0); });
+  std::vector<std::pair<double, std::string>> numbered;
+  for (const auto& number : numbers_of_names(scans))
+    numbered.emplace_back(number_from(number).value_or(0), scans[numbered.size()]);
+  std::stable_sort(
+      numbered.begin(), numbered.end(),
+      [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t i = 0; i < numbered.size(); ++i) scans[i] = numbered[i].second;
 }
 
 /** The scans in a folder, by format, bags among them; those that are hidden are none. */

@@ -46,6 +46,25 @@ std::optional<double> time_of_date(std::string_view date, std::string_view clock
   return days * 86400 + parts[3] * 3600 + parts[4] * 60 + parts[5];
 }
 
+/** E.g. "20110926130225951" or "2011-09-26-13-02-25-951". No time since 1970 has as many digits
+ * before a point, and begins with such a year. */
+std::optional<double> time_of_compact(const std::string& name)
+{
+  constexpr std::size_t kSecond = 14;  // digits up to it
+  std::string digits;
+  for (const char c : name)
+    if (c >= '0' && c <= '9')
+      digits += c;
+    else if (c != '-' && c != '_' && c != '.' && c != ':' && c != 'T')
+      return std::nullopt;
+  const bool is_whole = digits.size() == kSecond || digits.size() == kSecond + 3;
+  if (!is_whole || name.find_first_of("._") == 10) return std::nullopt;
+  const auto part = [&](std::size_t first) { return digits.substr(first, 2); };
+  return time_of_date(
+      digits.substr(0, 4) + "-" + part(4) + "-" + part(6),
+      part(8) + ":" + part(10) + ":" + part(12) + "." + digits.substr(kSecond));
+}
+
 std::optional<double> time_of_line(TextLines& lines)
 {
   const auto first = lines.next_word(), second = lines.next_word();
@@ -126,19 +145,46 @@ std::vector<std::size_t> lines_of_scans(
       shown(name_of(scans.back())) + "). Give it a line a scan.");
 }
 
+std::vector<std::string> numbers_of_names(const std::vector<std::string>& scans)
+{
+  constexpr std::size_t kSeconds = 10, kNanoseconds = 9;
+  std::vector<std::string> names;
+  bool has_lines = false, is_count = true;  // of nanoseconds: none begins with a zero, but 0
+  std::size_t longest = 0;
+  for (const auto& scan : scans)
+  {
+    names.push_back(name_of(scan));
+    std::string& name = names.back();
+    const auto line = name.find('_');
+    has_lines |= line == kSeconds;
+    if (line == kSeconds) name[line] = '.';
+    const bool is_plain = name.find_first_not_of("0123456789.") == std::string::npos;
+    if (!is_plain || !number_from(name)) return {};
+    if (name.find('.') != kSeconds) is_count = false;
+    const auto fraction = name.substr(std::min(kSeconds + 1, name.size()));
+    longest = std::max(longest, fraction.size());
+    is_count = is_count && (fraction == "0" || (!fraction.empty() && fraction[0] != '0'));
+  }
+  if (longest == kNanoseconds && (is_count || has_lines))
+    for (auto& name : names)
+      name.insert(std::min(kSeconds + 1, name.size()), kSeconds + 1 + longest - name.size(), '0');
+  return names;
+}
+
 std::vector<double> times_of_names(const std::vector<std::string>& scans)
 {
   std::vector<double> times_s;
   times_s.reserve(scans.size());
-  for (const auto& scan : scans)
+  const auto numbers = numbers_of_names(scans);
+  for (std::size_t i = 0; i < scans.size(); ++i)
   {
+    auto time_s = time_of_compact(name_of(scans[i]));
+    if (!time_s && numbers.empty()) return {};
     // Of digits and a point: 1e9 is the year 2001, what is less may be a number of a scan.
-    const std::string name = name_of(scan);
-    const bool is_plain = name.find_first_not_of("0123456789.") == std::string::npos;
-    const auto value = is_plain ? number_from(name) : std::nullopt;
-    if (!value || *value < 1e9 || *value > 1e19) return {};
-    const double unit_s = *value >= 1e17 ? 1e-9 : *value >= 1e14 ? 1e-6 : *value >= 1e11 ? 1e-3 : 1;
-    times_s.push_back(*value * unit_s);
+    const double value = time_s ? *time_s : number_from(numbers[i]).value_or(0);
+    if (value < 1e9 || value > 1e19) return {};
+    const double unit_s = value >= 1e17 ? 1e-9 : value >= 1e14 ? 1e-6 : value >= 1e11 ? 1e-3 : 1;
+    times_s.push_back(value * unit_s);
     if (times_s.size() > 1 && times_s.back() <= times_s[times_s.size() - 2]) return {};
   }
   return times_s;
