@@ -322,6 +322,7 @@ void LogMapper::require_points() const
   for (int i = 0; i < kRejectCount; ++i)
     if (sum.rejected[i] > 0)
       text += percent(sum.rejected[i], sum.in) + " " + kRejectNames[i] + ", ";
+  if (!run_.warnings.empty()) throw std::runtime_error(text + "warning: " + run_.warnings.front());
   if (!run_.hints.empty()) throw std::runtime_error(text + "hint: " + run_.hints.front());
   throw std::runtime_error(
       text +

@@ -233,6 +233,16 @@ TEST_F(ScanFolder, reads_names_of_nanoseconds_without_zeros_and_of_dates)
   EXPECT_NEAR(read("decimals")[1].time_s, 1700000000.15, 1e-6) << "with zeros that lead";
 }
 
+TEST_F(ScanFolder, has_points_in_the_unit_that_is_said)
+{
+  write("mm/0.pcd", pcd_ascii(scan_number(0)));
+  SourceOptions options;
+  options.scale = 0.001;
+  const auto scans = read(*open("mm", options)), as_they_are = read("mm");
+  for (std::size_t i = 0; i < scans.at(0).x_m.size(); ++i)
+    EXPECT_FLOAT_EQ(scans[0].x_m[i] * 1000, as_they_are.at(0).x_m[i]);
+}
+
 TEST_F(ScanFolder, takes_times_out_of_names_or_points_where_no_file_has_them)
 {
   write("stamps/1700000000.25.pcd", pcd_ascii(scan_number(0)));

@@ -3,9 +3,11 @@
 #include "merged_sources.h"
 #include "rawlog_writer.h"
 
+#include <talus/io/quantile.h>
 #include <talus/number_text.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace talus::import
@@ -20,6 +22,21 @@ void add(const ImportedScan& scan, ImportedLog& log)
   ++log.scans[scan.sensor_label];
   log.points += scan.x_m.size();
   log.not_finite += scan.not_finite;
+}
+
+/** No scanner sees half of its points so far away. */
+void warn_of_units(const ImportedScan& scan, ImportedLog& log)
+{
+  constexpr double kFar_m = 250, kCentimetres_m = 2500;
+  std::vector<float> ranges_m;
+  for (std::size_t i = 0; i < scan.x_m.size(); ++i)
+    ranges_m.push_back(std::hypot(scan.x_m[i], scan.y_m[i], scan.z_m[i]));
+  const double median_m = io::quantile(ranges_m, 0.5);
+  if (!(median_m > kFar_m)) return;
+  log.warnings.push_back(
+      "half of the points of the first scan of " + scan.sensor_label + " are farther than " +
+      fixed_text(median_m, 0) + " m: are these " +
+      (median_m < kCentimetres_m ? "centimetres (--scale 0.01)?" : "millimetres (--scale 0.001)?"));
 }
 
 std::string counted(std::size_t count, const std::string& what)
@@ -77,6 +94,7 @@ ImportedLog write_scans(
   {
     if (const auto m = o.mountings.find(scan.sensor_label); m != o.mountings.end())
       scan.T_base_sensor = m->second;
+    if (!log.scans.count(scan.sensor_label)) warn_of_units(scan, log);
     writer.write(scan);
     loses_times |= !scan.rgb.empty() && !scan.point_time_s.empty();
     add(scan, log);
@@ -102,7 +120,7 @@ ImportedLog import_log(
   require_poses_in_time(made);
   const auto remarks = merged.remarks();
   made.remarks.insert(made.remarks.begin(), remarks.begin(), remarks.end());
-  made.warnings = merged.warnings();
+  for (auto& warning : merged.warnings()) made.warnings.push_back(std::move(warning));
   return made;
 }
 

@@ -109,6 +109,11 @@ void add_options_of_all(CLI::App& app, SourceOptions& o)
          "Where a sensor is on the base [m, degrees]; again for each")
       ->allow_extra_args(false)
       ->type_name(std::string("LABEL=") + app::kMountingForm);
+  app.add_option(
+         "--scale", o.scale, "Metres of one unit of the points: 0.001 where these are millimetres")
+      ->check(app::between(1e-6, 1e6))
+      ->capture_default_str()
+      ->type_name("METRES");
   app.add_option("--rate", o.rate_hz, "Scans a second, where nothing says their times")
       ->check(app::between(0.001, 1e6))
       ->capture_default_str()

@@ -64,6 +64,7 @@ class BagSource : public ScanSource
         no_returns_(motion_.no_returns())
   {
     file_.values = options.values;
+    file_.scale = options.scale;
     for (const auto topic : motion_.maps()) roles_[topic] = BagRole::None;
     std::vector<bool> wanted;
     wanted.reserve(roles_.size());

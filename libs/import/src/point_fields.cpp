@@ -337,16 +337,18 @@ void PointCollector::add_text(TextLines& line, const std::string& place)
 void PointCollector::add(const double* values)
 {
   const bool has_time = time_ < 0 || std::isfinite(values[time_]);
-  if (!is_float(values[0]) || !is_float(values[1]) || !is_float(values[2]) || !has_time)
+  const double scale = out_->scale;
+  const double x_m = values[0] * scale, y_m = values[1] * scale, z_m = values[2] * scale;
+  if (!is_float(x_m) || !is_float(y_m) || !is_float(z_m) || !has_time)
   {
     ++out_->not_finite;
     return;
   }
   for (const auto& place : out_->no_return_places)
     if (std::equal(place.begin(), place.end(), values)) return void(++out_->no_returns);
-  out_->x_m.push_back(values[0]);
-  out_->y_m.push_back(values[1]);
-  out_->z_m.push_back(values[2]);
+  out_->x_m.push_back(x_m);
+  out_->y_m.push_back(y_m);
+  out_->z_m.push_back(z_m);
   if (time_ >= 0) out_->time.push_back(values[time_]);
   if (intensity_ >= 0)
   {

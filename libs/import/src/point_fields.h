@@ -80,6 +80,7 @@ struct ScanFile
   std::optional<mrpt::poses::CPose3D> viewpoint;  //!< the sensor in the map, where it says so
   std::string values;  //!< set before it is read, see SourceOptions
   std::vector<std::string> fields;  //!< so is this
+  double scale = 1;  //!< and this
   std::vector<std::array<double, 3>> no_return_places;  //!< and these
 
   /** Forgets all but what was set before. */
@@ -88,6 +89,7 @@ struct ScanFile
     ScanFile empty;
     empty.values.swap(values);
     empty.fields.swap(fields);
+    empty.scale = scale;
     empty.no_return_places.swap(no_return_places);
     *this = std::move(empty);
   }

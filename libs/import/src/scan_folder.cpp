@@ -86,6 +86,7 @@ ScanFolder::ScanFolder(const Input& input, const SourceOptions& options)
 {
   set_mounting(options);
   file_.values = options.values;
+  file_.scale = options.scale;
   file_.fields = options.fields;
   read_scan(layout_.scans.front(), *layout_.format, file_);  // what is no scan shows at once
   set_times();

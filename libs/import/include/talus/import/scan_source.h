@@ -78,6 +78,7 @@ struct SourceOptions
   std::vector<std::string> fields;  //!< --fields: of a point in .bin files; empty: KITTI's four
   std::string values;  //!< --values, of each point: "": its intensity; "rgb"; else a field by its
                        //!< name; "label" and "semantickitti": also of .label files beside .bin
+  double scale = 1;  //!< --scale: metres of one unit of x, y and z
   double rate_hz = 10;  //!< --rate, of folders without times
   std::map<std::string, mrpt::poses::CPose3D> mountings;  //!< --mount, by label: T_base_sensor
 };
