@@ -78,6 +78,13 @@ TEST(Bag, ReadsMessagesOfBigEndianMachines)
   EXPECT_EQ(scans[0].time_s, kBagStart_s);
 }
 
+TEST(Bag, AWrongFlagOfTheByteOrderShowsInTheDistances)
+{
+  MAKE_BAGS("wrong_order.mcap");
+  EXPECT_EQ(scans_of(dir / "wrong_order.mcap", "/points").at(0).y_m, std::vector<float>(5, 2.3F));
+  EXPECT_TRUE(holds(remarks_of(dir / "wrong_order.mcap"), "/points: is_bigendian is wrong"));
+}
+
 TEST(Bag, APackedFileIsRefusedWithTheCommandThatUnpacksIt)
 {
   MAKE_BAGS("mode_file");

@@ -237,6 +237,15 @@ def no_returns(path, count):
     mb.write_mcap(path, [rows])
 
 
+def wrong_order(path):
+    """A cloud that says it is big endian, and is not."""
+    fields = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)]
+    good = mb.cloud(mb.stamp(0), "lidar", fields, 12, [(1.1 * k, 2.3, 0.7) for k in range(5)])
+    at = good.index(struct.pack("<fff", 0, 2.3, 0.7)) - 16  # flag, padding, steps, bytes
+    assert good[at] == 0
+    mb.write_mcap(path, [[(mb.stamp(0), "/points", mb.CLOUD, good[:at] + b"\1" + good[at + 1 :])]])
+
+
 def tf_bomb(path, program, chunks, links):
     """Some KB that unpack to very many links, each of another time."""
     some = mb.transforms(*[(mb.stamp(0), "odom", "base_link", 0, 0, 0, 0)] * 3)
@@ -344,6 +353,7 @@ def bags(folder):
         "with_maps.mcap": with_maps,
         "no_returns_1.mcap": lambda n: no_returns(n, 1),
         "no_returns_9.mcap": lambda n: no_returns(n, 9),
+        "wrong_order.mcap": wrong_order,
         "one_chunk.mcap": lambda n: mb.write_mcap(n, [many_scans()]),
         "cloud_bomb_message.mcap": lambda n: cloud_bomb(n, "", True),
     }

@@ -1,5 +1,6 @@
 #include "bag_messages.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -165,6 +166,31 @@ CloudMessage read_cloud(std::string_view message)
   cloud.row_step = in.u32();
   cloud.data = in.bytes();
   return cloud;
+}
+
+bool is_of_other_order(
+    const CloudMessage& cloud, const std::string& place, std::uint64_t most_points)
+{
+  const auto sane_points = [&](bool is_big_endian)
+  {
+    constexpr double kNearest_m = 1e-3, kFarthest_m = 1e4;
+    CloudMessage read_so = cloud;
+    read_so.is_big_endian = is_big_endian;
+    ScanFile points;
+    collect_points(read_so, place, points, most_points);
+    std::size_t sane = 0;
+    for (std::size_t i = 0; i < points.x_m.size(); ++i)
+    {
+      const double far_m =
+          std::max({std::abs(points.x_m[i]), std::abs(points.y_m[i]), std::abs(points.z_m[i])});
+      sane += far_m >= kNearest_m && far_m <= kFarthest_m ? 1 : 0;
+    }
+    return sane;
+  };
+  constexpr std::size_t kTimesMore = 5;
+  const std::size_t points = std::size_t{cloud.width} * cloud.height;
+  const auto other = sane_points(!cloud.is_big_endian);
+  return 2 * other > points && other > kTimesMore * sane_points(cloud.is_big_endian);
 }
 
 void collect_points(

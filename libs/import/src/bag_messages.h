@@ -58,6 +58,11 @@ FrameTransform read_pose(std::string_view message);
 
 CloudMessage read_cloud(std::string_view message);
 
+/** Whether its points are where scanners see them in the other byte order than it says, and few in
+ * this one. `place` and `most_points` as below. */
+bool is_of_other_order(
+    const CloudMessage& cloud, const std::string& place, std::uint64_t most_points);
+
 /** The points of a cloud, no more than may be; those that are not finite are left out. Throws
  * CdrError, and as PointCollector does. */
 void collect_points(

@@ -42,6 +42,8 @@ class BagMotion
   const io::Trajectory& poses() const { return poses_; }
   /** Topics whose clouds are no scans, but maps of a SLAM. */
   const std::vector<std::size_t>& maps() const { return maps_; }
+  /** Whether the bytes of its clouds have another order than these say. */
+  bool is_of_other_order(std::size_t topic) const;
   /** By topic: where the sensor has points that gave no return. */
   std::map<std::size_t, std::vector<std::array<double, 3>>> no_returns() const;
   /** Of what poses() are made of. */
@@ -68,6 +70,7 @@ class BagMotion
     std::size_t count = 0, points = 0, hash = 0;  //!< clouds, and of the last one
     bool grows = true;  //!< each cloud is that before it, or has more points
     bool needs_look = true;
+    bool is_of_other_order = false;  //!< of bytes, than it says
     NoReturns no_returns;
   };
 

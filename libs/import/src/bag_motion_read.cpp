@@ -87,11 +87,18 @@ std::map<std::size_t, std::vector<std::array<double, 3>>> BagMotion::no_returns(
   return places;
 }
 
+bool BagMotion::is_of_other_order(std::size_t topic) const
+{
+  return std::any_of(
+      cloud_topics_.begin(), cloud_topics_.end(),
+      [&](const CloudTopic& t) { return t.topic == topic && t.is_of_other_order; });
+}
+
 /** How it is mounted, whether it is a map and has points of no return: of scans the first few tell.
  */
 void BagMotion::add_cloud(BagReader& reader, const BagMessage& message, std::string_view payload)
 {
-  const auto cloud = read_cloud(payload);
+  auto cloud = read_cloud(payload);
   auto known = std::find_if(
       cloud_topics_.begin(), cloud_topics_.end(),
       [&](const CloudTopic& t) { return t.topic == message.topic; });
@@ -109,6 +116,10 @@ void BagMotion::add_cloud(BagReader& reader, const BagMessage& message, std::str
   known->hash = hash;
   if (known->needs_look)
   {
+    if (known->count == 1)
+      known->is_of_other_order =
+          talus::import::is_of_other_order(cloud, reader.place(), most_points(reader));
+    cloud.is_big_endian ^= known->is_of_other_order;
     ScanFile points_of_cloud;
     collect_points(cloud, reader.place(), points_of_cloud, most_points(reader));
     known->needs_look = known->no_returns.add(points_of_cloud);

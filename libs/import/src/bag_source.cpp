@@ -108,7 +108,8 @@ bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
 {
   try
   {
-    const auto cloud = read_cloud(reader_.payload());
+    auto cloud = read_cloud(reader_.payload());
+    cloud.is_big_endian ^= motion_.is_of_other_order(message.topic);
     auto& sensor = sensors_[message.topic];
     file_.no_return_places = no_returns_[message.topic];
     collect_points(cloud, reader_.place(), file_, most_points(reader_));
@@ -221,6 +222,11 @@ std::vector<std::string> BagSource::remarks() const
         "are read without times of points: these fit no unit and no beginning");
     count(
         sensor.not_stamped, topic, "have no stamp: they have the time at which they were recorded");
+    if (motion_.is_of_other_order(i))
+      all.push_back(
+          topic +
+          ": is_bigendian is wrong in its clouds: only in the other order of bytes do its "
+          "points have distances of a scanner, and it is read in that");
     if (sensor.no_returns > 0)
       all.push_back(
           topic + ": " + std::to_string(sensor.no_returns) +
