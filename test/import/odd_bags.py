@@ -229,7 +229,7 @@ def with_maps(path):
 
 
 def no_returns(path, count):
-    """In the frame of the base: ground that an exact sensor sees, and at the place of the sensor what gave no return."""
+    """In the frame of the base: ground that an exact sensor sees, and at its place what gave no return."""
     fields, rows = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)], []
     for i in range(10):
         points = [(2 + 0.1 * k, 0, 0) for k in range(30)] + [(2, 1, 0.1 * i)] + [(0.2, 0, 0.7)] * count

@@ -222,8 +222,10 @@ TEST_F(ScanFolder, reads_names_of_nanoseconds_without_zeros_and_of_dates)
     write(std::string(name) + ".pcd", pcd_ascii(scan_number(0)));
   for (const char* folder : {"bare", "line", "date", "dash"})
   {
-    const auto scans = read(folder);
+    const auto source = open(folder);
+    const auto scans = read(*source);
     ASSERT_EQ(scans.size(), 3u) << folder;
+    EXPECT_NE(source->remarks().back().find(" is 1700000000.053 s"), std::string::npos) << folder;
     EXPECT_NEAR(scans[0].time_s, 1700000000.053, 1e-6) << folder;
     EXPECT_NEAR(scans[1].time_s, 1700000000.153, 1e-6) << folder;
     EXPECT_NEAR(scans[2].time_s, 1700000001, 1e-6) << folder;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "folder_layout.h"
@@ -124,6 +126,15 @@ void ScanFolder::set_times()
   if (layout_.times.empty())
   {
     times_s_ = times_of_names(layout_.scans);
+    const auto numbers = numbers_of_names(layout_.scans);
+    for (std::size_t i = 0; i < times_s_.size(); ++i)
+    {
+      const auto name = std::filesystem::path(layout_.scans[i]).stem().string();
+      const auto seconds = std::to_string(static_cast<long long>(times_s_[i]));
+      if (!numbers.empty() && numbers[i] == name && name.find(seconds) == 0) continue;
+      return remarks_.push_back(
+          "the names of the files are times: " + name + " is " + fixed_text(times_s_[i], 3) + " s");
+    }
     return;
   }
   const auto times_s = read_times(layout_.times);
