@@ -284,6 +284,8 @@ TEST(Obstacles, are_guesses_from_one_side_near_the_robot_where_it_avoids_drops)
   EXPECT_EQ(passage_from(-0.2), Passage::Obstacle) << "an edge may lie in it";
   EXPECT_EQ(passage_from(0.7), Passage::Free) << "from nearby it may be seen";
   o.drops = Drops::Slope;
+  EXPECT_EQ(passage_from(-0.2), Passage::Obstacle) << "beside a drop that no slope explains";
+  o.drops = Drops::Ignore;
   EXPECT_EQ(passage_from(-0.2), Passage::Free);
   o = only_known();
   EXPECT_EQ(passage_from(-0.2), Passage::Free);
