@@ -73,6 +73,7 @@ std::vector<Facet> facets_of(
       });
   if (found.size() > most) found.resize(most);
   std::vector<Facet> facets;
+  facets.reserve(found.size());
   for (const auto& [long_m, f] : found) facets.push_back(f);
   return facets;
 }
