@@ -181,6 +181,7 @@ std::vector<Trajectory::Entry> load_tum(const std::string& path)
     throw std::runtime_error(path + ": holds no poses. One a line is needed: " + kTumColumns + ".");
   require_one_pose_a_time(lines, path);
   std::vector<Trajectory::Entry> entries;
+  entries.reserve(lines.size());
   for (const auto& line : lines) entries.push_back(line.entry);
   return entries;
 }
