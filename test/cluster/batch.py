@@ -49,9 +49,9 @@ class Test:
             print(f"FAILED: {message}", flush=True)
 
     def make_logs(self):
-        """Five cross each other near the origin, five are 40 m away or more, one of them 20 km; two are called the same."""
+        """Five cross each other near the origin, five are 40 m away or more, one of them 30 km; two are called the same."""
         for i in range(DRIVES):
-            x, y = (0.8 * i, 0.4 * i - 1) if i < 5 else (40 + 15 * (i - 5) if i < 9 else 20000, 0)
+            x, y = (0.8 * i, 0.4 * i - 1) if i < 5 else (40 + 15 * (i - 5) if i < 9 else 30000, 0)
             name = "drive" if i in (0, 5) else f"drive_{i}"
             folder = os.path.join(self.logs, "near" if i < 5 else "far")
             world = self.path(f"{name}.yaml")
