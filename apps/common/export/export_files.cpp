@@ -107,11 +107,10 @@ void write_html(
 
 /** What to tell of it. */
 std::string write_as(
-    const std::string& format, const std::string& path, const Map& map, const std::string& title,
-    const ExportOptions& o)
+    const std::string& format, const std::string& path, const Map& map, const FileOrigin& origin,
+    const std::string& title, const ExportOptions& o)
 {
   const LayerStack& m = map.layers;
-  const FileOrigin origin = o.origin.value_or(origin_for(m));
   if (format == "octomap") return write_octomap(path, m, o.clearance_m, origin);
   if (format == "ros") write_ros_map(path, m, o.ros_mode, o.occupancy);
   if (format == "occupancy") write_occupancy_grid(path, m, o.occupancy);
@@ -131,9 +130,9 @@ void write_or_tell(
   try
   {
     const Map map = read_map(path, file, format);
-    const std::string note = write_as(format.name, written, map, title, o);
+    const FileOrigin origin = o.origin.value_or(origin_for(map.layers));
+    const std::string note = write_as(format.name, written, map, origin, title, o);
     if (!note.empty()) told.notes.push_back(note);
-    const FileOrigin origin = origin_for(map.layers);
     if (!o.origin && format.has_origin && (origin.x_m != 0 || origin.y_m != 0))
       told.notes.push_back(
           written + ": its coordinates are less by " + number_text(origin.x_m) + ", " +
