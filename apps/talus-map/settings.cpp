@@ -3,6 +3,7 @@
 #include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/mrpt/parameters_ini.h>
+#include <talus/text.h>
 
 #include <mrpt/config/CConfigFile.h>
 #include <mrpt/system/string_utils.h>
@@ -26,7 +27,7 @@ std::string prefix_of(const std::string& section)
   for (const char* ending : {"_creationopts", "_insertopts"})
   {
     const std::string s = lowerCase(section), e = ending;
-    if (s.size() <= e.size() || s.compare(s.size() - e.size(), e.size(), e) != 0) continue;
+    if (s.size() <= e.size() || !ends_with(s, e)) continue;
     std::string prefix = section.substr(0, section.size() - e.size());
     if (lowerCase(prefix).find(lowerCase(kPrefix)) != std::string::npos) return prefix;
   }

@@ -1,4 +1,6 @@
 #pragma once
+#include <talus/text.h>
+
 #include <string>
 #include <vector>
 
@@ -34,7 +36,7 @@ inline bool is_main_file(const std::string& name)
 {
   for (const ExportFormat& format : export_formats())
     if (const std::string& end = format.endings.front();
-        name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0)
+        name.size() > end.size() && ends_with(name, end))
       return true;
   return false;
 }

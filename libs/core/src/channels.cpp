@@ -2,6 +2,7 @@
 #include <talus/frame.h>
 #include <talus/layers.h>
 #include <talus/number_text.h>
+#include <talus/text.h>
 #include "kernels/9_channels.h"
 
 #include <algorithm>
@@ -50,13 +51,8 @@ bool is_name(const std::string& name)
   return !name.empty() && is_letter(name[0]) && std::all_of(name.begin(), name.end(), fits);
 }
 
-bool ends_in(const std::string& text, const std::string& end)
-{
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 /** By another band of files of maps. */
-bool is_taken(const std::string& name) { return find_layer(name) || ends_in(name, kStanding); }
+bool is_taken(const std::string& name) { return find_layer(name) || ends_with(name, kStanding); }
 
 /** Whether a value is NaN or a class; without branches, so that many are asked at once. */
 bool is_class_or_none(float v)

@@ -1,8 +1,8 @@
 #include <talus/number_text.h>
 #include <talus/parameters.h>
+#include <talus/text.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -32,12 +32,6 @@ ParameterInfo entry(
       !std::is_same_v<Value, double>,
       nullptr,
       nullptr};
-}
-
-std::string lower(std::string s)
-{
-  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return std::tolower(c); });
-  return s;
 }
 
 std::string number(double v) { return number_text(v); }
@@ -126,7 +120,7 @@ void validate_boxes(const std::vector<BodyBox>& boxes)
 std::vector<BodyBox> boxes_from(const std::string& text)
 {
   std::vector<BodyBox> boxes;
-  if (lower(text) == kNoBoxes) return boxes;
+  if (lower_case(text) == kNoBoxes) return boxes;
   for (const std::string& piece : pieces_of(text, ",")) boxes.push_back(box_from(piece));
   validate_boxes(boxes);
   return boxes;
@@ -161,8 +155,7 @@ std::size_t distance_to_name(const std::string& wanted, const std::string& name)
 {
   std::size_t distance = edit_distance(wanted, name);
   for (const std::string unit : {"_m", "_m2", "_rad"})
-    if (name.size() > unit.size() &&
-        name.compare(name.size() - unit.size(), unit.size(), unit) == 0)
+    if (name.size() > unit.size() && ends_with(name, unit))
       distance =
           std::min(distance, edit_distance(wanted, name.substr(0, name.size() - unit.size())));
   return distance;
@@ -265,7 +258,7 @@ const std::vector<ParameterInfo>& parameter_table()
 const ParameterInfo* find_parameter(const std::string& name)
 {
   for (const auto& info : parameter_table())
-    if (lower(name) == info.name) return &info;
+    if (lower_case(name) == info.name) return &info;
   return nullptr;
 }
 
@@ -276,11 +269,11 @@ bool is_same_value(const ParameterInfo& info, const Parameters& a, const Paramet
 
 std::string nearest_name(const std::string& name, const std::vector<std::string>& names)
 {
-  const auto wanted = lower(name);
+  const auto wanted = lower_case(name);
   std::size_t least = std::max<std::size_t>(1, wanted.size() / 3) + 1;
   std::string nearest;
   for (const auto& known : names)
-    if (const auto distance = distance_to_name(wanted, lower(known)); distance < least)
+    if (const auto distance = distance_to_name(wanted, lower_case(known)); distance < least)
     {
       least = distance;
       nearest = known;

@@ -1,5 +1,7 @@
 #include "bag_topics.h"
 
+#include <talus/text.h>
+
 #include <algorithm>
 #include <map>
 #include <stdexcept>
@@ -8,12 +10,6 @@ namespace talus::import
 {
 namespace
 {
-bool ends_with(const std::string& text, const std::string& ending)
-{
-  return text.size() >= ending.size() &&
-         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
-
 BagRole role_of(const BagTopic& topic)
 {
   static const std::map<std::string, BagRole> kRoles = {

@@ -1,4 +1,5 @@
 #include <talus/input_file.h>
+#include <talus/text.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -11,12 +12,6 @@ namespace talus::import
 namespace
 {
 constexpr std::size_t kFloat_bytes = 4;
-
-bool ends_with(const std::string& text, const std::string& ending)
-{
-  return text.size() >= ending.size() &&
-         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
 
 /** The fields that are given, else those of the data set that the name tells. */
 std::vector<PointField> fields_of(const std::string& path, const std::vector<std::string>& given)

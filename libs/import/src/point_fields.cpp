@@ -2,10 +2,10 @@
 
 #include <talus/io/quantile.h>
 #include <talus/number_text.h>
+#include <talus/text.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -31,10 +31,7 @@ double as(const char* bytes, bool swapped)
 /** In small letters, and without what CloudCompare puts before the names of its own fields. */
 std::string plain_name(const std::string& name)
 {
-  std::string plain = name;
-  std::transform(
-      plain.begin(), plain.end(), plain.begin(),
-      [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::string plain = lower_case(name);
   constexpr std::string_view kCloudCompare = "scalar_";
   if (plain.compare(0, kCloudCompare.size(), kCloudCompare) == 0)
     plain.erase(0, kCloudCompare.size());

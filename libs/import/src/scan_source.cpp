@@ -1,9 +1,9 @@
 #include <talus/import/scan_source.h>
 #include <talus/io/packed_log.h>
+#include <talus/text.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -66,15 +66,10 @@ bool is_folder_of_bag(const std::string& path)
 
 const Format* format_by_ending(const std::string& path)
 {
-  std::string name = path;
-  std::transform(
-      name.begin(), name.end(), name.begin(),
-      [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string name = lower_case(path);
   for (const Format& format : kFormats)
     for (const std::string_view ending : format.endings)
-      if (name.size() >= ending.size() &&
-          name.compare(name.size() - ending.size(), ending.size(), ending) == 0)
-        return &format;
+      if (ends_with(name, ending)) return &format;
   return nullptr;
 }
 

@@ -5,6 +5,7 @@
 #include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/io/trajectory.h>
+#include <talus/text.h>
 
 #include <algorithm>
 #include <array>
@@ -232,12 +233,6 @@ std::vector<Trajectory::Entry> load_simplemap(const std::string& path)
         " keyframes has an observation with a time stamp, so that its poses belong to no time. "
         "Pass a TUM file instead.");
   return entries;
-}
-
-bool ends_with(const std::string& text, const std::string& ending)
-{
-  return text.size() >= ending.size() &&
-         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
 }  // namespace
