@@ -121,7 +121,7 @@ struct FollowPoses
     Datum now = *m.datum;
     if (now.starts_anew != 0)
       now.offset_m = 0.0f, now.starts_anew = 0, m.frame->starts_map = 1;
-    else if (const int all = most.of + far; all >= kFewestGroundHits)
+    else if (const int all = most.of + far; all >= kMinGroundHits)
     {
       const float above_m =
           static_cast<float>(most.sum) / (static_cast<float>(most.hits) * kHeightSteps);

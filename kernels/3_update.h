@@ -90,12 +90,12 @@ struct FusionPlan
 
 /** Units of information (2^-8 / m^2) and of distance (2^-20 m). They are integers, so that sums are
  * exact. */
-constexpr float kInformation = 256.0f, kDistance = 1048576.0f, kMostUnits = 2147483392.0f;
+constexpr float kInformation = 256.0f, kDistance = 1048576.0f, kMaxUnits = 2147483392.0f;
 
-/** At most `kMostUnits` of them, also for NaN: what no cell takes is reckoned all the same. */
+/** At most `kMaxUnits` of them, also for NaN: what no cell takes is reckoned all the same. */
 TALUS_HD std::int32_t whole_units(float units)
 {
-  return static_cast<std::int32_t>(min_of(kMostUnits, units));
+  return static_cast<std::int32_t>(min_of(kMaxUnits, units));
 }
 
 TALUS_HD std::int32_t information_of(float variance_m2)
@@ -113,7 +113,7 @@ struct Fusion
                         inside_gate(p.height_m, p.variance_m2, plan.base_m, plan.base_var_m2, k);
     const std::int32_t w = select(inside, information_of(p.variance_m2) + 1, 0);
     const float away = (p.height_m - plan.base_m) * kDistance;
-    const std::int32_t distance = whole_units(max_of(away, -kMostUnits));
+    const std::int32_t distance = whole_units(max_of(away, -kMaxUnits));
     information += w;
     weighted_distance += static_cast<std::int64_t>(w) * distance;
   }

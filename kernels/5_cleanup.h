@@ -196,7 +196,7 @@ struct CleanUpCell
     const bool hit = hit_m > select(stands, limit_m, bare_up_to_m(c.ground_m, m.k));
     // A hit above it hangs.
     if (stands && hit && hit_m <= top(i) + m.k.cleanup_margin_m)
-      c.recent_hits = min_of(c.recent_hits + kHitAdds, kMostRecentHits);
+      c.recent_hits = min_of(c.recent_hits + kHitAdds, kMaxRecentHits);
     if (later && !hit) c.stay_frames = 0;
     const int frames = stands ? m.k.cleanup_frames : kFollowerLeaves_frames;
     const bool waits = stands && !hit && is_rim(i, limit_m);

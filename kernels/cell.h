@@ -122,12 +122,12 @@ struct Datum
 /** Lengths of overhangs are stored as a square number of this unit, which is finer where they are
  * short. */
 constexpr float kOverhangUnit_m = 0.0125f;
-constexpr int kMostOverhang = 14;  //!< squared
+constexpr int kMaxOverhang = 14;  //!< squared
 
 TALUS_HD int overhang_units(float length_m)
 {
   const float units = max_of(length_m, 0.0f) / kOverhangUnit_m;
-  const int root = min_of(floor_to_int(sqrtf(units) + 0.5f), kMostOverhang);
+  const int root = min_of(floor_to_int(sqrtf(units) + 0.5f), kMaxOverhang);
   return root * root;
 }
 TALUS_HD float overhang_m(int units) { return static_cast<float>(units) * kOverhangUnit_m; }
@@ -143,7 +143,7 @@ TALUS_HD void remove_object(Cell& c)
 
 /** Unit of Cell::driven_height: hits up to that height above the ground are not new. */
 constexpr float kDrivenUnit_m = 0.04f;
-constexpr int kMostDriven = 62;
+constexpr int kMaxDriven = 62;
 
 TALUS_HD float driven_height_m(int driven_height)
 {
@@ -151,7 +151,7 @@ TALUS_HD float driven_height_m(int driven_height)
 }
 TALUS_HD int driven_units(float height_m)
 {
-  return min_of(max_of(floor_to_int(height_m / kDrivenUnit_m), 1), kMostDriven);
+  return min_of(max_of(floor_to_int(height_m / kDrivenUnit_m), 1), kMaxDriven);
 }
 
 /** A height above another datum. NaN keeps its bits, since a sum would change them on a device. */

@@ -13,7 +13,7 @@ enum PointSurface : std::int32_t
   kPointSurfaces
 };
 
-constexpr int kMostChannels = 4, kClasses = 16;
+constexpr int kMaxChannels = 4, kClasses = 16;
 
 /** The values of talus::ChannelRule. */
 enum ChannelRule : std::int32_t
@@ -66,7 +66,7 @@ struct Channel
   template <class Atomics>
   TALUS_HD bool add(int i, float value) const
   {
-    if (!(value >= -kMostOfChannel && value <= kMostOfChannel)) return false;  // also NaN
+    if (!(value >= -kMaxChannelValue && value <= kMaxChannelValue)) return false;  // also NaN
     if (rule == kVote)
       Atomics::add(votes[i].of_frame + (static_cast<int>(value) & (kClasses - 1)), 1u);
     else if (rule == kMax)
@@ -96,7 +96,7 @@ struct Channel
   /** Takes a value that was known before, as that of one point, where none is known. */
   TALUS_HD void restore(int i, float value) const
   {
-    if (!(value >= -kMostOfChannel && value <= kMostOfChannel)) return;  // also NaN
+    if (!(value >= -kMaxChannelValue && value <= kMaxChannelValue)) return;  // also NaN
     if (values[i].value == values[i].value) return;
     values[i] = {value, 1};
     if (rule == kVote) votes[i].kept[static_cast<int>(value) & (kClasses - 1)] = 1;
@@ -165,7 +165,7 @@ struct Channel
 struct Channels
 {
   int size;
-  Channel each[kMostChannels];
+  Channel each[kMaxChannels];
 };
 
 }  // namespace talus::kernels

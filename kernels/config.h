@@ -49,13 +49,13 @@ struct Config
 #endif
 };
 
-constexpr int kMostBodyBoxes = 32;
+constexpr int kMaxBodyBoxes = 32;
 
 /** The robot's own body: boxes in the frame of its base [m], borders included; constant. */
 struct Body
 {
   int boxes;
-  float min_m[kMostBodyBoxes][3], max_m[kMostBodyBoxes][3];
+  float min_m[kMaxBodyBoxes][3], max_m[kMaxBodyBoxes][3];
 };
 
 }  // namespace talus::kernels

@@ -17,7 +17,7 @@ constexpr float kBuried_m = 0.2f;
 /** One hit in kOffsetOneIn is sampled: some hundred are enough. */
 constexpr int kOffsetOneIn = 16;
 /** Fewer ground hits decide nothing. */
-constexpr int kFewestGroundHits = 24;
+constexpr int kMinGroundHits = 24;
 /** Ground is bare if nothing stands on it that is higher [steps]. */
 constexpr float kBare_steps = 0.5f;
 /** Width of a bin of the histogram: three bins hold the noise and slopes of one offset; all bins
@@ -43,7 +43,7 @@ constexpr int kBehindOverhang_rings = 2;
  * rays takes one. Edges cover their cells in part, so that rays pass most of the time. A mover
  * seldom leaves two hits close together. A cleared cell keeps one hit, which shows that an object
  * moved away. */
-constexpr int kHitAdds = 9, kMostRecentHits = 31;
+constexpr int kHitAdds = 9, kMaxRecentHits = 31;
 /** Two hits within five frames, and not long ago. */
 constexpr int kHitLately = kHitAdds + 5;
 /** An object where the robot drove came later, so it moves: it is gone, occluded or not, after this
@@ -197,6 +197,6 @@ constexpr std::uint32_t kVotesOfPoints = 64;
 /** Values are summed as integers in steps of 1/65536; beyond 2^24, where float itself has no
  * fractions, they are left out. */
 constexpr double kChannelSteps = 65536.0;
-constexpr float kMostOfChannel = 16777216.0f;
+constexpr float kMaxChannelValue = 16777216.0f;
 
 }  // namespace talus::kernels

@@ -41,7 +41,7 @@ constexpr const char* kLookAtLog =
     "It is probably damaged: compare it with its source, or look at it with rawlog-edit --info";
 
 /** More than any file needs. */
-constexpr std::size_t kMostMemory_bytes = std::size_t{2} << 30;
+constexpr std::size_t kMaxMemory_bytes = std::size_t{2} << 30;
 
 /** Does what a wrong file may lead astray: with at most so much more memory than now, and so that a
  * crash and want of memory are put down to that file. Throws std::runtime_error for want of memory,
@@ -49,7 +49,7 @@ constexpr std::size_t kMostMemory_bytes = std::size_t{2} << 30;
 template <class F>
 auto guarded(
     const std::string& file, const std::string& advice, const F& work,
-    std::size_t most_bytes = kMostMemory_bytes)
+    std::size_t most_bytes = kMaxMemory_bytes)
 {
   const CrashContext context(file, advice);
   const MemoryLimit limit(most_bytes);

@@ -10,8 +10,8 @@ namespace talus::app
 namespace
 {
 constexpr std::uint64_t kMegabyte = 1U << 20;
-constexpr std::uint64_t kMost_bytes = 2048 * kMegabyte, kLeastOfMost_bytes = 256 * kMegabyte;
-constexpr std::uint64_t kMore_bytes = 100 * kMegabyte, kLeastOfMore_bytes = 8 * kMegabyte;
+constexpr std::uint64_t kMaxLog_bytes = 2048 * kMegabyte, kMinLogShare_bytes = 256 * kMegabyte;
+constexpr std::uint64_t kMaxExtra_bytes = 100 * kMegabyte, kMinExtraShare_bytes = 8 * kMegabyte;
 constexpr std::uint64_t kHeldByAByte = 64;  // of a picture or a line of poses; points take 1 to 3
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -27,10 +27,10 @@ std::uint64_t processes = 1;
 
 std::size_t memory_for_log(const std::string& path)
 {
-  const std::uint64_t most = std::max(kMost_bytes / processes, kLeastOfMost_bytes);
-  const std::uint64_t more = std::max(kMore_bytes / processes, kLeastOfMore_bytes);
-  const std::uint64_t bytes = std::min(io::bytes_of_log(path), kMost_bytes);
-  return kIsSanitized ? kMost_bytes : std::min(most, more + kHeldByAByte * bytes);
+  const std::uint64_t most = std::max(kMaxLog_bytes / processes, kMinLogShare_bytes);
+  const std::uint64_t more = std::max(kMaxExtra_bytes / processes, kMinExtraShare_bytes);
+  const std::uint64_t bytes = std::min(io::bytes_of_log(path), kMaxLog_bytes);
+  return kIsSanitized ? kMaxLog_bytes : std::min(most, more + kHeldByAByte * bytes);
 }
 
 void share_log_memory(std::size_t at_once) { processes = std::max<std::uint64_t>(at_once, 1); }

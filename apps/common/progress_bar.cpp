@@ -15,7 +15,7 @@ namespace talus::app
 {
 namespace
 {
-constexpr auto kLeastBetween = std::chrono::milliseconds(100);
+constexpr auto kMinInterval = std::chrono::milliseconds(100);
 
 char* receiver = nullptr;  //!< of the lines of this process; none: its terminal
 
@@ -40,7 +40,7 @@ std::string cut(const std::string& line, std::size_t columns)
 
 std::string TimeLeft::text(double fraction, double now_s)
 {
-  constexpr double kLeastWatched_s = 3, kLeastDone = 0.01;
+  constexpr double kMinWatched_s = 3, kMinDone = 0.01;
   if (fraction < last_)
   {
     first_ = fraction;
@@ -48,7 +48,7 @@ std::string TimeLeft::text(double fraction, double now_s)
   }
   last_ = fraction;
   const double watched_s = now_s - begin_s_, done = fraction - first_;
-  if (watched_s < kLeastWatched_s || done < kLeastDone) return "";
+  if (watched_s < kMinWatched_s || done < kMinDone) return "";
   const auto left_s = std::lround(watched_s * (1 - fraction) / done);
   if (left_s < 100) return std::to_string(left_s) + " s left";
   if (left_s < 6000) return std::to_string((left_s + 30) / 60) + " min left";
@@ -68,7 +68,7 @@ ProgressBar::~ProgressBar()
 void ProgressBar::show(double fraction, const std::string& words)
 {
   const auto now = std::chrono::steady_clock::now();
-  if (!on_ || now - last_ < kLeastBetween) return;
+  if (!on_ || now - last_ < kMinInterval) return;
   last_ = now;
   constexpr int kWidth = 30;
   fraction = std::clamp(fraction, 0.0, 1.0);
@@ -111,7 +111,7 @@ ProgressLines::ProgressLines(bool wanted) : on_(wanted && ::isatty(STDERR_FILENO
 void ProgressLines::show(const std::vector<std::string>& lines)
 {
   const auto now = std::chrono::steady_clock::now();
-  if (!on_ || now - last_ < kLeastBetween) return;
+  if (!on_ || now - last_ < kMinInterval) return;
   last_ = now;
   remove();
   const Room room = terminal_room();

@@ -32,9 +32,9 @@ int main(int argc, char** argv)
   mapper.keep_window(map);  // at the end, and before a query
   mapper.look_back(map);  // at the end: what moved is no obstacle
 
-  constexpr int kMostCells = 4096;  // along a side of the map of a floor
+  constexpr int kMaxCells = 4096;  // along a side of the map of a floor
   talus::site::FloorMap floor;
-  const talus::MapView whole = floor.update(site, mapper.floor(), parameters, kMostCells, x_m, 0);
+  const talus::MapView whole = floor.update(site, mapper.floor(), parameters, kMaxCells, x_m, 0);
   for (const double back_m : {27.2, 26.0})
     std::printf(
         "%.1f m back: window %.1f, whole drive %.1f\n", back_m,

@@ -21,7 +21,7 @@ namespace talus::calibrate
 namespace
 {
 constexpr double kDegree = 3.14159265358979323846 / 180;
-constexpr double kMostPitch = 80 * kDegree;  // beyond, roll and yaw turn about the same axis
+constexpr double kMaxPitch = 80 * kDegree;  // beyond, roll and yaw turn about the same axis
 
 io::Trajectory load_poses(const AppOptions& o, std::string& source)
 {
@@ -57,7 +57,7 @@ mrpt::poses::CPose3D given_mounting(const AppOptions& o, const SensorPoints& fir
     const app::Mounting& m = *o.mounting;
     T = {m[0], m[1], m[2], m[3] * kDegree, m[4] * kDegree, m[5] * kDegree};
   }
-  if (std::abs(T.pitch()) > kMostPitch)
+  if (std::abs(T.pitch()) > kMaxPitch)
     throw std::runtime_error(
         o.log + ": the sensor is mounted with a pitch of " + std::to_string(T.pitch() / kDegree) +
         " degrees; beyond 80 degrees roll and yaw cannot be told apart");

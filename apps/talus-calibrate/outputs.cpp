@@ -16,7 +16,7 @@ namespace
 constexpr std::array<const char*, kNoiseParameters> kNoiseNames{
     "c_beam_m", "a_beam", "lambda_t", "ground_roughness_m"};
 
-constexpr double kLeastCBeam_m = 1e-4;  // the least that the map takes
+constexpr double kMinCBeam_m = 1e-4;  // the least that the map takes
 
 double shown(const Vector& v, int i)
 {
@@ -76,7 +76,7 @@ Json figures_json(const HeldOutFigures& f)
 
 std::string c_beam_line(const NoiseFit& fit)
 {
-  return mrpt::format("c_beam_m = %.5g", std::max(fit.model.c_beam_m, kLeastCBeam_m)) +
+  return mrpt::format("c_beam_m = %.5g", std::max(fit.model.c_beam_m, kMinCBeam_m)) +
          (fit.constrained[kCBeam] ? mrpt::format("   # +- %.2g m\n", fit.sigma[kCBeam])
                                   : "   # not told from zero: the least that the map takes\n");
 }

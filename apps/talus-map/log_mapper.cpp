@@ -204,11 +204,11 @@ bool LogMapper::decode(const mrpt::obs::CObservation& obs)
 void LogMapper::note_way()
 {
   constexpr double kApart_m = 0.1;
-  constexpr std::size_t kMost = 5000;
+  constexpr std::size_t kMax = 5000;
   const cv::Point2d at(last_T_map_base_.x(), last_T_map_base_.y());
   if (!last_way_.empty() && cv::norm(at - last_way_.back()) < kApart_m) return;
   last_way_.push_back(at);
-  if (last_way_.size() > kMost) last_way_.pop_front();
+  if (last_way_.size() > kMax) last_way_.pop_front();
 }
 
 /** Frames are taken in the order of the log, each with the pose of its own time; where a clock

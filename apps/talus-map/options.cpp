@@ -167,13 +167,13 @@ void add_site(CLI::App& app, Options& o)
   auto* none = app.add_flag(
       "--no-site", [&o](std::int64_t) { o.has_site = false; },
       "Keep and write no site map: the window after the last frame is all");
-  constexpr double kLeast_mb = 4, kMost_mb = 1e7;
+  constexpr double kMin_mb = 4, kMax_mb = 1e7;
   app.add_option(
          "--memory", o.memory_mb,
          "Memory of the site map [MB], of all logs that are mapped at once; what finds no room "
          "waits "
          "in the output folder")
-      ->check(between(kLeast_mb, kMost_mb))
+      ->check(between(kMin_mb, kMax_mb))
       ->capture_default_str()
       ->excludes(none)
       ->type_name("MB");

@@ -20,7 +20,7 @@ namespace talus::app
 namespace
 {
 constexpr double kPathStep_s = 0.01;  // a robot that turns at 1 rad/s turns 0.6 degrees in it
-constexpr int kMostPathPoses = 64;
+constexpr int kMaxPathPoses = 64;
 
 std::string seconds(double s)
 {
@@ -110,7 +110,7 @@ std::vector<TimedPose> PoseSource::sensor_path(const SensorPoints& scan) const
   if (!(span_s > 0)) return {};
 
   const int steps =
-      static_cast<int>(std::clamp(std::ceil(span_s / kPathStep_s), 1.0, kMostPathPoses - 1.0));
+      static_cast<int>(std::clamp(std::ceil(span_s / kPathStep_s), 1.0, kMaxPathPoses - 1.0));
   std::vector<TimedPose> path;
   for (int i = 0; i <= steps; ++i)
   {

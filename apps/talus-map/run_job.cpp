@@ -346,8 +346,8 @@ bool settings_work(const Settings& settings)
 
 int count_devices()
 {
-  constexpr int kMost = 255;  // that an exit code can tell
-  return run_in_child([=] { return std::min(cuda_devices(), kMost); }).exit_code;
+  constexpr int kMax = 255;  // that an exit code can tell
+  return run_in_child([=] { return std::min(cuda_devices(), kMax); }).exit_code;
 }
 
 }  // namespace talus::app

@@ -58,8 +58,8 @@ std::string find_prefix(const std::string& file, const mrpt::config::CConfigFile
 
 mrpt::config::CConfigFile parsed(const std::string& path)
 {
-  constexpr std::uint64_t kMost_bytes = 1 << 20;
-  read_input_file(path, "configuration (--config)", kMost_bytes);
+  constexpr std::uint64_t kMax_bytes = 1 << 20;
+  read_input_file(path, "configuration (--config)", kMax_bytes);
   try
   {
     return mrpt::config::CConfigFile(path);

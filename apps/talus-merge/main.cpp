@@ -123,7 +123,7 @@ void add_options(CLI::App& app, Options& o)
 }
 
 constexpr const char* kLessMemory = "Give less with --memory, or merge fewer maps at once";
-constexpr int kMostLookedAt = 8;  // pairs of maps, which takes as long as to merge them
+constexpr int kMaxComparedPairs = 8;  // pairs of maps, which takes as long as to merge them
 constexpr double kAligning = 0.2, kMerging = 0.5;  // done, of the time
 
 std::size_t memory_bytes(const Options& o) { return o.memory_mb << 20; }
@@ -158,7 +158,7 @@ void warn_of_doubtful(const std::vector<MapFit>& fits, const Options& o)
   int looked_at = 0;
   for (const MapFit& fit : fits)
   {
-    if (!is_doubtful(fit) || ++looked_at > kMostLookedAt) continue;
+    if (!is_doubtful(fit) || ++looked_at > kMaxComparedPairs) continue;
     const auto both = talus::align::align_sites({o.inputs[fit.first], o.inputs[fit.second]});
     warn(warning_of_alignment(fit, o.inputs, both.back()));
   }

@@ -207,10 +207,10 @@ struct ChannelsOf
   }
   void put(Frame& frame, int i) const
   {
-    for (std::size_t c = 0; c < kMostChannels; c++)
+    for (std::size_t c = 0; c < kMaxChannels; c++)
       if ((i + static_cast<int>(c)) % 7) frame.channels[c] = values[c].data();
   }
-  std::array<std::vector<float>, kMostChannels> values;
+  std::array<std::vector<float>, kMaxChannels> values;
 };
 
 /** Both give the same values of cells, and take the same. */

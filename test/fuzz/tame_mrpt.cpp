@@ -39,14 +39,14 @@ namespace
 {
 // The sanitizer takes room of its own around each piece: many small ones cost several times their
 // bytes.
-constexpr std::size_t kMost = 64 << 20, kMostInAll = 128 << 20, kAroundEach = 64;
+constexpr std::size_t kMax = 64 << 20, kMaxTotal = 128 << 20, kAroundEach = 64;
 std::atomic<std::size_t> in_use{0};
 }  // namespace
 
 /** The sanitizer's own would end the process. Many small pieces may be asked for as well. */
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept
 {
-  void* const memory = size <= kMost && in_use < kMostInAll ? std::malloc(size) : nullptr;
+  void* const memory = size <= kMax && in_use < kMaxTotal ? std::malloc(size) : nullptr;
   if (memory) in_use += malloc_usable_size(memory) + kAroundEach;
   return memory;
 }

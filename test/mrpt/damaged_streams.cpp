@@ -426,9 +426,9 @@ TEST(OptionsSetInCode, are_shown_as_they_are_and_refused_where_they_are_used)
 TEST(DamagedSnapshot, has_one_limit_of_its_window_with_the_map)
 {
   SnapshotParts s;
-  s.cells = kMostCellsASide;
+  s.cells = kMaxCellsASide;
   EXPECT_EQ(refusal_of(s), "");
-  for (const int cells : {kMostCellsASide + 1, 32768, -1, std::numeric_limits<int>::max()})
+  for (const int cells : {kMaxCellsASide + 1, 32768, -1, std::numeric_limits<int>::max()})
   {
     s.cells = cells;
     EXPECT_TRUE(says(refusal_of(s), "number of cells")) << refusal_of(s);
@@ -494,7 +494,7 @@ TEST(DamagedSnapshot, what_it_says_is_checked_and_named)
 TEST(DamagedSnapshot, a_layer_that_its_bytes_are_too_few_for_is_refused)
 {
   SnapshotParts s;
-  s.cells = kMostCellsASide;
+  s.cells = kMaxCellsASide;
   s.layers = {{"elevation", 0, 1, zeros(2000 * 2000)}};
   EXPECT_TRUE(says(refusal_of(s), "layer elevation")) << refusal_of(s);
 }

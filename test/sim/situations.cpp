@@ -283,7 +283,7 @@ const char* const kYard =
  * turned map rises by less from cell to cell. */
 int steps(const Map& map, const Map& calm, const TruthOf& truth)
 {
-  constexpr float kMost_m = 0.05f;
+  constexpr float kMax_m = 0.05f;
   const auto n = static_cast<std::size_t>(map.window().cells);
   std::vector<std::uint8_t> asked(map.size());
   for (std::size_t k = 0; k < map.size(); ++k)
@@ -294,7 +294,7 @@ int steps(const Map& map, const Map& calm, const TruthOf& truth)
     {
       if (next >= map.size() || (next == k + 1 && next % n == 0)) continue;
       if (!asked[k] || !asked[next]) continue;
-      count += std::abs(map.ground_m(k) - map.ground_m(next)) > kMost_m;
+      count += std::abs(map.ground_m(k) - map.ground_m(next)) > kMax_m;
     }
   return count;
 }

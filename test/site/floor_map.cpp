@@ -13,7 +13,7 @@ using namespace talus::test;
 
 namespace
 {
-constexpr int kMostCells = 500;
+constexpr int kMaxCells = 500;
 
 class FloorMaps : public testing::Test
 {
@@ -22,9 +22,9 @@ class FloorMaps : public testing::Test
   void expect_as_anew(std::int64_t x, std::int64_t y, int floor = 0)
   {
     const double x_m = static_cast<double>(x) * 0.05, y_m = static_cast<double>(y) * 0.05;
-    const MapSnapshot& kept = map_.update(site_, floor, {}, kMostCells, x_m, y_m);
+    const MapSnapshot& kept = map_.update(site_, floor, {}, kMaxCells, x_m, y_m);
     FloorMap fresh;
-    const MapSnapshot& anew = fresh.update(site_, floor, {}, kMostCells, x_m, y_m);
+    const MapSnapshot& anew = fresh.update(site_, floor, {}, kMaxCells, x_m, y_m);
     ASSERT_EQ(kept.window.cells, anew.window.cells);
     ASSERT_EQ(kept.window.min_cell_x, anew.window.min_cell_x);
     ASSERT_EQ(kept.window.min_cell_y, anew.window.min_cell_y);
@@ -49,7 +49,7 @@ class FloorMaps : public testing::Test
 
 TEST_F(FloorMaps, are_as_made_anew_while_cells_change_and_the_floor_grows)
 {
-  EXPECT_EQ(map_.update(site_, 0, {}, kMostCells, 0, 0).window.cells, 0);
+  EXPECT_EQ(map_.update(site_, 0, {}, kMaxCells, 0, 0).window.cells, 0);
   for (int i = 0; i < 40; ++i)
   {
     const std::int64_t x = 37 * i - 300, y = 11 * i - 90;  // wider than it shows at the end
@@ -57,8 +57,8 @@ TEST_F(FloorMaps, are_as_made_anew_while_cells_change_and_the_floor_grows)
     cell_at(site_, x, y + 7) = with_obstacle(measured(1), 0.5F);
     expect_as_anew(x, y);
   }
-  const std::int64_t before = map_.update(site_, 0, {}, kMostCells, 28, 0).window.min_cell_x;
-  EXPECT_EQ(map_.update(site_, 0, {}, kMostCells, 30.9, 0).window.min_cell_x, before)
+  const std::int64_t before = map_.update(site_, 0, {}, kMaxCells, 28, 0).window.min_cell_x;
+  EXPECT_EQ(map_.update(site_, 0, {}, kMaxCells, 30.9, 0).window.min_cell_x, before)
       << "stays for a while";
   cell_at(site_, -300, -90) = measured(9);
   expect_as_anew(-300, -90);

@@ -91,7 +91,7 @@ TEST(TileStore, gives_back_what_was_on_disk_byte_for_byte)
   const ScratchDir dir;
   TileStore store(0, dir / "");
   fill(store, 40);
-  EXPECT_EQ(store.tiles_in_memory(), TileStore::kFewestInMemory);
+  EXPECT_EQ(store.tiles_in_memory(), TileStore::kMinInMemory);
   for (const int i : {0, 39, 7, 7, 21, 0}) expect_filled(store.find(nth(i)), nth(i));
   store.at(nth(3)).cells[5].cell.ground_m = 42;
   for (int i = 10; i < 30; ++i) expect_filled(store.find(nth(i)), nth(i));

@@ -52,8 +52,8 @@ std::string mistake_in_fields(const std::vector<std::string>& fields)
   for (const char* axis : {"x", "y", "z"})
     if (std::count(fields.begin(), fields.end(), axis) != 1)
       return std::string("they have no ") + axis + ", or more than one";
-  constexpr std::size_t kMost = 64;
-  if (fields.size() > kMost) return "more than 64";
+  constexpr std::size_t kMax = 64;
+  if (fields.size() > kMax) return "more than 64";
   if (std::find(fields.begin(), fields.end(), "") != fields.end()) return "one has no name";
   return "";
 }

@@ -57,7 +57,7 @@ WrittenPoses write_poses(
     const std::string& tum, const SourceOptions& options, MergedSources& sources)
 {
   const std::string& poses = options.poses;
-  constexpr std::uint64_t kMost_bytes = std::uint64_t{1} << 30;
+  constexpr std::uint64_t kMax_bytes = std::uint64_t{1} << 30;
   if (!poses.empty() && !options.poses_of_sensor && !is_kitti_poses(poses))
   {
     const auto trajectory = app::guarded(
@@ -65,7 +65,7 @@ WrittenPoses write_poses(
         app::memory_for_log(poses));
     io::write_file(
         tum, is_simplemap(poses) ? text_of(trajectory)
-                                 : read_input_file(poses, "trajectory", kMost_bytes));
+                                 : read_input_file(poses, "trajectory", kMax_bytes));
     return measured(trajectory, poses);
   }
   std::string source;

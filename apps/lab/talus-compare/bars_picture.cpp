@@ -17,7 +17,7 @@ using io::TextStyle;
 
 constexpr int kSide_px = 340, kTop_px = 60, kLeft_px = 80, kStep_px = 460, kBelow_px = 110;
 constexpr int kPoints = 20;  //!< of a curve
-constexpr std::size_t kFewestHeights = 100;  //!< of a kind in a world or log, or it has no say
+constexpr std::size_t kMinHeightCount = 100;  //!< of a kind in a world or log, or it has no say
 const cv::Scalar kColours[kHeightKinds] = {
     {60, 60, 60}, {170, 110, 30}, {60, 110, 225}, {90, 160, 60}};
 const char* const kNames[kHeightKinds] = {
@@ -57,7 +57,7 @@ std::vector<cv::Point2d> curve(int x, const std::vector<const HeightBars*>& of, 
   for (const HeightBars* bars : of)
   {
     const ToldErrors errors = bars->all(kind);
-    if (errors.count() < kFewestHeights) continue;
+    if (errors.count() < kMinHeightCount) continue;
     ++count;
     for (int i = 1; i < kPoints; ++i)
       sum[static_cast<std::size_t>(i - 1)] += errors.share_within(static_cast<double>(i) / kPoints);

@@ -93,7 +93,7 @@ Table bars_table(const Comparison& c)
 
 Table risk_table(const Comparison& c)
 {
-  constexpr double kFewest = 50;
+  constexpr double kMinCount = 50;
   Table t;
   t.heading = {"risk told, %"};
   for (int i = 0; i < kTenths; ++i)
@@ -103,7 +103,7 @@ Table risk_table(const Comparison& c)
   {
     auto& row = t.rows.emplace_back(std::vector<std::string>{name});
     for (const Share& tenth : s.risky)
-      row.push_back(tenth.of < kFewest ? "-" : percent(tenth.value()));
+      row.push_back(tenth.of < kMinCount ? "-" : percent(tenth.value()));
   };
   for (const Evaluation& e : c.evaluations)
     for (const Score& s : e.maps)

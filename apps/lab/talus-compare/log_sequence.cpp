@@ -140,8 +140,8 @@ io::LayerStack read_truth_file(const std::string& path)
 
 std::vector<GroundTruth> read_labels(const std::string& path, std::size_t points)
 {
-  constexpr std::uint64_t kMost_bytes = 1ULL << 30;
-  const std::string bytes = read_input_file(path, "file of labels", kMost_bytes);
+  constexpr std::uint64_t kMax_bytes = 1ULL << 30;
+  const std::string bytes = read_input_file(path, "file of labels", kMax_bytes);
   if (bytes.size() != 4 * points)
     throw std::runtime_error(
         path + ": has " + std::to_string(bytes.size()) + " bytes, and its scan has " +

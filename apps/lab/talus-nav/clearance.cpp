@@ -11,7 +11,7 @@ namespace talus::nav
 namespace
 {
 constexpr double kStep_m = 0.03;  // of the fastest corner
-constexpr double kLeast_m = 0.04;
+constexpr double kMin_m = 0.04;
 constexpr double kNoise_m = 0.01;  // of a place that stays where it is
 constexpr double kNearer_m = 0.002;  // so little that it comes no nearer step by step
 
@@ -44,7 +44,7 @@ std::vector<Kept> near_places(
     p.away_m =
         p.is_edge
             ? std::min(kKeepAway_m, nearest_edge_m - kNearer_m)
-            : std::min({p.away_m, std::max(nearest_m - kNoise_m, kLeast_m), p.now_m - kNoise_m});
+            : std::min({p.away_m, std::max(nearest_m - kNoise_m, kMin_m), p.now_m - kNoise_m});
   return out;
 }
 

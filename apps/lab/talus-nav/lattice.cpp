@@ -22,7 +22,7 @@ constexpr int kOffStart = 2;  // times the distance costs a start beside the rob
  * are cheapest straight. Less lies within the noise, and is not worth a detour. */
 constexpr double kCheapGround = 0.3, kDearGround = 3;
 constexpr double kTilted = 0.35;  // from this cost on the heading matters
-constexpr std::size_t kMostStates = 100000;  // that are looked at
+constexpr std::size_t kMaxStates = 100000;  // that are looked at
 
 /** A cell and a heading. */
 using State = std::uint64_t;
@@ -70,7 +70,7 @@ class Search
   /** The states from start to goal; none where there is no way. */
   std::vector<State> run()
   {
-    while (!queue_.empty() && looked_at_ < kMostStates)
+    while (!queue_.empty() && looked_at_ < kMaxStates)
     {
       const Offer best = queue_.top();
       queue_.pop();

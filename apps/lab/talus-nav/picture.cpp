@@ -17,7 +17,7 @@ namespace
 {
 constexpr double kCell_m = 0.05;
 constexpr int kPixelsPerCell = 3;
-constexpr int kLeastWidth_px = 760;  // of the picture, for its words
+constexpr int kMinWidth_px = 760;  // of the picture, for its words
 
 const cv::Scalar kPoints(66, 228, 240), kKnownBlocked(56, 142, 246), kMayDrop(160, 60, 120);
 const cv::Vec3b kBlocked(70, 62, 58);
@@ -231,7 +231,7 @@ cv::Mat Painter::draw(
   cv::Mat known(truth.size(), truth.type(), io::kUnknownColour);
   paint_cells(known, route, kPixelsPerCell, costmap_colour);
   for (cv::Mat* image : {&truth, &known}) *image = with_mission(*image, mission, route, pilot);
-  const int width_px = std::max(truth.cols, kLeastWidth_px);
+  const int width_px = std::max(truth.cols, kMinWidth_px);
   cv::Mat all;
   cv::vconcat(
       std::vector<cv::Mat>{

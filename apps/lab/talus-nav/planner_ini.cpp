@@ -230,29 +230,29 @@ void check_outline(
 
 int count_at(const CConfigFileBase& ini, const std::string& section, const std::string& key)
 {
-  constexpr int kMost = 100;
+  constexpr int kMax = 100;
   const double count = std::strtod(ini_value(ini, section, key).c_str(), nullptr);
-  if (!(count >= 1 && count <= kMost && count == std::floor(count)))
-    refuse(ini, section, key, "a whole number from 1 to " + std::to_string(kMost));
+  if (!(count >= 1 && count <= kMax && count == std::floor(count)))
+    refuse(ini, section, key, "a whole number from 1 to " + std::to_string(kMax));
   return static_cast<int>(count);
 }
 /** The grid in which a family of paths looks up what it hits grows with the square of its reach. */
 void check_paths(const CConfigFileBase& ini, const std::string& section, const std::string& ptg)
 {
-  constexpr double kMostCells = 1e6;
+  constexpr double kMaxCells = 1e6;
   const auto number = [&](const char* key)
   { return std::strtod(ini_value(ini, section, ptg + key).c_str(), nullptr); };
   if (ini.keyExists(section, ptg + "_K") && std::abs(number("_K")) != 1)
     refuse(ini, section, ptg + "_K", "1 or -1");
   if (!ini.keyExists(section, ptg + "_resolution")) return;
   const double side = 2 * number("_refDistance") / number("_resolution");
-  if (side * side > kMostCells)
+  if (side * side > kMaxCells)
     refuse(
         ini, section, ptg + "_resolution",
         mrpt::format(
             "%g or more, or %s_refDistance less: its grid would have %.3g cells, the limit is %g",
-            2 * number("_refDistance") / std::sqrt(kMostCells), ptg.c_str(), side * side,
-            kMostCells));
+            2 * number("_refDistance") / std::sqrt(kMaxCells), ptg.c_str(), side * side,
+            kMaxCells));
 }
 }  // namespace
 

@@ -19,7 +19,7 @@ constexpr double kMargin_m = 1.5;
 constexpr double kArrives_m =
     0.35;  // before the goal; a little less than MissionOptions::arrived_m
 constexpr double kMap_m = 4;  // as far from the robot as the window of the shipped settings reaches
-constexpr double kMost_m2 = 25000;  // 10 million cells, with the pictures 2 GB
+constexpr double kMax_m2 = 25000;  // 10 million cells, with the pictures 2 GB
 
 struct Area
 {
@@ -48,11 +48,11 @@ void require_manageable(const Area& a)
 {
   const double size_m2 = (a.max_x_m - a.min_x_m) * (a.max_y_m - a.min_y_m);
   const double farthest_m = std::max({-a.min_x_m, a.max_x_m, -a.min_y_m, a.max_y_m});
-  if (farthest_m <= Route::kFarthest_m + kMargin_m && size_m2 <= kMost_m2) return;
+  if (farthest_m <= Route::kFarthest_m + kMargin_m && size_m2 <= kMax_m2) return;
   throw std::invalid_argument(mrpt::format(
       "start, goal and objects reach from (%.1f, %.1f) to (%.1f, %.1f) m; the limit is %.0f m from "
       "the origin and %.0f m2: choose a nearer --goal, or move what is far away in the world",
-      a.min_x_m, a.min_y_m, a.max_x_m, a.max_y_m, Route::kFarthest_m, kMost_m2));
+      a.min_x_m, a.min_y_m, a.max_x_m, a.max_y_m, Route::kFarthest_m, kMax_m2));
 }
 
 }  // namespace

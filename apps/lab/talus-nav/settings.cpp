@@ -21,10 +21,10 @@ constexpr const char* kObstacles = "talus_obstacles";
 
 std::string text_of(const std::string& path)
 {
-  constexpr std::uint64_t kMost_bytes = 1 << 20;  // the shipped files have 14 KB
+  constexpr std::uint64_t kMax_bytes = 1 << 20;  // the shipped files have 14 KB
   try
   {
-    return read_input_file(path, "planner configuration (--planner-config)", kMost_bytes);
+    return read_input_file(path, "planner configuration (--planner-config)", kMax_bytes);
   }
   catch (const std::exception& e)
   {

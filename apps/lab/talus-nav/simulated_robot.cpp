@@ -9,7 +9,7 @@ namespace talus::nav
 {
 namespace
 {
-constexpr double kRobotStep_s = 0.025, kLag_s = 0.15, kMostAcceleration = 2.0;  // m/s^2
+constexpr double kRobotStep_s = 0.025, kLag_s = 0.15, kMaxAcceleration = 2.0;  // m/s^2
 constexpr double kTruthCell_m = 0.05;
 
 double approach(double value, double wanted, double most_change)
@@ -45,8 +45,8 @@ void SimulatedRobot::drive(double seconds)
   const int steps = static_cast<int>(std::lround(seconds / kRobotStep_s));
   for (int i = 0; i < steps; i++)
   {
-    v_mps_ = approach(v_mps_, v_wanted_, kMostAcceleration * kRobotStep_s);
-    w_radps_ = approach(w_radps_, w_wanted_, 4 * kMostAcceleration * kRobotStep_s);
+    v_mps_ = approach(v_mps_, v_wanted_, kMaxAcceleration * kRobotStep_s);
+    w_radps_ = approach(w_radps_, w_wanted_, 4 * kMaxAcceleration * kRobotStep_s);
     yaw_rad_ += w_radps_ * kRobotStep_s;
     x_m_ += v_mps_ * std::cos(yaw_rad_) * kRobotStep_s;
     y_m_ += v_mps_ * std::sin(yaw_rad_) * kRobotStep_s;

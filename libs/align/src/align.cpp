@@ -17,8 +17,8 @@ namespace
 constexpr double kMargin_m = 3;  //!< more than maps are moved by
 constexpr int kWidest = 3000;  //!< pixels of a grid: 36 MB a layer
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kLeastHeight_m = 5e-4;  //!< less is no offset
-constexpr double kLeastCells = 0.5;  //!< that no cell moves is no offset
+constexpr double kMinHeight_m = 5e-4;  //!< less is no offset
+constexpr double kMinCells = 0.5;  //!< that no cell moves is no offset
 
 using site::MapShift;
 using site::MovedReader;
@@ -109,8 +109,8 @@ MapShift rounded(Pose pose, const Box& box, double cell_m)
 {
   const double reach_m = std::hypot(box.max_x_m - pose.middle.x(), box.max_y_m - pose.middle.y()) +
                          std::hypot(box.min_x_m - pose.middle.x(), box.min_y_m - pose.middle.y());
-  if (std::abs(pose.yaw_rad()) * reach_m / 2 < kLeastCells * cell_m) pose.v[2] = 0;
-  if (std::abs(pose.v[3]) < kLeastHeight_m) pose.v[3] = 0;
+  if (std::abs(pose.yaw_rad()) * reach_m / 2 < kMinCells * cell_m) pose.v[2] = 0;
+  if (std::abs(pose.v[3]) < kMinHeight_m) pose.v[3] = 0;
   MapShift shift = pose.shift();
   if (shift.yaw_rad != 0) return shift;
   shift.x_m = std::round(shift.x_m / cell_m) * cell_m;

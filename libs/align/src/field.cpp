@@ -11,7 +11,7 @@ namespace talus::align
 namespace
 {
 constexpr double kSmoothed_m = 0.1;  //!< standard deviation
-constexpr float kLeastWeight = 0.5f;  //!< of known ground around a pixel
+constexpr float kMinWeight = 0.5f;  //!< of known ground around a pixel
 constexpr double kDeepest_m = 0.15;  //!< what is deeper inside of a thing was seen by chance
 constexpr double kLevel = 0.04;  //!< what a slope must exceed: the noise of cells has less
 
@@ -25,7 +25,7 @@ cv::Mat1f smoothed(const cv::Mat1f& ground_m, double pixel_m)
   cv::GaussianBlur(height, height, {}, sigma);
   cv::GaussianBlur(weight, weight, {}, sigma);
   cv::Mat1f smooth = height / weight;
-  smooth.setTo(std::numeric_limits<float>::quiet_NaN(), (weight < kLeastWeight) | ~known);
+  smooth.setTo(std::numeric_limits<float>::quiet_NaN(), (weight < kMinWeight) | ~known);
   return smooth;
 }
 

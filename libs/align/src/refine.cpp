@@ -14,7 +14,7 @@ constexpr double kSigmaZ_m = 0.02;
 constexpr double kCauchy = 2;  //!< deviations beyond which ground has changed
 constexpr double kInside_m = 0.3;  //!< from the edge of what is known
 constexpr double kFixed = 1e4;  //!< deviations a metre
-constexpr int kMostSteps = 40;
+constexpr int kMaxSteps = 40;
 
 using Cost = ceres::SizedCostFunction<1, 4>;
 
@@ -137,7 +137,7 @@ Pose solved(const Task& task, const Pose& start, const Directions& fixed, double
     problem.AddResidualBlock(new FixedCost(start, direction), nullptr, v.data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = kMostSteps;
+  options.max_num_iterations = kMaxSteps;
   options.function_tolerance = 1e-10;  // much of the cost is of ground that no move changes
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;

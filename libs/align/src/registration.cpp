@@ -11,13 +11,13 @@ namespace
 {
 constexpr double kSigma_m = 0.05, kSigmaZ_m = 0.02;
 constexpr double kReach_m = 1.5;  //!< where something must stand to be found
-constexpr std::size_t kLeastGround = 50;  //!< samples that two maps must share
-constexpr double kLeastTold = 12, kLeastShare = 0.01;  //!< samples, of the best direction
+constexpr std::size_t kMinGround = 50;  //!< samples that two maps must share
+constexpr double kMinInformation = 12, kMinShare = 0.01;  //!< samples, of the best direction
 constexpr double kAway_m = 0.3;  //!< by which a map that lies well can be moved to lie worse
-constexpr int kMostTries = 3;
+constexpr int kMaxTries = 3;
 /** A map is not moved aside where it lies better by less, of what it scores: where two drives share
  * little but its edges and what has moved, some place always looks a little better. */
-constexpr double kLeastBetter = 0.01;
+constexpr double kMinGain = 0.01;
 
 /** Turned around the middle of what tells the place: what stands there, else of all ground. */
 Pose first_pose(const Task& task)
@@ -26,7 +26,7 @@ Pose first_pose(const Task& task)
   std::vector<Eigen::Vector2d> places;
   for (const StandingSample& s : task.samples.standing)
     if (task.reference.distance_m(s.at_m).value < kReach_m) places.push_back(s.at_m);
-  if (static_cast<double>(places.size()) < kLeastTold)
+  if (static_cast<double>(places.size()) < kMinInformation)
   {
     places.clear();
     for (const GroundSample& s : task.samples.ground) places.push_back(s.at_m);
@@ -70,7 +70,7 @@ Eigen::Matrix3d information(const Task& task, const Pose& pose)
 
 bool is_told(double samples, double most)
 {
-  return samples >= kLeastTold && samples >= kLeastShare * most;
+  return samples >= kMinInformation && samples >= kMinShare * most;
 }
 
 /** The directions that the samples can tell, and the others: the turn, and two on the ground. */
@@ -109,7 +109,7 @@ bool is_held(const Task& task, const Pose& pose, const Eigen::Vector3d& directio
     Pose moved = pose;
     moved.v.head<3>() += std::max(1.0, 4 * task.pixel_m / kAway_m) * by_m * direction;
     moved.v[3] = height_at(task, moved).median_m;
-    if (here - score(task, moved, sigma_m, kSigmaZ_m) < kLeastTold) return false;
+    if (here - score(task, moved, sigma_m, kSigmaZ_m) < kMinInformation) return false;
   }
   return true;
 }
@@ -118,7 +118,7 @@ Pose clearly_better(const Task& task, Pose start, const Pose& found)
 {
   start.v[3] = height_at(task, start).median_m;
   const double sigma_m = std::max(kSigma_m, task.pixel_m);
-  const double least = (1 + kLeastBetter) * score(task, start, sigma_m, kSigmaZ_m);
+  const double least = (1 + kMinGain) * score(task, start, sigma_m, kSigmaZ_m);
   return score(task, found, sigma_m, kSigmaZ_m) < least ? start : found;
 }
 }  // namespace
@@ -156,11 +156,11 @@ Height height_at(const Task& task, const Pose& pose)
 Registration registered(const Task& task)
 {
   const Pose start = first_pose(task);
-  Registration r{start, {}, height_at(task, start).count >= kLeastGround};
+  Registration r{start, {}, height_at(task, start).count >= kMinGround};
   if (!r.overlaps) return r;
   Directions told;
   divide(information(task, start), told, r.untold);
-  for (int i = 0; i < kMostTries; ++i)
+  for (int i = 0; i < kMaxTries; ++i)
   {
     r.pose = refined(task, best_nearby(task, start, told), r.untold);
     r.pose.v[3] = height_at(task, r.pose).median_m;

@@ -9,14 +9,14 @@ namespace talus::align
 {
 namespace
 {
-constexpr std::size_t kMost = 5000;  //!< of each kind
+constexpr std::size_t kMax = 5000;  //!< of each kind
 constexpr double kAround_m = 0.5;  //!< how much of a wall is looked at
 constexpr double kLineRatio = 12;  //!< of the variances along and across it
 
 template <class T>
 void thin(std::vector<T>& all)
 {
-  const std::size_t every = all.size() / kMost + 1;
+  const std::size_t every = all.size() / kMax + 1;
   std::vector<T> kept;
   kept.reserve(all.size() / every + 1);
   for (std::size_t i = every / 2; i < all.size(); i += every) kept.push_back(all[i]);

@@ -13,7 +13,7 @@ namespace
 constexpr std::size_t kFewPoints = 12;
 constexpr int kFewFrames = 3;
 constexpr double kSteepest = 1.0;  // dz per metre: 45 degrees
-constexpr double kLeastSpread = 0.1;  // of the points across a patch, of its size
+constexpr double kMinSpread = 0.1;  // of the points across a patch, of its size
 constexpr double kSignificantF = 2.5;  // F of nine more parameters: chance is below 0.02
 
 std::uint64_t cell_of(double x_m, double y_m, double cell_m)
@@ -220,7 +220,7 @@ void Collector::keep(
     return;
   const Eigen::Matrix2d spread = squares / n - mean * mean.transpose() / (n * n);
   const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvalues()[0];
-  if (!(least > std::pow(kLeastSpread * size_m, 2))) return;
+  if (!(least > std::pow(kMinSpread * size_m, 2))) return;
   std::sort(frames.begin(), frames.end());
   frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
   if (static_cast<int>(frames.size()) < kFewFrames) return;

@@ -12,7 +12,7 @@ namespace talus::calibrate
 {
 namespace
 {
-constexpr int kMostRounds = 6, kLeastRounds = 3;
+constexpr int kMaxRounds = 6, kMinRounds = 3;
 constexpr double kSettled = 0.3;  // a change of so many deviations is none
 constexpr double kWorse = 1.005;  // thickness: more is worse, less is chance
 constexpr double kSignificant = 3;  // deviations
@@ -111,7 +111,7 @@ bool Calibration::refine(int round, bool is_last)
   information_ = gather_information(scans_, track_, v_, association_);
   fit_ = fit_noise(scans_, track_, v_, association_, options_.noise_kind);
   noise_ = fit_.model;
-  if (round + 1 < kLeastRounds || chosen_ != before) return false;
+  if (round + 1 < kMinRounds || chosen_ != before) return false;
   if (observable(information_, all) != chosen_) return false;
   const Matrix covariance = covariance_of(information_, chosen_);
   for (int i = 0; i < kParameters; ++i)
@@ -176,10 +176,10 @@ Result Calibration::run()
   options_.progress(0.05, "first guess");
   approach();
   Result result;
-  for (bool done = false; !done && result.rounds < kMostRounds; ++result.rounds)
+  for (bool done = false; !done && result.rounds < kMaxRounds; ++result.rounds)
   {
     options_.progress(
-        0.15 + 0.8 * result.rounds / kMostRounds, "round " + std::to_string(result.rounds + 1));
+        0.15 + 0.8 * result.rounds / kMaxRounds, "round " + std::to_string(result.rounds + 1));
     done = refine(result.rounds, false);
   }
   refine(result.rounds++, true);

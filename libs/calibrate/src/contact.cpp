@@ -10,7 +10,7 @@ namespace talus::calibrate
 namespace
 {
 constexpr double kStep_m = 0.03, kLongestPause_s = 0.5, kTimeStep_s = 0.01;
-constexpr double kLeastHeight_m = 1e-3, kLeastSlope = 1e-3;  // below: the map's own noise
+constexpr double kMinHeight_m = 1e-3, kMinSlope = 1e-3;  // below: the map's own noise
 constexpr int kFewPatches = 5;
 
 /** 1.4826 times the median distance from the median: the standard deviation of a normal variable.
@@ -83,9 +83,9 @@ ContactScatter scatter_of(const std::vector<Patch>& patches)
   ContactScatter s;
   s.patches = static_cast<int>(heights.size());
   if (s.patches < kFewPatches) return s;
-  s.height_m = std::max(kLeastHeight_m, robust_deviation(heights));
+  s.height_m = std::max(kMinHeight_m, robust_deviation(heights));
   const double x = robust_deviation(slopes_x), y = robust_deviation(slopes_y);
-  s.slope = std::max(kLeastSlope, std::sqrt((x * x + y * y) / 2));
+  s.slope = std::max(kMinSlope, std::sqrt((x * x + y * y) / 2));
   return s;
 }
 

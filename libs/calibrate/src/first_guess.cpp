@@ -13,7 +13,7 @@ namespace talus::calibrate
 namespace
 {
 constexpr double kNear_m = 6, kFewNearPoints = 40;
-constexpr int kMostFrames = 60;
+constexpr int kMaxFrames = 60;
 constexpr double kHalfTurn = 3.14159265358979323846;
 
 /** z = a + b x + c y in the base frame, the ground near the robot as one frame shows it. */
@@ -49,7 +49,7 @@ std::optional<Eigen::Vector3d> median_plane(const ScanSet& scans, const Vector& 
 {
   std::array<std::vector<double>, 3> values;
   const MountingPose m = mounting_pose(given);
-  const int every = std::max(1, scans.frames() / kMostFrames);
+  const int every = std::max(1, scans.frames() / kMaxFrames);
   const auto& views = scans.views();
   for (std::size_t i = 0, end = 0; i < views.size(); i = end)
   {
@@ -99,11 +99,11 @@ bool is_upside_down(const ScanSet& scans, const ScanSet& rolled_scans, const Vec
 
 void require_level_ground(const ScanSet& scans, const Vector& v)
 {
-  constexpr double kMost_rad = 10 * kHalfTurn / 180;
+  constexpr double kMax_rad = 10 * kHalfTurn / 180;
   const auto plane = median_plane(scans, v);
   if (!plane) return;
   const double lean_rad = std::acos(std::clamp(normal_of(*plane).z(), -1.0, 1.0));
-  if (lean_rad <= kMost_rad) return;
+  if (lean_rad <= kMax_rad) return;
   throw std::runtime_error(
       "does not tell how the sensor is tilted: as it is given, the ground under the robot leans "
       "by " +

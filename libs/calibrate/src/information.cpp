@@ -8,9 +8,9 @@ namespace talus::calibrate
 {
 namespace
 {
-constexpr int kMostBlocks = 40;  // stretches of time that may share an error
+constexpr int kMaxBlocks = 40;  // stretches of time that may share an error
 
-constexpr double kMostSlopeVariance = 0.01;  // of a plane's slopes: 6 degrees
+constexpr double kMaxSlopeVariance = 0.01;  // of a plane's slopes: 6 degrees
 
 using ByPlane = Eigen::Matrix<double, kParameters, 3>;
 using Clusters = std::vector<Vector>;
@@ -37,8 +37,8 @@ class Gatherer
     evaluate_geometry(scans, track, v, geometry_);
     start_s_ = track.first_s();
     // Blocks of a second or longer: errors of poses go on for some frames.
-    block_s_ = std::max(1.0, (track.last_s() - track.first_s()) / kMostBlocks);
-    blocks_.assign(static_cast<std::size_t>(kMostBlocks) + 2, Vector::Zero());
+    block_s_ = std::max(1.0, (track.last_s() - track.first_s()) / kMaxBlocks);
+    blocks_.assign(static_cast<std::size_t>(kMaxBlocks) + 2, Vector::Zero());
   }
 
   Information run()
@@ -55,7 +55,7 @@ class Gatherer
   int block_of(double time_s) const
   {
     const double i = (time_s - start_s_) / block_s_;
-    return static_cast<int>(std::clamp(i + 1, 0.0, kMostBlocks + 1.0));
+    return static_cast<int>(std::clamp(i + 1, 0.0, kMaxBlocks + 1.0));
   }
   std::vector<Row> rows_of(const Patch& p) const;
   void add(const Patch& p);
@@ -129,7 +129,7 @@ void Gatherer::add(const Patch& p)
   }
   const Eigen::Matrix3d C_inverse = C.inverse();
   const double slope_variance = std::max(C_inverse(1, 1), C_inverse(2, 2));
-  if (!(slope_variance < kMostSlopeVariance)) return;  // tells nothing
+  if (!(slope_variance < kMaxSlopeVariance)) return;  // tells nothing
   ++patches_;
   info_.normal += A - B * C_inverse * B.transpose();
   for (int k = 0; k < 2; ++k)

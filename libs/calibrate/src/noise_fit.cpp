@@ -10,20 +10,20 @@ namespace talus::calibrate
 {
 namespace
 {
-constexpr int kMostSteps = 60;
-constexpr double kLeastOdds = -9;  // of an outlier, as a logarithm
+constexpr int kMaxSteps = 60;
+constexpr double kMinOdds = -9;  // of an outlier, as a logarithm
 constexpr double kSettledGain = 1e-9;  // gain of the mean log likelihood
 constexpr double kSignificantVariance =
     2;  // deviations from 0 that a variance must have to be kept
-constexpr double kLeastVariance_m2 = 1e-12;
-constexpr double kMostLeverage = 0.5;  // points that hold their surface tell nothing
+constexpr double kMinVariance_m2 = 1e-12;
+constexpr double kMaxLeverage = 0.5;  // points that hold their surface tell nothing
 constexpr std::uint32_t kFewPointsOfPatch = 24;  // on a patch whose surface has six unknowns
-constexpr std::size_t kMostPoints = 50000;
+constexpr std::size_t kMaxPoints = 50000;
 constexpr double kOutlying = 4;  // deviations; no share in the surface, so that leverage is exact
 constexpr double kUneven = 4;  // deviations by which a patch may scatter more than usual
 constexpr int kBlocks = 40;  // of time
 constexpr double kModelError = 0.02;  // of c_beam and a_beam: surfaces are never quite quadratic
-constexpr double kLeastTurn = 1e-5;  // sin(theta/2) of a robot that tilts
+constexpr double kMinTurn = 1e-5;  // sin(theta/2) of a robot that tilts
 
 /** One point: its distance from the plane, and what the variance depends on. */
 struct Observation
@@ -56,7 +56,7 @@ Jet log_density(const Observation& o, const Unknowns& u, bool along_beam)
   const Jet sensor = (unknown(kC) + unknown(kA) * o.range_m) * (along_beam ? o.cosine : 1.0);
   const double turn = o.range_m * o.half_turn;
   const Jet variance =
-      sensor * sensor + unknown(kLambda2) * (turn * turn) + unknown(kGround2) + kLeastVariance_m2;
+      sensor * sensor + unknown(kLambda2) * (turn * turn) + unknown(kGround2) + kMinVariance_m2;
   const Jet normal = exp(-0.5 * o.square_m2 / variance) / sqrt(6.283185307179586 * variance);
   const Jet outliers = 1.0 / (1.0 + exp(-unknown(kOdds)));
   return log((1.0 - outliers) * normal + outliers / (2.0 * o.reach_m));
@@ -103,7 +103,7 @@ Unknowns stepped(const Unknowns& u, const Likelihood& l, Free free, double dampi
   Unknowns next = u;
   next(index) += I.ldlt().solve(Eigen::VectorXd(l.gradient(index)));
   next.head<kOdds>() = next.head<kOdds>().cwiseMax(0);
-  next[kOdds] = std::max(next[kOdds], kLeastOdds);
+  next[kOdds] = std::max(next[kOdds], kMinOdds);
   return next;
 }
 
@@ -113,7 +113,7 @@ Unknowns maximise(
 {
   Likelihood now = likelihood_of(observations, u, along_beam);
   double damping = 0.1;
-  for (int step = 0; step < kMostSteps && damping < 1e6; ++step)
+  for (int step = 0; step < kMaxSteps && damping < 1e6; ++step)
   {
     const Unknowns next = stepped(u, now, free, damping);
     const Likelihood then = likelihood_of(observations, next, along_beam);
@@ -191,7 +191,7 @@ class CurvedPatch
 std::vector<std::pair<std::uint32_t, CurvedPatch>> even_patches(
     const ScanSet& scans, const Geometry& g, const Association& a)
 {
-  const double share = static_cast<double>(kMostPoints) / static_cast<double>(a.samples.size());
+  const double share = static_cast<double>(kMaxPoints) / static_cast<double>(a.samples.size());
   std::vector<std::pair<std::uint32_t, CurvedPatch>> patches;
   std::vector<double> factors;
   for (std::uint32_t k = 0; k < a.patches.size(); ++k)
@@ -226,7 +226,7 @@ std::vector<Observation> observations_of(
     for (std::uint32_t i = 0; i < p.count; ++i)
     {
       const double leverage = patch.leverage(i);
-      if (!(leverage < kMostLeverage)) continue;
+      if (!(leverage < kMaxLeverage)) continue;
       const Sample& s = a.samples[p.first + i];
       const View& view = scans.views()[s.view];
       const double distance_m = patch.distance_m(i);
@@ -272,14 +272,14 @@ Unknowns sigmas_of(
 void leave_out_zeros(const Unknowns& u, Free& free)
 {
   for (int k = kC; k < kOdds; ++k) free[static_cast<std::size_t>(k)] &= u[k] > 0;
-  free[kOdds] &= u[kOdds] > kLeastOdds;
+  free[kOdds] &= u[kOdds] > kMinOdds;
 }
 
 NoiseFit fit_kind(const std::vector<Observation>& observations, bool along_beam)
 {
   double turned = 0;
   for (const auto& o : observations) turned = std::max(turned, o.half_turn);
-  Free free{true, true, turned > kLeastTurn, along_beam, true};
+  Free free{true, true, turned > kMinTurn, along_beam, true};
   Unknowns u;
   u << 0.01, 0.001, free[kLambda2] ? 0.01 : 0, free[kGround2] ? 1e-6 : 0, -5;
   u = maximise(observations, u, free, along_beam);
@@ -308,7 +308,7 @@ NoiseFit fit_kind(const std::vector<Observation>& observations, bool along_beam)
   for (const int i : {kCBeam, kABeam})
     fit.sigma[static_cast<std::size_t>(i)] =
         std::hypot(fit.sigma[static_cast<std::size_t>(i)], kModelError * u[i]);
-  fit.turns = turned > kLeastTurn;
+  fit.turns = turned > kMinTurn;
   fit.outlier_share = 1 / (1 + std::exp(-u[kOdds]));
   fit.points = observations.size();
   fit.log_likelihood =

@@ -6,7 +6,7 @@ namespace talus::calibrate
 {
 namespace
 {
-constexpr double kLeastDeviation_m = 2e-4;  // no sensor is better; keeps weights finite
+constexpr double kMinDeviation_m = 2e-4;  // no sensor is better; keeps weights finite
 }
 
 double NoiseModel::variance_m2(double range_m, double cosine, double half_turn) const
@@ -14,7 +14,7 @@ double NoiseModel::variance_m2(double range_m, double cosine, double half_turn) 
   const double sensor = (c_beam_m + a_beam * range_m) * (along_beam ? cosine : 1.0);
   const double turn = lambda_t * range_m * half_turn;
   const double variance = sensor * sensor + turn * turn + ground_m * ground_m;
-  return std::max(variance, kLeastDeviation_m * kLeastDeviation_m);
+  return std::max(variance, kMinDeviation_m * kMinDeviation_m);
 }
 
 NoiseModel uniform_noise(double deviation_m)

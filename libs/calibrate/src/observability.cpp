@@ -6,7 +6,7 @@ namespace talus::calibrate
 {
 namespace
 {
-constexpr double kMostFeigned = 0.5;  // share of the information that may come from noise
+constexpr double kMaxFeigned = 0.5;  // share of the information that may come from noise
 constexpr double kShares = 0.5;  // of the largest share in a direction: has part in it
 constexpr std::array<int, kParameters> kGivenUpFirst{kX, kY, kYaw, kTimeOffset, kZ, kRoll, kPitch};
 
@@ -48,7 +48,7 @@ int weakest(const Information& info, const std::vector<int>& index)
   if (known.eigenvalues()[0] < 1) return given_up(index, known.eigenvectors().col(0));
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> feigned(N, S);
   const auto last = feigned.eigenvalues().size() - 1;
-  if (feigned.eigenvalues()[last] > kMostFeigned)
+  if (feigned.eigenvalues()[last] > kMaxFeigned)
     return given_up(index, feigned.eigenvectors().col(last));
   return -1;
 }

@@ -9,7 +9,7 @@ namespace
 {
 constexpr double kCauchy = 3;  // deviations at which a point's weight has halved
 constexpr int kBins = 24;
-constexpr double kLeastCosine = 0.01;
+constexpr double kMinCosine = 0.01;
 
 /** Height of the level around which most points lie: what stands on the ground is spread out. */
 double busiest_level_m(const Hits& hits)
@@ -80,7 +80,7 @@ Eigen::Vector2d beam_on_plane(const Hit& hit, double distance_m, const Plane& pl
   const Eigen::Vector3d beam = hit.beam.cast<double>();
   const double along = Eigen::Vector3d(-plane[1], -plane[2], 1).normalized().dot(beam);
   const Eigen::Vector2d at = hit.at_m.head<2>().cast<double>();
-  if (std::abs(along) < kLeastCosine) return at;
+  if (std::abs(along) < kMinCosine) return at;
   return at - distance_m / along * beam.head<2>();
 }
 

@@ -6,7 +6,7 @@ namespace talus::calibrate
 {
 namespace
 {
-constexpr double kLeastOfCosine = 0.3;
+constexpr double kMinOfCosine = 0.3;
 }
 
 void evaluate_geometry(const ScanSet& scans, const PoseTrack& track, const Vector& v, Geometry& out)
@@ -61,7 +61,7 @@ Residual beam_to_plane(
   const double range_m = p_sensor.norm();
   const Eigen::Vector3d beam = g.views[view].R * (g.mounting.R * p_sensor) / range_m;
   const double along = Eigen::Vector3d(-plane[1], -plane[2], 1).normalized().dot(beam);
-  if (std::abs(along) < kLeastOfCosine * cosine) return far;  // nearly misses the plane
+  if (std::abs(along) < kMinOfCosine * cosine) return far;  // nearly misses the plane
   // Where the beam meets the plane the derivatives of range and distance agree but for a factor.
   const double missing_m = far.distance_m / along;
   Residual r = point_to_plane(g, view, p_sensor * (1 - missing_m / range_m), center_m, plane);

@@ -10,7 +10,7 @@ namespace talus::calibrate
 {
 namespace
 {
-constexpr int kMostIterations = 12;
+constexpr int kMaxIterations = 12;
 
 /** Keeps the geometry that all residuals share up to date. */
 class SharedGeometry : public ceres::EvaluationCallback
@@ -123,7 +123,7 @@ ceres::Solver::Options solver_options(Association& a, Vector& v)
   o.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (Patch& p : a.patches) o.linear_solver_ordering->AddElementToGroup(p.plane.data(), 0);
   o.linear_solver_ordering->AddElementToGroup(v.data(), 1);
-  o.max_num_iterations = kMostIterations;
+  o.max_num_iterations = kMaxIterations;
   o.function_tolerance = 1e-7;
   o.num_threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 8u));
   o.logging_type = ceres::SILENT;

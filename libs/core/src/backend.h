@@ -35,7 +35,7 @@ struct OutputMemory
 };
 
 /** By channel: values of the points of a frame, as kernels see them, or null. */
-using ChannelArrays = std::array<const float*, kMostChannels>;
+using ChannelArrays = std::array<const float*, kMaxChannels>;
 
 /** Cells handed over with a frame: of the window before it, and of its own. */
 struct FrameRects

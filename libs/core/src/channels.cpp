@@ -13,7 +13,7 @@ namespace talus
 {
 namespace
 {
-static_assert(kMostChannels == kernels::kMostChannels);
+static_assert(kMaxChannels == kernels::kMaxChannels);
 static_assert(kChannelSurfaces == kernels::kPointSurfaces);
 static_assert(kChannelClasses == kernels::kClasses);
 static_assert(static_cast<int>(ChannelRule::Vote) == kernels::kVote);
@@ -87,9 +87,9 @@ std::string channels_text(const std::vector<Channel>& channels)
 
 void validate_channels(const std::vector<Channel>& channels)
 {
-  if (channels.size() > kMostChannels)
+  if (channels.size() > kMaxChannels)
     fail(
-        std::to_string(channels.size()) + " of them; a map has " + std::to_string(kMostChannels) +
+        std::to_string(channels.size()) + " of them; a map has " + std::to_string(kMaxChannels) +
         " at most");
   for (auto c = channels.begin(); c != channels.end(); ++c)
   {
@@ -230,12 +230,12 @@ std::vector<std::size_t> channel_places(
 bool is_channel_value(ChannelRule rule, float value)
 {
   if (rule == ChannelRule::Vote) return is_class_or_none(value);
-  return std::isnan(value) || std::abs(value) <= kernels::kMostOfChannel;
+  return std::isnan(value) || std::abs(value) <= kernels::kMaxChannelValue;
 }
 
 void require_channels(const Frame& frame, const std::vector<Channel>& channels)
 {
-  for (std::size_t c = 0; c < kMostChannels; c++)
+  for (std::size_t c = 0; c < kMaxChannels; c++)
   {
     const float* const values = frame.channels[c];
     if (!values) continue;

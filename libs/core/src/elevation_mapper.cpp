@@ -206,7 +206,7 @@ struct ElevationMapper::Impl
   std::array<bool, kLayerCount> outputs{};  //!< set_output_layers()
   std::array<std::vector<float>, kLayerCount> others;  //!< layers that are not delivered
   std::array<bool, kLayerCount> layer_read{};  //!< the layer of the shown frame is up to date
-  static constexpr std::size_t kChannelLayers = kernels::kPointSurfaces * kMostChannels;
+  static constexpr std::size_t kChannelLayers = kernels::kPointSurfaces * kMaxChannels;
   std::array<std::vector<float>, kChannelLayers> channel_layers;  //!< see channel_layer_names()
   std::array<bool, kChannelLayers> channel_read{};
   std::vector<WindowRect> rects_in_window;  //!< the cells handed over

@@ -10,7 +10,7 @@ namespace
 {
 constexpr double kNever_s = -std::numeric_limits<double>::infinity();
 /** No scan has more: parts with so many have wrong stamps, and need no more memory. */
-constexpr std::size_t kMostPoints = 1 << 20;
+constexpr std::size_t kMaxPoints = 1 << 20;
 }  // namespace
 
 FrameGatherer::Parts& FrameGatherer::parts_of(std::uint32_t sensor)
@@ -41,7 +41,7 @@ void FrameGatherer::add(const Frame& frame, const Take& take)
   if (parts.apart_s == 0) return take(frame);
   append(parts, frame);
   const double lasts_s = frame.stamp_s - parts.passed_on_s + parts.apart_s / 2;
-  if (lasts_s < kScan_s && parts.x_m.size() < kMostPoints) return;
+  if (lasts_s < kScan_s && parts.x_m.size() < kMaxPoints) return;
   parts.passed_on_s = frame.stamp_s;
   pass_on(parts, take);
 }
@@ -67,7 +67,7 @@ void FrameGatherer::append(Parts& parts, const Frame& frame)
   copy(frame.x_m, parts.x_m);
   copy(frame.y_m, parts.y_m);
   copy(frame.z_m, parts.z_m);
-  for (std::size_t c = 0; c < kMostChannels; c++)
+  for (std::size_t c = 0; c < kMaxChannels; c++)
   {
     auto& to = parts.channels[c];
     if (!frame.channels[c]) continue;
@@ -106,7 +106,7 @@ void FrameGatherer::pass_on(Parts& parts, const Take& take)
   scan.z_m = parts.z_m.data();
   scan.time_s = parts.time_s.data();
   scan.size = parts.time_s.size();
-  for (std::size_t c = 0; c < kMostChannels; c++)
+  for (std::size_t c = 0; c < kMaxChannels; c++)
   {
     auto& values = parts.channels[c];
     const bool has_any = !values.empty();

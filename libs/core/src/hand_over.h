@@ -31,8 +31,8 @@ inline WindowRect within(int cells, const WindowRect& rect, int n)
 /** The rectangles of one loop. */
 struct WindowRects
 {
-  static constexpr int kMost = 8;
-  WindowRect rects[kMost];
+  static constexpr int kMax = 8;
+  WindowRect rects[kMax];
 
   /** Finds cell i, row by row, one rectangle after the other. */
   TALUS_HD void find(int i, int& x, int& y) const

@@ -115,11 +115,11 @@ class MapBackend final : public BackendInterface
   template <class Record, class Loop>
   static void hand_over(const std::vector<WindowRect>& rects, Record* records, const Loop& loop)
   {
-    for (std::size_t first = 0; first < rects.size(); first += WindowRects::kMost)
+    for (std::size_t first = 0; first < rects.size(); first += WindowRects::kMax)
     {
       WindowRects some{};
       int size = 0;
-      for (std::size_t r = first; r < std::min(first + WindowRects::kMost, rects.size()); r++)
+      for (std::size_t r = first; r < std::min(first + WindowRects::kMax, rects.size()); r++)
         size += (some.rects[r - first] = rects[r]).size();
       loop(some, size, records);
       records += size;

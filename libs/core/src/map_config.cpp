@@ -17,7 +17,7 @@ namespace talus
 {
 namespace
 {
-static_assert(kMostBodyBoxes == kernels::kMostBodyBoxes);
+static_assert(kMaxBodyBoxes == kernels::kMaxBodyBoxes);
 
 kernels::Body body_of(const std::vector<BodyBox>& boxes)
 {

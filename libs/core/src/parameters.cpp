@@ -110,10 +110,10 @@ void validate_box(const BodyBox& box)
 
 void validate_boxes(const std::vector<BodyBox>& boxes)
 {
-  if (boxes.size() > kMostBodyBoxes)
+  if (boxes.size() > kMaxBodyBoxes)
     throw std::invalid_argument(
         "body_boxes_m: " + std::to_string(boxes.size()) + " boxes; " +
-        std::to_string(kMostBodyBoxes) + " are supported at most");
+        std::to_string(kMaxBodyBoxes) + " are supported at most");
   for (const BodyBox& box : boxes) validate_box(box);
 }
 
@@ -163,8 +163,8 @@ std::size_t distance_to_name(const std::string& wanted, const std::string& name)
 
 void validate_voxels(const Parameters& p)
 {
-  constexpr double kMost = 2147483648.0;  // places are counted in 32 bits
-  if (p.voxel_m == 0 || p.max_range_m / p.voxel_m < kMost) return;
+  constexpr double kMax = 2147483648.0;  // places are counted in 32 bits
+  if (p.voxel_m == 0 || p.max_range_m / p.voxel_m < kMax) return;
   throw std::invalid_argument(
       "voxel_m = " + number(p.voxel_m) + " m is too small for max_range_m = " +
       number(p.max_range_m) + " m: choose larger voxels or a shorter range");
@@ -201,11 +201,11 @@ void validate_combinations(const Parameters& p)
 {
   const auto fail = [](const std::string& what) { throw std::invalid_argument(what); };
   const double cells = std::round(p.window_m / p.resolution_m);
-  if (cells < 4 || cells > kMostCellsASide)
+  if (cells < 4 || cells > kMaxCellsASide)
     fail(
         "window_m = " + number(p.window_m) + " m at resolution_m = " + number(p.resolution_m) +
         " m makes " + number(cells) + " x " + number(cells) + " cells; allowed are 4 to " +
-        number(kMostCellsASide) + " along a side: choose a smaller window or a coarser resolution");
+        number(kMaxCellsASide) + " along a side: choose a smaller window or a coarser resolution");
   if (p.min_range_m >= p.max_range_m) fail("min_range_m must be below max_range_m");
   if (p.min_height_m >= p.max_height_m) fail("min_height_m must be below max_height_m");
   if (p.feature_radius_m / p.resolution_m > 15.5)

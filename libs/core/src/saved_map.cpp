@@ -163,7 +163,7 @@ std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p)
 
 bool is_size_of_state(std::uint64_t bytes, const Parameters& p)
 {
-  for (std::size_t sensors = 1; sensors <= kMostSensors; sensors++)
+  for (std::size_t sensors = 1; sensors <= kMaxSensors; sensors++)
     if (bytes == sizeof(Header) + bytes_behind_header(cell_count(p), sensors)) return true;
   return false;
 }
@@ -177,7 +177,7 @@ SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters
   if (header.cells != p.cells() || header.resolution_m != p.resolution_m)
     fail("another window size or resolution");
   const std::size_t cells = cell_count(p), of_cells = cells * kernels::kBytesPerCell;
-  if (header.started && (header.sensors < 1 || header.sensors > kMostSensors))
+  if (header.started && (header.sensors < 1 || header.sensors > kMaxSensors))
     fail("damaged, it has no sensor or too many");
   if (bytes.size() !=
       sizeof header + (header.started ? bytes_behind_header(cells, header.sensors) : 0))

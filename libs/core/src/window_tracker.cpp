@@ -17,8 +17,8 @@ constexpr double kMaxCellIndex = 1e9;
 constexpr double kMaxHeight_m = 1e5;  //!< floats are 8 mm apart there
 constexpr double kNotRigid = 0.01;
 constexpr double kFarthestSensor_m = 1000;  //!< from the base
-constexpr double kLeastSensorHeight_m = 0.1;  //!< a lower sensor has its base above the ground
-constexpr double kLeastUpright = 1e-6;  //!< least z component of the z axis of an upright base
+constexpr double kMinSensorHeight_m = 0.1;  //!< a lower sensor has its base above the ground
+constexpr double kMinUpright = 1e-6;  //!< least z component of the z axis of an upright base
 constexpr std::array<double, 3> kNotSeen{0, 0, 0};  //!< no axis
 
 kernels::WindowPose window_pose(const Pose& T_map_sensor, double min_x_m, double min_y_m)
@@ -99,13 +99,13 @@ void locate_base(
   const Pose T_base_sensor = frame.T_base_sensor.value_or(Pose{});
   for (std::size_t i = 0; i < 12; i++) f.T_base_sensor[i] = static_cast<float>(T_base_sensor.m[i]);
   const kernels::WindowPose base = window_pose(T_map_base, min_x_m, min_y_m);
-  f.has_base = frame.T_base_sensor && frame.T_base_sensor->z() >= kLeastSensorHeight_m;
+  f.has_base = frame.T_base_sensor && frame.T_base_sensor->z() >= kMinSensorHeight_m;
   f.base_x_m = base.m[3];
   f.base_y_m = base.m[7];
   f.base_z_m = base.m[11];
   const auto& m = T_map_base.m;
   const auto slope = [&](double normal)
-  { return static_cast<float>(std::clamp(-normal / std::max(m[10], kLeastUpright), -1.0, 1.0)); };
+  { return static_cast<float>(std::clamp(-normal / std::max(m[10], kMinUpright), -1.0, 1.0)); };
   f.base_slope_x = slope(m[2]);
   f.base_slope_y = slope(m[6]);
 }
@@ -199,9 +199,9 @@ std::array<double, 3>& WindowTracker::z_axis_of(std::uint32_t sensor)
   const auto found = std::find_if(
       sensors.begin(), sensors.end(), [&](const Sensor& s) { return s.number == sensor; });
   if (found != sensors.end()) return found->z_axis;
-  if (sensors.size() == kMostSensors)
+  if (sensors.size() == kMaxSensors)
     throw std::invalid_argument(
-        "frames of more than " + std::to_string(kMostSensors) +
+        "frames of more than " + std::to_string(kMaxSensors) +
         " sensors: Frame::sensor is a number for each sensor, and not for each frame");
   return sensors.emplace_back(Sensor{sensor, kNotSeen}).z_axis;
 }

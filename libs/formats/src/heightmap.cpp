@@ -15,7 +15,7 @@ namespace talus::formats
 {
 namespace
 {
-constexpr int kMostPixels = 4097;
+constexpr int kMaxPixels = 4097;
 constexpr float kWhite = 65535;
 
 /** The rectangle of cells whose ground is known; its rows count from the south. */
@@ -90,7 +90,7 @@ HeightmapPlace write_heightmap(const std::string& path, const io::LayerStack& ma
   const auto fits = [&box](const io::LayerStack& m)
   {
     box = known_cells(m);
-    return std::max(box.width, box.height) <= kMostPixels;
+    return std::max(box.width, box.height) <= kMaxPixels;
   };
   io::LayerStack coarse;
   const io::LayerStack& shown = joined_until(fits, map, coarse);

@@ -22,7 +22,7 @@ struct Heights
   /** Whether something stands on the ground: what is lower is rough ground. */
   bool stands(std::size_t i) const
   {
-    return top[i] - ground[i] > static_cast<float>(io::kLeastObstacle_m);
+    return top[i] - ground[i] > static_cast<float>(io::kMinObstacle_m);
   }
 
   const std::vector<float>& ground;

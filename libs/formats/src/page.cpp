@@ -25,7 +25,7 @@ namespace
 using nlohmann::json;
 
 const std::string kLeaflet = "/usr/share/javascript/leaflet/";
-constexpr int kLeastCells = 64;  // along a side: coarser a page tells nothing
+constexpr int kMinCells = 64;  // along a side: coarser a page tells nothing
 
 /** The first of these files that is there. */
 std::string leaflet_file(const std::vector<std::string>& names)
@@ -294,7 +294,7 @@ void write_page(const std::string& path, const io::LayerStack& map, const PageOp
   {
     if (const auto page = page_of(*shown, options.changes ? &changes : nullptr, options))
       return io::write_file(path, *page);
-    if (std::min(shown->cells_x, shown->cells_y) < kLeastCells) break;
+    if (std::min(shown->cells_x, shown->cells_y) < kMinCells) break;
     coarse = joined_cells(*shown);
     if (options.changes) changes = joined_cells(changes);
     shown = &coarse;

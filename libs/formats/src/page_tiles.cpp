@@ -16,11 +16,11 @@ namespace talus::formats
 {
 namespace
 {
-constexpr int kMostHeights = 65535;
+constexpr int kMaxHeights = 65535;
 constexpr float kMayDrop = 0.5F;  //!< sparsity below it
 
 constexpr std::size_t kLayersOfPicture = 3;
-constexpr double kMostCode = 255;
+constexpr double kMaxCode = 255;
 
 PageCode::Channel code_of_channel(const std::string& name, const std::vector<float>& layer)
 {
@@ -38,9 +38,9 @@ PageCode::Channel code_of_channel(const std::string& name, const std::vector<flo
   if (lowest > highest) return code;
   code.lowest = lowest;
   code.highest = highest;
-  const bool is_exact = is_whole && code.highest - code.lowest < kMostCode;
+  const bool is_exact = is_whole && code.highest - code.lowest < kMaxCode;
   code.is_class = is_exact && code.lowest >= 0 && code.highest < kChannelClasses;
-  code.step = is_exact ? 1 : std::max((code.highest - code.lowest) / (kMostCode - 1), 1e-9);
+  code.step = is_exact ? 1 : std::max((code.highest - code.lowest) / (kMaxCode - 1), 1e-9);
   return code;
 }
 
@@ -101,7 +101,7 @@ class Pixels
   {
     if (!is_known(i)) return {255, 0, 0};
     const auto h = static_cast<int>(std::clamp<long>(
-        std::lround((heights_.ground[i] - code_.lowest_m) / code_.step_m) + 1, 1, kMostHeights));
+        std::lround((heights_.ground[i] - code_.lowest_m) / code_.step_m) + 1, 1, kMaxHeights));
     const float t = score_[i];
     const int score =
         std::isnan(t) ? 255 : static_cast<int>(std::lround(254 * std::clamp(t, 0.0F, 1.0F)));
@@ -155,7 +155,7 @@ class Pixels
       }
     if (lowest > highest) throw std::runtime_error("no cell of the map is known");
     code.lowest_m = lowest;
-    code.step_m = std::max(code.step_m, (highest - lowest) / (kMostHeights - 1.0));
+    code.step_m = std::max(code.step_m, (highest - lowest) / (kMaxHeights - 1.0));
   }
 
   const io::LayerStack& map_;

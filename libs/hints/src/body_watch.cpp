@@ -13,14 +13,14 @@ namespace talus::hints
 {
 namespace
 {
-constexpr std::size_t kMostMapVoxels = 300000;
+constexpr std::size_t kMaxMapVoxels = 300000;
 constexpr double kMapReach_m = 10;  // of the points that tell whether something stays
-constexpr double kLeastFar_m = 2, kMostFar_m = 8;  // from where a place is looked at again
-constexpr std::size_t kMostTried = 40;  // voxels of a part, against kTriedFrames frames
+constexpr double kMinFar_m = 2, kMaxFar_m = 8;  // from where a place is looked at again
+constexpr std::size_t kMaxTried = 40;  // voxels of a part, against kTriedFrames frames
 constexpr std::size_t kTriedFrames = 16;
-constexpr double kMostExtent_m = 3;  // of a part; a longer one cannot be told from what is passed
+constexpr double kMaxExtent_m = 3;  // of a part; a longer one cannot be told from what is passed
 constexpr double kBoxMargin_m = 0.05;
-constexpr std::size_t kMostBoxes = 8;
+constexpr std::size_t kMaxBoxes = 8;
 
 int count_bits(std::uint64_t v)
 {
@@ -82,14 +82,14 @@ void BodyWatch::add(
     ++voxel.points;
   }
   for (const Vec3& p : all)
-    if (dot(p, p) < kMapReach_m * kMapReach_m && map_.size() < kMostMapVoxels)
+    if (dot(p, p) < kMapReach_m * kMapReach_m && map_.size() < kMaxMapVoxels)
       map_[voxel_of(moved(T_map_base, p), kMapVoxel_m)] |= bit;
 }
 
 bool BodyWatch::can_tell() const
 {
-  return poses_.size() >= kLeastBodyFrames && way_m_ >= kLeastBodyWay_m &&
-         heading_span_rad(poses_) >= kLeastBodyTurn_deg * M_PI / 180;
+  return poses_.size() >= kMinBodyFrames && way_m_ >= kMinBodyWay_m &&
+         heading_span_rad(poses_) >= kMinBodyTurn_deg * M_PI / 180;
 }
 
 std::vector<BodyBox> BodyWatch::boxes(const NearPlane& ground, const Vec3& sensor) const
@@ -107,7 +107,7 @@ std::vector<BodyBox> BodyWatch::boxes(const NearPlane& ground, const Vec3& senso
   }
   std::sort(
       found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  if (found.size() > kMostBoxes) found.resize(kMostBoxes);
+  if (found.size() > kMaxBoxes) found.resize(kMaxBoxes);
   std::vector<BodyBox> boxes;
   boxes.reserve(found.size());
   for (const auto& [points, box] : found) boxes.push_back(box);
@@ -150,7 +150,7 @@ bool BodyWatch::is_hit_always(const Part& part) const
 /** No robot is much wider than its sensor is high. */
 bool BodyWatch::is_in_reach(const Part& part, const Vec3& sensor, double height_m) const
 {
-  const double reach_m = std::max(kLeastReach_m, kReachHeights * height_m);
+  const double reach_m = std::max(kMinReach_m, kReachHeights * height_m);
   return std::all_of(
       part.begin(), part.end(),
       [&](Key key)
@@ -165,7 +165,7 @@ bool BodyWatch::stands_apart(const Part& part, const Vec3& sensor) const
 {
   double shares = 0;
   for (const Key key : part) shares += before_.share_before(middle_of(key, kBodyVoxel_m), sensor);
-  return shares > kMostGroundBefore * static_cast<double>(part.size());
+  return shares > kMaxGroundBefore * static_cast<double>(part.size());
 }
 
 /** The mean place in the base frame of what is hit in and around a part in some of the frames. */
@@ -196,7 +196,7 @@ bool BodyWatch::keeps_its_place(const Part& part) const
       [&](const FrameSplit& split)
       {
         const Vec3 one = mean_place(around, split.one), other = mean_place(around, split.other);
-        return std::hypot(one.x - other.x, one.y - other.y) <= kMostShift_m;
+        return std::hypot(one.x - other.x, one.y - other.y) <= kMaxShift_m;
       });
 }
 
@@ -204,11 +204,11 @@ bool BodyWatch::keeps_its_place(const Part& part) const
 bool BodyWatch::moves_along(const Part& part) const
 {
   const BodyBox box = box_of(part);
-  if (is_cut(box) || extent_m(box) > kMostExtent_m) return false;
-  const double least_m = std::max(kLeastFar_m, 1.5 * extent_m(box));
+  if (is_cut(box) || extent_m(box) > kMaxExtent_m) return false;
+  const double least_m = std::max(kMinFar_m, 1.5 * extent_m(box));
   std::size_t tried = 0, stayed = 0;
   const std::size_t frame_step = poses_.size() / kTriedFrames + 1;
-  const std::size_t voxel_step = part.size() / kMostTried + 1;
+  const std::size_t voxel_step = part.size() / kMaxTried + 1;
   for (std::size_t f = 0; f < poses_.size(); f += frame_step)
   {
     const std::uint64_t others = far_frames(f, least_m);
@@ -219,7 +219,7 @@ bool BodyWatch::moves_along(const Part& part) const
       stayed += stays(moved(poses_[f], middle_of(part[v], kBodyVoxel_m)), others);
     }
   }
-  return tried > 0 && static_cast<double>(stayed) <= kMostPersisting * static_cast<double>(tried);
+  return tried > 0 && static_cast<double>(stayed) <= kMaxPersisting * static_cast<double>(tried);
 }
 
 /** Those that saw the surroundings of one frame's robot from elsewhere. */
@@ -229,7 +229,7 @@ std::uint64_t BodyWatch::far_frames(std::size_t frame, double least_m) const
   for (std::size_t i = 0; i < poses_.size(); ++i)
   {
     const double apart_m = length(origin_of(poses_[i]) - origin_of(poses_[frame]));
-    if (apart_m >= least_m && apart_m <= kMostFar_m) far |= std::uint64_t{1} << i;
+    if (apart_m >= least_m && apart_m <= kMaxFar_m) far |= std::uint64_t{1} << i;
   }
   return far;
 }

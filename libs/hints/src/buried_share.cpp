@@ -35,7 +35,7 @@ std::optional<double> buried_share(
       for (const Seen& farther : direction)
         if (farther.away_m > kMuchFarther * nearer.away_m)
           ++pairs, buried += runs_into(nearer, farther);
-  if (pairs < kLeastRayPairs) return {};
+  if (pairs < kMinRayPairs) return {};
   return static_cast<double>(buried) / static_cast<double>(pairs);
 }
 

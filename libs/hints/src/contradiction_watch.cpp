@@ -9,7 +9,7 @@ namespace talus::hints
 {
 namespace
 {
-constexpr std::size_t kMostCells = 100000;  // of a long drive the first are enough
+constexpr std::size_t kMaxCells = 100000;  // of a long drive the first are enough
 
 std::uint64_t cell_of(double x_m, double y_m)
 {
@@ -37,7 +37,7 @@ void ContradictionWatch::add(
   for (std::size_t from = 0, to = 0; from < hits_.size(); from = to)
   {
     while (to < hits_.size() && hits_[to].cell == hits_[from].cell) ++to;
-    if (to - from >= kLeastHits) compare(from, to, T_map_base);
+    if (to - from >= kMinHits) compare(from, to, T_map_base);
   }
 }
 
@@ -51,11 +51,11 @@ void ContradictionWatch::compare(std::size_t from, std::size_t to, const Pose& T
   const auto found = seen_.find(hits_[from].cell);
   if (found == seen_.end())
   {
-    if (seen_.size() < kMostCells) seen_.emplace(hits_[from].cell, now);
+    if (seen_.size() < kMaxCells) seen_.emplace(hits_[from].cell, now);
     return;
   }
   Seen& before = found->second;
-  if (std::hypot(now.x_m - before.x_m, now.y_m - before.y_m) < kLeastApart_m) return;
+  if (std::hypot(now.x_m - before.x_m, now.y_m - before.y_m) < kMinApart_m) return;
   count(differences_, std::abs(mean - before.mean_m));
   count(spreads_, std::sqrt(squares / (n - 1)));
   ++pairs_;

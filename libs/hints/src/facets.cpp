@@ -12,8 +12,8 @@ namespace
 constexpr double kCell_m = 0.5;
 constexpr double kLow_m = 0.3, kHigh_m = 2.2;  // above the ground
 constexpr double kNearest_m = 0.8, kFarthest_m = 12;  // from the sensor
-constexpr double kLeastPoints = 5;
-constexpr double kMostThick_m = 0.05, kLeastLong_m = 0.1;  // standard deviations
+constexpr double kMinPoints = 5;
+constexpr double kMaxThick_m = 0.05, kMinLong_m = 0.1;  // standard deviations
 
 struct Sums
 {
@@ -30,12 +30,12 @@ std::uint64_t cell_of(double x_m, double y_m)
 /** A facet where the points lie in a line; its length, 0 where they do not. */
 double facet_from(const Sums& s, const Vec3& sensor, Facet& facet)
 {
-  if (s.n < kLeastPoints) return 0;
+  if (s.n < kMinPoints) return 0;
   const double mx = s.x / s.n, my = s.y / s.n;
   const double xx = s.xx / s.n - mx * mx, xy = s.xy / s.n - mx * my, yy = s.yy / s.n - my * my;
   const double half = (xx + yy) / 2, root = std::hypot((xx - yy) / 2, xy);
   const double thick_m = std::sqrt(std::max(0.0, half - root)), long_m = std::sqrt(half + root);
-  if (thick_m > kMostThick_m || long_m < kLeastLong_m || long_m < 3 * thick_m) return 0;
+  if (thick_m > kMaxThick_m || long_m < kMinLong_m || long_m < 3 * thick_m) return 0;
   const double along = std::atan2(2 * xy, xx - yy) / 2;
   facet = {mx, my, -std::sin(along), std::cos(along), std::atan2(my - sensor.y, mx - sensor.x)};
   return long_m;

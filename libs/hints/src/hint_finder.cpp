@@ -218,7 +218,7 @@ void HintFinder::watch_body(
           near.begin(), near.end(),
           [&](const Vec3& p) { return ground.distance_m(p) < kBodyAbove_m / 2; }),
       near.end());
-  if (effort_ == Effort::Little) thin_out(near, kMostNearPoints);
+  if (effort_ == Effort::Little) thin_out(near, kMaxNearPoints);
   body.add(near, scratch_->points, T_map_base);
 }
 

@@ -27,7 +27,7 @@ std::string of_sensor(const Figures& f, const SensorFigures& s)
 /** Whether the robot has been to enough places to tell its mounting from where it stands. */
 bool was_around(const SensorFigures& s)
 {
-  return s.ground_m.size() >= kLeastGrounds && s.body.way_m() >= kLeastBodyWay_m;
+  return s.ground_m.size() >= kMinGrounds && s.body.way_m() >= kMinBodyWay_m;
 }
 
 /** The ground, which a mounting puts at the base, lies above or below it nearly everywhere. */
@@ -51,7 +51,7 @@ bool is_wrong_tilt(const SensorFigures& s)
 /** As high above the sensor as the ground should be below it. */
 bool is_mirrored(const SensorFigures& s)
 {
-  return s.sensor.z > kLeastMounting_m && s.share(s.ceiling_above_m) > kGroundShare &&
+  return s.sensor.z > kMinMounting_m && s.share(s.ceiling_above_m) > kGroundShare &&
          std::abs(s.ceiling_above_m.median() - s.sensor.z) < kAtSensor_m;
 }
 /** Where nothing returned from above a ray, it may be that nothing was there, or that far points

@@ -17,7 +17,7 @@ std::string metres(double m) { return fixed_text(m, 2) + " m"; }
 std::optional<Hint> wrong_times_of(const SensorFigures& s)
 {
   const double now_m = s.lag.apart_m({});
-  if (!(now_m > kLeastWallsApart_m)) return {};
+  if (!(now_m > kMinWallsApart_m)) return {};
   const Lag clock = s.lag.best_clock(), sweep = s.lag.best_sweep();
   const double clock_m = s.lag.apart_m(clock), sweep_m = s.lag.apart_m(sweep);
   const std::string seen =
@@ -25,14 +25,14 @@ std::optional<Hint> wrong_times_of(const SensorFigures& s)
   if (sweep_m < kSweepFits * std::min(now_m, clock_m))
   {
     const double turned_rad = s.lag.fastest_rps() * std::abs(sweep.sweep_s);
-    if (turned_rad < kLeastSkew_deg * M_PI / 180) return {};
+    if (turned_rad < kMinSkew_deg * M_PI / 180) return {};
     return Hint{
         Kind::NotDeskewed, "the scans are not deskewed: the robot turns by up to " +
                                degrees(turned_rad) + " during a sweep; " + seen + metres(sweep_m) +
                                " where each point has its own time: record the times of the "
                                "points (talus-map deskews scans that have them), or turn slower"};
   }
-  if (clock_m > kClockFits * now_m || std::abs(clock.late_s) < kLeastLate_s) return {};
+  if (clock_m > kClockFits * now_m || std::abs(clock.late_s) < kMinLate_s) return {};
   return Hint{
       Kind::LateClock, "the clock of the scans is " + fixed_text(std::abs(clock.late_s), 2) +
                            " s " + (clock.late_s > 0 ? "late" : "early") +
@@ -59,9 +59,9 @@ std::optional<Hint> level_poses(const Figures& f)
   const std::string mend =
       ": the poses have no pitch and roll: give a trajectory with the full attitude (--trajectory)";
   const double slope_rad = w.way_slope_rad();
-  const bool climbs = slope_rad > kLeastWaySlope_deg * M_PI / 180 &&
+  const bool climbs = slope_rad > kMinWaySlope_deg * M_PI / 180 &&
                       slope_rad > kSlopeOverNoise * w.noise_slope_rad();
-  if (w.pieces() >= kLeastPieces && climbs && w.pose_share() < kLevelPoses &&
+  if (w.pieces() >= kMinPieces && climbs && w.pose_share() < kLevelPoses &&
       w.ground_share() < kLevelGround)
     return Hint{
         Kind::LevelPoses, "the way climbs and falls by " + fixed_text(slope_rad * 180 / M_PI, 0) +
@@ -86,7 +86,7 @@ std::optional<Hint> wrong_times(const Figures& f)
 std::optional<Hint> contradiction(const Figures& f)
 {
   const ContradictionWatch& g = f.ground;
-  if (g.pairs() < kLeastPairs || g.difference_m() < kContradiction_m ||
+  if (g.pairs() < kMinPairs || g.difference_m() < kContradiction_m ||
       g.difference_m() < kContradictionRatio * g.spread_m())
     return {};
   return Hint{

@@ -31,14 +31,14 @@ std::optional<Hint> height_band(const Figures& f, const Parameters& p)
   const double below = share_of(f.below_band, f.sampled), above = share_of(f.above_band, f.sampled);
   const bool cuts_ground = height_m > 0 && -height_m < p.min_height_m;
   const bool ground_above = height_m > 0 && -height_m > p.max_height_m;
-  if (ground_above || (above > kMost && p.max_height_m < p.clearance_m - height_m))
+  if (ground_above || (above > kMajority && p.max_height_m < p.clearance_m - height_m))
     return Hint{
         Kind::HeightBand,
         percent(above) + " of the points lie above max_height_m = " + number_text(p.max_height_m) +
             " (from the sensor, which is " + fixed_text(height_m, 2) +
             " m above the ground): set max_height_m to " +
             fixed_text(std::max(0.5, p.clearance_m - height_m + 0.5), 1) + " or more"};
-  if (below > kMost || (cuts_ground && below > 0.1))
+  if (below > kMajority || (cuts_ground && below > 0.1))
     return Hint{
         Kind::HeightBand,
         percent(below) + " of the points lie below min_height_m = " + number_text(p.min_height_m) +
@@ -58,7 +58,7 @@ std::string enough_window(const SensorFigures* s, const Parameters& p)
   if (!s) return fixed_text(2 * std::ceil(p.window_m), 0);
   const double height_m = height_of(s) > 0 ? height_of(s) : s->above_far_ground_m.median();
   const double reach_m = s->reach_m.median();
-  const double enough_m = height_m > 0 ? std::min(reach_m, kMostHeights * height_m) : reach_m;
+  const double enough_m = height_m > 0 ? std::min(reach_m, kMaxHeights * height_m) : reach_m;
   const double least_m = kBeyondNearest * s->nearest_m.median();
   return fixed_text(2 * std::ceil(std::max({enough_m, least_m, p.window_m})), 0);
 }
@@ -83,9 +83,9 @@ std::optional<Hint> window_too_small(const Figures& f, const Parameters& p, doub
   const auto outside = f.rejected[static_cast<std::size_t>(Reject::Outside)];
   const double share = share_of(outside, outside + f.accepted);
   const double reach_m = s ? s->reach_m.median() : 0;
-  const bool is_blind_spot = p.window_m / 2 < kLeastHeights * height_of(s);
+  const bool is_blind_spot = p.window_m / 2 < kMinHeights * height_of(s);
   const bool is_empty = known_share < kKnownInside;
-  if (share < kOutside && !(share > kMost && (is_blind_spot || is_empty))) return {};
+  if (share < kOutside && !(share > kMajority && (is_blind_spot || is_empty))) return {};
   return Hint{
       Kind::Window,
       percent(share) + " of the points lie outside of the window of " + number_text(p.window_m) +
@@ -114,7 +114,7 @@ Parameters with_body(const Figures& f, Parameters p)
     const auto more = s.body.boxes(s.ground(), s.sensor);
     boxes.insert(boxes.end(), more.begin(), more.end());
   }
-  boxes.resize(std::min(boxes.size(), kMostBodyBoxes));
+  boxes.resize(std::min(boxes.size(), kMaxBodyBoxes));
   return p;
 }
 

@@ -10,14 +10,14 @@ namespace talus::hints
 {
 namespace
 {
-constexpr std::size_t kMostPlaces = 100000;
-constexpr std::size_t kMostTurning = 12, kMostOfTurn = 4, kMostCalm = 6;  // frames
+constexpr std::size_t kMaxPlaces = 100000;
+constexpr std::size_t kMaxTurningFrames = 12, kMaxTurnFrames = 4, kMaxCalmFrames = 6;  // frames
 constexpr std::size_t kPartners = 3;  // of each frame
 constexpr double kPartnerReach_m = 4, kPartnerTime_s = 20;
 constexpr double kSameWay = 0.9;  // cosine between the normals of two pieces of one wall
 constexpr double kAlong_m = 0.6;  // from the middle of one to that of the other
-constexpr double kMostApart_m = 0.3;  // what is farther apart counts as that
-constexpr double kMostLate_s = 0.4, kLateStep_s = 0.1;
+constexpr double kMaxApart_m = 0.3;  // what is farther apart counts as that
+constexpr double kMaxLate_s = 0.4, kLateStep_s = 0.1;
 constexpr double kGap_s = 0.5;  // of a turn rate
 
 double wrapped(double angle) { return std::remainder(angle, 2 * M_PI); }
@@ -32,7 +32,7 @@ bool LagWatch::wants(double stamp_s, const Pose& T_map_base)
   {
     const Place& last = way_.back();
     const double passed_s = stamp_s - last.stamp_s;
-    if (passed_s <= 0 || way_.size() >= kMostPlaces) return false;
+    if (passed_s <= 0 || way_.size() >= kMaxPlaces) return false;
     heading = last.heading_rad + wrapped(heading - last.heading_rad);
     has_rate = passed_s < kGap_s;
     turn_rps = (heading - last.heading_rad) / passed_s;
@@ -44,14 +44,14 @@ bool LagWatch::wants(double stamp_s, const Pose& T_map_base)
 /** Some frames of each turn, and calm ones between turns. */
 bool LagWatch::keeps(double stamp_s, double turn_rps)
 {
-  const bool turns = std::abs(turn_rps) > kLeastTurn_rps;
+  const bool turns = std::abs(turn_rps) > kMinTurn_rps;
   of_turn_ = turns && turn_rps * last_rps_ > 0 ? of_turn_ + 1 : 1;
   last_rps_ = turns ? turn_rps : 0;
   const std::size_t calm = kept_.size() - turning_;
-  if (turns && (turning_ >= kMostTurning || of_turn_ > kMostOfTurn)) return false;
+  if (turns && (turning_ >= kMaxTurningFrames || of_turn_ > kMaxTurnFrames)) return false;
   const double step_s = turning_ == 0 ? kCalmStep_s : kKeptStep_s;
   const bool is_soon = !kept_.empty() && stamp_s - kept_.back().stamp_s < step_s;
-  if (!turns && (calm >= kMostCalm || is_soon)) return false;
+  if (!turns && (calm >= kMaxCalmFrames || is_soon)) return false;
   if (!turns && turning_ == 0) kept_.clear();  // the last before the first turn is enough
   turning_ += turns;
   kept_.push_back({stamp_s, turn_rps, {}});
@@ -108,7 +108,7 @@ std::vector<std::size_t> LagWatch::partners_of(std::size_t kept) const
   {
     const Place other = place_at(kept_[i].stamp_s);
     const double apart_rps = std::abs(kept_[i].turn_rps - one.turn_rps);
-    if (apart_rps > kLeastTurn_rps && std::abs(other.stamp_s - at.stamp_s) < kPartnerTime_s &&
+    if (apart_rps > kMinTurn_rps && std::abs(other.stamp_s - at.stamp_s) < kPartnerTime_s &&
         std::hypot(other.x_m - at.x_m, other.y_m - at.y_m) < kPartnerReach_m)
       found.emplace_back(-apart_rps, i);
   }
@@ -128,7 +128,7 @@ double LagWatch::apart_m(const Lag& lag) const
     for (const std::size_t other : partners_of(i))
       for (const Line& a : lines[i])
       {
-        double least_m = kMostApart_m;
+        double least_m = kMaxApart_m;
         for (const Line& b : lines[other])
         {
           if (std::abs(a.normal_x * b.normal_x + a.normal_y * b.normal_y) < kSameWay) continue;
@@ -139,7 +139,7 @@ double LagWatch::apart_m(const Lag& lag) const
         sum += least_m;
         n += 1;
       }
-  return n < kLeastCompared ? std::numeric_limits<double>::quiet_NaN() : sum / n;
+  return n < kMinCompared ? std::numeric_limits<double>::quiet_NaN() : sum / n;
 }
 
 Lag LagWatch::refined(Lag lag, double step_s) const
@@ -161,7 +161,7 @@ Lag LagWatch::refined(Lag lag, double step_s) const
 Lag LagWatch::best_clock() const
 {
   Lag best;
-  for (double late_s = -kMostLate_s; late_s <= kMostLate_s + 1e-9; late_s += kLateStep_s)
+  for (double late_s = -kMaxLate_s; late_s <= kMaxLate_s + 1e-9; late_s += kLateStep_s)
     if (apart_m({late_s}) < apart_m(best)) best = {late_s};
   return refined(best, kLateStep_s);
 }

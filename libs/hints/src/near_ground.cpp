@@ -14,9 +14,9 @@ constexpr int kTrials = 80;
 constexpr double kInlier_m = 0.1;  // rough ground keeps within it
 constexpr double kBeyond_m = 0.25;  // farther below a plane nothing can be seen if it is ground
 constexpr double kSteepest = 0.5;  // cosine of the tilt of a lowest plane
-constexpr std::size_t kLeastPoints = 12;
-constexpr double kLeastWidth_m = 0.7;  // standard deviation along the narrow side
-constexpr std::size_t kMostSupport = 256;
+constexpr std::size_t kMinPoints = 12;
+constexpr double kMinWidth_m = 0.7;  // standard deviation along the narrow side
+constexpr std::size_t kMaxSupport = 256;
 
 /** A fixed sequence: the same log gives the same hints. */
 class Sequence
@@ -95,7 +95,7 @@ template <class Faces>
 NearPlane best_plane(const std::vector<Vec3>& points, const Faces& faces, Score& best)
 {
   NearPlane plane;
-  if (points.size() < kLeastPoints) return plane;
+  if (points.size() < kMinPoints) return plane;
   Sequence sequence;
   int most = 0;
   for (int trial = 0; trial < kTrials; ++trial)
@@ -152,13 +152,13 @@ bool refine(NearPlane& plane, const std::vector<Vec3>& points)
 {
   const auto axes = axes_of(plane);
   const Moments m = moments_of(plane, axes, points);
-  if (m.n < kLeastPoints) return false;
+  if (m.n < kMinPoints) return false;
   const double mu = m.u / m.n, mv = m.v / m.n, md = m.d / m.n;
   const double uu = m.uu / m.n - mu * mu, uv = m.uv / m.n - mu * mv, vv = m.vv / m.n - mv * mv;
   const double ud = m.ud / m.n - mu * md, vd = m.vd / m.n - mv * md;
   const double half = (uu + vv) / 2;
   const double narrow = half - std::sqrt((uu - vv) * (uu - vv) / 4 + uv * uv);
-  if (narrow < kLeastWidth_m * kLeastWidth_m) return false;
+  if (narrow < kMinWidth_m * kMinWidth_m) return false;
   const double det = uu * vv - uv * uv;
   const double a = (ud * vv - vd * uv) / det, b = (vd * uu - ud * uv) / det;
   const Vec3 c{
@@ -226,8 +226,8 @@ bool is_flat_scan(const std::vector<Vec3>& points, const Vec3& sensor)
 NearPlane supporting_plane(const std::vector<Vec3>& points, const Vec3& sensor)
 {
   std::vector<Vec3> around;
-  around.reserve(kMostSupport);
-  const std::size_t stride = points.size() / kMostSupport + 1;
+  around.reserve(kMaxSupport);
+  const std::size_t stride = points.size() / kMaxSupport + 1;
   for (std::size_t i = 0; i < points.size(); i += stride)
     if (const double r = length(points[i] - sensor); r > kNear_m && r < kFar_m)
       around.push_back(points[i]);

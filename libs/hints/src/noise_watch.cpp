@@ -10,7 +10,7 @@ namespace talus::hints
 namespace
 {
 constexpr double kSmallCell_m = 0.15;  // hardly any slope or roughness within it
-constexpr int kLeastHitsInside = 5;
+constexpr int kMinHitsInside = 5;
 
 struct Sums
 {
@@ -34,7 +34,7 @@ void note_spreads(const std::vector<Vec3>& points, const NearPlane& ground, Valu
     s.dd += d * d;
   }
   for (const auto& [key, s] : cells)
-    if (s.n >= kLeastHitsInside)
+    if (s.n >= kMinHitsInside)
       spreads_m.add(std::sqrt(std::max(0.0, (s.dd - s.d * s.d / s.n) / (s.n - 1))));
 }
 

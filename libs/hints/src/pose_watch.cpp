@@ -9,7 +9,7 @@ namespace talus::hints
 {
 namespace
 {
-constexpr double kLeastStep_s = 0.02;  // frames of several sensors come close upon each other
+constexpr double kMinStep_s = 0.02;  // frames of several sensors come close upon each other
 
 /** Angle between two attitudes. */
 double turn_rad(const Pose& a, const Pose& b)
@@ -24,7 +24,7 @@ double turn_rad(const Pose& a, const Pose& b)
 void PoseWatch::add(double stamp_s, const Pose& T_map_base)
 {
   const double duration_s = stamp_s - last_s_;
-  if (has_pose_ && duration_s >= 0 && duration_s < kLeastStep_s) return;
+  if (has_pose_ && duration_s >= 0 && duration_s < kMinStep_s) return;
   const bool follows = has_pose_ && duration_s > 0 && duration_s <= kJumpGap_s;
   if (follows)
   {

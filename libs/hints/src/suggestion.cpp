@@ -13,13 +13,13 @@ namespace talus::hints
 {
 namespace
 {
-constexpr double kLeastHalfWindow_m = 4, kMostHalfWindow_m = 12;
+constexpr double kMinHalfWindow_m = 4, kMaxHalfWindow_m = 12;
 constexpr double kBeyondReach = 1.2;  // of what 9 of 10 points on the ground are nearer than
-constexpr double kMostCells = 360;  // along a side; coarser cells miss and widen what is small
+constexpr double kMaxCells = 360;  // along a side; coarser cells miss and widen what is small
 constexpr double kBelowGround_m = 1.2;  // ditches and slopes down
 constexpr double kHeightError_m = 0.03;  // of the sensor's height as the ground tells it
 constexpr double kAboveGround_m = 2.2;  // what a robot could meet
-constexpr double kLeastNoise_m = 0.01, kMostNoise_m = 0.03;  // neighbours of a ring err alike
+constexpr double kMinNoise_m = 0.01, kMaxNoise_m = 0.03;  // neighbours of a ring err alike
 constexpr double kCalmShare = 0.25;  // of the cells: those without roughness of their own
 
 double round_up(double value, double step) { return std::ceil(value / step - 1e-6) * step; }
@@ -46,10 +46,10 @@ Basis basis_of(const Figures& f, const SensorFigures& s)
   b.height_m = std::max(0.0, b.height_m);
   b.reach_m = s.reach_m.median();
   const double far_m = std::max(
-      std::min(kMostHeights * b.height_m, kBeyondReach * b.reach_m),
+      std::min(kMaxHeights * b.height_m, kBeyondReach * b.reach_m),
       kBeyondNearest * s.nearest_m.median());
-  b.half_window_m = std::clamp(std::round(far_m), kLeastHalfWindow_m, kMostHalfWindow_m);
-  b.resolution_m = 2 * b.half_window_m / 0.05 <= kMostCells ? 0.05 : 0.1;
+  b.half_window_m = std::clamp(std::round(far_m), kMinHalfWindow_m, kMaxHalfWindow_m);
+  b.resolution_m = 2 * b.half_window_m / 0.05 <= kMaxCells ? 0.05 : 0.1;
   return b;
 }
 
@@ -61,12 +61,12 @@ void suggest_window(const Basis& b, Suggestions& out)
   out.push_back(
       {"resolution_m", number_text(b.resolution_m),
        number_text(window_m / b.resolution_m) + " cells along a side, of no more than " +
-           number_text(kMostCells)});
+           number_text(kMaxCells)});
   out.push_back(
       {"window_m", number_text(window_m),
        "to 7 times the height of the sensor (" + metres(b.height_m) +
            "), beyond which beams graze the ground, not beyond what is seen (" + metres(b.reach_m) +
-           ") nor " + number_text(2 * kMostHalfWindow_m) + " m"});
+           ") nor " + number_text(2 * kMaxHalfWindow_m) + " m"});
 }
 
 void suggest_heights(const Basis& b, Suggestions& out)
@@ -109,8 +109,8 @@ void suggest_body(const Figures& f, const Parameters& p, Suggestions& out)
       {"body_boxes_m", parameter_text(with, *find_parameter("body_boxes_m")),
        knows ? "what moves with the robot"
              : "unknown: what moves with the robot is told once it has driven " +
-                   number_text(kLeastBodyWay_m) + " m and turned by " +
-                   number_text(kLeastBodyTurn_deg) + " degrees"});
+                   number_text(kMinBodyWay_m) + " m and turned by " +
+                   number_text(kMinBodyTurn_deg) + " degrees"});
 }
 
 void suggest_noise(const SensorFigures& s, Suggestions& out)
@@ -123,9 +123,9 @@ void suggest_noise(const SensorFigures& s, Suggestions& out)
          "the default: no piece of ground was hit often enough to tell"});
   else
     out.push_back(
-        {"c_beam_m", number_text(std::clamp(to_step(seen_m, 0.001), kLeastNoise_m, kMostNoise_m)),
+        {"c_beam_m", number_text(std::clamp(to_step(seen_m, 0.001), kMinNoise_m, kMaxNoise_m)),
          "heights of calm ground scatter by " + fixed_text(seen_m, 3) + " m within a scan; " +
-             number_text(kLeastNoise_m) + " at least"});
+             number_text(kMinNoise_m) + " at least"});
 }
 }  // namespace
 

@@ -24,12 +24,12 @@ std::string span_text(const std::vector<double>& values_s, bool is_one)
 
 void StampOffsets::add(std::int64_t log_time_ns, std::int64_t stamp_ns)
 {
-  constexpr std::size_t kMost = 8192;
+  constexpr std::size_t kMax = 8192;
   if (stamp_ns == 0 || count_++ % step_ != 0) return;
   all_.push_back({log_time_ns, static_cast<double>(log_time_ns - stamp_ns) * 1e-9});
-  if (all_.size() < kMost) return;
-  for (std::size_t i = 0; i < kMost / 2; ++i) all_[i] = all_[2 * i];
-  all_.resize(kMost / 2);
+  if (all_.size() < kMax) return;
+  for (std::size_t i = 0; i < kMax / 2; ++i) all_[i] = all_[2 * i];
+  all_.resize(kMax / 2);
   step_ *= 2;
 }
 
@@ -38,11 +38,11 @@ void StampOffsets::add(std::int64_t log_time_ns, std::int64_t stamp_ns)
 std::string StampOffsets::warning_of_clock(const StampOffsets& poses) const
 {
   constexpr double kOther_s = 1.5;  // localization stamps its transforms up to 1 s ahead
-  constexpr std::size_t kLeastOfPart = 5, kMostParts = 8;
+  constexpr std::size_t kMinPerPart = 5, kMaxParts = 8;
   if (all_.empty() || poses.all_.empty()) return "";
   const auto before = [](const Offset& a, const Offset& b)
   { return a.log_time_ns < b.log_time_ns; };
-  const std::size_t parts = std::clamp<std::size_t>(all_.size() / kLeastOfPart, 1, kMostParts);
+  const std::size_t parts = std::clamp<std::size_t>(all_.size() / kMinPerPart, 1, kMaxParts);
   std::vector<double> scans_s, poses_s, apart_s;
   for (std::size_t part = 0; part < parts; ++part)
   {

@@ -24,7 +24,7 @@ struct BagMessage
 
 /** No message and no chunk of a bag may have more bytes, unpacked: a count in a damaged file must
  * not take the memory of the machine. */
-constexpr std::size_t kMostBagBytes = std::size_t{1} << 27;
+constexpr std::size_t kMaxBagBytes = std::size_t{1} << 27;
 
 /** One file of a bag, message by message; only one is in memory. All throw std::runtime_error that
  * names the file and the place. */

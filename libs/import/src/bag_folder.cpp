@@ -31,9 +31,9 @@ fs::path file_named(const fs::path& folder, const std::string& name)
 /** What metadata.yaml tells. Throws YAML::Exception where it names no files. */
 FilesOfBag description_in(const fs::path& folder)
 {
-  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 24;
+  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 24;
   const auto metadata = (folder / kBagDescription).string();
-  const auto text = read_input_file(metadata, "description of a bag", kMostBytes);
+  const auto text = read_input_file(metadata, "description of a bag", kMaxBytes);
   const auto info = YAML::Load(text)["rosbag2_bagfile_information"];
   FilesOfBag bag;
   for (const auto& name : info["relative_file_paths"].as<std::vector<std::string>>())
@@ -62,12 +62,12 @@ std::vector<std::string> files_in(const fs::path& folder)
 
 std::string listed(const std::vector<std::string>& files)
 {
-  constexpr std::size_t kMost = 5;
+  constexpr std::size_t kMax = 5;
   std::string list;
-  for (std::size_t i = 0; i < std::min(files.size(), kMost); ++i)
+  for (std::size_t i = 0; i < std::min(files.size(), kMax); ++i)
     list += (list.empty() ? "" : ", ") + fs::path(files[i]).filename().string();
-  return files.size() > kMost ? list + " and " + std::to_string(files.size() - kMost) + " more"
-                              : list;
+  return files.size() > kMax ? list + " and " + std::to_string(files.size() - kMax) + " more"
+                             : list;
 }
 
 /** `why`: a clause on metadata.yaml. */

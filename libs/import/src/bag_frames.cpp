@@ -14,9 +14,9 @@ namespace talus::import
 {
 namespace
 {
-constexpr std::int64_t kLeastStep_ns = 5000000;  //!< 200 Hz; between them a robot goes straight
+constexpr std::int64_t kMinStep_ns = 5000000;  //!< 200 Hz; between them a robot goes straight
 constexpr std::int64_t kHold_ns = 100000000;
-constexpr std::size_t kMostFrames = 10000;
+constexpr std::size_t kMaxFrames = 10000;
 
 CPose3D pose_of(const TPose3DQuat& pose) { return CPose3D(mrpt::poses::CPose3DQuat(pose)); }
 
@@ -39,7 +39,7 @@ bool PoseHistory::add(std::int64_t stamp_ns, const TPose3DQuat& pose)
   if (!all_.empty())
   {
     const auto step_ns = stamp_ns - all_.back().stamp_ns;
-    if (step_ns >= 0 && step_ns < kLeastStep_ns) return false;
+    if (step_ns >= 0 && step_ns < kMinStep_ns) return false;
   }
   all_.push_back({stamp_ns, pose});
   return true;
@@ -70,8 +70,8 @@ void FrameTree::add(const FrameTransform& transform, bool is_static)
   if (!transform.T_parent_child || transform.child == transform.parent.frame) return;
   const auto [at, is_new] = links_.try_emplace(transform.child);
   Link& link = at->second;
-  if (links_.size() > kMostFrames)
-    throw CdrError("names one frame more than " + std::to_string(kMostFrames) + " of TF");
+  if (links_.size() > kMaxFrames)
+    throw CdrError("names one frame more than " + std::to_string(kMaxFrames) + " of TF");
   if (is_new) link.parent = transform.parent.frame;
   if (link.parent != transform.parent.frame)
   {

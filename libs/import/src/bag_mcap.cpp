@@ -11,7 +11,7 @@ namespace talus::import
 namespace
 {
 /** Of chunks that overlap in time, so many bytes may be in memory at once. */
-constexpr std::uint64_t kMostOpenBytes = std::uint64_t{1} << 28;
+constexpr std::uint64_t kMaxOpenBytes = std::uint64_t{1} << 28;
 /** And so many also where the file holds far fewer for them. */
 constexpr std::uint64_t kFewOpenBytes = std::uint64_t{1} << 25;
 
@@ -154,7 +154,7 @@ void McapFile::open_what_is_due()
         [&](const OpenChunk& other) { return chunk.start_ns <= other.next_ns(); });
     bytes += chunk.bytes;
     packed_bytes += chunk.packed_bytes;
-    const auto most = std::min(kMostOpenBytes, std::max(kFewOpenBytes, 4 * packed_bytes));
+    const auto most = std::min(kMaxOpenBytes, std::max(kFewOpenBytes, 4 * packed_bytes));
     if (!open_.empty() && (!is_due || bytes > most)) return;
     if (has_wanted(chunk)) open(chunk);
   }

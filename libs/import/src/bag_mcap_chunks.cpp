@@ -187,12 +187,12 @@ std::vector<std::uint64_t> McapIndex::counts() const
 
 std::vector<std::string> McapIndex::remarks() const
 {
-  constexpr std::size_t kMost = 5;
+  constexpr std::size_t kMax = 5;
   std::vector<std::string> all;
   if (!cut_.empty()) all.push_back("read in part: " + cut_);
-  for (std::size_t i = 0; i < std::min(left_out_.size(), kMost); ++i)
+  for (std::size_t i = 0; i < std::min(left_out_.size(), kMax); ++i)
     all.push_back(path_ + ": left out is the chunk at " + left_out_[i]);
-  if (left_out_.size() > kMost)
+  if (left_out_.size() > kMax)
     all.push_back(path_ + ": left out are " + std::to_string(left_out_.size()) + " chunks in all");
   return all;
 }

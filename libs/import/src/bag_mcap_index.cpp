@@ -11,7 +11,7 @@ namespace
 {
 constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kMessageHead = 22;  //!< channel, sequence, log_time, publish_time
-constexpr std::uint64_t kMostLoose = std::uint64_t{1} << 22;  //!< bytes of a row in no chunk
+constexpr std::uint64_t kMaxLooseBytes = std::uint64_t{1} << 22;  //!< bytes of a row in no chunk
 
 BagPacking packing_of(std::string_view name)
 {
@@ -109,17 +109,17 @@ void McapIndex::take_cut_chunk(std::uint64_t at)
 
 void McapIndex::add_record(McapRecord op, std::uint64_t begin, std::uint64_t bytes)
 {
-  constexpr std::uint64_t kMostHead = 1 << 16, kMostStatistics = 1 << 20;
+  constexpr std::uint64_t kMaxHeadBytes = 1 << 16, kMaxStatistics = 1 << 20;
   is_loose_ = is_loose_ && op == McapRecord::Message;
   if (op == McapRecord::Message) return add_message(begin, bytes);
   if (op == McapRecord::Chunk) return add_chunk(begin, bytes);
   if (op == McapRecord::Statistics)
   {
     std::vector<char> whole;
-    file_.read(begin, static_cast<std::size_t>(std::min(bytes, kMostStatistics)), whole);
+    file_.read(begin, static_cast<std::size_t>(std::min(bytes, kMaxStatistics)), whole);
     return summary_.take(op, begin, RecordReader({whole.data(), whole.size()}));
   }
-  const RecordReader record(file_.look(begin, std::min(bytes, kMostHead)));
+  const RecordReader record(file_.look(begin, std::min(bytes, kMaxHeadBytes)));
   declare(op, record);
   summary_.take(op, begin - kMcapRecordHead, record);
 }
@@ -184,10 +184,10 @@ void McapIndex::add_chunk(std::uint64_t begin, std::uint64_t bytes)
   chunk.is_cut = chunk.packed_bytes > there;
   if (chunk.is_cut && !partial_) throw std::runtime_error("is cut short");
   chunk.packed_bytes = std::min(chunk.packed_bytes, there);
-  if (std::max(chunk.bytes, chunk.packed_bytes) > kMostBagBytes)
+  if (std::max(chunk.bytes, chunk.packed_bytes) > kMaxBagBytes)
     throw std::runtime_error(
         "is a chunk of " + std::to_string(std::max(chunk.bytes, chunk.packed_bytes)) +
-        " bytes, and no more than " + std::to_string(kMostBagBytes) +
+        " bytes, and no more than " + std::to_string(kMaxBagBytes) +
         " are read at once: write the bag again with smaller chunks");
   chunks_.push_back(std::move(chunk));
 }
@@ -200,10 +200,10 @@ void McapIndex::add_message(std::uint64_t begin, std::uint64_t bytes)
   head.u32();
   const auto log_time_ns = head.u64();
   head.u64();  // when it was published
-  if (bytes > kMostBagBytes)
+  if (bytes > kMaxBagBytes)
     throw std::runtime_error("is a message of " + std::to_string(bytes) + " bytes");
   const std::uint64_t whole = bytes + kMcapRecordHead;
-  if (!is_loose_ || chunks_.back().bytes + whole > kMostLoose)
+  if (!is_loose_ || chunks_.back().bytes + whole > kMaxLooseBytes)
   {
     McapChunk row;
     row.begin = begin - kMcapRecordHead;

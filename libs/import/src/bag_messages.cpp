@@ -34,11 +34,11 @@ MessageHeader header_of(CdrReader& in)
 
 std::optional<mrpt::math::TPose3DQuat> pose_of(CdrReader& in)
 {
-  constexpr double kFarthest_m = 1e9, kLeastNorm = 0.9, kMostNorm = 1.1;
+  constexpr double kFarthest_m = 1e9, kMinNorm = 0.9, kMaxNorm = 1.1;
   std::array<double, 7> v{};  // x y z, qx qy qz qw
   for (double& number : v) number = in.f64();
   const double norm = std::sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6]);
-  bool is_good = norm >= kLeastNorm && norm <= kMostNorm;
+  bool is_good = norm >= kMinNorm && norm <= kMaxNorm;
   for (std::size_t i = 0; i < 3; ++i) is_good = is_good && std::abs(v[i]) <= kFarthest_m;
   if (!is_good) return std::nullopt;
   return mrpt::math::TPose3DQuat(
@@ -88,13 +88,13 @@ std::uint64_t row_step_of(const CloudMessage& cloud)
 
 void require_sizes(const CloudMessage& cloud)
 {
-  constexpr std::uint64_t kMostPoints = std::uint64_t{1} << 24;
+  constexpr std::uint64_t kMaxPoints = std::uint64_t{1} << 24;
   const std::uint64_t points = std::uint64_t{cloud.width} * cloud.height;
   const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step,
                       step = row_step_of(cloud);
   const std::string size = std::to_string(cloud.width) + " x " + std::to_string(cloud.height) +
                            " points of " + std::to_string(cloud.point_step) + " bytes";
-  if (points > kMostPoints) throw CdrError("says it has " + size + ", more than any scan has");
+  if (points > kMaxPoints) throw CdrError("says it has " + size + ", more than any scan has");
   if (step < row || row + (cloud.height - 1) * step > cloud.data.size())
     throw CdrError(
         "says it has " + size + " in rows of " + std::to_string(step) + ", but has " +
@@ -128,9 +128,9 @@ MessageHeader read_header(std::string_view message)
 
 void for_each_link(std::string_view message, const std::function<void(FrameTransform)>& take)
 {
-  constexpr std::size_t kLeastBytes = 64;  // numbers alone
+  constexpr std::size_t kMinBytes = 64;  // numbers alone
   CdrReader in(message);
-  for (auto left = in.count(kLeastBytes); left > 0; --left) take(transform_of(in));
+  for (auto left = in.count(kMinBytes); left > 0; --left) take(transform_of(in));
 }
 
 FrameTransform read_odometry(std::string_view message)
@@ -150,14 +150,14 @@ FrameTransform read_pose(std::string_view message)
 
 CloudMessage read_cloud(std::string_view message)
 {
-  constexpr std::size_t kLeastFieldBytes = 12, kMostFields = 1000;
+  constexpr std::size_t kMinFieldBytes = 12, kMaxFields = 1000;
   CdrReader in(message);
   CloudMessage cloud;
   cloud.header = header_of(in);
   cloud.height = in.u32();
   cloud.width = in.u32();
-  const auto count = in.count(kLeastFieldBytes);
-  if (count > kMostFields)
+  const auto count = in.count(kMinFieldBytes);
+  if (count > kMaxFields)
     throw CdrError("says its points have " + std::to_string(count) + " fields");
   cloud.fields.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) cloud.fields.push_back(field_of(in));

@@ -15,11 +15,11 @@ double seconds(std::int64_t stamp_ns) { return static_cast<double>(stamp_ns) * 1
 
 std::string listed(const std::vector<std::string>& names)
 {
-  constexpr std::size_t kMost = 40, kMostText = 60;
+  constexpr std::size_t kMax = 40, kMaxText = 60;
   std::string list;
-  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
-    list += (list.empty() ? "" : ", ") + names[i].substr(0, kMostText);
-  return names.empty() ? "none" : list + (names.size() > kMost ? ", ..." : "");
+  for (std::size_t i = 0; i < std::min(names.size(), kMax); ++i)
+    list += (list.empty() ? "" : ", ") + names[i].substr(0, kMaxText);
+  return names.empty() ? "none" : list + (names.size() > kMax ? ", ..." : "");
 }
 }  // namespace
 
@@ -123,7 +123,7 @@ bool BagMotion::has_moved() const
 /** Where nothing else is left, these are registered scans. */
 void BagMotion::find_maps(const BagReader& reader, const SourceOptions& options)
 {
-  constexpr std::size_t kLeast = 8;  // scans grow by chance
+  constexpr std::size_t kMin = 8;  // scans grow by chance
   const bool moves = has_moved();
   auto left = cloud_topics_;
   const auto leave_out = [&](const auto& is_map, const std::string& why)
@@ -146,8 +146,7 @@ void BagMotion::find_maps(const BagReader& reader, const SourceOptions& options)
            std::find(options.topics.begin(), options.topics.end(), name) != options.topics.end();
   };
   leave_out(
-      [&](const CloudTopic& t)
-      { return moves && t.grows && t.count >= kLeast && !is_asked_for(t); },
+      [&](const CloudTopic& t) { return moves && t.grows && t.count >= kMin && !is_asked_for(t); },
       "its clouds repeat or grow while the robot moves");
   leave_out(
       [&](const CloudTopic& t) { return is_fixed(t.frame) && !is_asked_for(t); },

@@ -46,8 +46,8 @@ void BagMotion::read(BagReader& reader, const std::vector<BagRole>& roles)
 /** Drops what is not needed. TF that packs very well must not take the memory of the machine. */
 void BagMotion::require_room(const BagReader& reader)
 {
-  constexpr std::size_t kFew = 150000, kLeastBytes = 32;
-  const std::size_t most = kFew + reader.bytes() / kLeastBytes;
+  constexpr std::size_t kFew = 150000, kMinBytes = 32;
+  const std::size_t most = kFew + reader.bytes() / kMinBytes;
   const bool is_full = tree_.size() + poses_held_ > most;
   if (tree_.size() > prune_at_ || is_full) prune(is_full);
   if (is_full && tree_.size() + poses_held_ > most)

@@ -57,8 +57,8 @@ bool NoReturns::add(const ScanFile& cloud)
 
 std::vector<Place> NoReturns::places() const
 {
-  constexpr std::size_t kLeastClouds = 5, kMostSensors = 4;
-  return clouds_ < kLeastClouds || places_.size() > kMostSensors ? std::vector<Place>() : places_;
+  constexpr std::size_t kMinClouds = 5, kMaxSensors = 4;
+  return clouds_ < kMinClouds || places_.size() > kMaxSensors ? std::vector<Place>() : places_;
 }
 
 }  // namespace talus::import

@@ -39,13 +39,13 @@ std::string uri_of(const std::string& path, const std::string& how)
 SqliteHeader::SqliteHeader(const std::string& path, FileBytes& file)
 {
   constexpr std::size_t kBytes = 100;
-  constexpr std::uint64_t kLeast = 512, kMost = 65536;  // of a page
+  constexpr std::uint64_t kMin = 512, kMax = 65536;  // of a page
   const auto head = file.look(0, kBytes);
   if (head.size() < kBytes) throw std::runtime_error(path + ": is cut short. Copy the bag again.");
   const auto number = [&](std::size_t at, std::size_t count)
   { return big_endian(head.substr(at, count)); };
-  page_bytes = number(16, 2) == 1 ? kMost : number(16, 2);
-  if (page_bytes < kLeast)
+  page_bytes = number(16, 2) == 1 ? kMax : number(16, 2);
+  if (page_bytes < kMin)
     throw std::runtime_error(
         path + ": has a header without a size of its pages. Copy the bag again.");
   is_wal = number(19, 1) == 2;
@@ -143,7 +143,7 @@ std::string SqliteDatabase::uri()
 
 void SqliteDatabase::open()
 {
-  constexpr std::uint64_t kLeastLength = 1 << 16;  // of a statement
+  constexpr std::uint64_t kMinLength = 1 << 16;  // of a statement
   sqlite3* raw = nullptr;
   const int mode = files_.has_journal() ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY;
   const int code = sqlite3_open_v2(uri().c_str(), &raw, mode | SQLITE_OPEN_URI, nullptr);
@@ -154,7 +154,7 @@ void SqliteDatabase::open()
   sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, partial_ ? 0 : 1, nullptr);
   sqlite3_db_config(raw, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   // No message is longer than its file.
-  const auto longest = std::min<std::uint64_t>(kMostBagBytes, std::max(bytes(), kLeastLength));
+  const auto longest = std::min<std::uint64_t>(kMaxBagBytes, std::max(bytes(), kMinLength));
   sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, static_cast<int>(longest));
   sqlite3_progress_handler(raw, kStepsACall, Budget::spend, &budget_);
   budget_.reset(bytes());

@@ -31,16 +31,16 @@ bool is_in(const std::vector<std::string>& names, const std::string& name)
 
 std::string list_of(const std::vector<BagTopic>& topics)
 {
-  constexpr std::size_t kMostLines = 40, kMostText = 100;
+  constexpr std::size_t kMaxLines = 40, kMaxText = 100;
   std::string list;
-  for (std::size_t i = 0; i < std::min(topics.size(), kMostLines); ++i)
+  for (std::size_t i = 0; i < std::min(topics.size(), kMaxLines); ++i)
   {
     const auto& topic = topics[i];
-    list += "\n  " + topic.name.substr(0, kMostText) + "  " + topic.type.substr(0, kMostText);
+    list += "\n  " + topic.name.substr(0, kMaxText) + "  " + topic.type.substr(0, kMaxText);
     if (topic.encoding != "cdr") list += " (serialized as '" + topic.encoding.substr(0, 24) + "')";
   }
-  if (topics.size() > kMostLines)
-    list += "\n  and " + std::to_string(topics.size() - kMostLines) + " more";
+  if (topics.size() > kMaxLines)
+    list += "\n  and " + std::to_string(topics.size() - kMaxLines) + " more";
   return topics.empty() ? " It holds no topics at all." : " It holds:" + list;
 }
 }  // namespace
@@ -81,8 +81,8 @@ std::vector<BagRole> roles_of(
 
 std::string too_long_names(std::size_t bytes, std::size_t topics)
 {
-  constexpr std::size_t kMostBytes = std::size_t{1} << 22, kMostTopics = 10000;
-  if (topics <= kMostTopics && bytes <= kMostBytes) return "";
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 22, kMaxTopics = 10000;
+  if (topics <= kMaxTopics && bytes <= kMaxBytes) return "";
   return "no bag has " + std::to_string(topics) + " topics with " + std::to_string(bytes) +
          " bytes of names";
 }

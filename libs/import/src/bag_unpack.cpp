@@ -44,14 +44,14 @@ bool is_zstd(std::string_view data) { return data.substr(0, 4) == "\x28\xb5\x2f\
 
 void grow(std::vector<char>& out, std::size_t most)
 {
-  constexpr std::size_t kLeast = std::size_t{1} << 16;
-  out.resize(std::min(most, std::max(2 * out.size(), kLeast)));
+  constexpr std::size_t kMin = std::size_t{1} << 16;
+  out.resize(std::min(most, std::max(2 * out.size(), kMin)));
 }
 
 std::size_t most_unpacked(std::uint64_t packed_bytes)
 {
-  constexpr std::uint64_t kFew = std::uint64_t{1} << 24, kMostTimes = 64;
-  return std::min<std::uint64_t>(kMostBagBytes, std::max(kFew, kMostTimes * packed_bytes));
+  constexpr std::uint64_t kFew = std::uint64_t{1} << 24, kMaxTimes = 64;
+  return std::min<std::uint64_t>(kMaxBagBytes, std::max(kFew, kMaxTimes * packed_bytes));
 }
 
 void unpack_bag_data(

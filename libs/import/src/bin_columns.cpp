@@ -66,13 +66,13 @@ double explained(const std::vector<Features>& all, std::size_t columns)
 
 std::size_t floats_a_point(std::string_view bytes, std::size_t expected)
 {
-  constexpr std::size_t kFewest = 3, kMost = 8, kLeastPoints = 500;
+  constexpr std::size_t kMinCount = 3, kMax = 8, kMinPoints = 500;
   constexpr double kClearly = 0.05;  // that much better; chance gives 0.01 with the fewest
-  if (bytes.size() < kLeastPoints * kMost * kFloat_bytes) return expected;
+  if (bytes.size() < kMinPoints * kMax * kFloat_bytes) return expected;
   const auto all = features_of(bytes);
   std::size_t best = expected;
   double most = explained(all, expected) + kClearly;
-  for (std::size_t columns = kFewest; columns <= kMost; ++columns)
+  for (std::size_t columns = kMinCount; columns <= kMax; ++columns)
   {
     if (bytes.size() % (columns * kFloat_bytes) != 0 || columns % expected == 0) continue;
     // A multiple of the right one explains as much, and more where two beams take turns.

@@ -48,7 +48,7 @@ Layers layers_of(const ImportedScan& scan)
 /** The height at which most points lie, where that is level ground and no accident. */
 std::optional<double> ground_of(const ImportedScan& scan)
 {
-  constexpr std::size_t kFewest = 100;
+  constexpr std::size_t kMinCount = 100;
   constexpr double kShare = 0.3;
   const Layers layers = layers_of(scan);
   std::size_t all = 0;
@@ -61,20 +61,20 @@ std::optional<double> ground_of(const ImportedScan& scan)
     if (points > most.points) most = {points, below.sum_m + at.sum_m + above.sum_m};
   }
   const auto points = static_cast<double>(most.points);
-  if (most.points < kFewest || points < kShare * static_cast<double>(all)) return {};
+  if (most.points < kMinCount || points < kShare * static_cast<double>(all)) return {};
   return most.sum_m / points;
 }
 
 /** The height of most scans; nothing where they do not agree. */
 std::optional<double> common_height_m(const std::vector<double>& ground_m)
 {
-  constexpr double kSame_m = 0.1, kMost = 0.7;
+  constexpr double kSame_m = 0.1, kMax = 0.7;
   if (ground_m.empty()) return {};
   const double height_m = io::quantile(ground_m, 0.5);
   const auto same = std::count_if(
       ground_m.begin(), ground_m.end(),
       [=](double other_m) { return std::abs(other_m - height_m) < kSame_m; });
-  const bool is_common = static_cast<double>(same) >= kMost * static_cast<double>(ground_m.size());
+  const bool is_common = static_cast<double>(same) >= kMax * static_cast<double>(ground_m.size());
   return is_common ? std::optional<double>(height_m) : std::nullopt;
 }
 

@@ -22,7 +22,7 @@ namespace talus::import
 namespace
 {
 constexpr std::size_t kNumbers = 12;
-constexpr std::uint64_t kMost_bytes = std::uint64_t{1} << 28;
+constexpr std::uint64_t kMax_bytes = std::uint64_t{1} << 28;
 constexpr const char* kMeaning =
     "The 12 numbers are the rows of a rotation matrix, each with its translation behind it";
 
@@ -97,7 +97,7 @@ bool is_kitti_poses(const std::string& path)
 
 KittiPoses read_kitti_poses(const std::string& path)
 {
-  const std::string text = read_input_file(path, "list of poses", kMost_bytes);
+  const std::string text = read_input_file(path, "list of poses", kMax_bytes);
   TextLines lines(text);
   KittiPoses all;
   while (lines.next_line())
@@ -113,7 +113,7 @@ KittiPoses read_kitti_poses(const std::string& path)
 
 CPose3D read_kitti_calibration(const std::string& path)
 {
-  const std::string text = read_input_file(path, "calibration", kMost_bytes);
+  const std::string text = read_input_file(path, "calibration", kMax_bytes);
   TextLines lines(text);
   while (lines.next_line())
   {
@@ -132,7 +132,7 @@ CPose3D read_kitti_360_calibration(const std::string& folder)
   const auto pose_in = [&folder](const char* name, const char* key)
   {
     const std::string path = folder + "/" + name;
-    const std::string text = read_input_file(path, "calibration", kMost_bytes);
+    const std::string text = read_input_file(path, "calibration", kMax_bytes);
     TextLines lines(text);
     while (lines.next_line())
     {

@@ -89,11 +89,11 @@ std::size_t HeaderReader::count(const Field& field, std::string_view word) const
 
 void HeaderReader::read_fields()
 {
-  constexpr std::size_t kMostFields = 1000;
+  constexpr std::size_t kMaxFields = 1000;
   header_.fields.clear();
   for (auto word = lines_.next_word(); !word.empty(); word = lines_.next_word())
   {
-    require(header_.fields.size() < kMostFields, "more than 1000 fields");
+    require(header_.fields.size() < kMaxFields, "more than 1000 fields");
     header_.fields.emplace_back();
     header_.fields.back().name = word;
   }
@@ -124,7 +124,7 @@ void HeaderReader::read_viewpoint()
 
 Header HeaderReader::read()
 {
-  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+  constexpr std::uint64_t kMax = std::numeric_limits<std::uint32_t>::max();
   while (lines_.next_line())
   {
     const auto key = lines_.next_word();
@@ -138,14 +138,14 @@ Header HeaderReader::read()
     else if (key == "COUNT")
       each_field("COUNT", [&](Field& f, std::string_view word) { f.count = count(f, word); });
     else if (key == "WIDTH")
-      header_.width = whole(lines_.next_word(), kMost);
+      header_.width = whole(lines_.next_word(), kMax);
     else if (key == "HEIGHT")
-      header_.height = whole(lines_.next_word(), kMost);
+      header_.height = whole(lines_.next_word(), kMax);
     else if (key == "VIEWPOINT")
       read_viewpoint();
     else if (key == "POINTS")
     {
-      header_.points = whole(lines_.next_word(), kMost);
+      header_.points = whole(lines_.next_word(), kMax);
       header_.has_points = true;
     }
     else if (key == "DATA")

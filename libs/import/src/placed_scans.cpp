@@ -59,8 +59,8 @@ class FrameVotes
   }
   bool is_most(std::size_t votes) const
   {
-    constexpr std::size_t kFewest = 3;
-    return all_ >= kFewest && 5 * votes >= 4 * all_;
+    constexpr std::size_t kMinCount = 3;
+    return all_ >= kMinCount && 5 * votes >= 4 * all_;
   }
   std::size_t all_ = 0, in_map_ = 0, in_sensor_ = 0;
 };

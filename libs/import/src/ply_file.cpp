@@ -102,8 +102,8 @@ void HeaderReader::read_format()
 
 void HeaderReader::read_element()
 {
-  constexpr std::size_t kMostElements = 100;
-  require(header_.elements.size() < kMostElements, "more than 100 elements");
+  constexpr std::size_t kMaxElements = 100;
+  require(header_.elements.size() < kMaxElements, "more than 100 elements");
   Element element;
   element.name = lines_.next_word();
   const auto word = lines_.next_word();
@@ -116,10 +116,10 @@ void HeaderReader::read_element()
 
 void HeaderReader::read_property()
 {
-  constexpr std::size_t kMostProperties = 1000;
+  constexpr std::size_t kMaxProperties = 1000;
   require(!header_.elements.empty(), "a property before any element");
   auto& properties = header_.elements.back().properties;
-  require(properties.size() < kMostProperties, "more than 1000 properties");
+  require(properties.size() < kMaxProperties, "more than 1000 properties");
   Property property;
   auto word = lines_.next_word();
   if (word == "list")

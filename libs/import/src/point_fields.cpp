@@ -100,11 +100,11 @@ std::array<double, 3> origin_of(const ScanFile& file)
 /** What floats lose so far away. */
 void require_exact(const ScanFile& file, const std::array<double, 3>& origin_m)
 {
-  constexpr double kMost_m = 0.01;
+  constexpr double kMax_m = 0.01;
   float far_m = 0;
   for (const double value : origin_m) far_m = std::max(far_m, static_cast<float>(std::abs(value)));
   const double step_m = std::nextafter(far_m, std::numeric_limits<float>::infinity()) - far_m;
-  if (!file.float_coordinates || step_m <= kMost_m) return;
+  if (!file.float_coordinates || step_m <= kMax_m) return;
   throw std::runtime_error(
       file.place + ": its points lie " + number_text(std::round(far_m / 1000)) +
       " km from their origin and are floats, which count in steps of " + number_text(step_m, 2) +
@@ -275,7 +275,7 @@ void PointCollector::want_values(const std::vector<PointField>& fields, const st
 std::uint32_t PointCollector::rgb_of(const double* values) const
 {
   constexpr std::uint32_t kNoAlpha = 0x00ffffff;
-  constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
+  constexpr double kMax = std::numeric_limits<std::uint32_t>::max();
   if (rgb_ < 0)
   {
     std::uint32_t rgb = 0;
@@ -294,8 +294,8 @@ std::uint32_t PointCollector::rgb_of(const double* values) const
     std::memcpy(&bits, &as_float, sizeof bits);
     return bits & kNoAlpha;
   }
-  const double whole = v < 0 ? v + kMost + 1 : v;  // of signed integers
-  return whole >= 0 && whole <= kMost ? static_cast<std::uint32_t>(whole) & kNoAlpha : 0;
+  const double whole = v < 0 ? v + kMax + 1 : v;  // of signed integers
+  return whole >= 0 && whole <= kMax ? static_cast<std::uint32_t>(whole) & kNoAlpha : 0;
 }
 
 bool PointCollector::add_records(
@@ -355,9 +355,9 @@ void PointCollector::add(const double* values)
   if (has_rgb()) out_->rgb.push_back(rgb_of(values));
   if (ring_ >= 0)
   {
-    constexpr double kMost = std::numeric_limits<std::uint16_t>::max();
+    constexpr double kMax = std::numeric_limits<std::uint16_t>::max();
     const double ring = values[ring_];  // NaN is none
-    out_->ring.push_back(ring >= 0 && ring <= kMost ? static_cast<std::uint16_t>(ring) : 0);
+    out_->ring.push_back(ring >= 0 && ring <= kMax ? static_cast<std::uint16_t>(ring) : 0);
   }
 }
 

@@ -33,14 +33,14 @@ void bring_to_sensor(const CPose3D& T_map_sensor, ImportedScan& scan)
 CPose3D base_below(const ImportedScan& scan)
 {
   constexpr double kAround_m = 5, kLow = 0.05;
-  constexpr std::size_t kFewest = 20;
+  constexpr std::size_t kMinCount = 20;
   std::vector<double> near_m, all_m;
   for (std::size_t i = 0; i < scan.x_m.size(); ++i)
   {
     all_m.push_back(scan.z_m[i]);
     if (std::hypot(scan.x_m[i], scan.y_m[i]) < kAround_m) near_m.push_back(scan.z_m[i]);
   }
-  auto& heights_m = near_m.size() < kFewest ? all_m : near_m;
+  auto& heights_m = near_m.size() < kMinCount ? all_m : near_m;
   const double low_m = scan.origin_m[2] + io::quantile(heights_m, kLow);
   const double ground_m = std::round(100 * low_m) / 100;
   return {scan.origin_m[0], scan.origin_m[1], ground_m, 0, 0, 0};

@@ -19,7 +19,7 @@ namespace talus::import
 {
 namespace
 {
-constexpr std::uint64_t kMost_bytes = std::uint64_t{1} << 28;
+constexpr std::uint64_t kMax_bytes = std::uint64_t{1} << 28;
 
 /** Days from 1970-01-01 to a date of the Gregorian calendar. */
 double days_since_epoch(int year, int month, int day)
@@ -37,10 +37,9 @@ std::optional<double> time_of_date(std::string_view date, std::string_view clock
   const std::array<double, 6> parts = {number(date.substr(0, 4)),  number(date.substr(5, 2)),
                                        number(date.substr(8, 2)),  number(clock.substr(0, 2)),
                                        number(clock.substr(3, 2)), number(clock.substr(6))};
-  constexpr std::array<double, 6> kLeast = {1970, 1, 1, 0, 0, 0},
-                                  kMost = {9999, 12, 31, 23, 59, 61};
+  constexpr std::array<double, 6> kMin = {1970, 1, 1, 0, 0, 0}, kMax = {9999, 12, 31, 23, 59, 61};
   for (std::size_t i = 0; i < parts.size(); ++i)
-    if (!(parts[i] >= kLeast[i] && parts[i] <= kMost[i])) return std::nullopt;
+    if (!(parts[i] >= kMin[i] && parts[i] <= kMax[i])) return std::nullopt;
   const double days = days_since_epoch(
       static_cast<int>(parts[0]), static_cast<int>(parts[1]), static_cast<int>(parts[2]));
   return days * 86400 + parts[3] * 3600 + parts[4] * 60 + parts[5];
@@ -101,7 +100,7 @@ bool have_lines_by_number(const std::vector<std::string>& scans, std::size_t lin
 
 std::vector<double> read_times(const std::string& path)
 {
-  const std::string text = read_input_file(path, "list of times", kMost_bytes);
+  const std::string text = read_input_file(path, "list of times", kMax_bytes);
   TextLines lines(text);
   std::vector<double> times_s;
   while (lines.next_line())

@@ -101,11 +101,11 @@ bool to_map_frame(double (&t)[6], const std::optional<GeoOrigin>& origin)
 /** Cells are metres. */
 void require_metres(GDALDataset& dataset, const std::string& path, double cell)
 {
-  constexpr double kLeastCell_m = 1e-3;
+  constexpr double kMinCell_m = 1e-3;
   const OGRSpatialReference* const crs = dataset.GetSpatialRef();
   const bool is_geographic = crs && crs->IsGeographic();
   const bool is_other = crs && !is_geographic && crs->GetLinearUnits() != 1;
-  if (is_geographic || is_other || cell < kLeastCell_m)
+  if (is_geographic || is_other || cell < kMinCell_m)
     throw std::runtime_error(
         path + ": its cells are " + number_text(cell) +
         (is_geographic ? " degrees"
@@ -118,7 +118,7 @@ void require_metres(GDALDataset& dataset, const std::string& path, double cell)
 /** Where the cells of a file lie, without layers. */
 LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErrors& errors)
 {
-  constexpr std::int64_t kMostCells = std::int64_t{1} << 30;  // 4 GB a band
+  constexpr std::int64_t kMaxCells = std::int64_t{1} << 30;  // 4 GB a band
   const char* const text = dataset.GetMetadataItem(kOriginItem);
   double t[6];
   if (dataset.GetGeoTransform(t) != CE_None || !to_map_frame(t, origin_from(text ? text : "")) ||
@@ -131,7 +131,7 @@ LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErr
   stack.resolution_m = t[1];
   stack.min_x_m = t[0];
   stack.min_y_m = t[3] - stack.cells_y * t[1];
-  if (std::int64_t{stack.cells_x} * stack.cells_y > kMostCells)
+  if (std::int64_t{stack.cells_x} * stack.cells_y > kMaxCells)
     fail(path, "more than 2^30 cells in a band are not supported: cut out a part of it", errors);
   return stack;
 }

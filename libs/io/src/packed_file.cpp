@@ -115,9 +115,9 @@ std::size_t PackedFile::unpack(Room room)
   }
   before_last_bytes_ = before_bytes;
   unpacked_bytes_ += all - room.size;
-  if (unpacked_bytes_ > kNotWorthACheck && unpacked_bytes_ / kMostPerByte > fetched_bytes_)
+  if (unpacked_bytes_ > kNotWorthACheck && unpacked_bytes_ / kMaxPerByte > fetched_bytes_)
     fail(
-        "data unpacks to more than " + std::to_string(kMostPerByte) +
+        "data unpacks to more than " + std::to_string(kMaxPerByte) +
         " bytes from each of the first " + std::to_string(fetched_bytes_) +
         ". No log does: it is damaged, or made to fill memory. Record it again.");
   return all - room.size;

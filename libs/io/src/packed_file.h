@@ -12,7 +12,7 @@ namespace talus::io
 {
 /** Bytes that one packed byte may become. Logs of sensors hardly reach 20; files that are made to
  * fill a disk or a memory reach 1,000 (gz) and 30,000 (zstd). */
-constexpr std::uint64_t kMostPerByte = 250;
+constexpr std::uint64_t kMaxPerByte = 250;
 
 /** The bytes of a file: as they are, or unpacked where it begins as gz (of one or more members) or
  * zstd (of one or more frames) does. Takes little memory, whatever is in the file. */

@@ -16,7 +16,7 @@ constexpr double kSmoothed_m = 0.15;  //!< standard deviation, against the noise
 constexpr float kSteepness = 3;  //!< heights are shown so many times as high
 constexpr float kLevel = 0.7071F;  //!< light on level ground
 constexpr float kPassable = 0.5F;  //!< what is there does not block: it hangs high, or is low
-constexpr float kLeastWeight = 1e-3F;
+constexpr float kMinWeight = 1e-3F;
 /// @name How much white is in the colours, of 1
 /// @{
 constexpr float kMild = 0.15F, kPale = 0.5F;  //!< measured, and not
@@ -39,7 +39,7 @@ cv::Mat1f smoothed(const cv::Mat1f& ground_m, double pixel_m, cv::Mat1f& weight)
   cv::GaussianBlur(weight, weight, {}, sigma);
   for (int y = 0; y < ground_m.rows; ++y)
     for (int x = 0; x < ground_m.cols; ++x)
-      height(y, x) = weight(y, x) > kLeastWeight ? height(y, x) / weight(y, x) : 0.0F;
+      height(y, x) = weight(y, x) > kMinWeight ? height(y, x) / weight(y, x) : 0.0F;
   return height;
 }
 
@@ -75,8 +75,8 @@ cv::Mat1f hill_shade(const cv::Mat1f& ground_m, double pixel_m)
   for (int y = 1; y + 1 < ground_m.rows; ++y)
     for (int x = 1; x + 1 < ground_m.cols; ++x)
     {
-      if (!(weight(y, x - 1) > kLeastWeight && weight(y, x + 1) > kLeastWeight &&
-            weight(y - 1, x) > kLeastWeight && weight(y + 1, x) > kLeastWeight))
+      if (!(weight(y, x - 1) > kMinWeight && weight(y, x + 1) > kMinWeight &&
+            weight(y - 1, x) > kMinWeight && weight(y + 1, x) > kMinWeight))
         continue;
       const float east = kSteepness * (smooth(y, x + 1) - smooth(y, x - 1)) / step;
       const float north = kSteepness * (smooth(y - 1, x) - smooth(y + 1, x)) / step;
@@ -111,7 +111,7 @@ Terrain terrain_of(const LayerStack& s)
       const bool known = state ? (*state)[i] >= 1 : std::isfinite(t.score(y, x));
       const bool measured = (!state || (*state)[i] == 1) && !(reached && (*reached)[i] == 0);
       t.measured(y, x) = static_cast<uchar>(!known ? 0 : measured ? 2 : 1);
-      t.obstacle(y, x) = ground && top && (*top)[i] - (*ground)[i] > kLeastObstacle_m ? 1 : 0;
+      t.obstacle(y, x) = ground && top && (*top)[i] - (*ground)[i] > kMinObstacle_m ? 1 : 0;
     }
   return t;
 }

@@ -30,7 +30,7 @@ struct Terrain
  * without objects. */
 Terrain terrain_of(const LayerStack& stack);
 
-constexpr double kLeastObstacle_m = 0.05;  //!< lower than that it is a rough ground
+constexpr double kMinObstacle_m = 0.05;  //!< lower than that it is a rough ground
 
 /** The shaded ground in the colours of its traversability, pale where it was not measured or is
  * not reached, dark where something stands in the way. */

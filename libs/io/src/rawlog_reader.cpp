@@ -140,7 +140,7 @@ std::uint64_t bytes_of_log(const std::string& path)
   const std::uintmax_t own = fs::file_size(path, none);
   if (none) return 0;
   std::uint64_t bytes = own;
-  if (own > 0 && PackedFile(path).is_packed()) bytes *= kMostPerByte;
+  if (own > 0 && PackedFile(path).is_packed()) bytes *= kMaxPerByte;
   for (fs::directory_iterator i(externals_directory(path), none), end; !none && i != end;
        i.increment(none))
   {

@@ -115,11 +115,11 @@ struct TumLine
  * that. */
 bool is_same_pose(const CPose3D& a, const CPose3D& b)
 {
-  constexpr double kMost_m = 0.05, kMost_rad = 0.02;
+  constexpr double kMax_m = 0.05, kMax_rad = 0.02;
   const CPose3D difference = b - a;
   mrpt::math::CQuaternionDouble q;
   difference.getAsQuaternion(q);
-  return difference.norm() <= kMost_m && 2 * std::acos(std::min(1.0, std::abs(q.r()))) <= kMost_rad;
+  return difference.norm() <= kMax_m && 2 * std::acos(std::min(1.0, std::abs(q.r()))) <= kMax_rad;
 }
 
 /** Refuses two poses at one time: which of them holds is anybody's guess. */

@@ -59,7 +59,7 @@ Frame frame_from(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_b
   frame.z_m = points.z_m.data();
   frame.size = points.x_m.size();
   frame.time_s = points.time_s.empty() ? nullptr : points.time_s.data();
-  for (std::size_t c = 0; c < std::min(points.channels.size(), kMostChannels); ++c)
+  for (std::size_t c = 0; c < std::min(points.channels.size(), kMaxChannels); ++c)
     if (!points.channels[c].empty()) frame.channels[c] = points.channels[c].data();
   return frame;
 }

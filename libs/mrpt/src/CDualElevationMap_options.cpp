@@ -15,17 +15,17 @@ namespace talus
 {
 namespace
 {
-constexpr int kMost = 1000000;  // of what is counted
+constexpr int kMax = 1000000;  // of what is counted
 
 // What is allowed, for files, streams and code alike.
-constexpr int kLeastDecimation = 1, kLeastMaxCells = 2;
+constexpr int kMinDecimation = 1, kMinMaxCells = 2;
 constexpr const char* kSigmas = "a number above 0 and at most 10 m";
 constexpr const char* kRatios = "a number between 0 and 1, both excluded";
 bool is_sigma(double v) { return v > 0 && v <= 10; }  // not NaN
 bool is_ratio(double v) { return v > 0 && v < 1; }
 std::string counts(int least)
 {
-  return "a whole number from " + std::to_string(least) + " to " + std::to_string(kMost);
+  return "a whole number from " + std::to_string(least) + " to " + std::to_string(kMax);
 }
 
 constexpr std::array<const char*, 3> kColormaps{"cmGRAYSCALE", "cmJET", "cmHOT"};  // by value
@@ -116,7 +116,7 @@ void CDualElevationMap::TLikelihoodOptions::loadFromConfigFile(
   if (!is_sigma(sigma)) detail::refuse_value(c, s, "sigma_m", kSigmas);
   const double ratio = detail::ini_number(c, s, "outlierRatio", outlierRatio);
   if (!is_ratio(ratio)) detail::refuse_value(c, s, "outlierRatio", kRatios);
-  decimation = detail::ini_whole_number(c, s, "decimation", decimation, kLeastDecimation, kMost);
+  decimation = detail::ini_whole_number(c, s, "decimation", decimation, kMinDecimation, kMax);
   sigma_m = sigma;
   outlierRatio = ratio;
 }
@@ -126,8 +126,8 @@ void CDualElevationMap::TLikelihoodOptions::validate() const
   require(is_sigma(sigma_m), "sigma_m", number_text(sigma_m), kSigmas);
   require(is_ratio(outlierRatio), "outlierRatio", number_text(outlierRatio), kRatios);
   require(
-      decimation >= kLeastDecimation && decimation <= kMost, "decimation",
-      std::to_string(decimation), counts(kLeastDecimation));
+      decimation >= kMinDecimation && decimation <= kMax, "decimation", std::to_string(decimation),
+      counts(kMinDecimation));
 }
 
 void CDualElevationMap::TLikelihoodOptions::saveToConfigFile(
@@ -149,7 +149,7 @@ void CDualElevationMap::TRenderOptions::loadFromConfigFile(
   showElevation = detail::ini_flag(c, s, "showElevation", showElevation);
   colorByTraversability = detail::ini_flag(c, s, "colorByTraversability", colorByTraversability);
   if (c.keyExists(s, "colormap")) colormap = colormap_from(c, s, "colormap");
-  maxCells = detail::ini_whole_number(c, s, "maxCells", maxCells, kLeastMaxCells, kMost);
+  maxCells = detail::ini_whole_number(c, s, "maxCells", maxCells, kMinMaxCells, kMax);
 }
 
 void CDualElevationMap::TRenderOptions::validate() const
@@ -157,8 +157,8 @@ void CDualElevationMap::TRenderOptions::validate() const
   const bool is_colormap = colormap >= mrpt::img::cmGRAYSCALE && colormap <= mrpt::img::cmHOT;
   require(is_colormap, "colormap", colormap_text(colormap), kColormapChoices);
   require(
-      maxCells >= kLeastMaxCells && maxCells <= kMost, "maxCells", std::to_string(maxCells),
-      counts(kLeastMaxCells));
+      maxCells >= kMinMaxCells && maxCells <= kMax, "maxCells", std::to_string(maxCells),
+      counts(kMinMaxCells));
 }
 
 void CDualElevationMap::TRenderOptions::saveToConfigFile(

@@ -16,7 +16,7 @@ namespace
 {
 using detail::StreamReader;
 
-constexpr std::uint32_t kMostParameters = 1000;  // of any version
+constexpr std::uint32_t kMaxParameters = 1000;  // of any version
 constexpr std::size_t kLongestName = 100;
 constexpr std::size_t kLongestText = 10000;  // of a parameter
 constexpr std::size_t kLongestLabel = 10000;  // of a sensor
@@ -55,7 +55,7 @@ Parameters read_parameters(StreamReader& in)
 {
   Parameters p;
   const auto count = in.number<std::uint32_t>(kParameters);
-  if (count > kMostParameters) in.fail(kParameters);
+  if (count > kMaxParameters) in.fail(kParameters);
   for (std::uint32_t i = 0; i < count; i++)
   {
     const auto name = in.text(kLongestName, kParameters);
@@ -121,7 +121,7 @@ SensorNumbers read_sensors(StreamReader& in)
 {
   constexpr const char* what = "labels of the sensors";
   const auto count = in.number<std::uint32_t>(what);
-  if (count > kMostSensors) in.fail(what);
+  if (count > kMaxSensors) in.fail(what);
   std::vector<std::string> labels;
   for (std::uint32_t i = 0; i < count; i++) labels.push_back(in.text(kLongestLabel, what));
   return SensorNumbers(std::move(labels));

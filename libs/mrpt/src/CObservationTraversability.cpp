@@ -24,7 +24,7 @@ using mrpt::obs::CObservation;
 
 namespace
 {
-constexpr std::uint32_t kMostLayers = 1000;  // of any version
+constexpr std::uint32_t kMaxLayers = 1000;  // of any version
 constexpr std::size_t kLongestName = 100, kLongestLabel = 10000;
 constexpr std::int64_t kFarthestCell = 2000000000;  // beyond what a map can reach
 
@@ -43,7 +43,7 @@ Window read_window(detail::StreamReader& in)
   w.resolution_m = in.number<double>("side of a cell");
   w.min_cell_x = in.number<std::int64_t>("place of the window");
   w.min_cell_y = in.number<std::int64_t>("place of the window");
-  if (w.cells < 0 || w.cells > kMostCellsASide) in.fail("number of cells");
+  if (w.cells < 0 || w.cells > kMaxCellsASide) in.fail("number of cells");
   if (!(w.resolution_m >= 0 && w.resolution_m <= find_parameter("resolution_m")->max))
     in.fail("side of a cell");
   for (const std::int64_t cell : {w.min_cell_x, w.min_cell_y})
@@ -166,7 +166,7 @@ void CObservationTraversability::serializeFrom(
   read.T_base_sensor = in.pose("pose of the sensor");
   read.window = read_window(in);
   const auto count = in.number<std::uint32_t>("number of layers");
-  if (count > kMostLayers) in.fail("number of layers");
+  if (count > kMaxLayers) in.fail("number of layers");
   const auto cells = static_cast<std::size_t>(read.window.cells);
   for (std::uint32_t i = 0; i < count; i++)
   {

@@ -17,7 +17,7 @@ using mrpt::maps::COccupancyGridMap2D;
 constexpr float kObstacle = 0.05F, kDropsFromNearby = 0.1F, kEdge = 0.15F, kMayDrop = 0.2F;
 constexpr float kMayDropBesideWall = 0.25F, kDropsFromNearbyBesideWall = 0.3F;
 constexpr float kQuantised = 0.02F;  // by MRPT, at most
-constexpr double kMostShift_cells = 0.01;  // between the borders of costmap and map
+constexpr double kMaxShift_cells = 0.01;  // between the borders of costmap and map
 
 float free_probability(float traversability)
 {
@@ -33,7 +33,7 @@ bool drops_from_nearby(float p)
   return is_about(p, kDropsFromNearby) || is_about(p, kDropsFromNearbyBesideWall);
 }
 
-bool is_whole(double cells) { return std::abs(cells - std::round(cells)) <= kMostShift_cells; }
+bool is_whole(double cells) { return std::abs(cells - std::round(cells)) <= kMaxShift_cells; }
 
 /** Whether `cells` from `first` on, which may be far away, reach into a grid. */
 bool overlap(double first, int cells, std::size_t grid_cells)
@@ -79,7 +79,7 @@ void for_each_shared(const Window& w, const Place& first, const COccupancyGridMa
 void require_exact_borders(const Window& w)
 {
   for (const double border_m : {w.min_x_m(), w.min_y_m()})
-    if (std::abs(static_cast<float>(border_m) - border_m) > kMostShift_cells * w.resolution_m)
+    if (std::abs(static_cast<float>(border_m) - border_m) > kMaxShift_cells * w.resolution_m)
       throw std::invalid_argument(
           "no costmap with cells of " + number_text(w.resolution_m, 6) + " m can lie at (" +
           fixed_text(w.min_x_m(), 1) + ", " + fixed_text(w.min_y_m(), 1) +

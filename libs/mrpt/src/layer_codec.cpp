@@ -14,10 +14,10 @@ namespace talus::detail
 namespace
 {
 constexpr std::uint16_t kNan = 0xFFFF;
-constexpr double kHeightStep_m = 1.0 / 512, kScoreStep = 1.0 / 256, kMostSteps = 65000;
+constexpr double kHeightStep_m = 1.0 / 512, kScoreStep = 1.0 / 256, kMaxSteps = 65000;
 constexpr double kFarthest = 2e9;  // no value of a map is so far from 0
 constexpr std::size_t kPieceBytes = 1 << 14;
-constexpr std::size_t kMostRatio = 1032;  // of zlib: 258 bytes in two bits
+constexpr std::size_t kMaxRatio = 1032;  // of zlib: 258 bytes in two bits
 
 bool is_height(Layer l) { return layer_info(l).kind == LayerKind::Height; }
 bool is_variance(Layer l) { return layer_info(l).kind == LayerKind::Variance; }
@@ -43,7 +43,7 @@ void choose_steps(Layer layer, const std::vector<float>& values, PackedLayer& p)
       high = std::max(high, to_stored(layer, v));
     }
   p.offset = is_height(layer) && low <= high ? std::floor(low) : 0;
-  p.step = std::max(finest_step(layer), (high - p.offset) / kMostSteps);
+  p.step = std::max(finest_step(layer), (high - p.offset) / kMaxSteps);
 }
 
 std::uint16_t steps_of(Layer layer, float value, const PackedLayer& p)
@@ -52,14 +52,14 @@ std::uint16_t steps_of(Layer layer, float value, const PackedLayer& p)
   const double q = std::round((to_stored(layer, value) - p.offset) / p.step);
   // A score or a variance above 0 must not become 0.
   const double least = !is_height(layer) && value > 0 ? 1 : 0;
-  return static_cast<std::uint16_t>(std::clamp(q, least, kMostSteps));
+  return static_cast<std::uint16_t>(std::clamp(q, least, kMaxSteps));
 }
 
 /** Steps of the greatest value that a cell can have. */
 double most_steps(Layer l, const PackedLayer& p)
 {
   if (is_state(l)) return static_cast<double>(CellState::Presumed);
-  return is_height(l) || is_variance(l) ? kMostSteps : std::round(1 / p.step);
+  return is_height(l) || is_variance(l) ? kMaxSteps : std::round(1 / p.step);
 }
 
 std::vector<std::uint8_t> compressed(const std::vector<std::uint8_t>& bytes)
@@ -139,9 +139,9 @@ PackedLayer pack_layer(Layer layer, const std::vector<float>& values)
 
 bool is_plausible(const PackedLayer& p)
 {
-  const double last = p.offset + kMostSteps * p.step;
+  const double last = p.offset + kMaxSteps * p.step;
   return p.step > 0 && std::abs(p.offset) <= kFarthest && last <= kFarthest &&
-         2 * p.count <= kMostRatio * p.zlib.size();
+         2 * p.count <= kMaxRatio * p.zlib.size();
 }
 
 void unpack_layer(Layer layer, const PackedLayer& p, const TakeValues& take)

@@ -14,8 +14,8 @@ namespace talus
 namespace
 {
 constexpr std::size_t kMemory_bytes = 512U << 20;
-constexpr int kMostCells = 4096;  // along a side of what is shown and asked at once
-constexpr std::size_t kMostTileBytes = 1U << 20;
+constexpr int kMaxCells = 4096;  // along a side of what is shown and asked at once
+constexpr std::size_t kMaxTileBytes = 1U << 20;
 constexpr const char* kWhole = "the whole map";
 
 void copy_tiles(site::TileStore& from, site::TileStore& to)
@@ -126,7 +126,7 @@ const MapSnapshot& WholeMap::floor(const ElevationMapper& map)
   if (shown_) return *shown_;
   const site::SiteMapper::Place base = mapper_.state().base;
   shown_ = &floor_map_.update(
-      site(map), mapper_.floor(), map.parameters(), kMostCells, base.x_m, base.y_m);
+      site(map), mapper_.floor(), map.parameters(), kMaxCells, base.x_m, base.y_m);
   return *shown_;
 }
 
@@ -166,7 +166,7 @@ void WholeMap::read(detail::StreamReader& in)
     site::TileKey key;
     for (std::int32_t* v : {&key.floor, &key.x, &key.y}) *v = in.number<std::int32_t>(kWhole);
     const auto size = in.number<std::uint64_t>(kWhole);
-    if (key.floor < 0 || key.floor >= state.floors || size > kMostTileBytes) in.fail(kWhole);
+    if (key.floor < 0 || key.floor >= state.floors || size > kMaxTileBytes) in.fail(kWhole);
     read_tile(in.bytes(size, kWhole), site_.tiles.at(key));
   }
   mapper_.go_on(state);

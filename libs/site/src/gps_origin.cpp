@@ -119,7 +119,7 @@ std::optional<GeoOrigin> origin_from_fixes(const std::vector<GpsFix>& fixes, std
   const GpsFix& first = fixes.front();
   const LocalFrame frame(first.latitude_deg, first.longitude_deg, first.altitude_m);
   Alignment a(fixes, frame);
-  constexpr double kMost_m = 5;
+  constexpr double kMax_m = 5;
   if (a.farthest_m < kShortest_m)
   {
     a.heading_rad = 0;
@@ -129,7 +129,7 @@ std::optional<GeoOrigin> origin_from_fixes(const std::vector<GpsFix>& fixes, std
         "the fixes of the log's GPS are too close to each other to tell where north is; x was "
         "taken to point east: give --origin LAT,LON,ALT,HEADING";
   }
-  else if (a.rms_m > kMost_m)
+  else if (a.rms_m > kMax_m)
     warning = "the way of the log's GPS is " + fixed_text(a.rms_m, 1) +
               " m off that of its poses (root mean square): check where the map lies on Earth, or "
               "give --origin LAT,LON,ALT,HEADING";

@@ -15,7 +15,7 @@ namespace talus::site
 namespace
 {
 /** So many scans at most are asked for each guess, from all that were around it. */
-constexpr std::size_t kMostAsked = 64;
+constexpr std::size_t kMaxAsked = 64;
 /** A ray that ends at most so far behind a guess, within so much of its height, proves it. A ditch
  * is wider, and its far wall is hit lower. */
 constexpr float kProvenBehind_m = 0.5F, kProvenWithin_m = 0.05F;
@@ -64,7 +64,7 @@ class Proof
 bool is_proven(const Scans& scans, float resolution_m, double x_m, double y_m, float ground_m)
 {
   Proof proof(ground_m);
-  for (std::size_t i = 0; i < scans.size(); i += scans.size() / kMostAsked + 1)
+  for (std::size_t i = 0; i < scans.size(); i += scans.size() / kMaxAsked + 1)
     if (const auto ray = scans[i]->lowest_behind(x_m, y_m, -resolution_m)) proof.add(*ray);
   return proof.holds();
 }

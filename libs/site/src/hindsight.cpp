@@ -15,7 +15,7 @@ namespace
 /// @name Which scans are kept: one each so many metres or seconds, and so many at most.
 /// @{
 constexpr double kEvery_m = 0.5, kEvery_s = 0.5;
-constexpr std::size_t kMostScans = 512;
+constexpr std::size_t kMaxScans = 512;
 /// @}
 constexpr double kReach_m = 30;  //!< a scan tells of cells up to so far away, along x and y
 
@@ -40,7 +40,7 @@ void Hindsight::add(const Frame& frame, int floor)
   if (!is_first && !moved && !waited) return;
   seen = {frame.stamp_s, x_m, y_m};
   // The robot has been near here for long.
-  if (scans_.size() >= kMostScans)
+  if (scans_.size() >= kMaxScans)
     keep_if([](std::size_t i, const SeenRays&) { return i % 2 == 1; });
   if (spare_.empty()) spare_.emplace_back();
   scans_.push_back(std::move(spare_.back()));

@@ -114,8 +114,8 @@ inline bool is_unchanged(const CellRecord& kept, const CellRecord& now)
 
 inline std::uint32_t whole_seconds(double stamp_s)
 {
-  constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
-  return stamp_s > 0 ? static_cast<std::uint32_t>(std::min(stamp_s, kMost)) : 0;  // not NaN
+  constexpr double kMax = std::numeric_limits<std::uint32_t>::max();
+  return stamp_s > 0 ? static_cast<std::uint32_t>(std::min(stamp_s, kMax)) : 0;  // not NaN
 }
 
 }  // namespace talus::site

@@ -19,8 +19,8 @@ constexpr double kOffsetUnit_m = 1e-4;
 constexpr double kFarthest_m = 1000;  //!< farther offsets are counted as that
 
 // What two drives of one frame may differ by.
-constexpr double kMostOffset_m = 0.03, kMostGround = 0.25, kMostStanding = 0.5;
-constexpr double kLeastStanding_m2 = 0.1;  //!< less tells nothing
+constexpr double kMaxOffset_m = 0.03, kMaxGround = 0.25, kMaxStanding = 0.5;
+constexpr double kMinStanding_m2 = 0.1;  //!< less tells nothing
 
 /** Where the sites of two drives show nothing, bare or something. */
 enum class Seen : std::uint8_t
@@ -60,8 +60,8 @@ double share(std::size_t of, std::size_t all)
 
 bool MapFit::fits() const
 {
-  const bool stands = standing_m2 < kLeastStanding_m2 || standing_disagrees <= kMostStanding;
-  return !(std::abs(offset_z_m) > kMostOffset_m) && ground_disagrees <= kMostGround && stands;
+  const bool stands = standing_m2 < kMinStanding_m2 || standing_disagrees <= kMaxStanding;
+  return !(std::abs(offset_z_m) > kMaxOffset_m) && ground_disagrees <= kMaxGround && stands;
 }
 
 void FitSums::add(const Tile& first, const Tile& second)

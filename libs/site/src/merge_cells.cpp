@@ -15,7 +15,7 @@ namespace talus::site
 {
 namespace
 {
-constexpr double kLeastVariance_m2 = 1e-12;  //!< a micrometre: no division by 0
+constexpr double kMinVariance_m2 = 1e-12;  //!< a micrometre: no division by 0
 
 std::uint32_t bits(float v)
 {
@@ -45,7 +45,7 @@ class Mean
  public:
   void add(float height_m, float variance_m2)
   {
-    heights_.emplace_back(height_m, std::max<double>(variance_m2, kLeastVariance_m2));
+    heights_.emplace_back(height_m, std::max<double>(variance_m2, kMinVariance_m2));
   }
   std::size_t count() const { return heights_.size(); }
   /** Of more than one. */

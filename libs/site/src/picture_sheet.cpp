@@ -25,7 +25,7 @@ using io::TextStyle;
 /// @{
 constexpr double kEdge = 28, kLeft = 84, kTop = 112, kBelow = 62, kColumn = 230;
 constexpr double kTick = 6, kText = 10;
-constexpr int kLeastWidth = 760;
+constexpr int kMinWidth = 760;
 /// @}
 constexpr double kSmallPage_px = 1250;  //!< the long side of one that needs no larger text
 const cv::Scalar kGrid(214, 210, 208);
@@ -177,11 +177,11 @@ void PictureSheet::add_scale_and_north(const std::optional<GeoOrigin>& origin)
 cv::Mat PictureSheet::finish(const std::string& title, const std::vector<std::string>& lines)
 {
   const cv::Rect plot({px(kLeft), px(kTop)}, map_.image().size());
-  const bool is_wide = plot.width >= px(kLeastWidth) && plot.width > 1.3 * plot.height;
+  const bool is_wide = plot.width >= px(kMinWidth) && plot.width > 1.3 * plot.height;
   const int column = px(kColumn);
   const int room = is_wide ? plot.width : column, legend_px = legend_.height_px(room);
   const int width =
-      std::max(plot.br().x + px(kEdge) + (is_wide ? 0 : column + px(kEdge)), px(kLeastWidth));
+      std::max(plot.br().x + px(kEdge) + (is_wide ? 0 : column + px(kEdge)), px(kMinWidth));
   const int below = plot.br().y + px(kBelow);
   Canvas page(
       width,

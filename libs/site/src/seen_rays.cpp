@@ -99,10 +99,10 @@ void SeenRays::take(const Frame& frame, int floor, std::size_t number)
 /** Some rays, side by side: the loops become vector code. */
 struct SeenRays::Rays
 {
-  static constexpr std::size_t kMost = 256;
-  std::array<float, kMost> dx_m, dy_m, dz_m;  //!< from the sensor to the points, map frame
-  std::array<std::int32_t, kMost> places;  //!< in the table; -1: none
-  std::array<std::int32_t, kMost> lengths_cm;
+  static constexpr std::size_t kMax = 256;
+  std::array<float, kMax> dx_m, dy_m, dz_m;  //!< from the sensor to the points, map frame
+  std::array<std::int32_t, kMax> places;  //!< in the table; -1: none
+  std::array<std::int32_t, kMax> lengths_cm;
   std::size_t n = 0;
 
   void turn(const Frame& frame, std::size_t first, PoseOfPoint& pose_of)
@@ -152,7 +152,7 @@ void SeenRays::put_into(
   Rays rays;
   for (std::size_t first = 0; first < frame.size; first += rays.n)
   {
-    rays.n = std::min(frame.size - first, Rays::kMost);
+    rays.n = std::min(frame.size - first, Rays::kMax);
     rays.turn(frame, first, pose_of);
     rays.find_places();
     for (std::size_t i = 0; i < rays.n; ++i)

@@ -22,7 +22,7 @@ namespace
 {
 constexpr int kLargestOverview_cells = 512;
 constexpr std::int64_t kManyCells = std::int64_t{1} << 38;  //!< then blocks are larger
-constexpr std::int64_t kMostCells = std::int64_t{1} << 43;  //!< the file lists all its blocks
+constexpr std::int64_t kMaxCells = std::int64_t{1} << 43;  //!< the file lists all its blocks
 
 void set_metadata(
     SiteDataset& dataset, const TilePyramid& pyramid, const Site& site, const FileOfFloor& file)
@@ -75,7 +75,7 @@ void check_extent(const std::string& path, const TilePyramid& pyramid, int floor
         path + ": nothing to write: no cell of floor " + std::to_string(floor) + " is known");
   constexpr std::int64_t kWidest = std::numeric_limits<int>::max();
   const std::int64_t width = pyramid.width_cells(0), height = pyramid.height_cells(0);
-  if (width > kWidest || height > kWidest || width > kMostCells / height)
+  if (width > kWidest || height > kWidest || width > kMaxCells / height)
     throw std::runtime_error(
         path + ": the site spans " + std::to_string(width) + " x " + std::to_string(height) +
         " cells, more than a GeoTIFF can hold: did a pose jump? Else divide the drive");

@@ -15,7 +15,7 @@ namespace talus::site
 namespace
 {
 /** Of fewer cells nothing is said about floors. */
-constexpr int kFewestVotes = 8;
+constexpr int kMinVotes = 8;
 /** A base that has risen or sunk by so much may be on another floor with its next frame. */
 constexpr float kRises_m = kOtherFloor_m / 2;
 /** A window that was kept so lately is not kept once more when the floor is left: the last frame
@@ -180,10 +180,10 @@ void SiteMapper::keep_all(const ElevationMapper& map)
 void SiteMapper::keep(const CellRect& cells, std::size_t first)
 {
   const Votes here = votes(state_.floor, cells, first);
-  if (here.contradict > here.agree && here.contradict >= kFewestVotes)
-    state_.floor = other_floor(cells, first, kFewestVotes).value_or(floor_without(cells, first));
+  if (here.contradict > here.agree && here.contradict >= kMinVotes)
+    state_.floor = other_floor(cells, first, kMinVotes).value_or(floor_without(cells, first));
   else if (here.agree + here.contradict == 0 && state_.floors > 1)
-    state_.floor = other_floor(cells, first, std::max(kFewestVotes, references(cells, first) / 2))
+    state_.floor = other_floor(cells, first, std::max(kMinVotes, references(cells, first) / 2))
                        .value_or(state_.floor);
   state_.floors = std::max(state_.floors, state_.floor + 1);
   store(cells, first);
@@ -272,7 +272,7 @@ bool SiteMapper::choose_floor(const ElevationMapper& map)
 {
   const CellRect window = rect_of(map.window());
   read(map, window);
-  if (references(window, 0) < kFewestVotes) return false;
+  if (references(window, 0) < kMinVotes) return false;
   const Votes here = votes(state_.floor, window, 0);
   const int agree = here.agree > here.contradict ? here.agree : 0;
   if (const auto other = other_floor(window, 0, agree + 1))

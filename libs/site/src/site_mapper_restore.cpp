@@ -19,7 +19,7 @@ constexpr float kRise = 0.25f;
  * or a slope [m/m]. */
 constexpr float kDrifted_m = 0.05f, kDriftedBeside_m = 0.15f, kSlope = 0.7f;
 /** Fewer cells that were measured then and now say nothing. */
-constexpr std::size_t kFewestSame = 3;
+constexpr std::size_t kMinSame = 3;
 /** So long are the stretches of a strip that are restored or not. */
 constexpr int kStretch_cells = 32;
 
@@ -133,7 +133,7 @@ void SiteMapper::find_drifted(int floor, const CellRect& cells, std::size_t firs
   for_each_kept_cell(site_.tiles, cells, floor, compare);
   const float width_m = static_cast<float>(site_.resolution_m) * static_cast<float>(width);
   for (Stretch& s : stretches_)
-    s.has_drifted = s.off_m.size() >= kFewestSame
+    s.has_drifted = s.off_m.size() >= kMinSame
                         ? std::abs(median(s.off_m)) > kDrifted_m
                         : std::abs(median(s.off_beside_m)) > kDriftedBeside_m + kSlope * width_m;
 }

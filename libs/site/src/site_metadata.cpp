@@ -11,7 +11,7 @@ namespace talus::site
 {
 namespace
 {
-constexpr std::size_t kMostPoints = 20000;
+constexpr std::size_t kMaxPoints = 20000;
 constexpr double kHighestFloor = 1e6;
 
 /** Every so many-th point, and the last of each. */
@@ -19,9 +19,9 @@ void thin(Ways& ways)
 {
   std::size_t points = 0;
   for (const auto& way : ways) points += way.size();
-  if (points <= kMostPoints) return;
-  const std::size_t ends = std::min(2 * ways.size(), kMostPoints / 2);
-  const std::size_t every = (points + kMostPoints - ends - 1) / (kMostPoints - ends);
+  if (points <= kMaxPoints) return;
+  const std::size_t ends = std::min(2 * ways.size(), kMaxPoints / 2);
+  const std::size_t every = (points + kMaxPoints - ends - 1) / (kMaxPoints - ends);
   for (auto& way : ways)
   {
     std::vector<WayPoint> kept;

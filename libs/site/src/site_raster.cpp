@@ -13,18 +13,18 @@ namespace talus::site
 namespace
 {
 constexpr double kRoom = 0.015;  //!< around what is seen, of its longer side
-constexpr double kLeastRoom_m = 0.3;
+constexpr double kMinRoom_m = 0.3;
 /// @name Pixels of a page
 /// @{
-constexpr double kMostLong_px = 3000, kMostArea_px = 6e6;
+constexpr double kMaxLong_px = 3000, kMaxArea_px = 6e6;
 constexpr double kWanted_px = 1200;  //!< its long side, where there are few cells
-constexpr int kMostPerCell_px = 8;
+constexpr int kMaxPerCell_px = 8;
 /// @}
 
 int cells_per_pixel_of(double width_cells, double height_cells)
 {
-  const double by_length = std::max(width_cells, height_cells) / kMostLong_px;
-  const double by_area = std::sqrt(width_cells * height_cells / kMostArea_px);
+  const double by_length = std::max(width_cells, height_cells) / kMaxLong_px;
+  const double by_area = std::sqrt(width_cells * height_cells / kMaxArea_px);
   return std::max(1, static_cast<int>(std::ceil(std::max(by_length, by_area))));
 }
 
@@ -38,13 +38,13 @@ RasterPlace::RasterPlace(const CellBox& box, const PageTurn& turn, double resolu
     : turn_rad(turn.turn_rad)
 {
   const double longest = std::max(turn.max_x - turn.min_x, turn.max_y - turn.min_y);
-  const double room = std::ceil(std::max(kRoom * longest, kLeastRoom_m / resolution_m));
+  const double room = std::ceil(std::max(kRoom * longest, kMinRoom_m / resolution_m));
   const double wide = turn.max_x - turn.min_x + 2 * room;
   const double high = turn.max_y - turn.min_y + 2 * room;
   cells_per_pixel = cells_per_pixel_of(wide, high);
   if (cells_per_pixel == 1)
     pixels_per_cell =
-        std::clamp(static_cast<int>(kWanted_px / std::max(wide, high)), 1, kMostPerCell_px);
+        std::clamp(static_cast<int>(kWanted_px / std::max(wide, high)), 1, kMaxPerCell_px);
   pixel_m = cells_per_pixel * resolution_m;
   // Not turned, the raster is the page, and cells fall on whole pixels.
   const bool is_turned = turn_rad != 0;
@@ -135,7 +135,7 @@ SiteRaster::SiteRaster(Site& site, int floor, const RasterPlace& place)
         any_reached |= reached;
         if (measures && !reached) unreached(at) = 1;
         measured(at) = std::max(measured(at), static_cast<uchar>(measures && reached ? 2 : 1));
-        if (c.elevation_m - c.ground_m > io::kLeastObstacle_m) obstacle(at) = 1;
+        if (c.elevation_m - c.ground_m > io::kMinObstacle_m) obstacle(at) = 1;
       });
   if (!any_reached) measured.setTo(2, unreached);  // nothing was known around the robot
   ground_m.setTo(std::numeric_limits<float>::quiet_NaN(), measured == 0);

@@ -15,7 +15,7 @@ namespace
 constexpr const char* kNotASite = "is not a site: give a site.tif of talus-map or talus-merge";
 constexpr const char* kDamaged = "damaged: copy it again, or make it anew";
 constexpr const char* kCutShort = "cannot be read to its end; copy it again";
-constexpr std::int64_t kMostIslands = 1000000;
+constexpr std::int64_t kMaxIslands = 1000000;
 constexpr std::int64_t kFarthestCell = 2'000'000'000;  //!< beyond what frames can lead to
 }  // namespace
 
@@ -134,7 +134,7 @@ void SiteReader::read_metadata()
     info_.floors = *floors;
   }
   if (dataset_->GetMetadataItem(kObjectTopsItem))
-    info_.islands = static_cast<std::size_t>(whole_item(kObjectTopsItem, 1, kMostIslands));
+    info_.islands = static_cast<std::size_t>(whole_item(kObjectTopsItem, 1, kMaxIslands));
   if (const char* text = dataset_->GetMetadataItem(kOriginItem))
   {
     origin_ = origin_from(text);

@@ -24,7 +24,7 @@ void for_each_word(const F& f)
 }  // namespace
 
 TilePacker::TilePacker()
-    : compressor_(ZSTD_createCCtx(), ZSTD_freeCCtx), values_(kCells * kValues), packed_(kMostPacked)
+    : compressor_(ZSTD_createCCtx(), ZSTD_freeCCtx), values_(kCells * kValues), packed_(kMaxPacked)
 {
   if (!compressor_) throw std::bad_alloc();
   ZSTD_CCtx_setParameter(compressor_.get(), ZSTD_c_compressionLevel, kPackLevel);

@@ -31,7 +31,7 @@ class TilePacker
     unpack_bytes(packed, reinterpret_cast<char*>(&tile));
   }
 
-  static constexpr std::size_t kMostPacked = ZSTD_COMPRESSBOUND(sizeof(Tile));
+  static constexpr std::size_t kMaxPacked = ZSTD_COMPRESSBOUND(sizeof(Tile));
 
  private:
   std::vector<std::uint8_t> pack_bytes(const char* tile);

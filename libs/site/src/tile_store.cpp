@@ -72,7 +72,7 @@ void read_packed(const fs::path& path, TilePacker& packer, T& tile)
   errno = 0;
   File file(std::fopen(path.c_str(), "rb"));
   if (!file) fail_to_read(path, std::strerror(errno));
-  std::vector<std::uint8_t> packed(TilePacker::kMostPacked);
+  std::vector<std::uint8_t> packed(TilePacker::kMaxPacked);
   packed.resize(std::fread(packed.data(), 1, packed.size(), file.get()));
   if (std::ferror(file.get())) fail_to_read(path, std::strerror(errno));
   try
@@ -166,7 +166,7 @@ struct StoreOf<T>::Impl
   };
 
   Impl(std::size_t memory_bytes, std::string parent)
-      : most_bytes(std::max(memory_bytes, kFewestInMemory * sizeof(T))), folder(std::move(parent))
+      : most_bytes(std::max(memory_bytes, kMinInMemory * sizeof(T))), folder(std::move(parent))
   {
   }
 

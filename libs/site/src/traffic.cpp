@@ -23,7 +23,7 @@ constexpr double kBeside_m = 0.5;
 constexpr int kPassesPerHitBeside = 1;
 /** So much of what stands near, and stood there before, has moved: a few cells of the front of a
  * parked car take nothing with them. */
-constexpr double kFewestMoved = 0.2;
+constexpr double kMinMoved = 0.2;
 /// @}
 
 /** Goes on from what has moved to what is of the same thing. */
@@ -105,7 +105,7 @@ class SameThing
           left += left_[near];
           all += left_[near] || standing_[near];
         });
-    return left >= kFewestMoved * all;
+    return left >= kMinMoved * all;
   }
 
   struct Open

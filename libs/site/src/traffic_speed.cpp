@@ -28,8 +28,8 @@ constexpr double kLately_s = 0.8, kShortest_s = 0.25;
 /// @name The speed of a thing in a scan: of the scans so long before and after it, so many and so
 /// long at least, which scatter around a line by so much of the way at most
 /// @{
-constexpr double kAround_s = 0.75, kLeast_s = 0.4, kMostScatter = 0.25;
-constexpr std::size_t kFewestScans = 3;
+constexpr double kAround_s = 0.75, kMin_s = 0.4, kMaxScatter = 0.25;
+constexpr std::size_t kMinScans = 3;
 /// @}
 
 struct Vector
@@ -187,12 +187,12 @@ void find_speeds(Track& track)
     const auto first = std::partition_point(track.cbegin(), track.cend(), is_before);
     const auto last = std::partition_point(first, track.cend(), is_near);
     const double long_s = std::prev(last)->stamp_s - first->stamp_s;
-    if (static_cast<std::size_t>(last - first) < kFewestScans || long_s < kLeast_s) continue;
+    if (static_cast<std::size_t>(last - first) < kMinScans || long_s < kMin_s) continue;
     for (std::size_t corner = 0; corner < sight.corners.size(); ++corner)
     {
       const Line line(first, last, corner);
       const double speed_mps = line.velocity_mps.length();
-      if (line.scatter_m <= kMostScatter * speed_mps * long_s)
+      if (line.scatter_m <= kMaxScatter * speed_mps * long_s)
         sight.speed_mps = std::fmax(sight.speed_mps, speed_mps);
     }
   }

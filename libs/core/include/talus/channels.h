@@ -10,7 +10,7 @@ namespace talus
 struct Frame;
 
 /** The most channels of a map. */
-constexpr std::size_t kMostChannels = 4;
+constexpr std::size_t kMaxChannels = 4;
 /** Classes of a channel that is put to the vote: 0 to 15. */
 constexpr int kChannelClasses = 16;
 
@@ -54,7 +54,7 @@ constexpr std::size_t kChannelSurfaces = 2;
 struct ChannelRecord
 {
   /** Of the ground, then of what stands there; channel after channel. */
-  float values[kChannelSurfaces * kMostChannels] = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+  float values[kChannelSurfaces * kMaxChannels] = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
 };
 
 /** The channels that a text such as "intensity:mean,label:vote" names; "none" or nothing: none.
@@ -63,7 +63,7 @@ std::vector<Channel> channels_from(const std::string& text);
 /** The text that channels_from() reads back. */
 std::string channels_text(const std::vector<Channel>& channels);
 
-/** Throws std::invalid_argument for more than kMostChannels channels, two of one name, and a name
+/** Throws std::invalid_argument for more than kMaxChannels channels, two of one name, and a name
  * that is none or that a layer of maps has. */
 void validate_channels(const std::vector<Channel>& channels);
 

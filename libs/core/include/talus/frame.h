@@ -24,7 +24,7 @@ struct Pose
 };
 
 /** The most sensors of one map. */
-constexpr std::size_t kMostSensors = 64;
+constexpr std::size_t kMaxSensors = 64;
 
 /** A pose valid at a time [s], relative to the stamp of its frame. */
 struct TimedPose
@@ -71,7 +71,7 @@ struct Frame
   std::vector<TimedPose> path;
   /** Optional values of each point, `size` each, in the order of Parameters::channels; nullptr: the
    * frame has none of that channel. NaN, and what is beyond 2^24 from zero, counts for nothing. */
-  std::array<const float*, kMostChannels> channels{};
+  std::array<const float*, kMaxChannels> channels{};
 };
 
 /** T_map_base of a frame, the middle of the window; see Frame::T_base_sensor. */

@@ -45,7 +45,7 @@ class FrameGatherer
     int count = 0;  //!< gathered parts
     double first_s = 0;  //!< stamp of the first of them; times count from there
     std::vector<float> x_m, y_m, z_m, time_s;
-    std::array<std::vector<float>, kMostChannels> channels;  //!< empty: no part has values
+    std::array<std::vector<float>, kMaxChannels> channels;  //!< empty: no part has values
     Frame scan;
   };
   Parts& parts_of(std::uint32_t sensor);

@@ -9,10 +9,10 @@ namespace talus
 {
 /** Most cells along a side of the window: indices of cells stay in 32 bits, the resident layers
  * below 16 GB. */
-constexpr int kMostCellsASide = 16384;
+constexpr int kMaxCellsASide = 16384;
 
 /** Most boxes of the robot's body. */
-constexpr std::size_t kMostBodyBoxes = 32;
+constexpr std::size_t kMaxBodyBoxes = 32;
 
 /** A box of the robot's own body, in the frame of its base [m]. */
 struct BodyBox

@@ -9,9 +9,9 @@ namespace talus
 std::unique_ptr<BackendInterface> make_cpu_backend(const MapConfig& config, int threads)
 {
 #if defined(TALUS_HAVE_TBB)
-  constexpr int kMostThreads = 1024;  // pieces of a loop are counted in an int
+  constexpr int kMaxThreads = 1024;  // pieces of a loop are counted in an int
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  threads = std::min(threads, kMostThreads);
+  threads = std::min(threads, kMaxThreads);
   if (threads > 1)
     return std::make_unique<MapBackend<Cores<ThreadPool>>>(
         config, CpuExecutor<ThreadPool>{ThreadPool{threads}});

@@ -12,7 +12,7 @@
 namespace talus::cells
 {
 /** Cells side by side, and their most points; larger cells are updated one by one. */
-constexpr int kLanes = 32, kMost = 32;
+constexpr int kLanes = 32, kMax = 32;
 
 template <class T>
 using Lanes = SideBySide<T, kLanes>;
@@ -67,7 +67,7 @@ class alignas(64) Batch : public kernels::CellUpdate<Batch, Lanes>
 
   int most_ = 0;
   int size_[kLanes];
-  Lanes<kernels::HeightPoint> points_[kMost];
+  Lanes<kernels::HeightPoint> points_[kMax];
 };
 
 /** The cells that received points. Cells of one part of the window come together, so that a thread
@@ -76,7 +76,7 @@ class alignas(64) Batch : public kernels::CellUpdate<Batch, Lanes>
 class Order
 {
  public:
-  Order(const kernels::Map& m, int parts) : m_(m), parts_(std::min(parts, kMostParts)) {}
+  Order(const kernels::Map& m, int parts) : m_(m), parts_(std::min(parts, kMaxParts)) {}
 
   /** Finds the cells of n points and reserves their ranges. */
   void find(int n)
@@ -84,7 +84,7 @@ class Order
     const std::int32_t* const found = m_.crowded;
     cells_ = m_.crowded + n;
     const int cells = list(n);
-    int start[kMostParts * kKinds + 1] = {};  // of the cells of one kind
+    int start[kMaxParts * kKinds + 1] = {};  // of the cells of one kind
     for (int c = 0; c < cells; c++) start[kind_of(found[c]) + 1]++;
     for (int kind = 0; kind < parts_ * kKinds; kind++) start[kind + 1] += start[kind];
     cut(start);
@@ -123,7 +123,7 @@ class Order
   }
 
  private:
-  static constexpr int kMostParts = 16, kKinds = kMost + 2;
+  static constexpr int kMaxParts = 16, kKinds = kMax + 2;
   /** Where the cells of a part, its largest ones, and its batches begin. */
   struct Cut
   {
@@ -148,7 +148,7 @@ class Order
   /** A kind is a part and a number of points. */
   int kind_of(int cell) const
   {
-    const int points = std::min(static_cast<int>(m_.kept_count[cell]), kMost + 1);
+    const int points = std::min(static_cast<int>(m_.kept_count[cell]), kMax + 1);
     if (parts_ == 1) return points;
     const int n = m_.k.cells, place = cell - m_.frame->storage_y * n;
     const float share =
@@ -161,7 +161,7 @@ class Order
   {
     for (int part = 0; part < parts_; part++)
     {
-      const int first = part * kKinds, lone = start[first + kMost + 1], end = start[first + kKinds];
+      const int first = part * kKinds, lone = start[first + kMax + 1], end = start[first + kKinds];
       cuts_[part].cell = start[first], cuts_[part].lone = lone;
       cuts_[part + 1].cell = end;
       cuts_[part + 1].batch = cuts_[part].batch + batches_of(lone - start[first]) + end - lone;
@@ -171,7 +171,7 @@ class Order
   const kernels::Map& m_;
   int parts_;
   std::int32_t* cells_ = nullptr;
-  Cut cuts_[kMostParts + 1];
+  Cut cuts_[kMaxParts + 1];
 };
 
 }  // namespace talus::cells

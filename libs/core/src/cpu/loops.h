@@ -58,17 +58,17 @@ TALUS_CLONES void find_applicable(
       begin, end, [&](int x) { applicable[x - begin] = f.applies(x, y, first + (x - begin)); });
 }
 /** Marks of cells, looked at in groups. */
-template <int kMost>
+template <int kMax>
 struct Marks
 {
   static constexpr int kGroup = 8;
-  alignas(64) std::uint8_t of[kMost + kGroup];
+  alignas(64) std::uint8_t of[kMax + kGroup];
 };
 /** f(i) for the marked i below n; marks are few. */
-template <int kMost, class F>
-void over_marked(Marks<kMost>& m, int n, const F& f)
+template <int kMax, class F>
+void over_marked(Marks<kMax>& m, int n, const F& f)
 {
-  constexpr int kGroup = Marks<kMost>::kGroup;
+  constexpr int kGroup = Marks<kMax>::kGroup;
   std::uint8_t* const marks = m.of;
   std::memset(marks + n, 0, kGroup);
   for (int block = 0; block < n; block += kGroup)

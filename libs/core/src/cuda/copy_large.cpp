@@ -38,7 +38,7 @@ void copy_part(const CopyBlock& block, std::size_t begin, std::size_t size)
       std::min(size, block.to_copy() - begin));
 }
 
-constexpr int kMostHelpers = 5;
+constexpr int kMaxHelpers = 5;
 /** A smaller copy is done alone; below the second size threads are not woken. */
 constexpr std::size_t kAlone = 96 * 1024, kLarge = 256 * 1024;
 constexpr std::size_t kPiece = 32 * 1024;
@@ -81,7 +81,7 @@ class SharedCopy
 
 int helper_count()
 {
-  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()) - 1, 0, kMostHelpers);
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()) - 1, 0, kMaxHelpers);
 }
 
 void copy_together(

@@ -191,7 +191,7 @@ class CudaExecutor
     // High tiles share more rows. With few cells, low tiles spread over the device and need one
     // round of rows.
     constexpr int rows = loops::kWindowThreads;
-    const int most = std::min(loops::kJudgedRows, loops::kMostRows - 2 * radius);
+    const int most = std::min(loops::kJudgedRows, loops::kMaxRows - 2 * radius);
     const int height = (nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : most) - 2;
     const auto size = static_cast<std::size_t>(loops::kTileWidth * (height + 2 + 2 * radius));
     const dim3 grid(blocks(nx, loops::kTileWidth - 2), blocks(end - first, height));
@@ -290,7 +290,7 @@ class CudaExecutor
                        static_cast<std::size_t>(rows) * sizeof(float);
     int shares = 1;
     if (bytes >= kBandBytes)
-      for (int share = 1; shares < kLeastShares >> std::min(before, 2);)
+      for (int share = 1; shares < kMinShares >> std::min(before, 2);)
         share *= layers, shares += share;
     for (int begin = 0, share = 1; begin < shares; begin += share, share *= layers)
       body(rows * begin / shares, rows * (begin + share) / shares, begin > 0);
@@ -302,7 +302,7 @@ class CudaExecutor
   static constexpr int kWordsPerWarp = 4;
   static constexpr int kManyThreads = 100000;  //!< they fill a device
   static constexpr std::size_t kBandBytes = 1024 * 1024;
-  static constexpr int kLeastShares = 4;
+  static constexpr int kMinShares = 4;
 
   CudaSlot& slot() { return slots_[now_]; }
   const CudaSlot& slot() const { return slots_[now_]; }

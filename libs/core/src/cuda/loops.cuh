@@ -25,7 +25,7 @@ constexpr int kTilesAtOnce = 5, kBitBlocksAtOnce = 6;
 constexpr int kHandedOver = 64;  //!< of a block that hands over records
 constexpr int kWindowThreads = 16;  //!< rows of a block with neighbourhoods
 constexpr int kJudgedRows = 2 * kWindowThreads;  //!< most of a tile that overlaps with others
-constexpr int kMostRows = 43;  //!< most that such a tile sums, to fit into shared memory
+constexpr int kMaxRows = 43;  //!< most that such a tile sums, to fit into shared memory
 
 /** With programmatic dependent launch a kernel is brought up while its predecessor still runs. This
  * waits for the predecessor's results, then lets the successor come up. */

@@ -9,9 +9,9 @@ namespace talus::baselines
 {
 namespace
 {
-constexpr double kFewest = 20;
+constexpr double kMinCount = 20;
 /** Fills err by so much at least: less is a fifteenth of the noise of a range. */
-constexpr double kLeastError_m = 0.001;
+constexpr double kMinError_m = 0.001;
 using Results = std::vector<BudgetResult>;
 
 void judge(Results& out, const std::string& name, double value, double limit, bool at_most)
@@ -25,12 +25,12 @@ void judge(Results& out, const std::string& name, double value, double limit, bo
 
 void judge(Results& out, const std::string& name, const Errors& e, double limit_m)
 {
-  judge(out, name, static_cast<double>(e.count()) >= kFewest ? e.rmse_m() : kNan, limit_m, true);
+  judge(out, name, static_cast<double>(e.count()) >= kMinCount ? e.rmse_m() : kNan, limit_m, true);
 }
 
 void judge(
     Results& out, const std::string& name, const Share& s, double limit, bool at_most,
-    double fewest = kFewest)
+    double fewest = kMinCount)
 {
   judge(out, name, s.of >= fewest ? s.value() : kNan, limit, at_most);
 }
@@ -63,8 +63,8 @@ void judge_fills(Results& out, const std::vector<FillScore>& fills)
   for (std::size_t f = 1; f < fills.size(); ++f)
   {
     const Errors &own = fills[0].seen, &other = fills[f].seen;
-    const bool enough = static_cast<double>(own.count()) >= kFewest;
-    const auto error_m = [](const Errors& e) { return std::max(e.rmse_m(), kLeastError_m); };
+    const bool enough = static_cast<double>(own.count()) >= kMinCount;
+    const auto error_m = [](const Errors& e) { return std::max(e.rmse_m(), kMinError_m); };
     judge(
         out, "fill_beats_" + fills[f].fill, enough ? error_m(own) / error_m(other) : kNan, 1.0,
         true);

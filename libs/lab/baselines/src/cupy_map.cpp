@@ -14,7 +14,7 @@ constexpr float kGate = 2.0f;  //!< Mahalanobis distance
 constexpr float kOutlier_m2 = 0.01f;  //!< added to the variance by a point outside the gate
 constexpr float kTime_m2ps = 1e-3f;  //!< added a second
 constexpr float kTrusted_m2 = 0.05f, kFlat = 0.9f;  //!< cells that drift is measured on
-constexpr double kMostDrift_m = 0.1;  //!< a larger mean is none
+constexpr double kMaxDrift_m = 0.1;  //!< a larger mean is none
 constexpr double kDriftShare = 0.1;  //!< of the mean error that a frame makes up for
 constexpr float kConeFrom_m = 1.0f, kConeRise = 0.3f, kConeLow_m = 0.2f;
 
@@ -52,7 +52,7 @@ void CuPyMap::compensate_drift(const std::vector<MapPoint>& points)
     sum_m += static_cast<double>(p.z_m) - c.height_m;
     ++hits;
   }
-  if (hits == 0 || std::abs(sum_m / hits) > kMostDrift_m) return;
+  if (hits == 0 || std::abs(sum_m / hits) > kMaxDrift_m) return;
   for (Cell& c : cells()) c.height_m += static_cast<float>(kDriftShare * sum_m / hits);
 }
 

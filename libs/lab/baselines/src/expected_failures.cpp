@@ -9,7 +9,7 @@ namespace talus::baselines
 {
 namespace
 {
-constexpr std::uint64_t kMostBytes = 1 << 24;
+constexpr std::uint64_t kMaxBytes = 1 << 24;
 constexpr double kSlackOfShare = 0.01;
 constexpr double kSlackOfError = 0.1;  //!< relative to the value that was noted
 
@@ -69,7 +69,7 @@ double slack(const std::string& budget, double noted)
 ExpectedFailures ExpectedFailures::read(const std::string& path)
 {
   ExpectedFailures out;
-  std::istringstream lines(read_input_file(path, "file of expected failures", kMostBytes));
+  std::istringstream lines(read_input_file(path, "file of expected failures", kMaxBytes));
   int number = 0;
   for (std::string line; std::getline(lines, line);)
   {

@@ -11,7 +11,7 @@ namespace talus::baselines
 {
 namespace
 {
-constexpr double kMostGridCells = 3e7;  // a gigabyte
+constexpr double kMaxGridCells = 3e7;  // a gigabyte
 
 double center_m(std::int64_t cell, double resolution_m)
 {
@@ -107,7 +107,7 @@ void HeightGridMethod::update(const Frame& frame)
   { return (std::max(high_m, old_high_m) - std::min(low_m, old_low_m)) / w.resolution_m; };
   if (!map_ || cells_with(x0, x0 + side, map_->getXMin(), map_->getXMax()) *
                        cells_with(y0, y0 + side, map_->getYMin(), map_->getYMax()) >
-                   kMostGridCells)
+                   kMaxGridCells)
     map_ =
         std::make_unique<Map>(Map::mrSimpleAverage, x0, x0 + side, y0, y0 + side, w.resolution_m);
   else

@@ -8,9 +8,9 @@ namespace talus::sim
 namespace
 {
 constexpr double kStep_m = 0.1;  //!< along the way
-constexpr double kMostSteps = 10000;  //!< from one stop to the next, however far that is
+constexpr double kMaxSteps = 10000;  //!< from one stop to the next, however far that is
 constexpr double kGrid_m = 0.025;  //!< of vertical lines through what two bodies may share
-constexpr double kMostLines = 100;  //!< along each axis
+constexpr double kMaxLines = 100;  //!< along each axis
 constexpr double kOver_m = 0.2;  //!< what is lower, a mover steps or rides over
 constexpr double kGraze_m = 0.01;  //!< less of a line in both is no collision
 
@@ -40,8 +40,8 @@ bool overlap(const Shape& a, const Shape& b, double above_m)
   const Bounds area = shared(bounds(a), bounds(b));
   const double size_x = area.max_m.x - area.min_m.x, size_y = area.max_m.y - area.min_m.y;
   if (size_x <= 0 || size_y <= 0 || area.max_m.z <= std::max(area.min_m.z, above_m)) return false;
-  const double nx = std::ceil(std::min(size_x / kGrid_m, kMostLines));
-  const double ny = std::ceil(std::min(size_y / kGrid_m, kMostLines));
+  const double nx = std::ceil(std::min(size_x / kGrid_m, kMaxLines));
+  const double ny = std::ceil(std::min(size_y / kGrid_m, kMaxLines));
   for (double i = 0.5; i < nx; ++i)
     for (double j = 0.5; j < ny; ++j)
     {
@@ -59,7 +59,7 @@ std::vector<double> times_along(const std::vector<Mover::Stop>& path)
   {
     const Mover::Stop &a = path[i - 1], &b = path[i];
     const double way_m = std::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
-    const double steps = std::clamp(std::ceil(way_m / kStep_m), 1.0, kMostSteps);
+    const double steps = std::clamp(std::ceil(way_m / kStep_m), 1.0, kMaxSteps);
     for (double s = 1; s <= steps; ++s)
       times.push_back(a.time_s + (b.time_s - a.time_s) * s / steps);
   }
@@ -108,7 +108,7 @@ std::vector<double> times_of_drive(
   std::vector<double> times{0};
   for (double t : times_along(mover.path))
     if (t > 0 && t < end_s) times.push_back(t);
-  const double step_s = std::max(kStep_m / robot.speed_mps, way_s / kMostSteps);
+  const double step_s = std::max(kStep_m / robot.speed_mps, way_s / kMaxSteps);
   for (double i = 1; i * step_s < std::min(way_s, end_s); ++i) times.push_back(i * step_s);
   times.push_back(end_s);
   std::sort(times.begin(), times.end());

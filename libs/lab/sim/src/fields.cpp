@@ -50,11 +50,11 @@ std::string unknown_key(const std::string& key, const std::vector<std::string>& 
 /** For messages: its beginning. */
 std::string text_of(const YAML::Node& node)
 {
-  constexpr std::size_t kMost = 80;
+  constexpr std::size_t kMax = 80;
   std::ostringstream out;
   out << node;
   const std::string text = out.str();
-  return text.size() > kMost ? text.substr(0, kMost) + "..." : text;
+  return text.size() > kMax ? text.substr(0, kMax) + "..." : text;
 }
 
 std::string key_text(const YAML::Node& key, const std::string& file, const std::string& where)

@@ -229,10 +229,10 @@ class Builder
   /** Of one object; more would take hours, or not fit. */
   static void limit_parts(const Fields& f, const std::string& key, double parts)
   {
-    constexpr double kMostParts = 10000;
-    if (parts <= kMostParts) return;
+    constexpr double kMaxParts = 10000;
+    if (parts <= kMaxParts) return;
     std::ostringstream what;
-    what << "makes " << std::setprecision(15) << parts << " parts, the limit is " << kMostParts
+    what << "makes " << std::setprecision(15) << parts << " parts, the limit is " << kMaxParts
          << ": take a shorter line or fewer parts";
     f.fail(key, what.str());
   }
@@ -308,7 +308,7 @@ const std::map<std::string, Kind>& kinds()
 
 void parse_objects(const YAML::Node& list, const std::string& file, World& world)
 {
-  constexpr std::size_t kMostParts = 200000;  // hours of work, and 100 MB
+  constexpr std::size_t kMaxParts = 200000;  // hours of work, and 100 MB
   if (!list.IsSequence())
     fail_at(list, file, "objects", "must be a list of objects, e.g. `- box: {...}`");
   std::vector<std::string> names;
@@ -330,10 +330,10 @@ void parse_objects(const YAML::Node& list, const std::string& file, World& world
       shapes.push_back(s);
       if (name == "deck") world.decks.push_back(s);
     }
-    if (shapes.size() > kMostParts)
+    if (shapes.size() > kMaxParts)
       fail_at(
           entry, file, "objects",
-          "the parts of all objects up to this one are more than " + std::to_string(kMostParts) +
+          "the parts of all objects up to this one are more than " + std::to_string(kMaxParts) +
               ": leave some out");
   }
   world.objects = ShapeTree(std::move(shapes));

@@ -146,9 +146,8 @@ World parse_world(const std::string& text, const std::string& file)
 
 World load_world(const std::string& path)
 {
-  constexpr std::uint64_t kMost_bytes = 1
-                                        << 20;  // takes a hundred times as much memory once parsed
-  return parse_world(read_input_file(path, "world file", kMost_bytes), path);
+  constexpr std::uint64_t kMax_bytes = 1 << 20;  // takes a hundred times as much memory once parsed
+  return parse_world(read_input_file(path, "world file", kMax_bytes), path);
 }
 
 }  // namespace talus::sim

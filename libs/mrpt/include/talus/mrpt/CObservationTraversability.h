@@ -31,7 +31,7 @@ struct PackedLayer;
  *
  * What was read stays packed: it takes the memory of the bytes that are there, and goes on into
  * another stream as it is. Layers are unpacked when layer() asks for one, 4 bytes a cell (1 GB for
- * the largest window, kMostCellsASide); summary() and the texts unpack them piece by piece, in less
+ * the largest window, kMaxCellsASide); summary() and the texts unpack them piece by piece, in less
  * than 1 MB. A stream that is damaged or made up throws std::runtime_error when it is read, and
  * leaves all as it was; what is wrong inside of a layer throws it when the layer is unpacked. */
 class CObservationTraversability : public mrpt::obs::CObservation

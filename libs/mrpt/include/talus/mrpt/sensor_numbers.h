@@ -13,7 +13,7 @@ class SensorNumbers
   /** Of a map that has these already. */
   explicit SensorNumbers(std::vector<std::string> labels);
 
-  /** Throws std::invalid_argument for one sensor more than a map tells apart, kMostSensors. */
+  /** Throws std::invalid_argument for one sensor more than a map tells apart, kMaxSensors. */
   std::uint32_t number_of(const std::string& label);
 
   /** The place of each is its number. */

@@ -64,7 +64,7 @@ class StoreOf
 {
  public:
   /** At least so many tiles stay in memory, whatever the budget. */
-  static constexpr std::size_t kFewestInMemory = 4;
+  static constexpr std::size_t kMinInMemory = 4;
 
   /** `folder`: where a hidden folder is made for tiles that find no room, when the first does;
    * removed with the store. */
