@@ -18,9 +18,12 @@ enum RejectCode : int
   kAccepted = kRejectCodes
 };
 
-/** The counters of a frame: the points of each RejectCode, and 1 if the frame shows another floor.
- */
-constexpr int kLeavesFloor = kRejectCodes, kCounters = kRejectCodes + 1;
+/** What a frame reports to the host. */
+struct FrameCounts
+{
+  std::uint32_t rejected[kRejectCodes];  //!< points by RejectCode
+  std::uint32_t leaves_floor;  //!< 1: the frame shows another floor
+};
 
 struct Verdict
 {
@@ -83,8 +86,8 @@ TALUS_HD Point transform(const WindowPose& pose, const Point& p)
 TALUS_HD WindowPose pose_at(const FrameContext& f, float time_s)
 {
   const float last = static_cast<float>(f.n_poses - 1);
-  const float place = (time_s - f.path_start_s) * f.path_rate_hz;
-  const float at = place > 0.0f ? min_of(place, last) : 0.0f;  // NaN gives the first pose
+  const float since_start = (time_s - f.path_start_s) * f.path_rate_hz;
+  const float at = since_start > 0.0f ? min_of(since_start, last) : 0.0f;  // NaN: the first pose
   const int before = min_of(floor_to_int(at), f.n_poses - 2);
   const float w = at - static_cast<float>(before);
   WindowPose pose;

@@ -9,7 +9,7 @@ namespace talus::kernels
 // passed under mapped ground that the same scan hits nearer in the same direction. Only ground
 // below the sensor counts: a rising ray may hit an underside.
 
-/** The slope that a ray must keep to pass over known ground that was hit in one place of the table
+/** The slope that a ray must keep to pass over known ground that was hit, by index in the table
  * of rays; -infinity where no ground was hit. */
 struct FindGroundHits
 {

@@ -49,7 +49,7 @@ struct NoteReach
   TALUS_HD void operator()(int point_i) const
   {
     if (m.point_reach[point_i] >= 0)
-      Atomics::min(m.reach + m.point_reach[point_i], -m.point_ray[point_i]);
+      Atomics::max(m.reach + m.point_reach[point_i], m.point_ray[point_i]);
   }
 };
 
@@ -94,7 +94,8 @@ struct AcceptPoint
   TALUS_HD void note(int point_i) const
   {
     NoteRay<Atomics>{m}(point_i);
-    if (m.point_reject[point_i] != kAccepted) Atomics::count(m.counters + m.point_reject[point_i]);
+    if (m.point_reject[point_i] != kAccepted)
+      Atomics::count(m.counts->rejected + m.point_reject[point_i]);
   }
   /** Counts the rejected among the points [begin, end), after locate(). */
   void count_rejected(int begin, int end) const
@@ -103,7 +104,7 @@ struct AcceptPoint
     {
       std::uint32_t n = 0;
       for (int point_i = begin; point_i < end; point_i++) n += m.point_reject[point_i] == code;
-      if (n) Atomics::add(m.counters + code, n);
+      if (n) Atomics::add(m.counts->rejected + code, n);
     }
   }
 
@@ -148,9 +149,9 @@ struct AcceptPoint
         ray_of(ray_slope(p.z_m - m.frame->sensor_z_map_m, chebyshev_m), chebyshev_m);
     const float slope = float_from_ordered(ray);
     m.point_slope[point_i] = slope;
-    const float step = slope_step(select(aims, slope, 0.0f));
-    const bool counts = aims & (step >= 0.0f) & (step < static_cast<float>(kSlopeSteps));
-    const int at = bin * kSlopeSteps + floor_to_int(select(counts, step, 0.0f));
+    const float slot = slope_bin(select(aims, slope, 0.0f));
+    const bool counts = aims & (slot >= 0.0f) & (slot < static_cast<float>(kSlopeBins));
+    const int at = bin * kSlopeBins + floor_to_int(select(counts, slot, 0.0f));
     m.point_reach[point_i] = select(counts, at, -1);
   }
 };

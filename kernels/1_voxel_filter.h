@@ -18,7 +18,7 @@ TALUS_HD std::uint64_t mix_bits(std::uint64_t v)
   return v ^ (v >> 31);
 }
 
-/** Enters one point into the table; `slot` keeps its place. */
+/** Enters one point into the table; `slot` keeps its index. */
 template <class Atomics>
 struct EnterVoxel
 {

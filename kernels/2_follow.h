@@ -17,7 +17,7 @@ struct OffsetHistogram
 {
   static constexpr int kBins = 64;
   std::uint32_t count[kBins];
-  std::uint32_t sum[kBins];  //!< sums of heights in 1 / kHeightSteps m; they wrap below zero
+  std::uint32_t sum[kBins];  //!< sums of heights in 1 / kHeightUnits m; they wrap below zero
   std::uint32_t far;  //!< hits beyond the bins
 };
 
@@ -37,7 +37,7 @@ struct CountOffset
     const float ground_m = m.cell.ground_m[storage_i], top_m = m.cell.elevation_m[storage_i];
     const bool bare = (m.cell.state[storage_i] == kMeasured) &
                       ((m.cell.flags[storage_i] & kWasPassable) != 0) &
-                      (m.cell.driven_height[storage_i] == 0) &
+                      !was_driven_through(m.cell.driven_height[storage_i]) &
                       !(top_m - ground_m > kBare_steps * m.k.step_threshold_m);
     if (bare) add(m.point_height_m[point_i] - m.datum->offset_m - ground_m);
   }
@@ -55,7 +55,7 @@ struct CountOffset
     const int at = floor_to_int(bin);
     Atomics::add(m.offsets->count + at, 1);
     Atomics::add(
-        m.offsets->sum + at, static_cast<std::uint32_t>(floor_to_int(above_m * kHeightSteps)));
+        m.offsets->sum + at, static_cast<std::uint32_t>(floor_to_int(above_m * kHeightUnits)));
   }
 };
 
@@ -124,13 +124,13 @@ struct FollowPoses
     else if (const int all = most.of + far; all >= kMinGroundHits)
     {
       const float above_m =
-          static_cast<float>(most.sum) / (static_cast<float>(most.hits) * kHeightSteps);
+          static_cast<float>(most.sum) / (static_cast<float>(most.hits) * kHeightUnits);
       const bool agree = 2 * most.hits > all && abs_of(above_m) > kFollow_m;
       if (agree && on(kFollowsPoses, m.k)) now.offset_m += above_m;
       now.starts_anew = select((kOtherFloorOneIn * far > all) & on(kFollowsPoses, m.k), 1, 0);
     }
     *m.datum = now;
-    m.counters[kLeavesFloor] = static_cast<std::uint32_t>(now.starts_anew);
+    m.counts->leaves_floor = static_cast<std::uint32_t>(now.starts_anew);
   }
 };
 

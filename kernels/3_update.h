@@ -6,10 +6,9 @@
 
 namespace talus::kernels
 {
-// Stage 3 (III-B.1). The points of a cell in one frame are a set: every step is a minimum, a
-// maximum or an exact integer sum over them, so that their order cannot matter. Steps on a point or
-// a cell have no branches, so that a group of threads can share one cell and one thread can update
-// many cells side by side.
+// Stage 3 (III-B.1). The points of a cell in one frame are a set: all that is computed of them is a
+// minimum, a maximum or an exact integer sum, so that their order cannot matter. Nothing here has
+// branches, so that a group of threads can share one cell, or one thread update many side by side.
 
 struct HeightPoint
 {
@@ -103,7 +102,7 @@ TALUS_HD std::int32_t information_of(float variance_m2)
   return whole_units(kInformation / variance_m2);
 }
 
-/** Kalman fusion (eq. 6 and 7, d <= c) of a set in one step: the information of a set is a sum. */
+/** Kalman fusion (eq. 6 and 7, d <= c) of a whole set: its information is a sum. */
 struct Fusion
 {
   std::int64_t information = 0, weighted_distance = 0;
@@ -190,7 +189,8 @@ TALUS_HD FusionPlan plan_ground(const Cell& c, const HeightPoint& low, const Con
 /** Whether the robot drove through what these points hit. */
 TALUS_HD bool is_driven_through(const Cell& c, float highest_m)
 {
-  return (c.driven_height > 0) & (highest_m - c.ground_m <= driven_height_m(c.driven_height));
+  return was_driven_through(c.driven_height) &
+         (highest_m - c.ground_m <= driven_height_m(c.driven_height));
 }
 
 TALUS_HD void put_ground(
@@ -280,13 +280,12 @@ TALUS_HD void put_overhang(Cell& c, const Overhang& overhang, const Config& k)
       on(kOverhangStays, k) & (overhang.lowest_m < kInfinity) & is_known(c.elevation_m);
   const float down_m = select(any, c.elevation_m - overhang.lowest_m, 0.0f);
   c.stay_frames = select(any, kOverhangStays_frames, c.stay_frames);
-  c.passed_frames = select(any, 0, c.passed_frames);
+  c.frames_against = select(any, 0, c.frames_against);
   c.overhang_below = max_of(c.overhang_below, select(any, overhang_units(down_m), 0));
 }
 
 /** Stage 3 on cells that received points: on one, or on several side by side. `Cells` loops over
- * them by each(f), which calls f(l), and adds the points of each to a sum. Steps have no branches,
- * so that they are vector code. */
+ * them by each(f), which calls f(l), and adds the points of each to a sum. */
 template <class Cells, template <class> class Lanes>
 class CellUpdate
 {
@@ -425,6 +424,17 @@ class OneCell : public CellUpdate<OneCell<Group>, OneLane>
 
 /** A cell with more points is crowded, where a group updates it: on devices. */
 constexpr std::uint32_t kCrowd = 4;
+/** Two ends in one number of 64 bits, so that one atomic operation reserves memory of both. */
+struct SortEnds
+{
+  std::uint32_t sorted;  //!< points in Map::sorted
+  int crowded;  //!< cells in Map::crowded
+};
+constexpr std::uint64_t kOneCrowded = 1ull << 32;
+TALUS_HD SortEnds ends_of(std::uint64_t cursor)
+{
+  return {static_cast<std::uint32_t>(cursor), static_cast<int>(cursor >> 32)};
+}
 
 /** Moves one point to the range of its cell. */
 struct SortPoint
@@ -487,7 +497,7 @@ struct UpdateCell
   /** The crowded cell in a slot, or -1 if there is none. */
   TALUS_HD int crowded_cell(int slot) const
   {
-    return slot < static_cast<int>(*m.cursor >> 32) ? m.crowded[slot] : -1;
+    return slot < ends_of(*m.cursor).crowded ? m.crowded[slot] : -1;
   }
 
   /** Stores the updated cell, unless the update rests on a single point. */
@@ -510,8 +520,8 @@ struct UpdateCell
     if (was_bare && top_m > bare_m && is_alone(storage_i, top_m, bare_m))
     {
       const Cell before = m.cell.load(storage_i);
-      c.stay_frames = before.stay_frames, c.passed_frames = before.passed_frames;
-      if (!hit_lately(before.recent_hits))
+      c.stay_frames = before.stay_frames, c.frames_against = before.frames_against;
+      if (!lone_hit_counts(before.recent_hits))
         top_m = refuse(c, before, ends.lowest().height_m, bare_m);
     }
     m.cell.store(storage_i, c);
@@ -591,7 +601,8 @@ struct UpdateCell
     c.elevation_var_m2 = select(c.state == kMeasured, c.ground_var_m2, before.elevation_var_m2);
     c.overhang_below = before.overhang_below, c.overhang_above = before.overhang_above;
     c.flags = before.flags;
-    c.recent_hits = before.recent_hits + kHitAdds;
+    c.recent_hits = before.recent_hits;
+    add_hit(c);
     return select(floor, lowest_m, -kInfinity);
   }
 };

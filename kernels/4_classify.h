@@ -75,7 +75,8 @@ struct ForgetFill
     m.cell.ground_m[i] = select(fill, kNan, m.cell.ground_m[i]);
     m.cell.ground_var_m2[i] = select(fill, kNan, m.cell.ground_var_m2[i]);
     m.cell.state[i] = static_cast<std::uint8_t>(select(fill, static_cast<int>(kUnknown), state));
-    m.cell.flags[i] = static_cast<std::uint8_t>(flags & select(fill, ~(kPassedLow | kMayDrop), ~0));
+    m.cell.flags[i] =
+        static_cast<std::uint8_t>(flags & select(fill, ~(kPassedLow | kPossibleDropOff), ~0));
   }
 };
 

@@ -145,7 +145,7 @@ struct PoolCells
     const bool upright = measured & (top - ground > kUpright_steps * m.k.step_threshold_m);
     const bool stands = top > bare_up_to_m(ground, m.k);
     const bool blocks = top - ground > m.k.step_threshold_m;
-    const int bare = select(m.cell.recent_hits[i] > 0, kLeft, kEmpty);
+    const int bare = select(object_left(m.cell.recent_hits[i]), kLeft, kEmpty);
     return {
         select(measured, ground, kInfinity), select(is_known(ground), ground, kInfinity),
         select(upright, top, -kInfinity), select(blocks, top, -kInfinity),
@@ -240,7 +240,7 @@ struct ErodeGround
   }
 };
 
-/** Highest eroded ground of a neighbourhood; places without any ground do not count. */
+/** Highest eroded ground of a neighbourhood; pairs without any ground do not count. */
 struct HighestGround
 {
   float height_m = -kInfinity;
@@ -274,8 +274,8 @@ struct OpenGround
     const int coarse_i = m.pairs.at(px, py);
     const float by_cone_m = m.pair_cone_m[coarse_i] + kAboveCone_steps * m.k.step_threshold_m;
     const float by_width_m = opened.height_m + kAboveOpening_steps * m.k.step_threshold_m;
-    const bool told = (m.pair_eroded_m[coarse_i] == kInfinity) & (opened.height_m > -kInfinity);
-    m.pair_limit_m[coarse_i] = max_of(select(told, -kInfinity, by_cone_m), by_width_m);
+    const bool by_width = (m.pair_eroded_m[coarse_i] == kInfinity) & (opened.height_m > -kInfinity);
+    m.pair_limit_m[coarse_i] = max_of(select(by_width, -kInfinity, by_cone_m), by_width_m);
   }
 };
 

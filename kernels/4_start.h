@@ -67,8 +67,8 @@ struct PresumeStart
   }
   TALUS_HD int cell_at(float at_m) const { return floor_to_int(at_m * m.k.inverse_resolution); }
 
-  /** What the lowest rays over a place show of its ground. */
-  enum Told
+  /** What the lowest rays over a cell show of its ground. */
+  enum Ground
   {
     kNothing,  //!< they ended there, or they meet no ground within the radius
     kLevel,
@@ -82,33 +82,33 @@ struct PresumeStart
   {
     const auto [x_m, y_m] = from_sensor(ix, iy);
     const float aside_x_m = kDropBeside * y_m, aside_y_m = kDropBeside * x_m;
-    return told_of(x_m, y_m) == kLevel && told_of(x_m - aside_x_m, y_m + aside_y_m) != kDrop &&
-           told_of(x_m + aside_x_m, y_m - aside_y_m) != kDrop;
+    return ground_of(x_m, y_m) == kLevel && ground_of(x_m - aside_x_m, y_m + aside_y_m) != kDrop &&
+           ground_of(x_m + aside_x_m, y_m - aside_y_m) != kDrop;
   }
   /** Asks a nearer cell, since a cell has rays only if they ended some rings behind it. */
-  TALUS_HD Told told_of(float x_m, float y_m) const
+  TALUS_HD Ground ground_of(float x_m, float y_m) const
   {
     const float away_m = chebyshev(x_m, y_m);
     const float nearer_m = away_m - static_cast<float>(kBehindCell_rings) * m.k.resolution_m;
     if (nearer_m < (kUnderSensor_rings + 1.0f) * m.k.resolution_m) return kLevel;
     const float share = nearer_m / away_m;
-    return told_at(
+    return ground_at(
         cell_at(m.frame->sensor_x_m + share * x_m), cell_at(m.frame->sensor_y_m + share * y_m));
   }
-  /** How much the plane of the scanner rises up to a place. Behind a scanner that is tilted forward
-   * its rays look up, but the robot turns before it drives there. */
+  /** How much the plane of the scanner rises up to a position. Behind a scanner that is tilted
+   * forward its rays look up, but the robot turns before it drives there. */
   TALUS_HD float untilted_m(float x_m, float y_m) const
   {
     const float* const p = m.frame->poses[0].m;
     const bool upright = p[10] > kUprightScanner;
     return select(upright, -(p[2] * x_m + p[6] * y_m) / select(upright, p[10], 1.0f), -kInfinity);
   }
-  TALUS_HD Told told_at(int ix, int iy) const
+  TALUS_HD Ground ground_at(int ix, int iy) const
   {
     const int n = m.k.cells;
     if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return kLevel;  // the sensor is outside
     const int at = m.lines.at(ix, iy);
-    if (m.in_open[at] == 0) return kNothing;
+    if (m.unobstructed[at] == 0) return kNothing;
     const auto [x_m, y_m] = from_sensor(ix, iy);
     // Heights count per Chebyshev distance, as in FindPassingRays.
     const float away_m = chebyshev(x_m, y_m);

@@ -6,7 +6,7 @@
 
 namespace talus::kernels
 {
-/** The middle of a cell, from another place of the window. */
+/** The middle of a cell, from another position in the window. */
 struct Offset
 {
   float x_m, y_m;
@@ -99,9 +99,9 @@ struct StandOnCell
   TALUS_HD bool drives_through(int i, float floor_m) const
   {
     const float above_m = kUnderFoot_steps * m.k.step_threshold_m;
-    const bool high = (m.cell.ground_m[i] > floor_m + above_m) |
-                      (m.cell.elevation_m[i] > floor_m + above_m) |
-                      ((m.frame->drove_through_m > above_m) & (m.cell.driven_height[i] == 0));
+    const bool high =
+        (m.cell.ground_m[i] > floor_m + above_m) | (m.cell.elevation_m[i] > floor_m + above_m) |
+        ((m.frame->drove_through_m > above_m) & !was_driven_through(m.cell.driven_height[i]));
     const int state = m.cell.state[i];
     const bool guessed =
         (state != kMeasured) & (state != kPresumed) & !is_known(m.cell.elevation_m[i]);

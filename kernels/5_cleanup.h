@@ -19,7 +19,7 @@ struct SeenThrough
   /** The slope of the highest of the lowest rays of the cell's directions, as an ordered integer.
    */
   std::int32_t highest = -kNoRay;
-  std::int32_t in_open = 1;  //!< nothing was hit between the sensor and the cell
+  std::int32_t unobstructed = 1;  //!< nothing was hit between the sensor and the cell
 };
 
 /** Adds one ray of a footprint. */
@@ -30,7 +30,7 @@ TALUS_HD void add_ray(
   const bool wanted = bin <= g.last_bin;
   const int column = select(wanted, wrap_bin(bin, bin_count(k)), 0);
   const std::int32_t hit = rays[g.row + column], anywhere = rays[column];
-  seen.in_open = select(wanted & (hit != anywhere), 0, seen.in_open);
+  seen.unobstructed = select(wanted & (hit != anywhere), 0, seen.unobstructed);
   seen.highest = max_of(seen.highest, select(wanted & (hit != kNoRay), hit, -kNoRay));
 }
 
@@ -38,20 +38,20 @@ TALUS_HD void add_ray(
 TALUS_HD bool count_frame(Cell& c, bool hit, int frames)
 {
   if (hit)
-    c.passed_frames = 0;
-  else if (c.stay_frames > 0)
+    c.frames_against = 0;
+  else if (overhangs(c.stay_frames))
     c.stay_frames--;
   else
-    c.passed_frames++;
-  if (c.passed_frames < frames) return false;
-  c.passed_frames = 0;
+    c.frames_against++;
+  if (c.frames_against < frames) return false;
+  c.frames_against = 0;
   return true;
 }
 
 /** Removes the object from a cell, and ground above `limit`. */
 TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
 {
-  c.recent_hits = max_of(c.recent_hits, kHitAdds);  // makes it kLeft
+  note_object_left(c);
   if (surface_class == kObject || c.ground_m > limit)
   {
     c.ground_m = c.ground_var_m2 = kNan;
@@ -70,8 +70,8 @@ struct FindPassingRays
 
   TALUS_HD RayFootprint item(int ix, int iy) const { return footprint_of(m.k, *m.frame, ix, iy); }
   /** No fewer than there are rays. Further ones change nothing. */
-  TALUS_HD int steps(const RayFootprint& g) const { return g.most_rays(); }
-  TALUS_HD void step(SeenThrough& seen, const RayFootprint& g, int which) const
+  TALUS_HD int rays(const RayFootprint& g) const { return g.max_rays(); }
+  TALUS_HD void add(SeenThrough& seen, const RayFootprint& g, int which) const
   {
     add_ray(seen, g, which, m.k, m.rays);
   }
@@ -80,8 +80,8 @@ struct FindPassingRays
     const int i = m.lines.at(ix, iy);
     m.free_above_m[i] = height_m(g, seen.highest);
     m.ends_m[i] = ends_m(g, seen.highest);
-    const bool in_open = (seen.in_open != 0) & (seen.highest != -kNoRay);
-    m.in_open[i] = static_cast<std::uint8_t>(select(in_open, 1, 0));
+    const bool unobstructed = (seen.unobstructed != 0) & (seen.highest != -kNoRay);
+    m.unobstructed[i] = static_cast<std::uint8_t>(select(unobstructed, 1, 0));
   }
   /** The rest, in frames that start a map. */
   TALUS_HD void put_lowest(int ix, int iy, const RayFootprint& g) const
@@ -96,7 +96,7 @@ struct FindPassingRays
   {
     const RayFootprint g = item(ix, iy);
     SeenThrough seen;
-    for (int which = 0; which < g.rays(); which++) step(seen, g, which);
+    for (int which = 0; which < g.rays(); which++) add(seen, g, which);
     put(ix, iy, g, seen);
     if (m.frame->starts_map != 0) put_lowest(ix, iy, g);
   }
@@ -127,9 +127,9 @@ struct CleanUpCell
   TALUS_HD bool applies(int ix, int iy, int i) const
   {
     const int at = m.lines.at(ix, iy);
-    const bool any = passed(at), hit_before = m.cell.recent_hits[i] > 0;
-    return (any & (m.cell.state[i] != kUnknown) & (stands_above(at, i) | hit_before)) |
-           came_later(i);
+    const bool any = passed(at), fades = m.cell.recent_hits[i] > 0;
+    return (any & (m.cell.state[i] != kUnknown) & (stands_above(at, i) | fades)) |
+           appeared_after_robot(i);
   }
 
   TALUS_HD void operator()(int ix, int iy, int i) const
@@ -143,7 +143,7 @@ struct CleanUpCell
   {
     const int at = m.lines.at(ix, iy);
     return passed(at) && m.cell.state[i] != kUnknown && stands_above(at, i) &&
-           (m.cell.stay_frames[i] > 0 || m.cell.is(kHitHighUp, i));
+           (overhangs(m.cell.stay_frames[i]) || m.cell.is(kHitHighUp, i));
   }
 
   /** What is high up hangs, and is removed, if rays pass below it as high as the robot. Rays below
@@ -163,8 +163,8 @@ struct CleanUpCell
       c.flags |= kPassedBelow;
       m.cell.store(i, c);
     }
-    if (hangs || m.cell.stay_frames[i] == 0) return;
-    Reach extent{m.cell.overhang_below[i], m.cell.overhang_above[i]};
+    if (hangs || !overhangs(m.cell.stay_frames[i])) return;
+    Extent extent{m.cell.overhang_below[i], m.cell.overhang_above[i]};
     if (hit)
     {
       extent = learn(extent, overhang, top_m, hit_m, limit_m);
@@ -175,7 +175,7 @@ struct CleanUpCell
     }
     const float low_m = max_of(top_m - overhang_m(extent.below) + k.cleanup_margin_m, limit_m);
     const float high_m = top_m + overhang_m(extent.above) - k.cleanup_margin_m;
-    const SlopeSteps inside = overhang.between(low_m, high_m);
+    const SlopeBins inside = overhang.between(low_m, high_m);
     const bool thin = inside.none();
     const bool went = overhang.went_on(thin ? overhang.around(top_m) : inside, thin);
     const bool gone = went || leaves_with_others(ix, iy);
@@ -186,7 +186,7 @@ struct CleanUpCell
   {
     const int at = m.lines.at(ix, iy);
     Cell c = m.cell.load(i);
-    const bool later = came_later(i), seen = passed(at);
+    const bool follows = appeared_after_robot(i), seen = passed(at);
     const bool stands = seen && stands_above(at, i);
     const float hit_m = m.top_hit_m[i], limit_m = select(stands, limit(at), kInfinity);
     const bool faded = seen && c.recent_hits > 0;  // rays passed
@@ -195,14 +195,13 @@ struct CleanUpCell
     // Hits below the rays do not protect it: behind a box that moved away they are on its floor.
     const bool hit = hit_m > select(stands, limit_m, bare_up_to_m(c.ground_m, m.k));
     // A hit above it hangs.
-    if (stands && hit && hit_m <= top(i) + m.k.cleanup_margin_m)
-      c.recent_hits = min_of(c.recent_hits + kHitAdds, kMaxRecentHits);
-    if (later && !hit) c.stay_frames = 0;
+    if (stands && hit && hit_m <= top(i) + m.k.cleanup_margin_m) add_hit(c);
+    if (follows && !hit) c.stay_frames = 0;
     const int frames = stands ? m.k.cleanup_frames : kFollowerLeaves_frames;
     const bool waits = stands && !hit && is_rim(i, limit_m);
-    const bool left = (stands || later) && !waits && count_frame(c, hit, frames);
+    const bool left = (stands || follows) && !waits && count_frame(c, hit, frames);
     if (left) clear(c, m.surface_class[i], limit_m);
-    if (stands || faded || later) m.cell.store(i, c);
+    if (stands || faded || follows) m.cell.store(i, c);
   }
 
  private:
@@ -212,14 +211,14 @@ struct CleanUpCell
   TALUS_HD bool passed_below(const OverhangRays<Group>& rays, int i) const
   {
     const float margin_m = m.k.cleanup_margin_m;
-    const SlopeSteps gap =
+    const SlopeBins gap =
         rays.between(m.cell.ground_m[i] + m.k.clearance_m - margin_m, top(i) - margin_m);
     bool any = false;
     for (int s = gap.first; s < gap.end && !any; s++) any = rays.went_on({s, s + 1}, false);
     return any;
   }
-  /** Whether an object stands where the robot drove. */
-  TALUS_HD bool came_later(int i) const
+  /** Whether an object stands where the robot drove: it moves. */
+  TALUS_HD bool appeared_after_robot(int i) const
   {
     const float bare_m = bare_up_to_m(m.cell.ground_m[i], m.k);
     return m.cell.is(kRobotWasThere, i) & (m.cell.elevation_m[i] > bare_m);
@@ -273,8 +272,8 @@ struct CleanUpCell
   TALUS_HD bool leaves_with_others(int ix, int iy) const
   {
     if (!on(kAsAWhole, m.k)) return false;
-    const int px = m.pairs.place_of(ix, m.frame->odd_x), r = kLeavesTogether_pairs;
-    const int py = m.pairs.place_of(iy, m.frame->odd_y), last = m.pairs.side - 1;
+    const int px = m.pairs.pair_at(ix, m.frame->odd_x), r = kLeavesTogether_pairs;
+    const int py = m.pairs.pair_at(iy, m.frame->odd_y), last = m.pairs.side - 1;
     int left = 0, stands = 0;
     for (int y = max_of(py - r, 0); y <= min_of(py + r, last); y++)
       for (int x = max_of(px - r, 0); x <= min_of(px + r, last); x++)
@@ -286,15 +285,15 @@ struct CleanUpCell
     return left > stands;
   }
   /** Lengths of an overhang from the top of the cell [kOverhangUnit_m]. */
-  struct Reach
+  struct Extent
   {
     int below, above;
   };
   /** Lengthens the overhang by the hits of this frame, down to `limit_m` where rays passed. If the
    * hit is the new top, the length above the old one is void. */
   template <class Group>
-  TALUS_HD Reach learn(
-      const Reach& before, const OverhangRays<Group>& overhang, float top_m, float hit_m,
+  TALUS_HD Extent learn(
+      const Extent& before, const OverhangRays<Group>& overhang, float top_m, float hit_m,
       float limit_m) const
   {
     const float low_m = min_of(hit_m, overhang.end_of_hits(hit_m, -1));

@@ -14,13 +14,13 @@ namespace talus::kernels
 /** The samples of one side, and their mean by the sparse kernel of eq. 8. */
 struct SideEstimate
 {
-  int places = 0;  //!< to the nearest sample; 0: farther than fills search
+  int cells = 0;  //!< to the nearest sample; 0: farther than fills search
   float distance_m = 0;
   float nearest_m = kNan;  //!< height of the nearest sample; NaN: no samples
   float height_m = kNan;  //!< the mean of the samples ...
   float mean_distance_m = 0;  //!< ... and where that lies
   TALUS_HD bool any() const { return is_known(nearest_m); }
-  TALUS_HD bool near() const { return places > 0; }
+  TALUS_HD bool near() const { return cells > 0; }
 };
 
 /** Sparse kernel of eq. 8, k(d) = (2 + cos(2 pi d)) (1 - d) / 3 + sin(2 pi d) / (2 pi) with d the
@@ -52,10 +52,10 @@ struct SideSum
   }
 
   /** All values belong to the first sample. */
-  TALUS_HD SideEstimate estimate(float nearest, int places, float distance_m) const
+  TALUS_HD SideEstimate estimate(float nearest, int cells, float distance_m) const
   {
     SideEstimate side;
-    side.places = places;
+    side.cells = cells;
     side.distance_m = distance_m;
     side.nearest_m = nearest;
     const bool weighs = weights > 0.0f;
@@ -66,22 +66,22 @@ struct SideSum
   }
 };
 
-/** The number of places of a line in a distance. */
-TALUS_HD int places_in(float distance_m, float step_m, int rings)
+/** The number of cells of a line in a distance. */
+TALUS_HD int cells_in(float distance_m, float cell_m, int rings)
 {
-  return floor_to_int(min_of(distance_m / step_m, static_cast<float>(rings)));
+  return floor_to_int(min_of(distance_m / cell_m, static_cast<float>(rings)));
 }
 
 /** What the line from the sensor says of a cell, as bits. */
 enum FillMark : std::int32_t
 {
-  kInferred = 1023,  //!< places to the sample of one side; none: nothing else counts
+  kInferred = 1023,  //!< cells to the sample of one side; none: nothing else counts
   kTwoSided = 1024,
   kSlopes = 2048,  //!< the ground falls in it by a step, as a slope does
   kDrops = 4096,  //!< the ground may drop in it
   kBridged = 8192  //!< it has samples on both sides, near or far
 };
-/** The variance of fills in which the ground falls; the length of a place of a line, at most. */
+/** The variance of fills in which the ground falls; the max length of a line in a cell. */
 constexpr float kFalls_m2 = 1.0f, kDiagonal_cells = 1.4143f;
 
 /** Whether a rise is steeper than a robot can drive, noise aside. */
@@ -90,15 +90,15 @@ TALUS_HD bool is_steep(float rise_m, float length_m, const Config& k)
   return rise_m > k.max_slope * length_m + kWallNoise_m;
 }
 /** Bits of the height of a sample: it is a face, whose ground rises within the cell, or the robot
- * stood there, which tells a height, but no edge. Compilers do not vectorise a test of the last
+ * stood there, which gives a height, but no edge. Compilers do not vectorise a test of the last
  * bit.
  */
 constexpr std::uint32_t kFaceBit = 2, kStoodBit = 4;
 TALUS_HD bool is_stood(float sample_m) { return (bits_of(sample_m) & kStoodBit) != 0; }
 TALUS_HD bool is_face(float sample_m) { return (bits_of(sample_m) & kFaceBit) != 0; }
-/** Whether the rays over a place ended lower than ground leads that falls gently from a sample
- * `away_m` away, which is an edge then. */
-TALUS_HD bool undercuts(float ends_m, float sample_m, float away_m)
+/** Whether the rays over a cell ended below the ground as it would go on from a sample `away_m`
+ * away, falling gently: that sample is an edge then. */
+TALUS_HD bool ends_below_ground(float ends_m, float sample_m, float away_m)
 {
   return !is_stood(sample_m) & (ends_m < sample_m - kEndsBelow_m - gentle_fall_m(away_m));
 }
@@ -137,26 +137,25 @@ TALUS_HD LineFusion fuse_sides(const SideEstimate& a, const SideEstimate& b)
 }
 
 /** The variance of a fill, by the gaps of its lines and the rises in them, from one side by its own
- * gap at least; half of what the mean lies above the lowest tells how rough ground is there. */
+ * gap at least; half of what the mean lies above the lowest says how rough ground is there. */
 TALUS_HD float variance_of_fill(const LineFusion& lines, int marks, const Config& k)
 {
   const float apart_m = kLinesApart * (lines.weighted / lines.information - lines.lowest_m);
   const float line_m = sqrtf(kFillLines / lines.information) - kLineDeviation_m;
-  const int places = select((marks & kTwoSided) != 0, 0, marks & kInferred);
-  const float away_m = kDiagonal_cells * k.resolution_m * static_cast<float>(places);
+  const int cells = select((marks & kTwoSided) != 0, 0, marks & kInferred);
+  const float away_m = kDiagonal_cells * k.resolution_m * static_cast<float>(cells);
   const float gap_m =
       k.fill_variance_per_m / kBeyondDeviation * max_of(line_m, kBeyondDeviation * away_m);
   return max_of(apart_m * apart_m + gap_m * gap_m, k.min_variance_m2);
 }
 
-/** Bits of FillMark of a place between the inner and the outer side. */
+/** Bits of FillMark of a cell between the inner and the outer side. */
 TALUS_HD std::int32_t marks_of_sides(
-    const SideEstimate& inner, const SideEstimate& outer, bool undercut_ahead)
+    const SideEstimate& inner, const SideEstimate& outer, bool drop_ahead)
 {
   const bool in = inner.near(), out = outer.near();
-  return inner.places | outer.places | select(in & out, kTwoSided, 0) |
-         select(inner.any() & outer.any(), kBridged, 0) |
-         select(in & !out & undercut_ahead, kDrops, 0);
+  return inner.cells | outer.cells | select(in & out, kTwoSided, 0) |
+         select(inner.any() & outer.any(), kBridged, 0) | select(in & !out & drop_ahead, kDrops, 0);
 }
 
 /** The lowest of some lines, and a little more: a fill may lie too high. */
@@ -174,10 +173,10 @@ TALUS_HD float fill_of_lines(const LineFusion& lines, float low_m, bool under_ob
 /** How high above its ground a cell is free at least where it is judged. Rays as low as a step
  * prove that nothing stands there. Above ground between known ground, and in the blind zone around
  * the robot, before all hits, higher rays do. */
-TALUS_HD float proof_m(int state, bool in_open, const Config& k)
+TALUS_HD float proof_m(int state, bool unobstructed, const Config& k)
 {
   const float between_steps = select(state == kFilledTwoSided, kFreeBetween_steps, 1.0f);
-  return select(in_open, k.clearance_m, between_steps * k.step_threshold_m);
+  return select(unobstructed, k.clearance_m, between_steps * k.step_threshold_m);
 }
 
 /** Keeps the sample of a cell for fills; NaN: none. Returns whether there is one. */
@@ -223,7 +222,7 @@ struct FillCell
     const int at = m.lines.at(ix, iy);
     const int r = m.surface_class[i], state_before = m.cell.state[i];
     const int flags_before = m.cell.flags[i];
-    const bool in_open = m.in_open[at] != 0;
+    const bool unobstructed = m.unobstructed[at] != 0;
     const float beside_m = m.pair_beside_m[m.pair_of(ix, iy)];
     const int driven_height = m.cell.driven_height[i];
     const float before = m.cell.ground_m[i], var_before = m.cell.ground_var_m2[i];
@@ -244,14 +243,15 @@ struct FillCell
     const bool bridged = filled & ((marks & kBridged) != 0);
     const bool goes_on = (state != kFilledOneSided) | bridged | !(floor_m > ends_m + kEndsBelow_m);
     const bool hidden = beside_m < floor_m + k.clearance_m;
-    const float proof = select(hidden, k.step_threshold_m, proof_m(state, in_open, k));
+    const float proof = select(hidden, k.step_threshold_m, proof_m(state, unobstructed, k));
     const bool low = goes_on & (free_m < floor_m + proof);
     const bool object = filled & (r == kObject) & (before - fill_m > k.clearance_m);
-    const bool drops = on(kFallsMayDrop, k) & ((fall & kDrops) != 0) & !is_known(stands_m);
-    const int flags = (flags_before & select((fall == kSlopes) | (r == kKeep), ~kMayDrop, ~0) &
-                       select(goes_on, ~0, ~kPassedLow)) |
-                      select(low, kPassedLow, 0) | select(object, kHitHighUp, 0) |
-                      select(drops, kMayDrop, 0);
+    const bool drops = on(kDropOffs, k) & ((fall & kDrops) != 0) & !is_known(stands_m);
+    const int flags =
+        (flags_before & select((fall == kSlopes) | (r == kKeep), ~kPossibleDropOff, ~0) &
+         select(goes_on, ~0, ~kPassedLow)) |
+        select(low, kPassedLow, 0) | select(object, kHitHighUp, 0) |
+        select(drops, kPossibleDropOff, 0);
     // Reads come before stores, or the compiler would read again and not vectorise.
     m.cell.ground_m[i] = ground;
     m.cell.ground_var_m2[i] = variance;
@@ -275,12 +275,12 @@ struct FillCell
     const bool stands = is_known(c.elevation_m), known = is_known(ground);
     const bool met = (c.state == kMeasured) | stands | (c.state == kPresumed);
     const bool new_there = stands & (c.elevation_m - ground > driven_height_m(c.driven_height));
-    const bool driven = (c.driven_height > 0) & !new_there;
+    const bool driven = was_driven_through(c.driven_height) & !new_there;
     const bool proven = ((c.flags & kPassedLow) != 0) | !on(kProofOfFills, m.k);
     const bool seen = met | (proven & known);
-    const bool may_drop = ((c.flags & kMayDrop) != 0) & !(stands | driven);
+    const bool possible_drop_off = ((c.flags & kPossibleDropOff) != 0) & !(stands | driven);
     const std::int32_t flags = select(seen, kSurfaceSeen, 0) |
-                               select(may_drop, kSurfaceMayDrop, 0) |
+                               select(possible_drop_off, kSurfacePossibleDropOff, 0) |
                                select(driven, kSurfaceDriven, 0);
     const float reference = m.frame->sensor_z_m, top = select(stands, c.elevation_m, ground);
     to.ground = select(known, quantise_height(select(known, ground, 0.0f), reference), kNoHeight);

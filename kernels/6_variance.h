@@ -3,21 +3,21 @@
 
 namespace talus::kernels
 {
-// What the map states about the errors of its heights. It decides nothing: the stages weigh
-// measurements by the variances in the store, which know the noise of points and no ground.
+// The estimated errors of the map's heights. They decide nothing: the stages weigh measurements by
+// the variances in the store, which know the noise of points and no ground.
 
 /** Distance in cells to the two cells before and after, from whose mean a cell deviates: a slope
  * cancels, noise and relief stay. Of white noise a difference has six times the variance. */
-constexpr int kStrayPlaces = 2;
+constexpr int kStrayCells = 2;
 constexpr float kStrayVariance = 6.0f;
 /** Frames do not average out what a beam errs along its ring: where one axis alone is known,
  * heights err three times as much, where none is, by 0.2 degrees; chosen on half of the labelled
  * scans. */
 constexpr float kBesideRing = 3.0f, kBeamBias_rad = 0.0035f;
-/** Cells beyond these of all sides are not asked by TellVariance. */
-constexpr int kAskedPlaces = kStrayPlaces + 1;
+/** Cells beyond these of all sides are not asked by EstimateVariance. */
+constexpr int kAskedCells = kStrayCells + 1;
 
-/** Copies measured ground to window order, where TellVariance reads it. */
+/** Copies measured ground to window order, where EstimateVariance reads it. */
 struct LayOutGround
 {
   const Map& m;
@@ -49,7 +49,7 @@ struct MeanSquare
 /** The variance of the ground of each cell, window order: the mean square of what 3 x 3 cells stray
  * along the window's x axis or its y axis, whichever is more. Fills and presumed ground add what
  * they do not know, see variance_of_fill(); a cell that stands alone, what it was measured with. */
-struct TellVariance
+struct EstimateVariance
 {
   const Map& m;
 
@@ -59,8 +59,8 @@ struct TellVariance
     const int state = m.cell.state[i];
     const float* const at = m.sample_m + m.lines.at(ix, iy);
     MeanSquare along_x, along_y;
-    add_rows(along_x, at, kStrayPlaces);
-    add_rows(along_y, at, kStrayPlaces * m.lines.pitch);
+    add_rows(along_x, at, kStrayCells);
+    add_rows(along_y, at, kStrayCells * m.lines.pitch);
     const bool both = along_x.n * along_y.n > 0.0f, alone = along_x.n + along_y.n == 0.0f;
     const float share = select(both, 1.0f, kBesideRing * kBesideRing) / kStrayVariance;
     const float scatter_m2 = share * max_of(along_x.mean(), along_y.mean());
@@ -68,9 +68,9 @@ struct TellVariance
     const float x_m = static_cast<float>(ix - m.lines.half) * bias_m;
     const float y_m = static_cast<float>(iy - m.lines.half) * bias_m;
     const float own_m2 = select(alone, stored_m2 + x_m * x_m + y_m * y_m, 0.0f);
-    const float told_m2 = scatter_m2 + select(state != kMeasured, stored_m2, own_m2);
+    const float all_m2 = scatter_m2 + select(state != kMeasured, stored_m2, own_m2);
     m.out.variance[m.window_at(ix, iy)] =
-        select(state != kUnknown, max_of(told_m2, m.k.min_variance_m2), kNan);
+        select(state != kUnknown, max_of(all_m2, m.k.min_variance_m2), kNan);
   }
 
  private:

@@ -22,9 +22,9 @@ struct PassabilityAround
   TALUS_HD bool is_settled(int to) const { return at[to] != kPassable; }
 };
 
-/** Stage 7 on cell (ix, iy), along rows and then along columns. `kParts`: slope, step, roughness
- * and sparsity are wanted, too. */
-template <bool kParts>
+/** Stage 7 on cell (ix, iy), along rows and then along columns. `kWithFeatureLayers`: slope, step,
+ * roughness and sparsity are wanted, too. */
+template <bool kWithFeatureLayers>
 struct ComputeFeatures
 {
   using Row = RowSums;
@@ -46,15 +46,16 @@ struct ComputeFeatures
   {
     put(ix, iy, judge_most<false>(ix, iy, sums, true));
   }
-  /** Whether operator() has more to tell of a cell than leave(). */
-  TALUS_HD bool asked(int ix, int iy) const
+  /** Whether operator() does more for a cell than write_unjudged(). */
+  TALUS_HD bool needs_features(int ix, int iy) const
   {
     const Surface& cell = neighbour(ix, iy);
-    return kParts ? cell.known() : cell.is(kSurfaceSeen);  // of unknown cells no flag is set
+    return kWithFeatureLayers ? cell.known()
+                              : cell.is(kSurfaceSeen);  // of unknown cells no flag is set
   }
-  TALUS_HD void leave(int ix, int iy) const
+  TALUS_HD void write_unjudged(int ix, int iy) const
   {
-    if constexpr (kParts)
+    if constexpr (kWithFeatureLayers)
       for (float* const part : {m.out.slope, m.out.step, m.out.roughness, m.out.sparsity})
         part[m.window_at(ix, iy)] = kNan;
     put(ix, iy, {kNan, kPassable});
@@ -68,7 +69,8 @@ struct ComputeFeatures
   /** Whether finish() may change the result of operator() or plain(). */
   TALUS_HD bool applies(int ix, int iy, const Moments&) const
   {
-    return neighbour(ix, iy).is(kSurfaceMayDrop) | (m.passability[m.window_at(ix, iy)] == kSteep);
+    return neighbour(ix, iy).is(kSurfacePossibleDropOff) |
+           (m.passability[m.window_at(ix, iy)] == kSteep);
   }
   /** Handles steep cells and cells that may drop, which are few. */
   TALUS_HD void finish(int ix, int iy, const Moments&) const
@@ -98,7 +100,7 @@ struct ComputeFeatures
     const Surface& cell = m.judged_surface[m.surface_at(ix, iy)];
     const bool known = cell.known();
     const Features f = features_of<kWhole>(sums, cell.height(), m.k);
-    if constexpr (kParts)
+    if constexpr (kWithFeatureLayers)
       if (own)
       {
         const int window_i = m.window_at(ix, iy);
@@ -108,24 +110,24 @@ struct ComputeFeatures
         m.out.sparsity[window_i] = kNan;
       }
     // If no ray hit a cell or passed low over it, it may be the inside of an object.
-    const bool told = known & cell.is(kSurfaceSeen);
+    const bool judged = known & cell.is(kSurfaceSeen);
     const Judgement features = fuse_features(f, m.k);
     const bool driven = cell.is(kSurfaceDriven), steep = features.passability == kSteep;
-    const float least = select(driven, kDrivenScore, 0.0f);
-    const float most = select(steep & driven, kDrivenScore, kInfinity);
-    const float score = max_of(min_of(features.score, most), least);
+    const float min_score = select(driven, kDrivenScore, 0.0f);
+    const float max_score = select(steep & driven, kDrivenScore, kInfinity);
+    const float score = max_of(min_of(features.score, max_score), min_score);
     const int of_low = select(steep & !driven, kSteep, kPassable);
     const int of_judged = select(score == 0.0f, kImpassable, of_low);
-    return {select(told, score, kNan), select(told, of_judged, static_cast<int>(kPassable))};
+    return {select(judged, score, kNan), select(judged, of_judged, static_cast<int>(kPassable))};
   }
   /** Makes cells that may drop, and steep cells at no low step, impassable. */
   TALUS_HD Judgement settle(int ix, int iy, const Judgement& most, bool own) const
   {
     const Judgement impassable{0.0f, kImpassable};
-    if (neighbour(ix, iy).is(kSurfaceMayDrop))
+    if (neighbour(ix, iy).is(kSurfacePossibleDropOff))
     {
-      if constexpr (kParts)
-        if (own) m.out.sparsity[m.window_at(ix, iy)] = suspicion_of(ix, iy);
+      if constexpr (kWithFeatureLayers)
+        if (own) m.out.sparsity[m.window_at(ix, iy)] = drop_off_score(ix, iy);
       return impassable;
     }
     const bool steep = most.passability == kSteep && !LowStep{m}.is_at(ix, iy);
@@ -138,11 +140,11 @@ struct ComputeFeatures
     return on_line && robot_m(ix, iy) <= m.k.sparsity_range_m;
   }
   /** Eq. 14; 0 where the drop is only remembered. */
-  TALUS_HD float suspicion_of(int ix, int iy) const
+  TALUS_HD float drop_off_score(int ix, int iy) const
   {
     if (!is_near(ix, iy)) return 0.0f;
-    const float told = sparsity(m.fall_m[m.lines.at(ix, iy)], robot_m(ix, iy), m.k);
-    return select(told < kSparse, told, 0.0f);
+    const float score = sparsity(m.fall_m[m.lines.at(ix, iy)], robot_m(ix, iy), m.k);
+    return select(score < kSparse, score, 0.0f);
   }
   TALUS_HD float robot_m(int ix, int iy) const
   {
@@ -169,7 +171,7 @@ struct NotePassable
   }
 };
 
-/** The last step of stage 7: an obstacle goes on beside an impassable cell where the score is low,
+/** The end of stage 7: an obstacle goes on beside an impassable cell where the score is low,
  * and between two such cells, since no robot fits through one cell. Features end before the edge of
  * a steep face, and of porous objects only some cells are hit. Low steps stay passable. */
 struct CompleteObstacles
@@ -215,7 +217,8 @@ struct CompleteObstacles
     const Surface* at = m.judged_surface + m.surface_at(ix, iy);
     bool any = false;
     for (int dy = -1; dy <= 1; dy++)
-      for (int dx = -1; dx <= 1; dx++) any |= at[dy * m.surface_pitch() + dx].is(kSurfaceMayDrop);
+      for (int dx = -1; dx <= 1; dx++)
+        any |= at[dy * m.surface_pitch() + dx].is(kSurfacePossibleDropOff);
     return any;
   }
 

@@ -23,7 +23,7 @@ struct Fall
  * slope explains a part of the fall. If the far side begins lower and rises more steeply than a
  * robot can drive, behind it or within its own cell, it is the far wall of a ditch, of which the
  * near edge hides the lower part: the ditch may be twice as deep. In a gap that is wider than a
- * ditch it must be lower by a step, too, and lead back up by half of that within a shorter way. */
+ * ditch it must be lower by a step, too, and lead back up by half of that on a shorter path. */
 TALUS_HD Fall fall_in(const Gap& g, const Config& k)
 {
   const float near_m = select(is_stood(g.near_m), kNan, g.near_m);
@@ -35,9 +35,9 @@ TALUS_HD Fall fall_in(const Gap& g, const Config& k)
       (fall_m > k.step_threshold_m) & (rise_m >= 0.5f * fall_m) & (g.behind_length_m <= g.length_m);
   const bool steep = is_steep(rise_m, g.behind_length_m, k) | is_face(g.far_m);
   const bool wall = steep & select(wide, back_up, true);
-  const float hollow_m = kHollow * (fall_m - kGentle * g.length_m);
-  const float told_m = max_of(max_of(fall_m - explained_m, select(wall, hollow_m, 0.0f)), 0.0f);
-  return {told_m, select((told_m == 0.0f) & wide & (fall_m > k.step_threshold_m), 1, 0)};
+  const float ditch_m = kDitchDepthFactor * (fall_m - kGentle * g.length_m);
+  const float below_m = max_of(max_of(fall_m - explained_m, select(wall, ditch_m, 0.0f)), 0.0f);
+  return {below_m, select((below_m == 0.0f) & wide & (fall_m > k.step_threshold_m), 1, 0)};
 }
 
 /** Eq. 14 from the height difference h_s of the ground on both sides, searched farther than for a
@@ -50,15 +50,15 @@ TALUS_HD float sparsity(float h_s, float robot_m, const Config& k)
 }
 
 /** Adds to the FillMark of an inferred cell near the robot what follows from the gap in which it
- * lies. Returns h_s of eq. 14; NaN where that is not asked. */
-TALUS_HD float tell_fall(const Gap& gap, float robot_m, std::int32_t& marks, const Config& k)
+ * lies. Returns h_s of eq. 14; NaN where that does not apply. */
+TALUS_HD float estimate_fall(const Gap& gap, float robot_m, std::int32_t& marks, const Config& k)
 {
-  const bool asked = (robot_m <= k.sparsity_range_m) & ((marks & kInferred) != 0);
+  const bool applies = (robot_m <= k.sparsity_range_m) & ((marks & kInferred) != 0);
   const Fall fall = fall_in(gap, k);
-  const std::int32_t told = select(sparsity(fall.m, robot_m, k) < kSparse, kDrops, 0) |
-                            select(fall.slopes != 0, kSlopes, 0);
-  marks |= select(asked, told, 0);
-  return select(asked, fall.m, kNan);
+  const std::int32_t found = select(sparsity(fall.m, robot_m, k) < kSparse, kDrops, 0) |
+                             select(fall.slopes != 0, kSlopes, 0);
+  marks |= select(applies, found, 0);
+  return select(applies, fall.m, kNan);
 }
 
 }  // namespace talus::kernels

@@ -72,7 +72,7 @@ TALUS_HD bool is_whole(const Moments& m, const Config& k)
 /** Slope angle of a plane [rad] from its gradient (x, y) / share. */
 TALUS_HD float slope_angle(double x, double y, double share, const Config& k)
 {
-  const float to_metres = k.inverse_resolution / kHeightSteps;
+  const float to_metres = k.inverse_resolution / kHeightUnits;
   const float gx = static_cast<float>(x * share) * to_metres;
   const float gy = static_cast<float>(y * share) * to_metres;
   return arctangent(sqrtf(gx * gx + gy * gy));
@@ -84,7 +84,7 @@ TALUS_HD float slope_angle(double x, double y, double share, const Config& k)
 template <bool kWhole>
 TALUS_HD float slope_angle(const Moments& m, const Config& k)
 {
-  // Normal equations about the centroid; all sums are exact, only the last steps round.
+  // Normal equations about the centroid; all sums are exact, only what follows rounds.
   if constexpr (kWhole)
   {
     const int r = k.feature_radius_cells, side = 2 * r + 1;
@@ -111,7 +111,7 @@ struct Features
 template <bool kWhole>
 TALUS_HD Features features_of(const Moments& m, std::int32_t height, const Config& k)
 {
-  const float metres = 1.0f / kHeightSteps, share = metres / static_cast<float>(m.n);
+  const float metres = 1.0f / kHeightUnits, share = metres / static_cast<float>(m.n);
   const float own = static_cast<float>(height) * metres;
   const float mean_ground = static_cast<float>(m.ground) * share;
   const float mean_height = static_cast<float>(m.height) * share;
@@ -149,10 +149,10 @@ TALUS_HD Judgement fuse_features(const Features& f, const Config& k)
       select(!impassable & (f.slope == 0.0f), kSteep, kPassable)};
 }
 
-/** Whether a rise within a cell, in quantised steps, is steeper than the slope threshold. */
+/** Whether a rise within a cell, in 1 / kHeightUnits m, is steeper than the slope threshold. */
 TALUS_HD bool is_steep(int rise, const Config& k)
 {
-  return static_cast<float>(abs_of(rise)) > k.max_slope * k.resolution_m * kHeightSteps;
+  return static_cast<float>(abs_of(rise)) > k.max_slope * k.resolution_m * kHeightUnits;
 }
 
 /** Whether a cell lies at a step that the robot takes, although a plane through it is steep. Within
@@ -197,7 +197,7 @@ struct LowStep
         low = min_of(low, next.ground);
         high = max_of(high, next.height());
       }
-    return static_cast<float>(high - low) <= kLowStep_steps * m.k.step_threshold_m * kHeightSteps;
+    return static_cast<float>(high - low) <= kLowStep_steps * m.k.step_threshold_m * kHeightUnits;
   }
   TALUS_HD bool is_level(const Surface& a, const Surface& b) const
   {

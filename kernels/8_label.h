@@ -36,8 +36,7 @@ TALUS_HD bool hangs_over(const Cell& c, const PointInCell& p)
 {
   const bool passed = c.is(kPassedBelow) | c.is(kRobotWasThere);
   const bool free = (c.state == kMeasured) | c.is(kPassedLow);
-  const bool left_lately = c.recent_hits > 0;  // see kLeft
-  return passed | (free & (p.from_below != 0) & !left_lately);
+  return passed | (free & (p.from_below != 0) & !object_left(c.recent_hits));
 }
 
 /** Whether something stands on the ground of a cell. */

@@ -37,7 +37,7 @@ TALUS_HD bool is_object(int i, const Map& m)
 
 /** Finds the surface that a point belongs to, and adds its channels to it. */
 template <class Atomics>
-struct PlacePoint
+struct AssignPoint
 {
   const Map& m;
 

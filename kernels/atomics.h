@@ -77,7 +77,7 @@ struct ThreadAtomics
 };
 
 #if defined(__CUDACC__)
-/** A warp whose threads change the same place does so in one operation. */
+/** A warp whose threads change the same number does so in one operation. */
 struct DeviceAtomics
 {
   static __device__ void count(std::uint32_t* where)

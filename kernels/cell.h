@@ -26,7 +26,7 @@ enum CellFlag : std::uint8_t
   kPassedBelow = 4,  //!< rays passed below what is high up there, as high as the robot
   kHitHighUp = 8,  //!< its object is above a gap that is larger than the clearance, and may hang
   kWasReached = 16,  //!< the robot gets there, see 4_reach.h
-  kMayDrop = 32,  //!< its ground may lie far below the ground around it, see fall_in()
+  kPossibleDropOff = 32,  //!< its ground may lie far below the ground around it, see fall_in()
   kObjectTop = 64,  //!< it was passable, not reached and above reached ground: the top of an object
   kRobotWasThere = 128
 };
@@ -43,21 +43,22 @@ enum CellFlag : std::uint8_t
   FIELD(float, elevation_var_m2, kernels::kNan)                                        \
   FIELD(std::uint8_t, state, kernels::kUnknown) /* a State */
 
-// Lasting evidence first, then kLatestFields that hold for some frames only, see forget_latest().
-#define TALUS_CELL_EVIDENCE(FIELD)                                                          \
-  FIELD(std::uint8_t, flags, 0) /* CellFlag */                                              \
-  FIELD(std::uint8_t, stay_frames, 0) /* frames that the object stays without a hit */      \
-  FIELD(std::uint8_t, overhang_below, 0) /* length of the overhang below the top */         \
-  FIELD(std::uint8_t, overhang_above, 0) /* and above the top [kOverhangUnit_m] */          \
-  FIELD(std::uint8_t, driven_height, 0) /* of what the robot drove through */               \
-  FIELD(std::uint8_t, passed_frames, 0) /* consecutive frames of rays through the object */ \
-  FIELD(std::uint8_t, recent_hits, 0) /* hit count of recent frames, see kHitAdds */
+// Lasting evidence first, then kTransientFields, see clear_transient_evidence(). What a number
+// means is asked by the functions below.
+#define TALUS_CELL_EVIDENCE(FIELD)                                                     \
+  FIELD(std::uint8_t, flags, 0) /* CellFlag */                                         \
+  FIELD(std::uint8_t, stay_frames, 0) /* countdown without a hit, see overhangs() */   \
+  FIELD(std::uint8_t, overhang_below, 0) /* length of the overhang below the top */    \
+  FIELD(std::uint8_t, overhang_above, 0) /* and above the top [kOverhangUnit_m] */     \
+  FIELD(std::uint8_t, driven_height, 0) /* see was_driven_through() */                 \
+  FIELD(std::uint8_t, frames_against, 0) /* consecutive frames that deny the object */ \
+  FIELD(std::uint8_t, recent_hits, 0) /* score of recent frames, see add_hit() */
 
 #define TALUS_CELL_FIELDS(FIELD) TALUS_CELL_SURFACES(FIELD) TALUS_CELL_EVIDENCE(FIELD)
 
 /** The number of evidence bytes, and how many of them, at the end, belong to the latest frames. */
 #define TALUS_COUNT(type, name, unknown) +1
-constexpr int kEvidenceFields = TALUS_CELL_EVIDENCE(TALUS_COUNT), kLatestFields = 2;
+constexpr int kEvidenceFields = TALUS_CELL_EVIDENCE(TALUS_COUNT), kTransientFields = 2;
 #undef TALUS_COUNT
 #define TALUS_SIZE(type, name, unknown) +sizeof(type)
 constexpr std::size_t kBytesPerCell = TALUS_CELL_FIELDS(TALUS_SIZE);
@@ -100,8 +101,17 @@ struct CellStore
   }
 };
 
-/** Whether there were two hits within a few frames, not long ago. */
-TALUS_HD bool hit_lately(int recent_hits) { return recent_hits >= kHitLately; }
+/** Cell::recent_hits is a score: frames with a hit add to it, frames of passing rays take from it.
+ */
+TALUS_HD void add_hit(Cell& c) { c.recent_hits = min_of(c.recent_hits + kHitAdds, kMaxRecentHits); }
+/** Whether a lone hit counts: there were two hits within a few frames, not long ago. */
+TALUS_HD bool lone_hit_counts(int recent_hits) { return recent_hits >= kLoneHitCounts; }
+/** Whether an object left a cell that is bare now, or a lone hit waits there for a second one. */
+TALUS_HD bool object_left(int recent_hits) { return recent_hits > 0; }
+TALUS_HD void note_object_left(Cell& c) { c.recent_hits = max_of(c.recent_hits, kHitAdds); }
+
+/** Whether the object is an overhang: its stay has not run out. */
+TALUS_HD bool overhangs(int stay_frames) { return stay_frames > 0; }
 
 /** A cell is bare up to this height. */
 TALUS_HD float bare_up_to_m(float ground_m, const Config& k)
@@ -122,12 +132,12 @@ struct Datum
 /** Lengths of overhangs are stored as a square number of this unit, which is finer where they are
  * short. */
 constexpr float kOverhangUnit_m = 0.0125f;
-constexpr int kMaxOverhang = 14;  //!< squared
+constexpr int kMaxOverhangRoot = 14;
 
 TALUS_HD int overhang_units(float length_m)
 {
   const float units = max_of(length_m, 0.0f) / kOverhangUnit_m;
-  const int root = min_of(floor_to_int(sqrtf(units) + 0.5f), kMaxOverhang);
+  const int root = min_of(floor_to_int(sqrtf(units) + 0.5f), kMaxOverhangRoot);
   return root * root;
 }
 TALUS_HD float overhang_m(int units) { return static_cast<float>(units) * kOverhangUnit_m; }
@@ -137,14 +147,16 @@ TALUS_HD void remove_object(Cell& c)
   const bool measured = c.state == kMeasured;
   c.elevation_m = select(measured, c.ground_m, kNan);
   c.elevation_var_m2 = select(measured, c.ground_var_m2, kNan);
-  c.stay_frames = c.passed_frames = c.overhang_below = c.overhang_above = 0;
+  c.stay_frames = c.frames_against = c.overhang_below = c.overhang_above = 0;
   c.flags &= ~(kHitHighUp | kObjectTop);
 }
 
 /** Unit of Cell::driven_height: hits up to that height above the ground are not new. */
 constexpr float kDrivenUnit_m = 0.04f;
 constexpr int kMaxDriven = 62;
-
+/** Whether the robot drove through an object there; kRobotWasThere also holds where there was none.
+ */
+TALUS_HD bool was_driven_through(int driven_height) { return driven_height > 0; }
 TALUS_HD float driven_height_m(int driven_height)
 {
   return static_cast<float>(driven_height) * kDrivenUnit_m;

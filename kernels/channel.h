@@ -34,7 +34,7 @@ struct ChannelValue
 /** The points of the frame on one surface of a cell; empty between frames. */
 struct ChannelSum
 {
-  std::uint64_t steps = 0;  //!< their values [1 / kChannelSteps], below zero as two's complement
+  std::uint64_t units = 0;  //!< their values [1 / kChannelUnits], below zero as two's complement
   std::uint32_t points = 0;
   std::int32_t highest = kLowestOrdered;  //!< of their values, as an ordered integer
 
@@ -72,7 +72,7 @@ struct Channel
     else if (rule == kMax)
       Atomics::max(&sums[i].highest, ordered_from_float(value));
     else
-      Atomics::add(&sums[i].steps, steps_of(value));
+      Atomics::add(&sums[i].units, units_of(value));
     return Atomics::add(&sums[i].points, 1u) == 0;
   }
 
@@ -110,17 +110,17 @@ struct Channel
   }
 
  private:
-  static TALUS_HD std::uint64_t steps_of(float value)
+  static TALUS_HD std::uint64_t units_of(float value)
   {
-    const double steps = static_cast<double>(value) * kChannelSteps;
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(steps));
+    const double units = static_cast<double>(value) * kChannelUnits;
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(units));
   }
   static TALUS_HD ChannelValue
   mean_with(const ChannelValue& known, const ChannelSum& of_frame, std::uint32_t most)
   {
-    const double sum = static_cast<double>(static_cast<std::int64_t>(of_frame.steps));
+    const double sum = static_cast<double>(static_cast<std::int64_t>(of_frame.units));
     const double points = static_cast<double>(of_frame.points);
-    const double mean = sum / (points * kChannelSteps);
+    const double mean = sum / (points * kChannelUnits);
     const double before = known.weight ? static_cast<double>(known.value) : mean;
     const double share = points / (static_cast<double>(known.weight) + points);
     ChannelValue now;

@@ -24,19 +24,19 @@ enum Reach : std::int32_t
   kPairReached = 2
 };
 
-/** Cells of the map pooled two by two, by the parity of their place in the map, so that rolling
+/** Cells of the map pooled two by two, by the parity of their index in the map, so that rolling
  * does not change the pairs. Nothing is known in a margin around the window. */
 struct PairGrid
 {
   int side;  //!< pairs along each side, with both margins
   static constexpr int kMargin = 1;  //!< in pairs
-  int pad;  //!< places beside each row that hold infinity
+  int pad;  //!< pairs beside each row that hold infinity
 
   TALUS_HD int at(int px, int py) const { return py * (side + 2 * pad) + px + pad; }
-  /** Where a cell of the window is found, along one axis. */
-  TALUS_HD int place_of(int cell, int odd) const { return ((cell + odd) >> 1) + kMargin; }
-  /** The first cell of the pair at a place, along one axis; perhaps outside. */
-  TALUS_HD int first_cell(int place, int odd) const { return 2 * (place - kMargin) - odd; }
+  /** The pair of a cell of the window, along one axis. */
+  TALUS_HD int pair_at(int cell, int odd) const { return ((cell + odd) >> 1) + kMargin; }
+  /** The first cell of a pair, along one axis; perhaps outside. */
+  TALUS_HD int first_cell(int pair, int odd) const { return 2 * (pair - kMargin) - odd; }
 };
 
 TALUS_HD int dilation_radius(const Config& k) { return k.object_radius + kDilatesFarther_pairs; }

@@ -12,8 +12,8 @@ struct WindowPose
 
 constexpr int kMaxPathPoses = 64;
 
-/** The values of one frame, computed on the host in double. */
-struct FrameContext
+/** The values of one frame that the host computes, in double. */
+struct HostContext
 {
   int n_points;
   int has_times;
@@ -23,13 +23,6 @@ struct FrameContext
   /** (lambda_t * sin(theta / 2))^2 of eq. 4. */
   float pose_change2;
   float sensor_x_m, sensor_y_m, sensor_z_map_m;
-  /** The sensor's z above the map's datum, which is the reference of quantised heights, and the
-   * height of that datum in the map frame. FollowPoses sets both. */
-  float sensor_z_m, offset_m;
-  float drove_through_m;  //!< height of what the robot drove through in the last frame
-  /** Whether all cells were empty before: the first frame, or the first on another floor
-   * (FollowPoses). */
-  int starts_map;
   /** Rings of the table of rays that this frame uses, up to the farthest corner of the window. */
   int rings;
   /** Sensor frame to base frame, row-major 3x4 [m]; the identity where the base is not known. */
@@ -44,9 +37,21 @@ struct FrameContext
   int storage_x, storage_y;
   /** Whole cells that the window has moved by since the last frame, limited to +-n. */
   int moved_x, moved_y;
-  /** 1 where cell (0, 0) of the window has an odd place in the map. */
+  /** 1 where cell (0, 0) of the window has an odd index in the map. */
   int odd_x, odd_y;
   WindowPose poses[kMaxPathPoses];
+};
+
+/** The values of one frame, as rules get them: FollowPoses sets what depends on the map. */
+struct FrameContext : HostContext
+{
+  /** The sensor's z above the map's datum, which is the reference of quantised heights, and the
+   * height of that datum in the map frame. */
+  float sensor_z_m, offset_m;
+  float drove_through_m;  //!< height of what the robot drove through in the last frame
+  /** Whether all cells were empty before: in the first frame, as the host knows, and in the first
+   * on another floor. */
+  int starts_map;
 };
 
 struct Point

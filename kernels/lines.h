@@ -12,7 +12,7 @@ namespace talus::kernels
 TALUS_HD int line_rings(const Config& k) { return k.cells / 2; }
 TALUS_HD int line_count(const Config& k) { return 8 * line_rings(k); }
 
-/** A line from the central cell to a border cell; `minor` is that cell's place on its side, in
+/** A line from the central cell to a border cell; `minor` is that cell's index on its side, in
  * [-rings, rings). */
 struct Line
 {
@@ -58,8 +58,8 @@ TALUS_HD float line_stretch(const Line& l, int rings)
 TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
 {
   const int rings = line_rings(k), ring = max_of(abs_of(dx), abs_of(dy));
-  const float step_m = line_stretch(line_through(dx, dy, ring, rings), rings) * k.resolution_m;
-  return static_cast<float>(ring) * step_m;
+  const float cell_m = line_stretch(line_through(dx, dy, ring, rings), rings) * k.resolution_m;
+  return static_cast<float>(ring) * cell_m;
 }
 
 /** A grid with the sensor's cell in its middle: for an even number of cells it has one more row and
@@ -72,7 +72,7 @@ struct LineGrid
   TALUS_HD int middle() const { return at(half, half); }
 };
 
-/** The pitch is an odd number of cache lines, so that the places of a column do not compete for one
+/** The pitch is an odd number of cache lines, so that the cells of a column do not compete for one
  * part of the cache. */
 TALUS_HD LineGrid line_grid(const Config& k)
 {

@@ -10,6 +10,7 @@
 
 namespace talus::kernels
 {
+struct FrameCounts;
 struct HeightPoint;
 struct OffsetHistogram;
 struct Surface;
@@ -25,7 +26,7 @@ struct Track;
   ARRAY(Datum, datum, one, Datum{})                                                                \
   ARRAY(Datum, datum_before, device, Datum{}) /* of the frame before */                            \
   ARRAY(OffsetHistogram, offsets, one, OffsetHistogram{})                                          \
-  ARRAY(std::uint32_t, counters, counters, 0) /* by RejectCode, then kLeavesFloor */               \
+  ARRAY(FrameCounts, counts, one, FrameCounts{})                                                   \
   ARRAY(float, class_scores, class_scores, 0.0f) /* kClasses for each channel */                   \
   /* cells, by storage index */                                                                    \
   ARRAY(std::uint8_t, surface_class, cells, 0) /* a SurfaceClass */                                \
@@ -33,7 +34,7 @@ struct Track;
   ARRAY(std::uint32_t, cell_count, cells, 0) /* points that the range of a cell has room for */    \
   ARRAY(std::uint32_t, kept_count, device_cells, 0) /* points that are in the range */             \
   ARRAY(std::uint32_t, cell_begin, cells, 0) /* of the range in `sorted`; their order is any */    \
-  /* pairs of cells, by place in `pairs`; infinity: nothing is known */                            \
+  /* pairs of cells, by index in `pairs`; infinity: nothing is known */                            \
   ARRAY(float, pair_lowest_m, pairs, kInfinity) /* lowest measured ground */                       \
   ARRAY(float, pair_known_m, pairs, kInfinity) /* lowest ground, measured or inferred */           \
   ARRAY(float, pair_column_m, pairs, kInfinity) /* highest upright top; -infinity: none */         \
@@ -46,22 +47,24 @@ struct Track;
   ARRAY(float, pair_beside_m, pairs, kInfinity) /* the highest of those beside */                  \
   ARRAY(float, pair_limit_m, pairs, kInfinity) /* highest that ground can be there */              \
   ARRAY(std::int32_t, pair_reach, pairs, kOutsideWindow) /* a Reach */                             \
-  /* cells, by place in `lines`. free_above_m: from here on rays proved a cell to be free in */    \
+  /* cells, by index in `lines`. free_above_m: from here on rays proved a cell to be free in */    \
   /* this frame, and unseen ground lies lower; infinity: no ray. Of the lowest rays of its */      \
   /* directions the highest counts, so that a few reflections change nothing. ends_m: so high */   \
   /* its ground is at most if it goes on gently to where that ray ended. */                        \
   ARRAY(float, free_above_m, grid, kNan)                                                           \
   ARRAY(float, ends_m, grid, kNan)                                                                 \
   ARRAY(float, lowest_ray_m, grid, kNan) /* in frames that start a map; infinity: no ray */        \
-  ARRAY(std::uint8_t, in_open, grid, 0) /* 1: nothing was hit between the sensor and the cell */   \
+  ARRAY(                                                                                           \
+      std::uint8_t, unobstructed, grid,                                                            \
+      0) /* 1: nothing was hit between the sensor and the cell */                                  \
   ARRAY(float, sample_m, samples, kNan) /* see TakeSample, then LayOutGround */                    \
-  ARRAY(float, fall_m, grid, kNan) /* see tell_fall(); set where stage 7 needs it */               \
+  ARRAY(float, fall_m, grid, kNan) /* see estimate_fall(); set where stage 7 needs it */           \
   ARRAY(Surface, judged_surface, surfaces, (Surface{kNoHeight, 0})) /* see surface_at() */         \
   /* rays: the lowest slope of what was hit in a ring, then of what went at least that far, as */  \
-  /* an ordered integer. reach: minus the greatest point_ray, that of the farthest ring */         \
+  /* an ordered integer. reach: the greatest point_ray, that of the farthest ring */               \
   ARRAY(std::int32_t, rays, rays, kNoRay) /* [ring][bin] */                                        \
   ARRAY(float, lowest_slope, rays, -kInfinity) /* of rays that are not buried, where any is hit */ \
-  ARRAY(std::int32_t, reach, slopes, 0) /* [bin][slope step]; 0: no ray */                         \
+  ARRAY(std::int32_t, reach, slopes, 0) /* [bin][slope bin]; 0: no ray */                          \
   /* points of a frame */                                                                          \
   ARRAY(std::int32_t, point_ray, points, -1) /* index in `rays`, or -1: no direction */            \
   ARRAY(float, point_slope, points, 0.0f) /* slope of that ray */                                  \
@@ -87,7 +90,7 @@ struct Track;
   ARRAY(std::uint16_t, fill_marks, core_grid, 0) /* FillMark; without kInferred nothing counts */  \
   ARRAY(std::uint8_t, passability, core_window, 0) /* window order, a row and a cell more */       \
   /* of devices */                                                                                 \
-  ARRAY(std::uint64_t, cursor, device, 0) /* end of `sorted`; in the upper half of `crowded` */    \
+  ARRAY(std::uint64_t, cursor, device, 0) /* see ends_of() */                                      \
   ARRAY(std::int32_t, line_of_cell, device_grid, 0)                                                \
   ARRAY(Track, track, device_lines, Track{}) /* by line */                                         \
   ARRAY(std::uint32_t, marks, marks, 0) /* of samples, see LineMarks: by line */                   \
@@ -110,7 +113,7 @@ struct Map
   CellStore cell;
   PointsIn in;
   Layers out;
-  bool parts;  //!< whether stage 7 stores slope, step, roughness and sparsity
+  bool with_features;  //!< whether stage 7 stores slope, step, roughness and sparsity
   bool keeps;  //!< whether it keeps what is passable for the next frame
   Channels channels;
   std::uint32_t voxel_mask;  //!< one less than the voxels, a power of two
@@ -122,18 +125,18 @@ struct Map
   const std::int32_t* moved;  //!< by storage index: 1 where what points to label hit moved away
                               //!< since; null: not yet known
   std::int32_t* notes_moved;  //!< the same, to be found
-  std::uint32_t* reported;  //!< counters of the frame, for the host
+  FrameCounts* reported;  //!< `counts` of the frame, for the host
 #define TALUS_POINTER(type, name, of, first) type* name;
   TALUS_MAP_ARRAYS(TALUS_POINTER)
 #undef TALUS_POINTER
 
   /** Storage index of a cell of the window. */
   TALUS_HD int at(int x, int y) const { return storage_index(*frame, k.cells, x, y); }
-  /** Place of a cell in layers. */
+  /** Index of a cell in layers. */
   TALUS_HD int window_at(int x, int y) const { return y * k.cells + x; }
   TALUS_HD int pair_of(int x, int y) const
   {
-    return pairs.at(pairs.place_of(x, frame->odd_x), pairs.place_of(y, frame->odd_y));
+    return pairs.at(pairs.pair_at(x, frame->odd_x), pairs.pair_at(y, frame->odd_y));
   }
   TALUS_HD int surface_pitch() const { return k.cells + 2 * k.feature_radius_cells; }
   TALUS_HD int surface_at(int x, int y) const
@@ -176,7 +179,7 @@ struct InTurn
 };
 
 /** Copies the wanted layers of stages 2 to 6 of a cell, but for the variance, which has a rule of
- * its own: TellVariance. */
+ * its own: EstimateVariance. */
 struct PutSurface
 {
   const Map& m;
@@ -187,11 +190,11 @@ struct PutSurface
     const float offset_m = m.frame->offset_m;
     if (out.elevation) out.elevation[window_i] = raised(m.cell.elevation_m[i], offset_m);
     if (out.ground) out.ground[window_i] = raised(m.cell.ground_m[i], offset_m);
-    const int told = m.cell.state[i], reach = m.cell.flags[i] & kWasReached;
-    if (out.state) out.state[window_i] = static_cast<float>(told);
+    const int state = m.cell.state[i], reach = m.cell.flags[i] & kWasReached;
+    if (out.state) out.state[window_i] = static_cast<float>(state);
     if (out.reached)
       out.reached[window_i] = select(
-          told == kUnknown, kNan, static_cast<float>(reach) / static_cast<float>(kWasReached));
+          state == kUnknown, kNan, static_cast<float>(reach) / static_cast<float>(kWasReached));
   }
 };
 

@@ -58,16 +58,16 @@ TALUS_HD double double_of(std::int64_t v)
 #endif
 }
 
-/** Heights are summed as integers, in steps, relative to the sensor and within +-32 m. With steps
+/** Heights are summed as integers, in units, relative to the sensor and within +-32 m. With steps
  * of 1/4096 m, sums of up to 31 x 31 cells, times an offset of up to 15 cells, are exact in 32
  * bits. */
-constexpr float kHeightSteps = 4096.0f, kMaxHeight_m = 32.0f;
+constexpr float kHeightUnits = 4096.0f, kMaxHeight_m = 32.0f;
 
-TALUS_HD int quantise_height(float height_m, float reference_m, float steps_per_m = kHeightSteps)
+TALUS_HD int quantise_height(float height_m, float reference_m, float units_per_m = kHeightUnits)
 {
-  const float steps = (height_m - reference_m) * steps_per_m + 0.5f;
-  const float limit = kMaxHeight_m * steps_per_m;
-  return floor_to_int(min_of(max_of(steps, -limit), limit));
+  const float units = (height_m - reference_m) * units_per_m + 0.5f;
+  const float limit = kMaxHeight_m * units_per_m;
+  return floor_to_int(min_of(max_of(units, -limit), limit));
 }
 
 TALUS_HD std::uint32_t bits_of(float v)

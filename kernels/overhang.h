@@ -19,7 +19,7 @@ struct RayFootprint
   float chebyshev_m = 0;
   TALUS_HD int bin(int which) const { return first_bin + which * stride; }
   /** A bound of rays() without a division. */
-  TALUS_HD int most_rays() const
+  TALUS_HD int max_rays() const
   {
     return min_of(max_of(last_bin - first_bin + 1, 0), 1 << kMaxBinsPerCellBits);
   }
@@ -52,15 +52,15 @@ TALUS_HD RayFootprint footprint_of(const Config& k, const FrameContext& f, int i
   return g;
 }
 
-/** How far the rays of one direction went, for adjacent steps of slope; 0: no ray. */
+/** How far the rays of one direction went, for adjacent bins of slope; 0: no ray. */
 struct alignas(16) SlopeEnds
 {
   static constexpr int kSize = 4;
   std::int32_t ends[kSize];
 };
 
-/** The steps of slope [first, end). */
-struct SlopeSteps
+/** The bins of slope [first, end). */
+struct SlopeBins
 {
   int first = 0, end = 0;
   TALUS_HD bool none() const { return first >= end; }
@@ -75,27 +75,27 @@ struct OverhangRays
   RayFootprint footprint;
   Group group;
 
-  /** The steps of slope at which rays go through the cell between two heights. */
-  TALUS_HD SlopeSteps between(float low_m, float high_m) const
+  /** The bins of slope at which rays go through the cell between two heights. */
+  TALUS_HD SlopeBins between(float low_m, float high_m) const
   {
     return {
-        max_of(floor_to_int(step_of(low_m)) + 1, 0),
-        min_of(floor_to_int(step_of(high_m)), kSlopeSteps)};
+        max_of(floor_to_int(bin_at(low_m)) + 1, 0),
+        min_of(floor_to_int(bin_at(high_m)), kSlopeBins)};
   }
-  /** The step at which rays go through the cell at a height, and both next to it. */
-  TALUS_HD SlopeSteps around(float height_m) const
+  /** The bin at which rays go through the cell at a height, and both next to it. */
+  TALUS_HD SlopeBins around(float height_m) const
   {
-    const int at = floor_to_int(step_of(height_m));
-    return at >= 1 && at + 1 < kSlopeSteps ? SlopeSteps{at - 1, at + 2} : SlopeSteps{};
+    const int at = floor_to_int(bin_at(height_m));
+    return at >= 1 && at + 1 < kSlopeBins ? SlopeBins{at - 1, at + 2} : SlopeBins{};
   }
 
-  /** Whether rays of these steps, or of each of them, ended two or more rings behind the cell, and
+  /** Whether rays of these bins, or of each of them, ended two or more rings behind the cell, and
    * none ended before. */
-  TALUS_HD bool went_on(const SlopeSteps& steps, bool each) const
+  TALUS_HD bool went_on(const SlopeBins& bins, bool each) const
   {
-    const int width = each ? 1 : max_of(steps.end - steps.first, 1);
-    bool all = footprint.rays() > 0 && !steps.none();
-    for (int first = steps.first; all && first < steps.end; first += width)
+    const int width = each ? 1 : max_of(bins.end - bins.first, 1);
+    bool all = footprint.rays() > 0 && !bins.none();
+    for (int first = bins.first; all && first < bins.end; first += width)
     {
       int most = kNoneAimed;
       for (int which = group.rank(); which < footprint.rays(); which += group.size())
@@ -110,7 +110,7 @@ struct OverhangRays
    * the cell and one behind it count, since an overhang is seldom one cell wide. */
   TALUS_HD float end_of_hits(float hit_m, int up) const
   {
-    const int first = first_step(hit_m, up), none = first - up;
+    const int first = first_bin_of(hit_m, up), none = first - up;
     int farthest = none * up;
     for (int which = group.rank(); which < footprint.rays(); which += group.size())
       farthest = max_of(farthest, follow(bin(which), first, up) * up);
@@ -125,16 +125,14 @@ struct OverhangRays
     kEndedBefore
   };
 
-  TALUS_HD SlopeEnds steps(int bin, int quad) const
+  TALUS_HD SlopeEnds ends_at(int bin, int quad) const
   {
     const SlopeEnds* const quads = reinterpret_cast<const SlopeEnds*>(m.reach);
-    SlopeEnds here = quads[bin * (kSlopeSteps / SlopeEnds::kSize) + quad];
-    for (std::int32_t& end : here.ends) end = -end;
-    return here;
+    return quads[bin * (kSlopeBins / SlopeEnds::kSize) + quad];
   }
-  TALUS_HD float step_of(float height_m) const
+  TALUS_HD float bin_at(float height_m) const
   {
-    return slope_step(ray_slope(height_m - m.frame->sensor_z_m, footprint.chebyshev_m));
+    return slope_bin(ray_slope(height_m - m.frame->sensor_z_m, footprint.chebyshev_m));
   }
   TALUS_HD int bin(int which) const
   {
@@ -146,11 +144,11 @@ struct OverhangRays
     bool any = false, before = false;
     for (int quad = first / SlopeEnds::kSize; quad * SlopeEnds::kSize < end; quad++)
     {
-      const SlopeEnds rays = steps(bin, quad);
+      const SlopeEnds rays = ends_at(bin, quad);
       for (int s = 0; s < SlopeEnds::kSize; s++)
       {
-        const int step = quad * SlopeEnds::kSize + s, ray = rays.ends[s];
-        const bool is_ray = (step >= first) & (step < end) & (ray > 0);
+        const int at = quad * SlopeEnds::kSize + s, ray = rays.ends[s];
+        const bool is_ray = (at >= first) & (at < end) & (ray > 0);
         any |= is_ray;
         before |= is_ray & (ray < footprint.row);
       }
@@ -159,33 +157,33 @@ struct OverhangRays
     return any ? kAllWentOn : kNoneAimed;
   }
 
-  TALUS_HD int first_step(float hit_m, int up) const
+  TALUS_HD int first_bin_of(float hit_m, int up) const
   {
-    return floor_to_int(step_of(hit_m)) + select(up > 0, 1, 0);
+    return floor_to_int(bin_at(hit_m)) + select(up > 0, 1, 0);
   }
   TALUS_HD float height_of(int last, int none, float hit_m) const
   {
     if (last == none) return hit_m;
-    return m.frame->sensor_z_m + slope_of_step(last) * footprint.chebyshev_m;
+    return m.frame->sensor_z_m + slope_of_bin(last) * footprint.chebyshev_m;
   }
 
-  /** The last slope step that was hit, from `first` on; the one before `first` if there is none. */
+  /** The last slope bin that was hit, from `first` on; the one before `first` if there is none. */
   TALUS_HD int follow(int bin, int first, int up) const
   {
     const int nearest = footprint.row - (kBehindCell_rings + kBeforeCell_rings) * bin_count(m.k);
     int last = first - up;
-    bool more = first >= 0 && first < kSlopeSteps;
+    bool more = first >= 0 && first < kSlopeBins;
     for (int quad = first / SlopeEnds::kSize;
-         more && quad >= 0 && quad < kSlopeSteps / SlopeEnds::kSize; quad += up)
+         more && quad >= 0 && quad < kSlopeBins / SlopeEnds::kSize; quad += up)
     {
-      const SlopeEnds rays = steps(bin, quad);
+      const SlopeEnds rays = ends_at(bin, quad);
       for (int n = 0; n < SlopeEnds::kSize; n++)
       {
         const int s = up > 0 ? n : SlopeEnds::kSize - 1 - n, ray = rays.ends[s];
-        const int step = quad * SlopeEnds::kSize + s;
-        const bool is_ray = more & ((step - first) * up >= 0) & (ray > 0);
+        const int at = quad * SlopeEnds::kSize + s;
+        const bool is_ray = more & ((at - first) * up >= 0) & (ray > 0);
         const bool before = ray < nearest, behind = ray >= footprint.row;
-        last = select(is_ray & !before & !behind, step, last);
+        last = select(is_ray & !before & !behind, at, last);
         more &= !(is_ray & (before | behind));
       }
     }

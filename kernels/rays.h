@@ -7,8 +7,8 @@
 namespace talus::kernels
 {
 // The rays of a frame in square polar coordinates around the sensor. A "ring" is the Chebyshev
-// distance in cells, a direction is a place on the border of a square. All directions are alike, a
-// row of the table is one ring, and a sweep along the rings visits each cell O(1) times.
+// distance in cells, a direction is a position on the border of a square. All directions are alike,
+// a row of the table is one ring, and a sweep along the rings visits each cell O(1) times.
 
 /** Bins along one of the 4 sides of the square. A bin is as wide as a cell at the window's border.
  */
@@ -68,7 +68,7 @@ TALUS_HD float ray_slope(float dz, float chebyshev_m) { return dz / chebyshev_m;
 
 constexpr std::int32_t kNoRay = 0x7fffffff;
 
-/** The last bits of a ray tell where it ended: the bits of that Chebyshev distance from 0.5 to 128
+/** The last bits of a ray say where it ended: the bits of that Chebyshev distance from 0.5 to 128
  * m in 128 steps for each doubling. Its slope keeps 13 bits, which is exact to 1 mm. */
 constexpr std::int32_t kEndBits = 1023;
 constexpr std::uint32_t kNearestEnd = 0x3f00;  //!< upper half of 0.5f
@@ -86,32 +86,32 @@ TALUS_HD float end_of_ray_m(std::int32_t ray)
   return float_of_bits((static_cast<std::uint32_t>(ray & kEndBits) + kNearestEnd) << 16);
 }
 
-/** The number of steps of slope. */
-constexpr int kSlopeSteps = 64;
-/** Slopes are bent into [-1, 1]; the steps cover -1/2 (slope -1) to 1/4 (slope 1/3). */
+/** The number of bins of slope. */
+constexpr int kSlopeBins = 64;
+/** Slopes are bent into [-1, 1]; the bins cover -1/2 (slope -1) to 1/4 (slope 1/3). */
 constexpr float kLowestBent = -0.5f, kBentRange = 0.75f;
-/** The step of a slope, with its fraction. Level slopes have the finest steps, for they reach
- * farthest. Steep ones are outside [0, kSlopeSteps). */
-TALUS_HD float slope_step(float slope)
+/** The bin of a slope, with its fraction. Level slopes have the finest bins, for they reach
+ * farthest. Steep ones are outside [0, kSlopeBins). */
+TALUS_HD float slope_bin(float slope)
 {
   const float bent = slope / (1.0f + abs_of(slope));
-  return (bent - kLowestBent) * (static_cast<float>(kSlopeSteps) / kBentRange);
+  return (bent - kLowestBent) * (static_cast<float>(kSlopeBins) / kBentRange);
 }
-/** The slope at a step with its fraction. */
-TALUS_HD float slope_at_step(float step)
+/** The slope at a bin with its fraction. */
+TALUS_HD float slope_at_bin(float bin)
 {
-  const float bent = kLowestBent + step * (kBentRange / static_cast<float>(kSlopeSteps));
+  const float bent = kLowestBent + bin * (kBentRange / static_cast<float>(kSlopeBins));
   return bent / (1.0f - abs_of(bent));
 }
-/** The slope in the middle of a step. */
-TALUS_HD float slope_of_step(int step) { return slope_at_step(static_cast<float>(step) + 0.5f); }
+/** The slope in the middle of a bin. */
+TALUS_HD float slope_of_bin(int bin) { return slope_at_bin(static_cast<float>(bin) + 0.5f); }
 
-/** How far gentle ground falls on a way of this length. */
+/** How far gentle ground falls on a path of this length. */
 TALUS_HD float gentle_fall_m(float length_m)
 {
   return max_of(kEndsFall * length_m, kEndsFarFall * length_m + (kEndsFall - kEndsFarFall));
 }
-/** Whether rays pass above the ground at a height; infinity: no ray. Rays below it tell of an
+/** Whether rays pass above the ground at a height; infinity: no ray. Rays below it show an
  * object or a drop, but not if rays pass above it on both sides: what a glossy floor reflects are
  * single rays. */
 TALUS_HD bool passes_over(float height_m, float ground_m)
@@ -128,7 +128,7 @@ TALUS_HD bool on_both_sides(const Over& over)
     left |= over(-d), right |= over(d);
   return left & right;
 }
-/** The same of rays above a height beside a place of a line, `aside` rows from the middle one, at
+/** The same of rays above a height beside an index of a line, `aside` rows from the middle one, at
  * which Map::free_above_m is given. Rows are `across` apart. */
 TALUS_HD bool is_passed_over(
     const float* free_above_m, int across, int aside, int rings, float ground_m)

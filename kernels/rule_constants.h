@@ -41,13 +41,12 @@ constexpr int kBehindOverhang_rings = 2;
 
 /** Cell::recent_hits: each frame with a hit above passing rays adds kHitAdds, each frame of passing
  * rays takes one. Edges cover their cells in part, so that rays pass most of the time. A mover
- * seldom leaves two hits close together. A cleared cell keeps one hit, which shows that an object
- * moved away. */
+ * seldom leaves two hits close together. A cleared cell keeps one hit, see object_left(). */
 constexpr int kHitAdds = 9, kMaxRecentHits = 31;
 /** Two hits within five frames, and not long ago. */
-constexpr int kHitLately = kHitAdds + 5;
-/** An object where the robot drove came later, so it moves: it is gone, occluded or not, after this
- * number of frames without a hit. */
+constexpr int kLoneHitCounts = kHitAdds + 5;
+/** An object where the robot drove appeared later, so it moves: it is gone, occluded or not, after
+ * this number of frames without a hit. */
 constexpr int kFollowerLeaves_frames = 5;
 /** A hit over bare ground counts by itself if this number of other hits above the ground is near:
  * snow, rain and dust are single points. Otherwise two such hits in recent frames count. */
@@ -137,8 +136,8 @@ constexpr int kBesideRay_cells = 6;
  * 1 m more steeply, since hills are round. Beyond a sample that lies higher there is a drop-off,
  * and a guess that lies higher is not free: both are behind an edge, or in a ditch. */
 constexpr float kEndsBelow_m = 0.05f, kEndsFall = 0.15f, kEndsFarFall = 0.25f, kEndsRise_m = 1.0f;
-/** Stride [cells] at which a line from the sensor is searched for drop-offs. */
-constexpr int kUndercutPlaces = 4;
+/** Stride at which a line from the sensor is searched for drop-offs. */
+constexpr int kDropStride_cells = 4;
 /** Deviation of any line, however short. It makes short lines count nearly alike, so that their
  * noise averages out. */
 constexpr float kLineDeviation_m = 0.080f;
@@ -183,7 +182,7 @@ constexpr float kWallNoise_m = 0.01f, kWidestDitch_m = 2.8f;
 /** Ground that falls by less than this [m/m] is level. */
 constexpr float kGentle = 0.05f;
 /** Max depth of a ditch over the depth at which its far wall begins below the near edge. */
-constexpr float kHollow = 2.0f;
+constexpr float kDitchDepthFactor = 2.0f;
 /** Ground may drop if eq. 14 gives less than this: halfway between sure and impossible. */
 constexpr float kSparse = 0.5f;
 
@@ -194,9 +193,9 @@ constexpr float kSparse = 0.5f;
 constexpr std::uint32_t kMeanOfPoints = 64;
 /** Votes are halved above this number, for the same reason; each fits into eight bits. */
 constexpr std::uint32_t kVotesOfPoints = 64;
-/** Values are summed as integers in steps of 1/65536; beyond 2^24, where float itself has no
+/** Values are summed as integers in units of 1/65536; beyond 2^24, where float itself has no
  * fractions, they are left out. */
-constexpr double kChannelSteps = 65536.0;
+constexpr double kChannelUnits = 65536.0;
 constexpr float kMaxChannelValue = 16777216.0f;
 
 }  // namespace talus::kernels

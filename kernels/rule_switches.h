@@ -24,13 +24,13 @@ enum Rule : int
   kProofOfFills = 40,
   kLowSteps = 45,
   kObstaclesGoOn = 46,
-  kFallsMayDrop = 47
+  kDropOffs = 47
 };
 
 constexpr Rule kRules[]{
     kHeightBand, kBodyBoxes,         kBuriedRays,   kFollowsPoses,   kGateOfBoth,    kHighHitStands,
     kUnderRobot, kPresumedStart,     kReach,        kRayBelowGround, kLoneHits,      kOverhangStays,
-    kAsAWhole,   kLowestUnderObject, kProofOfFills, kLowSteps,       kObstaclesGoOn, kFallsMayDrop};
+    kAsAWhole,   kLowestUnderObject, kProofOfFills, kLowSteps,       kObstaclesGoOn, kDropOffs};
 
 /** Whether a rule counts: all do, unless a build for the laboratory switches some off, or leaves
  * one out when it is compiled, to count what the rule costs. */

@@ -11,7 +11,7 @@ constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
 enum SurfaceFlag : std::int32_t
 {
   kSurfaceSeen = 2,  //!< a ray hit it or passed low over its ground, or the robot stood there
-  kSurfaceMayDrop = 4,  //!< its ground was not seen and may lie far below that around it
+  kSurfacePossibleDropOff = 4,  //!< its ground was not seen and may lie far below that around it
   kSurfaceDriven = 8  //!< the robot drove over it, and no new object stands there
 };
 

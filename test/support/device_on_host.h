@@ -82,7 +82,7 @@ class DeviceOnHost : public CpuMemory
   {
     then();
   }
-  std::uint32_t* reported() { return reported_[slot_].data(); }
+  kernels::FrameCounts* reported() { return &reported_[slot_]; }
 
   // ---- loops ----
   template <class Rule>
@@ -307,7 +307,7 @@ class DeviceOnHost : public CpuMemory
 
   bool copies_ = false;
   std::size_t slot_ = 0;
-  std::array<std::array<std::uint32_t, kernels::kCounters>, kSlots> reported_{};
+  std::array<kernels::FrameCounts, kSlots> reported_{};
   std::array<std::vector<float>, kSlots> channels_;
 };
 

@@ -18,7 +18,7 @@ bool is_reached(const CellRecord& record)
 }
 void set_reached(CellRecord& record) { record.evidence[kFlagsByte] |= kernels::kWasReached; }
 
-void forget_latest(CellRecord& record)
+void clear_transient_evidence(CellRecord& record)
 {
   std::fill(record.evidence + CellRecord::kLastingBytes, std::end(record.evidence), 0);
 }

@@ -218,13 +218,13 @@ void add_channels(std::vector<Channel>& all, const std::vector<Channel>& more)
   validate_channels(all);
 }
 
-std::vector<std::size_t> channel_places(
+std::vector<std::size_t> channel_indices(
     const std::vector<Channel>& of, const std::vector<Channel>& in)
 {
-  std::vector<std::size_t> places;
+  std::vector<std::size_t> indices;
   for (const std::string& name : channel_layer_names(of))
-    places.push_back(channel_layer(in, name, "list"));
-  return places;
+    indices.push_back(channel_layer(in, name, "list"));
+  return indices;
 }
 
 bool is_channel_value(ChannelRule rule, float value)

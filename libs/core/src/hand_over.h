@@ -9,7 +9,7 @@
 namespace talus
 {
 static_assert(CellRecord::kEvidenceBytes == kernels::kEvidenceFields);
-static_assert(CellRecord::kLastingBytes == kernels::kEvidenceFields - kernels::kLatestFields);
+static_assert(CellRecord::kLastingBytes == kernels::kEvidenceFields - kernels::kTransientFields);
 
 /** A rectangle of cells of the window. */
 struct WindowRect
@@ -50,11 +50,11 @@ struct HandOver
   kernels::Map m;
   WindowRects cells;
 
-  struct Place
+  struct Index
   {
     int window_i, storage_i;
   };
-  TALUS_HD Place place(int i) const
+  TALUS_HD Index index(int i) const
   {
     int x, y;
     cells.find(i, x, y);
@@ -66,7 +66,7 @@ struct ReadCell : HandOver
 {
   TALUS_HD CellRecord operator()(int i) const
   {
-    const Place at = place(i);
+    const Index at = index(i);
     const kernels::Cell c = m.cell.load(at.storage_i);
     CellRecord r;
     r.ground_m = kernels::raised(c.ground_m, m.frame->offset_m);
@@ -87,7 +87,7 @@ struct ReadChannels : HandOver
 {
   TALUS_HD ChannelRecord operator()(int i) const
   {
-    const int storage_i = place(i).storage_i;
+    const int storage_i = index(i).storage_i;
     ChannelRecord r;
     for (int c = 0; c < m.channels.size; c++)
       for (int s = 0; s < kernels::kPointSurfaces; s++)
@@ -101,7 +101,7 @@ struct WriteChannels : HandOver
 {
   TALUS_HD void operator()(int i, const ChannelRecord& r) const
   {
-    const int storage_i = place(i).storage_i;
+    const int storage_i = index(i).storage_i;
     for (int c = 0; c < m.channels.size; c++)
       for (int s = 0; s < kernels::kPointSurfaces; s++)
         m.channels.each[c].restore(
@@ -117,7 +117,7 @@ struct WriteCell : HandOver
   TALUS_HD void operator()(int i, const CellRecord& r) const
   {
     if (r.state == kernels::kUnknown) return;
-    const Place at = place(i);
+    const Index at = index(i);
     kernels::Cell c;
     c.ground_m = kernels::raised(r.ground_m, -m.frame->offset_m);
     c.ground_var_m2 = r.ground_variance_m2;

@@ -46,7 +46,7 @@ class MapBackend final : public BackendInterface
     executor_.finish_frame(
         [this] { run_stages(); },
         [&] { read<ReadCell>(cells.after, records_.data() + size_of(cells.before)); });
-    map_.now->parts_known = map_.parts_wanted();
+    map_.now->features_known = map_.features_wanted();
     return report();
   }
 
@@ -95,13 +95,13 @@ class MapBackend final : public BackendInterface
     return m;
   }
   FrameReport report();
-  void complete_parts();
+  void complete_features();
   void export_surface(Layer layer, float* to)
   {
     kernels::Map m = map_.view();
     m.out = Map::layers_at([=](Layer l) { return l == layer ? to : nullptr; });
     if (layer == Layer::Variance)
-      tell_variance(on_, m, std::array{window_of(m)});
+      estimate_variance(on_, m, std::array{window_of(m)});
     else
       on_.template cells<kernels::PutSurface>(m, window_of(m));
   }
@@ -169,8 +169,8 @@ FrameReport MapBackend<On>::report()
   FrameReport report;
   report.stamp_s = map_.now->stamp_s;
   report.points_in = static_cast<std::uint32_t>(map_.now->n_points);
-  std::copy_n(executor_.reported(), kRejectCount, report.rejected.data());
-  report.leaves_floor = executor_.reported()[kernels::kLeavesFloor] != 0;
+  std::copy_n(executor_.reported()->rejected, kRejectCount, report.rejected.data());
+  report.leaves_floor = executor_.reported()->leaves_floor != 0;
   report.points_accepted = report.points_in;
   for (const auto r : report.rejected) report.points_accepted -= r;
   report.stage_ms = executor_.stage_ms();
@@ -195,25 +195,25 @@ std::array<bool, kLayerCount> MapBackend<On>::set_outputs(int slot, const Output
   constexpr auto surfaces = static_cast<std::size_t>(Layer::Slope);
   executor_.allocate(now.delivered, map_.copied_surfaces() ? surfaces * n : 0, 0.0f);
   executor_.allocate(now.traversability, n, kernels::kNan);
-  if (map_.parts_wanted()) map_.allocate_parts(executor_);
+  if (map_.features_wanted()) map_.allocate_features(executor_);
   return delivered;
 }
 
 /** Makes slope, step, roughness and sparsity, if the last frame did not: judges once more, with the
  * same result except for cells written since. */
 template <class On>
-void MapBackend<On>::complete_parts()
+void MapBackend<On>::complete_features()
 {
-  if (map_.now->parts_known) return;
-  map_.allocate_parts(executor_);
+  if (map_.now->features_known) return;
+  map_.allocate_features(executor_);
   float* const judged = map_.memory_of(Layer::Traversability);
   float* const kept = map_.top_hit_m.data();  // free between frames
   executor_.copy(kept, judged, static_cast<std::size_t>(map_.cells()));
   kernels::Map m = map_.view();
-  m.parts = true, m.keeps = false;
+  m.with_features = true, m.keeps = false;
   on_.judge_all(m);
   executor_.copy(judged, kept, static_cast<std::size_t>(map_.cells()));
-  map_.now->parts_known = true;
+  map_.now->features_known = true;
 }
 
 template <class On>
@@ -225,7 +225,7 @@ void MapBackend<On>::read_layer(Layer layer, float* out)
     export_surface(layer, map_.top_hit_m.data());
   else
   {
-    if (layer != Layer::Traversability) complete_parts();
+    if (layer != Layer::Traversability) complete_features();
     from = map_.memory_of(layer);
   }
   if (from != out) executor_.download(from, static_cast<std::size_t>(map_.cells()), out);
@@ -256,7 +256,7 @@ void MapBackend<On>::write_cells(const std::vector<WindowRect>& rects, const Cel
       });
   kernels::Map m = map_.view();
   m.out = shown;
-  if (shown.variance) tell_variance(on_, m, rects);
+  if (shown.variance) estimate_variance(on_, m, rects);
   executor_.synchronize();
 }
 
@@ -386,9 +386,9 @@ MapBytes MapBackend<On>::read_all()
         to += n * sizeof unknown;
       });
   executor_.download(map_.datum.data(), 1, &bytes.datum);
-  complete_parts();
-  bytes.features.resize(Map::kFeatureLayers * n);
-  for (std::size_t i = 0; i < Map::kFeatureLayers; i++)
+  complete_features();
+  bytes.features.resize(Map::kJudgedLayers * n);
+  for (std::size_t i = 0; i < Map::kJudgedLayers; i++)
     executor_.download(map_.memory_of(feature_layer(i)), n, bytes.features.data() + i * n);
   return bytes;
 }
@@ -406,9 +406,9 @@ void MapBackend<On>::write_all(const MapBytes& bytes, const kernels::FrameContex
         from += n * sizeof unknown;
       });
   executor_.upload(&bytes.datum, 1, map_.datum.data());
-  map_.allocate_parts(executor_);
-  map_.now->parts_known = true;
-  for (std::size_t i = 0; i < Map::kFeatureLayers; i++)
+  map_.allocate_features(executor_);
+  map_.now->features_known = true;
+  for (std::size_t i = 0; i < Map::kJudgedLayers; i++)
     executor_.upload(bytes.features.data() + i * n, n, map_.memory_of(feature_layer(i)));
   executor_.upload(&window, 1, map_.frame.data());
   for (int i = Map::kFirstSurface; i < Map::kFirstFeature; i++)

@@ -26,7 +26,7 @@ struct MapSizes
   MapSizes(const kernels::Config& k, bool on_device);
   void set_points(const kernels::Config& k, std::size_t capacity, std::size_t step, bool channels);
 
-  Extent one{1}, counters{kernels::kCounters}, cells, pairs, grid, samples, surfaces, rays, slopes;
+  Extent one{1}, cells, pairs, grid, samples, surfaces, rays, slopes;
   Extent points, crowded, surface_points, voxel_points, voxels, class_scores;
   Extent core_bins, core_grid, core_window;
   Extent device, device_cells, device_grid, device_lines, marks, axis_marks;
@@ -39,16 +39,16 @@ inline MapSizes::MapSizes(const kernels::Config& k, bool device_too) : on_device
   const kernels::LineGrid lines = kernels::line_grid(k);
   const kernels::PairGrid pair = kernels::pair_grid(k);
   const std::size_t n = size(k.cells), bins = size(kernels::bin_count(k));
-  // Rows beyond the window that TellVariance asks, and one more: in the last of them it asks a
-  // place before its first.
-  const std::size_t margin = size((kernels::kAskedPlaces + 1) * lines.pitch);
+  // Rows beyond the window that EstimateVariance reads, and one more: in the last of them it reads
+  // a cell before its first.
+  const std::size_t margin = size((kernels::kAskedCells + 1) * lines.pitch);
   cells = {n * n};
   pairs = {size(pair.side) * size(pair.side + 2 * pair.pad)};
   grid = {size(lines.side) * size(lines.pitch)};
   samples = {grid.size + 2 * margin, margin};
   surfaces = {n * size(k.cells + 2 * k.feature_radius_cells)};
   rays = {bins * size(kernels::most_rings(k.cells))};
-  slopes = {bins * kernels::kSlopeSteps};
+  slopes = {bins * kernels::kSlopeBins};
   if (on_device)
   {
     constexpr std::size_t guard = kernels::LineMarks::kGuardWords;
@@ -140,10 +140,10 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
    */
   void reserve_points(Executor& executor, std::size_t points);
   /** Makes room for slope, step, roughness and sparsity. */
-  void allocate_parts(Executor& executor)
+  void allocate_features(Executor& executor)
   {
     const std::size_t size = kParts * static_cast<std::size_t>(cells());
-    if (now->parts.size() != size) executor.allocate(now->parts, size, kernels::kNan);
+    if (now->features.size() != size) executor.allocate(now->features, size, kernels::kNan);
   }
 
   int side() const { return host_config.cells; }
@@ -163,7 +163,7 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
     kernels::MapArrays<ExecutorType::template Buffer>::view(sizes, m);
     if (!Executor::kIsDevice) m.kept_count = m.cell_count, m.datum_before = m.datum;
     m.in = now->in;
-    m.parts = parts_wanted(), m.keeps = true;
+    m.with_features = features_wanted(), m.keeps = true;
     m.out = layers_at([this](Layer l) { return memory_of(l); });
     for (ChannelBuffers& c : channels)
     {
@@ -195,14 +195,14 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
     if (layer < Layer::Slope) return now->wanted[l] ? now->delivered.data() + l * n : nullptr;
     if (layer == Layer::Traversability) return now->traversability.data();
     const std::size_t part = l - static_cast<std::size_t>(Layer::Slope);
-    return now->parts.size() ? now->parts.data() + part * n : nullptr;
+    return now->features.size() ? now->features.data() + part * n : nullptr;
   }
   bool has_class_scores() const { return !host_class_scores.empty(); }
   /** Whether each frame leaves slope, step, roughness or sparsity. */
-  bool parts_wanted() const
+  bool features_wanted() const
   {
     const auto first = now->wanted.begin() + static_cast<int>(Layer::Slope);
-    return std::any_of(first, first + kParts, [](const float* to) { return to; });
+    return std::any_of(first, first + kFeatures, [](const float* to) { return to; });
   }
   /** Whether a wanted layer is computed elsewhere and then copied. */
   bool is_copied(Layer layer) const
@@ -212,7 +212,7 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
   }
   int copied_surfaces() const { return copied(kFirstSurface, kFirstFeature); }
   int copied_features() const { return copied(kFirstFeature, kLayerCount); }
-  /** Copies the rows [first_row, end_row) of such layers; the variance is told when the ground of
+  /** Copies the rows [first_row, end_row) of such layers; the variance follows when the ground of
    * all cells is known. */
   void deliver_surfaces(Executor& executor, int first_row, int end_row)
   {
@@ -229,7 +229,7 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
   /** Surface layers come first, then the layers of stage 7. */
   static constexpr int kFirstSurface = static_cast<int>(Layer::Elevation);
   static constexpr int kFirstFeature = static_cast<int>(Layer::Slope);
-  static constexpr int kFeatureLayers = kLayerCount - kFirstFeature, kParts = kFeatureLayers - 1;
+  static constexpr int kJudgedLayers = kLayerCount - kFirstFeature, kFeatures = kJudgedLayers - 1;
 
   /** The parts of a frame that another frame in flight does not share. */
   struct Slot
@@ -243,7 +243,7 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
     std::array<OutputMemory, kLayerCount> outputs{};
     // Derived layers, window order.
     Buffer<float> traversability, parts, delivered;
-    bool parts_known = false;  //!< `parts` belong to the current map
+    bool features_known = false;  //!< `parts` belong to the current map
   };
 
   kernels::Config host_config;

@@ -113,9 +113,9 @@ MapConfig make_config(const Parameters& p)
     c.class_scores.assign(p.channels.size() * kChannelClasses, kernels::kInfinity);
   for (const ChannelCost& cost : p.channel_cost)
   {
-    const std::size_t place =
+    const std::size_t of_channel =
         kChannelClasses * channel_layer(p.channels, cost.channel, "map") / kChannelSurfaces;
-    c.class_scores[place + static_cast<std::size_t>(cost.class_of)] =
+    c.class_scores[of_channel + static_cast<std::size_t>(cost.class_of)] =
         static_cast<float>(cost.score);
   }
 #if defined(TALUS_RULE_SWITCHES)

@@ -163,7 +163,7 @@ std::size_t distance_to_name(const std::string& wanted, const std::string& name)
 
 void validate_voxels(const Parameters& p)
 {
-  constexpr double kMax = 2147483648.0;  // places are counted in 32 bits
+  constexpr double kMax = 2147483648.0;  // indices have 32 bits
   if (p.voxel_m == 0 || p.max_range_m / p.voxel_m < kMax) return;
   throw std::invalid_argument(
       "voxel_m = " + number(p.voxel_m) + " m is too small for max_range_m = " +

@@ -59,7 +59,7 @@ std::size_t bytes_behind_header(std::size_t cells, std::size_t sensors)
   return sensors * sizeof(SensorRecord) + cells * kernels::kBytesPerCell + feature_bytes(cells);
 }
 
-void check_place(const Header& h)
+void check_position(const Header& h)
 {
   const bool sound = is_within(static_cast<double>(h.min_cell_x), kFarthestCell) &&
                      is_within(static_cast<double>(h.min_cell_y), kFarthestCell) &&
@@ -185,7 +185,7 @@ SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters
 
   SavedMap saved;
   if (!header.started) return saved;
-  check_place(header);
+  check_position(header);
   saved.tracker.started = true;
   saved.tracker.min_cell_x = header.min_cell_x;
   saved.tracker.min_cell_y = header.min_cell_y;

@@ -53,13 +53,13 @@ void find_limits(On& on, const kernels::Map& m, int rounds)
 
 inline WindowRect window_of(const kernels::Map& m) { return {0, 0, m.k.cells, m.k.cells}; }
 
-/** Tells the variance where it depends on some cells. */
+/** Estimates the variance where it depends on some cells. */
 template <class On, class Rects>
-void tell_variance(On& on, const kernels::Map& m, const Rects& cells)
+void estimate_variance(On& on, const kernels::Map& m, const Rects& cells)
 {
   on.template cells<kernels::LayOutGround>(m, window_of(m));
   for (const WindowRect& rect : cells)
-    on.template cells<kernels::TellVariance>(m, within(kernels::kAskedPlaces, rect, m.k.cells));
+    on.template cells<kernels::EstimateVariance>(m, within(kernels::kAskedCells, rect, m.k.cells));
 }
 
 /** Stage 6. */
@@ -68,7 +68,7 @@ void fill(On& on, const kernels::Map& m)
 {
   on.fill(m);  // FillCell, PutSurface
   if (!m.out.variance) return;
-  tell_variance(on, m, std::array{window_of(m)});
+  estimate_variance(on, m, std::array{window_of(m)});
   on.deliver_variance();
 }
 
@@ -109,7 +109,7 @@ void run_stages(On& on, const kernels::Map& m, bool starts_map)
   on.end_stage(Stage::CleanUp);
   fill(on, m);
   on.end_stage(Stage::Fill);
-  if (m.channels.size > 0) on.fuse_channels(m);  // ForgetChannels, PlacePoint, SettlePoint
+  if (m.channels.size > 0) on.fuse_channels(m);  // ForgetChannels, AssignPoint, SettlePoint
   on.judge(m);  // 7: ComputeFeatures, CompleteObstacles, NotePassable, TakeClassScores
   on.end_stage(Stage::Traversability);
   on.end();

@@ -30,9 +30,9 @@ kernels::WindowPose window_pose(const Pose& T_map_sensor, double min_x_m, double
   return w;
 }
 
-std::int64_t cell_of(double place_m, double resolution_m)
+std::int64_t cell_of(double position_m, double resolution_m)
 {
-  return static_cast<std::int64_t>(std::floor(place_m / resolution_m));
+  return static_cast<std::int64_t>(std::floor(position_m / resolution_m));
 }
 
 Eigen::Isometry3d to_eigen(const Pose& p)
@@ -81,7 +81,7 @@ void resample_path(const Frame& frame, double min_x_m, double min_y_m, kernels::
 }
 
 /** Finds how the points of a frame come into a window. */
-void place_points(const Frame& frame, double min_x_m, double min_y_m, kernels::FrameContext& f)
+void locate_points(const Frame& frame, double min_x_m, double min_y_m, kernels::FrameContext& f)
 {
   f.n_points = static_cast<int>(frame.size);
   f.n_poses = 1;
@@ -126,7 +126,7 @@ void check_transform(const Pose& p, const char* what)
         " is no rigid transform: the left 3x3 of its matrix must be a rotation");
 }
 
-void check_place(const Pose& p, const char* who, double resolution_m)
+void check_position(const Pose& p, const char* who, double resolution_m)
 {
   if (std::max(std::abs(p.x()), std::abs(p.y())) / resolution_m > kMaxCellIndex)
     throw std::invalid_argument(
@@ -141,10 +141,10 @@ void check_place(const Pose& p, const char* who, double resolution_m)
 void check_pose(const Pose& p, double resolution_m)
 {
   check_transform(p, "the pose of the sensor");
-  check_place(p, "the sensor", resolution_m);
+  check_position(p, "the sensor", resolution_m);
 }
 
-void check_place_on_robot(const Pose& T_base_sensor)
+void check_mounting(const Pose& T_base_sensor)
 {
   check_transform(T_base_sensor, "the pose of the sensor on the robot, T_base_sensor,");
   if (std::hypot(T_base_sensor.x(), T_base_sensor.y(), T_base_sensor.z()) > kFarthestSensor_m)
@@ -210,9 +210,9 @@ Pose WindowTracker::checked_base(const Frame& frame, const Parameters& p)
 {
   check_pose(frame.T_map_sensor, p.resolution_m);
   check_path(frame.path, p.resolution_m);
-  if (frame.T_base_sensor) check_place_on_robot(*frame.T_base_sensor);
+  if (frame.T_base_sensor) check_mounting(*frame.T_base_sensor);
   const Pose T_map_base = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
-  check_place(T_map_base, "the robot's base", p.resolution_m);
+  check_position(T_map_base, "the robot's base", p.resolution_m);
   return T_map_base;
 }
 
@@ -250,7 +250,7 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
 
   const double min_x_m = static_cast<double>(x) * p.resolution_m;
   const double min_y_m = static_cast<double>(y) * p.resolution_m;
-  place_points(frame, min_x_m, min_y_m, f);
+  locate_points(frame, min_x_m, min_y_m, f);
   const kernels::WindowPose sensor = window_pose(frame.T_map_sensor, min_x_m, min_y_m);
   f.sensor_x_m = sensor.m[3];
   f.sensor_y_m = sensor.m[7];
@@ -278,7 +278,7 @@ kernels::FrameContext WindowTracker::look_up(const Frame& frame, const Parameter
   f.odd_x = static_cast<int>(min_cell_x & 1);
   f.odd_y = static_cast<int>(min_cell_y & 1);
   f.sensor_z_map_m = static_cast<float>(frame.T_map_sensor.z());
-  place_points(frame, min_x_m, min_y_m, f);
+  locate_points(frame, min_x_m, min_y_m, f);
   locate_base(frame, T_map_base, min_x_m, min_y_m, f);
   return f;
 }

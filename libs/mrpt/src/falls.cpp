@@ -11,7 +11,8 @@ namespace talus::detail
 {
 namespace
 {
-using kernels::kExplainedSlope, kernels::kExplained_steps, kernels::kGentle, kernels::kHollow;
+using kernels::kExplainedSlope, kernels::kExplained_steps, kernels::kGentle,
+    kernels::kDitchDepthFactor;
 
 constexpr double kReach_m = 4;  // to each side: the far side of what a level scanner overlooks
 constexpr double kExplainedAnyway_steps = 0.5;  // of short lines, at the foot of a slope
@@ -146,7 +147,7 @@ Falls::Fall Falls::fall(const End& high, const End& low) const
   const double fall_m = high.ground_m - low.ground_m;
   if (high.face_top_m) return {};  // its foot may be lower
   if (low.face_top_m > high.ground_m + step_m_) return {};  // a wall on the floor, not of a ditch
-  if (low.face_top_m) return {false, kHollow * (fall_m - kGentle * length_m) > step_m_};
+  if (low.face_top_m) return {false, kDitchDepthFactor * (fall_m - kGentle * length_m) > step_m_};
   const double explained_m = std::min(
       kExplainedSlope * max_slope_ * length_m + kExplainedAnyway_steps * step_m_,
       kExplained_steps * step_m_);

@@ -25,7 +25,7 @@ inline void forget_standing(ChannelRecord& values)
     values.values[l] = NAN;
 }
 
-/** Layers that are counted in another list of channels, see channel_places(). */
+/** Layers that are counted in another list of channels, see channel_indices(). */
 inline void put_values(
     const ChannelTile& from, const std::vector<std::size_t>& places, ChannelTile& to)
 {

@@ -55,7 +55,7 @@ inline CellRecord kept_of(CellRecord c)
     if (!std::isnan(*variance_m2)) *variance_m2 = rounded_bits(*variance_m2, kDroppedBits);
   if (c.traversability > 0)
     c.traversability = std::max(std::round(c.traversability * kScores), 1.0F) / kScores;
-  forget_latest(c);
+  clear_transient_evidence(c);
   return c;
 }
 

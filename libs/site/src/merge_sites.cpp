@@ -162,7 +162,7 @@ class TileMerger
     ChannelTile* const values = channels.empty() ? nullptr : read_.get();
     if (!file.read(source.place, *tiles_[found], values)) return false;
     if (!channels_.empty()) *values_[found] = {};
-    if (values) put_values(*values, channel_places(channels, channels_), *values_[found]);
+    if (values) put_values(*values, channel_indices(channels, channels_), *values_[found]);
     files_.push_back(source.file);
     return true;
   }

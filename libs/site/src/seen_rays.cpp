@@ -60,7 +60,7 @@ const std::array<float, SeenRays::kRows> SeenRays::kSlopes = []
 {
   std::array<float, kRows> slopes;
   for (std::size_t row = 0; row < slopes.size(); ++row)
-    slopes[row] = kernels::slope_at_step((static_cast<float>(row) + 0.5F) / kRowsPerStep);
+    slopes[row] = kernels::slope_at_bin((static_cast<float>(row) + 0.5F) / kRowsPerBin);
   return slopes;
 }();
 

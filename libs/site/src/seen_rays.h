@@ -73,7 +73,7 @@ class SeenRays
  private:
   static constexpr float kNearest_m = 0.5F;  //!< nearer rays end at the robot
   static constexpr int kPerSide = 256, kColumns = 4 * kPerSide, kRows = 128;
-  static constexpr float kRowsPerStep = static_cast<float>(kRows) / kernels::kSlopeSteps;
+  static constexpr float kRowsPerBin = static_cast<float>(kRows) / kernels::kSlopeBins;
 
   static const std::array<float, kRows> kSlopes;
 
@@ -98,7 +98,7 @@ class SeenRays
   /** Steeper slopes than those that are kept are outside [0, kRows). */
   static int row_of(float slope)
   {
-    return kernels::floor_to_int(kernels::slope_step(slope) * kRowsPerStep);
+    return kernels::floor_to_int(kernels::slope_bin(slope) * kRowsPerBin);
   }
   static float slope_of_row(std::size_t row) { return kSlopes[row]; }
   static float metres(int length_cm) { return static_cast<float>(length_cm) * 0.01F; }

@@ -141,7 +141,7 @@ void read_site(const std::string& path, Site& site, int floor, const MapShift& s
   const auto tile = std::make_unique<Tile>();
   const auto values = std::make_unique<ChannelTile>();
   const bool has_values = !reader.file().channels().empty();
-  const auto places = channel_places(reader.file().channels(), site.channels);
+  const auto places = channel_indices(reader.file().channels(), site.channels);
   for (const auto& place : reader.tiles())
   {
     if (!reader.read(place, *tile, values.get())) continue;

@@ -62,7 +62,7 @@ void SiteMapper::take_channels(const ElevationMapper& map)
   const std::vector<Channel>& channels = map.parameters().channels;
   if (channel_places_.size() == kChannelSurfaces * channels.size()) return;
   add_channels(site_.channels, channels);
-  channel_places_ = channel_places(channels, site_.channels);
+  channel_places_ = channel_indices(channels, site_.channels);
 }
 
 FrameReport SiteMapper::update_kept(ElevationMapper& map, const Frame& frame)

@@ -10,7 +10,7 @@ namespace talus
 struct CellRecord
 {
   /** The bytes of `evidence`, and how many of them, at its start, stay valid for longer than a few
-   * frames, see forget_latest(). */
+   * frames, see clear_transient_evidence(). */
   static constexpr int kEvidenceBytes = 7, kLastingBytes = 5;
 
   /** Height of the ground, and the variance of its fused points, or of its fill. */
@@ -33,7 +33,7 @@ bool is_reached(const CellRecord& record);
 void set_reached(CellRecord& record);
 
 /** Clears the evidence of the latest frames, for a cell that is stored for later. */
-void forget_latest(CellRecord& record);
+void clear_transient_evidence(CellRecord& record);
 
 /** Cells of the global grid: cell (x, y) covers [x * resolution_m, ...) along x and y of the map
  * frame. */

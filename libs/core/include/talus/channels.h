@@ -71,7 +71,7 @@ void validate_channels(const std::vector<Channel>& channels);
  * NAME_standing of what stands on it. */
 std::vector<std::string> channel_layer_names(const std::vector<Channel>& channels);
 
-/** The place of a name in channel_layer_names(). Throws std::invalid_argument that says that
+/** The index of a name in channel_layer_names(). Throws std::invalid_argument that says that
  * `what`, "map" say, has no such layer. */
 std::size_t channel_layer(
     const std::vector<Channel>& channels, const std::string& name, const std::string& what);
@@ -91,7 +91,7 @@ void validate_channel_costs(
 void add_channels(std::vector<Channel>& all, const std::vector<Channel>& more);
 
 /** By layer of `of`, see channel_layer_names(): the same layer of `in`, which has all of them. */
-std::vector<std::size_t> channel_places(
+std::vector<std::size_t> channel_indices(
     const std::vector<Channel>& of, const std::vector<Channel>& in);
 
 /** Whether a channel of this rule may have the value: NaN, a class for a vote. */

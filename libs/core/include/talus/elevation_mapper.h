@@ -109,7 +109,7 @@ class ElevationMapper
   bool empty() const;
 
   /** One layer, window().cells^2 floats, row by row: index = iy * cells + ix; MapView::at() finds
-   * the value at a place. NaN: unknown, or a score that was not judged. Valid until the next
+   * the value at a position. NaN: unknown, or a score that was not judged. Valid until the next
    * start() or another call that changes the map. Made on demand if set_output_layers() did not
    * select it. Throws std::logic_error while a frame is in flight for layers that are not selected,
    * and between start() and the next finish() for all. */

@@ -35,8 +35,8 @@ class MapView
     return map_ ? map_->channel(name) : snapshot_->channel(name);
   }
 
-  /** Value of a layer at a place of the map frame [m]. NaN outside of the window and where the map
-   * knows nothing. Throws as layer(). */
+  /** Value of a layer at a position of the map frame [m]. NaN outside of the window and where the
+   * map knows nothing. Throws as layer(). */
   float at(Layer l, double x_m, double y_m) const { return value_at(layer(l), x_m, y_m); }
   /** The same of a layer of a channel. Throws as channel(). */
   float at(const std::string& channel_layer, double x_m, double y_m) const

@@ -21,8 +21,8 @@ struct Window
   /** Lower border, map frame [m]. */
   double min_y_m() const { return static_cast<double>(min_cell_y) * resolution_m; }
 
-  /** Index in each layer of the cell at a place in the map frame [m]; empty outside of the window
-   * and for a place that is not finite. */
+  /** Index in each layer of the cell at a position in the map frame [m]; empty outside of the
+   * window and for a position that is not finite. */
   std::optional<std::size_t> index_at(double x_m, double y_m) const
   {
     const double ix = std::floor(x_m / resolution_m) - static_cast<double>(min_cell_x);

@@ -10,7 +10,7 @@
 
 namespace talus
 {
-/** Large memory gets large pages, and begins at a different place of its page each time. Otherwise
+/** Large memory gets large pages, and begins at a different offset in its page each time. Otherwise
  * a loop over ten arrays would need the same few lines of a cache for all of them. */
 template <class T>
 struct CellMemory

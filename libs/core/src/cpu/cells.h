@@ -150,9 +150,9 @@ class Order
   {
     const int points = std::min(static_cast<int>(m_.kept_count[cell]), kMax + 1);
     if (parts_ == 1) return points;
-    const int n = m_.k.cells, place = cell - m_.frame->storage_y * n;
+    const int n = m_.k.cells, index = cell - m_.frame->storage_y * n;
     const float share =
-        static_cast<float>(place + (place < 0 ? n * n : 0)) / static_cast<float>(n * n);
+        static_cast<float>(index + (index < 0 ? n * n : 0)) / static_cast<float>(n * n);
     const int part = std::min(static_cast<int>(share * static_cast<float>(parts_)), parts_ - 1);
     return part * kKinds + points;
   }

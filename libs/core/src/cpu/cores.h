@@ -44,13 +44,13 @@ class Cores
     const int n = points(), side = m.k.cells;
     const auto over_rows = [&m](int begin, int end)
     {
-      SteppedRow<kernels::FindPassingRays> row;
+      RowOfRays<kernels::FindPassingRays> row;
       for (int y = begin; y < end; y++) row.run(m, y);
     };
     cells::Order order(m, executor_.threads());
     const auto sort = [&m](int begin, int end) { sort_points<kernels::SortPoint>(m, begin, end); };
     using Bin = kernels::BinPoint<Atomics>;
-    if (executor_.is_for_one(n))
+    if (executor_.is_small(n))
       executor_.run_beside(
           [&]
           {
@@ -79,7 +79,7 @@ class Cores
     pool(m);
     spread(m);
     executor_.fill(map_.rays, kernels::kNoRay);
-    executor_.report(map_.counters);
+    executor_.report(map_.counts);
   }
   void pool(const Map& m)
   {
@@ -144,7 +144,7 @@ class Cores
   }
   void judge_all(const Map& m)
   {
-    if (m.parts)
+    if (m.with_features)
       judge_all<true>(m);
     else
       judge_all<false>(m);
@@ -153,7 +153,7 @@ class Cores
   void fuse_channels(const Map& m)
   {
     executor_.template for_each_cell<kernels::ForgetChannels>(m);
-    executor_.template for_each<kernels::PlacePoint<Atomics>>(m, points());
+    executor_.template for_each<kernels::AssignPoint<Atomics>>(m, points());
     executor_.template for_each<kernels::SettlePoint>(m, points());
   }
 
@@ -161,10 +161,10 @@ class Cores
   void end() {}
 
  private:
-  template <bool kParts>
+  template <bool kWithFeatureLayers>
   void judge_all(const Map& m)
   {
-    executor_.template for_each_window<kernels::ComputeFeatures<kParts>>(
+    executor_.template for_each_window<kernels::ComputeFeatures<kWithFeatureLayers>>(
         m, m.k.cells, m.k.cells, m.k.feature_radius_cells);
     if (m.keeps)
       executor_.template for_each_cell<kernels::CompleteObstacles, kernels::NotePassable>(m);

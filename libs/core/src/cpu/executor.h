@@ -86,14 +86,10 @@ class CpuMemory
     stage_ms_ = {};
   }
   void fetch(Buffer<kernels::FrameContext>& context) { context.assign(1, *slots_[now_].context); }
-  /** The counters of a frame, after report(). */
-  std::uint32_t* reported() { return counters_.data(); }
-  /** Hands over the counters and clears them for the next frame. */
-  void report(Buffer<std::uint32_t>& counters)
-  {
-    std::copy(counters.begin(), counters.end(), counters_.begin());
-    std::fill(counters.begin(), counters.end(), 0u);
-  }
+  /** The counts of a frame, after report(). */
+  kernels::FrameCounts* reported() { return &counts_; }
+  /** Hands over the counts and clears them for the next frame. */
+  void report(Buffer<kernels::FrameCounts>& counts) { counts_ = std::exchange(counts[0], {}); }
   /** Adds the time since the last lap to a stage. */
   void end_stage(Stage stage)
   {
@@ -128,7 +124,7 @@ class CpuMemory
   };
   std::array<Slot, kSlots> slots_;
   std::size_t now_ = 0;
-  std::array<std::uint32_t, kernels::kCounters> counters_{};
+  kernels::FrameCounts counts_{};
 };
 
 /** Runs the loops of the stages. It has buffers, loops and the atomics of its threads, and knows
@@ -242,7 +238,7 @@ class CpuExecutor : public CpuMemory
   int threads() const { return threads_.size(); }
   /** Whether the points are so few that one thread is faster than several that exchange cache
    * lines. */
-  bool is_for_one(int n) const { return n <= kFewPoints && threads_.size() > 1; }
+  bool is_small(int n) const { return n <= kFewPoints && threads_.size() > 1; }
   static int rows_at_once(int nx) { return std::max(1, 4096 / std::max(nx, 1)); }
 
   template <class F>

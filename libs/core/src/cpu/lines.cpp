@@ -12,7 +12,7 @@ namespace
 {
 using kernels::SideEstimate;
 
-/** The place of a sample that was never met. */
+/** The index of a sample that was never met. */
 constexpr int kNowhere = -(1 << 20);
 /** Code is compiled for kFewSamples, the default, and for any number up to kMaxSamples. */
 constexpr int kFewSamples = 2, kMaxSamples = 16;
@@ -37,7 +37,7 @@ T* scratch(int size)
   return memory.data();
 }
 
-/** Where lines cross one place, across the strip, and which of those cells are theirs to infer. */
+/** Where lines are at one index, across the strip, and which of those cells are theirs to infer. */
 struct alignas(64) Crossing
 {
   int minor[kLanes];
@@ -46,30 +46,31 @@ struct alignas(64) Crossing
 
 struct Strip
 {
-  int lines, places;
-  int first, along, across;  //!< cell of a line at a place: first + place * along + minor * across
-  const Crossing* crossings;  //!< by place; on parallel lines all are the same
-  float step_m[kLanes] = {};  //!< length of a line for each place
-  int fill_places[kLanes] = {},
-      sparsity_places[kLanes] = {};  //!< places that fills and stage 7 search
-  int reach = 0, far_reach = 0;  //!< most of fill_places and of sparsity_places
-  int suspect = 0;  //!< from this place on all are too far for stage 7
+  int lines, cells;
+  int first, along, across;  //!< a line's cell: first + index * along + minor * across
+  const Crossing* crossings;  //!< by index; on parallel lines all are the same
+  float cell_m[kLanes] = {};  //!< length of a line in each cell
+  int fill_cells[kLanes] = {},
+      sparsity_cells[kLanes] = {};  //!< cells that fills and stage 7 search
+  int reach = 0, far_reach = 0;  //!< most of fill_cells and of sparsity_cells
+  int near_robot = 0;  //!< from this index on all are too far for eq. 14
 
-  const Crossing& at(int place, bool parallel) const { return crossings[parallel ? 0 : place]; }
-  /** Whether lines are columns, so that the cells of a place are neighbours in memory. */
+  const Crossing& at(int index, bool parallel) const { return crossings[parallel ? 0 : index]; }
+  /** Whether lines are columns, so that the cells of one index are neighbours in memory. */
   bool columns() const { return across == 1 && lines == kLanes; }
   /** Whether lines are rows. */
   bool rows() const { return along == 1; }
-  /** Whether they are close together, and those of the next place in another row. */
+  /** Whether they are close together, and those of the next index in another row. */
   bool leaps() const { return across == 1 || across == -1; }
   void measure(int line, float length_m, const kernels::Config& k)
   {
-    step_m[line] = length_m;
-    fill_places[line] = kernels::places_in(k.fill_search_m, length_m, places - 1);
-    sparsity_places[line] = kernels::places_in(k.sparsity_search_m, length_m, places - 1);
-    reach = std::max(reach, fill_places[line]);
-    far_reach = std::max(far_reach, sparsity_places[line]);
-    suspect = std::max(suspect, kernels::places_in(k.sparsity_range_m, length_m, places - 1) + 1);
+    cell_m[line] = length_m;
+    fill_cells[line] = kernels::cells_in(k.fill_search_m, length_m, cells - 1);
+    sparsity_cells[line] = kernels::cells_in(k.sparsity_search_m, length_m, cells - 1);
+    reach = std::max(reach, fill_cells[line]);
+    far_reach = std::max(far_reach, sparsity_cells[line]);
+    near_robot =
+        std::max(near_robot, kernels::cells_in(k.sparsity_range_m, length_m, cells - 1) + 1);
   }
 };
 
@@ -78,20 +79,20 @@ template <int kSamples>
 struct alignas(64) Met
 {
   float height_m[kSamples][kLanes];
-  int place[kSamples][kLanes];
-  int latest;  //!< the place of the nearest of all lines ...
+  int index[kSamples][kLanes];
+  int latest;  //!< the index of the nearest of all lines ...
   std::uint32_t latest_lines;  //!< ... and which lines met it there
 
   static Met nothing()
   {
     Met met{};
-    for (auto& sample : met.place) std::fill_n(sample, kLanes, kNowhere);
+    for (auto& sample : met.index) std::fill_n(sample, kLanes, kNowhere);
     met.latest = kNowhere;
     return met;
   }
 
-  /** Whether a line met a sample within so many places. */
-  bool is_within(int places, int here) const { return kernels::abs_of(here - latest) <= places; }
+  /** Whether a line met a sample within a distance. */
+  bool is_within(int cells, int here) const { return kernels::abs_of(here - latest) <= cells; }
 
   /** Sets line `l` to the samples met `before`, and to the one `here` if it is known. */
   void meet(const Met& before, int l, bool known, float sample_m, int here)
@@ -99,18 +100,18 @@ struct alignas(64) Met
     for (int s = kSamples - 1; s > 0; s--)
     {
       height_m[s][l] = kernels::select(known, before.height_m[s - 1][l], before.height_m[s][l]);
-      place[s][l] = kernels::select(known, before.place[s - 1][l], before.place[s][l]);
+      index[s][l] = kernels::select(known, before.index[s - 1][l], before.index[s][l]);
     }
     height_m[0][l] = kernels::select(known, sample_m, before.height_m[0][l]);
-    place[0][l] = kernels::select(known, here, before.place[0][l]);
+    index[0][l] = kernels::select(known, here, before.index[0][l]);
   }
 
-  int distance(int l, int here) const { return kernels::abs_of(here - place[0][l]); }
+  int distance(int l, int here) const { return kernels::abs_of(here - index[0][l]); }
 
   /** Of a side of which no line has a sample near by. */
   SideEstimate infer_far(int l, int here, const Strip& strip) const
   {
-    const float away_m = static_cast<float>(distance(l, here)) * strip.step_m[l];
+    const float away_m = static_cast<float>(distance(l, here)) * strip.cell_m[l];
     return kernels::SideSum().estimate(nearest_m(l), 0, away_m);
   }
   SideEstimate infer(int l, int here, const Strip& strip, const kernels::Config& k) const
@@ -120,9 +121,9 @@ struct alignas(64) Met
     bool inside[kSamples];
     for (int s = 0; s < kSamples; s++)
     {
-      const int places = kernels::abs_of(here - place[s][l]);
-      inside[s] = (places <= strip.fill_places[l]) & (s == 0 || s < k.fill_samples);
-      away_m[s] = static_cast<float>(places) * strip.step_m[l];
+      const int cells = kernels::abs_of(here - index[s][l]);
+      inside[s] = (cells <= strip.fill_cells[l]) & (s == 0 || s < k.fill_samples);
+      away_m[s] = static_cast<float>(cells) * strip.cell_m[l];
       sum.add(height_m[s][l], kernels::select(inside[s], away_m[s], kernels::kOutOfReach_m), k);
     }
     return sum.estimate(nearest_m(l), kernels::select(inside[0], distance(l, here), 0), away_m[0]);
@@ -131,22 +132,21 @@ struct alignas(64) Met
  private:
   float nearest_m(int l) const
   {
-    return kernels::select(place[0][l] != kNowhere, height_m[0][l], kernels::kNan);
+    return kernels::select(index[0][l] != kNowhere, height_m[0][l], kernels::kNan);
   }
 };
 
-/** The nearest place behind where rays undercut the ground of the last sample, see
- * kernels::undercuts(). */
-struct alignas(64) Undercut
+/** The nearest index behind the last sample where kernels::ends_below_ground(). */
+struct alignas(64) DropAhead
 {
-  int place[kLanes];
+  int index[kLanes];
 
-  Undercut() { std::fill_n(place, kLanes, -kNowhere); }
+  DropAhead() { std::fill_n(index, kLanes, -kNowhere); }
 };
 
 using LinesFound = SideBySide<kernels::LineFusion, kLanes>;
 
-/** The inferred values at one place. */
+/** The inferred values at one index. */
 struct Found
 {
   LinesFound lines;
@@ -154,19 +154,19 @@ struct Found
   std::int32_t marks[kLanes];
 };
 
-/** What rows found at kLanes places, to be added row by row, where cells are neighbours. */
+/** What rows found at kLanes indices, to be added row by row, where cells are neighbours. */
 struct RowsFound
 {
-  SideBySide<kernels::LineFusion, kLanes * kLanes> lines;  //!< by place, then by line
-  int first;  //!< place
-  std::uint32_t set = 0;  //!< a bit for each of the places
+  SideBySide<kernels::LineFusion, kLanes * kLanes> lines;  //!< by index, then by line
+  int first;  //!< index
+  std::uint32_t set = 0;  //!< a bit for each index
 
-  void put(int place, const LinesFound& found)
+  void put(int index, const LinesFound& found)
   {
-    put_at(place - first, [&found](int l) { return found.load(l); });
-    set |= static_cast<std::uint32_t>(bit_of(place - first));
+    put_at(index - first, [&found](int l) { return found.load(l); });
+    set |= static_cast<std::uint32_t>(bit_of(index - first));
   }
-  /** Sets places where nothing was found. */
+  /** Sets indices where nothing was found. */
   void complete()
   {
     for (int p = 0; set && p < kLanes; p++)
@@ -176,10 +176,10 @@ struct RowsFound
 
  private:
   template <class Value>
-  void put_at(int place, const Value& value)
+  void put_at(int index, const Value& value)
   {
     TALUS_INDEPENDENT
-    for (int l = 0; l < kLanes; l++) lines.store(place * kLanes + l, value(l));
+    for (int l = 0; l < kLanes; l++) lines.store(index * kLanes + l, value(l));
   }
 };
 
@@ -188,7 +188,7 @@ template <int kSamples, bool kRays>
 class Sweep
 {
   using Side = Met<kSamples>;
-  static constexpr int kAhead = 16;  //!< places that are fetched early
+  static constexpr int kAhead = 16;  //!< cells that are fetched early
 
  public:
   TALUS_CLONES static void run(const Walk& walk, const Strip& lines, Side* met)
@@ -200,36 +200,36 @@ class Sweep
     const Strip strip = lines;
     const Side* before = outwards(strip, m, met);
     Side behind = Side::nothing();
-    Undercut undercut;
+    DropAhead drop;
     RowsFound rows;
-    rows.first = strip.places - kLanes;
-    for (int place = strip.places - 1; place >= 0; place--)
+    rows.first = strip.cells - kLanes;
+    for (int index = strip.cells - 1; index >= 0; index--)
     {
-      if (!kRays && place < rows.first) add(strip, rows, m);
-      // From farther away a cell that is filled is not told to be undercut, see infer().
-      if (kRays && place % kernels::kUndercutPlaces == 0 &&
-          before->is_within(2 * strip.reach, place))
-        ask(strip, m, *before, place, undercut);
-      const bool met_here = before->latest == place;
-      const std::uint32_t own = strip.at(place, !kRays).own;
+      if (!kRays && index < rows.first) add(strip, rows, m);
+      // Farther away it does not matter, see infer().
+      if (kRays && index % kernels::kDropStride_cells == 0 &&
+          before->is_within(2 * strip.reach, index))
+        find_drops(strip, m, *before, index, drop);
+      const bool met_here = before->latest == index;
+      const std::uint32_t own = strip.at(index, !kRays).own;
       const std::uint32_t wanted = met_here ? own & ~before->latest_lines : own;
-      if (wanted) infer(m, strip, *before, behind, undercut, wanted, place, rows);
-      if (met_here) turn(*before--, place, behind, undercut);
+      if (wanted) infer(m, strip, *before, behind, drop, wanted, index, rows);
+      if (met_here) turn(*before--, index, behind, drop);
     }
     if (!kRays) add(strip, rows, m);
   }
 
  private:
-  /** Lists the samples that the lines met, anew at each place with one. Returns the last. */
+  /** Lists the samples that the lines met, anew at each index with one. Returns the last. */
   static Side* outwards(const Strip& strip, const kernels::Map& m, Side* met)
   {
     *met = Side::nothing();
-    for (int place = 0; place < strip.places; place++)
+    for (int index = 0; index < strip.cells; index++)
     {
-      const int first = strip.first + place * strip.along;
-      const int* const minor = strip.at(place, !kRays).minor;
+      const int first = strip.first + index * strip.along;
+      const int* const minor = strip.at(index, !kRays).minor;
       if (strip.leaps())
-        fetch(strip, m.sample_m, std::min(place + kAhead, strip.places - 1), kLanes - 1);
+        fetch(strip, m.sample_m, std::min(index + kAhead, strip.cells - 1), kLanes - 1);
       float height_m[kLanes];
       if (!kRays && strip.columns())
         std::copy_n(m.sample_m + first, kLanes, height_m);
@@ -243,92 +243,91 @@ class Sweep
       const Side& before = *met++;
       TALUS_INDEPENDENT
       for (int l = 0; l < kLanes; l++)
-        met->meet(before, l, kernels::is_known(height_m[l]), height_m[l], place);
-      met->latest = place, met->latest_lines = known;
+        met->meet(before, l, kernels::is_known(height_m[l]), height_m[l], index);
+      met->latest = index, met->latest_lines = known;
     }
     return met;
   }
 
   /** The samples met `here` lie behind from now on. */
-  static void turn(const Side& here, int place, Side& behind, Undercut& undercut)
+  static void turn(const Side& here, int index, Side& behind, DropAhead& drop)
   {
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      const bool known = here.place[0][l] == place;
-      behind.meet(behind, l, known, here.height_m[0][l], place);
-      if (kRays) undercut.place[l] = kernels::select(known, -kNowhere, undercut.place[l]);
+      const bool known = here.index[0][l] == index;
+      behind.meet(behind, l, known, here.height_m[0][l], index);
+      if (kRays) drop.index[l] = kernels::select(known, -kNowhere, drop.index[l]);
     }
-    behind.latest = place;
+    behind.latest = index;
   }
 
-  static void ask(
-      const Strip& strip, const kernels::Map& m, const Side& here, int place, Undercut& undercut)
+  static void find_drops(
+      const Strip& strip, const kernels::Map& m, const Side& here, int index, DropAhead& drop)
   {
-    const int first = strip.first + place * strip.along;
-    const int* const minor = strip.at(place, false).minor;
-    if (strip.leaps() || place % kLanes == 0)
-      fetch(strip, m.ends_m, std::max(place - kAhead, 0), strip.leaps() ? kLanes - 1 : 1);
+    const int first = strip.first + index * strip.along;
+    const int* const minor = strip.at(index, false).minor;
+    if (strip.leaps() || index % kLanes == 0)
+      fetch(strip, m.ends_m, std::max(index - kAhead, 0), strip.leaps() ? kLanes - 1 : 1);
     std::int32_t under = 0;
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
       const float ends_m = m.ends_m[first + minor[l] * strip.across];
-      const bool told = (here.place[0][l] >= 0) & (here.place[0][l] < place) &
-                        kernels::undercuts(
-                            ends_m, here.height_m[0][l],
-                            static_cast<float>(here.distance(l, place)) * strip.step_m[l]);
-      under |= kernels::select(told, bit_of(l), 0);
+      const bool below = (here.index[0][l] >= 0) & (here.index[0][l] < index) &
+                         kernels::ends_below_ground(
+                             ends_m, here.height_m[0][l],
+                             static_cast<float>(here.distance(l, index)) * strip.cell_m[l]);
+      under |= kernels::select(below, bit_of(l), 0);
     }
     for (auto lines = static_cast<std::uint32_t>(under); lines; lines &= lines - 1)
     {
       const int l = __builtin_ctz(lines);
       if (!kernels::is_passed_over(
-              m.free_above_m + first, strip.across, minor[l], strip.places - 1,
-              here.height_m[0][l]))
-        undercut.place[l] = place;
+              m.free_above_m + first, strip.across, minor[l], strip.cells - 1, here.height_m[0][l]))
+        drop.index[l] = index;
     }
   }
 
-  /** Fetches the values of a place for each step-th line, which processors cannot predict. */
-  TALUS_FETCHES static void fetch(const Strip& strip, const float* values, int place, int step)
+  /** Fetches the values at an index of each stride-th line, which processors cannot predict. */
+  TALUS_FETCHES static void fetch(const Strip& strip, const float* values, int index, int stride)
   {
-    const float* const at = values + strip.first + place * strip.along;
-    const int* const minor = strip.at(place, !kRays).minor;
-    for (int l = 0; l < kLanes; l += step) __builtin_prefetch(at + minor[l] * strip.across);
+    const float* const at = values + strip.first + index * strip.along;
+    const int* const minor = strip.at(index, !kRays).minor;
+    for (int l = 0; l < kLanes; l += stride) __builtin_prefetch(at + minor[l] * strip.across);
   }
 
   static void infer(
       const kernels::Map& m, const Strip& strip, const Side& before, const Side& behind,
-      const Undercut& undercut, std::uint32_t wanted, int place, RowsFound& rows)
+      const DropAhead& drop, std::uint32_t wanted, int index, RowsFound& rows)
   {
     const kernels::Config& k = m.k;
-    const bool has_before = before.is_within(strip.reach, place),
-               has_behind = behind.is_within(strip.reach, place),
-               suspect = kRays && place <= strip.suspect;
+    const bool has_before = before.is_within(strip.reach, index),
+               has_behind = behind.is_within(strip.reach, index),
+               near_robot = kRays && index <= strip.near_robot;
     Found found;
     if (has_before && has_behind)
-      infer<kNear, kNear>(k, strip, before, behind, undercut, place, found);
+      infer<kNear, kNear>(k, strip, before, behind, drop, index, found);
     else if (has_before)
-      infer<kNear, kFar>(k, strip, before, behind, undercut, place, found);
+      infer<kNear, kFar>(k, strip, before, behind, drop, index, found);
     else if (has_behind)
-      infer<kFar, kNear>(k, strip, before, behind, undercut, place, found);
+      infer<kFar, kNear>(k, strip, before, behind, drop, index, found);
     else
     {
-      if (suspect) forget_fall(strip, wanted, place, m);
+      if (near_robot) forget_fall(strip, wanted, index, m);
       return;
     }
-    if (suspect && before.is_within(strip.far_reach, place) &&
-        behind.is_within(strip.far_reach, place))
-      find_falls(k, strip, before, behind, place, found);
-    else if (suspect)
+    if (near_robot && before.is_within(strip.far_reach, index) &&
+        behind.is_within(strip.far_reach, index))
+      find_falls(k, strip, before, behind, index, found);
+    else if (near_robot)
       std::fill_n(found.fall_m, kLanes, kernels::kNan);
     if (kRays)
-      put(strip, found, wanted, place, m);
+      put(strip, found, wanted, index, m);
     else if (strip.rows())
-      rows.put(place, found.lines);
+      rows.put(index, found.lines);
     else
-      add(strip, found.lines, place, m);
+      add(strip, found.lines, index, m);
   }
 
   /** Whether any line has a sample near by on a side. */
@@ -340,11 +339,11 @@ class Sweep
   template <Nearness kBefore, Nearness kBehind>
   static void infer(
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
-      const Undercut& undercut, int place, Found& found)
+      const DropAhead& drop, int index, Found& found)
   {
     SideBySide<SideEstimate, kLanes> inner, outer;
-    infer_side<kBefore>(k, strip, before, place, inner);
-    infer_side<kBehind>(k, strip, behind, place, outer);
+    infer_side<kBefore>(k, strip, before, index, inner);
+    infer_side<kBehind>(k, strip, behind, index, outer);
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
@@ -352,110 +351,109 @@ class Sweep
       found.lines.store(l, kernels::fuse_sides(a, b));
       if (kRays)
       {
-        const bool undercut_ahead = (undercut.place[l] - place <= strip.fill_places[l]) &
-                                    (behind.distance(l, place) > strip.sparsity_places[l]);
-        found.marks[l] = kernels::marks_of_sides(a, b, undercut_ahead);
+        const bool drop_ahead = (drop.index[l] - index <= strip.fill_cells[l]) &
+                                (behind.distance(l, index) > strip.sparsity_cells[l]);
+        found.marks[l] = kernels::marks_of_sides(a, b, drop_ahead);
       }
     }
   }
 
   template <Nearness kThere>
   static void infer_side(
-      const kernels::Config& k, const Strip& strip, const Side& side, int place,
+      const kernels::Config& k, const Strip& strip, const Side& side, int index,
       SideBySide<SideEstimate, kLanes>& to)
   {
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
       to.store(
-          l, kThere == kNear ? side.infer(l, place, strip, k) : side.infer_far(l, place, strip));
+          l, kThere == kNear ? side.infer(l, index, strip, k) : side.infer_far(l, index, strip));
   }
 
   /** Between the samples on both sides; unknown if one is too far for stage 7. */
   static kernels::Gap gap(
-      const Strip& strip, const Side& before, const Side& behind, int l, int place)
+      const Strip& strip, const Side& before, const Side& behind, int l, int index)
   {
-    const bool both = (before.distance(l, place) <= strip.sparsity_places[l]) &
-                      (behind.distance(l, place) <= strip.sparsity_places[l]);
+    const bool both = (before.distance(l, index) <= strip.sparsity_cells[l]) &
+                      (behind.distance(l, index) <= strip.sparsity_cells[l]);
     const auto length_m = [&](int from, int to)
-    { return static_cast<float>(kernels::abs_of(to - from)) * strip.step_m[l]; };
+    { return static_cast<float>(kernels::abs_of(to - from)) * strip.cell_m[l]; };
     return {
-        length_m(before.place[0][l], behind.place[0][l]),
+        length_m(before.index[0][l], behind.index[0][l]),
         kernels::select(both, before.height_m[0][l], kernels::kNan), behind.height_m[0][l],
-        behind.height_m[1][l], length_m(behind.place[0][l], behind.place[1][l])};
+        behind.height_m[1][l], length_m(behind.index[0][l], behind.index[1][l])};
   }
 
   static void find_falls(
       const kernels::Config& k, const Strip& strip, const Side& before, const Side& behind,
-      int place, Found& found)
+      int index, Found& found)
   {
     TALUS_INDEPENDENT
     for (int l = 0; l < kLanes; l++)
     {
-      const float robot_m = static_cast<float>(place) * strip.step_m[l];
+      const float robot_m = static_cast<float>(index) * strip.cell_m[l];
       found.fall_m[l] =
-          kernels::tell_fall(gap(strip, before, behind, l, place), robot_m, found.marks[l], k);
+          kernels::estimate_fall(gap(strip, before, behind, l, index), robot_m, found.marks[l], k);
     }
   }
 
   static void put(
-      const Strip& strip, const Found& found, std::uint32_t wanted, int place,
+      const Strip& strip, const Found& found, std::uint32_t wanted, int index,
       const kernels::Map& m)
   {
     const InferenceGrid to{m};
-    const int* const minor = strip.at(place, false).minor;
-    const int first = strip.first + place * strip.along;
-    const bool suspect = place <= strip.suspect;
-    fetch(strip, minor, place, to);
+    const int* const minor = strip.at(index, false).minor;
+    const int first = strip.first + index * strip.along;
+    const bool near_robot = index <= strip.near_robot;
+    fetch(strip, minor, index, to);
     for (; wanted; wanted &= wanted - 1)
     {
       const int l = __builtin_ctz(wanted), i = first + minor[l] * strip.across;
       to.set(i, found.lines.load(l));
       m.fill_marks[i] = static_cast<std::uint16_t>(found.marks[l]);
-      if (suspect) m.fall_m[i] = found.fall_m[l];
+      if (near_robot) m.fall_m[i] = found.fall_m[l];
     }
   }
-  /** Fetches the cells of an earlier place; in rows those of as many places as share a cache line.
-   */
+  /** Fetches the cells of an earlier index; in rows those that share a cache line. */
   TALUS_FETCHES static void fetch(
-      const Strip& strip, const int* minor, int place, const InferenceGrid& to)
+      const Strip& strip, const int* minor, int index, const InferenceGrid& to)
   {
-    const int step = strip.leaps() ? kLanes - 1 : place % kLanes == 0 ? 1 : kLanes;
+    const int stride = strip.leaps() ? kLanes - 1 : index % kLanes == 0 ? 1 : kLanes;
     const int ahead = strip.leaps() ? kAhead / 2 : kAhead;
-    const int first = strip.first + (place - ahead) * strip.along;
-    if (step < kLanes)
-      for (int l = 0; l < kLanes; l += step) to.fetch(first + minor[l] * strip.across);
+    const int first = strip.first + (index - ahead) * strip.along;
+    if (stride < kLanes)
+      for (int l = 0; l < kLanes; l += stride) to.fetch(first + minor[l] * strip.across);
   }
   static void forget_fall(
-      const Strip& strip, std::uint32_t wanted, int place, const kernels::Map& m)
+      const Strip& strip, std::uint32_t wanted, int index, const kernels::Map& m)
   {
-    const int* const minor = strip.at(place, false).minor;
-    const int first = strip.first + place * strip.along;
+    const int* const minor = strip.at(index, false).minor;
+    const int first = strip.first + index * strip.along;
     for (; wanted; wanted &= wanted - 1)
       m.fall_m[first + minor[__builtin_ctz(wanted)] * strip.across] = kernels::kNan;
   }
 
-  /** Adds what columns found at a place, where cells are neighbours. */
-  static void add(const Strip& strip, const LinesFound& found, int place, const kernels::Map& m)
+  /** Adds what columns found at an index, where cells are neighbours. */
+  static void add(const Strip& strip, const LinesFound& found, int index, const kernels::Map& m)
   {
     const InferenceGrid to{m};
-    const int first = strip.first + place * strip.along;
+    const int first = strip.first + index * strip.along;
     for (const int l : {0, kLanes - 1}) to.fetch_lines(first - kAhead / 2 * strip.along + l);
     add_neighbours(0, strip.lines, to, first, [&found](int l) { return found.load(l); });
   }
-  /** Adds what rows found, and goes on to the places before. */
+  /** Adds what rows found, and goes on to the indices before. */
   static void add(const Strip& strip, RowsFound& rows, const kernels::Map& m)
   {
     const InferenceGrid to{m};
     rows.complete();
-    int places[kLanes];  // in an array, so that compilers gather
-    for (int p = 0; p < kLanes; p++) places[p] = p * kLanes;
+    int at[kLanes];  // in an array, so that compilers gather
+    for (int p = 0; p < kLanes; p++) at[p] = p * kLanes;
     for (int l = 0; rows.set && l < strip.lines; l++)
     {
       const int first = strip.first + l * strip.across + rows.first;
       to.fetch_lines(first - kLanes);
       add_neighbours(
           std::max(-rows.first, 0), kLanes, to, first,
-          [&](int p) { return rows.lines.load(places[p] + l); });
+          [&](int p) { return rows.lines.load(at[p] + l); });
     }
     rows.first -= kLanes;
     rows.set = 0;
@@ -510,7 +508,7 @@ const Crossing* crossings_of(int rings, int first)
 template <int kSamples, bool kRays>
 void sweep(const Walk& walk, const Strip& strip)
 {
-  Sweep<kSamples, kRays>::run(walk, strip, scratch<Met<kSamples>>(strip.places + 1));
+  Sweep<kSamples, kRays>::run(walk, strip, scratch<Met<kSamples>>(strip.cells + 1));
 }
 template <bool kRays>
 void sweep(const Walk& walk, const Strip& strip)

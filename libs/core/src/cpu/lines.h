@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-// Stage 6's lines on the CPU. Sixteen lines, side by side, are swept from end to end, place by
-// place, and carry the samples that they met last; then back, so that each cell has the samples of
+// Stage 6's lines on the CPU. Sixteen lines, side by side, are swept from end to end, index by
+// index, and carry the samples that they met last; then back, so that each cell has the samples of
 // both sides. So a cell costs the same however far its samples are, neighbours are read together,
 // and everything is vector code.
 
@@ -14,7 +14,7 @@ namespace talus::lines
 {
 constexpr int kLanes = 16;
 
-/** The inferred values of the cells, by place of the grid. */
+/** The inferred values of the cells, by index of the grid. */
 struct InferenceGrid
 {
   const kernels::Map& m;

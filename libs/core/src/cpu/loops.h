@@ -81,7 +81,7 @@ void over_marked(Marks<kMax>& m, int n, const F& f)
   }
 }
 template <class Rule>
-void over_applicable(const kernels::Map& m, int begin, int end, int y, int first)
+void for_each_applicable(const kernels::Map& m, int begin, int end, int y, int first)
 {
   const Rule rule{m};
   constexpr int kBlock = 256;
@@ -126,7 +126,7 @@ class StoredRow
     }
     else if constexpr (kernels::kHasApplies<Rule>)
       in_stretches([&](int begin, int end, int i)
-                   { over_applicable<Rule>(m_, begin, end, y_, i); });
+                   { for_each_applicable<Rule>(m_, begin, end, y_, i); });
     else
       in_stretches([&](int begin, int end, int i) { over_row<Rule>(m_, begin, end, y_, i); });
   }
@@ -154,10 +154,11 @@ class StoredRow
   int y_, turn_, row_;
 };
 
-/** Cells of a row that need different numbers of steps: it does one step of several neighbours at
- * once. */
+/** Cells of a row that have different numbers of rays: it adds one ray to several neighbours at
+ * once.
+ */
 template <class F>
-class SteppedRow
+class RowOfRays
 {
   using Item = typename F::Item;
   using Result = typename F::Result;
@@ -171,14 +172,14 @@ class SteppedRow
     for (int x0 = 0; x0 < m.k.cells; x0 += kLanes)
     {
       const int x1 = std::min(x0 + kLanes, m.k.cells);
-      step(m, items_, results_, x0, y, (x1 - x0 + kGroup - 1) / kGroup);
+      add(m, items_, results_, x0, y, (x1 - x0 + kGroup - 1) / kGroup);
       put(m, items_, results_, x0, x1, y);
     }
   }
 
  private:
-  /** Steps of the cells from x on, in whole groups, which may reach beyond the row. */
-  TALUS_CLONES static void step(
+  /** Adds the rays of the cells from x on, in whole groups, which may reach beyond the row. */
+  TALUS_CLONES static void add(
       const kernels::Map& map, Items& items, Results& results, int x, int y, int blocks)
   {
     const kernels::Map m = map;
@@ -192,15 +193,15 @@ class SteppedRow
     }
     for (int first = 0; first < blocks * kGroup; first += kGroup)
     {
-      int steps = 0;
-      for (int l = first; l < first + kGroup; l++) steps = std::max(steps, f.steps(items.load(l)));
-      for (int which = 0; which < steps; which++)
+      int rays = 0;
+      for (int l = first; l < first + kGroup; l++) rays = std::max(rays, f.rays(items.load(l)));
+      for (int which = 0; which < rays; which++)
       {
         TALUS_INDEPENDENT
         for (int l = first; l < first + kGroup; l++)
         {
           Result result = results.load(l);
-          f.step(result, items.load(l), which);
+          f.add(result, items.load(l), which);
           results.store(l, result);
         }
       }
@@ -220,7 +221,7 @@ class SteppedRow
   Results results_;
 };
 
-/** Pools cells two by two, by the parity of their place in the map: f.item(i) of each. */
+/** Pools cells two by two, by the parity of their index in the map: f.item(i) of each. */
 template <class F>
 class PairOfRows
 {
@@ -386,8 +387,8 @@ void sort_points(const kernels::Map& m, int begin, int end)
 }
 
 /** Sums over the square neighbourhoods of the cells in a strip of columns, row by row. F::Row is
- * summed once for each row, F::Window slides along. F::kHasPlain: f.leave() does groups of cells of
- * which nothing is f.asked(), f.plain() most others, then f.finish() those which f.applies(). */
+ * summed once for each row, F::Window slides along. F::kHasPlain: f.write_unjudged() does groups
+ * without f.needs_features(), f.plain() most others, then f.finish() those which f.applies(). */
 template <class F>
 class SlidingRows
 {
@@ -485,11 +486,11 @@ class SlidingRows
     Windows sums;
     if constexpr (F::kHasPlain)
     {
-      if (const std::uint32_t asked = leave(m_, x0, x1, y))
+      if (const std::uint32_t needed = write_unjudged(m_, x0, x1, y))
       {
-        const int groups = 32 - __builtin_clz(asked);
+        const int groups = 32 - __builtin_clz(needed);
         sum_rows(sums, y, std::min(groups * kGroup, x1 - x0));
-        finish(m_, sums, x0, x1, y, asked);
+        finish(m_, sums, x0, x1, y, needed);
       }
       Marks<kLanes> applicable;
       find_applicable(m_, sums, x0, x1, y, applicable.of);
@@ -520,8 +521,8 @@ class SlidingRows
     while (row + kAtOnce - 1 <= last) add_five(std::false_type{}, row - y);
     for (; row <= last; row++) add_rows<false>(m_, sums, lanes, row - y, at(row));
   }
-  /** A bit for each group of which something is asked. Stores the result of the others. */
-  TALUS_CLONES static std::uint32_t leave(const kernels::Map& map, int x0, int x1, int y)
+  /** A bit for each group in which a cell needs features. Stores the result of the others. */
+  TALUS_CLONES static std::uint32_t write_unjudged(const kernels::Map& map, int x0, int x1, int y)
   {
     const kernels::Map m = map;
     const F f{m};
@@ -529,15 +530,15 @@ class SlidingRows
     for (int begin = x0; begin < x1; begin += kGroup)
     {
       const int end = std::min(begin + kGroup, x1);
-      int asked = 0;
+      int needs = 0;
       TALUS_INDEPENDENT
-      for (int x = begin; x < end; x++) asked |= f.asked(x, y);
-      if (asked)
+      for (int x = begin; x < end; x++) needs |= f.needs_features(x, y);
+      if (needs)
         groups |= 1u << ((begin - x0) / kGroup);
       else
       {
         TALUS_INDEPENDENT
-        for (int x = begin; x < end; x++) f.leave(x, y);
+        for (int x = begin; x < end; x++) f.write_unjudged(x, y);
       }
     }
     return groups;
@@ -559,14 +560,14 @@ class SlidingRows
     }
   }
   TALUS_CLONES static void finish(
-      const kernels::Map& map, const Windows& sums, int x0, int x1, int y, std::uint32_t asked)
+      const kernels::Map& map, const Windows& sums, int x0, int x1, int y, std::uint32_t needed)
   {
     const kernels::Map m = map;
     const F f{m};
     if constexpr (F::kHasPlain)
     {
-      for (int x = x0; x < x1; x += kGroup, asked >>= 1)
-        if (asked & 1u) finish_block(f, sums, x0, x, std::min(x + kGroup, x1), y);
+      for (int x = x0; x < x1; x += kGroup, needed >>= 1)
+        if (needed & 1u) finish_block(f, sums, x0, x, std::min(x + kGroup, x1), y);
     }
     else
     {

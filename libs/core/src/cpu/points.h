@@ -42,15 +42,15 @@ struct BinPoint
   bool is_in(const Part& part, int point_i) const
   {
     const int n = m.k.cells, cell = m.point_cell[point_i];
-    const int place = cell + select(cell < part.begin, n * n, 0);
-    return (cell >= 0) & (place < part.end);
+    const int index = cell + select(cell < part.begin, n * n, 0);
+    return (cell >= 0) & (index < part.end);
   }
   void operator()(int point_i) const
   {
     const int cell = m.point_cell[point_i];
     if (cell < 0) return;
     const bool buried = is_buried(m, point_i);
-    if (buried) Atomics::count(m.counters + kBuried);
+    if (buried) Atomics::count(m.counts->rejected + kBuried);
     m.point_rank[point_i] = buried ? kNoRank : m.cell_count[cell]++;
   }
 };

@@ -33,7 +33,7 @@ struct SweepRays
 
   int rings() const { return m.frame->rings; }
   FindGroundHits ground() const { return {m}; }
-  int place(int ring, int bin) const { return ring * bin_count(m.k) + bin; }
+  int ray_at(int ring, int bin) const { return ring * bin_count(m.k) + bin; }
 
   void sweep(int first_bin, int bins) const
   {
@@ -41,8 +41,8 @@ struct SweepRays
     if (find_doubted(first_bin, bins)) bury(first_bin, bins);
     for (int ring = rings() - 2; ring >= 0; ring--)
     {
-      std::int32_t* const row = m.rays + place(ring, first_bin);
-      const std::int32_t* const next = m.rays + place(ring + 1, first_bin);
+      std::int32_t* const row = m.rays + ray_at(ring, first_bin);
+      const std::int32_t* const next = m.rays + ray_at(ring + 1, first_bin);
       for (int b = 0; b < bins; b++) row[b] = min_of(row[b], next[b]);
     }
   }
@@ -56,7 +56,7 @@ struct SweepRays
     }
     for (int ring = 0; ring < rings(); ring++)
     {
-      const int first = place(ring, first_bin);
+      const int first = ray_at(ring, first_bin);
       bury_ring(d, ring, m.rays + first, m.lowest_slope + first, m.doubted + first_bin, bins);
     }
   }
@@ -65,7 +65,7 @@ struct SweepRays
   {
     for (int bin = first_bin; bin < first_bin + bins; bin++)
       for (int ring = 0; m.doubted[bin] && ring < rings(); ring++)
-        m.lowest_slope[place(ring, bin)] = -kInfinity;
+        m.lowest_slope[ray_at(ring, bin)] = -kInfinity;
   }
   /** Finds the directions in which a ray would be buried if all hits were on known ground. */
   int find_doubted(int first_bin, int bins) const
@@ -75,7 +75,7 @@ struct SweepRays
     for (int b = 0; b < bins; b++) highest[b] = second[b] = -kInfinity, doubt[b] = 0;
     for (int ring = 0; ring < rings(); ring++)
     {
-      const std::int32_t* const row = m.rays + place(ring, first_bin);
+      const std::int32_t* const row = m.rays + ray_at(ring, first_bin);
       const float margin = ground().margin(ring);
       for (int b = 0; b < bins; b++)
       {

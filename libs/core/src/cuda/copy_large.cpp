@@ -65,17 +65,17 @@ class SharedCopy
     }
   }
   /** Calls `done` for the blocks that are complete. */
-  void tell(const std::function<void(int)>& done)
+  void report(const std::function<void(int)>& done)
   {
-    for (; told_ < count_ && left_[told_].load(std::memory_order_acquire) == 0; told_++)
-      done(told_);
+    for (; reported_ < count_ && left_[reported_].load(std::memory_order_acquire) == 0; reported_++)
+      done(reported_);
   }
 
  private:
   int pieces(int b) const { return static_cast<int>((blocks_[b].to_copy() + kPiece - 1) / kPiece); }
 
   const CopyBlock* blocks_;
-  int count_, pieces_ = 0, told_ = 0;
+  int count_, pieces_ = 0, reported_ = 0;
   std::atomic<int> next_{0}, left_[kMaxCopyBlocks];
 };
 
@@ -89,8 +89,8 @@ void copy_together(
 {
   static StagingThreads helpers(helper_count());
   SharedCopy copy(blocks, count);
-  helpers.work([&] { copy.work([&] { copy.tell(done); }); }, [&] { copy.work([] {}); }, large);
-  copy.tell(done);
+  helpers.work([&] { copy.work([&] { copy.report(done); }); }, [&] { copy.work([] {}); }, large);
+  copy.report(done);
 }
 }  // namespace
 

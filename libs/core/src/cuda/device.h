@@ -126,7 +126,7 @@ class Device
   void fuse_channels(const Map& m)
   {
     executor_.template for_each_beside<
-        kernels::Nothing, kernels::PlacePoint<Atomics>, kernels::ForgetChannels>(
+        kernels::Nothing, kernels::AssignPoint<Atomics>, kernels::ForgetChannels>(
         m, 0, points(), m.k.cells, m.k.cells);
     executor_.template for_each<kernels::SettlePoint>(m, points());
   }
@@ -141,16 +141,16 @@ class Device
 
   void judge_rows(const Map& m, int first, int end, bool beside_last)
   {
-    if (m.parts)
+    if (m.with_features)
       judge_rows<true>(m, first, end, beside_last);
     else
       judge_rows<false>(m, first, end, beside_last);
   }
-  template <bool kParts>
+  template <bool kWithFeatureLayers>
   void judge_rows(const Map& m, int first, int end, bool beside_last)
   {
     executor_.template for_each_judged_cell_of_rows<
-        kernels::ComputeFeatures<kParts>, kernels::CompleteObstacles>(
+        kernels::ComputeFeatures<kWithFeatureLayers>, kernels::CompleteObstacles>(
         m, m.k.cells, m.k.cells, first, end, m.k.feature_radius_cells, beside_last);
   }
 

@@ -106,8 +106,8 @@ class CudaExecutor
     synchronize();
   }
   void fetch(Buffer<kernels::FrameContext>& frame);
-  /** Where a frame leaves its counters for the host. */
-  std::uint32_t* reported() { return slot().counters.data(); }
+  /** Where a frame leaves its counts for the host. */
+  kernels::FrameCounts* reported() { return slot().counts.data(); }
   /** The kernels recorded since the last call belong to this stage. */
   void end_stage(Stage stage) { end_of_stage_[static_cast<std::size_t>(stage)] = stage_end_++; }
   std::array<double, kStageCount> stage_ms() const;

@@ -5,7 +5,7 @@
 namespace talus::kernels
 {
 // How a device finds the samples of stage 6. Every line, row and column keeps one bit for each
-// place, "measured ground here", so that a bit scan finds the next sample.
+// cell, "measured ground here", so that a bit scan finds the next sample.
 
 TALUS_HD int words_per_axis(const Config& k) { return (k.cells + 31) / 32; }
 TALUS_HD int words_per_line(const Config& k) { return line_rings(k) / 32 + 1; }
@@ -30,7 +30,7 @@ TALUS_HD std::uint32_t reverse_bits(std::uint32_t bits)
 #endif
 }
 
-/** The marks of one line: bit r % 32 of word r / 32 is place r. Up to kGuardWords words beyond both
+/** The marks of one line: bit r % 32 of word r / 32 is cell r. Up to kGuardWords words beyond both
  * ends are not marked. */
 struct LineMarks
 {
@@ -39,27 +39,27 @@ struct LineMarks
 
   static constexpr int kView = 64, kGuardWords = 2;
 
-  /** The marks at distances (from, from + kView] on one side of a place; the nearest is bit 0. The
+  /** The marks at distances (from, from + kView] on one side of an index; the nearest is bit 0. The
    * first of them must be on the line. */
-  TALUS_HD std::uint64_t view(int place, bool outwards, int from) const
+  TALUS_HD std::uint64_t view(int index, bool outwards, int from) const
   {
-    const int first = outwards ? place + from + 1 : place - from - 1;
-    const int skipped = outwards ? first & 31 : 31 - (first & 31), step = outwards ? 1 : -1;
+    const int first = outwards ? index + from + 1 : index - from - 1;
+    const int skipped = outwards ? first & 31 : 31 - (first & 31), next = outwards ? 1 : -1;
     const int at = first >> 5;
-    const std::uint64_t a = word(at, outwards), b = word(at + step, outwards),
-                        c = word(at + 2 * step, outwards);
+    const std::uint64_t a = word(at, outwards), b = word(at + next, outwards),
+                        c = word(at + 2 * next, outwards);
     const std::uint64_t low = static_cast<std::uint32_t>((a | b << 32) >> skipped);
     const std::uint64_t high = static_cast<std::uint32_t>((b | c << 32) >> skipped);
     return low | high << 32;
   }
-  /** Distance to the nearest marked place; 0: none within reach, which must end on the line. */
-  TALUS_HD int nearest(int place, bool outwards, int places_to_end) const
+  /** Distance to the nearest marked cell; 0: none within reach, which must end on the line. */
+  TALUS_HD int nearest(int index, bool outwards, int cells_to_end) const
   {
-    for (int from = 0; from < places_to_end; from += kView)
-      if (const std::uint64_t bits = view(place, outwards, from))
+    for (int from = 0; from < cells_to_end; from += kView)
+      if (const std::uint64_t bits = view(index, outwards, from))
       {
         const int found = from + 1 + lowest_bit(bits);
-        return found <= places_to_end ? found : 0;
+        return found <= cells_to_end ? found : 0;
       }
     return 0;
   }
@@ -77,39 +77,39 @@ struct CellOffset
   int dx, dy;
 };
 
-/** A line from the sensor on the grid, place = ring, and how far fills search it. */
+/** A line from the sensor on the grid, index = ring, and how far fills search it. */
 struct Track
 {
-  int begin, along;  //!< place 0, and the stride to the next place
-  int across;  //!< stride to the next row of places
-  int minor, rings;  //!< it shifts minor / rings rows for each place, rounded
+  int begin, along;  //!< index 0, and the stride to the next index
+  int across;  //!< stride to the next row of cells
+  int minor, rings;  //!< it shifts minor / rings rows for each ring, rounded
   float inverse;  //!< 1 / (2 rings)
-  float step_m;  //!< length for each place
-  int fill_places, sparsity_places;  //!< places
+  float cell_m;  //!< length in each cell
+  int fill_cells, sparsity_cells;  //!< that fills and stage 7 search
 
-  TALUS_HD int operator()(int place) const
+  TALUS_HD int operator()(int index) const
   {
-    return begin + place * along + aside_at(place) * across;
+    return begin + index * along + aside_at(index) * across;
   }
-  /** Cell at a place, relative to the sensor's cell. */
-  TALUS_HD CellOffset offset(int place) const
+  /** Cell at an index, relative to the sensor's cell. */
+  TALUS_HD CellOffset offset(int index) const
   {
-    const int ahead = along > 0 ? place : -place;
-    const int aside = across > 0 ? aside_at(place) : -aside_at(place);
+    const int ahead = along > 0 ? index : -index;
+    const int aside = across > 0 ? aside_at(index) : -aside_at(index);
     return abs_of(along) == 1 ? CellOffset{ahead, aside} : CellOffset{aside, ahead};
   }
-  TALUS_HD int aside_at(int place) const { return line_aside(minor, place, rings, inverse); }
+  TALUS_HD int aside_at(int index) const { return line_aside(minor, index, rings, inverse); }
   TALUS_HD int last() const { return rings; }
 };
 
-/** A row or a column; place = ix or iy. */
+/** A row or a column; index = ix or iy. */
 struct AxisTrack
 {
   int begin, along, cells;
-  float step_m;
-  int fill_places;
+  float cell_m;
+  int fill_cells;
 
-  TALUS_HD int operator()(int place) const { return begin + place * along; }
+  TALUS_HD int operator()(int index) const { return begin + index * along; }
   TALUS_HD int last() const { return cells - 1; }
 };
 
@@ -117,7 +117,7 @@ TALUS_HD Track radial_track(const Line& l, const LineGrid& grid, const Config& k
 {
   const bool along_x = l.side % 2 == 0;
   const int sign = l.side < 2 ? 1 : -1, rings = grid.half;
-  const float step_m = line_stretch(l, rings) * k.resolution_m;
+  const float cell_m = line_stretch(l, rings) * k.resolution_m;
   return {
       grid.middle(),
       along_x ? sign : sign * grid.pitch,
@@ -125,9 +125,9 @@ TALUS_HD Track radial_track(const Line& l, const LineGrid& grid, const Config& k
       l.minor,
       rings,
       1.0f / static_cast<float>(2 * rings),
-      step_m,
-      places_in(k.fill_search_m, step_m, rings),
-      places_in(k.sparsity_search_m, step_m, rings)};
+      cell_m,
+      cells_in(k.fill_search_m, cell_m, rings),
+      cells_in(k.sparsity_search_m, cell_m, rings)};
 }
 
 /** Makes the constant data of the lines from the sensor. */
@@ -169,31 +169,31 @@ struct LineSearch
   const Map& m;
   LineMarks marks;
   Line track;
-  int place;
+  int index;
 
-  /** `places`, or less where the line ends. */
-  TALUS_HD int places_to_end(bool outwards, int places) const
+  /** `cells`, or less where the line ends. */
+  TALUS_HD int cells_to_end(bool outwards, int cells) const
   {
-    return min_of(places, outwards ? track.last() - place : place);
+    return min_of(cells, outwards ? track.last() - index : index);
   }
   TALUS_HD int at(bool outwards, int distance) const
   {
-    return track(outwards ? place + distance : place - distance);
+    return track(outwards ? index + distance : index - distance);
   }
-  TALUS_HD int nearest(bool outwards, int places) const
+  TALUS_HD int nearest(bool outwards, int cells) const
   {
-    return marks.nearest(place, outwards, places_to_end(outwards, places));
+    return marks.nearest(index, outwards, cells_to_end(outwards, cells));
   }
 
   TALUS_HD SideEstimate infer_side(bool outwards) const
   {
-    const int limit = places_to_end(outwards, track.fill_places);
+    const int limit = cells_to_end(outwards, track.fill_cells);
     SideSum sum;
     float nearest = kNan;
-    int nearest_places = 0, wanted = m.k.fill_samples;
+    int nearest_cells = 0, wanted = m.k.fill_samples;
     for (int from = 0; from < limit && wanted > 0; from += LineMarks::kView)
     {
-      std::uint64_t bits = marks.view(place, outwards, from);
+      std::uint64_t bits = marks.view(index, outwards, from);
       int found[kBatch];
       do
       {
@@ -207,19 +207,19 @@ struct LineSearch
         float height[kBatch];
         for (int b = 0; b < kBatch; b++)
           height[b] = found[b] ? m.sample_m[at(outwards, found[b])] : 0.0f;
-        if (!nearest_places) nearest = height[0], nearest_places = found[0];
+        if (!nearest_cells) nearest = height[0], nearest_cells = found[0];
         for (int b = 0; b < kBatch; b++)
         {
-          const float away_m = static_cast<float>(found[b]) * track.step_m;
+          const float away_m = static_cast<float>(found[b]) * track.cell_m;
           sum.add(height[b], found[b] ? away_m : kOutOfReach_m, m.k);
           wanted -= found[b] > 0;
         }
       } while (found[kBatch - 1] && wanted > 0);
     }
-    const int far = nearest_places ? 0 : this->nearest(outwards, track.last());
+    const int far = nearest_cells ? 0 : this->nearest(outwards, track.last());
     if (far) nearest = m.sample_m[at(outwards, far)];
-    const float nearest_away_m = static_cast<float>(nearest_places + far) * track.step_m;
-    return nearest_places + far ? sum.estimate(nearest, nearest_places, nearest_away_m) : none();
+    const float nearest_away_m = static_cast<float>(nearest_cells + far) * track.cell_m;
+    return nearest_cells + far ? sum.estimate(nearest, nearest_cells, nearest_away_m) : none();
   }
 
  private:
@@ -241,10 +241,10 @@ struct SearchAndFillCell
   static constexpr int kLines = 3;
   using Side = SideEstimate;
   using Line = LineFusion;
-  /** What the line from the sensor tells of the ground behind the cell. */
+  /** What the line from the sensor has behind the cell. */
   struct Behind
   {
-    std::int32_t places = 0;  //!< to the nearest sample; 0: none
+    std::int32_t cells = 0;  //!< to the nearest sample; 0: none
     Gap gap;  //!< near the robot
   };
   const Map& m;
@@ -331,7 +331,7 @@ struct SearchAndFillCell
         m,
         {m.axis_marks + (along_x ? iy : n + ix), 2 * n},
         {begin, along_x ? 1 : m.lines.pitch, n, m.k.resolution_m,
-         places_in(m.k.fill_search_m, m.k.resolution_m, n - 1)},
+         cells_in(m.k.fill_search_m, m.k.resolution_m, n - 1)},
         along_x ? ix : iy};
   }
 
@@ -341,54 +341,55 @@ struct SearchAndFillCell
       const SideEstimate& outer, const Behind& behind, const LineFusion& lines) const
   {
     const float robot_m = robot_away_m(radial);
-    const bool asks = inner.near() && !outer.near() && !behind.places;
-    Inferred found{lines, marks_of_sides(inner, outer, asks && is_undercut_ahead(radial, inner))};
-    const float told_m = tell_fall(behind.gap, robot_m, found.marks, m.k);
-    if (robot_m <= m.k.sparsity_range_m) m.fall_m[m.lines.at(ix, iy)] = told_m;
+    const bool asks = inner.near() && !outer.near() && !behind.cells;
+    Inferred found{lines, marks_of_sides(inner, outer, asks && drops_ahead(radial, inner))};
+    const float fall_m = estimate_fall(behind.gap, robot_m, found.marks, m.k);
+    if (robot_m <= m.k.sparsity_range_m) m.fall_m[m.lines.at(ix, iy)] = fall_m;
     return found;
   }
   TALUS_HD float robot_away_m(const LineSearch<Track>& radial) const
   {
-    return static_cast<float>(radial.place) * radial.track.step_m;
+    return static_cast<float>(radial.index) * radial.track.cell_m;
   }
   TALUS_HD Behind look_behind(const LineSearch<Track>& radial) const
   {
     Behind found;
-    found.places = radial.nearest(true, radial.track.sparsity_places);
-    if (robot_away_m(radial) <= m.k.sparsity_range_m) found.gap = gap_to(radial, found.places);
+    found.cells = radial.nearest(true, radial.track.sparsity_cells);
+    if (robot_away_m(radial) <= m.k.sparsity_range_m) found.gap = gap_to(radial, found.cells);
     return found;
   }
   /** For a cell with samples towards the sensor only. */
-  TALUS_HD bool is_undercut_ahead(const LineSearch<Track>& radial, const SideEstimate& inner) const
+  TALUS_HD bool drops_ahead(const LineSearch<Track>& radial, const SideEstimate& inner) const
   {
-    const int last = radial.place + radial.places_to_end(true, radial.track.fill_places);
-    const int first = (radial.place + kUndercutPlaces - 1) / kUndercutPlaces * kUndercutPlaces;
-    const int sample = radial.place - inner.places;
+    const int last = radial.index + radial.cells_to_end(true, radial.track.fill_cells);
+    const int first =
+        (radial.index + kDropStride_cells - 1) / kDropStride_cells * kDropStride_cells;
+    const int sample = radial.index - inner.cells;
     bool any = false;
     const Track& track = radial.track;
-    for (int place = first; place <= last && !any; place += kUndercutPlaces)
+    for (int index = first; index <= last && !any; index += kDropStride_cells)
     {
-      const float away_m = static_cast<float>(place - sample) * track.step_m;
-      const float* const free_m = m.free_above_m + track.begin + place * track.along;
-      any = undercuts(m.ends_m[track(place)], inner.nearest_m, away_m) &&
+      const float away_m = static_cast<float>(index - sample) * track.cell_m;
+      const float* const free_m = m.free_above_m + track.begin + index * track.along;
+      any = ends_below_ground(m.ends_m[track(index)], inner.nearest_m, away_m) &&
             !is_passed_over(
-                free_m, track.across, track.aside_at(place), track.rings, inner.nearest_m);
+                free_m, track.across, track.aside_at(index), track.rings, inner.nearest_m);
     }
     return any;
   }
-  /** From the sample before to that so many places behind. */
+  /** From the sample before to that `behind` cells behind. */
   TALUS_HD Gap gap_to(const LineSearch<Track>& radial, int behind) const
   {
-    const int before = radial.nearest(false, radial.track.sparsity_places);
+    const int before = radial.nearest(false, radial.track.sparsity_cells);
     if (!before || !behind) return {};
-    const LineSearch<Track> far{m, radial.marks, radial.track, radial.place + behind};
+    const LineSearch<Track> far{m, radial.marks, radial.track, radial.index + behind};
     const int next = far.nearest(true, radial.track.last());
     const int far_i = radial.at(true, behind);
     return {
-        static_cast<float>(before + behind) * radial.track.step_m,
+        static_cast<float>(before + behind) * radial.track.cell_m,
         m.sample_m[radial.at(false, before)], m.sample_m[far_i],
         next ? m.sample_m[far.at(true, next)] : kNan,
-        static_cast<float>(next) * radial.track.step_m};
+        static_cast<float>(next) * radial.track.cell_m};
   }
 };
 

@@ -57,7 +57,7 @@ struct ForgetReach
 
   TALUS_HD void operator()(int ix, int iy, int) const
   {
-    const int cells = m.k.cells * m.k.cells, size = bin_count(m.k) * kSlopeSteps;
+    const int cells = m.k.cells * m.k.cells, size = bin_count(m.k) * kSlopeBins;
     for (int at = m.window_at(ix, iy); at < size; at += cells) m.reach[at] = 0;
     if (ix == 0 && iy == 0) *m.datum_before = *m.datum;
   }
@@ -76,9 +76,9 @@ struct ReserveRange
     const int cell = m.point_cell[point_i];
     const std::uint64_t count = m.cell_count[cell];
     const bool crowded = count > kCrowd;
-    const std::uint64_t at = Atomics::reserve(m.cursor, crowded ? count | 1ull << 32 : count);
-    m.cell_begin[cell] = static_cast<std::uint32_t>(at);
-    if (crowded) m.crowded[at >> 32] = cell;
+    const std::uint64_t at = Atomics::reserve(m.cursor, crowded ? count + kOneCrowded : count);
+    m.cell_begin[cell] = ends_of(at).sorted;
+    if (crowded) m.crowded[ends_of(at).crowded] = cell;
   }
 };
 
@@ -95,7 +95,7 @@ struct SortUnburiedPoint
     if (m.point_cell[point_i] < 0) return;
     const SortPoint sort{m};
     if (is_buried(m, point_i))
-      Atomics::count(m.counters + kBuried);
+      Atomics::count(m.counts->rejected + kBuried);
     else
       sort.put(
           point_i, Atomics::add(m.kept_count + m.point_cell[point_i], 1), sort.overhangs(point_i));
@@ -115,7 +115,8 @@ struct ResetFrame
     for (int i = worker; i < n_rays; i += step) m.rays[i] = kNoRay;
     for (int i = worker; i < cells; i += step) m.cell_count[i] = m.kept_count[i] = 0;
     if (worker != 0) return;
-    for (int i = 0; i < kCounters; i++) m.reported[i] = m.counters[i], m.counters[i] = 0;
+    *m.reported = *m.counts;
+    *m.counts = {};
     *m.cursor = 0;
   }
 };

@@ -25,7 +25,7 @@ struct SettleRays
       {
         const float limit =
             FindGroundHits{m}.limit(ring + b, hits[b], cells.state[b], cells.ground_m[b]);
-        if (hits[b] != kNoRay) m.lowest_slope[place(bin, ring + b)] = limit;
+        if (hits[b] != kNoRay) m.lowest_slope[ray_at(bin, ring + b)] = limit;
         seen.add(limit);
       }
     }
@@ -39,11 +39,11 @@ struct SettleRays
       load(bin, ring, end, hits);
       float limits[kBatch];
       for (int b = 0; b < kBatch; b++)
-        limits[b] = hits[b] != kNoRay ? m.lowest_slope[place(bin, ring + b)] : -kInfinity;
+        limits[b] = hits[b] != kNoRay ? m.lowest_slope[ray_at(bin, ring + b)] : -kInfinity;
       for (int b = 0; b < kBatch; b++)
       {
         if (hits[b] == kNoRay) continue;
-        const int r = place(bin, ring + b);
+        const int r = ray_at(bin, ring + b);
         m.lowest_slope[r] = seen.second;
         if (seen.meet(hits[b], limits[b]))
           m.rays[r] = kNoRay;
@@ -62,7 +62,7 @@ struct SettleRays
       for (int b = kBatch - 1; b >= 0; b--)
       {
         lowest.add(hits[b]);
-        if (ring + b < end) m.rays[place(bin, ring + b)] = lowest.slope;
+        if (ring + b < end) m.rays[ray_at(bin, ring + b)] = lowest.slope;
       }
     }
   }
@@ -93,9 +93,9 @@ struct SettleRays
   TALUS_HD void load(int bin, int ring, int end, std::int32_t* hits) const
   {
     for (int b = 0; b < kBatch; b++)
-      hits[b] = ring + b < end ? m.rays[place(bin, ring + b)] : kNoRay;
+      hits[b] = ring + b < end ? m.rays[ray_at(bin, ring + b)] : kNoRay;
   }
-  TALUS_HD int place(int bin, int ring) const { return ring * bin_count(m.k) + bin; }
+  TALUS_HD int ray_at(int bin, int ring) const { return ring * bin_count(m.k) + bin; }
 };
 
 }  // namespace talus::kernels

@@ -43,7 +43,7 @@ struct CudaSlot
   static CudaSlot make()
   {
     CudaSlot slot;
-    slot.counters = PinnedBuffer<std::uint32_t>(kernels::kCounters);
+    slot.counts = PinnedBuffer<kernels::FrameCounts>(1);
     slot.stage_end_ns = PinnedBuffer<std::uint64_t>(kMaxStageEnds);
     slot.computed = make_event();
     slot.queue = make_queue();
@@ -56,7 +56,7 @@ struct CudaSlot
   PinnedBuffer<std::uint32_t> staged;  //!< context, then x, y, z, time
   DeviceBuffer<float> points;
   PinnedBuffer<float> channels;  //!< values of the points, channel after channel
-  PinnedBuffer<std::uint32_t> counters;
+  PinnedBuffer<kernels::FrameCounts> counts;
   PinnedBuffer<std::uint64_t> stage_end_ns;
   Clock::time_point start;
 
